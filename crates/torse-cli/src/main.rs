@@ -1,0 +1,2 @@
+//! `torse`: the command line.
+fn main() {}

@@ -1,0 +1,1 @@
+//! Floor 5: fitting torses near given data. Never judges itself; see `certify`.

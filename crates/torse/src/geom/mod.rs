@@ -1,0 +1,96 @@
+//! Floor 1: points, frames, boxes. Vectors are nalgebra's behind aliases; lengths are in millimetres.
+
+use nalgebra as na;
+
+pub mod partition;
+
+/// A point or vector of space, in millimetres.
+pub type Vec3 = na::Vector3<f64>;
+/// A point or vector of a plane.
+pub type Vec2 = na::Vector2<f64>;
+
+/// A right-handed orthonormal frame (up to rounding).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Frame {
+    /// Origin.
+    pub origin: Vec3,
+    /// First axis, unit length.
+    pub x: Vec3,
+    /// Second axis, unit length.
+    pub y: Vec3,
+    /// Third axis, unit length.
+    pub z: Vec3,
+}
+
+impl Frame {
+    /// The frame of the world.
+    pub fn world() -> Self {
+        Self { origin: Vec3::zeros(), x: Vec3::x(), y: Vec3::y(), z: Vec3::z() }
+    }
+
+    /// Coordinates of the world point `p` in this frame.
+    pub fn to_local(&self, p: &Vec3) -> Vec3 {
+        self.vector_to_local(&(p - self.origin))
+    }
+
+    /// The world point with the coordinates `q` in this frame.
+    pub fn to_world(&self, q: &Vec3) -> Vec3 {
+        self.origin + self.vector_to_world(q)
+    }
+
+    /// Components of a world vector in this frame.
+    pub fn vector_to_local(&self, v: &Vec3) -> Vec3 {
+        Vec3::new(self.x.dot(v), self.y.dot(v), self.z.dot(v))
+    }
+
+    /// The world vector with the given components.
+    pub fn vector_to_world(&self, v: &Vec3) -> Vec3 {
+        self.x * v.x + self.y * v.y + self.z * v.z
+    }
+}
+
+/// An axis-parallel box of space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BBox {
+    /// Smallest coordinates.
+    pub min: Vec3,
+    /// Largest coordinates.
+    pub max: Vec3,
+}
+
+impl BBox {
+    /// The box that contains nothing.
+    pub fn empty() -> Self {
+        Self { min: Vec3::repeat(f64::INFINITY), max: Vec3::repeat(f64::NEG_INFINITY) }
+    }
+
+    /// The smallest box around points.
+    pub fn of<'a>(points: impl IntoIterator<Item = &'a Vec3>) -> Self {
+        let mut b = Self::empty();
+        for p in points {
+            b.include(p);
+        }
+        b
+    }
+
+    /// Enlarges the box to contain `p`.
+    pub fn include(&mut self, p: &Vec3) {
+        self.min = self.min.inf(p);
+        self.max = self.max.sup(p);
+    }
+
+    /// Length of the diagonal; 0 for an empty box.
+    pub fn diagonal(&self) -> f64 {
+        let d = self.max - self.min;
+        if d.x >= 0.0 {
+            d.norm()
+        } else {
+            0.0
+        }
+    }
+
+    /// Centre of the box.
+    pub fn center(&self) -> Vec3 {
+        (self.min + self.max) * 0.5
+    }
+}

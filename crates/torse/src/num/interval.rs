@@ -1,0 +1,232 @@
+//! Intervals with outward rounding: the scalar in which bounds are proven.
+//!
+//! Every operation returns an interval that contains the exact result for all members of its operands.
+//! Round-to-nearest is assumed; each inexact end point is moved outward by one unit in the last place.
+//! This module knows no geometry.
+
+use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
+
+/// A closed interval `[lo, hi]` of real numbers with f64 end points.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Interval {
+    /// Lower end.
+    pub lo: f64,
+    /// Upper end.
+    pub hi: f64,
+}
+
+impl Interval {
+    /// Zero, exactly.
+    pub const ZERO: Self = Self { lo: 0.0, hi: 0.0 };
+    /// One, exactly.
+    pub const ONE: Self = Self { lo: 1.0, hi: 1.0 };
+    /// The whole line: "nothing is known".
+    pub const EVERYTHING: Self = Self { lo: f64::NEG_INFINITY, hi: f64::INFINITY };
+
+    /// The interval holding exactly the number `x`.
+    #[inline]
+    pub const fn point(x: f64) -> Self {
+        Self { lo: x, hi: x }
+    }
+
+    /// The interval between two end points given in either order.
+    #[inline]
+    pub fn new(a: f64, b: f64) -> Self {
+        Self { lo: a.min(b), hi: a.max(b) }
+    }
+
+    /// `[-r, r]` for `r >= 0`.
+    #[inline]
+    pub fn symmetric(r: f64) -> Self {
+        Self { lo: -r, hi: r }
+    }
+
+    /// Some number near the middle (not rounded in any direction).
+    #[inline]
+    pub fn mid(self) -> f64 {
+        0.5 * (self.lo + self.hi)
+    }
+
+    /// An upper bound of half the width, valid around [`Interval::mid`].
+    #[inline]
+    pub fn rad(self) -> f64 {
+        let m = self.mid();
+        (m - self.lo).max(self.hi - m).next_up()
+    }
+
+    /// Largest absolute value.
+    #[inline]
+    pub fn mag(self) -> f64 {
+        self.lo.abs().max(self.hi.abs())
+    }
+
+    /// Smallest absolute value.
+    #[inline]
+    pub fn mig(self) -> f64 {
+        if self.lo > 0.0 {
+            self.lo
+        } else if self.hi < 0.0 {
+            -self.hi
+        } else {
+            0.0
+        }
+    }
+
+    /// Smallest interval containing both.
+    #[inline]
+    pub fn hull(self, o: Self) -> Self {
+        Self { lo: self.lo.min(o.lo), hi: self.hi.max(o.hi) }
+    }
+
+    /// Common part, if any.
+    #[inline]
+    pub fn intersect(self, o: Self) -> Option<Self> {
+        let (lo, hi) = (self.lo.max(o.lo), self.hi.min(o.hi));
+        (lo <= hi).then_some(Self { lo, hi })
+    }
+
+    /// Whether `x` lies inside.
+    #[inline]
+    pub fn contains(self, x: f64) -> bool {
+        self.lo <= x && x <= self.hi
+    }
+
+    /// Whether `o` lies inside.
+    #[inline]
+    pub fn encloses(self, o: Self) -> bool {
+        self.lo <= o.lo && o.hi <= self.hi
+    }
+
+    /// +1 or −1 when every member has that strict sign, 0 otherwise.
+    #[inline]
+    pub fn sign(self) -> i32 {
+        if self.lo > 0.0 {
+            1
+        } else if self.hi < 0.0 {
+            -1
+        } else {
+            0
+        }
+    }
+
+    /// Whether both ends are finite numbers.
+    #[inline]
+    pub fn is_finite(self) -> bool {
+        self.lo.is_finite() && self.hi.is_finite()
+    }
+
+    /// Square, tighter than `x * x`.
+    #[inline]
+    pub fn sqr(self) -> Self {
+        let (a, b) = (self.mig(), self.mag());
+        Self { lo: (a * a).next_down().max(0.0), hi: (b * b).next_up() }
+    }
+
+    /// Square root of the non-negative part.
+    #[inline]
+    pub fn sqrt(self) -> Self {
+        Self { lo: self.lo.max(0.0).sqrt().next_down().max(0.0), hi: self.hi.max(0.0).sqrt().next_up() }
+    }
+
+    /// Absolute values.
+    #[inline]
+    pub fn abs(self) -> Self {
+        Self { lo: self.mig(), hi: self.mag() }
+    }
+
+    /// `1/x`; [`Interval::EVERYTHING`] when zero is a member.
+    #[inline]
+    pub fn recip(self) -> Self {
+        if self.sign() == 0 {
+            return Self::EVERYTHING;
+        }
+        Self { lo: (1.0 / self.hi).next_down(), hi: (1.0 / self.lo).next_up() }
+    }
+
+    /// Product with a power of two, exact barring underflow.
+    #[inline]
+    pub fn scale_exact(self, power_of_two: f64) -> Self {
+        Self::new(self.lo * power_of_two, self.hi * power_of_two)
+    }
+}
+
+impl From<f64> for Interval {
+    fn from(x: f64) -> Self {
+        Self::point(x)
+    }
+}
+
+impl Neg for Interval {
+    type Output = Self;
+    #[inline]
+    fn neg(self) -> Self {
+        Self { lo: -self.hi, hi: -self.lo }
+    }
+}
+
+impl Add for Interval {
+    type Output = Self;
+    #[inline]
+    fn add(self, o: Self) -> Self {
+        Self { lo: (self.lo + o.lo).next_down(), hi: (self.hi + o.hi).next_up() }
+    }
+}
+
+impl AddAssign for Interval {
+    #[inline]
+    fn add_assign(&mut self, o: Self) {
+        *self = *self + o;
+    }
+}
+
+impl Sub for Interval {
+    type Output = Self;
+    #[inline]
+    fn sub(self, o: Self) -> Self {
+        Self { lo: (self.lo - o.hi).next_down(), hi: (self.hi - o.lo).next_up() }
+    }
+}
+
+impl Mul for Interval {
+    type Output = Self;
+    #[inline]
+    fn mul(self, o: Self) -> Self {
+        let (a, b, c, d) = (self.lo * o.lo, self.lo * o.hi, self.hi * o.lo, self.hi * o.hi);
+        Self { lo: a.min(b).min(c.min(d)).next_down(), hi: a.max(b).max(c.max(d)).next_up() }
+    }
+}
+
+impl Mul<f64> for Interval {
+    type Output = Self;
+    #[inline]
+    fn mul(self, k: f64) -> Self {
+        let (a, b) = (self.lo * k, self.hi * k);
+        Self { lo: a.min(b).next_down(), hi: a.max(b).next_up() }
+    }
+}
+
+impl Div for Interval {
+    type Output = Self;
+    #[inline]
+    fn div(self, o: Self) -> Self {
+        if o.sign() == 0 {
+            return Self::EVERYTHING;
+        }
+        let (a, b, c, d) = (self.lo / o.lo, self.lo / o.hi, self.hi / o.lo, self.hi / o.hi);
+        Self { lo: a.min(b).min(c.min(d)).next_down(), hi: a.max(b).max(c.max(d)).next_up() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn contains_the_exact_result() {
+        let third = Interval::ONE / Interval::point(3.0);
+        let one = third + third + third;
+        assert!(one.contains(1.0) && one.rad() < 1e-15);
+        assert!(Interval::new(-1.0, 2.0).sqr().encloses(Interval::new(0.0, 4.0)));
+        assert_eq!(Interval::new(-1.0, 2.0).recip(), Interval::EVERYTHING);
+    }
+}

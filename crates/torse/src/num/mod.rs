@@ -1,0 +1,3 @@
+//! Floor 0: numbers. Intervals, Bernstein form, roots, least squares, linear programs; knows no geometry.
+
+pub mod interval;

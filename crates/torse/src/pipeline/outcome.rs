@@ -1,0 +1,44 @@
+//! What the main job answers with: everything that files and reports are made from.
+
+use crate::certify::Certificate;
+use crate::surface::panel::Patchwork;
+use crate::surface::pattern::Pattern;
+
+/// How the job ended.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Status {
+    /// Everything proven within the tolerance.
+    Certified,
+    /// Finished, but something is not proven or exceeds the tolerance; the reason in plain words.
+    Uncertified(String),
+}
+
+/// A face (or other item) of the input that could not be used.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Skipped {
+    /// Entity number in the file.
+    pub entity: u64,
+    /// Why, and what would help.
+    pub reason: String,
+}
+
+/// The answer to `approximate`: panels, proof, flat patterns.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    /// Name of the input, without folder.
+    pub input: String,
+    /// Tolerance asked for, mm.
+    pub tolerance: f64,
+    /// How the job ended.
+    pub status: Status,
+    /// Faces, panels and seams.
+    pub patchwork: Patchwork,
+    /// The proof.
+    pub certificate: Certificate,
+    /// Flat patterns, one per panel in order, not yet laid out side by side (each near its own origin).
+    pub patterns: Vec<Pattern>,
+    /// Faces that could not be read or used.
+    pub skipped: Vec<Skipped>,
+    /// Wall time of reading, fitting and proving, seconds.
+    pub seconds: f64,
+}

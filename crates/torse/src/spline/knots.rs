@@ -1,0 +1,234 @@
+//! Knot vectors: spans, multiplicities and basis functions with derivatives (Cox–de Boor).
+
+use super::{SplineError, MAX_DEGREE};
+
+/// A non-decreasing knot vector `T_0 ≤ … ≤ T_{n+p}` for `n` control points of degree `p`
+/// (NURBS-book convention: `p + 1` knots before the domain ends, clamped or not).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Knots {
+    degree: usize,
+    values: Vec<f64>,
+}
+
+/// Values and derivatives of the `degree + 1` basis functions that are not zero on a span.
+#[derive(Clone, Copy, Debug)]
+pub struct BasisJet {
+    /// Index of the first control point concerned.
+    pub first: usize,
+    /// `rows[k][j]`: k-th derivative of basis function `first + j`.
+    pub rows: [[f64; MAX_DEGREE + 1]; 3],
+}
+
+impl Knots {
+    /// Checks and stores a knot vector for `control` control points.
+    ///
+    /// # Errors
+    /// Wrong degree, count, order, or multiplicity (interior knots may be repeated up to `degree` times).
+    pub fn new(degree: usize, values: Vec<f64>, control: usize) -> Result<Self, SplineError> {
+        if degree == 0 || degree > MAX_DEGREE {
+            return Err(SplineError::Degree(degree));
+        }
+        if control < degree + 1 || values.len() != control + degree + 1 {
+            return Err(SplineError::KnotCount { knots: values.len(), control, degree });
+        }
+        for (index, &value) in values.iter().enumerate() {
+            if !value.is_finite() || (index > 0 && value < values[index - 1]) {
+                return Err(SplineError::KnotOrder { index, value });
+            }
+        }
+        let k = Self { degree, values };
+        let (a, b) = k.domain();
+        if a >= b {
+            return Err(SplineError::Multiplicity { value: a, multiplicity: k.values.len(), allowed: degree + 1 });
+        }
+        for (value, multiplicity) in k.distinct() {
+            let allowed = if value <= a || value >= b { degree + 1 } else { degree };
+            if multiplicity > allowed {
+                return Err(SplineError::Multiplicity { value, multiplicity, allowed });
+            }
+        }
+        Ok(k)
+    }
+
+    /// Clamped knots with simple interior knots: `breaks` increasing, at least two.
+    ///
+    /// # Errors
+    /// As [`Knots::new`].
+    pub fn clamped(degree: usize, breaks: &[f64]) -> Result<Self, SplineError> {
+        let (Some(&a), Some(&b)) = (breaks.first(), breaks.last()) else {
+            return Err(SplineError::KnotCount { knots: 0, control: 0, degree });
+        };
+        let mut values = vec![a; degree + 1];
+        values.extend_from_slice(&breaks[1..breaks.len() - 1]);
+        values.extend(std::iter::repeat_n(b, degree + 1));
+        let control = values.len() - degree - 1;
+        Self::new(degree, values, control)
+    }
+
+    /// Clamped uniform knots with `spans` spans on `[a, b]`.
+    ///
+    /// # Errors
+    /// As [`Knots::new`].
+    pub fn uniform(degree: usize, spans: usize, a: f64, b: f64) -> Result<Self, SplineError> {
+        let breaks: Vec<f64> =
+            (0..=spans).map(|i| if i == spans { b } else { a + (b - a) * i as f64 / spans as f64 }).collect();
+        Self::clamped(degree, &breaks)
+    }
+
+    /// Polynomial degree.
+    pub fn degree(&self) -> usize {
+        self.degree
+    }
+
+    /// All knots, repeated ones included.
+    pub fn values(&self) -> &[f64] {
+        &self.values
+    }
+
+    /// Number of control points.
+    pub fn control_count(&self) -> usize {
+        self.values.len() - self.degree - 1
+    }
+
+    /// Ends of the parameter domain.
+    pub fn domain(&self) -> (f64, f64) {
+        (self.values[self.degree], self.values[self.values.len() - 1 - self.degree])
+    }
+
+    /// Distinct knot values with multiplicities, in order.
+    pub fn distinct(&self) -> Vec<(f64, usize)> {
+        let mut out: Vec<(f64, usize)> = Vec::new();
+        for &v in &self.values {
+            match out.last_mut() {
+                Some(last) if last.0 >= v => last.1 += 1,
+                _ => out.push((v, 1)),
+            }
+        }
+        out
+    }
+
+    /// Distinct knot values inside the closed domain: the ends of the polynomial pieces.
+    pub fn breaks(&self) -> Vec<f64> {
+        let (a, b) = self.domain();
+        self.distinct().into_iter().map(|(v, _)| v).filter(|&v| v >= a && v <= b).collect()
+    }
+
+    /// Index `i` of the span `T_i ≤ t < T_{i+1}` used for `t`; `t` is clamped to the domain, its right end
+    /// belongs to the last span.
+    #[inline]
+    pub fn span(&self, t: f64) -> usize {
+        let (p, n) = (self.degree, self.control_count());
+        let v = &self.values;
+        if t >= v[n] {
+            let mut i = n - 1;
+            while v[i] >= v[n] {
+                i -= 1;
+            }
+            return i;
+        }
+        if t <= v[p] {
+            let mut i = p;
+            while v[i + 1] <= v[p] {
+                i += 1;
+            }
+            return i;
+        }
+        let (mut lo, mut hi) = (p, n);
+        while hi - lo > 1 {
+            let mid = (lo + hi) / 2;
+            if t < v[mid] {
+                hi = mid;
+            } else {
+                lo = mid;
+            }
+        }
+        lo
+    }
+
+    /// Basis functions on the span of `t` with derivatives up to `order ≤ 2`. No allocation.
+    /// Outside the domain the polynomial of the first or last span is continued.
+    #[inline]
+    pub fn basis(&self, t: f64, order: usize) -> BasisJet {
+        self.basis_on_span(self.span(t), t, order)
+    }
+
+    /// As [`Knots::basis`], on a given span (its polynomial is continued outside the span).
+    pub fn basis_on_span(&self, span: usize, t: f64, order: usize) -> BasisJet {
+        let p = self.degree;
+        let v = &self.values;
+        let mut rows = [[0.0; MAX_DEGREE + 1]; 3];
+        // Triangular table by degree: `cur` holds the functions of the degree reached.
+        let mut cur = [0.0; MAX_DEGREE + 1];
+        let mut lower = [[0.0; MAX_DEGREE + 1]; 2]; // degrees p-1 and p-2
+        cur[0] = 1.0;
+        for d in 1..=p {
+            if d == p {
+                lower[0] = cur;
+            }
+            if d + 1 == p {
+                lower[1] = cur;
+            }
+            let mut saved = 0.0;
+            for r in 0..d {
+                let right = v[span + r + 1];
+                let left = v[span + 1 + r - d];
+                let temp = cur[r] / (right - left);
+                cur[r] = saved + (right - t) * temp;
+                saved = (t - left) * temp;
+            }
+            cur[d] = saved;
+        }
+        rows[0] = cur;
+        if order >= 1 {
+            difference(&mut rows[1], &lower[0], v, span, p);
+        }
+        if order >= 2 && p >= 2 {
+            let mut first = [0.0; MAX_DEGREE + 1];
+            difference(&mut first, &lower[1], v, span, p - 1);
+            let source = first;
+            difference(&mut rows[2], &source, v, span, p);
+        }
+        BasisJet { first: span - p, rows }
+    }
+}
+
+/// Derivative of degree-`d` functions on `span` from the values `low` of the degree-`d−1` functions:
+/// `N'_i = d (N_{i,d−1}/(T_{i+d}−T_i) − N_{i+1,d−1}/(T_{i+d+1}−T_{i+1}))`.
+fn difference(out: &mut [f64; MAX_DEGREE + 1], low: &[f64; MAX_DEGREE + 1], v: &[f64], span: usize, d: usize) {
+    for j in 0..=d {
+        let i = span - d + j;
+        let mut s = 0.0;
+        if j > 0 {
+            s += low[j - 1] / (v[i + d] - v[i]);
+        }
+        if j < d {
+            s -= low[j] / (v[i + d + 1] - v[i + 1]);
+        }
+        out[j] = d as f64 * s;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn basis_is_a_partition_of_unity_with_consistent_derivatives() {
+        let k = Knots::new(3, vec![0., 0., 0., 0., 0.3, 0.5, 0.5, 1., 1., 1., 1.], 7).expect("valid knots");
+        for i in 0..=100 {
+            let t = i as f64 / 100.0;
+            let b = k.basis(t, 2);
+            let sum: f64 = b.rows[0].iter().sum();
+            assert!((sum - 1.0).abs() < 1e-14);
+            assert!(b.rows[1].iter().sum::<f64>().abs() < 1e-12);
+            assert!(b.rows[2].iter().sum::<f64>().abs() < 1e-10);
+            let h = 1e-6;
+            let span = k.span(t);
+            let (m, q) = (k.basis_on_span(span, t - h, 1), k.basis_on_span(span, t + h, 1));
+            for j in 0..4 {
+                assert!(((q.rows[0][j] - m.rows[0][j]) / (2.0 * h) - b.rows[1][j]).abs() < 1e-6);
+                assert!(((q.rows[1][j] - m.rows[1][j]) / (2.0 * h) - b.rows[2][j]).abs() < 1e-5);
+            }
+        }
+    }
+}

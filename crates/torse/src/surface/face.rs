@@ -1,0 +1,81 @@
+//! A trimmed face of the input model, ready for approximation.
+
+use crate::spline::surface::Surface;
+
+/// What the face's surface was called in the file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum SurfaceKind {
+    /// Plane.
+    Plane,
+    /// Right circular cylinder.
+    Cylinder,
+    /// Right circular cone.
+    Cone,
+    /// Sphere.
+    Sphere,
+    /// Torus.
+    Torus,
+    /// Linear extrusion of a curve.
+    Extrusion,
+    /// Surface of revolution.
+    Revolution,
+    /// Offset of another surface.
+    Offset,
+    /// Polynomial or rational B-spline or Bézier surface.
+    Spline,
+}
+
+/// A face: a surface in B-spline form and a trimmed region of its parameter plane.
+///
+/// Whatever the file's representation was, `surface` is an exact (rational) B-spline of it in millimetres, in the
+/// coordinates of the whole model (assembly placements applied), parametrised so that the region is one
+/// connected polygon with holes inside the surface's domain: surfaces that close on themselves are cut along a seam.
+#[derive(Clone, Debug)]
+pub struct Face {
+    /// Number of the entity in the file (`#123`).
+    pub entity: u64,
+    /// Name in the file; empty if it has none.
+    pub name: String,
+    /// Name of the part (product) that the face belongs to; empty if unknown.
+    pub part: String,
+    /// Kind of the surface in the file.
+    pub kind: SurfaceKind,
+    /// The surface, mm.
+    pub surface: Surface,
+    /// Whether the face's normal is −S_u × S_v.
+    pub reversed: bool,
+    /// Outer loop first (counter-clockwise in the parameter plane), then holes (clockwise).
+    pub loops: Vec<TrimLoop>,
+    /// Distance (mm) between the file's edge curves and the polygons' images, measured at samples.
+    pub trim_deviation_estimate: f64,
+    /// Distance (mm) between the file's surface and `surface`; 0 where the conversion is exact.
+    pub surface_deviation_estimate: f64,
+}
+
+/// A closed polygon of the parameter plane: the definition of the trim from here on.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TrimLoop {
+    /// Corners (u, v); the last is joined to the first, which is not repeated.
+    pub points: Vec<[f64; 2]>,
+    /// For the side from `points[i]` to `points[i + 1]`: number of the file's edge that it belongs to, counted
+    /// within the face; sides along a seam that the reader cut have numbers of their own.
+    pub edge: Vec<u32>,
+}
+
+impl Face {
+    /// The face that covers the whole domain of a surface.
+    pub fn untrimmed(surface: Surface) -> Self {
+        let ((u0, u1), (v0, v1)) = surface.domain();
+        Self {
+            entity: 0,
+            name: String::new(),
+            part: String::new(),
+            kind: SurfaceKind::Spline,
+            surface,
+            reversed: false,
+            loops: vec![TrimLoop { points: vec![[u0, v0], [u1, v0], [u1, v1], [u0, v1]], edge: vec![0, 1, 2, 3] }],
+            trim_deviation_estimate: 0.0,
+            surface_deviation_estimate: 0.0,
+        }
+    }
+}

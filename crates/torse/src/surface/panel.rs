@@ -1,0 +1,74 @@
+//! Panels: pieces of torses with boundaries, as they are exported; and the patchwork that they make up.
+
+use super::face::Face;
+use super::torse::{PanelKind, Torse};
+use crate::geom::partition::Partition;
+use crate::spline::curve::Curve;
+use crate::spline::surface::Surface;
+
+/// What lies beyond a stretch of a panel's boundary.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Border {
+    /// Another panel of the same face; `seam` counts the seams of the patchwork. The neighbour's run has the same
+    /// number, the same partition vertices in reverse order and the opposite `forward`.
+    Seam {
+        /// Number of the seam.
+        seam: u32,
+        /// Whether this panel's run goes along the seam's own direction.
+        forward: bool,
+    },
+    /// The boundary of the face: number of the file's edge within the face.
+    Trim {
+        /// Edge number, see `TrimLoop::edge`.
+        edge: u32,
+    },
+}
+
+/// A smooth stretch of a panel's boundary.
+#[derive(Clone, Debug)]
+pub struct Run {
+    /// What lies beyond.
+    pub border: Border,
+    /// Vertices of the partition along the run, in the panel's direction (material on the left in the (u, v) plane).
+    pub vertices: Vec<u32>,
+    /// Parameter `s` of each vertex on `trim` and `edge`: increasing, from 0 to 1.
+    pub parameters: Vec<f64>,
+    /// The trimming curve `(t, r)(s)` in the parameter plane of the exported patch; cubic, domain [0, 1]; its end
+    /// points are bitwise those of the neighbouring runs of the loop.
+    pub trim: Curve<2>,
+    /// The same curve in space, mm, same parameter.
+    pub edge: Curve<3>,
+}
+
+/// One panel: an exactly developable surface, the patch written to files, and its boundary.
+#[derive(Clone, Debug)]
+pub struct Panel {
+    /// Name, unique within the patchwork ("A-03").
+    pub name: String,
+    /// Index of the face in the patchwork.
+    pub face: usize,
+    /// What it is, for people.
+    pub kind: PanelKind,
+    /// The exact developable surface.
+    pub torse: Torse,
+    /// The ruled patch in files: u = t (the torse's parameter), v = r ∈ [0, 1] along the ruling, degree 1 in v;
+    /// equal to the torse up to rounding.
+    pub patch: Surface,
+    /// Label of the panel's triangles in the face's partition.
+    pub label: u32,
+    /// Closed boundary loops, outer first; each loop's runs follow each other.
+    pub loops: Vec<Vec<Run>>,
+}
+
+/// The panels of a whole model, with what they approximate.
+#[derive(Clone, Debug)]
+pub struct Patchwork {
+    /// Input faces.
+    pub faces: Vec<Face>,
+    /// For each face: its parameter region cut into triangles, each labelled with its panel.
+    pub partitions: Vec<Partition>,
+    /// All panels.
+    pub panels: Vec<Panel>,
+    /// Number of seams.
+    pub seam_count: usize,
+}

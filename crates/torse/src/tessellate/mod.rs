@@ -1,0 +1,1 @@
+//! Floor 5: triangles for pictures and meshes.
