@@ -1,1 +1,3 @@
 //! Floor 5: fitting torses near given data. Never judges itself; see `certify`.
+
+pub mod level;

@@ -1,6 +1,7 @@
 //! Floor 2: B-spline calculus. Knots, curves in any dimension, tensor-product surfaces polynomial and rational.
 
 pub mod curve;
+pub mod field;
 pub mod knots;
 pub mod surface;
 
