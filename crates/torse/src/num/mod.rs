@@ -1,3 +1,5 @@
 //! Floor 0: numbers. Intervals, Bernstein form, roots, least squares, linear programs; knows no geometry.
 
 pub mod interval;
+pub mod least_squares;
+pub mod minimax;
