@@ -2,3 +2,5 @@
 
 pub mod interval;
 pub mod linear_program;
+pub mod least_squares;
+pub mod minimax;

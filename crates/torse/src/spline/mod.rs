@@ -3,6 +3,7 @@
 pub mod curve;
 pub mod field;
 pub mod knots;
+pub mod pieces;
 pub mod surface;
 
 /// Largest polynomial degree that the kernel evaluates (workspace lives on the stack).

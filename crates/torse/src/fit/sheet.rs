@@ -1,0 +1,252 @@
+//! A torse made ready for many foot points: power form per span, local coordinates, no allocation per evaluation.
+
+use crate::geom::{Frame, Vec3};
+use crate::spline::pieces::{span_of, Pieces};
+use crate::surface::torse::Torse;
+
+/// The fast form of a torse.
+#[derive(Clone, Debug)]
+pub(super) enum Sheet {
+    /// `(f, a)` and the quintic pieces of g, in the coordinates of the frame.
+    Primal {
+        /// Local coordinates.
+        frame: Frame,
+        /// Profile and ruling slope.
+        profile: Pieces<2>,
+        /// Coefficients of g in powers of the distance from the span's start.
+        slope: Vec<[f64; 6]>,
+    },
+    /// Planes in world coordinates.
+    Dual {
+        /// Components of `(n, h)`.
+        planes: Pieces<4>,
+    },
+}
+
+/// Tangent plane `n·X = h` and its motion `n' = c m`, `h' = c k`, `m' = dm`, `k' = dk`.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PlaneJet {
+    pub n: Vec3,
+    pub h: f64,
+    pub m: Vec3,
+    pub k: f64,
+    pub dm: Vec3,
+    pub dk: f64,
+    pub c: f64,
+}
+
+/// Antiderivative of `f' a'` on a span, as coefficients of degree 0..=5 (constant term 0), from the powers of f and a.
+#[inline]
+pub(super) fn slope_integral(f: &[f64; 4], a: &[f64; 4]) -> [f64; 6] {
+    let d = |c: &[f64; 4]| [c[1], 2.0 * c[2], 3.0 * c[3]];
+    let (p, q) = (d(f), d(a));
+    let mut out = [0.0; 6];
+    for i in 0..3 {
+        for j in 0..3 {
+            out[i + j + 1] += p[i] * q[j];
+        }
+    }
+    for (k, o) in out.iter_mut().enumerate().skip(2) {
+        *o /= k as f64;
+    }
+    out
+}
+
+/// Value of a quintic in power form.
+#[inline]
+pub(super) fn quintic(c: &[f64; 6], x: f64) -> f64 {
+    c[0] + x * (c[1] + x * (c[2] + x * (c[3] + x * (c[4] + x * c[5]))))
+}
+
+impl Sheet {
+    /// The fast form of a torse whose splines are at most cubic; `None` otherwise.
+    pub fn of(torse: &Torse) -> Option<Self> {
+        match torse {
+            Torse::Primal(p) => Some(Self::primal(p.frame, Pieces::of(&p.profile)?, p.beta)),
+            Torse::Dual(d) => Some(Self::Dual { planes: Pieces::of(&d.planes)? }),
+        }
+    }
+
+    /// The primal form with `g = beta` at the start of the domain.
+    pub fn primal(frame: Frame, profile: Pieces<2>, beta: f64) -> Self {
+        let mut slope = Vec::with_capacity(profile.power.len());
+        let mut start = beta;
+        for (s, c) in profile.power.iter().enumerate() {
+            let mut g = slope_integral(&c.map(|v| v[0]), &c.map(|v| v[1]));
+            g[0] = start;
+            start = quintic(&g, profile.breaks[s + 1] - profile.breaks[s]);
+            slope.push(g);
+        }
+        Self::Primal { frame, profile, slope }
+    }
+
+    /// Parameter interval.
+    pub fn domain(&self) -> (f64, f64) {
+        match self {
+            Self::Primal { profile, .. } => profile.domain(),
+            Self::Dual { planes } => planes.domain(),
+        }
+    }
+
+    /// Coordinates in which the other functions take points.
+    #[inline]
+    pub fn local(&self, x: &Vec3) -> Vec3 {
+        match self {
+            Self::Primal { frame, .. } => frame.to_local(x),
+            Self::Dual { .. } => *x,
+        }
+    }
+
+    /// `g(t)` of a primal torse, 0 for a dual one.
+    #[inline]
+    pub fn slope(&self, t: f64) -> f64 {
+        match self {
+            Self::Primal { profile, slope, .. } => {
+                let s = span_of(&profile.breaks, t);
+                quintic(&slope[s], t - profile.breaks[s])
+            }
+            Self::Dual { .. } => 0.0,
+        }
+    }
+
+    /// Tangent plane and derivatives at `t`.
+    #[inline]
+    pub fn jet(&self, t: f64) -> PlaneJet {
+        match self {
+            Self::Primal { profile, .. } => {
+                let [[f, a], [f1, a1], [f2, _]] = profile.jet(t);
+                let n = Vec3::new(-f1, a * f1 - self.slope(t), 1.0);
+                let m = Vec3::new(-1.0, a, 0.0);
+                PlaneJet { n, h: f - t * f1, m, k: -t, dm: Vec3::new(0.0, a1, 0.0), dk: -1.0, c: f2 }
+            }
+            Self::Dual { planes } => {
+                let [p, p1, p2] = planes.jet(t);
+                let v = |c: [f64; 4]| Vec3::new(c[0], c[1], c[2]);
+                PlaneJet { n: v(p), h: p[3], m: v(p1), k: p1[3], dm: v(p2), dk: p2[3], c: 1.0 }
+            }
+        }
+    }
+
+    /// Parameter of the foot of the perpendicular from `q` near `guess`, by Newton steps on the exact foot equation;
+    /// `None` if it does not settle inside `range`.
+    pub fn foot(&self, q: &Vec3, guess: f64, range: (f64, f64)) -> Option<f64> {
+        // Newton steps halve the digits left; this many allow for a poor guess.
+        const STEPS: usize = 24;
+        // Relative to the range: below this a step is rounding.
+        const SETTLED: f64 = 1e-12;
+        let width = range.1 - range.0;
+        let mut t = guess.clamp(range.0, range.1);
+        let mut outside = 0;
+        for _ in 0..STEPS {
+            let (e, slope) = self.foot_function(q, t);
+            let step = -e / slope;
+            if !step.is_finite() {
+                return None;
+            }
+            let step = step.clamp(-0.2 * width, 0.2 * width);
+            let next = t + step;
+            t = next.clamp(range.0, range.1);
+            if step.abs() <= SETTLED * width {
+                return Some(t);
+            }
+            if next != t {
+                outside += 1;
+                if outside > 2 {
+                    return None;
+                }
+            }
+        }
+        None
+    }
+
+    /// Exact foot function `|n|²(m·q − k) − (n·q − h)(n·m)` and its derivative.
+    #[inline]
+    pub fn foot_function(&self, q: &Vec3, t: f64) -> (f64, f64) {
+        let j = self.jet(t);
+        let (mu, dmu) = (j.m.dot(q) - j.k, j.dm.dot(q) - j.dk);
+        let phi = j.n.dot(q) - j.h;
+        let (nn, nm) = (j.n.norm_squared(), j.n.dot(&j.m));
+        let value = nn * mu - phi * nm;
+        let slope = j.c * nm * mu + nn * dmu - phi * (j.c * j.m.norm_squared() + j.n.dot(&j.dm));
+        (value, slope)
+    }
+
+    /// Signed distance of `q` from the tangent plane at its foot `t`, and the regularity there: `1 + y a'` for a primal
+    /// torse, `(N''·X − H'')/|N|` for a dual one, at the foot point.
+    #[inline]
+    pub fn distance(&self, q: &Vec3, t: f64) -> (f64, f64) {
+        let j = self.jet(t);
+        let norm = j.n.norm();
+        let d = (j.n.dot(q) - j.h) / norm;
+        let foot = q - j.n * (d / norm);
+        let regular = j.dm.dot(&foot) - j.dk;
+        (d, if matches!(self, Self::Primal { .. }) { regular } else { regular / norm })
+    }
+
+    /// First guesses of feet.
+    pub fn guesses(&self) -> Guesses {
+        match self {
+            Self::Primal { .. } => Guesses { rulings: Vec::new() },
+            Self::Dual { planes } => {
+                let (a, b) = planes.domain();
+                let count = 3 * planes.power.len().max(4);
+                let rulings = (0..=count).filter_map(|i| {
+                    let t = a + (b - a) * i as f64 / count as f64;
+                    let j = self.jet(t);
+                    let e = j.n.cross(&j.m);
+                    let point = (j.m.cross(&e) * j.h + e.cross(&j.n) * j.k) / e.norm_squared();
+                    let direction = e.normalize();
+                    (point.x.is_finite() && direction.x.is_finite()).then_some((t, point, direction))
+                });
+                Guesses { rulings: rulings.collect() }
+            }
+        }
+    }
+}
+
+/// Table of rulings `(t, point, unit direction)`; empty where the local coordinate x itself is the guess.
+#[derive(Clone, Debug)]
+pub(super) struct Guesses {
+    /// The rulings.
+    pub rulings: Vec<(f64, Vec3, Vec3)>,
+}
+
+impl Guesses {
+    /// Parameter of the nearest ruling of the table.
+    pub fn guess(&self, q: &Vec3) -> f64 {
+        let mut best = (f64::INFINITY, q.x);
+        for (t, point, direction) in &self.rulings {
+            let v = q - point;
+            let along = v.dot(direction);
+            let d = v.norm_squared() - along * along;
+            if d < best.0 {
+                best = (d, *t);
+            }
+        }
+        best.1
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::spline::curve::Curve;
+    use crate::surface::torse::PrimalTorse;
+
+    #[test]
+    fn fast_form_agrees_with_the_exact_one() {
+        let knots = vec![-1., -1., -1., -1., 0., 1., 1., 1., 1.];
+        let control = vec![[0.3, 0.1], [0.1, 0.0], [-0.2, 0.2], [0.3, 0.1], [0.5, -0.1]];
+        let profile = Curve::new(3, knots, control).expect("profile");
+        let torse = Torse::Primal(PrimalTorse { frame: Frame::world(), profile, beta: 0.2 });
+        let sheet = Sheet::of(&torse).expect("cubic");
+        let x = Vec3::new(0.2, 0.3, 0.4);
+        for t in [-0.9, -0.1, 0.5, 1.0] {
+            let (a, b) = (sheet.foot_function(&x, t), torse.foot_function(&x, t));
+            assert!((a.0 - b.0).abs() < 1e-13 && (a.1 - b.1).abs() < 1e-12, "{a:?} {b:?}");
+        }
+        let t = sheet.foot(&x, 0.0, (-1.0, 1.0)).expect("foot");
+        assert!((t - torse.foot(&x, 0.0).expect("foot")).abs() < 1e-12);
+        assert!((sheet.distance(&x, t).0 - torse.plane_distance(&x, t)).abs() < 1e-13);
+    }
+}
