@@ -21,8 +21,6 @@ pub struct Forms {
     pub first: [f64; 3],
     /// Coefficients L, M, N of the second form for the unit normal, mm per parameter².
     pub second: [f64; 3],
-    /// Area that the sample stands for, mm².
-    pub area: f64,
 }
 
 impl Forms {
@@ -260,7 +258,7 @@ mod tests {
             .map(|k| {
                 let uv = [(k / n) as f64 / (n - 1) as f64, (k % n) as f64 / (n - 1) as f64];
                 let (first, second) = form(uv[0], uv[1]);
-                Forms { uv, first, second, area: 1.0 }
+                Forms { uv, first, second }
             })
             .collect()
     }

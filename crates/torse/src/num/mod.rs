@@ -4,3 +4,4 @@ pub mod interval;
 pub mod linear_program;
 pub mod least_squares;
 pub mod minimax;
+pub mod max_flow;

@@ -1,3 +1,5 @@
 //! Floor 6: one readable file per user job.
 
+pub mod approximate;
+pub mod cover;
 pub mod outcome;

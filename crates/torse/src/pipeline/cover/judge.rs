@@ -1,0 +1,108 @@
+//! One region, one torse: propose, judge, refine. A torse is accepted only by the certificate; where that refuses,
+//! its witness becomes a sample of the next fit.
+
+use super::{Job, State, DISTANCE_SHARE};
+use crate::certify::distance::{distance, DistanceOptions};
+use crate::certify::Verdict;
+use crate::fit::dual::{dual, DualOptions};
+use crate::fit::plane::plane;
+use crate::fit::primal::{primal, PrimalOptions};
+use crate::fit::refit;
+use crate::fit::samples::{CentrePoint, Fit, Sample};
+use std::sync::atomic::Ordering;
+use std::sync::Arc;
+
+/// Sampled errors up to this share of the allowed distance go to the certificate; true suprema exceed sampled ones
+/// by a few per cent at the most.
+const HOPEFUL: f64 = 0.99;
+/// Refits with witnesses before a torse is given up.
+const REFITS: usize = 3;
+
+/// Result of trying one torse on a region.
+pub(crate) struct Trial {
+    /// The torse, if proven.
+    pub(crate) accepted: Option<Arc<Fit>>,
+    /// Error reached, mm; above the tolerance when nothing was accepted; infinite when nothing fits at all.
+    pub(crate) error: f64,
+}
+
+impl Trial {
+    fn failed(error: f64) -> Self {
+        Self { accepted: None, error }
+    }
+}
+
+impl Job<'_> {
+    /// Tries plane, dual torse along the centre line (if there is one) and primal torse on a region.
+    pub(crate) fn single(&self, state: &State, label: u32, centre: Option<&[CentrePoint]>) -> Trial {
+        let allowed = self.options.tolerance * DISTANCE_SHARE;
+        let samples = state.samples(label);
+        if let Some(fit) = plane(&samples) {
+            if fit.error <= allowed * HOPEFUL {
+                let t = self.proven(state, label, fit, samples.clone());
+                if t.accepted.is_some() {
+                    return t;
+                }
+            }
+        }
+        let mut best = f64::INFINITY;
+        let mut judge = |fit: Option<Fit>| -> Option<Trial> {
+            let fit = fit?;
+            if fit.error <= allowed * HOPEFUL {
+                let t = self.proven(state, label, fit, samples.clone());
+                if t.accepted.is_some() {
+                    return Some(t);
+                }
+                best = best.min(t.error);
+            } else {
+                best = best.min(fit.error);
+            }
+            None
+        };
+        if let Some(line) = centre.filter(|l| !l.is_empty()) {
+            let options = DualOptions { tolerance: allowed, ..DualOptions::default() };
+            if let Some(t) = judge(dual(&samples, line, &options)) {
+                return t;
+            }
+        }
+        let options = PrimalOptions { tolerance: allowed, ..PrimalOptions::default() };
+        if let Some(t) = judge(primal(&samples, &options)) {
+            return t;
+        }
+        Trial::failed(best.max(self.options.tolerance * 1.0001))
+    }
+
+    /// The loop of propose, judge and refine for one torse.
+    pub(crate) fn proven(&self, state: &State, label: u32, first: Fit, mut samples: Vec<Sample>) -> Trial {
+        let allowed = self.options.tolerance * DISTANCE_SHARE;
+        let triangles = state.triangles(label);
+        let mut fit = first;
+        for round in 0..=REFITS {
+            self.proofs.fetch_add(1, Ordering::Relaxed);
+            let judged =
+                distance(&self.prepared, &fit.torse, &triangles, allowed, &DistanceOptions::default(), self.control);
+            match judged.verdict {
+                Verdict::Holds { bound } => {
+                    return Trial { accepted: Some(Arc::new(fit)), error: bound };
+                }
+                Verdict::Fails { uv, distance } => {
+                    if round == REFITS || distance.abs() > 1.3 * allowed {
+                        return Trial::failed(distance.abs().max(allowed * 1.0001));
+                    }
+                    let j = self.face.surface.jet(uv[0], uv[1]);
+                    let weight = samples.iter().map(|s| s.weight).fold(0.0, f64::max);
+                    let n = j.normal();
+                    let n = if n.norm() > 0.0 { n.normalize() } else { n };
+                    samples.push(Sample { x: j.p, n, weight });
+                    match refit(&fit, &samples, allowed) {
+                        Some(next) if next.error <= allowed => fit = next,
+                        Some(next) => return Trial::failed(next.error),
+                        None => return Trial::failed(distance.abs()),
+                    }
+                }
+                Verdict::Undecided { .. } => return Trial::failed(allowed * 1.05),
+            }
+        }
+        Trial::failed(allowed * 1.02)
+    }
+}

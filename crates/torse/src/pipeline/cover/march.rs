@@ -1,0 +1,200 @@
+//! Bands of a level function: greedy marching with width control, every component on its own (B3.6, C5).
+
+use super::{Job, State};
+use crate::fit::centre_line::centre_line;
+use crate::fit::level::Level;
+use crate::fit::samples::CentrePoint;
+use crate::spline::field::Field;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Width trials for one band.
+const TRIALS: usize = 8;
+/// A band is wide enough when its error reaches this share of the tolerance.
+const WIDE: f64 = 0.86;
+/// Narrowest band, as a share of the theoretical width, before its region is bisected instead.
+const NARROWEST: f64 = 0.2;
+/// A rest of less than this share of a band is tried together with it.
+const REST: f64 = 0.15;
+
+/// How bands are laid.
+struct Lay<'f> {
+    field: &'f Field,
+    /// Theoretical width in units of the field; `None` for sweeps.
+    theory: Option<f64>,
+    /// Give up instead of bisecting.
+    strict: bool,
+    depth: usize,
+}
+
+/// What is left to do of a march.
+struct Rest {
+    label: u32,
+    width: f64,
+}
+
+impl Job<'_> {
+    /// Bands along a level function.
+    pub(super) fn bands(
+        &self,
+        state: &State,
+        label: u32,
+        level: &Level,
+        budget: usize,
+        depth: usize,
+    ) -> Option<State> {
+        let theory = 4.0 * self.options.tolerance.sqrt();
+        let up = Lay { field: &level.field, theory: Some(theory), strict: false, depth };
+        let limit = AtomicUsize::new(budget + 1);
+        self.march(state.clone(), label, &up, theory, &limit)
+    }
+
+    /// Bands of a linear function, given up as soon as they cannot beat `incumbent`.
+    pub(super) fn swept(&self, state: &State, label: u32, field: &Field, incumbent: &AtomicUsize) -> Option<State> {
+        let (lo, hi) = range(state, label, field);
+        let lay = Lay { field, theory: None, strict: true, depth: 0 };
+        self.march(state.clone(), label, &lay, 0.25 * (hi - lo), incumbent)
+    }
+
+    fn march(&self, mut state: State, label: u32, lay: &Lay, width: f64, limit: &AtomicUsize) -> Option<State> {
+        let before = state.panels.len();
+        let mut open = vec![Rest { label, width }];
+        while let Some(rest) = open.pop() {
+            let used = state.panels.len() - before;
+            if self.control.stopped() {
+                return Some(state);
+            }
+            if used + open.len() + 1 >= limit.load(Ordering::Relaxed) {
+                return None;
+            }
+            match self.band(&state, &rest, lay) {
+                Some((next, more)) => {
+                    state = next;
+                    open.extend(more);
+                }
+                None if lay.strict => return None,
+                None => {
+                    let budget = limit.load(Ordering::Relaxed).saturating_sub(used + open.len() + 1);
+                    state = self.halves(state, rest.label, budget, lay.depth + 1)?;
+                }
+            }
+        }
+        Some(state)
+    }
+
+    /// Bisection of a region on which bands fail.
+    fn halves(&self, mut state: State, label: u32, budget: usize, depth: usize) -> Option<State> {
+        let parts = self.halve(&mut state, label, 0)?;
+        self.parts(state, &parts, budget, depth)
+    }
+
+    /// The widest acceptable band at the lower end of a region; the components of the rest go on by themselves.
+    fn band(&self, state: &State, rest: &Rest, lay: &Lay) -> Option<(State, Vec<Rest>)> {
+        let surface = &self.face.surface;
+        let (lo, hi) = range(state, rest.label, lay.field);
+        let narrowest = lay.theory.map_or((hi - lo) / 60.0, |t| NARROWEST * t);
+        let mut width = rest.width;
+        let mut accepted: Option<(f64, State, Vec<u32>)> = None;
+        let (mut too_wide, mut good) = (f64::INFINITY, 0.0);
+        for _ in 0..TRIALS {
+            if self.control.stopped() {
+                return None;
+            }
+            let whole = lo + width * (1.0 + REST) >= hi;
+            let mut trial = state.clone();
+            let band_label = if whole {
+                width = hi - lo;
+                rest.label
+            } else {
+                let fresh = trial.partition.fresh_label();
+                let level = lo + width;
+                trial.cut(surface, rest.label, fresh, |p| level - lay.field.value(p));
+                fresh
+            };
+            let mut others: Vec<u32> = Vec::new();
+            if !whole {
+                if trial.partition.region(rest.label).is_empty() {
+                    // The cut took everything.
+                    return None;
+                }
+                others = trial.partition.split_components(rest.label);
+            }
+            let bands = trial.partition.split_components(band_label);
+            let mut error: f64 = 0.0;
+            let mut ok = true;
+            for &b in &bands {
+                let centre = self.centre(&trial, b, lay.field);
+                let t = self.single(&trial, b, Some(&centre));
+                match t.accepted {
+                    Some(fit) => {
+                        error = error.max(t.error);
+                        trial.panels.insert(b, fit);
+                    }
+                    None => {
+                        error = error.max(t.error);
+                        ok = false;
+                        break;
+                    }
+                }
+            }
+            let share = error / (self.options.tolerance * super::DISTANCE_SHARE);
+            if ok {
+                if whole {
+                    return Some((trial, Vec::new()));
+                }
+                good = width;
+                let enough = share >= WIDE;
+                accepted = Some((width, trial, others));
+                if enough || too_wide <= good * 1.02 {
+                    break;
+                }
+            } else {
+                too_wide = width;
+            }
+            let factor = if share.is_finite() { (0.95 / share).sqrt().clamp(0.4, 2.0) } else { 0.6 };
+            width *= if ok { factor.max(1.02) } else { factor.min(0.98) };
+            if too_wide.is_finite() && width >= too_wide {
+                width = 0.5 * (good + too_wide);
+            }
+            if width <= good {
+                width = if too_wide.is_finite() { 0.5 * (good + too_wide) } else { good * 1.1 };
+            }
+            if width < narrowest {
+                break;
+            }
+        }
+        let (width, state, others) = accepted?;
+        Some((state, others.into_iter().map(|label| Rest { label, width }).collect()))
+    }
+
+    /// Centre line of a band: the level through the middle of its range.
+    fn centre(&self, state: &State, label: u32, field: &Field) -> Vec<CentrePoint> {
+        let (lo, hi) = range(state, label, field);
+        let middle = 0.5 * (lo + hi);
+        let seed = state
+            .partition
+            .region_vertices(label)
+            .into_iter()
+            .map(|v| state.partition.vertices[v as usize])
+            .min_by(|a, b| (field.value(*a) - middle).abs().total_cmp(&(field.value(*b) - middle).abs()));
+        let Some(mut seed) = seed else { return Vec::new() };
+        for _ in 0..3 {
+            let [f, fu, fv] = field.jet(seed[0], seed[1]);
+            let g = fu * fu + fv * fv;
+            if g > 0.0 {
+                seed = [seed[0] + (middle - f) * fu / g, seed[1] + (middle - f) * fv / g];
+            }
+        }
+        let size = state.bbox(label).diagonal();
+        centre_line(&self.face.surface, field, state.partition.bounds(label), seed, size)
+    }
+}
+
+/// Smallest and largest value of a field over a region's vertices.
+fn range(state: &State, label: u32, field: &Field) -> (f64, f64) {
+    state
+        .partition
+        .region_vertices(label)
+        .into_iter()
+        .map(|v| field.value(state.partition.vertices[v as usize]))
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)))
+}

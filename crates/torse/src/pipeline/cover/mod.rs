@@ -1,0 +1,271 @@
+//! Covering one face with torses, each accepted by the certificate.
+//!
+//! *Method* (mixed-curvature specification, C0): one panel if one is enough; two; a sweep of straight bands; bands
+//! of a level function for the conjugate field ([SE06] carried on); bisection, which always ends, at worst with
+//! small planar facets. The smallest cover wins; neighbours that fit one torse are merged.
+//!
+//! This file holds the recursion; [`judge`] proposes and proves single torses, [`march`] lays bands.
+
+mod judge;
+mod march;
+mod merge;
+mod signs;
+mod state;
+
+use crate::certify::distance::Prepared;
+use crate::control::Control;
+use crate::fit::level::{level, LevelOptions};
+use crate::geom::triangulate::TriangulateError;
+use crate::surface::face::Face;
+use rayon::prelude::*;
+pub use state::State;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// What a cover is asked for.
+#[derive(Clone, Copy, Debug)]
+pub struct CoverOptions {
+    /// Deviation bound to reach, mm.
+    pub tolerance: f64,
+    /// Largest number of panels on one face; `usize::MAX` for no limit.
+    pub max_panels: usize,
+}
+
+/// Share of the tolerance that the distance part may use; the rest is for trim curves and rounding.
+pub(crate) const DISTANCE_SHARE: f64 = 0.975;
+/// Depth of the recursion at which only facets are tried.
+const FACET_DEPTH: usize = 14;
+/// Level functions are given up for parts when their merit exceeds this multiple of their range (C4).
+const POOR: f64 = 1.5;
+/// Predicted counts up to which sweeps are tried (C0).
+const SWEEP_COUNT: f64 = 18.0;
+/// Directions of the sweep.
+const SWEEP_DIRECTIONS: usize = 8;
+/// Two panels are tried when the best single error is below this multiple of the tolerance.
+const TWO_FACTOR: f64 = 8.0;
+
+/// Everything that does not change while a face is covered.
+pub(crate) struct Job<'a> {
+    pub(crate) face: &'a Face,
+    pub(crate) prepared: Prepared<'a>,
+    pub(crate) options: CoverOptions,
+    pub(crate) control: &'a Control,
+    pub(crate) proofs: AtomicUsize,
+}
+
+/// A covered face.
+pub struct Cover {
+    /// Regions and torses; labels without a torse could not be covered within the limits.
+    pub state: State,
+    /// Whether every region has a torse that was proven to be within the tolerance.
+    pub complete: bool,
+}
+
+/// Covers a face.
+///
+/// # Errors
+/// Trim loops that cannot be triangulated.
+pub fn cover(face: &Face, options: &CoverOptions, control: &Control) -> Result<Cover, TriangulateError> {
+    let mut state = State::of_face(face, f64::INFINITY)?;
+    let strip = typical_strip(&state, options.tolerance);
+    let finer = State::of_face(face, strip)?;
+    if finer.partition.triangles.len() > state.partition.triangles.len() {
+        state = finer;
+    }
+    let job = Job {
+        face,
+        prepared: Prepared::new(&face.surface),
+        options: *options,
+        control,
+        proofs: AtomicUsize::new(0),
+    };
+    for label in state.partition.split_components(0) {
+        if let Some(next) = job.region(state.clone(), label, options.max_panels, 0) {
+            state = next;
+        }
+    }
+    let complete = state.partition.distinct_labels().iter().all(|l| state.panels.contains_key(l));
+    Ok(Cover { state, complete })
+}
+
+/// Width (mm) of a strip at the 90 % quantile of curvature (B2).
+fn typical_strip(state: &State, tolerance: f64) -> f64 {
+    let mut k: Vec<f64> = state
+        .forms(0, 400)
+        .iter()
+        .map(|f| f.principal().map(f64::abs).into_iter().fold(0.0, f64::max))
+        .filter(|k| k.is_finite())
+        .collect();
+    k.sort_by(f64::total_cmp);
+    let high = k.get(k.len() * 9 / 10).copied().unwrap_or(0.0);
+    4.0 * (tolerance / high.max(1e-300)).sqrt()
+}
+
+impl Job<'_> {
+    /// Number of finished panels, for comparing covers.
+    fn count(state: &State) -> usize {
+        state.panels.len()
+    }
+
+    /// Covers the region `label` with at most `budget` panels. `None`: over budget, stopped, or out of depth.
+    pub(crate) fn region(&self, state: State, label: u32, budget: usize, depth: usize) -> Option<State> {
+        if budget == 0 {
+            return None;
+        }
+        if self.control.stopped() {
+            return Some(state);
+        }
+        let before = Self::count(&state);
+        let trial = self.single(&state, label, None);
+        if let Some(fit) = trial.accepted {
+            let mut state = state;
+            state.panels.insert(label, fit);
+            return Some(state);
+        }
+        if depth >= FACET_DEPTH {
+            return self.bisect(state, label, budget, depth);
+        }
+        if budget >= 2 && trial.error < TWO_FACTOR * self.options.tolerance {
+            if let Some(next) = self.two(&state, label) {
+                return Some(next);
+            }
+        }
+        let mut best: Option<State> = None;
+        let mut limit = budget;
+        let top = depth == 0;
+        let keep = |next: State, best: &mut Option<State>, limit: &mut usize| {
+            let next = if top { self.merged(next) } else { next };
+            let n = Self::count(&next).saturating_sub(before);
+            // A candidate cut short by the clock has few panels because it is unfinished.
+            if n <= *limit && !(best.is_some() && self.control.stopped()) {
+                *limit = n.saturating_sub(1);
+                *best = Some(next);
+            }
+        };
+        let forms = state.forms(label, 240);
+        let found = level(&forms, &LevelOptions::default());
+        let four = 4.0 * self.options.tolerance.sqrt();
+        let predicted = found.as_ref().map_or(f64::INFINITY, |l| l.merit / four);
+        if let Some(l) = found.as_ref().filter(|l| l.merit <= POOR * l.range) {
+            if let Some(next) = self.bands(&state, label, l, limit, depth) {
+                keep(next, &mut best, &mut limit);
+            }
+        } else if let Some(next) = self.divided(&state, label, limit, depth) {
+            keep(next, &mut best, &mut limit);
+        }
+        let reached = best.as_ref().map_or(predicted, |b| (Self::count(b) - before) as f64);
+        if reached <= SWEEP_COUNT && limit > 0 {
+            if let Some(next) = self.sweep(&state, label, limit) {
+                keep(next, &mut best, &mut limit);
+            }
+        }
+        if best.is_none() {
+            if let Some(next) = self.bisect(state, label, budget, depth) {
+                limit = budget;
+                keep(next, &mut best, &mut limit);
+            }
+        }
+        self.control.report("covering", 0.0, format!("{} proofs", self.proofs.load(Ordering::Relaxed)));
+        best
+    }
+
+    /// Straight bands in several directions of the parameter plane; the fewest win (C5b).
+    fn sweep(&self, state: &State, label: u32, budget: usize) -> Option<State> {
+        let bounds = state.partition.bounds(label);
+        let forms = state.forms(label, 100);
+        let (e, g) = forms.iter().fold((0.0, 0.0), |(e, g), f| (e + f.first[0], g + f.first[2]));
+        let aspect = if e > 0.0 { (g / e).sqrt() } else { 1.0 };
+        let incumbent = AtomicUsize::new(budget + 1);
+        let before = Self::count(state);
+        (0..SWEEP_DIRECTIONS)
+            .into_par_iter()
+            .filter_map(|k| {
+                let angle = std::f64::consts::PI * k as f64 / SWEEP_DIRECTIONS as f64;
+                let mut field = crate::spline::field::Field::bicubic(bounds, 1).ok()?;
+                field.set_linear(angle.cos(), angle.sin() * aspect);
+                let next = self.swept(state, label, &field, &incumbent)?;
+                let n = Self::count(&next) - before;
+                incumbent.fetch_min(n, Ordering::Relaxed);
+                Some((n, k, next))
+            })
+            .min_by_key(|(n, k, _)| (*n, *k))
+            .map(|(_, _, s)| s)
+    }
+
+    /// Cuts a region for which no level function is good, where the parts together promise fewer strips (C4).
+    fn divided(
+        &self,
+        state: &State,
+        label: u32,
+        budget: usize,
+        depth: usize,
+    ) -> Option<State> {
+        let four = 4.0 * self.options.tolerance.sqrt();
+        let rate = |s: &State, l: u32| level(&s.forms(l, 160), &LevelOptions { rounds: 3, ..LevelOptions::default() });
+        let candidates: Vec<(f64, State, Vec<u32>)> = (0..4usize)
+            .into_par_iter()
+            .filter_map(|k| {
+                let mut s = state.clone();
+                let parts = if k == 0 { self.cut_by_sign(&mut s, label)? } else { self.halve(&mut s, label, k - 1)? };
+                let merit: f64 = parts.iter().map(|&p| rate(&s, p).map_or(0.0, |l| l.merit) + four).sum();
+                Some((merit, s, parts))
+            })
+            .collect();
+        let (_, s, parts) = candidates.into_iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
+        self.parts(s, &parts, budget, depth)
+    }
+
+    /// Covers several regions one after the other within a common budget.
+    fn parts(&self, mut state: State, parts: &[u32], budget: usize, depth: usize) -> Option<State> {
+        let before = Self::count(&state);
+        for (i, &p) in parts.iter().enumerate() {
+            let used = Self::count(&state) - before;
+            let rest = parts.len() - 1 - i;
+            state = self.region(state, p, budget.checked_sub(used + rest)?, depth + 1)?;
+        }
+        Some(state)
+    }
+
+    /// Cuts a region in the middle of its principal axis in space and covers the parts (C6).
+    fn bisect(&self, mut state: State, label: u32, budget: usize, depth: usize) -> Option<State> {
+        let parts = self.halve(&mut state, label, 0)?;
+        self.parts(state, &parts, budget, depth)
+    }
+}
+
+/// Gives every region without a torse the nearest one at hand, unproven: the best that a job cut short can offer.
+pub fn fill(face: &Face, state: &mut State) {
+    let _ = face;
+    for label in state.partition.distinct_labels() {
+        if !state.panels.contains_key(&label) {
+            let samples = state.samples(label);
+            let fit = crate::fit::primal::primal(&samples, &crate::fit::primal::PrimalOptions::default())
+                .or_else(|| crate::fit::plane::plane(&samples));
+            if let Some(fit) = fit {
+                state.panels.insert(label, std::sync::Arc::new(fit));
+            }
+        }
+    }
+}
+
+/// Cuts the regions of refused panels in two and covers the parts anew.
+pub fn cut_refused(
+    face: &Face,
+    options: &CoverOptions,
+    control: &Control,
+    state: &State,
+    refused: &[u32],
+) -> Option<State> {
+    let job = Job {
+        face,
+        prepared: Prepared::new(&face.surface),
+        options: *options,
+        control,
+        proofs: AtomicUsize::new(0),
+    };
+    let mut state = state.clone();
+    for &label in refused {
+        state.panels.remove(&label);
+        state = job.bisect(state, label, usize::MAX, 0)?;
+    }
+    Some(state)
+}

@@ -1,0 +1,224 @@
+//! What is known while a face is being covered: the partition, the surface at its vertices, and the torses found.
+
+use crate::fit::level::Forms;
+use crate::fit::samples::{Fit, Sample};
+use crate::geom::partition::{edges, Partition};
+use crate::geom::triangulate::{triangulate, TriangulateError};
+use crate::geom::{BBox, Vec3};
+use crate::spline::surface::{Surface, SurfaceJet};
+use crate::surface::face::Face;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// The surface at a vertex of the partition.
+#[derive(Clone, Copy, Debug)]
+pub struct VertexJet {
+    /// Point and derivatives.
+    pub jet: SurfaceJet,
+    /// Unit normal; zero where the parametrisation degenerates.
+    pub normal: Vec3,
+}
+
+/// A face in the making.
+#[derive(Clone, Debug)]
+pub struct State {
+    /// Regions.
+    pub partition: Partition,
+    /// Surface at the partition's vertices.
+    pub jets: Vec<VertexJet>,
+    /// Torse of each finished label.
+    pub panels: BTreeMap<u32, Arc<Fit>>,
+}
+
+/// Share of the median speed below which a parametrisation counts as collapsed (pole).
+const COLLAPSED: f64 = 1e-7;
+
+/// Cells per direction of the first triangulation, by the longer side; enough for some twenty strips.
+const CELLS: usize = 64;
+/// Largest number of cells of the first triangulation.
+const MOST_CELLS: usize = 6000;
+
+impl State {
+    /// Triangulates a face: along its knot lines, and fine enough to tell strips of width `strip` (mm) apart.
+    ///
+    /// # Errors
+    /// Trim loops that cross or enclose nothing.
+    pub fn of_face(face: &Face, strip: f64) -> Result<Self, TriangulateError> {
+        let s = &face.surface;
+        let mut b = [f64::INFINITY, f64::NEG_INFINITY, f64::INFINITY, f64::NEG_INFINITY];
+        for p in face.loops.iter().flat_map(|l| &l.points) {
+            b = [b[0].min(p[0]), b[1].max(p[0]), b[2].min(p[1]), b[3].max(p[1])];
+        }
+        let (lines_u, lines_v) = grid_lines(s, b, strip);
+        let loops: Vec<(Vec<[f64; 2]>, Vec<u32>)> =
+            face.loops.iter().map(|l| (l.points.clone(), l.edge.clone())).collect();
+        let partition = triangulate(&loops, &lines_u, &lines_v)?;
+        let mut state = Self { partition, jets: Vec::new(), panels: BTreeMap::new() };
+        state.update(s);
+        Ok(state)
+    }
+
+    /// Evaluates the surface at new vertices.
+    pub fn update(&mut self, surface: &Surface) {
+        for v in self.jets.len()..self.partition.vertices.len() {
+            let [u, w] = self.partition.vertices[v];
+            let jet = surface.jet(u, w);
+            let n = jet.normal();
+            let size = jet.du.norm() * jet.dv.norm();
+            let normal = if n.norm() > COLLAPSED * size && size > 0.0 { n.normalize() } else { Vec3::zeros() };
+            self.jets.push(VertexJet { jet, normal });
+        }
+    }
+
+    /// Cuts a label; see [`Partition::cut`].
+    pub fn cut(&mut self, surface: &Surface, label: u32, positive: u32, value: impl Fn([f64; 2]) -> f64) {
+        self.partition.cut(label, positive, value);
+        self.update(surface);
+    }
+
+    /// Area of triangles in space by their corners, mm².
+    pub fn triangle_area(&self, t: usize) -> f64 {
+        let [a, b, c] = self.partition.triangles[t].map(|v| self.jets[v as usize].jet.p);
+        0.5 * (b - a).cross(&(c - a)).norm()
+    }
+
+    /// Area of a label, mm².
+    pub fn area(&self, label: u32) -> f64 {
+        self.partition.region(label).into_iter().map(|t| self.triangle_area(t)).sum()
+    }
+
+    /// Samples at the vertices of a label, weighted by area. Edges of the region whose ends fall far apart get
+    /// their middles too, so that thin regions are seen in full.
+    pub fn samples(&self, label: u32) -> Vec<Sample> {
+        let mut weight: BTreeMap<u32, f64> = BTreeMap::new();
+        for t in self.partition.region(label) {
+            let a = self.triangle_area(t) / 3.0;
+            for v in self.partition.triangles[t] {
+                *weight.entry(v).or_insert(0.0) += a;
+            }
+        }
+        weight
+            .into_iter()
+            .map(|(v, weight)| {
+                let j = &self.jets[v as usize];
+                Sample { x: j.jet.p, n: j.normal, weight }
+            })
+            .collect()
+    }
+
+    /// Fundamental forms at up to `count` vertices of a label, poles left out.
+    pub fn forms(&self, label: u32, count: usize) -> Vec<Forms> {
+        let vertices = self.partition.region_vertices(label);
+        let usable: Vec<u32> =
+            vertices.into_iter().filter(|&v| self.jets[v as usize].normal.norm_squared() > 0.5).collect();
+        let picked = spread(&usable, count, |v| self.jets[v as usize].jet.p);
+        picked.into_iter().map(|v| self.form_at(v)).collect()
+    }
+
+    /// Principal curvatures at a vertex, larger first, 1/mm; `None` at poles.
+    pub fn curvatures(&self, v: u32) -> Option<[f64; 2]> {
+        let j = &self.jets[v as usize];
+        (j.normal.norm_squared() > 0.5).then(|| self.form_at(v).principal())
+    }
+
+    fn form_at(&self, v: u32) -> Forms {
+        let j = &self.jets[v as usize];
+        let (s, n) = (&j.jet, &j.normal);
+        Forms {
+            uv: self.partition.vertices[v as usize],
+            first: [s.du.dot(&s.du), s.du.dot(&s.dv), s.dv.dot(&s.dv)],
+            second: [n.dot(&s.duu), n.dot(&s.duv), n.dot(&s.dvv)],
+        }
+    }
+
+    /// Corner parameters of a label's triangles.
+    pub fn triangles(&self, label: u32) -> Vec<[[f64; 2]; 3]> {
+        self.partition.region(label).into_iter().map(|t| self.partition.corners(t)).collect()
+    }
+
+    /// Box of a label in space.
+    pub fn bbox(&self, label: u32) -> BBox {
+        BBox::of(self.partition.region_vertices(label).iter().map(|&v| &self.jets[v as usize].jet.p))
+    }
+
+    /// Longest triangle edge of a label in space, mm.
+    pub fn mesh_size(&self, label: u32) -> f64 {
+        let mut longest: f64 = 0.0;
+        for t in self.partition.region(label) {
+            for (a, b) in edges(self.partition.triangles[t]) {
+                longest = longest.max((self.jets[a as usize].jet.p - self.jets[b as usize].jet.p).norm());
+            }
+        }
+        longest
+    }
+}
+
+/// At most `count` of the items, spread evenly in space: one per voxel, voxels growing until few enough are left.
+fn spread(items: &[u32], count: usize, place: impl Fn(u32) -> Vec3) -> Vec<u32> {
+    if items.len() <= count {
+        return items.to_vec();
+    }
+    let bbox = BBox::of(items.iter().map(|&v| place(v)).collect::<Vec<_>>().iter());
+    let mut size = bbox.diagonal() / (count as f64).sqrt() * 0.5;
+    loop {
+        let mut taken = std::collections::HashSet::new();
+        let picked: Vec<u32> = items
+            .iter()
+            .copied()
+            .filter(|&v| {
+                let q = (place(v) - bbox.min) / size;
+                taken.insert((q.x as i64, q.y as i64, q.z as i64))
+            })
+            .collect();
+        if picked.len() <= count || !(size.is_finite() && size > 0.0) {
+            return picked;
+        }
+        size *= 1.15;
+    }
+}
+
+/// Grid lines of the first triangulation within the box `[u0, u1, v0, v1]`: every knot line, and between them
+/// lines about equally spaced in space.
+fn grid_lines(s: &Surface, b: [f64; 4], strip: f64) -> (Vec<f64>, Vec<f64>) {
+    const ISO: usize = 5;
+    let breaks = |all: Vec<f64>, lo: f64, hi: f64| {
+        let mut l: Vec<f64> = all.into_iter().filter(|&x| x > lo && x < hi).collect();
+        l.insert(0, lo);
+        l.push(hi);
+        l
+    };
+    let (bu, bv) = (breaks(s.knots_u.breaks(), b[0], b[1]), breaks(s.knots_v.breaks(), b[2], b[3]));
+    // Length of each knot interval: the largest over some iso-curves.
+    let lengths = |own: &[f64], other: (f64, f64), point: &dyn Fn(f64, f64) -> Vec3| -> Vec<f64> {
+        own.windows(2)
+            .map(|w| {
+                (0..ISO)
+                    .map(|k| {
+                        let c = other.0 + (other.1 - other.0) * k as f64 / (ISO - 1) as f64;
+                        let pts: Vec<Vec3> =
+                            (0..=8).map(|i| point(w[0] + (w[1] - w[0]) * i as f64 / 8.0, c)).collect();
+                        pts.windows(2).map(|p| (p[1] - p[0]).norm()).sum::<f64>()
+                    })
+                    .fold(0.0, f64::max)
+            })
+            .collect()
+    };
+    let lu = lengths(&bu, (b[2], b[3]), &|u, v| s.point(u, v));
+    let lv = lengths(&bv, (b[0], b[1]), &|v, u| s.point(u, v));
+    let (tu, tv) = (lu.iter().sum::<f64>().max(1e-300), lv.iter().sum::<f64>().max(1e-300));
+    let mut h = (tu.max(tv) / CELLS as f64).min(strip / 6.0).max((tu * tv / MOST_CELLS as f64).sqrt());
+    if !(h.is_finite() && h > 0.0) {
+        h = 1.0;
+    }
+    let subdivide = |own: &[f64], len: &[f64]| {
+        let mut out = vec![own[0]];
+        for (w, l) in own.windows(2).zip(len) {
+            let n = ((l / h).ceil() as usize).clamp(1, 4 * CELLS);
+            for i in 1..=n {
+                out.push(if i == n { w[1] } else { w[0] + (w[1] - w[0]) * i as f64 / n as f64 });
+            }
+        }
+        out
+    };
+    (subdivide(&bu, &lu), subdivide(&bv, &lv))
+}
