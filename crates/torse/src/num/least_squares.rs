@@ -99,6 +99,11 @@ impl BandMatrix {
         self.values.clone_from(&other.values);
     }
 
+    /// Becomes zero.
+    pub fn clear(&mut self) {
+        self.values.fill(0.0);
+    }
+
     /// Diagonal entry `i`.
     pub fn diagonal(&self, i: usize) -> f64 {
         self.values[(i + 1) * self.width - 1]

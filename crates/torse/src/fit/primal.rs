@@ -1,0 +1,381 @@
+//! Fitting a primal torse: a plane profile with conjugate rulings, inflections included.
+//!
+//! *Method*: mixed-curvature specification C1.5 (frame from the normals, ten ruling directions, ranking by cylinders
+//! and cones, Gauss–Newton), finished by linearised minimax steps with exchange of the worst samples.
+
+use super::descent::{largest, Descent, Family};
+use super::plane::{plane, principal_frame};
+use super::profile::{ProfileFamily, Slopes};
+use super::samples::{error, thin, Fit, Sample};
+use super::sheet::Sheet;
+use crate::geom::{Frame, Vec3};
+use crate::spline::pieces::Pieces;
+use crate::surface::torse::{PanelKind, PrimalTorse, Torse};
+
+/// Options of [`primal`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct PrimalOptions {
+    /// Wanted distance, mm: the fit ends early below it, and simple kinds are preferred when they reach it.
+    pub tolerance: f64,
+    /// Ruling directions tried; 10.
+    pub directions: usize,
+    /// Best directions that get a full fit; 3.
+    pub keep: usize,
+    /// Spans of the profile f (raised to a multiple of `ruling_spans`); 10.
+    pub profile_spans: usize,
+    /// Spans of the ruling slope a; 2.
+    pub ruling_spans: usize,
+    /// Samples that take part at first; 220.
+    pub max_samples: usize,
+}
+
+impl PrimalOptions {
+    /// The defaults with a tolerance in mm.
+    pub fn new(tolerance: f64) -> Self {
+        Self { tolerance, directions: 10, keep: 3, profile_spans: 10, ruling_spans: 2, max_samples: 220 }
+    }
+}
+
+/// Share of the tolerance at which a fit is good enough to stop.
+pub(super) const ENOUGH: f64 = 0.9;
+/// The final domain reaches this share of the feet's range beyond them.
+pub(super) const MARGIN: f64 = 0.08;
+/// Fits worse than this many tolerances are not refined.
+const HOPELESS: f64 = 6.0;
+/// Rounds of exchange.
+const ROUNDS: usize = 4;
+
+/// A candidate: coordinates, scale and coefficients.
+struct Candidate {
+    frame: Frame,
+    unit: f64,
+    family: ProfileFamily,
+    x: Vec<f64>,
+    score: f64,
+}
+
+/// The primal torse nearest to the samples in the sense of the largest distance, or a plane, cylinder or cone when
+/// such a one reaches the tolerance.
+///
+/// *Input*: samples of a piece of surface whose normals lie within 70° of a common direction; normals may be zero in
+/// places. *Result*: a fit whose domain reaches at least 5 % of the feet's range beyond all feet, regular
+/// (`1 + y a' > 0.05`) at all samples; its error may exceed the tolerance (then it is within a few percent of the best
+/// local optimum found, or, above six tolerances, only roughly fitted). `None` without samples, with numbers that are
+/// not finite, or if no regular torse was found.
+/// *Not guaranteed*: that the optimum is global.
+pub fn primal(samples: &[Sample], options: &PrimalOptions) -> Option<Fit> {
+    let enough = ENOUGH * options.tolerance;
+    let flat = plane(samples)?;
+    if flat.error <= options.tolerance || samples.len() < 6 {
+        return Some(flat);
+    }
+    let best = curved(samples, options, enough);
+    match best {
+        Some(fit) if fit.error < flat.error => Some(fit),
+        _ => Some(flat),
+    }
+}
+
+fn curved(samples: &[Sample], options: &PrimalOptions, enough: f64) -> Option<Fit> {
+    let up = mean_direction(samples)?;
+    let few = thin(samples, options.max_samples.max(12));
+    let all: Vec<usize> = (0..samples.len()).collect();
+    let ruling_spans = options.ruling_spans.max(1);
+    let profile_spans = options.profile_spans.max(2).div_ceil(ruling_spans) * ruling_spans;
+
+    // Ranking of the directions by cones.
+    let mut candidates = ranked(samples, &few, up, options.directions.max(1), profile_spans);
+    candidates.truncate(options.keep.max(1));
+
+    // Simple kinds from the best direction.
+    if let Some(c) = candidates.first() {
+        for (slopes, kind) in [(Slopes::Constant, PanelKind::Cylinder), (Slopes::Affine, PanelKind::Cone)] {
+            if let Some(fit) = simple(c, slopes, kind, samples, &few, &all, options.tolerance) {
+                return Some(fit);
+            }
+        }
+    }
+
+    // General torses: a few steps for each direction, the rest for the best.
+    for c in &mut candidates {
+        c.score = f64::INFINITY;
+        let (a, b) = c.family.foot_range();
+        let Some((mut family, x)) = c.family.changed(&c.x, spans(a, b, profile_spans), Slopes::Affine) else {
+            continue;
+        };
+        let Some((x, _)) = descended(&mut family, x, &few, 2, 0) else { continue };
+        let (a, b) = family.foot_range();
+        let breaks = spans(a, b, profile_spans);
+        let coarse = breaks.iter().step_by(profile_spans / ruling_spans).copied().collect();
+        let Some((mut family, x)) = family.changed(&x, breaks, Slopes::Spline(coarse)) else { continue };
+        let Some((x, worst)) = descended(&mut family, x, &few, 4, 4) else { continue };
+        (c.family, c.x, c.score) = (family, x, worst * c.unit);
+    }
+    candidates.retain(|c| c.score.is_finite());
+    candidates.sort_by(|a, b| a.score.total_cmp(&b.score));
+    let best = candidates.first_mut()?;
+    if best.score > HOPELESS * options.tolerance {
+        return finished(best, PanelKind::Torse, samples);
+    }
+    let goal = enough / best.unit;
+    let mut reached = polished(&mut best.family, &mut best.x, &few, &all, goal)?;
+    if reached * best.unit > options.tolerance && reached * best.unit < 2.5 * options.tolerance {
+        // More freedom, from where the coarse fit ended.
+        let (a, b) = best.family.foot_range();
+        let breaks = spans(a, b, 2 * profile_spans);
+        let coarse = breaks.iter().step_by(profile_spans / ruling_spans).copied().collect();
+        if let Some((mut family, mut x)) = best.family.changed(&best.x, breaks, Slopes::Spline(coarse)) {
+            if let Some(finer) = polished(&mut family, &mut x, &few, &all, goal) {
+                if finer < reached {
+                    reached = finer;
+                    (best.family, best.x) = (family, x);
+                }
+            }
+        }
+    }
+    best.score = reached * best.unit;
+    finished(best, PanelKind::Torse, samples)
+}
+
+/// A direction that makes a positive product with as many normals as possible: their mean, turned towards the farthest
+/// ones where these lie too far off. `None` if no direction has all normals within about 70°.
+fn mean_direction(samples: &[Sample]) -> Option<Vec3> {
+    const LEAST: f64 = 0.3;
+    const STEPS: usize = 20;
+    let normals: Vec<(Vec3, f64)> =
+        samples.iter().filter(|s| s.n.norm_squared() > 0.25).map(|s| (s.n, s.weight.max(1e-300))).collect();
+    if normals.is_empty() {
+        return principal_frame(samples).map(|f| f.z);
+    }
+    let mut up = normals.iter().map(|(n, w)| n * *w).sum::<Vec3>().try_normalize(1e-300)?;
+    for k in 0..=STEPS {
+        let far = normals.iter().map(|(n, _)| n).min_by(|a, b| a.dot(&up).total_cmp(&b.dot(&up)))?;
+        if far.dot(&up) >= LEAST {
+            return Some(up);
+        }
+        up = (up + far * (1.0 / (2.0 + k as f64))).try_normalize(1e-300)?;
+    }
+    None
+}
+
+/// Breaks of `count` equal spans that reach beyond the feet's range.
+fn spans(a: f64, b: f64, count: usize) -> Vec<f64> {
+    let (lo, hi) = (a - MARGIN * (b - a), b + MARGIN * (b - a));
+    (0..=count).map(|i| lo + (hi - lo) * i as f64 / count as f64).collect()
+}
+
+/// All directions with their cones, best first.
+fn ranked(samples: &[Sample], few: &[usize], up: Vec3, directions: usize, profile_spans: usize) -> Vec<Candidate> {
+    // Samples and steps that suffice to rank directions.
+    const RANKING: usize = 100;
+    const STEPS: usize = 3;
+    let seed = if up.x.abs() < 0.6 { Vec3::x() } else { Vec3::y() };
+    let (e1, e2) = {
+        let e1 = (seed - up * seed.dot(&up)).normalize();
+        (e1, up.cross(&e1))
+    };
+    let active: Vec<usize> = few.iter().step_by(few.len().div_ceil(RANKING).max(1)).copied().collect();
+    let mut out = Vec::new();
+    for k in 0..directions {
+        let (sin, cos) = (std::f64::consts::PI * k as f64 / directions as f64).sin_cos();
+        let y = e1 * cos + e2 * sin;
+        let x = y.cross(&up);
+        let Some(mut c) = placed(samples, Frame { origin: Vec3::zeros(), x, y, z: up }, profile_spans) else {
+            continue;
+        };
+        let start = vec![0.0; c.family.unknowns()];
+        let Some(mut d) = Descent::new(&mut c.family, start, active.clone()) else { continue };
+        for _ in 0..STEPS {
+            if !d.gauss_newton() {
+                break;
+            }
+        }
+        let (score, x) = (d.rms(), d.x);
+        c.score = score * c.unit;
+        c.x = x;
+        // Feet of the samples that did not take part.
+        let (mut unused, all) = (Vec::new(), few);
+        if c.family.residuals(&c.x, all, &mut unused) {
+            c.family.adopt(all);
+            out.push(c);
+        }
+    }
+    out.sort_by(|a, b| a.score.total_cmp(&b.score));
+    out
+}
+
+/// Local coordinates with unit extent in x, and the family of cones there.
+fn placed(samples: &[Sample], axes: Frame, profile_spans: usize) -> Option<Candidate> {
+    let local = samples.iter().map(|s| axes.vector_to_local(&s.x));
+    let (lo, hi) = local
+        .fold((Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY)), |(lo, hi), q| (lo.inf(&q), hi.sup(&q)));
+    let unit = hi.x - lo.x;
+    // An extent of nothing against the others leaves no profile.
+    if !(unit > 1e-6 * (hi - lo).norm() && unit.is_finite()) {
+        return None;
+    }
+    let frame = Frame { origin: axes.vector_to_world(&((lo + hi) * 0.5)), ..axes };
+    let points: Vec<Vec3> = samples.iter().map(|s| frame.to_local(&s.x) / unit).collect();
+    let feet = points.iter().map(|q| q.x).collect();
+    let family = ProfileFamily::new(points, feet, spans(-0.5, 0.5, profile_spans), Slopes::Affine)?;
+    Some(Candidate { frame, unit, family, x: Vec::new(), score: f64::INFINITY })
+}
+
+/// Gauss–Newton steps, then such steps with Lawson weights; coefficients and largest distance.
+fn descended(
+    family: &mut ProfileFamily,
+    x: Vec<f64>,
+    few: &[usize],
+    steps: usize,
+    weighted: usize,
+) -> Option<(Vec<f64>, f64)> {
+    // A gain below this share ends the unweighted steps.
+    const SMALL: f64 = 0.01;
+    let mut d = Descent::new(family, x, few.to_vec())?;
+    for _ in 0..steps {
+        let before = d.rms();
+        if !d.gauss_newton() || d.rms() > (1.0 - SMALL) * before {
+            break;
+        }
+    }
+    let mut best = (d.x.clone(), d.worst);
+    for _ in 0..weighted {
+        d.reweight();
+        if !d.gauss_newton() {
+            break;
+        }
+        if d.worst < best.1 {
+            best = (d.x.clone(), d.worst);
+        }
+    }
+    let (x, worst) = best;
+    let mut residual = Vec::new();
+    if family.residuals(&x, few, &mut residual) {
+        family.adopt(few);
+    }
+    Some((x, worst))
+}
+
+/// Minimax with exchange over all samples; the largest distance, with `x` replaced.
+fn polished(family: &mut ProfileFamily, x: &mut Vec<f64>, few: &[usize], all: &[usize], goal: f64) -> Option<f64> {
+    let mut d = Descent::new(family, x.clone(), few.to_vec())?;
+    let reached = d.exchange(all, ROUNDS, goal)?;
+    *x = d.x;
+    Some(reached)
+}
+
+/// The best cylinder or cone near a candidate if it reaches the tolerance.
+fn simple(
+    candidate: &Candidate,
+    slopes: Slopes,
+    kind: PanelKind,
+    samples: &[Sample],
+    few: &[usize],
+    all: &[usize],
+    tolerance: f64,
+) -> Option<Fit> {
+    // Least-squares fits whose largest distance exceeds this many tolerances do not come below it by minimax steps.
+    const PROMISING: f64 = 2.5;
+    let unit = candidate.unit;
+    let (mut family, x) = candidate.family.changed(&candidate.x, candidate.family.breaks.clone(), slopes.clone())?;
+    let (x, worst) = descended(&mut family, x, few, 4, 0)?;
+    if worst * unit > PROMISING * tolerance {
+        return None;
+    }
+    let (a, b) = family.foot_range();
+    let count = family.breaks.len() - 1;
+    let (mut family, mut x) = family.changed(&x, spans(a, b, count), slopes)?;
+    let reached = polished(&mut family, &mut x, few, all, ENOUGH * tolerance / unit)?;
+    if reached * unit > tolerance {
+        return None;
+    }
+    let done = Candidate { frame: candidate.frame, unit, family, x, score: reached * unit };
+    finished(&done, kind, samples).filter(|fit| fit.error <= tolerance)
+}
+
+/// The torse in mm on a domain that reaches a little beyond the feet of all samples, with its measured error.
+fn finished(c: &Candidate, kind: PanelKind, samples: &[Sample]) -> Option<Fit> {
+    let sheet = c.family.sheet(&c.x);
+    let Sheet::Primal { profile, .. } = &sheet else { return None };
+    // Feet of all samples, wherever they are on the continued torse.
+    let (lo, hi) = profile.domain();
+    let wide = (lo - 0.5 * (hi - lo), hi + 0.5 * (hi - lo));
+    let (mut a, mut b) = (f64::INFINITY, f64::NEG_INFINITY);
+    for (q, &guess) in c.family.points.iter().zip(&c.family.feet) {
+        let t = sheet.foot(q, guess, wide)?;
+        (a, b) = (a.min(t), b.max(t));
+    }
+    let margin = MARGIN * (b - a);
+    // An end piece shorter than a quarter of a span would have ill-conditioned knots.
+    let shortest = 0.25 * (hi - lo) / profile.power.len() as f64;
+    let on = profile.on(a - margin, b + margin, shortest);
+    let beta = sheet.slope(on.breaks[0]);
+    let unit = c.unit;
+    let scaled = Pieces {
+        breaks: on.breaks.iter().map(|t| t * unit).collect(),
+        power: on
+            .power
+            .iter()
+            .map(|p| std::array::from_fn(|k| [p[k][0] * unit.powi(1 - k as i32), p[k][1] * unit.powi(-(k as i32))]))
+            .collect(),
+    };
+    let torse = Torse::Primal(PrimalTorse { frame: c.frame, profile: scaled.to_curve().ok()?, beta });
+    let (error, worst) = error(&torse, samples)?;
+    Some(Fit { torse, kind, error, worst })
+}
+
+/// Continues the minimax iteration of a primal torse over samples that may have been added.
+pub(super) fn refit(
+    torse: &PrimalTorse,
+    kind: PanelKind,
+    samples: &[Sample],
+    count: usize,
+    tolerance: f64,
+) -> Option<Fit> {
+    let pieces = Pieces::of(&torse.profile)?;
+    let (lo, hi) = pieces.domain();
+    let unit = (hi - lo) / (1.0 + 2.0 * MARGIN);
+    let breaks: Vec<f64> = pieces.breaks.iter().map(|t| t / unit).collect();
+    let slopes = match kind {
+        PanelKind::Plane | PanelKind::Cylinder => Slopes::Constant,
+        PanelKind::Cone => Slopes::Affine,
+        PanelKind::Torse => Slopes::Spline(coarse_breaks(&pieces, &breaks)),
+    };
+    let scaled = Pieces {
+        breaks: breaks.clone(),
+        power: pieces
+            .power
+            .iter()
+            .map(|p| std::array::from_fn(|k| [p[k][0] * unit.powi(k as i32 - 1), p[k][1] * unit.powi(k as i32)]))
+            .collect(),
+    };
+    let points: Vec<Vec3> = samples.iter().map(|s| torse.frame.to_local(&s.x) / unit).collect();
+    let feet = points.iter().map(|q| q.x).collect();
+    let mut family = ProfileFamily::new(points, feet, breaks, slopes)?;
+    let mut x = family.coefficients(&scaled, torse.beta);
+    let all: Vec<usize> = (0..samples.len()).collect();
+    let few = thin(samples, count);
+    let mut residual = Vec::new();
+    if family.residuals(&x, &all, &mut residual) {
+        family.adopt(&all);
+    }
+    let reached = polished(&mut family, &mut x, &few, &all, ENOUGH * tolerance / unit)?;
+    debug_assert!(largest(&[reached]).is_finite());
+    finished(&Candidate { frame: torse.frame, unit, family, x, score: reached * unit }, kind, samples)
+}
+
+/// Breaks at which the third derivative of a jumps, ends included.
+fn coarse_breaks(pieces: &Pieces<2>, breaks: &[f64]) -> Vec<f64> {
+    // Below this share of the largest third derivative a jump is rounding.
+    const JUMP: f64 = 1e-7;
+    let third: Vec<f64> = pieces.power.iter().map(|p| p[3][1]).collect();
+    let most = largest(&third);
+    let mut out = vec![breaks[0]];
+    for s in 1..third.len() {
+        if (third[s] - third[s - 1]).abs() > JUMP * most {
+            out.push(breaks[s]);
+        }
+    }
+    out.push(breaks[breaks.len() - 1]);
+    out
+}
