@@ -1,3 +1,4 @@
 //! Floor 6: one readable file per user job.
 
+pub mod info;
 pub mod outcome;
