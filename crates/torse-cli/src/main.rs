@@ -1,2 +1,39 @@
-//! `torse`: the command line.
-fn main() {}
+//! `torse`: the command line. Arguments, progress, folders and exit status; no geometry.
+//!
+//! Exit status: 0 finished and certified (or the information asked for), 2 bad input or usage, 3 finished but not
+//! certified (files are written and say so), 130 stopped at once by a second Ctrl-C.
+
+mod approximate;
+mod args;
+mod failure;
+mod folder;
+mod info;
+mod quantity;
+mod terminal;
+mod wiring;
+
+use clap::Parser;
+use std::io::Write;
+use std::process::ExitCode;
+
+/// Exit status of bad input and bad usage (clap uses the same one).
+const BAD_INPUT: u8 = 2;
+/// Exit status of a finished job whose result is not certified.
+const NOT_CERTIFIED: u8 = 3;
+
+fn main() -> ExitCode {
+    let arguments = args::Arguments::parse();
+    let done = match &arguments.command {
+        args::Command::Approximate(a) => approximate::run(a),
+        args::Command::Info(a) => info::run(a),
+    };
+    match done {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::from(NOT_CERTIFIED),
+        Err(failure) => {
+            // A closed stderr leaves nobody to tell.
+            let _ = writeln!(std::io::stderr(), "{failure}");
+            ExitCode::from(BAD_INPUT)
+        }
+    }
+}

@@ -5,3 +5,4 @@ pub mod linear_program;
 pub mod least_squares;
 pub mod minimax;
 pub mod max_flow;
+pub mod quadrature;

@@ -2,4 +2,5 @@
 
 pub mod approximate;
 pub mod cover;
+pub mod info;
 pub mod outcome;

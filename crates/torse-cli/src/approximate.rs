@@ -1,0 +1,134 @@
+//! `torse approximate`: the main job.
+
+use crate::args::Approximate;
+use crate::failure::{os_reason, Failure};
+use crate::folder::Output;
+use crate::terminal::Terminal;
+use crate::wiring;
+use std::io::Write;
+use std::path::Path;
+use torse::pipeline::outcome::{Outcome, Status};
+
+/// Runs the job; `Ok(true)` means certified.
+pub fn run(arguments: &Approximate) -> Result<bool, Failure> {
+    let file = &arguments.file;
+    let bytes = contents(file)?;
+    let output = Output::prepare(&arguments.out, file, arguments.force)?;
+    let terminal = Terminal::new(arguments.quiet, arguments.time_limit)?;
+    terminal.guard(Some(output.staging().to_path_buf()));
+
+    terminal.say("reading");
+    let model = wiring::read(&file.display().to_string(), &bytes)?;
+    drop(bytes);
+    if arguments.strict {
+        refuse_skipped(file, &model)?;
+    }
+    let job = wiring::Job {
+        name: arguments.name.clone().unwrap_or_else(|| stem(file)),
+        tolerance: arguments.tolerance.mm,
+        max_panels: arguments.max_panels.map(|n| n as usize),
+    };
+    let outcome = wiring::approximate(model, &job, terminal.control())?;
+
+    terminal.say("writing");
+    for (name, bytes) in wiring::files(&outcome)? {
+        output.write(&name, &bytes)?;
+    }
+    output.finish()?;
+    terminal.guard(None);
+    terminal.finish();
+
+    if !arguments.quiet {
+        // A closed pipe is no reason to fail after the work is done.
+        let _ = summary(&outcome, arguments, terminal.interrupted());
+    }
+    Ok(outcome.status == Status::Certified)
+}
+
+/// Reads the input file.
+pub fn contents(file: &Path) -> Result<Vec<u8>, Failure> {
+    if file.is_dir() {
+        return Err(Failure::new(format!("'{}' is a folder", file.display()), "give the STEP file inside it"));
+    }
+    std::fs::read(file).map_err(|e| {
+        Failure::new(format!("cannot read '{}': {}", file.display(), os_reason(&e)), "check the name and the rights")
+    })
+}
+
+/// Name of a file without folder and extension.
+fn stem(file: &Path) -> String {
+    file.file_stem().map_or_else(|| "model".to_string(), |s| s.to_string_lossy().into_owned())
+}
+
+/// `--strict`: a face that cannot be used is an error.
+fn refuse_skipped(file: &Path, model: &wiring::Model) -> Result<(), Failure> {
+    let Some(first) = model.skipped.first() else { return Ok(()) };
+    let more = match model.skipped.len() {
+        1 => String::new(),
+        n => format!(" (and {} more)", n - 1),
+    };
+    Err(Failure::new(
+        format!("{}: #{} cannot be used: {}{more}", file.display(), first.entity, first.reason),
+        "repair it in CAD, or leave out --strict to go on with the other faces",
+    ))
+}
+
+/// Tells the result in a few lines.
+fn summary(outcome: &Outcome, arguments: &Approximate, interrupted: bool) -> std::io::Result<()> {
+    let mut out = std::io::stdout().lock();
+    let panels = outcome.patchwork.panels.len();
+    let faces = outcome.patchwork.faces.len();
+    let word = |n: usize, word: &str| format!("{n} {word}{}", if n == 1 { "" } else { "s" });
+    let head = format!("{} for {}", word(panels, "panel"), word(faces, "face"));
+    match &outcome.status {
+        Status::Certified => writeln!(
+            out,
+            "certified: {head}, at most {} mm from the surface (tolerance {}), {:.1} s",
+            significant(outcome.certificate.deviation_bound),
+            arguments.tolerance.text,
+            outcome.seconds
+        )?,
+        Status::Uncertified(reason) => {
+            writeln!(out, "NOT certified: {head}, {:.1} s", outcome.seconds)?;
+            writeln!(out, "  reason: {reason}")?;
+        }
+    }
+    if interrupted {
+        writeln!(out, "  stopped early by Ctrl-C")?;
+    }
+    for skipped in &outcome.skipped {
+        writeln!(out, "  left out: #{}: {}", skipped.entity, skipped.reason)?;
+    }
+    writeln!(out, "  open {}", arguments.out.join("report.html").display())
+}
+
+/// A bound to three significant digits, rounded up: it must not look better than it is.
+fn significant(value: f64) -> String {
+    if value <= 0.0 || !value.is_finite() {
+        return format!("{value}");
+    }
+    let digits = 2 - value.log10().floor() as i32;
+    let scale = 10f64.powi(digits);
+    let rounded = (value * scale).ceil() / scale;
+    format!("{rounded:.*}", digits.max(0) as usize)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bounds_are_rounded_up() {
+        assert_eq!(significant(0.98212), "0.983");
+        assert_eq!(significant(1.9e-4), "0.000190");
+        assert_eq!(significant(12.341), "12.4");
+        assert_eq!(significant(1234.1), "1240");
+        assert_eq!(significant(f64::INFINITY), "inf");
+    }
+
+    #[test]
+    fn names_come_from_files() {
+        assert_eq!(stem(Path::new("a/hull.v2.step")), "hull.v2");
+        assert_eq!(stem(Path::new("/")), "model");
+    }
+}

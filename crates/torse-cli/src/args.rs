@@ -1,0 +1,102 @@
+//! Arguments and help.
+
+use crate::quantity::{positive_length, positive_time, Length};
+use clap::{Args, Parser, Subcommand};
+use std::path::PathBuf;
+use std::time::Duration;
+
+/// Developable panels from freeform CAD surfaces, with a proof of the deviation.
+#[derive(Parser, Debug)]
+#[command(name = "torse", version, about, arg_required_else_help = true)]
+#[command(after_help = "Examples:
+  torse approximate hull.step --tolerance 2mm --out hull-panels
+  torse info hull.step
+
+Exit status: 0 certified, 2 bad input or usage, 3 finished but not certified.")]
+pub struct Arguments {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// The commands.
+#[derive(Subcommand, Debug)]
+pub enum Command {
+    /// Cover every face of a STEP model with developable panels and write cut-ready files
+    Approximate(Approximate),
+    /// Tell what a STEP file holds: unit, faces, sizes, curvature, what was not read
+    Info(Info),
+}
+
+/// Arguments of `approximate`.
+#[derive(Args, Debug)]
+#[command(after_help = "Examples:
+  torse approximate hull.step --tolerance 2mm --out hull-panels
+  torse approximate roof.step --tolerance 1/8in --out roof --max-panels 40
+  torse approximate wing.step -t 0.5mm -o wing --force --time-limit 5min
+
+Written into the output folder: panels.step (CAD), patterns.dxf and patterns.svg (cutter), model.glb,
+pictures, report.html (open it in a browser) and report.json.
+
+Ctrl-C stops the search and writes what was found, marked as not certified; a second Ctrl-C stops at once
+and writes nothing.
+
+Exit status: 0 certified, 2 bad input or usage, 3 finished but not certified (files written and marked).")]
+pub struct Approximate {
+    /// STEP file (AP203, AP214 or AP242)
+    #[arg(value_name = "FILE")]
+    pub file: PathBuf,
+
+    /// Largest deviation allowed between surface and panels, with its unit: 2mm, 0.1cm, 1/16in
+    #[arg(short, long, value_name = "LENGTH", value_parser = positive_length, allow_hyphen_values = true)]
+    pub tolerance: Length,
+
+    /// Folder to create for the results
+    #[arg(short, long, value_name = "DIR")]
+    pub out: PathBuf,
+
+    /// Replace the results of an earlier run in that folder
+    #[arg(long)]
+    pub force: bool,
+
+    /// Refuse the whole file if any of its faces cannot be used
+    #[arg(long)]
+    pub strict: bool,
+
+    /// Stop at this number of panels; the result may then be uncertified
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub max_panels: Option<u32>,
+
+    /// Stop after this time, with its unit: 60s, 5min; the result may then be uncertified
+    #[arg(long, value_name = "TIME", value_parser = positive_time, allow_hyphen_values = true)]
+    pub time_limit: Option<Duration>,
+
+    /// Name of the job in the files [default: name of FILE]
+    #[arg(long, value_name = "NAME")]
+    pub name: Option<String>,
+
+    /// Print nothing but errors
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
+/// Arguments of `info`.
+#[derive(Args, Debug)]
+#[command(after_help = "Example:
+  torse info hull.step")]
+pub struct Info {
+    /// STEP file (AP203, AP214 or AP242)
+    #[arg(value_name = "FILE")]
+    pub file: PathBuf,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_definition_is_sound() {
+        Arguments::command().debug_assert();
+    }
+}

@@ -1,0 +1,144 @@
+//! Lengths and times as people write them: `2mm`, `1/16 in`, `60s`. A bare number is refused, because a tolerance in
+//! the wrong unit costs material.
+
+use std::time::Duration;
+
+/// A length given on the command line.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Length {
+    /// Its size in millimetres.
+    pub mm: f64,
+    /// As it was written.
+    pub text: String,
+}
+
+/// Unit names and their size in millimetres.
+const LENGTH_UNITS: &[(&str, f64)] = &[
+    ("mm", 1.0),
+    ("cm", 10.0),
+    ("m", 1000.0),
+    ("in", 25.4),
+    ("inch", 25.4),
+    ("\"", 25.4),
+    ("ft", 304.8),
+    ("foot", 304.8),
+    ("feet", 304.8),
+    ("'", 304.8),
+];
+
+/// Unit names and their length in seconds.
+const TIME_UNITS: &[(&str, f64)] = &[("ms", 1e-3), ("s", 1.0), ("sec", 1.0), ("min", 60.0), ("h", 3600.0)];
+
+/// Longest time limit: a year. Beyond it the number is a typing error.
+const LONGEST_LIMIT: f64 = 3.2e7;
+
+/// Splits `2.5mm` into number and unit. Fractions of the workshop (`1/16in`) are understood.
+fn split(text: &str) -> Result<(f64, &str), String> {
+    let text = text.trim();
+    // The unit is what follows the last digit or point; an exponent (1e-3) is part of the number.
+    let end = text.rfind(|c: char| c.is_ascii_digit() || c == '.' || c == ',').map_or(0, |i| i + 1);
+    let (number, unit) = (text[..end].trim(), text[end..].trim());
+    if number.is_empty() {
+        return Err(format!("'{text}' has no number"));
+    }
+    if number.contains(',') {
+        return Err(format!("'{text}': write a decimal point instead of the comma"));
+    }
+    let parse = |s: &str| s.trim().parse::<f64>().map_err(|_| format!("'{number}' is not a number"));
+    let value = match number.split_once('/') {
+        Some((a, b)) => parse(a)? / parse(b)?,
+        None => parse(number)?,
+    };
+    if !value.is_finite() {
+        return Err(format!("'{number}' is not a finite number"));
+    }
+    Ok((value, unit))
+}
+
+/// Reads a length that must be positive.
+pub fn positive_length(text: &str) -> Result<Length, String> {
+    let (value, unit) = split(text)?;
+    if unit.is_empty() {
+        return Err(format!(
+            "{value} has no unit, and guessing one could ruin material: write {value}mm (or cm, m, in, ft)"
+        ));
+    }
+    let Some(&(_, size)) = LENGTH_UNITS.iter().find(|(name, _)| unit.eq_ignore_ascii_case(name)) else {
+        return Err(format!("unknown unit '{unit}': use mm, cm, m, in or ft"));
+    };
+    let mm = value * size;
+    if mm <= 0.0 || !mm.is_finite() {
+        return Err(format!("'{}' must be greater than zero", text.trim()));
+    }
+    Ok(Length { mm, text: text.trim().to_string() })
+}
+
+/// Reads a time that must be positive.
+pub fn positive_time(text: &str) -> Result<Duration, String> {
+    let (value, unit) = split(text)?;
+    if unit.is_empty() {
+        return Err(format!("{value} has no unit: write {value}s (or min, h)"));
+    }
+    let Some(&(_, size)) = TIME_UNITS.iter().find(|(name, _)| unit.eq_ignore_ascii_case(name)) else {
+        return Err(format!("unknown unit '{unit}': use s, min or h"));
+    };
+    let seconds = value * size;
+    if seconds <= 0.0 {
+        return Err(format!("'{}' must be greater than zero", text.trim()));
+    }
+    if seconds > LONGEST_LIMIT {
+        return Err(format!("'{}' is more than a year", text.trim()));
+    }
+    Ok(Duration::from_secs_f64(seconds))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn units_are_understood() {
+        for (text, mm) in [
+            ("2mm", 2.0),
+            (" 2 mm ", 2.0),
+            ("1e-3m", 1.0),
+            (".5cm", 5.0),
+            ("2.MM", 2.0),
+            ("1in", 25.4),
+            ("1/16 in", 25.4 / 16.0),
+            ("2\"", 50.8),
+            ("1ft", 304.8),
+        ] {
+            let got = positive_length(text).expect(text).mm;
+            assert!((got - mm).abs() <= 1e-12 * mm, "{text}: {got}");
+        }
+    }
+
+    #[test]
+    fn doubtful_lengths_are_refused_with_the_reason() {
+        for (text, reason) in [
+            ("2", "no unit"),
+            ("mm", "no number"),
+            ("", "no number"),
+            ("0mm", "greater than zero"),
+            ("-1mm", "greater than zero"),
+            ("2 parsec", "unknown unit"),
+            ("0,5mm", "decimal point"),
+            ("1e999m", "finite"),
+            ("1/0in", "finite"),
+            ("two2mm", "not a number"),
+            ("nanmm", "no number"),
+        ] {
+            let message = positive_length(text).expect_err(text);
+            assert!(message.contains(reason), "{text}: {message}");
+        }
+    }
+
+    #[test]
+    fn times_are_understood() {
+        assert_eq!(positive_time("60s").expect("time"), Duration::from_secs(60));
+        assert_eq!(positive_time("1.5 min").expect("time"), Duration::from_secs(90));
+        assert!(positive_time("60").expect_err("bare").contains("unit"));
+        assert!(positive_time("1e300h").expect_err("long").contains("year"));
+    }
+}

@@ -1,0 +1,106 @@
+//! Progress on a terminal, and Ctrl-C.
+
+use crate::failure::Failure;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::io::{IsTerminal, Write};
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+use torse::control::{Control, Progress};
+
+/// Steps of the bar: fractions are shown to a tenth of a percent.
+const STEPS: u64 = 1000;
+/// Exit status after a second Ctrl-C (128 + SIGINT, the shell's convention).
+const INTERRUPTED: i32 = 130;
+
+/// The terminal's part in a long job: a bar that appears only where somebody sees it.
+pub struct Terminal {
+    bar: ProgressBar,
+    control: Control,
+    interrupted: Arc<AtomicBool>,
+    /// Folder to remove if the program must end at once.
+    unfinished: Arc<Mutex<Option<PathBuf>>>,
+}
+
+impl Terminal {
+    /// A bar (hidden unless stderr is a terminal and the job is not quiet), a control that feeds it, and a Ctrl-C
+    /// handler that cancels the control; a second Ctrl-C removes the unfinished folder and ends the program.
+    pub fn new(quiet: bool, limit: Option<Duration>) -> Result<Self, Failure> {
+        let bar = ProgressBar::new(STEPS);
+        if quiet || !std::io::stderr().is_terminal() {
+            bar.set_draw_target(ProgressDrawTarget::hidden());
+        }
+        if let Ok(style) = ProgressStyle::with_template("{msg:32!} [{bar:30}] {percent:>3}%  {elapsed}") {
+            bar.set_style(style.progress_chars("=> "));
+        }
+        bar.enable_steady_tick(Duration::from_millis(200));
+
+        let shown = bar.clone();
+        let mut control = Control::with_progress(Arc::new(move |p: &Progress| {
+            let text = if p.detail.is_empty() { p.stage.to_string() } else { format!("{}: {}", p.stage, p.detail) };
+            shown.set_message(text);
+            shown.set_position((p.fraction.clamp(0.0, 1.0) * STEPS as f64) as u64);
+        }));
+        if let Some(limit) = limit {
+            control = control.until(Instant::now() + limit);
+        }
+
+        let interrupted = Arc::new(AtomicBool::new(false));
+        let unfinished = Arc::new(Mutex::new(None::<PathBuf>));
+        let (flag, folder, cancel, seen) = (interrupted.clone(), unfinished.clone(), control.clone(), bar.clone());
+        ctrlc::set_handler(move || {
+            if flag.swap(true, Ordering::SeqCst) {
+                let folder = folder.lock().unwrap_or_else(PoisonError::into_inner).take();
+                if let Some(folder) = folder {
+                    // Nothing more can be done if it resists.
+                    let _ = std::fs::remove_dir_all(folder);
+                }
+                std::process::exit(INTERRUPTED);
+            }
+            cancel.cancel();
+            seen.suspend(|| {
+                if !quiet {
+                    let _ = writeln!(
+                        std::io::stderr(),
+                        "stopping: writing what was found; press Ctrl-C again to stop at once"
+                    );
+                }
+            });
+        })
+        .map_err(|e| Failure::new(format!("cannot watch for Ctrl-C: {e}"), ""))?;
+        Ok(Self { bar, control, interrupted, unfinished })
+    }
+
+    /// The control to hand to the library.
+    pub fn control(&self) -> &Control {
+        &self.control
+    }
+
+    /// Shows what the program itself is doing.
+    pub fn say(&self, message: &'static str) {
+        self.bar.set_message(message);
+    }
+
+    /// Whether Ctrl-C was pressed.
+    pub fn interrupted(&self) -> bool {
+        self.interrupted.load(Ordering::SeqCst)
+    }
+
+    /// Names the folder to remove should the program have to end at once; `None` when it is complete.
+    pub fn guard(&self, folder: Option<PathBuf>) {
+        *self.unfinished.lock().unwrap_or_else(PoisonError::into_inner) = folder;
+    }
+
+    /// Takes the bar away.
+    pub fn finish(&self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+/// An error leaves no bar behind either.
+impl Drop for Terminal {
+    fn drop(&mut self) {
+        self.finish();
+    }
+}
