@@ -3,6 +3,7 @@
 pub mod camera;
 pub mod colour;
 pub mod flat;
+pub mod label;
 pub mod picture;
 pub mod raster;
 pub mod scene;

@@ -3,6 +3,7 @@
 use super::camera::{telling_direction, Camera, Rect};
 use super::colour::{self, Rgb};
 use super::flat::FlatPiece;
+use super::label::SightMap;
 use super::raster::{Drawing, Image, Line, Paint, Vertex};
 use super::scene::Scene;
 use crate::geom::mesh::Mesh;
@@ -202,6 +203,11 @@ fn captions(drawing: &mut Drawing, caption: &Caption) {
 }
 
 fn triangles(drawing: &mut Drawing, camera: &Camera, mesh: &Mesh, paint: Paint, unit: f64) {
+    drawing.triangles.extend(projected(camera, mesh, unit).map(|corners| (paint, corners)));
+}
+
+/// The triangles of a mesh as the camera sees them, values multiplied by `unit`.
+fn projected<'a>(camera: &Camera, mesh: &'a Mesh, unit: f64) -> impl Iterator<Item = [Vertex; 3]> + 'a {
     let vertices: Vec<Vertex> = mesh
         .positions
         .iter()
@@ -212,20 +218,20 @@ fn triangles(drawing: &mut Drawing, camera: &Camera, mesh: &Mesh, paint: Paint, 
             value: mesh.values.get(i).map_or(0.0, |v| v * unit),
         })
         .collect();
-    for t in &mesh.triangles {
-        let Some(mut corners) = corners(&vertices, t) else { continue };
-        let flat = (mesh.positions[t[1] as usize] - mesh.positions[t[0] as usize])
-            .cross(&(mesh.positions[t[2] as usize] - mesh.positions[t[0] as usize]));
-        let flat = flat.try_normalize(0.0).map_or_else(Vec3::z, |n| camera.to_view(&n));
-        for c in &mut corners {
+    let camera = *camera;
+    mesh.triangles.iter().filter_map(move |t| {
+        let mut corners = corners(&vertices, t)?;
+        let [a, b, c] = t.map(|k| mesh.positions[k as usize]);
+        let flat = (b - a).cross(&(c - a)).try_normalize(0.0).map_or_else(Vec3::z, |n| camera.to_view(&n));
+        for corner in &mut corners {
             // Normals that are missing are replaced, and all point to the triangle's own side, so that they can
             // be averaged.
-            let usable = c.normal.iter().all(|x| x.is_finite()) && c.normal.norm_squared() > 0.25;
-            let normal = if usable { c.normal } else { flat };
-            c.normal = if normal.dot(&flat) < 0.0 { -normal } else { normal };
+            let usable = corner.normal.iter().all(|x| x.is_finite()) && corner.normal.norm_squared() > 0.25;
+            let normal = if usable { corner.normal } else { flat };
+            corner.normal = if normal.dot(&flat) < 0.0 { -normal } else { normal };
         }
-        drawing.triangles.push((paint, corners));
-    }
+        Some(corners)
+    })
 }
 
 fn corners(vertices: &[Vertex], t: &[u32; 3]) -> Option<[Vertex; 3]> {
@@ -240,98 +246,25 @@ fn borders(drawing: &mut Drawing, camera: &Camera, scene: &Scene, width: f64) {
     }
 }
 
-/// Names at the middle of the panels, where this is in sight and there is room.
+/// Names where most of the panel is in sight, if there is room.
 fn names(drawing: &mut Drawing, camera: &Camera, scene: &Scene) {
-    // A name takes this share of the panel's visible width, within limits; narrower panels get none.
-    const SHARE: f64 = 0.42;
-    const SIZES: std::ops::RangeInclusive<f64> = 8.0..=17.0;
-    const NARROWEST: f64 = 15.0;
-    let lift = LIFT * scene.bbox().diagonal();
-    let depth = DepthMap::of(drawing);
-    for panel in &scene.panels {
-        let mesh = &panel.mesh;
-        let triangle = |t: &[u32; 3]| -> Option<[Vec3; 3]> {
-            let p = |k: usize| mesh.positions.get(t[k] as usize).copied();
-            Some([p(0)?, p(1)?, p(2)?])
-        };
-        // The visible triangle nearest to the mean of the visible ones.
-        let mut seen: Vec<(Vec3, f64)> = Vec::new();
-        for [a, b, c] in mesh.triangles.iter().filter_map(triangle) {
-            let middle = (a + b + c) / 3.0;
-            let q = camera.project_towards_eye(&middle, lift);
-            let [x, y] = [0, 1].map(|k| [a, b, c].map(|p| camera.project(&p)[k]));
-            let area = 0.5 * ((x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0])).abs();
-            if area > 0.0 && depth.visible(q) {
-                seen.push((middle, area));
-            }
-        }
-        let area: f64 = seen.iter().map(|s| s.1).sum();
-        let places: Vec<Vec2> = seen.iter().map(|(p, _)| camera.project(p)).map(|q| Vec2::new(q[0], q[1])).collect();
-        let low = places.iter().fold(Vec2::repeat(f64::INFINITY), |a, p| a.inf(p));
-        let high = places.iter().fold(Vec2::repeat(f64::NEG_INFINITY), |a, p| a.sup(p));
-        let extent = (high - low).norm();
-        let narrow = if extent > 0.0 { area / extent } else { area.sqrt() };
-        let size = (SHARE * narrow).clamp(*SIZES.start(), *SIZES.end());
-        let width = super::stroke_font::width(&panel.name, size);
-        if narrow < NARROWEST || area < 2.0 * width * size {
-            continue;
-        }
-        let mean = seen.iter().map(|(p, w)| p * (w / area)).sum::<Vec3>();
-        let nearest = seen.iter().map(|s| s.0).min_by(|p, q| (p - mean).norm().total_cmp(&(q - mean).norm()));
-        if let Some(p) = nearest {
-            let q = camera.project(&p);
-            drawing.rimmed_text(&panel.name, Vec2::new(q[0] - 0.5 * width, q[1] + 0.5 * size), size, INK);
+    // A name takes this share of the room around its place, within limits; narrower panels get none.
+    const SHARE: f64 = 0.85;
+    const SIZES: std::ops::RangeInclusive<f64> = 9.0..=18.0;
+    const NARROWEST: f64 = 8.0;
+    let mut map = SightMap::new(drawing.width, drawing.height);
+    for (i, panel) in scene.panels.iter().enumerate() {
+        for corners in projected(camera, &panel.mesh, 1.0) {
+            map.triangle(i as u32, &corners);
         }
     }
-}
-
-/// A coarse depth buffer of the triangles of a drawing: tells whether a place is in sight.
-struct DepthMap {
-    cell: f64,
-    columns: usize,
-    depth: Vec<f64>,
-}
-
-impl DepthMap {
-    fn of(drawing: &Drawing) -> Self {
-        let cell = 4.0;
-        let columns = (drawing.width as f64 / cell) as usize + 1;
-        let rows = (drawing.height as f64 / cell) as usize + 1;
-        let mut map = Self { cell, columns, depth: vec![0.0; columns * rows] };
-        for (_, t) in &drawing.triangles {
-            let [a, b, c] = t.map(|v| v.place.map(|x| if x.is_finite() { x } else { 0.0 }));
-            let area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-            if area == 0.0 {
-                continue;
-            }
-            let range = |k: usize, most: usize| {
-                let low = (a[k].min(b[k]).min(c[k]) / cell - 0.5).ceil().max(0.0) as usize;
-                let high = (a[k].max(b[k]).max(c[k]) / cell + 0.5).floor().max(0.0) as usize;
-                low..high.min(most)
-            };
-            for row in range(1, rows) {
-                for column in range(0, columns) {
-                    let p = [(column as f64 + 0.5) * cell, (row as f64 + 0.5) * cell];
-                    let side = |u: [f64; 3], v: [f64; 3]| {
-                        ((v[0] - u[0]) * (p[1] - u[1]) - (v[1] - u[1]) * (p[0] - u[0])) / area
-                    };
-                    let w = [side(b, c), side(c, a), side(a, b)];
-                    if w.iter().all(|&w| w >= 0.0) {
-                        let slot = &mut map.depth[row * columns + column];
-                        *slot = slot.max(w[0] * a[2] + w[1] * b[2] + w[2] * c[2]);
-                    }
-                }
-            }
+    for (panel, place) in scene.panels.iter().zip(map.places(scene.panels.len())) {
+        let Some((place, room)) = place else { continue };
+        if room >= NARROWEST {
+            let size = (SHARE * room).clamp(*SIZES.start(), *SIZES.end());
+            let width = super::stroke_font::width(&panel.name, size);
+            drawing.rimmed_text(&panel.name, place + Vec2::new(-0.5 * width, 0.5 * size), size, INK);
         }
-        map
-    }
-
-    fn visible(&self, [x, y, depth]: [f64; 3]) -> bool {
-        if !(x >= 0.0 && y >= 0.0) {
-            return false;
-        }
-        let (column, row) = ((x / self.cell) as usize, (y / self.cell) as usize);
-        column < self.columns && self.depth.get(row * self.columns + column).is_some_and(|&d| depth >= d)
     }
 }
 
