@@ -1,1 +1,10 @@
-//! Floor 5: triangles for pictures and meshes.
+//! Floor 5: triangles and pixels for pictures and meshes.
+
+pub mod camera;
+pub mod colour;
+pub mod flat;
+pub mod label;
+pub mod picture;
+pub mod raster;
+pub mod scene;
+pub mod stroke_font;

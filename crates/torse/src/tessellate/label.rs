@@ -1,0 +1,143 @@
+//! Where names go in a picture: for each thing drawn, the visible place with the most room around it.
+
+use super::raster::Vertex;
+use crate::geom::Vec2;
+
+/// Side of a cell in pixels: names need no finer placing.
+const CELL: f64 = 4.0;
+/// No thing in this cell.
+const NONE: u32 = u32::MAX;
+
+/// A coarse map of what is in sight.
+#[derive(Clone, Debug)]
+pub struct SightMap {
+    columns: usize,
+    rows: usize,
+    owner: Vec<u32>,
+    depth: Vec<f64>,
+}
+
+impl SightMap {
+    /// An empty map of a picture of `width` × `height` pixels.
+    pub fn new(width: usize, height: usize) -> Self {
+        let cells = |n: usize| (n as f64 / CELL).ceil() as usize;
+        let (columns, rows) = (cells(width), cells(height));
+        Self { columns, rows, owner: vec![NONE; columns * rows], depth: vec![0.0; columns * rows] }
+    }
+
+    /// Enters a triangle that belongs to thing `owner`.
+    pub fn triangle(&mut self, owner: u32, corners: &[Vertex; 3]) {
+        let [a, b, c] = corners.map(|v| v.place);
+        let area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+        if area == 0.0 || !area.is_finite() {
+            return;
+        }
+        let range = |k: usize, most: usize| {
+            let low = (a[k].min(b[k]).min(c[k]) / CELL - 0.5).ceil().max(0.0) as usize;
+            let high = (a[k].max(b[k]).max(c[k]) / CELL + 0.5).floor().max(0.0) as usize;
+            low..high.min(most)
+        };
+        for row in range(1, self.rows) {
+            for column in range(0, self.columns) {
+                let p = [(column as f64 + 0.5) * CELL, (row as f64 + 0.5) * CELL];
+                let side =
+                    |u: [f64; 3], v: [f64; 3]| ((v[0] - u[0]) * (p[1] - u[1]) - (v[1] - u[1]) * (p[0] - u[0])) / area;
+                let w = [side(b, c), side(c, a), side(a, b)];
+                let depth = w[0] * a[2] + w[1] * b[2] + w[2] * c[2];
+                let cell = row * self.columns + column;
+                if w.iter().all(|&w| w >= 0.0) && depth > self.depth[cell] {
+                    self.depth[cell] = depth;
+                    self.owner[cell] = owner;
+                }
+            }
+        }
+    }
+
+    /// For each of `count` things: the place with the most room, preferring the middle of the thing, and the
+    /// distance (pixels) from there to where something else begins. `None` for things out of sight.
+    pub fn places(&self, count: usize) -> Vec<Option<(Vec2, f64)>> {
+        // A place nearer to the middle is worth a little less room.
+        const MIDDLE: f64 = 0.06;
+        let room = self.room();
+        let centre =
+            |cell: usize| Vec2::new((cell % self.columns) as f64 + 0.5, (cell / self.columns) as f64 + 0.5) * CELL;
+        let mut sum = vec![(Vec2::zeros(), 0.0); count];
+        for (cell, &owner) in self.owner.iter().enumerate() {
+            if let Some(s) = sum.get_mut(owner as usize) {
+                *s = (s.0 + centre(cell), s.1 + 1.0);
+            }
+        }
+        let mut best: Vec<Option<(f64, Vec2, f64)>> = vec![None; count];
+        for (cell, &owner) in self.owner.iter().enumerate() {
+            let Some(slot) = best.get_mut(owner as usize) else { continue };
+            let (total, n) = sum[owner as usize];
+            let score = room[cell] - MIDDLE * (centre(cell) - total / n).norm();
+            if slot.is_none_or(|(s, ..)| score > s) {
+                *slot = Some((score, centre(cell), room[cell]));
+            }
+        }
+        best.into_iter().map(|b| b.map(|(_, place, room)| (place, room))).collect()
+    }
+
+    /// Distance (pixels, chamfer 3-4) from each cell to the nearest cell of another owner or the picture's edge.
+    fn room(&self) -> Vec<f64> {
+        let (w, h) = (self.columns as isize, self.rows as isize);
+        let mut steps = vec![f64::INFINITY; self.owner.len()];
+        let mut relax = |x: isize, y: isize, near: [(isize, isize, f64); 4]| {
+            let cell = (y * w + x) as usize;
+            for (dx, dy, cost) in near {
+                let (u, v) = (x + dx, y + dy);
+                let reach = if u < 0 || v < 0 || u >= w || v >= h {
+                    cost / 2.0
+                } else {
+                    let other = (v * w + u) as usize;
+                    if self.owner[other] == self.owner[cell] {
+                        steps[other] + cost
+                    } else {
+                        cost / 2.0
+                    }
+                };
+                steps[cell] = steps[cell].min(reach);
+            }
+        };
+        let (one, diagonal) = (1.0, 4.0 / 3.0);
+        for y in 0..h {
+            for x in 0..w {
+                relax(x, y, [(-1, 0, one), (0, -1, one), (-1, -1, diagonal), (1, -1, diagonal)]);
+            }
+        }
+        for y in (0..h).rev() {
+            for x in (0..w).rev() {
+                relax(x, y, [(1, 0, one), (0, 1, one), (1, 1, diagonal), (-1, 1, diagonal)]);
+            }
+        }
+        steps.iter().map(|s| s * CELL).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geom::Vec3;
+
+    fn rectangle(map: &mut SightMap, owner: u32, x: [f64; 2], y: [f64; 2], depth: f64) {
+        let v = |x: f64, y: f64| Vertex { place: [x, y, depth], normal: Vec3::z(), value: 0.0 };
+        let [a, b, c, d] = [v(x[0], y[0]), v(x[1], y[0]), v(x[1], y[1]), v(x[0], y[1])];
+        map.triangle(owner, &[a, b, c]);
+        map.triangle(owner, &[a, c, d]);
+    }
+
+    #[test]
+    fn names_go_to_the_middle_of_what_is_in_sight() {
+        let mut map = SightMap::new(400, 200);
+        rectangle(&mut map, 0, [0.0, 400.0], [0.0, 200.0], 1.0);
+        rectangle(&mut map, 1, [0.0, 200.0], [0.0, 200.0], 2.0);
+        rectangle(&mut map, 2, [20.0, 100.0], [20.0, 100.0], 0.5);
+        let places = map.places(3);
+        let (p, room) = places[0].expect("the right half is in sight");
+        assert!((p - Vec2::new(300.0, 100.0)).norm() < 8.0 && (room - 100.0).abs() < 8.0, "{p} {room}");
+        let (p, _) = places[1].expect("the left half is in sight");
+        assert!((p - Vec2::new(100.0, 100.0)).norm() < 8.0);
+        assert!(places[2].is_none());
+    }
+}

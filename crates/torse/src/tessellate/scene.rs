@@ -1,0 +1,34 @@
+//! What pictures and the viewer show: meshes and lines of the input surface and the panels, in mm.
+
+use crate::geom::mesh::Mesh;
+use crate::geom::{BBox, Vec3};
+
+/// Triangles and lines of one panel.
+#[derive(Clone, Debug, Default)]
+pub struct PanelShape {
+    /// Name of the panel.
+    pub name: String,
+    /// Triangles of the panel; the values are signed deviations from the input surface, mm.
+    pub mesh: Mesh,
+    /// Rulings inside the panel.
+    pub rulings: Vec<[Vec3; 2]>,
+    /// Boundary of the panel as closed or open polylines.
+    pub borders: Vec<Vec<Vec3>>,
+}
+
+/// The whole model.
+#[derive(Clone, Debug, Default)]
+pub struct Scene {
+    /// One shape per panel, in the patchwork's order.
+    pub panels: Vec<PanelShape>,
+    /// One mesh per input face.
+    pub surfaces: Vec<Mesh>,
+}
+
+impl Scene {
+    /// Box around all finite vertices of panels and surfaces.
+    pub fn bbox(&self) -> BBox {
+        let meshes = self.panels.iter().map(|p| &p.mesh).chain(&self.surfaces);
+        BBox::of(meshes.flat_map(|m| &m.positions).filter(|p| p.iter().all(|x| x.is_finite())))
+    }
+}
