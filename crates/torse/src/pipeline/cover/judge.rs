@@ -15,6 +15,8 @@ use std::sync::Arc;
 /// Sampled errors up to this share of the allowed distance go to the certificate; true suprema exceed sampled ones
 /// by a few per cent at the most.
 const HOPEFUL: f64 = 0.99;
+/// Share of the allowed distance at which fits of bands may stop.
+const KEEN: f64 = 0.7;
 /// Refits with witnesses before a torse is given up.
 const REFITS: usize = 3;
 
@@ -65,7 +67,8 @@ impl Job<'_> {
                 return t;
             }
         }
-        let options = PrimalOptions { tolerance: allowed, ..PrimalOptions::default() };
+        // Bands are wanted as wide as they can be: the fit must not rest on the first torse that is good enough.
+        let options = PrimalOptions::new(if centre.is_some() { allowed * KEEN } else { allowed });
         if let Some(t) = judge(primal(&samples, &options)) {
             return t;
         }

@@ -13,6 +13,8 @@ const TRIALS: usize = 8;
 const WIDE: f64 = 0.86;
 /// Narrowest band, as a share of the theoretical width, before its region is bisected instead.
 const NARROWEST: f64 = 0.2;
+/// A rest below this share of the march's range gets a level function of its own when bands fail.
+const FRESH: f64 = 0.9;
 /// A rest of less than this share of a band is tried together with it.
 const REST: f64 = 0.15;
 
@@ -57,6 +59,8 @@ impl Job<'_> {
 
     fn march(&self, mut state: State, label: u32, lay: &Lay, width: f64, limit: &AtomicUsize) -> Option<State> {
         let before = state.panels.len();
+        let (lo, hi) = range(&state, label, lay.field);
+        let whole = hi - lo;
         let mut open = vec![Rest { label, width }];
         while let Some(rest) = open.pop() {
             let used = state.panels.len() - before;
@@ -74,7 +78,13 @@ impl Job<'_> {
                 None if lay.strict => return None,
                 None => {
                     let budget = limit.load(Ordering::Relaxed).saturating_sub(used + open.len() + 1);
-                    state = self.halves(state, rest.label, budget, lay.depth + 1)?;
+                    // A level function of its own may do better on what is left; the whole region must be cut.
+                    let (lo, hi) = range(&state, rest.label, lay.field);
+                    state = if hi - lo < FRESH * whole {
+                        self.region(state, rest.label, budget, lay.depth + 1)?
+                    } else {
+                        self.halves(state, rest.label, budget, lay.depth + 1)?
+                    };
                 }
             }
         }

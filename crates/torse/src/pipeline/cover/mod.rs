@@ -145,6 +145,7 @@ impl Job<'_> {
         let found = level(&forms, &LevelOptions::default());
         let four = 4.0 * self.options.tolerance.sqrt();
         let predicted = found.as_ref().map_or(f64::INFINITY, |l| l.merit / four);
+        if std::env::var("TP").is_ok() { eprintln!("depth {depth} label {label} single {:.3} level {:?} four {four}", trial.error/self.options.tolerance, found.as_ref().map(|l|(l.range/four,l.merit/four,l.sign))); }
         if let Some(l) = found.as_ref().filter(|l| l.merit <= POOR * l.range) {
             if let Some(next) = self.bands(&state, label, l, limit, depth) {
                 keep(next, &mut best, &mut limit);
@@ -238,7 +239,7 @@ pub fn fill(face: &Face, state: &mut State) {
     for label in state.partition.distinct_labels() {
         if !state.panels.contains_key(&label) {
             let samples = state.samples(label);
-            let fit = crate::fit::primal::primal(&samples, &crate::fit::primal::PrimalOptions::default())
+            let fit = crate::fit::primal::primal(&samples, &crate::fit::primal::PrimalOptions::new(0.0))
                 .or_else(|| crate::fit::plane::plane(&samples));
             if let Some(fit) = fit {
                 state.panels.insert(label, std::sync::Arc::new(fit));
