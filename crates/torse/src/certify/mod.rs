@@ -1,5 +1,17 @@
 //! Floor 5: the independent judge. Imports nothing from `fit`; only this module can make a [`Certificate`].
 
+mod cell;
+pub mod distance;
+mod family;
+pub mod prepared;
+mod quadratic;
+#[cfg(test)]
+mod specimens;
+mod vector;
+
+pub use distance::{distance, DistanceOptions, Judgement};
+pub use prepared::Prepared;
+
 /// Whether a statement was proven, or how it failed.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Verdict {

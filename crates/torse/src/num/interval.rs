@@ -1,10 +1,26 @@
 //! Intervals with outward rounding: the scalar in which bounds are proven.
 //!
 //! Every operation returns an interval that contains the exact result for all members of its operands.
-//! Round-to-nearest is assumed; each inexact end point is moved outward by one unit in the last place.
+//! Round-to-nearest is assumed; each inexact end point is moved outward by at least one unit in the last place.
 //! This module knows no geometry.
+//!
+//! The step outward is `|x| 2⁻⁵² + 2⁻¹⁰²²`: no less than the distance to the neighbouring number (so the exact result,
+//! which round-to-nearest leaves within half of that, stays inside), and twice as fast as stepping through bit
+//! patterns.
 
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
+
+/// The next number below, or one a little further down.
+#[inline]
+fn down(x: f64) -> f64 {
+    x - (x.abs() * f64::EPSILON + f64::MIN_POSITIVE)
+}
+
+/// The next number above, or one a little further up.
+#[inline]
+fn up(x: f64) -> f64 {
+    x + (x.abs() * f64::EPSILON + f64::MIN_POSITIVE)
+}
 
 /// A closed interval `[lo, hi]` of real numbers with f64 end points.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,7 +67,7 @@ impl Interval {
     #[inline]
     pub fn rad(self) -> f64 {
         let m = self.mid();
-        (m - self.lo).max(self.hi - m).next_up()
+        up((m - self.lo).max(self.hi - m))
     }
 
     /// Largest absolute value.
@@ -119,13 +135,13 @@ impl Interval {
     #[inline]
     pub fn sqr(self) -> Self {
         let (a, b) = (self.mig(), self.mag());
-        Self { lo: (a * a).next_down().max(0.0), hi: (b * b).next_up() }
+        Self { lo: down(a * a).max(0.0), hi: up(b * b) }
     }
 
     /// Square root of the non-negative part.
     #[inline]
     pub fn sqrt(self) -> Self {
-        Self { lo: self.lo.max(0.0).sqrt().next_down().max(0.0), hi: self.hi.max(0.0).sqrt().next_up() }
+        Self { lo: down(self.lo.max(0.0).sqrt()).max(0.0), hi: up(self.hi.max(0.0).sqrt()) }
     }
 
     /// Absolute values.
@@ -140,7 +156,19 @@ impl Interval {
         if self.sign() == 0 {
             return Self::EVERYTHING;
         }
-        Self { lo: (1.0 / self.hi).next_down(), hi: (1.0 / self.lo).next_up() }
+        Self { lo: down(1.0 / self.hi), hi: up(1.0 / self.lo) }
+    }
+
+    /// `x` widened by `r >= 0` on both sides.
+    #[inline]
+    pub fn widen(self, r: f64) -> Self {
+        Self { lo: down(self.lo - r), hi: up(self.hi + r) }
+    }
+
+    /// An upper bound of the width.
+    #[inline]
+    pub fn width(self) -> f64 {
+        up(self.hi - self.lo)
     }
 
     /// Product with a power of two, exact barring underflow.
@@ -168,7 +196,7 @@ impl Add for Interval {
     type Output = Self;
     #[inline]
     fn add(self, o: Self) -> Self {
-        Self { lo: (self.lo + o.lo).next_down(), hi: (self.hi + o.hi).next_up() }
+        Self { lo: down(self.lo + o.lo), hi: up(self.hi + o.hi) }
     }
 }
 
@@ -183,7 +211,7 @@ impl Sub for Interval {
     type Output = Self;
     #[inline]
     fn sub(self, o: Self) -> Self {
-        Self { lo: (self.lo - o.hi).next_down(), hi: (self.hi - o.lo).next_up() }
+        Self { lo: down(self.lo - o.hi), hi: up(self.hi - o.lo) }
     }
 }
 
@@ -192,7 +220,7 @@ impl Mul for Interval {
     #[inline]
     fn mul(self, o: Self) -> Self {
         let (a, b, c, d) = (self.lo * o.lo, self.lo * o.hi, self.hi * o.lo, self.hi * o.hi);
-        Self { lo: a.min(b).min(c.min(d)).next_down(), hi: a.max(b).max(c.max(d)).next_up() }
+        Self { lo: down(a.min(b).min(c.min(d))), hi: up(a.max(b).max(c.max(d))) }
     }
 }
 
@@ -201,7 +229,7 @@ impl Mul<f64> for Interval {
     #[inline]
     fn mul(self, k: f64) -> Self {
         let (a, b) = (self.lo * k, self.hi * k);
-        Self { lo: a.min(b).next_down(), hi: a.max(b).next_up() }
+        Self { lo: down(a.min(b)), hi: up(a.max(b)) }
     }
 }
 
@@ -213,7 +241,7 @@ impl Div for Interval {
             return Self::EVERYTHING;
         }
         let (a, b, c, d) = (self.lo / o.lo, self.lo / o.hi, self.hi / o.lo, self.hi / o.hi);
-        Self { lo: a.min(b).min(c.min(d)).next_down(), hi: a.max(b).max(c.max(d)).next_up() }
+        Self { lo: down(a.min(b).min(c.min(d))), hi: up(a.max(b).max(c.max(d))) }
     }
 }
 
@@ -228,5 +256,12 @@ mod tests {
         assert!(one.contains(1.0) && one.rad() < 1e-15);
         assert!(Interval::new(-1.0, 2.0).sqr().encloses(Interval::new(0.0, 4.0)));
         assert_eq!(Interval::new(-1.0, 2.0).recip(), Interval::EVERYTHING);
+    }
+
+    #[test]
+    fn steps_outward_pass_the_neighbouring_numbers() {
+        for x in [1.0, 1.0 + f64::EPSILON, 2.0 - f64::EPSILON, 1e-300, -3.7, 0.0, f64::MIN_POSITIVE, 5e-324, -1e308] {
+            assert!(down(x) <= x.next_down() && up(x) >= x.next_up());
+        }
     }
 }

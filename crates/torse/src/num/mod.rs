@@ -1,5 +1,6 @@
 //! Floor 0: numbers. Intervals, Bernstein form, roots, least squares, linear programs; knows no geometry.
 
+pub mod bernstein;
 pub mod interval;
 pub mod linear_program;
 pub mod least_squares;

@@ -1,0 +1,518 @@
+//! One triangle of a face against one torse: a unique foot for every point, and a bound of the distance.
+//!
+//! Second-order Taylor bound with an interval Hessian \[certificate, 2.2–2.4\]: with `N = n/|n|` at the foot,
+//! `d_i = N·S_i` and `d_ij = N·S_ij − σ (M·S_i)(M·S_j)/(|n|³ E_t)`. Derivatives are with respect to the coordinates of
+//! the bounding box, `[0, 1]²`. Everything follows from linear forms of the control points: their hulls enclose
+//! the form over the box.
+
+use super::family::{Family, Plane};
+use super::prepared::{bernstein_weights, contract, BoxNet, Net, Patch, UNIT};
+use super::quadratic::Quadratic;
+use super::vector::{add, cross, dot, exact, length, length_bound, mid, rad, scale, sub, V3};
+use super::Resistance;
+use crate::num::interval::Interval;
+
+/// What one look at a triangle showed.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Look {
+    /// Everything is proven on the triangle.
+    Good(Good),
+    /// The distance at a corner or the centre exceeds the tolerance for certain.
+    Exceeds {
+        /// 0, 1, 2: corner; 3: centroid.
+        place: usize,
+        /// Signed distance there, mm.
+        distance: f64,
+    },
+    /// The triangle is too large for a decision.
+    Large {
+        /// What failed.
+        reason: Resistance,
+        /// Foot of the centroid, for the next look.
+        foot: f64,
+        /// Radius of the triangle's box in space, mm.
+        radius: f64,
+    },
+    /// The centroid has no foot inside the torse's domain.
+    Lost,
+}
+
+/// What was proven on a triangle.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Good {
+    /// Bound of |d|, mm; on a triangle with `fold == 0` also of the way to the region's boundary.
+    pub bound: f64,
+    /// Interval holding every foot, each unique in it.
+    pub feet: Interval,
+    /// Sign of `N·(S_u × S_v)/E_t`, or 0 where the surface's parametrisation degenerates.
+    pub fold: i32,
+    /// Lower bound of the radius of curvature at the feet.
+    pub bend_radius: f64,
+    /// Lower bound of the distance along the ruling to the regression curve.
+    pub clearance: f64,
+}
+
+/// A torse and a patch, with what all triangles on it share.
+pub(super) struct Bench<'a> {
+    pub family: &'a Family,
+    pub patch: &'a Patch,
+    /// Distance bound to be shown, mm.
+    pub tolerance: f64,
+    /// Centre of the patch relative to the origin of the family, and its f64 image.
+    centre: V3<Interval>,
+    quick_centre: V3<f64>,
+}
+
+/// Margin by which the first guess of the foot interval exceeds the linear estimate: room for E_t to vary.
+const FOOT_MARGIN: f64 = 1.15;
+
+/// Sign changes are looked for at this many places when a foot must be found from nothing.
+const SEARCH_PLACES: usize = 48;
+
+/// Hulls over the box of a linear form `ω` of `X − z` and the surface's derivatives.
+struct Forms {
+    x: Interval,
+    s1: Interval,
+    s2: Interval,
+    s11: Interval,
+    s12: Interval,
+    s22: Interval,
+}
+
+/// The surface over the box, about the reference point `z` near the image of the centroid.
+struct Local<'a> {
+    net: &'a Net,
+    z: V3<f64>,
+    /// Bound of |X(c) − z| per component.
+    centre_error: f64,
+    /// First derivatives at the centroid.
+    d: [V3<Interval>; 2],
+    /// Bounds of |X − z|, |S_1|, |S_2|, |S_11|, |S_12|, |S_22| over the box.
+    norms: [f64; 6],
+    /// Bound of |b − z| per component over the coefficients (of homogeneous ones for rational surfaces).
+    reach: f64,
+    /// Bound of the error of a component of (b − z).
+    error: f64,
+    /// Hulls of the weight and its derivatives in the order of [`Forms`].
+    weight: Option<[Interval; 6]>,
+}
+
+impl<'a> Bench<'a> {
+    pub fn new(family: &'a Family, patch: &'a Patch, tolerance: f64) -> Self {
+        let centre = sub(&exact(&patch.centre), &exact(&family.origin));
+        Self { family, patch, tolerance, centre, quick_centre: mid(&centre) }
+    }
+
+    /// Foot and distance of the centroid in f64: from `guess`, or from nothing when that leads nowhere useful.
+    pub fn quick(&self, triangle: &[[f64; 2]; 3], guess: Option<f64>) -> Option<(f64, f64)> {
+        let c = [0, 1].map(|d| (triangle[0][d] + triangle[1][d] + triangle[2][d]) / 3.0);
+        let x = add(&self.patch.quick_point(c[0], c[1]), &self.quick_centre);
+        let measure = |t: f64| {
+            let p = self.family.quick(t);
+            (t, p.f(&x) / p.nn.sqrt())
+        };
+        let near = guess.and_then(|g| self.family.newton(&x, g)).map(measure);
+        match near {
+            Some(n) if n.1.abs() <= self.tolerance => Some(n),
+            _ => self.family.search(&x, SEARCH_PLACES).map(measure).or(near),
+        }
+    }
+
+    /// Tries to prove everything on the triangle.
+    ///
+    /// `rim`: whether a corner lies on the boundary of the region (needed where the parametrisation degenerates).
+    pub fn look(&self, triangle: &[[f64; 2]; 3], guess: f64, rim: bool) -> Look {
+        let BoxNet { net, corners } = self.patch.over(triangle);
+        let c = [0, 1].map(|d| ((corners[0][d] + corners[1][d] + corners[2][d]).mid() / 3.0).clamp(0.0, 1.0));
+        let local = Local::new(&net, c);
+        let position = add(&self.quick_centre, &local.z);
+        let Some(t) = self.family.newton(&position, guess).or_else(|| self.family.search(&position, SEARCH_PLACES))
+        else {
+            return Look::Lost;
+        };
+        let large = |reason| Look::Large { reason, foot: t, radius: local.norms[0] };
+
+        // The plane at the centroid's foot, at the reference point z and at the centroid itself.
+        let family = self.family;
+        let plane = family.at(t);
+        let z = add(&self.centre, &exact(&crate::geom::Vec3::from(local.z)));
+        let (f_z, mu_z) = (plane.f(&z), plane.mu(&z));
+        let e_z = plane.foot(f_z, mu_z);
+        let slope_z = plane.foot_slope(f_z, mu_z, dot(&plane.dm, &z) - plane.dk);
+        let gradient = plane.gradient();
+        let along = local.forms(&gradient);
+        let up = local.forms(&plane.n);
+
+        // Foot: E has opposite signs at both ends of T for every point of the box.
+        let reach = (along.x + e_z).mag() * FOOT_MARGIN / slope_z.mig();
+        let (t0, t1) = family.domain();
+        let tau = reach + 4.0 * UNIT * t.abs().max(t1 - t0) + f64::MIN_POSITIVE;
+        let feet = Interval { lo: t - tau, hi: t + tau };
+        if !(feet.lo >= t0 && feet.hi <= t1) {
+            return large(Resistance::Foot);
+        }
+        let low = self.end_sign(&local, &z, feet.lo);
+        if low == 0 || low * self.end_sign(&local, &z, feet.hi) >= 0 {
+            return large(Resistance::Foot);
+        }
+
+        // Enclosures over K × T.
+        let delta = Interval::symmetric(Interval::point(feet.hi - t).mag().max(t - feet.lo).next_up());
+        let ranges = family.ranges(feet, &z);
+        let sigma = ranges.sigma;
+        let m = add(&plane.m, &scale(&ranges.dm, delta));
+        let turn = scale(&m, delta * sigma);
+        let n = add(&plane.n, &turn);
+        let (nn, nm, mm, ndm) = (self.square(&n), self.product(&n, &m), self.square(&m), self.product(&n, &ranges.dm));
+        let m_x = (along.x + plane.nm * up.x) / plane.nn;
+        let mu_t = ranges.dmu + Interval::symmetric(length_bound(&ranges.dm) * local.norms[0]);
+        let mu = mu_z + m_x + delta * mu_t;
+        let f = f_z + up.x + delta * sigma * mu;
+        let slope = sigma * nm * mu + nn * mu_t - f * (sigma * mm + ndm);
+        // Regularity: μ_t at the foot point, and E_t at the foot.
+        let regular = mu_t - f * ndm / nn;
+        let across = mm - nm.sqr() / nn;
+        let across = Interval { lo: across.lo.max(0.0), hi: across.hi };
+        let slope_foot = nn * regular - f * sigma * across;
+        if slope.sign() == 0 || regular.sign() == 0 || slope_foot.sign() == 0 {
+            return large(Resistance::Foot);
+        }
+
+        // Taylor bound at the centroid.
+        let len = nn.sqrt();
+        let len_c = plane.nn.sqrt();
+        let cube = nn * len;
+        let slip = length_bound(&gradient) * local.centre_error * 2.0;
+        let f_c = f_z.widen(length_bound(&plane.n) * local.centre_error * 2.0);
+        let e_c = e_z.widen(slip).abs();
+        let drift = Interval::symmetric((e_c / slope.abs()).hi);
+        let d0 = f_c / len_c + drift * e_c * sigma / cube;
+        // M_t = σ (n·m) m + |n|² m' − (σ |m|² + n·m') n.
+        let bend = sub(&add(&scale(&m, sigma * nm), &scale(&ranges.dm, nn)), &scale(&n, sigma * mm + ndm));
+        let swing = length_bound(&bend);
+        let turn_size = length_bound(&turn);
+        let speed = sigma.abs() * across.sqrt() / len; // |N'| = |σ| |M|/|n|³ with |M| = |n|² |m⊥|
+        let g = [0, 1].map(|i: usize| {
+            dot(&plane.n, &local.d[i]) / len_c + drift * Interval::point(length_bound(&local.d[i])) * speed
+        });
+        let along1 = along.s1 + delta * Interval::point(swing * local.norms[1]);
+        let along2 = along.s2 + delta * Interval::point(swing * local.norms[2]);
+        let factor = sigma / (cube * slope_foot);
+        let lift = |form: Interval, size: f64| (form + Interval::symmetric(turn_size * size)) / len;
+        let h = [
+            lift(up.s11, local.norms[3]) - factor * along1.sqr(),
+            lift(up.s12, local.norms[4]) - factor * along1 * along2,
+            lift(up.s22, local.norms[5]) - factor * along2.sqr(),
+        ];
+        let quadratic = Quadratic { c: d0.mid(), g: g.map(Interval::mid), h: h.map(Interval::mid) };
+        let offsets = corners.map(|y| [y[0].mid() - c[0], y[1].mid() - c[1]]);
+        // Corners are intervals: their widths enter through the gradient over the box.
+        let width = corners.iter().flatten().fold(0.0f64, |w, y| w.max(y.rad()));
+        let reach = offsets.iter().flatten().fold(0.0f64, |w, y| w.max(y.abs())) + width + 4.0 * UNIT;
+        let steep = (0..2).fold(0.0, |s, i| s + g[i].mag() + (h[i].mag() + h[i + 1].mag()) * reach);
+        // 2|y₁y₂| ≤ y₁² + y₂² keeps it convex in y, so that its maximum is at a corner.
+        let rest = |y: [f64; 2]| {
+            let y = [y[0].abs() + width + 4.0 * UNIT, y[1].abs() + width + 4.0 * UNIT];
+            d0.rad()
+                + g[0].rad() * y[0]
+                + g[1].rad() * y[1]
+                + 0.5 * ((h[0].rad() + h[1].rad()) * y[0] * y[0] + (h[2].rad() + h[1].rad()) * y[1] * y[1])
+                + steep * (width + 4.0 * UNIT)
+        };
+        let remainder = offsets.iter().fold(0.0f64, |r, &y| r.max(rest(y)));
+        let bound = (quadratic.magnitude_bound(&offsets) + remainder) * (family.metric + 16.0 * UNIT);
+        if !bound.is_finite() {
+            return large(Resistance::Bound);
+        }
+        if bound > self.tolerance {
+            let shrink = 2.0 - family.metric - 16.0 * UNIT;
+            for (place, y) in offsets.iter().chain([&[0.0, 0.0]]).enumerate() {
+                let value = quadratic.value(*y);
+                if (value.abs() * (1.0 - 1e-14) - rest(*y)) * shrink > self.tolerance {
+                    return Look::Exceeds { place, distance: value };
+                }
+            }
+            return large(Resistance::Bound);
+        }
+
+        // Fold: N·(S_u × S_v) keeps its sign.
+        let normal = cross(&local.d[0], &local.d[1]);
+        let [_, r1, r2, r11, r12, r22] = local.norms;
+        let (v1, v2) = ((r11 + r12) * reach, (r12 + r22) * reach);
+        let (d1, d2) = (length_bound(&local.d[0]), length_bound(&local.d[1]));
+        let vary = v1 * d2 + d1 * v2 + v1 * v2;
+        let value = dot(&plane.n, &normal);
+        let loss =
+            (length_bound(&plane.n) * vary + turn_size * r1.min(d1 + v1) * r2.min(d2 + v2)) * (1.0 + 32.0 * UNIT);
+        let mut bound = bound;
+        let fold = if value.mig() > loss {
+            value.sign() * slope.sign()
+        } else if length(&normal).lo > vary * (1.0 + 32.0 * UNIT) {
+            return large(Resistance::Fold);
+        } else {
+            // The surface's normal is in doubt, not the torse's: bound the way along the panel to the rim instead.
+            let spread = 2.0 * steep * reach + 2.0 * d0.rad();
+            let normals = 2.0 * bound * (speed * delta.abs()).hi;
+            bound = (bound + (2.0 * local.norms[0] + spread + normals) * family.metric) * (1.0 + 16.0 * UNIT);
+            if !rim || bound > self.tolerance || bound.is_nan() {
+                return large(Resistance::Degenerate);
+            }
+            0
+        };
+
+        // Radius of curvature |n| |G| / (|σ| |m⊥|²), clearance |G| / |m'·ê|.
+        let bend_radius = (len * regular.abs() / (sigma.abs() * across)).lo;
+        let e = Family::direction(&Plane { n, m, ..plane });
+        let clearance = (regular.abs() * length(&e) / self.product(&ranges.dm, &e).abs()).lo;
+        let positive = |x: f64| if x >= 0.0 { x } else { f64::INFINITY };
+        let pessimism = 1.0 - 16.0 * (family.metric - 1.0) - 16.0 * UNIT;
+        Look::Good(Good {
+            bound,
+            feet,
+            fold,
+            bend_radius: positive(bend_radius) * pessimism,
+            clearance: positive(clearance) * pessimism,
+        })
+    }
+
+    /// Sign of E(·, t) over the box.
+    fn end_sign(&self, local: &Local, z: &V3<Interval>, t: f64) -> i32 {
+        let p = self.family.at(t);
+        let base = p.foot(p.f(z), p.mu(z));
+        (base + local.value_form(&p.gradient())).sign()
+    }
+
+    /// Scalar product in the local metric of vectors given in world axes.
+    fn product(&self, a: &V3<Interval>, b: &V3<Interval>) -> Interval {
+        let world = dot(a, b);
+        let skew = self.family.metric - 1.0;
+        if skew > 0.0 {
+            world.widen(4.0 * skew * length_bound(a) * length_bound(b))
+        } else {
+            world
+        }
+    }
+
+    fn square(&self, a: &V3<Interval>) -> Interval {
+        let world = a[0].sqr() + a[1].sqr() + a[2].sqr();
+        let s = world.widen(8.0 * (self.family.metric - 1.0) * world.hi);
+        Interval { lo: s.lo.max(0.0), hi: s.hi }
+    }
+}
+
+impl<'a> Local<'a> {
+    fn new(net: &'a Net, c: [f64; 2]) -> Self {
+        let (p, q) = (net.p, net.q);
+        let row = q + 1;
+        let (wu, wv) = (bernstein_weights(p, c[0]), bernstein_weights(q, c[1]));
+        let (du, dv) = (bernstein_weights(p - 1, c[0]), bernstein_weights(q - 1, c[1]));
+        let relative = (8 * (p + q + 3)) as f64 * UNIT;
+        let comps = if net.rational() { 4 } else { 3 };
+        let mut value = [0.0; 4];
+        for (d, v) in value.iter_mut().enumerate().take(comps) {
+            *v = contract(net.component(d), &wu[..=p], &wv[..=q]);
+        }
+        let mut z = [value[0], value[1], value[2]];
+        if comps == 4 {
+            z = z.map(|x| x / value[3]);
+        }
+        let w_size = net.weight_size;
+        let z_size = z[0].abs().max(z[1].abs()).max(z[2].abs());
+        // Error of a component of b − z (of A − w z for rational surfaces).
+        let (mut error, mut centre_error) = (net.error, net.error + relative * net.size);
+        if comps == 4 {
+            error += net.weight_error * z_size + 3.0 * UNIT * (net.size + w_size * z_size);
+            centre_error += (net.weight_error + relative * w_size) * z_size + 3.0 * UNIT * (net.size + w_size * z_size);
+        }
+        let shifted: [Vec<f64>; 3] = std::array::from_fn(|d| {
+            let c = net.component(d);
+            if comps == 4 {
+                c.iter().zip(net.component(3)).map(|(a, w)| a - w * z[d]).collect()
+            } else {
+                c.iter().map(|a| a - z[d]).collect()
+            }
+        });
+        let reach = shifted.iter().flatten().fold(0.0f64, |m, x| m.max(x.abs())) * (1.0 + 4.0 * UNIT) + error;
+        let error = error + 2.0 * UNIT * reach;
+
+        // Sizes of the derivatives: largest difference of control points.
+        let (pf, qf) = (p as f64, q as f64);
+        let largest = |rows: usize, cols: usize, f: &dyn Fn(&[f64], usize) -> f64| {
+            let mut best = 0.0f64;
+            for i in 0..rows {
+                for j in 0..cols {
+                    let k = i * row + j;
+                    let v = [f(&shifted[0], k), f(&shifted[1], k), f(&shifted[2], k)];
+                    best = best.max(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+                }
+            }
+            best.sqrt() * (1.0 + 8.0 * UNIT)
+        };
+        let less = |a: usize, k: usize| (a + 1).saturating_sub(k);
+        let e = 2.0 * error;
+        let mut norms = [
+            largest(p + 1, q + 1, &|s, k| s[k]) + e,
+            pf * (largest(p, q + 1, &|s, k| s[k + row] - s[k]) + 2.0 * e),
+            qf * (largest(p + 1, q, &|s, k| s[k + 1] - s[k]) + 2.0 * e),
+            pf * (pf - 1.0) * (largest(less(p, 2), q + 1, &|s, k| s[k + 2 * row] - 2.0 * s[k + row] + s[k]) + 4.0 * e),
+            pf * qf * (largest(p, q, &|s, k| s[k + row + 1] - s[k + row] - s[k + 1] + s[k]) + 4.0 * e),
+            qf * (qf - 1.0) * (largest(p + 1, less(q, 2), &|s, k| s[k + 2] - 2.0 * s[k + 1] + s[k]) + 4.0 * e),
+        ];
+        let slope_error = |degree: f64| degree * (2.0 * error + 2.0 * relative * reach);
+        let mut d = [[Interval::ZERO; 3]; 2];
+        for k in 0..3 {
+            let s = &shifted[k];
+            let mut a = 0.0;
+            let mut b = 0.0;
+            for i in 0..=p {
+                let r = &s[i * row..(i + 1) * row];
+                let along: f64 = r.windows(2).zip(&dv[..q]).map(|(w, x)| (w[1] - w[0]) * x).sum();
+                b += wu[i] * along;
+                if i < p {
+                    let next = &s[(i + 1) * row..(i + 2) * row];
+                    let across: f64 = next.iter().zip(r).zip(&wv[..row]).map(|((y, x), w)| (y - x) * w).sum();
+                    a += du[i] * across;
+                }
+            }
+            d[0][k] = Interval::point(pf * a).widen(slope_error(pf));
+            d[1][k] = Interval::point(qf * b).widen(slope_error(qf));
+        }
+        let mut weight = None;
+        if comps == 4 {
+            let hulls = hulls(net.component(3), p, q, net.weight_error);
+            let w = Interval { lo: hulls[0].lo, hi: hulls[0].hi };
+            let low = w.lo;
+            let size = hulls.map(Interval::mag);
+            let up = 1.0 + 16.0 * UNIT;
+            // Affine bounds from the homogeneous ones, in the order of the quotient rules.
+            let x = norms[0] / low;
+            let s1 = (norms[1] + size[1] * x) / low;
+            let s2 = (norms[2] + size[2] * x) / low;
+            let s11 = (norms[3] + 2.0 * size[1] * s1 + size[3] * x) / low;
+            let s12 = (norms[4] + size[1] * s2 + size[2] * s1 + size[4] * x) / low;
+            let s22 = (norms[5] + 2.0 * size[2] * s2 + size[5] * x) / low;
+            norms = if low > 0.0 { [x, s1, s2, s11, s12, s22].map(|v| v * up) } else { [f64::INFINITY; 6] };
+            // Derivatives at the centroid: (A_1 − w_1 (X − z))/w with X − z within the centre's error.
+            let w_c = Interval::point(value[3]).widen(net.weight_error + relative * w_size);
+            centre_error = (Interval::point(centre_error) / w_c).hi;
+            let off = Interval::symmetric(centre_error);
+            for (i, row) in d.iter_mut().enumerate() {
+                for c in row.iter_mut() {
+                    *c = (*c - hulls[i + 1] * off) / w_c;
+                }
+            }
+            weight = Some(hulls);
+        }
+        Self { net, z, centre_error, d, norms, reach, error, weight }
+    }
+
+    /// Values of the form `ω` at the shifted coefficients and a bound of their error.
+    #[inline]
+    fn scalars(&self, form: &V3<Interval>, out: &mut Vec<f64>) -> f64 {
+        let w = mid(form);
+        let z = self.z;
+        out.clear();
+        let (x, y, zz) = (self.net.component(0), self.net.component(1), self.net.component(2));
+        if self.weight.is_some() {
+            for (k, &q) in self.net.component(3).iter().enumerate() {
+                out.push(w[0] * (x[k] - q * z[0]) + w[1] * (y[k] - q * z[1]) + w[2] * (zz[k] - q * z[2]));
+            }
+        } else {
+            for k in 0..x.len() {
+                out.push(w[0] * (x[k] - z[0]) + w[1] * (y[k] - z[1]) + w[2] * (zz[k] - z[2]));
+            }
+        }
+        let size = w[0].abs() + w[1].abs() + w[2].abs();
+        (size * (self.error + 8.0 * UNIT * self.reach) + rad(form) * (self.reach + self.error)) * (1.0 + 8.0 * UNIT)
+    }
+
+    /// Hull of `ω·(X − z)` over the box, from affine control points.
+    fn value_form(&self, form: &V3<Interval>) -> Interval {
+        let mut s = Vec::with_capacity(self.net.count());
+        let error = self.scalars(form, &mut s);
+        self.affine_hull(&s, error)
+    }
+
+    fn affine_hull(&self, s: &[f64], error: f64) -> Interval {
+        match &self.weight {
+            None => range(s.iter().copied()).widen(error),
+            Some(_) => s
+                .iter()
+                .zip(self.net.component(3))
+                .map(|(&a, &w)| Interval::point(a).widen(error) / Interval::point(w).widen(self.net.weight_error))
+                .reduce(Interval::hull)
+                .unwrap_or(Interval::EVERYTHING),
+        }
+    }
+
+    /// Hulls of the form over the box, of the surface and its derivatives.
+    fn forms(&self, form: &V3<Interval>) -> Forms {
+        let mut s = Vec::with_capacity(self.net.count());
+        let error = self.scalars(form, &mut s);
+        let x = self.affine_hull(&s, error);
+        let [_, h1, h2, h11, h12, h22] = hulls(&s, self.net.p, self.net.q, error);
+        match &self.weight {
+            None => Forms { x, s1: h1, s2: h2, s11: h11, s12: h12, s22: h22 },
+            Some([w, w1, w2, w11, w12, w22]) => {
+                let s1 = (h1 - *w1 * x) / *w;
+                let s2 = (h2 - *w2 * x) / *w;
+                Forms {
+                    x,
+                    s1,
+                    s2,
+                    s11: (h11 - *w1 * s1 * 2.0 - *w11 * x) / *w,
+                    s12: (h12 - *w1 * s2 - *w2 * s1 - *w12 * x) / *w,
+                    s22: (h22 - *w2 * s2 * 2.0 - *w22 * x) / *w,
+                }
+            }
+        }
+    }
+}
+
+/// Hull of numbers.
+#[inline]
+fn range(values: impl Iterator<Item = f64>) -> Interval {
+    let (mut lo, mut hi) = (f64::INFINITY, f64::NEG_INFINITY);
+    for v in values {
+        lo = if v < lo { v } else { lo };
+        hi = if v > hi { v } else { hi };
+    }
+    Interval { lo, hi }
+}
+
+/// Hulls of a scalar tensor-product polynomial and its derivatives, in the order value, 1, 2, 11, 12, 22; `error` bounds
+/// the error of each coefficient.
+fn hulls(s: &[f64], p: usize, q: usize, error: f64) -> [Interval; 6] {
+    let row = q + 1;
+    let (pf, qf) = (p as f64, q as f64);
+    let value = range(s.iter().copied());
+    let rounding = error + 2.0 * UNIT * value.mag();
+    let first = range((0..p * row).map(|k| s[k + row] - s[k]));
+    let second = range(s.chunks_exact(row).flat_map(|r| r.windows(2).map(|w| w[1] - w[0])));
+    let twist = range(
+        s.chunks_exact(row)
+            .zip(s.chunks_exact(row).skip(1))
+            .flat_map(|(a, b)| (0..q).map(move |j| (b[j + 1] - b[j]) - (a[j + 1] - a[j]))),
+    );
+    let zero = Interval::ZERO;
+    let bend_u = if p < 2 {
+        zero
+    } else {
+        range((0..(p - 1) * row).map(|k| s[k + 2 * row] - 2.0 * s[k + row] + s[k])).widen(5.0 * rounding)
+            * (pf * (pf - 1.0))
+    };
+    let bend_v = if q < 2 {
+        zero
+    } else {
+        range(s.chunks_exact(row).flat_map(|r| r.windows(3).map(|w| w[2] - 2.0 * w[1] + w[0]))).widen(5.0 * rounding)
+            * (qf * (qf - 1.0))
+    };
+    [
+        value.widen(error),
+        first.widen(3.0 * rounding) * pf,
+        second.widen(3.0 * rounding) * qf,
+        bend_u,
+        twist.widen(5.0 * rounding) * (pf * qf),
+        bend_v,
+    ]
+}

@@ -1,0 +1,556 @@
+//! A torse as its family of tangent planes, in the form that both kinds share and that proofs need.
+//!
+//! Planes `n(t)·X = h(t)` with `n' = σ m`, `h' = σ k`; ruling `n·X = h, m·X = k`. Dual torse: `σ = 1`, `m = n'`, `k = h'`.
+//! Primal torse \[mixed, C1.4\] (frame coordinates): `n = (−f', a f' − g, 1)`, `h = f − t f'`, `m = (−1, a, 0)`, `k = −t`,
+//! `σ = f''`: finite at inflections `f'' = 0`. With `F = n·X − h`, `μ = m·X − k` the exact foot function is
+//! `E(X, t) = |n|² μ − F (n·m)`, linear in `X`; where `E = 0`, `F/|n|` is the signed distance from `X` to the ruling.
+//!
+//! The frame of a primal torse consists of f64 numbers and is orthonormal only up to rounding. The torse is taken as
+//! the image `o + R q` of its local form. Linear forms carry over exactly with `R⁻ᵀ`; local lengths times
+//! [`Family::metric`] bound lengths in space.
+
+use super::vector::{add, cross, dot, exact, scale, V3};
+use crate::geom::Vec3;
+use crate::num::bernstein::{elevated, from_spline, Scalar};
+use crate::num::interval::Interval;
+use crate::spline::knots::Knots;
+use crate::surface::torse::Torse;
+
+/// Frames less orthonormal than this (Frobenius norm of RᵀR − I) are refused: far above rounding, far below use.
+const FRAME_ERROR_LIMIT: f64 = 1e-9;
+
+/// Polynomial functions of one knot span, in powers of `x = (t − a)/(b − a) − ½`.
+#[derive(Clone, Debug)]
+enum Functions<S> {
+    /// `f`, `a` cubic, `g` quintic.
+    Primal { f: [S; 4], a: [S; 4], g: [S; 6] },
+    /// `(n, h)` cubic.
+    Dual { c: [[S; 4]; 4] },
+}
+
+/// One knot span.
+#[derive(Clone, Debug)]
+struct Span<S> {
+    /// 1/(b − a).
+    inverse: S,
+    functions: Functions<S>,
+}
+
+/// Everything about the plane at one parameter (or over an interval of parameters). Vectors in world axes, positions
+/// relative to [`Family::origin`]; scalars belong to the local metric.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Plane<S> {
+    /// Normal n.
+    pub n: V3<S>,
+    /// Second linear form m, `n' = σ m`.
+    pub m: V3<S>,
+    /// m'.
+    pub dm: V3<S>,
+    /// σ.
+    pub sigma: S,
+    /// |n|².
+    pub nn: S,
+    /// n·m.
+    pub nm: S,
+    /// |m|².
+    pub mm: S,
+    /// n·m'.
+    pub ndm: S,
+    /// h.
+    pub h: S,
+    /// k.
+    pub k: S,
+    /// k'.
+    pub dk: S,
+}
+
+impl<S: Scalar> Plane<S> {
+    /// `F = n·X − h`.
+    #[inline]
+    pub fn f(&self, x: &V3<S>) -> S {
+        dot(&self.n, x) - self.h
+    }
+
+    /// `μ = m·X − k`.
+    #[inline]
+    pub fn mu(&self, x: &V3<S>) -> S {
+        dot(&self.m, x) - self.k
+    }
+
+    /// `M = |n|² m − (n·m) n`, the gradient of E.
+    #[inline]
+    pub fn gradient(&self) -> V3<S> {
+        [
+            self.nn * self.m[0] - self.nm * self.n[0],
+            self.nn * self.m[1] - self.nm * self.n[1],
+            self.nn * self.m[2] - self.nm * self.n[2],
+        ]
+    }
+
+    /// `E = |n|² μ − F (n·m)`.
+    #[inline]
+    pub fn foot(&self, f: S, mu: S) -> S {
+        self.nn * mu - f * self.nm
+    }
+
+    /// `E_t = σ (n·m) μ + |n|² μ_t − F (σ |m|² + n·m')`.
+    #[inline]
+    pub fn foot_slope(&self, f: S, mu: S, dmu: S) -> S {
+        self.sigma * self.nm * mu + self.nn * dmu - f * (self.sigma * self.mm + self.ndm)
+    }
+}
+
+/// Enclosures over an interval of parameters, for points near a given one.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ranges {
+    /// σ over the interval.
+    pub sigma: Interval,
+    /// m' over the interval, world axes.
+    pub dm: V3<Interval>,
+    /// `m'·X − k'` over the interval at the given point, as one linear form.
+    pub dmu: Interval,
+}
+
+/// A torse prepared for proofs.
+#[derive(Clone, Debug)]
+pub(super) struct Family {
+    breaks: Vec<f64>,
+    spans: Vec<Span<Interval>>,
+    quick: Vec<Span<f64>>,
+    primal: bool,
+    /// Rows: images of the frame's axes as linear forms, `R⁻ᵀ`.
+    axes: [V3<Interval>; 3],
+    quick_axes: [V3<f64>; 3],
+    /// Origin of positions.
+    pub origin: Vec3,
+    /// At least the largest factor by which the frame stretches or shrinks lengths, ≥ 1.
+    pub metric: f64,
+}
+
+impl Family {
+    /// Prepares a torse. `None` when it is not a C¹ spline of degree at most three or its frame is not orthonormal.
+    pub fn new(torse: &Torse) -> Option<Self> {
+        let knots = match torse {
+            Torse::Primal(p) => &p.profile.knots,
+            Torse::Dual(d) => &d.planes.knots,
+        };
+        let (t0, t1) = knots.domain();
+        let degree = knots.degree();
+        let smooth = knots.distinct().into_iter().all(|(t, m)| t <= t0 || t >= t1 || m < degree);
+        if degree > 3 || !smooth {
+            return None;
+        }
+        let breaks = knots.breaks();
+        let mut spans = Vec::with_capacity(breaks.len());
+        let (mut axes, mut origin, mut metric) = ([[Interval::ZERO; 3]; 3], Vec3::zeros(), 1.0f64);
+        match torse {
+            Torse::Primal(p) => {
+                let mut g = Interval::point(p.beta);
+                for w in breaks.windows(2) {
+                    let [f, a] = pieces(knots, &p.profile.control, w[0], w[1]);
+                    let inverse = Interval::ONE / (Interval::point(w[1]) - Interval::point(w[0]));
+                    let (span, end) = primal_span(f, a, g, inverse);
+                    spans.push(span);
+                    g = end;
+                }
+                origin = p.frame.origin;
+                (axes, metric) = frame_forms(&[p.frame.x, p.frame.y, p.frame.z])?;
+            }
+            Torse::Dual(d) => {
+                for w in breaks.windows(2) {
+                    let inverse = Interval::ONE / (Interval::point(w[1]) - Interval::point(w[0]));
+                    let c = pieces(knots, &d.planes.control, w[0], w[1]);
+                    spans.push(Span { inverse, functions: Functions::Dual { c } });
+                }
+            }
+        }
+        let quick = spans.iter().map(Span::middle).collect();
+        let quick_axes = axes.map(|r| r.map(Interval::mid));
+        Some(Self { breaks, spans, quick, primal: matches!(torse, Torse::Primal(_)), axes, quick_axes, origin, metric })
+    }
+
+    /// Parameter interval.
+    pub fn domain(&self) -> (f64, f64) {
+        (self.breaks[0], self.breaks[self.breaks.len() - 1])
+    }
+
+    /// Index of the span holding `t`; the ends of the domain belong to the outermost spans.
+    #[inline]
+    fn span(&self, t: f64) -> usize {
+        let inner = &self.breaks[1..self.breaks.len() - 1];
+        inner.partition_point(|&b| b <= t)
+    }
+
+    /// The plane at `t`, in f64.
+    #[inline]
+    pub fn quick(&self, t: f64) -> Plane<f64> {
+        let i = self.span(t);
+        let s = &self.quick[i];
+        let x = (t - self.breaks[i]) * s.inverse - 0.5;
+        s.plane(x, t, &self.quick_axes)
+    }
+
+    /// The plane at `t`, enclosed.
+    #[inline]
+    pub fn at(&self, t: f64) -> Plane<Interval> {
+        self.on_span(self.span(t), Interval::point(t))
+    }
+
+    /// The planes over an interval of parameters inside the domain, without regard to dependencies: for coarse bounds.
+    pub fn over(&self, t: Interval) -> Plane<Interval> {
+        let (first, last) = (self.span(t.lo), self.span(t.hi));
+        let mut out = self.on_span(first, self.clip(first, t));
+        for i in first + 1..=last {
+            out = out.hull(&self.on_span(i, self.clip(i, t)));
+        }
+        out
+    }
+
+    fn clip(&self, i: usize, t: Interval) -> Interval {
+        Interval { lo: t.lo.max(self.breaks[i]), hi: t.hi.min(self.breaks[i + 1]).max(t.lo.max(self.breaks[i])) }
+    }
+
+    fn on_span(&self, i: usize, t: Interval) -> Plane<Interval> {
+        let s = &self.spans[i];
+        let x = (t - Interval::point(self.breaks[i])) * s.inverse - Interval::point(0.5);
+        s.plane(x, t, &self.axes)
+    }
+
+    /// Enclosures over `t` (inside the domain) of σ and of m' with `m'·x − k'`; `x` relative to the origin.
+    pub fn ranges(&self, t: Interval, x: &V3<Interval>) -> Ranges {
+        let (first, last) = (self.span(t.lo), self.span(t.hi));
+        let y = if self.primal { dot(&self.axes[1], x) } else { Interval::ZERO };
+        let mut out: Option<Ranges> = None;
+        for i in first..=last {
+            let s = &self.spans[i];
+            let c = self.clip(i, t);
+            let local =
+                |t: f64| (Interval::point(t) - Interval::point(self.breaks[i])) * s.inverse - Interval::point(0.5);
+            let (lo, hi) = (local(c.lo), local(c.hi));
+            let piece = match &s.functions {
+                Functions::Primal { f, a, .. } => {
+                    let square = s.inverse * s.inverse;
+                    let second = |x: Interval| (f[2] * 2.0 + f[3] * 6.0 * x) * square;
+                    let sigma = second(lo).hull(second(hi));
+                    let middle = (lo + hi).scale_exact(0.5);
+                    let reach = Interval::symmetric((hi - lo).scale_exact(0.5).mag());
+                    let slope = a[1] + middle * (a[2] * 2.0 + middle * a[3] * 3.0);
+                    let bend = a[2] * 2.0 + a[3] * 6.0 * (middle + reach);
+                    let a1 = (slope + reach * bend) * s.inverse;
+                    Ranges { sigma, dm: scale(&self.axes[1], a1), dmu: a1 * y + Interval::ONE }
+                }
+                Functions::Dual { c } => {
+                    let square = s.inverse * s.inverse;
+                    let second = |x: Interval| -> [Interval; 4] {
+                        [0, 1, 2, 3].map(|d| (c[d][2] * 2.0 + c[d][3] * 6.0 * x) * square)
+                    };
+                    let (p, q) = (second(lo), second(hi));
+                    let form = |v: &[Interval; 4]| v[0] * x[0] + v[1] * x[1] + v[2] * x[2] - v[3];
+                    Ranges {
+                        sigma: Interval::ONE,
+                        dm: [0, 1, 2].map(|d| p[d].hull(q[d])),
+                        dmu: form(&p).hull(form(&q)),
+                    }
+                }
+            };
+            out = Some(match out {
+                None => piece,
+                Some(o) => Ranges {
+                    sigma: o.sigma.hull(piece.sigma),
+                    dm: super::vector::hull(&o.dm, &piece.dm),
+                    dmu: o.dmu.hull(piece.dmu),
+                },
+            });
+        }
+        out.unwrap_or(Ranges { sigma: Interval::EVERYTHING, dm: [Interval::EVERYTHING; 3], dmu: Interval::EVERYTHING })
+    }
+
+    /// Foot function and slope at `x` (relative to the origin), in f64.
+    #[inline]
+    fn quick_foot(&self, x: &V3<f64>, t: f64) -> (f64, f64) {
+        let p = self.quick(t);
+        let (f, mu) = (p.f(x), p.mu(x));
+        (p.foot(f, mu), p.foot_slope(f, mu, dot(&p.dm, x) - p.dk))
+    }
+
+    /// Foot parameter near `guess` by Newton steps, in f64; `None` when they leave the domain or do not settle.
+    pub fn newton(&self, x: &V3<f64>, guess: f64) -> Option<f64> {
+        // Steps stop once they are at the level of rounding; quadratic convergence needs few.
+        const STEPS: usize = 12;
+        const SETTLED: f64 = 1e-13;
+        let (t0, t1) = self.domain();
+        let width = t1 - t0;
+        let mut t = guess.clamp(t0, t1);
+        let mut last = f64::INFINITY;
+        for _ in 0..STEPS {
+            let (e, d) = self.quick_foot(x, t);
+            let step = -e / d;
+            if !step.is_finite() {
+                return None;
+            }
+            let next = t + step.clamp(-0.2 * width, 0.2 * width);
+            if !(next >= t0 - 0.05 * width && next <= t1 + 0.05 * width) {
+                return None;
+            }
+            t = next.clamp(t0, t1);
+            let size = step.abs();
+            if size <= SETTLED * width || (size <= 1e-9 * width && size >= last) {
+                return ((t - next).abs() <= 1e-9 * width).then_some(t);
+            }
+            last = size;
+        }
+        None
+    }
+
+    /// Foot parameter of the nearest ruling among all sign changes seen from `samples` places, in f64.
+    pub fn search(&self, x: &V3<f64>, samples: usize) -> Option<f64> {
+        let (t0, t1) = self.domain();
+        let place = |i: usize| t0 + (t1 - t0) * i as f64 / samples as f64;
+        let mut best: Option<(f64, f64)> = None;
+        let mut before = self.quick_foot(x, t0).0;
+        for i in 1..=samples {
+            let now = self.quick_foot(x, place(i)).0;
+            if (before <= 0.0) != (now <= 0.0) {
+                let (mut a, mut b) = (place(i - 1), place(i));
+                for _ in 0..20 {
+                    let m = 0.5 * (a + b);
+                    if (self.quick_foot(x, m).0 <= 0.0) == (before <= 0.0) {
+                        a = m;
+                    } else {
+                        b = m;
+                    }
+                }
+                if let Some(t) = self.newton(x, 0.5 * (a + b)) {
+                    let p = self.quick(t);
+                    let d = (p.f(x) / p.nn.sqrt()).abs();
+                    if best.is_none_or(|(_, e)| d < e) {
+                        best = Some((t, d));
+                    }
+                }
+            }
+            before = now;
+        }
+        best.map(|(t, _)| t)
+    }
+
+    /// `n × m`, the direction of the ruling (local metric up to the frame's error; not of unit length).
+    pub fn direction(p: &Plane<Interval>) -> V3<Interval> {
+        cross(&p.n, &p.m)
+    }
+}
+
+impl Plane<Interval> {
+    fn hull(&self, o: &Self) -> Self {
+        use super::vector::hull;
+        Self {
+            n: hull(&self.n, &o.n),
+            m: hull(&self.m, &o.m),
+            dm: hull(&self.dm, &o.dm),
+            sigma: self.sigma.hull(o.sigma),
+            nn: self.nn.hull(o.nn),
+            nm: self.nm.hull(o.nm),
+            mm: self.mm.hull(o.mm),
+            ndm: self.ndm.hull(o.ndm),
+            h: self.h.hull(o.h),
+            k: self.k.hull(o.k),
+            dk: self.dk.hull(o.dk),
+        }
+    }
+}
+
+impl Span<Interval> {
+    fn middle(&self) -> Span<f64> {
+        let functions = match &self.functions {
+            Functions::Primal { f, a, g } => {
+                Functions::Primal { f: f.map(Interval::mid), a: a.map(Interval::mid), g: g.map(Interval::mid) }
+            }
+            Functions::Dual { c } => Functions::Dual { c: c.map(|r| r.map(Interval::mid)) },
+        };
+        Span { inverse: self.inverse.mid(), functions }
+    }
+}
+
+impl<S: Scalar> Span<S> {
+    #[inline]
+    fn plane(&self, x: S, t: S, axes: &[V3<S>; 3]) -> Plane<S> {
+        let i = self.inverse;
+        match &self.functions {
+            Functions::Primal { f, a, g } => {
+                let [f, f1, f2] = cubic(f, x);
+                let [a, a1, _] = cubic(a, x);
+                let (f1, a1, sigma) = (f1 * i, a1 * i, f2 * i * i);
+                let g = g[0] + x * (g[1] + x * (g[2] + x * (g[3] + x * (g[4] + x * g[5]))));
+                let one = S::from(1.0);
+                let ny = a * f1 - g;
+                let n = add(&add(&scale(&axes[0], -f1), &scale(&axes[1], ny)), &axes[2]);
+                let m = super::vector::sub(&scale(&axes[1], a), &axes[0]);
+                Plane {
+                    n,
+                    m,
+                    dm: scale(&axes[1], a1),
+                    sigma,
+                    nn: f1 * f1 + ny * ny + one,
+                    nm: f1 + a * ny,
+                    mm: one + a * a,
+                    ndm: ny * a1,
+                    h: f - t * f1,
+                    k: -t,
+                    dk: -one,
+                }
+            }
+            Functions::Dual { c } => {
+                let v = [cubic(&c[0], x), cubic(&c[1], x), cubic(&c[2], x), cubic(&c[3], x)];
+                let n = [v[0][0], v[1][0], v[2][0]];
+                let m = [v[0][1] * i, v[1][1] * i, v[2][1] * i];
+                let square = i * i;
+                let dm = [v[0][2] * square, v[1][2] * square, v[2][2] * square];
+                Plane {
+                    n,
+                    m,
+                    dm,
+                    sigma: S::from(1.0),
+                    nn: dot(&n, &n),
+                    nm: dot(&n, &m),
+                    mm: dot(&m, &m),
+                    ndm: dot(&n, &dm),
+                    h: v[3][0],
+                    k: v[3][1] * i,
+                    dk: v[3][2] * square,
+                }
+            }
+        }
+    }
+}
+
+/// Value and first two derivatives of a cubic in powers of `x`.
+#[inline]
+fn cubic<S: Scalar>(c: &[S; 4], x: S) -> [S; 3] {
+    let (two, three, six) = (S::from(2.0), S::from(3.0), S::from(6.0));
+    [c[0] + x * (c[1] + x * (c[2] + x * c[3])), c[1] + x * (two * c[2] + x * three * c[3]), two * c[2] + six * x * c[3]]
+}
+
+/// Power coefficients about the middle of the span `[a, b]` of each component.
+fn pieces<const D: usize>(knots: &Knots, control: &[[f64; D]], a: f64, b: f64) -> [[Interval; 4]; D] {
+    let (p, v) = (knots.degree(), knots.values());
+    let span = knots.span(0.5 * (a + b));
+    let local = &v[span + 1 - p..=span + p];
+    std::array::from_fn(|d| {
+        let net: Vec<Interval> = control[span - p..=span].iter().map(|c| Interval::point(c[d])).collect();
+        let mut bez = from_spline(&net, local);
+        while bez.len() < 4 {
+            bez = elevated(&bez);
+        }
+        let [b0, b1, b2, b3] = [bez[0], bez[1], bez[2], bez[3]];
+        [
+            (b0 + (b1 + b2) * 3.0 + b3).scale_exact(0.125),
+            ((b3 - b0) + (b2 - b1)) * 0.75,
+            ((b0 - b1) + (b3 - b2)) * 1.5,
+            (b3 - b0) - (b2 - b1) * 3.0,
+        ]
+    })
+}
+
+/// Span of a primal torse with `g` integrated from its value at the start; also the value at the end.
+fn primal_span(f: [Interval; 4], a: [Interval; 4], start: Interval, inverse: Interval) -> (Span<Interval>, Interval) {
+    let slope = |c: &[Interval; 4]| [c[1], c[2] * 2.0, c[3] * 3.0];
+    let (u, v) = (slope(&f), slope(&a));
+    // g = ∫ f' a' dt = inverse · ∫ f_x a_x dx.
+    let mut g = [Interval::ZERO; 6];
+    for i in 0..3 {
+        for j in 0..3 {
+            g[i + j + 1] += u[i] * v[j];
+        }
+    }
+    for (k, c) in g.iter_mut().enumerate().skip(1) {
+        *c = *c / Interval::point(k as f64) * inverse;
+    }
+    let at = |x: f64| {
+        let mut s = Interval::ZERO;
+        for c in g.iter().rev() {
+            s = s * Interval::point(x) + *c;
+        }
+        s
+    };
+    let (low, high) = (at(-0.5), at(0.5));
+    g[0] = start - low;
+    (Span { inverse, functions: Functions::Primal { f, a, g } }, start + (high - low))
+}
+
+/// Enclosures of the columns of `R⁻ᵀ` for the matrix R with the given columns, and the factor for lengths.
+fn frame_forms(columns: &[Vec3; 3]) -> Option<([V3<Interval>; 3], f64)> {
+    let c = columns.map(|v| exact::<Interval>(&v));
+    let mut error = Interval::ZERO;
+    for i in 0..3 {
+        for j in 0..3 {
+            let ideal = if i == j { Interval::ONE } else { Interval::ZERO };
+            error += (dot(&c[i], &c[j]) - ideal).sqr();
+        }
+    }
+    let error = error.sqrt().hi;
+    if error > FRAME_ERROR_LIMIT || error.is_nan() {
+        return None;
+    }
+    // R⁻ᵀ = R (RᵀR)⁻¹ and ‖(RᵀR)⁻¹ − I‖ ≤ e/(1−e), so every entry of R⁻ᵀ − R is at most 2e.
+    Some((c.map(|v| v.map(|x| x.widen(2.0 * error))), (1.0 + 2.0 * error).next_up()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geom::Frame;
+    use crate::spline::curve::Curve;
+    use crate::surface::torse::{DualTorse, PrimalTorse};
+
+    pub fn primal() -> Torse {
+        let knots = vec![-1., -1., -1., -1., 0., 0.5, 1., 1., 1., 1.];
+        let control = vec![[0.3, 0.1], [0.1, 0.0], [-0.2, 0.2], [0.1, 0.3], [0.3, 0.1], [0.5, -0.1]];
+        let (s, c) = (0.6, 0.8);
+        let frame =
+            Frame { origin: Vec3::new(1., 2., 3.), x: Vec3::new(c, s, 0.), y: Vec3::new(-s, c, 0.), z: Vec3::z() };
+        Torse::Primal(PrimalTorse { frame, profile: Curve::new(3, knots, control).expect("profile"), beta: 0.2 })
+    }
+
+    pub fn dual() -> Torse {
+        let knots = vec![0., 0., 0., 0., 0.4, 1., 1., 1., 1.];
+        let control = (0..5)
+            .map(|i| {
+                let t = i as f64 / 4.0;
+                [t.sin(), 0.2 * t * t, t.cos(), 1.0 + 0.1 * t]
+            })
+            .collect();
+        Torse::Dual(DualTorse { planes: Curve::new(3, knots, control).expect("planes") })
+    }
+
+    #[test]
+    fn planes_agree_with_the_torse() {
+        for torse in [primal(), dual()] {
+            let family = Family::new(&torse).expect("family");
+            let (t0, t1) = family.domain();
+            let x = Vec3::new(1.2, 1.9, 3.3);
+            let local = exact::<f64>(&(x - family.origin));
+            let enclosed = exact::<Interval>(&(x - family.origin));
+            for i in 0..=20 {
+                let t = t0 + (t1 - t0) * i as f64 / 20.0;
+                let (e, d) = torse.foot_function(&x, t);
+                let (q, r) = family.quick_foot(&local, t);
+                assert!((e - q).abs() < 1e-12 && (d - r).abs() < 1e-11, "{t}: {e} {q} {d} {r}");
+                let p = family.at(t);
+                let (f, mu) = (p.f(&enclosed), p.mu(&enclosed));
+                let foot = p.foot(f, mu);
+                assert!(foot.widen(1e-13).contains(e) && foot.rad() < 1e-11, "{t}: {e} {foot:?}");
+                let wide = family.over(Interval::new((t - 0.1).max(t0), (t + 0.1).min(t1)));
+                assert!(wide.h.encloses(p.h) && wide.n[1].encloses(p.n[1]) && wide.dk.encloses(p.dk));
+                let ranges = family.ranges(Interval::new((t - 0.1).max(t0), (t + 0.1).min(t1)), &enclosed);
+                assert!(ranges.sigma.widen(1e-12).encloses(p.sigma));
+                assert!(ranges.dmu.widen(1e-12).encloses(dot(&p.dm, &enclosed) - p.dk));
+            }
+        }
+    }
+
+    #[test]
+    fn a_skew_frame_is_refused() {
+        let Torse::Primal(mut p) = primal() else { unreachable!() };
+        p.frame.x *= 1.001;
+        assert!(Family::new(&Torse::Primal(p)).is_none());
+    }
+}

@@ -1,0 +1,179 @@
+//! Surfaces and torses for the tests of this floor, and a measurement by brute force.
+
+use crate::geom::{Frame, Vec3};
+use crate::spline::curve::Curve;
+use crate::spline::knots::Knots;
+use crate::spline::surface::Surface;
+use crate::surface::torse::{DualTorse, PrimalTorse, Torse};
+use nalgebra::DMatrix;
+
+fn greville(k: &Knots) -> Vec<f64> {
+    let (p, v) = (k.degree(), k.values());
+    (0..k.control_count()).map(|i| v[i + 1..=i + p].iter().sum::<f64>() / p as f64).collect()
+}
+
+fn collocation(k: &Knots, at: &[f64]) -> DMatrix<f64> {
+    let mut m = DMatrix::zeros(at.len(), k.control_count());
+    for (r, &t) in at.iter().enumerate() {
+        let b = k.basis(t, 0);
+        for j in 0..=k.degree() {
+            m[(r, b.first + j)] = b.rows[0][j];
+        }
+    }
+    m
+}
+
+/// The spline surface through `f` at the Greville points.
+pub fn interpolant(ku: &Knots, kv: &Knots, f: &dyn Fn(f64, f64) -> Vec3) -> Surface {
+    let (gu, gv) = (greville(ku), greville(kv));
+    let iu = collocation(ku, &gu).try_inverse().expect("regular");
+    let iv = collocation(kv, &gv).try_inverse().expect("regular");
+    let mut points = vec![Vec3::zeros(); gu.len() * gv.len()];
+    for d in 0..3 {
+        let values = DMatrix::from_fn(gu.len(), gv.len(), |i, j| f(gu[i], gv[j])[d]);
+        let c = &iu * values * iv.transpose();
+        for i in 0..gu.len() {
+            for j in 0..gv.len() {
+                points[i * gv.len() + j][d] = c[(i, j)];
+            }
+        }
+    }
+    Surface::new(ku.clone(), kv.clone(), &points, None).expect("surface")
+}
+
+/// The spline curve through `f` at the Greville points.
+pub fn curve<const D: usize>(k: &Knots, f: &dyn Fn(f64) -> [f64; D]) -> Curve<D> {
+    let g = greville(k);
+    let inverse = collocation(k, &g).try_inverse().expect("regular");
+    let mut control = vec![[0.0; D]; g.len()];
+    for d in 0..D {
+        let c = &inverse * DMatrix::from_fn(g.len(), 1, |i, _| f(g[i])[d]);
+        for i in 0..g.len() {
+            control[i][d] = c[(i, 0)];
+        }
+    }
+    Curve::new(k.degree(), k.values().to_vec(), control).expect("curve")
+}
+
+/// A frame that is not axis-parallel.
+pub fn tilted_frame() -> Frame {
+    let z = Vec3::new(0.3, -0.2, 0.9).normalize();
+    let x = Vec3::new(1.0, 0.5, 0.0).cross(&z).cross(&z).normalize() * -1.0;
+    let x = (x - z * x.dot(&z)).normalize();
+    Frame { origin: Vec3::new(40.0, -20.0, 10.0), x, y: z.cross(&x), z }
+}
+
+/// Profile `f = .3 t² − .1 t³` with an inflection at t = 1, ruling slopes `a = .1 + .2 t`; t ∈ [−.3, 1.6].
+pub fn primal() -> PrimalTorse {
+    let knots = Knots::clamped(3, &[-0.3, 0.2, 0.8, 1.6]).expect("knots");
+    let profile = curve(&knots, &|t| [0.3 * t * t - 0.1 * t * t * t, 0.1 + 0.2 * t]);
+    PrimalTorse { frame: tilted_frame(), profile, beta: 0.05 }
+}
+
+/// Point of [`primal`] in world coordinates, from the closed form.
+pub fn primal_point(t: f64, y: f64) -> Vec3 {
+    let f = 0.3 * t * t - 0.1 * t * t * t;
+    let a = 0.1 + 0.2 * t;
+    let integral = |t: f64| 0.2 * (0.3 * t * t - 0.1 * t * t * t);
+    let g = 0.05 + integral(t) - integral(-0.3);
+    tilted_frame().to_world(&Vec3::new(t + y * a, y, f + y * g))
+}
+
+/// A surface within `bump` of [`primal`]: the torse over t ∈ [0, 1.3], y ∈ [−.4, .4], plus a wave along the frame's z.
+pub fn near_primal(bump: f64) -> Surface {
+    let knots = Knots::clamped(3, &[0.0, 0.3, 0.6, 1.0]).expect("knots");
+    interpolant(&knots, &knots, &|u, v| {
+        primal_point(1.3 * u, 0.8 * v - 0.4) + tilted_frame().z * (bump * (7.0 * u + 2.0 * v).sin() * (3.0 * v).cos())
+    })
+}
+
+/// A dual torse near the sphere of radius 5 about the origin: tangent planes along a small circle.
+pub fn dual() -> DualTorse {
+    let knots = Knots::uniform(3, 12, -0.1, 1.1).expect("knots");
+    let planes = curve(&knots, &|t| {
+        let (s, c) = t.sin_cos();
+        let n = Vec3::new(c * 0.9f64.cos(), s * 0.9f64.cos(), 0.9f64.sin());
+        [n.x, n.y, n.z, 5.0]
+    });
+    DualTorse { planes }
+}
+
+/// The sphere of radius 5 as a rational biquadratic: longitude 0 to 1, latitude .9 ± `half`.
+pub fn sphere_strip(half: f64) -> Surface {
+    // Circular arcs as rational quadratics; control points of an arc of half-angle b about the middle direction.
+    let arc = |middle: f64, b: f64| {
+        let w = b.cos();
+        [(middle - b, 1.0, 1.0), (middle, 1.0 / w, w), (middle + b, 1.0, 1.0)]
+    };
+    let k = Knots::clamped(2, &[0.0, 1.0]).expect("knots");
+    let (mut points, mut weights) = (Vec::new(), Vec::new());
+    for (a, ra, wa) in arc(0.5, 0.5) {
+        for (b, rb, wb) in arc(0.9, half) {
+            let (r, z) = (5.0 * rb * b.cos(), 5.0 * rb * b.sin());
+            points.push(Vec3::new(r * ra * a.cos(), r * ra * a.sin(), z));
+            weights.push(wa * wb);
+        }
+    }
+    Surface::new(k.clone(), k, &points, Some(&weights)).expect("surface")
+}
+
+/// Triangles of an nu × nv grid over the whole domain, with lines at the knots.
+pub fn grid(s: &Surface, nu: usize, nv: usize) -> Vec<[[f64; 2]; 3]> {
+    let lines = |k: &Knots, n: usize| {
+        let mut out = Vec::new();
+        for w in k.breaks().windows(2) {
+            out.extend((0..n).map(|i| w[0] + (w[1] - w[0]) * i as f64 / n as f64));
+        }
+        out.push(k.domain().1);
+        out
+    };
+    let (us, vs) = (lines(&s.knots_u, nu), lines(&s.knots_v, nv));
+    let mut out = Vec::new();
+    for a in us.windows(2) {
+        for b in vs.windows(2) {
+            let (p, q, r, t) = ([a[0], b[0]], [a[1], b[0]], [a[1], b[1]], [a[0], b[1]]);
+            out.push([p, q, r]);
+            out.push([p, r, t]);
+        }
+    }
+    out
+}
+
+/// Distance from `x` to the nearest of densely sampled rulings, refined by golden section.
+pub fn brute_distance(torse: &Torse, x: &Vec3) -> f64 {
+    let (t0, t1) = torse.domain();
+    let to_line = |t: f64| {
+        let r = torse.ruling(t);
+        (x - r.point).cross(&r.direction).norm()
+    };
+    let n = 400;
+    let place = |i: usize| t0 + (t1 - t0) * i as f64 / n as f64;
+    let best = (0..=n).min_by(|&i, &j| to_line(place(i)).total_cmp(&to_line(place(j)))).expect("places");
+    let (mut a, mut b) = (place(best.saturating_sub(1)), place((best + 1).min(n)));
+    for _ in 0..60 {
+        let (c, d) = (a + 0.382 * (b - a), a + 0.618 * (b - a));
+        if to_line(c) < to_line(d) {
+            b = d;
+        } else {
+            a = c;
+        }
+    }
+    to_line(0.5 * (a + b))
+}
+
+/// Largest [`brute_distance`] over points spread on triangles.
+pub fn brute_sup(s: &Surface, torse: &Torse, triangles: &[[[f64; 2]; 3]], per_triangle: usize) -> f64 {
+    let mut sup = 0.0f64;
+    let n = per_triangle;
+    for t in triangles {
+        for i in 0..=n {
+            for j in 0..=n - i {
+                let w = [i as f64 / n as f64, j as f64 / n as f64];
+                let w = [w[0], w[1], 1.0 - w[0] - w[1]];
+                let uv = [0, 1].map(|d| (0..3).map(|k| w[k] * t[k][d]).sum::<f64>());
+                sup = sup.max(brute_distance(torse, &s.point(uv[0], uv[1])));
+            }
+        }
+    }
+    sup
+}

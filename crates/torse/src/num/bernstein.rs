@@ -1,0 +1,219 @@
+//! Polynomials in Bernstein form, over numbers or intervals: the same formulae serve a quick look and a proof.
+//!
+//! Coefficients `b_0 … b_p` stand for `Σ b_i C(p,i) x^i (1−x)^{p−i}` on `0 ≤ x ≤ 1`; values stay in the hull of the
+//! coefficients. With [`Interval`] coefficients every result encloses the exact one. Formulae: Farin, *Curves and
+//! Surfaces for CAGD*, ch. 4–5 (de Casteljau, blossoms, degree elevation), \[PW99\] section 4 for products of planes
+//! and points.
+
+use super::interval::Interval;
+use std::ops::{Add, Mul, Neg, Sub};
+
+/// A number or an interval.
+pub trait Scalar:
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self> + From<f64> + Send + Sync
+{
+    /// Quotient `a / b` of two numbers, rounded or enclosed.
+    fn ratio(a: f64, b: f64) -> Self;
+    /// Sum of two numbers, rounded or enclosed.
+    fn sum(a: f64, b: f64) -> Self;
+    /// Quotient; everything (or not a number) when the divisor may be zero.
+    fn over(self, divisor: Self) -> Self;
+}
+
+impl Scalar for f64 {
+    #[inline]
+    fn ratio(a: f64, b: f64) -> Self {
+        a / b
+    }
+    #[inline]
+    fn sum(a: f64, b: f64) -> Self {
+        a + b
+    }
+    #[inline]
+    fn over(self, divisor: Self) -> Self {
+        self / divisor
+    }
+}
+
+impl Scalar for Interval {
+    #[inline]
+    fn ratio(a: f64, b: f64) -> Self {
+        Self::point(a) / Self::point(b)
+    }
+    #[inline]
+    fn sum(a: f64, b: f64) -> Self {
+        Self::point(a) + Self::point(b)
+    }
+    #[inline]
+    fn over(self, divisor: Self) -> Self {
+        self / divisor
+    }
+}
+
+/// Blossom of the polynomial piece of a B-spline at `args` (as many as the degree p).
+///
+/// `net` holds the p + 1 coefficients of the piece and `knots` the 2p knots around it: piece on
+/// `[knots[p−1], knots[p]]`.
+pub fn blossom<S: Scalar>(net: &[S], knots: &[f64], args: &[f64]) -> S {
+    let p = args.len();
+    let mut d = net.to_vec();
+    for r in 1..=p {
+        for j in (r..=p).rev() {
+            // Knots T_i of the piece: i = span − p + j, and knots[0] is T_{span−p+1}.
+            let (left, right) = (knots[j - 1], knots[j + p - r]);
+            let width = S::sum(right, -left);
+            let a = S::sum(args[r - 1], -left).over(width);
+            let b = S::sum(right, -args[r - 1]).over(width);
+            d[j] = b * d[j - 1] + a * d[j];
+        }
+    }
+    d[p]
+}
+
+/// Bernstein coefficients of a B-spline piece over its own span; see [`blossom`].
+pub fn from_spline<S: Scalar>(net: &[S], knots: &[f64]) -> Vec<S> {
+    let p = net.len() - 1;
+    if p == 0 {
+        return net.to_vec();
+    }
+    let (a, b) = (knots[p - 1], knots[p]);
+    let mut args = vec![a; p];
+    let mut out = Vec::with_capacity(p + 1);
+    for k in 0..=p {
+        if k > 0 {
+            args[p - k] = b;
+        }
+        out.push(blossom(net, knots, &args));
+    }
+    out
+}
+
+/// Value at `x`.
+pub fn value<S: Scalar>(b: &[S], x: S) -> S {
+    let mut d = b.to_vec();
+    let y = S::from(1.0) - x;
+    for r in 1..d.len() {
+        for i in 0..d.len() - r {
+            d[i] = y * d[i] + x * d[i + 1];
+        }
+    }
+    d[0]
+}
+
+/// Derivative with respect to `x`, one degree lower.
+pub fn derivative<S: Scalar>(b: &[S]) -> Vec<S> {
+    if b.len() < 2 {
+        return vec![S::from(0.0)];
+    }
+    let p = S::from((b.len() - 1) as f64);
+    b.windows(2).map(|w| p * (w[1] - w[0])).collect()
+}
+
+/// The same polynomial written one degree higher.
+pub fn elevated<S: Scalar>(b: &[S]) -> Vec<S> {
+    let n = b.len();
+    let mut out = Vec::with_capacity(n + 1);
+    out.push(b[0]);
+    for i in 1..n {
+        out.push(S::ratio(i as f64, n as f64) * b[i - 1] + S::ratio((n - i) as f64, n as f64) * b[i]);
+    }
+    out.push(b[n - 1]);
+    out
+}
+
+/// Binomial coefficient, exact up to `n = 57`.
+pub fn binomial(n: usize, k: usize) -> f64 {
+    let mut c = 1.0f64;
+    for i in 0..k.min(n - k) {
+        c = (c * (n - i) as f64 / (i + 1) as f64).round();
+    }
+    c
+}
+
+/// Product of two polynomials; degrees add.
+pub fn product<S: Scalar>(a: &[S], b: &[S]) -> Vec<S> {
+    let (p, q) = (a.len() - 1, b.len() - 1);
+    (0..=p + q)
+        .map(|k| {
+            let mut sum = S::from(0.0);
+            for i in k.saturating_sub(q)..=k.min(p) {
+                sum = sum + S::from(binomial(p, i) * binomial(q, k - i)) * (a[i] * b[k - i]);
+            }
+            sum * S::ratio(1.0, binomial(p + q, k))
+        })
+        .collect()
+}
+
+/// Sum of polynomials of equal degree.
+pub fn sum<S: Scalar>(a: &[S], b: &[S]) -> Vec<S> {
+    a.iter().zip(b).map(|(&x, &y)| x + y).collect()
+}
+
+/// Difference of polynomials of equal degree.
+pub fn difference<S: Scalar>(a: &[S], b: &[S]) -> Vec<S> {
+    a.iter().zip(b).map(|(&x, &y)| x - y).collect()
+}
+
+/// Halves `[0, 1/2]` and `[1/2, 1]`.
+pub fn halves<S: Scalar>(b: &[S]) -> (Vec<S>, Vec<S>) {
+    split(b, S::from(0.5))
+}
+
+/// Parts `[0, x]` and `[x, 1]`.
+pub fn split<S: Scalar>(b: &[S], x: S) -> (Vec<S>, Vec<S>) {
+    let n = b.len();
+    let y = S::from(1.0) - x;
+    let mut d = b.to_vec();
+    let mut left = Vec::with_capacity(n);
+    let mut right = vec![S::from(0.0); n];
+    for r in 0..n {
+        left.push(d[0]);
+        right[n - 1 - r] = d[n - 1 - r];
+        for i in 0..n - 1 - r {
+            d[i] = y * d[i] + x * d[i + 1];
+        }
+    }
+    (left, right)
+}
+
+/// Hull of the coefficients: encloses all values.
+pub fn hull(b: &[Interval]) -> Interval {
+    b.iter().skip(1).fold(b[0], |h, &x| h.hull(x))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn products_derivatives_and_pieces_agree_with_values() {
+        let a = [1.0, -2.0, 0.5, 3.0];
+        let b = [0.25, 1.0, -1.0];
+        let ab = product(&a, &b);
+        let (left, right) = split(&a, 0.3);
+        for i in 0..=10 {
+            let x = i as f64 / 10.0;
+            assert!((value(&ab, x) - value(&a, x) * value(&b, x)).abs() < 1e-14);
+            assert!((value(&elevated(&a), x) - value(&a, x)).abs() < 1e-14);
+            assert!((value(&left, x) - value(&a, 0.3 * x)).abs() < 1e-14);
+            assert!((value(&right, x) - value(&a, 0.3 + 0.7 * x)).abs() < 1e-14);
+            let h = 1e-6;
+            let slope = (value(&a, x + h) - value(&a, x - h)) / (2.0 * h);
+            assert!((value(&derivative(&a), x) - slope).abs() < 1e-8);
+        }
+    }
+
+    #[test]
+    fn spline_pieces_are_enclosed() {
+        // Knots 0,0,0 | .4 | 1,1,1 with cubic coefficients; first piece [0, .4].
+        let knots = [0.0, 0.0, 0.0, 0.4, 1.0, 1.0];
+        let net = [0.0, 1.0, -1.0, 2.0];
+        let exact = from_spline::<f64>(&net, &knots);
+        let enclosed = from_spline::<Interval>(&net.map(Interval::point), &knots);
+        for (x, e) in exact.iter().zip(&enclosed) {
+            assert!(e.contains(*x) && e.rad() < 1e-14);
+        }
+        assert!((exact[3] - value(&exact, 1.0)).abs() < 1e-15);
+        assert!(hull(&enclosed).contains(value(&exact, 0.37)));
+    }
+}
