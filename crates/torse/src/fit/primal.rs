@@ -114,7 +114,7 @@ fn curved(samples: &[Sample], options: &PrimalOptions, enough: f64) -> Option<Fi
     candidates.retain(|c| c.score.is_finite());
     candidates.sort_by(|a, b| a.score.total_cmp(&b.score));
     let best = candidates.first_mut()?;
-    if best.score > HOPELESS * options.tolerance {
+    if options.tolerance > 0.0 && best.score > HOPELESS * options.tolerance {
         return finished(best, PanelKind::Torse, samples);
     }
     let goal = enough / best.unit;
