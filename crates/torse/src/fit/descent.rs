@@ -235,6 +235,9 @@ impl<'a, F: Family> Descent<'a, F> {
             for share in [1.0, 0.4] {
                 if self.attempt(share * limit) {
                     let now = largest(&self.trial);
+                    if std::env::var("TRACE").is_ok() {
+                        eprintln!("share {share} limit {limit:.3} before {before:.5e} pred {predicted:.5e} now {now:.5e} damp {:.1e} n {}", self.damping, self.active.len());
+                    }
                     if now < before {
                         let kept = (before - now) / (before - predicted);
                         self.damping = if kept > 0.75 {

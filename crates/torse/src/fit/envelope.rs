@@ -18,6 +18,9 @@ struct Gauge {
     e: Vec3,
 }
 
+/// Weight of the third differences of a step (see the primal family's).
+const FAIR: f64 = 0.01;
+
 /// The family; coefficient `4 j + c` is component c of control plane j.
 #[derive(Clone, Debug)]
 pub(super) struct EnvelopeFamily {
@@ -192,14 +195,18 @@ impl Family for EnvelopeFamily {
                 residual.push(rows.dot(rows.len() - 1, x) - root * weight * target);
             }
         }
+        let fair = FAIR * (count as f64).sqrt();
         for s in 0..self.breaks.len() - 1 {
             let h = self.breaks[s + 1] - self.breaks[s];
-            for d in 0..4 {
-                let (_, row) = rows.push(4 * self.basis.first[s]);
-                for j in 0..4 {
-                    row[4 * j + d] = root * THIRD * h.powi(3) * 6.0 * self.basis.power[s][j][3];
+            for (weight, relative) in [(root * THIRD, false), (fair, true)] {
+                for d in 0..4 {
+                    let (_, row) = rows.push(4 * self.basis.first[s]);
+                    for j in 0..4 {
+                        row[4 * j + d] = weight * h.powi(3) * 6.0 * self.basis.power[s][j][3];
+                    }
+                    let i = rows.len() - 1;
+                    residual.push(if relative { 0.0 } else { rows.dot(i, x) });
                 }
-                residual.push(rows.dot(rows.len() - 1, x));
             }
         }
         for j in 2..self.basis.count {

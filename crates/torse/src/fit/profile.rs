@@ -12,6 +12,10 @@ use crate::spline::pieces::{span_of, Pieces};
 /// Smallest `1 + y a'` at which a step is accepted; above the bound of the final torse.
 const REGULAR: f64 = 0.1;
 
+/// Weight of the third differences of a step of f (and of the second differences of that of a): minimax fits may wiggle
+/// where the samples are far from the largest distance; a wiggle of ten times the error then costs half a percent of it.
+const FAIR: f64 = 0.01;
+
 /// Which functions the ruling slope a may be.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Slopes {
@@ -201,38 +205,44 @@ impl Family for ProfileFamily {
         let balance = (error / SUITED).clamp(LEAST, 1.0);
         let nf = self.f.count;
         let root = (count as f64).sqrt();
-        let third = balance * THIRD * root / (nf as f64).sqrt();
+        let third = balance * THIRD / (nf as f64).sqrt();
+        let second = balance * SECOND * self.reach / root;
+        // Each row twice: weakly for the coefficients, with the weight of fairness for their change.
+        let mut both = |rows: &mut Rows, weak: f64, fair: f64, fill: &dyn Fn(&mut [f64], f64)| {
+            fill(rows.push(0).1, weak * root);
+            residual.push(rows.dot(rows.len() - 1, x));
+            fill(rows.push(0).1, fair * root);
+            residual.push(0.0);
+        };
         let spans = self.breaks.len() - 1;
-        let mut finish = |rows: &Rows| residual.push(rows.dot(rows.len() - 1, x));
         for s in 0..spans {
             let h = self.breaks[s + 1] - self.breaks[s];
-            let (_, row) = rows.push(0);
-            for j in 0..self.f.active {
-                row[self.f.first[s] + j] = third * h.powi(3) * 6.0 * self.f.power[s][j][3];
-            }
-            finish(rows);
+            both(rows, third, FAIR, &|row, weight| {
+                for j in 0..self.f.active {
+                    row[self.f.first[s] + j] = weight * h.powi(3) * 6.0 * self.f.power[s][j][3];
+                }
+            });
         }
-        let size = balance * SIZE * root * self.reach;
         if let Slopes::Spline(coarse) = &self.slopes {
             let h = (self.breaks[spans] - self.breaks[0]) / (coarse.len() - 1) as f64;
-            let second = balance * SECOND * self.reach;
             for w in coarse.windows(2) {
                 // The second derivative at both ends of every coarse span.
                 for t in [w[0] + 1e-3 * (w[1] - w[0]), w[1] - 1e-3 * (w[1] - w[0])] {
                     let s = span_of(&self.breaks, t);
                     let u = t - self.breaks[s];
-                    let (_, row) = rows.push(0);
-                    for j in 0..self.a.active {
-                        let p = &self.a.power[s][j];
-                        row[nf + self.a.first[s] + j] = second * h * h * (2.0 * p[2] + 6.0 * u * p[3]);
-                    }
-                    finish(rows);
+                    both(rows, second, FAIR * self.reach, &|row, weight| {
+                        for j in 0..self.a.active {
+                            let p = &self.a.power[s][j];
+                            row[nf + self.a.first[s] + j] = weight * h * h * (2.0 * p[2] + 6.0 * u * p[3]);
+                        }
+                    });
                 }
             }
         }
+        let size = balance * SIZE * root * self.reach;
         for j in 0..self.a.count {
             rows.push(0).1[nf + j] = size;
-            finish(rows);
+            residual.push(rows.dot(rows.len() - 1, x));
         }
     }
 
