@@ -88,12 +88,6 @@ impl<'a, F: Family> Descent<'a, F> {
         (self.residual.iter().map(|r| r * r).sum::<f64>() / self.residual.len().max(1) as f64).sqrt()
     }
 
-    /// Makes all weights equal.
-    pub fn forget_weights(&mut self) {
-        self.weights.clear();
-        self.weights.resize(self.active.len(), 1.0);
-    }
-
     /// Lawson's rule: weights grow with the distances.
     pub fn reweight(&mut self) {
         // Share of its weight that a sample without distance keeps, and the least weight.
@@ -241,6 +235,9 @@ impl<'a, F: Family> Descent<'a, F> {
             for share in [1.0, 0.4] {
                 if self.attempt(share * limit) {
                     let now = largest(&self.trial);
+                    if std::env::var("TRACE").is_ok() {
+                        eprintln!("share {share} limit {limit:.3} before {before:.5e} pred {predicted:.5e} now {now:.5e} damp {:.1e} n {}", self.damping, self.active.len());
+                    }
                     if now < before {
                         let kept = (before - now) / (before - predicted);
                         self.damping = if kept > 0.75 {
@@ -318,4 +315,56 @@ impl<'a, F: Family> Descent<'a, F> {
 /// Largest absolute value.
 pub(super) fn largest(values: &[f64]) -> f64 {
     values.iter().fold(0.0, |m, v| m.max(v.abs()))
+}
+
+/// Gauss–Newton steps, then such steps with Lawson weights; coefficients and largest distance.
+pub(super) fn descended<F: Family>(
+    family: &mut F,
+    x: Vec<f64>,
+    few: &[usize],
+    steps: usize,
+    weighted: usize,
+) -> Option<(Vec<f64>, f64)> {
+    // A gain below this share ends the unweighted steps.
+    const SMALL: f64 = 0.01;
+    let mut d = Descent::new(family, x, few.to_vec())?;
+    for _ in 0..steps {
+        let before = d.rms();
+        if !d.gauss_newton() || d.rms() > (1.0 - SMALL) * before {
+            break;
+        }
+    }
+    let mut best = (d.x.clone(), d.worst);
+    for _ in 0..weighted {
+        d.reweight();
+        if !d.gauss_newton() {
+            break;
+        }
+        if d.worst < best.1 {
+            best = (d.x.clone(), d.worst);
+        }
+    }
+    let (x, worst) = best;
+    let mut residual = Vec::new();
+    if family.residuals(&x, few, &mut residual) {
+        family.adopt(few);
+    }
+    Some((x, worst))
+}
+
+/// Rounds of exchange.
+const ROUNDS: usize = 4;
+
+/// Minimax with exchange over all samples; the largest distance, with `x` replaced.
+pub(super) fn polished<F: Family>(
+    family: &mut F,
+    x: &mut Vec<f64>,
+    few: &[usize],
+    all: &[usize],
+    goal: f64,
+) -> Option<f64> {
+    let mut d = Descent::new(family, x.clone(), few.to_vec())?;
+    let reached = d.exchange(all, ROUNDS, goal)?;
+    *x = d.x;
+    Some(reached)
 }

@@ -1,13 +1,52 @@
 //! Floor 5: fitting torses near given data. Never judges itself; see `certify`.
 
 pub mod level;
+mod basis;
 mod descent;
+pub mod dual;
+mod envelope;
 pub mod plane;
 pub mod primal;
 mod profile;
 pub mod samples;
 mod sheet;
 
+pub use dual::{dual, dual_from, CentrePoint, DualOptions};
 pub use plane::plane;
 pub use primal::{primal, PrimalOptions};
 pub use samples::{error, thin, Fit, Sample};
+
+use crate::surface::torse::{PanelKind, Torse};
+
+/// Options of [`refit`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct RefitOptions {
+    /// Wanted distance, mm: the iteration ends early below it.
+    pub tolerance: f64,
+    /// Samples that take part at first; 220.
+    pub max_samples: usize,
+}
+
+impl RefitOptions {
+    /// The defaults with a tolerance in mm.
+    pub fn new(tolerance: f64) -> Self {
+        Self { tolerance, max_samples: 220 }
+    }
+}
+
+/// Continues the minimax iteration of a fit, in the same kind of torse and with the same splines, over samples to which
+/// witnesses may have been added. `None` if the torse is not regular at them or they have no feet there.
+pub fn refit(fit: &Fit, samples: &[Sample], options: &RefitOptions) -> Option<Fit> {
+    let again = match &fit.torse {
+        _ if fit.kind == PanelKind::Plane => plane(samples),
+        Torse::Primal(p) => primal::refit(p, fit.kind, samples, options.max_samples.max(12), options.tolerance),
+        Torse::Dual(d) => dual::refit(d, samples, options.max_samples.max(12), options.tolerance),
+    };
+    // The old torse may still be the better one.
+    match (error(&fit.torse, samples), again) {
+        (Some((e, worst)), a) if a.as_ref().is_none_or(|a| a.error > e) => {
+            Some(Fit { torse: fit.torse.clone(), kind: fit.kind, error: e, worst })
+        }
+        (_, a) => a,
+    }
+}

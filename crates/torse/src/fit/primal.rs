@@ -3,7 +3,7 @@
 //! *Method*: mixed-curvature specification C1.5 (frame from the normals, ten ruling directions, ranking by cylinders
 //! and cones, Gauss–Newton), finished by linearised minimax steps with exchange of the worst samples.
 
-use super::descent::{largest, Descent, Family};
+use super::descent::{descended, largest, polished, Descent, Family};
 use super::plane::{plane, principal_frame};
 use super::profile::{ProfileFamily, Slopes};
 use super::samples::{error, thin, Fit, Sample};
@@ -42,8 +42,6 @@ pub(super) const ENOUGH: f64 = 0.9;
 pub(super) const MARGIN: f64 = 0.08;
 /// Fits worse than this many tolerances are not refined.
 const HOPELESS: f64 = 6.0;
-/// Rounds of exchange.
-const ROUNDS: usize = 4;
 
 /// A candidate: coordinates, scale and coefficients.
 struct Candidate {
@@ -114,7 +112,7 @@ fn curved(samples: &[Sample], options: &PrimalOptions, enough: f64) -> Option<Fi
     candidates.retain(|c| c.score.is_finite());
     candidates.sort_by(|a, b| a.score.total_cmp(&b.score));
     let best = candidates.first_mut()?;
-    if best.score > HOPELESS * options.tolerance {
+    if options.tolerance > 0.0 && best.score > HOPELESS * options.tolerance {
         return finished(best, PanelKind::Torse, samples);
     }
     let goal = enough / best.unit;
@@ -221,49 +219,6 @@ fn placed(samples: &[Sample], axes: Frame, profile_spans: usize) -> Option<Candi
     Some(Candidate { frame, unit, family, x: Vec::new(), score: f64::INFINITY })
 }
 
-/// Gauss–Newton steps, then such steps with Lawson weights; coefficients and largest distance.
-fn descended(
-    family: &mut ProfileFamily,
-    x: Vec<f64>,
-    few: &[usize],
-    steps: usize,
-    weighted: usize,
-) -> Option<(Vec<f64>, f64)> {
-    // A gain below this share ends the unweighted steps.
-    const SMALL: f64 = 0.01;
-    let mut d = Descent::new(family, x, few.to_vec())?;
-    for _ in 0..steps {
-        let before = d.rms();
-        if !d.gauss_newton() || d.rms() > (1.0 - SMALL) * before {
-            break;
-        }
-    }
-    let mut best = (d.x.clone(), d.worst);
-    for _ in 0..weighted {
-        d.reweight();
-        if !d.gauss_newton() {
-            break;
-        }
-        if d.worst < best.1 {
-            best = (d.x.clone(), d.worst);
-        }
-    }
-    let (x, worst) = best;
-    let mut residual = Vec::new();
-    if family.residuals(&x, few, &mut residual) {
-        family.adopt(few);
-    }
-    Some((x, worst))
-}
-
-/// Minimax with exchange over all samples; the largest distance, with `x` replaced.
-fn polished(family: &mut ProfileFamily, x: &mut Vec<f64>, few: &[usize], all: &[usize], goal: f64) -> Option<f64> {
-    let mut d = Descent::new(family, x.clone(), few.to_vec())?;
-    let reached = d.exchange(all, ROUNDS, goal)?;
-    *x = d.x;
-    Some(reached)
-}
-
 /// The best cylinder or cone near a candidate if it reaches the tolerance.
 fn simple(
     candidate: &Candidate,
@@ -360,7 +315,6 @@ pub(super) fn refit(
         family.adopt(&all);
     }
     let reached = polished(&mut family, &mut x, &few, &all, ENOUGH * tolerance / unit)?;
-    debug_assert!(largest(&[reached]).is_finite());
     finished(&Candidate { frame: torse.frame, unit, family, x, score: reached * unit }, kind, samples)
 }
 

@@ -1,104 +1,20 @@
 //! The family of primal torses over one frame: unknown profile f, ruling slope a and start value of g, with the
 //! analytic derivatives of the distance (mixed-curvature specification, C1.3).
 
+use super::basis::{cubic, Basis};
 use super::descent::Family;
 use super::sheet::{quintic, slope_integral, Sheet};
 use crate::geom::{Frame, Vec3};
-use crate::num::least_squares::{BandMatrix, Rows};
+use crate::num::least_squares::Rows;
 use crate::spline::knots::Knots;
 use crate::spline::pieces::{span_of, Pieces};
 
 /// Smallest `1 + y a'` at which a step is accepted; above the bound of the final torse.
 const REGULAR: f64 = 0.1;
 
-/// Functions on common spans, each span with at most four that do not vanish, in powers of the distance from the
-/// span's start.
-#[derive(Clone, Debug)]
-pub(super) struct Basis {
-    /// Number of functions.
-    pub count: usize,
-    /// Number of functions per span.
-    active: usize,
-    first: Vec<usize>,
-    power: Vec<[[f64; 4]; 4]>,
-}
-
-impl Basis {
-    /// Cubic B-splines on `knots`, whose breaks must be among `breaks`.
-    pub fn spline(knots: &Knots, breaks: &[f64]) -> Self {
-        let (mut first, mut power) = (Vec::new(), Vec::new());
-        for w in breaks.windows(2) {
-            let span = knots.span(0.5 * (w[0] + w[1]));
-            let (a, b) = (knots.basis_on_span(span, w[0], 2), knots.basis_on_span(span, w[1], 2));
-            first.push(a.first);
-            power.push(std::array::from_fn(|j| {
-                let third = (b.rows[2][j] - a.rows[2][j]) / (6.0 * (w[1] - w[0]));
-                [a.rows[0][j], a.rows[1][j], 0.5 * a.rows[2][j], third]
-            }));
-        }
-        Self { count: knots.control_count(), active: 4, first, power }
-    }
-
-    /// The function 1, or 1 and the linear function that is ∓1 at the ends.
-    pub fn polynomial(linear: bool, breaks: &[f64]) -> Self {
-        let (lo, hi) = (breaks[0], breaks[breaks.len() - 1]);
-        let half = 0.5 * (hi - lo);
-        let power = breaks.windows(2).map(|w| {
-            let mut p = [[0.0; 4]; 4];
-            p[0][0] = 1.0;
-            if linear {
-                p[1] = [(w[0] - lo) / half - 1.0, 1.0 / half, 0.0, 0.0];
-            }
-            p
-        });
-        let count = 1 + usize::from(linear);
-        Self { count, active: count, first: vec![0; breaks.len() - 1], power: power.collect() }
-    }
-
-    /// Power coefficients on span `s` of the function with the given coefficients.
-    #[inline]
-    fn combine(&self, s: usize, coefficients: &[f64]) -> [f64; 4] {
-        let mut out = [0.0; 4];
-        for j in 0..self.active {
-            let c = coefficients[self.first[s] + j];
-            for k in 0..4 {
-                out[k] += c * self.power[s][j][k];
-            }
-        }
-        out
-    }
-
-    /// Coefficients of the function nearest to `value` at points spread over the spans.
-    pub fn project(&self, breaks: &[f64], value: impl Fn(f64) -> f64) -> Vec<f64> {
-        // Points per span: one more than the degree.
-        const POINTS: usize = 4;
-        let mut rows = Rows::new(self.count, self.active);
-        let mut matrix = BandMatrix::zeros(self.count, self.active);
-        let mut out = vec![0.0; self.count];
-        for s in 0..breaks.len() - 1 {
-            let h = breaks[s + 1] - breaks[s];
-            for k in 0..POINTS {
-                let x = h * k as f64 / (POINTS - 1) as f64;
-                let (_, row) = rows.push(self.first[s]);
-                for j in 0..self.active {
-                    row[j] = cubic(&self.power[s][j], x);
-                }
-                let i = rows.len() - 1;
-                matrix.add_row(&rows, i, 1.0);
-                rows.scatter(i, value(breaks[s] + x), &mut out);
-            }
-        }
-        if matrix.factorise() {
-            matrix.solve(&mut out);
-        }
-        out
-    }
-}
-
-#[inline]
-fn cubic(c: &[f64; 4], x: f64) -> f64 {
-    c[0] + x * (c[1] + x * (c[2] + x * c[3]))
-}
+/// Weight of the third differences of a step of f (and of the second differences of that of a): minimax fits may wiggle
+/// where the samples are far from the largest distance; a wiggle of ten times the error then costs half a percent of it.
+const FAIR: f64 = 0.01;
 
 /// Which functions the ruling slope a may be.
 #[derive(Clone, Debug, PartialEq)]
@@ -289,38 +205,44 @@ impl Family for ProfileFamily {
         let balance = (error / SUITED).clamp(LEAST, 1.0);
         let nf = self.f.count;
         let root = (count as f64).sqrt();
-        let third = balance * THIRD * root / (nf as f64).sqrt();
+        let third = balance * THIRD / (nf as f64).sqrt();
+        let second = balance * SECOND * self.reach / root;
+        // Each row twice: weakly for the coefficients, with the weight of fairness for their change.
+        let mut both = |rows: &mut Rows, weak: f64, fair: f64, fill: &dyn Fn(&mut [f64], f64)| {
+            fill(rows.push(0).1, weak * root);
+            residual.push(rows.dot(rows.len() - 1, x));
+            fill(rows.push(0).1, fair * root);
+            residual.push(0.0);
+        };
         let spans = self.breaks.len() - 1;
-        let mut finish = |rows: &Rows| residual.push(rows.dot(rows.len() - 1, x));
         for s in 0..spans {
             let h = self.breaks[s + 1] - self.breaks[s];
-            let (_, row) = rows.push(0);
-            for j in 0..self.f.active {
-                row[self.f.first[s] + j] = third * h.powi(3) * 6.0 * self.f.power[s][j][3];
-            }
-            finish(rows);
+            both(rows, third, FAIR, &|row, weight| {
+                for j in 0..self.f.active {
+                    row[self.f.first[s] + j] = weight * h.powi(3) * 6.0 * self.f.power[s][j][3];
+                }
+            });
         }
-        let size = balance * SIZE * root * self.reach;
         if let Slopes::Spline(coarse) = &self.slopes {
             let h = (self.breaks[spans] - self.breaks[0]) / (coarse.len() - 1) as f64;
-            let second = balance * SECOND * self.reach;
             for w in coarse.windows(2) {
                 // The second derivative at both ends of every coarse span.
                 for t in [w[0] + 1e-3 * (w[1] - w[0]), w[1] - 1e-3 * (w[1] - w[0])] {
                     let s = span_of(&self.breaks, t);
                     let u = t - self.breaks[s];
-                    let (_, row) = rows.push(0);
-                    for j in 0..self.a.active {
-                        let p = &self.a.power[s][j];
-                        row[nf + self.a.first[s] + j] = second * h * h * (2.0 * p[2] + 6.0 * u * p[3]);
-                    }
-                    finish(rows);
+                    both(rows, second, FAIR * self.reach, &|row, weight| {
+                        for j in 0..self.a.active {
+                            let p = &self.a.power[s][j];
+                            row[nf + self.a.first[s] + j] = weight * h * h * (2.0 * p[2] + 6.0 * u * p[3]);
+                        }
+                    });
                 }
             }
         }
+        let size = balance * SIZE * root * self.reach;
         for j in 0..self.a.count {
             rows.push(0).1[nf + j] = size;
-            finish(rows);
+            residual.push(rows.dot(rows.len() - 1, x));
         }
     }
 

@@ -1,0 +1,262 @@
+//! Fitting a dual torse: the envelope of a cubic spline of planes, for long strips whose normals turn far.
+//!
+//! *Method*: dual-and-approximation specification B3.5 (tangent planes along a centre line, distances at exact feet,
+//! gauges), finished by linearised minimax steps with exchange of the worst samples.
+
+use super::descent::{descended, polished, Family};
+use super::envelope::EnvelopeFamily;
+use super::primal::{ENOUGH, MARGIN};
+use super::samples::{error, thin, Fit, Sample};
+use super::sheet::Sheet;
+use crate::geom::{BBox, Vec3};
+use crate::num::least_squares::{BandMatrix, Rows};
+use crate::spline::knots::Knots;
+use crate::spline::pieces::Pieces;
+use crate::surface::torse::{DualTorse, PanelKind, Torse};
+
+/// A point of a strip's centre line with its tangent plane and ruling.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CentrePoint {
+    /// Position, mm.
+    pub x: Vec3,
+    /// Unit normal of the tangent plane, continuous along the line.
+    pub n: Vec3,
+    /// Unit direction of the ruling (conjugate to the line); its sign does not matter.
+    pub ruling: Vec3,
+}
+
+/// Options of [`dual`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct DualOptions {
+    /// Wanted distance, mm: the fit ends early below it.
+    pub tolerance: f64,
+    /// Spans of the plane spline; 26. Fewer make the regularity test fail for no good reason.
+    pub spans: usize,
+    /// Samples that take part at first; 300.
+    pub max_samples: usize,
+}
+
+impl DualOptions {
+    /// The defaults with a tolerance in mm.
+    pub fn new(tolerance: f64) -> Self {
+        Self { tolerance, spans: 26, max_samples: 300 }
+    }
+}
+
+/// Scaled coordinates: `X = center + unit · Y`.
+#[derive(Clone, Copy, Debug)]
+struct Scale {
+    center: Vec3,
+    unit: f64,
+}
+
+impl Scale {
+    fn of(samples: &[Sample]) -> Option<Self> {
+        let bbox = BBox::of(samples.iter().map(|s| &s.x));
+        let unit = 0.5 * bbox.diagonal();
+        (unit > 0.0 && unit.is_finite()).then(|| Self { center: bbox.center(), unit })
+    }
+
+    fn point(&self, x: &Vec3) -> Vec3 {
+        (x - self.center) / self.unit
+    }
+
+    /// Plane coordinates `(n, h)` in the scaled system from those in mm.
+    fn plane(&self, p: &[f64; 4]) -> [f64; 4] {
+        let nc = p[0] * self.center.x + p[1] * self.center.y + p[2] * self.center.z;
+        [p[0], p[1], p[2], (p[3] - nc) / self.unit]
+    }
+
+    /// Plane coordinates in mm.
+    fn plane_back(&self, p: &[f64; 4]) -> [f64; 4] {
+        let nc = p[0] * self.center.x + p[1] * self.center.y + p[2] * self.center.z;
+        [p[0], p[1], p[2], p[3] * self.unit + nc]
+    }
+}
+
+/// The dual torse nearest to the samples of a strip in the sense of the largest distance, started from the tangent
+/// planes along `centre`.
+///
+/// *Input*: at least 6 samples and 4 centre points in order along the strip; the line should run nearly the whole
+/// length of the strip. *Result*: a fit whose domain reaches beyond all feet and whose regression curve is clear of all
+/// samples; the error may exceed the tolerance. `None` if no regular start exists (inflections, asymptotic centre
+/// lines, foldings), or with too few or invalid data.
+pub fn dual(samples: &[Sample], centre: &[CentrePoint], options: &DualOptions) -> Option<Fit> {
+    // Shares of the parameter range by which the start reaches beyond the centre line.
+    const REACHES: [f64; 2] = [0.12, 0.4];
+    if samples.len() < 6 || centre.len() < 4 {
+        return None;
+    }
+    let scale = Scale::of(samples)?;
+    let parameters = strip_parameters(centre, scale.unit)?;
+    REACHES.iter().find_map(|&reach| {
+        let start = start_planes(centre, &parameters, &scale, options.spans.max(4), reach)?;
+        fitted(samples, &scale, start, options)
+    })
+}
+
+/// As [`dual`], started from the rulings of another torse; refines a primal torse that has no inflection.
+pub fn dual_from(torse: &Torse, samples: &[Sample], options: &DualOptions) -> Option<Fit> {
+    let centre = centre_line(torse, samples, 2 * options.spans.max(4))?;
+    dual(samples, &centre, options)
+}
+
+/// Centre line of the part of a torse near which the samples lie: `count` points at equal parameters, each the mean of
+/// the foot points around its ruling (dragged onto the ruling).
+fn centre_line(torse: &Torse, samples: &[Sample], count: usize) -> Option<Vec<CentrePoint>> {
+    let sheet = Sheet::of(torse)?;
+    let guesses = sheet.guesses();
+    let domain = sheet.domain();
+    let mut feet = Vec::with_capacity(samples.len());
+    for s in samples {
+        let q = sheet.local(&s.x);
+        feet.push(sheet.foot(&q, guesses.guess(&q), domain)?);
+    }
+    let (a, b) = feet.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &t| (a.min(t), b.max(t)));
+    if !(b > a) {
+        return None;
+    }
+    let mut sums = vec![(Vec3::zeros(), 0.0_f64); count];
+    for (s, t) in samples.iter().zip(&feet) {
+        let k = ((t - a) / (b - a) * (count - 1) as f64).round() as usize;
+        let bin = &mut sums[k.min(count - 1)];
+        bin.0 += s.x;
+        bin.1 += 1.0;
+    }
+    let mut out = Vec::with_capacity(count);
+    for (k, (sum, n)) in sums.iter().enumerate() {
+        if *n == 0.0 {
+            continue;
+        }
+        let r = torse.ruling(a + (b - a) * k as f64 / (count - 1) as f64);
+        let x = r.point + r.direction * r.direction.dot(&(sum / *n - r.point));
+        if x.iter().chain(r.normal.iter()).all(|v| v.is_finite()) {
+            out.push(CentrePoint { x, n: r.normal, ruling: r.direction });
+        }
+    }
+    (out.len() >= 4).then_some(out)
+}
+
+/// Parameters in [0, 1]: normalised arc length plus normalised length of the Gauss image.
+fn strip_parameters(centre: &[CentrePoint], unit: f64) -> Option<Vec<f64>> {
+    let mut sums = vec![(0.0, 0.0)];
+    for w in centre.windows(2) {
+        let (s, g) = sums[sums.len() - 1];
+        sums.push((s + (w[1].x - w[0].x).norm() / unit, g + (w[1].n - w[0].n).norm()));
+    }
+    let (length, turn) = sums[sums.len() - 1];
+    if !(length > 0.0 && turn > 0.0 && (length + turn).is_finite()) {
+        return None;
+    }
+    let t: Vec<f64> = sums.iter().map(|(s, g)| 0.5 * (s / length + g / turn)).collect();
+    t.windows(2).all(|w| w[1] >= w[0]).then_some(t)
+}
+
+/// Least-squares spline through the tangent planes, on a domain that reaches beyond [0, 1].
+fn start_planes(
+    centre: &[CentrePoint],
+    parameters: &[f64],
+    scale: &Scale,
+    spans: usize,
+    reach: f64,
+) -> Option<Pieces<4>> {
+    // Weight of third differences: leaves data alone to about its cube and continues the spline beyond them.
+    const SMOOTH: f64 = 1e-3;
+    let knots = Knots::uniform(3, spans, -reach, 1.0 + reach).ok()?;
+    let n = knots.control_count();
+    let mut rows = Rows::new(n, 4);
+    let mut matrix = BandMatrix::zeros(n, 4);
+    let mut right = vec![vec![0.0; n]; 4];
+    for (c, &t) in centre.iter().zip(parameters) {
+        let b = knots.basis(t, 0);
+        rows.push(b.first).1.copy_from_slice(&b.rows[0][..4]);
+        let i = rows.len() - 1;
+        matrix.add_row(&rows, i, 1.0);
+        let plane = scale.plane(&[c.n.x, c.n.y, c.n.z, c.n.dot(&c.x)]);
+        for (out, value) in right.iter_mut().zip(plane) {
+            rows.scatter(i, value, out);
+        }
+    }
+    let h = (1.0 + 2.0 * reach) / spans as f64;
+    for w in knots.breaks().windows(2) {
+        let span = knots.span(0.5 * (w[0] + w[1]));
+        let (a, b) = (knots.basis_on_span(span, w[0], 2), knots.basis_on_span(span, w[1], 2));
+        let (_, row) = rows.push(a.first);
+        for j in 0..4 {
+            row[j] = (b.rows[2][j] - a.rows[2][j]) * h * h;
+        }
+        matrix.add_row(&rows, rows.len() - 1, SMOOTH * SMOOTH * centre.len() as f64 / spans as f64);
+    }
+    if !matrix.factorise() {
+        return None;
+    }
+    for r in &mut right {
+        matrix.solve(r);
+    }
+    let control = (0..n).map(|i| std::array::from_fn(|c| right[c][i])).collect();
+    Pieces::of(&crate::spline::curve::Curve::new(3, knots.values().to_vec(), control).ok()?)
+}
+
+/// The fit from given planes (scaled coordinates).
+fn fitted(samples: &[Sample], scale: &Scale, start: Pieces<4>, options: &DualOptions) -> Option<Fit> {
+    let points: Vec<Vec3> = samples.iter().map(|s| scale.point(&s.x)).collect();
+    let few = thin(samples, options.max_samples.max(12));
+    let all: Vec<usize> = (0..samples.len()).collect();
+    let goal = ENOUGH * options.tolerance / scale.unit;
+    let (mut family, x) = EnvelopeFamily::new(points, None, start)?;
+    let mut residual = Vec::new();
+    if !family.residuals(&x, &all, &mut residual) {
+        return None;
+    }
+    family.adopt(&all);
+    // Least squares, then a domain that suits the feet.
+    let (x, _) = descended(&mut family, x, &few, 3, 0)?;
+    if family.residuals(&x, &all, &mut residual) {
+        family.adopt(&all);
+    }
+    let (mut family, x) = family.refitted(&x, options.spans.max(4), MARGIN)?;
+    let (mut x, _) = descended(&mut family, x, &few, 3, 3)?;
+    polished(&mut family, &mut x, &few, &all, goal)?;
+    finished(samples, scale, &family, &x)
+}
+
+/// The torse in mm on a domain that reaches a little beyond the feet.
+fn finished(samples: &[Sample], scale: &Scale, family: &EnvelopeFamily, x: &[f64]) -> Option<Fit> {
+    let sheet = family.sheet(x);
+    let Sheet::Dual { planes } = &sheet else { return None };
+    let (lo, hi) = planes.domain();
+    let wide = (lo - 0.5 * (hi - lo), hi + 0.5 * (hi - lo));
+    let (mut a, mut b) = (f64::INFINITY, f64::NEG_INFINITY);
+    for (q, &guess) in family.points.iter().zip(&family.feet) {
+        let t = sheet.foot(q, guess, wide)?;
+        (a, b) = (a.min(t), b.max(t));
+    }
+    let margin = MARGIN * (b - a);
+    let on = planes.on(a - margin, b + margin, 0.25 * (hi - lo) / planes.power.len() as f64);
+    let mut planes = on.to_curve().ok()?;
+    for c in &mut planes.control {
+        *c = scale.plane_back(c);
+    }
+    let torse = Torse::Dual(DualTorse { planes });
+    let (error, worst) = error(&torse, samples)?;
+    Some(Fit { torse, kind: PanelKind::Torse, error, worst })
+}
+
+/// Continues the minimax iteration of a dual torse over samples that may have been added.
+pub(super) fn refit(torse: &DualTorse, samples: &[Sample], count: usize, tolerance: f64) -> Option<Fit> {
+    let scale = Scale::of(samples)?;
+    let mut planes = torse.planes.clone();
+    for c in &mut planes.control {
+        *c = scale.plane(c);
+    }
+    let points: Vec<Vec3> = samples.iter().map(|s| scale.point(&s.x)).collect();
+    let (mut family, mut x) = EnvelopeFamily::new(points, None, Pieces::of(&planes)?)?;
+    let all: Vec<usize> = (0..samples.len()).collect();
+    let mut residual = Vec::new();
+    if !family.residuals(&x, &all, &mut residual) {
+        return None;
+    }
+    family.adopt(&all);
+    polished(&mut family, &mut x, &thin(samples, count), &all, ENOUGH * tolerance / scale.unit)?;
+    finished(samples, &scale, &family, &x)
+}
