@@ -1,1 +1,4 @@
 //! Floor 5: fitting torses near given data. Never judges itself; see `certify`.
+
+pub mod chains;
+pub mod trim;
