@@ -24,7 +24,8 @@ pub enum Right {
 pub struct Chain {
     /// Vertices in order, label `left` on their left.
     pub vertices: Vec<u32>,
-    /// Chord-length parameter in space of every vertex, from 0 to 1, increasing.
+    /// Parameter of every vertex, from 0 to 1, increasing: chord length in the scaled parameter plane, so that a
+    /// border that is straight there has constant speed.
     pub parameters: Vec<f64>,
     /// Label on the left.
     pub left: u32,
@@ -45,9 +46,14 @@ const CONCENTRATED: f64 = 0.1;
 /// Chains shorter than this share of the model's box are points.
 const POINT: f64 = 1e-10;
 
-/// All chains of a partition. `points`: places of the vertices in space (mm); `trim_edge(a, b)`: number of the
-/// trimming edge under a directed border edge.
-pub fn chains(partition: &Partition, points: &[Vec3], trim_edge: &dyn Fn(u32, u32) -> u32) -> Vec<Chain> {
+/// All chains of a partition. `points`: places of the vertices in space (mm); `scale`: mean length in space (mm) of
+/// the units of u and v; `trim_edge(a, b)`: number of the trimming edge under a directed border edge.
+pub fn chains(
+    partition: &Partition,
+    points: &[Vec3],
+    scale: [f64; 2],
+    trim_edge: &dyn Fn(u32, u32) -> u32,
+) -> Vec<Chain> {
     // 1. Border edges, each once: seams with the smaller label on the left.
     let label = label_map(partition);
     let mut border: BTreeMap<(u32, u32), (u32, Right)> = BTreeMap::new();
@@ -117,7 +123,16 @@ pub fn chains(partition: &Partition, points: &[Vec3], trim_edge: &dyn Fn(u32, u3
         cuts.push(line.len() - 1);
         for w in cuts.windows(2) {
             let vertices = line[w[0]..=w[1]].to_vec();
-            let (length, parameters) = chord_parameters(&place[w[0]..=w[1]], POINT * size);
+            let length = polyline_length(&place[w[0]..=w[1]]);
+            let length = if length > POINT * size { length } else { 0.0 };
+            let steps: Vec<f64> = vertices
+                .windows(2)
+                .map(|e| {
+                    let [p, q] = [e[0], e[1]].map(|v| partition.vertices[v as usize]);
+                    (scale[0] * (q[0] - p[0])).hypot(scale[1] * (q[1] - p[1]))
+                })
+                .collect();
+            let parameters = increasing(&steps);
             out.push(Chain { vertices, parameters, left, right, length });
         }
     }
@@ -176,25 +191,21 @@ fn polyline_length(p: &[Vec3]) -> f64 {
     p.windows(2).map(|w| (w[1] - w[0]).norm()).sum()
 }
 
-/// Length and increasing chord-length parameters; uniform ones (and length 0) for a point.
-fn chord_parameters(p: &[Vec3], point: f64) -> (f64, Vec<f64>) {
-    let n = p.len() - 1;
-    let total = polyline_length(p);
-    if total <= point {
-        return (0.0, (0..=n).map(|i| i as f64 / n as f64).collect());
-    }
-    // A hair for edges of no length keeps the parameters increasing.
-    let hair = 1e-9 * total / n as f64;
-    let steps: Vec<f64> = p.windows(2).map(|w| (w[1] - w[0]).norm() + hair).collect();
-    let sum: f64 = steps.iter().sum();
+/// Increasing parameters from 0 to 1 with the given ratios of steps.
+fn increasing(steps: &[f64]) -> Vec<f64> {
+    let n = steps.len();
+    // A hair for steps of no length keeps the parameters increasing.
+    let total: f64 = steps.iter().sum();
+    let hair = if total > 0.0 { 1e-9 * total / n as f64 } else { 1.0 };
+    let sum = total + hair * n as f64;
     let mut s = 0.0;
     let mut out = vec![0.0];
     for step in &steps[..n - 1] {
-        s += step;
+        s += step + hair;
         out.push(s / sum);
     }
     out.push(1.0);
-    (total, out)
+    out
 }
 
 /// Interior vertices at which a polyline has a corner, in order.
@@ -299,7 +310,7 @@ mod tests {
     #[test]
     fn two_halves_share_one_chain() {
         let p = grid(6, |i, _| u32::from(i >= 3));
-        let c = chains(&p, &flat(&p), &side(&p));
+        let c = chains(&p, &flat(&p), [1.0; 2], &side(&p));
         let seams: Vec<_> = c.iter().filter(|c| matches!(c.right, Right::Label(_))).collect();
         assert_eq!(seams.len(), 1);
         assert_eq!((seams[0].left, seams[0].right, seams[0].vertices.len()), (0, Right::Label(1), 7));
@@ -314,7 +325,7 @@ mod tests {
     #[test]
     fn an_island_has_corners_and_a_round_one_two_ends() {
         let p = grid(8, |i, j| u32::from((2..6).contains(&i) && (2..6).contains(&j)));
-        let c = chains(&p, &flat(&p), &side(&p));
+        let c = chains(&p, &flat(&p), [1.0; 2], &side(&p));
         assert_eq!(c.iter().filter(|c| c.right == Right::Label(1)).count(), 4);
         let ring: Vec<Vec3> = (0..=40)
             .map(|i| f64::from(i) / 40.0 * std::f64::consts::TAU)

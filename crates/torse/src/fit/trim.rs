@@ -200,7 +200,14 @@ fn banded_cholesky(a: &mut [[f64; 4]], b: &mut [[f64; 2]]) {
 pub fn edge(patch: &Surface, trim: &Curve<2>, tolerance: f64) -> Result<Curve<3>, SplineError> {
     const DEEPEST: usize = 9;
     let eval = |s: f64| {
-        let q = trim.jet(s);
+        let mut q = trim.jet(s);
+        // Bit by bit the same ends for neighbouring curves.
+        let last = trim.control.len() - 1;
+        if s <= 0.0 {
+            q[0] = trim.control[0];
+        } else if s >= 1.0 {
+            q[0] = trim.control[last];
+        }
         let j = patch.jet(q[0][0], q[0][1]);
         (j.p, j.du * q[1][0] + j.dv * q[1][1])
     };

@@ -82,7 +82,7 @@ pub fn patch(torse: &Torse, extent: &Extent) -> Result<Surface, ConvertError> {
         t1 = t1.max(p.0);
     }
     let (d0, d1) = torse.domain();
-    if !(t1 - t0 > 1e-12 * (d1 - d0)) {
+    if extent.points.is_empty() || t1 - t0 <= 1e-12 * (d1 - d0) {
         return Err(ConvertError::Empty(extent.points.len()));
     }
     let margin = MARGIN_ACROSS * (t1 - t0);
@@ -358,7 +358,7 @@ fn held(piece: &Piece, args: &[f64]) -> usize {
 
 /// Multiplicity of a knot, `None` if `t` is no knot.
 fn multiplicity(knots: &Knots, t: f64) -> Option<usize> {
-    knots.values().iter().filter(|v| v.total_cmp(&&t).is_eq()).count().checked_sub(1).map(|m| m + 1)
+    knots.values().iter().filter(|v| v.total_cmp(&t).is_eq()).count().checked_sub(1).map(|m| m + 1)
 }
 
 /// Joins Bézier pieces to one B-spline surface; `continuity(t)` is the order of continuity at a break.
