@@ -3,6 +3,7 @@
 //! feet of the region's boundary, end values copied, refined until the error in space is small).
 
 use crate::geom::Vec3;
+use crate::spline::composite::smooth_breaks;
 use crate::spline::curve::Curve;
 use crate::spline::knots::Knots;
 use crate::spline::surface::Surface;
@@ -250,44 +251,6 @@ pub fn edge(patch: &Surface, trim: &Curve<2>, tolerance: f64) -> Result<Curve<3>
     control.push(nodes[n].1 .0.into());
     values.extend([nodes[n].0; 4]);
     Curve::new(3, values, control)
-}
-
-/// Ends of the smooth pieces of `patch(trim(s))`: knots of the trimming curve and crossings of knot lines.
-pub fn smooth_breaks(patch: &Surface, trim: &Curve<2>) -> Vec<f64> {
-    let own = trim.knots.breaks();
-    let lines = patch.knots_u.breaks();
-    let mut out = own.clone();
-    for w in own.windows(2) {
-        const PARTS: usize = 4;
-        for k in 0..PARTS {
-            let mut a = w[0] + (w[1] - w[0]) * k as f64 / PARTS as f64;
-            let mut b = w[0] + (w[1] - w[0]) * (k + 1) as f64 / PARTS as f64;
-            let (ta, tb) = (trim.point(a)[0], trim.point(b)[0]);
-            for &line in lines.iter().filter(|&&l| (ta - l) * (tb - l) < 0.0) {
-                let (lo, hi) = (a, b);
-                for _ in 0..50 {
-                    let m = 0.5 * (a + b);
-                    if (trim.point(m)[0] - line) * (ta - line) > 0.0 {
-                        a = m;
-                    } else {
-                        b = m;
-                    }
-                }
-                out.push(0.5 * (a + b));
-                (a, b) = (lo, hi);
-            }
-        }
-    }
-    out.sort_by(f64::total_cmp);
-    // Breaks that nearly coincide would make spans without content.
-    let mut kept: Vec<f64> = vec![0.0];
-    for s in out {
-        if s - kept[kept.len() - 1] > 1e-9 && s < 1.0 - 1e-9 {
-            kept.push(s);
-        }
-    }
-    kept.push(1.0);
-    kept
 }
 
 #[cfg(test)]
