@@ -1,1 +1,23 @@
 //! Floor 5: development, the isometric map of a panel to the plane.
+
+pub mod map;
+
+/// Why a panel has no flat pattern.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum DevelopError {
+    /// A ruling without length, or the regression curve inside the patch.
+    #[error("the patch is not regular at t = {t}")]
+    Irregular {
+        /// Ruling concerned.
+        t: f64,
+    },
+    /// The flat pattern overlaps itself.
+    #[error("the flat pattern overlaps itself; cutting the panel along the ruling t = {t} would separate the overlapping parts")]
+    Overlap {
+        /// Ruling to cut along.
+        t: f64,
+    },
+    /// There is no such panel, or it has no boundary.
+    #[error("panel {0} does not exist or has no boundary")]
+    Missing(usize),
+}

@@ -50,3 +50,6 @@ pub fn refit(fit: &Fit, samples: &[Sample], options: &RefitOptions) -> Option<Fi
         (_, a) => a,
     }
 }
+pub mod boundary;
+pub mod chains;
+pub mod trim;

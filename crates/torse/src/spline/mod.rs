@@ -1,5 +1,6 @@
 //! Floor 2: B-spline calculus. Knots, curves in any dimension, tensor-product surfaces polynomial and rational.
 
+pub mod composite;
 pub mod curve;
 pub mod field;
 pub mod knots;

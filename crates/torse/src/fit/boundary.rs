@@ -1,0 +1,607 @@
+//! From a labelled partition and a torse for every label to panels with exported patches and trimming curves.
+//!
+//! Method: certificate specification, section 5. The border of a label is a polyline of partition edges; its foot
+//! points on the torse are the places that the trimming curves pass. Nothing is judged here.
+
+use std::collections::HashMap;
+
+use rayon::prelude::*;
+
+use super::chains::{self, Chain, Right};
+use super::trim::{self, Waypoint};
+use crate::geom::partition::Partition;
+use crate::geom::Vec3;
+use crate::surface::convert::{self, ConvertError, Extent};
+use crate::surface::face::Face;
+use crate::surface::panel::{Border, Panel, Run};
+use crate::surface::torse::{PanelKind, Torse};
+
+/// A torse for a label.
+#[derive(Clone, Copy, Debug)]
+pub struct Assigned<'a> {
+    /// Label of the triangles.
+    pub label: u32,
+    /// Developable surface near them.
+    pub torse: &'a Torse,
+    /// What it is, for people.
+    pub kind: PanelKind,
+}
+
+/// Knobs of [`panels`].
+#[derive(Clone, Copy, Debug)]
+pub struct BoundaryOptions {
+    /// Distance allowed between trimming curves and foot points of the border, mm; no default (about a two
+    /// hundredth of the job's tolerance).
+    pub trim_tolerance: f64,
+    /// Distance allowed between trimming curves and their edges in space, mm; no default (about a hundredth of
+    /// `trim_tolerance`).
+    pub edge_tolerance: f64,
+}
+
+/// Panels of one face.
+#[derive(Clone, Debug)]
+pub struct Panels {
+    /// One panel per assigned label, in order.
+    pub panels: Vec<Panel>,
+    /// For each panel: largest distance (mm) between trimming curves and feet of the border.
+    pub trim_deviation_estimates: Vec<f64>,
+    /// Number of seams between them.
+    pub seam_count: usize,
+}
+
+/// Why a label cannot become a panel.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum BoundaryError {
+    /// No triangles, or several pieces.
+    #[error("label {label} has {outer} outer borders; a panel needs exactly one")]
+    Pieces {
+        /// Label concerned.
+        label: u32,
+        /// Number of outer loops.
+        outer: usize,
+    },
+    /// The border touches itself in a vertex.
+    #[error("the border of label {label} touches itself at (u, v) = ({}, {})", uv[0], uv[1])]
+    Pinch {
+        /// Label concerned.
+        label: u32,
+        /// Parameters of the vertex.
+        uv: [f64; 2],
+    },
+    /// No foot point on the torse.
+    #[error("the border of label {label} has no foot point on its torse at (u, v) = ({}, {})", uv[0], uv[1])]
+    Foot {
+        /// Label concerned.
+        label: u32,
+        /// Parameters of the place.
+        uv: [f64; 2],
+    },
+    /// The torse cannot be written as a patch.
+    #[error("label {label}: {source}")]
+    Convert {
+        /// Label concerned.
+        label: u32,
+        /// Why.
+        source: ConvertError,
+    },
+    /// A trimming curve is not a valid spline.
+    #[error("label {label}: {source}")]
+    Spline {
+        /// Label concerned.
+        label: u32,
+        /// Why.
+        source: crate::spline::SplineError,
+    },
+}
+
+impl BoundaryError {
+    /// The label that caused the trouble.
+    pub fn label(&self) -> u32 {
+        match self {
+            Self::Pieces { label, .. }
+            | Self::Pinch { label, .. }
+            | Self::Foot { label, .. }
+            | Self::Convert { label, .. }
+            | Self::Spline { label, .. } => *label,
+        }
+    }
+}
+
+/// Builds the panels of a face.
+///
+/// *Input*: every label of the partition that is to become a panel, with a torse whose domain contains the feet of
+/// its region; `trim_edge(a, b)` is the trimming edge's number under a directed border edge; seams are numbered from
+/// `first_seam`.
+/// *Guarantee*: both panels of a seam have the same vertices in reverse order and mirrored parameters; consecutive
+/// runs of a loop share end points bit by bit.
+/// *Not guaranteed*: any distance; simple trimming curves (see `certify`).
+///
+/// # Errors
+/// The first label that cannot become a panel, and why.
+pub fn panels(
+    face_index: usize,
+    face: &Face,
+    partition: &Partition,
+    assigned: &[Assigned],
+    trim_edge: &dyn Fn(u32, u32) -> u32,
+    first_seam: u32,
+    options: &BoundaryOptions,
+) -> Result<Panels, BoundaryError> {
+    let borders = Borders::new(face, partition, trim_edge, first_seam);
+    let built: Result<Vec<_>, _> = assigned.par_iter().map(|a| borders.panel(face_index, a, options)).collect();
+    let (mut panels, trim_deviation_estimates): (Vec<Panel>, Vec<f64>) = built?.into_iter().unzip();
+    for (k, p) in panels.iter_mut().enumerate() {
+        p.name = format!("{}-{:02}", letters(face_index), k + 1);
+    }
+    Ok(Panels { panels, trim_deviation_estimates, seam_count: borders.seam_count })
+}
+
+/// A, B, …, Z, AA, AB, … for 0, 1, ….
+fn letters(index: usize) -> String {
+    let mut n = index;
+    let mut out = Vec::new();
+    loop {
+        out.push(char::from(b'A' + (n % 26) as u8));
+        if n < 26 {
+            break;
+        }
+        n = n / 26 - 1;
+    }
+    out.iter().rev().collect()
+}
+
+/// The borders of all labels of a face, shared by the panels on both sides.
+pub struct Borders<'a> {
+    face: &'a Face,
+    partition: &'a Partition,
+    points: Vec<Vec3>,
+    chains: Vec<Chain>,
+    seams: Vec<u32>,
+    /// For every vertex how far (mm) the polyline bends away from a smooth one there.
+    bend: HashMap<u32, f64>,
+    /// Number of seams.
+    pub seam_count: usize,
+}
+
+/// Share of the bend of the border polyline that a trimming curve may smooth over: the polyline's own chords are
+/// off a smooth border by a quarter of the bend.
+const SMOOTHED: f64 = 0.5;
+
+impl<'a> Borders<'a> {
+    /// Traces the borders.
+    pub fn new(face: &'a Face, partition: &'a Partition, trim_edge: &dyn Fn(u32, u32) -> u32, first_seam: u32) -> Self {
+        let points: Vec<Vec3> = partition.vertices.iter().map(|v| face.surface.point(v[0], v[1])).collect();
+        let mut scale = [0.0; 2];
+        for v in &partition.vertices {
+            let j = face.surface.jet(v[0], v[1]);
+            scale[0] += j.du.norm();
+            scale[1] += j.dv.norm();
+        }
+        let chains = chains::chains(partition, &points, scale, trim_edge);
+        let mut seam_count = 0;
+        let mut seams = Vec::new();
+        let mut bend = HashMap::new();
+        for c in &chains {
+            seams.push(first_seam + seam_count as u32);
+            if matches!(c.right, Right::Label(_)) {
+                seam_count += 1;
+            }
+            for w in c.vertices.windows(3) {
+                // Measured in the surface's tangent plane: edges are straight in (u, v), hence they follow the
+                // surface and only their turn inside the surface is a defect.
+                let [a, b, d] = [0, 1, 2].map(|k| partition.vertices[w[k] as usize]);
+                let j = face.surface.jet(b[0], b[1]);
+                let across = |p: [f64; 2]| j.du * (p[0] - a[0]) + j.dv * (p[1] - a[1]);
+                let (off, chord) = (across(b), across(d));
+                let off = off - chord * (off.dot(&chord) / chord.norm_squared().max(f64::MIN_POSITIVE));
+                bend.insert(w[1], off.norm());
+            }
+        }
+        Self { face, partition, points, chains, seams, bend, seam_count }
+    }
+
+    /// Builds one panel (named by the caller), with the largest distance (mm) between trimming curves and feet.
+    ///
+    /// # Errors
+    /// As [`panels`].
+    pub fn panel(
+        &self,
+        face_index: usize,
+        assigned: &Assigned,
+        options: &BoundaryOptions,
+    ) -> Result<(Panel, f64), BoundaryError> {
+        let label = assigned.label;
+        // 1. Loops of runs, outer first.
+        let loops = self.loops(label)?;
+        // 2. Feet of the border's vertices; a border that is a point in space has one foot.
+        let feet = self.feet(label, assigned.torse, &loops)?;
+        // 3. The patch around them, and the places in its parameter plane.
+        let extent = Extent {
+            points: feet.iter().map(|(v, f)| (f.t, self.points[*v as usize] - f.normal * f.distance)).collect(),
+        };
+        let patch =
+            convert::patch(assigned.torse, &extent).map_err(|source| BoundaryError::Convert { label, source })?;
+        let place = |f: &Foot, x: &Vec3| [f.t, convert::parameters(&patch, f.t, x)];
+        let places: HashMap<u32, [f64; 2]> =
+            feet.iter().map(|(&v, f)| (v, place(f, &self.points[f.vertex as usize]))).collect();
+        // 4. Trimming curves.
+        let mut worst = 0.0_f64;
+        let mut out = Vec::new();
+        for l in &loops {
+            let mut runs = Vec::new();
+            for stretch in l {
+                let chain = &self.chains[stretch.chain];
+                let (vertices, parameters) = stretch.oriented(chain);
+                let waypoints =
+                    self.waypoints(assigned.torse, &vertices, &parameters, &places, options, |f, x| place(f, x));
+                let waypoints = if chain.length > 0.0 {
+                    waypoints
+                } else {
+                    let p = places[&vertices[0]];
+                    [0.0, 1.0].map(|s| Waypoint { s, place: p, allowance: options.trim_tolerance }).to_vec()
+                };
+                let fitted =
+                    trim::trim(&patch, &waypoints).map_err(|source| BoundaryError::Spline { label, source })?;
+                let edge = trim::edge(&patch, &fitted.curve, options.edge_tolerance)
+                    .map_err(|source| BoundaryError::Spline { label, source })?;
+                worst = worst.max(fitted.deviation_estimate);
+                let border = match chain.right {
+                    Right::Trim(edge) => Border::Trim { edge },
+                    Right::Label(_) => Border::Seam { seam: self.seams[stretch.chain], forward: stretch.forward },
+                };
+                runs.push(Run { border, vertices, parameters, trim: fitted.curve, edge });
+            }
+            out.push(runs);
+        }
+        let panel = Panel {
+            name: String::new(),
+            face: face_index,
+            kind: assigned.kind,
+            torse: assigned.torse.clone(),
+            patch,
+            label,
+            loops: out,
+        };
+        Ok((panel, worst))
+    }
+
+    /// Loops of a label as stretches of chains, outer loop first.
+    fn loops(&self, label: u32) -> Result<Vec<Vec<Stretch>>, BoundaryError> {
+        let mut of_edge: HashMap<(u32, u32), Stretch> = HashMap::new();
+        for (k, c) in self.chains.iter().enumerate() {
+            let forward = c.left == label;
+            if !forward && c.right != Right::Label(label) {
+                continue;
+            }
+            for w in c.vertices.windows(2) {
+                let e = if forward { (w[0], w[1]) } else { (w[1], w[0]) };
+                of_edge.insert(e, Stretch { chain: k, forward });
+            }
+        }
+        let mut seen = std::collections::HashSet::new();
+        let (mut outer, mut holes) = (Vec::new(), Vec::new());
+        for cycle in chains::loops(self.partition, label) {
+            for &v in &cycle {
+                if !seen.insert(v) {
+                    return Err(BoundaryError::Pinch { label, uv: self.partition.vertices[v as usize] });
+                }
+            }
+            let n = cycle.len();
+            let stretches: Vec<Stretch> =
+                (0..n).filter_map(|i| of_edge.get(&(cycle[i], cycle[(i + 1) % n])).copied()).collect();
+            // Begin where a chain begins.
+            let begin = (0..n)
+                .find(|&i| {
+                    stretches.get(i).is_some_and(|s| {
+                        let c = &self.chains[s.chain].vertices;
+                        let first = if s.forward { c[0] } else { c[c.len() - 1] };
+                        first == cycle[i]
+                    })
+                })
+                .unwrap_or(0);
+            let mut runs: Vec<Stretch> = Vec::new();
+            for i in 0..stretches.len() {
+                let s = stretches[(begin + i) % stretches.len()];
+                if runs.last() != Some(&s) {
+                    runs.push(s);
+                }
+            }
+            let area: f64 = (0..n)
+                .map(|i| {
+                    let (p, q) = (
+                        self.partition.vertices[cycle[i] as usize],
+                        self.partition.vertices[cycle[(i + 1) % n] as usize],
+                    );
+                    0.5 * (p[0] * q[1] - p[1] * q[0])
+                })
+                .sum();
+            if area > 0.0 {
+                outer.push(runs);
+            } else {
+                holes.push(runs);
+            }
+        }
+        if outer.len() != 1 {
+            return Err(BoundaryError::Pieces { label, outer: outer.len() });
+        }
+        outer.extend(holes);
+        Ok(outer)
+    }
+
+    /// Foot of every border vertex, followed along the loops.
+    fn feet(&self, label: u32, torse: &Torse, loops: &[Vec<Stretch>]) -> Result<HashMap<u32, Foot>, BoundaryError> {
+        // Vertices of a border without length are one point.
+        let mut same: HashMap<u32, u32> = HashMap::new();
+        for s in loops.iter().flatten() {
+            let c = &self.chains[s.chain];
+            if c.length <= 0.0 {
+                for &v in &c.vertices {
+                    same.insert(v, c.vertices[0]);
+                }
+            }
+        }
+        let mut out: HashMap<u32, Foot> = HashMap::new();
+        for l in loops {
+            let mut guess = None;
+            for s in l {
+                for v in s.oriented(&self.chains[s.chain]).0 {
+                    if let Some(f) = out.get(&v) {
+                        guess = Some(f.t);
+                        continue;
+                    }
+                    let vertex = same.get(&v).copied().unwrap_or(v);
+                    let known = out.get(&vertex).copied();
+                    let x = &self.points[vertex as usize];
+                    let f = match known {
+                        Some(f) => f,
+                        None => {
+                            let t = guess
+                                .and_then(|g| torse.foot(x, g))
+                                .or_else(|| nearest_foot(torse, x))
+                                .ok_or(BoundaryError::Foot { label, uv: self.partition.vertices[vertex as usize] })?;
+                            Foot { t, vertex, normal: torse.ruling(t).normal, distance: torse.plane_distance(x, t) }
+                        }
+                    };
+                    out.insert(vertex, f);
+                    out.insert(v, f);
+                    guess = Some(f.t);
+                }
+            }
+        }
+        Ok(out)
+    }
+
+    /// Places that the trimming curve of a run should pass: vertices and points of the edges between them.
+    fn waypoints(
+        &self,
+        torse: &Torse,
+        vertices: &[u32],
+        parameters: &[f64],
+        places: &HashMap<u32, [f64; 2]>,
+        options: &BoundaryOptions,
+        place: impl Fn(&Foot, &Vec3) -> [f64; 2],
+    ) -> Vec<Waypoint> {
+        /// Waypoints wanted on a run at least.
+        const WANTED: usize = 48;
+        let edges = vertices.len() - 1;
+        let inner = (WANTED / edges).clamp(1, 24);
+        let end = |k: usize| k == 0 || k == edges;
+        let bend = |k: usize| if end(k) { 0.0 } else { self.bend.get(&vertices[k]).copied().unwrap_or(0.0) };
+        let mut out = Vec::with_capacity(edges * (inner + 1) + 1);
+        for k in 0..=edges {
+            let here = places[&vertices[k]];
+            let allowance = options.trim_tolerance.max(SMOOTHED * bend(k));
+            out.push(Waypoint { s: parameters[k], place: here, allowance });
+            if k == edges {
+                break;
+            }
+            let allowance = options.trim_tolerance.max(SMOOTHED * bend(k).max(bend(k + 1)));
+            let [p, q] = [k, k + 1].map(|k| self.partition.vertices[vertices[k] as usize]);
+            let next = places[&vertices[k + 1]];
+            for i in 1..=inner {
+                let l = i as f64 / (inner + 1) as f64;
+                let x = self.face.surface.point(p[0] + (q[0] - p[0]) * l, p[1] + (q[1] - p[1]) * l);
+                let guess = here[0] + (next[0] - here[0]) * l;
+                if let Some(t) = torse.foot(&x, guess) {
+                    let f = Foot { t, vertex: vertices[k], normal: Vec3::zeros(), distance: 0.0 };
+                    let s = parameters[k] + (parameters[k + 1] - parameters[k]) * l;
+                    out.push(Waypoint { s, place: place(&f, &x), allowance });
+                }
+            }
+        }
+        out
+    }
+}
+
+/// A foot point of a border vertex.
+#[derive(Clone, Copy, Debug)]
+struct Foot {
+    t: f64,
+    /// Vertex whose place it belongs to.
+    vertex: u32,
+    normal: Vec3,
+    distance: f64,
+}
+
+/// A chain as part of a loop.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Stretch {
+    chain: usize,
+    forward: bool,
+}
+
+impl Stretch {
+    /// Vertices and parameters in the direction of the loop.
+    fn oriented(&self, chain: &Chain) -> (Vec<u32>, Vec<f64>) {
+        if self.forward {
+            (chain.vertices.clone(), chain.parameters.clone())
+        } else {
+            (chain.vertices.iter().rev().copied().collect(), chain.parameters.iter().rev().map(|s| 1.0 - s).collect())
+        }
+    }
+}
+
+/// Foot parameter of `x` without a guess: the sign change of the foot function nearest in space.
+pub fn nearest_foot(torse: &Torse, x: &Vec3) -> Option<f64> {
+    const SCAN: usize = 96;
+    let (a, b) = torse.domain();
+    let node = |i: usize| if i == SCAN { b } else { a + (b - a) * i as f64 / SCAN as f64 };
+    let mut best: Option<(f64, f64)> = None;
+    let mut consider = |t: Option<f64>| {
+        if let Some(t) = t {
+            let d = torse.plane_distance(x, t).abs();
+            if best.is_none_or(|b| d < b.1) {
+                best = Some((t, d));
+            }
+        }
+    };
+    let mut before = torse.foot_function(x, a).0;
+    for i in 1..=SCAN {
+        let here = torse.foot_function(x, node(i)).0;
+        if before * here <= 0.0 {
+            consider(torse.foot(x, 0.5 * (node(i - 1) + node(i))));
+        }
+        before = here;
+    }
+    best.map(|b| b.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geom::Frame;
+    use crate::spline::curve::Curve;
+    use crate::spline::knots::Knots;
+    use crate::spline::surface::Surface;
+    use crate::surface::torse::PrimalTorse;
+
+    /// Parabolic trough z = x²/200 over [0, 100]² as a surface, n × n cells with labels.
+    fn trough(n: u32, label: impl Fn(u32, u32) -> u32) -> (Face, Partition) {
+        let ku = Knots::clamped(2, &[0.0, 1.0]).expect("knots");
+        let kv = Knots::clamped(1, &[0.0, 1.0]).expect("knots");
+        let mut p = Vec::new();
+        for (x, z) in [(0.0, 0.0), (50.0, 0.0), (100.0, 50.0)] {
+            for y in [0.0, 100.0] {
+                p.push(Vec3::new(x, y, z));
+            }
+        }
+        let face = Face::untrimmed(Surface::new(ku, kv, &p, None).expect("surface"));
+        let mut part = Partition::default();
+        for j in 0..=n {
+            for i in 0..=n {
+                part.vertices.push([f64::from(i) / f64::from(n), f64::from(j) / f64::from(n)]);
+            }
+        }
+        for j in 0..n {
+            for i in 0..n {
+                let a = j * (n + 1) + i;
+                part.triangles.extend([[a, a + 1, a + n + 2], [a, a + n + 2, a + n + 1]]);
+                part.labels.extend([label(i, j); 2]);
+            }
+        }
+        (face, part)
+    }
+
+    fn cylinder() -> Torse {
+        // f = x²/200 as a cubic on one span, slightly beyond the surface.
+        let (a, b) = (-10.0, 110.0);
+        let f = |x: f64, y: f64, z: f64| (x * y + y * z + z * x) / 600.0;
+        let control = vec![[f(a, a, a), 0.0], [f(a, a, b), 0.0], [f(a, b, b), 0.0], [f(b, b, b), 0.0]];
+        let profile = Curve::new(3, vec![a, a, a, a, b, b, b, b], control).expect("profile");
+        Torse::Primal(PrimalTorse { frame: Frame::world(), profile, beta: 0.0 })
+    }
+
+    fn side(part: &Partition) -> impl Fn(u32, u32) -> u32 + '_ {
+        |a, b| {
+            let [p, q] = [a, b].map(|v| part.vertices[v as usize]);
+            [p[1].max(q[1]) <= 0.0, p[0].min(q[0]) >= 1.0, p[1].min(q[1]) >= 1.0, true]
+                .iter()
+                .position(|x| *x)
+                .unwrap_or(3) as u32
+        }
+    }
+
+    #[test]
+    fn panels_share_seams_and_close_their_loops() {
+        let (face, part) =
+            trough(12, |i, j| u32::from(i + j >= 11) + 2 * u32::from((2..4).contains(&i) && (2..4).contains(&j)));
+        let torse = cylinder();
+        let assigned: Vec<_> =
+            [0, 1, 2].map(|label| Assigned { label, torse: &torse, kind: PanelKind::Cylinder }).to_vec();
+        let options = BoundaryOptions { trim_tolerance: 0.01, edge_tolerance: 1e-4 };
+        let trim_edge = side(&part);
+        let out = panels(0, &face, &part, &assigned, &trim_edge, 5, &options).expect("panels");
+        assert_eq!(out.panels.iter().map(|p| p.loops.len()).collect::<Vec<_>>(), vec![2, 1, 1]);
+        assert_eq!(out.panels[1].name, "A-02");
+        let mut seams: HashMap<u32, Vec<(bool, Run)>> = HashMap::new();
+        for p in &out.panels {
+            for l in &p.loops {
+                for (k, run) in l.iter().enumerate() {
+                    let next = &l[(k + 1) % l.len()];
+                    assert_eq!(run.trim.control.last(), next.trim.control.first());
+                    assert_eq!(run.edge.control.last(), next.edge.control.first());
+                    assert_eq!(run.vertices.last(), next.vertices.first());
+                    for (s, v) in run.parameters.iter().zip(&run.vertices) {
+                        // The torse is the surface itself: border vertices lie on the edge.
+                        let uv = part.vertices[*v as usize];
+                        let x = face.surface.point(uv[0], uv[1]);
+                        assert!((Vec3::from(run.edge.point(*s)) - x).norm() < 8.0, "staircase smoothed too far");
+                    }
+                    if let Border::Seam { seam, forward } = run.border {
+                        seams.entry(seam).or_default().push((forward, run.clone()));
+                    }
+                }
+            }
+        }
+        assert_eq!(seams.len(), out.seam_count);
+        for (seam, sides) in seams {
+            assert!(seam >= 5 && sides.len() == 2 && sides[0].0 != sides[1].0);
+            let reversed: Vec<u32> = sides[1].1.vertices.iter().rev().copied().collect();
+            assert_eq!(sides[0].1.vertices, reversed);
+            let n = sides[0].1.parameters.len();
+            for i in 0..n {
+                assert!((sides[0].1.parameters[i] + sides[1].1.parameters[n - 1 - i] - 1.0).abs() < 1e-15);
+            }
+        }
+    }
+
+    #[test]
+    fn a_whole_face_has_four_runs_within_tolerance() {
+        let (face, part) = trough(10, |_, _| 0);
+        let torse = cylinder();
+        let trim_edge = side(&part);
+        let options = BoundaryOptions { trim_tolerance: 0.005, edge_tolerance: 1e-4 };
+        let assigned = [Assigned { label: 0, torse: &torse, kind: PanelKind::Cylinder }];
+        let out = panels(27, &face, &part, &assigned, &trim_edge, 0, &options).expect("a panel");
+        let p = &out.panels[0];
+        assert_eq!(p.name, "AB-01");
+        assert_eq!((p.loops.len(), p.loops[0].len()), (1, 4));
+        assert!(out.trim_deviation_estimates[0] <= 0.005);
+        for run in &p.loops[0] {
+            for i in 0..=50 {
+                let s = f64::from(i) / 50.0;
+                let q = run.trim.point(s);
+                let x = Vec3::from(run.edge.point(s));
+                assert!((p.patch.point(q[0], q[1]) - x).norm() < 2e-4);
+                assert!((x.z - x.x * x.x / 200.0).abs() < 1e-3);
+                assert!(q[1] > 0.01 && q[1] < 0.99);
+            }
+        }
+    }
+
+    #[test]
+    fn troubles_are_named() {
+        let (face, part) = trough(4, |i, j| u32::from(i == j && i % 2 == 0));
+        let torse = cylinder();
+        let trim_edge = side(&part);
+        let options = BoundaryOptions { trim_tolerance: 0.01, edge_tolerance: 1e-4 };
+        let one = |label: u32, torse: &Torse| {
+            panels(0, &face, &part, &[Assigned { label, torse, kind: PanelKind::Cylinder }], &trim_edge, 0, &options)
+                .map(|p| p.panels.len())
+        };
+        assert_eq!(one(1, &torse), Err(BoundaryError::Pieces { label: 1, outer: 2 }));
+        let Torse::Primal(mut short) = torse else { unreachable!() };
+        short.profile = Curve::new(3, vec![0., 0., 0., 0., 40., 40., 40., 40.], vec![[0.0, 0.0]; 4]).expect("profile");
+        assert!(matches!(one(0, &Torse::Primal(short)), Err(BoundaryError::Foot { label: 0, .. })));
+    }
+}
