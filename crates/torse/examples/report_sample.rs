@@ -6,6 +6,8 @@ use std::error::Error;
 use std::path::Path;
 use torse::geom::mesh::Mesh;
 use torse::geom::{Vec2, Vec3};
+use torse::io::html::{self, Page};
+use torse::io::json::{FaceRecord, PanelRecord, Report, WitnessRecord, SCHEMA};
 use torse::io::png;
 use torse::surface::pattern::{Contour, ContourVertex, Mark, Pattern};
 use torse::tessellate::flat;
@@ -25,19 +27,86 @@ fn main() -> Result<(), Box<dyn Error>> {
         (0..STRIPS).map(|i| (0.0, Vec2::new((i % 2) as f64 * 1350.0, (i / 2) as f64 * 170.0))).collect();
     let pieces = flat::pieces(&patterns, &placements, 0.1);
     let caption = |note: &str| Caption { title: "sample".into(), note: note.into(), ..Caption::default() };
-    std::fs::write(
-        folder.join("panels.png"),
-        png::write(&picture::panels(&scene, &caption("9 panels, proven within 0.987 mm of the surface")))?,
-    )?;
-    std::fs::write(
-        folder.join("deviation.png"),
-        png::write(&picture::deviation(&scene, TOLERANCE, &caption("distance of the panels from the surface")))?,
-    )?;
+    let direction = picture::direction(&scene);
+    let note = caption("9 panels, each within 0.987 mm of the surface");
+    let panels_png = png::write(&picture::panels(&scene, &direction, &note))?;
+    std::fs::write(folder.join("panels.png"), &panels_png)?;
+    let note = caption("distance of the panels from the surface");
+    let deviation_png = png::write(&picture::deviation(&scene, &direction, TOLERANCE, &note))?;
+    std::fs::write(folder.join("deviation.png"), &deviation_png)?;
     std::fs::write(
         folder.join("layout.png"),
         png::write(&picture::layout(&pieces, &caption("flat patterns, 1:1 in patterns.dxf")))?,
     )?;
+    let report = report(&patterns);
+    std::fs::write(folder.join("report.json"), report.to_json()?)?;
+    let page = Page {
+        report: &report,
+        scene: &scene,
+        direction,
+        layout: &pieces,
+        panels_png: &panels_png,
+        deviation_png: &deviation_png,
+    };
+    std::fs::write(folder.join("report.html"), html::write(&page)?)?;
+    let mut failed = report.clone();
+    failed.status = "uncertified".into();
+    failed.reason = "panel A-03 exceeds the tolerance".into();
+    failed.deviation_bound = Some(1.31);
+    failed.panels[2].certified = false;
+    failed.panels[2].reason = "the distance exceeds the tolerance".into();
+    failed.panels[2].deviation_bound = Some(1.31);
+    failed.panels[2].witness = Some(WitnessRecord { uv: [0.25, 0.3125], distance: Some(-1.287) });
+    std::fs::write(folder.join("uncertified.html"), html::write(&Page { report: &failed, ..page })?)?;
     Ok(())
+}
+
+/// Made-up numbers for the report.
+fn report(patterns: &[Pattern]) -> Report {
+    let panel = |p: &Pattern| PanelRecord {
+        name: p.name.clone(),
+        face: 0,
+        kind: "torse".into(),
+        certified: true,
+        reason: String::new(),
+        witness: None,
+        deviation_bound: Some(0.987 - 0.013 * p.panel as f64),
+        developability_bound: Some(3.1e-10 * (p.panel + 1) as f64),
+        regression_clearance: (p.panel != 4).then_some(2120.0 - 37.0 * p.panel as f64),
+        min_bend_radius: Some(240.0 - 25.5 * p.panel as f64),
+        area: Some(p.area_in_space),
+        flat_area: Some(p.area),
+        isometry_error: Some(p.isometry_error),
+        contour_error: Some(p.contour_error),
+        length: Some(p.length),
+        width: Some(p.width),
+    };
+    Report {
+        schema: SCHEMA.into(),
+        version: "0.1.0".into(),
+        status: "certified".into(),
+        reason: String::new(),
+        unit: "mm".into(),
+        input: "sample.step".into(),
+        tolerance: TOLERANCE,
+        deviation_bound: Some(0.987),
+        seam_gap_bound: Some(0.0042),
+        coverage: 1.0,
+        seconds: 3.217,
+        missing: vec![],
+        skipped: vec![],
+        faces: vec![FaceRecord {
+            entity: 42,
+            name: "side".into(),
+            part: "boat".into(),
+            kind: "spline".into(),
+            panels: STRIPS,
+            coverage: 1.0,
+            trim_deviation_estimate: Some(0.0),
+            surface_deviation_estimate: Some(0.0),
+        }],
+        panels: patterns.iter().map(panel).collect(),
+    }
 }
 
 /// A point of a boat-like surface; u along, v from keel to sheer.

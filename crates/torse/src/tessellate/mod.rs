@@ -2,6 +2,7 @@
 
 pub mod camera;
 pub mod colour;
+pub mod coverage;
 pub mod flat;
 pub mod label;
 pub mod picture;

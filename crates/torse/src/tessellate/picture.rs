@@ -39,14 +39,16 @@ const LIFT: f64 = 2.5e-3;
 /// Above this many panels, names would only cover the picture.
 const MOST_NAMES: usize = 80;
 
-/// The direction (towards the eye) of the scene's pictures.
+/// A telling direction to see the scene from (from the model to the eye).
 pub fn direction(scene: &Scene) -> Vec3 {
     telling_direction(meshes(scene))
 }
 
 /// Panels in distinct colours with rulings, seams and names.
-pub fn panels(scene: &Scene, caption: &Caption) -> Image {
-    let (mut drawing, camera) = stage(scene, caption, 0.0);
+///
+/// `direction` points from the model to the eye, see [`direction`].
+pub fn panels(scene: &Scene, direction: &Vec3, caption: &Caption) -> Image {
+    let (mut drawing, camera) = stage(scene, direction, caption, 0.0);
     let lift = LIFT * scene.bbox().diagonal();
     for (i, panel) in scene.panels.iter().enumerate() {
         let base = colour::panel(i);
@@ -70,9 +72,9 @@ pub fn panels(scene: &Scene, caption: &Caption) -> Image {
 }
 
 /// The signed deviation of the panels from the surface, with a legend from −tolerance to +tolerance (mm).
-pub fn deviation(scene: &Scene, tolerance: f64, caption: &Caption) -> Image {
+pub fn deviation(scene: &Scene, direction: &Vec3, tolerance: f64, caption: &Caption) -> Image {
     const LEGEND: f64 = 150.0;
-    let (mut drawing, camera) = stage(scene, caption, LEGEND);
+    let (mut drawing, camera) = stage(scene, direction, caption, LEGEND);
     for panel in &scene.panels {
         triangles(&mut drawing, &camera, &panel.mesh, Paint::Deviation, 1.0 / tolerance);
     }
@@ -171,15 +173,14 @@ fn head(caption: &Caption) -> f64 {
 }
 
 /// A drawing with captions and a camera that shows the scene below them, `right` pixels kept free for a legend.
-fn stage(scene: &Scene, caption: &Caption, right: f64) -> (Drawing, Camera) {
+fn stage(scene: &Scene, direction: &Vec3, caption: &Caption, right: f64) -> (Drawing, Camera) {
     const ASPECT: std::ops::RangeInclusive<f64> = 0.40..=0.80;
-    let direction = direction(scene);
     let finite = |p: &&Vec3| p.iter().all(|x| x.is_finite());
     let points = meshes(scene).flat_map(|m| &m.positions).filter(finite);
     let width = caption.width.max(200) as f64;
     let head = head(caption);
     let room = width - 2.0 * MARGIN - right;
-    let unit = Camera::fitting(points.clone(), &direction, Rect { x: 0.0, y: 0.0, width: room, height: f64::MAX });
+    let unit = Camera::fitting(points.clone(), direction, Rect { x: 0.0, y: 0.0, width: room, height: f64::MAX });
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
     for p in points.clone() {
         let y = unit.project(p)[1] - unit.origin[1];
@@ -190,7 +191,7 @@ fn stage(scene: &Scene, caption: &Caption, right: f64) -> (Drawing, Camera) {
     let rect = Rect { x: MARGIN, y: MARGIN + head, width: room, height: height - head - 2.0 * MARGIN };
     let mut drawing = Drawing::new(width as usize, height as usize);
     captions(&mut drawing, caption);
-    (drawing, Camera::fitting(points, &direction, rect))
+    (drawing, Camera::fitting(points, direction, rect))
 }
 
 fn captions(drawing: &mut Drawing, caption: &Caption) {
@@ -342,7 +343,7 @@ mod tests {
 
     #[test]
     fn both_panels_fill_their_part_of_the_picture() {
-        let image = panels(&scene(), &Caption { width: 600, ..Caption::default() });
+        let image = panels(&scene(), &direction(&scene()), &Caption { width: 600, ..Caption::default() });
         for i in 0..2 {
             let base = colour::bytes(colour::panel(i)).map(i32::from);
             let like = |p: [i32; 3]| (0..3).all(|k| (p[k] - base[k]).abs() < 45);
@@ -352,7 +353,7 @@ mod tests {
 
     #[test]
     fn the_deviation_map_is_red_above_and_blue_below() {
-        let image = deviation(&scene(), 0.5, &Caption { width: 600, ..Caption::default() });
+        let image = deviation(&scene(), &direction(&scene()), 0.5, &Caption { width: 600, ..Caption::default() });
         assert!(share(&image, |[r, _, b]| r > b + 60) > 0.03);
         assert!(share(&image, |[r, _, b]| b > r + 60) > 0.03);
     }
@@ -360,8 +361,8 @@ mod tests {
     #[test]
     fn empty_scenes_and_layouts_give_a_picture_too() {
         let caption = Caption { width: 300, title: "nothing".into(), note: String::new() };
-        assert!(panels(&Scene::default(), &caption).height > 50);
-        assert!(deviation(&Scene::default(), 1.0, &caption).height > 50);
+        assert!(panels(&Scene::default(), &Vec3::z(), &caption).height > 50);
+        assert!(deviation(&Scene::default(), &Vec3::x(), 1.0, &caption).height > 50);
         assert!(layout(&[], &caption).height > 50);
     }
 

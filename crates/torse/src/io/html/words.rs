@@ -1,0 +1,324 @@
+//! The certificate in plain words: what is proven, what is only measured, what needs care.
+
+use super::escape;
+use crate::io::json::{PanelRecord, Report};
+use crate::tessellate::picture::figure;
+use std::fmt::Write;
+
+/// Bends tighter than this share of the panel's width deserve a look: the sheet turns by more than a radian or so
+/// across the panel, and thickness begins to matter.
+const TIGHT_BEND: f64 = 0.5;
+/// Regression curves nearer than this share of the panel's length: curvature grows quickly towards them.
+const NEAR_REGRESSION: f64 = 0.05;
+/// Relative length errors of flat patterns above this are worth a warning.
+const ISOMETRY_LIMIT: f64 = 1e-6;
+
+/// A length for people: four digits.
+pub(super) fn millimetres(x: f64) -> String {
+    format!("{}&nbsp;mm", plain(x, 4))
+}
+
+/// An upper bound for people: rounded up, so that the text stays true.
+pub(super) fn upper(x: Option<f64>) -> String {
+    x.map_or_else(|| "none shown".into(), |x| plain(rounded(x, f64::ceil), 4))
+}
+
+/// A lower bound for people: rounded down.
+pub(super) fn lower(x: Option<f64>) -> String {
+    x.map_or_else(|| "\u{2014}".into(), |x| plain(rounded(x, f64::floor), 4))
+}
+
+/// A number without superfluous zeros.
+pub(super) fn plain(x: f64, digits: usize) -> String {
+    let text = figure(x, digits);
+    match text.split_once('.') {
+        Some((whole, fraction)) if !fraction.contains('e') => {
+            let fraction = fraction.trim_end_matches('0');
+            if fraction.is_empty() {
+                whole.to_string()
+            } else {
+                format!("{whole}.{fraction}")
+            }
+        }
+        _ => text,
+    }
+}
+
+fn rounded(x: f64, round: fn(f64) -> f64) -> f64 {
+    if x == 0.0 || !x.is_finite() {
+        return x;
+    }
+    let unit = 10f64.powi(x.abs().log10().floor() as i32 - 3);
+    let y = round(x / unit) * unit;
+    if y.is_finite() {
+        y
+    } else {
+        x
+    }
+}
+
+/// The status in large letters.
+pub(super) fn badge(report: &Report) -> String {
+    if report.certified() {
+        "<span class=\"badge good\"><span aria-hidden=\"true\">\u{2713}</span> Certified</span>".into()
+    } else {
+        "<span class=\"badge bad\"><span aria-hidden=\"true\">!</span> Not certified</span>".into()
+    }
+}
+
+/// The figures beside the badge.
+pub(super) fn figures(report: &Report) -> String {
+    let mut out = String::new();
+    let mut item = |name: &str, value: String, note: String| {
+        let _ = write!(out, "<div><dt>{name}</dt><dd>{value}<small>{note}</small></dd></div>");
+    };
+    item(
+        "Largest distance",
+        bound_with_unit(report.deviation_bound),
+        format!("tolerance {}", millimetres(report.tolerance)),
+    );
+    let faces = match report.faces.len() {
+        1 => "1 face".into(),
+        n => format!("{n} faces"),
+    };
+    item("Panels", report.panels.len().to_string(), format!("on {faces}"));
+    item("Covered", percent(report.coverage), "of the area of the faces".into());
+    item("Seam gap", bound_with_unit(report.seam_gap_bound), "at most, between neighbours".into());
+    let radius = least(report, |p| p.min_bend_radius);
+    item(
+        "Tightest bend",
+        radius.map_or_else(|| "\u{2014}".into(), |(r, _)| format!("{}&nbsp;mm", lower(Some(r)))),
+        radius.map_or_else(|| "all panels plane".into(), |(_, p)| format!("radius, panel {}", escape(&p.name))),
+    );
+    let flat: f64 = report.panels.iter().filter_map(|p| p.flat_area).sum();
+    item(
+        "Sheet",
+        format!("{}&nbsp;m\u{b2}", plain(flat * 1e-6, 4)),
+        format!("net; made in {} s", plain(report.seconds, 2)),
+    );
+    out
+}
+
+/// The certificate as paragraphs and lists.
+pub(super) fn certificate(report: &Report) -> String {
+    let mut out = String::new();
+    let tolerance = millimetres(report.tolerance);
+    if report.certified() {
+        let _ = write!(
+            out,
+            "<p class=\"lead\">Every point of every face lies within <b>{bound}</b> of the panels, and every point of \
+             the panels lies within <b>{bound}</b> of the surface. You asked for {tolerance}. This is proven, not \
+             sampled.</p>",
+            bound = bound_with_unit(report.deviation_bound),
+        );
+    } else {
+        let _ = write!(
+            out,
+            "<p class=\"lead\">This result is <b>not certified</b> for the tolerance of {tolerance}: {}. The files were \
+             written so that you can look; do not rely on the tolerance.</p>",
+            escape(report.reason.trim_end_matches('.')),
+        );
+    }
+    let _ = write!(out, "<div class=\"columns\">{}{}</div>", proven(report), unproven(report));
+    out
+}
+
+/// What interval arithmetic has shown.
+fn proven(report: &Report) -> String {
+    let mut items = Vec::new();
+    let bad = report.panels.iter().filter(|p| !p.certified).count();
+    let good = report.panels.len() - bad;
+    if let Some(bound) = report.deviation_bound {
+        let within = if bound <= report.tolerance { "within the tolerance" } else { "<b>above the tolerance</b>" };
+        items.push(format!(
+            "<b>Distance</b> between the trimmed faces and the panels as written to <code>panels.step</code>, in both \
+             directions, rounding included: at most {}, {within}.",
+            bound_with_unit(Some(bound)),
+        ));
+    }
+    if bad > 0 {
+        items.push(format!("<b>{good} of {} panels</b> are certified one by one; see the table.", report.panels.len()));
+    }
+    if let Some((angle, panel)) = most(report, |p| p.developability_bound) {
+        items.push(format!(
+            "<b>Developability:</b> along no ruling does the tangent plane turn by more than {}\u{b0} (panel {}); an \
+             exactly developable surface has 0.",
+            upper(Some(angle.to_degrees())),
+            escape(&panel.name),
+        ));
+    }
+    match least(report, |p| p.regression_clearance) {
+        Some((clearance, panel)) => items.push(format!(
+            "<b>Regularity:</b> no panel comes nearer than {}&nbsp;mm, measured along its rulings, to its curve of \
+             regression, where a developable surface has a sharp edge (nearest: panel {}).",
+            lower(Some(clearance)),
+            escape(&panel.name),
+        )),
+        None if bad == 0 && !report.panels.is_empty() => {
+            items.push("<b>Regularity:</b> no panel has a curve of regression (planes and cylinders only).".into());
+        }
+        None => {}
+    }
+    if let Some(gap) = report.seam_gap_bound {
+        items.push(format!(
+            "<b>Seams:</b> the two sides of a seam are nowhere more than {}&nbsp;mm apart.",
+            upper(Some(gap))
+        ));
+    }
+    if report.coverage >= 1.0 {
+        items.push("<b>Coverage:</b> the regions of the panels add up to the faces, without holes or overlaps.".into());
+    }
+    if items.is_empty() {
+        items.push("Nothing.".into());
+    }
+    format!("<div>{}</div>", list("Proven for every point", "proven", &items))
+}
+
+/// What is missing, and what was only measured.
+fn unproven(report: &Report) -> String {
+    let mut missing: Vec<String> = report.missing.iter().map(|m| escape(m)).collect();
+    for panel in report.panels.iter().filter(|p| !p.certified) {
+        missing.push(format!("Panel {}: {}{}", link(panel, report), escape(&panel.reason), witness(panel)));
+    }
+    if report.coverage < 1.0 {
+        missing.push(format!("The panels cover {} of the area of the faces.", percent(report.coverage)));
+    }
+    if !report.skipped.is_empty() {
+        missing.push(format!(
+            "{} item(s) of the file were left out, see <a href=\"#faces\">Faces</a>.",
+            report.skipped.len()
+        ));
+    }
+    let mut measured = Vec::new();
+    if let Some((error, _)) = most(report, |p| p.isometry_error) {
+        measured.push(format!("Flat patterns keep lengths to {} (largest relative error measured).", plain(error, 2)));
+    }
+    if let Some((error, _)) = most(report, |p| p.contour_error) {
+        measured
+            .push(format!("Lines and arcs of the flat outlines follow the exact outlines to {}.", millimetres(error)));
+    }
+    let trim = report.faces.iter().filter_map(|f| f.trim_deviation_estimate).fold(0.0, f64::max);
+    let surface = report.faces.iter().filter_map(|f| f.surface_deviation_estimate).fold(0.0, f64::max);
+    measured.push(format!(
+        "The certificate refers to the faces as they were read: edges of the file agree with them to {}, surfaces to {}.",
+        millimetres(trim),
+        millimetres(surface),
+    ));
+    measured.push("Thickness, spring-back and cutting width of the real sheet are not part of this report.".into());
+    let mut out = String::from("<div>");
+    if !missing.is_empty() {
+        out.push_str(&list("Not proven", "missing", &missing));
+    }
+    out.push_str(&list("Measured, not proven", "", &measured));
+    out + "</div>"
+}
+
+/// Things to look at before cutting.
+pub(super) fn warnings(report: &Report) -> String {
+    let mut items = Vec::new();
+    let mut warn = |panels: Vec<&PanelRecord>, words: &str| {
+        const MOST: usize = 12;
+        if panels.is_empty() {
+            return;
+        }
+        let names: Vec<String> = panels.iter().take(MOST).map(|p| link(p, report)).collect();
+        let more = if panels.len() > MOST { format!(" and {} more", panels.len() - MOST) } else { String::new() };
+        items.push(format!("{words}: {}{more}.", names.join(", ")));
+    };
+    let panels = |test: &dyn Fn(&PanelRecord) -> Option<bool>| {
+        report.panels.iter().filter(|p| test(p).unwrap_or(false)).collect::<Vec<_>>()
+    };
+    warn(
+        panels(&|p| Some(p.min_bend_radius? < TIGHT_BEND * p.width?)),
+        "Tight bends (radius below half the panel's width); check them against sheet thickness",
+    );
+    warn(
+        panels(&|p| Some(p.regression_clearance? < NEAR_REGRESSION * p.length?)),
+        "Close to the curve of regression, where bending becomes sharp",
+    );
+    warn(
+        panels(&|p| Some(p.isometry_error? > ISOMETRY_LIMIT)),
+        "Flat pattern with a relative length error above one in a million",
+    );
+    warn(panels(&|p| Some(p.flat_area.is_none())), "Without flat pattern");
+    if items.is_empty() {
+        return String::new();
+    }
+    format!("<section class=\"card warn\"><h2>Before you cut</h2><ul>{}</ul></section>", bullets(&items))
+}
+
+/// Where a panel exceeds the tolerance.
+pub(super) fn witness(panel: &PanelRecord) -> String {
+    panel.witness.as_ref().map_or_else(String::new, |w| {
+        let distance = w.distance.map_or_else(String::new, |d| format!(", distance {}", millimetres(d)));
+        format!(" <span class=\"quiet\">(at u = {}, v = {}{distance})</span>", plain(w.uv[0], 6), plain(w.uv[1], 6))
+    })
+}
+
+fn bound_with_unit(x: Option<f64>) -> String {
+    if x.is_some() {
+        format!("{}&nbsp;mm", upper(x))
+    } else {
+        upper(x)
+    }
+}
+
+fn percent(share: f64) -> String {
+    // Rounded down: an incomplete cover must not read 100 %.
+    format!("{}&nbsp;%", plain((share * 10_000.0).floor() / 100.0, 4))
+}
+
+fn link(panel: &PanelRecord, report: &Report) -> String {
+    let index = report.panels.iter().position(|p| std::ptr::eq(p, panel)).unwrap_or(0);
+    format!("<a href=\"#panel-{index}\" data-pick=\"{index}\">{}</a>", escape(&panel.name))
+}
+
+fn most(report: &Report, value: fn(&PanelRecord) -> Option<f64>) -> Option<(f64, &PanelRecord)> {
+    report.panels.iter().filter_map(|p| Some((value(p)?, p))).max_by(|a, b| a.0.total_cmp(&b.0))
+}
+
+fn least(report: &Report, value: fn(&PanelRecord) -> Option<f64>) -> Option<(f64, &PanelRecord)> {
+    report.panels.iter().filter_map(|p| Some((value(p)?, p))).min_by(|a, b| a.0.total_cmp(&b.0))
+}
+
+fn list(title: &str, class: &str, items: &[String]) -> String {
+    format!("<h3>{title}</h3><ul class=\"{class}\">{}</ul>", bullets(items))
+}
+
+fn bullets(items: &[String]) -> String {
+    items.iter().map(|i| format!("<li>{i}</li>")).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::io::json::tests::sample;
+
+    #[test]
+    fn bounds_are_rounded_to_the_safe_side() {
+        assert_eq!(upper(Some(0.987_61)), "0.9877");
+        assert_eq!(upper(Some(0.987_600_01)), "0.9877");
+        assert_eq!(lower(Some(412.79)), "412.7");
+        assert_eq!(upper(Some(1.0)), "1");
+        assert_eq!(upper(None), "none shown");
+        assert_eq!(percent(0.999_999), "99.99&nbsp;%");
+    }
+
+    #[test]
+    fn warnings_name_the_panels_concerned_and_only_those() {
+        let mut report = sample();
+        assert_eq!(warnings(&report), "");
+        report.panels[1].min_bend_radius = Some(12.0);
+        let text = warnings(&report);
+        assert!(text.contains("A-02") && !text.contains("A-01"));
+    }
+
+    #[test]
+    fn a_bound_above_the_tolerance_is_called_so() {
+        let mut report = sample();
+        report.status = "uncertified".into();
+        report.deviation_bound = Some(1.5);
+        let text = certificate(&report);
+        assert!(text.contains("above the tolerance") && !text.contains("This is proven"));
+    }
+}
