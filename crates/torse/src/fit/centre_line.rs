@@ -4,7 +4,7 @@
 //! approximation specification B3.4: the curve is continued beyond the region, so that oblique rulings reach its
 //! corners, on the second-order Taylor extension of the surface.
 
-use crate::fit::samples::CentrePoint;
+use crate::fit::CentrePoint;
 use crate::geom::Vec3;
 use crate::spline::field::Field;
 use crate::spline::surface::Surface;

@@ -1,5 +1,8 @@
 //! Floor 5: fitting torses near given data. Never judges itself; see `certify`.
 
+pub mod boundary;
+pub mod centre_line;
+pub mod chains;
 pub mod level;
 mod basis;
 mod descent;
@@ -10,6 +13,7 @@ pub mod primal;
 mod profile;
 pub mod samples;
 mod sheet;
+pub mod trim;
 
 pub use dual::{dual, dual_from, CentrePoint, DualOptions};
 pub use plane::plane;
@@ -50,6 +54,3 @@ pub fn refit(fit: &Fit, samples: &[Sample], options: &RefitOptions) -> Option<Fi
         (_, a) => a,
     }
 }
-pub mod boundary;
-pub mod chains;
-pub mod trim;

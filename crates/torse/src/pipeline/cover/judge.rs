@@ -4,11 +4,11 @@
 use super::{Job, State, DISTANCE_SHARE};
 use crate::certify::distance::{distance, DistanceOptions};
 use crate::certify::Verdict;
-use crate::fit::dual::{dual, DualOptions};
+use crate::fit::{dual, DualOptions};
 use crate::fit::plane::plane;
 use crate::fit::primal::{primal, PrimalOptions};
-use crate::fit::refit;
-use crate::fit::samples::{CentrePoint, Fit, Sample};
+use crate::fit::samples::{Fit, Sample};
+use crate::fit::{refit, CentrePoint, RefitOptions};
 use std::sync::atomic::Ordering;
 use std::sync::Arc;
 
@@ -62,7 +62,7 @@ impl Job<'_> {
             None
         };
         if let Some(line) = centre.filter(|l| !l.is_empty()) {
-            let options = DualOptions { tolerance: allowed, ..DualOptions::default() };
+            let options = DualOptions::new(allowed * KEEN);
             if let Some(t) = judge(dual(&samples, line, &options)) {
                 return t;
             }
@@ -97,7 +97,7 @@ impl Job<'_> {
                     let n = j.normal();
                     let n = if n.norm() > 0.0 { n.normalize() } else { n };
                     samples.push(Sample { x: j.p, n, weight });
-                    match refit(&fit, &samples, allowed) {
+                    match refit(&fit, &samples, &RefitOptions::new(allowed * HOPEFUL * HOPEFUL)) {
                         Some(next) if next.error <= allowed => fit = next,
                         Some(next) => return Trial::failed(next.error),
                         None => return Trial::failed(distance.abs()),

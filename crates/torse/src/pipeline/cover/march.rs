@@ -3,7 +3,7 @@
 use super::{Job, State};
 use crate::fit::centre_line::centre_line;
 use crate::fit::level::Level;
-use crate::fit::samples::CentrePoint;
+use crate::fit::CentrePoint;
 use crate::spline::field::Field;
 use std::sync::atomic::{AtomicUsize, Ordering};
 

@@ -12,7 +12,7 @@ mod merge;
 mod signs;
 mod state;
 
-use crate::certify::distance::Prepared;
+use crate::certify::Prepared;
 use crate::control::Control;
 use crate::fit::level::{level, LevelOptions};
 use crate::geom::triangulate::TriangulateError;
