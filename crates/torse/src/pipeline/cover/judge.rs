@@ -49,6 +49,7 @@ impl Job<'_> {
         }
         let mut best = f64::INFINITY;
         let mut judge = |fit: Option<Fit>| -> Option<Trial> {
+            if std::env::var("TJ").is_ok() { eprintln!("   fit label {label} {:?}", fit.as_ref().map(|f|f.error/allowed)); }
             let fit = fit?;
             if fit.error <= allowed * HOPEFUL {
                 let t = self.proven(state, label, fit, samples.clone());
@@ -84,9 +85,11 @@ impl Job<'_> {
             self.proofs.fetch_add(1, Ordering::Relaxed);
             let judged =
                 distance(&self.prepared, &fit.torse, &triangles, allowed, &DistanceOptions::default(), self.control);
+            if std::env::var("TJ").is_ok() { eprintln!("   proof round {round} {} fit {:.3} tris {} -> {:?}", if matches!(fit.torse, crate::surface::torse::Torse::Dual(_)) {"D"} else {"P"}, fit.error/allowed, triangles.len(), judged.verdict); }
             match judged.verdict {
-                Verdict::Holds { bound } => {
-                    return Trial { accepted: Some(Arc::new(fit)), error: bound };
+                Verdict::Holds { .. } => {
+                    let error = fit.error;
+                    return Trial { accepted: Some(Arc::new(fit)), error };
                 }
                 Verdict::Fails { uv, distance } => {
                     if round == REFITS || distance.abs() > 1.3 * allowed {

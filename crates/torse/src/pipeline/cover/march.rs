@@ -46,7 +46,7 @@ impl Job<'_> {
     ) -> Option<State> {
         let theory = 4.0 * self.options.tolerance.sqrt();
         let up = Lay { field: &level.field, theory: Some(theory), strict: false, depth };
-        let limit = AtomicUsize::new(budget + 1);
+        let limit = AtomicUsize::new(budget.saturating_add(1));
         self.march(state.clone(), label, &up, theory, &limit)
     }
 
@@ -146,6 +146,7 @@ impl Job<'_> {
                     }
                 }
             }
+            if std::env::var("TJ").is_ok() { eprintln!("  band label {} width {:.4} of {:.4} ok {ok} err {:.3} comps {}", rest.label, width/lay.theory.unwrap_or(1.0), (hi-lo)/lay.theory.unwrap_or(1.0), error/self.options.tolerance, bands.len()); }
             let share = error / (self.options.tolerance * super::DISTANCE_SHARE);
             if ok {
                 if whole {

@@ -175,7 +175,7 @@ impl Job<'_> {
         let forms = state.forms(label, 100);
         let (e, g) = forms.iter().fold((0.0, 0.0), |(e, g), f| (e + f.first[0], g + f.first[2]));
         let aspect = if e > 0.0 { (g / e).sqrt() } else { 1.0 };
-        let incumbent = AtomicUsize::new(budget + 1);
+        let incumbent = AtomicUsize::new(budget.saturating_add(1));
         let before = Self::count(state);
         (0..SWEEP_DIRECTIONS)
             .into_par_iter()
