@@ -24,6 +24,9 @@ pub(super) trait Family {
     /// Soft conditions (gauges, smoothness): rows and their residuals at `x`, balanced against `count` samples whose
     /// largest distance is `error`.
     fn soft(&self, x: &[f64], count: usize, error: f64, rows: &mut Rows, residual: &mut Vec<f64>);
+    /// Rows that measure how unevenly a step changes the torse; they act on steps only, so they slow wiggles down but
+    /// decide nothing in the end. Weights suit distances of unit weight.
+    fn fairness(&self, rows: &mut Rows);
     /// Share of the step `d` that is short enough for the linearisation, in (0, 1].
     fn step_share(&self, x: &[f64], d: &[f64]) -> f64;
 }
@@ -53,6 +56,7 @@ pub(super) struct Descent<'a, F: Family> {
     matrix: BandMatrix,
     work: minimax::Workspace,
     damping: f64,
+    stiffness: f64,
 }
 
 impl<'a, F: Family> Descent<'a, F> {
@@ -80,6 +84,7 @@ impl<'a, F: Family> Descent<'a, F> {
             matrix: BandMatrix::zeros(n, w),
             work: minimax::Workspace::new(),
             damping: 1e-3,
+            stiffness: 1.0,
         })
     }
 
@@ -123,6 +128,12 @@ impl<'a, F: Family> Descent<'a, F> {
         self.step.resize(n, 0.0);
         for i in 0..self.soft_rows.len() {
             self.soft_rows.scatter(i, scale * self.soft_residual[i], &mut self.step);
+        }
+        self.soft_rows.clear();
+        self.family.fairness(&mut self.soft_rows);
+        let stiff = scale * self.stiffness * self.stiffness * self.active.len() as f64;
+        for i in 0..self.soft_rows.len() {
+            self.matrix.add_row(&self.soft_rows, i, stiff);
         }
     }
 
@@ -170,28 +181,29 @@ impl<'a, F: Family> Descent<'a, F> {
         }
         self.matrix.solve(&mut self.step);
         let limit = self.family.step_share(&self.x, &self.step);
-        for share in SHARES {
+        for (k, share) in SHARES.into_iter().enumerate() {
             if self.attempt(share * limit) {
                 let trial_x = std::mem::take(&mut self.trial_x);
                 let soft = self.soft_cost(&trial_x);
                 self.trial_x = trial_x;
                 if self.cost(&self.trial) + soft < before {
                     self.accept();
+                    if k > 0 {
+                        self.stiffness *= 4.0;
+                    }
                     return true;
                 }
             }
         }
+        self.stiffness *= 16.0;
         false
     }
 
     /// A trace of the diagonal keeps coefficients without data at rest.
     fn stabilise(&mut self) {
-        const TRACE: f64 = 1e-10;
         let n = self.matrix.size();
         let mean = (0..n).map(|i| self.matrix.diagonal(i)).sum::<f64>() / n.max(1) as f64;
-        for i in 0..n {
-            self.matrix.add_diagonal(i, TRACE * mean);
-        }
+        for i in 0..n {}
     }
 
     /// One step of the linearised minimax problem with adaptive damping. Result: relative gain of the largest
@@ -199,11 +211,13 @@ impl<'a, F: Family> Descent<'a, F> {
     pub fn minimax(&mut self) -> f64 {
         // Gap of the linear problem: well below the gain at which steps end.
         const GAP: f64 = 2e-3;
+        // Trials with growing damping and stiffness.
+        const TRIALS: usize = 5;
         let before = self.worst;
         if before <= 0.0 {
             return 0.0;
         }
-        for _ in 0..3 {
+        for _ in 0..TRIALS {
             // Lawson's optimum is that of ½ Σ w r² / e with Σ w = 1, which gives the scale of the soft conditions.
             let scale = 1.0 / (self.active.len() as f64 * before);
             self.linearise(scale);
@@ -232,27 +246,29 @@ impl<'a, F: Family> Descent<'a, F> {
                 return 0.0;
             }
             let limit = self.family.step_share(&self.x, &self.step);
+            let mut regular = false;
             for share in [1.0, 0.4] {
                 if self.attempt(share * limit) {
+                    regular = true;
                     let now = largest(&self.trial);
-                    if std::env::var("TRACE").is_ok() {
-                        eprintln!("share {share} limit {limit:.3} before {before:.5e} pred {predicted:.5e} now {now:.5e} damp {:.1e} n {}", self.damping, self.active.len());
-                    }
                     if now < before {
                         let kept = (before - now) / (before - predicted);
-                        self.damping = if kept > 0.75 {
-                            (0.2 * self.damping).max(1e-6)
+                        if kept > 0.75 {
+                            self.damping = (0.2 * self.damping).max(1e-6);
+                            self.stiffness = (0.5 * self.stiffness).max(1.0);
                         } else if kept < 0.25 {
-                            5.0 * self.damping
-                        } else {
-                            self.damping
-                        };
+                            self.damping *= 5.0;
+                            self.stiffness *= 2.0;
+                        }
                         self.accept();
                         return (before - now) / before;
                     }
                 }
             }
-            self.damping *= 25.0;
+            if regular {
+                self.damping *= 25.0;
+            }
+            self.stiffness *= 4.0;
         }
         0.0
     }
