@@ -34,6 +34,9 @@ pub(super) trait Family {
 /// Trial lengths of a Gauss–Newton step.
 const SHARES: [f64; 4] = [1.0, 0.4, 0.16, 0.064];
 
+/// Damping at first: share of the normal matrix's diagonal that is added to it.
+const DAMPING: f64 = 1e-3;
+
 /// A fit under way.
 pub(super) struct Descent<'a, F: Family> {
     /// The family.
@@ -83,7 +86,7 @@ impl<'a, F: Family> Descent<'a, F> {
             step: Vec::new(),
             matrix: BandMatrix::zeros(n, w),
             work: minimax::Workspace::new(),
-            damping: 1e-3,
+            damping: DAMPING,
             stiffness: 1.0,
         })
     }
@@ -201,9 +204,12 @@ impl<'a, F: Family> Descent<'a, F> {
 
     /// A trace of the diagonal keeps coefficients without data at rest.
     fn stabilise(&mut self) {
+        const SHARE: f64 = 1e-10;
         let n = self.matrix.size();
         let mean = (0..n).map(|i| self.matrix.diagonal(i)).sum::<f64>() / n.max(1) as f64;
-        for i in 0..n {}
+        for i in 0..n {
+            self.matrix.add_diagonal(i, SHARE * mean);
+        }
     }
 
     /// One step of the linearised minimax problem with adaptive damping. Result: relative gain of the largest
@@ -239,7 +245,7 @@ impl<'a, F: Family> Descent<'a, F> {
                 minimax::step(&self.rows, &self.residual, &self.matrix, &linear, GAP, &mut self.work, &mut step);
             self.step = step;
             let Some(predicted) = predicted else {
-                self.damping = (self.damping * 10.0).max(1e-3);
+                self.damping = (self.damping * 10.0).max(DAMPING);
                 continue;
             };
             if predicted > before * (1.0 - 1e-4) {
@@ -278,8 +284,16 @@ impl<'a, F: Family> Descent<'a, F> {
         // A step that gains less ends the fit: the optimum is then within about the same share.
         const SMALL: f64 = 4e-3;
         for _ in 0..steps {
-            if self.worst <= enough || self.minimax() < SMALL {
+            if self.worst <= enough {
                 break;
+            }
+            if self.minimax() < SMALL {
+                if self.stiffness <= 1.0 && self.damping <= DAMPING {
+                    break;
+                }
+                // Earlier trouble may hold the steps back.
+                self.stiffness = (0.1 * self.stiffness).max(1.0);
+                self.damping = (0.1 * self.damping).max(DAMPING);
             }
         }
     }

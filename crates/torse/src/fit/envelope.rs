@@ -19,7 +19,7 @@ struct Gauge {
 }
 
 /// Weight of the third differences of a step (see the primal family's).
-const FAIR: f64 = 0.01;
+const FAIR: f64 = 0.1;
 
 /// Weight of the second differences of a step's control planes: they keep coefficients without samples in line.
 const STEP: f64 = 3e-3;

@@ -14,7 +14,7 @@ const REGULAR: f64 = 0.1;
 
 /// Weight of the third differences of a step of f (and of the second differences of that of a): minimax fits may wiggle
 /// where the samples are far from the largest distance; a wiggle of ten times the error then costs half a percent of it.
-const FAIR: f64 = 0.01;
+const FAIR: f64 = 0.015;
 
 /// Which functions the ruling slope a may be.
 #[derive(Clone, Debug, PartialEq)]
