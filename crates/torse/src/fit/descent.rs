@@ -304,17 +304,31 @@ impl<'a, F: Family> Descent<'a, F> {
         // Samples taken in per round, and the excess over the support's own error that is not worth a round.
         const ADDED: usize = 25;
         const EXCESS: f64 = 1.01;
-        const STEPS: usize = 6;
+        const STEPS: usize = 8;
+        // Returns towards the start of a round before the start itself is taken again.
+        const BACK: usize = 4;
         let mut residual = Vec::new();
         let mut result = None;
         for round in 0..=rounds {
+            let start = self.x.clone();
             self.polish(STEPS, enough);
-            if !self.family.residuals(&self.x, all, &mut residual) {
-                return result;
+            let mut back = 0;
+            while !self.family.residuals(&self.x, all, &mut residual) {
+                // Not regular at some sample that did not take part: half way back.
+                if back == BACK {
+                    return result;
+                }
+                back += 1;
+                for (x, s) in self.x.iter_mut().zip(&start) {
+                    *x = if back == BACK { *s } else { 0.5 * (*x + s) };
+                }
             }
             self.family.adopt(all);
             let worst = largest(&residual);
             result = Some(worst);
+            if back > 0 {
+                self.include(std::iter::empty());
+            }
             if round == rounds || worst <= enough || worst <= EXCESS * self.worst {
                 break;
             }
