@@ -24,12 +24,18 @@ pub(super) trait Family {
     /// Soft conditions (gauges, smoothness): rows and their residuals at `x`, balanced against `count` samples whose
     /// largest distance is `error`.
     fn soft(&self, x: &[f64], count: usize, error: f64, rows: &mut Rows, residual: &mut Vec<f64>);
+    /// Rows that measure how unevenly a step changes the torse; they act on steps only, so they slow wiggles down but
+    /// decide nothing in the end. Weights suit distances of unit weight.
+    fn fairness(&self, rows: &mut Rows);
     /// Share of the step `d` that is short enough for the linearisation, in (0, 1].
     fn step_share(&self, x: &[f64], d: &[f64]) -> f64;
 }
 
 /// Trial lengths of a Gauss–Newton step.
 const SHARES: [f64; 4] = [1.0, 0.4, 0.16, 0.064];
+
+/// Damping at first: share of the normal matrix's diagonal that is added to it.
+const DAMPING: f64 = 1e-3;
 
 /// A fit under way.
 pub(super) struct Descent<'a, F: Family> {
@@ -53,6 +59,7 @@ pub(super) struct Descent<'a, F: Family> {
     matrix: BandMatrix,
     work: minimax::Workspace,
     damping: f64,
+    stiffness: f64,
 }
 
 impl<'a, F: Family> Descent<'a, F> {
@@ -79,7 +86,8 @@ impl<'a, F: Family> Descent<'a, F> {
             step: Vec::new(),
             matrix: BandMatrix::zeros(n, w),
             work: minimax::Workspace::new(),
-            damping: 1e-3,
+            damping: DAMPING,
+            stiffness: 1.0,
         })
     }
 
@@ -123,6 +131,12 @@ impl<'a, F: Family> Descent<'a, F> {
         self.step.resize(n, 0.0);
         for i in 0..self.soft_rows.len() {
             self.soft_rows.scatter(i, scale * self.soft_residual[i], &mut self.step);
+        }
+        self.soft_rows.clear();
+        self.family.fairness(&mut self.soft_rows);
+        let stiff = scale * self.stiffness * self.stiffness * self.active.len() as f64;
+        for i in 0..self.soft_rows.len() {
+            self.matrix.add_row(&self.soft_rows, i, stiff);
         }
     }
 
@@ -170,27 +184,31 @@ impl<'a, F: Family> Descent<'a, F> {
         }
         self.matrix.solve(&mut self.step);
         let limit = self.family.step_share(&self.x, &self.step);
-        for share in SHARES {
+        for (k, share) in SHARES.into_iter().enumerate() {
             if self.attempt(share * limit) {
                 let trial_x = std::mem::take(&mut self.trial_x);
                 let soft = self.soft_cost(&trial_x);
                 self.trial_x = trial_x;
                 if self.cost(&self.trial) + soft < before {
                     self.accept();
+                    if k > 0 {
+                        self.stiffness *= 4.0;
+                    }
                     return true;
                 }
             }
         }
+        self.stiffness *= 16.0;
         false
     }
 
     /// A trace of the diagonal keeps coefficients without data at rest.
     fn stabilise(&mut self) {
-        const TRACE: f64 = 1e-10;
+        const SHARE: f64 = 1e-10;
         let n = self.matrix.size();
         let mean = (0..n).map(|i| self.matrix.diagonal(i)).sum::<f64>() / n.max(1) as f64;
         for i in 0..n {
-            self.matrix.add_diagonal(i, TRACE * mean);
+            self.matrix.add_diagonal(i, SHARE * mean);
         }
     }
 
@@ -199,11 +217,13 @@ impl<'a, F: Family> Descent<'a, F> {
     pub fn minimax(&mut self) -> f64 {
         // Gap of the linear problem: well below the gain at which steps end.
         const GAP: f64 = 2e-3;
+        // Trials with growing damping and stiffness.
+        const TRIALS: usize = 5;
         let before = self.worst;
         if before <= 0.0 {
             return 0.0;
         }
-        for _ in 0..3 {
+        for _ in 0..TRIALS {
             // Lawson's optimum is that of ½ Σ w r² / e with Σ w = 1, which gives the scale of the soft conditions.
             let scale = 1.0 / (self.active.len() as f64 * before);
             self.linearise(scale);
@@ -225,34 +245,36 @@ impl<'a, F: Family> Descent<'a, F> {
                 minimax::step(&self.rows, &self.residual, &self.matrix, &linear, GAP, &mut self.work, &mut step);
             self.step = step;
             let Some(predicted) = predicted else {
-                self.damping = (self.damping * 10.0).max(1e-3);
+                self.damping = (self.damping * 10.0).max(DAMPING);
                 continue;
             };
             if predicted > before * (1.0 - 1e-4) {
                 return 0.0;
             }
             let limit = self.family.step_share(&self.x, &self.step);
+            let mut regular = false;
             for share in [1.0, 0.4] {
                 if self.attempt(share * limit) {
+                    regular = true;
                     let now = largest(&self.trial);
-                    if std::env::var("TRACE").is_ok() {
-                        eprintln!("share {share} limit {limit:.3} before {before:.5e} pred {predicted:.5e} now {now:.5e} damp {:.1e} n {}", self.damping, self.active.len());
-                    }
                     if now < before {
                         let kept = (before - now) / (before - predicted);
-                        self.damping = if kept > 0.75 {
-                            (0.2 * self.damping).max(1e-6)
+                        if kept > 0.75 {
+                            self.damping = (0.2 * self.damping).max(1e-6);
+                            self.stiffness = (0.5 * self.stiffness).max(1.0);
                         } else if kept < 0.25 {
-                            5.0 * self.damping
-                        } else {
-                            self.damping
-                        };
+                            self.damping *= 5.0;
+                            self.stiffness *= 2.0;
+                        }
                         self.accept();
                         return (before - now) / before;
                     }
                 }
             }
-            self.damping *= 25.0;
+            if regular {
+                self.damping *= 25.0;
+            }
+            self.stiffness *= 4.0;
         }
         0.0
     }
@@ -262,8 +284,16 @@ impl<'a, F: Family> Descent<'a, F> {
         // A step that gains less ends the fit: the optimum is then within about the same share.
         const SMALL: f64 = 4e-3;
         for _ in 0..steps {
-            if self.worst <= enough || self.minimax() < SMALL {
+            if self.worst <= enough {
                 break;
+            }
+            if self.minimax() < SMALL {
+                if self.stiffness <= 1.0 && self.damping <= DAMPING {
+                    break;
+                }
+                // Earlier trouble may hold the steps back.
+                self.stiffness = (0.1 * self.stiffness).max(1.0);
+                self.damping = (0.1 * self.damping).max(DAMPING);
             }
         }
     }
@@ -274,17 +304,31 @@ impl<'a, F: Family> Descent<'a, F> {
         // Samples taken in per round, and the excess over the support's own error that is not worth a round.
         const ADDED: usize = 25;
         const EXCESS: f64 = 1.01;
-        const STEPS: usize = 6;
+        const STEPS: usize = 8;
+        // Returns towards the start of a round before the start itself is taken again.
+        const BACK: usize = 4;
         let mut residual = Vec::new();
         let mut result = None;
         for round in 0..=rounds {
+            let start = self.x.clone();
             self.polish(STEPS, enough);
-            if !self.family.residuals(&self.x, all, &mut residual) {
-                return result;
+            let mut back = 0;
+            while !self.family.residuals(&self.x, all, &mut residual) {
+                // Not regular at some sample that did not take part: half way back.
+                if back == BACK {
+                    return result;
+                }
+                back += 1;
+                for (x, s) in self.x.iter_mut().zip(&start) {
+                    *x = if back == BACK { *s } else { 0.5 * (*x + s) };
+                }
             }
             self.family.adopt(all);
             let worst = largest(&residual);
             result = Some(worst);
+            if back > 0 {
+                self.include(std::iter::empty());
+            }
             if round == rounds || worst <= enough || worst <= EXCESS * self.worst {
                 break;
             }

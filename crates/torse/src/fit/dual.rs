@@ -82,15 +82,16 @@ impl Scale {
 /// samples; the error may exceed the tolerance. `None` if no regular start exists (inflections, asymptotic centre
 /// lines, foldings), or with too few or invalid data.
 pub fn dual(samples: &[Sample], centre: &[CentrePoint], options: &DualOptions) -> Option<Fit> {
-    // Shares of the parameter range by which the start reaches beyond the centre line.
-    const REACHES: [f64; 2] = [0.12, 0.4];
+    // Shares of the parameter range by which the start reaches beyond the centre line, with weights of third
+    // differences: light ones leave the data alone to about their cube, heavy ones iron out a wavy centre line.
+    const STARTS: [(f64, f64); 4] = [(0.12, 1e-3), (0.4, 1e-3), (0.12, 1.0), (0.4, 1.0)];
     if samples.len() < 6 || centre.len() < 4 {
         return None;
     }
     let scale = Scale::of(samples)?;
     let parameters = strip_parameters(centre, scale.unit)?;
-    REACHES.iter().find_map(|&reach| {
-        let start = start_planes(centre, &parameters, &scale, options.spans.max(4), reach)?;
+    STARTS.iter().find_map(|&(reach, smooth)| {
+        let start = start_planes(centre, &parameters, &scale, options.spans.max(4), reach, smooth)?;
         fitted(samples, &scale, start, options)
     })
 }
@@ -159,9 +160,8 @@ fn start_planes(
     scale: &Scale,
     spans: usize,
     reach: f64,
+    smooth: f64,
 ) -> Option<Pieces<4>> {
-    // Weight of third differences: leaves data alone to about its cube and continues the spline beyond them.
-    const SMOOTH: f64 = 1e-3;
     let knots = Knots::uniform(3, spans, -reach, 1.0 + reach).ok()?;
     let n = knots.control_count();
     let mut rows = Rows::new(n, 4);
@@ -185,7 +185,7 @@ fn start_planes(
         for j in 0..4 {
             row[j] = (b.rows[2][j] - a.rows[2][j]) * h * h;
         }
-        matrix.add_row(&rows, rows.len() - 1, SMOOTH * SMOOTH * centre.len() as f64 / spans as f64);
+        matrix.add_row(&rows, rows.len() - 1, smooth * smooth * centre.len() as f64 / spans as f64);
     }
     if !matrix.factorise() {
         return None;

@@ -19,7 +19,10 @@ struct Gauge {
 }
 
 /// Weight of the third differences of a step (see the primal family's).
-const FAIR: f64 = 0.01;
+const FAIR: f64 = 0.1;
+
+/// Weight of the second differences of a step's control planes: they keep coefficients without samples in line.
+const STEP: f64 = 3e-3;
 
 /// The family; coefficient `4 j + c` is component c of control plane j.
 #[derive(Clone, Debug)]
@@ -81,6 +84,19 @@ impl EnvelopeFamily {
             out
         });
         Pieces { power: power.collect(), breaks: self.breaks.clone() }
+    }
+
+    /// Rows with the third differences of all components, span by span.
+    fn differences(&self, weight: f64, rows: &mut Rows) {
+        for s in 0..self.breaks.len() - 1 {
+            let h = self.breaks[s + 1] - self.breaks[s];
+            for d in 0..4 {
+                let (_, row) = rows.push(4 * self.basis.first[s]);
+                for j in 0..4 {
+                    row[4 * j + d] = weight * h.powi(3) * 6.0 * self.basis.power[s][j][3];
+                }
+            }
+        }
     }
 
     /// Fast form of the torse with the coefficients `x`.
@@ -173,12 +189,10 @@ impl Family for EnvelopeFamily {
     }
 
     fn soft(&self, x: &[f64], count: usize, error: f64, rows: &mut Rows, residual: &mut Vec<f64>) {
-        // Weights of the gauges for length and turning, of the third differences of the planes, and of the second
-        // differences of a step. They suit errors of a thousandth of the size and shrink with the error.
+        // Weights of the gauges for length and turning and of the third differences of the planes. They suit errors of a thousandth of the size and shrink with the error.
         const LENGTH: f64 = 1.0;
         const TURN: f64 = 0.05;
         const THIRD: f64 = 1e-3;
-        const STEP: f64 = 0.01;
         const SUITED: f64 = 1e-3;
         const LEAST: f64 = 1e-4;
         let balance = (error / SUITED).clamp(LEAST, 1.0);
@@ -195,28 +209,20 @@ impl Family for EnvelopeFamily {
                 residual.push(rows.dot(rows.len() - 1, x) - root * weight * target);
             }
         }
-        let fair = FAIR * (count as f64).sqrt();
-        for s in 0..self.breaks.len() - 1 {
-            let h = self.breaks[s + 1] - self.breaks[s];
-            for (weight, relative) in [(root * THIRD, false), (fair, true)] {
-                for d in 0..4 {
-                    let (_, row) = rows.push(4 * self.basis.first[s]);
-                    for j in 0..4 {
-                        row[4 * j + d] = weight * h.powi(3) * 6.0 * self.basis.power[s][j][3];
-                    }
-                    let i = rows.len() - 1;
-                    residual.push(if relative { 0.0 } else { rows.dot(i, x) });
-                }
-            }
-        }
+        let start = rows.len();
+        self.differences(root * THIRD, rows);
+        residual.extend((start..rows.len()).map(|i| rows.dot(i, x)));
+    }
+
+    fn fairness(&self, rows: &mut Rows) {
+        self.differences(FAIR, rows);
         for j in 2..self.basis.count {
             for d in 0..4 {
                 let (first, row) = rows.push(4 * (j - 2));
                 let at = 4 * (j - 2) - first + d;
-                row[at] = root * STEP;
-                row[at + 4] = -2.0 * root * STEP;
-                row[at + 8] = root * STEP;
-                residual.push(0.0);
+                row[at] = STEP;
+                row[at + 4] = -2.0 * STEP;
+                row[at + 8] = STEP;
             }
         }
     }

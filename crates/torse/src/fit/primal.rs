@@ -116,6 +116,7 @@ fn curved(samples: &[Sample], options: &PrimalOptions, enough: f64) -> Option<Fi
         return finished(best, PanelKind::Torse, samples);
     }
     let goal = enough / best.unit;
+    let few = with_ends(&best.family, &few, profile_spans);
     let mut reached = polished(&mut best.family, &mut best.x, &few, &all, goal)?;
     if reached * best.unit > options.tolerance && reached * best.unit < 2.5 * options.tolerance {
         // More freedom, from where the coarse fit ended.
@@ -133,6 +134,28 @@ fn curved(samples: &[Sample], options: &PrimalOptions, enough: f64) -> Option<Fi
     }
     best.score = reached * best.unit;
     finished(best, PanelKind::Torse, samples)
+}
+
+/// The samples `few` and, for each of `bins` parts of the range of feet, the two farthest along the rulings: there the
+/// torse is least regular, and mostly farthest away.
+fn with_ends(family: &ProfileFamily, few: &[usize], bins: usize) -> Vec<usize> {
+    let (a, b) = family.foot_range();
+    let mut ends = vec![None::<(usize, usize)>; bins];
+    for (i, (q, t)) in family.points.iter().zip(&family.feet).enumerate() {
+        let k = ((t - a) / (b - a) * bins as f64) as usize;
+        let end = ends[k.min(bins - 1)].get_or_insert((i, i));
+        if q.y < family.points[end.0].y {
+            end.0 = i;
+        }
+        if q.y > family.points[end.1].y {
+            end.1 = i;
+        }
+    }
+    let mut out = few.to_vec();
+    out.extend(ends.into_iter().flatten().flat_map(|e| [e.0, e.1]));
+    out.sort_unstable();
+    out.dedup();
+    out
 }
 
 /// A direction that makes a positive product with as many normals as possible: their mean, turned towards the farthest

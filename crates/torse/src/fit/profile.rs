@@ -14,7 +14,7 @@ const REGULAR: f64 = 0.1;
 
 /// Weight of the third differences of a step of f (and of the second differences of that of a): minimax fits may wiggle
 /// where the samples are far from the largest distance; a wiggle of ten times the error then costs half a percent of it.
-const FAIR: f64 = 0.01;
+const FAIR: f64 = 0.015;
 
 /// Which functions the ruling slope a may be.
 #[derive(Clone, Debug, PartialEq)]
@@ -92,6 +92,33 @@ impl ProfileFamily {
         });
         let profile = Pieces { power: power.collect(), breaks: self.breaks.clone() };
         Sheet::primal(Frame::world(), profile, x[nf + na])
+    }
+
+    /// Rows with the third differences of f and the second differences of a, span by span.
+    fn differences(&self, third: f64, second: f64, rows: &mut Rows) {
+        let spans = self.breaks.len() - 1;
+        let nf = self.f.count;
+        for s in 0..spans {
+            let h = self.breaks[s + 1] - self.breaks[s];
+            let (_, row) = rows.push(0);
+            for j in 0..self.f.active {
+                row[self.f.first[s] + j] = third * h.powi(3) * 6.0 * self.f.power[s][j][3];
+            }
+        }
+        let Slopes::Spline(coarse) = &self.slopes else { return };
+        let h = (self.breaks[spans] - self.breaks[0]) / (coarse.len() - 1) as f64;
+        for w in coarse.windows(2) {
+            // The second derivative at both ends of every coarse span.
+            for t in [w[0] + 1e-3 * (w[1] - w[0]), w[1] - 1e-3 * (w[1] - w[0])] {
+                let s = span_of(&self.breaks, t);
+                let u = t - self.breaks[s];
+                let (_, row) = rows.push(0);
+                for j in 0..self.a.active {
+                    let p = &self.a.power[s][j];
+                    row[nf + self.a.first[s] + j] = second * h * h * (2.0 * p[2] + 6.0 * u * p[3]);
+                }
+            }
+        }
     }
 
     /// Smallest and largest foot.
@@ -207,43 +234,16 @@ impl Family for ProfileFamily {
         let root = (count as f64).sqrt();
         let third = balance * THIRD / (nf as f64).sqrt();
         let second = balance * SECOND * self.reach / root;
-        // Each row twice: weakly for the coefficients, with the weight of fairness for their change.
-        let mut both = |rows: &mut Rows, weak: f64, fair: f64, fill: &dyn Fn(&mut [f64], f64)| {
-            fill(rows.push(0).1, weak * root);
-            residual.push(rows.dot(rows.len() - 1, x));
-            fill(rows.push(0).1, fair * root);
-            residual.push(0.0);
-        };
-        let spans = self.breaks.len() - 1;
-        for s in 0..spans {
-            let h = self.breaks[s + 1] - self.breaks[s];
-            both(rows, third, FAIR, &|row, weight| {
-                for j in 0..self.f.active {
-                    row[self.f.first[s] + j] = weight * h.powi(3) * 6.0 * self.f.power[s][j][3];
-                }
-            });
-        }
-        if let Slopes::Spline(coarse) = &self.slopes {
-            let h = (self.breaks[spans] - self.breaks[0]) / (coarse.len() - 1) as f64;
-            for w in coarse.windows(2) {
-                // The second derivative at both ends of every coarse span.
-                for t in [w[0] + 1e-3 * (w[1] - w[0]), w[1] - 1e-3 * (w[1] - w[0])] {
-                    let s = span_of(&self.breaks, t);
-                    let u = t - self.breaks[s];
-                    both(rows, second, FAIR * self.reach, &|row, weight| {
-                        for j in 0..self.a.active {
-                            let p = &self.a.power[s][j];
-                            row[nf + self.a.first[s] + j] = weight * h * h * (2.0 * p[2] + 6.0 * u * p[3]);
-                        }
-                    });
-                }
-            }
-        }
         let size = balance * SIZE * root * self.reach;
+        self.differences(third * root, second * root, rows);
         for j in 0..self.a.count {
             rows.push(0).1[nf + j] = size;
-            residual.push(rows.dot(rows.len() - 1, x));
         }
+        residual.extend((0..rows.len()).map(|i| rows.dot(i, x)));
+    }
+
+    fn fairness(&self, rows: &mut Rows) {
+        self.differences(FAIR, FAIR * self.reach, rows);
     }
 
     fn step_share(&self, _x: &[f64], d: &[f64]) -> f64 {
