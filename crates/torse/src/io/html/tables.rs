@@ -67,7 +67,7 @@ fn key(x: Option<f64>, infinite: bool) -> String {
 }
 
 /// A tiny number in powers of ten, rounded up.
-fn exponent(x: f64) -> String {
+pub(super) fn exponent(x: f64) -> String {
     if x == 0.0 {
         return "0".into();
     }

@@ -256,7 +256,13 @@ function open_view(canvas, gl) {
   };
 
   const parts = { panels: mesh(scene.panels), surface: mesh(scene.surface), rulings: lines(scene.rulings), borders: lines(scene.borders) };
-  const positions = new Float32Array(bytes.buffer, scene.panels.position, 3 * scene.panels.vertices);
+  // Without panels there is still the surface to look at.
+  const whole = scene.panels.indices > 0 ? scene.panels : scene.surface;
+  const positions = new Float32Array(bytes.buffer, whole.position, 3 * whole.vertices);
+  if (whole === scene.surface) {
+    shown.surface = true;
+    find('[data-toggle="surface"]').setAttribute("aria-pressed", "true");
+  }
 
   gl.bindTexture(gl.TEXTURE_2D, gl.createTexture());
   const colours = new Uint8Array(scene.scale.flatMap((c) => [...c, 255]));

@@ -1,6 +1,7 @@
 //! The certificate in plain words: what is proven, what is only measured, what needs care.
 
 use super::escape;
+use super::tables::exponent;
 use crate::io::json::{PanelRecord, Report};
 use crate::tessellate::picture::figure;
 use std::fmt::Write;
@@ -143,7 +144,7 @@ fn proven(report: &Report) -> String {
         items.push(format!(
             "<b>Developability:</b> along no ruling does the tangent plane turn by more than {}\u{b0} (panel {}); an \
              exactly developable surface has 0.",
-            upper(Some(angle.to_degrees())),
+            exponent(angle.to_degrees()),
             escape(&panel.name),
         ));
     }
@@ -191,7 +192,7 @@ fn unproven(report: &Report) -> String {
     }
     let mut measured = Vec::new();
     if let Some((error, _)) = most(report, |p| p.isometry_error) {
-        measured.push(format!("Flat patterns keep lengths to {} (largest relative error measured).", plain(error, 2)));
+        measured.push(format!("Flat patterns keep lengths to {} (largest relative error measured).", exponent(error)));
     }
     if let Some((error, _)) = most(report, |p| p.contour_error) {
         measured
