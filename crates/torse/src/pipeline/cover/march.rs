@@ -13,6 +13,10 @@ const TRIALS: usize = 8;
 const WIDE: f64 = 0.86;
 /// Narrowest band, as a share of the theoretical width, before its region is bisected instead.
 const NARROWEST: f64 = 0.2;
+/// Bands below this share of the theoretical width count as narrow (C5)…
+const POOR_WIDTH: f64 = 0.55;
+/// … and after so many of them in a row the rest is given to a new level function.
+const PATIENCE: usize = 2;
 /// A rest below this share of the march's range gets a level function of its own when bands fail.
 const FRESH: f64 = 0.9;
 /// A rest of less than this share of a band is tried together with it.
@@ -32,6 +36,8 @@ struct Lay<'f> {
 struct Rest {
     label: u32,
     width: f64,
+    /// Consecutive bands that came out far narrower than theory.
+    narrow: usize,
 }
 
 impl Job<'_> {
@@ -45,9 +51,21 @@ impl Job<'_> {
         depth: usize,
     ) -> Option<State> {
         let theory = 4.0 * self.options.tolerance.sqrt();
-        let up = Lay { field: &level.field, theory: Some(theory), strict: false, depth };
         let limit = AtomicUsize::new(budget.saturating_add(1));
-        self.march(state.clone(), label, &up, theory, &limit)
+        let mut falling = level.field.clone();
+        falling.coefficients.iter_mut().for_each(|c| *c = -*c);
+        let before = state.panels.len();
+        let run = |field: &Field| {
+            let lay = Lay { field, theory: Some(theory), strict: false, depth };
+            let done = self.march(state.clone(), label, &lay, theory, &limit)?;
+            limit.fetch_min(done.panels.len() - before, Ordering::Relaxed);
+            Some(done)
+        };
+        let (up, down) = rayon::join(|| run(&level.field), || run(&falling));
+        match (up, down) {
+            (Some(a), Some(b)) => Some(if b.panels.len() < a.panels.len() { b } else { a }),
+            (a, b) => a.or(b),
+        }
     }
 
     /// Bands of a linear function, given up as soon as they cannot beat `incumbent`.
@@ -61,7 +79,7 @@ impl Job<'_> {
         let before = state.panels.len();
         let (lo, hi) = range(&state, label, lay.field);
         let whole = hi - lo;
-        let mut open = vec![Rest { label, width }];
+        let mut open = vec![Rest { label, width, narrow: 0 }];
         while let Some(rest) = open.pop() {
             let used = state.panels.len() - before;
             if self.control.stopped() {
@@ -69,6 +87,12 @@ impl Job<'_> {
             }
             if used + open.len() + 1 >= limit.load(Ordering::Relaxed) {
                 return None;
+            }
+            if rest.narrow >= PATIENCE {
+                // The level function is poor here: what is left gets one of its own.
+                let budget = limit.load(Ordering::Relaxed).saturating_sub(used + open.len() + 1);
+                state = self.region(state, rest.label, budget, lay.depth + 1)?;
+                continue;
             }
             match self.band(&state, &rest, lay) {
                 Some((next, more)) => {
@@ -174,7 +198,11 @@ impl Job<'_> {
             }
         }
         let (width, state, others) = accepted?;
-        Some((state, others.into_iter().map(|label| Rest { label, width }).collect()))
+        let poor = lay.theory.is_some_and(|t| width < POOR_WIDTH * t);
+        let narrow = if poor { rest.narrow + 1 } else { 0 };
+        // The next march starts hopeful again where a single band was narrow.
+        let width = if poor { width * 1.5 } else { width };
+        Some((state, others.into_iter().map(|label| Rest { label, width, narrow }).collect()))
     }
 
     /// Centre line of a band: the level through the middle of its range.
