@@ -56,7 +56,7 @@ pub fn panels(scene: &Scene, direction: &Vec3, caption: &Caption) -> Image {
         let ruling = colour::mix(base, INK, 0.55);
         for r in &panel.rulings {
             let points = r.map(|p| camera.project_towards_eye(&p, lift)).to_vec();
-            drawing.lines.push(Line { points, width: 1.2, colour: ruling, alpha: 0.6 });
+            drawing.lines.push(Line { points, width: 1.3, colour: ruling, alpha: 0.8 });
         }
     }
     if scene.panels.is_empty() {
