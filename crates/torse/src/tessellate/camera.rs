@@ -98,7 +98,7 @@ fn axes(direction: &Vec3) -> [Vec3; 3] {
 /// slightly above. What hides behind other parts does not count; grazing views of large areas count less.
 pub fn telling_direction<'a>(meshes: impl Iterator<Item = &'a Mesh> + Clone) -> Vec3 {
     // A view from between the axes looks better than one along them, and one from 30° better than others.
-    const VIEWS: [(f64, f64); 4] = [(18.0, 0.93), (30.0, 1.0), (45.0, 0.97), (60.0, 0.88)];
+    const VIEWS: [(f64, f64); 4] = [(20.0, 0.94), (32.0, 1.0), (46.0, 0.95), (62.0, 0.80)];
     const AZIMUTH_STEP_DEG: usize = 15;
     // Front views (from −y, the convention of CAD) win ties.
     const FRONT: f64 = 0.02;
@@ -119,12 +119,14 @@ pub fn telling_direction<'a>(meshes: impl Iterator<Item = &'a Mesh> + Clone) -> 
     best.1
 }
 
-/// Area (mm²) of the meshes seen from a direction, weighted by the root of the cosine of the angle of view.
+/// Area (mm²) of the meshes seen from a direction, weighted by the root of the cosine of the angle of view, and by
+/// how well the view fills a picture of landscape format.
 fn visible<'a>(meshes: impl Iterator<Item = &'a Mesh> + Clone, direction: &Vec3) -> f64 {
     const CELLS: usize = 56;
     // Beyond this many triangles only a part of them is looked at; the holes hardly change the order of views.
     const TRIANGLES: usize = 12_000;
     const GRAZING: f64 = 0.08;
+    const LANDSCAPE: f64 = 1.6;
     let camera = axes(direction);
     let local = |p: &Vec3| Vec3::new(camera[0].dot(p), camera[1].dot(p), camera[2].dot(p));
     let finite = |p: &Vec3| p.iter().all(|x| x.is_finite());
@@ -168,7 +170,9 @@ fn visible<'a>(meshes: impl Iterator<Item = &'a Mesh> + Clone, direction: &Vec3)
             }
         }
     }
-    buffer.iter().map(|&(_, w)| w).sum::<f64>() * cell * cell
+    let seen = buffer.iter().map(|&(_, w)| w).sum::<f64>() * cell * cell;
+    let paper = LANDSCAPE * (extent.x / LANDSCAPE).max(extent.y).powi(2);
+    seen * (seen / paper).sqrt()
 }
 
 #[cfg(test)]

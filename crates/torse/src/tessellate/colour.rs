@@ -16,7 +16,7 @@ pub fn panel(index: usize) -> Rgb {
     // The golden angle never repeats a hue and keeps any few consecutive ones far apart.
     const GOLDEN_ANGLE_DEG: f64 = 137.507_764;
     const FIRST_HUE_DEG: f64 = 245.0;
-    const LIGHTNESS: [f64; 3] = [0.76, 0.83, 0.69];
+    const LIGHTNESS: [f64; 3] = [0.77, 0.84, 0.71];
     const CHROMA: f64 = 0.115;
     oklch(LIGHTNESS[index % LIGHTNESS.len()], CHROMA, FIRST_HUE_DEG + GOLDEN_ANGLE_DEG * (index % 3600) as f64)
 }

@@ -8,6 +8,17 @@ const CELL: f64 = 4.0;
 /// No thing in this cell.
 const NONE: u32 = u32::MAX;
 
+/// A place for a name, in pixels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Place {
+    /// Middle of the name.
+    pub middle: Vec2,
+    /// Distance from there to where something else begins.
+    pub room: f64,
+    /// Width of the widest level line centred there that stays on the same thing.
+    pub breadth: f64,
+}
+
 /// A coarse map of what is in sight.
 #[derive(Clone, Debug)]
 pub struct SightMap {
@@ -53,9 +64,9 @@ impl SightMap {
         }
     }
 
-    /// For each of `count` things: the place with the most room, preferring the middle of the thing, and the
-    /// distance (pixels) from there to where something else begins. `None` for things out of sight.
-    pub fn places(&self, count: usize) -> Vec<Option<(Vec2, f64)>> {
+    /// For each of `count` things: the place with the most room, preferring the middle of the thing. `None` for
+    /// things out of sight.
+    pub fn places(&self, count: usize) -> Vec<Option<Place>> {
         // A place nearer to the middle is worth a little less room.
         const MIDDLE: f64 = 0.06;
         let room = self.room();
@@ -76,7 +87,19 @@ impl SightMap {
                 *slot = Some((score, centre(cell), room[cell]));
             }
         }
-        best.into_iter().map(|b| b.map(|(_, place, room)| (place, room))).collect()
+        best.into_iter()
+            .map(|b| b.map(|(_, middle, room)| Place { middle, room, breadth: self.breadth(middle) }))
+            .collect()
+    }
+
+    /// Width (pixels) of the widest level line centred at a place that stays on the same thing.
+    fn breadth(&self, middle: Vec2) -> f64 {
+        let (column, row) = ((middle.x / CELL) as usize, (middle.y / CELL) as usize);
+        let line = &self.owner[row * self.columns..(row + 1) * self.columns];
+        let same = |&&owner: &&u32| owner == line[column];
+        let left = line[..column].iter().rev().take_while(same).count();
+        let right = line[column + 1..].iter().take_while(same).count();
+        (2 * left.min(right) + 1) as f64 * CELL
     }
 
     /// Distance (pixels, chamfer 3-4) from each cell to the nearest cell of another owner or the picture's edge.
@@ -134,10 +157,11 @@ mod tests {
         rectangle(&mut map, 1, [0.0, 200.0], [0.0, 200.0], 2.0);
         rectangle(&mut map, 2, [20.0, 100.0], [20.0, 100.0], 0.5);
         let places = map.places(3);
-        let (p, room) = places[0].expect("the right half is in sight");
-        assert!((p - Vec2::new(300.0, 100.0)).norm() < 8.0 && (room - 100.0).abs() < 8.0, "{p} {room}");
-        let (p, _) = places[1].expect("the left half is in sight");
-        assert!((p - Vec2::new(100.0, 100.0)).norm() < 8.0);
+        let right = places[0].expect("the right half is in sight");
+        assert!((right.middle - Vec2::new(300.0, 100.0)).norm() < 8.0, "{right:?}");
+        assert!((right.room - 100.0).abs() < 8.0 && (right.breadth - 200.0).abs() < 16.0, "{right:?}");
+        let left = places[1].expect("the left half is in sight");
+        assert!((left.middle - Vec2::new(100.0, 100.0)).norm() < 8.0);
         assert!(places[2].is_none());
     }
 }

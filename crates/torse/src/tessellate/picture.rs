@@ -56,7 +56,7 @@ pub fn panels(scene: &Scene, direction: &Vec3, caption: &Caption) -> Image {
         let ruling = colour::mix(base, INK, 0.55);
         for r in &panel.rulings {
             let points = r.map(|p| camera.project_towards_eye(&p, lift)).to_vec();
-            drawing.lines.push(Line { points, width: 1.2, colour: ruling, alpha: 0.6 });
+            drawing.lines.push(Line { points, width: 1.3, colour: ruling, alpha: 0.8 });
         }
     }
     if scene.panels.is_empty() {
@@ -174,13 +174,14 @@ fn head(caption: &Caption) -> f64 {
 
 /// A drawing with captions and a camera that shows the scene below them, `right` pixels kept free for a legend.
 fn stage(scene: &Scene, direction: &Vec3, caption: &Caption, right: f64) -> (Drawing, Camera) {
-    const ASPECT: std::ops::RangeInclusive<f64> = 0.40..=0.80;
+    const ASPECT: std::ops::RangeInclusive<f64> = 0.36..=0.68;
     let finite = |p: &&Vec3| p.iter().all(|x| x.is_finite());
     let points = meshes(scene).flat_map(|m| &m.positions).filter(finite);
     let width = caption.width.max(200) as f64;
     let head = head(caption);
     let room = width - 2.0 * MARGIN - right;
-    let unit = Camera::fitting(points.clone(), direction, Rect { x: 0.0, y: 0.0, width: room, height: f64::MAX });
+    // Higher than any picture gets, so that the width alone decides.
+    let unit = Camera::fitting(points.clone(), direction, Rect { x: 0.0, y: 0.0, width: room, height: 4.0 * width });
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
     for p in points.clone() {
         let y = unit.project(p)[1] - unit.origin[1];
@@ -260,11 +261,12 @@ fn names(drawing: &mut Drawing, camera: &Camera, scene: &Scene) {
         }
     }
     for (panel, place) in scene.panels.iter().zip(map.places(scene.panels.len())) {
-        let Some((place, room)) = place else { continue };
-        if room >= NARROWEST {
-            let size = (SHARE * room).clamp(*SIZES.start(), *SIZES.end());
+        let Some(place) = place else { continue };
+        let fitting = place.breadth / super::stroke_font::width(&panel.name, 1.0);
+        let size = (SHARE * place.room).clamp(*SIZES.start(), *SIZES.end()).min(fitting);
+        if place.room >= NARROWEST && size >= *SIZES.start() {
             let width = super::stroke_font::width(&panel.name, size);
-            drawing.rimmed_text(&panel.name, place + Vec2::new(-0.5 * width, 0.5 * size), size, INK);
+            drawing.rimmed_text(&panel.name, place.middle + Vec2::new(-0.5 * width, 0.5 * size), size, INK);
         }
     }
 }

@@ -338,7 +338,7 @@ fn shade(base: Rgb, normal: &Vec3, plain: bool) -> Rgb {
     let lit = n.dot(&lamp);
     // Half-way between Lambert and wrapped light: no hard edge between light and shadow.
     let soft = ((lit + 0.35) / 1.35).max(0.0);
-    let (ambient, light, gloss) = if plain { (0.62, 0.42, 0.05) } else { (0.46, 0.60, 0.16) };
+    let (ambient, light, gloss) = if plain { (0.66, 0.38, 0.05) } else { (0.58, 0.50, 0.14) };
     let half = (lamp + Vec3::z()).normalize();
     let shine = gloss * n.dot(&half).max(0.0).powi(40);
     let level = ambient * (0.72 + 0.28 * sky) + light * soft;

@@ -39,7 +39,7 @@ fn panel_row(index: usize, panel: &PanelRecord, report: &Report) -> String {
         ),
     );
     let degrees = panel.developability_bound.map(f64::to_degrees);
-    cell("number", &key(degrees, true), &degrees.map_or_else(|| upper(None), |d| exponent(d)));
+    cell("number", &key(degrees, true), &degrees.map_or_else(|| upper(None), exponent));
     cell("number", &key(panel.regression_clearance, true), &lower(panel.regression_clearance));
     cell("number", &key(panel.min_bend_radius, true), &lower(panel.min_bend_radius));
     let measure =

@@ -133,7 +133,7 @@ void main() {
   float sky = 0.5 + 0.5 * dot(n, up);
   float soft = max((dot(n, lamp) + 0.35) / 1.35, 0.0);
   float gloss = pow(max(dot(n, normalize(lamp + toward)), 0.0), 40.0);
-  float level = (coloured ? 0.62 : 0.46) * (0.72 + 0.28 * sky) + (coloured ? 0.42 : 0.6) * soft;
+  float level = (coloured ? 0.66 : 0.58) * (0.72 + 0.28 * sky) + (coloured ? 0.38 : 0.5) * soft;
   c = c * level + gloss * (coloured ? 0.04 : 0.12);
   pixel = vec4(min(c, 1.0) * alpha, alpha);
 }`;

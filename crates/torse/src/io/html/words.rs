@@ -73,9 +73,11 @@ pub(super) fn figures(report: &Report) -> String {
     let mut item = |name: &str, value: String, note: String| {
         let _ = write!(out, "<div><dt>{name}</dt><dd>{value}<small>{note}</small></dd></div>");
     };
+    let above = report.deviation_bound.is_none_or(|b| b > report.tolerance);
+    let distance = bound_with_unit(report.deviation_bound);
     item(
         "Largest distance",
-        bound_with_unit(report.deviation_bound),
+        if above { format!("<span class=\"no\">{distance}</span>") } else { distance },
         format!("tolerance {}", millimetres(report.tolerance)),
     );
     let faces = match report.faces.len() {
@@ -140,22 +142,24 @@ fn proven(report: &Report) -> String {
     if bad > 0 {
         items.push(format!("<b>{good} of {} panels</b> are certified one by one; see the table.", report.panels.len()));
     }
-    if let Some((angle, panel)) = most(report, |p| p.developability_bound) {
+    // Of panels that are not certified these numbers may be unknown.
+    let scope = if bad > 0 { "of the certified panels: " } else { "" };
+    if let Some((angle, panel)) = most(report, |p| p.developability_bound.filter(|_| p.certified)) {
         items.push(format!(
-            "<b>Developability:</b> along no ruling does the tangent plane turn by more than {}\u{b0} (panel {}); an \
-             exactly developable surface has 0.",
+            "<b>Developability:</b> {scope}along no ruling does the tangent plane turn by more than {}\u{b0} (panel \
+             {}); an exactly developable surface has 0.",
             exponent(angle.to_degrees()),
             escape(&panel.name),
         ));
     }
-    match least(report, |p| p.regression_clearance) {
+    match least(report, |p| p.regression_clearance.filter(|_| p.certified)) {
         Some((clearance, panel)) => items.push(format!(
-            "<b>Regularity:</b> no panel comes nearer than {}&nbsp;mm, measured along its rulings, to its curve of \
+            "<b>Regularity:</b> {scope}none comes nearer than {}&nbsp;mm, measured along its rulings, to its curve of \
              regression, where a developable surface has a sharp edge (nearest: panel {}).",
             lower(Some(clearance)),
             escape(&panel.name),
         )),
-        None if bad == 0 && !report.panels.is_empty() => {
+        None if bad == 0 && good > 0 => {
             items.push("<b>Regularity:</b> no panel has a curve of regression (planes and cylinders only).".into());
         }
         None => {}
@@ -312,6 +316,18 @@ mod tests {
         report.panels[1].min_bend_radius = Some(12.0);
         let text = warnings(&report);
         assert!(text.contains("A-02") && !text.contains("A-01"));
+    }
+
+    #[test]
+    fn nothing_is_claimed_for_panels_that_are_not_certified() {
+        let mut report = sample();
+        report.panels[1].certified = false;
+        report.panels[1].developability_bound = None;
+        report.panels[1].regression_clearance = None;
+        let text = proven(&report);
+        assert_eq!(text.matches("of the certified panels").count(), 2);
+        report.panels[0].certified = false;
+        assert!(!proven(&report).contains("Regularity"));
     }
 
     #[test]
