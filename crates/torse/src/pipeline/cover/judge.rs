@@ -64,13 +64,15 @@ impl Job<'_> {
         };
         if let Some(line) = centre.filter(|l| !l.is_empty()) {
             let options = DualOptions::new(allowed * KEEN);
-            if let Some(t) = judge(dual(&samples, line, &options)) {
+            let t0=std::time::Instant::now(); let f = dual(&samples, line, &options); if std::env::var("TT").is_ok() { eprintln!("T dual {} {:?}", samples.len(), t0.elapsed()); }
+            if let Some(t) = judge(f) {
                 return t;
             }
         }
         // Bands are wanted as wide as they can be: the fit must not rest on the first torse that is good enough.
         let options = PrimalOptions::new(if centre.is_some() { allowed * KEEN } else { allowed });
-        if let Some(t) = judge(primal(&samples, &options)) {
+        let t0=std::time::Instant::now(); let f = primal(&samples, &options); if std::env::var("TT").is_ok() { eprintln!("T primal {} {:?}", samples.len(), t0.elapsed()); }
+        if let Some(t) = judge(f) {
             return t;
         }
         Trial::failed(best.max(self.options.tolerance * 1.0001))
@@ -83,8 +85,10 @@ impl Job<'_> {
         let mut fit = first;
         for round in 0..=REFITS {
             self.proofs.fetch_add(1, Ordering::Relaxed);
+            let t0=std::time::Instant::now();
             let judged =
                 distance(&self.prepared, &fit.torse, &triangles, allowed, &DistanceOptions::default(), self.control);
+            if std::env::var("TT").is_ok() { eprintln!("T proof {} {:?}", triangles.len(), t0.elapsed()); }
             if std::env::var("TJ").is_ok() { eprintln!("   proof round {round} {} fit {:.3} tris {} -> {:?}", if matches!(fit.torse, crate::surface::torse::Torse::Dual(_)) {"D"} else {"P"}, fit.error/allowed, triangles.len(), judged.verdict); }
             match judged.verdict {
                 Verdict::Holds { .. } => {

@@ -22,6 +22,9 @@ const FRESH: f64 = 0.9;
 /// A rest of less than this share of a band is tried together with it.
 const REST: f64 = 0.15;
 
+/// Of a rest that is too wide for one band, at most this share goes into the next.
+const LARGEST_PART: f64 = 0.9;
+
 /// How bands are laid.
 struct Lay<'f> {
     field: &'f Field,
@@ -129,11 +132,16 @@ impl Job<'_> {
         let mut width = rest.width;
         let mut accepted: Option<(f64, State, Vec<u32>)> = None;
         let (mut too_wide, mut good) = (f64::INFINITY, 0.0);
+        let mut whole_failed = false;
         for _ in 0..TRIALS {
             if self.control.stopped() {
                 return None;
             }
-            let whole = lo + width * (1.0 + REST) >= hi;
+            if whole_failed && width > LARGEST_PART * (hi - lo) {
+                // Two bands of about equal width serve better than one and a sliver.
+                width = 0.5 * (hi - lo);
+            }
+            let whole = !whole_failed && lo + width * (1.0 + REST) >= hi;
             let mut trial = state.clone();
             let band_label = if whole {
                 width = hi - lo;
@@ -184,6 +192,7 @@ impl Job<'_> {
                 }
             } else {
                 too_wide = width;
+                whole_failed |= whole;
             }
             let factor = if share.is_finite() { (0.95 / share).sqrt().clamp(0.4, 2.0) } else { 0.6 };
             width *= if ok { factor.max(1.02) } else { factor.min(0.98) };

@@ -38,6 +38,10 @@ const FACET_DEPTH: usize = 14;
 const POOR: f64 = 1.5;
 /// Predicted counts up to which sweeps are tried (C0).
 const SWEEP_COUNT: f64 = 18.0;
+/// Sweeps are tried when bands need more than this multiple of the predicted count, and one panel more.
+const PROMISING: f64 = 1.25;
+/// Depth of the recursion down to which sweeps are tried.
+const SWEEP_DEPTH: usize = 2;
 /// Directions of the sweep.
 const SWEEP_DIRECTIONS: usize = 8;
 /// Two panels are tried when the best single error is below this multiple of the tolerance.
@@ -144,9 +148,10 @@ impl Job<'_> {
         let forms = state.forms(label, 240);
         let found = level(&forms, &LevelOptions::default());
         let four = 4.0 * self.options.tolerance.sqrt();
-        let predicted = found.as_ref().map_or(f64::INFINITY, |l| l.merit / four);
+        let good = found.as_ref().filter(|l| l.merit <= POOR * l.range);
+        let predicted = good.map_or(f64::INFINITY, |l| l.merit / four);
         if std::env::var("TP").is_ok() { eprintln!("depth {depth} label {label} single {:.3} level {:?} four {four}", trial.error/self.options.tolerance, found.as_ref().map(|l|(l.range/four,l.merit/four,l.sign))); }
-        if let Some(l) = found.as_ref().filter(|l| l.merit <= POOR * l.range) {
+        if let Some(l) = good {
             if let Some(next) = self.bands(&state, label, l, limit, depth) {
                 keep(next, &mut best, &mut limit);
             }
@@ -154,7 +159,9 @@ impl Job<'_> {
             keep(next, &mut best, &mut limit);
         }
         let reached = best.as_ref().map_or(predicted, |b| (Self::count(b) - before) as f64);
-        if reached <= SWEEP_COUNT && limit > 0 {
+        // Bands of a good level function come within a panel or two of theory; straight ones cannot beat that.
+        let promising = reached > PROMISING * predicted + 1.0 || predicted.is_infinite();
+        if depth <= SWEEP_DEPTH && reached <= SWEEP_COUNT && promising && limit > 0 {
             if let Some(next) = self.sweep(&state, label, limit) {
                 keep(next, &mut best, &mut limit);
             }
