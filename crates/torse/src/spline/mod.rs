@@ -1,8 +1,13 @@
 //! Floor 2: B-spline calculus. Knots, curves in any dimension, tensor-product surfaces polynomial and rational.
 
+pub mod carrier;
 pub mod curve;
 pub mod knots;
+pub mod offset;
+pub mod project;
+pub mod space_curve;
 pub mod surface;
+pub mod unroll;
 
 /// Largest polynomial degree that the kernel evaluates (workspace lives on the stack).
 pub const MAX_DEGREE: usize = 25;
