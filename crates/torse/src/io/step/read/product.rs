@@ -59,6 +59,8 @@ struct Walk<'r, 'a> {
     part: HashMap<u64, String>,
     units_of: HashMap<u64, usize>,
     visited: HashSet<u64>,
+    /// Whether a face met again is another occurrence.
+    repeats_count: bool,
     steps: usize,
     out: Census,
 }
@@ -73,6 +75,7 @@ pub(super) fn census(records: &Records) -> Census {
         part: HashMap::new(),
         units_of: HashMap::new(),
         visited: HashSet::new(),
+        repeats_count: true,
         steps: 0,
         out: Census::default(),
     };
@@ -250,8 +253,13 @@ impl<'r, 'a> Walk<'r, 'a> {
             }
             roots = self.members.keys().copied().collect();
         }
-        roots.sort_unstable();
+        // Parts and assemblies first: what else shows the same solids (materials, validation) adds nothing.
+        let described = |w: &Self, g: u64| {
+            w.children.contains_key(&g) || w.members.get(&g).is_some_and(|m| m.iter().any(|r| w.part.contains_key(r)))
+        };
+        roots.sort_unstable_by_key(|&g| (!described(self, g), g));
         for g in roots {
+            self.repeats_count = described(self, g);
             self.walk(g, &Placement::identity(), "", 0);
         }
     }
@@ -318,7 +326,9 @@ impl<'r, 'a> Walk<'r, 'a> {
         };
         match record.name() {
             "ADVANCED_FACE" | "FACE_SURFACE" | "ORIENTED_FACE" | "FACE" | "SUBFACE" => {
-                self.visited.insert(id);
+                if !self.visited.insert(id) && !self.repeats_count {
+                    return Ok(());
+                }
                 if record.name() == "ORIENTED_FACE" {
                     self.visited.insert(a.reference(2)?);
                 }
