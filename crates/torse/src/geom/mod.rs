@@ -5,6 +5,7 @@ use nalgebra as na;
 pub mod mesh;
 pub mod partition;
 pub mod triangulate;
+pub mod placement;
 
 /// A point or vector of space, in millimetres.
 pub type Vec3 = na::Vector3<f64>;

@@ -1,11 +1,16 @@
 //! Floor 2: B-spline calculus. Knots, curves in any dimension, tensor-product surfaces polynomial and rational.
 
 pub mod composite;
+pub mod carrier;
 pub mod curve;
 pub mod field;
 pub mod knots;
 pub mod pieces;
+pub mod offset;
+pub mod project;
+pub mod space_curve;
 pub mod surface;
+pub mod unroll;
 
 /// Largest polynomial degree that the kernel evaluates (workspace lives on the stack).
 pub const MAX_DEGREE: usize = 25;

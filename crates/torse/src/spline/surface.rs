@@ -2,6 +2,7 @@
 
 use super::knots::Knots;
 use super::{SplineError, MAX_DEGREE};
+use crate::geom::placement::Placement;
 use crate::geom::{BBox, Vec3};
 
 /// A surface `S(u, v) = Σ w_ij P_ij N_i(u) N_j(v) / Σ w_ij N_i(u) N_j(v)`.
@@ -160,6 +161,14 @@ impl Surface {
         j.du += j.duu * a + j.duv * b;
         j.dv += j.duv * a + j.dvv * b;
         j
+    }
+
+    /// Moves the surface.
+    pub fn place(&mut self, placement: &Placement) {
+        for c in &mut self.control {
+            let p = placement.linear * Vec3::new(c[0], c[1], c[2]) + placement.shift * c[3];
+            *c = [p.x, p.y, p.z, c[3]];
+        }
     }
 
     /// Parameter values in u (v) at which the surface is only continuous: interior knots as often as the degree.

@@ -1,5 +1,6 @@
 //! A trimmed face of the input model, ready for approximation.
 
+use crate::geom::placement::Placement;
 use crate::spline::surface::Surface;
 
 /// What the face's surface was called in the file.
@@ -77,5 +78,19 @@ impl Face {
             trim_deviation_estimate: 0.0,
             surface_deviation_estimate: 0.0,
         }
+    }
+
+    /// The face where `placement` puts it; `part` names the part there.
+    pub fn placed(&self, placement: &Placement, part: &str) -> Self {
+        let mut out = self.clone();
+        out.part = part.to_string();
+        if *placement == Placement::identity() {
+            return out;
+        }
+        out.surface.place(placement);
+        out.reversed = self.reversed != placement.reflects();
+        out.trim_deviation_estimate *= placement.scale();
+        out.surface_deviation_estimate *= placement.scale();
+        out
     }
 }

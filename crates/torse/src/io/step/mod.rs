@@ -1,0 +1,3 @@
+//! STEP files, ISO 10303-21 with the application protocols AP203, AP214 and AP242.
+
+pub mod read;

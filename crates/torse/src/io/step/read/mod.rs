@@ -1,0 +1,238 @@
+//! Reading STEP files (ISO 10303-21) of AP203, AP214 and AP242: every face, placed, named, in millimetres.
+//!
+//! Tolerant of what real files contain: a record that cannot be read costs what depends on it and nothing more, and
+//! every face that is lost is named with the reason. Knows the format; the geometry of trimming is
+//! [`crate::surface::trim`]'s.
+
+mod curves;
+mod product;
+mod records;
+mod surfaces;
+mod token;
+mod topology;
+mod units;
+
+use self::curves::Geometry;
+use self::product::{Census, Occurrence};
+use self::records::{Fault, Records};
+use crate::pipeline::outcome::Skipped;
+use crate::surface::face::Face;
+use crate::surface::trim;
+use rayon::prelude::*;
+use std::borrow::Cow;
+use std::collections::HashMap;
+
+/// The faces of a STEP file.
+#[derive(Clone, Debug)]
+pub struct Model {
+    /// Trimmed faces in millimetres, in the coordinates of the whole model; one for each occurrence in an assembly.
+    pub faces: Vec<Face>,
+    /// Faces and other items that could not be read, by entity number.
+    pub skipped: Vec<Skipped>,
+    /// Name of the file's length unit in lower case ("millimetre", "foot"); empty if the file names none.
+    pub unit: String,
+    /// Remarks on the file as a whole (damage, repeated numbers, truncation).
+    pub notes: Vec<String>,
+    /// Names of the products.
+    pub products: Vec<String>,
+}
+
+/// Knobs of the reader.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ReadOptions {
+    /// Largest distance between a trimming curve and the image of its chords; default `None`: 10⁻⁵ of the extent of
+    /// each face's boundary. mm.
+    pub chord_tolerance: Option<f64>,
+}
+
+/// Why nothing could be read at all.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum ReadError {
+    /// No bytes.
+    #[error("the file is empty")]
+    Empty,
+    /// Something else than STEP.
+    #[error("this is not a STEP file: {0}")]
+    NotStep(String),
+    /// The data section is missing or holds no record.
+    #[error("the STEP file is truncated: {0}; save it again from the CAD program")]
+    Truncated(String),
+    /// Records, but no face among them.
+    #[error("the STEP file holds no surfaces ({records} records read{}); export surfaces or solids, not wires or meshes", first_of(.reason))]
+    NoFaces {
+        /// Number of records.
+        records: usize,
+        /// The first item that could not be used, with the reason; empty if there is none.
+        reason: String,
+    },
+    /// Every face was refused.
+    #[error("none of the {count} faces could be read; the first, #{entity}: {reason}")]
+    NoUsableFaces {
+        /// Number of faces.
+        count: usize,
+        /// Entity number of the first.
+        entity: u64,
+        /// What is wrong with it.
+        reason: String,
+    },
+}
+
+fn first_of(reason: &str) -> String {
+    if reason.is_empty() {
+        String::new()
+    } else {
+        format!("; {reason}")
+    }
+}
+
+/// Reads a STEP file with default options; see [`read_with`].
+///
+/// # Errors
+/// See [`ReadError`].
+pub fn read(bytes: &[u8]) -> Result<Model, ReadError> {
+    read_with(bytes, &ReadOptions::default())
+}
+
+/// Reads a STEP file.
+///
+/// *Guarantee*: no panic and bounded recursion on any input; every face of a shell, solid, surface model or geometric
+/// set that a shape representation leads to is either in `faces` or named in `skipped`. *Not guaranteed*: faces whose
+/// file contradicts itself (loops of wrong sense, gaps above 2 % of the boundary) may be refused where another program
+/// repairs them.
+///
+/// # Errors
+/// See [`ReadError`]: only where no face at all can be used.
+pub fn read_with(bytes: &[u8], options: &ReadOptions) -> Result<Model, ReadError> {
+    if bytes.iter().all(|b| b.is_ascii_whitespace() || *b == 0) {
+        return Err(ReadError::Empty);
+    }
+    let text = decoded(bytes);
+    let Some(records) = Records::parse(&text) else { return Err(foreign(&text)) };
+    if records.len() == 0 {
+        return Err(ReadError::Truncated("its data section holds no readable record".into()));
+    }
+    let census = product::census(&records);
+    let mut notes = remarks(&records);
+    notes.extend(census.notes.iter().cloned());
+    let mut skipped: Vec<Skipped> = census.faults.iter().map(as_skipped).collect();
+    if census.occurrences.is_empty() {
+        let reason = census.faults.first().map_or(String::new(), |f| f.reason.clone());
+        return Err(ReadError::NoFaces { records: records.len(), reason });
+    }
+    let unit = main_unit(&census, &mut notes);
+    let faces = placed(&records, &census, options, &mut skipped);
+    if faces.is_empty() {
+        let (entity, reason) = skipped.last().map_or((0, String::new()), |s| (s.entity, s.reason.clone()));
+        return Err(ReadError::NoUsableFaces { count: census.occurrences.len(), entity, reason });
+    }
+    Ok(Model { faces, skipped, unit, notes, products: census.products })
+}
+
+/// UTF-8 where it is, else Latin-1, which never fails.
+fn decoded(bytes: &[u8]) -> Cow<'_, str> {
+    match std::str::from_utf8(bytes) {
+        Ok(text) => Cow::Borrowed(text),
+        Err(_) => Cow::Owned(bytes.iter().map(|&b| char::from(b)).collect()),
+    }
+}
+
+/// What a text without a data section is.
+fn foreign(text: &str) -> ReadError {
+    let start = text.trim_start_matches(|c: char| c.is_control() || c.is_whitespace() || c == '\u{feff}');
+    if text.contains("ISO-10303-21") || start.starts_with("HEADER") {
+        return ReadError::Truncated("it has no DATA section".into());
+    }
+    let guess = if start.starts_with("PK") {
+        "it is a ZIP archive (unpack it first, if it is a compressed STEP file)"
+    } else if start.starts_with("solid") {
+        "it looks like an STL mesh"
+    } else if start.starts_with("%PDF") {
+        "it is a PDF"
+    } else if start.starts_with("<?xml") || start.starts_with('<') {
+        "it is XML or HTML"
+    } else if text.lines().next().is_some_and(|l| l.len() >= 73 && l.as_bytes().get(72) == Some(&b'S')) {
+        "it looks like an IGES file"
+    } else {
+        "it does not begin with ISO-10303-21"
+    };
+    ReadError::NotStep(guess.into())
+}
+
+fn remarks(records: &Records) -> Vec<String> {
+    let mut notes = Vec::new();
+    if records.truncated {
+        notes.push("the file ends without ENDSEC: it may be truncated".to_string());
+    }
+    if records.unreadable > 0 {
+        notes.push(format!(
+            "{} stretches of text are not records and were passed over, the first in line {}",
+            records.unreadable, records.first_unreadable_line
+        ));
+    }
+    if let Some(first) = records.repeated.first() {
+        notes.push(format!(
+            "{} entity numbers are given to different records, the first #{first}; the first of each is used",
+            records.repeated.len()
+        ));
+    }
+    notes
+}
+
+/// The unit of the context that most faces use.
+fn main_unit(census: &Census, notes: &mut Vec<String>) -> String {
+    let mut counts = vec![0_usize; census.units.len()];
+    for o in &census.occurrences {
+        if let Some(c) = counts.get_mut(o.units) {
+            *c += 1;
+        }
+    }
+    let best = (0..counts.len()).max_by_key(|&i| (counts[i], usize::MAX - i));
+    let unit = best.map_or(String::new(), |i| census.units[i].name.clone());
+    if unit.is_empty() {
+        notes.push("the file states no length unit; millimetres are assumed".into());
+    }
+    let lengths: Vec<f64> = (0..counts.len()).filter(|&i| counts[i] > 0).map(|i| census.units[i].length).collect();
+    if lengths.iter().any(|l| (l - lengths[0]).abs() > 1e-12 * lengths[0]) {
+        notes.push("the parts of the file have different length units".into());
+    }
+    unit
+}
+
+fn as_skipped(f: &Fault) -> Skipped {
+    Skipped { entity: f.entity, reason: f.reason.clone() }
+}
+
+/// Builds every face once and places its occurrences.
+fn placed(records: &Records, census: &Census, options: &ReadOptions, skipped: &mut Vec<Skipped>) -> Vec<Face> {
+    let mut jobs: Vec<(u64, bool, usize)> = census.occurrences.iter().map(key).collect();
+    jobs.sort_unstable();
+    jobs.dedup();
+    let built: HashMap<(u64, bool, usize), Result<Vec<Face>, Fault>> = jobs
+        .into_par_iter()
+        .map(|job| {
+            let (id, flipped, units) = job;
+            let geometry = Geometry { records, units: &census.units[units] };
+            let faces = geometry
+                .face(id, flipped, 0)
+                .and_then(|raw| trim::faces(&raw, options.chord_tolerance).map_err(|e| Fault::new(id, e.to_string())));
+            (job, faces)
+        })
+        .collect();
+    let mut out = Vec::new();
+    let mut named = std::collections::HashSet::new();
+    for o in &census.occurrences {
+        match built.get(&key(o)) {
+            Some(Ok(faces)) => out.extend(faces.iter().map(|f| f.placed(&o.placement, &o.part))),
+            Some(Err(fault)) if named.insert(key(o)) => {
+                // The face is what the user looks for; the record at fault is named in the reason.
+                skipped.push(Skipped { entity: o.face, reason: fault.reason.clone() });
+            }
+            _ => {}
+        }
+    }
+    out
+}
+
+fn key(o: &Occurrence) -> (u64, bool, usize) {
+    (o.face, o.flipped, o.units)
+}

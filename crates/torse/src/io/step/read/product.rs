@@ -1,0 +1,457 @@
+//! Which faces a file holds and where its assemblies put them: representations, relationships, mapped items.
+
+use super::curves::Geometry;
+use super::records::{as_reference, Args, Fault, Records};
+use super::topology::is_bounded_surface;
+use super::units::{self, Units};
+use crate::geom::placement::Placement;
+use std::collections::{HashMap, HashSet};
+
+/// One use of a face.
+#[derive(Clone, Debug)]
+pub(super) struct Occurrence {
+    /// Entity number of the face.
+    pub face: u64,
+    /// Whether a shell turns it round.
+    pub flipped: bool,
+    /// Index into [`Census::units`].
+    pub units: usize,
+    /// Name of the part.
+    pub part: String,
+    /// Where it goes.
+    pub placement: Placement,
+}
+
+/// All uses of faces, and what was found wanting on the way.
+#[derive(Debug, Default)]
+pub(super) struct Census {
+    /// In the order of the representations.
+    pub occurrences: Vec<Occurrence>,
+    /// Units of the contexts met.
+    pub units: Vec<Units>,
+    /// Items that could not be followed.
+    pub faults: Vec<Fault>,
+    /// Remarks on the file as a whole.
+    pub notes: Vec<String>,
+    /// Names of the products.
+    pub products: Vec<String>,
+}
+
+/// Levels of assemblies at most; a deeper nesting is a circle.
+const DEEPEST_ASSEMBLY: u32 = 64;
+/// Uses of faces at most; a short file can ask for exponentially many.
+const MOST_OCCURRENCES: usize = 200_000;
+/// Steps along the assembly tree at most, for the same reason.
+const MOST_STEPS: usize = 1_000_000;
+
+/// A child representation and how its coordinates become those of the parent.
+struct Child {
+    representation: u64,
+    placement: Placement,
+}
+
+struct Walk<'r, 'a> {
+    records: &'r Records<'a>,
+    /// Representations that share one space.
+    group: HashMap<u64, u64>,
+    members: HashMap<u64, Vec<u64>>,
+    children: HashMap<u64, Vec<Child>>,
+    part: HashMap<u64, String>,
+    units_of: HashMap<u64, usize>,
+    visited: HashSet<u64>,
+    /// Whether a face met again is another occurrence.
+    repeats_count: bool,
+    steps: usize,
+    out: Census,
+}
+
+/// Follows every representation of a file down to its faces.
+pub(super) fn census(records: &Records) -> Census {
+    let mut w = Walk {
+        records,
+        group: HashMap::new(),
+        members: HashMap::new(),
+        children: HashMap::new(),
+        part: HashMap::new(),
+        units_of: HashMap::new(),
+        visited: HashSet::new(),
+        repeats_count: true,
+        steps: 0,
+        out: Census::default(),
+    };
+    w.name_parts();
+    w.relate();
+    w.walk_roots();
+    w.strays();
+    w.out
+}
+
+/// Whether `#id` is a representation: its last keyword says so, and it has items and a context.
+fn is_representation(name: &str) -> bool {
+    name.ends_with("REPRESENTATION")
+        && !matches!(
+            name,
+            "SHAPE_DEFINITION_REPRESENTATION"
+                | "PROPERTY_DEFINITION_REPRESENTATION"
+                | "CONTEXT_DEPENDENT_SHAPE_REPRESENTATION"
+                | "DEFINITIONAL_REPRESENTATION"
+                | "MECHANICAL_DESIGN_GEOMETRIC_PRESENTATION_REPRESENTATION"
+                | "DRAUGHTING_MODEL"
+        )
+}
+
+impl<'r, 'a> Walk<'r, 'a> {
+    /// Names of parts by representation.
+    fn name_parts(&mut self) {
+        for id in self.records.all(&["PRODUCT"]) {
+            if let Ok(a) = self.records.args(id, "PRODUCT") {
+                self.out.products.push(product_name(&a));
+            }
+        }
+        for id in self.records.all(&["SHAPE_DEFINITION_REPRESENTATION"]) {
+            let Ok(a) = self.records.simple(id) else { continue };
+            let (Ok(shape), Ok(rep)) = (a.reference(0), a.reference(1)) else { continue };
+            if let Some(name) = self.product_of_shape(shape) {
+                self.part.entry(rep).or_insert(name);
+            }
+        }
+    }
+
+    /// Product definition that a shape describes.
+    fn definition_of_shape(&self, shape: u64) -> Option<u64> {
+        self.records.args(shape, "PRODUCT_DEFINITION_SHAPE").ok()?.reference(2).ok()
+    }
+
+    fn product_of_shape(&self, shape: u64) -> Option<String> {
+        let definition = self.records.simple(self.definition_of_shape(shape)?).ok()?;
+        let formation = self.records.simple(definition.reference(2).ok()?).ok()?;
+        let product = self.records.args(formation.reference(2).ok()?, "PRODUCT").ok()?;
+        Some(product_name(&product))
+    }
+
+    fn find(&self, rep: u64) -> u64 {
+        let mut r = rep;
+        // Chains of groups are shortened by `join`; the bound is the number of representations.
+        for _ in 0..=self.group.len() {
+            match self.group.get(&r) {
+                Some(&g) if g != r => r = g,
+                _ => break,
+            }
+        }
+        r
+    }
+
+    /// Groups representations of one space and collects the edges of the assembly.
+    fn relate(&mut self) {
+        let reps: Vec<u64> =
+            self.records.order.iter().copied().filter(|&id| is_representation(self.records.name(id))).collect();
+        let relations = self.records.all(&["SHAPE_REPRESENTATION_RELATIONSHIP", "REPRESENTATION_RELATIONSHIP"]);
+        let mut placed = Vec::new();
+        for id in relations {
+            let Ok(record) = self.records.get(id) else { continue };
+            let base =
+                record.part("REPRESENTATION_RELATIONSHIP").or_else(|| record.part("SHAPE_REPRESENTATION_RELATIONSHIP"));
+            let Some(base) = base else { continue };
+            let ends: Vec<u64> = base.args.iter().filter_map(as_reference).collect();
+            let &[one, two] = ends.as_slice() else { continue };
+            match record.part("REPRESENTATION_RELATIONSHIP_WITH_TRANSFORMATION") {
+                Some(t) => match t.args.iter().find_map(as_reference) {
+                    Some(t) => placed.push((id, one, two, t)),
+                    None => self.out.faults.push(Fault::new(id, format!("#{id} names no transformation"))),
+                },
+                None => {
+                    let (a, b) = (self.find(one), self.find(two));
+                    self.group.insert(a, a);
+                    self.group.insert(b, a);
+                }
+            }
+        }
+        for r in reps {
+            let g = self.find(r);
+            self.members.entry(g).or_default().push(r);
+        }
+        for (id, one, two, transformation) in placed {
+            if let Err(fault) = self.place(id, one, two, transformation) {
+                self.out.faults.push(fault);
+            }
+        }
+    }
+
+    /// One edge of the assembly: representation `one` placed in `two`, or the other way round.
+    fn place(&mut self, id: u64, one: u64, two: u64, transformation: u64) -> Result<(), Fault> {
+        let reversed = self.parent_of(id).is_some_and(|parent| {
+            let parent = self.find(parent);
+            self.find(one) == parent && self.find(two) != parent
+        });
+        let (child, parent) = if reversed { (two, one) } else { (one, two) };
+        let r = self.records.get(transformation)?;
+        let placement = if r.part("ITEM_DEFINED_TRANSFORMATION").is_some() {
+            let a = self.records.args(transformation, "ITEM_DEFINED_TRANSFORMATION")?;
+            let (u1, u2) = (self.units_index(one), self.units_index(two));
+            let first = self.geometry(u1).placement(a.reference(2)?)?;
+            let second = self.geometry(u2).placement(a.reference(3)?)?;
+            let (from, to) = if reversed { (second, first) } else { (first, second) };
+            let back = from
+                .inverse()
+                .ok_or_else(|| Fault::new(transformation, format!("#{transformation} cannot be inverted")))?;
+            to.after(&back)
+        } else {
+            let u = self.units_index(parent);
+            self.geometry(u).placement(transformation)?
+        };
+        let group = self.find(parent);
+        self.children.entry(group).or_default().push(Child { representation: child, placement });
+        Ok(())
+    }
+
+    /// The representation of the assembly that the relationship `#id` belongs to, from the usage occurrence.
+    fn parent_of(&self, id: u64) -> Option<u64> {
+        let uses = self.records.all(&["CONTEXT_DEPENDENT_SHAPE_REPRESENTATION"]);
+        let context = uses.into_iter().find_map(|c| {
+            let a = self.records.simple(c).ok()?;
+            (a.reference(0).ok()? == id).then(|| a.reference(1).ok()).flatten()
+        })?;
+        let usage = self.records.simple(self.definition_of_shape(context)?).ok()?;
+        let parent = usage.reference(3).ok()?;
+        self.records.all(&["SHAPE_DEFINITION_REPRESENTATION"]).into_iter().find_map(|s| {
+            let a = self.records.simple(s).ok()?;
+            let definition = self.definition_of_shape(a.reference(0).ok()?)?;
+            (definition == parent).then(|| a.reference(1).ok()).flatten()
+        })
+    }
+
+    fn geometry<'s>(&'s self, units: usize) -> Geometry<'s, 'a> {
+        Geometry { records: self.records, units: &self.out.units[units] }
+    }
+
+    /// Units of a representation's context, by index.
+    fn units_index(&mut self, rep: u64) -> usize {
+        let context = self.records.simple(rep).ok().and_then(|a| a.reference(2).ok()).unwrap_or(0);
+        if let Some(&i) = self.units_of.get(&context) {
+            return i;
+        }
+        let u = units::of_context(self.records, context);
+        let i = self.out.units.len();
+        self.out.units.push(u);
+        self.units_of.insert(context, i);
+        i
+    }
+
+    /// Starts at every group that nothing contains.
+    fn walk_roots(&mut self) {
+        let mut inner: HashSet<u64> = self.children.values().flatten().map(|c| self.find(c.representation)).collect();
+        // Representations that are only mapped into others are not roots either.
+        for id in self.records.all(&["REPRESENTATION_MAP"]) {
+            if let Some(r) = self.records.simple(id).ok().and_then(|a| a.reference(1).ok()) {
+                inner.insert(self.find(r));
+            }
+        }
+        let mut roots: Vec<u64> = self.members.keys().copied().filter(|g| !inner.contains(g)).collect();
+        if roots.is_empty() {
+            if !self.members.is_empty() {
+                self.out.notes.push("the assembly has no top: every part is placed in another".into());
+            }
+            roots = self.members.keys().copied().collect();
+        }
+        // Parts and assemblies first: what else shows the same solids (materials, validation) adds nothing.
+        let described = |w: &Self, g: u64| {
+            w.children.contains_key(&g) || w.members.get(&g).is_some_and(|m| m.iter().any(|r| w.part.contains_key(r)))
+        };
+        roots.sort_unstable_by_key(|&g| (!described(self, g), g));
+        for g in roots {
+            self.repeats_count = described(self, g);
+            self.walk(g, &Placement::identity(), "", 0);
+        }
+    }
+
+    fn walk(&mut self, group: u64, placement: &Placement, part: &str, depth: u32) {
+        self.steps += 1;
+        if depth > DEEPEST_ASSEMBLY || self.steps > MOST_STEPS || self.out.occurrences.len() > MOST_OCCURRENCES {
+            if self.out.faults.last().is_none_or(|f| f.entity != group) {
+                self.out.faults.push(Fault::new(group, "the assembly contains itself or is too large"));
+            }
+            return;
+        }
+        let members = self.members.get(&group).cloned().unwrap_or_default();
+        let name = members.iter().find_map(|m| self.part.get(m)).cloned().unwrap_or_else(|| part.to_string());
+        for m in members {
+            let units = self.units_index(m);
+            let items = match self.records.simple(m).and_then(|a| a.references(1)) {
+                Ok(items) => items,
+                Err(fault) => {
+                    self.out.faults.push(fault);
+                    continue;
+                }
+            };
+            for item in items {
+                self.item(item, false, units, placement, &name, depth);
+            }
+        }
+        let children: Vec<(u64, Placement)> = self
+            .children
+            .get(&group)
+            .map_or(Vec::new(), |c| c.iter().map(|c| (c.representation, c.placement)).collect());
+        for (rep, inner) in children {
+            self.walk(self.find(rep), &placement.after(&inner), &name, depth + 1);
+        }
+    }
+
+    /// An item of a representation, a shell, or a member of one.
+    fn item(&mut self, id: u64, flipped: bool, units: usize, placement: &Placement, part: &str, depth: u32) {
+        self.steps += 1;
+        if depth > DEEPEST_ASSEMBLY || self.steps > MOST_STEPS || self.out.occurrences.len() > MOST_OCCURRENCES {
+            self.out.faults.push(Fault::new(id, format!("#{id} contains itself or too much")));
+            return;
+        }
+        if let Err(fault) = self.try_item(id, flipped, units, placement, part, depth) {
+            self.out.faults.push(fault);
+        }
+    }
+
+    fn try_item(
+        &mut self,
+        id: u64,
+        flipped: bool,
+        units: usize,
+        placement: &Placement,
+        part: &str,
+        depth: u32,
+    ) -> Result<(), Fault> {
+        let record = self.records.get(id)?;
+        let a = self.records.simple(id)?;
+        let all = |this: &mut Self, members: Vec<u64>, flip: bool| {
+            for m in members {
+                this.item(m, flip, units, placement, part, depth + 1);
+            }
+        };
+        match record.name() {
+            "ADVANCED_FACE" | "FACE_SURFACE" | "ORIENTED_FACE" | "FACE" | "SUBFACE" => {
+                if !self.visited.insert(id) && !self.repeats_count {
+                    return Ok(());
+                }
+                if record.name() == "ORIENTED_FACE" {
+                    self.visited.insert(a.reference(2)?);
+                }
+                self.out.occurrences.push(Occurrence {
+                    face: id,
+                    flipped,
+                    units,
+                    part: part.to_string(),
+                    placement: *placement,
+                });
+            }
+            "CLOSED_SHELL" | "OPEN_SHELL" | "CONNECTED_FACE_SET" | "CONNECTED_FACE_SUB_SET" => {
+                all(self, a.references(1)?, flipped);
+            }
+            "ORIENTED_CLOSED_SHELL" | "ORIENTED_OPEN_SHELL" => {
+                all(self, vec![a.reference(2)?], flipped == a.logical(3, true));
+            }
+            "SURFACED_OPEN_SHELL" => all(self, a.references(1)?, flipped),
+            "MANIFOLD_SOLID_BREP" | "FACETED_BREP" => {
+                // Complex instances hold the shell in the part of the solid.
+                let shell = match record.part("MANIFOLD_SOLID_BREP") {
+                    Some(p) => p.args.iter().find_map(as_reference),
+                    None => a.values.iter().find_map(as_reference),
+                };
+                let shell = shell.ok_or_else(|| Fault::new(id, format!("the solid #{id} names no shell")))?;
+                all(self, vec![shell], flipped);
+            }
+            "BREP_WITH_VOIDS" => {
+                let mut shells: Vec<u64> = record
+                    .parts
+                    .iter()
+                    .filter(|p| p.name == "MANIFOLD_SOLID_BREP")
+                    .flat_map(|p| p.args.iter().filter_map(as_reference))
+                    .collect();
+                shells.extend(a.values.iter().filter_map(as_reference));
+                for (k, v) in a.values.iter().enumerate() {
+                    if matches!(v, super::token::Value::List(_)) {
+                        shells.extend(a.references(k)?);
+                    }
+                }
+                all(self, shells, flipped);
+            }
+            "SHELL_BASED_SURFACE_MODEL"
+            | "FACE_BASED_SURFACE_MODEL"
+            | "GEOMETRIC_SET"
+            | "SHELL_BASED_WIREFRAME_MODEL" => {
+                all(self, a.references(1)?, flipped);
+            }
+            "MAPPED_ITEM" => self.mapped(&a, placement, part, depth)?,
+            name if is_bounded_surface(name) || record.part("B_SPLINE_SURFACE").is_some() => {
+                self.out.occurrences.push(Occurrence {
+                    face: id,
+                    flipped,
+                    units,
+                    part: part.to_string(),
+                    placement: *placement,
+                });
+            }
+            name => {
+                // Solids of other kinds hold faces that would be missed; points, curves and axes do not.
+                let solid = name.ends_with("_SOLID")
+                    || name.starts_with("SOLID_")
+                    || name.starts_with("BOOLEAN")
+                    || name.starts_with("CSG")
+                    || name.starts_with("TESSELLATED")
+                    || name.ends_with("_SURFACE")
+                    || name.starts_with("COMPLEX_TRIANGULATED")
+                    || matches!(name, "BLOCK" | "SPHERE" | "TORUS" | "RIGHT_CIRCULAR_CYLINDER" | "RIGHT_CIRCULAR_CONE");
+                if solid {
+                    return Err(Fault::new(id, format!("an item of kind {name} is not read")));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// A copy of another representation.
+    fn mapped(&mut self, a: &Args<'r, 'a>, placement: &Placement, part: &str, depth: u32) -> Result<(), Fault> {
+        let map = self.records.args(a.reference(1)?, "REPRESENTATION_MAP")?;
+        let (origin, source) = (map.reference(0)?, map.reference(1)?);
+        let inner = self.units_index(source);
+        let from = self.geometry(inner).placement(origin)?;
+        let to = self.geometry(inner).placement(a.reference(2)?)?;
+        let back = from
+            .inverse()
+            .ok_or_else(|| Fault::new(a.id, format!("the origin of the mapping #{} cannot be inverted", a.id)))?;
+        self.walk(self.find(source), &placement.after(&to.after(&back)), part, depth + 1);
+        Ok(())
+    }
+
+    /// Faces that no representation leads to: used where there is nothing else, else named.
+    fn strays(&mut self) {
+        let faces = self.records.all(&["ADVANCED_FACE", "FACE_SURFACE"]);
+        let strays: Vec<u64> = faces.into_iter().filter(|f| !self.visited.contains(f)).collect();
+        if strays.is_empty() {
+            return;
+        }
+        if self.out.occurrences.is_empty() {
+            self.out.notes.push(format!(
+                "no shape representation leads to a face (is the file complete?); its {} faces are read without assembly placements",
+                strays.len()
+            ));
+            let context = self.records.all(&["GLOBAL_UNIT_ASSIGNED_CONTEXT"]).first().copied().unwrap_or(0);
+            let units = self.out.units.len();
+            self.out.units.push(units::of_context(self.records, context));
+            for face in strays {
+                self.out.occurrences.push(Occurrence {
+                    face,
+                    flipped: false,
+                    units,
+                    part: String::new(),
+                    placement: Placement::identity(),
+                });
+            }
+        } else {
+            for face in strays {
+                self.out.faults.push(Fault::new(face, "no shape representation leads to this face"));
+            }
+        }
+    }
+}
+
+fn product_name(a: &Args) -> String {
+    let name = a.text(1);
+    if name.is_empty() { a.text(0) } else { name }.to_string()
+}

@@ -1,0 +1,260 @@
+//! Surfaces of ISO 10303-42.
+
+use super::curves::{expanded, implied_knots, kind_of_knots, too_deep, Course, Geometry, DEEPEST};
+use super::records::{as_number, as_reference, Args, Fault};
+use super::token::Value;
+use super::units::Units;
+use crate::geom::placement::Placement;
+use crate::geom::Vec3;
+use crate::spline::carrier::{Carrier, SplineCarrier};
+use crate::spline::knots::Knots;
+use crate::spline::offset;
+use crate::spline::space_curve::{Arc, SpaceCurve};
+use crate::spline::surface::Surface;
+use crate::surface::face::SurfaceKind;
+
+/// A surface with what its definition says beyond the carrier.
+#[derive(Clone, Debug)]
+pub(super) struct Patch {
+    /// The unbounded surface.
+    pub carrier: Carrier,
+    /// Kind for people.
+    pub kind: SurfaceKind,
+    /// Whether its normal is that of the carrier.
+    pub same_sense: bool,
+    /// Rectangle of natural parameters, if the definition bounds it.
+    pub rectangle: Option<[(f64, f64); 2]>,
+    /// Distance from the file's surface where the carrier is an approximation, mm.
+    pub deviation: f64,
+}
+
+impl Patch {
+    fn exact(carrier: Carrier, kind: SurfaceKind) -> Self {
+        Self { carrier, kind, same_sense: true, rectangle: None, deviation: 0.0 }
+    }
+
+    /// Factors from the parameters that files state to natural ones.
+    pub fn parameter_units(&self, units: &Units) -> [f64; 2] {
+        match &self.carrier {
+            Carrier::Plane(_) => [units.length; 2],
+            // The parameter v of a cone is measured along its axis in ISO 10303-42, as here.
+            Carrier::Cylinder { .. } | Carrier::Cone { .. } => [units.angle, units.length],
+            Carrier::Sphere { .. } | Carrier::Torus { .. } => [units.angle; 2],
+            Carrier::Extrusion { directrix, .. } => [curve_unit(directrix, units), 1.0],
+            Carrier::Revolution { directrix, .. } => [units.angle, curve_unit(directrix, units)],
+            Carrier::Spline(_) => [1.0; 2],
+        }
+    }
+}
+
+fn curve_unit(c: &SpaceCurve, units: &Units) -> f64 {
+    if matches!(c, SpaceCurve::Ellipse { .. }) {
+        units.angle
+    } else {
+        1.0
+    }
+}
+
+impl<'r, 'a> Geometry<'r, 'a> {
+    /// The surface `#id`.
+    pub fn surface(&self, id: u64, depth: u32) -> Result<Patch, Fault> {
+        if depth > DEEPEST {
+            return Err(too_deep(id));
+        }
+        let r = self.records.get(id)?;
+        let a = self.records.simple(id)?;
+        let length = self.units.length;
+        let positive = |k: usize, what: &str| -> Result<f64, Fault> {
+            let x = a.number(k)?;
+            if x > 0.0 {
+                Ok(x * length)
+            } else {
+                Err(Fault::new(id, format!("surface #{id} has the {what} {x}; it must be positive")))
+            }
+        };
+        match r.name() {
+            "PLANE" => Ok(Patch::exact(Carrier::Plane(self.frame(a.reference(1)?)?), SurfaceKind::Plane)),
+            "CYLINDRICAL_SURFACE" => {
+                let carrier = Carrier::Cylinder { frame: self.frame(a.reference(1)?)?, radius: positive(2, "radius")? };
+                Ok(Patch::exact(carrier, SurfaceKind::Cylinder))
+            }
+            "CONICAL_SURFACE" => {
+                let radius = a.number(2)? * length;
+                let angle = a.number(3)? * self.units.angle;
+                if radius < 0.0 || !(angle.abs() > 0.0 && angle.abs() < std::f64::consts::FRAC_PI_2) {
+                    return Err(Fault::new(
+                        id,
+                        format!("cone #{id} has the half angle {angle} rad and radius {radius} mm"),
+                    ));
+                }
+                let carrier = Carrier::Cone { frame: self.frame(a.reference(1)?)?, radius, slope: angle.tan() };
+                Ok(Patch::exact(carrier, SurfaceKind::Cone))
+            }
+            "SPHERICAL_SURFACE" => {
+                let carrier = Carrier::Sphere { frame: self.frame(a.reference(1)?)?, radius: positive(2, "radius")? };
+                Ok(Patch::exact(carrier, SurfaceKind::Sphere))
+            }
+            "TOROIDAL_SURFACE" | "DEGENERATE_TOROIDAL_SURFACE" => {
+                let frame = self.frame(a.reference(1)?)?;
+                let (major, minor) = (positive(2, "major radius")?, positive(3, "minor radius")?);
+                if r.name().starts_with("DEGENERATE") && major < minor && !a.logical(4, true) {
+                    return Err(Fault::new(id, format!("the inner part of the self-crossing torus #{id} is not read")));
+                }
+                Ok(Patch::exact(Carrier::Torus { frame, major, minor }, SurfaceKind::Torus))
+            }
+            "SURFACE_OF_LINEAR_EXTRUSION" => {
+                let (directrix, along) = self.directrix(a.reference(1)?, depth)?;
+                let direction = self.vector(a.reference(2)?)?;
+                let mut p = Patch::exact(Carrier::Extrusion { directrix, direction }, SurfaceKind::Extrusion);
+                p.same_sense = along;
+                Ok(p)
+            }
+            "SURFACE_OF_REVOLUTION" => {
+                let (directrix, along) = self.directrix(a.reference(1)?, depth)?;
+                let frame = self.frame(a.reference(2)?)?;
+                let mut p = Patch::exact(Carrier::Revolution { directrix, frame }, SurfaceKind::Revolution);
+                p.same_sense = along;
+                Ok(p)
+            }
+            "OFFSET_SURFACE" => {
+                let base = self.surface(a.reference(1)?, depth + 1)?;
+                let distance = a.number(2)? * length * if base.same_sense { 1.0 } else { -1.0 };
+                let (carrier, deviation) = offset::of_carrier(&base.carrier, distance)
+                    .map_err(|e| Fault::new(id, format!("offset surface #{id}: {e}")))?;
+                Ok(Patch { carrier, kind: SurfaceKind::Offset, deviation: base.deviation + deviation, ..base })
+            }
+            "RECTANGULAR_TRIMMED_SURFACE" => {
+                let mut base = self.surface(a.reference(1)?, depth + 1)?;
+                let unit = base.parameter_units(self.units);
+                let senses = [a.logical(6, true), a.logical(7, true)];
+                let periods = base.carrier.periods();
+                let mut rectangle = [(0.0, 0.0); 2];
+                for k in 0..2 {
+                    let (mut t1, mut t2) = (a.number(2 + 2 * k)? * unit[k], a.number(3 + 2 * k)? * unit[k]);
+                    if !senses[k] {
+                        std::mem::swap(&mut t1, &mut t2);
+                    }
+                    match periods[k] {
+                        Some(p) => {
+                            let way = (t2 - t1).rem_euclid(p);
+                            t2 = t1 + if way <= 1e-9 * p { p } else { way };
+                        }
+                        None if t2 < t1 => std::mem::swap(&mut t1, &mut t2),
+                        None => {}
+                    }
+                    rectangle[k] = (t1, t2);
+                }
+                base.same_sense = base.same_sense == (senses[0] == senses[1]);
+                base.rectangle = Some(rectangle);
+                Ok(base)
+            }
+            "CURVE_BOUNDED_SURFACE" => self.surface(a.reference(1)?, depth + 1),
+            "ORIENTED_SURFACE" => Err(Fault::new(id, format!("the oriented surface #{id} is not read"))),
+            "SURFACE_REPLICA" => {
+                let mut base = self.surface(a.reference(1)?, depth + 1)?;
+                let placement = self.placement(a.reference(2)?)?;
+                base.carrier = moved(&base.carrier, &placement)
+                    .ok_or_else(|| Fault::new(id, format!("the replica #{id} of an analytic surface is not read")))?;
+                Ok(base)
+            }
+            _ if r.parts.iter().any(|p| {
+                p.name.contains("B_SPLINE_SURFACE") || p.name == "BEZIER_SURFACE" || p.name.ends_with("UNIFORM_SURFACE")
+            }) =>
+            {
+                let s = self.spline_surface(id)?;
+                Ok(Patch::exact(Carrier::Spline(SplineCarrier::new(s)), SurfaceKind::Spline))
+            }
+            other => Err(Fault::new(id, format!("a surface of kind {other} is not read"))),
+        }
+    }
+
+    /// The curve that a swept surface is made from; `false` if it is run backwards.
+    fn directrix(&self, id: u64, depth: u32) -> Result<(SpaceCurve, bool), Fault> {
+        match self.course(id, depth + 1)? {
+            Course::Basis(c, along) => Ok((c, along)),
+            Course::Path(mut p) if p.len() == 1 => {
+                let Arc { curve, from, to } = p.remove(0);
+                Ok((curve, to >= from))
+            }
+            Course::Path(_) => {
+                Err(Fault::new(id, format!("the composite curve #{id} as profile of a surface is not read")))
+            }
+        }
+    }
+
+    fn spline_surface(&self, id: u64) -> Result<Surface, Fault> {
+        let r = self.records.get(id)?;
+        let named = |v: &[Value]| usize::from(matches!(v.first(), Some(Value::Text(_))));
+        let (body, first) = match r.part("B_SPLINE_SURFACE") {
+            Some(p) => (Args { id, values: &p.args }, named(&p.args)),
+            None => (self.records.simple(id)?, 1),
+        };
+        let degree = [body.count(first)?, body.count(first + 1)?];
+        let rows = body.list(first + 2)?;
+        let nu = rows.len();
+        let mut points: Vec<Vec3> = Vec::new();
+        let mut nv = 0;
+        for (i, row) in rows.iter().enumerate() {
+            let Value::List(row) = row else {
+                return Err(Fault::new(id, format!("row {} of the control points of #{id} is not a list", i + 1)));
+            };
+            if i == 0 {
+                nv = row.len();
+            } else if row.len() != nv {
+                return Err(Fault::new(id, format!("the rows of control points of #{id} differ in length")));
+            }
+            for p in row {
+                let p = as_reference(p)
+                    .ok_or_else(|| Fault::new(id, format!("#{id} has a control point that is no reference")))?;
+                points.push(self.point(p)?);
+            }
+        }
+        let knots = match r.part("B_SPLINE_SURFACE_WITH_KNOTS") {
+            Some(p) => {
+                let a = Args { id, values: &p.args };
+                let k = if named(&p.args) == 1 { 8 } else { 0 };
+                [
+                    expanded(id, &a.numbers(k)?, &a.numbers(k + 2)?)?,
+                    expanded(id, &a.numbers(k + 1)?, &a.numbers(k + 3)?)?,
+                ]
+            }
+            None => {
+                let kind = kind_of_knots(r.parts.iter().map(|p| p.name));
+                [implied_knots(id, kind, degree[0], nu)?, implied_knots(id, kind, degree[1], nv)?]
+            }
+        };
+        let weights = match r.part("RATIONAL_B_SPLINE_SURFACE") {
+            Some(p) => {
+                let a = Args { id, values: &p.args };
+                let rows = a.list(p.args.len().saturating_sub(1))?;
+                let mut w = Vec::with_capacity(points.len());
+                for row in rows {
+                    let Value::List(row) = row else {
+                        return Err(Fault::new(id, format!("the weights of #{id} are not a table")));
+                    };
+                    for x in row {
+                        let x = as_number(x).filter(|x| *x > 0.0 && x.is_finite());
+                        w.push(x.ok_or_else(|| {
+                            Fault::new(id, format!("weight {} of surface #{id} is not a positive number", w.len() + 1))
+                        })?);
+                    }
+                }
+                Some(w)
+            }
+            None => None,
+        };
+        let [u, v] = knots;
+        let wrong = |e: crate::spline::SplineError| Fault::new(id, format!("B-spline surface #{id}: {e}"));
+        let knots_u = Knots::new(degree[0], u, nu).map_err(wrong)?;
+        let knots_v = Knots::new(degree[1], v, nv).map_err(wrong)?;
+        Surface::new(knots_u, knots_v, &points, weights.as_deref()).map_err(wrong)
+    }
+}
+
+/// A spline carrier moved by a placement.
+fn moved(c: &Carrier, placement: &Placement) -> Option<Carrier> {
+    let Carrier::Spline(s) = c else { return None };
+    let mut surface = s.surface.clone();
+    surface.place(placement);
+    Some(Carrier::Spline(SplineCarrier::new(surface)))
+}

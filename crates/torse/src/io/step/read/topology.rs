@@ -1,0 +1,225 @@
+//! Faces, loops and edges of ISO 10303-42, and surfaces that are bounded without topology.
+
+use super::curves::{Course, Geometry, DEEPEST};
+use super::records::Fault;
+use super::surfaces::Patch;
+use crate::geom::Vec3;
+use crate::spline::space_curve::{Arc, SpaceCurve};
+use crate::surface::trim::{edge, RawEdge, RawFace, RawLoop, Region};
+
+impl<'r, 'a> Geometry<'r, 'a> {
+    /// The face `#id`: a face of topology or a bounded surface. `flipped` turns its normal round.
+    pub fn face(&self, id: u64, flipped: bool, depth: u32) -> Result<RawFace, Fault> {
+        if depth > DEEPEST {
+            return Err(super::curves::too_deep(id));
+        }
+        let r = self.records.get(id)?;
+        let a = self.records.simple(id)?;
+        match r.name() {
+            "ADVANCED_FACE" | "FACE_SURFACE" => {
+                let patch = self.surface(a.reference(2)?, 0)?;
+                let mut loops = Vec::new();
+                for b in a.references(1)? {
+                    loops.push(self.bound(b)?);
+                }
+                // On a face of opposite sense the file's loops run about the face's normal, as ours do.
+                let same = a.logical(3, true) == patch.same_sense;
+                let region = match patch.rectangle {
+                    Some(rectangle) if loops.is_empty() => Region::Rectangle(rectangle),
+                    _ if loops.is_empty() => Region::Whole,
+                    _ => Region::Loops(loops),
+                };
+                let mut face = raw(id, a.text(0), patch, region);
+                face.same_sense = same;
+                if flipped {
+                    turn(&mut face);
+                }
+                Ok(face)
+            }
+            "ORIENTED_FACE" => {
+                let flip = !a.logical(3, true);
+                self.face(a.reference(2)?, flipped != flip, depth + 1)
+            }
+            "FACE" | "SUBFACE" => Err(Fault::new(id, format!("face #{id} has no surface"))),
+            "CURVE_BOUNDED_SURFACE" => {
+                let patch = self.surface(a.reference(1)?, 0)?;
+                let mut loops = Vec::new();
+                for b in a.references(2)? {
+                    let Course::Path(path) = self.course(b, 0)? else {
+                        return Err(Fault::new(b, format!("the boundary #{b} is not a composite curve")));
+                    };
+                    loops.push(chained(b, path));
+                }
+                let region = match patch.rectangle {
+                    _ if !loops.is_empty() => Region::Loops(loops),
+                    Some(r) => Region::Rectangle(r),
+                    None => Region::Whole,
+                };
+                Ok(raw(id, a.text(0), patch, region))
+            }
+            _ => {
+                let patch = self.surface(id, 0)?;
+                let region = patch.rectangle.map_or(Region::Whole, Region::Rectangle);
+                let mut face = raw(id, name_of(&a), patch, region);
+                if flipped {
+                    turn(&mut face);
+                }
+                Ok(face)
+            }
+        }
+    }
+
+    /// A bound of a face, run in the sense that the bound asks for.
+    fn bound(&self, id: u64) -> Result<RawLoop, Fault> {
+        let a = self.records.simple(id)?;
+        let name = self.records.name(id);
+        if name != "FACE_BOUND" && name != "FACE_OUTER_BOUND" {
+            return Err(Fault::new(id, format!("#{id} is a {name}, not a bound of a face")));
+        }
+        let l = self.edge_loop(a.reference(1)?)?;
+        Ok(if a.logical(2, true) { l } else { reversed(&l) })
+    }
+
+    fn edge_loop(&self, id: u64) -> Result<RawLoop, Fault> {
+        let a = self.records.simple(id)?;
+        match self.records.get(id)?.name() {
+            "EDGE_LOOP" => {
+                let mut edges = Vec::new();
+                for e in a.references(1)? {
+                    edges.push(self.oriented_edge(e, 0)?);
+                }
+                Ok(RawLoop { edges })
+            }
+            // A vertex bounds nothing: the surface ends there by itself.
+            "VERTEX_LOOP" => Ok(RawLoop::default()),
+            "POLY_LOOP" => {
+                let points = a.references(1)?.into_iter().map(|p| self.point(p)).collect::<Result<Vec<_>, _>>()?;
+                let n = points.len();
+                let edges = (0..n)
+                    .map(|i| (points[i], points[(i + 1) % n]))
+                    .filter(|(p, q)| (q - p).norm() > 0.0)
+                    .enumerate()
+                    .map(|(i, (p, q))| RawEdge {
+                        // Sides have no numbers of their own; any that tell them apart serve.
+                        entity: id.wrapping_mul(1 << 20).wrapping_add(i as u64),
+                        forward: true,
+                        path: vec![Arc { curve: SpaceCurve::Line { origin: p, direction: q - p }, from: 0.0, to: 1.0 }],
+                    })
+                    .collect();
+                Ok(RawLoop { edges })
+            }
+            other => Err(Fault::new(id, format!("a loop of kind {other} is not read"))),
+        }
+    }
+
+    fn oriented_edge(&self, id: u64, depth: u32) -> Result<RawEdge, Fault> {
+        if depth > DEEPEST {
+            return Err(super::curves::too_deep(id));
+        }
+        match self.records.get(id)?.name() {
+            "ORIENTED_EDGE" => {
+                let a = self.records.simple(id)?;
+                let e = self.oriented_edge(a.reference(3)?, depth + 1)?;
+                Ok(if a.logical(4, true) { e } else { turned(&e) })
+            }
+            "EDGE_CURVE" => self.edge_curve(id),
+            other => Err(Fault::new(id, format!("an edge of kind {other} is not read"))),
+        }
+    }
+
+    fn edge_curve(&self, id: u64) -> Result<RawEdge, Fault> {
+        let a = self.records.args(id, "EDGE_CURVE")?;
+        let (start, end) = (a.reference(1)?, a.reference(2)?);
+        let (p, q) = (self.vertex(start)?, self.vertex(end)?);
+        let same = a.logical(4, true);
+        let path = match self.course(a.reference(3)?, 0)? {
+            Course::Basis(c, along) => vec![edge::between(&c, &p, &q, start == end, same == along)],
+            // A trimmed curve is its basis, cut anew by the vertices.
+            Course::Path(path) if path.len() == 1 => {
+                let arc = &path[0];
+                vec![edge::between(&arc.curve, &p, &q, start == end, same == (arc.to >= arc.from))]
+            }
+            Course::Path(path) => {
+                let path = if same { path } else { path.iter().rev().map(Arc::reversed).collect() };
+                if start == end {
+                    path
+                } else {
+                    edge::oriented(path, &p, &q)
+                }
+            }
+        };
+        Ok(RawEdge { entity: id, forward: true, path })
+    }
+
+    fn vertex(&self, id: u64) -> Result<Vec3, Fault> {
+        let a = self.records.args(id, "VERTEX_POINT")?;
+        let p = a.reference(1)?;
+        match self.records.name(p) {
+            "CARTESIAN_POINT" => self.point(p),
+            "POINT_ON_CURVE" => {
+                let b = self.records.simple(p)?;
+                match self.course(b.reference(1)?, 0)? {
+                    Course::Basis(c, _) => Ok(c.point(b.number(2)?)),
+                    Course::Path(_) => Err(Fault::new(p, format!("point #{p} on a bounded curve is not read"))),
+                }
+            }
+            other => Err(Fault::new(p, format!("a point of kind {other} is not read"))),
+        }
+    }
+}
+
+fn raw(id: u64, name: &str, patch: Patch, region: Region) -> RawFace {
+    RawFace {
+        entity: id,
+        name: name.to_string(),
+        part: String::new(),
+        kind: patch.kind,
+        carrier: patch.carrier,
+        same_sense: patch.same_sense,
+        region,
+        surface_deviation_estimate: patch.deviation,
+    }
+}
+
+fn name_of<'r>(a: &super::records::Args<'r, '_>) -> &'r str {
+    a.text(0)
+}
+
+/// Turns a face's normal round; its loops follow.
+fn turn(face: &mut RawFace) {
+    face.same_sense = !face.same_sense;
+    if let Region::Loops(loops) = &mut face.region {
+        for l in loops {
+            *l = reversed(l);
+        }
+    }
+}
+
+fn turned(e: &RawEdge) -> RawEdge {
+    RawEdge { entity: e.entity, forward: !e.forward, path: e.path.iter().rev().map(Arc::reversed).collect() }
+}
+
+fn reversed(l: &RawLoop) -> RawLoop {
+    RawLoop { edges: l.edges.iter().rev().map(turned).collect() }
+}
+
+/// A composite boundary curve as a loop: one edge per segment.
+fn chained(id: u64, path: Vec<Arc>) -> RawLoop {
+    let edges = path
+        .into_iter()
+        .enumerate()
+        .map(|(i, arc)| RawEdge {
+            entity: id.wrapping_mul(1 << 20).wrapping_add(i as u64),
+            forward: true,
+            path: vec![arc],
+        })
+        .collect();
+    RawLoop { edges }
+}
+
+/// Whether a record of this kind is a surface with bounds of its own.
+pub(super) fn is_bounded_surface(name: &str) -> bool {
+    matches!(name, "RECTANGULAR_TRIMMED_SURFACE" | "CURVE_BOUNDED_SURFACE" | "BEZIER_SURFACE")
+        || name.contains("B_SPLINE_SURFACE")
+        || name.ends_with("UNIFORM_SURFACE")
+}
