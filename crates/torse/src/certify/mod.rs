@@ -1,10 +1,14 @@
 //! Floor 5: the independent judge. Imports nothing from `fit`; only this module can make a [`Certificate`].
 
+mod boundary;
 mod cell;
+mod developable;
 pub mod distance;
 mod family;
 pub mod prepared;
 mod quadratic;
+mod rounding;
+mod ruled;
 #[cfg(test)]
 mod specimens;
 mod vector;
