@@ -18,7 +18,7 @@
 //! interval evaluations, so the excess is quadratic in the length of the piece; pieces are halved until it is small.
 
 use super::cell::Local;
-use super::distance::key;
+use super::distance::{key, Feet};
 use super::family::{Family, Plane};
 use super::prepared::{BoxNet, Patch, Prepared};
 use super::ruled::RuledJets;
@@ -28,7 +28,6 @@ use crate::num::bernstein::{derivative, from_spline_over, hull};
 use crate::num::interval::Interval;
 use crate::spline::curve::Curve;
 use crate::surface::panel::Run;
-use std::collections::HashMap;
 
 /// Pieces are halved until the enclosure exceeds its end values by less than this share of the tolerance.
 const EXCESS: f64 = 2e-3;
@@ -63,28 +62,23 @@ struct Piece {
 }
 
 impl Boundary<'_> {
-    /// Bound (mm) of the length of the paths over a run. `vertices` are the corner points of the face's partition;
-    /// `feet` holds the foot intervals proven at corners.
-    pub fn run_bound(
-        &self,
-        run: &Run,
-        vertices: &[[f64; 2]],
-        feet: &HashMap<(u64, u64), (f64, f64)>,
-    ) -> Result<f64, Obstacle> {
+    /// Bounds the length of the paths over a run. `vertices` are the corner points of the face's partition.
+    pub fn run_bound(&self, run: &Run, vertices: &[[f64; 2]]) -> Result<RunBound, Obstacle> {
         let place = |i: usize| run.vertices.get(i).and_then(|&v| vertices.get(v as usize)).copied();
-        let start = place(0).unwrap_or([f64::NAN; 2]);
+        let first = place(0).unwrap_or([f64::NAN; 2]);
         let refuse = |uv: [f64; 2], reason: &'static str| Err(Obstacle { uv, reason });
         if !well_formed(run) {
             return refuse(
-                start,
+                first,
                 "a trimming curve is not a clamped cubic over [0, 1] with increasing vertex parameters",
             );
         }
         let knots = run.trim.knots.breaks();
         let mut bound = 0.0f64;
+        let mut start = None;
         for k in 0..run.vertices.len() - 1 {
             let (Some(a), Some(b)) = (place(k), place(k + 1)) else {
-                return refuse(start, "a run names a vertex that does not exist");
+                return refuse(first, "a run names a vertex that does not exist");
             };
             let Some(patch) = self.prepared.patch_of(&[a, b, b]) else {
                 return refuse(a, "a side of the region crosses a knot line of the surface");
@@ -118,17 +112,13 @@ impl Boundary<'_> {
                 let Some(found) = found else {
                     return refuse(ga, "a trimming curve strays from the region's boundary");
                 };
-                // The same foot as inside the region: once per run is enough, by continuity.
                 if k == 0 && piece.f.0 <= 0.0 {
-                    let same = feet.get(&key(&a)).is_some_and(|&(lo, hi)| lo <= found.roots.hi && found.roots.lo <= hi);
-                    if !same {
-                        return refuse(a, "a trimming curve belongs to another foot than the region");
-                    }
+                    start = Some((a, found.roots));
                 }
                 bound = bound.max(found.bound);
             }
         }
-        Ok(bound)
+        start.map(|start| RunBound { bound, start }).ok_or(Obstacle { uv: first, reason: "a trimming curve is empty" })
     }
 
     fn piece_bound(&self, patch: &Patch, ga: [f64; 2], gb: [f64; 2], trim: &Curve<2>, s: (f64, f64)) -> Option<Found> {
@@ -215,6 +205,23 @@ impl Boundary<'_> {
         };
         let bound = path(q, p);
         bound.is_finite().then(|| Found { bound, at_ends: path(q_ends, p_ends), roots })
+    }
+}
+
+/// What was shown about a run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct RunBound {
+    /// Bound of the paths' length, mm.
+    pub bound: f64,
+    /// First vertex, and an interval with exactly one foot of it, from which the paths start.
+    pub start: ([f64; 2], Interval),
+}
+
+impl RunBound {
+    /// Whether the paths start at the feet proven inside the region: at one vertex is enough, by continuity.
+    pub fn agrees_with(&self, feet: &Feet) -> bool {
+        let (vertex, roots) = &self.start;
+        feet.get(&key(vertex)).is_some_and(|&(lo, hi)| lo <= roots.hi && roots.lo <= hi)
     }
 }
 

@@ -124,3 +124,46 @@ fn on_part(patch: &Ruled, a: f64, b: f64) -> Developability {
     let regular = angle <= ANGLE_LIMIT && c0 > COSINE * l0 && c1 > COSINE * l1;
     Developability { angle, regular }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::specimens::*;
+    use super::*;
+
+    #[test]
+    fn exact_patches_are_developable_and_tampered_ones_are_not() {
+        for patch in [primal_patch(), dual_patch()] {
+            let good = developability(&Ruled::new(&patch).expect("ruled"));
+            assert!(good.regular && good.angle < ANGLE_LIMIT, "{good:?}");
+            let mut bad = patch;
+            bad.control[8][2] += 1e-5;
+            let bad = developability(&Ruled::new(&bad).expect("ruled"));
+            assert!(bad.angle > ANGLE_LIMIT, "{bad:?}");
+        }
+    }
+
+    #[test]
+    fn angles_are_bounded_on_a_doubly_ruled_surface() {
+        // z = x y with rulings y = const: tangent planes turn by atan 1 from x = 0 to x = 1 on every ruling near y = 0.
+        let saddle = ruled_patch(1, &[0.0, 1.0], &|t, e| [e as f64, t, t * e as f64, 1.0]);
+        let d = developability(&Ruled::new(&saddle).expect("ruled"));
+        assert!(d.angle >= std::f64::consts::FRAC_PI_4 && !d.regular, "{d:?}");
+    }
+
+    #[test]
+    fn the_regression_curve_between_the_ends_is_noticed() {
+        // Tangents of a twisted cubic on both sides of their points of contact.
+        let tangents = ruled_patch(4, &[0.2, 1.0], &|t, e| {
+            let s = [-0.5, 0.5][e];
+            [t + s, t * t + 2.0 * s * t, t * t * t + 3.0 * s * t * t, 1.0]
+        });
+        let d = developability(&Ruled::new(&tangents).expect("ruled"));
+        assert!(!d.regular, "{d:?}");
+        let one_side = ruled_patch(4, &[0.2, 1.0], &|t, e| {
+            let s = [0.3, 0.8][e];
+            [t + s, t * t + 2.0 * s * t, t * t * t + 3.0 * s * t * t, 1.0]
+        });
+        let d = developability(&Ruled::new(&one_side).expect("ruled"));
+        assert!(d.regular && d.angle < ANGLE_LIMIT, "{d:?}");
+    }
+}

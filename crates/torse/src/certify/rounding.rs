@@ -79,3 +79,46 @@ fn residual(forms: &Forms, x: &[Vec<Interval>; 4], normal: bool) -> f64 {
     }
     hull(&sum).mag()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::specimens::*;
+    use super::*;
+    use crate::spline::surface::Surface;
+    use crate::surface::torse::Torse;
+
+    fn eta(torse: &Torse, patch: &Surface) -> Option<f64> {
+        rounding_bound(&Family::new(torse).expect("family"), &Ruled::new(patch).expect("ruled"))
+    }
+
+    #[test]
+    fn exact_patches_differ_by_rounding_only() {
+        for (torse, patch, size) in
+            [(Torse::Primal(primal()), primal_patch(), 45.0), (Torse::Dual(dual()), dual_patch(), 5.0)]
+        {
+            let bound = eta(&torse, &patch).expect("a bound");
+            assert!(bound < 2e-12 * size, "{bound:e}");
+            // Points between the ends of a ruling are as near as stated.
+            let ((t0, t1), _) = patch.domain();
+            for i in 0..=50 {
+                let t = t0 + (t1 - t0) * i as f64 / 50.0;
+                let r = torse.ruling(t);
+                for v in [0.0, 0.3, 1.0] {
+                    let off = (patch.point(t, v) - r.point).cross(&r.direction).norm();
+                    assert!(off <= bound + 1e-13 * size, "{t} {v}: {off:e} {bound:e}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_control_point_moved_is_seen() {
+        let torse = Torse::Primal(primal());
+        for by in [1e-9, 1e-6] {
+            let mut patch = primal_patch();
+            patch.control[8][2] += by;
+            let bound = eta(&torse, &patch).expect("a bound");
+            assert!(bound > 0.2 * by && bound < 1.5 * by, "{bound:e} for {by:e}");
+        }
+    }
+}

@@ -69,6 +69,8 @@ impl<'a> Ruled<'a> {
 
 /// The boundary curves in powers of `x = (t − a)/(b − a) − ½` on every span: quick values and derivatives over intervals.
 pub(super) struct RuledJets {
+    /// Positions are relative to it.
+    pub origin: [f64; 3],
     breaks: Vec<f64>,
     spans: Vec<RuledSpan>,
 }
@@ -103,7 +105,7 @@ impl RuledJets {
                 rational: patch.rational,
             })
             .collect();
-        Self { breaks, spans }
+        Self { origin: *origin, breaks, spans }
     }
 
     /// Parameter interval in t.
