@@ -99,6 +99,9 @@ impl Boundary<'_> {
                 let (ga, gb) =
                     (if piece.f.0 > 0.0 { at(piece.f.0) } else { a }, if piece.f.1 < 1.0 { at(piece.f.1) } else { b });
                 let found = self.piece_bound(patch, ga, gb, &run.trim, piece.s);
+                if found.as_ref().is_some_and(|f| f.at_ends > self.tolerance) {
+                    return refuse(ga, "a trimming curve is farther than the tolerance from the region's boundary");
+                }
                 let good = found.as_ref().is_some_and(|f| f.bound <= f.at_ends + EXCESS * self.tolerance);
                 if !good && piece.depth < DEPTH {
                     let (f, s) = (0.5 * (piece.f.0 + piece.f.1), 0.5 * (piece.s.0 + piece.s.1));

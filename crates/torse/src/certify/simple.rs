@@ -17,8 +17,8 @@ const MARGIN: f64 = 1e-12;
 /// Rounds of halving at most.
 const ROUNDS: usize = 36;
 
-/// Pieces at most.
-const PIECES: usize = 200_000;
+/// Pieces at most, beyond ten times the number given: loops that need more come too close to themselves.
+const PIECES: usize = 4_000;
 
 /// A cubic piece in coordinates scaled to the unit square.
 #[derive(Clone, Copy, Debug)]
@@ -34,12 +34,13 @@ struct Piece {
 /// In plain words, what could not be shown.
 pub(super) fn loops_are_simple(loops: &[Vec<&Curve<2>>]) -> Result<(), &'static str> {
     let mut rings = gather(loops)?;
+    let most = PIECES + 10 * rings.len();
     for _ in 0..ROUNDS {
         let marks = conflicts(&rings);
         if marks.iter().all(|m| !m) {
             return nested(&rings, loops.len());
         }
-        if marks.len() > PIECES {
+        if marks.len() > most {
             break;
         }
         let mut next = Vec::with_capacity(2 * rings.len());
