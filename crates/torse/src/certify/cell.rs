@@ -70,25 +70,25 @@ const FOOT_MARGIN: f64 = 1.15;
 const SEARCH_PLACES: usize = 48;
 
 /// Hulls over the box of a linear form `ω` of `X − z` and the surface's derivatives.
-struct Forms {
-    x: Interval,
-    s1: Interval,
-    s2: Interval,
+pub(super) struct Forms {
+    pub x: Interval,
+    pub s1: Interval,
+    pub s2: Interval,
     s11: Interval,
     s12: Interval,
     s22: Interval,
 }
 
 /// The surface over the box, about the reference point `z` near the image of the centroid.
-struct Local<'a> {
+pub(super) struct Local<'a> {
     net: &'a Net,
-    z: V3<f64>,
+    pub z: V3<f64>,
     /// Bound of |X(c) − z| per component.
-    centre_error: f64,
+    pub centre_error: f64,
     /// First derivatives at the centroid.
     d: [V3<Interval>; 2],
     /// Bounds of |X − z|, |S_1|, |S_2|, |S_11|, |S_12|, |S_22| over the box.
-    norms: [f64; 6],
+    pub norms: [f64; 6],
     /// Bound of |b − z| per component over the coefficients (of homogeneous ones for rational surfaces).
     reach: f64,
     /// Bound of the error of a component of (b − z).
@@ -301,7 +301,7 @@ impl<'a> Bench<'a> {
 }
 
 impl<'a> Local<'a> {
-    fn new(net: &'a Net, c: [f64; 2]) -> Self {
+    pub fn new(net: &'a Net, c: [f64; 2]) -> Self {
         let (p, q) = (net.p, net.q);
         let row = q + 1;
         let (wu, wv) = (bernstein_weights(p, c[0]), bernstein_weights(q, c[1]));
@@ -446,7 +446,7 @@ impl<'a> Local<'a> {
     }
 
     /// Hulls of the form over the box, of the surface and its derivatives.
-    fn forms(&self, form: &V3<Interval>) -> Forms {
+    pub fn forms(&self, form: &V3<Interval>) -> Forms {
         let mut s = Vec::with_capacity(self.net.count());
         let error = self.scalars(form, &mut s);
         let x = self.affine_hull(&s, error);

@@ -109,12 +109,24 @@ pub fn distance(
     options: &DistanceOptions,
     control: &Control,
 ) -> Judgement {
-    let blank = |verdict| Judgement {
-        verdict,
-        min_bend_radius: f64::INFINITY,
-        regression_clearance: f64::INFINITY,
-        cells: 0,
-        looks: 0,
+    judge(prepared, torse, triangles, tolerance, options, control).0
+}
+
+/// Foot intervals proven at the corners of triangles.
+pub(super) type Feet = HashMap<Key, (f64, f64)>;
+
+/// As [`distance`], with the feet at the corners.
+pub(super) fn judge(
+    prepared: &Prepared,
+    torse: &Torse,
+    triangles: &[[[f64; 2]; 3]],
+    tolerance: f64,
+    options: &DistanceOptions,
+    control: &Control,
+) -> (Judgement, Feet) {
+    let blank = |verdict| {
+        let (min_bend_radius, regression_clearance) = (f64::INFINITY, f64::INFINITY);
+        (Judgement { verdict, min_bend_radius, regression_clearance, cells: 0, looks: 0 }, Feet::new())
     };
     let undecided = |uv: [f64; 2], reason| blank(Verdict::Undecided { uv, reason });
     let Some(first) = triangles.first() else {
@@ -160,17 +172,19 @@ pub fn distance(
     }
     let looks = search.looks.load(Ordering::Relaxed);
     let failure = search.failure.into_inner().unwrap_or_else(|e| e.into_inner());
+    let (feet, disagreement) = glue(&accepted);
     let verdict = failure
-        .or_else(|| disagreement(&accepted))
+        .or(disagreement)
         .unwrap_or_else(|| Verdict::Holds { bound: accepted.iter().fold(0.0, |b, a| a.good.bound.max(b)) });
     let least = |f: &dyn Fn(&Good) -> f64| accepted.iter().fold(f64::INFINITY, |m, a| m.min(f(&a.good)));
-    Judgement {
+    let judgement = Judgement {
         verdict,
         min_bend_radius: least(&|g| g.bend_radius),
         regression_clearance: least(&|g| g.clearance),
         cells: accepted.len(),
         looks,
-    }
+    };
+    (judgement, feet)
 }
 
 /// What the threads share.
@@ -311,13 +325,14 @@ fn centroid(t: &[[f64; 2]; 3]) -> [f64; 2] {
 }
 
 /// Gluing: foot intervals of triangles with a common corner must meet, and all must have the same orientation.
-fn disagreement(accepted: &[Accepted]) -> Option<Verdict> {
-    let mut common: HashMap<Key, (f64, f64)> = HashMap::with_capacity(accepted.len());
+fn glue(accepted: &[Accepted]) -> (Feet, Option<Verdict>) {
+    let mut common = Feet::with_capacity(accepted.len());
     let mut sign = 0;
+    let mut verdict = None;
     for a in accepted {
         let undecided = |reason| Some(Verdict::Undecided { uv: centroid(&a.triangle), reason });
         if a.good.fold * sign < 0 {
-            return undecided(Resistance::Fold);
+            verdict = undecided(Resistance::Fold);
         }
         if a.good.fold != 0 {
             sign = a.good.fold;
@@ -327,11 +342,11 @@ fn disagreement(accepted: &[Accepted]) -> Option<Verdict> {
             slot.0 = slot.0.max(a.good.feet.lo);
             slot.1 = slot.1.min(a.good.feet.hi);
             if slot.0 > slot.1 {
-                return undecided(Resistance::Foot);
+                verdict = undecided(Resistance::Foot);
             }
         }
     }
-    None
+    (common, verdict)
 }
 
 #[cfg(test)]
@@ -341,7 +356,7 @@ mod tests {
     use crate::geom::Vec3;
     use crate::spline::surface::Surface;
 
-    fn judge(s: &Surface, torse: &Torse, triangles: &[[[f64; 2]; 3]], tolerance: f64) -> Judgement {
+    fn judged(s: &Surface, torse: &Torse, triangles: &[[[f64; 2]; 3]], tolerance: f64) -> Judgement {
         distance(&Prepared::new(s), torse, triangles, tolerance, &DistanceOptions::default(), &Control::default())
     }
 
@@ -357,10 +372,10 @@ mod tests {
     /// Certified at 3 % above the sampled supremum, refuted at 3 % below; the bound is never below the samples.
     fn tight(s: &Surface, torse: &Torse, triangles: &[[[f64; 2]; 3]]) -> f64 {
         let sup = brute_sup(s, torse, triangles, 6);
-        let yes = judge(s, torse, triangles, sup * 1.03);
+        let yes = judged(s, torse, triangles, sup * 1.03);
         let Verdict::Holds { bound } = yes.verdict else { panic!("{yes:?}, sampled {sup}") };
         assert!(bound >= sup * (1.0 - 1e-12) && bound <= sup * 1.03, "{bound} {sup}");
-        let no = judge(s, torse, triangles, sup * 0.97);
+        let no = judged(s, torse, triangles, sup * 0.97);
         let Verdict::Fails { uv, distance } = no.verdict else { panic!("{no:?}, sampled {sup}") };
         assert!(distance.abs() > sup * 0.97);
         let there = brute_distance(torse, &s.point(uv[0], uv[1]));
@@ -389,7 +404,7 @@ mod tests {
         let torse = Torse::Primal(primal());
         let triangles = grid(&s, 3, 3);
         let tolerance = 1.02e-3;
-        assert!(matches!(judge(&s, &torse, &triangles, tolerance).verdict, Verdict::Holds { .. }));
+        assert!(matches!(judged(&s, &torse, &triangles, tolerance).verdict, Verdict::Holds { .. }));
         let (frame, middle) = (tilted_frame(), primal_point(0.6, 0.0));
         let r = torse.ruling(0.6);
         let turned = |angle: f64| {
@@ -411,7 +426,7 @@ mod tests {
             }),
         ];
         for (name, surface) in cases {
-            let j = judge(&surface, &torse, &triangles, tolerance);
+            let j = judged(&surface, &torse, &triangles, tolerance);
             let Verdict::Fails { uv, distance } = j.verdict else { panic!("{name}: {j:?}") };
             assert!(distance.abs() > tolerance);
             assert!(brute_distance(&torse, &surface.point(uv[0], uv[1])) > tolerance * (1.0 - 1e-9), "{name}");
@@ -431,7 +446,7 @@ mod tests {
             *c = [c[0] + z.x, c[1] + z.y, c[2] + z.z, 1.0];
         }
         let triangles = grid(&s, 1, 1);
-        let j = judge(&s, &Torse::Primal(primal()), &triangles, 1e-3);
+        let j = judged(&s, &Torse::Primal(primal()), &triangles, 1e-3);
         assert!(!matches!(j.verdict, Verdict::Holds { .. }), "{j:?}");
     }
 
@@ -441,7 +456,7 @@ mod tests {
         let mut p = primal();
         p.profile =
             curve(&crate::spline::knots::Knots::clamped(3, &[-0.3, 1.0]).expect("knots"), &|t| p.profile.point(t));
-        let j = judge(&s, &Torse::Primal(p), &grid(&s, 3, 3), 1.0);
+        let j = judged(&s, &Torse::Primal(p), &grid(&s, 3, 3), 1.0);
         assert!(matches!(j.verdict, Verdict::Undecided { reason: Resistance::Foot, .. }), "{j:?}");
     }
 
@@ -457,8 +472,8 @@ mod tests {
         // f and t grow by the factor; a, g = beta + ∫ f' da and the slopes stay.
         let big = moved(&s, &|x| x * factor);
         let triangles = grid(&s, 3, 3);
-        let a = judge(&s, &Torse::Primal(p), &triangles, 1.02e-3);
-        let b = judge(&big, &Torse::Primal(q), &triangles, 1.02e-3 * factor);
+        let a = judged(&s, &Torse::Primal(p), &triangles, 1.02e-3);
+        let b = judged(&big, &Torse::Primal(q), &triangles, 1.02e-3 * factor);
         let (Verdict::Holds { bound: a }, Verdict::Holds { bound: b }) = (&a.verdict, &b.verdict) else {
             panic!("{a:?} {b:?}")
         };
@@ -474,12 +489,12 @@ mod tests {
         let triangles = grid(&fan, 4, 4);
         let torse = Torse::Primal(primal());
         let sup = brute_sup(&fan, &torse, &triangles, 6);
-        let j = judge(&fan, &torse, &triangles, 1e-4 + sup);
+        let j = judged(&fan, &torse, &triangles, 1e-4 + sup);
         assert!(matches!(j.verdict, Verdict::Holds { .. }), "{j:?}");
         // The same with the parametrisation folded back: distances are small, but the region doubles.
         let folded = interpolant(&k, &k, &|u, v| primal_point(0.2 + 0.8 * u, 0.5 * (v - 0.4).powi(2)));
         let triangles = grid(&folded, 4, 4);
-        let j = judge(&folded, &torse, &triangles, 1e-2);
+        let j = judged(&folded, &torse, &triangles, 1e-2);
         assert!(!matches!(j.verdict, Verdict::Holds { .. }), "{j:?}");
     }
 }

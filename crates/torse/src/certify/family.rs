@@ -111,6 +111,18 @@ pub(super) struct Ranges {
     pub dmu: Interval,
 }
 
+/// Bernstein coefficients of both linear forms of the rulings, over an interval.
+pub(super) struct Forms {
+    /// n.
+    pub n: [Vec<Interval>; 3],
+    /// h, of the degree of n.
+    pub h: Vec<Interval>,
+    /// m.
+    pub m: [Vec<Interval>; 3],
+    /// k, of the degree of m.
+    pub k: Vec<Interval>,
+}
+
 /// A torse prepared for proofs.
 #[derive(Clone, Debug)]
 pub(super) struct Family {
@@ -263,6 +275,49 @@ impl Family {
             });
         }
         out.unwrap_or(Ranges { sigma: Interval::EVERYTHING, dm: [Interval::EVERYTHING; 3], dmu: Interval::EVERYTHING })
+    }
+
+    /// Knots, ends of the domain included.
+    pub fn breaks(&self) -> &[f64] {
+        &self.breaks
+    }
+
+    /// Bernstein coefficients over `[a, b]`, inside one span, of n (world axes), h, m (world axes), k.
+    pub fn bernstein(&self, a: f64, b: f64) -> Forms {
+        use crate::num::bernstein::{derivative, difference, from_powers, product, scaled, with_degree};
+        let i = self.span(0.5 * (a + b));
+        let s = &self.spans[i];
+        let start = Interval::point(self.breaks[i]);
+        let place = |t: f64| (Interval::point(t) - start) * s.inverse - Interval::point(0.5);
+        let (x0, x1) = (place(a), place(b));
+        let over = Interval::ONE / (Interval::point(b) - Interval::point(a));
+        let slope = |c: &[Interval]| scaled(&derivative(c), over);
+        match &s.functions {
+            Functions::Primal { f, a: ruling, g } => {
+                let (f, r, g) = (from_powers(f, x0, x1), from_powers(ruling, x0, x1), from_powers(g, x0, x1));
+                let f1 = slope(&f);
+                let t = [Interval::point(a), Interval::point(b)];
+                let ny = difference(&product(&r, &f1), &g);
+                let (nx, one) = (with_degree(&scaled(&f1, -Interval::ONE), 5), vec![Interval::ONE; 6]);
+                let world = |x: &[Interval], y: &[Interval], z: &[Interval], d: usize| -> Vec<Interval> {
+                    let [ex, ey, ez] = &self.axes;
+                    (0..x.len()).map(|i| x[i] * ex[d] + y[i] * ey[d] + z[i] * ez[d]).collect()
+                };
+                let (mx, zero) = (vec![-Interval::ONE; 4], vec![Interval::ZERO; 4]);
+                Forms {
+                    n: [0, 1, 2].map(|d| world(&nx, &ny, &one, d)),
+                    h: with_degree(&difference(&f, &product(&t, &f1)), 5),
+                    m: [0, 1, 2].map(|d| world(&mx, &r, &zero, d)),
+                    k: with_degree(&scaled(&t, -Interval::ONE), 3),
+                }
+            }
+            Functions::Dual { c } => {
+                let c = [0, 1, 2, 3].map(|d: usize| from_powers(&c[d], x0, x1));
+                let e = [0, 1, 2, 3].map(|d: usize| slope(&c[d]));
+                let ([n0, n1, n2, h], [m0, m1, m2, k]) = (c, e);
+                Forms { n: [n0, n1, n2], h, m: [m0, m1, m2], k }
+            }
+        }
     }
 
     /// Foot function and slope at `x` (relative to the origin), in f64.

@@ -1,10 +1,13 @@
 //! Surfaces and torses for the tests of this floor, and a measurement by brute force.
 
+use crate::geom::partition::Partition;
 use crate::geom::{Frame, Vec3};
 use crate::spline::curve::Curve;
 use crate::spline::knots::Knots;
 use crate::spline::surface::Surface;
-use crate::surface::torse::{DualTorse, PrimalTorse, Torse};
+use crate::surface::face::Face;
+use crate::surface::panel::{Border, Panel, Patchwork, Run};
+use crate::surface::torse::{DualTorse, PanelKind, PrimalTorse, Torse};
 use nalgebra::DMatrix;
 
 fn greville(k: &Knots) -> Vec<f64> {
@@ -176,4 +179,150 @@ pub fn brute_sup(s: &Surface, torse: &Torse, triangles: &[[[f64; 2]; 3]], per_tr
         }
     }
     sup
+}
+
+/// A ruled patch through two rational curves that are polynomials of `degree` (homogeneous) between breaks.
+pub fn ruled_patch(degree: usize, breaks: &[f64], end: &dyn Fn(f64, usize) -> [f64; 4]) -> Surface {
+    let mut knots = vec![breaks[0]; degree + 1];
+    for &b in &breaks[1..breaks.len() - 1] {
+        knots.extend(std::iter::repeat_n(b, degree));
+    }
+    knots.extend(std::iter::repeat_n(breaks[breaks.len() - 1], degree + 1));
+    let spans = breaks.len() - 1;
+    let ku = Knots::new(degree, knots, degree * spans + 1).expect("knots");
+    let kv = Knots::clamped(1, &[0.0, 1.0]).expect("knots");
+    let unit = Knots::clamped(degree, &[0.0, 1.0]).expect("knots");
+    let mut points = vec![Vec3::zeros(); 2 * (degree * spans + 1)];
+    let mut weights = vec![1.0; points.len()];
+    for (i, w) in breaks.windows(2).enumerate() {
+        for e in 0..2 {
+            let piece = curve(&unit, &|s| end(w[0] + s * (w[1] - w[0]), e));
+            for (k, c) in piece.control.iter().enumerate() {
+                points[2 * (degree * i + k) + e] = Vec3::new(c[0], c[1], c[2]) / c[3];
+                weights[2 * (degree * i + k) + e] = c[3];
+            }
+        }
+    }
+    let exact = weights.iter().all(|w| (w - 1.0).abs() < 1e-12);
+    Surface::new(ku, kv, &points, (!exact).then_some(&weights)).expect("patch")
+}
+
+/// Range of the ruling coordinate y covered by the patches of [`primal_patch`].
+pub const PATCH_Y: [f64; 2] = [-0.6, 0.6];
+
+/// The exported patch of [`primal`] over t ∈ [−.2, 1.5].
+pub fn primal_patch() -> Surface {
+    ruled_patch(5, &[-0.2, 0.2, 0.8, 1.5], &|t, e| {
+        let p = primal_point(t, PATCH_Y[e]);
+        [p.x, p.y, p.z, 1.0]
+    })
+}
+
+/// The exported patch of [`dual`] over t ∈ [0, 1], between the planes z = 3 and z = 4.5.
+pub fn dual_patch() -> Surface {
+    let d = dual();
+    let breaks: Vec<f64> = d.planes.knots.breaks().into_iter().filter(|t| (-1e-9..=1.0 + 1e-9).contains(t)).collect();
+    ruled_patch(4, &breaks, &|t, e| {
+        let j = d.planes.jet(t);
+        let n = Vec3::new(j[0][0], j[0][1], j[0][2]);
+        let m = Vec3::new(j[1][0], j[1][1], j[1][2]);
+        let (a, alpha) = (Vec3::z(), [3.0, 4.5][e]);
+        let x = m.cross(&a) * j[0][3] + a.cross(&n) * j[1][3] + n.cross(&m) * alpha;
+        let w = n.cross(&m).dot(&a);
+        [x.x, x.y, x.z, w]
+    })
+}
+
+/// Foot of a point of [`near_primal`] as (t, r) on [`primal_patch`].
+pub fn primal_foot(x: &Vec3) -> [f64; 2] {
+    let torse = Torse::Primal(primal());
+    let q = tilted_frame().to_local(x);
+    let t = torse.foot(x, q.x).expect("a foot");
+    let n = torse.ruling(t).normal;
+    let y = tilted_frame().to_local(&(x - n * torse.plane_distance(x, t))).y;
+    [t, (y - PATCH_Y[0]) / (PATCH_Y[1] - PATCH_Y[0])]
+}
+
+/// A patchwork of [`near_primal`] in two panels on either side of v = .5 with a common torse, on an `n`-fold grid.
+pub fn two_panels(bump: f64, n: usize) -> Patchwork {
+    let surface = near_primal(bump);
+    let lines = |k: &Knots| {
+        let b = k.breaks();
+        let mut out: Vec<f64> =
+            b.windows(2).flat_map(|w| (0..n).map(move |i| w[0] + (w[1] - w[0]) * i as f64 / n as f64)).collect();
+        out.push(b[b.len() - 1]);
+        out.push(0.5);
+        out.sort_by(f64::total_cmp);
+        out.dedup_by(|a, b| (*a - *b).abs() < 1e-9);
+        out
+    };
+    let (us, vs) = (lines(&surface.knots_u), lines(&surface.knots_v));
+    let middle = vs.iter().position(|v| (v - 0.5).abs() < 1e-9).expect("a line at the middle");
+    let (nu, nv) = (us.len(), vs.len());
+    let index = |i: usize, j: usize| (i * nv + j) as u32;
+    let mut partition = Partition::default();
+    for &u in &us {
+        partition.vertices.extend(vs.iter().map(|&v| [u, v]));
+    }
+    for i in 0..nu - 1 {
+        for j in 0..nv - 1 {
+            let (a, b, c, d) = (index(i, j), index(i + 1, j), index(i + 1, j + 1), index(i, j + 1));
+            partition.triangles.extend([[a, b, c], [a, c, d]]);
+            partition.labels.extend([u32::from(j >= middle); 2]);
+        }
+    }
+    let along_u = |j: usize| (0..nu).map(|i| index(i, j)).collect::<Vec<_>>();
+    let along_v = |i: usize, from: usize, to: usize| (from..=to).map(|j| index(i, j)).collect::<Vec<_>>();
+    let reversed = |v: Vec<u32>| v.into_iter().rev().collect::<Vec<_>>();
+    let foot = |uv: [f64; 2]| primal_foot(&surface.point(uv[0], uv[1]));
+    let run = |border: Border, vertices: Vec<u32>| {
+        let at = |k: u32| partition.vertices[k as usize];
+        let (a, b) = (at(vertices[0]), at(vertices[vertices.len() - 1]));
+        let length = |p: [f64; 2], q: [f64; 2]| (p[0] - q[0]).abs() + (p[1] - q[1]).abs();
+        let parameters: Vec<f64> = vertices.iter().map(|&k| length(at(k), a) / length(a, b)).collect();
+        let on = |s: f64| [a[0] + s * (b[0] - a[0]), a[1] + s * (b[1] - a[1])];
+        let knots = Knots::uniform(3, 24, 0.0, 1.0).expect("knots");
+        let mut trim = curve(&knots, &|s| foot(on(s)));
+        let last = trim.control.len() - 1;
+        (trim.control[0], trim.control[last]) = (foot(a), foot(b));
+        let edge = curve(&knots, &|s| {
+            let p = surface.point(on(s)[0], on(s)[1]);
+            [p.x, p.y, p.z]
+        });
+        Run { border, vertices, parameters, trim, edge }
+    };
+    let trim = |edge| Border::Trim { edge };
+    let seam = |forward| Border::Seam { seam: 0, forward };
+    let loops = [
+        vec![
+            run(trim(0), reversed(along_v(0, 0, middle))),
+            run(trim(3), along_u(0)),
+            run(trim(1), along_v(nu - 1, 0, middle)),
+            run(seam(true), reversed(along_u(middle))),
+        ],
+        vec![
+            run(trim(0), reversed(along_v(0, middle, nv - 1))),
+            run(seam(false), along_u(middle)),
+            run(trim(1), along_v(nu - 1, middle, nv - 1)),
+            run(trim(2), reversed(along_u(nv - 1))),
+        ],
+    ];
+    let mut loops = loops.into_iter();
+    let panels = (0..2)
+        .map(|label| Panel {
+            name: format!("A-{label}"),
+            face: 0,
+            kind: PanelKind::Torse,
+            torse: Torse::Primal(primal()),
+            patch: primal_patch(),
+            label,
+            loops: vec![loops.next().expect("two loops")],
+        })
+        .collect();
+    Patchwork {
+        faces: vec![Face::untrimmed(surface.clone())],
+        partitions: vec![partition.clone()],
+        panels,
+        seam_count: 1,
+    }
 }

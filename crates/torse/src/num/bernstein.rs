@@ -76,7 +76,12 @@ pub fn from_spline<S: Scalar>(net: &[S], knots: &[f64]) -> Vec<S> {
     if p == 0 {
         return net.to_vec();
     }
-    let (a, b) = (knots[p - 1], knots[p]);
+    from_spline_over(net, knots, knots[p - 1], knots[p])
+}
+
+/// Bernstein coefficients of a B-spline piece over any interval `[a, b]`; see [`blossom`].
+pub fn from_spline_over<S: Scalar>(net: &[S], knots: &[f64], a: f64, b: f64) -> Vec<S> {
+    let p = net.len() - 1;
     let mut args = vec![a; p];
     let mut out = Vec::with_capacity(p + 1);
     for k in 0..=p {
@@ -86,6 +91,46 @@ pub fn from_spline<S: Scalar>(net: &[S], knots: &[f64]) -> Vec<S> {
         out.push(blossom(net, knots, &args));
     }
     out
+}
+
+/// Bernstein coefficients on `[a, b]` of a polynomial in powers of `x`.
+pub fn from_powers<S: Scalar>(powers: &[S], a: S, b: S) -> Vec<S> {
+    let n = powers.len();
+    // Taylor shift to a (Horner's scheme repeated), then scaling by b − a.
+    let mut c = powers.to_vec();
+    for i in 0..n {
+        for j in (i..n - 1).rev() {
+            c[j] = c[j] + a * c[j + 1];
+        }
+    }
+    let mut power = S::from(1.0);
+    for x in c.iter_mut() {
+        *x = *x * power;
+        power = power * (b - a);
+    }
+    (0..n)
+        .map(|i| {
+            let mut s = c[0];
+            for k in 1..=i {
+                s = s + S::ratio(binomial(i, k), binomial(n - 1, k)) * c[k];
+            }
+            s
+        })
+        .collect()
+}
+
+/// The polynomial written with `degree ≥` its own.
+pub fn with_degree<S: Scalar>(b: &[S], degree: usize) -> Vec<S> {
+    let mut out = b.to_vec();
+    while out.len() <= degree {
+        out = elevated(&out);
+    }
+    out
+}
+
+/// Product with a scalar.
+pub fn scaled<S: Scalar>(b: &[S], k: S) -> Vec<S> {
+    b.iter().map(|&x| x * k).collect()
 }
 
 /// Value at `x`.
@@ -201,6 +246,18 @@ mod tests {
             let slope = (value(&a, x + h) - value(&a, x - h)) / (2.0 * h);
             assert!((value(&derivative(&a), x) - slope).abs() < 1e-8);
         }
+    }
+
+    #[test]
+    fn powers_are_converted() {
+        let c = [1.0, -2.0, 0.5, 3.0];
+        let b = from_powers(&c, 0.3, 0.9);
+        for i in 0..=10 {
+            let s = i as f64 / 10.0;
+            let x: f64 = 0.3 + 0.6 * s;
+            assert!((value(&b, s) - (1.0 - 2.0 * x + 0.5 * x * x + 3.0 * x * x * x)).abs() < 1e-14);
+        }
+        assert!(with_degree(&c, 6).len() == 7 && (value(&with_degree(&c, 6), 0.4) - value(&c, 0.4)).abs() < 1e-14);
     }
 
     #[test]

@@ -1,0 +1,270 @@
+//! The exported trimming curves against the image of the region's boundary.
+//!
+//! The boundary of a panel's region is a polyline γ of the face's parameter plane; every point of it has a foot on the
+//! torse. The exported boundary is another curve θ(s) = (t, r) on the patch. This module bounds, for every s, the length of a path on
+//! the torse from the foot of `X = S(γ(s))` to `R(θ(s))` \[certificate, H5\]:
+//! first with X fixed and t running from the foot to θ₁, following the foot of the perpendicular on the ruling; then along
+//! the ruling. With `Q(s) = E(X, θ₁)` and `p(s) = e(θ₁)·(X − R(θ))` these lengths are at most
+//! `|Q|/|E_t| (|G|/|m⊥| + q |n×m'|/|e|)` and `|p|/|e|`, where G = m'·P − k' at the points of the path and q their distance
+//! to X across the ruling.
+//!
+//! *Why lengths suffice*. Moving along these paths is a homotopy from the foot curve to θ in the plane of (t, position
+//! along the ruling). A point y of the panel that is not on the paths has equal winding numbers under both curves: not
+//! zero for θ means that y is the foot of a point of the region, at most D away. A point on a path is at most δ from a
+//! foot. So every point of the panel is within D + δ of the face; and, since the foot map does not fold, conversely.
+//! Both directions are thus bounded by D + δ, and by D + δ + η with the rounding η of the patch.
+//!
+//! *Enclosure*: a function on [0, 1] with derivative in [a, b] differs from its chord by at most (b − a)/4. Derivatives are plain
+//! interval evaluations, so the excess is quadratic in the length of the piece; pieces are halved until it is small.
+
+use super::cell::Local;
+use super::distance::{key, Feet};
+use super::family::{Family, Plane};
+use super::prepared::{BoxNet, Patch, Prepared};
+use super::ruled::RuledJets;
+use super::vector::{add, cross, dot, exact, length, length_bound, scale, sub, V3};
+use crate::geom::Vec3;
+use crate::num::bernstein::{derivative, from_spline_over, hull};
+use crate::num::interval::Interval;
+use crate::spline::curve::Curve;
+use crate::surface::panel::Run;
+
+/// Pieces are halved until the enclosure exceeds its end values by less than this share of the tolerance.
+const EXCESS: f64 = 2e-3;
+
+/// Halvings of a side of the polyline at most.
+const DEPTH: usize = 10;
+
+/// What keeps a boundary from being proven.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Obstacle {
+    /// Place on the face.
+    pub uv: [f64; 2],
+    /// In plain words.
+    pub reason: &'static str,
+}
+
+/// A panel's torse and patch, ready for its boundary.
+pub(super) struct Boundary<'a> {
+    pub family: &'a Family,
+    pub jets: &'a RuledJets,
+    pub prepared: &'a Prepared<'a>,
+    /// mm.
+    pub tolerance: f64,
+}
+
+/// A piece of a side: fractions of the side and parameters of the trimming curve at its ends.
+#[derive(Clone, Copy)]
+struct Piece {
+    f: (f64, f64),
+    s: (f64, f64),
+    depth: usize,
+}
+
+impl Boundary<'_> {
+    /// Bounds the length of the paths over a run. `vertices` are the corner points of the face's partition.
+    pub fn run_bound(&self, run: &Run, vertices: &[[f64; 2]]) -> Result<RunBound, Obstacle> {
+        let place = |i: usize| run.vertices.get(i).and_then(|&v| vertices.get(v as usize)).copied();
+        let first = place(0).unwrap_or([f64::NAN; 2]);
+        let refuse = |uv: [f64; 2], reason: &'static str| Err(Obstacle { uv, reason });
+        if !well_formed(run) {
+            return refuse(
+                first,
+                "a trimming curve is not a clamped cubic over [0, 1] with increasing vertex parameters",
+            );
+        }
+        let knots = run.trim.knots.breaks();
+        let mut bound = 0.0f64;
+        let mut start = None;
+        for k in 0..run.vertices.len() - 1 {
+            let (Some(a), Some(b)) = (place(k), place(k + 1)) else {
+                return refuse(first, "a run names a vertex that does not exist");
+            };
+            let Some(patch) = self.prepared.patch_of(&[a, b, b]) else {
+                return refuse(a, "a side of the region crosses a knot line of the surface");
+            };
+            let (s0, s1) = (run.parameters[k], run.parameters[k + 1]);
+            let mut cuts = vec![(0.0, s0)];
+            cuts.extend(
+                knots.iter().filter(|&&t| t > s0 && t < s1).map(|&t| (((t - s0) / (s1 - s0)).clamp(0.0, 1.0), t)),
+            );
+            cuts.push((1.0, s1));
+            let mut open: Vec<Piece> =
+                cuts.windows(2).map(|w| Piece { f: (w[0].0, w[1].0), s: (w[0].1, w[1].1), depth: 0 }).collect();
+            while let Some(piece) = open.pop() {
+                let at = |f: f64| {
+                    // Rounded by a few ulps at most, which the enlarged boxes pay for.
+                    [a[0] + f * (b[0] - a[0]), a[1] + f * (b[1] - a[1])]
+                };
+                let (ga, gb) =
+                    (if piece.f.0 > 0.0 { at(piece.f.0) } else { a }, if piece.f.1 < 1.0 { at(piece.f.1) } else { b });
+                let found = self.piece_bound(patch, ga, gb, &run.trim, piece.s);
+                if found.as_ref().is_some_and(|f| f.at_ends > self.tolerance) {
+                    return refuse(ga, "a trimming curve is farther than the tolerance from the region's boundary");
+                }
+                let good = found.as_ref().is_some_and(|f| f.bound <= f.at_ends + EXCESS * self.tolerance);
+                if !good && piece.depth < DEPTH {
+                    let (f, s) = (0.5 * (piece.f.0 + piece.f.1), 0.5 * (piece.s.0 + piece.s.1));
+                    let depth = piece.depth + 1;
+                    if s > piece.s.0 && s < piece.s.1 {
+                        open.push(Piece { f: (piece.f.0, f), s: (piece.s.0, s), depth });
+                        open.push(Piece { f: (f, piece.f.1), s: (s, piece.s.1), depth });
+                        continue;
+                    }
+                }
+                let Some(found) = found else {
+                    return refuse(ga, "a trimming curve strays from the region's boundary");
+                };
+                if k == 0 && piece.f.0 <= 0.0 {
+                    start = Some((a, found.roots));
+                }
+                bound = bound.max(found.bound);
+            }
+        }
+        start.map(|start| RunBound { bound, start }).ok_or(Obstacle { uv: first, reason: "a trimming curve is empty" })
+    }
+
+    fn piece_bound(&self, patch: &Patch, ga: [f64; 2], gb: [f64; 2], trim: &Curve<2>, s: (f64, f64)) -> Option<Found> {
+        let family = self.family;
+        let theta = trim_piece(trim, s.0, s.1);
+        let (t, r) = (hull(&theta[0]), hull(&theta[1]));
+        let (t_lo, t_hi) = self.jets.domain();
+        let (f_lo, f_hi) = family.domain();
+        if t.lo < t_lo.max(f_lo) || t.hi > t_hi.min(f_hi) {
+            return None;
+        }
+        let slope = [hull(&derivative(&theta[0])), hull(&derivative(&theta[1]))];
+
+        // The surface over the side's box: X and its derivative along the side, and X at both ends.
+        let BoxNet { net, corners } = patch.over(&[ga, gb, gb]);
+        let base = sub(&exact::<Interval>(&patch.centre), &exact(&family.origin));
+        let end = |y: &[Interval; 2]| -> V3<Interval> {
+            let local = Local::new(&net, [y[0].mid().clamp(0.0, 1.0), y[1].mid().clamp(0.0, 1.0)]);
+            // The corner may stick out of [0, 1] by a rounding error only; its width covers the clamping.
+            let reach = |i: usize| y[i].rad() + (y[i].mid() - y[i].mid().clamp(0.0, 1.0)).abs();
+            let off = local.centre_error + local.norms[1] * reach(0) + local.norms[2] * reach(1);
+            let z = add(&base, &exact(&Vec3::from(local.z)));
+            z.map(|c| c.widen(off * (1.0 + 1e-12)))
+        };
+        let (xa, xb) = (end(&corners[0]), end(&corners[1]));
+        let local = Local::new(&net, [0.5, 0.5]);
+        let axes = [0, 1, 2].map(|d: usize| {
+            let mut axis = [Interval::ZERO; 3];
+            axis[d] = Interval::ONE;
+            local.forms(&axis)
+        });
+        let z = add(&base, &exact(&Vec3::from(local.z)));
+        let x = [0, 1, 2].map(|d: usize| z[d] + axes[d].x);
+        let along = [corners[1][0] - corners[0][0], corners[1][1] - corners[0][1]];
+        let dx = [0, 1, 2].map(|d: usize| axes[d].s1 * along[0] + axes[d].s2 * along[1]);
+
+        // Q and p at the ends and their derivatives over the piece.
+        let plane = family.over(t);
+        let e = Family::direction(&plane);
+        let jet = self.jets.over(t, r);
+        let w = sub(&x, &jet.point);
+        let slope_e = slope_over(&plane, &x);
+        let dq = dot(&plane.gradient(), &dx) + slope_e * slope[0];
+        let dw = sub(&dx, &add(&scale(&jet.dt, slope[0]), &scale(&jet.dr, slope[1])));
+        let dp = dot(&cross(&plane.n, &plane.dm), &w) * slope[0] + dot(&e, &dw);
+        let mut q_ends = 0.0f64;
+        let mut p_ends = 0.0f64;
+        for (x, k) in [(&xa, 0), (&xb, theta[0].len() - 1)] {
+            let here = family.over(theta[0][k].intersect(Interval { lo: f_lo, hi: f_hi })?);
+            let point = self.jets.over(theta[0][k].intersect(Interval { lo: t_lo, hi: t_hi })?, theta[1][k]).point;
+            q_ends = q_ends.max(here.foot(here.f(x), here.mu(x)).mag());
+            p_ends = p_ends.max(dot(&Family::direction(&here), &sub(x, &point)).mag());
+        }
+        let q = q_ends + 0.25 * dq.width();
+        let p = p_ends + 0.25 * dp.width();
+
+        // The path: t between the foot and θ₁, X fixed.
+        let reach = (Interval::point(q) / slope_e.abs()).hi;
+        let roots = t.widen(reach);
+        if roots.lo < f_lo || roots.hi > f_hi || roots.lo.is_nan() {
+            return None;
+        }
+        let plane = family.over(roots);
+        let slope_e = slope_over(&plane, &x);
+        if slope_e.sign() == 0 {
+            return None;
+        }
+        let e_length = length(&Family::direction(&plane));
+        let n_length = plane.nn.sqrt();
+        let m_across = e_length / n_length;
+        let gradient = plane.gradient();
+        let g_length = n_length * e_length; // |M| = |n|² |m⊥| = |n| |e|
+        let foot = Interval::symmetric(q);
+        // The local metric differs from that of space by rounding of the frame only.
+        let skew = (family.metric - 1.0) * 16.0;
+        let turn = dot(&plane.dm, &gradient).widen(skew * length_bound(&plane.dm) * length_bound(&gradient));
+        let g = dot(&plane.dm, &x) - plane.dk - plane.f(&x) * plane.ndm / plane.nn - foot * turn / g_length.sqr();
+        let q_across = Interval::point(q) / g_length;
+        let speed = g.abs() / m_across + q_across * length(&cross(&plane.n, &plane.dm)) / e_length;
+        let path = |q: f64, p: f64| {
+            let across = Interval::point(q) / slope_e.abs() * speed;
+            let straight = Interval::point(p) / e_length + Interval::point(skew) * length(&w);
+            ((across + straight) * Interval::point(1.0 + skew)).hi
+        };
+        let bound = path(q, p);
+        bound.is_finite().then(|| Found { bound, at_ends: path(q_ends, p_ends), roots })
+    }
+}
+
+/// What was shown about a run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct RunBound {
+    /// Bound of the paths' length, mm.
+    pub bound: f64,
+    /// First vertex, and an interval with exactly one foot of it, from which the paths start.
+    pub start: ([f64; 2], Interval),
+}
+
+impl RunBound {
+    /// Whether the paths start at the feet proven inside the region: at one vertex is enough, by continuity.
+    pub fn agrees_with(&self, feet: &Feet) -> bool {
+        let (vertex, roots) = &self.start;
+        feet.get(&key(vertex)).is_some_and(|&(lo, hi)| lo <= roots.hi && roots.lo <= hi)
+    }
+}
+
+struct Found {
+    bound: f64,
+    at_ends: f64,
+    roots: Interval,
+}
+
+/// E_t over intervals of points and parameters.
+fn slope_over(p: &Plane<Interval>, x: &V3<Interval>) -> Interval {
+    p.foot_slope(p.f(x), p.mu(x), dot(&p.dm, x) - p.dk)
+}
+
+/// Whether a run has a clamped cubic trimming curve over [0, 1] and increasing parameters from 0 to 1.
+fn well_formed(run: &Run) -> bool {
+    let n = run.vertices.len();
+    let p = &run.parameters;
+    let ends = |v: &[f64]| {
+        v.first().is_some_and(|x| x.to_bits() == 0) && v.last().is_some_and(|x| x.to_bits() == 1.0f64.to_bits())
+    };
+    n >= 2 && p.len() == n && ends(p) && p.windows(2).all(|w| w[0] < w[1]) && clamped(&run.trim)
+}
+
+/// Whether a curve over [0, 1] starts and ends in its first and last control points.
+pub(super) fn clamped<const D: usize>(c: &Curve<D>) -> bool {
+    let (v, p) = (c.knots.values(), c.knots.degree());
+    let n = v.len();
+    n >= 2 * p + 2
+        && v[..=p].iter().all(|x| x.to_bits() == 0)
+        && v[n - 1 - p..].iter().all(|x| x.to_bits() == 1.0f64.to_bits())
+}
+
+/// Bernstein coefficients of both components of a trimming curve over `[a, b]` inside one span.
+pub(super) fn trim_piece(trim: &Curve<2>, a: f64, b: f64) -> [Vec<Interval>; 2] {
+    let (p, v) = (trim.knots.degree(), trim.knots.values());
+    let span = trim.knots.span(0.5 * (a + b));
+    let local = &v[span + 1 - p..=span + p];
+    [0, 1].map(|d: usize| {
+        let net: Vec<Interval> = trim.control[span - p..=span].iter().map(|c| Interval::point(c[d])).collect();
+        from_spline_over(&net, local, a, b)
+    })
+}

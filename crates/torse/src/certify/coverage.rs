@@ -1,0 +1,232 @@
+//! Whether the panels' regions add up to the faces exactly.
+//!
+//! A question of counting \[certificate, 5\]: all triangles are positively oriented (exact predicate), inner edges are
+//! used by exactly two triangles in opposite directions, and the edges used once are the face's trimming polygons,
+//! subdivided. Then the winding numbers of the triangles add up to that of the face at every point. A subdivided side is compared as a
+//! chain: the polygon's corners occur in order, bit by bit, and the vertices between them lie on the side up to rounding.
+//! The partition is the definition of the trimmed region from there on; the rounding of such a vertex is at most
+//! [`ON_SIDE`] of the size of the parameter box.
+
+use super::distance::key;
+use crate::geom::partition::Partition;
+use crate::surface::face::Face;
+use crate::surface::panel::{Panel, Run};
+use robust::{orient2d, Coord};
+use std::collections::{HashMap, HashSet};
+
+/// How far, relative to the face's parameter box, the vertices that subdivide a trimming side may lie off it:
+/// a few roundings.
+const ON_SIDE: f64 = 1e-12;
+
+/// Whether the triangles of a partition cover the face exactly once.
+///
+/// # Errors
+/// In plain words, what is wrong.
+pub(super) fn partition_covers(face: &Face, partition: &Partition) -> Result<(), String> {
+    let (v, t) = (&partition.vertices, &partition.triangles);
+    if partition.labels.len() != t.len() {
+        return Err("triangles and labels differ in number".into());
+    }
+    let mut edges: HashMap<(u32, u32), bool> = HashMap::with_capacity(3 * t.len());
+    for (i, triangle) in t.iter().enumerate() {
+        let [Some(a), Some(b), Some(c)] = triangle.map(|k| v.get(k as usize)) else {
+            return Err(format!("triangle {i} names a vertex that does not exist"));
+        };
+        let at = |p: &[f64; 2]| Coord { x: p[0], y: p[1] };
+        if orient2d(at(a), at(b), at(c)) <= 0.0 {
+            return Err(format!("triangle {i} at ({}, {}) is not positively oriented", a[0], a[1]));
+        }
+        for k in 0..3 {
+            if edges.insert((triangle[k], triangle[(k + 1) % 3]), true).is_some() {
+                return Err(format!("triangle {i} repeats an edge of another"));
+            }
+        }
+    }
+    // Edges without their opposite: the boundary.
+    let mut next: HashMap<u32, Vec<u32>> = HashMap::new();
+    let mut open = 0usize;
+    for &(a, b) in edges.keys() {
+        if !edges.contains_key(&(b, a)) {
+            next.entry(a).or_default().push(b);
+            open += 1;
+        }
+    }
+    // Walk every trimming polygon along these edges and use them up.
+    let by_place: HashMap<(u64, u64), u32> = v.iter().enumerate().map(|(i, p)| (key(p), i as u32)).collect();
+    if by_place.len() != v.len() {
+        return Err("two vertices of the partition are at the same place".into());
+    }
+    let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+    for p in face.loops.iter().flat_map(|l| &l.points) {
+        for d in 0..2 {
+            low[d] = low[d].min(p[d]);
+            high[d] = high[d].max(p[d]);
+        }
+    }
+    let scale = [0, 1].map(|d: usize| (high[d] - low[d]).max(low[d].abs()).max(high[d].abs()));
+    for (l, polygon) in face.loops.iter().enumerate() {
+        let n = polygon.points.len();
+        for i in 0..n {
+            let (p, q) = (polygon.points[i], polygon.points[(i + 1) % n]);
+            if key(&p) == key(&q) {
+                continue;
+            }
+            let (Some(&start), Some(&end)) = (by_place.get(&key(&p)), by_place.get(&key(&q))) else {
+                return Err(format!("corner {i} of loop {l} is not a vertex of the partition"));
+            };
+            let side = [(q[0] - p[0]) / scale[0], (q[1] - p[1]) / scale[1]];
+            let squared = side[0] * side[0] + side[1] * side[1];
+            let (mut here, mut progress) = (start, 0.0);
+            while here != end {
+                // Of several ways on (where the boundary touches itself) the one along the side.
+                let options = next.get_mut(&here).filter(|o| !o.is_empty());
+                let Some(options) = options else {
+                    return Err(format!("the partition's boundary ends at side {i} of loop {l}"));
+                };
+                let offset = |k: u32| {
+                    let x = v[k as usize];
+                    let d = [(x[0] - p[0]) / scale[0], (x[1] - p[1]) / scale[1]];
+                    let along = (d[0] * side[0] + d[1] * side[1]) / squared;
+                    ((d[0] * side[1] - d[1] * side[0]).abs() / squared.sqrt(), along)
+                };
+                let best = (0..options.len())
+                    .filter(|&o| {
+                        let (off, along) = offset(options[o]);
+                        off <= ON_SIDE && along > progress && along <= 1.0 + ON_SIDE
+                    })
+                    .min_by(|&a, &b| offset(options[a]).1.total_cmp(&offset(options[b]).1));
+                let Some(best) = best else {
+                    return Err(format!("the partition's boundary leaves side {i} of loop {l}"));
+                };
+                here = options.swap_remove(best);
+                progress = offset(here).1;
+                open -= 1;
+            }
+        }
+    }
+    if open > 0 {
+        return Err(format!("{open} boundary edges of the partition lie on no trimming loop"));
+    }
+    Ok(())
+}
+
+/// Whether every triangle of every partition belongs to exactly one panel.
+///
+/// # Errors
+/// In plain words, what is wrong.
+pub(super) fn labels_have_panels(partitions: &[Partition], panels: &[Panel]) -> Result<(), String> {
+    let mut owners = HashSet::new();
+    for p in panels {
+        if p.face >= partitions.len() {
+            return Err(format!("panel {} belongs to a face that does not exist", p.name));
+        }
+        if !owners.insert((p.face, p.label)) {
+            return Err(format!("panel {} shares its region with another", p.name));
+        }
+    }
+    for (face, partition) in partitions.iter().enumerate() {
+        if let Some(i) = partition.labels.iter().position(|&l| !owners.contains(&(face, l))) {
+            return Err(format!("triangle {i} of face {face} belongs to no panel"));
+        }
+    }
+    Ok(())
+}
+
+/// Whether a panel's loops are exactly the boundary of its triangles.
+///
+/// # Errors
+/// In plain words, what is wrong.
+pub(super) fn loops_bound_triangles(partition: &Partition, panel: &Panel) -> Result<(), String> {
+    let mut edges = HashSet::new();
+    for (t, _) in partition.triangles.iter().zip(&partition.labels).filter(|(_, &l)| l == panel.label) {
+        for k in 0..3 {
+            let (a, b) = (t[k], t[(k + 1) % 3]);
+            if !edges.remove(&(b, a)) {
+                edges.insert((a, b));
+            }
+        }
+    }
+    if edges.is_empty() {
+        return Err("the panel has no triangles".into());
+    }
+    for (l, runs) in panel.loops.iter().enumerate() {
+        for (i, run) in runs.iter().enumerate() {
+            let following: &Run = &runs[(i + 1) % runs.len()];
+            if run.vertices.last() != following.vertices.first() {
+                return Err(format!("loop {l} is not closed after run {i}"));
+            }
+            for w in run.vertices.windows(2) {
+                if !edges.remove(&(w[0], w[1])) {
+                    return Err(format!("run {i} of loop {l} leaves the boundary of the panel's triangles"));
+                }
+            }
+        }
+    }
+    if edges.is_empty() {
+        Ok(())
+    } else {
+        Err(format!("{} boundary edges of the panel's triangles belong to no run", edges.len()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::certify::specimens::near_primal;
+    use crate::surface::face::TrimLoop;
+
+    /// The unit square with a square hole, in 8 triangles.
+    fn holed() -> (Face, Partition) {
+        let mut face = Face::untrimmed(near_primal(0.0));
+        let outer = vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+        let hole = vec![[0.25, 0.25], [0.25, 0.75], [0.75, 0.75], [0.75, 0.25]];
+        face.loops = vec![
+            TrimLoop { points: outer.clone(), edge: vec![0, 1, 2, 3] },
+            TrimLoop { points: hole.clone(), edge: vec![4; 4] },
+        ];
+        let vertices = outer.into_iter().chain(hole).collect();
+        // Outer 0 1 2 3, hole 4 (lower left) 5 (upper left) 6 (upper right) 7 (lower right).
+        let triangles = vec![[0, 1, 4], [4, 1, 7], [1, 2, 7], [7, 2, 6], [2, 3, 6], [6, 3, 5], [3, 0, 5], [5, 0, 4]];
+        (face, Partition { vertices, labels: vec![0; triangles.len()], triangles })
+    }
+
+    #[test]
+    fn a_partition_with_a_hole_covers() {
+        let (face, mut p) = holed();
+        assert_eq!(partition_covers(&face, &p), Ok(()));
+        // A vertex on the lower side, shared by two triangles.
+        p.vertices.push([0.5, 0.0]);
+        p.triangles[0] = [0, 8, 4];
+        p.triangles.push([8, 1, 4]);
+        p.labels.push(0);
+        assert_eq!(partition_covers(&face, &p), Ok(()));
+    }
+
+    #[test]
+    fn tampering_is_noticed() {
+        let (face, good) = holed();
+        let mut p = good.clone();
+        p.triangles.pop();
+        p.labels.pop();
+        assert!(partition_covers(&face, &p).is_err(), "a piece removed");
+        let mut p = good.clone();
+        p.triangles[3].swap(0, 1);
+        assert!(partition_covers(&face, &p).is_err(), "a triangle reversed");
+        let mut p = good.clone();
+        p.triangles.push([0, 1, 4]);
+        p.labels.push(0);
+        assert!(partition_covers(&face, &p).is_err(), "a triangle twice");
+        let mut p = good.clone();
+        p.vertices[6] = [0.75, 0.75 + 1e-9];
+        assert!(partition_covers(&face, &p).is_err(), "a corner moved");
+        let mut p = good.clone();
+        p.vertices.push([0.5, 1e-6]);
+        p.triangles[0] = [0, 8, 4];
+        p.triangles.push([8, 1, 4]);
+        p.labels.push(0);
+        assert!(partition_covers(&face, &p).is_err(), "a side dented");
+        let mut f = face;
+        f.loops.pop();
+        assert!(partition_covers(&f, &good).is_err(), "a hole forgotten");
+    }
+}

@@ -1,0 +1,166 @@
+//! The proof for one panel: distance, boundary, rounding, developability and simple loops, put together.
+//!
+//! *Theorem* \[certificate, 1\], in the additive form of [`boundary`](super::boundary): with D, δ, η the bounds of distance,
+//! boundary and rounding, the trimmed panel in the file and its part of the face are within D + δ + η of each other,
+//! in both directions.
+
+use super::boundary::Boundary;
+use super::coverage::loops_bound_triangles;
+use super::developable::{developability, ANGLE_LIMIT};
+use super::distance::{judge, DistanceOptions};
+use super::family::Family;
+use super::prepared::Prepared;
+use super::rounding::rounding_bound;
+use super::ruled::{Ruled, RuledJets};
+use super::simple::loops_are_simple;
+use super::{PanelCertificate, Resistance, Verdict};
+use crate::control::Control;
+use crate::geom::partition::Partition;
+use crate::surface::panel::Panel;
+use rayon::prelude::*;
+
+/// A panel that is not within the tolerance is looked at again with these multiples of it, so that the report can
+/// state a bound all the same.
+const SECOND_LOOKS: [f64; 4] = [1.1, 1.5, 3.0, 10.0];
+
+/// Everything proven about a panel, and its patch ready for the seams.
+pub(super) fn panel_certificate(
+    panel: &Panel,
+    partition: &Partition,
+    prepared: &Prepared,
+    tolerance: f64,
+    control: &Control,
+) -> (PanelCertificate, Option<RuledJets>) {
+    let mut out = PanelCertificate::blank();
+    let mut reasons: Vec<String> = Vec::new();
+    let triangles = region(partition, panel.label);
+    let (Some(family), Some(ruled)) = (Family::new(&panel.torse), Ruled::new(&panel.patch)) else {
+        out.reason =
+            "the torse is not a C¹ spline of degree at most 3, or the patch is not ruled with positive weights".into();
+        return (out, None);
+    };
+    if triangles.is_empty() {
+        out.reason = "the panel has no region".into();
+        return (out, None);
+    }
+
+    // The file's patch against the exact torse; developability from the file's control points.
+    match rounding_bound(&family, &ruled) {
+        Some(bound) => out.rounding_bound = bound,
+        None => reasons.push("the patch cannot be compared with the exact torse".into()),
+    }
+    let shape = developability(&ruled);
+    out.developability_bound = shape.angle;
+    if shape.angle > ANGLE_LIMIT {
+        reasons.push(format!("tangent planes along a ruling may differ by {:.1e} rad", shape.angle));
+    } else if !shape.regular {
+        reasons.push("the regression curve may lie inside the patch".into());
+    }
+
+    // Boundary.
+    let origin = [family.origin.x, family.origin.y, family.origin.z];
+    let jets = RuledJets::new(&ruled, &origin);
+    let boundary = Boundary { family: &family, jets: &jets, prepared, tolerance };
+    let runs: Vec<_> = panel.loops.iter().flatten().collect();
+    let bounds: Vec<_> = runs.par_iter().map(|run| boundary.run_bound(run, &partition.vertices)).collect();
+    let mut delta = Some(0.0f64);
+    for b in &bounds {
+        match b {
+            Ok(b) => delta = delta.map(|d| d.max(b.bound)),
+            Err(obstacle) => {
+                reasons.push(format!("{} at ({:.6}, {:.6})", obstacle.reason, obstacle.uv[0], obstacle.uv[1]));
+                delta = None;
+                break;
+            }
+        }
+    }
+    out.boundary_bound = delta.unwrap_or(f64::INFINITY);
+    if let Err(reason) = loops_bound_triangles(partition, panel) {
+        reasons.push(reason);
+    }
+    let curves: Vec<Vec<_>> = panel.loops.iter().map(|l| l.iter().map(|r| &r.trim).collect()).collect();
+    if let Err(reason) = loops_are_simple(&curves) {
+        reasons.push(reason.into());
+    }
+    let (t0, t1) = jets.domain();
+    let within = |c: &[f64; 2]| c[0] >= t0 && c[0] <= t1 && (0.0..=1.0).contains(&c[1]);
+    if !curves.iter().flatten().flat_map(|c| &c.control).all(within) {
+        reasons.push("a trimming curve leaves the patch".into());
+    }
+
+    // Distance, within what boundary and rounding have left of the tolerance.
+    let spent = out.rounding_bound + delta.unwrap_or(0.0);
+    let options = DistanceOptions::default();
+    let mut budget = (tolerance - spent) * (1.0 - 4.0 * f64::EPSILON);
+    if !(budget > 0.0) {
+        reasons.push("rounding and trimming curves use up the tolerance".into());
+        budget = tolerance;
+    }
+    let (mut judgement, mut feet) = judge(prepared, &panel.torse, &triangles, budget, &options, control);
+    match &judgement.verdict {
+        Verdict::Holds { .. } => {}
+        Verdict::Fails { uv, distance } => {
+            out.witness = Some((*uv, *distance));
+            reasons.push(format!("the face is {:.6} mm away at ({:.6}, {:.6})", distance.abs(), uv[0], uv[1]));
+        }
+        Verdict::Undecided { uv, reason } => {
+            reasons.push(format!("{} at ({:.6}, {:.6})", words(*reason), uv[0], uv[1]));
+        }
+    }
+    let cells = judgement.cells;
+    if !matches!(judgement.verdict, Verdict::Holds { .. }) {
+        for factor in SECOND_LOOKS {
+            if control.stopped() {
+                break;
+            }
+            (judgement, feet) = judge(prepared, &panel.torse, &triangles, factor * budget, &options, control);
+            if matches!(judgement.verdict, Verdict::Holds { .. }) {
+                break;
+            }
+        }
+    }
+    out.cells = cells.max(judgement.cells);
+    if let Verdict::Holds { bound } = judgement.verdict {
+        out.distance_bound = bound;
+        out.min_bend_radius = judgement.min_bend_radius;
+        out.regression_clearance = judgement.regression_clearance;
+        if let Some(b) = bounds.iter().flatten().find(|b| !b.agrees_with(&feet)) {
+            let uv = b.start.0;
+            reasons.push(format!("a trimming curve belongs to another foot at ({:.6}, {:.6})", uv[0], uv[1]));
+        } else if let Some(delta) = delta {
+            out.deviation_bound = (bound + delta + out.rounding_bound) * (1.0 + 4.0 * f64::EPSILON);
+            out.regression_clearance = (out.regression_clearance - delta - out.rounding_bound).max(0.0);
+        }
+    }
+    if reasons.is_empty() && out.deviation_bound <= tolerance {
+        out.certified = true;
+    } else if reasons.is_empty() {
+        reasons.push(format!("the bound {:.6} mm exceeds the tolerance", out.deviation_bound));
+    }
+    out.reason = reasons.join("; ");
+    (out, Some(jets))
+}
+
+/// Triangles of a label.
+fn region(partition: &Partition, label: u32) -> Vec<[[f64; 2]; 3]> {
+    let corner = |&k: &u32| partition.vertices.get(k as usize).copied();
+    partition
+        .triangles
+        .iter()
+        .zip(&partition.labels)
+        .filter(|(_, &l)| l == label)
+        .filter_map(|(t, _)| Some([corner(&t[0])?, corner(&t[1])?, corner(&t[2])?]))
+        .collect()
+}
+
+/// What a resistance means.
+fn words(reason: Resistance) -> &'static str {
+    match reason {
+        Resistance::Foot => "no unique regular foot on the torse could be shown",
+        Resistance::Fold => "the foot map may fold over",
+        Resistance::Degenerate => "the surface's parametrisation degenerates, or a triangle crosses a knot line",
+        Resistance::Bound => "the bound stays above the tolerance",
+        Resistance::Budget => "too many triangles were needed",
+        Resistance::Stopped => "the proof was stopped",
+    }
+}

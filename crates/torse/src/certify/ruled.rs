@@ -1,0 +1,194 @@
+//! The exported ruled patch: its two boundary curves A (v = 0) and B (v = 1) as enclosed Bernstein polynomials.
+
+use super::vector::{hull, V3};
+use crate::num::bernstein::{binomial, from_spline_over};
+use crate::num::interval::Interval;
+use crate::spline::surface::Surface;
+
+/// A patch of degree 1 in v over `v ∈ [0, 1]`.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ruled<'a> {
+    /// The patch.
+    pub surface: &'a Surface,
+    /// Whether any weight differs from 1.
+    pub rational: bool,
+}
+
+impl<'a> Ruled<'a> {
+    /// `None` when the patch is not of degree 1 in v with just two rows of control points over `[0, 1]`, or a
+    /// weight is not positive.
+    pub fn new(surface: &'a Surface) -> Option<Self> {
+        let v = surface.knots_v.values();
+        let form = surface.knots_v.degree() == 1
+            && surface.row() == 2
+            && v.iter().map(|x| x.to_bits()).eq([0.0f64, 0.0, 1.0, 1.0].map(f64::to_bits));
+        let positive = surface.control.iter().all(|c| c[3] > 0.0);
+        let rational = surface.control.iter().any(|c| c[3].total_cmp(&1.0).is_ne());
+        (form && positive).then_some(Self { surface, rational })
+    }
+
+    /// Knots in u, ends of the domain included.
+    pub fn breaks(&self) -> Vec<f64> {
+        self.surface.knots_u.breaks()
+    }
+
+    /// Homogeneous Bernstein coefficients (x, y, z, w) of A (`end` 0) or B (1) over `[a, b]` inside one span, with the
+    /// origin moved to `origin`.
+    pub fn end(&self, end: usize, a: f64, b: f64, origin: &[f64; 3]) -> [Vec<Interval>; 4] {
+        let k = &self.surface.knots_u;
+        let (p, v) = (k.degree(), k.values());
+        let span = k.span(0.5 * (a + b));
+        let local = &v[span + 1 - p..=span + p];
+        [0, 1, 2, 3].map(|d: usize| {
+            if d == 3 && !self.rational {
+                return vec![Interval::ONE; p + 1];
+            }
+            let net: Vec<Interval> = (span - p..=span)
+                .map(|i| {
+                    let c = &self.surface.control[2 * i + end];
+                    if d == 3 {
+                        Interval::point(c[3])
+                    } else if self.rational {
+                        Interval::point(c[d]) - Interval::point(c[3]) * Interval::point(origin[d])
+                    } else {
+                        Interval::point(c[d]) - Interval::point(origin[d])
+                    }
+                })
+                .collect();
+            from_spline_over(&net, local, a, b)
+        })
+    }
+
+    /// A control point near the middle of the span holding `t`, in space: a good origin.
+    pub fn middle(&self, t: f64) -> [f64; 3] {
+        let i = self.surface.knots_u.span(t) - self.surface.knots_u.degree() / 2;
+        let (c, d) = (&self.surface.control[2 * i], &self.surface.control[2 * i + 1]);
+        [0, 1, 2].map(|k: usize| 0.5 * (c[k] / c[3] + d[k] / d[3]))
+    }
+}
+
+/// The boundary curves in powers of `x = (t − a)/(b − a) − ½` on every span: quick values and derivatives over intervals.
+pub(super) struct RuledJets {
+    /// Positions are relative to it.
+    pub origin: [f64; 3],
+    breaks: Vec<f64>,
+    spans: Vec<RuledSpan>,
+}
+
+struct RuledSpan {
+    inverse: Interval,
+    /// Homogeneous components of A and B.
+    ends: [[Vec<Interval>; 4]; 2],
+    rational: bool,
+}
+
+/// Enclosures of the patch and its first derivatives.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct RuledJet {
+    /// R, relative to the origin given.
+    pub point: V3<Interval>,
+    /// ∂R/∂t.
+    pub dt: V3<Interval>,
+    /// ∂R/∂r.
+    pub dr: V3<Interval>,
+}
+
+impl RuledJets {
+    /// Prepares a patch, with positions relative to `origin`.
+    pub fn new(patch: &Ruled, origin: &[f64; 3]) -> Self {
+        let breaks = patch.breaks();
+        let spans = breaks
+            .windows(2)
+            .map(|w| RuledSpan {
+                inverse: Interval::ONE / (Interval::point(w[1]) - Interval::point(w[0])),
+                ends: [0, 1].map(|end: usize| patch.end(end, w[0], w[1], origin).map(|b| powers_about_half(&b))),
+                rational: patch.rational,
+            })
+            .collect();
+        Self { origin: *origin, breaks, spans }
+    }
+
+    /// Parameter interval in t.
+    pub fn domain(&self) -> (f64, f64) {
+        (self.breaks[0], self.breaks[self.breaks.len() - 1])
+    }
+
+    /// Enclosures over `t × r`, `t` inside the domain.
+    pub fn over(&self, t: Interval, r: Interval) -> RuledJet {
+        let inner = &self.breaks[1..self.breaks.len() - 1];
+        let find = |x: f64| inner.partition_point(|&b| b <= x);
+        let (first, last) = (find(t.lo), find(t.hi));
+        let piece = |i: usize| {
+            let lo = t.lo.max(self.breaks[i]);
+            let clipped = Interval { lo, hi: t.hi.min(self.breaks[i + 1]).max(lo) };
+            self.spans[i].jet((clipped - Interval::point(self.breaks[i])) * self.spans[i].inverse - HALF, r)
+        };
+        (first + 1..=last).fold(piece(first), |a, i| {
+            let b = piece(i);
+            RuledJet { point: hull(&a.point, &b.point), dt: hull(&a.dt, &b.dt), dr: hull(&a.dr, &b.dr) }
+        })
+    }
+}
+
+const HALF: Interval = Interval::point(0.5);
+
+impl RuledSpan {
+    fn jet(&self, x: Interval, r: Interval) -> RuledJet {
+        let middle = Interval::point(x.mid());
+        let off = x - middle;
+        // Values in mean value form; derivatives by Horner's scheme over the interval.
+        let value_and_slope = |c: &Vec<Interval>| {
+            let (mut v, mut d) = (Interval::ZERO, Interval::ZERO);
+            for &a in c.iter().rev() {
+                v = v * middle + a;
+            }
+            for (k, &a) in c.iter().enumerate().skip(1).rev() {
+                d = d * x + a * (k as f64);
+            }
+            (v + d * off, d * self.inverse)
+        };
+        let s = Interval::ONE - r;
+        let comps = if self.rational { 4 } else { 3 };
+        let (mut h, mut ht, mut hr) = ([Interval::ZERO; 4], [Interval::ZERO; 4], [Interval::ZERO; 4]);
+        for d in 0..comps {
+            let (a, at) = value_and_slope(&self.ends[0][d]);
+            let (b, bt) = value_and_slope(&self.ends[1][d]);
+            hr[d] = b - a;
+            // Convex combinations, written so that r appears once.
+            h[d] = a + r * hr[d];
+            ht[d] = at * s + bt * r;
+        }
+        let first = |v: &[Interval; 4]| [v[0], v[1], v[2]];
+        if !self.rational {
+            return RuledJet { point: first(&h), dt: first(&ht), dr: first(&hr) };
+        }
+        let point = [0, 1, 2].map(|d: usize| h[d] / h[3]);
+        let quotient = |v: &[Interval; 4]| [0, 1, 2].map(|d: usize| (v[d] - point[d] * v[3]) / h[3]);
+        RuledJet { point, dt: quotient(&ht), dr: quotient(&hr) }
+    }
+}
+
+/// Powers of `s − ½` of a polynomial in Bernstein form: `c_k = C(p, k) (Δᵏ b)(½)`.
+fn powers_about_half(b: &[Interval]) -> Vec<Interval> {
+    let p = b.len() - 1;
+    let mut differences = b.to_vec();
+    (0..=p)
+        .map(|k| {
+            let mut v = differences.clone();
+            while v.len() > 1 {
+                v = v.windows(2).map(|w| (w[0] + w[1]).scale_exact(0.5)).collect();
+            }
+            let c = v[0] * binomial(p, k);
+            differences = differences.windows(2).map(|w| w[1] - w[0]).collect();
+            c
+        })
+        .collect()
+}
+
+/// All breaks of two lists within `[a, b]`, with `a` and `b`, increasing.
+pub(super) fn common_breaks(x: &[f64], y: &[f64], a: f64, b: f64) -> Vec<f64> {
+    let mut out: Vec<f64> = x.iter().chain(y).copied().filter(|&t| t > a && t < b).chain([a, b]).collect();
+    out.sort_by(f64::total_cmp);
+    out.dedup_by(|p, q| p.to_bits() == q.to_bits());
+    out
+}

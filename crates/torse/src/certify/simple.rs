@@ -1,0 +1,322 @@
+//! Whether the exported trimming loops are simple closed curves that bound one region.
+//!
+//! *Method* \[certificate, H7\]: the cubic pieces are halved until every piece runs forward in some direction together with
+//! its successor (so neither meets itself, and both meet in their common end only), and all other pairs are
+//! separated by a line between their control polygons. Then the loops are disjoint simple curves with the topology of
+//! their chords: the winding of the outer chord polygon and of the holes' inside it is decided by exact predicates.
+//!
+//! Control points are computed in f64; all separations are required with a margin far above their rounding.
+
+use crate::spline::curve::{bezier_pieces, Curve};
+use robust::{orient2d, Coord};
+
+/// Separation required, relative to the extent of the loops: pieces come from convex combinations, 40 halvings err by
+/// less than 1e-13.
+const MARGIN: f64 = 1e-12;
+
+/// Rounds of halving at most.
+const ROUNDS: usize = 36;
+
+/// Pieces at most, beyond ten times the number given: loops that need more come too close to themselves.
+const PIECES: usize = 4_000;
+
+/// A cubic piece in coordinates scaled to the unit square.
+#[derive(Clone, Copy, Debug)]
+struct Piece {
+    c: [[f64; 2]; 4],
+    /// Number of the loop.
+    group: u32,
+}
+
+/// Whether loops (outer first) of trimming curves are simple, disjoint, and the others lie inside the first.
+///
+/// # Errors
+/// In plain words, what could not be shown.
+pub(super) fn loops_are_simple(loops: &[Vec<&Curve<2>>]) -> Result<(), &'static str> {
+    let mut rings = gather(loops)?;
+    let most = PIECES + 10 * rings.len();
+    for _ in 0..ROUNDS {
+        let marks = conflicts(&rings);
+        if marks.iter().all(|m| !m) {
+            return nested(&rings, loops.len());
+        }
+        if marks.len() > most {
+            break;
+        }
+        let mut next = Vec::with_capacity(2 * rings.len());
+        for (p, &m) in rings.iter().zip(&marks) {
+            if m {
+                next.extend(p.halves());
+            } else {
+                next.push(*p);
+            }
+        }
+        rings = next;
+    }
+    Err("a trimming loop meets itself or another, or comes too close to tell")
+}
+
+/// All pieces in order, scaled; checks that the curves join bit by bit.
+fn gather(loops: &[Vec<&Curve<2>>]) -> Result<Vec<Piece>, &'static str> {
+    let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+    for c in loops.iter().flatten().flat_map(|c| &c.control) {
+        for d in 0..2 {
+            low[d] = low[d].min(c[d]);
+            high[d] = high[d].max(c[d]);
+        }
+    }
+    let mut out = Vec::new();
+    for (group, l) in loops.iter().enumerate() {
+        for (i, c) in l.iter().enumerate() {
+            let next = l[(i + 1) % l.len()];
+            let bits = |p: Option<&[f64; 2]>| p.map(|p| p.map(f64::to_bits));
+            if bits(c.control.last()) != bits(next.control.first()) {
+                return Err("trimming curves of a loop do not join");
+            }
+            if c.knots.degree() != 3 || !super::boundary::clamped(c) {
+                return Err("a trimming curve is not a clamped cubic");
+            }
+            for (_, _, b) in bezier_pieces(c) {
+                let place = |p: &[f64; 2]| [0, 1].map(|d: usize| (p[d] - low[d]) / (high[d] - low[d]));
+                let c = [place(&b[0]), place(&b[1]), place(&b[2]), place(&b[3])];
+                if c.iter().flatten().any(|x| !x.is_finite()) {
+                    return Err("a trimming loop has no extent");
+                }
+                out.push(Piece { c, group: group as u32 });
+            }
+        }
+    }
+    if out.is_empty() {
+        return Err("the panel has no trimming curves");
+    }
+    Ok(out)
+}
+
+impl Piece {
+    fn halves(&self) -> [Self; 2] {
+        let mid = |p: [f64; 2], q: [f64; 2]| [0.5 * (p[0] + q[0]), 0.5 * (p[1] + q[1])];
+        let [a, b, c, d] = self.c;
+        let (ab, bc, cd) = (mid(a, b), mid(b, c), mid(c, d));
+        let (abc, bcd) = (mid(ab, bc), mid(bc, cd));
+        let m = mid(abc, bcd);
+        [Self { c: [a, ab, abc, m], ..*self }, Self { c: [m, bcd, cd, d], ..*self }]
+    }
+
+    fn chord(&self) -> [f64; 2] {
+        [self.c[3][0] - self.c[0][0], self.c[3][1] - self.c[0][1]]
+    }
+
+    /// Smallest advance of the control polygon in a direction.
+    fn advance(&self, w: [f64; 2]) -> f64 {
+        self.c.windows(2).map(|p| (p[1][0] - p[0][0]) * w[0] + (p[1][1] - p[0][1]) * w[1]).fold(f64::INFINITY, f64::min)
+    }
+
+    fn range(&self, w: [f64; 2]) -> (f64, f64) {
+        let v = self.c.map(|p| p[0] * w[0] + p[1] * w[1]);
+        (v.iter().copied().fold(f64::INFINITY, f64::min), v.iter().copied().fold(f64::NEG_INFINITY, f64::max))
+    }
+
+    /// Whether some line separates the control polygons.
+    fn apart(&self, o: &Self) -> bool {
+        let (p, q) = (unit(self.chord()), unit(o.chord()));
+        let between = |a: [f64; 2], b: [f64; 2]| unit([a[0] - b[0], a[1] - b[1]]);
+        let middles = between(self.c[3], o.c[0]);
+        let directions = [
+            [1.0, 0.0],
+            [0.0, 1.0],
+            p,
+            q,
+            [-p[1], p[0]],
+            [-q[1], q[0]],
+            unit([p[0] + q[0], p[1] + q[1]]),
+            unit([p[0] - q[0], p[1] - q[1]]),
+            middles,
+            between(self.c[0], o.c[3]),
+        ];
+        directions.iter().any(|&w| {
+            let ((a, b), (c, d)) = (self.range(w), o.range(w));
+            b + MARGIN < c || d + MARGIN < a
+        })
+    }
+}
+
+fn unit(v: [f64; 2]) -> [f64; 2] {
+    let l = v[0].hypot(v[1]);
+    if l > 0.0 {
+        [v[0] / l, v[1] / l]
+    } else {
+        [1.0, 0.0]
+    }
+}
+
+/// Pieces that are not yet shown to be clear of the others.
+fn conflicts(rings: &[Piece]) -> Vec<bool> {
+    let n = rings.len();
+    let mut marks = vec![false; n];
+    // Successors along each loop.
+    let mut next = vec![0usize; n];
+    let mut start = 0;
+    for i in 0..n {
+        let last = i + 1 == n || rings[i + 1].group != rings[i].group;
+        next[i] = if last { start } else { i + 1 };
+        if last {
+            start = i + 1;
+        }
+    }
+    for i in 0..n {
+        let (p, q) = (&rings[i], &rings[next[i]]);
+        let (d, e) = (unit(p.chord()), unit(q.chord()));
+        let w = unit([d[0] + e[0], d[1] + e[1]]);
+        // Advances in relation to the size of the piece: rounding is relative to the extent of the loops.
+        if p.advance(w) <= MARGIN || q.advance(w) <= MARGIN {
+            marks[i] = true;
+            marks[next[i]] = true;
+        }
+    }
+    // Sweep over boxes sorted by their left sides.
+    let boxes: Vec<[(f64, f64); 2]> = rings.iter().map(|p| [p.range([1.0, 0.0]), p.range([0.0, 1.0])]).collect();
+    let mut order: Vec<usize> = (0..n).collect();
+    order.sort_by(|&a, &b| boxes[a][0].0.total_cmp(&boxes[b][0].0));
+    let mut active: Vec<usize> = Vec::new();
+    for &i in &order {
+        active.retain(|&j| boxes[j][0].1 + MARGIN >= boxes[i][0].0);
+        for &j in &active {
+            let overlap = boxes[i][1].0 <= boxes[j][1].1 + MARGIN && boxes[j][1].0 <= boxes[i][1].1 + MARGIN;
+            let neighbours = next[i] == j || next[j] == i;
+            if overlap && !neighbours && !rings[i].apart(&rings[j]) {
+                marks[i] = true;
+                marks[j] = true;
+            }
+        }
+        active.push(i);
+    }
+    // A loop of fewer than three pieces has neighbours on both sides at once.
+    for i in 0..n {
+        if next[next[i]] == i {
+            marks[i] = true;
+        }
+    }
+    marks
+}
+
+/// Outer loop and holes turn in opposite senses, and the holes are inside.
+fn nested(rings: &[Piece], loops: usize) -> Result<(), &'static str> {
+    let polygon =
+        |g: usize| -> Vec<[f64; 2]> { rings.iter().filter(|p| p.group as usize == g).map(|p| p.c[0]).collect() };
+    let outer = polygon(0);
+    let sense = turning(&outer);
+    let holes: Vec<Vec<[f64; 2]>> = (1..loops).map(polygon).collect();
+    for (i, hole) in holes.iter().enumerate() {
+        if turning(hole) != -sense {
+            return Err("a hole turns in the same sense as the outer loop");
+        }
+        let p = hole[0];
+        if !inside(&outer, p) {
+            return Err("a hole lies outside the outer loop");
+        }
+        if holes.iter().enumerate().any(|(j, h)| j != i && inside(h, p)) {
+            return Err("a hole lies inside another");
+        }
+    }
+    Ok(())
+}
+
+fn at(p: [f64; 2]) -> Coord<f64> {
+    Coord { x: p[0], y: p[1] }
+}
+
+/// +1 for counter-clockwise simple polygons, −1 for clockwise ones: the turn at the lowest corner.
+fn turning(p: &[[f64; 2]]) -> i32 {
+    let n = p.len();
+    let lowest = |i: &usize, j: &usize| p[*i][1].total_cmp(&p[*j][1]).then(p[*i][0].total_cmp(&p[*j][0]));
+    let Some(i) = (0..n).min_by(lowest) else { return 0 };
+    let o = orient2d(at(p[(i + n - 1) % n]), at(p[i]), at(p[(i + 1) % n]));
+    if o > 0.0 {
+        1
+    } else if o < 0.0 {
+        -1
+    } else {
+        // Three corners in a row at the bottom: the left one comes first or last.
+        (p[(i + 1) % n][0] - p[(i + n - 1) % n][0]).signum() as i32
+    }
+}
+
+/// Whether `x` is inside a simple polygon: crossings of a ray, decided exactly.
+fn inside(p: &[[f64; 2]], x: [f64; 2]) -> bool {
+    let n = p.len();
+    let mut odd = false;
+    for i in 0..n {
+        let (a, b) = (p[i], p[(i + 1) % n]);
+        if (a[1] > x[1]) != (b[1] > x[1]) {
+            let o = orient2d(at(a), at(b), at(x));
+            if (o > 0.0) == (b[1] > a[1]) {
+                odd = !odd;
+            }
+        }
+    }
+    odd
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::certify::specimens::curve;
+    use crate::spline::knots::Knots;
+
+    /// An arc of a circle-like curve, ends exactly as given.
+    fn arc(f: &dyn Fn(f64) -> [f64; 2], a: [f64; 2], b: [f64; 2]) -> Curve<2> {
+        let k = Knots::uniform(3, 6, 0.0, 1.0).expect("knots");
+        let mut c = curve(&k, f);
+        let n = c.control.len();
+        c.control[0] = a;
+        c.control[n - 1] = b;
+        c
+    }
+
+    fn circle(r: f64, sense: f64, centre: [f64; 2]) -> Vec<Curve<2>> {
+        let place = |s: f64| {
+            let a = std::f64::consts::TAU * s * sense;
+            [centre[0] + r * a.cos(), centre[1] + 3.0 * r * a.sin()]
+        };
+        let (p, q) = (place(0.0), place(0.5));
+        vec![arc(&|s| place(0.5 * s), p, q), arc(&|s| place(0.5 + 0.5 * s), q, p)]
+    }
+
+    fn refs(loops: &[Vec<Curve<2>>]) -> Vec<Vec<&Curve<2>>> {
+        loops.iter().map(|l| l.iter().collect()).collect()
+    }
+
+    #[test]
+    fn rings_with_holes() {
+        let outer = circle(1.0, 1.0, [0.0, 0.0]);
+        let hole = circle(0.3, -1.0, [0.4, 0.0]);
+        assert_eq!(loops_are_simple(&refs(&[outer.clone(), hole.clone()])), Ok(()));
+        assert!(loops_are_simple(&refs(&[outer.clone(), circle(0.3, 1.0, [0.4, 0.0])])).is_err(), "sense");
+        assert!(loops_are_simple(&refs(&[outer.clone(), circle(0.3, -1.0, [1.0, 0.0])])).is_err(), "crossing");
+        assert!(loops_are_simple(&refs(&[outer.clone(), circle(0.3, -1.0, [2.0, 0.0])])).is_err(), "outside");
+        assert!(loops_are_simple(&refs(&[outer, hole, circle(0.1, -1.0, [0.4, 0.0])])).is_err(), "hole in hole");
+    }
+
+    #[test]
+    fn eights_and_loose_ends() {
+        let place = |s: f64| {
+            let a = std::f64::consts::TAU * s + 0.3;
+            [a.sin(), (2.0 * a).sin()]
+        };
+        let (p, q) = (place(0.0), place(0.5));
+        let eight = vec![arc(&|s| place(0.5 * s), p, q), arc(&|s| place(0.5 + 0.5 * s), q, p)];
+        assert!(loops_are_simple(&refs(&[eight])).is_err());
+        let mut open = circle(1.0, 1.0, [0.0, 0.0]);
+        open[1].control[0][0] += 1e-9;
+        assert!(loops_are_simple(&refs(&[open])).is_err());
+    }
+
+    #[test]
+    fn acute_corners_and_thin_strips() {
+        let line = |a: [f64; 2], b: [f64; 2]| arc(&move |s| [a[0] + s * (b[0] - a[0]), a[1] + s * (b[1] - a[1])], a, b);
+        let ring = |p: &[[f64; 2]]| vec![(0..p.len()).map(|i| line(p[i], p[(i + 1) % p.len()])).collect::<Vec<_>>()];
+        assert_eq!(loops_are_simple(&refs(&ring(&[[0., 0.], [1., 0.02], [1., 0.04]]))), Ok(()));
+        assert_eq!(loops_are_simple(&refs(&ring(&[[0., 0.], [100., 50.], [100., 50.2], [0., 0.2]]))), Ok(()));
+        assert!(loops_are_simple(&refs(&ring(&[[0., 0.], [1., 0.], [0., 1.], [1., 1.]]))).is_err());
+    }
+}
