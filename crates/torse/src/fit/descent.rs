@@ -371,10 +371,19 @@ pub(super) fn descended<F: Family>(
 ) -> Option<(Vec<f64>, f64)> {
     // A gain below this share ends the unweighted steps.
     const SMALL: f64 = 0.01;
+    // Failed steps that are tried again with more stiffness.
+    const FAILURES: usize = 2;
     let mut d = Descent::new(family, x, few.to_vec())?;
+    let mut failures = 0;
     for _ in 0..steps {
         let before = d.rms();
-        if !d.gauss_newton() || d.rms() > (1.0 - SMALL) * before {
+        if !d.gauss_newton() {
+            // The next step is stiffer.
+            failures += 1;
+            if failures > FAILURES {
+                break;
+            }
+        } else if d.rms() > (1.0 - SMALL) * before {
             break;
         }
     }

@@ -121,10 +121,31 @@ impl ProfileFamily {
         }
     }
 
+    /// Samples without a regular foot at the coefficients `x`; adopts the feet of the others.
+    pub fn irregular(&mut self, x: &[f64], all: &[usize]) -> Vec<usize> {
+        let sheet = self.sheet(x);
+        let range = widened(sheet.domain());
+        let mut out = Vec::new();
+        for &i in all {
+            let q = &self.points[i];
+            match sheet.foot(q, self.feet[i], range) {
+                Some(t) if sheet.distance(q, t).1 > REGULAR => self.feet[i] = t,
+                _ => out.push(i),
+            }
+        }
+        out
+    }
+
     /// Smallest and largest foot.
     pub fn foot_range(&self) -> (f64, f64) {
         self.feet.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &t| (a.min(t), b.max(t)))
     }
+}
+
+/// The interval in which feet may lie while the fit is under way.
+fn widened((lo, hi): (f64, f64)) -> (f64, f64) {
+    const BEYOND: f64 = 0.15;
+    (lo - BEYOND * (hi - lo), hi + BEYOND * (hi - lo))
 }
 
 impl Family for ProfileFamily {
@@ -137,11 +158,8 @@ impl Family for ProfileFamily {
     }
 
     fn residuals(&mut self, x: &[f64], active: &[usize], out: &mut Vec<f64>) -> bool {
-        // Feet may leave the spans by this share of their range while the fit is under way.
-        const BEYOND: f64 = 0.15;
         let sheet = self.sheet(x);
-        let (lo, hi) = sheet.domain();
-        let range = (lo - BEYOND * (hi - lo), hi + BEYOND * (hi - lo));
+        let range = widened(sheet.domain());
         out.clear();
         self.trial.clear();
         for &i in active {
