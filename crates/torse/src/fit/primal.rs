@@ -6,7 +6,7 @@
 use super::descent::{descended, largest, polished, Descent, Family};
 use super::plane::{plane, principal_frame};
 use super::profile::{ProfileFamily, Slopes};
-use super::samples::{error, thin, Fit, Sample};
+use super::samples::{measure, thin, Fit, Sample};
 use super::sheet::Sheet;
 use crate::geom::{Frame, Vec3};
 use crate::spline::pieces::Pieces;
@@ -331,9 +331,11 @@ fn finished(
     let (lo, hi) = profile.domain();
     let wide = (lo - 0.5 * (hi - lo), hi + 0.5 * (hi - lo));
     let (mut a, mut b) = (f64::INFINITY, f64::NEG_INFINITY);
+    let mut feet = Vec::with_capacity(samples.len());
     for (q, &guess) in family.points.iter().zip(&family.feet) {
         let t = sheet.foot(q, guess, wide)?;
         (a, b) = (a.min(t), b.max(t));
+        feet.push(t * unit);
     }
     let margin = MARGIN * (b - a);
     // An end piece shorter than a quarter of a span would have ill-conditioned knots.
@@ -349,7 +351,7 @@ fn finished(
             .collect(),
     };
     let torse = Torse::Primal(PrimalTorse { frame, profile: scaled.to_curve().ok()?, beta });
-    let (error, worst) = error(&torse, samples)?;
+    let (error, worst) = measure(&Sheet::of(&torse)?, samples, &mut feet)?;
     Some(Fit { torse, kind, error, worst })
 }
 
