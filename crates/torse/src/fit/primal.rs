@@ -235,7 +235,7 @@ fn spans(a: f64, b: f64, count: usize) -> Vec<f64> {
 fn ranked(samples: &[Sample], few: &[usize], up: Vec3, directions: usize, profile_spans: usize) -> Vec<Candidate> {
     // Samples and steps that suffice to rank directions.
     const RANKING: usize = 100;
-    const STEPS: usize = 3;
+    const STEPS: usize = 4;
     let seed = if up.x.abs() < 0.6 { Vec3::x() } else { Vec3::y() };
     let (e1, e2) = {
         let e1 = (seed - up * seed.dot(&up)).normalize();
@@ -302,7 +302,7 @@ fn simple(
     const PROMISING: f64 = 2.5;
     let unit = candidate.unit;
     let (mut family, x) = candidate.family.changed(&candidate.x, candidate.family.breaks.clone(), slopes.clone())?;
-    let (x, worst) = descended(&mut family, x, few, 4, 0)?;
+    let (x, worst) = descended(&mut family, x, few, 6, 0)?;
     if worst * unit > PROMISING * tolerance {
         return None;
     }

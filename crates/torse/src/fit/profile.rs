@@ -244,7 +244,7 @@ impl Family for ProfileFamily {
         // suit errors of a thousandth of the extent and shrink with the error, so that they never decide it.
         const THIRD: f64 = 3e-3;
         const SECOND: f64 = 0.02;
-        const SIZE: f64 = 1e-4;
+        const SIZE: f64 = 1e-6;
         const SUITED: f64 = 1e-3;
         const LEAST: f64 = 1e-6;
         let balance = (error / SUITED).clamp(LEAST, 1.0);
@@ -262,6 +262,11 @@ impl Family for ProfileFamily {
 
     fn fairness(&self, rows: &mut Rows) {
         self.differences(FAIR, FAIR * self.reach, rows);
+    }
+
+    fn firmness(&self) -> f64 {
+        // Least squares are fair by themselves.
+        0.05
     }
 
     fn step_share(&self, _x: &[f64], d: &[f64]) -> f64 {

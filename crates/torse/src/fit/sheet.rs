@@ -159,6 +159,33 @@ impl Sheet {
         None
     }
 
+    /// The foot of `q` with the smallest distance among all that a table of the foot function shows; for the rare
+    /// points for which the nearby guess fails.
+    pub fn nearest_foot(&self, q: &Vec3) -> Option<f64> {
+        let breaks = match self {
+            Self::Primal { profile, .. } => &profile.breaks,
+            Self::Dual { planes } => &planes.breaks,
+        };
+        let mut best: Option<(f64, f64)> = None;
+        let mut before: Option<(f64, f64)> = None;
+        for t in table(breaks) {
+            let e = self.foot_function(q, t).0;
+            if let Some((s, f)) = before {
+                if f * e <= 0.0 {
+                    let middle = if f == e { t } else { s + (t - s) * f / (f - e) };
+                    if let Some(root) = self.foot(q, middle, self.domain()) {
+                        let d = self.distance(q, root).0.abs();
+                        if best.is_none_or(|b| d < b.0) {
+                            best = Some((d, root));
+                        }
+                    }
+                }
+            }
+            before = Some((t, e));
+        }
+        best.map(|b| b.1)
+    }
+
     /// Exact foot function `|n|²(m·q − k) − (n·q − h)(n·m)` and its derivative.
     #[inline]
     pub fn foot_function(&self, q: &Vec3, t: f64) -> (f64, f64) {
