@@ -27,6 +27,8 @@ pub(super) trait Family {
     /// Rows that measure how unevenly a step changes the torse; they act on steps only, so they slow wiggles down but
     /// decide nothing in the end. Weights suit distances of unit weight.
     fn fairness(&self, rows: &mut Rows);
+    /// Share of fairness that least-squares steps with equal weights need.
+    fn firmness(&self) -> f64;
     /// Share of the step `d` that is short enough for the linearisation, in (0, 1].
     fn step_share(&self, x: &[f64], d: &[f64]) -> f64;
 }
@@ -50,6 +52,8 @@ pub(super) struct Descent<'a, F: Family> {
     /// Largest of them.
     pub worst: f64,
     weights: Vec<f64>,
+    /// Whether the weights differ.
+    weighted: bool,
     rows: Rows,
     soft_rows: Rows,
     soft_residual: Vec<f64>,
@@ -74,6 +78,7 @@ impl<'a, F: Family> Descent<'a, F> {
         Some(Self {
             worst: largest(&residual),
             weights: vec![1.0; active.len()],
+            weighted: false,
             family,
             x,
             active,
@@ -104,6 +109,7 @@ impl<'a, F: Family> Descent<'a, F> {
         if self.worst <= 0.0 {
             return;
         }
+        self.weighted = true;
         let mut sum = 0.0;
         for (w, r) in self.weights.iter_mut().zip(&self.residual) {
             *w *= KEPT + r.abs() / self.worst;
@@ -116,7 +122,8 @@ impl<'a, F: Family> Descent<'a, F> {
     }
 
     /// Fills rows, soft rows and the quadratic part of the soft conditions times `scale`.
-    fn linearise(&mut self, scale: f64) {
+    /// Fairness counts with the share `firmness` of its weight.
+    fn linearise(&mut self, scale: f64, firmness: f64) {
         self.rows.clear();
         self.family.jacobian(&self.x, &self.active, &self.residual, &mut self.rows);
         self.soft_rows.clear();
@@ -134,7 +141,7 @@ impl<'a, F: Family> Descent<'a, F> {
         }
         self.soft_rows.clear();
         self.family.fairness(&mut self.soft_rows);
-        let stiff = scale * self.stiffness * self.stiffness * self.active.len() as f64;
+        let stiff = scale * (firmness * self.stiffness).powi(2) * self.active.len() as f64;
         for i in 0..self.soft_rows.len() {
             self.matrix.add_row(&self.soft_rows, i, stiff);
         }
@@ -168,7 +175,8 @@ impl<'a, F: Family> Descent<'a, F> {
 
     /// One weighted Gauss–Newton step. `false` if no trial length lowers the cost.
     pub fn gauss_newton(&mut self) -> bool {
-        self.linearise(1.0);
+        let firmness = if self.weighted { 1.0 } else { self.family.firmness() };
+        self.linearise(1.0, firmness);
         for i in 0..self.rows.len() {
             let w = self.weights[i];
             self.matrix.add_row(&self.rows, i, w);
@@ -226,7 +234,7 @@ impl<'a, F: Family> Descent<'a, F> {
         for _ in 0..TRIALS {
             // Lawson's optimum is that of ½ Σ w r² / e with Σ w = 1, which gives the scale of the soft conditions.
             let scale = 1.0 / (self.active.len() as f64 * before);
-            self.linearise(scale);
+            self.linearise(scale, 1.0);
             let n = self.matrix.size();
             let mut squares = vec![0.0; n];
             for i in 0..self.rows.len() {
@@ -371,10 +379,19 @@ pub(super) fn descended<F: Family>(
 ) -> Option<(Vec<f64>, f64)> {
     // A gain below this share ends the unweighted steps.
     const SMALL: f64 = 0.01;
+    // Failed steps that are tried again with more stiffness.
+    const FAILURES: usize = 2;
     let mut d = Descent::new(family, x, few.to_vec())?;
+    let mut failures = 0;
     for _ in 0..steps {
         let before = d.rms();
-        if !d.gauss_newton() || d.rms() > (1.0 - SMALL) * before {
+        if !d.gauss_newton() {
+            // The next step is stiffer.
+            failures += 1;
+            if failures > FAILURES {
+                break;
+            }
+        } else if d.rms() > (1.0 - SMALL) * before {
             break;
         }
     }

@@ -6,7 +6,7 @@
 use super::descent::{descended, polished, Family};
 use super::envelope::EnvelopeFamily;
 use super::primal::{ENOUGH, MARGIN};
-use super::samples::{error, thin, Fit, Sample};
+use super::samples::{measure, thin, Fit, Sample};
 use super::sheet::Sheet;
 use crate::geom::{BBox, Vec3};
 use crate::num::least_squares::{BandMatrix, Rows};
@@ -227,9 +227,11 @@ fn finished(samples: &[Sample], scale: &Scale, family: &EnvelopeFamily, x: &[f64
     let (lo, hi) = planes.domain();
     let wide = (lo - 0.5 * (hi - lo), hi + 0.5 * (hi - lo));
     let (mut a, mut b) = (f64::INFINITY, f64::NEG_INFINITY);
+    let mut feet = Vec::with_capacity(samples.len());
     for (q, &guess) in family.points.iter().zip(&family.feet) {
         let t = sheet.foot(q, guess, wide)?;
         (a, b) = (a.min(t), b.max(t));
+        feet.push(t);
     }
     let margin = MARGIN * (b - a);
     let on = planes.on(a - margin, b + margin, 0.25 * (hi - lo) / planes.power.len() as f64);
@@ -238,7 +240,7 @@ fn finished(samples: &[Sample], scale: &Scale, family: &EnvelopeFamily, x: &[f64
         *c = scale.plane_back(c);
     }
     let torse = Torse::Dual(DualTorse { planes });
-    let (error, worst) = error(&torse, samples)?;
+    let (error, worst) = measure(&Sheet::of(&torse)?, samples, &mut feet)?;
     Some(Fit { torse, kind: PanelKind::Torse, error, worst })
 }
 

@@ -227,6 +227,11 @@ impl Family for EnvelopeFamily {
         }
     }
 
+    fn firmness(&self) -> f64 {
+        // Many spans hold few samples each.
+        1.0
+    }
+
     fn step_share(&self, _x: &[f64], d: &[f64]) -> f64 {
         // Largest change of a control plane's normal in one step.
         const LARGEST: f64 = 0.2;

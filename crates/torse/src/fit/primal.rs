@@ -6,7 +6,7 @@
 use super::descent::{descended, largest, polished, Descent, Family};
 use super::plane::{plane, principal_frame};
 use super::profile::{ProfileFamily, Slopes};
-use super::samples::{error, thin, Fit, Sample};
+use super::samples::{measure, thin, Fit, Sample};
 use super::sheet::Sheet;
 use crate::geom::{Frame, Vec3};
 use crate::spline::pieces::Pieces;
@@ -40,6 +40,8 @@ impl PrimalOptions {
 pub(super) const ENOUGH: f64 = 0.9;
 /// The final domain reaches this share of the feet's range beyond them.
 pub(super) const MARGIN: f64 = 0.08;
+/// Fits between one and this many tolerances get splines with more spans.
+const FINER: f64 = 2.5;
 /// Fits worse than this many tolerances are not refined.
 const HOPELESS: f64 = 6.0;
 
@@ -83,7 +85,14 @@ fn curved(samples: &[Sample], options: &PrimalOptions, enough: f64) -> Option<Fi
 
     // Ranking of the directions by cones.
     let mut candidates = ranked(samples, &few, up, options.directions.max(1), profile_spans);
-    candidates.truncate(options.keep.max(1));
+    // Only cones that are regular everywhere are of use.
+    let mut wanted = options.keep.max(1);
+    candidates.retain_mut(|c| {
+        wanted > 0 && c.family.irregular(&c.x, &all).is_empty() && {
+            wanted -= 1;
+            true
+        }
+    });
 
     // Simple kinds from the best direction.
     if let Some(c) = candidates.first() {
@@ -94,46 +103,83 @@ fn curved(samples: &[Sample], options: &PrimalOptions, enough: f64) -> Option<Fi
         }
     }
 
-    // General torses: a few steps for each direction, the rest for the best.
-    for c in &mut candidates {
-        c.score = f64::INFINITY;
-        let (a, b) = c.family.foot_range();
-        let Some((mut family, x)) = c.family.changed(&c.x, spans(a, b, profile_spans), Slopes::Affine) else {
-            continue;
-        };
-        let Some((x, _)) = descended(&mut family, x, &few, 2, 0) else { continue };
-        let (a, b) = family.foot_range();
-        let breaks = spans(a, b, profile_spans);
-        let coarse = breaks.iter().step_by(profile_spans / ruling_spans).copied().collect();
-        let Some((mut family, x)) = family.changed(&x, breaks, Slopes::Spline(coarse)) else { continue };
-        let Some((x, worst)) = descended(&mut family, x, &few, 4, 4) else { continue };
-        (c.family, c.x, c.score) = (family, x, worst * c.unit);
-    }
-    candidates.retain(|c| c.score.is_finite());
-    candidates.sort_by(|a, b| a.score.total_cmp(&b.score));
-    let best = candidates.first_mut()?;
-    if options.tolerance > 0.0 && best.score > HOPELESS * options.tolerance {
-        return finished(best, PanelKind::Torse, samples);
+    // General torses: a few steps for each direction, the rest for the best that is regular everywhere.
+    let mut freed: Vec<Freed> = candidates.iter().filter_map(|c| freed(c, &few, profile_spans, ruling_spans)).collect();
+    freed.sort_by(|a, b| a.worst.total_cmp(&b.worst));
+    let mut best = freed.into_iter().find_map(|f| f.repaired(&all))?;
+    if options.tolerance > 0.0 && best.worst > HOPELESS * options.tolerance {
+        return finished(best.frame, best.unit, &best.family, &best.x, PanelKind::Torse, samples);
     }
     let goal = enough / best.unit;
-    let few = with_ends(&best.family, &few, profile_spans);
-    let mut reached = polished(&mut best.family, &mut best.x, &few, &all, goal)?;
-    if reached * best.unit > options.tolerance && reached * best.unit < 2.5 * options.tolerance {
+    let few = std::mem::take(&mut best.few);
+    let reached = polished(&mut best.family, &mut best.x, &few, &all, goal)? * best.unit;
+    if reached > options.tolerance && reached < FINER * options.tolerance {
         // More freedom, from where the coarse fit ended.
         let (a, b) = best.family.foot_range();
         let breaks = spans(a, b, 2 * profile_spans);
         let coarse = breaks.iter().step_by(profile_spans / ruling_spans).copied().collect();
         if let Some((mut family, mut x)) = best.family.changed(&best.x, breaks, Slopes::Spline(coarse)) {
-            if let Some(finer) = polished(&mut family, &mut x, &few, &all, goal) {
-                if finer < reached {
-                    reached = finer;
-                    (best.family, best.x) = (family, x);
-                }
+            match polished(&mut family, &mut x, &few, &all, goal) {
+                Some(finer) if finer * best.unit < reached => (best.family, best.x) = (family, x),
+                _ => {}
             }
         }
     }
-    best.score = reached * best.unit;
-    finished(best, PanelKind::Torse, samples)
+    finished(best.frame, best.unit, &best.family, &best.x, PanelKind::Torse, samples)
+}
+
+/// A general torse after the first steps.
+struct Freed {
+    frame: Frame,
+    unit: f64,
+    family: ProfileFamily,
+    x: Vec<f64>,
+    /// The cone that it started from, in the same family.
+    cone: Vec<f64>,
+    few: Vec<usize>,
+    /// Largest distance among `few`, mm.
+    worst: f64,
+}
+
+/// First steps of the general torse from a ranked cone.
+fn freed(c: &Candidate, few: &[usize], profile_spans: usize, ruling_spans: usize) -> Option<Freed> {
+    let (a, b) = c.family.foot_range();
+    let (mut family, x) = c.family.changed(&c.x, spans(a, b, profile_spans), Slopes::Affine)?;
+    let few = with_ends(&family, few, profile_spans);
+    let (x, _) = descended(&mut family, x, &few, 3, 0)?;
+    let (a, b) = family.foot_range();
+    let breaks = spans(a, b, profile_spans);
+    let coarse = breaks.iter().step_by(profile_spans / ruling_spans).copied().collect();
+    let (mut family, cone) = family.changed(&x, breaks, Slopes::Spline(coarse))?;
+    let (x, worst) = descended(&mut family, cone.clone(), &few, 5, 4)?;
+    Some(Freed { frame: c.frame, unit: c.unit, family, x, cone, few, worst: worst * c.unit })
+}
+
+impl Freed {
+    /// The same, regular at all samples: samples where it is not join in, and the fit starts again nearer the cone.
+    fn repaired(mut self, all: &[usize]) -> Option<Self> {
+        // Rounds, samples that join per round, and shares of the way back to the cone.
+        const ROUNDS: usize = 4;
+        const ADDED: usize = 20;
+        const BACK: [f64; 5] = [0.2, 0.4, 0.6, 0.8, 1.0];
+        for _ in 0..ROUNDS {
+            let bad = self.family.irregular(&self.x, all);
+            if bad.is_empty() {
+                return Some(self);
+            }
+            self.few.extend(bad.iter().step_by(bad.len().div_ceil(ADDED)));
+            self.few.sort_unstable();
+            self.few.dedup();
+            let mut unused = Vec::new();
+            let start = BACK.iter().find_map(|&back| {
+                let x: Vec<f64> = self.x.iter().zip(&self.cone).map(|(x, c)| x + back * (c - x)).collect();
+                self.family.residuals(&x, &self.few, &mut unused).then_some(x)
+            })?;
+            let (x, worst) = descended(&mut self.family, start, &self.few, 4, 3)?;
+            (self.x, self.worst) = (x, worst * self.unit);
+        }
+        self.family.irregular(&self.x, all).is_empty().then_some(self)
+    }
 }
 
 /// The samples `few` and, for each of `bins` parts of the range of feet, the two farthest along the rulings: there the
@@ -189,7 +235,7 @@ fn spans(a: f64, b: f64, count: usize) -> Vec<f64> {
 fn ranked(samples: &[Sample], few: &[usize], up: Vec3, directions: usize, profile_spans: usize) -> Vec<Candidate> {
     // Samples and steps that suffice to rank directions.
     const RANKING: usize = 100;
-    const STEPS: usize = 3;
+    const STEPS: usize = 4;
     let seed = if up.x.abs() < 0.6 { Vec3::x() } else { Vec3::y() };
     let (e1, e2) = {
         let e1 = (seed - up * seed.dot(&up)).normalize();
@@ -215,9 +261,9 @@ fn ranked(samples: &[Sample], few: &[usize], up: Vec3, directions: usize, profil
         c.score = score * c.unit;
         c.x = x;
         // Feet of the samples that did not take part.
-        let (mut unused, all) = (Vec::new(), few);
-        if c.family.residuals(&c.x, all, &mut unused) {
-            c.family.adopt(all);
+        let mut unused = Vec::new();
+        if c.family.residuals(&c.x, few, &mut unused) {
+            c.family.adopt(few);
             out.push(c);
         }
     }
@@ -256,7 +302,7 @@ fn simple(
     const PROMISING: f64 = 2.5;
     let unit = candidate.unit;
     let (mut family, x) = candidate.family.changed(&candidate.x, candidate.family.breaks.clone(), slopes.clone())?;
-    let (x, worst) = descended(&mut family, x, few, 4, 0)?;
+    let (x, worst) = descended(&mut family, x, few, 6, 0)?;
     if worst * unit > PROMISING * tolerance {
         return None;
     }
@@ -267,28 +313,35 @@ fn simple(
     if reached * unit > tolerance {
         return None;
     }
-    let done = Candidate { frame: candidate.frame, unit, family, x, score: reached * unit };
-    finished(&done, kind, samples).filter(|fit| fit.error <= tolerance)
+    finished(candidate.frame, unit, &family, &x, kind, samples).filter(|fit| fit.error <= tolerance)
 }
 
 /// The torse in mm on a domain that reaches a little beyond the feet of all samples, with its measured error.
-fn finished(c: &Candidate, kind: PanelKind, samples: &[Sample]) -> Option<Fit> {
-    let sheet = c.family.sheet(&c.x);
+fn finished(
+    frame: Frame,
+    unit: f64,
+    family: &ProfileFamily,
+    x: &[f64],
+    kind: PanelKind,
+    samples: &[Sample],
+) -> Option<Fit> {
+    let sheet = family.sheet(x);
     let Sheet::Primal { profile, .. } = &sheet else { return None };
     // Feet of all samples, wherever they are on the continued torse.
     let (lo, hi) = profile.domain();
     let wide = (lo - 0.5 * (hi - lo), hi + 0.5 * (hi - lo));
     let (mut a, mut b) = (f64::INFINITY, f64::NEG_INFINITY);
-    for (q, &guess) in c.family.points.iter().zip(&c.family.feet) {
+    let mut feet = Vec::with_capacity(samples.len());
+    for (q, &guess) in family.points.iter().zip(&family.feet) {
         let t = sheet.foot(q, guess, wide)?;
         (a, b) = (a.min(t), b.max(t));
+        feet.push(t * unit);
     }
     let margin = MARGIN * (b - a);
     // An end piece shorter than a quarter of a span would have ill-conditioned knots.
     let shortest = 0.25 * (hi - lo) / profile.power.len() as f64;
     let on = profile.on(a - margin, b + margin, shortest);
     let beta = sheet.slope(on.breaks[0]);
-    let unit = c.unit;
     let scaled = Pieces {
         breaks: on.breaks.iter().map(|t| t * unit).collect(),
         power: on
@@ -297,8 +350,8 @@ fn finished(c: &Candidate, kind: PanelKind, samples: &[Sample]) -> Option<Fit> {
             .map(|p| std::array::from_fn(|k| [p[k][0] * unit.powi(1 - k as i32), p[k][1] * unit.powi(-(k as i32))]))
             .collect(),
     };
-    let torse = Torse::Primal(PrimalTorse { frame: c.frame, profile: scaled.to_curve().ok()?, beta });
-    let (error, worst) = error(&torse, samples)?;
+    let torse = Torse::Primal(PrimalTorse { frame, profile: scaled.to_curve().ok()?, beta });
+    let (error, worst) = measure(&Sheet::of(&torse)?, samples, &mut feet)?;
     Some(Fit { torse, kind, error, worst })
 }
 
@@ -337,8 +390,8 @@ pub(super) fn refit(
     if family.residuals(&x, &all, &mut residual) {
         family.adopt(&all);
     }
-    let reached = polished(&mut family, &mut x, &few, &all, ENOUGH * tolerance / unit)?;
-    finished(&Candidate { frame: torse.frame, unit, family, x, score: reached * unit }, kind, samples)
+    polished(&mut family, &mut x, &few, &all, ENOUGH * tolerance / unit)?;
+    finished(torse.frame, unit, &family, &x, kind, samples)
 }
 
 /// Breaks at which the third derivative of a jumps, ends included.

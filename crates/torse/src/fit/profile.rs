@@ -121,10 +121,31 @@ impl ProfileFamily {
         }
     }
 
+    /// Samples without a regular foot at the coefficients `x`; adopts the feet of the others.
+    pub fn irregular(&mut self, x: &[f64], all: &[usize]) -> Vec<usize> {
+        let sheet = self.sheet(x);
+        let range = widened(sheet.domain());
+        let mut out = Vec::new();
+        for &i in all {
+            let q = &self.points[i];
+            match sheet.foot(q, self.feet[i], range) {
+                Some(t) if sheet.distance(q, t).1 > REGULAR => self.feet[i] = t,
+                _ => out.push(i),
+            }
+        }
+        out
+    }
+
     /// Smallest and largest foot.
     pub fn foot_range(&self) -> (f64, f64) {
         self.feet.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &t| (a.min(t), b.max(t)))
     }
+}
+
+/// The interval in which feet may lie while the fit is under way.
+fn widened((lo, hi): (f64, f64)) -> (f64, f64) {
+    const BEYOND: f64 = 0.15;
+    (lo - BEYOND * (hi - lo), hi + BEYOND * (hi - lo))
 }
 
 impl Family for ProfileFamily {
@@ -137,11 +158,8 @@ impl Family for ProfileFamily {
     }
 
     fn residuals(&mut self, x: &[f64], active: &[usize], out: &mut Vec<f64>) -> bool {
-        // Feet may leave the spans by this share of their range while the fit is under way.
-        const BEYOND: f64 = 0.15;
         let sheet = self.sheet(x);
-        let (lo, hi) = sheet.domain();
-        let range = (lo - BEYOND * (hi - lo), hi + BEYOND * (hi - lo));
+        let range = widened(sheet.domain());
         out.clear();
         self.trial.clear();
         for &i in active {
@@ -226,7 +244,7 @@ impl Family for ProfileFamily {
         // suit errors of a thousandth of the extent and shrink with the error, so that they never decide it.
         const THIRD: f64 = 3e-3;
         const SECOND: f64 = 0.02;
-        const SIZE: f64 = 1e-4;
+        const SIZE: f64 = 1e-6;
         const SUITED: f64 = 1e-3;
         const LEAST: f64 = 1e-6;
         let balance = (error / SUITED).clamp(LEAST, 1.0);
@@ -244,6 +262,11 @@ impl Family for ProfileFamily {
 
     fn fairness(&self, rows: &mut Rows) {
         self.differences(FAIR, FAIR * self.reach, rows);
+    }
+
+    fn firmness(&self) -> f64 {
+        // Least squares are fair by themselves.
+        0.05
     }
 
     fn step_share(&self, _x: &[f64], d: &[f64]) -> f64 {

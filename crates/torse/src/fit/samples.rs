@@ -46,7 +46,13 @@ pub fn error(torse: &Torse, samples: &[Sample]) -> Option<(f64, usize)> {
         let q = sheet.local(&s.x);
         *t = guesses.guess(&q);
     }
-    measure(&sheet, samples, &mut feet)
+    measure(&sheet, samples, &mut feet).or_else(|| {
+        // A guess may have led to a foot on another fold.
+        for (t, s) in feet.iter_mut().zip(samples) {
+            *t = sheet.nearest_foot(&sheet.local(&s.x))?;
+        }
+        measure(&sheet, samples, &mut feet)
+    })
 }
 
 /// As [`error`], with first guesses of the feet in `feet`; leaves the feet there.

@@ -159,6 +159,33 @@ impl Sheet {
         None
     }
 
+    /// The foot of `q` with the smallest distance among all that a table of the foot function shows; for the rare
+    /// points for which the nearby guess fails.
+    pub fn nearest_foot(&self, q: &Vec3) -> Option<f64> {
+        let breaks = match self {
+            Self::Primal { profile, .. } => &profile.breaks,
+            Self::Dual { planes } => &planes.breaks,
+        };
+        let mut best: Option<(f64, f64)> = None;
+        let mut before: Option<(f64, f64)> = None;
+        for t in table(breaks) {
+            let e = self.foot_function(q, t).0;
+            if let Some((s, f)) = before {
+                if f * e <= 0.0 {
+                    let middle = if f == e { t } else { s + (t - s) * f / (f - e) };
+                    if let Some(root) = self.foot(q, middle, self.domain()) {
+                        let d = self.distance(q, root).0.abs();
+                        if best.is_none_or(|b| d < b.0) {
+                            best = Some((d, root));
+                        }
+                    }
+                }
+            }
+            before = Some((t, e));
+        }
+        best.map(|b| b.1)
+    }
+
     /// Exact foot function `|n|²(m·q − k) − (n·q − h)(n·m)` and its derivative.
     #[inline]
     pub fn foot_function(&self, q: &Vec3, t: f64) -> (f64, f64) {
@@ -186,33 +213,41 @@ impl Sheet {
     /// First guesses of feet.
     pub fn guesses(&self) -> Guesses {
         match self {
-            Self::Primal { .. } => Guesses { rulings: Vec::new() },
+            Self::Primal { profile, .. } => {
+                let slopes = table(&profile.breaks).map(|t| (t, profile.jet(t)[0][1]));
+                Guesses { rulings: Vec::new(), slopes: slopes.collect() }
+            }
             Self::Dual { planes } => {
-                let (a, b) = planes.domain();
-                let count = 3 * planes.power.len().max(4);
-                let rulings = (0..=count).filter_map(|i| {
-                    let t = a + (b - a) * i as f64 / count as f64;
+                let rulings = table(&planes.breaks).filter_map(|t| {
                     let j = self.jet(t);
                     let e = j.n.cross(&j.m);
                     let point = (j.m.cross(&e) * j.h + e.cross(&j.n) * j.k) / e.norm_squared();
                     let direction = e.normalize();
                     (point.x.is_finite() && direction.x.is_finite()).then_some((t, point, direction))
                 });
-                Guesses { rulings: rulings.collect() }
+                Guesses { rulings: rulings.collect(), slopes: Vec::new() }
             }
         }
     }
 }
 
-/// Table of rulings `(t, point, unit direction)`; empty where the local coordinate x itself is the guess.
+/// Parameters of a table with three entries per span.
+fn table(breaks: &[f64]) -> impl Iterator<Item = f64> {
+    let (a, b) = (breaks[0], breaks[breaks.len() - 1]);
+    let count = 3 * (breaks.len() - 1).max(4);
+    (0..=count).map(move |i| a + (b - a) * i as f64 / count as f64)
+}
+
+/// Tables of a torse's rulings: `(t, point, unit direction)` of a dual one, `(t, a(t))` of a primal one.
 #[derive(Clone, Debug)]
 pub(super) struct Guesses {
-    /// The rulings.
-    pub rulings: Vec<(f64, Vec3, Vec3)>,
+    rulings: Vec<(f64, Vec3, Vec3)>,
+    slopes: Vec<(f64, f64)>,
 }
 
 impl Guesses {
-    /// Parameter of the nearest ruling of the table.
+    /// First guess of the foot of `q`: for a dual torse the nearest ruling of the table; for a primal one the place
+    /// where `x − t − y a(t)` falls through zero (regular there), the nearest to x if there are several.
     pub fn guess(&self, q: &Vec3) -> f64 {
         let mut best = (f64::INFINITY, q.x);
         for (t, point, direction) in &self.rulings {
@@ -221,6 +256,15 @@ impl Guesses {
             let d = v.norm_squared() - along * along;
             if d < best.0 {
                 best = (d, *t);
+            }
+        }
+        for w in self.slopes.windows(2) {
+            let (g0, g1) = (q.x - w[0].0 - q.y * w[0].1, q.x - w[1].0 - q.y * w[1].1);
+            if g0 >= 0.0 && g1 <= 0.0 && g0 > g1 {
+                let t = w[0].0 + (w[1].0 - w[0].0) * g0 / (g0 - g1);
+                if (t - q.x).abs() < best.0 {
+                    best = ((t - q.x).abs(), t);
+                }
             }
         }
         best.1
