@@ -3,6 +3,7 @@
 use nalgebra as na;
 
 pub mod partition;
+pub mod rectangle;
 
 /// A point or vector of space, in millimetres.
 pub type Vec3 = na::Vector3<f64>;
