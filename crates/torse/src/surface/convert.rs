@@ -8,7 +8,7 @@
 
 use super::torse::{DualTorse, PrimalTorse, Torse};
 use crate::geom::Vec3;
-use crate::spline::curve::bezier_pieces;
+use crate::spline::curve::{bezier_pieces, Curve};
 use crate::spline::knots::Knots;
 use crate::spline::surface::Surface;
 use crate::spline::SplineError;
@@ -106,118 +106,241 @@ pub fn parameters(patch: &Surface, t: f64, x: &Vec3) -> f64 {
     l * a[3] / (l * a[3] + (1.0 - l) * b[3])
 }
 
-/// Boundary planes `direction(t) · (X − origin) = low(t)` and `= high(t)`; Bernstein coefficients on `range`.
+/// Boundary planes `direction(t) · (X − origin) = low(t)` and `= high(t)`, splines on `range`.
 struct Bound {
     range: (f64, f64),
     origin: Vec3,
-    direction: [Vec<f64>; 3],
-    low: Vec<f64>,
-    high: Vec<f64>,
+    direction: Curve<3>,
+    low: Curve<1>,
+    high: Curve<1>,
+    /// Order of continuity of the three.
+    order: isize,
 }
 
-/// Finds boundary planes of the lowest sensible degree around the extent.
+impl Bound {
+    /// Degree that the families add to the patch.
+    fn degree(&self) -> usize {
+        degree(&self.direction).max(degree(&self.low)).max(degree(&self.high))
+    }
+}
+
+/// Degree of a family; 0 if it is constant.
+fn degree<const D: usize>(curve: &Curve<D>) -> usize {
+    if curve.control.windows(2).all(|w| w[0] == w[1]) {
+        0
+    } else {
+        curve.knots.degree()
+    }
+}
+
+/// A used point: parameter of its ruling, place on the ruling, coordinate along `direction`.
+struct Used {
+    t: f64,
+    place: Vec3,
+    y: f64,
+}
+
+/// Finds boundary planes around the extent: polynomial families of the lowest sensible degree, else splines.
 fn hug(torse: &Torse, extent: &Extent, range: (f64, f64)) -> Result<Bound, ConvertError> {
-    let unit = |t: f64| (t - range.0) / (range.1 - range.0);
-    let (origin, direction) = match torse {
-        Torse::Primal(p) => (p.frame.origin, [vec![p.frame.y.x], vec![p.frame.y.y], vec![p.frame.y.z]]),
-        Torse::Dual(_) => {
-            let mid = extent.points.iter().map(|p| p.1).sum::<Vec3>() / extent.points.len() as f64;
-            (mid, direction_family(torse, range)?)
-        }
+    let origin = match torse {
+        Torse::Primal(p) => p.frame.origin,
+        Torse::Dual(_) => extent.points.iter().map(|p| p.1).sum::<Vec3>() / extent.points.len() as f64,
     };
-    let at = |s: f64| Vec3::new(bernstein(&direction[0], s), bernstein(&direction[1], s), bernstein(&direction[2], s));
-    // Coordinates along the rulings of the used points.
-    let used: Vec<(f64, f64, f64)> = extent
-        .points
-        .iter()
-        .map(|(t, x)| {
-            let s = unit(*t);
-            let r = torse.ruling(*t);
-            let on = r.point + r.direction * r.direction.dot(&(x - r.point));
-            (*t, s, at(s).dot(&(on - origin)))
-        })
-        .collect();
-    let mut best: Option<(f64, Bound)> = None;
-    let mut trouble = range.0;
-    for degree in 0..=MAX_FAMILY {
-        let low0 = envelope(&used, degree, -1.0, 0.0);
-        let high0 = envelope(&used, degree, 1.0, 0.0);
-        let width = mean(&high0) - mean(&low0);
-        let margin = MARGIN_ALONG * width.max(f64::MIN_POSITIVE);
-        let low: Vec<f64> = low0.iter().map(|c| c - margin).collect();
-        let high: Vec<f64> = high0.iter().map(|c| c + margin).collect();
-        // Regularity at both boundary curves against that at the used points; the slope of the foot function is
-        // linear along a ruling and vanishes at the regression point.
-        let mut regular = true;
-        for (k, &(t, s, y)) in used.iter().enumerate() {
-            let r = torse.ruling(t);
-            let per_mm = at(s).dot(&r.direction);
-            let slope_at = |target: f64| {
-                let x = r.point + r.direction * ((target - at(s).dot(&(r.point - origin))) / per_mm);
-                torse.foot_function(&x, t).1
-            };
-            let here = slope_at(y);
-            for end in [bernstein(&low, s), bernstein(&high, s)] {
-                if slope_at(end) * here.signum() < REGULARITY_KEPT * here.abs() {
-                    regular = false;
-                    trouble = extent.points[k].0;
+    let knots = spline_knots(torse, range)?;
+    let mut trouble = ConvertError::Regression { t: range.0 };
+    for splines in [false, true] {
+        let direction = match (torse, splines) {
+            (Torse::Primal(p), _) => constant(p.frame.y.into(), range)?,
+            (Torse::Dual(_), false) => match direction_polynomial(torse, range)? {
+                Some(d) => d,
+                None => continue,
+            },
+            (Torse::Dual(_), true) => direction_spline(torse, &knots)?,
+        };
+        if let Some(t) = departs(torse, &direction, range) {
+            trouble = ConvertError::Turning { t };
+            continue;
+        }
+        let used: Vec<Used> = extent
+            .points
+            .iter()
+            .map(|&(t, x)| {
+                let r = torse.ruling(t);
+                let place = r.point + r.direction * r.direction.dot(&(x - r.point));
+                Used { t, place, y: Vec3::from(direction.point(t)).dot(&(place - origin)) }
+            })
+            .collect();
+        let mut best: Option<(f64, Bound)> = None;
+        let degrees = if splines { 0..=0 } else { 0..=MAX_FAMILY };
+        for degree in degrees {
+            let side = |sign: f64| {
+                if splines {
+                    spline_envelope(&used, &knots, sign)
+                } else {
+                    envelope(&used, degree, sign, range)
                 }
+            };
+            let (low, high) = (side(-1.0)?, side(1.0)?);
+            let width = mean(&high) - mean(&low);
+            let margin = MARGIN_ALONG * width;
+            let bound = Bound {
+                range,
+                origin,
+                direction: direction.clone(),
+                low: shifted(low, -margin),
+                high: shifted(high, margin),
+                order: if splines { 1 } else { isize::MAX },
+            };
+            match irregular(torse, &bound, &used) {
+                Some(t) => trouble = ConvertError::Regression { t },
+                None if best.as_ref().is_none_or(|(w, _)| width < WORTHWHILE * w) => best = Some((width, bound)),
+                None => {}
             }
         }
-        if regular && best.as_ref().is_none_or(|(w, _)| width < WORTHWHILE * w) {
-            best = Some((width, Bound { range, origin, direction: direction.clone(), low, high }));
+        if let Some((_, bound)) = best {
+            return Ok(bound);
         }
     }
-    best.map(|b| b.1).ok_or(ConvertError::Regression { t: trouble })
+    Err(trouble)
 }
 
-/// Low-degree polynomial family of directions that stays within about 50° of the rulings.
-fn direction_family(torse: &Torse, range: (f64, f64)) -> Result<[Vec<f64>; 3], ConvertError> {
-    const SAMPLES: usize = 48;
+/// Parameter at which a boundary curve would come near the regression curve: there the slope of the foot function,
+/// which is linear along a ruling and vanishes at the regression point, loses its size or sign.
+fn irregular(torse: &Torse, bound: &Bound, used: &[Used]) -> Option<f64> {
+    // Least slope at the used points of each slice of the range, as the measure of what there is to keep.
+    let slice = |t: f64| {
+        let s = (t - bound.range.0) / (bound.range.1 - bound.range.0);
+        ((s * SLICES as f64) as usize).min(SLICES - 1)
+    };
+    let mut least = [f64::INFINITY; SLICES];
+    for u in used {
+        let k = slice(u.t);
+        least[k] = least[k].min(torse.foot_function(&u.place, u.t).1.abs());
+    }
+    used.iter().find_map(|u| {
+        let r = torse.ruling(u.t);
+        let per_mm = Vec3::from(bound.direction.point(u.t)).dot(&r.direction);
+        let slope_at = |y: f64| torse.foot_function(&(u.place + r.direction * ((y - u.y) / per_mm)), u.t).1;
+        let sign = slope_at(u.y).signum();
+        [bound.low.point(u.t)[0], bound.high.point(u.t)[0]]
+            .into_iter()
+            .any(|y| slope_at(y) * sign < REGULARITY_KEPT * least[slice(u.t)])
+            .then_some(u.t)
+    })
+}
+
+/// Slices of the range in which extremes of the used points are sought.
+const SLICES: usize = 24;
+/// Samples of the range for checks of directions.
+const SAMPLES: usize = 64;
+
+/// Parameter at which directions are too far from the rulings, if any.
+fn departs(torse: &Torse, direction: &Curve<3>, range: (f64, f64)) -> Option<f64> {
+    (0..=SAMPLES).map(|i| range.0 + (range.1 - range.0) * i as f64 / SAMPLES as f64).find(|&t| {
+        let a = Vec3::from(direction.point(t));
+        a.dot(&torse.ruling(t).direction) < MIN_COSINE * a.norm()
+    })
+}
+
+/// Polynomial of the lowest degree that stays near the ruling directions.
+fn direction_polynomial(torse: &Torse, range: (f64, f64)) -> Result<Option<Curve<3>>, ConvertError> {
     let nodes: Vec<(f64, Vec3)> = (0..=SAMPLES)
         .map(|i| i as f64 / SAMPLES as f64)
         .map(|s| (s, torse.ruling(range.0 + s * (range.1 - range.0)).direction))
         .collect();
-    let mut worst = (f64::NEG_INFINITY, range.0);
     for degree in 0..=MAX_FAMILY {
         let fit = |c: usize| least_squares(&nodes.iter().map(|(s, e)| (*s, e[c], 1.0)).collect::<Vec<_>>(), degree);
-        let family = [fit(0), fit(1), fit(2)];
-        let mut least = (f64::INFINITY, range.0);
-        for (s, e) in &nodes {
-            let a = Vec3::new(bernstein(&family[0], *s), bernstein(&family[1], *s), bernstein(&family[2], *s));
-            let cosine = a.dot(e) / a.norm().max(f64::MIN_POSITIVE);
-            if cosine < least.0 {
-                least = (cosine, range.0 + s * (range.1 - range.0));
-            }
-        }
-        if least.0 >= MIN_COSINE {
-            return Ok(family);
-        }
-        if least.0 > worst.0 {
-            worst = least;
+        let (x, y, z) = (fit(0), fit(1), fit(2));
+        let control: Vec<[f64; 3]> = (0..x.len()).map(|i| [x[i], y[i], z[i]]).collect();
+        let curve = polynomial(control, range)?;
+        if departs(torse, &curve, range).is_none() {
+            return Ok(Some(curve));
         }
     }
-    Err(ConvertError::Turning { t: worst.1 })
+    Ok(None)
 }
 
-/// Polynomial `q` of the given degree with `sign (q(s) − y) ≥ 0` at all points, near the extreme ones.
-fn envelope(used: &[(f64, f64, f64)], degree: usize, sign: f64, margin: f64) -> Vec<f64> {
-    // Extreme points of 24 slices of the range, joined by a least-squares polynomial, which is then shifted.
-    const SLICES: usize = 24;
+/// Quadratic spline on the torse's knots whose control vectors are ruling directions.
+fn direction_spline(torse: &Torse, knots: &Knots) -> Result<Curve<3>, ConvertError> {
+    let v = knots.values();
+    let control =
+        (0..knots.control_count()).map(|i| torse.ruling(0.5 * (v[i + 1] + v[i + 2])).direction.into()).collect();
+    Ok(Curve::new(2, v.to_vec(), control)?)
+}
+
+/// Quadratic knots at the torse's breaks inside the range.
+fn spline_knots(torse: &Torse, range: (f64, f64)) -> Result<Knots, ConvertError> {
+    let breaks = match torse {
+        Torse::Primal(p) => p.profile.knots.breaks(),
+        Torse::Dual(d) => d.planes.knots.breaks(),
+    };
+    let mut b = vec![range.0];
+    b.extend(breaks.into_iter().filter(|&t| t > range.0 && t < range.1));
+    b.push(range.1);
+    Ok(Knots::clamped(2, &b)?)
+}
+
+fn constant(value: [f64; 3], range: (f64, f64)) -> Result<Curve<3>, ConvertError> {
+    polynomial(vec![value], range)
+}
+
+/// Polynomial with Bernstein coefficients on `range`; a constant becomes linear since splines have a degree.
+fn polynomial<const D: usize>(mut control: Vec<[f64; D]>, range: (f64, f64)) -> Result<Curve<D>, ConvertError> {
+    if control.len() == 1 {
+        control.push(control[0]);
+    }
+    let n = control.len();
+    let mut values = vec![range.0; n];
+    values.extend(vec![range.1; n]);
+    Ok(Curve::new(n - 1, values, control)?)
+}
+
+fn mean(c: &Curve<1>) -> f64 {
+    c.control.iter().map(|x| x[0]).sum::<f64>() / c.control.len() as f64
+}
+
+fn shifted(mut c: Curve<1>, by: f64) -> Curve<1> {
+    for x in &mut c.control {
+        x[0] += by;
+    }
+    c
+}
+
+/// Spline with `sign (q(t) − y) ≥ 0` at all points: each control value is the extreme one on its support, hence
+/// every convex combination of those active at t is beyond the points there.
+fn spline_envelope(used: &[Used], knots: &Knots, sign: f64) -> Result<Curve<1>, ConvertError> {
+    let v = knots.values();
+    let control = (0..knots.control_count())
+        .map(|i| {
+            let (a, b) = (v[i], v[i + 3]);
+            let inside = used.iter().filter(|u| u.t >= a && u.t <= b).map(|u| sign * u.y).reduce(f64::max);
+            let nearest = || {
+                let m = 0.5 * (a + b);
+                used.iter().min_by(|p, q| (p.t - m).abs().total_cmp(&(q.t - m).abs())).map_or(0.0, |u| sign * u.y)
+            };
+            [sign * inside.unwrap_or_else(nearest)]
+        })
+        .collect();
+    Ok(Curve::new(2, v.to_vec(), control)?)
+}
+
+/// Polynomial `q` of the given degree with `sign (q(t) − y) ≥ 0` at all points, near the extreme ones.
+fn envelope(used: &[Used], degree: usize, sign: f64, range: (f64, f64)) -> Result<Curve<1>, ConvertError> {
+    // Extreme points of slices of the range, joined by a least-squares polynomial, which is then shifted.
+    let unit = |t: f64| (t - range.0) / (range.1 - range.0);
     let mut extreme: [Option<(f64, f64, f64)>; SLICES] = [None; SLICES];
-    for &(_, s, y) in used {
+    for u in used {
+        let s = unit(u.t);
         let k = ((s * SLICES as f64) as usize).min(SLICES - 1);
-        if extreme[k].is_none_or(|e| sign * (y - e.1) > 0.0) {
-            extreme[k] = Some((s, y, 1.0));
+        if extreme[k].is_none_or(|e| sign * (u.y - e.1) > 0.0) {
+            extreme[k] = Some((s, u.y, 1.0));
         }
     }
     let data: Vec<_> = extreme.into_iter().flatten().collect();
-    let mut q = least_squares(&data, degree.min(data.len().saturating_sub(1)));
-    let shift = used.iter().map(|&(_, s, y)| sign * (y - bernstein(&q, s))).fold(f64::NEG_INFINITY, f64::max);
-    for c in &mut q {
-        *c += sign * (shift + margin);
-    }
-    q
+    let q = least_squares(&data, degree.min(data.len().saturating_sub(1)));
+    let q = polynomial(q.into_iter().map(|c| [c]).collect(), range)?;
+    let shift = used.iter().map(|u| sign * (u.y - q.point(u.t)[0])).fold(f64::NEG_INFINITY, f64::max);
+    Ok(shifted(q, sign * shift))
 }
 
 /// Least-squares polynomial through `(s, value, weight)` in Bernstein form on [0, 1]; lower degree if singular.
@@ -262,9 +385,9 @@ fn primal_patch(torse: &PrimalTorse, bound: &Bound) -> Result<Surface, ConvertEr
         }
         let cut = |q: &[f64]| restrict(q, (lo - a) / (b - a), (hi - a) / (b - a));
         let (f, w, g) = (cut(&f), cut(&w), cut(&g));
-        let curve = |y: &[f64]| -> [Vec<f64>; 4] {
-            let y = restrict_range(y, bound.range, (lo, hi));
-            let p = 5 + y.len() - 1;
+        let curve = |y: &Curve<1>| -> [Vec<f64>; 4] {
+            let [y] = coefficients(y, (lo, hi));
+            let p = 5 + bound.degree();
             let x = sum(&elevate(&[lo, hi], p), &elevate(&product(&y, &w), p));
             let z = sum(&elevate(&f, p), &elevate(&product(&y, &g), p));
             let y = elevate(&y, p);
@@ -279,7 +402,8 @@ fn primal_patch(torse: &PrimalTorse, bound: &Bound) -> Result<Surface, ConvertEr
         };
         pieces.push(Piece { a: lo, b: hi, curves: [curve(&bound.low), curve(&bound.high)] });
     }
-    assemble(&pieces, |t| multiplicity(&torse.profile.knots, t).map(|m| 3 - m as isize), false)
+    let order = |t: f64| multiplicity(&torse.profile.knots, t).map(|m| (3 - m as isize).min(bound.order));
+    assemble(&pieces, order, false)
 }
 
 fn dual_patch(torse: &DualTorse, bound: &Bound) -> Result<Surface, ConvertError> {
@@ -300,10 +424,10 @@ fn dual_patch(torse: &DualTorse, bound: &Bound) -> Result<Surface, ConvertError>
         let minor = |i: usize, j: usize| cut(difference(&product(&ua[i], &ub[j]), &product(&ua[j], &ub[i])));
         let d = [minor(1, 2), minor(2, 0), minor(0, 1)];
         let moment = [minor(3, 0), minor(3, 1), minor(3, 2)];
-        let alpha: Vec<Vec<f64>> = bound.direction.iter().map(|q| restrict_range(q, bound.range, (lo, hi))).collect();
-        let curve = |offset: &[f64]| -> [Vec<f64>; 4] {
-            let offset = restrict_range(offset, bound.range, (lo, hi));
-            let p = 2 * k - 2 + (offset.len() - 1).max(alpha[0].len() - 1);
+        let alpha = coefficients(&bound.direction, (lo, hi));
+        let curve = |offset: &Curve<1>| -> [Vec<f64>; 4] {
+            let [offset] = coefficients(offset, (lo, hi));
+            let p = 2 * k - 2 + bound.degree();
             // w = α·d, w X = (h m − k n) × α + α₀ d, with α₀ = α·origin + offset.
             let dot = |x: &[Vec<f64>; 3]| -> Vec<f64> {
                 (0..3).map(|i| product(&x[i], &alpha[i])).reduce(|s, q| sum(&s, &q)).unwrap_or_default()
@@ -341,7 +465,7 @@ fn dual_patch(torse: &DualTorse, bound: &Bound) -> Result<Surface, ConvertError>
         }
     }
     let knots = &torse.planes.knots;
-    assemble(&pieces, |t| multiplicity(knots, t).map(|m| 2 - m as isize), true)
+    assemble(&pieces, |t| multiplicity(knots, t).map(|m| (2 - m as isize).min(bound.order)), true)
 }
 
 /// Bézier piece on [a, b]: homogeneous coefficients of both boundary curves by coordinate.
@@ -448,9 +572,21 @@ fn restrict(c: &[f64], x: f64, y: f64) -> Vec<f64> {
         .collect()
 }
 
-fn restrict_range(c: &[f64], range: (f64, f64), part: (f64, f64)) -> Vec<f64> {
-    let w = range.1 - range.0;
-    restrict(c, (part.0 - range.0) / w, (part.1 - range.0) / w)
+/// Bernstein coefficients of a family on a part of one of its spans, by component.
+fn coefficients<const D: usize>(curve: &Curve<D>, part: (f64, f64)) -> [Vec<f64>; D] {
+    let middle = 0.5 * (part.0 + part.1);
+    let pieces = bezier_pieces(curve);
+    let k = pieces.iter().position(|p| middle <= p.1).unwrap_or(pieces.len() - 1);
+    let (a, b, net) = &pieces[k];
+    let (x, y) = ((part.0 - a) / (b - a), (part.1 - a) / (b - a));
+    std::array::from_fn(|d| {
+        let c: Vec<f64> = net.iter().map(|p| p[d]).collect();
+        if degree(curve) == 0 {
+            vec![c[0]]
+        } else {
+            restrict(&c, x, y)
+        }
+    })
 }
 
 fn binomial(n: usize, k: usize) -> f64 {
@@ -503,10 +639,6 @@ fn integral(c: &[f64], length: f64, start: f64) -> Vec<f64> {
         out.push(s);
     }
     out
-}
-
-fn mean(c: &[f64]) -> f64 {
-    c.iter().sum::<f64>() / c.len() as f64
 }
 
 #[cfg(test)]
