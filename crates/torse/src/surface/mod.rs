@@ -2,6 +2,7 @@
 
 pub mod convert;
 pub mod face;
+mod hug;
 pub mod panel;
 pub mod pattern;
 pub mod torse;
