@@ -289,3 +289,27 @@ fn a_pattern_that_overlaps_itself_is_refused() {
         other => panic!("{other:?}"),
     }
 }
+
+#[test]
+fn meshes_lie_on_the_panels() {
+    let torse = trough_torse();
+    let work = build(
+        Face::untrimmed(trough()),
+        grid(8, (0.0, 1.0), (0.0, 1.0), |x, _| Some(u32::from(x > 0.5))),
+        &[(0, &torse, PanelKind::Cylinder), (1, &torse, PanelKind::Cylinder)],
+    );
+    let mesh = torse::tessellate::panel::panel_mesh(&work, 1);
+    assert_eq!((mesh.triangles.len(), mesh.positions.len()), (64, 45));
+    for (x, v) in mesh.positions.iter().zip(&mesh.values) {
+        assert!((x.z - x.x * x.x / 200.0).abs() < 1e-9 && v.abs() < 1e-9);
+    }
+    let whole = torse::tessellate::panel::surface_mesh(&work, 0);
+    assert!(whole.normals.iter().all(|n| n.z > 0.0));
+    let lines = torse::tessellate::panel::ruling_lines(&work.panels[0], 5.0);
+    assert_eq!(lines.len(), 10);
+    for [a, b] in lines {
+        assert!((a - b).x.abs() < 1e-9 && ((a - b).norm() - 100.0).abs() < 1e-6);
+    }
+    let border = torse::tessellate::panel::border_lines(&work.panels[0], 4);
+    assert_eq!(border.len(), 1);
+}

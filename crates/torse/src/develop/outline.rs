@@ -6,6 +6,7 @@ use super::overlap::OutlinePoint;
 use crate::geom::{Vec2, Vec3};
 use crate::spline::composite::smooth_breaks;
 use crate::spline::surface::Surface;
+use crate::surface::clip::trim_place;
 use crate::surface::panel::{Panel, Run};
 
 /// One run in the plane.
@@ -46,14 +47,7 @@ impl<'a> FlatRun<'a> {
 
     /// Parameters (t, r) at `s`; at the ends exactly those shared with the neighbouring runs.
     pub fn parameters(&self, s: f64) -> [f64; 2] {
-        let c = &self.run.trim.control;
-        if s <= 0.0 {
-            c[0]
-        } else if s >= 1.0 {
-            c[c.len() - 1]
-        } else {
-            self.run.trim.point(s)
-        }
+        trim_place(self.run, s)
     }
 
     /// Whether the run is a point (a pole of the input).

@@ -10,6 +10,7 @@ use super::overlap::{overlap, OutlinePoint};
 use super::DevelopError;
 use crate::geom::rectangle::smallest_rectangle;
 use crate::geom::{Vec2, Vec3};
+use crate::surface::clip::ClippedRulings;
 use crate::surface::panel::{Border, Panel, Patchwork, Run};
 use crate::surface::pattern::{Contour, ContourVertex, Mark, Pattern, Side};
 use crate::surface::torse::PanelKind;
@@ -107,7 +108,7 @@ pub fn pattern(patchwork: &Patchwork, panel: usize, options: &PatternOptions) ->
         Vec::new()
     } else {
         let spacing = rectangle.length / options.rulings.max(1) as f64;
-        rulings(&development, &loops, spacing, contour_error, SHORTEST_RULING * rectangle.length)
+        rulings(&development, p, spacing, contour_error, SHORTEST_RULING * rectangle.length)
     };
     let spacing = options.mark_spacing * face.surface.bbox().diagonal();
     let mut marks = Vec::new();
@@ -205,67 +206,13 @@ fn mark_places(run: &Run, forward: bool, place: &dyn Fn(u32) -> Vec3, spacing: f
         .collect()
 }
 
-/// Rulings about `spacing` apart on the directrix, clipped to the outline and shortened by `inset` at both ends.
-fn rulings(
-    development: &Development,
-    loops: &[Vec<FlatRun>],
-    spacing: f64,
-    inset: f64,
-    shortest: f64,
-) -> Vec<[Vec2; 2]> {
-    // Border in the parameter plane: (run, s, t) in order, closed polygons.
-    let mut border: Vec<(&FlatRun, f64, f64, f64)> = Vec::new();
-    let (mut t0, mut t1) = (f64::INFINITY, f64::NEG_INFINITY);
-    for run in loops.iter().flatten() {
-        let parts = 8.max(32_usize.div_ceil(run.breaks.len() - 1));
-        for w in run.breaks.windows(2) {
-            for k in 0..parts {
-                let s = |k: usize| if k == parts { w[1] } else { w[0] + (w[1] - w[0]) * k as f64 / parts as f64 };
-                let t = run.parameters(s(k))[0];
-                border.push((run, s(k), s(k + 1), t));
-                t0 = t0.min(t);
-                t1 = t1.max(t);
-            }
-        }
-    }
-    // Equal steps along the flat directrix.
-    const STEPS: usize = 200;
-    let node = |k: usize| t0 + (t1 - t0) * k as f64 / STEPS as f64;
-    let mut at = vec![0.0];
-    for k in 1..=STEPS {
-        // Across the rulings only: rulings of a sheared panel are as dense as those of a straight one.
-        let (o, angle) = development.directrix(node(k));
-        let d = o - development.directrix(node(k - 1)).0;
-        at.push(at[k - 1] + (d.y * angle.cos() - d.x * angle.sin()).abs());
-    }
-    let total = at[STEPS];
-    let count = (total / spacing.max(f64::MIN_POSITIVE)).round().clamp(3.0, 60.0) as usize;
+/// Rulings about `spacing` apart, clipped to the outline and shortened by `inset` at both ends.
+fn rulings(development: &Development, panel: &Panel, spacing: f64, inset: f64, shortest: f64) -> Vec<[Vec2; 2]> {
+    let clipped = ClippedRulings::new(panel);
     let mut out = Vec::new();
-    for k in 0..count {
-        let l = total * (k as f64 + 0.5) / count as f64;
-        let i = at.partition_point(|&a| a <= l).clamp(1, STEPS);
-        let step = at[i] - at[i - 1];
-        let x = if step > 0.0 { (l - at[i - 1]) / step } else { 0.0 };
-        let t = node(i - 1) + (node(i) - node(i - 1)) * x;
-        let mut hits: Vec<f64> = Vec::new();
-        for &(run, s0, s1, ta) in &border {
-            let tb = run.parameters(s1)[0];
-            if (ta < t) != (tb < t) {
-                let (mut a, mut b) = (s0, s1);
-                for _ in 0..50 {
-                    let m = 0.5 * (a + b);
-                    if (run.parameters(m)[0] < t) == (ta < t) {
-                        a = m;
-                    } else {
-                        b = m;
-                    }
-                }
-                hits.push(run.parameters(0.5 * (a + b))[1]);
-            }
-        }
-        hits.sort_by(f64::total_cmp);
-        for h in hits.chunks_exact(2) {
-            let (a, b) = (development.map(t, h[0]), development.map(t, h[1]));
+    for t in clipped.spaced(spacing) {
+        for (r0, r1) in clipped.at(t) {
+            let (a, b) = (development.map(t, r0), development.map(t, r1));
             let length = (b - a).norm();
             if length > shortest + 2.0 * inset {
                 let d = (b - a) * (inset / length);

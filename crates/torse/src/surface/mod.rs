@@ -1,5 +1,6 @@
 //! Floor 3: the domain model. Input faces, developable surfaces (torses), panels and patchworks. Nothing iterates here.
 
+pub mod clip;
 pub mod convert;
 pub mod face;
 mod hug;

@@ -1,1 +1,3 @@
 //! Floor 5: triangles for pictures and meshes.
+
+pub mod panel;
