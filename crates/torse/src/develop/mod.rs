@@ -1,6 +1,11 @@
 //! Floor 5: development, the isometric map of a panel to the plane.
 
+pub mod arcs;
+pub mod layout;
 pub mod map;
+pub mod outline;
+pub mod overlap;
+pub mod pattern;
 
 /// Why a panel has no flat pattern.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

@@ -6,6 +6,7 @@ pub mod mesh;
 pub mod partition;
 pub mod triangulate;
 pub mod placement;
+pub mod rectangle;
 
 /// A point or vector of space, in millimetres.
 pub type Vec3 = na::Vector3<f64>;

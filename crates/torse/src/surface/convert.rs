@@ -6,19 +6,14 @@
 //! `L = U ∧ U'` with a plane `A(t)`, a rational spline of degree 4 plus the degree of `A` [PW99, type (1) to (1, 2k−2)].
 //! Both boundary curves use the same L and planes of the same direction, hence equal weights: r is affine along a ruling.
 
+pub use super::hug::Extent;
+use super::hug::{degree, hug, Bound, MAX_FAMILY};
 use super::torse::{DualTorse, PrimalTorse, Torse};
 use crate::geom::Vec3;
-use crate::spline::curve::bezier_pieces;
+use crate::spline::curve::{bezier_pieces, Curve};
 use crate::spline::knots::Knots;
 use crate::spline::surface::Surface;
 use crate::spline::SplineError;
-
-/// The part of a torse that a panel uses.
-#[derive(Clone, Debug, Default)]
-pub struct Extent {
-    /// Points on the boundary of the used region (mm) with the parameters of their rulings.
-    pub points: Vec<(f64, Vec3)>,
-}
 
 /// Why a torse cannot be written as a patch.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -51,20 +46,8 @@ pub enum ConvertError {
     Spline(#[from] SplineError),
 }
 
-/// Largest degree of the boundary families `y(t)`, `A(t)`: enough for oblique and tapering regions, and degrees stay
-/// below those that file readers limit.
-const MAX_FAMILY: usize = 3;
-/// Margin beyond the used region along rulings, share of its mean length: keeps trims inside the patch.
-const MARGIN_ALONG: f64 = 0.05;
 /// Margin beyond the used rulings, share of the used range: as above.
 const MARGIN_ACROSS: f64 = 0.02;
-/// Smallest share of the regularity at the used points that the patch keeps at its boundary curves.
-const REGULARITY_KEPT: f64 = 0.3;
-/// A higher family degree must save this share of the patch to be taken.
-const WORTHWHILE: f64 = 0.87;
-/// Smallest cosine between rulings and the direction of the planes that cut them.
-const MIN_COSINE: f64 = 0.6;
-
 /// The ruled patch over the used part of a torse with a margin of about 5 % along and 2 % across the rulings.
 ///
 /// *Input*: boundary points of the used region near the torse, in mm, with their foot parameters.
@@ -106,147 +89,6 @@ pub fn parameters(patch: &Surface, t: f64, x: &Vec3) -> f64 {
     l * a[3] / (l * a[3] + (1.0 - l) * b[3])
 }
 
-/// Boundary planes `direction(t) · (X − origin) = low(t)` and `= high(t)`; Bernstein coefficients on `range`.
-struct Bound {
-    range: (f64, f64),
-    origin: Vec3,
-    direction: [Vec<f64>; 3],
-    low: Vec<f64>,
-    high: Vec<f64>,
-}
-
-/// Finds boundary planes of the lowest sensible degree around the extent.
-fn hug(torse: &Torse, extent: &Extent, range: (f64, f64)) -> Result<Bound, ConvertError> {
-    let unit = |t: f64| (t - range.0) / (range.1 - range.0);
-    let (origin, direction) = match torse {
-        Torse::Primal(p) => (p.frame.origin, [vec![p.frame.y.x], vec![p.frame.y.y], vec![p.frame.y.z]]),
-        Torse::Dual(_) => {
-            let mid = extent.points.iter().map(|p| p.1).sum::<Vec3>() / extent.points.len() as f64;
-            (mid, direction_family(torse, range)?)
-        }
-    };
-    let at = |s: f64| Vec3::new(bernstein(&direction[0], s), bernstein(&direction[1], s), bernstein(&direction[2], s));
-    // Coordinates along the rulings of the used points.
-    let used: Vec<(f64, f64, f64)> = extent
-        .points
-        .iter()
-        .map(|(t, x)| {
-            let s = unit(*t);
-            let r = torse.ruling(*t);
-            let on = r.point + r.direction * r.direction.dot(&(x - r.point));
-            (*t, s, at(s).dot(&(on - origin)))
-        })
-        .collect();
-    let mut best: Option<(f64, Bound)> = None;
-    let mut trouble = range.0;
-    for degree in 0..=MAX_FAMILY {
-        let low0 = envelope(&used, degree, -1.0, 0.0);
-        let high0 = envelope(&used, degree, 1.0, 0.0);
-        let width = mean(&high0) - mean(&low0);
-        let margin = MARGIN_ALONG * width.max(f64::MIN_POSITIVE);
-        let low: Vec<f64> = low0.iter().map(|c| c - margin).collect();
-        let high: Vec<f64> = high0.iter().map(|c| c + margin).collect();
-        // Regularity at both boundary curves against that at the used points; the slope of the foot function is
-        // linear along a ruling and vanishes at the regression point.
-        let mut regular = true;
-        for (k, &(t, s, y)) in used.iter().enumerate() {
-            let r = torse.ruling(t);
-            let per_mm = at(s).dot(&r.direction);
-            let slope_at = |target: f64| {
-                let x = r.point + r.direction * ((target - at(s).dot(&(r.point - origin))) / per_mm);
-                torse.foot_function(&x, t).1
-            };
-            let here = slope_at(y);
-            for end in [bernstein(&low, s), bernstein(&high, s)] {
-                if slope_at(end) * here.signum() < REGULARITY_KEPT * here.abs() {
-                    regular = false;
-                    trouble = extent.points[k].0;
-                }
-            }
-        }
-        if regular && best.as_ref().is_none_or(|(w, _)| width < WORTHWHILE * w) {
-            best = Some((width, Bound { range, origin, direction: direction.clone(), low, high }));
-        }
-    }
-    best.map(|b| b.1).ok_or(ConvertError::Regression { t: trouble })
-}
-
-/// Low-degree polynomial family of directions that stays within about 50° of the rulings.
-fn direction_family(torse: &Torse, range: (f64, f64)) -> Result<[Vec<f64>; 3], ConvertError> {
-    const SAMPLES: usize = 48;
-    let nodes: Vec<(f64, Vec3)> = (0..=SAMPLES)
-        .map(|i| i as f64 / SAMPLES as f64)
-        .map(|s| (s, torse.ruling(range.0 + s * (range.1 - range.0)).direction))
-        .collect();
-    let mut worst = (f64::NEG_INFINITY, range.0);
-    for degree in 0..=MAX_FAMILY {
-        let fit = |c: usize| least_squares(&nodes.iter().map(|(s, e)| (*s, e[c], 1.0)).collect::<Vec<_>>(), degree);
-        let family = [fit(0), fit(1), fit(2)];
-        let mut least = (f64::INFINITY, range.0);
-        for (s, e) in &nodes {
-            let a = Vec3::new(bernstein(&family[0], *s), bernstein(&family[1], *s), bernstein(&family[2], *s));
-            let cosine = a.dot(e) / a.norm().max(f64::MIN_POSITIVE);
-            if cosine < least.0 {
-                least = (cosine, range.0 + s * (range.1 - range.0));
-            }
-        }
-        if least.0 >= MIN_COSINE {
-            return Ok(family);
-        }
-        if least.0 > worst.0 {
-            worst = least;
-        }
-    }
-    Err(ConvertError::Turning { t: worst.1 })
-}
-
-/// Polynomial `q` of the given degree with `sign (q(s) − y) ≥ 0` at all points, near the extreme ones.
-fn envelope(used: &[(f64, f64, f64)], degree: usize, sign: f64, margin: f64) -> Vec<f64> {
-    // Extreme points of 24 slices of the range, joined by a least-squares polynomial, which is then shifted.
-    const SLICES: usize = 24;
-    let mut extreme: [Option<(f64, f64, f64)>; SLICES] = [None; SLICES];
-    for &(_, s, y) in used {
-        let k = ((s * SLICES as f64) as usize).min(SLICES - 1);
-        if extreme[k].is_none_or(|e| sign * (y - e.1) > 0.0) {
-            extreme[k] = Some((s, y, 1.0));
-        }
-    }
-    let data: Vec<_> = extreme.into_iter().flatten().collect();
-    let mut q = least_squares(&data, degree.min(data.len().saturating_sub(1)));
-    let shift = used.iter().map(|&(_, s, y)| sign * (y - bernstein(&q, s))).fold(f64::NEG_INFINITY, f64::max);
-    for c in &mut q {
-        *c += sign * (shift + margin);
-    }
-    q
-}
-
-/// Least-squares polynomial through `(s, value, weight)` in Bernstein form on [0, 1]; lower degree if singular.
-fn least_squares(data: &[(f64, f64, f64)], degree: usize) -> Vec<f64> {
-    let n = degree + 1;
-    let mut a = nalgebra::DMatrix::<f64>::zeros(n, n);
-    let mut b = nalgebra::DVector::<f64>::zeros(n);
-    for &(s, y, w) in data {
-        let basis: Vec<f64> = (0..n).map(|i| bernstein(&unit_vector(n, i), s)).collect();
-        for i in 0..n {
-            b[i] += w * basis[i] * y;
-            for j in 0..n {
-                a[(i, j)] += w * basis[i] * basis[j];
-            }
-        }
-    }
-    match nalgebra::linalg::Cholesky::new(a) {
-        Some(c) => c.solve(&b).iter().copied().collect(),
-        None if degree > 0 => least_squares(data, degree - 1),
-        None => vec![0.0],
-    }
-}
-
-fn unit_vector(n: usize, i: usize) -> Vec<f64> {
-    let mut v = vec![0.0; n];
-    v[i] = 1.0;
-    v
-}
-
 fn primal_patch(torse: &PrimalTorse, bound: &Bound) -> Result<Surface, ConvertError> {
     let mut pieces = Vec::new();
     let mut g0 = torse.beta;
@@ -262,9 +104,9 @@ fn primal_patch(torse: &PrimalTorse, bound: &Bound) -> Result<Surface, ConvertEr
         }
         let cut = |q: &[f64]| restrict(q, (lo - a) / (b - a), (hi - a) / (b - a));
         let (f, w, g) = (cut(&f), cut(&w), cut(&g));
-        let curve = |y: &[f64]| -> [Vec<f64>; 4] {
-            let y = restrict_range(y, bound.range, (lo, hi));
-            let p = 5 + y.len() - 1;
+        let curve = |y: &Curve<1>| -> [Vec<f64>; 4] {
+            let [y] = coefficients(y, (lo, hi));
+            let p = 5 + bound.degree();
             let x = sum(&elevate(&[lo, hi], p), &elevate(&product(&y, &w), p));
             let z = sum(&elevate(&f, p), &elevate(&product(&y, &g), p));
             let y = elevate(&y, p);
@@ -279,7 +121,8 @@ fn primal_patch(torse: &PrimalTorse, bound: &Bound) -> Result<Surface, ConvertEr
         };
         pieces.push(Piece { a: lo, b: hi, curves: [curve(&bound.low), curve(&bound.high)] });
     }
-    assemble(&pieces, |t| multiplicity(&torse.profile.knots, t).map(|m| 3 - m as isize), false)
+    let order = |t: f64| multiplicity(&torse.profile.knots, t).map(|m| (3 - m as isize).min(bound.order));
+    assemble(&pieces, order, false)
 }
 
 fn dual_patch(torse: &DualTorse, bound: &Bound) -> Result<Surface, ConvertError> {
@@ -300,10 +143,10 @@ fn dual_patch(torse: &DualTorse, bound: &Bound) -> Result<Surface, ConvertError>
         let minor = |i: usize, j: usize| cut(difference(&product(&ua[i], &ub[j]), &product(&ua[j], &ub[i])));
         let d = [minor(1, 2), minor(2, 0), minor(0, 1)];
         let moment = [minor(3, 0), minor(3, 1), minor(3, 2)];
-        let alpha: Vec<Vec<f64>> = bound.direction.iter().map(|q| restrict_range(q, bound.range, (lo, hi))).collect();
-        let curve = |offset: &[f64]| -> [Vec<f64>; 4] {
-            let offset = restrict_range(offset, bound.range, (lo, hi));
-            let p = 2 * k - 2 + (offset.len() - 1).max(alpha[0].len() - 1);
+        let alpha = coefficients(&bound.direction, (lo, hi));
+        let curve = |offset: &Curve<1>| -> [Vec<f64>; 4] {
+            let [offset] = coefficients(offset, (lo, hi));
+            let p = 2 * k - 2 + bound.degree();
             // w = α·d, w X = (h m − k n) × α + α₀ d, with α₀ = α·origin + offset.
             let dot = |x: &[Vec<f64>; 3]| -> Vec<f64> {
                 (0..3).map(|i| product(&x[i], &alpha[i])).reduce(|s, q| sum(&s, &q)).unwrap_or_default()
@@ -341,7 +184,7 @@ fn dual_patch(torse: &DualTorse, bound: &Bound) -> Result<Surface, ConvertError>
         }
     }
     let knots = &torse.planes.knots;
-    assemble(&pieces, |t| multiplicity(knots, t).map(|m| 2 - m as isize), true)
+    assemble(&pieces, |t| multiplicity(knots, t).map(|m| (2 - m as isize).min(bound.order)), true)
 }
 
 /// Bézier piece on [a, b]: homogeneous coefficients of both boundary curves by coordinate.
@@ -412,17 +255,6 @@ fn assemble(
 
 // Bernstein algebra on coefficient slices; degree = length − 1.
 
-/// Value at `s` by de Casteljau.
-fn bernstein(c: &[f64], s: f64) -> f64 {
-    let mut d = c.to_vec();
-    for r in 1..d.len() {
-        for i in 0..d.len() - r {
-            d[i] = (1.0 - s) * d[i] + s * d[i + 1];
-        }
-    }
-    d[0]
-}
-
 /// Blossom at `args` (global parameters) of the polynomial with coefficients `c` on [a, b].
 fn blossom(c: &[f64], args: &[f64], a: f64, b: f64) -> f64 {
     let mut d = c.to_vec();
@@ -448,9 +280,21 @@ fn restrict(c: &[f64], x: f64, y: f64) -> Vec<f64> {
         .collect()
 }
 
-fn restrict_range(c: &[f64], range: (f64, f64), part: (f64, f64)) -> Vec<f64> {
-    let w = range.1 - range.0;
-    restrict(c, (part.0 - range.0) / w, (part.1 - range.0) / w)
+/// Bernstein coefficients of a family on a part of one of its spans, by component.
+fn coefficients<const D: usize>(curve: &Curve<D>, part: (f64, f64)) -> [Vec<f64>; D] {
+    let middle = 0.5 * (part.0 + part.1);
+    let pieces = bezier_pieces(curve);
+    let k = pieces.iter().position(|p| middle <= p.1).unwrap_or(pieces.len() - 1);
+    let (a, b, net) = &pieces[k];
+    let (x, y) = ((part.0 - a) / (b - a), (part.1 - a) / (b - a));
+    std::array::from_fn(|d| {
+        let c: Vec<f64> = net.iter().map(|p| p[d]).collect();
+        if degree(curve) == 0 {
+            vec![c[0]]
+        } else {
+            restrict(&c, x, y)
+        }
+    })
 }
 
 fn binomial(n: usize, k: usize) -> f64 {
@@ -503,10 +347,6 @@ fn integral(c: &[f64], length: f64, start: f64) -> Vec<f64> {
         out.push(s);
     }
     out
-}
-
-fn mean(c: &[f64]) -> f64 {
-    c.iter().sum::<f64>() / c.len() as f64
 }
 
 #[cfg(test)]

@@ -43,8 +43,30 @@ pub struct Side {
     pub length: f64,
 }
 
+/// Where a pattern goes in a drawing: turned about the origin, then moved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Placement {
+    /// Turn, counter-clockwise, rad.
+    pub angle: f64,
+    /// Move after the turn, mm.
+    pub offset: Vec2,
+}
+
+impl Placement {
+    /// The placed point.
+    pub fn apply(&self, p: &Vec2) -> Vec2 {
+        self.turn(p) + self.offset
+    }
+
+    /// The turned direction.
+    pub fn turn(&self, v: &Vec2) -> Vec2 {
+        let (s, c) = self.angle.sin_cos();
+        Vec2::new(c * v.x - s * v.y, s * v.x + c * v.y)
+    }
+}
+
 /// A developed panel.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Pattern {
     /// Index of the panel in the patchwork.
     pub panel: usize,

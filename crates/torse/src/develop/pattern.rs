@@ -1,0 +1,224 @@
+//! The flat cutting pattern of a panel: outline of lines and arcs, rulings, matching marks, measures.
+//!
+//! Method: the isometric map of `map`, biarcs of `arcs`; conventions of the drawing as in the users' survey, section
+//! 3.1 (closed contours, arcs instead of many points, seams marked on both neighbours at equal places).
+
+use super::arcs::{self, PlaneCurve};
+use super::map::Development;
+use super::outline::{outside, FlatRun};
+use super::overlap::{overlap, OutlinePoint};
+use super::DevelopError;
+use crate::geom::rectangle::smallest_rectangle;
+use crate::geom::{Vec2, Vec3};
+use crate::surface::clip::ClippedRulings;
+use crate::surface::panel::{Border, Panel, Patchwork, Run};
+use crate::surface::pattern::{Contour, ContourVertex, Mark, Pattern, Side};
+use crate::surface::torse::PanelKind;
+
+/// Knobs of [`pattern`].
+#[derive(Clone, Copy, Debug)]
+pub struct PatternOptions {
+    /// Distance allowed between the contour drawn and the exact outline, mm; no default (a tenth of the job's
+    /// tolerance at most).
+    pub contour_tolerance: f64,
+    /// Rulings drawn over the length of the pattern; default 20.
+    pub rulings: usize,
+    /// Distance between matching marks as a share of the face's diagonal; default 0.12. Every seam gets 1 to 9.
+    pub mark_spacing: f64,
+}
+
+impl PatternOptions {
+    /// Defaults with a contour tolerance (mm).
+    pub fn new(contour_tolerance: f64) -> Self {
+        Self { contour_tolerance, rulings: 20, mark_spacing: 0.12 }
+    }
+}
+
+/// Share of the pattern's size by which points must be apart in space to overlap in the plane.
+const APART: f64 = 1e-3;
+/// Rulings shorter than this share of the pattern are not drawn.
+const SHORTEST_RULING: f64 = 0.01;
+
+/// Develops one panel, seen from the outside of its face.
+///
+/// *Guarantee*: contours are closed, the outer one counter-clockwise, holes clockwise; ends of runs are exact images;
+/// marks of both sides of a seam belong to the same points of the face's border polyline.
+/// *Measured, not proven*: `isometry_error` (greatest strain at stations of the map, on both boundary curves, in the
+/// middle and along the outline), `contour_error` (48 samples per biarc, plus 2 %).
+///
+/// # Errors
+/// A patch that is not regular; a pattern that overlaps itself, with the ruling to cut along.
+pub fn pattern(patchwork: &Patchwork, panel: usize, options: &PatternOptions) -> Result<Pattern, DevelopError> {
+    let missing = DevelopError::Missing(panel);
+    let (Some(p), index) = (patchwork.panels.get(panel), panel) else { return Err(missing) };
+    let (Some(face), Some(partition)) = (patchwork.faces.get(p.face), patchwork.partitions.get(p.face)) else {
+        return Err(missing);
+    };
+    // 1. Map to the plane, seen from outside.
+    let uv = |v: u32| partition.vertices[v as usize];
+    let outward = |v: u32| {
+        let n = face.surface.jet(uv(v)[0], uv(v)[1]).normal();
+        if face.reversed {
+            -n
+        } else {
+            n
+        }
+    };
+    let place = |v: u32| face.surface.point(uv(v)[0], uv(v)[1]);
+    let development = Development::new(&p.patch, outside(p, &outward))?;
+    let loops: Vec<Vec<FlatRun>> = p
+        .loops
+        .iter()
+        .map(|l| l.iter().map(|r| FlatRun::new(&development, &p.patch, r)).filter(|r| !r.is_point()).collect())
+        .collect();
+    let outer = loops.first().filter(|l| !l.is_empty()).ok_or(missing)?;
+    // 2. Samples of the outline: measures, overlap.
+    let samples: Vec<Vec<OutlinePoint>> =
+        loops.iter().map(|l| l.iter().flat_map(|r| r.samples(&p.patch, 6, 48)).collect()).collect();
+    let flat: Vec<Vec2> = samples[0].iter().map(|s| s.flat).collect();
+    let rectangle = smallest_rectangle(&flat).ok_or(DevelopError::Missing(index))?;
+    if let Some((a, b)) = overlap(&samples, (APART * rectangle.length).max(4.0 * options.contour_tolerance)) {
+        return Err(DevelopError::Overlap { t: 0.5 * (a + b) });
+    }
+    let origin = flat[0];
+    let flat_area: f64 = loops.iter().flatten().map(|r| r.flat_area(&origin)).sum();
+    let area_in_space: f64 = loops.iter().flatten().map(|r| r.area_in_space(&p.patch)).sum();
+    // Loops run with the material on their left on the parameter plane, which is seen from behind if the face's
+    // normal is reversed.
+    let mirrored = flat_area < 0.0;
+    // 3. Contours.
+    let mut contour_error = 0.0_f64;
+    let mut contours = Vec::new();
+    for l in &loops {
+        let mut vertices = Vec::new();
+        for run in l {
+            let (pieces, error) = arcs::arcs(run, options.contour_tolerance);
+            contour_error = contour_error.max(error);
+            for (k, piece) in pieces.iter().enumerate() {
+                vertices.push(ContourVertex { point: piece.point, bulge: piece.bulge, corner: k == 0 });
+            }
+        }
+        if mirrored {
+            vertices = reversed(&vertices);
+        }
+        contours.push(Contour { vertices });
+    }
+    // 4. Rulings, marks, sides.
+    let rulings = if p.kind == PanelKind::Plane {
+        Vec::new()
+    } else {
+        let spacing = rectangle.length / options.rulings.max(1) as f64;
+        rulings(&development, p, spacing, contour_error, SHORTEST_RULING * rectangle.length)
+    };
+    let spacing = options.mark_spacing * face.surface.bbox().diagonal();
+    let mut marks = Vec::new();
+    for run in loops.iter().flatten() {
+        if let Border::Seam { seam, forward } = run.run.border {
+            for (k, s) in mark_places(run.run, forward, &place, spacing) {
+                let t = run.velocity(s);
+                let t = if mirrored { -t } else { t };
+                let n = Vec2::new(-t.y, t.x);
+                let norm = n.norm();
+                if norm > 0.0 {
+                    marks.push(Mark { point: run.place(s), inward: n / norm, label: format!("S{seam}.{k}") });
+                }
+            }
+        }
+    }
+    let mut sides: Vec<Side> = outer
+        .iter()
+        .map(|r| Side { border: r.run.border, middle: r.place(r.half_way()), length: r.length() })
+        .collect();
+    if mirrored {
+        sides.reverse();
+    }
+    Ok(Pattern {
+        panel,
+        name: p.name.clone(),
+        contours,
+        rulings,
+        marks,
+        sides,
+        area: flat_area.abs(),
+        area_in_space: area_in_space.abs(),
+        isometry_error: isometry_error(&development, p),
+        contour_error,
+        width: rectangle.width,
+        length: rectangle.length,
+    })
+}
+
+/// The same contour the other way round.
+fn reversed(v: &[ContourVertex]) -> Vec<ContourVertex> {
+    let n = v.len();
+    (0..n)
+        .map(|k| {
+            let here = &v[(n - k) % n];
+            // The piece that left the vertex before now leaves this one.
+            let before = &v[(2 * n - k - 1) % n];
+            ContourVertex { point: here.point, bulge: -before.bulge, corner: here.corner }
+        })
+        .collect()
+}
+
+/// Greatest strain found at stations of the map and along the outline.
+fn isometry_error(development: &Development, panel: &Panel) -> f64 {
+    // Only rulings and stretches that the panel uses: the patch's margins are not cut.
+    let (mut t0, mut t1) = (f64::INFINITY, f64::NEG_INFINITY);
+    let mut worst = 0.0_f64;
+    for run in panel.loops.iter().flatten() {
+        for k in 0..=32 {
+            let q = run.trim.point(f64::from(k) / 32.0);
+            t0 = t0.min(q[0]);
+            t1 = t1.max(q[0]);
+            worst = worst.max(development.strain(q[0], q[1]));
+        }
+    }
+    for t in development.stations().filter(|t| *t >= t0 && *t <= t1) {
+        for r in [0.05, 0.5, 0.95] {
+            worst = worst.max(development.strain(t, r));
+        }
+    }
+    worst
+}
+
+/// Marks of a run: number within the seam and parameter on this run. Both sides find the same points of the shared
+/// polyline, at equal steps of its length in space.
+fn mark_places(run: &Run, forward: bool, place: &dyn Fn(u32) -> Vec3, spacing: f64) -> Vec<(usize, f64)> {
+    let n = run.vertices.len();
+    let order = |k: usize| if forward { k } else { n - 1 - k };
+    let points: Vec<Vec3> = (0..n).map(|k| place(run.vertices[order(k)])).collect();
+    let mut at = vec![0.0];
+    for w in points.windows(2) {
+        at.push(at[at.len() - 1] + (w[1] - w[0]).norm());
+    }
+    let total = at[n - 1];
+    let count = (total / spacing.max(f64::MIN_POSITIVE)).round().clamp(1.0, 9.0) as usize;
+    (1..=count)
+        .map(|k| {
+            let l = total * k as f64 / (count + 1) as f64;
+            let i = at.partition_point(|&a| a <= l).clamp(1, n - 1);
+            let step = at[i] - at[i - 1];
+            let x = if step > 0.0 { (l - at[i - 1]) / step } else { 0.0 };
+            let (a, b) = (run.parameters[order(i - 1)], run.parameters[order(i)]);
+            (k, a + (b - a) * x)
+        })
+        .collect()
+}
+
+/// Rulings about `spacing` apart, clipped to the outline and shortened by `inset` at both ends.
+fn rulings(development: &Development, panel: &Panel, spacing: f64, inset: f64, shortest: f64) -> Vec<[Vec2; 2]> {
+    let clipped = ClippedRulings::new(panel);
+    let mut out = Vec::new();
+    for t in clipped.spaced(spacing) {
+        for (r0, r1) in clipped.at(t) {
+            let (a, b) = (development.map(t, r0), development.map(t, r1));
+            let length = (b - a).norm();
+            if length > shortest + 2.0 * inset {
+                let d = (b - a) * (inset / length);
+                out.push([a + d, b - d]);
+            }
+        }
+    }
+    out
+}

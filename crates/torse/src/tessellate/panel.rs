@@ -1,0 +1,127 @@
+//! Meshes of panels and faces for pictures and mesh files: the triangles of the partition, carried to the panels by
+//! the foot map. Nothing is proven here.
+
+use std::collections::{HashMap, VecDeque};
+
+use crate::geom::mesh::Mesh;
+use crate::geom::Vec3;
+use crate::surface::clip::ClippedRulings;
+use crate::surface::panel::{Panel, Patchwork};
+use crate::surface::torse::PanelKind;
+
+/// Mesh of one panel: its partition's triangles with every vertex moved to its foot on the torse.
+///
+/// `values`: signed distance (mm) of the panel from the face, positive where the panel lies on the outer side.
+/// Normals point to the outer side. An empty mesh if the panel does not exist.
+pub fn panel_mesh(patchwork: &Patchwork, panel: usize) -> Mesh {
+    let Some(p) = patchwork.panels.get(panel) else { return Mesh::default() };
+    let (Some(face), Some(partition)) = (patchwork.faces.get(p.face), patchwork.partitions.get(p.face)) else {
+        return Mesh::default();
+    };
+    // 1. Vertices used, neighbours, and feet known from the trimming curves.
+    let mut index: HashMap<u32, u32> = HashMap::new();
+    let mut old: Vec<u32> = Vec::new();
+    let mut triangles = Vec::new();
+    for (t, &l) in partition.triangles.iter().zip(&partition.labels) {
+        if l == p.label {
+            triangles.push(t.map(|v| {
+                *index.entry(v).or_insert_with(|| {
+                    old.push(v);
+                    old.len() as u32 - 1
+                })
+            }));
+        }
+    }
+    let mut around: Vec<Vec<u32>> = vec![Vec::new(); old.len()];
+    for t in &triangles {
+        for k in 0..3 {
+            around[t[k] as usize].push(t[(k + 1) % 3]);
+            around[t[k] as usize].push(t[(k + 2) % 3]);
+        }
+    }
+    let mut foot: Vec<Option<f64>> = vec![None; old.len()];
+    let mut queue = VecDeque::new();
+    for run in p.loops.iter().flatten() {
+        for (v, s) in run.vertices.iter().zip(&run.parameters) {
+            if let Some(&i) = index.get(v) {
+                if foot[i as usize].is_none() {
+                    foot[i as usize] = Some(run.trim.point(*s)[0]);
+                    queue.push_back(i);
+                }
+            }
+        }
+    }
+    // 2. Feet, from the border inwards, each from a neighbour's.
+    let jets: Vec<_> =
+        old.iter().map(|&v| partition.vertices[v as usize]).map(|q| face.surface.jet(q[0], q[1])).collect();
+    while let Some(i) = queue.pop_front() {
+        let guess = foot[i as usize].unwrap_or_default();
+        for &n in &around[i as usize] {
+            if foot[n as usize].is_none() {
+                foot[n as usize] = Some(p.torse.foot(&jets[n as usize].p, guess).unwrap_or(guess));
+                queue.push_back(n);
+            }
+        }
+    }
+    // 3. Points, normals and deviations.
+    let mut mesh = Mesh { triangles, ..Mesh::default() };
+    for (i, j) in jets.iter().enumerate() {
+        let t = foot[i].unwrap_or(p.torse.domain().0);
+        let ruling = p.torse.ruling(t);
+        let x = j.p - ruling.point;
+        let place = ruling.point + ruling.direction * ruling.direction.dot(&x);
+        let outward = if face.reversed { -j.normal() } else { j.normal() };
+        let normal = if ruling.normal.dot(&outward) < 0.0 { -ruling.normal } else { ruling.normal };
+        mesh.values.push((place - j.p).dot(&normal));
+        mesh.positions.push(place);
+        mesh.normals.push(normal);
+    }
+    mesh
+}
+
+/// Mesh of one face: the partition's triangles on the input surface; normals point outwards, no values.
+pub fn surface_mesh(patchwork: &Patchwork, face: usize) -> Mesh {
+    let (Some(f), Some(partition)) = (patchwork.faces.get(face), patchwork.partitions.get(face)) else {
+        return Mesh::default();
+    };
+    let mut mesh = Mesh { triangles: partition.triangles.clone(), ..Mesh::default() };
+    for q in &partition.vertices {
+        let j = f.surface.jet(q[0], q[1]);
+        let n = if f.reversed { -j.normal() } else { j.normal() };
+        mesh.positions.push(j.p);
+        mesh.normals.push(n.try_normalize(0.0).unwrap_or_else(Vec3::zeros));
+    }
+    mesh
+}
+
+/// Rulings of a panel in space, clipped to its borders, about `spacing` (mm) apart; none for planes.
+pub fn ruling_lines(panel: &Panel, spacing: f64) -> Vec<[Vec3; 2]> {
+    if panel.kind == PanelKind::Plane {
+        return Vec::new();
+    }
+    let clipped = ClippedRulings::new(panel);
+    let point = |t: f64, r: f64| panel.patch.point(t, r);
+    clipped
+        .spaced(spacing)
+        .into_iter()
+        .flat_map(|t| clipped.at(t).into_iter().map(move |(a, b)| [point(t, a), point(t, b)]))
+        .collect()
+}
+
+/// Borders of a panel in space as closed polylines, `per_span` points per span of the edge curves.
+pub fn border_lines(panel: &Panel, per_span: usize) -> Vec<Vec<Vec3>> {
+    let mut out = Vec::new();
+    for l in &panel.loops {
+        let mut line = Vec::new();
+        for run in l {
+            for w in run.edge.knots.breaks().windows(2) {
+                for k in 0..per_span {
+                    line.push(Vec3::from(run.edge.point(w[0] + (w[1] - w[0]) * k as f64 / per_span as f64)));
+                }
+            }
+        }
+        line.extend(line.first().copied());
+        out.push(line);
+    }
+    out
+}
