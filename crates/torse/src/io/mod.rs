@@ -1,1 +1,3 @@
 //! Floor 6: files in and out; computes nothing.
+
+pub mod step;
