@@ -7,15 +7,14 @@
 
 mod geometry;
 mod records;
+mod sheet;
 
 use std::io;
 
-use crate::geom::{Frame, Vec3};
-use crate::spline::curve::Curve;
-use crate::spline::surface::Surface;
-use crate::surface::panel::{Panel, Patchwork};
-use crate::surface::torse::PanelKind;
+use crate::geom::Frame;
+use crate::surface::panel::Patchwork;
 use records::{boolean, list, real, references, string, Records};
+pub use sheet::{EdgeUse, Sheet, SheetCurve, SheetEdge, SheetFace, SheetSurface, SurfaceForm};
 
 /// What the file says about itself.
 #[derive(Clone, Debug)]
@@ -26,219 +25,6 @@ pub struct Header {
     pub time: String,
     /// Distance (mm) within which edges, faces and vertices meet: UNCERTAINTY_MEASURE_WITH_UNIT.
     pub uncertainty: f64,
-}
-
-/// Connected faces with the edges and vertices that they share.
-#[derive(Clone, Debug, Default)]
-pub struct Sheet {
-    /// Name of the body.
-    pub name: String,
-    /// Corner points, mm.
-    pub vertices: Vec<Vec3>,
-    /// Edges between them.
-    pub edges: Vec<SheetEdge>,
-    /// Faces.
-    pub faces: Vec<SheetFace>,
-}
-
-/// An edge: a curve between two vertices (twice the same for a closed edge).
-#[derive(Clone, Debug)]
-pub struct SheetEdge {
-    /// Index of the first vertex.
-    pub start: usize,
-    /// Index of the last vertex.
-    pub end: usize,
-    /// Curve from start to end.
-    pub curve: SheetCurve,
-}
-
-/// Curve of an edge.
-#[derive(Clone, Debug)]
-pub enum SheetCurve {
-    /// The straight line between the vertices.
-    Line,
-    /// Arc of a circle about the frame's z-axis, run counter-clockwise.
-    Circle {
-        /// Centre and axes.
-        frame: Frame,
-        /// Radius, mm.
-        radius: f64,
-    },
-    /// Polynomial spline.
-    Spline(Curve<3>),
-    /// Rational spline, homogeneous, weight last.
-    Rational(Curve<4>),
-}
-
-/// A face: a surface and its loops.
-#[derive(Clone, Debug)]
-pub struct SheetFace {
-    /// Name of the face.
-    pub name: String,
-    /// Surface that carries it.
-    pub surface: SheetSurface,
-    /// Whether the face's normal is the opposite of the surface's.
-    pub reversed: bool,
-    /// Loops, outer first, counter-clockwise about the face's normal; holes clockwise.
-    pub loops: Vec<Vec<EdgeUse>>,
-}
-
-/// An edge as part of a loop.
-#[derive(Clone, Debug)]
-pub struct EdgeUse {
-    /// Index of the edge.
-    pub edge: usize,
-    /// Whether the loop follows the edge's own direction.
-    pub forward: bool,
-    /// The edge in the surface's parameter plane, if known: in the edge's own direction and parameter.
-    pub trim: Option<Curve<2>>,
-}
-
-/// Surface of a face.
-#[derive(Clone, Debug)]
-pub enum SheetSurface {
-    /// The plane z = 0 of the frame.
-    Plane(Frame),
-    /// Cylinder about the frame's z-axis.
-    Cylinder {
-        /// Axis z; angles from x.
-        frame: Frame,
-        /// Radius, mm.
-        radius: f64,
-    },
-    /// Cone about the frame's z-axis, widening along z.
-    Cone {
-        /// Axis z; angles from x.
-        frame: Frame,
-        /// Radius at z = 0, mm.
-        radius: f64,
-        /// Angle between axis and rulings, rad.
-        half_angle: f64,
-    },
-    /// B-spline surface.
-    Spline {
-        /// The surface.
-        surface: Surface,
-        /// What it is, for readers that care.
-        form: SurfaceForm,
-    },
-}
-
-/// The hint `surface_form` of a B-spline surface.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum SurfaceForm {
-    /// Plane.
-    Plane,
-    /// Cylinder over any curve.
-    Extrusion,
-    /// Cone over any curve.
-    Cone,
-    /// Other ruled surface.
-    Ruled,
-    /// Freeform.
-    Unspecified,
-}
-
-impl SurfaceForm {
-    fn keyword(self) -> &'static str {
-        match self {
-            Self::Plane => "PLANE_SURF",
-            Self::Extrusion => "SURF_OF_LINEAR_EXTRUSION",
-            Self::Cone => "GENERALISED_CONE",
-            Self::Ruled => "RULED_SURF",
-            Self::Unspecified => "UNSPECIFIED",
-        }
-    }
-}
-
-impl From<PanelKind> for SurfaceForm {
-    fn from(kind: PanelKind) -> Self {
-        match kind {
-            PanelKind::Plane => Self::Plane,
-            PanelKind::Cylinder => Self::Extrusion,
-            PanelKind::Cone => Self::Cone,
-            PanelKind::Torse => Self::Ruled,
-        }
-    }
-}
-
-impl Sheet {
-    /// One panel: its patch, trimmed by its runs. With `reversed` the normal is turned over (as that of a face
-    /// whose normal is −S_u × S_v).
-    pub fn of_panel(panel: &Panel, reversed: bool) -> Self {
-        let mut sheet = Self { name: panel.name.clone(), ..Self::default() };
-        let mut loops = Vec::with_capacity(panel.loops.len());
-        for runs in &panel.loops {
-            let first = sheet.edges.len();
-            let mut uses = Vec::with_capacity(runs.len());
-            for (i, run) in runs.iter().enumerate() {
-                let ends = run.edge.domain();
-                sheet.vertices.push(Vec3::from(run.edge.point(ends.0)));
-                uses.push(EdgeUse { edge: first + i, forward: !reversed, trim: Some(run.trim.clone()) });
-                sheet.edges.push(SheetEdge {
-                    start: first + i,
-                    end: first + (i + 1) % runs.len(),
-                    curve: SheetCurve::Spline(run.edge.clone()),
-                });
-            }
-            if reversed {
-                uses.reverse();
-            }
-            loops.push(uses);
-        }
-        sheet.faces.push(SheetFace {
-            name: panel.name.clone(),
-            surface: SheetSurface::Spline { surface: panel.patch.clone(), form: panel.kind.into() },
-            reversed: panel.mirrored() != reversed,
-            loops,
-        });
-        sheet
-    }
-
-    /// The whole of a clamped spline surface, bounded by its four boundary curves.
-    pub fn untrimmed(name: &str, surface: &Surface) -> Self {
-        let ((u0, u1), (v0, v1)) = surface.domain();
-        let (n, row) = (surface.knots_u.control_count(), surface.row());
-        let along_u = |j: usize| Curve {
-            knots: surface.knots_u.clone(),
-            control: (0..n).map(|i| surface.control[i * row + j]).collect(),
-        };
-        let along_v = |i: usize| Curve {
-            knots: surface.knots_v.clone(),
-            control: surface.control[i * row..(i + 1) * row].to_vec(),
-        };
-        let corners = [[u0, v0], [u1, v0], [u1, v1], [u0, v1]];
-        // Edges in the direction of their parameter; the loop runs the last two backwards.
-        let sides = [
-            (0, 1, along_u(0), true),
-            (1, 2, along_v(n - 1), true),
-            (3, 2, along_u(row - 1), false),
-            (0, 3, along_v(0), false),
-        ];
-        let mut sheet = Self { name: name.into(), ..Self::default() };
-        sheet.vertices = corners.iter().map(|c| surface.point(c[0], c[1])).collect();
-        let mut uses = Vec::new();
-        for (edge, (start, end, curve, forward)) in sides.into_iter().enumerate() {
-            let (a, b) = curve.domain();
-            let trim = Curve::new(1, vec![a, a, b, b], vec![corners[start], corners[end]]).ok();
-            uses.push(EdgeUse { edge, forward, trim });
-            sheet.edges.push(SheetEdge { start, end, curve: edge_of(curve, surface.rational) });
-        }
-        sheet.faces.push(SheetFace {
-            name: name.into(),
-            surface: SheetSurface::Spline { surface: surface.clone(), form: SurfaceForm::Unspecified },
-            reversed: false,
-            loops: vec![uses],
-        });
-        sheet
-    }
-}
-
-fn edge_of(c: Curve<4>, rational: bool) -> SheetCurve {
-    if rational {
-        return SheetCurve::Rational(c);
-    }
-    SheetCurve::Spline(Curve { control: c.control.iter().map(|h| [h[0], h[1], h[2]]).collect(), knots: c.knots })
 }
 
 /// Writes the panels of a patchwork, one sheet each, normals on the side of the input faces' normals.
@@ -393,4 +179,130 @@ fn face(r: &mut Records, s: &Sheet, f: &SheetFace, surface: u64, edges: &[u64]) 
 
 fn out_of_range(sheet: &str, what: &str, index: usize) -> io::Error {
     io::Error::new(io::ErrorKind::InvalidInput, format!("sheet {sheet:?} names {what} {index}, which it does not have"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geom::Vec3;
+    use crate::spline::curve::Curve;
+    use crate::spline::knots::Knots;
+    use crate::spline::surface::Surface;
+    use crate::surface::panel::{Border, Panel, Run};
+    use crate::surface::torse::{DualTorse, PanelKind, Torse};
+
+    /// Parabolic cylinder (100 t, 200 r, 50 t²) with a rectangular outline and a hole; all edges exact.
+    /// With `mirrored` the loops run the other way round in the parameter plane.
+    fn panel(mirrored: bool) -> Panel {
+        let points: Vec<Vec3> = [(0.0, 0.0), (50.0, 0.0), (100.0, 50.0)]
+            .iter()
+            .flat_map(|&(x, z)| [Vec3::new(x, 0.0, z), Vec3::new(x, 200.0, z)])
+            .collect();
+        let knots = |p| Knots::clamped(p, &[0.0, 1.0]).expect("knots");
+        let patch = Surface::new(knots(2), knots(1), &points, None).expect("patch");
+        let side = |a: [f64; 2], b: [f64; 2]| {
+            let at = |t: f64, r: f64| [100.0 * t, 200.0 * r, 50.0 * t * t];
+            let mut middle = at(0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1]));
+            middle[2] = 50.0 * a[0] * b[0]; // blossom of t²
+            let ends = [0.0, 0.0, 1.0, 1.0].to_vec();
+            Run {
+                border: Border::Trim { edge: 0 },
+                vertices: Vec::new(),
+                parameters: Vec::new(),
+                trim: Curve::new(1, ends, vec![a, b]).expect("trim"),
+                edge: Curve { knots: knots(2), control: vec![at(a[0], a[1]), middle, at(b[0], b[1])] },
+            }
+        };
+        let ring = |mut corners: Vec<[f64; 2]>| -> Vec<Run> {
+            if mirrored {
+                corners.reverse();
+            }
+            (0..corners.len()).map(|i| side(corners[i], corners[(i + 1) % corners.len()])).collect()
+        };
+        let planes = Curve { knots: knots(1), control: vec![[0.0, 0.0, 1.0, 0.0], [-1.0, 0.0, 1.0, -50.0]] };
+        Panel {
+            name: "A-01 'Bug'".into(),
+            face: 0,
+            kind: PanelKind::Cylinder,
+            torse: Torse::Dual(DualTorse { planes }),
+            patch,
+            label: 0,
+            loops: vec![
+                ring(vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]),
+                ring(vec![[0.3, 0.4], [0.3, 0.7], [0.6, 0.7], [0.6, 0.4]]),
+            ],
+        }
+    }
+
+    fn written(sheet: Sheet) -> String {
+        let header = Header { name: "test".into(), time: "2026-01-01T00:00:00".into(), uncertainty: 1e-6 };
+        let mut out = Vec::new();
+        sheets(&mut out, &header, &[sheet]).expect("written");
+        String::from_utf8(out).expect("text").replace('\n', "")
+    }
+
+    #[test]
+    fn every_reference_points_back_to_a_record() {
+        let text = written(Sheet::of_panel(&panel(false), false));
+        let data = text.split_once("DATA;").expect("a data section").1;
+        let mut known = 0;
+        for record in data.split(';').filter(|r| r.starts_with('#')) {
+            let (id, body) = record.split_once('=').expect("a record");
+            assert_eq!(id, format!("#{}", known + 1));
+            for reference in body.split('#').skip(1) {
+                let digits: String = reference.chars().take_while(char::is_ascii_digit).collect();
+                assert!(digits.parse::<u64>().expect("a number") <= known, "{record}");
+            }
+            known += 1;
+        }
+        for (keyword, count) in [
+            ("ADVANCED_FACE('A-01 ''Bug''',", 1),
+            ("OPEN_SHELL('A-01 ''Bug''',", 1),
+            ("FACE_OUTER_BOUND(", 1),
+            ("FACE_BOUND(", 1),
+            ("EDGE_CURVE(", 8),
+            ("VERTEX_POINT(", 8),
+            ("PCURVE(", 8),
+            (".SURF_OF_LINEAR_EXTRUSION.", 1),
+            ("LENGTH_MEASURE(1.E-6)", 1),
+            ("SI_UNIT(.MILLI.,.METRE.)", 1),
+        ] {
+            assert_eq!(data.matches(keyword).count(), count, "{keyword}");
+        }
+    }
+
+    #[test]
+    fn the_sense_of_a_face_follows_its_loops_and_the_input_face() {
+        let same_sense = |mirrored, reversed| {
+            let text = written(Sheet::of_panel(&panel(mirrored), reversed));
+            let face = text.split("ADVANCED_FACE(").nth(1).expect("a face");
+            face.split_once(");").expect("its end").0.ends_with(".T.")
+        };
+        assert!(same_sense(false, false) && !same_sense(true, false));
+        assert!(!same_sense(false, true) && same_sense(true, true));
+        let uses = written(Sheet::of_panel(&panel(false), true));
+        assert_eq!(uses.matches("ORIENTED_EDGE('',*,*,#").count(), 8);
+        assert!(uses.split("ORIENTED_EDGE(").skip(1).all(|u| u.split(';').next().is_some_and(|u| u.ends_with(".F.)"))));
+    }
+
+    #[test]
+    fn a_rational_surface_is_a_complex_record() {
+        let knots = Knots::clamped(1, &[0.0, 1.0]).expect("knots");
+        let points = [Vec3::zeros(), Vec3::x(), Vec3::y(), Vec3::x() + Vec3::y()];
+        let s = Surface::new(knots.clone(), knots, &points, Some(&[1.0, 0.5, 1.0, 1.0])).expect("surface");
+        let text = written(Sheet::untrimmed("twisted", &s));
+        assert!(text.contains("RATIONAL_B_SPLINE_SURFACE(((1.,0.5),(1.,1.)))"));
+        assert_eq!(text.matches("RATIONAL_B_SPLINE_CURVE((").count(), 4);
+        // Control point (1, 0, 0) of weight 0.5 is written as itself, not times its weight.
+        assert!(text.contains("CARTESIAN_POINT('',(1.,0.,0.))") && !text.contains("CARTESIAN_POINT('',(0.5,0.,0.))"));
+    }
+
+    #[test]
+    fn an_edge_that_does_not_exist_is_an_error() {
+        let mut sheet = Sheet::of_panel(&panel(false), false);
+        sheet.faces[0].loops[0][0].edge = 99;
+        let header = Header { name: String::new(), time: String::new(), uncertainty: 1e-6 };
+        let error = sheets(&mut Vec::new(), &header, &[sheet]).expect_err("refused");
+        assert!(error.to_string().contains("edge 99"), "{error}");
+    }
 }
