@@ -1,3 +1,5 @@
 //! Floor 6: files in and out; computes nothing.
 
+pub mod dxf;
 pub mod step;
+pub mod svg;
