@@ -4,3 +4,6 @@ pub mod html;
 pub mod json;
 pub mod png;
 pub mod step;
+pub mod dxf;
+pub mod step;
+pub mod svg;

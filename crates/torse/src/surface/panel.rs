@@ -60,6 +60,26 @@ pub struct Panel {
     pub loops: Vec<Vec<Run>>,
 }
 
+impl Panel {
+    /// Whether the outer loop runs clockwise in the parameter plane (t, r) of the patch: then the patch's normal
+    /// R_t × R_r is opposite to that of the face, about which the loop runs counter-clockwise.
+    pub fn mirrored(&self) -> bool {
+        // Chords of the trimming curves; cubic pieces deviate too little from four chords to turn the sign.
+        const CHORDS: usize = 4;
+        let mut twice_area = 0.0;
+        for run in self.loops.first().into_iter().flatten() {
+            for w in run.trim.knots.breaks().windows(2) {
+                let at = |k: usize| run.trim.point(w[0] + (w[1] - w[0]) * k as f64 / CHORDS as f64);
+                for k in 0..CHORDS {
+                    let (a, b) = (at(k), at(k + 1));
+                    twice_area += a[0] * b[1] - a[1] * b[0];
+                }
+            }
+        }
+        twice_area < 0.0
+    }
+}
+
 /// The panels of a whole model, with what they approximate.
 #[derive(Clone, Debug)]
 pub struct Patchwork {

@@ -1,0 +1,504 @@
+//! DXF writer: cutting drawings in the R2000 format (AC1015), millimetres, 1:1.
+//!
+//! Outlines are closed LWPOLYLINEs of lines and arcs on `CUT_OUTER` and `CUT_INNER`, rulings LINEs on `RULING`,
+//! matching marks LINEs on `MARK`, names and labels strokes on `TEXT`: there is no live text that a cutter's program
+//! could lose. Group codes and the order of sections follow Autodesk's DXF reference; tables, blocks and objects that
+//! strict readers ask for are all there, with handles and owners.
+
+use std::fmt::{Display, Write as _};
+use std::io;
+
+use crate::geom::Vec2;
+use crate::surface::pattern::Contour;
+use crate::tessellate::drawing::Drawing;
+
+/// Layers and their colours (AutoCAD colour index).
+const LAYERS: [(&str, u8); 5] = [(OUTER, 7), (INNER, 7), (RULING, 3), (MARK, 6), (TEXT, 9)];
+const OUTER: &str = "CUT_OUTER";
+const INNER: &str = "CUT_INNER";
+const RULING: &str = "RULING";
+const MARK: &str = "MARK";
+const TEXT: &str = "TEXT";
+
+/// Handles of things that others refer to. Entities and layers are numbered from [`FIRST_FREE`].
+mod handle {
+    pub const BLOCK_RECORDS: u32 = 0x1;
+    pub const LAYERS: u32 = 0x2;
+    pub const STYLES: u32 = 0x3;
+    pub const LINETYPES: u32 = 0x5;
+    pub const VIEWS: u32 = 0x6;
+    pub const UCS: u32 = 0x7;
+    pub const VIEWPORTS: u32 = 0x8;
+    pub const APPLICATIONS: u32 = 0x9;
+    pub const DIMENSION_STYLES: u32 = 0xA;
+    pub const ROOT: u32 = 0xC;
+    pub const GROUPS: u32 = 0xD;
+    pub const PLOT_STYLES: u32 = 0xE;
+    pub const PLOT_STYLE: u32 = 0xF;
+    pub const LAYOUTS: u32 = 0x1A;
+    pub const PAPER_SPACE: u32 = 0x1B;
+    pub const PAPER_LAYOUT: u32 = 0x1E;
+    pub const MODEL_SPACE: u32 = 0x1F;
+    pub const MODEL_LAYOUT: u32 = 0x22;
+    pub const FIRST_FREE: u32 = 0x30;
+}
+
+/// Writes a drawing.
+///
+/// # Errors
+/// Those of `out`; a coordinate that is not a finite number ([`io::ErrorKind::InvalidData`]).
+pub fn write(out: &mut dyn io::Write, drawing: &Drawing) -> io::Result<()> {
+    let mut body = Pairs { next: handle::FIRST_FREE, ..Pairs::default() };
+    tables(&mut body);
+    blocks(&mut body);
+    body.section("ENTITIES");
+    for piece in &drawing.pieces {
+        for (layer, contour) in piece.outer.iter().map(|c| (OUTER, c)).chain(piece.inner.iter().map(|c| (INNER, c))) {
+            body.contour(layer, contour);
+        }
+        for (layer, lines) in [(RULING, &piece.rulings), (MARK, &piece.marks)] {
+            for [a, b] in lines {
+                body.line(layer, a, b);
+            }
+        }
+        for stroke in &piece.text {
+            body.polyline(TEXT, false, stroke.iter().map(|p| (*p, 0.0)));
+        }
+    }
+    body.pair(0, "ENDSEC");
+    objects(&mut body);
+    body.pair(0, "EOF");
+    if !body.finite {
+        return Err(io::Error::new(io::ErrorKind::InvalidData, "a coordinate of a pattern is not a finite number"));
+    }
+    // The header comes first but names the first handle that is still free.
+    let mut head = Pairs::default();
+    header(&mut head, drawing, body.next);
+    out.write_all(head.text.as_bytes())?;
+    out.write_all(body.text.as_bytes())
+}
+
+/// Pairs of group code and value, two lines each.
+struct Pairs {
+    text: String,
+    next: u32,
+    finite: bool,
+}
+
+impl Default for Pairs {
+    fn default() -> Self {
+        Self { text: String::new(), next: handle::FIRST_FREE, finite: true }
+    }
+}
+
+impl Pairs {
+    fn pair(&mut self, code: u32, value: impl Display) {
+        // Writing to a string cannot fail.
+        _ = write!(self.text, "{code:3}\n{value}\n");
+    }
+
+    /// Integers as the reference prints them, right-aligned.
+    fn integer(&mut self, code: u32, value: usize) {
+        self.pair(code, format_args!("{value:6}"));
+    }
+
+    fn hex(&mut self, code: u32, handle: u32) {
+        self.pair(code, format_args!("{handle:X}"));
+    }
+
+    /// A real number to a millionth of a micrometre, without idle zeros.
+    fn real(&mut self, code: u32, x: f64) {
+        self.finite &= x.is_finite();
+        let mut s = format!("{x:.9}");
+        let keep = s.trim_end_matches('0').len();
+        s.truncate(keep);
+        if s.ends_with('.') {
+            s.push('0');
+        }
+        self.pair(code, if s == "-0.0" { "0.0" } else { &s });
+    }
+
+    /// Bulges need more digits: an arc's height is the bulge times half its chord, which may be metres.
+    fn bulge(&mut self, b: f64) {
+        self.finite &= b.is_finite();
+        self.pair(42, format_args!("{b:.12}"));
+    }
+
+    fn point(&mut self, code: u32, x: f64, y: f64) {
+        self.real(code, x);
+        self.real(code + 10, y);
+    }
+
+    fn point3(&mut self, code: u32, x: f64, y: f64, z: f64) {
+        self.point(code, x, y);
+        self.real(code + 20, z);
+    }
+
+    fn section(&mut self, name: &str) {
+        self.pair(0, "SECTION");
+        self.pair(2, name);
+    }
+
+    fn fresh(&mut self) -> u32 {
+        self.next += 1;
+        self.next - 1
+    }
+
+    /// Head of a symbol table.
+    fn table(&mut self, name: &str, handle: u32, count: usize) {
+        self.pair(0, "TABLE");
+        self.pair(2, name);
+        self.hex(5, handle);
+        self.hex(330, 0);
+        self.pair(100, "AcDbSymbolTable");
+        self.integer(70, count);
+    }
+
+    /// Head of a symbol table's record.
+    fn record(&mut self, kind: &str, owner: u32, handle: u32, subclass: &str, name: &str) {
+        self.pair(0, kind);
+        self.hex(if kind == "DIMSTYLE" { 105 } else { 5 }, handle);
+        self.hex(330, owner);
+        self.pair(100, "AcDbSymbolTableRecord");
+        self.pair(100, subclass);
+        self.pair(2, name);
+    }
+
+    /// Head of an entity of the model space.
+    fn entity(&mut self, kind: &str, layer: &str, subclass: &str) {
+        let handle = self.fresh();
+        self.pair(0, kind);
+        self.hex(5, handle);
+        self.hex(330, handle::MODEL_SPACE);
+        self.pair(100, "AcDbEntity");
+        self.pair(8, layer);
+        self.pair(100, subclass);
+    }
+
+    fn line(&mut self, layer: &str, a: &Vec2, b: &Vec2) {
+        self.entity("LINE", layer, "AcDbLine");
+        self.point3(10, a.x, a.y, 0.0);
+        self.point3(11, b.x, b.y, 0.0);
+    }
+
+    fn contour(&mut self, layer: &str, c: &Contour) {
+        self.polyline(layer, true, c.vertices.iter().map(|v| (v.point, v.bulge)));
+    }
+
+    fn polyline(&mut self, layer: &str, closed: bool, vertices: impl ExactSizeIterator<Item = (Vec2, f64)>) {
+        self.entity("LWPOLYLINE", layer, "AcDbPolyline");
+        self.integer(90, vertices.len());
+        self.integer(70, usize::from(closed));
+        self.real(43, 0.0);
+        for (p, bulge) in vertices {
+            self.point(10, p.x, p.y);
+            if bulge != 0.0 {
+                self.bulge(bulge);
+            }
+        }
+    }
+
+    fn object(&mut self, kind: &str, handle: u32, owner: u32) {
+        self.pair(0, kind);
+        self.hex(5, handle);
+        self.hex(330, owner);
+    }
+
+    fn dictionary(&mut self, handle: u32, owner: u32, entries: &[(&str, u32)]) {
+        self.object("DICTIONARY", handle, owner);
+        self.pair(100, "AcDbDictionary");
+        self.integer(281, 1);
+        for &(name, entry) in entries {
+            self.pair(3, name);
+            self.hex(350, entry);
+        }
+    }
+}
+
+/// Version, units and extent.
+fn header(p: &mut Pairs, drawing: &Drawing, free: u32) {
+    p.section("HEADER");
+    let mut text = |name: &str, code: u32, value: &str| {
+        p.pair(9, name);
+        p.pair(code, value);
+    };
+    text("$ACADVER", 1, "AC1015");
+    text("$DWGCODEPAGE", 3, "ANSI_1252");
+    text("$HANDSEED", 5, &format!("{free:X}"));
+    // Millimetres; metric linetypes and hatches; decimal lengths with four places.
+    text("$INSUNITS", 70, "     4");
+    text("$MEASUREMENT", 70, "     1");
+    text("$LUNITS", 70, "     2");
+    text("$LUPREC", 70, "     4");
+    text("$CLAYER", 8, "0");
+    let (min, max) = (drawing.min, drawing.max);
+    for (name, corner) in [("$EXTMIN", min), ("$EXTMAX", max)] {
+        p.pair(9, name);
+        p.point3(10, corner.x, corner.y, 0.0);
+    }
+    for (name, corner) in [("$LIMMIN", min), ("$LIMMAX", max)] {
+        p.pair(9, name);
+        p.point(10, corner.x, corner.y);
+    }
+    p.pair(0, "ENDSEC");
+    p.section("CLASSES");
+    p.pair(0, "ENDSEC");
+}
+
+/// Symbol tables.
+fn tables(p: &mut Pairs) {
+    p.section("TABLES");
+    p.table("VPORT", handle::VIEWPORTS, 0);
+    p.pair(0, "ENDTAB");
+
+    p.table("LTYPE", handle::LINETYPES, 3);
+    for (name, description) in [("ByBlock", ""), ("ByLayer", ""), ("Continuous", "Solid line")] {
+        let h = p.fresh();
+        p.record("LTYPE", handle::LINETYPES, h, "AcDbLinetypeTableRecord", name);
+        p.integer(70, 0);
+        p.pair(3, description);
+        p.integer(72, 65);
+        p.integer(73, 0);
+        p.real(40, 0.0);
+    }
+    p.pair(0, "ENDTAB");
+
+    p.table("LAYER", handle::LAYERS, LAYERS.len() + 1);
+    for (name, colour) in std::iter::once(("0", 7)).chain(LAYERS) {
+        let h = p.fresh();
+        p.record("LAYER", handle::LAYERS, h, "AcDbLayerTableRecord", name);
+        p.integer(70, 0);
+        p.integer(62, colour.into());
+        p.pair(6, "Continuous");
+        // Thinnest line: laser drivers take it for a cut.
+        p.integer(370, 0);
+        p.hex(390, handle::PLOT_STYLE);
+    }
+    p.pair(0, "ENDTAB");
+
+    p.table("STYLE", handle::STYLES, 1);
+    let h = p.fresh();
+    p.record("STYLE", handle::STYLES, h, "AcDbTextStyleTableRecord", "Standard");
+    p.integer(70, 0);
+    p.real(40, 0.0);
+    p.real(41, 1.0);
+    p.real(50, 0.0);
+    p.integer(71, 0);
+    p.real(42, 2.5);
+    p.pair(3, "txt");
+    p.pair(4, "");
+    p.pair(0, "ENDTAB");
+
+    for (name, table) in [("VIEW", handle::VIEWS), ("UCS", handle::UCS)] {
+        p.table(name, table, 0);
+        p.pair(0, "ENDTAB");
+    }
+
+    p.table("APPID", handle::APPLICATIONS, 1);
+    let h = p.fresh();
+    p.record("APPID", handle::APPLICATIONS, h, "AcDbRegAppTableRecord", "ACAD");
+    p.integer(70, 0);
+    p.pair(0, "ENDTAB");
+
+    p.table("DIMSTYLE", handle::DIMENSION_STYLES, 1);
+    p.pair(100, "AcDbDimStyleTable");
+    p.integer(71, 0);
+    let h = p.fresh();
+    p.record("DIMSTYLE", handle::DIMENSION_STYLES, h, "AcDbDimStyleTableRecord", "Standard");
+    p.integer(70, 0);
+    p.pair(0, "ENDTAB");
+
+    p.table("BLOCK_RECORD", handle::BLOCK_RECORDS, 2);
+    for (name, h, layout) in SPACES {
+        p.record("BLOCK_RECORD", handle::BLOCK_RECORDS, h, "AcDbBlockTableRecord", name);
+        p.hex(340, layout);
+    }
+    p.pair(0, "ENDTAB");
+    p.pair(0, "ENDSEC");
+}
+
+/// Model and paper space: name, block record, layout.
+const SPACES: [(&str, u32, u32); 2] = [
+    ("*Model_Space", handle::MODEL_SPACE, handle::MODEL_LAYOUT),
+    ("*Paper_Space", handle::PAPER_SPACE, handle::PAPER_LAYOUT),
+];
+
+/// The two blocks that every drawing has; the entities of the model space stand in ENTITIES.
+fn blocks(p: &mut Pairs) {
+    p.section("BLOCKS");
+    for (name, owner, _) in SPACES {
+        for (kind, subclass) in [("BLOCK", "AcDbBlockBegin"), ("ENDBLK", "AcDbBlockEnd")] {
+            let h = p.fresh();
+            p.object(kind, h, owner);
+            p.pair(100, "AcDbEntity");
+            if owner == handle::PAPER_SPACE {
+                p.integer(67, 1);
+            }
+            p.pair(8, "0");
+            p.pair(100, subclass);
+            if kind == "BLOCK" {
+                p.pair(2, name);
+                p.integer(70, 0);
+                p.point3(10, 0.0, 0.0, 0.0);
+                p.pair(3, name);
+                p.pair(1, "");
+            }
+        }
+    }
+    p.pair(0, "ENDSEC");
+}
+
+/// The root dictionary and what hangs below it.
+fn objects(p: &mut Pairs) {
+    p.section("OBJECTS");
+    p.dictionary(
+        handle::ROOT,
+        0,
+        &[
+            ("ACAD_GROUP", handle::GROUPS),
+            ("ACAD_LAYOUT", handle::LAYOUTS),
+            ("ACAD_PLOTSTYLENAME", handle::PLOT_STYLES),
+        ],
+    );
+    p.dictionary(handle::GROUPS, handle::ROOT, &[]);
+    p.dictionary(handle::LAYOUTS, handle::ROOT, &[("Layout1", handle::PAPER_LAYOUT), ("Model", handle::MODEL_LAYOUT)]);
+    p.object("ACDBDICTIONARYWDFLT", handle::PLOT_STYLES, handle::ROOT);
+    p.pair(100, "AcDbDictionary");
+    p.integer(281, 1);
+    p.pair(3, "Normal");
+    p.hex(350, handle::PLOT_STYLE);
+    p.pair(100, "AcDbDictionaryWithDefault");
+    p.hex(340, handle::PLOT_STYLE);
+    p.object("ACDBPLACEHOLDER", handle::PLOT_STYLE, handle::PLOT_STYLES);
+    for (name, tab, model, layout, space) in [
+        ("Model", 0, true, handle::MODEL_LAYOUT, handle::MODEL_SPACE),
+        ("Layout1", 1, false, handle::PAPER_LAYOUT, handle::PAPER_SPACE),
+    ] {
+        p.object("LAYOUT", layout, handle::LAYOUTS);
+        plot_settings(p, model);
+        p.pair(100, "AcDbLayout");
+        p.pair(1, name);
+        p.integer(70, 1);
+        p.integer(71, tab);
+        p.point(10, 0.0, 0.0);
+        p.point(11, 420.0, 297.0);
+        p.point3(12, 0.0, 0.0, 0.0);
+        p.point3(14, 1e20, 1e20, 1e20);
+        p.point3(15, -1e20, -1e20, -1e20);
+        p.real(146, 0.0);
+        p.point3(13, 0.0, 0.0, 0.0);
+        p.point3(16, 1.0, 0.0, 0.0);
+        p.point3(17, 0.0, 1.0, 0.0);
+        p.integer(76, 0);
+        p.hex(330, space);
+    }
+    p.pair(0, "ENDSEC");
+}
+
+/// Page set-up of a layout: A3, millimetres, 1:1.
+fn plot_settings(p: &mut Pairs, model: bool) {
+    p.pair(100, "AcDbPlotSettings");
+    p.pair(1, "");
+    p.pair(2, "");
+    p.pair(4, "A3");
+    p.pair(6, "");
+    for margin in 40..=43 {
+        p.real(margin, 7.5);
+    }
+    p.real(44, 420.0);
+    p.real(45, 297.0);
+    for offset in [46, 47, 48, 49, 140, 141] {
+        p.real(offset, 0.0);
+    }
+    p.real(142, 1.0);
+    p.real(143, 1.0);
+    // Bit 1024: the layout is the model tab.
+    p.integer(70, if model { 1024 } else { 0 });
+    p.integer(72, 1);
+    p.integer(73, 0);
+    p.integer(74, 5);
+    p.pair(7, "");
+    p.integer(75, 16);
+    p.real(147, 1.0);
+    p.real(148, 0.0);
+    p.real(149, 0.0);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::surface::pattern::ContourVertex;
+    use crate::tessellate::drawing::Piece;
+    use std::collections::BTreeSet;
+
+    fn vertex(x: f64, y: f64, bulge: f64) -> ContourVertex {
+        ContourVertex { point: Vec2::new(x, y), bulge, corner: true }
+    }
+
+    fn drawing() -> Drawing {
+        let disc = |x: f64, r: f64| Contour { vertices: vec![vertex(x - r, 0., 1.), vertex(x + r, 0., 1.)] };
+        let piece = Piece {
+            name: "A".into(),
+            outer: Some(disc(0., 100.)),
+            inner: vec![disc(30., 1.0 / 3.0)],
+            rulings: vec![[Vec2::new(-5., 5.), Vec2::new(-5., -5.)]],
+            marks: vec![[Vec2::new(-100., 0.), Vec2::new(-95., 0.)]],
+            text: vec![vec![Vec2::zeros(), Vec2::x(), Vec2::y()]],
+        };
+        Drawing { pieces: vec![piece], min: Vec2::repeat(-100.), max: Vec2::repeat(100.) }
+    }
+
+    /// Group codes and values of the file.
+    fn pairs(d: &Drawing) -> Vec<(u32, String)> {
+        let mut out = Vec::new();
+        write(&mut out, d).expect("written");
+        let text = String::from_utf8(out).expect("text");
+        let lines: Vec<&str> = text.lines().map(str::trim).collect();
+        lines.chunks(2).map(|c| (c[0].parse().expect("a group code"), c[1].into())).collect()
+    }
+
+    #[test]
+    fn handles_are_unique_and_owners_exist() {
+        let all = pairs(&drawing());
+        let mut known = BTreeSet::from(["0".to_string()]);
+        // Handles are given under 5, and under 105 by dimension styles; $HANDSEED comes first.
+        for (_, handle) in all.iter().filter(|p| p.0 == 5 || p.0 == 105).skip(1) {
+            assert!(known.insert(handle.clone()), "handle {handle} is given twice");
+        }
+        for (code, handle) in all.iter().filter(|p| matches!(p.0, 330 | 340 | 350 | 390)) {
+            assert!(known.contains(handle), "{code} points to {handle}");
+        }
+        let seed = all.iter().position(|p| p.1 == "$HANDSEED").map(|i| &all[i + 1].1).expect("a seed");
+        let value = |h: &String| u32::from_str_radix(h, 16).expect("a handle");
+        assert!(known.iter().all(|h| value(h) < value(seed)));
+    }
+
+    #[test]
+    fn outlines_are_closed_polylines_with_bulges_in_millimetres() {
+        let all = pairs(&drawing());
+        let after = |name: &str| all.iter().position(|p| p.1 == name).map(|i| all[i + 1].clone());
+        assert_eq!(after("$INSUNITS"), Some((70, "4".into())));
+        assert_eq!(after("$MEASUREMENT"), Some((70, "1".into())));
+        assert_eq!(after("$EXTMIN"), Some((10, "-100.0".into())));
+        let entities = all.iter().position(|p| p.1 == "ENTITIES").expect("entities");
+        let starts: Vec<usize> = (entities..all.len()).filter(|&i| all[i].0 == 0).collect();
+        let entity = |i: usize| &all[starts[i]..starts[i + 1]];
+        let value =
+            |e: &[(u32, String)], code| e.iter().filter(|p| p.0 == code).map(|p| p.1.clone()).collect::<Vec<_>>();
+        for (i, layer, closed) in [(0, "CUT_OUTER", "1"), (1, "CUT_INNER", "1"), (4, "TEXT", "0")] {
+            assert_eq!(entity(i)[0].1, "LWPOLYLINE");
+            assert_eq!(value(entity(i), 8), [layer]);
+            assert_eq!(value(entity(i), 70), [closed]);
+        }
+        assert_eq!(value(entity(1), 10), ["29.666666667", "30.333333333"]);
+        assert_eq!(value(entity(1), 42), ["1.000000000000"; 2]);
+        assert_eq!((value(entity(2), 8), value(entity(3), 8)), (vec!["RULING".into()], vec!["MARK".into()]));
+    }
+
+    #[test]
+    fn numbers_that_are_not_finite_are_refused() {
+        let mut d = drawing();
+        d.pieces[0].marks[0][0].x = f64::INFINITY;
+        assert_eq!(write(&mut Vec::new(), &d).expect_err("refused").kind(), io::ErrorKind::InvalidData);
+    }
+}

@@ -1,0 +1,220 @@
+//! Sheets: faces with shared edges and vertices, as a STEP file has them.
+
+use crate::geom::{Frame, Vec3};
+use crate::spline::curve::Curve;
+use crate::spline::surface::Surface;
+use crate::surface::panel::Panel;
+use crate::surface::torse::PanelKind;
+
+/// Connected faces with the edges and vertices that they share.
+#[derive(Clone, Debug, Default)]
+pub struct Sheet {
+    /// Name of the body.
+    pub name: String,
+    /// Corner points, mm.
+    pub vertices: Vec<Vec3>,
+    /// Edges between them.
+    pub edges: Vec<SheetEdge>,
+    /// Faces.
+    pub faces: Vec<SheetFace>,
+}
+
+/// An edge: a curve between two vertices (twice the same for a closed edge).
+#[derive(Clone, Debug)]
+pub struct SheetEdge {
+    /// Index of the first vertex.
+    pub start: usize,
+    /// Index of the last vertex.
+    pub end: usize,
+    /// Curve from start to end.
+    pub curve: SheetCurve,
+}
+
+/// Curve of an edge.
+#[derive(Clone, Debug)]
+pub enum SheetCurve {
+    /// The straight line between the vertices.
+    Line,
+    /// Arc of a circle about the frame's z-axis, run counter-clockwise.
+    Circle {
+        /// Centre and axes.
+        frame: Frame,
+        /// Radius, mm.
+        radius: f64,
+    },
+    /// Polynomial spline.
+    Spline(Curve<3>),
+    /// Rational spline, homogeneous, weight last.
+    Rational(Curve<4>),
+}
+
+/// A face: a surface and its loops.
+#[derive(Clone, Debug)]
+pub struct SheetFace {
+    /// Name of the face.
+    pub name: String,
+    /// Surface that carries it.
+    pub surface: SheetSurface,
+    /// Whether the face's normal is the opposite of the surface's.
+    pub reversed: bool,
+    /// Loops, outer first, counter-clockwise about the face's normal; holes clockwise.
+    pub loops: Vec<Vec<EdgeUse>>,
+}
+
+/// An edge as part of a loop.
+#[derive(Clone, Debug)]
+pub struct EdgeUse {
+    /// Index of the edge.
+    pub edge: usize,
+    /// Whether the loop follows the edge's own direction.
+    pub forward: bool,
+    /// The edge in the surface's parameter plane, if known: in the edge's own direction and parameter.
+    pub trim: Option<Curve<2>>,
+}
+
+/// Surface of a face.
+#[derive(Clone, Debug)]
+pub enum SheetSurface {
+    /// The plane z = 0 of the frame.
+    Plane(Frame),
+    /// Cylinder about the frame's z-axis.
+    Cylinder {
+        /// Axis z; angles from x.
+        frame: Frame,
+        /// Radius, mm.
+        radius: f64,
+    },
+    /// Cone about the frame's z-axis, widening along z.
+    Cone {
+        /// Axis z; angles from x.
+        frame: Frame,
+        /// Radius at z = 0, mm.
+        radius: f64,
+        /// Angle between axis and rulings, rad.
+        half_angle: f64,
+    },
+    /// B-spline surface.
+    Spline {
+        /// The surface.
+        surface: Surface,
+        /// What it is, for readers that care.
+        form: SurfaceForm,
+    },
+}
+
+/// The hint `surface_form` of a B-spline surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SurfaceForm {
+    /// Plane.
+    Plane,
+    /// Cylinder over any curve.
+    Extrusion,
+    /// Cone over any curve.
+    Cone,
+    /// Other ruled surface.
+    Ruled,
+    /// Freeform.
+    Unspecified,
+}
+
+impl SurfaceForm {
+    pub(super) fn keyword(self) -> &'static str {
+        match self {
+            Self::Plane => "PLANE_SURF",
+            Self::Extrusion => "SURF_OF_LINEAR_EXTRUSION",
+            Self::Cone => "GENERALISED_CONE",
+            Self::Ruled => "RULED_SURF",
+            Self::Unspecified => "UNSPECIFIED",
+        }
+    }
+}
+
+impl From<PanelKind> for SurfaceForm {
+    fn from(kind: PanelKind) -> Self {
+        match kind {
+            PanelKind::Plane => Self::Plane,
+            PanelKind::Cylinder => Self::Extrusion,
+            PanelKind::Cone => Self::Cone,
+            PanelKind::Torse => Self::Ruled,
+        }
+    }
+}
+
+impl Sheet {
+    /// One panel: its patch, trimmed by its runs. With `reversed` the normal is turned over (as that of a face
+    /// whose normal is −S_u × S_v).
+    pub fn of_panel(panel: &Panel, reversed: bool) -> Self {
+        let mut sheet = Self { name: panel.name.clone(), ..Self::default() };
+        let mut loops = Vec::with_capacity(panel.loops.len());
+        for runs in &panel.loops {
+            let first = sheet.edges.len();
+            let mut uses = Vec::with_capacity(runs.len());
+            for (i, run) in runs.iter().enumerate() {
+                let ends = run.edge.domain();
+                sheet.vertices.push(Vec3::from(run.edge.point(ends.0)));
+                uses.push(EdgeUse { edge: first + i, forward: !reversed, trim: Some(run.trim.clone()) });
+                sheet.edges.push(SheetEdge {
+                    start: first + i,
+                    end: first + (i + 1) % runs.len(),
+                    curve: SheetCurve::Spline(run.edge.clone()),
+                });
+            }
+            if reversed {
+                uses.reverse();
+            }
+            loops.push(uses);
+        }
+        sheet.faces.push(SheetFace {
+            name: panel.name.clone(),
+            surface: SheetSurface::Spline { surface: panel.patch.clone(), form: panel.kind.into() },
+            reversed: panel.mirrored() != reversed,
+            loops,
+        });
+        sheet
+    }
+
+    /// The whole of a clamped spline surface, bounded by its four boundary curves.
+    pub fn untrimmed(name: &str, surface: &Surface) -> Self {
+        let ((u0, u1), (v0, v1)) = surface.domain();
+        let (n, row) = (surface.knots_u.control_count(), surface.row());
+        let along_u = |j: usize| Curve {
+            knots: surface.knots_u.clone(),
+            control: (0..n).map(|i| surface.control[i * row + j]).collect(),
+        };
+        let along_v = |i: usize| Curve {
+            knots: surface.knots_v.clone(),
+            control: surface.control[i * row..(i + 1) * row].to_vec(),
+        };
+        let corners = [[u0, v0], [u1, v0], [u1, v1], [u0, v1]];
+        // Edges in the direction of their parameter; the loop runs the last two backwards.
+        let sides = [
+            (0, 1, along_u(0), true),
+            (1, 2, along_v(n - 1), true),
+            (3, 2, along_u(row - 1), false),
+            (0, 3, along_v(0), false),
+        ];
+        let mut sheet = Self { name: name.into(), ..Self::default() };
+        sheet.vertices = corners.iter().map(|c| surface.point(c[0], c[1])).collect();
+        let mut uses = Vec::new();
+        for (edge, (start, end, curve, forward)) in sides.into_iter().enumerate() {
+            let (a, b) = curve.domain();
+            let trim = Curve::new(1, vec![a, a, b, b], vec![corners[start], corners[end]]).ok();
+            uses.push(EdgeUse { edge, forward, trim });
+            sheet.edges.push(SheetEdge { start, end, curve: edge_of(curve, surface.rational) });
+        }
+        sheet.faces.push(SheetFace {
+            name: name.into(),
+            surface: SheetSurface::Spline { surface: surface.clone(), form: SurfaceForm::Unspecified },
+            reversed: false,
+            loops: vec![uses],
+        });
+        sheet
+    }
+}
+
+fn edge_of(c: Curve<4>, rational: bool) -> SheetCurve {
+    if rational {
+        return SheetCurve::Rational(c);
+    }
+    SheetCurve::Spline(Curve { control: c.control.iter().map(|h| [h[0], h[1], h[2]]).collect(), knots: c.knots })
+}

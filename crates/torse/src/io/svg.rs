@@ -1,0 +1,201 @@
+//! SVG writer: cutting drawings in millimetres, one user unit being one millimetre.
+//!
+//! Every panel is a group with sub-groups for cuts, rulings, marks and text, which Inkscape shows as layers; arcs of
+//! outlines stay arcs (`A`). Strokes are hairlines of 0.01 mm, as laser drivers expect of cuts; browsers, which would
+//! not show these, are told to draw one pixel.
+
+use std::fmt::Write as _;
+use std::io;
+
+use crate::geom::Vec2;
+use crate::surface::pattern::Contour;
+use crate::tessellate::drawing::{Drawing, Piece};
+
+/// White border around the drawing, mm.
+const MARGIN: f64 = 10.0;
+/// Stroke width of everything, mm.
+const HAIRLINE: &str = "0.01";
+/// Colours: red cuts and blue scores for most laser drivers; holes differ so that they can be cut first.
+const COLOURS: [(&str, &str); 5] = [
+    ("cut-outer", "#ff0000"),
+    ("cut-inner", "#ff00ff"),
+    ("rulings", "#00a000"),
+    ("marks", "#0000ff"),
+    ("text", "#000000"),
+];
+
+/// Writes a drawing.
+///
+/// # Errors
+/// Those of `out`; a coordinate that is not a finite number ([`io::ErrorKind::InvalidData`]).
+pub fn write(out: &mut dyn io::Write, drawing: &Drawing) -> io::Result<()> {
+    let mut sheet =
+        Sheet { text: String::new(), left: drawing.min.x - MARGIN, top: drawing.max.y + MARGIN, finite: true };
+    let size = drawing.max - drawing.min + Vec2::repeat(2.0 * MARGIN);
+    let (width, height) = (sheet.number(size.x), sheet.number(size.y));
+    // Writing to a string cannot fail.
+    _ = write!(
+        sheet.text,
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n\
+         <svg xmlns=\"http://www.w3.org/2000/svg\" xmlns:inkscape=\"http://www.inkscape.org/namespaces/inkscape\" \
+         width=\"{width}mm\" height=\"{height}mm\" viewBox=\"0 0 {width} {height}\" \
+         fill=\"none\" stroke-width=\"{HAIRLINE}\" stroke-linejoin=\"round\">\n\
+         <style>@media screen {{ path {{ stroke-width: 1px; vector-effect: non-scaling-stroke }} }}</style>\n"
+    );
+    for (i, piece) in drawing.pieces.iter().enumerate() {
+        sheet.piece(i, piece);
+    }
+    sheet.text.push_str("</svg>\n");
+    if !sheet.finite {
+        return Err(io::Error::new(io::ErrorKind::InvalidData, "a coordinate of a pattern is not a finite number"));
+    }
+    out.write_all(sheet.text.as_bytes())
+}
+
+/// The document while it grows, and where its upper left corner lies in the drawing, whose y-axis points up.
+struct Sheet {
+    text: String,
+    left: f64,
+    top: f64,
+    finite: bool,
+}
+
+impl Sheet {
+    /// A length in mm to a nanometre, without idle zeros.
+    fn number(&mut self, x: f64) -> String {
+        self.finite &= x.is_finite();
+        let mut s = format!("{x:.6}");
+        let keep = s.trim_end_matches('0').trim_end_matches('.').len();
+        s.truncate(keep);
+        if s == "-0" {
+            "0".into()
+        } else {
+            s
+        }
+    }
+
+    fn point(&mut self, p: &Vec2) -> String {
+        let (x, y) = (self.number(p.x - self.left), self.number(self.top - p.y));
+        format!("{x} {y}")
+    }
+
+    fn piece(&mut self, index: usize, piece: &Piece) {
+        let name = escaped(&piece.name);
+        _ = write!(
+            self.text,
+            "<g id=\"panel-{}\" inkscape:groupmode=\"layer\" inkscape:label=\"{name}\">\n<title>{name}</title>\n",
+            identifier(index, &piece.name)
+        );
+        let outer = piece.outer.iter().map(|c| self.contour(c)).collect::<Vec<_>>();
+        let inner = piece.inner.iter().map(|c| self.contour(c)).collect::<Vec<_>>();
+        let rulings = piece.rulings.iter().map(|l| self.open(l)).collect::<Vec<_>>();
+        let marks = piece.marks.iter().map(|l| self.open(l)).collect::<Vec<_>>();
+        // One path for all letters: they are never picked one by one.
+        let text = piece.text.iter().map(|s| self.open(s)).collect::<Vec<_>>().concat();
+        let text = if text.is_empty() { Vec::new() } else { vec![text] };
+        for ((class, colour), paths) in COLOURS.iter().zip([outer, inner, rulings, marks, text]) {
+            if paths.is_empty() {
+                continue;
+            }
+            _ = writeln!(
+                self.text,
+                "<g class=\"{class}\" inkscape:groupmode=\"layer\" inkscape:label=\"{class}\" stroke=\"{colour}\">"
+            );
+            for path in paths {
+                _ = writeln!(self.text, "<path d=\"{path}\"/>");
+            }
+            self.text.push_str("</g>\n");
+        }
+        self.text.push_str("</g>\n");
+    }
+
+    fn open(&mut self, points: &[Vec2]) -> String {
+        let mut d = String::new();
+        for (i, p) in points.iter().enumerate() {
+            d.push(if i == 0 { 'M' } else { 'L' });
+            d.push_str(&self.point(p));
+        }
+        d
+    }
+
+    fn contour(&mut self, c: &Contour) -> String {
+        let mut d = String::new();
+        for (i, v) in c.vertices.iter().enumerate() {
+            if i == 0 {
+                d = format!("M{}", self.point(&v.point));
+            }
+            let next = &c.vertices[(i + 1) % c.vertices.len()].point;
+            let end = self.point(next);
+            if v.bulge == 0.0 {
+                if i + 1 < c.vertices.len() {
+                    _ = write!(d, "L{end}");
+                }
+                continue;
+            }
+            // Radius from the chord and the bulge b = tan(sweep / 4).
+            let b = v.bulge.abs();
+            let radius = 0.25 * (next - v.point).norm() * (b + 1.0 / b);
+            let radius = self.number(radius);
+            // Sweep 1 runs clockwise in drawings with y up.
+            _ = write!(d, "A{radius} {radius} 0 {} {} {end}", u8::from(b > 1.0), u8::from(v.bulge < 0.0));
+        }
+        d.push('Z');
+        d
+    }
+}
+
+/// A name for `id`: letters, digits, `-`, `_` and `.` kept, the rest replaced; the number keeps it unique if needed.
+fn identifier(index: usize, name: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
+    if !name.is_empty() && name.chars().all(plain) {
+        return name.into();
+    }
+    let kept: String = name.chars().map(|c| if plain(c) { c } else { '_' }).collect();
+    format!("{kept}.{index}")
+}
+
+/// Text of an XML document.
+fn escaped(s: &str) -> String {
+    s.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::surface::pattern::ContourVertex;
+
+    fn vertex(x: f64, y: f64, bulge: f64) -> ContourVertex {
+        ContourVertex { point: Vec2::new(x, y), bulge, corner: true }
+    }
+
+    /// A square of 100 mm whose right side is a half circle outwards.
+    fn drawing() -> Drawing {
+        let vertices = vec![vertex(0., 0., 0.), vertex(100., 0., 1.), vertex(100., 100., 0.), vertex(0., 100., 0.)];
+        let piece = Piece {
+            name: "A & <B>".into(),
+            outer: Some(Contour { vertices }),
+            rulings: vec![[Vec2::new(10., 0.), Vec2::new(10., 100.)]],
+            ..Piece::default()
+        };
+        Drawing { pieces: vec![piece], min: Vec2::zeros(), max: Vec2::new(150., 100.) }
+    }
+
+    #[test]
+    fn lengths_are_millimetres_and_y_points_down() {
+        let mut out = Vec::new();
+        write(&mut out, &drawing()).expect("written");
+        let text = String::from_utf8(out).expect("text");
+        assert!(text.contains("width=\"170mm\" height=\"120mm\" viewBox=\"0 0 170 120\""));
+        // The counter-clockwise half circle of radius 50 from (100, 0) to (100, 100) keeps bulging to the right.
+        assert!(text.contains("d=\"M10 110L110 110A50 50 0 0 0 110 10L10 10Z\""), "{text}");
+        assert!(text.contains("<path d=\"M20 110L20 10\"/>"));
+        assert!(text.contains("id=\"panel-A____B_.0\"") && text.contains("<title>A &amp; &lt;B&gt;</title>"));
+    }
+
+    #[test]
+    fn numbers_that_are_not_finite_are_refused() {
+        let mut d = drawing();
+        d.pieces[0].rulings[0][0].x = f64::NAN;
+        assert_eq!(write(&mut Vec::new(), &d).expect_err("refused").kind(), io::ErrorKind::InvalidData);
+    }
+}
