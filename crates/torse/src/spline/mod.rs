@@ -1,8 +1,17 @@
 //! Floor 2: B-spline calculus. Knots, curves in any dimension, tensor-product surfaces polynomial and rational.
 
+pub mod bezier;
+pub mod blossom;
+pub mod bounds;
 pub mod curve;
+pub mod derivative;
 pub mod knots;
+pub mod lsq;
+pub mod refine;
 pub mod surface;
+
+#[cfg(test)]
+pub(crate) mod sample;
 
 /// Largest polynomial degree that the kernel evaluates (workspace lives on the stack).
 pub const MAX_DEGREE: usize = 25;
