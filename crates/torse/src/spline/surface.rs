@@ -41,6 +41,29 @@ impl SurfaceJet {
     }
 }
 
+/// Evaluates with loops of known length for the degrees that nearly all surfaces have, `$otherwise` for the rest.
+macro_rules! by_degree {
+    ($surface:expr, $u:expr, $v:expr, $take:expr, $otherwise:expr) => {
+        match ($surface.knots_u.degree(), $surface.knots_v.degree()) {
+            (1, 1) => $take($surface.fixed_degree_jet::<2, 2>($u, $v)),
+            (1, 2) => $take($surface.fixed_degree_jet::<2, 3>($u, $v)),
+            (1, 3) => $take($surface.fixed_degree_jet::<2, 4>($u, $v)),
+            (2, 1) => $take($surface.fixed_degree_jet::<3, 2>($u, $v)),
+            (2, 2) => $take($surface.fixed_degree_jet::<3, 3>($u, $v)),
+            (2, 3) => $take($surface.fixed_degree_jet::<3, 4>($u, $v)),
+            (3, 1) => $take($surface.fixed_degree_jet::<4, 2>($u, $v)),
+            (3, 2) => $take($surface.fixed_degree_jet::<4, 3>($u, $v)),
+            (3, 3) => $take($surface.fixed_degree_jet::<4, 4>($u, $v)),
+            (4, 1) => $take($surface.fixed_degree_jet::<5, 2>($u, $v)),
+            (4, 4) => $take($surface.fixed_degree_jet::<5, 5>($u, $v)),
+            (5, 1) => $take($surface.fixed_degree_jet::<6, 2>($u, $v)),
+            (5, 5) => $take($surface.fixed_degree_jet::<6, 6>($u, $v)),
+            (7, 1) => $take($surface.fixed_degree_jet::<8, 2>($u, $v)),
+            _ => $otherwise,
+        }
+    };
+}
+
 impl Surface {
     /// Checks and stores a surface from affine control points `points[i * n_v + j]` and weights (`None`: all 1).
     ///
@@ -93,26 +116,7 @@ impl Surface {
     /// Homogeneous value and partial derivatives `[S, S_u, S_v, S_uu, S_uv, S_vv]`; no allocation. Derivatives above
     /// `order` are not meaningful.
     pub fn homogeneous_jet(&self, u: f64, v: f64, order: usize) -> [[f64; 4]; 6] {
-        if order == 0 {
-            return self.any_degree_jet(u, v, order);
-        }
-        // The degrees that nearly all surfaces have, with loops of known length.
-        match (self.knots_u.degree(), self.knots_v.degree()) {
-            (1, 1) => self.fixed_degree_jet::<2, 2>(u, v),
-            (1, 2) => self.fixed_degree_jet::<2, 3>(u, v),
-            (2, 1) => self.fixed_degree_jet::<3, 2>(u, v),
-            (2, 2) => self.fixed_degree_jet::<3, 3>(u, v),
-            (1, 3) => self.fixed_degree_jet::<2, 4>(u, v),
-            (3, 1) => self.fixed_degree_jet::<4, 2>(u, v),
-            (2, 3) => self.fixed_degree_jet::<3, 4>(u, v),
-            (3, 2) => self.fixed_degree_jet::<4, 3>(u, v),
-            (3, 3) => self.fixed_degree_jet::<4, 4>(u, v),
-            (4, 4) => self.fixed_degree_jet::<5, 5>(u, v),
-            (4, 1) => self.fixed_degree_jet::<5, 2>(u, v),
-            (5, 1) => self.fixed_degree_jet::<6, 2>(u, v),
-            (5, 5) => self.fixed_degree_jet::<6, 6>(u, v),
-            _ => self.any_degree_jet(u, v, order),
-        }
+        by_degree!(self, u, v, |jet| jet, self.any_degree_jet(u, v, order))
     }
 
     /// [`Surface::homogeneous_jet`] for degrees `N − 1` and `M − 1`.
@@ -209,7 +213,8 @@ impl Surface {
 
     /// Point at `(u, v)`.
     pub fn point(&self, u: f64, v: f64) -> Vec3 {
-        let h = self.homogeneous_jet(u, v, 0)[0];
+        // Where the degree is known at compile time, what belongs to the derivatives is left out by the compiler.
+        let h = by_degree!(self, u, v, |jet: [[f64; 4]; 6]| jet[0], self.any_degree_jet(u, v, 0)[0]);
         Vec3::new(h[0], h[1], h[2]) / h[3]
     }
 
