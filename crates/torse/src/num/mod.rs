@@ -6,4 +6,7 @@ pub mod linear_program;
 pub mod least_squares;
 pub mod minimax;
 pub mod max_flow;
+pub mod binomial;
+pub mod interval;
+pub mod least_squares;
 pub mod quadrature;

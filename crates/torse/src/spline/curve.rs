@@ -1,7 +1,7 @@
 //! B-spline curves in `R^D`. Rational curves of space are curves in `R^4` (homogeneous, weight last).
 
 use super::knots::Knots;
-use super::SplineError;
+use super::{blossom, SplineError};
 
 /// A B-spline curve with control points in `R^D`.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,6 +29,13 @@ impl<const D: usize> Curve<D> {
 
     /// Value and first two derivatives at `t` (of the last span's polynomial outside the domain).
     pub fn jet(&self, t: f64) -> [[f64; D]; 3] {
+        match self.knots.degree() {
+            1 => return self.fixed_degree_jet::<2>(t),
+            2 => return self.fixed_degree_jet::<3>(t),
+            3 => return self.fixed_degree_jet::<4>(t),
+            5 => return self.fixed_degree_jet::<6>(t),
+            _ => {}
+        }
         let b = self.knots.basis(t, 2);
         let mut out = [[0.0; D]; 3];
         for (k, row) in out.iter_mut().enumerate() {
@@ -42,8 +49,31 @@ impl<const D: usize> Curve<D> {
         out
     }
 
+    /// [`Curve::jet`] for degree `N − 1`.
+    #[inline(always)]
+    fn fixed_degree_jet<const N: usize>(&self, t: f64) -> [[f64; D]; 3] {
+        let (first, basis) = self.knots.basis_fixed::<N>(t);
+        let mut out = [[0.0; D]; 3];
+        for (j, c) in self.control[first..first + N].iter().enumerate() {
+            for k in 0..3 {
+                for d in 0..D {
+                    out[k][d] += basis[k][j] * c[d];
+                }
+            }
+        }
+        out
+    }
+
     /// Value at `t`.
     pub fn point(&self, t: f64) -> [f64; D] {
+        // The compiler leaves out what belongs to the derivatives.
+        match self.knots.degree() {
+            1 => return self.fixed_degree_jet::<2>(t)[0],
+            2 => return self.fixed_degree_jet::<3>(t)[0],
+            3 => return self.fixed_degree_jet::<4>(t)[0],
+            5 => return self.fixed_degree_jet::<6>(t)[0],
+            _ => {}
+        }
         let b = self.knots.basis(t, 0);
         let mut out = [0.0; D];
         for j in 0..=self.knots.degree() {
@@ -63,38 +93,23 @@ impl<const D: usize> Curve<D> {
 
 /// Bézier pieces `(a, b, control points)` of a curve, by inserting every interior knot up to the degree.
 pub fn bezier_pieces<const D: usize>(curve: &Curve<D>) -> Vec<(f64, f64, Vec<[f64; D]>)> {
-    let (p, v) = (curve.knots.degree(), curve.knots.values());
+    let p = curve.knots.degree();
     let breaks = curve.knots.breaks();
     breaks
         .windows(2)
         .map(|w| {
             let span = curve.knots.span(0.5 * (w[0] + w[1]));
-            let net: Vec<[f64; D]> = curve.control[span - p..=span].to_vec();
+            let net = &curve.control[span - p..=span];
             let bez = (0..=p)
                 .map(|k| {
                     let mut args = vec![w[0]; p - k];
                     args.extend(std::iter::repeat_n(w[1], k));
-                    blossom_on_span(&net, v, span, p, &args)
+                    blossom::of_piece(&curve.knots, span, &mut net.to_vec(), &args)
                 })
                 .collect();
             (w[0], w[1], bez)
         })
         .collect()
-}
-
-/// Blossom (polar form) of the polynomial piece on `span` at `args` (as many as the degree), by the de Boor scheme.
-fn blossom_on_span<const D: usize>(net: &[[f64; D]], v: &[f64], span: usize, p: usize, args: &[f64]) -> [f64; D] {
-    let mut d = net.to_vec();
-    for r in 1..=p {
-        for j in (r..=p).rev() {
-            let i = span - p + j;
-            let a = (args[r - 1] - v[i]) / (v[i + p + 1 - r] - v[i]);
-            for c in 0..D {
-                d[j][c] = (1.0 - a) * d[j - 1][c] + a * d[j][c];
-            }
-        }
-    }
-    d[p]
 }
 
 #[cfg(test)]

@@ -75,6 +75,23 @@ impl Knots {
         Self::clamped(degree, &breaks)
     }
 
+    /// Knots of the splines run through backwards, on the same domain.
+    pub fn reversed(&self) -> Self {
+        let (a, b) = self.domain();
+        // The ends are kept exactly; `a + b − x` would move them by rounding.
+        let mirror = |x: f64| {
+            if x <= a {
+                b + (a - x)
+            } else if x >= b {
+                a - (x - b)
+            } else {
+                (a + (b - x)).clamp(a, b)
+            }
+        };
+        // Order and multiplicities are mirrored with the values, so nothing needs to be checked again.
+        Self { degree: self.degree, values: self.values.iter().rev().map(|&x| mirror(x)).collect() }
+    }
+
     /// Polynomial degree.
     pub fn degree(&self) -> usize {
         self.degree
@@ -133,16 +150,66 @@ impl Knots {
             }
             return i;
         }
-        let (mut lo, mut hi) = (p, n);
-        while hi - lo > 1 {
-            let mid = (lo + hi) / 2;
-            if t < v[mid] {
-                hi = mid;
-            } else {
-                lo = mid;
+        // Halving without branches: the last index in p..n whose knot is not above t.
+        let (mut base, mut size) = (p, n - p);
+        while size > 1 {
+            let half = size / 2;
+            base = if v[base + half] <= t { base + half } else { base };
+            size -= half;
+        }
+        base
+    }
+
+    /// Basis functions of degree `N − 1` at `t` with first and second derivatives, and the index of the first
+    /// control point concerned: [`Knots::basis`] for a degree known at compile time, without the wide rows. The
+    /// degree of the knots must be `N − 1`.
+    #[inline(always)]
+    pub(crate) fn basis_fixed<const N: usize>(&self, t: f64) -> (usize, [[f64; N]; 3]) {
+        let p = N - 1;
+        debug_assert_eq!(p, self.degree);
+        let span = self.span(t);
+        // T_{span+1−p} … T_{span+p}: all knots that matter.
+        let w = &self.values[span + 1 - p..span + 1 + p];
+        let mut rows = [[0.0; N]; 3];
+        let mut cur = [0.0; N];
+        let mut slope = [0.0; N]; // first derivatives of the functions of degree p − 1
+        cur[0] = 1.0;
+        for d in 1..p {
+            let mut saved = 0.0;
+            let mut before = 0.0;
+            for r in 0..d {
+                let (right, left) = (w[p + r], w[p + r - d]);
+                let temp = cur[r] / (right - left);
+                cur[r] = saved + (right - t) * temp;
+                saved = (t - left) * temp;
+                if d + 1 == p {
+                    slope[r] = d as f64 * (before - temp);
+                    before = temp;
+                }
+            }
+            cur[d] = saved;
+            if d + 1 == p {
+                slope[d] = d as f64 * before;
             }
         }
-        lo
+        let degree = p as f64;
+        let (mut saved, mut before, mut before2) = (0.0, 0.0, 0.0);
+        for r in 0..p {
+            let (right, left) = (w[p + r], w[r]);
+            let inverse = 1.0 / (right - left);
+            let value = cur[r] * inverse;
+            let (temp, temp2) = (degree * value, degree * slope[r] * inverse);
+            rows[0][r] = saved + (right - t) * value;
+            saved = (t - left) * value;
+            rows[1][r] = before - temp;
+            rows[2][r] = before2 - temp2;
+            before = temp;
+            before2 = temp2;
+        }
+        rows[0][p] = saved;
+        rows[1][p] = before;
+        rows[2][p] = before2;
+        (span - p, rows)
     }
 
     /// Basis functions on the span of `t` with derivatives up to `order ≤ 2`. No allocation.
@@ -230,5 +297,36 @@ mod tests {
                 assert!(((q.rows[1][j] - m.rows[1][j]) / (2.0 * h) - b.rows[2][j]).abs() < 1e-5);
             }
         }
+    }
+
+    #[test]
+    fn degrees_known_at_compile_time_agree_with_any_degree() {
+        fn check<const N: usize>() {
+            let p = N - 1;
+            let mut values = vec![-1.0; p + 1];
+            values.extend([-0.5, 0.25, 0.3, 1.5]);
+            values.extend(vec![0.7; p]);
+            values.sort_by(f64::total_cmp);
+            values.extend(vec![2.0; p + 1]);
+            values.sort_by(f64::total_cmp);
+            let control = values.len() - p - 1;
+            let k = Knots::new(p, values, control).expect("valid knots");
+            for i in -5..=305 {
+                let t = -1.0 + 3.0 * f64::from(i) / 300.0;
+                let (slow, (first, fast)) = (k.basis(t, 2), k.basis_fixed::<N>(t));
+                assert_eq!(slow.first, first);
+                for (row, wide) in fast.iter().zip(&slow.rows) {
+                    let size = wide.iter().fold(1.0f64, |m, x| m.max(x.abs()));
+                    for j in 0..N {
+                        assert!((row[j] - wide[j]).abs() <= 1e-13 * size, "degree {p}, t = {t}");
+                    }
+                }
+            }
+        }
+        check::<2>();
+        check::<3>();
+        check::<4>();
+        check::<5>();
+        check::<6>();
     }
 }

@@ -9,8 +9,19 @@ pub mod pieces;
 pub mod offset;
 pub mod project;
 pub mod space_curve;
+pub mod bezier;
+pub mod blossom;
+pub mod bounds;
+pub mod curve;
+pub mod derivative;
+pub mod knots;
+pub mod lsq;
+pub mod refine;
 pub mod surface;
 pub mod unroll;
+
+#[cfg(test)]
+pub(crate) mod sample;
 
 /// Largest polynomial degree that the kernel evaluates (workspace lives on the stack).
 pub const MAX_DEGREE: usize = 25;

@@ -42,6 +42,29 @@ impl SurfaceJet {
     }
 }
 
+/// Evaluates with loops of known length for the degrees that nearly all surfaces have, `$otherwise` for the rest.
+macro_rules! by_degree {
+    ($surface:expr, $u:expr, $v:expr, $take:expr, $otherwise:expr) => {
+        match ($surface.knots_u.degree(), $surface.knots_v.degree()) {
+            (1, 1) => $take($surface.fixed_degree_jet::<2, 2>($u, $v)),
+            (1, 2) => $take($surface.fixed_degree_jet::<2, 3>($u, $v)),
+            (1, 3) => $take($surface.fixed_degree_jet::<2, 4>($u, $v)),
+            (2, 1) => $take($surface.fixed_degree_jet::<3, 2>($u, $v)),
+            (2, 2) => $take($surface.fixed_degree_jet::<3, 3>($u, $v)),
+            (2, 3) => $take($surface.fixed_degree_jet::<3, 4>($u, $v)),
+            (3, 1) => $take($surface.fixed_degree_jet::<4, 2>($u, $v)),
+            (3, 2) => $take($surface.fixed_degree_jet::<4, 3>($u, $v)),
+            (3, 3) => $take($surface.fixed_degree_jet::<4, 4>($u, $v)),
+            (4, 1) => $take($surface.fixed_degree_jet::<5, 2>($u, $v)),
+            (4, 4) => $take($surface.fixed_degree_jet::<5, 5>($u, $v)),
+            (5, 1) => $take($surface.fixed_degree_jet::<6, 2>($u, $v)),
+            (5, 5) => $take($surface.fixed_degree_jet::<6, 6>($u, $v)),
+            (7, 1) => $take($surface.fixed_degree_jet::<8, 2>($u, $v)),
+            _ => $otherwise,
+        }
+    };
+}
+
 impl Surface {
     /// Checks and stores a surface from affine control points `points[i * n_v + j]` and weights (`None`: all 1).
     ///
@@ -65,7 +88,7 @@ impl Surface {
             if !(p.x.is_finite() && p.y.is_finite() && p.z.is_finite()) {
                 return Err(SplineError::Control { index, reason: "a coordinate is not a finite number".into() });
             }
-            rational |= w < 1.0 || w > 1.0;
+            rational |= w != 1.0;
             control.push([w * p.x, w * p.y, w * p.z, w]);
         }
         Ok(Self { knots_u, knots_v, control, rational })
@@ -91,8 +114,54 @@ impl Surface {
         b
     }
 
-    /// Homogeneous value and partial derivatives `[S, S_u, S_v, S_uu, S_uv, S_vv]`; no allocation.
+    /// Homogeneous value and partial derivatives `[S, S_u, S_v, S_uu, S_uv, S_vv]`; no allocation. Derivatives above
+    /// `order` are not meaningful.
     pub fn homogeneous_jet(&self, u: f64, v: f64, order: usize) -> [[f64; 4]; 6] {
+        by_degree!(self, u, v, |jet| jet, self.any_degree_jet(u, v, order))
+    }
+
+    /// [`Surface::homogeneous_jet`] for degrees `N − 1` and `M − 1`.
+    #[inline(always)]
+    fn fixed_degree_jet<const N: usize, const M: usize>(&self, u: f64, v: f64) -> [[f64; 4]; 6] {
+        let (first_u, bu) = self.knots_u.basis_fixed::<N>(u);
+        let (first_v, bv) = self.knots_v.basis_fixed::<M>(v);
+        let row = self.row();
+        // First along v, row by row, then along u: each sum stays in registers.
+        let mut t = [[[0.0; 4]; N]; 3];
+        for i in 0..N {
+            let base = (first_u + i) * row + first_v;
+            let net: &[[f64; 4]] = &self.control[base..base + M];
+            for k in 0..3 {
+                let mut sum = [0.0; 4];
+                for j in 0..M {
+                    for d in 0..4 {
+                        sum[d] += bv[k][j] * net[j][d];
+                    }
+                }
+                t[k][i] = sum;
+            }
+        }
+        let along_u = |b: &[f64; N], t: &[[f64; 4]; N]| {
+            let mut sum = [0.0; 4];
+            for i in 0..N {
+                for d in 0..4 {
+                    sum[d] += b[i] * t[i][d];
+                }
+            }
+            sum
+        };
+        [
+            along_u(&bu[0], &t[0]),
+            along_u(&bu[1], &t[0]),
+            along_u(&bu[0], &t[1]),
+            along_u(&bu[2], &t[0]),
+            along_u(&bu[1], &t[1]),
+            along_u(&bu[0], &t[2]),
+        ]
+    }
+
+    /// [`Surface::homogeneous_jet`] for any degree.
+    fn any_degree_jet(&self, u: f64, v: f64, order: usize) -> [[f64; 4]; 6] {
         let bu = self.knots_u.basis(u, order);
         let bv = self.knots_v.basis(v, order);
         let (p, q, row) = (self.knots_u.degree(), self.knots_v.degree(), self.row());
@@ -145,7 +214,8 @@ impl Surface {
 
     /// Point at `(u, v)`.
     pub fn point(&self, u: f64, v: f64) -> Vec3 {
-        let h = self.homogeneous_jet(u, v, 0)[0];
+        // Where the degree is known at compile time, what belongs to the derivatives is left out by the compiler.
+        let h = by_degree!(self, u, v, |jet: [[f64; 4]; 6]| jet[0], self.any_degree_jet(u, v, 0)[0]);
         Vec3::new(h[0], h[1], h[2]) / h[3]
     }
 
