@@ -2,6 +2,7 @@
 
 mod basis;
 mod descent;
+mod directions;
 pub mod dual;
 mod envelope;
 pub mod plane;
