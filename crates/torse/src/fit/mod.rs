@@ -6,6 +6,7 @@ pub mod chains;
 pub mod level;
 mod basis;
 mod descent;
+mod directions;
 pub mod dual;
 mod envelope;
 pub mod plane;

@@ -3,8 +3,9 @@
 //! *Method*: mixed-curvature specification C1.5 (frame from the normals, ten ruling directions, ranking by cylinders
 //! and cones, Gauss–Newton), finished by linearised minimax steps with exchange of the worst samples.
 
-use super::descent::{descended, largest, polished, Descent, Family};
-use super::plane::{plane, principal_frame};
+use super::descent::{descended, largest, polished, Family};
+use super::directions::{candidates, mean_direction, spans, Candidate};
+use super::plane::plane;
 use super::profile::{ProfileFamily, Slopes};
 use super::samples::{measure, thin, Fit, Sample};
 use super::sheet::Sheet;
@@ -45,15 +46,6 @@ const FINER: f64 = 2.5;
 /// Fits worse than this many tolerances are not refined.
 const HOPELESS: f64 = 6.0;
 
-/// A candidate: coordinates, scale and coefficients.
-struct Candidate {
-    frame: Frame,
-    unit: f64,
-    family: ProfileFamily,
-    x: Vec<f64>,
-    score: f64,
-}
-
 /// The primal torse nearest to the samples in the sense of the largest distance, or a plane, cylinder or cone when
 /// such a one reaches the tolerance.
 ///
@@ -83,19 +75,11 @@ fn curved(samples: &[Sample], options: &PrimalOptions, enough: f64) -> Option<Fi
     let ruling_spans = options.ruling_spans.max(1);
     let profile_spans = options.profile_spans.max(2).div_ceil(ruling_spans) * ruling_spans;
 
-    // Ranking of the directions by cones.
-    let mut candidates = ranked(samples, &few, up, options.directions.max(1), profile_spans);
-    // Only cones that are regular everywhere are of use.
-    let mut wanted = options.keep.max(1);
-    candidates.retain_mut(|c| {
-        wanted > 0 && c.family.irregular(&c.x, &all).is_empty() && {
-            wanted -= 1;
-            true
-        }
-    });
+    let mut found = candidates(samples, &few, up, options.directions.max(1), profile_spans, ruling_spans);
 
-    // Simple kinds from the best direction.
-    if let Some(c) = candidates.first() {
+    // Simple kinds from the best direction whose cone is regular everywhere.
+    found.sort_by(|a, b| a.cone.total_cmp(&b.cone));
+    if let Some(c) = found.iter_mut().find_map(|c| c.family.irregular(&c.x, &all).is_empty().then_some(c)) {
         for (slopes, kind) in [(Slopes::Constant, PanelKind::Cylinder), (Slopes::Affine, PanelKind::Cone)] {
             if let Some(fit) = simple(c, slopes, kind, samples, &few, &all, options.tolerance) {
                 return Some(fit);
@@ -104,7 +88,10 @@ fn curved(samples: &[Sample], options: &PrimalOptions, enough: f64) -> Option<Fi
     }
 
     // General torses: a few steps for each direction, the rest for the best that is regular everywhere.
-    let mut freed: Vec<Freed> = candidates.iter().filter_map(|c| freed(c, &few, profile_spans, ruling_spans)).collect();
+    found.sort_by(|a, b| a.torse.total_cmp(&b.torse));
+    found.retain_mut(|c| c.family.irregular(&c.x, &all).is_empty());
+    found.truncate(options.keep.max(1));
+    let mut freed: Vec<Freed> = found.iter().filter_map(|c| freed(c, &few, profile_spans, ruling_spans)).collect();
     freed.sort_by(|a, b| a.worst.total_cmp(&b.worst));
     let mut best = freed.into_iter().find_map(|f| f.repaired(&all))?;
     if options.tolerance > 0.0 && best.worst > HOPELESS * options.tolerance {
@@ -146,12 +133,12 @@ fn freed(c: &Candidate, few: &[usize], profile_spans: usize, ruling_spans: usize
     let (a, b) = c.family.foot_range();
     let (mut family, x) = c.family.changed(&c.x, spans(a, b, profile_spans), Slopes::Affine)?;
     let few = with_ends(&family, few, profile_spans);
-    let (x, _) = descended(&mut family, x, &few, 3, 0)?;
+    let (x, _) = descended(&mut family, x, &few, 5, 0)?;
     let (a, b) = family.foot_range();
     let breaks = spans(a, b, profile_spans);
     let coarse = breaks.iter().step_by(profile_spans / ruling_spans).copied().collect();
     let (mut family, cone) = family.changed(&x, breaks, Slopes::Spline(coarse))?;
-    let (x, worst) = descended(&mut family, cone.clone(), &few, 5, 4)?;
+    let (x, worst) = descended(&mut family, cone.clone(), &few, 9, 4)?;
     Some(Freed { frame: c.frame, unit: c.unit, family, x, cone, few, worst: worst * c.unit })
 }
 
@@ -202,90 +189,6 @@ fn with_ends(family: &ProfileFamily, few: &[usize], bins: usize) -> Vec<usize> {
     out.sort_unstable();
     out.dedup();
     out
-}
-
-/// A direction that makes a positive product with as many normals as possible: their mean, turned towards the farthest
-/// ones where these lie too far off. `None` if no direction has all normals within about 70°.
-fn mean_direction(samples: &[Sample]) -> Option<Vec3> {
-    const LEAST: f64 = 0.3;
-    const STEPS: usize = 20;
-    let normals: Vec<(Vec3, f64)> =
-        samples.iter().filter(|s| s.n.norm_squared() > 0.25).map(|s| (s.n, s.weight.max(1e-300))).collect();
-    if normals.is_empty() {
-        return principal_frame(samples).map(|f| f.z);
-    }
-    let mut up = normals.iter().map(|(n, w)| n * *w).sum::<Vec3>().try_normalize(1e-300)?;
-    for k in 0..=STEPS {
-        let far = normals.iter().map(|(n, _)| n).min_by(|a, b| a.dot(&up).total_cmp(&b.dot(&up)))?;
-        if far.dot(&up) >= LEAST {
-            return Some(up);
-        }
-        up = (up + far * (1.0 / (2.0 + k as f64))).try_normalize(1e-300)?;
-    }
-    None
-}
-
-/// Breaks of `count` equal spans that reach beyond the feet's range.
-fn spans(a: f64, b: f64, count: usize) -> Vec<f64> {
-    let (lo, hi) = (a - MARGIN * (b - a), b + MARGIN * (b - a));
-    (0..=count).map(|i| lo + (hi - lo) * i as f64 / count as f64).collect()
-}
-
-/// All directions with their cones, best first.
-fn ranked(samples: &[Sample], few: &[usize], up: Vec3, directions: usize, profile_spans: usize) -> Vec<Candidate> {
-    // Samples and steps that suffice to rank directions.
-    const RANKING: usize = 100;
-    const STEPS: usize = 4;
-    let seed = if up.x.abs() < 0.6 { Vec3::x() } else { Vec3::y() };
-    let (e1, e2) = {
-        let e1 = (seed - up * seed.dot(&up)).normalize();
-        (e1, up.cross(&e1))
-    };
-    let active: Vec<usize> = few.iter().step_by(few.len().div_ceil(RANKING).max(1)).copied().collect();
-    let mut out = Vec::new();
-    for k in 0..directions {
-        let (sin, cos) = (std::f64::consts::PI * k as f64 / directions as f64).sin_cos();
-        let y = e1 * cos + e2 * sin;
-        let x = y.cross(&up);
-        let Some(mut c) = placed(samples, Frame { origin: Vec3::zeros(), x, y, z: up }, profile_spans) else {
-            continue;
-        };
-        let start = vec![0.0; c.family.unknowns()];
-        let Some(mut d) = Descent::new(&mut c.family, start, active.clone()) else { continue };
-        for _ in 0..STEPS {
-            if !d.gauss_newton() {
-                break;
-            }
-        }
-        let (score, x) = (d.rms(), d.x);
-        c.score = score * c.unit;
-        c.x = x;
-        // Feet of the samples that did not take part.
-        let mut unused = Vec::new();
-        if c.family.residuals(&c.x, few, &mut unused) {
-            c.family.adopt(few);
-            out.push(c);
-        }
-    }
-    out.sort_by(|a, b| a.score.total_cmp(&b.score));
-    out
-}
-
-/// Local coordinates with unit extent in x, and the family of cones there.
-fn placed(samples: &[Sample], axes: Frame, profile_spans: usize) -> Option<Candidate> {
-    let local = samples.iter().map(|s| axes.vector_to_local(&s.x));
-    let (lo, hi) = local
-        .fold((Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY)), |(lo, hi), q| (lo.inf(&q), hi.sup(&q)));
-    let unit = hi.x - lo.x;
-    // An extent of nothing against the others leaves no profile.
-    if !(unit > 1e-6 * (hi - lo).norm() && unit.is_finite()) {
-        return None;
-    }
-    let frame = Frame { origin: axes.vector_to_world(&((lo + hi) * 0.5)), ..axes };
-    let points: Vec<Vec3> = samples.iter().map(|s| frame.to_local(&s.x) / unit).collect();
-    let feet = points.iter().map(|q| q.x).collect();
-    let family = ProfileFamily::new(points, feet, spans(-0.5, 0.5, profile_spans), Slopes::Affine)?;
-    Some(Candidate { frame, unit, family, x: Vec::new(), score: f64::INFINITY })
 }
 
 /// The best cylinder or cone near a candidate if it reaches the tolerance.
