@@ -5,6 +5,7 @@
 
 mod approximate;
 mod args;
+mod clock;
 mod failure;
 mod folder;
 mod info;

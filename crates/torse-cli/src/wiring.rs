@@ -2,7 +2,9 @@
 
 use crate::failure::Failure;
 use torse::control::Control;
+use torse::pipeline::approximate::{self as pipeline, Options};
 use torse::pipeline::outcome::{Outcome, Skipped};
+use torse::pipeline::presentation::present;
 use torse::surface::face::Face;
 
 /// A model as read from a file.
@@ -28,16 +30,22 @@ pub struct Job {
 }
 
 /// Reads a STEP file. `name` is for messages.
-pub fn read(name: &str, _bytes: &[u8]) -> Result<Model, Failure> {
-    Err(Failure::new(format!("{name}: the STEP reader is not connected yet"), ""))
+pub fn read(name: &str, bytes: &[u8]) -> Result<Model, Failure> {
+    let model = torse::io::step::read::read(bytes)
+        .map_err(|e| Failure::new(format!("{name}: {e}"), "export the surfaces as STEP (AP203, AP214 or AP242)"))?;
+    let skipped = model.skipped.into_iter().map(|s| Skipped { entity: s.entity, reason: s.reason }).collect();
+    Ok(Model { faces: model.faces, skipped, unit: model.unit, notes: model.notes })
 }
 
 /// Runs the main job.
-pub fn approximate(_model: Model, _job: &Job, _control: &Control) -> Result<Outcome, Failure> {
-    Err(Failure::new("the approximation is not connected yet", ""))
+pub fn approximate(model: Model, job: &Job, control: &Control) -> Result<Outcome, Failure> {
+    let options = Options { tolerance: job.tolerance, max_panels: job.max_panels, input: job.name.clone() };
+    pipeline::approximate(model.faces, model.skipped, &options, control)
+        .map_err(|e| Failure::new(e.to_string(), "see 'torse approximate --help'"))
 }
 
 /// The files of a result, by name.
-pub fn files(_outcome: &Outcome) -> Result<Vec<(String, Vec<u8>)>, Failure> {
-    Err(Failure::new("the writers are not connected yet", ""))
+pub fn files(outcome: &Outcome) -> Result<Vec<(String, Vec<u8>)>, Failure> {
+    torse::io::bundle::files(outcome, &present(outcome), &crate::clock::stamp())
+        .map_err(|e| Failure::new(e.to_string(), "this is a fault of the program; please report it with the model"))
 }

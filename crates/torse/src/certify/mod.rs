@@ -244,6 +244,32 @@ pub fn patchwork(patchwork: &Patchwork, tolerance: f64, control: &Control) -> Ce
     out
 }
 
+/// The certificate of a model from those of its faces, each made by [`patchwork`] for the same tolerance; seams run
+/// within faces. `names[i]` says which face part `i` is.
+pub fn join(parts: Vec<Certificate>, names: &[String]) -> Certificate {
+    let tolerance = parts.iter().fold(f64::INFINITY, |t, p| p.tolerance.min(t));
+    let mut out = Certificate {
+        tolerance,
+        certified: !parts.is_empty(),
+        deviation_bound: 0.0,
+        seam_gap_bound: 0.0,
+        covered: !parts.is_empty(),
+        panels: Vec::new(),
+        missing: Vec::new(),
+        _sealed: (),
+    };
+    for (i, p) in parts.into_iter().enumerate() {
+        out.certified &= p.certified;
+        out.covered &= p.covered;
+        out.deviation_bound = out.deviation_bound.max(p.deviation_bound);
+        out.seam_gap_bound = out.seam_gap_bound.max(p.seam_gap_bound);
+        out.panels.extend(p.panels);
+        let name = names.get(i).map_or_else(|| format!("face {i}"), Clone::clone);
+        out.missing.extend(p.missing.into_iter().map(|m| format!("{name}: {m}")));
+    }
+    out
+}
+
 /// Bound of the gap over all seams.
 fn seam_gap(patchwork: &Patchwork, jets: &[Option<RuledJets>], tolerance: f64) -> Result<f64, String> {
     let mut sides: Vec<Vec<(usize, bool, &Run)>> = vec![Vec::new(); patchwork.seam_count];

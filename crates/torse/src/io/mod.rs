@@ -1,9 +1,9 @@
 //! Floor 6: files in and out; computes nothing.
 
+pub mod bundle;
 pub mod html;
 pub mod json;
 pub mod png;
 pub mod step;
 pub mod dxf;
-pub mod step;
 pub mod svg;

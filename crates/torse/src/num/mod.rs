@@ -7,6 +7,4 @@ pub mod least_squares;
 pub mod minimax;
 pub mod max_flow;
 pub mod binomial;
-pub mod interval;
-pub mod least_squares;
 pub mod quadrature;

@@ -7,11 +7,15 @@ use super::cover::{cover, Cover, CoverOptions, State};
 use super::outcome::{Outcome, Skipped, Status};
 use crate::certify::{self, Certificate};
 use crate::control::Control;
-use crate::fit::boundary;
+use crate::develop::pattern::{pattern, PatternOptions};
+use crate::develop::DevelopError;
+use crate::fit::boundary::{self, Assigned, BoundaryError, BoundaryOptions};
 use crate::geom::BBox;
 use crate::surface::face::Face;
-use crate::surface::panel::{Panel, Patchwork};
+use crate::surface::panel::{Border, Panel, Patchwork};
+use crate::surface::pattern::Pattern;
 use rayon::prelude::*;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 /// What the main job is asked for.
@@ -56,6 +60,10 @@ pub enum ApproximateError {
 const PRECISION: f64 = 1e-10;
 /// Share of the tolerance that a trim curve may stray from the region's border.
 const TRIM_SHARE: f64 = 1.0 / 250.0;
+/// Share of that by which the edge in space may stray from the trim curve on its patch.
+const EDGE_SHARE: f64 = 0.01;
+/// Share of the tolerance that lines and arcs of a flat pattern may stray from the exact outline.
+const CONTOUR_SHARE: f64 = 0.05;
 /// Rounds of cutting panels that the judge refuses as built.
 const ROUNDS: usize = 5;
 /// Factor on the tolerance from one attempt to the next when the number of panels is limited.
@@ -99,23 +107,32 @@ pub fn approximate(
         return Err(ApproximateError::Precision { tolerance, size, least: PRECISION * size });
     }
     let total = faces.len();
-    let finished = std::sync::atomic::AtomicUsize::new(0);
-    let done: Vec<Result<Built, Skipped>> = faces
+    let finished = AtomicUsize::new(0);
+    let built: Vec<Result<Built, Skipped>> = faces
         .into_par_iter()
-        .map(|face| {
-            let built = one_face(face, options, control);
-            let n = finished.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1;
-            control.report("faces covered", n as f64 / total as f64, format!("{n} of {total}"));
+        .enumerate()
+        .map(|(index, face)| {
+            let built = one_face(index, face, options, control);
+            let n = finished.fetch_add(1, Ordering::Relaxed) + 1;
+            control.report("covering faces", n as f64 / total as f64, format!("{n} of {total}"));
             built
         })
         .collect();
     let mut patchwork = Patchwork { faces: Vec::new(), partitions: Vec::new(), panels: Vec::new(), seam_count: 0 };
-    let mut certificates = Vec::new();
-    for built in done {
-        match built {
+    let (mut certificates, mut names, mut patterns, mut missing) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    for b in built {
+        match b {
             Ok(b) => {
                 certificates.push(b.certificate);
-                patchwork.append(b.patchwork);
+                let face = &b.patchwork.faces[0];
+                names.push(if face.name.is_empty() { format!("face #{}", face.entity) } else { face.name.clone() });
+                let first = patchwork.panels.len();
+                patterns.extend(b.patterns.into_iter().map(|mut p| {
+                    p.panel += first;
+                    p
+                }));
+                missing.extend(b.missing);
+                append(&mut patchwork, b.patchwork);
             }
             Err(s) => skipped.push(s),
         }
@@ -124,22 +141,14 @@ pub fn approximate(
         let why = skipped.first().map_or(String::new(), |s| format!("#{}: {}", s.entity, s.reason));
         return Err(ApproximateError::NoFaces(why));
     }
-    patchwork.name_panels();
-    let certificate = certify::join(certificates, tolerance);
-    control.report("developing", 1.0, String::new());
-    let patterns = super::develop::patterns(&patchwork, tolerance);
-    let mut missing = certificate.missing.clone();
-    let patterns = match patterns {
-        Ok(p) => p,
-        Err((p, reasons)) => {
-            missing.extend(reasons);
-            p
-        }
-    };
-    let status = if certificate.certified && missing.is_empty() {
+    let certificate = certify::join(certificates, &names);
+    let reasons: Vec<&String> = certificate.missing.iter().chain(&missing).collect();
+    let status = if certificate.certified && reasons.is_empty() {
         Status::Certified
     } else {
-        Status::Uncertified(missing.first().cloned().unwrap_or_else(|| "not every panel could be proven".to_owned()))
+        let stopped = if control.stopped() { "ended early; " } else { "" };
+        let first = reasons.first().map_or("not every panel could be proven", |r| r.as_str());
+        Status::Uncertified(format!("{stopped}{first}"))
     };
     Ok(Outcome {
         input: options.input.clone(),
@@ -153,13 +162,17 @@ pub fn approximate(
     })
 }
 
-/// One face with its panels and their proof.
+/// One face with its panels, their proof and their flat patterns.
 struct Built {
     patchwork: Patchwork,
     certificate: Certificate,
+    patterns: Vec<Pattern>,
+    /// What is missing besides the proof.
+    missing: Vec<String>,
 }
 
-fn one_face(face: Face, options: &Options, control: &Control) -> Result<Built, Skipped> {
+/// The loop over one face: cover, build, judge, develop; cut what is refused and go round again.
+fn one_face(index: usize, face: Face, options: &Options, control: &Control) -> Result<Built, Skipped> {
     let entity = face.entity;
     let refuse = |reason: String| Skipped { entity, reason };
     let limit = options.max_panels.unwrap_or(usize::MAX);
@@ -172,35 +185,29 @@ fn one_face(face: Face, options: &Options, control: &Control) -> Result<Built, S
     }
     let Cover { mut state, complete } = found;
     if !complete {
-        super::cover::fill(&face, &mut state);
+        super::cover::fill(&mut state);
     }
     let mut best: Option<Built> = None;
     for round in 0..=ROUNDS {
-        let (panels, seam_count) = boundary::panels(
-            &face,
-            0,
-            &state.partition,
-            &torses(&state),
-            options.tolerance * TRIM_SHARE,
-        )
-        .map_err(|e| refuse(e.to_string()))?;
-        let patchwork =
-            Patchwork { faces: vec![face.clone()], partitions: vec![state.partition.clone()], panels, seam_count };
-        // The proof has its own clock: what was found is judged even when time is up.
-        let certificate = certify::patchwork(&patchwork, options.tolerance, &Control::default());
-        let refused: Vec<u32> = patchwork
-            .panels
-            .iter()
-            .zip(&certificate.panels)
-            .filter(|(_, c)| !c.certified)
-            .map(|(p, _)| p.label)
-            .collect();
+        let (built, refused) = match build(index, &face, &state, options.tolerance) {
+            Ok(done) => done,
+            // A region whose border cannot be drawn is cut like one that the judge refuses.
+            Err(e) if round < ROUNDS => match super::cover::cut_refused(&face, &cover_options, control, &state, &[e.label()])
+            {
+                Some(next) => {
+                    state = next;
+                    continue;
+                }
+                None => return best.ok_or_else(|| refuse(e.to_string())),
+            },
+            Err(e) => return best.ok_or_else(|| refuse(e.to_string())),
+        };
         let stop = refused.is_empty()
             || round == ROUNDS
             || control.stopped()
             || cover_options.tolerance > options.tolerance
-            || patchwork.panels.len() + refused.len() > limit;
-        best = Some(Built { patchwork, certificate });
+            || built.patchwork.panels.len() + refused.len() > limit;
+        best = Some(built);
         if stop {
             break;
         }
@@ -212,58 +219,60 @@ fn one_face(face: Face, options: &Options, control: &Control) -> Result<Built, S
     best.ok_or_else(|| refuse("no panel could be built".to_owned()))
 }
 
-fn torses(state: &State) -> boundary::Torses {
-    state.panels.iter().map(|(&l, fit)| (l, (fit.torse.clone(), fit.kind))).collect()
-}
-
-impl Patchwork {
-    /// Adds the faces, panels and seams of another patchwork.
-    fn append(&mut self, other: Patchwork) {
-        let (faces, seams) = (self.faces.len(), self.seam_count as u32);
-        self.faces.extend(other.faces);
-        self.partitions.extend(other.partitions);
-        self.panels.extend(other.panels.into_iter().map(|mut p: Panel| {
-            p.face += faces;
-            for run in p.loops.iter_mut().flatten() {
-                if let crate::surface::panel::Border::Seam { seam, .. } = &mut run.border {
-                    *seam += seams;
-                }
+/// Panels, proof and patterns of a covered face; second result: labels of the panels that must be cut.
+fn build(index: usize, face: &Face, state: &State, tolerance: f64) -> Result<(Built, Vec<u32>), BoundaryError> {
+    let partition = &state.partition;
+    let assigned: Vec<Assigned> = state
+        .panels
+        .iter()
+        .map(|(&label, fit)| Assigned { label, torse: &fit.torse, kind: fit.kind })
+        .collect();
+    let trim_tolerance = tolerance * TRIM_SHARE;
+    let boundary = BoundaryOptions { trim_tolerance, edge_tolerance: trim_tolerance * EDGE_SHARE };
+    let trim_edge = |a: u32, b: u32| partition.trim_edges.get(&(a, b)).copied().unwrap_or(0);
+    let built = boundary::panels(index, face, partition, &assigned, &trim_edge, 0, &boundary)?;
+    let mut patchwork = Patchwork {
+        faces: vec![face.clone()],
+        partitions: vec![partition.clone()],
+        panels: built.panels,
+        seam_count: built.seam_count,
+    };
+    patchwork.panels.iter_mut().for_each(|p| p.face = 0);
+    // The proof has its own clock: what was found is judged even when time is up.
+    let certificate = certify::patchwork(&patchwork, tolerance, &Control::default());
+    let pattern_options = PatternOptions::new(tolerance * CONTOUR_SHARE);
+    let developed: Vec<Result<Pattern, DevelopError>> =
+        (0..patchwork.panels.len()).into_par_iter().map(|k| pattern(&patchwork, k, &pattern_options)).collect();
+    let (mut patterns, mut missing, mut refused) = (Vec::new(), Vec::new(), Vec::new());
+    for ((panel, proof), flat) in patchwork.panels.iter().zip(&certificate.panels).zip(developed) {
+        let mut bad = !proof.certified;
+        match flat {
+            Ok(p) => patterns.push(p),
+            Err(e) => {
+                bad = true;
+                missing.push(format!("panel {} has no flat pattern: {e}", panel.name));
             }
-            p
-        }));
-        self.seam_count += other.seam_count;
-    }
-
-    /// Names panels by face letter and number, …; AA after Z.
-    fn name_panels(&mut self) {
-        let mut count = vec![0usize; self.faces.len()];
-        for p in &mut self.panels {
-            count[p.face] += 1;
-            p.name = format!("{}-{:02}", letters(p.face), count[p.face]);
+        }
+        if bad {
+            refused.push(panel.label);
         }
     }
+    Ok((Built { patchwork, certificate, patterns, missing }, refused))
 }
 
-/// 0 → A, 25 → Z, 26 → AA, …
-fn letters(mut k: usize) -> String {
-    let mut out = Vec::new();
-    loop {
-        out.push(b'A' + (k % 26) as u8);
-        if k < 26 {
-            break;
+/// Adds the faces, panels and seams of another patchwork.
+fn append(whole: &mut Patchwork, part: Patchwork) {
+    let (faces, seams) = (whole.faces.len(), whole.seam_count as u32);
+    whole.faces.extend(part.faces);
+    whole.partitions.extend(part.partitions);
+    whole.panels.extend(part.panels.into_iter().map(|mut p: Panel| {
+        p.face += faces;
+        for run in p.loops.iter_mut().flatten() {
+            if let Border::Seam { seam, .. } = &mut run.border {
+                *seam += seams;
+            }
         }
-        k = k / 26 - 1;
-    }
-    out.reverse();
-    out.into_iter().map(char::from).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::letters;
-
-    #[test]
-    fn face_letters_run_like_columns_of_a_table() {
-        assert_eq!(["A", "Z", "AA", "AZ", "BA"], [0, 25, 26, 51, 52].map(letters).each_ref().map(String::as_str));
-    }
+        p
+    }));
+    whole.seam_count += part.seam_count;
 }

@@ -241,8 +241,7 @@ impl Job<'_> {
 }
 
 /// Gives every region without a torse the nearest one at hand, unproven: the best that a job cut short can offer.
-pub fn fill(face: &Face, state: &mut State) {
-    let _ = face;
+pub fn fill(state: &mut State) {
     for label in state.partition.distinct_labels() {
         if !state.panels.contains_key(&label) {
             let samples = state.samples(label);

@@ -1,0 +1,92 @@
+//! All files of an outcome, in memory: nothing reaches a disk before everything is made.
+
+use super::html::{self, HtmlError, Page};
+use super::json::{JsonError, Report};
+use super::png::{self, PngError};
+use super::step::write::{self as step, Header};
+use super::{dxf, svg};
+use crate::pipeline::outcome::{Outcome, Status};
+use crate::pipeline::presentation::Presentation;
+use crate::tessellate::picture::{self, figure, Caption};
+
+/// A file to be: its name, with `/` between folder and file, and its contents.
+pub type File = (String, Vec<u8>);
+
+/// Why a file could not be made.
+#[derive(Debug, thiserror::Error)]
+pub enum BundleError {
+    /// A number that is not finite, or an index out of range, in a drawing or model.
+    #[error("cannot write {file}: {source}")]
+    Write {
+        /// Name of the file.
+        file: &'static str,
+        /// What went wrong.
+        source: std::io::Error,
+    },
+    /// Picture.
+    #[error(transparent)]
+    Png(#[from] PngError),
+    /// Report.
+    #[error(transparent)]
+    Json(#[from] JsonError),
+    /// Page.
+    #[error(transparent)]
+    Html(#[from] HtmlError),
+}
+
+/// Makes every file. `time` stamps the STEP header: `2026-11-21T14:30:00`.
+///
+/// # Errors
+/// Data that a format cannot hold.
+pub fn files(outcome: &Outcome, shown: &Presentation, time: &str) -> Result<Vec<File>, BundleError> {
+    let mut out: Vec<File> = Vec::new();
+    let header = Header {
+        name: outcome.input.clone(),
+        time: time.to_owned(),
+        uncertainty: if outcome.certificate.seam_gap_bound.is_finite() {
+            outcome.certificate.seam_gap_bound.max(1e-6)
+        } else {
+            outcome.tolerance
+        },
+    };
+    let mut put = |file: &'static str, write: &dyn Fn(&mut Vec<u8>) -> std::io::Result<()>| {
+        let mut bytes = Vec::new();
+        write(&mut bytes).map_err(|source| BundleError::Write { file, source })?;
+        out.push((file.to_owned(), bytes));
+        Ok::<(), BundleError>(())
+    };
+    put("panels.step", &|b| step::panels(b, &header, &outcome.patchwork))?;
+    put("patterns.dxf", &|b| dxf::write(b, &shown.drawing))?;
+    put("patterns.svg", &|b| svg::write(b, &shown.drawing))?;
+    let panels = outcome.patchwork.panels.len();
+    let what = format!("{panels} panel{}", if panels == 1 { "" } else { "s" });
+    let note = match &outcome.status {
+        Status::Certified => {
+            format!("{what}, each within {} mm of the surface, certified", figure(outcome.certificate.deviation_bound, 3))
+        }
+        Status::Uncertified(_) => format!("{what}, not certified"),
+    };
+    let caption = |note: String| Caption { title: outcome.input.clone(), note, ..Caption::default() };
+    let panels_png = png::write(&picture::panels(&shown.scene, &shown.direction, &caption(note)))?;
+    let deviation = caption("distance of the panels from the surface, mm".to_owned());
+    let deviation_png =
+        png::write(&picture::deviation(&shown.scene, &shown.direction, outcome.tolerance, &deviation))?;
+    let flat = caption(format!("{what}, flat patterns, 1:1 in patterns.dxf"));
+    let layout_png = png::write(&picture::layout(&shown.pieces, &flat))?;
+    let report = Report::of(outcome);
+    let page = html::write(&Page {
+        report: &report,
+        scene: &shown.scene,
+        direction: shown.direction,
+        layout: &shown.pieces,
+        panels_png: &panels_png,
+        deviation_png: &deviation_png,
+    })?;
+    let json = report.to_json()?;
+    out.push(("panels.png".into(), panels_png));
+    out.push(("deviation.png".into(), deviation_png));
+    out.push(("layout.png".into(), layout_png));
+    out.push(("report.html".into(), page.into_bytes()));
+    out.push(("report.json".into(), json.into_bytes()));
+    Ok(out)
+}
