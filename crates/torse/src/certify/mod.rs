@@ -78,6 +78,10 @@ pub enum Resistance {
     Stopped,
 }
 
+/// Can be named in this floor only, so that only this floor can fill a certificate.
+#[derive(Clone, Copy, Debug)]
+struct Seal;
+
 /// What was proven about one panel. Lengths in mm.
 #[derive(Clone, Debug)]
 pub struct PanelCertificate {
@@ -103,7 +107,7 @@ pub struct PanelCertificate {
     pub min_bend_radius: f64,
     /// Boxes or triangles accepted.
     pub cells: usize,
-    _sealed: (),
+    _sealed: Seal,
 }
 
 /// What was proven about a whole patchwork. Lengths in mm.
@@ -123,7 +127,7 @@ pub struct Certificate {
     pub panels: Vec<PanelCertificate>,
     /// Parts of the proof that are missing, in plain words; empty when certified.
     pub missing: Vec<String>,
-    _sealed: (),
+    _sealed: Seal,
 }
 
 impl PanelCertificate {
@@ -141,7 +145,7 @@ impl PanelCertificate {
             regression_clearance: 0.0,
             min_bend_radius: 0.0,
             cells: 0,
-            _sealed: (),
+            _sealed: Seal,
         }
     }
 }
@@ -165,7 +169,7 @@ pub fn patchwork(patchwork: &Patchwork, tolerance: f64, control: &Control) -> Ce
         covered: false,
         panels: vec![PanelCertificate::blank(); patchwork.panels.len()],
         missing: Vec::new(),
-        _sealed: (),
+        _sealed: Seal,
     };
     let size = patchwork.faces.iter().fold(BBox::empty(), |mut b, f| {
         let c = f.surface.bbox();
