@@ -248,6 +248,32 @@ pub fn patchwork(patchwork: &Patchwork, tolerance: f64, control: &Control) -> Ce
     out
 }
 
+/// The certificate of several patchworks together, one after the other (the faces of a model, proven one by one).
+pub fn join(parts: Vec<Certificate>, tolerance: f64) -> Certificate {
+    let mut out = Certificate {
+        tolerance,
+        certified: !parts.is_empty(),
+        deviation_bound: 0.0,
+        seam_gap_bound: 0.0,
+        covered: true,
+        panels: Vec::new(),
+        missing: Vec::new(),
+        _sealed: Seal,
+    };
+    for p in parts {
+        out.certified &= p.certified && p.deviation_bound <= tolerance;
+        out.deviation_bound = out.deviation_bound.max(p.deviation_bound);
+        out.seam_gap_bound = out.seam_gap_bound.max(p.seam_gap_bound);
+        out.covered &= p.covered;
+        out.panels.extend(p.panels);
+        out.missing.extend(p.missing);
+    }
+    if !out.certified && out.missing.is_empty() {
+        out.missing.push("a part was proven for a larger tolerance only".into());
+    }
+    out
+}
+
 /// Bound of the gap over all seams.
 fn seam_gap(patchwork: &Patchwork, jets: &[Option<RuledJets>], tolerance: f64) -> Result<f64, String> {
     let mut sides: Vec<Vec<(usize, bool, &Run)>> = vec![Vec::new(); patchwork.seam_count];
@@ -347,6 +373,18 @@ mod tests {
         assert!(distance.abs() > 4.9e-4 && (there - distance.abs()).abs() < 1e-5);
         // A bound is stated all the same.
         assert!(c.deviation_bound > 5e-4 && c.deviation_bound < 2e-3, "{}", c.deviation_bound);
+    }
+
+    #[test]
+    fn joining_keeps_the_worst() {
+        let good = prove(&two_panels(1e-4, 2), 1e-3);
+        let bad = prove(&two_panels(1e-3, 2), 5e-4);
+        let both = join(vec![good.clone(), bad.clone()], 1e-3);
+        assert!(!both.certified && both.panels.len() == 4);
+        assert!(both.deviation_bound >= bad.deviation_bound && both.missing == bad.missing);
+        assert!(join(vec![good.clone()], 1e-3).certified);
+        let stricter = join(vec![good], 1e-5);
+        assert!(!stricter.certified && !stricter.missing.is_empty());
     }
 
     #[test]
