@@ -78,6 +78,10 @@ pub enum Resistance {
     Stopped,
 }
 
+/// Can be named in this floor only, so that only this floor can fill a certificate.
+#[derive(Clone, Copy, Debug)]
+struct Seal;
+
 /// What was proven about one panel. Lengths in mm.
 #[derive(Clone, Debug)]
 pub struct PanelCertificate {
@@ -103,7 +107,7 @@ pub struct PanelCertificate {
     pub min_bend_radius: f64,
     /// Boxes or triangles accepted.
     pub cells: usize,
-    _sealed: (),
+    _sealed: Seal,
 }
 
 /// What was proven about a whole patchwork. Lengths in mm.
@@ -123,7 +127,7 @@ pub struct Certificate {
     pub panels: Vec<PanelCertificate>,
     /// Parts of the proof that are missing, in plain words; empty when certified.
     pub missing: Vec<String>,
-    _sealed: (),
+    _sealed: Seal,
 }
 
 impl PanelCertificate {
@@ -141,7 +145,7 @@ impl PanelCertificate {
             regression_clearance: 0.0,
             min_bend_radius: 0.0,
             cells: 0,
-            _sealed: (),
+            _sealed: Seal,
         }
     }
 }
@@ -165,7 +169,7 @@ pub fn patchwork(patchwork: &Patchwork, tolerance: f64, control: &Control) -> Ce
         covered: false,
         panels: vec![PanelCertificate::blank(); patchwork.panels.len()],
         missing: Vec::new(),
-        _sealed: (),
+        _sealed: Seal,
     };
     let size = patchwork.faces.iter().fold(BBox::empty(), |mut b, f| {
         let c = f.surface.bbox();
@@ -248,6 +252,8 @@ pub fn patchwork(patchwork: &Patchwork, tolerance: f64, control: &Control) -> Ce
 /// within faces. `names[i]` says which face part `i` is.
 pub fn join(parts: Vec<Certificate>, names: &[String]) -> Certificate {
     let tolerance = parts.iter().fold(f64::INFINITY, |t, p| p.tolerance.min(t));
+/// The certificate of several patchworks together, one after the other (the faces of a model, proven one by one).
+pub fn join(parts: Vec<Certificate>, tolerance: f64) -> Certificate {
     let mut out = Certificate {
         tolerance,
         certified: !parts.is_empty(),
@@ -266,6 +272,21 @@ pub fn join(parts: Vec<Certificate>, names: &[String]) -> Certificate {
         out.panels.extend(p.panels);
         let name = names.get(i).map_or_else(|| format!("face {i}"), Clone::clone);
         out.missing.extend(p.missing.into_iter().map(|m| format!("{name}: {m}")));
+        covered: true,
+        panels: Vec::new(),
+        missing: Vec::new(),
+        _sealed: Seal,
+    };
+    for p in parts {
+        out.certified &= p.certified && p.deviation_bound <= tolerance;
+        out.deviation_bound = out.deviation_bound.max(p.deviation_bound);
+        out.seam_gap_bound = out.seam_gap_bound.max(p.seam_gap_bound);
+        out.covered &= p.covered;
+        out.panels.extend(p.panels);
+        out.missing.extend(p.missing);
+    }
+    if !out.certified && out.missing.is_empty() {
+        out.missing.push("a part was proven for a larger tolerance only".into());
     }
     out
 }
@@ -369,6 +390,18 @@ mod tests {
         assert!(distance.abs() > 4.9e-4 && (there - distance.abs()).abs() < 1e-5);
         // A bound is stated all the same.
         assert!(c.deviation_bound > 5e-4 && c.deviation_bound < 2e-3, "{}", c.deviation_bound);
+    }
+
+    #[test]
+    fn joining_keeps_the_worst() {
+        let good = prove(&two_panels(1e-4, 2), 1e-3);
+        let bad = prove(&two_panels(1e-3, 2), 5e-4);
+        let both = join(vec![good.clone(), bad.clone()], 1e-3);
+        assert!(!both.certified && both.panels.len() == 4);
+        assert!(both.deviation_bound >= bad.deviation_bound && both.missing == bad.missing);
+        assert!(join(vec![good.clone()], 1e-3).certified);
+        let stricter = join(vec![good], 1e-5);
+        assert!(!stricter.certified && !stricter.missing.is_empty());
     }
 
     #[test]

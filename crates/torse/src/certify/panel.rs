@@ -92,7 +92,7 @@ pub(super) fn panel_certificate(
     let spent = out.rounding_bound + delta.unwrap_or(0.0);
     let options = DistanceOptions::default();
     let mut budget = (tolerance - spent) * (1.0 - 4.0 * f64::EPSILON);
-    if !(budget > 0.0) {
+    if budget <= 0.0 || budget.is_nan() {
         reasons.push("rounding and trimming curves use up the tolerance".into());
         budget = tolerance;
     }
