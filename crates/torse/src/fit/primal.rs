@@ -89,9 +89,12 @@ fn curved(samples: &[Sample], options: &PrimalOptions, enough: f64) -> Option<Fi
 
     // General torses: a few steps for each direction, the rest for the best that is regular everywhere.
     found.sort_by(|a, b| a.torse.total_cmp(&b.torse));
-    found.retain_mut(|c| c.family.irregular(&c.x, &all).is_empty());
-    found.truncate(options.keep.max(1));
-    let mut freed: Vec<Freed> = found.iter().filter_map(|c| freed(c, &few, profile_spans, ruling_spans)).collect();
+    let mut freed: Vec<Freed> = found
+        .iter_mut()
+        .filter_map(|c| c.family.irregular(&c.x, &all).is_empty().then_some(&*c))
+        .take(options.keep.max(1))
+        .filter_map(|c| freed(c, &few, profile_spans, ruling_spans))
+        .collect();
     freed.sort_by(|a, b| a.worst.total_cmp(&b.worst));
     let mut best = freed.into_iter().find_map(|f| f.repaired(&all))?;
     if options.tolerance > 0.0 && best.worst > HOPELESS * options.tolerance {
