@@ -42,7 +42,7 @@ pub(super) const ENOUGH: f64 = 0.9;
 /// The final domain reaches this share of the feet's range beyond them.
 pub(super) const MARGIN: f64 = 0.08;
 /// Fits between one and this many tolerances get splines with more spans.
-const FINER: f64 = 1.6;
+const FINER: f64 = 2.0;
 /// Fits worse than this many tolerances are not refined.
 const HOPELESS: f64 = 6.0;
 
