@@ -114,7 +114,7 @@ fn centre_line(torse: &Torse, samples: &[Sample], count: usize) -> Option<Vec<Ce
         feet.push(sheet.foot(&q, guesses.guess(&q), domain)?);
     }
     let (a, b) = feet.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &t| (a.min(t), b.max(t)));
-    if !(b > a) {
+    if a.is_nan() || b.is_nan() || b <= a {
         return None;
     }
     let mut sums = vec![(Vec3::zeros(), 0.0_f64); count];

@@ -108,7 +108,7 @@ impl EnvelopeFamily {
     pub fn refitted(&self, x: &[f64], spans: usize, margin: f64) -> Option<(Self, Vec<f64>)> {
         let (a, b) = self.feet.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &t| (a.min(t), b.max(t)));
         let (lo, hi) = (a - margin * (b - a), b + margin * (b - a));
-        if !(hi > lo) {
+        if lo.is_nan() || hi.is_nan() || hi <= lo {
             return None;
         }
         let breaks: Vec<f64> = (0..=spans).map(|i| lo + (hi - lo) * i as f64 / spans as f64).collect();

@@ -42,7 +42,7 @@ pub(super) const ENOUGH: f64 = 0.9;
 /// The final domain reaches this share of the feet's range beyond them.
 pub(super) const MARGIN: f64 = 0.08;
 /// Fits between one and this many tolerances get splines with more spans.
-const FINER: f64 = 2.5;
+const FINER: f64 = 2.0;
 /// Fits worse than this many tolerances are not refined.
 const HOPELESS: f64 = 6.0;
 
@@ -52,8 +52,8 @@ const HOPELESS: f64 = 6.0;
 /// *Input*: samples of a piece of surface whose normals lie within 70° of a common direction; normals may be zero in
 /// places. *Result*: a fit whose domain reaches at least 5 % of the feet's range beyond all feet, regular
 /// (`1 + y a' > 0.05`) at all samples; its error may exceed the tolerance (then it is within a few percent of the best
-/// local optimum found, or, above six tolerances, only roughly fitted). `None` without samples, with numbers that are
-/// not finite, or if no regular torse was found.
+/// local optimum found, or, above six tolerances, only roughly fitted). Where no regular torse was found, or none better
+/// than the plane: the best plane. `None` without samples or with numbers that are not finite.
 /// *Not guaranteed*: that the optimum is global.
 pub fn primal(samples: &[Sample], options: &PrimalOptions) -> Option<Fit> {
     let enough = ENOUGH * options.tolerance;
@@ -89,9 +89,16 @@ fn curved(samples: &[Sample], options: &PrimalOptions, enough: f64) -> Option<Fi
 
     // General torses: a few steps for each direction, the rest for the best that is regular everywhere.
     found.sort_by(|a, b| a.torse.total_cmp(&b.torse));
-    found.retain_mut(|c| c.family.irregular(&c.x, &all).is_empty());
-    found.truncate(options.keep.max(1));
-    let mut freed: Vec<Freed> = found.iter().filter_map(|c| freed(c, &few, profile_spans, ruling_spans)).collect();
+    let mut freed: Vec<Freed> = Vec::new();
+    for c in &mut found {
+        if c.family.irregular(&c.x, &all).is_empty() {
+            freed.extend(self::freed(c, &few, profile_spans, ruling_spans));
+        }
+        // The first good one will do.
+        if freed.len() >= options.keep.max(1) || freed.last().is_some_and(|f| f.worst <= enough) {
+            break;
+        }
+    }
     freed.sort_by(|a, b| a.worst.total_cmp(&b.worst));
     let mut best = freed.into_iter().find_map(|f| f.repaired(&all))?;
     if options.tolerance > 0.0 && best.worst > HOPELESS * options.tolerance {

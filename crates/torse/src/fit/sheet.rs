@@ -110,12 +110,18 @@ impl Sheet {
     }
 
     /// Tangent plane and derivatives at `t`.
-    #[inline]
+    #[inline(always)]
     pub fn jet(&self, t: f64) -> PlaneJet {
         match self {
-            Self::Primal { profile, .. } => {
-                let [[f, a], [f1, a1], [f2, _]] = profile.jet(t);
-                let n = Vec3::new(-f1, a * f1 - self.slope(t), 1.0);
+            Self::Primal { profile, slope, .. } => {
+                let s = span_of(&profile.breaks, t);
+                let (u, c) = (t - profile.breaks[s], &profile.power[s]);
+                let f = c[0][0] + u * (c[1][0] + u * (c[2][0] + u * c[3][0]));
+                let f1 = c[1][0] + u * (2.0 * c[2][0] + u * 3.0 * c[3][0]);
+                let f2 = 2.0 * c[2][0] + 6.0 * u * c[3][0];
+                let a = c[0][1] + u * (c[1][1] + u * (c[2][1] + u * c[3][1]));
+                let a1 = c[1][1] + u * (2.0 * c[2][1] + u * 3.0 * c[3][1]);
+                let n = Vec3::new(-f1, a * f1 - quintic(&slope[s], u), 1.0);
                 let m = Vec3::new(-1.0, a, 0.0);
                 PlaneJet { n, h: f - t * f1, m, k: -t, dm: Vec3::new(0.0, a1, 0.0), dk: -1.0, c: f2 }
             }
@@ -132,8 +138,8 @@ impl Sheet {
     pub fn foot(&self, q: &Vec3, guess: f64, range: (f64, f64)) -> Option<f64> {
         // Newton steps halve the digits left; this many allow for a poor guess.
         const STEPS: usize = 24;
-        // Relative to the range: below this a step is rounding.
-        const SETTLED: f64 = 1e-12;
+        // Relative to the range: the error after a Newton step is about the square of the step.
+        const SETTLED: f64 = 1e-7;
         let width = range.1 - range.0;
         let mut t = guess.clamp(range.0, range.1);
         let mut outside = 0;

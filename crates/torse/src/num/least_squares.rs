@@ -164,7 +164,7 @@ impl BandMatrix {
                     let s: f64 = row_i[at_i(lo)..w - 1].iter().map(|v| v * v).sum();
                     let d = row_i[w - 1];
                     let pivot = d - s;
-                    if !(pivot > SINGULAR * d) {
+                    if pivot.is_nan() || pivot <= SINGULAR * d {
                         return false;
                     }
                     row_i[w - 1] = pivot.sqrt();
