@@ -4,6 +4,8 @@ pub mod bundle;
 pub mod html;
 pub mod json;
 pub mod png;
+pub mod dxf;
+pub mod glb;
 pub mod step;
 pub mod dxf;
 pub mod svg;
