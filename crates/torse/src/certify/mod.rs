@@ -248,10 +248,6 @@ pub fn patchwork(patchwork: &Patchwork, tolerance: f64, control: &Control) -> Ce
     out
 }
 
-/// The certificate of a model from those of its faces, each made by [`patchwork`] for the same tolerance; seams run
-/// within faces. `names[i]` says which face part `i` is.
-pub fn join(parts: Vec<Certificate>, names: &[String]) -> Certificate {
-    let tolerance = parts.iter().fold(f64::INFINITY, |t, p| p.tolerance.min(t));
 /// The certificate of several patchworks together, one after the other (the faces of a model, proven one by one).
 pub fn join(parts: Vec<Certificate>, tolerance: f64) -> Certificate {
     let mut out = Certificate {
@@ -259,19 +255,6 @@ pub fn join(parts: Vec<Certificate>, tolerance: f64) -> Certificate {
         certified: !parts.is_empty(),
         deviation_bound: 0.0,
         seam_gap_bound: 0.0,
-        covered: !parts.is_empty(),
-        panels: Vec::new(),
-        missing: Vec::new(),
-        _sealed: (),
-    };
-    for (i, p) in parts.into_iter().enumerate() {
-        out.certified &= p.certified;
-        out.covered &= p.covered;
-        out.deviation_bound = out.deviation_bound.max(p.deviation_bound);
-        out.seam_gap_bound = out.seam_gap_bound.max(p.seam_gap_bound);
-        out.panels.extend(p.panels);
-        let name = names.get(i).map_or_else(|| format!("face {i}"), Clone::clone);
-        out.missing.extend(p.missing.into_iter().map(|m| format!("{name}: {m}")));
         covered: true,
         panels: Vec::new(),
         missing: Vec::new(),

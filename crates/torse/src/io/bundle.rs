@@ -1,5 +1,6 @@
 //! All files of an outcome, in memory: nothing reaches a disk before everything is made.
 
+use super::glb::{self, GlbError};
 use super::html::{self, HtmlError, Page};
 use super::json::{JsonError, Report};
 use super::png::{self, PngError};
@@ -23,6 +24,9 @@ pub enum BundleError {
         /// What went wrong.
         source: std::io::Error,
     },
+    /// Model for viewers.
+    #[error(transparent)]
+    Glb(#[from] GlbError),
     /// Picture.
     #[error(transparent)]
     Png(#[from] PngError),
@@ -58,6 +62,7 @@ pub fn files(outcome: &Outcome, shown: &Presentation, time: &str) -> Result<Vec<
     put("panels.step", &|b| step::panels(b, &header, &outcome.patchwork))?;
     put("patterns.dxf", &|b| dxf::write(b, &shown.drawing))?;
     put("patterns.svg", &|b| svg::write(b, &shown.drawing))?;
+    out.push(("model.glb".into(), glb::write(&shown.scene, outcome.tolerance)?));
     let panels = outcome.patchwork.panels.len();
     let what = format!("{panels} panel{}", if panels == 1 { "" } else { "s" });
     let note = match &outcome.status {

@@ -1,88 +1,132 @@
-//! GLB writer: pictures in space as binary glTF 2.0.
+//! Models for viewers: binary glTF 2.0 (Khronos specification). Formats only.
 //!
-//! Vertices stay in millimetres, relative to the model's centre so that single precision suffices; a root node with a
-//! matrix turns them into glTF's metres with y up. Three scenes share the data: `panels` (shown first; panels in
-//! distinct colours, with rulings), `deviation` (the same panels coloured by their deviation) and `surface` (the
-//! input). Deviations in mm ride along as the vertex attribute `_DEVIATION`; units and tolerance stand in `extras`.
-
-use std::io;
-
-use serde_json::{json, Value};
+//! Vertices are millimetres with Z up, as in the model; every root node carries the matrix to glTF's metres with Y
+//! up. Surface, panels and deviation lie within the tolerance of each other and would flicker through each other, so
+//! they are three scenes: "panels" (shown first) with rulings and borders, "deviation" with vertex colours,
+//! "surface". The signed deviation in mm is also the vertex attribute `_DEVIATION` of the panels.
 
 use crate::geom::mesh::Mesh;
 use crate::geom::Vec3;
 use crate::tessellate::colour::{self, Rgb};
 use crate::tessellate::scene::Scene;
+use serde_json::{json, Map, Value};
 
-// Component types and targets of the glTF specification, section 3.6.2 and 3.6.1.
-const UNSIGNED_BYTE: u32 = 5121;
-const UNSIGNED_INT: u32 = 5125;
-const FLOAT: u32 = 5126;
-const VERTICES: u32 = 34962;
-const INDICES: u32 = 34963;
-/// Primitive mode of separate line segments.
-const LINES: u32 = 1;
-/// Metres per millimetre.
-const SCALE: f64 = 1e-3;
-/// Colour of the input surface.
-const SURFACE_COLOUR: Rgb = [0.72, 0.74, 0.77];
-/// Colour of the rulings.
-const RULING_COLOUR: Rgb = [0.10, 0.12, 0.15];
-
-/// Writes a scene. `tolerance` (mm) is the end of the deviation scale.
-///
-/// # Errors
-/// Those of `out`; a mesh with coordinates that are not finite, corners that do not exist or lists of different
-/// lengths ([`io::ErrorKind::InvalidData`]).
-pub fn write(out: &mut dyn io::Write, scene: &Scene, name: &str, tolerance: f64) -> io::Result<()> {
-    let box_of_all = scene.bbox();
-    let centre = if box_of_all.min.x <= box_of_all.max.x { box_of_all.center() } else { Vec3::zeros() };
-    let mut g = Gltf { centre, ..Gltf::default() };
-
-    let grey = g.material("surface", SURFACE_COLOUR);
-    let white = g.material("deviation", [1.0; 3]);
-    let mut surfaces = Vec::new();
-    for (i, mesh) in scene.surfaces.iter().enumerate() {
-        if let Some(p) = g.triangles(mesh, &format!("surface {i}"))? {
-            let extras = json!({ "face": i });
-            surfaces.push(g.mesh_node(&format!("surface {i}"), primitive(&p, p.plain(), grey), extras));
-        }
-    }
-    let (mut panels, mut coloured) = (Vec::new(), Vec::new());
-    for (i, panel) in scene.panels.iter().enumerate() {
-        let Some(p) = g.triangles(&panel.mesh, &panel.name)? else { continue };
-        let extras = deviations(&panel.mesh.values);
-        let own = g.material(&panel.name, colour::panel(i));
-        panels.push(g.mesh_node(&panel.name, primitive(&p, p.plain(), own), extras.clone()));
-        let mut attributes = p.plain();
-        if !panel.mesh.values.is_empty() {
-            attributes["COLOR_0"] = json!(g.colours(&panel.mesh.values, tolerance));
-            attributes["_DEVIATION"] = json!(g.values(&panel.mesh.values));
-        }
-        coloured.push(g.mesh_node(&format!("{} deviation", panel.name), primitive(&p, attributes, white), extras));
-    }
-    let rulings: Vec<Vec3> = scene.panels.iter().flat_map(|p| p.rulings.iter().flatten().copied()).collect();
-    let lines = g.lines("rulings", &rulings)?;
-
-    let panels = g.group("panels", panels);
-    let coloured = g.group("deviation", coloured);
-    let surfaces = g.group("surface", surfaces);
-    let first: Vec<usize> = [panels, lines].into_iter().flatten().collect();
-    let scenes =
-        [("panels", first), ("deviation", coloured.into_iter().collect()), ("surface", surfaces.into_iter().collect())];
-    let scenes: Vec<Value> = scenes
-        .into_iter()
-        .filter(|(_, children)| !children.is_empty())
-        .map(|(title, children)| json!({ "name": title, "nodes": [g.root(title, &children)] }))
-        .collect();
-    let extras = json!({ "name": name, "unit": "mm", "tolerance": tolerance, "metres_per_unit": SCALE });
-    g.finish(out, scenes, extras)
+/// A scene that cannot be written.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum GlbError {
+    /// A vertex that is not finite in single precision.
+    #[error("{name}: vertex {index} is not a finite number; its mesh has to be made again")]
+    NotFinite {
+        /// Mesh or lines.
+        name: String,
+        /// Index of the vertex.
+        index: usize,
+    },
+    /// A triangle with a corner that does not exist.
+    #[error("{name}: triangle {index} refers to a vertex that does not exist")]
+    Triangle {
+        /// Mesh.
+        name: String,
+        /// Index of the triangle.
+        index: usize,
+    },
+    /// The format counts bytes with 32 bits.
+    #[error("the model needs {0} bytes, more than the 4 GB that a GLB file can hold; use a coarser mesh")]
+    TooLarge(usize),
 }
 
-/// A document while it grows: its parts as JSON and its block of bytes.
+/// From millimetres with Z up to metres with Y up, by columns.
+const TO_METRES: [f64; 16] = [1e-3, 0.0, 0.0, 0.0, 0.0, 0.0, -1e-3, 0.0, 0.0, 1e-3, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0];
+const SURFACE: Rgb = [0.80, 0.82, 0.85];
+const RULING: Rgb = [0.25, 0.27, 0.31];
+const BORDER: Rgb = [0.08, 0.09, 0.12];
+
+// Numbers of the specification.
+const FLOAT: u32 = 5126;
+const UNSIGNED_INT: u32 = 5125;
+const UNSIGNED_BYTE: u32 = 5121;
+const ARRAY_BUFFER: u32 = 34962;
+const ELEMENT_ARRAY_BUFFER: u32 = 34963;
+const LINES: u32 = 1;
+const TRIANGLES: u32 = 4;
+
+/// The bytes of a GLB file. Deviations are coloured from −`tolerance` to `tolerance` (mm).
+///
+/// # Errors
+/// Vertices that are not finite, triangles with missing corners, more than 4 GB.
+pub fn write(scene: &Scene, tolerance: f64) -> Result<Vec<u8>, GlbError> {
+    let mut file = File::default();
+    let grey = file.material("surface", SURFACE);
+    let white = file.material("deviation", [1.0; 3]);
+    let (dark, black) = (file.material("rulings", RULING), file.material("borders", BORDER));
+
+    let mut surfaces = Vec::new();
+    for (i, mesh) in scene.surfaces.iter().enumerate() {
+        let name = format!("face {}", i + 1);
+        if let Some(attributes) = file.attributes(&name, mesh)? {
+            surfaces.push(file.mesh_node(&name, &attributes, grey, json!({})));
+        }
+    }
+    let (mut panels, mut deviations) = (Vec::new(), Vec::new());
+    for (i, panel) in scene.panels.iter().enumerate() {
+        let Some(mut attributes) = file.attributes(&panel.name, &panel.mesh)? else { continue };
+        let values = &panel.mesh.values;
+        let mut extras = json!({ "unit": "mm" });
+        if values.len() == panel.mesh.positions.len() && values.iter().all(|v| v.is_finite()) {
+            let (least, most) =
+                values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &v| (a.min(v), b.max(v)));
+            extras = json!({ "unit": "mm", "sampled_deviation": [least, most] });
+            let bytes: Vec<u8> = values.iter().flat_map(|&v| (v as f32).to_le_bytes()).collect();
+            let accessor = file.accessor(&bytes, values.len(), FLOAT, "SCALAR", Some(ARRAY_BUFFER), json!({}));
+            attributes.vertex.insert("_DEVIATION".into(), accessor.into());
+        }
+        let material = file.material(&panel.name, colour::panel(i));
+        panels.push(file.mesh_node(&panel.name, &attributes, material, extras.clone()));
+        if attributes.vertex.contains_key("_DEVIATION") {
+            let bytes: Vec<u8> = values
+                .iter()
+                .flat_map(|v| {
+                    let [r, g, b] = colour::bytes(linear(colour::deviation(v / tolerance)));
+                    [r, g, b, u8::MAX]
+                })
+                .collect();
+            let fixed = json!({ "normalized": true });
+            let accessor = file.accessor(&bytes, values.len(), UNSIGNED_BYTE, "VEC4", Some(ARRAY_BUFFER), fixed);
+            attributes.vertex.insert("COLOR_0".into(), accessor.into());
+            deviations.push(file.mesh_node(&panel.name, &attributes, white, extras));
+        }
+    }
+    let rulings: Vec<Vec3> = scene.panels.iter().flat_map(|p| p.rulings.iter().flatten().copied()).collect();
+    let borders: Vec<Vec3> = scene
+        .panels
+        .iter()
+        .flat_map(|p| p.borders.iter().flat_map(|b| b.windows(2).flat_map(|w| [w[0], w[1]])))
+        .collect();
+
+    let mut first = vec![file.root("panels", &panels, None)];
+    for (name, points, material) in [("rulings", rulings, dark), ("borders", borders, black)] {
+        let mesh = file.lines(name, &points, material)?;
+        first.push(file.root(name, &[], mesh));
+    }
+    let second = file.root("deviation", &deviations, None);
+    let third = file.root("surface", &surfaces, None);
+    let scenes = json!([
+        { "name": "panels", "nodes": first },
+        { "name": "deviation", "nodes": [second] },
+        { "name": "surface", "nodes": [third] },
+    ]);
+    file.finish(&scenes, tolerance)
+}
+
+/// Accessors of a mesh.
+struct Attributes {
+    vertex: Map<String, Value>,
+    indices: usize,
+}
+
+/// A file in the making.
 #[derive(Default)]
-struct Gltf {
-    centre: Vec3,
+struct File {
     bytes: Vec<u8>,
     views: Vec<Value>,
     accessors: Vec<Value>,
@@ -91,237 +135,163 @@ struct Gltf {
     nodes: Vec<Value>,
 }
 
-/// Accessors of a mesh.
-struct Triangles {
-    position: usize,
-    normal: Option<usize>,
-    index: usize,
-}
-
-impl Triangles {
-    /// Attributes without colours.
-    fn plain(&self) -> Value {
-        let mut attributes = json!({ "POSITION": self.position });
-        if let Some(normal) = self.normal {
-            attributes["NORMAL"] = json!(normal);
+impl File {
+    /// Appends data as a view and an accessor of its own; `more` holds further members of the accessor.
+    fn accessor(
+        &mut self,
+        data: &[u8],
+        count: usize,
+        component: u32,
+        shape: &str,
+        target: Option<u32>,
+        mut more: Value,
+    ) -> usize {
+        // Every kind of component used here is aligned when views start at multiples of four.
+        self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
+        let mut view = json!({ "buffer": 0, "byteOffset": self.bytes.len(), "byteLength": data.len() });
+        if let Some(target) = target {
+            view["target"] = target.into();
         }
-        attributes
-    }
-}
-
-fn primitive(t: &Triangles, attributes: Value, material: usize) -> Value {
-    json!({ "attributes": attributes, "indices": t.index, "material": material })
-}
-
-impl Gltf {
-    /// A view of bytes appended to the block; everything here has a size that is a multiple of four.
-    fn view(&mut self, bytes: impl Iterator<Item = u8>, target: u32) -> usize {
-        let offset = self.bytes.len();
-        self.bytes.extend(bytes);
-        let length = self.bytes.len() - offset;
-        self.views.push(json!({ "buffer": 0, "byteOffset": offset, "byteLength": length, "target": target }));
-        self.views.len() - 1
-    }
-
-    fn accessor(&mut self, view: usize, component: u32, kind: &str, count: usize) -> usize {
-        self.accessors.push(json!({ "bufferView": view, "componentType": component, "type": kind, "count": count }));
+        self.bytes.extend_from_slice(data);
+        self.views.push(view);
+        more["bufferView"] = (self.views.len() - 1).into();
+        more["componentType"] = component.into();
+        more["count"] = count.into();
+        more["type"] = shape.into();
+        self.accessors.push(more);
         self.accessors.len() - 1
     }
 
-    /// Points relative to the centre, with the least and the greatest coordinates as rounded.
-    fn positions(&mut self, points: &[Vec3]) -> usize {
-        let rounded: Vec<[f32; 3]> = points.iter().map(|p| single(&(p - self.centre))).collect();
-        let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
-        for p in &rounded {
+    /// Positions with their least and greatest coordinates, which the specification asks for.
+    fn positions(&mut self, name: &str, points: &[Vec3]) -> Result<usize, GlbError> {
+        let (mut least, mut most) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
+        let mut data = Vec::with_capacity(12 * points.len());
+        for (index, p) in points.iter().enumerate() {
             for k in 0..3 {
-                (low[k], high[k]) = (low[k].min(p[k]), high[k].max(p[k]));
+                let x = p[k] as f32;
+                if !x.is_finite() {
+                    return Err(GlbError::NotFinite { name: name.to_owned(), index });
+                }
+                (least[k], most[k]) = (least[k].min(x), most[k].max(x));
+                data.extend_from_slice(&x.to_le_bytes());
             }
         }
-        let view = self.view(rounded.iter().flatten().flat_map(|x| x.to_le_bytes()), VERTICES);
-        let accessor = self.accessor(view, FLOAT, "VEC3", points.len());
-        self.accessors[accessor]["min"] = json!(low);
-        self.accessors[accessor]["max"] = json!(high);
-        accessor
+        let bounds = json!({ "min": least, "max": most });
+        Ok(self.accessor(&data, points.len(), FLOAT, "VEC3", Some(ARRAY_BUFFER), bounds))
     }
 
-    /// Accessors of a mesh; `None` if it is empty.
-    fn triangles(&mut self, mesh: &Mesh, name: &str) -> io::Result<Option<Triangles>> {
+    /// Positions, normals and triangles; `None` for a mesh without triangles.
+    fn attributes(&mut self, name: &str, mesh: &Mesh) -> Result<Option<Attributes>, GlbError> {
         let n = mesh.positions.len();
-        if n == 0 || mesh.triangles.is_empty() {
+        if mesh.triangles.is_empty() {
             return Ok(None);
         }
-        let fits = |count: usize| count == 0 || count == n;
-        if !fits(mesh.normals.len()) || !fits(mesh.values.len()) {
-            return Err(invalid(name, "has normals or values for some of its vertices only"));
+        if let Some(index) = mesh.triangles.iter().position(|t| t.iter().any(|&k| k as usize >= n)) {
+            return Err(GlbError::Triangle { name: name.to_owned(), index });
         }
-        if mesh.triangles.iter().flatten().any(|&i| i as usize >= n) {
-            return Err(invalid(name, "has triangles with corners that do not exist"));
+        let mut vertex = Map::new();
+        vertex.insert("POSITION".into(), self.positions(name, &mesh.positions)?.into());
+        // Normals must have unit length; without normals, viewers draw the triangles flat.
+        let unit = |v: &Vec3| (v.norm() - 1.0).abs() < 1e-6;
+        if mesh.normals.len() == n && mesh.normals.iter().all(unit) {
+            let data: Vec<u8> = mesh.normals.iter().flatten().flat_map(|&x| (x as f32).to_le_bytes()).collect();
+            let accessor = self.accessor(&data, n, FLOAT, "VEC3", Some(ARRAY_BUFFER), json!({}));
+            vertex.insert("NORMAL".into(), accessor.into());
         }
-        if !mesh.positions.iter().all(finite) {
-            return Err(invalid(name, "has coordinates that are not finite numbers"));
-        }
-        let position = self.positions(&mesh.positions);
-        let normal = (!mesh.normals.is_empty()).then(|| {
-            // The specification asks for unit vectors, also where a mesh has no answer.
-            let unit = |v: &Vec3| single(&v.try_normalize(0.0).filter(finite).unwrap_or_else(Vec3::z));
-            let view = self.view(mesh.normals.iter().flat_map(unit).flat_map(f32::to_le_bytes), VERTICES);
-            self.accessor(view, FLOAT, "VEC3", n)
-        });
-        let corners = mesh.triangles.iter().flatten().flat_map(|i| i.to_le_bytes());
-        let view = self.view(corners, INDICES);
-        let index = self.accessor(view, UNSIGNED_INT, "SCALAR", 3 * mesh.triangles.len());
-        Ok(Some(Triangles { position, normal, index }))
+        let data: Vec<u8> = mesh.triangles.iter().flatten().flat_map(|k| k.to_le_bytes()).collect();
+        let count = 3 * mesh.triangles.len();
+        let indices = self.accessor(&data, count, UNSIGNED_INT, "SCALAR", Some(ELEMENT_ARRAY_BUFFER), json!({}));
+        Ok(Some(Attributes { vertex, indices }))
     }
 
-    /// Deviations in mm, one per vertex. Those that are not numbers have no place in the format and become 0; their
-    /// colour tells them.
-    fn values(&mut self, values: &[f64]) -> usize {
-        let plain = |&x: &f64| if x.is_finite() { x as f32 } else { 0.0 };
-        let view = self.view(values.iter().map(plain).flat_map(f32::to_le_bytes), VERTICES);
-        self.accessor(view, FLOAT, "SCALAR", values.len())
-    }
-
-    /// Colours of deviations, one per vertex.
-    fn colours(&mut self, values: &[f64], tolerance: f64) -> usize {
-        let bytes = values.iter().flat_map(|x| {
-            let [r, g, b] = colour::bytes(linear(colour::deviation(x / tolerance)));
-            [r, g, b, u8::MAX]
-        });
-        let view = self.view(bytes, VERTICES);
-        let accessor = self.accessor(view, UNSIGNED_BYTE, "VEC4", values.len());
-        self.accessors[accessor]["normalized"] = json!(true);
-        accessor
-    }
-
-    fn material(&mut self, name: &str, c: Rgb) -> usize {
-        let [r, g, b] = linear(c);
+    fn material(&mut self, name: &str, colour: Rgb) -> usize {
+        let [r, g, b] = linear(colour);
         self.materials.push(json!({
             "name": name,
             "doubleSided": true,
-            "pbrMetallicRoughness": { "baseColorFactor": [r, g, b, 1.0], "metallicFactor": 0.0, "roughnessFactor": 0.7 },
+            "pbrMetallicRoughness": { "baseColorFactor": [r, g, b, 1.0], "metallicFactor": 0.0, "roughnessFactor": 0.8 },
         }));
         self.materials.len() - 1
     }
 
-    /// A node with a mesh of one primitive.
-    fn mesh_node(&mut self, name: &str, primitive: Value, extras: Value) -> usize {
+    fn mesh_node(&mut self, name: &str, attributes: &Attributes, material: usize, extras: Value) -> usize {
+        let primitive = json!({
+            "attributes": attributes.vertex, "indices": attributes.indices, "material": material, "mode": TRIANGLES,
+        });
+        self.meshes.push(json!({ "name": name, "primitives": [primitive], "extras": extras }));
+        self.nodes.push(json!({ "name": name, "mesh": self.meshes.len() - 1 }));
+        self.nodes.len() - 1
+    }
+
+    /// Separate lines between consecutive pairs of points; `None` for no points.
+    fn lines(&mut self, name: &str, points: &[Vec3], material: usize) -> Result<Option<usize>, GlbError> {
+        if points.is_empty() {
+            return Ok(None);
+        }
+        let positions = self.positions(name, points)?;
+        let primitive = json!({ "attributes": { "POSITION": positions }, "material": material, "mode": LINES });
         self.meshes.push(json!({ "name": name, "primitives": [primitive] }));
-        let mut node = json!({ "name": name, "mesh": self.meshes.len() - 1 });
-        if !extras.is_null() {
-            node["extras"] = extras;
+        Ok(Some(self.meshes.len() - 1))
+    }
+
+    /// A node with the change of units.
+    fn root(&mut self, name: &str, children: &[usize], mesh: Option<usize>) -> usize {
+        let mut node = json!({ "name": name, "matrix": TO_METRES });
+        if !children.is_empty() {
+            node["children"] = children.into();
+        }
+        if let Some(mesh) = mesh {
+            node["mesh"] = mesh.into();
         }
         self.nodes.push(node);
         self.nodes.len() - 1
     }
 
-    /// A node with line segments between successive pairs of points; `None` without any.
-    fn lines(&mut self, name: &str, points: &[Vec3]) -> io::Result<Option<usize>> {
-        if points.is_empty() {
-            return Ok(None);
-        }
-        if !points.iter().all(finite) {
-            return Err(invalid(name, "have coordinates that are not finite numbers"));
-        }
-        let position = self.positions(points);
-        let material = self.material(name, RULING_COLOUR);
-        let primitive = json!({ "attributes": { "POSITION": position }, "mode": LINES, "material": material });
-        Ok(Some(self.mesh_node(name, primitive, Value::Null)))
-    }
-
-    /// A node that holds others together; `None` without any.
-    fn group(&mut self, name: &str, children: Vec<usize>) -> Option<usize> {
-        if children.is_empty() {
-            return None;
-        }
-        self.nodes.push(json!({ "name": name, "children": children }));
-        Some(self.nodes.len() - 1)
-    }
-
-    /// The node that turns millimetres with z up into metres with y up: (x, y, z) becomes (x, z, −y).
-    fn root(&mut self, title: &str, children: &[usize]) -> usize {
-        let (s, c) = (SCALE, self.centre * SCALE);
-        let columns = [[s, 0.0, 0.0, 0.0], [0.0, 0.0, -s, 0.0], [0.0, s, 0.0, 0.0], [c.x, c.z, -c.y, 1.0]];
-        self.nodes
-            .push(json!({ "name": format!("{title} in metres"), "children": children, "matrix": columns.concat() }));
-        self.nodes.len() - 1
-    }
-
-    /// Header, JSON chunk, binary chunk (glTF 2.0 specification, section 4.4).
-    fn finish(mut self, out: &mut dyn io::Write, scenes: Vec<Value>, extras: Value) -> io::Result<()> {
+    /// Header, JSON chunk, binary chunk.
+    fn finish(mut self, scenes: &Value, tolerance: f64) -> Result<Vec<u8>, GlbError> {
+        self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
         let mut document = json!({
-            "asset": { "version": "2.0", "generator": concat!("torse ", env!("CARGO_PKG_VERSION")), "extras": extras },
+            "asset": {
+                "version": "2.0",
+                "generator": concat!("torse ", env!("CARGO_PKG_VERSION")),
+                "extras": { "vertex_unit": "mm", "tolerance": tolerance },
+            },
+            "scene": 0,
+            "scenes": scenes,
+            "nodes": self.nodes,
+            "materials": self.materials,
         });
-        // Lists must not be empty.
-        for (name, list) in [
-            ("bufferViews", self.views),
-            ("accessors", self.accessors),
-            ("materials", self.materials),
-            ("meshes", self.meshes),
-            ("nodes", self.nodes),
-            ("scenes", scenes),
-        ] {
-            if !list.is_empty() {
-                document[name] = Value::Array(list);
-            }
-        }
-        if document.get("scenes").is_some() {
-            document["scene"] = json!(0);
-        }
-        if !self.bytes.is_empty() {
+        // The specification has no empty arrays and no empty buffer.
+        if !self.meshes.is_empty() {
+            document["meshes"] = self.meshes.into();
+            document["accessors"] = self.accessors.into();
+            document["bufferViews"] = self.views.into();
             document["buffers"] = json!([{ "byteLength": self.bytes.len() }]);
         }
         let mut text = document.to_string().into_bytes();
         text.resize(text.len().next_multiple_of(4), b' ');
-        self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
-        let mut chunks = vec![(b"JSON", &text)];
+        let mut chunks: Vec<(&[u8; 4], &[u8])> = vec![(b"JSON", &text)];
         if !self.bytes.is_empty() {
             chunks.push((b"BIN\0", &self.bytes));
         }
         let total = 12 + chunks.iter().map(|c| 8 + c.1.len()).sum::<usize>();
-        out.write_all(b"glTF")?;
-        out.write_all(&2u32.to_le_bytes())?;
-        out.write_all(&size(total)?)?;
-        for (kind, chunk) in chunks {
-            out.write_all(&size(chunk.len())?)?;
-            out.write_all(kind)?;
-            out.write_all(chunk)?;
+        let length = |n: usize| u32::try_from(n).map_err(|_| GlbError::TooLarge(total));
+        let mut out = Vec::with_capacity(total);
+        out.extend_from_slice(b"glTF");
+        out.extend_from_slice(&2u32.to_le_bytes());
+        out.extend_from_slice(&length(total)?.to_le_bytes());
+        for (kind, data) in chunks {
+            out.extend_from_slice(&length(data.len())?.to_le_bytes());
+            out.extend_from_slice(kind);
+            out.extend_from_slice(data);
         }
-        Ok(())
+        Ok(out)
     }
 }
 
-/// A length as the format stores it.
-fn size(n: usize) -> io::Result<[u8; 4]> {
-    match u32::try_from(n) {
-        Ok(n) => Ok(n.to_le_bytes()),
-        Err(_) => Err(io::Error::new(io::ErrorKind::InvalidData, "the model needs more than 4 GB as GLB")),
-    }
-}
-
-/// Range of the deviations of a mesh, mm.
-fn deviations(values: &[f64]) -> Value {
-    let finite = || values.iter().copied().filter(|x| x.is_finite());
-    if finite().next().is_none() {
-        return Value::Null;
-    }
-    json!({ "unit": "mm", "deviation_min": finite().fold(f64::INFINITY, f64::min), "deviation_max": finite().fold(f64::NEG_INFINITY, f64::max) })
-}
-
-fn finite(v: &Vec3) -> bool {
-    v.iter().all(|x| x.is_finite())
-}
-
-fn single(v: &Vec3) -> [f32; 3] {
-    [v.x as f32, v.y as f32, v.z as f32]
-}
-
-/// sRGB to the linear colours of glTF.
+/// sRGB to the linear light that glTF asks for.
 fn linear(c: Rgb) -> Rgb {
     c.map(|x| if x <= 0.040_45 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) })
-}
-
-fn invalid(name: &str, what: &str) -> io::Error {
-    io::Error::new(io::ErrorKind::InvalidData, format!("{name} {what}"))
 }
 
 #[cfg(test)]
@@ -329,96 +299,137 @@ mod tests {
     use super::*;
     use crate::tessellate::scene::PanelShape;
 
-    fn scene() -> Scene {
-        let mesh = Mesh {
-            positions: vec![Vec3::new(1e6, 0., 0.), Vec3::new(1e6 + 100., 0., 0.), Vec3::new(1e6, 200., 50.)],
-            normals: vec![Vec3::z(), Vec3::zeros(), Vec3::y() * 2.0],
-            triangles: vec![[0, 1, 2]],
-            values: vec![-0.5, 0.0, 2.0],
-        };
-        let rulings = vec![[mesh.positions[0], mesh.positions[1]]];
-        let panel = PanelShape { name: "A-01".into(), mesh: mesh.clone(), rulings, borders: Vec::new() };
-        Scene { panels: vec![panel], surfaces: vec![mesh] }
+    fn square() -> Mesh {
+        Mesh {
+            positions: vec![Vec3::zeros(), Vec3::x() * 1000.0, Vec3::new(1000.0, 0.0, 0.1), Vec3::z() * -250.0],
+            normals: vec![-Vec3::y(); 4],
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+            values: vec![0.0, 2.0, -1.0, 0.5],
+        }
     }
 
-    fn chunks(bytes: &[u8]) -> (Value, &[u8]) {
-        let number = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().expect("four bytes")) as usize;
-        assert_eq!((&bytes[..4], number(4), number(8)), (&b"glTF"[..], 2, bytes.len()));
-        let n = number(12);
-        assert_eq!(&bytes[16..20], b"JSON");
+    fn scene() -> Scene {
+        let panel = PanelShape {
+            name: "A-01".into(),
+            mesh: square(),
+            rulings: vec![[Vec3::zeros(), Vec3::x()]],
+            borders: vec![vec![Vec3::zeros(), Vec3::x(), Vec3::z()]],
+        };
+        Scene { panels: vec![panel.clone(), PanelShape { name: "A-02".into(), ..panel }], surfaces: vec![square()] }
+    }
+
+    fn word(bytes: &[u8], at: usize) -> usize {
+        u32::from_le_bytes([bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]]) as usize
+    }
+
+    /// The document and the binary chunk, with the framing checked on the way.
+    fn open(bytes: &[u8]) -> (Value, &[u8]) {
+        assert_eq!((&bytes[..4], word(bytes, 4), word(bytes, 8)), (&b"glTF"[..], 2, bytes.len()));
+        let n = word(bytes, 12);
+        assert_eq!((&bytes[16..20], n % 4), (&b"JSON"[..], 0));
+        let document = serde_json::from_slice(&bytes[20..20 + n]).expect("a document");
         let rest = &bytes[20 + n..];
-        (serde_json::from_slice(&bytes[20..20 + n]).expect("JSON"), if rest.is_empty() { rest } else { &rest[8..] })
+        if !rest.is_empty() {
+            assert_eq!((&rest[4..8], word(rest, 0)), (&b"BIN\0"[..], rest.len() - 8));
+        }
+        (document, rest.get(8..).unwrap_or(&[]))
+    }
+
+    fn index(v: &Value) -> usize {
+        v.as_u64().expect("an index") as usize
     }
 
     #[test]
-    fn every_accessor_lies_in_the_block_with_true_limits() {
-        let mut out = Vec::new();
-        write(&mut out, &scene(), "test", 1.0).expect("written");
-        let (doc, block) = chunks(&out);
-        let list = |name: &str| doc[name].as_array().expect("a list").clone();
-        let integer = |v: &Value| v.as_u64().expect("an integer") as usize;
-        assert_eq!(integer(&doc["buffers"][0]["byteLength"]), block.len());
-        for a in list("accessors") {
-            let view = &doc["bufferViews"][integer(&a["bufferView"])];
-            let components = match a["type"].as_str() {
-                Some("VEC4") => 1, // of one byte each
+    fn accessors_lie_in_the_buffer_aligned_and_with_true_bounds() {
+        let bytes = write(&scene(), 2.0).expect("a file");
+        let (document, data) = open(&bytes);
+        let accessors = document["accessors"].as_array().expect("accessors");
+        let mut bounded = 0;
+        for a in accessors {
+            let view = &document["bufferViews"][index(&a["bufferView"])];
+            let (start, length) = (index(&view["byteOffset"]), index(&view["byteLength"]));
+            let parts = match a["type"].as_str() {
+                Some("SCALAR") => 1,
                 Some("VEC3") => 3,
-                _ => 1,
+                _ => 4,
             };
-            assert_eq!(integer(&view["byteLength"]), 4 * components * integer(&a["count"]));
-            let (from, length) = (integer(&view["byteOffset"]), integer(&view["byteLength"]));
-            assert!(from % 4 == 0 && from + length <= block.len());
-            let Some(min) = a["min"].as_array() else { continue };
-            let floats: Vec<f32> = block[from..from + length]
-                .chunks(4)
-                .map(|b| f32::from_le_bytes(b.try_into().expect("four bytes")))
-                .collect();
+            let size = if index(&a["componentType"]) == UNSIGNED_BYTE as usize { 1 } else { 4 };
+            assert_eq!((start % 4, length), (0, parts * size * index(&a["count"])));
+            assert!(start + length <= data.len() && data.len() == index(&document["buffers"][0]["byteLength"]));
+            if a["min"].is_null() {
+                continue;
+            }
+            bounded += 1;
             for k in 0..3 {
-                let least = floats[k..].iter().step_by(3).copied().fold(f32::INFINITY, f32::min);
-                assert_eq!(min[k].as_f64(), Some(f64::from(least)));
+                let column = (0..index(&a["count"])).map(|i| f32::from_bits(word(data, start + 12 * i + 4 * k) as u32));
+                let (least, most) = column.fold((f32::MAX, f32::MIN), |(a, b), x| (a.min(x), b.max(x)));
+                let stated = [&a["min"][k], &a["max"][k]].map(|v| v.as_f64().expect("a bound") as f32);
+                assert_eq!(stated.map(f32::to_bits), [least, most].map(f32::to_bits));
             }
         }
-        let names: Vec<String> = list("nodes").iter().map(|n| n["name"].as_str().expect("a name").into()).collect();
-        for name in ["surface", "panels", "A-01", "rulings", "deviation"] {
-            assert!(names.iter().any(|n| n == name), "{name}");
-        }
-        assert_eq!(doc["asset"]["extras"]["tolerance"], json!(1.0));
+        // Three meshes, rulings and borders; the deviation shares the positions of the panels.
+        assert_eq!(bounded, 5);
     }
 
     #[test]
-    fn the_root_node_makes_metres_with_y_up() {
-        let mut out = Vec::new();
-        write(&mut out, &scene(), "test", 1.0).expect("written");
-        let (doc, block) = chunks(&out);
-        let matrix: Vec<f64> = doc["nodes"]
-            .as_array()
-            .and_then(|n| n.iter().find_map(|n| n["matrix"].as_array()))
-            .map(|m| m.iter().filter_map(Value::as_f64).collect())
-            .expect("a matrix");
-        // Third vertex of the first mesh.
-        let p: Vec<f64> = (6..9)
-            .map(|k| f64::from(f32::from_le_bytes(block[4 * k..4 * k + 4].try_into().expect("four bytes"))))
-            .collect();
-        let image = |r: usize| (0..3).map(|k| matrix[4 * k + r] * p[k]).sum::<f64>() + matrix[12 + r];
-        for (r, expected) in [(0, 1000.0), (1, 0.05), (2, -0.2)] {
-            assert!((image(r) - expected).abs() < 1e-9, "{r}: {}", image(r));
+    fn millimetres_with_z_up_become_metres_with_y_up() {
+        let m = nalgebra::Matrix4::from_column_slice(&TO_METRES);
+        let p = m * nalgebra::Vector4::new(1000.0, 2000.0, 3000.0, 1.0);
+        assert!((p - nalgebra::Vector4::new(1.0, 3.0, -2.0, 1.0)).norm() < 1e-12);
+        assert!(m.fixed_view::<3, 3>(0, 0).determinant() > 0.0);
+        let bytes = write(&scene(), 2.0).expect("a file");
+        let (document, _) = open(&bytes);
+        let nodes = |scene: usize| document["scenes"][scene]["nodes"].as_array().expect("nodes").clone();
+        let mut names = Vec::new();
+        for k in (0..3).flat_map(nodes) {
+            let node = &document["nodes"][index(&k)];
+            assert_eq!(node["matrix"].as_array().map(Vec::len), Some(16));
+            names.push(node["name"].as_str().expect("a name").to_owned());
         }
+        assert_eq!(names, ["panels", "rulings", "borders", "deviation", "surface"]);
+        assert!(nodes(0).len() == 3 && index(&document["scene"]) == 0);
     }
 
     #[test]
-    fn nothing_to_show_is_a_valid_file_and_broken_meshes_are_refused() {
-        let mut out = Vec::new();
-        write(&mut out, &Scene::default(), "empty", 1.0).expect("written");
-        let (doc, block) = chunks(&out);
-        assert!(block.is_empty() && doc.get("buffers").is_none() && doc.get("scene").is_none());
-        for spoil in [
-            |m: &mut Mesh| m.positions[0].x = f64::NAN,
-            |m: &mut Mesh| m.triangles[0][1] = 3,
-            |m: &mut Mesh| m.values.truncate(2),
-        ] {
-            let mut s = scene();
-            spoil(&mut s.panels[0].mesh);
-            assert!(write(&mut Vec::new(), &s, "bad", 1.0).expect_err("refused").to_string().contains("A-01"));
-        }
+    fn panels_differ_in_colour_and_carry_their_deviation() {
+        let bytes = write(&scene(), 2.0).expect("a file");
+        let (document, data) = open(&bytes);
+        let mesh = |name: &str, colours: bool| {
+            let all = document["meshes"].as_array().expect("meshes");
+            let found = all
+                .iter()
+                .find(|m| m["name"] == name && m["primitives"][0]["attributes"]["COLOR_0"].is_null() != colours);
+            found.expect("a mesh")["primitives"][0].clone()
+        };
+        let factor = |m: &Value| document["materials"][index(&m["material"])]["pbrMetallicRoughness"].clone();
+        assert_ne!(factor(&mesh("A-01", false)), factor(&mesh("A-02", false)));
+        let a = &document["accessors"][index(&mesh("A-02", true)["attributes"]["COLOR_0"])];
+        let start = index(&document["bufferViews"][index(&a["bufferView"])]["byteOffset"]);
+        let rgba = &data[start..start + 16];
+        // Nothing at the first vertex, most outwards at the second, inwards at the third.
+        assert!(rgba[..3].iter().all(|&c| c > 200) && rgba[4] > rgba[6] && rgba[8] < rgba[10]);
+        assert_eq!(document["meshes"][1]["extras"]["sampled_deviation"], json!([-1.0, 2.0]));
+    }
+
+    #[test]
+    fn what_viewers_cannot_load_is_refused_or_left_out() {
+        let (document, data) = {
+            let bytes = write(&Scene::default(), 1.0).expect("an empty file");
+            let (d, b) = open(&bytes);
+            (d, b.len())
+        };
+        assert!(document["meshes"].is_null() && data == 0);
+        let mut bad = scene();
+        bad.panels[1].mesh.positions[2].y = 1e300;
+        assert_eq!(write(&bad, 1.0), Err(GlbError::NotFinite { name: "A-02".into(), index: 2 }));
+        let mut bad = scene();
+        bad.surfaces[0].triangles[1][0] = 4;
+        assert_eq!(write(&bad, 1.0), Err(GlbError::Triangle { name: "face 1".into(), index: 1 }));
+        let mut plain = scene();
+        plain.panels[0].mesh.values.clear();
+        plain.panels[0].mesh.normals[3] = Vec3::zeros();
+        let bytes = write(&plain, 1.0).expect("a file");
+        let attributes = open(&bytes).0["meshes"][1]["primitives"][0]["attributes"].clone();
+        assert_eq!(attributes.as_object().map(Map::len), Some(1), "neither normals nor deviation: {attributes}");
     }
 }

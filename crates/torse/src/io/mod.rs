@@ -7,5 +7,4 @@ pub mod png;
 pub mod dxf;
 pub mod glb;
 pub mod step;
-pub mod dxf;
 pub mod svg;

@@ -119,13 +119,11 @@ pub fn approximate(
         })
         .collect();
     let mut patchwork = Patchwork { faces: Vec::new(), partitions: Vec::new(), panels: Vec::new(), seam_count: 0 };
-    let (mut certificates, mut names, mut patterns, mut missing) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    let (mut certificates, mut patterns, mut missing) = (Vec::new(), Vec::new(), Vec::new());
     for b in built {
         match b {
             Ok(b) => {
                 certificates.push(b.certificate);
-                let face = &b.patchwork.faces[0];
-                names.push(if face.name.is_empty() { format!("face #{}", face.entity) } else { face.name.clone() });
                 let first = patchwork.panels.len();
                 patterns.extend(b.patterns.into_iter().map(|mut p| {
                     p.panel += first;
@@ -141,7 +139,7 @@ pub fn approximate(
         let why = skipped.first().map_or(String::new(), |s| format!("#{}: {}", s.entity, s.reason));
         return Err(ApproximateError::NoFaces(why));
     }
-    let certificate = certify::join(certificates, &names);
+    let certificate = certify::join(certificates, tolerance);
     let reasons: Vec<&String> = certificate.missing.iter().chain(&missing).collect();
     let status = if certificate.certified && reasons.is_empty() {
         Status::Certified
@@ -192,7 +190,7 @@ fn one_face(index: usize, face: Face, options: &Options, control: &Control) -> R
         let (built, refused) = match build(index, &face, &state, options.tolerance) {
             Ok(done) => done,
             // A region whose border cannot be drawn is cut like one that the judge refuses.
-            Err(e) if round < ROUNDS => match super::cover::cut_refused(&face, &cover_options, control, &state, &[e.label()])
+            Err(e) if { if std::env::var("TA").is_ok() { eprintln!("build {e}"); } round < ROUNDS } => match super::cover::cut_refused(&face, &cover_options, control, &state, &[e.label()])
             {
                 Some(next) => {
                     state = next;
@@ -202,6 +200,7 @@ fn one_face(index: usize, face: Face, options: &Options, control: &Control) -> R
             },
             Err(e) => return best.ok_or_else(|| refuse(e.to_string())),
         };
+        if std::env::var("TA").is_ok() { eprintln!("round {round} panels {} refused {refused:?} {:?} {:?}", built.patchwork.panels.len(), built.certificate.missing, built.missing); }
         let stop = refused.is_empty()
             || round == ROUNDS
             || control.stopped()
