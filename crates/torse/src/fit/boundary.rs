@@ -216,9 +216,18 @@ impl<'a> Borders<'a> {
         // 2. Feet of the border's vertices; a border that is a point in space has one foot.
         let feet = self.feet(label, assigned.torse, &loops)?;
         // 3. The patch around them, and the places in its parameter plane.
-        let extent = Extent {
-            points: feet.iter().map(|(v, f)| (f.t, self.points[*v as usize] - f.normal * f.distance)).collect(),
+        let border = |l: &Vec<Stretch>| {
+            let mut points = Vec::new();
+            for stretch in l {
+                let vertices = stretch.oriented(&self.chains[stretch.chain]).0;
+                for v in &vertices[..vertices.len() - 1] {
+                    let f = &feet[v];
+                    points.push((f.t, self.points[f.vertex as usize] - f.normal * f.distance));
+                }
+            }
+            points
         };
+        let extent = Extent { loops: loops.iter().map(border).collect() };
         let patch =
             convert::patch(assigned.torse, &extent).map_err(|source| BoundaryError::Convert { label, source })?;
         let place = |f: &Foot, x: &Vec3| [f.t, convert::parameters(&patch, f.t, x)];
