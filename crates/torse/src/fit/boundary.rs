@@ -390,13 +390,14 @@ impl<'a> Borders<'a> {
         options: &BoundaryOptions,
         place: impl Fn(&Foot, &Vec3) -> [f64; 2],
     ) -> Vec<Waypoint> {
-        /// Waypoints wanted on a run at least.
-        const WANTED: usize = 48;
+        /// Waypoints wanted on a run at least, and on each span of the torse: the feet move unevenly there.
+        const WANTED: (usize, f64) = (48, 6.0);
         let edges = vertices.len() - 1;
-        let inner = (WANTED / edges).clamp(1, 24);
+        let (breaks, domain) = (torse.breaks(), torse.domain());
+        let span = (domain.1 - domain.0) / (breaks.len() - 1) as f64;
         let end = |k: usize| k == 0 || k == edges;
         let bend = |k: usize| if end(k) { 0.0 } else { self.bend.get(&vertices[k]).copied().unwrap_or(0.0) };
-        let mut out = Vec::with_capacity(edges * (inner + 1) + 1);
+        let mut out = Vec::with_capacity(4 * edges);
         for k in 0..=edges {
             let here = places[&vertices[k]];
             let allowance = options.trim_tolerance.max(SMOOTHED * bend(k));
@@ -407,6 +408,8 @@ impl<'a> Borders<'a> {
             let allowance = options.trim_tolerance.max(SMOOTHED * bend(k).max(bend(k + 1)));
             let [p, q] = [k, k + 1].map(|k| self.partition.vertices[vertices[k] as usize]);
             let next = places[&vertices[k + 1]];
+            let spans = (next[0] - here[0]).abs() / span;
+            let inner = (WANTED.0 / edges).max((WANTED.1 * spans).ceil() as usize).clamp(1, 40);
             for i in 1..=inner {
                 let l = i as f64 / (inner + 1) as f64;
                 let x = self.face.surface.point(p[0] + (q[0] - p[0]) * l, p[1] + (q[1] - p[1]) * l);

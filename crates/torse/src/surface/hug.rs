@@ -315,12 +315,8 @@ fn direction_spline(torse: &Torse, knots: &Knots) -> Result<Curve<3>, ConvertErr
 
 /// Ends of the range and the torse's breaks between them.
 fn breaks_inside(torse: &Torse, range: (f64, f64)) -> Vec<f64> {
-    let breaks = match torse {
-        Torse::Primal(p) => p.profile.knots.breaks(),
-        Torse::Dual(d) => d.planes.knots.breaks(),
-    };
     let mut b = vec![range.0];
-    b.extend(breaks.into_iter().filter(|&t| t > range.0 && t < range.1));
+    b.extend(torse.breaks().into_iter().filter(|&t| t > range.0 && t < range.1));
     b.push(range.1);
     b
 }
