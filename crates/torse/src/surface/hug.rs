@@ -102,6 +102,10 @@ pub(super) fn hug(torse: &Torse, extent: &Extent, range: (f64, f64)) -> Result<B
         };
         match (side(&|r| r.low), side(&|r| r.high)) {
             (Ok(low), Ok(high)) => {
+                if let Some(t) = cut_off(torse, extent, &direction, &origin, (&low, &high)) {
+                    trouble = ConvertError::Regression { t };
+                    continue;
+                }
                 let splines = [&low, &high].iter().any(|c| c.knots.breaks().len() > 2) || spline_direction;
                 let order = if splines { 1 } else { isize::MAX };
                 return Ok(Bound { range, origin, direction, low, high, order });
@@ -112,8 +116,29 @@ pub(super) fn hug(torse: &Torse, extent: &Extent, range: (f64, f64)) -> Result<B
     Err(trouble)
 }
 
-/// Rulings at which the room is determined.
-const RULINGS: usize = 160;
+/// Ruling of a border point beyond the boundary planes, if any.
+fn cut_off(
+    torse: &Torse,
+    extent: &Extent,
+    direction: &Curve<3>,
+    origin: &Vec3,
+    (low, high): (&Curve<1>, &Curve<1>),
+) -> Option<f64> {
+    extent.points().map(|(t, x)| (*t, coordinate(torse, direction, origin, *t, x))).find_map(|(t, y)| {
+        let inside = y > low.point(t)[0] && y < high.point(t)[0];
+        (!inside).then_some(t)
+    })
+}
+
+/// Coordinate along `direction` of the point of ruling `t` nearest `x`.
+fn coordinate(torse: &Torse, direction: &Curve<3>, origin: &Vec3, t: f64, x: &Vec3) -> f64 {
+    let r = torse.ruling(t);
+    let on = r.point + r.direction * r.direction.dot(&(x - r.point));
+    Vec3::from(direction.point(t)).dot(&(on - origin))
+}
+
+/// Equally spaced rulings at which the room is determined; up to twice as many border points have theirs too.
+const RULINGS: usize = 120;
 
 /// Room on rulings over the range.
 fn rooms(
@@ -124,17 +149,20 @@ fn rooms(
     range: (f64, f64),
 ) -> Result<Vec<Room>, ConvertError> {
     // Border in the (t, y) plane.
-    let coordinate = |t: f64, x: &Vec3| {
-        let r = torse.ruling(t);
-        let on = r.point + r.direction * r.direction.dot(&(x - r.point));
-        Vec3::from(direction.point(t)).dot(&(on - origin))
-    };
-    let border: Vec<Vec<(f64, f64)>> =
-        extent.loops.iter().map(|l| l.iter().map(|(t, x)| (*t, coordinate(*t, x))).collect()).collect();
-    let mut spans: Vec<(f64, f64, f64)> = Vec::with_capacity(RULINGS + 1);
+    let border: Vec<Vec<(f64, f64)>> = extent
+        .loops
+        .iter()
+        .map(|l| l.iter().map(|(t, x)| (*t, coordinate(torse, direction, origin, *t, x))).collect())
+        .collect();
+    let mut spans: Vec<(f64, f64, f64)> = Vec::new();
     let mut length = (0.0, 0.0);
-    for k in 0..=RULINGS {
-        let t = range.0 + (range.1 - range.0) * k as f64 / RULINGS as f64;
+    let count = border.iter().map(Vec::len).sum::<usize>();
+    let stride = count.div_ceil(2 * RULINGS).max(1);
+    let mut at: Vec<f64> = (0..=RULINGS).map(|k| range.0 + (range.1 - range.0) * k as f64 / RULINGS as f64).collect();
+    at.extend(border.iter().flatten().step_by(stride).map(|p| p.0));
+    at.sort_by(f64::total_cmp);
+    at.dedup();
+    for t in at {
         let (mut lo, mut hi) = (f64::INFINITY, f64::NEG_INFINITY);
         let mut include = |y: f64| {
             lo = lo.min(y);
@@ -146,8 +174,8 @@ fn rooms(
                 if (a.0 <= t) != (b.0 <= t) {
                     include(a.1 + (b.1 - a.1) * (t - a.0) / (b.0 - a.0));
                 }
-                // Vertices near the ruling too, so that none is cut off between rulings.
-                if (a.0 - t).abs() <= (range.1 - range.0) / RULINGS as f64 {
+                // A ruling that only touches the border.
+                if (a.0 - t).abs() <= 1e-12 * (range.1 - range.0) {
                     include(a.1);
                 }
             }
