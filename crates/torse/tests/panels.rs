@@ -15,7 +15,7 @@ use torse::surface::convert::{patch, Extent};
 use torse::surface::face::Face;
 use torse::surface::panel::{Border, Patchwork};
 use torse::surface::pattern::Pattern;
-use torse::surface::torse::{DualTorse, PanelKind, PrimalTorse, Torse};
+use torse::surface::torse::{DualTorse, PanelKind, PrimalTorse, Ruling, Torse};
 
 /// Grid of n × n cells on a rectangle of the parameter plane, two triangles each; `None` leaves a hole.
 fn grid(n: u32, u: (f64, f64), v: (f64, f64), label: impl Fn(f64, f64) -> Option<u32>) -> Partition {
@@ -228,17 +228,26 @@ fn dual(turn: f64) -> Torse {
     Torse::Dual(DualTorse { planes })
 }
 
+/// Border of the region between two lengths along the rulings of `[a, b]`.
+fn ladder(torse: &Torse, a: f64, b: f64, length: impl Fn(&Ruling, bool) -> f64) -> Vec<(f64, Vec3)> {
+    let step = |i: i32, up: bool| {
+        let t = a + (b - a) * f64::from(i) / 60.0;
+        let r = torse.ruling(t);
+        (t, r.point + r.direction * length(&r, up))
+    };
+    (0..=60).map(|i| step(i, false)).chain((0..=60).rev().map(|i| step(i, true))).collect()
+}
+
 #[test]
 fn a_dual_torse_is_exported_and_developed() {
     let torse = dual(1.5);
     let mut extent = Extent::default();
-    for i in 0..=30 {
-        let t = 0.05 + 0.9 * f64::from(i) / 30.0;
-        let r = torse.ruling(t);
-        for z in [0.0, 60.0] {
-            extent.points.push((t, r.point + r.direction * ((z - r.point.z) / r.direction.z)));
-        }
-    }
+    extent.loops.push(ladder(
+        &torse,
+        0.05,
+        0.95,
+        |r, up| if up { 60.0 - r.point.z } else { -r.point.z } / r.direction.z,
+    ));
     let surface = patch(&torse, &extent).expect("a patch");
     let ((t0, t1), _) = surface.domain();
     let (u, v) = ((t0 + 0.02, t1 - 0.02), (0.1, 0.9));
@@ -266,13 +275,7 @@ fn a_pattern_that_overlaps_itself_is_refused() {
     }
     let torse = Torse::Dual(d);
     let mut extent = Extent::default();
-    for i in 0..=60 {
-        let t = 0.02 + 0.96 * f64::from(i) / 60.0;
-        let r = torse.ruling(t);
-        for l in [-400.0, -300.0] {
-            extent.points.push((t, r.point + r.direction * l));
-        }
-    }
+    extent.loops.push(ladder(&torse, 0.02, 0.98, |_, up| if up { -300.0 } else { -400.0 }));
     let surface = match patch(&torse, &extent) {
         Ok(s) => s,
         Err(e) => panic!("{e}"),

@@ -216,9 +216,18 @@ impl<'a> Borders<'a> {
         // 2. Feet of the border's vertices; a border that is a point in space has one foot.
         let feet = self.feet(label, assigned.torse, &loops)?;
         // 3. The patch around them, and the places in its parameter plane.
-        let extent = Extent {
-            points: feet.iter().map(|(v, f)| (f.t, self.points[*v as usize] - f.normal * f.distance)).collect(),
+        let border = |l: &Vec<Stretch>| {
+            let mut points = Vec::new();
+            for stretch in l {
+                let vertices = stretch.oriented(&self.chains[stretch.chain]).0;
+                for v in &vertices[..vertices.len() - 1] {
+                    let f = &feet[v];
+                    points.push((f.t, self.points[f.vertex as usize] - f.normal * f.distance));
+                }
+            }
+            points
         };
+        let extent = Extent { loops: loops.iter().map(border).collect() };
         let patch =
             convert::patch(assigned.torse, &extent).map_err(|source| BoundaryError::Convert { label, source })?;
         let place = |f: &Foot, x: &Vec3| [f.t, convert::parameters(&patch, f.t, x)];
@@ -381,13 +390,14 @@ impl<'a> Borders<'a> {
         options: &BoundaryOptions,
         place: impl Fn(&Foot, &Vec3) -> [f64; 2],
     ) -> Vec<Waypoint> {
-        /// Waypoints wanted on a run at least.
-        const WANTED: usize = 48;
+        /// Waypoints wanted on a run at least, and on each span of the torse: the feet move unevenly there.
+        const WANTED: (usize, f64) = (48, 6.0);
         let edges = vertices.len() - 1;
-        let inner = (WANTED / edges).clamp(1, 24);
+        let (breaks, domain) = (torse.breaks(), torse.domain());
+        let span = (domain.1 - domain.0) / (breaks.len() - 1) as f64;
         let end = |k: usize| k == 0 || k == edges;
         let bend = |k: usize| if end(k) { 0.0 } else { self.bend.get(&vertices[k]).copied().unwrap_or(0.0) };
-        let mut out = Vec::with_capacity(edges * (inner + 1) + 1);
+        let mut out = Vec::with_capacity(4 * edges);
         for k in 0..=edges {
             let here = places[&vertices[k]];
             let allowance = options.trim_tolerance.max(SMOOTHED * bend(k));
@@ -398,6 +408,8 @@ impl<'a> Borders<'a> {
             let allowance = options.trim_tolerance.max(SMOOTHED * bend(k).max(bend(k + 1)));
             let [p, q] = [k, k + 1].map(|k| self.partition.vertices[vertices[k] as usize]);
             let next = places[&vertices[k + 1]];
+            let spans = (next[0] - here[0]).abs() / span;
+            let inner = (WANTED.0 / edges).max((WANTED.1 * spans).ceil() as usize).clamp(1, 40);
             for i in 1..=inner {
                 let l = i as f64 / (inner + 1) as f64;
                 let x = self.face.surface.point(p[0] + (q[0] - p[0]) * l, p[1] + (q[1] - p[1]) * l);

@@ -50,6 +50,7 @@ pub fn trim(patch: &Surface, waypoints: &[Waypoint]) -> Result<Trim, SplineError
             (j.du, j.dv)
         })
         .collect();
+    let lines = patch.knots_u.breaks();
     let mut breaks = vec![0.0, 1.0];
     let mut best: Option<Trim> = None;
     for _ in 0..ROUNDS {
@@ -75,7 +76,7 @@ pub fn trim(patch: &Surface, waypoints: &[Waypoint]) -> Result<Trim, SplineError
         for (k, w) in breaks.windows(2).enumerate() {
             let (lo, hi) = (waypoints.partition_point(|p| p.s <= w[0]), waypoints.partition_point(|p| p.s < w[1]));
             if exceeded[k] && hi - lo >= SPLITTABLE {
-                finer.push(waypoints[(lo + hi) / 2].s);
+                finer.push(cut(&waypoints[lo..hi], &lines));
             }
             finer.push(w[1]);
         }
@@ -85,6 +86,23 @@ pub fn trim(patch: &Surface, waypoints: &[Waypoint]) -> Result<Trim, SplineError
         breaks = finer;
     }
     best.ok_or(SplineError::KnotCount { knots: 0, control: 0, degree: 3 })
+}
+
+/// Where to cut a span with the given waypoints: at a crossing of the patch's knot lines, where the feet change their
+/// speed, if one lies in the middle half; else at the middle waypoint.
+fn cut(inside: &[Waypoint], lines: &[f64]) -> f64 {
+    let n = inside.len();
+    let middle = n / 2;
+    let crossing = |k: usize| {
+        let (a, b) = (&inside[k - 1], &inside[k]);
+        let (p, q) = (a.place[0], b.place[0]);
+        lines.iter().find(|&&l| (p < l) != (q < l)).map(|l| a.s + (b.s - a.s) * ((l - p) / (q - p)).clamp(0.0, 1.0))
+    };
+    (0..=n / 4)
+        .flat_map(|d| [middle + d, middle - d])
+        .filter(|&k| k > 0 && k < n)
+        .find_map(crossing)
+        .unwrap_or(inside[middle].s)
 }
 
 /// Least-squares cubic spline on simple knots with its ends fixed to the first and last waypoint.

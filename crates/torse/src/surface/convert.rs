@@ -60,13 +60,13 @@ const MARGIN_ACROSS: f64 = 0.02;
 pub fn patch(torse: &Torse, extent: &Extent) -> Result<Surface, ConvertError> {
     // 1. Used range of rulings.
     let (mut t0, mut t1) = (f64::INFINITY, f64::NEG_INFINITY);
-    for p in &extent.points {
+    for p in extent.points() {
         t0 = t0.min(p.0);
         t1 = t1.max(p.0);
     }
     let (d0, d1) = torse.domain();
-    if extent.points.is_empty() || t1 - t0 <= 1e-12 * (d1 - d0) {
-        return Err(ConvertError::Empty(extent.points.len()));
+    if t0 > t1 || t1 - t0 <= 1e-12 * (d1 - d0) {
+        return Err(ConvertError::Empty(extent.points().count()));
     }
     let margin = MARGIN_ACROSS * (t1 - t0);
     let range = ((t0 - margin).max(d0), (t1 + margin).min(d1));
@@ -383,15 +383,16 @@ mod tests {
     /// A region whose length along the rulings and place vary with t.
     fn extent(torse: &Torse, centre: impl Fn(f64) -> f64, half: f64) -> Extent {
         let (a, b) = torse.domain();
-        let mut points = Vec::new();
-        for i in 0..=40 {
-            let t = a + (b - a) * (0.1 + 0.8 * i as f64 / 40.0);
-            let r = torse.ruling(t);
-            for side in [-half, half] {
-                points.push((t, r.point + r.direction * (centre(t) + side)));
+        let mut border = Vec::new();
+        for (side, order) in [(-half, false), (half, true)] {
+            for i in 0..=40 {
+                let i = if order { 40 - i } else { i };
+                let t = a + (b - a) * (0.1 + 0.8 * f64::from(i) / 40.0);
+                let r = torse.ruling(t);
+                border.push((t, r.point + r.direction * (centre(t) + side)));
             }
         }
-        Extent { points }
+        Extent { loops: vec![border] }
     }
 
     fn check(torse: &Torse, extent: &Extent) -> Surface {
@@ -409,7 +410,7 @@ mod tests {
             let w = patch.homogeneous_jet(t, 0.0, 0)[0][3] / patch.homogeneous_jet(t, 1.0, 0)[0][3];
             assert!((w - 1.0).abs() < 1e-12);
         }
-        for (t, x) in &extent.points {
+        for (t, x) in extent.points() {
             let r = parameters(&patch, *t, x);
             assert!(r > 0.01 && r < 0.99, "r = {r}");
             assert!((patch.point(*t, r) - x).norm() < 1e-12);

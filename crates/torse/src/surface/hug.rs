@@ -13,8 +13,16 @@ use crate::spline::knots::Knots;
 /// The part of a torse that a panel uses.
 #[derive(Clone, Debug, Default)]
 pub struct Extent {
-    /// Points on the boundary of the used region (mm) with the parameters of their rulings.
-    pub points: Vec<(f64, Vec3)>,
+    /// Border of the used region as closed polylines of points (mm) with the parameters of their rulings; the last
+    /// point is joined to the first.
+    pub loops: Vec<Vec<(f64, Vec3)>>,
+}
+
+impl Extent {
+    /// All points of the border.
+    pub fn points(&self) -> impl Iterator<Item = &(f64, Vec3)> {
+        self.loops.iter().flatten()
+    }
 }
 
 /// Largest degree of the boundary families `y(t)`, `A(t)`: enough for oblique and tapering regions, and degrees stay
@@ -24,8 +32,8 @@ pub(super) const MAX_FAMILY: usize = 3;
 const MARGIN_ALONG: f64 = 0.05;
 /// Smallest share of the regularity at the used points that the patch keeps at its boundary curves.
 const REGULARITY_KEPT: f64 = 0.3;
-/// A higher family degree must save this share of the patch to be taken.
-const WORTHWHILE: f64 = 0.87;
+/// Largest excess of the patch over the region at either end of a ruling, share of the region's mean length.
+const LARGEST_EXCESS: f64 = 0.3;
 /// Smallest cosine between rulings and the direction of the planes that cut them.
 const MIN_COSINE: f64 = 0.6;
 
@@ -56,104 +64,240 @@ pub(super) fn degree<const D: usize>(curve: &Curve<D>) -> usize {
     }
 }
 
-/// A used point: parameter of its ruling, place on the ruling, coordinate along `direction`.
-struct Used {
+/// Room for the boundary curves on one ruling: `low` must lie in the first interval, `high` in the second.
+struct Room {
     t: f64,
-    place: Vec3,
-    y: f64,
+    low: (f64, f64),
+    high: (f64, f64),
 }
 
-/// Finds boundary planes around the extent: polynomial families of the lowest sensible degree, else splines.
+/// Finds boundary planes around the extent, in the room that the regression curve leaves: polynomial families of the
+/// lowest degree that fits, else splines on some of the torse's knots.
 pub(super) fn hug(torse: &Torse, extent: &Extent, range: (f64, f64)) -> Result<Bound, ConvertError> {
+    let count = extent.points().count() as f64;
     let origin = match torse {
         Torse::Primal(p) => p.frame.origin,
-        Torse::Dual(_) => extent.points.iter().map(|p| p.1).sum::<Vec3>() / extent.points.len() as f64,
+        Torse::Dual(_) => extent.points().map(|p| p.1).sum::<Vec3>() / count,
     };
-    let knots = spline_knots(torse, range)?;
+    let all = breaks_inside(torse, range);
     let mut trouble = ConvertError::Regression { t: range.0 };
-    for splines in [false, true] {
-        let direction = match (torse, splines) {
-            (Torse::Primal(p), _) => constant(p.frame.y.into(), range)?,
+    for spline_direction in [false, true] {
+        let direction = match (torse, spline_direction) {
+            (Torse::Primal(p), false) => polynomial(vec![p.frame.y.into()], range)?,
+            (Torse::Primal(_), true) => continue,
             (Torse::Dual(_), false) => match direction_polynomial(torse, range)? {
                 Some(d) => d,
                 None => continue,
             },
-            (Torse::Dual(_), true) => direction_spline(torse, &knots)?,
+            (Torse::Dual(_), true) => direction_spline(torse, &Knots::clamped(2, &all)?)?,
         };
         if let Some(t) = departs(torse, &direction, range) {
             trouble = ConvertError::Turning { t };
             continue;
         }
-        let used: Vec<Used> = extent
-            .points
-            .iter()
-            .map(|&(t, x)| {
-                let r = torse.ruling(t);
-                let place = r.point + r.direction * r.direction.dot(&(x - r.point));
-                Used { t, place, y: Vec3::from(direction.point(t)).dot(&(place - origin)) }
-            })
-            .collect();
-        let mut best: Option<(f64, Bound)> = None;
-        let degrees = if splines { 0..=0 } else { 0..=MAX_FAMILY };
-        for degree in degrees {
-            let side = |sign: f64| {
-                if splines {
-                    spline_envelope(&used, &knots, sign)
-                } else {
-                    envelope(&used, degree, sign, range)
+        let rooms = rooms(torse, extent, &direction, &origin, range)?;
+        let side = |pick: &dyn Fn(&Room) -> (f64, f64)| -> Result<Curve<1>, f64> {
+            let data: Vec<(f64, (f64, f64))> = rooms.iter().map(|r| (r.t, pick(r))).collect();
+            band(&data, &all)
+        };
+        match (side(&|r| r.low), side(&|r| r.high)) {
+            (Ok(low), Ok(high)) => {
+                if let Some(t) = cut_off(torse, extent, &direction, &origin, (&low, &high)) {
+                    trouble = ConvertError::Regression { t };
+                    continue;
                 }
-            };
-            let (low, high) = (side(-1.0)?, side(1.0)?);
-            let width = mean(&high) - mean(&low);
-            let margin = MARGIN_ALONG * width;
-            let bound = Bound {
-                range,
-                origin,
-                direction: direction.clone(),
-                low: shifted(low, -margin),
-                high: shifted(high, margin),
-                order: if splines { 1 } else { isize::MAX },
-            };
-            match irregular(torse, &bound, &used) {
-                Some(t) => trouble = ConvertError::Regression { t },
-                None if best.as_ref().is_none_or(|(w, _)| width < WORTHWHILE * w) => best = Some((width, bound)),
-                None => {}
+                let splines = [&low, &high].iter().any(|c| c.knots.breaks().len() > 2) || spline_direction;
+                let order = if splines { 1 } else { isize::MAX };
+                return Ok(Bound { range, origin, direction, low, high, order });
             }
-        }
-        if let Some((_, bound)) = best {
-            return Ok(bound);
+            (Err(t), _) | (_, Err(t)) => trouble = ConvertError::Regression { t },
         }
     }
     Err(trouble)
 }
 
-/// Parameter at which a boundary curve would come near the regression curve: there the slope of the foot function,
-/// which is linear along a ruling and vanishes at the regression point, loses its size or sign.
-fn irregular(torse: &Torse, bound: &Bound, used: &[Used]) -> Option<f64> {
-    // Least slope at the used points of each slice of the range, as the measure of what there is to keep.
-    let slice = |t: f64| {
-        let s = (t - bound.range.0) / (bound.range.1 - bound.range.0);
-        ((s * SLICES as f64) as usize).min(SLICES - 1)
-    };
-    let mut least = [f64::INFINITY; SLICES];
-    for u in used {
-        let k = slice(u.t);
-        least[k] = least[k].min(torse.foot_function(&u.place, u.t).1.abs());
-    }
-    used.iter().find_map(|u| {
-        let r = torse.ruling(u.t);
-        let per_mm = Vec3::from(bound.direction.point(u.t)).dot(&r.direction);
-        let slope_at = |y: f64| torse.foot_function(&(u.place + r.direction * ((y - u.y) / per_mm)), u.t).1;
-        let sign = slope_at(u.y).signum();
-        [bound.low.point(u.t)[0], bound.high.point(u.t)[0]]
-            .into_iter()
-            .any(|y| slope_at(y) * sign < REGULARITY_KEPT * least[slice(u.t)])
-            .then_some(u.t)
+/// Ruling of a border point beyond the boundary planes, if any.
+fn cut_off(
+    torse: &Torse,
+    extent: &Extent,
+    direction: &Curve<3>,
+    origin: &Vec3,
+    (low, high): (&Curve<1>, &Curve<1>),
+) -> Option<f64> {
+    extent.points().map(|(t, x)| (*t, coordinate(torse, direction, origin, *t, x))).find_map(|(t, y)| {
+        let inside = y > low.point(t)[0] && y < high.point(t)[0];
+        (!inside).then_some(t)
     })
 }
 
-/// Slices of the range in which extremes of the used points are sought.
-const SLICES: usize = 24;
+/// Coordinate along `direction` of the point of ruling `t` nearest `x`.
+fn coordinate(torse: &Torse, direction: &Curve<3>, origin: &Vec3, t: f64, x: &Vec3) -> f64 {
+    let r = torse.ruling(t);
+    let on = r.point + r.direction * r.direction.dot(&(x - r.point));
+    Vec3::from(direction.point(t)).dot(&(on - origin))
+}
+
+/// Equally spaced rulings at which the room is determined; up to twice as many border points have theirs too.
+const RULINGS: usize = 120;
+
+/// Room on rulings over the range.
+fn rooms(
+    torse: &Torse,
+    extent: &Extent,
+    direction: &Curve<3>,
+    origin: &Vec3,
+    range: (f64, f64),
+) -> Result<Vec<Room>, ConvertError> {
+    // Border in the (t, y) plane.
+    let border: Vec<Vec<(f64, f64)>> = extent
+        .loops
+        .iter()
+        .map(|l| l.iter().map(|(t, x)| (*t, coordinate(torse, direction, origin, *t, x))).collect())
+        .collect();
+    let mut spans: Vec<(f64, f64, f64)> = Vec::new();
+    let mut length = (0.0, 0.0);
+    let count = border.iter().map(Vec::len).sum::<usize>();
+    let stride = count.div_ceil(2 * RULINGS).max(1);
+    let mut at: Vec<f64> = (0..=RULINGS).map(|k| range.0 + (range.1 - range.0) * k as f64 / RULINGS as f64).collect();
+    at.extend(border.iter().flatten().step_by(stride).map(|p| p.0));
+    at.sort_by(f64::total_cmp);
+    at.dedup();
+    for t in at {
+        let (mut lo, mut hi) = (f64::INFINITY, f64::NEG_INFINITY);
+        let mut include = |y: f64| {
+            lo = lo.min(y);
+            hi = hi.max(y);
+        };
+        for l in &border {
+            for i in 0..l.len() {
+                let (a, b) = (l[i], l[(i + 1) % l.len()]);
+                if (a.0 <= t) != (b.0 <= t) {
+                    include(a.1 + (b.1 - a.1) * (t - a.0) / (b.0 - a.0));
+                }
+                // A ruling that only touches the border.
+                if (a.0 - t).abs() <= 1e-12 * (range.1 - range.0) {
+                    include(a.1);
+                }
+            }
+        }
+        if lo <= hi {
+            length = (length.0 + hi - lo, length.1 + 1.0);
+        }
+        spans.push((t, lo, hi));
+    }
+    let mean = length.0 / f64::max(length.1, 1.0);
+    if mean <= 0.0 {
+        return Err(ConvertError::Empty(extent.points().count()));
+    }
+    // Rulings beside the region go on as at its ends, if they can.
+    let inside: Vec<usize> = (0..spans.len()).filter(|&k| spans[k].1 <= spans[k].2).collect();
+    let mut out = Vec::with_capacity(spans.len());
+    for (k, &(t, lo, hi)) in spans.iter().enumerate() {
+        let beside = lo > hi;
+        let (lo, hi) = if beside {
+            let nearest = inside.iter().min_by_key(|&&i| i.abs_diff(k)).copied().unwrap_or(k);
+            (spans[nearest].1, spans[nearest].2)
+        } else {
+            (lo, hi)
+        };
+        // The slope of the foot function is linear along a ruling and vanishes at the regression point.
+        let r = torse.ruling(t);
+        let a = Vec3::from(direction.point(t));
+        let (per_mm, base) = (a.dot(&r.direction), a.dot(&(r.point - origin)));
+        let slope = |y: f64| torse.foot_function(&(r.point + r.direction * ((y - base) / per_mm)), t).1;
+        let rate = (slope(hi + mean) - slope(lo)) / (hi + mean - lo);
+        let (at_lo, at_hi) = (slope(lo), slope(hi));
+        if at_lo * at_hi <= 0.0 {
+            if beside {
+                continue;
+            }
+            return Err(ConvertError::Regression { t });
+        }
+        let kept = REGULARITY_KEPT * at_lo.abs().min(at_hi.abs());
+        // Distance from an end of the region at which |slope| has fallen to what is kept.
+        let reach = |at: f64, towards: f64| {
+            let fall = -towards * rate * at.signum();
+            let free = if fall > 0.0 { (at.abs() - kept) / fall } else { f64::INFINITY };
+            free.min(LARGEST_EXCESS * mean)
+        };
+        let (down, up) = (reach(at_lo, -1.0), reach(at_hi, 1.0));
+        // A quarter of the reach where it is short: the patch needs some margin everywhere.
+        let margin = |reach: f64| (MARGIN_ALONG * mean).min(0.25 * reach);
+        out.push(Room { t, low: (lo - down, lo - margin(down)), high: (hi + margin(up), hi + up) });
+    }
+    Ok(out)
+}
+
+/// Polynomial of the lowest degree, else quadratic spline with the fewest knots, that passes all intervals; else the
+/// parameter of the interval that is missed most.
+fn band(data: &[(f64, (f64, f64))], all: &[f64]) -> Result<Curve<1>, f64> {
+    let range = (all[0], all[all.len() - 1]);
+    // A constant, if there is one; then as near the region as it may be.
+    let (most, least) = data.iter().fold((f64::NEG_INFINITY, f64::INFINITY), |(m, l), (_, b)| (m.max(b.0), l.min(b.1)));
+    if most <= least {
+        return polynomial(vec![[0.5 * (most + least)]], range).map_err(|_| range.0);
+    }
+    let mut worst = range.0;
+    for degree in 1..=MAX_FAMILY {
+        let Ok(knots) = Knots::clamped(degree, &[range.0, range.1]) else { continue };
+        match through(data, &knots) {
+            Ok(c) => return Ok(c),
+            Err(t) => worst = t,
+        }
+    }
+    for stride in [8, 4, 2, 1] {
+        let mut breaks: Vec<f64> = all.iter().copied().step_by(stride).collect();
+        if breaks[breaks.len() - 1] < range.1 {
+            breaks.push(range.1);
+        }
+        let Ok(knots) = Knots::clamped(2, &breaks) else { continue };
+        match through(data, &knots) {
+            Ok(c) => return Ok(c),
+            Err(t) => worst = t,
+        }
+    }
+    Err(worst)
+}
+
+/// Spline through intervals by reweighted least squares towards their middles (Lawson), scaled by half widths.
+fn through(data: &[(f64, (f64, f64))], knots: &Knots) -> Result<Curve<1>, f64> {
+    const ROUNDS: usize = 40;
+    let mut weight = vec![1.0; data.len()];
+    let mut worst = knots.domain().0;
+    for _ in 0..ROUNDS {
+        let rows: Vec<(f64, f64, f64)> = data
+            .iter()
+            .zip(&weight)
+            .map(|((t, b), w)| {
+                let half = 0.5 * (b.1 - b.0);
+                (*t, 0.5 * (b.0 + b.1), w / (half * half))
+            })
+            .collect();
+        let Some(control) = least_squares(&rows, knots) else { return Err(worst) };
+        let Ok(curve) = Curve::new(knots.degree(), knots.values().to_vec(), control) else { return Err(worst) };
+        let miss: Vec<f64> =
+            data.iter().map(|(t, b)| (curve.point(*t)[0] - 0.5 * (b.0 + b.1)).abs() / (0.5 * (b.1 - b.0))).collect();
+        let mut most = 0.0;
+        for (m, (t, _)) in miss.iter().zip(data) {
+            if *m > most {
+                most = *m;
+                worst = *t;
+            }
+        }
+        if most <= 1.0 {
+            return Ok(curve);
+        }
+        for (w, m) in weight.iter_mut().zip(&miss) {
+            *w *= 0.03 + m / most;
+        }
+        let total: f64 = weight.iter().sum::<f64>() / weight.len() as f64;
+        for w in &mut weight {
+            *w = (*w / total).max(1e-6);
+        }
+    }
+    Err(worst)
+}
+
 /// Samples of the range for checks of directions.
 const SAMPLES: usize = 64;
 
@@ -168,14 +312,20 @@ fn departs(torse: &Torse, direction: &Curve<3>, range: (f64, f64)) -> Option<f64
 /// Polynomial of the lowest degree that stays near the ruling directions.
 fn direction_polynomial(torse: &Torse, range: (f64, f64)) -> Result<Option<Curve<3>>, ConvertError> {
     let nodes: Vec<(f64, Vec3)> = (0..=SAMPLES)
-        .map(|i| i as f64 / SAMPLES as f64)
-        .map(|s| (s, torse.ruling(range.0 + s * (range.1 - range.0)).direction))
+        .map(|i| range.0 + (range.1 - range.0) * i as f64 / SAMPLES as f64)
+        .map(|t| (t, torse.ruling(t).direction))
         .collect();
     for degree in 0..=MAX_FAMILY {
-        let fit = |c: usize| least_squares(&nodes.iter().map(|(s, e)| (*s, e[c], 1.0)).collect::<Vec<_>>(), degree);
-        let (x, y, z) = (fit(0), fit(1), fit(2));
-        let control: Vec<[f64; 3]> = (0..x.len()).map(|i| [x[i], y[i], z[i]]).collect();
-        let curve = polynomial(control, range)?;
+        let curve = if degree == 0 {
+            let mean = nodes.iter().map(|n| n.1).sum::<Vec3>() / nodes.len() as f64;
+            polynomial(vec![mean.into()], range)?
+        } else {
+            let knots = Knots::clamped(degree, &[range.0, range.1])?;
+            let fit = |c: usize| least_squares(&nodes.iter().map(|(t, e)| (*t, e[c], 1.0)).collect::<Vec<_>>(), &knots);
+            let (Some(x), Some(y), Some(z)) = (fit(0), fit(1), fit(2)) else { continue };
+            let control = (0..x.len()).map(|i| [x[i][0], y[i][0], z[i][0]]).collect();
+            Curve::new(degree, knots.values().to_vec(), control)?
+        };
         if departs(torse, &curve, range).is_none() {
             return Ok(Some(curve));
         }
@@ -191,20 +341,12 @@ fn direction_spline(torse: &Torse, knots: &Knots) -> Result<Curve<3>, ConvertErr
     Ok(Curve::new(2, v.to_vec(), control)?)
 }
 
-/// Quadratic knots at the torse's breaks inside the range.
-fn spline_knots(torse: &Torse, range: (f64, f64)) -> Result<Knots, ConvertError> {
-    let breaks = match torse {
-        Torse::Primal(p) => p.profile.knots.breaks(),
-        Torse::Dual(d) => d.planes.knots.breaks(),
-    };
+/// Ends of the range and the torse's breaks between them.
+fn breaks_inside(torse: &Torse, range: (f64, f64)) -> Vec<f64> {
     let mut b = vec![range.0];
-    b.extend(breaks.into_iter().filter(|&t| t > range.0 && t < range.1));
+    b.extend(torse.breaks().into_iter().filter(|&t| t > range.0 && t < range.1));
     b.push(range.1);
-    Ok(Knots::clamped(2, &b)?)
-}
-
-fn constant(value: [f64; 3], range: (f64, f64)) -> Result<Curve<3>, ConvertError> {
-    polynomial(vec![value], range)
+    b
 }
 
 /// Polynomial with Bernstein coefficients on `range`; a constant becomes linear since splines have a degree.
@@ -218,88 +360,20 @@ fn polynomial<const D: usize>(mut control: Vec<[f64; D]>, range: (f64, f64)) -> 
     Ok(Curve::new(n - 1, values, control)?)
 }
 
-fn mean(c: &Curve<1>) -> f64 {
-    c.control.iter().map(|x| x[0]).sum::<f64>() / c.control.len() as f64
-}
-
-fn shifted(mut c: Curve<1>, by: f64) -> Curve<1> {
-    for x in &mut c.control {
-        x[0] += by;
-    }
-    c
-}
-
-/// Spline with `sign (q(t) − y) ≥ 0` at all points: each control value is the extreme one on its support, hence
-/// every convex combination of those active at t is beyond the points there.
-fn spline_envelope(used: &[Used], knots: &Knots, sign: f64) -> Result<Curve<1>, ConvertError> {
-    let v = knots.values();
-    let control = (0..knots.control_count())
-        .map(|i| {
-            let (a, b) = (v[i], v[i + 3]);
-            let inside = used.iter().filter(|u| u.t >= a && u.t <= b).map(|u| sign * u.y).reduce(f64::max);
-            let nearest = || {
-                let m = 0.5 * (a + b);
-                used.iter().min_by(|p, q| (p.t - m).abs().total_cmp(&(q.t - m).abs())).map_or(0.0, |u| sign * u.y)
-            };
-            [sign * inside.unwrap_or_else(nearest)]
-        })
-        .collect();
-    Ok(Curve::new(2, v.to_vec(), control)?)
-}
-
-/// Polynomial `q` of the given degree with `sign (q(t) − y) ≥ 0` at all points, near the extreme ones.
-fn envelope(used: &[Used], degree: usize, sign: f64, range: (f64, f64)) -> Result<Curve<1>, ConvertError> {
-    // Extreme points of slices of the range, joined by a least-squares polynomial, which is then shifted.
-    let unit = |t: f64| (t - range.0) / (range.1 - range.0);
-    let mut extreme: [Option<(f64, f64, f64)>; SLICES] = [None; SLICES];
-    for u in used {
-        let s = unit(u.t);
-        let k = ((s * SLICES as f64) as usize).min(SLICES - 1);
-        if extreme[k].is_none_or(|e| sign * (u.y - e.1) > 0.0) {
-            extreme[k] = Some((s, u.y, 1.0));
-        }
-    }
-    let data: Vec<_> = extreme.into_iter().flatten().collect();
-    let q = least_squares(&data, degree.min(data.len().saturating_sub(1)));
-    let q = polynomial(q.into_iter().map(|c| [c]).collect(), range)?;
-    let shift = used.iter().map(|u| sign * (u.y - q.point(u.t)[0])).fold(f64::NEG_INFINITY, f64::max);
-    Ok(shifted(q, sign * shift))
-}
-
-/// Least-squares polynomial through `(s, value, weight)` in Bernstein form on [0, 1]; lower degree if singular.
-fn least_squares(data: &[(f64, f64, f64)], degree: usize) -> Vec<f64> {
-    let n = degree + 1;
+/// Least-squares spline through `(t, value, weight)`; `None` if the data do not determine it.
+fn least_squares(data: &[(f64, f64, f64)], knots: &Knots) -> Option<Vec<[f64; 1]>> {
+    let n = knots.control_count();
     let mut a = nalgebra::DMatrix::<f64>::zeros(n, n);
     let mut b = nalgebra::DVector::<f64>::zeros(n);
-    for &(s, y, w) in data {
-        let basis: Vec<f64> = (0..n).map(|i| bernstein(&unit_vector(n, i), s)).collect();
-        for i in 0..n {
-            b[i] += w * basis[i] * y;
-            for j in 0..n {
-                a[(i, j)] += w * basis[i] * basis[j];
+    for &(t, y, w) in data {
+        let basis = knots.basis(t, 0);
+        for i in 0..=knots.degree() {
+            b[basis.first + i] += w * basis.rows[0][i] * y;
+            for j in 0..=knots.degree() {
+                a[(basis.first + i, basis.first + j)] += w * basis.rows[0][i] * basis.rows[0][j];
             }
         }
     }
-    match nalgebra::linalg::Cholesky::new(a) {
-        Some(c) => c.solve(&b).iter().copied().collect(),
-        None if degree > 0 => least_squares(data, degree - 1),
-        None => vec![0.0],
-    }
-}
-
-fn unit_vector(n: usize, i: usize) -> Vec<f64> {
-    let mut v = vec![0.0; n];
-    v[i] = 1.0;
-    v
-}
-
-/// Value at `s` by de Casteljau.
-fn bernstein(c: &[f64], s: f64) -> f64 {
-    let mut d = c.to_vec();
-    for r in 1..d.len() {
-        for i in 0..d.len() - r {
-            d[i] = (1.0 - s) * d[i] + s * d[i + 1];
-        }
-    }
-    d[0]
+    let x = nalgebra::linalg::Cholesky::new(a)?.solve(&b);
+    Some(x.iter().map(|v| [*v]).collect())
 }

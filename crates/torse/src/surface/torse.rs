@@ -115,6 +115,14 @@ impl Torse {
         }
     }
 
+    /// Ends of the polynomial pieces.
+    pub fn breaks(&self) -> Vec<f64> {
+        match self {
+            Self::Primal(p) => p.profile.knots.breaks(),
+            Self::Dual(d) => d.planes.knots.breaks(),
+        }
+    }
+
     /// Ruling and tangent plane at `t`. For a dual torse the point is the one nearest the origin.
     pub fn ruling(&self, t: f64) -> Ruling {
         match self {
