@@ -34,6 +34,8 @@ const MARGIN_ALONG: f64 = 0.05;
 const REGULARITY_KEPT: f64 = 0.3;
 /// Largest excess of the patch over the region at either end of a ruling, share of the region's mean length.
 const LARGEST_EXCESS: f64 = 0.3;
+/// Reach of a neighbourhood of rulings, share of the range.
+const NEIGHBOURHOOD: f64 = 0.04;
 /// Smallest cosine between rulings and the direction of the planes that cut them.
 const MIN_COSINE: f64 = 0.6;
 
@@ -191,7 +193,7 @@ fn rooms(
     }
     // Rulings beside the region go on as at its ends, if they can.
     let inside: Vec<usize> = (0..spans.len()).filter(|&k| spans[k].1 <= spans[k].2).collect();
-    let mut out = Vec::with_capacity(spans.len());
+    let mut lines: Vec<Line> = Vec::with_capacity(spans.len());
     for (k, &(t, lo, hi)) in spans.iter().enumerate() {
         let beside = lo > hi;
         let (lo, hi) = if beside {
@@ -206,26 +208,51 @@ fn rooms(
         let (per_mm, base) = (a.dot(&r.direction), a.dot(&(r.point - origin)));
         let slope = |y: f64| torse.foot_function(&(r.point + r.direction * ((y - base) / per_mm)), t).1;
         let rate = (slope(hi + mean) - slope(lo)) / (hi + mean - lo);
-        let (at_lo, at_hi) = (slope(lo), slope(hi));
-        if at_lo * at_hi <= 0.0 {
-            if beside {
-                continue;
-            }
+        let slopes = (slope(lo), slope(hi));
+        if slopes.0 * slopes.1 > 0.0 {
+            lines.push(Line { t, ends: (lo, hi), slopes, rate });
+        } else if !beside {
             return Err(ConvertError::Regression { t });
         }
-        let kept = REGULARITY_KEPT * at_lo.abs().min(at_hi.abs());
+    }
+    // Where the region is pointed, what its neighbourhood needs is granted.
+    let window = NEIGHBOURHOOD * (range.1 - range.0);
+    let mut out = Vec::with_capacity(lines.len());
+    for line in &lines {
+        let (mut lo, mut hi, mut least) = (f64::INFINITY, f64::NEG_INFINITY, f64::INFINITY);
+        for n in lines.iter().filter(|n| (n.t - line.t).abs() <= window) {
+            lo = lo.min(n.ends.0);
+            hi = hi.max(n.ends.1);
+            least = least.min(n.slopes.0.abs().min(n.slopes.1.abs()));
+        }
         // Distance from an end of the region at which |slope| has fallen to what is kept.
         let reach = |at: f64, towards: f64| {
-            let fall = -towards * rate * at.signum();
-            let free = if fall > 0.0 { (at.abs() - kept) / fall } else { f64::INFINITY };
-            free.min(LARGEST_EXCESS * mean)
+            let fall = -towards * line.rate * at.signum();
+            if fall > 0.0 {
+                (at.abs() - REGULARITY_KEPT * least.min(at.abs())) / fall
+            } else {
+                f64::INFINITY
+            }
         };
-        let (down, up) = (reach(at_lo, -1.0), reach(at_hi, 1.0));
+        let down = reach(line.slopes.0, -1.0).min(line.ends.0 - lo + LARGEST_EXCESS * mean);
+        let up = reach(line.slopes.1, 1.0).min(hi - line.ends.1 + LARGEST_EXCESS * mean);
         // A quarter of the reach where it is short: the patch needs some margin everywhere.
         let margin = |reach: f64| (MARGIN_ALONG * mean).min(0.25 * reach);
-        out.push(Room { t, low: (lo - down, lo - margin(down)), high: (hi + margin(up), hi + up) });
+        out.push(Room {
+            t: line.t,
+            low: (line.ends.0 - down, line.ends.0 - margin(down)),
+            high: (line.ends.1 + margin(up), line.ends.1 + up),
+        });
     }
     Ok(out)
+}
+
+/// Part of a ruling inside the region: coordinates of its ends, slopes of the foot function there and their rate.
+struct Line {
+    t: f64,
+    ends: (f64, f64),
+    slopes: (f64, f64),
+    rate: f64,
 }
 
 /// Polynomial of the lowest degree, else quadratic spline with the fewest knots, that passes all intervals; else the
