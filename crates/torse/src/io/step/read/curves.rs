@@ -42,7 +42,7 @@ impl<'r, 'a> Geometry<'r, 'a> {
     }
 
     /// A cartesian point of a parameter plane: no units.
-    pub fn plane_point(&self, id: u64) -> Result<Vec3, Fault> {
+    fn plane_point(&self, id: u64) -> Result<Vec3, Fault> {
         let x = self.records.args(id, "CARTESIAN_POINT")?.numbers(1)?;
         let at = |k: usize| x.get(k).copied().unwrap_or(0.0);
         Ok(Vec3::new(at(0), at(1), 0.0))
@@ -143,6 +143,11 @@ impl<'r, 'a> Geometry<'r, 'a> {
     /// A basis curve: line, conic, polyline or spline.
     pub fn basis(&self, id: u64, depth: u32) -> Result<SpaceCurve, Fault> {
         self.basis_with(id, depth, &|p| self.point(p), self.units.length)
+    }
+
+    /// A basis curve of a parameter plane: numbers as they stand, third coordinate 0.
+    pub fn plane_curve(&self, id: u64) -> Result<SpaceCurve, Fault> {
+        self.basis_with(id, 0, &|p| self.plane_point(p), 1.0)
     }
 
     /// A basis curve with points read by `point`, and lengths scaled by `length`.
@@ -323,7 +328,7 @@ impl<'r, 'a> Geometry<'r, 'a> {
         let definition = self.records.simple(a.reference(2)?)?;
         let item = definition.references(1)?.first().copied();
         let item = item.ok_or_else(|| Fault::new(id, format!("#{id} has no curve")))?;
-        let flat = self.basis_with(item, depth + 1, &|p| self.plane_point(p), 1.0)?;
+        let flat = self.plane_curve(item)?;
         let scale = carrier.parameter_units(self.units);
         Ok(Course::Basis(SpaceCurve::traced(flat, carrier.carrier, scale), true))
     }
