@@ -162,9 +162,9 @@ fn close_at_poles(
     let closes_high = |turn: i32| (turn < 0) == (axis == 0);
     let mut need = |turn: i32| -> Result<(), TrimError> {
         let value = if closes_high(turn) {
-            poles.iter().copied().filter(|&p| !(p < hi)).fold(f64::INFINITY, f64::min)
+            poles.iter().copied().filter(|&p| p >= hi).fold(f64::INFINITY, f64::min)
         } else {
-            poles.iter().copied().filter(|&p| !(p > lo)).fold(f64::NEG_INFINITY, f64::max)
+            poles.iter().copied().filter(|&p| p <= lo).fold(f64::NEG_INFINITY, f64::max)
         };
         if value.is_finite() {
             wanted.push((turn, value));

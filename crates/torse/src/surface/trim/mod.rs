@@ -319,7 +319,7 @@ fn bounded(raw: &RawFace, loops: &[RawLoop], size: f64, tolerance: f64) -> Resul
         for p in polygons.iter_mut().flat_map(|p| p.points.iter_mut()) {
             *p = [p[0].clamp(domain.0 .0, domain.0 .1), p[1].clamp(domain.1 .0, domain.1 .1)];
         }
-        return regions(raw, &surface, polygons, plan.sense_matters, deviation, size);
+        return regions(raw, &surface, polygons, plan.sense_matters, deviation);
     }
     Err(TrimError::Unbounded)
 }
@@ -396,20 +396,18 @@ fn regions(
     polygons: Vec<Polygon>,
     sense_matters: bool,
     deviation: f64,
-    size: f64,
 ) -> Result<Vec<Face>, TrimError> {
     let mut out = Vec::new();
     let cleaned: Vec<Polygon> = polygons.into_iter().filter_map(polygon::cleaned).collect();
     let groups = polygon::nested(cleaned, sense_matters);
     for group in groups {
-        // A region without area in space is a leftover of healing, not a face.
         if let Some(at) = polygon::first_contact(&group) {
             return Err(TrimError::SelfTouching(surface.point(at[0], at[1])));
         }
         let loops = group.into_iter().map(|p| TrimLoop { points: p.points, edge: p.edge }).collect();
         out.push(face(raw, surface.clone(), loops, deviation));
     }
-    if out.is_empty() || !(size > 0.0) {
+    if out.is_empty() {
         return Err(TrimError::NoArea);
     }
     Ok(out)

@@ -216,7 +216,7 @@ fn follow(
         };
     }
     let worst = points.iter().zip(&qs).map(|(x, q)| (carrier.jet(*q).p - x).norm()).fold(0.0, f64::max);
-    if !(worst <= OFF_SURFACE_SHARE * size) {
+    if worst > OFF_SURFACE_SHARE * size || worst.is_nan() {
         return Err(TrimError::OffSurface { edge, distance: worst });
     }
     snap(carrier, &mut qs);

@@ -243,9 +243,8 @@ fn chained(id: u64, path: Vec<Arc>) -> RawLoop {
     RawLoop { edges, outer: true }
 }
 
-/// Whether a record of this kind is a surface with bounds of its own.
-pub(super) fn is_bounded_surface(name: &str) -> bool {
-    matches!(name, "RECTANGULAR_TRIMMED_SURFACE" | "CURVE_BOUNDED_SURFACE" | "BEZIER_SURFACE")
-        || name.contains("B_SPLINE_SURFACE")
-        || name.ends_with("UNIFORM_SURFACE")
+/// Whether a record of this kind is a surface that may be a face without topology. Endless ones are refused by name
+/// when their region is asked for; a lone plane is construction geometry.
+pub(super) fn may_be_face(name: &str) -> bool {
+    name.ends_with("_SURFACE") || name.starts_with("SURFACE_OF_") || name.contains("B_SPLINE_SURFACE")
 }
