@@ -151,6 +151,27 @@ impl SplineCarrier {
     }
 }
 
+impl SplineCarrier {
+    /// The foot near a guess; steps that stop at a closed side go on from the opposite one.
+    fn near(&self, x: &Vec3, guess: [f64; 2]) -> project::Foot {
+        let mut best = project::refine(&self.surface, x, self.wrap(guess));
+        let ((u0, u1), (v0, v1)) = self.surface.domain();
+        for (k, (a, b)) in [(0, (u0, u1)), (1, (v0, v1))] {
+            let hair = 1e-9 * (b - a);
+            let low = best.at[k] <= a + hair;
+            if self.periods[k].is_some() && (low || best.at[k] >= b - hair) {
+                let mut over = best.at;
+                over[k] = if low { b } else { a };
+                let other = project::refine(&self.surface, x, over);
+                if other.distance < best.distance {
+                    best = other;
+                }
+            }
+        }
+        best
+    }
+}
+
 impl Carrier {
     /// Point and derivatives at natural parameters.
     pub fn jet(&self, q: [f64; 2]) -> TangentJet {
@@ -239,7 +260,7 @@ impl Carrier {
             Self::Extrusion { directrix, direction } => foot_on_extrusion(directrix, direction, x, guess),
             Self::Revolution { directrix, frame } => foot_on_revolution(directrix, frame, x, guess),
             Self::Spline(s) => {
-                let started = guess.map(|g| project::refine(&s.surface, x, s.wrap(g)));
+                let started = guess.map(|g| s.near(x, g));
                 // A start nearby is trusted when it ends on the surface to 10⁻⁵ of its size; else search everywhere.
                 match started {
                     Some(foot) if foot.distance <= 1e-5 * s.surface.bbox().diagonal() => foot.at,
@@ -435,7 +456,7 @@ fn nearest_by(residual: impl Fn(f64) -> (Vec3, Vec3, Vec3), starts: &[f64], limi
             let speed = r1.norm_squared();
             let full = speed + r.dot(&r2);
             let slope = if full > 0.1 * speed { full } else { speed };
-            if !(slope > 0.0) {
+            if slope <= 0.0 || slope.is_nan() {
                 break;
             }
             let mut step = -r.dot(&r1) / slope;
@@ -469,7 +490,7 @@ fn poles_of_revolution(directrix: &SpaceCurve, frame: &Frame, pole: impl Fn(f64)
         SpaceCurve::Line { origin, direction } => {
             let (o, d) = (frame.to_local(origin), frame.vector_to_local(direction));
             let speed = d.x * d.x + d.y * d.y;
-            if !(speed > 0.0) {
+            if speed <= 0.0 || speed.is_nan() {
                 return Vec::new();
             }
             let t = -(o.x * d.x + o.y * d.y) / speed;
@@ -557,7 +578,7 @@ fn checked(knots_u: Knots, knots_v: Knots, control: Vec<[f64; 4]>) -> Result<Sur
             return Err(SplineError::Control { index, reason: "not finite, or a weight that is not positive".into() });
         }
     }
-    let rational = control.iter().any(|c| c[3] < 1.0 || c[3] > 1.0);
+    let rational = control.iter().any(|c| (c[3] - 1.0).abs() > 0.0);
     Ok(Surface { knots_u, knots_v, control, rational })
 }
 

@@ -33,7 +33,7 @@ pub fn refine_on_curve(curve: &SpaceCurve, x: &Vec3, t: f64, limits: Option<(f64
         let speed = jet[1].norm_squared();
         let full = speed + r.dot(&jet[2]);
         let slope = if full > 0.1 * speed { full } else { speed };
-        if !(slope > 0.0) {
+        if slope <= 0.0 || slope.is_nan() {
             break;
         }
         let mut step = -gradient / slope;
@@ -95,6 +95,8 @@ pub struct SurfaceProjector {
     points: Vec<Vec3>,
 }
 
+/// A side shorter than this share of the surface is a point.
+const COLLAPSED: f64 = 1e-7;
 /// Samples per direction at most; keeps the search linear in the size of huge nets.
 const MOST_SAMPLES: usize = 160;
 
@@ -111,7 +113,29 @@ impl SurfaceProjector {
             out.push(knots.domain().1);
             out
         };
-        let (us, vs) = (grid(&surface.knots_u), grid(&surface.knots_v));
+        let (mut us, mut vs) = (grid(&surface.knots_u), grid(&surface.knots_v));
+        // On a side that is a point, steps along it say nothing; its samples move a little inside.
+        let size = surface.bbox().diagonal();
+        let collapsed = |side: &dyn Fn(f64) -> Vec3, along: &[f64]| {
+            let first = side(along[0]);
+            along.iter().all(|&t| (side(t) - first).norm() <= COLLAPSED * size)
+        };
+        let (n, m) = (us.len(), vs.len());
+        let sides = [
+            collapsed(&|v| surface.point(us[0], v), &vs),
+            collapsed(&|v| surface.point(us[n - 1], v), &vs),
+            collapsed(&|u| surface.point(u, vs[0]), &us),
+            collapsed(&|u| surface.point(u, vs[m - 1]), &us),
+        ];
+        for (grid, ends) in [(&mut us, [sides[0], sides[1]]), (&mut vs, [sides[2], sides[3]])] {
+            let k = grid.len();
+            if ends[0] {
+                grid[0] += 0.01 * (grid[1] - grid[0]);
+            }
+            if ends[1] {
+                grid[k - 1] -= 0.01 * (grid[k - 1] - grid[k - 2]);
+            }
+        }
         let points =
             us.iter().flat_map(|&u| vs.iter().map(move |&v| (u, v))).map(|(u, v)| surface.point(u, v)).collect();
         Self { us, vs, points }
@@ -207,6 +231,20 @@ fn newton_step(h: [f64; 3], g: [f64; 2], held: [bool; 2]) -> [f64; 2] {
 mod tests {
     use super::*;
     use crate::spline::knots::Knots;
+
+    #[test]
+    fn feet_near_a_pole_are_found() {
+        let k = Knots::new(1, vec![0., 0., 1., 1.], 2).expect("knots");
+        let b = Knots::uniform(2, 1, 0.0, 1.0).expect("knots");
+        // A fan around the origin over three quarters of a turn: control points (i, j), j along the fan.
+        let p = [Vec3::zeros(); 3].into_iter().chain([Vec3::x(), Vec3::new(-2.0, 2.0, 0.3), -Vec3::y()]);
+        let s = Surface::new(k, b, &p.collect::<Vec<_>>(), None).expect("surface");
+        let projector = SurfaceProjector::new(&s);
+        for v in [0.02, 0.5, 0.97] {
+            let foot = projector.nearest(&s, &s.point(1e-3, v));
+            assert!(foot.distance < 1e-12, "{v}: {foot:?}");
+        }
+    }
 
     #[test]
     fn feet_are_nearest_also_from_outside_the_border() {

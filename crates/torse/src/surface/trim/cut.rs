@@ -25,14 +25,25 @@ pub(super) struct Plan {
 }
 
 /// Shifts the chains by periods to where they belong together and adds the closing lines at poles.
-pub(super) fn plan(carrier: &Carrier, chains: &mut Vec<Chain>, label: &mut u32) -> Result<Plan, TrimError> {
+///
+/// `marked_outer` says that the file calls a loop the outer one, so that it cannot be a hole in a torus.
+pub(super) fn plan(
+    carrier: &Carrier,
+    chains: &mut Vec<Chain>,
+    marked_outer: bool,
+    label: &mut u32,
+) -> Result<Plan, TrimError> {
     let periods = carrier.periods();
     if periods == [None, None] {
         return Ok(Plan { seam: None, sense_matters: false });
     }
     if chains.iter().all(|c| c.winding == [0, 0]) {
         let areas: Vec<f64> = chains.iter().map(|c| rough(c).area()).collect();
-        let hole_in_sphere = matches!(carrier, Carrier::Sphere { .. }) && areas.iter().all(|&a| a < 0.0);
+        let holes_only = areas.iter().all(|&a| a < 0.0);
+        if let (true, false, [Some(p), Some(q)]) = (holes_only, marked_outer, periods) {
+            return around_holes(carrier, chains, [p, q], label);
+        }
+        let hole_in_sphere = matches!(carrier, Carrier::Sphere { .. }) && holes_only;
         if !hole_in_sphere {
             gather(chains, &areas, &periods);
             into_domain(carrier, chains, &periods);
@@ -51,7 +62,34 @@ pub(super) fn plan(carrier: &Carrier, chains: &mut Vec<Chain>, label: &mut u32) 
     }
     close_at_poles(carrier, chains, axis, period, label)?;
     order_across(chains, axis, periods[1 - axis])?;
-    Ok(Plan { seam: Some(Seam { axis, at: quiet_line(carrier, chains, axis, period) }), sense_matters: true })
+    Ok(Plan { seam: Some(Seam { axis, at: quiet_line(carrier, chains, axis, period).0 }), sense_matters: true })
+}
+
+/// A whole torus (or doubly closed spline) with holes: cut along two quiet lines into a rectangle.
+fn around_holes(
+    carrier: &Carrier,
+    chains: &mut Vec<Chain>,
+    periods: [f64; 2],
+    label: &mut u32,
+) -> Result<Plan, TrimError> {
+    let mut start = [0.0; 2];
+    for axis in 0..2 {
+        let (at, crossings) = quiet_line(carrier, chains, axis, periods[axis]);
+        if crossings > 0 {
+            return Err(TrimError::OpenWinding);
+        }
+        start[axis] = at;
+    }
+    for c in chains.iter_mut() {
+        let middle = [0, 1].map(|k| mean(c, k));
+        c.shift([0, 1].map(|k| -((middle[k] - start[k]) / periods[k]).floor() * periods[k]));
+    }
+    let [u, v] = start;
+    let [p, q] = periods;
+    let corners = vec![[u, v], [u + p, v], [u + p, v + q], [u, v + q]];
+    chains.push(Chain { strands: Vec::new(), line: Some((corners, *label)), winding: [0, 0] });
+    *label += 4;
+    Ok(Plan { seam: None, sense_matters: false })
 }
 
 /// The chain's samples as a polygon of natural parameters.
@@ -124,9 +162,9 @@ fn close_at_poles(
     let closes_high = |turn: i32| (turn < 0) == (axis == 0);
     let mut need = |turn: i32| -> Result<(), TrimError> {
         let value = if closes_high(turn) {
-            poles.iter().copied().filter(|&p| !(p < hi)).fold(f64::INFINITY, f64::min)
+            poles.iter().copied().filter(|&p| p >= hi).fold(f64::INFINITY, f64::min)
         } else {
-            poles.iter().copied().filter(|&p| !(p > lo)).fold(f64::NEG_INFINITY, f64::max)
+            poles.iter().copied().filter(|&p| p <= lo).fold(f64::NEG_INFINITY, f64::max)
         };
         if value.is_finite() {
             wanted.push((turn, value));
@@ -154,7 +192,7 @@ fn close_at_poles(
         ends[1][axis] = f64::from(turn) * period;
         let mut winding = [0; 2];
         winding[axis] = turn;
-        chains.push(Chain { strands: Vec::new(), line: Some((ends, *label)), winding });
+        chains.push(Chain { strands: Vec::new(), line: Some((ends.to_vec(), *label)), winding });
         *label += 1;
     }
     Ok(())
@@ -189,8 +227,8 @@ fn order_across(chains: &mut [Chain], axis: usize, period_across: Option<f64>) -
     Ok(())
 }
 
-/// A parameter line that the chains cross least: the seam of the surface or the start of a loop if that is no worse.
-fn quiet_line(carrier: &Carrier, chains: &[Chain], axis: usize, period: f64) -> f64 {
+/// A parameter line that the chains cross least, and how often: the seam of the surface or the start of a loop if that is no worse.
+fn quiet_line(carrier: &Carrier, chains: &[Chain], axis: usize, period: f64) -> (f64, usize) {
     let mut candidates = Vec::new();
     if let Carrier::Spline(s) = carrier {
         candidates.push(if axis == 0 { s.surface.domain().0 .0 } else { s.surface.domain().1 .0 });
@@ -219,7 +257,7 @@ fn quiet_line(carrier: &Carrier, chains: &[Chain], axis: usize, period: f64) -> 
             best = (n, at);
         }
     }
-    best.1
+    (best.1, best.0)
 }
 
 /// A stretch of a polygon between two crossings of the seam, shifted to the cell right of the seam.

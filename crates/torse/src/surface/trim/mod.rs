@@ -14,7 +14,7 @@ use self::strand::Chain;
 use super::face::{Face, SurfaceKind, TrimLoop};
 use crate::geom::{BBox, Vec3};
 use crate::spline::carrier::Carrier;
-use crate::spline::space_curve::{Arc, ParameterMap};
+use crate::spline::space_curve::{Arc, ParameterMap, SpaceCurve};
 use crate::spline::surface::Surface;
 use crate::spline::SplineError;
 
@@ -55,6 +55,8 @@ pub enum Region {
 pub struct RawLoop {
     /// Edges in order.
     pub edges: Vec<RawEdge>,
+    /// Whether the file calls it the outer one.
+    pub outer: bool,
 }
 
 /// One edge in the direction of its loop.
@@ -66,17 +68,44 @@ pub struct RawEdge {
     pub forward: bool,
     /// The pieces of its curve in the direction of the loop.
     pub path: Vec<Arc>,
+    /// The same curve in the parameter plane of the carrier, if the file gives it and the path is one piece. It is
+    /// used where it proves to agree with the curve in space.
+    pub trace: Option<PlaneTrace>,
+}
+
+/// A curve in the parameter plane, with the parameter of the curve in space that it belongs to.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlaneTrace {
+    /// The curve; third coordinate 0.
+    pub curve: SpaceCurve,
+    /// Factors from its coordinates to natural parameters of the carrier.
+    pub scale: [f64; 2],
+}
+
+impl PlaneTrace {
+    /// Natural parameters at `t`.
+    fn at(&self, t: f64) -> [f64; 2] {
+        let q = self.curve.point(t);
+        [q.x * self.scale[0], q.y * self.scale[1]]
+    }
 }
 
 impl RawEdge {
-    fn reversed(&self) -> Self {
-        Self { entity: self.entity, forward: !self.forward, path: self.path.iter().rev().map(Arc::reversed).collect() }
+    /// The edge run the other way.
+    pub fn reversed(&self) -> Self {
+        Self {
+            entity: self.entity,
+            forward: !self.forward,
+            path: self.path.iter().rev().map(Arc::reversed).collect(),
+            trace: self.trace.clone(),
+        }
     }
 }
 
 impl RawLoop {
-    fn reversed(&self) -> Self {
-        Self { edges: self.edges.iter().rev().map(RawEdge::reversed).collect() }
+    /// The loop run the other way.
+    pub fn reversed(&self) -> Self {
+        Self { edges: self.edges.iter().rev().map(RawEdge::reversed).collect(), outer: self.outer }
     }
 }
 
@@ -162,6 +191,8 @@ pub fn faces(raw: &RawFace, chord_tolerance: Option<f64>) -> Result<Vec<Face>, T
     let mut raw = raw.clone();
     if let Carrier::Sphere { frame, radius } = raw.carrier {
         raw.carrier = Carrier::Sphere { frame: sphere::turned(&frame, &loops), radius };
+        // Traces belong to the file's axis.
+        loops.iter_mut().flat_map(|l| l.edges.iter_mut()).for_each(|e| e.trace = None);
     }
     let tolerance = chord_tolerance.unwrap_or(CHORD_SHARE * size).max(1e-9 * size);
     // A loop of the wrong sense shows by a region that is not bounded; the other sense is then tried.
@@ -195,7 +226,7 @@ fn without_slits(l: RawLoop) -> Vec<RawLoop> {
                 open.push(edges[j + 1..].iter().chain(&edges[..i]).cloned().collect());
             }
             None if edges.is_empty() => {}
-            None => done.push(RawLoop { edges }),
+            None => done.push(RawLoop { edges, outer: l.outer }),
         }
     }
     done
@@ -263,7 +294,7 @@ fn bounded(raw: &RawFace, loops: &[RawLoop], size: f64, tolerance: f64) -> Resul
         return Err(TrimError::Vanishing(strand::POINT_SHARE * size));
     }
     // 2. Bring the loops together, close winding ones at poles, choose the seam.
-    let plan = cut::plan(carrier, &mut chains, &mut label)?;
+    let plan = cut::plan(carrier, &mut chains, loops.iter().any(|l| l.outer), &mut label)?;
     // 3. Choose the box, lay the chords, enlarge the box if a chord left it.
     let mut range = margins(carrier, &chains, &plan);
     for _ in 0..3 {
@@ -288,7 +319,7 @@ fn bounded(raw: &RawFace, loops: &[RawLoop], size: f64, tolerance: f64) -> Resul
         for p in polygons.iter_mut().flat_map(|p| p.points.iter_mut()) {
             *p = [p[0].clamp(domain.0 .0, domain.0 .1), p[1].clamp(domain.1 .0, domain.1 .1)];
         }
-        return regions(raw, &surface, polygons, plan.sense_matters, deviation, size);
+        return regions(raw, &surface, polygons, plan.sense_matters, deviation);
     }
     Err(TrimError::Unbounded)
 }
@@ -365,20 +396,18 @@ fn regions(
     polygons: Vec<Polygon>,
     sense_matters: bool,
     deviation: f64,
-    size: f64,
 ) -> Result<Vec<Face>, TrimError> {
     let mut out = Vec::new();
     let cleaned: Vec<Polygon> = polygons.into_iter().filter_map(polygon::cleaned).collect();
     let groups = polygon::nested(cleaned, sense_matters);
     for group in groups {
-        // A region without area in space is a leftover of healing, not a face.
         if let Some(at) = polygon::first_contact(&group) {
             return Err(TrimError::SelfTouching(surface.point(at[0], at[1])));
         }
         let loops = group.into_iter().map(|p| TrimLoop { points: p.points, edge: p.edge }).collect();
         out.push(face(raw, surface.clone(), loops, deviation));
     }
-    if out.is_empty() || !(size > 0.0) {
+    if out.is_empty() {
         return Err(TrimError::NoArea);
     }
     Ok(out)

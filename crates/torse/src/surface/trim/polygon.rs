@@ -58,7 +58,7 @@ const LOOP_SHARE: f64 = 1e-5;
 /// Corners closer than this share of the polygon's extent are one.
 const SAME_POINT: f64 = 1e-11;
 
-/// Removes repeated corners, spikes and small loops; `None` if no area remains.
+/// Removes repeated corners, spikes and small loops; `None` if no area remains. One that crosses itself stays so.
 pub(super) fn cleaned(mut p: Polygon) -> Option<Polygon> {
     let (mut lo, mut hi) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
     for q in &p.points {
@@ -72,14 +72,19 @@ pub(super) fn cleaned(mut p: Polygon) -> Option<Polygon> {
         return None;
     }
     drop_repeated(&mut p, width);
+    let mut crossed = true;
     for _ in 0..64 {
-        let Some((i, j)) = first_crossing(&[&p]).map(|(a, b)| (a.1.min(b.1), a.1.max(b.1))) else { break };
+        let Some((i, j)) = first_crossing(&[&p]).map(|(a, b)| (a.1.min(b.1), a.1.max(b.1))) else {
+            crossed = false;
+            break;
+        };
         if !cut_loop(&mut p, i, j) {
             break;
         }
         drop_repeated(&mut p, width);
     }
-    (p.points.len() >= 3 && p.area().abs() > 1e-15 * width[0] * width[1]).then_some(p)
+    // One that still crosses itself is kept whatever its area, to be refused by name.
+    (p.points.len() >= 3 && (crossed || p.area().abs() > 1e-15 * width[0] * width[1])).then_some(p)
 }
 
 fn drop_repeated(p: &mut Polygon, width: [f64; 2]) {

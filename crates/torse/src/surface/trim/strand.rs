@@ -1,7 +1,7 @@
 //! Boundary curves traced on a surface: feet of samples, unwrapped over periods, held together at poles; then chords.
 
 use super::polygon::Polygon;
-use super::{RawLoop, TrimError, GAP_SHARE, OFF_SURFACE_SHARE};
+use super::{PlaneTrace, RawLoop, TrimError, GAP_SHARE, OFF_SURFACE_SHARE};
 use crate::geom::Vec3;
 use crate::spline::carrier::{Carrier, Pole};
 use crate::spline::space_curve::{Arc, ParameterMap};
@@ -23,6 +23,7 @@ pub(super) struct Strand {
     /// Label of its chords.
     pub label: u32,
     arc: Arc,
+    trace: Option<PlaneTrace>,
     ts: Vec<f64>,
     /// Samples.
     pub qs: Vec<[f64; 2]>,
@@ -34,10 +35,11 @@ pub(super) struct Strand {
 /// A closed loop in the unwrapped plane: it ends where it began, up to `winding` periods.
 #[derive(Clone, Debug)]
 pub(super) struct Chain {
-    /// The pieces in order; empty for a straight line.
+    /// The pieces in order; empty for straight lines.
     pub strands: Vec<Strand>,
-    /// A straight line at a pole: corners and label.
-    pub line: Option<([[f64; 2]; 2], u32)>,
+    /// Straight lines that the reader adds: corners, and the label of the first side (the others follow). A line along
+    /// a pole has two corners, the second a period away.
+    pub line: Option<(Vec<[f64; 2]>, u32)>,
     /// Turns in u and v.
     pub winding: [i32; 2],
 }
@@ -81,7 +83,8 @@ pub(super) fn trace(carrier: &Carrier, l: &RawLoop, size: f64, label: &mut u32) 
     for e in &l.edges {
         let mut any = false;
         for arc in &e.path {
-            if let Some(s) = follow(carrier, arc, (e.entity, *label), &periods, &poles, size)? {
+            let trace = e.trace.as_ref().filter(|_| e.path.len() == 1);
+            if let Some(s) = follow(carrier, arc, trace, (e.entity, *label), &periods, &poles, size)? {
                 strands.push(s);
                 any = true;
             }
@@ -154,6 +157,7 @@ impl Strand {
 fn follow(
     carrier: &Carrier,
     arc: &Arc,
+    trace: Option<&PlaneTrace>,
     (edge, label): (u64, u32),
     periods: &[Option<f64>; 2],
     poles: &[Pole],
@@ -172,16 +176,34 @@ fn follow(
     if points.iter().all(|p| (p - points[0]).norm() <= POINT_SHARE * size) || n < 3 {
         return Ok(None);
     }
+    let pole_near = |x: &Vec3| poles.iter().find(|p| (p.point - x).norm() <= 10.0 * POINT_SHARE * size).copied();
     let mut qs = vec![[0.0; 2]; n];
+    if let Some(trace) = trace.filter(|t| agrees(carrier, arc, t, size)) {
+        // Jumps over a seam are not expected inside a trace.
+        for (q, &t) in qs.iter_mut().zip(&ts) {
+            *q = trace.at(t);
+        }
+        let at_poles = [pole_near(&points[0]), pole_near(&points[n - 1])];
+        snap(carrier, &mut qs);
+        return Ok(Some(Strand {
+            edge,
+            label,
+            arc: arc.clone(),
+            trace: Some(trace.clone()),
+            ts,
+            qs,
+            poles: at_poles,
+            joint: None,
+        }));
+    }
     let mut guess: Option<[f64; 2]> = None;
     for i in 1..n - 1 {
         qs[i] = foot_near(carrier, &points[i], guess, periods);
         guess = Some(qs[i]);
     }
-    let pole_of = |x: &Vec3| poles.iter().find(|p| (p.point - x).norm() <= 10.0 * POINT_SHARE * size).copied();
     let mut at_poles = [None, None];
     for (k, end, inner) in [(0, 0, 1), (1, n - 1, n - 2)] {
-        at_poles[k] = pole_of(&points[end]);
+        at_poles[k] = pole_near(&points[end]);
         qs[end] = match at_poles[k] {
             Some(pole) => {
                 // The direction of arrival: the foot of a point a little before the pole.
@@ -194,11 +216,40 @@ fn follow(
         };
     }
     let worst = points.iter().zip(&qs).map(|(x, q)| (carrier.jet(*q).p - x).norm()).fold(0.0, f64::max);
-    if !(worst <= OFF_SURFACE_SHARE * size) {
+    if worst > OFF_SURFACE_SHARE * size || worst.is_nan() {
         return Err(TrimError::OffSurface { edge, distance: worst });
     }
     snap(carrier, &mut qs);
-    Ok(Some(Strand { edge, label, arc: arc.clone(), ts, qs, poles: at_poles, joint: None }))
+    Ok(Some(Strand { edge, label, arc: arc.clone(), trace: None, ts, qs, poles: at_poles, joint: None }))
+}
+
+/// Traces this near to their curve are used: a share of the boundary's extent …
+const TRACE_SHARE: f64 = 2e-5;
+/// … or so many times the distance of the curve itself from the surface. Coarser traces are worse than feet.
+const TRACE_FACTOR: f64 = 2.0;
+
+/// Whether a curve of the parameter plane runs with its curve in space.
+fn agrees(carrier: &Carrier, arc: &Arc, trace: &PlaneTrace, size: f64) -> bool {
+    if let (Some((a, b)), None) = (trace.curve.domain(), trace.curve.period()) {
+        let hair = 1e-9 * (b - a);
+        if arc.from.min(arc.to) < a - hair || arc.from.max(arc.to) > b + hair {
+            return false;
+        }
+    }
+    let limits = carrier.limits();
+    (0..=8).all(|i| {
+        let t = arc.from + (arc.to - arc.from) * f64::from(i) / 8.0;
+        let (x, q) = (arc.curve.point(t), trace.at(t));
+        let inside = (0..2).all(|k| {
+            limits[k].is_none_or(|(a, b)| {
+                let hair = 1e-6 * (b - a);
+                q[k] >= a - hair && q[k] <= b + hair
+            })
+        });
+        let d = (carrier.jet(q).p - x).norm();
+        let own = || (carrier.jet(carrier.foot(&x, Some(q))).p - x).norm();
+        inside && (d <= TRACE_SHARE * size || d <= TRACE_FACTOR * own())
+    })
 }
 
 /// The foot of `x`, lifted to the guess.
@@ -238,8 +289,10 @@ pub(super) fn chords(
     let forward = |q: [f64; 2]| [map[0].forward(q[0]), map[1].forward(q[1])];
     let mut out = Chords { polygon: Polygon::default(), deviation: 0.0 };
     if let Some((ends, label)) = &chain.line {
-        out.polygon.points = vec![forward(ends[0])];
-        out.polygon.edge = vec![*label];
+        // The end of a winding line is its beginning a period on.
+        let n = if chain.winding == [0, 0] { ends.len() } else { ends.len() - 1 };
+        out.polygon.points = ends[..n].iter().map(|&q| forward(q)).collect();
+        out.polygon.edge = (*label..).take(n).collect();
         return Ok(out);
     }
     let periods = carrier.periods();
@@ -346,8 +399,13 @@ impl Walk<'_> {
             let f = 0.25 * k;
             let t = p.0 + f * (q.0 - p.0);
             let guess = [0, 1].map(|k| p.1[k] + f * (q.1[k] - p.1[k]));
-            let x = self.strand.arc.curve.point(t);
-            let foot = foot_near(self.carrier, &x, Some(guess), &self.periods);
+            let foot = match &self.strand.trace {
+                Some(trace) => {
+                    let q = trace.at(t);
+                    [0, 1].map(|k| lifted(q[k], guess[k], self.periods[k]))
+                }
+                None => foot_near(self.carrier, &self.strand.arc.curve.point(t), Some(guess), &self.periods),
+            };
             let (d, total) = self.deviation_of(t, foot, a, b);
             worst = worst.max(d);
             seen = seen.max(total);

@@ -11,6 +11,9 @@ use crate::spline::space_curve::{Arc, SpaceCurve};
 /// Definitions by definitions by definitions…: real files stay below 6.
 pub(super) const DEEPEST: u32 = 24;
 
+/// Coordinates above this many mm (a million kilometres) are damage, and their products would overflow.
+const FARTHEST: f64 = 1e12;
+
 /// Reads geometry in one representation context; lengths arrive in mm, angles in radians.
 #[derive(Clone, Copy)]
 pub(super) struct Geometry<'r, 'a> {
@@ -38,11 +41,16 @@ impl<'r, 'a> Geometry<'r, 'a> {
     pub fn point(&self, id: u64) -> Result<Vec3, Fault> {
         let x = self.records.args(id, "CARTESIAN_POINT")?.numbers(1)?;
         let at = |k: usize| x.get(k).copied().unwrap_or(0.0);
-        Ok(Vec3::new(at(0), at(1), at(2)) * self.units.length)
+        let p = Vec3::new(at(0), at(1), at(2)) * self.units.length;
+        if p.amax() <= FARTHEST {
+            Ok(p)
+        } else {
+            Err(Fault::new(id, format!("point #{id} lies {:.3e} mm away from the origin", p.amax())))
+        }
     }
 
     /// A cartesian point of a parameter plane: no units.
-    pub fn plane_point(&self, id: u64) -> Result<Vec3, Fault> {
+    fn plane_point(&self, id: u64) -> Result<Vec3, Fault> {
         let x = self.records.args(id, "CARTESIAN_POINT")?.numbers(1)?;
         let at = |k: usize| x.get(k).copied().unwrap_or(0.0);
         Ok(Vec3::new(at(0), at(1), 0.0))
@@ -65,10 +73,10 @@ impl<'r, 'a> Geometry<'r, 'a> {
     pub fn vector(&self, id: u64) -> Result<Vec3, Fault> {
         let a = self.records.args(id, "VECTOR")?;
         let v = self.direction(a.reference(1)?)? * (a.number(2)? * self.units.length);
-        if v.norm() > 0.0 {
+        if v.norm() > 0.0 && v.norm() <= FARTHEST {
             Ok(v)
         } else {
-            Err(Fault::new(id, format!("vector #{id} has no length")))
+            Err(Fault::new(id, format!("vector #{id} has no length, or an absurd one")))
         }
     }
 
@@ -145,6 +153,11 @@ impl<'r, 'a> Geometry<'r, 'a> {
         self.basis_with(id, depth, &|p| self.point(p), self.units.length)
     }
 
+    /// A basis curve of a parameter plane: numbers as they stand, third coordinate 0.
+    pub fn plane_curve(&self, id: u64) -> Result<SpaceCurve, Fault> {
+        self.basis_with(id, 0, &|p| self.plane_point(p), 1.0)
+    }
+
     /// A basis curve with points read by `point`, and lengths scaled by `length`.
     fn basis_with(
         &self,
@@ -176,8 +189,8 @@ impl<'r, 'a> Geometry<'r, 'a> {
             "LINE" => {
                 let v = self.records.args(a.reference(2)?, "VECTOR")?;
                 let direction = self.direction(v.reference(1)?)? * (v.number(2)? * length);
-                if !(direction.norm() > 0.0) {
-                    return Err(Fault::new(id, format!("line #{id} has no direction")));
+                if direction.norm() <= 0.0 || direction.norm() > FARTHEST {
+                    return Err(Fault::new(id, format!("line #{id} has no direction, or an absurd one")));
                 }
                 Ok(SpaceCurve::Line { origin: point(a.reference(1)?)?, direction })
             }
@@ -323,7 +336,7 @@ impl<'r, 'a> Geometry<'r, 'a> {
         let definition = self.records.simple(a.reference(2)?)?;
         let item = definition.references(1)?.first().copied();
         let item = item.ok_or_else(|| Fault::new(id, format!("#{id} has no curve")))?;
-        let flat = self.basis_with(item, depth + 1, &|p| self.plane_point(p), 1.0)?;
+        let flat = self.plane_curve(item)?;
         let scale = carrier.parameter_units(self.units);
         Ok(Course::Basis(SpaceCurve::traced(flat, carrier.carrier, scale), true))
     }
@@ -368,7 +381,7 @@ pub(super) fn implied_knots(id: u64, kind: ImpliedKnots, degree: usize, control:
             Ok(ends((1..spans).map(|i| i as f64).collect(), spans as f64))
         }
         ImpliedKnots::Bezier => {
-            if (control - 1) % degree != 0 {
+            if !(control - 1).is_multiple_of(degree) {
                 return Err(Fault::new(
                     id,
                     format!("#{id}: {control} control points do not make Bézier pieces of degree {degree}"),

@@ -222,7 +222,14 @@ fn placed(records: &Records, census: &Census, options: &ReadOptions, skipped: &m
     let mut named = std::collections::HashSet::new();
     for o in &census.occurrences {
         match built.get(&key(o)) {
-            Some(Ok(faces)) => out.extend(faces.iter().map(|f| f.placed(&o.placement, &o.part))),
+            Some(Ok(faces)) => {
+                let there = faces.iter().map(|f| f.placed(&o.placement, &o.part));
+                let before = out.len();
+                out.extend(there.filter(is_finite));
+                if out.len() < before + faces.len() {
+                    skipped.push(Skipped { entity: o.face, reason: "its placement is not finite".into() });
+                }
+            }
             Some(Err(fault)) if named.insert(key(o)) => {
                 // The face is what the user looks for; the record at fault is named in the reason.
                 skipped.push(Skipped { entity: o.face, reason: fault.reason.clone() });
@@ -231,6 +238,11 @@ fn placed(records: &Records, census: &Census, options: &ReadOptions, skipped: &m
         }
     }
     out
+}
+
+fn is_finite(f: &Face) -> bool {
+    f.surface.control.iter().flatten().all(|x| x.is_finite())
+        && f.loops.iter().flat_map(|l| &l.points).flatten().all(|x| x.is_finite())
 }
 
 fn key(o: &Occurrence) -> (u64, bool, usize) {

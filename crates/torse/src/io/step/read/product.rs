@@ -2,7 +2,7 @@
 
 use super::curves::Geometry;
 use super::records::{as_reference, Args, Fault, Records};
-use super::topology::is_bounded_surface;
+use super::topology::may_be_face;
 use super::units::{self, Units};
 use crate::geom::placement::Placement;
 use std::collections::{HashMap, HashSet};
@@ -378,7 +378,7 @@ impl<'r, 'a> Walk<'r, 'a> {
                 all(self, a.references(1)?, flipped);
             }
             "MAPPED_ITEM" => self.mapped(&a, placement, part, depth)?,
-            name if is_bounded_surface(name) || record.part("B_SPLINE_SURFACE").is_some() => {
+            name if may_be_face(name) || record.part("B_SPLINE_SURFACE").is_some() => {
                 self.out.occurrences.push(Occurrence {
                     face: id,
                     flipped,
@@ -394,7 +394,6 @@ impl<'r, 'a> Walk<'r, 'a> {
                     || name.starts_with("BOOLEAN")
                     || name.starts_with("CSG")
                     || name.starts_with("TESSELLATED")
-                    || name.ends_with("_SURFACE")
                     || name.starts_with("COMPLEX_TRIANGULATED")
                     || matches!(name, "BLOCK" | "SPHERE" | "TORUS" | "RIGHT_CIRCULAR_CYLINDER" | "RIGHT_CIRCULAR_CONE");
                 if solid {

@@ -5,7 +5,15 @@ use super::records::Fault;
 use super::surfaces::Patch;
 use crate::geom::Vec3;
 use crate::spline::space_curve::{Arc, SpaceCurve};
-use crate::surface::trim::{edge, RawEdge, RawFace, RawLoop, Region};
+use crate::surface::trim::{edge, PlaneTrace, RawEdge, RawFace, RawLoop, Region};
+
+/// The parameter plane of the face being read.
+struct ParameterPlane {
+    /// Entity number of the surface.
+    surface: u64,
+    /// Factors from its stated parameters to natural ones.
+    scale: [f64; 2],
+}
 
 impl<'r, 'a> Geometry<'r, 'a> {
     /// The face `#id`: a face of topology or a bounded surface. `flipped` turns its normal round.
@@ -17,10 +25,12 @@ impl<'r, 'a> Geometry<'r, 'a> {
         let a = self.records.simple(id)?;
         match r.name() {
             "ADVANCED_FACE" | "FACE_SURFACE" => {
-                let patch = self.surface(a.reference(2)?, 0)?;
+                let surface = a.reference(2)?;
+                let patch = self.surface(surface, 0)?;
+                let plane = ParameterPlane { surface, scale: patch.parameter_units(self.units) };
                 let mut loops = Vec::new();
                 for b in a.references(1)? {
-                    loops.push(self.bound(b)?);
+                    loops.push(self.bound(b, &plane)?);
                 }
                 // On a face of opposite sense the file's loops run about the face's normal, as ours do.
                 let same = a.logical(3, true) == patch.same_sense;
@@ -70,25 +80,26 @@ impl<'r, 'a> Geometry<'r, 'a> {
     }
 
     /// A bound of a face, run in the sense that the bound asks for.
-    fn bound(&self, id: u64) -> Result<RawLoop, Fault> {
+    fn bound(&self, id: u64, plane: &ParameterPlane) -> Result<RawLoop, Fault> {
         let a = self.records.simple(id)?;
         let name = self.records.name(id);
         if name != "FACE_BOUND" && name != "FACE_OUTER_BOUND" {
             return Err(Fault::new(id, format!("#{id} is a {name}, not a bound of a face")));
         }
-        let l = self.edge_loop(a.reference(1)?)?;
-        Ok(if a.logical(2, true) { l } else { reversed(&l) })
+        let l = self.edge_loop(a.reference(1)?, plane)?;
+        let l = RawLoop { outer: name == "FACE_OUTER_BOUND", ..l };
+        Ok(if a.logical(2, true) { l } else { l.reversed() })
     }
 
-    fn edge_loop(&self, id: u64) -> Result<RawLoop, Fault> {
+    fn edge_loop(&self, id: u64, plane: &ParameterPlane) -> Result<RawLoop, Fault> {
         let a = self.records.simple(id)?;
         match self.records.get(id)?.name() {
             "EDGE_LOOP" => {
                 let mut edges = Vec::new();
                 for e in a.references(1)? {
-                    edges.push(self.oriented_edge(e, 0)?);
+                    edges.push(self.oriented_edge(e, plane, 0)?);
                 }
-                Ok(RawLoop { edges })
+                Ok(RawLoop { edges, outer: false })
             }
             // A vertex bounds nothing: the surface ends there by itself.
             "VERTEX_LOOP" => Ok(RawLoop::default()),
@@ -104,30 +115,31 @@ impl<'r, 'a> Geometry<'r, 'a> {
                         entity: id.wrapping_mul(1 << 20).wrapping_add(i as u64),
                         forward: true,
                         path: vec![Arc { curve: SpaceCurve::Line { origin: p, direction: q - p }, from: 0.0, to: 1.0 }],
+                        trace: None,
                     })
                     .collect();
-                Ok(RawLoop { edges })
+                Ok(RawLoop { edges, outer: false })
             }
             other => Err(Fault::new(id, format!("a loop of kind {other} is not read"))),
         }
     }
 
-    fn oriented_edge(&self, id: u64, depth: u32) -> Result<RawEdge, Fault> {
+    fn oriented_edge(&self, id: u64, plane: &ParameterPlane, depth: u32) -> Result<RawEdge, Fault> {
         if depth > DEEPEST {
             return Err(super::curves::too_deep(id));
         }
         match self.records.get(id)?.name() {
             "ORIENTED_EDGE" => {
                 let a = self.records.simple(id)?;
-                let e = self.oriented_edge(a.reference(3)?, depth + 1)?;
-                Ok(if a.logical(4, true) { e } else { turned(&e) })
+                let e = self.oriented_edge(a.reference(3)?, plane, depth + 1)?;
+                Ok(if a.logical(4, true) { e } else { e.reversed() })
             }
-            "EDGE_CURVE" => self.edge_curve(id),
+            "EDGE_CURVE" => self.edge_curve(id, plane),
             other => Err(Fault::new(id, format!("an edge of kind {other} is not read"))),
         }
     }
 
-    fn edge_curve(&self, id: u64) -> Result<RawEdge, Fault> {
+    fn edge_curve(&self, id: u64, plane: &ParameterPlane) -> Result<RawEdge, Fault> {
         let a = self.records.args(id, "EDGE_CURVE")?;
         let (start, end) = (a.reference(1)?, a.reference(2)?);
         let (p, q) = (self.vertex(start)?, self.vertex(end)?);
@@ -148,7 +160,27 @@ impl<'r, 'a> Geometry<'r, 'a> {
                 }
             }
         };
-        Ok(RawEdge { entity: id, forward: true, path })
+        let trace = self.trace(a.reference(3)?, plane).filter(|_| path.len() == 1);
+        Ok(RawEdge { entity: id, forward: true, path, trace })
+    }
+
+    /// The curve in the parameter plane that goes with an edge's geometry on the face's own surface. A seam has two;
+    /// which is meant the file does not say, so neither is taken.
+    fn trace(&self, geometry: u64, plane: &ParameterPlane) -> Option<PlaneTrace> {
+        if !matches!(self.records.name(geometry), "SURFACE_CURVE" | "INTERSECTION_CURVE") {
+            return None;
+        }
+        let associated = self.records.simple(geometry).ok()?.references(2).ok()?;
+        let mut found = None;
+        for p in associated {
+            let Ok(a) = self.records.args(p, "PCURVE") else { continue };
+            if a.reference(1) == Ok(plane.surface) && found.replace(p).is_some() {
+                return None;
+            }
+        }
+        let definition = self.records.args(found?, "PCURVE").ok()?.reference(2).ok()?;
+        let item = *self.records.simple(definition).ok()?.references(1).ok()?.first()?;
+        Some(PlaneTrace { curve: self.plane_curve(item).ok()?, scale: plane.scale })
     }
 
     fn vertex(&self, id: u64) -> Result<Vec3, Fault> {
@@ -190,17 +222,9 @@ fn turn(face: &mut RawFace) {
     face.same_sense = !face.same_sense;
     if let Region::Loops(loops) = &mut face.region {
         for l in loops {
-            *l = reversed(l);
+            *l = l.reversed();
         }
     }
-}
-
-fn turned(e: &RawEdge) -> RawEdge {
-    RawEdge { entity: e.entity, forward: !e.forward, path: e.path.iter().rev().map(Arc::reversed).collect() }
-}
-
-fn reversed(l: &RawLoop) -> RawLoop {
-    RawLoop { edges: l.edges.iter().rev().map(turned).collect() }
 }
 
 /// A composite boundary curve as a loop: one edge per segment.
@@ -212,14 +236,15 @@ fn chained(id: u64, path: Vec<Arc>) -> RawLoop {
             entity: id.wrapping_mul(1 << 20).wrapping_add(i as u64),
             forward: true,
             path: vec![arc],
+            trace: None,
         })
         .collect();
-    RawLoop { edges }
+    // The sense of such boundaries is not reliable: the region is what they enclose.
+    RawLoop { edges, outer: true }
 }
 
-/// Whether a record of this kind is a surface with bounds of its own.
-pub(super) fn is_bounded_surface(name: &str) -> bool {
-    matches!(name, "RECTANGULAR_TRIMMED_SURFACE" | "CURVE_BOUNDED_SURFACE" | "BEZIER_SURFACE")
-        || name.contains("B_SPLINE_SURFACE")
-        || name.ends_with("UNIFORM_SURFACE")
+/// Whether a record of this kind is a surface that may be a face without topology. Endless ones are refused by name
+/// when their region is asked for; a lone plane is construction geometry.
+pub(super) fn may_be_face(name: &str) -> bool {
+    name.ends_with("_SURFACE") || name.starts_with("SURFACE_OF_") || name.contains("B_SPLINE_SURFACE")
 }

@@ -1,0 +1,140 @@
+//! The STEP reader never panics and never hangs, whatever is done to a file.
+
+mod step_text;
+
+use proptest::prelude::*;
+use std::time::{Duration, Instant};
+use step_text::{Step, Unit};
+use torse::io::step::read::read;
+
+/// A file with a bit of everything.
+fn sample() -> String {
+    let mut s = Step::new(Unit::Inch);
+    let low = s.circle_loop([0., 0., 0.], [0., 0., 1.], 2.0, true);
+    let high = s.circle_loop([0., 0., 5.], [0., 0., 1.], 2.0, false);
+    let window = s.cylinder_window(2.0, 1.0, 0.5, 1.0, 2.0);
+    let c = s.surface("CYLINDRICAL_SURFACE", [0., 0., 0.], [0., 0., 1.], &[2.0]);
+    s.face("tube", c, &[(low, true), (high, true), (window, true)], true);
+    let cap = s.circle_loop([0., 0., 4.], [0., 0., 1.], 3f64.sqrt(), true);
+    let sphere = s.surface("SPHERICAL_SURFACE", [0., 0., 3.], [0., 0., 1.], &[2.0]);
+    s.face("cap", sphere, &[(cap, true)], true);
+    let base = s.circle_loop([0., 0., 0.], [0., 0., 1.], 3.0, false);
+    let cone = s.surface("CONICAL_SURFACE", [0., 0., 0.], [0., 0., 1.], &[3.0, 0.5]);
+    s.face("cone", cone, &[(base, true)], true);
+    let ring = s.surface("TOROIDAL_SURFACE", [0., 0., 0.], [0., 0., 1.], &[5.0, 1.0]);
+    let (a, b) =
+        (s.circle_loop([0., 0., -1.], [0., 0., 1.], 5.0, true), s.circle_loop([0., 0., 1.], [0., 0., 1.], 5.0, false));
+    s.face("ring", ring, &[(a, true), (b, true)], false);
+    let plane = s.plane([0., 0., 0.], [0., 0., 1.]);
+    let outer = s.polygon(&[[0., 0., 0.], [9., 0., 0.], [9., 9., 0.]]);
+    s.face("flat", plane, &[(outer, true)], true);
+    let line = s.line([1., 0., 0.], [1., 0., 1.]);
+    let axis = s.axis1([0., 0., 0.], [0., 0., 1.]);
+    let turned = s.add(&format!("SURFACE_OF_REVOLUTION('',#{line},#{axis})"));
+    let t = s.add(&format!("RECTANGULAR_TRIMMED_SURFACE('',#{turned},0.,1.,0.5,2.,.T.,.T.)"));
+    let p: Vec<String> =
+        (0..9).map(|i| format!("#{}", s.point([f64::from(i / 3), f64::from(i % 3), f64::from(i * i % 4)]))).collect();
+    let patch = s.add(&format!(
+        "B_SPLINE_SURFACE_WITH_KNOTS('',2,2,(({}),({}),({})),.UNSPECIFIED.,.F.,.F.,.F.,(3,3),(3,3),(0.,1.),(0.,1.),.UNSPECIFIED.)",
+        p[0..3].join(","),
+        p[3..6].join(","),
+        p[6..9].join(",")
+    ));
+    let off = s.add(&format!("OFFSET_SURFACE('',#{patch},0.05,.F.)"));
+    s.geometric_set(&[t, patch, off]);
+    s.occurrence([10., 0., 0.], [0., 0., 1.], [0., 1., 0.], false);
+    s.occurrence([0., 0., 5.], [0., 0., 1.], [1., 0., 0.], true);
+    s.mapped([1., 2., 3.]);
+    s.text()
+}
+
+/// Generous on a loaded machine; an undamaged sample takes a few milliseconds.
+const LONGEST: Duration = Duration::from_secs(20);
+
+fn survives(bytes: &[u8]) {
+    let start = Instant::now();
+    // Whatever comes of it, it must come, and soon.
+    if let Ok(m) = read(bytes) {
+        for f in &m.faces {
+            assert!(f.surface.control.iter().flatten().all(|x| x.is_finite()));
+            assert!(f.loops.iter().flat_map(|l| &l.points).flatten().all(|x| x.is_finite()));
+        }
+    }
+    assert!(start.elapsed() < LONGEST);
+}
+
+#[test]
+fn the_sample_is_read_whole() {
+    let m = read(sample().as_bytes()).expect("a model");
+    assert!(m.skipped.is_empty(), "{:?}", m.skipped);
+    // Eight surfaces in two occurrences and one mapped copy.
+    assert_eq!(m.faces.len(), 8 * 3);
+}
+
+#[test]
+fn every_length_of_a_truncated_file() {
+    let text = sample();
+    // All ends of records, and odd places between.
+    for n in (0..text.len()).step_by(97) {
+        survives(&text.as_bytes()[..n]);
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(60))]
+
+    #[test]
+    fn flipped_bytes(flips in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..20)) {
+        let mut bytes = sample().into_bytes();
+        for (i, b) in flips {
+            let n = i.index(bytes.len());
+            bytes[n] = b;
+        }
+        survives(&bytes);
+    }
+
+    #[test]
+    fn exchanged_references(swaps in prop::collection::vec((any::<prop::sample::Index>(), 1_u32..400), 1..12)) {
+        let text = sample();
+        let data = text.find("DATA;").unwrap_or(0);
+        let places: Vec<usize> = text.match_indices('#').map(|m| m.0).filter(|&i| i > data).collect();
+        let mut out = text.clone();
+        let mut chosen: Vec<(usize, u32)> = swaps.into_iter().map(|(i, n)| (places[i.index(places.len())], n)).collect();
+        chosen.sort_unstable();
+        chosen.dedup_by_key(|c| c.0);
+        for (at, n) in chosen.into_iter().rev() {
+            let end = at + 1 + out[at + 1..].bytes().take_while(u8::is_ascii_digit).count();
+            out.replace_range(at..end, &format!("#{n}"));
+        }
+        survives(out.as_bytes());
+    }
+
+    #[test]
+    fn wild_numbers(
+        wild in prop::collection::vec(
+            (any::<prop::sample::Index>(), prop::sample::select(vec![
+                "1.E308", "-1.E308", "1.E-320", "0.", "-0.", "nan", "inf", "1.E15", "-7.", "1.E-9", "3.14159", "99999999999999999999",
+            ])),
+            1..8,
+        )
+    ) {
+        let text = sample();
+        let data = text.find("DATA;").unwrap_or(0);
+        let places: Vec<usize> = text
+            .match_indices('.')
+            .map(|m| m.0)
+            .filter(|&i| i > data && text.as_bytes()[i - 1].is_ascii_digit())
+            .collect();
+        let mut chosen: Vec<(usize, &str)> = wild.into_iter().map(|(i, n)| (places[i.index(places.len())], n)).collect();
+        chosen.sort_unstable();
+        chosen.dedup_by_key(|c| c.0);
+        let mut out = text.clone();
+        let digit = |b: u8| b.is_ascii_digit() || b == b'.' || b == b'-';
+        for (at, n) in chosen.into_iter().rev() {
+            let start = at - out[..at].bytes().rev().take_while(|b| digit(*b)).count();
+            let end = at + out[at..].bytes().take_while(|b| digit(*b)).count();
+            out.replace_range(start..end, n);
+        }
+        survives(out.as_bytes());
+    }
+}
