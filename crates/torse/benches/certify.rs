@@ -72,7 +72,6 @@ fn triangles_1152(bencher: divan::Bencher, (rational, dual): (bool, bool)) {
     let run = || distance(&prepared, &torse, &triangles, 1.0, &DistanceOptions::default(), &Control::default());
     let j = run();
     assert!(matches!(j.verdict, Verdict::Holds { .. }), "{j:?}");
-    println!("rational {rational}, dual {dual}: {} looks, {} cells, {:?}", j.looks, j.cells, j.verdict);
     bencher.bench_local(run);
 }
 

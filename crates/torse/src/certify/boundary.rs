@@ -14,18 +14,21 @@
 //! foot. So every point of the panel is within D + δ of the face; and, since the foot map does not fold, conversely.
 //! Both directions are thus bounded by D + δ, and by D + δ + η with the rounding η of the patch.
 //!
-//! *Enclosure*: a function on [0, 1] with derivative in [a, b] differs from its chord by at most (b − a)/4. Derivatives are plain
-//! interval evaluations, so the excess is quadratic in the length of the piece; pieces are halved until it is small.
+//! *Enclosure*: on [0, 1] a function with derivative in [a, b] differs from its chord by at most (b − a)/4, and a C¹ function
+//! with |second derivative| ≤ c by at most c/8. Derivatives come from interval jets; as Q and p nearly vanish, so do
+//! their second derivatives, and the excess is cubic in the length of the piece. Pieces are halved until it is small;
+//! the second bound is used where θ₁ stays in one span of the torse and of the patch.
 
-use super::cell::Local;
+use super::cell::{Local, Place};
 use super::distance::{key, Feet};
 use super::family::{Family, Plane};
 use super::prepared::{BoxNet, Patch, Prepared};
 use super::ruled::RuledJets;
-use super::vector::{add, cross, dot, exact, length, length_bound, scale, sub, V3};
+use super::vector::{add, cross, dot, exact, length, length_bound, sub, V3};
 use crate::geom::Vec3;
-use crate::num::bernstein::{derivative, from_spline_over, hull};
+use crate::num::bernstein::from_spline_over;
 use crate::num::interval::Interval;
+use crate::num::jet::Jet;
 use crate::spline::curve::Curve;
 use crate::surface::panel::Run;
 
@@ -127,56 +130,57 @@ impl Boundary<'_> {
     fn piece_bound(&self, patch: &Patch, ga: [f64; 2], gb: [f64; 2], trim: &Curve<2>, s: (f64, f64)) -> Option<Found> {
         let family = self.family;
         let theta = trim_piece(trim, s.0, s.1);
-        let (t, r) = (hull(&theta[0]), hull(&theta[1]));
+        let (t, r) = (Jet::of_bernstein(&theta[0]), Jet::of_bernstein(&theta[1]));
         let (t_lo, t_hi) = self.jets.domain();
         let (f_lo, f_hi) = family.domain();
-        if t.lo < t_lo.max(f_lo) || t.hi > t_hi.min(f_hi) {
+        if t.v.lo < t_lo.max(f_lo) || t.v.hi > t_hi.min(f_hi) {
             return None;
         }
-        let slope = [hull(&derivative(&theta[0])), hull(&derivative(&theta[1]))];
 
-        // The surface over the side's box: X and its derivative along the side, and X at both ends.
+        // The surface over the side's box: X with derivatives along the side, and X at both ends.
         let BoxNet { net, corners } = patch.over(&[ga, gb, gb]);
         let base = sub(&exact::<Interval>(&patch.centre), &exact(&family.origin));
+        let local = Local::new(&net, [0.5, 0.5]);
         let end = |y: &[Interval; 2]| -> V3<Interval> {
-            let local = Local::new(&net, [y[0].mid().clamp(0.0, 1.0), y[1].mid().clamp(0.0, 1.0)]);
+            let c = [y[0].mid().clamp(0.0, 1.0), y[1].mid().clamp(0.0, 1.0)];
+            let place = Place::of(&net, c);
             // The corner may stick out of [0, 1] by a rounding error only; its width covers the clamping.
-            let reach = |i: usize| y[i].rad() + (y[i].mid() - y[i].mid().clamp(0.0, 1.0)).abs();
-            let off = local.centre_error + local.norms[1] * reach(0) + local.norms[2] * reach(1);
-            let z = add(&base, &exact(&Vec3::from(local.z)));
-            z.map(|c| c.widen(off * (1.0 + 1e-12)))
+            let reach = |i: usize| y[i].rad() + (y[i].mid() - c[i]).abs();
+            let off = place.error + local.norms[1] * reach(0) + local.norms[2] * reach(1);
+            add(&base, &exact(&Vec3::from(place.z))).map(|c| c.widen(off * (1.0 + 1e-12)))
         };
         let (xa, xb) = (end(&corners[0]), end(&corners[1]));
-        let local = Local::new(&net, [0.5, 0.5]);
-        let axes = [0, 1, 2].map(|d: usize| {
+        let z = add(&base, &exact(&Vec3::from(local.z)));
+        let along = [corners[1][0] - corners[0][0], corners[1][1] - corners[0][1]];
+        let x: V3<Jet> = [0, 1, 2].map(|d: usize| {
             let mut axis = [Interval::ZERO; 3];
             axis[d] = Interval::ONE;
-            local.forms(&axis)
+            let f = local.forms(&axis);
+            Jet {
+                v: z[d] + f.x,
+                d: f.s1 * along[0] + f.s2 * along[1],
+                dd: f.s11 * along[0].sqr() + f.s12 * along[0] * along[1] * 2.0 + f.s22 * along[1].sqr(),
+            }
         });
-        let z = add(&base, &exact(&Vec3::from(local.z)));
-        let x = [0, 1, 2].map(|d: usize| z[d] + axes[d].x);
-        let along = [corners[1][0] - corners[0][0], corners[1][1] - corners[0][1]];
-        let dx = [0, 1, 2].map(|d: usize| axes[d].s1 * along[0] + axes[d].s2 * along[1]);
 
-        // Q and p at the ends and their derivatives over the piece.
-        let plane = family.over(t);
-        let e = Family::direction(&plane);
-        let jet = self.jets.over(t, r);
-        let w = sub(&x, &jet.point);
-        let slope_e = slope_over(&plane, &x);
-        let dq = dot(&plane.gradient(), &dx) + slope_e * slope[0];
-        let dw = sub(&dx, &add(&scale(&jet.dt, slope[0]), &scale(&jet.dr, slope[1])));
-        let dp = dot(&cross(&plane.n, &plane.dm), &w) * slope[0] + dot(&e, &dw);
-        let mut q_ends = 0.0f64;
-        let mut p_ends = 0.0f64;
+        // Q and p at the ends, and how far they may stray from their chords in between.
+        let clip = |t: Interval, lo: f64, hi: f64| t.intersect(Interval { lo, hi });
+        let (mut q_ends, mut p_ends) = (0.0f64, 0.0f64);
         for (x, k) in [(&xa, 0), (&xb, theta[0].len() - 1)] {
-            let here = family.over(theta[0][k].intersect(Interval { lo: f_lo, hi: f_hi })?);
-            let point = self.jets.over(theta[0][k].intersect(Interval { lo: t_lo, hi: t_hi })?, theta[1][k]).point;
+            let here = family.over(clip(theta[0][k], f_lo, f_hi)?);
+            let point = self.jets.at(clip(theta[0][k], t_lo, t_hi)?, theta[1][k]);
             q_ends = q_ends.max(here.foot(here.f(x), here.mu(x)).mag());
             p_ends = p_ends.max(dot(&Family::direction(&here), &sub(x, &point)).mag());
         }
-        let q = q_ends + 0.25 * dq.width();
-        let p = p_ends + 0.25 * dp.width();
+        let (plane, one_plane) = family.along(t);
+        let (point, one_point) = self.jets.along(t, r);
+        let off = sub(&x, &point);
+        let q_jet = plane.foot(plane.f(&x), plane.mu(&x));
+        let p_jet = dot(&Family::direction(&plane), &off);
+        let q = q_ends + q_jet.chord_deviation(one_plane);
+        let p = p_ends + p_jet.chord_deviation(one_plane && one_point);
+        let (t, x, w) = (t.v, x.map(|x| x.v), off.map(|x| x.v));
+        let slope_e = slope_over(&family.over(t), &x);
 
         // The path: t between the foot and θ₁, X fixed.
         let reach = (Interval::point(q) / slope_e.abs()).hi;

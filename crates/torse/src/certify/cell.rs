@@ -74,9 +74,9 @@ pub(super) struct Forms {
     pub x: Interval,
     pub s1: Interval,
     pub s2: Interval,
-    s11: Interval,
-    s12: Interval,
-    s22: Interval,
+    pub s11: Interval,
+    pub s12: Interval,
+    pub s22: Interval,
 }
 
 /// The surface over the box, about the reference point `z` near the image of the centroid.
@@ -304,25 +304,16 @@ impl<'a> Local<'a> {
     pub fn new(net: &'a Net, c: [f64; 2]) -> Self {
         let (p, q) = (net.p, net.q);
         let row = q + 1;
+        let relative = relative_error(net);
+        let comps = if net.rational() { 4 } else { 3 };
         let (wu, wv) = (bernstein_weights(p, c[0]), bernstein_weights(q, c[1]));
         let (du, dv) = (bernstein_weights(p - 1, c[0]), bernstein_weights(q - 1, c[1]));
-        let relative = (8 * (p + q + 3)) as f64 * UNIT;
-        let comps = if net.rational() { 4 } else { 3 };
-        let mut value = [0.0; 4];
-        for (d, v) in value.iter_mut().enumerate().take(comps) {
-            *v = contract(net.component(d), &wu[..=p], &wv[..=q]);
-        }
-        let mut z = [value[0], value[1], value[2]];
-        if comps == 4 {
-            z = z.map(|x| x / value[3]);
-        }
-        let w_size = net.weight_size;
+        let Place { z, weight: w_c, error: centre_error } = Place::of(net, c);
         let z_size = z[0].abs().max(z[1].abs()).max(z[2].abs());
         // Error of a component of b − z (of A − w z for rational surfaces).
-        let (mut error, mut centre_error) = (net.error, net.error + relative * net.size);
+        let mut error = net.error;
         if comps == 4 {
-            error += net.weight_error * z_size + 3.0 * UNIT * (net.size + w_size * z_size);
-            centre_error += (net.weight_error + relative * w_size) * z_size + 3.0 * UNIT * (net.size + w_size * z_size);
+            error += net.weight_error * z_size + 3.0 * UNIT * (net.size + net.weight_size * z_size);
         }
         let shifted: [Vec<f64>; 3] = std::array::from_fn(|d| {
             let c = net.component(d);
@@ -393,8 +384,6 @@ impl<'a> Local<'a> {
             let s22 = (norms[5] + 2.0 * size[2] * s2 + size[5] * x) / low;
             norms = if low > 0.0 { [x, s1, s2, s11, s12, s22].map(|v| v * up) } else { [f64::INFINITY; 6] };
             // Derivatives at the centroid: (A_1 − w_1 (X − z))/w with X − z within the centre's error.
-            let w_c = Interval::point(value[3]).widen(net.weight_error + relative * w_size);
-            centre_error = (Interval::point(centre_error) / w_c).hi;
             let off = Interval::symmetric(centre_error);
             for (i, row) in d.iter_mut().enumerate() {
                 for c in row.iter_mut() {
@@ -466,6 +455,43 @@ impl<'a> Local<'a> {
                 }
             }
         }
+    }
+}
+
+/// Relative error of a contraction with Bernstein weights, in relation to the largest coefficient.
+#[inline]
+fn relative_error(net: &Net) -> f64 {
+    (8 * (net.p + net.q + 3)) as f64 * UNIT
+}
+
+/// A point of the surface.
+pub(super) struct Place {
+    /// The point, rounded, relative to the centre of the patch.
+    pub z: V3<f64>,
+    /// Weight there.
+    weight: Interval,
+    /// Bound of the error of a component of `z`.
+    pub error: f64,
+}
+
+impl Place {
+    /// The point with box coordinates `c ∈ [0, 1]²`.
+    pub fn of(net: &Net, c: [f64; 2]) -> Self {
+        let (wu, wv) = (bernstein_weights(net.p, c[0]), bernstein_weights(net.q, c[1]));
+        let relative = relative_error(net);
+        let value = |d: usize| contract(net.component(d), &wu[..=net.p], &wv[..=net.q]);
+        let z = [value(0), value(1), value(2)];
+        let error = net.error + relative * net.size;
+        if !net.rational() {
+            return Self { z, weight: Interval::ONE, error };
+        }
+        let w = value(3);
+        let z = z.map(|x| x / w);
+        let z_size = z[0].abs().max(z[1].abs()).max(z[2].abs());
+        let weight_error = net.weight_error + relative * net.weight_size;
+        let weight = Interval::point(w).widen(weight_error);
+        let error = error + weight_error * z_size + 3.0 * UNIT * (net.size + net.weight_size * z_size);
+        Self { z, weight, error: (Interval::point(error) / weight).hi }
     }
 }
 

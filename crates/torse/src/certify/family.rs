@@ -13,6 +13,7 @@ use super::vector::{add, cross, dot, exact, scale, V3};
 use crate::geom::Vec3;
 use crate::num::bernstein::{elevated, from_spline, Scalar};
 use crate::num::interval::Interval;
+use crate::num::jet::Jet;
 use crate::spline::knots::Knots;
 use crate::surface::torse::Torse;
 
@@ -228,6 +229,19 @@ impl Family {
         s.plane(x, t, &self.axes)
     }
 
+    /// The planes along a curve `t(s)` inside the domain, with derivatives in s; and whether `t` stays in one span.
+    pub fn along(&self, t: Jet) -> (Plane<Jet>, bool) {
+        let (first, last) = (self.span(t.v.lo), self.span(t.v.hi));
+        let axes = self.axes.map(|r| r.map(Jet::constant));
+        let piece = |i: usize| {
+            let span = self.spans[i].lifted();
+            let t = Jet { v: self.clip(i, t.v), ..t };
+            let x = (t - Jet::from(self.breaks[i])) * span.inverse - Jet::from(0.5);
+            span.plane(x, t, &axes)
+        };
+        (first + 1..=last).fold((piece(first), first == last), |(p, one), i| (p.hull(&piece(i)), one))
+    }
+
     /// Enclosures over `t` (inside the domain) of σ and of m' with `m'·x − k'`; `x` relative to the origin.
     pub fn ranges(&self, t: Interval, x: &V3<Interval>) -> Ranges {
         let (first, last) = (self.span(t.lo), self.span(t.hi));
@@ -388,40 +402,64 @@ impl Family {
         best.map(|(t, _)| t)
     }
 
-    /// `n × m`, the direction of the ruling (local metric up to the frame's error; not of unit length).
-    pub fn direction(p: &Plane<Interval>) -> V3<Interval> {
+    /// `n × m`, the direction of the ruling (not of unit length).
+    pub fn direction<S: Scalar>(p: &Plane<S>) -> V3<S> {
         cross(&p.n, &p.m)
     }
 }
 
-impl Plane<Interval> {
+/// Scalars that can be hulled.
+pub(super) trait Hull: Copy {
+    /// Smallest enclosure of both.
+    fn with(self, o: Self) -> Self;
+}
+
+impl Hull for Interval {
+    fn with(self, o: Self) -> Self {
+        self.hull(o)
+    }
+}
+
+impl Hull for Jet {
+    fn with(self, o: Self) -> Self {
+        self.hull(o)
+    }
+}
+
+impl<S: Hull> Plane<S> {
     fn hull(&self, o: &Self) -> Self {
-        use super::vector::hull;
+        let three = |a: &V3<S>, b: &V3<S>| [a[0].with(b[0]), a[1].with(b[1]), a[2].with(b[2])];
         Self {
-            n: hull(&self.n, &o.n),
-            m: hull(&self.m, &o.m),
-            dm: hull(&self.dm, &o.dm),
-            sigma: self.sigma.hull(o.sigma),
-            nn: self.nn.hull(o.nn),
-            nm: self.nm.hull(o.nm),
-            mm: self.mm.hull(o.mm),
-            ndm: self.ndm.hull(o.ndm),
-            h: self.h.hull(o.h),
-            k: self.k.hull(o.k),
-            dk: self.dk.hull(o.dk),
+            n: three(&self.n, &o.n),
+            m: three(&self.m, &o.m),
+            dm: three(&self.dm, &o.dm),
+            sigma: self.sigma.with(o.sigma),
+            nn: self.nn.with(o.nn),
+            nm: self.nm.with(o.nm),
+            mm: self.mm.with(o.mm),
+            ndm: self.ndm.with(o.ndm),
+            h: self.h.with(o.h),
+            k: self.k.with(o.k),
+            dk: self.dk.with(o.dk),
         }
     }
 }
 
 impl Span<Interval> {
     fn middle(&self) -> Span<f64> {
+        self.map(Interval::mid)
+    }
+
+    fn lifted(&self) -> Span<Jet> {
+        self.map(Jet::constant)
+    }
+
+    fn map<S>(&self, f: impl Fn(Interval) -> S + Copy) -> Span<S> {
         let functions = match &self.functions {
-            Functions::Primal { f, a, g } => {
-                Functions::Primal { f: f.map(Interval::mid), a: a.map(Interval::mid), g: g.map(Interval::mid) }
-            }
-            Functions::Dual { c } => Functions::Dual { c: c.map(|r| r.map(Interval::mid)) },
+            Functions::Primal { f: profile, a, g } => Functions::Primal { f: profile.map(f), a: a.map(f), g: g.map(f) },
+            Functions::Dual { c } => Functions::Dual { c: c.map(|r| r.map(f)) },
         };
-        Span { inverse: self.inverse.mid(), functions }
+        Span { inverse: f(self.inverse), functions }
     }
 }
 

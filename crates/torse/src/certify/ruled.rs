@@ -1,8 +1,9 @@
 //! The exported ruled patch: its two boundary curves A (v = 0) and B (v = 1) as enclosed Bernstein polynomials.
 
 use super::vector::{hull, V3};
-use crate::num::bernstein::{binomial, from_spline_over};
+use crate::num::bernstein::{binomial, from_spline_over, Scalar};
 use crate::num::interval::Interval;
+use crate::num::jet::Jet;
 use crate::spline::surface::Surface;
 
 /// A patch of degree 1 in v over `v ∈ [0, 1]`.
@@ -82,17 +83,6 @@ struct RuledSpan {
     rational: bool,
 }
 
-/// Enclosures of the patch and its first derivatives.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct RuledJet {
-    /// R, relative to the origin given.
-    pub point: V3<Interval>,
-    /// ∂R/∂t.
-    pub dt: V3<Interval>,
-    /// ∂R/∂r.
-    pub dr: V3<Interval>,
-}
-
 impl RuledJets {
     /// Prepares a patch, with positions relative to `origin`.
     pub fn new(patch: &Ruled, origin: &[f64; 3]) -> Self {
@@ -113,58 +103,56 @@ impl RuledJets {
         (self.breaks[0], self.breaks[self.breaks.len() - 1])
     }
 
-    /// Enclosures over `t × r`, `t` inside the domain.
-    pub fn over(&self, t: Interval, r: Interval) -> RuledJet {
-        let inner = &self.breaks[1..self.breaks.len() - 1];
-        let find = |x: f64| inner.partition_point(|&b| b <= x);
-        let (first, last) = (find(t.lo), find(t.hi));
+    /// The curve `R(t(s), r(s))` with derivatives, `t` inside the domain; and whether `t` stays in one span.
+    pub fn along(&self, t: Jet, r: Jet) -> (V3<Jet>, bool) {
+        let (first, last) = (self.span(t.v.lo), self.span(t.v.hi));
         let piece = |i: usize| {
-            let lo = t.lo.max(self.breaks[i]);
-            let clipped = Interval { lo, hi: t.hi.min(self.breaks[i + 1]).max(lo) };
-            self.spans[i].jet((clipped - Interval::point(self.breaks[i])) * self.spans[i].inverse - HALF, r)
+            let t = Jet { v: self.clip(i, t.v), ..t };
+            let span = &self.spans[i];
+            let x = (t - Jet::from(self.breaks[i])) * Jet::constant(span.inverse) - Jet::from(0.5);
+            span.point(x, r, Jet::constant)
         };
-        (first + 1..=last).fold(piece(first), |a, i| {
-            let b = piece(i);
-            RuledJet { point: hull(&a.point, &b.point), dt: hull(&a.dt, &b.dt), dr: hull(&a.dr, &b.dr) }
+        (first + 1..=last).fold((piece(first), first == last), |(p, one), i| {
+            let q = piece(i);
+            ([0, 1, 2].map(|d: usize| p[d].hull(q[d])), one)
         })
+    }
+
+    /// Points `R(t, r)`, `t` inside the domain: for narrow intervals.
+    pub fn at(&self, t: Interval, r: Interval) -> V3<Interval> {
+        let (first, last) = (self.span(t.lo), self.span(t.hi));
+        let piece = |i: usize| {
+            let x = (self.clip(i, t) - Interval::point(self.breaks[i])) * self.spans[i].inverse - Interval::point(0.5);
+            self.spans[i].point(x, r, |c| c)
+        };
+        (first + 1..=last).fold(piece(first), |p, i| hull(&p, &piece(i)))
+    }
+
+    fn span(&self, t: f64) -> usize {
+        self.breaks[1..self.breaks.len() - 1].partition_point(|&b| b <= t)
+    }
+
+    fn clip(&self, i: usize, t: Interval) -> Interval {
+        let lo = t.lo.max(self.breaks[i]);
+        Interval { lo, hi: t.hi.min(self.breaks[i + 1]).max(lo) }
     }
 }
 
-const HALF: Interval = Interval::point(0.5);
-
 impl RuledSpan {
-    fn jet(&self, x: Interval, r: Interval) -> RuledJet {
-        let middle = Interval::point(x.mid());
-        let off = x - middle;
-        // Values in mean value form; derivatives by Horner's scheme over the interval.
-        let value_and_slope = |c: &Vec<Interval>| {
-            let (mut v, mut d) = (Interval::ZERO, Interval::ZERO);
-            for &a in c.iter().rev() {
-                v = v * middle + a;
-            }
-            for (k, &a) in c.iter().enumerate().skip(1).rev() {
-                d = d * x + a * (k as f64);
-            }
-            (v + d * off, d * self.inverse)
-        };
-        let s = Interval::ONE - r;
+    fn point<S: Scalar>(&self, x: S, r: S, lift: impl Fn(Interval) -> S) -> V3<S> {
         let comps = if self.rational { 4 } else { 3 };
-        let (mut h, mut ht, mut hr) = ([Interval::ZERO; 4], [Interval::ZERO; 4], [Interval::ZERO; 4]);
-        for d in 0..comps {
-            let (a, at) = value_and_slope(&self.ends[0][d]);
-            let (b, bt) = value_and_slope(&self.ends[1][d]);
-            hr[d] = b - a;
-            // Convex combinations, written so that r appears once.
-            h[d] = a + r * hr[d];
-            ht[d] = at * s + bt * r;
+        let mut h = [S::from(0.0); 4];
+        for (d, h) in h.iter_mut().enumerate().take(comps) {
+            let value = |c: &[Interval]| c.iter().rev().fold(S::from(0.0), |v, &a| v * x + lift(a));
+            let (a, b) = (value(&self.ends[0][d]), value(&self.ends[1][d]));
+            // A convex combination, written so that r appears once.
+            *h = a + r * (b - a);
         }
-        let first = |v: &[Interval; 4]| [v[0], v[1], v[2]];
-        if !self.rational {
-            return RuledJet { point: first(&h), dt: first(&ht), dr: first(&hr) };
+        if self.rational {
+            [h[0].over(h[3]), h[1].over(h[3]), h[2].over(h[3])]
+        } else {
+            [h[0], h[1], h[2]]
         }
-        let point = [0, 1, 2].map(|d: usize| h[d] / h[3]);
-        let quotient = |v: &[Interval; 4]| [0, 1, 2].map(|d: usize| (v[d] - point[d] * v[3]) / h[3]);
-        RuledJet { point, dt: quotient(&ht), dr: quotient(&hr) }
     }
 }
 

@@ -1,14 +1,14 @@
 //! Gaps between neighbouring panels: the distance of the two trimmed edges at equal places of the seam.
 //!
-//! `gap(s) = |R_i(θ_i(s)) − R_j(θ_j(1 − s))|` \[certificate, 5\]: chord between enclosed end values plus a quarter of the width of the enclosed
-//! derivative, component by component, on pieces between the knots of both curves, halved while that pays.
+//! `gap(s) = |R_i(θ_i(s)) − R_j(θ_j(1 − s))|` \[certificate, 5\]: chord between enclosed end values plus the deviation that the
+//! enclosed derivatives allow, component by component, on pieces between the knots of both curves, halved while that pays.
 
 use super::boundary::trim_piece;
 use super::ruled::RuledJets;
-use super::vector::{add, exact, length_bound, scale, sub, V3};
+use super::vector::{add, exact, length_bound, sub, V3};
 use crate::geom::Vec3;
-use crate::num::bernstein::{derivative, hull};
 use crate::num::interval::Interval;
+use crate::num::jet::Jet;
 use crate::surface::panel::Run;
 
 /// Pieces are halved until the enclosure exceeds its end values by less than this share of the tolerance.
@@ -50,42 +50,45 @@ pub(super) fn gap_bound(a: Shore, b: Shore, tolerance: f64) -> Option<f64> {
 fn piece(a: Shore, b: Shore, shift: &V3<Interval>, s0: f64, s1: f64) -> Option<(f64, f64)> {
     let p = a.over(s0, s1, false)?;
     let q = b.over(s0, s1, true)?;
+    let smooth = p.smooth && q.smooth;
     let ends = [0, 1].map(|k: usize| add(&sub(&p.ends[k], &q.ends[k]), shift));
-    let slope = sub(&p.slope, &q.slope);
-    let spread = [0, 1, 2].map(|d: usize| ends[0][d].hull(ends[1][d]).widen(0.25 * slope[d].width()));
+    let spread = [0, 1, 2].map(|d: usize| {
+        let difference = p.curve[d] - q.curve[d];
+        ends[0][d].hull(ends[1][d]).widen(difference.chord_deviation(smooth))
+    });
     Some((length_bound(&spread), length_bound(&ends[0]).max(length_bound(&ends[1]))))
 }
 
 /// A trimmed edge over a piece.
 struct EdgePiece {
     ends: [V3<Interval>; 2],
-    slope: V3<Interval>,
+    /// With derivatives with respect to the share of the piece.
+    curve: V3<Jet>,
+    smooth: bool,
 }
 
 impl Shore<'_> {
-    /// The edge over `[s0, s1]`, or over `[1 − s1, 1 − s0]` backwards; its derivative with respect to the share of the piece.
+    /// The edge over `[s0, s1]`, or over `[1 − s1, 1 − s0]` backwards.
     ///
     /// Rounding of `1 − s` shifts the correspondence by less than a unit in the last place and never leaves a gap, since
     /// neighbouring pieces round alike.
     fn over(&self, s0: f64, s1: f64, backwards: bool) -> Option<EdgePiece> {
         let (from, to) = if backwards { (1.0 - s1, 1.0 - s0) } else { (s0, s1) };
-        let theta = trim_piece(&self.run.trim, from, to);
+        let mut theta = trim_piece(&self.run.trim, from, to);
+        if backwards {
+            theta.iter_mut().for_each(|c| c.reverse());
+        }
         let (lo, hi) = self.jets.domain();
         let domain = Interval { lo, hi };
-        let t = hull(&theta[0]);
-        if !domain.widen(1e-12 * (hi - lo)).encloses(t) {
+        let (mut t, r) = (Jet::of_bernstein(&theta[0]), Jet::of_bernstein(&theta[1]));
+        // Rounded coefficients may stick out of the domain by a hair.
+        if !domain.widen(1e-12 * (hi - lo)).encloses(t.v) {
             return None;
         }
-        let jet = self.jets.over(t.intersect(domain)?, hull(&theta[1]));
-        let slopes = [hull(&derivative(&theta[0])), hull(&derivative(&theta[1]))];
-        let slope = add(&scale(&jet.dt, slopes[0]), &scale(&jet.dr, slopes[1]));
+        t.v = t.v.intersect(domain)?;
+        let (curve, smooth) = self.jets.along(t, r);
         let last = theta[0].len() - 1;
-        let at = |k: usize| Some(self.jets.over(theta[0][k].intersect(domain)?, theta[1][k]).point);
-        let (first, second) = (at(0)?, at(last)?);
-        Some(if backwards {
-            EdgePiece { ends: [second, first], slope: scale(&slope, -Interval::ONE) }
-        } else {
-            EdgePiece { ends: [first, second], slope }
-        })
+        let at = |k: usize| Some(self.jets.at(theta[0][k].intersect(domain)?, theta[1][k]));
+        Some(EdgePiece { ends: [at(0)?, at(last)?], curve, smooth })
     }
 }

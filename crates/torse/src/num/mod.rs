@@ -8,3 +8,4 @@ pub mod minimax;
 pub mod max_flow;
 pub mod binomial;
 pub mod quadrature;
+pub mod jet;
