@@ -23,7 +23,8 @@ pub struct Waypoint {
 /// A fitted trimming curve.
 #[derive(Clone, Debug)]
 pub struct Trim {
-    /// `(t, r)(s)`, cubic, C², domain [0, 1]; its ends are those of the waypoints, bit by bit.
+    /// `(t, r)(s)`, cubic, domain [0, 1], C² except at double knots where it crosses a knot line of the patch: feet
+    /// are only C¹ there. Its ends are those of the waypoints, bit by bit.
     pub curve: Curve<2>,
     /// Largest distance in space (mm) between curve and waypoints at equal s (first order).
     pub deviation_estimate: f64,
@@ -34,10 +35,10 @@ const ROUNDS: usize = 14;
 /// A span with fewer waypoints is not cut: more knots could not be determined.
 const SPLITTABLE: usize = 5;
 
-/// Cubic C² spline near waypoints with increasing s from 0 to 1, with few knots where it is smooth.
+/// Cubic spline near waypoints with increasing s from 0 to 1, with few knots where it is smooth.
 ///
-/// *Method*: least squares with fixed ends; spans are halved (at their middle waypoint) where the error in space
-/// exceeds the allowance. *Not guaranteed*: that the allowance is met (see `deviation_estimate`), namely where the
+/// *Method*: least squares with fixed ends; spans are cut where the error in space exceeds the allowance, at a
+/// crossing of the patch's knot lines (double knot) or at their middle waypoint. *Not guaranteed*: that the allowance is met (see `deviation_estimate`), namely where the
 /// waypoints have a kink.
 ///
 /// # Errors
@@ -51,7 +52,7 @@ pub fn trim(patch: &Surface, waypoints: &[Waypoint]) -> Result<Trim, SplineError
         })
         .collect();
     let lines = patch.knots_u.breaks();
-    let mut breaks = vec![0.0, 1.0];
+    let mut breaks = vec![(0.0, 1), (1.0, 1)];
     let mut best: Option<Trim> = None;
     for _ in 0..ROUNDS {
         let curve = least_squares(&breaks, waypoints)?;
@@ -62,7 +63,7 @@ pub fn trim(patch: &Surface, waypoints: &[Waypoint]) -> Result<Trim, SplineError
             let error = (du * (q[0] - w.place[0]) + dv * (q[1] - w.place[1])).norm();
             worst = worst.max(error);
             if error > w.allowance {
-                let k = breaks.partition_point(|&b| b <= w.s).clamp(1, breaks.len() - 1);
+                let k = breaks.partition_point(|b| b.0 <= w.s).clamp(1, breaks.len() - 1);
                 exceeded[k - 1] = true;
             }
         }
@@ -72,9 +73,9 @@ pub fn trim(patch: &Surface, waypoints: &[Waypoint]) -> Result<Trim, SplineError
         if !exceeded.contains(&true) {
             break;
         }
-        let mut finer = vec![0.0];
+        let mut finer = vec![breaks[0]];
         for (k, w) in breaks.windows(2).enumerate() {
-            let (lo, hi) = (waypoints.partition_point(|p| p.s <= w[0]), waypoints.partition_point(|p| p.s < w[1]));
+            let (lo, hi) = (waypoints.partition_point(|p| p.s <= w[0].0), waypoints.partition_point(|p| p.s < w[1].0));
             if exceeded[k] && hi - lo >= SPLITTABLE {
                 finer.push(cut(&waypoints[lo..hi], &lines));
             }
@@ -88,27 +89,35 @@ pub fn trim(patch: &Surface, waypoints: &[Waypoint]) -> Result<Trim, SplineError
     best.ok_or(SplineError::KnotCount { knots: 0, control: 0, degree: 3 })
 }
 
-/// Where to cut a span with the given waypoints: at a crossing of the patch's knot lines, where the feet change their
-/// speed, if one lies in the middle half; else at the middle waypoint.
-fn cut(inside: &[Waypoint], lines: &[f64]) -> f64 {
+/// Where to cut a span with the given waypoints, and the multiplicity of the knot: at a crossing of the patch's knot
+/// lines, where the second derivative of the feet jumps, if one lies in the middle half; else at the middle waypoint.
+fn cut(inside: &[Waypoint], lines: &[f64]) -> (f64, usize) {
     let n = inside.len();
     let middle = n / 2;
     let crossing = |k: usize| {
         let (a, b) = (&inside[k - 1], &inside[k]);
         let (p, q) = (a.place[0], b.place[0]);
-        lines.iter().find(|&&l| (p < l) != (q < l)).map(|l| a.s + (b.s - a.s) * ((l - p) / (q - p)).clamp(0.0, 1.0))
+        lines
+            .iter()
+            .find(|&&l| (p < l) != (q < l))
+            .map(|l| (a.s + (b.s - a.s) * ((l - p) / (q - p)).clamp(0.0, 1.0), 2))
     };
     (0..=n / 4)
         .flat_map(|d| [middle + d, middle - d])
         .filter(|&k| k > 0 && k < n)
         .find_map(crossing)
-        .unwrap_or(inside[middle].s)
+        .unwrap_or((inside[middle].s, 1))
 }
 
-/// Least-squares cubic spline on simple knots with its ends fixed to the first and last waypoint.
-fn least_squares(breaks: &[f64], waypoints: &[Waypoint]) -> Result<Curve<2>, SplineError> {
-    let knots = Knots::clamped(3, breaks)?;
-    let n = knots.control_count();
+/// Least-squares cubic spline on knots `(s, multiplicity)` with its ends fixed to the first and last waypoint.
+fn least_squares(breaks: &[(f64, usize)], waypoints: &[Waypoint]) -> Result<Curve<2>, SplineError> {
+    let mut values = vec![0.0; 4];
+    for &(s, m) in &breaks[1..breaks.len() - 1] {
+        values.extend(std::iter::repeat_n(s, m));
+    }
+    values.extend([1.0; 4]);
+    let n = values.len() - 4;
+    let knots = Knots::new(3, values, n)?;
     let (first, last) = match (waypoints.first(), waypoints.last()) {
         (Some(a), Some(b)) => (a.place, b.place),
         _ => return Err(SplineError::KnotCount { knots: 0, control: 0, degree: 3 }),
