@@ -20,6 +20,9 @@ const DEGENERATE: f64 = 1e-7;
 /// counts as developable. Far below what any sheet shows, far above the rounding of second derivatives.
 const FLAT: f64 = 1e-6;
 
+/// Curvature times size (squared for Gaussian curvature) that is rounding error of second derivatives, shown as zero.
+const ROUNDING: f64 = 1e-9;
+
 /// Smallest and largest value met.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Range {
@@ -37,13 +40,10 @@ impl Range {
 
     const EMPTY: Self = Self { min: f64::INFINITY, max: f64::NEG_INFINITY };
 
-    /// Zero where nothing was met.
-    fn or_zero(self) -> Self {
-        if self.min <= self.max {
-            self
-        } else {
-            Self { min: 0.0, max: 0.0 }
-        }
+    /// Zero where nothing was met, and for what is not above `noise`.
+    fn cleared(self, noise: f64) -> Self {
+        let clear = |x: f64| if x.is_finite() && x.abs() > noise { x } else { 0.0 };
+        Self { min: clear(self.min), max: clear(self.max) }
     }
 
     fn magnitude(&self) -> f64 {
@@ -138,14 +138,15 @@ pub fn measure_face(face: &Face) -> FaceInfo {
             }
         }
     }
+    let noise = ROUNDING / bbox_estimate.diagonal();
     FaceInfo {
         kind: kind_name(face.kind),
         holes: face.loops.len().saturating_sub(1),
         bbox_estimate,
         area_estimate: area(s, &face.loops),
-        curvature_min: kmin.or_zero(),
-        curvature_max: kmax.or_zero(),
-        gaussian: gaussian.or_zero(),
+        curvature_min: kmin.cleared(noise),
+        curvature_max: kmax.cleared(noise),
+        gaussian: gaussian.cleared(noise * noise / ROUNDING),
     }
 }
 
