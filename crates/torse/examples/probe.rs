@@ -22,7 +22,7 @@ fn main() {
     let s = Surface::new(ku, kv, &pts, Some(&w)).unwrap();
     let face = Face::untrimmed(s);
     let t = std::time::Instant::now();
-    let c = cover(&face, &CoverOptions { tolerance: tol, max_panels: usize::MAX }, &Control::default()).unwrap();
+    let c = cover(&face, &CoverOptions { tolerance: tol, max_panels: usize::MAX, facets: false }, &Control::default()).unwrap();
     println!("{} tol {} : {} panels complete {} in {:.2}s tris {}", a[1], tol, c.state.panels.len(), c.complete, t.elapsed().as_secs_f64(), c.state.partition.triangles.len());
     for (l, p) in &c.state.panels { print!("{}:{:?}{}:{:.3} ", l, p.kind, if matches!(p.torse, torse::surface::torse::Torse::Dual(_)) {"D"} else {"P"}, p.error / tol); }
     println!();

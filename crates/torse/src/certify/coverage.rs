@@ -187,7 +187,7 @@ mod tests {
         let vertices = outer.into_iter().chain(hole).collect();
         // Outer 0 1 2 3, hole 4 (lower left) 5 (upper left) 6 (upper right) 7 (lower right).
         let triangles = vec![[0, 1, 4], [4, 1, 7], [1, 2, 7], [7, 2, 6], [2, 3, 6], [6, 3, 5], [3, 0, 5], [5, 0, 4]];
-        (face, Partition { vertices, labels: vec![0; triangles.len()], triangles })
+        (face, Partition { vertices, labels: vec![0; triangles.len()], triangles, ..Partition::default() })
     }
 
     #[test]

@@ -131,9 +131,14 @@ pub fn panels(
     let built: Result<Vec<_>, _> = assigned.par_iter().map(|a| borders.panel(face_index, a, options)).collect();
     let (mut panels, trim_deviation_estimates): (Vec<Panel>, Vec<f64>) = built?.into_iter().unzip();
     for (k, p) in panels.iter_mut().enumerate() {
-        p.name = format!("{}-{:02}", letters(face_index), k + 1);
+        p.name = panel_name(face_index, k);
     }
     Ok(Panels { panels, trim_deviation_estimates, seam_count: borders.seam_count })
+}
+
+/// Name of a panel: the face's letter and the panel's number from one, "A-01".
+pub fn panel_name(face_index: usize, panel: usize) -> String {
+    format!("{}-{:02}", letters(face_index), panel + 1)
 }
 
 /// A, B, …, Z, AA, AB, … for 0, 1, ….

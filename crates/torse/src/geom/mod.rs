@@ -4,6 +4,7 @@ use nalgebra as na;
 
 pub mod mesh;
 pub mod partition;
+pub mod smooth_seams;
 pub mod triangulate;
 pub mod placement;
 pub mod rectangle;

@@ -9,7 +9,8 @@ use crate::certify::{self, Certificate};
 use crate::control::Control;
 use crate::develop::pattern::{pattern, PatternOptions};
 use crate::develop::DevelopError;
-use crate::fit::boundary::{self, Assigned, BoundaryError, BoundaryOptions};
+use crate::fit::boundary::{self, Assigned, Borders, BoundaryError, BoundaryOptions};
+use crate::geom::partition::Partition;
 use crate::geom::BBox;
 use crate::surface::face::Face;
 use crate::surface::panel::{Border, Panel, Patchwork};
@@ -64,8 +65,17 @@ const TRIM_SHARE: f64 = 1.0 / 250.0;
 const EDGE_SHARE: f64 = 0.01;
 /// Share of the tolerance that lines and arcs of a flat pattern may stray from the exact outline.
 const CONTOUR_SHARE: f64 = 0.05;
+/// Share of the parameter range within which a corner of a trim counts as lying on a knot line: a few times the
+/// rounding of readers' projections, far below any length that matters.
+const ON_LINE: f64 = 1e-9;
+/// Bend of a border (share of the tolerance) above which it gets finer; each round leaves about a quarter of it.
+const BEND_SHARE: f64 = 0.02;
+/// See [`BEND_SHARE`].
+const SMOOTHINGS: usize = 4;
 /// Rounds of cutting panels that the judge refuses as built.
-const ROUNDS: usize = 5;
+const ROUNDS: usize = 8;
+/// Round from which refused regions get plane facets only: these can always be built.
+const FACET_ROUND: usize = 3;
 /// Factor on the tolerance from one attempt to the next when the number of panels is limited.
 const COARSER: f64 = 1.6;
 
@@ -170,11 +180,12 @@ struct Built {
 }
 
 /// The loop over one face: cover, build, judge, develop; cut what is refused and go round again.
-fn one_face(index: usize, face: Face, options: &Options, control: &Control) -> Result<Built, Skipped> {
+fn one_face(index: usize, mut face: Face, options: &Options, control: &Control) -> Result<Built, Skipped> {
     let entity = face.entity;
+    corners_on_knot_lines(&mut face);
     let refuse = |reason: String| Skipped { entity, reason };
     let limit = options.max_panels.unwrap_or(usize::MAX);
-    let mut cover_options = CoverOptions { tolerance: options.tolerance, max_panels: limit };
+    let mut cover_options = CoverOptions { tolerance: options.tolerance, max_panels: limit, facets: false };
     let mut found = cover(&face, &cover_options, control).map_err(|e| refuse(e.to_string()))?;
     while !found.complete && !control.stopped() {
         // Too many panels: the fewest that were asked for, as near as they can be.
@@ -185,42 +196,44 @@ fn one_face(index: usize, face: Face, options: &Options, control: &Control) -> R
     if !complete {
         super::cover::fill(&mut state);
     }
-    let mut best: Option<Built> = None;
-    for round in 0..=ROUNDS {
-        let (built, refused) = match build(index, &face, &state, options.tolerance) {
-            Ok(done) => done,
-            // A region whose border cannot be drawn is cut like one that the judge refuses.
-            Err(e) if { if std::env::var("TA").is_ok() { eprintln!("build {e}"); } round < ROUNDS } => match super::cover::cut_refused(&face, &cover_options, control, &state, &[e.label()])
-            {
-                Some(next) => {
-                    state = next;
-                    continue;
-                }
-                None => return best.ok_or_else(|| refuse(e.to_string())),
-            },
-            Err(e) => return best.ok_or_else(|| refuse(e.to_string())),
-        };
+    let mut round = 0;
+    loop {
+        let (built, refused) = build(index, &face, &state, options.tolerance);
         if std::env::var("TA").is_ok() { eprintln!("round {round} panels {} refused {refused:?} {:?} {:?}", built.patchwork.panels.len(), built.certificate.missing, built.missing); }
         let stop = refused.is_empty()
             || round == ROUNDS
             || control.stopped()
             || cover_options.tolerance > options.tolerance
             || built.patchwork.panels.len() + refused.len() > limit;
-        best = Some(built);
         if stop {
-            break;
+            return Ok(built);
         }
+        cover_options.facets = round >= FACET_ROUND;
         match super::cover::cut_refused(&face, &cover_options, control, &state, &refused) {
             Some(next) => state = next,
-            None => break,
+            None => return Ok(built),
         }
+        round += 1;
     }
-    best.ok_or_else(|| refuse("no panel could be built".to_owned()))
 }
 
-/// Panels, proof and patterns of a covered face; second result: labels of the panels that must be cut.
-fn build(index: usize, face: &Face, state: &State, tolerance: f64) -> Result<(Built, Vec<u32>), BoundaryError> {
-    let partition = &state.partition;
+/// Moves corners of the trims that miss a knot line by rounding only onto it, so that no triangle crosses the line by
+/// a hair. From here on these corners are the definition of the face.
+fn corners_on_knot_lines(face: &mut Face) {
+    let knots = [face.surface.knots_u.breaks(), face.surface.knots_v.breaks()];
+    for p in face.loops.iter_mut().flat_map(|l| &mut l.points) {
+        for (x, knots) in p.iter_mut().zip(&knots) {
+            let extent = knots.last().unwrap_or(&1.0) - knots.first().unwrap_or(&0.0);
+            if let Some(&k) = knots.iter().find(|k| (*k - *x).abs() <= ON_LINE * extent) {
+                *x = k;
+            }
+        }
+    }
+}
+
+/// Panels, proof and patterns of a covered face; second result: labels of the regions that must be cut.
+fn build(index: usize, face: &Face, state: &State, tolerance: f64) -> (Built, Vec<u32>) {
+    let partition = smooth_borders(face, state.partition.clone(), tolerance);
     let assigned: Vec<Assigned> = state
         .panels
         .iter()
@@ -229,20 +242,30 @@ fn build(index: usize, face: &Face, state: &State, tolerance: f64) -> Result<(Bu
     let trim_tolerance = tolerance * TRIM_SHARE;
     let boundary = BoundaryOptions { trim_tolerance, edge_tolerance: trim_tolerance * EDGE_SHARE };
     let trim_edge = |a: u32, b: u32| partition.trim_edges.get(&(a, b)).copied().unwrap_or(0);
-    let built = boundary::panels(index, face, partition, &assigned, &trim_edge, 0, &boundary)?;
-    let mut patchwork = Patchwork {
-        faces: vec![face.clone()],
-        partitions: vec![partition.clone()],
-        panels: built.panels,
-        seam_count: built.seam_count,
-    };
-    patchwork.panels.iter_mut().for_each(|p| p.face = 0);
+    let borders = Borders::new(face, &partition, &trim_edge, 0);
+    let made: Vec<Result<Panel, BoundaryError>> =
+        assigned.par_iter().map(|a| borders.panel(0, a, &boundary).map(|(p, _)| p)).collect();
+    let seam_count = borders.seam_count;
+    let (mut panels, mut missing, mut refused) = (Vec::new(), Vec::new(), Vec::new());
+    for (panel, a) in made.into_iter().zip(&assigned) {
+        match panel {
+            Ok(mut p) => {
+                p.name = boundary::panel_name(index, panels.len());
+                panels.push(p);
+            }
+            Err(e) => {
+                refused.push(a.label);
+                missing.push(format!("a region has no panel: {e}"));
+            }
+        }
+    }
+    let patchwork = Patchwork { faces: vec![face.clone()], partitions: vec![partition], panels, seam_count };
     // The proof has its own clock: what was found is judged even when time is up.
     let certificate = certify::patchwork(&patchwork, tolerance, &Control::default());
     let pattern_options = PatternOptions::new(tolerance * CONTOUR_SHARE);
     let developed: Vec<Result<Pattern, DevelopError>> =
         (0..patchwork.panels.len()).into_par_iter().map(|k| pattern(&patchwork, k, &pattern_options)).collect();
-    let (mut patterns, mut missing, mut refused) = (Vec::new(), Vec::new(), Vec::new());
+    let mut patterns = Vec::new();
     for ((panel, proof), flat) in patchwork.panels.iter().zip(&certificate.panels).zip(developed) {
         let mut bad = !proof.certified;
         match flat {
@@ -256,7 +279,23 @@ fn build(index: usize, face: &Face, state: &State, tolerance: f64) -> Result<(Bu
             refused.push(panel.label);
         }
     }
-    Ok((Built { patchwork, certificate, patterns, missing }, refused))
+    (Built { patchwork, certificate, patterns, missing }, refused)
+}
+
+/// Makes the borders between panels as smooth as the tolerance asks for.
+fn smooth_borders(face: &Face, mut partition: Partition, tolerance: f64) -> Partition {
+    let s = &face.surface;
+    let (u, v) = (s.knots_u.breaks(), s.knots_v.breaks());
+    let distance = |p: [f64; 2], q: [f64; 2]| {
+        let j = s.jet(0.5 * (p[0] + q[0]), 0.5 * (p[1] + q[1]));
+        (j.du * (q[0] - p[0]) + j.dv * (q[1] - p[1])).norm()
+    };
+    for _ in 0..SMOOTHINGS {
+        if partition.smooth_seams([&u, &v], tolerance * BEND_SHARE, distance) == 0 {
+            break;
+        }
+    }
+    partition
 }
 
 /// Adds the faces, panels and seams of another patchwork.

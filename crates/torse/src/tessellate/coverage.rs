@@ -79,6 +79,7 @@ mod tests {
             vertices: vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.5, 0.5]],
             triangles: vec![[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]],
             labels: vec![7, 7, 7, UNASSIGNED],
+            ..Partition::default()
         };
         let labels = HashSet::from([7]);
         let part = of_face(&plate, &partition, &labels);

@@ -47,6 +47,9 @@ impl Job<'_> {
                 }
             }
         }
+        if self.options.facets {
+            return Trial::failed(f64::INFINITY);
+        }
         let mut best = f64::INFINITY;
         let mut judge = |fit: Option<Fit>| -> Option<Trial> {
             if std::env::var("TJ").is_ok() { eprintln!("   fit label {label} {:?}", fit.as_ref().map(|f|f.error/allowed)); }

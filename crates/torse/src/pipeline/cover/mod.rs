@@ -28,6 +28,8 @@ pub struct CoverOptions {
     pub tolerance: f64,
     /// Largest number of panels on one face; `usize::MAX` for no limit.
     pub max_panels: usize,
+    /// Plane facets only; default false.
+    pub facets: bool,
 }
 
 /// Share of the tolerance that the distance part may use; the rest is for trim curves and rounding.
@@ -125,7 +127,7 @@ impl Job<'_> {
             state.panels.insert(label, fit);
             return Some(state);
         }
-        if depth >= FACET_DEPTH {
+        if depth >= FACET_DEPTH || self.options.facets {
             return self.bisect(state, label, budget, depth);
         }
         if budget >= 2 && trial.error < TWO_FACTOR * self.options.tolerance {

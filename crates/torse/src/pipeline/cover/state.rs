@@ -49,7 +49,9 @@ impl State {
         for p in face.loops.iter().flat_map(|l| &l.points) {
             b = [b[0].min(p[0]), b[1].max(p[0]), b[2].min(p[1]), b[3].max(p[1])];
         }
-        let (lines_u, lines_v) = grid_lines(s, b, strip);
+        let (mut lines_u, mut lines_v) = grid_lines(s, b, strip);
+        give_way(&mut lines_u, &s.knots_u.breaks(), face.loops.iter().flat_map(|l| &l.points).map(|p| p[0]));
+        give_way(&mut lines_v, &s.knots_v.breaks(), face.loops.iter().flat_map(|l| &l.points).map(|p| p[1]));
         let loops: Vec<(Vec<[f64; 2]>, Vec<u32>)> =
             face.loops.iter().map(|l| (l.points.clone(), l.edge.clone())).collect();
         let partition = triangulate(&loops, &lines_u, &lines_v)?;
@@ -176,6 +178,30 @@ fn spread(items: &[u32], count: usize, place: impl Fn(u32) -> Vec3) -> Vec<u32> 
         size *= 1.15;
     }
 }
+
+/// Moves grid lines that are no knot lines onto corners of the trims that they nearly meet, or drops them where they
+/// nearly meet several: corners are the definition of the face and stay where they are.
+fn give_way(lines: &mut Vec<f64>, knots: &[f64], corners: impl Iterator<Item = f64> + Clone) {
+    let (Some(&first), Some(&last)) = (lines.first(), lines.last()) else { return };
+    let near = NEAR * (last - first);
+    let mut kept = Vec::with_capacity(lines.len());
+    for &l in lines.iter() {
+        let mut close: Vec<f64> = corners.clone().filter(|c| (c - l).abs() <= near).collect();
+        close.sort_by(f64::total_cmp);
+        close.dedup();
+        match close[..] {
+            [] => kept.push(l),
+            _ if knots.contains(&l) || l <= first || l >= last => kept.push(l),
+            [c] => kept.push(c),
+            _ => {}
+        }
+    }
+    kept.dedup();
+    *lines = kept;
+}
+
+/// Share of the extent within which a grid line counts as meeting a corner.
+const NEAR: f64 = 1e-7;
 
 /// Grid lines of the first triangulation within the box `[u0, u1, v0, v1]`: every knot line, and between them
 /// lines about equally spaced in space.
