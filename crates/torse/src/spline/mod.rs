@@ -7,6 +7,7 @@ pub mod offset;
 pub mod project;
 pub mod space_curve;
 pub mod surface;
+mod swept;
 pub mod unroll;
 
 /// Largest polynomial degree that the kernel evaluates (workspace lives on the stack).
