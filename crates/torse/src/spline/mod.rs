@@ -16,6 +16,7 @@ pub mod derivative;
 pub mod lsq;
 pub mod refine;
 pub mod surface;
+mod swept;
 pub mod unroll;
 
 #[cfg(test)]

@@ -95,6 +95,10 @@ pub struct SurfaceProjector {
     points: Vec<Vec3>,
 }
 
+/// Samples per direction at least: patches of one span still bend, and meet themselves at seams.
+const FEWEST_SAMPLES: usize = 12;
+/// Newton steps are cut to this share of the domain: near poles and folds longer ones end anywhere.
+const LONGEST_STEP: f64 = 0.25;
 /// A side shorter than this share of the surface is a point.
 const COLLAPSED: f64 = 1e-7;
 /// Samples per direction at most; keeps the search linear in the size of huge nets.
@@ -105,7 +109,9 @@ impl SurfaceProjector {
     pub fn new(surface: &Surface) -> Self {
         let grid = |knots: &super::knots::Knots| {
             let breaks = knots.breaks();
-            let per_span = (2 * knots.degree().min(4)).min(MOST_SAMPLES / breaks.len().max(1)).max(1);
+            let spans = breaks.len().saturating_sub(1).max(1);
+            let wanted = (2 * knots.degree().min(4)).max(FEWEST_SAMPLES.div_ceil(spans));
+            let per_span = wanted.min(MOST_SAMPLES / spans).max(1);
             let mut out = Vec::new();
             for w in breaks.windows(2) {
                 out.extend((0..per_span).map(|i| w[0] + (w[1] - w[0]) * i as f64 / per_span as f64));
@@ -158,7 +164,7 @@ impl SurfaceProjector {
         }
         starts.sort_by(|p, q| p.0.total_cmp(&q.0));
         let mut best: Option<Foot> = None;
-        for &(_, k) in starts.iter().take(5) {
+        for &(_, k) in starts.iter().take(8) {
             let foot = refine(surface, x, [self.us[k / m], self.vs[k % m]]);
             if best.is_none_or(|b| foot.distance < b.distance) {
                 best = Some(foot);
@@ -185,6 +191,8 @@ pub fn refine(surface: &Surface, x: &Vec3, start: [f64; 2]) -> Foot {
         let h = if definite { full } else { first };
         let held = [0, 1].map(|k| (q[k] <= lo[k] && g[k] > 0.0) || (q[k] >= hi[k] && g[k] < 0.0));
         let mut step = newton_step(h, g, held);
+        let over = (0..2).map(|k| step[k].abs() / (LONGEST_STEP * (hi[k] - lo[k]))).fold(1.0, f64::max);
+        step = [step[0] / over, step[1] / over];
         let mut moved = false;
         for _ in 0..25 {
             let next = [(q[0] + step[0]).clamp(lo[0], hi[0]), (q[1] + step[1]).clamp(lo[1], hi[1])];
@@ -243,6 +251,21 @@ mod tests {
         for v in [0.02, 0.5, 0.97] {
             let foot = projector.nearest(&s, &s.point(1e-3, v));
             assert!(foot.distance < 1e-12, "{v}: {foot:?}");
+        }
+    }
+
+    #[test]
+    fn feet_around_the_apex_of_a_cone_are_found() {
+        use crate::geom::Frame;
+        use crate::spline::carrier::Carrier;
+        let cone = Carrier::Cone { frame: Frame::world(), radius: 10.0, slope: -0.4 };
+        let (s, map) = cone.to_spline((0.0, std::f64::consts::TAU), (0.0, 25.0)).expect("a cone");
+        let projector = SurfaceProjector::new(&s);
+        for i in 0..200 {
+            let (u, v) = (f64::from(i) * 0.0314, 25.0 - 25.0 * 0.95_f64.powi(i));
+            let x = cone.jet([u, v]).p;
+            let foot = projector.nearest(&s, &x);
+            assert!(foot.distance < 1e-9, "{i} at {u}, {v} (spline {}): {foot:?}", map[0].forward(u));
         }
     }
 

@@ -236,8 +236,11 @@ fn without_slits(l: RawLoop) -> Vec<RawLoop> {
 fn extent(loops: &[RawLoop]) -> f64 {
     let mut b = BBox::empty();
     for arc in loops.iter().flat_map(|l| &l.edges).flat_map(|e| &e.path) {
-        for t in arc.curve.stations(arc.from, arc.to) {
-            b.include(&arc.curve.point(t));
+        // Between stations too: a closed curve may have its two ends only.
+        for w in arc.curve.stations(arc.from, arc.to).windows(2) {
+            for i in 0..=8 {
+                b.include(&arc.curve.point(w[0] + (w[1] - w[0]) * f64::from(i) / 8.0));
+            }
         }
     }
     b.diagonal()

@@ -170,16 +170,17 @@ impl<'r, 'a> Walk<'r, 'a> {
             let g = self.find(r);
             self.members.entry(g).or_default().push(r);
         }
+        let parents = self.parents();
         for (id, one, two, transformation) in placed {
-            if let Err(fault) = self.place(id, one, two, transformation) {
+            if let Err(fault) = self.place(one, two, transformation, parents.get(&id).copied()) {
                 self.out.faults.push(fault);
             }
         }
     }
 
     /// One edge of the assembly: representation `one` placed in `two`, or the other way round.
-    fn place(&mut self, id: u64, one: u64, two: u64, transformation: u64) -> Result<(), Fault> {
-        let reversed = self.parent_of(id).is_some_and(|parent| {
+    fn place(&mut self, one: u64, two: u64, transformation: u64, assembly: Option<u64>) -> Result<(), Fault> {
+        let reversed = assembly.is_some_and(|parent| {
             let parent = self.find(parent);
             self.find(one) == parent && self.find(two) != parent
         });
@@ -204,20 +205,22 @@ impl<'r, 'a> Walk<'r, 'a> {
         Ok(())
     }
 
-    /// The representation of the assembly that the relationship `#id` belongs to, from the usage occurrence.
-    fn parent_of(&self, id: u64) -> Option<u64> {
-        let uses = self.records.all(&["CONTEXT_DEPENDENT_SHAPE_REPRESENTATION"]);
-        let context = uses.into_iter().find_map(|c| {
-            let a = self.records.simple(c).ok()?;
-            (a.reference(0).ok()? == id).then(|| a.reference(1).ok()).flatten()
-        })?;
-        let usage = self.records.simple(self.definition_of_shape(context)?).ok()?;
-        let parent = usage.reference(3).ok()?;
-        self.records.all(&["SHAPE_DEFINITION_REPRESENTATION"]).into_iter().find_map(|s| {
-            let a = self.records.simple(s).ok()?;
-            let definition = self.definition_of_shape(a.reference(0).ok()?)?;
-            (definition == parent).then(|| a.reference(1).ok()).flatten()
-        })
+    /// The representation of the assembly that each relationship belongs to, from the usage occurrences.
+    fn parents(&self) -> HashMap<u64, u64> {
+        let mut shown = HashMap::new(); // product definition → its representation
+        for s in self.records.all(&["SHAPE_DEFINITION_REPRESENTATION"]) {
+            let Ok(a) = self.records.simple(s) else { continue };
+            let (Ok(shape), Ok(rep)) = (a.reference(0), a.reference(1)) else { continue };
+            if let Some(definition) = self.definition_of_shape(shape) {
+                shown.entry(definition).or_insert(rep);
+            }
+        }
+        let parent = |context: u64| -> Option<(u64, u64)> {
+            let a = self.records.simple(context).ok()?;
+            let usage = self.records.simple(self.definition_of_shape(a.reference(1).ok()?)?).ok()?;
+            Some((a.reference(0).ok()?, *shown.get(&usage.reference(3).ok()?)?))
+        };
+        self.records.all(&["CONTEXT_DEPENDENT_SHAPE_REPRESENTATION"]).into_iter().filter_map(parent).collect()
     }
 
     fn geometry<'s>(&'s self, units: usize) -> Geometry<'s, 'a> {

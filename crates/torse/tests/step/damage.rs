@@ -1,10 +1,8 @@
 //! The STEP reader never panics and never hangs, whatever is done to a file.
 
-mod step_text;
-
+use crate::text::{Step, Unit};
 use proptest::prelude::*;
 use std::time::{Duration, Instant};
-use step_text::{Step, Unit};
 use torse::io::step::read::read;
 
 /// A file with a bit of everything.

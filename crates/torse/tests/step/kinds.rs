@@ -1,10 +1,8 @@
 //! The STEP reader on small files written here: every kind of surface and curve, senses, units, assemblies, damage.
 //! Areas are compared with closed forms.
 
-mod step_text;
-
+use crate::text::{Step, Unit};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
-use step_text::{Step, Unit};
 use torse::geom::Vec3;
 use torse::io::step::read::{read, Model, ReadError};
 use torse::surface::area::area_estimate;

@@ -1,0 +1,5 @@
+//! The STEP reader on small files written here, whole and damaged.
+
+mod damage;
+mod kinds;
+mod text;
