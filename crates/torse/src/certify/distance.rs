@@ -399,6 +399,29 @@ mod tests {
     }
 
     #[test]
+    fn creases_holes_and_reflex_corners() {
+        use crate::spline::knots::Knots;
+        // A C⁰ knot line with a crease, and a region with a hole and a notch.
+        let k = Knots::clamped(3, &[0.0, 0.5, 0.5, 0.5, 1.0]).expect("knots");
+        let z = tilted_frame().z;
+        let s = interpolant(&k, &k, &|u, v| {
+            primal_point(1.3 * u, 0.8 * v - 0.4) + z * (2e-3 * (u - 0.5).abs() + 1e-3 * (5.0 * v + u).sin())
+        });
+        let middle = |t: &[[f64; 2]; 3]| centroid(t);
+        let region: Vec<_> = grid(&s, 4, 4)
+            .into_iter()
+            .filter(|t| {
+                let [u, v] = middle(t);
+                let hole = (0.25..0.625).contains(&u) && (0.25..0.5).contains(&v);
+                let notch = u > 0.75 && v > 0.625;
+                !hole && !notch
+            })
+            .collect();
+        assert!(region.len() < 120);
+        tight(&s, &Torse::Primal(primal()), &region);
+    }
+
+    #[test]
     fn perturbed_surfaces_are_refused_with_a_witness() {
         let s = near_primal(1e-3);
         let torse = Torse::Primal(primal());
