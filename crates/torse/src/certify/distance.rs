@@ -351,8 +351,8 @@ fn glue(accepted: &[Accepted]) -> (Feet, Option<Verdict>) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::specimens::*;
     use super::*;
+    use crate::certify::specimens::*;
     use crate::geom::Vec3;
     use crate::spline::surface::Surface;
 

@@ -100,7 +100,8 @@ pub struct PanelCertificate {
     pub boundary_bound: f64,
     /// Part of the bound: exported patch against the exact torse.
     pub rounding_bound: f64,
-    /// Largest angle (rad) between the tangent planes at both ends of any ruling of the exported patch.
+    /// Largest angle (rad) between the tangent planes of the exported patch along any ruling, within the trimming
+    /// curves.
     pub developability_bound: f64,
     /// Lower bound of the distance along rulings between panel and regression curve; infinite for cylinders.
     pub regression_clearance: f64,

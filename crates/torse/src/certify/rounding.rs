@@ -82,8 +82,8 @@ fn residual(forms: &Forms, x: &[Vec<Interval>; 4], normal: bool) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::specimens::*;
     use super::*;
+    use crate::certify::specimens::*;
     use crate::spline::surface::Surface;
     use crate::surface::torse::Torse;
 
