@@ -19,9 +19,9 @@
 //! their second derivatives, and the excess is cubic in the length of the piece. Pieces are halved until it is small;
 //! the second bound is used where θ₁ stays in one span of the torse and of the patch.
 
-use super::cell::{Local, Place};
 use super::distance::{key, Feet};
 use super::family::{Family, Plane};
+use super::local::{Local, Place};
 use super::prepared::{BoxNet, Patch, Prepared};
 use super::ruled::RuledJets;
 use super::vector::{add, cross, dot, exact, length, length_bound, sub, V3};

@@ -5,12 +5,18 @@
 //! `Δ = det(a, a', b, b')`. With the halves α, β of degree p − 1 (`a = (1−s) α + s β`) the line `a∧a'` is `p α∧β` without
 //! cancellation, degree 2p − 2. All as interval Bernstein products on quarters of the spans, origin at the middle.
 //!
+//! Only the trimmed part matters: on every part of the parameter interval, a and b are taken at the ends of the range of r that
+//! the trimming curves reach there (a region bounded by curves reaches no farther than they do on any ruling). Outside
+//! it the patch may well run into its regression curve.
+//!
 //! Both normals having a positive component along one direction while being parallel up to a tiny angle, no point of
 //! the regression curve lies between A and B.
 
+use super::boundary::trim_piece;
 use super::ruled::Ruled;
 use crate::num::bernstein::{hull, product};
 use crate::num::interval::Interval;
+use crate::spline::curve::Curve;
 
 /// Angle (rad) up to which a patch counts as developable: far above rounding, far below anything that can be made.
 pub(super) const ANGLE_LIMIT: f64 = 1e-8;
@@ -24,23 +30,42 @@ const HALVINGS: usize = 6;
 /// Smallest cosine allowed between a normal and the part's middle normal.
 const COSINE: f64 = 0.1;
 
+/// The range of r on a part is taken at least this wide: on nearly no ruling at all, rounding would rule.
+const LEAST_RANGE: f64 = 0.05;
+
+/// Trimming curves are enclosed by boxes of this many pieces per span.
+const BOXES: usize = 8;
+
 /// What the control points show.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Developability {
-    /// Bound (rad) of the angle between the tangent planes at both ends of any ruling.
+    /// Bound (rad) of the angle between the tangent planes at both ends of the used part of any ruling.
     pub angle: f64,
-    /// Whether no ruling meets the regression curve between its ends.
+    /// Whether no ruling meets the regression curve in its used part.
     pub regular: bool,
 }
 
-/// Bounds the angle between tangent planes along rulings.
-pub(super) fn developability(patch: &Ruled) -> Developability {
+/// Boxes (t, r) that together contain the trimming curves.
+pub(super) fn trim_boxes<'a>(curves: impl IntoIterator<Item = &'a Curve<2>>) -> Vec<[Interval; 2]> {
+    let mut out = Vec::new();
+    for c in curves {
+        for w in c.knots.breaks().windows(2) {
+            let cut = |i: usize| if i == BOXES { w[1] } else { w[0] + (w[1] - w[0]) * i as f64 / BOXES as f64 };
+            out.extend((0..BOXES).map(|i| trim_piece(c, cut(i), cut(i + 1)).map(|b| hull(&b))));
+        }
+    }
+    out
+}
+
+/// Bounds the angle between tangent planes along the rulings inside the trimming curves.
+pub(super) fn developability(patch: &Ruled, trims: &[[Interval; 2]]) -> Developability {
     let mut worst = Developability { angle: 0.0, regular: true };
     for w in patch.breaks().windows(2) {
         let cut = |i: usize| if i == PARTS { w[1] } else { w[0] + (w[1] - w[0]) * i as f64 / PARTS as f64 };
         let mut open: Vec<(f64, f64, usize)> = (0..PARTS).map(|i| (cut(i), cut(i + 1), 0)).collect();
         while let Some((a, b, depth)) = open.pop() {
-            let part = on_part(patch, a, b);
+            let Some(r) = used_range(trims, a, b) else { continue };
+            let part = on_part(patch, a, b, r);
             if (part.regular && part.angle <= ANGLE_LIMIT) || depth == HALVINGS {
                 worst.angle = worst.angle.max(part.angle);
                 worst.regular &= part.regular;
@@ -51,6 +76,13 @@ pub(super) fn developability(patch: &Ruled) -> Developability {
         }
     }
     worst
+}
+
+/// Range of r that the trimming curves reach over `[a, b]`; `None` when they do not come there.
+fn used_range(trims: &[[Interval; 2]], a: f64, b: f64) -> Option<Interval> {
+    let r = trims.iter().filter(|[t, _]| t.lo <= b && t.hi >= a).map(|[_, r]| *r).reduce(Interval::hull)?;
+    let missing = (0.5 * (LEAST_RANGE - (r.hi - r.lo))).max(0.0);
+    Some(Interval { lo: (r.lo - missing).max(0.0), hi: (r.hi + missing).min(1.0) })
 }
 
 type Poly = Vec<Interval>;
@@ -83,9 +115,14 @@ fn plane_normal(l: &[Poly; 6], b: &[Poly; 4]) -> [Poly; 3] {
     ]
 }
 
-fn on_part(patch: &Ruled, a: f64, b: f64) -> Developability {
+fn on_part(patch: &Ruled, a: f64, b: f64, used: Interval) -> Developability {
     let origin = patch.middle(0.5 * (a + b));
-    let (pa, pb) = (patch.end(0, a, b, &origin), patch.end(1, a, b, &origin));
+    let (first, last) = (patch.end(0, a, b, &origin), patch.end(1, a, b, &origin));
+    let at = |r: f64| -> [Poly; 4] {
+        let (r, s) = (Interval::point(r), Interval::ONE - Interval::point(r));
+        [0, 1, 2, 3].map(|d: usize| first[d].iter().zip(&last[d]).map(|(&x, &y)| x * s + y * r).collect())
+    };
+    let (pa, pb) = (at(used.lo), at(used.hi));
     let (la, lb) = (tangent_line(&pa), tangent_line(&pb));
     // Laplace expansion of det(α_a, β_a, α_b, β_b) by pairs of rows.
     let mut delta: Poly = Vec::new();
@@ -127,17 +164,22 @@ fn on_part(patch: &Ruled, a: f64, b: f64) -> Developability {
 
 #[cfg(test)]
 mod tests {
-    use super::super::specimens::*;
     use super::*;
+    use crate::certify::specimens::*;
+
+    /// Everything between two values of r.
+    fn all(lo: f64, hi: f64) -> Vec<[Interval; 2]> {
+        vec![[Interval::EVERYTHING, Interval::new(lo, hi)]]
+    }
 
     #[test]
     fn exact_patches_are_developable_and_tampered_ones_are_not() {
         for patch in [primal_patch(), dual_patch()] {
-            let good = developability(&Ruled::new(&patch).expect("ruled"));
+            let good = developability(&Ruled::new(&patch).expect("ruled"), &all(0.0, 1.0));
             assert!(good.regular && good.angle < ANGLE_LIMIT, "{good:?}");
             let mut bad = patch;
             bad.control[8][2] += 1e-5;
-            let bad = developability(&Ruled::new(&bad).expect("ruled"));
+            let bad = developability(&Ruled::new(&bad).expect("ruled"), &all(0.0, 1.0));
             assert!(bad.angle > ANGLE_LIMIT, "{bad:?}");
         }
     }
@@ -146,7 +188,7 @@ mod tests {
     fn angles_are_bounded_on_a_doubly_ruled_surface() {
         // z = x y with rulings y = const: tangent planes turn by atan 1 from x = 0 to x = 1 on every ruling near y = 0.
         let saddle = ruled_patch(1, &[0.0, 1.0], &|t, e| [e as f64, t, t * e as f64, 1.0]);
-        let d = developability(&Ruled::new(&saddle).expect("ruled"));
+        let d = developability(&Ruled::new(&saddle).expect("ruled"), &all(0.0, 1.0));
         assert!(d.angle >= std::f64::consts::FRAC_PI_4 && !d.regular, "{d:?}");
     }
 
@@ -157,13 +199,15 @@ mod tests {
             let s = [-0.5, 0.5][e];
             [t + s, t * t + 2.0 * s * t, t * t * t + 3.0 * s * t * t, 1.0]
         });
-        let d = developability(&Ruled::new(&tangents).expect("ruled"));
+        let d = developability(&Ruled::new(&tangents).expect("ruled"), &all(0.0, 1.0));
         assert!(!d.regular, "{d:?}");
+        let upper = developability(&Ruled::new(&tangents).expect("ruled"), &all(0.7, 0.9));
+        assert!(upper.regular && upper.angle < ANGLE_LIMIT, "{upper:?}");
         let one_side = ruled_patch(4, &[0.2, 1.0], &|t, e| {
             let s = [0.3, 0.8][e];
             [t + s, t * t + 2.0 * s * t, t * t * t + 3.0 * s * t * t, 1.0]
         });
-        let d = developability(&Ruled::new(&one_side).expect("ruled"));
+        let d = developability(&Ruled::new(&one_side).expect("ruled"), &all(0.0, 1.0));
         assert!(d.regular && d.angle < ANGLE_LIMIT, "{d:?}");
     }
 }

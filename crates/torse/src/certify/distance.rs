@@ -351,8 +351,8 @@ fn glue(accepted: &[Accepted]) -> (Feet, Option<Verdict>) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::specimens::*;
     use super::*;
+    use crate::certify::specimens::*;
     use crate::geom::Vec3;
     use crate::spline::surface::Surface;
 
@@ -396,6 +396,29 @@ mod tests {
         let sup = tight(&s, &Torse::Dual(dual()), &grid(&s, 4, 4));
         // Tangent strip of half-width w = 5 · .05: w²/(2 R) in the first order.
         assert!((sup - 0.25f64.powi(2) / 10.0).abs() < 2e-4, "{sup}");
+    }
+
+    #[test]
+    fn creases_holes_and_reflex_corners() {
+        use crate::spline::knots::Knots;
+        // A C⁰ knot line with a crease, and a region with a hole and a notch.
+        let k = Knots::clamped(3, &[0.0, 0.5, 0.5, 0.5, 1.0]).expect("knots");
+        let z = tilted_frame().z;
+        let s = interpolant(&k, &k, &|u, v| {
+            primal_point(1.3 * u, 0.8 * v - 0.4) + z * (2e-3 * (u - 0.5).abs() + 1e-3 * (5.0 * v + u).sin())
+        });
+        let middle = |t: &[[f64; 2]; 3]| centroid(t);
+        let region: Vec<_> = grid(&s, 4, 4)
+            .into_iter()
+            .filter(|t| {
+                let [u, v] = middle(t);
+                let hole = (0.25..0.625).contains(&u) && (0.25..0.5).contains(&v);
+                let notch = u > 0.75 && v > 0.625;
+                !hole && !notch
+            })
+            .collect();
+        assert!(region.len() < 120);
+        tight(&s, &Torse::Primal(primal()), &region);
     }
 
     #[test]

@@ -24,9 +24,39 @@ const FRAME_ERROR_LIMIT: f64 = 1e-9;
 #[derive(Clone, Debug)]
 enum Functions<S> {
     /// `f`, `a` cubic, `g` quintic.
-    Primal { f: [S; 4], a: [S; 4], g: [S; 6] },
+    Primal { f: Cubic<S>, a: Cubic<S>, g: [S; 6] },
     /// `(n, h)` cubic.
-    Dual { c: [[S; 4]; 4] },
+    Dual { c: [Cubic<S>; 4] },
+}
+
+/// A cubic and its derivatives with respect to t, each in powers of x. The derivatives come from differences of control points,
+/// which are exact numbers: that loses much less to rounding than differentiating the enclosed cubic.
+#[derive(Clone, Copy, Debug)]
+struct Cubic<S> {
+    value: [S; 4],
+    first: [S; 3],
+    second: [S; 2],
+}
+
+impl<S: Scalar> Cubic<S> {
+    /// Value and first two derivatives at `x`.
+    #[inline]
+    fn at(&self, x: S) -> [S; 3] {
+        let ([a, b, c, d], [e, f, g]) = (self.value, self.first);
+        [a + x * (b + x * (c + x * d)), e + x * (f + x * g), self.bend(x)]
+    }
+
+    /// Second derivative at `x`.
+    #[inline]
+    fn bend(&self, x: S) -> S {
+        self.second[0] + x * self.second[1]
+    }
+}
+
+impl Cubic<Interval> {
+    fn map<S>(&self, f: impl Fn(Interval) -> S + Copy) -> Cubic<S> {
+        Cubic { value: self.value.map(f), first: self.first.map(f), second: self.second.map(f) }
+    }
 }
 
 /// One knot span.
@@ -255,21 +285,16 @@ impl Family {
             let (lo, hi) = (local(c.lo), local(c.hi));
             let piece = match &s.functions {
                 Functions::Primal { f, a, .. } => {
-                    let square = s.inverse * s.inverse;
-                    let second = |x: Interval| (f[2] * 2.0 + f[3] * 6.0 * x) * square;
-                    let sigma = second(lo).hull(second(hi));
+                    let sigma = f.bend(lo).hull(f.bend(hi));
                     let middle = (lo + hi).scale_exact(0.5);
                     let reach = Interval::symmetric((hi - lo).scale_exact(0.5).mag());
-                    let slope = a[1] + middle * (a[2] * 2.0 + middle * a[3] * 3.0);
-                    let bend = a[2] * 2.0 + a[3] * 6.0 * (middle + reach);
-                    let a1 = (slope + reach * bend) * s.inverse;
+                    // In powers of x − middle, with the slope in x.
+                    let [e, g, h] = a.first;
+                    let a1 = e + middle * (g + middle * h) + reach * (g + h * 2.0 * (middle + reach));
                     Ranges { sigma, dm: scale(&self.axes[1], a1), dmu: a1 * y + Interval::ONE }
                 }
                 Functions::Dual { c } => {
-                    let square = s.inverse * s.inverse;
-                    let second = |x: Interval| -> [Interval; 4] {
-                        [0, 1, 2, 3].map(|d| (c[d][2] * 2.0 + c[d][3] * 6.0 * x) * square)
-                    };
+                    let second = |x: Interval| [0, 1, 2, 3].map(|d: usize| c[d].bend(x));
                     let (p, q) = (second(lo), second(hi));
                     let form = |v: &[Interval; 4]| v[0] * x[0] + v[1] * x[1] + v[2] * x[2] - v[3];
                     Ranges {
@@ -298,18 +323,16 @@ impl Family {
 
     /// Bernstein coefficients over `[a, b]`, inside one span, of n (world axes), h, m (world axes), k.
     pub fn bernstein(&self, a: f64, b: f64) -> Forms {
-        use crate::num::bernstein::{derivative, difference, from_powers, product, scaled, with_degree};
+        use crate::num::bernstein::{difference, from_powers, product, scaled, with_degree};
         let i = self.span(0.5 * (a + b));
         let s = &self.spans[i];
         let start = Interval::point(self.breaks[i]);
         let place = |t: f64| (Interval::point(t) - start) * s.inverse - Interval::point(0.5);
         let (x0, x1) = (place(a), place(b));
-        let over = Interval::ONE / (Interval::point(b) - Interval::point(a));
-        let slope = |c: &[Interval]| scaled(&derivative(c), over);
+        let over = |c: &[Interval]| from_powers(c, x0, x1);
         match &s.functions {
             Functions::Primal { f, a: ruling, g } => {
-                let (f, r, g) = (from_powers(f, x0, x1), from_powers(ruling, x0, x1), from_powers(g, x0, x1));
-                let f1 = slope(&f);
+                let (f1, f, r, g) = (over(&f.first), over(&f.value), over(&ruling.value), over(g));
                 let t = [Interval::point(a), Interval::point(b)];
                 let ny = difference(&product(&r, &f1), &g);
                 let (nx, one) = (with_degree(&scaled(&f1, -Interval::ONE), 5), vec![Interval::ONE; 6]);
@@ -326,9 +349,8 @@ impl Family {
                 }
             }
             Functions::Dual { c } => {
-                let c = [0, 1, 2, 3].map(|d: usize| from_powers(&c[d], x0, x1));
-                let e = [0, 1, 2, 3].map(|d: usize| slope(&c[d]));
-                let ([n0, n1, n2, h], [m0, m1, m2, k]) = (c, e);
+                let [n0, n1, n2, h] = [0, 1, 2, 3].map(|d: usize| over(&c[d].value));
+                let [m0, m1, m2, k] = [0, 1, 2, 3].map(|d: usize| over(&c[d].first));
                 Forms { n: [n0, n1, n2], h, m: [m0, m1, m2], k }
             }
         }
@@ -466,12 +488,9 @@ impl Span<Interval> {
 impl<S: Scalar> Span<S> {
     #[inline]
     fn plane(&self, x: S, t: S, axes: &[V3<S>; 3]) -> Plane<S> {
-        let i = self.inverse;
         match &self.functions {
             Functions::Primal { f, a, g } => {
-                let [f, f1, f2] = cubic(f, x);
-                let [a, a1, _] = cubic(a, x);
-                let (f1, a1, sigma) = (f1 * i, a1 * i, f2 * i * i);
+                let ([f, f1, sigma], [a, a1, _]) = (f.at(x), a.at(x));
                 let g = g[0] + x * (g[1] + x * (g[2] + x * (g[3] + x * (g[4] + x * g[5]))));
                 let one = S::from(1.0);
                 let ny = a * f1 - g;
@@ -492,11 +511,10 @@ impl<S: Scalar> Span<S> {
                 }
             }
             Functions::Dual { c } => {
-                let v = [cubic(&c[0], x), cubic(&c[1], x), cubic(&c[2], x), cubic(&c[3], x)];
+                let v = [c[0].at(x), c[1].at(x), c[2].at(x), c[3].at(x)];
                 let n = [v[0][0], v[1][0], v[2][0]];
-                let m = [v[0][1] * i, v[1][1] * i, v[2][1] * i];
-                let square = i * i;
-                let dm = [v[0][2] * square, v[1][2] * square, v[2][2] * square];
+                let m = [v[0][1], v[1][1], v[2][1]];
+                let dm = [v[0][2], v[1][2], v[2][2]];
                 Plane {
                     n,
                     m,
@@ -507,55 +525,69 @@ impl<S: Scalar> Span<S> {
                     mm: dot(&m, &m),
                     ndm: dot(&n, &dm),
                     h: v[3][0],
-                    k: v[3][1] * i,
-                    dk: v[3][2] * square,
+                    k: v[3][1],
+                    dk: v[3][2],
                 }
             }
         }
     }
 }
 
-/// Value and first two derivatives of a cubic in powers of `x`.
-#[inline]
-fn cubic<S: Scalar>(c: &[S; 4], x: S) -> [S; 3] {
-    let (two, three, six) = (S::from(2.0), S::from(3.0), S::from(6.0));
-    [c[0] + x * (c[1] + x * (c[2] + x * c[3])), c[1] + x * (two * c[2] + x * three * c[3]), two * c[2] + six * x * c[3]]
-}
-
-/// Power coefficients about the middle of the span `[a, b]` of each component.
-fn pieces<const D: usize>(knots: &Knots, control: &[[f64; D]], a: f64, b: f64) -> [[Interval; 4]; D] {
+/// The cubic pieces of each component on the span `[a, b]`.
+fn pieces<const D: usize>(knots: &Knots, control: &[[f64; D]], a: f64, b: f64) -> [Cubic<Interval>; D] {
     let (p, v) = (knots.degree(), knots.values());
     let span = knots.span(0.5 * (a + b));
-    let local = &v[span + 1 - p..=span + p];
     std::array::from_fn(|d| {
-        let net: Vec<Interval> = control[span - p..=span].iter().map(|c| Interval::point(c[d])).collect();
-        let mut bez = from_spline(&net, local);
-        while bez.len() < 4 {
-            bez = elevated(&bez);
+        let mut net: Vec<Interval> = control[span - p..=span].iter().map(|c| Interval::point(c[d])).collect();
+        let mut local = &v[span + 1 - p..=span + p];
+        let mut powers = Vec::with_capacity(3);
+        for order in 0..3 {
+            powers.push(powers_about_half(&net, local, 3 - order));
+            // Control points of the derivative: p (d_{i+1} − d_i)/(T_{i+p} − T_i) over the inner knots.
+            let p = net.len() - 1;
+            net = if p == 0 {
+                vec![Interval::ZERO]
+            } else {
+                let width = |i: usize| Interval::point(local[i + p]) - Interval::point(local[i]);
+                (0..p).map(|i| (net[i + 1] - net[i]) * p as f64 / width(i)).collect()
+            };
+            if p > 0 {
+                local = &local[1..local.len() - 1];
+            }
         }
-        let [b0, b1, b2, b3] = [bez[0], bez[1], bez[2], bez[3]];
-        [
-            (b0 + (b1 + b2) * 3.0 + b3).scale_exact(0.125),
-            ((b3 - b0) + (b2 - b1)) * 0.75,
-            ((b0 - b1) + (b3 - b2)) * 1.5,
-            (b3 - b0) - (b2 - b1) * 3.0,
-        ]
+        Cubic {
+            value: [0, 1, 2, 3].map(|k: usize| powers[0][k]),
+            first: [0, 1, 2].map(|k: usize| powers[1][k]),
+            second: [0, 1].map(|k: usize| powers[2][k]),
+        }
     })
 }
 
+/// Powers of `x` of a spline piece, as a polynomial of the given degree.
+fn powers_about_half(net: &[Interval], knots: &[f64], degree: usize) -> Vec<Interval> {
+    let mut bez = from_spline(net, knots);
+    while bez.len() <= degree {
+        bez = elevated(&bez);
+    }
+    crate::num::bernstein::powers_about_half(&bez)
+}
+
 /// Span of a primal torse with `g` integrated from its value at the start; also the value at the end.
-fn primal_span(f: [Interval; 4], a: [Interval; 4], start: Interval, inverse: Interval) -> (Span<Interval>, Interval) {
-    let slope = |c: &[Interval; 4]| [c[1], c[2] * 2.0, c[3] * 3.0];
-    let (u, v) = (slope(&f), slope(&a));
-    // g = ∫ f' a' dt = inverse · ∫ f_x a_x dx.
+fn primal_span(
+    f: Cubic<Interval>,
+    a: Cubic<Interval>,
+    start: Interval,
+    inverse: Interval,
+) -> (Span<Interval>, Interval) {
+    // g = ∫ f' a' dt with dt = dx / inverse.
     let mut g = [Interval::ZERO; 6];
     for i in 0..3 {
         for j in 0..3 {
-            g[i + j + 1] += u[i] * v[j];
+            g[i + j + 1] += f.first[i] * a.first[j];
         }
     }
     for (k, c) in g.iter_mut().enumerate().skip(1) {
-        *c = *c / Interval::point(k as f64) * inverse;
+        *c = *c / Interval::point(k as f64) / inverse;
     }
     let at = |x: f64| {
         let mut s = Interval::ZERO;

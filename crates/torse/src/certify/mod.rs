@@ -9,6 +9,7 @@ mod coverage;
 mod developable;
 pub mod distance;
 mod family;
+mod local;
 mod panel;
 pub mod prepared;
 mod quadratic;
@@ -99,7 +100,8 @@ pub struct PanelCertificate {
     pub boundary_bound: f64,
     /// Part of the bound: exported patch against the exact torse.
     pub rounding_bound: f64,
-    /// Largest angle (rad) between the tangent planes at both ends of any ruling of the exported patch.
+    /// Largest angle (rad) between the tangent planes of the exported patch along any ruling, within the trimming
+    /// curves.
     pub developability_bound: f64,
     /// Lower bound of the distance along rulings between panel and regression curve; infinite for cylinders.
     pub regression_clearance: f64,
@@ -329,6 +331,50 @@ mod tests {
             assert!(panel.boundary_bound < 1e-5, "{}", panel.boundary_bound);
             assert!(panel.min_bend_radius > 0.3 && panel.regression_clearance > 1.0, "{panel:?}");
         }
+    }
+
+    #[test]
+    fn points_of_the_exported_panels_are_near_the_face() {
+        // The other direction: points of the patch inside the trimming curves against the surface, by Newton steps.
+        let p = two_panels(1e-3, 4);
+        let c = prove(&p, 1.05e-3);
+        let surface = &p.faces[0].surface;
+        let mut tried = 0;
+        for (panel, proof) in p.panels.iter().zip(&c.panels) {
+            let outline: Vec<[f64; 2]> = panel.loops[0]
+                .iter()
+                .flat_map(|r| (0..200).map(|i| r.trim.point(i as f64 / 200.0)).collect::<Vec<_>>())
+                .collect();
+            for i in 0..40 {
+                for j in 0..40 {
+                    let (t, r) = (-0.1 + 1.6 * (i as f64 + 0.37) / 40.0, (j as f64 + 0.41) / 40.0);
+                    let crossings = (0..outline.len())
+                        .filter(|&k| {
+                            let (a, b) = (outline[k], outline[(k + 1) % outline.len()]);
+                            (a[1] > r) != (b[1] > r) && t < a[0] + (r - a[1]) / (b[1] - a[1]) * (b[0] - a[0])
+                        })
+                        .count();
+                    if crossings % 2 == 0 {
+                        continue;
+                    }
+                    tried += 1;
+                    let x = panel.patch.point(t, r);
+                    let (mut u, mut v) = (t / 1.3, r);
+                    for _ in 0..20 {
+                        let s = surface.jet(u.clamp(0.0, 1.0), v.clamp(0.0, 1.0));
+                        let d = x - s.p;
+                        let (e, f, g) = (s.du.dot(&s.du), s.du.dot(&s.dv), s.dv.dot(&s.dv));
+                        let (a, b) = (s.du.dot(&d), s.dv.dot(&d));
+                        let det = e * g - f * f;
+                        u = (u + (g * a - f * b) / det).clamp(0.0, 1.0);
+                        v = (v + (e * b - f * a) / det).clamp(0.0, 1.0);
+                    }
+                    let off = (x - surface.point(u, v)).norm();
+                    assert!(off <= proof.deviation_bound, "{off} {}", proof.deviation_bound);
+                }
+            }
+        }
+        assert!(tried > 700, "{tried}");
     }
 
     #[test]

@@ -6,7 +6,7 @@
 
 use super::boundary::Boundary;
 use super::coverage::loops_bound_triangles;
-use super::developable::{developability, ANGLE_LIMIT};
+use super::developable::{developability, trim_boxes, ANGLE_LIMIT};
 use super::distance::{judge, DistanceOptions};
 use super::family::Family;
 use super::prepared::Prepared;
@@ -49,7 +49,7 @@ pub(super) fn panel_certificate(
         Some(bound) => out.rounding_bound = bound,
         None => reasons.push("the patch cannot be compared with the exact torse".into()),
     }
-    let shape = developability(&ruled);
+    let shape = developability(&ruled, &trim_boxes(panel.loops.iter().flatten().map(|r| &r.trim)));
     out.developability_bound = shape.angle;
     if shape.angle > ANGLE_LIMIT {
         reasons.push(format!("tangent planes along a ruling may differ by {:.1e} rad", shape.angle));

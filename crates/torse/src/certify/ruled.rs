@@ -1,7 +1,7 @@
 //! The exported ruled patch: its two boundary curves A (v = 0) and B (v = 1) as enclosed Bernstein polynomials.
 
 use super::vector::{hull, V3};
-use crate::num::bernstein::{binomial, from_spline_over, Scalar};
+use crate::num::bernstein::{from_spline_over, powers_about_half, Scalar};
 use crate::num::interval::Interval;
 use crate::num::jet::Jet;
 use crate::spline::surface::Surface;
@@ -154,23 +154,6 @@ impl RuledSpan {
             [h[0], h[1], h[2]]
         }
     }
-}
-
-/// Powers of `s − ½` of a polynomial in Bernstein form: `c_k = C(p, k) (Δᵏ b)(½)`.
-fn powers_about_half(b: &[Interval]) -> Vec<Interval> {
-    let p = b.len() - 1;
-    let mut differences = b.to_vec();
-    (0..=p)
-        .map(|k| {
-            let mut v = differences.clone();
-            while v.len() > 1 {
-                v = v.windows(2).map(|w| (w[0] + w[1]).scale_exact(0.5)).collect();
-            }
-            let c = v[0] * binomial(p, k);
-            differences = differences.windows(2).map(|w| w[1] - w[0]).collect();
-            c
-        })
-        .collect()
 }
 
 /// All breaks of two lists within `[a, b]`, with `a` and `b`, increasing.

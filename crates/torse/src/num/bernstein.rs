@@ -221,6 +221,23 @@ pub fn split<S: Scalar>(b: &[S], x: S) -> (Vec<S>, Vec<S>) {
     (left, right)
 }
 
+/// Coefficients in powers of `x − ½`: `c_k = C(p, k) (Δᵏ b)(½)`.
+pub fn powers_about_half(b: &[Interval]) -> Vec<Interval> {
+    let p = b.len() - 1;
+    let mut differences = b.to_vec();
+    (0..=p)
+        .map(|k| {
+            let mut v = differences.clone();
+            while v.len() > 1 {
+                v = v.windows(2).map(|w| (w[0] + w[1]).scale_exact(0.5)).collect();
+            }
+            let c = v[0] * binomial(p, k);
+            differences = differences.windows(2).map(|w| w[1] - w[0]).collect();
+            c
+        })
+        .collect()
+}
+
 /// Hull of the coefficients: encloses all values.
 pub fn hull(b: &[Interval]) -> Interval {
     b.iter().skip(1).fold(b[0], |h, &x| h.hull(x))
