@@ -32,8 +32,9 @@ pub(super) const MAX_FAMILY: usize = 3;
 const MARGIN_ALONG: f64 = 0.05;
 /// Smallest share of the regularity at the used points that the patch keeps at its boundary curves.
 const REGULARITY_KEPT: f64 = 0.3;
-/// Largest excess of the patch over the region at either end of a ruling, share of the region's mean length.
-const LARGEST_EXCESS: f64 = 0.3;
+/// Largest excess of the patch over the region at either end of a ruling, share of the region's mean length: what is
+/// wanted, and what is granted to regions with jagged borders.
+const EXCESS: [f64; 3] = [0.3, 1.0, 4.0];
 /// Reach of a neighbourhood of rulings, share of the range.
 const NEIGHBOURHOOD: f64 = 0.04;
 /// Smallest cosine between rulings and the direction of the planes that cut them.
@@ -93,14 +94,23 @@ pub(super) fn hug(torse: &Torse, extent: &Extent, range: (f64, f64)) -> Result<B
             },
             (Torse::Dual(_), true) => direction_spline(torse, &Knots::clamped(2, &all)?)?,
         };
-        if let Some(t) = departs(torse, &direction, range) {
+        // Rulings of a primal torse meet every plane y = const, whatever their angle.
+        let oblique = if matches!(torse, Torse::Dual(_)) { departs(torse, &direction, range) } else { None };
+        if let Some(t) = oblique {
             trouble = ConvertError::Turning { t };
             continue;
         }
-        let rooms = rooms(torse, extent, &direction, &origin, range)?;
-        let side = |pick: &dyn Fn(&Room) -> (f64, f64)| -> Result<Curve<1>, f64> {
-            let data: Vec<(f64, (f64, f64))> = rooms.iter().map(|r| (r.t, pick(r))).collect();
-            band(&data, &all)
+        let side = |pick: &dyn Fn(&Room) -> (f64, f64)| -> Result<Curve<1>, ConvertError> {
+            let mut missed = range.0;
+            for excess in EXCESS {
+                let rooms = rooms(torse, extent, &direction, &origin, range, excess)?;
+                let data: Vec<(f64, (f64, f64))> = rooms.iter().map(|r| (r.t, pick(r))).collect();
+                match band(&data, &all) {
+                    Ok(curve) => return Ok(curve),
+                    Err(t) => missed = t,
+                }
+            }
+            Err(ConvertError::Regression { t: missed })
         };
         match (side(&|r| r.low), side(&|r| r.high)) {
             (Ok(low), Ok(high)) => {
@@ -112,7 +122,7 @@ pub(super) fn hug(torse: &Torse, extent: &Extent, range: (f64, f64)) -> Result<B
                 let order = if splines { 1 } else { isize::MAX };
                 return Ok(Bound { range, origin, direction, low, high, order });
             }
-            (Err(t), _) | (_, Err(t)) => trouble = ConvertError::Regression { t },
+            (Err(e), _) | (_, Err(e)) => trouble = e,
         }
     }
     Err(trouble)
@@ -149,6 +159,7 @@ fn rooms(
     direction: &Curve<3>,
     origin: &Vec3,
     range: (f64, f64),
+    excess: f64,
 ) -> Result<Vec<Room>, ConvertError> {
     // Border in the (t, y) plane.
     let border: Vec<Vec<(f64, f64)>> = extent
@@ -234,8 +245,8 @@ fn rooms(
                 f64::INFINITY
             }
         };
-        let down = reach(line.slopes.0, -1.0).min(line.ends.0 - lo + LARGEST_EXCESS * mean);
-        let up = reach(line.slopes.1, 1.0).min(hi - line.ends.1 + LARGEST_EXCESS * mean);
+        let down = reach(line.slopes.0, -1.0).min(line.ends.0 - lo + excess * mean);
+        let up = reach(line.slopes.1, 1.0).min(hi - line.ends.1 + excess * mean);
         // A quarter of the reach where it is short: the patch needs some margin everywhere.
         let margin = |reach: f64| (MARGIN_ALONG * mean).min(0.25 * reach);
         out.push(Room {
