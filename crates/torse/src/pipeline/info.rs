@@ -1,6 +1,6 @@
 //! What a face is like: size, area, curvature. Measured, not proven: every number is an estimate.
 //!
-//! Curvatures from the fundamental forms [DC76]. Areas by Green's theorem in the parameter plane, so that holes
+//! Curvatures from the fundamental forms \[DC76\]. Areas by Green's theorem in the parameter plane, so that holes
 //! subtract themselves: `area = ∮ P dv` with `P(u, v) = ∫_{u0}^{u} |S_u × S_v| du`, Gauss rules between knots.
 
 use crate::geom::{BBox, Vec3};

@@ -1,6 +1,6 @@
 //! Polynomials in Bernstein form: values, parts, products, compositions; the Bézier patches of a surface.
 //!
-//! *Method.* Products and degree elevation by [FR88]; composition by de Casteljau's scheme with a polynomial as the
+//! *Method.* Products and degree elevation by \[FR88\]; composition by de Casteljau's scheme with a polynomial as the
 //! parameter, every blend being a product. Nothing here is rounded outward; for bounds see
 //! [`bounds`](super::bounds).
 

@@ -1,6 +1,6 @@
 //! Blossoms (polar forms) of polynomial pieces, in floating point or in intervals.
 //!
-//! *Method.* The de Boor scheme with a different argument at each step [R89]; the control points of a spline are its
+//! *Method.* The de Boor scheme with a different argument at each step \[R89\]; the control points of a spline are its
 //! blossom at consecutive knots, which is what refinement, splitting and conversion to Bézier form rest on.
 
 use super::curve::Curve;

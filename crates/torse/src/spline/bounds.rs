@@ -1,6 +1,6 @@
 //! Rigorous boxes around parts of curves and surfaces.
 //!
-//! *Method.* The part is brought to Bernstein form by blossoms in interval arithmetic [R89, MKC09]; its values lie in
+//! *Method.* The part is brought to Bernstein form by blossoms in interval arithmetic \[R89, MKC09\]; its values lie in
 //! the hull of the coefficients. Rational values are quotients of the intervals, valid because weights are positive.
 //! *Guarantee.* Every exact value of the spline with the stored coefficients lies in the box, rounding included.
 //! *Not guaranteed*: that the box is tight. Its excess shrinks with the square of the part's size.

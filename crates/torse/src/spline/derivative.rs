@@ -1,7 +1,7 @@
 //! Derivatives of any order, polynomial and rational.
 //!
-//! *Method.* Basis functions of lower degree are differenced upwards [PT97, A2.3]; derivatives of quotients by the
-//! product rule [PT97, 4.8 and 4.20]. For order two on the hot path see [`Curve::jet`] and
+//! *Method.* Basis functions of lower degree are differenced upwards \[PT97, A2.3\]; derivatives of quotients by the
+//! product rule \[PT97, 4.8 and 4.20\]. For order two on the hot path see [`Curve::jet`] and
 //! [`Surface::jet`](super::surface::Surface::jet), which do not allocate.
 
 use super::curve::Curve;

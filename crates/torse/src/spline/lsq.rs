@@ -1,6 +1,6 @@
 //! Curves near given points: linear least squares with given parameters, end points met exactly.
 //!
-//! *Method.* Normal equations of [PT97, 9.4.1] with the first and last control point fixed; they are banded.
+//! *Method.* Normal equations of \[PT97, 9.4.1\] with the first and last control point fixed; they are banded.
 //! *Not guaranteed*: anything between the points.
 
 use super::curve::Curve;

@@ -1,6 +1,6 @@
 //! The same curve or surface with other knots, degree, direction or domain.
 //!
-//! *Method.* A control point of a spline is the blossom of any of its pieces at consecutive knots [R89]. So knot
+//! *Method.* A control point of a spline is the blossom of any of its pieces at consecutive knots \[R89\]. So knot
 //! insertion, restriction and clamping are one operation: write down the new knots, and take blossoms of the old
 //! pieces at them. Degree elevation is the mean of blossoms with one argument left out. All of these are exact up to
 //! rounding.
