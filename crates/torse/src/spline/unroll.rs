@@ -39,14 +39,11 @@ pub fn in_v(s: &Surface, range: (f64, f64)) -> Result<Surface, SplineError> {
     Ok(Surface { knots_u: s.knots_u.clone(), knots_v, control, rational: s.rational })
 }
 
+/// Knots in one direction, and control points row by row.
+type Rows = (Knots, Vec<[f64; 4]>);
+
 /// Knots and control rows (of `width` points each) over `range`; `None` if the domain holds the range.
-#[allow(clippy::type_complexity)]
-fn rows(
-    knots: &Knots,
-    control: &[[f64; 4]],
-    width: usize,
-    range: (f64, f64),
-) -> Result<Option<(Knots, Vec<[f64; 4]>)>, SplineError> {
+fn rows(knots: &Knots, control: &[[f64; 4]], width: usize, range: (f64, f64)) -> Result<Option<Rows>, SplineError> {
     let (a, b) = knots.domain();
     let period = b - a;
     // Rounding of unwrapped parameters must not call for another copy.
@@ -78,12 +75,7 @@ fn rows(
 }
 
 /// Clamped knots and control rows of the part of a spline over `range` inside its domain, by blossoms.
-pub(super) fn cut(
-    knots: &Knots,
-    control: &[[f64; 4]],
-    width: usize,
-    range: (f64, f64),
-) -> Result<(Knots, Vec<[f64; 4]>), SplineError> {
+fn cut(knots: &Knots, control: &[[f64; 4]], width: usize, range: (f64, f64)) -> Result<Rows, SplineError> {
     let p = knots.degree();
     let (a, b) = range;
     let mut values = vec![a; p + 1];

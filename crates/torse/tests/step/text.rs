@@ -10,6 +10,10 @@ pub enum Unit {
     Foot,
 }
 
+type P = [f64; 3];
+/// Origin, z, x, and whether the relationship is written the other way round.
+type Use = (P, P, P, bool);
+
 struct FaceText {
     id: u64,
     name: String,
@@ -25,11 +29,9 @@ pub struct Step {
     records: Vec<String>,
     faces: Vec<FaceText>,
     sets: Vec<Vec<u64>>,
-    occurrences: Vec<([f64; 3], [f64; 3], [f64; 3], bool)>,
-    mapped: Vec<[f64; 3]>,
+    occurrences: Vec<Use>,
+    mapped: Vec<P>,
 }
-
-type P = [f64; 3];
 
 impl Step {
     pub fn new(unit: Unit) -> Self {
@@ -338,7 +340,7 @@ impl Step {
         )
     }
 
-    fn assembly(&mut self, part: u64, rep: u64, origin: u64, context: u64, uses: &[(P, P, P, bool)]) {
+    fn assembly(&mut self, part: u64, rep: u64, origin: u64, context: u64, uses: &[Use]) {
         if uses.is_empty() {
             return;
         }
