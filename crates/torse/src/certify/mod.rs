@@ -96,7 +96,8 @@ pub struct PanelCertificate {
     pub deviation_bound: f64,
     /// Part of the bound: face to (untrimmed) torse along normals.
     pub distance_bound: f64,
-    /// Part of the bound: exported trim curves against the images of the region's boundary.
+    /// Part of the bound: exported trim curves against the images of the region's boundary, along the panel; it enters in
+    /// quadrature.
     pub boundary_bound: f64,
     /// Part of the bound: exported patch against the exact torse.
     pub rounding_bound: f64,
