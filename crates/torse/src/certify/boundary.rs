@@ -10,9 +10,12 @@
 //!
 //! *Why lengths suffice*. Moving along these paths is a homotopy from the foot curve to θ in the plane of (t, position
 //! along the ruling). A point y of the panel that is not on the paths has equal winding numbers under both curves: not
-//! zero for θ means that y is the foot of a point of the region, at most D away. A point on a path is at most δ from a
-//! foot. So every point of the panel is within D + δ of the face; and, since the foot map does not fold, conversely.
-//! Both directions are thus bounded by D + δ, and by D + δ + η with the rounding η of the patch.
+//! zero for θ means that y is the foot of a point of the region, at most D away. A point on a path is at most δ along the
+//! torse from the foot P of some X. Conversely, since the foot map does not fold, the foot of every point of the region
+//! is on the panel, or on a path, at most δ along the torse from a point of θ. With κ the curvature of the torse along
+//! the paths, the normal turns by at most κ per unit of length, so a way of length δ leads at most κδ²/2 off the tangent plane:
+//! the mismatch enters in quadrature, and both directions are bounded by
+//! `√((D + κδ²/2)² + δ²)`, plus the rounding η of the patch.
 //!
 //! *Enclosure*: on [0, 1] a function with derivative in [a, b] differs from its chord by at most (b − a)/4, and a C¹ function
 //! with |second derivative| ≤ c by at most c/8. Derivatives come from interval jets; as Q and p nearly vanish, so do
@@ -33,7 +36,7 @@ use crate::spline::curve::Curve;
 use crate::surface::panel::Run;
 
 /// Pieces are halved until the enclosure exceeds its end values by less than this share of the tolerance.
-const EXCESS: f64 = 2e-3;
+const EXCESS: f64 = 1e-2;
 
 /// Halvings of a side of the polyline at most.
 const DEPTH: usize = 10;
@@ -77,7 +80,7 @@ impl Boundary<'_> {
             );
         }
         let knots = run.trim.knots.breaks();
-        let mut bound = 0.0f64;
+        let (mut bound, mut curvature) = (0.0f64, 0.0f64);
         let mut start = None;
         for k in 0..run.vertices.len() - 1 {
             let (Some(a), Some(b)) = (place(k), place(k + 1)) else {
@@ -122,9 +125,12 @@ impl Boundary<'_> {
                     start = Some((a, found.roots));
                 }
                 bound = bound.max(found.bound);
+                curvature = curvature.max(found.curvature);
             }
         }
-        start.map(|start| RunBound { bound, start }).ok_or(Obstacle { uv: first, reason: "a trimming curve is empty" })
+        start
+            .map(|start| RunBound { bound, curvature, start })
+            .ok_or(Obstacle { uv: first, reason: "a trimming curve is empty" })
     }
 
     fn piece_bound(&self, patch: &Patch, ga: [f64; 2], gb: [f64; 2], trim: &Curve<2>, s: (f64, f64)) -> Option<Found> {
@@ -211,7 +217,14 @@ impl Boundary<'_> {
             ((across + straight) * Interval::point(1.0 + skew)).hi
         };
         let bound = path(q, p);
-        bound.is_finite().then(|| Found { bound, at_ends: path(q_ends, p_ends), roots })
+        // κ = |σ| |m⊥|² / (|n| |G|).
+        let curvature = (plane.sigma.abs() * m_across.sqr() / (n_length * g.abs())).hi * (1.0 + skew);
+        (bound.is_finite() && curvature.is_finite()).then(|| Found {
+            bound,
+            at_ends: path(q_ends, p_ends),
+            curvature,
+            roots,
+        })
     }
 }
 
@@ -220,6 +233,8 @@ impl Boundary<'_> {
 pub(super) struct RunBound {
     /// Bound of the paths' length, mm.
     pub bound: f64,
+    /// Bound of the torse's curvature along the paths, 1/mm.
+    pub curvature: f64,
     /// First vertex, and an interval with exactly one foot of it, from which the paths start.
     pub start: ([f64; 2], Interval),
 }
@@ -235,6 +250,7 @@ impl RunBound {
 struct Found {
     bound: f64,
     at_ends: f64,
+    curvature: f64,
     roots: Interval,
 }
 

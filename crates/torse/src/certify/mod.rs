@@ -96,7 +96,8 @@ pub struct PanelCertificate {
     pub deviation_bound: f64,
     /// Part of the bound: face to (untrimmed) torse along normals.
     pub distance_bound: f64,
-    /// Part of the bound: exported trim curves against the images of the region's boundary.
+    /// Part of the bound: exported trim curves against the images of the region's boundary, along the panel; it enters in
+    /// quadrature.
     pub boundary_bound: f64,
     /// Part of the bound: exported patch against the exact torse.
     pub rounding_bound: f64,
@@ -328,7 +329,7 @@ mod tests {
         assert!(c.seam_gap_bound < 2e-5, "{}", c.seam_gap_bound);
         for panel in &c.panels {
             assert!(panel.rounding_bound < 1e-10 && panel.developability_bound < 1e-8);
-            assert!(panel.boundary_bound < 1e-5, "{}", panel.boundary_bound);
+            assert!(panel.boundary_bound < 3e-5, "{}", panel.boundary_bound);
             assert!(panel.min_bend_radius > 0.3 && panel.regression_clearance > 1.0, "{panel:?}");
         }
     }

@@ -1,8 +1,8 @@
 //! The proof for one panel: distance, boundary, rounding, developability and simple loops, put together.
 //!
-//! *Theorem* \[certificate, 1\], in the additive form of [`boundary`](super::boundary): with D, δ, η the bounds of distance,
-//! boundary and rounding, the trimmed panel in the file and its part of the face are within D + δ + η of each other,
-//! in both directions.
+//! *Theorem* \[certificate, 1\], in the form of [`boundary`](super::boundary): with D, δ, η the bounds of distance, boundary
+//! and rounding, and κ the curvature of the torse along the boundary, the trimmed panel in the file and its part of the face
+//! are within `√((D + κδ²/2)² + δ²) + η` of each other, in both directions.
 
 use super::boundary::Boundary;
 use super::coverage::loops_bound_triangles;
@@ -16,6 +16,7 @@ use super::simple::loops_are_simple;
 use super::{PanelCertificate, Resistance, Verdict};
 use crate::control::Control;
 use crate::geom::partition::Partition;
+use crate::num::interval::Interval;
 use crate::surface::panel::Panel;
 use rayon::prelude::*;
 
@@ -63,10 +64,13 @@ pub(super) fn panel_certificate(
     let boundary = Boundary { family: &family, jets: &jets, prepared, tolerance };
     let runs: Vec<_> = panel.loops.iter().flatten().collect();
     let bounds: Vec<_> = runs.par_iter().map(|run| boundary.run_bound(run, &partition.vertices)).collect();
-    let mut delta = Some(0.0f64);
+    let (mut delta, mut curvature) = (Some(0.0f64), 0.0f64);
     for b in &bounds {
         match b {
-            Ok(b) => delta = delta.map(|d| d.max(b.bound)),
+            Ok(b) => {
+                delta = delta.map(|d| d.max(b.bound));
+                curvature = curvature.max(b.curvature);
+            }
             Err(obstacle) => {
                 reasons.push(format!("{} at ({:.6}, {:.6})", obstacle.reason, obstacle.uv[0], obstacle.uv[1]));
                 delta = None;
@@ -89,10 +93,10 @@ pub(super) fn panel_certificate(
     }
 
     // Distance, within what boundary and rounding have left of the tolerance.
-    let spent = out.rounding_bound + delta.unwrap_or(0.0);
+    let mismatch = Mismatch { delta: delta.unwrap_or(0.0), curvature, eta: out.rounding_bound };
     let options = DistanceOptions::default();
-    let mut budget = (tolerance - spent) * (1.0 - 4.0 * f64::EPSILON);
-    if budget <= 0.0 || budget.is_nan() {
+    let mut budget = mismatch.budget(tolerance);
+    if budget <= 0.0 {
         reasons.push("rounding and trimming curves use up the tolerance".into());
         budget = tolerance;
     }
@@ -100,8 +104,13 @@ pub(super) fn panel_certificate(
     match &judgement.verdict {
         Verdict::Holds { .. } => {}
         Verdict::Fails { uv, distance } => {
-            out.witness = Some((*uv, *distance));
-            reasons.push(format!("the face is {:.6} mm away at ({:.6}, {:.6})", distance.abs(), uv[0], uv[1]));
+            let place = format!("{:.6} mm away at ({:.6}, {:.6})", distance.abs(), uv[0], uv[1]);
+            if distance.abs() > tolerance {
+                out.witness = Some((*uv, *distance));
+                reasons.push(format!("the face is {place}"));
+            } else {
+                reasons.push(format!("the face is {place}; rounding and trimming curves leave {budget:.6} mm"));
+            }
         }
         Verdict::Undecided { uv, reason } => {
             reasons.push(format!("{} at ({:.6}, {:.6})", words(*reason), uv[0], uv[1]));
@@ -128,7 +137,7 @@ pub(super) fn panel_certificate(
             let uv = b.start.0;
             reasons.push(format!("a trimming curve belongs to another foot at ({:.6}, {:.6})", uv[0], uv[1]));
         } else if let Some(delta) = delta {
-            out.deviation_bound = (bound + delta + out.rounding_bound) * (1.0 + 4.0 * f64::EPSILON);
+            out.deviation_bound = mismatch.total(bound);
             out.regression_clearance = (out.regression_clearance - delta - out.rounding_bound).max(0.0);
         }
     }
@@ -139,6 +148,35 @@ pub(super) fn panel_certificate(
     }
     out.reason = reasons.join("; ");
     (out, Some(jets))
+}
+
+/// What boundary and rounding add to the distance.
+#[derive(Clone, Copy, Debug)]
+struct Mismatch {
+    delta: f64,
+    curvature: f64,
+    eta: f64,
+}
+
+impl Mismatch {
+    /// `√((D + κδ²/2)² + δ²) + η`, rounded up.
+    fn total(&self, distance: f64) -> f64 {
+        let square = Interval::point(self.delta).sqr();
+        let normal = Interval::point(distance) + (square * self.curvature).scale_exact(0.5);
+        ((normal.sqr() + square).sqrt() + Interval::point(self.eta)).hi
+    }
+
+    /// A distance for which [`Mismatch::total`] stays within the tolerance; not positive when there is none.
+    fn budget(&self, tolerance: f64) -> f64 {
+        // A few roundings, each of a unit in the last place of the tolerance.
+        const ROUNDING: f64 = 16.0 * f64::EPSILON;
+        let rest = tolerance * (1.0 - ROUNDING) - self.eta;
+        if rest <= self.delta || rest.is_nan() {
+            return 0.0;
+        }
+        let square = self.delta * self.delta;
+        (rest * rest - square).sqrt() - 0.5 * self.curvature * square - ROUNDING * tolerance
+    }
 }
 
 /// Triangles of a label.
@@ -162,5 +200,21 @@ fn words(reason: Resistance) -> &'static str {
         Resistance::Bound => "the bound stays above the tolerance",
         Resistance::Budget => "too many triangles were needed",
         Resistance::Stopped => "the proof was stopped",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_budget_keeps_the_total_within_the_tolerance() {
+        for (delta, curvature, eta) in [(0.0, 0.0, 0.0), (0.07, 0.5, 1e-9), (0.5, 0.1, 1e-3), (0.9, 0.0, 0.05)] {
+            let m = Mismatch { delta, curvature, eta };
+            let d = m.budget(1.0);
+            assert!(d > 0.0 && m.total(d) <= 1.0 && m.total(d) > 1.0 - 1e-12, "{m:?} {d}");
+        }
+        assert!(Mismatch { delta: 1.0, curvature: 0.0, eta: 0.0 }.budget(1.0) <= 0.0);
+        assert!(Mismatch { delta: 0.0, curvature: 0.0, eta: f64::INFINITY }.budget(1.0) <= 0.0);
     }
 }
