@@ -316,3 +316,19 @@ fn meshes_lie_on_the_panels() {
     let border = torse::tessellate::panel::border_lines(&work.panels[0], 4);
     assert_eq!(border.len(), 1);
 }
+
+#[test]
+fn a_pole_is_a_corner() {
+    // A triangle as a patch whose side v = 0 is one point.
+    let k = Knots::clamped(1, &[0.0, 1.0]).expect("knots");
+    let p = [(0.0, 0.0), (100.0, 0.0), (0.0, 0.0), (0.0, 100.0)].map(|(x, y)| Vec3::new(x, y, 3.0));
+    let face = Face::untrimmed(Surface::new(k.clone(), k, &p, None).expect("surface"));
+    let control = vec![[3.0, 0.0]; 4];
+    let profile = Curve::new(3, vec![-20., -20., -20., -20., 120., 120., 120., 120.], control).expect("profile");
+    let torse = Torse::Primal(PrimalTorse { frame: Frame::world(), profile, beta: 0.0 });
+    let work = build(face, grid(6, (0.0, 1.0), (0.0, 1.0), |_, _| Some(0)), &[(0, &torse, PanelKind::Plane)]);
+    assert_eq!(work.panels[0].loops[0].len(), 4);
+    let p = pattern(&work, 0, &PatternOptions::new(0.01)).expect("a pattern");
+    assert_eq!((p.contours[0].vertices.len(), p.sides.len(), p.rulings.len()), (3, 3, 0));
+    assert!((p.area - 5000.0).abs() < 0.1 && (p.area_in_space - p.area).abs() < 1e-6);
+}

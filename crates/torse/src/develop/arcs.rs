@@ -1,8 +1,7 @@
 //! Plane curves as chains of lines and circular arcs: adaptive biarcs, tangent-continuous inside a curve.
 //!
 //! *Method*: biarcs with equal tangent lengths between points of the curve, with its tangents there; the longest
-//! stretch that meets the tolerance is taken next (bisection). Standard construction, see any text on biarcs; the
-//! equal-length choice keeps both arcs short.
+//! stretch that meets the tolerance is taken next (bisection) [MW95]. Equal tangent lengths keep both arcs short.
 
 use crate::geom::Vec2;
 
@@ -36,6 +35,8 @@ const SEARCH_SHARE: f64 = 0.93;
 /// Deviation from a line, as a share of the tolerance, below which a stretch is called straight: tangents then agree
 /// to far less than any cutter resolves.
 const STRAIGHT: f64 = 1e-3;
+/// The same for a whole curve between two corners.
+const NEARLY_STRAIGHT: f64 = 0.5;
 /// Largest angle (rad) between tangent and chord of an arc.
 const STEEPEST: f64 = 1.0;
 /// Shortest stretch of the parameter that is still halved.
@@ -46,6 +47,12 @@ const SHORTEST: f64 = 1e-6;
 /// *Guarantee*: first and last point are those of the curve; tangents agree at inner joints to rounding.
 /// *Not guaranteed*: the tolerance itself where the curve has a kink inside; the error returned is honest then.
 pub fn arcs(curve: &impl PlaneCurve, tolerance: f64) -> (Vec<ArcPiece>, f64) {
+    // A curve that is straight as a whole is a line: its ends are corners, so no joint gets a kink.
+    let line = vec![ArcPiece { point: curve.place(0.0), bulge: 0.0, s: 0.0 }];
+    let off = distance(curve, &line, 0.0, 1.0, MEASURE);
+    if SAFETY * off <= NEARLY_STRAIGHT * tolerance {
+        return (line, SAFETY * off);
+    }
     let mut out = Vec::new();
     let mut error = 0.0_f64;
     let mut s = 0.0;

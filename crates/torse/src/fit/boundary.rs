@@ -248,14 +248,9 @@ impl<'a> Borders<'a> {
                 let (vertices, parameters) = stretch.oriented(chain);
                 let waypoints =
                     self.waypoints(assigned.torse, &vertices, &parameters, &places, options, |f, x| place(f, x));
-                let waypoints = if chain.length > 0.0 {
-                    waypoints
-                } else {
-                    let p = places[&vertices[0]];
-                    [0.0, 1.0].map(|s| Waypoint { s, place: p, allowance: options.trim_tolerance }).to_vec()
-                };
                 let fitted =
-                    trim::trim(&patch, &waypoints).map_err(|source| BoundaryError::Spline { label, source })?;
+                    if chain.length > 0.0 { trim::trim(&patch, &waypoints) } else { trim::point(places[&vertices[0]]) };
+                let fitted = fitted.map_err(|source| BoundaryError::Spline { label, source })?;
                 let edge = trim::edge(&patch, &fitted.curve, options.edge_tolerance)
                     .map_err(|source| BoundaryError::Spline { label, source })?;
                 worst = worst.max(fitted.deviation_estimate);

@@ -89,6 +89,15 @@ pub fn trim(patch: &Surface, waypoints: &[Waypoint]) -> Result<Trim, SplineError
     best.ok_or(SplineError::KnotCount { knots: 0, control: 0, degree: 3 })
 }
 
+/// The trimming curve of a border that is a point.
+///
+/// # Errors
+/// Values that are not finite.
+pub fn point(place: [f64; 2]) -> Result<Trim, SplineError> {
+    let curve = Curve::new(3, vec![0., 0., 0., 0., 1., 1., 1., 1.], vec![place; 4])?;
+    Ok(Trim { curve, deviation_estimate: 0.0 })
+}
+
 /// Where to cut a span with the given waypoints, and the multiplicity of the knot: at a crossing of the patch's knot
 /// lines, where the second derivative of the feet jumps, if one lies in the middle half; else at the middle waypoint.
 fn cut(inside: &[Waypoint], lines: &[f64]) -> (f64, usize) {
