@@ -199,6 +199,7 @@ fn one_face(index: usize, mut face: Face, options: &Options, control: &Control) 
     let mut round = 0;
     loop {
         let (built, refused) = build(index, &face, &state, options.tolerance);
+        if std::env::var("TD").is_ok() { for (p, c) in built.patchwork.panels.iter().zip(&built.certificate.panels) { eprintln!("  {} D {:.4} delta {:.4} eta {:.1e} runs {:?} {}", p.name, c.distance_bound/options.tolerance, c.boundary_bound/options.tolerance, c.rounding_bound, p.loops.iter().flatten().map(|r| (r.vertices.len(), r.trim.control.len())).collect::<Vec<_>>(), c.reason); } }
         if std::env::var("TA").is_ok() { eprintln!("round {round} panels {} refused {refused:?} {:?} {:?}", built.patchwork.panels.len(), built.certificate.missing, built.missing); }
         let stop = refused.is_empty()
             || round == ROUNDS
