@@ -73,7 +73,7 @@ const BEND_SHARE: f64 = 0.02;
 /// See [`BEND_SHARE`].
 const SMOOTHINGS: usize = 4;
 /// Rounds of cutting panels that the judge refuses as built.
-const ROUNDS: usize = 8;
+const ROUNDS: usize = 6;
 /// Round from which refused regions get plane facets only: these can always be built.
 const FACET_ROUND: usize = 3;
 /// Factor on the tolerance from one attempt to the next when the number of panels is limited.

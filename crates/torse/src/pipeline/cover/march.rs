@@ -22,6 +22,9 @@ const FRESH: f64 = 0.9;
 /// A rest of less than this share of a band is tried together with it.
 const REST: f64 = 0.15;
 
+/// Depth of the recursion down to which marches start from both ends: deeper, trying both would double the work at
+/// every level.
+const BOTH_ENDS_DEPTH: usize = 0;
 /// Of a rest that is too wide for one band, at most this share goes into the next.
 const LARGEST_PART: f64 = 0.9;
 
@@ -64,6 +67,9 @@ impl Job<'_> {
             limit.fetch_min(done.panels.len() - before, Ordering::Relaxed);
             Some(done)
         };
+        if depth > BOTH_ENDS_DEPTH {
+            return run(&level.field);
+        }
         let (up, down) = rayon::join(|| run(&level.field), || run(&falling));
         match (up, down) {
             (Some(a), Some(b)) => Some(if b.panels.len() < a.panels.len() { b } else { a }),

@@ -33,7 +33,7 @@ pub struct CoverOptions {
 }
 
 /// Share of the tolerance that the distance part may use; the rest is for trim curves and rounding.
-pub(crate) const DISTANCE_SHARE: f64 = 0.975;
+pub(crate) const DISTANCE_SHARE: f64 = 0.985;
 /// Depth of the recursion at which only facets are tried.
 const FACET_DEPTH: usize = 14;
 /// Level functions are given up for parts when their merit exceeds this multiple of their range (C4).
