@@ -84,10 +84,12 @@ struct Row {
 
 /// Best level function found over the samples of a region, for either sign; `None` if the region is too small or
 /// too flat to speak of strips.
-pub fn level(samples: &[Forms], options: &LevelOptions) -> Option<Level> {
+///
+/// `border` are further points of the region, such as its corners, that count for the range of φ only.
+pub fn level(samples: &[Forms], border: &[[f64; 2]], options: &LevelOptions) -> Option<Level> {
     let mut b = [f64::INFINITY, f64::NEG_INFINITY, f64::INFINITY, f64::NEG_INFINITY];
-    for s in samples {
-        b = [b[0].min(s.uv[0]), b[1].max(s.uv[0]), b[2].min(s.uv[1]), b[3].max(s.uv[1])];
+    for p in samples.iter().map(|s| &s.uv).chain(border) {
+        b = [b[0].min(p[0]), b[1].max(p[0]), b[2].min(p[1]), b[3].max(p[1])];
     }
     let field = Field::bicubic(b, options.spans).ok()?;
     let curvature = |s: &Forms| s.principal().map(f64::abs).into_iter().fold(0.0, f64::max);
@@ -115,7 +117,8 @@ pub fn level(samples: &[Forms], options: &LevelOptions) -> Option<Level> {
     if rows.len() < 12 {
         return None;
     }
-    let extremes: Vec<Vec<(usize, f64, f64, f64)>> = samples.iter().map(|s| field.basis(s.uv[0], s.uv[1])).collect();
+    let extremes: Vec<Vec<(usize, f64, f64, f64)>> =
+        samples.iter().map(|s| &s.uv).chain(border).map(|p| field.basis(p[0], p[1])).collect();
     let problem = Problem { rows, extremes };
     let aspect = (speed[1] / speed[0]).sqrt();
     let starts: Vec<(f64, usize)> =
@@ -267,7 +270,7 @@ mod tests {
     #[test]
     fn shallow_saddle_reaches_the_causal_diameter() {
         let s = grid(|_, _| ([4.0, 0.0, 4.0], [0.0, 4.0, 0.0]));
-        let l = level(&s, &LevelOptions::default()).expect("a level function");
+        let l = level(&s, &[], &LevelOptions::default()).expect("a level function");
         assert!(l.merit < 1.05 * 8f64.sqrt(), "{}", l.merit);
         assert!(l.range > 0.93 * 8f64.sqrt(), "{}", l.range);
     }
@@ -276,7 +279,7 @@ mod tests {
     #[test]
     fn shallow_paraboloid_is_banded_along_a_side() {
         let s = grid(|_, _| ([1.0, 0.0, 1.0], [1.0, 0.0, 1.0]));
-        let l = level(&s, &LevelOptions::default()).expect("a level function");
+        let l = level(&s, &[], &LevelOptions::default()).expect("a level function");
         assert!((l.merit - 1.0).abs() < 0.02, "{}", l.merit);
     }
 }

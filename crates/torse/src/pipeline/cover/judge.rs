@@ -17,6 +17,9 @@ use std::sync::Arc;
 const HOPEFUL: f64 = 0.99;
 /// Share of the allowed distance at which fits of bands may stop.
 const KEEN: f64 = 0.7;
+/// Panels that bend more sharply than this multiple of the tolerance are refused: their rulings crowd together near
+/// the regression curve, and their trims cannot be drawn well (certificate specification, 4).
+const LEAST_BEND: f64 = 10.0;
 /// Refits with witnesses before a torse is given up.
 const REFITS: usize = 3;
 
@@ -94,6 +97,9 @@ impl Job<'_> {
             if std::env::var("TT").is_ok() { eprintln!("T proof {} {:?}", triangles.len(), t0.elapsed()); }
             if std::env::var("TJ").is_ok() { eprintln!("   proof round {round} {} fit {:.3} tris {} -> {:?}", if matches!(fit.torse, crate::surface::torse::Torse::Dual(_)) {"D"} else {"P"}, fit.error/allowed, triangles.len(), judged.verdict); }
             match judged.verdict {
+                Verdict::Holds { .. } if judged.min_bend_radius < LEAST_BEND * self.options.tolerance => {
+                    return Trial::failed(allowed * 1.03);
+                }
                 Verdict::Holds { .. } => {
                     let error = fit.error;
                     return Trial { accepted: Some(Arc::new(fit)), error };

@@ -14,7 +14,7 @@ mod state;
 
 use crate::certify::Prepared;
 use crate::control::Control;
-use crate::fit::level::{level, LevelOptions};
+use crate::fit::level::{level, Level, LevelOptions};
 use crate::geom::triangulate::TriangulateError;
 use crate::surface::face::Face;
 use rayon::prelude::*;
@@ -147,8 +147,7 @@ impl Job<'_> {
                 *best = Some(next);
             }
         };
-        let forms = state.forms(label, 240);
-        let found = level(&forms, &LevelOptions::default());
+        let found = self.level_function(&state, label, depth);
         let four = 4.0 * self.options.tolerance.sqrt();
         let good = found.as_ref().filter(|l| l.merit <= POOR * l.range);
         let predicted = good.map_or(f64::INFINITY, |l| l.merit / four);
@@ -176,6 +175,22 @@ impl Job<'_> {
         }
         self.control.report("covering", 0.0, format!("{} proofs", self.proofs.load(Ordering::Relaxed)));
         best
+    }
+
+    /// Level function of a region; the first, worth more than those of small remainders, is sought in two spaces.
+    fn level_function(&self, state: &State, label: u32, depth: usize) -> Option<Level> {
+        let border = state.border(label, 80);
+        let attempt = |samples: usize, spans: usize| {
+            level(&state.forms(label, samples), &border, &LevelOptions { spans, ..LevelOptions::default() })
+        };
+        let coarse = attempt(240, 2);
+        if depth > 0 {
+            return coarse;
+        }
+        match (coarse, attempt(400, 3)) {
+            (Some(a), Some(b)) => Some(if b.merit < a.merit { b } else { a }),
+            (a, b) => a.or(b),
+        }
     }
 
     /// Straight bands in several directions of the parameter plane; the fewest win (C5b).
@@ -210,7 +225,7 @@ impl Job<'_> {
         depth: usize,
     ) -> Option<State> {
         let four = 4.0 * self.options.tolerance.sqrt();
-        let rate = |s: &State, l: u32| level(&s.forms(l, 160), &LevelOptions { rounds: 3, ..LevelOptions::default() });
+        let rate = |s: &State, l: u32| level(&s.forms(l, 160), &s.border(l, 60), &LevelOptions { rounds: 3, ..LevelOptions::default() });
         let candidates: Vec<(f64, State, Vec<u32>)> = (0..4usize)
             .into_par_iter()
             .filter_map(|k| {
