@@ -339,14 +339,19 @@ impl<'a> Borders<'a> {
 
     /// Foot of every border vertex, followed along the loops.
     fn feet(&self, label: u32, torse: &Torse, loops: &[Vec<Stretch>]) -> Result<HashMap<u32, Foot>, BoundaryError> {
-        // Vertices of a border without length are one point.
+        // Vertices of borders without length that follow each other (a pole) are one point.
         let mut same: HashMap<u32, u32> = HashMap::new();
-        for s in loops.iter().flatten() {
-            let c = &self.chains[s.chain];
-            if c.length <= 0.0 {
-                for &v in &c.vertices {
-                    same.insert(v, c.vertices[0]);
-                }
+        let points: Vec<&Chain> =
+            loops.iter().flatten().map(|s| &self.chains[s.chain]).filter(|c| c.length <= 0.0).collect();
+        for _ in 0..points.len() {
+            let before = same.clone();
+            for c in &points {
+                let known = c.vertices.iter().filter_map(|v| same.get(v)).min();
+                let one = known.copied().unwrap_or(c.vertices[0]);
+                same.extend(c.vertices.iter().map(|&v| (v, one)));
+            }
+            if same == before {
+                break;
             }
         }
         let mut out: HashMap<u32, Foot> = HashMap::new();

@@ -20,9 +20,8 @@ const BEYOND: f64 = 0.25;
 pub fn centre_line(surface: &Surface, field: &Field, bounds: [f64; 4], seed: [f64; 2], size: f64) -> Vec<CentrePoint> {
     let level = field.value(seed);
     let (mu, mv) = (BEYOND * (bounds[1] - bounds[0]), BEYOND * (bounds[3] - bounds[2]));
-    let outside = |p: [f64; 2]| {
-        p[0] < bounds[0] - mu || p[0] > bounds[1] + mu || p[1] < bounds[2] - mv || p[1] > bounds[3] + mv
-    };
+    let outside =
+        |p: [f64; 2]| p[0] < bounds[0] - mu || p[0] > bounds[1] + mu || p[1] < bounds[2] - mv || p[1] > bounds[3] + mv;
     let step = size / STEPS as f64;
     let mut halves: [Vec<CentrePoint>; 2] = [Vec::new(), Vec::new()];
     for (half, sign) in halves.iter_mut().zip([1.0, -1.0]) {

@@ -1,14 +1,14 @@
 //! Floor 5: fitting torses near given data. Never judges itself; see `certify`.
 
+mod basis;
 pub mod boundary;
 pub mod centre_line;
 pub mod chains;
-pub mod level;
-mod basis;
 mod descent;
 mod directions;
 pub mod dual;
 mod envelope;
+pub mod level;
 pub mod plane;
 pub mod primal;
 mod profile;

@@ -4,10 +4,10 @@ use nalgebra as na;
 
 pub mod mesh;
 pub mod partition;
-pub mod smooth_seams;
-pub mod triangulate;
 pub mod placement;
 pub mod rectangle;
+pub mod smooth_seams;
+pub mod triangulate;
 
 /// A point or vector of space, in millimetres.
 pub type Vec3 = na::Vector3<f64>;

@@ -67,15 +67,17 @@ pub fn files(outcome: &Outcome, shown: &Presentation, time: &str) -> Result<Vec<
     let what = format!("{panels} panel{}", if panels == 1 { "" } else { "s" });
     let note = match &outcome.status {
         Status::Certified => {
-            format!("{what}, each within {} mm of the surface, certified", figure(outcome.certificate.deviation_bound, 3))
+            format!(
+                "{what}, each within {} mm of the surface, certified",
+                figure(outcome.certificate.deviation_bound, 3)
+            )
         }
         Status::Uncertified(_) => format!("{what}, not certified"),
     };
     let caption = |note: String| Caption { title: outcome.input.clone(), note, ..Caption::default() };
     let panels_png = png::write(&picture::panels(&shown.scene, &shown.direction, &caption(note)))?;
     let deviation = caption("distance of the panels from the surface, mm".to_owned());
-    let deviation_png =
-        png::write(&picture::deviation(&shown.scene, &shown.direction, outcome.tolerance, &deviation))?;
+    let deviation_png = png::write(&picture::deviation(&shown.scene, &shown.direction, outcome.tolerance, &deviation))?;
     let flat = caption(format!("{what}, flat patterns, 1:1 in patterns.dxf"));
     let layout_png = png::write(&picture::layout(&shown.pieces, &flat))?;
     let report = Report::of(outcome);

@@ -1,10 +1,10 @@
 //! Floor 6: files in and out; computes nothing.
 
 pub mod bundle;
+pub mod dxf;
+pub mod glb;
 pub mod html;
 pub mod json;
 pub mod png;
-pub mod dxf;
-pub mod glb;
 pub mod step;
 pub mod svg;

@@ -199,8 +199,6 @@ fn one_face(index: usize, mut face: Face, options: &Options, control: &Control) 
     let mut round = 0;
     loop {
         let (built, refused) = build(index, &face, &state, options.tolerance);
-        if std::env::var("TD").is_ok() { for (p, c) in built.patchwork.panels.iter().zip(&built.certificate.panels) { eprintln!("  {} D {:.4} delta {:.4} eta {:.1e} runs {:?} {}", p.name, c.distance_bound/options.tolerance, c.boundary_bound/options.tolerance, c.rounding_bound, p.loops.iter().flatten().map(|r| (r.vertices.len(), r.trim.control.len())).collect::<Vec<_>>(), c.reason); } }
-        if std::env::var("TA").is_ok() { eprintln!("round {round} panels {} refused {refused:?} {:?} {:?}", built.patchwork.panels.len(), built.certificate.missing, built.missing); }
         let stop = refused.is_empty()
             || round == ROUNDS
             || control.stopped()
@@ -235,11 +233,8 @@ fn corners_on_knot_lines(face: &mut Face) {
 /// Panels, proof and patterns of a covered face; second result: labels of the regions that must be cut.
 fn build(index: usize, face: &Face, state: &State, tolerance: f64) -> (Built, Vec<u32>) {
     let partition = smooth_borders(face, state.partition.clone(), tolerance);
-    let assigned: Vec<Assigned> = state
-        .panels
-        .iter()
-        .map(|(&label, fit)| Assigned { label, torse: &fit.torse, kind: fit.kind })
-        .collect();
+    let assigned: Vec<Assigned> =
+        state.panels.iter().map(|(&label, fit)| Assigned { label, torse: &fit.torse, kind: fit.kind }).collect();
     let trim_tolerance = tolerance * TRIM_SHARE;
     let boundary = BoundaryOptions { trim_tolerance, edge_tolerance: trim_tolerance * EDGE_SHARE };
     let trim_edge = |a: u32, b: u32| partition.trim_edges.get(&(a, b)).copied().unwrap_or(0);

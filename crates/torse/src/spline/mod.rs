@@ -1,20 +1,20 @@
 //! Floor 2: B-spline calculus. Knots, curves in any dimension, tensor-product surfaces polynomial and rational.
 
-pub mod composite;
-pub mod carrier;
-pub mod curve;
-pub mod field;
-pub mod knots;
-pub mod pieces;
-pub mod offset;
-pub mod project;
-pub mod space_curve;
 pub mod bezier;
 pub mod blossom;
 pub mod bounds;
+pub mod carrier;
+pub mod composite;
+pub mod curve;
 pub mod derivative;
+pub mod field;
+pub mod knots;
 pub mod lsq;
+pub mod offset;
+pub mod pieces;
+pub mod project;
 pub mod refine;
+pub mod space_curve;
 pub mod surface;
 mod swept;
 pub mod unroll;

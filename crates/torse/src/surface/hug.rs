@@ -82,6 +82,9 @@ pub(super) fn hug(torse: &Torse, extent: &Extent, range: (f64, f64)) -> Result<B
         Torse::Primal(p) => p.frame.origin,
         Torse::Dual(_) => extent.points().map(|p| p.1).sum::<Vec3>() / count,
     };
+    if let Some(bound) = flat(torse, extent, &origin, range)? {
+        return Ok(bound);
+    }
     let all = breaks_inside(torse, range);
     let mut trouble = ConvertError::Regression { t: range.0 };
     for spline_direction in [false, true] {
@@ -127,6 +130,35 @@ pub(super) fn hug(torse: &Torse, extent: &Extent, range: (f64, f64)) -> Result<B
     }
     Err(trouble)
 }
+
+/// Wide bounds parallel to the profile for a plane: it has no regression curve to stay clear of, and its regions may
+/// be pointed slivers.
+fn flat(torse: &Torse, extent: &Extent, origin: &Vec3, range: (f64, f64)) -> Result<Option<Bound>, ConvertError> {
+    let Torse::Primal(p) = torse else { return Ok(None) };
+    let n = p.profile.control.len();
+    let bends = |d: usize| {
+        (0..=n).any(|k| {
+            let t = range.0 + (range.1 - range.0) * k as f64 / n as f64;
+            p.profile.jet(t)[2][d] != 0.0 || (d == 1 && p.profile.jet(t)[1][d] != 0.0)
+        })
+    };
+    if bends(0) || bends(1) {
+        return Ok(None);
+    }
+    let direction = polynomial(vec![p.frame.y.into()], range)?;
+    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+    for (t, x) in extent.points() {
+        let y = coordinate(torse, &direction, origin, *t, x);
+        (low, high) = (low.min(y), high.max(y));
+    }
+    let margin = PLANE_MARGIN * (high - low);
+    let side = |y: f64| polynomial(vec![[y]], range);
+    let (low, high) = (side(low - margin)?, side(high + margin)?);
+    Ok(Some(Bound { range, origin: *origin, direction, low, high, order: isize::MAX }))
+}
+
+/// Margin of a plane's patch on each side, share of its width.
+const PLANE_MARGIN: f64 = 0.2;
 
 /// Ruling of a border point beyond the boundary planes, if any.
 fn cut_off(

@@ -1,8 +1,8 @@
 //! Floor 3: the domain model. Input faces, developable surfaces (torses), panels and patchworks. Nothing iterates here.
 
+pub mod area;
 pub mod clip;
 pub mod convert;
-pub mod area;
 pub mod face;
 mod hug;
 pub mod panel;

@@ -10,5 +10,5 @@ pub mod raster;
 pub mod scene;
 pub mod stroke_font;
 
-pub mod panel;
 pub mod drawing;
+pub mod panel;

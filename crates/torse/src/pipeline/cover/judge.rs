@@ -4,10 +4,10 @@
 use super::{Job, State, DISTANCE_SHARE};
 use crate::certify::distance::{distance, DistanceOptions};
 use crate::certify::Verdict;
-use crate::fit::{dual, DualOptions};
 use crate::fit::plane::plane;
 use crate::fit::primal::{primal, PrimalOptions};
 use crate::fit::samples::{Fit, Sample};
+use crate::fit::{dual, DualOptions};
 use crate::fit::{refit, CentrePoint, RefitOptions};
 use std::sync::atomic::Ordering;
 use std::sync::Arc;
@@ -55,7 +55,6 @@ impl Job<'_> {
         }
         let mut best = f64::INFINITY;
         let mut judge = |fit: Option<Fit>| -> Option<Trial> {
-            if std::env::var("TJ").is_ok() { eprintln!("   fit label {label} {:?}", fit.as_ref().map(|f|f.error/allowed)); }
             let fit = fit?;
             if fit.error <= allowed * HOPEFUL {
                 let t = self.proven(state, label, fit, samples.clone());
@@ -70,14 +69,14 @@ impl Job<'_> {
         };
         if let Some(line) = centre.filter(|l| !l.is_empty()) {
             let options = DualOptions::new(allowed * KEEN);
-            let t0=std::time::Instant::now(); let f = dual(&samples, line, &options); if std::env::var("TT").is_ok() { eprintln!("T dual {} {:?}", samples.len(), t0.elapsed()); }
+            let f = dual(&samples, line, &options);
             if let Some(t) = judge(f) {
                 return t;
             }
         }
         // Bands are wanted as wide as they can be: the fit must not rest on the first torse that is good enough.
         let options = PrimalOptions::new(if centre.is_some() { allowed * KEEN } else { allowed });
-        let t0=std::time::Instant::now(); let f = primal(&samples, &options); if std::env::var("TT").is_ok() { eprintln!("T primal {} {:?}", samples.len(), t0.elapsed()); }
+        let f = primal(&samples, &options);
         if let Some(t) = judge(f) {
             return t;
         }
@@ -91,11 +90,8 @@ impl Job<'_> {
         let mut fit = first;
         for round in 0..=REFITS {
             self.proofs.fetch_add(1, Ordering::Relaxed);
-            let t0=std::time::Instant::now();
             let judged =
                 distance(&self.prepared, &fit.torse, &triangles, allowed, &DistanceOptions::default(), self.control);
-            if std::env::var("TT").is_ok() { eprintln!("T proof {} {:?}", triangles.len(), t0.elapsed()); }
-            if std::env::var("TJ").is_ok() { eprintln!("   proof round {round} {} fit {:.3} tris {} -> {:?}", if matches!(fit.torse, crate::surface::torse::Torse::Dual(_)) {"D"} else {"P"}, fit.error/allowed, triangles.len(), judged.verdict); }
             match judged.verdict {
                 Verdict::Holds { .. } if judged.min_bend_radius < LEAST_BEND * self.options.tolerance => {
                     return Trial::failed(allowed * 1.03);

@@ -48,14 +48,7 @@ struct Rest {
 
 impl Job<'_> {
     /// Bands along a level function.
-    pub(super) fn bands(
-        &self,
-        state: &State,
-        label: u32,
-        level: &Level,
-        budget: usize,
-        depth: usize,
-    ) -> Option<State> {
+    pub(super) fn bands(&self, state: &State, label: u32, level: &Level, budget: usize, depth: usize) -> Option<State> {
         let theory = 4.0 * self.options.tolerance.sqrt();
         let limit = AtomicUsize::new(budget.saturating_add(1));
         let mut falling = level.field.clone();
@@ -184,7 +177,6 @@ impl Job<'_> {
                     }
                 }
             }
-            if std::env::var("TJ").is_ok() { eprintln!("  band label {} width {:.4} of {:.4} ok {ok} err {:.3} comps {}", rest.label, width/lay.theory.unwrap_or(1.0), (hi-lo)/lay.theory.unwrap_or(1.0), error/self.options.tolerance, bands.len()); }
             let share = error / (self.options.tolerance * super::DISTANCE_SHARE);
             if ok {
                 if whole {

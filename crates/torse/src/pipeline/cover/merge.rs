@@ -98,8 +98,7 @@ impl Job<'_> {
     pub(super) fn merged(&self, mut state: State) -> State {
         let mut failed: HashSet<(u32, u32)> = HashSet::new();
         loop {
-            let areas: std::collections::HashMap<u32, f64> =
-                state.panels.keys().map(|&l| (l, state.area(l))).collect();
+            let areas: std::collections::HashMap<u32, f64> = state.panels.keys().map(|&l| (l, state.area(l))).collect();
             let mut pairs: Vec<((u32, u32), f64)> = state
                 .partition
                 .neighbours()

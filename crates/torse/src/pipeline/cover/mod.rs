@@ -77,13 +77,8 @@ pub fn cover(face: &Face, options: &CoverOptions, control: &Control) -> Result<C
     if finer.partition.triangles.len() > state.partition.triangles.len() {
         state = finer;
     }
-    let job = Job {
-        face,
-        prepared: Prepared::new(&face.surface),
-        options: *options,
-        control,
-        proofs: AtomicUsize::new(0),
-    };
+    let job =
+        Job { face, prepared: Prepared::new(&face.surface), options: *options, control, proofs: AtomicUsize::new(0) };
     for label in state.partition.split_components(0) {
         if let Some(next) = job.region(state.clone(), label, options.max_panels, 0) {
             state = next;
@@ -151,7 +146,6 @@ impl Job<'_> {
         let four = 4.0 * self.options.tolerance.sqrt();
         let good = found.as_ref().filter(|l| l.merit <= POOR * l.range);
         let predicted = good.map_or(f64::INFINITY, |l| l.merit / four);
-        if std::env::var("TP").is_ok() { eprintln!("depth {depth} label {label} single {:.3} level {:?} four {four}", trial.error/self.options.tolerance, found.as_ref().map(|l|(l.range/four,l.merit/four,l.sign))); }
         if let Some(l) = good {
             if let Some(next) = self.bands(&state, label, l, limit, depth) {
                 keep(next, &mut best, &mut limit);
@@ -217,15 +211,11 @@ impl Job<'_> {
     }
 
     /// Cuts a region for which no level function is good, where the parts together promise fewer strips (C4).
-    fn divided(
-        &self,
-        state: &State,
-        label: u32,
-        budget: usize,
-        depth: usize,
-    ) -> Option<State> {
+    fn divided(&self, state: &State, label: u32, budget: usize, depth: usize) -> Option<State> {
         let four = 4.0 * self.options.tolerance.sqrt();
-        let rate = |s: &State, l: u32| level(&s.forms(l, 160), &s.border(l, 60), &LevelOptions { rounds: 3, ..LevelOptions::default() });
+        let rate = |s: &State, l: u32| {
+            level(&s.forms(l, 160), &s.border(l, 60), &LevelOptions { rounds: 3, ..LevelOptions::default() })
+        };
         let candidates: Vec<(f64, State, Vec<u32>)> = (0..4usize)
             .into_par_iter()
             .filter_map(|k| {
@@ -279,13 +269,8 @@ pub fn cut_refused(
     state: &State,
     refused: &[u32],
 ) -> Option<State> {
-    let job = Job {
-        face,
-        prepared: Prepared::new(&face.surface),
-        options: *options,
-        control,
-        proofs: AtomicUsize::new(0),
-    };
+    let job =
+        Job { face, prepared: Prepared::new(&face.surface), options: *options, control, proofs: AtomicUsize::new(0) };
     let mut state = state.clone();
     for &label in refused {
         state.panels.remove(&label);

@@ -237,8 +237,7 @@ fn grid_lines(s: &Surface, b: [f64; 4], strip: f64) -> (Vec<f64>, Vec<f64>) {
                 (0..ISO)
                     .map(|k| {
                         let c = other.0 + (other.1 - other.0) * k as f64 / (ISO - 1) as f64;
-                        let pts: Vec<Vec3> =
-                            (0..=8).map(|i| point(w[0] + (w[1] - w[0]) * i as f64 / 8.0, c)).collect();
+                        let pts: Vec<Vec3> = (0..=8).map(|i| point(w[0] + (w[1] - w[0]) * i as f64 / 8.0, c)).collect();
                         pts.windows(2).map(|p| (p[1] - p[0]).norm()).sum::<f64>()
                     })
                     .fold(0.0, f64::max)
