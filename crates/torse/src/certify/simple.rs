@@ -118,6 +118,14 @@ impl Piece {
         self.c.windows(2).map(|p| (p[1][0] - p[0][0]) * w[0] + (p[1][1] - p[0][1]) * w[1]).fold(f64::INFINITY, f64::min)
     }
 
+    /// Whether the piece runs forward in a direction. Legs of no length are allowed, where a curve starts or ends at
+    /// rest: a cubic whose legs do not go back is monotone if it gets anywhere. Going back by less than the margin
+    /// changes the region inside a disc of that size only.
+    fn runs_along(&self, w: [f64; 2]) -> bool {
+        let chord = self.chord();
+        self.advance(w) >= -0.25 * MARGIN && chord[0] * w[0] + chord[1] * w[1] > MARGIN
+    }
+
     fn range(&self, w: [f64; 2]) -> (f64, f64) {
         let v = self.c.map(|p| p[0] * w[0] + p[1] * w[1]);
         (v.iter().copied().fold(f64::INFINITY, f64::min), v.iter().copied().fold(f64::NEG_INFINITY, f64::max))
@@ -174,8 +182,7 @@ fn conflicts(rings: &[Piece]) -> Vec<bool> {
         let (p, q) = (&rings[i], &rings[next[i]]);
         let (d, e) = (unit(p.chord()), unit(q.chord()));
         let w = unit([d[0] + e[0], d[1] + e[1]]);
-        // Advances in relation to the size of the piece: rounding is relative to the extent of the loops.
-        if p.advance(w) <= MARGIN || q.advance(w) <= MARGIN {
+        if !p.runs_along(w) || !q.runs_along(w) {
             marks[i] = true;
             marks[next[i]] = true;
         }

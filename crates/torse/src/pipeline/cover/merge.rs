@@ -94,6 +94,35 @@ impl Job<'_> {
         None
     }
 
+    /// Gives a region without a panel to a neighbour whose torse is good for both: the end of slivers that are too
+    /// thin to be panels.
+    pub(super) fn absorbed(&self, state: &State, label: u32) -> Option<State> {
+        let mut around: Vec<(usize, u32)> = state
+            .partition
+            .neighbours()
+            .into_iter()
+            .filter(|((a, b), _)| *a == label || *b == label)
+            .map(|((a, b), shared)| (shared, if a == label { b } else { a }))
+            .filter(|(_, n)| state.panels.contains_key(n))
+            .collect();
+        around.sort_unstable_by(|x, y| y.cmp(x));
+        around.into_iter().find_map(|(_, n)| {
+            let mut trial = state.clone();
+            for l in &mut trial.partition.labels {
+                if *l == label {
+                    *l = n;
+                }
+            }
+            let fit = state.panels.get(&n)?;
+            let samples = trial.samples(n);
+            let (error, worst) = crate::fit::error(&fit.torse, &samples)?;
+            let fit = crate::fit::Fit { error, worst, ..(**fit).clone() };
+            let proven = self.proven(&trial, n, fit, samples).accepted?;
+            trial.panels.insert(n, proven);
+            Some(trial)
+        })
+    }
+
     /// Merges adjacent panels as long as single torses fit their unions.
     pub(super) fn merged(&self, mut state: State) -> State {
         let mut failed: HashSet<(u32, u32)> = HashSet::new();

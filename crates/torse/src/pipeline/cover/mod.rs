@@ -261,7 +261,8 @@ pub fn fill(state: &mut State) {
     }
 }
 
-/// Cuts the regions of refused panels in two and covers the parts anew.
+/// Gives the regions of refused panels to neighbours that can have them, or cuts them in two and covers the parts
+/// anew.
 pub fn cut_refused(
     face: &Face,
     options: &CoverOptions,
@@ -274,6 +275,10 @@ pub fn cut_refused(
     let mut state = state.clone();
     for &label in refused {
         state.panels.remove(&label);
+        if let Some(next) = job.absorbed(&state, label) {
+            state = next;
+            continue;
+        }
         state = job.bisect(state, label, usize::MAX, 0)?;
     }
     Some(state)
