@@ -1,7 +1,7 @@
 //! Plane curves as chains of lines and circular arcs: adaptive biarcs, tangent-continuous inside a curve.
 //!
 //! *Method*: biarcs with equal tangent lengths between points of the curve, with its tangents there; the longest
-//! stretch that meets the tolerance is taken next (bisection) [MW95]. Equal tangent lengths keep both arcs short.
+//! stretch that meets the tolerance is taken next (bisection) \[MW95\]. Equal tangent lengths keep both arcs short.
 
 use crate::geom::Vec2;
 

@@ -3,7 +3,7 @@
 //! *Method*: with a directrix c(t), unit rulings e(t) and b ⟂ e in the tangent plane, developability means
 //! e' = ω b, and the tangent plane's own parallel transport turns rulings at the same rate. Hence in the plane the
 //! ruling has the angle φ with φ' = ω = e'·b, and the directrix has the velocity (c'·e) ê(φ) + (c'·b) b̂(φ): two
-//! quadratures, no differential equation [DC76]. Both are done with
+//! quadratures, no differential equation \[DC76\]. Both are done with
 //! Chebyshev series on pieces that are halved until the series end in rounding noise.
 
 use crate::geom::{Vec2, Vec3};

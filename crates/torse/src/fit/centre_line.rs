@@ -1,6 +1,6 @@
 //! Centre lines of strips: a level curve of φ, traced beyond the region, with tangent planes and conjugate rulings.
 //!
-//! *Method.* The envelope of the tangent planes along a curve has the conjugate directions as rulings ([SE06]);
+//! *Method.* The envelope of the tangent planes along a curve has the conjugate directions as rulings (\[SE06\]);
 //! approximation specification B3.4: the curve is continued beyond the region, so that oblique rulings reach its
 //! corners, on the second-order Taylor extension of the surface.
 

@@ -1,7 +1,7 @@
 //! The level function whose bands are the strips: shortest range under the eikonal condition in the metric |II|.
 //!
 //! *Method.* Strips are bands of width `4√ε` of a function φ with `|II⁻¹(dφ, dφ)| ≥ 1` (approximation
-//! specification B2–B3, after [SE06]); with `q = II(T, T)`, `T = ker dφ`, this reads `s q ≥ |det II|` with one sign
+//! specification B2–B3, after \[SE06\]); with `q = II(T, T)`, `T = ker dφ`, this reads `s q ≥ |det II|` with one sign
 //! `s` over the region. Sequential linear programs shorten the range `W = max φ − min φ`; a floor on `|det II|` keeps
 //! rulings away from asymptotic directions and makes parabolic points harmless. Departures: rows are scaled, and the
 //! condition is linearised in `q` itself where `q` is small or of the wrong sign.

@@ -109,13 +109,11 @@ impl Partition {
         let mut groups: Vec<Vec<usize>> = groups.into_values().collect();
         groups.sort_by_key(|g| (usize::MAX - g.len(), g[0]));
         let mut out = vec![label];
-        let mut fresh = self.fresh_label();
-        for g in groups.iter().skip(1) {
+        for (g, fresh) in groups.iter().skip(1).zip(self.fresh_label()..) {
             for &t in g {
                 self.labels[t] = fresh;
             }
             out.push(fresh);
-            fresh += 1;
         }
         out
     }
@@ -136,12 +134,9 @@ impl Partition {
         for &t in &tris {
             for (a, b) in edges(self.triangles[t]) {
                 let key = undirected(a, b);
-                if !crossing.contains_key(&key) {
-                    let (fa, fb) = (val[&key.0], val[&key.1]);
-                    if fa * fb < 0.0 {
-                        let s = self.zero_on_edge(key, fa, fb, &value);
-                        crossing.insert(key, s);
-                    }
+                let (fa, fb) = (val[&key.0], val[&key.1]);
+                if fa * fb < 0.0 {
+                    crossing.entry(key).or_insert_with(|| self.zero_on_edge(key, fa, fb, &value));
                 }
             }
         }
@@ -364,7 +359,7 @@ mod tests {
         assert!((total - 1.0).abs() < 1e-12);
         let map = p.adjacency();
         assert_eq!(map.len(), 3 * p.triangles.len());
-        for (&(a, b), _) in &map {
+        for &(a, b) in map.keys() {
             assert_eq!(map.contains_key(&(b, a)), !p.trim_edges.contains_key(&(a, b)));
         }
         for t in 0..p.triangles.len() {

@@ -3,7 +3,7 @@
 //!
 //! *Primal* torse, `x = t + y a`, `z = f + y g`: a boundary curve `y = y(t)` is a polynomial spline of degree 5 plus
 //! the degree of `y`. *Dual* torse, planes `U = (n, h)`: a boundary curve is the intersection of the ruling
-//! `L = U ∧ U'` with a plane `A(t)`, a rational spline of degree 4 plus the degree of `A` [PW99].
+//! `L = U ∧ U'` with a plane `A(t)`, a rational spline of degree 4 plus the degree of `A` \[PW99\].
 //! Both boundary curves use the same L and planes of the same direction, hence equal weights: r is affine along a ruling.
 
 pub use super::hug::Extent;

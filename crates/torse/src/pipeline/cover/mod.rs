@@ -1,7 +1,7 @@
 //! Covering one face with torses, each accepted by the certificate.
 //!
 //! *Method* (mixed-curvature specification, C0): one panel if one is enough; two; a sweep of straight bands; bands
-//! of a level function for the conjugate field ([SE06] carried on); bisection, which always ends, at worst with
+//! of a level function for the conjugate field (\[SE06\] carried on); bisection, which always ends, at worst with
 //! small planar facets. The smallest cover wins; neighbours that fit one torse are merged.
 //!
 //! This file holds the recursion; [`judge`] proposes and proves single torses, [`march`] lays bands.
