@@ -4,7 +4,7 @@
 //! of a level function for the conjugate field (\[SE06\] carried on); bisection, which always ends, at worst with
 //! small planar facets. The smallest cover wins; neighbours that fit one torse are merged.
 //!
-//! This file holds the recursion; [`judge`] proposes and proves single torses, [`march`] lays bands.
+//! This file holds the recursion; `judge` proposes and proves single torses, `march` lays bands.
 
 mod judge;
 mod march;
