@@ -2,7 +2,7 @@
 
 use crate::failure::Failure;
 use torse::control::Control;
-use torse::pipeline::approximate::{self as pipeline, Options};
+use torse::pipeline::approximate::{self as pipeline, ApproximateError, Options};
 use torse::pipeline::outcome::{Outcome, Skipped};
 use torse::pipeline::presentation::present;
 use torse::surface::face::Face;
@@ -41,7 +41,21 @@ pub fn read(name: &str, bytes: &[u8]) -> Result<Model, Failure> {
 pub fn approximate(model: Model, job: &Job, control: &Control) -> Result<Outcome, Failure> {
     let options = Options { tolerance: job.tolerance, max_panels: job.max_panels, input: job.name.clone() };
     pipeline::approximate(model.faces, model.skipped, &options, control)
-        .map_err(|e| Failure::new(e.to_string(), "see 'torse approximate --help'"))
+        .map_err(|e| Failure::new(e.to_string(), hint(&e)))
+}
+
+/// What would help against a refusal of the main job.
+fn hint(error: &ApproximateError) -> &'static str {
+    match error {
+        ApproximateError::NoFaces(_) => {
+            "see 'torse info' on the file; export surfaces or solids, not only curves or meshes"
+        }
+        ApproximateError::Tolerance(_) => "give a length with its unit, for example --tolerance 2mm",
+        ApproximateError::Precision { .. } => {
+            "give a larger tolerance; if the size of the model looks wrong, check its unit with 'torse info'"
+        }
+        ApproximateError::MaxPanels => "give --max-panels 1 or more, or leave it out",
+    }
 }
 
 /// The files of a result, by name.
