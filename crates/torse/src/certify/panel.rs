@@ -17,6 +17,7 @@ use super::{PanelCertificate, Resistance, Verdict};
 use crate::control::Control;
 use crate::geom::partition::Partition;
 use crate::num::interval::Interval;
+use crate::spline::surface::Surface;
 use crate::surface::panel::Panel;
 use rayon::prelude::*;
 
@@ -47,7 +48,7 @@ pub(super) fn panel_certificate(
 
     // The file's patch against the exact torse; developability from the file's control points.
     match rounding_bound(&family, &ruled) {
-        Some(bound) => out.rounding_bound = bound,
+        Some(bound) => out.rounding_bound = (bound + written(&panel.patch)) * (1.0 + 4.0 * f64::EPSILON),
         None => reasons.push("the patch cannot be compared with the exact torse".into()),
     }
     let shape = developability(&ruled, &trim_boxes(panel.loops.iter().flatten().map(|r| &r.trim)));
@@ -177,6 +178,13 @@ impl Mismatch {
         let square = self.delta * self.delta;
         (rest * rest - square).sqrt() - 0.5 * self.curvature * square - ROUNDING * tolerance
     }
+}
+
+/// Distance (mm) that writing may add: files hold points divided by their weights, each coordinate rounded once;
+/// the surface moves no more than its control points.
+fn written(patch: &Surface) -> f64 {
+    let b = patch.bbox();
+    2.0 * f64::EPSILON * b.min.amax().max(b.max.amax())
 }
 
 /// Triangles of a label.

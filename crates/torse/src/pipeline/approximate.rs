@@ -222,6 +222,8 @@ fn corners_on_knot_lines(face: &mut Face) {
     let knots = [face.surface.knots_u.breaks(), face.surface.knots_v.breaks()];
     for p in face.loops.iter_mut().flat_map(|l| &mut l.points) {
         for (x, knots) in p.iter_mut().zip(&knots) {
+            // No negative zero: corners are compared bit by bit.
+            *x += 0.0;
             let extent = knots.last().unwrap_or(&1.0) - knots.first().unwrap_or(&0.0);
             if let Some(&k) = knots.iter().find(|k| (*k - *x).abs() <= ON_LINE * extent) {
                 *x = k;
