@@ -219,13 +219,23 @@ fn one_face(index: usize, mut face: Face, options: &Options, control: &Control) 
 /// Moves corners of the trims that miss a knot line by rounding only onto it, so that no triangle crosses the line by
 /// a hair. From here on these corners are the definition of the face.
 fn corners_on_knot_lines(face: &mut Face) {
-    let knots = [face.surface.knots_u.breaks(), face.surface.knots_v.breaks()];
+    let mut lines = [face.surface.knots_u.breaks(), face.surface.knots_v.breaks()];
+    // The outermost corners are lines of the triangulation too.
+    for (d, lines) in lines.iter_mut().enumerate() {
+        let along = face.loops.iter().flat_map(|l| &l.points).map(|p| p[d] + 0.0);
+        let (lo, hi) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
+        for x in [lo, hi] {
+            if !lines.iter().any(|k| (k - x).abs() <= ON_LINE * (hi - lo)) {
+                lines.push(x);
+            }
+        }
+    }
     for p in face.loops.iter_mut().flat_map(|l| &mut l.points) {
-        for (x, knots) in p.iter_mut().zip(&knots) {
+        for (x, lines) in p.iter_mut().zip(&lines) {
             // No negative zero: corners are compared bit by bit.
             *x += 0.0;
-            let extent = knots.last().unwrap_or(&1.0) - knots.first().unwrap_or(&0.0);
-            if let Some(&k) = knots.iter().find(|k| (*k - *x).abs() <= ON_LINE * extent) {
+            let extent = lines.iter().fold(0.0, |m: f64, k| m.max((k - lines[0]).abs()));
+            if let Some(&k) = lines.iter().find(|k| (*k - *x).abs() <= ON_LINE * extent) {
                 *x = k;
             }
         }
