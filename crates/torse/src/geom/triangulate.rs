@@ -60,7 +60,7 @@ pub fn triangulate(
                 chain.push((s.0, points.index([s.1, a[1] + (b[1] - a[1]) * s.0])));
             }
             for s in crossings(a[1], b[1], lines_v, SNAP * ev) {
-                let u = snap(a[0] + (b[0] - a[0]) * s.0, lines_u, SNAP * eu);
+                let u = a[0] + (b[0] - a[0]) * s.0;
                 chain.push((s.0, points.index([u, s.1])));
             }
             chain.push((1.0, points.index(b)));
