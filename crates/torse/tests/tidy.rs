@@ -17,6 +17,7 @@ const FLOORS: &[(&str, &[&str])] = &[
     ("spline", &["num", "geom"]),
     ("surface", &["num", "geom", "spline"]),
     ("fit", &["control", "num", "geom", "spline", "surface"]),
+    ("design", &["control", "num", "geom", "spline", "surface"]),
     ("certify", &["control", "num", "geom", "spline", "surface"]),
     ("develop", &["control", "num", "geom", "spline", "surface"]),
     ("tessellate", &["control", "num", "geom", "spline", "surface"]),
@@ -49,6 +50,7 @@ const FLOORS: &[(&str, &[&str])] = &[
             "spline",
             "surface",
             "fit",
+            "design",
             "certify",
             "develop",
             "tessellate",
@@ -67,7 +69,7 @@ const LINE_LIMIT: usize = 800;
 
 /// Floors whose files are algorithms. Where the method comes from is said in the module header by a key of
 /// `docs/references.md`, or on a page of `docs/algorithms` that names the file.
-const ALGORITHM_FLOORS: &[&str] = &["fit", "certify", "develop", "surface"];
+const ALGORITHM_FLOORS: &[&str] = &["fit", "design", "certify", "develop", "surface"];
 
 /// Files of those floors that hold data, not methods.
 const NOUNS: &[&str] = &["surface/face.rs", "surface/panel.rs", "surface/pattern.rs"];
