@@ -477,6 +477,27 @@ impl Path<'_> {
     }
 }
 
+/// Whether a patch can be laid around the part of a torse that a region uses: rulings and regression curve leave room
+/// for it. A quick look at what [`Borders::panel`] does first, on the border as it is.
+pub fn has_patch(face: &Face, partition: &Partition, label: u32, torse: &Torse) -> bool {
+    let mut loops = Vec::new();
+    for cycle in chains::loops(partition, label) {
+        let mut guess = None;
+        let mut points = Vec::with_capacity(cycle.len());
+        for v in cycle {
+            let [u, w] = partition.vertices[v as usize];
+            let x = face.surface.point(u, w);
+            let Some(t) = guess.and_then(|g| torse.foot(&x, g)).or_else(|| nearest_foot(torse, &x)) else {
+                return false;
+            };
+            points.push((t, x - torse.ruling(t).normal * torse.plane_distance(&x, t)));
+            guess = Some(t);
+        }
+        loops.push(points);
+    }
+    convert::patch(torse, &Extent { loops }).is_ok()
+}
+
 /// A foot point of a border vertex.
 #[derive(Clone, Copy, Debug)]
 struct Foot {

@@ -56,7 +56,7 @@ pub struct LevelOptions {
     pub starts: usize,
     /// Starts that go on after their first program; default 2.
     pub keep: usize,
-    /// Further programs for each kept start; default 5.
+    /// Further programs for each kept start; default 10.
     pub rounds: usize,
     /// Spans of φ per direction; default 2 (5 × 5 coefficients).
     pub spans: usize,
@@ -64,7 +64,7 @@ pub struct LevelOptions {
 
 impl Default for LevelOptions {
     fn default() -> Self {
-        Self { starts: 8, keep: 2, rounds: 5, spans: 2 }
+        Self { starts: 8, keep: 2, rounds: 10, spans: 2 }
     }
 }
 
@@ -74,9 +74,19 @@ const FLOOR: f64 = 0.12;
 const FLAT: f64 = 0.02;
 /// Share of samples whose ratio may stay below one after rescaling.
 const QUANTILE: f64 = 0.03;
+/// A gain below this share counts as none.
+const SMALL: f64 = 1e-3;
 
-/// Places that the first program of a start looks at for the range of φ.
+/// Conditions, and places for the range of φ, that the first program of a start looks at.
+const ROWS: usize = 240;
+/// See [`ROWS`].
 const WATCHED: usize = 120;
+/// Conditions that join after a program, the worst of those that it failed.
+const JOINING: usize = 24;
+/// Ratio below which a condition counts as failed.
+const FAILED: f64 = 0.985;
+/// Programs without gain after which a start ends.
+const STALLED: usize = 3;
 
 /// One row of the condition in the coordinates of the unit square.
 struct Row {
@@ -106,7 +116,7 @@ pub fn levels(samples: &[Forms], border: &[[f64; 2]], options: &LevelOptions) ->
             let mut f = field.clone();
             f.set_linear(angle.cos(), angle.sin() * aspect);
             let start = problem.rated(f, sign)?;
-            let next = problem.improve(&start, 0.3, &problem.watched);
+            let next = problem.improve(&start, 0.3, &problem.active);
             Some(next.unwrap_or(start))
         })
         .collect();
@@ -149,24 +159,36 @@ fn problem(samples: &[Forms], border: &[[f64; 2]], options: &LevelOptions) -> Op
     if rows.len() < 12 {
         return None;
     }
+    let every = |count: usize, most: usize| (0..count).step_by(count.div_ceil(most).max(1)).collect();
     let value = |p: &[f64; 2]| field.basis(p[0], p[1]).into_iter().map(|(i, n, _, _)| (i, n)).collect();
     let places: Vec<Vec<(usize, f64)>> = samples.iter().map(|s| &s.uv).chain(border).map(value).collect();
-    let step = places.len().div_ceil(WATCHED).max(1);
-    let watched = (0..places.len()).step_by(step).collect();
-    Some((Problem { rows, places, watched }, field, (speed[1] / speed[0]).sqrt()))
+    let active = Active { rows: every(rows.len(), ROWS), places: every(places.len(), WATCHED) };
+    Some((Problem { rows, places, active }, field, (speed[1] / speed[0]).sqrt()))
 }
 
 struct Problem {
     rows: Vec<Row>,
     /// Values of the basis where φ counts for the range.
     places: Vec<Vec<(usize, f64)>>,
-    /// Places that the first program looks at; later ones add those where φ was found to be extreme.
-    watched: Vec<usize>,
+    /// What the first program looks at.
+    active: Active,
+}
+
+/// Conditions and places that a program looks at; more join where its answer fails the others.
+#[derive(Clone)]
+struct Active {
+    rows: Vec<usize>,
+    places: Vec<usize>,
 }
 
 impl Row {
     fn gradient(&self, c: &[f64]) -> [f64; 2] {
         self.basis.iter().fold([0.0; 2], |g, &(i, _, du, dv)| [g[0] + du * c[i], g[1] + dv * c[i]])
+    }
+
+    /// Share of the slope that is needed; 0 where `q` has the wrong sign.
+    fn ratio(&self, c: &[f64], sign: f64) -> f64 {
+        (sign * self.q(self.gradient(c)).0).max(0.0).sqrt() / self.need
     }
 
     /// `q = L φ_v² − 2 M φ_u φ_v + N φ_u²` and its gradient in `(φ_u, φ_v)`.
@@ -179,10 +201,7 @@ impl Row {
 impl Problem {
     /// Rescales a field so that a small quantile of the ratios is one, and rates it.
     fn rated(&self, mut field: Field, sign: f64) -> Option<Level> {
-        let ratios = |f: &Field| -> Vec<f64> {
-            self.rows.iter().map(|r| (sign * r.q(r.gradient(&f.coefficients)).0).max(0.0).sqrt() / r.need).collect()
-        };
-        let mut sorted = ratios(&field);
+        let mut sorted: Vec<f64> = self.rows.iter().map(|r| r.ratio(&field.coefficients, sign)).collect();
         sorted.sort_by(f64::total_cmp);
         let good: Vec<f64> = sorted.iter().copied().filter(|&r| r > 0.0).collect();
         if good.len() * 2 < sorted.len() {
@@ -202,25 +221,44 @@ impl Problem {
     /// A start carried on by at most `rounds` programs, with a trust region that shrinks where nothing is gained.
     fn refined(&self, mut best: Level, rounds: usize) -> Level {
         let mut trust = 0.3;
-        let mut watched = self.watched.clone();
+        let mut active = self.active.clone();
+        let mut stalled = 0;
         for _ in 0..rounds {
-            watched.extend(self.extremes(&best.field).1);
-            let next = self.improve(&best, trust, &watched);
+            self.join(&best, &mut active);
+            let next = self.improve(&best, trust, &active);
             if let Some(next) = &next {
-                watched.extend(self.extremes(&next.field).1);
+                self.join(next, &mut active);
             }
             match next {
                 Some(next) if next.merit < best.merit => {
-                    let gain = (best.merit - next.merit) / best.merit;
+                    stalled = if (best.merit - next.merit) < SMALL * best.merit { stalled + 1 } else { 0 };
                     best = next;
-                    if gain < 1e-3 {
-                        break;
-                    }
                 }
-                _ => trust /= 2.5,
+                _ => {
+                    stalled += 1;
+                    trust /= 2.5;
+                }
+            }
+            if stalled == STALLED {
+                break;
             }
         }
         best
+    }
+
+    /// Takes in the conditions that a field fails worst, and the places where it is extreme.
+    fn join(&self, l: &Level, active: &mut Active) {
+        active.places.extend(self.extremes(&l.field).1);
+        let mut failed: Vec<(f64, usize)> = self
+            .rows
+            .iter()
+            .map(|r| r.ratio(&l.field.coefficients, l.sign))
+            .enumerate()
+            .filter(|(k, ratio)| *ratio < FAILED && !active.rows.contains(k))
+            .map(|(k, ratio)| (ratio, k))
+            .collect();
+        failed.sort_by(|a, b| a.0.total_cmp(&b.0));
+        active.rows.extend(failed.iter().take(JOINING).map(|f| f.1));
     }
 
     /// Range of a field over all places, and the places where it is smallest and largest.
@@ -238,20 +276,21 @@ impl Problem {
         (hi.0 - lo.0, [lo.1, hi.1])
     }
 
-    /// One linear program around `from` with a trust region of `trust` times the range; the range counts at the
-    /// `watched` places.
-    fn improve(&self, from: &Level, trust: f64, watched: &[usize]) -> Option<Level> {
+    /// One linear program around `from` with a trust region of `trust` times the range; it looks at the
+    /// `active` conditions and places.
+    fn improve(&self, from: &Level, trust: f64, active: &Active) -> Option<Level> {
         let c0 = &from.field.coefficients;
         let n = c0.len();
         let (hi, lo, slack) = (n, n + 1, n + 2);
-        let mut lp = LinearProgram::new(n + 2 + self.rows.len());
+        let rows: Vec<&Row> = active.rows.iter().map(|&k| &self.rows[k]).collect();
+        let mut lp = LinearProgram::new(n + 2 + rows.len());
         lp.cost[hi] = 1.0;
         lp.cost[lo] = -1.0;
-        let penalty = 60.0 * from.range / self.rows.len() as f64;
-        let mut typical: Vec<f64> = self.rows.iter().map(|r| r.q(r.gradient(c0)).0.abs() / r.need.powi(2)).collect();
+        let penalty = 60.0 * from.range / rows.len() as f64;
+        let mut typical: Vec<f64> = rows.iter().map(|r| r.q(r.gradient(c0)).0.abs() / r.need.powi(2)).collect();
         typical.sort_by(f64::total_cmp);
         let small = 1e-3 * typical[typical.len() / 2];
-        for (k, r) in self.rows.iter().enumerate() {
+        for (k, r) in rows.iter().enumerate() {
             lp.cost[slack + k] = penalty;
             let (q0, dq) = r.q(r.gradient(c0));
             let relative = from.sign * q0 / r.need.powi(2);
@@ -273,7 +312,7 @@ impl Problem {
             lp.at_most(terms, -bound / largest);
             lp.at_most([(slack + k, -1.0)], 0.0);
         }
-        for &k in watched {
+        for &k in &active.places {
             let b = &self.places[k];
             lp.at_most(b.iter().copied().chain([(hi, -1.0)]), 0.0);
             lp.at_most(b.iter().map(|&(i, v)| (i, -v)).chain([(lo, 1.0)]), 0.0);

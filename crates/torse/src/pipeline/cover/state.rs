@@ -89,6 +89,11 @@ impl State {
         self.partition.region(label).into_iter().map(|t| self.triangle_area(t)).sum()
     }
 
+    /// Mean width of a label: area over the diagonal of its box, mm.
+    pub fn width(&self, label: u32) -> f64 {
+        self.area(label) / self.bbox(label).diagonal().max(f64::MIN_POSITIVE)
+    }
+
     /// Samples at the vertices of a label, weighted by area. Edges of the region whose ends fall far apart get
     /// their middles too, so that thin regions are seen in full.
     pub fn samples(&self, label: u32) -> Vec<Sample> {
