@@ -5,3 +5,4 @@ pub mod cover;
 pub mod info;
 pub mod outcome;
 pub mod presentation;
+pub mod sheets;

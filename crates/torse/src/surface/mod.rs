@@ -7,5 +7,6 @@ pub mod face;
 mod hug;
 pub mod panel;
 pub mod pattern;
+pub mod strip;
 pub mod torse;
 pub mod trim;
