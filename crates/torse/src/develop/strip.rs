@@ -348,8 +348,12 @@ mod tests {
         let h = std::f64::consts::FRAC_1_SQRT_2;
         let (s, c) = (0.5 * std::f64::consts::PI * k as f64).sin_cos();
         let turn = |x: f64, y: f64, w: f64| [w * radius * (c * x - s * y), w * radius * (s * x + c * y), w * z, w];
-        Curve::new(2, vec![0.0, 0.0, 0.0, 1.0, 1.0, 1.0], vec![turn(1.0, 0.0, 1.0), turn(1.0, 1.0, h), turn(0.0, 1.0, 1.0)])
-            .expect("arc")
+        Curve::new(
+            2,
+            vec![0.0, 0.0, 0.0, 1.0, 1.0, 1.0],
+            vec![turn(1.0, 0.0, 1.0), turn(1.0, 1.0, h), turn(0.0, 1.0, 1.0)],
+        )
+        .expect("arc")
     }
 
     fn cone(k: usize) -> Strip {
@@ -387,8 +391,13 @@ mod tests {
     #[test]
     fn triangles_and_fans_lie_flat_and_their_marks_point_inwards() {
         let x = |x: f64, y: f64, z: f64| Vec3::new(x, y, z);
-        let t = Strip::quad("t", PanelKind::Plane, [x(0.0, 0.0, 0.0), x(0.0, 0.0, 60.0)], [x(80.0, 0.0, 0.0), x(0.0, 0.0, 60.0)])
-            .expect("strip");
+        let t = Strip::quad(
+            "t",
+            PanelKind::Plane,
+            [x(0.0, 0.0, 0.0), x(0.0, 0.0, 60.0)],
+            [x(80.0, 0.0, 0.0), x(0.0, 0.0, 60.0)],
+        )
+        .expect("strip");
         let p = pattern(&[&t], 0, "t", &StripOptions::new(0.01)).expect("pattern");
         assert!((p.area - 2400.0).abs() < 1e-9 && p.contours[0].vertices.len() == 3);
         let centre = p.contours[0].vertices.iter().fold(Vec2::zeros(), |s, v| s + v.point / 3.0);

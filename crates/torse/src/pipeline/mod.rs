@@ -2,6 +2,7 @@
 
 pub mod approximate;
 pub mod cover;
+pub mod cut;
 pub mod info;
 pub mod outcome;
 pub mod presentation;

@@ -172,7 +172,14 @@ fn piece_twist(p: &[[f64; 4]], q: &[[f64; 4]], u0: f64, u1: f64, depth: usize) -
     let minor = |x: &[Vec<f64>], y: &[Vec<f64>], i: usize, j: usize| {
         bernstein::difference(&bernstein::product(&x[i], &y[j]), &bernstein::product(&x[j], &y[i]))
     };
-    let pairs = [(0, 1, 2, 3, 1.0), (0, 2, 1, 3, -1.0), (0, 3, 1, 2, 1.0), (1, 2, 0, 3, 1.0), (1, 3, 0, 2, -1.0), (2, 3, 0, 1, 1.0)];
+    let pairs = [
+        (0, 1, 2, 3, 1.0),
+        (0, 2, 1, 3, -1.0),
+        (0, 3, 1, 2, 1.0),
+        (1, 2, 0, 3, 1.0),
+        (1, 3, 0, 2, -1.0),
+        (2, 3, 0, 1, 1.0),
+    ];
     let mut det: Option<Vec<f64>> = None;
     for (i, j, k, l, sign) in pairs {
         let term = bernstein::scaled(&bernstein::product(&minor(&a, &da, i, j), &minor(&b, &db, k, l)), sign);
@@ -194,9 +201,8 @@ fn piece_twist(p: &[[f64; 4]], q: &[[f64; 4]], u0: f64, u1: f64, depth: usize) -
     };
     let (x, y) = (transversal(&a, &da), transversal(&b, &db));
     let most = |w: &[f64]| w.iter().fold(0.0, |m: f64, x| m.max(*x));
-    let length = (0..ruling[0].len())
-        .map(|i| Vec3::new(ruling[0][i], ruling[1][i], ruling[2][i]).norm())
-        .fold(0.0, f64::max);
+    let length =
+        (0..ruling[0].len()).map(|i| Vec3::new(ruling[0][i], ruling[1][i], ruling[2][i]).norm()).fold(0.0, f64::max);
     if x > 0.0 && y > 0.0 {
         return Some(largest * length * most(&a[3]) * most(&b[3]) / (x * y));
     }
@@ -255,7 +261,8 @@ fn matched(a: &Curve<4>, b: &Curve<4>) -> Result<(Curve<4>, Curve<4>), SplineErr
 fn on_unit(c: &Curve<4>) -> Result<Curve<4>, SplineError> {
     let (a, b) = c.domain();
     let c = c.restricted(a, b)?;
-    let values = c.knots.values().iter().map(|&t| if t >= b { 1.0 } else { ((t - a) / (b - a)).clamp(0.0, 1.0) }).collect();
+    let values =
+        c.knots.values().iter().map(|&t| if t >= b { 1.0 } else { ((t - a) / (b - a)).clamp(0.0, 1.0) }).collect();
     let knots = Knots::new(c.knots.degree(), values, c.control.len())?;
     Ok(Curve { knots, control: c.control })
 }
@@ -285,7 +292,10 @@ mod tests {
             "h",
             PanelKind::Cone,
             &arc,
-            &Curve { knots: arc.knots.clone(), control: arc.control.iter().map(|c| [0.5 * c[0], 0.5 * c[1], c[3], c[3]]).collect() },
+            &Curve {
+                knots: arc.knots.clone(),
+                control: arc.control.iter().map(|c| [0.5 * c[0], 0.5 * c[1], c[3], c[3]]).collect(),
+            },
         )
         .expect("strip");
         assert!(half.twist(0.4) < 1e-15);
@@ -297,8 +307,13 @@ mod tests {
 
     #[test]
     fn the_twist_of_a_hyperbolic_paraboloid_is_seen_and_bounded() {
-        let s = Strip::polynomial("s", PanelKind::Torse, &line([0.0; 3], [1.0, 0.0, 0.0]), &line([0.0, 1.0, 0.0], [1.0, 1.0, 1.0]))
-            .expect("strip");
+        let s = Strip::polynomial(
+            "s",
+            PanelKind::Torse,
+            &line([0.0; 3], [1.0, 0.0, 0.0]),
+            &line([0.0, 1.0, 0.0], [1.0, 1.0, 1.0]),
+        )
+        .expect("strip");
         let worst = (0..=50).map(|k| s.twist(f64::from(k) / 50.0).sin()).fold(0.0, f64::max);
         assert!(worst > 0.5);
         assert!(s.twist_bound().expect("bound") > 0.5);
@@ -306,16 +321,25 @@ mod tests {
 
     #[test]
     fn a_ruling_through_its_regression_point_has_the_twist_pi() {
-        let s = Strip::polynomial("x", PanelKind::Plane, &line([0.0; 3], [1.0, 0.0, 0.0]), &line([1.0, 1.0, 0.0], [0.0, 1.0, 0.0]))
-            .expect("strip");
+        let s = Strip::polynomial(
+            "x",
+            PanelKind::Plane,
+            &line([0.0; 3], [1.0, 0.0, 0.0]),
+            &line([1.0, 1.0, 0.0], [0.0, 1.0, 0.0]),
+        )
+        .expect("strip");
         assert!((s.twist(0.5) - std::f64::consts::PI).abs() < 1e-12);
         assert_eq!(s.regression_clearance(0.5), 0.0);
     }
 
     #[test]
     fn rails_of_different_degree_and_knots_are_matched() {
-        let a = Curve::<3>::new(2, vec![0.0, 0.0, 0.0, 0.3, 1.0, 1.0, 1.0], vec![[0.0; 3], [1.0, 0.0, 0.0], [2.0, 1.0, 0.0], [3.0, 0.0, 0.0]])
-            .expect("a");
+        let a = Curve::<3>::new(
+            2,
+            vec![0.0, 0.0, 0.0, 0.3, 1.0, 1.0, 1.0],
+            vec![[0.0; 3], [1.0, 0.0, 0.0], [2.0, 1.0, 0.0], [3.0, 0.0, 0.0]],
+        )
+        .expect("a");
         let b = line([0.0, 2.0, 1.0], [3.0, 2.0, 1.0]);
         let s = Strip::polynomial("m", PanelKind::Torse, &a, &b).expect("strip");
         for k in 0..=10 {
