@@ -157,7 +157,27 @@ impl Job<'_> {
             if let Some(next) = self.bands(&state, label, l, limit, depth) {
                 keep(next, &mut best, &mut limit);
             }
-            self.control.report("covering", 0.0, format!("{} proofs", self.proofs.load(Ordering::Relaxed)));
+        }
+        if good.is_empty() {
+            if let Some(next) = self.divided(&state, label, limit, depth) {
+                keep(next, &mut best, &mut limit);
+            }
+        }
+        let reached = best.as_ref().map_or(predicted, |b| (Self::count(b) - before) as f64);
+        // Bands of a good level function come within a panel or two of theory; straight ones cannot beat that.
+        let promising = reached > PROMISING * predicted + 1.0 || predicted.is_infinite();
+        if depth <= SWEEP_DEPTH && reached <= SWEEP_COUNT && promising && limit > 0 {
+            if let Some(next) = self.sweep(&state, label, limit) {
+                keep(next, &mut best, &mut limit);
+            }
+        }
+        if best.is_none() {
+            if let Some(next) = self.bisect(state, label, budget, depth) {
+                limit = budget;
+                keep(next, &mut best, &mut limit);
+            }
+        }
+        self.control.report("covering", 0.0, format!("{} proofs", self.proofs.load(Ordering::Relaxed)));
         best
     }
 
