@@ -41,6 +41,10 @@ const EXCESS: f64 = 1e-2;
 /// Halvings of a side of the polyline at most.
 const DEPTH: usize = 10;
 
+/// Halvings before a piece whose ends seem too far away is given up: the enclosure of the foot function's slope over a
+/// long piece makes them seem farther than they are.
+const PATIENCE: usize = 5;
+
 /// What keeps a boundary from being proven.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Obstacle {
@@ -105,7 +109,7 @@ impl Boundary<'_> {
                 let (ga, gb) =
                     (if piece.f.0 > 0.0 { at(piece.f.0) } else { a }, if piece.f.1 < 1.0 { at(piece.f.1) } else { b });
                 let found = self.piece_bound(patch, ga, gb, &run.trim, piece.s);
-                if found.as_ref().is_some_and(|f| f.at_ends > self.tolerance) {
+                if piece.depth >= PATIENCE && found.as_ref().is_some_and(|f| f.at_ends > self.tolerance) {
                     return refuse(ga, "a trimming curve is farther than the tolerance from the region's boundary");
                 }
                 let good = found.as_ref().is_some_and(|f| f.bound <= f.at_ends + EXCESS * self.tolerance);
