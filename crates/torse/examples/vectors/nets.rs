@@ -2,9 +2,12 @@
 
 use super::value::{number, numbers, vector, vectors, Case, Checks};
 use serde_json::Value;
+use torse::design::interpolate::{interpolate, rational_for, solvability, EndRulings, Options};
 use torse::geom::Vec3;
 use torse::spline::curve::Curve;
-use torse::surface::net::{from_first_cell, from_paper_knots, paper_knots, recognise, Net, NetKind, Shape};
+use torse::surface::net::{
+    from_first_cell, from_paper_knots, homogeneous, paper_knots, recognise, Net, NetKind, Shape,
+};
 
 /// Allowed where the file states nothing.
 const TOLERANCE: f64 = 1e-9;
@@ -16,6 +19,9 @@ pub fn run(case: &Case) -> Option<Result<Checks, String>> {
         "build_mk" => build_mk(&case.input, &case.output),
         "from_first_cell" => first_cell(&case.input, &case.output),
         "build_error" => build_error(&case.input),
+        "interpolate_end_rulings" => end_rulings(&case.input, &case.output),
+        "interpolate_both_ends" => both_ends(&case.input, &case.output),
+        "rational_interpolate" => rational(&case.input, &case.output),
         _ => return None,
     })
 }
@@ -153,5 +159,115 @@ fn build_error(input: &Value) -> Result<Checks, String> {
     let refused =
         shape.is_none_or(|s| Net::through(&c, &Vec3::from(vector::<3>(input, "d0").unwrap_or([0.0; 3])), s).is_err());
     checks.holds("M* on a knot is refused", refused);
+    Ok(checks)
+}
+
+/// Allowed for roots of the solvability polynomial and what follows from them, as the file says.
+const ROOT_TOLERANCE: f64 = 1e-8;
+
+fn lines(input: &Value) -> Result<EndRulings, String> {
+    Ok(EndRulings { start: point(input, "ruling_a")?, end: point(input, "ruling_b")? })
+}
+
+fn end_rulings(input: &Value, output: &Value) -> Result<Checks, String> {
+    let c = homogeneous(&curve(input)?);
+    let (a, b) = c.domain();
+    let lines = lines(input)?;
+    let options = Options { reach: number(input, "sigma")?, ..Options::default() };
+    let count = solvability(&c, &lines).map_err(|e| e.to_string())?;
+    let mut checks = Checks::default();
+    checks.all_close("delta", &count.delta, &numbers(output, "delta")?, TOLERANCE);
+    checks.holds("the count is certain", count.certain);
+    checks.all_close("regular roots", &count.regular, &numbers(output, "regular_roots_m")?, ROOT_TOLERANCE);
+    let inside = count.singular.iter().map(|m_star| 1.0 / (m_star - 0.5 * (a + b)));
+    let mut all: Vec<f64> = count.regular.iter().copied().chain(inside).collect();
+    all.sort_by(f64::total_cmp);
+    checks.all_close("real roots", &all, &numbers(output, "real_roots_m")?, ROOT_TOLERANCE);
+    let answer = interpolate(&c, &lines, &options).map_err(|e| e.to_string())?;
+    let expected = output["solutions"].as_array().ok_or("no solutions")?;
+    checks.holds("number of solutions", answer.candidates.len() == expected.len());
+    for want in expected {
+        let m = number(want, "m")?;
+        let off = |x: f64| (x - m).abs();
+        let got = answer
+            .candidates
+            .iter()
+            .min_by(|x, y| off(x.strip.net.shape().m).total_cmp(&off(y.strip.net.shape().m)))
+            .ok_or("a solution is missing")?;
+        let shape = got.strip.net.shape();
+        let pairs = [
+            ("m", shape.m),
+            ("Mstar", shape.m_star()),
+            ("Lstar", shape.lambda_star()),
+            ("kappa", shape.kappa),
+            ("sigma", got.start_reach),
+            ("tau", got.end_reach),
+        ];
+        for (key, value) in pairs {
+            checks.close(key, value, number(want, key)?, ROOT_TOLERANCE);
+        }
+        checks.at_most("end rulings", got.end_error, 1e-9);
+        // The file's clearance is the least over its samples, so never below the one found here.
+        let clearance = number(want, "clearance")?;
+        checks.holds("clearance", got.clearance_estimate <= clearance * (1.0 + 1e-9));
+        checks.close("clearance", got.clearance_estimate, clearance, 2e-3);
+        regular(&mut checks, &got.strip.net, want);
+        let d: Vec<f64> = got.strip.net.opposite_points().iter().flat_map(|p| [p[0], p[1], p[2]]).collect();
+        checks.all_close("d", &d, &flat(&vectors::<3>(want, "d")?), ROOT_TOLERANCE);
+    }
+    for s in &answer.strips {
+        checks.holds("strips are regular", s.regularity.holds() && s.start_reach > 0.0 && s.end_reach > 0.0);
+        developable(&mut checks, &s.strip.net)?;
+    }
+    Ok(checks)
+}
+
+fn both_ends(input: &Value, output: &Value) -> Result<Checks, String> {
+    let c = homogeneous(&curve(input)?);
+    let options =
+        Options { reach: number(input, "sigma")?, end_reach: Some(number(input, "tau")?), ..Options::default() };
+    let answer = interpolate(&c, &lines(input)?, &options).map_err(|e| e.to_string())?;
+    let m = number(output, "m")?;
+    let got = answer
+        .candidates
+        .iter()
+        .find(|s| (s.strip.net.shape().m - m).abs() <= ROOT_TOLERANCE * m.abs().max(1.0))
+        .ok_or("no candidate with that m")?;
+    let mut checks = Checks::default();
+    checks.close("m", got.strip.net.shape().m, m, ROOT_TOLERANCE);
+    checks.close("tau", got.end_reach, number(input, "tau")?, TOLERANCE);
+    checks.holds("regularity", got.regularity.holds() == output["regular"].as_bool().unwrap_or(true));
+    let (c, d) = got.strip.boundaries().map_err(|e| e.to_string())?;
+    checks.holds("degree", c.knots.degree() as f64 == number(output, "degree")?);
+    checks.all_close("knots", paper_knots(&c.knots), &numbers(output, "knots")?, TOLERANCE);
+    for (key, curve) in [("c", &c), ("d", &d)] {
+        let got: Vec<f64> = curve.control.iter().flat_map(|p| [p[0], p[1], p[2]]).collect();
+        checks.all_close(key, &got, &flat(&vectors::<3>(output, key)?), ROOT_TOLERANCE);
+    }
+    Ok(checks)
+}
+
+fn rational(input: &Value, output: &Value) -> Result<Checks, String> {
+    let c = curve(input)?;
+    let weights = numbers(input, "weights")?;
+    let control = c.control.iter().zip(&weights).map(|(p, w)| [w * p[0], w * p[1], w * p[2], *w]).collect();
+    let c = Curve { knots: c.knots, control };
+    let options = Options { reach: number(input, "sigma")?, ..Options::default() };
+    let got = rational_for(&c, &lines(input)?, &options, number(input, "m")?)
+        .map_err(|e| e.to_string())?
+        .ok_or("no rational net")?;
+    let shape = got.strip.net.shape();
+    let mut checks = Checks::default();
+    checks.close("kappa", shape.kappa, number(output, "kappa")?, TOLERANCE);
+    checks.close("tau", got.end_reach, number(output, "tau")?, TOLERANCE);
+    checks.close("Mstar", shape.m_star(), number(output, "Mstar")?, TOLERANCE);
+    checks.close("Lstar", shape.lambda_star(), number(output, "Lstar")?, TOLERANCE);
+    checks.at_most("end rulings", got.end_error, 1e-9);
+    checks.holds("regularity", got.regularity.holds() == output["regular"].as_bool().unwrap_or(true));
+    // The file writes the weight first.
+    let d: Vec<f64> = got.strip.net.opposite_points().iter().flat_map(|p| [p[3], p[0], p[1], p[2]]).collect();
+    let expected = vectors::<4>(output, "d_hom")?;
+    checks.all_close("d", &d, expected.as_flattened(), TOLERANCE);
+    developable(&mut checks, &got.strip.net)?;
     Ok(checks)
 }
