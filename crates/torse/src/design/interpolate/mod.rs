@@ -32,6 +32,12 @@ const MEETING: f64 = 1e-12;
 /// Sine of the angle between a given ruling and the curve's tangent below which the ruling is refused.
 const TANGENT: f64 = 1e-8;
 
+/// Ratio of the reaches beyond which a strip has no width at one end: its regression curve touches the curve there but
+/// for rounding.
+const LEAST_RATIO: f64 = 1e-6;
+/// Angle between an end ruling and its line above which rounding has spoilt the answer, radians.
+const LARGEST_END_ERROR: f64 = 1e-9;
+
 /// The lines given at both ends of the curve: directions that point to the side on which the surface is wanted. Their
 /// lengths, mm, are the units of the reaches.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -173,7 +179,7 @@ pub enum InterpolateError {
 /// Developable strips through `curve` whose first and last rulings lie on the given lines.
 ///
 /// *Input*: the curve, homogeneous with positive weights (all equal for a polynomial one), mm; directions in mm.
-/// *Guarantee*: strips of a solved answer are regular (see [`Regularity`]), hold both lines up to rounding, and both
+/// *Guarantee*: strips of a solved answer are regular (see [`Regularity`]), hold both lines to 1e-9 rad, and both
 /// first and last ruling point to the sides given. That no polynomial net exists is proven for the clamped control
 /// points: also none of the same curve with more knots. *Not guaranteed*: that rational nets and splits, which are
 /// searched on grids, are found whenever they exist, or are best.
@@ -226,6 +232,15 @@ pub fn interpolate(
             return Ok(answer);
         }
     }
+    if options.split && options.shorten {
+        let shorter =
+            Problem { options: Options { reach: SHORT_SPLIT * options.reach, ..*options }, ..problem.clone() };
+        if let Some(parts) = split::best(&shorter) {
+            answer.strips = parts;
+            answer.status = Status::Shortened(Route::Split);
+            return Ok(answer);
+        }
+    }
     // 5. The reasons.
     let reasons = reasons::reasons(&problem, answer.solvability.as_ref(), &answer.candidates);
     answer.status = Status::Unsolved(Box::new(reasons));
@@ -252,13 +267,20 @@ pub fn rational_for(
     Ok(rational::net(&problem, m, options.reach).and_then(|net| candidate::measured(&problem, net)))
 }
 
+/// Share of the reach with which a split is tried once more.
+const SHORT_SPLIT: f64 = 0.2;
 /// How often the reach of a rational strip is halved.
 const SHORTENINGS: i32 = 4;
 
 impl Solution {
-    /// Regular, with both end rulings on the sides given.
+    /// Regular, with both end rulings on the sides given and of comparable lengths.
     fn is_good(&self) -> bool {
-        self.start_reach > 0.0 && self.end_reach > 0.0 && self.regularity.holds()
+        let ratio = self.end_reach / self.start_reach;
+        self.start_reach > 0.0
+            && ratio > LEAST_RATIO
+            && ratio < 1.0 / LEAST_RATIO
+            && self.end_error < LARGEST_END_ERROR
+            && self.regularity.holds()
     }
 }
 

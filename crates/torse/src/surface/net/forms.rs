@@ -126,7 +126,7 @@ pub fn to_dual(net: &Net) -> Result<Converted, NetError> {
 }
 
 /// The primal form of a net, a cubic fit over a plane across the rulings, within about `tolerance` (mm) where
-/// `spans` (at most) allow it; the error says what was reached.
+/// `spans` (at most, but one per piece of the net) allow it; the error says what was reached.
 ///
 /// # Errors
 /// Rulings that do not meet a common plane in order: strips that turn by more than a right angle.
@@ -166,7 +166,28 @@ pub fn to_primal(net: &Net, tolerance: f64, spans: usize) -> Result<Converted, N
     let half = strip.iter().map(|[c, d]| (d - c).norm()).fold(0.0, f64::max) * 0.5;
     let t: Vec<f64> = rows.iter().map(|r| r.0).collect();
     let data: Vec<[f64; 2]> = rows.iter().map(|r| [r.1, r.2 * half]).collect();
-    let mut fitted = lsq::fit_within(&data, &t, 3, 0.5 * tolerance, spans).map_err(|e| fail(&e.to_string()))?;
+    // Where two pieces of the net meet, its rulings are only once differentiable in the profile: double knots there.
+    let pieces = (t.len() - 1) / SAMPLES_PER_PIECE;
+    let knots_with = |per_piece: usize| {
+        let mut values = vec![t[0]; 4];
+        for k in 1..pieces * per_piece {
+            let at = t[k * SAMPLES_PER_PIECE / per_piece];
+            values.extend(std::iter::repeat_n(at, if k % per_piece == 0 { 2 } else { 1 }));
+        }
+        values.extend([t[t.len() - 1]; 4]);
+        let control = values.len() - 4;
+        Knots::new(3, values, control)
+    };
+    let fit = |per_piece: usize| -> Result<_, NetError> {
+        lsq::fit(&data, &t, &knots_with(per_piece)?).map_err(|e| fail(&e.to_string()))
+    };
+    let mut per_piece = 1;
+    let mut fitted = fit(per_piece)?;
+    // At least three rulings for each span.
+    while fitted.error > 0.5 * tolerance && 2 * per_piece * pieces <= spans && 2 * per_piece <= SAMPLES_PER_PIECE / 3 {
+        per_piece *= 2;
+        fitted = fit(per_piece)?;
+    }
     for c in &mut fitted.curve.control {
         c[1] /= half;
     }
@@ -175,8 +196,9 @@ pub fn to_primal(net: &Net, tolerance: f64, spans: usize) -> Result<Converted, N
     let (t0, t1) = torse.domain();
     let mut error_estimate = 0.0f64;
     for [c, d] in &strip {
+        let (p, e) = (frame.to_local(c), frame.vector_to_local(&(d - c)));
+        let guess = (p.x - e.x * p.y / e.y).clamp(t0, t1);
         for x in [*c, (c + d) * 0.5, *d] {
-            let guess = frame.to_local(&x).x.clamp(t0, t1);
             // At the ends the foot may lie a little outside: there the end plane is compared.
             let foot = torse.foot(&x, guess).unwrap_or(guess);
             error_estimate = error_estimate.max(torse.plane_distance(&x, foot).abs());
