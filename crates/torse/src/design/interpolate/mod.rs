@@ -301,7 +301,7 @@ impl Problem {
     fn new(curve: &Curve<4>, rulings: &EndRulings, options: &Options) -> Result<Self, InterpolateError> {
         let (a, b) = curve.domain();
         for (index, c) in curve.control.iter().enumerate() {
-            if !(c[3] > 0.0) || c.iter().any(|x| !x.is_finite()) {
+            if c[3] <= 0.0 || c.iter().any(|x| !x.is_finite()) {
                 return Err(NetError::Weight { index, weight: c[3] }.into());
             }
         }
@@ -332,11 +332,11 @@ impl Problem {
             ("last", b, points[last] - points[last - 1], rulings.end),
         ];
         for (which, u, tangent, ruling) in ends {
-            if !(tangent.norm() > 0.0) {
+            if tangent.norm() == 0.0 {
                 return Err(InterpolateError::NoTangent { u });
             }
             let angle = tangent.cross(&ruling).norm().atan2(tangent.dot(&ruling).abs());
-            if !(angle > TANGENT) {
+            if angle <= TANGENT {
                 return Err(InterpolateError::Tangent { which, u, angle });
             }
         }

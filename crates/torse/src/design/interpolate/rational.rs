@@ -63,7 +63,7 @@ fn trial(problem: &Problem, x: f64, reach: f64) -> Option<(f64, Net)> {
     }
     let weights = net.opposite_points();
     let (least, most) = weights.iter().fold((f64::INFINITY, 0.0f64), |(l, m), p| (l.min(p[3]), m.max(p[3])));
-    if !(least > LEAST_WEIGHT * most) {
+    if least.is_nan() || least <= LEAST_WEIGHT * most {
         return None;
     }
     let end = affine(&weights[weights.len() - 1]) - problem.end();

@@ -29,7 +29,7 @@ pub fn from_first_cell(curve: &Curve<3>, d_0: &Vec3, d_1: &Vec3) -> Result<Net, 
         return Err(NetError::Cell { reason: "has a point that is not finite".into() });
     }
     let normal = side.cross(&rise);
-    if !(normal.norm() > PARALLEL * side.norm() * rise.norm()) {
+    if normal.norm() <= PARALLEL * side.norm() * rise.norm() {
         return Err(NetError::Cell {
             reason: "is degenerate: c_0, c_1 and d_0 lie on a line; move d_0 out of the curve's first tangent".into(),
         });

@@ -151,7 +151,7 @@ pub fn to_primal(net: &Net, tolerance: f64, spans: usize) -> Result<Converted, N
         let (p, e) = (frame.to_local(c), frame.vector_to_local(&(d - c)));
         let e = e / e.y;
         let q = p - e * p.y;
-        if !(e.norm() < 1e3) {
+        if e.norm().is_nan() || e.norm() > 1e3 {
             return Err(fail("a ruling is nearly parallel to the plane across the mean ruling; cut the net"));
         }
         rows.push((q.x, q.z, e.x, e.z));
@@ -159,7 +159,7 @@ pub fn to_primal(net: &Net, tolerance: f64, spans: usize) -> Result<Converted, N
     if rows[rows.len() - 1].0 < rows[0].0 {
         rows.reverse();
     }
-    if rows.windows(2).any(|w| !(w[1].0 > w[0].0)) {
+    if !rows.windows(2).all(|w| w[1].0 > w[0].0) {
         return Err(fail("its rulings do not cross a common plane in order; cut the net"));
     }
     // 3. Fit f and a over t; a is scaled to a length by half the strip's width, so that one tolerance serves both.

@@ -322,7 +322,7 @@ fn ruled(c: &Curve<4>, d: &Curve<4>) -> Result<Surface, NetError> {
     let knots_v = Knots::new(1, vec![0.0, 0.0, 1.0, 1.0], 2)?;
     let mut control = Vec::with_capacity(2 * c.control.len());
     for (index, (p, q)) in c.control.iter().zip(&d.control).enumerate() {
-        if !(q[3] > 0.0) {
+        if q[3].is_nan() || q[3] <= 0.0 {
             return Err(NetError::Weight { index, weight: q[3] });
         }
         control.push(*p);

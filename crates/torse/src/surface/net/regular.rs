@@ -7,8 +7,9 @@
 
 use super::{affine, plus, Net};
 use crate::geom::Vec3;
-use crate::num::bernstein::{derivative, difference, elevated, from_spline, halves, product, sum, value};
+use crate::num::bernstein::{binomial, derivative, difference, elevated, from_spline, halves, product, sum, value};
 use crate::num::interval::Interval;
+use crate::spline::blossom::of_piece;
 
 /// Sine of the angle between curve and ruling below which the ruling counts as tangent: the square of it is the
 /// rounding of one.
@@ -71,7 +72,11 @@ impl Net {
     pub fn tangent_ruling(&self) -> Option<f64> {
         let knots = &self.curve().knots;
         let (p, all) = (knots.degree(), knots.values());
+        let mut scratch = Triage::new(p);
         knots.breaks().windows(2).find_map(|w| {
+            if scratch.shows_none(self, w[0], w[1]) {
+                return None;
+            }
             let span = knots.span(0.5 * (w[0] + w[1]));
             let around = &all[span + 1 - p..=span + p];
             let part = |control: &[[f64; 4]]| -> [Vec<Interval>; 4] {
@@ -128,7 +133,7 @@ pub(super) fn normal(c: &[f64; 4], c1: &[f64; 4], e: &[f64; 4]) -> Vec3 {
 
 /// The first weight that is not positive.
 pub(super) fn weight_fault<'a>(points: impl Iterator<Item = &'a [f64; 4]>) -> Option<(usize, f64)> {
-    points.enumerate().find(|(_, p)| !(p[3] > 0.0)).map(|(i, p)| (i, p[3]))
+    points.enumerate().find(|(_, p)| p[3].is_nan() || p[3] <= 0.0).map(|(i, p)| (i, p[3]))
 }
 
 /// Smallest value met by golden section between `a` and `b`.
@@ -149,6 +154,86 @@ fn golden(f: impl Fn(f64) -> f64, mut a: f64, mut b: f64) -> f64 {
         }
     }
     fx.min(fy)
+}
+
+/// A quick proof for most pieces: all Bernstein coefficients of the normal lie on one side of a plane, farther than
+/// rounding can have moved them.
+struct Triage {
+    binomials: Vec<f64>,
+    slope_binomials: Vec<f64>,
+    c: Vec<[f64; 4]>,
+    e: Vec<[f64; 4]>,
+    coefficients: Vec<Vec3>,
+}
+
+/// Rounding of a coefficient of the normal per degree, as a share of the products it is made of: some 200 operations.
+const ROUNDING: f64 = 1e-13;
+
+impl Triage {
+    fn new(p: usize) -> Self {
+        let row = |n: usize| (0..=n).map(|k| binomial(n, k)).collect::<Vec<f64>>();
+        Self { binomials: row(p), slope_binomials: row(p - 1), c: vec![], e: vec![], coefficients: vec![] }
+    }
+
+    fn shows_none(&mut self, net: &Net, from: f64, to: f64) -> bool {
+        let knots = &net.curve().knots;
+        let (p, span) = (knots.degree(), knots.span(0.5 * (from + to)));
+        // 1. Bézier form: convex combinations of the control points.
+        let mut args = vec![from; p];
+        self.c.clear();
+        self.e.clear();
+        let mut work = Vec::with_capacity(p + 1);
+        for k in 0..=p {
+            if k > 0 {
+                args[p - k] = to;
+            }
+            for (source, target) in [(&net.curve().control, &mut self.c), (&net.rulings, &mut self.e)] {
+                work.clear();
+                work.extend_from_slice(&source[span - p..=span]);
+                target.push(of_piece(knots, span, &mut work, &args));
+            }
+        }
+        // 2. Sizes before and after moving the origin to the piece.
+        let largest = |x: &[[f64; 4]], d: std::ops::Range<usize>| {
+            x.iter().flat_map(|p| &p[d.clone()]).fold(0.0f64, |m, v| m.max(v.abs()))
+        };
+        let (w, ew) = (largest(&self.c, 3..4), largest(&self.e, 3..4));
+        let origin = affine(&self.c[0]);
+        let far = origin.amax();
+        let (cs, es) = (largest(&self.c, 0..3) + w * far, largest(&self.e, 0..3) + ew * far);
+        let margin = ROUNDING * p as f64 * (w * cs * es + ew * cs * cs);
+        for x in self.c.iter_mut().chain(&mut self.e) {
+            for d in 0..3 {
+                x[d] -= x[3] * origin[d];
+            }
+        }
+        // 3. Coefficients, up to positive factors: degree 2p − 1 for constant weights, 3p − 1 otherwise.
+        let plain = ew == 0.0 && self.c.iter().all(|x| x[3] == self.c[0][3]);
+        let degree = if plain { 2 * p - 1 } else { 3 * p - 1 };
+        self.coefficients.clear();
+        self.coefficients.resize(degree + 1, Vec3::zeros());
+        let v = |x: &[f64; 4]| Vec3::new(x[0], x[1], x[2]);
+        for i in 0..p {
+            let slope: [f64; 4] = std::array::from_fn(|d| self.c[i + 1][d] - self.c[i][d]);
+            for j in 0..=p {
+                let share = self.slope_binomials[i] * self.binomials[j];
+                if plain {
+                    self.coefficients[i + j] += v(&slope).cross(&v(&self.e[j])) * (share * w);
+                    continue;
+                }
+                for k in 0..=p {
+                    let part = normal(&self.c[k], &slope, &self.e[j]);
+                    self.coefficients[i + j + k] += part * (share * self.binomials[k]);
+                }
+            }
+        }
+        for (k, x) in self.coefficients.iter_mut().enumerate() {
+            *x /= binomial(degree, k);
+        }
+        let mean: Vec3 = self.coefficients.iter().sum();
+        let size = mean.norm();
+        size.is_finite() && self.coefficients.iter().all(|x| x.dot(&mean) > 2.0 * margin * size)
+    }
 }
 
 /// Bernstein form of one piece: the normal `c' × e` in homogeneous form, and the curve and ruling for its scale.
@@ -202,7 +287,7 @@ impl Piece {
             }
             let middle = 0.5 * (lo + hi);
             let sine = self.sine(middle);
-            if !(sine > TANGENT_SINE) || depth >= DEEPEST {
+            if sine.is_nan() || sine <= TANGENT_SINE || depth >= DEEPEST {
                 return Some(middle);
             }
             let parts_of = n.map(|b| halves(&b));

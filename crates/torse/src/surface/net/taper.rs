@@ -115,10 +115,10 @@ impl TaperedNet {
         let near = [shape.g(a), shape.g(b)];
         let far = [near[0] + shape.kappa * self.taper.0, near[1] + shape.kappa * self.taper.1];
         let crossing = |x: [f64; 2]| a + (b - a) * (x[0] / (x[0] - x[1])).clamp(0.0, 1.0);
-        if !(near[0] * near[1] > 0.0) {
+        if near[0] * near[1] <= 0.0 {
             return Regularity::Regression { u: crossing(near), v: 0.0 };
         }
-        if !(far[0] * far[1] > 0.0) {
+        if far[0] * far[1] <= 0.0 {
             return Regularity::Regression { u: crossing(far), v: 1.0 };
         }
         if near[0] * far[0] < 0.0 {
