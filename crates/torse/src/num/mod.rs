@@ -9,3 +9,4 @@ pub mod linear_program;
 pub mod max_flow;
 pub mod minimax;
 pub mod quadrature;
+pub mod roots;

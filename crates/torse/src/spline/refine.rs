@@ -118,6 +118,23 @@ impl Knots {
         let control = values.len() - p - 1;
         Self::new(p, values, control)
     }
+
+    /// Clamped knots on `[a, b]`, which may reach beyond the domain, with the interior knots that lie between.
+    ///
+    /// # Errors
+    /// `a < b`, both finite, and a part of the domain between them are needed.
+    pub fn extended(&self, a: f64, b: f64) -> Result<Self, SplineError> {
+        let (start, end) = self.domain();
+        if !(a < b && a < end && b > start && a.is_finite() && b.is_finite()) {
+            return Err(SplineError::KnotOrder { index: 0, value: if a < end { b } else { a } });
+        }
+        let p = self.degree();
+        let mut values = vec![a; p + 1];
+        values.extend(self.values().iter().copied().filter(|&x| x > a.max(start) && x < b.min(end)));
+        values.extend(std::iter::repeat_n(b, p + 1));
+        let control = values.len() - p - 1;
+        Self::new(p, values, control)
+    }
 }
 
 impl<const D: usize> Curve<D> {
@@ -147,6 +164,16 @@ impl<const D: usize> Curve<D> {
     /// `a < b` inside the domain is needed.
     pub fn restricted(&self, a: f64, b: f64) -> Result<Self, SplineError> {
         let knots = self.knots.restricted(a, b)?;
+        let control = over(&self.knots, &self.control, &knots);
+        Ok(Self { knots, control })
+    }
+
+    /// The curve over `[a, b]`, clamped; beyond the domain the first and last pieces are continued.
+    ///
+    /// # Errors
+    /// See [`Knots::extended`].
+    pub fn extended(&self, a: f64, b: f64) -> Result<Self, SplineError> {
+        let knots = self.knots.extended(a, b)?;
         let control = over(&self.knots, &self.control, &knots);
         Ok(Self { knots, control })
     }

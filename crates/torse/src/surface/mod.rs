@@ -5,6 +5,7 @@ pub mod clip;
 pub mod convert;
 pub mod face;
 mod hug;
+pub mod net;
 pub mod panel;
 pub mod pattern;
 pub mod rail;
