@@ -18,7 +18,7 @@ pub fn run(arguments: &Approximate) -> Result<bool, Failure> {
     terminal.guard(Some(output.staging().to_path_buf()));
 
     terminal.say("reading");
-    let model = wiring::read(&file.display().to_string(), &bytes)?;
+    let mut model = wiring::read(&file.display().to_string(), &bytes)?;
     drop(bytes);
     if arguments.strict {
         refuse_skipped(file, &model)?;
@@ -28,6 +28,7 @@ pub fn run(arguments: &Approximate) -> Result<bool, Failure> {
         tolerance: arguments.tolerance.mm,
         max_panels: arguments.max_panels.map(|n| n as usize),
     };
+    let notes = std::mem::take(&mut model.notes);
     let outcome = wiring::approximate(model, &job, terminal.control())?;
 
     terminal.say("writing");
@@ -40,7 +41,7 @@ pub fn run(arguments: &Approximate) -> Result<bool, Failure> {
 
     if !arguments.quiet {
         // A closed pipe is no reason to fail after the work is done.
-        let _ = summary(&outcome, arguments, terminal.interrupted());
+        let _ = summary(&outcome, &notes, arguments, terminal.interrupted());
     }
     Ok(outcome.status == Status::Certified)
 }
@@ -74,7 +75,7 @@ fn refuse_skipped(file: &Path, model: &wiring::Model) -> Result<(), Failure> {
 }
 
 /// Tells the result in a few lines.
-fn summary(outcome: &Outcome, arguments: &Approximate, interrupted: bool) -> std::io::Result<()> {
+fn summary(outcome: &Outcome, notes: &[String], arguments: &Approximate, interrupted: bool) -> std::io::Result<()> {
     let mut out = std::io::stdout().lock();
     let panels = outcome.patchwork.panels.len();
     let faces = outcome.patchwork.faces.len();
@@ -98,6 +99,9 @@ fn summary(outcome: &Outcome, arguments: &Approximate, interrupted: bool) -> std
     }
     for skipped in &outcome.skipped {
         writeln!(out, "  left out: #{}: {}", skipped.entity, skipped.reason)?;
+    }
+    for note in notes {
+        writeln!(out, "  note: {note}")?;
     }
     writeln!(out, "  open {}", arguments.out.join("report.html").display())
 }

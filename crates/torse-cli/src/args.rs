@@ -1,6 +1,6 @@
 //! Arguments and help.
 
-use crate::quantity::{positive_length, positive_time, Length};
+use crate::quantity::{positive_count, positive_length, positive_time, Length};
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
 use std::time::Duration;
@@ -64,7 +64,7 @@ pub struct Approximate {
     pub strict: bool,
 
     /// Stop at this number of panels; the result may then be uncertified
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", value_parser = positive_count, allow_hyphen_values = true)]
     pub max_panels: Option<u32>,
 
     /// Stop after this time, with its unit: 60s, 5min; the result may then be uncertified

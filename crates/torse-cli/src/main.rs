@@ -11,6 +11,7 @@ mod folder;
 mod info;
 mod quantity;
 mod terminal;
+mod usage;
 mod wiring;
 
 use clap::Parser;
@@ -23,12 +24,7 @@ const BAD_INPUT: u8 = 2;
 const NOT_CERTIFIED: u8 = 3;
 
 fn main() -> ExitCode {
-    let arguments = args::Arguments::parse();
-    let done = match &arguments.command {
-        args::Command::Approximate(a) => approximate::run(a),
-        args::Command::Info(a) => info::run(a),
-    };
-    match done {
+    match args::Arguments::try_parse().map_err(usage::refusal).and_then(|a| run(&a)) {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::from(NOT_CERTIFIED),
         Err(failure) => {
@@ -36,5 +32,13 @@ fn main() -> ExitCode {
             let _ = writeln!(std::io::stderr(), "{failure}");
             ExitCode::from(BAD_INPUT)
         }
+    }
+}
+
+/// Runs the command; `Ok(true)` unless a result is not certified.
+fn run(arguments: &args::Arguments) -> Result<bool, failure::Failure> {
+    match &arguments.command {
+        args::Command::Approximate(a) => approximate::run(a),
+        args::Command::Info(a) => info::run(a),
     }
 }

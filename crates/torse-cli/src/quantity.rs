@@ -39,10 +39,14 @@ fn split(text: &str) -> Result<(f64, &str), String> {
     let end = text.rfind(|c: char| c.is_ascii_digit() || c == '.' || c == ',').map_or(0, |i| i + 1);
     let (number, unit) = (text[..end].trim(), text[end..].trim());
     if number.is_empty() {
-        return Err(format!("'{text}' has no number"));
+        return Err(if text.is_empty() {
+            "nothing is given".to_string()
+        } else {
+            "there is no number in it".to_string()
+        });
     }
     if number.contains(',') {
-        return Err(format!("'{text}': write a decimal point instead of the comma"));
+        return Err("write a decimal point instead of the comma".to_string());
     }
     let parse = |s: &str| s.trim().parse::<f64>().map_err(|_| format!("'{number}' is not a number"));
     let value = match number.split_once('/') {
@@ -59,16 +63,18 @@ fn split(text: &str) -> Result<(f64, &str), String> {
 pub fn positive_length(text: &str) -> Result<Length, String> {
     let (value, unit) = split(text)?;
     if unit.is_empty() {
-        return Err(format!(
-            "{value} has no unit, and guessing one could ruin material: write {value}mm (or cm, m, in, ft)"
-        ));
+        return Err(if value > 0.0 {
+            format!("it has no unit, and guessing one could ruin material: write {value}mm (or cm, m, in, ft)")
+        } else {
+            "it must be greater than zero, and have a unit".to_string()
+        });
     }
     let Some(&(_, size)) = LENGTH_UNITS.iter().find(|(name, _)| unit.eq_ignore_ascii_case(name)) else {
         return Err(format!("unknown unit '{unit}': use mm, cm, m, in or ft"));
     };
     let mm = value * size;
     if mm <= 0.0 || !mm.is_finite() {
-        return Err(format!("'{}' must be greater than zero", text.trim()));
+        return Err("it must be greater than zero".to_string());
     }
     Ok(Length { mm, text: text.trim().to_string() })
 }
@@ -77,19 +83,29 @@ pub fn positive_length(text: &str) -> Result<Length, String> {
 pub fn positive_time(text: &str) -> Result<Duration, String> {
     let (value, unit) = split(text)?;
     if unit.is_empty() {
-        return Err(format!("{value} has no unit: write {value}s (or min, h)"));
+        return Err(format!("it has no unit: write {value}s (or min, h)"));
     }
     let Some(&(_, size)) = TIME_UNITS.iter().find(|(name, _)| unit.eq_ignore_ascii_case(name)) else {
         return Err(format!("unknown unit '{unit}': use s, min or h"));
     };
     let seconds = value * size;
     if seconds <= 0.0 {
-        return Err(format!("'{}' must be greater than zero", text.trim()));
+        return Err("it must be greater than zero".to_string());
     }
     if seconds > LONGEST_LIMIT {
-        return Err(format!("'{}' is more than a year", text.trim()));
+        return Err("it is more than a year".to_string());
     }
     Ok(Duration::from_secs_f64(seconds))
+}
+
+/// Reads a whole number of at least 1.
+pub fn positive_count(text: &str) -> Result<u32, String> {
+    match text.trim().parse::<u32>() {
+        Ok(0) => Err("it must be at least 1".to_string()),
+        Ok(n) => Ok(n),
+        Err(_) if text.trim().starts_with('-') => Err("it must be at least 1".to_string()),
+        Err(_) => Err(format!("it is not a whole number up to {}", u32::MAX)),
+    }
 }
 
 #[cfg(test)]
@@ -118,8 +134,9 @@ mod tests {
     fn doubtful_lengths_are_refused_with_the_reason() {
         for (text, reason) in [
             ("2", "no unit"),
+            ("0", "greater than zero"),
             ("mm", "no number"),
-            ("", "no number"),
+            ("", "nothing"),
             ("0mm", "greater than zero"),
             ("-1mm", "greater than zero"),
             ("2 parsec", "unknown unit"),

@@ -2,6 +2,7 @@
 
 use crate::failure::Failure;
 use torse::control::Control;
+use torse::io::step::read::ReadError;
 use torse::pipeline::approximate::{self as pipeline, ApproximateError, Options};
 use torse::pipeline::outcome::{Outcome, Skipped};
 use torse::pipeline::presentation::present;
@@ -31,10 +32,21 @@ pub struct Job {
 
 /// Reads a STEP file. `name` is for messages.
 pub fn read(name: &str, bytes: &[u8]) -> Result<Model, Failure> {
-    let model = torse::io::step::read::read(bytes)
-        .map_err(|e| Failure::new(format!("{name}: {e}"), "export the surfaces as STEP (AP203, AP214 or AP242)"))?;
+    let model =
+        torse::io::step::read::read(bytes).map_err(|e| Failure::new(format!("{name}: {e}"), reading_hint(&e)))?;
     let skipped = model.skipped.into_iter().map(|s| Skipped { entity: s.entity, reason: s.reason }).collect();
     Ok(Model { faces: model.faces, skipped, unit: model.unit, notes: model.notes })
+}
+
+/// What would help against a file that cannot be read.
+fn reading_hint(error: &ReadError) -> &'static str {
+    match error {
+        ReadError::Truncated(_) => "compare its size with the original; if that is cut off too, export it again",
+        ReadError::NoUsableFaces { .. } => "repair that face in the CAD program, or export the model again",
+        ReadError::Empty | ReadError::NotStep(_) | ReadError::NoFaces { .. } => {
+            "export the surfaces as STEP (AP203, AP214 or AP242)"
+        }
+    }
 }
 
 /// Runs the main job.

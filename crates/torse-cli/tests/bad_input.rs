@@ -21,6 +21,8 @@ fn refused(folder: &Path, arguments: &[&str]) -> String {
     assert!(message.starts_with("error: "), "{arguments:?}: {message}");
     assert_eq!(message.matches("error:").count(), 1, "{arguments:?}: {message}");
     assert!(!message.contains("panicked") && !message.contains("Error {"), "{arguments:?}: {message}");
+    assert_eq!(message.matches("  help: ").count(), 1, "{arguments:?}: {message}");
+    assert_eq!(message.trim_end().lines().count(), 2, "{arguments:?}: {message}");
     assert!(output.stdout.is_empty());
     assert_eq!(before, after, "{arguments:?} left something behind");
     message
@@ -44,16 +46,36 @@ fn tolerances_are_refused_with_the_reason() {
     let room = room("a.step", step("").as_bytes());
     for (tolerance, reason) in [
         ("2", "no unit"),
+        ("0", "greater than zero"),
         ("0mm", "greater than zero"),
         ("-1mm", "greater than zero"),
         ("nan mm", "no number"),
         ("infmm", "no number"),
         ("3furlong", "unknown unit"),
-        ("", "no number"),
+        ("", "nothing"),
     ] {
         let message = refused(room.path(), &["approximate", "a.step", "--tolerance", tolerance, "--out", "o"]);
         assert!(message.contains(reason), "{tolerance}: {message}");
     }
+}
+
+#[test]
+fn wrong_usage_is_refused_with_the_reason() {
+    let room = room("a.step", step("").as_bytes());
+    let whole = ["approximate", "a.step", "-t", "1mm", "-o", "o"];
+    for (more, reason) in [
+        (&["--max-panels", "0"][..], "at least 1"),
+        (&["--max-panels", "-3"], "at least 1"),
+        (&["--max-panels", "many"], "whole number"),
+        (&["--time-limit", "0s"], "greater than zero"),
+        (&["--time-limit", "5"], "no unit"),
+        (&["--bogus"], "--bogus"),
+    ] {
+        let message = refused(room.path(), &[&whole[..], more].concat());
+        assert!(message.contains(reason), "{more:?}: {message}");
+    }
+    assert!(refused(room.path(), &whole[..2]).contains("--out"));
+    assert!(refused(room.path(), &["fold"]).contains("fold"));
 }
 
 #[test]
@@ -83,6 +105,11 @@ fn a_folder_that_cannot_be_written_is_named() {
 fn files_that_hold_no_model_are_refused() {
     let point = "#1=CARTESIAN_POINT('',(0.,0.,0.));\n";
     let whole = step(point);
+    let hull = include_bytes!("../../../data/hull.step");
+    let text = String::from_utf8_lossy(hull).into_owned();
+    // A control point of the surface, in many bad states.
+    let (before, rest) = text.split_once("#89=CARTESIAN_POINT('',(6000.,").expect("a corner of the hull");
+    let spoilt = |x: &str| format!("{before}#89=CARTESIAN_POINT('',({x},{rest}").into_bytes();
     let cases: &[(&str, Vec<u8>)] = &[
         ("empty", Vec::new()),
         ("text", b"solid hull\n facet normal 0 0 1\n".to_vec()),
@@ -91,6 +118,10 @@ fn files_that_hold_no_model_are_refused() {
         ("no faces", whole.clone().into_bytes()),
         ("header only", step("").into_bytes()),
         ("truncated", whole.as_bytes()[..whole.len() / 3].to_vec()),
+        ("hull cut off", hull[..4000].to_vec()),
+        ("not a number", spoilt("NaN")),
+        ("infinite", spoilt("1.E999")),
+        ("absurdly far", spoilt("1.E300")),
         ("half a record", b"ISO-10303-21;\nDATA;\n#1=CARTESIAN_POINT('',(0.,".to_vec()),
     ];
     for (name, bytes) in cases {

@@ -471,6 +471,13 @@ fn files_that_are_nothing_say_so() {
     assert!(matches!(read(&[0xff, 0xfe, 0x00, 0x41]), Err(ReadError::NotStep(_))));
     assert!(matches!(read(b"ISO-10303-21;\nHEADER;\nFILE_DESC"), Err(ReadError::Truncated(_))));
     assert!(matches!(read(b"ISO-10303-21;HEADER;ENDSEC;DATA;\n#1=CART"), Err(ReadError::Truncated(_))));
+    let hull = include_bytes!("../../../../data/hull.step");
+    assert!(matches!(read(&hull[..4000]), Err(ReadError::Truncated(s)) if s.contains("line") && s.contains("after #")));
+    // Cut between two records, before what says where the faces go.
+    let end = hull.windows(5).position(|w| w == b"#164=").expect("the shape representation");
+    assert!(matches!(read(&hull[..end]), Err(ReadError::Truncated(s)) if s.contains("#163")));
+    // Only the last line is missing: nothing is lost.
+    assert!(read(&hull[..hull.len() - b"ENDSEC;\nEND-ISO-10303-21;\n".len()]).is_ok());
     assert!(matches!(
         read(b"ISO-10303-21;DATA;#1=CARTESIAN_POINT('',(0.,0.,0.));ENDSEC;END-ISO-10303-21;"),
         Err(ReadError::NoFaces { records: 1, .. })

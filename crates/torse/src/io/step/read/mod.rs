@@ -54,7 +54,7 @@ pub enum ReadError {
     /// Something else than STEP.
     #[error("this is not a STEP file: {0}")]
     NotStep(String),
-    /// The data section is missing or holds no record.
+    /// The data section is missing, holds no record, or ends where records that others need are still to come.
     #[error("the STEP file is truncated: {0}; save it again from the CAD program")]
     Truncated(String),
     /// Records, but no face among them.
@@ -101,7 +101,7 @@ pub fn read(bytes: &[u8]) -> Result<Model, ReadError> {
 /// repairs them.
 ///
 /// # Errors
-/// See [`ReadError`]: only where no face at all can be used.
+/// See [`ReadError`]: only where no face at all can be used, or where the end of the file is certainly missing.
 pub fn read_with(bytes: &[u8], options: &ReadOptions) -> Result<Model, ReadError> {
     if bytes.iter().all(|b| b.is_ascii_whitespace() || *b == 0) {
         return Err(ReadError::Empty);
@@ -111,18 +111,30 @@ pub fn read_with(bytes: &[u8], options: &ReadOptions) -> Result<Model, ReadError
     if records.len() == 0 {
         return Err(ReadError::Truncated("its data section holds no readable record".into()));
     }
+    if let Some(loss) = records.loss() {
+        // What is lost may be faces, or the unit of length: whatever could still be read would be a guess.
+        return Err(ReadError::Truncated(loss));
+    }
     let census = product::census(&records);
     let mut notes = remarks(&records);
     notes.extend(census.notes.iter().cloned());
     let mut skipped: Vec<Skipped> = census.faults.iter().map(as_skipped).collect();
+    if records.truncated && (census.unplaced || census.occurrences.is_empty()) {
+        let last = records.order.last().map_or(0, |id| *id);
+        return Err(ReadError::Truncated(format!(
+            "it ends after #{last} without ENDSEC, before the shape representation that holds its surfaces"
+        )));
+    }
     if census.occurrences.is_empty() {
-        let reason = census.faults.first().map_or(String::new(), |f| f.reason.clone());
+        let reason = census.faults.first().map(|f| f.reason.clone()).into_iter().chain(damage(&records));
+        let reason = reason.collect::<Vec<_>>().join("; ");
         return Err(ReadError::NoFaces { records: records.len(), reason });
     }
     let unit = main_unit(&census, &mut notes);
     let faces = placed(&records, &census, options, &mut skipped);
     if faces.is_empty() {
         let (entity, reason) = skipped.last().map_or((0, String::new()), |s| (s.entity, s.reason.clone()));
+        let reason = std::iter::once(reason).chain(damage(&records)).collect::<Vec<_>>().join("; ");
         return Err(ReadError::NoUsableFaces { count: census.occurrences.len(), entity, reason });
     }
     Ok(Model { faces, skipped, unit, notes, products: census.products })
@@ -158,17 +170,24 @@ fn foreign(text: &str) -> ReadError {
     ReadError::NotStep(guess.into())
 }
 
+/// Text that could not be read, in words.
+fn damage(records: &Records) -> Option<String> {
+    (records.unreadable > 0).then(|| {
+        format!(
+            "{} stretches of text are not records and were passed over, the first in line {}",
+            records.unreadable, records.first_unreadable_line
+        )
+    })
+}
+
 fn remarks(records: &Records) -> Vec<String> {
     let mut notes = Vec::new();
     if records.truncated {
-        notes.push("the file ends without ENDSEC: it may be truncated".to_string());
+        notes.push(
+            "the file ends without ENDSEC: it may be truncated, though nothing is known to be missing".to_string(),
+        );
     }
-    if records.unreadable > 0 {
-        notes.push(format!(
-            "{} stretches of text are not records and were passed over, the first in line {}",
-            records.unreadable, records.first_unreadable_line
-        ));
-    }
+    notes.extend(damage(records));
     if let Some(first) = records.repeated.first() {
         notes.push(format!(
             "{} entity numbers are given to different records, the first #{first}; the first of each is used",

@@ -31,6 +31,8 @@ pub(super) struct Census {
     pub units: Vec<Units>,
     /// Items that could not be followed.
     pub faults: Vec<Fault>,
+    /// Whether no shape representation leads to a face.
+    pub unplaced: bool,
     /// Remarks on the file as a whole.
     pub notes: Vec<String>,
     /// Names of the products.
@@ -429,6 +431,7 @@ impl<'r, 'a> Walk<'r, 'a> {
             return;
         }
         if self.out.occurrences.is_empty() {
+            self.out.unplaced = true;
             self.out.notes.push(format!(
                 "no shape representation leads to a face (is the file complete?); its {} faces are read without assembly placements",
                 strays.len()

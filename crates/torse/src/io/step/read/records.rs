@@ -62,6 +62,8 @@ pub(super) struct Records<'a> {
     pub first_unreadable_line: usize,
     /// Whether the text ends without ENDSEC.
     pub truncated: bool,
+    /// Line in which the text ends inside a record, counted from 1.
+    cut_line: Option<usize>,
 }
 
 impl<'a> Records<'a> {
@@ -80,6 +82,9 @@ impl<'a> Records<'a> {
                     None => {
                         out.damage(text, statement);
                         c.at = resume(text, statement + 1);
+                        if c.peek().is_none() {
+                            out.cut_line = Some(line(text, text.len()));
+                        }
                     }
                 }
                 continue;
@@ -124,8 +129,26 @@ impl<'a> Records<'a> {
     fn damage(&mut self, text: &str, at: usize) {
         self.unreadable += 1;
         if self.unreadable == 1 {
-            self.first_unreadable_line = 1 + text.as_bytes()[..at].iter().filter(|&&b| b == b'\n').count();
+            self.first_unreadable_line = line(text, at);
         }
+    }
+
+    /// Where the text was cut off, in words, if something of it is certainly lost: it ends without ENDSEC, and inside a
+    /// record or before records that others refer to. A file that lacks no more than its last lines is whole.
+    pub fn loss(&self) -> Option<String> {
+        if !self.truncated {
+            return None;
+        }
+        let after = self.order.last().map_or(String::new(), |id| format!(" after #{id}"));
+        if let Some(line) = self.cut_line {
+            return Some(format!("it ends in line {line}, inside the record{after}"));
+        }
+        let absent = |v: &Value| missing(v, &self.by_number);
+        let (from, to) = self.order.iter().find_map(|id| {
+            let mut values = self.by_number.get(id)?.parts.iter().flat_map(|p| &p.args);
+            values.find_map(absent).map(|to| (*id, to))
+        })?;
+        Some(format!("it ends{after} without ENDSEC, and #{from} refers to #{to}, which is not there"))
     }
 
     /// Number of records.
@@ -252,6 +275,20 @@ impl<'r, 'a> Args<'r, 'a> {
             Some(Value::Text(s)) => s,
             _ => "",
         }
+    }
+}
+
+/// Line of a byte of the text, counted from 1.
+fn line(text: &str, at: usize) -> usize {
+    1 + text.as_bytes()[..at].iter().filter(|&&b| b == b'\n').count()
+}
+
+/// A reference in a value to what is not in the table.
+fn missing(v: &Value, table: &HashMap<u64, Record>) -> Option<u64> {
+    match v {
+        Value::Reference(id) if !table.contains_key(id) => Some(*id),
+        Value::List(l) | Value::Typed(_, l) => l.iter().find_map(|v| missing(v, table)),
+        _ => None,
     }
 }
 

@@ -1,0 +1,35 @@
+//! Wrong usage told like every other refusal: one message and one line of help.
+
+use crate::failure::Failure;
+use clap::error::{ContextKind, ContextValue, ErrorKind};
+
+/// The refusal for arguments that cannot be understood. Help and version are printed at once and end the program.
+pub fn refusal(error: clap::Error) -> Failure {
+    let kind = error.kind();
+    if matches!(
+        kind,
+        ErrorKind::DisplayHelp | ErrorKind::DisplayVersion | ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand
+    ) {
+        error.exit();
+    }
+    // The message is the first paragraph; usage and tips of the parser follow after a blank line.
+    let text = error.to_string();
+    let first = text.split("\n\n").next().unwrap_or_default();
+    let message = first.strip_prefix("error: ").unwrap_or(first).split_whitespace().collect::<Vec<_>>().join(" ");
+    let argument = match error.get(ContextKind::InvalidArg) {
+        Some(ContextValue::String(name)) => name.as_str(),
+        _ => "",
+    };
+    let help = if kind == ErrorKind::MissingRequiredArgument {
+        "for example: torse approximate hull.step --tolerance 2mm --out hull-panels"
+    } else if argument.starts_with("--tolerance") {
+        "give a positive length with its unit, for example --tolerance 2mm"
+    } else if argument.starts_with("--time-limit") {
+        "give a positive time with its unit, for example --time-limit 5min"
+    } else if argument.starts_with("--max-panels") {
+        "give a whole number of at least 1, for example --max-panels 40, or leave it out"
+    } else {
+        "'torse --help' and 'torse approximate --help' list commands and options, with examples"
+    };
+    Failure::new(message, help)
+}
