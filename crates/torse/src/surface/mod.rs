@@ -3,7 +3,10 @@
 pub mod area;
 pub mod clip;
 pub mod convert;
+pub mod cone_pair;
+pub mod cone_spline;
 pub mod face;
+pub mod g1_element;
 mod hug;
 pub mod panel;
 pub mod pattern;
