@@ -167,8 +167,8 @@ impl Segment {
 
     /// Coordinate r of an edge (0 lower, 1 upper) at the share `f`: the plane section through its three points.
     ///
-    /// *Method*: in the frame of the cone, 1/t is `a + b cos φ + c sin φ` along a plane section; on a cylinder r
-    /// itself, on a plane strip it is linear.
+    /// *Method*: along a plane section of a cone the reciprocal of the distance from the vertex is
+    /// `a + b cos φ + c sin φ`, on a cylinder r itself; on a plane strip a parabola.
     pub fn edge(&self, side: usize, f: f64) -> f64 {
         let [a, m, b] = self.edges[side];
         // Circles, and pieces that do not turn.
@@ -178,7 +178,10 @@ impl Segment {
         let (full, distance) = match self.shape {
             Shape::Cone { distance, angle, .. } => (angle, Some(distance)),
             Shape::Cylinder { angle, .. } => (angle, None),
-            Shape::Flat { .. } => return if f < 0.5 { a + (m - a) * 2.0 * f } else { m + (b - m) * (2.0 * f - 1.0) },
+            Shape::Flat { .. } => {
+                let x = 2.0 * f - 1.0;
+                return m + 0.5 * (b - a) * x + (0.5 * (a + b) - m) * x * x;
+            }
         };
         // g = g_m + B sin ψ + C (1 − cos ψ) about the middle ruling, ψ from −full/2 to full/2.
         let (vh, wh) = turn(0.5 * full);
@@ -304,6 +307,21 @@ impl ConeSpline {
             Some(fault) => Err(fault),
             None => Ok(Self { segments }),
         }
+    }
+
+    /// The chain between two circular arc splines: those that start at the coordinates `lower` and `upper` (mm) of
+    /// the first ruling and cut all rulings at right angles. In the development they are arc splines too.
+    pub fn with_circular_edges(mut self, lower: f64, upper: f64) -> Self {
+        let mut r = [lower, upper];
+        for i in 0..self.segments.len() {
+            if i > 0 {
+                let end = self.segments[i - 1].end();
+                let slide = (self.segments[i].start.point - end.point).dot(&end.direction);
+                r = r.map(|r| r - slide);
+            }
+            self.segments[i].edges = r.map(|r| [r; 3]);
+        }
+        self
     }
 
     /// The chain passed the other way.

@@ -3,6 +3,8 @@
 pub mod area;
 pub mod clip;
 pub mod convert;
+pub mod cone_distance;
+pub mod cone_forms;
 pub mod cone_pair;
 pub mod cone_spline;
 pub mod face;
@@ -10,5 +12,6 @@ pub mod g1_element;
 mod hug;
 pub mod panel;
 pub mod pattern;
+pub mod ruled_strip;
 pub mod torse;
 pub mod trim;
