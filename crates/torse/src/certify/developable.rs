@@ -18,8 +18,9 @@ use crate::num::bernstein::{hull, product};
 use crate::num::interval::Interval;
 use crate::spline::curve::Curve;
 
-/// Angle (rad) up to which a patch counts as developable: far above rounding, far below anything that can be made.
-pub(super) const ANGLE_LIMIT: f64 = 1e-8;
+/// Angle (rad) up to which a patch counts as developable: two micrometres over a metre, far below anything that can be
+/// made; above rounding, which grows near the regression curve.
+pub(super) const ANGLE_LIMIT: f64 = 2e-6;
 
 /// Spans are cut into this many parts; hulls of products are then tight.
 const PARTS: usize = 4;

@@ -34,12 +34,14 @@ pub struct DualOptions {
     pub spans: usize,
     /// Samples that take part at first; 300.
     pub max_samples: usize,
+    /// Wanted distance along rulings between samples and regression curve, mm; 0. Kept as far as the start allows.
+    pub clearance: f64,
 }
 
 impl DualOptions {
     /// The defaults with a tolerance in mm.
     pub fn new(tolerance: f64) -> Self {
-        Self { tolerance, spans: 26, max_samples: 300 }
+        Self { tolerance, spans: 26, max_samples: 300, clearance: 0.0 }
     }
 }
 
@@ -215,6 +217,7 @@ fn fitted(samples: &[Sample], scale: &Scale, start: Pieces<4>, options: &DualOpt
         family.adopt(&all);
     }
     let (mut family, x) = family.refitted(&x, options.spans.max(4), MARGIN)?;
+    family.keep_clear(&x, options.clearance / scale.unit);
     let (mut x, _) = descended(&mut family, x, &few, 3, 3)?;
     polished(&mut family, &mut x, &few, &all, goal)?;
     finished(samples, scale, &family, &x)
@@ -244,6 +247,9 @@ fn finished(samples: &[Sample], scale: &Scale, family: &EnvelopeFamily, x: &[f64
     Some(Fit { torse, kind: PanelKind::Torse, error, worst })
 }
 
+/// Clearance that further iterations keep where it is at hand, share of half the diagonal.
+const REFIT_CLEARANCE: f64 = 0.02;
+
 /// Continues the minimax iteration of a dual torse over samples that may have been added.
 pub(super) fn refit(torse: &DualTorse, samples: &[Sample], count: usize, tolerance: f64) -> Option<Fit> {
     let scale = Scale::of(samples)?;
@@ -259,6 +265,7 @@ pub(super) fn refit(torse: &DualTorse, samples: &[Sample], count: usize, toleran
         return None;
     }
     family.adopt(&all);
+    family.keep_clear(&x, REFIT_CLEARANCE);
     polished(&mut family, &mut x, &thin(samples, count), &all, ENOUGH * tolerance / scale.unit)?;
     finished(samples, &scale, &family, &x)
 }

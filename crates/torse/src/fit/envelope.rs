@@ -35,9 +35,21 @@ pub(super) struct EnvelopeFamily {
     basis: Basis,
     gauges: Vec<Gauge>,
     trial: Vec<f64>,
+    /// Steps that bring the regression curve nearer than this to a sample, along its ruling, are refused.
+    clearance: f64,
 }
 
 impl EnvelopeFamily {
+    /// From now on the regression curve stays clear of the samples by `wanted`, or nearly as far as it is at `x`.
+    pub fn keep_clear(&mut self, x: &[f64], wanted: f64) {
+        // Share of the clearance at hand that steps may not use up.
+        const KEPT: f64 = 0.8;
+        let sheet = self.sheet(x);
+        let now =
+            self.points.iter().zip(&self.feet).map(|(q, &t)| clearance(&sheet, q, t)).fold(f64::INFINITY, f64::min);
+        self.clearance = wanted.min(KEPT * now);
+    }
+
     /// The family with the spans of `start`, its gauges taken from there, and the coefficients of `start`. Feet are
     /// guessed from the rulings unless given.
     pub fn new(points: Vec<Vec3>, feet: Option<Vec<f64>>, start: Pieces<4>) -> Option<(Self, Vec<f64>)> {
@@ -65,7 +77,7 @@ impl EnvelopeFamily {
                 gauges.push(Gauge { t, n0: j.n / nn, e: turn.try_normalize(1e-12).unwrap_or_default() });
             }
         }
-        Some((Self { points, feet, breaks, basis, gauges, trial: Vec::new() }, x))
+        Some((Self { points, feet, breaks, basis, gauges, trial: Vec::new(), clearance: 0.0 }, x))
     }
 
     /// Planes with the coefficients `x`.
@@ -114,10 +126,25 @@ impl EnvelopeFamily {
         let breaks: Vec<f64> = (0..=spans).map(|i| lo + (hi - lo) * i as f64 / spans as f64).collect();
         let basis = Basis::spline(&Knots::clamped(3, &breaks).ok()?, &breaks);
         let x = coefficients(&basis, &breaks, &self.planes(x));
-        let carrier =
-            Self { points: Vec::new(), feet: Vec::new(), breaks, basis, gauges: Vec::new(), trial: Vec::new() };
+        let carrier = Self {
+            points: Vec::new(),
+            feet: Vec::new(),
+            breaks,
+            basis,
+            gauges: Vec::new(),
+            trial: Vec::new(),
+            clearance: 0.0,
+        };
         Self::new(self.points.clone(), Some(self.feet.clone()), carrier.planes(&x))
     }
+}
+
+/// Distance along the ruling `t` from the foot of `q` to the regression curve: `n''·X − h''` is linear there.
+fn clearance(sheet: &Sheet, q: &Vec3, t: f64) -> f64 {
+    let j = sheet.jet(t);
+    let foot = q - j.n * ((j.n.dot(q) - j.h) / j.n.norm_squared());
+    let ruling = j.n.cross(&j.m);
+    ((j.dm.dot(&foot) - j.dk) * ruling.norm() / j.dm.dot(&ruling)).abs()
 }
 
 /// Control planes nearest to the given ones.
@@ -153,7 +180,7 @@ impl Family for EnvelopeFamily {
             let q = &self.points[i];
             let Some(t) = sheet.foot(q, self.feet[i], range) else { return false };
             let (d, regular) = sheet.distance(q, t);
-            if !d.is_finite() {
+            if !d.is_finite() || (self.clearance > 0.0 && clearance(&sheet, q, t) < self.clearance) {
                 return false;
             }
             least = least.min(regular);
@@ -267,7 +294,15 @@ mod tests {
                 Vec3::new(t.sin(), y, t.cos()) * 1.002
             })
             .collect();
-        let carrier = EnvelopeFamily { points: vec![], feet: vec![], breaks, basis, gauges: vec![], trial: vec![] };
+        let carrier = EnvelopeFamily {
+            points: vec![],
+            feet: vec![],
+            breaks,
+            basis,
+            gauges: vec![],
+            trial: vec![],
+            clearance: 0.0,
+        };
         let start = carrier.planes(&x);
         let (mut family, x) = EnvelopeFamily::new(points, None, start).expect("family");
         let active: Vec<usize> = (0..10).collect();

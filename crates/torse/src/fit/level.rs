@@ -56,7 +56,7 @@ pub struct LevelOptions {
     pub starts: usize,
     /// Starts that go on after their first program; default 2.
     pub keep: usize,
-    /// Further programs for each kept start; default 5.
+    /// Further programs for each kept start; default 10.
     pub rounds: usize,
     /// Spans of φ per direction; default 2 (5 × 5 coefficients).
     pub spans: usize,
@@ -64,7 +64,7 @@ pub struct LevelOptions {
 
 impl Default for LevelOptions {
     fn default() -> Self {
-        Self { starts: 8, keep: 2, rounds: 5, spans: 2 }
+        Self { starts: 8, keep: 2, rounds: 10, spans: 2 }
     }
 }
 
@@ -74,6 +74,19 @@ const FLOOR: f64 = 0.12;
 const FLAT: f64 = 0.02;
 /// Share of samples whose ratio may stay below one after rescaling.
 const QUANTILE: f64 = 0.03;
+/// A gain below this share counts as none.
+const SMALL: f64 = 1e-3;
+
+/// Conditions, and places for the range of φ, that the first program of a start looks at.
+const ROWS: usize = 240;
+/// See [`ROWS`].
+const WATCHED: usize = 120;
+/// Conditions that join after a program, the worst of those that it failed.
+const JOINING: usize = 24;
+/// Ratio below which a condition counts as failed.
+const FAILED: f64 = 0.985;
+/// Programs without gain after which a start ends.
+const STALLED: usize = 3;
 
 /// One row of the condition in the coordinates of the unit square.
 struct Row {
@@ -83,10 +96,39 @@ struct Row {
 }
 
 /// Best level function found over the samples of a region, for either sign; `None` if the region is too small or
-/// too flat to speak of strips.
-///
-/// `border` are further points of the region, such as its corners, that count for the range of φ only.
+/// too flat to speak of strips. See [`levels`].
 pub fn level(samples: &[Forms], border: &[[f64; 2]], options: &LevelOptions) -> Option<Level> {
+    levels(samples, border, options).into_iter().next()
+}
+
+/// Level functions over the samples of a region from different starts, for either sign, smallest merit first.
+///
+/// `border` are further points of the region, such as its corners, that count for the range of φ only. Empty if the
+/// region is too small or too flat to speak of strips.
+pub fn levels(samples: &[Forms], border: &[[f64; 2]], options: &LevelOptions) -> Vec<Level> {
+    let Some((problem, field, aspect)) = problem(samples, border, options) else { return Vec::new() };
+    let starts: Vec<(f64, usize)> =
+        [1.0, -1.0].into_iter().flat_map(|s| (0..options.starts).map(move |k| (s, k))).collect();
+    let mut first: Vec<Level> = starts
+        .par_iter()
+        .filter_map(|&(sign, k)| {
+            let angle = std::f64::consts::PI * k as f64 / options.starts as f64;
+            let mut f = field.clone();
+            f.set_linear(angle.cos(), angle.sin() * aspect);
+            let start = problem.rated(f, sign)?;
+            let next = problem.improve(&start, 0.3, &problem.active);
+            Some(next.unwrap_or(start))
+        })
+        .collect();
+    first.sort_by(|a, b| a.merit.total_cmp(&b.merit));
+    first.truncate(options.keep);
+    let mut found: Vec<Level> = first.into_par_iter().map(|start| problem.refined(start, options.rounds)).collect();
+    found.sort_by(|a, b| a.merit.total_cmp(&b.merit));
+    found
+}
+
+/// Rows and extremes, a field over the region's box, and the ratio of the speeds along v and u.
+fn problem(samples: &[Forms], border: &[[f64; 2]], options: &LevelOptions) -> Option<(Problem, Field, f64)> {
     let mut b = [f64::INFINITY, f64::NEG_INFINITY, f64::INFINITY, f64::NEG_INFINITY];
     for p in samples.iter().map(|s| &s.uv).chain(border) {
         b = [b[0].min(p[0]), b[1].max(p[0]), b[2].min(p[1]), b[3].max(p[1])];
@@ -117,54 +159,36 @@ pub fn level(samples: &[Forms], border: &[[f64; 2]], options: &LevelOptions) -> 
     if rows.len() < 12 {
         return None;
     }
-    let extremes: Vec<Vec<(usize, f64, f64, f64)>> =
-        samples.iter().map(|s| &s.uv).chain(border).map(|p| field.basis(p[0], p[1])).collect();
-    let problem = Problem { rows, extremes };
-    let aspect = (speed[1] / speed[0]).sqrt();
-    let starts: Vec<(f64, usize)> =
-        [1.0, -1.0].into_iter().flat_map(|s| (0..options.starts).map(move |k| (s, k))).collect();
-    let mut first: Vec<Level> = starts
-        .par_iter()
-        .filter_map(|&(sign, k)| {
-            let angle = std::f64::consts::PI * k as f64 / options.starts as f64;
-            let mut f = field.clone();
-            f.set_linear(angle.cos(), angle.sin() * aspect);
-            let start = problem.rated(f, sign)?;
-            let next = problem.improve(&start, 0.3);
-            Some(next.unwrap_or(start))
-        })
-        .collect();
-    first.sort_by(|a, b| a.merit.total_cmp(&b.merit));
-    first.truncate(options.keep);
-    first
-        .into_par_iter()
-        .map(|mut best| {
-            let mut trust = 0.3;
-            for _ in 0..options.rounds {
-                match problem.improve(&best, trust) {
-                    Some(next) if next.merit < best.merit => {
-                        let gain = (best.merit - next.merit) / best.merit;
-                        best = next;
-                        if gain < 1e-3 {
-                            break;
-                        }
-                    }
-                    _ => trust /= 2.5,
-                }
-            }
-            best
-        })
-        .min_by(|a, b| a.merit.total_cmp(&b.merit))
+    let every = |count: usize, most: usize| (0..count).step_by(count.div_ceil(most).max(1)).collect();
+    let value = |p: &[f64; 2]| field.basis(p[0], p[1]).into_iter().map(|(i, n, _, _)| (i, n)).collect();
+    let places: Vec<Vec<(usize, f64)>> = samples.iter().map(|s| &s.uv).chain(border).map(value).collect();
+    let active = Active { rows: every(rows.len(), ROWS), places: every(places.len(), WATCHED) };
+    Some((Problem { rows, places, active }, field, (speed[1] / speed[0]).sqrt()))
 }
 
 struct Problem {
     rows: Vec<Row>,
-    extremes: Vec<Vec<(usize, f64, f64, f64)>>,
+    /// Values of the basis where φ counts for the range.
+    places: Vec<Vec<(usize, f64)>>,
+    /// What the first program looks at.
+    active: Active,
+}
+
+/// Conditions and places that a program looks at; more join where its answer fails the others.
+#[derive(Clone)]
+struct Active {
+    rows: Vec<usize>,
+    places: Vec<usize>,
 }
 
 impl Row {
     fn gradient(&self, c: &[f64]) -> [f64; 2] {
         self.basis.iter().fold([0.0; 2], |g, &(i, _, du, dv)| [g[0] + du * c[i], g[1] + dv * c[i]])
+    }
+
+    /// Share of the slope that is needed; 0 where `q` has the wrong sign.
+    fn ratio(&self, c: &[f64], sign: f64) -> f64 {
+        (sign * self.q(self.gradient(c)).0).max(0.0).sqrt() / self.need
     }
 
     /// `q = L φ_v² − 2 M φ_u φ_v + N φ_u²` and its gradient in `(φ_u, φ_v)`.
@@ -177,10 +201,7 @@ impl Row {
 impl Problem {
     /// Rescales a field so that a small quantile of the ratios is one, and rates it.
     fn rated(&self, mut field: Field, sign: f64) -> Option<Level> {
-        let ratios = |f: &Field| -> Vec<f64> {
-            self.rows.iter().map(|r| (sign * r.q(r.gradient(&f.coefficients)).0).max(0.0).sqrt() / r.need).collect()
-        };
-        let mut sorted = ratios(&field);
+        let mut sorted: Vec<f64> = self.rows.iter().map(|r| r.ratio(&field.coefficients, sign)).collect();
         sorted.sort_by(f64::total_cmp);
         let good: Vec<f64> = sorted.iter().copied().filter(|&r| r > 0.0).collect();
         if good.len() * 2 < sorted.len() {
@@ -193,27 +214,83 @@ impl Problem {
         field.coefficients.iter_mut().for_each(|c| *c *= scale);
         let shortfall: f64 =
             sorted.iter().map(|r| (1.0 - r * scale).max(0.0)).sum::<f64>() / sorted.len().max(1) as f64;
-        let value =
-            |b: &Vec<(usize, f64, f64, f64)>| b.iter().map(|&(i, n, _, _)| n * field.coefficients[i]).sum::<f64>();
-        let (lo, hi) =
-            self.extremes.iter().map(value).fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
-        let range = hi - lo;
+        let range = self.extremes(&field).0;
         Some(Level { field, sign, range, merit: range * (1.0 + 30.0 * shortfall) })
     }
 
-    /// One linear program around `from` with a trust region of `trust` times the range.
-    fn improve(&self, from: &Level, trust: f64) -> Option<Level> {
+    /// A start carried on by at most `rounds` programs, with a trust region that shrinks where nothing is gained.
+    fn refined(&self, mut best: Level, rounds: usize) -> Level {
+        let mut trust = 0.3;
+        let mut active = self.active.clone();
+        let mut stalled = 0;
+        for _ in 0..rounds {
+            self.join(&best, &mut active);
+            let next = self.improve(&best, trust, &active);
+            if let Some(next) = &next {
+                self.join(next, &mut active);
+            }
+            match next {
+                Some(next) if next.merit < best.merit => {
+                    stalled = if (best.merit - next.merit) < SMALL * best.merit { stalled + 1 } else { 0 };
+                    best = next;
+                }
+                _ => {
+                    stalled += 1;
+                    trust /= 2.5;
+                }
+            }
+            if stalled == STALLED {
+                break;
+            }
+        }
+        best
+    }
+
+    /// Takes in the conditions that a field fails worst, and the places where it is extreme.
+    fn join(&self, l: &Level, active: &mut Active) {
+        active.places.extend(self.extremes(&l.field).1);
+        let mut failed: Vec<(f64, usize)> = self
+            .rows
+            .iter()
+            .map(|r| r.ratio(&l.field.coefficients, l.sign))
+            .enumerate()
+            .filter(|(k, ratio)| *ratio < FAILED && !active.rows.contains(k))
+            .map(|(k, ratio)| (ratio, k))
+            .collect();
+        failed.sort_by(|a, b| a.0.total_cmp(&b.0));
+        active.rows.extend(failed.iter().take(JOINING).map(|f| f.1));
+    }
+
+    /// Range of a field over all places, and the places where it is smallest and largest.
+    fn extremes(&self, field: &Field) -> (f64, [usize; 2]) {
+        let (mut lo, mut hi) = ((f64::INFINITY, 0), (f64::NEG_INFINITY, 0));
+        for (k, b) in self.places.iter().enumerate() {
+            let x = b.iter().map(|&(i, n)| n * field.coefficients[i]).sum::<f64>();
+            if x < lo.0 {
+                lo = (x, k);
+            }
+            if x > hi.0 {
+                hi = (x, k);
+            }
+        }
+        (hi.0 - lo.0, [lo.1, hi.1])
+    }
+
+    /// One linear program around `from` with a trust region of `trust` times the range; it looks at the
+    /// `active` conditions and places.
+    fn improve(&self, from: &Level, trust: f64, active: &Active) -> Option<Level> {
         let c0 = &from.field.coefficients;
         let n = c0.len();
         let (hi, lo, slack) = (n, n + 1, n + 2);
-        let mut lp = LinearProgram::new(n + 2 + self.rows.len());
+        let rows: Vec<&Row> = active.rows.iter().map(|&k| &self.rows[k]).collect();
+        let mut lp = LinearProgram::new(n + 2 + rows.len());
         lp.cost[hi] = 1.0;
         lp.cost[lo] = -1.0;
-        let penalty = 60.0 * from.range / self.rows.len() as f64;
-        let mut typical: Vec<f64> = self.rows.iter().map(|r| r.q(r.gradient(c0)).0.abs() / r.need.powi(2)).collect();
+        let penalty = 60.0 * from.range / rows.len() as f64;
+        let mut typical: Vec<f64> = rows.iter().map(|r| r.q(r.gradient(c0)).0.abs() / r.need.powi(2)).collect();
         typical.sort_by(f64::total_cmp);
         let small = 1e-3 * typical[typical.len() / 2];
-        for (k, r) in self.rows.iter().enumerate() {
+        for (k, r) in rows.iter().enumerate() {
             lp.cost[slack + k] = penalty;
             let (q0, dq) = r.q(r.gradient(c0));
             let relative = from.sign * q0 / r.need.powi(2);
@@ -235,9 +312,10 @@ impl Problem {
             lp.at_most(terms, -bound / largest);
             lp.at_most([(slack + k, -1.0)], 0.0);
         }
-        for b in &self.extremes {
-            lp.at_most(b.iter().map(|&(i, v, _, _)| (i, v)).chain([(hi, -1.0)]), 0.0);
-            lp.at_most(b.iter().map(|&(i, v, _, _)| (i, -v)).chain([(lo, 1.0)]), 0.0);
+        for &k in &active.places {
+            let b = &self.places[k];
+            lp.at_most(b.iter().copied().chain([(hi, -1.0)]), 0.0);
+            lp.at_most(b.iter().map(|&(i, v)| (i, -v)).chain([(lo, 1.0)]), 0.0);
         }
         let radius = trust * from.range;
         for (i, &c) in c0.iter().enumerate() {

@@ -91,23 +91,8 @@ impl Partition {
     /// Gives every edge-connected component of a label but the largest (by triangle count) a fresh label. Returns
     /// the labels of all components, the kept one first.
     pub fn split_components(&mut self, label: u32) -> Vec<u32> {
-        let tris = self.region(label);
-        let mut of_edge: HashMap<(u32, u32), usize> = HashMap::with_capacity(3 * tris.len());
-        let mut parent: Vec<usize> = (0..tris.len()).collect();
-        for (k, &t) in tris.iter().enumerate() {
-            for (a, b) in edges(self.triangles[t]) {
-                if let Some(o) = of_edge.insert(undirected(a, b), k) {
-                    let (x, y) = (root(&mut parent, o), root(&mut parent, k));
-                    parent[x] = y;
-                }
-            }
-        }
-        let mut groups: HashMap<usize, Vec<usize>> = HashMap::new();
-        for k in 0..tris.len() {
-            groups.entry(root(&mut parent, k)).or_default().push(tris[k]);
-        }
-        let mut groups: Vec<Vec<usize>> = groups.into_values().collect();
-        groups.sort_by_key(|g| (usize::MAX - g.len(), g[0]));
+        let mut groups = self.components(&self.region(label), |_, _| true);
+        groups.sort_by_key(|g| (std::cmp::Reverse(g.len()), g[0]));
         let mut out = vec![label];
         for (g, fresh) in groups.iter().skip(1).zip(self.fresh_label()..) {
             for &t in g {
@@ -116,6 +101,27 @@ impl Partition {
             out.push(fresh);
         }
         out
+    }
+
+    /// Groups of triangles that hang together across edges between triangles that `join` (asked with indices).
+    pub fn components(&self, triangles: &[usize], join: impl Fn(usize, usize) -> bool) -> Vec<Vec<usize>> {
+        let mut of_edge: HashMap<(u32, u32), usize> = HashMap::with_capacity(3 * triangles.len());
+        let mut parent: Vec<usize> = (0..triangles.len()).collect();
+        for (k, &t) in triangles.iter().enumerate() {
+            for (a, b) in edges(self.triangles[t]) {
+                if let Some(o) = of_edge.insert(undirected(a, b), k) {
+                    if join(triangles[o], t) {
+                        let (x, y) = (root(&mut parent, o), root(&mut parent, k));
+                        parent[x] = y;
+                    }
+                }
+            }
+        }
+        let mut groups: HashMap<usize, Vec<usize>> = HashMap::new();
+        for (k, &t) in triangles.iter().enumerate() {
+            groups.entry(root(&mut parent, k)).or_default().push(t);
+        }
+        groups.into_values().collect()
     }
 
     /// Cuts the triangles labelled `label` along the zero line of `value` and gives the part where it is positive

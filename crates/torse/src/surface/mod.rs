@@ -13,5 +13,7 @@ mod hug;
 pub mod panel;
 pub mod pattern;
 pub mod ruled_strip;
+pub mod rail;
+pub mod strip;
 pub mod torse;
 pub mod trim;

@@ -4,6 +4,7 @@
 use super::{Job, State, DISTANCE_SHARE};
 use crate::certify::distance::{distance, DistanceOptions};
 use crate::certify::Verdict;
+use crate::fit::boundary::has_patch;
 use crate::fit::plane::plane;
 use crate::fit::primal::{primal, PrimalOptions};
 use crate::fit::samples::{Fit, Sample};
@@ -20,6 +21,15 @@ const KEEN: f64 = 0.7;
 /// Panels that bend more sharply than this multiple of the tolerance are refused: their rulings crowd together near
 /// the regression curve, and their trims cannot be drawn well (certificate specification, 4).
 const LEAST_BEND: f64 = 10.0;
+/// Share of their mean width by which fits of bands keep the regression curve away where they can.
+const WANTED_CLEARANCE: f64 = 0.1;
+/// Panels whose regression curve comes nearer than this share of their mean width (area over length) are refused: there
+/// feet move too fast along the border for trims to follow.
+const LEAST_CLEARANCE: f64 = 0.02;
+/// Spans of the torse of a band per length-to-width ratio of the band, and at most.
+const SPANS: f64 = 0.7;
+/// See [`SPANS`].
+const MOST_SPANS: usize = 80;
 /// Refits with witnesses before a torse is given up.
 const REFITS: usize = 3;
 
@@ -68,10 +78,19 @@ impl Job<'_> {
             None
         };
         if let Some(line) = centre.filter(|l| !l.is_empty()) {
-            let options = DualOptions::new(allowed * KEEN);
-            let f = dual(&samples, line, &options);
-            if let Some(t) = judge(f) {
-                return t;
+            let length: f64 = line.windows(2).map(|w| (w[1].x - w[0].x).norm()).sum();
+            let slender = length * length / state.area(label).max(f64::MIN_POSITIVE);
+            let fine = ((SPANS * slender) as usize).min(MOST_SPANS);
+            let clearance = WANTED_CLEARANCE * state.width(label);
+            let usual = DualOptions { clearance, ..DualOptions::new(allowed * KEEN) };
+            // Slender bands need more spans; many spans on short ones come too near the regression curve.
+            for spans in [usual.spans, fine] {
+                if spans == usual.spans || spans > usual.spans * 5 / 4 {
+                    let max_samples = usual.max_samples * spans / usual.spans;
+                    if let Some(t) = judge(dual(&samples, line, &DualOptions { spans, max_samples, ..usual.clone() })) {
+                        return t;
+                    }
+                }
             }
         }
         // Bands are wanted as wide as they can be: the fit must not rest on the first torse that is good enough.
@@ -87,13 +106,18 @@ impl Job<'_> {
     pub(crate) fn proven(&self, state: &State, label: u32, first: Fit, mut samples: Vec<Sample>) -> Trial {
         let allowed = self.options.tolerance * DISTANCE_SHARE;
         let triangles = state.triangles(label);
+        let clearance = LEAST_CLEARANCE * state.width(label);
         let mut fit = first;
         for round in 0..=REFITS {
             self.proofs.fetch_add(1, Ordering::Relaxed);
             let judged =
                 distance(&self.prepared, &fit.torse, &triangles, allowed, &DistanceOptions::default(), self.control);
             match judged.verdict {
-                Verdict::Holds { .. } if judged.min_bend_radius < LEAST_BEND * self.options.tolerance => {
+                Verdict::Holds { .. }
+                    if judged.min_bend_radius < LEAST_BEND * self.options.tolerance
+                        || judged.regression_clearance < clearance
+                        || !has_patch(self.face, &state.partition, label, &fit.torse) =>
+                {
                     return Trial::failed(allowed * 1.03);
                 }
                 Verdict::Holds { .. } => {

@@ -19,6 +19,10 @@ const POOR_WIDTH: f64 = 0.55;
 const PATIENCE: usize = 2;
 /// A rest below this share of the march's range gets a level function of its own when bands fail.
 const FRESH: f64 = 0.9;
+/// A resisting end is left behind when what lies beyond is at least this many bands wide…
+const BEHIND: f64 = 3.0;
+/// … at most so many times in a march.
+const SKIPS: usize = 3;
 /// A rest of less than this share of a band is tried together with it.
 const REST: f64 = 0.15;
 
@@ -50,15 +54,12 @@ impl Job<'_> {
     /// Bands along a level function.
     pub(super) fn bands(&self, state: &State, label: u32, level: &Level, budget: usize, depth: usize) -> Option<State> {
         let theory = 4.0 * self.options.tolerance.sqrt();
-        let limit = AtomicUsize::new(budget.saturating_add(1));
         let mut falling = level.field.clone();
         falling.coefficients.iter_mut().for_each(|c| *c = -*c);
-        let before = state.panels.len();
+        // Each end has the whole budget for itself: what is found must not depend on which of them is faster.
         let run = |field: &Field| {
             let lay = Lay { field, theory: Some(theory), strict: false, depth };
-            let done = self.march(state.clone(), label, &lay, theory, &limit)?;
-            limit.fetch_min(done.panels.len() - before, Ordering::Relaxed);
-            Some(done)
+            self.march(state.clone(), label, &lay, theory, &AtomicUsize::new(budget))
         };
         if depth > BOTH_ENDS_DEPTH {
             return run(&level.field);
@@ -70,7 +71,7 @@ impl Job<'_> {
         }
     }
 
-    /// Bands of a linear function, given up as soon as they cannot beat `incumbent`.
+    /// Bands of a linear function, given up as soon as they are more than `incumbent`.
     pub(super) fn swept(&self, state: &State, label: u32, field: &Field, incumbent: &AtomicUsize) -> Option<State> {
         let (lo, hi) = range(state, label, field);
         let lay = Lay { field, theory: None, strict: true, depth: 0 };
@@ -82,17 +83,18 @@ impl Job<'_> {
         let (lo, hi) = range(&state, label, lay.field);
         let whole = hi - lo;
         let mut open = vec![Rest { label, width, narrow: 0 }];
+        let mut skipped = 0;
         while let Some(rest) = open.pop() {
             let used = state.panels.len() - before;
             if self.control.stopped() {
                 return Some(state);
             }
-            if used + open.len() + 1 >= limit.load(Ordering::Relaxed) {
+            if used + open.len() + 1 > limit.load(Ordering::Relaxed) {
                 return None;
             }
             if rest.narrow >= PATIENCE {
                 // The level function is poor here: what is left gets one of its own.
-                let budget = limit.load(Ordering::Relaxed).saturating_sub(used + open.len() + 1);
+                let budget = limit.load(Ordering::Relaxed).saturating_sub(used + open.len());
                 state = self.region(state, rest.label, budget, lay.depth + 1)?;
                 continue;
             }
@@ -103,9 +105,24 @@ impl Job<'_> {
                 }
                 None if lay.strict => return None,
                 None => {
-                    let budget = limit.load(Ordering::Relaxed).saturating_sub(used + open.len() + 1);
-                    // A level function of its own may do better on what is left; the whole region must be cut.
+                    let budget = limit.load(Ordering::Relaxed).saturating_sub(used + open.len());
                     let (lo, hi) = range(&state, rest.label, lay.field);
+                    if hi - lo > BEHIND * width && skipped < SKIPS {
+                        // The end resists: it is left behind for other means, and the march goes on beyond it.
+                        skipped += 1;
+                        let end = state.partition.fresh_label();
+                        let level = lo + width;
+                        state.cut(&self.face.surface, rest.label, end, |p| level - lay.field.value(p));
+                        let ahead = state.partition.split_components(rest.label);
+                        for label in state.partition.split_components(end) {
+                            let used = state.panels.len() - before;
+                            let budget = limit.load(Ordering::Relaxed).saturating_sub(used + open.len() + ahead.len());
+                            state = self.region(state, label, budget, lay.depth + 1)?;
+                        }
+                        open.extend(ahead.into_iter().map(|label| Rest { label, width, narrow: 0 }));
+                        continue;
+                    }
+                    // A level function of its own may do better on what is left; the whole region must be cut.
                     state = if hi - lo < FRESH * whole {
                         self.region(state, rest.label, budget, lay.depth + 1)?
                     } else {

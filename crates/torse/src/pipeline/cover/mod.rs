@@ -14,11 +14,13 @@ mod state;
 
 use crate::certify::Prepared;
 use crate::control::Control;
-use crate::fit::level::{level, Level, LevelOptions};
+use crate::fit::level::{level, levels, Level, LevelOptions};
+use crate::geom::partition::centroid;
 use crate::geom::triangulate::TriangulateError;
 use crate::surface::face::Face;
 use rayon::prelude::*;
 pub use state::State;
+use std::collections::HashMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// What a cover is asked for.
@@ -34,6 +36,8 @@ pub struct CoverOptions {
 
 /// Share of the tolerance that the distance part may use; the rest is for trim curves and rounding.
 pub(crate) const DISTANCE_SHARE: f64 = 0.985;
+/// Level functions of a face along which bands are laid.
+const CANDIDATES: usize = 2;
 /// Depth of the recursion at which only facets are tried.
 const FACET_DEPTH: usize = 14;
 /// Level functions are given up for parts when their merit exceeds this multiple of their range (C4).
@@ -142,16 +146,22 @@ impl Job<'_> {
                 *best = Some(next);
             }
         };
-        let found = self.level_function(&state, label, depth);
         let four = 4.0 * self.options.tolerance.sqrt();
-        let good = found.as_ref().filter(|l| l.merit <= POOR * l.range);
-        let predicted = good.map_or(f64::INFINITY, |l| l.merit / four);
-        if let Some(l) = good {
+        let found = self.level_functions(&state, label, depth);
+        let good: Vec<&Level> = found.iter().filter(|l| l.merit <= POOR * l.range).take(CANDIDATES).collect();
+        let predicted = good.iter().map(|l| l.merit / four).fold(f64::INFINITY, f64::min);
+        for l in &good {
+            if limit == 0 {
+                break;
+            }
             if let Some(next) = self.bands(&state, label, l, limit, depth) {
                 keep(next, &mut best, &mut limit);
             }
-        } else if let Some(next) = self.divided(&state, label, limit, depth) {
-            keep(next, &mut best, &mut limit);
+        }
+        if good.is_empty() {
+            if let Some(next) = self.divided(&state, label, limit, depth) {
+                keep(next, &mut best, &mut limit);
+            }
         }
         let reached = best.as_ref().map_or(predicted, |b| (Self::count(b) - before) as f64);
         // Bands of a good level function come within a panel or two of theory; straight ones cannot beat that.
@@ -171,20 +181,36 @@ impl Job<'_> {
         best
     }
 
-    /// Level function of a region; the first, worth more than those of small remainders, is sought in two spaces.
-    fn level_function(&self, state: &State, label: u32, depth: usize) -> Option<Level> {
-        let border = state.border(label, 80);
-        let attempt = |samples: usize, spans: usize| {
-            level(&state.forms(label, samples), &border, &LevelOptions { spans, ..LevelOptions::default() })
+    /// Level functions of a region, the one that promises the fewest panels first; the first region of a face, worth
+    /// more than small remainders, has them sought in two spaces.
+    fn level_functions(&self, state: &State, label: u32, depth: usize) -> Vec<Level> {
+        let places = state.places(label);
+        let attempt = |samples: usize, spans: usize, keep: usize| {
+            levels(&state.forms(label, samples), &places, &LevelOptions { spans, keep, ..LevelOptions::default() })
         };
-        let coarse = attempt(240, 2);
         if depth > 0 {
-            return coarse;
+            let mut found = attempt(700, 2, 2);
+            found.truncate(1);
+            return found;
         }
-        match (coarse, attempt(400, 3)) {
-            (Some(a), Some(b)) => Some(if b.merit < a.merit { b } else { a }),
-            (a, b) => a.or(b),
-        }
+        let (coarse, fine) = rayon::join(|| attempt(700, 2, 3), || attempt(1500, 3, 3));
+        let mut found: Vec<(f64, Level)> =
+            coarse.into_iter().chain(fine).map(|l| (self.bands_predicted(state, label, &l), l)).collect();
+        found.sort_by(|a, b| a.0.total_cmp(&b.0));
+        found.into_iter().map(|f| f.1).collect()
+    }
+
+    /// Number of panels that bands of the theoretical width would be, in as many pieces as they fall into, raised where
+    /// the level function falls short.
+    fn bands_predicted(&self, state: &State, label: u32, l: &Level) -> f64 {
+        let width = 4.0 * self.options.tolerance.sqrt();
+        let region = state.partition.region(label);
+        let value = |t: usize| l.field.value(centroid(state.partition.corners(t)));
+        let lo = region.iter().map(|&t| value(t)).fold(f64::INFINITY, f64::min);
+        let bands: HashMap<usize, i64> =
+            region.iter().map(|&t| (t, ((value(t) - lo) / width).floor().min(1e6) as i64)).collect();
+        let pieces = state.partition.components(&region, |a, b| bands[&a] == bands[&b]).len();
+        pieces as f64 * l.merit / l.range
     }
 
     /// Straight bands in several directions of the parameter plane; the fewest win (C5b).
@@ -193,7 +219,7 @@ impl Job<'_> {
         let forms = state.forms(label, 100);
         let (e, g) = forms.iter().fold((0.0, 0.0), |(e, g), f| (e + f.first[0], g + f.first[2]));
         let aspect = if e > 0.0 { (g / e).sqrt() } else { 1.0 };
-        let incumbent = AtomicUsize::new(budget.saturating_add(1));
+        let incumbent = AtomicUsize::new(budget);
         let before = Self::count(state);
         (0..SWEEP_DIRECTIONS)
             .into_par_iter()
@@ -214,7 +240,7 @@ impl Job<'_> {
     fn divided(&self, state: &State, label: u32, budget: usize, depth: usize) -> Option<State> {
         let four = 4.0 * self.options.tolerance.sqrt();
         let rate = |s: &State, l: u32| {
-            level(&s.forms(l, 160), &s.border(l, 60), &LevelOptions { rounds: 3, ..LevelOptions::default() })
+            level(&s.forms(l, 160), &s.places(l), &LevelOptions { rounds: 3, ..LevelOptions::default() })
         };
         let candidates: Vec<(f64, State, Vec<u32>)> = (0..4usize)
             .into_par_iter()
