@@ -6,6 +6,7 @@
 mod approximate;
 mod args;
 mod clock;
+mod cones;
 mod failure;
 mod folder;
 mod info;
@@ -26,6 +27,7 @@ fn main() -> ExitCode {
     let arguments = args::Arguments::parse();
     let done = match &arguments.command {
         args::Command::Approximate(a) => approximate::run(a),
+        args::Command::Cones(a) => cones::run(a),
         args::Command::Info(a) => info::run(a),
     };
     match done {

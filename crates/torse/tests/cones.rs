@@ -66,3 +66,29 @@ fn ruled_patches_are_approximated_and_certified() {
         assert!((patches[0].point(0.0, 1.0) - first).norm() < 1e-12);
     }
 }
+
+#[test]
+fn exact_faces_are_written_and_read_back() {
+    use torse::io::cones::exact;
+    use torse::surface::face::SurfaceKind;
+    let fit = cones(&helix(), &ConeFitOptions::new(1e-2)).expect("fit");
+    let circular = fit.spline.clone().with_circular_edges(-0.2, 0.2);
+    for spline in [fit.spline, circular] {
+        let (_, bytes) = exact("helix", &[("A".into(), spline.clone())], "2026-01-01T00:00:00").expect("file");
+        let model = torse::io::step::read::read(&bytes).expect("model");
+        assert!(model.skipped.is_empty());
+        assert_eq!(model.faces.len(), spline.segments.len());
+        for (face, s) in model.faces.iter().zip(&spline.segments) {
+            assert_eq!(face.kind, SurfaceKind::Cone);
+            assert!(face.trim_deviation_estimate < 1e-9, "{}", face.trim_deviation_estimate);
+            // A point inside the trim lies on the segment, and the normal is the segment's.
+            let count = face.loops[0].points.len() as f64;
+            let uv = face.loops[0].points.iter().fold([0.0; 2], |c, p| [c[0] + p[0] / count, c[1] + p[1] / count]);
+            let jet = face.surface.jet(uv[0], uv[1]);
+            let near = torse::surface::cone_spline::ConeSpline { segments: vec![*s] }.nearest(&jet.p).expect("one");
+            assert!(near.1 < 1e-9, "{near:?}");
+            let n = if face.reversed { -jet.normal() } else { jet.normal() }.normalize();
+            assert!(n.dot(&s.element(0.5).normal) > 0.9);
+        }
+    }
+}

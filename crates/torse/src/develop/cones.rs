@@ -4,6 +4,7 @@
 //! plane is seen from the side of the normals: rulings and the forward direction are right-handed.
 
 use super::arcs::{arcs, PlaneCurve};
+use super::overlap::{overlap, OutlinePoint};
 use crate::geom::Vec2;
 use crate::surface::cone_spline::{ConeSpline, Segment, Shape};
 use crate::surface::panel::Border;
@@ -223,6 +224,31 @@ pub fn cone_pattern(spline: &ConeSpline, name: &str, contour_tolerance: f64) -> 
     }
     pattern.contours.push(Contour { vertices });
     pattern
+}
+
+/// Points of each edge of a segment at which overlaps are sought.
+const OVERLAP_SAMPLES: usize = 8;
+
+/// Whether the flat pattern of a chain overlaps itself (outline sampled; `apart` as in [`overlap`]).
+pub fn overlaps(spline: &ConeSpline, apart: f64) -> bool {
+    let flats = develop(spline, Vec2::zeros(), 0.0);
+    let mut outline = Vec::new();
+    for side in [1, 0] {
+        let mut run: Vec<OutlinePoint> = Vec::new();
+        for (i, (s, flat)) in spline.segments.iter().zip(&flats).enumerate() {
+            let last = if i + 1 == flats.len() { OVERLAP_SAMPLES } else { OVERLAP_SAMPLES - 1 };
+            run.extend((0..=last).map(|k| {
+                let f = k as f64 / OVERLAP_SAMPLES as f64;
+                let r = s.edge(side, f);
+                OutlinePoint { flat: flat.point(f, r), space: s.point(f, r), t: i as f64 + f }
+            }));
+        }
+        if side == 0 {
+            run.reverse();
+        }
+        outline.extend(run);
+    }
+    overlap(&[outline], apart).is_some()
 }
 
 /// Area inside a contour of lines and arcs.

@@ -309,6 +309,23 @@ impl ConeSpline {
         }
     }
 
+    /// The same surface with segments cut so that none turns by more than `limit` (rad) about its axis.
+    pub fn with_turns_below(&self, limit: f64) -> Self {
+        // A full turn at the most makes this many pieces; more would be no limit but a mistake.
+        const MOST: f64 = 64.0;
+        let mut segments = Vec::with_capacity(self.segments.len());
+        for s in &self.segments {
+            let pieces = (s.shape.angle().abs() / limit).ceil().clamp(1.0, MOST) as usize;
+            if pieces == 1 {
+                segments.push(*s);
+                continue;
+            }
+            let cut = |k: usize| k as f64 / pieces as f64;
+            segments.extend((0..pieces).map(|i| s.part(cut(i), cut(i + 1))));
+        }
+        Self { segments }
+    }
+
     /// The chain between two circular arc splines: those that start at the coordinates `lower` and `upper` (mm) of
     /// the first ruling and cut all rulings at right angles. In the development they are arc splines too.
     pub fn with_circular_edges(mut self, lower: f64, upper: f64) -> Self {
