@@ -35,6 +35,16 @@ pub fn run(arguments: &Approximate) -> Result<bool, Failure> {
     for (name, bytes) in wiring::files(&outcome)? {
         output.write(&name, &bytes)?;
     }
+    let mut cones_hold = true;
+    if arguments.cones {
+        terminal.say("cones");
+        let cones = wiring::cones_of_panels(&outcome, terminal.control())?;
+        cones_hold = cones.sheets.status == Status::Certified;
+        for (name, bytes) in wiring::cone_files(&cones)? {
+            let name = if name.starts_with("cones") { name } else { format!("cones-{name}") };
+            output.write(&name, &bytes)?;
+        }
+    }
     output.finish()?;
     terminal.guard(None);
     terminal.finish();
@@ -43,7 +53,7 @@ pub fn run(arguments: &Approximate) -> Result<bool, Failure> {
         // A closed pipe is no reason to fail after the work is done.
         let _ = summary(&outcome, &notes, arguments, terminal.interrupted());
     }
-    Ok(outcome.status == Status::Certified)
+    Ok(outcome.status == Status::Certified && cones_hold)
 }
 
 /// Reads the input file.
@@ -57,7 +67,7 @@ pub fn contents(file: &Path) -> Result<Vec<u8>, Failure> {
 }
 
 /// Name of a file without folder and extension.
-fn stem(file: &Path) -> String {
+pub fn stem(file: &Path) -> String {
     file.file_stem().map_or_else(|| "model".to_string(), |s| s.to_string_lossy().into_owned())
 }
 
@@ -107,7 +117,7 @@ fn summary(outcome: &Outcome, notes: &[String], arguments: &Approximate, interru
 }
 
 /// A bound to three significant digits, rounded up: it must not look better than it is.
-fn significant(value: f64) -> String {
+pub fn significant(value: f64) -> String {
     if value <= 0.0 || !value.is_finite() {
         return format!("{value}");
     }

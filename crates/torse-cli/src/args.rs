@@ -24,6 +24,8 @@ pub struct Arguments {
 pub enum Command {
     /// Cover every face of a STEP model with developable panels and write cut-ready files
     Approximate(Approximate),
+    /// Turn ruled developable faces of a STEP model into exact cones, cylinders and planes with flat patterns
+    Cones(Cones),
     /// Tell what a STEP file holds: unit, faces, sizes, curvature, what was not read
     Info(Info),
 }
@@ -70,6 +72,51 @@ pub struct Approximate {
     /// Stop after this time, with its unit: 60s, 5min; the result may then be uncertified
     #[arg(long, value_name = "TIME", value_parser = positive_time, allow_hyphen_values = true)]
     pub time_limit: Option<Duration>,
+
+    /// Write the panels once more as chains of exact cones, cylinders and planes, within the tolerance of the panels:
+    /// cones.step and files that begin with cones-
+    #[arg(long)]
+    pub cones: bool,
+
+    /// Name of the job in the files [default: name of FILE]
+    #[arg(long, value_name = "NAME")]
+    pub name: Option<String>,
+
+    /// Print nothing but errors
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
+/// Arguments of `cones`.
+#[derive(Args, Debug)]
+#[command(after_help = "Examples:
+  torse cones chute.step --tolerance 0.5mm --out chute-cones
+
+Every face that is ruled and developable becomes a smooth chain of pieces of right circular cones, cylinders and
+planes, proven to lie within the tolerance both ways. A face is taken between the least and the greatest
+parameters of its boundary. Faces that are not ruled developables are left out and named; 'torse approximate'
+handles those.
+
+Written into the output folder: cones.step (exact conical, cylindrical and plane faces), patterns.dxf and
+patterns.svg (true arcs), model.glb, pictures, report.html and report.json.
+
+Exit status: 0 certified, 2 bad input or usage, 3 finished but not certified (files written and marked).")]
+pub struct Cones {
+    /// STEP file (AP203, AP214 or AP242)
+    #[arg(value_name = "FILE")]
+    pub file: PathBuf,
+
+    /// Largest distance allowed between surface and cones, with its unit: 2mm, 0.1cm, 1/16in
+    #[arg(short, long, value_name = "LENGTH", value_parser = positive_length, allow_hyphen_values = true)]
+    pub tolerance: Length,
+
+    /// Folder to create for the results
+    #[arg(short, long, value_name = "DIR")]
+    pub out: PathBuf,
+
+    /// Replace the results of an earlier run in that folder
+    #[arg(long)]
+    pub force: bool,
 
     /// Name of the job in the files [default: name of FILE]
     #[arg(long, value_name = "NAME")]

@@ -6,6 +6,7 @@
 mod approximate;
 mod args;
 mod clock;
+mod cones;
 mod failure;
 mod folder;
 mod info;
@@ -39,6 +40,7 @@ fn main() -> ExitCode {
 fn run(arguments: &args::Arguments) -> Result<bool, failure::Failure> {
     match &arguments.command {
         args::Command::Approximate(a) => approximate::run(a),
+        args::Command::Cones(a) => cones::run(a),
         args::Command::Info(a) => info::run(a),
     }
 }

@@ -4,8 +4,9 @@ use crate::failure::Failure;
 use torse::control::Control;
 use torse::io::step::read::ReadError;
 use torse::pipeline::approximate::{self as pipeline, ApproximateError, Options};
+use torse::pipeline::cones::{self as cone_pipeline, ConesOptions, ConesOutcome};
 use torse::pipeline::outcome::{Outcome, Skipped};
-use torse::pipeline::presentation::present;
+use torse::pipeline::presentation::{present, present_sheets};
 use torse::surface::face::Face;
 
 /// A model as read from a file.
@@ -54,6 +55,28 @@ pub fn approximate(model: Model, job: &Job, control: &Control) -> Result<Outcome
     let options = Options { tolerance: job.tolerance, max_panels: job.max_panels, input: job.name.clone() };
     pipeline::approximate(model.faces, model.skipped, &options, control)
         .map_err(|e| Failure::new(e.to_string(), hint(&e)))
+}
+
+/// Runs the job of cone splines on faces.
+pub fn cones(model: &Model, name: &str, tolerance: f64, control: &Control) -> Result<ConesOutcome, Failure> {
+    let options = ConesOptions { tolerance, input: name.to_owned() };
+    cone_pipeline::of_faces(&model.faces, &model.skipped, &options, control).map_err(|e| {
+        Failure::new(e.to_string(), "see 'torse info' on the file; 'torse approximate' covers other surfaces with panels")
+    })
+}
+
+/// Runs the job of cone splines on the panels of the main job.
+pub fn cones_of_panels(outcome: &Outcome, control: &Control) -> Result<ConesOutcome, Failure> {
+    let options = ConesOptions { tolerance: outcome.tolerance, input: outcome.input.clone() };
+    cone_pipeline::of_panels(&outcome.patchwork, &options, control)
+        .map_err(|e| Failure::new(e.to_string(), "leave out --cones to keep the panels"))
+}
+
+/// The files of cone splines, by name.
+pub fn cone_files(outcome: &ConesOutcome) -> Result<Vec<(String, Vec<u8>)>, Failure> {
+    let shown = present_sheets(&outcome.sheets);
+    torse::io::cones::files(&outcome.sheets, &outcome.bodies, &shown, &crate::clock::stamp())
+        .map_err(|e| Failure::new(e.to_string(), "this is a fault of the program; please report it with the model"))
 }
 
 /// What would help against a refusal of the main job.

@@ -5,6 +5,7 @@
 
 mod boundary;
 mod cell;
+pub mod cones;
 mod coverage;
 mod developable;
 pub mod distance;

@@ -2,3 +2,4 @@
 //! knows the other, and what both want lies below in `surface`.
 
 pub mod interpolate;
+pub mod cones;

@@ -51,6 +51,17 @@ impl Jet {
     }
 }
 
+impl Jet {
+    /// Square root of a function that is positive; derivatives are everything where it may not be.
+    #[inline]
+    pub fn sqrt(self) -> Self {
+        let v = self.v.sqrt();
+        let twice = v.scale_exact(2.0);
+        let d = self.d / twice;
+        Self { v, d, dd: (self.dd - d.sqr().scale_exact(2.0)) / twice }
+    }
+}
+
 impl From<f64> for Jet {
     fn from(x: f64) -> Self {
         Self::constant(Interval::point(x))
@@ -127,6 +138,17 @@ mod tests {
             assert!(y.dd.contains((f(x + h) - 2.0 * f(x) + f(x - h)) / (h * h)));
         }
         assert!(y.d.width() < 1.5 && y.dd.width() < 6.0, "{y:?}");
+    }
+
+    #[test]
+    fn derivatives_of_a_root_are_enclosed() {
+        let x = Jet { v: Interval::new(0.5, 0.6), d: Interval::ONE, dd: Interval::ZERO };
+        let y = (x * x + Jet::from(1.0)).sqrt();
+        for t in [0.5f64, 0.55, 0.6] {
+            let r = (t * t + 1.0).sqrt();
+            assert!(y.v.contains(r) && y.d.contains(t / r) && y.dd.contains(1.0 / (r * r * r)));
+        }
+        assert!(y.dd.width() < 0.5);
     }
 
     #[test]

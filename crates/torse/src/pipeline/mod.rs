@@ -1,6 +1,7 @@
 //! Floor 6: one readable file per user job.
 
 pub mod approximate;
+pub mod cones;
 pub mod cover;
 pub mod cut;
 pub mod info;

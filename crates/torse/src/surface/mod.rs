@@ -3,11 +3,17 @@
 pub mod area;
 pub mod clip;
 pub mod convert;
+pub mod cone_distance;
+pub mod cone_forms;
+pub mod cone_pair;
+pub mod cone_spline;
 pub mod face;
+pub mod g1_element;
 mod hug;
 pub mod net;
 pub mod panel;
 pub mod pattern;
+pub mod ruled_strip;
 pub mod rail;
 pub mod strip;
 pub mod torse;

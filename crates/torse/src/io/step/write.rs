@@ -5,6 +5,7 @@
 //! control points are written divided by their weights, which rounds each coordinate once.
 //! The writer neither checks nor repairs geometry.
 
+mod cones;
 mod geometry;
 mod records;
 mod sheet;

@@ -1,0 +1,233 @@
+//! Pictures of cone splines: `cargo run --release --example gallery_cones -- FOLDER`.
+//!
+//! Figures of \[LP98\] that show results: the inscribed sphere and biarc (3, 4, 7), which side of the vertex is used
+//! (5, 6), least vertex distance (8), constant slope (9, 10, 12), a tangent surface with three pairs (11) and with four
+//! and two osculating cones (13–15), a cone segment and its development (16), the bending sequence (17).
+
+use std::path::Path;
+use torse::design::cones::{cone_spline, osculating_spline, ConeOptions, Osculating};
+use torse::develop::cones::{bent, cone_pattern, Bending};
+use torse::geom::{Vec2, Vec3};
+use torse::io::{cones::exact, dxf, png};
+use torse::surface::cone_forms::patches;
+use torse::surface::cone_pair::{any_pair, PairOptions};
+use torse::surface::cone_spline::{ConeSpline, Segment, Shape};
+use torse::surface::g1_element::G1Element;
+use torse::surface::pattern::Placement;
+use torse::surface::ruled_strip::{tangent_strip, HelicalStrip, RuledStrip, StripJet};
+use torse::surface::strip::Strip;
+use torse::surface::torse::PanelKind;
+use torse::tessellate::camera::{Camera, Rect};
+use torse::tessellate::drawing::drawing;
+use torse::tessellate::picture::{panels, Caption};
+use torse::tessellate::raster::{Drawing, Line, Paint, Vertex};
+use torse::tessellate::scene::{PanelShape, Scene};
+use torse::tessellate::{colour, strip};
+
+type Result<T> = std::result::Result<T, Box<dyn std::error::Error>>;
+
+fn main() -> Result<()> {
+    let folder = std::env::args().nth(1).ok_or("name a folder: gallery_cones -- FOLDER")?;
+    let folder = Path::new(&folder);
+    std::fs::create_dir_all(folder)?;
+    let eye = Vec3::new(0.5, -1.0, 0.7);
+
+    // Figure 11: a tangent surface and three pairs.
+    let nodes = [0.15, 0.45, 0.75, 1.05];
+    save(folder, "fig11a_tangent_surface", &smooth(&|u| cubic(u), 0.15, 1.05), &eye, "tangent surface of (u, u^2, u^3)")?;
+    let elements: Vec<G1Element> = nodes.iter().map(|&u| element(&cubic(u))).collect::<Result<_>>()?;
+    let reach = vec![[-0.5, 0.5]; 4];
+    let three = cone_spline(&elements, &reach, &ConeOptions::default())?;
+    save(folder, "fig11b_three_pairs", &scene(&three)?, &eye, "three cone pairs")?;
+
+    // Figures 13 to 15: four and two osculating cones.
+    for (name, us, title) in [
+        ("fig15a_four_osculating", vec![0.2, 0.48, 0.76, 1.04], "four osculating cones and their joins"),
+        ("fig15b_two_osculating", vec![0.2, 0.75], "two osculating cones and one join"),
+    ] {
+        let cones: Vec<Osculating> = us
+            .iter()
+            .map(|&u| Ok(Osculating::of(&element(&cubic(u))?, &cubic(u))))
+            .collect::<Result<_>>()?;
+        let s = osculating_spline(&cones, &vec![[-0.5, 0.5]; us.len()], &ConeOptions::default())?;
+        save(folder, name, &scene(&s.spline)?, &eye, title)?;
+    }
+
+    // Figures 9, 10, 12: constant slope.
+    let helix = HelicalStrip { radius: 1.0, rise: 0.6, reach: [0.6, 1.8], domain: (0.0, 3.0) };
+    save(folder, "fig12a_constant_slope", &smooth(&|u| helix.jet(u), 0.0, 3.0), &eye, "surface of constant slope")?;
+    let elements: Vec<G1Element> =
+        (0..4).map(|i| element(&helix.jet(f64::from(i)))).collect::<Result<_>>()?;
+    let slope = cone_spline(&elements, &[[-0.6, 0.6]; 4], &ConeOptions::default())?;
+    save(folder, "fig12b_three_pairs", &scene(&slope)?, &eye, "constant slope, three cone pairs")?;
+    let pair = any_pair(&elements[0], &elements[1], &PairOptions { first: [-0.6, 0.6], second: [-0.6, 0.6], ..PairOptions::default() })?;
+    save(folder, "fig10_pair_of_constant_slope", &scene(&ConeSpline { segments: pair.segments.to_vec() })?, &eye, "parallel axes, equal openings")?;
+
+    // Figures 3, 4, 7, 8: the family over the inscribed sphere.
+    let (a, b) = (element(&cubic(0.2))?, element(&cubic(0.8))?);
+    let mut family = Scene::default();
+    for (k, psi) in [0.3, 0.5, 0.7].into_iter().enumerate() {
+        let pair = any_pair(&a, &b, &PairOptions { psi, ..PairOptions::default() })?;
+        let mut s = ConeSpline { segments: pair.segments.to_vec() };
+        s = s.with_circular_edges(-0.5, 0.5);
+        for (i, mut shape) in scene(&s)?.panels.into_iter().enumerate() {
+            shape.name = format!("psi {psi} {}", i + 1);
+            let lift = Vec3::new(0.0, 0.0, 1.1 * k as f64);
+            shift(&mut shape, &lift);
+            family.panels.push(shape);
+        }
+    }
+    save(folder, "fig7_family", &family, &eye, "three members of the family: psi 0.3, 0.5, 0.7")?;
+    let pair = any_pair(&a, &b, &PairOptions::default())?;
+    if let Some((m, r)) = pair.inscribed_sphere() {
+        let mut s = scene(&ConeSpline { segments: pair.segments.to_vec() }.with_circular_edges(-0.9, 0.5))?;
+        s.surfaces.clear();
+        s.panels.push(sphere(&m, r.abs()));
+        save(folder, "fig3_inscribed_sphere", &s, &eye, "the inscribed sphere of both cones")?;
+    }
+
+    // Figures 5 and 6: the same cone used on either side of its vertex.
+    for (name, distance, angle) in [("fig5_same_side", 1.5, 1.6), ("fig6_other_side", -1.5, -1.6)] {
+        let shape = Shape::Cone { distance, cos_gamma: 0.8, sin_gamma: 0.6, angle };
+        let s = ConeSpline { segments: vec![Segment::new(a, shape)] }.with_circular_edges(-0.8, 0.8);
+        save(folder, name, &scene(&s)?, &eye, "used part and vertex")?;
+    }
+
+    // Figure 16: a segment and its development.
+    let one = ConeSpline { segments: vec![three.segments[2]] }.with_circular_edges(-0.5, 0.5);
+    save(folder, "fig16_segment", &scene(&one)?, &eye, "cone segment")?;
+
+    // Figure 17: the bending sequence, as a strip of pictures, and the flat pattern of true arcs.
+    let circular = three.clone().with_circular_edges(-0.4, 0.4);
+    bending(&folder.join("fig17_bending.png"), &circular)?;
+    let pattern = cone_pattern(&circular, "A", 1e-4);
+    let flat = drawing(&[pattern], &[Placement { angle: 0.0, offset: Vec2::zeros() }]);
+    let mut bytes = Vec::new();
+    dxf::write(&mut bytes, &flat)?;
+    std::fs::write(folder.join("fig17_flat.dxf"), bytes)?;
+    let (_, step) = exact("three pairs", &[("A".into(), circular)], "2026-01-01T00:00:00")?;
+    std::fs::write(folder.join("fig11b_three_pairs.step"), step)?;
+    Ok(())
+}
+
+fn cubic(u: f64) -> StripJet {
+    let c = [
+        Vec3::new(u, u * u, u * u * u),
+        Vec3::new(1.0, 2.0 * u, 3.0 * u * u),
+        Vec3::new(0.0, 2.0, 6.0 * u),
+        Vec3::new(0.0, 0.0, 6.0),
+    ];
+    tangent_strip(&c, [1.0, 2.0])
+}
+
+fn element(jet: &StripJet) -> Result<G1Element> {
+    Ok(jet.element()?)
+}
+
+/// A scene of one smooth strip.
+fn smooth(jet: &dyn Fn(f64) -> StripJet, a: f64, b: f64) -> Scene {
+    let mut shape = PanelShape { name: String::new(), ..PanelShape::default() };
+    const PARTS: u32 = 60;
+    for i in 0..=PARTS {
+        let j = jet(a + (b - a) * f64::from(i) / f64::from(PARTS));
+        let n = j.element().map_or(Vec3::z(), |g| g.normal);
+        for e in &j.ends {
+            shape.mesh.positions.push(e[0]);
+            shape.mesh.normals.push(n);
+        }
+        if i % 6 == 0 {
+            shape.rulings.push([j.ends[0][0], j.ends[1][0]]);
+        }
+        if i > 0 {
+            let k = 2 * i;
+            shape.mesh.triangles.extend([[k - 2, k - 1, k], [k, k - 1, k + 1]]);
+        }
+    }
+    Scene { panels: vec![shape], ..Scene::default() }
+}
+
+/// A scene of a chain, one shape for each segment.
+fn scene(spline: &ConeSpline) -> Result<Scene> {
+    let mut scene = Scene::default();
+    for (i, s) in spline.segments.iter().enumerate() {
+        for patch in patches(s)? {
+            let strip = Strip { name: format!("{}", i + 1), kind: PanelKind::Cone, patch };
+            let (u, v) = strip::grid(&strip);
+            scene.panels.push(PanelShape {
+                name: strip.name.clone(),
+                mesh: strip::mesh(&strip, &u, &v, &[]),
+                rulings: vec![strip.ruling(0.25), strip.ruling(0.5), strip.ruling(0.75)],
+                borders: vec![strip::border_line(&strip)],
+            });
+        }
+    }
+    // The polygon of the vertices approximates the regression curve.
+    Ok(scene)
+}
+
+fn shift(shape: &mut PanelShape, by: &Vec3) {
+    shape.mesh.positions.iter_mut().for_each(|p| *p += by);
+    shape.rulings.iter_mut().flatten().for_each(|p| *p += by);
+    shape.borders.iter_mut().flatten().for_each(|p| *p += by);
+}
+
+fn sphere(m: &Vec3, r: f64) -> PanelShape {
+    let mut shape = PanelShape { name: "sphere".into(), ..PanelShape::default() };
+    const N: u32 = 40;
+    for i in 0..=N {
+        for j in 0..=N {
+            let (a, b) = (std::f64::consts::TAU * f64::from(i) / f64::from(N), std::f64::consts::PI * f64::from(j) / f64::from(N));
+            let n = Vec3::new(a.cos() * b.sin(), a.sin() * b.sin(), b.cos());
+            shape.mesh.positions.push(m + n * r);
+            shape.mesh.normals.push(n);
+            if i > 0 && j > 0 {
+                let k = i * (N + 1) + j;
+                shape.mesh.triangles.extend([[k - N - 2, k - N - 1, k - 1], [k - 1, k - N - 1, k]]);
+            }
+        }
+    }
+    shape
+}
+
+fn save(folder: &Path, name: &str, scene: &Scene, eye: &Vec3, title: &str) -> Result<()> {
+    let caption = Caption { title: title.into(), note: "LP98".into(), ..Caption::default() };
+    let image = panels(scene, eye, &caption);
+    std::fs::write(folder.join(format!("{name}.png")), png::write(&image)?)?;
+    Ok(())
+}
+
+/// Six stages side by side.
+fn bending(file: &Path, spline: &ConeSpline) -> Result<()> {
+    const STAGES: usize = 6;
+    const CELL: f64 = 340.0;
+    let mut picture = Drawing::new((CELL * STAGES as f64) as usize, 420);
+    // All stages share the first ruling and its plane; one camera serves them all.
+    let stages: Vec<Scene> = (0..STAGES)
+        .map(|k| scene(&bent(spline, k as f64 / (STAGES - 1) as f64, Bending::Curvature)))
+        .collect::<Result<_>>()?;
+    let first = spline.segments.first().ok_or("an empty chain")?.start;
+    let eye = first.normal * 0.55 + first.forward * -0.75 + first.direction * 0.35;
+    let points: Vec<Vec3> = stages.iter().flat_map(|s| s.panels.iter().flat_map(|p| p.mesh.positions.clone())).collect();
+    for (k, stage) in stages.iter().enumerate() {
+        let rect = Rect { x: CELL * k as f64 + 10.0, y: 20.0, width: CELL - 20.0, height: 340.0 };
+        let camera = Camera::fitting(points.iter(), &eye, rect);
+        for (i, shape) in stage.panels.iter().enumerate() {
+            let corner = |c: u32| Vertex {
+                place: camera.project(&shape.mesh.positions[c as usize]),
+                normal: camera.to_view(&shape.mesh.normals[c as usize]),
+                value: 0.0,
+            };
+            for t in &shape.mesh.triangles {
+                picture.triangles.push((Paint::Solid(colour::panel(i)), t.map(corner)));
+            }
+            for b in &shape.borders {
+                let points = b.iter().map(|p| camera.project_towards_eye(p, 1e-3)).collect();
+                picture.lines.push(Line { points, width: 1.6, colour: [0.1, 0.1, 0.12], alpha: 1.0 });
+            }
+        }
+        let share = 100 * k / (STAGES - 1);
+        picture.text(&format!("{share} %"), Vec2::new(rect.x + 10.0, 400.0), 15.0, [0.2, 0.2, 0.22]);
+    }
+    std::fs::write(file, png::write(&picture.render())?)?;
+    Ok(())
+}

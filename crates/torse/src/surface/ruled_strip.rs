@@ -1,0 +1,343 @@
+//! Developable strips given by the curves at the two ends of their rulings: what cone splines are fitted to and
+//! judged against \[LP98\]. Whether a strip is developable is not checked here, except through [`StripJet::twist`].
+
+use super::g1_element::{ElementError, G1Element};
+use crate::geom::Vec3;
+use crate::num::bernstein::{self, Scalar};
+use crate::num::interval::Interval;
+use crate::spline::curve::Curve;
+use crate::spline::surface::Surface;
+
+/// A boundary curve with its first two derivatives, in intervals.
+pub type EnclosedCurve = [[Interval; 3]; 3];
+
+/// A strip of a developable surface: ruling `u` is the segment between two boundary points.
+pub trait RuledStrip {
+    /// Interval of u.
+    fn domain(&self) -> (f64, f64);
+    /// Interior parameters where the boundary curves are not twice continuously differentiable.
+    fn breaks(&self) -> Vec<f64> {
+        Vec::new()
+    }
+    /// Both boundary curves with their first two derivatives.
+    fn jet(&self, u: f64) -> StripJet;
+}
+
+/// A strip whose boundary curves can be enclosed: what a proof needs.
+pub trait EnclosedStrip: RuledStrip {
+    /// Intervals that contain both boundary curves and their derivatives for all u of `[a, b]`, which contains no
+    /// break in its interior.
+    fn enclosure(&self, a: f64, b: f64) -> [EnclosedCurve; 2];
+}
+
+/// Both boundary curves at one ruling: point, first and second derivative.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StripJet {
+    /// Lower end (r smallest), upper end.
+    pub ends: [[Vec3; 3]; 2],
+}
+
+impl StripJet {
+    /// The ruling, from the lower to the upper end, with its tangent plane; its point is the middle.
+    ///
+    /// # Errors
+    /// A ruling without length, or a boundary that stands still or runs along the ruling.
+    pub fn element(&self) -> Result<G1Element, ElementError> {
+        let [a, b] = &self.ends;
+        let e = b[0] - a[0];
+        let across = a[1] + b[1];
+        let ee = e.norm_squared();
+        let p = across - e * (across.dot(&e) / ee);
+        G1Element::new((a[0] + b[0]) * 0.5, e, p - e * (p.dot(&e) / ee))
+    }
+
+    /// Length of the ruling, mm.
+    pub fn length(&self) -> f64 {
+        (self.ends[1][0] - self.ends[0][0]).norm()
+    }
+
+    /// Curvature across the rulings up to a positive factor: changes its sign at inflection rulings. Needs no more than
+    /// the middle curve.
+    pub fn bend(&self, element: &G1Element) -> f64 {
+        (self.ends[0][2] + self.ends[1][2]).dot(&element.normal)
+    }
+
+    /// Forward speeds of both ends; of opposite signs where the regression curve runs through the strip.
+    pub fn speeds(&self, element: &G1Element) -> [f64; 2] {
+        self.ends.map(|c| c[1].dot(&element.forward))
+    }
+
+    /// Sine of the angle between the tangent planes at both ends: 0 on a developable.
+    pub fn twist(&self, element: &G1Element) -> f64 {
+        let [a, b] = self.ends.map(|c| {
+            let n = element.direction.cross(&c[1]);
+            n.try_normalize(0.0).unwrap_or(element.normal)
+        });
+        a.cross(&b).norm()
+    }
+}
+
+/// A strip from functions: domain, breaks, and the jet of both boundary curves.
+pub struct StripFn<F> {
+    /// Interval of u.
+    pub domain: (f64, f64),
+    /// Interior parameters of lower smoothness.
+    pub breaks: Vec<f64>,
+    /// The jet.
+    pub jet: F,
+}
+
+impl<F: Fn(f64) -> StripJet> RuledStrip for StripFn<F> {
+    fn domain(&self) -> (f64, f64) {
+        self.domain
+    }
+    fn breaks(&self) -> Vec<f64> {
+        self.breaks.clone()
+    }
+    fn jet(&self, u: f64) -> StripJet {
+        (self.jet)(u)
+    }
+}
+
+/// The strip of the tangent surface of a curve between the distances `r[0] < r[1]` from it, of one sign.
+///
+/// `curve` holds the point and the first three derivatives; the first two are not parallel.
+pub fn tangent_strip(curve: &[Vec3; 4], r: [f64; 2]) -> StripJet {
+    let speed = curve[1].norm();
+    let t = curve[1] / speed;
+    let ds = t.dot(&curve[2]);
+    let dt = (curve[2] - t * ds) / speed;
+    let dds = dt.dot(&curve[2]) + t.dot(&curve[3]);
+    let ddt = (curve[3] - dt * (2.0 * ds) - t * dds) / speed;
+    let mut ends = r.map(|r| [curve[0] + t * r, curve[1] + dt * r, curve[2] + ddt * r]);
+    // Rulings run so that forward is the direction of growing parameter on either side of the curve.
+    if r[0] > r[1] {
+        ends.reverse();
+    }
+    StripJet { ends }
+}
+
+/// Strip of the tangent surface of the helix `(a cos u, a sin u, b u)`: a screw flight of constant slope.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HelicalStrip {
+    /// Radius of the helix, mm.
+    pub radius: f64,
+    /// Rise per radian, mm.
+    pub rise: f64,
+    /// Distances from the helix along the tangents, mm.
+    pub reach: [f64; 2],
+    /// Interval of u, rad.
+    pub domain: (f64, f64),
+}
+
+impl RuledStrip for HelicalStrip {
+    fn domain(&self) -> (f64, f64) {
+        self.domain
+    }
+
+    fn jet(&self, u: f64) -> StripJet {
+        let (s, c) = u.sin_cos();
+        let (a, b) = (self.radius, self.rise);
+        let k = 1.0 / a.hypot(b);
+        let ends = self.reach.map(|r| {
+            let (x, y) = (a, a * r * k);
+            [
+                Vec3::new(x * c - y * s, x * s + y * c, b * u + b * k * r),
+                Vec3::new(-x * s - y * c, x * c - y * s, b),
+                Vec3::new(-x * c + y * s, -x * s - y * c, 0.0),
+            ]
+        });
+        StripJet { ends }
+    }
+}
+
+/// Sine and cosine over `[a, b]`: value in the middle, and how far it can be left.
+fn sine_cosine(a: f64, b: f64) -> [Interval; 2] {
+    let m = 0.5 * (a + b);
+    let h = Interval::new(a, b).rad();
+    let (s, c) = m.sin_cos();
+    // sin(m + d) = s cos d + c sin d; the library functions are good to an ulp, two are allowed.
+    let slack = 2.0 * f64::EPSILON;
+    let around = |x: f64, slope: f64| Interval::point(x).widen(h * (slope.abs() + slack) + 0.5 * h * h + slack);
+    [around(s, c), around(c, s)]
+}
+
+impl EnclosedStrip for HelicalStrip {
+    fn enclosure(&self, a: f64, b: f64) -> [EnclosedCurve; 2] {
+        let [s, c] = sine_cosine(a, b);
+        let u = Interval::new(a, b);
+        let i = Interval::point;
+        let k = Interval::ONE / (i(self.radius).sqr() + i(self.rise).sqr()).sqrt();
+        self.reach.map(|r| {
+            let x = i(self.radius);
+            let y = x * k * r;
+            let height = u * self.rise + k * i(self.rise) * r;
+            [
+                [x * c - y * s, x * s + y * c, height],
+                [-(x * s) - y * c, x * c - y * s, i(self.rise)],
+                [y * s - x * c, -(x * s) - y * c, Interval::ZERO],
+            ]
+        })
+    }
+}
+
+/// A ruled patch of degree 1 in v as a strip, between two of its lines of constant v.
+#[derive(Clone, Debug)]
+pub struct RuledPatch {
+    sides: [Curve<4>; 2],
+}
+
+impl RuledPatch {
+    /// The patch between `v = lower` and `v = upper`; `None` if it is not of degree 1 with a single span in v.
+    pub fn new(patch: &Surface, lower: f64, upper: f64) -> Option<Self> {
+        if patch.knots_v.degree() != 1 || patch.row() != 2 || !(lower < upper) {
+            return None;
+        }
+        Some(Self { sides: [patch.curve_at_v(lower), patch.curve_at_v(upper)] })
+    }
+
+    /// Between two curves with the same knots, homogeneous.
+    pub fn between(lower: Curve<4>, upper: Curve<4>) -> Option<Self> {
+        (lower.knots == upper.knots).then_some(Self { sides: [lower, upper] })
+    }
+
+    /// The part between two rulings.
+    pub fn restricted(&self, a: f64, b: f64) -> Option<Self> {
+        let [l, u] = &self.sides;
+        Some(Self { sides: [l.restricted(a, b).ok()?, u.restricted(a, b).ok()?] })
+    }
+}
+
+/// Affine jet of a homogeneous one.
+fn affine<S: Scalar>(h: &[[S; 4]; 3]) -> [[S; 3]; 3] {
+    let two = S::from(2.0);
+    let w = h[0][3];
+    std::array::from_fn::<[S; 3], 3, _>(|d| {
+        let x = h[0][d].over(w);
+        let dx = (h[1][d] - h[1][3] * x).over(w);
+        [x, dx, (h[2][d] - two * h[1][3] * dx - h[2][3] * x).over(w)]
+    })
+    .transposed()
+}
+
+/// Rows and columns exchanged.
+trait Transposed {
+    fn transposed(self) -> Self;
+}
+
+impl<S: Copy> Transposed for [[S; 3]; 3] {
+    fn transposed(self) -> Self {
+        std::array::from_fn(|i| std::array::from_fn(|j| self[j][i]))
+    }
+}
+
+impl RuledStrip for RuledPatch {
+    fn domain(&self) -> (f64, f64) {
+        self.sides[0].domain()
+    }
+
+    fn breaks(&self) -> Vec<f64> {
+        let b = self.sides[0].knots.breaks();
+        b[1..b.len() - 1].to_vec()
+    }
+
+    fn jet(&self, u: f64) -> StripJet {
+        let ends = [0, 1].map(|k| affine(&self.sides[k].jet(u)).map(Vec3::from));
+        StripJet { ends }
+    }
+}
+
+impl EnclosedStrip for RuledPatch {
+    fn enclosure(&self, a: f64, b: f64) -> [EnclosedCurve; 2] {
+        [0, 1].map(|k| {
+            let c = &self.sides[k];
+            let p = c.knots.degree();
+            let span = c.knots.span(0.5 * (a + b));
+            let knots = &c.knots.values()[span + 1 - p..=span + p];
+            let step = Interval::ONE / (Interval::point(b) - Interval::point(a));
+            let mut rows = [[Interval::ZERO; 4]; 3];
+            for d in 0..4 {
+                let net: Vec<Interval> = (0..=p).map(|j| Interval::point(c.control[span - p + j][d])).collect();
+                let mut coefficients = bernstein::from_spline_over(&net, knots, a, b);
+                for row in &mut rows {
+                    row[d] = bernstein::hull(&coefficients);
+                    coefficients = bernstein::derivative(&coefficients).iter().map(|x| *x * step).collect();
+                    if coefficients.is_empty() {
+                        coefficients = vec![Interval::ZERO];
+                    }
+                }
+            }
+            affine(&rows)
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::spline::knots::Knots;
+
+    fn helix() -> HelicalStrip {
+        HelicalStrip { radius: 1.0, rise: 0.6, reach: [1.0, 2.0], domain: (0.0, 6.0) }
+    }
+
+    fn patch() -> RuledPatch {
+        let knots = Knots::clamped(3, &[0.0, 0.4, 1.0]).expect("knots");
+        let side = |z: f64| {
+            (0..5)
+                .map(|i| {
+                    let (x, w) = (i as f64 * 0.3, 1.0 + 0.1 * (i % 2) as f64);
+                    [x * w, (x * x + z) * w, z * w, w]
+                })
+                .collect()
+        };
+        RuledPatch::between(
+            Curve { knots: knots.clone(), control: side(0.0) },
+            Curve { knots, control: side(1.0) },
+        )
+        .expect("strip")
+    }
+
+    #[test]
+    fn derivatives_agree_with_differences_and_enclosures_contain_them() {
+        fn check(strip: &impl EnclosedStrip, a: f64, b: f64) {
+            let boxes = strip.enclosure(a, b);
+            for i in 0..=4 {
+                let u = a + (b - a) * f64::from(i) / 4.0;
+                let jet = strip.jet(u);
+                let (less, more) = (strip.jet(u - 1e-5), strip.jet(u + 1e-5));
+                for side in 0..2 {
+                    for order in 0..3 {
+                        for d in 0..3 {
+                            assert!(boxes[side][order][d].widen(1e-13).contains(jet.ends[side][order][d]));
+                        }
+                        if order > 0 {
+                            let slope = (more.ends[side][order - 1] - less.ends[side][order - 1]) / 2e-5;
+                            assert!((slope - jet.ends[side][order]).norm() < 1e-8);
+                        }
+                    }
+                }
+            }
+            assert!(boxes[0][0][0].width() < 20.0 * (b - a), "useful");
+        }
+        check(&helix(), 0.7, 0.8);
+        check(&patch(), 0.41, 0.45);
+    }
+
+    #[test]
+    fn tangent_strips_are_developable() {
+        let u: f64 = 0.3;
+        let c = [
+            Vec3::new(u, u * u, u * u * u),
+            Vec3::new(1.0, 2.0 * u, 3.0 * u * u),
+            Vec3::new(0.0, 2.0, 6.0 * u),
+            Vec3::new(0.0, 0.0, 6.0),
+        ];
+        let jet = tangent_strip(&c, [1.0, 2.0]);
+        let g = jet.element().expect("element");
+        assert!(jet.twist(&g) < 1e-14 && jet.speeds(&g).iter().all(|s| *s > 0.0));
+        assert!((g.direction - c[1].normalize()).norm() < 1e-14);
+        let h = helix().jet(0.3);
+        assert!(h.twist(&h.element().expect("element")) < 1e-14);
+    }
+}
