@@ -3,6 +3,7 @@
 pub mod area;
 pub mod clip;
 pub mod convert;
+pub mod dual;
 pub mod face;
 mod hug;
 pub mod panel;
