@@ -8,13 +8,25 @@ mod descent;
 mod directions;
 pub mod dual;
 mod envelope;
+mod functionals;
+pub mod knot_choice;
 pub mod level;
+pub mod multiresolution;
 pub mod plane;
+pub mod plane_correction;
+pub mod plane_estimates;
+pub mod plane_frame;
+pub mod planes;
 pub mod primal;
 mod profile;
+pub mod reduce;
+pub mod regression;
+pub mod rulings;
 pub mod samples;
 mod sheet;
 pub mod trim;
+
+pub use functionals::Freedom;
 
 pub use dual::{dual, dual_from, CentrePoint, DualOptions};
 pub use plane::plane;
