@@ -11,6 +11,7 @@ use super::chains::{self, Chain, Right};
 use super::trim::{self, Waypoint};
 use crate::geom::partition::Partition;
 use crate::geom::Vec3;
+use crate::spline::surface::Surface;
 use crate::surface::convert::{self, ConvertError, Extent};
 use crate::surface::face::Face;
 use crate::surface::panel::{Border, Panel, Run};
@@ -171,6 +172,9 @@ pub struct Borders<'a> {
 /// Share of the bend of the border polyline that a trimming curve may smooth over: the polyline's own chords are
 /// off a smooth border by a quarter of the bend.
 const SMOOTHED: f64 = 0.5;
+/// Kinks that the polyline keeps are smoothed over by at most this multiple of the trim tolerance: what the curve
+/// strays there counts against the panel.
+const KINKED: f64 = 8.0;
 
 impl<'a> Borders<'a> {
     /// Traces the borders.
@@ -246,10 +250,20 @@ impl<'a> Borders<'a> {
             for stretch in l {
                 let chain = &self.chains[stretch.chain];
                 let (vertices, parameters) = stretch.oriented(chain);
-                let waypoints =
-                    self.waypoints(assigned.torse, &vertices, &parameters, &places, options, |f, x| place(f, x));
-                let fitted =
-                    if chain.length > 0.0 { trim::trim(&patch, &waypoints) } else { trim::point(places[&vertices[0]]) };
+                let path = Path {
+                    borders: self,
+                    torse: assigned.torse,
+                    patch: &patch,
+                    vertices: &vertices,
+                    parameters: &parameters,
+                    places: &places,
+                    options,
+                };
+                let fitted = if chain.length > 0.0 {
+                    trim::trim(&patch, path.waypoints(), |a, b| path.between(a, b))
+                } else {
+                    trim::point(places[&vertices[0]])
+                };
                 let fitted = fitted.map_err(|source| BoundaryError::Spline { label, source })?;
                 let edge = trim::edge(&patch, &fitted.curve, options.edge_tolerance)
                     .map_err(|source| BoundaryError::Spline { label, source })?;
@@ -384,49 +398,82 @@ impl<'a> Borders<'a> {
         }
         Ok(out)
     }
+}
 
-    /// Places that the trimming curve of a run should pass: vertices and points of the edges between them.
-    fn waypoints(
-        &self,
-        torse: &Torse,
-        vertices: &[u32],
-        parameters: &[f64],
-        places: &HashMap<u32, [f64; 2]>,
-        options: &BoundaryOptions,
-        place: impl Fn(&Foot, &Vec3) -> [f64; 2],
-    ) -> Vec<Waypoint> {
+/// What the trimming curve of a run should follow: the feet of the border's points on the torse.
+struct Path<'a> {
+    borders: &'a Borders<'a>,
+    torse: &'a Torse,
+    patch: &'a Surface,
+    vertices: &'a [u32],
+    parameters: &'a [f64],
+    places: &'a HashMap<u32, [f64; 2]>,
+    options: &'a BoundaryOptions,
+}
+
+impl Path<'_> {
+    /// Vertices and points of the edges between them.
+    fn waypoints(&self) -> Vec<Waypoint> {
         /// Waypoints wanted on a run at least, and on each span of the torse: the feet move unevenly there.
         const WANTED: (usize, f64) = (48, 6.0);
-        let edges = vertices.len() - 1;
-        let (breaks, domain) = (torse.breaks(), torse.domain());
+        let edges = self.vertices.len() - 1;
+        let (breaks, domain) = (self.torse.breaks(), self.torse.domain());
         let span = (domain.1 - domain.0) / (breaks.len() - 1) as f64;
-        let end = |k: usize| k == 0 || k == edges;
-        let bend = |k: usize| if end(k) { 0.0 } else { self.bend.get(&vertices[k]).copied().unwrap_or(0.0) };
         let mut out = Vec::with_capacity(4 * edges);
         for k in 0..=edges {
-            let here = places[&vertices[k]];
-            let allowance = options.trim_tolerance.max(SMOOTHED * bend(k));
-            out.push(Waypoint { s: parameters[k], place: here, allowance });
+            let here = self.places[&self.vertices[k]];
+            let allowance = self.allowance(self.bend(k));
+            out.push(Waypoint { s: self.parameters[k], place: here, allowance });
             if k == edges {
                 break;
             }
-            let allowance = options.trim_tolerance.max(SMOOTHED * bend(k).max(bend(k + 1)));
-            let [p, q] = [k, k + 1].map(|k| self.partition.vertices[vertices[k] as usize]);
-            let next = places[&vertices[k + 1]];
+            let next = self.places[&self.vertices[k + 1]];
             let spans = (next[0] - here[0]).abs() / span;
             let inner = (WANTED.0 / edges).max((WANTED.1 * spans).ceil() as usize).clamp(1, 40);
-            for i in 1..=inner {
+            out.extend((1..=inner).filter_map(|i| {
                 let l = i as f64 / (inner + 1) as f64;
-                let x = self.face.surface.point(p[0] + (q[0] - p[0]) * l, p[1] + (q[1] - p[1]) * l);
-                let guess = here[0] + (next[0] - here[0]) * l;
-                if let Some(t) = torse.foot(&x, guess) {
-                    let f = Foot { t, vertex: vertices[k], normal: Vec3::zeros(), distance: 0.0 };
-                    let s = parameters[k] + (parameters[k + 1] - parameters[k]) * l;
-                    out.push(Waypoint { s, place: place(&f, &x), allowance });
-                }
-            }
+                self.inside(k, l, here[0] + (next[0] - here[0]) * l)
+            }));
         }
         out
+    }
+
+    /// A waypoint between two others.
+    fn between(&self, a: &Waypoint, b: &Waypoint) -> Option<Waypoint> {
+        let s = 0.5 * (a.s + b.s);
+        if !(s > a.s && s < b.s) {
+            return None;
+        }
+        let k = self.parameters.partition_point(|p| *p <= s).clamp(1, self.parameters.len() - 1) - 1;
+        let l = (s - self.parameters[k]) / (self.parameters[k + 1] - self.parameters[k]);
+        self.inside(k, l, 0.5 * (a.place[0] + b.place[0]))
+    }
+
+    /// Point at the fraction `l` of the edge that leaves vertex `k`.
+    fn inside(&self, k: usize, l: f64, guess: f64) -> Option<Waypoint> {
+        let face = self.borders.face;
+        let [p, q] = [k, k + 1].map(|k| self.borders.partition.vertices[self.vertices[k] as usize]);
+        let x = face.surface.point(p[0] + (q[0] - p[0]) * l, p[1] + (q[1] - p[1]) * l);
+        let t = self.torse.foot(&x, guess)?;
+        Some(Waypoint {
+            s: self.parameters[k] + (self.parameters[k + 1] - self.parameters[k]) * l,
+            place: [t, convert::parameters(self.patch, t, &x)],
+            allowance: self.allowance(self.bend(k).max(self.bend(k + 1))),
+        })
+    }
+
+    /// How far (mm) the curve may stray where the border bends by `bend`.
+    fn allowance(&self, bend: f64) -> f64 {
+        (SMOOTHED * bend).clamp(self.options.trim_tolerance, KINKED * self.options.trim_tolerance)
+    }
+
+    /// How far the border bends away from a smooth one at the `k`-th vertex; its ends are corners anyway.
+    fn bend(&self, k: usize) -> f64 {
+        if k == 0 || k + 1 == self.vertices.len() {
+            0.0
+        } else {
+            self.borders.bend.get(&self.vertices[k]).copied().unwrap_or(0.0)
+        }
     }
 }
 

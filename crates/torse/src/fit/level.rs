@@ -75,6 +75,9 @@ const FLAT: f64 = 0.02;
 /// Share of samples whose ratio may stay below one after rescaling.
 const QUANTILE: f64 = 0.03;
 
+/// Places that the first program of a start looks at for the range of φ.
+const WATCHED: usize = 120;
+
 /// One row of the condition in the coordinates of the unit square.
 struct Row {
     basis: Vec<(usize, f64, f64, f64)>,
@@ -83,10 +86,39 @@ struct Row {
 }
 
 /// Best level function found over the samples of a region, for either sign; `None` if the region is too small or
-/// too flat to speak of strips.
-///
-/// `border` are further points of the region, such as its corners, that count for the range of φ only.
+/// too flat to speak of strips. See [`levels`].
 pub fn level(samples: &[Forms], border: &[[f64; 2]], options: &LevelOptions) -> Option<Level> {
+    levels(samples, border, options).into_iter().next()
+}
+
+/// Level functions over the samples of a region from different starts, for either sign, smallest merit first.
+///
+/// `border` are further points of the region, such as its corners, that count for the range of φ only. Empty if the
+/// region is too small or too flat to speak of strips.
+pub fn levels(samples: &[Forms], border: &[[f64; 2]], options: &LevelOptions) -> Vec<Level> {
+    let Some((problem, field, aspect)) = problem(samples, border, options) else { return Vec::new() };
+    let starts: Vec<(f64, usize)> =
+        [1.0, -1.0].into_iter().flat_map(|s| (0..options.starts).map(move |k| (s, k))).collect();
+    let mut first: Vec<Level> = starts
+        .par_iter()
+        .filter_map(|&(sign, k)| {
+            let angle = std::f64::consts::PI * k as f64 / options.starts as f64;
+            let mut f = field.clone();
+            f.set_linear(angle.cos(), angle.sin() * aspect);
+            let start = problem.rated(f, sign)?;
+            let next = problem.improve(&start, 0.3, &problem.watched);
+            Some(next.unwrap_or(start))
+        })
+        .collect();
+    first.sort_by(|a, b| a.merit.total_cmp(&b.merit));
+    first.truncate(options.keep);
+    let mut found: Vec<Level> = first.into_par_iter().map(|start| problem.refined(start, options.rounds)).collect();
+    found.sort_by(|a, b| a.merit.total_cmp(&b.merit));
+    found
+}
+
+/// Rows and extremes, a field over the region's box, and the ratio of the speeds along v and u.
+fn problem(samples: &[Forms], border: &[[f64; 2]], options: &LevelOptions) -> Option<(Problem, Field, f64)> {
     let mut b = [f64::INFINITY, f64::NEG_INFINITY, f64::INFINITY, f64::NEG_INFINITY];
     for p in samples.iter().map(|s| &s.uv).chain(border) {
         b = [b[0].min(p[0]), b[1].max(p[0]), b[2].min(p[1]), b[3].max(p[1])];
@@ -117,49 +149,19 @@ pub fn level(samples: &[Forms], border: &[[f64; 2]], options: &LevelOptions) -> 
     if rows.len() < 12 {
         return None;
     }
-    let extremes: Vec<Vec<(usize, f64, f64, f64)>> =
-        samples.iter().map(|s| &s.uv).chain(border).map(|p| field.basis(p[0], p[1])).collect();
-    let problem = Problem { rows, extremes };
-    let aspect = (speed[1] / speed[0]).sqrt();
-    let starts: Vec<(f64, usize)> =
-        [1.0, -1.0].into_iter().flat_map(|s| (0..options.starts).map(move |k| (s, k))).collect();
-    let mut first: Vec<Level> = starts
-        .par_iter()
-        .filter_map(|&(sign, k)| {
-            let angle = std::f64::consts::PI * k as f64 / options.starts as f64;
-            let mut f = field.clone();
-            f.set_linear(angle.cos(), angle.sin() * aspect);
-            let start = problem.rated(f, sign)?;
-            let next = problem.improve(&start, 0.3);
-            Some(next.unwrap_or(start))
-        })
-        .collect();
-    first.sort_by(|a, b| a.merit.total_cmp(&b.merit));
-    first.truncate(options.keep);
-    first
-        .into_par_iter()
-        .map(|mut best| {
-            let mut trust = 0.3;
-            for _ in 0..options.rounds {
-                match problem.improve(&best, trust) {
-                    Some(next) if next.merit < best.merit => {
-                        let gain = (best.merit - next.merit) / best.merit;
-                        best = next;
-                        if gain < 1e-3 {
-                            break;
-                        }
-                    }
-                    _ => trust /= 2.5,
-                }
-            }
-            best
-        })
-        .min_by(|a, b| a.merit.total_cmp(&b.merit))
+    let value = |p: &[f64; 2]| field.basis(p[0], p[1]).into_iter().map(|(i, n, _, _)| (i, n)).collect();
+    let places: Vec<Vec<(usize, f64)>> = samples.iter().map(|s| &s.uv).chain(border).map(value).collect();
+    let step = places.len().div_ceil(WATCHED).max(1);
+    let watched = (0..places.len()).step_by(step).collect();
+    Some((Problem { rows, places, watched }, field, (speed[1] / speed[0]).sqrt()))
 }
 
 struct Problem {
     rows: Vec<Row>,
-    extremes: Vec<Vec<(usize, f64, f64, f64)>>,
+    /// Values of the basis where φ counts for the range.
+    places: Vec<Vec<(usize, f64)>>,
+    /// Places that the first program looks at; later ones add those where φ was found to be extreme.
+    watched: Vec<usize>,
 }
 
 impl Row {
@@ -193,16 +195,52 @@ impl Problem {
         field.coefficients.iter_mut().for_each(|c| *c *= scale);
         let shortfall: f64 =
             sorted.iter().map(|r| (1.0 - r * scale).max(0.0)).sum::<f64>() / sorted.len().max(1) as f64;
-        let value =
-            |b: &Vec<(usize, f64, f64, f64)>| b.iter().map(|&(i, n, _, _)| n * field.coefficients[i]).sum::<f64>();
-        let (lo, hi) =
-            self.extremes.iter().map(value).fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
-        let range = hi - lo;
+        let range = self.extremes(&field).0;
         Some(Level { field, sign, range, merit: range * (1.0 + 30.0 * shortfall) })
     }
 
-    /// One linear program around `from` with a trust region of `trust` times the range.
-    fn improve(&self, from: &Level, trust: f64) -> Option<Level> {
+    /// A start carried on by at most `rounds` programs, with a trust region that shrinks where nothing is gained.
+    fn refined(&self, mut best: Level, rounds: usize) -> Level {
+        let mut trust = 0.3;
+        let mut watched = self.watched.clone();
+        for _ in 0..rounds {
+            watched.extend(self.extremes(&best.field).1);
+            let next = self.improve(&best, trust, &watched);
+            if let Some(next) = &next {
+                watched.extend(self.extremes(&next.field).1);
+            }
+            match next {
+                Some(next) if next.merit < best.merit => {
+                    let gain = (best.merit - next.merit) / best.merit;
+                    best = next;
+                    if gain < 1e-3 {
+                        break;
+                    }
+                }
+                _ => trust /= 2.5,
+            }
+        }
+        best
+    }
+
+    /// Range of a field over all places, and the places where it is smallest and largest.
+    fn extremes(&self, field: &Field) -> (f64, [usize; 2]) {
+        let (mut lo, mut hi) = ((f64::INFINITY, 0), (f64::NEG_INFINITY, 0));
+        for (k, b) in self.places.iter().enumerate() {
+            let x = b.iter().map(|&(i, n)| n * field.coefficients[i]).sum::<f64>();
+            if x < lo.0 {
+                lo = (x, k);
+            }
+            if x > hi.0 {
+                hi = (x, k);
+            }
+        }
+        (hi.0 - lo.0, [lo.1, hi.1])
+    }
+
+    /// One linear program around `from` with a trust region of `trust` times the range; the range counts at the
+    /// `watched` places.
+    fn improve(&self, from: &Level, trust: f64, watched: &[usize]) -> Option<Level> {
         let c0 = &from.field.coefficients;
         let n = c0.len();
         let (hi, lo, slack) = (n, n + 1, n + 2);
@@ -235,9 +273,10 @@ impl Problem {
             lp.at_most(terms, -bound / largest);
             lp.at_most([(slack + k, -1.0)], 0.0);
         }
-        for b in &self.extremes {
-            lp.at_most(b.iter().map(|&(i, v, _, _)| (i, v)).chain([(hi, -1.0)]), 0.0);
-            lp.at_most(b.iter().map(|&(i, v, _, _)| (i, -v)).chain([(lo, 1.0)]), 0.0);
+        for &k in watched {
+            let b = &self.places[k];
+            lp.at_most(b.iter().copied().chain([(hi, -1.0)]), 0.0);
+            lp.at_most(b.iter().map(|&(i, v)| (i, -v)).chain([(lo, 1.0)]), 0.0);
         }
         let radius = trust * from.range;
         for (i, &c) in c0.iter().enumerate() {

@@ -2,7 +2,6 @@
 //! curves in space. Method: certificate specification, section 5 (cubic spline in the shared parameter s through
 //! feet of the region's boundary, end values copied, refined until the error in space is small).
 
-use crate::geom::Vec3;
 use crate::spline::composite::smooth_breaks;
 use crate::spline::curve::Curve;
 use crate::spline::knots::Knots;
@@ -31,36 +30,35 @@ pub struct Trim {
 }
 
 /// Rounds of refinement; every round halves the spans that miss their allowance.
-const ROUNDS: usize = 14;
-/// A span with fewer waypoints is not cut: more knots could not be determined.
+const ROUNDS: usize = 20;
+/// A span with fewer waypoints gets more of them before it is cut: more knots could not be determined.
 const SPLITTABLE: usize = 5;
 
 /// Cubic spline near waypoints with increasing s from 0 to 1, with few knots where it is smooth.
 ///
 /// *Method*: least squares with fixed ends; spans are cut where the error in space exceeds the allowance, at a
-/// crossing of the patch's knot lines (double knot) or at their middle waypoint. *Not guaranteed*: that the allowance is met (see `deviation_estimate`), namely where the
-/// waypoints have a kink.
+/// crossing of the patch's knot lines (double knot) or at their middle waypoint. Where waypoints are too few for
+/// another knot, `between` gives one between two neighbours. *Not guaranteed*: that the allowance is met (see
+/// `deviation_estimate`), namely where the waypoints have a kink.
 ///
 /// # Errors
 /// Values that are not finite.
-pub fn trim(patch: &Surface, waypoints: &[Waypoint]) -> Result<Trim, SplineError> {
-    let metric: Vec<(Vec3, Vec3)> = waypoints
-        .iter()
-        .map(|w| {
-            let j = patch.jet(w.place[0], w.place[1]);
-            (j.du, j.dv)
-        })
-        .collect();
+pub fn trim(
+    patch: &Surface,
+    mut waypoints: Vec<Waypoint>,
+    between: impl Fn(&Waypoint, &Waypoint) -> Option<Waypoint>,
+) -> Result<Trim, SplineError> {
     let lines = patch.knots_u.breaks();
     let mut breaks = vec![(0.0, 1), (1.0, 1)];
     let mut best: Option<Trim> = None;
     for _ in 0..ROUNDS {
-        let curve = least_squares(&breaks, waypoints)?;
+        let curve = least_squares(&breaks, &waypoints)?;
         let mut worst = 0.0_f64;
         let mut exceeded = vec![false; breaks.len() - 1];
-        for (w, (du, dv)) in waypoints.iter().zip(&metric) {
+        for w in &waypoints {
             let q = curve.point(w.s);
-            let error = (du * (q[0] - w.place[0]) + dv * (q[1] - w.place[1])).norm();
+            let j = patch.jet(w.place[0], w.place[1]);
+            let error = (j.du * (q[0] - w.place[0]) + j.dv * (q[1] - w.place[1])).norm();
             worst = worst.max(error);
             if error > w.allowance {
                 let k = breaks.partition_point(|b| b.0 <= w.s).clamp(1, breaks.len() - 1);
@@ -74,17 +72,28 @@ pub fn trim(patch: &Surface, waypoints: &[Waypoint]) -> Result<Trim, SplineError
             break;
         }
         let mut finer = vec![breaks[0]];
+        let mut fuller = vec![waypoints[0]];
         for (k, w) in breaks.windows(2).enumerate() {
             let (lo, hi) = (waypoints.partition_point(|p| p.s <= w[0].0), waypoints.partition_point(|p| p.s < w[1].0));
-            if exceeded[k] && hi - lo >= SPLITTABLE {
+            let scarce = exceeded[k] && hi - lo < SPLITTABLE;
+            if exceeded[k] && !scarce {
                 finer.push(cut(&waypoints[lo..hi], &lines));
             }
             finer.push(w[1]);
+            // Waypoints after w[0], up to w[1] or the first one beyond.
+            let end =
+                if k + 2 == breaks.len() { waypoints.len() } else { waypoints.partition_point(|p| p.s <= w[1].0) };
+            for i in lo.max(1)..end {
+                if scarce {
+                    fuller.extend(between(&waypoints[i - 1], &waypoints[i]));
+                }
+                fuller.push(waypoints[i]);
+            }
         }
-        if finer.len() == breaks.len() {
+        if finer.len() == breaks.len() && fuller.len() == waypoints.len() {
             break;
         }
-        breaks = finer;
+        (breaks, waypoints) = (finer, fuller);
     }
     best.ok_or(SplineError::KnotCount { knots: 0, control: 0, degree: 3 })
 }
@@ -292,6 +301,7 @@ pub fn edge(patch: &Surface, trim: &Curve<2>, tolerance: f64) -> Result<Curve<3>
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geom::Vec3;
 
     fn bilinear() -> Surface {
         let k = Knots::clamped(1, &[0.0, 1.0]).expect("knots");
@@ -307,12 +317,12 @@ mod tests {
     fn smooth_feet_get_few_knots_and_exact_ends() {
         let f = |s: f64| [0.1 + 0.8 * s, 0.5 + 0.3 * (3.0 * s).sin()];
         let w = waypoints(80, f);
-        let t = trim(&bilinear(), &w).expect("a curve");
+        let t = trim(&bilinear(), w.clone(), |_, _| None).expect("a curve");
         assert!(t.deviation_estimate <= 1e-3);
         assert!(t.curve.control.len() <= 20, "{} control points", t.curve.control.len());
         assert!(t.curve.point(0.0) == f(0.0) && t.curve.point(1.0) == f(1.0));
         // A straight line needs one span.
-        let line = trim(&bilinear(), &waypoints(20, |s| [s, 0.2 + 0.1 * s])).expect("a line");
+        let line = trim(&bilinear(), waypoints(20, |s| [s, 0.2 + 0.1 * s]), |_, _| None).expect("a line");
         assert_eq!(line.curve.control.len(), 4);
         assert!(line.deviation_estimate < 1e-9);
     }
@@ -328,7 +338,8 @@ mod tests {
             }
         }
         let s = Surface::new(k, v, &p, None).expect("surface");
-        let t = trim(&s, &waypoints(60, |s| [0.05 + 0.9 * s * s, 0.5 + 0.3 * (2.0 * s).cos()])).expect("a curve");
+        let t = trim(&s, waypoints(60, |s| [0.05 + 0.9 * s * s, 0.5 + 0.3 * (2.0 * s).cos()]), |_, _| None)
+            .expect("a curve");
         let e = edge(&s, &t.curve, 1e-6).expect("an edge");
         for i in 0..=500 {
             let x = f64::from(i) / 500.0;

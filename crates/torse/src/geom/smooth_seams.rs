@@ -11,7 +11,66 @@ use std::collections::HashMap;
 /// Border edges that turn by more than this against each other (cosine, in scaled parameters) form a corner.
 const CORNER: f64 = 0.8;
 
+/// A vertex beside a border goes at most this often as far as the smooth curve asks for, halved each time.
+const SHORTER: [f64; 3] = [1.0, 0.5, 0.25];
+
 impl Partition {
+    /// Moves vertices away from borders that they nearly touch: every vertex inside a label, opposite a border edge,
+    /// goes to the mean of its neighbours where that makes the worst of its triangles better. Coordinates on `lines`
+    /// (knot lines in u and v) stay.
+    pub fn relax(&mut self, lines: [&[f64]; 2]) {
+        let left = self.adjacency();
+        let mut beside: Vec<u32> = Vec::new();
+        let mut bordering = vec![false; self.vertices.len()];
+        for (&(a, b), &t) in &left {
+            let other = left.get(&(b, a)).map(|&o| self.labels[o as usize]);
+            if other != Some(self.labels[t as usize]) {
+                (bordering[a as usize], bordering[b as usize]) = (true, true);
+                beside.extend(self.triangles[t as usize].into_iter().filter(|&v| v != a && v != b));
+            }
+        }
+        beside.retain(|&v| !bordering[v as usize]);
+        beside.sort_unstable();
+        beside.dedup();
+        let mut star: HashMap<u32, Vec<usize>> = beside.iter().map(|&v| (v, Vec::new())).collect();
+        for (t, corners) in self.triangles.iter().enumerate() {
+            for v in corners {
+                if let Some(s) = star.get_mut(v) {
+                    s.push(t);
+                }
+            }
+        }
+        for v in beside {
+            let old = self.vertices[v as usize];
+            let worst = |p: &Self| star[&v].iter().map(|&t| p.shape(t)).fold(f64::INFINITY, f64::min);
+            let before = worst(self);
+            let (mut mean, mut count) = ([0.0; 2], 0.0);
+            for w in star[&v].iter().flat_map(|&t| self.triangles[t]).filter(|&w| w != v) {
+                let p = self.vertices[w as usize];
+                mean = [mean[0] + p[0], mean[1] + p[1]];
+                count += 1.0;
+            }
+            let place = |k: usize| if lines[k].contains(&old[k]) { old[k] } else { mean[k] / count };
+            self.vertices[v as usize] = [place(0), place(1)];
+            if worst(self) <= before {
+                self.vertices[v as usize] = old;
+            }
+        }
+    }
+
+    /// Twice the area of a triangle over the sum of its squared sides; not positive where it is turned over.
+    fn shape(&self, t: usize) -> f64 {
+        let c = self.corners(t);
+        let [x, y, z] = c.map(|p| Coord { x: p[0], y: p[1] });
+        let sides: f64 = (0..3)
+            .map(|k| {
+                let (p, q) = (c[k], c[(k + 1) % 3]);
+                (p[0] - q[0]).powi(2) + (p[1] - q[1]).powi(2)
+            })
+            .sum();
+        orient2d(x, y, z) / sides.max(f64::MIN_POSITIVE)
+    }
+
     /// Inserts a vertex on every border edge between two labels at which the border bends by more than `bend(a, b)`
     /// allows (both in units of `distance`), moved to a smooth curve where that keeps the triangulation valid and the
     /// vertex within its cell of `lines` (knot lines in u and v). Returns the number of new vertices.
@@ -86,20 +145,28 @@ impl Partition {
                 t.into_iter().find(|&x| x != e.0 && x != e.1).map(at)
             };
             let (Some(c), Some(d)) = (opposite((a, b)), opposite((b, a))) else { continue };
-            let fits = (0..2).all(|k| {
-                let (lo, hi) = (p[k].min(q[k]).min(c[k]).min(d[k]), p[k].max(q[k]).max(c[k]).max(d[k]));
-                // On a knot line all the way, or strictly between the same two lines as the triangles.
-                let on_line = lines[k].contains(&p[k]) && lines[k].contains(&q[k]);
-                !on_line && !lines[k].iter().any(|&l| l > lo && l < hi) && moved[k] >= lo && moved[k] <= hi
-            });
             let turns = |x: [f64; 2], y: [f64; 2], z: [f64; 2]| {
                 let [x, y, z] = [x, y, z].map(|p| Coord { x: p[0], y: p[1] });
                 orient2d(x, y, z) > 0.0
             };
-            let valid = turns(p, moved, c) && turns(moved, q, c) && turns(q, moved, d) && turns(moved, p, d);
-            if fits && valid {
+            let fits = |m: [f64; 2]| {
+                (0..2).all(|k| {
+                    let (lo, hi) = (p[k].min(q[k]).min(c[k]).min(d[k]), p[k].max(q[k]).max(c[k]).max(d[k]));
+                    // On a knot line all the way, or strictly between the same two lines as the triangles.
+                    let on_line = lines[k].contains(&p[k]) && lines[k].contains(&q[k]);
+                    !on_line && !lines[k].iter().any(|&l| l > lo && l < hi) && m[k] >= lo && m[k] <= hi
+                }) && turns(p, m, c)
+                    && turns(m, q, c)
+                    && turns(q, m, d)
+                    && turns(m, p, d)
+            };
+            let place = SHORTER
+                .iter()
+                .map(|&f| [straight[0] + f * (moved[0] - straight[0]), straight[1] + f * (moved[1] - straight[1])])
+                .find(|&m| fits(m));
+            if let Some(place) = place {
                 middle.insert((a, b), self.vertices.len() as u32 + places.len() as u32);
-                places.push(moved);
+                places.push(place);
             }
         }
         let count = places.len();

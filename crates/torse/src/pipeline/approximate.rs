@@ -72,6 +72,8 @@ const ON_LINE: f64 = 1e-9;
 const BEND_SHARE: f64 = 0.02;
 /// See [`BEND_SHARE`].
 const SMOOTHINGS: usize = 4;
+/// Rounds of moving vertices out of a border's way before each smoothing.
+const RELAXATIONS: usize = 3;
 /// Rounds of cutting panels that the judge refuses as built.
 const ROUNDS: usize = 6;
 /// Round from which refused regions get plane facets only: these can always be built.
@@ -299,6 +301,9 @@ fn smooth_borders(face: &Face, mut partition: Partition, tolerance: f64) -> Part
         (j.du * (q[0] - p[0]) + j.dv * (q[1] - p[1])).norm()
     };
     for _ in 0..SMOOTHINGS {
+        for _ in 0..RELAXATIONS {
+            partition.relax([&u, &v]);
+        }
         if partition.smooth_seams([&u, &v], tolerance * BEND_SHARE, distance) == 0 {
             break;
         }

@@ -103,10 +103,10 @@ pub(super) fn hug(torse: &Torse, extent: &Extent, range: (f64, f64)) -> Result<B
             trouble = ConvertError::Turning { t };
             continue;
         }
-        let side = |pick: &dyn Fn(&Room) -> (f64, f64)| -> Result<Curve<1>, ConvertError> {
+        let side = |pick: &dyn Fn(&Room) -> (f64, f64), corners: &[f64]| -> Result<Curve<1>, ConvertError> {
             let mut missed = range.0;
             for excess in EXCESS {
-                let rooms = rooms(torse, extent, &direction, &origin, range, excess)?;
+                let rooms = rooms(torse, extent, &direction, &origin, range, excess, corners)?;
                 let data: Vec<(f64, (f64, f64))> = rooms.iter().map(|r| (r.t, pick(r))).collect();
                 match band(&data, &all) {
                     Ok(curve) => return Ok(curve),
@@ -115,17 +115,26 @@ pub(super) fn hug(torse: &Torse, extent: &Extent, range: (f64, f64)) -> Result<B
             }
             Err(ConvertError::Regression { t: missed })
         };
-        match (side(&|r| r.low), side(&|r| r.high)) {
-            (Ok(low), Ok(high)) => {
-                if let Some(t) = cut_off(torse, extent, &direction, &origin, (&low, &high)) {
-                    trouble = ConvertError::Regression { t };
-                    continue;
+        // Corners between the sampled rulings may stick out: they get rulings of their own.
+        let mut corners = Vec::new();
+        for _ in 0..CORNER_ROUNDS {
+            match (side(&|r| r.low, &corners), side(&|r| r.high, &corners)) {
+                (Ok(low), Ok(high)) => {
+                    let outside = cut_off(torse, extent, &direction, &origin, (&low, &high));
+                    if let Some(&t) = outside.first() {
+                        trouble = ConvertError::Regression { t };
+                        corners.extend(outside);
+                        continue;
+                    }
+                    let splines = [&low, &high].iter().any(|c| c.knots.breaks().len() > 2) || spline_direction;
+                    let order = if splines { 1 } else { isize::MAX };
+                    return Ok(Bound { range, origin, direction, low, high, order });
                 }
-                let splines = [&low, &high].iter().any(|c| c.knots.breaks().len() > 2) || spline_direction;
-                let order = if splines { 1 } else { isize::MAX };
-                return Ok(Bound { range, origin, direction, low, high, order });
+                (Err(e), _) | (_, Err(e)) => {
+                    trouble = e;
+                    break;
+                }
             }
-            (Err(e), _) | (_, Err(e)) => trouble = e,
         }
     }
     Err(trouble)
@@ -160,18 +169,17 @@ fn flat(torse: &Torse, extent: &Extent, origin: &Vec3, range: (f64, f64)) -> Res
 /// Margin of a plane's patch on each side, share of its width.
 const PLANE_MARGIN: f64 = 0.2;
 
-/// Ruling of a border point beyond the boundary planes, if any.
+/// Rulings of the border points beyond the boundary planes.
 fn cut_off(
     torse: &Torse,
     extent: &Extent,
     direction: &Curve<3>,
     origin: &Vec3,
     (low, high): (&Curve<1>, &Curve<1>),
-) -> Option<f64> {
-    extent.points().map(|(t, x)| (*t, coordinate(torse, direction, origin, *t, x))).find_map(|(t, y)| {
-        let inside = y > low.point(t)[0] && y < high.point(t)[0];
-        (!inside).then_some(t)
-    })
+) -> Vec<f64> {
+    let beyond = |t: f64, y: f64| !(y > low.point(t)[0] && y < high.point(t)[0]);
+    let border = extent.points().map(|(t, x)| (*t, coordinate(torse, direction, origin, *t, x)));
+    border.filter(|&(t, y)| beyond(t, y)).map(|(t, _)| t).collect()
 }
 
 /// Coordinate along `direction` of the point of ruling `t` nearest `x`.
@@ -181,10 +189,12 @@ fn coordinate(torse: &Torse, direction: &Curve<3>, origin: &Vec3, t: f64, x: &Ve
     Vec3::from(direction.point(t)).dot(&(on - origin))
 }
 
+/// Rounds in which corners that stick out get rulings of their own.
+const CORNER_ROUNDS: usize = 4;
 /// Equally spaced rulings at which the room is determined; up to twice as many border points have theirs too.
 const RULINGS: usize = 120;
 
-/// Room on rulings over the range.
+/// Room on rulings over the range, those of `corners` among them.
 fn rooms(
     torse: &Torse,
     extent: &Extent,
@@ -192,6 +202,7 @@ fn rooms(
     origin: &Vec3,
     range: (f64, f64),
     excess: f64,
+    corners: &[f64],
 ) -> Result<Vec<Room>, ConvertError> {
     // Border in the (t, y) plane.
     let border: Vec<Vec<(f64, f64)>> = extent
@@ -205,6 +216,7 @@ fn rooms(
     let stride = count.div_ceil(2 * RULINGS).max(1);
     let mut at: Vec<f64> = (0..=RULINGS).map(|k| range.0 + (range.1 - range.0) * k as f64 / RULINGS as f64).collect();
     at.extend(border.iter().flatten().step_by(stride).map(|p| p.0));
+    at.extend(corners);
     at.sort_by(f64::total_cmp);
     at.dedup();
     for t in at {

@@ -173,7 +173,7 @@ impl Job<'_> {
 
     /// Level function of a region; the first, worth more than those of small remainders, is sought in two spaces.
     fn level_function(&self, state: &State, label: u32, depth: usize) -> Option<Level> {
-        let border = state.border(label, 80);
+        let border = state.places(label);
         let attempt = |samples: usize, spans: usize| {
             level(&state.forms(label, samples), &border, &LevelOptions { spans, ..LevelOptions::default() })
         };
@@ -214,7 +214,7 @@ impl Job<'_> {
     fn divided(&self, state: &State, label: u32, budget: usize, depth: usize) -> Option<State> {
         let four = 4.0 * self.options.tolerance.sqrt();
         let rate = |s: &State, l: u32| {
-            level(&s.forms(l, 160), &s.border(l, 60), &LevelOptions { rounds: 3, ..LevelOptions::default() })
+            level(&s.forms(l, 160), &s.places(l), &LevelOptions { rounds: 3, ..LevelOptions::default() })
         };
         let candidates: Vec<(f64, State, Vec<u32>)> = (0..4usize)
             .into_par_iter()

@@ -117,20 +117,9 @@ impl State {
         picked.into_iter().map(|v| self.form_at(v)).collect()
     }
 
-    /// Up to `count` vertices on the border of a label.
-    pub fn border(&self, label: u32, count: usize) -> Vec<[f64; 2]> {
-        let mut once = std::collections::HashSet::new();
-        for t in self.partition.region(label) {
-            for (a, b) in edges(self.partition.triangles[t]) {
-                if !once.remove(&(b, a)) {
-                    once.insert((a, b));
-                }
-            }
-        }
-        let mut vertices: Vec<u32> = once.into_iter().map(|e| e.0).collect();
-        vertices.sort_unstable();
-        let picked = spread(&vertices, count, |v| self.jets[v as usize].jet.p);
-        picked.into_iter().map(|v| self.partition.vertices[v as usize]).collect()
+    /// Parameters of all vertices of a label.
+    pub fn places(&self, label: u32) -> Vec<[f64; 2]> {
+        self.partition.region_vertices(label).into_iter().map(|v| self.partition.vertices[v as usize]).collect()
     }
 
     /// Principal curvatures at a vertex, larger first, 1/mm; `None` at poles.
