@@ -177,7 +177,7 @@ fn scene() -> Scene {
             }
         })
         .collect();
-    Scene { panels, surfaces: vec![grid(&|s, t| (s, t), &|_, _| 0.0)] }
+    Scene { panels, surfaces: vec![grid(&|s, t| (s, t), &|_, _| 0.0)], ..Scene::default() }
 }
 
 fn pattern(k: usize) -> Pattern {

@@ -6,6 +6,7 @@ pub mod map;
 pub mod outline;
 pub mod overlap;
 pub mod pattern;
+pub mod strip;
 
 /// Why a panel has no flat pattern.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -21,6 +22,16 @@ pub enum DevelopError {
     Overlap {
         /// Ruling to cut along.
         t: f64,
+    },
+    /// Neighbouring strips of one piece do not share a ruling.
+    #[error("strip {strip} of piece {piece} begins {gap} mm from the ruling that ends the strip before; order the strips along the rails")]
+    Apart {
+        /// Index of the piece.
+        piece: usize,
+        /// Name of the strip.
+        strip: String,
+        /// Distance, mm.
+        gap: f64,
     },
     /// There is no such panel, or it has no boundary.
     #[error("panel {0} does not exist or has no boundary")]

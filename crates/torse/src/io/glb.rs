@@ -40,6 +40,7 @@ const TO_METRES: [f64; 16] = [1e-3, 0.0, 0.0, 0.0, 0.0, 0.0, -1e-3, 0.0, 0.0, 1e
 const SURFACE: Rgb = [0.80, 0.82, 0.85];
 const RULING: Rgb = [0.25, 0.27, 0.31];
 const BORDER: Rgb = [0.08, 0.09, 0.12];
+const GUIDE: Rgb = [0.78, 0.16, 0.12];
 
 // Numbers of the specification.
 const FLOAT: u32 = 5126;
@@ -59,6 +60,7 @@ pub fn write(scene: &Scene, tolerance: f64) -> Result<Vec<u8>, GlbError> {
     let grey = file.material("surface", SURFACE);
     let white = file.material("deviation", [1.0; 3]);
     let (dark, black) = (file.material("rulings", RULING), file.material("borders", BORDER));
+    let red = file.material("guides", GUIDE);
 
     let mut surfaces = Vec::new();
     for (i, mesh) in scene.surfaces.iter().enumerate() {
@@ -103,8 +105,13 @@ pub fn write(scene: &Scene, tolerance: f64) -> Result<Vec<u8>, GlbError> {
         .flat_map(|p| p.borders.iter().flat_map(|b| b.windows(2).flat_map(|w| [w[0], w[1]])))
         .collect();
 
+    let guides: Vec<Vec3> = scene.guides.iter().flat_map(|g| g.windows(2).flat_map(|w| [w[0], w[1]])).collect();
+
     let mut first = vec![file.root("panels", &panels, None)];
-    for (name, points, material) in [("rulings", rulings, dark), ("borders", borders, black)] {
+    for (name, points, material) in [("rulings", rulings, dark), ("borders", borders, black), ("guides", guides, red)] {
+        if name == "guides" && points.is_empty() {
+            continue;
+        }
         let mesh = file.lines(name, &points, material)?;
         first.push(file.root(name, &[], mesh));
     }
@@ -315,7 +322,11 @@ mod tests {
             rulings: vec![[Vec3::zeros(), Vec3::x()]],
             borders: vec![vec![Vec3::zeros(), Vec3::x(), Vec3::z()]],
         };
-        Scene { panels: vec![panel.clone(), PanelShape { name: "A-02".into(), ..panel }], surfaces: vec![square()] }
+        Scene {
+            panels: vec![panel.clone(), PanelShape { name: "A-02".into(), ..panel }],
+            surfaces: vec![square()],
+            ..Scene::default()
+        }
     }
 
     fn word(bytes: &[u8], at: usize) -> usize {

@@ -6,5 +6,6 @@ pub mod glb;
 pub mod html;
 pub mod json;
 pub mod png;
+pub mod sheets;
 pub mod step;
 pub mod svg;

@@ -2,6 +2,8 @@
 
 pub mod approximate;
 pub mod cover;
+pub mod cut;
 pub mod info;
 pub mod outcome;
 pub mod presentation;
+pub mod sheets;

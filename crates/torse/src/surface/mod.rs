@@ -8,5 +8,7 @@ pub mod face;
 mod hug;
 pub mod panel;
 pub mod pattern;
+pub mod rail;
+pub mod strip;
 pub mod torse;
 pub mod trim;

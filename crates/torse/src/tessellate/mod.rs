@@ -12,3 +12,4 @@ pub mod stroke_font;
 
 pub mod drawing;
 pub mod panel;
+pub mod strip;

@@ -27,6 +27,8 @@ impl Default for Caption {
 }
 
 const INK: Rgb = [0.10, 0.12, 0.16];
+/// Given curves.
+const GUIDE: Rgb = [0.78, 0.16, 0.12];
 const GREY: Rgb = [0.42, 0.45, 0.50];
 /// Space around the contents, px.
 const MARGIN: f64 = 44.0;
@@ -73,10 +75,15 @@ pub fn panels(scene: &Scene, direction: &Vec3, caption: &Caption) -> Image {
 
 /// The signed deviation of the panels from the surface, with a legend from −tolerance to +tolerance (mm).
 pub fn deviation(scene: &Scene, direction: &Vec3, tolerance: f64, caption: &Caption) -> Image {
+    values(scene, direction, tolerance, "deviation, mm", caption)
+}
+
+/// The values at the vertices of the panels, with a legend from −limit to +limit and the words `what`.
+pub fn values(scene: &Scene, direction: &Vec3, limit: f64, what: &str, caption: &Caption) -> Image {
     const LEGEND: f64 = 150.0;
     let (mut drawing, camera) = stage(scene, direction, caption, LEGEND);
     for panel in &scene.panels {
-        triangles(&mut drawing, &camera, &panel.mesh, Paint::Deviation, 1.0 / tolerance);
+        triangles(&mut drawing, &camera, &panel.mesh, Paint::Deviation, 1.0 / limit);
     }
     borders(&mut drawing, &camera, scene, 1.6);
     let (width, height) = (drawing.width as f64, drawing.height as f64);
@@ -86,7 +93,7 @@ pub fn deviation(scene: &Scene, direction: &Vec3, tolerance: f64, caption: &Capt
         width: 30.0,
         height: (height - 150.0).min(460.0),
     };
-    legend(&mut drawing, bar, tolerance);
+    legend(&mut drawing, bar, limit, what);
     drawing.render()
 }
 
@@ -246,6 +253,10 @@ fn borders(drawing: &mut Drawing, camera: &Camera, scene: &Scene, width: f64) {
         let points = border.iter().map(|p| camera.project_towards_eye(p, lift)).collect();
         drawing.lines.push(Line { points, width, colour: INK, alpha: 1.0 });
     }
+    for guide in &scene.guides {
+        let points = guide.iter().map(|p| camera.project_towards_eye(p, 1.5 * lift)).collect();
+        drawing.lines.push(Line { points, width: width + 1.4, colour: GUIDE, alpha: 1.0 });
+    }
 }
 
 /// Names where most of the panel is in sight, if there is room.
@@ -271,7 +282,7 @@ fn names(drawing: &mut Drawing, camera: &Camera, scene: &Scene) {
     }
 }
 
-fn legend(drawing: &mut Drawing, bar: Rect, tolerance: f64) {
+fn legend(drawing: &mut Drawing, bar: Rect, limit: f64, what: &str) {
     const STEPS: usize = 120;
     let rectangle = |x: f64, y: f64, w: f64, h: f64| {
         vec![Vec2::new(x, y), Vec2::new(x + w, y), Vec2::new(x + w, y + h), Vec2::new(x, y + h)]
@@ -290,10 +301,10 @@ fn legend(drawing: &mut Drawing, bar: Rect, tolerance: f64) {
         let x = bar.x + bar.width;
         drawing.stroke(&[Vec2::new(x, y), Vec2::new(x + 7.0, y)], 1.2, INK, 1.0);
         let sign = if share > 0.0 { "+" } else { "" };
-        let text = format!("{sign}{}", figure(share * tolerance, 3));
+        let text = format!("{sign}{}", figure(share * limit, 3));
         drawing.text(&text, Vec2::new(x + 14.0, y + 0.5 * SMALL), SMALL, INK);
     }
-    drawing.text("deviation, mm", Vec2::new(bar.x - 16.0, bar.y - 22.0), SMALL, GREY);
+    drawing.text(what, Vec2::new(bar.x - 16.0, bar.y - 22.0), SMALL, GREY);
 }
 
 fn scale_bar(drawing: &mut Drawing, scale: f64) {
@@ -335,7 +346,11 @@ mod tests {
             let rulings = vec![[Vec3::new(x + 50.0, 0.0, 0.0), Vec3::new(x + 50.0, 100.0, 0.0)]];
             PanelShape { name: name.into(), mesh, rulings, borders: vec![border] }
         };
-        Scene { panels: vec![panel(0.0, 0.4, "A-01"), panel(100.0, -0.4, "A-02")], surfaces: vec![] }
+        Scene {
+            panels: vec![panel(0.0, 0.4, "A-01"), panel(100.0, -0.4, "A-02")],
+            surfaces: vec![],
+            ..Scene::default()
+        }
     }
 
     fn share(image: &Image, test: impl Fn([i32; 3]) -> bool) -> f64 {

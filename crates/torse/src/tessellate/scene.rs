@@ -23,6 +23,8 @@ pub struct Scene {
     pub panels: Vec<PanelShape>,
     /// One mesh per input face.
     pub surfaces: Vec<Mesh>,
+    /// Given curves to be seen with the panels, as polylines.
+    pub guides: Vec<Vec<Vec3>>,
 }
 
 impl Scene {

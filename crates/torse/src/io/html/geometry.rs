@@ -81,7 +81,8 @@ pub(super) fn pack(scene: &Scene, direction: &Vec3, tolerance: f64) -> (Header, 
     let rulings = || scene.panels.iter().enumerate().flat_map(|(i, p)| p.rulings.iter().map(move |r| (*r, i as u32)));
     let borders = || {
         let polylines = scene.panels.iter().enumerate().flat_map(|(i, p)| p.borders.iter().map(move |b| (b, i)));
-        polylines.flat_map(|(b, i)| b.windows(2).map(move |w| ([w[0], w[1]], i as u32)))
+        let guides = scene.guides.iter().map(|g| (g, u32::MAX as usize));
+        polylines.chain(guides).flat_map(|(b, i)| b.windows(2).map(move |w| ([w[0], w[1]], i as u32)))
     };
     let share = |i: usize| 2.0 * i as f64 / (SCALE_STEPS - 1) as f64 - 1.0;
     let mut scale: Vec<[u8; 3]> = (0..SCALE_STEPS).map(|i| colour::bytes(colour::deviation(share(i)))).collect();
@@ -182,7 +183,7 @@ mod tests {
             borders: vec![vec![Vec3::zeros(), Vec3::x(), Vec3::y()]],
             ..PanelShape::default()
         };
-        let scene = Scene { panels: vec![shape(0.0), shape(4.0)], surfaces: vec![] };
+        let scene = Scene { panels: vec![shape(0.0), shape(4.0)], surfaces: vec![], ..Scene::default() };
         let (header, bytes) = pack(&scene, &Vec3::z(), 1.0);
         assert_eq!(header.centre, [3.0, 1.0, 0.0]);
         assert_eq!((header.panels.vertices, header.panels.indices), (6, 6));

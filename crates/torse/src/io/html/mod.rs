@@ -4,6 +4,7 @@
 //! All words and numbers come from [`Report`], the record that is also written as `report.json`.
 
 mod geometry;
+pub mod sheets;
 mod tables;
 mod words;
 
@@ -118,7 +119,8 @@ mod tests {
             values: vec![0.1, 0.2, -0.3],
         };
         let panel = |name: &str| PanelShape { name: name.into(), mesh: mesh.clone(), ..PanelShape::default() };
-        let scene = Scene { panels: vec![panel("A-01"), panel("A-02")], surfaces: vec![mesh.clone()] };
+        let scene =
+            Scene { panels: vec![panel("A-01"), panel("A-02")], surfaces: vec![mesh.clone()], ..Scene::default() };
         let direction = Vec3::new(1.0, -1.0, 1.0);
         let page = Page { report, scene: &scene, direction, layout: &[], panels_png: &[1, 2], deviation_png: &[3] };
         write(&page).expect("a page")

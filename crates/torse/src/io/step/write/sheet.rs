@@ -4,6 +4,7 @@ use crate::geom::{Frame, Vec3};
 use crate::spline::curve::Curve;
 use crate::spline::surface::Surface;
 use crate::surface::panel::Panel;
+use crate::surface::strip::Strip;
 use crate::surface::torse::PanelKind;
 
 /// Connected faces with the edges and vertices that they share.
@@ -173,6 +174,63 @@ impl Sheet {
         sheet
     }
 
+    /// An untrimmed strip: one face, bounded by its rails and end rulings; a rail that is a point has no edge. Planes
+    /// are written as planes.
+    pub fn of_strip(strip: &Strip) -> Self {
+        let mut sheet = Self::untrimmed(&strip.name, &strip.patch);
+        let points = [strip.is_point(0), strip.is_point(1)];
+        let Some(face) = sheet.faces.first_mut() else { return sheet };
+        if let SheetSurface::Spline { form, .. } = &mut face.surface {
+            *form = strip.kind.into();
+        }
+        // Rails are the edges 0 and 2; their ends fall together at a point.
+        for (side, edge, keep, lose) in [(0, 0, 0, 1), (1, 2, 3, 2)] {
+            if points[side] {
+                if let Some(l) = face.loops.first_mut() {
+                    l.retain(|u| u.edge != edge);
+                }
+                for e in &mut sheet.edges {
+                    for end in [&mut e.start, &mut e.end] {
+                        if *end == lose {
+                            *end = keep;
+                        }
+                    }
+                }
+            }
+        }
+        let straight = |c: &SheetCurve| matches!(c, SheetCurve::Spline(c) if c.control.len() == 2);
+        for e in &mut sheet.edges {
+            if straight(&e.curve) {
+                e.curve = SheetCurve::Line;
+            }
+        }
+        let plane = (strip.kind == PanelKind::Plane).then(|| plane_of(&strip.patch)).flatten();
+        if let Some(frame) = plane {
+            face.surface = SheetSurface::Plane(frame);
+            for u in face.loops.iter_mut().flatten() {
+                u.trim = None;
+            }
+        } else {
+            // Lines have their length as parameter; the trims of straight edges would no longer fit.
+            let lines: Vec<bool> = sheet.edges.iter().map(|e| matches!(e.curve, SheetCurve::Line)).collect();
+            for u in face.loops.iter_mut().flatten().filter(|u| lines[u.edge]) {
+                u.trim = None;
+            }
+        }
+        // What is no longer used is not written.
+        let used: Vec<usize> = face.loops.iter().flatten().map(|u| u.edge).collect();
+        let number = |e: usize| used.iter().filter(|&&x| x < e).count();
+        for u in face.loops.iter_mut().flatten() {
+            u.edge = number(u.edge);
+        }
+        let mut k = 0;
+        sheet.edges.retain(|_| {
+            k += 1;
+            used.contains(&(k - 1))
+        });
+        sheet
+    }
+
     /// The whole of a clamped spline surface, bounded by its four boundary curves.
     pub fn untrimmed(name: &str, surface: &Surface) -> Self {
         let ((u0, u1), (v0, v1)) = surface.domain();
@@ -210,6 +268,15 @@ impl Sheet {
         });
         sheet
     }
+}
+
+/// The plane of a plane patch, its normal on the patch's side; `None` for a patch without area.
+fn plane_of(patch: &Surface) -> Option<Frame> {
+    let ((u0, u1), (v0, v1)) = patch.domain();
+    let j = patch.jet(0.5 * (u0 + u1), 0.5 * (v0 + v1));
+    let z = j.normal().try_normalize(0.0)?;
+    let x = j.dv.try_normalize(0.0)?;
+    Some(Frame { origin: j.p, x, y: z.cross(&x), z })
 }
 
 fn edge_of(c: Curve<4>, rational: bool) -> SheetCurve {

@@ -1,0 +1,413 @@
+//! The flat pattern of a chain of untrimmed strips that share rulings, by the isometric map of `map` \[DC76\].
+//!
+//! Every strip is developed by itself and moved so that its first ruling falls on the last ruling of the strip
+//! before. Outline as lines and arcs, rulings, marks at equal lengths along both rails.
+
+use super::arcs::{self, PlaneCurve};
+use super::map::Development;
+use super::overlap::{overlap, OutlinePoint};
+use super::DevelopError;
+use crate::geom::rectangle::smallest_rectangle;
+use crate::geom::Vec2;
+use crate::surface::panel::Border;
+use crate::surface::pattern::{Contour, ContourVertex, Mark, Pattern, Side};
+use crate::surface::strip::Strip;
+use crate::surface::torse::PanelKind;
+
+/// Knobs of [`pattern`].
+#[derive(Clone, Copy, Debug)]
+pub struct StripOptions {
+    /// Distance allowed between the contour drawn and the exact outline, mm; no default (a tenth of the job's
+    /// tolerance at most).
+    pub contour_tolerance: f64,
+    /// Distance between the rulings drawn, mm along the middle of the pattern; default none: 20 over its length.
+    pub ruling_spacing: Option<f64>,
+    /// Distance between marks along each rail, mm; default none: 8 over its length. 0 for no marks.
+    pub mark_spacing: Option<f64>,
+    /// +1 to see the pattern from the side to which ruling × rail points, −1 from the other; default 1.
+    pub side: f64,
+}
+
+impl StripOptions {
+    /// Defaults with a contour tolerance (mm).
+    pub fn new(contour_tolerance: f64) -> Self {
+        Self { contour_tolerance, ruling_spacing: None, mark_spacing: None, side: 1.0 }
+    }
+}
+
+/// Share of the pattern's size by which end rulings of neighbours may differ: beyond rounding they are no chain.
+const JOINT: f64 = 1e-6;
+/// Share of the pattern's size by which points must be apart in space to overlap in the plane.
+const APART: f64 = 1e-3;
+/// Turn of the outline (rad) at a joint from which it is called a corner.
+const CORNER: f64 = 1e-6;
+/// Rulings and marks over a pattern where no spacing is given.
+const RULINGS: f64 = 20.0;
+/// See [`RULINGS`].
+const MARKS: f64 = 8.0;
+/// Most rulings or marks drawn: more than anybody can use, and no spacing can exhaust the memory.
+const MOST: f64 = 4000.0;
+/// Samples per span for lengths along the middle.
+const SAMPLES: usize = 16;
+/// Stations over the breadth of a strip where the isometry is measured.
+const ACROSS: [f64; 5] = [0.0, 0.05, 0.5, 0.95, 1.0];
+
+/// A strip in the plane: its map and where the chain puts it.
+struct Laid<'a> {
+    strip: &'a Strip,
+    development: Development,
+    turn: (f64, f64),
+    offset: Vec2,
+}
+
+impl Laid<'_> {
+    fn vector(&self, v: &Vec2) -> Vec2 {
+        let (s, c) = self.turn;
+        Vec2::new(c * v.x - s * v.y, s * v.x + c * v.y)
+    }
+
+    fn map(&self, u: f64, v: f64) -> Vec2 {
+        self.vector(&self.development.map(u, v)) + self.offset
+    }
+}
+
+/// A stretch of an outline: a rail between two knots, or a ruling.
+struct Edge<'a, 'b> {
+    laid: &'a Laid<'b>,
+    from: [f64; 2],
+    to: [f64; 2],
+}
+
+impl Edge<'_, '_> {
+    fn at(&self, s: f64) -> [f64; 2] {
+        if s >= 1.0 {
+            return self.to;
+        }
+        [0, 1].map(|k| self.from[k] + (self.to[k] - self.from[k]) * s)
+    }
+}
+
+impl PlaneCurve for Edge<'_, '_> {
+    fn place(&self, s: f64) -> Vec2 {
+        let [u, v] = self.at(s);
+        self.laid.map(u, v)
+    }
+
+    fn velocity(&self, s: f64) -> Vec2 {
+        let [u, v] = self.at(s);
+        let d = self.laid.development.tangent(u, v, self.to[0] - self.from[0], self.to[1] - self.from[1]);
+        self.laid.vector(&d)
+    }
+}
+
+/// Develops a chain of strips, each beginning with the ruling that ends the one before, into one pattern.
+///
+/// `index` and `name` are those of the piece. Marks are labelled A1, A2, … along the rail v = 0 and B1, B2, … along
+/// the rail v = 1, at equal lengths from the first ruling.
+/// *Guarantee*: the contour is closed and counter-clockwise; corners are exact images.
+/// *Measured, not proven*: `isometry_error` (greatest strain at stations of the map), `contour_error`.
+///
+/// # Errors
+/// No strip, a patch that is not regular, neighbours whose rulings differ, a pattern that overlaps itself.
+pub fn pattern(strips: &[&Strip], index: usize, name: &str, options: &StripOptions) -> Result<Pattern, DevelopError> {
+    let laid = lay(strips, index, options.side)?;
+    let (Some(first), Some(last)) = (laid.first(), laid.last()) else { return Err(DevelopError::Missing(index)) };
+    // 1. Outline: rail A, last ruling, rail B backwards, first ruling.
+    let rail = |v: f64| {
+        let mut edges = Vec::new();
+        for l in laid.iter().filter(|l| !l.strip.is_point(v as usize)) {
+            let breaks = l.strip.patch.knots_u.breaks();
+            edges.extend(smooth_stretches(l, &breaks, v));
+        }
+        edges
+    };
+    let along = |l: &Laid| l.strip.domain();
+    let mut edges: Vec<(usize, Edge)> = rail(0.0).into_iter().map(|e| (0, e)).collect();
+    edges.push((1, Edge { laid: last, from: [along(last).1, 0.0], to: [along(last).1, 1.0] }));
+    let back = rail(1.0).into_iter().rev().map(|e| (2, Edge { laid: e.laid, from: e.to, to: e.from }));
+    edges.extend(back);
+    edges.push((3, Edge { laid: first, from: [along(first).0, 1.0], to: [along(first).0, 0.0] }));
+
+    let samples: Vec<OutlinePoint> = edges.iter().flat_map(|(_, e)| outline_samples(e, strips)).collect();
+    let flat: Vec<Vec2> = samples.iter().map(|s| s.flat).collect();
+    let rectangle = smallest_rectangle(&flat).ok_or(DevelopError::Missing(index))?;
+    if let Some((a, b)) = overlap(&[samples], (APART * rectangle.length).max(4.0 * options.contour_tolerance)) {
+        return Err(DevelopError::Overlap { t: 0.5 * (a + b) });
+    }
+    let origin = flat[0];
+    let area: f64 = edges.iter().map(|(_, e)| integral(|s| 0.5 * (e.place(s) - origin).perp(&e.velocity(s)))).sum();
+    // 2. Contour of lines and arcs.
+    let mirrored = area < 0.0;
+    let (mut vertices, mut contour_error): (Vec<ContourVertex>, f64) = (Vec::new(), 0.0);
+    let mut before: Option<Vec2> = None;
+    for (_, e) in &edges {
+        let (pieces, error) = arcs::arcs(e, options.contour_tolerance);
+        contour_error = contour_error.max(error);
+        let turns = before.is_none_or(|d: Vec2| {
+            let v = e.velocity(0.0);
+            d.perp(&v).atan2(d.dot(&v)).abs() > CORNER
+        });
+        for (k, p) in pieces.iter().enumerate() {
+            vertices.push(ContourVertex { point: p.point, bulge: p.bulge, corner: k == 0 && turns });
+        }
+        before = Some(e.velocity(1.0));
+    }
+    if mirrored {
+        let n = vertices.len();
+        vertices = (0..n)
+            .map(|k| {
+                let (here, left) = (&vertices[(n - k) % n], &vertices[(2 * n - k - 1) % n]);
+                ContourVertex { point: here.point, bulge: -left.bulge, corner: here.corner }
+            })
+            .collect();
+    }
+    // 3. Rulings, marks, sides.
+    let rulings = rulings(&laid, options.ruling_spacing, contour_error);
+    let marks = marks(&laid, options.mark_spacing, if mirrored { -1.0 } else { 1.0 });
+    let mut sides: Vec<Side> = Vec::new();
+    for side in 0..4u32 {
+        let of: Vec<&Edge> = edges.iter().filter(|e| e.0 == side as usize).map(|e| &e.1).collect();
+        let length: f64 = of.iter().map(|e| integral(|s| e.velocity(s).norm())).sum();
+        if let Some(e) = of.get(of.len() / 2) {
+            let s = if of.len() % 2 == 0 { 0.0 } else { 0.5 };
+            sides.push(Side { border: Border::Trim { edge: side }, middle: e.place(s), length });
+        }
+    }
+    if mirrored {
+        sides.reverse();
+    }
+    let isometry_error = laid.iter().fold(0.0_f64, |m, l| {
+        l.development.stations().flat_map(|t| ACROSS.map(|v| (t, v))).fold(m, |m, (t, v)| {
+            // The apex of a fan has no tangent plane to measure in.
+            let apex = (v < 0.5 && l.strip.is_point(0)) || (v > 0.5 && l.strip.is_point(1));
+            m.max(l.development.strain(t, if apex { 0.5 } else { v }))
+        })
+    });
+    Ok(Pattern {
+        panel: index,
+        name: name.into(),
+        contours: vec![Contour { vertices }],
+        rulings,
+        marks,
+        sides,
+        area: area.abs(),
+        area_in_space: strips.iter().map(|s| s.area_estimate()).sum(),
+        isometry_error,
+        contour_error,
+        width: rectangle.width,
+        length: rectangle.length,
+    })
+}
+
+/// Develops every strip and joins them along their common rulings.
+fn lay<'a>(strips: &[&'a Strip], index: usize, side: f64) -> Result<Vec<Laid<'a>>, DevelopError> {
+    let mut out: Vec<Laid> = Vec::with_capacity(strips.len());
+    for strip in strips {
+        let development = Development::new(&strip.patch, side)?;
+        let mut laid = Laid { strip, development, turn: (0.0, 1.0), offset: Vec2::zeros() };
+        if let Some(before) = out.last() {
+            let (u, t) = (strip.domain().0, before.strip.domain().1);
+            let (here, there) = (strip.ruling(u), before.strip.ruling(t));
+            let size = strip.patch.bbox().diagonal().max(before.strip.patch.bbox().diagonal());
+            let gap = (here[0] - there[0]).norm().max((here[1] - there[1]).norm());
+            if gap.is_nan() || gap > JOINT * size {
+                return Err(DevelopError::Apart { piece: index, strip: strip.name.clone(), gap });
+            }
+            let (d, to) = (laid.map(u, 1.0) - laid.map(u, 0.0), before.map(t, 1.0) - before.map(t, 0.0));
+            let angle = d.perp(&to).atan2(d.dot(&to));
+            laid.turn = angle.sin_cos();
+            let middle = before.map(t, 0.5);
+            laid.offset = middle - laid.map(u, 0.5);
+        }
+        out.push(laid);
+    }
+    Ok(out)
+}
+
+/// Stretches of a rail between places where it may have a kink: knots as often as the degree.
+fn smooth_stretches<'a, 'b>(laid: &'a Laid<'b>, breaks: &[f64], v: f64) -> Vec<Edge<'a, 'b>> {
+    let kinks = laid.strip.patch.c0_lines().0;
+    let mut ends = vec![breaks[0]];
+    ends.extend(kinks);
+    ends.push(breaks[breaks.len() - 1]);
+    ends.windows(2).map(|w| Edge { laid, from: [w[0], v], to: [w[1], v] }).collect()
+}
+
+/// Samples of a stretch of the outline; rulings of later strips are counted on from those of earlier ones.
+fn outline_samples(e: &Edge, strips: &[&Strip]) -> Vec<OutlinePoint> {
+    let number = strips.iter().position(|s| std::ptr::eq(*s, e.laid.strip)).unwrap_or(0) as f64;
+    let parts = if e.from[0] == e.to[0] { 1 } else { 12 * e.laid.strip.patch.knots_u.breaks().len().max(4) };
+    let (a, b) = e.laid.strip.domain();
+    (0..parts)
+        .map(|k| {
+            let [u, v] = e.at(k as f64 / parts as f64);
+            let flat = e.laid.map(u, v);
+            OutlinePoint { flat, space: e.laid.strip.patch.point(u, v), t: number + (u - a) / (b - a) }
+        })
+        .collect()
+}
+
+/// Integral over [0, 1] in 16 parts of 4 Gauss points.
+fn integral(mut f: impl FnMut(f64) -> f64) -> f64 {
+    const PARTS: usize = 16;
+    (0..PARTS)
+        .map(|k| {
+            let at = |i: usize| i as f64 / PARTS as f64;
+            crate::num::quadrature::GAUSS_4.integrate(at(k), at(k + 1), &mut f)
+        })
+        .sum()
+}
+
+/// Lengths along the line `v` of the chain: strip, parameter and length so far.
+fn stations(laid: &[Laid], v: f64) -> Vec<(usize, f64, f64)> {
+    let mut out = Vec::new();
+    let mut length = 0.0;
+    for (k, l) in laid.iter().enumerate() {
+        let mut last: Option<Vec2> = None;
+        for w in l.strip.patch.knots_u.breaks().windows(2) {
+            for i in 0..=SAMPLES {
+                let u = w[0] + (w[1] - w[0]) * i as f64 / SAMPLES as f64;
+                let p = l.map(u, v);
+                length += last.map_or(0.0, |q| (p - q).norm());
+                last = Some(p);
+                out.push((k, u, length));
+            }
+        }
+    }
+    out
+}
+
+/// Strip and parameter at a length along [`stations`].
+fn at_length(stations: &[(usize, f64, f64)], length: f64) -> (usize, f64) {
+    let i = stations.partition_point(|s| s.2 < length).clamp(1, stations.len() - 1);
+    let (a, b) = (stations[i - 1], stations[i]);
+    if a.0 != b.0 || b.2 <= a.2 {
+        return (b.0, b.1);
+    }
+    (b.0, a.1 + (b.1 - a.1) * ((length - a.2) / (b.2 - a.2)).clamp(0.0, 1.0))
+}
+
+/// Rulings at equal lengths along the middle, and those between the strips, shortened by `inset` at both ends.
+fn rulings(laid: &[Laid], spacing: Option<f64>, inset: f64) -> Vec<[Vec2; 2]> {
+    let stations = stations(laid, 0.5);
+    let total = stations.last().map_or(0.0, |s| s.2);
+    let step = spacing.filter(|s| *s > 0.0).unwrap_or(total / RULINGS).max(total / MOST);
+    let mut at: Vec<(usize, f64)> = (1..laid.len()).map(|k| (k, laid[k].strip.domain().0)).collect();
+    let mut length = step;
+    while length < total * (1.0 - 1e-9) && step > 0.0 {
+        let (k, u) = at_length(&stations, length);
+        if laid[k].strip.kind != PanelKind::Plane {
+            at.push((k, u));
+        }
+        length += step;
+    }
+    at.iter()
+        .filter_map(|&(k, u)| {
+            let (a, b) = (laid[k].map(u, 0.0), laid[k].map(u, 1.0));
+            let length = (b - a).norm();
+            let d = (b - a) * (inset / length);
+            (length > 4.0 * inset).then(|| [a + d, b - d])
+        })
+        .collect()
+}
+
+/// Marks at equal lengths along both rails.
+fn marks(laid: &[Laid], spacing: Option<f64>, sign: f64) -> Vec<Mark> {
+    let mut out = Vec::new();
+    if spacing == Some(0.0) {
+        return out;
+    }
+    for (v, letter) in [(0.0, 'A'), (1.0, 'B')] {
+        let stations = stations(laid, v);
+        let total = stations.last().map_or(0.0, |s| s.2);
+        let step = spacing.filter(|s| *s > 0.0).unwrap_or(total / MARKS).max(total / MOST);
+        let mut k = 1;
+        while step > 0.0 && step * f64::from(k) < total * (1.0 - 1e-9) {
+            let (i, u) = at_length(&stations, step * f64::from(k));
+            let l = &laid[i];
+            let t = l.vector(&l.development.tangent(u, v, if v < 0.5 { 1.0 } else { -1.0 }, 0.0)) * sign;
+            let norm = t.norm();
+            if norm > 0.0 && !l.strip.is_point(v as usize) {
+                let inward = Vec2::new(-t.y, t.x) / norm;
+                out.push(Mark { point: l.map(u, v), inward, label: format!("{letter}{k}") });
+            }
+            k += 1;
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geom::Vec3;
+    use crate::spline::curve::Curve;
+
+    /// Quarter circle of radius r about the z-axis, from the angle k · 90°.
+    fn quarter(k: usize, radius: f64, z: f64) -> Curve<4> {
+        let h = std::f64::consts::FRAC_1_SQRT_2;
+        let (s, c) = (0.5 * std::f64::consts::PI * k as f64).sin_cos();
+        let turn = |x: f64, y: f64, w: f64| [w * radius * (c * x - s * y), w * radius * (s * x + c * y), w * z, w];
+        Curve::new(
+            2,
+            vec![0.0, 0.0, 0.0, 1.0, 1.0, 1.0],
+            vec![turn(1.0, 0.0, 1.0), turn(1.0, 1.0, h), turn(0.0, 1.0, 1.0)],
+        )
+        .expect("arc")
+    }
+
+    fn cone(k: usize) -> Strip {
+        Strip::between("c", PanelKind::Cone, &quarter(k, 100.0, 0.0), &quarter(k, 50.0, 100.0)).expect("strip")
+    }
+
+    #[test]
+    fn two_quarters_of_a_cone_make_one_sector() {
+        let (a, b) = (cone(0), cone(1));
+        let p = pattern(&[&a, &b], 3, "duct", &StripOptions::new(0.01)).expect("pattern");
+        let (outer, inner) = (100f64.hypot(200.0), 50f64.hypot(100.0));
+        let angle = std::f64::consts::PI * 100.0 / outer;
+        let area = 0.5 * angle * (outer * outer - inner * inner);
+        assert!((p.area - area).abs() < 1e-7 * area && (p.area_in_space - area).abs() < 1e-7 * area);
+        assert!(p.isometry_error < 1e-9 && p.contour_error < 0.01);
+        // One arc per quarter and rail would do.
+        assert!(p.contours[0].vertices.len() <= 8, "{}", p.contours[0].vertices.len());
+        assert_eq!(p.contours[0].vertices.iter().filter(|v| v.corner).count(), 4);
+        assert_eq!((p.panel, p.sides.len()), (3, 4));
+        assert!(p.rulings.len() >= 19 && p.marks.len() == 14);
+    }
+
+    #[test]
+    fn rulings_keep_the_spacing_asked_for() {
+        let a = cone(0);
+        let options = StripOptions { ruling_spacing: Some(10.0), mark_spacing: Some(20.0), ..StripOptions::new(0.01) };
+        let p = pattern(&[&a], 0, "c", &options).expect("pattern");
+        let middle = |r: &[Vec2; 2]| (r[0] + r[1]) * 0.5;
+        for w in p.rulings.windows(2) {
+            assert!(((middle(&w[1]) - middle(&w[0])).norm() - 10.0).abs() < 0.05);
+        }
+        assert!(p.marks.iter().any(|m| m.label == "A7") && p.marks.iter().any(|m| m.label == "B3"));
+    }
+
+    #[test]
+    fn triangles_and_fans_lie_flat_and_their_marks_point_inwards() {
+        let x = |x: f64, y: f64, z: f64| Vec3::new(x, y, z);
+        let t = Strip::quad(
+            "t",
+            PanelKind::Plane,
+            [x(0.0, 0.0, 0.0), x(0.0, 0.0, 60.0)],
+            [x(80.0, 0.0, 0.0), x(0.0, 0.0, 60.0)],
+        )
+        .expect("strip");
+        let p = pattern(&[&t], 0, "t", &StripOptions::new(0.01)).expect("pattern");
+        assert!((p.area - 2400.0).abs() < 1e-9 && p.contours[0].vertices.len() == 3);
+        let centre = p.contours[0].vertices.iter().fold(Vec2::zeros(), |s, v| s + v.point / 3.0);
+        assert!(p.marks.iter().all(|m| m.inward.dot(&(centre - m.point)) > 0.0));
+    }
+
+    #[test]
+    fn strips_without_a_common_ruling_are_refused() {
+        let (a, b) = (cone(0), cone(2));
+        let e = pattern(&[&a, &b], 0, "d", &StripOptions::new(0.01)).expect_err("apart");
+        assert!(matches!(e, DevelopError::Apart { .. }));
+    }
+}

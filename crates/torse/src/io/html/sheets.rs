@@ -1,0 +1,216 @@
+//! `report.html` of jobs that make strips: the same page, style and 3-D view as the main job's.
+
+use super::tables::{self, exponent};
+use super::words::plain;
+use super::{escape, fill, geometry, HtmlError, SCRIPT, STYLE};
+use crate::geom::Vec3;
+use crate::io::sheets::{FigureRecord, Report};
+use crate::pipeline::sheets::FieldMeaning;
+use crate::tessellate::colour;
+use crate::tessellate::flat::FlatPiece;
+use crate::tessellate::scene::Scene;
+use base64::prelude::{Engine, BASE64_STANDARD};
+use std::fmt::Write;
+
+/// Everything the page shows.
+#[derive(Clone, Copy, Debug)]
+pub struct Page<'a> {
+    /// Words and numbers.
+    pub report: &'a Report,
+    /// Geometry of the 3-D view.
+    pub scene: &'a Scene,
+    /// Direction (towards the eye) in which the 3-D view opens.
+    pub direction: Vec3,
+    /// Flat patterns on the sheet.
+    pub layout: &'a [FlatPiece],
+    /// PNG file: strips with rulings.
+    pub panels_png: &'a [u8],
+    /// What the colours mean, and the PNG file of them, if there are any.
+    pub field: Option<(&'a FieldMeaning, &'a [u8])>,
+    /// End of the colour scale.
+    pub limit: f64,
+}
+
+const PAGE: &str = include_str!("sheets.html");
+
+/// The text of `report.html`.
+///
+/// # Errors
+/// None in practice: the geometry's description always has a JSON form.
+pub fn write(page: &Page) -> Result<String, HtmlError> {
+    let report = page.report;
+    let (header, blob) = geometry::pack(page.scene, &page.direction, page.limit);
+    let header = serde_json::to_string(&header)?;
+    let image = |bytes: &[u8]| format!("data:image/png;base64,{}", BASE64_STANDARD.encode(bytes));
+    let field = page.field.map(|(m, png)| {
+        format!(
+            "<section class=\"card\" id=\"field\"><h2>{name}</h2><img src=\"{}\" alt=\"Map: {name}\"></section>",
+            image(png),
+            name = escape(&m.name),
+        )
+    });
+    let meaning = page.field.map(|f| f.0);
+    Ok(fill(PAGE, |name| match name {
+        "title" => escape(&report.input),
+        "job" => escape(&report.job),
+        "style" => STYLE.to_string(),
+        "script" => SCRIPT.to_string(),
+        "badge" => badge(report),
+        "figures" => report.figures.iter().map(tile).collect(),
+        "words" => words(report),
+        "field_name" => meaning.map_or_else(|| "Values".into(), |m| escape(&m.name)),
+        "field_hidden" => {
+            if meaning.is_some() {
+                String::new()
+            } else {
+                "hidden".into()
+            }
+        }
+        "limit" => format!("{}&nbsp;{}", plain(page.limit, 4), meaning.map_or_else(String::new, |m| escape(&m.unit))),
+        "strip_heads" => heads(report),
+        "strip_rows" => report.strips.iter().enumerate().map(|(i, _)| row(i, report)).collect(),
+        "strip_count" => report.strips.len().to_string(),
+        "part_rows" => parts(report),
+        "layout" => tables::layout(page.layout),
+        "field" => field.clone().unwrap_or_default(),
+        "version" => escape(&report.version),
+        "panels_png" => image(page.panels_png),
+        "scene" => header.replace('<', "\\u003c"),
+        "geometry" => BASE64_STANDARD.encode(&blob),
+        _ => String::new(),
+    }))
+}
+
+fn badge(report: &Report) -> String {
+    let (class, sign, words) =
+        if report.certified() { ("good", "\u{2713}", "Certified") } else { ("bad", "!", "Not certified") };
+    format!("<span class=\"badge {class}\"><span aria-hidden=\"true\">{sign}</span> {words}</span>")
+}
+
+/// A number for people, with powers of ten where it is tiny.
+fn number(f: &FigureRecord) -> String {
+    match f.value {
+        None => "\u{221e}".into(),
+        Some(x) if x != 0.0 && x.abs() < 1e-3 => {
+            if x < 0.0 {
+                format!("\u{2212}{}", exponent(-x))
+            } else {
+                exponent(x)
+            }
+        }
+        Some(x) => plain(x, 6),
+    }
+}
+
+fn tile(f: &FigureRecord) -> String {
+    let unit = if f.unit.is_empty() { String::new() } else { format!("&nbsp;{}", escape(&f.unit)) };
+    let note = if f.basis == "given" { "" } else { f.basis.as_str() };
+    format!("<div><dt>{}</dt><dd>{}{unit}<small>{note}</small></dd></div>", escape(&f.name), number(f))
+}
+
+fn words(report: &Report) -> String {
+    let mut out = String::new();
+    if report.certified() {
+        let _ = write!(
+            out,
+            "<p class=\"lead\">The result meets the tolerance of {}&nbsp;mm. Figures marked <i>proven</i> hold for every \
+             point, those marked <i>measured</i> for samples.</p>",
+            plain(report.tolerance, 4)
+        );
+    } else {
+        let _ = write!(
+            out,
+            "<p class=\"lead\">This result is <b>not certified</b>: {}. The files were written so that you can look.</p>",
+            escape(report.reason.trim_end_matches('.'))
+        );
+    }
+    let list = |title: &str, items: &[String]| {
+        if items.is_empty() {
+            return String::new();
+        }
+        let items: String = items.iter().map(|i| format!("<li>{}</li>", escape(i))).collect();
+        format!("<h3>{title}</h3><ul>{items}</ul>")
+    };
+    out + &list("Notes", &report.notes) + &list("Left out", &report.skipped)
+}
+
+fn heads(report: &Report) -> String {
+    let figures = report.strips.first().map_or(&[][..], |s| &s.figures[..]);
+    figures
+        .iter()
+        .map(|f| {
+            let unit = if f.unit.is_empty() { String::new() } else { format!(" ({})", escape(&f.unit)) };
+            format!("<th><button type=\"button\" title=\"{}\">{}{unit}</button></th>", f.basis, escape(&f.name))
+        })
+        .collect()
+}
+
+fn row(index: usize, report: &Report) -> String {
+    let strip = &report.strips[index];
+    let mut row = format!("<tr id=\"panel-{index}\" data-panel=\"{index}\" tabindex=\"0\">");
+    let swatch = colour::hex(colour::panel(index));
+    let name = escape(&strip.name);
+    let _ = write!(
+        row,
+        "<td class=\"name\" data-value=\"{name}\"><i style=\"background:{swatch}\"></i>{name}</td>\
+         <td data-value=\"{kind}\">{kind}</td>",
+        kind = escape(&strip.kind)
+    );
+    for f in &strip.figures {
+        let key = f.value.map_or_else(|| "Infinity".to_string(), |x| format!("{x:e}"));
+        let _ = write!(row, "<td class=\"number\" data-value=\"{key}\">{}</td>", number(f));
+    }
+    row + "</tr>"
+}
+
+fn parts(report: &Report) -> String {
+    let cell = |x: Option<f64>, unit: f64| x.map_or_else(|| "\u{2014}".to_string(), |x| plain(x * unit, 6));
+    report
+        .parts
+        .iter()
+        .map(|p| {
+            let error = p.isometry_error.map_or_else(|| "\u{2014}".into(), exponent);
+            format!(
+                "<tr><td>{}</td><td>{}</td><td class=\"number\">{}</td><td class=\"number\">{}</td>\
+                 <td class=\"number\">{}</td><td class=\"number\">{}</td><td class=\"number\">{error}</td>\
+                 <td class=\"number\">{}</td><td>{}</td></tr>",
+                escape(&p.name),
+                p.strips.len(),
+                cell(p.length, 1.0),
+                cell(p.width, 1.0),
+                cell(p.flat_area, 1e-6),
+                cell(p.area, 1e-6),
+                cell(p.contour_error, 1.0),
+                escape(&p.missing),
+            )
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::io::sheets::tests::sample;
+    use crate::pipeline::presentation::present_sheets;
+
+    #[test]
+    fn the_page_is_filled_and_names_cannot_become_markup() {
+        let sheets = sample();
+        let shown = present_sheets(&sheets);
+        let page = Page {
+            report: &Report::of(&sheets),
+            scene: &shown.scene,
+            direction: shown.direction,
+            layout: &shown.pieces,
+            panels_png: &[1],
+            field: Some((&sheets.meaning, &[2])),
+            limit: 0.2,
+        };
+        let text = write(&page).expect("a page");
+        assert!(!text.contains("{{") && !text.contains("plate <1>") && text.contains("plate &lt;1&gt;"));
+        assert!(text.contains("a &amp; b") && text.contains("A-02"));
+        for unwanted in ["src=\"http", "href=\"http", "url(", "@import"] {
+            assert!(!text.contains(unwanted), "{unwanted}");
+        }
+    }
+}

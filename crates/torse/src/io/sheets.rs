@@ -1,0 +1,317 @@
+//! `report.json` of jobs that make strips (format: `docs/report-strips-json.md`), and all files of such a job.
+
+use super::bundle::{BundleError, File};
+use super::html::sheets as page;
+use super::step::write::{self as step, Header, Sheet};
+use super::{dxf, glb, png, svg};
+use crate::pipeline::outcome::Status;
+use crate::pipeline::presentation::Presentation;
+use crate::pipeline::sheets::{Figure, Sheets};
+use crate::tessellate::picture::{self, Caption};
+use serde::{Deserialize, Serialize};
+
+/// Name and version of the format.
+pub const SCHEMA: &str = "torse-strips/1";
+
+/// The whole report. Lengths in mm; `None` is written as `null` and stands for an infinite or unknown number.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Report {
+    /// [`SCHEMA`].
+    pub schema: String,
+    /// Version of the program.
+    pub version: String,
+    /// Name of the job.
+    pub job: String,
+    /// `certified` or `uncertified`.
+    pub status: String,
+    /// Why not certified; empty when certified.
+    pub reason: String,
+    /// Unit of all lengths: `mm`.
+    pub unit: String,
+    /// Name of the input.
+    pub input: String,
+    /// Tolerance asked for, mm.
+    pub tolerance: f64,
+    /// Wall time, seconds.
+    pub seconds: f64,
+    /// Figures of the whole.
+    pub figures: Vec<FigureRecord>,
+    /// What people should know.
+    pub notes: Vec<String>,
+    /// Items of the input that could not be used.
+    pub skipped: Vec<String>,
+    /// Strips.
+    pub strips: Vec<StripRecord>,
+    /// Parts as they are cut.
+    pub parts: Vec<PartRecord>,
+}
+
+/// A named number.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FigureRecord {
+    /// Name.
+    pub name: String,
+    /// Value; null for infinite or unknown.
+    pub value: Option<f64>,
+    /// Unit; empty for plain numbers.
+    pub unit: String,
+    /// `proven`, `measured` or `given`.
+    pub basis: String,
+}
+
+/// One strip.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct StripRecord {
+    /// Name, the same in all files.
+    pub name: String,
+    /// `plane`, `cylinder`, `cone` or `torse`.
+    pub kind: String,
+    /// Its figures.
+    pub figures: Vec<FigureRecord>,
+}
+
+/// One part as it is cut.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PartRecord {
+    /// Name, the same in all files.
+    pub name: String,
+    /// Names of its strips.
+    pub strips: Vec<String>,
+    /// Why there is no pattern; empty if there is one.
+    pub missing: String,
+    /// Area of the flat pattern, mm².
+    pub flat_area: Option<f64>,
+    /// Area in space, mm².
+    pub area: Option<f64>,
+    /// Largest relative error of lengths on the flat pattern, measured.
+    pub isometry_error: Option<f64>,
+    /// Largest distance between the outline drawn and the exact flat outline, mm.
+    pub contour_error: Option<f64>,
+    /// Long side of the smallest rectangle around the flat pattern, mm.
+    pub length: Option<f64>,
+    /// Short side, mm.
+    pub width: Option<f64>,
+}
+
+impl Report {
+    /// The record of an outcome.
+    pub fn of(sheets: &Sheets) -> Self {
+        let (status, reason) = match &sheets.status {
+            Status::Certified => ("certified", ""),
+            Status::Uncertified(reason) => ("uncertified", reason.as_str()),
+        };
+        let empty = Vec::new();
+        Self {
+            schema: SCHEMA.into(),
+            version: env!("CARGO_PKG_VERSION").into(),
+            job: sheets.job.clone(),
+            status: status.into(),
+            reason: reason.into(),
+            unit: "mm".into(),
+            input: sheets.input.clone(),
+            tolerance: sheets.tolerance,
+            seconds: sheets.seconds,
+            figures: records(&sheets.figures),
+            notes: sheets.notes.clone(),
+            skipped: sheets.skipped.clone(),
+            strips: sheets
+                .strips
+                .iter()
+                .enumerate()
+                .map(|(k, s)| StripRecord {
+                    name: s.name.clone(),
+                    kind: s.kind.name().into(),
+                    figures: records(sheets.strip_figures.get(k).unwrap_or(&empty)),
+                })
+                .collect(),
+            parts: part_records(sheets),
+        }
+    }
+
+    /// Whether the status is `certified`.
+    pub fn certified(&self) -> bool {
+        self.status == "certified"
+    }
+
+    /// The text of `report.json`.
+    ///
+    /// # Errors
+    /// None in practice: every field has a JSON form.
+    pub fn to_json(&self) -> Result<String, super::json::JsonError> {
+        Ok(serde_json::to_string_pretty(self)? + "\n")
+    }
+}
+
+fn records(figures: &[Figure]) -> Vec<FigureRecord> {
+    figures
+        .iter()
+        .map(|f| FigureRecord {
+            name: f.name.clone(),
+            value: f.value.is_finite().then_some(f.value),
+            unit: f.unit.clone(),
+            basis: f.basis.name().into(),
+        })
+        .collect()
+}
+
+fn part_records(sheets: &Sheets) -> Vec<PartRecord> {
+    let finite = |x: f64| x.is_finite().then_some(x);
+    sheets
+        .parts
+        .iter()
+        .enumerate()
+        .map(|(k, part)| {
+            let p = sheets.patterns.iter().find(|p| p.panel == k);
+            let strips = sheets.strips.iter().skip(part.first).take(part.count);
+            PartRecord {
+                name: part.name.clone(),
+                strips: strips.map(|s| s.name.clone()).collect(),
+                missing: part.missing.clone(),
+                flat_area: p.and_then(|p| finite(p.area)),
+                area: p.and_then(|p| finite(p.area_in_space)),
+                isometry_error: p.and_then(|p| finite(p.isometry_error)),
+                contour_error: p.and_then(|p| finite(p.contour_error)),
+                length: p.and_then(|p| finite(p.length)),
+                width: p.and_then(|p| finite(p.width)),
+            }
+        })
+        .collect()
+}
+
+/// Least uncertainty written into STEP headers, mm: below it CAD systems take edges for open.
+const LEAST_UNCERTAINTY: f64 = 1e-6;
+
+/// Makes every file: strips.step, patterns.dxf, patterns.svg, model.glb, pictures, report.html, report.json.
+/// `time` stamps the STEP header: `2026-11-21T14:30:00`.
+///
+/// # Errors
+/// Data that a format cannot hold.
+pub fn files(sheets: &Sheets, shown: &Presentation, time: &str) -> Result<Vec<File>, BundleError> {
+    let mut out: Vec<File> = Vec::new();
+    let header = Header { name: sheets.input.clone(), time: time.to_owned(), uncertainty: LEAST_UNCERTAINTY };
+    let bodies: Vec<Sheet> = sheets.strips.iter().map(Sheet::of_strip).collect();
+    let mut put = |file: &'static str, write: &dyn Fn(&mut Vec<u8>) -> std::io::Result<()>| {
+        let mut bytes = Vec::new();
+        write(&mut bytes).map_err(|source| BundleError::Write { file, source })?;
+        out.push((file.to_owned(), bytes));
+        Ok::<(), BundleError>(())
+    };
+    put("strips.step", &|b| step::sheets(b, &header, &bodies))?;
+    put("patterns.dxf", &|b| dxf::write(b, &shown.drawing))?;
+    put("patterns.svg", &|b| svg::write(b, &shown.drawing))?;
+    let limit = if sheets.meaning.limit > 0.0 { sheets.meaning.limit } else { sheets.tolerance };
+    out.push(("model.glb".into(), glb::write(&shown.scene, limit)?));
+    let word = |n: usize, word: &str| format!("{n} {word}{}", if n == 1 { "" } else { "s" });
+    let what = word(sheets.strips.len(), "strip");
+    let note = match &sheets.status {
+        Status::Certified => format!("{what}, certified"),
+        Status::Uncertified(_) => format!("{what}, not certified"),
+    };
+    let caption = |note: String| Caption { title: sheets.input.clone(), note, ..Caption::default() };
+    let panels_png = png::write(&picture::panels(&shown.scene, &shown.direction, &caption(note)))?;
+    let flat = caption(format!("{}, flat, 1:1 in patterns.dxf", word(sheets.patterns.len(), "part")));
+    let layout_png = png::write(&picture::layout(&shown.pieces, &flat))?;
+    let field_png = if sheets.fields.is_empty() {
+        None
+    } else {
+        let what = format!("{}, {}", sheets.meaning.name, sheets.meaning.unit);
+        let image =
+            picture::values(&shown.scene, &shown.direction, limit, &what, &caption(sheets.meaning.name.clone()));
+        Some(png::write(&image)?)
+    };
+    let report = Report::of(sheets);
+    let html = page::write(&page::Page {
+        report: &report,
+        scene: &shown.scene,
+        direction: shown.direction,
+        layout: &shown.pieces,
+        panels_png: &panels_png,
+        field: field_png.as_ref().map(|png| (&sheets.meaning, png.as_slice())),
+        limit,
+    })?;
+    let json = report.to_json()?;
+    out.push(("panels.png".into(), panels_png));
+    if let Some(png) = field_png {
+        out.push(("field.png".into(), png));
+    }
+    out.push(("layout.png".into(), layout_png));
+    out.push(("report.html".into(), html.into_bytes()));
+    out.push(("report.json".into(), json.into_bytes()));
+    Ok(out)
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+    use crate::develop::strip::{pattern, StripOptions};
+    use crate::geom::Vec3;
+    use crate::pipeline::presentation::present_sheets;
+    use crate::pipeline::sheets::{Basis, FieldMeaning, FlatPart, Guide, StripField};
+    use crate::surface::strip::Strip;
+    use crate::surface::torse::PanelKind;
+
+    /// One plane quadrilateral and one triangle on it.
+    pub(crate) fn sample() -> Sheets {
+        let x = |x: f64, y: f64, z: f64| Vec3::new(x, y, z);
+        let strips = vec![
+            Strip::quad("A-01", PanelKind::Plane, [x(0., 0., 0.), x(0., 50., 0.)], [x(90., 0., 0.), x(80., 50., 0.)])
+                .expect("strip"),
+            Strip::quad(
+                "A-02",
+                PanelKind::Plane,
+                [x(90., 0., 0.), x(80., 50., 0.)],
+                [x(120., 0., 40.), x(80., 50., 0.)],
+            )
+            .expect("strip"),
+        ];
+        let patterns = vec![pattern(&[&strips[0], &strips[1]], 0, "A", &StripOptions::new(0.01)).expect("pattern")];
+        Sheets {
+            job: "loft".into(),
+            input: "plate <1>".into(),
+            tolerance: 0.1,
+            status: Status::Certified,
+            strip_figures: vec![vec![Figure::new("twist", 1e-9, "rad", Basis::Proven)]; 2],
+            fields: vec![StripField { u: vec![0.0, 1.0], v: vec![0.0, 1.0], values: vec![0.0, 0.1, 0.2, -0.1] }; 2],
+            meaning: FieldMeaning { name: "deviation".into(), unit: "mm".into(), limit: 0.2 },
+            parts: vec![FlatPart { name: "A".into(), first: 0, count: 2, missing: String::new() }],
+            patterns,
+            guides: vec![Guide { name: "rail".into(), points: vec![x(0., 0., 0.), x(90., 0., 0.)] }],
+            figures: vec![Figure::new("clearance", f64::INFINITY, "mm", Basis::Measured)],
+            notes: vec!["a & b".into()],
+            skipped: vec![],
+            seconds: 0.1,
+            strips,
+        }
+    }
+
+    #[test]
+    fn all_files_are_made_and_the_report_says_the_same_as_the_data() {
+        let sheets = sample();
+        let all = files(&sheets, &present_sheets(&sheets), "2026-11-21T14:30:00").expect("files");
+        let names: Vec<&str> = all.iter().map(|f| f.0.as_str()).collect();
+        for name in
+            "strips.step patterns.dxf patterns.svg model.glb panels.png field.png layout.png report.html report.json"
+                .split(' ')
+        {
+            assert!(names.contains(&name), "{name}");
+        }
+        let json = &all.iter().find(|f| f.0 == "report.json").expect("json").1;
+        let report: Report = serde_json::from_slice(json).expect("a report");
+        assert_eq!(report, Report::of(&sheets));
+        assert!(report.figures[0].value.is_none() && report.parts[0].strips == ["A-01", "A-02"]);
+        let step = String::from_utf8_lossy(&all[0].1).into_owned();
+        assert_eq!(step.matches("ADVANCED_FACE").count(), 2);
+        // The triangle has three edges, the quadrilateral four.
+        assert_eq!(step.matches("EDGE_CURVE").count(), 7);
+    }
+
+    #[test]
+    fn the_documentation_names_every_field() {
+        let doc = include_str!("../../../../docs/report-strips-json.md");
+        let value = serde_json::to_value(Report::of(&sample())).expect("json");
+        let records = [&value, &value["strips"][0], &value["parts"][0], &value["figures"][0]];
+        for key in records.iter().filter_map(|r| r.as_object()).flat_map(|r| r.keys()) {
+            assert!(doc.contains(&format!("`{key}`")), "{key} is not documented");
+        }
+    }
+}

@@ -1,0 +1,84 @@
+//! Flat parts from chains of strips: develop each chain; a chain that would overlap itself in the plane is cut in two.
+
+use super::sheets::FlatPart;
+use crate::develop::strip::{pattern, StripOptions};
+use crate::develop::DevelopError;
+use crate::surface::pattern::Pattern;
+use crate::surface::strip::Strip;
+
+/// Develops parts. `chains` name their first strip and the number of strips; strips of a chain share rulings.
+///
+/// Every part asked for is answered: one that cannot be developed is listed with the reason, and without pattern.
+pub fn cut(strips: &[Strip], chains: &[FlatPart], options: &StripOptions) -> (Vec<FlatPart>, Vec<Pattern>) {
+    let (mut parts, mut patterns) = (Vec::new(), Vec::new());
+    let mut waiting: Vec<FlatPart> = chains.iter().rev().cloned().collect();
+    while let Some(mut part) = waiting.pop() {
+        let Some(chain) = strips.get(part.first..part.first + part.count) else {
+            part.missing = "it names strips that do not exist".into();
+            parts.push(part);
+            continue;
+        };
+        let chain: Vec<&Strip> = chain.iter().collect();
+        match pattern(&chain, parts.len(), &part.name, options) {
+            Ok(p) => {
+                patterns.push(p);
+                parts.push(part);
+            }
+            Err(DevelopError::Overlap { .. } | DevelopError::Apart { .. }) if part.count > 1 => {
+                let half = part.count / 2;
+                let piece = |letter: char, first: usize, count: usize| FlatPart {
+                    name: format!("{}{letter}", part.name),
+                    first,
+                    count,
+                    missing: String::new(),
+                };
+                waiting.push(piece('b', part.first + half, part.count - half));
+                waiting.push(piece('a', part.first, half));
+            }
+            Err(e) => {
+                part.missing = e.to_string();
+                parts.push(part);
+            }
+        }
+    }
+    (parts, patterns)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geom::Vec3;
+    use crate::surface::torse::PanelKind;
+
+    #[test]
+    fn a_ring_of_triangles_that_overlaps_is_cut_in_two() {
+        // Eight flat-lying triangles of 60° about a common point: 480° in the plane.
+        let x = |k: usize| {
+            let a = (k as f64) * std::f64::consts::FRAC_PI_3;
+            Vec3::new(100.0 * a.cos(), 100.0 * a.sin(), 0.0)
+        };
+        let strips: Vec<Strip> = (0..8)
+            .map(|k| {
+                let top = Vec3::zeros();
+                Strip::quad(&format!("{k}"), PanelKind::Plane, [x(k), top], [x(k + 1), top]).expect("strip")
+            })
+            .collect();
+        // In space the second round lies 50 mm higher, so that it is an overlap and no contact.
+        let strips: Vec<Strip> = strips
+            .into_iter()
+            .enumerate()
+            .map(|(k, mut s)| {
+                for (i, c) in s.patch.control.iter_mut().enumerate() {
+                    if i % 2 == 0 {
+                        c[2] += 8.0 * (k + i / 2) as f64;
+                    }
+                }
+                s
+            })
+            .collect();
+        let whole = FlatPart { name: "fan".into(), first: 0, count: 8, missing: String::new() };
+        let (parts, patterns) = cut(&strips, &[whole], &StripOptions::new(0.01));
+        assert_eq!((parts.len(), patterns.len()), (2, 2));
+        assert!(parts.iter().all(|p| p.missing.is_empty()) && parts[1].name == "fanb" && patterns[1].panel == 1);
+    }
+}

@@ -1,0 +1,408 @@
+//! Rails: given curves of space, cut at their corners into smooth pieces.
+//!
+//! Where three or more points are joined smoothly: cubic splines by averaged knots \[PT97, 9.2.1\].
+
+use crate::geom::{BBox, Vec3};
+use crate::num::quadrature::GAUSS_8;
+use crate::spline::curve::Curve;
+use crate::spline::knots::Knots;
+use crate::spline::lsq::{self, LsqError};
+use crate::spline::SplineError;
+
+/// A curve of space as a chain of smooth pieces with corners between them. The rail's parameter runs over [0, number
+/// of pieces]; every piece has the domain [0, 1]. Lengths in mm.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Rail {
+    /// Name, for messages and files.
+    pub name: String,
+    /// Smooth pieces, homogeneous, each beginning where the one before ends.
+    pub pieces: Vec<Curve<4>>,
+    /// Whether the last piece ends where the first begins.
+    pub closed: bool,
+}
+
+/// Data that are no rail.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum RailError {
+    /// Nothing, or only points that coincide.
+    #[error("{rail} has no length; give at least two different points")]
+    Empty {
+        /// Name.
+        rail: String,
+    },
+    /// Coordinates that are no numbers.
+    #[error("{rail}: point {index} has a coordinate that is not a finite number")]
+    NotFinite {
+        /// Name.
+        rail: String,
+        /// Index of the (control) point.
+        index: usize,
+    },
+    /// Pieces that do not follow each other.
+    #[error("{rail}: piece {piece} begins {gap:.3e} mm from the end of the piece before; join the pieces in CAD")]
+    Gap {
+        /// Name.
+        rail: String,
+        /// Index of the later piece.
+        piece: usize,
+        /// Distance, mm.
+        gap: f64,
+    },
+    /// The curve meets itself.
+    #[error("{rail} meets itself at the parameters {first:.4} and {second:.4} of its length; split it there")]
+    SelfIntersecting {
+        /// Name.
+        rail: String,
+        /// Share of the length.
+        first: f64,
+        /// Share of the length.
+        second: f64,
+    },
+    /// Points that no curve could be laid through.
+    #[error("{rail}: {source}")]
+    Fit {
+        /// Name.
+        rail: String,
+        /// What went wrong.
+        source: LsqError,
+    },
+    /// Invalid spline.
+    #[error("{rail}: {source}")]
+    Spline {
+        /// Name.
+        rail: String,
+        /// What went wrong.
+        source: SplineError,
+    },
+}
+
+/// Ends closer than this share of the rail's size are one point: what ten printed digits give.
+const SAME: f64 = 1e-9;
+/// Largest gap between pieces, share of the size: CAD systems join edges to about this.
+const GAP: f64 = 1e-6;
+/// Turn of the tangent (rad) above which a joint is a corner: well above what writers of splines lose, well below
+/// what anybody calls a corner.
+const CORNER: f64 = 1e-4;
+/// Turn (rad) between chords from which points joined smoothly make a corner nevertheless: 30°.
+const POINT_CORNER: f64 = 0.53;
+/// Chords per rail for the search of self-intersections.
+const CHORDS: usize = 256;
+
+impl Rail {
+    /// The chain of curves. Curves of no length are left out; curves are cut where they have corners.
+    ///
+    /// # Errors
+    /// See [`RailError`]: no length, numbers that are not finite, gaps, a curve that meets itself.
+    pub fn new(name: &str, curves: &[Curve<4>]) -> Result<Self, RailError> {
+        let rail = || name.to_owned();
+        let spline = |source| RailError::Spline { rail: rail(), source };
+        let mut bbox = BBox::empty();
+        for c in curves {
+            for (index, h) in c.control.iter().enumerate() {
+                if h.iter().any(|x| !x.is_finite()) || h[3] <= 0.0 {
+                    return Err(RailError::NotFinite { rail: rail(), index });
+                }
+                bbox.include(&place(h));
+            }
+        }
+        let size = bbox.diagonal();
+        if size <= 0.0 {
+            return Err(RailError::Empty { rail: rail() });
+        }
+        let mut pieces: Vec<Curve<4>> = Vec::new();
+        for c in curves {
+            let b = BBox::of(c.control.iter().map(place).collect::<Vec<_>>().iter());
+            if b.diagonal() <= SAME * size {
+                continue;
+            }
+            for p in smooth_pieces(c).map_err(spline)? {
+                if let Some(last) = pieces.last() {
+                    let gap = (end_point(&p, 0.0) - end_point(last, 1.0)).norm();
+                    if gap > GAP * size {
+                        return Err(RailError::Gap { rail: rail(), piece: pieces.len(), gap });
+                    }
+                }
+                pieces.push(p);
+            }
+        }
+        let (Some(first), Some(last)) = (pieces.first(), pieces.last()) else {
+            return Err(RailError::Empty { rail: rail() });
+        };
+        let closed = (end_point(first, 0.0) - end_point(last, 1.0)).norm() <= GAP * size;
+        let out = Self { name: rail(), pieces, closed };
+        out.simple(size)?;
+        Ok(out)
+    }
+
+    /// The polyline through points; straight pieces with corners.
+    ///
+    /// # Errors
+    /// See [`RailError`].
+    pub fn polyline(name: &str, points: &[Vec3]) -> Result<Self, RailError> {
+        finite(name, points)?;
+        let mut lines = Vec::new();
+        for w in points.windows(2).filter(|w| w[0] != w[1]) {
+            let control = vec![homogeneous(&w[0]), homogeneous(&w[1])];
+            let line = Curve::new(1, vec![0.0, 0.0, 1.0, 1.0], control);
+            lines.push(line.map_err(|source| RailError::Spline { rail: name.into(), source })?);
+        }
+        Self::new(name, &lines)
+    }
+
+    /// The cubic spline through points with chord-length parameters; corners where chords turn by more than 30°.
+    ///
+    /// # Errors
+    /// See [`RailError`].
+    pub fn through(name: &str, points: &[Vec3]) -> Result<Self, RailError> {
+        finite(name, points)?;
+        let mut points = points.to_vec();
+        points.dedup();
+        if points.len() < 2 {
+            return Err(RailError::Empty { rail: name.into() });
+        }
+        let mut corners = vec![0];
+        for k in 1..points.len() - 1 {
+            let (a, b) = (points[k] - points[k - 1], points[k + 1] - points[k]);
+            if a.angle(&b) > POINT_CORNER {
+                corners.push(k);
+            }
+        }
+        corners.push(points.len() - 1);
+        let mut curves = Vec::new();
+        for w in corners.windows(2) {
+            let stretch: Vec<[f64; 3]> = points[w[0]..=w[1]].iter().map(|p| (*p).into()).collect();
+            let parameters = lsq::chord_parameters(&stretch);
+            let degree = 3.min(stretch.len() - 1);
+            let n = stretch.len();
+            let mut values = vec![0.0; degree + 1];
+            values.extend((1..n - degree).map(|j| parameters[j..j + degree].iter().sum::<f64>() / degree as f64));
+            values.extend(std::iter::repeat_n(1.0, degree + 1));
+            let fitted = Knots::new(degree, values, n)
+                .map_err(LsqError::from)
+                .and_then(|knots| lsq::fit(&stretch, &parameters, &knots))
+                .map_err(|source| RailError::Fit { rail: name.into(), source })?;
+            curves.push(super::strip::homogeneous(&fitted.curve));
+        }
+        Self::new(name, &curves)
+    }
+
+    /// Piece and its own parameter.
+    fn locate(&self, s: f64) -> (&Curve<4>, f64) {
+        let n = self.pieces.len();
+        let k = (s.floor().max(0.0) as usize).min(n - 1);
+        (&self.pieces[k], (s - k as f64).clamp(0.0, 1.0))
+    }
+
+    /// Point at the parameter `s` ∈ [0, number of pieces].
+    pub fn point(&self, s: f64) -> Vec3 {
+        let (c, t) = self.locate(s);
+        place(&c.point(t))
+    }
+
+    /// Length of the piece `k` from its start to its parameter `t`, mm (quadrature, about 1e-10 relative).
+    pub fn piece_length(&self, k: usize, t: f64) -> f64 {
+        let Some(c) = self.pieces.get(k) else { return 0.0 };
+        let mut sum = 0.0;
+        for w in c.knots.breaks().windows(2).filter(|w| w[0] < t) {
+            let (a, h) = (w[0], (w[1].min(t) - w[0]) / 4.0);
+            sum += (0..4)
+                .map(|i| {
+                    let x = a + h * f64::from(i);
+                    GAUSS_8.integrate(x, x + h, |t| jet(c, t)[1].norm())
+                })
+                .sum::<f64>();
+        }
+        sum
+    }
+
+    /// Length from the start to the parameter `s`, mm.
+    pub fn length_to(&self, s: f64) -> f64 {
+        let k = (s.floor().max(0.0) as usize).min(self.pieces.len() - 1);
+        (0..k).map(|i| self.piece_length(i, 1.0)).sum::<f64>() + self.piece_length(k, s - k as f64)
+    }
+
+    /// Length of the whole, mm.
+    pub fn length(&self) -> f64 {
+        self.length_to(self.pieces.len() as f64)
+    }
+
+    /// Box of the control points.
+    pub fn bbox(&self) -> BBox {
+        let mut b = BBox::empty();
+        for h in self.pieces.iter().flat_map(|c| &c.control) {
+            b.include(&place(h));
+        }
+        b
+    }
+
+    /// The same rail run through backwards.
+    pub fn reversed(&self) -> Self {
+        let pieces = self.pieces.iter().rev().map(Curve::reversed).collect();
+        Self { name: self.name.clone(), pieces, closed: self.closed }
+    }
+
+    /// `count` points and more along the rail, at least four per piece, corners included.
+    pub fn samples(&self, count: usize) -> Vec<Vec3> {
+        let total = self.length().max(f64::MIN_POSITIVE);
+        let mut out = Vec::new();
+        for (k, c) in self.pieces.iter().enumerate() {
+            let parts = ((count as f64 * self.piece_length(k, 1.0) / total).ceil() as usize).max(4);
+            out.extend((0..parts).map(|i| place(&c.point(i as f64 / parts as f64))));
+        }
+        out.extend(self.pieces.last().map(|c| end_point(c, 1.0)));
+        out
+    }
+
+    /// Whether a piece is a straight line, up to rounding.
+    pub fn is_straight(&self, k: usize) -> bool {
+        self.pieces.get(k).is_some_and(is_straight)
+    }
+
+    /// Looks for chords that meet although they are not neighbours.
+    fn simple(&self, size: f64) -> Result<(), RailError> {
+        let points = self.samples(CHORDS);
+        let n = points.len() - 1;
+        for i in 0..n {
+            for j in i + 2..n {
+                if self.closed && i == 0 && j == n - 1 {
+                    continue;
+                }
+                let d = chord_distance(&points[i], &points[i + 1], &points[j], &points[j + 1]);
+                if d <= SAME * size {
+                    return Err(RailError::SelfIntersecting {
+                        rail: self.name.clone(),
+                        first: i as f64 / n as f64,
+                        second: j as f64 / n as f64,
+                    });
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Point and two derivatives of a homogeneous curve.
+pub fn jet(c: &Curve<4>, t: f64) -> [Vec3; 3] {
+    let h = c.jet(t);
+    let v = h.map(|r| Vec3::new(r[0], r[1], r[2]));
+    let (w, r) = (h.map(|r| r[3]), 1.0 / h[0][3]);
+    let p = v[0] * r;
+    let d = (v[1] - p * w[1]) * r;
+    [p, d, (v[2] - d * (2.0 * w[1]) - p * w[2]) * r]
+}
+
+/// Unit tangent of a piece; where the derivative vanishes, that of a secant into the piece.
+pub fn tangent(c: &Curve<4>, t: f64) -> Vec3 {
+    const STOP: f64 = 1e-6;
+    let d = jet(c, t)[1];
+    let chord = (place(&c.control[c.control.len() - 1]) - place(&c.control[0])).norm();
+    if d.norm() > STOP * chord {
+        return d / d.norm();
+    }
+    let other = if t > 0.5 { t - 1e-4 } else { t + 1e-4 };
+    let s = (place(&c.point(other)) - place(&c.point(t))) * (other - t);
+    s.try_normalize(0.0).unwrap_or_else(Vec3::x)
+}
+
+fn place(h: &[f64; 4]) -> Vec3 {
+    Vec3::new(h[0], h[1], h[2]) / h[3]
+}
+
+fn homogeneous(p: &Vec3) -> [f64; 4] {
+    [p.x, p.y, p.z, 1.0]
+}
+
+fn end_point(c: &Curve<4>, t: f64) -> Vec3 {
+    place(&c.control[if t > 0.5 { c.control.len() - 1 } else { 0 }])
+}
+
+fn is_straight(c: &Curve<4>) -> bool {
+    let (a, b) = (end_point(c, 0.0), end_point(c, 1.0));
+    let chord = b - a;
+    let l = chord.norm();
+    l > 0.0 && c.control.iter().all(|h| (place(h) - a).cross(&chord).norm() <= 1e-12 * l * l)
+}
+
+fn finite(name: &str, points: &[Vec3]) -> Result<(), RailError> {
+    match points.iter().position(|p| p.iter().any(|x| !x.is_finite())) {
+        Some(index) => Err(RailError::NotFinite { rail: name.into(), index }),
+        None => Ok(()),
+    }
+}
+
+/// Cuts a curve at knots where its tangent turns; the pieces on [0, 1].
+fn smooth_pieces(c: &Curve<4>) -> Result<Vec<Curve<4>>, SplineError> {
+    let (a, b) = c.domain();
+    let mut cuts = vec![a];
+    for (t, m) in c.knots.distinct() {
+        if t > a && t < b && m >= c.knots.degree() {
+            let (left, right) = c.split(t)?;
+            let turn = tangent(&left, t).angle(&tangent(&right, t));
+            if turn > CORNER {
+                cuts.push(t);
+            }
+        }
+    }
+    cuts.push(b);
+    cuts.windows(2)
+        .map(|w| {
+            let piece = c.restricted(w[0], w[1])?;
+            let on_unit = |t: f64| if t >= w[1] { 1.0 } else { ((t - w[0]) / (w[1] - w[0])).clamp(0.0, 1.0) };
+            let values = piece.knots.values().iter().map(|&t| on_unit(t)).collect();
+            Ok(Curve { knots: Knots::new(piece.knots.degree(), values, piece.control.len())?, control: piece.control })
+        })
+        .collect()
+}
+
+/// Distance between two segments.
+fn chord_distance(a: &Vec3, b: &Vec3, c: &Vec3, d: &Vec3) -> f64 {
+    let (u, v, w) = (b - a, d - c, a - c);
+    let (uu, uv, vv, uw, vw) = (u.dot(&u), u.dot(&v), v.dot(&v), u.dot(&w), v.dot(&w));
+    let det = uu * vv - uv * uv;
+    let s = if det > 1e-14 * uu * vv { ((uv * vw - vv * uw) / det).clamp(0.0, 1.0) } else { 0.0 };
+    let t = if vv > 0.0 { ((uv * s + vw) / vv).clamp(0.0, 1.0) } else { 0.0 };
+    let s = if uu > 0.0 { ((uv * t - uw) / uu).clamp(0.0, 1.0) } else { 0.0 };
+    (w + u * s - v * t).norm()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn square() -> Vec<Vec3> {
+        [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0), (0.0, 0.0)].map(|(x, y)| Vec3::new(x, y, 0.0)).to_vec()
+    }
+
+    #[test]
+    fn a_square_is_closed_and_has_four_straight_pieces() {
+        let r = Rail::polyline("square", &square()).expect("rail");
+        assert!(r.closed && r.pieces.len() == 4 && (0..4).all(|k| r.is_straight(k)));
+        assert!((r.length() - 4.0).abs() < 1e-12 && (r.length_to(2.5) - 2.5).abs() < 1e-12);
+        assert!((r.point(1.5) - Vec3::new(1.0, 0.5, 0.0)).norm() < 1e-14);
+    }
+
+    #[test]
+    fn points_are_joined_smoothly_and_corners_kept() {
+        let arc: Vec<Vec3> =
+            (0..=20).map(|k| f64::from(k) * 0.05).map(|t| Vec3::new(t.sin(), t.cos(), 0.1 * t)).collect();
+        let r = Rail::through("arc", &arc).expect("rail");
+        assert_eq!(r.pieces.len(), 1);
+        for p in &arc {
+            assert!(r.samples(4000).iter().any(|q| (p - q).norm() < 1e-3));
+        }
+        let mut bent = arc.clone();
+        bent.extend((1..10).map(|k| arc[20] + Vec3::z() * f64::from(k)));
+        assert_eq!(Rail::through("bent", &bent).expect("rail").pieces.len(), 2);
+    }
+
+    #[test]
+    fn what_is_no_rail_is_refused_by_name() {
+        let p = Vec3::new(1.0, 2.0, 3.0);
+        assert!(matches!(Rail::polyline("a", &[p, p]), Err(RailError::Empty { .. })));
+        assert!(matches!(Rail::through("a", &[]), Err(RailError::Empty { .. })));
+        let nan = Vec3::new(f64::NAN, 0.0, 0.0);
+        assert_eq!(Rail::through("a", &[p, nan]), Err(RailError::NotFinite { rail: "a".into(), index: 1 }));
+        let eight = [(0.0, 0.0), (2.0, 2.0), (2.0, 0.0), (0.0, 2.0)].map(|(x, y)| Vec3::new(x, y, 0.0));
+        assert!(matches!(Rail::polyline("a", &eight), Err(RailError::SelfIntersecting { .. })));
+    }
+}

@@ -1,0 +1,118 @@
+//! Triangles, rulings and borders of untrimmed strips, for pictures and mesh files. Nothing is proven here.
+
+use crate::geom::mesh::Mesh;
+use crate::geom::Vec3;
+use crate::surface::strip::Strip;
+use crate::surface::torse::PanelKind;
+
+/// Parts of a span in u where no grid is given.
+const PARTS: usize = 8;
+/// Least number of parts of a strip.
+const LEAST: usize = 24;
+/// Most parts of a strip.
+const MOST: usize = 4096;
+
+/// A grid fine enough for pictures: every span in equal parts, one cell along the rulings.
+pub fn grid(strip: &Strip) -> (Vec<f64>, Vec<f64>) {
+    let breaks = strip.patch.knots_u.breaks();
+    let spans = breaks.len().saturating_sub(1).max(1);
+    let parts = PARTS.max(LEAST.div_ceil(spans)).min((MOST / spans).max(1));
+    let mut u = Vec::with_capacity(spans * parts + 1);
+    for w in breaks.windows(2) {
+        u.extend((0..parts).map(|k| w[0] + (w[1] - w[0]) * k as f64 / parts as f64));
+    }
+    u.push(breaks[breaks.len() - 1]);
+    (u, vec![0.0, 1.0])
+}
+
+/// The mesh over a grid; `values` belongs to the vertices, index `i * v.len() + j`, or is empty.
+pub fn mesh(strip: &Strip, u: &[f64], v: &[f64], values: &[f64]) -> Mesh {
+    let mut out = Mesh::default();
+    for &s in u {
+        for &t in v {
+            let j = strip.patch.jet(s, t);
+            out.positions.push(j.p);
+            // At an apex the middle of the ruling knows the tangent plane.
+            let normal = j.normal().try_normalize(1e-12 * j.du.norm() * j.dv.norm());
+            let normal = normal.or_else(|| strip.patch.jet(s, 0.5).normal().try_normalize(0.0));
+            out.normals.push(normal.unwrap_or_else(Vec3::zeros));
+        }
+    }
+    let m = v.len();
+    for i in 0..u.len().saturating_sub(1) {
+        for j in 0..m.saturating_sub(1) {
+            let k = |i: usize, j: usize| (i * m + j) as u32;
+            let [a, b, c, d] = [k(i, j), k(i + 1, j), k(i + 1, j + 1), k(i, j + 1)];
+            for t in [[a, b, c], [a, c, d]] {
+                // Triangles without area, at an apex, would only disturb the shading.
+                let [p, q, r] = t.map(|k| out.positions[k as usize]);
+                if (q - p).cross(&(r - p)).norm_squared() > 0.0 {
+                    out.triangles.push(t);
+                }
+            }
+        }
+    }
+    if values.len() == out.positions.len() {
+        out.values = values.to_vec();
+    }
+    out
+}
+
+/// Rulings about `spacing` (mm) apart in the middle; none inside planes.
+pub fn ruling_lines(strip: &Strip, spacing: f64) -> Vec<[Vec3; 2]> {
+    if strip.kind == PanelKind::Plane || spacing.is_nan() || spacing <= 0.0 {
+        return Vec::new();
+    }
+    let (u, _) = grid(strip);
+    let mut out = Vec::new();
+    let (mut since, mut last) = (0.5 * spacing, strip.patch.point(u[0], 0.5));
+    for w in u.windows(2) {
+        let p = strip.patch.point(w[1], 0.5);
+        let step = (p - last).norm();
+        // Several rulings may fall into one cell.
+        let mut x = spacing - since;
+        while x <= step && step > 0.0 && out.len() < MOST {
+            out.push(strip.ruling(w[0] + (w[1] - w[0]) * x / step));
+            x += spacing;
+        }
+        since = step - (x - spacing);
+        last = p;
+    }
+    out
+}
+
+/// The border as one closed polyline.
+pub fn border_line(strip: &Strip) -> Vec<Vec3> {
+    let (u, _) = grid(strip);
+    let mut line: Vec<Vec3> = u.iter().map(|&s| strip.patch.point(s, 0.0)).collect();
+    line.extend(u.iter().rev().map(|&s| strip.patch.point(s, 1.0)));
+    line.extend(line.first().copied());
+    line
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_square_strip_has_its_area_its_rulings_and_its_border() {
+        let x = |x: f64, y: f64| Vec3::new(x, y, 0.0);
+        let s = Strip::quad("s", PanelKind::Cylinder, [x(0.0, 0.0), x(0.0, 50.0)], [x(100.0, 0.0), x(100.0, 50.0)])
+            .expect("strip");
+        let (u, v) = grid(&s);
+        let m = mesh(&s, &u, &v, &vec![1.0; u.len() * v.len()]);
+        let area: f64 = m
+            .triangles
+            .iter()
+            .map(|t| {
+                let [p, q, r] = t.map(|k| m.positions[k as usize]);
+                0.5 * (q - p).cross(&(r - p)).norm()
+            })
+            .sum();
+        assert!((area - 5000.0).abs() < 1e-9 && m.values.len() == m.positions.len());
+        let rulings = ruling_lines(&s, 10.0);
+        assert_eq!(rulings.len(), 10);
+        assert!((rulings[3][0].x - 35.0).abs() < 1e-9);
+        assert_eq!(border_line(&s).len(), 2 * u.len() + 1);
+    }
+}
