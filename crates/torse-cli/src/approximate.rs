@@ -48,7 +48,7 @@ pub fn run(arguments: &Approximate) -> Result<bool, Failure> {
 /// Reads the input file.
 pub fn contents(file: &Path) -> Result<Vec<u8>, Failure> {
     if file.is_dir() {
-        return Err(Failure::new(format!("'{}' is a folder", file.display()), "give the STEP file inside it"));
+        return Err(Failure::new(format!("'{}' is a folder", file.display()), "give a file inside it"));
     }
     std::fs::read(file).map_err(|e| {
         Failure::new(format!("cannot read '{}': {}", file.display(), os_reason(&e)), "check the name and the rights")
@@ -56,7 +56,7 @@ pub fn contents(file: &Path) -> Result<Vec<u8>, Failure> {
 }
 
 /// Name of a file without folder and extension.
-fn stem(file: &Path) -> String {
+pub fn stem(file: &Path) -> String {
     file.file_stem().map_or_else(|| "model".to_string(), |s| s.to_string_lossy().into_owned())
 }
 
@@ -103,7 +103,7 @@ fn summary(outcome: &Outcome, arguments: &Approximate, interrupted: bool) -> std
 }
 
 /// A bound to three significant digits, rounded up: it must not look better than it is.
-fn significant(value: f64) -> String {
+pub fn significant(value: f64) -> String {
     if value <= 0.0 || !value.is_finite() {
         return format!("{value}");
     }

@@ -7,6 +7,7 @@ mod approximate;
 mod args;
 mod clock;
 mod failure;
+mod fit;
 mod folder;
 mod info;
 mod quantity;
@@ -26,6 +27,7 @@ fn main() -> ExitCode {
     let arguments = args::Arguments::parse();
     let done = match &arguments.command {
         args::Command::Approximate(a) => approximate::run(a),
+        args::Command::Fit(a) => fit::run(a),
         args::Command::Info(a) => info::run(a),
     };
     match done {

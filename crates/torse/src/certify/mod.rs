@@ -11,6 +11,7 @@ pub mod distance;
 mod family;
 mod local;
 mod panel;
+pub mod points;
 pub mod prepared;
 mod quadratic;
 mod rounding;

@@ -4,6 +4,7 @@ mod basis;
 pub mod boundary;
 pub mod centre_line;
 pub mod chains;
+pub mod cloud;
 mod descent;
 mod directions;
 pub mod dual;
