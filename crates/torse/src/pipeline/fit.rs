@@ -7,7 +7,7 @@ use crate::certify::points::{points as certified, PointCertificate};
 use crate::control::Control;
 use crate::develop::strip::StripOptions;
 use crate::fit::cloud::estimates::{estimates, Estimates};
-use crate::fit::cloud::extent::strip;
+use crate::fit::cloud::extent::{assigned, strip};
 use crate::fit::cloud::pieces::{pieces, PieceOptions};
 use crate::fit::cloud::regions::regions;
 use crate::fit::cloud::CloudError;
@@ -173,8 +173,9 @@ fn strips(
         members.iter().for_each(|&i| owner[i as usize] = Some(k as u32));
     }
     let mut own: Vec<Vec<Vec3>> = vec![Vec::new(); fits.len()];
-    for (p, e) in points.iter().zip(&found.of_point) {
-        if let Some(k) = e.and_then(|e| owner[e as usize]) {
+    let torses: Vec<&Fit> = fits.iter().map(|f| &f.1).collect();
+    for (p, k) in points.iter().zip(assigned(found, &owner, &torses, points, options.tolerance)) {
+        if let Some(k) = k {
             own[k as usize].push(*p);
         }
     }

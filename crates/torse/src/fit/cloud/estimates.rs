@@ -10,6 +10,7 @@ use crate::fit::planes::robust_weights;
 use crate::geom::{BBox, Vec3};
 use nalgebra::{Matrix3, Matrix6, SymmetricEigen, Vector6};
 use rayon::prelude::*;
+use std::collections::HashMap;
 
 /// Points without which no surface is looked for.
 pub const FEWEST: usize = 30;
@@ -42,6 +43,8 @@ pub struct Estimates {
     /// Median noise, mm.
     pub noise: f64,
     pub(super) links: Vec<(u32, u32)>,
+    grid: Grid,
+    index: HashMap<[i32; 3], u32>,
 }
 
 /// Estimates at up to about `count` places.
@@ -56,7 +59,7 @@ pub fn estimates(points: &[Vec3], count: usize) -> Result<Estimates, CloudError>
     let keys = grid.keys();
     let found: Vec<Option<Estimate>> = keys.par_iter().map(|k| estimate(points, &grid, k)).collect();
     let mut items = Vec::new();
-    let mut index = std::collections::HashMap::new();
+    let mut index = HashMap::new();
     let mut of_point = vec![None; points.len()];
     for (k, e) in keys.iter().zip(&found) {
         if let Some(e) = e {
@@ -70,7 +73,7 @@ pub fn estimates(points: &[Vec3], count: usize) -> Result<Estimates, CloudError>
     let mut links = Vec::new();
     for k in &keys {
         let Some(&a) = index.get(k) else { continue };
-        links.extend(around(k).filter_map(|o| index.get(&o)).filter(|&&b| b > a).map(|&b| (a, b)));
+        links.extend(around(k, 1).filter_map(|o| index.get(&o)).filter(|&&b| b > a).map(|&b| (a, b)));
     }
     if items.is_empty() {
         return Err(CloudError::Few(points.len()));
@@ -78,7 +81,16 @@ pub fn estimates(points: &[Vec3], count: usize) -> Result<Estimates, CloudError>
     let mut noises: Vec<f64> = items.iter().map(|e| e.noise).collect();
     noises.sort_by(f64::total_cmp);
     let noise = noises[noises.len() / 2];
-    Ok(Estimates { items, of_point, cell: grid.size, noise, links })
+    Ok(Estimates { items, of_point, cell: grid.size, noise, links, grid, index })
+}
+
+impl Estimates {
+    /// Estimates up to two cells from a place.
+    pub(super) fn near<'a>(&'a self, p: &Vec3) -> impl Iterator<Item = u32> + 'a {
+        let key = self.grid.key(p);
+        let keys: Vec<[i32; 3]> = around(&key, 2).collect();
+        keys.into_iter().filter_map(|k| self.index.get(&k).copied())
+    }
 }
 
 fn check(points: &[Vec3]) -> Result<(), CloudError> {
@@ -112,9 +124,12 @@ fn estimate(points: &[Vec3], grid: &Grid, key: &[i32; 3]) -> Option<Estimate> {
     // A neighbourhood thicker than this share of its width is a corner or a heap.
     const THICK: f64 = 0.15;
     const ROUNDS: usize = 6;
+    // Points of a cell farther than this many times the noise (at least this share of the cell) are not on the surface.
+    const OUTLYING: f64 = 5.0;
+    const ROUGH: f64 = 1e-3;
     let own = grid.cell(key);
     let middle = own.iter().map(|&i| points[i as usize]).sum::<Vec3>() / own.len() as f64;
-    let near: Vec<u32> = around(key).flat_map(|k| grid.cell(&k).iter().copied()).collect();
+    let near: Vec<u32> = around(key, 1).flat_map(|k| grid.cell(&k).iter().copied()).collect();
     let stride = near.len().div_ceil(CROWD).max(1);
     let near: Vec<Vec3> = near.into_iter().step_by(stride).map(|i| points[i as usize]).collect();
     if near.len() < 6 {
@@ -170,6 +185,15 @@ fn estimate(points: &[Vec3], grid: &Grid, key: &[i32; 3]) -> Option<Estimate> {
     let total: f64 = weights.iter().sum();
     let free = (total - if quadric { 6.0 } else { 3.0 }).max(1.0);
     let noise = (residuals.iter().zip(&weights).map(|(r, w)| w * r * r).sum::<f64>() / free).sqrt() * h;
+    // Cells of outliers beside the surface say nothing about it.
+    let far = |p: &Vec3| {
+        let d = (p - middle) / h;
+        let local = [d.dot(&x), d.dot(&y), d.dot(&z)];
+        (local[2] - terms(&local).dot(&c)).abs() * h > OUTLYING * noise.max(ROUGH * h)
+    };
+    if 2 * own.iter().filter(|&&i| far(&points[i as usize])).count() >= own.len() {
+        return None;
+    }
     let n = (z - x * c[1] - y * c[2]).normalize();
     let place = middle + z * (c[0] * h);
     (place.iter().chain(n.iter()).all(|v| v.is_finite())).then_some(Estimate {

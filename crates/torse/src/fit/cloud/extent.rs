@@ -4,8 +4,9 @@
 //! patch hugs. The patch is then cut back to the outermost ruling and the outermost points (Lemma 2 of \[PW99\] in the
 //! primal form of the main job).
 
+use super::estimates::Estimates;
 use crate::fit::samples::Fit;
-use crate::fit::sheet::Sheet;
+use crate::fit::sheet::{Guesses, Sheet};
 use crate::geom::Vec3;
 use crate::surface::convert::{parameters, patch, ConvertError, Extent};
 use crate::surface::strip::Strip;
@@ -26,6 +27,46 @@ pub enum ExtentError {
     /// No spline.
     #[error(transparent)]
     Spline(#[from] crate::spline::SplineError),
+}
+
+/// Torse of every point: that of its own estimate (`owner`) if the point is within `near` (mm) of it, otherwise the
+/// nearest among those around; `None` where no torse is near. So points along creases find their side.
+pub fn assigned(
+    estimates: &Estimates,
+    owner: &[Option<u32>],
+    fits: &[&Fit],
+    points: &[Vec3],
+    near: f64,
+) -> Vec<Option<u32>> {
+    let sheets: Vec<Option<(Sheet, Guesses)>> = fits
+        .iter()
+        .map(|f| {
+            let sheet = Sheet::of(&f.torse)?;
+            let guesses = sheet.guesses();
+            Some((sheet, guesses))
+        })
+        .collect();
+    let distance = |k: u32, p: &Vec3| -> Option<f64> {
+        let (sheet, guesses) = sheets.get(k as usize)?.as_ref()?;
+        let q = sheet.local(p);
+        let t = sheet.foot(&q, guesses.guess(&q), sheet.domain())?;
+        Some(sheet.distance(&q, t).0.abs())
+    };
+    points
+        .par_iter()
+        .zip(&estimates.of_point)
+        .map(|(p, e)| {
+            let own = e.and_then(|e| owner[e as usize]);
+            if let Some(k) = own.filter(|&k| distance(k, p).is_some_and(|d| d <= near)) {
+                return Some(k);
+            }
+            let mut around: Vec<u32> = estimates.near(p).filter_map(|e| owner[e as usize]).collect();
+            around.sort_unstable();
+            around.dedup();
+            let found = around.into_iter().filter_map(|k| Some((distance(k, p)?, k)));
+            found.min_by(|a, b| a.0.total_cmp(&b.0)).filter(|f| f.0 <= near).map(|f| f.1)
+        })
+        .collect()
 }
 
 /// The strip of a torse under points; points farther than `near` (mm) from it do not count.

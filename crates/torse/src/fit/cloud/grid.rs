@@ -6,6 +6,7 @@ use std::collections::HashMap;
 
 /// Cells with the indices of their points.
 pub(super) struct Grid {
+    origin: Vec3,
     /// Edge of a cell, mm.
     pub size: f64,
     order: Vec<u32>,
@@ -27,7 +28,7 @@ impl Grid {
             cells.insert(k, (start as u32, end as u32));
             start = end;
         }
-        Self { size, order: keyed.into_iter().map(|e| e.1).collect(), cells }
+        Self { origin, size, order: keyed.into_iter().map(|e| e.1).collect(), cells }
     }
 
     /// A grid with at most about `count` occupied cells: surfaces fill cells with the square of the refinement.
@@ -56,13 +57,18 @@ impl Grid {
     pub fn cell(&self, k: &[i32; 3]) -> &[u32] {
         self.cells.get(k).map_or(&[], |&(a, b)| &self.order[a as usize..b as usize])
     }
+
+    /// The cell that holds a place.
+    pub fn key(&self, p: &Vec3) -> [i32; 3] {
+        key(&self.origin, self.size, p)
+    }
 }
 
-/// Keys of a cell and the 26 around it.
-pub(super) fn around(k: &[i32; 3]) -> impl Iterator<Item = [i32; 3]> + '_ {
-    (-1..=1).flat_map(move |x| {
-        (-1..=1).flat_map(move |y| {
-            (-1..=1).map(move |z| [k[0].saturating_add(x), k[1].saturating_add(y), k[2].saturating_add(z)])
+/// Keys of a cell and those up to `reach` cells from it.
+pub(super) fn around(k: &[i32; 3], reach: i32) -> impl Iterator<Item = [i32; 3]> + '_ {
+    (-reach..=reach).flat_map(move |x| {
+        (-reach..=reach).flat_map(move |y| {
+            (-reach..=reach).map(move |z| [k[0].saturating_add(x), k[1].saturating_add(y), k[2].saturating_add(z)])
         })
     })
 }
