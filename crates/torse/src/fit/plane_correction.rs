@@ -186,8 +186,8 @@ fn step(
     damping: f64,
     smooth: Option<(f64, &[[f64; 3]; 3])>,
 ) -> Option<(Vec<[f64; 3]>, Vec<f64>)> {
-    // Share of the gap to its neighbour that a parameter may use up in one step.
-    const GAP: f64 = 0.45;
+    // Share of the gap between neighbours that one step may close.
+    const GAP: f64 = 0.8;
     let zero = [0.0; 3];
     let last = data.len() - 1;
     // 1 − c with (1 − c)² = λ / (1 + λ): the square root of the damped projection off the direction of U'.
@@ -245,16 +245,21 @@ fn step(
         }
         let rest: f64 =
             (0..3).map(|row| j[row] * (r[row] + (0..3).map(|k| roots[i][row][k] * du[k]).sum::<f64>())).sum();
-        let t = data[i].parameter;
-        let (below, above) = ((data[i - 1].parameter - t).min(0.0), (data[i + 1].parameter - t).max(0.0));
-        let move_ = -rest / ((1.0 + damping) * jj);
-        moves[i] = if data[i - 1].parameter <= t && t <= data[i + 1].parameter {
-            move_.clamp(GAP * below, GAP * above)
-        } else {
-            let (a, b) = knots.domain();
-            move_.clamp(a - t, b - t)
-        };
+        moves[i] = -rest / ((1.0 + damping) * jj);
     }
+    // The whole step is shortened until the order of the parameters stays as it is.
+    let mut share = 1.0_f64;
+    for (d, m) in data.windows(2).zip(moves.windows(2)) {
+        let (gap, closing) = (d[1].parameter - d[0].parameter, m[0] - m[1]);
+        if gap > 0.0 && closing > GAP * gap {
+            share = share.min(GAP * gap / closing);
+        }
+    }
+    let (a, b) = knots.domain();
+    for (d, m) in data.iter().zip(&mut moves) {
+        *m = (share * *m).clamp(a - d.parameter, b - d.parameter);
+    }
+    let change = change.iter().map(|c| c.map(|x| share * x)).collect();
     Some((change, moves))
 }
 

@@ -132,10 +132,13 @@ fn torses(
     const PEAK: f64 = 4.0;
     // Estimates are averages over dozens of points; below this share of the noise they are noise themselves.
     const AVERAGED: f64 = 0.5;
+    // More noise than this many times the usual one, unless it is far below the tolerance, is a crease.
+    const ROUGH: f64 = 2.5;
+    const UNSEEN: f64 = 0.05;
     let room = (options.tolerance - PEAK * found.noise).clamp(0.4 * options.tolerance, options.tolerance);
     let enough = (AVERAGED * found.noise).clamp(0.01 * options.tolerance, 0.3 * options.tolerance).min(room);
     let mut out = Vec::new();
-    for region in regions(found) {
+    for region in regions(found, (ROUGH * found.noise).max(UNSEEN * options.tolerance)) {
         let weight: f64 = region.members.iter().map(|&i| found.items[i as usize].weight).sum();
         if weight < CRUMB * points as f64 && !out.is_empty() {
             continue;

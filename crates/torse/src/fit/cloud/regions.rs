@@ -21,14 +21,17 @@ pub struct Region {
     pub normals: Vec<Vec3>,
 }
 
-/// Regions, the largest first.
-pub fn regions(estimates: &Estimates) -> Vec<Region> {
+/// Regions, the largest first. Estimates with more noise than `rough` (mm) lie on creases and corners and belong to none.
+pub fn regions(estimates: &Estimates, rough: f64) -> Vec<Region> {
     let items = &estimates.items;
     let mut links: Vec<(f64, u32, u32)> = estimates
         .links
         .iter()
         .filter_map(|&(a, b)| {
             let (p, q) = (&items[a as usize], &items[b as usize]);
+            if p.noise > rough || q.noise > rough {
+                return None;
+            }
             let d = q.x - p.x;
             let cosine = p.n.dot(&q.n).abs();
             let above = d.dot(&p.n).abs().max(d.dot(&q.n).abs());
@@ -62,7 +65,7 @@ pub fn regions(estimates: &Estimates) -> Vec<Region> {
     }
     let mut out: Vec<Region> = members
         .into_iter()
-        .filter(|m| !m.is_empty())
+        .filter(|m| m.first().is_some_and(|&i| items[i as usize].noise <= rough))
         .map(|mut m| {
             m.sort_unstable();
             let normals = m.iter().map(|&i| items[i as usize].n * sign[i as usize]).collect();

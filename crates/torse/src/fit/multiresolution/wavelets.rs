@@ -127,8 +127,7 @@ pub struct Wavelet {
 /// A basis of the splines over `fine` that are orthogonal to those over `coarse`, of short support (eight or nine
 /// coefficients for simple cubic knots taken out alternately).
 ///
-/// *Method*: windows from the left; for each start the shortest window with a null vector of `PᵀM` that is
-/// independent of the wavelets found. The basis is not unique.
+/// *Method*: for each start the shortest window with a null vector of `PᵀM` that begins there. The basis is not unique.
 ///
 /// # Errors
 /// As [`split`].
@@ -155,33 +154,23 @@ pub fn wavelets(fine: &Knots, coarse: &Knots) -> Result<Vec<Wavelet>, LevelError
     }
     let count = n - m;
     let mut out: Vec<Wavelet> = Vec::new();
-    // A window that begins further right, or is of the same start and longer, gives an independent vector as long as
-    // its last coefficient is new: ends of windows increase.
-    let mut end = 0;
+    // Vectors with different first control points are independent, and the null space has as many of them as its
+    // dimension: for each start the shortest window whose first column depends on the others.
     for start in 0..n {
-        if out.len() == count {
-            break;
-        }
-        let mut length = (end.max(start) + 1).saturating_sub(start).max(1);
-        while start + length <= n {
+        for length in 2..=n - start {
             let window = cross.columns(start, length).into_owned();
-            let active: Vec<usize> = (0..m).filter(|&i| window.row(i).iter().any(|x| *x != 0.0)).collect();
-            let small = DMatrix::from_fn(active.len().max(length), length, |i, j| {
-                active.get(i).map_or(0.0, |&r| window[(r, j)])
-            });
-            let svd = small.svd(false, true);
-            let (Some(v), largest) = (svd.v_t, svd.singular_values.max()) else { break };
-            let k = svd.singular_values.imin();
-            let vector = v.row(k).transpose();
-            let reaches = vector[length - 1].abs() > NULL.sqrt() * vector.amax();
-            if svd.singular_values[k] <= NULL * largest && reaches {
-                let block = mass.view((start, start), (length, length));
-                let norm = (vector.transpose() * block * &vector)[(0, 0)].sqrt();
-                out.push(Wavelet { first: start, coefficients: vector.iter().map(|x| x / norm).collect() });
-                end = start + length;
-                break;
+            let first = window.column(0).into_owned();
+            let svd = window.columns(1, length - 1).into_owned().svd(true, true);
+            let Ok(z) = svd.solve(&-&first, NULL * svd.singular_values.max()) else { continue };
+            let rest = window.columns(1, length - 1) * &z + &first;
+            if rest.norm() > NULL * first.norm() {
+                continue;
             }
-            length += 1;
+            let vector = nalgebra::DVector::from_iterator(length, std::iter::once(1.0).chain(z.iter().copied()));
+            let block = mass.view((start, start), (length, length));
+            let norm = (vector.transpose() * block * &vector)[(0, 0)].sqrt();
+            out.push(Wavelet { first: start, coefficients: vector.iter().map(|x| x / norm).collect() });
+            break;
         }
     }
     if out.len() == count {
