@@ -59,7 +59,7 @@ pub fn run(arguments: &Approximate) -> Result<bool, Failure> {
 /// Reads the input file.
 pub fn contents(file: &Path) -> Result<Vec<u8>, Failure> {
     if file.is_dir() {
-        return Err(Failure::new(format!("'{}' is a folder", file.display()), "give the STEP file inside it"));
+        return Err(Failure::new(format!("'{}' is a folder", file.display()), "give a file inside it"));
     }
     std::fs::read(file).map_err(|e| {
         Failure::new(format!("cannot read '{}': {}", file.display(), os_reason(&e)), "check the name and the rights")

@@ -10,6 +10,7 @@ use std::time::Duration;
 #[command(name = "torse", version, about, arg_required_else_help = true)]
 #[command(after_help = "Examples:
   torse approximate hull.step --tolerance 2mm --out hull-panels
+  torse fit scan.ply --tolerance 0.5mm --out sheet
   torse info hull.step
 
 Exit status: 0 certified, 2 bad input or usage, 3 finished but not certified.")]
@@ -26,6 +27,8 @@ pub enum Command {
     Approximate(Approximate),
     /// Turn ruled developable faces of a STEP model into exact cones, cylinders and planes with flat patterns
     Cones(Cones),
+    /// Fit developable strips to measured points (PLY, CSV, OBJ, STL) and write cut-ready files
+    Fit(Fit),
     /// Tell what a STEP file holds: unit, faces, sizes, curvature, what was not read
     Info(Info),
 }
@@ -117,6 +120,57 @@ pub struct Cones {
     /// Replace the results of an earlier run in that folder
     #[arg(long)]
     pub force: bool,
+
+    /// Name of the job in the files [default: name of FILE]
+    #[arg(long, value_name = "NAME")]
+    pub name: Option<String>,
+
+    /// Print nothing but errors
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
+/// Arguments of `fit`.
+#[derive(Args, Debug)]
+#[command(after_help = "Examples:
+  torse fit scan.ply --tolerance 0.5mm --out sheet
+  torse fit points.csv --unit m --tolerance 1/32in --out sheet
+
+Points need no normals and no order. Normals are estimated, the points are split into pieces that a developable
+strip can follow, and every point is proven to lie within the tolerance, or counted.
+
+Written into the output folder: strips.step (CAD), patterns.dxf and patterns.svg (cutter), model.glb, pictures,
+deviation.ply (every point with its deviation), report.html (open it in a browser) and report.json.
+
+Exit status: 0 certified, 2 bad input or usage, 3 finished but not certified (files written and marked).")]
+pub struct Fit {
+    /// Measured points: .ply, .csv, .xyz, .txt, .obj or .stl
+    #[arg(value_name = "FILE")]
+    pub file: PathBuf,
+
+    /// Largest distance allowed between a point and the strips, with its unit: 0.5mm, 1/32in
+    #[arg(short, long, value_name = "LENGTH", value_parser = positive_length, allow_hyphen_values = true)]
+    pub tolerance: Length,
+
+    /// Folder to create for the results
+    #[arg(short, long, value_name = "DIR")]
+    pub out: PathBuf,
+
+    /// Unit of the numbers in the file: point files do not tell it
+    #[arg(long, value_name = "UNIT", default_value = "mm", value_parser = ["mm", "cm", "m", "in", "ft"])]
+    pub unit: String,
+
+    /// Replace the results of an earlier run in that folder
+    #[arg(long)]
+    pub force: bool,
+
+    /// Stop at this number of strips; the result may then be uncertified
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub max_strips: Option<u32>,
+
+    /// Stop after this time, with its unit: 60s, 5min; the result may then be uncertified
+    #[arg(long, value_name = "TIME", value_parser = positive_time, allow_hyphen_values = true)]
+    pub time_limit: Option<Duration>,
 
     /// Name of the job in the files [default: name of FILE]
     #[arg(long, value_name = "NAME")]

@@ -8,6 +8,7 @@ mod args;
 mod clock;
 mod cones;
 mod failure;
+mod fit;
 mod folder;
 mod info;
 mod quantity;
@@ -41,6 +42,7 @@ fn run(arguments: &args::Arguments) -> Result<bool, failure::Failure> {
     match &arguments.command {
         args::Command::Approximate(a) => approximate::run(a),
         args::Command::Cones(a) => cones::run(a),
+        args::Command::Fit(a) => fit::run(a),
         args::Command::Info(a) => info::run(a),
     }
 }

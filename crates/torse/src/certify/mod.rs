@@ -12,6 +12,7 @@ pub mod distance;
 mod family;
 mod local;
 mod panel;
+pub mod points;
 pub mod prepared;
 mod quadratic;
 mod rounding;

@@ -2,6 +2,8 @@
 
 use nalgebra as na;
 
+pub mod cloud;
+pub mod measure;
 pub mod mesh;
 pub mod partition;
 pub mod placement;

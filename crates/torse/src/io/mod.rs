@@ -2,6 +2,7 @@
 
 pub mod bundle;
 pub mod cones;
+pub mod cloud;
 pub mod dxf;
 pub mod glb;
 pub mod html;

@@ -109,6 +109,15 @@ impl BandMatrix {
         self.values[(i + 1) * self.width - 1]
     }
 
+    /// Entry in row `i` and column `j`.
+    pub fn entry(&self, i: usize, j: usize) -> f64 {
+        let (i, j) = (i.max(j), i.min(j));
+        if i - j >= self.width {
+            return 0.0;
+        }
+        self.values[(i + 1) * self.width - 1 - (i - j)]
+    }
+
     /// Adds `value` to the diagonal entry `i`.
     pub fn add_diagonal(&mut self, i: usize, value: f64) {
         self.values[(i + 1) * self.width - 1] += value;

@@ -8,5 +8,6 @@ pub mod least_squares;
 pub mod linear_program;
 pub mod max_flow;
 pub mod minimax;
+pub mod quadratic_program;
 pub mod quadrature;
 pub mod roots;

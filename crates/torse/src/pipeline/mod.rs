@@ -4,6 +4,7 @@ pub mod approximate;
 pub mod cones;
 pub mod cover;
 pub mod cut;
+pub mod fit;
 pub mod info;
 pub mod outcome;
 pub mod presentation;

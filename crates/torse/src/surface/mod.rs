@@ -7,6 +7,7 @@ pub mod cone_distance;
 pub mod cone_forms;
 pub mod cone_pair;
 pub mod cone_spline;
+pub mod dual;
 pub mod face;
 pub mod g1_element;
 mod hug;

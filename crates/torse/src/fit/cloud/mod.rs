@@ -1,0 +1,30 @@
+//! Torses near measured points: surface estimates, regions without creases, pieces that one torse follows, and the
+//! rulings and lengths that the points cover. Says nothing about how near the points are; the judge does.
+
+pub mod estimates;
+pub mod extent;
+mod grid;
+pub mod pieces;
+pub mod regions;
+
+/// Why points cannot be fitted at all.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum CloudError {
+    /// Too few points.
+    #[error("{0} points: at least {least} are needed", least = estimates::FEWEST)]
+    Few(usize),
+    /// A coordinate that is not finite.
+    #[error("point {index} has the coordinate {value}, which is not a finite number")]
+    NotFinite {
+        /// Index of the point.
+        index: usize,
+        /// The value.
+        value: f64,
+    },
+    /// All points coincide or lie in a line.
+    #[error("all points lie in one {0}: a surface is not determined")]
+    Thin(&'static str),
+    /// A tolerance that is not a positive number.
+    #[error("the tolerance {0} is not a positive length")]
+    Tolerance(f64),
+}

@@ -1,0 +1,119 @@
+//! Pieces of a region that one torse follows: as few as greed finds.
+//!
+//! *Method.* A torse is fitted to the whole region; where it is not near enough, the estimates are sorted across the
+//! rulings (the direction in space along which normals change most) and the longest beginning that a torse can
+//! follow is found by bisection, then the rest likewise (the segmentation of \[PW99, 4.3\], made by fits). Torses
+//! are those of the main job: over a plane profile, so that planes, cylinders, cones and inflections are included.
+
+use super::estimates::Estimates;
+use super::regions::Region;
+use crate::control::Control;
+use crate::fit::primal::{primal, PrimalOptions};
+use crate::fit::samples::{Fit, Sample};
+use crate::geom::Vec3;
+use nalgebra::{Matrix3, SymmetricEigen};
+
+/// Options of [`pieces`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct PieceOptions {
+    /// Largest distance of an estimate from its torse, mm.
+    pub tolerance: f64,
+    /// Distance below which a fit need not be improved, mm.
+    pub enough: f64,
+    /// Pieces at most; 64.
+    pub max_pieces: usize,
+    /// Estimates of a piece at least; 8.
+    pub fewest: usize,
+}
+
+impl PieceOptions {
+    /// The defaults with a tolerance and a distance that is near enough, mm.
+    pub fn new(tolerance: f64, enough: f64) -> Self {
+        Self { tolerance, enough, max_pieces: 64, fewest: 8 }
+    }
+}
+
+/// Part of a region with its torse.
+#[derive(Clone, Debug)]
+pub struct Piece {
+    /// Estimates that belong to it.
+    pub members: Vec<u32>,
+    /// The torse; `None` where nothing fits.
+    pub fit: Option<Fit>,
+}
+
+/// Splits a region into pieces. Every estimate belongs to exactly one piece.
+pub fn pieces(estimates: &Estimates, region: &Region, options: &PieceOptions, control: &Control) -> Vec<Piece> {
+    // Share of a row by which bisection stops.
+    const STEPS: usize = 5;
+    let samples: Vec<(u32, Sample)> = region
+        .members
+        .iter()
+        .zip(&region.normals)
+        .map(|(&i, n)| {
+            let e = &estimates.items[i as usize];
+            (i, Sample { x: e.x, n: *n, weight: e.weight })
+        })
+        .collect();
+    let mut out: Vec<Piece> = Vec::new();
+    let mut waiting = vec![samples];
+    while let Some(mut rest) = waiting.pop() {
+        let name = |s: &[(u32, Sample)]| s.iter().map(|p| p.0).collect::<Vec<u32>>();
+        if rest.len() < options.fewest || out.len() >= options.max_pieces || control.stopped() {
+            out.push(Piece { members: name(&rest), fit: None });
+            continue;
+        }
+        if let Some(fit) = attempt(&rest, options) {
+            out.push(Piece { members: name(&rest), fit: Some(fit) });
+            continue;
+        }
+        let axis = across(&rest);
+        rest.sort_by(|a, b| axis.dot(&a.1.x).total_cmp(&axis.dot(&b.1.x)));
+        let (mut good, mut bad) = (0, rest.len());
+        let mut best = None;
+        for _ in 0..STEPS {
+            let middle = (good + bad) / 2;
+            if middle < options.fewest || middle <= good {
+                break;
+            }
+            match attempt(&rest[..middle], options) {
+                Some(fit) => (good, best) = (middle, Some(fit)),
+                None => bad = middle,
+            }
+        }
+        if best.is_none() {
+            // A last try with the smallest piece; if that fails, it is named and left out.
+            good = options.fewest.min(rest.len());
+            best = attempt(&rest[..good], options);
+        }
+        let tail = rest.split_off(good);
+        out.push(Piece { members: name(&rest), fit: best });
+        if !tail.is_empty() {
+            waiting.push(tail);
+        }
+    }
+    out
+}
+
+/// A torse within the tolerance of the estimates.
+fn attempt(samples: &[(u32, Sample)], options: &PieceOptions) -> Option<Fit> {
+    // Cosine of the angle from the mean normal beyond which a torse over a plane profile is not tried: 65°.
+    const TURNED: f64 = 0.422_618_261_740_699_4;
+    let samples: Vec<Sample> = samples.iter().map(|s| s.1).collect();
+    let mean: Vec3 = samples.iter().map(|s| s.n).sum();
+    if !(mean.norm() > 0.0) || samples.iter().any(|s| s.n.dot(&mean) < TURNED * mean.norm()) {
+        return None;
+    }
+    let fit = primal(&samples, &PrimalOptions::new(options.enough))?;
+    (fit.error <= options.tolerance).then_some(fit)
+}
+
+/// The direction in space along which normals change most.
+fn across(samples: &[(u32, Sample)]) -> Vec3 {
+    let count = samples.len() as f64;
+    let x: Vec3 = samples.iter().map(|s| s.1.x).sum::<Vec3>() / count;
+    let n: Vec3 = samples.iter().map(|s| s.1.n).sum::<Vec3>() / count;
+    let m: Matrix3<f64> = samples.iter().map(|s| (s.1.x - x) * (s.1.n - n).transpose()).sum();
+    let e = SymmetricEigen::new(m * m.transpose());
+    e.eigenvectors.column(e.eigenvalues.imax()).into_owned()
+}

@@ -1,0 +1,90 @@
+//! Readers of measured points: PLY, CSV (and XYZ), OBJ, STL. The formats carry no unit: the caller gives it.
+
+mod obj;
+pub mod ply;
+mod stl;
+mod table;
+
+use crate::geom::cloud::Cloud;
+use crate::geom::Vec3;
+
+/// Why a file of points cannot be read.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum CloudReadError {
+    /// The ending of the name is not known.
+    #[error("'{0}' is no known kind of point file: give .ply, .csv, .xyz, .txt, .obj or .stl")]
+    Kind(String),
+    /// Not what the ending says.
+    #[error("not a {format} file: {reason}")]
+    Format {
+        /// Name of the format.
+        format: &'static str,
+        /// What is wrong.
+        reason: String,
+    },
+    /// A line that cannot be read.
+    #[error("{format} line {line}: {reason}")]
+    Line {
+        /// Name of the format.
+        format: &'static str,
+        /// Line, counted from 1.
+        line: usize,
+        /// What is wrong.
+        reason: String,
+    },
+    /// The data end too early.
+    #[error("the {format} file ends after {read} of {promised} {what}: it was cut off")]
+    Short {
+        /// Name of the format.
+        format: &'static str,
+        /// Things read.
+        read: usize,
+        /// Things promised by the header.
+        promised: usize,
+        /// What they are.
+        what: &'static str,
+    },
+    /// A coordinate that is not finite.
+    #[error("point {index} has a coordinate that is not a finite number; remove it")]
+    NotFinite {
+        /// Index of the point.
+        index: usize,
+    },
+    /// No points.
+    #[error("the file holds no points")]
+    Empty,
+}
+
+/// Points of a file; the format is told by the ending of the name. `unit` is the length of the file's unit in mm.
+///
+/// # Errors
+/// See [`CloudReadError`].
+pub fn read(name: &str, bytes: &[u8], unit: f64) -> Result<Cloud, CloudReadError> {
+    let ending = name.rsplit('.').next().unwrap_or("").to_ascii_lowercase();
+    let mut points = match ending.as_str() {
+        "ply" => ply::points(bytes)?,
+        "csv" | "xyz" | "txt" | "asc" | "pts" => table::points(bytes)?,
+        "obj" => obj::points(bytes)?,
+        "stl" => stl::points(bytes)?,
+        _ => return Err(CloudReadError::Kind(name.to_string())),
+    };
+    if points.is_empty() {
+        return Err(CloudReadError::Empty);
+    }
+    for (index, p) in points.iter_mut().enumerate() {
+        *p *= unit;
+        if !p.iter().all(|x| x.is_finite()) {
+            return Err(CloudReadError::NotFinite { index });
+        }
+    }
+    Ok(Cloud { points })
+}
+
+/// Three numbers of a line.
+fn triple<'a>(mut words: impl Iterator<Item = &'a str>) -> Option<Vec3> {
+    let mut next = || words.next()?.trim().parse::<f64>().ok();
+    Some(Vec3::new(next()?, next()?, next()?))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,178 @@
+//! PLY files: vertices are read (text, binary of both byte orders), points with a value are written.
+
+use super::{triple, CloudReadError};
+use crate::geom::Vec3;
+
+const FORMAT: &str = "PLY";
+
+/// Size in bytes of a scalar type, and whether it is floating.
+fn scalar(name: &str) -> Option<(usize, bool)> {
+    Some(match name {
+        "char" | "int8" | "uchar" | "uint8" => (1, false),
+        "short" | "int16" | "ushort" | "uint16" => (2, false),
+        "int" | "int32" | "uint" | "uint32" => (4, false),
+        "float" | "float32" => (4, true),
+        "double" | "float64" => (8, true),
+        _ => return None,
+    })
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Coding {
+    Text,
+    Little,
+    Big,
+}
+
+struct Element {
+    name: String,
+    count: usize,
+    /// Name, size and whether floating; `None` for lists.
+    properties: Vec<(String, Option<(usize, bool)>)>,
+}
+
+fn wrong(reason: impl Into<String>) -> CloudReadError {
+    CloudReadError::Format { format: FORMAT, reason: reason.into() }
+}
+
+pub(super) fn points(bytes: &[u8]) -> Result<Vec<Vec3>, CloudReadError> {
+    let (coding, elements, start) = header(bytes)?;
+    let mut rest = &bytes[start..];
+    let mut text = (coding == Coding::Text).then(|| String::from_utf8_lossy(rest)).unwrap_or_default().into_owned();
+    for e in &elements {
+        if e.name == "vertex" {
+            let place = |axis: &str| e.properties.iter().position(|p| p.0 == axis);
+            let (Some(x), Some(y), Some(z)) = (place("x"), place("y"), place("z")) else {
+                return Err(wrong("its vertices have no x, y and z"));
+            };
+            return match coding {
+                Coding::Text => text_vertices(&text, e.count, [x, y, z]),
+                _ => binary_vertices(rest, e, [x, y, z], coding == Coding::Big),
+            };
+        }
+        // Elements before the vertices are passed over.
+        if coding == Coding::Text {
+            let skip: usize = text.split_inclusive('\n').take(e.count).map(str::len).sum();
+            text.drain(..skip);
+        } else {
+            let row: Option<usize> = e.properties.iter().map(|p| p.1.map(|s| s.0)).sum();
+            let Some(row) = row else { return Err(wrong("lists before the vertices are not supported")) };
+            rest = rest.get(row.saturating_mul(e.count)..).ok_or_else(|| wrong("the data are cut off"))?;
+        }
+    }
+    Err(wrong("it has no vertices"))
+}
+
+fn header(bytes: &[u8]) -> Result<(Coding, Vec<Element>, usize), CloudReadError> {
+    // A header longer than this is not one.
+    const LONGEST: usize = 1 << 16;
+    if !bytes.starts_with(b"ply") {
+        return Err(wrong("it does not begin with 'ply'"));
+    }
+    let mut coding = None;
+    let mut elements: Vec<Element> = Vec::new();
+    let mut at = 0;
+    while at < bytes.len().min(LONGEST) {
+        let end = bytes[at..].iter().position(|b| *b == b'\n').map_or(bytes.len(), |k| at + k + 1);
+        let line = String::from_utf8_lossy(&bytes[at..end]);
+        at = end;
+        let words: Vec<&str> = line.split_whitespace().collect();
+        match words.as_slice() {
+            ["format", kind, ..] => {
+                coding = Some(match *kind {
+                    "ascii" => Coding::Text,
+                    "binary_little_endian" => Coding::Little,
+                    "binary_big_endian" => Coding::Big,
+                    other => return Err(wrong(format!("unknown format '{other}'"))),
+                });
+            }
+            ["element", name, count] => {
+                let count = count.parse().map_err(|_| wrong(format!("'{count}' is not a number of elements")))?;
+                elements.push(Element { name: (*name).to_string(), count, properties: Vec::new() });
+            }
+            ["property", "list", .., name] => {
+                if let Some(e) = elements.last_mut() {
+                    e.properties.push(((*name).to_string(), None));
+                }
+            }
+            ["property", kind, name] => {
+                let size = scalar(kind).ok_or_else(|| wrong(format!("unknown type '{kind}'")))?;
+                if let Some(e) = elements.last_mut() {
+                    e.properties.push(((*name).to_string(), Some(size)));
+                }
+            }
+            ["end_header"] => {
+                return coding.map(|c| (c, elements, at)).ok_or_else(|| wrong("the header has no format"));
+            }
+            _ => {}
+        }
+    }
+    Err(wrong("the header has no end"))
+}
+
+fn text_vertices(text: &str, count: usize, axes: [usize; 3]) -> Result<Vec<Vec3>, CloudReadError> {
+    let mut out = Vec::new();
+    for (i, line) in text.lines().filter(|l| !l.trim().is_empty()).take(count).enumerate() {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        let p = triple(axes.iter().map(|&k| words.get(k).copied().unwrap_or("")));
+        let reason = || format!("vertex {i} has no three numbers x, y, z");
+        out.push(p.ok_or_else(|| CloudReadError::Line { format: FORMAT, line: i + 1, reason: reason() })?);
+    }
+    if out.len() < count {
+        return Err(CloudReadError::Short { format: FORMAT, read: out.len(), promised: count, what: "vertices" });
+    }
+    Ok(out)
+}
+
+fn binary_vertices(bytes: &[u8], e: &Element, axes: [usize; 3], big: bool) -> Result<Vec<Vec3>, CloudReadError> {
+    let mut offsets = Vec::new();
+    let mut row = 0;
+    for (_, size) in &e.properties {
+        let Some((size, floating)) = size else { return Err(wrong("vertices with lists are not supported")) };
+        offsets.push((row, *size, *floating));
+        row += size;
+    }
+    if row == 0 || bytes.len() / row < e.count {
+        let read = if row == 0 { 0 } else { bytes.len() / row };
+        return Err(CloudReadError::Short { format: FORMAT, read, promised: e.count, what: "vertices" });
+    }
+    for &a in &axes {
+        if !offsets[a].2 {
+            return Err(wrong("coordinates that are integers are not supported"));
+        }
+    }
+    let value = |r: &[u8], axis: usize| -> f64 {
+        let (at, size, _) = offsets[axis];
+        let mut b = [0u8; 8];
+        b[..size].copy_from_slice(&r[at..at + size]);
+        if big {
+            b[..size].reverse();
+        }
+        if size == 4 {
+            f64::from(f32::from_le_bytes([b[0], b[1], b[2], b[3]]))
+        } else {
+            f64::from_le_bytes(b)
+        }
+    };
+    Ok(bytes
+        .chunks_exact(row)
+        .take(e.count)
+        .map(|r| Vec3::new(value(r, axes[0]), value(r, axes[1]), value(r, axes[2])))
+        .collect())
+}
+
+/// A binary PLY of points (mm) with one value each, under the property `name`.
+pub fn with_values(points: &[Vec3], values: &[f64], name: &str) -> Vec<u8> {
+    let n = points.len().min(values.len());
+    let mut out = format!(
+        "ply\nformat binary_little_endian 1.0\nelement vertex {n}\nproperty float x\nproperty float y\n\
+         property float z\nproperty float {name}\nend_header\n"
+    )
+    .into_bytes();
+    for (p, v) in points.iter().zip(values) {
+        for x in [p.x, p.y, p.z, *v] {
+            out.extend_from_slice(&(x as f32).to_le_bytes());
+        }
+    }
+    out
+}

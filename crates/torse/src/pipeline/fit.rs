@@ -1,0 +1,300 @@
+//! From measured points to developable strips: estimate, segment, fit, prove, develop.
+
+use super::cut::cut;
+use super::outcome::Status;
+use super::sheets::{Basis, FieldMeaning, Figure, FlatPart, Sheets, StripField};
+use crate::certify::points::{points as certified, PointCertificate};
+use crate::control::Control;
+use crate::develop::strip::StripOptions;
+use crate::fit::cloud::estimates::{estimates, Estimates};
+use crate::fit::cloud::extent::{assigned, strip};
+use crate::fit::cloud::pieces::{pieces, PieceOptions};
+use crate::fit::cloud::regions::regions;
+use crate::fit::cloud::CloudError;
+use crate::fit::samples::Fit;
+use crate::geom::cloud::Cloud;
+use crate::geom::Vec3;
+use crate::surface::strip::Strip;
+
+/// What the job is asked.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FitOptions {
+    /// Largest distance of a measured point from the strips, mm.
+    pub tolerance: f64,
+    /// Name of the input, for files.
+    pub input: String,
+    /// Places at which the surface is estimated; 3000.
+    pub places: usize,
+    /// Strips at most; 64.
+    pub max_strips: usize,
+}
+
+impl FitOptions {
+    /// The defaults with a tolerance in mm.
+    pub fn new(tolerance: f64, input: &str) -> Self {
+        Self { tolerance, input: input.into(), places: 3000, max_strips: 64 }
+    }
+}
+
+/// The answer: strips with their files' data, and the proof point by point.
+#[derive(Debug)]
+pub struct FitOutcome {
+    /// Strips, figures, patterns.
+    pub sheets: Sheets,
+    /// Proven distance of every measured point.
+    pub certificate: PointCertificate,
+    /// Estimated noise of the measurement (root mean square), mm.
+    pub noise_estimate: f64,
+}
+
+/// Points of regions smaller than this share of the cloud are left to the other strips, if these are near.
+const CRUMB: f64 = 0.01;
+
+/// Fits developable strips to measured points.
+///
+/// *Input*: finite points in mm, at least 30, not in a line; no order, no normals needed.
+/// *Result*: certified if every point is proven to lie within the tolerance; otherwise the points that are not are
+/// counted and the worst is named. Strips cover what was measured and are not joined to each other.
+///
+/// # Errors
+/// See [`CloudError`].
+pub fn fit(cloud: &Cloud, options: &FitOptions, control: &Control) -> Result<FitOutcome, CloudError> {
+    let clock = std::time::Instant::now();
+    if !(options.tolerance > 0.0 && options.tolerance.is_finite()) {
+        return Err(CloudError::Tolerance(options.tolerance));
+    }
+    // 1. What the surface is like.
+    control.report("estimating", 0.0, format!("{} points", cloud.points.len()));
+    let found = estimates(&cloud.points, options.places)?;
+    // 2. Pieces that one torse follows.
+    control.report("fitting", 0.2, String::new());
+    let mut notes = Vec::new();
+    let mut skipped = Vec::new();
+    let fits = torses(&found, cloud.points.len(), options, control, &mut skipped);
+    // 3. Strips under the points of each piece.
+    control.report("trimming", 0.6, format!("{} pieces", fits.len()));
+    let strips = strips(&found, &cloud.points, fits, options, &mut skipped);
+    // 4. Proof.
+    let certificate = certified(&strips, &cloud.points, control);
+    // 5. Flat parts.
+    control.report("developing", 0.9, String::new());
+    let chains: Vec<FlatPart> = (strips.iter().enumerate())
+        .map(|(i, s)| FlatPart { name: s.name.clone(), first: i, count: 1, missing: String::new() })
+        .collect();
+    let (parts, patterns) = cut(&strips, &chains, &StripOptions::new(0.1 * options.tolerance));
+    if strips.len() > 1 {
+        notes.push("Strips are fitted one by one and are not joined to each other.".to_string());
+    }
+    let lonely = found.of_point.iter().filter(|e| e.is_none()).count();
+    if lonely > 0 {
+        notes.push(format!(
+            "{lonely} points lie too far from others to belong to a surface; they are judged all the same."
+        ));
+    }
+    let strip_figures = figures_of_strips(&strips, &certificate, options.tolerance);
+    let fields = fields(&strips, &certificate);
+    let figures = vec![
+        Figure::new("points", cloud.points.len() as f64, "", Basis::Given),
+        Figure::new("largest distance of a point", certificate.worst_bound(), "mm", Basis::Proven),
+        Figure::new("points beyond the tolerance", certificate.beyond(options.tolerance) as f64, "", Basis::Proven),
+        Figure::new("noise of the measurement", found.noise, "mm", Basis::Measured),
+    ];
+    let status = status(&strips, &certificate, &cloud.points, options.tolerance, control);
+    let sheets = Sheets {
+        job: "fit".into(),
+        input: options.input.clone(),
+        tolerance: options.tolerance,
+        status,
+        strips,
+        strip_figures,
+        fields,
+        meaning: FieldMeaning { name: "deviation".into(), unit: "mm".into(), limit: options.tolerance },
+        parts,
+        patterns,
+        guides: Vec::new(),
+        figures,
+        notes,
+        skipped,
+        seconds: clock.elapsed().as_secs_f64(),
+    };
+    Ok(FitOutcome { sheets, certificate, noise_estimate: found.noise })
+}
+
+/// Torses with their estimates.
+fn torses(
+    found: &Estimates,
+    points: usize,
+    options: &FitOptions,
+    control: &Control,
+    skipped: &mut Vec<String>,
+) -> Vec<(Vec<u32>, Fit)> {
+    // Single points reach beyond the noise by this factor even in large clouds.
+    const PEAK: f64 = 4.0;
+    // Estimates are averages over dozens of points; below this share of the noise they are noise themselves.
+    const AVERAGED: f64 = 0.5;
+    // More noise than this many times the usual one, unless it is far below the tolerance, is a crease.
+    const ROUGH: f64 = 2.5;
+    const UNSEEN: f64 = 0.05;
+    let room = (options.tolerance - PEAK * found.noise).clamp(0.4 * options.tolerance, options.tolerance);
+    let enough = (AVERAGED * found.noise).clamp(0.01 * options.tolerance, 0.3 * options.tolerance).min(room);
+    let mut out = Vec::new();
+    for region in regions(found, (ROUGH * found.noise).max(UNSEEN * options.tolerance)) {
+        let weight: f64 = region.members.iter().map(|&i| found.items[i as usize].weight).sum();
+        if weight < CRUMB * points as f64 && !out.is_empty() {
+            continue;
+        }
+        let left = options.max_strips.saturating_sub(out.len());
+        let wanted = PieceOptions { max_pieces: left, ..PieceOptions::new(room, enough) };
+        for piece in pieces(found, &region, &wanted, control) {
+            match piece.fit {
+                Some(fit) => out.push((piece.members, fit)),
+                None => {
+                    let count: f64 = piece.members.iter().map(|&i| found.items[i as usize].weight).sum();
+                    let c = piece.members.iter().map(|&i| found.items[i as usize].x).sum::<Vec3>()
+                        / piece.members.len().max(1) as f64;
+                    skipped.push(format!(
+                        "{count:.0} points around ({:.1}, {:.1}, {:.1}): no developable strip follows them within {} mm",
+                        c.x, c.y, c.z, options.tolerance
+                    ));
+                }
+            }
+        }
+    }
+    out
+}
+
+/// Strips of torses under the points of their estimates.
+fn strips(
+    found: &Estimates,
+    points: &[Vec3],
+    fits: Vec<(Vec<u32>, Fit)>,
+    options: &FitOptions,
+    skipped: &mut Vec<String>,
+) -> Vec<Strip> {
+    let mut owner: Vec<Option<u32>> = vec![None; found.items.len()];
+    for (k, (members, _)) in fits.iter().enumerate() {
+        members.iter().for_each(|&i| owner[i as usize] = Some(k as u32));
+    }
+    let mut own: Vec<Vec<Vec3>> = vec![Vec::new(); fits.len()];
+    let torses: Vec<&Fit> = fits.iter().map(|f| &f.1).collect();
+    for (p, k) in points.iter().zip(assigned(found, &owner, &torses, points, options.tolerance)) {
+        if let Some(k) = k {
+            own[k as usize].push(*p);
+        }
+    }
+    let mut out: Vec<Strip> = Vec::new();
+    for ((_, fit), own) in fits.iter().zip(&own) {
+        match strip(&format!("A-{:02}", out.len() + 1), fit, own, options.tolerance) {
+            Ok(s) => out.push(s),
+            Err(e) => skipped.push(format!("a {} under {} points has no strip: {e}", fit.kind.name(), own.len())),
+        }
+    }
+    out
+}
+
+fn status(strips: &[Strip], c: &PointCertificate, points: &[Vec3], tolerance: f64, control: &Control) -> Status {
+    let beyond = c.beyond(tolerance);
+    if strips.is_empty() {
+        return Status::Uncertified("no developable strip follows the points within the tolerance".into());
+    }
+    if control.stopped() {
+        return Status::Uncertified("stopped before all points were judged".into());
+    }
+    match c.worst() {
+        Some(i) if beyond > 0 => {
+            let p = points[i];
+            Status::Uncertified(format!(
+                "{beyond} of {} points are not within {tolerance} mm; the worst is point {i} at ({:.3}, {:.3}, {:.3}), {:.3} mm away",
+                points.len(), p.x, p.y, p.z, c.worst_bound()
+            ))
+        }
+        _ => Status::Certified,
+    }
+}
+
+fn figures_of_strips(strips: &[Strip], c: &PointCertificate, tolerance: f64) -> Vec<Vec<Figure>> {
+    let mut count = vec![0usize; strips.len()];
+    let mut worst = vec![0.0_f64; strips.len()];
+    let mut sum = vec![0.0_f64; strips.len()];
+    for ((k, _, _), b) in c.places().iter().zip(c.bounds()) {
+        let k = *k as usize;
+        // Points that belong to no strip are counted for the whole only.
+        if k < strips.len() && *b <= 10.0 * tolerance {
+            count[k] += 1;
+            worst[k] = worst[k].max(*b);
+            sum[k] += b * b;
+        }
+    }
+    (0..strips.len())
+        .map(|k| {
+            let clearance = {
+                let (a, b) = strips[k].domain();
+                (0..=16)
+                    .map(|i| strips[k].regression_clearance(a + (b - a) * f64::from(i) / 16.0))
+                    .fold(f64::INFINITY, f64::min)
+            };
+            vec![
+                Figure::new("points", count[k] as f64, "", Basis::Given),
+                Figure::new("largest distance of a point", worst[k], "mm", Basis::Proven),
+                Figure::new(
+                    "root mean square distance",
+                    (sum[k] / count[k].max(1) as f64).sqrt(),
+                    "mm",
+                    Basis::Measured,
+                ),
+                Figure::new("distance to the regression curve", clearance, "mm", Basis::Measured),
+            ]
+        })
+        .collect()
+}
+
+/// Mean signed distance of the points around the places of a grid; empty places take their neighbours' mean.
+fn fields(strips: &[Strip], c: &PointCertificate) -> Vec<StripField> {
+    const ALONG: usize = 48;
+    const ACROSS: usize = 24;
+    let (nu, nv) = (ALONG + 1, ACROSS + 1);
+    let mut sums = vec![vec![(0.0_f64, 0.0_f64); nu * nv]; strips.len()];
+    for ((k, u, v), d) in c.places().iter().zip(c.signed_estimates()) {
+        let Some(s) = strips.get(*k as usize) else { continue };
+        if !d.is_finite() {
+            continue;
+        }
+        let (a, b) = s.domain();
+        let at = |x: f64, n: usize| ((x * n as f64).round().clamp(0.0, n as f64)) as usize;
+        let cell = at((f64::from(*u) - a) / (b - a), ALONG) * nv + at(f64::from(*v), ACROSS);
+        sums[*k as usize][cell].0 += d;
+        sums[*k as usize][cell].1 += 1.0;
+    }
+    let grid = |n: usize, a: f64, b: f64| (0..=n).map(|i| a + (b - a) * i as f64 / n as f64).collect::<Vec<f64>>();
+    strips
+        .iter()
+        .zip(sums)
+        .map(|(s, sums)| {
+            let mut values: Vec<Option<f64>> = sums.iter().map(|(d, n)| (*n > 0.0).then(|| d / n)).collect();
+            // Holes are filled ring by ring.
+            while values.iter().any(Option::is_none) && values.iter().any(Option::is_some) {
+                let before = values.clone();
+                for i in 0..nu {
+                    for j in 0..nv {
+                        if before[i * nv + j].is_some() {
+                            continue;
+                        }
+                        let around: Vec<f64> = (i.saturating_sub(1)..(i + 2).min(nu))
+                            .flat_map(|p| (j.saturating_sub(1)..(j + 2).min(nv)).map(move |q| p * nv + q))
+                            .filter_map(|k| before[k])
+                            .collect();
+                        if !around.is_empty() {
+                            values[i * nv + j] = Some(around.iter().sum::<f64>() / around.len() as f64);
+                        }
+                    }
+                }
+            }
+            let (a, b) = s.domain();
+            StripField {
+                u: grid(ALONG, a, b),
+                v: grid(ACROSS, 0.0, 1.0),
+                values: values.into_iter().map(|v| v.unwrap_or(0.0)).collect(),
+            }
+        })
+        .collect()
+}
