@@ -13,6 +13,7 @@ mod local;
 mod panel;
 pub mod prepared;
 mod quadratic;
+pub mod rails;
 mod rounding;
 mod ruled;
 mod seams;

@@ -1,2 +1,3 @@
 //! Floor 5: developables from a designer's conditions (curves, rulings, control nets). A sibling of `fit`: neither
 //! knows the other, and what both want lies below in `surface`.
+pub mod loft;

@@ -4,6 +4,7 @@ pub mod approximate;
 pub mod cover;
 pub mod cut;
 pub mod info;
+pub mod loft;
 pub mod outcome;
 pub mod presentation;
 pub mod sheets;
