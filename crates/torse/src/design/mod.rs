@@ -3,3 +3,4 @@
 
 pub mod interpolate;
 pub mod cones;
+pub mod loft;

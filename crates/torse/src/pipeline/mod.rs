@@ -6,6 +6,7 @@ pub mod cover;
 pub mod cut;
 pub mod fit;
 pub mod info;
+pub mod loft;
 pub mod outcome;
 pub mod presentation;
 pub mod sheets;

@@ -21,6 +21,15 @@ pub struct Rail {
     pub closed: bool,
 }
 
+/// A stretch of a rail's piece, run through by the parameter of a strip.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RailPart {
+    /// Piece of the rail.
+    pub piece: usize,
+    /// The piece's parameter as a function of the strip's u ∈ [0, 1].
+    pub parameter: Curve<1>,
+}
+
 /// Data that are no rail.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum RailError {

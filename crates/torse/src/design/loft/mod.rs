@@ -1,0 +1,133 @@
+//! Developables between two rails \[W15, 4A, 4B\]: branches of coplanar tangents, strips along them, and the strip of
+//! least twist where there is no branch.
+
+pub mod branches;
+pub mod build;
+pub mod least_twist;
+pub mod track;
+
+use crate::geom::Vec3;
+use crate::spline::SplineError;
+use crate::surface::rail::Rail;
+
+/// Why there is nothing between two rails.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum LoftError {
+    /// The rails meet, or are one and the same.
+    #[error(
+        "{a} at {at_a:.4} of its length and {b} at {at_b:.4} of its length are only {gap:.3e} mm apart; \
+         trim the rails so that they do not touch"
+    )]
+    Touch {
+        /// First rail.
+        a: String,
+        /// Second rail.
+        b: String,
+        /// Share of the first rail's length.
+        at_a: f64,
+        /// Share of the second rail's length.
+        at_b: f64,
+        /// Distance, mm.
+        gap: f64,
+    },
+    /// No tangents of the rails are coplanar anywhere, monotonically.
+    #[error("no plane touches both {a} and {b} along a run of rulings ({count} branches, none regular and monotone); ask for the strip of least twist")]
+    NoBranch {
+        /// First rail.
+        a: String,
+        /// Second rail.
+        b: String,
+        /// Branches found.
+        count: usize,
+    },
+    /// There are fewer alternatives than asked for.
+    #[error("alternative {asked} does not exist; there are {count}")]
+    NoAlternative {
+        /// Number asked for, from 1.
+        asked: usize,
+        /// Number there are.
+        count: usize,
+    },
+    /// Fixed rulings that cross or leave the rails.
+    #[error("ruling {index} ({at_a}, {at_b}) must lie on both rails (shares from 0 to 1) beyond the ruling before it")]
+    Fixed {
+        /// Index of the fixed ruling.
+        index: usize,
+        /// Share of the first rail's length.
+        at_a: f64,
+        /// Share of the second rail's length.
+        at_b: f64,
+    },
+    /// A tolerance that is not a positive number.
+    #[error("the tolerance must be a positive length, not {0} mm")]
+    Tolerance(f64),
+    /// A strip could not be stored.
+    #[error(transparent)]
+    Spline(#[from] SplineError),
+}
+
+/// Share of the size below which rails touch.
+const TOUCH: f64 = 1e-7;
+
+/// Refuses rails that touch.
+///
+/// # Errors
+/// [`LoftError::Touch`] with the place.
+pub fn apart(a: &Rail, b: &Rail) -> Result<(), LoftError> {
+    const POINTS: usize = 200;
+    let (p, q) = (a.samples(POINTS), b.samples(POINTS));
+    let size = a.bbox().diagonal().max(b.bbox().diagonal());
+    let mut least = (f64::INFINITY, 0, 0);
+    for i in 0..p.len() - 1 {
+        for j in 0..q.len() - 1 {
+            let d = segments(&p[i], &p[i + 1], &q[j], &q[j + 1]);
+            if d < least.0 {
+                least = (d, i, j);
+            }
+        }
+    }
+    // Chords stray from the rails: what they show is checked on the rails themselves.
+    let reach = (p[1] - p[0]).norm().max((q[1] - q[0]).norm());
+    if least.0 > 0.1 * reach {
+        return Ok(());
+    }
+    let (na, nb) = (p.len() as f64 - 1.0, q.len() as f64 - 1.0);
+    let gap = refine(a, b, least.1 as f64 / na, least.2 as f64 / nb);
+    if gap <= TOUCH * size {
+        let (at_a, at_b) = (least.1 as f64 / na, least.2 as f64 / nb);
+        return Err(LoftError::Touch { a: a.name.clone(), b: b.name.clone(), at_a, at_b, gap });
+    }
+    Ok(())
+}
+
+/// Least distance near two relative parameters, by a shrinking grid.
+fn refine(a: &Rail, b: &Rail, s: f64, t: f64) -> f64 {
+    let (na, nb) = (a.pieces.len() as f64, b.pieces.len() as f64);
+    let (mut s, mut t, mut h) = (s, t, 0.05);
+    let mut best = f64::INFINITY;
+    while h > 1e-10 {
+        let (s0, t0) = (s, t);
+        for i in -4..=4 {
+            for j in -4..=4 {
+                let (x, y) = ((s0 + 0.25 * h * f64::from(i)).clamp(0.0, 1.0), (t0 + 0.25 * h * f64::from(j)).clamp(0.0, 1.0));
+                let d = (a.point(x * na) - b.point(y * nb)).norm();
+                if d < best {
+                    (best, s, t) = (d, x, y);
+                }
+            }
+        }
+        h *= 0.6;
+    }
+    best
+}
+
+/// Distance between two segments.
+fn segments(a: &Vec3, b: &Vec3, c: &Vec3, d: &Vec3) -> f64 {
+    let (u, v, w) = (b - a, d - c, a - c);
+    let (uu, uv, vv, uw, vw) = (u.dot(&u), u.dot(&v), v.dot(&v), u.dot(&w), v.dot(&w));
+    let det = uu * vv - uv * uv;
+    let s = if det > 1e-14 * uu * vv { ((uv * vw - vv * uw) / det).clamp(0.0, 1.0) } else { 0.0 };
+    let t = if vv > 0.0 { ((uv * s + vw) / vv).clamp(0.0, 1.0) } else { 0.0 };
+    let s = if uu > 0.0 { ((uv * t - uw) / uu).clamp(0.0, 1.0) } else { 0.0 };
+    (w + u * s - v * t).norm()
+}
