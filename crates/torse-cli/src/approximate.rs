@@ -3,10 +3,12 @@
 use crate::args::Approximate;
 use crate::failure::{os_reason, Failure};
 use crate::folder::Output;
+use crate::quantity::Length;
 use crate::terminal::Terminal;
 use crate::wiring;
 use std::io::Write;
 use std::path::Path;
+use torse::pipeline::cover::Limits;
 use torse::pipeline::outcome::{Outcome, Status};
 
 /// Runs the job; `Ok(true)` means certified.
@@ -27,6 +29,7 @@ pub fn run(arguments: &Approximate) -> Result<bool, Failure> {
         name: arguments.name.clone().unwrap_or_else(|| stem(file)),
         tolerance: arguments.tolerance.mm,
         max_panels: arguments.max_panels.map(|n| n as usize),
+        limits: limits(arguments),
     };
     let notes = std::mem::take(&mut model.notes);
     let outcome = wiring::approximate(model, &job, terminal.control())?;
@@ -54,6 +57,17 @@ pub fn run(arguments: &Approximate) -> Result<bool, Failure> {
         let _ = summary(&outcome, &notes, arguments, terminal.interrupted());
     }
     Ok(outcome.status == Status::Certified && cones_hold)
+}
+
+/// What sheet and material allow, in mm.
+fn limits(arguments: &Approximate) -> Limits {
+    let mm = |length: &Option<Length>| length.as_ref().map(|l| l.mm);
+    Limits {
+        min_bend_radius: mm(&arguments.min_bend_radius),
+        min_clearance: mm(&arguments.min_clearance),
+        max_width: mm(&arguments.max_width),
+        max_length: mm(&arguments.max_length),
+    }
 }
 
 /// Reads the input file.

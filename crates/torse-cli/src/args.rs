@@ -38,6 +38,7 @@ pub enum Command {
 #[command(after_help = "Examples:
   torse approximate hull.step --tolerance 2mm --out hull-panels
   torse approximate roof.step --tolerance 1/8in --out roof --max-panels 40
+  torse approximate hull.step -t 2mm -o plates --max-width 2m --max-length 6m --min-bend-radius 150mm
   torse approximate wing.step -t 0.5mm -o wing --force --time-limit 5min
 
 Written into the output folder: panels.step (CAD), patterns.dxf and patterns.svg (cutter), model.glb,
@@ -71,6 +72,22 @@ pub struct Approximate {
     /// Stop at this number of panels; the result may then be uncertified
     #[arg(long, value_name = "N", value_parser = positive_count, allow_hyphen_values = true)]
     pub max_panels: Option<u32>,
+
+    /// Greatest width of a flat pattern (sheet or coil), with its unit
+    #[arg(long, value_name = "LENGTH", value_parser = positive_length, allow_hyphen_values = true)]
+    pub max_width: Option<Length>,
+
+    /// Greatest length of a flat pattern, with its unit
+    #[arg(long, value_name = "LENGTH", value_parser = positive_length, allow_hyphen_values = true)]
+    pub max_length: Option<Length>,
+
+    /// Smallest radius to which the material bends, with its unit
+    #[arg(long, value_name = "LENGTH", value_parser = positive_length, allow_hyphen_values = true)]
+    pub min_bend_radius: Option<Length>,
+
+    /// Smallest distance along the rulings between a panel and its regression curve, with its unit
+    #[arg(long, value_name = "LENGTH", value_parser = positive_length, allow_hyphen_values = true)]
+    pub min_clearance: Option<Length>,
 
     /// Stop after this time, with its unit: 60s, 5min; the result may then be uncertified
     #[arg(long, value_name = "TIME", value_parser = positive_time, allow_hyphen_values = true)]

@@ -5,6 +5,7 @@ use torse::control::Control;
 use torse::io::step::read::ReadError;
 use torse::pipeline::approximate::{self as pipeline, ApproximateError, Options};
 use torse::pipeline::cones::{self as cone_pipeline, ConesOptions, ConesOutcome};
+use torse::pipeline::cover::Limits;
 use torse::pipeline::outcome::{Outcome, Skipped};
 use torse::pipeline::presentation::{present, present_sheets};
 use torse::surface::face::Face;
@@ -29,6 +30,8 @@ pub struct Job {
     pub tolerance: f64,
     /// Largest number of panels.
     pub max_panels: Option<usize>,
+    /// What sheet and material allow.
+    pub limits: Limits,
 }
 
 /// Reads a STEP file. `name` is for messages.
@@ -52,7 +55,8 @@ fn reading_hint(error: &ReadError) -> &'static str {
 
 /// Runs the main job.
 pub fn approximate(model: Model, job: &Job, control: &Control) -> Result<Outcome, Failure> {
-    let options = Options { tolerance: job.tolerance, max_panels: job.max_panels, input: job.name.clone() };
+    let options =
+        Options { tolerance: job.tolerance, max_panels: job.max_panels, input: job.name.clone(), limits: job.limits };
     pipeline::approximate(model.faces, model.skipped, &options, control)
         .map_err(|e| Failure::new(e.to_string(), hint(&e)))
 }
@@ -61,7 +65,10 @@ pub fn approximate(model: Model, job: &Job, control: &Control) -> Result<Outcome
 pub fn cones(model: &Model, name: &str, tolerance: f64, control: &Control) -> Result<ConesOutcome, Failure> {
     let options = ConesOptions { tolerance, input: name.to_owned() };
     cone_pipeline::of_faces(&model.faces, &model.skipped, &options, control).map_err(|e| {
-        Failure::new(e.to_string(), "see 'torse info' on the file; 'torse approximate' covers other surfaces with panels")
+        Failure::new(
+            e.to_string(),
+            "see 'torse info' on the file; 'torse approximate' covers other surfaces with panels",
+        )
     })
 }
 
@@ -89,6 +96,7 @@ fn hint(error: &ApproximateError) -> &'static str {
         ApproximateError::Precision { .. } => {
             "give a larger tolerance; if the size of the model looks wrong, check its unit with 'torse info'"
         }
+        ApproximateError::Limit { .. } => "give a positive length, or leave the limit out",
         ApproximateError::MaxPanels => "give --max-panels 1 or more, or leave it out",
     }
 }

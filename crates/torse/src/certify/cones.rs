@@ -305,9 +305,9 @@ fn stretch(
     let (xa, xb) = (at(a), at(b));
     // Derivatives for the parameter scaled to [0, 1].
     let step = Interval::point(b) - Interval::point(a);
-    let jets = strip.enclosure(a, b).map(|c| {
-        std::array::from_fn(|d| Jet { v: c[0][d], d: c[1][d] * step, dd: c[2][d] * step.sqr() })
-    });
+    let jets = strip
+        .enclosure(a, b)
+        .map(|c| std::array::from_fn(|d| Jet { v: c[0][d], d: c[1][d] * step, dd: c[2][d] * step.sqr() }));
     // 1. In which wedges?
     let sides = |g: &G1Element| -> [Interval; 2] {
         let (l, r, j) = (ahead(g, &xa), ahead(g, &xb), ahead(g, &jets));
@@ -337,10 +337,8 @@ fn stretch(
         for k in 0..2 {
             let ends = l.distance[k].mag().max(r.distance[k].mag());
             let all = over(l.distance[k], r.distance[k], j.distance[k]).mag();
-            let (ends_off, all_off) = (
-                l.edge[k].mag().max(r.edge[k].mag()),
-                over(l.edge[k], r.edge[k], j.edge[k]).mag(),
-            );
+            let (ends_off, all_off) =
+                (l.edge[k].mag().max(r.edge[k].mag()), over(l.edge[k], r.edge[k], j.edge[k]).mag());
             largest = largest.max(all);
             out.edges = out.edges.max(all_off);
             out.surcharge = out.surcharge.max(all - ends).max(all_off - ends_off);

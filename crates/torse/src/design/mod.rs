@@ -1,6 +1,6 @@
 //! Floor 5: developables from a designer's conditions (curves, rulings, control nets). A sibling of `fit`: neither
 //! knows the other, and what both want lies below in `surface`.
 
-pub mod interpolate;
 pub mod cones;
+pub mod interpolate;
 pub mod loft;

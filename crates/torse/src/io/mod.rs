@@ -1,8 +1,8 @@
 //! Floor 6: files in and out; computes nothing.
 
 pub mod bundle;
-pub mod cones;
 pub mod cloud;
+pub mod cones;
 pub mod dxf;
 pub mod glb;
 pub mod html;

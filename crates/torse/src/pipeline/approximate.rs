@@ -3,7 +3,7 @@
 //! Reads like the page that describes it: cover every face, build the panels as they will be exported, have them
 //! judged, cut what is refused, develop the rest.
 
-use super::cover::{cover, Cover, CoverOptions, State};
+use super::cover::{cover, Cover, CoverOptions, Limits, State};
 use super::outcome::{Outcome, Skipped, Status};
 use crate::certify::{self, Certificate};
 use crate::control::Control;
@@ -28,6 +28,8 @@ pub struct Options {
     pub max_panels: Option<usize>,
     /// Name of the input for reports, without folder.
     pub input: String,
+    /// What sheet and material allow.
+    pub limits: Limits,
 }
 
 /// Why the job cannot be done at all.
@@ -51,6 +53,14 @@ pub enum ApproximateError {
         size: f64,
         /// Smallest tolerance, mm.
         least: f64,
+    },
+    /// A limit of sheet or material that is not a positive length.
+    #[error("the {name} must be a positive length, not {value} mm")]
+    Limit {
+        /// Which one.
+        name: &'static str,
+        /// Asked for, mm.
+        value: f64,
     },
     /// Limit of panels that cannot be kept.
     #[error("the greatest number of panels must be at least 1")]
@@ -76,6 +86,8 @@ const SMOOTHINGS: usize = 4;
 const RELAXATIONS: usize = 3;
 /// Rounds of cutting panels that the judge refuses as built.
 const ROUNDS: usize = 6;
+/// Rounds of cutting panels that are too large for the sheet, each in halves.
+const SHEET_ROUNDS: usize = 8;
 /// Round from which refused regions get plane facets only: these can always be built.
 const FACET_ROUND: usize = 3;
 /// Factor on the tolerance from one attempt to the next when the number of panels is limited.
@@ -103,6 +115,9 @@ pub fn approximate(
     }
     if options.max_panels == Some(0) {
         return Err(ApproximateError::MaxPanels);
+    }
+    if let Some((name, value)) = options.limits.named().into_iter().find(|(_, v)| !v.is_none_or(|v| v > 0.0)) {
+        return Err(ApproximateError::Limit { name, value: value.unwrap_or(f64::NAN) });
     }
     if faces.is_empty() {
         let why = skipped.first().map_or("the file holds none".to_owned(), |s| format!("#{}: {}", s.entity, s.reason));
@@ -152,6 +167,7 @@ pub fn approximate(
         return Err(ApproximateError::NoFaces(why));
     }
     let certificate = certify::join(certificates, tolerance);
+    missing.extend(limits_missed(&patchwork, &certificate, &patterns, &options.limits));
     let reasons: Vec<&String> = certificate.missing.iter().chain(&missing).collect();
     let status = if certificate.certified && reasons.is_empty() {
         Status::Certified
@@ -172,6 +188,33 @@ pub fn approximate(
     })
 }
 
+/// Limits of sheet and material that panels do not keep, in plain words: the first panel of each kind.
+fn limits_missed(
+    patchwork: &Patchwork,
+    certificate: &Certificate,
+    patterns: &[Pattern],
+    limits: &Limits,
+) -> Vec<String> {
+    let name = |k: usize| patchwork.panels.get(k).map_or("", |p| p.name.as_str());
+    let below = |what: &str, limit: Option<f64>, value: &dyn Fn(&certify::PanelCertificate) -> f64| {
+        let (k, p) = certificate.panels.iter().enumerate().find(|(_, p)| limit.is_some_and(|l| value(p) < l))?;
+        Some(format!("panel {}: {what} is only proven to be {:.3} mm", name(k), value(p)))
+    };
+    let above = |what: &str, limit: Option<f64>, value: &dyn Fn(&Pattern) -> f64| {
+        let p = patterns.iter().find(|p| limit.is_some_and(|l| value(p) > l))?;
+        Some(format!("panel {}: {what} is {:.1} mm", p.name, value(p)))
+    };
+    [
+        below("the bending radius", limits.min_bend_radius, &|p| p.min_bend_radius),
+        below("the distance to the regression curve", limits.min_clearance, &|p| p.regression_clearance),
+        above("the width of the pattern", limits.max_width, &|p| p.width),
+        above("the length of the pattern", limits.max_length, &|p| p.length),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
+}
+
 /// One face with its panels, their proof and their flat patterns.
 struct Built {
     patchwork: Patchwork,
@@ -187,7 +230,8 @@ fn one_face(index: usize, mut face: Face, options: &Options, control: &Control) 
     corners_on_knot_lines(&mut face);
     let refuse = |reason: String| Skipped { entity, reason };
     let limit = options.max_panels.unwrap_or(usize::MAX);
-    let mut cover_options = CoverOptions { tolerance: options.tolerance, max_panels: limit, facets: false };
+    let mut cover_options =
+        CoverOptions { tolerance: options.tolerance, max_panels: limit, facets: false, limits: options.limits };
     let mut found = cover(&face, &cover_options, control).map_err(|e| refuse(e.to_string()))?;
     while !found.complete && !control.stopped() {
         // Too many panels: the fewest that were asked for, as near as they can be.
@@ -199,14 +243,23 @@ fn one_face(index: usize, mut face: Face, options: &Options, control: &Control) 
         super::cover::fill(&mut state);
     }
     let mut round = 0;
+    let mut sheets = 0;
     loop {
         let (built, refused) = build(index, &face, &state, options.tolerance);
-        let stop = refused.is_empty()
-            || round == ROUNDS
-            || control.stopped()
-            || cover_options.tolerance > options.tolerance
-            || built.patchwork.panels.len() + refused.len() > limit;
-        if stop {
+        if control.stopped() || cover_options.tolerance > options.tolerance {
+            return Ok(built);
+        }
+        if refused.is_empty() {
+            // Pieces of a good panel are good panels: only the cuts are new.
+            let large = too_large(&built, &options.limits);
+            if large.is_empty() || sheets == SHEET_ROUNDS || built.patchwork.panels.len() + large.len() > limit {
+                return Ok(built);
+            }
+            sheets += 1;
+            state = super::cover::cut_large(&face, &state, &large);
+            continue;
+        }
+        if round == ROUNDS || built.patchwork.panels.len() + refused.len() > limit {
             return Ok(built);
         }
         cover_options.facets = round >= FACET_ROUND;
@@ -216,6 +269,14 @@ fn one_face(index: usize, mut face: Face, options: &Options, control: &Control) 
         }
         round += 1;
     }
+}
+
+/// Panels whose flat patterns do not fit the sheet: labels, and whether they are too long (else too wide).
+fn too_large(built: &Built, limits: &Limits) -> Vec<(u32, bool)> {
+    let exceeds = |size: f64, limit: Option<f64>| limit.is_some_and(|l| size > l);
+    let of = |p: &Pattern| (built.patchwork.panels[p.panel].label, exceeds(p.length, limits.max_length));
+    let large = |p: &&Pattern| exceeds(p.length, limits.max_length) || exceeds(p.width, limits.max_width);
+    built.patterns.iter().filter(large).map(of).collect()
 }
 
 /// Moves corners of the trims that miss a knot line by rounding only onto it, so that no triangle crosses the line by

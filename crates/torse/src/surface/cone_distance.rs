@@ -135,7 +135,8 @@ mod tests {
                 assert!((round.distance(&at(f, r, d)) - d).abs() < 1e-12, "{s:?}");
             }
             let (a, b) = (at(0.1, -0.5, 0.02), at(0.4, 0.7, -0.05));
-            let dense = (0..=5000).map(|i| round.distance(&(a + (b - a) * (i as f64 / 5000.0))).abs()).fold(0.0, f64::max);
+            let dense =
+                (0..=5000).map(|i| round.distance(&(a + (b - a) * (i as f64 / 5000.0))).abs()).fold(0.0, f64::max);
             let exact = round.largest_on_line(&a, &b);
             assert!(exact >= dense - 1e-15 && exact < dense + 1e-6, "{s:?} {exact} {dense}");
         }

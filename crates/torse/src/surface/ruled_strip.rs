@@ -291,11 +291,8 @@ mod tests {
                 })
                 .collect()
         };
-        RuledPatch::between(
-            Curve { knots: knots.clone(), control: side(0.0) },
-            Curve { knots, control: side(1.0) },
-        )
-        .expect("strip")
+        RuledPatch::between(Curve { knots: knots.clone(), control: side(0.0) }, Curve { knots, control: side(1.0) })
+            .expect("strip")
     }
 
     #[test]

@@ -106,7 +106,9 @@ impl Job<'_> {
     pub(crate) fn proven(&self, state: &State, label: u32, first: Fit, mut samples: Vec<Sample>) -> Trial {
         let allowed = self.options.tolerance * DISTANCE_SHARE;
         let triangles = state.triangles(label);
-        let clearance = LEAST_CLEARANCE * state.width(label);
+        let limits = &self.options.limits;
+        let clearance = (LEAST_CLEARANCE * state.width(label)).max(limits.min_clearance.unwrap_or(0.0));
+        let bend = (LEAST_BEND * self.options.tolerance).max(limits.min_bend_radius.unwrap_or(0.0));
         let mut fit = first;
         for round in 0..=REFITS {
             self.proofs.fetch_add(1, Ordering::Relaxed);
@@ -114,7 +116,7 @@ impl Job<'_> {
                 distance(&self.prepared, &fit.torse, &triangles, allowed, &DistanceOptions::default(), self.control);
             match judged.verdict {
                 Verdict::Holds { .. }
-                    if judged.min_bend_radius < LEAST_BEND * self.options.tolerance
+                    if judged.min_bend_radius < bend
                         || judged.regression_clearance < clearance
                         || !has_patch(self.face, &state.partition, label, &fit.torse) =>
                 {

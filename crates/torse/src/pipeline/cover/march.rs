@@ -136,7 +136,7 @@ impl Job<'_> {
 
     /// Bisection of a region on which bands fail.
     fn halves(&self, mut state: State, label: u32, budget: usize, depth: usize) -> Option<State> {
-        let parts = self.halve(&mut state, label, 0)?;
+        let parts = super::merge::halve(&self.face.surface, &mut state, label, 0)?;
         self.parts(state, &parts, budget, depth)
     }
 

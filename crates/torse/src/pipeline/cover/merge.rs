@@ -2,6 +2,7 @@
 
 use super::{Job, State};
 use crate::geom::Vec3;
+use crate::spline::surface::Surface;
 use nalgebra as na;
 use std::collections::HashSet;
 use std::sync::Arc;
@@ -10,55 +11,61 @@ use std::sync::Arc;
 const TWO_DIRECTIONS: usize = 4;
 const TWO_STEPS: usize = 4;
 
+/// Mean point and principal axes (longest first) of a region's vertices.
+fn axes(state: &State, label: u32) -> (Vec3, [Vec3; 3]) {
+    let samples = state.samples(label);
+    let total: f64 = samples.iter().map(|s| s.weight).sum::<f64>().max(f64::MIN_POSITIVE);
+    let mean = samples.iter().fold(Vec3::zeros(), |m, s| m + s.x * s.weight) / total;
+    let mut c = na::Matrix3::zeros();
+    for s in &samples {
+        let d = s.x - mean;
+        c += d * d.transpose() * s.weight;
+    }
+    let e = na::SymmetricEigen::new(c);
+    let mut order = [0, 1, 2];
+    order.sort_by(|&a, &b| e.eigenvalues[b].total_cmp(&e.eigenvalues[a]));
+    (mean, order.map(|k| e.eigenvectors.column(k).into_owned()))
+}
+
+/// Cuts a region across its `axis`-th principal axis in space (2: the diagonal of the first two) in the middle
+/// of its extent; returns the labels of all parts. `None` if the cut separates nothing.
+pub(super) fn halve(surface: &Surface, state: &mut State, label: u32, axis: usize) -> Option<Vec<u32>> {
+    let (mean, axes) = axes(state, label);
+    let direction = match axis {
+        0 | 1 => axes[axis],
+        _ => (axes[0] + axes[1]).normalize(),
+    };
+    let along: Vec<f64> = state
+        .partition
+        .region_vertices(label)
+        .into_iter()
+        .map(|v| direction.dot(&(state.jets[v as usize].jet.p - mean)))
+        .collect();
+    let (lo, hi) = along.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &x| (a.min(x), b.max(x)));
+    let at = 0.5 * (lo + hi);
+    cut_across(surface, state, label, &mean, &direction, at)
+}
+
+fn cut_across(
+    surface: &Surface,
+    state: &mut State,
+    label: u32,
+    mean: &Vec3,
+    direction: &Vec3,
+    at: f64,
+) -> Option<Vec<u32>> {
+    let fresh = state.partition.fresh_label();
+    state.cut(surface, label, fresh, |p| direction.dot(&(surface.point(p[0], p[1]) - mean)) - at);
+    let mut parts = state.partition.split_components(label);
+    parts.extend(state.partition.split_components(fresh));
+    parts.retain(|&p| state.partition.labels.contains(&p));
+    (parts.len() > 1).then_some(parts)
+}
+
 impl Job<'_> {
-    /// Mean point and principal axes (longest first) of a region's vertices.
-    fn axes(state: &State, label: u32) -> (Vec3, [Vec3; 3]) {
-        let samples = state.samples(label);
-        let total: f64 = samples.iter().map(|s| s.weight).sum::<f64>().max(f64::MIN_POSITIVE);
-        let mean = samples.iter().fold(Vec3::zeros(), |m, s| m + s.x * s.weight) / total;
-        let mut c = na::Matrix3::zeros();
-        for s in &samples {
-            let d = s.x - mean;
-            c += d * d.transpose() * s.weight;
-        }
-        let e = na::SymmetricEigen::new(c);
-        let mut order = [0, 1, 2];
-        order.sort_by(|&a, &b| e.eigenvalues[b].total_cmp(&e.eigenvalues[a]));
-        (mean, order.map(|k| e.eigenvectors.column(k).into_owned()))
-    }
-
-    /// Cuts a region across its `axis`-th principal axis in space (2: the diagonal of the first two) in the middle
-    /// of its extent; returns the labels of all parts. `None` if the cut separates nothing.
-    pub(super) fn halve(&self, state: &mut State, label: u32, axis: usize) -> Option<Vec<u32>> {
-        let (mean, axes) = Self::axes(state, label);
-        let direction = match axis {
-            0 | 1 => axes[axis],
-            _ => (axes[0] + axes[1]).normalize(),
-        };
-        let along: Vec<f64> = state
-            .partition
-            .region_vertices(label)
-            .into_iter()
-            .map(|v| direction.dot(&(state.jets[v as usize].jet.p - mean)))
-            .collect();
-        let (lo, hi) = along.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &x| (a.min(x), b.max(x)));
-        let at = 0.5 * (lo + hi);
-        self.cut_across(state, label, &mean, &direction, at)
-    }
-
-    fn cut_across(&self, state: &mut State, label: u32, mean: &Vec3, direction: &Vec3, at: f64) -> Option<Vec<u32>> {
-        let surface = &self.face.surface;
-        let fresh = state.partition.fresh_label();
-        state.cut(surface, label, fresh, |p| direction.dot(&(surface.point(p[0], p[1]) - mean)) - at);
-        let mut parts = state.partition.split_components(label);
-        parts.extend(state.partition.split_components(fresh));
-        parts.retain(|&p| state.partition.labels.contains(&p));
-        (parts.len() > 1).then_some(parts)
-    }
-
     /// Two panels with a plane cut between them, if that is enough.
     pub(super) fn two(&self, state: &State, label: u32) -> Option<State> {
-        let (mean, axes) = Self::axes(state, label);
+        let (mean, axes) = axes(state, label);
         for k in 0..TWO_DIRECTIONS {
             let angle = std::f64::consts::PI * k as f64 / TWO_DIRECTIONS as f64;
             let direction = axes[0] * angle.cos() + axes[1] * angle.sin();
@@ -76,7 +83,9 @@ impl Job<'_> {
                 }
                 let at = 0.5 * (lo + hi);
                 let mut trial = state.clone();
-                let Some(parts) = self.cut_across(&mut trial, label, &mean, &direction, at) else { break };
+                let Some(parts) = cut_across(&self.face.surface, &mut trial, label, &mean, &direction, at) else {
+                    break;
+                };
                 let [low, high] = parts[..] else { break };
                 let (a, b) = (self.single(&trial, low, None), self.single(&trial, high, None));
                 match (a.accepted, b.accepted) {

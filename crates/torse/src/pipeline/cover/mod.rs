@@ -32,6 +32,33 @@ pub struct CoverOptions {
     pub max_panels: usize,
     /// Plane facets only; default false.
     pub facets: bool,
+    /// What sheet and material allow.
+    pub limits: Limits,
+}
+
+/// What sheet and material allow, mm; default: anything.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Limits {
+    /// Smallest radius to which the material bends.
+    pub min_bend_radius: Option<f64>,
+    /// Smallest distance along rulings between panel and regression curve.
+    pub min_clearance: Option<f64>,
+    /// Largest width of a flat pattern (of its smallest enclosing rectangle).
+    pub max_width: Option<f64>,
+    /// Largest length of a flat pattern.
+    pub max_length: Option<f64>,
+}
+
+impl Limits {
+    /// Every limit with its name.
+    pub fn named(&self) -> [(&'static str, Option<f64>); 4] {
+        [
+            ("smallest bending radius", self.min_bend_radius),
+            ("smallest distance to the regression curve", self.min_clearance),
+            ("greatest width", self.max_width),
+            ("greatest length", self.max_length),
+        ]
+    }
 }
 
 /// Share of the tolerance that the distance part may use; the rest is for trim curves and rounding.
@@ -246,7 +273,11 @@ impl Job<'_> {
             .into_par_iter()
             .filter_map(|k| {
                 let mut s = state.clone();
-                let parts = if k == 0 { self.cut_by_sign(&mut s, label)? } else { self.halve(&mut s, label, k - 1)? };
+                let parts = if k == 0 {
+                    self.cut_by_sign(&mut s, label)?
+                } else {
+                    merge::halve(&self.face.surface, &mut s, label, k - 1)?
+                };
                 let merit: f64 = parts.iter().map(|&p| rate(&s, p).map_or(0.0, |l| l.merit) + four).sum();
                 Some((merit, s, parts))
             })
@@ -268,7 +299,7 @@ impl Job<'_> {
 
     /// Cuts a region in the middle of its principal axis in space and covers the parts (C6).
     fn bisect(&self, mut state: State, label: u32, budget: usize, depth: usize) -> Option<State> {
-        let parts = self.halve(&mut state, label, 0)?;
+        let parts = merge::halve(&self.face.surface, &mut state, label, 0)?;
         self.parts(state, &parts, budget, depth)
     }
 }
@@ -285,6 +316,21 @@ pub fn fill(state: &mut State) {
             }
         }
     }
+}
+
+/// Cuts panels in halves, the long ones (`true`) across, the wide ones along; both halves keep the torse, which is good
+/// for each of them. A panel that the cut does not separate stays as it is.
+pub fn cut_large(face: &Face, state: &State, large: &[(u32, bool)]) -> State {
+    let mut state = state.clone();
+    for &(label, long) in large {
+        let mut trial = state.clone();
+        let Some(fit) = trial.panels.remove(&label) else { continue };
+        if let Some(parts) = merge::halve(&face.surface, &mut trial, label, usize::from(!long)) {
+            trial.panels.extend(parts.into_iter().map(|p| (p, std::sync::Arc::clone(&fit))));
+            state = trial;
+        }
+    }
+    state
 }
 
 /// Gives the regions of refused panels to neighbours that can have them, or cuts them in two and covers the parts
