@@ -32,11 +32,20 @@ pub fn run(arguments: &Approximate) -> Result<bool, Failure> {
         limits: limits(arguments),
     };
     let notes = std::mem::take(&mut model.notes);
+    let swept = if arguments.sweep.is_empty() {
+        Vec::new()
+    } else {
+        let tolerances: Vec<f64> = arguments.sweep.iter().map(|l| l.mm).collect();
+        wiring::sweep(&model, &tolerances, &job, terminal.control())?
+    };
     let outcome = wiring::approximate(model, &job, terminal.control())?;
 
     terminal.say("writing");
     for (name, bytes) in wiring::files(&outcome)? {
         output.write(&name, &bytes)?;
+    }
+    for (name, bytes) in &swept {
+        output.write(name, bytes)?;
     }
     let mut cones_hold = true;
     if arguments.cones {

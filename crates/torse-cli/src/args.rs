@@ -98,6 +98,10 @@ pub struct Approximate {
     #[arg(long)]
     pub cones: bool,
 
+    /// Also run the job at these tolerances and draw panels and seam length over them: 1mm,2mm,5mm
+    #[arg(long, value_name = "LENGTH,...", value_delimiter = ',', value_parser = positive_length)]
+    pub sweep: Vec<Length>,
+
     /// Name of the job in the files [default: name of FILE]
     #[arg(long, value_name = "NAME")]
     pub name: Option<String>,

@@ -8,6 +8,7 @@ use torse::pipeline::cones::{self as cone_pipeline, ConesOptions, ConesOutcome};
 use torse::pipeline::cover::Limits;
 use torse::pipeline::outcome::{Outcome, Skipped};
 use torse::pipeline::presentation::{present, present_sheets};
+use torse::pipeline::sweep;
 use torse::surface::face::Face;
 
 /// A model as read from a file.
@@ -55,10 +56,26 @@ fn reading_hint(error: &ReadError) -> &'static str {
 
 /// Runs the main job.
 pub fn approximate(model: Model, job: &Job, control: &Control) -> Result<Outcome, Failure> {
-    let options =
-        Options { tolerance: job.tolerance, max_panels: job.max_panels, input: job.name.clone(), limits: job.limits };
-    pipeline::approximate(model.faces, model.skipped, &options, control)
+    pipeline::approximate(model.faces, model.skipped, &options(job), control)
         .map_err(|e| Failure::new(e.to_string(), hint(&e)))
+}
+
+/// The job in the library's words.
+fn options(job: &Job) -> Options {
+    Options { tolerance: job.tolerance, max_panels: job.max_panels, input: job.name.clone(), limits: job.limits }
+}
+
+/// Runs the main job at several tolerances (mm): the files with the table and its picture.
+pub fn sweep(
+    model: &Model,
+    tolerances: &[f64],
+    job: &Job,
+    control: &Control,
+) -> Result<Vec<(String, Vec<u8>)>, Failure> {
+    let rows = sweep::sweep(&model.faces, tolerances, &options(job), control)
+        .map_err(|e| Failure::new(e.to_string(), hint(&e)))?;
+    torse::io::sweep::files(&job.name, &rows, sweep::picture(&job.name, &rows).as_ref())
+        .map_err(|e| Failure::new(e.to_string(), "this is a fault of the program; please report it with the model"))
 }
 
 /// Runs the job of cone splines on faces.

@@ -11,3 +11,4 @@ pub mod png;
 pub mod sheets;
 pub mod step;
 pub mod svg;
+pub mod sweep;

@@ -10,3 +10,4 @@ pub mod loft;
 pub mod outcome;
 pub mod presentation;
 pub mod sheets;
+pub mod sweep;

@@ -42,3 +42,20 @@ pub struct Outcome {
     /// Wall time of reading, fitting and proving, seconds.
     pub seconds: f64,
 }
+
+/// What one tolerance costs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SweepRow {
+    /// Tolerance, mm.
+    pub tolerance: f64,
+    /// Number of panels.
+    pub panels: usize,
+    /// Length of all seams (each counted once, mean of its two sides), mm.
+    pub seam_length: f64,
+    /// Fewest bands that theory allows, where a level function covers every face.
+    pub limit: Option<f64>,
+    /// Whether the result is certified.
+    pub certified: bool,
+    /// Wall time, seconds.
+    pub seconds: f64,
+}

@@ -1,6 +1,7 @@
 //! Floor 5: triangles and pixels for pictures and meshes.
 
 pub mod camera;
+pub mod chart;
 pub mod colour;
 pub mod coverage;
 pub mod flat;

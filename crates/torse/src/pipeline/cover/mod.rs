@@ -318,6 +318,17 @@ pub fn fill(state: &mut State) {
     }
 }
 
+/// Range of the best level function over a whole face (√mm), its shortfall added: bands of the width `4√ε` then number
+/// `range/(4√ε)`, the fewest that theory allows (approximation specification B2) as far as the level function is
+/// the best. `None` where no level function covers the face: planes, mixed curvature.
+pub fn band_range(face: &Face) -> Option<f64> {
+    let state = State::of_face(face, f64::INFINITY).ok()?;
+    let places = state.places(0);
+    let options = LevelOptions { spans: 3, ..LevelOptions::default() };
+    let best = levels(&state.forms(0, 1500), &places, &options).into_iter().next()?;
+    (best.merit <= POOR * best.range).then_some(best.merit)
+}
+
 /// Cuts panels in halves, the long ones (`true`) across, the wide ones along; both halves keep the torse, which is good
 /// for each of them. A panel that the cut does not separate stays as it is.
 pub fn cut_large(face: &Face, state: &State, large: &[(u32, bool)]) -> State {

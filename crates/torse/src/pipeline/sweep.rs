@@ -1,0 +1,121 @@
+//! The main job at several tolerances: how many panels, and how much seam, each of them costs.
+
+use super::approximate::{approximate, ApproximateError, Options};
+use super::cover::band_range;
+use super::outcome::{Outcome, Status, SweepRow};
+use crate::control::Control;
+use crate::surface::face::Face;
+use crate::surface::panel::Border;
+use crate::tessellate::chart::{chart, Chart, Series};
+use crate::tessellate::raster::Image;
+use rayon::prelude::*;
+
+/// Chords per span of an edge curve when its length is measured.
+const CHORDS: usize = 4;
+
+/// Runs the main job once for every tolerance (mm), finest last so that early rows come soon.
+///
+/// *Limit*: `Σ W/(4√ε)` over the faces, with W the range of the best level function found, at least one panel per face
+/// (approximation specification B2). It is a limit for surfaces of one curvature sign; where curvature is mixed there is
+/// none. *Not guaranteed*: that no cover needs fewer; W is a numerical optimum.
+///
+/// # Errors
+/// As [`approximate`], for the first tolerance that cannot be used.
+pub fn sweep(
+    faces: &[Face],
+    tolerances: &[f64],
+    options: &Options,
+    control: &Control,
+) -> Result<Vec<SweepRow>, ApproximateError> {
+    let ranges: Vec<Option<f64>> = faces.par_iter().map(band_range).collect();
+    let mut sorted = tolerances.to_vec();
+    sorted.sort_by(|a, b| b.total_cmp(a));
+    sorted.dedup();
+    let mut rows = Vec::new();
+    for tolerance in sorted {
+        if control.stopped() {
+            break;
+        }
+        let outcome = approximate(faces.to_vec(), Vec::new(), &Options { tolerance, ..options.clone() }, control)?;
+        let bands = |range: &Option<f64>| range.map(|w| (w / (4.0 * tolerance.sqrt())).max(1.0));
+        rows.push(SweepRow {
+            tolerance,
+            panels: outcome.patchwork.panels.len(),
+            seam_length: seam_length(&outcome),
+            limit: ranges.iter().map(bands).sum(),
+            certified: outcome.status == Status::Certified,
+            seconds: outcome.seconds,
+        });
+    }
+    Ok(rows)
+}
+
+/// Length of all seams of a result, each counted once, mm.
+pub fn seam_length(outcome: &Outcome) -> f64 {
+    let runs = outcome.patchwork.panels.iter().flat_map(|p| p.loops.iter().flatten());
+    let seams = runs.filter(|r| matches!(r.border, Border::Seam { .. }));
+    let length = |r: &crate::surface::panel::Run| {
+        let point = |s: f64| crate::geom::Vec3::from(r.edge.point(s));
+        let spans = r.edge.knots.breaks();
+        let chord = |w: &[f64], k: usize| {
+            let at = |k: usize| point(w[0] + (w[1] - w[0]) * k as f64 / CHORDS as f64);
+            (at(k + 1) - at(k)).norm()
+        };
+        spans.windows(2).map(|w| (0..CHORDS).map(|k| chord(w, k)).sum::<f64>()).sum::<f64>()
+    };
+    0.5 * seams.map(length).sum::<f64>()
+}
+
+/// Panels, seam length and limit over the tolerance; `None` without rows.
+pub fn picture(title: &str, rows: &[SweepRow]) -> Option<Image> {
+    let series = |name: &str, measured: bool, value: &dyn Fn(&SweepRow) -> Option<f64>| Series {
+        name: name.to_owned(),
+        measured,
+        points: rows.iter().filter_map(|r| Some([r.tolerance, value(r)?])).collect(),
+    };
+    chart(&Chart {
+        title: title.to_owned(),
+        x: "tolerance, mm".to_owned(),
+        y: "panels; seam length, m".to_owned(),
+        series: vec![
+            series("panels", true, &|r| Some(r.panels as f64)),
+            series("limit of theory", false, &|r| r.limit),
+            series("seam length, m", true, &|r| Some(r.seam_length / 1000.0)),
+        ],
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geom::Vec3;
+    use crate::spline::knots::Knots;
+    use crate::spline::surface::Surface;
+
+    /// Shallow bowl z = (x² + y²)/400 over a square of side 100 mm.
+    fn bowl() -> Face {
+        let k = Knots::clamped(2, &[0.0, 1.0]).expect("knots");
+        // Bernstein coefficients of (100 t)²/400 are 0, 0, 25.
+        let square = [0.0, 0.0, 25.0];
+        let points: Vec<Vec3> = (0..9)
+            .map(|i| Vec3::new(50.0 * (i / 3) as f64, 50.0 * (i % 3) as f64, square[i / 3] + square[i % 3]))
+            .collect();
+        Face::untrimmed(Surface::new(k.clone(), k, &points, None).expect("a surface"))
+    }
+
+    #[test]
+    fn finer_tolerances_take_more_panels_and_never_fewer_than_theory() {
+        let options = Options { tolerance: 1.0, max_panels: None, input: "bowl".into(), limits: Default::default() };
+        let rows = sweep(&[bowl()], &[0.4, 1.6], &options, &Control::default()).expect("rows");
+        assert_eq!(rows.iter().map(|r| r.tolerance).collect::<Vec<_>>(), vec![1.6, 0.4]);
+        assert!(rows.iter().all(|r| r.certified));
+        assert!(rows[1].panels > rows[0].panels && rows[1].seam_length > rows[0].seam_length);
+        for r in &rows {
+            // Straight bands in the shallow bowl: W = 100 √(1/200); slopes of one half make it a little less.
+            let limit = r.limit.expect("a limit");
+            assert!(limit <= (100.0 * (1.0f64 / 200.0).sqrt() / (4.0 * r.tolerance.sqrt())).max(1.0) * 1.02);
+            assert!(r.panels as f64 >= 0.9 * limit);
+        }
+        assert!(picture("bowl", &rows).is_some());
+    }
+}
