@@ -503,3 +503,31 @@ fn careless_files_are_read() {
     assert!(m.notes.iter().any(|n| n.contains("truncated")), "{:?}", m.notes);
     assert_eq!((m.faces.len(), m.skipped.len()), (1, 0));
 }
+
+#[test]
+fn boundaries_that_enclose_nothing_are_no_faces() {
+    let hull = include_str!("../../../../data/hull.step");
+    let loop_of =
+        |edges: &str| hull.replace("EDGE_LOOP('',(#155,#156,#157,#158))", &format!("EDGE_LOOP('',({edges}))"));
+    let refused = |text: &str| match read(text.as_bytes()) {
+        Err(ReadError::NoUsableFaces { entity: 161, reason, .. }) => reason,
+        other => panic!("{other:?}"),
+    };
+    // One edge there and back.
+    let slit =
+        loop_of("#155,#999").replace("\nENDSEC;\nEND-ISO", "\n#999=ORIENTED_EDGE('',*,*,#107,.F.);\nENDSEC;\nEND-ISO");
+    assert!(refused(&slit).contains("no area"));
+    assert!(refused(&loop_of("")).contains("no edges"));
+    assert!(refused(&loop_of("#155,#156,#158")).contains("open"));
+    assert!(refused(&loop_of("#155,#156,#157,#158,#155,#156,#157,#158")).contains("touches itself"));
+    // Weights that are not positive.
+    let torus = include_str!("../../../../data/torus_piece.step");
+    let at = torus.find("RATIONAL_B_SPLINE_SURFACE(((").expect("weights") + "RATIONAL_B_SPLINE_SURFACE(((".len();
+    let end = at + torus[at..].find(',').expect("a list");
+    for w in ["0.", "-1.", "NaN"] {
+        let text = format!("{}{w}{}", &torus[..at], &torus[end..]);
+        assert!(
+            matches!(read(text.as_bytes()), Err(ReadError::NoUsableFaces { reason, .. }) if reason.contains("weight 1 "))
+        );
+    }
+}

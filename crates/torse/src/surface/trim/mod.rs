@@ -178,10 +178,15 @@ pub fn faces(raw: &RawFace, chord_tolerance: Option<f64>) -> Result<Vec<Face>, T
         Region::Loops(loops) => loops,
     };
     let mut loops = loops.clone();
+    let given = loops.iter().any(|l| !l.edges.is_empty());
     if carrier_has_free_seams(&raw.carrier) {
         loops = loops.into_iter().flat_map(without_slits).collect();
     }
     if loops.iter().all(|l| l.edges.is_empty()) {
+        // Nothing but edges run there and back: seams of a sphere, but on a surface with a border no region at all.
+        if given && !matches!(raw.carrier, Carrier::Sphere { .. }) {
+            return Err(TrimError::NoArea);
+        }
         return natural(raw, None).map(|f| vec![f]);
     }
     if !raw.same_sense {

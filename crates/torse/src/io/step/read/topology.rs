@@ -99,6 +99,9 @@ impl<'r, 'a> Geometry<'r, 'a> {
                 for e in a.references(1)? {
                     edges.push(self.oriented_edge(e, plane, 0)?);
                 }
+                if edges.is_empty() {
+                    return Err(Fault::new(id, format!("the edge loop #{id} has no edges")));
+                }
                 Ok(RawLoop { edges, outer: false })
             }
             // A vertex bounds nothing: the surface ends there by itself.
@@ -117,7 +120,10 @@ impl<'r, 'a> Geometry<'r, 'a> {
                         path: vec![Arc { curve: SpaceCurve::Line { origin: p, direction: q - p }, from: 0.0, to: 1.0 }],
                         trace: None,
                     })
-                    .collect();
+                    .collect::<Vec<_>>();
+                if edges.is_empty() {
+                    return Err(Fault::new(id, format!("the polygon #{id} has no sides")));
+                }
                 Ok(RawLoop { edges, outer: false })
             }
             other => Err(Fault::new(id, format!("a loop of kind {other} is not read"))),
