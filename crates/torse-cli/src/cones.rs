@@ -42,7 +42,8 @@ pub fn run(arguments: &Cones) -> Result<bool, Failure> {
 /// Tells the result in a few lines.
 fn summary(outcome: &ConesOutcome, arguments: &Cones) -> std::io::Result<()> {
     let mut out = std::io::stdout().lock();
-    let counts = outcome.bodies.iter().map(|(_, s)| s.counts()).fold([0; 3], |a, b| [a[0] + b[0], a[1] + b[1], a[2] + b[2]]);
+    let counts =
+        outcome.bodies.iter().map(|(_, s)| s.counts()).fold([0; 3], |a, b| [a[0] + b[0], a[1] + b[1], a[2] + b[2]]);
     let word = |n: usize, word: &str| format!("{n} {word}{}", if n == 1 { "" } else { "s" });
     let head = format!(
         "{}, {} and {} for {}",
@@ -54,7 +55,12 @@ fn summary(outcome: &ConesOutcome, arguments: &Cones) -> std::io::Result<()> {
     match &outcome.sheets.status {
         Status::Certified => {
             let bound = outcome.sheets.figures.iter().filter(|f| f.unit == "mm").map(|f| f.value).fold(0.0, f64::max);
-            writeln!(out, "certified: {head}, at most {} mm apart both ways (tolerance {})", significant(bound), arguments.tolerance.text)?;
+            writeln!(
+                out,
+                "certified: {head}, at most {} mm apart both ways (tolerance {})",
+                significant(bound),
+                arguments.tolerance.text
+            )?;
         }
         Status::Uncertified(reason) => {
             writeln!(out, "NOT certified: {head}")?;

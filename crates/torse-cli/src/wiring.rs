@@ -49,7 +49,10 @@ pub fn approximate(model: Model, job: &Job, control: &Control) -> Result<Outcome
 pub fn cones(model: &Model, name: &str, tolerance: f64, control: &Control) -> Result<ConesOutcome, Failure> {
     let options = ConesOptions { tolerance, input: name.to_owned() };
     cone_pipeline::of_faces(&model.faces, &model.skipped, &options, control).map_err(|e| {
-        Failure::new(e.to_string(), "see 'torse info' on the file; 'torse approximate' covers other surfaces with panels")
+        Failure::new(
+            e.to_string(),
+            "see 'torse info' on the file; 'torse approximate' covers other surfaces with panels",
+        )
     })
 }
 

@@ -44,8 +44,7 @@ fn helix_turn(b: divan::Bencher, tolerance: f64) {
 fn helix_turn_with_certificate(b: divan::Bencher, tolerance: f64) {
     b.bench(|| -> (ConeFit, ConeProof) {
         let fit = cones(&helix(1.0), &ConeFitOptions::new(tolerance)).expect("fit");
-        let proof =
-            judge(&helix(1.0), &fit.nodes, &fit.spline, &ConeJudgeOptions::new(tolerance)).expect("proof");
+        let proof = judge(&helix(1.0), &fit.nodes, &fit.spline, &ConeJudgeOptions::new(tolerance)).expect("proof");
         (fit, proof)
     });
 }

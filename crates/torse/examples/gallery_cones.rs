@@ -34,7 +34,13 @@ fn main() -> Result<()> {
 
     // Figure 11: a tangent surface and three pairs.
     let nodes = [0.15, 0.45, 0.75, 1.05];
-    save(folder, "fig11a_tangent_surface", &smooth(&|u| cubic(u), 0.15, 1.05), &eye, "tangent surface of (u, u^2, u^3)")?;
+    save(
+        folder,
+        "fig11a_tangent_surface",
+        &smooth(&|u| cubic(u), 0.15, 1.05),
+        &eye,
+        "tangent surface of (u, u^2, u^3)",
+    )?;
     let elements: Vec<G1Element> = nodes.iter().map(|&u| element(&cubic(u))).collect::<Result<_>>()?;
     let reach = vec![[-0.5, 0.5]; 4];
     let three = cone_spline(&elements, &reach, &ConeOptions::default())?;
@@ -45,10 +51,8 @@ fn main() -> Result<()> {
         ("fig15a_four_osculating", vec![0.2, 0.48, 0.76, 1.04], "four osculating cones and their joins"),
         ("fig15b_two_osculating", vec![0.2, 0.75], "two osculating cones and one join"),
     ] {
-        let cones: Vec<Osculating> = us
-            .iter()
-            .map(|&u| Ok(Osculating::of(&element(&cubic(u))?, &cubic(u))))
-            .collect::<Result<_>>()?;
+        let cones: Vec<Osculating> =
+            us.iter().map(|&u| Ok(Osculating::of(&element(&cubic(u))?, &cubic(u)))).collect::<Result<_>>()?;
         let s = osculating_spline(&cones, &vec![[-0.5, 0.5]; us.len()], &ConeOptions::default())?;
         save(folder, name, &scene(&s.spline)?, &eye, title)?;
     }
@@ -56,12 +60,21 @@ fn main() -> Result<()> {
     // Figures 9, 10, 12: constant slope.
     let helix = HelicalStrip { radius: 1.0, rise: 0.6, reach: [0.6, 1.8], domain: (0.0, 3.0) };
     save(folder, "fig12a_constant_slope", &smooth(&|u| helix.jet(u), 0.0, 3.0), &eye, "surface of constant slope")?;
-    let elements: Vec<G1Element> =
-        (0..4).map(|i| element(&helix.jet(f64::from(i)))).collect::<Result<_>>()?;
+    let elements: Vec<G1Element> = (0..4).map(|i| element(&helix.jet(f64::from(i)))).collect::<Result<_>>()?;
     let slope = cone_spline(&elements, &[[-0.6, 0.6]; 4], &ConeOptions::default())?;
     save(folder, "fig12b_three_pairs", &scene(&slope)?, &eye, "constant slope, three cone pairs")?;
-    let pair = any_pair(&elements[0], &elements[1], &PairOptions { first: [-0.6, 0.6], second: [-0.6, 0.6], ..PairOptions::default() })?;
-    save(folder, "fig10_pair_of_constant_slope", &scene(&ConeSpline { segments: pair.segments.to_vec() })?, &eye, "parallel axes, equal openings")?;
+    let pair = any_pair(
+        &elements[0],
+        &elements[1],
+        &PairOptions { first: [-0.6, 0.6], second: [-0.6, 0.6], ..PairOptions::default() },
+    )?;
+    save(
+        folder,
+        "fig10_pair_of_constant_slope",
+        &scene(&ConeSpline { segments: pair.segments.to_vec() })?,
+        &eye,
+        "parallel axes, equal openings",
+    )?;
 
     // Figures 3, 4, 7, 8: the family over the inscribed sphere.
     let (a, b) = (element(&cubic(0.2))?, element(&cubic(0.8))?);
@@ -176,7 +189,10 @@ fn sphere(m: &Vec3, r: f64) -> PanelShape {
     const N: u32 = 40;
     for i in 0..=N {
         for j in 0..=N {
-            let (a, b) = (std::f64::consts::TAU * f64::from(i) / f64::from(N), std::f64::consts::PI * f64::from(j) / f64::from(N));
+            let (a, b) = (
+                std::f64::consts::TAU * f64::from(i) / f64::from(N),
+                std::f64::consts::PI * f64::from(j) / f64::from(N),
+            );
             let n = Vec3::new(a.cos() * b.sin(), a.sin() * b.sin(), b.cos());
             shape.mesh.positions.push(m + n * r);
             shape.mesh.normals.push(n);
@@ -207,7 +223,8 @@ fn bending(file: &Path, spline: &ConeSpline) -> Result<()> {
         .collect::<Result<_>>()?;
     let first = spline.segments.first().ok_or("an empty chain")?.start;
     let eye = first.normal * 0.55 + first.forward * -0.75 + first.direction * 0.35;
-    let points: Vec<Vec3> = stages.iter().flat_map(|s| s.panels.iter().flat_map(|p| p.mesh.positions.clone())).collect();
+    let points: Vec<Vec3> =
+        stages.iter().flat_map(|s| s.panels.iter().flat_map(|p| p.mesh.positions.clone())).collect();
     for (k, stage) in stages.iter().enumerate() {
         let rect = Rect { x: CELL * k as f64 + 10.0, y: 20.0, width: CELL - 20.0, height: 340.0 };
         let camera = Camera::fitting(points.iter(), &eye, rect);

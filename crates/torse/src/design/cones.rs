@@ -142,9 +142,7 @@ impl Osculating {
     /// The piece from the ruling on by a signed angle about the axis.
     fn piece(&self, angle: f64) -> Segment {
         let shape = match self.shape {
-            Shape::Cone { distance, cos_gamma, sin_gamma, .. } => {
-                Shape::Cone { distance, cos_gamma, sin_gamma, angle }
-            }
+            Shape::Cone { distance, cos_gamma, sin_gamma, .. } => Shape::Cone { distance, cos_gamma, sin_gamma, angle },
             Shape::Cylinder { radius, .. } => Shape::Cylinder { radius, angle },
             Shape::Flat { .. } => Shape::Flat { width: angle },
         };
@@ -184,7 +182,7 @@ impl Join {
 fn trigonometric(a: f64, b: f64, c: f64) -> Option<[f64; 2]> {
     let r = a.hypot(b);
     let cosine = -c / r;
-    if !(cosine.abs() <= 1.0) {
+    if cosine.abs() > 1.0 || cosine.is_nan() {
         return None;
     }
     let (middle, half) = (b.atan2(a), cosine.acos());
@@ -208,11 +206,11 @@ pub fn joins(first: &Osculating, second: &Osculating) -> Vec<Join> {
             let w1 = first.piece(0.0).axis();
             let (e1, p1) = (first.element.direction, first.element.forward);
             // Axes cut to normals of length one: W without the common part.
-            let big = e1 * (k1 / s1) + first.element.normal
-                - second.element.direction * (k2 / s2)
-                - second.element.normal;
+            let big =
+                e1 * (k1 / s1) + first.element.normal - second.element.direction * (k2 / s2) - second.element.normal;
             let n = big.cross(&(v1 - v2));
-            if !(n.norm() > NO_JOIN * big.norm() * (v1 - v2).norm()) {
+            let least = NO_JOIN * big.norm() * (v1 - v2).norm();
+            if n.norm() <= least || least.is_nan() {
                 return Vec::new();
             }
             let a1 = e1 - w1 * k1;
@@ -276,11 +274,7 @@ fn through(first: &Osculating, second: &Osculating, f: f64) -> Option<Join> {
     // The partner from the condition of tangency, which has two roots; the lines meet at one of them only.
     let p2 = second.element.forward;
     let a2 = second.element.direction - w2 * k2;
-    let roots = trigonometric(
-        p.dot(&a2) + p2.dot(&g1),
-        s2 * p.dot(&p2) - a2.dot(&g1) / s2,
-        k2 * p.dot(&w2),
-    )?;
+    let roots = trigonometric(p.dot(&a2) + p2.dot(&g1), s2 * p.dot(&p2) - a2.dot(&g1) / s2, k2 * p.dot(&w2))?;
     let found = roots.iter().filter_map(|&turn| filler(f, &at, second, turn));
     found.min_by(|a, b| a.1.total_cmp(&b.1)).and_then(smooth)
 }
@@ -430,7 +424,8 @@ mod tests {
             let v = o.piece(0.1).vertex().expect("vertex");
             assert!((v - Vec3::new(u, u * u, u * u * u)).norm() < 1e-13);
             // Contact of second order: the distance of neighbouring rulings falls with the third power.
-            let off = |h: f64| crate::surface::cone_distance::Round::of(&o.piece(0.1)).distance(&jet(u + h).ends[1][0]).abs();
+            let off =
+                |h: f64| crate::surface::cone_distance::Round::of(&o.piece(0.1)).distance(&jet(u + h).ends[1][0]).abs();
             let order = (off(0.02) / off(0.01)).log2();
             assert!((2.7..3.3).contains(&order), "{order}");
         }
@@ -469,12 +464,8 @@ mod tests {
 
     #[test]
     fn constant_slope_falls_back_to_pairs() {
-        let helix = crate::surface::ruled_strip::HelicalStrip {
-            radius: 1.0,
-            rise: 0.6,
-            reach: [1.0, 2.0],
-            domain: (0.0, 2.0),
-        };
+        let helix =
+            crate::surface::ruled_strip::HelicalStrip { radius: 1.0, rise: 0.6, reach: [1.0, 2.0], domain: (0.0, 2.0) };
         use crate::surface::ruled_strip::RuledStrip;
         let cones: Vec<Osculating> = (0..4)
             .map(|i| helix.jet(0.3 * f64::from(i)))

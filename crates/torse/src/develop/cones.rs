@@ -216,7 +216,11 @@ pub fn cone_pattern(spline: &ConeSpline, name: &str, contour_tolerance: f64) -> 
     let ends = [(first, 0.0), (last, 1.0)];
     for (edge, (f, share)) in ends.into_iter().enumerate() {
         let (a, b) = (corner(f, share, 0), corner(f, share, 1));
-        pattern.sides.push(Side { border: Border::Trim { edge: edge as u32 }, middle: (a + b) * 0.5, length: (b - a).norm() });
+        pattern.sides.push(Side {
+            border: Border::Trim { edge: edge as u32 },
+            middle: (a + b) * 0.5,
+            length: (b - a).norm(),
+        });
     }
     let points: Vec<Vec2> = vertices.iter().map(|v| v.point).collect();
     if let Some(r) = crate::geom::rectangle::smallest_rectangle(&points) {
@@ -302,8 +306,10 @@ mod tests {
         for (s, f) in spline.segments.iter().zip(&flats) {
             for (x, y) in [(0.1, -0.3), (0.8, 0.35)] {
                 let h = 1e-5;
-                let space = [s.point(x + h, y) - s.point(x - h, y), s.point(x, y + h) - s.point(x, y - h)].map(|d| d / (2.0 * h));
-                let plane = [f.point(x + h, y) - f.point(x - h, y), f.point(x, y + h) - f.point(x, y - h)].map(|d| d / (2.0 * h));
+                let space = [s.point(x + h, y) - s.point(x - h, y), s.point(x, y + h) - s.point(x, y - h)]
+                    .map(|d| d / (2.0 * h));
+                let plane = [f.point(x + h, y) - f.point(x - h, y), f.point(x, y + h) - f.point(x, y - h)]
+                    .map(|d| d / (2.0 * h));
                 for i in 0..2 {
                     for j in 0..2 {
                         assert!((space[i].dot(&space[j]) - plane[i].dot(&plane[j])).abs() < 1e-9);
@@ -323,11 +329,11 @@ mod tests {
     fn bending_keeps_lengths_and_ends_in_the_plane() {
         let spline = chain(0.4);
         for bending in [Bending::Sine, Bending::Curvature] {
-            assert!(bent(&spline, 0.0, bending)
-                .segments
-                .iter()
-                .zip(&spline.segments)
-                .all(|(a, b)| (a.point(0.7, 0.3) - b.point(0.7, 0.3)).norm() < 1e-13));
+            assert!(bent(&spline, 0.0, bending).segments.iter().zip(&spline.segments).all(|(a, b)| (a
+                .point(0.7, 0.3)
+                - b.point(0.7, 0.3))
+            .norm()
+                < 1e-13));
             let flat = bent(&spline, 1.0, bending);
             let (o, n) = (flat.segments[0].start.point, flat.segments[0].start.normal);
             let plane = develop(&spline, Vec2::zeros(), 0.0);

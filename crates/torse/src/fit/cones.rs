@@ -65,7 +65,9 @@ pub enum ConeFitError {
         u: f64,
     },
     /// Steps became too short.
-    #[error("no cone pair from ruling u = {u} on, however short ({reason}); is the surface developable and smooth there?")]
+    #[error(
+        "no cone pair from ruling u = {u} on, however short ({reason}); is the surface developable and smooth there?"
+    )]
     Stuck {
         /// Parameter of the ruling.
         u: f64,
@@ -180,7 +182,7 @@ fn trial(
             }
         };
         absorb = 0.0;
-        if !(*step > shortest) {
+        if *step <= shortest || step.is_nan() {
             return Err(ConeFitError::Stuck { u: from.u, reason });
         }
     }

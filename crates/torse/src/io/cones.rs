@@ -38,7 +38,6 @@ pub fn exact(name: &str, bodies: &[(String, ConeSpline)], time: &str) -> Result<
     let header = Header { name: name.to_owned(), time: time.to_owned(), uncertainty: UNCERTAINTY };
     let bodies: Vec<Sheet> = bodies.iter().map(|(name, spline)| Sheet::of_cones(name, spline)).collect();
     let mut bytes = Vec::new();
-    step::sheets(&mut bytes, &header, &bodies)
-        .map_err(|source| BundleError::Write { file: "cones.step", source })?;
+    step::sheets(&mut bytes, &header, &bodies).map_err(|source| BundleError::Write { file: "cones.step", source })?;
     Ok(("cones.step".into(), bytes))
 }

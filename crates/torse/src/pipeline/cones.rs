@@ -303,7 +303,7 @@ fn faulty(strip: &RuledPatch, tolerance: f64) -> Option<String> {
             Err(e) => return Some(format!("its ruling u = {u:.4} is not usable: {e}")),
         };
         let off = jet.twist(&element) * jet.length();
-        if !(off <= TWISTED * tolerance) {
+        if off > TWISTED * tolerance || off.is_nan() {
             return Some(format!("it is not developable (twist of {off:.2e} mm along ruling u = {u:.4})"));
         }
     }

@@ -61,7 +61,7 @@ impl Round {
         let ends = self.distance(a).abs().max(self.distance(b).abs());
         let d = b - a;
         let length = d.norm();
-        if !(length > 0.0) || self.tilt == 0.0 {
+        if length == 0.0 || !length.is_finite() || self.tilt == 0.0 {
             return ends;
         }
         let d = d / length;
@@ -72,7 +72,7 @@ impl Round {
         // ρ² = p t² + 2 q t + r; stationary where ρ' = rise dw / tilt.
         let (p, q, r) = (across.norm_squared(), y.dot(&across), y.norm_squared());
         let k = self.rise * dw / self.tilt;
-        if !(p > k * k) {
+        if p <= k * k || p.is_nan() || k.is_nan() {
             return ends;
         }
         let t = k * ((r - q * q / p).max(0.0) / (p * (p - k * k))).sqrt() - q / p;
@@ -135,7 +135,8 @@ mod tests {
                 assert!((round.distance(&at(f, r, d)) - d).abs() < 1e-12, "{s:?}");
             }
             let (a, b) = (at(0.1, -0.5, 0.02), at(0.4, 0.7, -0.05));
-            let dense = (0..=5000).map(|i| round.distance(&(a + (b - a) * (i as f64 / 5000.0))).abs()).fold(0.0, f64::max);
+            let dense =
+                (0..=5000).map(|i| round.distance(&(a + (b - a) * (i as f64 / 5000.0))).abs()).fold(0.0, f64::max);
             let exact = round.largest_on_line(&a, &b);
             assert!(exact >= dense - 1e-15 && exact < dense + 1e-6, "{s:?} {exact} {dense}");
         }

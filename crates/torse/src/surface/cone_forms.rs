@@ -108,9 +108,7 @@ pub fn edge_conic(s: &Segment, side: usize) -> [(Vec3, f64); 3] {
             let r = 0.5 * (2.0 * m * (1.0 + w) - a - b) / w;
             [(first, 1.0), (local(r, -radius * (0.5 * angle).tan()), w), (last, 1.0)]
         }
-        Shape::Flat { width } => {
-            [(first, 1.0), (local(2.0 * m - 0.5 * (a + b), 0.5 * width), 1.0), (last, 1.0)]
-        }
+        Shape::Flat { width } => [(first, 1.0), (local(2.0 * m - 0.5 * (a + b), 0.5 * width), 1.0), (last, 1.0)],
     }
 }
 

@@ -158,11 +158,7 @@ impl End {
     fn new(q: &Vec3, alpha: f64) -> Self {
         let (s, h) = (alpha.sin(), (0.5 * alpha).sin());
         let v = 2.0 * h * h;
-        let delta = Vec3::new(
-            -v * (q.y * q.y + q.z * q.z),
-            s * q.z + v * q.x * q.y,
-            -s * q.y + v * q.x * q.z,
-        );
+        let delta = Vec3::new(-v * (q.y * q.y + q.z * q.z), s * q.z + v * q.x * q.y, -s * q.y + v * q.x * q.z);
         // w ∝ p × δ with n·w > 0; tan(φ/2) from chord components.
         let n = delta.z.hypot(delta.x);
         let half = n.atan2(delta.y);
@@ -252,12 +248,7 @@ pub fn any_pair(first: &G1Element, second: &G1Element, options: &PairOptions) ->
     let slide = -0.5 * shift;
     let one = Segment {
         start: *first,
-        shape: Shape::Cone {
-            distance: -s1,
-            cos_gamma: near.cos_gamma,
-            sin_gamma: near.sin_gamma,
-            angle: near.angle,
-        },
+        shape: Shape::Cone { distance: -s1, cos_gamma: near.cos_gamma, sin_gamma: near.sin_gamma, angle: near.angle },
         edges: edges(options.first, options.second.map(|r| r - shift)),
     };
     let (g, p) = near.junction();
@@ -438,12 +429,7 @@ fn axis(first: &G1Element, second: &G1Element, twice_sine: &Vec3, cosine: f64) -
 
 /// Equal tangent planes: a plane sector about the common point of the rulings, or a strip between parallel ones, in
 /// two halves.
-fn planar(
-    first: &G1Element,
-    second: &G1Element,
-    parallel: bool,
-    options: &PairOptions,
-) -> Result<ConePair, PairError> {
+fn planar(first: &G1Element, second: &G1Element, parallel: bool, options: &PairOptions) -> Result<ConePair, PairError> {
     let d = first.to_local(&(second.point - first.point));
     let e = first.to_local(&second.direction);
     let (shape, shift) = if parallel {
@@ -503,7 +489,8 @@ fn cylinders(first: &G1Element, second: &G1Element, options: &PairOptions) -> Re
         (Shape::Cylinder { radius: -r1, angle: turn1 }, Shape::Cylinder { radius: -r2, angle: turn2 })
     } else {
         let at = |v: &Vec3| first.point + first.to_world(v);
-        let middle = G1Element { point: at(&c), direction: first.direction, forward: p, normal: first.direction.cross(&p) };
+        let middle =
+            G1Element { point: at(&c), direction: first.direction, forward: p, normal: first.direction.cross(&p) };
         (arc(first, &middle), arc(&middle, second))
     };
     let one = Segment { start: *first, shape: shape1, edges: edges(options.first, options.second.map(|r| r - shift)) };

@@ -2,18 +2,18 @@
 
 pub mod area;
 pub mod clip;
-pub mod convert;
 pub mod cone_distance;
 pub mod cone_forms;
 pub mod cone_pair;
 pub mod cone_spline;
+pub mod convert;
 pub mod face;
 pub mod g1_element;
 mod hug;
 pub mod panel;
 pub mod pattern;
-pub mod ruled_strip;
 pub mod rail;
+pub mod ruled_strip;
 pub mod strip;
 pub mod torse;
 pub mod trim;

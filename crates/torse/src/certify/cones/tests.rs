@@ -64,7 +64,9 @@ fn bounds_exceed_dense_samples_but_not_by_much() {
 fn moved_chains_are_refused() {
     let (nodes, spline) = chain(8);
     let tolerance = 1e-4;
-    assert!(cones(&strip(), &nodes, &spline, &ConeJudgeOptions::new(tolerance)).expect("proof").strip_bound < tolerance);
+    assert!(
+        cones(&strip(), &nodes, &spline, &ConeJudgeOptions::new(tolerance)).expect("proof").strip_bound < tolerance
+    );
     // All of it by twice the tolerance.
     let mut moved = spline.clone();
     for s in &mut moved.segments {

@@ -96,7 +96,8 @@ fn bad_strips_are_refused_with_the_ruling() {
     assert!(matches!(cones(&through, &ConeFitOptions::new(1e-3)), Err(ConeFitError::Regression { .. })));
     assert!(matches!(cones(&helix(), &ConeFitOptions::new(0.0)), Err(ConeFitError::Tolerance(_))));
     assert!(matches!(cones(&helix(), &ConeFitOptions::new(f64::NAN)), Err(ConeFitError::Tolerance(_))));
-    let nan = StripFn { domain: (0.0, 1.0), breaks: vec![], jet: |_| StripJet { ends: [[Vec3::repeat(f64::NAN); 3]; 2] } };
+    let nan =
+        StripFn { domain: (0.0, 1.0), breaks: vec![], jet: |_| StripJet { ends: [[Vec3::repeat(f64::NAN); 3]; 2] } };
     assert!(matches!(cones(&nan, &ConeFitOptions::new(1e-3)), Err(ConeFitError::Element { .. })));
     let few = ConeFitOptions { most_pairs: 3, ..ConeFitOptions::new(1e-6) };
     assert!(matches!(cones(&helix(), &few), Err(ConeFitError::TooMany { .. })));

@@ -178,7 +178,10 @@ fn vertex_orders_of_the_tangent_surface() {
     let off = |h: f64| {
         let pair = any_pair(&cubic(0.3, 1.5), &cubic(0.3 + h, 1.5), &PairOptions::default()).expect("pair");
         let v = pair.segments[0].vertex().expect("vertex");
-        (0..4000).map(|i| cubic(0.3 + h * (i as f64 / 2000.0 - 0.5), 0.0).point).map(|c| (c - v).norm()).fold(9.0, f64::min)
+        (0..4000)
+            .map(|i| cubic(0.3 + h * (i as f64 / 2000.0 - 0.5), 0.0).point)
+            .map(|c| (c - v).norm())
+            .fold(9.0, f64::min)
     };
     let ratio = off(0.1) / off(0.05);
     assert!(ratio > 3.4, "{ratio}");
