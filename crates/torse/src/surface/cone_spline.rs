@@ -215,7 +215,8 @@ impl Segment {
                 if let Some(&r) = corners().find(|&&r| !positive((distance + r) * side)) {
                     return Some(SegmentFault::Vertex { beyond: -(distance + r) * side });
                 }
-                (!(positive(angle * side) && positive(sin_gamma))).then_some(SegmentFault::Backward { angle: angle * side })
+                (!(positive(angle * side) && positive(sin_gamma)))
+                    .then_some(SegmentFault::Backward { angle: angle * side })
             }
             Shape::Cylinder { radius, angle } => {
                 (!positive(-radius * angle)).then_some(SegmentFault::Backward { angle: -radius.signum() * angle })
@@ -332,7 +333,8 @@ impl ConeSpline {
     }
 
     /// The chain between two circular arc splines: those that start at the coordinates `lower` and `upper` (mm) of
-    /// the first ruling and cut all rulings at right angles. In the development they are arc splines too.
+    /// the first ruling and cut all rulings at right angles. In the development they are arc splines too. Along the
+    /// chain they drift towards or away from the vertices: check [`Segment::fault`].
     pub fn with_circular_edges(mut self, lower: f64, upper: f64) -> Self {
         let mut r = [lower, upper];
         for i in 0..self.segments.len() {
