@@ -111,7 +111,8 @@ fn main() -> Result<()> {
     save(folder, "fig16_segment", &scene(&one)?, &eye, "cone segment")?;
 
     // Figure 17: the bending sequence, as a strip of pictures, and the flat pattern of true arcs.
-    let circular = three.clone().with_circular_edges(-0.4, 0.4);
+    // Arcs across the rulings come nearer to the vertices by the length of the regression curve.
+    let circular = three.clone().with_circular_edges(1.0, 1.8);
     bending(&folder.join("fig17_bending.png"), &circular)?;
     let pattern = cone_pattern(&circular, "A", 1e-4);
     let flat = drawing(&[pattern], &[Placement { angle: 0.0, offset: Vec2::zeros() }]);

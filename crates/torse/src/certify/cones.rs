@@ -14,7 +14,8 @@ use crate::surface::cone_spline::{ConeSpline, Segment, Shape};
 use crate::surface::g1_element::G1Element;
 use crate::surface::ruled_strip::EnclosedStrip;
 
-use super::vector::{cross, dot, exact, scale, sub, V3};
+use super::vector::{cross, dot, V3};
+use crate::geom::Vec3;
 
 /// Options of [`cones`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -85,18 +86,52 @@ const ROUGH: f64 = 1e-6;
 /// Functions of u that bounds are needed of; numbers enclosed at a ruling, or over a stretch with derivatives.
 trait Quantity: Scalar {
     fn root(self) -> Self;
+    /// Product with a number: most factors here are numbers, and cheap.
+    fn times(self, k: f64) -> Self;
+    /// Sum with a number.
+    fn plus(self, k: f64) -> Self;
 }
 
 impl Quantity for Interval {
+    #[inline]
     fn root(self) -> Self {
         self.sqrt()
+    }
+    #[inline]
+    fn times(self, k: f64) -> Self {
+        self * k
+    }
+    #[inline]
+    fn plus(self, k: f64) -> Self {
+        self + Self::point(k)
     }
 }
 
 impl Quantity for Jet {
+    #[inline]
     fn root(self) -> Self {
         self.sqrt()
     }
+    #[inline]
+    fn times(self, k: f64) -> Self {
+        Self { v: self.v * k, d: self.d * k, dd: self.dd * k }
+    }
+    #[inline]
+    fn plus(self, k: f64) -> Self {
+        Self { v: self.v + Interval::point(k), ..self }
+    }
+}
+
+/// Product with a vector of numbers.
+#[inline]
+fn along<S: Quantity>(a: &V3<S>, k: &Vec3) -> S {
+    a[0].times(k.x) + a[1].times(k.y) + a[2].times(k.z)
+}
+
+/// Difference from a point.
+#[inline]
+fn from_point<S: Quantity>(a: &V3<S>, o: &Vec3) -> V3<S> {
+    [a[0].plus(-o.x), a[1].plus(-o.y), a[2].plus(-o.z)]
 }
 
 /// A segment prepared: carrier, frame of the middle ruling, edges.
@@ -106,21 +141,19 @@ struct Prepared {
     middle: G1Element,
     /// Unit vector from the axis to the middle of the segment, and across, so that the turn from the middle is
     /// positive as the segment counts it.
-    radial: crate::geom::Vec3,
-    across: crate::geom::Vec3,
+    radial: Vec3,
+    across: Vec3,
 }
 
-/// Distance and edge deviations of both ends of a ruling, for one segment.
-struct Measures<S> {
-    distance: [S; 2],
-    /// det(axis, q_A, q_B): twist of the ruling about the axis.
-    twist: S,
-    /// Distances of both ends from the axis.
-    rho: [S; 2],
-    /// q_A·q_B: positive where both ends lie on one side of the axis.
-    facing: S,
-    /// Foot coordinate minus edge coordinate along the ruling, at both ends.
-    edge: [S; 2],
+/// A point of a ruling in the coordinates of a carrier.
+#[derive(Clone, Copy)]
+struct Seen<S> {
+    /// Signed distance from the carrier.
+    distance: S,
+    /// Along the axis, across it, and the distance from it.
+    z: S,
+    q: V3<S>,
+    rho: S,
 }
 
 impl Prepared {
@@ -138,63 +171,57 @@ impl Prepared {
         Self { segment: *segment, round, middle, radial, across }
     }
 
-    fn measures<S: Quantity>(&self, ends: &[V3<S>; 2]) -> Measures<S> {
+    fn seen<S: Quantity>(&self, x: &V3<S>) -> Seen<S> {
         let r = &self.round;
-        let (center, axis) = (exact::<S>(&r.center), exact::<S>(&r.axis));
-        let plane = r.tilt == 0.0 && matches!(self.segment.shape, Shape::Flat { .. });
-        let parts = [0, 1].map(|k| {
-            let y = sub(&ends[k], &center);
-            let z = dot(&y, &axis);
-            (z, sub(&y, &scale(&axis, z)))
-        });
-        let rho = [0, 1].map(|k| if plane { S::from(1.0) } else { dot(&parts[k].1, &parts[k].1).root() });
-        let distance = [0, 1].map(|k| {
-            let z = S::from(r.rise) * parts[k].0;
-            if r.tilt == 0.0 {
-                z
-            } else {
-                z - S::from(r.tilt) * (rho[k] - S::from(r.radius))
-            }
-        });
-        let twist = if r.tilt == 0.0 { S::from(0.0) } else { dot(&axis, &cross(&parts[0].1, &parts[1].1)) };
-        let facing = if r.tilt == 0.0 { S::from(1.0) } else { dot(&parts[0].1, &parts[1].1) };
-        let edge = [0, 1].map(|k| self.edge_off(k, parts[k].0, &parts[k].1, rho[k], &ends[k]));
-        Measures { distance, twist, rho, facing, edge }
+        let y = from_point(x, &r.center);
+        let z = along(&y, &r.axis);
+        let q = [y[0] - z.times(r.axis.x), y[1] - z.times(r.axis.y), y[2] - z.times(r.axis.z)];
+        if matches!(self.segment.shape, Shape::Flat { .. }) {
+            return Seen { distance: z, z, q, rho: S::from(1.0) };
+        }
+        let rho = dot(&q, &q).root();
+        let distance = z.times(r.rise) - rho.plus(-r.radius).times(r.tilt);
+        Seen { distance, z, q, rho }
+    }
+
+    /// det(axis, q_a, q_b): twist of two points of a ruling about the axis.
+    fn twist<S: Quantity>(&self, a: &Seen<S>, b: &Seen<S>) -> S {
+        along(&cross(&a.q, &b.q), &self.round.axis)
     }
 
     /// Coordinate along the ruling of the foot of a boundary point, minus that of the edge at the same turn.
-    fn edge_off<S: Quantity>(&self, side: usize, z: S, q: &V3<S>, rho: S, x: &V3<S>) -> S {
+    fn edge_off<S: Quantity>(&self, side: usize, seen: &Seen<S>, x: &V3<S>) -> S {
         let [a, m, b] = self.segment.edges[side];
         let from = S::from;
         if let Shape::Flat { width } = self.segment.shape {
-            let y = sub(x, &exact(&self.middle.point));
-            let t = (dot(&y, &exact(&self.middle.forward)) * from(2.0)).over(from(width));
-            let r = dot(&y, &exact(&self.middle.direction));
-            return r - from(m) - t * from(0.5 * (b - a)) - t * t * from(0.5 * (a + b) - m);
+            let y = from_point(x, &self.middle.point);
+            let t = along(&y, &self.middle.forward).times(2.0).over(from(width));
+            let r = along(&y, &self.middle.direction);
+            return r.plus(-m) - t.times(0.5 * (b - a)) - (t * t).times(0.5 * (a + b) - m);
         }
         let full = self.segment.shape.angle();
         let (half, wh) = ((0.25 * full).sin(), (0.5 * full).sin());
         let vh = 2.0 * half * half;
-        let cosine = dot(q, &exact(&self.radial)).over(rho);
-        let sine = dot(q, &exact(&self.across)).over(rho);
-        let versine = from(1.0) - cosine;
+        let (z, rho) = (seen.z, seen.rho);
+        let cosine = along(&seen.q, &self.radial).over(rho);
+        let sine = along(&seen.q, &self.across).over(rho);
+        let versine = (-cosine).plus(1.0);
         match self.segment.shape {
             Shape::Cone { distance: d, cos_gamma, sin_gamma, .. } => {
-                let foot = from(cos_gamma) * z + from(d.signum() * sin_gamma) * (rho - from(self.round.radius));
+                let foot = z.times(cos_gamma) + rho.plus(-self.round.radius).times(d.signum() * sin_gamma);
                 let tm = d + m;
                 let (ga, gb) = (-(a - m) / (d + a), -(b - m) / (d + b));
-                let g = sine * from(0.5 * (gb - ga) / wh) + versine * from(0.5 * (ga + gb) / vh);
-                foot - from(m) + g * from(tm).over(from(1.0) + g)
+                let g = sine.times(0.5 * (gb - ga) / wh) + versine.times(0.5 * (ga + gb) / vh);
+                foot.plus(-m) + g.times(tm).over(g.plus(1.0))
             }
-            _ => z - from(m) - sine * from(0.5 * (b - a) / wh) - versine * from((0.5 * (a + b) - m) / vh),
+            _ => z.plus(-m) - sine.times(0.5 * (b - a) / wh) - versine.times((0.5 * (a + b) - m) / vh),
         }
     }
 }
 
 /// `(x − point)·forward` of a ruling at both ends.
 fn ahead<S: Quantity>(g: &G1Element, ends: &[V3<S>; 2]) -> [S; 2] {
-    let (o, p) = (exact::<S>(&g.point), exact::<S>(&g.forward));
-    [0, 1].map(|k| dot(&sub(&ends[k], &o), &p))
+    [0, 1].map(|k| along(&from_point(&ends[k], &g.point), &g.forward))
 }
 
 /// Enclosure over a stretch (parameter scaled to [0, 1]) from its values at both ends and its jet.
@@ -266,7 +293,7 @@ pub fn cones(
         let mut stack: Vec<(f64, f64, usize)> = stops.windows(2).rev().map(|s| (s[0], s[1], 0)).collect();
         while let Some((a, b, depth)) = stack.pop() {
             proof.stretches += 1;
-            let s = stretch(strip, &pair, &planes, a, b, tolerance);
+            let s = stretch(strip, &pair, &planes, a, b, [tolerance, options.surcharge * tolerance]);
             let fine = s.surcharge <= options.surcharge * tolerance;
             if !fine && depth < options.depth {
                 let m = 0.5 * (a + b);
@@ -298,7 +325,7 @@ fn stretch(
     planes: &[G1Element; 3],
     a: f64,
     b: f64,
-    tolerance: f64,
+    [tolerance, allowed]: [f64; 2],
 ) -> Stretch {
     let nothing = Stretch { strip: f64::INFINITY, attained: 0.0, edges: f64::INFINITY, surcharge: f64::INFINITY };
     let at = |u: f64| strip.enclosure(u, u).map(|c| c[0]);
@@ -323,52 +350,115 @@ fn stretch(
     };
     let behind = BEHIND * tolerance;
     let (front, junction, back) = (sides(&planes[0]), sides(&planes[1]), sides(&planes[2]));
-    let outside = (0..2).map(|k| (-front[k].lo).max(back[k].hi)).fold(0.0, f64::max);
-    if !(outside <= behind) {
+    // Before the junction only the first ruling's plane matters, behind it only the last one's.
+    let takes = [junction.iter().any(|s| s.lo <= 0.0), junction.iter().any(|s| s.hi >= 0.0)];
+    let outside = (0..2)
+        .map(|k| if takes[0] { -front[k].lo } else { 0.0 }.max(if takes[1] { back[k].hi } else { 0.0 }))
+        .fold(0.0, f64::max);
+    if outside > behind || outside.is_nan() {
         return Stretch { surcharge: outside, ..nothing };
     }
-    let takes = [junction.iter().any(|s| s.lo <= 0.0), junction.iter().any(|s| s.hi >= 0.0)];
     // 2. Distances and edges.
     let mut out = Stretch { strip: 0.0, attained: 0.0, edges: 0.0, surcharge: 0.0 };
     let both = takes[0] && takes[1];
     for (segment, _) in pair.iter().zip(takes).filter(|(_, t)| *t) {
-        let (l, r, j) = (segment.measures(&xa), segment.measures(&xb), segment.measures(&jets));
-        let mut largest = 0.0_f64;
-        for k in 0..2 {
-            let ends = l.distance[k].mag().max(r.distance[k].mag());
-            let all = over(l.distance[k], r.distance[k], j.distance[k]).mag();
-            let (ends_off, all_off) =
-                (l.edge[k].mag().max(r.edge[k].mag()), over(l.edge[k], r.edge[k], j.edge[k]).mag());
-            largest = largest.max(all);
-            out.edges = out.edges.max(all_off);
-            out.surcharge = out.surcharge.max(all - ends).max(all_off - ends_off);
-            if !both {
-                out.attained = out.attained.max(l.distance[k].mig()).max(r.distance[k].mig());
-            }
-        }
-        let sag = if segment.round.tilt == 0.0 {
-            0.0
-        } else {
-            let twist = over(l.twist, r.twist, j.twist);
-            let [p, q] = [0, 1].map(|k| over(l.rho[k], r.rho[k], j.rho[k]));
-            if over(l.facing, r.facing, j.facing).sign() <= 0 {
-                return nothing;
-            }
-            // Against the chord, ρ falls short by at most δ²/ρ_B, δ = twist/ρ_A the offset of one end from the other's
-            // meridian plane.
-            let sag = (twist.sqr() / (p.sqr() * q)).hull(twist.sqr() / (p * q.sqr()));
-            (sag * segment.round.tilt.abs()).mag()
-        };
-        if !(sag.is_finite() && largest.is_finite()) {
+        let surely = !both;
+        if judge(segment, &xa, &xb, &jets, allowed, surely, &mut out).is_none() {
             return nothing;
         }
-        out.surcharge = out.surcharge.max(sag);
-        out.strip = out.strip.max(Interval::point(largest).widen(sag).hi);
     }
-    if out.edges.is_nan() || out.surcharge.is_nan() {
+    if out.edges.is_nan() || out.surcharge.is_nan() || !out.strip.is_finite() {
         return nothing;
     }
     out
+}
+
+/// Most parts of a ruling.
+const MOST_PARTS: usize = 24;
+
+/// The bounds of one segment over a stretch: every ruling in parts short enough that their sag against the chord stays
+/// below half of `allowed`. `None` where a ruling passes the axis.
+fn judge(
+    segment: &Prepared,
+    xa: &[V3<Interval>; 2],
+    xb: &[V3<Interval>; 2],
+    jets: &[V3<Jet>; 2],
+    allowed: f64,
+    surely: bool,
+    out: &mut Stretch,
+) -> Option<()> {
+    let curved = segment.round.tilt != 0.0;
+    // 1. Ends of the rulings: distances and edges.
+    let at = |x: &[V3<Interval>; 2]| [segment.seen(&x[0]), segment.seen(&x[1])];
+    let (l, r) = (at(xa), at(xb));
+    let j = [segment.seen(&jets[0]), segment.seen(&jets[1])];
+    for k in 0..2 {
+        let (el, er) = (segment.edge_off(k, &l[k], &xa[k]), segment.edge_off(k, &r[k], &xb[k]));
+        let all = over(el, er, segment.edge_off(k, &j[k], &jets[k])).mag();
+        out.edges = out.edges.max(all);
+        out.surcharge = out.surcharge.max(all - el.mag().max(er.mag()));
+        if all.is_nan() {
+            return None;
+        }
+    }
+    // 2. How many parts? The sag of the whole ruling falls with the square of their number.
+    let sag = |t: f64, p: f64, q: f64| segment.round.tilt.abs() * t * t / (p * q * p.min(q));
+    let whole = |s: &[Seen<Interval>; 2]| sag(segment.twist(&s[0], &s[1]).mag(), s[0].rho.mid(), s[1].rho.mid());
+    let worst = if curved { whole(&l).max(whole(&r)) } else { 0.0 };
+    let parts = (worst / (0.25 * allowed)).sqrt().ceil();
+    let parts = if parts.is_finite() { (parts as usize).clamp(1, MOST_PARTS) } else { MOST_PARTS };
+    // 3. From node to node of the rulings.
+    let node = |i: usize| i as f64 / parts as f64;
+    let mut before = (l[0], r[0], j[0]);
+    for i in 0..=parts {
+        let now = if i == 0 {
+            before
+        } else if i == parts {
+            (l[1], r[1], j[1])
+        } else {
+            let v = node(i);
+            (segment.seen(&between(xa, v)), segment.seen(&between(xb, v)), segment.seen(&between(jets, v)))
+        };
+        let ends = now.0.distance.mag().max(now.1.distance.mag());
+        let all = over(now.0.distance, now.1.distance, now.2.distance).mag();
+        out.surcharge = out.surcharge.max(all - ends);
+        if surely {
+            out.attained = out.attained.max(now.0.distance.mig()).max(now.1.distance.mig());
+        }
+        let mut bound = all;
+        if curved && i > 0 {
+            let facing = |a: &Seen<Jet>, b: &Seen<Jet>| dot(&a.q.map(|x| x.v), &b.q.map(|x| x.v)).sign();
+            if facing(&before.2, &now.2) <= 0 {
+                return None;
+            }
+            // Against the chord, ρ falls short by at most δ²/ρ_b, δ = twist/ρ_a the offset of one end from the
+            // other's meridian plane.
+            let twist = over(
+                segment.twist(&before.0, &now.0),
+                segment.twist(&before.1, &now.1),
+                segment.twist(&before.2, &now.2),
+            );
+            let (p, q) = (before.2.rho.v, now.2.rho.v);
+            let sag = (twist.sqr() / (p * q)) / Interval::new(p.lo.min(q.lo), p.hi.min(q.hi));
+            let sag = (sag * segment.round.tilt.abs()).mag();
+            out.surcharge = out.surcharge.max(sag);
+            // The chord lies between the distances of both nodes; the earlier one is already in the bound.
+            let earlier = over(before.0.distance, before.1.distance, before.2.distance).mag();
+            bound = Interval::point(all.max(earlier)).widen(sag).hi;
+        }
+        if bound.is_nan() {
+            return None;
+        }
+        out.strip = out.strip.max(bound);
+        before = now;
+    }
+    Some(())
+}
+
+/// The point at the share `v` of a ruling.
+fn between<S: Quantity>(ends: &[V3<S>; 2], v: f64) -> V3<S> {
+    // The node is where these numbers put it: any point of the ruling will do, so 1 − v need not be exact.
+    std::array::from_fn(|d| ends[0][d] + (ends[1][d] - ends[0][d]).times(v))
 }
 
 #[cfg(test)]

@@ -182,7 +182,7 @@ impl Join {
 fn trigonometric(a: f64, b: f64, c: f64) -> Option<[f64; 2]> {
     let r = a.hypot(b);
     let cosine = -c / r;
-    if !(cosine.abs() <= 1.0) {
+    if cosine.abs() > 1.0 || cosine.is_nan() {
         return None;
     }
     let (middle, half) = (b.atan2(a), cosine.acos());
@@ -209,7 +209,8 @@ pub fn joins(first: &Osculating, second: &Osculating) -> Vec<Join> {
             let big =
                 e1 * (k1 / s1) + first.element.normal - second.element.direction * (k2 / s2) - second.element.normal;
             let n = big.cross(&(v1 - v2));
-            if !(n.norm() > NO_JOIN * big.norm() * (v1 - v2).norm()) {
+            let least = NO_JOIN * big.norm() * (v1 - v2).norm();
+            if n.norm() <= least || least.is_nan() {
                 return Vec::new();
             }
             let a1 = e1 - w1 * k1;

@@ -16,6 +16,8 @@ use crate::surface::ruled_strip::{RuledStrip, StripJet};
 pub struct ConeFitOptions {
     /// Wanted distance, mm; no default.
     pub tolerance: f64,
+    /// Wanted distance, along the rulings, of the edges of segments from the boundary of the strip; none, mm.
+    pub edges: f64,
     /// Share of the rotation at which junction rulings lie; 1/2.
     pub psi: f64,
     /// Largest rotation within a pair; 2.5 rad.
@@ -27,7 +29,7 @@ pub struct ConeFitOptions {
 impl ConeFitOptions {
     /// Defaults with a tolerance (mm).
     pub fn new(tolerance: f64) -> Self {
-        Self { tolerance, psi: 0.5, rotation_limit: ROTATION_LIMIT, most_pairs: 100_000 }
+        Self { tolerance, edges: f64::INFINITY, psi: 0.5, rotation_limit: ROTATION_LIMIT, most_pairs: 100_000 }
     }
 }
 
@@ -167,7 +169,9 @@ fn trial(
         let to = station(strip, u)?;
         let reason = match between(strip, from, &to, options) {
             Ok(pair) => {
-                let error = measured(strip, from, &to, &pair)?;
+                // Edges count in units of their own tolerance.
+                let edges = edges_off(strip, from, &to, &pair, options.edges) * options.tolerance;
+                let error = measured(strip, from, &to, &pair)?.max(edges);
                 if error <= options.tolerance {
                     *step = u - from.u;
                     return Ok((to, pair, error));
@@ -182,7 +186,7 @@ fn trial(
             }
         };
         absorb = 0.0;
-        if !(*step > shortest) {
+        if *step <= shortest || step.is_nan() {
             return Err(ConeFitError::Stuck { u: from.u, reason });
         }
     }
@@ -252,6 +256,26 @@ fn crossing(strip: &impl RuledStrip, side: usize, ruling: &G1Element, guess: f64
         }
     }
     (x[0] - ruling.point).dot(&ruling.direction)
+}
+
+/// Largest distance of the edges of a pair from the boundary of the strip at the quarters of its segments, as a share of
+/// what is allowed; not looked at where everything is.
+fn edges_off(strip: &impl RuledStrip, a: &Station, b: &Station, pair: &ConePair, allowed: f64) -> f64 {
+    if !allowed.is_finite() {
+        return 0.0;
+    }
+    let mut worst = 0.0_f64;
+    for (k, s) in pair.segments.iter().enumerate() {
+        for f in [0.25, 0.75] {
+            let guess = a.u + (b.u - a.u) * 0.5 * (k as f64 + f);
+            let g = s.element(f);
+            for side in 0..2 {
+                let off = crossing(strip, side, &g, guess, (a.u, b.u)) - s.edge(side, f);
+                worst = worst.max(RESERVE * off.abs() / allowed);
+            }
+        }
+    }
+    worst
 }
 
 /// Largest distance of some rulings of the strip from a pair, with the reserve.

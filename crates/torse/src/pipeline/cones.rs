@@ -58,7 +58,9 @@ const TESTED: usize = 33;
 /// the sine of the twist times the length of the ruling.
 const TWISTED: f64 = 0.05;
 /// The tolerance of the fit against that of the job: the proof of the way back adds to the distance fitted.
-const SHARES: [f64; 5] = [0.85, 0.7, 0.5, 0.3, 0.15];
+const SHARES: [f64; 5] = [0.76, 0.6, 0.45, 0.3, 0.15];
+/// Distance allowed to edges, as a share of that of the surface: both add up in the proof.
+const EDGES: f64 = 0.25;
 /// Contours stay within this share of the tolerance.
 const CONTOUR_SHARE: f64 = 0.1;
 /// Parts that fall together in the plane are apart in space by more than this share of the size.
@@ -202,7 +204,8 @@ fn run(
 fn approximated(target: &Target, tolerance: f64) -> Result<(ConeFit, ConeProof), String> {
     let mut best: Option<(ConeFit, ConeProof)> = None;
     for share in SHARES {
-        let found = fit(&target.strip, &ConeFitOptions::new(share * tolerance)).map_err(|e| e.to_string());
+        let wanted = ConeFitOptions { edges: EDGES * share * tolerance, ..ConeFitOptions::new(share * tolerance) };
+        let found = fit(&target.strip, &wanted).map_err(|e| e.to_string());
         let found = match (found, best.take()) {
             (Ok(found), _) => found,
             (Err(_), Some(earlier)) => return Ok(earlier),
@@ -303,7 +306,7 @@ fn faulty(strip: &RuledPatch, tolerance: f64) -> Option<String> {
             Err(e) => return Some(format!("its ruling u = {u:.4} is not usable: {e}")),
         };
         let off = jet.twist(&element) * jet.length();
-        if !(off <= TWISTED * tolerance) {
+        if off > TWISTED * tolerance || off.is_nan() {
             return Some(format!("it is not developable (twist of {off:.2e} mm along ruling u = {u:.4})"));
         }
     }

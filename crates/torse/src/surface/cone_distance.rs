@@ -61,7 +61,7 @@ impl Round {
         let ends = self.distance(a).abs().max(self.distance(b).abs());
         let d = b - a;
         let length = d.norm();
-        if !(length > 0.0) || self.tilt == 0.0 {
+        if length == 0.0 || !length.is_finite() || self.tilt == 0.0 {
             return ends;
         }
         let d = d / length;
@@ -72,7 +72,7 @@ impl Round {
         // ρ² = p t² + 2 q t + r; stationary where ρ' = rise dw / tilt.
         let (p, q, r) = (across.norm_squared(), y.dot(&across), y.norm_squared());
         let k = self.rise * dw / self.tilt;
-        if !(p > k * k) {
+        if p <= k * k || p.is_nan() || k.is_nan() {
             return ends;
         }
         let t = k * ((r - q * q / p).max(0.0) / (p * (p - k * k))).sqrt() - q / p;

@@ -59,6 +59,11 @@ pub struct ConeSpline {
     pub segments: Vec<Segment>,
 }
 
+/// Whether a number is greater than zero, which one that is not a number is not.
+fn positive(x: f64) -> bool {
+    x > 0.0
+}
+
 /// `(1 − cos x, sin x)` without cancellation.
 fn turn(x: f64) -> (f64, f64) {
     let h = (0.5 * x).sin();
@@ -207,15 +212,16 @@ impl Segment {
         match self.shape {
             Shape::Cone { distance, angle, sin_gamma, .. } => {
                 let side = distance.signum();
-                if let Some(&r) = corners().find(|&&r| !((distance + r) * side > 0.0)) {
+                if let Some(&r) = corners().find(|&&r| !positive((distance + r) * side)) {
                     return Some(SegmentFault::Vertex { beyond: -(distance + r) * side });
                 }
-                (!(angle * side > 0.0 && sin_gamma > 0.0)).then_some(SegmentFault::Backward { angle: angle * side })
+                (!(positive(angle * side) && positive(sin_gamma)))
+                    .then_some(SegmentFault::Backward { angle: angle * side })
             }
             Shape::Cylinder { radius, angle } => {
-                (!(-radius * angle > 0.0)).then_some(SegmentFault::Backward { angle: -radius.signum() * angle })
+                (!positive(-radius * angle)).then_some(SegmentFault::Backward { angle: -radius.signum() * angle })
             }
-            Shape::Flat { width } => (!(width > 0.0)).then_some(SegmentFault::Backward { angle: 0.0 }),
+            Shape::Flat { width } => (!positive(width)).then_some(SegmentFault::Backward { angle: 0.0 }),
         }
     }
 
@@ -327,7 +333,8 @@ impl ConeSpline {
     }
 
     /// The chain between two circular arc splines: those that start at the coordinates `lower` and `upper` (mm) of
-    /// the first ruling and cut all rulings at right angles. In the development they are arc splines too.
+    /// the first ruling and cut all rulings at right angles. In the development they are arc splines too. Along the
+    /// chain they drift towards or away from the vertices: check [`Segment::fault`].
     pub fn with_circular_edges(mut self, lower: f64, upper: f64) -> Self {
         let mut r = [lower, upper];
         for i in 0..self.segments.len() {

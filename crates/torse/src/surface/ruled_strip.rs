@@ -190,7 +190,7 @@ pub struct RuledPatch {
 impl RuledPatch {
     /// The patch between `v = lower` and `v = upper`; `None` if it is not of degree 1 with a single span in v.
     pub fn new(patch: &Surface, lower: f64, upper: f64) -> Option<Self> {
-        if patch.knots_v.degree() != 1 || patch.row() != 2 || !(lower < upper) {
+        if patch.knots_v.degree() != 1 || patch.row() != 2 || lower >= upper {
             return None;
         }
         Some(Self { sides: [patch.curve_at_v(lower), patch.curve_at_v(upper)] })
