@@ -59,7 +59,7 @@ fn main() -> Done<()> {
 
 /// The surface that the figures approximate, as `z = u0 + u1 x + u2 y`; its slope u2 is s.
 fn given(s: f64) -> [f64; 3] {
-    [0.25 * s * s + 0.1 * (3.0 * s).sin(), 0.35 * s * s, s]
+    [0.7 * s * s + 0.05 * (3.0 * s).sin(), 0.15 * s * s, s]
 }
 
 fn region() -> Done<Measure> {
@@ -150,7 +150,7 @@ fn figure_2() -> Done<(Image, Image)> {
 
 /// The ruling of the given surface with slope `s` between x = −1 and x = 1.
 fn ruling_of(s: f64) -> Vec<Vec3> {
-    let (d0, d1) = (0.5 * s + 0.3 * (3.0 * s).cos(), 0.7 * s);
+    let (d0, d1) = (1.4 * s + 0.15 * (3.0 * s).cos(), 0.3 * s);
     let u = given(s);
     [-1.0, 1.0]
         .map(|x| {
@@ -169,7 +169,7 @@ fn slope_data() -> Done<SlopeData> {
 fn figure_3() -> Done<(Image, Image)> {
     let knots = Knots::uniform(3, 3, -0.8, 0.8)?;
     let mut data = slope_data()?;
-    let wanted: [(f64, [f64; 2]); 2] = [(-0.4, [0.25, -0.55]), (0.45, [0.05, 0.75])];
+    let wanted: [(f64, [f64; 2]); 2] = [(-0.4, [-0.4, -0.3]), (0.45, [0.6, 0.35])];
     let lines = |s: f64, h: [f64; 2]| -> Vec<Vec3> {
         let u = given(s);
         [-1.0, 1.0].map(|x| (x, -(h[0] + h[1] * x))).map(|(x, y)| Vec3::new(x, y, u[0] + u[1] * x + s * y)).to_vec()
@@ -257,7 +257,7 @@ fn controlled() -> Done<(DualCurve, DualCurve)> {
     let mut data = slope_data()?;
     for d in &mut data.planes {
         let s = d.plane[2];
-        d.plane[1] += 0.5 * (4.0 * s).sin();
+        d.plane[1] += 0.12 * (4.0 * s).sin();
     }
     let free = slope_fit(&data, &knots, &SlopeOptions::default())?;
     let options = RegressionOptions { margin: Some(0.05), ..RegressionOptions::default() };
@@ -315,7 +315,7 @@ fn figure_6(curves: &(DualCurve, DualCurve)) -> Image {
     };
     let (free, kept) = (second(&curves.0), second(&curves.1));
     let size = free.iter().chain(&kept).fold(0.1f64, |m, p| m.max(p.amax())) * 1.1;
-    let title = "Curves (u0'', u1'') before (black) and after (red) pushing out the line of regression";
+    let title = "(u0'', u1'') before (black) and after (red) the control";
     let mut plot = Plot::new(1000, 900, Vec2::new(-size, -size), Vec2::new(size, size), title);
     wedges(&mut plot, -1.0, 1.0, size);
     plot.line(&free, 2.5, INK);

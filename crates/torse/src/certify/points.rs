@@ -56,7 +56,7 @@ impl PointCertificate {
 
     /// Number of points whose bound exceeds a tolerance, mm.
     pub fn beyond(&self, tolerance: f64) -> usize {
-        self.bounds.iter().filter(|b| !(**b <= tolerance)).count()
+        self.bounds.iter().filter(|b| b.is_nan() || **b > tolerance).count()
     }
 }
 
@@ -186,7 +186,7 @@ fn distance_bound(t: &Target, u: f64, v: f64, x: &Vec3) -> f64 {
     let mut sum = Interval::ZERO;
     for d in 0..3 {
         let e = h[d] / h[3] - Interval::from(x[d]);
-        sum = sum + e * e;
+        sum += e * e;
     }
     let bound = sum.hi.max(0.0).sqrt();
     // The square root is correctly rounded; one step up covers it.

@@ -84,7 +84,7 @@ fn correct(data: &mut [PlaneDatum], curve: &Curve<4>) {
             (0..3).map(|i| (0..3).map(|j| a(i) * g[i][j] * b(j)).sum::<f64>()).sum()
         };
         let speed = product(&|i| du[i], &|i| du[i]);
-        if !(speed > 0.0) {
+        if speed.is_nan() || speed <= 0.0 {
             continue;
         }
         let mut step = product(&|i| d.plane[i] - u[i], &|i| du[i]) / speed;

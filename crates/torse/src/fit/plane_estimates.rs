@@ -96,7 +96,7 @@ fn one(from: &[Vec3], to: &[Vec3], i: usize, neighbours: &[Option<usize>; 2]) ->
     let (mean, half) = (0.5 * (aa + bb), (0.25 * (aa - bb) * (aa - bb) + ab * ab).sqrt());
     let (small, large) = (mean - half, mean + half);
     let ratio = if large > 0.0 { small / large } else { 1.0 };
-    if !(ratio <= VAGUE) {
+    if ratio.is_nan() || ratio > VAGUE {
         return Err(EstimateError::Vague { index: i, ratio });
     }
     // Eigenvector of the small eigenvalue, from the better conditioned row.
@@ -111,7 +111,7 @@ pub fn ruling_direction(form: [[f64; 2]; 2]) -> Option<[f64; 2]> {
     let [[l, m], [_, n]] = form;
     let (mean, half) = (0.5 * (l + n), (0.25 * (l - n) * (l - n) + m * m).sqrt());
     let small = if mean >= 0.0 { mean - half } else { mean + half };
-    if !(half > 0.0) {
+    if half.is_nan() || half <= 0.0 {
         return None;
     }
     let (x, y) = if (l - small).abs() > (n - small).abs() { (-m, l - small) } else { (n - small, -m) };

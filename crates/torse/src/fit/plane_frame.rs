@@ -186,7 +186,7 @@ pub fn slope_frame(normals: &[Vec3], frame: &Frame) -> Option<Frame> {
     let steps: Vec<[f64; 2]> = slopes.windows(2).map(|w| [w[1][0] - w[0][0], w[1][1] - w[0][1]]).collect();
     let length = |s: &[f64; 2]| s[0].hypot(s[1]);
     let longest = steps.iter().map(length).fold(0.0, f64::max);
-    if !(longest > 0.0) || steps.iter().any(|s| length(s) <= STILL * longest) {
+    if longest.is_nan() || longest <= 0.0 || steps.iter().any(|s| length(s) <= STILL * longest) {
         return None;
     }
     let mut angles: Vec<f64> = steps.iter().map(|s| s[1].atan2(s[0])).collect();

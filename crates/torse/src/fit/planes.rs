@@ -93,7 +93,7 @@ pub enum PlanesError {
 }
 
 /// Options of [`planes`].
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct PlanesOptions {
     /// Weight of `∫ |U''|²` as a share of the weight of the data; 0.
     pub smoothing: f64,
@@ -101,12 +101,6 @@ pub struct PlanesOptions {
     pub conditions: Vec<(usize, Freedom<3>)>,
     /// Whether planes far from the rest lose their weight (Tukey's biweight); false.
     pub robust: bool,
-}
-
-impl Default for PlanesOptions {
-    fn default() -> Self {
-        Self { smoothing: 0.0, conditions: Vec::new(), robust: false }
-    }
 }
 
 /// A fitted curve of planes.
@@ -310,7 +304,7 @@ pub(super) fn robust_weights(residuals: &[f64], round: usize) -> Vec<f64> {
 /// # Errors
 /// See [`PlanesError`].
 pub fn interpolated(planes_: &[[f64; 3]], parameters: &[f64], degree: usize) -> Result<DualCurve, PlanesError> {
-    if let Some(index) = parameters.windows(2).position(|w| !(w[0] < w[1])) {
+    if let Some(index) = parameters.windows(2).position(|w| w[0].is_nan() || w[1].is_nan() || w[0] >= w[1]) {
         return Err(PlanesError::Order { index: index + 1, value: parameters[index + 1] });
     }
     let n = planes_.len().min(parameters.len());

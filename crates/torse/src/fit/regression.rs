@@ -38,7 +38,7 @@ pub enum ForbiddenZone {
 }
 
 /// Options of [`regression_free`].
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct RegressionOptions {
     /// Fit options.
     pub fit: SlopeOptions,
@@ -47,12 +47,6 @@ pub struct RegressionOptions {
     /// Halvings of the spans on which control points of the second derivative are held in the wedge, for degrees
     /// above 3; 0: the control points of its spline.
     pub refinements: usize,
-}
-
-impl Default for RegressionOptions {
-    fn default() -> Self {
-        Self { fit: SlopeOptions::default(), margin: None, refinements: 0 }
-    }
 }
 
 /// Why the regression curve cannot be controlled.

@@ -132,7 +132,7 @@ impl Measure {
         if gram.iter().flatten().any(|x| !x.is_finite()) {
             return Err(MeasureError::NotFinite("a moment of the measure"));
         }
-        if !(gram[0][0] > 0.0) || gram[1][1] < 0.0 || gram[2][2] < 0.0 {
+        if gram[0][0] <= 0.0 || gram[1][1] < 0.0 || gram[2][2] < 0.0 {
             return Err(MeasureError::Mass(gram[0][0]));
         }
         Ok(Self { gram })

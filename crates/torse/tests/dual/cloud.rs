@@ -19,8 +19,8 @@ fn measured(count: usize, noise: f64, seed: u64) -> Cloud {
     let mut random = Random::new(seed);
     let points = (0..count)
         .map(|_| {
-            let (x, n) = sheet(0.5 * random.next(), 0.4 * random.next());
-            x + n * (noise * random.next())
+            let (x, n) = sheet(0.5 * random.number(), 0.4 * random.number());
+            x + n * (noise * random.number())
         })
         .collect();
     Cloud { points }
@@ -58,7 +58,7 @@ fn a_crease_is_found() {
     let mut random = Random::new(4);
     let mut points = Vec::new();
     for _ in 0..6000 {
-        let (a, y) = (0.6 * random.next(), 200.0 * random.next());
+        let (a, y) = (0.6 * random.number(), 200.0 * random.number());
         let x = 400.0 * a.sin();
         points.push(Vec3::new(x, y, 400.0 * a.cos()));
         points.push(Vec3::new(2.0 * 400.0 * 0.6f64.sin() - x, y, 400.0 * a.cos()));
@@ -71,7 +71,7 @@ fn a_crease_is_found() {
 #[test]
 fn what_fits_nothing_is_named() {
     let mut random = Random::new(6);
-    let points = (0..3000).map(|_| Vec3::new(random.next(), random.next(), random.next()) * 100.0).collect();
+    let points = (0..3000).map(|_| Vec3::new(random.number(), random.number(), random.number()) * 100.0).collect();
     let got = fit(&Cloud { points }, &FitOptions::new(0.1, "heap"), &Control::default());
     match got {
         Ok(g) => assert!(matches!(g.sheets.status, Status::Uncertified(_))),

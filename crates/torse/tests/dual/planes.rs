@@ -100,7 +100,7 @@ fn outliers_lose_their_weight() {
     let mut random = Random::new(3);
     let mut given = data(60, |s| s);
     for d in &mut given {
-        d.plane[0] += 1e-4 * random.next();
+        d.plane[0] += 1e-4 * random.number();
     }
     given[20].plane[0] += 1.0;
     given[41].plane[1] -= 2.0;

@@ -16,7 +16,7 @@ fn noisy(seed: u64, count: usize) -> SlopeData {
     let planes = (0..count)
         .map(|i| {
             let t = i as f64 / (count - 1) as f64;
-            let plane = [0.4 * t * t + 0.1 * random.next(), 0.2 * random.next(), t];
+            let plane = [0.4 * t * t + 0.1 * random.number(), 0.2 * random.number(), t];
             PlaneDatum { plane, parameter: t, measure, weight: 1.0 }
         })
         .collect();
@@ -39,7 +39,7 @@ fn lemma_5_regression_points_are_outside_the_slab_exactly_in_the_wedges() {
     // x = −u0''/u1'' outside [a, b] iff both u0'' + a u1'' and u0'' + b u1'' have the same strict sign.
     let mut random = Random::new(5);
     for _ in 0..500 {
-        let (w0, w1) = (random.next(), random.next());
+        let (w0, w1) = (random.number(), random.number());
         let (a, b) = (-0.5, 0.3);
         let x = -w0 / w1;
         let same = (w0 + a * w1) * (w0 + b * w1) > 0.0;
@@ -103,7 +103,7 @@ fn many_control_points_go_through_the_other_solver() {
         ..RegressionOptions::default()
     };
     let got = regression_free(&noisy(9, 300), &knots, &ForbiddenZone::Slab(-0.5, 0.5), &options).expect("a fit");
-    assert!(regression_x(&got.fit.curve).iter().all(|x| !(x.abs() < 0.5 - 1e-3)));
+    assert!(regression_x(&got.fit.curve).iter().all(|x| x.is_nan() || x.abs() >= 0.5 - 1e-3));
 }
 
 #[test]
@@ -190,8 +190,8 @@ fn walk_along_faces_ends_too_early() {
     let mut counterexamples = 0;
     for trial in 0..3000 {
         let n = 4 + trial % 2;
-        let a: Vec<Vec<f64>> = (0..n).map(|_| (0..n).map(|_| random.next()).collect()).collect();
-        let o: Vec<f64> = (0..n).map(|_| random.next()).collect();
+        let a: Vec<Vec<f64>> = (0..n).map(|_| (0..n).map(|_| random.number()).collect()).collect();
+        let o: Vec<f64> = (0..n).map(|_| random.number()).collect();
         let mut inner = QuadraticProgram::new(n);
         (0..n).for_each(|i| inner.add_hessian(i, i, 1.0));
         a.iter().for_each(|row| inner.at_least(row.iter().copied().enumerate(), 1.0));

@@ -141,7 +141,7 @@ fn estimate(points: &[Vec3], grid: &Grid, key: &[i32; 3]) -> Option<Estimate> {
     let mut order = [0, 1, 2];
     order.sort_by(|&a, &b| eigen.eigenvalues[a].total_cmp(&eigen.eigenvalues[b]));
     let values = order.map(|k| eigen.eigenvalues[k]);
-    if !(values[0] <= THICK * values[1]) || values[1] <= 1e-6 * values[2] {
+    if values[0] > THICK * values[1] || values[1] <= 1e-6 * values[2] {
         return None;
     }
     let z: Vec3 = eigen.eigenvectors.column(order[0]).normalize();

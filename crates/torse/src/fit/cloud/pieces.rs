@@ -101,7 +101,7 @@ fn attempt(samples: &[(u32, Sample)], options: &PieceOptions) -> Option<Fit> {
     const TURNED: f64 = 0.422_618_261_740_699_4;
     let samples: Vec<Sample> = samples.iter().map(|s| s.1).collect();
     let mean: Vec3 = samples.iter().map(|s| s.n).sum();
-    if !(mean.norm() > 0.0) || samples.iter().any(|s| s.n.dot(&mean) < TURNED * mean.norm()) {
+    if mean.norm() <= 0.0 || samples.iter().any(|s| s.n.dot(&mean) < TURNED * mean.norm()) {
         return None;
     }
     let fit = primal(&samples, &PrimalOptions::new(options.enough))?;

@@ -124,8 +124,8 @@ pub struct Wavelet {
     pub coefficients: Vec<f64>,
 }
 
-/// A basis of the splines over `fine` that are orthogonal to those over `coarse`, of short support (eight or nine
-/// coefficients for simple cubic knots taken out alternately).
+/// A basis of the splines over `fine` that are orthogonal to those over `coarse`, of short support (3p + 2
+/// coefficients where every second knot is taken out, eleven for cubics, fewer at the ends).
 ///
 /// *Method*: for each start the shortest window with a null vector of `PᵀM` that begins there. The basis is not unique.
 ///

@@ -38,7 +38,7 @@ fn wrong(reason: impl Into<String>) -> CloudReadError {
 pub(super) fn points(bytes: &[u8]) -> Result<Vec<Vec3>, CloudReadError> {
     let (coding, elements, start) = header(bytes)?;
     let mut rest = &bytes[start..];
-    let mut text = (coding == Coding::Text).then(|| String::from_utf8_lossy(rest)).unwrap_or_default().into_owned();
+    let mut text = if coding == Coding::Text { String::from_utf8_lossy(rest).into_owned() } else { String::new() };
     for e in &elements {
         if e.name == "vertex" {
             let place = |axis: &str| e.properties.iter().position(|p| p.0 == axis);
@@ -132,9 +132,12 @@ fn binary_vertices(bytes: &[u8], e: &Element, axes: [usize; 3], big: bool) -> Re
         offsets.push((row, *size, *floating));
         row += size;
     }
-    if row == 0 || bytes.len() / row < e.count {
-        let read = if row == 0 { 0 } else { bytes.len() / row };
+    let read = bytes.len().checked_div(row).unwrap_or(0);
+    if read < e.count {
         return Err(CloudReadError::Short { format: FORMAT, read, promised: e.count, what: "vertices" });
+    }
+    if e.count == 0 {
+        return Ok(Vec::new());
     }
     for &a in &axes {
         if !offsets[a].2 {

@@ -175,7 +175,8 @@ impl DualCurve {
         let [u, du, _] = self.jet(t);
         let (n, m) = (Vec3::new(u[1], u[2], u[3]), Vec3::new(du[1], du[2], du[3]));
         let e = n.cross(&m);
-        if !(e.norm() > STILL * n.norm() * m.norm()) {
+        let size = e.norm();
+        if size.is_nan() || size <= STILL * n.norm() * m.norm() {
             return Err(DualError::NoRuling { t });
         }
         let point = -(m.cross(&e) * u[0] + e.cross(&n) * du[0]) / e.norm_squared();

@@ -13,7 +13,7 @@ pub(super) fn point_of_planes(a: &Plane, b: &Plane, c: &Plane) -> [f64; 4] {
         let (i, j, l) = (k[0], k[1], k[2]);
         let det = a[i] * (b[j] * c[l] - b[l] * c[j]) - a[j] * (b[i] * c[l] - b[l] * c[i])
             + a[l] * (b[i] * c[j] - b[j] * c[i]);
-        if skip % 2 == 0 {
+        if skip.is_multiple_of(2) {
             det
         } else {
             -det
@@ -44,7 +44,7 @@ pub(super) fn point_of_line_and_plane(line: &[Bezier<1>; 6], plane: &Bezier<4>) 
         let (i, j, l) = (k[0], k[1], k[2]);
         let sum = plane.component(i).times(&line[index(j, l)]).minus(&plane.component(j).times(&line[index(i, l)]));
         let sum = sum.plus(&plane.component(l).times(&line[index(i, j)]));
-        if skip % 2 == 0 {
+        if skip.is_multiple_of(2) {
             sum
         } else {
             Bezier::constant([0.0]).minus(&sum)
