@@ -9,6 +9,7 @@ mod clock;
 mod failure;
 mod folder;
 mod info;
+mod loft;
 mod quantity;
 mod terminal;
 mod wiring;
@@ -26,6 +27,7 @@ fn main() -> ExitCode {
     let arguments = args::Arguments::parse();
     let done = match &arguments.command {
         args::Command::Approximate(a) => approximate::run(a),
+        args::Command::Loft(a) => loft::run(a),
         args::Command::Info(a) => info::run(a),
     };
     match done {

@@ -81,10 +81,8 @@ mod tests {
         let strip = Strip::polynomial("s", PanelKind::Torse, &a, &far).expect("strip");
         // Knots of the rail between breaks of the polygon would spoil the pieces: the spline has its own breaks.
         let part = RailPart { piece: 0, parameter: sigma.clone() };
-        let sampled = (0..=1000)
-            .map(|k| f64::from(k) / 1000.0)
-            .map(|u| (strip.ruling(u)[0] - at(u)).norm())
-            .fold(0.0, f64::max);
+        let sampled =
+            (0..=1000).map(|k| f64::from(k) / 1000.0).map(|u| (strip.ruling(u)[0] - at(u)).norm()).fold(0.0, f64::max);
         let bound = rail_bound(&strip, 0, &rail, &part).expect("bound");
         assert!(sampled > 0.0 && bound >= sampled && bound < 0.05, "{sampled} {bound}");
         assert!(rail_bound(&strip, 0, &rail, &RailPart { piece: 4, parameter: sigma }).is_none());

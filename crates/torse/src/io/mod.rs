@@ -1,6 +1,7 @@
 //! Floor 6: files in and out; computes nothing.
 
 pub mod bundle;
+pub mod curves;
 pub mod dxf;
 pub mod glb;
 pub mod html;

@@ -123,7 +123,9 @@ pub fn loft(a: &Rail, b: &Rail, options: &Options, control: &Control) -> Result<
     let (b, found) = oriented(&a, b, options, &mut notes);
     let regular: Vec<&Branch> = found
         .iter()
-        .filter(|f| f.kind == BranchType::Regular && f.direction == Direction::Same && f.coverage[0].max(f.coverage[1]) > WHOLE)
+        .filter(|f| {
+            f.kind == BranchType::Regular && f.direction == Direction::Same && f.coverage[0].max(f.coverage[1]) > WHOLE
+        })
         .collect();
     for (k, f) in regular.iter().enumerate().take(5) {
         notes.push(format!(
@@ -147,7 +149,11 @@ pub fn loft(a: &Rail, b: &Rail, options: &Options, control: &Control) -> Result<
             let branch = regular.get(options.alternative.max(1) - 1);
             let enough = branch.is_some_and(|f| f.coverage[0].min(f.coverage[1]) >= ENOUGH);
             match branch {
-                Some(f) if choice == Choice::Exact || options.alternative > 1 || enough || options.ends == Ends::Extend => Some(*f),
+                Some(f)
+                    if choice == Choice::Exact || options.alternative > 1 || enough || options.ends == Ends::Extend =>
+                {
+                    Some(*f)
+                }
                 None if options.alternative > 1 => {
                     return Err(LoftError::NoAlternative { asked: options.alternative, count: regular.len() })
                 }
@@ -169,7 +175,11 @@ pub fn loft(a: &Rail, b: &Rail, options: &Options, control: &Control) -> Result<
         }
         None => {
             notes.push("no branch of common tangent planes was used: this is the strip of least twist, and it is not developable unless its twist says so".into());
-            let path = least_twist(&a, &b, &LeastTwistOptions { fixed: options.fixed.clone(), ..LeastTwistOptions::default() })?;
+            let path = least_twist(
+                &a,
+                &b,
+                &LeastTwistOptions { fixed: options.fixed.clone(), ..LeastTwistOptions::default() },
+            )?;
             build.exact = false;
             (along(&a, &b, &path.stations, path.closed, &build)?, path.closed)
         }
@@ -411,11 +421,12 @@ fn judged(
         Figure::new("flat area", patterns.iter().map(|p| p.area * 1e-6).sum(), "m²", Basis::Measured),
         Figure::new("length error of patterns", isometry, "", Basis::Measured),
     ];
-    let guides = given
+    let guides = given.iter().map(|r| Guide { name: r.name.clone(), points: r.samples(200) }).collect();
+    let limit = fields
         .iter()
-        .map(|r| Guide { name: r.name.clone(), points: r.samples(200) })
-        .collect();
-    let limit = fields.iter().flat_map(|f| &f.values).fold(0.0, |m: f64, x| m.max(*x)).max(options.twist_tolerance.to_degrees());
+        .flat_map(|f| &f.values)
+        .fold(0.0, |m: f64, x| m.max(*x))
+        .max(options.twist_tolerance.to_degrees());
     Sheets {
         job: "loft".into(),
         input: options.input.clone(),

@@ -174,10 +174,8 @@ impl Grid {
     /// Zero lines: crossings polished along grid lines by `f`, joined.
     pub fn chains(&self, f: &dyn Fn(f64, f64) -> f64) -> Vec<Chain> {
         let (na, nb) = (self.x.len(), self.y.len());
-        let (ca, cb) = (
-            if self.period[0].is_some() { na } else { na - 1 },
-            if self.period[1].is_some() { nb } else { nb - 1 },
-        );
+        let (ca, cb) =
+            (if self.period[0].is_some() { na } else { na - 1 }, if self.period[1].is_some() { nb } else { nb - 1 });
         // Edges along a: (i, j) → (i + 1, j); edges along b: (i, j) → (i, j + 1).
         let along_a = |i: usize, j: usize| (i * nb + j % nb) as u32;
         let along_b = |i: usize, j: usize| (ca * nb + (i % na) * cb + j) as u32;
@@ -328,7 +326,13 @@ fn runs(chain: &Chain, ta: &Track, tb: &Track) -> Vec<Branch> {
             let (p, q) = (chain.points[k], chain.points[k + 1]);
             let (dx, dy) = (q[0] - p[0], q[1] - p[1]);
             let rest = |d: f64| d.abs() <= REST;
-            let direction = if rest(dx) || rest(dy) { 0 } else if (dx > 0.0) == (dy > 0.0) { 1 } else { -1 };
+            let direction = if rest(dx) || rest(dy) {
+                0
+            } else if (dx > 0.0) == (dy > 0.0) {
+                1
+            } else {
+                -1
+            };
             // A step that starts or ends at a tangency knows its type in the middle.
             let (a, b) = (ta.at(0.5 * (p[0] + q[0])), tb.at(0.5 * (p[1] + q[1])));
             let kind = twist(&a, &b).map_or(0, |w| if w < FRAC_PI_2 { 1 } else { 2 });

@@ -80,8 +80,7 @@ pub fn along(
     for stretch in stretches(stations, closed) {
         let (p, q) = (stretch[0], stretch[stretch.len() - 1]);
         let base = [0, 1].map(|d| (0.5 * (p[d] + q[d])).floor());
-        let local: Vec<[f64; 2]> =
-            stretch.iter().map(|s| [0, 1].map(|d| (s[d] - base[d]).clamp(0.0, 1.0))).collect();
+        let local: Vec<[f64; 2]> = stretch.iter().map(|s| [0, 1].map(|d| (s[d] - base[d]).clamp(0.0, 1.0))).collect();
         let (sa, sb) = (ta.locate(base[0] + 0.5).0, tb.locate(base[1] + 0.5).0);
         let built = match (sa, sb) {
             (Segment::Piece(i), Segment::Piece(j)) => between_pieces(a, b, i, j, &local, options)?,
@@ -129,7 +128,11 @@ fn stretches(stations: &[[f64; 2]], closed: bool) -> Vec<Vec<[f64; 2]>> {
         for c in cuts {
             let m = [0, 1].map(|d| {
                 let x = last[d] + (s[d] - last[d]) * c;
-                if (x - x.round()).abs() < REST { x.round() } else { x }
+                if (x - x.round()).abs() < REST {
+                    x.round()
+                } else {
+                    x
+                }
             });
             now.push(m);
             out.push(std::mem::replace(&mut now, vec![m]));
@@ -296,8 +299,7 @@ impl<'a> Path<'a> {
     /// Parameters of both pieces at `w`, and their derivatives.
     fn at(&self, w: f64) -> ([f64; 2], [f64; 2]) {
         let (mut d, slope) = self.guess(w);
-        let parameters =
-            |d: f64| [self.from[0] + self.extent[0] * (w + d), self.from[1] + self.extent[1] * (w - d)];
+        let parameters = |d: f64| [self.from[0] + self.extent[0] * (w + d), self.from[1] + self.extent[1] * (w - d)];
         let ends = w <= 0.0 || w >= 1.0;
         if !self.exact {
             return (parameters(d), [self.extent[0] * (1.0 + slope), self.extent[1] * (1.0 - slope)]);
@@ -509,7 +511,10 @@ fn classified(mut strip: Strip) -> Strip {
     } else if same(&directions) {
         PanelKind::Cylinder
     } else if apex().is_some_and(|x| {
-        rulings.iter().zip(&directions).all(|(r, d)| (x - r[0]).cross(d).norm() <= SAME_KIND * size.max((x - r[0]).norm()))
+        rulings
+            .iter()
+            .zip(&directions)
+            .all(|(r, d)| (x - r[0]).cross(d).norm() <= SAME_KIND * size.max((x - r[0]).norm()))
     }) {
         PanelKind::Cone
     } else {

@@ -134,15 +134,7 @@ fn turn(points: &[Vec3], k: usize) -> Vec<Vec3> {
     (0..=n).map(|i| points[(i + k) % n]).collect()
 }
 
-fn path(
-    x: &[f64],
-    p: &[Vec3],
-    y: &[f64],
-    q: &[Vec3],
-    moves: &[bool],
-    cost: f64,
-    closed: bool,
-) -> TwistPath {
+fn path(x: &[f64], p: &[Vec3], y: &[f64], q: &[Vec3], moves: &[bool], cost: f64, closed: bool) -> TwistPath {
     let (mut i, mut j) = (0, 0);
     let mut out = TwistPath { stations: vec![[x[0], y[0]]], rulings: vec![[p[0], q[0]]], cost, area: 0.0, closed };
     for &first in moves {
@@ -206,7 +198,8 @@ fn optimum(p: &[Vec3], q: &[Vec3]) -> (Vec<bool>, f64) {
             let options = if i == 1 && j == 0 {
                 [0.0, FAR]
             } else {
-                let step = |k: usize, n: &Vec3| if cost[j][k] < FAR { cost[j][k] + squared_angle(n, normal) } else { FAR };
+                let step =
+                    |k: usize, n: &Vec3| if cost[j][k] < FAR { cost[j][k] + squared_angle(n, normal) } else { FAR };
                 [step(0, &before.0[j]), step(1, &before.1[j])]
             };
             let mut back = u8::from(options[0] <= options[1]);
@@ -214,8 +207,13 @@ fn optimum(p: &[Vec3], q: &[Vec3]) -> (Vec<bool>, f64) {
             // Enter by a move of the second rail, from (i, j − 1).
             if j > 0 {
                 let normal = &now.1[j];
-                let step =
-                    |k: usize, n: &Vec3| if next[j - 1][k] < FAR { next[j - 1][k] + squared_angle(n, normal) } else { FAR };
+                let step = |k: usize, n: &Vec3| {
+                    if next[j - 1][k] < FAR {
+                        next[j - 1][k] + squared_angle(n, normal)
+                    } else {
+                        FAR
+                    }
+                };
                 let options = [step(0, &now.0[j - 1]), step(1, &now.1[j - 1])];
                 back |= u8::from(options[0] <= options[1]) << 1;
                 next[j][1] = options[0].min(options[1]);
@@ -232,7 +230,13 @@ fn optimum(p: &[Vec3], q: &[Vec3]) -> (Vec<bool>, f64) {
     let mut moves = Vec::with_capacity(n + m - 2);
     while i > 0 || j > 0 {
         // Borders leave no choice.
-        first = if i == 0 { false } else if j == 0 { true } else { first };
+        first = if i == 0 {
+            false
+        } else if j == 0 {
+            true
+        } else {
+            first
+        };
         moves.push(first);
         let back = from[i * m + j];
         if first {
@@ -282,7 +286,8 @@ mod tests {
     #[test]
     fn fixed_rulings_are_used_and_disorder_is_refused() {
         let line = |y: f64, z: f64| {
-            Rail::polyline("line", &[Vec3::new(0.0, y, 0.0), Vec3::new(4.0, y, 0.0), Vec3::new(10.0, y, z)]).expect("rail")
+            Rail::polyline("line", &[Vec3::new(0.0, y, 0.0), Vec3::new(4.0, y, 0.0), Vec3::new(10.0, y, z)])
+                .expect("rail")
         };
         let (a, b) = (line(0.0, 1.0), line(3.0, 2.0));
         let options = |fixed: Vec<[f64; 2]>| LeastTwistOptions { chords: 50, fixed };

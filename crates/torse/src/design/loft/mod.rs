@@ -109,7 +109,8 @@ fn refine(a: &Rail, b: &Rail, s: f64, t: f64) -> f64 {
         let (s0, t0) = (s, t);
         for i in -4..=4 {
             for j in -4..=4 {
-                let (x, y) = ((s0 + 0.25 * h * f64::from(i)).clamp(0.0, 1.0), (t0 + 0.25 * h * f64::from(j)).clamp(0.0, 1.0));
+                let (x, y) =
+                    ((s0 + 0.25 * h * f64::from(i)).clamp(0.0, 1.0), (t0 + 0.25 * h * f64::from(j)).clamp(0.0, 1.0));
                 let d = (a.point(x * na) - b.point(y * nb)).norm();
                 if d < best {
                     (best, s, t) = (d, x, y);
