@@ -1,6 +1,6 @@
 //! Arguments and help.
 
-use crate::quantity::{positive_count, positive_length, positive_time, Length};
+use crate::quantity::{positive_count, positive_length, positive_time, two_shares, unit_of_length, Length};
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
 use std::time::Duration;
@@ -29,6 +29,8 @@ pub enum Command {
     Cones(Cones),
     /// Fit developable strips to measured points (PLY, CSV, OBJ, STL) and write cut-ready files
     Fit(Fit),
+    /// Lay a developable surface between two curves and write cut-ready files
+    Loft(Loft),
     /// Tell what a STEP file holds: unit, faces, sizes, curvature, what was not read
     Info(Info),
 }
@@ -200,6 +202,96 @@ pub struct Fit {
     /// Print nothing but errors
     #[arg(short, long)]
     pub quiet: bool,
+}
+
+/// Arguments of `loft`.
+#[derive(Args, Debug)]
+#[command(after_help = "Examples:
+  torse loft chine.csv sheer.csv --unit m --tolerance 0.5mm --rulings 250mm --out plate
+  torse loft duct.step#12 duct.step#57 --tolerance 0.01mm --out duct
+  torse loft a.dxf b.dxf -t 0.1mm -o strip --ends extend
+
+A rail is a STEP file (FILE#NUMBER names an edge), a DXF file (FILE#LAYER or FILE#HANDLE), or a table of points
+x, y, z. Written into the output folder: strips.step, patterns.dxf, patterns.svg, model.glb, pictures, report.html
+and report.json.
+
+Exit status: 0 developable within the tolerance, 2 bad input or usage, 3 finished but not developable within the
+tolerance (files written and marked).")]
+pub struct Loft {
+    /// First rail
+    #[arg(value_name = "RAIL_A")]
+    pub a: String,
+
+    /// Second rail
+    #[arg(value_name = "RAIL_B")]
+    pub b: String,
+
+    /// Largest distance allowed between strips and rails, with its unit: 0.1mm
+    #[arg(short, long, value_name = "LENGTH", value_parser = positive_length, allow_hyphen_values = true)]
+    pub tolerance: Length,
+
+    /// Folder to create for the results
+    #[arg(short, long, value_name = "DIR")]
+    pub out: PathBuf,
+
+    /// Unit of tables and of drawings that do not say theirs: mm, cm, m, in, ft
+    #[arg(long, value_name = "UNIT", value_parser = unit_of_length)]
+    pub unit: Option<f64>,
+
+    /// Take points of tables as corners of a polyline instead of points of a smooth curve
+    #[arg(long)]
+    pub polyline: bool,
+
+    /// What becomes of rails that the surface does not use up
+    #[arg(long, value_enum, default_value_t = LoftEnds::Trim)]
+    pub ends: LoftEnds,
+
+    /// Demand tangent planes common to both rails; refuse if there are none
+    #[arg(long, conflicts_with = "least_twist")]
+    pub exact: bool,
+
+    /// Make the strip of least twist from end to end, developable or not
+    #[arg(long)]
+    pub least_twist: bool,
+
+    /// Take another of the solutions listed in the report, counted from 1
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
+    pub alternative: u32,
+
+    /// A ruling to be used, as shares of both rails' lengths: 0.25,0.3 (may be repeated, in order)
+    #[arg(long = "ruling", value_name = "A,B", value_parser = two_shares)]
+    pub fixed: Vec<[f64; 2]>,
+
+    /// Distance between drawn rulings, with its unit [default: 20 over the length]
+    #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
+    pub rulings: Option<Length>,
+
+    /// Distance between marks on the rails, with its unit [default: 8 over the length]
+    #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
+    pub marks: Option<Length>,
+
+    /// Replace the results of an earlier run in that folder
+    #[arg(long)]
+    pub force: bool,
+
+    /// Name of the job in the files [default: name of RAIL_A]
+    #[arg(long, value_name = "NAME")]
+    pub name: Option<String>,
+
+    /// Print nothing but errors
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
+/// What becomes of rails that are not used up.
+#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LoftEnds {
+    /// They are trimmed
+    Trim,
+    /// Cones about the ends of the other rail
+    Fan,
+    /// Rails are extended until both are used up
+    Extend,
 }
 
 /// Arguments of `info`.

@@ -11,6 +11,7 @@ mod failure;
 mod fit;
 mod folder;
 mod info;
+mod loft;
 mod quantity;
 mod terminal;
 mod usage;
@@ -43,6 +44,7 @@ fn run(arguments: &args::Arguments) -> Result<bool, failure::Failure> {
         args::Command::Approximate(a) => approximate::run(a),
         args::Command::Cones(a) => cones::run(a),
         args::Command::Fit(a) => fit::run(a),
+        args::Command::Loft(a) => loft::run(a),
         args::Command::Info(a) => info::run(a),
     }
 }

@@ -79,6 +79,25 @@ pub fn positive_length(text: &str) -> Result<Length, String> {
     Ok(Length { mm, text: text.trim().to_string() })
 }
 
+/// Reads the name of a unit of length; the answer is its size in mm.
+pub fn unit_of_length(text: &str) -> Result<f64, String> {
+    LENGTH_UNITS
+        .iter()
+        .find(|(name, _)| text.trim().eq_ignore_ascii_case(name))
+        .map(|u| u.1)
+        .ok_or_else(|| format!("unknown unit '{text}': use mm, cm, m, in or ft"))
+}
+
+/// Reads two shares between 0 and 1, separated by a comma.
+pub fn two_shares(text: &str) -> Result<[f64; 2], String> {
+    let share = |s: &str| match s.trim().parse::<f64>() {
+        Ok(x) if (0.0..=1.0).contains(&x) => Ok(x),
+        _ => Err(format!("'{s}' is not a share between 0 and 1")),
+    };
+    let (a, b) = text.split_once(',').ok_or_else(|| format!("'{text}': write two shares, for example 0.25,0.3"))?;
+    Ok([share(a)?, share(b)?])
+}
+
 /// Reads a time that must be positive.
 pub fn positive_time(text: &str) -> Result<Duration, String> {
     let (value, unit) = split(text)?;
@@ -149,6 +168,14 @@ mod tests {
             let message = positive_length(text).expect_err(text);
             assert!(message.contains(reason), "{text}: {message}");
         }
+    }
+
+    #[test]
+    fn units_and_shares_are_understood() {
+        assert!((unit_of_length("M").expect("metre") - 1000.0).abs() < 1e-12);
+        assert!(unit_of_length("league").is_err());
+        assert_eq!(two_shares("0.25, 1").expect("shares"), [0.25, 1.0]);
+        assert!(two_shares("0.5").is_err() && two_shares("0.5,2").is_err() && two_shares("nan,0").is_err());
     }
 
     #[test]

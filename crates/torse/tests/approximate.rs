@@ -9,6 +9,7 @@ use torse::geom::Vec3;
 use torse::io::bundle;
 use torse::io::step::read::{read, read_with, ReadOptions};
 use torse::pipeline::approximate::{approximate, ApproximateError, Options};
+use torse::pipeline::cover::Limits;
 use torse::pipeline::outcome::{Outcome, Status};
 use torse::pipeline::presentation::present;
 use torse::spline::surface::Surface;
@@ -23,7 +24,7 @@ const CONE: &[u8] = include_bytes!("../../../data/cone_holes.step");
 const TOLERANCE: f64 = 10.0;
 
 fn options(tolerance: f64) -> Options {
-    Options { tolerance, max_panels: None, input: "model".into() }
+    Options { tolerance, max_panels: None, input: "model".into(), limits: Limits::default() }
 }
 
 fn run(bytes: &[u8], options: &Options) -> Result<Outcome, ApproximateError> {

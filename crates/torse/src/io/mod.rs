@@ -3,6 +3,7 @@
 pub mod bundle;
 pub mod cloud;
 pub mod cones;
+pub mod curves;
 pub mod dxf;
 pub mod glb;
 pub mod html;

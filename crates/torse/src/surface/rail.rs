@@ -143,6 +143,48 @@ impl Rail {
         Ok(out)
     }
 
+    /// Curves put in order, and turned where needed, so that each begins near the end of the one before; starts with an
+    /// end that has no neighbour, if there is one. Says nothing about the gaps that remain: [`Rail::new`] does.
+    pub fn chain(curves: &[Curve<4>]) -> Vec<Curve<4>> {
+        let ends = |c: &Curve<4>| (end_point(c, 0.0), end_point(c, 1.0));
+        let mut rest: Vec<Curve<4>> = curves.iter().filter(|c| !c.control.is_empty()).cloned().collect();
+        if rest.len() < 2 {
+            return rest;
+        }
+        // The loneliest end begins.
+        let lonely = |k: usize, p: &Vec3| {
+            let others = rest.iter().enumerate().filter(|(i, _)| *i != k);
+            others.map(|(_, c)| ends(c)).map(|(a, b)| (a - p).norm().min((b - p).norm())).fold(f64::INFINITY, f64::min)
+        };
+        let (mut first, mut turned, mut far) = (0, false, -1.0);
+        for (k, c) in rest.iter().enumerate() {
+            let (a, b) = ends(c);
+            for (p, turn) in [(a, false), (b, true)] {
+                let d = lonely(k, &p);
+                if d > far {
+                    (first, turned, far) = (k, turn, d);
+                }
+            }
+        }
+        let start = rest.swap_remove(first);
+        let mut out = vec![if turned { start.reversed() } else { start }];
+        while !rest.is_empty() {
+            let tip = ends(&out[out.len() - 1]).1;
+            let (mut best, mut turn, mut near) = (0, false, f64::INFINITY);
+            for (k, c) in rest.iter().enumerate() {
+                let (a, b) = ends(c);
+                for (d, t) in [((a - tip).norm(), false), ((b - tip).norm(), true)] {
+                    if d < near {
+                        (best, turn, near) = (k, t, d);
+                    }
+                }
+            }
+            let next = rest.swap_remove(best);
+            out.push(if turn { next.reversed() } else { next });
+        }
+        out
+    }
+
     /// The polyline through points; straight pieces with corners.
     ///
     /// # Errors

@@ -146,10 +146,14 @@ impl Strip {
         Some(worst)
     }
 
-    /// Area, mm²: Gauss–Legendre with 8 × 4 points in each quarter of a span. Not a bound.
+    /// Area, mm², by quadrature of `|(1 − λ) a'⊥ + λ b'⊥| |b − a|` over rulings and their affine parameter λ, 8 × 4
+    /// Gauss points in each quarter of a span; in λ exact for developable strips. Not a bound.
     pub fn area_estimate(&self) -> f64 {
         use crate::num::quadrature::{GAUSS_4, GAUSS_8};
-        let row = |u: f64| GAUSS_4.integrate(0.0, 1.0, |v| self.patch.jet(u, v).normal().norm());
+        let row = |u: f64| {
+            let (a, b, r) = self.across(u);
+            r.norm() * GAUSS_4.integrate(0.0, 1.0, |l| (a + (b - a) * l).norm())
+        };
         let breaks = self.patch.knots_u.breaks();
         let mut sum = 0.0;
         for w in breaks.windows(2) {

@@ -150,18 +150,6 @@ impl Grid {
         Self { x, y, values, period }
     }
 
-    /// Replaces values that are not finite (the diagonal of a curve with itself) by those of the next node.
-    pub fn bridge_diagonal(&mut self) {
-        let n = self.y.len();
-        for i in 0..self.x.len() {
-            for j in 0..n {
-                if !self.values[i * n + j].is_finite() {
-                    self.values[i * n + j] = self.values[i * n + (j + 1) % n];
-                }
-            }
-        }
-    }
-
     /// Parameter of node `i`, one period on for the node after the last of a closed track.
     fn node(&self, d: usize, i: usize) -> f64 {
         let nodes = if d == 0 { &self.x } else { &self.y };

@@ -47,6 +47,10 @@ pub struct BuiltStrip {
 
 /// Parameter steps below which a rail rests.
 const REST: f64 = 1e-9;
+/// Steps of a resting rail (rounding of crossings), and of the other one, where a fan is meant.
+const STILL: f64 = 1e-11;
+/// See [`STILL`].
+const MOVES: f64 = 1e-4;
 /// Deviation from a linear relation of the parameters that is rounding.
 const LINEAR: f64 = 1e-11;
 /// Halvings of a span.
@@ -111,6 +115,14 @@ fn stretches(stations: &[[f64; 2]], closed: bool) -> Vec<Vec<[f64; 2]>> {
         };
         if s[0] - last[0] <= REST && s[1] - last[1] <= REST && k + 1 < stations.len() {
             continue;
+        }
+        // Where a rail comes to rest or starts again, a fan begins or ends.
+        let rests = |from: &[f64; 2], to: &[f64; 2]| {
+            let d = [to[0] - from[0], to[1] - from[1]];
+            (0..2).find(|&k| d[k] <= STILL && d[1 - k] > MOVES)
+        };
+        if now.len() > 1 && rests(&now[now.len() - 2], &last) != rests(&last, s) {
+            out.push(std::mem::replace(&mut now, vec![last]));
         }
         // Ends of segments passed between two stations become stations.
         let mut cuts: Vec<f64> = Vec::new();

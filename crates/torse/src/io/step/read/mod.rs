@@ -5,6 +5,7 @@
 //! [`crate::surface::trim`]'s.
 
 mod curves;
+pub mod edges;
 mod product;
 mod records;
 mod surfaces;

@@ -8,11 +8,11 @@ use crate::spline::space_curve::{Arc, SpaceCurve};
 use crate::surface::trim::{edge, PlaneTrace, RawEdge, RawFace, RawLoop, Region};
 
 /// The parameter plane of the face being read.
-struct ParameterPlane {
+pub(super) struct ParameterPlane {
     /// Entity number of the surface.
-    surface: u64,
+    pub(super) surface: u64,
     /// Factors from its stated parameters to natural ones.
-    scale: [f64; 2],
+    pub(super) scale: [f64; 2],
 }
 
 impl<'r, 'a> Geometry<'r, 'a> {
@@ -145,7 +145,7 @@ impl<'r, 'a> Geometry<'r, 'a> {
         }
     }
 
-    fn edge_curve(&self, id: u64, plane: &ParameterPlane) -> Result<RawEdge, Fault> {
+    pub(super) fn edge_curve(&self, id: u64, plane: &ParameterPlane) -> Result<RawEdge, Fault> {
         let a = self.records.args(id, "EDGE_CURVE")?;
         let (start, end) = (a.reference(1)?, a.reference(2)?);
         let (p, q) = (self.vertex(start)?, self.vertex(end)?);

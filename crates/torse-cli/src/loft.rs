@@ -1,0 +1,125 @@
+//! `torse loft`: the developable between two rails.
+
+use crate::approximate::contents;
+use crate::args::{Loft, LoftEnds};
+use crate::failure::Failure;
+use crate::folder::Output;
+use crate::terminal::Terminal;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use torse::io::curves::{self, CurveError, CurveOptions};
+use torse::io::sheets;
+use torse::pipeline::loft::{loft, Choice, Ends, Options};
+use torse::pipeline::outcome::Status;
+use torse::pipeline::presentation::present_sheets;
+use torse::pipeline::sheets::Sheets;
+use torse::surface::rail::Rail;
+
+/// Runs the job; `Ok(true)` means certified.
+pub fn run(arguments: &Loft) -> Result<bool, Failure> {
+    let (file, _) = split(&arguments.a);
+    let a = rail(&arguments.a, arguments)?;
+    let b = rail(&arguments.b, arguments)?;
+    let output = Output::prepare(&arguments.out, &file, arguments.force)?;
+    let terminal = Terminal::new(arguments.quiet, None)?;
+    terminal.guard(Some(output.staging().to_path_buf()));
+    let options = Options {
+        input: arguments.name.clone().unwrap_or_else(|| stem(&file)),
+        ends: match arguments.ends {
+            LoftEnds::Trim => Ends::Trim,
+            LoftEnds::Fan => Ends::Fan,
+            LoftEnds::Extend => Ends::Extend,
+        },
+        choice: match (arguments.exact, arguments.least_twist) {
+            (true, _) => Choice::Exact,
+            (_, true) => Choice::LeastTwist,
+            _ => Choice::Auto,
+        },
+        alternative: arguments.alternative as usize,
+        fixed: arguments.fixed.clone(),
+        ruling_spacing: arguments.rulings.as_ref().map(|l| l.mm),
+        mark_spacing: arguments.marks.as_ref().map(|l| l.mm),
+        ..Options::new(arguments.tolerance.mm)
+    };
+    let outcome = loft(&a, &b, &options, terminal.control())
+        .map_err(|e| Failure::new(e.to_string(), "see 'torse loft --help' for what can be asked instead"))?;
+    terminal.say("writing");
+    let files = sheets::files(&outcome, &present_sheets(&outcome), &crate::clock::stamp())
+        .map_err(|e| Failure::new(e.to_string(), "this is a fault of the program; please report it with the rails"))?;
+    for (name, bytes) in files {
+        output.write(&name, &bytes)?;
+    }
+    output.finish()?;
+    terminal.guard(None);
+    terminal.finish();
+    if !arguments.quiet {
+        // A closed pipe is no reason to fail after the work is done.
+        let _ = summary(&outcome, &arguments.out);
+    }
+    Ok(outcome.status == Status::Certified)
+}
+
+/// File and curve of `FILE#CURVE`. A file whose name holds the sign is taken as it is.
+fn split(text: &str) -> (PathBuf, String) {
+    match text.rsplit_once('#') {
+        Some((file, curve)) if !Path::new(text).exists() => (PathBuf::from(file), curve.to_owned()),
+        _ => (PathBuf::from(text), String::new()),
+    }
+}
+
+fn stem(file: &Path) -> String {
+    file.file_stem().map_or_else(|| "loft".to_string(), |s| s.to_string_lossy().into_owned())
+}
+
+/// Reads one rail.
+fn rail(text: &str, arguments: &Loft) -> Result<Rail, Failure> {
+    let (file, select) = split(text);
+    let bytes = contents(&file)?;
+    let name = file.file_name().map_or_else(|| text.to_owned(), |n| n.to_string_lossy().into_owned());
+    let name = if select.is_empty() { name } else { format!("{name}#{select}") };
+    let options = CurveOptions { name, select, unit: arguments.unit, polyline: arguments.polyline };
+    curves::read(&bytes, &options).map_err(|e| {
+        let help = match e {
+            CurveError::NoUnit(_) => "guessing a unit could ruin material",
+            CurveError::Several { .. } | CurveError::Missing { .. } => "write FILE#NUMBER (STEP) or FILE#LAYER (DXF)",
+            CurveError::Line { .. } => "a table has x, y, z on each line",
+            _ => "check the file in the program that made it",
+        };
+        Failure::new(e.to_string(), help)
+    })
+}
+
+/// Tells the result in a few lines.
+fn summary(outcome: &Sheets, out_folder: &Path) -> std::io::Result<()> {
+    let mut out = std::io::stdout().lock();
+    let word = |n: usize, word: &str| format!("{n} {word}{}", if n == 1 { "" } else { "s" });
+    let head = format!(
+        "{} in {}, {:.1} s",
+        word(outcome.strips.len(), "strip"),
+        word(outcome.parts.len(), "flat part"),
+        outcome.seconds
+    );
+    match &outcome.status {
+        Status::Certified => writeln!(out, "certified: {head}")?,
+        Status::Uncertified(reason) => {
+            writeln!(out, "NOT certified: {head}")?;
+            writeln!(out, "  reason: {reason}")?;
+        }
+    }
+    for f in &outcome.figures {
+        writeln!(out, "  {}: {} {} ({})", f.name, number(f.value), f.unit, f.basis.name())?;
+    }
+    for n in &outcome.notes {
+        writeln!(out, "  note: {n}")?;
+    }
+    writeln!(out, "  open {}", out_folder.join("report.html").display())
+}
+
+/// Four digits, powers of ten where they are needed.
+fn number(x: f64) -> String {
+    if x == 0.0 || !x.is_finite() || (1e-3..1e6).contains(&x.abs()) {
+        let text = format!("{x:.4}");
+        return text.trim_end_matches('0').trim_end_matches('.').to_owned();
+    }
+    format!("{x:.3e}")
+}
