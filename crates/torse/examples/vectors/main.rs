@@ -15,8 +15,11 @@ use std::io::Write;
 use std::process::ExitCode;
 use value::{Case, Checks};
 
+/// Runs a case, if its kind is known there.
+type Room = fn(&Case) -> Option<Result<Checks, String>>;
+
 /// One room per capability: the first that knows a kind runs the case; `None` where it knows nothing of it.
-const ROOMS: &[fn(&Case) -> Option<Result<Checks, String>>] = &[nets::run, curves::run, dual::run, cones::run];
+const ROOMS: &[Room] = &[nets::run, curves::run, dual::run, cones::run];
 
 /// What became of the cases of one kind.
 #[derive(Default)]

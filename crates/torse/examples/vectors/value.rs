@@ -90,7 +90,7 @@ impl Checks {
     /// An error that must not exceed what is allowed.
     pub fn at_most(&mut self, what: &str, error: f64, allowed: f64) {
         let share = if error == 0.0 { 0.0 } else { error / allowed };
-        if !(share <= 1.0) {
+        if share > 1.0 || share.is_nan() {
             self.fail(format!("{what}: {error:e} where {allowed:e} is allowed"));
         }
         self.worst = if share.is_nan() { f64::INFINITY } else { self.worst.max(share) };

@@ -169,7 +169,7 @@ pub fn pattern(strips: &[&Strip], index: usize, name: &str, options: &StripOptio
         let of: Vec<&Edge> = edges.iter().filter(|e| e.0 == side as usize).map(|e| &e.1).collect();
         let length: f64 = of.iter().map(|e| integral(|s| e.velocity(s).norm())).sum();
         if let Some(e) = of.get(of.len() / 2) {
-            let s = if of.len() % 2 == 0 { 0.0 } else { 0.5 };
+            let s = if of.len().is_multiple_of(2) { 0.0 } else { 0.5 };
             sides.push(Side { border: Border::Trim { edge: side }, middle: e.place(s), length });
         }
     }

@@ -159,7 +159,7 @@ fn deltas_of_one_sign_exclude_all_polynomial_nets() {
         let (c, rulings) = random_problem(&mut n);
         let s = solvability(&c, &rulings).expect("a question");
         let signs = s.sign_changes();
-        assert!(s.certain && s.regular.len() <= signs && (signs - s.regular.len()) % 2 == 0);
+        assert!(s.certain && s.regular.len() <= signs && (signs - s.regular.len()).is_multiple_of(2));
         if signs == 0 {
             met += 1;
             // Neither knots nor degree help.

@@ -340,7 +340,7 @@ impl<'a> Path<'a> {
             }
         }
         // A step that leaves the neighbourhood has found another branch.
-        if !((d - start).abs() <= 0.05) {
+        if (d - start).abs() > 0.05 || d.is_nan() {
             d = start;
         }
         // Both parameters grow along the run.
