@@ -72,7 +72,7 @@ const PRECISION: f64 = 1e-10;
 /// Share of the tolerance that a trim curve may stray from the region's border.
 const TRIM_SHARE: f64 = 1.0 / 250.0;
 /// Share of that by which the edge in space may stray from the trim curve on its patch.
-const EDGE_SHARE: f64 = 0.01;
+const EDGE_SHARE: f64 = 0.1;
 /// Share of the tolerance that lines and arcs of a flat pattern may stray from the exact outline.
 const CONTOUR_SHARE: f64 = 0.05;
 /// Share of the parameter range within which a corner of a trim counts as lying on a knot line: a few times the

@@ -42,6 +42,41 @@ struct Lay<'f> {
     depth: usize,
 }
 
+/// Covers that compete are told apart by their ranks, all below this.
+const RANKS: usize = 64;
+
+/// Order of competing covers: fewer panels first, then the lower rank.
+pub(super) fn key(panels: usize, rank: usize) -> usize {
+    panels.saturating_mul(RANKS).saturating_add(rank)
+}
+
+/// The best cover so far among several that are sought at the same time; which of them wins does not depend on their
+/// speed.
+#[derive(Clone, Copy)]
+pub(super) struct Limit<'a> {
+    /// Smallest [`key`] so far.
+    pub(super) best: &'a AtomicUsize,
+    /// Rank of the cover that is limited.
+    pub(super) rank: usize,
+}
+
+impl Limit<'_> {
+    /// The limit for a cover that competes with nothing but a number of panels.
+    fn of(panels: &AtomicUsize) -> Limit<'_> {
+        Limit { best: panels, rank: 0 }
+    }
+
+    /// Whether a cover of so many panels, or more, cannot win.
+    fn excludes(&self, panels: usize) -> bool {
+        key(panels, self.rank) > self.best.load(Ordering::Relaxed)
+    }
+
+    /// Largest number of panels that may still win.
+    fn panels(&self) -> usize {
+        self.best.load(Ordering::Relaxed) / RANKS
+    }
+}
+
 /// What is left to do of a march.
 struct Rest {
     label: u32,
@@ -59,7 +94,7 @@ impl Job<'_> {
         // Each end has the whole budget for itself: what is found must not depend on which of them is faster.
         let run = |field: &Field| {
             let lay = Lay { field, theory: Some(theory), strict: false, depth };
-            self.march(state.clone(), label, &lay, theory, &AtomicUsize::new(budget))
+            self.march(state.clone(), label, &lay, theory, Limit::of(&AtomicUsize::new(key(budget, RANKS - 1))))
         };
         if depth > BOTH_ENDS_DEPTH {
             return run(&level.field);
@@ -71,14 +106,14 @@ impl Job<'_> {
         }
     }
 
-    /// Bands of a linear function, given up as soon as they are more than `incumbent`.
-    pub(super) fn swept(&self, state: &State, label: u32, field: &Field, incumbent: &AtomicUsize) -> Option<State> {
+    /// Bands of a linear function, given up as soon as they exceed `limit`.
+    pub(super) fn swept(&self, state: &State, label: u32, field: &Field, limit: Limit) -> Option<State> {
         let (lo, hi) = range(state, label, field);
         let lay = Lay { field, theory: None, strict: true, depth: 0 };
-        self.march(state.clone(), label, &lay, 0.25 * (hi - lo), incumbent)
+        self.march(state.clone(), label, &lay, 0.25 * (hi - lo), limit)
     }
 
-    fn march(&self, mut state: State, label: u32, lay: &Lay, width: f64, limit: &AtomicUsize) -> Option<State> {
+    fn march(&self, mut state: State, label: u32, lay: &Lay, width: f64, limit: Limit) -> Option<State> {
         let before = state.panels.len();
         let (lo, hi) = range(&state, label, lay.field);
         let whole = hi - lo;
@@ -89,12 +124,12 @@ impl Job<'_> {
             if self.control.stopped() {
                 return Some(state);
             }
-            if used + open.len() + 1 > limit.load(Ordering::Relaxed) {
+            if limit.excludes(used + open.len() + 1) {
                 return None;
             }
             if rest.narrow >= PATIENCE {
                 // The level function is poor here: what is left gets one of its own.
-                let budget = limit.load(Ordering::Relaxed).saturating_sub(used + open.len());
+                let budget = limit.panels().saturating_sub(used + open.len());
                 state = self.region(state, rest.label, budget, lay.depth + 1)?;
                 continue;
             }
@@ -105,7 +140,7 @@ impl Job<'_> {
                 }
                 None if lay.strict => return None,
                 None => {
-                    let budget = limit.load(Ordering::Relaxed).saturating_sub(used + open.len());
+                    let budget = limit.panels().saturating_sub(used + open.len());
                     let (lo, hi) = range(&state, rest.label, lay.field);
                     if hi - lo > BEHIND * width && skipped < SKIPS {
                         // The end resists: it is left behind for other means, and the march goes on beyond it.
@@ -116,7 +151,7 @@ impl Job<'_> {
                         let ahead = state.partition.split_components(rest.label);
                         for label in state.partition.split_components(end) {
                             let used = state.panels.len() - before;
-                            let budget = limit.load(Ordering::Relaxed).saturating_sub(used + open.len() + ahead.len());
+                            let budget = limit.panels().saturating_sub(used + open.len() + ahead.len());
                             state = self.region(state, label, budget, lay.depth + 1)?;
                         }
                         open.extend(ahead.into_iter().map(|label| Rest { label, width, narrow: 0 }));

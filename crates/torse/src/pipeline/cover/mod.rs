@@ -246,7 +246,7 @@ impl Job<'_> {
         let forms = state.forms(label, 100);
         let (e, g) = forms.iter().fold((0.0, 0.0), |(e, g), f| (e + f.first[0], g + f.first[2]));
         let aspect = if e > 0.0 { (g / e).sqrt() } else { 1.0 };
-        let incumbent = AtomicUsize::new(budget);
+        let incumbent = AtomicUsize::new(march::key(budget, SWEEP_DIRECTIONS));
         let before = Self::count(state);
         (0..SWEEP_DIRECTIONS)
             .into_par_iter()
@@ -254,9 +254,9 @@ impl Job<'_> {
                 let angle = std::f64::consts::PI * k as f64 / SWEEP_DIRECTIONS as f64;
                 let mut field = crate::spline::field::Field::bicubic(bounds, 1).ok()?;
                 field.set_linear(angle.cos(), angle.sin() * aspect);
-                let next = self.swept(state, label, &field, &incumbent)?;
+                let next = self.swept(state, label, &field, march::Limit { best: &incumbent, rank: k })?;
                 let n = Self::count(&next) - before;
-                incumbent.fetch_min(n, Ordering::Relaxed);
+                incumbent.fetch_min(march::key(n, k), Ordering::Relaxed);
                 Some((n, k, next))
             })
             .min_by_key(|(n, k, _)| (*n, *k))
