@@ -70,5 +70,8 @@ fn summary(outcome: &ConesOutcome, arguments: &Cones) -> std::io::Result<()> {
     for skipped in &outcome.sheets.skipped {
         writeln!(out, "  left out: {skipped}")?;
     }
+    for note in &outcome.sheets.notes {
+        writeln!(out, "  note: {note}")?;
+    }
     writeln!(out, "  open {}", arguments.out.join("report.html").display())
 }

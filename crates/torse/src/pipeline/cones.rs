@@ -193,6 +193,11 @@ fn run(
         Figure::new("mismatch at joints", joint, "rad", Basis::Measured),
     ];
     sheets.notes.push("Faces of cones.step are exact cones, cylinders and planes.".into());
+    sheets.notes.push(
+        "Parts are blanks: each covers its face or panel from the first ruling to the last; holes and slanting edges \
+         are not cut."
+            .into(),
+    );
     if !failures.is_empty() {
         sheets.status = Status::Uncertified(failures.join("; "));
     }
