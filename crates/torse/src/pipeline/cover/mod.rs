@@ -177,8 +177,10 @@ impl Job<'_> {
         let found = self.level_functions(&state, label, depth);
         let good: Vec<&Level> = found.iter().filter(|l| l.merit <= POOR * l.range).take(CANDIDATES).collect();
         let predicted = good.iter().map(|l| l.merit / four).fold(f64::INFINITY, f64::min);
+        // Bands of a good level function come within a panel or two of theory; others can hardly beat that.
+        let near_theory = |n: f64| predicted.is_finite() && n <= PROMISING * predicted + 1.0;
         for l in &good {
-            if limit == 0 {
+            if limit == 0 || best.as_ref().is_some_and(|b| near_theory((Self::count(b) - before) as f64)) {
                 break;
             }
             if let Some(next) = self.bands(&state, label, l, limit, depth) {
@@ -191,9 +193,7 @@ impl Job<'_> {
             }
         }
         let reached = best.as_ref().map_or(predicted, |b| (Self::count(b) - before) as f64);
-        // Bands of a good level function come within a panel or two of theory; straight ones cannot beat that.
-        let promising = reached > PROMISING * predicted + 1.0 || predicted.is_infinite();
-        if depth <= SWEEP_DEPTH && reached <= SWEEP_COUNT && promising && limit > 0 {
+        if depth <= SWEEP_DEPTH && reached <= SWEEP_COUNT && !near_theory(reached) && limit > 0 {
             if let Some(next) = self.sweep(&state, label, limit) {
                 keep(next, &mut best, &mut limit);
             }
