@@ -2,5 +2,6 @@
 //! knows the other, and what both want lies below in `surface`.
 
 pub mod cones;
+pub mod hull;
 pub mod interpolate;
 pub mod loft;
