@@ -187,8 +187,7 @@ fn refined(rails: &[Rail], ends: [OnRail; 2], h: f64) -> HullRuling {
 
 /// A facet with one smooth corner touches the curve there.
 fn touched(rails: &[Rail], corners: [OnRail; 3], h: f64) -> [OnRail; 3] {
-    let smooth: Vec<usize> =
-        (0..3).filter(|&k| !is_corner(&rails[corners[k].rail], corners[k].parameter)).collect();
+    let smooth: Vec<usize> = (0..3).filter(|&k| !is_corner(&rails[corners[k].rail], corners[k].parameter)).collect();
     let mut out = corners;
     if let [k] = smooth[..] {
         let (p, q) = (corners[(k + 1) % 3].point, corners[(k + 2) % 3].point);

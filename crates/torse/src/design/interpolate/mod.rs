@@ -2,8 +2,8 @@
 //!
 //! *Method.* \[FJ07\], section 4, with the existence question closed. A polynomial net exists exactly for the roots of
 //! the solvability polynomial ([`solvability`]); those with a regular surface are isolated with certainty, and the best
-//! is chosen. Where there is none: a rational net, which meets the two lines for every M* ([`rational`]); then two nets
-//! that share a ruling in between ([`split`]); then the reasons ([`Reasons`]).
+//! is chosen. Where there is none: a rational net, which meets the two lines for every M* (`rational`); then two nets
+//! that share a ruling in between (`split`); then the reasons ([`Reasons`]).
 
 mod candidate;
 mod polynomial;

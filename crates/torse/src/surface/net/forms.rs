@@ -19,7 +19,7 @@ pub struct Converted {
     /// The torse. Its parameter is that of the net for the dual form, the abscissa of the profile for the primal one.
     pub torse: Torse,
     /// Largest distance found of points of the net's strip from the torse, mm; at both ends and in the middle of
-    /// [`SAMPLES_PER_PIECE`] rulings per piece.
+    /// `SAMPLES_PER_PIECE` rulings per piece.
     pub error_estimate: f64,
 }
 
