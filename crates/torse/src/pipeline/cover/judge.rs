@@ -52,11 +52,28 @@ impl Trial {
 impl Job<'_> {
     /// Tries plane, dual torse along the centre line (if there is one) and primal torse on a region.
     pub(crate) fn single(&self, state: &State, label: u32, centre: Option<&[CentrePoint]>) -> Trial {
+        self.tried(state, label, centre, true)
+    }
+
+    /// As [`Job::single`] without proof: what is accepted here may still be refused.
+    pub(super) fn proposed(&self, state: &State, label: u32, centre: Option<&[CentrePoint]>) -> Trial {
+        self.tried(state, label, centre, false)
+    }
+
+    fn tried(&self, state: &State, label: u32, centre: Option<&[CentrePoint]>, prove: bool) -> Trial {
         let allowed = self.options.tolerance * DISTANCE_SHARE;
-        let samples = state.samples(label);
+        let samples = state.dense_samples(&self.face.surface, label);
+        let proven = |fit: Fit| {
+            if prove {
+                self.proven(state, label, fit, samples.clone())
+            } else {
+                let error = fit.error;
+                Trial { accepted: Some(Arc::new(fit)), error }
+            }
+        };
         if let Some(fit) = plane(&samples) {
             if fit.error <= allowed * HOPEFUL {
-                let t = self.proven(state, label, fit, samples.clone());
+                let t = proven(fit);
                 if t.accepted.is_some() {
                     return t;
                 }
@@ -69,7 +86,7 @@ impl Job<'_> {
         let mut judge = |fit: Option<Fit>| -> Option<Trial> {
             let fit = fit?;
             if fit.error <= allowed * HOPEFUL {
-                let t = self.proven(state, label, fit, samples.clone());
+                let t = proven(fit);
                 if t.accepted.is_some() {
                     return Some(t);
                 }

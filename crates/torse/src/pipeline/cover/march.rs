@@ -265,7 +265,7 @@ impl Job<'_> {
     }
 
     /// Centre line of a band: the level through the middle of its range.
-    fn centre(&self, state: &State, label: u32, field: &Field) -> Vec<CentrePoint> {
+    pub(super) fn centre(&self, state: &State, label: u32, field: &Field) -> Vec<CentrePoint> {
         let (lo, hi) = range(state, label, field);
         let middle = 0.5 * (lo + hi);
         let seed = state
@@ -288,7 +288,7 @@ impl Job<'_> {
 }
 
 /// Smallest and largest value of a field over a region's vertices.
-fn range(state: &State, label: u32, field: &Field) -> (f64, f64) {
+pub(super) fn range(state: &State, label: u32, field: &Field) -> (f64, f64) {
     state
         .partition
         .region_vertices(label)

@@ -123,7 +123,7 @@ impl Job<'_> {
                 }
             }
             let fit = state.panels.get(&n)?;
-            let samples = trial.samples(n);
+            let samples = trial.dense_samples(&self.face.surface, n);
             let (error, worst) = crate::fit::error(&fit.torse, &samples)?;
             let fit = crate::fit::Fit { error, worst, ..(**fit).clone() };
             let proven = self.proven(&trial, n, fit, samples).accepted?;

@@ -6,6 +6,7 @@
 //!
 //! This file holds the recursion; `judge` proposes and proves single torses, `march` lays bands.
 
+mod even;
 mod judge;
 mod march;
 mod merge;
@@ -73,6 +74,8 @@ const POOR: f64 = 1.5;
 const SWEEP_COUNT: f64 = 18.0;
 /// Sweeps are tried when bands need more than this multiple of the predicted count, and one panel more.
 const PROMISING: f64 = 1.25;
+/// Even bands with a larger share of the tolerance to spare, in the mean, are compared with a march.
+const SPARE: f64 = 0.25;
 /// Depth of the recursion down to which sweeps are tried.
 const SWEEP_DEPTH: usize = 2;
 /// Directions of the sweep.
@@ -182,6 +185,15 @@ impl Job<'_> {
         for l in &good {
             if limit == 0 || best.as_ref().is_some_and(|b| near_theory((Self::count(b) - before) as f64)) {
                 break;
+            }
+            let even = if top { self.even(&state, label, &l.field, l.merit / four, limit) } else { None };
+            // Bands with much to spare are too many: theory may ask for more than is needed.
+            let full = even.as_ref().is_some_and(|(_, spare)| *spare < SPARE);
+            if let Some((next, _)) = even {
+                keep(next, &mut best, &mut limit);
+            }
+            if full || limit == 0 {
+                continue;
             }
             if let Some(next) = self.bands(&state, label, l, limit, depth) {
                 keep(next, &mut best, &mut limit);

@@ -65,10 +65,7 @@ impl State {
         for v in self.jets.len()..self.partition.vertices.len() {
             let [u, w] = self.partition.vertices[v];
             let jet = surface.jet(u, w);
-            let n = jet.normal();
-            let size = jet.du.norm() * jet.dv.norm();
-            let normal = if n.norm() > COLLAPSED * size && size > 0.0 { n.normalize() } else { Vec3::zeros() };
-            self.jets.push(VertexJet { jet, normal });
+            self.jets.push(VertexJet { jet, normal: unit_normal(&jet) });
         }
     }
 
@@ -94,8 +91,7 @@ impl State {
         self.area(label) / self.bbox(label).diagonal().max(f64::MIN_POSITIVE)
     }
 
-    /// Samples at the vertices of a label, weighted by area. Edges of the region whose ends fall far apart get
-    /// their middles too, so that thin regions are seen in full.
+    /// Samples at the vertices of a label, weighted by area.
     pub fn samples(&self, label: u32) -> Vec<Sample> {
         let mut weight: BTreeMap<u32, f64> = BTreeMap::new();
         for t in self.partition.region(label) {
@@ -111,6 +107,48 @@ impl State {
                 Sample { x: j.jet.p, n: j.normal, weight }
             })
             .collect()
+    }
+
+    /// As [`State::samples`], with further samples (of no weight) inside the triangles of thin regions, which have few
+    /// vertices across, and of small ones.
+    pub fn dense_samples(&self, surface: &Surface, label: u32) -> Vec<Sample> {
+        // Regions of fewer than about five cells across have more vertices than this share of their triangles.
+        const THIN: f64 = 0.6;
+        // Samples that a region has at least, and the finest division of its triangles.
+        const LEAST: usize = 300;
+        const FINEST: usize = 6;
+        let region = self.partition.region(label);
+        let mut out = self.samples(label);
+        let thin = out.len() as f64 > THIN * region.len() as f64;
+        let parts =
+            (1..FINEST).find(|m| region.len() * m * m / 2 >= LEAST).unwrap_or(FINEST).max(1 + usize::from(thin));
+        let mut add = |u: f64, v: f64| {
+            let jet = surface.jet(u, v);
+            out.push(Sample { x: jet.p, n: unit_normal(&jet), weight: 0.0 });
+        };
+        let mut sides: Vec<(u32, u32)> = region
+            .iter()
+            .flat_map(|&t| edges(self.partition.triangles[t]))
+            .map(|(a, b)| (a.min(b), a.max(b)))
+            .collect();
+        sides.sort_unstable();
+        sides.dedup();
+        for (a, b) in sides {
+            let [p, q] = [a, b].map(|v| self.partition.vertices[v as usize]);
+            for k in 1..parts {
+                let s = k as f64 / parts as f64;
+                add(p[0] + s * (q[0] - p[0]), p[1] + s * (q[1] - p[1]));
+            }
+        }
+        for &t in &region {
+            let [p, q, r] = self.partition.corners(t);
+            for (i, j) in (1..parts).flat_map(|i| (1..parts - i).map(move |j| (i, j))) {
+                let (s, t) = (i as f64 / parts as f64, j as f64 / parts as f64);
+                let at = |d: usize| p[d] + s * (q[d] - p[d]) + t * (r[d] - p[d]);
+                add(at(0), at(1));
+            }
+        }
+        out
     }
 
     /// Fundamental forms at up to `count` vertices of a label, poles left out.
@@ -162,6 +200,17 @@ impl State {
             }
         }
         longest
+    }
+}
+
+/// Unit normal; zero where the parametrisation collapses.
+fn unit_normal(jet: &SurfaceJet) -> Vec3 {
+    let n = jet.normal();
+    let size = jet.du.norm() * jet.dv.norm();
+    if n.norm() > COLLAPSED * size && size > 0.0 {
+        n.normalize()
+    } else {
+        Vec3::zeros()
     }
 }
 
