@@ -119,7 +119,7 @@ mod tests {
     use crate::surface::ruled_strip::StripJet;
 
     fn carriers(jet: impl Fn(f64) -> StripJet, us: [f64; 4]) -> Vec<Osculating> {
-        us.map(|u| jet(u)).iter().map(|j| Osculating::of(&j.element().expect("element"), j)).collect()
+        us.map(jet).iter().map(|j| Osculating::of(&j.element().expect("element"), j)).collect()
     }
 
     fn check(cones: &[Osculating]) {
