@@ -11,6 +11,10 @@ use std::path::Path;
 use torse::pipeline::cover::Limits;
 use torse::pipeline::outcome::{Outcome, Status};
 
+/// Share of the tolerance that panels may use if cones follow: the rest is for the cones, which are many where it is
+/// small.
+const PANELS_OF_CONES: f64 = 0.6;
+
 /// Runs the job; `Ok(true)` means certified.
 pub fn run(arguments: &Approximate) -> Result<bool, Failure> {
     let file = &arguments.file;
@@ -27,7 +31,7 @@ pub fn run(arguments: &Approximate) -> Result<bool, Failure> {
     }
     let job = wiring::Job {
         name: arguments.name.clone().unwrap_or_else(|| stem(file)),
-        tolerance: arguments.tolerance.mm,
+        tolerance: if arguments.cones { PANELS_OF_CONES } else { 1.0 } * arguments.tolerance.mm,
         max_panels: arguments.max_panels.map(|n| n as usize),
         limits: limits(arguments),
     };
@@ -50,7 +54,7 @@ pub fn run(arguments: &Approximate) -> Result<bool, Failure> {
     let mut cones_hold = true;
     if arguments.cones {
         terminal.say("cones");
-        let cones = wiring::cones_of_panels(&outcome, terminal.control())?;
+        let cones = wiring::cones_of_panels(&outcome, arguments.tolerance.mm, terminal.control())?;
         cones_hold = cones.sheets.status == Status::Certified;
         for (name, bytes) in wiring::cone_files(&cones)? {
             let name = if name.starts_with("cones") { name } else { format!("cones-{name}") };

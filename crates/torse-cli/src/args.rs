@@ -95,8 +95,8 @@ pub struct Approximate {
     #[arg(long, value_name = "TIME", value_parser = positive_time, allow_hyphen_values = true)]
     pub time_limit: Option<Duration>,
 
-    /// Write the panels once more as chains of exact cones, cylinders and planes, within the tolerance of the panels:
-    /// cones.step and files that begin with cones-
+    /// Write the panels once more as chains of exact cones, cylinders and planes: cones.step and files that begin with
+    /// cones-. The panels keep to 0.6 of the tolerance then, so that the cones are within all of it
     #[arg(long)]
     pub cones: bool,
 
@@ -117,11 +117,11 @@ pub struct Approximate {
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:
   torse cones chute.step --tolerance 0.5mm --out chute-cones
+  torse cones chute.step -t 0.5mm -o chute-cones --force --bending --thickness 2mm
 
 Every face that is ruled and developable becomes a smooth chain of pieces of right circular cones, cylinders and
-planes, proven to lie within the tolerance both ways. A face is taken between the least and the greatest
-parameters of its boundary. Faces that are not ruled developables are left out and named; 'torse approximate'
-handles those.
+planes, proven to lie within the tolerance both ways, with the holes and edges of the face. Faces that are not ruled
+developables are left out and named; 'torse approximate' handles those.
 
 Written into the output folder: cones.step (exact conical, cylindrical and plane faces), patterns.dxf and
 patterns.svg (true arcs), model.glb, pictures, report.html and report.json.
@@ -143,6 +143,14 @@ pub struct Cones {
     /// Replace the results of an earlier run in that folder
     #[arg(long)]
     pub force: bool,
+
+    /// Also show how the parts bend into the plane: bending.glb (animation) and bending.png
+    #[arg(long)]
+    pub bending: bool,
+
+    /// Also write inner, neutral and outer surface of sheets this thick, with its unit: thickness.step, thickness.glb
+    #[arg(long, value_name = "LENGTH", value_parser = positive_length, allow_hyphen_values = true)]
+    pub thickness: Option<Length>,
 
     /// Name of the job in the files [default: name of FILE]
     #[arg(long, value_name = "NAME")]

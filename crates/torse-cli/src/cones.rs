@@ -7,7 +7,7 @@ use crate::folder::Output;
 use crate::terminal::Terminal;
 use crate::wiring;
 use std::io::Write;
-use torse::pipeline::cones::ConesOutcome;
+use torse::pipeline::cones::{counts, ConesOutcome};
 use torse::pipeline::outcome::Status;
 
 /// Runs the job; `Ok(true)` means certified.
@@ -28,6 +28,16 @@ pub fn run(arguments: &Cones) -> Result<bool, Failure> {
     for (name, bytes) in wiring::cone_files(&outcome)? {
         output.write(&name, &bytes)?;
     }
+    if arguments.bending {
+        for (name, bytes) in wiring::bending_files(&outcome)? {
+            output.write(&name, &bytes)?;
+        }
+    }
+    if let Some(thickness) = &arguments.thickness {
+        for (name, bytes) in wiring::thickness_files(&outcome, thickness.mm)? {
+            output.write(&name, &bytes)?;
+        }
+    }
     output.finish()?;
     terminal.guard(None);
     terminal.finish();
@@ -42,8 +52,7 @@ pub fn run(arguments: &Cones) -> Result<bool, Failure> {
 /// Tells the result in a few lines.
 fn summary(outcome: &ConesOutcome, arguments: &Cones) -> std::io::Result<()> {
     let mut out = std::io::stdout().lock();
-    let counts =
-        outcome.bodies.iter().map(|(_, s)| s.counts()).fold([0; 3], |a, b| [a[0] + b[0], a[1] + b[1], a[2] + b[2]]);
+    let counts = counts(&outcome.bodies);
     let word = |n: usize, word: &str| format!("{n} {word}{}", if n == 1 { "" } else { "s" });
     let head = format!(
         "{}, {} and {} for {}",

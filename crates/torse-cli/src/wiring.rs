@@ -4,10 +4,11 @@ use crate::failure::Failure;
 use torse::control::Control;
 use torse::io::step::read::ReadError;
 use torse::pipeline::approximate::{self as pipeline, ApproximateError, Options};
+use torse::pipeline::cone_shapes;
 use torse::pipeline::cones::{self as cone_pipeline, ConesOptions, ConesOutcome};
 use torse::pipeline::cover::Limits;
 use torse::pipeline::outcome::{Outcome, Skipped};
-use torse::pipeline::presentation::{present, present_sheets};
+use torse::pipeline::presentation::present;
 use torse::pipeline::sweep;
 use torse::surface::face::Face;
 
@@ -89,18 +90,41 @@ pub fn cones(model: &Model, name: &str, tolerance: f64, control: &Control) -> Re
     })
 }
 
-/// Runs the job of cone splines on the panels of the main job.
-pub fn cones_of_panels(outcome: &Outcome, control: &Control) -> Result<ConesOutcome, Failure> {
-    let options = ConesOptions { tolerance: outcome.tolerance, input: outcome.input.clone() };
+/// Runs the job of cone splines on the panels of the main job: what the panels leave of the whole tolerance (mm) is
+/// theirs, so that cones keep the whole tolerance to the surface.
+pub fn cones_of_panels(outcome: &Outcome, whole: f64, control: &Control) -> Result<ConesOutcome, Failure> {
+    let used = outcome.certificate.deviation_bound;
+    let tolerance = if used < whole { whole - used } else { whole - outcome.tolerance };
+    let options = ConesOptions { tolerance, input: outcome.input.clone() };
     cone_pipeline::of_panels(&outcome.patchwork, &options, control)
         .map_err(|e| Failure::new(e.to_string(), "leave out --cones to keep the panels"))
 }
 
 /// The files of cone splines, by name.
 pub fn cone_files(outcome: &ConesOutcome) -> Result<Vec<(String, Vec<u8>)>, Failure> {
-    let shown = present_sheets(&outcome.sheets);
-    torse::io::cones::files(&outcome.sheets, &outcome.bodies, &shown, &crate::clock::stamp())
-        .map_err(|e| Failure::new(e.to_string(), "this is a fault of the program; please report it with the model"))
+    let shown = cone_shapes::present(outcome);
+    torse::io::cones::files(&outcome.sheets, &outcome.bodies, &shown, &crate::clock::stamp()).map_err(|e| fault(&e))
+}
+
+/// The bending of cone splines into the plane: an animation and a strip of pictures.
+pub fn bending_files(outcome: &ConesOutcome) -> Result<Vec<(String, Vec<u8>)>, Failure> {
+    const STAGES: usize = 16;
+    let shown = cone_shapes::present(outcome);
+    let stages = cone_shapes::bending(outcome, &shown, STAGES);
+    let eye = cone_shapes::bending_direction(outcome, &shown);
+    torse::io::cones::bending(&stages, &eye).map_err(|e| fault(&e))
+}
+
+/// Inner, neutral and outer surfaces of sheets with a thickness (mm).
+pub fn thickness_files(outcome: &ConesOutcome, thickness: f64) -> Result<Vec<(String, Vec<u8>)>, Failure> {
+    let surfaces = cone_shapes::thick(&outcome.bodies, thickness)
+        .map_err(|e| Failure::new(e.to_string(), "give a smaller --thickness, or leave it out"))?;
+    let scene = cone_shapes::scene(&surfaces);
+    torse::io::cones::thickness(&outcome.sheets.input, &surfaces, &scene, &crate::clock::stamp()).map_err(|e| fault(&e))
+}
+
+fn fault(e: &dyn std::error::Error) -> Failure {
+    Failure::new(e.to_string(), "this is a fault of the program; please report it with the model")
 }
 
 /// What would help against a refusal of the main job.

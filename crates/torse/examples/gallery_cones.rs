@@ -1,8 +1,9 @@
 //! Pictures of cone splines: `cargo run --release --example gallery_cones -- FOLDER`.
 //!
-//! Figures of \[LP98\] that show results: the inscribed sphere and biarc (3, 4, 7), which side of the vertex is used
-//! (5, 6), least vertex distance (8), constant slope (9, 10, 12), a tangent surface with three pairs (11) and with four
-//! and two osculating cones (13–15), a cone segment and its development (16), the bending sequence (17).
+//! Figures 3 to 17 of \[LP98\]: the inscribed sphere and its biarc (3, 4), which side of the vertex is used (5, 6), the
+//! family of junction rulings (7) and its vertex distances (8), constant slope (9, 10, 12), a tangent surface with three
+//! pairs (11), joins on the sphere of directions (13, 14), four and two osculating cones (15), a cone segment and its
+//! development (16), the bending sequence (17).
 
 use std::path::Path;
 use torse::design::cones::{cone_spline, osculating_spline, ConeOptions, Osculating};
@@ -10,19 +11,19 @@ use torse::develop::cones::{bent, cone_pattern, Bending};
 use torse::geom::{Vec2, Vec3};
 use torse::io::{cones::exact, dxf, png};
 use torse::surface::cone_forms::patches;
-use torse::surface::cone_pair::{any_pair, PairOptions};
+use torse::surface::cone_pair::{any_pair, ConePair, PairOptions};
+use torse::surface::cone_part::ConeBody;
 use torse::surface::cone_spline::{ConeSpline, Segment, Shape};
 use torse::surface::g1_element::G1Element;
 use torse::surface::pattern::Placement;
 use torse::surface::ruled_strip::{tangent_strip, HelicalStrip, RuledStrip, StripJet};
 use torse::surface::strip::Strip;
 use torse::surface::torse::PanelKind;
-use torse::tessellate::camera::{Camera, Rect};
 use torse::tessellate::drawing::drawing;
 use torse::tessellate::picture::{panels, Caption};
-use torse::tessellate::raster::{Drawing, Line, Paint, Vertex};
 use torse::tessellate::scene::{PanelShape, Scene};
-use torse::tessellate::{colour, strip};
+use torse::tessellate::sequence::sequence;
+use torse::tessellate::strip;
 
 type Result<T> = std::result::Result<T, Box<dyn std::error::Error>>;
 
@@ -57,7 +58,19 @@ fn main() -> Result<()> {
         save(folder, name, &scene(&s.spline)?, &eye, title)?;
     }
 
+    let ends = [0.2, 0.75].map(cubic);
+    let cones: Vec<Osculating> = ends.iter().map(|j| Ok(Osculating::of(&element(j)?, j))).collect::<Result<_>>()?;
+    let joined = osculating_spline(&cones, &[], &ConeOptions::default())?;
+    let eye_on_sphere = Vec3::new(1.0, 0.6, 0.9);
+    let mut s = Scene { panels: vec![sphere(&Vec3::zeros(), 0.995)], ..Scene::default() };
+    s.guides = joined.spline.segments.iter().map(|s| directions(s, 0.0, 1.0)).collect();
+    save(folder, "fig13_triarc", &s, &eye_on_sphere, "rulings of two osculating cones and their join as directions")?;
+    let whole = |s: &Segment| directions(s, 0.0, std::f64::consts::TAU / s.shape.angle().abs());
+    s.guides = joined.spline.segments.iter().map(whole).collect();
+    save(folder, "fig14_circles", &s, &eye_on_sphere, "the whole circles: the joining one touches both")?;
+
     // Figures 9, 10, 12: constant slope.
+    save(folder, "fig9_constant_slope", &smooth(&over_ellipse, 0.0, 5.6), &eye, "constant slope over an ellipse")?;
     let helix = HelicalStrip { radius: 1.0, rise: 0.6, reach: [0.6, 1.8], domain: (0.0, 3.0) };
     save(folder, "fig12a_constant_slope", &smooth(&|u| helix.jet(u), 0.0, 3.0), &eye, "surface of constant slope")?;
     let elements: Vec<G1Element> = (0..4).map(|i| element(&helix.jet(f64::from(i)))).collect::<Result<_>>()?;
@@ -97,7 +110,21 @@ fn main() -> Result<()> {
         s.surfaces.clear();
         s.panels.push(sphere(&m, r.abs()));
         save(folder, "fig3_inscribed_sphere", &s, &eye, "the inscribed sphere of both cones")?;
+        let mut s = Scene { panels: vec![sphere(&m, r.abs())], ..Scene::default() };
+        s.guides = biarc(&pair, &m);
+        save(folder, "fig4_biarc", &s, &eye, "the biarc in which the cones touch the sphere, and its control polygon")?;
     }
+    let mut s = scene(&ConeSpline { segments: pair.segments.to_vec() }.with_circular_edges(-0.5, 0.5))?;
+    for k in 1..20 {
+        let psi = f64::from(k) / 20.0;
+        if let Ok(member) = any_pair(&a, &b, &PairOptions { psi, ..PairOptions::default() }) {
+            let v: Vec<Vec3> = member.segments.iter().filter_map(Segment::vertex).collect();
+            if (0.25..0.75).contains(&psi) {
+                s.guides.push(v);
+            }
+        }
+    }
+    save(folder, "fig8_vertex_distance", &s, &eye, "junction rulings between the vertices, psi from 0.25 to 0.7")?;
 
     // Figures 5 and 6: the same cone used on either side of its vertex.
     for (name, distance, angle) in [("fig5_same_side", 1.5, 1.6), ("fig6_other_side", -1.5, -1.6)] {
@@ -119,7 +146,8 @@ fn main() -> Result<()> {
     let mut bytes = Vec::new();
     dxf::write(&mut bytes, &flat)?;
     std::fs::write(folder.join("fig17_flat.dxf"), bytes)?;
-    let (_, step) = exact("three pairs", &[("A".into(), circular)], "2026-01-01T00:00:00")?;
+    let (_, step) =
+        exact("three pairs", &[ConeBody { name: "A".into(), spline: circular, part: None }], "2026-01-01T00:00:00")?;
     std::fs::write(folder.join("fig11b_three_pairs.step"), step)?;
     Ok(())
 }
@@ -216,36 +244,50 @@ fn save(folder: &Path, name: &str, scene: &Scene, eye: &Vec3, title: &str) -> Re
 /// Six stages side by side.
 fn bending(file: &Path, spline: &ConeSpline) -> Result<()> {
     const STAGES: usize = 6;
-    const CELL: f64 = 340.0;
-    let mut picture = Drawing::new((CELL * STAGES as f64) as usize, 420);
-    // All stages share the first ruling and its plane; one camera serves them all.
-    let stages: Vec<Scene> = (0..STAGES)
-        .map(|k| scene(&bent(spline, k as f64 / (STAGES - 1) as f64, Bending::Curvature)))
+    // All stages share the first ruling and its plane.
+    let stages: Vec<(String, Scene)> = (0..STAGES)
+        .map(|k| {
+            let share = 100 * k / (STAGES - 1);
+            Ok((format!("{share} %"), scene(&bent(spline, 0.01 * share as f64, Bending::Curvature))?))
+        })
         .collect::<Result<_>>()?;
     let first = spline.segments.first().ok_or("an empty chain")?.start;
     let eye = first.normal * 0.55 + first.forward * -0.75 + first.direction * 0.35;
-    let points: Vec<Vec3> =
-        stages.iter().flat_map(|s| s.panels.iter().flat_map(|p| p.mesh.positions.clone())).collect();
-    for (k, stage) in stages.iter().enumerate() {
-        let rect = Rect { x: CELL * k as f64 + 10.0, y: 20.0, width: CELL - 20.0, height: 340.0 };
-        let camera = Camera::fitting(points.iter(), &eye, rect);
-        for (i, shape) in stage.panels.iter().enumerate() {
-            let corner = |c: u32| Vertex {
-                place: camera.project(&shape.mesh.positions[c as usize]),
-                normal: camera.to_view(&shape.mesh.normals[c as usize]),
-                value: 0.0,
-            };
-            for t in &shape.mesh.triangles {
-                picture.triangles.push((Paint::Solid(colour::panel(i)), t.map(corner)));
-            }
-            for b in &shape.borders {
-                let points = b.iter().map(|p| camera.project_towards_eye(p, 1e-3)).collect();
-                picture.lines.push(Line { points, width: 1.6, colour: [0.1, 0.1, 0.12], alpha: 1.0 });
-            }
-        }
-        let share = 100 * k / (STAGES - 1);
-        picture.text(&format!("{share} %"), Vec2::new(rect.x + 10.0, 400.0), 15.0, [0.2, 0.2, 0.22]);
-    }
-    std::fs::write(file, png::write(&picture.render())?)?;
+    std::fs::write(file, png::write(&sequence(&stages, &eye))?)?;
     Ok(())
+}
+
+/// Directions of the rulings of a segment, as a polyline on the unit sphere.
+fn directions(s: &Segment, from: f64, to: f64) -> Vec<Vec3> {
+    (0..=64).map(|i| s.element(from + (to - from) * f64::from(i) / 64.0).direction).collect()
+}
+
+/// The circles in which the cones of a pair touch the sphere about `m`, and their Bézier polygon.
+fn biarc(pair: &ConePair, m: &Vec3) -> Vec<Vec<Vec3>> {
+    let foot = |g: &G1Element| g.at((m - g.point).dot(&g.direction));
+    let arcs = pair.segments.iter().map(|s| (0..=48).map(|i| foot(&s.element(f64::from(i) / 48.0))).collect());
+    let mut out: Vec<Vec<Vec3>> = arcs.collect();
+    for s in &pair.segments {
+        let (a, c) = (foot(&s.start), foot(&s.end()));
+        // Tangents to the arc at both ends meet in the inner Bézier point.
+        let chord = c - a;
+        let b = a + s.start.forward * (0.5 * chord.norm_squared() / chord.dot(&s.start.forward));
+        out.push(vec![a, b, c]);
+    }
+    out
+}
+
+/// The surface of constant slope (45°) through an ellipse.
+fn over_ellipse(u: f64) -> StripJet {
+    let (x, y) = (2.0, 1.4);
+    let (s, c) = u.sin_cos();
+    let foot = [Vec3::new(x * c, y * s, 0.0), Vec3::new(-x * s, y * c, 0.0), Vec3::new(-x * c, -y * s, 0.0)];
+    // Outward normal of the ellipse; derivatives of the far end by differences, which is enough for a picture.
+    let far = |u: f64| {
+        let (s, c) = u.sin_cos();
+        Vec3::new(x * c, y * s, 0.0) + Vec3::new(y * c, x * s, 0.0).normalize() * 1.2 - Vec3::z() * 1.2
+    };
+    let h = 1e-4;
+    let (l, f, r) = (far(u - h), far(u), far(u + h));
+    StripJet { ends: [foot, [f, (r - l) / (2.0 * h), (r - f * 2.0 + l) / (h * h)]] }
 }

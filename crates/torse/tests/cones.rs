@@ -70,6 +70,7 @@ fn ruled_patches_are_approximated_and_certified() {
 #[test]
 fn exact_faces_are_written_and_read_back() {
     use torse::io::cones::exact;
+    use torse::surface::cone_part::ConeBody;
     use torse::surface::cone_spline::ConeSpline;
     use torse::surface::face::SurfaceKind;
     let fit = cones(&helix(), &ConeFitOptions::new(1e-2)).expect("fit");
@@ -77,7 +78,9 @@ fn exact_faces_are_written_and_read_back() {
     let circular = ConeSpline { segments: fit.spline.segments[..2].to_vec() }.with_circular_edges(2.0, 2.4);
     assert!(circular.segments.iter().all(|s| s.fault().is_none()));
     for spline in [fit.spline, circular] {
-        let (_, bytes) = exact("helix", &[("A".into(), spline.clone())], "2026-01-01T00:00:00").expect("file");
+        let (_, bytes) =
+            exact("helix", &[ConeBody { name: "A".into(), spline: spline.clone(), part: None }], "2026-01-01T00:00:00")
+                .expect("file");
         let model = torse::io::step::read::read(&bytes).expect("model");
         assert!(model.skipped.is_empty());
         assert_eq!(model.faces.len(), spline.segments.len());

@@ -22,7 +22,8 @@ use crate::geom::Vec3;
 pub struct ConeJudgeOptions {
     /// Distance to be proven, mm; no default.
     pub tolerance: f64,
-    /// Stretches are halved until what lies between their ends adds no more than this share of the tolerance; 0.05.
+    /// Stretches are halved until no bound exceeds what is reached somewhere by more than this share of the tolerance;
+    /// 0.05.
     pub surcharge: f64,
     /// Most halvings of the stretch between two nodes; 14.
     pub depth: usize,
@@ -235,13 +236,14 @@ fn over(a: Interval, b: Interval, jet: Jet) -> Interval {
     }
 }
 
-/// A bound over a stretch, and what lies between the ends.
+/// Bounds over a stretch, and what is reached at its ends.
 #[derive(Clone, Copy)]
 struct Stretch {
     strip: f64,
     attained: f64,
     edges: f64,
-    surcharge: f64,
+    /// Distances of the strip and of the edges at the ends of the stretch: lower bounds but for rounding.
+    reached: [f64; 2],
 }
 
 /// The proof for a cone spline made of pairs between rulings of a strip.
@@ -283,6 +285,7 @@ pub fn cones(
     let mut breaks = strip.breaks();
     breaks.sort_by(f64::total_cmp);
     let mut edges = 0.0_f64;
+    let (mut parts, mut pairs) = (Vec::new(), Vec::new());
     for (k, w) in nodes.windows(2).enumerate() {
         let pair = [Prepared::new(&spline.segments[2 * k]), Prepared::new(&spline.segments[2 * k + 1])];
         // Wedges: front of the first ruling, junction, back of the last.
@@ -290,23 +293,39 @@ pub fn cones(
         let mut stops = vec![w[0]];
         stops.extend(breaks.iter().copied().filter(|b| *b > w[0] && *b < w[1]));
         stops.push(w[1]);
-        let mut stack: Vec<(f64, f64, usize)> = stops.windows(2).rev().map(|s| (s[0], s[1], 0)).collect();
-        while let Some((a, b, depth)) = stack.pop() {
+        parts.extend(stops.windows(2).map(|s| (k, s[0], s[1])));
+        pairs.push((pair, planes));
+    }
+    // Stretches in the order of the chain at first, so that `reached` is soon large everywhere; then the halves of
+    // those whose bounds exceed it.
+    let allowed = options.surcharge * tolerance;
+    let mut reached = [0.0_f64; 2];
+    let mut waiting: Vec<(usize, f64, f64, usize, Option<Stretch>)> =
+        parts.into_iter().rev().map(|(k, a, b)| (k, a, b, 0, None)).collect();
+    for (k, a, b, _, done) in waiting.iter_mut() {
+        let s = stretch(strip, &pairs[*k].0, &pairs[*k].1, *a, *b, tolerance);
+        reached = [reached[0].max(s.reached[0]), reached[1].max(s.reached[1])];
+        proof.stretches += 1;
+        *done = Some(s);
+    }
+    while let Some((k, a, b, depth, done)) = waiting.pop() {
+        let s = done.unwrap_or_else(|| {
             proof.stretches += 1;
-            let s = stretch(strip, &pair, &planes, a, b, [tolerance, options.surcharge * tolerance]);
-            let fine = s.surcharge <= options.surcharge * tolerance;
-            if !fine && depth < options.depth {
-                let m = 0.5 * (a + b);
-                stack.push((m, b, depth + 1));
-                stack.push((a, m, depth + 1));
-                continue;
-            }
-            if s.strip > proof.strip_bound {
-                (proof.strip_bound, proof.worst) = (s.strip, a);
-            }
-            proof.attained = proof.attained.max(s.attained);
-            edges = edges.max(s.edges);
+            stretch(strip, &pairs[k].0, &pairs[k].1, a, b, tolerance)
+        });
+        reached = [reached[0].max(s.reached[0]), reached[1].max(s.reached[1])];
+        proof.attained = proof.attained.max(s.attained);
+        let fine = s.strip <= reached[0] + allowed && s.edges <= reached[1] + allowed;
+        if !fine && depth < options.depth {
+            let m = 0.5 * (a + b);
+            waiting.push((k, m, b, depth + 1, None));
+            waiting.push((k, a, m, depth + 1, None));
+            continue;
         }
+        if s.strip > proof.strip_bound {
+            (proof.strip_bound, proof.worst) = (s.strip, a);
+        }
+        edges = edges.max(s.edges);
     }
     let reach = spline.segments.iter().map(|s| s.start.point.norm()).fold(size, f64::max);
     let slack = BEHIND * tolerance + ROUNDING * reach;
@@ -325,9 +344,9 @@ fn stretch(
     planes: &[G1Element; 3],
     a: f64,
     b: f64,
-    [tolerance, allowed]: [f64; 2],
+    tolerance: f64,
 ) -> Stretch {
-    let nothing = Stretch { strip: f64::INFINITY, attained: 0.0, edges: f64::INFINITY, surcharge: f64::INFINITY };
+    let nothing = Stretch { strip: f64::INFINITY, attained: 0.0, edges: f64::INFINITY, reached: [0.0; 2] };
     let at = |u: f64| strip.enclosure(u, u).map(|c| c[0]);
     let (xa, xb) = (at(a), at(b));
     // Derivatives for the parameter scaled to [0, 1].
@@ -356,109 +375,133 @@ fn stretch(
         .map(|k| if takes[0] { -front[k].lo } else { 0.0 }.max(if takes[1] { back[k].hi } else { 0.0 }))
         .fold(0.0, f64::max);
     if outside > behind || outside.is_nan() {
-        return Stretch { surcharge: outside, ..nothing };
+        return nothing;
     }
     // 2. Distances and edges.
-    let mut out = Stretch { strip: 0.0, attained: 0.0, edges: 0.0, surcharge: 0.0 };
+    let mut out = Stretch { strip: 0.0, attained: 0.0, edges: 0.0, reached: [0.0; 2] };
     let both = takes[0] && takes[1];
     for (segment, _) in pair.iter().zip(takes).filter(|(_, t)| *t) {
-        let surely = !both;
-        if judge(segment, &xa, &xb, &jets, allowed, surely, &mut out).is_none() {
+        if judge(segment, &xa, &xb, &jets, !both, &mut out).is_none() {
             return nothing;
         }
     }
-    if out.edges.is_nan() || out.surcharge.is_nan() || !out.strip.is_finite() {
+    if out.edges.is_nan() || !out.strip.is_finite() {
         return nothing;
     }
     out
 }
 
-/// Most parts of a ruling.
-const MOST_PARTS: usize = 24;
+/// Parts of a ruling between whose nodes the distance is bounded by its chord.
+const PARTS: usize = 8;
 
-/// The bounds of one segment over a stretch: every ruling in parts short enough that their sag against the chord stays
-/// below half of `allowed`. `None` where a ruling passes the axis.
+/// The bounds of one segment over a stretch. `surely`: its wedge holds all of the stretch. `None` where a ruling
+/// passes the axis.
+///
+/// *Method*: at the share λ of a ruling, ρ falls short of the chord of its ends by
+/// `D = λ(1−λ) K / (chord + ρ)`, `K = 2 twist² / (ρ_a ρ_b + q_a·q_b)` (exact); along the ruling D is concave with
+/// `D'' = −twist² / ρ³`; along the stretch the second derivative of the distance at fixed λ is enclosed.
 fn judge(
     segment: &Prepared,
     xa: &[V3<Interval>; 2],
     xb: &[V3<Interval>; 2],
     jets: &[V3<Jet>; 2],
-    allowed: f64,
     surely: bool,
     out: &mut Stretch,
 ) -> Option<()> {
-    let curved = segment.round.tilt != 0.0;
-    // 1. Ends of the rulings: distances and edges.
     let at = |x: &[V3<Interval>; 2]| [segment.seen(&x[0]), segment.seen(&x[1])];
     let (l, r) = (at(xa), at(xb));
     let j = [segment.seen(&jets[0]), segment.seen(&jets[1])];
+    // 1. Edges.
     for k in 0..2 {
         let (el, er) = (segment.edge_off(k, &l[k], &xa[k]), segment.edge_off(k, &r[k], &xb[k]));
         let all = over(el, er, segment.edge_off(k, &j[k], &jets[k])).mag();
         out.edges = out.edges.max(all);
-        out.surcharge = out.surcharge.max(all - el.mag().max(er.mag()));
+        if surely {
+            out.reached[1] = out.reached[1].max(el.mag()).max(er.mag());
+        }
         if all.is_nan() {
             return None;
         }
     }
-    // 2. How many parts? The sag of the whole ruling falls with the square of their number.
-    let sag = |t: f64, p: f64, q: f64| segment.round.tilt.abs() * t * t / (p * q * p.min(q));
-    let whole = |s: &[Seen<Interval>; 2]| sag(segment.twist(&s[0], &s[1]).mag(), s[0].rho.mid(), s[1].rho.mid());
-    let worst = if curved { whole(&l).max(whole(&r)) } else { 0.0 };
-    let parts = (worst / (0.25 * allowed)).sqrt().ceil();
-    let parts = if parts.is_finite() { (parts as usize).clamp(1, MOST_PARTS) } else { MOST_PARTS };
-    // 3. From node to node of the rulings.
-    let node = |i: usize| i as f64 / parts as f64;
-    let mut before = (l[0], r[0], j[0]);
-    for i in 0..=parts {
-        let now = if i == 0 {
-            before
-        } else if i == parts {
-            (l[1], r[1], j[1])
-        } else {
-            let v = node(i);
-            (segment.seen(&between(xa, v)), segment.seen(&between(xb, v)), segment.seen(&between(jets, v)))
-        };
-        let ends = now.0.distance.mag().max(now.1.distance.mag());
-        let all = over(now.0.distance, now.1.distance, now.2.distance).mag();
-        out.surcharge = out.surcharge.max(all - ends);
-        if surely {
-            out.attained = out.attained.max(now.0.distance.mig()).max(now.1.distance.mig());
-        }
-        let mut bound = all;
-        if curved && i > 0 {
-            let facing = |a: &Seen<Jet>, b: &Seen<Jet>| dot(&a.q.map(|x| x.v), &b.q.map(|x| x.v)).sign();
-            if facing(&before.2, &now.2) <= 0 {
-                return None;
-            }
-            // Against the chord, ρ falls short by at most δ²/ρ_b, δ = twist/ρ_a the offset of one end from the
-            // other's meridian plane.
-            let twist = over(
-                segment.twist(&before.0, &now.0),
-                segment.twist(&before.1, &now.1),
-                segment.twist(&before.2, &now.2),
-            );
-            let (p, q) = (before.2.rho.v, now.2.rho.v);
-            let sag = (twist.sqr() / (p * q)) / Interval::new(p.lo.min(q.lo), p.hi.min(q.hi));
-            let sag = (sag * segment.round.tilt.abs()).mag();
-            out.surcharge = out.surcharge.max(sag);
-            // The chord lies between the distances of both nodes; the earlier one is already in the bound.
-            let earlier = over(before.0.distance, before.1.distance, before.2.distance).mag();
-            bound = Interval::point(all.max(earlier)).widen(sag).hi;
-        }
-        if bound.is_nan() {
+    // 2. The rulings at both ends.
+    let (mut ends, mut reached) = (0.0_f64, 0.0_f64);
+    for s in [&l, &r] {
+        let [bound, most] = along_ruling(segment, s)?;
+        (ends, reached) = (ends.max(bound), reached.max(most));
+    }
+    // 3. Between them, at any share of the rulings.
+    let mut bow = j[0].distance.dd.hull(j[1].distance.dd).mag();
+    let mut range = j[0].distance.v.hull(j[1].distance.v);
+    if segment.round.tilt != 0.0 {
+        let twist = segment.twist(&j[0], &j[1]);
+        let facing = j[0].rho * j[1].rho + dot(&j[0].q, &j[1].q);
+        if facing.v.lo <= 0.0 {
             return None;
         }
-        out.strip = out.strip.max(bound);
-        before = now;
+        let k = (twist * twist).times(2.0).over(facing);
+        let chord = j[0].rho.hull(j[1].rho);
+        // λ(1 − λ) lies between 0 and 1/4, whatever λ is.
+        let share = Jet::constant(Interval { lo: 0.0, hi: 0.25 });
+        let short = share * k;
+        let rho = (chord * chord - short).root();
+        let sag = short.over(chord + rho);
+        if !(sag.dd.is_finite() && rho.v.lo > 0.0) {
+            return None;
+        }
+        bow += segment.round.tilt.abs() * sag.dd.mag();
+        range = range.widen((sag.v * segment.round.tilt).mag());
+    }
+    let bound = Interval::point(ends).widen(0.125 * bow).hi;
+    // Far from small stretches the values themselves may say more.
+    let bound = if bound.is_finite() { bound.min(range.mag()) } else { range.mag() };
+    if bound.is_nan() {
+        return None;
+    }
+    out.strip = out.strip.max(bound);
+    if surely {
+        out.reached[0] = out.reached[0].max(reached);
+        out.attained = out.attained.max(l.iter().chain(&r).map(|s| s.distance.mig()).fold(0.0, f64::max));
     }
     Some(())
 }
 
-/// The point at the share `v` of a ruling.
-fn between<S: Quantity>(ends: &[V3<S>; 2], v: f64) -> V3<S> {
-    // The node is where these numbers put it: any point of the ruling will do, so 1 − v need not be exact.
-    std::array::from_fn(|d| ends[0][d] + (ends[1][d] - ends[0][d]).times(v))
+/// Bound of the distance along a whole ruling, and the largest one at the nodes. `None` where it passes the axis.
+fn along_ruling(segment: &Prepared, s: &[Seen<Interval>; 2]) -> Option<[f64; 2]> {
+    let [a, b] = s;
+    let tilt = segment.round.tilt;
+    if tilt == 0.0 {
+        let most = a.distance.mag().max(b.distance.mag());
+        return Some([most; 2]);
+    }
+    let facing = a.rho * b.rho + dot(&a.q, &b.q);
+    if facing.lo <= 0.0 || a.rho.lo <= 0.0 || b.rho.lo <= 0.0 {
+        return None;
+    }
+    let twist_sq = segment.twist(a, b).sqr();
+    let k = twist_sq.times(2.0) / facing;
+    let mut most = 0.0_f64;
+    for i in 0..=PARTS {
+        // A power of two: shares are exact.
+        let x = i as f64 / PARTS as f64;
+        let y = 1.0 - x;
+        let short = k * (x * y);
+        let chord = a.rho * y + b.rho * x;
+        let rho = (chord.sqr() - short).sqrt();
+        if rho.lo <= 0.0 {
+            return None;
+        }
+        let sag = short / (chord + rho);
+        let d = a.distance * y + b.distance * x + sag * tilt;
+        most = most.max(d.mag());
+    }
+    // Nowhere on the ruling is ρ² less than the least of its chord's squares minus K/4.
+    let rho = (Interval::point(a.rho.lo.min(b.rho.lo)).sqr() - k * 0.25).sqrt();
+    let rho = Interval::point(rho.lo);
+    if rho.lo <= 0.0 {
+        return None;
+    }
+    let sag = (twist_sq * tilt.abs() / (rho * rho.sqr())).hi * (0.125 / (PARTS * PARTS) as f64);
+    Some([Interval::point(most).widen(sag).hi, most])
 }
 
 #[cfg(test)]

@@ -4,6 +4,8 @@
 //! third cone. Where \[LP98\] (14) asks for the roots of a quartic, two are trivial and the other two those of one
 //! trigonometric equation (docs/algorithms/cones.md).
 
+mod arcs;
+
 use crate::geom::Vec3;
 use crate::surface::cone_pair::{cone_pair, PairError, PairOptions, ROTATION_LIMIT};
 use crate::surface::cone_spline::{ConeSpline, Segment, SegmentFault, Shape};
@@ -315,7 +317,8 @@ pub struct OsculatingSpline {
 }
 
 /// The chain that holds a piece of every osculating cone, with one filler between each two; a cone pair where the join
-/// is undefined or turns backwards (constant slope, general cones and cylinders).
+/// does not exist or turns backwards. On surfaces of constant slope, general cones and cylinders, where the join is not
+/// unique, these are osculating arc splines in the plane or on the sphere.
 ///
 /// `reach` as in [`cone_spline`]; edges run evenly between the reaches.
 /// *Guarantee*: smooth to about 1e-12; forward.
@@ -332,7 +335,11 @@ pub fn osculating_spline(
     let mut out = OsculatingSpline { spline: ConeSpline::default(), pairs: Vec::new() };
     for index in 0..cones.len() - 1 {
         let part = |i: usize| reach.get(i).copied().unwrap_or([0.0; 2]);
-        let best = joins(&cones[index], &cones[index + 1])
+        let mut list = joins(&cones[index], &cones[index + 1]);
+        if list.is_empty() {
+            list = arcs::arc_joins(&cones[index], &cones[index + 1]);
+        }
+        let best = list
             .iter()
             .filter_map(|j| {
                 let s = edged(j.segments(&cones[index], &cones[index + 1]), part(index), part(index + 1)).ok()?;
@@ -463,7 +470,7 @@ mod tests {
     }
 
     #[test]
-    fn constant_slope_falls_back_to_pairs() {
+    fn joins_that_do_not_exist_are_replaced_by_pairs() {
         let helix =
             crate::surface::ruled_strip::HelicalStrip { radius: 1.0, rise: 0.6, reach: [1.0, 2.0], domain: (0.0, 2.0) };
         use crate::surface::ruled_strip::RuledStrip;

@@ -43,6 +43,13 @@ impl FlatSegment {
         self.origin + Vec2::new(c * local.x - s * local.y, s * local.x + c * local.y)
     }
 
+    /// Derivatives of [`FlatSegment::point`] by f and by r.
+    pub fn derivatives(&self, f: f64, r: f64) -> [Vec2; 2] {
+        let (s, c) = (self.angle + self.turn * f).sin_cos();
+        let across = self.distance.map_or(self.width, |d| (d + r) * self.turn);
+        [Vec2::new(-s, c) * across, Vec2::new(c, s)]
+    }
+
     /// The common point of the rulings.
     pub fn apex(&self) -> Option<Vec2> {
         let (s, c) = self.angle.sin_cos();
@@ -256,7 +263,7 @@ pub fn overlaps(spline: &ConeSpline, apart: f64) -> bool {
 }
 
 /// Area inside a contour of lines and arcs.
-fn area(vertices: &[ContourVertex]) -> f64 {
+pub(super) fn area(vertices: &[ContourVertex]) -> f64 {
     let origin = vertices.first().map_or(Vec2::zeros(), |v| v.point);
     (0..vertices.len())
         .map(|i| {

@@ -1,6 +1,7 @@
 //! Floor 5: development, the isometric map of a panel to the plane.
 
 pub mod arcs;
+pub mod cone_part;
 pub mod cones;
 pub mod layout;
 pub mod map;

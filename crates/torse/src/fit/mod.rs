@@ -5,6 +5,7 @@ pub mod boundary;
 pub mod centre_line;
 pub mod chains;
 pub mod cloud;
+pub mod cone_trim;
 pub mod cones;
 mod descent;
 mod directions;

@@ -2,9 +2,13 @@
 
 use super::bundle::{BundleError, File};
 use super::step::write::{self as step, Header, Sheet};
+use super::{glb, png};
+use crate::geom::Vec3;
 use crate::pipeline::presentation::Presentation;
 use crate::pipeline::sheets::Sheets;
-use crate::surface::cone_spline::ConeSpline;
+use crate::surface::cone_part::ConeBody;
+use crate::tessellate::scene::Scene;
+use crate::tessellate::sequence::sequence;
 
 /// Name of the CAD file that the exact faces replace.
 const STRIPS: &str = "strips.step";
@@ -15,12 +19,7 @@ const UNCERTAINTY: f64 = 1e-6;
 ///
 /// # Errors
 /// Data that a format cannot hold.
-pub fn files(
-    sheets: &Sheets,
-    bodies: &[(String, ConeSpline)],
-    shown: &Presentation,
-    time: &str,
-) -> Result<Vec<File>, BundleError> {
+pub fn files(sheets: &Sheets, bodies: &[ConeBody], shown: &Presentation, time: &str) -> Result<Vec<File>, BundleError> {
     let mut out = super::sheets::files(sheets, shown, time)?;
     let cad = exact(&sheets.input, bodies, time)?;
     match out.iter_mut().find(|f| f.0 == STRIPS) {
@@ -30,13 +29,46 @@ pub fn files(
     Ok(out)
 }
 
+/// bending.glb, an animation, and bending.png, a strip of pictures, from stages with their captions; `eye` points
+/// from the model to the eye.
+///
+/// # Errors
+/// Data that a format cannot hold.
+pub fn bending(stages: &[(String, Scene)], eye: &Vec3) -> Result<Vec<File>, BundleError> {
+    /// Pictures in the strip.
+    const PICTURES: usize = 6;
+    let scenes: Vec<Scene> = stages.iter().map(|s| s.1.clone()).collect();
+    let last = stages.len().saturating_sub(1);
+    let chosen: Vec<(String, Scene)> =
+        (0..PICTURES).filter_map(|k| stages.get(last * k / (PICTURES - 1)).cloned()).collect();
+    Ok(vec![
+        ("bending.glb".into(), glb::moving::write(&scenes)?),
+        ("bending.png".into(), png::write(&sequence(&chosen, eye))?),
+    ])
+}
+
+/// thickness.step and thickness.glb: the surfaces of sheets with thickness.
+///
+/// # Errors
+/// Data that a format cannot hold.
+pub fn thickness(name: &str, surfaces: &[ConeBody], scene: &Scene, time: &str) -> Result<Vec<File>, BundleError> {
+    let (_, step) = exact(name, surfaces, time)?;
+    Ok(vec![("thickness.step".into(), step), ("thickness.glb".into(), glb::write(scene, 1.0)?)])
+}
+
 /// cones.step alone.
 ///
 /// # Errors
 /// Those of the writer.
-pub fn exact(name: &str, bodies: &[(String, ConeSpline)], time: &str) -> Result<File, BundleError> {
+pub fn exact(name: &str, bodies: &[ConeBody], time: &str) -> Result<File, BundleError> {
     let header = Header { name: name.to_owned(), time: time.to_owned(), uncertainty: UNCERTAINTY };
-    let bodies: Vec<Sheet> = bodies.iter().map(|(name, spline)| Sheet::of_cones(name, spline)).collect();
+    let bodies: Vec<Sheet> = bodies
+        .iter()
+        .map(|b| match &b.part {
+            Some(part) => Sheet::of_cone_part(&b.name, part),
+            None => Sheet::of_cones(&b.name, &b.spline),
+        })
+        .collect();
     let mut bytes = Vec::new();
     step::sheets(&mut bytes, &header, &bodies).map_err(|source| BundleError::Write { file: "cones.step", source })?;
     Ok(("cones.step".into(), bytes))

@@ -5,6 +5,8 @@
 //! they are three scenes: "panels" (shown first) with rulings and borders, "deviation" with vertex colours,
 //! "surface". The signed deviation in mm is also the vertex attribute `_DEVIATION` of the panels.
 
+pub mod moving;
+
 use crate::geom::mesh::Mesh;
 use crate::geom::Vec3;
 use crate::tessellate::colour::{self, Rgb};
@@ -21,6 +23,12 @@ pub enum GlbError {
         name: String,
         /// Index of the vertex.
         index: usize,
+    },
+    /// A stage of an animation whose panels are not those of the first stage.
+    #[error("{name}: a stage of the animation has other vertices than the first stage; make all stages alike")]
+    Stage {
+        /// Mesh.
+        name: String,
     },
     /// A triangle with a corner that does not exist.
     #[error("{name}: triangle {index} refers to a vertex that does not exist")]
@@ -140,6 +148,7 @@ struct File {
     materials: Vec<Value>,
     meshes: Vec<Value>,
     nodes: Vec<Value>,
+    animations: Vec<Value>,
 }
 
 impl File {
@@ -275,6 +284,9 @@ impl File {
             document["bufferViews"] = self.views.into();
             document["buffers"] = json!([{ "byteLength": self.bytes.len() }]);
         }
+        if !self.animations.is_empty() {
+            document["animations"] = self.animations.into();
+        }
         let mut text = document.to_string().into_bytes();
         text.resize(text.len().next_multiple_of(4), b' ');
         let mut chunks: Vec<(&[u8; 4], &[u8])> = vec![(b"JSON", &text)];
@@ -302,7 +314,7 @@ fn linear(c: Rgb) -> Rgb {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use crate::tessellate::scene::PanelShape;
 
@@ -334,7 +346,7 @@ mod tests {
     }
 
     /// The document and the binary chunk, with the framing checked on the way.
-    fn open(bytes: &[u8]) -> (Value, &[u8]) {
+    pub(crate) fn open(bytes: &[u8]) -> (Value, &[u8]) {
         assert_eq!((&bytes[..4], word(bytes, 4), word(bytes, 8)), (&b"glTF"[..], 2, bytes.len()));
         let n = word(bytes, 12);
         assert_eq!((&bytes[16..20], n % 4), (&b"JSON"[..], 0));

@@ -1,17 +1,21 @@
 //! The job of `torse cones`: ruled developable faces (or the panels of a patchwork) as chains of exact cones,
 //! cylinders and planes, with their proof and their flat patterns of true arcs.
 
+use super::cone_outline::PlaneOutline;
 use super::outcome::{Skipped, Status};
 use super::sheets::{Basis, Figure, FlatPart, Sheets};
 use crate::certify::cones::{cones as judge, ConeJudgeOptions, ConeProof};
 use crate::control::Control;
+use crate::develop::cone_part::{overlaps as part_overlaps, part_pattern};
 use crate::develop::cones::{cone_pattern, overlaps};
+use crate::fit::cone_trim::{cone_part, ConeTrimError, ConeTrimOptions};
 use crate::fit::cones::{cones as fit, ConeFit, ConeFitOptions};
 use crate::spline::surface::Surface;
 use crate::surface::cone_forms::patches;
-use crate::surface::cone_spline::ConeSpline;
+use crate::surface::cone_part::{ConeBody, ConePart};
+use crate::surface::cone_spline::{ConeSpline, Segment};
 use crate::surface::face::Face;
-use crate::surface::panel::{Panel, Patchwork};
+use crate::surface::panel::Patchwork;
 use crate::surface::pattern::Pattern;
 use crate::surface::ruled_strip::{RuledPatch, RuledStrip};
 use crate::surface::strip::Strip;
@@ -32,8 +36,10 @@ pub struct ConesOptions {
 pub struct ConesOutcome {
     /// Everything for files and reports.
     pub sheets: Sheets,
-    /// The chains, named, in the order of the parts before cutting.
-    pub bodies: Vec<(String, ConeSpline)>,
+    /// The chains, trimmed where faces are, in the order of the parts before cutting.
+    pub bodies: Vec<ConeBody>,
+    /// Body and piece of every strip.
+    pub pieces: Vec<(usize, usize)>,
 }
 
 /// Why there is no answer at all.
@@ -66,15 +72,24 @@ const CONTOUR_SHARE: f64 = 0.1;
 /// Parts that fall together in the plane are apart in space by more than this share of the size.
 const APART: f64 = 1e-3;
 
+/// Distance (mm) allowed between trimmed edges and the exact surfaces: CAD systems take less for none.
+pub(super) const EDGE_ROUNDING: f64 = 5e-7;
+/// Distance allowed between the outline and trimmed edges, as a share of the tolerance.
+const OUTLINE_SHARE: f64 = 0.02;
+/// Largest turn of a segment in files, rad.
+const LARGEST_TURN: f64 = 2.0 * std::f64::consts::FRAC_PI_3;
+
 /// Something to be approximated.
 struct Target {
     name: String,
     strip: RuledPatch,
+    outline: PlaneOutline,
 }
 
 /// Faces as cone splines. Faces that are not ruled developables are listed as skipped.
 ///
-/// A face is taken between the least and the greatest parameters of its trim: the chain covers its bounding strip.
+/// The chain covers the strip between the least and the greatest parameters of a face's trim; holes and edges that do
+/// not follow the strip are cut from it.
 ///
 /// # Errors
 /// See [`ConesJobError`].
@@ -90,7 +105,7 @@ pub fn of_faces(
     for (i, face) in faces.iter().enumerate() {
         let name = if face.name.is_empty() { format!("F{:02}", i + 1) } else { face.name.clone() };
         match ruled(face, options.tolerance) {
-            Ok(strip) => targets.push(Target { name, strip }),
+            Ok((strip, outline)) => targets.push(Target { name, strip, outline }),
             Err(reason) => left.push(format!("#{} {name}: {reason}", face.entity)),
         }
     }
@@ -101,7 +116,7 @@ pub fn of_faces(
     run(&targets, left, options, control)
 }
 
-/// The panels of a patchwork as cone splines: each between the least and the greatest parameters of its outline.
+/// The panels of a patchwork as cone splines, cut along their outlines.
 ///
 /// # Errors
 /// See [`ConesJobError`].
@@ -113,8 +128,9 @@ pub fn of_panels(
     let mut targets = Vec::new();
     let mut left = Vec::new();
     for panel in &patchwork.panels {
-        match panel_strip(panel) {
-            Some(strip) => targets.push(Target { name: panel.name.clone(), strip }),
+        let outline = PlaneOutline::of_panel(panel);
+        match between(&outline.surface, outline.bounds()) {
+            Some(strip) => targets.push(Target { name: panel.name.clone(), strip, outline }),
             None => left.push(format!("{}: its outline leaves the patch", panel.name)),
         }
     }
@@ -152,8 +168,8 @@ fn run(
         skipped: left,
         seconds: 0.0,
     };
-    let mut bodies: Vec<(String, ConeSpline)> = Vec::new();
-    let (mut worst, mut back, mut joint) = (0.0_f64, 0.0_f64, 0.0_f64);
+    let (mut bodies, mut pieces): (Vec<ConeBody>, Vec<(usize, usize)>) = (Vec::new(), Vec::new());
+    let (mut worst, mut back, mut joint, mut edges) = (0.0_f64, 0.0_f64, 0.0_f64, 0.0_f64);
     let mut failures = Vec::new();
     for (i, target) in targets.iter().enumerate() {
         control.report("cones", i as f64 / targets.len() as f64, target.name.clone());
@@ -169,20 +185,42 @@ fn run(
                 continue;
             }
         };
-        if !proof.holds(options.tolerance) {
-            let bound = proof.chain_bound;
-            failures.push(format!("{} is not proven to stay within the tolerance (bound {bound:.3e} mm)", target.name));
+        let mut found = found;
+        found.spline = found.spline.with_turns_below(LARGEST_TURN);
+        let conics = target.outline.is_rectangle() && !found.spline.has_circular_edges();
+        if !conics {
+            found.spline = found.spline.merged(target.strip.jet(target.strip.domain().0).length(), LARGEST_TURN);
         }
-        (worst, back) = (worst.max(proof.strip_bound), back.max(proof.chain_bound));
+        // Trimmed edges replace those of the chain, so that its bounds hold for what lies between them.
+        let (part, back_here) = if target.outline.is_rectangle() {
+            (None, proof.chain_bound)
+        } else {
+            match trimmed(target, &found, options.tolerance) {
+                Ok(part) => {
+                    edges = edges.max(part.outline_estimate);
+                    let bound = proof.strip_bound + part.outline_estimate + EDGE_ROUNDING;
+                    (Some(part), bound)
+                }
+                Err(e) => {
+                    sheets.skipped.push(format!("{}: its outline is not cut: {e}", target.name));
+                    failures.push(format!("{} is a blank, its outline is not cut", target.name));
+                    (None, proof.chain_bound)
+                }
+            }
+        };
+        if proof.strip_bound > options.tolerance || back_here > options.tolerance {
+            failures
+                .push(format!("{} is not proven to stay within the tolerance (bound {back_here:.3e} mm)", target.name));
+        }
+        (worst, back) = (worst.max(proof.strip_bound), back.max(back_here));
         joint = joint.max(proof.mismatch);
-        let spline = found.spline.with_turns_below(2.0 * std::f64::consts::FRAC_PI_3);
-        strips_of(&mut sheets, target, &spline, &proof);
-        bodies.push((target.name.clone(), spline));
+        let body = ConeBody { name: target.name.clone(), spline: found.spline, part };
+        for piece in strips_of(&mut sheets, &body, &proof) {
+            pieces.push((bodies.len(), piece));
+        }
+        bodies.push(body);
     }
-    let counts = bodies.iter().fold([0; 3], |c, (_, s)| {
-        let n = s.counts();
-        [c[0] + n[0], c[1] + n[1], c[2] + n[2]]
-    });
+    let counts = counts(&bodies);
     sheets.figures = vec![
         Figure::new("surfaces", bodies.len() as f64, "", Basis::Given),
         Figure::new("cones", counts[0] as f64, "", Basis::Given),
@@ -191,18 +229,14 @@ fn run(
         Figure::new("distance of the surface from the cones", worst, "mm", Basis::Proven),
         Figure::new("distance of the cones from the surface", back, "mm", Basis::Proven),
         Figure::new("mismatch at joints", joint, "rad", Basis::Measured),
+        Figure::new("distance of trimmed edges from the outline carried over", edges, "mm", Basis::Measured),
     ];
     sheets.notes.push("Faces of cones.step are exact cones, cylinders and planes.".into());
-    sheets.notes.push(
-        "Parts are blanks: each covers its face or panel from the first ruling to the last; holes and slanting edges \
-         are not cut."
-            .into(),
-    );
     if !failures.is_empty() {
         sheets.status = Status::Uncertified(failures.join("; "));
     }
     sheets.seconds = started.elapsed().as_secs_f64();
-    Ok(ConesOutcome { sheets, bodies })
+    Ok(ConesOutcome { sheets, bodies, pieces })
 }
 
 /// Fit and proof; the fit aims lower until the proof of both directions holds.
@@ -227,66 +261,99 @@ fn approximated(target: &Target, tolerance: f64) -> Result<(ConeFit, ConeProof),
     best.ok_or_else(|| "nothing was tried".into())
 }
 
-/// Strips, figures, parts and patterns of one chain.
-fn strips_of(sheets: &mut Sheets, target: &Target, spline: &ConeSpline, proof: &ConeProof) {
+/// Segments of each kind in bodies: cones, cylinders, planes; of trimmed ones, pieces.
+pub fn counts(bodies: &[ConeBody]) -> [usize; 3] {
+    let mut out = [0; 3];
+    for b in bodies {
+        let n = match &b.part {
+            Some(p) => ConeSpline { segments: p.faces.iter().map(|f| f.blank.segment).collect() }.counts(),
+            None => b.spline.counts(),
+        };
+        out.iter_mut().zip(n).for_each(|(o, n)| *o += n);
+    }
+    out
+}
+
+/// The chain cut along the outline of what it stands for.
+fn trimmed(target: &Target, found: &ConeFit, tolerance: f64) -> Result<ConePart, ConeTrimError> {
+    let outline = target.outline.in_space(&found.nodes);
+    cone_part(&found.spline, &outline, &ConeTrimOptions { outline: OUTLINE_SHARE * tolerance, edge: EDGE_ROUNDING })
+}
+
+/// Strips, figures, parts and patterns of one chain; the pieces that the strips show.
+fn strips_of(sheets: &mut Sheets, body: &ConeBody, proof: &ConeProof) -> Vec<usize> {
     let first = sheets.strips.len();
-    for (k, s) in spline.segments.iter().enumerate() {
+    let mut shown = Vec::new();
+    let pieces: Vec<Segment> = match &body.part {
+        Some(part) => part.faces.iter().map(|f| f.blank.segment).collect(),
+        None => body.spline.segments.clone(),
+    };
+    for (k, s) in pieces.iter().enumerate() {
         let kind = match s.shape.name() {
             "cone" => PanelKind::Cone,
             "cylinder" => PanelKind::Cylinder,
             _ => PanelKind::Plane,
         };
+        let name = format!("{}-{:02}", body.name, k + 1);
         let Some(patch) = patches(s).ok().and_then(|p| p.into_iter().next()) else {
-            sheets.skipped.push(format!("{}-{:02}: its edges run through its vertex", target.name, k + 1));
+            sheets.skipped.push(format!("{name}: its edges run through its vertex"));
             continue;
         };
-        sheets.strips.push(Strip { name: format!("{}-{:02}", target.name, k + 1), kind, patch });
+        shown.push(k);
+        sheets.strips.push(Strip { name, kind, patch });
         sheets.strip_figures.push(vec![
             Figure::new("turn about the axis", s.shape.angle().abs().to_degrees(), "deg", Basis::Measured),
             Figure::new("distance, surface from cones", proof.strip_bound, "mm", Basis::Proven),
         ]);
     }
     // One part for the chain, halved while it overlaps itself in the plane.
+    let spline = &body.spline;
     let size = spline.segments.first().map_or(1.0, |s| (s.edges[1][0] - s.edges[0][0]).abs());
-    let mut waiting = vec![(target.name.clone(), 0, spline.segments.len())];
+    let mut waiting = vec![(body.name.clone(), 0, spline.segments.len())];
     while let Some((name, from, count)) = waiting.pop() {
-        let part = ConeSpline { segments: spline.segments[from..from + count].to_vec() };
-        if count > 1 && overlaps(&part, APART * size) {
+        let chain = ConeSpline { segments: spline.segments[from..from + count].to_vec() };
+        let part = body.part.as_ref().map(|p| p.between(from, from + count));
+        let overlapping = match &part {
+            Some(part) => part_overlaps(spline, part, APART * size),
+            None => overlaps(&chain, APART * size),
+        };
+        if count > 1 && overlapping {
             let half = count / 2;
             waiting.push((format!("{name}b"), from + half, count - half));
             waiting.push((format!("{name}a"), from, half));
             continue;
         }
-        let mut pattern: Pattern = cone_pattern(&part, &name, CONTOUR_SHARE * sheets.tolerance);
+        let contour = CONTOUR_SHARE * sheets.tolerance;
+        let (mut pattern, strips): (Pattern, (usize, usize)) = match &part {
+            Some(part) => {
+                let before = body.part.iter().flat_map(|p| &p.faces).take_while(|f| f.segment < from).count();
+                (part_pattern(spline, part, &name, contour), (before, part.faces.len()))
+            }
+            None => (cone_pattern(&chain, &name, contour), (from, count)),
+        };
+        if pattern.contours.is_empty() {
+            continue;
+        }
         pattern.panel = sheets.parts.len();
         sheets.patterns.push(pattern);
-        sheets.parts.push(FlatPart { name, first: first + from, count, missing: String::new() });
+        sheets.parts.push(FlatPart { name, first: first + strips.0, count: strips.1, missing: String::new() });
     }
+    shown
 }
 
 /// The strip of a ruled developable face.
-fn ruled(face: &Face, tolerance: f64) -> Result<RuledPatch, String> {
+fn ruled(face: &Face, tolerance: f64) -> Result<(RuledPatch, PlaneOutline), String> {
     let candidates = [Some(face.surface.clone()), Some(face.surface.transposed())];
     let mut reason = "it is not ruled (of degree 1 in one direction)".to_owned();
     for (k, surface) in candidates.into_iter().flatten().enumerate() {
-        let bounds = trim_bounds(face, k == 1);
-        let Some(strip) = between(&surface, bounds) else { continue };
+        let outline = PlaneOutline::of_face(face, surface, k == 1);
+        let Some(strip) = between(&outline.surface, outline.bounds()) else { continue };
         match faulty(&strip, tolerance) {
-            None => return Ok(strip),
+            None => return Ok((strip, outline)),
             Some(fault) => reason = fault,
         }
     }
     Err(reason)
-}
-
-/// Least and greatest parameters `(u0, u1, v0, v1)` of the trim.
-fn trim_bounds(face: &Face, transposed: bool) -> [f64; 4] {
-    let mut b = [f64::INFINITY, f64::NEG_INFINITY, f64::INFINITY, f64::NEG_INFINITY];
-    for p in face.loops.iter().flat_map(|l| &l.points) {
-        let [u, v] = if transposed { [p[1], p[0]] } else { *p };
-        b = [b[0].min(u), b[1].max(u), b[2].min(v), b[3].max(v)];
-    }
-    b
 }
 
 /// The strip of a patch of degree 1 in v between parameters.
@@ -318,18 +385,6 @@ fn faulty(strip: &RuledPatch, tolerance: f64) -> Option<String> {
     None
 }
 
-/// The strip of a panel between the least and greatest parameters of its outline.
-fn panel_strip(panel: &Panel) -> Option<RuledPatch> {
-    let mut b = [f64::INFINITY, f64::NEG_INFINITY, f64::INFINITY, f64::NEG_INFINITY];
-    for run in panel.loops.iter().flatten() {
-        // Trims are splines inside the hull of their control points.
-        for p in &run.trim.control {
-            b = [b[0].min(p[0]), b[1].max(p[0]), b[2].min(p[1]), b[3].max(p[1])];
-        }
-    }
-    between(&panel.patch, b)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -355,8 +410,8 @@ mod tests {
         let out = of_faces(&[face(0.0)], &[], &options, &Control::default()).expect("outcome");
         assert_eq!(out.sheets.status, Status::Certified);
         assert_eq!(out.bodies.len(), 1);
-        let [cones, cylinders, _] = out.bodies[0].1.counts();
-        assert!(cones == 0 && cylinders > 1 && out.sheets.strips.len() == out.bodies[0].1.segments.len());
+        let [cones, cylinders, _] = out.bodies[0].spline.counts();
+        assert!(cones == 0 && cylinders > 1 && out.sheets.strips.len() == out.bodies[0].spline.segments.len());
         let area: f64 = out.sheets.patterns.iter().map(|p| p.area).sum();
         let surface: f64 = out.sheets.strips.iter().map(Strip::area_estimate).sum();
         assert!((area - surface).abs() < 1e-3 * surface, "{area} {surface}");

@@ -1,6 +1,8 @@
 //! Floor 6: one readable file per user job.
 
 pub mod approximate;
+mod cone_outline;
+pub mod cone_shapes;
 pub mod cones;
 pub mod cover;
 pub mod cut;

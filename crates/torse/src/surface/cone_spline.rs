@@ -332,6 +332,56 @@ impl ConeSpline {
         Self { segments }
     }
 
+    /// The same surface with neighbours on one carrier made one segment, as long as it turns by no more than `limit`
+    /// (rad); `length` is the size of the strip, mm. Edges of merged segments are plane sections through the ends and
+    /// the joint: those of circles stay as they are, others change.
+    pub fn merged(&self, length: f64, limit: f64) -> Self {
+        /// Carriers that differ by less than this (rad, share of the length) are one.
+        const SAME: f64 = 1e-9;
+        let mut segments: Vec<Segment> = Vec::with_capacity(self.segments.len());
+        for s in &self.segments {
+            let joined = segments.last().and_then(|last: &Segment| {
+                let (a, b) = (last.shape.angle(), s.shape.angle());
+                let shape = match (last.shape, s.shape) {
+                    (Shape::Cone { distance, cos_gamma, sin_gamma, .. }, Shape::Cone { .. }) => {
+                        Shape::Cone { distance, cos_gamma, sin_gamma, angle: a + b }
+                    }
+                    (Shape::Cylinder { radius, .. }, Shape::Cylinder { .. }) => {
+                        Shape::Cylinder { radius, angle: a + b }
+                    }
+                    (Shape::Flat { width }, Shape::Flat { width: more }) => Shape::Flat { width: width + more },
+                    _ => return None,
+                };
+                let whole = Segment { start: last.start, shape, edges: last.edges };
+                // The longer one ends and passes its joint where the two did.
+                let middle = last.end();
+                let share = if a + b == 0.0 { 0.5 } else { a / (a + b) };
+                let fits = (a + b).abs() <= limit
+                    && whole.end().mismatch(&s.end(), length) <= SAME
+                    && whole.element(share).mismatch(&middle, length) <= SAME
+                    && whole.element(0.5 * (1.0 + share)).mismatch(&s.element(0.5), length) <= SAME;
+                let slide = (s.start.point - middle.point).dot(&s.start.direction);
+                let edges = [0, 1].map(|k| [last.edges[k][0], last.edges[k][2], s.edges[k][2] + slide]);
+                fits.then_some(Segment { edges, ..whole })
+            });
+            match (joined, segments.last_mut()) {
+                (Some(whole), Some(last)) => *last = whole,
+                _ => segments.push(*s),
+            }
+        }
+        Self { segments }
+    }
+
+    /// Whether all edges are circles about the axes, up to rounding of their coordinates.
+    pub fn has_circular_edges(&self) -> bool {
+        /// Coordinates that differ by less than this share of the ruling are equal.
+        const EQUAL: f64 = 1e-12;
+        self.segments.iter().all(|s| {
+            let length = (s.edges[1][0] - s.edges[0][0]).abs();
+            s.edges.iter().all(|[a, m, b]| (a - m).abs().max((b - m).abs()) <= EQUAL * length)
+        })
+    }
+
     /// The chain between two circular arc splines: those that start at the coordinates `lower` and `upper` (mm) of
     /// the first ruling and cut all rulings at right angles. In the development they are arc splines too. Along the
     /// chain they drift towards or away from the vertices: check [`Segment::fault`].
@@ -372,6 +422,33 @@ mod tests {
             s.edges = [[-1.0, -0.8, -0.9], [1.0, 1.3, 1.2]];
             s
         })
+    }
+
+    #[test]
+    fn neighbours_on_one_carrier_are_merged_and_others_are_not() {
+        for shape in [
+            Shape::Cone { distance: 4.0, cos_gamma: 0.8, sin_gamma: 0.6, angle: 0.7 },
+            Shape::Cylinder { radius: -2.0, angle: 0.9 },
+            Shape::Flat { width: 0.7 },
+        ] {
+            let mut whole = Segment::new(start(), shape);
+            whole.edges = [[-1.0; 3], [0.5; 3]];
+            let parts = ConeSpline { segments: vec![whole.part(0.0, 0.3), whole.part(0.3, 1.0)] };
+            let merged = parts.merged(2.0, 2.0);
+            assert_eq!(merged.segments.len(), 1);
+            assert!(merged.segments[0].end().mismatch(&whole.end(), 2.0) < 1e-14);
+            assert!((merged.segments[0].edge(1, 0.4) - 0.5).abs() < 1e-14);
+            assert_eq!(parts.merged(2.0, 0.5).segments.len(), if shape.angle() == 0.0 { 1 } else { 2 });
+            let mut other = parts.clone();
+            other.segments[1].shape = match shape {
+                Shape::Cone { distance, cos_gamma, sin_gamma, angle } => {
+                    Shape::Cone { distance: distance * 1.001, cos_gamma, sin_gamma, angle }
+                }
+                Shape::Cylinder { radius, angle } => Shape::Cylinder { radius: radius * 1.001, angle },
+                Shape::Flat { .. } => Shape::Cylinder { radius: -5.0, angle: 0.1 },
+            };
+            assert_eq!(other.merged(2.0, 2.0).segments.len(), 2);
+        }
     }
 
     #[test]

@@ -2,9 +2,11 @@
 
 pub mod area;
 pub mod clip;
+pub mod cone_chart;
 pub mod cone_distance;
 pub mod cone_forms;
 pub mod cone_pair;
+pub mod cone_part;
 pub mod cone_spline;
 pub mod convert;
 pub mod dual;

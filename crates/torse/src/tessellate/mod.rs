@@ -9,6 +9,7 @@ pub mod label;
 pub mod picture;
 pub mod raster;
 pub mod scene;
+pub mod sequence;
 pub mod stroke_font;
 
 pub mod drawing;

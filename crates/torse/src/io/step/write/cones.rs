@@ -5,6 +5,7 @@ use crate::geom::{Frame, Vec3};
 use crate::spline::curve::Curve;
 use crate::surface::cone_distance::Round;
 use crate::surface::cone_forms::edge_conic;
+use crate::surface::cone_part::{ConePart, PartCurve};
 use crate::surface::cone_spline::{ConeSpline, Segment, Shape};
 
 /// Turns beyond this are written as several faces, rad: conic edges keep weights above 1/2.
@@ -47,6 +48,35 @@ impl Sheet {
             });
         }
         sheet.edges.push(ruling(spline.segments.len()));
+        sheet
+    }
+}
+
+impl Sheet {
+    /// A trimmed chain: one face for each piece, named like those of whole chains; joints are shared lines, other
+    /// edges splines near the exact surfaces.
+    pub fn of_cone_part(name: &str, part: &ConePart) -> Self {
+        let mut sheet = Self { name: name.into(), vertices: part.vertices.clone(), ..Self::default() };
+        for e in &part.edges {
+            let curve = match &e.curve {
+                PartCurve::Ruling => SheetCurve::Line,
+                PartCurve::Free { space, .. } => SheetCurve::Spline(space.clone()),
+            };
+            sheet.edges.push(SheetEdge { start: e.start, end: e.end, curve });
+        }
+        for (i, f) in part.faces.iter().enumerate() {
+            let (surface, reversed) = carrier(&f.blank.segment);
+            sheet.faces.push(SheetFace {
+                name: format!("{name}-{:02} {}", i + 1, f.blank.segment.shape.name()),
+                surface,
+                reversed,
+                loops: f
+                    .loops
+                    .iter()
+                    .map(|l| l.iter().map(|&(edge, forward)| EdgeUse { edge, forward, trim: None }).collect())
+                    .collect(),
+            });
+        }
         sheet
     }
 }
