@@ -15,6 +15,7 @@ pub mod knot_choice;
 pub mod level;
 pub mod multiresolution;
 pub mod plane;
+mod plane_blocks;
 pub mod plane_correction;
 pub mod plane_estimates;
 pub mod plane_frame;
