@@ -24,6 +24,7 @@ pub mod primal;
 mod profile;
 pub mod reduce;
 pub mod regression;
+pub mod row;
 pub mod rulings;
 pub mod samples;
 mod sheet;

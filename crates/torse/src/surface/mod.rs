@@ -13,6 +13,7 @@ pub mod g1_element;
 mod hug;
 pub mod net;
 pub mod panel;
+pub mod plane_row;
 pub mod pattern;
 pub mod rail;
 pub mod ruled_strip;
