@@ -7,7 +7,7 @@
 
 use super::dual;
 use super::knot_choice::{planes_within, KnotOptions};
-use super::plane_correction::{joint, JointOptions};
+use super::plane_correction::{corrected, joint, JointOptions};
 use super::plane_frame::{frame_of_normals, slope_frame, STEEPEST};
 use super::planes::{PlaneDatum, PlanesOptions};
 use super::primal::{primal, PrimalOptions, MARGIN};
@@ -142,26 +142,65 @@ fn distance(e: &PlaneElement, n: &Vec3, h: f64) -> f64 {
     ends[0].max(ends[1]) + e.radius * slope
 }
 
+/// A dual torse near surface elements in no order, as estimated from measured points: planes are sorted by their slope
+/// in the direction in which normals spread most, corrected in turn, and polished with distances at exact feet. `radius`
+/// (mm) is the reach of an estimate. `None` where the planes are no graphs over one plane, or no regular torse is found.
+pub fn dual_of_cloud(samples: &[Sample], radius: f64, options: &RowOptions) -> Option<Fit> {
+    // Corrections gain little after these; feet are exact afterwards.
+    const CORRECTIONS: usize = 3;
+    let normals: Vec<Vec3> = samples.iter().map(|s| s.n).collect();
+    let frame = axes(&normals, samples.iter().map(|s| s.x))?;
+    let mut sloped: Vec<(f64, PlaneElement)> = samples
+        .iter()
+        .map(|s| {
+            let n = frame.vector_to_local(&s.n);
+            (-n.y / n.z, PlaneElement { normal: s.n, ends: [s.x; 2], radius })
+        })
+        .collect();
+    sloped.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let (a, b) = (sloped.first()?.0, sloped.last()?.0);
+    let elements: Vec<PlaneElement> = sloped.iter().map(|s| s.1).collect();
+    let parameters: Vec<f64> = sloped.iter().map(|s| (s.0 - a) / (b - a)).collect();
+    if parameters.iter().any(|t| !t.is_finite()) {
+        return None;
+    }
+    let data = data(&elements, &parameters, &frame)?;
+    let wanted = knots_wanted(elements.len(), options);
+    let few = planes_within(&data, &wanted).ok()?;
+    let better = corrected(&data, few.curve.knots(), &wanted.fit, CORRECTIONS).ok()?;
+    let torse = extended(&better.fit.curve, &frame)?;
+    dual::refit(&torse, samples, &RefitOptions::new(options.tolerance))
+}
+
+/// Axes of normals with the origin in the middle of the places; `None` if one axis does not suit all.
+fn axes(normals: &[Vec3], places: impl ExactSizeIterator<Item = Vec3>) -> Option<Frame> {
+    let found = frame_of_normals(normals).ok()?;
+    let count = places.len();
+    if count < FEWEST || found.min_cosine <= STEEPEST {
+        return None;
+    }
+    Some(Frame { origin: places.sum::<Vec3>() / count as f64, ..found.frame })
+}
+
+/// Knots for a tolerance: `F1` measures the mean over a region, and along the axis.
+fn knots_wanted(count: usize, options: &RowOptions) -> KnotOptions {
+    KnotOptions {
+        max_spans: (count / 2).clamp(1, 60),
+        removals: 20,
+        fit: PlanesOptions { smoothing: 1e-9, robust: options.robust, ..PlanesOptions::default() },
+        ..KnotOptions::new(0.3 * options.tolerance)
+    }
+}
+
 /// A cubic dual torse near a row by `F1` with joint correction, on a domain that reaches beyond its ends, with the
 /// distances of all elements. `None` where the planes are no graphs over one plane, or turn back.
 pub fn dual_of_row(elements: &[PlaneElement], options: &RowOptions) -> Option<(Torse, Vec<f64>)> {
     let normals: Vec<Vec3> = elements.iter().map(|e| e.normal).collect();
     let parameters = parameters(elements)?;
-    let found = frame_of_normals(&normals).ok()?;
-    if elements.len() < FEWEST || found.min_cosine <= STEEPEST {
-        return None;
-    }
-    let axes = slope_frame(&normals, &found.frame).unwrap_or(found.frame);
-    let centre = elements.iter().map(PlaneElement::centre).sum::<Vec3>() / elements.len() as f64;
-    let frame = Frame { origin: centre, ..axes };
+    let axes = axes(&normals, elements.iter().map(PlaneElement::centre))?;
+    let frame = slope_frame(&normals, &axes).unwrap_or(axes);
     let data = data(elements, &parameters, &frame)?;
-    // F1 measures the mean over a region, and along the axis.
-    let wanted = KnotOptions {
-        max_spans: (elements.len() / 2).clamp(1, 60),
-        removals: 20,
-        fit: PlanesOptions { smoothing: 1e-9, robust: options.robust, ..PlanesOptions::default() },
-        ..KnotOptions::new(0.3 * options.tolerance)
-    };
+    let wanted = knots_wanted(elements.len(), options);
     let few = planes_within(&data, &wanted).ok()?;
     let knots = few.curve.knots();
     let better = joint(&data, knots, &wanted.fit, &JointOptions::default()).ok();
@@ -194,9 +233,8 @@ fn parameters(elements: &[PlaneElement]) -> Option<Vec<f64>> {
     let count = elements.len().checked_sub(1).filter(|&n| n > 0)? as f64;
     // Planes that share a region are told apart by their turn only.
     let share = |x: f64, whole: f64| if whole > 0.0 { x / whole } else { 0.0 };
-    let raw: Vec<f64> = (0..elements.len())
-        .map(|i| share(way[i], length) + share(turn[i], angle) + EVEN * i as f64 / count)
-        .collect();
+    let raw: Vec<f64> =
+        (0..elements.len()).map(|i| share(way[i], length) + share(turn[i], angle) + EVEN * i as f64 / count).collect();
     let whole = raw[raw.len() - 1];
     let out: Vec<f64> = raw.iter().map(|x| x / whole).collect();
     out.windows(2).all(|w| w[1] > w[0]).then_some(out)
@@ -260,10 +298,8 @@ mod tests {
 
     #[test]
     fn planes_alone_are_met_over_their_regions() {
-        let planes: Vec<PlaneElement> = helix(40, 1.0)
-            .into_iter()
-            .map(|e| PlaneElement { ends: [e.centre(); 2], radius: 150.0, ..e })
-            .collect();
+        let planes: Vec<PlaneElement> =
+            helix(40, 1.0).into_iter().map(|e| PlaneElement { ends: [e.centre(); 2], radius: 150.0, ..e }).collect();
         let out = row(&planes, &RowOptions::new(0.1));
         assert_eq!(out.len(), 1);
         assert!(out[0].fits[0].error <= 0.1, "{:?}", out[0].fits[0].error);
