@@ -25,6 +25,8 @@ mod profile;
 pub mod reduce;
 pub mod regression;
 pub mod row;
+pub mod row_extent;
+pub mod ruling_order;
 pub mod rulings;
 pub mod samples;
 mod sheet;

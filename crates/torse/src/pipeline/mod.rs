@@ -9,5 +9,6 @@ pub mod info;
 pub mod loft;
 pub mod outcome;
 pub mod presentation;
+pub mod row;
 pub mod sheets;
 pub mod sweep;

@@ -39,3 +39,27 @@ pub fn orient(row: &mut [PlaneElement]) {
         }
     }
 }
+
+/// What a file gives of a developable besides points.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Given {
+    /// Rulings in order along the surface, by their ends, mm; tangent planes are not known.
+    Rulings(Vec<[Vec3; 2]>),
+    /// Tangent planes in order along the surface, with or without rulings.
+    Planes(Vec<PlaneElement>),
+}
+
+impl Given {
+    /// Number of elements.
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Rulings(r) => r.len(),
+            Self::Planes(p) => p.len(),
+        }
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
