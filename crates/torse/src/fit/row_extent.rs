@@ -11,7 +11,7 @@ use crate::geom::Vec3;
 use crate::surface::convert::{parameters, patch, Extent};
 use crate::surface::plane_row::PlaneElement;
 use crate::surface::strip::Strip;
-use crate::surface::torse::Torse;
+use crate::surface::torse::{Ruling, Torse};
 
 /// The strip of a torse for the elements that it was fitted to.
 ///
@@ -19,24 +19,26 @@ use crate::surface::torse::Torse;
 /// See [`ExtentError`].
 pub fn strip(name: &str, fit: &Fit, elements: &[PlaneElement]) -> Result<Strip, ExtentError> {
     let sheet = Sheet::of(&fit.torse).ok_or(ExtentError::Few(0))?;
-    let guesses = sheet.guesses();
     let mut sides: [Vec<(f64, Vec3)>; 2] = [Vec::new(), Vec::new()];
     for e in elements {
+        let t = least(&fit.torse, |r| off(r, e));
         let ends = if e.has_ruling() {
+            // Feet of the ends, near the parameter of the ruling as a whole: other folds may pass nearer to one end.
             e.ends.map(|x| {
                 let q = sheet.local(&x);
-                sheet.foot(&q, guesses.guess(&q), sheet.domain()).map(|t| (t, x))
+                let foot =
+                    sheet.foot(&q, t, sheet.domain()).filter(|s| sheet.distance(&q, *s).0.abs() <= 2.0 * fit.error);
+                (foot.unwrap_or(t), x)
             })
         } else {
-            let t = tangent(&fit.torse, e);
             let r = fit.torse.ruling(t);
             let c = e.centre();
             let middle = r.point + r.direction * r.direction.dot(&(c - r.point));
             let half = (e.radius * e.radius - (c - middle).norm_squared()).max(0.0).sqrt();
-            [Some((t, middle - r.direction * half)), Some((t, middle + r.direction * half))]
+            [(t, middle - r.direction * half), (t, middle + r.direction * half)]
         };
         for (side, end) in sides.iter_mut().zip(ends) {
-            side.extend(end);
+            side.push(end);
         }
     }
     // Directions of rulings follow the torse, not the elements: ends may have changed sides.
@@ -61,16 +63,21 @@ pub fn strip(name: &str, fit: &Fit, elements: &[PlaneElement]) -> Result<Strip, 
     Ok(Strip::between(name, fit.kind, &part.curve_at_v(v0), &part.curve_at_v(v1))?)
 }
 
-/// Parameter of the tangent plane nearest to an element's plane over its region.
-fn tangent(torse: &Torse, e: &PlaneElement) -> f64 {
+/// Distance of an element from a ruling: end by end, or as planes over the region.
+fn off(r: &Ruling, e: &PlaneElement) -> f64 {
+    if e.has_ruling() {
+        e.ends.map(|x| (x - r.point).cross(&r.direction).norm()).iter().fold(0.0, |a, b| a.max(*b))
+    } else {
+        r.normal.dot(&(e.centre() - r.point)).abs() + e.radius * r.normal.cross(&e.normal).norm()
+    }
+}
+
+/// The parameter with the least value: the best of a table, then golden sections.
+fn least(torse: &Torse, value: impl Fn(&Ruling) -> f64) -> f64 {
     const TABLE: usize = 128;
     const SECTIONS: usize = 40;
     const GOLDEN: f64 = 0.618_033_988_749_894_9;
-    let c = e.centre();
-    let off = |t: f64| {
-        let r = torse.ruling(t);
-        r.normal.dot(&(c - r.point)).abs() + e.radius * r.normal.cross(&e.normal).norm()
-    };
+    let off = |t: f64| value(&torse.ruling(t));
     let (from, to) = torse.domain();
     let at = |k: usize| from + (to - from) * k as f64 / TABLE as f64;
     let k = (0..=TABLE).min_by(|&i, &j| off(at(i)).total_cmp(&off(at(j)))).unwrap_or(0);

@@ -143,6 +143,9 @@ pub fn fit_faces(
 /// Width of the region of a ruling as a share of its length: its tangent plane counts a little beside it.
 const NARROW: f64 = 0.1;
 
+/// Smallest region of a ruling as a share of its length; without extent planes are not compared at all.
+const THIN: f64 = 1e-4;
+
 /// Rulings in order with their estimated planes.
 fn of_rulings(rulings: &[[crate::geom::Vec3; 2]]) -> Result<Vec<PlaneElement>, RowFitError> {
     for (index, r) in rulings.iter().enumerate() {
@@ -153,12 +156,13 @@ fn of_rulings(rulings: &[[crate::geom::Vec3; 2]]) -> Result<Vec<PlaneElement>, R
     let row = ordered(rulings);
     let (from, to): (Vec<_>, Vec<_>) = row.iter().map(|r| (r[0], r[1])).unzip();
     let normals = planes_of_rulings(&from, &to, Ends::Extrapolated)?;
-    let element = |(r, n): (&[crate::geom::Vec3; 2], &crate::geom::Vec3)| PlaneElement {
-        normal: *n,
-        ends: *r,
-        radius: NARROW * (r[1] - r[0]).norm(),
-    };
-    Ok(row.iter().zip(&normals).map(element).collect())
+    // A ruling speaks for the surface half way to its neighbours.
+    let middle = |i: usize| 0.5 * (row[i][0] + row[i][1]);
+    let last = row.len() - 1;
+    let radius = |i: usize| 0.5 * (middle((i + 1).min(last)) - middle(i.saturating_sub(1))).norm();
+    let element =
+        |(i, n)| PlaneElement { normal: n, ends: row[i], radius: radius(i).max(THIN * (row[i][1] - row[i][0]).norm()) };
+    Ok(normals.into_iter().enumerate().map(element).collect())
 }
 
 fn run(
