@@ -153,7 +153,7 @@ pub fn planes(data: &[PlaneDatum], knots: &Knots, options: &PlanesOptions) -> Re
 }
 
 /// Reweightings of a robust fit; the weights settle within a few.
-const ROBUST_ROUNDS: usize = 12;
+pub(super) const ROBUST_ROUNDS: usize = 12;
 
 /// The curve with its distances.
 pub(super) fn fit_of(

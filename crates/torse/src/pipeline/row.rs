@@ -7,10 +7,13 @@ use super::sheets::{Basis, FieldMeaning, Figure, FlatPart, Sheets, StripField};
 use crate::certify::elements::{elements as certified, ElementCertificate};
 use crate::control::Control;
 use crate::develop::strip::StripOptions;
-use crate::fit::plane_estimates::{planes_of_rulings, Ends, EstimateError};
+use crate::fit::plane_estimates::{
+    planes_of_noisy_rulings, planes_of_rulings, planes_of_smooth_rulings, Ends, EstimateError,
+};
 use crate::fit::row::{row, RowOptions, RowPiece};
 use crate::fit::row_extent::strip;
 use crate::fit::ruling_order::ordered;
+use crate::geom::Vec3;
 use crate::surface::face::Face;
 use crate::surface::plane_row::{orient, Given, PlaneElement};
 use crate::surface::ruled_strip::RuledStrip;
@@ -77,8 +80,8 @@ pub enum RowFitError {
 
 /// Elements without which no surface is looked for.
 const FEWEST: usize = 4;
-/// Share of the tolerance that fits aim at: the proof compares more than the fit does.
-const AIM: f64 = 0.8;
+/// Shares of the tolerance that fits aim at in turn: the proof compares rulings, the fit distances of points.
+const AIMS: [f64; 3] = [0.8, 0.4, 0.15];
 
 /// Fits developable strips to rulings or tangent planes.
 ///
@@ -93,11 +96,11 @@ pub fn fit_row(given: &Given, options: &RowFitOptions, control: &Control) -> Res
     if given.len() < FEWEST {
         return Err(RowFitError::Few(given.len(), what));
     }
-    let elements = match given {
-        Given::Planes(p) => p.clone(),
-        Given::Rulings(r) => of_rulings(r)?,
+    let row = match given {
+        Given::Planes(p) => vec![p.clone()],
+        Given::Rulings(r) => of_rulings(r, options.tolerance)?,
     };
-    run(vec![(what.to_string(), elements)], Vec::new(), what, options, control)
+    run(vec![(what.to_string(), row)], Vec::new(), what, options, control)
 }
 
 /// Lowers the degree of developable faces and thins out their knots: each ruled developable face becomes strips from
@@ -128,7 +131,7 @@ pub fn fit_faces(
                         Some(PlaneElement { normal: element.normal, ends, radius: NARROW * jet.length() })
                     })
                     .collect();
-                rows.push((name, row));
+                rows.push((name, vec![row]));
             }
             Err(reason) => left.push(format!("#{} {name}: {reason}", face.entity)),
         }
@@ -146,8 +149,9 @@ const NARROW: f64 = 0.1;
 /// Smallest region of a ruling as a share of its length; without extent planes are not compared at all.
 const THIN: f64 = 1e-4;
 
-/// Rulings in order with their estimated planes.
-fn of_rulings(rulings: &[[crate::geom::Vec3; 2]]) -> Result<Vec<PlaneElement>, RowFitError> {
+/// Rulings in order with their planes, estimated in several ways: for ends that lie on smooth curves, for ends that do
+/// not, and for noisy rulings, whose planes say little beside them.
+fn of_rulings(rulings: &[[Vec3; 2]], tolerance: f64) -> Result<Vec<Vec<PlaneElement>>, RowFitError> {
     for (index, r) in rulings.iter().enumerate() {
         if !r.iter().flat_map(|p| p.iter()).all(|x| x.is_finite()) || r[0] == r[1] {
             return Err(EstimateError::Ruling { index }.into());
@@ -155,18 +159,95 @@ fn of_rulings(rulings: &[[crate::geom::Vec3; 2]]) -> Result<Vec<PlaneElement>, R
     }
     let row = ordered(rulings);
     let (from, to): (Vec<_>, Vec<_>) = row.iter().map(|r| (r[0], r[1])).unzip();
-    let normals = planes_of_rulings(&from, &to, Ends::Extrapolated)?;
     // A ruling speaks for the surface half way to its neighbours.
     let middle = |i: usize| 0.5 * (row[i][0] + row[i][1]);
     let last = row.len() - 1;
     let radius = |i: usize| 0.5 * (middle((i + 1).min(last)) - middle(i.saturating_sub(1))).norm();
-    let element =
-        |(i, n)| PlaneElement { normal: n, ends: row[i], radius: radius(i).max(THIN * (row[i][1] - row[i][0]).norm()) };
-    Ok(normals.into_iter().enumerate().map(element).collect())
+    let elements = |normals: &[Vec3], wide: bool| -> Vec<PlaneElement> {
+        let element = |(i, normal): (usize, &Vec3)| {
+            let length = (row[i][1] - row[i][0]).norm();
+            let radius = if wide { NARROW * length } else { radius(i).max(THIN * length) };
+            PlaneElement { normal: *normal, ends: row[i], radius }
+        };
+        normals.iter().enumerate().map(element).collect()
+    };
+    let neighbours = planes_of_rulings(&from, &to, Ends::Extrapolated);
+    let mut out: Vec<Vec<PlaneElement>> = Vec::new();
+    out.extend(planes_of_smooth_rulings(&from, &to).ok().map(|n| elements(&n, true)));
+    out.extend(planes_of_noisy_rulings(&from, &to, 0.5 * tolerance).ok().map(|n| elements(&n, true)));
+    match neighbours {
+        Ok(n) => out.extend([elements(&n, true), elements(&n, false)]),
+        Err(e) if out.is_empty() => return Err(e.into()),
+        Err(_) => {}
+    }
+    Ok(out)
+}
+
+/// Strips for one row.
+struct Attempt {
+    strips: Vec<Strip>,
+    skipped: Vec<String>,
+    certificate: ElementCertificate,
+}
+
+impl Attempt {
+    /// Elements beyond the tolerance, strips, worst bound: less is better.
+    fn rank(&self, tolerance: f64) -> (usize, usize, f64) {
+        (self.certificate.beyond(tolerance), self.strips.len(), self.certificate.worst_bound())
+    }
+}
+
+/// The best of several aims, and of several estimates of the same elements (which one is told).
+fn best(
+    name: &str,
+    estimates: &[Vec<PlaneElement>],
+    what: &str,
+    most: usize,
+    options: &RowFitOptions,
+    control: &Control,
+) -> Option<(usize, Attempt)> {
+    let mut best: Option<(usize, Attempt)> = None;
+    for aim in AIMS {
+        for (k, elements) in estimates.iter().enumerate() {
+            if control.stopped() && best.is_some() {
+                return best;
+            }
+            let wanted = RowOptions { max_pieces: most, ..RowOptions::new(aim * options.tolerance) };
+            let mut strips: Vec<Strip> = Vec::new();
+            let mut skipped = Vec::new();
+            for piece in row(elements, &wanted) {
+                match nearest("A", &piece, &elements[piece.range.clone()]) {
+                    Ok(s) => strips.push(s),
+                    Err(reason) => skipped.push(format!(
+                        "{name}: {what} {} to {}: {reason} within {} mm",
+                        piece.range.start,
+                        piece.range.end - 1,
+                        options.tolerance
+                    )),
+                }
+            }
+            let certificate = certified(&strips, elements, control);
+            let found = Attempt { strips, skipped, certificate };
+            let (a, b) = (found.rank(options.tolerance), best.as_ref().map(|b| b.1.rank(options.tolerance)));
+            let done = a.0 == 0 && a.1 == 1;
+            let better = b.is_none_or(|b| (a.0, a.1) < (b.0, b.1) || ((a.0, a.1) == (b.0, b.1) && a.2 < b.2));
+            if better {
+                best = Some((k, found));
+            }
+            if done {
+                return best;
+            }
+        }
+        // Finer aims cost strips; they are for what is not proven yet.
+        if best.as_ref().is_some_and(|b| b.1.certificate.beyond(options.tolerance) == 0) {
+            break;
+        }
+    }
+    best
 }
 
 fn run(
-    rows: Vec<(String, Vec<PlaneElement>)>,
+    rows: Vec<(String, Vec<Vec<PlaneElement>>)>,
     mut skipped: Vec<String>,
     what: &'static str,
     options: &RowFitOptions,
@@ -178,27 +259,22 @@ fn run(
     }
     let mut strips: Vec<Strip> = Vec::new();
     let mut all: Vec<PlaneElement> = Vec::new();
-    for (k, (name, mut elements)) in rows.into_iter().enumerate() {
-        if let Some(index) = elements.iter().position(|e| !e.is_usable()) {
-            return Err(RowFitError::Element { index });
+    for (k, (name, mut estimates)) in rows.into_iter().enumerate() {
+        for elements in &mut estimates {
+            if let Some(index) = elements.iter().position(|e| !e.is_usable()) {
+                return Err(RowFitError::Element { index });
+            }
+            orient(elements);
         }
-        orient(&mut elements);
         control.report("fitting", k as f64, name.clone());
         let left = options.max_strips.saturating_sub(strips.len());
-        let wanted = RowOptions { max_pieces: left, ..RowOptions::new(AIM * options.tolerance) };
-        for piece in row(&elements, &wanted) {
-            let own = &elements[piece.range.clone()];
-            match nearest(&format!("A-{:02}", strips.len() + 1), &piece, own) {
-                Ok(s) => strips.push(s),
-                Err(reason) => skipped.push(format!(
-                    "{name}: {what} {} to {}: {reason} within {} mm",
-                    piece.range.start,
-                    piece.range.end - 1,
-                    options.tolerance
-                )),
+        if let Some((which, found)) = best(&name, &estimates, what, left, options, control) {
+            skipped.extend(found.skipped);
+            for strip in found.strips {
+                strips.push(Strip { name: format!("A-{:02}", strips.len() + 1), ..strip });
             }
+            all.append(&mut estimates[which]);
         }
-        all.extend(elements);
     }
     control.report("proving", 0.7, format!("{} {what}", all.len()));
     let certificate = certified(&strips, &all, control);
