@@ -1,7 +1,7 @@
 //! How near given rulings and tangent planes are to strips: a proven bound for each of them.
 //!
-//! *Method.* A given ruling is compared with a ruling of a strip end by end; between the ends the distance is convex. A
-//! given plane is compared over its region of interest, a disc in it, with a tangent plane of a strip: the plane of
+//! *Method.* Each part of a given ruling is compared with a ruling of a strip end by end; between its ends the distance
+//! from a segment is convex, so that the bound holds for all points of the given ruling. A given plane is compared over its region of interest, a disc in it, with a tangent plane of a strip: the plane of
 //! a ruling and the homogeneous derivative across it, as in \[PW99, 2\]. The best parameter is searched with plain
 //! numbers; the bound is evaluated in interval arithmetic \[MKC09\] from the numbers of the patch that are written.
 //! *Not guaranteed*: that a bound is the distance, or anything about the surface between the given elements.
@@ -24,8 +24,7 @@ pub struct ElementCertificate {
 }
 
 impl ElementCertificate {
-    /// For each element a number that its distance does not exceed, mm: of a ruling from the nearest ruling of a strip,
-    /// of a plane over its region from the nearest tangent plane; infinite without strips.
+    /// For each element a number that its distance does not exceed, mm: of all points of a ruling from a strip, of a plane over its region from the nearest tangent plane; infinite without strips.
     pub fn bounds(&self) -> &[f64] {
         &self.bounds
     }
@@ -50,6 +49,10 @@ impl ElementCertificate {
         self.bounds.iter().filter(|b| b.is_nan() || **b > tolerance).count()
     }
 }
+
+/// Parts of a ruling that are compared for themselves: a ruling of the strip that crosses the given one at a small angle
+/// is then near enough on each part.
+const PARTS: usize = 16;
 
 /// Bounds the distance of every element from the nearest strip. Stopped early, elements not reached keep infinite
 /// bounds.
@@ -110,12 +113,36 @@ fn share(p: &Vec3, d: &Vec3, x: &Vec3) -> f64 {
     }
 }
 
+/// The largest bound of the parts of a ruling, and the parameter for its middle part.
 fn of_ruling(t: &Target, e: &PlaneElement) -> (f64, f64) {
+    let at = |k: usize| {
+        let s = k as f64 / PARTS as f64;
+        // The last part ends where the ruling ends, to the last digit.
+        if k == PARTS {
+            e.ends[1]
+        } else {
+            e.ends[0] * (1.0 - s) + e.ends[1] * s
+        }
+    };
+    let parts = (0..PARTS).map(|k| of_part(t, &[at(k), at(k + 1)]));
+    let (mut worst, mut middle) = (0.0_f64, 0.0);
+    for (k, (bound, u)) in parts.enumerate() {
+        worst = worst.max(bound);
+        if k == PARTS / 2 {
+            middle = u;
+        }
+    }
+    // Inner points are rounded: they lie off the segment by less than this.
+    let size = e.ends.iter().map(|x| x.amax()).fold(0.0, f64::max);
+    ((worst + 4.0 * f64::EPSILON * size).next_up(), middle)
+}
+
+fn of_part(t: &Target, ends: &[Vec3; 2]) -> (f64, f64) {
     let u = least(t, |u| {
         let [p, q] = t.strip.ruling(u);
         let d = q - p;
-        let off = |x: &Vec3| (p + d * share(&p, &d, x) - x).norm();
-        off(&e.ends[0]).max(off(&e.ends[1]))
+        let off = |x: &Vec3| (p + d * share(&p, &d, x) - x).norm_squared();
+        off(&ends[0]).max(off(&ends[1]))
     });
     let [p, q] = t.strip.ruling(u);
     let d = q - p;
@@ -126,7 +153,7 @@ fn of_ruling(t: &Target, e: &PlaneElement) -> (f64, f64) {
         let v = l * weights[0] / (l * weights[0] + (1.0 - l) * weights[1]);
         distance_bound(t, u, v, x)
     };
-    (bound(&e.ends[0]).max(bound(&e.ends[1])), u)
+    (bound(&ends[0]).max(bound(&ends[1])), u)
 }
 
 fn of_plane(t: &Target, e: &PlaneElement) -> (f64, f64) {
