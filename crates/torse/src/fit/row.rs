@@ -1,8 +1,8 @@
 //! Torses near tangent planes that come in a row, with or without their rulings: the dual spline fits as one tool.
 //!
 //! *Method* \[PW99, 4.1–4.3\]: axes from the normals; parameters from distance and turn; `F1` over few knots for the
-//! tolerance; joint correction of planes and parameters. Where rulings are known, the result is polished with
-//! distances at exact feet, and a torse over a plane profile is tried as well: it alone has inflections. Rows that
+//! tolerance; joint correction of planes and parameters. Where rulings are known, they count through `F3` in a further
+//! fit if slopes increase; results are polished with distances at exact feet, and a torse over a plane profile is tried as well: it alone has inflections. Rows that
 //! no torse follows are cut, each run as long as can be. *Not guaranteed*: distances; see the judge.
 
 use super::dual;
@@ -11,9 +11,10 @@ use super::plane_correction::{corrected, joint, JointOptions};
 use super::plane_frame::{frame_of_normals, slope_frame, STEEPEST};
 use super::planes::{PlaneDatum, PlanesOptions};
 use super::primal::{primal, PrimalOptions, MARGIN};
+use super::rulings::{slope_fit, RulingDatum, SlopeData, SlopeOptions};
 use super::samples::{error, Fit, Sample};
 use super::RefitOptions;
-use crate::geom::measure::Measure;
+use crate::geom::measure::{LineMeasure, Measure};
 use crate::geom::{Frame, Vec3};
 use crate::spline::pieces::Pieces;
 use crate::surface::dual::{graph_in, plane_through, DualCurve};
@@ -108,6 +109,13 @@ fn torses(elements: &[PlaneElement], options: &RowOptions) -> Vec<Fit> {
             };
             out.extend(kept);
             out.extend(polished);
+            let sloped = dual_by_slope(elements, options);
+            out.extend(sloped.as_ref().and_then(|t| dual::refit(t, &samples, &wanted)));
+            out.extend(sloped.and_then(|t| {
+                let torse = Torse::Dual(t);
+                let (error, worst) = error(&torse, &samples)?;
+                Some(Fit { torse, kind: PanelKind::Torse, error, worst })
+            }));
         } else {
             let worst = (0..far.len()).max_by(|&i, &j| far[i].total_cmp(&far[j])).unwrap_or(0);
             out.push(Fit { torse, kind: PanelKind::Torse, error: far.get(worst).copied().unwrap_or(0.0), worst });
@@ -218,6 +226,32 @@ pub fn dual_of_row(elements: &[PlaneElement], options: &RowOptions) -> Option<(T
         })
         .collect();
     Some((Torse::Dual(torse), far))
+}
+
+/// A cubic dual torse of type (3) near a row of rulings with planes by `F3`, where the slope of the planes increases
+/// along the row. The rulings themselves count, not only their planes.
+fn dual_by_slope(elements: &[PlaneElement], options: &RowOptions) -> Option<DualTorse> {
+    // Rulings against planes: lengths in the ground plan times this share of the range of slopes are heights.
+    const SHARE: f64 = 0.25;
+    let normals: Vec<Vec3> = elements.iter().map(|e| e.normal).collect();
+    let axes = axes(&normals, elements.iter().map(PlaneElement::centre))?;
+    let frame = slope_frame(&normals, &axes)?;
+    let mut out = SlopeData { planes: data(elements, &vec![0.0; elements.len()], &frame)?, ..SlopeData::default() };
+    out.planes.iter_mut().for_each(|d| d.parameter = d.plane[2]);
+    let (from, to) = (out.planes.first()?.parameter, out.planes.last()?.parameter);
+    for (e, d) in elements.iter().zip(&out.planes) {
+        let [p, q] = e.ends.map(|x| frame.to_local(&x));
+        let slope = -(q.y - p.y) / (q.x - p.x);
+        let along = LineMeasure::interval(p.x.min(q.x), p.x.max(q.x)).ok()?;
+        let weight = d.weight * (SHARE * (to - from)).powi(2) / (q.x - p.x).abs();
+        let ground_plan = [-p.y - slope * p.x, slope];
+        out.rulings.push(RulingDatum { parameter: d.parameter, ground_plan, along, weight });
+    }
+    // As many knots as the planes need.
+    let few = planes_within(&out.planes, &knots_wanted(elements.len(), options)).ok()?;
+    let wanted = SlopeOptions { smoothing: 1e-9, robust: options.robust, ..SlopeOptions::default() };
+    let fit = slope_fit(&out, few.curve.knots(), &wanted).ok()?;
+    extended(&fit.curve, &frame)
 }
 
 /// Parameters in [0, 1]: shares of the way along the row and of the turn of its normals.
