@@ -135,7 +135,7 @@ pub fn regression_free(
     };
     if let (ForbiddenZone::Box { min, max }, Ok(free)) = (zone, &free) {
         zone.over(knots.domain().0, knots.domain().1)?;
-        if let Some(found) = around_box(free, &rows, [min, max], &solve) {
+        if let Some(found) = around_box(free, &rows, [min, max], solve) {
             return Ok(found);
         }
     }
@@ -145,12 +145,10 @@ pub fn regression_free(
 
 /// Fits in rounds: rulings of the last fit that meet the box keep off the part in it, and no condition is taken back.
 /// `None` if the box is still met, or cannot be avoided so; its whole x-extent is the last resort.
-fn around_box(
-    free: &SlopeFit,
-    rows: &[Row],
-    ends: [&[f64; 3]; 2],
-    solve: &dyn Fn(&[Option<(f64, f64)>]) -> Result<RegressionFit, RegressionError>,
-) -> Option<RegressionFit> {
+fn around_box<S>(free: &SlopeFit, rows: &[Row], ends: [&[f64; 3]; 2], solve: S) -> Option<RegressionFit>
+where
+    S: Fn(&[Option<(f64, f64)>]) -> Result<RegressionFit, RegressionError>,
+{
     // Few are needed, since the rulings hardly move from one to the next.
     const ROUNDS: usize = 8;
     let mut zones: Vec<Option<(f64, f64)>> = vec![None; rows.len()];
