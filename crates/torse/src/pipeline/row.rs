@@ -238,8 +238,9 @@ fn best(
                 return best;
             }
         }
-        // Finer aims cost strips; they are for what is not proven yet.
-        if best.as_ref().is_some_and(|b| b.1.certificate.beyond(options.tolerance) == 0) {
+        // Finer aims cost strips; they are for the last elements that are not proven yet, not for hopeless rows.
+        let beyond = best.as_ref().map_or(0, |b| b.1.certificate.beyond(options.tolerance));
+        if beyond == 0 || estimates.first().is_some_and(|e| 2 * beyond > e.len()) {
             break;
         }
     }

@@ -1,4 +1,5 @@
-//! Tangent planes of a developable as somebody gives them: in order along the surface, each with its region of interest.
+//! Tangent planes of a developable as somebody gives them: in order along the surface, each with its region of interest
+//! (\[PW99, 4.1–4.3\]).
 
 use crate::geom::Vec3;
 

@@ -73,8 +73,8 @@ fn noise_of_rulings_is_averaged() {
 
 #[test]
 fn rulings_of_no_developable_are_named() {
-    let hypar = (0..40)
-        .map(|i| f64::from(i) * 15.0 - 300.0)
+    let hypar = (0..16)
+        .map(|i| f64::from(i) * 40.0 - 300.0)
         .map(|x| [Vec3::new(x, -200.0, -0.4 * x), Vec3::new(x, 200.0, 0.4 * x)])
         .collect();
     let got = fit_row(&Given::Rulings(hypar), &RowFitOptions::new(0.1, "hypar"), &Control::default());
