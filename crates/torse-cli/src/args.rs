@@ -1,6 +1,6 @@
 //! Arguments and help.
 
-use crate::quantity::{positive_count, positive_length, positive_time, two_shares, unit_of_length, Length};
+use crate::quantity::{ball, positive_count, positive_length, positive_time, two_shares, unit_of_length, Length};
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
 use std::time::Duration;
@@ -27,7 +27,7 @@ pub enum Command {
     Approximate(Approximate),
     /// Turn ruled developable faces of a STEP model into exact cones, cylinders and planes with flat patterns
     Cones(Cones),
-    /// Fit developable strips to measured points (PLY, CSV, OBJ, STL) and write cut-ready files
+    /// Fit developable strips to measured points, rulings, tangent planes or faces and write cut-ready files
     Fit(Fit),
     /// Lay a developable surface between two curves and write cut-ready files
     Loft(Loft),
@@ -166,20 +166,30 @@ pub struct Cones {
 #[command(after_help = "Examples:
   torse fit scan.ply --tolerance 0.5mm --out sheet
   torse fit points.csv --unit m --tolerance 1/32in --out sheet
+  torse fit rulings.csv --tolerance 0.1mm --out hood
+  torse fit rulings.dxf --tolerance 0.1mm --out hood
+  torse fit planes.csv --region 0,0,0,500 --tolerance 0.2mm --out shell
+  torse fit face.step --tolerance 0.01mm --out lighter
 
 Points need no normals and no order. Normals are estimated, the points are split into pieces that a developable
 strip can follow, and every point is proven to lie within the tolerance, or counted.
 
+A table whose first line names its columns may hold rulings (px,py,pz,qx,qy,qz, and nx,ny,nz if their tangent planes
+are known) or tangent planes a x + b y + c z = d (a,b,c,d, and x,y,z,r for the region of interest of each: a disc
+around x,y,z with radius r). Planes must be in order along the surface, or have a column t that sorts them. The
+lines of a DXF drawing are rulings, in any order. Ruled developable faces of a STEP file are fitted anew by strips
+from cubic splines with few knots, which lowers their degree. Rulings and planes are proven one by one, not between.
+
 Written into the output folder: strips.step (CAD), patterns.dxf and patterns.svg (cutter), model.glb, pictures,
-deviation.ply (every point with its deviation), report.html (open it in a browser) and report.json.
+report.html (open it in a browser), report.json and, for points, deviation.ply (every point with its deviation).
 
 Exit status: 0 certified, 2 bad input or usage, 3 finished but not certified (files written and marked).")]
 pub struct Fit {
-    /// Measured points: .ply, .csv, .xyz, .txt, .obj or .stl
+    /// Measured points (.ply, .csv, .xyz, .txt, .obj, .stl), rulings (.csv, .dxf), planes (.csv) or faces (.step)
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
 
-    /// Largest distance allowed between a point and the strips, with its unit: 0.5mm, 1/32in
+    /// Largest distance allowed between what is given and the strips, with its unit: 0.5mm, 1/32in
     #[arg(short, long, value_name = "LENGTH", value_parser = positive_length, allow_hyphen_values = true)]
     pub tolerance: Length,
 
@@ -190,6 +200,10 @@ pub struct Fit {
     /// Unit of the numbers in the file: point files do not tell it
     #[arg(long, value_name = "UNIT", default_value = "mm", value_parser = ["mm", "cm", "m", "in", "ft"])]
     pub unit: String,
+
+    /// Region of interest of planes that come without: centre and radius, in the unit of the file
+    #[arg(long, value_name = "X,Y,Z,R", value_parser = ball, allow_hyphen_values = true)]
+    pub region: Option<[f64; 4]>,
 
     /// Replace the results of an earlier run in that folder
     #[arg(long)]

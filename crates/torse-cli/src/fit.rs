@@ -1,4 +1,4 @@
-//! `torse fit`: developable strips from measured points.
+//! `torse fit`: developable strips from measured points, rulings, tangent planes, and faces of too high a degree.
 
 use crate::approximate::{contents, significant, stem};
 use crate::args::Fit;
@@ -6,9 +6,12 @@ use crate::failure::Failure;
 use crate::folder::Output;
 use crate::terminal::Terminal;
 use std::io::Write;
+use torse::io::elements;
 use torse::pipeline::fit::{fit, FitOptions, FitOutcome};
 use torse::pipeline::outcome::Status;
 use torse::pipeline::presentation::present_sheets;
+use torse::pipeline::row::{fit_faces, fit_row, RowFitOptions, RowOutcome};
+use torse::pipeline::sheets::Sheets;
 
 /// Runs the job; `Ok(true)` means certified.
 pub fn run(arguments: &Fit) -> Result<bool, Failure> {
@@ -20,10 +23,24 @@ pub fn run(arguments: &Fit) -> Result<bool, Failure> {
 
     terminal.say("reading");
     let name = file.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
+    let lower = name.to_ascii_lowercase();
+    if lower.ends_with(".step") || lower.ends_with(".stp") || elements::holds_elements(&name, &bytes) {
+        let outcome = row(&name, &bytes, arguments, &terminal)?;
+        terminal.say("writing");
+        write_sheets(&outcome.sheets, &output)?;
+        output.finish()?;
+        terminal.guard(None);
+        terminal.finish();
+        if !arguments.quiet {
+            // A closed pipe is no reason to fail after the work is done.
+            let _ = summary_of_row(&outcome, arguments);
+        }
+        return Ok(outcome.sheets.status == Status::Certified);
+    }
     let cloud = torse::io::cloud::read(&name, &bytes, millimetres(&arguments.unit))
         .map_err(|e| Failure::new(format!("{}: {e}", file.display()), "export the scan as PLY, CSV, OBJ or STL"))?;
     drop(bytes);
-    let mut options = FitOptions::new(arguments.tolerance.mm, &arguments.name.clone().unwrap_or_else(|| stem(file)));
+    let mut options = FitOptions::new(arguments.tolerance.mm, &job_name(arguments));
     if let Some(n) = arguments.max_strips {
         options.max_strips = n as usize;
     }
@@ -32,12 +49,7 @@ pub fn run(arguments: &Fit) -> Result<bool, Failure> {
     })?;
 
     terminal.say("writing");
-    let fault = "this is a fault of the program; please report it with the file";
-    let files = torse::io::sheets::files(&outcome.sheets, &present_sheets(&outcome.sheets), &crate::clock::stamp())
-        .map_err(|e| Failure::new(e.to_string(), fault))?;
-    for (name, bytes) in files {
-        output.write(&name, &bytes)?;
-    }
+    write_sheets(&outcome.sheets, &output)?;
     let map = torse::io::cloud::ply::with_values(&cloud.points, outcome.certificate.signed_estimates(), "deviation");
     output.write("deviation.ply", &map)?;
     output.finish()?;
@@ -48,6 +60,69 @@ pub fn run(arguments: &Fit) -> Result<bool, Failure> {
         let _ = summary(&outcome, arguments);
     }
     Ok(outcome.sheets.status == Status::Certified)
+}
+
+/// Fits rulings, planes or faces.
+fn row(name: &str, bytes: &[u8], arguments: &Fit, terminal: &Terminal) -> Result<RowOutcome, Failure> {
+    let mut options = RowFitOptions::new(arguments.tolerance.mm, &job_name(arguments));
+    if let Some(n) = arguments.max_strips {
+        options.max_strips = n as usize;
+    }
+    let shown = arguments.file.display();
+    if elements::holds_elements(name, bytes) {
+        let unit = millimetres(&arguments.unit);
+        let region = arguments.region.map(|r| r.map(|v| v * unit));
+        let given = elements::read(name, bytes, unit, region)
+            .map_err(|e| Failure::new(format!("{shown}: {e}"), "see 'torse fit --help' for the columns of a table"))?;
+        return fit_row(&given, &options, terminal.control()).map_err(|e| {
+            Failure::new(e.to_string(), "give rulings or planes of one developable, in order, and their unit (--unit)")
+        });
+    }
+    let model = crate::wiring::read(&shown.to_string(), bytes)?;
+    fit_faces(&model.faces, &model.skipped, &options, terminal.control())
+        .map_err(|e| Failure::new(e.to_string(), "'torse approximate' covers surfaces that are not developable"))
+}
+
+/// Name of the job in the files.
+fn job_name(arguments: &Fit) -> String {
+    arguments.name.clone().unwrap_or_else(|| stem(&arguments.file))
+}
+
+/// Writes what strips give.
+fn write_sheets(sheets: &Sheets, output: &Output) -> Result<(), Failure> {
+    let fault = "this is a fault of the program; please report it with the file";
+    let files = torse::io::sheets::files(sheets, &present_sheets(sheets), &crate::clock::stamp())
+        .map_err(|e| Failure::new(e.to_string(), fault))?;
+    for (name, bytes) in files {
+        output.write(&name, &bytes)?;
+    }
+    Ok(())
+}
+
+/// Tells the result of rulings, planes or faces in a few lines.
+fn summary_of_row(outcome: &RowOutcome, arguments: &Fit) -> std::io::Result<()> {
+    let mut out = std::io::stdout().lock();
+    let sheets = &outcome.sheets;
+    let strips = format!("{} strip{}", sheets.strips.len(), if sheets.strips.len() == 1 { "" } else { "s" });
+    let what = sheets.figures.first().map_or("elements", |f| f.name.as_str());
+    let count = outcome.elements.len();
+    match &sheets.status {
+        Status::Certified => writeln!(
+            out,
+            "certified: {strips} for {count} {what}, none farther than {} mm (tolerance {}), {:.1} s",
+            significant(outcome.certificate.worst_bound()),
+            arguments.tolerance.text,
+            sheets.seconds
+        )?,
+        Status::Uncertified(reason) => {
+            writeln!(out, "NOT certified: {strips} for {count} {what}, {:.1} s", sheets.seconds)?;
+            writeln!(out, "  reason: {reason}")?;
+        }
+    }
+    for s in &sheets.skipped {
+        writeln!(out, "  left out: {s}")?;
+    }
+    writeln!(out, "  open {}", arguments.out.join("report.html").display())
 }
 
 /// Millimetres of a unit that the arguments allow.

@@ -127,6 +127,15 @@ pub fn positive_count(text: &str) -> Result<u32, String> {
     }
 }
 
+/// Centre and radius of a ball: four numbers, the last one positive.
+pub fn ball(text: &str) -> Result<[f64; 4], String> {
+    let numbers: Option<Vec<f64>> = text.split(',').map(|w| w.trim().parse::<f64>().ok()).collect();
+    match numbers.as_deref() {
+        Some(&[x, y, z, r]) if [x, y, z, r].iter().all(|v| v.is_finite()) && r > 0.0 => Ok([x, y, z, r]),
+        _ => Err("four numbers X,Y,Z,R with a positive radius R are needed, such as 0,0,0,500".into()),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

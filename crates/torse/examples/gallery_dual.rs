@@ -368,8 +368,8 @@ fn cones(count: usize) -> Done<ConeStrip> {
 }
 
 fn figure_9() -> Done<Image> {
-    let title = "Support functions (thick) and radii (thin): z = 0 black, z = 1 blue; 16 and 4 cones";
-    let mut plot = Plot::new(1100, 700, Vec2::new(0.1, 0.0), Vec2::new(2.7, 2.8), title);
+    let title = "Support functions and radii: z = 0 black, z = 1 blue; 16 and 4 cones";
+    let mut plot = Plot::new(1100, 700, Vec2::new(0.1, 0.0), Vec2::new(2.7, 3.3), title);
     for (count, width) in [(16, 2.0), (4, 1.0)] {
         let strip = cones(count)?;
         for (contour, colour) in [(&strip.bottom, INK), (&strip.top, BLUE)] {

@@ -9,6 +9,7 @@ pub mod cones;
 mod coverage;
 mod developable;
 pub mod distance;
+pub mod elements;
 mod family;
 mod local;
 mod panel;

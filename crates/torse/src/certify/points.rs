@@ -61,31 +61,33 @@ impl PointCertificate {
 }
 
 /// A strip made ready.
-struct Target<'a> {
-    strip: &'a Strip,
-    rails: [Curve<4>; 2],
-    table: Vec<(f64, Vec3, Vec3)>,
+pub(super) struct Target<'a> {
+    pub strip: &'a Strip,
+    pub rails: [Curve<4>; 2],
+    pub table: Vec<(f64, Vec3, Vec3)>,
     bbox: BBox,
+}
+
+impl<'a> Target<'a> {
+    /// The strip with sampled rulings.
+    pub fn of(strip: &'a Strip) -> Self {
+        let (a, b) = strip.domain();
+        let table: Vec<(f64, Vec3, Vec3)> = (0..=RULINGS)
+            .map(|i| {
+                let u = a + (b - a) * i as f64 / RULINGS as f64;
+                let [p, q] = strip.ruling(u);
+                (u, p, q - p)
+            })
+            .collect();
+        Self { strip, rails: [strip.rail(0), strip.rail(1)], bbox: strip.patch.bbox(), table }
+    }
 }
 
 /// Bounds the distance of every point from the nearest strip. Stopped early, the points not reached keep infinite
 /// bounds.
 pub fn points(strips: &[Strip], points: &[Vec3], control: &Control) -> PointCertificate {
     const CHUNK: usize = 20_000;
-    let targets: Vec<Target> = strips
-        .iter()
-        .map(|strip| {
-            let (a, b) = strip.domain();
-            let table: Vec<(f64, Vec3, Vec3)> = (0..=RULINGS)
-                .map(|i| {
-                    let u = a + (b - a) * i as f64 / RULINGS as f64;
-                    let [p, q] = strip.ruling(u);
-                    (u, p, q - p)
-                })
-                .collect();
-            Target { strip, rails: [strip.rail(0), strip.rail(1)], bbox: strip.patch.bbox(), table }
-        })
-        .collect();
+    let targets: Vec<Target> = strips.iter().map(Target::of).collect();
     let mut bounds = Vec::with_capacity(points.len());
     let mut places = Vec::with_capacity(points.len());
     let mut signed = Vec::with_capacity(points.len());
@@ -170,7 +172,7 @@ fn place(t: &Target, x: &Vec3) -> (f64, f64) {
 }
 
 /// Upper bound of the distance from `x` to the point (u, v) of the strip, rounding included.
-fn distance_bound(t: &Target, u: f64, v: f64, x: &Vec3) -> f64 {
+pub(super) fn distance_bound(t: &Target, u: f64, v: f64, x: &Vec3) -> f64 {
     let knots = &t.rails[0].knots;
     let p = knots.degree();
     let span = knots.span(u);

@@ -104,9 +104,24 @@ impl<'a, const D: usize> System<'a, D> {
     }
 
     /// Adds `share ·` (trace of what there is / trace of this) `· ∫ |root U''|² dt`: the smoothing term. The rows of
-    /// `root` are the directions measured.
-    pub fn add_smoothing(&mut self, share: f64, root: &[[f64; D]]) {
+    /// `root` are the directions measured. Returns the whole factor before the integral.
+    pub fn add_smoothing(&mut self, share: f64, root: &[[f64; D]]) -> f64 {
         let before = self.right.len();
+        self.add_bending(root);
+        if self.unknowns() == 0 {
+            return 0.0;
+        }
+        let trace = |range: std::ops::Range<usize>| -> f64 {
+            range.map(|i| self.weights[i] * self.rows.row(i).1.iter().map(|x| x * x).sum::<f64>()).sum()
+        };
+        let (data, smooth) = (trace(0..before), trace(before..self.right.len()));
+        let factor = if smooth > 0.0 { share * data / smooth } else { 0.0 };
+        self.weights[before..].iter_mut().for_each(|w| *w *= factor);
+        factor
+    }
+
+    /// Adds `∫ |root U''|² dt`.
+    pub fn add_bending(&mut self, root: &[[f64; D]]) {
         let nodes = gauss_legendre(self.knots.degree());
         for w in self.knots.breaks().windows(2) {
             let h = w[1] - w[0];
@@ -120,15 +135,6 @@ impl<'a, const D: usize> System<'a, D> {
                 }
             }
         }
-        if self.unknowns() == 0 {
-            return;
-        }
-        let trace = |range: std::ops::Range<usize>| -> f64 {
-            range.map(|i| self.weights[i] * self.rows.row(i).1.iter().map(|x| x * x).sum::<f64>()).sum()
-        };
-        let (data, smooth) = (trace(0..before), trace(before..self.right.len()));
-        let factor = if smooth > 0.0 { share * data / smooth } else { 0.0 };
-        self.weights[before..].iter_mut().for_each(|w| *w *= factor);
     }
 
     /// The normal equations.

@@ -5,10 +5,15 @@
 //! iteration is damped Gauss–Newton in control planes and parameters together; each parameter is eliminated from its
 //! own three rows, so that the system stays banded and the cost linear.
 
-use super::functionals::{Freedom, Functional, System};
-use super::planes::{checked, fit_of, freedoms, mean_root, planes, PlaneDatum, PlanesError, PlanesFit, PlanesOptions};
+use super::functionals::{Freedom, System};
+use super::plane_blocks::{Blocks, Form};
+use super::planes::{
+    checked, fit_of, freedoms, mean_root, planes, system, PlaneDatum, PlanesError, PlanesFit, PlanesOptions,
+};
+use crate::num::least_squares::BandMatrix;
 use crate::spline::curve::Curve;
 use crate::spline::knots::Knots;
+use crate::spline::MAX_DEGREE;
 
 /// A fit with the parameters that it found.
 #[derive(Clone, Debug, PartialEq)]
@@ -101,7 +106,9 @@ fn correct(data: &mut [PlaneDatum], curve: &Curve<4>) {
 }
 
 /// Fits control planes and inner parameters together, after a few corrections. Parameters that increase stay
-/// increasing; the first and the last are kept.
+/// increasing; the first and the last are kept. With smoothing, the objective is `F1` and the smoothing term together.
+///
+/// *Cost*: linear in planes and control planes for every evaluation; about 1 ms for 10 000 planes of degree 3.
 ///
 /// # Errors
 /// As [`planes`].
@@ -118,164 +125,179 @@ pub fn joint(
     const HOPELESS: f64 = 1e8;
     let start = corrected(data, knots, options, joint.corrections)?;
     let roots = checked(data, knots)?;
-    let bound = freedoms(knots, &options.conditions)?;
-    // Changes of control planes have the same freedoms without offsets.
-    let changes: Vec<Freedom<3>> = bound
-        .iter()
-        .map(|f| match f {
-            Freedom::Free => Freedom::Free,
-            Freedom::Fixed(_) => Freedom::Fixed([0.0; 3]),
-            Freedom::Line { direction, .. } => Freedom::Line { base: [0.0; 3], direction: *direction },
-        })
-        .collect();
-    let smooth = if options.smoothing > 0.0 { mean_root(data) } else { None };
+    let freedoms = freedoms(knots, &options.conditions)?;
     let mut data = data.to_vec();
     for ((d, &t), trust) in data.iter_mut().zip(&start.parameters).zip(&start.fit.trust) {
         d.parameter = t;
         d.weight *= trust;
     }
-    let planes_of = |c: &Curve<4>| -> Vec<[f64; 3]> { c.control.iter().map(|p| [p[0], p[1], p[2]]).collect() };
-    let mut control = planes_of(start.fit.curve.planes());
-    let mut history = start.history.clone();
-    let mut cost = cost_of(&data, &roots, knots, &control);
+    let objective =
+        Objective { data: &data, knots, bending: bending(&data, &roots, knots, &freedoms, options.smoothing) };
+    let mut parameters = start.parameters;
+    let mut control: Vec<[f64; 3]> = start.fit.curve.planes().control.iter().map(|p| [p[0], p[1], p[2]]).collect();
+    let mut history = start.history;
+    let (mut places, mut spare) = (Vec::new(), Vec::new());
+    let mut cost = objective.placed(&parameters, &control, &mut places);
+    let mut blocks = Blocks::new(knots, &freedoms);
     let mut damping = START;
     for _ in 0..joint.evaluations {
-        let step =
-            step(&data, &roots, knots, &control, &changes, damping, smooth.as_ref().map(|r| (options.smoothing, r)));
-        let Some((change, moves)) = step else {
-            damping *= STRAIN;
-            if damping > HOPELESS {
-                break;
+        let step = objective.step(&places, &parameters, &control, damping, &mut blocks);
+        if let Some((change, moves)) = step {
+            let next: Vec<[f64; 3]> =
+                control.iter().zip(&change).map(|(c, d)| std::array::from_fn(|i| c[i] + d[i])).collect();
+            let moved: Vec<f64> = parameters.iter().zip(&moves).map(|(t, m)| t + m).collect();
+            let value = objective.placed(&moved, &next, &mut spare);
+            if value < cost {
+                let gain = (cost - value) / cost;
+                (control, parameters, cost) = (next, moved, value);
+                std::mem::swap(&mut places, &mut spare);
+                history.push(cost);
+                damping = (damping * EASE).max(f64::EPSILON);
+                if gain < joint.decrease {
+                    break;
+                }
+                continue;
             }
-            continue;
-        };
-        let next: Vec<[f64; 3]> =
-            control.iter().zip(&change).map(|(c, d)| std::array::from_fn(|i| c[i] + d[i])).collect();
-        let mut moved = data.clone();
-        for (d, m) in moved.iter_mut().zip(&moves) {
-            d.parameter += m;
         }
-        let value = cost_of(&moved, &roots, knots, &next);
-        if value < cost {
-            let gain = (cost - value) / cost;
-            (control, data, cost) = (next, moved, value);
-            history.push(cost);
-            damping = (damping * EASE).max(f64::EPSILON);
-            if gain < joint.decrease {
-                break;
-            }
-        } else {
-            damping *= STRAIN;
-            if damping > HOPELESS {
-                break;
-            }
+        damping *= STRAIN;
+        if damping > HOPELESS {
+            break;
         }
     }
-    let parameters = data.iter().map(|d| d.parameter).collect();
+    drop(objective);
+    for (d, &t) in data.iter_mut().zip(&parameters) {
+        d.parameter = t;
+    }
     let fit = fit_of(&data, &roots, knots, control, start.fit.trust)?;
     Ok(Corrected { fit, parameters, history })
 }
 
-/// Changes of control planes and parameters to first order, damped.
-fn step(
+/// The smoothing term as a matrix over all coordinates of all control planes; `None` without smoothing.
+fn bending(
     data: &[PlaneDatum],
     roots: &[[[f64; 3]; 3]],
     knots: &Knots,
-    control: &[[f64; 3]],
-    changes: &[Freedom<3>],
-    damping: f64,
-    smooth: Option<(f64, &[[f64; 3]; 3])>,
-) -> Option<(Vec<[f64; 3]>, Vec<f64>)> {
-    // Share of the gap between neighbours that one step may close.
-    const GAP: f64 = 0.8;
-    let zero = [0.0; 3];
-    let last = data.len() - 1;
-    // 1 − c with (1 − c)² = λ / (1 + λ): the square root of the damped projection off the direction of U'.
-    let off = 1.0 - (damping / (1.0 + damping)).sqrt();
-    let mut system = System::new(knots, changes);
-    let mut state = Vec::with_capacity(data.len());
-    for (i, (d, root)) in data.iter().zip(roots).enumerate() {
-        let basis = knots.basis(d.parameter, 1);
-        let (mut e, mut speed) = (d.plane.map(|x| -x), zero);
-        for j in 0..=knots.degree() {
-            for k in 0..3 {
-                e[k] += basis.rows[0][j] * control[basis.first + j][k];
-                speed[k] += basis.rows[1][j] * control[basis.first + j][k];
-            }
-        }
-        let apply = |x: &[f64; 3]| -> [f64; 3] { std::array::from_fn(|r| (0..3).map(|k| root[r][k] * x[k]).sum()) };
-        let (r, j) = (apply(&e), apply(&speed));
-        let jj: f64 = j.iter().map(|x| x * x).sum();
-        let inner = i > 0 && i < last && jj > 0.0;
-        let along = |x: [f64; 3]| -> f64 {
-            if inner {
-                off * (0..3).map(|k| j[k] * x[k]).sum::<f64>() / jj
-            } else {
-                0.0
-            }
-        };
-        for row in 0..3 {
-            // Row of S R with S = I − off · j jᵀ / jᵀj.
-            let coefficients: [f64; 3] =
-                std::array::from_fn(|k| root[row][k] - j[row] * along([root[0][k], root[1][k], root[2][k]]));
-            let value = -(r[row] - j[row] * along(r));
-            system.add(&Functional {
-                t: d.parameter,
-                coefficients: [coefficients, zero, zero],
-                value,
-                weight: d.weight,
-            });
-        }
-        state.push((r, j, if inner { jj } else { 0.0 }, basis));
-    }
-    if let Some((share, root)) = smooth {
-        system.add_smoothing(share, root);
-    }
-    let change = system.solved(damping)?;
-    let mut moves = vec![0.0; data.len()];
-    for (i, (r, j, jj, basis)) in state.iter().enumerate() {
-        if *jj <= 0.0 {
-            continue;
-        }
-        let mut du = zero;
-        for k in 0..=knots.degree() {
-            for c in 0..3 {
-                du[c] += basis.rows[0][k] * change[basis.first + k][c];
-            }
-        }
-        let rest: f64 =
-            (0..3).map(|row| j[row] * (r[row] + (0..3).map(|k| roots[i][row][k] * du[k]).sum::<f64>())).sum();
-        moves[i] = -rest / ((1.0 + damping) * jj);
-    }
-    // The whole step is shortened until the order of the parameters stays as it is.
-    let mut share = 1.0_f64;
-    for (d, m) in data.windows(2).zip(moves.windows(2)) {
-        let (gap, closing) = (d[1].parameter - d[0].parameter, m[0] - m[1]);
-        if gap > 0.0 && closing > GAP * gap {
-            share = share.min(GAP * gap / closing);
-        }
-    }
-    let (a, b) = knots.domain();
-    for (d, m) in data.iter().zip(&mut moves) {
-        *m = (share * *m).clamp(a - d.parameter, b - d.parameter);
-    }
-    let change = change.iter().map(|c| c.map(|x| share * x)).collect();
-    Some((change, moves))
+    freedoms: &[Freedom<3>],
+    smoothing: f64,
+) -> Option<BandMatrix> {
+    let root = mean_root(data).filter(|_| smoothing > 0.0)?;
+    // The same share of the same traces as in the linear fit.
+    let factor = system(data, roots, knots, freedoms, &[]).add_smoothing(smoothing, &root);
+    let free = vec![Freedom::Free; freedoms.len()];
+    let mut all = System::new(knots, &free);
+    all.add_bending(&root);
+    Some(all.normal().matrix.scaled(factor))
 }
 
-/// `F1`.
-fn cost_of(data: &[PlaneDatum], roots: &[[[f64; 3]; 3]], knots: &Knots, control: &[[f64; 3]]) -> f64 {
-    data.iter()
-        .zip(roots)
-        .map(|(d, root)| {
-            let basis = knots.basis(d.parameter, 0);
-            let mut e = d.plane.map(|x| -x);
-            for j in 0..=knots.degree() {
+/// What the joint iteration makes small.
+struct Objective<'a> {
+    data: &'a [PlaneDatum],
+    knots: &'a Knots,
+    bending: Option<BandMatrix>,
+}
+
+/// A datum seen from the spline.
+struct Place {
+    first: usize,
+    basis: [f64; MAX_DEGREE + 1],
+    /// `U(t) − V`.
+    e: [f64; 3],
+    /// `U'(t)`.
+    speed: [f64; 3],
+}
+
+impl Objective<'_> {
+    /// Sees all data from the spline; the result is the objective.
+    fn placed(&self, parameters: &[f64], control: &[[f64; 3]], out: &mut Vec<Place>) -> f64 {
+        let Self { data, knots, bending } = self;
+        out.clear();
+        let mut cost = 0.0;
+        for (d, &t) in data.iter().zip(parameters) {
+            let basis = knots.basis(t, 1);
+            let (mut e, mut speed) = (d.plane.map(|x| -x), [0.0; 3]);
+            for (j, c) in control[basis.first..=basis.first + knots.degree()].iter().enumerate() {
                 for k in 0..3 {
-                    e[k] += basis.rows[0][j] * control[basis.first + j][k];
+                    e[k] += basis.rows[0][j] * c[k];
+                    speed[k] += basis.rows[1][j] * c[k];
                 }
             }
-            d.weight * root.iter().map(|r| (0..3).map(|k| r[k] * e[k]).sum::<f64>().powi(2)).sum::<f64>()
-        })
-        .sum()
+            cost += d.weight * d.measure.distance_sq(&e);
+            out.push(Place { first: basis.first, basis: basis.rows[0], e, speed });
+        }
+        if let Some(b) = bending {
+            let x: Vec<f64> = control.iter().flatten().copied().collect();
+            let mut product = vec![0.0; x.len()];
+            b.product(&x, &mut product);
+            cost += x.iter().zip(&product).map(|(a, b)| a * b).sum::<f64>();
+        }
+        cost
+    }
+
+    /// Changes of control planes and parameters to first order, damped.
+    fn step(
+        &self,
+        places: &[Place],
+        parameters: &[f64],
+        control: &[[f64; 3]],
+        damping: f64,
+        blocks: &mut Blocks<'_>,
+    ) -> Option<(Vec<[f64; 3]>, Vec<f64>)> {
+        let Self { data, knots, bending } = self;
+        // Share of the gap between neighbours that one step may close.
+        const GAP: f64 = 0.8;
+        let last = data.len() - 1;
+        let order = knots.degree() + 1;
+        blocks.clear();
+        // Per datum: G U' and U'ᵀ G U'; the latter vanishes where the parameter stays.
+        let mut along = Vec::with_capacity(data.len());
+        for (i, (d, p)) in data.iter().zip(places).enumerate() {
+            let gram = d.measure.gram();
+            let apply = |x: &[f64; 3]| -> [f64; 3] { std::array::from_fn(|r| (0..3).map(|k| gram[r][k] * x[k]).sum()) };
+            let g = apply(&p.speed);
+            let gg: f64 = (0..3).map(|k| p.speed[k] * g[k]).sum();
+            let gg = if i > 0 && i < last { gg.max(0.0) } else { 0.0 };
+            // Eliminating the move of the parameter takes the damped square of the product with U' off the form.
+            let share = if gg > 0.0 { 1.0 / ((1.0 + damping) * gg) } else { 0.0 };
+            let form: Form = std::array::from_fn(|k| d.weight * (gram[k / 3][k % 3] - share * g[k / 3] * g[k % 3]));
+            let side = std::array::from_fn(|r| -(0..3).map(|k| form[3 * r + k] * p.e[k]).sum::<f64>());
+            blocks.add(p.first, &p.basis[..order], &form, &side);
+            along.push((g, gg));
+        }
+        if let Some(b) = bending {
+            let x: Vec<f64> = control.iter().flatten().copied().collect();
+            let mut product = vec![0.0; x.len()];
+            b.product(&x, &mut product);
+            for i in 0..control.len() {
+                for j in i.saturating_sub(order - 1)..=i {
+                    blocks.add_pair(i, j, &std::array::from_fn(|k| b.entry(3 * i + k / 3, 3 * j + k % 3)));
+                }
+                blocks.add_side(i, &std::array::from_fn(|k| -product[3 * i + k]));
+            }
+        }
+        let change = blocks.solved(damping)?;
+        let mut moves = vec![0.0; data.len()];
+        for ((p, (g, gg)), m) in places.iter().zip(&along).zip(&mut moves) {
+            if *gg > 0.0 {
+                let mut e = p.e;
+                for (n, c) in p.basis[..order].iter().zip(&change[p.first..]) {
+                    (0..3).for_each(|k| e[k] += n * c[k]);
+                }
+                *m = -(0..3).map(|k| g[k] * e[k]).sum::<f64>() / ((1.0 + damping) * gg);
+            }
+        }
+        // The whole step is shortened until the order of the parameters stays as it is.
+        let mut share = 1.0_f64;
+        for (t, m) in parameters.windows(2).zip(moves.windows(2)) {
+            let (gap, closing) = (t[1] - t[0], m[0] - m[1]);
+            if gap > 0.0 && closing > GAP * gap {
+                share = share.min(GAP * gap / closing);
+            }
+        }
+        let (a, b) = knots.domain();
+        for (t, m) in parameters.iter().zip(&mut moves) {
+            *m = (share * *m).clamp(a - t, b - t);
+        }
+        let change = change.iter().map(|c| c.map(|x| share * x)).collect();
+        Some((change, moves))
+    }
 }

@@ -153,7 +153,7 @@ pub fn planes(data: &[PlaneDatum], knots: &Knots, options: &PlanesOptions) -> Re
 }
 
 /// Reweightings of a robust fit; the weights settle within a few.
-const ROBUST_ROUNDS: usize = 12;
+pub(super) const ROBUST_ROUNDS: usize = 12;
 
 /// The curve with its distances.
 pub(super) fn fit_of(
@@ -221,9 +221,24 @@ fn solved(
     smoothing: f64,
     trust: &[f64],
 ) -> Result<Vec<[f64; 3]>, PlanesError> {
+    let mut system = system(data, roots, knots, freedoms, trust);
+    if let (true, Some(root)) = (smoothing > 0.0, mean_root(data)) {
+        system.add_smoothing(smoothing, &root);
+    }
+    system.solved(0.0).ok_or(PlanesError::Undetermined { control: 0, count: freedoms.len() })
+}
+
+/// The conditions of (9), each with its weight and `trust` (1 where that is missing).
+pub(super) fn system<'a>(
+    data: &[PlaneDatum],
+    roots: &[[[f64; 3]; 3]],
+    knots: &'a Knots,
+    freedoms: &'a [Freedom<3>],
+    trust: &[f64],
+) -> System<'a, 3> {
     let mut system = System::new(knots, freedoms);
     let zero = [0.0; 3];
-    for ((d, root), factor) in data.iter().zip(roots).zip(trust) {
+    for ((d, root), factor) in data.iter().zip(roots).zip(trust.iter().chain(std::iter::repeat(&1.0))) {
         for r in root {
             let value = (0..3).map(|i| r[i] * d.plane[i]).sum();
             system.add(&Functional {
@@ -234,10 +249,7 @@ fn solved(
             });
         }
     }
-    if let (true, Some(root)) = (smoothing > 0.0, mean_root(data)) {
-        system.add_smoothing(smoothing, &root);
-    }
-    system.solved(0.0).ok_or(PlanesError::Undetermined { control: 0, count: freedoms.len() })
+    system
 }
 
 /// Root of the mean Gram matrix: the metric in which bending is measured.

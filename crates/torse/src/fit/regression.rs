@@ -10,9 +10,10 @@
 //! for many take its place. The conditions have a margin, since they are strict.
 
 use super::planes::{freedoms, PlanesError};
-use super::rulings::{fit_of, normal, slope_fit, system, SlopeData, SlopeFit, SlopeOptions};
+use super::rulings::{fit_of, normal, slope_fit, system, trusted, SlopeData, SlopeFit, SlopeOptions};
 use crate::num::quadratic_program::{Minimum, QuadraticProgram, QuadraticProgramError};
 use crate::spline::knots::Knots;
+use crate::surface::dual::DualCurve;
 use nalgebra::DMatrix;
 
 /// Where the regression curve must not be, in the frame of the fit (type (3): rulings run along x).
@@ -20,7 +21,8 @@ use nalgebra::DMatrix;
 pub enum ForbiddenZone {
     /// All points with x in the interval, mm.
     Slab(f64, f64),
-    /// A box; only its x-extent matters to the rulings that cross it.
+    /// A box. Rulings that miss it are free, the others keep off the part of them in it; which ones these are is found
+    /// in rounds of fits.
     Box {
         /// Smallest coordinates, mm.
         min: [f64; 3],
@@ -105,9 +107,11 @@ pub fn regression_free(
     options: &RegressionOptions,
 ) -> Result<RegressionFit, RegressionError> {
     let free = slope_fit(data, knots, &options.fit);
+    // Data that the free fit does not trust do not pull here either.
+    let trusted = free.as_ref().ok().filter(|_| options.fit.robust).map(|f| trusted(data, &f.trust));
+    let data = trusted.as_ref().unwrap_or(data);
     let free_cost = free.as_ref().map_or(f64::NAN, |f| f.cost);
     let rows = second_derivative_rows(knots, options.refinements)?;
-    let zones: Vec<(f64, f64)> = rows.iter().map(|r| zone.over(r.from, r.to)).collect::<Result<_, _>>()?;
     let margin = match (options.margin, &free) {
         (Some(m), _) => m,
         (None, Ok(fit)) => {
@@ -117,22 +121,133 @@ pub fn regression_free(
         }
         (None, Err(e)) => return Err(e.clone().into()),
     };
-    let sides = [1.0, -1.0].map(|side| one_side(data, knots, &rows, &zones, side, margin, options));
-    let costs = [0, 1].map(|i| sides[i].as_ref().ok().map(|f| f.cost));
-    let [plus, minus] = sides;
-    let (fit, side) = match (plus, minus) {
-        (Ok(p), Ok(m)) if m.cost < p.cost => (m, -1.0),
-        (Ok(p), _) => (p, 1.0),
-        (Err(_), Ok(m)) => (m, -1.0),
-        (Err(e), Err(_)) => return Err(e),
+    let solve = |zones: &[Option<(f64, f64)>]| -> Result<RegressionFit, RegressionError> {
+        let sides = [1.0, -1.0].map(|side| one_side(data, knots, &rows, zones, side, margin, options));
+        let costs = [0, 1].map(|i| sides[i].as_ref().ok().map(|f| f.cost));
+        let [plus, minus] = sides;
+        let (fit, side) = match (plus, minus) {
+            (Ok(p), Ok(m)) if m.cost < p.cost => (m, -1.0),
+            (Ok(p), _) => (p, 1.0),
+            (Err(_), Ok(m)) => (m, -1.0),
+            (Err(e), Err(_)) => return Err(e),
+        };
+        Ok(RegressionFit { fit, side, costs, free_cost, margin })
     };
-    Ok(RegressionFit { fit, side, costs, free_cost, margin })
+    if let (ForbiddenZone::Box { min, max }, Ok(free)) = (zone, &free) {
+        zone.over(knots.domain().0, knots.domain().1)?;
+        if let Some(found) = around_box(free, &rows, [min, max], solve) {
+            return Ok(found);
+        }
+    }
+    let zones = rows.iter().map(|r| zone.over(r.from, r.to).map(Some)).collect::<Result<Vec<_>, _>>()?;
+    solve(&zones)
+}
+
+/// Fits in rounds: rulings of the last fit that meet the box keep off the part in it, and no condition is taken back.
+/// `None` if the box is still met, or cannot be avoided so; its whole x-extent is the last resort.
+fn around_box<S>(free: &SlopeFit, rows: &[Row], ends: [&[f64; 3]; 2], solve: S) -> Option<RegressionFit>
+where
+    S: Fn(&[Option<(f64, f64)>]) -> Result<RegressionFit, RegressionError>,
+{
+    // Few are needed, since the rulings hardly move from one to the next.
+    const ROUNDS: usize = 8;
+    let mut zones: Vec<Option<(f64, f64)>> = vec![None; rows.len()];
+    let mut planes = free.curve.clone();
+    for _ in 0..ROUNDS {
+        for (zone, row) in zones.iter_mut().zip(rows) {
+            for k in 0..=RULINGS {
+                let t = row.from + (row.to - row.from) * k as f64 / RULINGS as f64;
+                if let Some((a, b)) = part_in_box(&planes, t, ends) {
+                    *zone = Some(zone.map_or((a, b), |(p, q)| (p.min(a), q.max(b))));
+                }
+            }
+        }
+        let found = solve(&zones).ok()?;
+        if !meets(&found.fit.curve, rows, ends) {
+            return Some(found);
+        }
+        planes = found.fit.curve;
+    }
+    None
+}
+
+/// Rulings looked at for each condition.
+const RULINGS: usize = 16;
+
+/// The interval of x in which the ruling t is inside a box.
+fn part_in_box(curve: &DualCurve, t: f64, [min, max]: [&[f64; 3]; 2]) -> Option<(f64, f64)> {
+    let [u, d, _] = curve.jet(t);
+    // The ruling is y = −(u0' + u1' x), z = u0 + t y + u1 x.
+    let (y, z) = ([-d[0], -d[1]], [u[0] - t * d[0], u[1] - t * d[1]]);
+    let (mut a, mut b) = (min[0], max[0]);
+    for ([c, s], k) in [(y, 1), (z, 2)] {
+        let (p, q) = ((min[k] - c) / s, (max[k] - c) / s);
+        if p.is_finite() && q.is_finite() {
+            (a, b) = (a.max(p.min(q)), b.min(p.max(q)));
+        } else if c < min[k] || c > max[k] {
+            return None;
+        }
+    }
+    (a <= b).then_some((a, b))
+}
+
+/// Whether a regression point at the rulings looked at is in the box.
+fn meets(curve: &DualCurve, rows: &[Row], ends: [&[f64; 3]; 2]) -> bool {
+    rows.iter().any(|row| {
+        (0..=RULINGS).any(|k| {
+            let t = row.from + (row.to - row.from) * k as f64 / RULINGS as f64;
+            let second = curve.jet(t)[2];
+            let x = -second[0] / second[1];
+            part_in_box(curve, t, ends).is_some_and(|(a, b)| x >= a && x <= b)
+        })
+    })
 }
 
 /// Margin as a share of the largest second derivative: the condition is strict, and solvers answer to about 1e-9.
 const RELATIVE_MARGIN: f64 = 1e-6;
 
 impl ForbiddenZone {
+    /// The zone of a panel: its outline in the ground plan, cut by the rulings of a fit (the free one, say) at `stations`
+    /// parameters, with a clearance in x on both sides, mm.
+    ///
+    /// *Input*: the vertices (x, y) of a polygon in the frame of the fit. *Not guaranteed*: the outline against rulings of
+    /// another fit; repeat with it where they differ much.
+    ///
+    /// # Errors
+    /// No ruling meets the outline, or one of its numbers is not finite.
+    pub fn of_outline(
+        fit: &DualCurve,
+        outline: &[[f64; 2]],
+        clearance: f64,
+        stations: usize,
+    ) -> Result<Self, RegressionError> {
+        let (from, to) = fit.domain();
+        let n = stations.max(2);
+        let mut extent = Vec::new();
+        for k in 0..n {
+            let t = from + (to - from) * k as f64 / (n - 1) as f64;
+            let d = fit.jet(t)[1];
+            let side = |p: &[f64; 2]| p[1] + d[0] + d[1] * p[0];
+            let mut hull = (f64::INFINITY, f64::NEG_INFINITY);
+            for (i, p) in outline.iter().enumerate() {
+                let q = &outline[(i + 1) % outline.len()];
+                let (a, b) = (side(p), side(q));
+                if (a <= 0.0) != (b <= 0.0) {
+                    let x = p[0] + (q[0] - p[0]) * a / (a - b);
+                    hull = (hull.0.min(x), hull.1.max(x));
+                }
+            }
+            if hull.0 <= hull.1 {
+                extent.push((t, hull.0, hull.1));
+            }
+        }
+        let usable = extent.iter().all(|e| e.1.is_finite() && e.2.is_finite()) && clearance.is_finite();
+        if extent.is_empty() || !usable {
+            return Err(RegressionError::Zone { a: f64::NAN, b: f64::NAN });
+        }
+        Ok(Self::Outline { extent, clearance })
+    }
+
     /// Interval of x that is forbidden to rulings with parameters in `[from, to]`.
     fn over(&self, from: f64, to: f64) -> Result<(f64, f64), RegressionError> {
         let (a, b) = match self {
@@ -224,7 +339,7 @@ fn one_side(
     data: &SlopeData,
     knots: &Knots,
     rows: &[Row],
-    zones: &[(f64, f64)],
+    zones: &[Option<(f64, f64)>],
     side: f64,
     margin: f64,
     options: &RegressionOptions,
@@ -241,7 +356,8 @@ fn one_side(
             program.add_hessian(j, i, form.matrix.entry(i, j));
         }
     }
-    for (row, &(a, b)) in rows.iter().zip(zones) {
+    for (row, zone) in rows.iter().zip(zones) {
+        let Some((a, b)) = *zone else { continue };
         for c in if a < b { vec![a, b] } else { vec![a] } {
             let mut terms: Vec<(usize, f64)> = Vec::new();
             let mut constant = 0.0;

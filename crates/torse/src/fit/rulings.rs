@@ -4,7 +4,7 @@
 //! in their ground plan, `(11)`; points by the distance of their ground plan from that of a ruling, `(12)`.
 
 use super::functionals::{undetermined, Freedom, Functional, Normal, System};
-use super::planes::{freedoms, PlaneDatum, PlanesError};
+use super::planes::{freedoms, robust_weights, PlaneDatum, PlanesError, ROBUST_ROUNDS};
 use crate::geom::measure::LineMeasure;
 use crate::spline::knots::Knots;
 use crate::surface::dual::DualCurve;
@@ -52,6 +52,8 @@ pub struct SlopeOptions {
     pub smoothing: f64,
     /// Conditions on control values of `(u0, u1)`; none.
     pub conditions: Vec<(usize, Freedom<2>)>,
+    /// Whether data far from the rest of their kind lose their weight (Tukey's biweight); false.
+    pub robust: bool,
 }
 
 /// A fit of type (3).
@@ -59,8 +61,10 @@ pub struct SlopeOptions {
 pub struct SlopeFit {
     /// The surface.
     pub curve: DualCurve,
-    /// `F3`.
+    /// `F3` with the given weights.
     pub cost: f64,
+    /// Factors that the robust iteration gave the weights of planes, rulings and points; 1 without it.
+    pub trust: Vec<f64>,
 }
 
 /// The developable of type (3) over `knots` with least `F3`.
@@ -71,9 +75,51 @@ pub struct SlopeFit {
 /// See [`PlanesError`].
 pub fn slope_fit(data: &SlopeData, knots: &Knots, options: &SlopeOptions) -> Result<SlopeFit, PlanesError> {
     let bound = freedoms(knots, &options.conditions)?;
-    let system = system(data, knots, &bound, options.smoothing)?;
-    let control = system.solved(0.0).ok_or(PlanesError::Undetermined { control: 0, count: knots.control_count() })?;
-    fit_of(data, knots, &control)
+    let solved = |data: &SlopeData| -> Result<Vec<[f64; 2]>, PlanesError> {
+        system(data, knots, &bound, options.smoothing)?
+            .solved(0.0)
+            .ok_or(PlanesError::Undetermined { control: 0, count: knots.control_count() })
+    };
+    let mut fit = fit_of(data, knots, &solved(data)?)?;
+    if options.robust {
+        for round in 0..ROBUST_ROUNDS {
+            let trust: Vec<f64> =
+                residuals(data, &fit.curve).iter().flat_map(|kind| robust_weights(kind, round)).collect();
+            fit = fit_of(data, knots, &solved(&trusted(data, &trust))?)?;
+            fit.trust = trust;
+        }
+    }
+    Ok(fit)
+}
+
+/// The data with weights times factors.
+pub(super) fn trusted(data: &SlopeData, trust: &[f64]) -> SlopeData {
+    let mut out = data.clone();
+    let weights = out.planes.iter_mut().map(|d| &mut d.weight);
+    let weights = weights.chain(out.rulings.iter_mut().map(|d| &mut d.weight));
+    for (w, f) in weights.chain(out.points.iter_mut().map(|d| &mut d.weight)).zip(trust) {
+        *w *= f;
+    }
+    out
+}
+
+/// Distances of planes, rulings and points, without weights.
+fn residuals(data: &SlopeData, curve: &DualCurve) -> [Vec<f64>; 3] {
+    let planes = data.planes.iter().map(|d| {
+        let u = curve.planes().point(d.parameter);
+        let e = [u[0] - d.plane[0], u[1] - d.plane[1], d.parameter - d.plane[2]];
+        (d.measure.distance_sq(&e).max(0.0) / d.measure.mass()).sqrt()
+    });
+    let rulings = data.rulings.iter().map(|r| {
+        let d = curve.jet(r.parameter)[1];
+        let (e, g) = ([r.ground_plan[0] - d[0], r.ground_plan[1] - d[1]], r.along.gram);
+        (e[0] * (g[0][0] * e[0] + g[0][1] * e[1]) + e[1] * (g[1][0] * e[0] + g[1][1] * e[1])).max(0.0).sqrt()
+    });
+    let points = data.points.iter().map(|p| {
+        let d = curve.jet(p.parameter)[1];
+        (d[0] + d[1] * p.ground_plan[0] + p.ground_plan[1]).abs()
+    });
+    [planes.collect(), rulings.collect(), points.collect()]
 }
 
 /// The surface with its cost.
@@ -93,7 +139,8 @@ pub(super) fn fit_of(data: &SlopeData, knots: &Knots, control: &[[f64; 2]]) -> R
         let d = curve.jet(p.parameter)[1];
         cost += p.weight * (d[0] + d[1] * p.ground_plan[0] + p.ground_plan[1]).powi(2);
     }
-    Ok(SlopeFit { curve, cost })
+    let count = data.planes.len() + data.rulings.len() + data.points.len();
+    Ok(SlopeFit { curve, cost, trust: vec![1.0; count] })
 }
 
 /// The linear conditions of a set of data.

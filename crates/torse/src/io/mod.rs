@@ -5,6 +5,7 @@ pub mod cloud;
 pub mod cones;
 pub mod curves;
 pub mod dxf;
+pub mod elements;
 pub mod glb;
 pub mod html;
 pub mod json;

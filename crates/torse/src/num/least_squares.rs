@@ -99,6 +99,12 @@ impl BandMatrix {
         self.values.clone_from(&other.values);
     }
 
+    /// The matrix times a number.
+    pub fn scaled(mut self, factor: f64) -> Self {
+        self.values.iter_mut().for_each(|v| *v *= factor);
+        self
+    }
+
     /// Becomes zero.
     pub fn clear(&mut self) {
         self.values.fill(0.0);
@@ -121,6 +127,11 @@ impl BandMatrix {
     /// Adds `value` to the diagonal entry `i`.
     pub fn add_diagonal(&mut self, i: usize, value: f64) {
         self.values[(i + 1) * self.width - 1] += value;
+    }
+
+    /// Adds `value` to the entry in row `i` and column `j ≤ i`, and so to its mirror image.
+    pub fn add_entry(&mut self, i: usize, j: usize, value: f64) {
+        self.values[(i + 1) * self.width - 1 - (i - j)] += value;
     }
 
     /// Adds `weight · rᵀ r` for row `i` of `rows`.

@@ -342,7 +342,7 @@ fn strips_of(sheets: &mut Sheets, body: &ConeBody, proof: &ConeProof) -> Vec<usi
 }
 
 /// The strip of a ruled developable face.
-fn ruled(face: &Face, tolerance: f64) -> Result<(RuledPatch, PlaneOutline), String> {
+pub(super) fn ruled(face: &Face, tolerance: f64) -> Result<(RuledPatch, PlaneOutline), String> {
     let candidates = [Some(face.surface.clone()), Some(face.surface.transposed())];
     let mut reason = "it is not ruled (of degree 1 in one direction)".to_owned();
     for (k, surface) in candidates.into_iter().flatten().enumerate() {

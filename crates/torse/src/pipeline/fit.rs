@@ -127,7 +127,7 @@ fn torses(
     options: &FitOptions,
     control: &Control,
     skipped: &mut Vec<String>,
-) -> Vec<(Vec<u32>, Fit)> {
+) -> Vec<(Vec<u32>, Vec<Fit>)> {
     // Single points reach beyond the noise by this factor even in large clouds.
     const PEAK: f64 = 4.0;
     // Estimates are averages over dozens of points; below this share of the noise they are noise themselves.
@@ -146,18 +146,17 @@ fn torses(
         let left = options.max_strips.saturating_sub(out.len());
         let wanted = PieceOptions { max_pieces: left, ..PieceOptions::new(room, enough) };
         for piece in pieces(found, &region, &wanted, control) {
-            match piece.fit {
-                Some(fit) => out.push((piece.members, fit)),
-                None => {
-                    let count: f64 = piece.members.iter().map(|&i| found.items[i as usize].weight).sum();
-                    let c = piece.members.iter().map(|&i| found.items[i as usize].x).sum::<Vec3>()
-                        / piece.members.len().max(1) as f64;
-                    skipped.push(format!(
-                        "{count:.0} points around ({:.1}, {:.1}, {:.1}): no developable strip follows them within {} mm",
-                        c.x, c.y, c.z, options.tolerance
-                    ));
-                }
+            if !piece.fits.is_empty() {
+                out.push((piece.members, piece.fits));
+                continue;
             }
+            let count: f64 = piece.members.iter().map(|&i| found.items[i as usize].weight).sum();
+            let c = piece.members.iter().map(|&i| found.items[i as usize].x).sum::<Vec3>()
+                / piece.members.len().max(1) as f64;
+            skipped.push(format!(
+                "{count:.0} points around ({:.1}, {:.1}, {:.1}): no developable strip follows them within {} mm",
+                c.x, c.y, c.z, options.tolerance
+            ));
         }
     }
     out
@@ -167,7 +166,7 @@ fn torses(
 fn strips(
     found: &Estimates,
     points: &[Vec3],
-    fits: Vec<(Vec<u32>, Fit)>,
+    fits: Vec<(Vec<u32>, Vec<Fit>)>,
     options: &FitOptions,
     skipped: &mut Vec<String>,
 ) -> Vec<Strip> {
@@ -176,20 +175,43 @@ fn strips(
         members.iter().for_each(|&i| owner[i as usize] = Some(k as u32));
     }
     let mut own: Vec<Vec<Vec3>> = vec![Vec::new(); fits.len()];
-    let torses: Vec<&Fit> = fits.iter().map(|f| &f.1).collect();
+    let torses: Vec<&Fit> = fits.iter().filter_map(|f| f.1.first()).collect();
     for (p, k) in points.iter().zip(assigned(found, &owner, &torses, points, options.tolerance)) {
         if let Some(k) = k {
             own[k as usize].push(*p);
         }
     }
     let mut out: Vec<Strip> = Vec::new();
-    for ((_, fit), own) in fits.iter().zip(&own) {
-        match strip(&format!("A-{:02}", out.len() + 1), fit, own, options.tolerance) {
+    for ((_, fits), own) in fits.iter().zip(&own) {
+        let name = format!("A-{:02}", out.len() + 1);
+        match nearest(&name, fits, own, options.tolerance) {
             Ok(s) => out.push(s),
-            Err(e) => skipped.push(format!("a {} under {} points has no strip: {e}", fit.kind.name(), own.len())),
+            Err(reason) => skipped.push(format!("{} points have no strip: {reason}", own.len())),
         }
     }
     out
+}
+
+/// The strip of the torse whose proven distance from its points is the smallest.
+fn nearest(name: &str, fits: &[Fit], own: &[Vec3], tolerance: f64) -> Result<Strip, String> {
+    // Points judged for the choice; the strip chosen is judged with all of them later.
+    const JUDGED: usize = 20_000;
+    let some: Vec<Vec3> = own.iter().step_by(own.len().div_ceil(JUDGED).max(1)).copied().collect();
+    let mut best: Option<(f64, Strip)> = None;
+    let mut reason = String::new();
+    for fit in fits {
+        match strip(name, fit, own, tolerance) {
+            Ok(s) if fits.len() == 1 => return Ok(s),
+            Ok(s) => {
+                let worst = certified(std::slice::from_ref(&s), &some, &Control::default()).worst_bound();
+                if best.as_ref().is_none_or(|b| worst < b.0) {
+                    best = Some((worst, s));
+                }
+            }
+            Err(e) => reason = format!("the {} found gives none: {e}", fit.kind.name()),
+        }
+    }
+    best.map(|b| b.1).ok_or(reason)
 }
 
 fn status(strips: &[Strip], c: &PointCertificate, points: &[Vec3], tolerance: f64, control: &Control) -> Status {

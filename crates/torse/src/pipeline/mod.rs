@@ -11,5 +11,6 @@ pub mod info;
 pub mod loft;
 pub mod outcome;
 pub mod presentation;
+pub mod row;
 pub mod sheets;
 pub mod sweep;

@@ -16,6 +16,7 @@ mod hug;
 pub mod net;
 pub mod panel;
 pub mod pattern;
+pub mod plane_row;
 pub mod rail;
 pub mod ruled_strip;
 pub mod strip;

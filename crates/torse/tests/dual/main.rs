@@ -4,6 +4,7 @@ mod cloud;
 mod levels;
 mod planes;
 mod regression;
+mod rows;
 
 /// Evenly distributed numbers in −1..1, the same on every machine.
 pub struct Random(u64);

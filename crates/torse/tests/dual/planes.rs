@@ -6,7 +6,7 @@ use torse::fit::plane_correction::{corrected, joint, JointOptions};
 use torse::fit::plane_estimates::{planes_of_rulings, ruling_direction, Ends, EstimateError};
 use torse::fit::plane_frame::{frame_of_normals, segments, FrameError, STEEPEST};
 use torse::fit::planes::{interpolated, planes, ruling_condition, PlaneDatum, PlanesError, PlanesOptions};
-use torse::fit::reduce::reduced;
+use torse::fit::reduce::{reduced, reduced_robustly};
 use torse::fit::rulings::{slope_fit, PointDatum, RulingDatum, SlopeData, SlopeOptions};
 use torse::fit::Freedom;
 use torse::geom::measure::{LineMeasure, Measure};
@@ -284,4 +284,41 @@ fn planes_of_rulings_are_of_second_order() {
     let r = ruling_direction([[1.0, 1.0], [1.0, 1.0]]).expect("a direction");
     assert!((r[0] + r[1]).abs() < 1e-12);
     assert!(ruling_direction([[0.0, 0.0], [0.0, 0.0]]).is_none());
+}
+
+#[test]
+fn robust_weights_reject_rulings_points_and_dents() {
+    let knots = Knots::uniform(3, 4, 0.0, 1.0).expect("knots");
+    let along = LineMeasure::interval(-1.0, 1.0).expect("an interval");
+    // The paraboloid-like surface u0 = t³, u1 = t² with rulings h0 = 3 t², h1 = 2 t; every ninth ruling is wrong.
+    let plane = |t: f64| PlaneDatum { plane: [t * t * t, t * t, t], parameter: t, measure: square(), weight: 1.0 };
+    let rulings = (0..40)
+        .map(|i| {
+            let t = f64::from(i) / 39.0;
+            let wrong = if i % 9 == 4 { 0.7 } else { 1e-4 * f64::from(i % 5) };
+            RulingDatum { parameter: t, ground_plan: [3.0 * t * t + wrong, 2.0 * t], along, weight: 1.0 }
+        })
+        .collect();
+    let data = SlopeData { planes: vec![plane(0.0), plane(1.0)], rulings, points: Vec::new() };
+    let off = |robust: bool| {
+        let options = SlopeOptions { robust, ..SlopeOptions::default() };
+        let f = slope_fit(&data, &knots, &options).expect("a fit");
+        (0..=20).map(|i| f64::from(i) / 20.0).map(|t| (f.curve.jet(t)[1][0] - 3.0 * t * t).abs()).fold(0.0, f64::max)
+    };
+    assert!(off(true) < 2e-3 && off(false) > 0.05, "{} {}", off(true), off(false));
+    // A source with a dent, reduced to few knots.
+    let fine = Knots::uniform(3, 40, 0.0, 1.0).expect("knots");
+    let control: Vec<[f64; 3]> = (0..43)
+        .map(|i| {
+            let dent = if i == 20 { 0.5 } else { 0.0 };
+            let t = f64::from(i) / 42.0;
+            [t * t + dent, t, 1.0 - t]
+        })
+        .collect();
+    let source = DualCurve::graph(3, fine.values().to_vec(), &control).expect("planes");
+    let smooth = |c: &DualCurve| (c.planes().point(0.5)[0] - 0.25).abs();
+    let measure = |_: f64| square();
+    let plain = reduced(&source, &knots, &measure, false).expect("a reduction");
+    let robust = reduced_robustly(&source, &knots, &measure, false).expect("a reduction");
+    assert!(smooth(&robust.curve) < 0.2 * smooth(&plain.curve), "{} {}", smooth(&robust.curve), smooth(&plain.curve));
 }

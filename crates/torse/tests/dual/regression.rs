@@ -91,8 +91,44 @@ fn an_outline_needs_less_than_its_slab() {
     assert!(narrow.fit.cost < wide.fit.cost);
     let x = regression_x(&narrow.fit.curve);
     assert!((0..=400).all(|i| x[i].abs() > 0.1 + 0.9 * i as f64 / 400.0));
-    let boxed = ForbiddenZone::Box { min: [-1.05, 0.0, 0.0], max: [1.05, 1.0, 1.0] };
-    assert_eq!(regression_free(&data, &knots, &boxed, &options).expect("a fit"), wide);
+}
+
+#[test]
+fn a_box_binds_only_the_rulings_that_meet_it() {
+    let knots = Knots::uniform(3, 8, 0.0, 1.0).expect("knots");
+    let data = noisy(4, 40);
+    let options = RegressionOptions { margin: Some(1e-3), ..RegressionOptions::default() };
+    let wide = regression_free(&data, &knots, &ForbiddenZone::Slab(-1.05, 1.05), &options).expect("a fit");
+    // A box around the middle of the surface, and one that the surface never meets.
+    let (min, max) = ([-1.05, -0.5, -10.0], [1.05, -0.2, 10.0]);
+    let boxed = regression_free(&data, &knots, &ForbiddenZone::Box { min, max }, &options).expect("a fit");
+    assert!(boxed.fit.cost <= wide.fit.cost * (1.0 + 1e-9));
+    for i in 0..=400 {
+        let t = f64::from(i) / 400.0;
+        let [_, d, s] = boxed.fit.curve.jet(t);
+        let x = -s[0] / s[1];
+        let y = -(d[0] + d[1] * x);
+        assert!(!(x > min[0] + 1e-6 && x < max[0] - 1e-6 && y > min[1] + 1e-6 && y < max[1] - 1e-6), "{t}: {x} {y}");
+    }
+    let far = ForbiddenZone::Box { min: [-1.0, 900.0, -1.0], max: [1.0, 901.0, 1.0] };
+    let got = regression_free(&data, &knots, &far, &options).expect("a fit");
+    assert!((got.fit.cost - got.free_cost).abs() <= 1e-9 * got.free_cost);
+}
+
+#[test]
+fn the_outline_of_a_panel_is_cut_by_its_rulings() {
+    let knots = Knots::uniform(3, 8, 0.0, 1.0).expect("knots");
+    let data = noisy(4, 40);
+    let options = RegressionOptions { margin: Some(1e-3), ..RegressionOptions::default() };
+    let free = torse::fit::rulings::slope_fit(&data, &knots, &options.fit).expect("a fit");
+    let square = [[-0.5, -9.0], [0.5, -9.0], [0.5, 9.0], [-0.5, 9.0]];
+    let zone = ForbiddenZone::of_outline(&free.curve, &square, 0.1, 33).expect("a zone");
+    let ForbiddenZone::Outline { extent, .. } = &zone else { panic!("an outline") };
+    assert!(extent.iter().all(|e| e.1 >= -0.5 - 1e-12 && e.2 <= 0.5 + 1e-12) && !extent.is_empty());
+    let got = regression_free(&data, &knots, &zone, &options).expect("a fit");
+    let wide = regression_free(&data, &knots, &ForbiddenZone::Slab(-0.6, 0.6), &options).expect("a fit");
+    assert!(got.fit.cost <= wide.fit.cost * (1.0 + 1e-9));
+    assert!(ForbiddenZone::of_outline(&free.curve, &[], 0.1, 33).is_err());
 }
 
 #[test]

@@ -3,14 +3,16 @@
 //! *Method.* A torse is fitted to the whole region; where it is not near enough, the estimates are sorted across the
 //! rulings (the direction in space along which normals change most) and the longest beginning that a torse can
 //! follow is found by bisection, then the rest likewise (the segmentation of \[PW99, 4.3\], made by fits). Torses
-//! are those of the main job: over a plane profile, so that planes, cylinders, cones and inflections are included.
+//! are those over a plane profile, so that planes, cylinders, cones and inflections are included, and dual splines.
 
 use super::estimates::Estimates;
 use super::regions::Region;
 use crate::control::Control;
 use crate::fit::primal::{primal, PrimalOptions};
+use crate::fit::row::{dual_of_cloud, RowOptions};
 use crate::fit::samples::{Fit, Sample};
 use crate::geom::Vec3;
+use crate::surface::torse::PanelKind;
 use nalgebra::{Matrix3, SymmetricEigen};
 
 /// Options of [`pieces`].
@@ -38,8 +40,8 @@ impl PieceOptions {
 pub struct Piece {
     /// Estimates that belong to it.
     pub members: Vec<u32>,
-    /// The torse; `None` where nothing fits.
-    pub fit: Option<Fit>,
+    /// Torses that follow it, the nearest to its estimates first; empty where nothing fits.
+    pub fits: Vec<Fit>,
 }
 
 /// Splits a region into pieces. Every estimate belongs to exactly one piece.
@@ -60,34 +62,37 @@ pub fn pieces(estimates: &Estimates, region: &Region, options: &PieceOptions, co
     while let Some(mut rest) = waiting.pop() {
         let name = |s: &[(u32, Sample)]| s.iter().map(|p| p.0).collect::<Vec<u32>>();
         if rest.len() < options.fewest || out.len() >= options.max_pieces || control.stopped() {
-            out.push(Piece { members: name(&rest), fit: None });
+            out.push(Piece { members: name(&rest), fits: Vec::new() });
             continue;
         }
-        if let Some(fit) = attempt(&rest, options) {
-            out.push(Piece { members: name(&rest), fit: Some(fit) });
+        let found = attempt(&rest, estimates.cell, options);
+        if !found.is_empty() {
+            out.push(Piece { members: name(&rest), fits: found });
             continue;
         }
         let axis = across(&rest);
         rest.sort_by(|a, b| axis.dot(&a.1.x).total_cmp(&axis.dot(&b.1.x)));
         let (mut good, mut bad) = (0, rest.len());
-        let mut best = None;
+        let mut best = Vec::new();
         for _ in 0..STEPS {
             let middle = (good + bad) / 2;
             if middle < options.fewest || middle <= good {
                 break;
             }
-            match attempt(&rest[..middle], options) {
-                Some(fit) => (good, best) = (middle, Some(fit)),
-                None => bad = middle,
+            let found = attempt(&rest[..middle], estimates.cell, options);
+            if found.is_empty() {
+                bad = middle;
+            } else {
+                (good, best) = (middle, found);
             }
         }
-        if best.is_none() {
+        if best.is_empty() {
             // A last try with the smallest piece; if that fails, it is named and left out.
             good = options.fewest.min(rest.len());
-            best = attempt(&rest[..good], options);
+            best = attempt(&rest[..good], estimates.cell, options);
         }
         let tail = rest.split_off(good);
-        out.push(Piece { members: name(&rest), fit: best });
+        out.push(Piece { members: name(&rest), fits: best });
         if !tail.is_empty() {
             waiting.push(tail);
         }
@@ -95,17 +100,24 @@ pub fn pieces(estimates: &Estimates, region: &Region, options: &PieceOptions, co
     out
 }
 
-/// A torse within the tolerance of the estimates.
-fn attempt(samples: &[(u32, Sample)], options: &PieceOptions) -> Option<Fit> {
+/// Torses within the tolerance of the estimates: over a plane profile, and a dual spline.
+fn attempt(samples: &[(u32, Sample)], cell: f64, options: &PieceOptions) -> Vec<Fit> {
     // Cosine of the angle from the mean normal beyond which a torse over a plane profile is not tried: 65°.
     const TURNED: f64 = 0.422_618_261_740_699_4;
     let samples: Vec<Sample> = samples.iter().map(|s| s.1).collect();
     let mean: Vec3 = samples.iter().map(|s| s.n).sum();
-    if mean.norm() <= 0.0 || samples.iter().any(|s| s.n.dot(&mean) < TURNED * mean.norm()) {
-        return None;
+    let mut out = Vec::new();
+    if mean.norm() > 0.0 && samples.iter().all(|s| s.n.dot(&mean) >= TURNED * mean.norm()) {
+        out.extend(primal(&samples, &PrimalOptions::new(options.enough)));
     }
-    let fit = primal(&samples, &PrimalOptions::new(options.enough))?;
-    (fit.error <= options.tolerance).then_some(fit)
+    let simple = out.first().is_some_and(|f: &Fit| f.kind != PanelKind::Torse && f.error <= options.tolerance);
+    // A plane, cylinder or cone that is near enough is what people expect to get back.
+    if !simple {
+        out.extend(dual_of_cloud(&samples, cell, &RowOptions::new(options.enough)));
+    }
+    out.retain(|f| f.error <= options.tolerance);
+    out.sort_by(|a, b| a.error.total_cmp(&b.error));
+    out
 }
 
 /// The direction in space along which normals change most.

@@ -1,4 +1,5 @@
 //! Coarse and fine: splines and support functions in nested spaces \[PW99, 4.5\].
 
+pub mod closed;
 pub mod trigonometric;
 pub mod wavelets;

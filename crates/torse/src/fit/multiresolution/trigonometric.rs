@@ -13,8 +13,11 @@ use crate::num::quadratic_program::{QuadraticProgram, QuadraticProgramError};
 use crate::num::quadrature::gauss_legendre;
 
 /// Nodes of the Gauss rule on each part of a piece, and parts: smooth data are integrated to rounding.
-const NODES: usize = 12;
-const PARTS: usize = 2;
+pub(super) const NODES: usize = 12;
+pub(super) const PARTS: usize = 2;
+
+/// Pieces of a closed contour at least: three neighbours must not meet behind their backs.
+pub const FEWEST_CLOSED: usize = 4;
 
 /// Why a strip cannot be approximated.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -29,6 +32,14 @@ pub enum StripError {
         index: usize,
         /// Its value, radians.
         value: f64,
+    },
+    /// Angles of a closed contour that do not go round once, or too few of them.
+    #[error("a closed contour needs at least {FEWEST_CLOSED} pieces whose angles go round once; here {pieces} pieces turn by {turn}")]
+    Turn {
+        /// Number of pieces.
+        pieces: usize,
+        /// Last angle minus first, radians.
+        turn: f64,
     },
     /// A support function that is not finite.
     #[error("the support function at the angle {0} is not a finite number")]
@@ -145,7 +156,7 @@ impl TrigonometricSpline {
     }
 }
 
-fn check(angles: &[f64]) -> Result<(), StripError> {
+pub(super) fn check(angles: &[f64]) -> Result<(), StripError> {
     if angles.len() < 2 {
         return Err(StripError::Count(angles.len()));
     }
@@ -168,14 +179,14 @@ fn nested(fine: &[f64], coarse: &[f64]) -> Result<(), StripError> {
 }
 
 /// A local basis function: three pieces from angle `first` of the extended angles, zero outside.
-struct Local {
+pub(super) struct Local {
     angles: [f64; 4],
-    radii: [f64; 3],
+    pub(super) radii: [f64; 3],
 }
 
 impl Local {
     /// Radii with vanishing closing vector `∫ ρ e^{is} ds`, scaled to height about 1.
-    fn over(angles: [f64; 4]) -> Self {
+    pub(super) fn over(angles: [f64; 4]) -> Self {
         let e = |i: usize| {
             let (a, b) = (angles[i], angles[i + 1]);
             [b.sin() - a.sin(), a.cos() - b.cos()]
@@ -189,7 +200,7 @@ impl Local {
         local
     }
 
-    fn value(&self, phi: f64) -> f64 {
+    pub(super) fn value(&self, phi: f64) -> f64 {
         if phi <= self.angles[0] || phi >= self.angles[3] {
             return 0.0;
         }
@@ -439,7 +450,7 @@ fn projected(fine: &TrigonometricSpline, angles: &[f64]) -> Result<Trigonometric
 }
 
 /// The spline with given coefficients of the local basis.
-fn of_coefficients(angles: &[f64], basis: &[Local], x: &[f64]) -> TrigonometricSpline {
+pub(super) fn of_coefficients(angles: &[f64], basis: &[Local], x: &[f64]) -> TrigonometricSpline {
     let radii = (0..angles.len() - 1).map(|i| (0..3).map(|k| x[i + k] * basis[i + k].radii[2 - k]).sum()).collect();
     let phi = angles[0];
     let (value, slope) =

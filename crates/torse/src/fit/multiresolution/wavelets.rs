@@ -194,8 +194,8 @@ pub struct Thinned<const D: usize> {
 }
 
 /// Compresses a curve: splits it through `levels` (each coarser than the one before) and drops details that move no
-/// coordinate by more than `tolerance` in sum. The bound is that of the control points of the difference, rounding of
-/// the subtraction aside.
+/// coordinate by more than `tolerance` in sum. The bound is that of the control points of the difference, rounded
+/// outwards: B-splines are not negative and sum to 1.
 ///
 /// # Errors
 /// As [`split`]; a tolerance that is not positive.
@@ -234,11 +234,21 @@ pub fn thinned<const D: usize>(curve: &Curve<D>, levels: &[Knots], tolerance: f6
             .control
             .iter()
             .zip(&curve.control)
-            .flat_map(|(a, b)| (0..D).map(move |d| (a[d] - b[d]).abs()))
+            .flat_map(|(a, b)| (0..D).map(move |d| gap_bound(a[d], b[d])))
             .fold(0.0, f64::max);
         if error_bound <= tolerance || threshold <= 0.25 * safe {
             return Ok(Thinned { curve: again, kept, total, error_bound });
         }
         threshold *= 0.5;
+    }
+}
+
+/// Upper bound of the distance of two numbers; a difference that is not zero is rounded by half a unit at most.
+fn gap_bound(a: f64, b: f64) -> f64 {
+    let d = (a - b).abs();
+    if d > 0.0 {
+        d.next_up()
+    } else {
+        d
     }
 }

@@ -115,6 +115,32 @@ pub fn read(bytes: &[u8], options: &CurveOptions) -> Result<Rail, CurveError> {
     Ok(if options.polyline { Rail::polyline(&options.name, &points)? } else { Rail::through(&options.name, &points)? })
 }
 
+/// Straight lines of a DXF drawing by their ends, in the order of the file, mm. `unit` is the length of a unit of the
+/// drawing in mm where it does not say.
+///
+/// # Errors
+/// See [`CurveError`].
+pub fn lines(bytes: &[u8], name: &str, unit: f64) -> Result<Vec<[crate::geom::Vec3; 2]>, CurveError> {
+    let text = String::from_utf8_lossy(bytes);
+    if !is_dxf(text.trim_start_matches(['\u{feff}', ' ', '\r', '\n', '\t'])) {
+        return Err(CurveError::Damaged { name: name.into(), reason: "it is no ASCII DXF drawing".into() });
+    }
+    let named = CurveOptions { name: name.into(), ..CurveOptions::default() };
+    let all = match dxf::read(&text, &named) {
+        Err(CurveError::NoUnit(_)) => dxf::read(&text, &CurveOptions { unit: Some(unit), ..named })?,
+        other => other?,
+    };
+    let point = |c: &[f64; 4]| crate::geom::Vec3::new(c[0], c[1], c[2]) / c[3];
+    Ok(all
+        .iter()
+        .filter(|f| f.curves.len() == 1)
+        .filter_map(|f| match &f.curves[0].control[..] {
+            [p, q] => Some([point(p), point(q)]),
+            _ => None,
+        })
+        .collect())
+}
+
 /// DXF files begin with a group code 0 and SECTION, or with comments (code 999).
 fn is_dxf(start: &str) -> bool {
     let mut lines = start.lines().map(str::trim);

@@ -1,0 +1,253 @@
+//! How near given rulings and tangent planes are to strips: a proven bound for each of them.
+//!
+//! *Method.* Each part of a given ruling is compared with a ruling of a strip end by end; between its ends the distance
+//! from a segment is convex, so that the bound holds for all points of the given ruling. A given plane is compared over its region of interest, a disc in it, with a tangent plane of a strip: the plane of
+//! a ruling and the homogeneous derivative across it, as in \[PW99, 2\]. The best parameter is searched with plain
+//! numbers; the bound is evaluated in interval arithmetic \[MKC09\] from the numbers of the patch that are written.
+//! *Not guaranteed*: that a bound is the distance, or anything about the surface between the given elements.
+
+use super::points::{distance_bound, Target};
+use crate::control::Control;
+use crate::geom::Vec3;
+use crate::num::interval::Interval;
+use crate::spline::blossom::of_piece;
+use crate::spline::curve::Curve;
+use crate::surface::plane_row::PlaneElement;
+use crate::surface::strip::Strip;
+use rayon::prelude::*;
+
+/// Proven distances of rulings and planes from strips.
+#[derive(Clone, Debug)]
+pub struct ElementCertificate {
+    bounds: Vec<f64>,
+    places: Vec<(u32, f64)>,
+}
+
+impl ElementCertificate {
+    /// For each element a number that its distance does not exceed, mm: of all points of a ruling from a strip, of a plane over its region from the nearest tangent plane; infinite without strips.
+    pub fn bounds(&self) -> &[f64] {
+        &self.bounds
+    }
+
+    /// For each element the strip and the parameter u that give its bound.
+    pub fn places(&self) -> &[(u32, f64)] {
+        &self.places
+    }
+
+    /// Index of the element with the largest bound.
+    pub fn worst(&self) -> Option<usize> {
+        (0..self.bounds.len()).max_by(|&i, &j| self.bounds[i].total_cmp(&self.bounds[j]))
+    }
+
+    /// Largest bound, mm; 0 without elements.
+    pub fn worst_bound(&self) -> f64 {
+        self.worst().map_or(0.0, |i| self.bounds[i])
+    }
+
+    /// Number of elements whose bound exceeds a tolerance, mm.
+    pub fn beyond(&self, tolerance: f64) -> usize {
+        self.bounds.iter().filter(|b| b.is_nan() || **b > tolerance).count()
+    }
+}
+
+/// Parts of a ruling that are compared for themselves: a ruling of the strip that crosses the given one at a small angle
+/// is then near enough on each part.
+const PARTS: usize = 16;
+
+/// Bounds the distance of every element from the nearest strip. Stopped early, elements not reached keep infinite
+/// bounds.
+pub fn elements(strips: &[Strip], elements: &[PlaneElement], control: &Control) -> ElementCertificate {
+    let targets: Vec<Target> = strips.iter().map(Target::of).collect();
+    let found: Vec<(f64, (u32, f64))> = elements
+        .par_iter()
+        .map(|e| {
+            let mut best = (f64::INFINITY, (0, 0.0));
+            for (k, t) in targets.iter().enumerate() {
+                if control.stopped() {
+                    break;
+                }
+                let (bound, u) = if e.has_ruling() { of_ruling(t, e) } else { of_plane(t, e) };
+                if bound < best.0 {
+                    best = (bound, (k as u32, u));
+                }
+            }
+            best
+        })
+        .collect();
+    ElementCertificate { bounds: found.iter().map(|f| f.0).collect(), places: found.iter().map(|f| f.1).collect() }
+}
+
+/// The parameter with the least value: best of the table, then golden sections around it.
+fn least(t: &Target, value: impl Fn(f64) -> f64) -> f64 {
+    // Enough to narrow a table's spacing to the square root of rounding, where the value is flat.
+    const SECTIONS: usize = 50;
+    const GOLDEN: f64 = 0.618_033_988_749_894_9;
+    let at: Vec<(f64, f64)> = t.table.iter().map(|r| (value(r.0), r.0)).collect();
+    let i = (0..at.len()).min_by(|&i, &j| at[i].0.total_cmp(&at[j].0)).unwrap_or(0);
+    let (mut a, mut b) = (at[i.saturating_sub(1)].1, at[(i + 1).min(at.len() - 1)].1);
+    let (mut best, mut u) = at[i];
+    for _ in 0..SECTIONS {
+        let (p, q) = (b - GOLDEN * (b - a), a + GOLDEN * (b - a));
+        let (vp, vq) = (value(p), value(q));
+        for (v, x) in [(vp, p), (vq, q)] {
+            if v < best {
+                (best, u) = (v, x);
+            }
+        }
+        if vp < vq {
+            b = q;
+        } else {
+            a = p;
+        }
+    }
+    u
+}
+
+/// Share along the ruling of the point nearest `x`.
+fn share(p: &Vec3, d: &Vec3, x: &Vec3) -> f64 {
+    let dd = d.norm_squared();
+    if dd > 0.0 {
+        ((x - p).dot(d) / dd).clamp(0.0, 1.0)
+    } else {
+        0.0
+    }
+}
+
+/// The largest bound of the parts of a ruling, and the parameter for its middle part.
+fn of_ruling(t: &Target, e: &PlaneElement) -> (f64, f64) {
+    let at = |k: usize| {
+        let s = k as f64 / PARTS as f64;
+        // The last part ends where the ruling ends, to the last digit.
+        if k == PARTS {
+            e.ends[1]
+        } else {
+            e.ends[0] * (1.0 - s) + e.ends[1] * s
+        }
+    };
+    let parts = (0..PARTS).map(|k| of_part(t, &[at(k), at(k + 1)]));
+    let (mut worst, mut middle) = (0.0_f64, 0.0);
+    for (k, (bound, u)) in parts.enumerate() {
+        worst = worst.max(bound);
+        if k == PARTS / 2 {
+            middle = u;
+        }
+    }
+    // Inner points are rounded: they lie off the segment by less than this.
+    let size = e.ends.iter().map(|x| x.amax()).fold(0.0, f64::max);
+    ((worst + 4.0 * f64::EPSILON * size).next_up(), middle)
+}
+
+fn of_part(t: &Target, ends: &[Vec3; 2]) -> (f64, f64) {
+    let u = least(t, |u| {
+        let [p, q] = t.strip.ruling(u);
+        let d = q - p;
+        let off = |x: &Vec3| (p + d * share(&p, &d, x) - x).norm_squared();
+        off(&ends[0]).max(off(&ends[1]))
+    });
+    let [p, q] = t.strip.ruling(u);
+    let d = q - p;
+    // The homogeneous parameter of an affine share, with the weights of both rails.
+    let weights = [0, 1].map(|k| t.rails[k].point(u)[3]);
+    let bound = |x: &Vec3| {
+        let l = share(&p, &d, x);
+        let v = l * weights[0] / (l * weights[0] + (1.0 - l) * weights[1]);
+        distance_bound(t, u, v, x)
+    };
+    (bound(&ends[0]).max(bound(&ends[1])), u)
+}
+
+fn of_plane(t: &Target, e: &PlaneElement) -> (f64, f64) {
+    let c = e.centre();
+    let normal = e.normal.normalize();
+    let u = least(t, |u| {
+        let jet = t.strip.patch.jet(u, 0.5);
+        let n = jet.normal().normalize();
+        n.dot(&(c - jet.p)).abs() + e.radius * n.cross(&normal).norm()
+    });
+    (plane_bound(t, u, e, &c), u)
+}
+
+/// Upper bound of the distance between the element's plane, over its disc, and the tangent plane at `u`.
+fn plane_bound(t: &Target, u: f64, e: &PlaneElement, c: &Vec3) -> f64 {
+    let jets = [0, 1].map(|k| jet(&t.rails[k], u));
+    let across: [Interval; 4] = std::array::from_fn(|d| jets[0].1[d] + jets[1].1[d]);
+    let plane = through(&jets[0].0, &jets[1].0, &across);
+    let n = [plane[0], plane[1], plane[2]];
+    let given = e.normal.map(Interval::from);
+    let length = root(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+    let own = root(given[0] * given[0] + given[1] * given[1] + given[2] * given[2]);
+    let off = n[0] * Interval::from(c.x) + n[1] * Interval::from(c.y) + n[2] * Interval::from(c.z) + plane[3];
+    let cross: [Interval; 3] =
+        std::array::from_fn(|i| n[(i + 1) % 3] * given[(i + 2) % 3] - n[(i + 2) % 3] * given[(i + 1) % 3]);
+    let sine = root(cross[0] * cross[0] + cross[1] * cross[1] + cross[2] * cross[2]) / (length * own);
+    let bound = (off / length).abs().hi + (Interval::from(e.radius) * sine).hi;
+    // One sum of two numbers, rounded to nearest.
+    if bound.is_finite() {
+        bound.next_up()
+    } else {
+        f64::INFINITY
+    }
+}
+
+/// Enclosure of the square root; the root of a double is correctly rounded.
+fn root(x: Interval) -> Interval {
+    Interval { lo: x.lo.max(0.0).sqrt().next_down().max(0.0), hi: x.hi.max(0.0).sqrt().next_up() }
+}
+
+/// Value and derivative of a homogeneous curve.
+fn jet(curve: &Curve<4>, u: f64) -> ([Interval; 4], [Interval; 4]) {
+    let knots = &curve.knots;
+    let p = knots.degree();
+    let span = knots.span(u);
+    let (a, b) = (knots.values()[span], knots.values()[span + 1]);
+    let blossom = |last: f64| {
+        let mut args = vec![Interval::from(u); p];
+        args[p - 1] = Interval::from(last);
+        let mut net: Vec<[Interval; 4]> =
+            curve.control[span - p..=span].iter().map(|c| c.map(Interval::from)).collect();
+        of_piece(knots, span, &mut net, &args)
+    };
+    let (value, low, high) = (blossom(u), blossom(a), blossom(b));
+    let scale = Interval::from(p as f64) / (Interval::from(b) - Interval::from(a));
+    (value, std::array::from_fn(|d| scale * (high[d] - low[d])))
+}
+
+/// Coordinates `(n, −h)` of the plane through three homogeneous points.
+fn through(a: &[Interval; 4], b: &[Interval; 4], c: &[Interval; 4]) -> [Interval; 4] {
+    let minor = |i: usize, j: usize, k: usize| {
+        a[i] * (b[j] * c[k] - b[k] * c[j]) - a[j] * (b[i] * c[k] - b[k] * c[i]) + a[k] * (b[i] * c[j] - b[j] * c[i])
+    };
+    [minor(1, 2, 3), -minor(0, 2, 3), minor(0, 1, 3), -minor(0, 1, 2)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::surface::torse::PanelKind;
+
+    fn quad() -> Strip {
+        Strip::quad(
+            "A",
+            PanelKind::Plane,
+            [Vec3::zeros(), Vec3::new(0.0, 10.0, 0.0)],
+            [Vec3::new(20.0, 0.0, 0.0), Vec3::new(20.0, 10.0, 0.0)],
+        )
+        .expect("a strip")
+    }
+
+    #[test]
+    fn rulings_and_planes_above_a_plane_have_their_distance() {
+        let z = Vec3::new(0.0, 0.0, 1.0);
+        let ruling =
+            PlaneElement { normal: z, ends: [Vec3::new(5.0, 1.0, 0.2), Vec3::new(5.0, 8.0, 0.5)], radius: 1.0 };
+        let level = PlaneElement { normal: z, ends: [Vec3::new(5.0, 5.0, 0.3); 2], radius: 2.0 };
+        let tilted =
+            PlaneElement { normal: Vec3::new(0.6, 0.0, 0.8), ends: [Vec3::new(5.0, 5.0, 0.0); 2], radius: 2.0 };
+        let got = elements(&[quad()], &[ruling, level, tilted], &Control::default());
+        for (b, d) in got.bounds().iter().zip([0.5, 0.3, 1.2]) {
+            assert!(*b >= d - 1e-12 && *b <= d + 1e-6, "{b} {d}");
+        }
+        assert_eq!((got.worst(), got.beyond(0.4)), (Some(2), 2));
+        assert!(elements(&[], &[ruling], &Control::default()).bounds()[0].is_infinite());
+    }
+}

@@ -1,0 +1,171 @@
+//! Tangent planes and rulings from files: tables whose first line names the columns, and the lines of a DXF drawing.
+//! The tables carry no unit: the caller gives it.
+
+use super::cloud::CloudReadError;
+use crate::geom::Vec3;
+use crate::surface::plane_row::{Given, PlaneElement};
+
+/// Columns of a ruling from p to q.
+const RULING: [&str; 6] = ["px", "py", "pz", "qx", "qy", "qz"];
+/// Columns of the plane `a x + b y + c z = d`.
+const PLANE: [&str; 4] = ["a", "b", "c", "d"];
+/// Columns of a region of interest: centre and radius.
+const REGION: [&str; 4] = ["x", "y", "z", "r"];
+/// Columns of the normal of a ruling's tangent plane.
+const NORMAL: [&str; 3] = ["nx", "ny", "nz"];
+
+/// Whether a file gives planes or rulings: a DXF drawing, or a table whose headings say so.
+pub fn holds_elements(name: &str, bytes: &[u8]) -> bool {
+    let ending = name.rsplit('.').next().unwrap_or("").to_ascii_lowercase();
+    match ending.as_str() {
+        "dxf" => true,
+        "csv" | "txt" => {
+            let text = String::from_utf8_lossy(&bytes[..bytes.len().min(4096)]);
+            let head = lines(&text).next().map(|(_, line)| headings(line)).unwrap_or_default();
+            let names = |all: &[&str]| all.iter().all(|c| head.iter().any(|h| h == c));
+            names(&PLANE) || names(&RULING)
+        }
+        _ => false,
+    }
+}
+
+/// Planes or rulings of a file. `unit` is the length of the file's unit in mm (drawings may say theirs, which then
+/// counts); `region` (centre and radius, mm) is that of planes which come without.
+///
+/// Tables: `px,py,pz,qx,qy,qz` are rulings, with `nx,ny,nz` their tangent planes; `a,b,c,d` are planes
+/// `a x + b y + c z = d`, with `x,y,z,r` their regions of interest. `t` in either sorts them.
+///
+/// # Errors
+/// See [`CloudReadError`].
+pub fn read(name: &str, bytes: &[u8], unit: f64, region: Option<[f64; 4]>) -> Result<Given, CloudReadError> {
+    if name.to_ascii_lowercase().ends_with(".dxf") {
+        let lines = super::curves::lines(bytes, name, unit)
+            .map_err(|e| CloudReadError::Format { format: "DXF", reason: e.to_string() })?;
+        if lines.is_empty() {
+            let reason = "it holds no LINE: draw the rulings as lines".to_string();
+            return Err(CloudReadError::Format { format: "DXF", reason });
+        }
+        return Ok(Given::Rulings(lines));
+    }
+    table(bytes, unit, region)
+}
+
+/// Lines that are neither empty nor comments, with their numbers from 1.
+fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
+    text.lines()
+        .enumerate()
+        .map(|(i, l)| (i + 1, l.trim().trim_start_matches('\u{feff}')))
+        .filter(|(_, l)| !l.is_empty() && !l.starts_with('#') && !l.starts_with("//"))
+}
+
+fn words(line: &str) -> impl Iterator<Item = &str> {
+    line.split([',', ';', '\t', ' ']).map(str::trim).filter(|w| !w.is_empty())
+}
+
+fn headings(line: &str) -> Vec<String> {
+    words(line).map(|w| w.trim_matches('"').to_ascii_lowercase()).collect()
+}
+
+fn table(bytes: &[u8], unit: f64, region: Option<[f64; 4]>) -> Result<Given, CloudReadError> {
+    let text = String::from_utf8_lossy(bytes);
+    let mut rows = lines(&text);
+    let head = rows.next().map(|(_, l)| headings(l)).unwrap_or_default();
+    let column = |name: &str| head.iter().position(|h| h == name);
+    let columns = |names: &[&str]| -> Option<Vec<usize>> { names.iter().map(|n| column(n)).collect() };
+    let (planes, rulings) = (columns(&PLANE), columns(&RULING));
+    let (regions, normals, order) = (columns(&REGION), columns(&NORMAL), column("t"));
+    let mut found: Vec<(f64, Vec3, [Vec3; 2], f64)> = Vec::new();
+    for (line, text) in rows {
+        let fault = |reason: String| CloudReadError::Line { format: "CSV", line, reason };
+        let mut values = Vec::with_capacity(head.len());
+        for w in words(text) {
+            let value = w.parse::<f64>().map_err(|_| fault(format!("'{w}' is not a number")))?;
+            if !value.is_finite() {
+                return Err(fault(format!("'{w}' is not a finite number")));
+            }
+            values.push(value);
+        }
+        if values.len() != head.len() {
+            return Err(fault(format!("{} columns are named, there are {} numbers", head.len(), values.len())));
+        }
+        let vector = |at: &[usize]| Vec3::new(values[at[0]], values[at[1]], values[at[2]]);
+        let t = order.map_or(found.len() as f64, |k| values[k]);
+        if let Some(at) = &rulings {
+            let normal = normals.as_ref().map_or(Vec3::zeros(), |n| vector(n));
+            if normals.is_some() && normal.norm() <= 0.0 {
+                return Err(fault("the normal is zero".into()));
+            }
+            found.push((t, normal, [vector(&at[..3]) * unit, vector(&at[3..]) * unit], 0.0));
+        } else if let Some(at) = &planes {
+            let n = vector(&at[..3]);
+            let d = values[at[3]] * unit;
+            let size = n.norm();
+            if size <= 0.0 {
+                return Err(fault("the plane has no normal: a, b and c are zero".into()));
+            }
+            let ([x, y, z, r], own) =
+                match (&regions, region) {
+                    (Some(k), _) => ([values[k[0]], values[k[1]], values[k[2]], values[k[3]]], unit),
+                    (None, Some(r)) => (r, 1.0),
+                    (None, None) => return Err(fault(
+                        "planes need a region of interest: columns x, y, z, r (centre and radius), or --region X,Y,Z,R"
+                            .into(),
+                    )),
+                };
+            if r <= 0.0 {
+                return Err(fault(format!("the radius {r} of the region of interest is not positive")));
+            }
+            let centre = Vec3::new(x, y, z) * own;
+            // Regions are discs in their planes.
+            let centre = centre - n * ((n.dot(&centre) - d) / (size * size));
+            found.push((t, n / size, [centre; 2], r * own));
+        }
+    }
+    if found.is_empty() {
+        return Err(CloudReadError::Empty);
+    }
+    found.sort_by(|a, b| a.0.total_cmp(&b.0));
+    if rulings.is_some() && normals.is_none() {
+        return Ok(Given::Rulings(found.into_iter().map(|f| f.2).collect()));
+    }
+    let element = |f: (f64, Vec3, [Vec3; 2], f64)| {
+        // Rulings are compared on themselves; their planes in a narrow region around.
+        const NARROW: f64 = 0.1;
+        let radius = if f.3 > 0.0 { f.3 } else { NARROW * (f.2[1] - f.2[0]).norm() };
+        PlaneElement { normal: f.1, ends: f.2, radius }
+    };
+    Ok(Given::Planes(found.into_iter().map(element).collect()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn planes_and_rulings_are_told_by_their_headings() {
+        let rulings = b"t,px,py,pz,qx,qy,qz\n2,0,1,0,1,1,0\n1,0,0,0,1,0,0\n";
+        assert!(holds_elements("a.csv", rulings));
+        assert_eq!(
+            read("a.csv", rulings, 10.0, None).expect("rulings"),
+            Given::Rulings(vec![
+                [Vec3::zeros(), Vec3::new(10.0, 0.0, 0.0)],
+                [Vec3::new(0.0, 10.0, 0.0), Vec3::new(10.0, 10.0, 0.0)]
+            ])
+        );
+        let planes = b"a;b;c;d\n0;0;2;4\n";
+        let Given::Planes(p) = read("a.csv", planes, 1.0, Some([1.0, 1.0, 0.0, 5.0])).expect("planes") else {
+            panic!("planes")
+        };
+        assert_eq!((p[0].centre(), p[0].radius), (Vec3::new(1.0, 1.0, 2.0), 5.0));
+        assert!(!holds_elements("a.csv", b"x,y,z\n1,2,3\n") && !holds_elements("a.csv", b"1,2,3\n"));
+    }
+
+    #[test]
+    fn faults_name_their_line() {
+        let text = |b: &[u8]| read("a.csv", b, 1.0, None).expect_err("a fault").to_string();
+        assert!(text(b"a,b,c,d\n0,0,1,0\n").contains("--region"));
+        assert!(text(b"px,py,pz,qx,qy,qz\n0,0,0,1,0,NaN\n").contains("line 2"));
+        assert!(text(b"px,py,pz,qx,qy,qz\n0,0,0,1,0\n").contains("5 numbers"));
+        assert!(text(b"a,b,c,d,x,y,z,r\n0,0,0,1,0,0,0,1\n").contains("no normal"));
+    }
+}

@@ -1,0 +1,392 @@
+//! From rulings, tangent planes or a developable face to strips of low degree: fit, prove, develop.
+
+use super::cones::ruled;
+use super::cut::cut;
+use super::outcome::{Skipped, Status};
+use super::sheets::{Basis, FieldMeaning, Figure, FlatPart, Sheets, StripField};
+use crate::certify::elements::{elements as certified, ElementCertificate};
+use crate::control::Control;
+use crate::develop::strip::StripOptions;
+use crate::fit::plane_estimates::{
+    planes_of_noisy_rulings, planes_of_rulings, planes_of_smooth_rulings, Ends, EstimateError,
+};
+use crate::fit::row::{row, RowOptions, RowPiece};
+use crate::fit::row_extent::strip;
+use crate::fit::ruling_order::ordered;
+use crate::geom::Vec3;
+use crate::surface::face::Face;
+use crate::surface::plane_row::{orient, Given, PlaneElement};
+use crate::surface::ruled_strip::RuledStrip;
+use crate::surface::strip::Strip;
+
+/// What the job is asked.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RowFitOptions {
+    /// Largest distance of a ruling, or of a plane over its region of interest, from the strips, mm.
+    pub tolerance: f64,
+    /// Name of the input, for files.
+    pub input: String,
+    /// Strips at most; 64.
+    pub max_strips: usize,
+    /// Rulings taken from each face; 160.
+    pub rulings_of_face: usize,
+}
+
+impl RowFitOptions {
+    /// The defaults with a tolerance in mm.
+    pub fn new(tolerance: f64, input: &str) -> Self {
+        Self { tolerance, input: input.into(), max_strips: 64, rulings_of_face: 160 }
+    }
+}
+
+/// The answer: strips with their files' data, and the proof element by element.
+#[derive(Debug)]
+pub struct RowOutcome {
+    /// Strips, figures, patterns.
+    pub sheets: Sheets,
+    /// The elements that were fitted, row after row.
+    pub elements: Vec<PlaneElement>,
+    /// Proven distance of each.
+    pub certificate: ElementCertificate,
+}
+
+/// Why there is no answer at all.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum RowFitError {
+    /// A tolerance that is not positive.
+    #[error("the tolerance {0} is not a positive length")]
+    Tolerance(f64),
+    /// Too few elements.
+    #[error("{0} {1}: at least {FEWEST} are needed")]
+    Few(usize, &'static str),
+    /// An element that cannot be used.
+    #[error("plane {index} has a coordinate that is not finite, no normal, or no region of interest")]
+    Element {
+        /// Its index.
+        index: usize,
+    },
+    /// Tangent planes of rulings cannot be estimated.
+    #[error(transparent)]
+    Estimate(#[from] EstimateError),
+    /// No face can be used.
+    #[error("none of the {count} faces is a ruled developable surface; the first: {reason}")]
+    NoFace {
+        /// Number of faces.
+        count: usize,
+        /// Why the first is not.
+        reason: String,
+    },
+}
+
+/// Elements without which no surface is looked for.
+const FEWEST: usize = 4;
+/// Shares of the tolerance that fits aim at in turn: the proof compares rulings, the fit distances of points.
+const AIMS: [f64; 3] = [0.8, 0.4, 0.15];
+
+/// Fits developable strips to rulings or tangent planes.
+///
+/// *Input*: rulings in any order; planes in order along the surface. *Result*: certified if every element is proven to lie
+/// within the tolerance; otherwise those that are not are counted and the worst is named. Nothing is proven between the
+/// elements.
+///
+/// # Errors
+/// See [`RowFitError`].
+pub fn fit_row(given: &Given, options: &RowFitOptions, control: &Control) -> Result<RowOutcome, RowFitError> {
+    let what = if matches!(given, Given::Rulings(_)) { "rulings" } else { "planes" };
+    if given.len() < FEWEST {
+        return Err(RowFitError::Few(given.len(), what));
+    }
+    let row = match given {
+        Given::Planes(p) => vec![p.clone()],
+        Given::Rulings(r) => of_rulings(r, options.tolerance)?,
+    };
+    run(vec![(what.to_string(), row)], Vec::new(), what, options, control)
+}
+
+/// Lowers the degree of developable faces and thins out their knots: each ruled developable face becomes strips from
+/// cubic splines within the tolerance at its rulings. Faces that are not ruled developables are named as skipped.
+///
+/// # Errors
+/// See [`RowFitError`].
+pub fn fit_faces(
+    faces: &[Face],
+    skipped: &[Skipped],
+    options: &RowFitOptions,
+    control: &Control,
+) -> Result<RowOutcome, RowFitError> {
+    let mut left: Vec<String> = skipped.iter().map(|s| format!("#{}: {}", s.entity, s.reason)).collect();
+    let before = left.len();
+    let mut rows = Vec::new();
+    for (i, face) in faces.iter().enumerate() {
+        let name = if face.name.is_empty() { format!("F{:02}", i + 1) } else { face.name.clone() };
+        match ruled(face, options.tolerance) {
+            Ok((patch, _)) => {
+                let (a, b) = patch.domain();
+                let last = options.rulings_of_face.max(FEWEST) - 1;
+                let row = (0..=last)
+                    .filter_map(|k| {
+                        let jet = patch.jet(a + (b - a) * k as f64 / last as f64);
+                        let element = jet.element().ok()?;
+                        let ends = jet.ends.map(|e| e[0]);
+                        Some(PlaneElement { normal: element.normal, ends, radius: NARROW * jet.length() })
+                    })
+                    .collect();
+                rows.push((name, vec![row]));
+            }
+            Err(reason) => left.push(format!("#{} {name}: {reason}", face.entity)),
+        }
+    }
+    if rows.is_empty() {
+        let reason = left.get(before).cloned().unwrap_or_else(|| "no faces".into());
+        return Err(RowFitError::NoFace { count: faces.len(), reason });
+    }
+    run(rows, left, "rulings", options, control)
+}
+
+/// Width of the region of a ruling as a share of its length: its tangent plane counts a little beside it.
+const NARROW: f64 = 0.1;
+
+/// Smallest region of a ruling as a share of its length; without extent planes are not compared at all.
+const THIN: f64 = 1e-4;
+
+/// Rulings in order with their planes, estimated in several ways: for ends that lie on smooth curves, for ends that do
+/// not, and for noisy rulings, whose planes say little beside them.
+fn of_rulings(rulings: &[[Vec3; 2]], tolerance: f64) -> Result<Vec<Vec<PlaneElement>>, RowFitError> {
+    for (index, r) in rulings.iter().enumerate() {
+        if !r.iter().flat_map(|p| p.iter()).all(|x| x.is_finite()) || r[0] == r[1] {
+            return Err(EstimateError::Ruling { index }.into());
+        }
+    }
+    let row = ordered(rulings);
+    let (from, to): (Vec<_>, Vec<_>) = row.iter().map(|r| (r[0], r[1])).unzip();
+    // A ruling speaks for the surface half way to its neighbours.
+    let middle = |i: usize| 0.5 * (row[i][0] + row[i][1]);
+    let last = row.len() - 1;
+    let radius = |i: usize| 0.5 * (middle((i + 1).min(last)) - middle(i.saturating_sub(1))).norm();
+    let elements = |normals: &[Vec3], wide: bool| -> Vec<PlaneElement> {
+        let element = |(i, normal): (usize, &Vec3)| {
+            let length = (row[i][1] - row[i][0]).norm();
+            let radius = if wide { NARROW * length } else { radius(i).max(THIN * length) };
+            PlaneElement { normal: *normal, ends: row[i], radius }
+        };
+        normals.iter().enumerate().map(element).collect()
+    };
+    let neighbours = planes_of_rulings(&from, &to, Ends::Extrapolated);
+    let mut out: Vec<Vec<PlaneElement>> = Vec::new();
+    out.extend(planes_of_smooth_rulings(&from, &to).ok().map(|n| elements(&n, true)));
+    out.extend(planes_of_noisy_rulings(&from, &to, 0.5 * tolerance).ok().map(|n| elements(&n, true)));
+    match neighbours {
+        Ok(n) => out.extend([elements(&n, true), elements(&n, false)]),
+        Err(e) if out.is_empty() => return Err(e.into()),
+        Err(_) => {}
+    }
+    Ok(out)
+}
+
+/// Strips for one row.
+struct Attempt {
+    strips: Vec<Strip>,
+    skipped: Vec<String>,
+    certificate: ElementCertificate,
+}
+
+impl Attempt {
+    /// Elements beyond the tolerance, strips, worst bound: less is better.
+    fn rank(&self, tolerance: f64) -> (usize, usize, f64) {
+        (self.certificate.beyond(tolerance), self.strips.len(), self.certificate.worst_bound())
+    }
+}
+
+/// The best of several aims, and of several estimates of the same elements (which one is told).
+fn best(
+    name: &str,
+    estimates: &[Vec<PlaneElement>],
+    what: &str,
+    most: usize,
+    options: &RowFitOptions,
+    control: &Control,
+) -> Option<(usize, Attempt)> {
+    let mut best: Option<(usize, Attempt)> = None;
+    for aim in AIMS {
+        for (k, elements) in estimates.iter().enumerate() {
+            if control.stopped() && best.is_some() {
+                return best;
+            }
+            let wanted = RowOptions { max_pieces: most, ..RowOptions::new(aim * options.tolerance) };
+            let mut strips: Vec<Strip> = Vec::new();
+            let mut skipped = Vec::new();
+            for piece in row(elements, &wanted) {
+                match nearest("A", &piece, &elements[piece.range.clone()]) {
+                    Ok(s) => strips.push(s),
+                    Err(reason) => skipped.push(format!(
+                        "{name}: {what} {} to {}: {reason} within {} mm",
+                        piece.range.start,
+                        piece.range.end - 1,
+                        options.tolerance
+                    )),
+                }
+            }
+            let certificate = certified(&strips, elements, control);
+            let found = Attempt { strips, skipped, certificate };
+            let (a, b) = (found.rank(options.tolerance), best.as_ref().map(|b| b.1.rank(options.tolerance)));
+            let done = a.0 == 0 && a.1 == 1;
+            let better = b.is_none_or(|b| (a.0, a.1) < (b.0, b.1) || ((a.0, a.1) == (b.0, b.1) && a.2 < b.2));
+            if better {
+                best = Some((k, found));
+            }
+            if done {
+                return best;
+            }
+        }
+        // Finer aims cost strips; they are for the last elements that are not proven yet, not for hopeless rows.
+        let beyond = best.as_ref().map_or(0, |b| b.1.certificate.beyond(options.tolerance));
+        if beyond == 0 || estimates.first().is_some_and(|e| 2 * beyond > e.len()) {
+            break;
+        }
+    }
+    best
+}
+
+fn run(
+    rows: Vec<(String, Vec<Vec<PlaneElement>>)>,
+    mut skipped: Vec<String>,
+    what: &'static str,
+    options: &RowFitOptions,
+    control: &Control,
+) -> Result<RowOutcome, RowFitError> {
+    let clock = std::time::Instant::now();
+    if !(options.tolerance > 0.0 && options.tolerance.is_finite()) {
+        return Err(RowFitError::Tolerance(options.tolerance));
+    }
+    let mut strips: Vec<Strip> = Vec::new();
+    let mut all: Vec<PlaneElement> = Vec::new();
+    for (k, (name, mut estimates)) in rows.into_iter().enumerate() {
+        for elements in &mut estimates {
+            if let Some(index) = elements.iter().position(|e| !e.is_usable()) {
+                return Err(RowFitError::Element { index });
+            }
+            orient(elements);
+        }
+        control.report("fitting", k as f64, name.clone());
+        let left = options.max_strips.saturating_sub(strips.len());
+        if let Some((which, found)) = best(&name, &estimates, what, left, options, control) {
+            skipped.extend(found.skipped);
+            for strip in found.strips {
+                strips.push(Strip { name: format!("A-{:02}", strips.len() + 1), ..strip });
+            }
+            all.append(&mut estimates[which]);
+        }
+    }
+    control.report("proving", 0.7, format!("{} {what}", all.len()));
+    let certificate = certified(&strips, &all, control);
+    let chains: Vec<FlatPart> = (strips.iter().enumerate())
+        .map(|(i, s)| FlatPart { name: s.name.clone(), first: i, count: 1, missing: String::new() })
+        .collect();
+    let (parts, patterns) = cut(&strips, &chains, &StripOptions::new(0.1 * options.tolerance));
+    let beyond = certificate.beyond(options.tolerance);
+    let status = match certificate.worst() {
+        _ if strips.is_empty() => Status::Uncertified(format!("no developable strip follows the {what}")),
+        _ if control.stopped() => Status::Uncertified(format!("stopped before all {what} were judged")),
+        Some(i) if beyond > 0 => {
+            let c = all[i].centre();
+            Status::Uncertified(format!(
+                "{beyond} of {} {what} are not within {} mm; the worst is number {i} around ({:.3}, {:.3}, {:.3}), {:.3} mm away",
+                all.len(),
+                options.tolerance,
+                c.x,
+                c.y,
+                c.z,
+                certificate.worst_bound()
+            ))
+        }
+        _ => Status::Certified,
+    };
+    let mut notes = vec![format!("Distances are proven at the {what}, not between them.")];
+    if strips.len() > 1 {
+        notes.push("Strips are fitted one by one and are not joined to each other.".to_string());
+    }
+    let sheets = Sheets {
+        job: "fit".into(),
+        input: options.input.clone(),
+        tolerance: options.tolerance,
+        status,
+        strip_figures: figures(&strips, &certificate),
+        fields: fields(&strips, &certificate),
+        meaning: FieldMeaning { name: "deviation".into(), unit: "mm".into(), limit: options.tolerance },
+        parts,
+        patterns,
+        guides: Vec::new(),
+        figures: vec![
+            Figure::new(what, all.len() as f64, "", Basis::Given),
+            Figure::new("largest distance", certificate.worst_bound(), "mm", Basis::Proven),
+            Figure::new("beyond the tolerance", beyond as f64, "", Basis::Proven),
+        ],
+        notes,
+        skipped,
+        seconds: clock.elapsed().as_secs_f64(),
+        strips,
+    };
+    Ok(RowOutcome { sheets, elements: all, certificate })
+}
+
+/// The strip with the smallest proven distance from its elements.
+fn nearest(name: &str, piece: &RowPiece, own: &[PlaneElement]) -> Result<Strip, String> {
+    let mut best: Option<(f64, Strip)> = None;
+    let mut reason = "no developable strip follows them".to_string();
+    for fit in &piece.fits {
+        match strip(name, fit, own) {
+            Ok(s) => {
+                let worst = certified(std::slice::from_ref(&s), own, &Control::default()).worst_bound();
+                if best.as_ref().is_none_or(|b| worst < b.0) {
+                    best = Some((worst, s));
+                }
+            }
+            Err(e) => reason = format!("the {} found gives no strip ({e})", fit.kind.name()),
+        }
+    }
+    best.map(|b| b.1).ok_or(reason)
+}
+
+fn figures(strips: &[Strip], c: &ElementCertificate) -> Vec<Vec<Figure>> {
+    (0..strips.len())
+        .map(|k| {
+            let own = c.places().iter().zip(c.bounds()).filter(|(p, _)| p.0 as usize == k);
+            let (count, worst) = own.fold((0usize, 0.0_f64), |(n, w), (_, b)| (n + 1, w.max(*b)));
+            let (a, b) = strips[k].domain();
+            let clearance = (0..=16)
+                .map(|i| strips[k].regression_clearance(a + (b - a) * f64::from(i) / 16.0))
+                .fold(f64::INFINITY, f64::min);
+            vec![
+                Figure::new("elements", count as f64, "", Basis::Given),
+                Figure::new("largest distance", worst, "mm", Basis::Proven),
+                Figure::new("degree along", strips[k].rail(0).knots.degree() as f64, "", Basis::Given),
+                Figure::new("distance to the regression curve", clearance, "mm", Basis::Measured),
+            ]
+        })
+        .collect()
+}
+
+/// The bounds along the strips, the same on all of a ruling.
+fn fields(strips: &[Strip], c: &ElementCertificate) -> Vec<StripField> {
+    const ALONG: usize = 48;
+    strips
+        .iter()
+        .enumerate()
+        .map(|(k, s)| {
+            let (a, b) = s.domain();
+            let mut found: Vec<(f64, f64)> = (c.places().iter().zip(c.bounds()))
+                .filter(|(p, b)| p.0 as usize == k && b.is_finite())
+                .map(|(p, b)| (p.1, *b))
+                .collect();
+            found.sort_by(|p, q| p.0.total_cmp(&q.0));
+            let at = |u: f64| -> f64 {
+                let i = found.partition_point(|p| p.0 < u);
+                let around = [i.checked_sub(1), Some(i)].into_iter().flatten().filter_map(|i| found.get(i));
+                around.min_by(|p, q| (p.0 - u).abs().total_cmp(&(q.0 - u).abs())).map_or(0.0, |p| p.1)
+            };
+            let u: Vec<f64> = (0..=ALONG).map(|i| a + (b - a) * i as f64 / ALONG as f64).collect();
+            let values = u.iter().flat_map(|&u| [at(u); 2]).collect();
+            StripField { u, v: vec![0.0, 1.0], values }
+        })
+        .collect()
+}

@@ -1,0 +1,122 @@
+//! Rulings, tangent planes and faces of high degree, from data to proven strips.
+
+use crate::Random;
+use torse::control::Control;
+use torse::geom::Vec3;
+use torse::pipeline::outcome::Status;
+use torse::pipeline::row::{fit_faces, fit_row, RowFitError, RowFitOptions};
+use torse::spline::knots::Knots;
+use torse::spline::surface::Surface;
+use torse::surface::face::Face;
+use torse::surface::plane_row::{Given, PlaneElement};
+
+/// Ruling and unit normal of the tangent surface of a helix, away from the helix.
+fn helix(t: f64) -> ([Vec3; 2], Vec3) {
+    let c = Vec3::new(500.0 * t.cos(), 500.0 * t.sin(), 300.0 * t);
+    let d = Vec3::new(-500.0 * t.sin(), 500.0 * t.cos(), 300.0).normalize();
+    let n = d.cross(&Vec3::new(-t.cos(), -t.sin(), 0.0)).normalize();
+    ([c + d * 200.0, c + d * 500.0], n)
+}
+
+fn rulings(count: usize) -> Vec<[Vec3; 2]> {
+    (0..count).map(|i| helix(i as f64 / (count - 1) as f64).0).collect()
+}
+
+#[test]
+fn rulings_of_a_drawing_in_any_order_are_met() {
+    let given: Vec<[Vec3; 2]> = (0..60)
+        .map(|i| {
+            let [p, q] = rulings(60)[(17 * i) % 60];
+            if i % 4 == 0 {
+                [q, p]
+            } else {
+                [p, q]
+            }
+        })
+        .collect();
+    let got = fit_row(&Given::Rulings(given), &RowFitOptions::new(0.1, "helix"), &Control::default()).expect("a fit");
+    assert_eq!(got.sheets.status, Status::Certified);
+    assert_eq!((got.sheets.strips.len(), got.sheets.patterns.len(), got.elements.len()), (1, 1, 60));
+    // Against the truth, between the rulings given.
+    let truth: Vec<Vec3> =
+        (0..200).map(|i| helix(f64::from(i) / 199.0).0).flat_map(|[p, q]| [p, 0.5 * (p + q), q]).collect();
+    let off = torse::certify::points::points(&got.sheets.strips, &truth, &Control::default());
+    assert!(off.worst_bound() < 0.2, "{}", off.worst_bound());
+}
+
+#[test]
+fn sampled_tangent_planes_are_met_over_their_regions() {
+    let planes = (0..60)
+        .map(|i| {
+            let ([p, q], n) = helix(f64::from(i) / 59.0);
+            // Orientation is nobody's business.
+            PlaneElement { normal: if i % 3 == 0 { -n } else { n }, ends: [0.5 * (p + q); 2], radius: 150.0 }
+        })
+        .collect();
+    let got = fit_row(&Given::Planes(planes), &RowFitOptions::new(0.1, "helix"), &Control::default()).expect("a fit");
+    assert_eq!(got.sheets.status, Status::Certified);
+    assert_eq!(got.sheets.strips.len(), 1);
+    assert!(got.certificate.worst_bound() < 0.05, "{}", got.certificate.worst_bound());
+}
+
+#[test]
+fn noise_of_rulings_is_averaged() {
+    let mut random = Random::new(11);
+    let noisy = rulings(60)
+        .into_iter()
+        .map(|r| r.map(|x| x + Vec3::new(random.number(), random.number(), random.number()) * 0.05))
+        .collect();
+    let got = fit_row(&Given::Rulings(noisy), &RowFitOptions::new(0.4, "noisy"), &Control::default()).expect("a fit");
+    assert_eq!(got.sheets.status, Status::Certified);
+    assert!(got.sheets.strips.len() <= 2, "{}", got.sheets.strips.len());
+}
+
+#[test]
+fn rulings_of_no_developable_are_named() {
+    let hypar = (0..16)
+        .map(|i| f64::from(i) * 40.0 - 300.0)
+        .map(|x| [Vec3::new(x, -200.0, -0.4 * x), Vec3::new(x, 200.0, 0.4 * x)])
+        .collect();
+    let got = fit_row(&Given::Rulings(hypar), &RowFitOptions::new(0.1, "hypar"), &Control::default());
+    match got {
+        Ok(g) => {
+            assert!(matches!(g.sheets.status, Status::Uncertified(_)));
+            assert!(!g.sheets.skipped.is_empty() || g.certificate.beyond(0.1) > 0);
+        }
+        Err(e) => assert!(matches!(e, RowFitError::Estimate(_)), "{e}"),
+    }
+}
+
+#[test]
+fn a_face_of_high_degree_gets_a_lighter_strip() {
+    // A cylinder of degree 9 over y.
+    let points: Vec<Vec3> = (0..10)
+        .flat_map(|i| {
+            let x = 50.0 * f64::from(i);
+            let z = 80.0 * (x / 140.0).sin();
+            [Vec3::new(x, 0.0, z), Vec3::new(x, 200.0, z)]
+        })
+        .collect();
+    let knots = |p| Knots::clamped(p, &[0.0, 1.0]).expect("knots");
+    let face = Face::untrimmed(Surface::new(knots(9), knots(1), &points, None).expect("a surface"));
+    let got = fit_faces(&[face], &[], &RowFitOptions::new(0.05, "nine"), &Control::default()).expect("a fit");
+    assert_eq!(got.sheets.status, Status::Certified);
+    assert_eq!(got.sheets.strips.len(), 1);
+}
+
+#[test]
+fn bad_rows_are_refused() {
+    let run = |given: Given, tolerance: f64| {
+        fit_row(&given, &RowFitOptions::new(tolerance, "bad"), &Control::default()).map(|_| ())
+    };
+    assert!(matches!(run(Given::Rulings(rulings(3)), 0.1), Err(RowFitError::Few(3, "rulings"))));
+    assert!(matches!(run(Given::Rulings(rulings(9)), -1.0), Err(RowFitError::Tolerance(_))));
+    let mut nan = rulings(9);
+    nan[4][1].z = f64::NAN;
+    assert!(run(Given::Rulings(nan), 0.1).expect_err("a fault").to_string().contains("ruling 4"));
+    let mut point = rulings(9);
+    point[2][1] = point[2][0];
+    assert!(run(Given::Rulings(point), 0.1).expect_err("a fault").to_string().contains("ruling 2"));
+    let flat = PlaneElement { normal: Vec3::zeros(), ends: [Vec3::zeros(); 2], radius: 1.0 };
+    assert!(matches!(run(Given::Planes(vec![flat; 5]), 0.1), Err(RowFitError::Element { index: 0 })));
+}
