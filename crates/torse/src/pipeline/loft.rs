@@ -259,7 +259,7 @@ fn seamed(a: &Rail, b: &Rail, branch: &Branch, alternative: usize) -> Result<([R
     };
     let (a2, b2) = (start(a, s[k][0])?, start(b, s[k][1])?);
     let again = branches(&a2, &b2, &BranchOptions::default());
-    let same = again.into_iter().filter(|f| is_candidate(f)).nth(alternative.max(1) - 1).filter(|f| f.closed);
+    let same = again.into_iter().filter(is_candidate).nth(alternative.max(1) - 1).filter(|f| f.closed);
     let Some(mut found) = same else { return as_it_is() };
     let ends = [Track::new(&a2).end(), Track::new(&b2).end()];
     let off = |s: &[f64; 2]| (0..2).map(|d| (s[d] / ends[d] - (s[d] / ends[d]).round()).abs()).fold(0.0, f64::max);
