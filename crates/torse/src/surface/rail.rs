@@ -334,13 +334,18 @@ impl Rail {
 
     /// `count` points and more along the rail, at least four per piece, corners included.
     pub fn samples(&self, count: usize) -> Vec<Vec3> {
+        self.sample_parameters(count).into_iter().map(|s| self.point(s)).collect()
+    }
+
+    /// Parameters of [`Rail::samples`].
+    pub fn sample_parameters(&self, count: usize) -> Vec<f64> {
         let total = self.length().max(f64::MIN_POSITIVE);
         let mut out = Vec::new();
-        for (k, c) in self.pieces.iter().enumerate() {
+        for k in 0..self.pieces.len() {
             let parts = ((count as f64 * self.piece_length(k, 1.0) / total).ceil() as usize).max(4);
-            out.extend((0..parts).map(|i| place(&c.point(i as f64 / parts as f64))));
+            out.extend((0..parts).map(|i| k as f64 + i as f64 / parts as f64));
         }
-        out.extend(self.pieces.last().map(|c| end_point(c, 1.0)));
+        out.push(self.pieces.len() as f64);
         out
     }
 
