@@ -31,6 +31,8 @@ pub enum Command {
     Fit(Fit),
     /// Lay a developable surface between two curves and write cut-ready files
     Loft(Loft),
+    /// Wrap curves in the developables of their convex hull and write cut-ready files
+    Hull(Hull),
     /// Tell what a STEP file holds: unit, faces, sizes, curvature, what was not read
     Info(Info),
 }
@@ -314,6 +316,64 @@ pub enum LoftEnds {
     Fan,
     /// Rails are extended until both are used up
     Extend,
+}
+
+/// Arguments of `hull`.
+#[derive(Args, Debug)]
+#[command(after_help = "Examples:
+  torse hull inlet.dxf outlet.dxf --tolerance 0.1mm --out hopper
+  torse hull loop.csv --unit mm --tolerance 0.1mm --out cushion
+
+A curve is a STEP file (FILE#NUMBER names an edge), a DXF file (FILE#LAYER or FILE#HANDLE), or a table of points
+x, y, z. The boundary of the convex hull of all curves consists of planar triangles and developable strips; planar
+pieces within a single planar curve, such as the mouths of a duct, are left open. Curves inside the hull of the
+others are not touched.
+
+Written into the output folder: strips.step, patterns.dxf, patterns.svg, model.glb, pictures, report.html and
+report.json.
+
+Exit status: 0 developable within the tolerance, 2 bad input or usage, 3 finished but not developable within the
+tolerance (files written and marked).")]
+pub struct Hull {
+    /// Curves
+    #[arg(value_name = "CURVE", required = true)]
+    pub curves: Vec<String>,
+
+    /// Largest distance allowed between strips and curves, with its unit: 0.1mm
+    #[arg(short, long, value_name = "LENGTH", value_parser = positive_length, allow_hyphen_values = true)]
+    pub tolerance: Length,
+
+    /// Folder to create for the results
+    #[arg(short, long, value_name = "DIR")]
+    pub out: PathBuf,
+
+    /// Unit of tables and of drawings that do not say theirs: mm, cm, m, in, ft
+    #[arg(long, value_name = "UNIT", value_parser = unit_of_length)]
+    pub unit: Option<f64>,
+
+    /// Take points of tables as corners of a polyline instead of points of a smooth curve
+    #[arg(long)]
+    pub polyline: bool,
+
+    /// Distance between drawn rulings, with its unit [default: 20 over the length]
+    #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
+    pub rulings: Option<Length>,
+
+    /// Distance between marks on the curves, with its unit [default: 8 over the length]
+    #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
+    pub marks: Option<Length>,
+
+    /// Replace the results of an earlier run in that folder
+    #[arg(long)]
+    pub force: bool,
+
+    /// Name of the job in the files [default: name of the first CURVE]
+    #[arg(long, value_name = "NAME")]
+    pub name: Option<String>,
+
+    /// Print nothing but errors
+    #[arg(short, long)]
+    pub quiet: bool,
 }
 
 /// Arguments of `info`.

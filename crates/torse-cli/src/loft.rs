@@ -18,8 +18,8 @@ use torse::surface::rail::Rail;
 /// Runs the job; `Ok(true)` means certified.
 pub fn run(arguments: &Loft) -> Result<bool, Failure> {
     let (file, _) = split(&arguments.a);
-    let a = rail(&arguments.a, arguments)?;
-    let b = rail(&arguments.b, arguments)?;
+    let a = rail(&arguments.a, arguments.unit, arguments.polyline)?;
+    let b = rail(&arguments.b, arguments.unit, arguments.polyline)?;
     let output = Output::prepare(&arguments.out, &file, arguments.force)?;
     let terminal = Terminal::new(arguments.quiet, None)?;
     terminal.guard(Some(output.staging().to_path_buf()));
@@ -60,24 +60,24 @@ pub fn run(arguments: &Loft) -> Result<bool, Failure> {
 }
 
 /// File and curve of `FILE#CURVE`. A file whose name holds the sign is taken as it is.
-fn split(text: &str) -> (PathBuf, String) {
+pub fn split(text: &str) -> (PathBuf, String) {
     match text.rsplit_once('#') {
         Some((file, curve)) if !Path::new(text).exists() => (PathBuf::from(file), curve.to_owned()),
         _ => (PathBuf::from(text), String::new()),
     }
 }
 
-fn stem(file: &Path) -> String {
+pub fn stem(file: &Path) -> String {
     file.file_stem().map_or_else(|| "loft".to_string(), |s| s.to_string_lossy().into_owned())
 }
 
 /// Reads one rail.
-fn rail(text: &str, arguments: &Loft) -> Result<Rail, Failure> {
+pub fn rail(text: &str, unit: Option<f64>, polyline: bool) -> Result<Rail, Failure> {
     let (file, select) = split(text);
     let bytes = contents(&file)?;
     let name = file.file_name().map_or_else(|| text.to_owned(), |n| n.to_string_lossy().into_owned());
     let name = if select.is_empty() { name } else { format!("{name}#{select}") };
-    let options = CurveOptions { name, select, unit: arguments.unit, polyline: arguments.polyline };
+    let options = CurveOptions { name, select, unit, polyline };
     curves::read(&bytes, &options).map_err(|e| {
         let help = match e {
             CurveError::NoUnit(_) => "guessing a unit could ruin material",
@@ -90,7 +90,7 @@ fn rail(text: &str, arguments: &Loft) -> Result<Rail, Failure> {
 }
 
 /// Tells the result in a few lines.
-fn summary(outcome: &Sheets, out_folder: &Path) -> std::io::Result<()> {
+pub fn summary(outcome: &Sheets, out_folder: &Path) -> std::io::Result<()> {
     let mut out = std::io::stdout().lock();
     let word = |n: usize, word: &str| format!("{n} {word}{}", if n == 1 { "" } else { "s" });
     let head = format!(

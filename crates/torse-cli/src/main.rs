@@ -10,6 +10,7 @@ mod cones;
 mod failure;
 mod fit;
 mod folder;
+mod hull;
 mod info;
 mod loft;
 mod quantity;
@@ -44,6 +45,7 @@ fn run(arguments: &args::Arguments) -> Result<bool, failure::Failure> {
         args::Command::Approximate(a) => approximate::run(a),
         args::Command::Cones(a) => cones::run(a),
         args::Command::Fit(a) => fit::run(a),
+        args::Command::Hull(a) => hull::run(a),
         args::Command::Loft(a) => loft::run(a),
         args::Command::Info(a) => info::run(a),
     }

@@ -3,13 +3,18 @@
 use super::value::{number, numbers, vector, Case, Checks};
 use serde_json::Value;
 use std::f64::consts::TAU;
+use torse::design::hull::hull;
+use torse::design::hull::strips::{strips, HullPart};
 use torse::design::loft::branches::{branches, self_coplanarity, Branch, BranchOptions, BranchType};
 use torse::design::loft::build::{follow, BuildOptions, BuiltStrip};
 use torse::design::loft::least_twist::{least_twist, LeastTwistOptions};
 use torse::design::loft::track::{Contact, Track};
 use torse::geom::{Frame, Vec3};
+use torse::spline::bezier::Bezier;
+use torse::spline::curve::{bezier_pieces, Curve};
 use torse::spline::space_curve::SpaceCurve;
 use torse::surface::rail::Rail;
+use torse::surface::strip::Strip;
 use torse::surface::torse::PanelKind;
 
 /// Runs the case if its kind belongs here.
@@ -19,6 +24,7 @@ pub fn run(case: &Case) -> Option<Result<Checks, String>> {
         "bridge_circle_square" => Some(circle_square(case)),
         "bridge_two_circles" => Some(two_circles(case)),
         "diag_factor" => Some(diagonal(case)),
+        "saddle_loop" => Some(saddle_loop(case)),
         _ => None,
     }
 }
@@ -29,7 +35,7 @@ fn ellipse(origin: Vec3, a: f64, b: f64) -> Result<Rail, String> {
     Rail::new("ellipse", &[c]).map_err(|e| e.to_string())
 }
 
-fn strips(a: &Rail, b: &Rail, branch: &Branch) -> Result<Vec<BuiltStrip>, String> {
+fn followed(a: &Rail, b: &Rail, branch: &Branch) -> Result<Vec<BuiltStrip>, String> {
     follow(a, b, branch, &BuildOptions::new(1e-6)).map_err(|e| e.to_string())
 }
 
@@ -70,7 +76,7 @@ fn circle_square(case: &Case) -> Result<Checks, String> {
     let square = Rail::polyline("square", &points).map_err(|e| e.to_string())?;
     let circle = ellipse(Vec3::zeros(), r, r)?;
     let found = branches(&circle, &square, &BranchOptions::default());
-    let made = strips(&circle, &square, found.first().ok_or("no branch")?)?;
+    let made = followed(&circle, &square, found.first().ok_or("no branch")?)?;
     let area = number(&case.output, "lateral_area")?;
     checks.close("area", made.iter().map(|s| s.strip.area_estimate()).sum(), area, 1e-9);
     // The edge that the rail starts on counts as two facets of one plane.
@@ -107,6 +113,62 @@ fn two_circles(case: &Case) -> Result<Checks, String> {
         }
     }
     Ok(checks)
+}
+
+/// `(a cos t, b sin t, c cos 2t)` from the quarters of a circle: quartic in homogeneous coordinates.
+fn saddle(a: f64, b: f64, c: f64) -> Result<Rail, String> {
+    let (circle, _) =
+        SpaceCurve::Ellipse { frame: Frame::world(), a: 1.0, b: 1.0 }.to_spline(0.0, TAU).map_err(|e| e.to_string())?;
+    let mut quarters = Vec::new();
+    for (_, _, net) in bezier_pieces(&circle) {
+        let net = Bezier::new(net);
+        let (x, y, w) = (net.component(0), net.component(1), net.component(3));
+        // cos 2t = x² − y².
+        let parts = [x.times(&w), y.times(&w), x.times(&x).minus(&y.times(&y)), w.times(&w)];
+        let scale = [a, b, c, 1.0];
+        let control = (0..5).map(|k| [0, 1, 2, 3].map(|d: usize| scale[d] * parts[d].control()[k][0])).collect();
+        let knots = [vec![0.0; 5], vec![1.0; 5]].concat();
+        quarters.push(Curve::new(4, knots, control).map_err(|e| e.to_string())?);
+    }
+    Rail::new("saddle", &quarters).map_err(|e| e.to_string())
+}
+
+fn saddle_loop(case: &Case) -> Result<Checks, String> {
+    let mut checks = Checks::default();
+    let (a, b, c) = (number(&case.input, "a")?, number(&case.input, "b")?, number(&case.input, "c")?);
+    let rails = [saddle(a, b, c)?];
+    let found = hull(&rails, 128).map_err(|e| e.to_string())?;
+    let allowed = number(&case.tol, "rel")?;
+    let parts = strips(&rails, &found, 1e-3, &BuildOptions::new(1e-9)).map_err(|e| e.to_string())?;
+    checks.close("developables", parts.len() as f64, number(&case.output, "n_developables")?, 0.0);
+    // Branch A joins points of equal x, branch B points of equal y.
+    for (axis, key) in [(0, "area_A"), (1, "area_B")] {
+        let along = |p: &HullPart| {
+            let ends = p.strips.iter().map(|s| s.built.strip.ruling(0.5));
+            ends.fold(0.0, |m: f64, [p, q]| m.max((p[axis] - q[axis]).abs()))
+        };
+        let part = parts.iter().find(|p| along(p) < 1e-9).ok_or(format!("no part for {key}"))?;
+        let area: f64 = part.strips.iter().map(|s| s.built.strip.area_estimate()).sum();
+        checks.close(key, area, number(&case.output, key)?, allowed);
+        let cylinders = part.strips.iter().filter(|s| s.built.strip.kind == PanelKind::Cylinder).count();
+        checks.close("cylinders", cylinders as f64, part.strips.len() as f64, 0.0);
+    }
+    // Volume: of cones from the origin over the strips.
+    let volume: f64 = parts.iter().flat_map(|p| &p.strips).map(|s| cone_volume(&s.built.strip)).sum();
+    checks.close("volume", volume, number(&case.output, "convex_hull_volume")?, allowed);
+    Ok(checks)
+}
+
+/// Volume between the origin and a strip, by the midpoint rule over the rulings.
+fn cone_volume(strip: &Strip) -> f64 {
+    const CELLS: usize = 400;
+    let (u0, u1) = strip.domain();
+    let row = |i: usize| {
+        let j = strip.patch.jet(u0 + (u1 - u0) * (i as f64 + 0.5) / CELLS as f64, 0.5);
+        // det(x, x_u, x_v) is linear in v: its mean is the value in the middle.
+        j.p.dot(&j.du.cross(&j.dv)).abs() / 3.0
+    };
+    (0..CELLS).map(row).sum::<f64>() * (u1 - u0) / CELLS as f64
 }
 
 fn diagonal(case: &Case) -> Result<Checks, String> {

@@ -60,14 +60,19 @@ pub(super) fn trim_boxes<'a>(curves: impl IntoIterator<Item = &'a Curve<2>>) -> 
 
 /// Bounds the angle between tangent planes along the rulings inside the trimming curves.
 pub(super) fn developability(patch: &Ruled, trims: &[[Interval; 2]]) -> Developability {
+    developability_within(patch, trims, ANGLE_LIMIT)
+}
+
+/// The same with another angle (rad) up to which a patch counts as developable: parts are halved until they show it.
+pub(super) fn developability_within(patch: &Ruled, trims: &[[Interval; 2]], limit: f64) -> Developability {
     let mut worst = Developability { angle: 0.0, regular: true };
     for w in patch.breaks().windows(2) {
         let cut = |i: usize| if i == PARTS { w[1] } else { w[0] + (w[1] - w[0]) * i as f64 / PARTS as f64 };
         let mut open: Vec<(f64, f64, usize)> = (0..PARTS).map(|i| (cut(i), cut(i + 1), 0)).collect();
         while let Some((a, b, depth)) = open.pop() {
             let Some(r) = used_range(trims, a, b) else { continue };
-            let part = on_part(patch, a, b, r);
-            if (part.regular && part.angle <= ANGLE_LIMIT) || depth == HALVINGS {
+            let part = on_part(patch, a, b, r, limit);
+            if (part.regular && part.angle <= limit) || depth == HALVINGS {
                 worst.angle = worst.angle.max(part.angle);
                 worst.regular &= part.regular;
             } else {
@@ -116,7 +121,7 @@ fn plane_normal(l: &[Poly; 6], b: &[Poly; 4]) -> [Poly; 3] {
     ]
 }
 
-fn on_part(patch: &Ruled, a: f64, b: f64, used: Interval) -> Developability {
+fn on_part(patch: &Ruled, a: f64, b: f64, used: Interval, limit: f64) -> Developability {
     let origin = patch.middle(0.5 * (a + b));
     let (first, last) = (patch.end(0, a, b, &origin), patch.end(1, a, b, &origin));
     let at = |r: f64| -> [Poly; 4] {
@@ -159,7 +164,7 @@ fn on_part(patch: &Ruled, a: f64, b: f64, used: Interval) -> Developability {
     let sine = (top / (low0 * low1)).hi;
     // asin x ≤ x (1 + x²) for x ≤ ½.
     let angle = if sine <= 0.5 { sine * (1.0 + sine * sine) } else { std::f64::consts::FRAC_PI_2 };
-    let regular = angle <= ANGLE_LIMIT && c0 > COSINE * l0 && c1 > COSINE * l1;
+    let regular = angle <= limit && c0 > COSINE * l0 && c1 > COSINE * l1;
     Developability { angle, regular }
 }
 

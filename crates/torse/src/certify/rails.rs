@@ -1,17 +1,25 @@
-//! Proven distances between the rails of a strip and the rails that were asked for.
+//! Proven distances between the rails of a strip and the rails that were asked for, and proven twist.
 //!
 //! *Method.* On every piece, the strip's rail R(u) and the given rail at its parameter, H(σ(u)), are polynomials in
-//! homogeneous coordinates; `R.xyz H.w − H.xyz R.w` divided by the least weights bounds the distance, all by Bernstein
-//! coefficients \[FR88\]. Rounding of the composition is added as a share of the size of the coefficients.
+//! homogeneous coordinates; `R.xyz H.w − H.xyz R.w` divided by the least weights bounds the distance. All coefficients
+//! are Bernstein coefficients \[FR88\] in interval arithmetic with outward rounding, relative to a point nearby.
 
-use crate::spline::bezier::Bezier;
-use crate::spline::curve::{bezier_pieces, Curve};
+use super::developable::developability_within;
+use super::ruled::Ruled;
+use super::vector::length_bound;
+use crate::num::bernstein::{self, from_spline_over, hull, product};
+use crate::num::interval::Interval;
+use crate::spline::curve::Curve;
+use crate::spline::knots::Knots;
 use crate::surface::rail::{Rail, RailPart};
 use crate::surface::strip::Strip;
 
-/// Rounding of the composition of polynomials of degree 5 and below 10, as a share of the largest coefficient: some
-/// hundred operations of 1.1e-16 each.
-const ROUNDING: f64 = 4e-14;
+/// Halvings of a stretch of the parameter until it is known where a knot of the rail is met.
+const HALVINGS: usize = 60;
+/// Parameters by which the map may pass a knot, rounding of [`HALVINGS`]; it is paid for.
+const PAST: f64 = 1e-9;
+/// Stretches of the parameter that are no more than rounding.
+const NOTHING: f64 = 1e-13;
 
 /// Bound on the distance (mm) between a strip's rail and the part of the given rail that it stands for, point by
 /// point; both are run through from end to end, so it bounds the distance in both directions. `None` if the parts do
@@ -20,45 +28,131 @@ const ROUNDING: f64 = 4e-14;
 /// *Guarantee*: the bound holds at every parameter, rounding included.
 pub fn rail_bound(strip: &Strip, side: usize, rail: &Rail, part: &RailPart) -> Option<f64> {
     let given = rail.pieces.get(part.piece)?;
-    let pieces = bezier_pieces(given);
-    // Both the strip's spans and those of the parameter.
-    let edge = strip.rail(side);
-    let mut worst = 0.0_f64;
-    let mut breaks = edge.knots.breaks();
-    breaks.extend(part.parameter.knots.breaks());
-    breaks.sort_by(f64::total_cmp);
-    breaks.dedup();
-    for w in breaks.windows(2).filter(|w| w[1] - w[0] > 1e-12) {
-        let r = Bezier::new(single(&edge, w[0], w[1])?);
-        let sigma = Bezier::new(single(&part.parameter, w[0], w[1])?);
-        let middle = sigma.point(0.5)[0];
-        let (a, b, net) = pieces.iter().find(|p| middle <= p.1).or(pieces.last())?;
-        let shift = Bezier::constant([-a / (b - a)]);
-        let local = sigma.times(&Bezier::constant([1.0 / (b - a)])).plus(&shift);
-        let h = Bezier::new(net.clone()).compose(&local);
-        let difference = r.times(&h.component(3)).minus(&h.times(&r.component(3)));
-        let (rw, hw) = (r.component(3).hull()[0], h.component(3).hull()[0]);
-        if rw.0 <= 0.0 || hw.0 <= 0.0 {
-            return None;
+    let patch = Ruled::new(&strip.patch)?;
+    let map = &part.parameter;
+    // The strip's spans, those of the parameter, and where the parameter meets a knot of the rail.
+    let mut breaks = patch.breaks();
+    let (first, last) = (*breaks.first()?, *breaks.last()?);
+    breaks.extend(map.knots.breaks().into_iter().filter(|t| *t > first && *t < last));
+    let sigma = |u: f64| map.point(u)[0];
+    for t in given.knots.breaks().into_iter().filter(|t| sigma(first) < *t && *t < sigma(last)) {
+        let (mut lo, mut hi) = (first, last);
+        for _ in 0..HALVINGS {
+            let m = 0.5 * (lo + hi);
+            if sigma(m) < t {
+                lo = m;
+            } else {
+                hi = m;
+            }
         }
-        let largest = difference.control().iter().map(|c| c[0].hypot(c[1]).hypot(c[2])).fold(0.0, f64::max);
-        let size = |c: &Bezier<4>| c.control().iter().flatten().fold(0.0, |m: f64, x| m.max(x.abs()));
-        let rounding = ROUNDING * size(&r) * size(&h);
-        worst = worst.max((largest + rounding) / (rw.0 * hw.0));
+        breaks.push(0.5 * (lo + hi));
+    }
+    breaks.sort_by(f64::total_cmp);
+    let mut worst = 0.0_f64;
+    let mut a = first;
+    for &b in breaks.iter().filter(|b| **b > first) {
+        if b - a <= NOTHING * (last - first) && b < last {
+            continue;
+        }
+        worst = worst.max(piece_bound(&patch, side, given, map, a, b)?);
+        a = b;
     }
     worst.is_finite().then_some(worst)
 }
 
-/// Bézier points of a curve over a stretch without knots inside.
-fn single<const D: usize>(c: &Curve<D>, a: f64, b: f64) -> Option<Vec<[f64; D]>> {
-    let (lo, hi) = c.domain();
-    c.restricted(a.max(lo), b.min(hi)).ok().map(|c| c.control)
+/// One stretch without knots inside.
+fn piece_bound(patch: &Ruled, side: usize, given: &Curve<4>, map: &Curve<1>, a: f64, b: f64) -> Option<f64> {
+    let middle = 0.5 * (a + b);
+    let origin = patch.middle(middle);
+    let r = patch.end(side, a, b, &origin);
+    let sigma = over(&map.knots, |i| Interval::point(map.control[i][0]), a, b);
+    // The rail over the span in which the parameter lies.
+    let at = map.point(middle)[0];
+    let breaks = given.knots.breaks();
+    let k = breaks[1..breaks.len() - 1].partition_point(|t| *t <= at);
+    let (t0, t1) = (breaks[k], breaks[k + 1]);
+    let h = [0, 1, 2, 3].map(|d: usize| {
+        let value = |i: usize| {
+            let c = &given.control[i];
+            match d {
+                3 => Interval::point(c[3]),
+                _ => Interval::point(c[d]) - Interval::point(c[3]) * Interval::point(origin[d]),
+            }
+        };
+        over(&given.knots, value, t0, t1)
+    });
+    let width = Interval::point(t1) - Interval::point(t0);
+    let local: Vec<Interval> = sigma.iter().map(|s| (*s - Interval::point(t0)) / width).collect();
+    let (lo, hi) = (hull(&local).lo, hull(&local).hi);
+    let past = (-lo).max(hi - 1.0).max(0.0);
+    if past > PAST {
+        return None;
+    }
+    let composed = h.clone().map(|c| compose(&c, &local));
+    let (rw, hw) = (hull(&r[3]), hull(&composed[3]));
+    if rw.lo <= 0.0 || hw.lo <= 0.0 {
+        return None;
+    }
+    let difference: [Vec<Interval>; 3] =
+        [0, 1, 2].map(|d: usize| bernstein::difference(&product(&r[d], &composed[3]), &product(&composed[d], &r[3])));
+    let top =
+        (0..difference[0].len()).map(|i| length_bound(&[0, 1, 2].map(|d: usize| difference[d][i]))).fold(0.0, f64::max);
+    let quotient = (Interval::point(top) / (Interval::point(rw.lo) * Interval::point(hw.lo))).hi;
+    // Beyond a knot the polynomial is continued where the rail has the next one: both leave the knot with at most the
+    // speed of a control polygon. Twice for either, doubled for the weights.
+    let speed = (0..h[0].len()).map(|i| length_bound(&[0, 1, 2].map(|d: usize| h[d][i]))).fold(0.0, f64::max)
+        * given.knots.degree() as f64
+        / hw.lo;
+    Some((quotient + 8.0 * past * speed) * (1.0 + f64::EPSILON * 8.0))
+}
+
+/// Bernstein coefficients over `[a, b]` inside one span.
+fn over(knots: &Knots, value: impl Fn(usize) -> Interval, a: f64, b: f64) -> Vec<Interval> {
+    let p = knots.degree();
+    let span = knots.span(0.5 * (a + b));
+    let net: Vec<Interval> = (span - p..=span).map(value).collect();
+    from_spline_over(&net, &knots.values()[span + 1 - p..=span + p], a, b)
+}
+
+/// The polynomial with coefficients `c` at the polynomial `x`: de Casteljau's algorithm with polynomials.
+fn compose(c: &[Interval], x: &[Interval]) -> Vec<Interval> {
+    let rest: Vec<Interval> = x.iter().map(|x| Interval::ONE - *x).collect();
+    let mut level: Vec<Vec<Interval>> = c.iter().map(|c| vec![*c]).collect();
+    while level.len() > 1 {
+        level = level.windows(2).map(|w| bernstein::sum(&product(&rest, &w[0]), &product(x, &w[1]))).collect();
+    }
+    level.pop().unwrap_or_default()
+}
+
+/// What is proven about the rulings of a strip.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TwistBound {
+    /// Bound (rad) of the angle between the tangent planes at both ends of any ruling.
+    pub angle: f64,
+    /// Whether no ruling meets the regression curve between the rails. False too where nothing could be shown.
+    pub regular: bool,
+}
+
+/// Proven bound of the twist of a strip; parts are halved until it is below `limit` (rad) or cannot be shown to be.
+///
+/// Fans (a rail that is a point) are cones: their twist is 0, and their apex is where their rail rests.
+pub fn twist_bound(strip: &Strip, limit: f64) -> TwistBound {
+    if strip.is_point(0) || strip.is_point(1) {
+        return TwistBound { angle: 0.0, regular: true };
+    }
+    let Some(patch) = Ruled::new(&strip.patch) else {
+        return TwistBound { angle: f64::INFINITY, regular: false };
+    };
+    let all = [[Interval::EVERYTHING, Interval::new(0.0, 1.0)]];
+    let shown = developability_within(&patch, &all, limit);
+    TwistBound { angle: shown.angle, regular: shown.regular }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::geom::Vec3;
+    use crate::spline::curve::Curve;
     use crate::surface::torse::PanelKind;
 
     #[test]

@@ -4,14 +4,14 @@
 //! have rails and twist judged, develop; where there is no branch, take the strip of least twist and say so.
 
 use super::cut::cut;
+use super::judgement::judge;
 use super::outcome::Status;
-use super::sheets::{Basis, FieldMeaning, Figure, FlatPart, Guide, Sheets, StripField};
-use crate::certify::rails::rail_bound;
+use super::sheets::{Basis, Figure, FlatPart, Guide, Sheets};
 use crate::control::Control;
 use crate::design::loft::branches::{branches, Branch, BranchOptions, BranchType, Direction};
 use crate::design::loft::build::{along, follow, BuildOptions, BuiltStrip};
 use crate::design::loft::least_twist::{least_twist, LeastTwistOptions};
-use crate::design::loft::track::Track;
+use crate::design::loft::track::{Segment, Track};
 use crate::design::loft::{apart, LoftError};
 use crate::develop::strip::StripOptions;
 use crate::geom::Vec3;
@@ -93,16 +93,16 @@ const TWIST_SHARE: f64 = 0.1;
 const ENOUGH: f64 = 0.5;
 /// Share of a rail that may be left over without a word.
 const WHOLE: f64 = 1e-6;
+/// Rests of rails, in parameters, that make a cone of their own.
+const CREASE: f64 = 1e-6;
 /// Extension of rails beyond each end, as a share of their length.
 const EXTENSION: f64 = 0.5;
-/// Stations per strip where twist and clearance are measured.
-const STATIONS: usize = 64;
 
 /// The developable between two rails, fitted, judged and developed.
 ///
 /// *Guarantee.* `Certified` only if every strip's rails are proven to lie within the tolerance of the rails given, its
-/// twist is proven (see [`Strip::twist_bound`]) to stay below `twist_tolerance`, no regression point lies on a strip
-/// (measured), and every part has a pattern. Everything else is `Uncertified` with the reason.
+/// twist is proven (see [`crate::certify::rails::twist_bound`]) to stay below `twist_tolerance`, no ruling meets the
+/// regression curve between the rails (proven), and every part has a pattern. Everything else is `Uncertified` with the reason.
 ///
 /// # Errors
 /// Rails that touch, no branch where one is demanded, fixed rulings out of order, a tolerance that is not positive.
@@ -116,17 +116,12 @@ pub fn loft(a: &Rail, b: &Rail, options: &Options, control: &Control) -> Result<
     control.report("looking for branches", 0.1, "");
     let given = [a, b];
     let mut notes = Vec::new();
-    let (a, b) = match options.ends {
+    let (mut a, b) = match options.ends {
         Ends::Extend => (extended(a), extended(b)),
         _ => (a.clone(), b.clone()),
     };
-    let (b, found) = oriented(&a, b, options, &mut notes);
-    let regular: Vec<&Branch> = found
-        .iter()
-        .filter(|f| {
-            f.kind == BranchType::Regular && f.direction == Direction::Same && f.coverage[0].max(f.coverage[1]) > WHOLE
-        })
-        .collect();
+    let (mut b, found) = oriented(&a, b, options, &mut notes);
+    let regular: Vec<&Branch> = found.iter().filter(|f| is_candidate(f)).collect();
     for (k, f) in regular.iter().enumerate().take(5) {
         notes.push(format!(
             "alternative {}: regular, uses {:.2} % of {} and {:.2} % of {}{}",
@@ -168,8 +163,13 @@ pub fn loft(a: &Rail, b: &Rail, options: &Options, control: &Control) -> Result<
     let mut build = BuildOptions::new(RAIL_SHARE * tolerance);
     build.twist_tolerance = TWIST_SHARE * options.twist_tolerance;
     let (strips, closed) = match chosen {
+        Some(branch) if branch.closed => {
+            let (turned, branch) = seamed(&a, &b, branch, options.alternative)?;
+            [a, b] = turned;
+            (follow(&a, &b, &branch, &build)?, true)
+        }
         Some(branch) => {
-            let whole = with_ends(&a, &b, branch, options.ends);
+            let whole = with_ends(&a, &b, branch, options.ends, &mut notes);
             note_ends(&a, &b, &whole, options.ends, &mut notes);
             (follow(&a, &b, &whole, &build)?, whole.closed)
         }
@@ -181,7 +181,18 @@ pub fn loft(a: &Rail, b: &Rail, options: &Options, control: &Control) -> Result<
                 &LeastTwistOptions { fixed: options.fixed.clone(), ..LeastTwistOptions::default() },
             )?;
             build.exact = false;
-            (along(&a, &b, &path.stations, path.closed, &build)?, path.closed)
+            // Fixed rulings stay: the path is smoothed between them only.
+            let mut built = Vec::new();
+            let mut first = 0;
+            for &last in path.held.iter().chain([&(path.stations.len() - 1)]) {
+                let closed = path.closed && path.held.is_empty();
+                built.extend(along(&a, &b, &path.stations[first..=last], closed, &build)?);
+                first = last;
+            }
+            for (k, s) in built.iter_mut().enumerate() {
+                s.strip.name = format!("A-{:02}", k + 1);
+            }
+            (built, path.closed)
         }
     };
     control.report("judging", 0.7, "");
@@ -221,6 +232,61 @@ fn oriented(a: &Rail, b: Rail, options: &Options, notes: &mut Vec<String>) -> (R
     (turned, found)
 }
 
+/// Closed rails turned so that both begin where a fan or facet of the closed branch begins: no strip is cut in two by
+/// the place where a drawing happens to start. The branch, found once more, begins there too.
+fn seamed(a: &Rail, b: &Rail, branch: &Branch, alternative: usize) -> Result<([Rail; 2], Branch), LoftError> {
+    const STILL: f64 = 1e-11;
+    const MOVES: f64 = 1e-4;
+    let as_it_is = || Ok(([a.clone(), b.clone()], branch.clone()));
+    let s = &branch.stations;
+    let n = s.len() - 1;
+    let rests = |k: usize| {
+        let (p, q) = (s[k % n], s[k % n + 1]);
+        let d = [q[0] - p[0], q[1] - p[1]];
+        (0..2).find(|&k| d[k] <= STILL && d[1 - k] > MOVES)
+    };
+    let corner = |d: usize, x: f64| {
+        let track = if d == 0 { Track::new(a) } else { Track::new(b) };
+        matches!(track.locate(x.rem_euclid(track.end()) + 1e-9).0, Segment::Piece(_)) && (x - x.round()).abs() < 1e-9
+    };
+    // A place where a fan about a corner ends: the corner's rail goes on from the beginning of a piece.
+    let changes = |k: &usize| rests(k + n - 1) != rests(*k);
+    let best = (0..n).filter(changes).max_by_key(|&k| [0, 1].iter().filter(|d| corner(**d, s[k][**d])).count());
+    let Some(k) = best else { return as_it_is() };
+    let start = |rail: &Rail, x: f64| {
+        let track = Track::new(rail);
+        rail.started_at(track.rail_parameter(x.rem_euclid(track.end()))).map_err(LoftError::from)
+    };
+    let (a2, b2) = (start(a, s[k][0])?, start(b, s[k][1])?);
+    let again = branches(&a2, &b2, &BranchOptions::default());
+    let same = again.into_iter().filter(is_candidate).nth(alternative.max(1) - 1).filter(|f| f.closed);
+    let Some(mut found) = same else { return as_it_is() };
+    let ends = [Track::new(&a2).end(), Track::new(&b2).end()];
+    let off = |s: &[f64; 2]| (0..2).map(|d| (s[d] / ends[d] - (s[d] / ends[d]).round()).abs()).fold(0.0, f64::max);
+    let n = found.stations.len() - 1;
+    let Some(first) = (0..n).min_by(|&i, &j| off(&found.stations[i]).total_cmp(&off(&found.stations[j]))) else {
+        return as_it_is();
+    };
+    const NEAR: f64 = 1e-7;
+    if off(&found.stations[first]) > NEAR {
+        return as_it_is();
+    }
+    // Stations from there on, a period later where the list began anew; both ends exactly at the seams.
+    let turns = [0, 1].map(|d: usize| (found.stations[first][d] / ends[d]).round() * ends[d]);
+    let mut stations: Vec<[f64; 2]> = (first..=first + n)
+        .map(|i| [0, 1].map(|d: usize| found.stations[i % n][d] + if i >= n { ends[d] } else { 0.0 } - turns[d]))
+        .collect();
+    stations[0] = [0.0; 2];
+    stations[n] = ends;
+    found.stations = stations;
+    Ok(([a2, b2], found))
+}
+
+/// Whether a branch may be used.
+fn is_candidate(f: &Branch) -> bool {
+    f.kind == BranchType::Regular && f.direction == Direction::Same && f.coverage[0].max(f.coverage[1]) > WHOLE
+}
+
 /// The rail with straight pieces beyond both ends; closed rails stay as they are.
 fn extended(rail: &Rail) -> Rail {
     if rail.closed {
@@ -250,13 +316,20 @@ fn extended(rail: &Rail) -> Rail {
 }
 
 /// The run with what `ends` asks for.
-fn with_ends(a: &Rail, b: &Rail, branch: &Branch, ends: Ends) -> Branch {
+fn with_ends(a: &Rail, b: &Rail, branch: &Branch, ends: Ends, notes: &mut Vec<String>) -> Branch {
     let mut out = branch.clone();
     let (ta, tb) = (Track::new(a).end(), Track::new(b).end());
     match ends {
         Ends::Fan if !branch.closed => {
             // One rail rests at its end while the other is used up.
             let (first, last) = (out.stations[0], out.stations[out.stations.len() - 1]);
+            // Cones over the rests of both rails have different tangent planes where they meet.
+            if first[0] > CREASE && first[1] > CREASE && !a.closed && !b.closed {
+                notes.push("both rails have a rest at the start: the cones over them meet in a crease".into());
+            }
+            if last[0] < ta - CREASE && last[1] < tb - CREASE && !a.closed && !b.closed {
+                notes.push("both rails have a rest at the end: the cones over them meet in a crease".into());
+            }
             for start in corner_stations(first[0], 0.0, false).into_iter().filter(|_| !a.closed) {
                 out.stations.insert(0, [start, out.stations[0][1]]);
             }
@@ -343,57 +416,13 @@ fn judged(
     mut notes: Vec<String>,
     start: Instant,
 ) -> Sheets {
-    let mut missing: Vec<String> = Vec::new();
-    let (mut strip_figures, mut fields) = (Vec::new(), Vec::new());
-    let mut worst = [0.0_f64; 2];
-    let (mut worst_twist, mut sampled_twist, mut least) = (0.0_f64, 0.0_f64, f64::INFINITY);
-    for s in &built {
-        let off: Vec<f64> = (0..2)
-            .map(|side| rail_bound(&s.strip, side, rails[side], &s.rails[side]).unwrap_or(f64::INFINITY))
-            .collect();
-        for (w, o) in worst.iter_mut().zip(&off) {
-            *w = w.max(*o);
-        }
-        let (u0, u1) = s.strip.domain();
-        let at: Vec<f64> = (0..=STATIONS).map(|k| u0 + (u1 - u0) * k as f64 / STATIONS as f64).collect();
-        let twists: Vec<f64> = at.iter().map(|&u| s.strip.twist(u)).collect();
-        let twist = twists.iter().copied().fold(0.0, f64::max);
-        let fan = s.strip.is_point(0) || s.strip.is_point(1);
-        let clearance = if fan {
-            f64::INFINITY
-        } else {
-            at.iter().map(|&u| s.strip.regression_clearance(u)).fold(f64::INFINITY, f64::min)
-        };
-        let bound = s.strip.twist_bound().unwrap_or(f64::INFINITY);
-        worst_twist = worst_twist.max(bound);
-        sampled_twist = sampled_twist.max(twist);
-        least = least.min(clearance);
-        if clearance <= 0.0 {
-            missing.push(format!("strip {} has regression points between its rails", s.strip.name));
-        }
-        strip_figures.push(vec![
-            Figure::new(format!("from {}", rails[0].name), off[0], "mm", Basis::Proven),
-            Figure::new(format!("from {}", rails[1].name), off[1], "mm", Basis::Proven),
-            Figure::new("sine of twist, bound", bound, "", Basis::Proven),
-            Figure::new("twist", twist.to_degrees(), "°", Basis::Measured),
-            Figure::new("regression clearance", clearance, "mm", Basis::Measured),
-            Figure::new("area", s.strip.area_estimate() * 1e-6, "m²", Basis::Measured),
-        ]);
-        let values = twists.iter().flat_map(|t| [t.to_degrees(); 2]).collect();
-        fields.push(StripField { u: at, v: vec![0.0, 1.0], values });
-    }
-    for (side, w) in worst.iter().enumerate() {
+    let pieces: Vec<(&BuiltStrip, [&Rail; 2])> = built.iter().map(|s| (s, *rails)).collect();
+    let judgement = judge(&pieces, &[rails[0].name.clone(), rails[1].name.clone()], options.twist_tolerance);
+    let mut missing = judgement.missing.clone();
+    for (side, w) in judgement.off.iter().enumerate() {
         if *w > options.tolerance {
             missing.push(format!("the strips stray up to {w:.4} mm from {}", rails[side].name));
         }
-    }
-    if worst_twist > options.twist_tolerance {
-        missing.push(format!(
-            "twist up to {:.3e}° (measured), proven bound {:.3e}, where {:.3e} rad count as developable",
-            sampled_twist.to_degrees(),
-            worst_twist,
-            options.twist_tolerance
-        ));
     }
     let strips: Vec<Strip> = built.into_iter().map(|s| s.strip).collect();
     if strips.is_empty() {
@@ -411,22 +440,13 @@ fn judged(
         notes.push("the strip is closed; its flat part is cut open along the first ruling".into());
     }
     let isometry = patterns.iter().map(|p| p.isometry_error).fold(0.0, f64::max);
-    let figures = vec![
-        Figure::new(format!("from {}", rails[0].name), worst[0], "mm", Basis::Proven),
-        Figure::new(format!("from {}", rails[1].name), worst[1], "mm", Basis::Proven),
-        Figure::new("sine of twist, bound", worst_twist, "", Basis::Proven),
-        Figure::new("twist", sampled_twist.to_degrees(), "°", Basis::Measured),
-        Figure::new("regression clearance", least, "mm", Basis::Measured),
-        Figure::new("strips", strips.len() as f64, "", Basis::Given),
-        Figure::new("flat area", patterns.iter().map(|p| p.area * 1e-6).sum(), "m²", Basis::Measured),
-        Figure::new("length error of patterns", isometry, "", Basis::Measured),
-    ];
+    let mut figures: Vec<Figure> =
+        (0..2).map(|d| Figure::new(format!("from {}", rails[d].name), judgement.off[d], "mm", Basis::Proven)).collect();
+    figures.extend(judgement.figures());
+    figures.push(Figure::new("strips", strips.len() as f64, "", Basis::Given));
+    figures.push(Figure::new("flat area", patterns.iter().map(|p| p.area * 1e-6).sum(), "m²", Basis::Measured));
+    figures.push(Figure::new("length error of patterns", isometry, "", Basis::Measured));
     let guides = given.iter().map(|r| Guide { name: r.name.clone(), points: r.samples(200) }).collect();
-    let limit = fields
-        .iter()
-        .flat_map(|f| &f.values)
-        .fold(0.0, |m: f64, x| m.max(*x))
-        .max(options.twist_tolerance.to_degrees());
     Sheets {
         job: "loft".into(),
         input: options.input.clone(),
@@ -436,9 +456,9 @@ fn judged(
             Some(_) => Status::Uncertified(missing.join("; ")),
         },
         strips,
-        strip_figures,
-        fields,
-        meaning: FieldMeaning { name: "twist".into(), unit: "°".into(), limit },
+        strip_figures: judgement.strip_figures,
+        fields: judgement.fields,
+        meaning: judgement.meaning,
         parts,
         patterns,
         guides,
@@ -446,5 +466,119 @@ fn judged(
         notes,
         skipped: Vec::new(),
         seconds: start.elapsed().as_secs_f64(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geom::Frame;
+    use crate::spline::space_curve::SpaceCurve;
+    use crate::surface::torse::PanelKind;
+    use std::f64::consts::TAU;
+
+    fn made(a: &Rail, b: &Rail, options: &Options) -> Sheets {
+        loft(a, b, options, &Control::default()).expect("sheets")
+    }
+
+    fn figure(s: &Sheets, name: &str) -> f64 {
+        s.figures.iter().find(|f| f.name == name).map_or(f64::NAN, |f| f.value)
+    }
+
+    /// A duct from a square that starts in the middle of an edge to a circle whose seam lies anywhere.
+    fn duct(seam: f64) -> (Rail, Rail) {
+        let points = [(0.0, -300.0), (300.0, -300.0), (300.0, 300.0), (-300.0, 300.0), (-300.0, -300.0), (0.0, -300.0)];
+        let square = Rail::polyline("square", &points.map(|(x, y)| Vec3::new(x, y, 0.0))).expect("rail");
+        let (s, c) = seam.sin_cos();
+        let frame = Frame {
+            origin: Vec3::new(50.0, 20.0, 500.0),
+            x: Vec3::new(c, s, 0.1).normalize(),
+            y: Vec3::new(-s, c, 0.0).normalize(),
+            z: Vec3::z(),
+        };
+        let frame = Frame { z: frame.x.cross(&frame.y), ..frame };
+        let (round, _) = SpaceCurve::Ellipse { frame, a: 175.0, b: 175.0 }.to_spline(0.0, TAU).expect("spline");
+        (square, Rail::new("round", &[round]).expect("rail"))
+    }
+
+    #[test]
+    fn a_duct_is_four_triangles_and_four_cones_wherever_its_drawings_start() {
+        for seam in [0.0, 0.4, 2.0] {
+            let (a, b) = duct(seam);
+            let sheets = made(&a, &b, &Options::new(1e-6));
+            assert_eq!(sheets.status, Status::Certified, "{:?}", sheets.figures);
+            let count = |kind| sheets.strips.iter().filter(|s| s.kind == kind).count();
+            assert_eq!((count(PanelKind::Plane), count(PanelKind::Cone), sheets.strips.len()), (4, 4, 8), "{seam}");
+        }
+    }
+
+    /// Two arcs over a common cylinder, the second one longer at its end.
+    fn arcs() -> (Rail, Rail) {
+        let arc = |name: &str, to: f64, z: f64, r: f64| {
+            let frame = Frame { origin: Vec3::z() * z, ..Frame::world() };
+            let (c, _) = SpaceCurve::Ellipse { frame, a: r, b: r }.to_spline(0.0, to).expect("spline");
+            Rail::new(name, &[c]).expect("rail")
+        };
+        (arc("short", 1.2, 0.0, 100.0), arc("long", 1.9, 60.0, 80.0))
+    }
+
+    #[test]
+    fn ends_are_trimmed_fanned_or_extended() {
+        let (a, b) = arcs();
+        let with = |ends| made(&a, &b, &Options { ends, ..Options::new(0.01) });
+        let ring = |r: f64, s: f64, h: f64, angle: f64| 0.5 * angle * (r + s) * (h * h + (r - s) * (r - s)).sqrt();
+        let area = |s: &Sheets| s.strips.iter().map(Strip::area_estimate).sum::<f64>();
+        let trimmed = with(Ends::Trim);
+        assert_eq!(trimmed.status, Status::Certified, "{:?}", trimmed.figures);
+        assert!((area(&trimmed) - ring(100.0, 80.0, 60.0, 1.2)).abs() < 1e-3);
+        assert!(trimmed.notes.iter().any(|n| n.contains("long is used from")), "{:?}", trimmed.notes);
+        // The rest of the long rail is joined to the end of the short one.
+        let fanned = with(Ends::Fan);
+        assert_eq!(fanned.status, Status::Certified, "{:?} {:?}", fanned.figures, fanned.status);
+        let tip = a.point(1.0);
+        let fan: Vec<&Strip> = fanned.strips.iter().filter(|s| s.is_point(0)).collect();
+        assert_eq!(fan.len(), 1);
+        assert!((fan[0].ruling(0.5)[0] - tip).norm() < 1e-9);
+        assert!((fan[0].ruling(1.0)[1] - b.point(1.0)).norm() < 1e-9);
+        // The short rail goes on along its tangent.
+        let extended = with(Ends::Extend);
+        assert_eq!(extended.status, Status::Certified, "{:?}", extended.status);
+        assert!(area(&extended) > area(&trimmed) && extended.notes.iter().any(|n| n.contains("is extended by")));
+    }
+
+    #[test]
+    fn alternatives_fixed_rulings_and_least_twist_are_what_was_asked_for() {
+        let (a, b) = arcs();
+        let e = loft(&a, &b, &Options { alternative: 9, ..Options::new(0.01) }, &Control::default()).expect_err("none");
+        assert!(matches!(e, LoftError::NoAlternative { asked: 9, .. }), "{e}");
+        let fixed = made(&a, &b, &Options { fixed: vec![[0.5, 0.3]], ..Options::new(0.01) });
+        let at = |rail: &Rail, share: f64| {
+            let all = (0..=2000).map(|k| f64::from(k) / 2000.0);
+            rail.point(
+                all.min_by(|s, t| {
+                    let off = |s: f64| (rail.length_to(s) - share * rail.length()).abs();
+                    off(*s).total_cmp(&off(*t))
+                })
+                .expect("some"),
+            )
+        };
+        let (p, q) = (at(&a, 0.5), at(&b, 0.3));
+        let met = fixed.strips.iter().flat_map(|s| [s.ruling(0.0), s.ruling(1.0)]);
+        // Within the step of the search above.
+        assert!(met.into_iter().any(|r| (r[0] - p).norm() < 0.1 && (r[1] - q).norm() < 0.1));
+        assert!(matches!(fixed.status, Status::Uncertified(_)) && fixed.strips.len() < 10);
+        assert!(figure(&fixed, "twist") > 1e-3, "{:?} {:?}", fixed.status, fixed.figures);
+        let least = made(&a, &b, &Options { choice: Choice::LeastTwist, ..Options::new(0.01) });
+        assert!(least.notes.iter().any(|n| n.contains("least twist")));
+    }
+
+    #[test]
+    fn rails_that_touch_and_bad_tolerances_are_refused() {
+        let (a, _) = arcs();
+        let e = loft(&a, &a, &Options::new(0.01), &Control::default()).expect_err("the same");
+        assert!(e.to_string().contains("short"), "{e}");
+        for t in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            assert!(matches!(loft(&a, &a, &Options::new(t), &Control::default()), Err(LoftError::Tolerance(_))));
+        }
     }
 }

@@ -94,6 +94,10 @@ const GAP: f64 = 1e-6;
 const CORNER: f64 = 1e-4;
 /// Turn (rad) between chords from which points joined smoothly make a corner nevertheless: 30°.
 const POINT_CORNER: f64 = 0.53;
+/// Turn (rad) up to which pieces join smoothly.
+const SMOOTH: f64 = 1e-6;
+/// Parameters this near the end of a piece are its end.
+const SEAM: f64 = 1e-9;
 /// Chords per rail for the search of self-intersections.
 const CHORDS: usize = 256;
 
@@ -292,15 +296,56 @@ impl Rail {
         Self { name: self.name.clone(), pieces, closed: self.closed }
     }
 
+    /// The same closed rail beginning at the parameter `s`; where it began, pieces that join smoothly become one. Open
+    /// rails stay as they are.
+    ///
+    /// # Errors
+    /// Pieces that cannot be cut or joined (none for valid rails).
+    pub fn started_at(&self, s: f64) -> Result<Self, SplineError> {
+        let n = self.pieces.len();
+        if !self.closed || !s.is_finite() {
+            return Ok(self.clone());
+        }
+        let s = s.rem_euclid(n as f64);
+        let (k, t) = (s.floor() as usize % n, s.fract());
+        let mut pieces: Vec<Curve<4>> = self.pieces[k + 1..].to_vec();
+        let whole = t <= SEAM || t >= 1.0 - SEAM;
+        if t <= SEAM {
+            pieces.insert(0, self.pieces[k].clone());
+        } else if !whole {
+            pieces.insert(0, on_unit(&self.pieces[k].restricted(t, 1.0)?)?);
+        }
+        // Pieces before the old start end with the index `seam`.
+        let seam = pieces.len();
+        pieces.extend_from_slice(&self.pieces[..k]);
+        if t >= 1.0 - SEAM {
+            pieces.push(self.pieces[k].clone());
+        } else if !whole {
+            pieces.push(on_unit(&self.pieces[k].restricted(0.0, t)?)?);
+        }
+        if seam > 0 && seam < pieces.len() {
+            if let Some(one) = joined(&pieces[seam - 1], &pieces[seam])? {
+                pieces[seam - 1] = one;
+                pieces.remove(seam);
+            }
+        }
+        Ok(Self { name: self.name.clone(), pieces, closed: true })
+    }
+
     /// `count` points and more along the rail, at least four per piece, corners included.
     pub fn samples(&self, count: usize) -> Vec<Vec3> {
+        self.sample_parameters(count).into_iter().map(|s| self.point(s)).collect()
+    }
+
+    /// Parameters of [`Rail::samples`].
+    pub fn sample_parameters(&self, count: usize) -> Vec<f64> {
         let total = self.length().max(f64::MIN_POSITIVE);
         let mut out = Vec::new();
-        for (k, c) in self.pieces.iter().enumerate() {
+        for k in 0..self.pieces.len() {
             let parts = ((count as f64 * self.piece_length(k, 1.0) / total).ceil() as usize).max(4);
-            out.extend((0..parts).map(|i| place(&c.point(i as f64 / parts as f64))));
+            out.extend((0..parts).map(|i| k as f64 + i as f64 / parts as f64));
         }
-        out.extend(self.pieces.last().map(|c| end_point(c, 1.0)));
+        out.push(self.pieces.len() as f64);
         out
     }
 
@@ -405,6 +450,41 @@ fn smooth_pieces(c: &Curve<4>) -> Result<Vec<Curve<4>>, SplineError> {
         .collect()
 }
 
+/// The curve with the domain [0, 1].
+fn on_unit(c: &Curve<4>) -> Result<Curve<4>, SplineError> {
+    let (a, b) = c.domain();
+    let unit = |t: f64| if t >= b { 1.0 } else { ((t - a) / (b - a)).clamp(0.0, 1.0) };
+    let values = c.knots.values().iter().map(|&t| unit(t)).collect();
+    Ok(Curve { knots: Knots::new(c.knots.degree(), values, c.control.len())?, control: c.control.clone() })
+}
+
+/// Two pieces as one, if they join smoothly and have the same degree, or are straight.
+fn joined(a: &Curve<4>, b: &Curve<4>) -> Result<Option<Curve<4>>, SplineError> {
+    let (x, y) = (tangent(a, 1.0), tangent(b, 0.0));
+    if x.angle(&y) > SMOOTH {
+        return Ok(None);
+    }
+    let ends = |c: &Curve<4>| (end_point(c, 0.0), end_point(c, 1.0));
+    if is_straight(a) && is_straight(b) {
+        let control = vec![homogeneous(&ends(a).0), homogeneous(&ends(b).1)];
+        return Curve::new(1, vec![0.0, 0.0, 1.0, 1.0], control).map(Some);
+    }
+    let p = a.knots.degree();
+    if p != b.knots.degree() {
+        return Ok(None);
+    }
+    // Parameters in proportion to the control polygons, so that the speed hardly jumps.
+    let long = |c: &Curve<4>| c.control.windows(2).map(|w| (place(&w[1]) - place(&w[0])).norm()).sum::<f64>();
+    let r = long(a) / (long(a) + long(b));
+    let (va, vb) = (a.knots.values(), b.knots.values());
+    let mut values: Vec<f64> = va[..va.len() - 1].iter().map(|t| if *t >= 1.0 { r } else { r * t }).collect();
+    values.extend(vb[p + 1..].iter().map(|t| if *t >= 1.0 { 1.0 } else { r + (1.0 - r) * t }));
+    let scale = a.control[a.control.len() - 1][3] / b.control[0][3];
+    let mut control = a.control.clone();
+    control.extend(b.control[1..].iter().map(|h| h.map(|x| x * scale)));
+    Curve::new(p, values, control).map(Some)
+}
+
 /// Distance between two segments.
 fn chord_distance(a: &Vec3, b: &Vec3, c: &Vec3, d: &Vec3) -> f64 {
     let (u, v, w) = (b - a, d - c, a - c);
@@ -444,6 +524,24 @@ mod tests {
         let mut bent = arc.clone();
         bent.extend((1..10).map(|k| arc[20] + Vec3::z() * f64::from(k)));
         assert_eq!(Rail::through("bent", &bent).expect("rail").pieces.len(), 2);
+    }
+
+    #[test]
+    fn a_closed_rail_may_begin_anywhere() {
+        let points = [(0.5, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0), (0.0, 0.0), (0.5, 0.0)];
+        let r = Rail::polyline("square", &points.map(|(x, y)| Vec3::new(x, y, 0.0))).expect("rail");
+        let turned = r.started_at(1.0).expect("rail");
+        assert!(turned.pieces.len() == 4 && turned.closed && (0..4).all(|k| turned.is_straight(k)));
+        assert!((turned.point(0.0) - Vec3::x()).norm() < 1e-15 && (turned.length() - 4.0).abs() < 1e-12);
+        let round: Vec<Vec3> = (0..=40)
+            .map(|k| f64::from(k) * std::f64::consts::TAU / 40.0)
+            .map(|a| Vec3::new(a.cos(), a.sin(), 0.2 * (2.0 * a).sin()))
+            .collect();
+        let r = Rail::through("loop", &round).expect("rail");
+        let turned = r.started_at(0.3).expect("rail");
+        assert!((turned.point(0.0) - r.point(0.3)).norm() < 1e-12 && (turned.length() - r.length()).abs() < 1e-9);
+        // A spline through points has a slight corner at its seam, which stays.
+        assert_eq!(turned.pieces.len(), 2);
     }
 
     #[test]

@@ -26,6 +26,10 @@ pub struct Strip {
 /// A rail that moves less than this share of the other one per parameter stands still: an apex, up to rounding.
 const STANDS_STILL: f64 = 1e-10;
 
+/// Difference of the velocities of both rails, as a share of them, that is rounding: the regression point would be this
+/// many lengths of the ruling away.
+const PARALLEL: f64 = 1e-10;
+
 impl Strip {
     /// The strip between two rails given as homogeneous curves (weight last). Degrees and knots are made equal, both
     /// domains become [0, 1]; points with the same relative parameter are joined by a ruling.
@@ -120,7 +124,8 @@ impl Strip {
         let (a, b, r) = self.across(u);
         let d = b - a;
         let dd = d.norm_squared();
-        if dd == 0.0 {
+        // Rulings parallel up to rounding: the direction of d would be noise.
+        if dd <= (PARALLEL * (a.norm() + b.norm())).powi(2) {
             return f64::INFINITY;
         }
         let v = -a.dot(&d) / dd;

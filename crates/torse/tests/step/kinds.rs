@@ -399,6 +399,24 @@ fn assemblies_place_every_occurrence() {
 }
 
 #[test]
+fn edges_lie_where_assemblies_put_them() {
+    let mut s = Step::new(Unit::Millimetre);
+    let l = s.polygon(&[[0., 0., 0.], [1., 0., 0.], [1., 1., 0.], [0., 1., 0.]]);
+    let plane = s.plane([0., 0., 0.], [0., 0., 1.]);
+    s.face("", plane, &[(l, true)], true);
+    s.occurrence([10., 0., 0.], [0., 0., 1.], [0., 1., 0.], false);
+    s.occurrence([0., 0., 5.], [0., 0., 1.], [1., 0., 0.], false);
+    let edges = torse::io::step::read::edges::curves(s.text().as_bytes()).expect("edges");
+    assert_eq!(edges.len(), 8);
+    let place = |h: &[f64; 4]| Vec3::new(h[0], h[1], h[2]) / h[3];
+    let ends = |copy: usize| -> Vec<Vec3> {
+        edges.iter().filter(|e| e.copy == copy).map(|e| place(&e.curves[0].control[0])).collect()
+    };
+    // The first place is turned by 90° about z and moved along x, the second one moved along z.
+    assert!(ends(1).iter().all(|p| p.z == 0.0 && p.x > 8.9) && ends(2).iter().all(|p| p.z == 5.0 && p.x < 1.1));
+}
+
+#[test]
 fn mapped_items_are_copies() {
     let mut s = Step::new(Unit::Millimetre);
     let l = s.polygon(&[[0., 0., 0.], [1., 0., 0.], [1., 1., 0.], [0., 1., 0.]]);

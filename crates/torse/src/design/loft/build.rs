@@ -51,8 +51,12 @@ const REST: f64 = 1e-9;
 const STILL: f64 = 1e-11;
 /// See [`STILL`].
 const MOVES: f64 = 1e-4;
+/// Steps of a path of least twist in which a rail must rest to make a fan: fewer are the stairs of a slanted path.
+const LONG: usize = 12;
 /// Deviation from a linear relation of the parameters that is rounding.
 const LINEAR: f64 = 1e-11;
+/// Distance from a knot, in parameters, that is rounding.
+const KNOT: f64 = 1e-10;
 /// Halvings of a span.
 const DEEPEST: usize = 9;
 /// Samples per span where rails and twist are looked at.
@@ -81,9 +85,17 @@ pub fn along(
 ) -> Result<Vec<BuiltStrip>, LoftError> {
     let (ta, tb) = (Track::new(a), Track::new(b));
     let mut out = Vec::new();
-    for stretch in stretches(stations, closed) {
+    for stretch in stretches(stations, closed, options.exact) {
         let (p, q) = (stretch[0], stretch[stretch.len() - 1]);
-        let base = [0, 1].map(|d| (0.5 * (p[d] + q[d])).floor());
+        // A rail that rests at its very end rests on its last segment.
+        let base = [(0, &ta), (1, &tb)].map(|(d, track)| {
+            let x = (0.5 * (p[d] + q[d])).floor();
+            if track.rail.closed {
+                x
+            } else {
+                x.clamp(0.0, track.end() - 1.0)
+            }
+        });
         let local: Vec<[f64; 2]> = stretch.iter().map(|s| [0, 1].map(|d| (s[d] - base[d]).clamp(0.0, 1.0))).collect();
         let (sa, sb) = (ta.locate(base[0] + 0.5).0, tb.locate(base[1] + 0.5).0);
         let built = match (sa, sb) {
@@ -105,9 +117,11 @@ pub fn along(
 }
 
 /// Cuts a path at the ends of segments; a closed path within one segment of each is cut in the middle.
-fn stretches(stations: &[[f64; 2]], closed: bool) -> Vec<Vec<[f64; 2]>> {
+fn stretches(stations: &[[f64; 2]], closed: bool, exact: bool) -> Vec<Vec<[f64; 2]>> {
+    let resting = resting(stations, exact);
     let mut out: Vec<Vec<[f64; 2]>> = Vec::new();
     let mut now: Vec<[f64; 2]> = Vec::new();
+    let mut before = None;
     for (k, s) in stations.iter().enumerate() {
         let Some(&last) = now.last() else {
             now.push(*s);
@@ -117,13 +131,10 @@ fn stretches(stations: &[[f64; 2]], closed: bool) -> Vec<Vec<[f64; 2]>> {
             continue;
         }
         // Where a rail comes to rest or starts again, a fan begins or ends.
-        let rests = |from: &[f64; 2], to: &[f64; 2]| {
-            let d = [to[0] - from[0], to[1] - from[1]];
-            (0..2).find(|&k| d[k] <= STILL && d[1 - k] > MOVES)
-        };
-        if now.len() > 1 && rests(&now[now.len() - 2], &last) != rests(&last, s) {
+        if now.len() > 1 && resting[k - 1] != before {
             out.push(std::mem::replace(&mut now, vec![last]));
         }
+        before = resting[k - 1];
         // Ends of segments passed between two stations become stations.
         let mut cuts: Vec<f64> = Vec::new();
         for d in 0..2 {
@@ -170,6 +181,29 @@ fn stretches(stations: &[[f64; 2]], closed: bool) -> Vec<Vec<[f64; 2]>> {
     out
 }
 
+/// For every step, the rail that rests while the other one moves. Paths of least twist move one rail at a time: there, only
+/// long rests count.
+fn resting(stations: &[[f64; 2]], exact: bool) -> Vec<Option<usize>> {
+    let mut out: Vec<Option<usize>> = stations
+        .windows(2)
+        .map(|w| {
+            let d = [w[1][0] - w[0][0], w[1][1] - w[0][1]];
+            (0..2).find(|&k| d[k] <= STILL && d[1 - k] > MOVES)
+        })
+        .collect();
+    if !exact {
+        let mut k = 0;
+        while k < out.len() {
+            let end = (k..out.len()).find(|&i| out[i] != out[k]).unwrap_or(out.len());
+            if end - k < LONG {
+                out[k..end].fill(None);
+            }
+            k = end;
+        }
+    }
+    out
+}
+
 /// The exact cone (or plane triangle) over a stretch of a piece.
 fn fan(
     rail: &Rail,
@@ -196,12 +230,17 @@ fn fan(
     Ok(Some(BuiltStrip { strip: classified(strip), rails }))
 }
 
+/// The parameter, or the knot that it misses by rounding: a span of that width would have no direction.
+fn at_knot(c: &Curve<4>, t: f64) -> f64 {
+    c.knots.breaks().into_iter().find(|k| (k - t).abs() <= KNOT).unwrap_or(t)
+}
+
 fn linear(t0: f64, t1: f64) -> Result<Curve<1>, SplineError> {
     Curve::new(1, vec![0.0, 0.0, 1.0, 1.0], vec![[t0], [t1]])
 }
 
 /// The strip between two smooth pieces.
-fn between_pieces(
+pub(crate) fn between_pieces(
     a: &Rail,
     b: &Rail,
     i: usize,
@@ -210,6 +249,8 @@ fn between_pieces(
     options: &BuildOptions,
 ) -> Result<Option<BuiltStrip>, LoftError> {
     let (ca, cb) = (&a.pieces[i], &b.pieces[j]);
+    let stations: Vec<[f64; 2]> = stations.iter().map(|s| [at_knot(ca, s[0]), at_knot(cb, s[1])]).collect();
+    let stations = &stations[..];
     let (p, q) = (stations[0], stations[stations.len() - 1]);
     let (dx, dy) = (q[0] - p[0], q[1] - p[1]);
     if dx <= REST && dy <= REST {

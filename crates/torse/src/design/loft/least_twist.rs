@@ -36,7 +36,12 @@ pub struct TwistPath {
     pub area: f64,
     /// Whether the path goes round two closed rails.
     pub closed: bool,
+    /// Stations of the fixed rulings.
+    pub held: Vec<usize>,
 }
+
+/// Halvings in the search of a share of the length: to the last digit.
+const HALVINGS: usize = 50;
 
 /// Samples of a rail: parameter on the track and point.
 struct Samples {
@@ -44,7 +49,8 @@ struct Samples {
     points: Vec<Vec3>,
 }
 
-fn samples(rail: &Rail, chords: usize) -> Samples {
+/// About `chords` chords, with points at the given shares of the length.
+fn samples(rail: &Rail, chords: usize, shares: &[f64]) -> Samples {
     let track = Track::new(rail);
     let total = rail.length().max(f64::MIN_POSITIVE);
     let mut out = Samples { x: Vec::new(), points: Vec::new() };
@@ -61,7 +67,36 @@ fn samples(rail: &Rail, chords: usize) -> Samples {
     let last = rail.pieces.len() as f64;
     out.x.push(track.end());
     out.points.push(rail.point(last));
+    for share in shares.iter().filter(|s| (0.0..=1.0).contains(*s)) {
+        let x = at_share(&track, *share);
+        let k = out.x.partition_point(|y| *y < x);
+        if out.x.get(k) != Some(&x) {
+            out.x.insert(k, x);
+            out.points.insert(k, track.at(x).point);
+        }
+    }
     out
+}
+
+/// The parameter of a track at a share of its rail's length.
+fn at_share(track: &Track, share: f64) -> f64 {
+    if share <= 0.0 {
+        return 0.0;
+    }
+    if share >= 1.0 {
+        return track.end();
+    }
+    let goal = share * track.rail.length();
+    let (mut lo, mut hi) = (0.0, track.end());
+    for _ in 0..HALVINGS {
+        let m = 0.5 * (lo + hi);
+        if track.rail.length_to(track.rail_parameter(m)) < goal {
+            lo = m;
+        } else {
+            hi = m;
+        }
+    }
+    0.5 * (lo + hi)
 }
 
 /// The triangle strip of least total squared bending between two rails, used from end to end.
@@ -75,9 +110,11 @@ fn samples(rail: &Rail, chords: usize) -> Samples {
 /// Fixed rulings that are not in order on the rails.
 pub fn least_twist(a: &Rail, b: &Rail, options: &LeastTwistOptions) -> Result<TwistPath, LoftError> {
     let closed = a.closed && b.closed;
-    let (p, q) = (samples(a, options.chords), samples(b, options.chords));
+    let column = |d: usize| options.fixed.iter().map(|f| f[d]).collect::<Vec<f64>>();
+    let (p, q) = (samples(a, options.chords, &column(0)), samples(b, options.chords, &column(1)));
     if closed && options.fixed.is_empty() {
-        let (coarse_p, coarse_q) = (samples(a, COARSE.min(options.chords)), samples(b, COARSE.min(options.chords)));
+        let (coarse_p, coarse_q) =
+            (samples(a, COARSE.min(options.chords), &[]), samples(b, COARSE.min(options.chords), &[]));
         let m = coarse_q.points.len() - 1;
         let cost = |j: usize| {
             let turned = turn(&coarse_q.points, j);
@@ -94,10 +131,14 @@ pub fn least_twist(a: &Rail, b: &Rail, options: &LeastTwistOptions) -> Result<Tw
         return Ok(path(&p.x, &p.points, &x, &turned, &moves, cost, true));
     }
     // Fixed rulings cut the task into independent ones.
-    let share = |s: &Samples, at: f64| ((s.points.len() - 1) as f64 * at).round() as usize;
+    let (ta, tb) = (Track::new(a), Track::new(b));
+    let share = |s: &Samples, track: &Track, at: f64| {
+        let x = at_share(track, at);
+        s.x.partition_point(|y| *y < x).min(s.x.len() - 1)
+    };
     let mut cuts = vec![[0, 0]];
     for (index, f) in options.fixed.iter().enumerate() {
-        let next = [share(&p, f[0]), share(&q, f[1])];
+        let next = [share(&p, &ta, f[0]), share(&q, &tb, f[1])];
         let last = cuts[cuts.len() - 1];
         let inside = f.iter().all(|x| (0.0..=1.0).contains(x));
         if !inside || next[0] < last[0] || next[1] < last[1] || (index > 0 && next == last) {
@@ -114,6 +155,7 @@ pub fn least_twist(a: &Rail, b: &Rail, options: &LeastTwistOptions) -> Result<Tw
         whole = Some(match whole {
             None => part,
             Some(mut all) => {
+                all.held.push(all.stations.len() - 1);
                 all.stations.extend_from_slice(&part.stations[1..]);
                 all.rulings.extend_from_slice(&part.rulings[1..]);
                 all.cost += part.cost;
@@ -136,7 +178,14 @@ fn turn(points: &[Vec3], k: usize) -> Vec<Vec3> {
 
 fn path(x: &[f64], p: &[Vec3], y: &[f64], q: &[Vec3], moves: &[bool], cost: f64, closed: bool) -> TwistPath {
     let (mut i, mut j) = (0, 0);
-    let mut out = TwistPath { stations: vec![[x[0], y[0]]], rulings: vec![[p[0], q[0]]], cost, area: 0.0, closed };
+    let mut out = TwistPath {
+        stations: vec![[x[0], y[0]]],
+        rulings: vec![[p[0], q[0]]],
+        cost,
+        area: 0.0,
+        closed,
+        held: Vec::new(),
+    };
     for &first in moves {
         let (a, b) = (p[i], q[j]);
         let c = if first {

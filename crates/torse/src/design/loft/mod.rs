@@ -91,17 +91,18 @@ pub fn apart(a: &Rail, b: &Rail) -> Result<(), LoftError> {
     if least.0 > 0.1 * reach {
         return Ok(());
     }
-    let (na, nb) = (p.len() as f64 - 1.0, q.len() as f64 - 1.0);
-    let gap = refine(a, b, least.1 as f64 / na, least.2 as f64 / nb);
+    let at = |rail: &Rail, i: usize| rail.sample_parameters(POINTS)[i] / rail.pieces.len() as f64;
+    let (gap, s, t) = refine(a, b, at(a, least.1), at(b, least.2));
     if gap <= TOUCH * size {
-        let (at_a, at_b) = (least.1 as f64 / na, least.2 as f64 / nb);
+        let share = |rail: &Rail, s: f64| rail.length_to(s * rail.pieces.len() as f64) / rail.length();
+        let (at_a, at_b) = (share(a, s), share(b, t));
         return Err(LoftError::Touch { a: a.name.clone(), b: b.name.clone(), at_a, at_b, gap });
     }
     Ok(())
 }
 
-/// Least distance near two relative parameters, by a shrinking grid.
-fn refine(a: &Rail, b: &Rail, s: f64, t: f64) -> f64 {
+/// Least distance near two relative parameters, and where, by a shrinking grid.
+fn refine(a: &Rail, b: &Rail, s: f64, t: f64) -> (f64, f64, f64) {
     let (na, nb) = (a.pieces.len() as f64, b.pieces.len() as f64);
     let (mut s, mut t, mut h) = (s, t, 0.05);
     let mut best = f64::INFINITY;
@@ -119,7 +120,7 @@ fn refine(a: &Rail, b: &Rail, s: f64, t: f64) -> f64 {
         }
         h *= 0.6;
     }
-    best
+    (best, s, t)
 }
 
 /// Distance between two segments.

@@ -12,7 +12,7 @@ use crate::surface::rail::{Rail, RailError};
 pub struct CurveOptions {
     /// Name of the rail, for messages.
     pub name: String,
-    /// Which curve of the file: entity number of a STEP file, layer or handle of a DXF file; empty if it has only one.
+    /// Which curve of the file: entity number of a STEP file (`12/2` where an assembly has it a second time), layer or handle of a DXF file; empty if it has only one.
     pub select: String,
     /// Length of one unit of the file, mm, where the file does not say (CSV, some DXF); default none.
     pub unit: Option<f64>,
@@ -104,7 +104,10 @@ pub fn read(bytes: &[u8], options: &CurveOptions) -> Result<Rail, CurveError> {
         let all = edges::curves(bytes)
             .map_err(|source| CurveError::Step { name: options.name.clone(), source })?
             .into_iter()
-            .map(|e| Found { label: e.entity.to_string(), curves: e.curves })
+            .map(|e| Found {
+                label: if e.copy > 1 { format!("{}/{}", e.entity, e.copy) } else { e.entity.to_string() },
+                curves: e.curves,
+            })
             .collect();
         return chosen(all, options);
     }

@@ -1,0 +1,44 @@
+//! `torse hull`: developables on the boundary of the convex hull of curves.
+
+use crate::args::Hull;
+use crate::failure::Failure;
+use crate::folder::Output;
+use crate::loft::{rail, split, stem, summary};
+use crate::terminal::Terminal;
+use torse::io::sheets;
+use torse::pipeline::hull::{hull, Options};
+use torse::pipeline::outcome::Status;
+use torse::pipeline::presentation::present_sheets;
+use torse::surface::rail::Rail;
+
+/// Runs the job; `Ok(true)` means certified.
+pub fn run(arguments: &Hull) -> Result<bool, Failure> {
+    let (file, _) = split(&arguments.curves[0]);
+    let curves: Vec<Rail> =
+        arguments.curves.iter().map(|c| rail(c, arguments.unit, arguments.polyline)).collect::<Result<_, _>>()?;
+    let output = Output::prepare(&arguments.out, &file, arguments.force)?;
+    let terminal = Terminal::new(arguments.quiet, None)?;
+    terminal.guard(Some(output.staging().to_path_buf()));
+    let options = Options {
+        input: arguments.name.clone().unwrap_or_else(|| stem(&file)),
+        ruling_spacing: arguments.rulings.as_ref().map(|l| l.mm),
+        mark_spacing: arguments.marks.as_ref().map(|l| l.mm),
+        ..Options::new(arguments.tolerance.mm)
+    };
+    let outcome = hull(&curves, &options, terminal.control())
+        .map_err(|e| Failure::new(e.to_string(), "see 'torse hull --help' for what the curves must be"))?;
+    terminal.say("writing");
+    let files = sheets::files(&outcome, &present_sheets(&outcome), &crate::clock::stamp())
+        .map_err(|e| Failure::new(e.to_string(), "this is a fault of the program; please report it with the curves"))?;
+    for (name, bytes) in files {
+        output.write(&name, &bytes)?;
+    }
+    output.finish()?;
+    terminal.guard(None);
+    terminal.finish();
+    if !arguments.quiet {
+        // A closed pipe is no reason to fail after the work is done.
+        let _ = summary(&outcome, &arguments.out);
+    }
+    Ok(outcome.status == Status::Certified)
+}

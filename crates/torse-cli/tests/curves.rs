@@ -1,0 +1,73 @@
+//! `torse loft` and `torse hull` run as their users run them: results, and refusals of curves that cannot be used.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+const DATA: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../data");
+
+fn torse(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_torse")).current_dir(folder).args(arguments).output().expect("torse runs")
+}
+
+/// Checks a refusal: status 2, one error with one line of help, nothing left behind; the message.
+fn refused(folder: &Path, arguments: &[&str]) -> String {
+    let output = torse(folder, arguments);
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
+    assert!(message.starts_with("error: ") && message.trim_end().lines().count() == 2, "{arguments:?}: {message}");
+    assert!(!message.contains("panicked"), "{message}");
+    assert!(!folder.join("o").exists(), "{arguments:?} left something behind");
+    message
+}
+
+#[test]
+fn the_hull_of_a_duct_is_certified_and_its_files_are_there() {
+    let room = tempfile::tempdir().expect("room");
+    let (a, b) = (format!("{DATA}/duct_square.dxf"), format!("{DATA}/duct_round.dxf"));
+    let output = torse(room.path(), &["hull", &a, &b, "-t", "0.01mm", "-o", "o"]);
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert_eq!(output.status.code(), Some(0), "{text}{}", String::from_utf8_lossy(&output.stderr));
+    assert!(text.starts_with("certified: ") && text.contains("left open"), "{text}");
+    for file in ["strips.step", "patterns.dxf", "patterns.svg", "model.glb", "report.html", "report.json"] {
+        assert!(fs::metadata(room.path().join("o").join(file)).expect(file).len() > 100, "{file}");
+    }
+}
+
+#[test]
+fn curves_that_cannot_be_used_are_refused_by_name() {
+    let room = tempfile::tempdir().expect("room");
+    let write = |name: &str, text: &str| fs::write(room.path().join(name), text).expect("file");
+    write("a.csv", "0,0,0\n10,1,0\n20,0,3\n30,2,0\n");
+    write("b.csv", "0,20,0\n10,21,4\n20,20,3\n30,22,0\n");
+    write("touching.csv", "0,20,0\n10,1,0\n20,20,3\n");
+    write("nan.csv", "0,0,0\n1,nan,2\n");
+    write("point.csv", "1,2,3\n1,2,3\n");
+    write("eight.csv", "0,0,0\n2,2,0\n2,0,0\n0,2,0\n");
+    write("empty.csv", "");
+    write("flat.csv", "0,0,0\n10,3,0\n20,0,0\n");
+    let loft = |a: &str, b: &str| refused(room.path(), &["loft", a, b, "--unit", "mm", "-t", "0.1mm", "-o", "o"]);
+    assert!(loft("a.csv", "a.csv").contains("a.csv"));
+    let message = refused(
+        room.path(),
+        &["loft", "a.csv", "touching.csv", "--polyline", "--unit", "mm", "-t", "0.1mm", "-o", "o"],
+    );
+    assert!(message.contains("a.csv at 0.3") && message.contains("touching.csv at 0.497"), "{message}");
+    assert!(loft("a.csv", "nan.csv").contains("nan.csv, line 2"));
+    assert!(loft("point.csv", "b.csv").contains("point.csv has no length"));
+    assert!(loft("a.csv", "empty.csv").contains("empty.csv has no length"));
+    let message =
+        refused(room.path(), &["loft", "a.csv", "eight.csv", "--polyline", "--unit", "mm", "-t", "0.1mm", "-o", "o"]);
+    assert!(message.contains("eight.csv meets itself"), "{message}");
+    assert!(refused(room.path(), &["loft", "a.csv", "b.csv", "-t", "0.1mm", "-o", "o"]).contains("--unit"));
+    let duct = format!("{DATA}/duct_round.dxf");
+    let message = refused(room.path(), &["loft", &duct, "b.csv", "--unit", "in", "-t", "0.1mm", "-o", "o"]);
+    assert!(message.contains("duct_round.dxf is in"), "{message}");
+    assert!(refused(room.path(), &["loft", "a.csv", "-t", "0.1mm", "-o", "o"]).contains("RAIL_B"));
+    let fixed = ["loft", "a.csv", "b.csv", "--unit", "mm", "-t", "0.1mm", "-o", "o", "--ruling", "0.5,0.5"];
+    let message = refused(room.path(), &[&fixed[..], &["--ruling", "0.4,0.6"]].concat());
+    assert!(message.contains("ruling 1"), "{message}");
+    assert!(refused(room.path(), &["hull", "-t", "0.1mm", "-o", "o"]).contains("CURVE"));
+    let message = refused(room.path(), &["hull", "flat.csv", "--unit", "mm", "-t", "0.1mm", "-o", "o"]);
+    assert!(message.contains("flat.csv lie in one plane"), "{message}");
+}

@@ -1,0 +1,118 @@
+//! Figures of lecture notes on ruled surfaces and developables \[W15\], section 4, drawn from the library: developables
+//! from boundary curves.
+//!
+//! `cargo run --release --example gallery_loft -- FOLDER` writes one PNG per figure.
+
+use std::error::Error;
+use std::f64::consts::TAU;
+use std::path::Path;
+use torse::control::Control;
+use torse::design::loft::branches::BranchType;
+use torse::geom::{Frame, Vec2, Vec3};
+use torse::io::png;
+use torse::pipeline::hull::{hull, Options};
+use torse::pipeline::loft::{self, Choice, Ends};
+use torse::pipeline::presentation::present_sheets;
+use torse::pipeline::sheets::Sheets;
+use torse::spline::space_curve::SpaceCurve;
+use torse::surface::rail::Rail;
+use torse::tessellate::picture::{self, Caption};
+use torse::tessellate::raster::{Drawing, Line};
+
+type Outcome<T> = Result<T, Box<dyn Error>>;
+
+fn main() -> Outcome<()> {
+    let folder = std::env::args().nth(1).ok_or("give a folder to write to")?;
+    let folder = Path::new(&folder);
+    std::fs::create_dir_all(folder)?;
+    let control = Control::default();
+    let save = |name: &str, sheets: &Sheets, title: &str, eye: Vec3| -> Outcome<()> {
+        let note = sheets.notes.first().cloned().unwrap_or_default();
+        let caption = Caption { title: title.into(), note, ..Caption::default() };
+        let shown = present_sheets(sheets);
+        let image = picture::panels(&shown.scene, &eye, &caption);
+        Ok(std::fs::write(folder.join(format!("{name}.png")), png::write(&image)?)?)
+    };
+    // 4.1: a plane rolls over a closed curve; where it touches three times, a facet is planar.
+    let knot = around("curve", |t| Vec3::new(100.0 * t.cos(), 100.0 * t.sin(), 35.0 * (3.0 * t).cos()))?;
+    let sheets = hull(&[knot], &Options::new(0.1), &control)?;
+    save("figure-4-1", &sheets, "the boundary of the convex hull of a curve: developables and planar triangles", EYE)?;
+    // 4.4: formwork between a circle and a rectangle.
+    let rectangle = [(-110.0, -70.0), (110.0, -70.0), (110.0, 70.0), (-110.0, 70.0), (-110.0, -70.0)];
+    let rectangle = Rail::polyline("rectangle", &rectangle.map(|(x, y)| Vec3::new(x, y, 0.0)))?;
+    let circle = ellipse("circle", Vec3::z() * 140.0, 90.0, 90.0)?;
+    let sheets = hull(&[rectangle, circle], &Options::new(1e-3), &control)?;
+    save("figure-4-4", &sheets, "formwork from a rectangle to a circle: four triangles, four cones", EYE)?;
+    // 4.7: one boundary, several developables. Both hulls of a saddle loop, one side at a time.
+    let saddle = around("loop", |t| Vec3::new(100.0 * t.cos(), 100.0 * t.sin(), 50.0 * (2.0 * t).cos()))?;
+    let whole = hull(&[saddle], &Options::new(0.1), &control)?;
+    for (k, letter) in (0..whole.parts.len()).zip(["a", "b", "c", "d"]) {
+        let side = only(&whole, k);
+        save(&format!("figure-4-7-{letter}"), &side, "a closed curve bounds more than one developable", EYE)?;
+    }
+    // The same two circles bound a cone and a double cone; only the first is regular.
+    let (low, high) = (ellipse("low", Vec3::zeros(), 80.0, 80.0)?, ellipse("high", Vec3::z() * 120.0, 50.0, 50.0)?);
+    let double = torse::design::loft::branches::branches(&low, &high, &Default::default());
+    let double = double.iter().filter(|b| b.kind == BranchType::DoubleCone).count();
+    let options = loft::Options { choice: Choice::Exact, ends: Ends::Trim, ..loft::Options::new(1e-3) };
+    let sheets = loft::loft(&low, &high, &options, &control)?;
+    let title = format!("two circles: one regular developable ({double} double cone not used)");
+    save("figure-4-7-circles", &sheets, &title, EYE)?;
+    std::fs::write(folder.join("figure-4-11.png"), png::write(&subdivision().render())?)?;
+    Ok(())
+}
+
+const EYE: Vec3 = Vec3::new(1.0, -1.6, 1.1);
+
+/// A closed curve through points, as a smooth rail.
+fn around(name: &str, at: impl Fn(f64) -> Vec3) -> Outcome<Rail> {
+    let points: Vec<Vec3> = (0..=96).map(|k| at(TAU * f64::from(k % 96) / 96.0)).collect();
+    Ok(Rail::through(name, &points)?)
+}
+
+fn ellipse(name: &str, origin: Vec3, a: f64, b: f64) -> Outcome<Rail> {
+    let frame = Frame { origin, ..Frame::world() };
+    let (c, _) = SpaceCurve::Ellipse { frame, a, b }.to_spline(0.0, TAU)?;
+    Ok(Rail::new(name, &[c])?)
+}
+
+/// One part of a result.
+fn only(all: &Sheets, part: usize) -> Sheets {
+    let p = &all.parts[part];
+    let mut out = all.clone();
+    out.strips = all.strips[p.first..p.first + p.count].to_vec();
+    out.fields = all.fields[p.first..p.first + p.count].to_vec();
+    out.strip_figures = all.strip_figures[p.first..p.first + p.count].to_vec();
+    out.parts = vec![torse::pipeline::sheets::FlatPart { first: 0, ..p.clone() }];
+    out.patterns = all.patterns.iter().filter(|q| q.panel == part).cloned().collect();
+    out
+}
+
+/// Figure 4.11: Lane-Riesenfeld subdivision: each step doubles the points and averages twice.
+fn subdivision() -> Drawing {
+    let mut drawing = Drawing::new(1200, 800);
+    let mut points: Vec<Vec2> =
+        [(120.0, 640.0), (220.0, 160.0), (520.0, 200.0), (600.0, 620.0), (880.0, 680.0), (1060.0, 180.0)]
+            .map(|(x, y)| Vec2::new(x, y))
+            .to_vec();
+    for level in 0..5u32 {
+        let shade = 0.75 - 0.18 * f64::from(level);
+        let line = points.iter().map(|p| [p.x, p.y, 0.0]).collect();
+        drawing.lines.push(Line {
+            points: line,
+            width: 1.6 + 0.4 * f64::from(level),
+            colour: [shade, shade * 0.8, 0.9 - 0.6 * shade],
+            alpha: 1.0,
+        });
+        let doubled: Vec<Vec2> = points.iter().flat_map(|p| [*p, *p]).collect();
+        let averaged = |p: &[Vec2]| -> Vec<Vec2> { p.windows(2).map(|w| (w[0] + w[1]) * 0.5).collect() };
+        points = averaged(&averaged(&averaged(&doubled)));
+    }
+    drawing.text(
+        "subdivision doubles points and averages: polygons tend to a cubic B-spline curve",
+        Vec2::new(40.0, 52.0),
+        19.0,
+        [0.13, 0.15, 0.19],
+    );
+    drawing
+}

@@ -1,0 +1,402 @@
+//! Chains of rulings on the boundary of a convex hull: triangles between samples put in order \[W15, 5.1\].
+
+use super::contact::{coplanarity, is_corner, moved, opposite, tangents, touching, wrap};
+use super::{OnRail, Sampled, SideKind};
+use crate::geom::convex_hull::sides;
+use crate::geom::Vec3;
+use crate::surface::rail::Rail;
+use std::collections::HashMap;
+
+/// A run of rulings between two curves (or one curve and itself), in order.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Chain {
+    /// Curves of the first and second ends.
+    pub rails: [usize; 2],
+    /// Parameters of the rulings' ends; on closed curves they go on beyond the domain. Each column is monotone.
+    pub stations: Vec<[f64; 2]>,
+    /// Indices of stations where fans, facets and smooth runs meet, ends excluded.
+    pub joints: Vec<usize>,
+    /// Whether the last ruling is the first one again.
+    pub closed: bool,
+    /// Whether the rulings shrink to a point beyond the first and the last one.
+    pub tips: [bool; 2],
+}
+
+/// How a chain ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum End {
+    /// At a facet.
+    Facet(usize),
+    /// At a triangle with two sides on one curve.
+    Tip,
+    /// At something else.
+    Other,
+    /// It does not.
+    Closed,
+}
+
+/// Triangles in order: edges `[first side, second side]`, between them moves.
+struct Walk {
+    edges: Vec<[usize; 2]>,
+    /// Side that moves, and whether along a straight piece.
+    moves: Vec<(usize, bool)>,
+    ends: [End; 2],
+}
+
+/// What happens along a run of moves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Kind {
+    /// Both ends follow smooth curves.
+    Smooth,
+    /// The end of this side rests at a corner.
+    Fan(usize),
+    /// The other side moves along a straight piece, the end of this side rests.
+    Facet(usize),
+}
+
+/// All chains, and the facets that belong to none.
+pub(super) fn chains(
+    sampled: &Sampled,
+    facet_of: &[Option<usize>],
+    facets: &[[OnRail; 3]],
+) -> (Vec<Chain>, Vec<usize>) {
+    let mut owner: HashMap<[usize; 2], usize> = HashMap::new();
+    for (t, f) in sampled.triangles.iter().enumerate() {
+        owner.extend(sides(f).into_iter().map(|e| (e, t)));
+    }
+    let rulings = |f: &[usize; 3]| sides(f).into_iter().filter(|e| sampled.side(*e) == SideKind::Ruling).count();
+    let is_step: Vec<bool> = sampled.triangles.iter().map(|f| sampled.lid(f).is_none() && rulings(f) == 2).collect();
+    let mut seen = vec![false; is_step.len()];
+    let mut out = Vec::new();
+    let end_at = |t: usize| match facet_of[t] {
+        Some(f) => End::Facet(f),
+        None if sampled.lid(&sampled.triangles[t]).is_none() && rulings(&sampled.triangles[t]) == 1 => End::Tip,
+        None => End::Other,
+    };
+    // Open chains first: they begin beside a triangle that is no step.
+    for closed in [false, true] {
+        for t in 0..is_step.len() {
+            for e in sides(&sampled.triangles[t]) {
+                if !is_step[t] || seen[t] || sampled.side(e) != SideKind::Ruling {
+                    continue;
+                }
+                let Some(&before) = owner.get(&[e[1], e[0]]) else { continue };
+                if !closed && is_step[before] {
+                    continue;
+                }
+                let mut walk = Walk { edges: vec![e], moves: Vec::new(), ends: [end_at(before), End::Closed] };
+                if closed {
+                    walk.ends[0] = End::Closed;
+                }
+                let mut now = t;
+                loop {
+                    seen[now] = true;
+                    let Some(exit) = step(sampled, &sampled.triangles[now], &mut walk) else { break };
+                    let Some(&next) = owner.get(&exit) else { break };
+                    if !is_step[next] {
+                        walk.ends[1] = end_at(next);
+                        break;
+                    }
+                    if seen[next] {
+                        break;
+                    }
+                    now = next;
+                }
+                out.extend(polished(sampled, facets, walk));
+            }
+        }
+    }
+    let single = (0..facet_of.len()).filter(|&t| !is_step[t]).filter_map(|t| facet_of[t]).collect();
+    (out, single)
+}
+
+/// Goes through a triangle; the directed edge by which the next one has it.
+fn step(sampled: &Sampled, f: &[usize; 3], walk: &mut Walk) -> Option<[usize; 2]> {
+    let [p, q] = *walk.edges.last()?;
+    let x = *f.iter().find(|i| **i != p && **i != q)?;
+    let kind = [[p, x], [q, x]].map(|e| sampled.side(e));
+    let side = kind.iter().position(|k| *k != SideKind::Ruling)?;
+    walk.moves.push((side, kind[side] == SideKind::Straight));
+    let edge = if side == 0 { [x, q] } else { [p, x] };
+    walk.edges.push(edge);
+    // Sides of a triangle go round: the way out runs against its direction.
+    Some(if sides(f).contains(&edge) { [edge[1], edge[0]] } else { edge })
+}
+
+/// A run of moves: from edge `first` to edge `last`.
+struct Run {
+    kind: Kind,
+    first: usize,
+    last: usize,
+}
+
+fn runs(sampled: &Sampled, walk: &Walk) -> Vec<Run> {
+    let mut out: Vec<Run> = Vec::new();
+    for (k, &(side, straight)) in walk.moves.iter().enumerate() {
+        let rest = 1 - side;
+        let at = &sampled.at[walk.edges[k][rest]];
+        let kind = if straight {
+            Kind::Facet(rest)
+        } else if is_corner(&sampled.rails[at.rail], at.parameter) {
+            Kind::Fan(rest)
+        } else {
+            Kind::Smooth
+        };
+        match out.last_mut() {
+            // The same corner: the resting end is the same sample.
+            Some(r)
+                if r.kind == kind
+                    && !straight
+                    && (kind == Kind::Smooth || walk.edges[r.first][rest] == walk.edges[k][rest]) =>
+            {
+                r.last = k + 1;
+            }
+            _ => out.push(Run { kind, first: k, last: k + 1 }),
+        }
+    }
+    out
+}
+
+/// A closed walk turned so that it begins where two runs meet, or else where a piece begins.
+fn turned(sampled: &Sampled, walk: &mut Walk) {
+    let n = walk.moves.len();
+    let found = runs(sampled, walk);
+    let whole = |k: &usize| sampled.at[walk.edges[*k][0]].parameter.fract() == 0.0;
+    let start = if found.len() > 1 { found[1].first } else { (0..n).find(whole).unwrap_or(0) };
+    walk.edges.truncate(n);
+    walk.edges.rotate_left(start);
+    walk.moves.rotate_left(start);
+    walk.edges.push(walk.edges[0]);
+}
+
+/// The chain with its rulings where they belong.
+fn polished(sampled: &Sampled, facets: &[[OnRail; 3]], mut walk: Walk) -> Option<Chain> {
+    let closed = walk.ends[1] == End::Closed;
+    if closed && walk.edges.first() != walk.edges.last() {
+        return None;
+    }
+    if closed {
+        turned(sampled, &mut walk);
+    }
+    let found = runs(sampled, &walk);
+    let rails = [0, 1].map(|d| sampled.at[walk.edges[0][d]].rail);
+    let mut stations: Vec<[f64; 2]> = Vec::new();
+    let mut joints = Vec::new();
+    let unwrap = |s: [f64; 2], stations: &mut Vec<[f64; 2]>| {
+        let last = stations.last().copied();
+        let s = [0, 1].map(|d| match (last, sampled.rails[rails[d]].closed) {
+            (Some(l), true) => {
+                let n = sampled.rails[rails[d]].pieces.len() as f64;
+                s[d] + ((l[d] - s[d]) / n).round() * n
+            }
+            _ => s[d],
+        });
+        stations.push(s);
+    };
+    for (k, run) in found.iter().enumerate() {
+        let before = if k > 0 { Some(&found[k - 1]) } else { found.last().filter(|_| closed) };
+        let after = found.get(k + 1).or(if closed { found.first() } else { None });
+        if k == 0 {
+            unwrap(border(sampled, facets, &walk, run.first, before, Some(run), walk.ends[0]), &mut stations);
+        } else {
+            joints.push(stations.len() - 1);
+        }
+        let end = border(sampled, facets, &walk, run.last, Some(run), after, walk.ends[1]);
+        if run.kind == Kind::Smooth {
+            let first = stations.len() - 1;
+            for e in run.first + 1..run.last {
+                unwrap(between(sampled, walk.edges[e]), &mut stations);
+            }
+            unwrap(end, &mut stations);
+            monotone(&mut stations, first);
+        } else {
+            unwrap(end, &mut stations);
+        }
+    }
+    let tips = if closed { [false; 2] } else { walk.ends.map(|e| e == End::Tip) };
+    Some(Chain { rails, stations, joints, closed, tips })
+}
+
+/// Keeps the stations after `first` that lie strictly between those before and the last one.
+fn monotone(stations: &mut Vec<[f64; 2]>, first: usize) {
+    let (start, end) = (stations[first], stations[stations.len() - 1]);
+    let sign = [0, 1].map(|d| (end[d] - start[d]).signum());
+    let ahead = |p: &[f64; 2], q: &[f64; 2]| (0..2).all(|d| (q[d] - p[d]) * sign[d] > STILL);
+    let mut kept = vec![start];
+    for s in stations[first + 1..stations.len() - 1].iter() {
+        if ahead(&kept[kept.len() - 1], s) && ahead(s, &end) {
+            kept.push(*s);
+        }
+    }
+    kept.push(end);
+    stations.truncate(first);
+    stations.extend(kept);
+}
+
+/// Parameter steps of rulings that are one and the same.
+const STILL: f64 = 1e-9;
+
+fn place(sampled: &Sampled, i: usize) -> OnRail {
+    sampled.at[i]
+}
+
+/// A ruling within a smooth run. Ends of pieces are kept, so that strips can be cut there.
+fn between(sampled: &Sampled, e: [usize; 2]) -> [f64; 2] {
+    let kept = usize::from(place(sampled, e[1]).parameter.fract() == 0.0);
+    let (p, q) = (place(sampled, e[kept]), place(sampled, e[1 - kept]));
+    let rails = sampled.rails;
+    let t = tangents(&rails[p.rail], p.parameter)[1];
+    let h = sampled.reach(e[1 - kept]);
+    let q = if p.rail == q.rail {
+        // Without the factor that vanishes on the diagonal.
+        moved(rails, q, h, &|x, d| {
+            let l = (x - p.point).norm();
+            if l > 0.0 {
+                coplanarity(&p.point, &t, x, d) / (l * l * l)
+            } else {
+                0.0
+            }
+        })
+    } else {
+        opposite(rails, &p, &t, q, h)
+    };
+    if kept == 0 {
+        [p.parameter, q.parameter]
+    } else {
+        [q.parameter, p.parameter]
+    }
+}
+
+/// The ruling where two runs meet, or where the chain ends.
+fn border(
+    sampled: &Sampled,
+    facets: &[[OnRail; 3]],
+    walk: &Walk,
+    edge: usize,
+    before: Option<&Run>,
+    after: Option<&Run>,
+    end: End,
+) -> [f64; 2] {
+    let rails = sampled.rails;
+    let e = walk.edges[edge];
+    let ends = e.map(|i| place(sampled, i));
+    let plain = ends.map(|x| x.parameter);
+    // 1. A facet along a straight piece: its third corner touches.
+    for run in [before, after].into_iter().flatten() {
+        if let Kind::Facet(rest) = run.kind {
+            let straight = [walk.edges[run.first][1 - rest], walk.edges[run.last][1 - rest]];
+            let [p, q] = straight.map(|i| place(sampled, i).point);
+            let mut out = plain;
+            out[rest] = touching(rails, ends[rest], &p, &q, sampled.reach(e[rest])).parameter;
+            return out;
+        }
+    }
+    // 2. The end of the chain at a facet.
+    if before.is_none() || after.is_none() {
+        return match end {
+            End::Facet(f) => [0, 1].map(|d| nearest(sampled, &facets[f], &ends[d])),
+            _ if ends.iter().any(|x| is_corner(&rails[x.rail], x.parameter)) => plain,
+            _ => between(sampled, e),
+        };
+    }
+    // 3. A fan begins or ends beside a smooth run: the plane of the smooth run's tangent at the corner.
+    let fan = [before, after].into_iter().flatten().find_map(|r| match r.kind {
+        Kind::Fan(rest) => Some(rest),
+        _ => None,
+    });
+    let smooth = [before, after].into_iter().flatten().find(|r| r.kind == Kind::Smooth);
+    if let (Some(rest), Some(smooth)) = (fan, smooth) {
+        let corner = ends[rest];
+        let inner = place(sampled, walk.edges[if smooth.first == edge { smooth.last } else { smooth.first }][rest]);
+        let t = one_sided(sampled, &corner, &inner);
+        let q = opposite(rails, &corner, &t, ends[1 - rest], sampled.reach(e[1 - rest]));
+        let mut out = plain;
+        if !is_corner(&rails[q.rail], ends[1 - rest].parameter) {
+            out[1 - rest] = q.parameter;
+        }
+        return out;
+    }
+    if ends.iter().any(|x| is_corner(&rails[x.rail], x.parameter)) {
+        return plain;
+    }
+    between(sampled, e)
+}
+
+/// Tangent at a corner on the side on which another place of the curve lies.
+fn one_sided(sampled: &Sampled, corner: &OnRail, inner: &OnRail) -> Vec3 {
+    let rail = &sampled.rails[corner.rail];
+    let n = rail.pieces.len() as f64;
+    let mut off = inner.parameter - corner.parameter;
+    if rail.closed {
+        off -= (off / n).round() * n;
+    }
+    tangents(rail, corner.parameter)[usize::from(off > 0.0)]
+}
+
+/// Parameter of the facet's corner that began as the given sample.
+fn nearest(sampled: &Sampled, facet: &[OnRail; 3], sample: &OnRail) -> f64 {
+    let rail = &sampled.rails[sample.rail];
+    let n = rail.pieces.len() as f64;
+    let off = |c: &&OnRail| {
+        let d = (c.parameter - sample.parameter).abs();
+        if rail.closed {
+            d.min(n - d)
+        } else {
+            d
+        }
+    };
+    facet
+        .iter()
+        .filter(|c| c.rail == sample.rail)
+        .min_by(|a, b| off(a).total_cmp(&off(b)))
+        .map_or(sample.parameter, |c| c.parameter)
+}
+
+/// Length of rulings near a tip, share of the curve's size, below which rounding outweighs coplanarity: the determinant
+/// is of third order in the length.
+const SHORT: f64 = 0.05;
+
+/// Stations with the rulings between the last one and the chain's tip put in order: those too short to be found by
+/// coplanarity are replaced by halvings of the distance left, down to the length `least`. Their middles are
+/// extrapolated from longer rulings, on which they depend as an even function of the half distance.
+pub(super) fn towards_tip(rail: &Rail, mut stations: Vec<[f64; 2]>, least: f64) -> Vec<[f64; 2]> {
+    const MOST: usize = 60;
+    const KNOWN: usize = 3;
+    let n = rail.pieces.len() as f64;
+    let point = |s: f64| rail.point(wrap(rail, s));
+    let length = |s: &[f64; 2]| (point(s[1]) - point(s[0])).norm();
+    let size = rail.bbox().diagonal();
+    while stations.len() > KNOWN && length(&stations[stations.len() - 1]) < SHORT * size {
+        stations.pop();
+    }
+    if stations.len() < KNOWN {
+        return stations;
+    }
+    // Both parameters on one turn.
+    let last = stations[stations.len() - 1];
+    let turns = if rail.closed { ((last[1] - last[0]) / n).round() * n } else { 0.0 };
+    let known: Vec<[f64; 2]> = stations[stations.len() - KNOWN..]
+        .iter()
+        .map(|s| [0.5 * (s[1] - turns - s[0]), 0.5 * (s[0] + s[1] - turns)])
+        .collect();
+    let middle = |h: f64| -> f64 {
+        // Lagrange in h².
+        let term = |i: usize| {
+            (0..KNOWN).filter(|j| *j != i).fold(known[i][1], |m, j| {
+                let (x, y) = (known[i][0] * known[i][0], known[j][0] * known[j][0]);
+                m * (h * h - y) / (x - y)
+            })
+        };
+        (0..KNOWN).map(term).sum()
+    };
+    let mut half = known[KNOWN - 1][0];
+    for _ in 0..MOST {
+        half *= 0.5;
+        let next = [middle(half) - half, middle(half) + half + turns];
+        if !next.iter().all(|x| x.is_finite()) || length(&next) <= least {
+            break;
+        }
+        stations.push(next);
+    }
+    stations
+}

@@ -1,0 +1,240 @@
+//! Exact strips along the chains of a hull: fans and facets as cones and planes, the rest as between any two rails
+//! \[W15, 5.4\].
+
+use super::chains::{towards_tip, Chain};
+use super::{Hull, HullError};
+use crate::design::loft::build::{between_pieces, BuildOptions, BuiltStrip};
+use crate::design::loft::LoftError;
+use crate::surface::rail::Rail;
+use crate::surface::strip::Strip;
+use crate::surface::torse::PanelKind;
+
+/// A strip of the hull's boundary with the rails that it lies between.
+#[derive(Clone, Debug)]
+pub struct HullStrip {
+    /// Strip and parts of the rails.
+    pub built: BuiltStrip,
+    /// Curves of `v = 0` and `v = 1`.
+    pub rails: [usize; 2],
+    /// Whether the curve is run through backwards; pieces and parameters are those of the curve reversed.
+    pub turned: [bool; 2],
+}
+
+/// Strips that share rulings, in order.
+#[derive(Clone, Debug, Default)]
+pub struct HullPart {
+    /// Its strips.
+    pub strips: Vec<HullStrip>,
+    /// Planar triangles, if the part is none but a facet.
+    pub facet: Option<Strip>,
+    /// Whether the last ruling is the first.
+    pub closed: bool,
+    /// Tips that were left off, as places on the curve.
+    pub tips: usize,
+}
+
+/// Parameter steps below which a run has no extent.
+const REST: f64 = 1e-9;
+
+/// Strips of all chains, and single facets as triangles. Where rulings shrink to a point, the strip ends as soon as
+/// they are shorter than `tip` (mm).
+///
+/// # Errors
+/// Data that no spline can hold.
+pub fn strips(rails: &[Rail], hull: &Hull, tip: f64, options: &BuildOptions) -> Result<Vec<HullPart>, HullError> {
+    let reversed: Vec<Rail> = rails.iter().map(Rail::reversed).collect();
+    let mut out = Vec::new();
+    for chain in &hull.chains {
+        out.push(part(rails, &reversed, chain, tip, options)?);
+    }
+    for &f in &hull.single {
+        let [p, q, r] = hull.facets[f].map(|c| c.point);
+        let facet = Strip::quad("", PanelKind::Plane, [p, q], [p, r])?;
+        out.push(HullPart { facet: Some(facet), ..HullPart::default() });
+    }
+    out.retain(|p| p.facet.is_some() || !p.strips.is_empty());
+    Ok(out)
+}
+
+fn part(
+    rails: &[Rail],
+    reversed: &[Rail],
+    chain: &Chain,
+    tip: f64,
+    options: &BuildOptions,
+) -> Result<HullPart, HullError> {
+    let mut stations = chain.stations.clone();
+    let mut joints = chain.joints.clone();
+    let one = chain.rails[0] == chain.rails[1];
+    if chain.tips[1] && one {
+        stations = towards_tip(&rails[chain.rails[0]], stations, tip);
+    }
+    if chain.tips[0] && one {
+        let count = stations.len();
+        stations.reverse();
+        stations = towards_tip(&rails[chain.rails[0]], stations, tip);
+        stations.reverse();
+        joints = joints.iter().filter_map(|j| (j + stations.len()).checked_sub(count)).collect();
+    }
+    joints.retain(|j| *j > 0 && j + 1 < stations.len());
+    // Both parameters grow: curves that are followed backwards are reversed.
+    let last = stations[stations.len() - 1];
+    let turned = [0, 1].map(|d| last[d] < stations[0][d]);
+    for d in (0..2).filter(|&d| turned[d]) {
+        let n = rails[chain.rails[d]].pieces.len() as f64;
+        stations.iter_mut().for_each(|s| s[d] = n - s[d]);
+    }
+    let of = |d: usize| if turned[d] { &reversed[chain.rails[d]] } else { &rails[chain.rails[d]] };
+    let (a, b) = (of(0), of(1));
+    let mut out =
+        HullPart { closed: chain.closed, tips: chain.tips.iter().filter(|t| **t).count(), ..HullPart::default() };
+    for section in sections(&stations, &joints) {
+        let (p, q) = (section[0], section[section.len() - 1]);
+        let base = [0, 1].map(|d| (0.5 * (p[d] + q[d])).floor());
+        let piece = [0, 1].map(|d: usize| {
+            let n = of(d).pieces.len() as f64;
+            // A section that rests at the very end of an open curve belongs to its last piece.
+            if of(d).closed {
+                base[d].rem_euclid(n)
+            } else {
+                base[d].clamp(0.0, n - 1.0)
+            }
+        });
+        let base = [0, 1].map(|d: usize| if of(d).closed { base[d] } else { piece[d] });
+        let local: Vec<[f64; 2]> = section.iter().map(|s| [0, 1].map(|d| (s[d] - base[d]).clamp(0.0, 1.0))).collect();
+        let built =
+            between_pieces(a, b, piece[0] as usize, piece[1] as usize, &local, options).map_err(|e| match e {
+                LoftError::Spline(e) => HullError::Spline(e),
+                // Building fails for no other reason.
+                _ => HullError::NoCurves,
+            })?;
+        out.strips.extend(built.map(|built| HullStrip { built, rails: chain.rails, turned }));
+    }
+    Ok(out)
+}
+
+/// Stations cut at joints and at the ends of pieces.
+fn sections(stations: &[[f64; 2]], joints: &[usize]) -> Vec<Vec<[f64; 2]>> {
+    let mut out: Vec<Vec<[f64; 2]>> = Vec::new();
+    let mut now = vec![stations[0]];
+    for k in 1..stations.len() {
+        let (last, s) = (stations[k - 1], stations[k]);
+        // Ends of pieces passed between two stations.
+        let mut cuts: Vec<f64> = Vec::new();
+        for d in 0..2 {
+            let step = s[d] - last[d];
+            let mut x = (last[d] + REST).floor() + 1.0;
+            while step > REST && x < s[d] - REST {
+                cuts.push((x - last[d]) / step);
+                x += 1.0;
+            }
+        }
+        cuts.sort_by(f64::total_cmp);
+        for c in cuts {
+            let m = [0, 1].map(|d| rounded(last[d] + (s[d] - last[d]) * c));
+            now.push(m);
+            out.push(std::mem::replace(&mut now, vec![m]));
+        }
+        now.push(s);
+        let ends = (0..2).any(|d| (s[d] - s[d].round()).abs() < REST && s[d] - now[0][d] > REST);
+        if (ends || joints.contains(&k)) && k + 1 < stations.len() {
+            out.push(std::mem::replace(&mut now, vec![s.map(rounded)]));
+        }
+    }
+    out.push(now);
+    out.retain(|s| s.len() > 1 && (0..2).any(|d| s[s.len() - 1][d] - s[0][d] > REST));
+    out
+}
+
+/// Whole numbers are met exactly.
+fn rounded(x: f64) -> f64 {
+    if (x - x.round()).abs() < REST {
+        x.round()
+    } else {
+        x
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::hull;
+    use super::*;
+    use crate::geom::{Frame, Vec3};
+    use crate::spline::bezier::Bezier;
+    use crate::spline::curve::{bezier_pieces, Curve};
+    use crate::spline::space_curve::SpaceCurve;
+    use std::f64::consts::TAU;
+
+    fn circle(r: f64, z: f64) -> Rail {
+        let frame = Frame { origin: Vec3::z() * z, ..Frame::world() };
+        let (c, _) = SpaceCurve::Ellipse { frame, a: r, b: r }.to_spline(0.0, TAU).expect("spline");
+        Rail::new("circle", &[c]).expect("rail")
+    }
+
+    fn made(rails: &[Rail]) -> Vec<HullPart> {
+        let h = hull(rails, 96).expect("hull");
+        strips(rails, &h, 1e-3, &BuildOptions::new(1e-6)).expect("strips")
+    }
+
+    #[test]
+    fn two_circles_are_joined_by_one_ring_of_exact_cones() {
+        let parts = made(&[circle(1.0, 0.0), circle(0.5, 1.0)]);
+        assert_eq!(parts.len(), 1);
+        assert!(parts[0].closed);
+        for s in &parts[0].strips {
+            assert_eq!(s.built.strip.kind, PanelKind::Cone);
+        }
+        let area: f64 = parts[0].strips.iter().map(|s| s.built.strip.area_estimate()).sum();
+        let exact = std::f64::consts::PI * 1.5 * 1.25f64.sqrt();
+        assert!((area - exact).abs() < 1e-9, "{area} {exact}");
+    }
+
+    #[test]
+    fn square_to_round_is_one_ring_of_four_triangles_and_four_cones() {
+        let c = 0.8;
+        let corners = [[c, c], [-c, c], [-c, -c], [c, -c], [c, c]].map(|p| Vec3::new(p[0], p[1], 1.5));
+        let square = Rail::polyline("square", &corners).expect("square");
+        let parts = made(&[circle(1.0, 0.0), square]);
+        assert_eq!(parts.len(), 1);
+        let all = &parts[0].strips;
+        let area: f64 = all.iter().map(|s| s.built.strip.area_estimate()).sum();
+        assert!((area - 9.565_584_009_167_319).abs() < 1e-9, "{area}");
+        assert_eq!(all.iter().filter(|s| s.built.strip.kind == PanelKind::Plane).count(), 4);
+        assert_eq!(all.len(), 8);
+    }
+
+    /// `(cos t, sin t, ½ cos 2t)`: quartic in homogeneous coordinates.
+    fn saddle_loop() -> Rail {
+        let (c, _) = SpaceCurve::Ellipse { frame: Frame::world(), a: 1.0, b: 1.0 }.to_spline(0.0, TAU).expect("spline");
+        let quartics: Vec<Curve<4>> = bezier_pieces(&c)
+            .into_iter()
+            .map(|(_, _, net)| {
+                let b = Bezier::new(net);
+                let (x, y, w) = (b.component(0), b.component(1), b.component(3));
+                // ½ cos 2t = ½ (x² − y²).
+                let z = x.times(&x).minus(&y.times(&y));
+                let (xw, yw, ww) = (x.times(&w), y.times(&w), w.times(&w));
+                let control = (0..5)
+                    .map(|k| [xw.control()[k][0], yw.control()[k][0], 0.5 * z.control()[k][0], ww.control()[k][0]])
+                    .collect();
+                let mut knots = vec![0.0; 5];
+                knots.extend([1.0; 5]);
+                Curve::new(4, knots, control).expect("quartic")
+            })
+            .collect();
+        Rail::new("saddle", &quartics).expect("rail")
+    }
+
+    #[test]
+    fn the_hull_of_a_saddle_loop_is_two_cylinders() {
+        let parts = made(&[saddle_loop()]);
+        assert_eq!(parts.len(), 2);
+        for p in &parts {
+            assert_eq!((p.tips, p.closed), (2, false));
+            assert!(p.strips.iter().all(|s| s.built.strip.kind == PanelKind::Cylinder));
+            let area: f64 = p.strips.iter().map(|s| s.built.strip.area_estimate()).sum();
+            // Tips of a thousandth are left off.
+            assert!((area - 4.317_605_098_244_249).abs() < 1e-6, "{area}");
+        }
+    }
+}
