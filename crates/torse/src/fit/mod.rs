@@ -6,6 +6,7 @@ pub mod centre_line;
 pub mod chains;
 pub mod cloud;
 pub mod cones;
+pub mod decompose;
 mod descent;
 mod directions;
 pub mod dual;
