@@ -12,6 +12,7 @@ mod fit;
 mod folder;
 mod info;
 mod loft;
+mod planarise;
 mod quantity;
 mod terminal;
 mod usage;
@@ -45,6 +46,7 @@ fn run(arguments: &args::Arguments) -> Result<bool, failure::Failure> {
         args::Command::Cones(a) => cones::run(a),
         args::Command::Fit(a) => fit::run(a),
         args::Command::Loft(a) => loft::run(a),
+        args::Command::Planarise(a) => planarise::run(a),
         args::Command::Info(a) => info::run(a),
     }
 }

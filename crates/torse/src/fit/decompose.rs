@@ -7,16 +7,8 @@
 mod model;
 
 use crate::geom::Vec3;
+use crate::surface::shape_run::{Run, RunShape, TangentPlane};
 use model::{Model, Moment};
-
-/// A tangent plane `n·x + n₀ = 0`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TangentPlane {
-    /// Unit normal; its sense is carried on continuously along a sequence.
-    pub normal: Vec3,
-    /// Offset, mm.
-    pub offset: f64,
-}
 
 /// How [`decompose`] works.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,55 +28,6 @@ impl Default for DecomposeOptions {
     fn default() -> Self {
         Self { noise: LEAST_NOISE, centre: Vec3::zeros(), size: 1.0, all_breaks: 400 }
     }
-}
-
-/// What the planes of a run envelop.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum RunShape {
-    /// They are one plane, the mean of all.
-    Plane {
-        /// The plane.
-        plane: TangentPlane,
-    },
-    /// They are parallel to a line.
-    Cylinder {
-        /// Unit direction of the rulings.
-        direction: Vec3,
-    },
-    /// They pass through a point.
-    Cone {
-        /// The point, mm.
-        apex: Vec3,
-    },
-    /// None of these: tangents of a curve.
-    Tangent,
-}
-
-impl RunShape {
-    /// Lower-case name used in reports.
-    pub fn name(&self) -> &'static str {
-        match self {
-            Self::Plane { .. } => "plane",
-            Self::Cylinder { .. } => "cylinder",
-            Self::Cone { .. } => "cone",
-            Self::Tangent => "tangent",
-        }
-    }
-}
-
-/// Successive planes of one shape.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Run {
-    /// First plane.
-    pub first: usize,
-    /// Behind the last plane.
-    pub end: usize,
-    /// What they envelop.
-    pub shape: RunShape,
-    /// Root mean square of what the shape leaves: angles in rad and distances by the size together. 0 for tangents.
-    pub residual: f64,
-    /// Whether another shape would be chosen if the noise were twice or half as great.
-    pub ambiguous: bool,
 }
 
 /// Sequences that cannot be decomposed.

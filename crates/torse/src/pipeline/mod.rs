@@ -8,6 +8,8 @@ pub mod fit;
 pub mod info;
 pub mod loft;
 pub mod outcome;
+pub mod planarise;
 pub mod presentation;
+pub mod shapes;
 pub mod sheets;
 pub mod sweep;

@@ -19,6 +19,7 @@ pub mod quad_strip;
 pub mod rail;
 pub mod ruled_point;
 pub mod ruled_strip;
+pub mod shape_run;
 pub mod strip;
 pub mod torse;
 pub mod trim;
