@@ -3,8 +3,10 @@
 use torse::control::Control;
 use torse::design::discrete::planarise::{planarise, Hold, PlanariseOptions, Planarised};
 use torse::design::discrete::subdivide::{subdivide, SubdivideOptions, Subdivided};
+use torse::fit::decompose::{decompose, DecomposeOptions};
 use torse::geom::Vec3;
 use torse::surface::quad_strip::QuadStrip;
+use torse::surface::shape_run::{Run, TangentPlane};
 
 fn main() {
     divan::main();
@@ -38,4 +40,26 @@ fn planarise_quads(b: divan::Bencher, quads: usize) {
     b.bench(|| -> Planarised {
         planarise(divan::black_box(&strip), &PlanariseOptions::default(), &Control::default()).expect("a strip")
     });
+}
+
+/// Tangent planes of a cylinder, a cone and a helix' osculating planes in turn.
+fn planes(count: usize) -> Vec<TangentPlane> {
+    (0..count)
+        .map(|k| {
+            let t = 2.0 * k as f64 / count as f64;
+            let (s, c) = t.sin_cos();
+            let (n, p) = match 3 * k / count {
+                0 => (Vec3::new(c, s, 0.0), Vec3::new(1.3 * c, 1.3 * s, 0.0)),
+                1 => (Vec3::new(0.8 * c, 0.8 * s, 0.6), Vec3::new(0.2, -0.1, 0.9)),
+                _ => (Vec3::new(0.5 * s, -0.5 * c, 1.0), Vec3::new(c, s, 0.5 * t)),
+            };
+            TangentPlane::through(&p, n.normalize())
+        })
+        .collect()
+}
+
+#[divan::bench(args = [100, 400, 10_000])]
+fn decompose_planes(b: divan::Bencher, count: usize) {
+    let planes = planes(count);
+    b.bench(|| -> Vec<Run> { decompose(divan::black_box(&planes), &DecomposeOptions::default()).expect("runs") });
 }

@@ -100,7 +100,7 @@ pub fn values(scene: &Scene, direction: &Vec3, limit: f64, what: &str, caption: 
 
 /// Patches coloured by what they are, with the rulings and borders of the scene, and a legend of the four kinds.
 pub fn shapes(scene: &Scene, patches: &[ShapePatch], direction: &Vec3, caption: &Caption) -> Image {
-    const LEGEND: f64 = 190.0;
+    const LEGEND: f64 = 240.0;
     const BOX: f64 = 22.0;
     let (mut drawing, camera) = stage(scene, direction, caption, LEGEND);
     for p in patches {
