@@ -218,24 +218,29 @@ fn envelope(strip: &QuadStrip) -> Scene {
 /// A plane, a cylinder, a cone and a tangent surface that continue each other, as one finely ruled strip.
 fn mixed() -> Result<Sheets> {
     let (mut a, mut b) = (Vec::new(), Vec::new());
-    // Each piece turns the last ruling on; `turn` moves the ruling's tangent plane about it.
+    // Each step goes forward in the tangent plane, turns the ruling in it, and bends about the new ruling.
     let (mut p, mut e, mut forward) = (Vec3::zeros(), Vec3::y(), Vec3::x());
     let mut put = |p: &Vec3, e: &Vec3| {
         a.push(*p);
         b.push(p + e * 60.0);
     };
     put(&p, &e);
-    // Steps of the four kinds: forward in the tangent plane, turn of the ruling in it, bend about the ruling.
-    let kinds: [(usize, f64, f64); 4] = [(24, 0.012, 0.0), (24, 0.0, 0.05), (24, -0.03, 0.06), (30, 0.02, -0.05)];
+    let turned = |v: Vec3, about: Vec3, angle: f64| {
+        nalgebra::Rotation3::from_axis_angle(&nalgebra::Unit::new_normalize(about), angle) * v
+    };
+    // Steps, turn and bend of plane, cylinder, cone, tangent surface.
+    let kinds: [(usize, f64, f64); 4] = [(24, 0.0, 0.0), (24, 0.0, 0.05), (30, -0.03, 0.03), (30, 0.01, -0.05)];
     for (kind, (steps, turn, bend)) in kinds.into_iter().enumerate() {
+        // The cone's apex lies on its first ruling, and all points keep their distance from it.
+        const RADIUS: f64 = 130.0;
+        let apex = p + e * RADIUS;
         for k in 0..steps {
             // A tangent surface turns at a rate that changes.
-            let turn = if kind == 3 { turn * (1.0 + 0.05 * f64::from(u32::try_from(k)?)) } else { turn };
-            p += forward * 4.0;
+            let turn = if kind == 3 { turn * (1.0 + 0.1 * f64::from(u32::try_from(k)?)) } else { turn };
             let normal = e.cross(&forward);
-            e = nalgebra::Rotation3::from_axis_angle(&nalgebra::Unit::new_normalize(normal), turn) * e;
-            let about = nalgebra::Rotation3::from_axis_angle(&nalgebra::Unit::new_normalize(e), bend);
-            forward = about * (forward - e * forward.dot(&e)).normalize();
+            e = turned(e, normal, turn);
+            p = if kind == 2 { apex - e * RADIUS } else { p + forward * 4.0 };
+            forward = turned((forward - e * forward.dot(&e)).normalize(), e, bend);
             put(&p, &e);
         }
     }
