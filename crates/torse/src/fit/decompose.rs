@@ -176,7 +176,8 @@ fn cheapest(x: &[[f64; 4]], places: &[usize], scale: &Scale) -> Vec<(usize, usiz
                 continue;
             }
             for (m, model) in MODELS.into_iter().enumerate() {
-                if before[m].0 >= cost[j + 1][m] {
+                // The parameters alone may cost too much.
+                if before[m].0 + moment.least_cost(model, scale.per_parameter) >= cost[j + 1][m] {
                     continue;
                 }
                 let c = before[m].0 + moment.cost(model, scale.variance, scale.per_parameter);

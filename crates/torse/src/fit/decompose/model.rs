@@ -158,7 +158,12 @@ impl Moment {
     pub(super) fn cost(&self, model: Model, variance: f64, per_parameter: f64) -> f64 {
         let Some(chi) = self.left(model, variance) else { return f64::INFINITY };
         let data = (chi / variance - EXPLAINED * model.conditions() * self.length).max(0.0);
-        data + per_parameter * model.parameters(self.length)
+        data + self.least_cost(model, per_parameter)
+    }
+
+    /// What the parameters of a model cost, whatever it leaves.
+    pub(super) fn least_cost(&self, model: Model, per_parameter: f64) -> f64 {
+        per_parameter * model.parameters(self.length)
     }
 
     /// Root mean square of what a model leaves per plane.
