@@ -55,6 +55,9 @@ const LEAST_NOISE: f64 = 1e-7;
 const SHORTEST: usize = 6;
 /// Distance of the breaks tried first in long sequences.
 const STRIDE: usize = 8;
+/// Places from which on a run of the second search is too long: four runs of the first, so that all of these and some
+/// of their unions are found.
+const NEAR: usize = 4 * (2 * STRIDE + 1);
 /// Parameters of a break between two runs of one shape: keeps a curved piece from being taken for a chain of short
 /// cones.
 const BREAK: f64 = 1.0;
@@ -91,15 +94,15 @@ pub fn decompose(planes: &[TangentPlane], options: &DecomposeOptions) -> Result<
     let noise = options.noise.max(LEAST_NOISE);
     let scale = Scale { variance: noise * noise, per_parameter: (planes.len() as f64).ln() };
     let found = if planes.len() <= options.all_breaks.max(SHORTEST) {
-        cheapest(&coordinates, &(0..=planes.len()).collect::<Vec<_>>(), &scale)
+        cheapest(&coordinates, &(0..=planes.len()).collect::<Vec<_>>(), usize::MAX, &scale)
     } else {
         let mut places: Vec<usize> = (0..=planes.len() / STRIDE).map(|i| i * STRIDE).collect();
         // The last block takes what is left.
         if let Some(last) = places.last_mut() {
             *last = planes.len();
         }
-        let coarse = cheapest(&coordinates, &places, &scale);
-        cheapest(&coordinates, &near(&coarse, planes.len()), &scale)
+        let coarse = cheapest(&coordinates, &places, usize::MAX, &scale);
+        cheapest(&coordinates, &near(&coarse, planes.len()), NEAR, &scale)
     };
     let mut runs: Vec<(usize, usize, Model)> = Vec::new();
     for (first, end, model) in found {
@@ -151,7 +154,8 @@ fn best(moment: &Moment, scale: &Scale) -> Model {
 
 /// Runs `(first, end, model)` of the cheapest sequence with breaks at some of `places`, which increase from 0 to the
 /// number of planes.
-fn cheapest(x: &[[f64; 4]], places: &[usize], scale: &Scale) -> Vec<(usize, usize, Model)> {
+/// `reach` is the greatest number of places from the first to the last of a run.
+fn cheapest(x: &[[f64; 4]], places: &[usize], reach: usize, scale: &Scale) -> Vec<(usize, usize, Model)> {
     let blocks: Vec<Moment> = places.windows(2).map(|w| Moment::of(&x[w[0]..w[1]])).collect();
     let n = blocks.len();
     // Least cost of all planes before a place, by the model of the last run; where that begins, and the model before.
@@ -170,7 +174,7 @@ fn cheapest(x: &[[f64; 4]], places: &[usize], scale: &Scale) -> Vec<(usize, usiz
             continue;
         }
         let mut moment = Moment::default();
-        for j in i..n {
+        for j in i..n.min(i.saturating_add(reach)) {
             moment.add(&blocks[j]);
             if places[j + 1] - places[i] < SHORTEST {
                 continue;

@@ -26,8 +26,9 @@ pub struct Shape {
 
 /// Tangent planes per part that are aimed at.
 const PLANES: usize = 240;
-/// Least and greatest number of planes per strip: fewer could not be told a shape, more would tell no more.
-const PER_STRIP: [usize; 2] = [8, 64];
+/// Least and greatest number of planes per strip: with fewer, a chain of cones is as well a tangent surface; more would
+/// tell no more.
+const PER_STRIP: [usize; 2] = [40, 64];
 /// Most planes of a part; beyond it the shapes of a part are not looked for.
 const MOST: usize = 20_000;
 /// Noise as a share of the tolerance by the size: strips are fitted to a tenth of the tolerance and better.

@@ -17,9 +17,13 @@ const STANDS_STILL: f64 = 1e-9;
 /// Triangles of less area by their squared edges are edges.
 const NO_AREA: f64 = 1e-12;
 
-/// A grid fine enough for pictures: every span in equal parts, one cell along the rulings.
+/// A grid fine enough for pictures: every span in equal parts, one cell along the rulings. One part for each span of a
+/// plane between polylines.
 pub fn grid(strip: &Strip) -> (Vec<f64>, Vec<f64>) {
     let breaks = strip.patch.knots_u.breaks();
+    if strip.kind == PanelKind::Plane && strip.patch.knots_u.degree() == 1 {
+        return (breaks, vec![0.0, 1.0]);
+    }
     let spans = breaks.len().saturating_sub(1).max(1);
     let parts = PARTS.max(LEAST.div_ceil(spans)).min((MOST / spans).max(1));
     let mut u = Vec::with_capacity(spans * parts + 1);
