@@ -70,8 +70,9 @@ const DOUBT: f64 = 2.0;
 /// `max(0, χ²/σ² − 1.5 q L) + ln k · f`, where χ² is what the shape leaves of the planes, from the 4 × 4 moment of
 /// their coordinates, `q` counts the conditions on each plane and `f` the parameters of the shape with a share per
 /// plane for its free function: plane `q = 3, f = 3`, cylinder `1, 2 + L/4`, cone `1, 3 + L/4`, tangents
-/// `0, 6 + 3L/8`; a break between two runs of one shape is one parameter more. Neighbours of one shape that fit jointly are merged. Sequences
-/// longer than `all_breaks` are searched with breaks at multiples of eight, then with breaks near those.
+/// `0, 6 + 3L/8`; a break between two runs of one shape is one parameter more. Neighbours of one shape that fit jointly
+/// are merged. Sequences longer than `all_breaks` are searched with breaks at multiples of eight, then with breaks near
+/// those.
 ///
 /// *Guarantee.* Runs cover the sequence without gaps, none is shorter than six planes. *Not guaranteed*: the shapes
 /// themselves. From a noise of 1e-4 on, short pieces of tangent surfaces may pass for cones; `ambiguous` warns of some
