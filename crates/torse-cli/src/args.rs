@@ -31,8 +31,13 @@ pub enum Command {
     Fit(Fit),
     /// Lay a developable surface between two curves and write cut-ready files
     Loft(Loft),
+<<<<<<< HEAD
     /// Wrap curves in the developables of their convex hull and write cut-ready files
     Hull(Hull),
+=======
+    /// Make the quadrilaterals of a strip plane, refine them, and write cut-ready files
+    Planarise(Planarise),
+>>>>>>> discrete
     /// Tell what a STEP file holds: unit, faces, sizes, curvature, what was not read
     Info(Info),
 }
@@ -318,6 +323,7 @@ pub enum LoftEnds {
     Extend,
 }
 
+<<<<<<< HEAD
 /// Arguments of `hull`.
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:
@@ -340,6 +346,29 @@ pub struct Hull {
     pub curves: Vec<String>,
 
     /// Largest distance allowed between strips and curves, with its unit: 0.1mm
+=======
+/// Arguments of `planarise`.
+#[derive(Args, Debug)]
+#[command(after_help = "Examples:
+  torse planarise strip.csv --tolerance 0.01mm --out strip
+  torse planarise strip.obj --unit m --levels 3 --hold first --tolerance 0.01mm --out strip
+
+A strip is a table with one ruling on each line (six numbers: both ends), a table of two polylines (three numbers on
+each line, an empty line between them), or an OBJ file of quadrilaterals that form one open strip. Points are moved as
+little and as smoothly as makes every quadrilateral plane; each level of subdivision doubles their number.
+
+Written into the output folder: strips.step, patterns.dxf, patterns.svg, model.glb, pictures, report.html
+and report.json.
+
+Exit status: 0 plane within the tolerance, 2 bad input or usage, 3 finished but not plane within the tolerance (files
+written and marked).")]
+pub struct Planarise {
+    /// Strip of quadrilaterals: .csv, .txt or .obj
+    #[arg(value_name = "STRIP")]
+    pub file: PathBuf,
+
+    /// Largest distance allowed between the diagonals of a quadrilateral, with its unit: 0.01mm
+>>>>>>> discrete
     #[arg(short, long, value_name = "LENGTH", value_parser = positive_length, allow_hyphen_values = true)]
     pub tolerance: Length,
 
@@ -347,6 +376,7 @@ pub struct Hull {
     #[arg(short, long, value_name = "DIR")]
     pub out: PathBuf,
 
+<<<<<<< HEAD
     /// Unit of tables and of drawings that do not say theirs: mm, cm, m, in, ft
     #[arg(long, value_name = "UNIT", value_parser = unit_of_length)]
     pub unit: Option<f64>,
@@ -362,12 +392,33 @@ pub struct Hull {
     /// Distance between marks on the curves, with its unit [default: 8 over the length]
     #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
     pub marks: Option<Length>,
+=======
+    /// Unit of the numbers in the file: mm, cm, m, in, ft
+    #[arg(long, value_name = "UNIT", default_value = "mm", value_parser = unit_of_length)]
+    pub unit: f64,
+
+    /// Levels of subdivision
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub levels: u32,
+
+    /// Points that keep their places
+    #[arg(long, value_enum, default_value_t = HeldPoints::Nothing)]
+    pub hold: HeldPoints,
+
+    /// Greatest displacement of a given point, with its unit; more is not certified
+    #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
+    pub max_move: Option<Length>,
+>>>>>>> discrete
 
     /// Replace the results of an earlier run in that folder
     #[arg(long)]
     pub force: bool,
 
+<<<<<<< HEAD
     /// Name of the job in the files [default: name of the first CURVE]
+=======
+    /// Name of the job in the files [default: name of STRIP]
+>>>>>>> discrete
     #[arg(long, value_name = "NAME")]
     pub name: Option<String>,
 
@@ -376,6 +427,22 @@ pub struct Hull {
     pub quiet: bool,
 }
 
+<<<<<<< HEAD
+=======
+/// Points of a strip that keep their places.
+#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum HeldPoints {
+    /// None
+    Nothing,
+    /// Those of the first polyline
+    First,
+    /// Those of the second polyline
+    Second,
+    /// The first and the last ruling
+    Ends,
+}
+
+>>>>>>> discrete
 /// Arguments of `info`.
 #[derive(Args, Debug)]
 #[command(after_help = "Example:

@@ -13,6 +13,7 @@ mod folder;
 mod hull;
 mod info;
 mod loft;
+mod planarise;
 mod quantity;
 mod terminal;
 mod usage;
@@ -47,6 +48,7 @@ fn run(arguments: &args::Arguments) -> Result<bool, failure::Failure> {
         args::Command::Fit(a) => fit::run(a),
         args::Command::Hull(a) => hull::run(a),
         args::Command::Loft(a) => loft::run(a),
+        args::Command::Planarise(a) => planarise::run(a),
         args::Command::Info(a) => info::run(a),
     }
 }

@@ -23,6 +23,7 @@ const FLOORS: &[(&str, &[&str])] = &[
     ("tessellate", &["control", "num", "geom", "spline", "surface"]),
     ("pipeline::outcome", &["num", "geom", "spline", "surface", "certify"]),
     ("pipeline::sheets", &["num", "geom", "spline", "surface", "pipeline::outcome"]),
+    ("pipeline::shapes", &["num", "geom", "spline", "surface", "fit", "pipeline::outcome", "pipeline::sheets"]),
     (
         "pipeline::presentation",
         &[
@@ -36,6 +37,7 @@ const FLOORS: &[(&str, &[&str])] = &[
             "tessellate",
             "pipeline::outcome",
             "pipeline::sheets",
+            "pipeline::shapes",
         ],
     ),
     (
@@ -51,6 +53,7 @@ const FLOORS: &[(&str, &[&str])] = &[
             "tessellate",
             "pipeline::outcome",
             "pipeline::sheets",
+            "pipeline::shapes",
             "pipeline::presentation",
         ],
     ),
@@ -69,6 +72,7 @@ const FLOORS: &[(&str, &[&str])] = &[
             "tessellate",
             "pipeline::outcome",
             "pipeline::sheets",
+            "pipeline::shapes",
             "pipeline::presentation",
             "io",
         ],

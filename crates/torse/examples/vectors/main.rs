@@ -6,6 +6,7 @@
 
 mod cones;
 mod curves;
+mod discrete;
 mod dual;
 mod nets;
 mod value;
@@ -19,7 +20,7 @@ use value::{Case, Checks};
 type Room = fn(&Case) -> Option<Result<Checks, String>>;
 
 /// One room per capability: the first that knows a kind runs the case; `None` where it knows nothing of it.
-const ROOMS: &[Room] = &[nets::run, curves::run, dual::run, cones::run];
+const ROOMS: &[Room] = &[nets::run, curves::run, dual::run, cones::run, discrete::run];
 
 /// What became of the cases of one kind.
 #[derive(Default)]

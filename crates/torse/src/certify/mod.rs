@@ -16,6 +16,7 @@ mod panel;
 pub mod points;
 pub mod prepared;
 mod quadratic;
+pub mod quads;
 pub mod rails;
 mod rounding;
 mod ruled;

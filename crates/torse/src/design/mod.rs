@@ -2,6 +2,7 @@
 //! knows the other, and what both want lies below in `surface`.
 
 pub mod cones;
+pub mod discrete;
 pub mod hull;
 pub mod interpolate;
 pub mod loft;

@@ -7,6 +7,7 @@ pub mod chains;
 pub mod cloud;
 pub mod cone_trim;
 pub mod cones;
+pub mod decompose;
 mod descent;
 mod directions;
 pub mod dual;

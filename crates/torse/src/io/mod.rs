@@ -10,6 +10,7 @@ pub mod glb;
 pub mod html;
 pub mod json;
 pub mod png;
+pub mod quads;
 pub mod sheets;
 pub mod step;
 pub mod svg;

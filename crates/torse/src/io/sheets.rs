@@ -6,7 +6,9 @@ use super::step::write::{self as step, Header, Sheet};
 use super::{dxf, glb, png, svg};
 use crate::pipeline::outcome::Status;
 use crate::pipeline::presentation::Presentation;
+use crate::pipeline::shapes::Shape;
 use crate::pipeline::sheets::{Figure, Sheets};
+use crate::surface::shape_run::RunShape;
 use crate::tessellate::picture::{self, Caption};
 use serde::{Deserialize, Serialize};
 
@@ -44,6 +46,9 @@ pub struct Report {
     pub strips: Vec<StripRecord>,
     /// Parts as they are cut.
     pub parts: Vec<PartRecord>,
+    /// Planes, cylinders, cones and tangent surfaces along the parts.
+    #[serde(default)]
+    pub shapes: Vec<ShapeRecord>,
 }
 
 /// A named number.
@@ -93,9 +98,54 @@ pub struct PartRecord {
     pub width: Option<f64>,
 }
 
+/// A stretch of a part that is of one shape.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ShapeRecord {
+    /// Name of the part.
+    pub part: String,
+    /// `plane`, `cylinder`, `cone` or `tangent`.
+    pub shape: String,
+    /// Name of the strip in which it begins.
+    pub first: String,
+    /// Name of the strip in which it ends.
+    pub last: String,
+    /// Angle through which the tangent plane turns, degrees.
+    pub turn: f64,
+    /// Normal of a plane, direction of a cylinder's rulings, apex of a cone (mm); null for tangent surfaces.
+    pub vector: Option<[f64; 3]>,
+    /// Root mean square of what the shape leaves: angles in rad and distances by the size of the part together.
+    pub residual: f64,
+    /// Whether another shape would be chosen if the noise were twice or half as great.
+    pub ambiguous: bool,
+}
+
+impl ShapeRecord {
+    fn of(shape: &Shape, sheets: &Sheets) -> Self {
+        let name = |k: Option<&(usize, f64, f64)>| {
+            k.and_then(|k| sheets.strips.get(k.0)).map_or_else(String::new, |s| s.name.clone())
+        };
+        let vector = match shape.shape {
+            RunShape::Plane { plane } => Some(plane.normal),
+            RunShape::Cylinder { direction } => Some(direction),
+            RunShape::Cone { apex } => Some(apex),
+            RunShape::Tangent => None,
+        };
+        Self {
+            part: shape.part.clone(),
+            shape: shape.shape.name().into(),
+            first: name(shape.pieces.first()),
+            last: name(shape.pieces.last()),
+            turn: shape.turn.to_degrees(),
+            vector: vector.map(Into::into),
+            residual: shape.residual,
+            ambiguous: shape.ambiguous,
+        }
+    }
+}
+
 impl Report {
-    /// The record of an outcome.
-    pub fn of(sheets: &Sheets) -> Self {
+    /// The record of an outcome; `shown` knows its shapes.
+    pub fn of(sheets: &Sheets, shown: &Presentation) -> Self {
         let (status, reason) = match &sheets.status {
             Status::Certified => ("certified", ""),
             Status::Uncertified(reason) => ("uncertified", reason.as_str()),
@@ -125,6 +175,7 @@ impl Report {
                 })
                 .collect(),
             parts: part_records(sheets),
+            shapes: shown.shapes.iter().map(|s| ShapeRecord::of(s, sheets)).collect(),
         }
     }
 
@@ -219,7 +270,13 @@ pub fn files(sheets: &Sheets, shown: &Presentation, time: &str) -> Result<Vec<Fi
             picture::values(&shown.scene, &shown.direction, limit, &what, &caption(sheets.meaning.name.clone()));
         Some(png::write(&image)?)
     };
-    let report = Report::of(sheets);
+    let shapes_png = if shown.shapes.is_empty() {
+        None
+    } else {
+        let words = caption("planes, cylinders, cones and tangent surfaces".into());
+        Some(png::write(&picture::shapes(&shown.scene, &shown.shape_patches, &shown.direction, &words))?)
+    };
+    let report = Report::of(sheets, shown);
     let html = page::write(&page::Page {
         report: &report,
         scene: &shown.scene,
@@ -227,12 +284,16 @@ pub fn files(sheets: &Sheets, shown: &Presentation, time: &str) -> Result<Vec<Fi
         layout: &shown.pieces,
         panels_png: &panels_png,
         field: field_png.as_ref().map(|png| (&sheets.meaning, png.as_slice())),
+        shapes_png: shapes_png.as_deref(),
         limit,
     })?;
     let json = report.to_json()?;
     out.push(("panels.png".into(), panels_png));
     if let Some(png) = field_png {
         out.push(("field.png".into(), png));
+    }
+    if let Some(png) = shapes_png {
+        out.push(("shapes.png".into(), png));
     }
     out.push(("layout.png".into(), layout_png));
     out.push(("report.html".into(), html.into_bytes()));
@@ -284,6 +345,17 @@ pub(crate) mod tests {
         }
     }
 
+    /// Triangles with a common corner: a discrete cone.
+    fn fan(count: usize) -> Vec<Strip> {
+        let at = |k: usize| {
+            let (s, c) = (0.2 * k as f64).sin_cos();
+            [Vec3::new(100.0 * c, 80.0 * s, 0.0), Vec3::new(0.0, 0.0, 90.0)]
+        };
+        (0..count)
+            .map(|k| Strip::quad(&format!("F-{}", k + 1), PanelKind::Plane, at(k), at(k + 1)).expect("strip"))
+            .collect()
+    }
+
     #[test]
     fn all_files_are_made_and_the_report_says_the_same_as_the_data() {
         let sheets = sample();
@@ -297,7 +369,7 @@ pub(crate) mod tests {
         }
         let json = &all.iter().find(|f| f.0 == "report.json").expect("json").1;
         let report: Report = serde_json::from_slice(json).expect("a report");
-        assert_eq!(report, Report::of(&sheets));
+        assert_eq!(report, Report::of(&sheets, &present_sheets(&sheets)));
         assert!(report.figures[0].value.is_none() && report.parts[0].strips == ["A-01", "A-02"]);
         let step = String::from_utf8_lossy(&all[0].1).into_owned();
         assert_eq!(step.matches("ADVANCED_FACE").count(), 2);
@@ -308,8 +380,12 @@ pub(crate) mod tests {
     #[test]
     fn the_documentation_names_every_field() {
         let doc = include_str!("../../../../docs/report-strips-json.md");
-        let value = serde_json::to_value(Report::of(&sample())).expect("json");
-        let records = [&value, &value["strips"][0], &value["parts"][0], &value["figures"][0]];
+        let mut sheets = sample();
+        sheets.strips = fan(8);
+        sheets.parts[0].count = 8;
+        let value = serde_json::to_value(Report::of(&sheets, &present_sheets(&sheets))).expect("json");
+        assert!(value["shapes"][0]["shape"] == "cone" && value["shapes"][0]["last"] == "F-8");
+        let records = [&value, &value["strips"][0], &value["parts"][0], &value["figures"][0], &value["shapes"][0]];
         for key in records.iter().filter_map(|r| r.as_object()).flat_map(|r| r.keys()) {
             assert!(doc.contains(&format!("`{key}`")), "{key} is not documented");
         }

@@ -1,6 +1,7 @@
 //! What people look at and cutters follow: scene, view and drawing of an outcome.
 
 use super::outcome::Outcome;
+use super::shapes::{shapes, Shape};
 use super::sheets::Sheets;
 use crate::develop::layout::layout;
 use crate::geom::{Vec2, Vec3};
@@ -8,7 +9,7 @@ use crate::tessellate::drawing::{drawing, Drawing};
 use crate::tessellate::flat::{self, FlatPiece};
 use crate::tessellate::panel::{border_lines, panel_mesh, ruling_lines, surface_mesh};
 use crate::tessellate::picture;
-use crate::tessellate::scene::{PanelShape, Scene};
+use crate::tessellate::scene::{PanelShape, Scene, ShapePatch};
 use crate::tessellate::strip;
 use rayon::prelude::*;
 
@@ -23,6 +24,10 @@ pub struct Presentation {
     pub drawing: Drawing,
     /// The same patterns as polygons, for pictures.
     pub pieces: Vec<FlatPiece>,
+    /// Planes, cylinders, cones and tangent surfaces of which strips consist; empty for jobs without strips.
+    pub shapes: Vec<Shape>,
+    /// Their triangles, to be coloured by kind.
+    pub shape_patches: Vec<ShapePatch>,
 }
 
 /// Rulings are drawn about this many to the diagonal of the model.
@@ -56,6 +61,8 @@ pub fn present(outcome: &Outcome) -> Presentation {
         direction: picture::direction(&scene),
         drawing: drawing(&outcome.patterns, &placements),
         pieces: flat::pieces(&outcome.patterns, &places, PICTURE_CHORD * outcome.tolerance),
+        shapes: Vec::new(),
+        shape_patches: Vec::new(),
         scene,
     }
 }
@@ -79,12 +86,26 @@ pub fn present_sheets(sheets: &Sheets) -> Presentation {
         shape.rulings = strip::ruling_lines(s, spacing);
     }
     scene.guides = sheets.guides.iter().map(|g| g.points.clone()).collect();
+    let shapes = shapes(sheets);
+    let shape_patches = shapes
+        .iter()
+        .flat_map(|s| s.pieces.iter().map(|p| (s.shape.kind(), p)))
+        .filter_map(|(kind, &(k, from, to))| {
+            let s = sheets.strips.get(k)?;
+            let (grid, across) = strip::grid(s);
+            let inner = grid.into_iter().filter(|u| *u > from && *u < to);
+            let u: Vec<f64> = std::iter::once(from).chain(inner).chain([to]).collect();
+            Some(ShapePatch { kind, mesh: strip::mesh(s, &u, &across, &[]) })
+        })
+        .collect();
     let placements = layout(&sheets.patterns);
     let places: Vec<(f64, Vec2)> = placements.iter().map(|p| (p.angle, p.offset)).collect();
     Presentation {
         direction: picture::direction(&scene),
         drawing: drawing(&sheets.patterns, &placements),
         pieces: flat::pieces(&sheets.patterns, &places, PICTURE_CHORD * sheets.tolerance),
+        shapes,
+        shape_patches,
         scene,
     }
 }

@@ -2,6 +2,8 @@
 //!
 //! All mixing happens in the OKLab space (Ottosson 2020), where equal steps look equal.
 
+use crate::surface::torse::PanelKind;
+
 /// An sRGB colour, 0..=1 per channel.
 pub type Rgb = [f64; 3];
 
@@ -51,6 +53,17 @@ pub fn deviation(share: f64) -> Rgb {
     };
     let (a, b) = (lab(DEVIATION_STOPS[i]), lab(DEVIATION_STOPS[i + 1]));
     from_oklab([0, 1, 2].map(|k| a[k] + (b[k] - a[k]) * f))
+}
+
+/// Colour of a kind of developable, as they are told apart since \[W15, figure 4.18\]: light planes, green cylinders, red
+/// cones, blue tangent surfaces.
+pub fn kind(kind: PanelKind) -> Rgb {
+    match kind {
+        PanelKind::Plane => oklch(0.93, 0.03, 95.0),
+        PanelKind::Cylinder => oklch(0.80, 0.13, 150.0),
+        PanelKind::Cone => oklch(0.72, 0.16, 28.0),
+        PanelKind::Torse => oklch(0.68, 0.13, 255.0),
+    }
 }
 
 /// `a` moved towards `b` by the share `f`, in sRGB.

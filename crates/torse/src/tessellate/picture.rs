@@ -5,9 +5,10 @@ use super::colour::{self, Rgb};
 use super::flat::FlatPiece;
 use super::label::SightMap;
 use super::raster::{Drawing, Image, Line, Paint, Vertex};
-use super::scene::Scene;
+use super::scene::{Scene, ShapePatch};
 use crate::geom::mesh::Mesh;
 use crate::geom::{Vec2, Vec3};
+use crate::surface::torse::PanelKind;
 
 /// Size and captions of a picture.
 #[derive(Clone, Debug)]
@@ -94,6 +95,39 @@ pub fn values(scene: &Scene, direction: &Vec3, limit: f64, what: &str, caption: 
         height: (height - 150.0).min(460.0),
     };
     legend(&mut drawing, bar, limit, what);
+    drawing.render()
+}
+
+/// Patches coloured by what they are, with the rulings and borders of the scene, and a legend of the four kinds.
+pub fn shapes(scene: &Scene, patches: &[ShapePatch], direction: &Vec3, caption: &Caption) -> Image {
+    const LEGEND: f64 = 240.0;
+    const BOX: f64 = 22.0;
+    let (mut drawing, camera) = stage(scene, direction, caption, LEGEND);
+    for p in patches {
+        triangles(&mut drawing, &camera, &p.mesh, Paint::Solid(colour::kind(p.kind)), 1.0);
+    }
+    let lift = LIFT * scene.bbox().diagonal();
+    for r in scene.panels.iter().flat_map(|p| &p.rulings) {
+        let points = r.map(|p| camera.project_towards_eye(&p, lift)).to_vec();
+        drawing.lines.push(Line { points, width: 1.0, colour: INK, alpha: 0.35 });
+    }
+    borders(&mut drawing, &camera, scene, 1.6);
+    let x = drawing.width as f64 - LEGEND + 10.0;
+    let kinds = [
+        (PanelKind::Plane, "plane"),
+        (PanelKind::Cylinder, "cylinder"),
+        (PanelKind::Cone, "cone"),
+        (PanelKind::Torse, "tangent surface"),
+    ];
+    let mut y = 0.5 * drawing.height as f64 - 70.0;
+    for (kind, name) in kinds {
+        let corners = [[0.0, 0.0], [BOX, 0.0], [BOX, BOX], [0.0, BOX], [0.0, 0.0]];
+        let frame: Vec<Vec2> = corners.iter().map(|c| Vec2::new(x + c[0], y + c[1])).collect();
+        drawing.fill(vec![frame[..4].to_vec()], colour::kind(kind), 1.0);
+        drawing.stroke(&frame, 1.0, GREY, 1.0);
+        drawing.text(name, Vec2::new(x + BOX + 12.0, y + 0.5 * (BOX + SMALL)), SMALL, INK);
+        y += BOX + 16.0;
+    }
     drawing.render()
 }
 

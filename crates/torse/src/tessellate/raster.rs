@@ -217,7 +217,13 @@ impl Band {
         let (low, high) = (a.inf(&b).inf(&c), a.sup(&b).sup(&c));
         for row in self.rows_within(low.y, high.y) {
             let y = (self.first + row) as f64 + 0.5;
-            for column in self.columns_within(low.x, high.x) {
+            // What the sides cut out of this row, a sample wider: slanting slivers would else cost their whole box.
+            let crossings = [(a, b), (b, c), (c, a)]
+                .into_iter()
+                .filter(|(p, q)| (p.y <= y) != (q.y <= y))
+                .map(|(p, q)| p.x + (y - p.y) / (q.y - p.y) * (q.x - p.x));
+            let (left, right) = crossings.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, r), x| (x.min(l), x.max(r)));
+            for column in self.columns_within((left - 1.0).max(low.x), (right + 1.0).min(high.x)) {
                 let p = Vec2::new(column as f64 + 0.5, y);
                 let weight = [cross(c - b, p - b), cross(a - c, p - c), cross(b - a, p - a)].map(|w| w / twice_area);
                 if weight.iter().any(|&w| w < 0.0) {

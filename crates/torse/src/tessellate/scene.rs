@@ -2,6 +2,7 @@
 
 use crate::geom::mesh::Mesh;
 use crate::geom::{BBox, Vec3};
+use crate::surface::torse::PanelKind;
 
 /// Triangles and lines of one panel.
 #[derive(Clone, Debug, Default)]
@@ -14,6 +15,15 @@ pub struct PanelShape {
     pub rulings: Vec<[Vec3; 2]>,
     /// Boundary of the panel as closed or open polylines.
     pub borders: Vec<Vec<Vec3>>,
+}
+
+/// Triangles of a part of the model that is of one kind.
+#[derive(Clone, Debug)]
+pub struct ShapePatch {
+    /// The kind, which decides the colour.
+    pub kind: PanelKind,
+    /// Triangles.
+    pub mesh: Mesh,
 }
 
 /// The whole model.

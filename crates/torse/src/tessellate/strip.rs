@@ -12,9 +12,18 @@ const LEAST: usize = 24;
 /// Most parts of a strip.
 const MOST: usize = 4096;
 
-/// A grid fine enough for pictures: every span in equal parts, one cell along the rulings.
+/// An end of a ruling that moves by less than this share of its middle stands still: an apex, up to rounding.
+const STANDS_STILL: f64 = 1e-9;
+/// Triangles of less area by their squared edges are edges.
+const NO_AREA: f64 = 1e-12;
+
+/// A grid fine enough for pictures: every span in equal parts, one cell along the rulings. One part for each span of a
+/// plane between polylines.
 pub fn grid(strip: &Strip) -> (Vec<f64>, Vec<f64>) {
     let breaks = strip.patch.knots_u.breaks();
+    if strip.kind == PanelKind::Plane && strip.patch.knots_u.degree() == 1 {
+        return (breaks, vec![0.0, 1.0]);
+    }
     let spans = breaks.len().saturating_sub(1).max(1);
     let parts = PARTS.max(LEAST.div_ceil(spans)).min((MOST / spans).max(1));
     let mut u = Vec::with_capacity(spans * parts + 1);
@@ -30,11 +39,11 @@ pub fn mesh(strip: &Strip, u: &[f64], v: &[f64], values: &[f64]) -> Mesh {
     let mut out = Mesh::default();
     for &s in u {
         for &t in v {
-            let j = strip.patch.jet(s, t);
+            let (j, middle) = (strip.patch.jet(s, t), strip.patch.jet(s, 0.5));
             out.positions.push(j.p);
-            // At an apex the middle of the ruling knows the tangent plane.
-            let normal = j.normal().try_normalize(1e-12 * j.du.norm() * j.dv.norm());
-            let normal = normal.or_else(|| strip.patch.jet(s, 0.5).normal().try_normalize(0.0));
+            // At an apex the middle of the ruling knows the tangent plane; what moves there is rounding.
+            let own = if j.du.norm() > STANDS_STILL * middle.du.norm() { j } else { middle };
+            let normal = own.normal().try_normalize(1e-12 * own.du.norm() * own.dv.norm());
             out.normals.push(normal.unwrap_or_else(Vec3::zeros));
         }
     }
@@ -46,7 +55,8 @@ pub fn mesh(strip: &Strip, u: &[f64], v: &[f64], values: &[f64]) -> Mesh {
             for t in [[a, b, c], [a, c, d]] {
                 // Triangles without area, at an apex, would only disturb the shading.
                 let [p, q, r] = t.map(|k| out.positions[k as usize]);
-                if (q - p).cross(&(r - p)).norm_squared() > 0.0 {
+                let (e, f) = (q - p, r - p);
+                if e.cross(&f).norm() > NO_AREA * (e.norm_squared() + f.norm_squared()) {
                     out.triangles.push(t);
                 }
             }

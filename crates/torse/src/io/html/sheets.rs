@@ -6,6 +6,7 @@ use super::{escape, fill, geometry, HtmlError, SCRIPT, STYLE};
 use crate::geom::Vec3;
 use crate::io::sheets::{FigureRecord, Report};
 use crate::pipeline::sheets::FieldMeaning;
+use crate::surface::torse::PanelKind;
 use crate::tessellate::colour;
 use crate::tessellate::flat::FlatPiece;
 use crate::tessellate::scene::Scene;
@@ -27,6 +28,8 @@ pub struct Page<'a> {
     pub panels_png: &'a [u8],
     /// What the colours mean, and the PNG file of them, if there are any.
     pub field: Option<(&'a FieldMeaning, &'a [u8])>,
+    /// PNG file: strips coloured by shape, if shapes are known.
+    pub shapes_png: Option<&'a [u8]>,
     /// End of the colour scale.
     pub limit: f64,
 }
@@ -71,6 +74,7 @@ pub fn write(page: &Page) -> Result<String, HtmlError> {
         "strip_rows" => report.strips.iter().enumerate().map(|(i, _)| row(i, report)).collect(),
         "strip_count" => report.strips.len().to_string(),
         "part_rows" => parts(report),
+        "shapes" => shapes(report, page.shapes_png.map(image)),
         "layout" => tables::layout(page.layout),
         "field" => field.clone().unwrap_or_default(),
         "version" => escape(&report.version),
@@ -163,6 +167,50 @@ fn row(index: usize, report: &Report) -> String {
     row + "</tr>"
 }
 
+/// Picture and table of the shapes along each part; nothing if there are none.
+fn shapes(report: &Report, picture: Option<String>) -> String {
+    if report.shapes.is_empty() {
+        return String::new();
+    }
+    let swatch = |name: &str| {
+        let kind = match name {
+            "plane" => PanelKind::Plane,
+            "cylinder" => PanelKind::Cylinder,
+            "cone" => PanelKind::Cone,
+            _ => PanelKind::Torse,
+        };
+        colour::hex(colour::kind(kind))
+    };
+    let mut rows = String::new();
+    for s in &report.shapes {
+        let vector = s.vector.map_or_else(|| "\u{2014}".to_string(), |v| v.map(|x| plain(x, 5)).join(", "));
+        let doubt = if s.ambiguous { "noise may hide another" } else { "" };
+        let strips = if s.first == s.last {
+            escape(&s.first)
+        } else {
+            format!("{}&nbsp;… {}", escape(&s.first), escape(&s.last))
+        };
+        let _ = write!(
+            rows,
+            "<tr><td>{}</td><td class=\"name\"><i style=\"background:{}\"></i>{}</td><td>{strips}</td>\
+             <td class=\"number\">{}</td><td class=\"number\">{vector}</td><td class=\"number\">{}</td><td>{doubt}</td></tr>",
+            escape(&s.part),
+            swatch(&s.shape),
+            escape(&s.shape),
+            plain(s.turn, 4),
+            exponent(s.residual),
+        );
+    }
+    let picture = picture.map_or_else(String::new, |p| format!("<img src=\"{p}\" alt=\"Strips coloured by shape\">"));
+    format!(
+        "<section class=\"card\" id=\"shapes\"><h2>Shapes</h2><p class=\"quiet\">What each part consists of, told from its \
+         tangent planes (measured). The vector is the normal of a plane, the direction of a cylinder, the apex of a cone in \
+         mm.</p>{picture}<div class=\"scroll\"><table><thead><tr><th>Part</th><th>Shape</th><th>Strips</th>\
+         <th class=\"number\">Turn (°)</th><th class=\"number\">Vector</th><th class=\"number\">Residual</th><th>Doubt</th></tr></thead>\
+         <tbody>{rows}</tbody></table></div></section>"
+    )
+}
+
 fn parts(report: &Report) -> String {
     let cell = |x: Option<f64>, unit: f64| x.map_or_else(|| "\u{2014}".to_string(), |x| plain(x * unit, 6));
     report
@@ -198,12 +246,13 @@ mod tests {
         let sheets = sample();
         let shown = present_sheets(&sheets);
         let page = Page {
-            report: &Report::of(&sheets),
+            report: &Report::of(&sheets, &shown),
             scene: &shown.scene,
             direction: shown.direction,
             layout: &shown.pieces,
             panels_png: &[1],
             field: Some((&sheets.meaning, &[2])),
+            shapes_png: Some(&[3]),
             limit: 0.2,
         };
         let text = write(&page).expect("a page");

@@ -1,0 +1,4 @@
+//! Discrete torses: planarisation and subdivision of strips of quadrilaterals.
+
+pub mod planarise;
+pub mod subdivide;

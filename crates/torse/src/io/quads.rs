@@ -1,0 +1,118 @@
+//! Strips of quadrilaterals from files: tables of rulings, tables of two polylines, Wavefront OBJ with quadrilateral
+//! faces. Formats and the order of faces only.
+
+mod obj;
+mod table;
+
+use crate::surface::quad_strip::{QuadStrip, QuadStripError};
+
+/// Why there is no strip in a file.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum QuadReadError {
+    /// A line that cannot be understood.
+    #[error("line {line}: {reason}")]
+    Line {
+        /// Line number from 1.
+        line: usize,
+        /// What is wrong.
+        reason: String,
+    },
+    /// Not a text file.
+    #[error("this is not a text file; a strip is a table (.csv) or a Wavefront OBJ file (.obj)")]
+    NotText,
+    /// Nothing in it.
+    #[error("the file holds no rulings; a table has six numbers on each line, both ends of a ruling")]
+    Empty,
+    /// A mesh that is no strip.
+    #[error("the mesh is no open strip of quadrilaterals: {0}")]
+    NoStrip(String),
+    /// The points make no strip.
+    #[error(transparent)]
+    Strip(#[from] QuadStripError),
+}
+
+/// Most rulings of a file; beyond it the file is no strip.
+const MOST: usize = 1 << 18;
+
+/// Reads a strip; `name` tells the format by its ending, `unit` is the length of one unit of the file in mm.
+///
+/// Tables: one ruling per line as `ax, ay, az, bx, by, bz`; or one point per line as `x, y, z`, the two polylines
+/// separated by an empty line. Commas, semicolons, tabs or blanks separate, `#` begins a comment, one line of headings
+/// is allowed. OBJ: all faces quadrilaterals that form one open strip, in any order.
+///
+/// # Errors
+/// See [`QuadReadError`].
+pub fn read(name: &str, bytes: &[u8], unit: f64) -> Result<QuadStrip, QuadReadError> {
+    let text = std::str::from_utf8(bytes).map_err(|_| QuadReadError::NotText)?;
+    if text.contains('\0') {
+        return Err(QuadReadError::NotText);
+    }
+    let is_obj = std::path::Path::new(name).extension().is_some_and(|e| e.eq_ignore_ascii_case("obj"));
+    let [a, b] = if is_obj { obj::rulings(text)? } else { table::rulings(text)? };
+    if a.is_empty() && b.is_empty() {
+        return Err(QuadReadError::Empty);
+    }
+    if a.len().max(b.len()) > MOST {
+        return Err(QuadReadError::NoStrip(format!("more than {MOST} rulings")));
+    }
+    let scaled = |p: Vec<crate::geom::Vec3>| p.into_iter().map(|p| p * unit).collect();
+    Ok(QuadStrip::new(scaled(a), scaled(b))?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geom::Vec3;
+
+    fn read_as(name: &str, text: &str) -> Result<QuadStrip, QuadReadError> {
+        read(name, text.as_bytes(), 10.0)
+    }
+
+    #[test]
+    fn rulings_and_polylines_give_the_same_strip() {
+        let rulings = "\u{feff}ax;ay;az;bx;by;bz\n# first\n0;0;0;0;1;0\n1;0;0;1;1;0.5 # second\n\n2;0;0;2;1;0\n";
+        let lines = "x,y,z\n0,0,0\n1 0 0\n2\t0\t0\n\n\n0,1,0\n1,1,0.5\n2,1,0\n\n";
+        let s = read_as("s.csv", rulings).expect("a strip");
+        assert_eq!(s, read_as("s.txt", lines).expect("a strip"));
+        assert_eq!((s.quads(), s.b()[1]), (2, Vec3::new(10.0, 10.0, 5.0)));
+    }
+
+    #[test]
+    fn faces_of_an_obj_file_are_put_in_order() {
+        let obj = "o strip\nv 0 0 0\nv 1 0 0\nv 2 0 0\nv 3 0 0.1\nv 0 1 0\nv 1 1 0\nv 2 1 0.1\nv 3 1 0\n\
+                   f 2/1 3/2 7/3 6/4\nf 5 6 2 1\nf -1//1 -5//1 -6//1 -2//1\n";
+        let s = read_as("s.OBJ", obj).expect("a strip");
+        assert_eq!(s.quads(), 3);
+        let sides = [s.a().to_vec(), s.b().to_vec()];
+        let expected: Vec<Vec3> =
+            (0..4).map(|k| Vec3::new(10.0 * f64::from(k), 0.0, if k == 3 { 1.0 } else { 0.0 })).collect();
+        let backwards: Vec<Vec3> = expected.iter().rev().copied().collect();
+        assert!(sides.contains(&expected) || sides.contains(&backwards), "{sides:?}");
+        let one = read_as("s.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n").expect("a strip");
+        assert_eq!(one.quads(), 1);
+    }
+
+    #[test]
+    fn what_is_no_strip_is_refused_with_the_reason() {
+        let message = |name: &str, text: &str| read_as(name, text).expect_err("refused").to_string();
+        assert!(message("s.csv", "").contains("no rulings"));
+        assert!(message("s.csv", "0 0 0 0 1 0\n1 0 0 1 1\n").contains("line 2"));
+        assert!(message("s.csv", "0 0 0 0 1 0\n1 0 0 1 1 x\n").contains("'x' is not a number"));
+        assert!(message("s.csv", "0 0 0 0 1 0\n1 0 0 1 1 inf\n").contains("finite"));
+        assert!(message("s.csv", "0 0 0\n1 0 0\n").contains("empty line"));
+        assert!(message("s.csv", "0 0 0\n1 0 0\n\n0 1 0\n").contains("as many on both sides"));
+        assert!(message("s.csv", "0 0 0\n1 0 0\n\n0 1 0\n1 1 0\n\n2 2 2\n").contains("third"));
+        assert!(message("s.csv", "0 0 0 0 1 0\n1 0 0\n").contains("line 2"));
+        assert_eq!(read("s.csv", &[0xff, 0xfe, 0x00], 1.0), Err(QuadReadError::NotText));
+        let v = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 2 0 0\nv 2 1 0\n";
+        assert!(message("s.obj", &format!("{v}f 1 2 3\n")).contains("3 corners"));
+        assert!(message("s.obj", &format!("{v}f 1 2 3 9\n")).contains("vertex 9"));
+        assert!(message("s.obj", &format!("{v}f 1 2 3 3\n")).contains("twice"));
+        assert!(message("s.obj", v).contains("no faces"));
+        assert!(message("s.obj", &format!("{v}f 1 2 3 4\nf 1 2 3 4\n")).contains("closed"));
+        let corner = format!("{v}v 0 2 0\nv 1 2 0\nf 1 2 3 4\nf 2 5 6 3\nf 4 3 8 7\n");
+        assert!(message("s.obj", &corner).contains("turns"));
+        let apart = format!("{v}v 9 0 0\nv 10 0 0\nv 10 1 0\nv 9 1 0\nf 1 2 3 4\nf 7 8 9 10\n");
+        assert!(message("s.obj", &apart).contains("pieces"));
+    }
+}
