@@ -25,6 +25,7 @@ pub mod reduce;
 pub mod regression;
 pub mod rulings;
 pub mod samples;
+pub mod seams;
 mod sheet;
 pub mod trim;
 
