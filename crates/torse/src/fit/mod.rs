@@ -28,6 +28,7 @@ pub mod samples;
 pub mod seams;
 mod sheet;
 pub mod trim;
+mod wall;
 
 pub use functionals::Freedom;
 

@@ -9,5 +9,6 @@ pub mod info;
 pub mod loft;
 pub mod outcome;
 pub mod presentation;
+mod seams;
 pub mod sheets;
 pub mod sweep;

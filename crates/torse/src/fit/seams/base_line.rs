@@ -78,9 +78,7 @@ pub fn base_line(
         return None;
     }
     let mut halves: [Vec<BasePoint>; 2] = [Vec::new(), Vec::new()];
-    for (half, (sign, length)) in
-        halves.iter_mut().zip([(-1.0, inside.0 + beyond[0]), (1.0, inside.1 + beyond[1])])
-    {
+    for (half, (sign, length)) in halves.iter_mut().zip([(-1.0, inside.0 + beyond[0]), (1.0, inside.1 + beyond[1])]) {
         let count = ((length / step).ceil() as usize).clamp(1, MOST_STEPS);
         let step = length / count as f64;
         let mut p = seed;

@@ -100,13 +100,7 @@ pub fn connecting(
 }
 
 /// The ruling from `lower(u)` near `upper(v)` and dv/du there.
-fn solved(
-    lower: &Curve<3>,
-    upper: &Curve<3>,
-    u: f64,
-    mut v: f64,
-    normal: &Vec3,
-) -> Option<(ConnectingRuling, f64)> {
+fn solved(lower: &Curve<3>, upper: &Curve<3>, u: f64, mut v: f64, normal: &Vec3) -> Option<(ConnectingRuling, f64)> {
     let (va, vb) = upper.domain();
     let [a, a1, a2] = jet(lower, u);
     let mut settled = false;

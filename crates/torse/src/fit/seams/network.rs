@@ -170,9 +170,7 @@ fn rows(torse: &Torse, rulings: &[ConnectingRuling], parameters: &[f64], samples
         .iter()
         .map(|s| {
             let q = sheet.local(&s.x);
-            let t = sheet
-                .foot(&q, guesses.guess(&q), sheet.domain())
-                .or_else(|| sheet.nearest_foot(&q))?;
+            let t = sheet.foot(&q, guesses.guess(&q), sheet.domain()).or_else(|| sheet.nearest_foot(&q))?;
             let (d, regular) = sheet.distance(&q, t);
             if sign == 0.0 {
                 sign = regular;
@@ -198,7 +196,13 @@ fn rows(torse: &Torse, rulings: &[ConnectingRuling], parameters: &[f64], samples
 }
 
 /// Changes of all offsets that make the largest distance smallest, to first order.
-fn step(seams: &[Seam], strips: &[StripBetween], drafts: &[Option<Draft>], tolerance: f64, trust: f64) -> Option<Vec<f64>> {
+fn step(
+    seams: &[Seam],
+    strips: &[StripBetween],
+    drafts: &[Option<Draft>],
+    tolerance: f64,
+    trust: f64,
+) -> Option<Vec<f64>> {
     let per = seams.first()?.offset.len();
     let n = per * seams.len();
     let reach = strips.iter().map(|s| s.lower.abs_diff(s.upper)).max()?;
@@ -228,7 +232,8 @@ fn step(seams: &[Seam], strips: &[StripBetween], drafts: &[Option<Draft>], toler
     let mut weights = Vec::new();
     for k in 0..seams.len() {
         for i in 0..per {
-            for (stencil, weight) in [(&[1.0, -2.0, 1.0][..], SMOOTH.0), (&[-1.0, 1.0][..], SMOOTH.1), (&[1.0][..], SMOOTH.1)]
+            for (stencil, weight) in
+                [(&[1.0, -2.0, 1.0][..], SMOOTH.0), (&[-1.0, 1.0][..], SMOOTH.1), (&[1.0][..], SMOOTH.1)]
             {
                 if i + stencil.len() > per {
                     continue;
@@ -282,7 +287,13 @@ fn step(seams: &[Seam], strips: &[StripBetween], drafts: &[Option<Draft>], toler
 }
 
 /// The strip on the rulings that it needs, with as many spans as its seams ask for.
-fn laid(lower: &Curve<3>, upper: &Curve<3>, draft: &Draft, strip: &StripBetween, options: &NetworkOptions) -> Option<Laid> {
+fn laid(
+    lower: &Curve<3>,
+    upper: &Curve<3>,
+    draft: &Draft,
+    strip: &StripBetween,
+    options: &NetworkOptions,
+) -> Option<Laid> {
     let (mut u0, mut u1) = (f64::INFINITY, f64::NEG_INFINITY);
     // All samples, not the few that steered.
     for r in rows(&draft.torse, &draft.rulings, &draft.parameters, &strip.samples)? {
@@ -292,7 +303,8 @@ fn laid(lower: &Curve<3>, upper: &Curve<3>, draft: &Draft, strip: &StripBetween,
     let (a, b) = lower.domain();
     let margin = MARGIN * (u1 - u0);
     let (u0, u1) = ((u0 - margin).max(a), (u1 + margin).min(b));
-    let middle = draft.rulings.iter().min_by(|x, y| (x.u - 0.5 * (u0 + u1)).abs().total_cmp(&(y.u - 0.5 * (u0 + u1)).abs()))?;
+    let middle =
+        draft.rulings.iter().min_by(|x, y| (x.u - 0.5 * (u0 + u1)).abs().total_cmp(&(y.u - 0.5 * (u0 + u1)).abs()))?;
     let mut best: Option<Laid> = None;
     let mut spans = DRAFT_SPANS;
     while spans <= options.max_spans.max(DRAFT_SPANS) {

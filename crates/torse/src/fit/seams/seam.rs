@@ -75,8 +75,7 @@ impl Seam {
 
     /// The curve `y(s)` in space, mm, over the whole line.
     pub fn curve(&self) -> Option<Curve<3>> {
-        let points: Vec<[f64; 3]> =
-            self.base.points.iter().map(|p| (p.x + p.n * self.offset_at(p.s)).into()).collect();
+        let points: Vec<[f64; 3]> = self.base.points.iter().map(|p| (p.x + p.n * self.offset_at(p.s)).into()).collect();
         let parameters: Vec<f64> = self.base.points.iter().map(|p| p.s).collect();
         let (a, b) = self.knots.domain();
         let spans = CURVE_SPANS.min(points.len() / 4).max(1);
