@@ -16,6 +16,7 @@ pub mod panel;
 pub mod pattern;
 pub mod rail;
 pub mod ruled_strip;
+pub mod seam;
 pub mod strip;
 pub mod torse;
 pub mod trim;

@@ -36,7 +36,7 @@ pub struct NetworkOptions {
     pub tolerance: f64,
     /// Wanted distance of the seams from the strips' dual splines, mm.
     pub seam_tolerance: f64,
-    /// Joint steps at most; 4.
+    /// Joint steps at most; 6.
     pub rounds: usize,
     /// Largest number of spans of a strip's dual spline; 240.
     pub max_spans: usize,
@@ -45,7 +45,7 @@ pub struct NetworkOptions {
 impl NetworkOptions {
     /// The defaults with tolerances in mm.
     pub fn new(tolerance: f64, seam_tolerance: f64) -> Self {
-        Self { tolerance, seam_tolerance, rounds: 4, max_spans: 240 }
+        Self { tolerance, seam_tolerance, rounds: 6, max_spans: 240 }
     }
 }
 
@@ -70,6 +70,8 @@ const DRAFT_SPANS: usize = 60;
 const PER_SPAN: usize = 4;
 /// Samples of a strip that take part in a joint step.
 const SAMPLES: usize = 420;
+/// Worst samples of a strip that take part besides.
+const WORST: usize = 60;
 /// Joint steps are made while some strip exceeds this share of the tolerance.
 const KEEN: f64 = 0.88;
 /// Steps of Lawson's iteration.
@@ -100,25 +102,19 @@ struct Draft {
 /// Lays strips between seams, and moves the seams' offsets so that the largest distance of all strips gets small.
 /// `None` for strips that do not exist: their seams have no regular connecting developable over all their samples.
 pub fn network(seams: &mut [Seam], strips: &[StripBetween], options: &NetworkOptions) -> Vec<Option<Laid>> {
-    let few: Vec<StripBetween> = strips
-        .iter()
-        .map(|s| StripBetween {
-            samples: thin(&s.samples, SAMPLES).into_iter().map(|i| s.samples[i]).collect(),
-            ..s.clone()
-        })
-        .collect();
-    let mut best = drafts(seams, &few);
+    let mut best = drafts(seams, strips);
     let mut trust = TRUST;
+    let few: Vec<Vec<usize>> = strips.iter().map(|s| thin(&s.samples, SAMPLES)).collect();
     for _ in 0..options.rounds {
         if score(&best).1 <= KEEN * options.tolerance {
             break;
         }
-        let Some(change) = step(seams, &few, &best, options.tolerance, trust) else { break };
+        let Some(change) = step(seams, strips, &few, &best, options.tolerance, trust) else { break };
         let before: Vec<Vec<f64>> = seams.iter().map(|s| s.offset.clone()).collect();
         for (s, c) in seams.iter_mut().zip(change.chunks(change.len() / before.len())) {
             s.offset.iter_mut().zip(c).for_each(|(a, d)| *a += d);
         }
-        let next = drafts(seams, &few);
+        let next = drafts(seams, strips);
         if score(&next) < score(&best) {
             best = next;
         } else {
@@ -199,6 +195,7 @@ fn rows(torse: &Torse, rulings: &[ConnectingRuling], parameters: &[f64], samples
 fn step(
     seams: &[Seam],
     strips: &[StripBetween],
+    few: &[Vec<usize>],
     drafts: &[Option<Draft>],
     tolerance: f64,
     trust: f64,
@@ -209,9 +206,12 @@ fn step(
     let width = ((reach + 1) * per).min(n);
     let mut rows = Rows::new(n, width);
     let mut target = Vec::new();
-    for (s, d) in strips.iter().zip(drafts) {
+    for ((s, d), few) in strips.iter().zip(drafts).zip(few) {
         let Some(d) = d else { continue };
-        for r in &d.rows {
+        // Those spread evenly and the worst.
+        let mut worst: Vec<usize> = (0..d.rows.len()).collect();
+        worst.sort_by(|&i, &j| d.rows[j].distance.abs().total_cmp(&d.rows[i].distance.abs()));
+        for r in few.iter().chain(worst.iter().take(WORST)).map(|&i| &d.rows[i]) {
             let first = (s.lower.min(s.upper) * per).min(n - width);
             let row = rows.push(first).1;
             for (seam, at, share) in [(s.lower, r.u, 1.0 - r.fraction), (s.upper, r.v, r.fraction)] {
