@@ -316,6 +316,7 @@ fn met(index: usize, face: &Face, state: &State, built: Built, options: &Options
     let tolerance = options.tolerance;
     let partition = smooth_borders(face, state.partition.clone(), tolerance);
     let state = seams::with_partition(face, state, partition);
+    let state = seams::on_levels(face, &state, &borders(face, &state.partition), tolerance);
     let Some(meeting) = seams::meet(face, &state, &borders(face, &state.partition), tolerance) else { return built };
     let mut refused = Vec::new();
     for _ in 0..MEETINGS {

@@ -69,6 +69,54 @@ pub(super) fn meet(face: &Face, state: &State, borders: &Borders, tolerance: f64
     (!out.edges.is_empty()).then_some(out)
 }
 
+/// The state with the vertices of borders between bands on their levels, from which smoothing may have moved them:
+/// seams are made for the levels. Vertices on knot lines move along these; vertices whose triangles would turn over stay.
+pub(super) fn on_levels(face: &Face, state: &State, borders: &Borders, tolerance: f64) -> State {
+    let chains = borders.seam_chains();
+    let mut partition = state.partition.clone();
+    let mut around: HashMap<u32, Vec<usize>> = HashMap::new();
+    for (t, corners) in partition.triangles.iter().enumerate() {
+        corners.iter().for_each(|&v| around.entry(v).or_default().push(t));
+    }
+    let lines = [face.surface.knots_u.breaks(), face.surface.knots_v.breaks()];
+    let area = |p: &Partition, t: usize| {
+        let [a, b, c] = p.corners(t);
+        (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+    };
+    for sequence in sequences(state, &chains, tolerance) {
+        for band in &sequence {
+            let (Some(k), Some(field)) = (band.after, state.bands.get(&band.label)) else { continue };
+            let level = level_of(&state.partition, field, &chains[k]);
+            let last = chains[k].vertices.len() - 1;
+            for (i, &v) in chains[k].vertices.iter().enumerate() {
+                let old = partition.vertices[v as usize];
+                let fixed = [0, 1].map(|d: usize| lines[d].contains(&old[d]));
+                // Ends on a trimming curve that is no knot line stay on it.
+                if fixed == [true; 2] || ((i == 0 || i == last) && fixed == [false; 2]) {
+                    continue;
+                }
+                let before: Vec<f64> = around[&v].iter().map(|&t| area(&partition, t)).collect();
+                partition.vertices[v as usize] = onto(field, old, level, fixed);
+                let kept = around[&v].iter().zip(before).all(|(&t, b)| area(&partition, t) > LEAST_TRIANGLE * b);
+                if !kept {
+                    partition.vertices[v as usize] = old;
+                }
+            }
+        }
+    }
+    with_partition(face, state, partition)
+}
+
+/// Triangles keep this share of their area when vertices move.
+const LEAST_TRIANGLE: f64 = 0.05;
+
+/// The level of a chain: the middle one of its vertices' values.
+fn level_of(partition: &Partition, field: &Field, chain: &SeamChain) -> f64 {
+    let mut values: Vec<f64> = chain.vertices.iter().map(|&v| field.value(partition.vertices[v as usize])).collect();
+    values.sort_by(f64::total_cmp);
+    values[values.len() / 2]
+}
+
 /// Bands that follow each other along one level function, each sequence in the order of levels.
 fn sequences(state: &State, chains: &[SeamChain], tolerance: f64) -> Vec<Vec<Band>> {
     let part = &state.partition;
@@ -158,7 +206,7 @@ fn laid_anew(
         .map(|k| Some((&chains[k], origin(face, state, field, &chains[k])?)))
         .collect::<Option<_>>()?;
     let free = |o: &Origin, level: f64| Origin {
-        seed: onto(field, o.seed, level),
+        seed: onto(field, o.seed, level, [false; 2]),
         inside: (0.5 * (o.inside.0 + o.inside.1), 0.5 * (o.inside.0 + o.inside.1)),
         level,
     };
@@ -223,19 +271,6 @@ fn laid_anew(
         .collect();
     let options = NetworkOptions::new(tolerance * SHARE, tolerance * SEAM_SHARE);
     let laid = network(&mut seams, &strips, &options);
-    if std::env::var("TORSE_SEAMS").is_ok() {
-        for (k, l) in laid.iter().enumerate() {
-            eprintln!(
-                "strip {k} {}",
-                l.as_ref().map_or("missing".into(), |l| format!(
-                    "error {:.4} seam {:.2e} twist {:.1e}",
-                    l.error / tolerance,
-                    l.seam_distance,
-                    l.twist
-                ))
-            );
-        }
-    }
     let good = |k: usize| {
         laid[k].as_ref().filter(|l: &&Laid| l.error <= tolerance && l.seam_distance <= 10.0 * SEAM_SHARE * tolerance)
     };
@@ -261,9 +296,7 @@ fn laid_anew(
 /// Seed, lengths and level of the seam on a chain, lengths along the direction of base lines.
 fn origin(face: &Face, state: &State, field: &Field, chain: &SeamChain) -> Option<Origin> {
     let at = |v: u32| state.partition.vertices[v as usize];
-    let mut values: Vec<f64> = chain.vertices.iter().map(|&v| field.value(at(v))).collect();
-    values.sort_by(f64::total_cmp);
-    let level = values[values.len() / 2];
+    let level = level_of(&state.partition, field, chain);
     let place = |v: u32| state.jets[v as usize].jet.p;
     let lengths: Vec<f64> = chain.vertices.windows(2).map(|w| (place(w[1]) - place(w[0])).norm()).collect();
     let mut covered = 0.0;
@@ -272,7 +305,7 @@ fn origin(face: &Face, state: &State, field: &Field, chain: &SeamChain) -> Optio
         covered += lengths[middle];
         middle += 1;
     }
-    let seed = onto(field, at(chain.vertices[middle]), level);
+    let seed = onto(field, at(chain.vertices[middle]), level, [false; 2]);
     let j = face.surface.extended_jet(seed[0], seed[1]);
     let [_, fu, fv] = field.jet(seed[0], seed[1]);
     let next = place(*chain.vertices.get(middle + 1)?) - place(chain.vertices[middle]);
@@ -282,11 +315,12 @@ fn origin(face: &Face, state: &State, field: &Field, chain: &SeamChain) -> Optio
     Some(Origin { seed, inside, level })
 }
 
-/// The point of a level near `p`, by Newton steps along the gradient.
-fn onto(field: &Field, mut p: [f64; 2], level: f64) -> [f64; 2] {
+/// The point of a level near `p`, by Newton steps along the gradient; fixed parameters stay.
+fn onto(field: &Field, mut p: [f64; 2], level: f64, fixed: [bool; 2]) -> [f64; 2] {
     const STEPS: usize = 12;
     for _ in 0..STEPS {
         let [f, fu, fv] = field.jet(p[0], p[1]);
+        let (fu, fv) = (if fixed[0] { 0.0 } else { fu }, if fixed[1] { 0.0 } else { fv });
         let g = fu * fu + fv * fv;
         if g <= 0.0 {
             break;

@@ -88,7 +88,7 @@ pub fn base_line(
             let middle = advance(surface, field, p, 0.5 * step * sign, p)?;
             p = advance(surface, field, p, step * sign, middle)?;
             for _ in 0..BACK {
-                let [f, fu, fv] = field.jet(p[0], p[1]);
+                let [f, fu, fv] = field_jet(field, p[0], p[1]);
                 let g = fu * fu + fv * fv;
                 if g <= 0.0 {
                     return None;
@@ -108,10 +108,38 @@ pub fn base_line(
     points.windows(2).all(|w| w[1].s > w[0].s).then_some(BaseLine { points, inside: (-inside.0, inside.1) })
 }
 
+/// Value and gradient of a level function, with its second-order Taylor polynomial outside its rectangle: a tangent plane
+/// there would bend level lines at the border.
+fn field_jet(field: &Field, u: f64, v: f64) -> [f64; 3] {
+    let ((u0, u1), (v0, v1)) = (field.knots_u.domain(), field.knots_v.domain());
+    let (cu, cv) = (u.clamp(u0, u1), v.clamp(v0, v1));
+    let (a, b) = (u - cu, v - cv);
+    if a == 0.0 && b == 0.0 {
+        return field.jet(u, v);
+    }
+    let (bu, bv) = (field.knots_u.basis(cu, 2), field.knots_v.basis(cv, 2));
+    let n = field.knots_v.control_count();
+    // Derivatives of order i in u and j in v.
+    let partial = |i: usize, j: usize| -> f64 {
+        let sum = |k: usize| {
+            let row = &field.coefficients[(bu.first + k) * n + bv.first..];
+            (0..=field.knots_v.degree()).map(|l| bv.rows[j][l] * row[l]).sum::<f64>()
+        };
+        (0..=field.knots_u.degree()).map(|k| bu.rows[i][k] * sum(k)).sum()
+    };
+    let (f, fu, fv) = (partial(0, 0), partial(1, 0), partial(0, 1));
+    let (fuu, fuv, fvv) = (partial(2, 0), partial(1, 1), partial(0, 2));
+    [
+        f + fu * a + fv * b + 0.5 * (fuu * a * a + fvv * b * b) + fuv * a * b,
+        fu + fuu * a + fuv * b,
+        fv + fuv * a + fvv * b,
+    ]
+}
+
 /// From `p` a step of `length` (mm) along the level line's direction at `at`.
 fn advance(surface: &Surface, field: &Field, p: [f64; 2], length: f64, at: [f64; 2]) -> Option<[f64; 2]> {
     let j = surface.extended_jet(at[0], at[1]);
-    let [_, fu, fv] = field.jet(at[0], at[1]);
+    let [_, fu, fv] = field_jet(field, at[0], at[1]);
     let speed = (j.du * fv - j.dv * fu).norm();
     (speed > 0.0 && speed.is_finite()).then(|| [p[0] + length * fv / speed, p[1] - length * fu / speed])
 }
@@ -128,7 +156,7 @@ fn point(surface: &Surface, field: &Field, p: [f64; 2], s: f64) -> Option<BasePo
     }
     let n = n.normalize();
     let (l, m, k) = (n.dot(&j.duu), n.dot(&j.duv), n.dot(&j.dvv));
-    let [_, fu, fv] = field.jet(p[0], p[1]);
+    let [_, fu, fv] = field_jet(field, p[0], p[1]);
     // T = (φ_v, −φ_u); the conjugate (a, b) solves II(T, (a, b)) = 0.
     let (a, b) = (m * fv - k * fu, -(l * fv - m * fu));
     let up = (fu * a + fv * b).signum();

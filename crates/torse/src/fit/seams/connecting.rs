@@ -186,3 +186,60 @@ pub fn refit(rulings: &[ConnectingRuling], spans: usize) -> Option<(DualTorse, V
 
 /// Weight of the first and last plane.
 const END_WEIGHT: f64 = 4.0;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::spline::lsq;
+    use crate::surface::torse::Torse;
+
+    /// Arc of a circle with radius r about the z-axis at height z, by angle.
+    fn arc(r: f64, z: f64) -> Curve<3> {
+        let angles: Vec<f64> = (0..=400).map(|i| f64::from(i) / 400.0).collect();
+        let points: Vec<[f64; 3]> = angles.iter().map(|a| [r * a.cos(), r * a.sin(), z]).collect();
+        lsq::fit(&points, &angles, &Knots::uniform(5, 20, 0.0, 1.0).expect("knots")).expect("a curve").curve
+    }
+
+    fn cone(a: &Curve<3>, b: &Curve<3>) -> Vec<ConnectingRuling> {
+        let start = jet(a, 0.5)[0];
+        let direction = (jet(b, 0.5)[0] - start).normalize();
+        connecting(a, b, 0.5, &direction, &Vec3::new(start.x, start.y, 0.0).normalize(), 241).expect("rulings")
+    }
+
+    #[test]
+    fn equal_parallel_circles_are_joined_by_a_cylinder() {
+        let found = cone(&arc(100.0, 0.0), &arc(100.0, 30.0));
+        assert_eq!(found.len(), 241);
+        for r in &found {
+            assert!((r.u - r.v).abs() < 1e-9 && r.twist < 1e-9);
+            assert!((r.b - r.a - Vec3::z() * 30.0).norm() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn unequal_circles_are_joined_by_a_cone_that_the_spline_follows() {
+        let (a, b) = (arc(100.0, 0.0), arc(80.0, 30.0));
+        let found = cone(&a, &b);
+        assert!(found.iter().all(|r| (r.u - r.v).abs() < 1e-9 && r.twist < 1e-9));
+        // The error of the spline falls by the fourth power of the number of spans.
+        let worst = |spans: usize| {
+            let (torse, parameters) = refit(&found, spans).expect("planes");
+            let torse = Torse::Dual(torse);
+            let off = |x: Vec3, t: f64| torse.foot(&x, t).map_or(f64::NAN, |t| torse.plane_distance(&x, t).abs());
+            let inner = || found.iter().zip(&parameters).skip(4).step_by(3).take(76);
+            inner().map(|(r, &t)| off(r.a, t).max(off(r.b, t))).fold(0.0, f64::max)
+        };
+        let (coarse, fine) = (worst(15), worst(60));
+        assert!(fine < 1e-5 && fine < coarse / 50.0, "{coarse} {fine}");
+    }
+
+    #[test]
+    fn curves_without_common_tangent_planes_have_no_rulings() {
+        let line = |y: f64, d: [f64; 3]| {
+            let end = [d[0], y + d[1], d[2]];
+            Curve::new(1, vec![0., 0., 1., 1.], vec![[0.0, y, 0.0], end]).expect("a line")
+        };
+        let (a, b) = (line(0.0, [10.0, 0.0, 0.0]), line(5.0, [10.0, 0.0, 10.0]));
+        assert!(connecting(&a, &b, 0.5, &Vec3::y(), &Vec3::z(), 50).is_none());
+    }
+}

@@ -15,7 +15,7 @@ pub const DEGREE: usize = 5;
 /// Spans of the offset over the whole line.
 const OFFSET_SPANS: usize = 10;
 /// Spans of the seam curve.
-const CURVE_SPANS: usize = 28;
+const CURVE_SPANS: usize = 44;
 /// Weight of second differences of the offset's coefficients, against data of weight one.
 const SMOOTH: f64 = 0.1;
 
