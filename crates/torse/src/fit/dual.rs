@@ -7,7 +7,8 @@ use super::descent::{descended, polished, Family};
 use super::envelope::EnvelopeFamily;
 use super::primal::{ENOUGH, MARGIN};
 use super::samples::{measure, thin, Fit, Sample};
-use super::sheet::Sheet;
+use super::sheet::{Room, Sheet};
+use super::RefitOptions;
 use crate::geom::{BBox, Vec3};
 use crate::num::least_squares::{BandMatrix, Rows};
 use crate::spline::knots::Knots;
@@ -36,12 +37,14 @@ pub struct DualOptions {
     pub max_samples: usize,
     /// Wanted distance along rulings between samples and regression curve, mm; 0. Kept as far as the start allows.
     pub clearance: f64,
+    /// Wanted radius of curvature at the samples, mm; 0. Kept as far as the start allows.
+    pub bend_radius: f64,
 }
 
 impl DualOptions {
     /// The defaults with a tolerance in mm.
     pub fn new(tolerance: f64) -> Self {
-        Self { tolerance, spans: 26, max_samples: 300, clearance: 0.0 }
+        Self { tolerance, spans: 26, max_samples: 300, clearance: 0.0, bend_radius: 0.0 }
     }
 }
 
@@ -217,7 +220,7 @@ fn fitted(samples: &[Sample], scale: &Scale, start: Pieces<4>, options: &DualOpt
         family.adopt(&all);
     }
     let (mut family, x) = family.refitted(&x, options.spans.max(4), MARGIN)?;
-    family.keep_clear(&x, options.clearance / scale.unit);
+    family.keep_room(&x, Room { clearance: options.clearance, bend_radius: options.bend_radius }.scaled(scale.unit));
     let (mut x, _) = descended(&mut family, x, &few, 3, 3)?;
     polished(&mut family, &mut x, &few, &all, goal)?;
     finished(samples, scale, &family, &x)
@@ -251,7 +254,7 @@ fn finished(samples: &[Sample], scale: &Scale, family: &EnvelopeFamily, x: &[f64
 const REFIT_CLEARANCE: f64 = 0.02;
 
 /// Continues the minimax iteration of a dual torse over samples that may have been added.
-pub(super) fn refit(torse: &DualTorse, samples: &[Sample], count: usize, tolerance: f64) -> Option<Fit> {
+pub(super) fn refit(torse: &DualTorse, samples: &[Sample], options: &RefitOptions) -> Option<Fit> {
     let scale = Scale::of(samples)?;
     let mut planes = torse.planes.clone();
     for c in &mut planes.control {
@@ -265,7 +268,8 @@ pub(super) fn refit(torse: &DualTorse, samples: &[Sample], count: usize, toleran
         return None;
     }
     family.adopt(&all);
-    family.keep_clear(&x, REFIT_CLEARANCE);
-    polished(&mut family, &mut x, &thin(samples, count), &all, ENOUGH * tolerance / scale.unit)?;
+    family.keep_room(&x, Room { clearance: REFIT_CLEARANCE, bend_radius: options.bend_radius / scale.unit });
+    let few = thin(samples, options.max_samples.max(12));
+    polished(&mut family, &mut x, &few, &all, ENOUGH * options.tolerance / scale.unit)?;
     finished(samples, &scale, &family, &x)
 }

@@ -3,7 +3,7 @@
 use super::basis::{cubic, Basis};
 use super::descent::Family;
 use super::samples::REGULAR_DUAL;
-use super::sheet::Sheet;
+use super::sheet::{Room, Sheet};
 use crate::geom::Vec3;
 use crate::num::least_squares::Rows;
 use crate::spline::knots::Knots;
@@ -35,19 +35,14 @@ pub(super) struct EnvelopeFamily {
     basis: Basis,
     gauges: Vec<Gauge>,
     trial: Vec<f64>,
-    /// Steps that bring the regression curve nearer than this to a sample, along its ruling, are refused.
-    clearance: f64,
+    /// Steps after which a sample has less room are refused.
+    room: Room,
 }
 
 impl EnvelopeFamily {
-    /// From now on the regression curve stays clear of the samples by `wanted`, or nearly as far as it is at `x`.
-    pub fn keep_clear(&mut self, x: &[f64], wanted: f64) {
-        // Share of the clearance at hand that steps may not use up.
-        const KEPT: f64 = 0.8;
-        let sheet = self.sheet(x);
-        let now =
-            self.points.iter().zip(&self.feet).map(|(q, &t)| clearance(&sheet, q, t)).fold(f64::INFINITY, f64::min);
-        self.clearance = wanted.min(KEPT * now);
+    /// From now on the torse keeps the wanted room at the samples, or nearly as much as it has at `x`.
+    pub fn keep_room(&mut self, x: &[f64], wanted: Room) {
+        self.room = wanted.kept(&self.sheet(x), &self.points, &self.feet);
     }
 
     /// The family with the spans of `start`, its gauges taken from there, and the coefficients of `start`. Feet are
@@ -77,7 +72,7 @@ impl EnvelopeFamily {
                 gauges.push(Gauge { t, n0: j.n / nn, e: turn.try_normalize(1e-12).unwrap_or_default() });
             }
         }
-        Some((Self { points, feet, breaks, basis, gauges, trial: Vec::new(), clearance: 0.0 }, x))
+        Some((Self { points, feet, breaks, basis, gauges, trial: Vec::new(), room: Room::default() }, x))
     }
 
     /// Planes with the coefficients `x`.
@@ -133,18 +128,10 @@ impl EnvelopeFamily {
             basis,
             gauges: Vec::new(),
             trial: Vec::new(),
-            clearance: 0.0,
+            room: Room::default(),
         };
         Self::new(self.points.clone(), Some(self.feet.clone()), carrier.planes(&x))
     }
-}
-
-/// Distance along the ruling `t` from the foot of `q` to the regression curve: `n''·X − h''` is linear there.
-fn clearance(sheet: &Sheet, q: &Vec3, t: f64) -> f64 {
-    let j = sheet.jet(t);
-    let foot = q - j.n * ((j.n.dot(q) - j.h) / j.n.norm_squared());
-    let ruling = j.n.cross(&j.m);
-    ((j.dm.dot(&foot) - j.dk) * ruling.norm() / j.dm.dot(&ruling)).abs()
 }
 
 /// Control planes nearest to the given ones.
@@ -180,7 +167,7 @@ impl Family for EnvelopeFamily {
             let q = &self.points[i];
             let Some(t) = sheet.foot(q, self.feet[i], range) else { return false };
             let (d, regular) = sheet.distance(q, t);
-            if !d.is_finite() || (self.clearance > 0.0 && clearance(&sheet, q, t) < self.clearance) {
+            if !d.is_finite() || !self.room.granted(&sheet, q, t) {
                 return false;
             }
             least = least.min(regular);
@@ -301,7 +288,7 @@ mod tests {
             basis,
             gauges: vec![],
             trial: vec![],
-            clearance: 0.0,
+            room: Room::default(),
         };
         let start = carrier.planes(&x);
         let (mut family, x) = EnvelopeFamily::new(points, None, start).expect("family");

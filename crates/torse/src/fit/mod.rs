@@ -46,12 +46,14 @@ pub struct RefitOptions {
     pub tolerance: f64,
     /// Samples that take part at first; 220.
     pub max_samples: usize,
+    /// Wanted radius of curvature at the samples, mm; 0. Kept as far as it is at hand.
+    pub bend_radius: f64,
 }
 
 impl RefitOptions {
     /// The defaults with a tolerance in mm.
     pub fn new(tolerance: f64) -> Self {
-        Self { tolerance, max_samples: 220 }
+        Self { tolerance, max_samples: 220, bend_radius: 0.0 }
     }
 }
 
@@ -60,8 +62,8 @@ impl RefitOptions {
 pub fn refit(fit: &Fit, samples: &[Sample], options: &RefitOptions) -> Option<Fit> {
     let again = match &fit.torse {
         _ if fit.kind == PanelKind::Plane => plane(samples),
-        Torse::Primal(p) => primal::refit(p, fit.kind, samples, options.max_samples.max(12), options.tolerance),
-        Torse::Dual(d) => dual::refit(d, samples, options.max_samples.max(12), options.tolerance),
+        Torse::Primal(p) => primal::refit(p, fit.kind, samples, options),
+        Torse::Dual(d) => dual::refit(d, samples, options),
     };
     // The old torse may still be the better one.
     match (error(&fit.torse, samples), again) {

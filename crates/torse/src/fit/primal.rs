@@ -8,7 +8,8 @@ use super::directions::{candidates, mean_direction, spans, Candidate};
 use super::plane::plane;
 use super::profile::{ProfileFamily, Slopes};
 use super::samples::{measure, thin, Fit, Sample};
-use super::sheet::Sheet;
+use super::sheet::{Room, Sheet};
+use super::RefitOptions;
 use crate::geom::{Frame, Vec3};
 use crate::spline::pieces::Pieces;
 use crate::surface::torse::{PanelKind, PrimalTorse, Torse};
@@ -28,12 +29,14 @@ pub struct PrimalOptions {
     pub ruling_spans: usize,
     /// Samples that take part at first; 220.
     pub max_samples: usize,
+    /// Wanted radius of curvature at the samples, mm; 0. Kept as far as the start allows.
+    pub bend_radius: f64,
 }
 
 impl PrimalOptions {
     /// The defaults with a tolerance in mm.
     pub fn new(tolerance: f64) -> Self {
-        Self { tolerance, directions: 10, keep: 3, profile_spans: 10, ruling_spans: 2, max_samples: 220 }
+        Self { tolerance, directions: 10, keep: 3, profile_spans: 10, ruling_spans: 2, max_samples: 220, bend_radius: 0.0 }
     }
 }
 
@@ -105,6 +108,7 @@ fn curved(samples: &[Sample], options: &PrimalOptions, enough: f64) -> Option<Fi
         return finished(best.frame, best.unit, &best.family, &best.x, PanelKind::Torse, samples);
     }
     let goal = enough / best.unit;
+    best.family.keep_room(&best.x, Room { clearance: 0.0, bend_radius: options.bend_radius / best.unit });
     let few = std::mem::take(&mut best.few);
     let reached = polished(&mut best.family, &mut best.x, &few, &all, goal)? * best.unit;
     if reached > options.tolerance && reached < FINER * options.tolerance {
@@ -270,8 +274,7 @@ pub(super) fn refit(
     torse: &PrimalTorse,
     kind: PanelKind,
     samples: &[Sample],
-    count: usize,
-    tolerance: f64,
+    options: &RefitOptions,
 ) -> Option<Fit> {
     let pieces = Pieces::of(&torse.profile)?;
     let (lo, hi) = pieces.domain();
@@ -295,12 +298,13 @@ pub(super) fn refit(
     let mut family = ProfileFamily::new(points, feet, breaks, slopes)?;
     let mut x = family.coefficients(&scaled, torse.beta);
     let all: Vec<usize> = (0..samples.len()).collect();
-    let few = thin(samples, count);
+    let few = thin(samples, options.max_samples.max(12));
     let mut residual = Vec::new();
     if family.residuals(&x, &all, &mut residual) {
         family.adopt(&all);
     }
-    polished(&mut family, &mut x, &few, &all, ENOUGH * tolerance / unit)?;
+    family.keep_room(&x, Room { clearance: 0.0, bend_radius: options.bend_radius / unit });
+    polished(&mut family, &mut x, &few, &all, ENOUGH * options.tolerance / unit)?;
     finished(torse.frame, unit, &family, &x, kind, samples)
 }
 

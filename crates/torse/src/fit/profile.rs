@@ -3,7 +3,7 @@
 
 use super::basis::{cubic, Basis};
 use super::descent::Family;
-use super::sheet::{quintic, slope_integral, Sheet};
+use super::sheet::{quintic, slope_integral, Room, Sheet};
 use crate::geom::{Frame, Vec3};
 use crate::num::least_squares::Rows;
 use crate::spline::knots::Knots;
@@ -42,6 +42,8 @@ pub(super) struct ProfileFamily {
     trial: Vec<f64>,
     /// Largest |y| of the samples.
     reach: f64,
+    /// Steps after which a sample has less room are refused.
+    room: Room,
 }
 
 impl ProfileFamily {
@@ -50,7 +52,7 @@ impl ProfileFamily {
         let f = Basis::spline(&Knots::clamped(3, &breaks).ok()?, &breaks);
         let a = Self::slope_basis(&breaks, &slopes)?;
         let reach = points.iter().fold(1e-9_f64, |m, q| m.max(q.y.abs()));
-        Some(Self { points, feet, breaks, f, a, slopes, trial: Vec::new(), reach })
+        Some(Self { points, feet, breaks, f, a, slopes, trial: Vec::new(), reach, room: Room::default() })
     }
 
     fn slope_basis(breaks: &[f64], slopes: &Slopes) -> Option<Basis> {
@@ -121,6 +123,11 @@ impl ProfileFamily {
         }
     }
 
+    /// From now on the torse keeps the wanted room at the samples, or nearly as much as it has at `x`.
+    pub fn keep_room(&mut self, x: &[f64], wanted: Room) {
+        self.room = wanted.kept(&self.sheet(x), &self.points, &self.feet);
+    }
+
     /// Samples without a regular foot at the coefficients `x`; adopts the feet of the others.
     pub fn irregular(&mut self, x: &[f64], all: &[usize]) -> Vec<usize> {
         let sheet = self.sheet(x);
@@ -166,7 +173,7 @@ impl Family for ProfileFamily {
             let q = &self.points[i];
             let Some(t) = sheet.foot(q, self.feet[i], range) else { return false };
             let (d, regular) = sheet.distance(q, t);
-            if !(regular > REGULAR && d.is_finite()) {
+            if !(regular > REGULAR && d.is_finite() && self.room.granted(&sheet, q, t)) {
                 return false;
             }
             out.push(d);

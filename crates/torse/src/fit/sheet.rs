@@ -58,6 +58,41 @@ pub(super) fn quintic(c: &[f64; 6], x: f64) -> f64 {
     c[0] + x * (c[1] + x * (c[2] + x * (c[3] + x * (c[4] + x * c[5]))))
 }
 
+/// How far a torse is from being singular, in units of length; infinite where nothing threatens.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Room {
+    /// Radius of curvature across the ruling.
+    pub bend_radius: f64,
+    /// Distance along the ruling to the regression curve.
+    pub clearance: f64,
+}
+
+impl Room {
+    /// What is kept of the room that the feet `points`, `feet` have: the wanted one, or nearly as much as there is.
+    pub fn kept(self, sheet: &Sheet, points: &[Vec3], feet: &[f64]) -> Self {
+        // Share of the room at hand that steps may not use up.
+        const KEPT: f64 = 0.8;
+        points.iter().zip(feet).map(|(q, &t)| sheet.room(q, t)).fold(self, |least, now| Self {
+            bend_radius: least.bend_radius.min(KEPT * now.bend_radius),
+            clearance: least.clearance.min(KEPT * now.clearance),
+        })
+    }
+
+    /// Whether a torse has this room at the foot `t` of `q`.
+    pub fn granted(&self, sheet: &Sheet, q: &Vec3, t: f64) -> bool {
+        if self.bend_radius <= 0.0 && self.clearance <= 0.0 {
+            return true;
+        }
+        let now = sheet.room(q, t);
+        now.bend_radius >= self.bend_radius && now.clearance >= self.clearance
+    }
+
+    /// The same in units of `unit`.
+    pub fn scaled(self, unit: f64) -> Self {
+        Self { bend_radius: self.bend_radius / unit, clearance: self.clearance / unit }
+    }
+}
+
 impl Sheet {
     /// The fast form of a torse whose splines are at most cubic; `None` otherwise.
     pub fn of(torse: &Torse) -> Option<Self> {
@@ -214,6 +249,21 @@ impl Sheet {
         let foot = q - j.n * (d / norm);
         let regular = j.dm.dot(&foot) - j.dk;
         (d, if matches!(self, Self::Primal { .. }) { regular } else { regular / norm })
+    }
+
+    /// At the foot `t` of `q`: radius of curvature across the ruling, and distance along it to the regression curve.
+    pub fn room(&self, q: &Vec3, t: f64) -> Room {
+        let j = self.jet(t);
+        let nn = j.n.norm_squared();
+        let foot = q - j.n * ((j.n.dot(q) - j.h) / nn);
+        let regular = (j.dm.dot(&foot) - j.dk).abs();
+        let nm = j.n.dot(&j.m);
+        let across = j.c.abs() * (j.m.norm_squared() - nm * nm / nn);
+        let ruling = j.n.cross(&j.m);
+        Room {
+            bend_radius: nn.sqrt() * regular / across,
+            clearance: regular * ruling.norm() / j.dm.dot(&ruling).abs(),
+        }
     }
 
     /// First guesses of feet.

@@ -20,7 +20,9 @@ const HOPEFUL: f64 = 0.99;
 const KEEN: f64 = 0.7;
 /// Panels that bend more sharply than this multiple of the tolerance are refused: their rulings crowd together near
 /// the regression curve, and their trims cannot be drawn well (certificate specification, 4).
-const LEAST_BEND: f64 = 10.0;
+const LEAST_BEND: f64 = 4.0;
+/// Fits keep this multiple of the smallest radius of curvature where they can.
+const WANTED_BEND: f64 = 1.2;
 /// Share of their mean width by which fits of bands keep the regression curve away where they can.
 const WANTED_CLEARANCE: f64 = 0.1;
 /// Panels whose regression curve comes nearer than this share of their mean width (area over length) are refused: there
@@ -82,7 +84,7 @@ impl Job<'_> {
             let slender = length * length / state.area(label).max(f64::MIN_POSITIVE);
             let fine = ((SPANS * slender) as usize).min(MOST_SPANS);
             let clearance = WANTED_CLEARANCE * state.width(label);
-            let usual = DualOptions { clearance, ..DualOptions::new(allowed * KEEN) };
+            let usual = DualOptions { clearance, bend_radius: self.wanted_bend(), ..DualOptions::new(allowed * KEEN) };
             // Slender bands need more spans; many spans on short ones come too near the regression curve.
             for spans in [usual.spans, fine] {
                 if spans == usual.spans || spans > usual.spans * 5 / 4 {
@@ -94,12 +96,23 @@ impl Job<'_> {
             }
         }
         // Bands are wanted as wide as they can be: the fit must not rest on the first torse that is good enough.
-        let options = PrimalOptions::new(if centre.is_some() { allowed * KEEN } else { allowed });
+        let keen = if centre.is_some() { allowed * KEEN } else { allowed };
+        let options = PrimalOptions { bend_radius: self.wanted_bend(), ..PrimalOptions::new(keen) };
         let f = primal(&samples, &options);
         if let Some(t) = judge(f) {
             return t;
         }
         Trial::failed(best.max(self.options.tolerance * 1.0001))
+    }
+
+    /// Smallest radius of curvature that a panel may have, mm.
+    fn least_bend(&self) -> f64 {
+        (LEAST_BEND * self.options.tolerance).max(self.options.limits.min_bend_radius.unwrap_or(0.0))
+    }
+
+    /// The radius of curvature that fits keep: what the certificate shows is a lower bound.
+    fn wanted_bend(&self) -> f64 {
+        WANTED_BEND * self.least_bend()
     }
 
     /// The loop of propose, judge and refine for one torse.
@@ -108,7 +121,9 @@ impl Job<'_> {
         let triangles = state.triangles(label);
         let limits = &self.options.limits;
         let clearance = (LEAST_CLEARANCE * state.width(label)).max(limits.min_clearance.unwrap_or(0.0));
-        let bend = (LEAST_BEND * self.options.tolerance).max(limits.min_bend_radius.unwrap_or(0.0));
+        let bend = self.least_bend();
+        let options =
+            RefitOptions { bend_radius: self.wanted_bend(), ..RefitOptions::new(allowed * HOPEFUL * HOPEFUL) };
         let mut fit = first;
         for round in 0..=REFITS {
             self.proofs.fetch_add(1, Ordering::Relaxed);
@@ -135,7 +150,9 @@ impl Job<'_> {
                     let n = j.normal();
                     let n = if n.norm() > 0.0 { n.normalize() } else { n };
                     samples.push(Sample { x: j.p, n, weight });
-                    match refit(&fit, &samples, &RefitOptions::new(allowed * HOPEFUL * HOPEFUL)) {
+                    match refit(&fit, &samples, &options) {
+                        // The witness is near another ruling: further samples cannot help.
+                        Some(next) if next.torse == fit.torse => return Trial::failed(distance.abs()),
                         Some(next) if next.error <= allowed => fit = next,
                         Some(next) => return Trial::failed(next.error),
                         None => return Trial::failed(distance.abs()),
