@@ -36,7 +36,15 @@ pub struct PrimalOptions {
 impl PrimalOptions {
     /// The defaults with a tolerance in mm.
     pub fn new(tolerance: f64) -> Self {
-        Self { tolerance, directions: 10, keep: 3, profile_spans: 10, ruling_spans: 2, max_samples: 220, bend_radius: 0.0 }
+        Self {
+            tolerance,
+            directions: 10,
+            keep: 3,
+            profile_spans: 10,
+            ruling_spans: 2,
+            max_samples: 220,
+            bend_radius: 0.0,
+        }
     }
 }
 
@@ -270,12 +278,7 @@ fn finished(
 }
 
 /// Continues the minimax iteration of a primal torse over samples that may have been added.
-pub(super) fn refit(
-    torse: &PrimalTorse,
-    kind: PanelKind,
-    samples: &[Sample],
-    options: &RefitOptions,
-) -> Option<Fit> {
+pub(super) fn refit(torse: &PrimalTorse, kind: PanelKind, samples: &[Sample], options: &RefitOptions) -> Option<Fit> {
     let pieces = Pieces::of(&torse.profile)?;
     let (lo, hi) = pieces.domain();
     let unit = (hi - lo) / (1.0 + 2.0 * MARGIN);

@@ -260,10 +260,7 @@ impl Sheet {
         let nm = j.n.dot(&j.m);
         let across = j.c.abs() * (j.m.norm_squared() - nm * nm / nn);
         let ruling = j.n.cross(&j.m);
-        Room {
-            bend_radius: nn.sqrt() * regular / across,
-            clearance: regular * ruling.norm() / j.dm.dot(&ruling).abs(),
-        }
+        Room { bend_radius: nn.sqrt() * regular / across, clearance: regular * ruling.norm() / j.dm.dot(&ruling).abs() }
     }
 
     /// First guesses of feet.

@@ -32,7 +32,7 @@ pub struct ConnectingRuling {
 const SCAN: usize = 322;
 /// Newton steps for one ruling.
 const STEPS: usize = 12;
-/// A ruling is found when steps are below this share of the upper seam's length.
+/// Steps end below this share of the upper seam's length.
 const SETTLED: f64 = 1e-14;
 /// Largest twist of a ruling, rad: larger ones are rulings of nothing.
 const LARGEST_TWIST: f64 = 1e-9;
@@ -103,7 +103,6 @@ pub fn connecting(
 fn solved(lower: &Curve<3>, upper: &Curve<3>, u: f64, mut v: f64, normal: &Vec3) -> Option<(ConnectingRuling, f64)> {
     let (va, vb) = upper.domain();
     let [a, a1, a2] = jet(lower, u);
-    let mut settled = false;
     for _ in 0..STEPS {
         let [b, b1, b2] = jet(upper, v);
         let r = b - a;
@@ -117,7 +116,6 @@ fn solved(lower: &Curve<3>, upper: &Curve<3>, u: f64, mut v: f64, normal: &Vec3)
             return None;
         }
         if step.abs() <= SETTLED * (vb - va) {
-            settled = true;
             break;
         }
     }
@@ -126,7 +124,7 @@ fn solved(lower: &Curve<3>, upper: &Curve<3>, u: f64, mut v: f64, normal: &Vec3)
     let (na, nb) = (a1.cross(&r), b1.cross(&r));
     let size = na.norm() * nb.norm();
     let twist = na.cross(&nb).norm().atan2(na.dot(&nb));
-    if !(size > 0.0 && (settled || twist < LARGEST_TWIST) && twist < LARGEST_TWIST) {
+    if !(size > 0.0 && twist < LARGEST_TWIST) {
         return None;
     }
     let mean = (na.normalize() + nb.normalize()).normalize();
