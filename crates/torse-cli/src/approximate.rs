@@ -1,6 +1,6 @@
 //! `torse approximate`: the main job.
 
-use crate::args::Approximate;
+use crate::args::{Approximate, Seams};
 use crate::failure::{os_reason, Failure};
 use crate::folder::Output;
 use crate::quantity::Length;
@@ -34,6 +34,7 @@ pub fn run(arguments: &Approximate) -> Result<bool, Failure> {
         tolerance: if arguments.cones { PANELS_OF_CONES } else { 1.0 } * arguments.tolerance.mm,
         max_panels: arguments.max_panels.map(|n| n as usize),
         limits: limits(arguments),
+        meet: arguments.seams == Seams::Meet,
     };
     let notes = std::mem::take(&mut model.notes);
     let swept = if arguments.sweep.is_empty() {

@@ -111,6 +111,10 @@ pub struct Approximate {
     #[arg(long, value_name = "LENGTH,...", value_delimiter = ',', value_parser = positive_length)]
     pub sweep: Vec<Length>,
 
+    /// Whether neighbouring strips meet in common edges where that can be certified, or are laid one by one
+    #[arg(long, value_name = "HOW", value_enum, default_value_t = Seams::Independent)]
+    pub seams: Seams,
+
     /// Name of the job in the files [default: name of FILE]
     #[arg(long, value_name = "NAME")]
     pub name: Option<String>,
@@ -118,6 +122,15 @@ pub struct Approximate {
     /// Print nothing but errors
     #[arg(short, long)]
     pub quiet: bool,
+}
+
+/// How neighbouring strips are joined.
+#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Seams {
+    /// In common edges, as far as the certificate allows
+    Meet,
+    /// Not at all: each strip is the best for itself, gaps stay within the tolerance
+    Independent,
 }
 
 /// Arguments of `cones`.

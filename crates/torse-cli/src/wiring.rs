@@ -34,6 +34,8 @@ pub struct Job {
     pub max_panels: Option<usize>,
     /// What sheet and material allow.
     pub limits: Limits,
+    /// Whether neighbouring strips are to meet.
+    pub meet: bool,
 }
 
 /// Reads a STEP file. `name` is for messages.
@@ -63,7 +65,13 @@ pub fn approximate(model: Model, job: &Job, control: &Control) -> Result<Outcome
 
 /// The job in the library's words.
 fn options(job: &Job) -> Options {
-    Options { tolerance: job.tolerance, max_panels: job.max_panels, input: job.name.clone(), limits: job.limits }
+    Options {
+        tolerance: job.tolerance,
+        max_panels: job.max_panels,
+        input: job.name.clone(),
+        limits: job.limits,
+        meet: job.meet,
+    }
 }
 
 /// Runs the main job at several tolerances (mm): the files with the table and its picture.

@@ -106,6 +106,7 @@ fn report(patterns: &[Pattern]) -> Report {
             surface_deviation_estimate: Some(0.0),
         }],
         panels: patterns.iter().map(panel).collect(),
+        seams: Vec::new(),
     }
 }
 

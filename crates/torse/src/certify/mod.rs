@@ -32,6 +32,7 @@ pub use prepared::Prepared;
 use crate::control::Control;
 use crate::geom::BBox;
 use crate::surface::panel::{Border, Patchwork, Run};
+use crate::surface::seam::Seam;
 use rayon::prelude::*;
 use ruled::RuledJets;
 use seams::Shore;
@@ -118,6 +119,49 @@ pub struct PanelCertificate {
     _sealed: Seal,
 }
 
+/// What is known about a seam. Lengths in mm.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SeamCertificate {
+    /// Panels on both sides.
+    pub panels: [usize; 2],
+    /// Proven bound of the distance between its two sides at equal parameters.
+    pub gap_bound: f64,
+    /// Whether the panels meet.
+    pub status: SeamStatus,
+    /// Length, measured.
+    pub length_estimate: f64,
+    /// Smallest and largest angle (rad) between the panels along the seam, sampled.
+    pub kink_range_estimate: (f64, f64),
+}
+
+/// Whether the panels of a seam meet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SeamStatus {
+    /// Both panels have the same edge in space, and their sides are within a hundredth of the tolerance.
+    Exact,
+    /// The gap is within a quarter of the tolerance.
+    Tolerance,
+    /// The gap is larger.
+    Open,
+}
+
+/// Share of the tolerance up to which the two sides of a common edge count as one.
+const EXACT_SHARE: f64 = 0.01;
+/// Share of the tolerance above which a seam counts as open.
+const OPEN_SHARE: f64 = 0.25;
+
+impl SeamStatus {
+    fn of(shared: bool, gap: f64, tolerance: f64) -> Self {
+        if shared && gap <= EXACT_SHARE * tolerance {
+            Self::Exact
+        } else if gap <= OPEN_SHARE * tolerance {
+            Self::Tolerance
+        } else {
+            Self::Open
+        }
+    }
+}
+
 /// What was proven about a whole patchwork. Lengths in mm.
 #[derive(Clone, Debug)]
 pub struct Certificate {
@@ -129,6 +173,8 @@ pub struct Certificate {
     pub deviation_bound: f64,
     /// Largest distance between the two sides of any seam at equal parameters.
     pub seam_gap_bound: f64,
+    /// One record per seam, in order; empty if a gap could not be bounded.
+    pub seams: Vec<SeamCertificate>,
     /// Whether the panels' regions add up to the faces exactly.
     pub covered: bool,
     /// One record per panel, in order.
@@ -174,6 +220,7 @@ pub fn patchwork(patchwork: &Patchwork, tolerance: f64, control: &Control) -> Ce
         certified: false,
         deviation_bound: f64::INFINITY,
         seam_gap_bound: f64::INFINITY,
+        seams: Vec::new(),
         covered: false,
         panels: vec![PanelCertificate::blank(); patchwork.panels.len()],
         missing: Vec::new(),
@@ -248,8 +295,21 @@ pub fn patchwork(patchwork: &Patchwork, tolerance: f64, control: &Control) -> Ce
     }
 
     // Seams.
-    match seam_gap(patchwork, &jets, tolerance) {
-        Ok(gap) => out.seam_gap_bound = gap,
+    match seam_gaps(patchwork, &jets, tolerance) {
+        Ok(gaps) => {
+            out.seam_gap_bound = gaps.iter().copied().fold(0.0, f64::max);
+            let record = |s: &Seam| {
+                let gap_bound = gaps.get(s.seam as usize).copied().unwrap_or(f64::INFINITY);
+                SeamCertificate {
+                    panels: s.sides.map(|s| s.panel),
+                    gap_bound,
+                    status: SeamStatus::of(s.is_shared(), gap_bound, tolerance),
+                    length_estimate: s.length(),
+                    kink_range_estimate: s.kink_range_estimate(),
+                }
+            };
+            out.seams = patchwork.seams().iter().map(record).collect();
+        }
         Err(reason) => out.missing.push(format!("seams: {reason}")),
     }
     out.certified = covered && out.missing.is_empty() && out.deviation_bound <= tolerance;
@@ -263,6 +323,7 @@ pub fn join(parts: Vec<Certificate>, tolerance: f64) -> Certificate {
         certified: !parts.is_empty(),
         deviation_bound: 0.0,
         seam_gap_bound: 0.0,
+        seams: Vec::new(),
         covered: true,
         panels: Vec::new(),
         missing: Vec::new(),
@@ -273,6 +334,8 @@ pub fn join(parts: Vec<Certificate>, tolerance: f64) -> Certificate {
         out.deviation_bound = out.deviation_bound.max(p.deviation_bound);
         out.seam_gap_bound = out.seam_gap_bound.max(p.seam_gap_bound);
         out.covered &= p.covered;
+        let first = out.panels.len();
+        out.seams.extend(p.seams.into_iter().map(|s| SeamCertificate { panels: s.panels.map(|k| k + first), ..s }));
         out.panels.extend(p.panels);
         out.missing.extend(p.missing);
     }
@@ -282,8 +345,8 @@ pub fn join(parts: Vec<Certificate>, tolerance: f64) -> Certificate {
     out
 }
 
-/// Bound of the gap over all seams.
-fn seam_gap(patchwork: &Patchwork, jets: &[Option<RuledJets>], tolerance: f64) -> Result<f64, String> {
+/// Bounds of the gaps of all seams.
+fn seam_gaps(patchwork: &Patchwork, jets: &[Option<RuledJets>], tolerance: f64) -> Result<Vec<f64>, String> {
     let mut sides: Vec<Vec<(usize, bool, &Run)>> = vec![Vec::new(); patchwork.seam_count];
     for (i, panel) in patchwork.panels.iter().enumerate() {
         for run in panel.loops.iter().flatten() {
@@ -293,7 +356,7 @@ fn seam_gap(patchwork: &Patchwork, jets: &[Option<RuledJets>], tolerance: f64) -
             }
         }
     }
-    let gaps: Vec<Result<f64, String>> = sides
+    sides
         .par_iter()
         .enumerate()
         .map(|(seam, sides)| {
@@ -312,8 +375,7 @@ fn seam_gap(patchwork: &Patchwork, jets: &[Option<RuledJets>], tolerance: f64) -
             seams::gap_bound(Shore { jets: p, run: a }, Shore { jets: q, run: b }, tolerance)
                 .ok_or_else(|| format!("seam {seam} leaves a patch"))
         })
-        .collect();
-    gaps.into_iter().try_fold(0.0f64, |m, g| g.map(|g| m.max(g)))
+        .collect()
 }
 
 #[cfg(test)]

@@ -12,7 +12,7 @@ use crate::num::jet::Jet;
 use crate::surface::panel::Run;
 
 /// Pieces are halved until the enclosure exceeds its end values by less than this share of the tolerance.
-const EXCESS: f64 = 5e-3;
+const EXCESS: f64 = 1e-3;
 
 /// Halvings of a piece at most.
 const DEPTH: usize = 10;

@@ -13,6 +13,7 @@ use crate::geom::{Vec2, Vec3};
 use crate::surface::clip::ClippedRulings;
 use crate::surface::panel::{Border, Panel, Patchwork, Run};
 use crate::surface::pattern::{Contour, ContourVertex, Mark, Pattern, Side};
+use crate::surface::seam::Seam;
 use crate::surface::torse::PanelKind;
 
 /// Knobs of [`pattern`].
@@ -112,6 +113,11 @@ pub fn pattern(patchwork: &Patchwork, panel: usize, options: &PatternOptions) ->
     };
     let spacing = options.mark_spacing * face.surface.bbox().diagonal();
     let mut marks = Vec::new();
+    let shared: Vec<Seam> = patchwork
+        .seams()
+        .into_iter()
+        .filter(|s| s.sides.iter().any(|side| side.panel == index) && s.is_shared())
+        .collect();
     for run in loops.iter().flatten() {
         if let Border::Seam { seam, forward } = run.run.border {
             for (k, s) in mark_places(run.run, forward, &place, spacing) {
@@ -120,7 +126,11 @@ pub fn pattern(patchwork: &Patchwork, panel: usize, options: &PatternOptions) ->
                 let n = Vec2::new(-t.y, t.x);
                 let norm = n.norm();
                 if norm > 0.0 {
-                    marks.push(Mark { point: run.place(s), inward: n / norm, label: format!("S{seam}.{k}") });
+                    // Where panels meet, the angle to which they are joined is of use beside the mark.
+                    let along = if forward { s } else { 1.0 - s };
+                    let kink = shared.iter().find(|c| c.seam == seam).map(|c| c.kink(along).to_degrees());
+                    let angle = kink.map_or_else(String::new, |a| format!(" {a:.1}deg"));
+                    marks.push(Mark { point: run.place(s), inward: n / norm, label: format!("S{seam}.{k}{angle}") });
                 }
             }
         }

@@ -3,19 +3,23 @@
 //! Method: certificate specification, section 5. The border of a label is a polyline of partition edges; its foot
 //! points on the torse are the places that the trimming curves pass. Nothing is judged here.
 
+mod path;
+
 use std::collections::HashMap;
 
 use rayon::prelude::*;
 
 use super::chains::{self, Chain, Right};
-use super::trim::{self, Waypoint};
+use super::trim;
+use super::wall::on_normal;
 use crate::geom::partition::Partition;
 use crate::geom::Vec3;
-use crate::spline::surface::Surface;
+use crate::spline::curve::Curve;
 use crate::surface::convert::{self, ConvertError, Extent};
 use crate::surface::face::Face;
 use crate::surface::panel::{Border, Panel, Run};
 use crate::surface::torse::{PanelKind, Torse};
+use path::{Aim, Path};
 
 /// A torse for a label.
 #[derive(Clone, Copy, Debug)]
@@ -165,16 +169,33 @@ pub struct Borders<'a> {
     seams: Vec<u32>,
     /// For every vertex how far (mm) the polyline bends away from a smooth one there.
     bend: HashMap<u32, f64>,
+    /// Edges that both sides of a chain take as they are.
+    shared: HashMap<usize, SharedEdge>,
     /// Number of seams.
     pub seam_count: usize,
 }
 
-/// Share of the bend of the border polyline that a trimming curve may smooth over: the polyline's own chords are
-/// off a smooth border by a quarter of the bend.
-const SMOOTHED: f64 = 0.5;
-/// Kinks that the polyline keeps are smoothed over by at most this multiple of the trim tolerance: what the curve
-/// strays there counts against the panel.
-const KINKED: f64 = 8.0;
+/// One edge in space for both sides of a chain, over [0, 1] along the chain.
+#[derive(Clone, Debug)]
+struct SharedEdge {
+    edge: Curve<3>,
+    parameters: Vec<f64>,
+}
+
+/// A border between two labels, as seen by those who make seams.
+#[derive(Clone, Debug)]
+pub struct SeamChain {
+    /// Number of the chain, for [`Borders::share`].
+    pub chain: usize,
+    /// Number of the seam.
+    pub seam: u32,
+    /// Labels on the left and on the right.
+    pub labels: [u32; 2],
+    /// Vertices in order.
+    pub vertices: Vec<u32>,
+    /// Length of the polyline in space, mm.
+    pub length: f64,
+}
 
 impl<'a> Borders<'a> {
     /// Traces the borders.
@@ -206,7 +227,29 @@ impl<'a> Borders<'a> {
                 bend.insert(w[1], off.norm());
             }
         }
-        Self { face, partition, points, chains, seams, bend, seam_count }
+        Self { face, partition, points, chains, seams, bend, shared: HashMap::new(), seam_count }
+    }
+
+    /// All borders between two labels.
+    pub fn seam_chains(&self) -> Vec<SeamChain> {
+        let of = |(k, c): (usize, &Chain)| match c.right {
+            Right::Label(right) => Some(SeamChain {
+                chain: k,
+                seam: self.seams[k],
+                labels: [c.left, right],
+                vertices: c.vertices.clone(),
+                length: c.length,
+            }),
+            Right::Trim(_) => None,
+        };
+        self.chains.iter().enumerate().filter_map(of).collect()
+    }
+
+    /// Makes both sides of a chain end on one edge in space, given over [0, 1] along the chain with the parameter of every
+    /// vertex (0 first, 1 last). Both torses must contain the edge. Their panels end on the normals of the face along
+    /// its own boundary, so that edges meet there in one point.
+    pub fn share(&mut self, chain: usize, edge: Curve<3>, parameters: Vec<f64>) {
+        self.shared.insert(chain, SharedEdge { edge, parameters });
     }
 
     /// Builds one panel (named by the caller), with the largest distance (mm) between trimming curves and feet.
@@ -240,8 +283,27 @@ impl<'a> Borders<'a> {
         let patch =
             convert::patch(assigned.torse, &extent).map_err(|source| BoundaryError::Convert { label, source })?;
         let place = |f: &Foot, x: &Vec3| [f.t, convert::parameters(&patch, f.t, x)];
-        let places: HashMap<u32, [f64; 2]> =
+        let mut places: HashMap<u32, [f64; 2]> =
             feet.iter().map(|(&v, f)| (v, place(f, &self.points[f.vertex as usize]))).collect();
+        let walled = loops.iter().flatten().any(|s| self.shared.contains_key(&s.chain));
+        let mut walls = HashMap::new();
+        if walled {
+            let at = |v: u32| self.partition.vertices[v as usize];
+            let bad = |v: u32| BoundaryError::Foot { label, uv: at(v) };
+            for (&v, p) in &mut places {
+                let (t, x) = on_normal(&self.face.surface, assigned.torse, at(v), p[0]).ok_or_else(|| bad(v))?;
+                *p = [t, convert::parameters(&patch, t, &x)];
+            }
+            walls = places.clone();
+            for stretch in loops.iter().flatten() {
+                let Some(shared) = self.shared.get(&stretch.chain) else { continue };
+                for (&v, &s) in self.chains[stretch.chain].vertices.iter().zip(&shared.parameters) {
+                    let x = Vec3::from(shared.edge.point(s));
+                    let t = assigned.torse.foot(&x, places[&v][0]).ok_or_else(|| bad(v))?;
+                    places.insert(v, [t, convert::parameters(&patch, t, &x)]);
+                }
+            }
+        }
         // 4. Trimming curves.
         let mut worst = 0.0_f64;
         let mut out = Vec::new();
@@ -249,8 +311,23 @@ impl<'a> Borders<'a> {
             let mut runs = Vec::new();
             for stretch in l {
                 let chain = &self.chains[stretch.chain];
-                let (vertices, parameters) = stretch.oriented(chain);
+                let (vertices, mut parameters) = stretch.oriented(chain);
+                let shared = self.shared.get(&stretch.chain);
+                let shared_edge = shared.map(|s| if stretch.forward { s.edge.clone() } else { s.edge.reversed() });
+                if let Some(s) = shared {
+                    parameters.clone_from(&s.parameters);
+                    if !stretch.forward {
+                        parameters = s.parameters.iter().rev().map(|s| 1.0 - s).collect();
+                    }
+                }
+                let ends = [vertices[0], vertices[vertices.len() - 1]];
+                let aim = match &shared_edge {
+                    Some(edge) => Aim::Edge(edge),
+                    None if walled => Aim::Wall(ends.map(|v| [0, 1].map(|d| places[&v][d] - walls[&v][d]))),
+                    None => Aim::Feet,
+                };
                 let path = Path {
+                    aim,
                     borders: self,
                     torse: assigned.torse,
                     patch: &patch,
@@ -265,14 +342,20 @@ impl<'a> Borders<'a> {
                     trim::point(places[&vertices[0]])
                 };
                 let fitted = fitted.map_err(|source| BoundaryError::Spline { label, source })?;
-                let edge = trim::edge(&patch, &fitted.curve, options.edge_tolerance)
-                    .map_err(|source| BoundaryError::Spline { label, source })?;
+                let edge = match shared_edge {
+                    Some(edge) => edge,
+                    None => trim::edge(&patch, &fitted.curve, options.edge_tolerance)
+                        .map_err(|source| BoundaryError::Spline { label, source })?,
+                };
                 worst = worst.max(fitted.deviation_estimate);
                 let border = match chain.right {
                     Right::Trim(edge) => Border::Trim { edge },
                     Right::Label(_) => Border::Seam { seam: self.seams[stretch.chain], forward: stretch.forward },
                 };
                 runs.push(Run { border, vertices, parameters, trim: fitted.curve, edge });
+            }
+            if walled {
+                ends_on_shared_edges(&mut runs, l, &|chain| self.shared.contains_key(&chain));
             }
             out.push(runs);
         }
@@ -400,79 +483,21 @@ impl<'a> Borders<'a> {
     }
 }
 
-/// What the trimming curve of a run should follow: the feet of the border's points on the torse.
-struct Path<'a> {
-    borders: &'a Borders<'a>,
-    torse: &'a Torse,
-    patch: &'a Surface,
-    vertices: &'a [u32],
-    parameters: &'a [f64],
-    places: &'a HashMap<u32, [f64; 2]>,
-    options: &'a BoundaryOptions,
-}
-
-impl Path<'_> {
-    /// Vertices and points of the edges between them.
-    fn waypoints(&self) -> Vec<Waypoint> {
-        /// Waypoints wanted on a run at least, and on each span of the torse: the feet move unevenly there.
-        const WANTED: (usize, f64) = (48, 6.0);
-        let edges = self.vertices.len() - 1;
-        let (breaks, domain) = (self.torse.breaks(), self.torse.domain());
-        let span = (domain.1 - domain.0) / (breaks.len() - 1) as f64;
-        let mut out = Vec::with_capacity(4 * edges);
-        for k in 0..=edges {
-            let here = self.places[&self.vertices[k]];
-            let allowance = self.allowance(self.bend(k));
-            out.push(Waypoint { s: self.parameters[k], place: here, allowance });
-            if k == edges {
-                break;
+/// Ends the edges of runs beside shared edges in the ends of these, bit by bit.
+fn ends_on_shared_edges(runs: &mut [Run], stretches: &[Stretch], shared: &dyn Fn(usize) -> bool) {
+    let n = runs.len();
+    for k in 0..n {
+        if !shared(stretches[k].chain) {
+            continue;
+        }
+        let ends = [runs[k].edge.control.first().copied(), runs[k].edge.control.last().copied()];
+        let (before, after) = ((k + n - 1) % n, (k + 1) % n);
+        for (other, end, first) in [(before, ends[0], false), (after, ends[1], true)] {
+            let control = &mut runs[other].edge.control;
+            let slot = if first { control.first_mut() } else { control.last_mut() };
+            if let (Some(slot), Some(end), false) = (slot, end, shared(stretches[other].chain)) {
+                *slot = end;
             }
-            let next = self.places[&self.vertices[k + 1]];
-            let spans = (next[0] - here[0]).abs() / span;
-            let inner = (WANTED.0 / edges).max((WANTED.1 * spans).ceil() as usize).clamp(1, 40);
-            out.extend((1..=inner).filter_map(|i| {
-                let l = i as f64 / (inner + 1) as f64;
-                self.inside(k, l, here[0] + (next[0] - here[0]) * l)
-            }));
-        }
-        out
-    }
-
-    /// A waypoint between two others.
-    fn between(&self, a: &Waypoint, b: &Waypoint) -> Option<Waypoint> {
-        let s = 0.5 * (a.s + b.s);
-        if !(s > a.s && s < b.s) {
-            return None;
-        }
-        let k = self.parameters.partition_point(|p| *p <= s).clamp(1, self.parameters.len() - 1) - 1;
-        let l = (s - self.parameters[k]) / (self.parameters[k + 1] - self.parameters[k]);
-        self.inside(k, l, 0.5 * (a.place[0] + b.place[0]))
-    }
-
-    /// Point at the fraction `l` of the edge that leaves vertex `k`.
-    fn inside(&self, k: usize, l: f64, guess: f64) -> Option<Waypoint> {
-        let face = self.borders.face;
-        let [p, q] = [k, k + 1].map(|k| self.borders.partition.vertices[self.vertices[k] as usize]);
-        let x = face.surface.point(p[0] + (q[0] - p[0]) * l, p[1] + (q[1] - p[1]) * l);
-        let t = self.torse.foot(&x, guess)?;
-        Some(Waypoint {
-            s: self.parameters[k] + (self.parameters[k + 1] - self.parameters[k]) * l,
-            place: [t, convert::parameters(self.patch, t, &x)],
-            allowance: self.allowance(self.bend(k).max(self.bend(k + 1))),
-        })
-    }
-
-    /// How far (mm) the curve may stray where the border bends by `bend`.
-    fn allowance(&self, bend: f64) -> f64 {
-        (SMOOTHED * bend).clamp(self.options.trim_tolerance, KINKED * self.options.trim_tolerance)
-    }
-
-    /// How far the border bends away from a smooth one at the `k`-th vertex; its ends are corners anyway.
-    fn bend(&self, k: usize) -> f64 {
-        if k == 0 || k + 1 == self.vertices.len() {
-            0.0
-        } else {
-            self.borders.bend.get(&self.vertices[k]).copied().unwrap_or(0.0)
         }
     }
 }

@@ -31,8 +31,10 @@ pub mod row_extent;
 pub mod ruling_order;
 pub mod rulings;
 pub mod samples;
+pub mod seams;
 mod sheet;
 pub mod trim;
+mod wall;
 
 pub use functionals::Freedom;
 

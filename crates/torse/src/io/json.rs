@@ -3,6 +3,7 @@
 //! The same record feeds `report.html`, so both always say the same.
 
 use crate::certify::PanelCertificate;
+use crate::certify::{SeamCertificate, SeamStatus};
 use crate::pipeline::outcome::{Outcome, Status};
 use crate::surface::face::SurfaceKind;
 use crate::surface::pattern::Pattern;
@@ -50,6 +51,24 @@ pub struct Report {
     pub faces: Vec<FaceRecord>,
     /// Panels.
     pub panels: Vec<PanelRecord>,
+    /// Seams.
+    #[serde(default)]
+    pub seams: Vec<SeamRecord>,
+}
+
+/// One seam. Lengths in mm.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SeamRecord {
+    /// Indices of the panels on both sides.
+    pub between: [usize; 2],
+    /// `exact` (one common edge), `tolerance` (a gap of at most a quarter of the tolerance) or `open`.
+    pub joint: String,
+    /// Proven bound on the gap; null if none was shown.
+    pub gap_bound: Option<f64>,
+    /// Length, measured.
+    pub seam_length: Option<f64>,
+    /// Smallest and largest angle between the panels along the seam, degrees, sampled.
+    pub kink_deg: [f64; 2],
 }
 
 /// An item of the file that could not be used.
@@ -157,6 +176,7 @@ impl Report {
                 .collect(),
             faces: face_records(outcome, &coverages),
             panels: panel_records(outcome),
+            seams: certificate.seams.iter().map(seam_record).collect(),
         }
     }
 
@@ -201,6 +221,22 @@ fn covered_share(confirmed: bool, share: f64) -> f64 {
         1.0
     } else {
         share.min(1.0 - f64::EPSILON)
+    }
+}
+
+fn seam_record(s: &SeamCertificate) -> SeamRecord {
+    let joint = match s.status {
+        SeamStatus::Exact => "exact",
+        SeamStatus::Tolerance => "tolerance",
+        SeamStatus::Open => "open",
+    };
+    let (least, most) = s.kink_range_estimate;
+    SeamRecord {
+        between: s.panels,
+        joint: joint.into(),
+        gap_bound: finite(s.gap_bound),
+        seam_length: finite(s.length_estimate),
+        kink_deg: [least.to_degrees(), most.to_degrees()],
     }
 }
 
@@ -315,6 +351,13 @@ pub(crate) mod tests {
                 surface_deviation_estimate: Some(0.0),
             }],
             panels: vec![panel("A-01", 0.95), panel("A-02", 0.987_654_3)],
+            seams: vec![SeamRecord {
+                between: [0, 1],
+                joint: "exact".into(),
+                gap_bound: Some(0.0042),
+                seam_length: Some(1280.0),
+                kink_deg: [6.1, 6.9],
+            }],
         }
     }
 
@@ -352,8 +395,14 @@ pub(crate) mod tests {
         report.skipped.push(SkippedRecord { entity: 7, reason: "offset of an offset".into() });
         report.panels[0].witness = Some(WitnessRecord { uv: [0.0, 0.0], distance: None });
         let value = serde_json::to_value(report).expect("json");
-        let records =
-            [&value, &value["panels"][0], &value["faces"][0], &value["skipped"][0], &value["panels"][0]["witness"]];
+        let records = [
+            &value,
+            &value["seams"][0],
+            &value["panels"][0],
+            &value["faces"][0],
+            &value["skipped"][0],
+            &value["panels"][0]["witness"],
+        ];
         for key in records.iter().filter_map(|r| r.as_object()).flat_map(|r| r.keys()) {
             assert!(doc.contains(&format!("`{key}`")), "{key} is not documented");
         }

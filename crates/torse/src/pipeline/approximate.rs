@@ -5,6 +5,7 @@
 
 use super::cover::{cover, Cover, CoverOptions, Limits, State};
 use super::outcome::{Outcome, Skipped, Status};
+use super::seams::{self, Meeting};
 use crate::certify::{self, Certificate};
 use crate::control::Control;
 use crate::develop::pattern::{pattern, PatternOptions};
@@ -15,6 +16,7 @@ use crate::geom::BBox;
 use crate::surface::face::Face;
 use crate::surface::panel::{Border, Panel, Patchwork};
 use crate::surface::pattern::Pattern;
+use crate::surface::torse::PanelKind;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
@@ -30,6 +32,8 @@ pub struct Options {
     pub input: String,
     /// What sheet and material allow.
     pub limits: Limits,
+    /// Whether neighbouring strips are to meet in common seams where that can be certified.
+    pub meet: bool,
 }
 
 /// Why the job cannot be done at all.
@@ -84,6 +88,8 @@ const BEND_SHARE: f64 = 0.02;
 const SMOOTHINGS: usize = 4;
 /// Rounds of moving vertices out of a border's way before each smoothing.
 const RELAXATIONS: usize = 3;
+/// Rounds of laying strips that meet, without those that were refused.
+const MEETINGS: usize = 4;
 /// Rounds of cutting panels that the judge refuses as built.
 const ROUNDS: usize = 6;
 /// Rounds of cutting panels that are too large for the sheet, each in halves.
@@ -253,7 +259,7 @@ fn one_face(index: usize, mut face: Face, options: &Options, control: &Control) 
             // Pieces of a good panel are good panels: only the cuts are new.
             let large = too_large(&built, &options.limits);
             if large.is_empty() || sheets == SHEET_ROUNDS || built.patchwork.panels.len() + large.len() > limit {
-                return Ok(built);
+                return Ok(if options.meet { met(index, &face, &state, built, options, control) } else { built });
             }
             sheets += 1;
             state = super::cover::cut_large(&face, &state, &large);
@@ -305,15 +311,68 @@ fn corners_on_knot_lines(face: &mut Face) {
     }
 }
 
+/// The same panels laid anew so that neighbours meet, as far as that can be certified; as they are where it cannot.
+fn met(index: usize, face: &Face, state: &State, built: Built, options: &Options, control: &Control) -> Built {
+    let tolerance = options.tolerance;
+    let partition = smooth_borders(face, state.partition.clone(), tolerance);
+    let state = seams::with_partition(face, state, partition);
+    let state = seams::on_levels(face, &state, &borders(face, &state.partition), tolerance);
+    let Some(meeting) = seams::meet(face, &state, &borders(face, &state.partition), tolerance) else { return built };
+    let mut refused = Vec::new();
+    for _ in 0..MEETINGS {
+        if control.stopped() {
+            break;
+        }
+        let (next, bad) = build_on(index, face, &state, tolerance, Some((&meeting, &refused)));
+        let whole = next.patchwork.panels.len() == built.patchwork.panels.len();
+        if bad.is_empty() && whole && too_large(&next, &options.limits).is_empty() {
+            return next;
+        }
+        // Neighbours of a strip that failed keep their other seams.
+        let before = refused.len();
+        refused.extend(bad.into_iter().filter(|l| !refused.contains(l)).collect::<Vec<_>>());
+        if refused.len() == before {
+            break;
+        }
+    }
+    built
+}
+
+/// Borders of a partition.
+fn borders<'a>(face: &'a Face, partition: &'a Partition) -> Borders<'a> {
+    Borders::new(face, partition, &|a, b| partition.trim_edges.get(&(a, b)).copied().unwrap_or(0), 0)
+}
+
 /// Panels, proof and patterns of a covered face; second result: labels of the regions that must be cut.
 fn build(index: usize, face: &Face, state: &State, tolerance: f64) -> (Built, Vec<u32>) {
     let partition = smooth_borders(face, state.partition.clone(), tolerance);
-    let assigned: Vec<Assigned> =
+    build_on(index, face, &seams::with_partition(face, state, partition), tolerance, None)
+}
+
+/// As [`build`], on smooth borders, with strips that meet but for those of refused labels.
+fn build_on(
+    index: usize,
+    face: &Face,
+    state: &State,
+    tolerance: f64,
+    meeting: Option<(&Meeting, &[u32])>,
+) -> (Built, Vec<u32>) {
+    let partition = &state.partition;
+    let mut borders = borders(face, partition);
+    let mut assigned: Vec<Assigned> =
         state.panels.iter().map(|(&label, fit)| Assigned { label, torse: &fit.torse, kind: fit.kind }).collect();
+    if let Some((meeting, refused)) = meeting {
+        for e in seams::apply(meeting, refused) {
+            borders.share(e.chain, e.edge.clone(), e.parameters.clone());
+            for a in assigned.iter_mut().filter(|a| e.labels.contains(&a.label)) {
+                if let Some(torse) = meeting.torses.get(&a.label) {
+                    (a.torse, a.kind) = (torse, PanelKind::Torse);
+                }
+            }
+        }
+    }
     let trim_tolerance = tolerance * TRIM_SHARE;
     let boundary = BoundaryOptions { trim_tolerance, edge_tolerance: trim_tolerance * EDGE_SHARE };
-    let trim_edge = |a: u32, b: u32| partition.trim_edges.get(&(a, b)).copied().unwrap_or(0);
-    let borders = Borders::new(face, &partition, &trim_edge, 0);
     let made: Vec<Result<Panel, BoundaryError>> =
         assigned.par_iter().map(|a| borders.panel(0, a, &boundary).map(|(p, _)| p)).collect();
     let seam_count = borders.seam_count;
@@ -330,7 +389,7 @@ fn build(index: usize, face: &Face, state: &State, tolerance: f64) -> (Built, Ve
             }
         }
     }
-    let patchwork = Patchwork { faces: vec![face.clone()], partitions: vec![partition], panels, seam_count };
+    let patchwork = Patchwork { faces: vec![face.clone()], partitions: vec![partition.clone()], panels, seam_count };
     // The proof has its own clock: what was found is judged even when time is up.
     let certificate = certify::patchwork(&patchwork, tolerance, &Control::default());
     let pattern_options = PatternOptions::new(tolerance * CONTOUR_SHARE);

@@ -16,5 +16,6 @@ pub mod planarise;
 pub mod presentation;
 pub mod row;
 pub mod shapes;
+mod seams;
 pub mod sheets;
 pub mod sweep;

@@ -23,6 +23,7 @@ pub mod rail;
 pub mod ruled_point;
 pub mod ruled_strip;
 pub mod shape_run;
+pub mod seam;
 pub mod strip;
 pub mod torse;
 pub mod trim;

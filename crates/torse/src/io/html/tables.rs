@@ -101,6 +101,36 @@ pub(super) fn faces(report: &Report) -> String {
     out
 }
 
+/// The table of seams, if there are any.
+pub(super) fn seams(report: &Report) -> String {
+    if report.seams.is_empty() {
+        return String::new();
+    }
+    let name = |k: usize| report.panels.get(k).map_or_else(String::new, |p| escape(&p.name));
+    let mut out = String::from(
+        "<details><summary>Seams</summary><table><thead><tr><th>Between</th><th>Joint</th><th>Gap, mm</th>\
+         <th>Length, mm</th><th>Angle, degrees</th></tr></thead><tbody>",
+    );
+    for s in &report.seams {
+        let [a, b] = s.between.map(name);
+        let joint = match s.joint.as_str() {
+            "exact" => "exact: one common edge",
+            "tolerance" => "within the tolerance",
+            _ => "open",
+        };
+        let _ = write!(
+            out,
+            "<tr><td>{a} \u{2013} {b}</td><td>{joint}</td><td class=\"number\">{}</td><td class=\"number\">{}</td>\
+             <td class=\"number\">{} to {}</td></tr>",
+            upper(s.gap_bound),
+            s.seam_length.map_or_else(|| "?".into(), |x| plain(x, 5)),
+            plain(s.kink_deg[0], 3),
+            plain(s.kink_deg[1], 3),
+        );
+    }
+    out + "</tbody></table></details>"
+}
+
 /// What was left out, if anything.
 pub(super) fn skipped(report: &Report) -> String {
     if report.skipped.is_empty() {

@@ -166,8 +166,11 @@ fn proven(report: &Report) -> String {
     }
     if let Some(gap) = report.seam_gap_bound {
         items.push(format!(
-            "<b>Seams:</b> the two sides of a seam are nowhere more than {}&nbsp;mm apart.",
-            upper(Some(gap))
+            "<b>Seams:</b> the two sides of a seam are nowhere more than {}&nbsp;mm apart; {} of {} seams are exact, with \
+             one common edge.",
+            upper(Some(gap)),
+            report.seams.iter().filter(|s| s.joint == "exact").count(),
+            report.seams.len(),
         ));
     }
     if report.coverage >= 1.0 {

@@ -8,6 +8,7 @@
 mod cones;
 mod geometry;
 mod records;
+mod sewn;
 mod sheet;
 
 use std::io;
@@ -28,17 +29,13 @@ pub struct Header {
     pub uncertainty: f64,
 }
 
-/// Writes the panels of a patchwork, one sheet each, normals on the side of the input faces' normals.
+/// Writes the panels of a patchwork, normals on the side of the input faces' normals: panels that share edges are
+/// sewn into one sheet, the others are sheets of their own.
 ///
 /// # Errors
 /// Those of `out`.
 pub fn panels(out: &mut dyn io::Write, header: &Header, patchwork: &Patchwork) -> io::Result<()> {
-    let sheets: Vec<Sheet> = patchwork
-        .panels
-        .iter()
-        .map(|p| Sheet::of_panel(p, patchwork.faces.get(p.face).is_some_and(|f| f.reversed)))
-        .collect();
-    self::sheets(out, header, &sheets)
+    self::sheets(out, header, &sewn::sheets(patchwork))
 }
 
 /// Writes sheets.

@@ -6,6 +6,7 @@ use crate::fit::level::Level;
 use crate::fit::CentrePoint;
 use crate::spline::field::Field;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::Arc;
 
 /// Width trials for one band.
 const TRIALS: usize = 8;
@@ -34,7 +35,7 @@ const LARGEST_PART: f64 = 0.9;
 
 /// How bands are laid.
 struct Lay<'f> {
-    field: &'f Field,
+    field: &'f Arc<Field>,
     /// Theoretical width in units of the field; `None` for sweeps.
     theory: Option<f64>,
     /// Give up instead of bisecting.
@@ -93,6 +94,7 @@ impl Job<'_> {
         falling.coefficients.iter_mut().for_each(|c| *c = -*c);
         // Each end has the whole budget for itself: what is found must not depend on which of them is faster.
         let run = |field: &Field| {
+            let field = &Arc::new(field.clone());
             let lay = Lay { field, theory: Some(theory), strict: false, depth };
             self.march(state.clone(), label, &lay, theory, Limit::of(&AtomicUsize::new(key(budget, RANKS - 1))))
         };
@@ -109,6 +111,7 @@ impl Job<'_> {
     /// Bands of a linear function, given up as soon as they exceed `limit`.
     pub(super) fn swept(&self, state: &State, label: u32, field: &Field, limit: Limit) -> Option<State> {
         let (lo, hi) = range(state, label, field);
+        let field = &Arc::new(field.clone());
         let lay = Lay { field, theory: None, strict: true, depth: 0 };
         self.march(state.clone(), label, &lay, 0.25 * (hi - lo), limit)
     }
@@ -221,6 +224,7 @@ impl Job<'_> {
                     Some(fit) => {
                         error = error.max(t.error);
                         trial.panels.insert(b, fit);
+                        trial.bands.insert(b, Arc::clone(lay.field));
                     }
                     None => {
                         error = error.max(t.error);

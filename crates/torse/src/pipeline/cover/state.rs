@@ -5,6 +5,7 @@ use crate::fit::samples::{Fit, Sample};
 use crate::geom::partition::{edges, Partition};
 use crate::geom::triangulate::{triangulate, TriangulateError};
 use crate::geom::{BBox, Vec3};
+use crate::spline::field::Field;
 use crate::spline::surface::{Surface, SurfaceJet};
 use crate::surface::face::Face;
 use std::collections::BTreeMap;
@@ -28,6 +29,8 @@ pub struct State {
     pub jets: Vec<VertexJet>,
     /// Torse of each finished label.
     pub panels: BTreeMap<u32, Arc<Fit>>,
+    /// Level function of each label that was laid as a band of one.
+    pub bands: BTreeMap<u32, Arc<Field>>,
 }
 
 /// Share of the median speed below which a parametrisation counts as collapsed (pole).
@@ -55,7 +58,7 @@ impl State {
         let loops: Vec<(Vec<[f64; 2]>, Vec<u32>)> =
             face.loops.iter().map(|l| (l.points.clone(), l.edge.clone())).collect();
         let partition = triangulate(&loops, &lines_u, &lines_v)?;
-        let mut state = Self { partition, jets: Vec::new(), panels: BTreeMap::new() };
+        let mut state = Self { partition, jets: Vec::new(), panels: BTreeMap::new(), bands: BTreeMap::new() };
         state.update(s);
         Ok(state)
     }

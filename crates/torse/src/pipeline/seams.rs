@@ -1,0 +1,386 @@
+//! Strips that meet: after a face is covered, its bands are laid anew between common seam curves.
+//!
+//! Order of the work: which bands follow each other along one level function, base lines and first offsets of the
+//! seams between them ([`fit::seams`](crate::fit::seams)), all strips together, and the stretches of border that both sides share.
+//! Nothing is judged here: `approximate` keeps a new strip only if it is certified.
+
+use super::cover::State;
+use crate::fit::boundary::{Borders, SeamChain};
+use crate::fit::seams::{base_line, network, BaseLine, BasePoint, Laid, NetworkOptions, Seam, StripBetween};
+use crate::geom::partition::Partition;
+use crate::geom::Vec3;
+use crate::spline::curve::Curve;
+use crate::spline::field::Field;
+use crate::spline::knots::Knots;
+use crate::surface::face::Face;
+use crate::surface::torse::Torse;
+use rayon::prelude::*;
+use std::collections::{BTreeMap, HashMap};
+use std::sync::Arc;
+
+/// Strips rebuilt from seams, and the edges that they share.
+pub(super) struct Meeting {
+    /// New torse of a label.
+    pub torses: BTreeMap<u32, Torse>,
+    /// Edges between two labels with new torses.
+    pub edges: Vec<SharedSeam>,
+}
+
+/// An edge in space for a chain of the borders.
+#[derive(Clone, Debug)]
+pub(super) struct SharedSeam {
+    pub chain: usize,
+    pub labels: [u32; 2],
+    pub edge: Curve<3>,
+    pub parameters: Vec<f64>,
+}
+
+/// Share of the tolerance that new strips may use before they are judged.
+const SHARE: f64 = 0.98;
+/// Wanted distance between seams and dual splines, share of the tolerance.
+const SEAM_SHARE: f64 = 1e-3;
+/// A border belongs to a level if its values differ by less than this share of a band's theoretical width.
+const LEVEL: f64 = 0.05;
+/// Place of the free seam of a band at the end, as a share of its range from that end.
+const FREE: f64 = 0.2;
+/// Seams reach beyond the region by this share of their length, this multiple of the way that rulings lean, and this
+/// share of what the neighbours are longer.
+const BEYOND: [f64; 3] = [0.12, 1.3, 0.6];
+/// Edge offsets from theory stay within this share of the tolerance.
+const MOST_OFFSET: f64 = 0.9;
+
+/// One band in a sequence.
+struct Band {
+    label: u32,
+    lo: f64,
+    hi: f64,
+    /// Chain to the band after.
+    after: Option<usize>,
+}
+
+/// Lays the bands of a covered face anew so that they meet. `state` must have the partition of the borders. `None`
+/// where no two bands follow each other.
+pub(super) fn meet(face: &Face, state: &State, borders: &Borders, tolerance: f64) -> Option<Meeting> {
+    let chains = borders.seam_chains();
+    let mut out = Meeting { torses: BTreeMap::new(), edges: Vec::new() };
+    for sequence in sequences(state, &chains, tolerance) {
+        laid_anew(face, state, &chains, &sequence, tolerance, &mut out);
+    }
+    (!out.edges.is_empty()).then_some(out)
+}
+
+/// The state with the vertices of borders between bands on their levels, from which smoothing may have moved them:
+/// seams are made for the levels. Vertices on knot lines move along these; vertices whose triangles would turn over stay.
+pub(super) fn on_levels(face: &Face, state: &State, borders: &Borders, tolerance: f64) -> State {
+    let chains = borders.seam_chains();
+    let mut partition = state.partition.clone();
+    let mut around: HashMap<u32, Vec<usize>> = HashMap::new();
+    for (t, corners) in partition.triangles.iter().enumerate() {
+        corners.iter().for_each(|&v| around.entry(v).or_default().push(t));
+    }
+    let lines = [face.surface.knots_u.breaks(), face.surface.knots_v.breaks()];
+    let area = |p: &Partition, t: usize| {
+        let [a, b, c] = p.corners(t);
+        (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+    };
+    for sequence in sequences(state, &chains, tolerance) {
+        for band in &sequence {
+            let (Some(k), Some(field)) = (band.after, state.bands.get(&band.label)) else { continue };
+            let level = level_of(&state.partition, field, &chains[k]);
+            let last = chains[k].vertices.len() - 1;
+            for (i, &v) in chains[k].vertices.iter().enumerate() {
+                let old = partition.vertices[v as usize];
+                let fixed = [0, 1].map(|d: usize| lines[d].contains(&old[d]));
+                // Ends on a trimming curve that is no knot line stay on it.
+                if fixed == [true; 2] || ((i == 0 || i == last) && fixed == [false; 2]) {
+                    continue;
+                }
+                let before: Vec<f64> = around[&v].iter().map(|&t| area(&partition, t)).collect();
+                partition.vertices[v as usize] = onto(field, old, level, fixed);
+                let kept = around[&v].iter().zip(before).all(|(&t, b)| area(&partition, t) > LEAST_TRIANGLE * b);
+                if !kept {
+                    partition.vertices[v as usize] = old;
+                }
+            }
+        }
+    }
+    with_partition(face, state, partition)
+}
+
+/// Triangles keep this share of their area when vertices move.
+const LEAST_TRIANGLE: f64 = 0.05;
+
+/// The level of a chain: the middle one of its vertices' values.
+fn level_of(partition: &Partition, field: &Field, chain: &SeamChain) -> f64 {
+    let mut values: Vec<f64> = chain.vertices.iter().map(|&v| field.value(partition.vertices[v as usize])).collect();
+    values.sort_by(f64::total_cmp);
+    values[values.len() / 2]
+}
+
+/// Bands that follow each other along one level function, each sequence in the order of levels.
+fn sequences(state: &State, chains: &[SeamChain], tolerance: f64) -> Vec<Vec<Band>> {
+    let part = &state.partition;
+    let ranges: HashMap<u32, (f64, f64)> = state
+        .bands
+        .iter()
+        .filter(|(l, _)| state.panels.contains_key(l))
+        .map(|(&l, f)| {
+            let values = part.region_vertices(l).into_iter().map(|v| f.value(part.vertices[v as usize]));
+            (l, values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x))))
+        })
+        .collect();
+    // Chains on one level between bands of one function: (lower, upper).
+    let mut above: HashMap<u32, Vec<(usize, u32)>> = HashMap::new();
+    let mut below: HashMap<u32, Vec<(usize, u32)>> = HashMap::new();
+    let mut between: HashMap<[u32; 2], usize> = HashMap::new();
+    for c in chains {
+        *between.entry(c.labels).or_insert(0) += 1;
+    }
+    for (k, c) in chains.iter().enumerate() {
+        let [a, b] = c.labels;
+        let (Some(fa), Some(fb), Some(ra), Some(rb)) =
+            (state.bands.get(&a), state.bands.get(&b), ranges.get(&a), ranges.get(&b))
+        else {
+            continue;
+        };
+        if !Arc::ptr_eq(fa, fb) || between[&c.labels] != 1 || c.length <= 0.0 || c.vertices.len() < 3 {
+            continue;
+        }
+        let values: Vec<f64> = c.vertices.iter().map(|&v| fa.value(part.vertices[v as usize])).collect();
+        let (lo, hi) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &x| (a.min(x), b.max(x)));
+        if hi - lo > LEVEL * 4.0 * tolerance.sqrt() {
+            continue;
+        }
+        let (low, high) = if ra.0 + ra.1 < rb.0 + rb.1 { (a, b) } else { (b, a) };
+        above.entry(low).or_default().push((k, high));
+        below.entry(high).or_default().push((k, low));
+    }
+    let single = |m: &HashMap<u32, Vec<(usize, u32)>>, l: u32| match m.get(&l).map(Vec::as_slice) {
+        Some([one]) => Some(*one),
+        _ => None,
+    };
+    // A step is taken if it is the only one from below and from above.
+    let next = |l: u32| single(&above, l).filter(|&(_, h)| single(&below, h).is_some());
+    let previous = |l: u32| single(&below, l).filter(|&(_, w)| single(&above, w).is_some());
+    let mut labels: Vec<u32> = ranges.keys().copied().collect();
+    labels.sort_unstable();
+    let mut out = Vec::new();
+    for first in labels.into_iter().filter(|&l| previous(l).is_none() && next(l).is_some()) {
+        let mut sequence = Vec::new();
+        let mut label = first;
+        loop {
+            let (lo, hi) = ranges[&label];
+            let step = next(label);
+            sequence.push(Band { label, lo, hi, after: step.map(|s| s.0) });
+            match step {
+                Some((_, l)) if sequence.len() <= ranges.len() => label = l,
+                _ => break,
+            }
+        }
+        out.push(sequence);
+    }
+    out
+}
+
+/// What a seam starts from.
+struct Origin {
+    seed: [f64; 2],
+    inside: (f64, f64),
+    level: f64,
+}
+
+fn laid_anew(
+    face: &Face,
+    state: &State,
+    chains: &[SeamChain],
+    sequence: &[Band],
+    tolerance: f64,
+    out: &mut Meeting,
+) -> Option<()> {
+    let surface = &face.surface;
+    let field: &Field = state.bands.get(&sequence[0].label)?;
+    // 1. Seeds: the free seam of the first band, the seams between, the free seam of the last band.
+    let real: Vec<(&SeamChain, Origin)> = sequence
+        .iter()
+        .filter_map(|b| b.after)
+        .map(|k| Some((&chains[k], origin(face, state, field, &chains[k])?)))
+        .collect::<Option<_>>()?;
+    let free = |o: &Origin, level: f64| Origin {
+        seed: onto(field, o.seed, level, [false; 2]),
+        inside: (0.5 * (o.inside.0 + o.inside.1), 0.5 * (o.inside.0 + o.inside.1)),
+        level,
+    };
+    let (first, last) = (sequence.first()?, sequence.last()?);
+    let (start, end) = (&real.first()?.1, &real.last()?.1);
+    let bottom = free(start, first.lo + FREE * (start.level - first.lo));
+    let top = free(end, last.hi - FREE * (last.hi - end.level));
+    let mut levels: Vec<f64> = real.iter().map(|r| r.1.level).collect();
+    levels.insert(0, first.lo);
+    levels.push(last.hi);
+    let origins: Vec<&Origin> =
+        std::iter::once(&bottom).chain(real.iter().map(|r| &r.1)).chain(std::iter::once(&top)).collect();
+    // 2. Base lines, long enough for the rulings of both neighbours.
+    let short: Vec<Option<BaseLine>> =
+        origins.par_iter().map(|o| base_line(surface, field, o.seed, o.inside, [0.0; 2])).collect();
+    let length = |k: usize| origins[k].inside.0 + origins[k].inside.1;
+    let width = |k: usize| {
+        let step = |i: usize| levels.get(i + 1).zip(levels.get(i)).map_or(0.0, |(b, a)| b - a);
+        if k == 0 {
+            step(0)
+        } else {
+            step(k - 1).max(step(k))
+        }
+    };
+    let n = origins.len();
+    let mut seams = Vec::new();
+    for (k, o) in origins.iter().enumerate() {
+        let around = [k.checked_sub(1), Some(k), (k + 1 < n).then_some(k + 1)];
+        let lean = around
+            .iter()
+            .flatten()
+            .filter_map(|&i| short[i].as_ref())
+            .flat_map(|b| b.points.iter().map(|p| p.lean.abs() * width(k) / p.slope))
+            .fold(0.0, f64::max);
+        let longer = around.iter().flatten().map(|&i| length(i) - length(k)).fold(0.0, f64::max);
+        let beyond = BEYOND[0] * length(k) + (BEYOND[1] * lean).min(0.5 * length(k)) + BEYOND[2] * longer;
+        let line = base_line(surface, field, o.seed, o.inside, [beyond; 2])?;
+        // 3. Offsets from theory.
+        let sagitta = |p: &BasePoint, i: usize| {
+            let width = (levels[i + 1] - levels[i]) / p.slope;
+            p.curvature.abs() * width * width / 8.0
+        };
+        let wanted = |p: &BasePoint| {
+            let sign = -p.curvature.signum();
+            if k == 0 || k + 1 == n {
+                let h = sagitta(p, if k == 0 { 0 } else { n - 2 });
+                // Between middle and edge of the band: κ (s²/2 − ω²/16) at s = (1/2 − FREE) ω.
+                let share = 4.0 * (0.5 - FREE).powi(2) - 0.5;
+                return (sign * h * share).clamp(-MOST_OFFSET * tolerance, MOST_OFFSET * tolerance);
+            }
+            let (a, b) = (sagitta(p, k - 1), sagitta(p, k));
+            let most = MOST_OFFSET * tolerance;
+            sign * (0.25 * (a + b)).max(a.max(b) - most).min(most)
+        };
+        seams.push(Seam::new(line, wanted)?);
+    }
+    // 4. All strips together.
+    let strips: Vec<StripBetween> = sequence
+        .iter()
+        .enumerate()
+        .map(|(k, b)| StripBetween { lower: k, upper: k + 1, samples: state.samples(b.label) })
+        .collect();
+    let options = NetworkOptions::new(tolerance * SHARE, tolerance * SEAM_SHARE);
+    let laid = network(&mut seams, &strips, &options);
+    let good = |k: usize| {
+        laid[k].as_ref().filter(|l: &&Laid| l.error <= tolerance && l.seam_distance <= 10.0 * SEAM_SHARE * tolerance)
+    };
+    for (k, band) in sequence.iter().enumerate() {
+        if let Some(l) = good(k) {
+            out.torses.insert(band.label, l.torse.clone());
+        }
+    }
+    // 5. Edges for the borders whose both sides are good.
+    for (k, (chain, _)) in real.iter().enumerate() {
+        if good(k).is_none() || good(k + 1).is_none() {
+            continue;
+        }
+        let places: Vec<Vec3> = chain.vertices.iter().map(|&v| state.jets[v as usize].jet.p).collect();
+        if let Some((edge, parameters)) = seams[k + 1].curve().and_then(|c| stretch(&c, &seams[k + 1].base, &places)) {
+            let labels = [sequence[k].label, sequence[k + 1].label];
+            out.edges.push(SharedSeam { chain: chain.chain, labels, edge, parameters });
+        }
+    }
+    Some(())
+}
+
+/// Seed, lengths and level of the seam on a chain, lengths along the direction of base lines.
+fn origin(face: &Face, state: &State, field: &Field, chain: &SeamChain) -> Option<Origin> {
+    let at = |v: u32| state.partition.vertices[v as usize];
+    let level = level_of(&state.partition, field, chain);
+    let place = |v: u32| state.jets[v as usize].jet.p;
+    let lengths: Vec<f64> = chain.vertices.windows(2).map(|w| (place(w[1]) - place(w[0])).norm()).collect();
+    let mut covered = 0.0;
+    let mut middle = 0;
+    while middle + 1 < lengths.len() && covered + lengths[middle] < 0.5 * chain.length {
+        covered += lengths[middle];
+        middle += 1;
+    }
+    let seed = onto(field, at(chain.vertices[middle]), level, [false; 2]);
+    let j = face.surface.extended_jet(seed[0], seed[1]);
+    let [_, fu, fv] = field.jet(seed[0], seed[1]);
+    let next = place(*chain.vertices.get(middle + 1)?) - place(chain.vertices[middle]);
+    let total: f64 = lengths.iter().sum();
+    let forward = (j.du * fv - j.dv * fu).dot(&next) > 0.0;
+    let inside = if forward { (covered, total - covered) } else { (total - covered, covered) };
+    Some(Origin { seed, inside, level })
+}
+
+/// The point of a level near `p`, by Newton steps along the gradient; fixed parameters stay.
+fn onto(field: &Field, mut p: [f64; 2], level: f64, fixed: [bool; 2]) -> [f64; 2] {
+    const STEPS: usize = 12;
+    for _ in 0..STEPS {
+        let [f, fu, fv] = field.jet(p[0], p[1]);
+        let (fu, fv) = (if fixed[0] { 0.0 } else { fu }, if fixed[1] { 0.0 } else { fv });
+        let g = fu * fu + fv * fv;
+        if g <= 0.0 {
+            break;
+        }
+        p = [p[0] + (level - f) / g * fu, p[1] + (level - f) / g * fv];
+    }
+    p
+}
+
+/// The part of a seam beside a border's vertices, over [0, 1] in their direction, and the parameter of each: the
+/// point of the seam nearest to it. `None` if these do not follow each other.
+fn stretch(curve: &Curve<3>, base: &BaseLine, places: &[Vec3]) -> Option<(Curve<3>, Vec<f64>)> {
+    const STEPS: usize = 20;
+    let (a, b) = curve.domain();
+    let nearest = |x: &Vec3| {
+        let start = base.points.iter().min_by(|p, q| (p.x - x).norm_squared().total_cmp(&(q.x - x).norm_squared()))?;
+        let mut s = start.s;
+        for _ in 0..STEPS {
+            let j = curve.jet(s).map(Vec3::from);
+            let off = j[0] - x;
+            let step = -off.dot(&j[1]) / (j[1].norm_squared() + off.dot(&j[2]));
+            if !step.is_finite() {
+                return None;
+            }
+            s = (s + step).clamp(a, b);
+            if step.abs() <= 1e-15 * (b - a) {
+                break;
+            }
+        }
+        Some(s)
+    };
+    let mut s: Vec<f64> = places.iter().map(nearest).collect::<Option<_>>()?;
+    let (first, last) = (*s.first()?, *s.last()?);
+    let forward = last > first;
+    let (low, high) = if forward { (first, last) } else { (last, first) };
+    let part = curve.restricted(low, high).ok()?;
+    let part = if forward { part } else { part.reversed() };
+    for s in &mut s {
+        *s = if forward { (*s - low) / (high - low) } else { (high - *s) / (high - low) };
+    }
+    if !s.windows(2).all(|w| w[0] < w[1]) {
+        return None;
+    }
+    let values = part.knots.values().iter().map(|&k| ((k - low) / (high - low)).clamp(0.0, 1.0)).collect();
+    let count = part.control.len();
+    let knots = Knots::new(part.knots.degree(), values, count).ok()?;
+    let last = s.len() - 1;
+    (s[0], s[last]) = (0.0, 1.0);
+    Some((Curve { knots, control: part.control }, s))
+}
+
+/// Whether a partition has a shared edge whose both labels are still new.
+pub(super) fn apply<'a>(meeting: &'a Meeting, refused: &[u32]) -> impl Iterator<Item = &'a SharedSeam> {
+    let refused = refused.to_vec();
+    meeting.edges.iter().filter(move |e| e.labels.iter().all(|l| !refused.contains(l)))
+}
+
+/// The state with another partition of the same labels.
+pub(super) fn with_partition(face: &Face, state: &State, partition: Partition) -> State {
+    let mut out = State { partition, jets: Vec::new(), panels: state.panels.clone(), bands: state.bands.clone() };
+    out.update(&face.surface);
+    out
+}

@@ -1,0 +1,94 @@
+//! Strips that meet, through the public interface on a piece of a torus.
+
+use std::sync::OnceLock;
+
+use torse::certify::SeamStatus;
+use torse::control::Control;
+use torse::geom::Vec3;
+use torse::io::step::read::read;
+use torse::io::step::write::{panels, Header};
+use torse::pipeline::approximate::{approximate, Options};
+use torse::pipeline::cover::Limits;
+use torse::pipeline::outcome::{Outcome, Status};
+use torse::surface::panel::Border;
+
+const TORUS: &[u8] = include_bytes!("../../../data/torus_piece.step");
+const TOLERANCE: f64 = 2.0;
+
+fn run(meet: bool) -> Outcome {
+    let model = read(TORUS).expect("a model");
+    let options =
+        Options { tolerance: TOLERANCE, max_panels: None, input: "torus".into(), limits: Limits::default(), meet };
+    approximate(model.faces, model.skipped, &options, &Control::default()).expect("an outcome")
+}
+
+fn met() -> &'static Outcome {
+    static DONE: OnceLock<Outcome> = OnceLock::new();
+    DONE.get_or_init(|| run(true))
+}
+
+#[test]
+fn strips_that_meet_are_certified_and_as_many_as_before() {
+    let (alone, met) = (run(false), met());
+    assert_eq!(met.status, Status::Certified);
+    assert_eq!(met.patchwork.panels.len(), alone.patchwork.panels.len());
+    assert!(met.patchwork.panels.len() >= 4);
+    assert_eq!(met.certificate.seams.len(), met.patchwork.panels.len() - 1);
+    assert!(met.certificate.seams.iter().all(|s| s.status == SeamStatus::Exact), "{:?}", met.certificate.seams);
+    assert!(alone.certificate.seams.iter().all(|s| s.status != SeamStatus::Exact));
+    assert!(met.certificate.seam_gap_bound < 0.01 * TOLERANCE && alone.certificate.seam_gap_bound > 0.02 * TOLERANCE);
+}
+
+/// The kink of a seam is about `κ ω`, with ω the length of the rulings between the middles of both strips.
+#[test]
+fn seams_are_creases_with_the_angle_of_theory() {
+    for s in &met().certificate.seams {
+        let (least, most) = s.kink_range_estimate;
+        assert!(least > 0.2 && most < 0.5, "{least} {most}");
+    }
+}
+
+#[test]
+fn both_sides_of_an_exact_seam_are_one_edge_in_space() {
+    for seam in met().patchwork.seams() {
+        assert!(seam.is_shared());
+        for k in 0..=200 {
+            let s = f64::from(k) / 200.0;
+            let y = Vec3::from(seam.sides[0].run.edge.point(s));
+            for (side, s) in [(&seam.sides[0], s), (&seam.sides[1], 1.0 - s)] {
+                let q = side.run.trim.point(s);
+                assert!((side.of.patch.point(q[0], q[1]) - y).norm() < 1e-3 * TOLERANCE);
+            }
+        }
+    }
+}
+
+#[test]
+fn flat_edges_of_an_exact_seam_have_equal_lengths() {
+    let met = met();
+    for seam in met.patchwork.seams() {
+        let [a, b] = seam.sides.map(|side| {
+            let pattern = &met.patterns[side.panel];
+            let ours = |b: &Border| matches!(b, Border::Seam { seam: k, .. } if *k == seam.seam);
+            pattern.sides.iter().find(|s| ours(&s.border)).expect("a side").length
+        });
+        assert!((a - b).abs() < 1e-7 * a, "{a} {b}: {:e}", (a - b) / a);
+        assert!((a - seam.length()).abs() < 1e-6 * a, "{a} {}", seam.length());
+    }
+}
+
+/// Euler: faces, shared edges and free edges of one shell that is a strip of panels.
+#[test]
+fn the_step_file_holds_one_shell_with_shared_edges() {
+    let mut bytes = Vec::new();
+    let header = Header { name: "torus".into(), time: "2026-01-01T00:00:00".into(), uncertainty: 1e-3 };
+    panels(&mut bytes, &header, &met().patchwork).expect("a file");
+    let text = String::from_utf8(bytes).expect("text");
+    let count = |what: &str| text.matches(what).count();
+    let n = met().patchwork.panels.len();
+    assert_eq!(count("=OPEN_SHELL("), 1);
+    assert_eq!(count("=ADVANCED_FACE("), n);
+    let runs: usize = met().patchwork.panels.iter().flat_map(|p| &p.loops).map(Vec::len).sum();
+    assert_eq!(count("=EDGE_CURVE("), runs - (n - 1));
+    assert_eq!(count("=ORIENTED_EDGE("), runs);
+}
