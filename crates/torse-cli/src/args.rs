@@ -31,13 +31,10 @@ pub enum Command {
     Fit(Fit),
     /// Lay a developable surface between two curves and write cut-ready files
     Loft(Loft),
-<<<<<<< HEAD
     /// Wrap curves in the developables of their convex hull and write cut-ready files
     Hull(Hull),
-=======
     /// Make the quadrilaterals of a strip plane, refine them, and write cut-ready files
     Planarise(Planarise),
->>>>>>> discrete
     /// Tell what a STEP file holds: unit, faces, sizes, curvature, what was not read
     Info(Info),
 }
@@ -336,7 +333,6 @@ pub enum LoftEnds {
     Extend,
 }
 
-<<<<<<< HEAD
 /// Arguments of `hull`.
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:
@@ -359,7 +355,42 @@ pub struct Hull {
     pub curves: Vec<String>,
 
     /// Largest distance allowed between strips and curves, with its unit: 0.1mm
-=======
+    #[arg(short, long, value_name = "LENGTH", value_parser = positive_length, allow_hyphen_values = true)]
+    pub tolerance: Length,
+
+    /// Folder to create for the results
+    #[arg(short, long, value_name = "DIR")]
+    pub out: PathBuf,
+
+    /// Unit of tables and of drawings that do not say theirs: mm, cm, m, in, ft
+    #[arg(long, value_name = "UNIT", value_parser = unit_of_length)]
+    pub unit: Option<f64>,
+
+    /// Take points of tables as corners of a polyline instead of points of a smooth curve
+    #[arg(long)]
+    pub polyline: bool,
+
+    /// Distance between drawn rulings, with its unit [default: 20 over the length]
+    #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
+    pub rulings: Option<Length>,
+
+    /// Distance between marks on the curves, with its unit [default: 8 over the length]
+    #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
+    pub marks: Option<Length>,
+
+    /// Replace the results of an earlier run in that folder
+    #[arg(long)]
+    pub force: bool,
+
+    /// Name of the job in the files [default: name of the first CURVE]
+    #[arg(long, value_name = "NAME")]
+    pub name: Option<String>,
+
+    /// Print nothing but errors
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
 /// Arguments of `planarise`.
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:
@@ -381,7 +412,6 @@ pub struct Planarise {
     pub file: PathBuf,
 
     /// Largest distance allowed between the diagonals of a quadrilateral, with its unit: 0.01mm
->>>>>>> discrete
     #[arg(short, long, value_name = "LENGTH", value_parser = positive_length, allow_hyphen_values = true)]
     pub tolerance: Length,
 
@@ -389,23 +419,6 @@ pub struct Planarise {
     #[arg(short, long, value_name = "DIR")]
     pub out: PathBuf,
 
-<<<<<<< HEAD
-    /// Unit of tables and of drawings that do not say theirs: mm, cm, m, in, ft
-    #[arg(long, value_name = "UNIT", value_parser = unit_of_length)]
-    pub unit: Option<f64>,
-
-    /// Take points of tables as corners of a polyline instead of points of a smooth curve
-    #[arg(long)]
-    pub polyline: bool,
-
-    /// Distance between drawn rulings, with its unit [default: 20 over the length]
-    #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
-    pub rulings: Option<Length>,
-
-    /// Distance between marks on the curves, with its unit [default: 8 over the length]
-    #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
-    pub marks: Option<Length>,
-=======
     /// Unit of the numbers in the file: mm, cm, m, in, ft
     #[arg(long, value_name = "UNIT", default_value = "mm", value_parser = unit_of_length)]
     pub unit: f64,
@@ -421,17 +434,12 @@ pub struct Planarise {
     /// Greatest displacement of a given point, with its unit; more is not certified
     #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
     pub max_move: Option<Length>,
->>>>>>> discrete
 
     /// Replace the results of an earlier run in that folder
     #[arg(long)]
     pub force: bool,
 
-<<<<<<< HEAD
-    /// Name of the job in the files [default: name of the first CURVE]
-=======
     /// Name of the job in the files [default: name of STRIP]
->>>>>>> discrete
     #[arg(long, value_name = "NAME")]
     pub name: Option<String>,
 
@@ -440,8 +448,6 @@ pub struct Planarise {
     pub quiet: bool,
 }
 
-<<<<<<< HEAD
-=======
 /// Points of a strip that keep their places.
 #[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
 pub enum HeldPoints {
@@ -455,7 +461,6 @@ pub enum HeldPoints {
     Ends,
 }
 
->>>>>>> discrete
 /// Arguments of `info`.
 #[derive(Args, Debug)]
 #[command(after_help = "Example:

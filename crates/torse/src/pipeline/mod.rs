@@ -15,7 +15,7 @@ pub mod outcome;
 pub mod planarise;
 pub mod presentation;
 pub mod row;
-pub mod shapes;
 mod seams;
+pub mod shapes;
 pub mod sheets;
 pub mod sweep;
