@@ -3,9 +3,9 @@
 //! *Method.* Independent strips along the level lines of a function (\[SE06\] carried on) leave gaps between
 //! neighbours. Here every level line `x(s)` gets an offset `a(s)` along the surface's normal; the seam
 //! `y = x + a N` is one smooth curve ([`Seam`]). The developable that connects two neighbouring seams has the rulings
-//! with a common tangent plane at both ends ([`connecting`]); it contains both seams, so that neighbours meet whatever
+//! with a common tangent plane at both ends ([`connecting()`]); it contains both seams, so that neighbours meet whatever
 //! the offsets are. Offsets start from theory (a best-fitting strip of width ω is off by `κ ω²/16` at its edges) and
-//! are then chosen for all strips together so that the largest distance is smallest ([`network`]).
+//! are then chosen for all strips together so that the largest distance is smallest ([`network()`]).
 //!
 //! Seams across the rulings are creases: two developables that are tangent along a curve across their rulings are the
 //! same surface. The angle is about `4 √(ε κ)`.

@@ -5,6 +5,7 @@
 //! must lie everywhere, and how many bands are needed; a few rounds settle it. Marching, which needs some trials per
 //! band one after the other, is left to regions where this fails.
 
+use super::judge::Trial;
 use super::march::range;
 use super::{Job, State, DISTANCE_SHARE};
 use crate::fit::samples::Fit;
@@ -56,6 +57,7 @@ impl Job<'_> {
         let mut levels: Vec<f64> = (0..=count).map(|i| lo + (hi - lo) * i as f64 / count as f64).collect();
         // Panels and largest share of the best cover, mean of what its bands leave of the tolerance, and itself.
         let mut best: Option<((usize, f64), f64, State)> = None;
+        let mut rise = Rise { lo, hi, cells: Vec::new() };
         let mut same = 0;
         // Fewer bands than this have failed.
         let mut least_count = 1;
@@ -69,6 +71,7 @@ impl Job<'_> {
             let worst = shares.iter().copied().fold(0.0, f64::max);
             let least = shares.iter().copied().fold(f64::INFINITY, f64::min);
             let needed = (shares.iter().map(|s| s.sqrt()).sum::<f64>() / AIM.sqrt()).ceil() as usize;
+            rise.include(&levels, &shares);
             let complete = bands.iter().flatten().all(|p| p.fit.is_some());
             if complete {
                 let key = (bands.iter().map(Vec::len).sum::<usize>(), worst);
@@ -85,7 +88,9 @@ impl Job<'_> {
             } else if round > 0 && worst >= MOST_SHARE {
                 break;
             }
-            let next = if worst < MOST_SHARE { needed.max(least_count) } else { needed.max(count) };
+            // One band fewer is not tried before all bands of a round were good.
+            let fewer = complete || needed + 1 < count;
+            let next = if worst < MOST_SHARE && fewer { needed.max(least_count) } else { needed.max(count) };
             if next == count {
                 same += 1;
                 if same >= SAME {
@@ -103,7 +108,7 @@ impl Job<'_> {
                 count = next;
                 same = 0;
             }
-            levels = relaid(&levels, &shares, count);
+            levels = rise.levels(count);
         }
         best.map(|b| (b.2, b.1))
     }
@@ -111,64 +116,103 @@ impl Job<'_> {
     /// The bands between levels, with the best torse of each of their components: proven when all bands might do.
     fn laid(&self, state: &State, label: u32, field: &Field, levels: &[f64]) -> (State, Vec<Vec<Piece>>) {
         let mut laid = state.clone();
-        let mut labels = Vec::with_capacity(levels.len() - 1);
+        let mut bands: Vec<Vec<u32>> = Vec::with_capacity(levels.len() - 1);
         for &level in &levels[1..levels.len() - 1] {
             let fresh = laid.partition.fresh_label();
             laid.cut(&self.face.surface, label, fresh, |p| level - field.value(p));
-            labels.push(fresh);
+            // A band narrower than a hair has no triangle.
+            let empty = !laid.partition.labels.contains(&fresh);
+            bands.push(if empty { Vec::new() } else { laid.partition.split_components(fresh) });
         }
-        labels.push(label);
-        let mut bands: Vec<Vec<u32>> = Vec::with_capacity(labels.len());
-        for l in labels {
-            bands.push(laid.partition.split_components(l));
-        }
+        bands.push(laid.partition.split_components(label));
         let allowed = self.options.tolerance * DISTANCE_SHARE;
-        let tried = |prove: bool| -> Vec<Vec<Piece>> {
-            bands
-                .par_iter()
-                .map(|band| {
-                    band.par_iter()
-                        .map(|&label| {
-                            let centre = self.centre(&laid, label, field);
-                            let t = if prove {
-                                self.single(&laid, label, Some(&centre))
-                            } else {
-                                self.proposed(&laid, label, Some(&centre))
-                            };
-                            Piece { label, fit: t.accepted, share: t.error / allowed }
-                        })
-                        .collect()
-                })
-                .collect()
-        };
-        let mut pieces = tried(false);
+        let piece = |label: u32, t: Trial| Piece { label, fit: t.accepted, share: t.error / allowed };
+        let centre = |label: u32| self.centre(&laid, label, field);
+        let proposed = |&label: &u32| piece(label, self.proposed(&laid, label, Some(&centre(label))));
+        let mut pieces: Vec<Vec<Piece>> =
+            bands.par_iter().map(|band| band.par_iter().map(proposed).collect()).collect();
         if pieces.iter().flatten().all(|p| p.fit.is_some()) {
-            pieces = tried(true);
+            pieces.par_iter_mut().flatten().for_each(|p| {
+                let Some(fit) = &p.fit else { return };
+                let t = self.confirmed(&laid, p.label, fit);
+                *p = if t.accepted.is_some() {
+                    piece(p.label, t)
+                } else {
+                    piece(p.label, self.single(&laid, p.label, Some(&centre(p.label))))
+                };
+            });
         }
         (laid, pieces)
     }
 }
 
-/// Levels for `count` bands of equal error by the square law, from bands with known shares.
-fn relaid(levels: &[f64], shares: &[f64], count: usize) -> Vec<f64> {
-    let total: f64 = shares.iter().map(|s| s.sqrt()).sum();
-    let mut out = vec![levels[0]];
-    let mut before = 0.0;
-    for (w, s) in levels.windows(2).zip(shares) {
-        let rise = s.sqrt();
-        while out.len() < count && before + rise >= total * out.len() as f64 / count as f64 {
-            let part = (total * out.len() as f64 / count as f64 - before) / rise;
-            out.push(w[0] + part * (w[1] - w[0]));
+/// How dense levels must lie: the rise of `√error` over the range of the field, as the rounds so far have measured it.
+/// Single fits miss their best by some percent, which the mean of several rounds evens out.
+struct Rise {
+    lo: f64,
+    hi: f64,
+    /// Rise in every cell of an even division of the range; empty before the first round.
+    cells: Vec<f64>,
+}
+
+/// Cells of a [`Rise`].
+const CELLS: usize = 2048;
+/// Weight of a new round against those before.
+const FRESH: f64 = 0.5;
+
+impl Rise {
+    /// Takes in the shares of bands between levels.
+    fn include(&mut self, levels: &[f64], shares: &[f64]) {
+        let step = (self.hi - self.lo) / CELLS as f64;
+        let mut fresh = vec![0.0; CELLS];
+        for (w, share) in levels.windows(2).zip(shares) {
+            if w[1] <= w[0] {
+                continue;
+            }
+            let density = share.sqrt() / (w[1] - w[0]);
+            let first = (((w[0] - self.lo) / step) as usize).min(CELLS - 1);
+            for (k, cell) in fresh.iter_mut().enumerate().skip(first) {
+                let begin = self.lo + k as f64 * step;
+                if begin >= w[1] {
+                    break;
+                }
+                *cell += density * ((begin + step).min(w[1]) - begin.max(w[0])).max(0.0);
+            }
         }
-        before += rise;
+        if self.cells.is_empty() {
+            self.cells = fresh;
+        } else {
+            self.cells.iter_mut().zip(fresh).for_each(|(old, new)| *old += FRESH * (new - *old));
+        }
     }
-    out.push(levels[levels.len() - 1]);
-    out
+
+    /// Levels for `count` bands of equal error by the square law.
+    fn levels(&self, count: usize) -> Vec<f64> {
+        let step = (self.hi - self.lo) / CELLS as f64;
+        let each = self.cells.iter().sum::<f64>() / count as f64;
+        let mut out = vec![self.lo];
+        let mut before = 0.0;
+        for (k, rise) in self.cells.iter().enumerate() {
+            while out.len() < count && before + rise >= each * out.len() as f64 {
+                out.push(self.lo + step * (k as f64 + (each * out.len() as f64 - before) / rise));
+            }
+            before += rise;
+        }
+        out.resize(count, self.hi);
+        out.push(self.hi);
+        out
+    }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::relaid;
+    use super::*;
+
+    fn relaid(levels: &[f64], shares: &[f64], count: usize) -> Vec<f64> {
+        let mut rise = Rise { lo: levels[0], hi: levels[levels.len() - 1], cells: Vec::new() };
+        rise.include(levels, shares);
+        rise.levels(count)
+    }
 
     #[test]
     fn levels_follow_the_square_law() {
@@ -178,5 +222,14 @@ mod tests {
         assert!(l.len() == 4 && l.iter().zip(want).all(|(a, b)| (a - b).abs() < 1e-12), "{l:?}");
         let even = relaid(&[0.0, 0.5, 1.0, 2.0], &[1.0, 1.0, 1.0], 3);
         assert!(even.iter().zip(want).all(|(a, b)| (a - b).abs() < 1e-12), "{even:?}");
+    }
+
+    #[test]
+    fn rounds_are_averaged() {
+        let mut rise = Rise { lo: 0.0, hi: 1.0, cells: Vec::new() };
+        rise.include(&[0.0, 0.5, 1.0], &[1.21, 0.81]);
+        rise.include(&[0.0, 0.5, 1.0], &[0.81, 1.21]);
+        let l = rise.levels(2);
+        assert!((l[1] - 0.5).abs() < 1e-12, "{l:?}");
     }
 }

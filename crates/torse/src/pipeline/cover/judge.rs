@@ -20,7 +20,9 @@ const HOPEFUL: f64 = 0.99;
 const KEEN: f64 = 0.7;
 /// Panels that bend more sharply than this multiple of the tolerance are refused: their rulings crowd together near
 /// the regression curve, and their trims cannot be drawn well (certificate specification, 4).
-const LEAST_BEND: f64 = 4.0;
+const LEAST_BEND: f64 = 8.0;
+/// … and than this share of the model's size, which is the less where tolerances are coarse.
+const LEAST_BEND_SHARE: f64 = 0.03;
 /// Fits keep this multiple of the smallest radius of curvature where they can.
 const WANTED_BEND: f64 = 1.2;
 /// Share of their mean width by which fits of bands keep the regression curve away where they can.
@@ -58,6 +60,11 @@ impl Job<'_> {
     /// As [`Job::single`] without proof: what is accepted here may still be refused.
     pub(super) fn proposed(&self, state: &State, label: u32, centre: Option<&[CentrePoint]>) -> Trial {
         self.tried(state, label, centre, false)
+    }
+
+    /// The proof of what was proposed.
+    pub(super) fn confirmed(&self, state: &State, label: u32, fit: &Fit) -> Trial {
+        self.proven(state, label, fit.clone(), state.dense_samples(&self.face.surface, label))
     }
 
     fn tried(&self, state: &State, label: u32, centre: Option<&[CentrePoint]>, prove: bool) -> Trial {
@@ -124,7 +131,10 @@ impl Job<'_> {
 
     /// Smallest radius of curvature that a panel may have, mm.
     fn least_bend(&self) -> f64 {
-        (LEAST_BEND * self.options.tolerance).max(self.options.limits.min_bend_radius.unwrap_or(0.0))
+        let size = self.face.surface.bbox().diagonal();
+        (LEAST_BEND * self.options.tolerance)
+            .min(LEAST_BEND_SHARE * size)
+            .max(self.options.limits.min_bend_radius.unwrap_or(0.0))
     }
 
     /// The radius of curvature that fits keep: what the certificate shows is a lower bound.

@@ -1,0 +1,93 @@
+//! The main job on half a bowl at 1 mm, stage by stage: where its time goes.
+
+use std::sync::OnceLock;
+use torse::certify;
+use torse::control::Control;
+use torse::develop::pattern::{pattern, PatternOptions};
+use torse::fit::level::{levels, LevelOptions};
+use torse::io::bundle;
+use torse::io::step::read::read;
+use torse::pipeline::approximate::{approximate, Options};
+use torse::pipeline::cover::{cover, CoverOptions, Layout, Limits, State};
+use torse::pipeline::outcome::Outcome;
+use torse::pipeline::presentation::present;
+use torse::surface::face::Face;
+
+const BOWL: &[u8] = include_bytes!("../../../data/half_bowl.step");
+
+/// Tolerance, mm.
+const TOLERANCE: f64 = 1.0;
+
+fn main() {
+    divan::main();
+}
+
+fn face() -> Face {
+    read(BOWL).expect("a model").faces.remove(0)
+}
+
+/// The job done once: what later stages begin with.
+fn outcome() -> &'static Outcome {
+    static DONE: OnceLock<Outcome> = OnceLock::new();
+    DONE.get_or_init(|| {
+        let options = Options {
+            tolerance: TOLERANCE,
+            max_panels: None,
+            input: "bowl".into(),
+            limits: Limits::default(),
+            layout: Layout::default(),
+            meet: false,
+        };
+        approximate(vec![face()], Vec::new(), &options, &Control::default()).expect("an outcome")
+    })
+}
+
+#[divan::bench]
+fn reading() -> usize {
+    read(BOWL).expect("a model").faces.len()
+}
+
+/// One of the two spaces in which level functions are sought.
+#[divan::bench(sample_count = 10)]
+fn field(bencher: divan::Bencher) {
+    let state = State::of_face(&face(), f64::INFINITY).expect("a triangulation");
+    let (forms, places) = (state.forms(0, 1500), state.places(0));
+    bencher.bench(|| levels(&forms, &places, &LevelOptions { spans: 3, keep: 3, ..LevelOptions::default() }).len());
+}
+
+/// Field, fits and the proofs that accept them.
+#[divan::bench(sample_count = 3)]
+fn cover_with_proofs(bencher: divan::Bencher) {
+    let face = face();
+    let options = CoverOptions {
+        tolerance: TOLERANCE,
+        max_panels: usize::MAX,
+        facets: false,
+        limits: Limits::default(),
+        layout: Layout::default(),
+    };
+    bencher.bench(|| cover(&face, &options, &Control::default()).expect("a cover").state.panels.len());
+}
+
+/// The last proof, of panels as they are written.
+#[divan::bench(sample_count = 10)]
+fn certificate(bencher: divan::Bencher) {
+    let patchwork = &outcome().patchwork;
+    bencher.bench(|| certify::patchwork(patchwork, TOLERANCE, &Control::default()).deviation_bound);
+}
+
+/// Flat patterns of all panels.
+#[divan::bench(sample_count = 10)]
+fn development(bencher: divan::Bencher) {
+    let patchwork = &outcome().patchwork;
+    let options = PatternOptions::new(0.05 * TOLERANCE);
+    let one = |k| pattern(patchwork, k, &options).expect("a pattern").width;
+    bencher.bench(|| (0..patchwork.panels.len()).map(one).sum::<f64>());
+}
+
+/// STEP, DXF, SVG, GLB, pictures, report.
+#[divan::bench(sample_count = 3)]
+fn files(bencher: divan::Bencher) {
+    let outcome = outcome();
+    bencher.bench(|| bundle::files(outcome, &present(outcome), "2000-01-01T00:00:00").expect("files").len());
+}

@@ -1,0 +1,53 @@
+//! Panels over the tolerance: ours, the limit of theory, and the counts published with the method of \[SE06\] for a bowl
+//! of the same kind. `cargo run --release --example gallery_counts -- FOLDER` writes `counts.png` and prints the table.
+
+use torse::control::Control;
+use torse::io::png;
+use torse::io::step::read::read;
+use torse::pipeline::approximate::Options;
+use torse::pipeline::cover::{Layout, Limits};
+use torse::pipeline::sweep::sweep;
+use torse::tessellate::chart::{chart, Chart, Series};
+
+const BOWL: &[u8] = include_bytes!("../../../data/half_bowl.step");
+
+/// Tolerances in mm; the bowl is 1 m wide.
+const TOLERANCES: [f64; 5] = [10.0, 3.0, 1.0, 0.3, 0.1];
+
+/// Published: tolerance over size in thousandths, and panels. The control points of that bowl are not published.
+const PUBLISHED: [[f64; 2]; 2] = [[10.0, 11.0], [1.0, 27.0]];
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let folder = std::env::args().nth(1).ok_or("give a folder for the picture")?;
+    let options = Options {
+        tolerance: TOLERANCES[0],
+        max_panels: None,
+        input: "half bowl".into(),
+        limits: Limits::default(),
+        layout: Layout::default(),
+        meet: false,
+    };
+    let rows = sweep(&read(BOWL)?.faces, &TOLERANCES, &options, &Control::default())?;
+    for r in &rows {
+        let limit = r.limit.map_or("-".into(), |l| format!("{l:.2}"));
+        println!(
+            "{:>6} mm {:>4} panels, limit {limit:>6}, certified: {}, {:.1} s",
+            r.tolerance, r.panels, r.certified, r.seconds
+        );
+    }
+    let series = |name: &str, measured: bool, points: Vec<[f64; 2]>| Series { name: name.to_owned(), measured, points };
+    let picture = chart(&Chart {
+        title: "Half a bowl of 1 m".into(),
+        x: "tolerance, mm".into(),
+        y: "panels".into(),
+        series: vec![
+            series("panels, certified", true, rows.iter().map(|r| [r.tolerance, r.panels as f64]).collect()),
+            series("limit of theory", false, rows.iter().filter_map(|r| Some([r.tolerance, r.limit?])).collect()),
+            series("published for a bowl of this kind", true, PUBLISHED.to_vec()),
+        ],
+    })
+    .ok_or("nothing to draw")?;
+    std::fs::create_dir_all(&folder)?;
+    std::fs::write(std::path::Path::new(&folder).join("counts.png"), png::write(&picture)?)?;
+    Ok(())
+}
