@@ -36,6 +36,7 @@ pub struct Page<'a> {
 #[error("report.html: {0}")]
 pub struct HtmlError(#[from] serde_json::Error);
 
+const FRAME: &str = include_str!("frame.html");
 const PAGE: &str = include_str!("page.html");
 const STYLE: &str = include_str!("style.css");
 const SCRIPT: &str = include_str!("viewer.js");
@@ -46,30 +47,87 @@ const SCRIPT: &str = include_str!("viewer.js");
 /// None in practice: the geometry's description always has a JSON form.
 pub fn write(page: &Page) -> Result<String, HtmlError> {
     let report = page.report;
-    let (header, blob) = geometry::pack(page.scene, &page.direction, report.tolerance);
-    let header = serde_json::to_string(&header)?;
-    let image = |bytes: &[u8]| format!("data:image/png;base64,{}", BASE64_STANDARD.encode(bytes));
-    Ok(fill(PAGE, |name| match name {
-        "title" => escape(&report.input),
-        "style" => STYLE.to_string(),
-        "script" => SCRIPT.to_string(),
-        "badge" => words::badge(report),
-        "figures" => words::figures(report),
+    let main = fill(PAGE, |name| match name {
         "certificate" => words::certificate(report) + &tables::seams(report),
         "warnings" => words::warnings(report),
         "panel_rows" => tables::panels(report),
         "face_rows" => tables::faces(report),
         "skipped" => tables::skipped(report),
         "layout" => tables::layout(page.layout),
-        "tolerance" => words::millimetres(report.tolerance),
         "panel_count" => report.panels.len().to_string(),
-        "version" => escape(&report.version),
-        "panels_png" => image(page.panels_png),
         "deviation_png" => image(page.deviation_png),
+        _ => String::new(),
+    });
+    framed(&Frame {
+        title: &report.input,
+        things: ["panels", "Panels"],
+        kicker: "Developable panels".into(),
+        badge: words::badge(report),
+        figures: words::figures(report),
+        surface: true,
+        borders: "Seams",
+        field: Some("Deviation"),
+        limit: words::millimetres(report.tolerance),
+        main,
+        version: &report.version,
+        picture: page.panels_png,
+        view: (page.scene, &page.direction, report.tolerance),
+    })
+}
+
+/// What surrounds the sections of any report: head, figures, 3-D view, foot.
+struct Frame<'a> {
+    title: &'a str,
+    /// What the 3-D view shows: in running text, and as a label.
+    things: [&'a str; 2],
+    kicker: String,
+    /// Of HTML, as are `figures`, `limit` and `main`.
+    badge: String,
+    figures: String,
+    /// Whether there is a surface to compare with.
+    surface: bool,
+    borders: &'a str,
+    /// Name of what the colours mean, if there are any.
+    field: Option<&'a str>,
+    limit: String,
+    main: String,
+    version: &'a str,
+    /// PNG file for readers without a 3-D view.
+    picture: &'a [u8],
+    /// Geometry, direction in which it opens, end of the colour scale.
+    view: (&'a Scene, &'a Vec3, f64),
+}
+
+fn framed(f: &Frame) -> Result<String, HtmlError> {
+    let (header, blob) = geometry::pack(f.view.0, f.view.1, f.view.2);
+    let header = serde_json::to_string(&header)?;
+    let hidden = |there: bool| if there { "" } else { "hidden" };
+    Ok(fill(FRAME, |name| match name {
+        "title" => escape(f.title),
+        "things" => f.things[0].into(),
+        "Things" => f.things[1].into(),
+        "kicker" => escape(&f.kicker),
+        "style" => STYLE.to_string(),
+        "script" => SCRIPT.to_string(),
+        "badge" => f.badge.clone(),
+        "figures" => f.figures.clone(),
+        "surface_hidden" => hidden(f.surface).into(),
+        "borders" => f.borders.into(),
+        "field_hidden" => hidden(f.field.is_some()).into(),
+        "field_name" => escape(f.field.unwrap_or("Values")),
+        "limit" => f.limit.clone(),
+        "main" => f.main.clone(),
+        "version" => escape(f.version),
+        "panels_png" => image(f.picture),
         "scene" => header.replace('<', "\\u003c"),
         "geometry" => BASE64_STANDARD.encode(&blob),
         _ => String::new(),
     }))
+}
+
+/// A PNG file as the address of a picture.
+fn image(bytes: &[u8]) -> String {
+    format!("data:image/png;base64,{}", BASE64_STANDARD.encode(bytes))
 }
 
 /// Replaces each `{{name}}` of a template once; what is put in is not looked at again.

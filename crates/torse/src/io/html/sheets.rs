@@ -2,7 +2,7 @@
 
 use super::tables::{self, exponent};
 use super::words::plain;
-use super::{escape, fill, geometry, HtmlError, SCRIPT, STYLE};
+use super::{escape, fill, framed, image, Frame, HtmlError};
 use crate::geom::Vec3;
 use crate::io::sheets::{FigureRecord, Report};
 use crate::pipeline::sheets::FieldMeaning;
@@ -10,7 +10,6 @@ use crate::surface::torse::PanelKind;
 use crate::tessellate::colour;
 use crate::tessellate::flat::FlatPiece;
 use crate::tessellate::scene::Scene;
-use base64::prelude::{Engine, BASE64_STANDARD};
 use std::fmt::Write;
 
 /// Everything the page shows.
@@ -42,9 +41,6 @@ const PAGE: &str = include_str!("sheets.html");
 /// None in practice: the geometry's description always has a JSON form.
 pub fn write(page: &Page) -> Result<String, HtmlError> {
     let report = page.report;
-    let (header, blob) = geometry::pack(page.scene, &page.direction, page.limit);
-    let header = serde_json::to_string(&header)?;
-    let image = |bytes: &[u8]| format!("data:image/png;base64,{}", BASE64_STANDARD.encode(bytes));
     let field = page.field.map(|(m, png)| {
         format!(
             "<section class=\"card\" id=\"field\"><h2>{name}</h2><img src=\"{}\" alt=\"Map: {name}\"></section>",
@@ -53,23 +49,8 @@ pub fn write(page: &Page) -> Result<String, HtmlError> {
         )
     });
     let meaning = page.field.map(|f| f.0);
-    Ok(fill(PAGE, |name| match name {
-        "title" => escape(&report.input),
-        "job" => escape(&report.job),
-        "style" => STYLE.to_string(),
-        "script" => SCRIPT.to_string(),
-        "badge" => badge(report),
-        "figures" => report.figures.iter().map(tile).collect(),
+    let main = fill(PAGE, |name| match name {
         "words" => words(report),
-        "field_name" => meaning.map_or_else(|| "Values".into(), |m| escape(&m.name)),
-        "field_hidden" => {
-            if meaning.is_some() {
-                String::new()
-            } else {
-                "hidden".into()
-            }
-        }
-        "limit" => format!("{}&nbsp;{}", plain(page.limit, 4), meaning.map_or_else(String::new, |m| escape(&m.unit))),
         "strip_heads" => heads(report),
         "strip_rows" => report.strips.iter().enumerate().map(|(i, _)| row(i, report)).collect(),
         "strip_count" => report.strips.len().to_string(),
@@ -77,12 +58,23 @@ pub fn write(page: &Page) -> Result<String, HtmlError> {
         "shapes" => shapes(report, page.shapes_png.map(image)),
         "layout" => tables::layout(page.layout),
         "field" => field.clone().unwrap_or_default(),
-        "version" => escape(&report.version),
-        "panels_png" => image(page.panels_png),
-        "scene" => header.replace('<', "\\u003c"),
-        "geometry" => BASE64_STANDARD.encode(&blob),
         _ => String::new(),
-    }))
+    });
+    framed(&Frame {
+        title: &report.input,
+        things: ["strips", "Strips"],
+        kicker: format!("Developable strips: {}", report.job),
+        badge: badge(report),
+        figures: report.figures.iter().map(tile).collect(),
+        surface: false,
+        borders: "Borders",
+        field: meaning.map(|m| m.name.as_str()),
+        limit: format!("{}&nbsp;{}", plain(page.limit, 4), meaning.map_or_else(String::new, |m| escape(&m.unit))),
+        main,
+        version: &report.version,
+        picture: page.panels_png,
+        view: (page.scene, &page.direction, page.limit),
+    })
 }
 
 fn badge(report: &Report) -> String {
