@@ -8,7 +8,7 @@ use torse::geom::Vec3;
 use torse::io::step::read::read;
 use torse::io::step::write::{panels, Header};
 use torse::pipeline::approximate::{approximate, Options};
-use torse::pipeline::cover::Limits;
+use torse::pipeline::cover::{Layout, Limits};
 use torse::pipeline::outcome::{Outcome, Status};
 use torse::surface::panel::Border;
 
@@ -17,8 +17,14 @@ const TOLERANCE: f64 = 2.0;
 
 fn run(meet: bool) -> Outcome {
     let model = read(TORUS).expect("a model");
-    let options =
-        Options { tolerance: TOLERANCE, max_panels: None, input: "torus".into(), limits: Limits::default(), meet };
+    let options = Options {
+        tolerance: TOLERANCE,
+        max_panels: None,
+        input: "torus".into(),
+        limits: Limits::default(),
+        layout: Layout::default(),
+        meet,
+    };
     approximate(model.faces, model.skipped, &options, &Control::default()).expect("an outcome")
 }
 

@@ -3,7 +3,7 @@
 //! Reads like the page that describes it: cover every face, build the panels as they will be exported, have them
 //! judged, cut what is refused, develop the rest.
 
-use super::cover::{cover, Cover, CoverOptions, Limits, State};
+use super::cover::{cover, Cover, CoverOptions, Guide, Layout, Limits, State};
 use super::outcome::{Outcome, Skipped, Status};
 use super::seams::{self, Meeting};
 use crate::certify::{self, Certificate};
@@ -32,6 +32,8 @@ pub struct Options {
     pub input: String,
     /// What sheet and material allow.
     pub limits: Limits,
+    /// Where strips and seams run.
+    pub layout: Layout,
     /// Whether neighbouring strips are to meet in common seams where that can be certified.
     pub meet: bool,
 }
@@ -66,6 +68,24 @@ pub enum ApproximateError {
         /// Asked for, mm.
         value: f64,
     },
+    /// A plane for a seam that no face meets, or that is none.
+    #[error(
+        "no seam can run in plane {index}, {at:.6} mm from the origin: the model lies between {lo:.6} mm and {hi:.6} mm \
+         in its direction"
+    )]
+    SeamPlane {
+        /// Number of the plane among those given, from 1.
+        index: usize,
+        /// Its distance from the origin, mm.
+        at: f64,
+        /// Where the model begins along the plane's normal, mm.
+        lo: f64,
+        /// Where it ends, mm.
+        hi: f64,
+    },
+    /// A direction or guide curve of no length.
+    #[error("the direction that strips are to follow has no length, or is not finite")]
+    Guide,
     /// Limit of panels that cannot be kept.
     #[error("the greatest number of panels must be at least 1")]
     MaxPanels,
@@ -139,6 +159,7 @@ pub fn approximate(
     if tolerance < PRECISION * size {
         return Err(ApproximateError::Precision { tolerance, size, least: PRECISION * size });
     }
+    checked_layout(&options.layout, &bbox)?;
     let total = faces.len();
     let finished = AtomicUsize::new(0);
     let built: Vec<Result<Built, Skipped>> = faces
@@ -222,6 +243,30 @@ fn limits_missed(
 }
 
 /// One face with its panels, their proof and their flat patterns.
+/// A layout that asks for what cannot be.
+fn checked_layout(layout: &Layout, bbox: &BBox) -> Result<(), ApproximateError> {
+    for (i, seam) in layout.seams.iter().enumerate() {
+        let (middle, half) = (0.5 * (bbox.min + bbox.max), 0.5 * (bbox.max - bbox.min));
+        let (at, reach) = (seam.normal.dot(&middle), seam.normal.abs().dot(&half));
+        let (lo, hi) = (at - reach, at + reach);
+        if !(seam.offset > lo && seam.offset < hi) {
+            return Err(ApproximateError::SeamPlane { index: i + 1, at: seam.offset, lo, hi });
+        }
+    }
+    let sound = match &layout.guide {
+        None => true,
+        Some(Guide::Direction(d)) => d.norm() > 0.0 && d.norm().is_finite(),
+        Some(Guide::Curve(points)) => {
+            points.iter().all(|p| p.iter().all(|x| x.is_finite())) && points.windows(2).any(|w| w[0] != w[1])
+        }
+    };
+    if sound {
+        Ok(())
+    } else {
+        Err(ApproximateError::Guide)
+    }
+}
+
 struct Built {
     patchwork: Patchwork,
     certificate: Certificate,
@@ -236,8 +281,13 @@ fn one_face(index: usize, mut face: Face, options: &Options, control: &Control) 
     corners_on_knot_lines(&mut face);
     let refuse = |reason: String| Skipped { entity, reason };
     let limit = options.max_panels.unwrap_or(usize::MAX);
-    let mut cover_options =
-        CoverOptions { tolerance: options.tolerance, max_panels: limit, facets: false, limits: options.limits };
+    let mut cover_options = CoverOptions {
+        tolerance: options.tolerance,
+        max_panels: limit,
+        facets: false,
+        limits: options.limits,
+        layout: options.layout.clone(),
+    };
     let mut found = cover(&face, &cover_options, control).map_err(|e| refuse(e.to_string()))?;
     while !found.complete && !control.stopped() {
         // Too many panels: the fewest that were asked for, as near as they can be.

@@ -105,8 +105,14 @@ mod tests {
 
     #[test]
     fn finer_tolerances_take_more_panels_and_never_fewer_than_theory() {
-        let options =
-            Options { tolerance: 1.0, max_panels: None, input: "bowl".into(), limits: Default::default(), meet: false };
+        let options = Options {
+            tolerance: 1.0,
+            max_panels: None,
+            input: "bowl".into(),
+            limits: Default::default(),
+            layout: Default::default(),
+            meet: false,
+        };
         let rows = sweep(&[bowl()], &[0.4, 1.6], &options, &Control::default()).expect("rows");
         assert_eq!(rows.iter().map(|r| r.tolerance).collect::<Vec<_>>(), vec![1.6, 0.4]);
         assert!(rows.iter().all(|r| r.certified));
