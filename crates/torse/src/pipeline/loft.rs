@@ -397,6 +397,16 @@ fn note_ends(a: &Rail, b: &Rail, branch: &Branch, ends: Ends, notes: &mut Vec<St
                     behind.max(0.0)
                 ));
             }
+            // A straight extension touches no more than one plane through the other rail: rests may stay.
+            let proper = total - 2.0 * extra;
+            if before < -WHOLE * total || behind < -WHOLE * total {
+                notes.push(format!(
+                    "{} is used from {:.3} mm to {:.3} mm of its length of {proper:.3} mm even so: no common tangent planes lead on; ask for fans at the ends",
+                    rail.name,
+                    (-before).max(0.0),
+                    proper + behind.min(0.0)
+                ));
+            }
         } else if from > WHOLE * total || total - to > WHOLE * total {
             notes.push(format!(
                 "{} is used from {from:.3} mm to {to:.3} mm of its length of {total:.3} mm; extend the other rail, or ask for fans or extension at the ends",
