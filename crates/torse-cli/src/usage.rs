@@ -21,7 +21,14 @@ pub fn refusal(error: clap::Error) -> Failure {
         _ => "",
     };
     let help = if kind == ErrorKind::MissingRequiredArgument {
-        "for example: torse approximate hull.step --tolerance 2mm --out hull-panels"
+        match message.as_str() {
+            m if m.contains("<RAIL_") => {
+                "for example: torse loft chine.csv sheer.csv --unit m --tolerance 0.5mm --out plate"
+            }
+            m if m.contains("<CURVE>") => "for example: torse hull inlet.dxf outlet.dxf --tolerance 0.1mm --out hopper",
+            m if m.contains("<STRIP>") => "for example: torse planarise strip.csv --tolerance 0.01mm --out strip",
+            _ => "for example: torse approximate hull.step --tolerance 2mm --out hull-panels",
+        }
     } else if argument.starts_with("--tolerance") {
         "give a positive length with its unit, for example --tolerance 2mm"
     } else if argument.starts_with("--time-limit") {

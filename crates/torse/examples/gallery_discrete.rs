@@ -1,14 +1,16 @@
 //! Pictures of ruled surfaces and discrete torses: `cargo run --release --example gallery_discrete -- FOLDER`.
 //!
 //! Figures 1.1 to 1.5 of \[W15\]: a ruled surface between two curves, the tangent plane that turns along a ruling, a
-//! tangent surface with its edge of regression, a discrete torse, the envelope of a family of planes. Then a strip that
-//! is planarised and subdivided, and the shapes of which a developable consists.
+//! tangent surface with its edge of regression, a discrete torse, the envelope of a family of planes. Figures 4.8 and
+//! 4.12: a strip that is planarised and subdivided, with its reflection lines and its singular points. Last, the shapes
+//! of which a developable consists.
 
 use std::path::Path;
 use torse::control::Control;
 use torse::design::discrete::planarise::Hold;
 use torse::design::discrete::subdivide::{subdivide, SubdivideOptions};
 use torse::develop::strip::{pattern, StripOptions};
+use torse::geom::mesh::Mesh;
 use torse::geom::Vec3;
 use torse::io::png;
 use torse::pipeline::outcome::Status;
@@ -75,6 +77,21 @@ fn main() -> Result<()> {
                 100.0 * bend
             ),
         )?;
+    }
+
+    // Figure 4.8: reflection lines jump from plane to plane at first, and are smooth in the end.
+    for levels in [0, 2, 5] {
+        let done = subdivide(&warped()?, &SubdivideOptions::new(levels, Hold::Nothing), &Control::default())?;
+        let title = format!("reflection lines, {} plane quadrilaterals", done.strip.quads());
+        save(&format!("fig4_8_reflection_lines_level_{levels}"), &reflection_lines(&done.strip), VIEW, &title)?;
+    }
+    // Figure 4.12: the coarse strip and the refined one with its singular points.
+    for levels in [0, 4] {
+        let done = subdivide(&warped()?, &SubdivideOptions::new(levels, Hold::Nothing), &Control::default())?;
+        let mut scene = quads(&done.strip, false)?;
+        scene.guides = regression(&done.strip);
+        let title = format!("level {levels} and its singular points, where they are near");
+        save(&format!("fig4_12_subdivision_level_{levels}"), &scene, VIEW, &title)?;
     }
 
     // What a developable consists of.
@@ -181,6 +198,54 @@ fn warped() -> Result<QuadStrip> {
         .map(|k| 0.4 * f64::from(k))
         .map(|t| Vec3::new(1.5 * (t + 0.2).cos(), 1.2 * (t + 0.2).sin(), 0.7 + 0.15 * t));
     Ok(QuadStrip::new(a, b.collect())?)
+}
+
+const VIEW: [f64; 3] = [0.5, -0.6, 0.9];
+
+/// Stripes of light reflected to an eye near by: each cell of a face is light or dark by the direction from which its
+/// light comes.
+fn reflection_lines(strip: &QuadStrip) -> Scene {
+    const ACROSS: u32 = 160;
+    const ALONG: u32 = 320;
+    const STRIPES: f64 = 36.0;
+    let eye = strip.a()[0] + Vec3::from(VIEW).normalize() * (1.2 * strip.size());
+    let side = Vec3::from(VIEW).cross(&Vec3::z()).normalize();
+    let other = Vec3::from(VIEW).cross(&side).normalize();
+    let steps = (ALONG / u32::try_from(strip.quads()).unwrap_or(ALONG).max(1)).max(1);
+    let mut halves = [Mesh::default(), Mesh::default()];
+    for i in 0..strip.quads() {
+        let Some((n, _)) = strip.plane(i) else { continue };
+        let ends = [strip.ruling(i), strip.ruling(i + 1)];
+        let at = |s: u32, r: u32| {
+            let (s, r) = (f64::from(s) / f64::from(steps), f64::from(r) / f64::from(ACROSS));
+            let [p, q] = [0, 1].map(|k| ends[0][k] * (1.0 - s) + ends[1][k] * s);
+            p * (1.0 - r) + q * r
+        };
+        for (s, r) in (0..steps).flat_map(|s| (0..ACROSS).map(move |r| (s, r))) {
+            let cell = [at(s, r), at(s + 1, r), at(s + 1, r + 1), at(s, r + 1)];
+            let e = (eye - (cell[0] + cell[2]) * 0.5).normalize();
+            let y = n * (2.0 * e.dot(&n)) - e;
+            let stripe = STRIPES * y.dot(&other).atan2(y.dot(&side)) / std::f64::consts::TAU;
+            let mesh = &mut halves[usize::from(stripe.rem_euclid(2.0) < 1.0)];
+            let first = mesh.positions.len() as u32;
+            mesh.positions.extend(cell);
+            mesh.normals.extend([n; 4]);
+            mesh.triangles.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
+        }
+    }
+    let panels = halves.map(|mesh| PanelShape { mesh, ..PanelShape::default() }).into();
+    Scene { panels, ..Scene::default() }
+}
+
+/// Stretches of the regression polyline not farther from the strip than its size.
+fn regression(strip: &QuadStrip) -> Vec<Vec<Vec3>> {
+    let reach = 0.6 * strip.size();
+    let near = |p: &Option<Vec3>| p.filter(|p| strip.a().iter().chain(strip.b()).any(|q| (p - q).norm() < reach));
+    let all: Vec<Option<Vec3>> = strip.regression_polyline().iter().map(near).collect();
+    all.split(Option::is_none)
+        .map(|run| run.iter().flatten().copied().collect())
+        .filter(|l: &Vec<Vec3>| l.len() > 1)
+        .collect()
 }
 
 /// The faces of a strip.

@@ -47,7 +47,8 @@ fn main() -> Outcome<()> {
     let saddle = around("loop", |t| Vec3::new(100.0 * t.cos(), 100.0 * t.sin(), 50.0 * (2.0 * t).cos()))?;
     let whole = hull(&[saddle], &Options::new(0.1), &control)?;
     for (k, letter) in (0..whole.parts.len()).zip(["a", "b", "c", "d"]) {
-        let side = only(&whole, k);
+        let mut side = only(&whole, k);
+        side.notes.clear();
         save(&format!("figure-4-7-{letter}"), &side, "a closed curve bounds more than one developable", EYE)?;
     }
     // The same two circles bound a cone and a double cone; only the first is regular.
@@ -109,7 +110,7 @@ fn subdivision() -> Drawing {
         points = averaged(&averaged(&averaged(&doubled)));
     }
     drawing.text(
-        "subdivision doubles points and averages: polygons tend to a cubic B-spline curve",
+        "doubled points, averaged: polygons tend to a cubic B-spline curve",
         Vec2::new(40.0, 52.0),
         19.0,
         [0.13, 0.15, 0.19],

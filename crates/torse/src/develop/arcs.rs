@@ -39,14 +39,20 @@ const STRAIGHT: f64 = 1e-3;
 const NEARLY_STRAIGHT: f64 = 0.5;
 /// Largest angle (rad) between tangent and chord of an arc.
 const STEEPEST: f64 = 1.0;
+/// Least tolerance, as a share of the curve's extent: finer ones would follow rounding, with arcs without end.
+const FINEST: f64 = 1e-10;
 /// Shortest stretch of the parameter that is still halved.
 const SHORTEST: f64 = 1e-6;
 
 /// Lines and arcs within `tolerance` of a curve, and the largest distance measured (mm, with a safety factor).
 ///
-/// *Guarantee*: first and last point are those of the curve; tangents agree at inner joints to rounding.
+/// *Guarantee*: first and last point are those of the curve; tangents agree at inner joints to rounding. Tolerances
+/// below 1e-10 of the curve's extent are taken for that: the error returned is what was reached.
 /// *Not guaranteed*: the tolerance itself where the curve has a kink inside; the error returned is honest then.
 pub fn arcs(curve: &impl PlaneCurve, tolerance: f64) -> (Vec<ArcPiece>, f64) {
+    let start = curve.place(0.0);
+    let extent = (1..=SEARCH).map(|k| (curve.place(k as f64 / SEARCH as f64) - start).norm()).fold(0.0, f64::max);
+    let tolerance = tolerance.max(FINEST * extent);
     // A curve that is straight as a whole is a line: its ends are corners, so no joint gets a kink.
     let line = vec![ArcPiece { point: curve.place(0.0), bulge: 0.0, s: 0.0 }];
     let off = distance(curve, &line, 0.0, 1.0, MEASURE);
@@ -244,6 +250,21 @@ mod tests {
         // A clockwise arc.
         let (p, _) = arcs(&circle_arc(-1.2), 0.1);
         assert!((p[0].bulge + 0.3_f64.tan()).abs() < 1e-9);
+    }
+
+    #[test]
+    fn no_tolerance_is_so_fine_that_arcs_have_no_end() {
+        struct Parabola;
+        impl PlaneCurve for Parabola {
+            fn place(&self, s: f64) -> Vec2 {
+                Vec2::new(100.0 * s, 40.0 * s * s)
+            }
+            fn velocity(&self, s: f64) -> Vec2 {
+                Vec2::new(100.0, 80.0 * s)
+            }
+        }
+        let (pieces, error) = arcs(&Parabola, 1e-300);
+        assert!(pieces.len() < 3000 && error < 1e-7, "{} pieces, error {error:e}", pieces.len());
     }
 
     #[test]

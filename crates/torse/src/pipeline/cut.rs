@@ -44,6 +44,23 @@ pub fn cut(strips: &[Strip], chains: &[FlatPart], options: &StripOptions) -> (Ve
     (parts, patterns)
 }
 
+/// Parts whose patterns are longer or shorter than the strips by more than the tolerance (mm), as reasons.
+pub fn stretched(parts: &[FlatPart], patterns: &[Pattern], tolerance: f64) -> Vec<String> {
+    let name = |p: &Pattern| parts.get(p.panel).map_or(p.name.as_str(), |part| part.name.as_str()).to_owned();
+    let off = |p: &Pattern| p.isometry_error * p.length;
+    patterns
+        .iter()
+        .filter(|p| off(p).is_nan() || off(p) > tolerance)
+        .map(|p| {
+            format!(
+                "part {}: lengths in the flat pattern are wrong by up to {:.1e} of their value",
+                name(p),
+                p.isometry_error
+            )
+        })
+        .collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -80,5 +97,18 @@ mod tests {
         let (parts, patterns) = cut(&strips, &[whole], &StripOptions::new(0.01));
         assert_eq!((parts.len(), patterns.len()), (2, 2));
         assert!(parts.iter().all(|p| p.missing.is_empty()) && parts[1].name == "fanb" && patterns[1].panel == 1);
+    }
+
+    #[test]
+    fn a_pattern_with_wrong_lengths_is_named() {
+        let x = Vec3::new;
+        let quad = [[x(0.0, 0.0, 0.0), x(0.0, 80.0, 0.0)], [x(100.0, 0.0, 0.0), x(100.0, 80.0, 0.0)]];
+        let strips = [Strip::quad("A-01", PanelKind::Plane, quad[0], quad[1]).expect("strip")];
+        let whole = FlatPart { name: "A".into(), first: 0, count: 1, missing: String::new() };
+        let (parts, mut patterns) = cut(&strips, &[whole], &StripOptions::new(0.01));
+        assert!(stretched(&parts, &patterns, 1e-6).is_empty());
+        patterns[0].isometry_error = 1.2;
+        let told = stretched(&parts, &patterns, 1e-6);
+        assert!(told.len() == 1 && told[0].starts_with("part A: lengths"), "{told:?}");
     }
 }

@@ -3,7 +3,7 @@
 //! Reads like the page that describes it: find the rulings on which the hull rests, make exact strips along them, have
 //! rails and twist judged, develop.
 
-use super::cut::cut;
+use super::cut::{cut, stretched};
 use super::judgement::judge;
 use super::outcome::Status;
 use super::sheets::{Basis, Figure, FlatPart, Guide, Sheets, StripField};
@@ -146,6 +146,7 @@ pub fn hull(curves: &[Rail], options: &Options, control: &Control) -> Result<She
     let (parts, patterns) = cut(&all, &parts, &flat);
     missing.extend(parts.iter().filter(|p| !p.missing.is_empty()).map(|p| format!("part {}: {}", p.name, p.missing)));
     let isometry = patterns.iter().map(|p| p.isometry_error).fold(0.0, f64::max);
+    missing.extend(stretched(&parts, &patterns, tolerance));
     let mut figures = vec![Figure::new("from the curves", off, "mm", Basis::Proven)];
     figures.extend(judgement.figures());
     figures.push(Figure::new("strips", all.len() as f64, "", Basis::Given));

@@ -3,7 +3,7 @@
 //! Reads like the page that describes it: find all branches of common tangent planes, follow the best one, fit it,
 //! have rails and twist judged, develop; where there is no branch, take the strip of least twist and say so.
 
-use super::cut::cut;
+use super::cut::{cut, stretched};
 use super::judgement::judge;
 use super::outcome::Status;
 use super::sheets::{Basis, Figure, FlatPart, Guide, Sheets};
@@ -397,6 +397,16 @@ fn note_ends(a: &Rail, b: &Rail, branch: &Branch, ends: Ends, notes: &mut Vec<St
                     behind.max(0.0)
                 ));
             }
+            // A straight extension touches no more than one plane through the other rail: rests may stay.
+            let proper = total - 2.0 * extra;
+            if before < -WHOLE * total || behind < -WHOLE * total {
+                notes.push(format!(
+                    "{} is used from {:.3} mm to {:.3} mm of its length of {proper:.3} mm even so: no common tangent planes lead on; ask for fans at the ends",
+                    rail.name,
+                    (-before).max(0.0),
+                    proper + behind.min(0.0)
+                ));
+            }
         } else if from > WHOLE * total || total - to > WHOLE * total {
             notes.push(format!(
                 "{} is used from {from:.3} mm to {to:.3} mm of its length of {total:.3} mm; extend the other rail, or ask for fans or extension at the ends",
@@ -404,6 +414,25 @@ fn note_ends(a: &Rail, b: &Rail, branch: &Branch, ends: Ends, notes: &mut Vec<St
             ));
         }
     }
+}
+
+/// Says where neighbouring strips meet at an angle: developable each by itself, but not smooth together.
+fn creases(strips: &[Strip]) -> Option<String> {
+    // Below a tenth of a degree nobody sees or feels an edge.
+    const EDGE: f64 = 0.1;
+    let normal = |s: &Strip, u: f64| s.patch.jet(u, 0.5).normal().try_normalize(0.0);
+    let angles = strips.windows(2).filter_map(|w| {
+        let (n, m) = (normal(&w[0], w[0].domain().1)?, normal(&w[1], w[1].domain().0)?);
+        Some((w, n.cross(&m).norm().atan2(n.dot(&m)).to_degrees()))
+    });
+    let all: Vec<_> = angles.filter(|(_, angle)| *angle > EDGE).collect();
+    let (w, angle) = all.iter().max_by(|x, y| x.1.total_cmp(&y.1))?;
+    let count = all.len();
+    let s = if count == 1 { "" } else { "s" };
+    Some(format!(
+        "{count} crease{s} between strips; the sharpest, {angle:.1}°, between {} and {}",
+        w[0].name, w[1].name
+    ))
 }
 
 /// Judges and develops strips.
@@ -439,7 +468,9 @@ fn judged(
     if closed {
         notes.push("the strip is closed; its flat part is cut open along the first ruling".into());
     }
+    notes.extend(creases(&strips));
     let isometry = patterns.iter().map(|p| p.isometry_error).fold(0.0, f64::max);
+    missing.extend(stretched(&parts, &patterns, options.tolerance));
     let mut figures: Vec<Figure> =
         (0..2).map(|d| Figure::new(format!("from {}", rails[d].name), judgement.off[d], "mm", Basis::Proven)).collect();
     figures.extend(judgement.figures());
@@ -510,6 +541,23 @@ mod tests {
             let count = |kind| sheets.strips.iter().filter(|s| s.kind == kind).count();
             assert_eq!((count(PanelKind::Plane), count(PanelKind::Cone), sheets.strips.len()), (4, 4, 8), "{seam}");
         }
+    }
+
+    #[test]
+    fn the_crease_between_two_triangles_is_told() {
+        let line = |name: &str, p: Vec3, q: Vec3| Rail::polyline(name, &[p, q]).expect("rail");
+        let a = line("a", Vec3::zeros(), Vec3::new(100.0, 0.0, 0.0));
+        let b = line("b", Vec3::new(0.0, 100.0, 0.0), Vec3::new(100.0, 100.0, 100.0));
+        let sheets = made(&a, &b, &Options::new(1e-3));
+        let told = sheets.notes.iter().find(|n| n.contains("crease"));
+        assert!(told.is_some_and(|n| n.contains("54.7°") || n.contains("45.0°")), "{:?}", sheets.notes);
+        // Smooth ones have none.
+        let (a, b) = duct(0.4);
+        assert!(!made(&a, &b, &Options::new(1e-3)).notes.iter().any(|n| n.contains("crease")));
+        let far = line("far", Vec3::new(200.0, 0.0, 0.0), Vec3::new(300.0, 0.0, 0.0));
+        let near = line("near", Vec3::zeros(), Vec3::new(100.0, 0.0, 0.0));
+        let refused = loft(&near, &far, &Options::new(1e-3), &Control::default());
+        assert!(matches!(refused, Err(LoftError::OneLine { .. })), "{refused:?}");
     }
 
     /// Two arcs over a common cylinder, the second one longer at its end.

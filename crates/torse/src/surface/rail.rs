@@ -47,6 +47,16 @@ pub enum RailError {
         /// Index of the (control) point.
         index: usize,
     },
+    /// Coordinates whose squares are no numbers any more.
+    #[error("{rail}: point {index} lies {value:.1e} mm from the origin; check the unit, and remove the point if it is stray")]
+    TooFar {
+        /// Name.
+        rail: String,
+        /// Index of the (control) point.
+        index: usize,
+        /// Its greatest coordinate, mm.
+        value: f64,
+    },
     /// Pieces that do not follow each other.
     #[error("{rail}: piece {piece} begins {gap:.3e} mm from the end of the piece before; join the pieces in CAD")]
     Gap {
@@ -87,6 +97,11 @@ pub enum RailError {
 
 /// Ends closer than this share of the rail's size are one point: what ten printed digits give.
 const SAME: f64 = 1e-9;
+/// Greatest coordinate, mm: a million kilometres; squares and cubes of larger ones leave the numbers.
+const FARTHEST: f64 = 1e12;
+/// Points beyond both ends of a closed row that its spline runs through too: the influence of a point falls to a
+/// quarter with every point, and is rounding after so many.
+const WRAP: usize = 26;
 /// Largest gap between pieces, share of the size: CAD systems join edges to about this.
 const GAP: f64 = 1e-6;
 /// Turn of the tangent (rad) above which a joint is a corner: well above what writers of splines lose, well below
@@ -114,6 +129,10 @@ impl Rail {
             for (index, h) in c.control.iter().enumerate() {
                 if h.iter().any(|x| !x.is_finite()) || h[3] <= 0.0 {
                     return Err(RailError::NotFinite { rail: rail(), index });
+                }
+                let value = place(h).amax();
+                if value.is_nan() || value > FARTHEST {
+                    return Err(RailError::TooFar { rail: rail(), index, value });
                 }
                 bbox.include(&place(h));
             }
@@ -204,7 +223,8 @@ impl Rail {
         Self::new(name, &lines)
     }
 
-    /// The cubic spline through points with chord-length parameters; corners where chords turn by more than 30°.
+    /// The cubic spline through points with chord-length parameters; corners where chords turn by more than 30°. A
+    /// row of points that ends where it begins, and has no corner there or elsewhere, is smooth at its seam too.
     ///
     /// # Errors
     /// See [`RailError`].
@@ -223,20 +243,26 @@ impl Rail {
             }
         }
         corners.push(points.len() - 1);
+        if corners.len() == 2 && seam_is_smooth(&points) {
+            // Once more round on both sides; of the spline through all, the one turn is kept.
+            let n = points.len() - 1;
+            let wrap = WRAP.min(n);
+            let row: Vec<Vec3> = (0..=n + 2 * wrap).map(|k| points[(k + n - wrap) % n]).collect();
+            let stretch: Vec<[f64; 3]> = row.iter().map(|p| (*p).into()).collect();
+            let parameters = lsq::chord_parameters(&stretch);
+            let whole = cubic_through(name, &stretch)?;
+            let spline = |source| RailError::Spline { rail: name.into(), source };
+            let mut once = whole.restricted(parameters[wrap], parameters[wrap + n]).map_err(spline)?;
+            // Both ends exactly at the given point.
+            let last = once.control.len() - 1;
+            let end = homogeneous(&points[0]);
+            (once.control[0], once.control[last]) = (end, end);
+            return Self::new(name, &[once]);
+        }
         let mut curves = Vec::new();
         for w in corners.windows(2) {
             let stretch: Vec<[f64; 3]> = points[w[0]..=w[1]].iter().map(|p| (*p).into()).collect();
-            let parameters = lsq::chord_parameters(&stretch);
-            let degree = 3.min(stretch.len() - 1);
-            let n = stretch.len();
-            let mut values = vec![0.0; degree + 1];
-            values.extend((1..n - degree).map(|j| parameters[j..j + degree].iter().sum::<f64>() / degree as f64));
-            values.extend(std::iter::repeat_n(1.0, degree + 1));
-            let fitted = Knots::new(degree, values, n)
-                .map_err(LsqError::from)
-                .and_then(|knots| lsq::fit(&stretch, &parameters, &knots))
-                .map_err(|source| RailError::Fit { rail: name.into(), source })?;
-            curves.push(super::strip::homogeneous(&fitted.curve));
+            curves.push(cubic_through(name, &stretch)?);
         }
         Self::new(name, &curves)
     }
@@ -420,10 +446,37 @@ fn is_straight(c: &Curve<4>) -> bool {
 }
 
 fn finite(name: &str, points: &[Vec3]) -> Result<(), RailError> {
-    match points.iter().position(|p| p.iter().any(|x| !x.is_finite())) {
-        Some(index) => Err(RailError::NotFinite { rail: name.into(), index }),
+    if let Some(index) = points.iter().position(|p| p.iter().any(|x| !x.is_finite())) {
+        return Err(RailError::NotFinite { rail: name.into(), index });
+    }
+    match points.iter().position(|p| p.amax() > FARTHEST) {
+        Some(index) => Err(RailError::TooFar { rail: name.into(), index, value: points[index].amax() }),
         None => Ok(()),
     }
+}
+
+/// The cubic spline through points with chord-length parameters; of lower degree through fewer than four.
+fn cubic_through(name: &str, stretch: &[[f64; 3]]) -> Result<Curve<4>, RailError> {
+    let parameters = lsq::chord_parameters(stretch);
+    let degree = 3.min(stretch.len() - 1);
+    let n = stretch.len();
+    let mut values = vec![0.0; degree + 1];
+    values.extend((1..n - degree).map(|j| parameters[j..j + degree].iter().sum::<f64>() / degree as f64));
+    values.extend(std::iter::repeat_n(1.0, degree + 1));
+    let fitted = Knots::new(degree, values, n)
+        .map_err(LsqError::from)
+        .and_then(|knots| lsq::fit(stretch, &parameters, &knots))
+        .map_err(|source| RailError::Fit { rail: name.into(), source })?;
+    Ok(super::strip::homogeneous(&fitted.curve))
+}
+
+/// Whether a row of points ends where it begins, with chords that do not turn by a corner there.
+fn seam_is_smooth(points: &[Vec3]) -> bool {
+    let n = points.len() - 1;
+    let size = BBox::of(points.iter()).diagonal();
+    n >= 4
+        && (points[n] - points[0]).norm() <= SAME * size
+        && (points[n] - points[n - 1]).angle(&(points[1] - points[0])) <= POINT_CORNER
 }
 
 /// Cuts a curve at knots where its tangent turns; the pieces on [0, 1].
@@ -540,14 +593,19 @@ mod tests {
         let r = Rail::through("loop", &round).expect("rail");
         let turned = r.started_at(0.3).expect("rail");
         assert!((turned.point(0.0) - r.point(0.3)).norm() < 1e-12 && (turned.length() - r.length()).abs() < 1e-9);
-        // A spline through points has a slight corner at its seam, which stays.
-        assert_eq!(turned.pieces.len(), 2);
+        // The spline is smooth at its seam: the turned rail is one piece again.
+        assert_eq!((r.pieces.len(), turned.pieces.len()), (1, 1));
+        let (end, start) = (tangent(&r.pieces[0], 1.0), tangent(&r.pieces[0], 0.0));
+        assert!(end.angle(&start) < 1e-9, "{:e}", end.angle(&start));
     }
 
     #[test]
     fn what_is_no_rail_is_refused_by_name() {
         let p = Vec3::new(1.0, 2.0, 3.0);
         assert!(matches!(Rail::polyline("a", &[p, p]), Err(RailError::Empty { .. })));
+        let far = Vec3::new(1e300, 0.0, 0.0);
+        assert!(matches!(Rail::through("a", &[p, far]), Err(RailError::TooFar { index: 1, .. })));
+        assert!(matches!(Rail::polyline("a", &[p, far]), Err(RailError::TooFar { index: 1, .. })));
         assert!(matches!(Rail::through("a", &[]), Err(RailError::Empty { .. })));
         let nan = Vec3::new(f64::NAN, 0.0, 0.0);
         assert_eq!(Rail::through("a", &[p, nan]), Err(RailError::NotFinite { rail: "a".into(), index: 1 }));

@@ -213,7 +213,7 @@ fn fan(
     apex_after: usize,
     side: usize,
 ) -> Result<Option<BuiltStrip>, LoftError> {
-    let [t0, t1] = range;
+    let [t0, t1] = range.map(|t| at_knot(&rail.pieces[piece], t));
     if t1 - t0 <= REST {
         return Ok(None);
     }
@@ -616,6 +616,15 @@ mod tests {
         let facets: f64 =
             strips.iter().filter(|s| s.strip.kind == PanelKind::Plane).map(|s| s.strip.area_estimate()).sum();
         assert!((facets - 4.0 * 1.210_619_676_033_724_4).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_fan_that_begins_beside_a_knot_has_no_span_of_that_width() {
+        let circle = ellipse(Vec3::zeros(), 1.0, 1.0);
+        for off in [-5e-16, 0.0, 5e-16, 1e-12] {
+            let made = fan(&circle, 0, [0.25 + off, 0.75 - off], Vec3::z(), 0, 0).expect("fan").expect("fan");
+            assert_eq!(made.strip.patch.knots_u.breaks().len(), 3, "{off:e}");
+        }
     }
 
     #[test]

@@ -30,6 +30,14 @@ pub enum LoftError {
         /// Distance, mm.
         gap: f64,
     },
+    /// All of both rails lies in one line.
+    #[error("{a} and {b} lie in one line: there is no surface between them; check that the right curves were named")]
+    OneLine {
+        /// First rail.
+        a: String,
+        /// Second rail.
+        b: String,
+    },
     /// No tangents of the rails are coplanar anywhere, monotonically.
     #[error("no plane touches both {a} and {b} along a run of rulings ({count} branches, none regular and monotone); ask for the strip of least twist")]
     NoBranch {
@@ -66,16 +74,24 @@ pub enum LoftError {
     Spline(#[from] SplineError),
 }
 
+/// Breadth of both rails, as a share of their length, below which they are one line.
+const THIN: f64 = 1e-9;
 /// Share of the size below which rails touch.
 const TOUCH: f64 = 1e-7;
 
-/// Refuses rails that touch.
+/// Refuses rails that touch, and rails that lie in one line.
 ///
 /// # Errors
-/// [`LoftError::Touch`] with the place.
+/// [`LoftError::Touch`] with the place; [`LoftError::OneLine`].
 pub fn apart(a: &Rail, b: &Rail) -> Result<(), LoftError> {
     const POINTS: usize = 200;
     let (p, q) = (a.samples(POINTS), b.samples(POINTS));
+    let all = || p.iter().chain(&q);
+    // The farthest point of all from the first, and the farthest from the line through both.
+    let far = all().map(|x| x - p[0]).max_by(|x, y| x.norm_squared().total_cmp(&y.norm_squared())).unwrap_or_default();
+    if all().all(|x| (x - p[0]).cross(&far).norm() <= THIN * far.norm_squared()) {
+        return Err(LoftError::OneLine { a: a.name.clone(), b: b.name.clone() });
+    }
     let size = a.bbox().diagonal().max(b.bbox().diagonal());
     let mut least = (f64::INFINITY, 0, 0);
     for i in 0..p.len() - 1 {
