@@ -36,6 +36,8 @@ pub struct Job {
     pub limits: Limits,
     /// Whether neighbouring strips are to meet.
     pub meet: bool,
+    /// Angle up to which edges between faces count as smooth, rad.
+    pub smooth_angle: f64,
 }
 
 /// Reads a STEP file. `name` is for messages.
@@ -71,6 +73,7 @@ fn options(job: &Job) -> Options {
         input: job.name.clone(),
         limits: job.limits,
         meet: job.meet,
+        smooth_angle: job.smooth_angle,
     }
 }
 
@@ -146,6 +149,7 @@ fn hint(error: &ApproximateError) -> &'static str {
             "give a larger tolerance; if the size of the model looks wrong, check its unit with 'torse info'"
         }
         ApproximateError::Limit { .. } => "give a positive length, or leave the limit out",
+        ApproximateError::SmoothAngle(_) => "give degrees, for example --smooth-angle 0.5; 0 keeps faces apart",
         ApproximateError::MaxPanels => "give --max-panels 1 or more, or leave it out",
     }
 }

@@ -24,7 +24,8 @@ const CONE: &[u8] = include_bytes!("../../../data/cone_holes.step");
 const TOLERANCE: f64 = 10.0;
 
 fn options(tolerance: f64) -> Options {
-    Options { tolerance, max_panels: None, input: "model".into(), limits: Limits::default(), meet: false }
+    let limits = Limits::default();
+    Options { tolerance, max_panels: None, input: "model".into(), limits, meet: false, smooth_angle: 0.0 }
 }
 
 fn run(bytes: &[u8], options: &Options) -> Result<Outcome, ApproximateError> {

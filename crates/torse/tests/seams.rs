@@ -17,8 +17,14 @@ const TOLERANCE: f64 = 2.0;
 
 fn run(meet: bool) -> Outcome {
     let model = read(TORUS).expect("a model");
-    let options =
-        Options { tolerance: TOLERANCE, max_panels: None, input: "torus".into(), limits: Limits::default(), meet };
+    let options = Options {
+        tolerance: TOLERANCE,
+        max_panels: None,
+        input: "torus".into(),
+        limits: Limits::default(),
+        meet,
+        smooth_angle: 0.0,
+    };
     approximate(model.faces, model.skipped, &options, &Control::default()).expect("an outcome")
 }
 

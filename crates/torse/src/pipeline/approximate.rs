@@ -14,6 +14,7 @@ use crate::fit::boundary::{self, Assigned, Borders, BoundaryError, BoundaryOptio
 use crate::geom::partition::Partition;
 use crate::geom::BBox;
 use crate::surface::face::Face;
+use crate::surface::join::{joined, JoinOptions};
 use crate::surface::panel::{Border, Panel, Patchwork};
 use crate::surface::pattern::Pattern;
 use crate::surface::torse::PanelKind;
@@ -34,7 +35,14 @@ pub struct Options {
     pub limits: Limits,
     /// Whether neighbouring strips are to meet in common seams where that can be certified.
     pub meet: bool,
+    /// Greatest angle (rad) between faces along a common edge across which they are covered as one surface; 0 covers
+    /// each face for itself. See [`crate::surface::join`].
+    pub smooth_angle: f64,
 }
+
+/// Angle between faces (degrees) up to which an edge counts as smooth unless something else is asked for: modelling
+/// programs join surfaces smoothly within a tenth of a degree, and edges that are meant as such are sharper by far.
+pub const SMOOTH_ANGLE_DEG: f64 = 0.5;
 
 /// Why the job cannot be done at all.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -66,6 +74,9 @@ pub enum ApproximateError {
         /// Asked for, mm.
         value: f64,
     },
+    /// Angle of smooth edges that is none.
+    #[error("the angle of smooth edges must lie between 0 and 90 degrees, not at {0}")]
+    SmoothAngle(f64),
     /// Limit of panels that cannot be kept.
     #[error("the greatest number of panels must be at least 1")]
     MaxPanels,
@@ -73,6 +84,9 @@ pub enum ApproximateError {
 
 /// Share of the model's size below which no tolerance is accepted (certificate specification, 3).
 const PRECISION: f64 = 1e-10;
+/// Share of the tolerance by which control points of two faces may differ along an edge across which they are joined;
+/// what is used of it is taken from the tolerance of the panels.
+const MISMATCH_SHARE: f64 = 0.01;
 /// Share of the tolerance that a trim curve may stray from the region's border.
 const TRIM_SHARE: f64 = 1.0 / 250.0;
 /// Share of that by which the edge in space may stray from the trim curve on its patch.
@@ -125,6 +139,9 @@ pub fn approximate(
     if let Some((name, value)) = options.limits.named().into_iter().find(|(_, v)| !v.is_none_or(|v| v > 0.0)) {
         return Err(ApproximateError::Limit { name, value: value.unwrap_or(f64::NAN) });
     }
+    if !(0.0..std::f64::consts::FRAC_PI_2).contains(&options.smooth_angle) {
+        return Err(ApproximateError::SmoothAngle(options.smooth_angle.to_degrees()));
+    }
     if faces.is_empty() {
         let why = skipped.first().map_or("the file holds none".to_owned(), |s| format!("#{}: {}", s.entity, s.reason));
         return Err(ApproximateError::NoFaces(why));
@@ -139,6 +156,7 @@ pub fn approximate(
     if tolerance < PRECISION * size {
         return Err(ApproximateError::Precision { tolerance, size, least: PRECISION * size });
     }
+    let faces = smoothly_joined(faces, tolerance, options.smooth_angle);
     let total = faces.len();
     let finished = AtomicUsize::new(0);
     let built: Vec<Result<Built, Skipped>> = faces
@@ -194,6 +212,11 @@ pub fn approximate(
     })
 }
 
+/// Faces that go on smoothly within an angle (rad) as one, as exactly as a tolerance (mm) asks for.
+pub fn smoothly_joined(faces: Vec<Face>, tolerance: f64, angle: f64) -> Vec<Face> {
+    joined(faces, &JoinOptions { angle, mismatch: tolerance * MISMATCH_SHARE })
+}
+
 /// Limits of sheet and material that panels do not keep, in plain words: the first panel of each kind.
 fn limits_missed(
     patchwork: &Patchwork,
@@ -236,8 +259,9 @@ fn one_face(index: usize, mut face: Face, options: &Options, control: &Control) 
     corners_on_knot_lines(&mut face);
     let refuse = |reason: String| Skipped { entity, reason };
     let limit = options.max_panels.unwrap_or(usize::MAX);
-    let mut cover_options =
-        CoverOptions { tolerance: options.tolerance, max_panels: limit, facets: false, limits: options.limits };
+    // What joining moved belongs to the distance from the file's faces: the rest is left for the search.
+    let tolerance = options.tolerance - face.joint_bound;
+    let mut cover_options = CoverOptions { tolerance, max_panels: limit, facets: false, limits: options.limits };
     let mut found = cover(&face, &cover_options, control).map_err(|e| refuse(e.to_string()))?;
     while !found.complete && !control.stopped() {
         // Too many panels: the fewest that were asked for, as near as they can be.
@@ -252,7 +276,7 @@ fn one_face(index: usize, mut face: Face, options: &Options, control: &Control) 
     let mut sheets = 0;
     loop {
         let (built, refused) = build(index, &face, &state, options.tolerance);
-        if control.stopped() || cover_options.tolerance > options.tolerance {
+        if control.stopped() || cover_options.tolerance > tolerance {
             return Ok(built);
         }
         if refused.is_empty() {

@@ -242,7 +242,9 @@ fn named(group: Group, faces: &[Face]) -> Face {
     let first = &faces[members[0]];
     (face.entity, face.part) = (first.entity, first.part.clone());
     // Copies of one face in an assembly are told apart by their order.
-    face.parts = members.iter().map(|&k| FacePart { entity: faces[k].entity, name: faces[k].name.clone() }).collect();
+    let part = |f: &Face| FacePart { entity: f.entity, name: f.name.clone() };
+    let parts = |f: &Face| if f.parts.is_empty() { vec![part(f)] } else { f.parts.clone() };
+    face.parts = members.iter().flat_map(|&k| parts(&faces[k])).collect();
     let title = |p: &FacePart| if p.name.is_empty() { format!("#{}", p.entity) } else { p.name.clone() };
     face.name = face.parts.iter().map(title).collect::<Vec<_>>().join(" + ");
     if members.iter().any(|&k| faces[k].kind != first.kind) {
