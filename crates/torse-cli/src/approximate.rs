@@ -1,14 +1,15 @@
 //! `torse approximate`: the main job.
 
-use crate::args::{Approximate, Seams};
+use crate::args::{self, Approximate, Seams};
 use crate::failure::{os_reason, Failure};
 use crate::folder::Output;
+use crate::loft::rail;
 use crate::quantity::Length;
 use crate::terminal::Terminal;
 use crate::wiring;
 use std::io::Write;
 use std::path::Path;
-use torse::pipeline::cover::Limits;
+use torse::pipeline::cover::{Guide, Layout, LayoutKind, Limits, SeamPlane};
 use torse::pipeline::outcome::{Outcome, Status};
 
 /// Share of the tolerance that panels may use if cones follow: the rest is for the cones, which are many where it is
@@ -19,6 +20,7 @@ const PANELS_OF_CONES: f64 = 0.6;
 pub fn run(arguments: &Approximate) -> Result<bool, Failure> {
     let file = &arguments.file;
     let bytes = contents(file)?;
+    let layout = layout(arguments)?;
     let output = Output::prepare(&arguments.out, file, arguments.force)?;
     let terminal = Terminal::new(arguments.quiet, arguments.time_limit)?;
     terminal.guard(Some(output.staging().to_path_buf()));
@@ -34,6 +36,7 @@ pub fn run(arguments: &Approximate) -> Result<bool, Failure> {
         tolerance: if arguments.cones { PANELS_OF_CONES } else { 1.0 } * arguments.tolerance.mm,
         max_panels: arguments.max_panels.map(|n| n as usize),
         limits: limits(arguments),
+        layout,
         meet: arguments.seams == Seams::Meet,
         smooth_angle: arguments.smooth_angle.to_radians(),
     };
@@ -83,6 +86,25 @@ fn limits(arguments: &Approximate) -> Limits {
         max_width: mm(&arguments.max_width),
         max_length: mm(&arguments.max_length),
     }
+}
+
+/// Points on a guide curve.
+const GUIDE_POINTS: usize = 400;
+
+/// Where strips and seams run.
+fn layout(arguments: &Approximate) -> Result<Layout, Failure> {
+    let guide = match (&arguments.direction, &arguments.guide) {
+        (Some(d), _) => Some(Guide::Direction(*d)),
+        (None, Some(file)) => Some(Guide::Curve(rail(file, arguments.unit, false)?.samples(GUIDE_POINTS))),
+        (None, None) => None,
+    };
+    let kind = match arguments.layout {
+        args::Layout::Auto => LayoutKind::Auto,
+        args::Layout::Strips => LayoutKind::Strips,
+        args::Layout::Rings => LayoutKind::Rings,
+    };
+    let seams = arguments.seam_at.iter().map(|s| SeamPlane { normal: s.axis, offset: s.at }).collect();
+    Ok(Layout { kind, guide, seams })
 }
 
 /// Reads the input file.

@@ -1,11 +1,13 @@
 //! Arguments and help.
 
 use crate::quantity::{
-    ball, positive_count, positive_length, positive_time, smooth_angle, two_shares, unit_of_length, Length,
+    ball, direction, positive_count, positive_length, positive_time, section, smooth_angle, two_shares, unit_of_length,
+    Length, Section,
 };
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
 use std::time::Duration;
+use torse::geom::Vec3;
 use torse::pipeline::approximate::SMOOTH_ANGLE_DEG;
 
 /// Developable panels from freeform CAD surfaces, with a proof of the deviation.
@@ -98,6 +100,26 @@ pub struct Approximate {
     #[arg(long, value_name = "LENGTH", value_parser = positive_length, allow_hyphen_values = true)]
     pub min_clearance: Option<Length>,
 
+    /// How panels are laid
+    #[arg(long, value_name = "HOW", value_enum, default_value_t = Layout::Auto)]
+    pub layout: Layout,
+
+    /// Direction that strips run along: x, y, z or three numbers, such as 1,0,0.5
+    #[arg(long, value_name = "DIRECTION", value_parser = direction, allow_hyphen_values = true, conflicts_with = "guide")]
+    pub direction: Option<Vec3>,
+
+    /// Curve whose tangents strips run along: an edge of a STEP file (FILE#NUMBER), a DXF curve, or a table of points
+    #[arg(long, value_name = "CURVE")]
+    pub guide: Option<String>,
+
+    /// Unit of a guide that does not say its own: mm, cm, m, in, ft
+    #[arg(long, value_name = "UNIT", value_parser = unit_of_length, requires = "guide")]
+    pub unit: Option<f64>,
+
+    /// Plane in which a seam must run, such as x=1200mm; may be given several times
+    #[arg(long, value_name = "AXIS=LENGTH", value_parser = section, allow_hyphen_values = true)]
+    pub seam_at: Vec<Section>,
+
     /// Stop after this time, with its unit: 60s, 5min; the result may then be uncertified
     #[arg(long, value_name = "TIME", value_parser = positive_time, allow_hyphen_values = true)]
     pub time_limit: Option<Duration>,
@@ -135,6 +157,17 @@ pub enum Seams {
     Meet,
     /// Not at all: each strip is the best for itself, gaps stay within the tolerance
     Independent,
+}
+
+/// How panels are laid.
+#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Layout {
+    /// As few panels as can be
+    Auto,
+    /// Strips from side to side, even where other cuts would need fewer panels
+    Strips,
+    /// Strips around the middle of every face
+    Rings,
 }
 
 /// Arguments of `cones`.

@@ -2,6 +2,7 @@
 //! the wrong unit costs material.
 
 use std::time::Duration;
+use torse::geom::Vec3;
 
 /// A length given on the command line.
 #[derive(Clone, Debug, PartialEq)]
@@ -79,6 +80,52 @@ pub fn positive_length(text: &str) -> Result<Length, String> {
     Ok(Length { mm, text: text.trim().to_string() })
 }
 
+/// A plane square to an axis of the model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Section {
+    /// Unit vector of the axis.
+    pub axis: Vec3,
+    /// Place on the axis, mm.
+    pub at: f64,
+}
+
+/// Reads a plane such as `x=1200mm`.
+pub fn section(text: &str) -> Result<Section, String> {
+    let example = "write an axis and a length, such as x=1200mm";
+    let (name, place) = text.split_once('=').ok_or_else(|| format!("'{text}': {example}"))?;
+    let axis = axis(name).ok_or_else(|| format!("'{}' is no axis: {example}", name.trim()))?;
+    let place = place.trim();
+    let (sign, size) = place.strip_prefix('-').map_or((1.0, place), |rest| (-1.0, rest));
+    // Nought needs no unit, and is the one length that may be given without being positive.
+    let at = if size.parse() == Ok(0.0) { 0.0 } else { positive_length(size)?.mm };
+    Ok(Section { axis, at: sign * at })
+}
+
+/// Reads a direction: an axis with or without a sign, or three numbers.
+pub fn direction(text: &str) -> Result<Vec3, String> {
+    let text = text.trim();
+    if let Some(d) = axis(text) {
+        return Ok(d);
+    }
+    let numbers: Option<Vec<f64>> = text.split(',').map(|w| w.trim().parse::<f64>().ok()).collect();
+    match numbers.as_deref() {
+        Some(&[x, y, z]) if [x, y, z].iter().all(|v| v.is_finite()) && Vec3::new(x, y, z).norm() > 0.0 => {
+            Ok(Vec3::new(x, y, z).normalize())
+        }
+        _ => Err(format!("'{text}' is no direction: write x, y, z or three numbers, such as 1,0,0.5")),
+    }
+}
+
+/// The unit vector of an axis by its name.
+fn axis(name: &str) -> Option<Vec3> {
+    match name.trim() {
+        "x" | "X" => Some(Vec3::x()),
+        "y" | "Y" => Some(Vec3::y()),
+        "z" | "Z" => Some(Vec3::z()),
+        _ => None,
+    }
+}
+
 /// Reads the name of a unit of length; the answer is its size in mm.
 pub fn unit_of_length(text: &str) -> Result<f64, String> {
     LENGTH_UNITS
@@ -147,6 +194,21 @@ pub fn ball(text: &str) -> Result<[f64; 4], String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn planes_and_directions_are_understood() {
+        assert_eq!(section("x=1.2m"), Ok(Section { axis: Vec3::x(), at: 1200.0 }));
+        assert_eq!(section(" Z = -5mm"), Ok(Section { axis: Vec3::z(), at: -5.0 }));
+        assert_eq!(section("y=0"), Ok(Section { axis: Vec3::y(), at: 0.0 }));
+        for bad in ["x", "w=3mm", "x=12", "x=--3mm", "x=NaN", "=3mm"] {
+            assert!(section(bad).is_err(), "{bad}");
+        }
+        assert_eq!(direction("y"), Ok(Vec3::y()));
+        assert_eq!(direction("0,-2,0"), Ok(-Vec3::y()));
+        for bad in ["", "1,0", "0,0,0", "inf,0,0", "north"] {
+            assert!(direction(bad).is_err(), "{bad}");
+        }
+    }
 
     #[test]
     fn units_are_understood() {

@@ -6,7 +6,7 @@ use torse::io::step::read::ReadError;
 use torse::pipeline::approximate::{self as pipeline, ApproximateError, Options};
 use torse::pipeline::cone_shapes;
 use torse::pipeline::cones::{self as cone_pipeline, ConesOptions, ConesOutcome};
-use torse::pipeline::cover::Limits;
+use torse::pipeline::cover::{Layout, Limits};
 use torse::pipeline::outcome::{Outcome, Skipped};
 use torse::pipeline::presentation::present;
 use torse::pipeline::sweep;
@@ -34,6 +34,8 @@ pub struct Job {
     pub max_panels: Option<usize>,
     /// What sheet and material allow.
     pub limits: Limits,
+    /// Where strips and seams run.
+    pub layout: Layout,
     /// Whether neighbouring strips are to meet.
     pub meet: bool,
     /// Angle up to which edges between faces count as smooth, rad.
@@ -72,6 +74,7 @@ fn options(job: &Job) -> Options {
         max_panels: job.max_panels,
         input: job.name.clone(),
         limits: job.limits,
+        layout: job.layout.clone(),
         meet: job.meet,
         smooth_angle: job.smooth_angle,
     }
@@ -150,6 +153,8 @@ fn hint(error: &ApproximateError) -> &'static str {
         }
         ApproximateError::Limit { .. } => "give a positive length, or leave the limit out",
         ApproximateError::SmoothAngle(_) => "give degrees, for example --smooth-angle 0.5; 0 keeps faces apart",
+        ApproximateError::SeamPlane { .. } => "give a plane through the model; 'torse info' tells its size",
+        ApproximateError::Guide => "give a direction such as x or 1,0,0.5, or a curve of at least two different points",
         ApproximateError::MaxPanels => "give --max-panels 1 or more, or leave it out",
     }
 }

@@ -9,7 +9,7 @@ use torse::geom::Vec3;
 use torse::io::bundle;
 use torse::io::step::read::{read, read_with, ReadOptions};
 use torse::pipeline::approximate::{approximate, ApproximateError, Options};
-use torse::pipeline::cover::Limits;
+use torse::pipeline::cover::{Guide, Layout, LayoutKind, Limits, SeamPlane};
 use torse::pipeline::outcome::{Outcome, Status};
 use torse::pipeline::presentation::present;
 use torse::spline::surface::Surface;
@@ -24,8 +24,15 @@ const CONE: &[u8] = include_bytes!("../../../data/cone_holes.step");
 const TOLERANCE: f64 = 10.0;
 
 fn options(tolerance: f64) -> Options {
-    let limits = Limits::default();
-    Options { tolerance, max_panels: None, input: "model".into(), limits, meet: false, smooth_angle: 0.0 }
+    Options {
+        tolerance,
+        max_panels: None,
+        input: "model".into(),
+        limits: Limits::default(),
+        layout: Layout::default(),
+        meet: false,
+        smooth_angle: 0.0,
+    }
 }
 
 fn run(bytes: &[u8], options: &Options) -> Result<Outcome, ApproximateError> {
@@ -283,6 +290,69 @@ fn cancelled_work_answers_with_what_it_has() {
     let o = approximate(model.faces, model.skipped, &options(0.5), &control).expect("an outcome");
     assert!(matches!(&o.status, Status::Uncertified(reason) if reason.contains("ended early")), "{:?}", o.status);
     assert!(!o.patchwork.panels.is_empty());
+}
+
+/// Strips of the piece of a torus run along its meridians when its axis is given as their direction, and around the
+/// axis when the guide does.
+#[test]
+fn strips_follow_a_direction_and_a_guide() {
+    let circle: Vec<Vec3> = (0..=40)
+        .map(|i| (f64::from(i) * std::f64::consts::FRAC_PI_2 / 40.0).sin_cos())
+        .map(|(s, c)| Vec3::new(850.0 * c, 850.0 * s, 0.0))
+        .collect();
+    let guides = [(Guide::Direction(Vec3::z()), true), (Guide::Curve(circle), false)];
+    for (guide, meridians) in guides {
+        let layout = Layout { guide: Some(guide), ..Layout::default() };
+        let o = run(TORUS, &Options { layout, ..options(TOLERANCE) }).expect("an outcome");
+        assert_eq!(o.status, Status::Certified);
+        let seams = o.patchwork.seams();
+        assert!(!seams.is_empty());
+        for seam in seams {
+            let edge = &seam.sides[0].run.edge;
+            let d = Vec3::from(edge.point(0.55)) - Vec3::from(edge.point(0.45));
+            let x = edge.point(0.5);
+            // Share of the direction around the axis.
+            let around = Vec3::new(-x[1], x[0], 0.0).normalize().dot(&d.normalize()).abs();
+            assert!(if meridians { around < 0.5 } else { around > 0.85 }, "{around}");
+        }
+    }
+}
+
+#[test]
+fn seams_that_are_asked_for_are_kept() {
+    let plane = SeamPlane { normal: Vec3::x(), offset: 500.0 };
+    let layout = Layout { seams: vec![plane], ..Layout::default() };
+    let o = run(TORUS, &Options { layout, ..options(TOLERANCE) }).expect("an outcome");
+    assert_eq!(o.status, Status::Certified);
+    for panel in &o.patchwork.panels {
+        let heights = trims(panel).into_iter().flatten().map(|p| panel.patch.point(p[0], p[1]).x - plane.offset);
+        let (lo, hi) = heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), h| (a.min(h), b.max(h)));
+        // Panels leave the surface, and so the plane, by no more than the tolerance.
+        assert!(lo > -TOLERANCE || hi < TOLERANCE, "{}: {lo} to {hi}", panel.name);
+    }
+    let layout = Layout { seams: vec![SeamPlane { offset: 5000.0, ..plane }], ..Layout::default() };
+    let e = run(TORUS, &Options { layout, ..options(TOLERANCE) }).expect_err("refused");
+    assert!(matches!(e, ApproximateError::SeamPlane { index: 1, .. }), "{e}");
+    let layout = Layout { guide: Some(Guide::Direction(Vec3::zeros())), ..Layout::default() };
+    let e = run(TORUS, &Options { layout, ..options(TOLERANCE) }).expect_err("refused");
+    assert_eq!(e, ApproximateError::Guide);
+}
+
+/// Rings around the middle: every panel but the caps leaves it out, and seams run around it.
+#[test]
+fn rings_run_around_the_middle() {
+    let layout = Layout { kind: LayoutKind::Rings, ..Layout::default() };
+    let o = run(TORUS, &Options { layout, ..options(TOLERANCE) }).expect("an outcome");
+    assert_eq!(o.status, Status::Certified);
+    // The middle of the piece, on its outer equator.
+    let middle = Vec3::new(850.0 * 0.5f64.sqrt(), 850.0 * 0.5f64.sqrt(), 0.0);
+    let seams = o.patchwork.seams();
+    let closest = |s: &torse::surface::seam::Seam| {
+        let edge = &s.sides[0].run.edge;
+        (0..=20).map(|i| (Vec3::from(edge.point(f64::from(i) / 20.0)) - middle).norm()).fold(f64::INFINITY, f64::min)
+    };
+    // One cut goes through the middle, the other seams keep clear of it.
+    assert!(seams.iter().filter(|s| closest(s) > 60.0).count() * 3 >= seams.len(), "{}", seams.len());
 }
 
 #[test]

@@ -8,7 +8,7 @@ use torse::geom::Vec3;
 use torse::io::step::read::read;
 use torse::io::step::write::{panels, Header};
 use torse::pipeline::approximate::{approximate, Options};
-use torse::pipeline::cover::Limits;
+use torse::pipeline::cover::{Layout, Limits};
 use torse::pipeline::outcome::{Outcome, Status};
 use torse::surface::panel::Border;
 
@@ -22,6 +22,7 @@ fn run(meet: bool) -> Outcome {
         max_panels: None,
         input: "torus".into(),
         limits: Limits::default(),
+        layout: Layout::default(),
         meet,
         smooth_angle: 0.0,
     };

@@ -199,6 +199,7 @@ fn trigonometric(a: f64, b: f64, c: f64) -> Option<[f64; 2]> {
 /// that it turns forward; [`osculating_spline`] selects.
 pub fn joins(first: &Osculating, second: &Osculating) -> Vec<Join> {
     match (first.shape, second.shape) {
+        (Shape::Cone { .. }, Shape::Cone { .. }) if arcs::leave_choice(first, second) => Vec::new(),
         (Shape::Cone { distance: d1, .. }, Shape::Cone { .. }) => {
             let Shape::Cone { cos_gamma: k1, sin_gamma: s1, .. } = first.shape else { return Vec::new() };
             let Shape::Cone { distance: d2, cos_gamma: k2, sin_gamma: s2, .. } = second.shape else {
@@ -470,7 +471,7 @@ mod tests {
     }
 
     #[test]
-    fn joins_that_do_not_exist_are_replaced_by_pairs() {
+    fn the_helical_surface_of_constant_slope_gets_an_osculating_arc_spline() {
         let helix =
             crate::surface::ruled_strip::HelicalStrip { radius: 1.0, rise: 0.6, reach: [1.0, 2.0], domain: (0.0, 2.0) };
         use crate::surface::ruled_strip::RuledStrip;
@@ -478,8 +479,38 @@ mod tests {
             .map(|i| helix.jet(0.3 * f64::from(i)))
             .map(|j| Osculating::of(&j.element().expect("element"), &j))
             .collect();
+        // (14) says nothing here.
+        assert!(joins(&cones[0], &cones[1]).is_empty());
         let s = osculating_spline(&cones, &[], &ConeOptions::default()).expect("spline");
-        assert_eq!(s.pairs, [0, 1, 2]);
+        assert!(s.pairs.is_empty() && s.spline.segments.len() == 7, "{:?}", s.pairs);
+        assert!(s.spline.segments.iter().all(|s| s.fault().is_none()) && s.spline.mismatch(1.0) < 1e-12);
+        assert!(s.spline.segments[6].end().mismatch(&cones[3].element, 1.0) < 1e-12);
+        // Fillers have the slope of the surface and vertical axes.
+        for s in &s.spline.segments {
+            assert!((s.axis().z.abs() - 1.0).abs() < 1e-12, "{s:?}");
+        }
+    }
+
+    #[test]
+    fn joins_that_do_not_exist_are_replaced_by_pairs() {
+        // Near u = 0 the conical curvature has an extremum, and joins turn backwards.
+        let jet = |u: f64| {
+            let c = [
+                Vec3::new(u, u * u, u.powi(4)),
+                Vec3::new(1.0, 2.0 * u, 4.0 * u.powi(3)),
+                Vec3::new(0.0, 2.0, 12.0 * u * u),
+                Vec3::new(0.0, 0.0, 24.0 * u),
+            ];
+            tangent_strip(&c, [1.0, 2.0])
+        };
+        let cones: Vec<Osculating> =
+            [-0.4, -0.2, 0.35, 0.5].map(|u| Osculating::of(&jet(u).element().expect("element"), &jet(u))).to_vec();
+        let s = osculating_spline(&cones, &[], &ConeOptions::default()).expect("spline");
+        let forward = |j: &Join, i: usize| j.segments(&cones[i], &cones[i + 1]).iter().all(|s| s.fault().is_none());
+        let without: Vec<usize> =
+            (0..3).filter(|&i| !joins(&cones[i], &cones[i + 1]).iter().any(|j| forward(j, i))).collect();
+        assert!(!without.is_empty() && without.len() < 3, "{without:?}");
+        assert_eq!(s.pairs, without);
         assert!(s.spline.segments.iter().all(|s| s.fault().is_none()) && s.spline.mismatch(1.0) < 1e-12);
     }
 

@@ -333,9 +333,9 @@ mod tests {
     use crate::surface::cone_spline::{Segment, Shape};
     use crate::surface::g1_element::G1Element;
 
-    /// Three pieces of one cylinder with a round hole over a joint.
+    /// Three pieces of one cylinder about the z axis, normals outwards.
     fn cylinder() -> ConeSpline {
-        let g = G1Element::new(Vec3::new(20.0, 0.0, 0.0), Vec3::z(), Vec3::x()).expect("element");
+        let g = G1Element::new(Vec3::new(20.0, 0.0, 0.0), Vec3::z(), -Vec3::y()).expect("element");
         let mut spline = ConeSpline::default();
         let mut start = g;
         for _ in 0..3 {
@@ -383,7 +383,7 @@ mod tests {
                 for i in 0..=40 {
                     let p = space.point(f64::from(i) / 40.0);
                     let off = (p[0].hypot(p[1]) - 20.0).abs();
-                    assert!(off < 2e-6, "{off:e} {i} {:?}", e.curve);
+                    assert!(off < 2e-6, "{off:e} {k} {i}");
                 }
             }
         }

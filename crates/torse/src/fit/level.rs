@@ -8,6 +8,7 @@
 //!
 //! Not guaranteed: a global minimum, or a field without shortfall (the caller looks at `merit`).
 
+use crate::num::least_squares::BandMatrix;
 use crate::num::linear_program::LinearProgram;
 use crate::spline::field::Field;
 use rayon::prelude::*;
@@ -85,6 +86,8 @@ const WATCHED: usize = 120;
 const JOINING: usize = 24;
 /// Ratio below which a condition counts as failed.
 const FAILED: f64 = 0.985;
+/// Tangent of the angle by which bands may leave a wanted direction.
+pub const TURN: f64 = 0.18;
 /// Programs without gain after which a start ends.
 const STALLED: usize = 3;
 
@@ -127,6 +130,82 @@ pub fn levels(samples: &[Forms], border: &[[f64; 2]], options: &LevelOptions) ->
     found
 }
 
+/// As [`levels`], for bands that run along given directions: `along[i]` is the one wanted at `samples[i]`, in
+/// parameters; zero where there is none. Fields turn from it by at most [`TURN`], or by as much as the least-squares
+/// start already does.
+pub fn levels_along(samples: &[Forms], along: &[[f64; 2]], border: &[[f64; 2]], options: &LevelOptions) -> Vec<Level> {
+    let Some((mut problem, field, _)) = problem(samples, border, options) else { return Vec::new() };
+    let wanted: Vec<Wanted> =
+        samples.iter().zip(along).filter_map(|(s, &a)| Wanted::new(s, a, field.basis(s.uv[0], s.uv[1]))).collect();
+    let Some(start) = follow(&wanted, field) else { return Vec::new() };
+    let step = wanted.len().div_ceil(WATCHED).max(1);
+    problem.wanted = wanted.into_iter().step_by(step).collect();
+    let mut found: Vec<Level> = [1.0, -1.0]
+        .into_par_iter()
+        .filter_map(|sign| Some(problem.refined(problem.rated(start.clone(), sign)?, options.rounds)))
+        .collect();
+    found.sort_by(|a, b| a.merit.total_cmp(&b.merit));
+    found
+}
+
+/// A direction that bands are wanted to follow.
+struct Wanted {
+    basis: Vec<(usize, f64, f64, f64)>,
+    /// The direction and, square to it, the one in which the field should rise; both of unit length on the surface.
+    along: [f64; 2],
+    across: [f64; 2],
+}
+
+impl Wanted {
+    /// `None` without a direction, or where the parametrisation collapses.
+    fn new(s: &Forms, [a, b]: [f64; 2], basis: Vec<(usize, f64, f64, f64)>) -> Option<Self> {
+        let [e, f, g] = s.first;
+        let length = (e * a * a + 2.0 * f * a * b + g * b * b).sqrt();
+        let area = (e * g - f * f).sqrt();
+        if !(length > 0.0 && area > 0.0 && length.is_finite()) {
+            return None;
+        }
+        let (a, b) = (a / length, b / length);
+        Some(Self { basis, along: [a, b], across: [-(f * a + g * b) / area, (e * a + f * b) / area] })
+    }
+
+    /// Coefficients of the slope in a direction.
+    fn slope<'a>(&'a self, [a, b]: &'a [f64; 2]) -> impl Iterator<Item = (usize, f64)> + 'a {
+        self.basis.iter().map(move |&(i, _, du, dv)| (i, du * a + dv * b))
+    }
+
+    /// Slopes of a field along and across.
+    fn slopes(&self, c: &[f64]) -> [f64; 2] {
+        [&self.along, &self.across].map(|d| self.slope(d).map(|(i, x)| x * c[i]).sum())
+    }
+}
+
+/// The field that rises by one per length square to the wanted directions, as nearly as can be.
+fn follow(wanted: &[Wanted], mut field: Field) -> Option<Field> {
+    // Keeps coefficients that no sample sees near each other's mean.
+    const WEAK: f64 = 1e-9;
+    let n = field.coefficients.len();
+    let mut matrix = BandMatrix::zeros(n, n);
+    let mut right = vec![0.0; n];
+    for w in wanted {
+        for (direction, rise) in [(&w.along, 0.0), (&w.across, 1.0)] {
+            let row: Vec<(usize, f64)> = w.slope(direction).collect();
+            for &(i, x) in &row {
+                right[i] += x * rise;
+                row.iter().filter(|t| t.0 <= i).for_each(|&(j, y)| matrix.add_entry(i, j, x * y));
+            }
+        }
+    }
+    let weak = WEAK * (0..n).map(|i| matrix.diagonal(i)).fold(0.0, f64::max);
+    (0..n).for_each(|i| matrix.add_diagonal(i, weak));
+    if wanted.is_empty() || !matrix.factorise() {
+        return None;
+    }
+    matrix.solve(&mut right);
+    field.coefficients = right;
+    Some(field)
+}
+
 /// Rows and extremes, a field over the region's box, and the ratio of the speeds along v and u.
 fn problem(samples: &[Forms], border: &[[f64; 2]], options: &LevelOptions) -> Option<(Problem, Field, f64)> {
     let mut b = [f64::INFINITY, f64::NEG_INFINITY, f64::INFINITY, f64::NEG_INFINITY];
@@ -163,7 +242,7 @@ fn problem(samples: &[Forms], border: &[[f64; 2]], options: &LevelOptions) -> Op
     let value = |p: &[f64; 2]| field.basis(p[0], p[1]).into_iter().map(|(i, n, _, _)| (i, n)).collect();
     let places: Vec<Vec<(usize, f64)>> = samples.iter().map(|s| &s.uv).chain(border).map(value).collect();
     let active = Active { rows: every(rows.len(), ROWS), places: every(places.len(), WATCHED) };
-    Some((Problem { rows, places, active }, field, (speed[1] / speed[0]).sqrt()))
+    Some((Problem { rows, places, active, wanted: Vec::new() }, field, (speed[1] / speed[0]).sqrt()))
 }
 
 struct Problem {
@@ -172,6 +251,8 @@ struct Problem {
     places: Vec<Vec<(usize, f64)>>,
     /// What the first program looks at.
     active: Active,
+    /// Directions that the bands must follow.
+    wanted: Vec<Wanted>,
 }
 
 /// Conditions and places that a program looks at; more join where its answer fails the others.
@@ -317,6 +398,21 @@ impl Problem {
             lp.at_most(b.iter().copied().chain([(hi, -1.0)]), 0.0);
             lp.at_most(b.iter().map(|&(i, v)| (i, -v)).chain([(lo, 1.0)]), 0.0);
         }
+        for w in &self.wanted {
+            let [a, b] = w.slopes(c0);
+            if b > 0.0 {
+                let turn = TURN.max(a.abs() / b);
+                for side in [1.0, -1.0] {
+                    let terms: Vec<(usize, f64)> = w
+                        .slope(&w.along)
+                        .zip(w.slope(&w.across))
+                        .map(|(x, y)| (x.0, side * x.1 - turn * y.1))
+                        .collect();
+                    let largest = terms.iter().map(|t| t.1.abs()).fold(f64::MIN_POSITIVE, f64::max);
+                    lp.at_most(terms.into_iter().map(|(i, x)| (i, x / largest)), 0.0);
+                }
+            }
+        }
         let radius = trust * from.range;
         for (i, &c) in c0.iter().enumerate() {
             lp.at_most([(i, 1.0)], c + radius);
@@ -351,6 +447,22 @@ mod tests {
         let l = level(&s, &[], &LevelOptions::default()).expect("a level function");
         assert!(l.merit < 1.05 * 8f64.sqrt(), "{}", l.merit);
         assert!(l.range > 0.93 * 8f64.sqrt(), "{}", l.range);
+    }
+
+    /// Bands wanted at 40° to the sides of a paraboloid follow that direction; where none is wanted there is no field.
+    #[test]
+    fn bands_follow_a_wanted_direction() {
+        let s = grid(|_, _| ([1.0, 0.0, 1.0], [1.0, 0.0, 1.0]));
+        let (sin, cos) = 40f64.to_radians().sin_cos();
+        let found = levels_along(&s, &vec![[cos, sin]; s.len()], &[], &LevelOptions::default());
+        let l = found.first().expect("a level function");
+        for p in [[0.1, 0.1], [0.5, 0.5], [0.9, 0.2]] {
+            let [_, du, dv] = l.field.jet(p[0], p[1]);
+            assert!((du * cos + dv * sin).abs() <= 1.05 * TURN * (dv * cos - du * sin), "{du} {dv}");
+        }
+        // Bands square to a direction at an angle are as many as that direction's extent asks for.
+        assert!(l.range < 1.02 * (sin + cos), "{}", l.range);
+        assert!(levels_along(&s, &vec![[0.0; 2]; s.len()], &[], &LevelOptions::default()).is_empty());
     }
 
     /// Shallow paraboloid z = (x² + y²)/2 over the unit square: bands of straight lines, W = 1.

@@ -3,7 +3,7 @@
 //! Reads like the page that describes it: cover every face, build the panels as they will be exported, have them
 //! judged, cut what is refused, develop the rest.
 
-use super::cover::{cover, Cover, CoverOptions, Limits, State};
+use super::cover::{cover, Cover, CoverOptions, Guide, Layout, Limits, State};
 use super::outcome::{Outcome, Skipped, Status};
 use super::seams::{self, Meeting};
 use crate::certify::{self, Certificate};
@@ -33,6 +33,8 @@ pub struct Options {
     pub input: String,
     /// What sheet and material allow.
     pub limits: Limits,
+    /// Where strips and seams run.
+    pub layout: Layout,
     /// Whether neighbouring strips are to meet in common seams where that can be certified.
     pub meet: bool,
     /// Greatest angle (rad) between faces along a common edge across which they are covered as one surface; 0 covers
@@ -77,6 +79,24 @@ pub enum ApproximateError {
     /// Angle of smooth edges that is none.
     #[error("the angle of smooth edges must lie between 0 and 90 degrees, not at {0}")]
     SmoothAngle(f64),
+    /// A plane for a seam that no face meets, or that is none.
+    #[error(
+        "no seam can run in plane {index}, {at:.6} mm from the origin: the model lies between {lo:.6} mm and {hi:.6} mm \
+         in its direction"
+    )]
+    SeamPlane {
+        /// Number of the plane among those given, from 1.
+        index: usize,
+        /// Its distance from the origin, mm.
+        at: f64,
+        /// Where the model begins along the plane's normal, mm.
+        lo: f64,
+        /// Where it ends, mm.
+        hi: f64,
+    },
+    /// A direction or guide curve of no length.
+    #[error("the direction that strips are to follow has no length, or is not finite")]
+    Guide,
     /// Limit of panels that cannot be kept.
     #[error("the greatest number of panels must be at least 1")]
     MaxPanels,
@@ -156,6 +176,7 @@ pub fn approximate(
     if tolerance < PRECISION * size {
         return Err(ApproximateError::Precision { tolerance, size, least: PRECISION * size });
     }
+    checked_layout(&options.layout, &bbox)?;
     let faces = smoothly_joined(faces, tolerance, options.smooth_angle);
     let total = faces.len();
     let finished = AtomicUsize::new(0);
@@ -245,6 +266,30 @@ fn limits_missed(
 }
 
 /// One face with its panels, their proof and their flat patterns.
+/// A layout that asks for what cannot be.
+fn checked_layout(layout: &Layout, bbox: &BBox) -> Result<(), ApproximateError> {
+    for (i, seam) in layout.seams.iter().enumerate() {
+        let (middle, half) = (0.5 * (bbox.min + bbox.max), 0.5 * (bbox.max - bbox.min));
+        let (at, reach) = (seam.normal.dot(&middle), seam.normal.abs().dot(&half));
+        let (lo, hi) = (at - reach, at + reach);
+        if !(seam.offset > lo && seam.offset < hi) {
+            return Err(ApproximateError::SeamPlane { index: i + 1, at: seam.offset, lo, hi });
+        }
+    }
+    let sound = match &layout.guide {
+        None => true,
+        Some(Guide::Direction(d)) => d.norm() > 0.0 && d.norm().is_finite(),
+        Some(Guide::Curve(points)) => {
+            points.iter().all(|p| p.iter().all(|x| x.is_finite())) && points.windows(2).any(|w| w[0] != w[1])
+        }
+    };
+    if sound {
+        Ok(())
+    } else {
+        Err(ApproximateError::Guide)
+    }
+}
+
 struct Built {
     patchwork: Patchwork,
     certificate: Certificate,
@@ -261,7 +306,13 @@ fn one_face(index: usize, mut face: Face, options: &Options, control: &Control) 
     let limit = options.max_panels.unwrap_or(usize::MAX);
     // What joining moved belongs to the distance from the file's faces: the rest is left for the search.
     let tolerance = options.tolerance - face.joint_bound;
-    let mut cover_options = CoverOptions { tolerance, max_panels: limit, facets: false, limits: options.limits };
+    let mut cover_options = CoverOptions {
+        tolerance,
+        max_panels: limit,
+        facets: false,
+        limits: options.limits,
+        layout: options.layout.clone(),
+    };
     let mut found = cover(&face, &cover_options, control).map_err(|e| refuse(e.to_string()))?;
     while !found.complete && !control.stopped() {
         // Too many panels: the fewest that were asked for, as near as they can be.

@@ -113,6 +113,7 @@ mod tests {
             max_panels: None,
             input: "bowl".into(),
             limits: Default::default(),
+            layout: Default::default(),
             meet: false,
             smooth_angle: 0.0,
         };

@@ -355,7 +355,10 @@ impl ConeSpline {
                 let whole = Segment { start: last.start, shape, edges: last.edges };
                 // The longer one ends and passes its joint where the two did.
                 let middle = last.end();
-                let share = if a + b == 0.0 { 0.5 } else { a / (a + b) };
+                let share = match (last.shape, s.shape) {
+                    (Shape::Flat { width }, Shape::Flat { width: more }) => width / (width + more),
+                    _ => a / (a + b),
+                };
                 let fits = (a + b).abs() <= limit
                     && whole.end().mismatch(&s.end(), length) <= SAME
                     && whole.element(share).mismatch(&middle, length) <= SAME

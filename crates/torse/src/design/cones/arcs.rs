@@ -14,21 +14,33 @@ const EQUAL: f64 = 1e-9;
 /// Shares of the rotation after which joins are tried: the middle third to half is left to the filler.
 const SHARES: [f64; 3] = [0.25, 0.2, 0.3];
 
-/// Joins of carriers whose join is not unique; none for others.
-pub(super) fn arc_joins(first: &Osculating, second: &Osculating) -> Vec<Join> {
+/// Whether two cones leave a choice: a common vertex, or parallel axes and equal openings. Then every term of (14) is
+/// rounding.
+pub(super) fn leave_choice(first: &Osculating, second: &Osculating) -> bool {
     match (first.shape, second.shape) {
         (
             Shape::Cone { distance: d1, cos_gamma: k1, sin_gamma: s1, .. },
             Shape::Cone { distance: d2, cos_gamma: k2, sin_gamma: s2, .. },
         ) => {
+            let apart = (first.element.at(-d1) - second.element.at(-d2)).norm();
+            let turned = (first.piece(0.0).axis() - second.piece(0.0).axis()).norm();
+            apart <= EQUAL * d1.abs().min(d2.abs()) || turned.max((k1 - k2).abs() + (s1 - s2).abs()) <= EQUAL
+        }
+        _ => false,
+    }
+}
+
+/// Joins of carriers whose join is not unique; none for others.
+pub(super) fn arc_joins(first: &Osculating, second: &Osculating) -> Vec<Join> {
+    match (first.shape, second.shape) {
+        (Shape::Cone { distance: d1, cos_gamma: k1, sin_gamma: s1, .. }, Shape::Cone { distance: d2, .. })
+            if leave_choice(first, second) =>
+        {
             let (v1, v2) = (first.element.at(-d1), second.element.at(-d2));
-            let (w1, w2) = (first.piece(0.0).axis(), second.piece(0.0).axis());
+            let w1 = first.piece(0.0).axis();
             if (v1 - v2).norm() <= EQUAL * d1.abs().min(d2.abs()) {
                 let total = turn_to(first, &second.element.direction);
                 return SHARES.iter().filter_map(|x| through(first, second, x * total)).collect();
-            }
-            if (w1 - w2).norm() > EQUAL || (k1 - k2).abs() + (s1 - s2).abs() > EQUAL {
-                return Vec::new();
             }
             // In the plane through v1 across the axis: signed radii, positive where the normals point away.
             // At the height z above its vertex a cone has the signed radius −z tan of its opening.
@@ -146,6 +158,19 @@ mod tests {
     fn general_cylinders_get_planar_osculating_arc_splines() {
         let lift = |u: f64| [Vec3::new(u, u * u, 1.0), Vec3::new(1.0, 2.0 * u, 0.0), Vec3::new(0.0, 2.0, 0.0)];
         check(&carriers(over_parabola(lift), US));
+    }
+
+    /// Rulings at equal slopes of `y = x³` on both sides of its inflection: neither a rotation to take a share of, nor
+    /// a pair. Both elements are named.
+    #[test]
+    fn across_an_inflection_without_rotation_the_elements_are_named() {
+        let jet = |u: f64| {
+            let c = [Vec3::new(u, u.powi(3), 0.0), Vec3::new(1.0, 3.0 * u * u, 0.0), Vec3::new(0.0, 6.0 * u, 0.0)];
+            StripJet { ends: [c, [c[0] + Vec3::z(), c[1], c[2]]] }
+        };
+        let cones = carriers(jet, [-0.6, -0.3, 0.3, 0.6]);
+        let error = osculating_spline(&cones, &[], &ConeOptions::default()).expect_err("no chain").to_string();
+        assert!(error.contains("elements 1 and 2") && error.contains("inflection"), "{error}");
     }
 
     #[test]

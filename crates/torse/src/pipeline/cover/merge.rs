@@ -1,5 +1,6 @@
 //! Cuts in the middle, covers by two, and merging of neighbours (C6, C7).
 
+use super::layout::same_side;
 use super::{Job, State};
 use crate::geom::Vec3;
 use crate::spline::surface::Surface;
@@ -12,7 +13,7 @@ const TWO_DIRECTIONS: usize = 4;
 const TWO_STEPS: usize = 4;
 
 /// Mean point and principal axes (longest first) of a region's vertices.
-fn axes(state: &State, label: u32) -> (Vec3, [Vec3; 3]) {
+pub(super) fn axes(state: &State, label: u32) -> (Vec3, [Vec3; 3]) {
     let samples = state.samples(label);
     let total: f64 = samples.iter().map(|s| s.weight).sum::<f64>().max(f64::MIN_POSITIVE);
     let mean = samples.iter().fold(Vec3::zeros(), |m, s| m + s.x * s.weight) / total;
@@ -112,7 +113,7 @@ impl Job<'_> {
             .into_iter()
             .filter(|((a, b), _)| *a == label || *b == label)
             .map(|((a, b), shared)| (shared, if a == label { b } else { a }))
-            .filter(|(_, n)| state.panels.contains_key(n))
+            .filter(|(_, n)| state.panels.contains_key(n) && same_side(state, &self.options.layout.seams, label, *n))
             .collect();
         around.sort_unstable_by(|x, y| y.cmp(x));
         around.into_iter().find_map(|(_, n)| {
@@ -142,6 +143,7 @@ impl Job<'_> {
                 .neighbours()
                 .into_iter()
                 .filter(|(p, shared)| *shared >= 2 && !failed.contains(p))
+                .filter(|((a, b), _)| same_side(&state, &self.options.layout.seams, *a, *b))
                 .filter_map(|((a, b), _)| Some(((a, b), areas.get(&a)? + areas.get(&b)?)))
                 .collect();
             pairs.sort_by(|x, y| x.1.total_cmp(&y.1).then(x.0.cmp(&y.0)));

@@ -8,6 +8,7 @@
 
 mod even;
 mod judge;
+mod layout;
 mod march;
 mod merge;
 mod signs;
@@ -19,13 +20,15 @@ use crate::fit::level::{level, levels, Level, LevelOptions};
 use crate::geom::partition::centroid;
 use crate::geom::triangulate::TriangulateError;
 use crate::surface::face::Face;
+use layout::Course;
+pub use layout::{Guide, Layout, LayoutKind, SeamPlane};
 use rayon::prelude::*;
 pub use state::State;
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// What a cover is asked for.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct CoverOptions {
     /// Deviation bound to reach, mm.
     pub tolerance: f64,
@@ -35,6 +38,8 @@ pub struct CoverOptions {
     pub facets: bool,
     /// What sheet and material allow.
     pub limits: Limits,
+    /// Where strips and seams run.
+    pub layout: Layout,
 }
 
 /// What sheet and material allow, mm; default: anything.
@@ -90,6 +95,7 @@ pub(crate) struct Job<'a> {
     pub(crate) options: CoverOptions,
     pub(crate) control: &'a Control,
     pub(crate) proofs: AtomicUsize,
+    course: Course<'a>,
 }
 
 /// A covered face.
@@ -111,11 +117,23 @@ pub fn cover(face: &Face, options: &CoverOptions, control: &Control) -> Result<C
     if finer.partition.triangles.len() > state.partition.triangles.len() {
         state = finer;
     }
-    let job =
-        Job { face, prepared: Prepared::new(&face.surface), options: *options, control, proofs: AtomicUsize::new(0) };
-    for label in state.partition.split_components(0) {
-        if let Some(next) = job.region(state.clone(), label, options.max_panels, 0) {
-            state = next;
+    state.partition.split_components(0);
+    layout::cut_along_seams(&face.surface, &mut state, &options.layout.seams);
+    let mut job = Job::new(face, options, control);
+    for label in state.partition.distinct_labels() {
+        let around = match options.layout.kind {
+            LayoutKind::Rings => layout::rings(&job, &mut state, label),
+            LayoutKind::Auto | LayoutKind::Strips => None,
+        };
+        let (course, parts) = match around {
+            Some((centre, parts)) => (Course::Around(centre), parts),
+            None => (options.layout.guide.as_ref().map_or(Course::Free, Course::Along), vec![label]),
+        };
+        job.course = course;
+        for part in parts {
+            if let Some(next) = job.region(state.clone(), part, options.max_panels, 0) {
+                state = next;
+            }
         }
     }
     let complete = state.partition.distinct_labels().iter().all(|l| state.panels.contains_key(l));
@@ -133,6 +151,13 @@ fn typical_strip(state: &State, tolerance: f64) -> f64 {
     k.sort_by(f64::total_cmp);
     let high = k.get(k.len() * 9 / 10).copied().unwrap_or(0.0);
     4.0 * (tolerance / high.max(1e-300)).sqrt()
+}
+
+impl<'a> Job<'a> {
+    fn new(face: &'a Face, options: &'a CoverOptions, control: &'a Control) -> Self {
+        let (prepared, proofs) = (Prepared::new(&face.surface), AtomicUsize::new(0));
+        Self { face, prepared, options: options.clone(), control, proofs, course: Course::Free }
+    }
 }
 
 impl Job<'_> {
@@ -159,7 +184,9 @@ impl Job<'_> {
         if depth >= FACET_DEPTH || self.options.facets {
             return self.bisect(state, label, budget, depth);
         }
-        if budget >= 2 && trial.error < TWO_FACTOR * self.options.tolerance {
+        let free = matches!(self.course, Course::Free);
+        let fewest = free && self.options.layout.kind == LayoutKind::Auto;
+        if fewest && budget >= 2 && trial.error < TWO_FACTOR * self.options.tolerance {
             if let Some(next) = self.two(&state, label) {
                 return Some(next);
             }
@@ -178,7 +205,7 @@ impl Job<'_> {
         };
         let four = 4.0 * self.options.tolerance.sqrt();
         let found = self.level_functions(&state, label, depth);
-        let good: Vec<&Level> = found.iter().filter(|l| l.merit <= POOR * l.range).take(CANDIDATES).collect();
+        let good: Vec<&Level> = found.iter().filter(|l| !free || l.merit <= POOR * l.range).take(CANDIDATES).collect();
         let predicted = good.iter().map(|l| l.merit / four).fold(f64::INFINITY, f64::min);
         // Bands of a good level function come within a panel or two of theory; others can hardly beat that.
         let near_theory = |n: f64| predicted.is_finite() && n <= PROMISING * predicted + 1.0;
@@ -205,7 +232,7 @@ impl Job<'_> {
             }
         }
         let reached = best.as_ref().map_or(predicted, |b| (Self::count(b) - before) as f64);
-        if depth <= SWEEP_DEPTH && reached <= SWEEP_COUNT && !near_theory(reached) && limit > 0 {
+        if fewest && depth <= SWEEP_DEPTH && reached <= SWEEP_COUNT && !near_theory(reached) && limit > 0 {
             if let Some(next) = self.sweep(&state, label, limit) {
                 keep(next, &mut best, &mut limit);
             }
@@ -224,6 +251,10 @@ impl Job<'_> {
     /// more than small remainders, has them sought in two spaces.
     fn level_functions(&self, state: &State, label: u32, depth: usize) -> Vec<Level> {
         let places = state.places(label);
+        if !matches!(self.course, Course::Free) {
+            let (samples, spans) = if depth > 0 { (700, 2) } else { (1500, 3) };
+            return self.levels_on_course(state, label, samples, spans);
+        }
         let attempt = |samples: usize, spans: usize, keep: usize| {
             levels(&state.forms(label, samples), &places, &LevelOptions { spans, keep, ..LevelOptions::default() })
         };
@@ -365,8 +396,7 @@ pub fn cut_refused(
     state: &State,
     refused: &[u32],
 ) -> Option<State> {
-    let job =
-        Job { face, prepared: Prepared::new(&face.surface), options: *options, control, proofs: AtomicUsize::new(0) };
+    let job = Job::new(face, options, control);
     let mut state = state.clone();
     for &label in refused {
         state.panels.remove(&label);
