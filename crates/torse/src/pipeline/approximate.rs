@@ -3,7 +3,7 @@
 //! Reads like the page that describes it: cover every face, build the panels as they will be exported, have them
 //! judged, cut what is refused, develop the rest.
 
-use super::cover::{cover, Cover, CoverOptions, Guide, Layout, Limits, State};
+use super::cover::{cover, strip_range, Cover, CoverOptions, Guide, Layout, Limits, State};
 use super::outcome::{Outcome, Skipped, Status};
 use super::seams::{self, Meeting};
 use crate::certify::{self, Certificate};
@@ -107,6 +107,9 @@ const PRECISION: f64 = 1e-10;
 /// Share of the tolerance by which control points of two faces may differ along an edge across which they are joined;
 /// what is used of it is taken from the tolerance of the panels.
 const MISMATCH_SHARE: f64 = 0.01;
+/// Half the angle of the cone of normals that a joined face may have: half a tube and its rounded end, not a whole tube,
+/// whose level functions would have to close.
+const MOST_TURN_DEG: f64 = 100.0;
 /// Share of the tolerance that a trim curve may stray from the region's border.
 const TRIM_SHARE: f64 = 1.0 / 250.0;
 /// Share of that by which the edge in space may stray from the trim curve on its patch.
@@ -235,7 +238,13 @@ pub fn approximate(
 
 /// Faces that go on smoothly within an angle (rad) as one, as exactly as a tolerance (mm) asks for.
 pub fn smoothly_joined(faces: Vec<Face>, tolerance: f64, angle: f64) -> Vec<Face> {
-    joined(faces, &JoinOptions { angle, mismatch: tolerance * MISMATCH_SHARE })
+    let options = JoinOptions { angle, mismatch: tolerance * MISMATCH_SHARE, turn: MOST_TURN_DEG.to_radians() };
+    // Strips of one level function across both, or at least no such strips given up.
+    joined(faces, &options, &|whole, a, b| match (strip_range(whole), strip_range(a), strip_range(b)) {
+        (Some(whole), Some(a), Some(b)) => whole <= a + b,
+        (Some(_), _, _) | (None, None, None) => true,
+        (None, _, _) => false,
+    })
 }
 
 /// Limits of sheet and material that panels do not keep, in plain words: the first panel of each kind.

@@ -15,6 +15,9 @@ use super::face::{Face, FacePart, SurfaceKind};
 use crate::geom::Vec3;
 use std::collections::HashSet;
 
+/// Whether a joined face (first) is better than its two parts.
+pub type Worthwhile<'a> = &'a (dyn Fn(&Face, &Face, &Face) -> bool + Sync);
+
 /// What may be joined.
 #[derive(Clone, Copy, Debug)]
 pub struct JoinOptions {
@@ -22,8 +25,15 @@ pub struct JoinOptions {
     pub angle: f64,
     /// Greatest distance between control points of the two sides of a common edge, mm.
     pub mismatch: f64,
+    /// Half the angle of a cone of directions that has to hold the normals of a joined face, rad, at samples: π for no
+    /// limit. Bodies that close around themselves fall into open ones.
+    pub turn: f64,
 }
 
+/// Places in each direction at which the normals of a face are looked at for its turn.
+const TURN_SAMPLES: usize = 9;
+/// Steps towards the smallest cone around normals.
+const TURN_STEPS: usize = 40;
 /// Share of the parameter range within which corners of a trim count as lying on the side of its box: readers'
 /// projections are about that exact.
 const ON_SIDE: f64 = 1e-8;
@@ -37,8 +47,9 @@ const ON_SIDE: f64 = 1e-8;
 /// guaranteed*: the angle is measured at eight places of every span of the edge; edges that are a part of a side, or
 /// run differently in the parameter, are not joined. A ring of faces stays open at one edge.
 ///
-/// Faces that are not joined are handed back unchanged; order is that of the first parts.
-pub fn joined(faces: Vec<Face>, options: &JoinOptions) -> Vec<Face> {
+/// Two faces that fit are joined if `worthwhile` says so. Faces that are not joined are handed back unchanged; order is
+/// that of the first parts.
+pub fn joined(faces: Vec<Face>, options: &JoinOptions, worthwhile: Worthwhile) -> Vec<Face> {
     if !(options.angle > 0.0 && options.mismatch > 0.0) || faces.len() < 2 {
         return faces;
     }
@@ -48,9 +59,14 @@ pub fn joined(faces: Vec<Face>, options: &JoinOptions) -> Vec<Face> {
         return faces;
     }
     let families = families(faces.len(), &matches);
-    let attempts = [false, true].map(|first| grouped(&boxed, &matches, &families, first, options));
-    let [one, other] = attempts;
-    let groups = if other.len() < one.len() { other } else { one };
+    let attempt = |first: bool| grouped(&boxed, &matches, &families, first, options, worthwhile);
+    let mut groups = attempt(false);
+    if groups.len() > 1 {
+        let other = attempt(true);
+        if other.len() < groups.len() {
+            groups = other;
+        }
+    }
     groups.into_iter().map(|g| named(g, &faces)).collect()
 }
 
@@ -172,6 +188,7 @@ fn grouped(
     families: &[bool],
     first: bool,
     options: &JoinOptions,
+    worthwhile: Worthwhile,
 ) -> Vec<Group> {
     let mut groups: Vec<Option<Group>> = faces
         .iter()
@@ -191,7 +208,7 @@ fn grouped(
                     continue;
                 }
                 let (Some(a), Some(b)) = (&groups[i], &groups[j]) else { continue };
-                let Some(next) = together(a, b, pass, options) else {
+                let Some(next) = together(a, b, pass, options, worthwhile) else {
                     failed.insert((i, j, pass));
                     continue;
                 };
@@ -211,7 +228,7 @@ fn grouped(
 }
 
 /// Two groups as one, joined across lines of the family `pass` (`None`: either).
-fn together(a: &Group, b: &Group, pass: Option<bool>, options: &JoinOptions) -> Option<Group> {
+fn together(a: &Group, b: &Group, pass: Option<bool>, options: &JoinOptions, worthwhile: Worthwhile) -> Option<Group> {
     let (f, g) = (a.face.as_ref()?, b.face.as_ref()?);
     // The face that gives the direction of the normal is the first of the file.
     let (a, f, b, g) = if a.members[0] < b.members[0] { (a, f, b, g) } else { (b, g, a, f) };
@@ -224,12 +241,44 @@ fn together(a: &Group, b: &Group, pass: Option<bool>, options: &JoinOptions) -> 
         for t in 0..4 {
             let q = pair::ends(&g.surface, t);
             if let Some(face) = fits(f, s, &p, g, t, &q, options) {
+                if turn(&face) > options.turn || !worthwhile(&face, f, g) {
+                    continue;
+                }
                 let members = a.members.iter().chain(&b.members).copied().collect();
                 return Some(Group { members, face: Some(face), family });
             }
         }
     }
     None
+}
+
+/// Half the angle (rad) of the smallest cone around the normals of a face, estimated at samples of its box.
+fn turn(face: &Face) -> f64 {
+    let ((u0, u1), (v0, v1)) = face.surface.domain();
+    let share = |k: usize| (k as f64 + 0.5) / TURN_SAMPLES as f64;
+    let spots = (0..TURN_SAMPLES).flat_map(|i| (0..TURN_SAMPLES).map(move |j| (share(i), share(j))));
+    let normals: Vec<Vec3> = spots
+        .filter_map(|(s, t)| {
+            face.surface.jet(u0 + (u1 - u0) * s, v0 + (v1 - v0) * t).normal().try_normalize(f64::MIN_POSITIVE)
+        })
+        .collect();
+    let farthest = |m: &Vec3| {
+        let far = normals.iter().min_by(|a, b| a.dot(m).total_cmp(&b.dot(m)));
+        far.map(|n| (*n, n.dot(m).clamp(-1.0, 1.0).acos()))
+    };
+    let Some(mut middle) = normals.iter().sum::<Vec3>().try_normalize(f64::MIN_POSITIVE) else {
+        return if normals.is_empty() { 0.0 } else { std::f64::consts::PI };
+    };
+    let mut least = std::f64::consts::PI;
+    for k in 0..TURN_STEPS {
+        let Some((n, angle)) = farthest(&middle) else { return 0.0 };
+        least = least.min(angle);
+        match (middle + (n - middle) / (k + 2) as f64).try_normalize(f64::MIN_POSITIVE) {
+            Some(m) => middle = m,
+            None => break,
+        }
+    }
+    least
 }
 
 /// The face of a group, with the names of its parts.

@@ -1,5 +1,5 @@
 use super::turn::{reversed_u, reversed_v, transposed};
-use super::*;
+use super::{pair, Face, JoinOptions, Vec3};
 use crate::spline::knots::Knots;
 use crate::spline::surface::Surface;
 use crate::surface::face::TrimLoop;
@@ -43,7 +43,11 @@ fn quarters(s: &Surface, u: f64, v: f64) -> Vec<Face> {
 }
 
 fn options(degrees: f64) -> JoinOptions {
-    JoinOptions { angle: degrees.to_radians(), mismatch: 1e-6 }
+    JoinOptions { angle: degrees.to_radians(), mismatch: 1e-6, turn: std::f64::consts::PI }
+}
+
+fn joined(faces: Vec<Face>, options: &JoinOptions) -> Vec<Face> {
+    super::joined(faces, options, &|_, _, _| true)
 }
 
 /// Largest distance from samples of the faces to the nearest of a grid of a surface, refined by projection.
@@ -172,7 +176,12 @@ fn a_ring_stays_open_at_one_edge() {
         let (ku, kv) = (Knots::clamped(2, &[0.0, 1.0]).expect("knots"), Knots::clamped(1, &[0.0, 1.0]).expect("knots"));
         Face::untrimmed(Surface::new(ku, kv, &points, Some(&weights)).expect("a surface"))
     };
-    let whole = joined((0..4).map(|k| quarter(f64::from(k))).collect(), &options(0.5));
+    let quarters: Vec<Face> = (0..4).map(|k| quarter(f64::from(k))).collect();
+    let open = JoinOptions { turn: 100f64.to_radians(), ..options(0.5) };
+    assert_eq!(joined(quarters.clone(), &open).len(), 2, "halves that do not close around themselves");
+    let none = super::joined(quarters.clone(), &options(0.5), &|_, _, _| false);
+    assert_eq!(none.len(), 4, "nothing is worth while");
+    let whole = joined(quarters, &options(0.5));
     assert_eq!(whole.len(), 1);
     let f = &whole[0];
     let [p, q] = [f.surface.domain().0 .0, f.surface.domain().0 .1].map(|u| f.surface.point(u, 0.5));
