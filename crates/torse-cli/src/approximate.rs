@@ -38,6 +38,7 @@ pub fn run(arguments: &Approximate) -> Result<bool, Failure> {
         limits: limits(arguments),
         layout,
         meet: arguments.seams == Seams::Meet,
+        smooth_angle: arguments.smooth_angle.to_radians(),
     };
     let notes = std::mem::take(&mut model.notes);
     let swept = if arguments.sweep.is_empty() {
@@ -156,6 +157,10 @@ fn summary(outcome: &Outcome, notes: &[String], arguments: &Approximate, interru
     }
     if interrupted {
         writeln!(out, "  stopped early by Ctrl-C")?;
+    }
+    for face in outcome.patchwork.faces.iter().filter(|f| !f.parts.is_empty()) {
+        let parts: Vec<String> = face.parts.iter().map(|p| format!("#{}", p.entity)).collect();
+        writeln!(out, "  covered as one: {}", parts.join(" + "))?;
     }
     for skipped in &outcome.skipped {
         writeln!(out, "  left out: #{}: {}", skipped.entity, skipped.reason)?;

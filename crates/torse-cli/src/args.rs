@@ -1,13 +1,14 @@
 //! Arguments and help.
 
 use crate::quantity::{
-    ball, direction, positive_count, positive_length, positive_time, section, two_shares, unit_of_length, Length,
-    Section,
+    ball, direction, positive_count, positive_length, positive_time, section, smooth_angle, two_shares, unit_of_length,
+    Length, Section,
 };
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
 use std::time::Duration;
 use torse::geom::Vec3;
+use torse::pipeline::approximate::SMOOTH_ANGLE_DEG;
 
 /// Developable panels from freeform CAD surfaces, with a proof of the deviation.
 #[derive(Parser, Debug)]
@@ -135,6 +136,10 @@ pub struct Approximate {
     /// Whether neighbouring strips meet in common edges where that can be certified, or are laid one by one
     #[arg(long, value_name = "HOW", value_enum, default_value_t = Seams::Independent)]
     pub seams: Seams,
+
+    /// Cover faces as one where they meet at no more than this angle, in degrees; 0 covers each face for itself
+    #[arg(long, value_name = "DEGREES", default_value_t = SMOOTH_ANGLE_DEG, value_parser = smooth_angle, allow_hyphen_values = true)]
+    pub smooth_angle: f64,
 
     /// Name of the job in the files [default: name of FILE]
     #[arg(long, value_name = "NAME")]

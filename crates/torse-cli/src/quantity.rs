@@ -174,6 +174,14 @@ pub fn positive_count(text: &str) -> Result<u32, String> {
     }
 }
 
+/// Angle of a smooth edge in degrees, at least 0 and below 90.
+pub fn smooth_angle(text: &str) -> Result<f64, String> {
+    match text.trim().trim_end_matches("deg").trim_end().parse::<f64>() {
+        Ok(degrees) if (0.0..90.0).contains(&degrees) => Ok(degrees),
+        _ => Err("it must be a number of degrees from 0 to less than 90, such as 0.5".into()),
+    }
+}
+
 /// Centre and radius of a ball: four numbers, the last one positive.
 pub fn ball(text: &str) -> Result<[f64; 4], String> {
     let numbers: Option<Vec<f64>> = text.split(',').map(|w| w.trim().parse::<f64>().ok()).collect();
@@ -246,6 +254,8 @@ mod tests {
         assert!((unit_of_length("M").expect("metre") - 1000.0).abs() < 1e-12);
         assert!(unit_of_length("league").is_err());
         assert_eq!(two_shares("0.25, 1").expect("shares"), [0.25, 1.0]);
+        assert!((smooth_angle("0.5").expect("degrees") - 0.5).abs() < 1e-15);
+        assert!(smooth_angle("2 deg").is_ok() && smooth_angle("-1").is_err() && smooth_angle("nan").is_err());
         assert!(two_shares("0.5").is_err() && two_shares("0.5,2").is_err() && two_shares("nan,0").is_err());
     }
 

@@ -38,6 +38,8 @@ pub struct Job {
     pub layout: Layout,
     /// Whether neighbouring strips are to meet.
     pub meet: bool,
+    /// Angle up to which edges between faces count as smooth, rad.
+    pub smooth_angle: f64,
 }
 
 /// Reads a STEP file. `name` is for messages.
@@ -74,6 +76,7 @@ fn options(job: &Job) -> Options {
         limits: job.limits,
         layout: job.layout.clone(),
         meet: job.meet,
+        smooth_angle: job.smooth_angle,
     }
 }
 
@@ -149,6 +152,7 @@ fn hint(error: &ApproximateError) -> &'static str {
             "give a larger tolerance; if the size of the model looks wrong, check its unit with 'torse info'"
         }
         ApproximateError::Limit { .. } => "give a positive length, or leave the limit out",
+        ApproximateError::SmoothAngle(_) => "give degrees, for example --smooth-angle 0.5; 0 keeps faces apart",
         ApproximateError::SeamPlane { .. } => "give a plane through the model; 'torse info' tells its size",
         ApproximateError::Guide => "give a direction such as x or 1,0,0.5, or a curve of at least two different points",
         ApproximateError::MaxPanels => "give --max-panels 1 or more, or leave it out",

@@ -104,6 +104,8 @@ fn report(patterns: &[Pattern]) -> Report {
             coverage: 1.0,
             trim_deviation_estimate: Some(0.0),
             surface_deviation_estimate: Some(0.0),
+            joined: Vec::new(),
+            joint_bound: 0.0,
         }],
         panels: patterns.iter().map(panel).collect(),
         seams: Vec::new(),

@@ -31,6 +31,7 @@ fn options(tolerance: f64) -> Options {
         limits: Limits::default(),
         layout: Layout::default(),
         meet: false,
+        smooth_angle: 0.0,
     }
 }
 

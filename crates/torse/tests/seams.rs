@@ -24,6 +24,7 @@ fn run(meet: bool) -> Outcome {
         limits: Limits::default(),
         layout: Layout::default(),
         meet,
+        smooth_angle: 0.0,
     };
     approximate(model.faces, model.skipped, &options, &Control::default()).expect("an outcome")
 }

@@ -272,9 +272,10 @@ pub fn patchwork(patchwork: &Patchwork, tolerance: f64, control: &Control) -> Ce
         .panels
         .par_iter()
         .map(|panel| {
+            let moved = patchwork.faces.get(panel.face).map_or(0.0, |f| f.joint_bound);
             let result = match (patchwork.partitions.get(panel.face), prepared.get(panel.face)) {
                 (Some(partition), Some(prepared)) => {
-                    panel::panel_certificate(panel, partition, prepared, tolerance, control)
+                    panel::panel_certificate(panel, partition, prepared, moved, tolerance, control)
                 }
                 _ => (PanelCertificate::blank(), None),
             };

@@ -2,7 +2,9 @@
 //!
 //! *Theorem* \[certificate, 1\], in the form of [`boundary`](super::boundary): with D, δ, η the bounds of distance, boundary
 //! and rounding, and κ the curvature of the torse along the boundary, the trimmed panel in the file and its part of the face
-//! are within `√((D + κδ²/2)² + δ²) + η` of each other, in both directions.
+//! are within `√((D + κδ²/2)² + δ²) + η` of each other, in both directions. Where faces of the file were joined, their
+//! points moved by at most a known bound (`Face::joint_bound`), which is added to η: the bound is one to the faces of the
+//! file.
 
 use super::boundary::Boundary;
 use super::coverage::loops_bound_triangles;
@@ -25,11 +27,12 @@ use rayon::prelude::*;
 /// state a bound all the same.
 const SECOND_LOOKS: [f64; 4] = [1.1, 1.5, 3.0, 10.0];
 
-/// Everything proven about a panel, and its patch ready for the seams.
+/// Everything proven about a panel, and its patch ready for the seams. `moved`: bound (mm) of what joining faces moved.
 pub(super) fn panel_certificate(
     panel: &Panel,
     partition: &Partition,
     prepared: &Prepared,
+    moved: f64,
     tolerance: f64,
     control: &Control,
 ) -> (PanelCertificate, Option<RuledJets>) {
@@ -94,7 +97,8 @@ pub(super) fn panel_certificate(
     }
 
     // Distance, within what boundary and rounding have left of the tolerance.
-    let mismatch = Mismatch { delta: delta.unwrap_or(0.0), curvature, eta: out.rounding_bound };
+    let eta = (Interval::point(out.rounding_bound) + Interval::point(moved)).hi;
+    let mismatch = Mismatch { delta: delta.unwrap_or(0.0), curvature, eta };
     let options = DistanceOptions::default();
     let mut budget = mismatch.budget(tolerance);
     if budget <= 0.0 {

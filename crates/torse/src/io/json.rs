@@ -99,6 +99,21 @@ pub struct FaceRecord {
     pub trim_deviation_estimate: Option<f64>,
     /// Distance between the file's surface and the spline used for it, measured at samples, mm.
     pub surface_deviation_estimate: Option<f64>,
+    /// Faces of the file that were joined to this one, because they go on smoothly; empty for a face of the file.
+    #[serde(default)]
+    pub joined: Vec<PartRecord>,
+    /// Bound on what joining moved, mm; part of every panel's deviation bound.
+    #[serde(default)]
+    pub joint_bound: f64,
+}
+
+/// A face of the file that is part of a joined face.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PartRecord {
+    /// Entity number in the file.
+    pub entity: u64,
+    /// Name in the file; empty if it has none.
+    pub name: String,
 }
 
 /// One panel.
@@ -251,6 +266,8 @@ fn face_records(outcome: &Outcome, coverages: &[coverage::Coverage]) -> Vec<Face
         coverage: coverages.get(i).map_or(0.0, coverage::Coverage::share),
         trim_deviation_estimate: finite(face.trim_deviation_estimate),
         surface_deviation_estimate: finite(face.surface_deviation_estimate),
+        joined: face.parts.iter().map(|p| PartRecord { entity: p.entity, name: p.name.clone() }).collect(),
+        joint_bound: face.joint_bound,
     };
     patchwork.faces.iter().enumerate().map(record).collect()
 }
@@ -349,6 +366,8 @@ pub(crate) mod tests {
                 coverage: 1.0,
                 trim_deviation_estimate: Some(0.0),
                 surface_deviation_estimate: Some(0.0),
+                joined: Vec::new(),
+                joint_bound: 0.0,
             }],
             panels: vec![panel("A-01", 0.95), panel("A-02", 0.987_654_3)],
             seams: vec![SeamRecord {

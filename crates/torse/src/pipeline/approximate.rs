@@ -3,7 +3,7 @@
 //! Reads like the page that describes it: cover every face, build the panels as they will be exported, have them
 //! judged, cut what is refused, develop the rest.
 
-use super::cover::{cover, Cover, CoverOptions, Guide, Layout, Limits, State};
+use super::cover::{cover, strip_range, Cover, CoverOptions, Guide, Layout, Limits, State};
 use super::outcome::{Outcome, Skipped, Status};
 use super::seams::{self, Meeting};
 use crate::certify::{self, Certificate};
@@ -14,6 +14,7 @@ use crate::fit::boundary::{self, Assigned, Borders, BoundaryError, BoundaryOptio
 use crate::geom::partition::Partition;
 use crate::geom::BBox;
 use crate::surface::face::Face;
+use crate::surface::join::{joined, JoinOptions};
 use crate::surface::panel::{Border, Panel, Patchwork};
 use crate::surface::pattern::Pattern;
 use crate::surface::torse::PanelKind;
@@ -36,7 +37,14 @@ pub struct Options {
     pub layout: Layout,
     /// Whether neighbouring strips are to meet in common seams where that can be certified.
     pub meet: bool,
+    /// Greatest angle (rad) between faces along a common edge across which they are covered as one surface; 0 covers
+    /// each face for itself. See [`crate::surface::join`].
+    pub smooth_angle: f64,
 }
+
+/// Angle between faces (degrees) up to which an edge counts as smooth unless something else is asked for: modelling
+/// programs join surfaces smoothly within a tenth of a degree, and edges that are meant as such are sharper by far.
+pub const SMOOTH_ANGLE_DEG: f64 = 0.5;
 
 /// Why the job cannot be done at all.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -68,6 +76,9 @@ pub enum ApproximateError {
         /// Asked for, mm.
         value: f64,
     },
+    /// Angle of smooth edges that is none.
+    #[error("the angle of smooth edges must lie between 0 and 90 degrees, not at {0}")]
+    SmoothAngle(f64),
     /// A plane for a seam that no face meets, or that is none.
     #[error(
         "no seam can run in plane {index}, {at:.6} mm from the origin: the model lies between {lo:.6} mm and {hi:.6} mm \
@@ -93,6 +104,12 @@ pub enum ApproximateError {
 
 /// Share of the model's size below which no tolerance is accepted (certificate specification, 3).
 const PRECISION: f64 = 1e-10;
+/// Share of the tolerance by which control points of two faces may differ along an edge across which they are joined;
+/// what is used of it is taken from the tolerance of the panels.
+const MISMATCH_SHARE: f64 = 0.01;
+/// Half the angle of the cone of normals that a joined face may have: half a tube and its rounded end, not a whole tube,
+/// whose level functions would have to close.
+const MOST_TURN_DEG: f64 = 100.0;
 /// Share of the tolerance that a trim curve may stray from the region's border.
 const TRIM_SHARE: f64 = 1.0 / 250.0;
 /// Share of that by which the edge in space may stray from the trim curve on its patch.
@@ -145,6 +162,9 @@ pub fn approximate(
     if let Some((name, value)) = options.limits.named().into_iter().find(|(_, v)| !v.is_none_or(|v| v > 0.0)) {
         return Err(ApproximateError::Limit { name, value: value.unwrap_or(f64::NAN) });
     }
+    if !(0.0..std::f64::consts::FRAC_PI_2).contains(&options.smooth_angle) {
+        return Err(ApproximateError::SmoothAngle(options.smooth_angle.to_degrees()));
+    }
     if faces.is_empty() {
         let why = skipped.first().map_or("the file holds none".to_owned(), |s| format!("#{}: {}", s.entity, s.reason));
         return Err(ApproximateError::NoFaces(why));
@@ -160,6 +180,7 @@ pub fn approximate(
         return Err(ApproximateError::Precision { tolerance, size, least: PRECISION * size });
     }
     checked_layout(&options.layout, &bbox)?;
+    let faces = smoothly_joined(faces, tolerance, options.smooth_angle);
     let total = faces.len();
     let finished = AtomicUsize::new(0);
     let built: Vec<Result<Built, Skipped>> = faces
@@ -212,6 +233,17 @@ pub fn approximate(
         patterns,
         skipped,
         seconds: start.elapsed().as_secs_f64(),
+    })
+}
+
+/// Faces that go on smoothly within an angle (rad) as one, as exactly as a tolerance (mm) asks for.
+pub fn smoothly_joined(faces: Vec<Face>, tolerance: f64, angle: f64) -> Vec<Face> {
+    let options = JoinOptions { angle, mismatch: tolerance * MISMATCH_SHARE, turn: MOST_TURN_DEG.to_radians() };
+    // Strips of one level function across both, or at least no such strips given up.
+    joined(faces, &options, &|whole, a, b| match (strip_range(whole), strip_range(a), strip_range(b)) {
+        (Some(whole), Some(a), Some(b)) => whole <= a + b,
+        (Some(_), _, _) | (None, None, None) => true,
+        (None, _, _) => false,
     })
 }
 
@@ -281,8 +313,10 @@ fn one_face(index: usize, mut face: Face, options: &Options, control: &Control) 
     corners_on_knot_lines(&mut face);
     let refuse = |reason: String| Skipped { entity, reason };
     let limit = options.max_panels.unwrap_or(usize::MAX);
+    // What joining moved belongs to the distance from the file's faces: the rest is left for the search.
+    let tolerance = options.tolerance - face.joint_bound;
     let mut cover_options = CoverOptions {
-        tolerance: options.tolerance,
+        tolerance,
         max_panels: limit,
         facets: false,
         limits: options.limits,
@@ -302,7 +336,7 @@ fn one_face(index: usize, mut face: Face, options: &Options, control: &Control) 
     let mut sheets = 0;
     loop {
         let (built, refused) = build(index, &face, &state, options.tolerance);
-        if control.stopped() || cover_options.tolerance > options.tolerance {
+        if control.stopped() || cover_options.tolerance > tolerance {
             return Ok(built);
         }
         if refused.is_empty() {

@@ -1,6 +1,6 @@
 //! The main job at several tolerances: how many panels, and how much seam, each of them costs.
 
-use super::approximate::{approximate, ApproximateError, Options};
+use super::approximate::{approximate, smoothly_joined, ApproximateError, Options};
 use super::cover::band_range;
 use super::outcome::{Outcome, Status, SweepRow};
 use crate::control::Control;
@@ -27,6 +27,9 @@ pub fn sweep(
     options: &Options,
     control: &Control,
 ) -> Result<Vec<SweepRow>, ApproximateError> {
+    // Joined once for all tolerances, as the finest allows.
+    let finest = tolerances.iter().copied().filter(|t| *t > 0.0).fold(f64::INFINITY, f64::min);
+    let faces = &smoothly_joined(faces.to_vec(), finest, options.smooth_angle);
     let ranges: Vec<Option<f64>> = faces.par_iter().map(band_range).collect();
     let mut sorted = tolerances.to_vec();
     sorted.sort_by(|a, b| b.total_cmp(a));
@@ -112,6 +115,7 @@ mod tests {
             limits: Default::default(),
             layout: Default::default(),
             meet: false,
+            smooth_angle: 0.0,
         };
         let rows = sweep(&[bowl()], &[0.4, 1.6], &options, &Control::default()).expect("rows");
         assert_eq!(rows.iter().map(|r| r.tolerance).collect::<Vec<_>>(), vec![1.6, 0.4]);

@@ -51,6 +51,20 @@ pub struct Face {
     pub trim_deviation_estimate: f64,
     /// Distance (mm) between the file's surface and `surface`; 0 where the conversion is exact.
     pub surface_deviation_estimate: f64,
+    /// The faces of the file that were joined to this one; empty for a face of the file.
+    pub parts: Vec<FacePart>,
+    /// Bound (mm) on the distance between points of the parts and the same points of `surface`: what joining moved.
+    /// 0 for a face of the file.
+    pub joint_bound: f64,
+}
+
+/// A face of the file that is part of a joined face.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FacePart {
+    /// Number of the entity in the file.
+    pub entity: u64,
+    /// Name in the file; empty if it has none.
+    pub name: String,
 }
 
 /// A closed polygon of the parameter plane: the definition of the trim from here on.
@@ -77,6 +91,8 @@ impl Face {
             loops: vec![TrimLoop { points: vec![[u0, v0], [u1, v0], [u1, v1], [u0, v1]], edge: vec![0, 1, 2, 3] }],
             trim_deviation_estimate: 0.0,
             surface_deviation_estimate: 0.0,
+            parts: Vec::new(),
+            joint_bound: 0.0,
         }
     }
 
@@ -91,6 +107,7 @@ impl Face {
         out.reversed = self.reversed != placement.reflects();
         out.trim_deviation_estimate *= placement.scale();
         out.surface_deviation_estimate *= placement.scale();
+        out.joint_bound *= placement.scale();
         out
     }
 }

@@ -14,6 +14,7 @@ pub mod envelope_point;
 pub mod face;
 pub mod g1_element;
 mod hug;
+pub mod join;
 pub mod net;
 pub mod panel;
 pub mod pattern;

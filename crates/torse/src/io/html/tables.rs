@@ -83,12 +83,16 @@ pub(super) fn exponent(x: f64) -> String {
 pub(super) fn faces(report: &Report) -> String {
     let mut out = String::new();
     for face in &report.faces {
+        let numbers = match &face.joined[..] {
+            [] => format!("#{}", face.entity),
+            parts => parts.iter().map(|p| format!("#{}", p.entity)).collect::<Vec<_>>().join(" + "),
+        };
         let estimate = |x: Option<f64>| x.map_or_else(|| "?".into(), |x| plain(x, 2));
         let _ = write!(
             out,
-            "<tr><td>#{}</td><td>{}</td><td>{}</td><td>{}</td><td class=\"number\">{}</td><td class=\"number\">{} %</td>\
+            "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td class=\"number\">{}</td><td class=\"number\">{} %</td>\
              <td class=\"number\">{}</td><td class=\"number\">{}</td></tr>",
-            face.entity,
+            numbers,
             escape(&face.name),
             escape(&face.part),
             escape(&face.kind),

@@ -285,6 +285,8 @@ fn face(raw: &RawFace, surface: Surface, loops: Vec<TrimLoop>, deviation: f64) -
         loops,
         trim_deviation_estimate: deviation,
         surface_deviation_estimate: raw.surface_deviation_estimate,
+        parts: Vec::new(),
+        joint_bound: 0.0,
     }
 }
 
