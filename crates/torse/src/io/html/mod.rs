@@ -55,7 +55,7 @@ pub fn write(page: &Page) -> Result<String, HtmlError> {
         "script" => SCRIPT.to_string(),
         "badge" => words::badge(report),
         "figures" => words::figures(report),
-        "certificate" => words::certificate(report) + &tables::seams(report),
+        "certificate" => words::certificate(report) + &tables::seams(report) + &tables::along(report),
         "warnings" => words::warnings(report),
         "panel_rows" => tables::panels(report),
         "face_rows" => tables::faces(report),
