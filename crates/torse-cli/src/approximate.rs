@@ -4,12 +4,12 @@ use crate::args::{self, Approximate, Seams};
 use crate::failure::{os_reason, Failure};
 use crate::folder::Output;
 use crate::loft::rail;
-use crate::quantity::Length;
+use crate::quantity::{section, Length};
 use crate::terminal::Terminal;
 use crate::wiring;
 use std::io::Write;
 use std::path::Path;
-use torse::pipeline::cover::{Guide, Layout, LayoutKind, Limits, SeamPlane};
+use torse::pipeline::cover::{CurveShape, Guide, Layout, LayoutKind, Limits, PanelCurve, SeamPlane};
 use torse::pipeline::outcome::{Outcome, Status};
 
 /// Share of the tolerance that panels may use if cones follow: the rest is for the cones, which are many where it is
@@ -104,7 +104,33 @@ fn layout(arguments: &Approximate) -> Result<Layout, Failure> {
         args::Layout::Rings => LayoutKind::Rings,
     };
     let seams = arguments.seam_at.iter().map(|s| SeamPlane { normal: s.axis, offset: s.at }).collect();
-    Ok(Layout { kind, guide, seams })
+    let curves = arguments.curves.iter().map(|c| curve(c, arguments.unit)).collect::<Result<_, _>>()?;
+    Ok(Layout { kind, guide, seams, curves })
+}
+
+/// A curve that a panel runs along.
+fn curve(text: &str, unit: Option<f64>) -> Result<PanelCurve, Failure> {
+    let shape = match text.split_once('=').map(|(axis, place)| (axis.trim(), place.trim())) {
+        Some((axis @ ("u" | "v"), place)) => {
+            let share = place.parse::<f64>().ok().filter(|s| (0.0..=1.0).contains(s)).ok_or_else(|| {
+                Failure::new(
+                    format!("'{text}' is no parameter curve"),
+                    "write u or v and a share of its range, such as u=0.5",
+                )
+            })?;
+            if axis == "u" {
+                CurveShape::AlongV(share)
+            } else {
+                CurveShape::AlongU(share)
+            }
+        }
+        Some(("x" | "X" | "y" | "Y" | "z" | "Z", _)) => {
+            let s = section(text).map_err(|e| Failure::new(e, "give the plane of the section with its unit"))?;
+            CurveShape::Section { normal: s.axis, offset: s.at }
+        }
+        _ => CurveShape::Points(rail(text, unit, false)?.samples(GUIDE_POINTS)),
+    };
+    Ok(PanelCurve { name: text.to_owned(), shape })
 }
 
 /// Reads the input file.

@@ -112,13 +112,19 @@ pub struct Approximate {
     #[arg(long, value_name = "CURVE")]
     pub guide: Option<String>,
 
-    /// Unit of a guide that does not say its own: mm, cm, m, in, ft
-    #[arg(long, value_name = "UNIT", value_parser = unit_of_length, requires = "guide")]
+    /// Unit of a guide or curve that does not say its own: mm, cm, m, in, ft
+    #[arg(long, value_name = "UNIT", value_parser = unit_of_length)]
     pub unit: Option<f64>,
 
     /// Plane in which a seam must run, such as x=1200mm; may be given several times
     #[arg(long, value_name = "AXIS=LENGTH", value_parser = section, allow_hyphen_values = true)]
     pub seam_at: Vec<Section>,
+
+    /// Curve that a panel must run along; may be given several times. A section such as x=1200mm, a parameter curve
+    /// such as u=0.5 or v=0.25 (share of the range), an edge of a STEP file (FILE#NUMBER), a DXF curve, or a table of
+    /// points, which are projected onto the surface. Further panels follow from the borders of these
+    #[arg(long, value_name = "CURVE", allow_hyphen_values = true, conflicts_with_all = ["direction", "guide"])]
+    pub curves: Vec<String>,
 
     /// Stop after this time, with its unit: 60s, 5min; the result may then be uncertified
     #[arg(long, value_name = "TIME", value_parser = positive_time, allow_hyphen_values = true)]

@@ -154,6 +154,9 @@ fn hint(error: &ApproximateError) -> &'static str {
         ApproximateError::Limit { .. } => "give a positive length, or leave the limit out",
         ApproximateError::SmoothAngle(_) => "give degrees, for example --smooth-angle 0.5; 0 keeps faces apart",
         ApproximateError::SeamPlane { .. } => "give a plane through the model; 'torse info' tells its size",
+        ApproximateError::Curve(_) => {
+            "give a curve on the surface, or a plane through it; 'torse info' tells the size of the model"
+        }
         ApproximateError::Guide => "give a direction such as x or 1,0,0.5, or a curve of at least two different points",
         ApproximateError::MaxPanels => "give --max-panels 1 or more, or leave it out",
     }

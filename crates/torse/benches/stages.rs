@@ -37,6 +37,7 @@ fn outcome() -> &'static Outcome {
             limits: Limits::default(),
             layout: Layout::default(),
             meet: false,
+            smooth_angle: 0.0,
         };
         approximate(vec![face()], Vec::new(), &options, &Control::default()).expect("an outcome")
     })

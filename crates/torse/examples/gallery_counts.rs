@@ -26,6 +26,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         limits: Limits::default(),
         layout: Layout::default(),
         meet: false,
+        smooth_angle: 0.0,
     };
     let rows = sweep(&read(BOWL)?.faces, &TOLERANCES, &options, &Control::default())?;
     for r in &rows {

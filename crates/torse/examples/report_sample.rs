@@ -109,6 +109,7 @@ fn report(patterns: &[Pattern]) -> Report {
         }],
         panels: patterns.iter().map(panel).collect(),
         seams: Vec::new(),
+        along: Vec::new(),
     }
 }
 

@@ -101,6 +101,26 @@ pub fn dual(samples: &[Sample], centre: &[CentrePoint], options: &DualOptions) -
     })
 }
 
+/// The envelope of the tangent planes along `centre` as a cubic spline of planes with `spans` spans, exactly developable,
+/// least-squares near the given planes; its domain reaches beyond both ends of the line by `reach` of its range.
+/// `None` for fewer than four points, or planes that do not turn.
+pub fn envelope(centre: &[CentrePoint], spans: usize, reach: f64) -> Option<Torse> {
+    // Third differences of the planes count as little as in the first start of [`dual`].
+    const SMOOTH: f64 = 1e-3;
+    if centre.len() < 4 {
+        return None;
+    }
+    let bbox = BBox::of(centre.iter().map(|c| &c.x));
+    let scale = Scale { center: bbox.center(), unit: 0.5 * bbox.diagonal() };
+    let parameters = strip_parameters(centre, scale.unit)?;
+    let pieces = start_planes(centre, &parameters, &scale, spans.max(4), reach, SMOOTH)?;
+    let mut planes = pieces.to_curve().ok()?;
+    for c in &mut planes.control {
+        *c = scale.plane_back(c);
+    }
+    Some(Torse::Dual(DualTorse { planes }))
+}
+
 /// As [`dual`], started from the rulings of another torse; refines a primal torse that has no inflection.
 pub fn dual_from(torse: &Torse, samples: &[Sample], options: &DualOptions) -> Option<Fit> {
     let centre = centre_line(torse, samples, 2 * options.spans.max(4))?;

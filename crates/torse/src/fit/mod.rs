@@ -1,5 +1,6 @@
 //! Floor 5: fitting torses near given data. Never judges itself; see `certify`.
 
+pub mod along;
 mod basis;
 pub mod boundary;
 pub mod centre_line;

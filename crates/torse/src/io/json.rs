@@ -54,6 +54,22 @@ pub struct Report {
     /// Seams.
     #[serde(default)]
     pub seams: Vec<SeamRecord>,
+    /// Panels that were laid along curves.
+    #[serde(default)]
+    pub along: Vec<AlongRecord>,
+}
+
+/// A panel along a curve.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct AlongRecord {
+    /// Index of the panel.
+    pub panel: usize,
+    /// Name of the curve.
+    pub curve: String,
+    /// Strips between curve and panel; 0 along the curve itself.
+    pub step: usize,
+    /// Distance by the comparison of matching points, which counts their mismatch along the surface too; sampled, mm.
+    pub paper_deviation_estimate: Option<f64>,
 }
 
 /// One seam. Lengths in mm.
@@ -192,6 +208,16 @@ impl Report {
             faces: face_records(outcome, &coverages),
             panels: panel_records(outcome),
             seams: certificate.seams.iter().map(seam_record).collect(),
+            along: outcome
+                .along
+                .iter()
+                .map(|a| AlongRecord {
+                    panel: a.panel,
+                    curve: a.curve.clone(),
+                    step: a.step,
+                    paper_deviation_estimate: finite(a.paper_estimate),
+                })
+                .collect(),
         }
     }
 
@@ -370,6 +396,12 @@ pub(crate) mod tests {
                 joint_bound: 0.0,
             }],
             panels: vec![panel("A-01", 0.95), panel("A-02", 0.987_654_3)],
+            along: vec![AlongRecord {
+                panel: 0,
+                curve: "x=1200mm".into(),
+                step: 0,
+                paper_deviation_estimate: Some(0.5),
+            }],
             seams: vec![SeamRecord {
                 between: [0, 1],
                 joint: "exact".into(),

@@ -3,8 +3,8 @@
 //! Reads like the page that describes it: cover every face, build the panels as they will be exported, have them
 //! judged, cut what is refused, develop the rest.
 
-use super::cover::{cover, strip_range, Cover, CoverOptions, Guide, Layout, Limits, State};
-use super::outcome::{Outcome, Skipped, Status};
+use super::cover::{check_curves, cover, strip_range, Cover, CoverOptions, CurveError, Guide, Layout, Limits, State};
+use super::outcome::{AlongCurve, Outcome, Skipped, Status};
 use super::seams::{self, Meeting};
 use crate::certify::{self, Certificate};
 use crate::control::Control;
@@ -97,6 +97,9 @@ pub enum ApproximateError {
     /// A direction or guide curve of no length.
     #[error("the direction that strips are to follow has no length, or is not finite")]
     Guide,
+    /// A curve that no panel can be laid along, on any face.
+    #[error(transparent)]
+    Curve(#[from] CurveError),
     /// Limit of panels that cannot be kept.
     #[error("the greatest number of panels must be at least 1")]
     MaxPanels,
@@ -181,6 +184,7 @@ pub fn approximate(
     }
     checked_layout(&options.layout, &bbox)?;
     let faces = smoothly_joined(faces, tolerance, options.smooth_angle);
+    checked_curves(&faces, options)?;
     let total = faces.len();
     let finished = AtomicUsize::new(0);
     let built: Vec<Result<Built, Skipped>> = faces
@@ -195,6 +199,7 @@ pub fn approximate(
         .collect();
     let mut patchwork = Patchwork { faces: Vec::new(), partitions: Vec::new(), panels: Vec::new(), seam_count: 0 };
     let (mut certificates, mut patterns, mut missing) = (Vec::new(), Vec::new(), Vec::new());
+    let mut along = Vec::new();
     for b in built {
         match b {
             Ok(b) => {
@@ -204,6 +209,7 @@ pub fn approximate(
                     p.panel += first;
                     p
                 }));
+                along.extend(b.along.into_iter().map(|a| AlongCurve { panel: a.panel + first, ..a }));
                 missing.extend(b.missing);
                 append(&mut patchwork, b.patchwork);
             }
@@ -232,6 +238,7 @@ pub fn approximate(
         certificate,
         patterns,
         skipped,
+        along,
         seconds: start.elapsed().as_secs_f64(),
     })
 }
@@ -274,7 +281,35 @@ fn limits_missed(
     .collect()
 }
 
-/// One face with its panels, their proof and their flat patterns.
+/// A curve of the layout that is of use on no face: the error of the face that it comes nearest to.
+fn checked_curves(faces: &[Face], options: &Options) -> Result<(), ApproximateError> {
+    let curves = &options.layout.curves;
+    let cover_options = CoverOptions {
+        tolerance: options.tolerance,
+        max_panels: usize::MAX,
+        facets: false,
+        limits: options.limits,
+        layout: Layout::default(),
+    };
+    let mut least: Vec<Option<CurveError>> = vec![None; curves.len()];
+    let mut useful = vec![curves.is_empty(); curves.len()];
+    for face in faces.iter().filter(|_| !curves.is_empty()) {
+        // Faces that cannot be triangulated are reported by the cover.
+        let Ok(found) = check_curves(face, curves, &cover_options) else { continue };
+        for (i, r) in found.into_iter().enumerate() {
+            match r {
+                Ok(()) => useful[i] = true,
+                Err(e) if least[i].as_ref().is_none_or(|l| e.remoteness() < l.remoteness()) => least[i] = Some(e),
+                Err(_) => {}
+            }
+        }
+    }
+    match useful.iter().position(|u| !u).and_then(|i| least[i].clone()) {
+        Some(e) => Err(e.into()),
+        None => Ok(()),
+    }
+}
+
 /// A layout that asks for what cannot be.
 fn checked_layout(layout: &Layout, bbox: &BBox) -> Result<(), ApproximateError> {
     for (i, seam) in layout.seams.iter().enumerate() {
@@ -299,12 +334,15 @@ fn checked_layout(layout: &Layout, bbox: &BBox) -> Result<(), ApproximateError> 
     }
 }
 
+/// One face with its panels, their proof and their flat patterns.
 struct Built {
     patchwork: Patchwork,
     certificate: Certificate,
     patterns: Vec<Pattern>,
     /// What is missing besides the proof.
     missing: Vec<String>,
+    /// Panels along curves.
+    along: Vec<AlongCurve>,
 }
 
 /// The loop over one face: cover, build, judge, develop; cut what is refused and go round again.
@@ -493,7 +531,13 @@ fn build_on(
             refused.push(panel.label);
         }
     }
-    (Built { patchwork, certificate, patterns, missing }, refused)
+    let panels = patchwork.panels.iter().enumerate();
+    let along = panels.filter_map(|(panel, p)| {
+        let o = state.origins.get(&p.label)?;
+        Some(AlongCurve { panel, curve: o.curve.clone(), step: o.step, paper_estimate: o.paper_estimate })
+    });
+    let along = along.collect();
+    (Built { patchwork, certificate, patterns, missing, along }, refused)
 }
 
 /// Makes the borders between panels as smooth as the tolerance asks for.

@@ -39,8 +39,23 @@ pub struct Outcome {
     pub patterns: Vec<Pattern>,
     /// Faces that could not be read or used.
     pub skipped: Vec<Skipped>,
+    /// Panels that were laid along curves, in order of the panels.
+    pub along: Vec<AlongCurve>,
     /// Wall time of reading, fitting and proving, seconds.
     pub seconds: f64,
+}
+
+/// A panel that was laid along a curve of the user, or on the front that set out from it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AlongCurve {
+    /// Index of the panel.
+    pub panel: usize,
+    /// Name of the curve.
+    pub curve: String,
+    /// Strips between the curve and the panel: 0 for the panel along the curve itself.
+    pub step: usize,
+    /// Distance found by the comparison of the paper on curves (matching points at equal parameters), mm. Sampled.
+    pub paper_estimate: f64,
 }
 
 /// What one tolerance costs.

@@ -380,7 +380,13 @@ pub(super) fn apply<'a>(meeting: &'a Meeting, refused: &[u32]) -> impl Iterator<
 
 /// The state with another partition of the same labels.
 pub(super) fn with_partition(face: &Face, state: &State, partition: Partition) -> State {
-    let mut out = State { partition, jets: Vec::new(), panels: state.panels.clone(), bands: state.bands.clone() };
+    let mut out = State {
+        partition,
+        jets: Vec::new(),
+        panels: state.panels.clone(),
+        bands: state.bands.clone(),
+        origins: state.origins.clone(),
+    };
     out.update(&face.surface);
     out
 }

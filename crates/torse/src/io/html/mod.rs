@@ -48,7 +48,7 @@ const SCRIPT: &str = include_str!("viewer.js");
 pub fn write(page: &Page) -> Result<String, HtmlError> {
     let report = page.report;
     let main = fill(PAGE, |name| match name {
-        "certificate" => words::certificate(report) + &tables::seams(report),
+        "certificate" => words::certificate(report) + &tables::seams(report) + &tables::along(report),
         "warnings" => words::warnings(report),
         "panel_rows" => tables::panels(report),
         "face_rows" => tables::faces(report),

@@ -135,6 +135,33 @@ pub(super) fn seams(report: &Report) -> String {
     out + "</tbody></table></details>"
 }
 
+/// The table of panels along curves, if there are any.
+pub(super) fn along(report: &Report) -> String {
+    if report.along.is_empty() {
+        return String::new();
+    }
+    let mut out = String::from(
+        "<details><summary>Panels along curves</summary><table><thead><tr><th>Panel</th><th>Curve</th>\
+         <th>Strips from it</th><th>Certified bound, mm</th><th>Matching points (sampled), mm</th></tr></thead><tbody>",
+    );
+    for a in &report.along {
+        let panel = report.panels.get(a.panel);
+        let _ = write!(
+            out,
+            "<tr><td>{}</td><td>{}</td><td class=\"number\">{}</td><td class=\"number\">{}</td>\
+             <td class=\"number\">{}</td></tr>",
+            panel.map_or_else(String::new, |p| escape(&p.name)),
+            escape(&a.curve),
+            a.step,
+            upper(panel.and_then(|p| p.deviation_bound)),
+            upper(a.paper_deviation_estimate),
+        );
+    }
+    out + "</tbody></table><p>The certified bound is proven at every point, edges as exported included. The last column \
+        compares points with equal parameters, as the method of envelopes along curves does; it counts their \
+        mismatch along the surface too, and is no bound.</p></details>"
+}
+
 /// What was left out, if anything.
 pub(super) fn skipped(report: &Report) -> String {
     if report.skipped.is_empty() {

@@ -8,6 +8,7 @@
 //! Not guaranteed: the direction itself. Where a direction is asymptotic no strip follows it, and where bands fail the
 //! usual means (cuts, facets) take over: the tolerance comes first.
 
+use super::course::PanelCurve;
 use super::merge::axes;
 use super::{Job, State};
 use crate::fit::level::{levels_along, Level, LevelOptions};
@@ -60,6 +61,8 @@ pub struct Layout {
     pub guide: Option<Guide>,
     /// Planes of seams that must be kept.
     pub seams: Vec<SeamPlane>,
+    /// Curves along which panels are laid first; the rest follows from their borders.
+    pub curves: Vec<PanelCurve>,
 }
 
 /// What strips of one region follow.

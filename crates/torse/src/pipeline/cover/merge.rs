@@ -144,6 +144,8 @@ impl Job<'_> {
                 .into_iter()
                 .filter(|(p, shared)| *shared >= 2 && !failed.contains(p))
                 .filter(|((a, b), _)| same_side(&state, &self.options.layout.seams, *a, *b))
+                // Panels along curves stay as they were laid.
+                .filter(|((a, b), _)| !state.origins.contains_key(a) && !state.origins.contains_key(b))
                 .filter_map(|((a, b), _)| Some(((a, b), areas.get(&a)? + areas.get(&b)?)))
                 .collect();
             pairs.sort_by(|x, y| x.1.total_cmp(&y.1).then(x.0.cmp(&y.0)));

@@ -6,7 +6,9 @@
 //!
 //! This file holds the recursion; `judge` proposes and proves single torses, `march` lays bands.
 
+mod course;
 mod even;
+mod guided;
 mod judge;
 mod layout;
 mod march;
@@ -20,6 +22,8 @@ use crate::fit::level::{level, levels, Level, LevelOptions};
 use crate::geom::partition::centroid;
 use crate::geom::triangulate::TriangulateError;
 use crate::surface::face::Face;
+pub use course::{CurveError, CurveShape, PanelCurve};
+pub use guided::Origin;
 use layout::Course;
 pub use layout::{Guide, Layout, LayoutKind, SeamPlane};
 use rayon::prelude::*;
@@ -120,7 +124,13 @@ pub fn cover(face: &Face, options: &CoverOptions, control: &Control) -> Result<C
     state.partition.split_components(0);
     layout::cut_along_seams(&face.surface, &mut state, &options.layout.seams);
     let mut job = Job::new(face, options, control);
+    if !options.layout.curves.is_empty() {
+        state = job.guided(state, &options.layout.curves);
+    }
     for label in state.partition.distinct_labels() {
+        if state.panels.contains_key(&label) {
+            continue;
+        }
         let around = match options.layout.kind {
             LayoutKind::Rings => layout::rings(&job, &mut state, label),
             LayoutKind::Auto | LayoutKind::Strips => None,
@@ -138,6 +148,20 @@ pub fn cover(face: &Face, options: &CoverOptions, control: &Control) -> Result<C
     }
     let complete = state.partition.distinct_labels().iter().all(|l| state.panels.contains_key(l));
     Ok(Cover { state, complete })
+}
+
+/// What is wrong with each curve of a layout on a face.
+///
+/// # Errors
+/// Trim loops that cannot be triangulated.
+pub fn check_curves(
+    face: &Face,
+    curves: &[PanelCurve],
+    options: &CoverOptions,
+) -> Result<Vec<Result<(), CurveError>>, TriangulateError> {
+    let state = State::of_face(face, f64::INFINITY)?;
+    let control = Control::default();
+    Ok(guided::checked(&Job::new(face, options, &control), &state, curves))
 }
 
 /// Width (mm) of a strip at the 90 % quantile of curvature (B2).

@@ -31,6 +31,8 @@ pub struct State {
     pub panels: BTreeMap<u32, Arc<Fit>>,
     /// Level function of each label that was laid as a band of one.
     pub bands: BTreeMap<u32, Arc<Field>>,
+    /// Curve along which each label was laid, for labels that follow one.
+    pub origins: BTreeMap<u32, Arc<super::guided::Origin>>,
 }
 
 /// Share of the median speed below which a parametrisation counts as collapsed (pole).
@@ -58,7 +60,13 @@ impl State {
         let loops: Vec<(Vec<[f64; 2]>, Vec<u32>)> =
             face.loops.iter().map(|l| (l.points.clone(), l.edge.clone())).collect();
         let partition = triangulate(&loops, &lines_u, &lines_v)?;
-        let mut state = Self { partition, jets: Vec::new(), panels: BTreeMap::new(), bands: BTreeMap::new() };
+        let mut state = Self {
+            partition,
+            jets: Vec::new(),
+            panels: BTreeMap::new(),
+            bands: BTreeMap::new(),
+            origins: BTreeMap::new(),
+        };
         state.update(s);
         Ok(state)
     }
