@@ -1,14 +1,15 @@
 //! Proof that a cone spline and a developable strip lie within a distance of each other, in both directions.
 //!
-//! *Method* (docs/algorithms/cones.md): the signed distance from a cone \[LP98\] is evaluated by intervals at the ends
-//! of short stretches of the boundary curves, and its second derivative is enclosed between them; along a ruling it is
-//! convex, and its deviation from a chord is bounded by the twist of the ruling about the axis. The reverse
+//! *Method* (docs/algorithms/cones.md): the signed distance from a cone \[LP98\] and its derivative are evaluated by
+//! intervals at the ends of stretches of the boundary curves, and its fourth derivative is enclosed between them; along
+//! a ruling it is convex, and its deviation from a chord is bounded by the twist of the ruling about the axis. The reverse
 //! direction follows from the winding of the boundary's feet around the strip, and the distance between these feet
 //! and the edges of the segments. Shares nothing with the fit.
 
 use crate::num::bernstein::Scalar;
 use crate::num::interval::Interval;
 use crate::num::jet::Jet;
+use crate::num::series::{hermite_range, Series};
 use crate::surface::cone_distance::Round;
 use crate::surface::cone_spline::{ConeSpline, Segment, Shape};
 use crate::surface::g1_element::G1Element;
@@ -22,8 +23,8 @@ use crate::geom::Vec3;
 pub struct ConeJudgeOptions {
     /// Distance to be proven, mm; no default.
     pub tolerance: f64,
-    /// Stretches are halved until no bound exceeds what is reached somewhere by more than this share of the tolerance;
-    /// 0.05.
+    /// Stretches are halved until no bound exceeds what is reached somewhere by more than this share of the tolerance,
+    /// or of what is reached where that is more; 0.05.
     pub surcharge: f64,
     /// Most halvings of the stretch between two nodes; 14.
     pub depth: usize,
@@ -108,19 +109,24 @@ impl Quantity for Interval {
     }
 }
 
-impl Quantity for Jet {
+impl<const N: usize> Quantity for Series<N> {
     #[inline]
     fn root(self) -> Self {
         self.sqrt()
     }
     #[inline]
     fn times(self, k: f64) -> Self {
-        Self { v: self.v * k, d: self.d * k, dd: self.dd * k }
+        Series::times(self, k)
     }
     #[inline]
     fn plus(self, k: f64) -> Self {
-        Self { v: self.v + Interval::point(k), ..self }
+        Series::plus(self, k)
     }
+}
+
+/// Value and derivatives of second order of a series.
+fn jet(s: &Series<5>) -> Jet {
+    Jet { v: s.0[0], d: s.0[1], dd: s.0[2].scale_exact(2.0) }
 }
 
 /// Product with a vector of numbers.
@@ -155,6 +161,13 @@ struct Seen<S> {
     z: S,
     q: V3<S>,
     rho: S,
+}
+
+impl Seen<Series<2>> {
+    /// Without derivatives.
+    fn value(&self) -> Seen<Interval> {
+        Seen { distance: self.distance.0[0], z: self.z.0[0], q: self.q.map(|x| x.0[0]), rho: self.rho.0[0] }
+    }
 }
 
 impl Prepared {
@@ -225,17 +238,6 @@ fn ahead<S: Quantity>(g: &G1Element, ends: &[V3<S>; 2]) -> [S; 2] {
     [0, 1].map(|k| along(&from_point(&ends[k], &g.point), &g.forward))
 }
 
-/// Enclosure over a stretch (parameter scaled to [0, 1]) from its values at both ends and its jet.
-fn over(a: Interval, b: Interval, jet: Jet) -> Interval {
-    let bow = jet.dd.mag() * 0.125;
-    let tight = a.hull(b).widen(bow);
-    if bow.is_finite() {
-        tight.intersect(jet.v).unwrap_or(tight)
-    } else {
-        jet.v
-    }
-}
-
 /// Bounds over a stretch, and what is reached at its ends.
 #[derive(Clone, Copy)]
 struct Stretch {
@@ -290,15 +292,16 @@ pub fn cones(
         let pair = [Prepared::new(&spline.segments[2 * k]), Prepared::new(&spline.segments[2 * k + 1])];
         // Wedges: front of the first ruling, junction, back of the last.
         let planes = [spline.segments[2 * k].start, spline.segments[2 * k + 1].start, spline.segments[2 * k + 1].end()];
-        let mut stops = vec![w[0]];
+        let mut stops = vec![w[0], w[1]];
         stops.extend(breaks.iter().copied().filter(|b| *b > w[0] && *b < w[1]));
-        stops.push(w[1]);
+        stops.extend(beside(strip, &planes[1], w[0], w[1]));
+        stops.sort_by(f64::total_cmp);
+        stops.dedup();
         parts.extend(stops.windows(2).map(|s| (k, s[0], s[1])));
         pairs.push((pair, planes));
     }
     // Stretches in the order of the chain at first, so that `reached` is soon large everywhere; then the halves of
     // those whose bounds exceed it.
-    let allowed = options.surcharge * tolerance;
     let mut reached = [0.0_f64; 2];
     let mut waiting: Vec<(usize, f64, f64, usize, Option<Stretch>)> =
         parts.into_iter().rev().map(|(k, a, b)| (k, a, b, 0, None)).collect();
@@ -315,7 +318,8 @@ pub fn cones(
         });
         reached = [reached[0].max(s.reached[0]), reached[1].max(s.reached[1])];
         proof.attained = proof.attained.max(s.attained);
-        let fine = s.strip <= reached[0] + allowed && s.edges <= reached[1] + allowed;
+        let near = |bound: f64, reached: f64| bound <= reached + options.surcharge * tolerance.max(reached);
+        let fine = near(s.strip, reached[0]) && near(s.edges, reached[1]);
         if !fine && depth < options.depth {
             let m = 0.5 * (a + b);
             waiting.push((k, m, b, depth + 1, None));
@@ -337,6 +341,31 @@ pub fn cones(
     Ok(proof)
 }
 
+/// Rulings close before and behind the junction, so that only the short stretch between them meets both wedges.
+fn beside(strip: &impl EnclosedStrip, junction: &G1Element, a: f64, b: f64) -> Vec<f64> {
+    /// Distance from the junction, as a share of the pair.
+    const NEAR: f64 = 1.0 / 512.0;
+    /// Steps of bisection, to a fraction of that distance.
+    const STEPS: usize = 12;
+    let ahead = |k: usize, u: f64| (strip.jet(u).ends[k][0] - junction.point).dot(&junction.forward);
+    let mut crossings = [a; 2];
+    for (k, crossing) in crossings.iter_mut().enumerate() {
+        let (mut lo, mut hi) = (a, b);
+        for _ in 0..STEPS {
+            let m = 0.5 * (lo + hi);
+            if ahead(k, m) < 0.0 {
+                lo = m;
+            } else {
+                hi = m;
+            }
+        }
+        *crossing = 0.5 * (lo + hi);
+    }
+    let near = NEAR * (b - a);
+    let stops = [crossings[0].min(crossings[1]) - near, crossings[0].max(crossings[1]) + near];
+    stops.into_iter().filter(|u| *u > a && *u < b).collect()
+}
+
 /// Bounds between two rulings.
 fn stretch(
     strip: &impl EnclosedStrip,
@@ -347,23 +376,31 @@ fn stretch(
     tolerance: f64,
 ) -> Stretch {
     let nothing = Stretch { strip: f64::INFINITY, attained: 0.0, edges: f64::INFINITY, reached: [0.0; 2] };
-    let at = |u: f64| strip.enclosure(u, u).map(|c| c[0]);
-    let (xa, xb) = (at(a), at(b));
-    // Derivatives for the parameter scaled to [0, 1].
+    // Taylor coefficients for the parameter scaled to [0, 1].
     let step = Interval::point(b) - Interval::point(a);
-    let jets = strip
-        .enclosure(a, b)
-        .map(|c| std::array::from_fn(|d| Jet { v: c[0][d], d: c[1][d] * step, dd: c[2][d] * step.sqr() }));
+    // Derivatives at the ends are those from within.
+    let middle = 0.5 * (a + b);
+    let all = strip.enclosure(a, b, middle);
+    let ends = [a, b].map(|u| {
+        let at = strip.enclosure(u, u, middle);
+        [0, 1].map(|k| -> V3<Series<2>> { std::array::from_fn(|d| Series([at[k][0][d], at[k][1][d] * step])) })
+    });
+    let powers: [Interval; 5] = {
+        let s2 = step.sqr();
+        let i = Interval::point;
+        [Interval::ONE, step, s2 * 0.5, s2 * step / i(6.0), s2.sqr() / i(24.0)]
+    };
+    let jets =
+        all.map(|c| -> V3<Series<5>> { std::array::from_fn(|d| Series(std::array::from_fn(|k| c[k][d] * powers[k]))) });
     // 1. In which wedges?
     let sides = |g: &G1Element| -> [Interval; 2] {
-        let (l, r, j) = (ahead(g, &xa), ahead(g, &xb), ahead(g, &jets));
+        let (l, r, j) = (ahead(g, &ends[0]), ahead(g, &ends[1]), ahead(g, &jets));
         [0, 1].map(|k| {
             // Where the curve moves on steadily, its values lie between those of its ends.
-            let ends = l[k].hull(r[k]);
-            if j[k].d.sign() != 0 {
-                ends
+            if j[k].0[1].sign() != 0 {
+                l[k].0[0].hull(r[k].0[0])
             } else {
-                over(l[k], r[k], j[k])
+                hermite_range(&l[k], &r[k], &j[k]).0
             }
         })
     };
@@ -381,7 +418,7 @@ fn stretch(
     let mut out = Stretch { strip: 0.0, attained: 0.0, edges: 0.0, reached: [0.0; 2] };
     let both = takes[0] && takes[1];
     for (segment, _) in pair.iter().zip(takes).filter(|(_, t)| *t) {
-        if judge(segment, &xa, &xb, &jets, !both, &mut out).is_none() {
+        if judge(segment, &ends, &jets, !both, &mut out).is_none() {
             return nothing;
         }
     }
@@ -398,71 +435,108 @@ const PARTS: usize = 8;
 /// passes the axis.
 ///
 /// *Method*: at the share λ of a ruling, ρ falls short of the chord of its ends by
-/// `D = λ(1−λ) K / (chord + ρ)`, `K = 2 twist² / (ρ_a ρ_b + q_a·q_b)` (exact); along the ruling D is concave with
-/// `D'' = −twist² / ρ³`; along the stretch the second derivative of the distance at fixed λ is enclosed.
+/// `D = λ(1−λ) K / (chord + ρ)`, `K = 2 twist² / (ρ_a ρ_b + q_a·q_b)` (exact). The distances of both boundary curves
+/// and the twist are enclosed over the stretch by cubics; so the distance lies below a parabola in λ. Where that has
+/// its greatest value inside, the rulings at both ends are examined instead, and the second derivative between them.
 fn judge(
     segment: &Prepared,
-    xa: &[V3<Interval>; 2],
-    xb: &[V3<Interval>; 2],
-    jets: &[V3<Jet>; 2],
+    ends: &[[V3<Series<2>>; 2]; 2],
+    jets: &[V3<Series<5>>; 2],
     surely: bool,
     out: &mut Stretch,
 ) -> Option<()> {
-    let at = |x: &[V3<Interval>; 2]| [segment.seen(&x[0]), segment.seen(&x[1])];
-    let (l, r) = (at(xa), at(xb));
+    let [l, r] = ends.map(|x| [segment.seen(&x[0]), segment.seen(&x[1])]);
     let j = [segment.seen(&jets[0]), segment.seen(&jets[1])];
     // 1. Edges.
     for k in 0..2 {
-        let (el, er) = (segment.edge_off(k, &l[k], &xa[k]), segment.edge_off(k, &r[k], &xb[k]));
-        let all = over(el, er, segment.edge_off(k, &j[k], &jets[k])).mag();
-        out.edges = out.edges.max(all);
+        let at = |s: &Seen<Series<2>>, x: &V3<Series<2>>| segment.edge_off(k, s, x);
+        let (el, er) = (at(&l[k], &ends[0][k]), at(&r[k], &ends[1][k]));
+        let (range, least) = hermite_range(&el, &er, &segment.edge_off(k, &j[k], &jets[k]));
+        out.edges = out.edges.max(range.mag());
         if surely {
-            out.reached[1] = out.reached[1].max(el.mag()).max(er.mag());
+            out.reached[1] = out.reached[1].max(least);
         }
-        if all.is_nan() {
+        if range.mag().is_nan() {
             return None;
         }
     }
-    // 2. The rulings at both ends.
-    let (mut ends, mut reached) = (0.0_f64, 0.0_f64);
-    for s in [&l, &r] {
-        let [bound, most] = along_ruling(segment, s)?;
-        (ends, reached) = (ends.max(bound), reached.max(most));
+    // 2. The boundary curves.
+    let mut along = [Interval::ZERO; 2];
+    let mut reached = 0.0_f64;
+    for k in 0..2 {
+        let (range, least) = hermite_range(&l[k].distance, &r[k].distance, &j[k].distance);
+        along[k] = range;
+        reached = reached.max(least);
     }
-    // 3. Between them, at any share of the rulings.
-    let mut bow = j[0].distance.dd.hull(j[1].distance.dd).mag();
-    let mut range = j[0].distance.v.hull(j[1].distance.v);
-    if segment.round.tilt != 0.0 {
+    if surely {
+        out.attained = out.attained.max(reached);
+    }
+    let tilt = segment.round.tilt;
+    let mut bound = along[0].mag().max(along[1].mag());
+    // 3. The rulings between them.
+    if tilt != 0.0 {
         let twist = segment.twist(&j[0], &j[1]);
         let facing = j[0].rho * j[1].rho + dot(&j[0].q, &j[1].q);
-        if facing.v.lo <= 0.0 {
+        if facing.0[0].lo <= 0.0 {
             return None;
         }
-        let k = (twist * twist).times(2.0).over(facing);
-        let chord = j[0].rho.hull(j[1].rho);
-        // λ(1 − λ) lies between 0 and 1/4, whatever λ is.
-        let share = Jet::constant(Interval { lo: 0.0, hi: 0.25 });
-        let short = share * k;
-        let rho = (chord * chord - short).root();
-        let sag = short.over(chord + rho);
-        if !(sag.dd.is_finite() && rho.v.lo > 0.0) {
-            return None;
+        let (turned, _) = hermite_range(&segment.twist(&l[0], &l[1]), &segment.twist(&r[0], &r[1]), &twist);
+        let k = turned.sqr().times(2.0) / facing.0[0];
+        let least = Interval::point(j[0].rho.0[0].lo.min(j[1].rho.0[0].lo));
+        let rho = Interval::point((least.sqr() - k * 0.25).sqrt().lo);
+        let sag = if rho.lo > 0.0 { (k / (least + rho) * tilt.abs()).hi } else { f64::INFINITY };
+        let up = parabola(along[0].hi, along[1].hi, if tilt > 0.0 { sag } else { 0.0 });
+        let down = parabola(-along[0].lo, -along[1].lo, if tilt < 0.0 { sag } else { 0.0 });
+        let all = up.max(down);
+        // An ulp is no inner maximum.
+        if !(all <= bound) {
+            let rulings = [&l, &r].map(|s| s.map(|s| s.value()));
+            let (mut most, mut at_ends) = (0.0_f64, 0.0_f64);
+            for s in &rulings {
+                let [b, m] = along_ruling(segment, s)?;
+                (at_ends, most) = (at_ends.max(b), most.max(m));
+            }
+            reached = reached.max(most);
+            let bow = bow(segment, &j, &twist, &facing)?;
+            let other = Interval::point(at_ends).widen(0.125 * bow).hi;
+            bound = if other.is_finite() { all.min(other.max(bound)) } else { all };
         }
-        bow += segment.round.tilt.abs() * sag.dd.mag();
-        range = range.widen((sag.v * segment.round.tilt).mag());
     }
-    let bound = Interval::point(ends).widen(0.125 * bow).hi;
-    // Far from small stretches the values themselves may say more.
-    let bound = if bound.is_finite() { bound.min(range.mag()) } else { range.mag() };
     if bound.is_nan() {
         return None;
     }
     out.strip = out.strip.max(bound);
     if surely {
         out.reached[0] = out.reached[0].max(reached);
-        out.attained = out.attained.max(l.iter().chain(&r).map(|s| s.distance.mig()).fold(0.0, f64::max));
     }
     Some(())
+}
+
+/// Upper bound of the greatest value of `(1−λ) a + λ b + λ(1−λ) c` for λ from 0 to 1, `c ≥ 0`.
+fn parabola(a: f64, b: f64, c: f64) -> f64 {
+    let ends = a.max(b);
+    let i = Interval::point;
+    let rise = i(b) - i(a);
+    if c <= rise.mig() {
+        return ends;
+    }
+    // At λ = 1/2 + (b − a)/(2c).
+    let inside = (i(a) + i(b)) * 0.5 + i(c) * 0.25 + rise.sqr() / (i(c) * 4.0);
+    inside.hi.max(ends)
+}
+
+/// Bound of the second derivative of the distance along a stretch, at any share of the rulings.
+fn bow(segment: &Prepared, j: &[Seen<Series<5>>; 2], twist: &Series<5>, facing: &Series<5>) -> Option<f64> {
+    let ends = jet(&j[0].distance).dd.hull(jet(&j[1].distance).dd).mag();
+    let (twist, facing) = (jet(twist), jet(facing));
+    let k = (twist * twist * Jet::from(2.0)).over(facing);
+    let chord = jet(&j[0].rho).hull(jet(&j[1].rho));
+    // λ(1 − λ) lies between 0 and 1/4, whatever λ is.
+    let share = Jet::constant(Interval { lo: 0.0, hi: 0.25 });
+    let short = share * k;
+    let rho = (chord * chord - short).sqrt();
+    let sag = short.over(chord + rho);
+    (sag.dd.is_finite() && rho.v.lo > 0.0).then(|| ends + segment.round.tilt.abs() * sag.dd.mag())
 }
 
 /// Bound of the distance along a whole ruling, and the largest one at the nodes. `None` where it passes the axis.

@@ -11,3 +11,4 @@ pub mod minimax;
 pub mod quadratic_program;
 pub mod quadrature;
 pub mod roots;
+pub mod series;

@@ -8,14 +8,14 @@ use crate::num::interval::Interval;
 use crate::spline::curve::Curve;
 use crate::spline::surface::Surface;
 
-/// A boundary curve with its first two derivatives, in intervals.
-pub type EnclosedCurve = [[Interval; 3]; 3];
+/// A boundary curve with its first four derivatives, in intervals.
+pub type EnclosedCurve = [[Interval; 3]; 5];
 
 /// A strip of a developable surface: ruling `u` is the segment between two boundary points.
 pub trait RuledStrip {
     /// Interval of u.
     fn domain(&self) -> (f64, f64);
-    /// Interior parameters where the boundary curves are not twice continuously differentiable.
+    /// Interior parameters where the boundary curves may not have four continuous derivatives.
     fn breaks(&self) -> Vec<f64> {
         Vec::new()
     }
@@ -25,9 +25,10 @@ pub trait RuledStrip {
 
 /// A strip whose boundary curves can be enclosed: what a proof needs.
 pub trait EnclosedStrip: RuledStrip {
-    /// Intervals that contain both boundary curves and their derivatives for all u of `[a, b]`, which contains no
-    /// break in its interior.
-    fn enclosure(&self, a: f64, b: f64) -> [EnclosedCurve; 2];
+    /// Intervals that contain both boundary curves and their derivatives for all u of `[a, b]`, which may be one number
+    /// and contains no break in its interior. At a break they are those of the side on which `inside` lies, a number
+    /// that is no break and between which and `[a, b]` there is none.
+    fn enclosure(&self, a: f64, b: f64, inside: f64) -> [EnclosedCurve; 2];
 }
 
 /// Both boundary curves at one ruling: point, first and second derivative.
@@ -163,7 +164,7 @@ fn sine_cosine(a: f64, b: f64) -> [Interval; 2] {
 }
 
 impl EnclosedStrip for HelicalStrip {
-    fn enclosure(&self, a: f64, b: f64) -> [EnclosedCurve; 2] {
+    fn enclosure(&self, a: f64, b: f64, _: f64) -> [EnclosedCurve; 2] {
         let [s, c] = sine_cosine(a, b);
         let u = Interval::new(a, b);
         let i = Interval::point;
@@ -176,6 +177,8 @@ impl EnclosedStrip for HelicalStrip {
                 [x * c - y * s, x * s + y * c, height],
                 [-(x * s) - y * c, x * c - y * s, i(self.rise)],
                 [y * s - x * c, -(x * s) - y * c, Interval::ZERO],
+                [x * s + y * c, y * s - x * c, Interval::ZERO],
+                [x * c - y * s, x * s + y * c, Interval::ZERO],
             ]
         })
     }
@@ -208,27 +211,21 @@ impl RuledPatch {
     }
 }
 
-/// Affine jet of a homogeneous one.
-fn affine<S: Scalar>(h: &[[S; 4]; 3]) -> [[S; 3]; 3] {
-    let two = S::from(2.0);
-    let w = h[0][3];
-    std::array::from_fn::<[S; 3], 3, _>(|d| {
-        let x = h[0][d].over(w);
-        let dx = (h[1][d] - h[1][3] * x).over(w);
-        [x, dx, (h[2][d] - two * h[1][3] * dx - h[2][3] * x).over(w)]
-    })
-    .transposed()
-}
-
-/// Rows and columns exchanged.
-trait Transposed {
-    fn transposed(self) -> Self;
-}
-
-impl<S: Copy> Transposed for [[S; 3]; 3] {
-    fn transposed(self) -> Self {
-        std::array::from_fn(|i| std::array::from_fn(|j| self[j][i]))
+/// Affine derivatives from homogeneous ones: Leibniz's rule for `h = w x`.
+fn affine<S: Scalar, const N: usize>(h: &[[S; 4]; N]) -> [[S; 3]; N] {
+    let mut out = [[S::from(0.0); 3]; N];
+    for k in 0..N {
+        for d in 0..3 {
+            let mut rest = h[k][d];
+            let mut binomial = 1.0;
+            for i in 1..=k {
+                binomial *= (k + 1 - i) as f64 / i as f64;
+                rest = rest - S::from(binomial) * h[i][3] * out[k - i][d];
+            }
+            out[k][d] = rest.over(h[0][3]);
+        }
     }
+    out
 }
 
 impl RuledStrip for RuledPatch {
@@ -248,23 +245,30 @@ impl RuledStrip for RuledPatch {
 }
 
 impl EnclosedStrip for RuledPatch {
-    fn enclosure(&self, a: f64, b: f64) -> [EnclosedCurve; 2] {
+    fn enclosure(&self, a: f64, b: f64, inside: f64) -> [EnclosedCurve; 2] {
         [0, 1].map(|k| {
             let c = &self.sides[k];
             let p = c.knots.degree();
-            let span = c.knots.span(0.5 * (a + b));
+            let span = c.knots.span(inside);
             let knots = &c.knots.values()[span + 1 - p..=span + p];
-            let step = Interval::ONE / (Interval::point(b) - Interval::point(a));
-            let mut rows = [[Interval::ZERO; 4]; 3];
+            let mut rows = [[Interval::ZERO; 4]; 5];
             for d in 0..4 {
-                let net: Vec<Interval> = (0..=p).map(|j| Interval::point(c.control[span - p + j][d])).collect();
-                let mut coefficients = bernstein::from_spline_over(&net, knots, a, b);
+                let mut net: Vec<Interval> = (0..=p).map(|j| Interval::point(c.control[span - p + j][d])).collect();
+                let mut knots = knots;
                 for row in &mut rows {
-                    row[d] = bernstein::hull(&coefficients);
-                    coefficients = bernstein::derivative(&coefficients).iter().map(|x| *x * step).collect();
-                    if coefficients.is_empty() {
-                        coefficients = vec![Interval::ZERO];
+                    let degree = net.len() - 1;
+                    row[d] = bernstein::hull(&bernstein::from_spline_over(&net, knots, a, b));
+                    if degree == 0 {
+                        break;
                     }
+                    // Control points of the derivative, on the inner knots.
+                    net = (0..degree)
+                        .map(|j| {
+                            let width = Interval::point(knots[j + degree]) - Interval::point(knots[j]);
+                            (net[j + 1] - net[j]) * degree as f64 / width
+                        })
+                        .collect();
+                    knots = &knots[1..knots.len() - 1];
                 }
             }
             affine(&rows)
@@ -298,12 +302,19 @@ mod tests {
     #[test]
     fn derivatives_agree_with_differences_and_enclosures_contain_them() {
         fn check(strip: &impl EnclosedStrip, a: f64, b: f64) {
-            let boxes = strip.enclosure(a, b);
+            let boxes = strip.enclosure(a, b, 0.5 * (a + b));
             for i in 0..=4 {
                 let u = a + (b - a) * f64::from(i) / 4.0;
                 let jet = strip.jet(u);
                 let (less, more) = (strip.jet(u - 1e-5), strip.jet(u + 1e-5));
                 for side in 0..2 {
+                    for d in 0..3 {
+                        // Third and fourth derivatives by differences of the second.
+                        let [x, y, z] = [&less, &jet, &more].map(|j| j.ends[side][2][d]);
+                        assert!(boxes[side][3][d].widen(1e-4).contains((z - x) / 2e-5));
+                        let (x, z) = (strip.jet(u - 1e-3).ends[side][2][d], strip.jet(u + 1e-3).ends[side][2][d]);
+                        assert!(boxes[side][4][d].widen(1e-4).contains((x - 2.0 * y + z) / 1e-6));
+                    }
                     for order in 0..3 {
                         for d in 0..3 {
                             assert!(boxes[side][order][d].widen(1e-13).contains(jet.ends[side][order][d]));
@@ -316,6 +327,10 @@ mod tests {
                 }
             }
             assert!(boxes[0][0][0].width() < 20.0 * (b - a), "useful");
+            // At a single ruling all derivatives are sharp.
+            for rows in strip.enclosure(a, a, b) {
+                assert!(rows.iter().flatten().all(|x| x.width() < 1e-10));
+            }
         }
         check(&helix(), 0.7, 0.8);
         check(&patch(), 0.41, 0.45);

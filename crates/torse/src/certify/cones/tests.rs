@@ -95,3 +95,10 @@ fn nodes_that_do_not_fit_are_an_error() {
     assert!(cones(&strip(), &nodes[1..], &spline, &ConeJudgeOptions::new(1e-3)).is_err());
     assert!(cones(&strip(), &nodes, &spline, &ConeJudgeOptions::new(f64::NAN)).is_err());
 }
+
+#[test]
+fn a_turn_of_a_helix_takes_few_stretches() {
+    let (nodes, spline) = chain(24);
+    let proof = cones(&strip(), &nodes, &spline, &ConeJudgeOptions::new(3e-6)).expect("proof");
+    assert!(proof.stretches < 8 * 24, "{}", proof.stretches);
+}
