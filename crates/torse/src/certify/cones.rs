@@ -489,7 +489,7 @@ fn judge(
         let down = parabola(-along[0].lo, -along[1].lo, if tilt < 0.0 { sag } else { 0.0 });
         let all = up.max(down);
         // An ulp is no inner maximum.
-        if !(all <= bound) {
+        if all.is_nan() || all > bound {
             let rulings = [&l, &r].map(|s| s.map(|s| s.value()));
             let (mut most, mut at_ends) = (0.0_f64, 0.0_f64);
             for s in &rulings {

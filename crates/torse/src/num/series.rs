@@ -27,7 +27,7 @@ impl<const N: usize> Series<N> {
     /// Sum with a number.
     #[inline]
     pub fn plus(mut self, k: f64) -> Self {
-        self.0[0] = self.0[0] + Interval::point(k);
+        self.0[0] += Interval::point(k);
         self
     }
 
@@ -118,7 +118,7 @@ impl<const N: usize> Mul for Series<N> {
         Self(std::array::from_fn(|k| {
             let mut sum = self.0[0] * o.0[k];
             for i in 1..=k {
-                sum = sum + self.0[i] * o.0[k - i];
+                sum += self.0[i] * o.0[k - i];
             }
             sum
         }))
