@@ -107,9 +107,9 @@ const PRECISION: f64 = 1e-10;
 /// Share of the tolerance by which control points of two faces may differ along an edge across which they are joined;
 /// what is used of it is taken from the tolerance of the panels.
 const MISMATCH_SHARE: f64 = 0.01;
-/// Half the angle of the cone of normals that a joined face may have: half a tube and its rounded end, not a whole tube,
-/// whose level functions would have to close.
-const MOST_TURN_DEG: f64 = 100.0;
+/// Angle through which the normal of a joined face may turn along its parameter lines: half a tube with something to
+/// spare, not a whole tube, whose level functions would have to close.
+const MOST_TURN_DEG: f64 = 200.0;
 /// Share of the tolerance that a trim curve may stray from the region's border.
 const TRIM_SHARE: f64 = 1.0 / 250.0;
 /// Share of that by which the edge in space may stray from the trim curve on its patch.
