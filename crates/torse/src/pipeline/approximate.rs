@@ -42,9 +42,10 @@ pub struct Options {
     pub smooth_angle: f64,
 }
 
-/// Angle between faces (degrees) up to which an edge counts as smooth unless something else is asked for: modelling
-/// programs join surfaces smoothly within a tenth of a degree, and edges that are meant as such are sharper by far.
-pub const SMOOTH_ANGLE_DEG: f64 = 0.5;
+/// Angle between faces (degrees) up to which they are covered as one unless something else is asked for: none, because
+/// large joined faces with creases can take much longer than their parts. Modelling programs join surfaces smoothly within
+/// a tenth of a degree; 0.5 is a good value to ask for.
+pub const SMOOTH_ANGLE_DEG: f64 = 0.0;
 
 /// Why the job cannot be done at all.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
