@@ -42,9 +42,10 @@ pub struct Options {
     pub smooth_angle: f64,
 }
 
-/// Angle between faces (degrees) up to which an edge counts as smooth unless something else is asked for: modelling
-/// programs join surfaces smoothly within a tenth of a degree, and edges that are meant as such are sharper by far.
-pub const SMOOTH_ANGLE_DEG: f64 = 0.5;
+/// Angle between faces (degrees) up to which they are covered as one unless something else is asked for: none, because
+/// large joined faces with creases can take much longer than their parts. Modelling programs join surfaces smoothly within
+/// a tenth of a degree; 0.5 is a good value to ask for.
+pub const SMOOTH_ANGLE_DEG: f64 = 0.0;
 
 /// Why the job cannot be done at all.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -110,9 +111,9 @@ const PRECISION: f64 = 1e-10;
 /// Share of the tolerance by which control points of two faces may differ along an edge across which they are joined;
 /// what is used of it is taken from the tolerance of the panels.
 const MISMATCH_SHARE: f64 = 0.01;
-/// Half the angle of the cone of normals that a joined face may have: half a tube and its rounded end, not a whole tube,
-/// whose level functions would have to close.
-const MOST_TURN_DEG: f64 = 100.0;
+/// Angle through which the normal of a joined face may turn along its parameter lines: half a tube with something to
+/// spare, not a whole tube, whose level functions would have to close.
+const MOST_TURN_DEG: f64 = 200.0;
 /// Share of the tolerance that a trim curve may stray from the region's border.
 const TRIM_SHARE: f64 = 1.0 / 250.0;
 /// Share of that by which the edge in space may stray from the trim curve on its patch.

@@ -25,15 +25,13 @@ pub struct JoinOptions {
     pub angle: f64,
     /// Greatest distance between control points of the two sides of a common edge, mm.
     pub mismatch: f64,
-    /// Half the angle of a cone of directions that has to hold the normals of a joined face, rad, at samples: π for no
-    /// limit. Bodies that close around themselves fall into open ones.
+    /// Greatest angle through which the normal of a joined face may turn along a line of constant u or v, rad, at
+    /// samples; infinite for no limit. Bodies that close around themselves fall into open ones.
     pub turn: f64,
 }
 
 /// Places in each direction at which the normals of a face are looked at for its turn.
-const TURN_SAMPLES: usize = 9;
-/// Steps towards the smallest cone around normals.
-const TURN_STEPS: usize = 40;
+const TURN_SAMPLES: usize = 16;
 /// Share of the parameter range within which corners of a trim count as lying on the side of its box: readers'
 /// projections are about that exact.
 const ON_SIDE: f64 = 1e-8;
@@ -252,33 +250,23 @@ fn together(a: &Group, b: &Group, pass: Option<bool>, options: &JoinOptions, wor
     None
 }
 
-/// Half the angle (rad) of the smallest cone around the normals of a face, estimated at samples of its box.
+/// Largest angle (rad) that the normal turns through along a line of constant u or v, estimated at samples.
 fn turn(face: &Face) -> f64 {
     let ((u0, u1), (v0, v1)) = face.surface.domain();
     let share = |k: usize| (k as f64 + 0.5) / TURN_SAMPLES as f64;
-    let spots = (0..TURN_SAMPLES).flat_map(|i| (0..TURN_SAMPLES).map(move |j| (share(i), share(j))));
-    let normals: Vec<Vec3> = spots
-        .filter_map(|(s, t)| {
-            face.surface.jet(u0 + (u1 - u0) * s, v0 + (v1 - v0) * t).normal().try_normalize(f64::MIN_POSITIVE)
-        })
-        .collect();
-    let farthest = |m: &Vec3| {
-        let far = normals.iter().min_by(|a, b| a.dot(m).total_cmp(&b.dot(m)));
-        far.map(|n| (*n, n.dot(m).clamp(-1.0, 1.0).acos()))
+    let normal = |s: f64, t: f64| {
+        let n = face.surface.jet(u0 + (u1 - u0) * s, v0 + (v1 - v0) * t).normal();
+        n.try_normalize(f64::MIN_POSITIVE)
     };
-    let Some(mut middle) = normals.iter().sum::<Vec3>().try_normalize(f64::MIN_POSITIVE) else {
-        return if normals.is_empty() { 0.0 } else { std::f64::consts::PI };
+    let along = |at: &dyn Fn(usize) -> Option<Vec3>| {
+        let normals: Vec<Vec3> = (0..TURN_SAMPLES).filter_map(at).collect();
+        normals.windows(2).map(|w| w[0].cross(&w[1]).norm().atan2(w[0].dot(&w[1]))).sum::<f64>()
     };
-    let mut least = std::f64::consts::PI;
-    for k in 0..TURN_STEPS {
-        let Some((n, angle)) = farthest(&middle) else { return 0.0 };
-        least = least.min(angle);
-        match (middle + (n - middle) / (k + 2) as f64).try_normalize(f64::MIN_POSITIVE) {
-            Some(m) => middle = m,
-            None => break,
-        }
-    }
-    least
+    let lines = |k: usize| {
+        let (over_v, over_u) = (along(&|i| normal(share(k), share(i))), along(&|i| normal(share(i), share(k))));
+        over_v.max(over_u)
+    };
+    (0..TURN_SAMPLES).map(lines).fold(0.0, f64::max)
 }
 
 /// The face of a group, with the names of its parts.

@@ -78,7 +78,7 @@ pub(super) fn joined(a: &Face, s: usize, b: &Face, t: usize, backwards: bool, op
     b.loops = b.loops.iter().map(|l| pace.applied(l, &moved)).collect();
     let more_of = |x: &Knots, y: &Knots| -> Vec<f64> {
         let own = x.distinct();
-        let count = |value: f64| own.iter().find(|k| k.0 <= value && k.0 >= value).map_or(0, |k| k.1);
+        let count = |value: f64| own.iter().find(|k| k.0.total_cmp(&value).is_eq()).map_or(0, |k| k.1);
         let (lo, hi) = y.domain();
         let inner = y.distinct().into_iter().filter(|k| k.0 > lo && k.0 < hi);
         inner.flat_map(|(value, m)| std::iter::repeat_n(value, m.saturating_sub(count(value)))).collect()

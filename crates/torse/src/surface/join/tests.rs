@@ -43,7 +43,7 @@ fn quarters(s: &Surface, u: f64, v: f64) -> Vec<Face> {
 }
 
 fn options(degrees: f64) -> JoinOptions {
-    JoinOptions { angle: degrees.to_radians(), mismatch: 1e-6, turn: std::f64::consts::PI }
+    JoinOptions { angle: degrees.to_radians(), mismatch: 1e-6, turn: f64::INFINITY }
 }
 
 fn joined(faces: Vec<Face>, options: &JoinOptions) -> Vec<Face> {
@@ -177,7 +177,7 @@ fn a_ring_stays_open_at_one_edge() {
         Face::untrimmed(Surface::new(ku, kv, &points, Some(&weights)).expect("a surface"))
     };
     let quarters: Vec<Face> = (0..4).map(|k| quarter(f64::from(k))).collect();
-    let open = JoinOptions { turn: 100f64.to_radians(), ..options(0.5) };
+    let open = JoinOptions { turn: 200f64.to_radians(), ..options(0.5) };
     assert_eq!(joined(quarters.clone(), &open).len(), 2, "halves that do not close around themselves");
     let none = super::joined(quarters.clone(), &options(0.5), &|_, _, _| false);
     assert_eq!(none.len(), 4, "nothing is worth while");
