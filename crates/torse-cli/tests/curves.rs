@@ -71,3 +71,15 @@ fn curves_that_cannot_be_used_are_refused_by_name() {
     let message = refused(room.path(), &["hull", "flat.csv", "--unit", "mm", "-t", "0.1mm", "-o", "o"]);
     assert!(message.contains("flat.csv lie in one plane"), "{message}");
 }
+
+#[test]
+fn panels_run_along_a_section_and_sections_that_miss_are_refused() {
+    let room = tempfile::tempdir().expect("room");
+    let model = format!("{DATA}/torus_piece.step");
+    let message = refused(room.path(), &["approximate", &model, "-t", "10mm", "-o", "o", "--curves", "x=999m"]);
+    assert!(message.contains("x=999m misses every face"), "{message}");
+    let output = torse(room.path(), &["approximate", &model, "-t", "10mm", "-o", "o", "--curves", "x=400mm"]);
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let report = fs::read_to_string(room.path().join("o/report.json")).expect("report");
+    assert!(report.contains("\"curve\": \"x=400mm\"") && report.contains("paper_deviation_estimate"));
+}

@@ -9,7 +9,7 @@ use torse::geom::Vec3;
 use torse::io::bundle;
 use torse::io::step::read::{read, read_with, ReadOptions};
 use torse::pipeline::approximate::{approximate, ApproximateError, Options};
-use torse::pipeline::cover::{Guide, Layout, LayoutKind, Limits, SeamPlane};
+use torse::pipeline::cover::{CurveError, CurveShape, Guide, Layout, LayoutKind, Limits, PanelCurve, SeamPlane};
 use torse::pipeline::outcome::{Outcome, Status};
 use torse::pipeline::presentation::present;
 use torse::spline::surface::Surface;
@@ -353,6 +353,45 @@ fn rings_run_around_the_middle() {
     };
     // One cut goes through the middle, the other seams keep clear of it.
     assert!(seams.iter().filter(|s| closest(s) > 60.0).count() * 3 >= seams.len(), "{}", seams.len());
+}
+
+/// The piece of a torus with panels along one curve.
+fn along(shape: CurveShape, tolerance: f64) -> Result<Outcome, ApproximateError> {
+    let curves = vec![PanelCurve { name: "the curve".into(), shape }];
+    run(TORUS, &Options { layout: Layout { curves, ..Layout::default() }, ..options(tolerance) })
+}
+
+#[test]
+fn panels_along_a_curve_go_on_until_the_face_is_covered() {
+    let o = along(CurveShape::AlongU(0.5), TOLERANCE).expect("an outcome");
+    assert_eq!(o.status, Status::Certified);
+    // Envelopes of tangent planes need about √2 times as many panels as best fits, which are two here.
+    assert!(o.patchwork.panels.len() <= 3, "{}", o.patchwork.panels.len());
+    assert!(o.along.iter().any(|a| a.step == 0) && o.along.iter().all(|a| a.curve == "the curve"));
+    let widest = o.along.iter().map(|a| a.paper_estimate).fold(0.0, f64::max);
+    assert!(widest > 0.5 * TOLERANCE && widest <= TOLERANCE, "{widest}");
+}
+
+#[test]
+fn a_section_gives_a_panel_and_the_rest_follows() {
+    let o = along(CurveShape::Section { normal: Vec3::x(), offset: 400.0 }, TOLERANCE).expect("an outcome");
+    assert_eq!(o.status, Status::Certified);
+    assert!(o.along.iter().any(|a| a.step == 0) && o.along.iter().any(|a| a.step > 0));
+}
+
+#[test]
+fn curves_of_no_use_are_refused_by_name() {
+    let e = along(CurveShape::Section { normal: Vec3::x(), offset: 1e6 }, 1.0).expect_err("misses");
+    assert!(matches!(&e, ApproximateError::Curve(CurveError::Misses { name, .. }) if name == "the curve"), "{e}");
+    let far: Vec<Vec3> = (0..9).map(|i| Vec3::new(0.0, 10.0 * i as f64, 5e3)).collect();
+    let e = along(CurveShape::Points(far), 1.0).expect_err("off the surface");
+    assert!(matches!(e, ApproximateError::Curve(CurveError::Off { distance, .. }) if distance > 1e3), "{e}");
+    let e = along(CurveShape::Points(vec![Vec3::zeros(); 5]), 1.0).expect_err("no length");
+    assert!(matches!(e, ApproximateError::Curve(CurveError::Empty { .. })), "{e}");
+    let e = along(CurveShape::Points(vec![Vec3::new(f64::NAN, 0.0, 0.0); 5]), 1.0).expect_err("not finite");
+    assert!(matches!(e, ApproximateError::Curve(CurveError::Empty { .. })), "{e}");
+    let e = along(CurveShape::AlongV(1.5), 1.0).expect_err("no share");
+    assert!(matches!(e, ApproximateError::Curve(CurveError::Share { .. })), "{e}");
 }
 
 #[test]

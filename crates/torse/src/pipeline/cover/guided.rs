@@ -110,7 +110,7 @@ impl Job<'_> {
             let Ok(found) = lines(self.face, &state, c, self.options.tolerance) else { continue };
             for line in found.into_iter().flat_map(opened) {
                 let Some(sheet) = self.sheet(&line, bounds) else { continue };
-                if let Some(laid) = self.strip(&state, &sheet, line.open, None, &c.name, 0) {
+                if let Some(laid) = self.strip(&state, &sheet, None, &c.name, 0) {
                     state = laid.state;
                     let [back, forth] = laid.borders;
                     fronts.push((c.name.clone(), 1, Line { points: back, open: line.open }, -1.0));
@@ -157,7 +157,7 @@ impl Job<'_> {
             let line = Line { points: ahead?, open: border.open };
             if let Some(sheet) = self.sheet(&line, bounds) {
                 let limit = Ahead { side: forward, share };
-                if let Some(laid) = self.strip(state, &sheet, border.open, Some(limit), name, step) {
+                if let Some(laid) = self.strip(state, &sheet, Some(limit), name, step) {
                     if laid.labels.is_empty() {
                         return None;
                     }
@@ -189,15 +189,7 @@ impl Job<'_> {
     }
 
     /// The widest strip around the line that the certificate accepts, out of what is free.
-    fn strip(
-        &self,
-        state: &State,
-        sheet: &Sheet,
-        open: bool,
-        ahead: Option<Ahead>,
-        name: &str,
-        step: usize,
-    ) -> Option<Laid> {
+    fn strip(&self, state: &State, sheet: &Sheet, ahead: Option<Ahead>, name: &str, step: usize) -> Option<Laid> {
         let surface = &self.face.surface;
         let allowed = self.options.tolerance * DISTANCE_SHARE;
         let mut share = ahead.map_or(1.0, |a| a.share);
@@ -247,7 +239,6 @@ impl Job<'_> {
                     let origin = Origin { curve: name.to_owned(), step, paper_estimate: estimate };
                     trial.origins.insert(label, Arc::new(origin));
                 }
-                let _ = open;
                 return Some(Laid { state: trial, borders, labels });
             }
             let factor = if worst.is_finite() { (0.97 * allowed / worst).sqrt().clamp(0.5, 0.97) } else { 0.6 };
