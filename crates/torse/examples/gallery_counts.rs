@@ -1,6 +1,7 @@
 //! Panels over the tolerance: ours, the limit of theory, and the counts published with the method of \[SE06\] for a bowl
 //! of the same kind. `cargo run --release --example gallery_counts -- FOLDER` writes `counts.png` and prints the table.
 
+use std::io::Write;
 use torse::control::Control;
 use torse::io::png;
 use torse::io::step::read::read;
@@ -29,12 +30,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         smooth_angle: 0.0,
     };
     let rows = sweep(&read(BOWL)?.faces, &TOLERANCES, &options, &Control::default())?;
+    let mut out = std::io::stdout().lock();
     for r in &rows {
         let limit = r.limit.map_or("-".into(), |l| format!("{l:.2}"));
-        println!(
+        writeln!(
+            out,
             "{:>6} mm {:>4} panels, limit {limit:>6}, certified: {}, {:.1} s",
             r.tolerance, r.panels, r.certified, r.seconds
-        );
+        )?;
     }
     let series = |name: &str, measured: bool, points: Vec<[f64; 2]>| Series { name: name.to_owned(), measured, points };
     let picture = chart(&Chart {

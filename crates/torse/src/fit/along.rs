@@ -311,11 +311,11 @@ mod tests {
     #[test]
     fn the_interval_of_a_ruling_is_that_of_the_closed_form() {
         // Along y = 0 of a paraboloid the rulings run along y: the surface leaves them by b y²/2.
-        let (s, b, eps) = (quadric(1.0, 0.5), 0.5, 1e-3);
+        let (s, b, eps) = (quadric(1.0, 0.5), 0.5_f64, 1e-3);
         let p = envelope_along(&s, &line(|t| [t, 0.0])).expect("envelope");
         let middle = p[10];
         assert!((middle.ruling - Vec3::y()).norm() < 1e-12 && (middle.across - b).abs() < 1e-12);
-        let want = (2.0 * eps / b as f64).sqrt();
+        let want = (2.0 * eps / b).sqrt();
         for r in interval(&s, &middle, eps, 10.0) {
             assert!((r - want).abs() < 1e-6 * want, "{r} {want}");
         }

@@ -420,7 +420,8 @@ mod tests {
 
     #[test]
     fn closed_lines_become_two_halves() {
-        let mut ring: Vec<[f64; 2]> = (0..12).map(|i| [(i as f64 * 0.5236).cos(), (i as f64 * 0.5236).sin()]).collect();
+        let mut ring: Vec<[f64; 2]> =
+            (0..12).map(|i| (f64::from(i) * std::f64::consts::FRAC_PI_6).sin_cos().into()).collect();
         ring.push(ring[0]);
         let halves = opened(ring);
         assert!(halves.len() == 2 && halves.iter().all(|l| !l.open));
