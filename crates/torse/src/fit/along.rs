@@ -80,7 +80,7 @@ const NO_TURN: f64 = 1e-9;
 /// [`AlongError`] with the place: no length, no normal, no turning plane, an asymptotic direction.
 pub fn envelope_along(surface: &Surface, line: &[[f64; 2]]) -> Result<Vec<RulingPoint>, AlongError> {
     let n = line.len();
-    if n < 3 || line.iter().flatten().any(|x| !x.is_finite()) {
+    if n < 3 || line.iter().flatten().any(|x| !x.is_finite()) || line.windows(2).all(|w| w[0] == w[1]) {
         return Err(AlongError::Empty);
     }
     (0..n)

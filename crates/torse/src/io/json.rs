@@ -449,6 +449,7 @@ pub(crate) mod tests {
         let records = [
             &value,
             &value["seams"][0],
+            &value["along"][0],
             &value["panels"][0],
             &value["faces"][0],
             &value["skipped"][0],
