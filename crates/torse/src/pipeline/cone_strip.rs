@@ -30,9 +30,9 @@ pub fn strip_of(outline: &PlaneOutline) -> Option<RuledPatch> {
         return Some(whole);
     }
     // The lowest degree is the smoothest; what no degree achieves is refused by the fit, which names the ruling.
-    let followed = MARGINS.iter().find_map(|margin| {
-        (1..=MOST_DEGREE).find_map(|degree| following(outline, degree, *margin).filter(|strip| clear(strip)))
-    });
+    let followed = MARGINS
+        .iter()
+        .find_map(|margin| (1..=MOST_DEGREE).find_map(|degree| following(outline, degree, *margin).filter(clear)));
     Some(followed.unwrap_or(whole))
 }
 

@@ -11,7 +11,6 @@ use crate::develop::cone_part::{overlaps as part_overlaps, part_pattern};
 use crate::develop::cones::{cone_pattern, overlaps};
 use crate::fit::cone_trim::{cone_part, ConeTrimError, ConeTrimOptions};
 use crate::fit::cones::{cones as fit, ConeFit, ConeFitOptions};
-use crate::spline::surface::Surface;
 use crate::surface::cone_forms::patches;
 use crate::surface::cone_part::{ConeBody, ConePart};
 use crate::surface::cone_spline::{ConeSpline, Segment};
@@ -380,6 +379,7 @@ mod tests {
     use super::*;
     use crate::geom::Vec3;
     use crate::spline::knots::Knots;
+    use crate::spline::surface::Surface;
 
     /// A cylinder over a parabola, ruled along y, as a face; `bent` lifts one corner line so that it is no developable.
     fn face(lift: f64) -> Face {
