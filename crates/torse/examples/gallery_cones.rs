@@ -114,7 +114,10 @@ fn main() -> Result<()> {
         let points: Vec<Vec3> = touching.iter().flatten().copied().collect();
         let outwards = (points.iter().sum::<Vec3>() / points.len() as f64 - m).normalize();
         let look = outwards + pair.segments[0].start.direction * 0.35;
-        let mut s = scene(&ConeSpline { segments: pair.segments.to_vec() }.with_circular_edges(-0.9, 0.5))?;
+        let start = pair.segments[0].start;
+        let foot = (m - start.point).dot(&start.direction);
+        let chain = ConeSpline { segments: pair.segments.to_vec() };
+        let mut s = scene(&chain.with_circular_edges(-0.9, foot.max(0.0) + 0.5))?;
         s.panels.push(sphere(&m, r.abs()));
         s.guides = touching[..2].to_vec();
         save(folder, "fig3_inscribed_sphere", &s, &look, "the inscribed sphere of both cones")?;
