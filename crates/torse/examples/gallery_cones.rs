@@ -40,7 +40,7 @@ fn main() -> Result<()> {
         "fig11a_tangent_surface",
         &smooth(&|u| cubic(u), 0.15, 1.05),
         &eye,
-        "tangent surface of (u, u^2, u^3)",
+        "tangent surface of (u, uu, uuu)",
     )?;
     let elements: Vec<G1Element> = nodes.iter().map(|&u| element(&cubic(u))).collect::<Result<_>>()?;
     let reach = vec![[-0.5, 0.5]; 4];
@@ -61,11 +61,14 @@ fn main() -> Result<()> {
     let ends = [0.2, 0.75].map(cubic);
     let cones: Vec<Osculating> = ends.iter().map(|j| Ok(Osculating::of(&element(j)?, j))).collect::<Result<_>>()?;
     let joined = osculating_spline(&cones, &[], &ConeOptions::default())?;
-    let eye_on_sphere = Vec3::new(1.0, 0.6, 0.9);
+    let arcs: Vec<Vec<Vec3>> = joined.spline.segments.iter().map(|s| directions(s, 0.0, 1.0)).collect();
+    let eye_on_sphere = arcs.iter().flatten().sum::<Vec3>().normalize() + Vec3::new(0.2, 0.1, 0.3);
     let mut s = Scene { panels: vec![sphere(&Vec3::zeros(), 0.995)], ..Scene::default() };
-    s.guides = joined.spline.segments.iter().map(|s| directions(s, 0.0, 1.0)).collect();
+    // One colour for each arc.
+    s.panels.extend(arcs.iter().enumerate().map(|(i, arc)| ribbon(&format!("{}", i + 1), arc)));
     save(folder, "fig13_triarc", &s, &eye_on_sphere, "rulings of two osculating cones and their join as directions")?;
     let whole = |s: &Segment| directions(s, 0.0, std::f64::consts::TAU / s.shape.angle().abs());
+    s.panels.truncate(1);
     s.guides = joined.spline.segments.iter().map(whole).collect();
     save(folder, "fig14_circles", &s, &eye_on_sphere, "the whole circles: the joining one touches both")?;
 
@@ -106,13 +109,27 @@ fn main() -> Result<()> {
     save(folder, "fig7_family", &family, &eye, "three members of the family: psi 0.3, 0.5, 0.7")?;
     let pair = any_pair(&a, &b, &PairOptions::default())?;
     if let Some((m, r)) = pair.inscribed_sphere() {
-        let mut s = scene(&ConeSpline { segments: pair.segments.to_vec() }.with_circular_edges(-0.9, 0.5))?;
-        s.surfaces.clear();
+        let touching = biarc(&pair, &m);
+        // Seen from the side on which the cones touch, so that the sphere lies behind them.
+        let points: Vec<Vec3> = touching.iter().flatten().copied().collect();
+        let outwards = (points.iter().sum::<Vec3>() / points.len() as f64 - m).normalize();
+        let look = outwards + pair.segments[0].start.direction * 0.35;
+        let start = pair.segments[0].start;
+        let foot = (m - start.point).dot(&start.direction);
+        let chain = ConeSpline { segments: pair.segments.to_vec() };
+        let mut s = scene(&chain.with_circular_edges(-0.9, foot.max(0.0) + 0.5))?;
         s.panels.push(sphere(&m, r.abs()));
-        save(folder, "fig3_inscribed_sphere", &s, &eye, "the inscribed sphere of both cones")?;
+        s.guides = touching[..2].to_vec();
+        save(folder, "fig3_inscribed_sphere", &s, &look, "the inscribed sphere of both cones")?;
         let mut s = Scene { panels: vec![sphere(&m, r.abs())], ..Scene::default() };
-        s.guides = biarc(&pair, &m);
-        save(folder, "fig4_biarc", &s, &eye, "the biarc in which the cones touch the sphere, and its control polygon")?;
+        s.guides = touching;
+        save(
+            folder,
+            "fig4_biarc",
+            &s,
+            &look,
+            "the biarc in which the cones touch the sphere, and its control polygon",
+        )?;
     }
     let mut s = scene(&ConeSpline { segments: pair.segments.to_vec() }.with_circular_edges(-0.5, 0.5))?;
     for k in 1..20 {
@@ -130,12 +147,34 @@ fn main() -> Result<()> {
     for (name, distance, angle) in [("fig5_same_side", 1.5, 1.6), ("fig6_other_side", -1.5, -1.6)] {
         let shape = Shape::Cone { distance, cos_gamma: 0.8, sin_gamma: 0.6, angle };
         let s = ConeSpline { segments: vec![Segment::new(a, shape)] }.with_circular_edges(-0.8, 0.8);
-        save(folder, name, &scene(&s)?, &eye, "used part and vertex")?;
+        let segment = s.segments[0];
+        let mut shown = scene(&s)?;
+        // Normals along a circle of the cone meet in the centre of the sphere that touches it there.
+        let (g, h) = (segment.start, segment.end());
+        let apart = g.normal - h.normal;
+        let r = (h.point - g.point).dot(&apart) / apart.norm_squared();
+        let m = g.point + g.normal * r;
+        shown.panels.push(sphere(&m, r.abs()));
+        if let Some(vertex) = segment.vertex() {
+            shown.panels.push(PanelShape { name: "vertex".into(), ..sphere(&vertex, 0.05) });
+            shown.guides = [0.0, 0.5, 1.0].map(|f| vec![vertex, segment.element(f).point]).to_vec();
+        }
+        let middle = segment.element(0.5);
+        let look = (middle.point - m).normalize() + middle.forward * 0.8;
+        save(folder, name, &shown, &look, "used part, vertex, and the sphere that touches along a circle")?;
     }
 
     // Figure 16: a segment and its development.
     let one = ConeSpline { segments: vec![three.segments[2]] }.with_circular_edges(-0.5, 0.5);
-    save(folder, "fig16_segment", &scene(&one)?, &eye, "cone segment")?;
+    let mut both = scene(&one)?;
+    let first = one.segments[0].start;
+    for mut shape in scene(&bent(&one, 1.0, Bending::Curvature))?.panels {
+        shape.name = "development".into();
+        shift(&mut shape, &(first.direction * 1.4));
+        both.panels.push(shape);
+    }
+    let look = first.normal * 0.8 - first.forward * 0.5 + first.direction * 0.1;
+    save(folder, "fig16_segment", &both, &look, "cone segment and its development")?;
 
     // Figure 17: the bending sequence, as a strip of pictures, and the flat pattern of true arcs.
     // Arcs across the rulings come nearer to the vertices by the length of the regression curve.
@@ -229,6 +268,25 @@ fn sphere(m: &Vec3, r: f64) -> PanelShape {
                 let k = i * (N + 1) + j;
                 shape.mesh.triangles.extend([[k - N - 2, k - N - 1, k - 1], [k - 1, k - N - 1, k]]);
             }
+        }
+    }
+    shape
+}
+
+/// A narrow ribbon along a curve on the unit sphere.
+fn ribbon(name: &str, arc: &[Vec3]) -> PanelShape {
+    const HALF: f64 = 0.015;
+    let mut shape = PanelShape { name: name.into(), ..PanelShape::default() };
+    for (i, d) in arc.iter().enumerate() {
+        let along = arc[(i + 1).min(arc.len() - 1)] - arc[i.saturating_sub(1)];
+        let side = d.cross(&along).normalize() * HALF;
+        for p in [d - side, d + side] {
+            shape.mesh.positions.push(p * 1.01);
+            shape.mesh.normals.push(*d);
+        }
+        if i > 0 {
+            let k = 2 * i as u32;
+            shape.mesh.triangles.extend([[k - 2, k, k - 1], [k, k + 1, k - 1]]);
         }
     }
     shape

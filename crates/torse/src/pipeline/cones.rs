@@ -2,6 +2,7 @@
 //! cylinders and planes, with their proof and their flat patterns of true arcs.
 
 use super::cone_outline::PlaneOutline;
+use super::cone_strip::strip_of;
 use super::outcome::{Skipped, Status};
 use super::sheets::{Basis, Figure, FlatPart, Sheets};
 use crate::certify::cones::{cones as judge, ConeJudgeOptions, ConeProof};
@@ -10,7 +11,6 @@ use crate::develop::cone_part::{overlaps as part_overlaps, part_pattern};
 use crate::develop::cones::{cone_pattern, overlaps};
 use crate::fit::cone_trim::{cone_part, ConeTrimError, ConeTrimOptions};
 use crate::fit::cones::{cones as fit, ConeFit, ConeFitOptions};
-use crate::spline::surface::Surface;
 use crate::surface::cone_forms::patches;
 use crate::surface::cone_part::{ConeBody, ConePart};
 use crate::surface::cone_spline::{ConeSpline, Segment};
@@ -129,7 +129,7 @@ pub fn of_panels(
     let mut left = Vec::new();
     for panel in &patchwork.panels {
         let outline = PlaneOutline::of_panel(panel);
-        match between(&outline.surface, outline.bounds()) {
+        match strip_of(&outline) {
             Some(strip) => targets.push(Target { name: panel.name.clone(), strip, outline }),
             None => left.push(format!("{}: its outline leaves the patch", panel.name)),
         }
@@ -347,24 +347,13 @@ pub(super) fn ruled(face: &Face, tolerance: f64) -> Result<(RuledPatch, PlaneOut
     let mut reason = "it is not ruled (of degree 1 in one direction)".to_owned();
     for (k, surface) in candidates.into_iter().flatten().enumerate() {
         let outline = PlaneOutline::of_face(face, surface, k == 1);
-        let Some(strip) = between(&outline.surface, outline.bounds()) else { continue };
+        let Some(strip) = strip_of(&outline) else { continue };
         match faulty(&strip, tolerance) {
             None => return Ok((strip, outline)),
             Some(fault) => reason = fault,
         }
     }
     Err(reason)
-}
-
-/// The strip of a patch of degree 1 in v between parameters.
-fn between(surface: &Surface, [u0, u1, v0, v1]: [f64; 4]) -> Option<RuledPatch> {
-    let ((a, b), (c, d)) = surface.domain();
-    let strip = RuledPatch::new(surface, v0.max(c), v1.min(d))?;
-    let (u0, u1) = (u0.max(a), u1.min(b));
-    if u0 <= a && u1 >= b {
-        return Some(strip);
-    }
-    strip.restricted(u0, u1)
 }
 
 /// What keeps a ruled strip from being developable.
@@ -390,6 +379,7 @@ mod tests {
     use super::*;
     use crate::geom::Vec3;
     use crate::spline::knots::Knots;
+    use crate::spline::surface::Surface;
 
     /// A cylinder over a parabola, ruled along y, as a face; `bent` lifts one corner line so that it is no developable.
     fn face(lift: f64) -> Face {

@@ -3,6 +3,7 @@
 pub mod approximate;
 mod cone_outline;
 pub mod cone_shapes;
+mod cone_strip;
 pub mod cones;
 pub mod cover;
 pub mod cut;
