@@ -40,7 +40,7 @@ pub fn run(arguments: &Approximate) -> Result<bool, Failure> {
         meet: arguments.seams == Seams::Meet,
         smooth_angle: arguments.smooth_angle.to_radians(),
     };
-    let notes = std::mem::take(&mut model.notes);
+    let mut notes = std::mem::take(&mut model.notes);
     let swept = if arguments.sweep.is_empty() {
         Vec::new()
     } else {
@@ -48,6 +48,8 @@ pub fn run(arguments: &Approximate) -> Result<bool, Failure> {
         wiring::sweep(&model, &tolerances, &job, terminal.control())?
     };
     let outcome = wiring::approximate(model, &job, terminal.control())?;
+    let bare = job.layout.curves.iter().filter(|c| outcome.along.iter().all(|a| a.curve != c.name));
+    notes.extend(bare.map(|c| format!("no panel along {} could be certified; others took its place", c.name)));
 
     terminal.say("writing");
     for (name, bytes) in wiring::files(&outcome)? {

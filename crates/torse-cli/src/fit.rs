@@ -4,14 +4,13 @@ use crate::approximate::{contents, significant, stem};
 use crate::args::Fit;
 use crate::failure::Failure;
 use crate::folder::Output;
+use crate::strips::deliver;
 use crate::terminal::Terminal;
 use std::io::Write;
 use torse::io::elements;
 use torse::pipeline::fit::{fit, FitOptions, FitOutcome};
 use torse::pipeline::outcome::Status;
-use torse::pipeline::presentation::present_sheets;
 use torse::pipeline::row::{fit_faces, fit_row, RowFitOptions, RowOutcome};
-use torse::pipeline::sheets::Sheets;
 
 /// Runs the job; `Ok(true)` means certified.
 pub fn run(arguments: &Fit) -> Result<bool, Failure> {
@@ -26,11 +25,7 @@ pub fn run(arguments: &Fit) -> Result<bool, Failure> {
     let lower = name.to_ascii_lowercase();
     if lower.ends_with(".step") || lower.ends_with(".stp") || elements::holds_elements(&name, &bytes) {
         let outcome = row(&name, &bytes, arguments, &terminal)?;
-        terminal.say("writing");
-        write_sheets(&outcome.sheets, &output)?;
-        output.finish()?;
-        terminal.guard(None);
-        terminal.finish();
+        deliver(&outcome.sheets, Vec::new(), output, &terminal)?;
         if !arguments.quiet {
             // A closed pipe is no reason to fail after the work is done.
             let _ = summary_of_row(&outcome, arguments);
@@ -48,13 +43,8 @@ pub fn run(arguments: &Fit) -> Result<bool, Failure> {
         Failure::new(e.to_string(), "give a scan of a sheet with its unit (--unit) and a tolerance above its noise")
     })?;
 
-    terminal.say("writing");
-    write_sheets(&outcome.sheets, &output)?;
     let map = torse::io::cloud::ply::with_values(&cloud.points, outcome.certificate.signed_estimates(), "deviation");
-    output.write("deviation.ply", &map)?;
-    output.finish()?;
-    terminal.guard(None);
-    terminal.finish();
+    deliver(&outcome.sheets, vec![("deviation.ply".into(), map)], output, &terminal)?;
     if !arguments.quiet {
         // A closed pipe is no reason to fail after the work is done.
         let _ = summary(&outcome, arguments);
@@ -86,17 +76,6 @@ fn row(name: &str, bytes: &[u8], arguments: &Fit, terminal: &Terminal) -> Result
 /// Name of the job in the files.
 fn job_name(arguments: &Fit) -> String {
     arguments.name.clone().unwrap_or_else(|| stem(&arguments.file))
-}
-
-/// Writes what strips give.
-fn write_sheets(sheets: &Sheets, output: &Output) -> Result<(), Failure> {
-    let fault = "this is a fault of the program; please report it with the file";
-    let files = torse::io::sheets::files(sheets, &present_sheets(sheets), &crate::clock::stamp())
-        .map_err(|e| Failure::new(e.to_string(), fault))?;
-    for (name, bytes) in files {
-        output.write(&name, &bytes)?;
-    }
-    Ok(())
 }
 
 /// Tells the result of rulings, planes or faces in a few lines.

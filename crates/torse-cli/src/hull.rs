@@ -1,14 +1,14 @@
 //! `torse hull`: developables on the boundary of the convex hull of curves.
 
+use crate::approximate::stem;
 use crate::args::Hull;
 use crate::failure::Failure;
 use crate::folder::Output;
-use crate::loft::{rail, split, stem, summary};
+use crate::loft::{rail, split, summary};
+use crate::strips::deliver;
 use crate::terminal::Terminal;
-use torse::io::sheets;
 use torse::pipeline::hull::{hull, Options};
 use torse::pipeline::outcome::Status;
-use torse::pipeline::presentation::present_sheets;
 use torse::surface::rail::Rail;
 
 /// Runs the job; `Ok(true)` means certified.
@@ -27,15 +27,7 @@ pub fn run(arguments: &Hull) -> Result<bool, Failure> {
     };
     let outcome = hull(&curves, &options, terminal.control())
         .map_err(|e| Failure::new(e.to_string(), "see 'torse hull --help' for what the curves must be"))?;
-    terminal.say("writing");
-    let files = sheets::files(&outcome, &present_sheets(&outcome), &crate::clock::stamp())
-        .map_err(|e| Failure::new(e.to_string(), "this is a fault of the program; please report it with the curves"))?;
-    for (name, bytes) in files {
-        output.write(&name, &bytes)?;
-    }
-    output.finish()?;
-    terminal.guard(None);
-    terminal.finish();
+    deliver(&outcome, Vec::new(), output, &terminal)?;
     if !arguments.quiet {
         // A closed pipe is no reason to fail after the work is done.
         let _ = summary(&outcome, &arguments.out);

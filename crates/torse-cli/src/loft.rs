@@ -1,17 +1,16 @@
 //! `torse loft`: the developable between two rails.
 
-use crate::approximate::contents;
+use crate::approximate::{contents, stem};
 use crate::args::{Loft, LoftEnds};
 use crate::failure::Failure;
 use crate::folder::Output;
+use crate::strips::deliver;
 use crate::terminal::Terminal;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use torse::io::curves::{self, CurveError, CurveOptions};
-use torse::io::sheets;
 use torse::pipeline::loft::{loft, Choice, Ends, Options};
 use torse::pipeline::outcome::Status;
-use torse::pipeline::presentation::present_sheets;
 use torse::pipeline::sheets::Sheets;
 use torse::surface::rail::Rail;
 
@@ -43,15 +42,7 @@ pub fn run(arguments: &Loft) -> Result<bool, Failure> {
     };
     let outcome = loft(&a, &b, &options, terminal.control())
         .map_err(|e| Failure::new(e.to_string(), "see 'torse loft --help' for what can be asked instead"))?;
-    terminal.say("writing");
-    let files = sheets::files(&outcome, &present_sheets(&outcome), &crate::clock::stamp())
-        .map_err(|e| Failure::new(e.to_string(), "this is a fault of the program; please report it with the rails"))?;
-    for (name, bytes) in files {
-        output.write(&name, &bytes)?;
-    }
-    output.finish()?;
-    terminal.guard(None);
-    terminal.finish();
+    deliver(&outcome, Vec::new(), output, &terminal)?;
     if !arguments.quiet {
         // A closed pipe is no reason to fail after the work is done.
         let _ = summary(&outcome, &arguments.out);
@@ -65,10 +56,6 @@ pub fn split(text: &str) -> (PathBuf, String) {
         Some((file, curve)) if !Path::new(text).exists() => (PathBuf::from(file), curve.to_owned()),
         _ => (PathBuf::from(text), String::new()),
     }
-}
-
-pub fn stem(file: &Path) -> String {
-    file.file_stem().map_or_else(|| "loft".to_string(), |s| s.to_string_lossy().into_owned())
 }
 
 /// Reads one rail.

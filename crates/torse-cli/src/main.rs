@@ -15,6 +15,7 @@ mod info;
 mod loft;
 mod planarise;
 mod quantity;
+mod strips;
 mod terminal;
 mod usage;
 mod wiring;

@@ -4,13 +4,13 @@ use crate::approximate::{contents, stem};
 use crate::args::{HeldPoints, Planarise};
 use crate::failure::Failure;
 use crate::folder::Output;
+use crate::strips::deliver;
 use crate::terminal::Terminal;
 use std::io::Write;
 use torse::design::discrete::planarise::Hold;
-use torse::io::{quads, sheets};
+use torse::io::quads;
 use torse::pipeline::outcome::Status;
 use torse::pipeline::planarise::{planarise, Options};
-use torse::pipeline::presentation::present_sheets;
 use torse::pipeline::sheets::Sheets;
 
 /// Runs the job; `Ok(true)` means certified.
@@ -39,15 +39,7 @@ pub fn run(arguments: &Planarise) -> Result<bool, Failure> {
     };
     let outcome = planarise(&strip, &options, terminal.control())
         .map_err(|e| Failure::new(e.to_string(), "see 'torse planarise --help' for what can be asked instead"))?;
-    terminal.say("writing");
-    let files = sheets::files(&outcome, &present_sheets(&outcome), &crate::clock::stamp())
-        .map_err(|e| Failure::new(e.to_string(), "this is a fault of the program; please report it with the strip"))?;
-    for (name, bytes) in files {
-        output.write(&name, &bytes)?;
-    }
-    output.finish()?;
-    terminal.guard(None);
-    terminal.finish();
+    deliver(&outcome, Vec::new(), output, &terminal)?;
     if !arguments.quiet {
         // A closed pipe is no reason to fail after the work is done.
         let _ = summary(&outcome, arguments);
