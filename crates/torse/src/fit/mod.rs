@@ -42,7 +42,7 @@ pub use functionals::Freedom;
 pub use dual::{dual, dual_from, CentrePoint, DualOptions};
 pub use plane::plane;
 pub use primal::{primal, PrimalOptions};
-pub use samples::{error, thin, Fit, Sample};
+pub use samples::{beyond, error, thin, Fit, Sample};
 
 use crate::surface::torse::{PanelKind, Torse};
 

@@ -55,6 +55,17 @@ pub fn error(torse: &Torse, samples: &[Sample]) -> Option<(f64, usize)> {
     })
 }
 
+/// The samples farther than `bound` (mm) from the torse; those without a foot are left out.
+pub fn beyond(torse: &Torse, samples: Vec<Sample>, bound: f64) -> Vec<Sample> {
+    let Some(sheet) = Sheet::of(torse) else { return Vec::new() };
+    let (guesses, domain) = (sheet.guesses(), sheet.domain());
+    let far = |s: &Sample| {
+        let q = sheet.local(&s.x);
+        sheet.foot(&q, guesses.guess(&q), domain).is_some_and(|t| sheet.distance(&q, t).0.abs() > bound)
+    };
+    samples.into_iter().filter(far).collect()
+}
+
 /// As [`error`], with first guesses of the feet in `feet`; leaves the feet there.
 pub(super) fn measure(sheet: &Sheet, samples: &[Sample], feet: &mut [f64]) -> Option<(f64, usize)> {
     let domain = sheet.domain();
@@ -175,6 +186,17 @@ mod tests {
         // Half of the area must hold about half of the chosen ones although it holds 84 % of the samples.
         let left = chosen.iter().filter(|&&i| samples[i].x.x < 50.0).count();
         assert!((0.35..0.7).contains(&(left as f64 / chosen.len() as f64)), "{left}");
+    }
+
+    #[test]
+    fn far_samples_are_found() {
+        let mut samples = grid(20);
+        let fit = crate::fit::plane(&samples).expect("a plane");
+        for (i, s) in samples.iter_mut().enumerate().filter(|(i, _)| i % 100 == 7) {
+            s.x.z = if i < 200 { 0.5 } else { -0.5 };
+        }
+        let far = beyond(&fit.torse, samples, 0.4);
+        assert!(far.len() == 4 && far.iter().all(|s| s.x.z.abs() == 0.5), "{far:?}");
     }
 
     #[test]

@@ -2,15 +2,17 @@
 //! same error (B3.6).
 //!
 //! The error of a band grows with the square of its width. Fitting all bands once therefore tells how dense the levels
-//! must lie everywhere, and how many bands are needed; a few rounds settle it. Marching, which needs some trials per
-//! band one after the other, is left to regions where this fails.
+//! must lie everywhere, and how many bands are needed; a few rounds settle it. Single bands that are then still a little
+//! too wide give of their width to neighbours with something to spare; all others keep their torses. Marching, which
+//! needs some trials per band one after the other, is left to regions where this fails.
 
-use super::judge::Trial;
+use super::judge::{Trial, Try};
 use super::march::range;
 use super::{Job, State, DISTANCE_SHARE};
 use crate::fit::samples::Fit;
 use crate::spline::field::Field;
 use rayon::prelude::*;
+use std::collections::HashMap;
 use std::sync::Arc;
 
 /// Fewer bands than this are left to the march: errors of wide bands follow no law.
@@ -28,6 +30,18 @@ const LEAST_SHARE: f64 = 0.3;
 const MOST_SHARE: f64 = 2.5;
 /// Bands whose shares differ by less than this factor count as even.
 const EVEN: f64 = 1.15;
+/// Rounds in which single bands are narrowed, for each number of bands.
+const REPAIRS: usize = 2;
+/// Bands with larger shares are not narrowed on their own.
+const MOST_REPAIRED: f64 = 1.2;
+/// Fewer bands than this are not narrowed on their own: their errors hardly follow the law.
+const MANY: usize = 16;
+/// Share for which a band is laid that gives of its width, and the one up to which others take it.
+const GIVES: f64 = 0.955;
+/// See [`GIVES`].
+const TAKES: f64 = 0.975;
+/// A band gives of its width to bands at most so many places away.
+const NEAR: usize = 4;
 /// Further bands that may be tried beyond theory, as a share of it and in number.
 const MORE: (f64, f64) = (0.3, 2.0);
 
@@ -61,11 +75,13 @@ impl Job<'_> {
         let mut same = 0;
         // Fewer bands than this have failed.
         let mut least_count = 1;
-        for round in 0..ROUNDS {
+        let (mut round, mut repairs) = (0, 0);
+        let mut known = Known::new();
+        while round < ROUNDS {
             if theory < FEWEST || count > budget.min(most) || self.control.stopped() {
                 break;
             }
-            let (mut laid, bands) = self.laid(state, label, field, &levels);
+            let (mut laid, bands) = self.laid(state, label, field, &levels, &known);
             let shares: Vec<f64> =
                 bands.iter().map(|b| b.iter().fold(LEAST_SHARE, |m, p| m.max(p.share)).min(MOST_SHARE)).collect();
             let worst = shares.iter().copied().fold(0.0, f64::max);
@@ -73,6 +89,19 @@ impl Job<'_> {
             let needed = (shares.iter().map(|s| s.sqrt()).sum::<f64>() / AIM.sqrt()).ceil() as usize;
             rise.include(&levels, &shares);
             let complete = bands.iter().flatten().all(|p| p.fit.is_some());
+            known = levels
+                .windows(2)
+                .zip(&bands)
+                .map(|(w, band)| (ends(w), band.iter().filter_map(|p| p.fit.clone()).collect()))
+                .collect();
+            if !complete && count >= MANY && repairs < REPAIRS && (round > 0 || worst <= EVEN * EVEN * least) {
+                if let Some(next) = repaired(&levels, &shares) {
+                    levels = next;
+                    repairs += 1;
+                    continue;
+                }
+            }
+            round += 1;
             if complete {
                 let key = (bands.iter().map(Vec::len).sum::<usize>(), worst);
                 if key.0 <= budget && best.as_ref().is_none_or(|b| key < b.0) {
@@ -82,10 +111,10 @@ impl Job<'_> {
                     let mean = shares.iter().sum::<f64>() / shares.len() as f64;
                     best = Some((key, 1.0 - mean, laid));
                 }
-                if needed >= count && (worst <= EVEN * least || same >= SAME) {
+                if needed >= count && (worst <= EVEN * least || same >= SAME || repairs > 0) {
                     break;
                 }
-            } else if round > 0 && worst >= MOST_SHARE {
+            } else if round > 1 && worst >= MOST_SHARE {
                 break;
             }
             // One band fewer is not tried before all bands of a round were good.
@@ -107,14 +136,23 @@ impl Job<'_> {
                 }
                 count = next;
                 same = 0;
+                repairs = 0;
             }
             levels = rise.levels(count);
         }
         best.map(|b| (b.2, b.1))
     }
 
-    /// The bands between levels, with the best torse of each of their components: proven when all bands might do.
-    fn laid(&self, state: &State, label: u32, field: &Field, levels: &[f64]) -> (State, Vec<Vec<Piece>>) {
+    /// The bands between levels, with the best torse of each of their components: proven when all bands might do. Bands
+    /// of the round before that have not moved keep the torses that are `known` for them.
+    fn laid(
+        &self,
+        state: &State,
+        label: u32,
+        field: &Field,
+        levels: &[f64],
+        known: &Known,
+    ) -> (State, Vec<Vec<Piece>>) {
         let mut laid = state.clone();
         let mut bands: Vec<Vec<u32>> = Vec::with_capacity(levels.len() - 1);
         for &level in &levels[1..levels.len() - 1] {
@@ -128,9 +166,28 @@ impl Job<'_> {
         let allowed = self.options.tolerance * DISTANCE_SHARE;
         let piece = |label: u32, t: Trial| Piece { label, fit: t.accepted, share: t.error / allowed };
         let centre = |label: u32| self.centre(&laid, label, field);
-        let proposed = |&label: &u32| piece(label, self.proposed(&laid, label, Some(&centre(label))));
-        let mut pieces: Vec<Vec<Piece>> =
-            bands.par_iter().map(|band| band.par_iter().map(proposed).collect()).collect();
+        // What most bands needed in the round before, they will need again.
+        let fine = known.values().flatten().filter(|f| Try::is_fine(f)).count();
+        let fine_first = 2 * fine > known.len();
+        let proposed = |label: u32, before: &[Arc<Fit>]| {
+            let samples = if before.is_empty() { Vec::new() } else { laid.dense_samples(&self.face.surface, label) };
+            let kept = before.iter().find_map(|fit| {
+                let (error, worst) = crate::fit::error(&fit.torse, &samples)?;
+                (error <= allowed).then(|| Arc::new(Fit { error, worst, ..(**fit).clone() }))
+            });
+            match kept {
+                Some(fit) => Piece { label, share: fit.error / allowed, fit: Some(fit) },
+                None => piece(label, self.tried(&laid, label, Some(&centre(label)), Try { prove: false, fine_first })),
+            }
+        };
+        let mut pieces: Vec<Vec<Piece>> = bands
+            .par_iter()
+            .zip(levels.par_windows(2))
+            .map(|(band, w)| {
+                let before = known.get(&ends(w)).map_or(&[][..], Vec::as_slice);
+                band.par_iter().map(|&label| proposed(label, before)).collect()
+            })
+            .collect();
         if pieces.iter().flatten().all(|p| p.fit.is_some()) {
             pieces.par_iter_mut().flatten().for_each(|p| {
                 let Some(fit) = &p.fit else { return };
@@ -138,12 +195,56 @@ impl Job<'_> {
                 *p = if t.accepted.is_some() {
                     piece(p.label, t)
                 } else {
-                    piece(p.label, self.single(&laid, p.label, Some(&centre(p.label))))
+                    piece(p.label, self.tried(&laid, p.label, Some(&centre(p.label)), Try { prove: true, fine_first }))
                 };
             });
         }
         (laid, pieces)
     }
+}
+
+/// Torses of the bands of a round, by the levels between which they lie.
+type Known = HashMap<[u64; 2], Vec<Arc<Fit>>>;
+
+/// The two levels of a band, as a key.
+fn ends(w: &[f64]) -> [u64; 2] {
+    [w[0].to_bits(), w[1].to_bits()]
+}
+
+/// Levels between which bands that are a little too wide have given of their width to the nearest bands with something
+/// to spare, by the square law; levels that need not move stay bit by bit. `None` where too much is missing.
+fn repaired(levels: &[f64], shares: &[f64]) -> Option<Vec<f64>> {
+    if shares.iter().any(|s| *s > MOST_REPAIRED) {
+        return None;
+    }
+    let mut widths: Vec<f64> = levels.windows(2).map(|w| w[1] - w[0]).collect();
+    // Width at which the error of each band would be all that is allowed.
+    let full: Vec<f64> = widths.iter().zip(shares).map(|(w, s)| w / s.sqrt()).collect();
+    let mut shift = vec![0.0; levels.len()];
+    for i in (0..widths.len()).filter(|&i| shares[i] > 1.0) {
+        let mut missing = widths[i] - GIVES.sqrt() * full[i];
+        for distance in 1..=NEAR {
+            for j in [i.checked_sub(distance), Some(i + distance)].into_iter().flatten() {
+                if j >= widths.len() || shares[j] > 1.0 || missing <= 0.0 {
+                    continue;
+                }
+                let taken = (TAKES.sqrt() * full[j] - widths[j]).clamp(0.0, missing);
+                if taken > 0.0 {
+                    widths[i] -= taken;
+                    widths[j] += taken;
+                    missing -= taken;
+                    let (moved, by) = if j < i { (j + 1..=i, taken) } else { (i + 1..=j, -taken) };
+                    shift[moved].iter_mut().for_each(|s| *s += by);
+                }
+            }
+        }
+        // What is left must at least bring the band below what is allowed.
+        if widths[i] > full[i] * (1.0 + GIVES.sqrt()) * 0.5 {
+            return None;
+        }
+    }
+    let next: Vec<f64> = levels.iter().zip(&shift).map(|(l, s)| l + s).collect();
+    next.windows(2).all(|w| w[0] < w[1]).then_some(next)
 }
 
 /// How dense levels must lie: the rise of `√error` over the range of the field, as the rounds so far have measured it.
@@ -222,6 +323,18 @@ mod tests {
         assert!(l.len() == 4 && l.iter().zip(want).all(|(a, b)| (a - b).abs() < 1e-12), "{l:?}");
         let even = relaid(&[0.0, 0.5, 1.0, 2.0], &[1.0, 1.0, 1.0], 3);
         assert!(even.iter().zip(want).all(|(a, b)| (a - b).abs() < 1e-12), "{even:?}");
+    }
+
+    #[test]
+    fn wide_bands_give_to_the_nearest_with_room() {
+        let levels = [0.0, 1.0, 2.0, 3.0, 4.0];
+        let l = repaired(&levels, &[0.8, 0.9, 1.02, 0.97]).expect("room");
+        // The third band gives of its width to the second; its other neighbour has no room worth having.
+        assert!(l[0] == 0.0 && l[1] == 1.0 && l[4] == 4.0, "{l:?}");
+        let width = (l[3] - l[2]) * (1.02_f64 / GIVES).sqrt();
+        assert!((width - 1.0).abs() < 1e-12 && l[2] > 2.0, "{l:?}");
+        assert_eq!(repaired(&levels, &[0.97, 0.97, 1.1, 0.97]), None);
+        assert_eq!(repaired(&levels, &[0.5, 0.5, 1.9, 0.5]), None);
     }
 
     #[test]

@@ -1,5 +1,5 @@
 //! One region, one torse: propose, judge, refine. A torse is accepted only by the certificate; where that refuses,
-//! its witness becomes a sample of the next fit.
+//! its witness becomes a sample of the next fit, with all peaks of the distance between the samples so far.
 
 use super::{Job, State, DISTANCE_SHARE};
 use crate::certify::distance::{distance, DistanceOptions};
@@ -8,8 +8,9 @@ use crate::fit::boundary::has_patch;
 use crate::fit::plane::plane;
 use crate::fit::primal::{primal, PrimalOptions};
 use crate::fit::samples::{Fit, Sample};
+use crate::fit::{beyond, refit, CentrePoint, RefitOptions};
 use crate::fit::{dual, DualOptions};
-use crate::fit::{refit, CentrePoint, RefitOptions};
+use crate::surface::torse::Torse;
 use std::sync::atomic::Ordering;
 use std::sync::Arc;
 
@@ -34,6 +35,10 @@ const LEAST_CLEARANCE: f64 = 0.02;
 const SPANS: f64 = 0.7;
 /// See [`SPANS`].
 const MOST_SPANS: usize = 80;
+/// Share of the allowed distance above which further samples of a refused torse are taken in.
+const PEAK: f64 = 0.95;
+/// Samples that a refused torse is measured at lie so many times as dense as those that it was fitted to.
+const FINER: usize = 2;
 /// Refits with witnesses before a torse is given up.
 const REFITS: usize = 3;
 
@@ -45,6 +50,23 @@ pub(crate) struct Trial {
     pub(crate) error: f64,
 }
 
+/// How torses are tried on a region.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Try {
+    /// Whether what is accepted must be proven.
+    pub(super) prove: bool,
+    /// Whether torses with many spans are tried first.
+    pub(super) fine_first: bool,
+}
+
+impl Try {
+    /// Whether a torse has more spans than those that are tried first usually.
+    pub(super) fn is_fine(fit: &Fit) -> bool {
+        let usual = DualOptions::new(1.0).spans;
+        matches!(&fit.torse, Torse::Dual(d) if d.planes.knots.breaks().len() > usual * 5 / 4)
+    }
+}
+
 impl Trial {
     fn failed(error: f64) -> Self {
         Self { accepted: None, error }
@@ -54,12 +76,7 @@ impl Trial {
 impl Job<'_> {
     /// Tries plane, dual torse along the centre line (if there is one) and primal torse on a region.
     pub(crate) fn single(&self, state: &State, label: u32, centre: Option<&[CentrePoint]>) -> Trial {
-        self.tried(state, label, centre, true)
-    }
-
-    /// As [`Job::single`] without proof: what is accepted here may still be refused.
-    pub(super) fn proposed(&self, state: &State, label: u32, centre: Option<&[CentrePoint]>) -> Trial {
-        self.tried(state, label, centre, false)
+        self.tried(state, label, centre, Try { prove: true, fine_first: false })
     }
 
     /// The proof of what was proposed.
@@ -67,11 +84,12 @@ impl Job<'_> {
         self.proven(state, label, fit.clone(), state.dense_samples(&self.face.surface, label))
     }
 
-    fn tried(&self, state: &State, label: u32, centre: Option<&[CentrePoint]>, prove: bool) -> Trial {
+    /// As [`Job::single`] in another manner. Without proof, what is accepted here may still be refused.
+    pub(super) fn tried(&self, state: &State, label: u32, centre: Option<&[CentrePoint]>, how: Try) -> Trial {
         let allowed = self.options.tolerance * DISTANCE_SHARE;
         let samples = state.dense_samples(&self.face.surface, label);
         let proven = |fit: Fit| {
-            if prove {
+            if how.prove {
                 self.proven(state, label, fit, samples.clone())
             } else {
                 let error = fit.error;
@@ -110,12 +128,14 @@ impl Job<'_> {
             let clearance = WANTED_CLEARANCE * state.width(label);
             let usual = DualOptions { clearance, bend_radius: self.wanted_bend(), ..DualOptions::new(allowed * KEEN) };
             // Slender bands need more spans; many spans on short ones come too near the regression curve.
-            for spans in [usual.spans, fine] {
-                if spans == usual.spans || spans > usual.spans * 5 / 4 {
-                    let max_samples = usual.max_samples * spans / usual.spans;
-                    if let Some(t) = judge(dual(&samples, line, &DualOptions { spans, max_samples, ..usual.clone() })) {
-                        return t;
-                    }
+            let mut counts = vec![usual.spans];
+            if fine > usual.spans * 5 / 4 {
+                counts.insert(usize::from(!how.fine_first), fine);
+            }
+            for spans in counts {
+                let max_samples = usual.max_samples * spans / usual.spans;
+                if let Some(t) = judge(dual(&samples, line, &DualOptions { spans, max_samples, ..usual.clone() })) {
+                    return t;
                 }
             }
         }
@@ -174,6 +194,10 @@ impl Job<'_> {
                     }
                     let j = self.face.surface.jet(uv[0], uv[1]);
                     let weight = samples.iter().map(|s| s.weight).fold(0.0, f64::max);
+                    if round == 0 {
+                        let finer = state.divided_samples(&self.face.surface, label, FINER);
+                        samples.extend(beyond(&fit.torse, finer, fit.error.max(PEAK * allowed)));
+                    }
                     let n = j.normal();
                     let n = if n.norm() > 0.0 { n.normalize() } else { n };
                     samples.push(Sample { x: j.p, n, weight });

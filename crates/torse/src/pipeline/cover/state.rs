@@ -123,6 +123,11 @@ impl State {
     /// As [`State::samples`], with further samples (of no weight) inside the triangles of thin regions, which have few
     /// vertices across, and of small ones.
     pub fn dense_samples(&self, surface: &Surface, label: u32) -> Vec<Sample> {
+        self.divided_samples(surface, label, 1)
+    }
+
+    /// As [`State::dense_samples`], with every division `finer` times as fine.
+    pub fn divided_samples(&self, surface: &Surface, label: u32, finer: usize) -> Vec<Sample> {
         // Regions of fewer than about five cells across have more vertices than this share of their triangles.
         const THIN: f64 = 0.6;
         // Samples that a region has at least, and the finest division of its triangles.
@@ -132,7 +137,8 @@ impl State {
         let mut out = self.samples(label);
         let thin = out.len() as f64 > THIN * region.len() as f64;
         let parts =
-            (1..FINEST).find(|m| region.len() * m * m / 2 >= LEAST).unwrap_or(FINEST).max(1 + usize::from(thin));
+            (1..FINEST).find(|m| region.len() * m * m / 2 >= LEAST).unwrap_or(FINEST).max(1 + usize::from(thin))
+                * finer;
         let mut add = |u: f64, v: f64| {
             let jet = surface.jet(u, v);
             out.push(Sample { x: jet.p, n: unit_normal(&jet), weight: 0.0 });
