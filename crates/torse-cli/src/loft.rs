@@ -104,6 +104,9 @@ pub fn summary(outcome: &Sheets, out_folder: &Path) -> std::io::Result<()> {
 
 /// Four digits, powers of ten where they are needed.
 fn number(x: f64) -> String {
+    if x.is_infinite() {
+        return "none".into();
+    }
     if x == 0.0 || !x.is_finite() || (1e-3..1e6).contains(&x.abs()) {
         let text = format!("{x:.4}");
         return text.trim_end_matches('0').trim_end_matches('.').to_owned();

@@ -25,6 +25,9 @@ pub fn refusal(error: clap::Error) -> Failure {
             m if m.contains("<RAIL_") => {
                 "for example: torse loft chine.csv sheer.csv --unit m --tolerance 0.5mm --out plate"
             }
+            m if m.contains("<CURVE>") && std::env::args().nth(1).as_deref() == Some("net") => {
+                "for example: torse net keel.csv --unit mm --start-ruling y --width 400mm --end-ruling 0.2,1,0 -t 0.05mm -o plate"
+            }
             m if m.contains("<CURVE>") => "for example: torse hull inlet.dxf outlet.dxf --tolerance 0.1mm --out hopper",
             m if m.contains("<STRIP>") => "for example: torse planarise strip.csv --tolerance 0.01mm --out strip",
             _ => "for example: torse approximate hull.step --tolerance 2mm --out hull-panels",

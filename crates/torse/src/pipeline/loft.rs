@@ -445,7 +445,7 @@ fn judged(
     mut notes: Vec<String>,
     start: Instant,
 ) -> Sheets {
-    let pieces: Vec<(&BuiltStrip, [&Rail; 2])> = built.iter().map(|s| (s, *rails)).collect();
+    let pieces: Vec<_> = built.iter().map(|s| (s, rails.map(Some))).collect();
     let judgement = judge(&pieces, &[rails[0].name.clone(), rails[1].name.clone()], options.twist_tolerance);
     let mut missing = judgement.missing.clone();
     for (side, w) in judgement.off.iter().enumerate() {

@@ -12,6 +12,7 @@ pub mod hull;
 pub mod info;
 pub mod judgement;
 pub mod loft;
+pub mod net;
 pub mod outcome;
 pub mod planarise;
 pub mod presentation;

@@ -539,8 +539,8 @@ fn quintic(c: &[[f64; 3]; 6], t: f64) -> (Vec3, Vec3) {
     (p[0], Vec3::zeros())
 }
 
-/// Sets the kind of a strip from its rulings and normals at samples.
-fn classified(mut strip: Strip) -> Strip {
+/// The strip with its kind, told from its rulings and normals at samples.
+pub(crate) fn classified(mut strip: Strip) -> Strip {
     const STATIONS: usize = 12;
     let (u0, u1) = strip.domain();
     let at = |k: usize| u0 + (u1 - u0) * (k as f64 + 0.5) / STATIONS as f64;
