@@ -7,6 +7,7 @@ mod cone_strip;
 pub mod cones;
 pub mod cover;
 pub mod cut;
+pub mod exact_strip;
 pub mod fit;
 pub mod hull;
 pub mod info;

@@ -4,6 +4,7 @@
 pub mod branches;
 pub mod build;
 pub mod least_twist;
+pub mod on_torse;
 pub mod track;
 
 use crate::geom::Vec3;

@@ -1,0 +1,316 @@
+//! Strips between rails as exactly developable surfaces: their tangent planes fitted by a spline of planes, cut along the
+//! rails.
+//!
+//! *Method.* The tangent planes of a fitted strip, exact at its rails, are approximated by a cubic spline of planes
+//! \[PW99, (9)\] that keeps the first and the last ruling with their planes. Its envelope is developable whatever the fit
+//! is like; knots are doubled until the rails are near enough, and a proof decides.
+
+use crate::certify::rails::{rail_bound, twist_bound};
+use crate::design::loft::build::BuiltStrip;
+use crate::design::loft::on_torse::between_rails;
+use crate::fit::plane_frame::{frame_of_normals, STEEPEST};
+use crate::fit::planes::{planes, ruling_condition, slope_weight, PlaneDatum, PlanesOptions};
+use crate::fit::Freedom;
+use crate::geom::measure::Measure;
+use crate::geom::{Frame, Vec3};
+use crate::spline::knots::Knots;
+use crate::surface::dual::{graph_in, plane_through};
+use crate::surface::rail::{jet, Rail, RailPart};
+use crate::surface::strip::Strip;
+
+/// Multiplicities of the knots at breaks of the fitted strip that are tried, with the most spans. The rails' own knots
+/// are among the breaks: planes along cubic rails have no second derivative there, so that simple knots converge slowly;
+/// but they give a patch with continuous derivatives.
+const TRIALS: [(usize, usize); 2] = [(1, 160), (2, 640)];
+/// Rounds of refinement.
+const ROUNDS: usize = 8;
+/// Order of the distance from the rails in the length of a span.
+const ORDER: f64 = 0.25;
+/// Parts into which a span is cut at once, at most.
+const PARTS: usize = 4;
+/// Distance from the ends, as a share, within which a break is the end.
+const NEAR: f64 = 1e-6;
+/// Tangent planes per span.
+const PLANES: usize = 6;
+/// Share of the tolerance that samples of the rails may stray: what is between samples needs the rest.
+const SAMPLED: f64 = 0.7;
+/// Parts of a span at whose ends it is sampled.
+const SAMPLES: usize = 6;
+/// Halvings of a strip whose tangent planes turn too far for one frame.
+const HALVINGS: usize = 3;
+
+/// An exactly developable piece, and how far it is proven to lie from the rails.
+#[derive(Clone, Debug)]
+pub struct ExactStrip {
+    /// The strip with its stretches of the rails.
+    pub built: BuiltStrip,
+    /// Spans of the spline of planes.
+    pub spans: usize,
+    /// Proven distance from both rails, mm.
+    pub off: f64,
+}
+
+/// Exactly developable strips in place of a fitted one, end to end, within the tolerance (mm) of both rails (proven);
+/// they begin and end on its first and last ruling.
+///
+/// *Guarantee*: developable by construction, up to rounding; no regression point between the rails (proven).
+///
+/// # Errors
+/// Why there is none, in words that follow "because".
+pub fn exact_strips(built: &BuiltStrip, rails: [&Rail; 2], tolerance: f64) -> Result<Vec<ExactStrip>, String> {
+    let (a, b) = built.strip.domain();
+    over(built, rails, tolerance, a, b, 0)
+}
+
+/// Over a part of the strip, in halves where planes turn too far.
+fn over(
+    built: &BuiltStrip,
+    rails: [&Rail; 2],
+    tolerance: f64,
+    from: f64,
+    to: f64,
+    depth: usize,
+) -> Result<Vec<ExactStrip>, String> {
+    let contact = Contacts::new(built, rails).ok_or("its rails do not belong to it")?;
+    let normals: Vec<Vec3> = (0..=4 * PLANES)
+        .map(|k| contact.at(from + (to - from) * k as f64 / (4 * PLANES) as f64).map(|c| c.normal))
+        .collect::<Option<_>>()
+        .ok_or("it has rulings without tangent plane")?;
+    let frame = frame_of_normals(&normals).ok().filter(|f| f.min_cosine > STEEPEST);
+    let Some(frame) = frame else {
+        if depth == HALVINGS {
+            return Err("its tangent planes turn too far".into());
+        }
+        let middle = 0.5 * (from + to);
+        let mut out = over(built, rails, tolerance, from, middle, depth + 1)?;
+        out.extend(over(built, rails, tolerance, middle, to, depth + 1)?);
+        return Ok(out);
+    };
+    let mut why = String::new();
+    for (multiplicity, most) in TRIALS {
+        match refined(&contact, &frame.frame, [from, to], (multiplicity, most), tolerance) {
+            Ok(one) => return Ok(vec![one]),
+            Err(reason) => why = reason,
+        }
+    }
+    Err(why)
+}
+
+/// Spans halved, or cut into more parts, where the rails are too far, until a strip is near enough.
+fn refined(
+    contacts: &Contacts,
+    frame: &Frame,
+    [from, to]: [f64; 2],
+    (multiplicity, most): (usize, usize),
+    tolerance: f64,
+) -> Result<ExactStrip, String> {
+    // Knots of the planes on [0, 1], with their multiplicity.
+    let mut breaks = vec![(0.0, 4)];
+    let inner = contacts.built.strip.patch.knots_u.breaks();
+    let inside = inner.iter().map(|u| (u - from) / (to - from)).filter(|t| *t > NEAR && *t < 1.0 - NEAR);
+    breaks.extend(inside.map(|t| (t, multiplicity)));
+    breaks.push((1.0, 4));
+    let mut goal = SAMPLED * tolerance;
+    let mut nearest = f64::INFINITY;
+    for _ in 0..ROUNDS {
+        let (built, strays) = attempt(contacts, frame, [from, to], &breaks)?;
+        let stray = strays.iter().copied().fold(0.0, f64::max);
+        nearest = nearest.min(stray);
+        if stray <= goal {
+            match proven(&built, contacts.rails, tolerance) {
+                Some(off) => return Ok(ExactStrip { built, spans: breaks.len() - 1, off }),
+                None => goal *= 0.5,
+            }
+        }
+        let mut next = vec![breaks[0]];
+        for (w, stray) in breaks.windows(2).zip(&strays) {
+            let parts = if *stray > goal { ((stray / goal).powf(ORDER).ceil() as usize).clamp(2, PARTS) } else { 1 };
+            next.extend((1..parts).map(|k| (cut(w[0].0, w[1].0, k, parts), 1)));
+            next.push(w[1]);
+        }
+        if next.len() > most || next.len() == breaks.len() {
+            break;
+        }
+        breaks = next;
+    }
+    Err(format!("it would stray {nearest:.1e} mm from the rails"))
+}
+
+/// The k-th of n parts of an interval.
+fn cut(a: f64, b: f64, k: usize, n: usize) -> f64 {
+    a + (b - a) * k as f64 / n as f64
+}
+
+/// Proven distance from both rails, if strip and proof are good.
+fn proven(built: &BuiltStrip, rails: [&Rail; 2], tolerance: f64) -> Option<f64> {
+    let bound = |d: usize| rail_bound(&built.strip, d, rails[d], &built.rails[d]);
+    let off = bound(0)?.max(bound(1)?);
+    let shown = twist_bound(&built.strip, ROUNDING);
+    (off <= tolerance && shown.regular && shown.angle <= ROUNDING).then_some(off)
+}
+
+/// The strip's rulings on the rails given.
+struct Contacts<'a> {
+    built: &'a BuiltStrip,
+    rails: [&'a Rail; 2],
+}
+
+/// A ruling on the rails, with the tangent plane of both.
+struct Contact {
+    ends: [Vec3; 2],
+    normal: Vec3,
+}
+
+impl<'a> Contacts<'a> {
+    fn new(built: &'a BuiltStrip, rails: [&'a Rail; 2]) -> Option<Self> {
+        (0..2).all(|d| rails[d].pieces.len() > built.rails[d].piece).then_some(Self { built, rails })
+    }
+
+    fn piece(&self, side: usize) -> &'a crate::spline::curve::Curve<4> {
+        &self.rails[side].pieces[self.built.rails[side].piece]
+    }
+
+    fn parameters(&self, u: f64) -> [f64; 2] {
+        [0, 1].map(|d: usize| self.built.rails[d].parameter.point(u)[0].clamp(0.0, 1.0))
+    }
+
+    fn at(&self, u: f64) -> Option<Contact> {
+        let s = self.parameters(u);
+        let j = [0, 1].map(|d: usize| jet(self.piece(d), s[d]));
+        let ruling = j[1][0] - j[0][0];
+        let n = [0, 1].map(|d: usize| j[d][1].cross(&ruling).try_normalize(0.0));
+        let normal = (n[0]? + n[1]?).try_normalize(1e-3)?;
+        Some(Contact { ends: j.map(|j| j[0]), normal })
+    }
+}
+
+/// One choice of knots: the strip, and how far samples of every span stray from the rails.
+fn attempt(
+    contacts: &Contacts,
+    frame: &Frame,
+    [from, to]: [f64; 2],
+    breaks: &[(f64, usize)],
+) -> Result<(BuiltStrip, Vec<f64>), String> {
+    let values: Vec<f64> = breaks.iter().flat_map(|&(t, m)| std::iter::repeat_n(t, m)).collect();
+    let knots = Knots::new(3, values.clone(), values.len() - 4).map_err(|e| e.to_string())?;
+    let spans = breaks.windows(2).flat_map(|w| (0..PLANES).map(|k| cut(w[0].0, w[1].0, k, PLANES)));
+    let at: Vec<f64> = spans.chain([1.0]).collect();
+    let count = at.len() - 1;
+    let all: Vec<Contact> = at
+        .iter()
+        .map(|t| contacts.at(from + (to - from) * t))
+        .collect::<Option<_>>()
+        .ok_or("it has rulings without tangent plane")?;
+    // A frame of the strip's own: planes at the origin would lose digits.
+    let centre = all.iter().map(|c| (c.ends[0] + c.ends[1]) * 0.5).sum::<Vec3>() / all.len() as f64;
+    let frame = Frame { origin: centre, ..*frame };
+    let mut data = Vec::with_capacity(all.len());
+    for (k, c) in all.iter().enumerate() {
+        let plane = graph_in(&frame, &plane_through(&c.ends[0], &c.normal), k).map_err(|e| e.to_string())?;
+        let plan = c.ends.map(|p| frame.to_local(&p));
+        let middle = (plan[0] + plan[1]) * 0.5;
+        let radius = 0.5 * (plan[1] - plan[0]).norm();
+        let measure = Measure::disc([middle.x, middle.y], radius).map_err(|e| e.to_string())?;
+        let weight = slope_weight(&plane) / measure.mass();
+        data.push(PlaneDatum { plane, parameter: at[k], measure, weight });
+    }
+    let last = knots.control_count() - 1;
+    let ruling = |k: usize| {
+        let p = all[k].ends.map(|p| frame.to_local(&p));
+        let d = (p[1] - p[0]).norm();
+        [(p[0].x * p[1].y - p[1].x * p[0].y) / d, (p[0].y - p[1].y) / d, (p[1].x - p[0].x) / d]
+    };
+    let conditions = vec![
+        (0, Freedom::Fixed(data[0].plane)),
+        (1, ruling_condition(data[0].plane, ruling(0))),
+        (last - 1, ruling_condition(data[count].plane, ruling(count))),
+        (last, Freedom::Fixed(data[count].plane)),
+    ];
+    let options = PlanesOptions { conditions, ..PlanesOptions::default() };
+    let torse = planes(&data, &knots, &options).map(|f| f.curve).map_err(|e| e.to_string())?;
+    let direction: Vec3 = all.iter().map(|c| (c.ends[1] - c.ends[0]).normalize()).sum();
+    let direction = direction.try_normalize(1e-3).ok_or("its rulings turn too far")?;
+    let pieces = [0, 1].map(|d| contacts.piece(d));
+    let guess = |t: f64| contacts.parameters(from + (to - from) * t);
+    let found = between_rails(&torse, pieces, guess, &frame, &direction).map_err(|e| e.to_string())?;
+    let stray = |t: f64| {
+        let off = [0, 1].map(|side: usize| {
+            let h = found.boundaries[side].point(t);
+            let p = Vec3::new(h[0], h[1], h[2]) / h[3];
+            (p - jet(pieces[side], found.parameters[side].point(t)[0])[0]).norm()
+        });
+        off[0].max(off[1])
+    };
+    let strays = breaks
+        .windows(2)
+        .map(|w| (1..SAMPLES).map(|k| stray(cut(w[0].0, w[1].0, k, SAMPLES))).fold(0.0, f64::max))
+        .collect();
+    let old = &contacts.built.strip;
+    let [a, b] = &found.boundaries;
+    let strip = Strip::between(&old.name, old.kind, a, b).map_err(|e| e.to_string())?;
+    let [x, y] = found.parameters;
+    let [first, second] = [0, 1].map(|d: usize| contacts.built.rails[d].piece);
+    let rails = [RailPart { piece: first, parameter: x }, RailPart { piece: second, parameter: y }];
+    Ok((BuiltStrip { strip, rails }, strays))
+}
+
+/// Twist (rad) that is rounding of an exactly developable strip: intervals make much of it near the regression curve.
+const ROUNDING: f64 = 1e-7;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::design::loft::branches::{branches, BranchOptions};
+    use crate::design::loft::build::{follow, BuildOptions};
+    use crate::spline::space_curve::SpaceCurve;
+    use std::f64::consts::TAU;
+
+    fn ellipse(z: f64, a: f64, b: f64) -> Rail {
+        let frame = Frame { origin: Vec3::new(900.0, -300.0, z), ..Frame::world() };
+        let (c, _) = SpaceCurve::Ellipse { frame, a, b }.to_spline(0.0, TAU).expect("spline");
+        Rail::new("ellipse", &[c]).expect("rail")
+    }
+
+    /// A circle and an ellipse: general developables with exact tangent planes known.
+    fn fitted() -> ([Rail; 2], Vec<BuiltStrip>) {
+        let (a, b) = (ellipse(0.0, 100.0, 100.0), ellipse(120.0, 150.0, 60.0));
+        let found = branches(&a, &b, &BranchOptions::default());
+        let strips = follow(&a, &b, &found[0], &BuildOptions::new(1e-5)).expect("strips");
+        ([a, b], strips)
+    }
+
+    #[test]
+    fn strips_are_developable_to_rounding_and_keep_their_end_rulings() {
+        let ([a, b], strips) = fitted();
+        for tolerance in [0.1, 1e-3, 1e-5] {
+            for one in &strips {
+                let parts = exact_strips(one, [&a, &b], tolerance).expect("exact");
+                for p in &parts {
+                    assert!(p.off <= tolerance && p.built.strip.twist_bound().expect("bound") < 1e-9, "{tolerance}");
+                    assert!((0..=50).all(|k| p.built.strip.twist(f64::from(k) / 50.0) < 1e-10));
+                }
+                let ends = [parts[0].built.strip.ruling(0.0), parts[parts.len() - 1].built.strip.ruling(1.0)];
+                for (got, want) in ends.iter().zip([one.strip.ruling(0.0), one.strip.ruling(1.0)]) {
+                    assert!((0..2).all(|d| (got[d] - want[d]).norm() < 1e-9), "{got:?} {want:?}");
+                }
+                for w in parts.windows(2) {
+                    let (p, q) = (w[0].built.strip.ruling(1.0), w[1].built.strip.ruling(0.0));
+                    assert!((0..2).all(|d| (p[d] - q[d]).norm() < 1e-9));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_no_envelope_follows_is_refused_with_the_reason() {
+        let ([a, b], strips) = fitted();
+        let e = exact_strips(&strips[0], [&a, &b], 1e-13).expect_err("too fine");
+        assert!(e.contains("stray"), "{e}");
+        // Rulings between other points of the rails: no tangent planes are common.
+        let mut wrong = strips[0].clone();
+        for c in &mut wrong.rails[1].parameter.control {
+            c[0] = (c[0] + 0.1).min(1.0);
+        }
+        assert!(exact_strips(&wrong, [&a, &b], 1e-3).is_err());
+    }
+}
