@@ -333,6 +333,14 @@ pub struct Loft {
     #[arg(long, value_enum, default_value_t = LoftEnds::Trim)]
     pub ends: LoftEnds,
 
+    /// How rails are extended
+    #[arg(long, value_enum, default_value_t = LoftExtension::Curve)]
+    pub extension: LoftExtension,
+
+    /// Stop looking for better strips after this time, with its unit: 60s, 5min
+    #[arg(long, value_name = "TIME", value_parser = positive_time, allow_hyphen_values = true)]
+    pub time_limit: Option<Duration>,
+
     /// Demand tangent planes common to both rails; refuse if there are none
     #[arg(long, conflicts_with = "least_twist")]
     pub exact: bool,
@@ -375,10 +383,20 @@ pub struct Loft {
 pub enum LoftEnds {
     /// They are trimmed
     Trim,
-    /// Cones about the ends of the other rail
+    /// All of both rails is used: cones about the ends of the other rail
+    #[value(alias = "all")]
     Fan,
     /// Rails are extended until both are used up
     Extend,
+}
+
+/// How rails go on beyond their ends.
+#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LoftExtension {
+    /// With the curvature of the end
+    Curve,
+    /// Straight
+    Line,
 }
 
 /// Arguments of `net`.

@@ -13,6 +13,7 @@ pub mod hull;
 pub mod info;
 pub mod judgement;
 pub mod loft;
+mod loft_ends;
 pub mod net;
 pub mod outcome;
 pub mod planarise;

@@ -1,6 +1,7 @@
 //! Developables between two rails \[W15, 4A, 4B\]: branches of coplanar tangents, strips along them, and the strip of
 //! least twist where there is no branch.
 
+pub mod alternatives;
 pub mod branches;
 pub mod build;
 pub mod least_twist;
