@@ -6,6 +6,7 @@
 //! is like; knots are doubled until the rails are near enough, and a proof decides.
 
 use crate::certify::rails::{rail_bound, twist_bound};
+use crate::control::Control;
 use crate::design::loft::build::BuiltStrip;
 use crate::design::loft::on_torse::between_rails;
 use crate::fit::plane_frame::{frame_of_normals, STEEPEST};
@@ -57,9 +58,13 @@ pub struct ExactStrip {
 ///
 /// # Errors
 /// Why there is none, in words that follow "because".
-pub fn exact_strips(built: &BuiltStrip, rails: [&Rail; 2], tolerance: f64) -> Result<Vec<ExactStrip>, String> {
-    let (a, b) = built.strip.domain();
-    over(built, rails, tolerance, a, b, 0)
+pub fn exact_strips(
+    built: &BuiltStrip,
+    rails: [&Rail; 2],
+    tolerance: f64,
+    control: &Control,
+) -> Result<Vec<ExactStrip>, String> {
+    over(built, rails, tolerance, built.strip.domain(), 0, control)
 }
 
 /// Over a part of the strip, in halves where planes turn too far.
@@ -67,9 +72,9 @@ fn over(
     built: &BuiltStrip,
     rails: [&Rail; 2],
     tolerance: f64,
-    from: f64,
-    to: f64,
+    (from, to): (f64, f64),
     depth: usize,
+    control: &Control,
 ) -> Result<Vec<ExactStrip>, String> {
     let contact = Contacts::new(built, rails).ok_or("its rails do not belong to it")?;
     let normals: Vec<Vec3> = (0..=4 * PLANES)
@@ -82,13 +87,13 @@ fn over(
             return Err("its tangent planes turn too far".into());
         }
         let middle = 0.5 * (from + to);
-        let mut out = over(built, rails, tolerance, from, middle, depth + 1)?;
-        out.extend(over(built, rails, tolerance, middle, to, depth + 1)?);
+        let mut out = over(built, rails, tolerance, (from, middle), depth + 1, control)?;
+        out.extend(over(built, rails, tolerance, (middle, to), depth + 1, control)?);
         return Ok(out);
     };
     let mut why = String::new();
     for (multiplicity, most) in TRIALS {
-        match refined(&contact, &frame.frame, [from, to], (multiplicity, most), tolerance) {
+        match refined(&contact, &frame.frame, [from, to], (multiplicity, most), tolerance, control) {
             Ok(one) => return Ok(vec![one]),
             Err(reason) => why = reason,
         }
@@ -103,6 +108,7 @@ fn refined(
     [from, to]: [f64; 2],
     (multiplicity, most): (usize, usize),
     tolerance: f64,
+    control: &Control,
 ) -> Result<ExactStrip, String> {
     // Knots of the planes on [0, 1], with their multiplicity.
     let mut breaks = vec![(0.0, 4)];
@@ -113,6 +119,9 @@ fn refined(
     let mut goal = SAMPLED * tolerance;
     let mut nearest = f64::INFINITY;
     for _ in 0..ROUNDS {
+        if control.stopped() {
+            return Err(format!("the search was stopped early, {nearest:.1e} mm from the rails"));
+        }
         let (built, strays) = attempt(contacts, frame, [from, to], &breaks)?;
         let stray = strays.iter().copied().fold(0.0, f64::max);
         nearest = nearest.min(stray);
@@ -255,7 +264,7 @@ fn attempt(
 }
 
 /// Twist (rad) that is rounding of an exactly developable strip: intervals make much of it near the regression curve.
-const ROUNDING: f64 = 1e-7;
+const ROUNDING: f64 = 1e-6;
 
 #[cfg(test)]
 mod tests {
@@ -284,7 +293,7 @@ mod tests {
         let ([a, b], strips) = fitted();
         for tolerance in [0.1, 1e-3, 1e-5] {
             for one in &strips {
-                let parts = exact_strips(one, [&a, &b], tolerance).expect("exact");
+                let parts = exact_strips(one, [&a, &b], tolerance, &Control::default()).expect("exact");
                 for p in &parts {
                     assert!(p.off <= tolerance && p.built.strip.twist_bound().expect("bound") < 1e-9, "{tolerance}");
                     assert!((0..=50).all(|k| p.built.strip.twist(f64::from(k) / 50.0) < 1e-10));
@@ -304,13 +313,17 @@ mod tests {
     #[test]
     fn what_no_envelope_follows_is_refused_with_the_reason() {
         let ([a, b], strips) = fitted();
-        let e = exact_strips(&strips[0], [&a, &b], 1e-13).expect_err("too fine");
+        let e = exact_strips(&strips[0], [&a, &b], 1e-13, &Control::default()).expect_err("too fine");
         assert!(e.contains("stray"), "{e}");
+        let stopped = Control::default();
+        stopped.cancel();
+        let e = exact_strips(&strips[0], [&a, &b], 0.1, &stopped).expect_err("stopped");
+        assert!(e.contains("stopped early"), "{e}");
         // Rulings between other points of the rails: no tangent planes are common.
         let mut wrong = strips[0].clone();
         for c in &mut wrong.rails[1].parameter.control {
             c[0] = (c[0] + 0.1).min(1.0);
         }
-        assert!(exact_strips(&wrong, [&a, &b], 1e-3).is_err());
+        assert!(exact_strips(&wrong, [&a, &b], 1e-3, &Control::default()).is_err());
     }
 }

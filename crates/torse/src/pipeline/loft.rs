@@ -134,6 +134,7 @@ pub fn loft(a: &Rail, b: &Rail, options: &Options, control: &Control) -> Result<
     control.report("looking for branches", 0.1, "");
     let given = [a, b];
     let mut notes = Vec::new();
+    notes.extend(unlike(a, b));
     let (mut a, b) = match options.ends {
         Ends::Extend => (extended(a, options.extension), extended(b, options.extension)),
         _ => (a.clone(), b.clone()),
@@ -258,8 +259,11 @@ fn exactly(
         if fitted && control.stopped() {
             kept.push((out.len() + 1, "it was not looked for: the job was stopped early".into()));
         }
-        let found =
-            if fitted && !control.stopped() { Some(exact_strips(&one, rails, EXACT_SHARE * tolerance)) } else { None };
+        let found = if fitted && !control.stopped() {
+            Some(exact_strips(&one, rails, EXACT_SHARE * tolerance, control))
+        } else {
+            None
+        };
         match found {
             Some(Ok(parts)) => {
                 for mut p in parts {
@@ -372,6 +376,17 @@ fn seamed(a: &Rail, b: &Rail, branch: &Branch, alternative: usize) -> Result<([R
 /// Whether a branch may be used.
 fn is_candidate(f: &Branch) -> bool {
     f.kind == BranchType::Regular && f.direction == Direction::Same && f.coverage[0].max(f.coverage[1]) > WHOLE
+}
+
+/// A word on rails whose lengths are so different that one may be in another unit.
+fn unlike(a: &Rail, b: &Rail) -> Option<String> {
+    // Between the common units of length lie factors of 10, 12, 25.4 and more; 10 also lies between honest rails.
+    const UNLIKE: f64 = 20.0;
+    let (x, y) = (a.length(), b.length());
+    let (long, short, factor) = if x > y { (a, b, x / y) } else { (b, a, y / x) };
+    (factor > UNLIKE).then(|| {
+        format!("{} is {factor:.0} times as long as {}: check that both are in the unit given", long.name, short.name)
+    })
 }
 
 /// Size of both rails, mm.
@@ -612,10 +627,38 @@ mod tests {
     }
 
     #[test]
+    fn tolerances_beyond_rounding_end_soon_and_say_what_is_met() {
+        // A circle and an ellipse: no exact spline, so that work would have no end.
+        let ring = |name: &str, z: f64, a: f64, b: f64| {
+            let frame = Frame { origin: Vec3::z() * z, ..Frame::world() };
+            let (c, _) = SpaceCurve::Ellipse { frame, a, b }.to_spline(0.0, TAU).expect("spline");
+            Rail::new(name, &[c]).expect("rail")
+        };
+        let (a, b) = (ring("a", 0.0, 100.0, 100.0), ring("b", 120.0, 150.0, 60.0));
+        let s = made(&a, &b, &Options::new(1e-14));
+        let Status::Uncertified(reason) = &s.status else { panic!("certified") };
+        assert!(reason.contains(" mm is met") && figure(&s, "from a") < 1e-7, "{reason}");
+        // An exact one is found at once where the tolerance allows, and is worth its name.
+        let s = made(&a, &b, &Options::new(0.01));
+        assert!(s.status == Status::Certified && figure(&s, "twist, bound") < 1e-4, "{:?}", s.figures);
+        assert!(s.notes.iter().any(|n| n.contains("exactly developable")), "{:?}", s.notes);
+        let stopped = Control::default();
+        stopped.cancel();
+        let s = loft(&a, &b, &Options::new(0.01), &stopped).expect("sheets");
+        assert!(s.status == Status::Certified && s.notes.iter().any(|n| n.contains("stopped early")), "{:?}", s.notes);
+    }
+
+    #[test]
     fn rails_that_touch_and_bad_tolerances_are_refused() {
         let (a, _) = arcs();
         let e = loft(&a, &a, &Options::new(0.01), &Control::default()).expect_err("the same");
         assert!(e.to_string().contains("short"), "{e}");
+        let again = Rail { name: "again".into(), ..a.clone() };
+        let e = loft(&a, &again, &Options::new(0.01), &Control::default()).expect_err("the same");
+        assert!(e.to_string().contains("short runs along again"), "{e}");
+        let crossing = Rail::polyline("crossing", &[a.point(0.5) - Vec3::z() * 9.0, a.point(0.5) + Vec3::z() * 30.0]);
+        let e = loft(&a, &crossing.expect("rail"), &Options::new(0.01), &Control::default()).expect_err("touch");
+        assert!(matches!(e, LoftError::Touch { .. }), "{e}");
         for t in [0.0, -1.0, f64::NAN, f64::INFINITY] {
             assert!(matches!(loft(&a, &a, &Options::new(t), &Control::default()), Err(LoftError::Tolerance(_))));
         }

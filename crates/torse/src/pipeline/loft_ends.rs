@@ -170,6 +170,10 @@ pub(super) fn note_ends(a: &Rail, b: &Rail, branch: &Branch, ends: Ends, notes: 
         return;
     }
     let (first, last) = (branch.stations[0], branch.stations[branch.stations.len() - 1]);
+    // Whether an extension was used up.
+    let spent = [(0, a), (1, b)]
+        .iter()
+        .any(|(d, rail)| !rail.closed && (first[*d] <= STILL || last[*d] >= Track::new(rail).end() - STILL));
     for (d, rail) in [(0, a), (1, b)] {
         if rail.closed {
             continue;
@@ -185,7 +189,9 @@ pub(super) fn note_ends(a: &Rail, b: &Rail, branch: &Branch, ends: Ends, notes: 
             ));
         }
         if from > WHOLE * total || total - to > WHOLE * total {
-            let help = if extended {
+            let help = if extended && spent {
+                "an extension ends before, at half the length of its rail"
+            } else if extended {
                 "no common tangent planes lead on; ask for fans at the ends"
             } else {
                 "extend the other rail, or ask for fans or extension at the ends"
