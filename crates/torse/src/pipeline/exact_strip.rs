@@ -29,12 +29,18 @@ const ROUNDS: usize = 8;
 const ORDER: f64 = 0.25;
 /// Parts into which a span is cut at once, at most.
 const PARTS: usize = 4;
-/// Distance from the ends, as a share, within which a break is the end.
+/// Distance, as a share of the strip, within which breaks are one.
 const NEAR: f64 = 1e-6;
 /// Tangent planes per span.
 const PLANES: usize = 6;
 /// Share of the tolerance that samples of the rails may stray: what is between samples needs the rest.
 const SAMPLED: f64 = 0.7;
+/// Fewest spans.
+const FEWEST: usize = 3;
+/// Stations where inflections are looked for.
+const STATIONS: usize = 400;
+/// Halvings towards an inflection: to the last digit.
+const DIGITS: usize = 52;
 /// Parts of a span at whose ends it is sampled.
 const SAMPLES: usize = 6;
 /// Halvings of a strip whose tangent planes turn too far for one frame.
@@ -64,21 +70,39 @@ pub fn exact_strips(
     tolerance: f64,
     control: &Control,
 ) -> Result<Vec<ExactStrip>, String> {
-    over(built, rails, tolerance, built.strip.domain(), 0, control)
+    let (a, b) = built.strip.domain();
+    let contact = Contacts::new(built, rails).ok_or("its rails do not belong to it")?;
+    let inflections = contact.inflections(a, b);
+    let mut ends = vec![(a, false)];
+    ends.extend(inflections.into_iter().map(|u| (u, true)));
+    ends.push((b, false));
+    let mut out = Vec::new();
+    for w in ends.windows(2) {
+        let part = Part { from: w[0].0, to: w[1].0, still: [w[0].1, w[1].1] };
+        out.extend(over(&contact, &part, tolerance, 0, control)?);
+    }
+    Ok(out)
+}
+
+/// A part of a strip, and whether its tangent planes stand still at its ends: inflection rulings.
+#[derive(Clone, Copy)]
+struct Part {
+    from: f64,
+    to: f64,
+    still: [bool; 2],
 }
 
 /// Over a part of the strip, in halves where planes turn too far.
 fn over(
-    built: &BuiltStrip,
-    rails: [&Rail; 2],
+    contacts: &Contacts,
+    part: &Part,
     tolerance: f64,
-    (from, to): (f64, f64),
     depth: usize,
     control: &Control,
 ) -> Result<Vec<ExactStrip>, String> {
-    let contact = Contacts::new(built, rails).ok_or("its rails do not belong to it")?;
+    let Part { from, to, still } = *part;
     let normals: Vec<Vec3> = (0..=4 * PLANES)
-        .map(|k| contact.at(from + (to - from) * k as f64 / (4 * PLANES) as f64).map(|c| c.normal))
+        .map(|k| contacts.at(cut(from, to, k, 4 * PLANES)).map(|c| c.normal))
         .collect::<Option<_>>()
         .ok_or("it has rulings without tangent plane")?;
     let frame = frame_of_normals(&normals).ok().filter(|f| f.min_cosine > STEEPEST);
@@ -87,13 +111,15 @@ fn over(
             return Err("its tangent planes turn too far".into());
         }
         let middle = 0.5 * (from + to);
-        let mut out = over(built, rails, tolerance, (from, middle), depth + 1, control)?;
-        out.extend(over(built, rails, tolerance, (middle, to), depth + 1, control)?);
+        let first = Part { from, to: middle, still: [still[0], false] };
+        let second = Part { from: middle, to, still: [false, still[1]] };
+        let mut out = over(contacts, &first, tolerance, depth + 1, control)?;
+        out.extend(over(contacts, &second, tolerance, depth + 1, control)?);
         return Ok(out);
     };
     let mut why = String::new();
     for (multiplicity, most) in TRIALS {
-        match refined(&contact, &frame.frame, [from, to], (multiplicity, most), tolerance, control) {
+        match refined(contacts, &frame.frame, part, (multiplicity, most), tolerance, control) {
             Ok(one) => return Ok(vec![one]),
             Err(reason) => why = reason,
         }
@@ -105,24 +131,32 @@ fn over(
 fn refined(
     contacts: &Contacts,
     frame: &Frame,
-    [from, to]: [f64; 2],
+    part: &Part,
     (multiplicity, most): (usize, usize),
     tolerance: f64,
     control: &Control,
 ) -> Result<ExactStrip, String> {
     // Knots of the planes on [0, 1], with their multiplicity.
+    let Part { from, to, .. } = *part;
     let mut breaks = vec![(0.0, 4)];
     let inner = contacts.built.strip.patch.knots_u.breaks();
     let inside = inner.iter().map(|u| (u - from) / (to - from)).filter(|t| *t > NEAR && *t < 1.0 - NEAR);
     breaks.extend(inside.map(|t| (t, multiplicity)));
+    // Knots of both rails that are met at once are one.
+    breaks.dedup_by(|b, a| b.0 - a.0 < NEAR);
     breaks.push((1.0, 4));
+    // Conditions at both ends need planes of their own.
+    while breaks.len() <= FEWEST {
+        let halves = breaks.windows(2).flat_map(|w| [w[0], (0.5 * (w[0].0 + w[1].0), 1)]).collect::<Vec<_>>();
+        breaks = halves.into_iter().chain([(1.0, 4)]).collect();
+    }
     let mut goal = SAMPLED * tolerance;
     let mut nearest = f64::INFINITY;
     for _ in 0..ROUNDS {
         if control.stopped() {
             return Err(format!("the search was stopped early, {nearest:.1e} mm from the rails"));
         }
-        let (built, strays) = attempt(contacts, frame, [from, to], &breaks)?;
+        let (built, strays) = attempt(contacts, frame, part, &breaks)?;
         let stray = strays.iter().copied().fold(0.0, f64::max);
         nearest = nearest.min(stray);
         if stray <= goal {
@@ -183,6 +217,45 @@ impl<'a> Contacts<'a> {
         [0, 1].map(|d: usize| self.built.rails[d].parameter.point(u)[0].clamp(0.0, 1.0))
     }
 
+    /// Rulings where the tangent planes stand still and turn back: the curvature of the rails out of their planes changes
+    /// its sign. Those at the ends do not count.
+    fn inflections(&self, from: f64, to: f64) -> Vec<f64> {
+        let bend = |u: f64| -> f64 {
+            let s = self.parameters(u);
+            let Some(c) = self.at(u) else { return 0.0 };
+            // Normal curvatures of both rails; straight rails have none.
+            (0..2)
+                .map(|d| {
+                    let j = jet(self.piece(d), s[d]);
+                    j[2].dot(&c.normal) / j[1].norm_squared()
+                })
+                .sum()
+        };
+        let values: Vec<(f64, f64)> =
+            (0..=STATIONS).map(|k| cut(from, to, k, STATIONS)).map(|u| (u, bend(u))).collect();
+        let size = values.iter().map(|v| v.1.abs()).fold(0.0, f64::max);
+        // A sign beside rounding is none.
+        const FLAT: f64 = 1e-9;
+        let mut out = Vec::new();
+        let mut before: Option<(f64, f64)> = None;
+        for v in values.into_iter().filter(|v| v.1.abs() > FLAT * size) {
+            if let Some((mut a, sign)) = before.filter(|b| b.1 * v.1 < 0.0) {
+                let mut b = v.0;
+                for _ in 0..DIGITS {
+                    let m = 0.5 * (a + b);
+                    if bend(m) * sign > 0.0 {
+                        a = m;
+                    } else {
+                        b = m;
+                    }
+                }
+                out.push(0.5 * (a + b));
+            }
+            before = Some(v);
+        }
+        out
+    }
+
     fn at(&self, u: f64) -> Option<Contact> {
         let s = self.parameters(u);
         let j = [0, 1].map(|d: usize| jet(self.piece(d), s[d]));
@@ -197,9 +270,10 @@ impl<'a> Contacts<'a> {
 fn attempt(
     contacts: &Contacts,
     frame: &Frame,
-    [from, to]: [f64; 2],
+    part: &Part,
     breaks: &[(f64, usize)],
 ) -> Result<(BuiltStrip, Vec<f64>), String> {
+    let Part { from, to, still } = *part;
     let values: Vec<f64> = breaks.iter().flat_map(|&(t, m)| std::iter::repeat_n(t, m)).collect();
     let knots = Knots::new(3, values.clone(), values.len() - 4).map_err(|e| e.to_string())?;
     let spans = breaks.windows(2).flat_map(|w| (0..PLANES).map(|k| cut(w[0].0, w[1].0, k, PLANES)));
@@ -229,19 +303,25 @@ fn attempt(
         let d = (p[1] - p[0]).norm();
         [(p[0].x * p[1].y - p[1].x * p[0].y) / d, (p[0].y - p[1].y) / d, (p[1].x - p[0].x) / d]
     };
-    let conditions = vec![
-        (0, Freedom::Fixed(data[0].plane)),
-        (1, ruling_condition(data[0].plane, ruling(0))),
-        (last - 1, ruling_condition(data[count].plane, ruling(count))),
-        (last, Freedom::Fixed(data[count].plane)),
-    ];
+    // The planes of the end rulings, and the next control planes through them; where planes stand still, so do the first
+    // two, and the third goes through the ruling.
+    let mut conditions = Vec::new();
+    for (datum, from_end, still) in [(0, false, still[0]), (count, true, still[1])] {
+        let (plane, through) = (data[datum].plane, ruling_condition(data[datum].plane, ruling(datum)));
+        let index = |k: usize| if from_end { last - k } else { k };
+        conditions.push((index(0), Freedom::Fixed(plane)));
+        if still {
+            conditions.push((index(1), Freedom::Fixed(plane)));
+        }
+        conditions.push((index(if still { 2 } else { 1 }), through));
+    }
     let options = PlanesOptions { conditions, ..PlanesOptions::default() };
     let torse = planes(&data, &knots, &options).map(|f| f.curve).map_err(|e| e.to_string())?;
     let direction: Vec3 = all.iter().map(|c| (c.ends[1] - c.ends[0]).normalize()).sum();
     let direction = direction.try_normalize(1e-3).ok_or("its rulings turn too far")?;
     let pieces = [0, 1].map(|d| contacts.piece(d));
     let guess = |t: f64| contacts.parameters(from + (to - from) * t);
-    let found = between_rails(&torse, pieces, guess, &frame, &direction).map_err(|e| e.to_string())?;
+    let found = between_rails(&torse, pieces, guess, &frame, &direction, still).map_err(|e| e.to_string())?;
     let stray = |t: f64| {
         let off = [0, 1].map(|side: usize| {
             let h = found.boundaries[side].point(t);
@@ -270,7 +350,7 @@ const ROUNDING: f64 = 1e-6;
 mod tests {
     use super::*;
     use crate::design::loft::branches::{branches, BranchOptions};
-    use crate::design::loft::build::{follow, BuildOptions};
+    use crate::design::loft::build::{between_pieces, follow, BuildOptions};
     use crate::spline::space_curve::SpaceCurve;
     use std::f64::consts::TAU;
 
@@ -307,6 +387,35 @@ mod tests {
                     assert!((0..2).all(|d| (p[d] - q[d]).norm() < 1e-9));
                 }
             }
+        }
+    }
+
+    #[test]
+    fn an_inflection_is_a_ruling_where_two_strips_meet_smoothly() {
+        // A wave: rails over one cubic, the second one lower and slanting, so that rulings are not parallel.
+        let rail = |name: &str, y: f64, lean: f64| {
+            let points: Vec<Vec3> = (0..=40)
+                .map(|k| f64::from(k) / 20.0 - 1.0)
+                .map(|t| Vec3::new(100.0 * t * (1.0 + lean), y, 60.0 * (t * t * t - 0.3 * t) * (1.0 + lean)))
+                .collect();
+            Rail::through(name, &points).expect("rail")
+        };
+        let (a, b) = (rail("a", 0.0, 0.0), rail("b", 90.0, -0.3));
+        let one = between_pieces(&a, &b, 0, 0, &[[0.0; 2], [1.0; 2]], &BuildOptions::new(1e-5)).expect("a strip");
+        let one = one.expect("a strip");
+        let at = Contacts::new(&one, [&a, &b]).expect("contacts").inflections(0.0, 1.0);
+        assert!(at.len() == 1 && (one.strip.ruling(at[0])[0] - a.point(0.5)).norm() < 1e-3, "{at:?}");
+        let parts = exact_strips(&one, [&a, &b], 0.01, &Control::default()).expect("exact");
+        assert_eq!(parts.len(), 2);
+        for p in &parts {
+            assert!(p.built.strip.twist_bound().expect("bound") < 1e-9);
+        }
+        for w in parts.windows(2) {
+            let (p, q) = (&w[0].built.strip, &w[1].built.strip);
+            let ends = (p.ruling(1.0), q.ruling(0.0));
+            assert!((0..2).all(|d| (ends.0[d] - ends.1[d]).norm() < 1e-9));
+            let (n, m) = (p.patch.jet(1.0, 0.5).normal(), q.patch.jet(0.0, 0.5).normal());
+            assert!(n.angle(&m) < 1e-7, "{}", n.angle(&m));
         }
     }
 

@@ -59,7 +59,8 @@ pub enum OnTorseError {
 
 /// The strip of `torse`, given in the coordinates of `frame`, between two smooth curves of space; `guess` tells their
 /// parameters on the ruling `t`, exactly at both ends. `direction` is the mean direction of the rulings; the frame's
-/// origin lies in their midst.
+/// origin lies in their midst. `still` says where the planes stand still, at the start or the end: an inflection, at
+/// which a factor of rulings vanishes. It is divided out of the span there.
 ///
 /// *Not guaranteed*: that the boundaries are near the rails between the breaks of the surface; see
 /// [`crate::certify::rails::rail_bound`].
@@ -72,42 +73,32 @@ pub fn between_rails(
     guess: impl Fn(f64) -> [f64; 2],
     frame: &Frame,
     direction: &Vec3,
+    still: [bool; 2],
 ) -> Result<BetweenRails, OnTorseError> {
     let mut section = torse.rational_section(&plane_through(&Vec3::zeros(), &frame.vector_to_local(direction)))?;
     let mut along = torse.rational_section(&FAR)?;
-    for _ in 0..REFINEMENTS {
-        if same_sign(&section) {
-            break;
+    let mut refinements = 0;
+    let mut spans = spans(&section, &along, still);
+    while let Err(t) = signed(&mut spans) {
+        if refinements == REFINEMENTS {
+            return Err(OnTorseError::Weights { t });
         }
+        refinements += 1;
         let middles: Vec<f64> = section.knots.breaks().windows(2).map(|w| 0.5 * (w[0] + w[1])).collect();
         section = section.with_knots(&middles).map_err(DualError::from)?;
         along = along.with_knots(&middles).map_err(DualError::from)?;
-    }
-    if !same_sign(&section) {
-        let v = section.knots.values();
-        let worst = (0..section.control.len()).min_by(|i, j| {
-            let w = |i: &usize| section.control[*i][3].abs();
-            w(i).total_cmp(&w(j))
-        });
-        return Err(OnTorseError::Weights { t: v[worst.unwrap_or(0) + 1] });
-    }
-    // Largest weight 1, and positive.
-    let most = section.control.iter().map(|c| c[3]).fold(0.0, |m: f64, w| if w.abs() > m.abs() { w } else { m });
-    for c in section.control.iter_mut().chain(&mut along.control) {
-        *c = c.map(|x| x / most);
+        spans = self::spans(&section, &along, still);
     }
     let (first, last) = torse.domain();
-    let (f, e) = (bezier_pieces(&section), bezier_pieces(&along));
     let boundary = |side: usize| -> Result<(Curve<4>, Curve<1>), OnTorseError> {
-        let mut pieces = Vec::with_capacity(f.len());
-        let mut parameter = Vec::with_capacity(f.len());
-        for (section, along) in f.iter().zip(&e) {
-            let (a, b) = (section.0, section.1);
-            let (section, along) = (Bezier::new(section.2.clone()), Bezier::new(along.2.clone()));
+        let mut pieces = Vec::with_capacity(spans.len());
+        let mut parameter = Vec::with_capacity(spans.len());
+        for Span { from: a, to: b, section, along } in &spans {
+            let (a, b) = (*a, *b);
             let side_of = |t: f64, x: f64| {
                 let jet = |c: &Bezier<4>| [c.point(x), c.derivative().point(x).map(|d| d / (b - a))];
                 let fixed = t == first || t == last;
-                let found = node(torse, [jet(&section), jet(&along)], &(rails[side], frame), guess(t)[side], t, fixed);
+                let found = node(torse, [jet(section), jet(along)], &(rails[side], frame), guess(t)[side], t, fixed);
                 found.ok_or(OnTorseError::Astray { t, side })
             };
             let (p, q) = (side_of(a, 0.0)?, side_of(b, 1.0)?);
@@ -121,8 +112,11 @@ pub fn between_rails(
         // μ has as many continuous derivatives as the section, one at most.
         let knots = |degree: usize| {
             let mut values = vec![first; degree + 1];
-            for (t, m) in section.knots.distinct().into_iter().filter(|(t, _)| *t > first && *t < last) {
-                let smooth = section.knots.degree().saturating_sub(m).min(1);
+            let inner: Vec<_> = section.knots.distinct().into_iter().filter(|(t, _)| *t > first && *t < last).collect();
+            for (k, (t, m)) in inner.iter().copied().enumerate() {
+                // Where a factor was divided out, only the values still agree.
+                let divided = (still[0] && k == 0) || (still[1] && k + 1 == inner.len());
+                let smooth = if divided { 0 } else { section.knots.degree().saturating_sub(m).min(1) };
                 values.extend(std::iter::repeat_n(t, degree - smooth));
             }
             values.extend(std::iter::repeat_n(last, degree + 1));
@@ -196,8 +190,54 @@ fn local((rail, frame): &(&Curve<4>, &Frame), t: f64) -> [Vec3; 3] {
     [frame.to_local(&p), frame.vector_to_local(&d), frame.vector_to_local(&s)]
 }
 
-/// Whether all weights have one sign.
-fn same_sign(c: &Curve<4>) -> bool {
-    let s = c.control[0][3].signum();
-    c.control.iter().all(|h| s * h[3] > 0.0)
+/// A span of the surface: its section and the directions of its rulings, with a common factor.
+struct Span {
+    from: f64,
+    to: f64,
+    section: Bezier<4>,
+    along: Bezier<4>,
+}
+
+/// The spans, without the factors that vanish where planes stand still.
+fn spans(section: &Curve<4>, along: &Curve<4>, still: [bool; 2]) -> Vec<Span> {
+    let (f, e) = (bezier_pieces(section), bezier_pieces(along));
+    let last = f.len() - 1;
+    let divided = |k: usize, c: &[[f64; 4]]| {
+        let mut c = c.to_vec();
+        if still[0] && k == 0 {
+            c = without_factor(&c);
+        }
+        if still[1] && k == last {
+            c.reverse();
+            c = without_factor(&c);
+            c.reverse();
+        }
+        Bezier::new(c)
+    };
+    f.iter()
+        .zip(&e)
+        .enumerate()
+        .map(|(k, (f, e))| Span { from: f.0, to: f.1, section: divided(k, &f.2), along: divided(k, &e.2) })
+        .collect()
+}
+
+/// The polynomial, which vanishes at 0, divided by its variable, in Bernstein form of the same degree.
+fn without_factor(c: &[[f64; 4]]) -> Vec<[f64; 4]> {
+    let n = c.len() - 1;
+    let lower: Vec<[f64; 4]> = (0..n).map(|i| c[i + 1].map(|x| x * n as f64 / (i + 1) as f64)).collect();
+    Bezier::new(lower).elevated(1).control().to_vec()
+}
+
+/// Makes all weights positive, the largest 1, if they have one sign; else a parameter near which they do not.
+fn signed(spans: &mut [Span]) -> Result<(), f64> {
+    let weights = || spans.iter().flat_map(|s| s.section.control().iter().map(move |c| (s.from, c[3])));
+    let most = weights().map(|w| w.1).fold(0.0, |m: f64, w| if w.abs() > m.abs() { w } else { m });
+    if let Some((t, _)) = weights().find(|w| w.1 * most <= 0.0 || w.1.is_nan()) {
+        return Err(t);
+    }
+    for s in spans {
+        let scaled = |c: &Bezier<4>| Bezier::new(c.control().iter().map(|h| h.map(|x| x / most)).collect());
+        (s.section, s.along) = (scaled(&s.section), scaled(&s.along));
+    }
+    Ok(())
 }
