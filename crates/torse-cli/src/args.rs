@@ -1,8 +1,8 @@
 //! Arguments and help.
 
 use crate::quantity::{
-    ball, direction, positive_count, positive_length, positive_time, section, smooth_angle, two_shares, unit_of_length,
-    Length, Section,
+    ball, direction, positive_count, positive_length, positive_time, section, smooth_angle, two_numbers, two_shares,
+    unit_of_length, Length, Section,
 };
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
@@ -36,6 +36,8 @@ pub enum Command {
     Fit(Fit),
     /// Lay a developable surface between two curves and write cut-ready files
     Loft(Loft),
+    /// Lay a developable surface through one curve, from its first and last ruling, and write cut-ready files
+    Net(Net),
     /// Wrap curves in the developables of their convex hull and write cut-ready files
     Hull(Hull),
     /// Make the quadrilaterals of a strip plane, refine them, and write cut-ready files
@@ -331,6 +333,14 @@ pub struct Loft {
     #[arg(long, value_enum, default_value_t = LoftEnds::Trim)]
     pub ends: LoftEnds,
 
+    /// How rails are extended
+    #[arg(long, value_enum, default_value_t = LoftExtension::Curve)]
+    pub extension: LoftExtension,
+
+    /// Stop looking for better strips after this time, with its unit: 60s, 5min
+    #[arg(long, value_name = "TIME", value_parser = positive_time, allow_hyphen_values = true)]
+    pub time_limit: Option<Duration>,
+
     /// Demand tangent planes common to both rails; refuse if there are none
     #[arg(long, conflicts_with = "least_twist")]
     pub exact: bool,
@@ -373,10 +383,109 @@ pub struct Loft {
 pub enum LoftEnds {
     /// They are trimmed
     Trim,
-    /// Cones about the ends of the other rail
+    /// All of both rails is used: cones about the ends of the other rail
+    #[value(alias = "all")]
     Fan,
     /// Rails are extended until both are used up
     Extend,
+}
+
+/// How rails go on beyond their ends.
+#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LoftExtension {
+    /// With the curvature of the end
+    Curve,
+    /// Straight
+    Line,
+}
+
+/// Arguments of `net`.
+#[derive(Args, Debug)]
+#[command(after_help = "Examples:
+  torse net keel.csv --unit mm --start-ruling 0,1,0.3 --width 400mm --end-ruling 0.2,1,0 -t 0.05mm -o plate
+  torse net edge.step#12 --start-ruling y --width 80mm --stars 1.4,1.3 -t 0.01mm -o strip
+  torse net net.json --tolerance 0.01mm --out strip
+
+The curve is a STEP file (FILE#NUMBER names an edge), a DXF file (FILE#LAYER or FILE#HANDLE), a table of points
+x, y, z, or a control net (JSON: unit, degree, knots, points, first_ruling, last_ruling). It must be smooth. The
+strip is exactly developable. All solutions are listed in the report; the one whose regression curve keeps farthest
+from the curve is taken. Written into the output folder: strips.step, patterns.dxf, patterns.svg, model.glb, pictures,
+report.html and report.json.
+
+Exit status: 0 developable within the tolerance, 2 bad input or usage, 3 no regular surface holds the rulings, or not
+certified (files written and marked).")]
+pub struct Net {
+    /// Curve, or control net (JSON)
+    #[arg(value_name = "CURVE")]
+    pub curve: String,
+
+    /// Largest distance allowed between strip and curve, with its unit: 0.1mm
+    #[arg(short, long, value_name = "LENGTH", value_parser = positive_length, allow_hyphen_values = true)]
+    pub tolerance: Length,
+
+    /// Folder to create for the results
+    #[arg(short, long, value_name = "DIR")]
+    pub out: PathBuf,
+
+    /// Direction of the first ruling, away from the curve: x, -y, z or three numbers such as 0,1,0.3
+    #[arg(long, value_name = "DIRECTION", value_parser = direction, allow_hyphen_values = true)]
+    pub start_ruling: Option<Vec3>,
+
+    /// Length of the first ruling, with its unit
+    #[arg(long, value_name = "LENGTH", value_parser = positive_length, allow_hyphen_values = true)]
+    pub width: Option<Length>,
+
+    /// Direction of the last ruling, on the same side of the curve
+    #[arg(long, value_name = "DIRECTION", value_parser = direction, allow_hyphen_values = true)]
+    pub end_ruling: Option<Vec3>,
+
+    /// Length of the last ruling, with its unit [default: what the surface gives]
+    #[arg(long, value_name = "LENGTH", value_parser = positive_length, allow_hyphen_values = true)]
+    pub end_width: Option<Length>,
+
+    /// The free parameters M* and Λ* instead of a last ruling; the curve's parameter runs from 0 to 1
+    #[arg(long, value_name = "M*,L*", value_parser = two_numbers, allow_hyphen_values = true, conflicts_with_all = ["end_ruling", "end_width"])]
+    pub stars: Option<[f64; 2]>,
+
+    /// The same as m = 1/(M* - 1/2) and kappa = (L* - M*) m: 0,KAPPA are cones, M,0 cylinders
+    #[arg(long, value_name = "M,KAPPA", value_parser = two_numbers, allow_hyphen_values = true, conflicts_with_all = ["end_ruling", "end_width", "stars"])]
+    pub shape: Option<[f64; 2]>,
+
+    /// Stretch of the curve's parameter that is used; beyond 0 and 1 the surface is continued
+    #[arg(long, value_name = "FROM,TO", default_value = "0,1", value_parser = two_numbers, allow_hyphen_values = true)]
+    pub along: [f64; 2],
+
+    /// Take another of the regular solutions listed in the report, counted from 1
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
+    pub alternative: u32,
+
+    /// Accept only a single polynomial net as wide as asked for: no rational one, no split, no narrower strip
+    #[arg(long)]
+    pub polynomial: bool,
+
+    /// Unit of tables and of drawings that do not say theirs: mm, cm, m, in, ft
+    #[arg(long, value_name = "UNIT", value_parser = unit_of_length)]
+    pub unit: Option<f64>,
+
+    /// Distance between drawn rulings, with its unit [default: 20 over the length]
+    #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
+    pub rulings: Option<Length>,
+
+    /// Distance between marks on the curve, with its unit [default: 8 over the length]
+    #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
+    pub marks: Option<Length>,
+
+    /// Replace the results of an earlier run in that folder
+    #[arg(long)]
+    pub force: bool,
+
+    /// Name of the job in the files [default: name of CURVE]
+    #[arg(long, value_name = "NAME")]
+    pub name: Option<String>,
+
+    /// Print nothing but errors
+    #[arg(short, long)]
+    pub quiet: bool,
 }
 
 /// Arguments of `hull`.

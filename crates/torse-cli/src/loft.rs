@@ -1,7 +1,7 @@
 //! `torse loft`: the developable between two rails.
 
 use crate::approximate::{contents, stem};
-use crate::args::{Loft, LoftEnds};
+use crate::args::{Loft, LoftEnds, LoftExtension};
 use crate::failure::Failure;
 use crate::folder::Output;
 use crate::strips::deliver;
@@ -9,7 +9,7 @@ use crate::terminal::Terminal;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use torse::io::curves::{self, CurveError, CurveOptions};
-use torse::pipeline::loft::{loft, Choice, Ends, Options};
+use torse::pipeline::loft::{loft, Choice, Ends, Extension, Options};
 use torse::pipeline::outcome::Status;
 use torse::pipeline::sheets::Sheets;
 use torse::surface::rail::Rail;
@@ -20,7 +20,7 @@ pub fn run(arguments: &Loft) -> Result<bool, Failure> {
     let a = rail(&arguments.a, arguments.unit, arguments.polyline)?;
     let b = rail(&arguments.b, arguments.unit, arguments.polyline)?;
     let output = Output::prepare(&arguments.out, &file, arguments.force)?;
-    let terminal = Terminal::new(arguments.quiet, None)?;
+    let terminal = Terminal::new(arguments.quiet, arguments.time_limit)?;
     terminal.guard(Some(output.staging().to_path_buf()));
     let options = Options {
         input: arguments.name.clone().unwrap_or_else(|| stem(&file)),
@@ -28,6 +28,10 @@ pub fn run(arguments: &Loft) -> Result<bool, Failure> {
             LoftEnds::Trim => Ends::Trim,
             LoftEnds::Fan => Ends::Fan,
             LoftEnds::Extend => Ends::Extend,
+        },
+        extension: match arguments.extension {
+            LoftExtension::Curve => Extension::Curve,
+            LoftExtension::Line => Extension::Line,
         },
         choice: match (arguments.exact, arguments.least_twist) {
             (true, _) => Choice::Exact,
@@ -104,6 +108,9 @@ pub fn summary(outcome: &Sheets, out_folder: &Path) -> std::io::Result<()> {
 
 /// Four digits, powers of ten where they are needed.
 fn number(x: f64) -> String {
+    if x.is_infinite() {
+        return "none".into();
+    }
     if x == 0.0 || !x.is_finite() || (1e-3..1e6).contains(&x.abs()) {
         let text = format!("{x:.4}");
         return text.trim_end_matches('0').trim_end_matches('.').to_owned();

@@ -13,6 +13,7 @@ mod folder;
 mod hull;
 mod info;
 mod loft;
+mod net;
 mod planarise;
 mod quantity;
 mod strips;
@@ -49,6 +50,7 @@ fn run(arguments: &args::Arguments) -> Result<bool, failure::Failure> {
         args::Command::Fit(a) => fit::run(a),
         args::Command::Hull(a) => hull::run(a),
         args::Command::Loft(a) => loft::run(a),
+        args::Command::Net(a) => net::run(a),
         args::Command::Planarise(a) => planarise::run(a),
         args::Command::Info(a) => info::run(a),
     }

@@ -135,6 +135,16 @@ pub fn unit_of_length(text: &str) -> Result<f64, String> {
         .ok_or_else(|| format!("unknown unit '{text}': use mm, cm, m, in or ft"))
 }
 
+/// Reads two numbers, separated by a comma.
+pub fn two_numbers(text: &str) -> Result<[f64; 2], String> {
+    let number = |s: &str| match s.trim().parse::<f64>() {
+        Ok(x) if x.is_finite() => Ok(x),
+        _ => Err(format!("'{s}' is not a finite number")),
+    };
+    let (a, b) = text.split_once(',').ok_or_else(|| format!("'{text}': write two numbers, for example 1.4,1.3"))?;
+    Ok([number(a)?, number(b)?])
+}
+
 /// Reads two shares between 0 and 1, separated by a comma.
 pub fn two_shares(text: &str) -> Result<[f64; 2], String> {
     let share = |s: &str| match s.trim().parse::<f64>() {

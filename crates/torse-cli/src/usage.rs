@@ -25,6 +25,9 @@ pub fn refusal(error: clap::Error) -> Failure {
             m if m.contains("<RAIL_") => {
                 "for example: torse loft chine.csv sheer.csv --unit m --tolerance 0.5mm --out plate"
             }
+            m if m.contains("<CURVE>") && command() == "net" => {
+                "for example: torse net keel.csv --unit mm --start-ruling y --width 400mm --end-ruling 0.2,1,0 -t 0.05mm -o plate"
+            }
             m if m.contains("<CURVE>") => "for example: torse hull inlet.dxf outlet.dxf --tolerance 0.1mm --out hopper",
             m if m.contains("<STRIP>") => "for example: torse planarise strip.csv --tolerance 0.01mm --out strip",
             _ => "for example: torse approximate hull.step --tolerance 2mm --out hull-panels",
@@ -36,7 +39,20 @@ pub fn refusal(error: clap::Error) -> Failure {
     } else if argument.starts_with("--max-panels") {
         "give a whole number of at least 1, for example --max-panels 40, or leave it out"
     } else {
-        "'torse --help' and 'torse approximate --help' list commands and options, with examples"
+        return Failure::new(message, general());
     };
     Failure::new(message, help)
+}
+
+/// The first word after the program's name.
+fn command() -> String {
+    std::env::args().nth(1).unwrap_or_default()
+}
+
+/// Where options are listed.
+fn general() -> String {
+    let known = ["approximate", "cones", "fit", "loft", "net", "hull", "planarise", "info"];
+    let command = command();
+    let command = if known.contains(&command.as_str()) { command.as_str() } else { "approximate" };
+    format!("'torse --help' and 'torse {command} --help' list commands and options, with examples")
 }

@@ -9,6 +9,7 @@ pub mod elements;
 pub mod glb;
 pub mod html;
 pub mod json;
+pub mod net;
 pub mod png;
 pub mod quads;
 pub mod sheets;

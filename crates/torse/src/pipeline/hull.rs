@@ -105,7 +105,7 @@ pub fn hull(curves: &[Rail], options: &Options, control: &Control) -> Result<She
     let (mut all, mut parts): (Vec<Strip>, Vec<FlatPart>) = (Vec::new(), Vec::new());
     let judgement = {
         let rails = |s: &HullStrip| {
-            [0, 1].map(|d: usize| if s.turned[d] { &reversed[s.rails[d]] } else { &curves[s.rails[d]] })
+            [0, 1].map(|d: usize| Some(if s.turned[d] { &reversed[s.rails[d]] } else { &curves[s.rails[d]] }))
         };
         let built: Vec<_> = made.iter().flat_map(|p| &p.strips).map(|s| (&s.built, rails(s))).collect();
         judge(&built, &["first curve", "second curve"].map(String::from), options.twist_tolerance)

@@ -44,9 +44,10 @@ impl Judgement {
     }
 }
 
-/// Judges strips, each with the rails that its parts refer to; `names` are what the rails are called, `limit` (rad) is the
-/// twist that counts as developable.
-pub fn judge(strips: &[(&BuiltStrip, [&Rail; 2])], names: &[String; 2], limit: f64) -> Judgement {
+/// Judges strips, each with the rails that its parts refer to (none where a side was not asked for); `names` are what
+/// the rails are called, `limit` (rad) is the twist that counts as developable.
+pub fn judge(strips: &[(&BuiltStrip, [Option<&Rail>; 2])], names: &[String; 2], limit: f64) -> Judgement {
+    let sides = [0, 1].map(|side: usize| strips.iter().any(|s| s.1[side].is_some()));
     let mut out = Judgement {
         off: [0.0; 2],
         twist: 0.0,
@@ -60,8 +61,9 @@ pub fn judge(strips: &[(&BuiltStrip, [&Rail; 2])], names: &[String; 2], limit: f
     };
     for (built, rails) in strips {
         let strip = &built.strip;
-        let off =
-            [0, 1].map(|side: usize| rail_bound(strip, side, rails[side], &built.rails[side]).unwrap_or(f64::INFINITY));
+        let off = [0, 1].map(|side: usize| {
+            rails[side].map_or(0.0, |rail| rail_bound(strip, side, rail, &built.rails[side]).unwrap_or(f64::INFINITY))
+        });
         for (w, o) in out.off.iter_mut().zip(&off) {
             *w = w.max(*o);
         }
@@ -88,14 +90,17 @@ pub fn judge(strips: &[(&BuiltStrip, [&Rail; 2])], names: &[String; 2], limit: f
         } else if !developable && shown.angle <= limit {
             out.missing.push(format!("strip {} was not shown to keep off its regression curve", strip.name));
         }
-        out.strip_figures.push(vec![
-            Figure::new(format!("from {}", names[0]), off[0], "mm", Basis::Proven),
-            Figure::new(format!("from {}", names[1]), off[1], "mm", Basis::Proven),
+        let mut figures: Vec<Figure> = (0..2)
+            .filter(|&side| sides[side])
+            .map(|side| Figure::new(format!("from {}", names[side]), off[side], "mm", Basis::Proven))
+            .collect();
+        figures.extend([
             Figure::new("twist, bound", shown.angle.to_degrees(), "°", Basis::Proven),
             Figure::new("twist", twist.to_degrees(), "°", Basis::Measured),
             Figure::new("regression clearance", clearance, "mm", Basis::Measured),
             Figure::new("area", strip.area_estimate() * 1e-6, "m²", Basis::Measured),
         ]);
+        out.strip_figures.push(figures);
         let values = twists.iter().flat_map(|t| [t.to_degrees(); 2]).collect();
         out.fields.push(StripField { u: at, v: vec![0.0, 1.0], values });
     }

@@ -358,6 +358,39 @@ impl Rail {
         Ok(Self { name: self.name.clone(), pieces, closed: true })
     }
 
+    /// The whole rail as one curve over [0, 1]; `None` if it has a corner. Where pieces join, the tangent is continuous
+    /// and the speed nearly so; degrees are raised to the highest of all pieces.
+    ///
+    /// # Errors
+    /// Pieces whose degree cannot be raised (none for valid rails).
+    pub fn as_one(&self) -> Result<Option<Curve<4>>, SplineError> {
+        let degree = self.pieces.iter().map(|p| p.knots.degree()).max().unwrap_or(1);
+        let raised = |mut c: Curve<4>| {
+            while c.knots.degree() < degree {
+                c = c.elevated()?;
+            }
+            Ok::<_, SplineError>(c)
+        };
+        let mut whole: Option<Curve<4>> = None;
+        for piece in &self.pieces {
+            whole = Some(match whole {
+                None => piece.clone(),
+                Some(before) => match joined(&raised(before)?, &raised(piece.clone())?)? {
+                    Some(one) => one,
+                    None => return Ok(None),
+                },
+            });
+        }
+        Ok(whole)
+    }
+
+    /// The first corner: index of the piece behind it, and the turn of the tangent there, rad. The seam of a closed rail
+    /// does not count.
+    pub fn first_corner(&self) -> Option<(usize, f64)> {
+        let turn = |k: usize| tangent(&self.pieces[k - 1], 1.0).angle(&tangent(&self.pieces[k], 0.0));
+        (1..self.pieces.len()).map(|k| (k, turn(k))).find(|(_, turn)| *turn > SMOOTH)
+    }
+
     /// `count` points and more along the rail, at least four per piece, corners included.
     pub fn samples(&self, count: usize) -> Vec<Vec3> {
         self.sample_parameters(count).into_iter().map(|s| self.point(s)).collect()
@@ -597,6 +630,31 @@ mod tests {
         assert_eq!((r.pieces.len(), turned.pieces.len()), (1, 1));
         let (end, start) = (tangent(&r.pieces[0], 1.0), tangent(&r.pieces[0], 0.0));
         assert!(end.angle(&start) < 1e-9, "{:e}", end.angle(&start));
+    }
+
+    #[test]
+    fn pieces_without_corners_become_one_curve() {
+        let line = |a: [f64; 3], b: [f64; 3]| {
+            let control = vec![[a[0], a[1], a[2], 1.0], [b[0], b[1], b[2], 1.0]];
+            Curve::new(1, vec![0.0, 0.0, 1.0, 1.0], control).expect("line")
+        };
+        let h = std::f64::consts::FRAC_1_SQRT_2;
+        let arc = Curve::<4>::new(
+            2,
+            vec![0.0, 0.0, 0.0, 1.0, 1.0, 1.0],
+            vec![[2.0, 0.0, 0.0, 1.0], [3.0 * h, 0.0, 0.0, h], [3.0, 1.0, 0.0, 1.0]],
+        )
+        .expect("arc");
+        let pieces = [line([0.0; 3], [1.0, 0.0, 0.0]), line([1.0, 0.0, 0.0], [2.0, 0.0, 0.0]), arc];
+        let rail = Rail::new("r", &pieces).expect("rail");
+        let one = rail.as_one().expect("spline").expect("no corner");
+        assert_eq!((rail.pieces.len(), one.knots.degree(), rail.first_corner()), (3, 2, None));
+        let whole = Rail::new("one", &[one]).expect("rail");
+        assert!(whole.pieces.len() == 1 && (whole.length() - rail.length()).abs() < 1e-9);
+        let square = Rail::polyline("square", &square()).expect("rail");
+        let (piece, turn) = square.first_corner().expect("corner");
+        assert!(square.as_one().expect("spline").is_none() && piece == 1);
+        assert!((turn - std::f64::consts::FRAC_PI_2).abs() < 1e-12);
     }
 
     #[test]

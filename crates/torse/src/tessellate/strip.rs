@@ -11,6 +11,10 @@ const PARTS: usize = 8;
 const LEAST: usize = 24;
 /// Most parts of a strip.
 const MOST: usize = 4096;
+/// Turn of an edge (rad) that is drawn straight: 2°.
+const STRAIGHT: f64 = 0.035;
+/// Chords of a span by which its turn is told.
+const PROBES: usize = 16;
 
 /// An end of a ruling that moves by less than this share of its middle stands still: an apex, up to rounding.
 const STANDS_STILL: f64 = 1e-9;
@@ -25,13 +29,27 @@ pub fn grid(strip: &Strip) -> (Vec<f64>, Vec<f64>) {
         return (breaks, vec![0.0, 1.0]);
     }
     let spans = breaks.len().saturating_sub(1).max(1);
-    let parts = PARTS.max(LEAST.div_ceil(spans)).min((MOST / spans).max(1));
-    let mut u = Vec::with_capacity(spans * parts + 1);
+    let least = PARTS.min((MOST / spans).max(1)).max(LEAST.div_ceil(spans));
+    let most = (MOST / spans).max(least);
+    let mut u = Vec::with_capacity(spans * least + 1);
     for w in breaks.windows(2) {
+        let parts = ((turn(strip, w[0], w[1]) / STRAIGHT).ceil() as usize).clamp(least, most);
         u.extend((0..parts).map(|k| w[0] + (w[1] - w[0]) * k as f64 / parts as f64));
     }
     u.push(breaks[breaks.len() - 1]);
     (u, vec![0.0, 1.0])
+}
+
+/// Turn of the edge that turns more over a span, rad, and more where it turns at one place: as if it did so all along.
+fn turn(strip: &Strip, from: f64, to: f64) -> f64 {
+    let side = |v: f64| {
+        let points: Vec<Vec3> =
+            (0..=PROBES).map(|k| strip.patch.point(from + (to - from) * k as f64 / PROBES as f64, v)).collect();
+        let chords: Vec<Vec3> = points.windows(2).filter_map(|w| (w[1] - w[0]).try_normalize(0.0)).collect();
+        let turns = chords.windows(2).map(|w| w[0].cross(&w[1]).norm().atan2(w[0].dot(&w[1])));
+        turns.fold(0.0, f64::max) * PROBES as f64
+    };
+    side(0.0).max(side(1.0))
 }
 
 /// The mesh over a grid; `values` belongs to the vertices, index `i * v.len() + j`, or is empty.

@@ -52,7 +52,7 @@ pub struct Hull {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum HullError {
     /// No volume.
-    #[error("{curves} lie in one plane: their convex hull has no volume; add a curve off that plane")]
+    #[error("there is no point off the plane of {curves}: the convex hull has no volume; add a curve off that plane")]
     Flat {
         /// Names of the curves.
         curves: String,

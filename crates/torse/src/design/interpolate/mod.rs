@@ -274,7 +274,7 @@ const SHORTENINGS: i32 = 4;
 
 impl Solution {
     /// Regular, with both end rulings on the sides given and of comparable lengths.
-    fn is_good(&self) -> bool {
+    pub fn is_good(&self) -> bool {
         let ratio = self.end_reach / self.start_reach;
         self.start_reach > 0.0
             && ratio > LEAST_RATIO

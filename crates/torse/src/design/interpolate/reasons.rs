@@ -44,20 +44,27 @@ pub(super) fn reasons(problem: &Problem, known: Option<&Solvability>, candidates
 }
 
 fn fault(s: &Solution) -> String {
-    let m_star = s.strip.net.shape().m_star();
-    let what = if s.start_reach * s.end_reach < 0.0 {
-        "has its end rulings on different sides of the curve".to_string()
-    } else {
-        match s.regularity {
-            Regularity::Regression { u, v } => {
-                format!("meets its regression curve on ruling u = {u:.4} at {:.0} % of its length", 100.0 * v)
+    format!("the net with M* = {:.6} {}", s.strip.net.shape().m_star(), s.quality())
+}
+
+impl Solution {
+    /// What it is like, in words that follow "the net": "is regular", or what is wrong with it.
+    pub fn quality(&self) -> String {
+        let s = self;
+        if s.start_reach * s.end_reach < 0.0 {
+            "has its end rulings on different sides of the curve".to_string()
+        } else {
+            match s.regularity {
+                Regularity::Regression { u, v } => {
+                    format!("meets its regression curve on ruling u = {u:.4} at {:.0} % of its length", 100.0 * v)
+                }
+                Regularity::TangentRuling { u } => format!("has a ruling tangent to the curve at u = {u:.4}"),
+                Regularity::Weight { index, weight } => format!("has weight {weight:.3} at control point {index}"),
+                Regularity::Regular if !s.is_good() => "has no width at one end".to_string(),
+                Regularity::Regular => "is regular".to_string(),
             }
-            Regularity::TangentRuling { u } => format!("has a ruling tangent to the curve at u = {u:.4}"),
-            Regularity::Weight { index, weight } => format!("has weight {weight:.3} at control point {index}"),
-            Regularity::Regular => "is regular".to_string(),
         }
-    };
-    format!("the net with M* = {m_star:.6} {what}")
+    }
 }
 
 /// The smallest turn of one end ruling in its tangent plane with an answer.

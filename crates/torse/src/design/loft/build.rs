@@ -59,6 +59,8 @@ const LINEAR: f64 = 1e-11;
 const KNOT: f64 = 1e-10;
 /// Halvings of a span.
 const DEEPEST: usize = 9;
+/// Most spans of a strip: at so many, halving on would take longer than anybody waits.
+const MOST: usize = 800;
 /// Samples per span where rails and twist are looked at.
 const PROBES: usize = 8;
 /// Angles and relative lengths below which a strip is called a plane, cylinder or cone.
@@ -478,7 +480,7 @@ impl<'a> Path<'a> {
             let twist = x.cross(&y).norm().atan2(x.dot(&y));
             near && (!self.exact || twist <= options.twist_tolerance)
         });
-        if good || depth >= DEEPEST {
+        if good || depth >= DEEPEST || out.len() >= MOST {
             out.push(Span { from: w0, rails, parameters });
             return;
         }
@@ -539,8 +541,8 @@ fn quintic(c: &[[f64; 3]; 6], t: f64) -> (Vec3, Vec3) {
     (p[0], Vec3::zeros())
 }
 
-/// Sets the kind of a strip from its rulings and normals at samples.
-fn classified(mut strip: Strip) -> Strip {
+/// The strip with its kind, told from its rulings and normals at samples.
+pub(crate) fn classified(mut strip: Strip) -> Strip {
     const STATIONS: usize = 12;
     let (u0, u1) = strip.domain();
     let at = |k: usize| u0 + (u1 - u0) * (k as f64 + 0.5) / STATIONS as f64;

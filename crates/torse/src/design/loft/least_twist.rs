@@ -113,22 +113,9 @@ pub fn least_twist(a: &Rail, b: &Rail, options: &LeastTwistOptions) -> Result<Tw
     let column = |d: usize| options.fixed.iter().map(|f| f[d]).collect::<Vec<f64>>();
     let (p, q) = (samples(a, options.chords, &column(0)), samples(b, options.chords, &column(1)));
     if closed && options.fixed.is_empty() {
-        let (coarse_p, coarse_q) =
-            (samples(a, COARSE.min(options.chords), &[]), samples(b, COARSE.min(options.chords), &[]));
-        let m = coarse_q.points.len() - 1;
-        let cost = |j: usize| {
-            let turned = turn(&coarse_q.points, j);
-            optimum(&coarse_p.points, &turned).1
-        };
-        let best = (0..m).min_by(|&i, &j| cost(i).total_cmp(&cost(j))).unwrap_or(0);
-        let start = (best * (q.points.len() - 1) + m / 2) / m;
-        let turned = turn(&q.points, start);
-        let n = q.points.len() - 1;
-        let track_end = q.x[n];
-        let x: Vec<f64> =
-            (0..=n).map(|k| if start + k <= n { q.x[start + k] } else { q.x[start + k - n] + track_end }).collect();
-        let (moves, cost) = optimum(&p.points, &turned);
-        return Ok(path(&p.x, &p.points, &x, &turned, &moves, cost, true));
+        let costs = starts(a, b, COARSE.min(options.chords));
+        let best = (0..costs.len()).min_by(|&i, &j| costs[i].total_cmp(&costs[j])).unwrap_or(0);
+        return least_twist_from(a, b, options, best as f64 / costs.len() as f64);
     }
     // Fixed rulings cut the task into independent ones.
     let (ta, tb) = (Track::new(a), Track::new(b));
@@ -169,6 +156,34 @@ pub fn least_twist(a: &Rail, b: &Rail, options: &LeastTwistOptions) -> Result<Tw
 
 /// Chords where the start on the second of two closed rails is sought.
 const COARSE: usize = 48;
+
+/// Costs of the best strips between two closed rails whose first ruling begins at the first rail's start and at each
+/// point of the second rail, sampled by about `chords` chords.
+pub(super) fn starts(a: &Rail, b: &Rail, chords: usize) -> Vec<f64> {
+    let (p, q) = (samples(a, chords, &[]), samples(b, chords, &[]));
+    (0..q.points.len() - 1).map(|j| optimum(&p.points, &turn(&q.points, j)).1).collect()
+}
+
+/// The best strip between two closed rails that begins at the first rail's start and at the sample `start` (as a share of
+/// all) of the second.
+///
+/// # Errors
+/// None for valid rails.
+pub(super) fn least_twist_from(
+    a: &Rail,
+    b: &Rail,
+    options: &LeastTwistOptions,
+    start: f64,
+) -> Result<TwistPath, LoftError> {
+    let (p, q) = (samples(a, options.chords, &[]), samples(b, options.chords, &[]));
+    let n = q.points.len() - 1;
+    let start = (start * n as f64).round() as usize % n;
+    let turned = turn(&q.points, start);
+    let end = q.x[n];
+    let x: Vec<f64> = (0..=n).map(|k| if start + k <= n { q.x[start + k] } else { q.x[start + k - n] + end }).collect();
+    let (moves, cost) = optimum(&p.points, &turned);
+    Ok(path(&p.x, &p.points, &x, &turned, &moves, cost, true))
+}
 
 /// Closed polyline (last point equal to the first) starting at its point `k`.
 fn turn(points: &[Vec3], k: usize) -> Vec<Vec3> {

@@ -1,9 +1,11 @@
 //! Developables between two rails \[W15, 4A, 4B\]: branches of coplanar tangents, strips along them, and the strip of
 //! least twist where there is no branch.
 
+pub mod alternatives;
 pub mod branches;
 pub mod build;
 pub mod least_twist;
+pub mod on_torse;
 pub mod track;
 
 use crate::geom::Vec3;
@@ -29,6 +31,14 @@ pub enum LoftError {
         at_b: f64,
         /// Distance, mm.
         gap: f64,
+    },
+    /// One rail runs along the other.
+    #[error("{a} runs along {b}: they coincide, and there is no surface between them; check that the right curves were named")]
+    Coincide {
+        /// First rail.
+        a: String,
+        /// Second rail.
+        b: String,
     },
     /// All of both rails lies in one line.
     #[error("{a} and {b} lie in one line: there is no surface between them; check that the right curves were named")]
@@ -110,11 +120,36 @@ pub fn apart(a: &Rail, b: &Rail) -> Result<(), LoftError> {
     let at = |rail: &Rail, i: usize| rail.sample_parameters(POINTS)[i] / rail.pieces.len() as f64;
     let (gap, s, t) = refine(a, b, at(a, least.1), at(b, least.2));
     if gap <= TOUCH * size {
+        // Rails that touch at several places, evenly spread over one of them, touch all along.
+        const PLACES: [f64; 4] = [0.15, 0.4, 0.65, 0.9];
+        let along =
+            |r: &Rail, o: &Rail| PLACES.iter().all(|s| nearest(o, &r.point(s * r.pieces.len() as f64)) <= TOUCH * size);
+        if along(a, b) || along(b, a) {
+            return Err(LoftError::Coincide { a: a.name.clone(), b: b.name.clone() });
+        }
         let share = |rail: &Rail, s: f64| rail.length_to(s * rail.pieces.len() as f64) / rail.length();
         let (at_a, at_b) = (share(a, s), share(b, t));
         return Err(LoftError::Touch { a: a.name.clone(), b: b.name.clone(), at_a, at_b, gap });
     }
     Ok(())
+}
+
+/// Distance from a point to a rail, by samples and a shrinking search around the nearest.
+fn nearest(rail: &Rail, x: &Vec3) -> f64 {
+    const SAMPLES: usize = 400;
+    let n = rail.pieces.len() as f64;
+    let off = |s: f64| (rail.point(s.clamp(0.0, 1.0) * n) - x).norm();
+    let first = (0..=SAMPLES).map(|k| k as f64 / SAMPLES as f64).min_by(|s, t| off(*s).total_cmp(&off(*t)));
+    let (mut s, mut h) = (first.unwrap_or(0.0), 1.0 / SAMPLES as f64);
+    while h > 1e-12 {
+        for t in [s - h, s - 0.5 * h, s + 0.5 * h, s + h] {
+            if off(t) < off(s) {
+                s = t;
+            }
+        }
+        h *= 0.7;
+    }
+    off(s)
 }
 
 /// Least distance near two relative parameters, and where, by a shrinking grid.

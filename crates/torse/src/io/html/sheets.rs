@@ -53,7 +53,10 @@ pub fn write(page: &Page) -> Result<String, HtmlError> {
         "words" => words(report),
         "strip_heads" => heads(report),
         "strip_rows" => report.strips.iter().enumerate().map(|(i, _)| row(i, report)).collect(),
-        "strip_count" => report.strips.len().to_string(),
+        "strip_count" => match report.strips.len() {
+            1 => "1 strip".into(),
+            n => format!("{n} strips"),
+        },
         "part_rows" => parts(report),
         "shapes" => shapes(report, page.shapes_png.map(image)),
         "layout" => tables::layout(page.layout),
