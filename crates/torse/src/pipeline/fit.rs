@@ -2,7 +2,8 @@
 
 use super::cut::cut;
 use super::outcome::Status;
-use super::sheets::{Basis, FieldMeaning, Figure, FlatPart, Sheets, StripField};
+use super::regression;
+use super::sheets::{Basis, FieldMeaning, Figure, FlatPart, PointMap, Sheets, StripField};
 use crate::certify::points::{points as certified, PointCertificate};
 use crate::control::Control;
 use crate::develop::strip::StripOptions;
@@ -15,6 +16,7 @@ use crate::fit::samples::Fit;
 use crate::geom::cloud::Cloud;
 use crate::geom::Vec3;
 use crate::surface::strip::Strip;
+use crate::surface::zone::RegressionLimits;
 
 /// What the job is asked.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,12 +29,14 @@ pub struct FitOptions {
     pub places: usize,
     /// Strips at most; 64.
     pub max_strips: usize,
+    /// What is asked of regression curves; nothing beyond regular strips.
+    pub limits: Option<RegressionLimits>,
 }
 
 impl FitOptions {
     /// The defaults with a tolerance in mm.
     pub fn new(tolerance: f64, input: &str) -> Self {
-        Self { tolerance, input: input.into(), places: 3000, max_strips: 64 }
+        Self { tolerance, input: input.into(), places: 3000, max_strips: 64, limits: None }
     }
 }
 
@@ -63,6 +67,9 @@ pub fn fit(cloud: &Cloud, options: &FitOptions, control: &Control) -> Result<Fit
     if !(options.tolerance > 0.0 && options.tolerance.is_finite()) {
         return Err(CloudError::Tolerance(options.tolerance));
     }
+    if let Some(fault) = options.limits.as_ref().and_then(regression::fault) {
+        return Err(CloudError::Limits(fault));
+    }
     // 1. What the surface is like.
     control.report("estimating", 0.0, format!("{} points", cloud.points.len()));
     let found = estimates(&cloud.points, options.places)?;
@@ -92,14 +99,20 @@ pub fn fit(cloud: &Cloud, options: &FitOptions, control: &Control) -> Result<Fit
         ));
     }
     let strip_figures = figures_of_strips(&strips, &certificate, options.tolerance);
-    let fields = fields(&strips, &certificate);
+    let fields = fields(&strips, &certificate, options.tolerance);
     let figures = vec![
         Figure::new("points", cloud.points.len() as f64, "", Basis::Given),
         Figure::new("largest distance of a point", certificate.worst_bound(), "mm", Basis::Proven),
         Figure::new("points beyond the tolerance", certificate.beyond(options.tolerance) as f64, "", Basis::Proven),
         Figure::new("noise of the measurement", found.noise, "mm", Basis::Measured),
     ];
-    let status = status(&strips, &certificate, &cloud.points, options.tolerance, control);
+    let broken = regression::broken(&strips, options.limits.as_ref());
+    notes.extend(options.limits.iter().map(regression::note));
+    notes.extend(broken.iter().cloned());
+    let status = match status(&strips, &certificate, &cloud.points, options.tolerance, control) {
+        Status::Certified if !broken.is_empty() => Status::Uncertified(broken.join("; ")),
+        other => other,
+    };
     let sheets = Sheets {
         job: "fit".into(),
         input: options.input.clone(),
@@ -108,6 +121,11 @@ pub fn fit(cloud: &Cloud, options: &FitOptions, control: &Control) -> Result<Fit
         strips,
         strip_figures,
         fields,
+        points: PointMap {
+            places: cloud.points.clone(),
+            values: certificate.signed_estimates().to_vec(),
+            worst: certificate.worst(),
+        },
         meaning: FieldMeaning { name: "deviation".into(), unit: "mm".into(), limit: options.tolerance },
         parts,
         patterns,
@@ -144,7 +162,8 @@ fn torses(
             continue;
         }
         let left = options.max_strips.saturating_sub(out.len());
-        let wanted = PieceOptions { max_pieces: left, ..PieceOptions::new(room, enough) };
+        let wanted =
+            PieceOptions { max_pieces: left, limits: options.limits.clone(), ..PieceOptions::new(room, enough) };
         for piece in pieces(found, &region, &wanted, control) {
             if !piece.fits.is_empty() {
                 out.push((piece.members, piece.fits));
@@ -154,8 +173,12 @@ fn torses(
             let c = piece.members.iter().map(|&i| found.items[i as usize].x).sum::<Vec3>()
                 / piece.members.len().max(1) as f64;
             skipped.push(format!(
-                "{count:.0} points around ({:.1}, {:.1}, {:.1}): no developable strip follows them within {} mm",
-                c.x, c.y, c.z, options.tolerance
+                "{count:.0} points around ({:.1}, {:.1}, {:.1}): no developable strip follows them within {} mm{}",
+                c.x,
+                c.y,
+                c.z,
+                options.tolerance,
+                if options.limits.is_some() { " with its regression curve in bounds" } else { "" }
             ));
         }
     }
@@ -184,7 +207,7 @@ fn strips(
     let mut out: Vec<Strip> = Vec::new();
     for ((_, fits), own) in fits.iter().zip(&own) {
         let name = format!("A-{:02}", out.len() + 1);
-        match nearest(&name, fits, own, options.tolerance) {
+        match nearest(&name, fits, own, options) {
             Ok(s) => out.push(s),
             Err(reason) => skipped.push(format!("{} points have no strip: {reason}", own.len())),
         }
@@ -192,26 +215,28 @@ fn strips(
     out
 }
 
-/// The strip of the torse whose proven distance from its points is the smallest.
-fn nearest(name: &str, fits: &[Fit], own: &[Vec3], tolerance: f64) -> Result<Strip, String> {
+/// The strip of the torse whose proven distance from its points is the smallest, among those whose regression curve
+/// keeps to the limits if there are any.
+fn nearest(name: &str, fits: &[Fit], own: &[Vec3], options: &FitOptions) -> Result<Strip, String> {
     // Points judged for the choice; the strip chosen is judged with all of them later.
     const JUDGED: usize = 20_000;
     let some: Vec<Vec3> = own.iter().step_by(own.len().div_ceil(JUDGED).max(1)).copied().collect();
-    let mut best: Option<(f64, Strip)> = None;
+    let mut best: Option<(bool, f64, Strip)> = None;
     let mut reason = String::new();
     for fit in fits {
-        match strip(name, fit, own, tolerance) {
+        match strip(name, fit, own, options.tolerance) {
             Ok(s) if fits.len() == 1 => return Ok(s),
             Ok(s) => {
                 let worst = certified(std::slice::from_ref(&s), &some, &Control::default()).worst_bound();
-                if best.as_ref().is_none_or(|b| worst < b.0) {
-                    best = Some((worst, s));
+                let broken = !regression::keeps(&s, options.limits.as_ref());
+                if best.as_ref().is_none_or(|b| (broken, worst) < (b.0, b.1)) {
+                    best = Some((broken, worst, s));
                 }
             }
             Err(e) => reason = format!("the {} found gives none: {e}", fit.kind.name()),
         }
     }
-    best.map(|b| b.1).ok_or(reason)
+    best.map(|b| b.2).ok_or(reason)
 }
 
 fn status(strips: &[Strip], c: &PointCertificate, points: &[Vec3], tolerance: f64, control: &Control) -> Status {
@@ -249,12 +274,6 @@ fn figures_of_strips(strips: &[Strip], c: &PointCertificate, tolerance: f64) -> 
     }
     (0..strips.len())
         .map(|k| {
-            let clearance = {
-                let (a, b) = strips[k].domain();
-                (0..=16)
-                    .map(|i| strips[k].regression_clearance(a + (b - a) * f64::from(i) / 16.0))
-                    .fold(f64::INFINITY, f64::min)
-            };
             vec![
                 Figure::new("points", count[k] as f64, "", Basis::Given),
                 Figure::new("largest distance of a point", worst[k], "mm", Basis::Proven),
@@ -264,21 +283,23 @@ fn figures_of_strips(strips: &[Strip], c: &PointCertificate, tolerance: f64) -> 
                     "mm",
                     Basis::Measured,
                 ),
-                Figure::new("distance to the regression curve", clearance, "mm", Basis::Measured),
+                regression::figure(&strips[k]),
             ]
         })
         .collect()
 }
 
-/// Mean signed distance of the points around the places of a grid; empty places take their neighbours' mean.
-fn fields(strips: &[Strip], c: &PointCertificate) -> Vec<StripField> {
+/// Mean signed distance of the points around the places of a grid; empty places take their neighbours' mean. Points far
+/// beyond the tolerance do not belong to the strip and do not count here; the map of points shows them.
+fn fields(strips: &[Strip], c: &PointCertificate, tolerance: f64) -> Vec<StripField> {
+    const FAR: f64 = 10.0;
     const ALONG: usize = 48;
     const ACROSS: usize = 24;
     let (nu, nv) = (ALONG + 1, ACROSS + 1);
     let mut sums = vec![vec![(0.0_f64, 0.0_f64); nu * nv]; strips.len()];
     for ((k, u, v), d) in c.places().iter().zip(c.signed_estimates()) {
         let Some(s) = strips.get(*k as usize) else { continue };
-        if !d.is_finite() {
+        if d.is_nan() || d.abs() > FAR * tolerance {
             continue;
         }
         let (a, b) = s.domain();

@@ -15,6 +15,7 @@ pub mod loft;
 pub mod outcome;
 pub mod planarise;
 pub mod presentation;
+mod regression;
 pub mod row;
 mod seams;
 pub mod shapes;

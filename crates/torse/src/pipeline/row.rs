@@ -3,6 +3,7 @@
 use super::cones::ruled;
 use super::cut::cut;
 use super::outcome::{Skipped, Status};
+use super::regression;
 use super::sheets::{Basis, FieldMeaning, Figure, FlatPart, Sheets, StripField};
 use crate::certify::elements::{elements as certified, ElementCertificate};
 use crate::control::Control;
@@ -18,6 +19,7 @@ use crate::surface::face::Face;
 use crate::surface::plane_row::{orient, Given, PlaneElement};
 use crate::surface::ruled_strip::RuledStrip;
 use crate::surface::strip::Strip;
+use crate::surface::zone::RegressionLimits;
 
 /// What the job is asked.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,12 +32,14 @@ pub struct RowFitOptions {
     pub max_strips: usize,
     /// Rulings taken from each face; 160.
     pub rulings_of_face: usize,
+    /// What is asked of regression curves; nothing beyond regular strips.
+    pub limits: Option<RegressionLimits>,
 }
 
 impl RowFitOptions {
     /// The defaults with a tolerance in mm.
     pub fn new(tolerance: f64, input: &str) -> Self {
-        Self { tolerance, input: input.into(), max_strips: 64, rulings_of_face: 160 }
+        Self { tolerance, input: input.into(), max_strips: 64, rulings_of_face: 160, limits: None }
     }
 }
 
@@ -56,6 +60,9 @@ pub enum RowFitError {
     /// A tolerance that is not positive.
     #[error("the tolerance {0} is not a positive length")]
     Tolerance(f64),
+    /// Limits of the regression curve that cannot be kept by anything.
+    #[error("{0}")]
+    Limits(String),
     /// Too few elements.
     #[error("{0} {1}: at least {FEWEST} are needed")]
     Few(usize, &'static str),
@@ -191,9 +198,10 @@ struct Attempt {
 }
 
 impl Attempt {
-    /// Elements beyond the tolerance, strips, worst bound: less is better.
-    fn rank(&self, tolerance: f64) -> (usize, usize, f64) {
-        (self.certificate.beyond(tolerance), self.strips.len(), self.certificate.worst_bound())
+    /// Elements beyond the tolerance and regression curves out of bounds, strips, worst bound: less is better.
+    fn rank(&self, options: &RowFitOptions) -> (usize, usize, f64) {
+        let broken = self.strips.iter().filter(|s| !regression::keeps(s, options.limits.as_ref())).count();
+        (self.certificate.beyond(options.tolerance) + broken, self.strips.len(), self.certificate.worst_bound())
     }
 }
 
@@ -212,23 +220,26 @@ fn best(
             if control.stopped() && best.is_some() {
                 return best;
             }
-            let wanted = RowOptions { max_pieces: most, ..RowOptions::new(aim * options.tolerance) };
+            let wanted = RowOptions {
+                max_pieces: most,
+                limits: options.limits.clone(),
+                ..RowOptions::new(aim * options.tolerance)
+            };
             let mut strips: Vec<Strip> = Vec::new();
             let mut skipped = Vec::new();
             for piece in row(elements, &wanted) {
-                match nearest("A", &piece, &elements[piece.range.clone()]) {
+                let own = &elements[piece.range.clone()];
+                match nearest("A", &piece, own, options) {
                     Ok(s) => strips.push(s),
-                    Err(reason) => skipped.push(format!(
-                        "{name}: {what} {} to {}: {reason} within {} mm",
-                        piece.range.start,
-                        piece.range.end - 1,
-                        options.tolerance
-                    )),
+                    Err(reason) => {
+                        let (from, to) = (piece.range.start, piece.range.end - 1);
+                        skipped.push(format!("{name}: {what} {from} to {to}: {reason}"));
+                    }
                 }
             }
             let certificate = certified(&strips, elements, control);
             let found = Attempt { strips, skipped, certificate };
-            let (a, b) = (found.rank(options.tolerance), best.as_ref().map(|b| b.1.rank(options.tolerance)));
+            let (a, b) = (found.rank(options), best.as_ref().map(|b| b.1.rank(options)));
             let done = a.0 == 0 && a.1 == 1;
             let better = b.is_none_or(|b| (a.0, a.1) < (b.0, b.1) || ((a.0, a.1) == (b.0, b.1) && a.2 < b.2));
             if better {
@@ -258,6 +269,9 @@ fn run(
     if !(options.tolerance > 0.0 && options.tolerance.is_finite()) {
         return Err(RowFitError::Tolerance(options.tolerance));
     }
+    if let Some(fault) = options.limits.as_ref().and_then(regression::fault) {
+        return Err(RowFitError::Limits(fault));
+    }
     let mut strips: Vec<Strip> = Vec::new();
     let mut all: Vec<PlaneElement> = Vec::new();
     for (k, (name, mut estimates)) in rows.into_iter().enumerate() {
@@ -284,6 +298,7 @@ fn run(
         .collect();
     let (parts, patterns) = cut(&strips, &chains, &StripOptions::new(0.1 * options.tolerance));
     let beyond = certificate.beyond(options.tolerance);
+    let broken = regression::broken(&strips, options.limits.as_ref());
     let status = match certificate.worst() {
         _ if strips.is_empty() => Status::Uncertified(format!("no developable strip follows the {what}")),
         _ if control.stopped() => Status::Uncertified(format!("stopped before all {what} were judged")),
@@ -299,9 +314,12 @@ fn run(
                 certificate.worst_bound()
             ))
         }
+        _ if !broken.is_empty() => Status::Uncertified(broken.join("; ")),
         _ => Status::Certified,
     };
-    let mut notes = vec![format!("Distances are proven at the {what}, not between them.")];
+    let mut notes: Vec<String> = options.limits.iter().map(regression::note).collect();
+    notes.extend(broken);
+    notes.push(format!("Distances are proven at the {what}, not between them."));
     if strips.len() > 1 {
         notes.push("Strips are fitted one by one and are not joined to each other.".to_string());
     }
@@ -312,6 +330,7 @@ fn run(
         status,
         strip_figures: figures(&strips, &certificate),
         fields: fields(&strips, &certificate),
+        points: Default::default(),
         meaning: FieldMeaning { name: "deviation".into(), unit: "mm".into(), limit: options.tolerance },
         parts,
         patterns,
@@ -329,22 +348,46 @@ fn run(
     Ok(RowOutcome { sheets, elements: all, certificate })
 }
 
-/// The strip with the smallest proven distance from its elements.
-fn nearest(name: &str, piece: &RowPiece, own: &[PlaneElement]) -> Result<Strip, String> {
-    let mut best: Option<(f64, Strip)> = None;
-    let mut reason = "no developable strip follows them".to_string();
+/// The strip with the smallest proven distance from its elements, among those whose regression curve keeps to the
+/// limits if there are any.
+fn nearest(name: &str, piece: &RowPiece, own: &[PlaneElement], options: &RowFitOptions) -> Result<Strip, String> {
+    let mut best: Option<(bool, f64, Strip)> = None;
+    let mut reason =
+        format!("no developable strip follows them within {} mm{}", options.tolerance, kept_off(own, options));
     for fit in &piece.fits {
         match strip(name, fit, own) {
             Ok(s) => {
                 let worst = certified(std::slice::from_ref(&s), own, &Control::default()).worst_bound();
-                if best.as_ref().is_none_or(|b| worst < b.0) {
-                    best = Some((worst, s));
+                let broken = !regression::keeps(&s, options.limits.as_ref());
+                if best.as_ref().is_none_or(|b| (broken, worst) < (b.0, b.1)) {
+                    best = Some((broken, worst, s));
                 }
             }
             Err(e) => reason = format!("the {} found gives no strip ({e})", fit.kind.name()),
         }
     }
-    best.map(|b| b.1).ok_or(reason)
+    best.map(|b| b.2).ok_or(reason)
+}
+
+/// How near developables come whose regression curves keep to the limits, in words; empty where the limits are not what
+/// stands in the way.
+fn kept_off(own: &[PlaneElement], options: &RowFitOptions) -> String {
+    // Tolerances looked at for the reason, in multiples of the one asked for.
+    const WIDER: [f64; 4] = [3.0, 10.0, 100.0, 1e4];
+    let Some(limits) = &options.limits else { return String::new() };
+    let one = |tolerance: f64, limits: Option<RegressionLimits>| {
+        let found = row(own, &RowOptions { max_pieces: 1, limits, ..RowOptions::new(tolerance) });
+        found.into_iter().next().filter(|p| p.range.len() == own.len()).and_then(|p| p.fits.into_iter().next())
+    };
+    if one(options.tolerance, None).is_none() {
+        return String::new();
+    }
+    let wider = WIDER.iter().find_map(|w| one(w * options.tolerance, Some(limits.clone())));
+    let how =
+        wider.map_or("none was found that is".to_string(), |f| format!("the nearest found is {:.3} mm away", f.error));
+    format!(
+        " with its regression curve in bounds ({how}); raise the tolerance, or ask for less of the regression curve"
+    )
 }
 
 fn figures(strips: &[Strip], c: &ElementCertificate) -> Vec<Vec<Figure>> {
@@ -352,15 +395,11 @@ fn figures(strips: &[Strip], c: &ElementCertificate) -> Vec<Vec<Figure>> {
         .map(|k| {
             let own = c.places().iter().zip(c.bounds()).filter(|(p, _)| p.0 as usize == k);
             let (count, worst) = own.fold((0usize, 0.0_f64), |(n, w), (_, b)| (n + 1, w.max(*b)));
-            let (a, b) = strips[k].domain();
-            let clearance = (0..=16)
-                .map(|i| strips[k].regression_clearance(a + (b - a) * f64::from(i) / 16.0))
-                .fold(f64::INFINITY, f64::min);
             vec![
                 Figure::new("elements", count as f64, "", Basis::Given),
                 Figure::new("largest distance", worst, "mm", Basis::Proven),
                 Figure::new("degree along", strips[k].rail(0).knots.degree() as f64, "", Basis::Given),
-                Figure::new("distance to the regression curve", clearance, "mm", Basis::Measured),
+                regression::figure(&strips[k]),
             ]
         })
         .collect()

@@ -24,6 +24,9 @@ pub enum CloudError {
     /// All points coincide or lie in a line.
     #[error("all points lie in one {0}: a surface is not determined")]
     Thin(&'static str),
+    /// Limits of the regression curve that cannot be kept by anything.
+    #[error("{0}")]
+    Limits(String),
     /// A tolerance that is not a positive number.
     #[error("the tolerance {0} is not a positive length")]
     Tolerance(f64),
