@@ -241,7 +241,7 @@ strip can follow, and every point is proven to lie within the tolerance, or coun
 
 A table whose first line names its columns may hold rulings (px,py,pz,qx,qy,qz, and nx,ny,nz if their tangent planes
 are known) or tangent planes a x + b y + c z = d (a,b,c,d, and x,y,z,r for the region of interest of each: a disc
-around x,y,z with radius r). Planes must be in order along the surface, or have a column t that sorts them. The
+around x,y,z with radius r). Planes must be in order along the surface; a column t, if there is one, must increase. The
 lines of a DXF drawing are rulings, in any order. Ruled developable faces of a STEP file are fitted anew by strips
 from cubic splines with few knots, which lowers their degree. Rulings and planes are proven one by one, not between.
 

@@ -48,6 +48,7 @@ pub(super) fn keeps(torse: &Torse, reaches: &[Reach], limits: &RegressionLimits)
         let slope = |s: f64| torse.foot_function(&(r.point + r.direction * s), t).1;
         let (p, q) = (slope(own.0), slope(own.0 + size));
         let s = own.0 + size * p / (p - q);
+        let limits = limits.widened(HUG * size);
         (s - own.0).is_nan() || (s - own.0).abs() > FAR * size || !limits.forbid(&r.point, &r.direction, own, s)
     })
 }
@@ -72,6 +73,7 @@ pub(super) fn controlled(
         let direction = along / length;
         let own = extent.on(t, &point, &direction)?;
         let far = FAR * (own.1 - own.0);
+        let limits = limits.widened(HUG * (own.1 - own.0));
         let (a, b) = limits.hull(&frame.to_world(&point), &frame.vector_to_world(&direction), own);
         Some((a.max(own.0 - far) / length, b.min(own.1 + far) / length))
     };

@@ -127,13 +127,17 @@ fn torses(elements: &[PlaneElement], options: &RowOptions) -> Vec<Fit> {
         }
     }
     out.retain(|f| f.error <= options.tolerance);
-    if let Some(limits) = &options.limits {
-        let reaches = reaches(elements);
-        out.retain(|f| keeps(&f.torse, &reaches, limits));
-        if out.is_empty() {
-            let kept = controlled_by_slope(elements, limits, options);
-            out.extend(kept.filter(|f| f.error <= options.tolerance && keeps(&f.torse, &reaches, limits)));
-        }
+    // The convex program also serves where a regression curve crosses what is fitted: no strip comes of such fits.
+    let limits = options.limits.clone().unwrap_or_default();
+    let reaches = reaches(elements);
+    let kept: Vec<bool> = out.iter().map(|f| keeps(&f.torse, &reaches, &limits)).collect();
+    if !kept.contains(&true) {
+        let further = controlled_by_slope(elements, &limits, options);
+        out.retain(|_| options.limits.is_none());
+        out.extend(further.filter(|f| f.error <= options.tolerance && keeps(&f.torse, &reaches, &limits)));
+    } else if options.limits.is_some() {
+        let mut kept = kept.into_iter();
+        out.retain(|_| kept.next() == Some(true));
     }
     out.sort_by(|a, b| a.error.total_cmp(&b.error));
     out

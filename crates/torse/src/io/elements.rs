@@ -33,7 +33,8 @@ pub fn holds_elements(name: &str, bytes: &[u8]) -> bool {
 /// counts); `region` (centre and radius, mm) is that of planes which come without.
 ///
 /// Tables: `px,py,pz,qx,qy,qz` are rulings, with `nx,ny,nz` their tangent planes; `a,b,c,d` are planes
-/// `a x + b y + c z = d`, with `x,y,z,r` their regions of interest. `t` in either sorts them.
+/// `a x + b y + c z = d`, with `x,y,z,r` their regions of interest. A column `t` in either must increase: it says
+/// that the rows are in order.
 ///
 /// # Errors
 /// See [`CloudReadError`].
@@ -90,6 +91,14 @@ fn table(bytes: &[u8], unit: f64, region: Option<[f64; 4]>) -> Result<Given, Clo
         }
         let vector = |at: &[usize]| Vec3::new(values[at[0]], values[at[1]], values[at[2]]);
         let t = order.map_or(found.len() as f64, |k| values[k]);
+        if let Some((before, ..)) = found.last() {
+            if t == *before {
+                return Err(fault(format!("the parameter t = {t} repeats the line before: remove one of them")));
+            }
+            if t < *before {
+                return Err(fault(format!("the parameter t = {t} comes after {before}: sort the rows by t")));
+            }
+        }
         if let Some(at) = &rulings {
             let normal = normals.as_ref().map_or(Vec3::zeros(), |n| vector(n));
             if normals.is_some() && normal.norm() <= 0.0 {
@@ -124,7 +133,6 @@ fn table(bytes: &[u8], unit: f64, region: Option<[f64; 4]>) -> Result<Given, Clo
     if found.is_empty() {
         return Err(CloudReadError::Empty);
     }
-    found.sort_by(|a, b| a.0.total_cmp(&b.0));
     if rulings.is_some() && normals.is_none() {
         return Ok(Given::Rulings(found.into_iter().map(|f| f.2).collect()));
     }
@@ -143,7 +151,7 @@ mod tests {
 
     #[test]
     fn planes_and_rulings_are_told_by_their_headings() {
-        let rulings = b"t,px,py,pz,qx,qy,qz\n2,0,1,0,1,1,0\n1,0,0,0,1,0,0\n";
+        let rulings = b"t,px,py,pz,qx,qy,qz\n1,0,0,0,1,0,0\n2,0,1,0,1,1,0\n";
         assert!(holds_elements("a.csv", rulings));
         assert_eq!(
             read("a.csv", rulings, 10.0, None).expect("rulings"),
@@ -166,6 +174,9 @@ mod tests {
         assert!(text(b"a,b,c,d\n0,0,1,0\n").contains("--region"));
         assert!(text(b"px,py,pz,qx,qy,qz\n0,0,0,1,0,NaN\n").contains("line 2"));
         assert!(text(b"px,py,pz,qx,qy,qz\n0,0,0,1,0\n").contains("5 numbers"));
+        assert!(text(b"t,a,b,c,d,x,y,z,r\n1,0,0,1,0,0,0,0,1\n1,0,1,1,0,0,0,0,1\n")
+            .contains("line 3: the parameter t = 1 repeats"));
+        assert!(text(b"t,a,b,c,d,x,y,z,r\n2,0,0,1,0,0,0,0,1\n1,0,1,1,0,0,0,0,1\n").contains("sort the rows by t"));
         assert!(text(b"a,b,c,d,x,y,z,r\n0,0,0,1,0,0,0,1\n").contains("no normal"));
     }
 }

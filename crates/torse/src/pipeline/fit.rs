@@ -7,8 +7,9 @@ use super::sheets::{Basis, FieldMeaning, Figure, FlatPart, PointMap, Sheets, Str
 use crate::certify::points::{points as certified, PointCertificate};
 use crate::control::Control;
 use crate::develop::strip::StripOptions;
+use crate::fit::cloud::core;
 use crate::fit::cloud::estimates::{estimates, Estimates};
-use crate::fit::cloud::extent::{assigned, strip};
+use crate::fit::cloud::extent::{assigned, strip, widened};
 use crate::fit::cloud::pieces::{pieces, PieceOptions};
 use crate::fit::cloud::regions::regions;
 use crate::fit::cloud::CloudError;
@@ -17,6 +18,7 @@ use crate::geom::cloud::Cloud;
 use crate::geom::Vec3;
 use crate::surface::strip::Strip;
 use crate::surface::zone::RegressionLimits;
+use std::borrow::Cow;
 
 /// What the job is asked.
 #[derive(Clone, Debug, PartialEq)]
@@ -70,17 +72,29 @@ pub fn fit(cloud: &Cloud, options: &FitOptions, control: &Control) -> Result<Fit
     if let Some(fault) = options.limits.as_ref().and_then(regression::fault) {
         return Err(CloudError::Limits(fault));
     }
-    // 1. What the surface is like.
+    if let Some((largest, step)) = coarse(&cloud.points, options.tolerance) {
+        return Err(CloudError::Coarse { largest, step, tolerance: options.tolerance });
+    }
+    // 1. What the surface is like, in coordinates that are small where the file's are not.
     control.report("estimating", 0.0, format!("{} points", cloud.points.len()));
-    let found = estimates(&cloud.points, options.places)?;
+    let shift = far_off(&cloud.points);
+    let moved: Cow<[Vec3]> = match shift {
+        Some(c) => cloud.points.iter().map(|p| p - c).collect(),
+        None => Cow::Borrowed(&cloud.points),
+    };
+    let found = estimates(&moved, options.places)?;
     // 2. Pieces that one torse follows.
     control.report("fitting", 0.2, String::new());
     let mut notes = Vec::new();
     let mut skipped = Vec::new();
-    let fits = torses(&found, cloud.points.len(), options, control, &mut skipped);
+    let fits = torses(&found, cloud.points.len(), shift, options, control, &mut skipped);
     // 3. Strips under the points of each piece.
     control.report("trimming", 0.6, format!("{} pieces", fits.len()));
-    let strips = strips(&found, &cloud.points, fits, options, &mut skipped);
+    let mut strips = strips(&found, &moved, fits, options, &mut skipped);
+    drop(moved);
+    if let Some(c) = shift {
+        strips = strips.into_iter().map(|s| s.moved(&c)).collect();
+    }
     // 4. Proof.
     let certificate = certified(&strips, &cloud.points, control);
     // 5. Flat parts.
@@ -138,10 +152,31 @@ pub fn fit(cloud: &Cloud, options: &FitOptions, control: &Control) -> Result<Fit
     Ok(FitOutcome { sheets, certificate, noise_estimate: found.noise })
 }
 
+/// Where coordinates would lose digits to their distance from the origin: the middle of the points, rounded.
+fn far_off(points: &[Vec3]) -> Option<Vec3> {
+    // Distances from the origin in multiples of the extent up to which nothing is lost that matters.
+    const FAR: f64 = 100.0;
+    let b = core(points);
+    let c = b.center();
+    (c.norm() > FAR * b.diagonal() && c.iter().all(|x| x.is_finite())).then(|| c.map(f64::round))
+}
+
+/// The largest coordinate and the step between numbers there, where that is too coarse for a tolerance. A few points
+/// that lie far away do not count.
+fn coarse(points: &[Vec3], tolerance: f64) -> Option<(f64, f64)> {
+    // Steps of the coordinates that a tolerance should hold.
+    const STEPS: f64 = 20.0;
+    let b = core(points);
+    let largest = b.min.amax().max(b.max.amax());
+    let step = largest * f64::EPSILON;
+    (largest.is_finite() && STEPS * step > tolerance).then_some((largest, step))
+}
+
 /// Torses with their estimates.
 fn torses(
     found: &Estimates,
     points: usize,
+    shift: Option<Vec3>,
     options: &FitOptions,
     control: &Control,
     skipped: &mut Vec<String>,
@@ -155,6 +190,7 @@ fn torses(
     const UNSEEN: f64 = 0.05;
     let room = (options.tolerance - PEAK * found.noise).clamp(0.4 * options.tolerance, options.tolerance);
     let enough = (AVERAGED * found.noise).clamp(0.01 * options.tolerance, 0.3 * options.tolerance).min(room);
+    let limits = options.limits.as_ref().map(|l| l.moved(&-shift.unwrap_or_default()));
     let mut out = Vec::new();
     for region in regions(found, (ROUGH * found.noise).max(UNSEEN * options.tolerance)) {
         let weight: f64 = region.members.iter().map(|&i| found.items[i as usize].weight).sum();
@@ -162,8 +198,7 @@ fn torses(
             continue;
         }
         let left = options.max_strips.saturating_sub(out.len());
-        let wanted =
-            PieceOptions { max_pieces: left, limits: options.limits.clone(), ..PieceOptions::new(room, enough) };
+        let wanted = PieceOptions { max_pieces: left, limits: limits.clone(), ..PieceOptions::new(room, enough) };
         for piece in pieces(found, &region, &wanted, control) {
             if !piece.fits.is_empty() {
                 out.push((piece.members, piece.fits));
@@ -171,7 +206,8 @@ fn torses(
             }
             let count: f64 = piece.members.iter().map(|&i| found.items[i as usize].weight).sum();
             let c = piece.members.iter().map(|&i| found.items[i as usize].x).sum::<Vec3>()
-                / piece.members.len().max(1) as f64;
+                / piece.members.len().max(1) as f64
+                + shift.unwrap_or_default();
             skipped.push(format!(
                 "{count:.0} points around ({:.1}, {:.1}, {:.1}): no developable strip follows them within {} mm{}",
                 c.x,
@@ -198,14 +234,16 @@ fn strips(
         members.iter().for_each(|&i| owner[i as usize] = Some(k as u32));
     }
     let mut own: Vec<Vec<Vec3>> = vec![Vec::new(); fits.len()];
-    let torses: Vec<&Fit> = fits.iter().filter_map(|f| f.1.first()).collect();
+    let fits: Vec<Vec<Fit>> =
+        fits.into_iter().map(|(_, f)| f.into_iter().map(|f| widened(&f).unwrap_or(f)).collect()).collect();
+    let torses: Vec<&Fit> = fits.iter().filter_map(|f| f.first()).collect();
     for (p, k) in points.iter().zip(assigned(found, &owner, &torses, points, options.tolerance)) {
         if let Some(k) = k {
             own[k as usize].push(*p);
         }
     }
     let mut out: Vec<Strip> = Vec::new();
-    for ((_, fits), own) in fits.iter().zip(&own) {
+    for (fits, own) in fits.iter().zip(&own) {
         let name = format!("A-{:02}", out.len() + 1);
         match nearest(&name, fits, own, options) {
             Ok(s) => out.push(s),

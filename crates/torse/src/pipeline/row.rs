@@ -72,6 +72,27 @@ pub enum RowFitError {
         /// Its index.
         index: usize,
     },
+    /// Two neighbours are the same.
+    #[error("{what} {index} repeats the one before: remove it")]
+    Repeated {
+        /// Rulings or planes.
+        what: &'static str,
+        /// Index of the second one.
+        index: usize,
+    },
+    /// Coordinates so large that their last digits are coarser than the tolerance.
+    #[error(
+        "coordinates up to {largest:.1e} mm are exact to {step:.1e} mm only, too coarse for the tolerance of {tolerance} mm: \
+         move the data towards the origin"
+    )]
+    Coarse {
+        /// Largest coordinate, mm.
+        largest: f64,
+        /// Distance of neighbouring numbers there, mm.
+        step: f64,
+        /// Tolerance, mm.
+        tolerance: f64,
+    },
     /// Tangent planes of rulings cannot be estimated.
     #[error(transparent)]
     Estimate(#[from] EstimateError),
@@ -103,11 +124,24 @@ pub fn fit_row(given: &Given, options: &RowFitOptions, control: &Control) -> Res
     if given.len() < FEWEST {
         return Err(RowFitError::Few(given.len(), what));
     }
+    if let Some(index) = repeated(given) {
+        let what = if what == "planes" { "plane" } else { "ruling" };
+        return Err(RowFitError::Repeated { what, index });
+    }
     let row = match given {
         Given::Planes(p) => vec![p.clone()],
         Given::Rulings(r) => of_rulings(r, options.tolerance)?,
     };
     run(vec![(what.to_string(), row)], Vec::new(), what, options, control)
+}
+
+/// Index of the first element that is the same as the one before.
+fn repeated(given: &Given) -> Option<usize> {
+    let same = |n: usize, equal: &dyn Fn(usize) -> bool| (1..n).find(|&i| equal(i));
+    match given {
+        Given::Rulings(r) => same(r.len(), &|i| r[i] == r[i - 1] || r[i] == [r[i - 1][1], r[i - 1][0]]),
+        Given::Planes(p) => same(p.len(), &|i| p[i].normal == p[i - 1].normal && p[i].ends == p[i - 1].ends),
+    }
 }
 
 /// Lowers the degree of developable faces and thins out their knots: each ruled developable face becomes strips from
@@ -250,8 +284,12 @@ fn best(
             }
         }
         // Finer aims cost strips; they are for the last elements that are not proven yet, not for hopeless rows.
-        let beyond = best.as_ref().map_or(0, |b| b.1.certificate.beyond(options.tolerance));
-        if beyond == 0 || estimates.first().is_some_and(|e| 2 * beyond > e.len()) {
+        const HOPELESS: f64 = 5.0;
+        let (beyond, worst) = best
+            .as_ref()
+            .map_or((0, 0.0), |(_, b)| (b.certificate.beyond(options.tolerance), b.certificate.worst_bound()));
+        let many = estimates.first().is_some_and(|e| 2 * beyond > e.len());
+        if beyond == 0 || (many && worst > HOPELESS * options.tolerance) {
             break;
         }
     }

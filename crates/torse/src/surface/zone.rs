@@ -56,6 +56,18 @@ pub struct RegressionLimits {
 }
 
 impl RegressionLimits {
+    /// The same with zones moved by a vector, mm.
+    pub fn moved(&self, by: &Vec3) -> Self {
+        let moved = |z: &Zone| Zone { ranges: [0, 1, 2].map(|k| (z.ranges[k].0 + by[k], z.ranges[k].1 + by[k])) };
+        Self { clearance: self.clearance, zones: self.zones.iter().map(moved).collect() }
+    }
+
+    /// The same with zones that reach farther by a distance (mm) on all sides.
+    pub fn widened(&self, by: f64) -> Self {
+        let wider = |z: &Zone| Zone { ranges: z.ranges.map(|(a, b)| (a - by, b + by)) };
+        Self { clearance: self.clearance, zones: self.zones.iter().map(wider).collect() }
+    }
+
     /// Whether a point of the line `point + s direction` (`direction` of unit length) is out of bounds, for a strip that
     /// reaches from `own.0` to `own.1` on it.
     pub fn forbid(&self, point: &Vec3, direction: &Vec3, own: (f64, f64), s: f64) -> bool {
@@ -100,5 +112,6 @@ mod tests {
             [-2.5, -1.0, 5.0, 11.0, 15.0, 25.0, 31.0].map(|s| limits.forbid(&p, &d, (0.0, 10.0), s)).into();
         assert_eq!(forbidden, [false, true, true, true, false, true, false]);
         assert_eq!(limits.hull(&p, &d, (0.0, 10.0)), (-2.0, 30.0));
+        assert!(limits.widened(5.5).forbid(&p, &d, (0.0, 10.0), 15.0));
     }
 }

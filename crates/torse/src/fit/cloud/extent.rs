@@ -8,8 +8,10 @@ use super::estimates::Estimates;
 use crate::fit::samples::Fit;
 use crate::fit::sheet::{Guesses, Sheet};
 use crate::geom::Vec3;
+use crate::spline::pieces::Pieces;
 use crate::surface::convert::{parameters, patch, ConvertError, Extent};
 use crate::surface::strip::Strip;
+use crate::surface::torse::{DualTorse, PrimalTorse, Torse};
 use rayon::prelude::*;
 
 /// Bins of rulings.
@@ -27,6 +29,28 @@ pub enum ExtentError {
     /// No spline.
     #[error(transparent)]
     Spline(#[from] crate::spline::SplineError),
+}
+
+/// A fit on a longer domain: torses end a little beyond the estimates, which lie inside the measured part and keep off
+/// creases, so that points at its borders would have no feet. `None` if its splines cannot go on.
+pub fn widened(fit: &Fit) -> Option<Fit> {
+    // Share of the range on both sides: a few cells of a coarse grid.
+    const BEYOND: f64 = 0.25;
+    let (a, b) = fit.torse.domain();
+    let (from, to) = (a - BEYOND * (b - a), b + BEYOND * (b - a));
+    let torse = match &fit.torse {
+        Torse::Dual(d) => {
+            let planes = Pieces::of(&d.planes)?.on(from, to, 0.0).to_curve().ok()?;
+            Torse::Dual(DualTorse { planes })
+        }
+        Torse::Primal(p) => {
+            let profile = Pieces::of(&p.profile)?.on(from, to, 0.0).to_curve().ok()?;
+            // The slope at the new start, from which it is integrated.
+            let beta = p.functions(profile.domain().0)[5];
+            Torse::Primal(PrimalTorse { frame: p.frame, profile, beta })
+        }
+    };
+    Some(Fit { torse, ..fit.clone() })
 }
 
 /// Torse of every point: that of its own estimate (`owner`) if the point is within `near` (mm) of it, otherwise the
@@ -113,4 +137,34 @@ pub fn strip(name: &str, fit: &Fit, points: &[Vec3], near: f64) -> Result<Strip,
     let part = whole.restricted((a.max(u0), b.min(u1)), (lo.clamp(0.0, 1.0), hi.clamp(0.0, 1.0)))?;
     let ((_, _), (v0, v1)) = part.domain();
     Ok(Strip::between(name, fit.kind, &part.curve_at_v(v0), &part.curve_at_v(v1))?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fit::{primal, PrimalOptions, Sample};
+
+    #[test]
+    fn a_widened_torse_is_the_same_surface_on_more_rulings() {
+        // A cone, so that the slope of the rulings changes along the profile.
+        let samples: Vec<Sample> = (0..400)
+            .map(|k| {
+                let (a, s) = (0.05 * f64::from(k % 20) - 0.5, 500.0 + 20.0 * f64::from(k / 20));
+                let x = Vec3::new(0.5 * s * a.sin(), s, 0.5 * s * a.cos());
+                Sample { x, n: Vec3::new(a.sin(), -0.5, a.cos()).normalize(), weight: 1.0 }
+            })
+            .collect();
+        let fit = primal(&samples, &PrimalOptions::new(0.01)).expect("a fit");
+        let wide = widened(&fit).expect("a longer one");
+        let ((a, b), (c, d)) = (fit.torse.domain(), wide.torse.domain());
+        assert!(c < a && d > b);
+        for k in 0..=10 {
+            let t = a + (b - a) * f64::from(k) / 10.0;
+            let (p, q) = (fit.torse.ruling(t), wide.torse.ruling(t));
+            assert!((p.point - q.point).norm() < 1e-9 && (p.direction - q.direction).norm() < 1e-12);
+        }
+        // It is still the cone beyond the old ends.
+        let r = wide.torse.ruling(d);
+        assert!(r.direction.cross(&r.point).norm() / r.point.norm() < 1e-3, "{r:?}");
+    }
 }
