@@ -241,16 +241,18 @@ strip can follow, and every point is proven to lie within the tolerance, or coun
 
 A table whose first line names its columns may hold rulings (px,py,pz,qx,qy,qz, and nx,ny,nz if their tangent planes
 are known) or tangent planes a x + b y + c z = d (a,b,c,d, and x,y,z,r for the region of interest of each: a disc
-around x,y,z with radius r). Planes must be in order along the surface; a column t, if there is one, must increase. The
-lines of a DXF drawing are rulings, in any order. Ruled developable faces of a STEP file are fitted anew by strips
-from cubic splines with few knots, which lowers their degree. Rulings and planes are proven one by one, not between.
+around x,y,z with radius r). Planes must be in order along the surface; a column t, if there is
+one, must increase, and a column w gives weights in the fit (the proof does not know them). The lines of a DXF
+drawing are rulings, in any order. Ruled developable faces of a STEP file are fitted anew by strips from cubic
+splines with few knots, which lowers their degree. Rulings and planes are proven one by one, not between.
 
 With --min-clearance or --clear-zone the surface nearest to the data is sought whose regression curve (where rulings
 meet and the sheet would crease) keeps its distance from the strip and stays out of the zones; this is proven for
 every ruling. Where the tolerance leaves no such surface, the report says how near one comes.
 
 Written into the output folder: strips.step (CAD), patterns.dxf and patterns.svg (cutter), model.glb, pictures,
-report.html (open it in a browser), report.json and, for points, deviation.ply (every point with its deviation).
+report.html (open it in a browser), report.json and, for points, deviation.ply (every point with its deviation) and
+points.png (a map of them).
 
 Exit status: 0 certified, 2 bad input or usage, 3 finished but not certified (files written and marked).")]
 pub struct Fit {

@@ -242,11 +242,19 @@ mod tests {
     #[test]
     fn rulings_and_planes_above_a_plane_have_their_distance() {
         let z = Vec3::new(0.0, 0.0, 1.0);
-        let ruling =
-            PlaneElement { normal: z, ends: [Vec3::new(5.0, 1.0, 0.2), Vec3::new(5.0, 8.0, 0.5)], radius: 1.0 };
-        let level = PlaneElement { normal: z, ends: [Vec3::new(5.0, 5.0, 0.3); 2], radius: 2.0 };
-        let tilted =
-            PlaneElement { normal: Vec3::new(0.6, 0.0, 0.8), ends: [Vec3::new(5.0, 5.0, 0.0); 2], radius: 2.0 };
+        let ruling = PlaneElement {
+            normal: z,
+            ends: [Vec3::new(5.0, 1.0, 0.2), Vec3::new(5.0, 8.0, 0.5)],
+            radius: 1.0,
+            weight: 1.0,
+        };
+        let level = PlaneElement { normal: z, ends: [Vec3::new(5.0, 5.0, 0.3); 2], radius: 2.0, weight: 1.0 };
+        let tilted = PlaneElement {
+            normal: Vec3::new(0.6, 0.0, 0.8),
+            ends: [Vec3::new(5.0, 5.0, 0.0); 2],
+            radius: 2.0,
+            weight: 1.0,
+        };
         let got = elements(&[quad()], &[ruling, level, tilted], &Control::default());
         for (b, d) in got.bounds().iter().zip([0.5, 0.3, 1.2]) {
             assert!(*b >= d - 1e-12 && *b <= d + 1e-6, "{b} {d}");

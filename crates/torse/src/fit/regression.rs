@@ -39,6 +39,9 @@ pub enum ForbiddenZone {
     },
 }
 
+/// The interval of x in which the ruling t of a surface is out of bounds; `None` where it is free.
+pub type Forbidden<'a> = dyn Fn(&DualCurve, f64) -> Option<(f64, f64)> + 'a;
+
 /// Options of [`regression_free`].
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RegressionOptions {
@@ -130,7 +133,7 @@ pub fn regression_free(
 pub fn regression_free_where(
     data: &SlopeData,
     knots: &Knots,
-    forbidden: &dyn Fn(&DualCurve, f64) -> Option<(f64, f64)>,
+    forbidden: &Forbidden,
     options: &RegressionOptions,
 ) -> Result<RegressionFit, RegressionError> {
     let program = Program::new(data, knots, options)?;
@@ -193,7 +196,7 @@ impl<'a> Program<'a> {
 fn in_rounds(
     start: &SlopeFit,
     program: &Program,
-    forbidden: &dyn Fn(&DualCurve, f64) -> Option<(f64, f64)>,
+    forbidden: &Forbidden,
 ) -> Result<Option<RegressionFit>, RegressionError> {
     // Few are needed, since the rulings hardly move from one to the next.
     const ROUNDS: usize = 8;
@@ -238,7 +241,7 @@ fn part_in_box(curve: &DualCurve, t: f64, [min, max]: [&[f64; 3]; 2]) -> Option<
 }
 
 /// Whether a regression point at the rulings looked at is out of bounds.
-fn meets(curve: &DualCurve, rows: &[Row], forbidden: &dyn Fn(&DualCurve, f64) -> Option<(f64, f64)>) -> bool {
+fn meets(curve: &DualCurve, rows: &[Row], forbidden: &Forbidden) -> bool {
     rows.iter().any(|row| {
         (0..=RULINGS).any(|k| {
             let t = row.from + (row.to - row.from) * k as f64 / RULINGS as f64;

@@ -19,7 +19,7 @@ pub(super) type Reach = (Vec3, f64);
 /// Bins of rulings in which the extent of a strip is taken.
 const BINS: usize = 32;
 /// A strip hugs its points with a rectangle of parameters and reaches a little beyond them: share of its length.
-const HUG: f64 = 0.02;
+const HUG: f64 = 0.05;
 /// Regression points farther than this many extents are as good as at infinity.
 const FAR: f64 = 1e3;
 

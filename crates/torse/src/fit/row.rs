@@ -127,6 +127,10 @@ fn torses(elements: &[PlaneElement], options: &RowOptions) -> Vec<Fit> {
         }
     }
     out.retain(|f| f.error <= options.tolerance);
+    // With more conditions nothing comes nearer.
+    if out.is_empty() {
+        return out;
+    }
     // The convex program also serves where a regression curve crosses what is fitted: no strip comes of such fits.
     let limits = options.limits.clone().unwrap_or_default();
     let reaches = reaches(elements);
@@ -241,7 +245,7 @@ fn samples(elements: &[PlaneElement]) -> Vec<Sample> {
     for e in elements {
         for k in 0..ALONG {
             let s = k as f64 / (ALONG - 1) as f64;
-            out.push(Sample { x: e.ends[0] * (1.0 - s) + e.ends[1] * s, n: e.normal, weight: 1.0 });
+            out.push(Sample { x: e.ends[0] * (1.0 - s) + e.ends[1] * s, n: e.normal, weight: e.weight });
         }
     }
     out
@@ -288,7 +292,7 @@ fn sloped(samples: &[Sample], radius: f64) -> Option<(Vec<(f64, PlaneElement)>, 
         .iter()
         .map(|s| {
             let n = frame.vector_to_local(&s.n);
-            (-n.y / n.z, PlaneElement { normal: s.n, ends: [s.x; 2], radius })
+            (-n.y / n.z, PlaneElement { normal: s.n, ends: [s.x; 2], radius, weight: 1.0 })
         })
         .collect();
     sloped.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -431,7 +435,7 @@ fn data(elements: &[PlaneElement], parameters: &[f64], frame: &Frame) -> Option<
         } else {
             disc
         };
-        let weight = super::planes::slope_weight(&plane);
+        let weight = e.weight * super::planes::slope_weight(&plane);
         out.push(PlaneDatum { plane, parameter, measure, weight });
     }
     Some(out)
@@ -459,7 +463,7 @@ mod tests {
                 let c = Vec3::new(500.0 * t.cos(), 500.0 * t.sin(), 300.0 * t);
                 let d = Vec3::new(-500.0 * t.sin(), 500.0 * t.cos(), 300.0).normalize();
                 let n = d.cross(&Vec3::new(-t.cos(), -t.sin(), 0.0)).normalize();
-                PlaneElement { normal: n, ends: [c + d * 200.0, c + d * 500.0], radius: 30.0 }
+                PlaneElement { normal: n, ends: [c + d * 200.0, c + d * 500.0], radius: 30.0, weight: 1.0 }
             })
             .collect()
     }

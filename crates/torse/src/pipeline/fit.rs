@@ -9,7 +9,7 @@ use crate::control::Control;
 use crate::develop::strip::StripOptions;
 use crate::fit::cloud::core;
 use crate::fit::cloud::estimates::{estimates, Estimates};
-use crate::fit::cloud::extent::{assigned, strip, widened};
+use crate::fit::cloud::extent::{assigned, polished, strip, widened};
 use crate::fit::cloud::pieces::{pieces, PieceOptions};
 use crate::fit::cloud::regions::regions;
 use crate::fit::cloud::CloudError;
@@ -221,6 +221,9 @@ fn torses(
     out
 }
 
+/// Points farther from the torse of their piece than this many tolerances are outliers.
+const NEAR: f64 = 3.0;
+
 /// Strips of torses under the points of their estimates.
 fn strips(
     found: &Estimates,
@@ -237,7 +240,7 @@ fn strips(
     let fits: Vec<Vec<Fit>> =
         fits.into_iter().map(|(_, f)| f.into_iter().map(|f| widened(&f).unwrap_or(f)).collect()).collect();
     let torses: Vec<&Fit> = fits.iter().filter_map(|f| f.first()).collect();
-    for (p, k) in points.iter().zip(assigned(found, &owner, &torses, points, options.tolerance)) {
+    for (p, k) in points.iter().zip(assigned(found, &owner, &torses, points, NEAR * options.tolerance)) {
         if let Some(k) = k {
             own[k as usize].push(*p);
         }
@@ -253,28 +256,41 @@ fn strips(
     out
 }
 
-/// The strip of the torse whose proven distance from its points is the smallest, among those whose regression curve
-/// keeps to the limits if there are any.
+/// The strip of the torse with the fewest points beyond the tolerance and the smallest proven distance, among those whose
+/// regression curve keeps to the limits if there are any. Where points are beyond, torses are continued over the points
+/// themselves.
 fn nearest(name: &str, fits: &[Fit], own: &[Vec3], options: &FitOptions) -> Result<Strip, String> {
     // Points judged for the choice; the strip chosen is judged with all of them later.
     const JUDGED: usize = 20_000;
     let some: Vec<Vec3> = own.iter().step_by(own.len().div_ceil(JUDGED).max(1)).copied().collect();
-    let mut best: Option<(bool, f64, Strip)> = None;
+    let mut best: Option<(bool, usize, f64, Strip)> = None;
     let mut reason = String::new();
-    for fit in fits {
-        match strip(name, fit, own, options.tolerance) {
-            Ok(s) if fits.len() == 1 => return Ok(s),
-            Ok(s) => {
-                let worst = certified(std::slice::from_ref(&s), &some, &Control::default()).worst_bound();
-                let broken = !regression::keeps(&s, options.limits.as_ref());
-                if best.as_ref().is_none_or(|b| (broken, worst) < (b.0, b.1)) {
-                    best = Some((broken, worst, s));
-                }
+    let mut look = |fit: &Fit| match strip(name, fit, own, options.tolerance) {
+        Ok(s) => {
+            let c = certified(std::slice::from_ref(&s), &some, &Control::default());
+            let rank = (!regression::keeps(&s, options.limits.as_ref()), c.beyond(options.tolerance), c.worst_bound());
+            if best.as_ref().is_none_or(|b| rank < (b.0, b.1, b.2)) {
+                best = Some((rank.0, rank.1, rank.2, s));
             }
-            Err(e) => reason = format!("the {} found gives none: {e}", fit.kind.name()),
+            rank.1 == 0
+        }
+        Err(e) => {
+            reason = format!("the {} found gives none: {e}", fit.kind.name());
+            false
+        }
+    };
+    let mut done = false;
+    for fit in fits {
+        done |= look(fit);
+    }
+    if !done {
+        for fit in fits {
+            if let Some(again) = polished(fit, &some, options.tolerance) {
+                look(&widened(&again).unwrap_or(again));
+            }
         }
     }
-    best.map(|b| b.2).ok_or(reason)
+    best.map(|b| b.3).ok_or(reason)
 }
 
 fn status(strips: &[Strip], c: &PointCertificate, points: &[Vec3], tolerance: f64, control: &Control) -> Status {

@@ -5,14 +5,17 @@ use super::colour;
 use super::raster::Image;
 use crate::geom::Vec3;
 
-/// Radius of a dot, px, and of one beyond the limit, so that single outliers can be seen.
-const DOT: f64 = 1.6;
-const BEYOND: f64 = 3.2;
+/// Radii of dots, px: half the mean distance of points spread over the picture, within these.
+const SMALLEST: f64 = 1.2;
+const LARGEST: f64 = 4.0;
+/// By how much dots beyond the limit are larger, so that single outliers can be seen.
+const BEYOND: f64 = 2.0;
 
 /// Puts dots on an image. Values are shares of the limit; beyond ±1, and where they are no numbers, dots are larger and
 /// lie above all others. Points outside the image are left out. The count of the points drawn is returned.
 pub fn dots(image: &mut Image, camera: &Camera, points: &[Vec3], shares: &[f64]) -> usize {
     let (width, height) = (image.width, image.height);
+    let normal = (0.5 * ((width * height) as f64 / points.len().max(1) as f64).sqrt()).clamp(SMALLEST, LARGEST);
     let mut depths = vec![f64::NEG_INFINITY; width * height];
     let mut drawn = 0;
     let mut dot = |p: &Vec3, share: f64, beyond: bool| {
@@ -21,7 +24,7 @@ pub fn dots(image: &mut Image, camera: &Camera, points: &[Vec3], shares: &[f64])
         if !inside || !depth.is_finite() {
             return 0;
         }
-        let (radius, depth) = if beyond { (BEYOND, f64::INFINITY) } else { (DOT, depth) };
+        let (radius, depth) = if beyond { (normal + BEYOND, f64::INFINITY) } else { (normal, depth) };
         let colour = colour::bytes(colour::deviation(share));
         let range = |c: f64, n: usize| ((c - radius).max(0.0) as usize)..=((c + radius) as usize).min(n - 1);
         for j in range(y, height) {

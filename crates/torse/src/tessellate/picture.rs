@@ -116,7 +116,7 @@ pub fn points(
     what: &str,
     caption: &Caption,
 ) -> (Image, usize) {
-    const GROUND: Rgb = [0.86, 0.87, 0.89];
+    const GROUND: Rgb = [0.66, 0.68, 0.71];
     let mut scene = std::borrow::Cow::Borrowed(scene);
     if meshes(&scene).all(|m| m.positions.is_empty()) {
         let positions = points.iter().filter(|p| p.iter().all(|x| x.is_finite())).copied().collect();

@@ -5,8 +5,9 @@
 //! primal form of the main job).
 
 use super::estimates::Estimates;
-use crate::fit::samples::Fit;
+use crate::fit::samples::{Fit, Sample};
 use crate::fit::sheet::{Guesses, Sheet};
+use crate::fit::{refit, RefitOptions};
 use crate::geom::Vec3;
 use crate::spline::pieces::Pieces;
 use crate::surface::convert::{parameters, patch, ConvertError, Extent};
@@ -51,6 +52,31 @@ pub fn widened(fit: &Fit) -> Option<Fit> {
         }
     };
     Some(Fit { torse, ..fit.clone() })
+}
+
+/// A fit continued over the points themselves, where its estimates, which lie inside the measured part, left the borders
+/// to extrapolation. `None` where the iteration does not go on.
+///
+/// *Not guaranteed*: that it is nearer to all points; outliers among them pull.
+pub fn polished(fit: &Fit, points: &[Vec3], tolerance: f64) -> Option<Fit> {
+    // Points taken evenly, and the farthest ones.
+    const EVEN: usize = 1500;
+    const FAR: usize = 300;
+    let sheet = Sheet::of(&fit.torse)?;
+    let guesses = sheet.guesses();
+    let mut found: Vec<(f64, Sample)> = points
+        .iter()
+        .filter_map(|x| {
+            let q = sheet.local(x);
+            let t = sheet.foot(&q, guesses.guess(&q), sheet.domain())?;
+            let d = sheet.distance(&q, t).0.abs();
+            Some((d, Sample { x: *x, n: fit.torse.ruling(t).normal, weight: 1.0 }))
+        })
+        .collect();
+    let mut samples: Vec<Sample> = found.iter().step_by(found.len().div_ceil(EVEN).max(1)).map(|f| f.1).collect();
+    found.sort_by(|a, b| b.0.total_cmp(&a.0));
+    samples.extend(found.iter().take(FAR).map(|f| f.1));
+    refit(fit, &samples, &RefitOptions::new(0.5 * tolerance))
 }
 
 /// Torse of every point: that of its own estimate (`owner`) if the point is within `near` (mm) of it, otherwise the
@@ -125,10 +151,26 @@ pub fn strip(name: &str, fit: &Fit, points: &[Vec3], near: f64) -> Result<Strip,
         let (lo, hi) = bins[k].unwrap_or((i, i));
         bins[k] = Some((if p.2 < dropped[lo].2 { i } else { lo }, if p.2 > dropped[hi].2 { i } else { hi }));
     }
-    let kept: Vec<(usize, usize)> = bins.into_iter().flatten().collect();
-    let at = |i: usize| (dropped[i].0, dropped[i].1);
-    let mut border: Vec<(f64, Vec3)> = kept.iter().map(|k| at(k.0)).collect();
-    border.extend(kept.iter().rev().map(|k| at(k.1)));
+    // At the end of each bin the strip reaches as far as the outermost points on both sides, and a little farther, so
+    // that what hugs the border holds all points between.
+    const FARTHER: f64 = 0.02;
+    let mut sides: [Vec<(f64, Vec3)>; 2] = [Vec::new(), Vec::new()];
+    for k in 0..=BINS {
+        let t = a + (b - a) * k as f64 / BINS as f64;
+        let r = fit.torse.ruling(t);
+        let beside = [k.checked_sub(1), (k < BINS).then_some(k)];
+        let outermost = beside.into_iter().flatten().filter_map(|k| bins[k]).flat_map(|(lo, hi)| [lo, hi]);
+        let (lo, hi) = outermost
+            .map(|i| r.direction.dot(&(dropped[i].1 - r.point)))
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), s| (lo.min(s), hi.max(s)));
+        if lo <= hi {
+            let room = FARTHER * (hi - lo);
+            sides[0].push((t, r.point + r.direction * (lo - room)));
+            sides[1].push((t, r.point + r.direction * (hi + room)));
+        }
+    }
+    let [mut border, upper] = sides;
+    border.extend(upper.into_iter().rev());
     let whole = patch(&fit.torse, &Extent { loops: vec![border] })?;
     // Cut back to what the points reach.
     let ((u0, u1), _) = whole.domain();
@@ -142,7 +184,7 @@ pub fn strip(name: &str, fit: &Fit, points: &[Vec3], near: f64) -> Result<Strip,
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::{primal, PrimalOptions, Sample};
+    use crate::fit::{primal, PrimalOptions};
 
     #[test]
     fn a_widened_torse_is_the_same_surface_on_more_rulings() {

@@ -121,7 +121,8 @@ fn attempt(samples: &[(u32, Sample)], cell: f64, options: &PieceOptions) -> Vec<
         out.extend(dual_of_cloud(&samples, cell, &RowOptions::new(options.enough)));
     }
     out.retain(|f| f.error <= options.tolerance);
-    if let Some(limits) = &options.limits {
+    // With more conditions nothing comes nearer than fits without them.
+    if let Some(limits) = options.limits.as_ref().filter(|_| !out.is_empty()) {
         out.retain(|f| keeps_limits(&f.torse, &samples, cell, limits));
         if out.is_empty() {
             let wanted = RowOptions::new(options.tolerance);
