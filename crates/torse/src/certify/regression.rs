@@ -70,15 +70,17 @@ pub fn regression(strip: &Strip, limits: &RegressionLimits) -> RegressionVerdict
     RegressionVerdict::Clear
 }
 
-/// A distance (mm) along the rulings that the regression curve of a strip provably keeps, close to the largest there is;
-/// 0 if none could be shown. Strips with nearly parallel rulings get a large number, not infinity.
+/// A distance (mm) along the rulings that the regression curve of a strip provably keeps, close to the largest there is
+/// but no more than some ten diagonals of the strip; 0 if none could be shown.
 pub fn clearance_bound(strip: &Strip) -> f64 {
     // What remains of the sampled distance for the proof, in turn.
     const SHARES: [f64; 4] = [0.99, 0.95, 0.75, 0.4];
+    // More than this many diagonals says no more than that rulings are as good as parallel, and takes long to prove.
+    const MOST: f64 = 10.0;
     let (from, to) = strip.domain();
     let sampled = (0..=LOOKS)
         .map(|k| strip.regression_clearance(from + (to - from) * k as f64 / LOOKS as f64))
-        .fold(FAR * strip.patch.bbox().diagonal(), f64::min);
+        .fold(MOST * strip.patch.bbox().diagonal(), f64::min);
     let proven = |c: f64| {
         let limits = RegressionLimits { clearance: c, zones: Vec::new() };
         regression(strip, &limits) == RegressionVerdict::Clear
@@ -114,6 +116,8 @@ struct Cell {
     size: Interval,
     /// Products of `a' × r` and `b' × r` with a fixed normal.
     ends: [Interval; 2],
+    /// Their difference, the product of `r' × r`: narrow where rulings are nearly parallel.
+    gap: Interval,
 }
 
 impl Cell {
@@ -139,14 +143,26 @@ impl Cell {
         let ((a, da), (b, db)) = (side(0), side(1));
         let r = [0, 1, 2].map(|d| b[d] - a[d]);
         let ends = [da, db].map(|v| dot(&cross(&v, &r), &normal));
+        // Without weights the difference of the rails is a polynomial itself.
+        let gap = if ruled.rational {
+            ends[1] - ends[0]
+        } else {
+            let (p, q) = (ruled.end(0, from, to, &origin), ruled.end(1, from, to, &origin));
+            let slope = [0, 1, 2].map(|d: usize| {
+                let c: Vec<Interval> = p[d].iter().zip(&q[d]).map(|(x, y)| *y - *x).collect();
+                let degree = Interval::point((c.len() - 1) as f64);
+                c.windows(2).map(|w| w[1] - w[0]).reduce(Interval::hull).unwrap_or(Interval::ZERO) * degree / h
+            });
+            dot(&cross(&slope, &r), &normal)
+        };
         let a = [0, 1, 2].map(|d| a[d] + Interval::point(origin[d]));
         let size = length(&r);
-        (ends.iter().all(|e| e.is_finite()) && size.lo > 0.0).then_some(Self { a, r, size, ends })
+        (ends.iter().all(|e| e.is_finite()) && size.lo > 0.0).then_some(Self { a, r, size, ends, gap })
     }
 
     /// Whether no regression point with a share λ in `[from, to]` of the ruling exists.
     fn is_clear_on(&self, from: Interval, to: Interval) -> bool {
-        let at = |l: Interval| (self.ends[0] + l * (self.ends[1] - self.ends[0])).sign();
+        let at = |l: Interval| (self.ends[0] + l * self.gap).sign();
         // Written with each product once, whichever is tighter.
         let other = |l: Interval| ((Interval::ONE - l) * self.ends[0] + l * self.ends[1]).sign();
         let sign = |l: Interval| if at(l) == 0 { other(l) } else { at(l) };
@@ -226,6 +242,17 @@ mod tests {
         // Rulings that miss a zone leave it alone.
         let beside = Zone { ranges: [(-5.0, -4.0), (-5.0, -4.0), (4.0, 5.0)] };
         assert_eq!(ask(beside), RegressionVerdict::Clear);
+    }
+
+    #[test]
+    fn parallel_rulings_keep_their_curve_far_away() {
+        let x = |u: f64, v: f64| Vec3::new(100.0 * u, 50.0 * v, 30.0 * u * u);
+        let strip = Strip::quad("A", PanelKind::Cylinder, [x(0.0, 0.0), x(0.0, 1.0)], [x(1.0, 0.0), x(1.0, 1.0)]);
+        let strip = strip.expect("a strip");
+        assert!(clearance_bound(&strip) > 9.0 * strip.patch.bbox().diagonal());
+        let limits = |z: Zone| RegressionLimits { clearance: 0.0, zones: vec![z] };
+        assert_eq!(regression(&strip, &limits(Zone::slab(1, 60.0, 1e6))), RegressionVerdict::Clear);
+        assert_eq!(regression(&strip, &limits(Zone::slab(0, -1e6, 1e6))), RegressionVerdict::Clear);
     }
 
     #[test]
