@@ -244,7 +244,8 @@ are known) or tangent planes a x + b y + c z = d (a,b,c,d, and x,y,z,r for the r
 around x,y,z with radius r). Planes must be in order along the surface; a column t, if there is
 one, must increase, and a column w gives weights in the fit (the proof does not know them). The lines of a DXF
 drawing are rulings, in any order. Ruled developable faces of a STEP file are fitted anew by strips from cubic
-splines with few knots, which lowers their degree. Rulings and planes are proven one by one, not between.
+splines; the report tells degrees and control points before and after. Rulings and planes are proven one by one,
+not between.
 
 With --min-clearance or --clear-zone the surface nearest to the data is sought whose regression curve (where rulings
 meet and the sheet would crease) keeps its distance from the strip and stays out of the zones; this is proven for
