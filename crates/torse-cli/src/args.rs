@@ -2,13 +2,14 @@
 
 use crate::quantity::{
     ball, direction, positive_count, positive_length, positive_time, section, smooth_angle, two_numbers, two_shares,
-    unit_of_length, Length, Section,
+    unit_of_length, zone, Length, Section,
 };
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
 use std::time::Duration;
 use torse::geom::Vec3;
 use torse::pipeline::approximate::SMOOTH_ANGLE_DEG;
+use torse::surface::zone::Zone;
 
 /// Developable panels from freeform CAD surfaces, with a proof of the deviation.
 #[derive(Parser, Debug)]
@@ -235,18 +236,26 @@ pub struct Cones {
   torse fit rulings.dxf --tolerance 0.1mm --out hood
   torse fit planes.csv --region 0,0,0,500 --tolerance 0.2mm --out shell
   torse fit face.step --tolerance 0.01mm --out lighter
+  torse fit planes.csv -t 0.2mm -o shell --min-clearance 20mm --clear-zone x=0mm..1200mm
 
 Points need no normals and no order. Normals are estimated, the points are split into pieces that a developable
 strip can follow, and every point is proven to lie within the tolerance, or counted.
 
 A table whose first line names its columns may hold rulings (px,py,pz,qx,qy,qz, and nx,ny,nz if their tangent planes
 are known) or tangent planes a x + b y + c z = d (a,b,c,d, and x,y,z,r for the region of interest of each: a disc
-around x,y,z with radius r). Planes must be in order along the surface, or have a column t that sorts them. The
-lines of a DXF drawing are rulings, in any order. Ruled developable faces of a STEP file are fitted anew by strips
-from cubic splines with few knots, which lowers their degree. Rulings and planes are proven one by one, not between.
+around x,y,z with radius r). Planes must be in order along the surface; a column t, if there is
+one, must increase, and a column w gives weights in the fit (the proof does not know them). The lines of a DXF
+drawing are rulings, in any order. Ruled developable faces of a STEP file are fitted anew by strips from cubic
+splines; the report tells degrees and control points before and after. Rulings and planes are proven one by one,
+not between.
+
+With --min-clearance or --clear-zone the surface nearest to the data is sought whose regression curve (where rulings
+meet and the sheet would crease) keeps its distance from the strip and stays out of the zones; this is proven for
+every ruling. Where the tolerance leaves no such surface, the report says how near one comes.
 
 Written into the output folder: strips.step (CAD), patterns.dxf and patterns.svg (cutter), model.glb, pictures,
-report.html (open it in a browser), report.json and, for points, deviation.ply (every point with its deviation).
+report.html (open it in a browser), report.json and, for points, deviation.ply (every point with its deviation) and
+points.png (a map of them).
 
 Exit status: 0 certified, 2 bad input or usage, 3 finished but not certified (files written and marked).")]
 pub struct Fit {
@@ -269,6 +278,15 @@ pub struct Fit {
     /// Region of interest of planes that come without: centre and radius, in the unit of the file
     #[arg(long, value_name = "X,Y,Z,R", value_parser = ball, allow_hyphen_values = true)]
     pub region: Option<[f64; 4]>,
+
+    /// Smallest distance along the rulings between a strip and its regression curve, with its unit
+    #[arg(long, value_name = "LENGTH", value_parser = positive_length, allow_hyphen_values = true)]
+    pub min_clearance: Option<Length>,
+
+    /// Zone that regression curves must keep out of, by ranges of coordinates: x=0mm..1200mm (a slab),
+    /// x=0mm..1m,y=-5cm..5cm,z=0mm..1m (a box); may be given several times
+    #[arg(long, value_name = "ZONE", value_parser = zone, allow_hyphen_values = true)]
+    pub clear_zone: Vec<Zone>,
 
     /// Replace the results of an earlier run in that folder
     #[arg(long)]

@@ -11,6 +11,7 @@ use torse::io::elements;
 use torse::pipeline::fit::{fit, FitOptions, FitOutcome};
 use torse::pipeline::outcome::Status;
 use torse::pipeline::row::{fit_faces, fit_row, RowFitOptions, RowOutcome};
+use torse::surface::zone::RegressionLimits;
 
 /// Runs the job; `Ok(true)` means certified.
 pub fn run(arguments: &Fit) -> Result<bool, Failure> {
@@ -39,6 +40,7 @@ pub fn run(arguments: &Fit) -> Result<bool, Failure> {
     if let Some(n) = arguments.max_strips {
         options.max_strips = n as usize;
     }
+    options.limits = limits(arguments);
     let outcome = fit(&cloud, &options, terminal.control()).map_err(|e| {
         Failure::new(e.to_string(), "give a scan of a sheet with its unit (--unit) and a tolerance above its noise")
     })?;
@@ -58,6 +60,7 @@ fn row(name: &str, bytes: &[u8], arguments: &Fit, terminal: &Terminal) -> Result
     if let Some(n) = arguments.max_strips {
         options.max_strips = n as usize;
     }
+    options.limits = limits(arguments);
     let shown = arguments.file.display();
     if elements::holds_elements(name, bytes) {
         let unit = millimetres(&arguments.unit);
@@ -71,6 +74,13 @@ fn row(name: &str, bytes: &[u8], arguments: &Fit, terminal: &Terminal) -> Result
     let model = crate::wiring::read(&shown.to_string(), bytes)?;
     fit_faces(&model.faces, &model.skipped, &options, terminal.control())
         .map_err(|e| Failure::new(e.to_string(), "'torse approximate' covers surfaces that are not developable"))
+}
+
+/// What is asked of regression curves; nothing unless an option says so.
+fn limits(arguments: &Fit) -> Option<RegressionLimits> {
+    let asked = arguments.min_clearance.is_some() || !arguments.clear_zone.is_empty();
+    let clearance = arguments.min_clearance.as_ref().map_or(0.0, |l| l.mm);
+    asked.then(|| RegressionLimits { clearance, zones: arguments.clear_zone.clone() })
 }
 
 /// Name of the job in the files.

@@ -3,6 +3,7 @@
 
 use std::time::Duration;
 use torse::geom::Vec3;
+use torse::surface::zone::Zone;
 
 /// A length given on the command line.
 #[derive(Clone, Debug, PartialEq)]
@@ -87,6 +88,34 @@ pub struct Section {
     pub axis: Vec3,
     /// Place on the axis, mm.
     pub at: f64,
+}
+
+/// Reads a zone: ranges of coordinates such as `x=0mm..1200mm`, separated by commas; axes not named are not bounded.
+pub fn zone(text: &str) -> Result<Zone, String> {
+    let example = "write ranges of coordinates, such as x=0mm..1200mm or x=0mm..1m,y=-50mm..50mm";
+    let mut out = Zone::ALL;
+    for part in text.split(',') {
+        let (name, range) = part.split_once('=').ok_or_else(|| format!("'{part}': {example}"))?;
+        let axis = axis(name).ok_or_else(|| format!("'{}' is no axis: {example}", name.trim()))?.iamax();
+        let (from, to) = range.split_once("..").ok_or_else(|| format!("'{range}' is no range: {example}"))?;
+        let (from, to) = (place(from)?, place(to)?);
+        if from > to {
+            return Err(format!("'{range}' ends before it begins"));
+        }
+        if out.ranges[axis] != Zone::ALL.ranges[axis] {
+            return Err(format!("the axis '{}' is given twice", name.trim()));
+        }
+        out.ranges[axis] = (from, to);
+    }
+    Ok(out)
+}
+
+/// Reads a place on an axis: a length with or without a sign; nought needs no unit.
+fn place(text: &str) -> Result<f64, String> {
+    let text = text.trim();
+    let (sign, size) = text.strip_prefix('-').map_or((1.0, text), |rest| (-1.0, rest));
+    let is_nought = split(size).is_ok_and(|(value, _)| value == 0.0);
+    Ok(if is_nought { 0.0 } else { sign * positive_length(size)?.mm })
 }
 
 /// Reads a plane such as `x=1200mm`.
@@ -217,6 +246,17 @@ mod tests {
         assert_eq!(direction("0,-2,0"), Ok(-Vec3::y()));
         for bad in ["", "1,0", "0,0,0", "inf,0,0", "north"] {
             assert!(direction(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn zones_are_understood() {
+        let slab = zone("y=-5cm..1m").expect("a slab");
+        assert_eq!(slab, Zone::slab(1, -50.0, 1000.0));
+        let cube = zone("x=0..1mm, z=0mm..2mm,y=3mm..3mm").expect("a box");
+        assert_eq!(cube.ranges, [(0.0, 1.0), (3.0, 3.0), (0.0, 2.0)]);
+        for bad in ["", "x", "x=1mm", "x=2mm..1mm", "x=1..2", "w=1mm..2mm", "x=0..1mm,x=0..2mm", "x=0..nanmm"] {
+            assert!(zone(bad).is_err(), "{bad}");
         }
     }
 

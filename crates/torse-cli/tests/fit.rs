@@ -22,14 +22,14 @@ fn torse(folder: &Path, arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_torse")).current_dir(folder).args(arguments).output().expect("torse runs")
 }
 
-fn room(name: &str, content: &str) -> tempfile::TempDir {
+fn room(name: &str, content: impl AsRef<[u8]>) -> tempfile::TempDir {
     let room = tempfile::tempdir().expect("room");
     fs::write(room.path().join(name), content).expect("input");
     room
 }
 
 /// Runs `torse fit`: exit status, what it says, report.
-fn fit(name: &str, content: &str, more: &[&str]) -> (Option<i32>, String, serde_json::Value) {
+fn fit(name: &str, content: impl AsRef<[u8]>, more: &[&str]) -> (Option<i32>, String, serde_json::Value) {
     let room = room(name, content);
     let output = torse(room.path(), &[&["fit", name, "--out", "o"], more].concat());
     let said = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
@@ -67,16 +67,174 @@ fn scan(count: usize, noise: f64, outliers: usize) -> String {
 
 #[test]
 fn a_noisy_sheet_is_recovered_within_twice_the_noise() {
-    let (code, said, report) = fit("scan.csv", &scan(6000, 0.1, 0), &["-t", "0.3mm"]);
+    let (code, said, report) = fit("scan.csv", scan(6000, 0.1, 0), &["-t", "0.3mm"]);
     assert_eq!(code, Some(0), "{said}");
     assert_eq!(report["strips"].as_array().map(Vec::len), Some(1), "{said}");
     // Points carry their own noise of 0.1 mm; the strip lies within as much of the true sheet.
     assert!(figure(&report, "largest distance of a point") <= 0.2, "{said}");
 }
 
+/// Points of a sheet in rows, with noise along its normals.
+fn rows(count: usize, noise: f64, sheet: impl Fn(f64, f64) -> ([f64; 3], [f64; 3])) -> Vec<[f64; 3]> {
+    let mut random = Random(0x2545_F491_4F6C_DD1D);
+    let share = |i: usize| i as f64 / (count - 1) as f64;
+    (0..count * count)
+        .map(|k| {
+            let (x, n) = sheet(share(k / count), share(k % count));
+            let off = noise * random.number();
+            [0, 1, 2].map(|d| x[d] + off * n[d])
+        })
+        .collect()
+}
+
+/// Corners of the triangles between rows.
+fn triangles(points: &[[f64; 3]], count: usize) -> Vec<[[f64; 3]; 3]> {
+    let corner = |i: usize, j: usize| points[i * count + j];
+    let cells = (1..count).flat_map(|i| (1..count).map(move |j| (i, j)));
+    cells
+        .flat_map(|(i, j)| {
+            let [a, b, c, d] = [corner(i - 1, j - 1), corner(i - 1, j), corner(i, j - 1), corner(i, j)];
+            [[a, b, c], [b, d, c]]
+        })
+        .collect()
+}
+
+fn cone(u: f64, v: f64) -> ([f64; 3], [f64; 3]) {
+    let ((s, c), (p, q)) = ((1.2 * u - 0.6).sin_cos(), 0.5_f64.sin_cos());
+    let r = 700.0 + 1000.0 * v;
+    ([r * p * c, r * p * s, r * q], [q * c, q * s, -p])
+}
+
+fn tangent_surface(u: f64, v: f64) -> ([f64; 3], [f64; 3]) {
+    let ((s, c), k) = (u.sin_cos(), 500.0_f64.hypot(300.0));
+    let (d, r) = ([-500.0 * s / k, 500.0 * c / k, 300.0 / k], 300.0 + 600.0 * v);
+    let n = [d[2] * s, -d[2] * c, d[1] * c - d[0] * s];
+    ([500.0 * c + r * d[0], 500.0 * s + r * d[1], 300.0 * u + r * d[2]], n)
+}
+
+#[test]
+fn scanned_meshes_in_obj_and_stl_are_recovered_within_twice_the_noise() {
+    use std::io::Write as _;
+    const COUNT: usize = 70;
+    let points = rows(COUNT, 0.1, tangent_surface);
+    let mut obj = String::from("# a scan\no sheet\n");
+    points.iter().for_each(|p| {
+        let _ = writeln!(obj, "v {:.5} {:.5} {:.5}", p[0], p[1], p[2]);
+    });
+    obj += "f 1 2 3\n";
+    let triangles = triangles(&rows(COUNT, 0.1, cone), COUNT);
+    let mut binary = b"solid in name only".to_vec();
+    binary.resize(80, b' ');
+    binary.extend((triangles.len() as u32).to_le_bytes());
+    let mut text = String::from("solid s\n");
+    for t in &triangles {
+        binary.extend([0u8; 12]);
+        text += "facet normal 0 0 1\nouter loop\n";
+        for p in t {
+            p.iter().for_each(|x| binary.extend((*x as f32).to_le_bytes()));
+            let _ = writeln!(text, "vertex {:.6e} {:.6e} {:.6e}", p[0], p[1], p[2]);
+        }
+        let _ = binary.write_all(&[0, 0]);
+        text += "endloop\nendfacet\n";
+    }
+    for (name, content) in [("a.obj", obj.into_bytes()), ("b.stl", binary), ("c.stl", text.into_bytes())] {
+        let (code, said, report) = fit(name, content, &["-t", "0.3mm"]);
+        assert_eq!(code, Some(0), "{name}: {said}");
+        assert!((figure(&report, "points") - (COUNT * COUNT) as f64).abs() < 0.5, "{name}: {said}");
+        // Points carry their own noise of 0.1 mm; strips lie within twice as much of the true sheet.
+        assert!(figure(&report, "largest distance of a point") <= 0.3, "{name}: {said}");
+        assert!(report["worst_point"]["index"].is_number() && report["worst_point"]["place"][2].is_number());
+        assert!(name == "a.obj" || report["shapes"][0]["shape"] == "cone", "{name}: {said}");
+    }
+}
+
+#[test]
+fn sheets_that_meet_at_an_edge_are_covered_up_to_it() {
+    let roof = |side: f64| {
+        rows(60, 0.05, move |u, v| {
+            let (s, c) = (0.7 * u).sin_cos();
+            // Two cylinders that leave the x axis in directions square to each other.
+            let (y, z, n) = (500.0 * s, 500.0 * (c - 1.0), [s, c]);
+            if side > 0.0 {
+                ([800.0 * v, y, z], [0.0, n[0], n[1]])
+            } else {
+                ([800.0 * v, z, -y], [0.0, n[1], -n[0]])
+            }
+        })
+    };
+    let mut out = String::new();
+    for p in roof(1.0).iter().chain(&roof(-1.0)) {
+        let _ = writeln!(out, "{:.5},{:.5},{:.5}", p[0], p[1], p[2]);
+    }
+    let (code, said, report) = fit("roof.csv", &out, &["-t", "0.25mm"]);
+    assert_eq!(code, Some(0), "{said}");
+    assert_eq!(report["strips"].as_array().map(Vec::len), Some(2), "{said}");
+}
+
+#[test]
+fn points_far_away_are_named_and_do_not_hide_the_sheet() {
+    let scan = scan(3000, 0.05, 0) + "1e12,0,0\n-5e11,1e12,3\n";
+    let (code, said, report) = fit("scan.csv", &scan, &["-t", "0.3mm"]);
+    assert_eq!(code, Some(3), "{said}");
+    assert!(said.contains("2 of 3002 points are not within 0.3 mm; the worst is point 3001"), "{said}");
+    assert_eq!(report["worst_point"]["index"], 3001);
+}
+
+#[test]
+fn coordinates_far_from_the_origin_lose_nothing() {
+    let mut out = String::new();
+    for p in rows(40, 0.05, |u, v| {
+        let (s, c) = (u - 0.5).sin_cos();
+        ([1e9 + 800.0 * v, -2e9 + 500.0 * s, 500.0 * c], [0.0, s, c])
+    }) {
+        let _ = writeln!(out, "{:.5},{:.5},{:.5}", p[0], p[1], p[2]);
+    }
+    let (code, said, _) = fit("far.csv", &out, &["-t", "0.15mm"]);
+    assert_eq!(code, Some(0), "{said}");
+}
+
+/// Measured tangent planes of a cone with apex at the origin: normals with noise, and discs around its middle.
+fn noisy_planes(noise: f64) -> String {
+    let mut random = Random(77);
+    let mut out = String::from("a,b,c,d,x,y,z,r\n");
+    for i in 0..30 {
+        let ((s, c), (p, q)) = ((1.2 * f64::from(i) / 29.0 - 0.6).sin_cos(), 0.5_f64.sin_cos());
+        let n = [q * c, q * s, -p].map(|x| x + noise * random.number());
+        let x = [650.0 * p * c, 650.0 * p * s, 650.0 * q];
+        let d = n[0] * x[0] + n[1] * x[1] + n[2] * x[2];
+        let _ = writeln!(out, "{},{},{},{d},{},{},{},200", n[0], n[1], n[2], x[0], x[1], x[2]);
+    }
+    out
+}
+
+#[test]
+fn regression_curves_keep_their_distance_and_out_of_zones() {
+    let planes = noisy_planes(2e-3);
+    let clearance = |report: &serde_json::Value| {
+        let strips = report["strips"].as_array().expect("strips");
+        let figures = strips.iter().flat_map(|s| s["figures"].as_array().expect("figures"));
+        let own = figures.filter(|f| f["name"] == "distance to the regression curve" && f["basis"] == "proven");
+        own.filter_map(|f| f["value"].as_f64()).fold(f64::INFINITY, f64::min)
+    };
+    let (code, said, report) = fit("p.csv", &planes, &["-t", "2mm", "--min-clearance", "200mm"]);
+    assert_eq!(code, Some(0), "{said}");
+    assert!((200.0..1e9).contains(&clearance(&report)), "{said}");
+    let (code, said, report) = fit("p.csv", &planes, &["-t", "2mm", "--clear-zone", "z=120mm..350mm"]);
+    assert_eq!(code, Some(0), "{said}");
+    assert!(report["notes"][0].as_str().is_some_and(|n| n.contains("out of 1 zone")), "{report}");
+    // A cone does not leave its apex within a tight tolerance.
+    let exact = noisy_planes(0.0);
+    let (code, said, report) = fit("p.csv", &exact, &["-t", "0.01mm", "--clear-zone", "x=-50mm..50mm,z=-50mm..50mm"]);
+    assert_eq!(code, Some(3), "{said}");
+    assert!(said.contains("regression curve") || report["notes"].to_string().contains("regression curve"), "{said}");
+    let output =
+        torse(room("p.csv", &exact).path(), &["fit", "p.csv", "-t", "1mm", "-o", "o", "--clear-zone", "x=5..1"]);
+    assert!(output.status.code() == Some(2) && String::from_utf8_lossy(&output.stderr).contains("unit"));
+}
+
 #[test]
 fn outliers_do_not_pull_and_are_counted() {
-    let (code, said, report) = fit("scan.csv", &scan(6000, 0.1, 12), &["-t", "0.5mm"]);
+    let (code, said, report) = fit("scan.csv", scan(6000, 0.1, 12), &["-t", "0.5mm"]);
     assert_eq!(code, Some(3), "{said}");
     assert!((figure(&report, "points beyond the tolerance") - 12.0).abs() < 0.5, "{said}");
     assert!(said.contains("12 of 6000 points") && said.contains("the worst is point"), "{said}");
@@ -145,6 +303,11 @@ fn rulings_and_planes_come_as_tables() {
 
 #[test]
 fn files_that_cannot_be_used_are_refused_in_two_lines() {
+    let mut random = Random(9);
+    let mut heap = String::new();
+    for _ in 0..2000 {
+        let _ = writeln!(heap, "{},{},{}", random.number(), random.number(), random.number());
+    }
     let line: String = (0..50).map(|i| format!("{i},{},{}\n", 2 * i, 3 * i)).collect();
     for (content, reason) in [
         ("", "no points"),
@@ -153,6 +316,13 @@ fn files_that_cannot_be_used_are_refused_in_two_lines() {
         ("1,2,3\n4,nan,6\n", "point 1 has a coordinate that is not a finite number"),
         ("1,2,3\n4,five,6\n", "line 2"),
         ("px,py,pz,qx,qy,qz\n0,0,0,1,0,inf\n", "not a finite number"),
+        ("1,2,3\n", "1 points: at least 30 are needed"),
+        (&"1,2,3\n".repeat(40), "all points lie in one place"),
+        (&line.replace(",", "e15,"), "too coarse for the tolerance of 1 mm"),
+        (&heap, "do not look like a surface"),
+        ("t,a,b,c,d,x,y,z,r\n1,0,0,1,0,0,0,0,9\n1,0,0,1,1,0,0,1,9\n", "line 3: the parameter t = 1 repeats"),
+        ("t,a,b,c,d,x,y,z,r\n2,0,0,1,0,0,0,0,9\n1,0,0,1,1,0,0,1,9\n", "t = 1 comes after 2: sort the rows by t"),
+        (&("a,b,c,d,x,y,z,r\n".to_string() + &"0,0,1,0,0,0,0,9\n".repeat(5)), "plane 1 repeats the one before"),
         ("px,py,pz,qx,qy,qz\n0,0,0,1,0,0\n0,1,0,1,1,0\n", "2 rulings: at least 4 are needed"),
     ] {
         let room = room("a.csv", content);

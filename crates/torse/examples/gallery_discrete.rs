@@ -321,6 +321,7 @@ fn mixed() -> Result<Sheets> {
         strips,
         strip_figures: Vec::new(),
         fields: Vec::new(),
+        points: Default::default(),
         meaning: FieldMeaning::default(),
         patterns,
         guides: Vec::new(),

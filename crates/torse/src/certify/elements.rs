@@ -169,14 +169,15 @@ fn of_plane(t: &Target, e: &PlaneElement) -> (f64, f64) {
 
 /// Upper bound of the distance between the element's plane, over its disc, and the tangent plane at `u`.
 fn plane_bound(t: &Target, u: f64, e: &PlaneElement, c: &Vec3) -> f64 {
-    let jets = [0, 1].map(|k| jet(&t.rails[k], u));
+    // Near the region, so that large coordinates do not cancel in the determinants.
+    let jets = [0, 1].map(|k| jet(&t.rails[k], u, c));
     let across: [Interval; 4] = std::array::from_fn(|d| jets[0].1[d] + jets[1].1[d]);
     let plane = through(&jets[0].0, &jets[1].0, &across);
     let n = [plane[0], plane[1], plane[2]];
     let given = e.normal.map(Interval::from);
     let length = root(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
     let own = root(given[0] * given[0] + given[1] * given[1] + given[2] * given[2]);
-    let off = n[0] * Interval::from(c.x) + n[1] * Interval::from(c.y) + n[2] * Interval::from(c.z) + plane[3];
+    let off = plane[3];
     let cross: [Interval; 3] =
         std::array::from_fn(|i| n[(i + 1) % 3] * given[(i + 2) % 3] - n[(i + 2) % 3] * given[(i + 1) % 3]);
     let sine = root(cross[0] * cross[0] + cross[1] * cross[1] + cross[2] * cross[2]) / (length * own);
@@ -194,8 +195,8 @@ fn root(x: Interval) -> Interval {
     Interval { lo: x.lo.max(0.0).sqrt().next_down().max(0.0), hi: x.hi.max(0.0).sqrt().next_up() }
 }
 
-/// Value and derivative of a homogeneous curve.
-fn jet(curve: &Curve<4>, u: f64) -> ([Interval; 4], [Interval; 4]) {
+/// Value and derivative of a homogeneous curve, with the origin moved to a point.
+fn jet(curve: &Curve<4>, u: f64, origin: &Vec3) -> ([Interval; 4], [Interval; 4]) {
     let knots = &curve.knots;
     let p = knots.degree();
     let span = knots.span(u);
@@ -205,6 +206,9 @@ fn jet(curve: &Curve<4>, u: f64) -> ([Interval; 4], [Interval; 4]) {
         args[p - 1] = Interval::from(last);
         let mut net: Vec<[Interval; 4]> =
             curve.control[span - p..=span].iter().map(|c| c.map(Interval::from)).collect();
+        for h in &mut net {
+            (0..3).for_each(|d| h[d] = h[d] - h[3] * Interval::from(origin[d]));
+        }
         of_piece(knots, span, &mut net, &args)
     };
     let (value, low, high) = (blossom(u), blossom(a), blossom(b));
@@ -238,11 +242,19 @@ mod tests {
     #[test]
     fn rulings_and_planes_above_a_plane_have_their_distance() {
         let z = Vec3::new(0.0, 0.0, 1.0);
-        let ruling =
-            PlaneElement { normal: z, ends: [Vec3::new(5.0, 1.0, 0.2), Vec3::new(5.0, 8.0, 0.5)], radius: 1.0 };
-        let level = PlaneElement { normal: z, ends: [Vec3::new(5.0, 5.0, 0.3); 2], radius: 2.0 };
-        let tilted =
-            PlaneElement { normal: Vec3::new(0.6, 0.0, 0.8), ends: [Vec3::new(5.0, 5.0, 0.0); 2], radius: 2.0 };
+        let ruling = PlaneElement {
+            normal: z,
+            ends: [Vec3::new(5.0, 1.0, 0.2), Vec3::new(5.0, 8.0, 0.5)],
+            radius: 1.0,
+            weight: 1.0,
+        };
+        let level = PlaneElement { normal: z, ends: [Vec3::new(5.0, 5.0, 0.3); 2], radius: 2.0, weight: 1.0 };
+        let tilted = PlaneElement {
+            normal: Vec3::new(0.6, 0.0, 0.8),
+            ends: [Vec3::new(5.0, 5.0, 0.0); 2],
+            radius: 2.0,
+            weight: 1.0,
+        };
         let got = elements(&[quad()], &[ruling, level, tilted], &Control::default());
         for (b, d) in got.bounds().iter().zip([0.5, 0.3, 1.2]) {
             assert!(*b >= d - 1e-12 && *b <= d + 1e-6, "{b} {d}");

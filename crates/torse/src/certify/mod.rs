@@ -18,6 +18,7 @@ pub mod prepared;
 mod quadratic;
 pub mod quads;
 pub mod rails;
+pub mod regression;
 mod rounding;
 mod ruled;
 mod seams;

@@ -27,6 +27,7 @@ pub mod primal;
 mod profile;
 pub mod reduce;
 pub mod regression;
+mod regression_room;
 pub mod row;
 pub mod row_extent;
 pub mod ruling_order;

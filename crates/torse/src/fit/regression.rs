@@ -39,6 +39,9 @@ pub enum ForbiddenZone {
     },
 }
 
+/// The interval of x in which the ruling t of a surface is out of bounds; `None` where it is free.
+pub type Forbidden<'a> = dyn Fn(&DualCurve, f64) -> Option<(f64, f64)> + 'a;
+
 /// Options of [`regression_free`].
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RegressionOptions {
@@ -68,6 +71,9 @@ pub enum RegressionError {
     /// No surface of this spline space and side avoids the zone.
     #[error("no spline over these knots keeps the regression curve out of the zone: {0}; free the conditions or narrow the zone")]
     Infeasible(QuadraticProgramError),
+    /// Rulings move so that the zone is met after every round of fits.
+    #[error("the regression curve still meets the zone after all rounds of fits: narrow the zone")]
+    Rounds,
     /// Degree 1 has no second derivative; a knot where the planes are only continuous has none either.
     #[error("second derivatives are not splines here (degree {degree}, knot {knot}): split the surface there")]
     NoSecondDerivative {
@@ -106,23 +112,72 @@ pub fn regression_free(
     zone: &ForbiddenZone,
     options: &RegressionOptions,
 ) -> Result<RegressionFit, RegressionError> {
-    let free = slope_fit(data, knots, &options.fit);
-    // Data that the free fit does not trust do not pull here either.
-    let trusted = free.as_ref().ok().filter(|_| options.fit.robust).map(|f| trusted(data, &f.trust));
-    let data = trusted.as_ref().unwrap_or(data);
-    let free_cost = free.as_ref().map_or(f64::NAN, |f| f.cost);
-    let rows = second_derivative_rows(knots, options.refinements)?;
-    let margin = match (options.margin, &free) {
-        (Some(m), _) => m,
-        (None, Ok(fit)) => {
-            let control = &fit.curve.planes().control;
-            let size = |r: &Row| (0..2).map(|d| r.value(control, d).abs()).fold(0.0, f64::max);
-            RELATIVE_MARGIN * rows.iter().map(size).fold(f64::MIN_POSITIVE, f64::max)
+    let program = Program::new(data, knots, options)?;
+    if let (ForbiddenZone::Box { min, max }, Some(free)) = (zone, &program.free) {
+        zone.over(knots.domain().0, knots.domain().1)?;
+        let part = |c: &DualCurve, t: f64| part_in_box(c, t, [min, max]);
+        if let Ok(Some(found)) = in_rounds(free, &program, &part) {
+            return Ok(found);
         }
-        (None, Err(e)) => return Err(e.clone().into()),
+    }
+    let zones = program.rows.iter().map(|r| zone.over(r.from, r.to).map(Some)).collect::<Result<Vec<_>, _>>()?;
+    program.solve(&zones)
+}
+
+/// As [`regression_free`] for zones that depend on the rulings: `forbidden` gives the interval of x in which the ruling t
+/// of a surface is out of bounds, `None` where it is free. Found in rounds of fits; conditions are never taken back.
+/// *Not guaranteed*: rulings between those looked at.
+///
+/// # Errors
+/// See [`RegressionError`]; an unreachable zone if rounds do not end.
+pub fn regression_free_where(
+    data: &SlopeData,
+    knots: &Knots,
+    forbidden: &Forbidden,
+    options: &RegressionOptions,
+) -> Result<RegressionFit, RegressionError> {
+    let program = Program::new(data, knots, options)?;
+    let start = match &program.free {
+        Some(free) => free.clone(),
+        // Without a free fit the first round starts from one that any zone allows.
+        None => program.solve(&vec![Some((0.0, 0.0)); program.rows.len()])?.fit,
     };
-    let solve = |zones: &[Option<(f64, f64)>]| -> Result<RegressionFit, RegressionError> {
-        let sides = [1.0, -1.0].map(|side| one_side(data, knots, &rows, zones, side, margin, options));
+    in_rounds(&start, &program, forbidden)?.ok_or(RegressionError::Rounds)
+}
+
+/// The conditions of a fit, made ready.
+struct Program<'a> {
+    data: std::borrow::Cow<'a, SlopeData>,
+    knots: &'a Knots,
+    options: &'a RegressionOptions,
+    rows: Vec<Row>,
+    margin: f64,
+    free: Option<SlopeFit>,
+}
+
+impl<'a> Program<'a> {
+    fn new(data: &'a SlopeData, knots: &'a Knots, options: &'a RegressionOptions) -> Result<Self, RegressionError> {
+        let free = slope_fit(data, knots, &options.fit);
+        // Data that the free fit does not trust do not pull here either.
+        let trusted = free.as_ref().ok().filter(|_| options.fit.robust).map(|f| trusted(data, &f.trust));
+        let data = trusted.map_or(std::borrow::Cow::Borrowed(data), std::borrow::Cow::Owned);
+        let rows = second_derivative_rows(knots, options.refinements)?;
+        let margin = match (options.margin, &free) {
+            (Some(m), _) => m,
+            (None, Ok(fit)) => {
+                let control = &fit.curve.planes().control;
+                let size = |r: &Row| (0..2).map(|d| r.value(control, d).abs()).fold(0.0, f64::max);
+                RELATIVE_MARGIN * rows.iter().map(size).fold(f64::MIN_POSITIVE, f64::max)
+            }
+            (None, Err(e)) => return Err(e.clone().into()),
+        };
+        Ok(Self { data, knots, options, rows, margin, free: free.ok() })
+    }
+
+    /// The nearer of the fits with both sides, for one interval per condition.
+    fn solve(&self, zones: &[Option<(f64, f64)>]) -> Result<RegressionFit, RegressionError> {
+        let sides = [1.0, -1.0]
+            .map(|side| one_side(&self.data, self.knots, &self.rows, zones, side, self.margin, self.options));
         let costs = [0, 1].map(|i| sides[i].as_ref().ok().map(|f| f.cost));
         let [plus, minus] = sides;
         let (fit, side) = match (plus, minus) {
@@ -131,44 +186,38 @@ pub fn regression_free(
             (Err(_), Ok(m)) => (m, -1.0),
             (Err(e), Err(_)) => return Err(e),
         };
-        Ok(RegressionFit { fit, side, costs, free_cost, margin })
-    };
-    if let (ForbiddenZone::Box { min, max }, Ok(free)) = (zone, &free) {
-        zone.over(knots.domain().0, knots.domain().1)?;
-        if let Some(found) = around_box(free, &rows, [min, max], solve) {
-            return Ok(found);
-        }
+        let free_cost = self.free.as_ref().map_or(f64::NAN, |f| f.cost);
+        Ok(RegressionFit { fit, side, costs, free_cost, margin: self.margin })
     }
-    let zones = rows.iter().map(|r| zone.over(r.from, r.to).map(Some)).collect::<Result<Vec<_>, _>>()?;
-    solve(&zones)
 }
 
-/// Fits in rounds: rulings of the last fit that meet the box keep off the part in it, and no condition is taken back.
-/// `None` if the box is still met, or cannot be avoided so; its whole x-extent is the last resort.
-fn around_box<S>(free: &SlopeFit, rows: &[Row], ends: [&[f64; 3]; 2], solve: S) -> Option<RegressionFit>
-where
-    S: Fn(&[Option<(f64, f64)>]) -> Result<RegressionFit, RegressionError>,
-{
+/// Fits in rounds: rulings of the last fit that are somewhere out of bounds keep off that part of them, and no condition
+/// is taken back. `None` if regression points are still out of bounds after the last round.
+fn in_rounds(
+    start: &SlopeFit,
+    program: &Program,
+    forbidden: &Forbidden,
+) -> Result<Option<RegressionFit>, RegressionError> {
     // Few are needed, since the rulings hardly move from one to the next.
     const ROUNDS: usize = 8;
-    let mut zones: Vec<Option<(f64, f64)>> = vec![None; rows.len()];
-    let mut planes = free.curve.clone();
+    let mut zones: Vec<Option<(f64, f64)>> = vec![None; program.rows.len()];
+    let mut planes = start.curve.clone();
     for _ in 0..ROUNDS {
-        for (zone, row) in zones.iter_mut().zip(rows) {
+        for (zone, row) in zones.iter_mut().zip(&program.rows) {
             for k in 0..=RULINGS {
                 let t = row.from + (row.to - row.from) * k as f64 / RULINGS as f64;
-                if let Some((a, b)) = part_in_box(&planes, t, ends) {
+                if let Some((a, b)) = forbidden(&planes, t) {
                     *zone = Some(zone.map_or((a, b), |(p, q)| (p.min(a), q.max(b))));
                 }
             }
         }
-        let found = solve(&zones).ok()?;
-        if !meets(&found.fit.curve, rows, ends) {
-            return Some(found);
+        let found = program.solve(&zones)?;
+        if !meets(&found.fit.curve, &program.rows, forbidden) {
+            return Ok(Some(found));
         }
         planes = found.fit.curve;
     }
-    None
+    Ok(None)
 }
 
 /// Rulings looked at for each condition.
@@ -191,14 +240,14 @@ fn part_in_box(curve: &DualCurve, t: f64, [min, max]: [&[f64; 3]; 2]) -> Option<
     (a <= b).then_some((a, b))
 }
 
-/// Whether a regression point at the rulings looked at is in the box.
-fn meets(curve: &DualCurve, rows: &[Row], ends: [&[f64; 3]; 2]) -> bool {
+/// Whether a regression point at the rulings looked at is out of bounds.
+fn meets(curve: &DualCurve, rows: &[Row], forbidden: &Forbidden) -> bool {
     rows.iter().any(|row| {
         (0..=RULINGS).any(|k| {
             let t = row.from + (row.to - row.from) * k as f64 / RULINGS as f64;
             let second = curve.jet(t)[2];
             let x = -second[0] / second[1];
-            part_in_box(curve, t, ends).is_some_and(|(a, b)| x >= a && x <= b)
+            forbidden(curve, t).is_some_and(|(a, b)| x >= a && x <= b)
         })
     })
 }

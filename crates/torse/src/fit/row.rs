@@ -11,15 +11,18 @@ use super::plane_correction::{corrected, joint, JointOptions};
 use super::plane_frame::{frame_of_normals, slope_frame, STEEPEST};
 use super::planes::{PlaneDatum, PlanesOptions};
 use super::primal::{primal, PrimalOptions, MARGIN};
+use super::regression_room::{controlled, keeps, Reach};
 use super::rulings::{slope_fit, RulingDatum, SlopeData, SlopeOptions};
 use super::samples::{error, Fit, Sample};
 use super::RefitOptions;
 use crate::geom::measure::{LineMeasure, Measure};
 use crate::geom::{Frame, Vec3};
+use crate::spline::knots::Knots;
 use crate::spline::pieces::Pieces;
 use crate::surface::dual::{graph_in, plane_through, DualCurve};
 use crate::surface::plane_row::PlaneElement;
 use crate::surface::torse::{DualTorse, PanelKind, Torse};
+use crate::surface::zone::RegressionLimits;
 
 /// Options of [`row`].
 #[derive(Clone, Debug, PartialEq)]
@@ -30,12 +33,14 @@ pub struct RowOptions {
     pub max_pieces: usize,
     /// Whether planes far from the rest lose their weight; false.
     pub robust: bool,
+    /// What is asked of regression curves; nothing beyond a regular strip.
+    pub limits: Option<RegressionLimits>,
 }
 
 impl RowOptions {
     /// The defaults with a tolerance in mm.
     pub fn new(tolerance: f64) -> Self {
-        Self { tolerance, max_pieces: 64, robust: false }
+        Self { tolerance, max_pieces: 64, robust: false, limits: None }
     }
 }
 
@@ -122,8 +127,114 @@ fn torses(elements: &[PlaneElement], options: &RowOptions) -> Vec<Fit> {
         }
     }
     out.retain(|f| f.error <= options.tolerance);
+    // With more conditions nothing comes nearer.
+    if out.is_empty() {
+        return out;
+    }
+    // The convex program also serves where a regression curve crosses what is fitted: no strip comes of such fits.
+    let limits = options.limits.clone().unwrap_or_default();
+    let reaches = reaches(elements);
+    let kept: Vec<bool> = out.iter().map(|f| keeps(&f.torse, &reaches, &limits)).collect();
+    if !kept.contains(&true) {
+        let further = controlled_by_slope(elements, &limits, options);
+        out.retain(|_| options.limits.is_none());
+        out.extend(further.filter(|f| f.error <= options.tolerance && keeps(&f.torse, &reaches, &limits)));
+    } else if options.limits.is_some() {
+        let mut kept = kept.into_iter();
+        out.retain(|_| kept.next() == Some(true));
+    }
     out.sort_by(|a, b| a.error.total_cmp(&b.error));
     out
+}
+
+/// What a strip for the elements reaches: both ends of rulings, or regions around planes.
+fn reaches(elements: &[PlaneElement]) -> Vec<Reach> {
+    let reach = |e: &PlaneElement| if e.has_ruling() { 0.0 } else { e.radius };
+    elements.iter().flat_map(|e| e.ends.map(|x| (x, reach(e)))).collect()
+}
+
+/// The nearest torse found whose regression curve keeps to the limits, by the convex program, over more and more knots
+/// until it is within the tolerance.
+fn controlled_by_slope(elements: &[PlaneElement], limits: &RegressionLimits, options: &RowOptions) -> Option<Fit> {
+    let (data, frame) = slope_data(elements)?;
+    let places = |e: &PlaneElement, t: f64| {
+        e.ends.map(|x| (t, (frame.to_local(&x), if e.has_ruling() { 0.0 } else { e.radius })))
+    };
+    let places: Vec<(f64, Reach)> =
+        elements.iter().zip(&data.planes).flat_map(|(e, d)| places(e, d.parameter)).collect();
+    let start = planes_within(&data.planes, &knots_wanted(elements.len(), options)).ok()?;
+    controlled_fit(&data, &frame, places, start.curve.knots().clone(), limits, options, |torse| {
+        if elements.iter().all(PlaneElement::has_ruling) {
+            return error(torse, &samples(elements));
+        }
+        let Torse::Dual(d) = torse else { return None };
+        let (a, b) = d.planes.domain();
+        let far = |e: &PlaneElement| {
+            // The nearest of the planes: the parameter is a slope, which noise moves.
+            let at = |t: f64| {
+                let u = d.planes.jet(t)[0];
+                let n = Vec3::new(u[0], u[1], u[2]);
+                distance(e, &n, u[3] / n.norm())
+            };
+            least(a, b, at)
+        };
+        let far: Vec<f64> = elements.iter().map(far).collect();
+        let worst = (0..far.len()).max_by(|&i, &j| far[i].total_cmp(&far[j]))?;
+        Some((far[worst], worst))
+    })
+}
+
+/// The least value on an interval: the best of a table, then golden sections.
+fn least(a: f64, b: f64, value: impl Fn(f64) -> f64) -> f64 {
+    const TABLE: usize = 96;
+    const SECTIONS: usize = 30;
+    const GOLDEN: f64 = 0.618_033_988_749_894_9;
+    let at = |k: usize| a + (b - a) * k as f64 / TABLE as f64;
+    let values: Vec<f64> = (0..=TABLE).map(|k| value(at(k))).collect();
+    let k = (0..=TABLE).min_by(|&i, &j| values[i].total_cmp(&values[j])).unwrap_or(0);
+    let (mut a, mut b) = (at(k.saturating_sub(1)), at((k + 1).min(TABLE)));
+    for _ in 0..SECTIONS {
+        let (p, q) = (b - GOLDEN * (b - a), a + GOLDEN * (b - a));
+        if value(p) < value(q) {
+            b = q;
+        } else {
+            a = p;
+        }
+    }
+    value(0.5 * (a + b)).min(values[k])
+}
+
+/// Fits by the convex program over `knots`, then over halved spans, until one is within the tolerance; the nearest.
+fn controlled_fit(
+    data: &SlopeData,
+    frame: &Frame,
+    places: Vec<(f64, Reach)>,
+    mut knots: Knots,
+    limits: &RegressionLimits,
+    options: &RowOptions,
+    judged: impl Fn(&Torse) -> Option<(f64, usize)>,
+) -> Option<Fit> {
+    const HALVINGS: usize = 2;
+    let wanted = SlopeOptions { smoothing: 1e-9, robust: options.robust, ..SlopeOptions::default() };
+    let mut best: Option<Fit> = None;
+    for _ in 0..=HALVINGS {
+        let curve = controlled(data, frame, places.clone(), &knots, limits, &wanted);
+        if let Some(torse) = curve.and_then(|c| extended(&c, frame)).map(Torse::Dual) {
+            if let Some((error, worst)) = judged(&torse) {
+                if best.as_ref().is_none_or(|b| error < b.error) {
+                    best = Some(Fit { torse, kind: PanelKind::Torse, error, worst });
+                }
+            }
+        }
+        if best.as_ref().is_some_and(|b| b.error <= options.tolerance) {
+            break;
+        }
+        let breaks = knots.breaks();
+        let halved: Vec<f64> =
+            breaks.windows(2).flat_map(|w| [w[0], 0.5 * (w[0] + w[1])]).chain(breaks.last().copied()).collect();
+        knots = Knots::clamped(knots.degree(), &halved).ok()?;
+    }
+    best
 }
 
 /// Points of the rulings with their normals.
@@ -134,7 +245,7 @@ fn samples(elements: &[PlaneElement]) -> Vec<Sample> {
     for e in elements {
         for k in 0..ALONG {
             let s = k as f64 / (ALONG - 1) as f64;
-            out.push(Sample { x: e.ends[0] * (1.0 - s) + e.ends[1] * s, n: e.normal, weight: 1.0 });
+            out.push(Sample { x: e.ends[0] * (1.0 - s) + e.ends[1] * s, n: e.normal, weight: e.weight });
         }
     }
     out
@@ -150,22 +261,51 @@ fn distance(e: &PlaneElement, n: &Vec3, h: f64) -> f64 {
     ends[0].max(ends[1]) + e.radius * slope
 }
 
-/// A dual torse near surface elements in no order, as estimated from measured points: planes are sorted by their slope
-/// in the direction in which normals spread most, corrected in turn, and polished with distances at exact feet. `radius`
-/// (mm) is the reach of an estimate. `None` where the planes are no graphs over one plane, or no regular torse is found.
-pub fn dual_of_cloud(samples: &[Sample], radius: f64, options: &RowOptions) -> Option<Fit> {
-    // Corrections gain little after these; feet are exact afterwards.
-    const CORRECTIONS: usize = 3;
+/// As [`dual_of_cloud`], with a regression curve that keeps to the limits: planes by their slopes, by the convex program.
+pub fn controlled_of_cloud(
+    samples: &[Sample],
+    radius: f64,
+    limits: &RegressionLimits,
+    options: &RowOptions,
+) -> Option<Fit> {
+    let (elements, frame) = sloped(samples, radius)?;
+    let elements: Vec<PlaneElement> = elements.into_iter().map(|e| e.1).collect();
+    let mut data = SlopeData { planes: data(&elements, &vec![0.0; elements.len()], &frame)?, ..SlopeData::default() };
+    data.planes.iter_mut().for_each(|d| d.parameter = d.plane[2]);
+    let places = (elements.iter().zip(&data.planes)).map(|(e, d)| (d.parameter, (frame.to_local(&e.centre()), radius)));
+    let places: Vec<(f64, Reach)> = places.collect();
+    let start = planes_within(&data.planes, &knots_wanted(elements.len(), options)).ok()?;
+    controlled_fit(&data, &frame, places, start.curve.knots().clone(), limits, options, |t| error(t, samples))
+}
+
+/// Whether the regression curve of a torse keeps to the limits at estimates that reach `radius` (mm) around them.
+pub fn keeps_limits(torse: &Torse, samples: &[Sample], radius: f64, limits: &RegressionLimits) -> bool {
+    let reaches: Vec<Reach> = samples.iter().map(|s| (s.x, radius)).collect();
+    keeps(torse, &reaches, limits)
+}
+
+/// Estimates as planes with their slopes, in increasing order, and the axes of these.
+fn sloped(samples: &[Sample], radius: f64) -> Option<(Vec<(f64, PlaneElement)>, Frame)> {
     let normals: Vec<Vec3> = samples.iter().map(|s| s.n).collect();
     let frame = axes(&normals, samples.iter().map(|s| s.x))?;
     let mut sloped: Vec<(f64, PlaneElement)> = samples
         .iter()
         .map(|s| {
             let n = frame.vector_to_local(&s.n);
-            (-n.y / n.z, PlaneElement { normal: s.n, ends: [s.x; 2], radius })
+            (-n.y / n.z, PlaneElement { normal: s.n, ends: [s.x; 2], radius, weight: 1.0 })
         })
         .collect();
     sloped.sort_by(|a, b| a.0.total_cmp(&b.0));
+    Some((sloped, frame))
+}
+
+/// A dual torse near surface elements in no order, as estimated from measured points: planes are sorted by their slope
+/// in the direction in which normals spread most, corrected in turn, and polished with distances at exact feet. `radius`
+/// (mm) is the reach of an estimate. `None` where the planes are no graphs over one plane, or no regular torse is found.
+pub fn dual_of_cloud(samples: &[Sample], radius: f64, options: &RowOptions) -> Option<Fit> {
+    // Corrections gain little after these; feet are exact afterwards.
+    const CORRECTIONS: usize = 3;
+    let (sloped, frame) = sloped(samples, radius)?;
     let (a, b) = (sloped.first()?.0, sloped.last()?.0);
     let elements: Vec<PlaneElement> = sloped.iter().map(|s| s.1).collect();
     let parameters: Vec<f64> = sloped.iter().map(|s| (s.0 - a) / (b - a)).collect();
@@ -231,6 +371,16 @@ pub fn dual_of_row(elements: &[PlaneElement], options: &RowOptions) -> Option<(T
 /// A cubic dual torse of type (3) near a row of rulings with planes by `F3`, where the slope of the planes increases
 /// along the row. The rulings themselves count, not only their planes.
 fn dual_by_slope(elements: &[PlaneElement], options: &RowOptions) -> Option<DualTorse> {
+    let (data, frame) = slope_data(elements)?;
+    // As many knots as the planes need.
+    let few = planes_within(&data.planes, &knots_wanted(elements.len(), options)).ok()?;
+    let wanted = SlopeOptions { smoothing: 1e-9, robust: options.robust, ..SlopeOptions::default() };
+    let fit = slope_fit(&data, few.curve.knots(), &wanted).ok()?;
+    extended(&fit.curve, &frame)
+}
+
+/// Planes, and rulings where they are known, by the slope of the planes, in axes in which it increases along the row.
+fn slope_data(elements: &[PlaneElement]) -> Option<(SlopeData, Frame)> {
     // Rulings against planes: lengths in the ground plan times this share of the range of slopes are heights.
     const SHARE: f64 = 0.25;
     let normals: Vec<Vec3> = elements.iter().map(|e| e.normal).collect();
@@ -239,7 +389,7 @@ fn dual_by_slope(elements: &[PlaneElement], options: &RowOptions) -> Option<Dual
     let mut out = SlopeData { planes: data(elements, &vec![0.0; elements.len()], &frame)?, ..SlopeData::default() };
     out.planes.iter_mut().for_each(|d| d.parameter = d.plane[2]);
     let (from, to) = (out.planes.first()?.parameter, out.planes.last()?.parameter);
-    for (e, d) in elements.iter().zip(&out.planes) {
+    for (e, d) in elements.iter().zip(&out.planes).filter(|(e, _)| e.has_ruling()) {
         let [p, q] = e.ends.map(|x| frame.to_local(&x));
         let slope = -(q.y - p.y) / (q.x - p.x);
         let along = LineMeasure::interval(p.x.min(q.x), p.x.max(q.x)).ok()?;
@@ -247,11 +397,7 @@ fn dual_by_slope(elements: &[PlaneElement], options: &RowOptions) -> Option<Dual
         let ground_plan = [-p.y - slope * p.x, slope];
         out.rulings.push(RulingDatum { parameter: d.parameter, ground_plan, along, weight });
     }
-    // As many knots as the planes need.
-    let few = planes_within(&out.planes, &knots_wanted(elements.len(), options)).ok()?;
-    let wanted = SlopeOptions { smoothing: 1e-9, robust: options.robust, ..SlopeOptions::default() };
-    let fit = slope_fit(&out, few.curve.knots(), &wanted).ok()?;
-    extended(&fit.curve, &frame)
+    Some((out, frame))
 }
 
 /// Parameters in [0, 1]: shares of the way along the row and of the turn of its normals.
@@ -289,7 +435,7 @@ fn data(elements: &[PlaneElement], parameters: &[f64], frame: &Frame) -> Option<
         } else {
             disc
         };
-        let weight = super::planes::slope_weight(&plane);
+        let weight = e.weight * super::planes::slope_weight(&plane);
         out.push(PlaneDatum { plane, parameter, measure, weight });
     }
     Some(out)
@@ -317,7 +463,7 @@ mod tests {
                 let c = Vec3::new(500.0 * t.cos(), 500.0 * t.sin(), 300.0 * t);
                 let d = Vec3::new(-500.0 * t.sin(), 500.0 * t.cos(), 300.0).normalize();
                 let n = d.cross(&Vec3::new(-t.cos(), -t.sin(), 0.0)).normalize();
-                PlaneElement { normal: n, ends: [c + d * 200.0, c + d * 500.0], radius: 30.0 }
+                PlaneElement { normal: n, ends: [c + d * 200.0, c + d * 500.0], radius: 30.0, weight: 1.0 }
             })
             .collect()
     }

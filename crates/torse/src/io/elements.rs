@@ -33,7 +33,8 @@ pub fn holds_elements(name: &str, bytes: &[u8]) -> bool {
 /// counts); `region` (centre and radius, mm) is that of planes which come without.
 ///
 /// Tables: `px,py,pz,qx,qy,qz` are rulings, with `nx,ny,nz` their tangent planes; `a,b,c,d` are planes
-/// `a x + b y + c z = d`, with `x,y,z,r` their regions of interest. `t` in either sorts them.
+/// `a x + b y + c z = d`, with `x,y,z,r` their regions of interest. A column `t` in either must increase: it says
+/// that the rows are in order. `w` are weights of planes and of rulings with planes in fits.
 ///
 /// # Errors
 /// See [`CloudReadError`].
@@ -73,8 +74,8 @@ fn table(bytes: &[u8], unit: f64, region: Option<[f64; 4]>) -> Result<Given, Clo
     let column = |name: &str| head.iter().position(|h| h == name);
     let columns = |names: &[&str]| -> Option<Vec<usize>> { names.iter().map(|n| column(n)).collect() };
     let (planes, rulings) = (columns(&PLANE), columns(&RULING));
-    let (regions, normals, order) = (columns(&REGION), columns(&NORMAL), column("t"));
-    let mut found: Vec<(f64, Vec3, [Vec3; 2], f64)> = Vec::new();
+    let (regions, normals, order, weights) = (columns(&REGION), columns(&NORMAL), column("t"), column("w"));
+    let mut found: Vec<(f64, PlaneElement)> = Vec::new();
     for (line, text) in rows {
         let fault = |reason: String| CloudReadError::Line { format: "CSV", line, reason };
         let mut values = Vec::with_capacity(head.len());
@@ -90,12 +91,28 @@ fn table(bytes: &[u8], unit: f64, region: Option<[f64; 4]>) -> Result<Given, Clo
         }
         let vector = |at: &[usize]| Vec3::new(values[at[0]], values[at[1]], values[at[2]]);
         let t = order.map_or(found.len() as f64, |k| values[k]);
+        if let Some((before, ..)) = found.last() {
+            if t == *before {
+                return Err(fault(format!("the parameter t = {t} repeats the line before: remove one of them")));
+            }
+            if t < *before {
+                return Err(fault(format!("the parameter t = {t} comes after {before}: sort the rows by t")));
+            }
+        }
+        let weight = weights.map_or(1.0, |k| values[k]);
+        if weight <= 0.0 {
+            return Err(fault(format!("the weight {weight} is not positive")));
+        }
         if let Some(at) = &rulings {
             let normal = normals.as_ref().map_or(Vec3::zeros(), |n| vector(n));
             if normals.is_some() && normal.norm() <= 0.0 {
                 return Err(fault("the normal is zero".into()));
             }
-            found.push((t, normal, [vector(&at[..3]) * unit, vector(&at[3..]) * unit], 0.0));
+            let ends = [vector(&at[..3]) * unit, vector(&at[3..]) * unit];
+            // Rulings are compared on themselves; their planes in a narrow region around.
+            const NARROW: f64 = 0.1;
+            let radius = NARROW * (ends[1] - ends[0]).norm();
+            found.push((t, PlaneElement { normal, ends, radius, weight }));
         } else if let Some(at) = &planes {
             let n = vector(&at[..3]);
             let d = values[at[3]] * unit;
@@ -118,23 +135,16 @@ fn table(bytes: &[u8], unit: f64, region: Option<[f64; 4]>) -> Result<Given, Clo
             let centre = Vec3::new(x, y, z) * own;
             // Regions are discs in their planes.
             let centre = centre - n * ((n.dot(&centre) - d) / (size * size));
-            found.push((t, n / size, [centre; 2], r * own));
+            found.push((t, PlaneElement { normal: n / size, ends: [centre; 2], radius: r * own, weight }));
         }
     }
     if found.is_empty() {
         return Err(CloudReadError::Empty);
     }
-    found.sort_by(|a, b| a.0.total_cmp(&b.0));
     if rulings.is_some() && normals.is_none() {
-        return Ok(Given::Rulings(found.into_iter().map(|f| f.2).collect()));
+        return Ok(Given::Rulings(found.into_iter().map(|f| f.1.ends).collect()));
     }
-    let element = |f: (f64, Vec3, [Vec3; 2], f64)| {
-        // Rulings are compared on themselves; their planes in a narrow region around.
-        const NARROW: f64 = 0.1;
-        let radius = if f.3 > 0.0 { f.3 } else { NARROW * (f.2[1] - f.2[0]).norm() };
-        PlaneElement { normal: f.1, ends: f.2, radius }
-    };
-    Ok(Given::Planes(found.into_iter().map(element).collect()))
+    Ok(Given::Planes(found.into_iter().map(|f| f.1).collect()))
 }
 
 #[cfg(test)]
@@ -143,7 +153,7 @@ mod tests {
 
     #[test]
     fn planes_and_rulings_are_told_by_their_headings() {
-        let rulings = b"t,px,py,pz,qx,qy,qz\n2,0,1,0,1,1,0\n1,0,0,0,1,0,0\n";
+        let rulings = b"t,px,py,pz,qx,qy,qz\n1,0,0,0,1,0,0\n2,0,1,0,1,1,0\n";
         assert!(holds_elements("a.csv", rulings));
         assert_eq!(
             read("a.csv", rulings, 10.0, None).expect("rulings"),
@@ -152,11 +162,11 @@ mod tests {
                 [Vec3::new(0.0, 10.0, 0.0), Vec3::new(10.0, 10.0, 0.0)]
             ])
         );
-        let planes = b"a;b;c;d\n0;0;2;4\n";
+        let planes = b"a;b;c;d;w\n0;0;2;4;3\n";
         let Given::Planes(p) = read("a.csv", planes, 1.0, Some([1.0, 1.0, 0.0, 5.0])).expect("planes") else {
             panic!("planes")
         };
-        assert_eq!((p[0].centre(), p[0].radius), (Vec3::new(1.0, 1.0, 2.0), 5.0));
+        assert_eq!((p[0].centre(), p[0].radius, p[0].weight), (Vec3::new(1.0, 1.0, 2.0), 5.0, 3.0));
         assert!(!holds_elements("a.csv", b"x,y,z\n1,2,3\n") && !holds_elements("a.csv", b"1,2,3\n"));
     }
 
@@ -166,6 +176,10 @@ mod tests {
         assert!(text(b"a,b,c,d\n0,0,1,0\n").contains("--region"));
         assert!(text(b"px,py,pz,qx,qy,qz\n0,0,0,1,0,NaN\n").contains("line 2"));
         assert!(text(b"px,py,pz,qx,qy,qz\n0,0,0,1,0\n").contains("5 numbers"));
+        assert!(text(b"t,a,b,c,d,x,y,z,r\n1,0,0,1,0,0,0,0,1\n1,0,1,1,0,0,0,0,1\n")
+            .contains("line 3: the parameter t = 1 repeats"));
+        assert!(text(b"t,a,b,c,d,x,y,z,r\n2,0,0,1,0,0,0,0,1\n1,0,1,1,0,0,0,0,1\n").contains("sort the rows by t"));
+        assert!(text(b"a,b,c,d,x,y,z,r,w\n0,0,1,1,0,0,0,1,0\n").contains("weight 0"));
         assert!(text(b"a,b,c,d,x,y,z,r\n0,0,0,1,0,0,0,1\n").contains("no normal"));
     }
 }

@@ -49,6 +49,28 @@ pub struct Report {
     /// Planes, cylinders, cones and tangent surfaces along the parts.
     #[serde(default)]
     pub shapes: Vec<ShapeRecord>,
+    /// The measured point farthest from the strips; null for jobs without points.
+    #[serde(default)]
+    pub worst_point: Option<PointRecord>,
+}
+
+/// A measured point.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PointRecord {
+    /// Index in the input, from 0.
+    pub index: usize,
+    /// Place, mm.
+    pub place: [f64; 3],
+    /// Signed distance from the nearest strip, mm; null without strips.
+    pub deviation: Option<f64>,
+}
+
+impl PointRecord {
+    fn worst(sheets: &Sheets) -> Option<Self> {
+        let index = sheets.points.worst?;
+        let deviation = sheets.points.values.get(index).copied().filter(|d| d.is_finite());
+        Some(Self { index, place: (*sheets.points.places.get(index)?).into(), deviation })
+    }
 }
 
 /// A named number.
@@ -176,6 +198,7 @@ impl Report {
                 .collect(),
             parts: part_records(sheets),
             shapes: shown.shapes.iter().map(|s| ShapeRecord::of(s, sheets)).collect(),
+            worst_point: PointRecord::worst(sheets),
         }
     }
 
@@ -270,6 +293,17 @@ pub fn files(sheets: &Sheets, shown: &Presentation, time: &str) -> Result<Vec<Fi
             picture::values(&shown.scene, &shown.direction, limit, &what, &caption(sheets.meaning.name.clone()));
         Some(png::write(&image)?)
     };
+    let mut outside = 0;
+    let points_png = if sheets.points.places.is_empty() {
+        None
+    } else {
+        let what = format!("{}, {}", sheets.meaning.name, sheets.meaning.unit);
+        let words = caption(format!("{} of every point", sheets.meaning.name));
+        let map = (&sheets.points.places[..], &sheets.points.values[..]);
+        let image = picture::points(&shown.scene, map, &shown.direction, limit, &what, &words);
+        outside = image.1;
+        Some(png::write(&image.0)?)
+    };
     let shapes_png = if shown.shapes.is_empty() {
         None
     } else {
@@ -284,6 +318,7 @@ pub fn files(sheets: &Sheets, shown: &Presentation, time: &str) -> Result<Vec<Fi
         layout: &shown.pieces,
         panels_png: &panels_png,
         field: field_png.as_ref().map(|png| (&sheets.meaning, png.as_slice())),
+        points: points_png.as_ref().map(|png| (png.as_slice(), outside)),
         shapes_png: shapes_png.as_deref(),
         limit,
     })?;
@@ -291,6 +326,9 @@ pub fn files(sheets: &Sheets, shown: &Presentation, time: &str) -> Result<Vec<Fi
     out.push(("panels.png".into(), panels_png));
     if let Some(png) = field_png {
         out.push(("field.png".into(), png));
+    }
+    if let Some(png) = points_png {
+        out.push(("points.png".into(), png));
     }
     if let Some(png) = shapes_png {
         out.push(("shapes.png".into(), png));
@@ -307,7 +345,7 @@ pub(crate) mod tests {
     use crate::develop::strip::{pattern, StripOptions};
     use crate::geom::Vec3;
     use crate::pipeline::presentation::present_sheets;
-    use crate::pipeline::sheets::{Basis, FieldMeaning, FlatPart, Guide, StripField};
+    use crate::pipeline::sheets::{Basis, FieldMeaning, FlatPart, Guide, PointMap, StripField};
     use crate::surface::strip::Strip;
     use crate::surface::torse::PanelKind;
 
@@ -333,6 +371,11 @@ pub(crate) mod tests {
             status: Status::Certified,
             strip_figures: vec![vec![Figure::new("twist", 1e-9, "rad", Basis::Proven)]; 2],
             fields: vec![StripField { u: vec![0.0, 1.0], v: vec![0.0, 1.0], values: vec![0.0, 0.1, 0.2, -0.1] }; 2],
+            points: PointMap {
+                places: vec![x(20., 20., 0.1), x(40., 20., 9.)],
+                values: vec![0.1, 9.0],
+                worst: Some(1),
+            },
             meaning: FieldMeaning { name: "deviation".into(), unit: "mm".into(), limit: 0.2 },
             parts: vec![FlatPart { name: "A".into(), first: 0, count: 2, missing: String::new() }],
             patterns,
@@ -362,7 +405,7 @@ pub(crate) mod tests {
         let all = files(&sheets, &present_sheets(&sheets), "2026-11-21T14:30:00").expect("files");
         let names: Vec<&str> = all.iter().map(|f| f.0.as_str()).collect();
         for name in
-            "strips.step patterns.dxf patterns.svg model.glb panels.png field.png layout.png report.html report.json"
+            "strips.step patterns.dxf patterns.svg model.glb panels.png field.png points.png layout.png report.html report.json"
                 .split(' ')
         {
             assert!(names.contains(&name), "{name}");
@@ -385,7 +428,14 @@ pub(crate) mod tests {
         sheets.parts[0].count = 8;
         let value = serde_json::to_value(Report::of(&sheets, &present_sheets(&sheets))).expect("json");
         assert!(value["shapes"][0]["shape"] == "cone" && value["shapes"][0]["last"] == "F-8");
-        let records = [&value, &value["strips"][0], &value["parts"][0], &value["figures"][0], &value["shapes"][0]];
+        let records = [
+            &value,
+            &value["strips"][0],
+            &value["parts"][0],
+            &value["figures"][0],
+            &value["shapes"][0],
+            &value["worst_point"],
+        ];
         for key in records.iter().filter_map(|r| r.as_object()).flat_map(|r| r.keys()) {
             assert!(doc.contains(&format!("`{key}`")), "{key} is not documented");
         }

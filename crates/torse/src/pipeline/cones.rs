@@ -159,6 +159,7 @@ fn run(
         strips: Vec::new(),
         strip_figures: Vec::new(),
         fields: Vec::new(),
+        points: Default::default(),
         meaning: Default::default(),
         parts: Vec::new(),
         patterns: Vec::new(),

@@ -2,12 +2,14 @@
 
 use super::cut::cut;
 use super::outcome::Status;
-use super::sheets::{Basis, FieldMeaning, Figure, FlatPart, Sheets, StripField};
+use super::regression;
+use super::sheets::{Basis, FieldMeaning, Figure, FlatPart, PointMap, Sheets, StripField};
 use crate::certify::points::{points as certified, PointCertificate};
 use crate::control::Control;
 use crate::develop::strip::StripOptions;
+use crate::fit::cloud::core;
 use crate::fit::cloud::estimates::{estimates, Estimates};
-use crate::fit::cloud::extent::{assigned, strip};
+use crate::fit::cloud::extent::{assigned, polished, strip, widened};
 use crate::fit::cloud::pieces::{pieces, PieceOptions};
 use crate::fit::cloud::regions::regions;
 use crate::fit::cloud::CloudError;
@@ -15,6 +17,8 @@ use crate::fit::samples::Fit;
 use crate::geom::cloud::Cloud;
 use crate::geom::Vec3;
 use crate::surface::strip::Strip;
+use crate::surface::zone::RegressionLimits;
+use std::borrow::Cow;
 
 /// What the job is asked.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,12 +31,14 @@ pub struct FitOptions {
     pub places: usize,
     /// Strips at most; 64.
     pub max_strips: usize,
+    /// What is asked of regression curves; nothing beyond regular strips.
+    pub limits: Option<RegressionLimits>,
 }
 
 impl FitOptions {
     /// The defaults with a tolerance in mm.
     pub fn new(tolerance: f64, input: &str) -> Self {
-        Self { tolerance, input: input.into(), places: 3000, max_strips: 64 }
+        Self { tolerance, input: input.into(), places: 3000, max_strips: 64, limits: None }
     }
 }
 
@@ -63,17 +69,32 @@ pub fn fit(cloud: &Cloud, options: &FitOptions, control: &Control) -> Result<Fit
     if !(options.tolerance > 0.0 && options.tolerance.is_finite()) {
         return Err(CloudError::Tolerance(options.tolerance));
     }
-    // 1. What the surface is like.
+    if let Some(fault) = options.limits.as_ref().and_then(regression::fault) {
+        return Err(CloudError::Limits(fault));
+    }
+    if let Some((largest, step)) = coarse(&cloud.points, options.tolerance) {
+        return Err(CloudError::Coarse { largest, step, tolerance: options.tolerance });
+    }
+    // 1. What the surface is like, in coordinates that are small where the file's are not.
     control.report("estimating", 0.0, format!("{} points", cloud.points.len()));
-    let found = estimates(&cloud.points, options.places)?;
+    let shift = far_off(&cloud.points);
+    let moved: Cow<[Vec3]> = match shift {
+        Some(c) => cloud.points.iter().map(|p| p - c).collect(),
+        None => Cow::Borrowed(&cloud.points),
+    };
+    let found = estimates(&moved, options.places)?;
     // 2. Pieces that one torse follows.
     control.report("fitting", 0.2, String::new());
     let mut notes = Vec::new();
     let mut skipped = Vec::new();
-    let fits = torses(&found, cloud.points.len(), options, control, &mut skipped);
+    let fits = torses(&found, cloud.points.len(), shift, options, control, &mut skipped);
     // 3. Strips under the points of each piece.
     control.report("trimming", 0.6, format!("{} pieces", fits.len()));
-    let strips = strips(&found, &cloud.points, fits, options, &mut skipped);
+    let mut strips = strips(&found, &moved, fits, options, &mut skipped);
+    drop(moved);
+    if let Some(c) = shift {
+        strips = strips.into_iter().map(|s| s.moved(&c)).collect();
+    }
     // 4. Proof.
     let certificate = certified(&strips, &cloud.points, control);
     // 5. Flat parts.
@@ -92,14 +113,20 @@ pub fn fit(cloud: &Cloud, options: &FitOptions, control: &Control) -> Result<Fit
         ));
     }
     let strip_figures = figures_of_strips(&strips, &certificate, options.tolerance);
-    let fields = fields(&strips, &certificate);
+    let fields = fields(&strips, &certificate, options.tolerance);
     let figures = vec![
         Figure::new("points", cloud.points.len() as f64, "", Basis::Given),
         Figure::new("largest distance of a point", certificate.worst_bound(), "mm", Basis::Proven),
         Figure::new("points beyond the tolerance", certificate.beyond(options.tolerance) as f64, "", Basis::Proven),
         Figure::new("noise of the measurement", found.noise, "mm", Basis::Measured),
     ];
-    let status = status(&strips, &certificate, &cloud.points, options.tolerance, control);
+    let broken = regression::broken(&strips, options.limits.as_ref());
+    notes.extend(options.limits.iter().map(regression::note));
+    notes.extend(broken.iter().cloned());
+    let status = match status(&strips, &certificate, &cloud.points, options.tolerance, control) {
+        Status::Certified if !broken.is_empty() => Status::Uncertified(broken.join("; ")),
+        other => other,
+    };
     let sheets = Sheets {
         job: "fit".into(),
         input: options.input.clone(),
@@ -108,6 +135,11 @@ pub fn fit(cloud: &Cloud, options: &FitOptions, control: &Control) -> Result<Fit
         strips,
         strip_figures,
         fields,
+        points: PointMap {
+            places: cloud.points.clone(),
+            values: certificate.signed_estimates().to_vec(),
+            worst: certificate.worst(),
+        },
         meaning: FieldMeaning { name: "deviation".into(), unit: "mm".into(), limit: options.tolerance },
         parts,
         patterns,
@@ -120,10 +152,31 @@ pub fn fit(cloud: &Cloud, options: &FitOptions, control: &Control) -> Result<Fit
     Ok(FitOutcome { sheets, certificate, noise_estimate: found.noise })
 }
 
+/// Where coordinates would lose digits to their distance from the origin: the middle of the points, rounded.
+fn far_off(points: &[Vec3]) -> Option<Vec3> {
+    // Distances from the origin in multiples of the extent up to which nothing is lost that matters.
+    const FAR: f64 = 100.0;
+    let b = core(points);
+    let c = b.center();
+    (c.norm() > FAR * b.diagonal() && c.iter().all(|x| x.is_finite())).then(|| c.map(f64::round))
+}
+
+/// The largest coordinate and the step between numbers there, where that is too coarse for a tolerance. A few points
+/// that lie far away do not count.
+fn coarse(points: &[Vec3], tolerance: f64) -> Option<(f64, f64)> {
+    // Steps of the coordinates that a tolerance should hold.
+    const STEPS: f64 = 20.0;
+    let b = core(points);
+    let largest = b.min.amax().max(b.max.amax());
+    let step = largest * f64::EPSILON;
+    (largest.is_finite() && STEPS * step > tolerance).then_some((largest, step))
+}
+
 /// Torses with their estimates.
 fn torses(
     found: &Estimates,
     points: usize,
+    shift: Option<Vec3>,
     options: &FitOptions,
     control: &Control,
     skipped: &mut Vec<String>,
@@ -137,6 +190,7 @@ fn torses(
     const UNSEEN: f64 = 0.05;
     let room = (options.tolerance - PEAK * found.noise).clamp(0.4 * options.tolerance, options.tolerance);
     let enough = (AVERAGED * found.noise).clamp(0.01 * options.tolerance, 0.3 * options.tolerance).min(room);
+    let limits = options.limits.as_ref().map(|l| l.moved(&-shift.unwrap_or_default()));
     let mut out = Vec::new();
     for region in regions(found, (ROUGH * found.noise).max(UNSEEN * options.tolerance)) {
         let weight: f64 = region.members.iter().map(|&i| found.items[i as usize].weight).sum();
@@ -144,7 +198,7 @@ fn torses(
             continue;
         }
         let left = options.max_strips.saturating_sub(out.len());
-        let wanted = PieceOptions { max_pieces: left, ..PieceOptions::new(room, enough) };
+        let wanted = PieceOptions { max_pieces: left, limits: limits.clone(), ..PieceOptions::new(room, enough) };
         for piece in pieces(found, &region, &wanted, control) {
             if !piece.fits.is_empty() {
                 out.push((piece.members, piece.fits));
@@ -152,15 +206,23 @@ fn torses(
             }
             let count: f64 = piece.members.iter().map(|&i| found.items[i as usize].weight).sum();
             let c = piece.members.iter().map(|&i| found.items[i as usize].x).sum::<Vec3>()
-                / piece.members.len().max(1) as f64;
+                / piece.members.len().max(1) as f64
+                + shift.unwrap_or_default();
             skipped.push(format!(
-                "{count:.0} points around ({:.1}, {:.1}, {:.1}): no developable strip follows them within {} mm",
-                c.x, c.y, c.z, options.tolerance
+                "{count:.0} points around ({:.1}, {:.1}, {:.1}): no developable strip follows them within {} mm{}",
+                c.x,
+                c.y,
+                c.z,
+                options.tolerance,
+                if options.limits.is_some() { " with its regression curve in bounds" } else { "" }
             ));
         }
     }
     out
 }
+
+/// Points farther from the torse of their piece than this many tolerances are outliers.
+const NEAR: f64 = 3.0;
 
 /// Strips of torses under the points of their estimates.
 fn strips(
@@ -175,16 +237,18 @@ fn strips(
         members.iter().for_each(|&i| owner[i as usize] = Some(k as u32));
     }
     let mut own: Vec<Vec<Vec3>> = vec![Vec::new(); fits.len()];
-    let torses: Vec<&Fit> = fits.iter().filter_map(|f| f.1.first()).collect();
-    for (p, k) in points.iter().zip(assigned(found, &owner, &torses, points, options.tolerance)) {
+    let fits: Vec<Vec<Fit>> =
+        fits.into_iter().map(|(_, f)| f.into_iter().map(|f| widened(&f).unwrap_or(f)).collect()).collect();
+    let torses: Vec<&Fit> = fits.iter().filter_map(|f| f.first()).collect();
+    for (p, k) in points.iter().zip(assigned(found, &owner, &torses, points, NEAR * options.tolerance)) {
         if let Some(k) = k {
             own[k as usize].push(*p);
         }
     }
     let mut out: Vec<Strip> = Vec::new();
-    for ((_, fits), own) in fits.iter().zip(&own) {
+    for (fits, own) in fits.iter().zip(&own) {
         let name = format!("A-{:02}", out.len() + 1);
-        match nearest(&name, fits, own, options.tolerance) {
+        match nearest(&name, fits, own, options) {
             Ok(s) => out.push(s),
             Err(reason) => skipped.push(format!("{} points have no strip: {reason}", own.len())),
         }
@@ -192,26 +256,41 @@ fn strips(
     out
 }
 
-/// The strip of the torse whose proven distance from its points is the smallest.
-fn nearest(name: &str, fits: &[Fit], own: &[Vec3], tolerance: f64) -> Result<Strip, String> {
+/// The strip of the torse with the fewest points beyond the tolerance and the smallest proven distance, among those whose
+/// regression curve keeps to the limits if there are any. Where points are beyond, torses are continued over the points
+/// themselves.
+fn nearest(name: &str, fits: &[Fit], own: &[Vec3], options: &FitOptions) -> Result<Strip, String> {
     // Points judged for the choice; the strip chosen is judged with all of them later.
     const JUDGED: usize = 20_000;
     let some: Vec<Vec3> = own.iter().step_by(own.len().div_ceil(JUDGED).max(1)).copied().collect();
-    let mut best: Option<(f64, Strip)> = None;
+    let mut best: Option<(bool, usize, f64, Strip)> = None;
     let mut reason = String::new();
-    for fit in fits {
-        match strip(name, fit, own, tolerance) {
-            Ok(s) if fits.len() == 1 => return Ok(s),
-            Ok(s) => {
-                let worst = certified(std::slice::from_ref(&s), &some, &Control::default()).worst_bound();
-                if best.as_ref().is_none_or(|b| worst < b.0) {
-                    best = Some((worst, s));
-                }
+    let mut look = |fit: &Fit| match strip(name, fit, own, options.tolerance) {
+        Ok(s) => {
+            let c = certified(std::slice::from_ref(&s), &some, &Control::default());
+            let rank = (!regression::keeps(&s, options.limits.as_ref()), c.beyond(options.tolerance), c.worst_bound());
+            if best.as_ref().is_none_or(|b| rank < (b.0, b.1, b.2)) {
+                best = Some((rank.0, rank.1, rank.2, s));
             }
-            Err(e) => reason = format!("the {} found gives none: {e}", fit.kind.name()),
+            rank.1 == 0
+        }
+        Err(e) => {
+            reason = format!("the {} found gives none: {e}", fit.kind.name());
+            false
+        }
+    };
+    let mut done = false;
+    for fit in fits {
+        done |= look(fit);
+    }
+    if !done {
+        for fit in fits {
+            if let Some(again) = polished(fit, &some, options.tolerance) {
+                look(&widened(&again).unwrap_or(again));
+            }
         }
     }
-    best.map(|b| b.1).ok_or(reason)
+    best.map(|b| b.3).ok_or(reason)
 }
 
 fn status(strips: &[Strip], c: &PointCertificate, points: &[Vec3], tolerance: f64, control: &Control) -> Status {
@@ -249,12 +328,6 @@ fn figures_of_strips(strips: &[Strip], c: &PointCertificate, tolerance: f64) -> 
     }
     (0..strips.len())
         .map(|k| {
-            let clearance = {
-                let (a, b) = strips[k].domain();
-                (0..=16)
-                    .map(|i| strips[k].regression_clearance(a + (b - a) * f64::from(i) / 16.0))
-                    .fold(f64::INFINITY, f64::min)
-            };
             vec![
                 Figure::new("points", count[k] as f64, "", Basis::Given),
                 Figure::new("largest distance of a point", worst[k], "mm", Basis::Proven),
@@ -264,21 +337,23 @@ fn figures_of_strips(strips: &[Strip], c: &PointCertificate, tolerance: f64) -> 
                     "mm",
                     Basis::Measured,
                 ),
-                Figure::new("distance to the regression curve", clearance, "mm", Basis::Measured),
+                regression::figure(&strips[k]),
             ]
         })
         .collect()
 }
 
-/// Mean signed distance of the points around the places of a grid; empty places take their neighbours' mean.
-fn fields(strips: &[Strip], c: &PointCertificate) -> Vec<StripField> {
+/// Mean signed distance of the points around the places of a grid; empty places take their neighbours' mean. Points far
+/// beyond the tolerance do not belong to the strip and do not count here; the map of points shows them.
+fn fields(strips: &[Strip], c: &PointCertificate, tolerance: f64) -> Vec<StripField> {
+    const FAR: f64 = 10.0;
     const ALONG: usize = 48;
     const ACROSS: usize = 24;
     let (nu, nv) = (ALONG + 1, ACROSS + 1);
     let mut sums = vec![vec![(0.0_f64, 0.0_f64); nu * nv]; strips.len()];
     for ((k, u, v), d) in c.places().iter().zip(c.signed_estimates()) {
         let Some(s) = strips.get(*k as usize) else { continue };
-        if !d.is_finite() {
+        if d.is_nan() || d.abs() > FAR * tolerance {
             continue;
         }
         let (a, b) = s.domain();

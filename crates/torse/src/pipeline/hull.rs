@@ -163,6 +163,7 @@ pub fn hull(curves: &[Rail], options: &Options, control: &Control) -> Result<She
         strips: all,
         strip_figures,
         fields,
+        points: Default::default(),
         meaning: judgement.meaning.clone(),
         parts,
         patterns,

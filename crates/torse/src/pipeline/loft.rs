@@ -494,6 +494,7 @@ fn judged(
         strips,
         strip_figures: judgement.strip_figures,
         fields: judgement.fields,
+        points: Default::default(),
         meaning: judgement.meaning,
         parts,
         patterns,

@@ -18,6 +18,7 @@ pub mod net;
 pub mod outcome;
 pub mod planarise;
 pub mod presentation;
+mod regression;
 pub mod row;
 mod seams;
 pub mod shapes;

@@ -498,6 +498,7 @@ fn judged(
         guides: vec![Guide { name: given.name.clone(), points: given.samples(200) }],
         figures,
         notes,
+        points: Default::default(),
         skipped: Vec::new(),
         seconds: start.elapsed().as_secs_f64(),
     }

@@ -162,6 +162,7 @@ fn judged(given: &QuadStrip, done: Subdivided, options: &Options, start: Instant
         strips,
         strip_figures,
         fields,
+        points: Default::default(),
         meaning: FieldMeaning { name: "bend".into(), unit: "°".into(), limit: largest_bend.max(1e-6) },
         parts,
         patterns,

@@ -3,6 +3,7 @@
 use super::cones::ruled;
 use super::cut::cut;
 use super::outcome::{Skipped, Status};
+use super::regression;
 use super::sheets::{Basis, FieldMeaning, Figure, FlatPart, Sheets, StripField};
 use crate::certify::elements::{elements as certified, ElementCertificate};
 use crate::control::Control;
@@ -18,6 +19,7 @@ use crate::surface::face::Face;
 use crate::surface::plane_row::{orient, Given, PlaneElement};
 use crate::surface::ruled_strip::RuledStrip;
 use crate::surface::strip::Strip;
+use crate::surface::zone::RegressionLimits;
 
 /// What the job is asked.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,12 +32,14 @@ pub struct RowFitOptions {
     pub max_strips: usize,
     /// Rulings taken from each face; 160.
     pub rulings_of_face: usize,
+    /// What is asked of regression curves; nothing beyond regular strips.
+    pub limits: Option<RegressionLimits>,
 }
 
 impl RowFitOptions {
     /// The defaults with a tolerance in mm.
     pub fn new(tolerance: f64, input: &str) -> Self {
-        Self { tolerance, input: input.into(), max_strips: 64, rulings_of_face: 160 }
+        Self { tolerance, input: input.into(), max_strips: 64, rulings_of_face: 160, limits: None }
     }
 }
 
@@ -56,14 +60,38 @@ pub enum RowFitError {
     /// A tolerance that is not positive.
     #[error("the tolerance {0} is not a positive length")]
     Tolerance(f64),
+    /// Limits of the regression curve that cannot be kept by anything.
+    #[error("{0}")]
+    Limits(String),
     /// Too few elements.
     #[error("{0} {1}: at least {FEWEST} are needed")]
     Few(usize, &'static str),
     /// An element that cannot be used.
-    #[error("plane {index} has a coordinate that is not finite, no normal, or no region of interest")]
+    #[error("plane {index} has a coordinate that is not finite, no normal, no region of interest, or a weight that is not positive")]
     Element {
         /// Its index.
         index: usize,
+    },
+    /// Two neighbours are the same.
+    #[error("{what} {index} repeats the one before: remove it")]
+    Repeated {
+        /// Rulings or planes.
+        what: &'static str,
+        /// Index of the second one.
+        index: usize,
+    },
+    /// Coordinates so large that their last digits are coarser than the tolerance.
+    #[error(
+        "coordinates up to {largest:.1e} mm are exact to {step:.1e} mm only, too coarse for the tolerance of {tolerance} mm: \
+         move the data towards the origin"
+    )]
+    Coarse {
+        /// Largest coordinate, mm.
+        largest: f64,
+        /// Distance of neighbouring numbers there, mm.
+        step: f64,
+        /// Tolerance, mm.
+        tolerance: f64,
     },
     /// Tangent planes of rulings cannot be estimated.
     #[error(transparent)]
@@ -78,6 +106,8 @@ pub enum RowFitError {
     },
 }
 
+/// Steps between numbers, where coordinates are largest, that a tolerance should hold.
+const STEPS: f64 = 20.0;
 /// Elements without which no surface is looked for.
 const FEWEST: usize = 4;
 /// Shares of the tolerance that fits aim at in turn: the proof compares rulings, the fit distances of points.
@@ -96,11 +126,29 @@ pub fn fit_row(given: &Given, options: &RowFitOptions, control: &Control) -> Res
     if given.len() < FEWEST {
         return Err(RowFitError::Few(given.len(), what));
     }
+    if let Given::Planes(planes) = given {
+        if let Some(index) = planes.iter().position(|e| !e.is_usable()) {
+            return Err(RowFitError::Element { index });
+        }
+    }
+    if let Some(index) = repeated(given) {
+        let what = if what == "planes" { "plane" } else { "ruling" };
+        return Err(RowFitError::Repeated { what, index });
+    }
     let row = match given {
         Given::Planes(p) => vec![p.clone()],
         Given::Rulings(r) => of_rulings(r, options.tolerance)?,
     };
-    run(vec![(what.to_string(), row)], Vec::new(), what, options, control)
+    run(vec![(what.to_string(), row)], Vec::new(), Vec::new(), what, options, control)
+}
+
+/// Index of the first element that is the same as the one before.
+fn repeated(given: &Given) -> Option<usize> {
+    let same = |n: usize, equal: &dyn Fn(usize) -> bool| (1..n).find(|&i| equal(i));
+    match given {
+        Given::Rulings(r) => same(r.len(), &|i| r[i] == r[i - 1] || r[i] == [r[i - 1][1], r[i - 1][0]]),
+        Given::Planes(p) => same(p.len(), &|i| p[i].normal == p[i - 1].normal && p[i].ends == p[i - 1].ends),
+    }
 }
 
 /// Lowers the degree of developable faces and thins out their knots: each ruled developable face becomes strips from
@@ -116,7 +164,7 @@ pub fn fit_faces(
 ) -> Result<RowOutcome, RowFitError> {
     let mut left: Vec<String> = skipped.iter().map(|s| format!("#{}: {}", s.entity, s.reason)).collect();
     let before = left.len();
-    let mut rows = Vec::new();
+    let (mut rows, mut notes) = (Vec::new(), Vec::new());
     for (i, face) in faces.iter().enumerate() {
         let name = if face.name.is_empty() { format!("F{:02}", i + 1) } else { face.name.clone() };
         match ruled(face, options.tolerance) {
@@ -128,9 +176,17 @@ pub fn fit_faces(
                         let jet = patch.jet(a + (b - a) * k as f64 / last as f64);
                         let element = jet.element().ok()?;
                         let ends = jet.ends.map(|e| e[0]);
-                        Some(PlaneElement { normal: element.normal, ends, radius: NARROW * jet.length() })
+                        Some(PlaneElement { normal: element.normal, ends, radius: NARROW * jet.length(), weight: 1.0 })
                     })
                     .collect();
+                let (u, v) = (&face.surface.knots_u, &face.surface.knots_v);
+                notes.push(format!(
+                    "{name} was given with degrees {} and {} and {} × {} control points.",
+                    u.degree(),
+                    v.degree(),
+                    u.control_count(),
+                    v.control_count()
+                ));
                 rows.push((name, vec![row]));
             }
             Err(reason) => left.push(format!("#{} {name}: {reason}", face.entity)),
@@ -140,7 +196,7 @@ pub fn fit_faces(
         let reason = left.get(before).cloned().unwrap_or_else(|| "no faces".into());
         return Err(RowFitError::NoFace { count: faces.len(), reason });
     }
-    run(rows, left, "rulings", options, control)
+    run(rows, left, notes, "rulings", options, control)
 }
 
 /// Width of the region of a ruling as a share of its length: its tangent plane counts a little beside it.
@@ -167,7 +223,7 @@ fn of_rulings(rulings: &[[Vec3; 2]], tolerance: f64) -> Result<Vec<Vec<PlaneElem
         let element = |(i, normal): (usize, &Vec3)| {
             let length = (row[i][1] - row[i][0]).norm();
             let radius = if wide { NARROW * length } else { radius(i).max(THIN * length) };
-            PlaneElement { normal: *normal, ends: row[i], radius }
+            PlaneElement { normal: *normal, ends: row[i], radius, weight: 1.0 }
         };
         normals.iter().enumerate().map(element).collect()
     };
@@ -191,10 +247,46 @@ struct Attempt {
 }
 
 impl Attempt {
-    /// Elements beyond the tolerance, strips, worst bound: less is better.
-    fn rank(&self, tolerance: f64) -> (usize, usize, f64) {
-        (self.certificate.beyond(tolerance), self.strips.len(), self.certificate.worst_bound())
+    /// Elements beyond the tolerance and regression curves out of bounds, strips, worst bound: less is better.
+    fn rank(&self, options: &RowFitOptions) -> (usize, usize, f64) {
+        let broken = self.strips.iter().filter(|s| !regression::keeps(s, options.limits.as_ref())).count();
+        (self.certificate.beyond(options.tolerance) + broken, self.strips.len(), self.certificate.worst_bound())
     }
+}
+
+/// Room for a regression curve that makes fits regular: a share of the mean length of the rulings, mm.
+fn room(elements: &[PlaneElement]) -> f64 {
+    const SHARE: f64 = 0.05;
+    let length = |e: &PlaneElement| (e.ends[1] - e.ends[0]).norm().max(2.0 * e.radius);
+    SHARE * elements.iter().map(length).sum::<f64>() / elements.len().max(1) as f64
+}
+
+/// Strips for a row at one aim and with limits of the regression curve.
+fn attempt(
+    name: &str,
+    elements: &[PlaneElement],
+    what: &str,
+    most: usize,
+    aim: f64,
+    limits: Option<RegressionLimits>,
+    options: &RowFitOptions,
+    control: &Control,
+) -> Attempt {
+    let wanted = RowOptions { max_pieces: most, limits, ..RowOptions::new(aim * options.tolerance) };
+    let mut strips: Vec<Strip> = Vec::new();
+    let mut skipped = Vec::new();
+    for piece in row(elements, &wanted) {
+        let own = &elements[piece.range.clone()];
+        match nearest("A", &piece, own, options) {
+            Ok(s) => strips.push(s),
+            Err(reason) => {
+                let (from, to) = (piece.range.start, piece.range.end - 1);
+                skipped.push(format!("{name}: {what} {from} to {to}: {reason}"));
+            }
+        }
+    }
+    let certificate = certified(&strips, elements, control);
+    Attempt { strips, skipped, certificate }
 }
 
 /// The best of several aims, and of several estimates of the same elements (which one is told).
@@ -212,23 +304,16 @@ fn best(
             if control.stopped() && best.is_some() {
                 return best;
             }
-            let wanted = RowOptions { max_pieces: most, ..RowOptions::new(aim * options.tolerance) };
-            let mut strips: Vec<Strip> = Vec::new();
-            let mut skipped = Vec::new();
-            for piece in row(elements, &wanted) {
-                match nearest("A", &piece, &elements[piece.range.clone()]) {
-                    Ok(s) => strips.push(s),
-                    Err(reason) => skipped.push(format!(
-                        "{name}: {what} {} to {}: {reason} within {} mm",
-                        piece.range.start,
-                        piece.range.end - 1,
-                        options.tolerance
-                    )),
+            let mut found = attempt(name, elements, what, most, aim, options.limits.clone(), options, control);
+            if options.limits.is_none() && !found.skipped.is_empty() {
+                // Fits without strips mostly come with a regression curve too near: some room makes them regular.
+                let room = Some(RegressionLimits { clearance: room(elements), zones: Vec::new() });
+                let kept = attempt(name, elements, what, most, aim, room, options, control);
+                if kept.rank(options) < found.rank(options) {
+                    found = kept;
                 }
             }
-            let certificate = certified(&strips, elements, control);
-            let found = Attempt { strips, skipped, certificate };
-            let (a, b) = (found.rank(options.tolerance), best.as_ref().map(|b| b.1.rank(options.tolerance)));
+            let (a, b) = (found.rank(options), best.as_ref().map(|b| b.1.rank(options)));
             let done = a.0 == 0 && a.1 == 1;
             let better = b.is_none_or(|b| (a.0, a.1) < (b.0, b.1) || ((a.0, a.1) == (b.0, b.1) && a.2 < b.2));
             if better {
@@ -239,8 +324,12 @@ fn best(
             }
         }
         // Finer aims cost strips; they are for the last elements that are not proven yet, not for hopeless rows.
-        let beyond = best.as_ref().map_or(0, |b| b.1.certificate.beyond(options.tolerance));
-        if beyond == 0 || estimates.first().is_some_and(|e| 2 * beyond > e.len()) {
+        const HOPELESS: f64 = 5.0;
+        let (beyond, worst) = best
+            .as_ref()
+            .map_or((0, 0.0), |(_, b)| (b.certificate.beyond(options.tolerance), b.certificate.worst_bound()));
+        let many = estimates.first().is_some_and(|e| 2 * beyond > e.len());
+        if beyond == 0 || (many && worst > HOPELESS * options.tolerance) {
             break;
         }
     }
@@ -250,6 +339,7 @@ fn best(
 fn run(
     rows: Vec<(String, Vec<Vec<PlaneElement>>)>,
     mut skipped: Vec<String>,
+    given: Vec<String>,
     what: &'static str,
     options: &RowFitOptions,
     control: &Control,
@@ -258,12 +348,20 @@ fn run(
     if !(options.tolerance > 0.0 && options.tolerance.is_finite()) {
         return Err(RowFitError::Tolerance(options.tolerance));
     }
+    if let Some(fault) = options.limits.as_ref().and_then(regression::fault) {
+        return Err(RowFitError::Limits(fault));
+    }
     let mut strips: Vec<Strip> = Vec::new();
     let mut all: Vec<PlaneElement> = Vec::new();
     for (k, (name, mut estimates)) in rows.into_iter().enumerate() {
         for elements in &mut estimates {
             if let Some(index) = elements.iter().position(|e| !e.is_usable()) {
                 return Err(RowFitError::Element { index });
+            }
+            let largest = elements.iter().flat_map(|e| e.ends).map(|x| x.amax()).fold(0.0, f64::max);
+            let step = largest * f64::EPSILON;
+            if STEPS * step > options.tolerance {
+                return Err(RowFitError::Coarse { largest, step, tolerance: options.tolerance });
             }
             orient(elements);
         }
@@ -284,6 +382,7 @@ fn run(
         .collect();
     let (parts, patterns) = cut(&strips, &chains, &StripOptions::new(0.1 * options.tolerance));
     let beyond = certificate.beyond(options.tolerance);
+    let broken = regression::broken(&strips, options.limits.as_ref());
     let status = match certificate.worst() {
         _ if strips.is_empty() => Status::Uncertified(format!("no developable strip follows the {what}")),
         _ if control.stopped() => Status::Uncertified(format!("stopped before all {what} were judged")),
@@ -299,9 +398,13 @@ fn run(
                 certificate.worst_bound()
             ))
         }
+        _ if !broken.is_empty() => Status::Uncertified(broken.join("; ")),
         _ => Status::Certified,
     };
-    let mut notes = vec![format!("Distances are proven at the {what}, not between them.")];
+    let mut notes: Vec<String> = options.limits.iter().map(regression::note).collect();
+    notes.extend(given);
+    notes.extend(broken);
+    notes.push(format!("Distances are proven at the {what}, not between them."));
     if strips.len() > 1 {
         notes.push("Strips are fitted one by one and are not joined to each other.".to_string());
     }
@@ -312,6 +415,7 @@ fn run(
         status,
         strip_figures: figures(&strips, &certificate),
         fields: fields(&strips, &certificate),
+        points: Default::default(),
         meaning: FieldMeaning { name: "deviation".into(), unit: "mm".into(), limit: options.tolerance },
         parts,
         patterns,
@@ -329,22 +433,46 @@ fn run(
     Ok(RowOutcome { sheets, elements: all, certificate })
 }
 
-/// The strip with the smallest proven distance from its elements.
-fn nearest(name: &str, piece: &RowPiece, own: &[PlaneElement]) -> Result<Strip, String> {
-    let mut best: Option<(f64, Strip)> = None;
-    let mut reason = "no developable strip follows them".to_string();
+/// The strip with the smallest proven distance from its elements, among those whose regression curve keeps to the
+/// limits if there are any.
+fn nearest(name: &str, piece: &RowPiece, own: &[PlaneElement], options: &RowFitOptions) -> Result<Strip, String> {
+    let mut best: Option<(bool, f64, Strip)> = None;
+    let mut reason =
+        format!("no developable strip follows them within {} mm{}", options.tolerance, kept_off(own, options));
     for fit in &piece.fits {
         match strip(name, fit, own) {
             Ok(s) => {
                 let worst = certified(std::slice::from_ref(&s), own, &Control::default()).worst_bound();
-                if best.as_ref().is_none_or(|b| worst < b.0) {
-                    best = Some((worst, s));
+                let broken = !regression::keeps(&s, options.limits.as_ref());
+                if best.as_ref().is_none_or(|b| (broken, worst) < (b.0, b.1)) {
+                    best = Some((broken, worst, s));
                 }
             }
             Err(e) => reason = format!("the {} found gives no strip ({e})", fit.kind.name()),
         }
     }
-    best.map(|b| b.1).ok_or(reason)
+    best.map(|b| b.2).ok_or(reason)
+}
+
+/// How near developables come whose regression curves keep to the limits, in words; empty where the limits are not what
+/// stands in the way.
+fn kept_off(own: &[PlaneElement], options: &RowFitOptions) -> String {
+    // Tolerances looked at for the reason, in multiples of the one asked for.
+    const WIDER: [f64; 4] = [3.0, 10.0, 100.0, 1e4];
+    let Some(limits) = &options.limits else { return String::new() };
+    let one = |tolerance: f64, limits: Option<RegressionLimits>| {
+        let found = row(own, &RowOptions { max_pieces: 1, limits, ..RowOptions::new(tolerance) });
+        found.into_iter().next().filter(|p| p.range.len() == own.len()).and_then(|p| p.fits.into_iter().next())
+    };
+    if one(options.tolerance, None).is_none() {
+        return String::new();
+    }
+    let wider = WIDER.iter().find_map(|w| one(w * options.tolerance, Some(limits.clone())));
+    let how =
+        wider.map_or("none was found that is".to_string(), |f| format!("the nearest found is {:.3} mm away", f.error));
+    format!(
+        " with its regression curve in bounds ({how}); raise the tolerance, or ask for less of the regression curve"
+    )
 }
 
 fn figures(strips: &[Strip], c: &ElementCertificate) -> Vec<Vec<Figure>> {
@@ -352,15 +480,12 @@ fn figures(strips: &[Strip], c: &ElementCertificate) -> Vec<Vec<Figure>> {
         .map(|k| {
             let own = c.places().iter().zip(c.bounds()).filter(|(p, _)| p.0 as usize == k);
             let (count, worst) = own.fold((0usize, 0.0_f64), |(n, w), (_, b)| (n + 1, w.max(*b)));
-            let (a, b) = strips[k].domain();
-            let clearance = (0..=16)
-                .map(|i| strips[k].regression_clearance(a + (b - a) * f64::from(i) / 16.0))
-                .fold(f64::INFINITY, f64::min);
             vec![
                 Figure::new("elements", count as f64, "", Basis::Given),
                 Figure::new("largest distance", worst, "mm", Basis::Proven),
                 Figure::new("degree along", strips[k].rail(0).knots.degree() as f64, "", Basis::Given),
-                Figure::new("distance to the regression curve", clearance, "mm", Basis::Measured),
+                Figure::new("control points along", strips[k].rail(0).control.len() as f64, "", Basis::Given),
+                regression::figure(&strips[k]),
             ]
         })
         .collect()

@@ -67,6 +67,17 @@ pub struct StripField {
     pub values: Vec<f64>,
 }
 
+/// Measured points with a value each, for a map of all of them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PointMap {
+    /// Places, mm.
+    pub places: Vec<Vec3>,
+    /// Values, in the unit of the colours; one per place.
+    pub values: Vec<f64>,
+    /// Index of the point that is farthest from the strips.
+    pub worst: Option<usize>,
+}
+
 /// What the colours mean.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FieldMeaning {
@@ -108,6 +119,8 @@ pub struct Sheets {
     pub strip_figures: Vec<Vec<Figure>>,
     /// Values for colours, one per strip; empty if there are none.
     pub fields: Vec<StripField>,
+    /// Measured points; none for jobs that have no points.
+    pub points: PointMap,
     /// What they mean.
     pub meaning: FieldMeaning,
     /// Parts, in the order of their strips.

@@ -28,3 +28,4 @@ pub mod shape_run;
 pub mod strip;
 pub mod torse;
 pub mod trim;
+pub mod zone;

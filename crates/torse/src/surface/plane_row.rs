@@ -12,6 +12,8 @@ pub struct PlaneElement {
     pub ends: [Vec3; 2],
     /// Radius of the region of interest around the ruling or centre, mm.
     pub radius: f64,
+    /// Weight in fits; 1 for elements that are as good as any other. Proofs do not know it.
+    pub weight: f64,
 }
 
 impl PlaneElement {
@@ -25,10 +27,11 @@ impl PlaneElement {
         0.5 * (self.ends[0] + self.ends[1])
     }
 
-    /// Whether all numbers are finite, the normal has a direction and the region an extent.
+    /// Whether all numbers are finite, the normal has a direction, the region an extent and the weight is positive.
     pub fn is_usable(&self) -> bool {
         let finite = self.normal.iter().chain(&self.ends[0]).chain(&self.ends[1]).all(|x| x.is_finite());
-        finite && self.normal.norm() > 0.0 && self.radius > 0.0 && self.radius.is_finite()
+        let positive = |x: f64| x > 0.0 && x.is_finite();
+        finite && self.normal.norm() > 0.0 && positive(self.radius) && positive(self.weight)
     }
 }
 

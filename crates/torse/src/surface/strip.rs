@@ -88,6 +88,14 @@ impl Strip {
         Curve { knots: self.patch.knots_u.clone(), control }
     }
 
+    /// The strip moved by a vector (mm), its control points rounded there.
+    pub fn moved(mut self, by: &Vec3) -> Self {
+        for c in &mut self.patch.control {
+            (0..3).for_each(|d| c[d] += c[3] * by[d]);
+        }
+        self
+    }
+
     /// Whether a rail is a point, up to rounding.
     pub fn is_point(&self, side: usize) -> bool {
         let c = self.rail(side).control;

@@ -12,6 +12,7 @@ pub mod scene;
 pub mod sequence;
 pub mod stroke_font;
 
+pub mod dots;
 pub mod drawing;
 pub mod panel;
 pub mod strip;

@@ -81,12 +81,20 @@ pub fn deviation(scene: &Scene, direction: &Vec3, tolerance: f64, caption: &Capt
 
 /// The values at the vertices of the panels, with a legend from −limit to +limit and the words `what`.
 pub fn values(scene: &Scene, direction: &Vec3, limit: f64, what: &str, caption: &Caption) -> Image {
-    const LEGEND: f64 = 150.0;
     let (mut drawing, camera) = stage(scene, direction, caption, LEGEND);
     for panel in &scene.panels {
         triangles(&mut drawing, &camera, &panel.mesh, Paint::Deviation, 1.0 / limit);
     }
     borders(&mut drawing, &camera, scene, 1.6);
+    value_legend(&mut drawing, limit, what);
+    drawing.render()
+}
+
+/// Room for the legend of values, px.
+const LEGEND: f64 = 150.0;
+
+/// The legend of values at the right border.
+fn value_legend(drawing: &mut Drawing, limit: f64, what: &str) {
     let (width, height) = (drawing.width as f64, drawing.height as f64);
     let bar = Rect {
         x: width - LEGEND,
@@ -94,8 +102,36 @@ pub fn values(scene: &Scene, direction: &Vec3, limit: f64, what: &str, caption: 
         width: 30.0,
         height: (height - 150.0).min(460.0),
     };
-    legend(&mut drawing, bar, limit, what);
-    drawing.render()
+    legend(drawing, bar, limit, what);
+}
+
+/// Points coloured by their values over the strips in grey, with a legend from −limit to +limit and the words `what`.
+/// Without strips the points alone are shown. Points beyond the limit are larger; those outside the picture, which shows
+/// all strips, are missing, and counted in the answer.
+pub fn points(
+    scene: &Scene,
+    (points, values): (&[Vec3], &[f64]),
+    direction: &Vec3,
+    limit: f64,
+    what: &str,
+    caption: &Caption,
+) -> (Image, usize) {
+    const GROUND: Rgb = [0.66, 0.68, 0.71];
+    let mut scene = std::borrow::Cow::Borrowed(scene);
+    if meshes(&scene).all(|m| m.positions.is_empty()) {
+        let positions = points.iter().filter(|p| p.iter().all(|x| x.is_finite())).copied().collect();
+        scene.to_mut().surfaces = vec![Mesh { positions, ..Mesh::default() }];
+    }
+    let (mut drawing, camera) = stage(&scene, direction, caption, LEGEND);
+    for panel in &scene.panels {
+        triangles(&mut drawing, &camera, &panel.mesh, Paint::Solid(GROUND), 1.0);
+    }
+    borders(&mut drawing, &camera, &scene, 1.2);
+    value_legend(&mut drawing, limit, what);
+    let mut image = drawing.render();
+    let shares: Vec<f64> = values.iter().map(|v| v / limit).collect();
+    let drawn = super::dots::dots(&mut image, &camera, points, &shares);
+    (image, points.len() - drawn)
 }
 
 /// Patches coloured by what they are, with the rulings and borders of the scene, and a legend of the four kinds.

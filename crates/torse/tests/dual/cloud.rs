@@ -86,9 +86,9 @@ fn bad_clouds_are_refused() {
     };
     let good = measured(200, 0.0, 3).points;
     assert_eq!(run(Vec::new(), 1.0), Err(CloudError::Few(0)));
-    assert_eq!(run(vec![Vec3::x(); 100], 1.0), Err(CloudError::Thin("place")));
+    assert_eq!(run(vec![Vec3::x(); 100], 1.0), Err(CloudError::Thin { what: "place", within: 0.0, size: 0.0 }));
     let line = (0..100).map(|i| Vec3::new(1.0, 2.0, 3.0) * f64::from(i)).collect();
-    assert_eq!(run(line, 1.0), Err(CloudError::Thin("line")));
+    assert!(matches!(run(line, 1.0), Err(CloudError::Thin { what: "line", .. })));
     assert_eq!(run(good.clone(), 0.0), Err(CloudError::Tolerance(0.0)));
     let mut nan = good;
     nan[5].y = f64::NAN;

@@ -2,7 +2,9 @@
 
 use crate::Random;
 use torse::fit::planes::PlaneDatum;
-use torse::fit::regression::{regression_free, ForbiddenZone, RegressionError, RegressionOptions};
+use torse::fit::regression::{
+    regression_free, regression_free_where, ForbiddenZone, RegressionError, RegressionOptions,
+};
 use torse::fit::rulings::{SlopeData, SlopeOptions};
 use torse::fit::Freedom;
 use torse::geom::measure::Measure;
@@ -113,6 +115,27 @@ fn a_box_binds_only_the_rulings_that_meet_it() {
     let far = ForbiddenZone::Box { min: [-1.0, 900.0, -1.0], max: [1.0, 901.0, 1.0] };
     let got = regression_free(&data, &knots, &far, &options).expect("a fit");
     assert!((got.fit.cost - got.free_cost).abs() <= 1e-9 * got.free_cost);
+}
+
+#[test]
+fn zones_that_depend_on_the_ruling_are_kept_free() {
+    let knots = Knots::uniform(3, 8, 0.0, 1.0).expect("knots");
+    let data = noisy(4, 40);
+    let options = RegressionOptions { margin: Some(1e-3), ..RegressionOptions::default() };
+    // The same interval for all rulings is a slab.
+    let slab = regression_free(&data, &knots, &ForbiddenZone::Slab(-0.5, 0.5), &options).expect("a fit");
+    let same = regression_free_where(&data, &knots, &|_, _| Some((-0.5, 0.5)), &options).expect("a fit");
+    assert!((same.fit.cost - slab.fit.cost).abs() <= 1e-9 * slab.fit.cost);
+    // A strip that moves with its rulings: the interval follows the heights of each fit.
+    let moving = |c: &DualCurve, t: f64| Some((-0.4 + c.jet(t)[0][0], 0.4 + c.jet(t)[0][0]));
+    let got = regression_free_where(&data, &knots, &moving, &options).expect("a fit");
+    for i in 0..=400 {
+        let t = f64::from(i) / 400.0;
+        let (p, z) = (got.fit.curve.regression_point(t), got.fit.curve.jet(t)[0][0]);
+        assert!((p[0] / p[3] - z).abs() > 0.4 - 1e-6, "{t}");
+    }
+    let free = regression_free_where(&data, &knots, &|_, _| None, &options).expect("a fit");
+    assert!((free.fit.cost - free.free_cost).abs() <= 1e-9 * free.free_cost);
 }
 
 #[test]

@@ -50,7 +50,12 @@ fn sampled_tangent_planes_are_met_over_their_regions() {
         .map(|i| {
             let ([p, q], n) = helix(f64::from(i) / 59.0);
             // Orientation is nobody's business.
-            PlaneElement { normal: if i % 3 == 0 { -n } else { n }, ends: [0.5 * (p + q); 2], radius: 150.0 }
+            PlaneElement {
+                normal: if i % 3 == 0 { -n } else { n },
+                ends: [0.5 * (p + q); 2],
+                radius: 150.0,
+                weight: 1.0,
+            }
         })
         .collect();
     let got = fit_row(&Given::Planes(planes), &RowFitOptions::new(0.1, "helix"), &Control::default()).expect("a fit");
@@ -111,12 +116,17 @@ fn bad_rows_are_refused() {
     };
     assert!(matches!(run(Given::Rulings(rulings(3)), 0.1), Err(RowFitError::Few(3, "rulings"))));
     assert!(matches!(run(Given::Rulings(rulings(9)), -1.0), Err(RowFitError::Tolerance(_))));
+    let twice = vec![rulings(9)[0], rulings(9)[1], rulings(9)[1], rulings(9)[2]];
+    let repeated = Err(RowFitError::Repeated { what: "ruling", index: 2 });
+    assert_eq!(run(Given::Rulings(twice), 0.1), repeated);
+    let far = rulings(9).into_iter().map(|r| r.map(|x| x + Vec3::repeat(1e15))).collect();
+    assert!(matches!(run(Given::Rulings(far), 0.1), Err(RowFitError::Coarse { .. })));
     let mut nan = rulings(9);
     nan[4][1].z = f64::NAN;
     assert!(run(Given::Rulings(nan), 0.1).expect_err("a fault").to_string().contains("ruling 4"));
     let mut point = rulings(9);
     point[2][1] = point[2][0];
     assert!(run(Given::Rulings(point), 0.1).expect_err("a fault").to_string().contains("ruling 2"));
-    let flat = PlaneElement { normal: Vec3::zeros(), ends: [Vec3::zeros(); 2], radius: 1.0 };
+    let flat = PlaneElement { normal: Vec3::zeros(), ends: [Vec3::zeros(); 2], radius: 1.0, weight: 1.0 };
     assert!(matches!(run(Given::Planes(vec![flat; 5]), 0.1), Err(RowFitError::Element { index: 0 })));
 }

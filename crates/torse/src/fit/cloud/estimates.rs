@@ -4,10 +4,10 @@
 //! outliers losing their weight; its value and slope above the middle of the cell are the estimates \[PW99, 4.3: planes
 //! are to be estimated first\]. Noise is averaged over the neighbourhood, and its bias is of fourth order in the cell.
 
-use super::grid::{around, Grid};
+use super::grid::{around, core, Grid};
 use super::CloudError;
 use crate::fit::planes::robust_weights;
-use crate::geom::{BBox, Vec3};
+use crate::geom::Vec3;
 use nalgebra::{Matrix3, Matrix6, SymmetricEigen, Vector6};
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -76,7 +76,7 @@ pub fn estimates(points: &[Vec3], count: usize) -> Result<Estimates, CloudError>
         links.extend(around(k, 1).filter_map(|o| index.get(&o)).filter(|&&b| b > a).map(|&b| (a, b)));
     }
     if items.is_empty() {
-        return Err(CloudError::Few(points.len()));
+        return Err(CloudError::NoSurface { points: points.len(), places: keys.len() });
     }
     let mut noises: Vec<f64> = items.iter().map(|e| e.noise).collect();
     noises.sort_by(f64::total_cmp);
@@ -104,17 +104,26 @@ fn check(points: &[Vec3]) -> Result<(), CloudError> {
             return Err(CloudError::NotFinite { index, value });
         }
     }
-    let b = BBox::of(points);
-    if b.diagonal() <= 0.0 {
-        return Err(CloudError::Thin("place"));
+    let b = core(points);
+    let size = b.diagonal();
+    if size <= 0.0 {
+        return Err(CloudError::Thin { what: "place", within: 0.0, size: 0.0 });
     }
-    let (c, size) = (b.center(), b.diagonal());
-    let m: Matrix3<f64> = points.iter().map(|p| (p - c) / size).map(|d| d * d.transpose()).sum();
-    let mean: Vec3 = points.iter().map(|p| (p - c) / size).sum::<Vec3>() / points.len() as f64;
-    let mut e = SymmetricEigen::new(m / points.len() as f64 - mean * mean.transpose()).eigenvalues;
+    // Points far from nearly all others do not make a line with them.
+    let inside = |p: &&Vec3| (0..3).all(|k| p[k] >= b.min[k] && p[k] <= b.max[k]);
+    let c = b.center();
+    let (mut m, mut mean, mut count) = (Matrix3::zeros(), Vec3::zeros(), 0.0);
+    for d in points.iter().filter(inside).map(|p| (p - c) / size) {
+        m += d * d.transpose();
+        mean += d;
+        count += 1.0;
+    }
+    mean /= count;
+    let mut e = SymmetricEigen::new(m / count - mean * mean.transpose()).eigenvalues;
     e.as_mut_slice().sort_by(f64::total_cmp);
     if e[1] <= LINE * e[2] {
-        return Err(CloudError::Thin("line"));
+        let within = e[1].max(0.0).sqrt() * size;
+        return Err(CloudError::Thin { what: "line", within, size });
     }
     Ok(())
 }

@@ -16,7 +16,7 @@ pub(super) struct Grid {
 impl Grid {
     /// Cells of edge `size`.
     pub fn new(points: &[Vec3], size: f64) -> Self {
-        let origin = BBox::of(points).min;
+        let origin = core(points).min;
         let mut keyed: Vec<([i32; 3], u32)> =
             points.iter().enumerate().map(|(i, p)| (key(&origin, size, p), i as u32)).collect();
         keyed.sort_unstable();
@@ -36,7 +36,7 @@ impl Grid {
         // Points that take part in finding the size, and steps.
         const SOME: usize = 60_000;
         const STEPS: usize = 7;
-        let diagonal = BBox::of(points).diagonal();
+        let diagonal = core(points).diagonal();
         let some: Vec<Vec3> = points.iter().step_by(points.len().div_ceil(SOME).max(1)).copied().collect();
         let mut size = diagonal / (count as f64).sqrt();
         for _ in 0..STEPS {
@@ -61,6 +61,35 @@ impl Grid {
     /// The cell that holds a place.
     pub fn key(&self, p: &Vec3) -> [i32; 3] {
         key(&self.origin, self.size, p)
+    }
+}
+
+/// The box around nearly all points: a few that lie far away, as scanners write them, do not count.
+pub fn core(points: &[Vec3]) -> BBox {
+    // Points looked at, and the share of them left out on each side.
+    const SOME: usize = 60_000;
+    const SHARE: f64 = 0.01;
+    // The box of the rest is wider by as much of its diagonal, so that it holds the borders.
+    const WIDER: f64 = 0.5;
+    let some: Vec<&Vec3> = points.iter().step_by(points.len().div_ceil(SOME).max(1)).collect();
+    let whole = BBox::of(points);
+    if some.is_empty() {
+        return whole;
+    }
+    let cut = ((SHARE * some.len() as f64).ceil() as usize).min((some.len() - 1) / 2);
+    let range = |k: usize| {
+        let mut x: Vec<f64> = some.iter().map(|p| p[k]).collect();
+        x.sort_by(f64::total_cmp);
+        (x[cut], x[x.len() - 1 - cut])
+    };
+    let [x, y, z] = [0, 1, 2].map(range);
+    let inner = BBox { min: Vec3::new(x.0, y.0, z.0), max: Vec3::new(x.1, y.1, z.1) };
+    let room = Vec3::repeat(WIDER * inner.diagonal());
+    let out = BBox { min: (inner.min - room).sup(&whole.min), max: (inner.max + room).inf(&whole.max) };
+    if inner.diagonal() > 0.0 {
+        out
+    } else {
+        whole
     }
 }
 

@@ -7,12 +7,24 @@ mod grid;
 pub mod pieces;
 pub mod regions;
 
+pub use grid::core;
+
 /// Why points cannot be fitted at all.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum CloudError {
     /// Too few points.
     #[error("{0} points: at least {least} are needed", least = estimates::FEWEST)]
     Few(usize),
+    /// Points that fill space instead of covering a surface.
+    #[error(
+        "the {points} points do not look like a surface at any of {places} places: they fill space, or are too sparse"
+    )]
+    NoSurface {
+        /// Number of points.
+        points: usize,
+        /// Places looked at.
+        places: usize,
+    },
     /// A coordinate that is not finite.
     #[error("point {index} has the coordinate {value}, which is not a finite number")]
     NotFinite {
@@ -22,8 +34,31 @@ pub enum CloudError {
         value: f64,
     },
     /// All points coincide or lie in a line.
-    #[error("all points lie in one {0}: a surface is not determined")]
-    Thin(&'static str),
+    #[error("all points lie in one {what} (within {within:.1e} mm; they reach over {size:.1e} mm): a surface is not determined")]
+    Thin {
+        /// Place or line.
+        what: &'static str,
+        /// Mean distance from it, mm.
+        within: f64,
+        /// Extent of the points, mm.
+        size: f64,
+    },
+    /// Coordinates so large that their last digits are coarser than the tolerance.
+    #[error(
+        "coordinates up to {largest:.1e} mm are exact to {step:.1e} mm only, too coarse for the tolerance of {tolerance} mm: \
+         move the data towards the origin"
+    )]
+    Coarse {
+        /// Largest coordinate, mm.
+        largest: f64,
+        /// Distance of neighbouring numbers there, mm.
+        step: f64,
+        /// Tolerance, mm.
+        tolerance: f64,
+    },
+    /// Limits of the regression curve that cannot be kept by anything.
+    #[error("{0}")]
+    Limits(String),
     /// A tolerance that is not a positive number.
     #[error("the tolerance {0} is not a positive length")]
     Tolerance(f64),

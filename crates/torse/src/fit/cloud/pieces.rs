@@ -9,10 +9,11 @@ use super::estimates::Estimates;
 use super::regions::Region;
 use crate::control::Control;
 use crate::fit::primal::{primal, PrimalOptions};
-use crate::fit::row::{dual_of_cloud, RowOptions};
+use crate::fit::row::{controlled_of_cloud, dual_of_cloud, keeps_limits, RowOptions};
 use crate::fit::samples::{Fit, Sample};
 use crate::geom::Vec3;
 use crate::surface::torse::PanelKind;
+use crate::surface::zone::RegressionLimits;
 use nalgebra::{Matrix3, SymmetricEigen};
 
 /// Options of [`pieces`].
@@ -26,12 +27,14 @@ pub struct PieceOptions {
     pub max_pieces: usize,
     /// Estimates of a piece at least; 8.
     pub fewest: usize,
+    /// What is asked of regression curves; nothing beyond a regular strip.
+    pub limits: Option<RegressionLimits>,
 }
 
 impl PieceOptions {
     /// The defaults with a tolerance and a distance that is near enough, mm.
     pub fn new(tolerance: f64, enough: f64) -> Self {
-        Self { tolerance, enough, max_pieces: 64, fewest: 8 }
+        Self { tolerance, enough, max_pieces: 64, fewest: 8, limits: None }
     }
 }
 
@@ -110,12 +113,23 @@ fn attempt(samples: &[(u32, Sample)], cell: f64, options: &PieceOptions) -> Vec<
     if mean.norm() > 0.0 && samples.iter().all(|s| s.n.dot(&mean) >= TURNED * mean.norm()) {
         out.extend(primal(&samples, &PrimalOptions::new(options.enough)));
     }
-    let simple = out.first().is_some_and(|f: &Fit| f.kind != PanelKind::Torse && f.error <= options.tolerance);
+    let allowed = |f: &Fit| options.limits.as_ref().is_none_or(|l| keeps_limits(&f.torse, &samples, cell, l));
+    let simple =
+        out.first().is_some_and(|f: &Fit| f.kind != PanelKind::Torse && f.error <= options.tolerance && allowed(f));
     // A plane, cylinder or cone that is near enough is what people expect to get back.
     if !simple {
         out.extend(dual_of_cloud(&samples, cell, &RowOptions::new(options.enough)));
     }
     out.retain(|f| f.error <= options.tolerance);
+    // With more conditions nothing comes nearer than fits without them.
+    if let Some(limits) = options.limits.as_ref().filter(|_| !out.is_empty()) {
+        out.retain(|f| keeps_limits(&f.torse, &samples, cell, limits));
+        if out.is_empty() {
+            let wanted = RowOptions::new(options.tolerance);
+            let kept = controlled_of_cloud(&samples, cell, limits, &wanted);
+            out.extend(kept.filter(|f| f.error <= options.tolerance && keeps_limits(&f.torse, &samples, cell, limits)));
+        }
+    }
     out.sort_by(|a, b| a.error.total_cmp(&b.error));
     out
 }

@@ -27,6 +27,8 @@ pub struct Page<'a> {
     pub panels_png: &'a [u8],
     /// What the colours mean, and the PNG file of them, if there are any.
     pub field: Option<(&'a FieldMeaning, &'a [u8])>,
+    /// PNG file: measured points coloured by their values, with the number of points outside it, if there are any.
+    pub points: Option<(&'a [u8], usize)>,
     /// PNG file: strips coloured by shape, if shapes are known.
     pub shapes_png: Option<&'a [u8]>,
     /// End of the colour scale.
@@ -42,12 +44,14 @@ const PAGE: &str = include_str!("sheets.html");
 pub fn write(page: &Page) -> Result<String, HtmlError> {
     let report = page.report;
     let field = page.field.map(|(m, png)| {
+        let mean = if page.points.is_some() { "Mean " } else { "" };
         format!(
-            "<section class=\"card\" id=\"field\"><h2>{name}</h2><img src=\"{}\" alt=\"Map: {name}\"></section>",
+            "<section class=\"card\" id=\"field\"><h2>{mean}{name}</h2><img src=\"{}\" alt=\"Map: {name}\"></section>",
             image(png),
             name = escape(&m.name),
         )
     });
+    let points = page.points.map(|p| points(report, p, page.limit));
     let meaning = page.field.map(|f| f.0);
     let main = fill(PAGE, |name| match name {
         "words" => words(report),
@@ -60,6 +64,7 @@ pub fn write(page: &Page) -> Result<String, HtmlError> {
         "part_rows" => parts(report),
         "shapes" => shapes(report, page.shapes_png.map(image)),
         "layout" => tables::layout(page.layout),
+        "points" => points.clone().unwrap_or_default(),
         "field" => field.clone().unwrap_or_default(),
         _ => String::new(),
     });
@@ -78,6 +83,28 @@ pub fn write(page: &Page) -> Result<String, HtmlError> {
         picture: page.panels_png,
         view: (page.scene, &page.direction, page.limit),
     })
+}
+
+/// Map of the measured points, with the worst of them in words.
+fn points(report: &Report, (png, outside): (&[u8], usize), limit: f64) -> String {
+    let mut words = format!(
+        "Every measured point with its own distance from the strips; points beyond {}&nbsp;mm are larger and magenta.",
+        plain(limit, 4)
+    );
+    if let Some(w) = &report.worst_point {
+        let place = w.place.map(|x| plain(x, 7)).join(", ");
+        let far = w.deviation.map_or_else(|| "infinitely".into(), |d| format!("{}&nbsp;mm", plain(d.abs(), 4)));
+        let _ = write!(words, " The farthest is point {} at ({place}), {far} away.", w.index);
+    }
+    if outside > 0 {
+        let (s, lie) = if outside == 1 { ("", "lies") } else { ("s", "lie") };
+        let _ = write!(words, " {outside} point{s} {lie} outside the picture.");
+    }
+    format!(
+        "<section class=\"card\" id=\"points\"><h2>Measured points</h2><p class=\"quiet\">{words} All values are in \
+         <code>deviation.ply</code>.</p><img src=\"{}\" alt=\"Map of the measured points\"></section>",
+        image(png)
+    )
 }
 
 fn badge(report: &Report) -> String {
@@ -247,12 +274,14 @@ mod tests {
             layout: &shown.pieces,
             panels_png: &[1],
             field: Some((&sheets.meaning, &[2])),
+            points: Some((&[4], 1)),
             shapes_png: Some(&[3]),
             limit: 0.2,
         };
         let text = write(&page).expect("a page");
         assert!(!text.contains("{{") && !text.contains("plate <1>") && text.contains("plate &lt;1&gt;"));
         assert!(text.contains("a &amp; b") && text.contains("A-02"));
+        assert!(text.contains("point 1 at (40, 20, 9), 9&nbsp;mm away. 1 point lies outside"), "{text}");
         for unwanted in ["src=\"http", "href=\"http", "url(", "@import"] {
             assert!(!text.contains(unwanted), "{unwanted}");
         }
