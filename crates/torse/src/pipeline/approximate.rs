@@ -133,6 +133,9 @@ const SMOOTHINGS: usize = 4;
 const RELAXATIONS: usize = 3;
 /// Rounds of laying strips that meet, without those that were refused.
 const MEETINGS: usize = 4;
+/// Weights of gaps against distances in turn, each with the openness that needs no more: seams that are one edge, then seams
+/// within the tolerance.
+const WEIGHTS: [(f64, f64); 2] = [(50.0, 0.0), (7.0, 1.0)];
 /// Shares of the tolerance of covers that leave room for joining.
 const ROOM: [f64; 2] = [0.94, 0.88];
 /// Openness with which nothing more is tried.
@@ -463,10 +466,13 @@ fn met(index: usize, face: &Face, state: &State, built: Built, options: &Options
     };
     let borders = || borders(face, &state.partition);
     let meeting = seams::meet(face, &state, &borders(), tolerance);
-    let open = if meeting.edges.is_empty() { f64::INFINITY } else { attempt(&meeting) };
-    if open > 0.0 && !control.stopped() {
-        if let Some(meeting) = consensus::agree(face, &state, &borders(), &meeting.drafts, tolerance) {
-            attempt(&meeting);
+    let mut open = if meeting.edges.is_empty() { f64::INFINITY } else { attempt(&meeting) };
+    for (weight, settled) in WEIGHTS {
+        if open <= settled || control.stopped() {
+            break;
+        }
+        if let Some(meeting) = consensus::agree(face, &state, &borders(), &meeting.drafts, weight, tolerance) {
+            open = attempt(&meeting);
         }
     }
     best

@@ -31,13 +31,15 @@ struct Border<'a> {
     points: Vec<LinePoint>,
 }
 
-/// Moves the strips of a covered face until neighbours agree, from `drafts` where there are any. `state` must have the partition of the borders. `None`
+/// Moves the strips of a covered face until neighbours agree, from `drafts` where there are any. `weight` says how
+/// much gaps count, see [`ConsensusOptions`]. `state` must have the partition of the borders. `None`
 /// where there is nothing to agree about, or some strip cannot take part.
 pub(super) fn agree(
     face: &Face,
     state: &State,
     borders: &Borders,
     drafts: &BTreeMap<u32, Torse>,
+    weight: f64,
     tolerance: f64,
 ) -> Option<Meeting> {
     let chains = borders.seam_chains();
@@ -81,7 +83,7 @@ pub(super) fn agree(
     if lines.is_empty() {
         return None;
     }
-    let options = ConsensusOptions::new(tolerance * SHARE);
+    let options = ConsensusOptions { weight, ..ConsensusOptions::new(tolerance * SHARE) };
     let (agreed, lifted) = consensus(&strips, &lines, &options)?;
     let torses: BTreeMap<u32, Torse> =
         taking.iter().zip(agreed).filter_map(|(&k, a)| Some((order[k], a?.torse))).collect();

@@ -61,12 +61,14 @@ pub struct ConsensusOptions {
     pub spans: usize,
     /// Steps at most; 18.
     pub rounds: usize,
+    /// Weight of a seam point against a sample; 50. Less leaves wider gaps and smaller distances.
+    pub weight: f64,
 }
 
 impl ConsensusOptions {
     /// The defaults with a tolerance in mm.
     pub fn new(tolerance: f64) -> Self {
-        Self { tolerance, spans: 60, rounds: 18 }
+        Self { tolerance, spans: 60, rounds: 18, weight: 50.0 }
     }
 }
 
@@ -96,17 +98,15 @@ impl AgreedLine {
 }
 
 /// Points per span of an offset, and spans at most.
-const OFFSET_SPANS: (usize, usize) = (3, 40);
-/// Weight of a seam point against a sample, times the root of their numbers' ratio.
-const HEAVY: f64 = 50.0;
+const OFFSET_SPANS: (usize, usize) = (3, 26);
 /// Weight of second differences of an offset's steps.
 const SMOOTH: f64 = 1e-3;
 /// Lawson's steps on one linearisation.
-const LAWSON: usize = 12;
+const LAWSON: usize = 5;
 /// Share of its weight that a sample without distance keeps, and the least weight.
 const KEPT: (f64, f64) = (0.05, 1e-5);
-/// What a gap counts against a distance when steps are judged.
-const GAP: f64 = 4.0;
+/// What a gap counts against a distance when steps are judged, share of the weight of seam points.
+const GAP: f64 = 0.08;
 /// Trials of a step: with every one the damping (share of the normal matrix' diagonal) and the family's fairness, which hold
 /// steps back, grow by these factors.
 const TRIALS: usize = 5;
@@ -194,6 +194,14 @@ impl Member {
     }
 }
 
+/// What holds a step back, and the weight of seam points.
+#[derive(Clone, Copy)]
+struct Hold {
+    damping: f64,
+    firm: f64,
+    weight: f64,
+}
+
 /// The linear system of a strip, for changes of its control planes and of its seams' offsets.
 struct Linear {
     rows: Rows,
@@ -242,14 +250,17 @@ pub fn consensus(
         out = failed;
     };
     started(&members, &mut lifts);
-    let mut state = judged(&mut members, &lifts, tolerance)?;
+    let (weight, counts) = (options.weight, GAP * options.weight);
+    let mut state = judged(&mut members, &lifts, tolerance, counts)?;
     // 2. Steps on all of them.
     let mut idle = 0;
     let (mut damping, mut firm) = (DAMPING.0, FIRM.0);
     for _ in 0..options.rounds {
         let mut better = None;
         for _ in 0..TRIALS {
-            let Some((changes, offsets)) = step(&mut members, &lifts, columns, tolerance, (damping, firm)) else {
+            let Some((changes, offsets)) =
+                step(&mut members, &lifts, columns, tolerance, Hold { damping, firm, weight })
+            else {
                 break;
             };
             better = SHARES.iter().find_map(|&share| {
@@ -261,7 +272,7 @@ pub fn consensus(
                     let first = l.first;
                     l.offset.iter_mut().enumerate().for_each(|(i, a)| *a += share * offsets[first + i]);
                 }
-                let next = judged(&mut m, &l, tolerance);
+                let next = judged(&mut m, &l, tolerance, counts);
                 let next = next?;
                 (next < state).then_some((next, m, l))
             });
@@ -399,7 +410,7 @@ fn gap(l: usize, members: &[Member], lifts: &[Lift]) -> f64 {
 }
 
 /// Measures all strips; how good they are, less is better. `None` if one is not regular.
-fn judged(members: &mut [Member], lifts: &[Lift], tolerance: f64) -> Option<f64> {
+fn judged(members: &mut [Member], lifts: &[Lift], tolerance: f64, counts: f64) -> Option<f64> {
     let good = members
         .par_iter_mut()
         .map(|m| {
@@ -412,7 +423,7 @@ fn judged(members: &mut [Member], lifts: &[Lift], tolerance: f64) -> Option<f64>
     }
     let error = members.iter().map(Member::error).fold(0.0, f64::max);
     let gap = (0..lifts.len()).map(|l| gap(l, members, lifts)).fold(0.0, f64::max);
-    let merit = error + GAP * gap;
+    let merit = error + counts * gap;
     merit.is_finite().then_some(merit)
 }
 
@@ -422,7 +433,7 @@ fn step(
     lifts: &[Lift],
     columns: usize,
     tolerance: f64,
-    hold: (f64, f64),
+    hold: Hold,
 ) -> Option<(Vec<Vec<f64>>, Vec<f64>)> {
     let linear: Vec<Linear> = members.par_iter_mut().map(|m| linearised(m, lifts, tolerance, hold)).collect();
     let reach = linear.iter().filter_map(|l| Some(l.coupling.last()?.0 - l.coupling.first()?.0 + 1)).max()?;
@@ -531,7 +542,8 @@ fn reweight(members: &mut [Member], linear: &[Linear], changes: &[Vec<f64>]) {
     members.iter_mut().flat_map(|m| &mut m.weights).for_each(|w| *w = (*w * scale).max(KEPT.1));
 }
 
-fn linearised(m: &mut Member, lifts: &[Lift], tolerance: f64, (damping, firm): (f64, f64)) -> Linear {
+fn linearised(m: &mut Member, lifts: &[Lift], tolerance: f64, hold: Hold) -> Linear {
+    let Hold { damping, firm, weight: heavy } = hold;
     let f = m.factor(tolerance);
     let all = m.all();
     let scaled: Vec<f64> = m.residual.iter().map(|r| r / f).collect();
@@ -572,7 +584,7 @@ fn linearised(m: &mut Member, lifts: &[Lift], tolerance: f64, (damping, firm): (
     for (l, first) in seams {
         let lift = &lifts[l];
         let count = lift.line.points.len();
-        let weight = HEAVY * HEAVY * m.samples as f64 / count as f64;
+        let weight = heavy * heavy * m.samples as f64 / count as f64;
         let mut block = vec![vec![0.0; n]; lift.offset.len()];
         for (k, p) in lift.line.points.iter().enumerate() {
             let i = first + k;
@@ -628,7 +640,7 @@ mod tests {
     fn tangent_cone(b: f64) -> DualTorse {
         let angles: Vec<f64> = (0..=200).map(|i| -0.1 + 1.2 * f64::from(i) / 200.0).collect();
         let planes: Vec<[f64; 4]> = angles.iter().map(|&a| radial(a, b)).map(|n| [n.x, n.y, n.z, RADIUS]).collect();
-        let knots = Knots::uniform(3, 20, -0.1, 1.1).expect("knots");
+        let knots = Knots::uniform(3, 20, angles[0], angles[200]).expect("knots");
         DualTorse { planes: lsq::fit(&planes, &angles, &knots).expect("planes").curve }
     }
 
