@@ -137,7 +137,7 @@ const MEETINGS: usize = 4;
 /// within the tolerance.
 const WEIGHTS: [(f64, f64); 2] = [(50.0, 0.0), (7.0, 1.0)];
 /// Shares of the tolerance of covers that leave room for joining.
-const ROOM: [f64; 2] = [0.94, 0.88];
+const ROOM: [f64; 1] = [0.94];
 /// Openness with which nothing more is tried.
 const SETTLED: f64 = 0.3;
 /// Share of the openness that a further panel must bring it down to.
@@ -467,7 +467,9 @@ fn met(index: usize, face: &Face, state: &State, built: Built, options: &Options
     let borders = || borders(face, &state.partition);
     let meeting = seams::meet(face, &state, &borders(), tolerance);
     let mut open = if meeting.edges.is_empty() { f64::INFINITY } else { attempt(&meeting) };
-    for (weight, settled) in WEIGHTS {
+    // Where no seam could be made of curves, none will become one edge.
+    let first = usize::from(meeting.edges.is_empty());
+    for (weight, settled) in WEIGHTS.into_iter().skip(first) {
         if open <= settled || control.stopped() {
             break;
         }
