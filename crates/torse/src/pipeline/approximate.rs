@@ -7,7 +7,7 @@ use super::consensus;
 use super::cover::{check_curves, cover, strip_range, Cover, CoverOptions, CurveError, Guide, Layout, Limits, State};
 use super::outcome::{AlongCurve, Outcome, Skipped, Status};
 use super::seams::{self, Meeting};
-use crate::certify::{self, Certificate, SeamStatus};
+use crate::certify::{self, Certificate, SeamCertificate, SeamStatus};
 use crate::control::Control;
 use crate::develop::pattern::{pattern, PatternOptions};
 use crate::develop::DevelopError;
@@ -530,17 +530,24 @@ fn judged(
     count: usize,
     options: &Options,
 ) -> Option<Built> {
-    let mut refused = Vec::new();
+    let (mut refused, mut dropped) = (Vec::new(), Vec::new());
     for _ in 0..MEETINGS {
-        let (next, bad) = build_on(index, face, state, options.tolerance, Some((meeting, &refused)));
+        let (next, bad) = build_on(index, face, state, options.tolerance, Some((meeting, &refused, &dropped)));
         let whole = next.patchwork.panels.len() == count;
-        if bad.is_empty() && whole && too_large(&next, &options.limits).is_empty() {
+        // An edge that its panels miss is no edge of theirs.
+        let label = |k: usize| next.patchwork.panels[k].label;
+        let missed = |s: &&SeamCertificate| s.status != SeamStatus::Exact;
+        let seams = next.patchwork.seams().into_iter().zip(&next.certificate.seams);
+        let shared: Vec<&SeamCertificate> = seams.filter(|(s, _)| s.is_shared()).map(|s| s.1).collect();
+        let missed: Vec<[u32; 2]> = shared.into_iter().filter(missed).map(|s| s.panels.map(label)).collect();
+        if bad.is_empty() && whole && missed.is_empty() && too_large(&next, &options.limits).is_empty() {
             return Some(next);
         }
         // Neighbours of a strip that failed keep their other seams.
-        let before = refused.len();
+        let before = refused.len() + dropped.len();
         refused.extend(bad.into_iter().filter(|l| !refused.contains(l)).collect::<Vec<_>>());
-        if refused.len() == before {
+        dropped.extend(missed);
+        if refused.len() + dropped.len() == before {
             break;
         }
     }
@@ -558,21 +565,18 @@ fn build(index: usize, face: &Face, state: &State, tolerance: f64) -> (Built, Ve
     build_on(index, face, &seams::with_partition(face, state, partition), tolerance, None)
 }
 
+/// What is used of strips that meet: all but those of refused labels, and but edges between pairs of labels.
+type Kept<'a> = (&'a Meeting, &'a [u32], &'a [[u32; 2]]);
+
 /// As [`build`], on smooth borders, with strips that meet but for those of refused labels.
-fn build_on(
-    index: usize,
-    face: &Face,
-    state: &State,
-    tolerance: f64,
-    meeting: Option<(&Meeting, &[u32])>,
-) -> (Built, Vec<u32>) {
+fn build_on(index: usize, face: &Face, state: &State, tolerance: f64, meeting: Option<Kept>) -> (Built, Vec<u32>) {
     let partition = &state.partition;
     let mut borders = borders(face, partition);
     let mut assigned: Vec<Assigned> =
         state.panels.iter().map(|(&label, fit)| Assigned { label, torse: &fit.torse, kind: fit.kind }).collect();
-    if let Some((meeting, refused)) = meeting {
+    if let Some((meeting, refused, dropped)) = meeting {
         let mut met = HashSet::new();
-        for e in seams::apply(meeting, refused) {
+        for e in seams::apply(meeting, refused, dropped) {
             borders.share(e.chain, e.edge.clone(), e.parameters.clone());
             met.extend(e.labels);
         }

@@ -397,10 +397,17 @@ pub(super) fn stretch(curve: &Curve<3>, base: &BaseLine, places: &[Vec3]) -> Opt
     Some((Curve { knots, control: part.control }, s))
 }
 
-/// Whether a partition has a shared edge whose both labels are still new.
-pub(super) fn apply<'a>(meeting: &'a Meeting, refused: &[u32]) -> impl Iterator<Item = &'a SharedSeam> {
-    let refused = refused.to_vec();
-    meeting.edges.iter().filter(move |e| e.labels.iter().all(|l| !refused.contains(l)))
+/// Shared edges whose both labels are still new, without those between labels in `dropped`.
+pub(super) fn apply<'a>(
+    meeting: &'a Meeting,
+    refused: &'a [u32],
+    dropped: &'a [[u32; 2]],
+) -> impl Iterator<Item = &'a SharedSeam> {
+    let between = |e: &SharedSeam, [a, b]: [u32; 2]| e.labels == [a, b] || e.labels == [b, a];
+    meeting
+        .edges
+        .iter()
+        .filter(move |e| !e.labels.iter().any(|l| refused.contains(l)) && !dropped.iter().any(|d| between(e, *d)))
 }
 
 /// The state with another partition of the same labels.
