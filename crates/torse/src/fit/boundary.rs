@@ -5,7 +5,7 @@
 
 mod path;
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use rayon::prelude::*;
 
@@ -171,6 +171,8 @@ pub struct Borders<'a> {
     bend: HashMap<u32, f64>,
     /// Edges that both sides of a chain take as they are.
     shared: HashMap<usize, SharedEdge>,
+    /// Labels that end on the face's normals without any shared edge.
+    on_normals: HashSet<u32>,
     /// Number of seams.
     pub seam_count: usize,
 }
@@ -227,7 +229,17 @@ impl<'a> Borders<'a> {
                 bend.insert(w[1], off.norm());
             }
         }
-        Self { face, partition, points, chains, seams, bend, shared: HashMap::new(), seam_count }
+        Self {
+            face,
+            partition,
+            points,
+            chains,
+            seams,
+            bend,
+            shared: HashMap::new(),
+            on_normals: HashSet::new(),
+            seam_count,
+        }
     }
 
     /// All borders between two labels.
@@ -250,6 +262,12 @@ impl<'a> Borders<'a> {
     /// its own boundary, so that edges meet there in one point.
     pub fn share(&mut self, chain: usize, edge: Curve<3>, parameters: Vec<f64>) {
         self.shared.insert(chain, SharedEdge { edge, parameters });
+    }
+
+    /// Makes the panels of labels end where they meet the face's normals along its borders, not in the feet of these: such
+    /// neighbours are as far apart as their distances from the face differ.
+    pub fn end_on_normals(&mut self, labels: impl IntoIterator<Item = u32>) {
+        self.on_normals.extend(labels);
     }
 
     /// Builds one panel (named by the caller), with the largest distance (mm) between trimming curves and feet.
@@ -285,7 +303,8 @@ impl<'a> Borders<'a> {
         let place = |f: &Foot, x: &Vec3| [f.t, convert::parameters(&patch, f.t, x)];
         let mut places: HashMap<u32, [f64; 2]> =
             feet.iter().map(|(&v, f)| (v, place(f, &self.points[f.vertex as usize]))).collect();
-        let walled = loops.iter().flatten().any(|s| self.shared.contains_key(&s.chain));
+        let walled =
+            self.on_normals.contains(&label) || loops.iter().flatten().any(|s| self.shared.contains_key(&s.chain));
         let mut walls = HashMap::new();
         if walled {
             let at = |v: u32| self.partition.vertices[v as usize];

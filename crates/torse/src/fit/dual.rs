@@ -50,30 +50,30 @@ impl DualOptions {
 
 /// Scaled coordinates: `X = center + unit · Y`.
 #[derive(Clone, Copy, Debug)]
-struct Scale {
+pub(super) struct Scale {
     center: Vec3,
-    unit: f64,
+    pub(super) unit: f64,
 }
 
 impl Scale {
-    fn of(samples: &[Sample]) -> Option<Self> {
+    pub(super) fn of(samples: &[Sample]) -> Option<Self> {
         let bbox = BBox::of(samples.iter().map(|s| &s.x));
         let unit = 0.5 * bbox.diagonal();
         (unit > 0.0 && unit.is_finite()).then(|| Self { center: bbox.center(), unit })
     }
 
-    fn point(&self, x: &Vec3) -> Vec3 {
+    pub(super) fn point(&self, x: &Vec3) -> Vec3 {
         (x - self.center) / self.unit
     }
 
     /// Plane coordinates `(n, h)` in the scaled system from those in mm.
-    fn plane(&self, p: &[f64; 4]) -> [f64; 4] {
+    pub(super) fn plane(&self, p: &[f64; 4]) -> [f64; 4] {
         let nc = p[0] * self.center.x + p[1] * self.center.y + p[2] * self.center.z;
         [p[0], p[1], p[2], (p[3] - nc) / self.unit]
     }
 
     /// Plane coordinates in mm.
-    fn plane_back(&self, p: &[f64; 4]) -> [f64; 4] {
+    pub(super) fn plane_back(&self, p: &[f64; 4]) -> [f64; 4] {
         let nc = p[0] * self.center.x + p[1] * self.center.y + p[2] * self.center.z;
         [p[0], p[1], p[2], p[3] * self.unit + nc]
     }

@@ -3,10 +3,11 @@
 //! Reads like the page that describes it: cover every face, build the panels as they will be exported, have them
 //! judged, cut what is refused, develop the rest.
 
+use super::consensus;
 use super::cover::{check_curves, cover, strip_range, Cover, CoverOptions, CurveError, Guide, Layout, Limits, State};
 use super::outcome::{AlongCurve, Outcome, Skipped, Status};
 use super::seams::{self, Meeting};
-use crate::certify::{self, Certificate};
+use crate::certify::{self, Certificate, SeamCertificate, SeamStatus};
 use crate::control::Control;
 use crate::develop::pattern::{pattern, PatternOptions};
 use crate::develop::DevelopError;
@@ -19,6 +20,7 @@ use crate::surface::panel::{Border, Panel, Patchwork};
 use crate::surface::pattern::Pattern;
 use crate::surface::torse::PanelKind;
 use rayon::prelude::*;
+use std::collections::HashSet;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
@@ -131,6 +133,15 @@ const SMOOTHINGS: usize = 4;
 const RELAXATIONS: usize = 3;
 /// Rounds of laying strips that meet, without those that were refused.
 const MEETINGS: usize = 4;
+/// Weights of gaps against distances in turn, each with the openness that needs no more: seams that are one edge, then seams
+/// within the tolerance.
+const WEIGHTS: [(f64, f64); 2] = [(50.0, 0.0), (7.0, 1.0)];
+/// Shares of the tolerance of covers that leave room for joining.
+const ROOM: [f64; 1] = [0.94];
+/// Openness with which nothing more is tried.
+const SETTLED: f64 = 0.3;
+/// Share of the openness that a further panel must bring it down to.
+const MUCH: f64 = 0.4;
 /// Rounds of cutting panels that the judge refuses as built.
 const ROUNDS: usize = 6;
 /// Rounds of cutting panels that are too large for the sheet, each in halves.
@@ -382,7 +393,11 @@ fn one_face(index: usize, mut face: Face, options: &Options, control: &Control) 
             // Pieces of a good panel are good panels: only the cuts are new.
             let large = too_large(&built, &options.limits);
             if large.is_empty() || sheets == SHEET_ROUNDS || built.patchwork.panels.len() + large.len() > limit {
-                return Ok(if options.meet { met(index, &face, &state, built, options, control) } else { built });
+                if !options.meet {
+                    return Ok(built);
+                }
+                let best = met(index, &face, &state, built, options, control);
+                return Ok(with_room(index, &face, best, &cover_options, options, control));
             }
             sheets += 1;
             state = super::cover::cut_large(&face, &state, &large);
@@ -440,25 +455,103 @@ fn met(index: usize, face: &Face, state: &State, built: Built, options: &Options
     let partition = smooth_borders(face, state.partition.clone(), tolerance);
     let state = seams::with_partition(face, state, partition);
     let state = seams::on_levels(face, &state, &borders(face, &state.partition), tolerance);
-    let Some(meeting) = seams::meet(face, &state, &borders(face, &state.partition), tolerance) else { return built };
-    let mut refused = Vec::new();
-    for _ in 0..MEETINGS {
-        if control.stopped() {
+    let mut best = built;
+    let mut attempt = |meeting: &Meeting| {
+        let count = best.patchwork.panels.len();
+        let next = judged(index, face, &state, meeting, count, options);
+        if let Some(next) = next.filter(|n| openness(n) < openness(&best)) {
+            best = next;
+        }
+        openness(&best)
+    };
+    let borders = || borders(face, &state.partition);
+    let meeting = seams::meet(face, &state, &borders(), tolerance);
+    let mut open = if meeting.edges.is_empty() { f64::INFINITY } else { attempt(&meeting) };
+    // Where no seam could be made of curves, none will become one edge.
+    let first = usize::from(meeting.edges.is_empty());
+    for (weight, settled) in WEIGHTS.into_iter().skip(first) {
+        if open <= settled || control.stopped() {
             break;
         }
-        let (next, bad) = build_on(index, face, &state, tolerance, Some((&meeting, &refused)));
-        let whole = next.patchwork.panels.len() == built.patchwork.panels.len();
-        if bad.is_empty() && whole && too_large(&next, &options.limits).is_empty() {
-            return next;
+        if let Some(meeting) = consensus::agree(face, &state, &borders(), &meeting.drafts, weight, tolerance) {
+            open = attempt(&meeting);
+        }
+    }
+    best
+}
+
+/// As [`met`], from covers made for less than the tolerance where these have no more panels: what they leave is room for
+/// joining. One panel more is accepted where gaps would stay open.
+fn with_room(
+    index: usize,
+    face: &Face,
+    mut best: Built,
+    cover_options: &CoverOptions,
+    options: &Options,
+    control: &Control,
+) -> Built {
+    for share in ROOM {
+        if openness(&best) <= SETTLED || control.stopped() {
+            break;
+        }
+        let narrow = CoverOptions { tolerance: cover_options.tolerance * share, ..cover_options.clone() };
+        let Ok(found) = cover(face, &narrow, control) else { break };
+        let (built, refused) = build(index, face, &found.state, options.tolerance);
+        let more = built.patchwork.panels.len().saturating_sub(best.patchwork.panels.len());
+        let is_open = best.certificate.seams.iter().any(|s| s.status == SeamStatus::Open);
+        if !found.complete || !refused.is_empty() || more > usize::from(is_open) {
+            continue;
+        }
+        if !too_large(&built, &options.limits).is_empty() {
+            continue;
+        }
+        let next = met(index, face, &found.state, built, options, control);
+        let better = if more > 0 { MUCH * openness(&best) } else { openness(&best) };
+        if openness(&next) < better {
+            best = next;
+        }
+    }
+    best
+}
+
+/// How far panels are from meeting: a gap of the tolerance counts one, every seam that is not exact a little besides.
+fn openness(built: &Built) -> f64 {
+    const EACH: f64 = 0.1;
+    let open = built.certificate.seams.iter().filter(|s| s.status != SeamStatus::Exact);
+    open.map(|s| EACH + s.gap_bound / built.certificate.tolerance).sum()
+}
+
+/// Panels that meet, without those that are refused. `None` if not all the others can be proven.
+fn judged(
+    index: usize,
+    face: &Face,
+    state: &State,
+    meeting: &Meeting,
+    count: usize,
+    options: &Options,
+) -> Option<Built> {
+    let (mut refused, mut dropped) = (Vec::new(), Vec::new());
+    for _ in 0..MEETINGS {
+        let (next, bad) = build_on(index, face, state, options.tolerance, Some((meeting, &refused, &dropped)));
+        let whole = next.patchwork.panels.len() == count;
+        // An edge that its panels miss is no edge of theirs.
+        let label = |k: usize| next.patchwork.panels[k].label;
+        let missed = |s: &&SeamCertificate| s.status != SeamStatus::Exact;
+        let seams = next.patchwork.seams().into_iter().zip(&next.certificate.seams);
+        let shared: Vec<&SeamCertificate> = seams.filter(|(s, _)| s.is_shared()).map(|s| s.1).collect();
+        let missed: Vec<[u32; 2]> = shared.into_iter().filter(missed).map(|s| s.panels.map(label)).collect();
+        if bad.is_empty() && whole && missed.is_empty() && too_large(&next, &options.limits).is_empty() {
+            return Some(next);
         }
         // Neighbours of a strip that failed keep their other seams.
-        let before = refused.len();
+        let before = refused.len() + dropped.len();
         refused.extend(bad.into_iter().filter(|l| !refused.contains(l)).collect::<Vec<_>>());
-        if refused.len() == before {
+        dropped.extend(missed);
+        if refused.len() + dropped.len() == before {
             break;
         }
     }
-    built
+    None
 }
 
 /// Borders of a partition.
@@ -472,26 +565,29 @@ fn build(index: usize, face: &Face, state: &State, tolerance: f64) -> (Built, Ve
     build_on(index, face, &seams::with_partition(face, state, partition), tolerance, None)
 }
 
+/// What is used of strips that meet: all but those of refused labels, and but edges between pairs of labels.
+type Kept<'a> = (&'a Meeting, &'a [u32], &'a [[u32; 2]]);
+
 /// As [`build`], on smooth borders, with strips that meet but for those of refused labels.
-fn build_on(
-    index: usize,
-    face: &Face,
-    state: &State,
-    tolerance: f64,
-    meeting: Option<(&Meeting, &[u32])>,
-) -> (Built, Vec<u32>) {
+fn build_on(index: usize, face: &Face, state: &State, tolerance: f64, meeting: Option<Kept>) -> (Built, Vec<u32>) {
     let partition = &state.partition;
     let mut borders = borders(face, partition);
     let mut assigned: Vec<Assigned> =
         state.panels.iter().map(|(&label, fit)| Assigned { label, torse: &fit.torse, kind: fit.kind }).collect();
-    if let Some((meeting, refused)) = meeting {
-        for e in seams::apply(meeting, refused) {
+    if let Some((meeting, refused, dropped)) = meeting {
+        let mut met = HashSet::new();
+        for e in seams::apply(meeting, refused, dropped) {
             borders.share(e.chain, e.edge.clone(), e.parameters.clone());
-            for a in assigned.iter_mut().filter(|a| e.labels.contains(&a.label)) {
-                if let Some(torse) = meeting.torses.get(&a.label) {
-                    (a.torse, a.kind) = (torse, PanelKind::Torse);
-                }
+            met.extend(e.labels);
+        }
+        let new = |l: &u32| met.contains(l) || (meeting.alone && !refused.contains(l));
+        for a in assigned.iter_mut().filter(|a| new(&a.label)) {
+            if let Some(torse) = meeting.torses.get(&a.label) {
+                (a.torse, a.kind) = (torse, PanelKind::Torse);
             }
+        }
+        if meeting.alone {
+            borders.end_on_normals(meeting.torses.keys().copied().filter(new));
         }
     }
     let trim_tolerance = tolerance * TRIM_SHARE;

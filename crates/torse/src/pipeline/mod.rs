@@ -5,6 +5,7 @@ mod cone_outline;
 pub mod cone_shapes;
 mod cone_strip;
 pub mod cones;
+mod consensus;
 pub mod cover;
 pub mod cut;
 pub mod exact_strip;

@@ -22,8 +22,12 @@ use std::sync::Arc;
 pub(super) struct Meeting {
     /// New torse of a label.
     pub torses: BTreeMap<u32, Torse>,
+    /// Torses that are not good enough, but something to start from.
+    pub drafts: BTreeMap<u32, Torse>,
     /// Edges between two labels with new torses.
     pub edges: Vec<SharedSeam>,
+    /// Whether torses without such edges are better than those before, too.
+    pub alone: bool,
 }
 
 /// An edge in space for a chain of the borders.
@@ -49,6 +53,9 @@ const BEYOND: [f64; 3] = [0.12, 1.3, 0.6];
 /// Edge offsets from theory stay within this share of the tolerance.
 const MOST_OFFSET: f64 = 0.9;
 
+/// Strips that miss the samples by more than this share of the tolerance are nothing to start from.
+const MOST_DRAFT: f64 = 1.5;
+
 /// One band in a sequence.
 struct Band {
     label: u32,
@@ -58,15 +65,14 @@ struct Band {
     after: Option<usize>,
 }
 
-/// Lays the bands of a covered face anew so that they meet. `state` must have the partition of the borders. `None`
-/// where no two bands follow each other.
-pub(super) fn meet(face: &Face, state: &State, borders: &Borders, tolerance: f64) -> Option<Meeting> {
+/// Lays the bands of a covered face anew so that they meet. `state` must have the partition of the borders.
+pub(super) fn meet(face: &Face, state: &State, borders: &Borders, tolerance: f64) -> Meeting {
     let chains = borders.seam_chains();
-    let mut out = Meeting { torses: BTreeMap::new(), edges: Vec::new() };
+    let mut out = Meeting { torses: BTreeMap::new(), drafts: BTreeMap::new(), edges: Vec::new(), alone: false };
     for sequence in sequences(state, &chains, tolerance) {
         laid_anew(face, state, &chains, &sequence, tolerance, &mut out);
     }
-    (!out.edges.is_empty()).then_some(out)
+    out
 }
 
 /// The state with the vertices of borders between bands on their levels, from which smoothing may have moved them:
@@ -83,24 +89,23 @@ pub(super) fn on_levels(face: &Face, state: &State, borders: &Borders, tolerance
         let [a, b, c] = p.corners(t);
         (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
     };
-    for sequence in sequences(state, &chains, tolerance) {
-        for band in &sequence {
-            let (Some(k), Some(field)) = (band.after, state.bands.get(&band.label)) else { continue };
-            let level = level_of(&state.partition, field, &chains[k]);
-            let last = chains[k].vertices.len() - 1;
-            for (i, &v) in chains[k].vertices.iter().enumerate() {
-                let old = partition.vertices[v as usize];
-                let fixed = [0, 1].map(|d: usize| lines[d].contains(&old[d]));
-                // Ends on a trimming curve that is no knot line stay on it.
-                if fixed == [true; 2] || ((i == 0 || i == last) && fixed == [false; 2]) {
-                    continue;
-                }
-                let before: Vec<f64> = around[&v].iter().map(|&t| area(&partition, t)).collect();
-                partition.vertices[v as usize] = onto(field, old, level, fixed);
-                let kept = around[&v].iter().zip(before).all(|(&t, b)| area(&partition, t) > LEAST_TRIANGLE * b);
-                if !kept {
-                    partition.vertices[v as usize] = old;
-                }
+    for c in level_chains(state, &chains, tolerance) {
+        let chain = &chains[c.chain];
+        let Some(field) = state.bands.get(&c.low) else { continue };
+        let level = level_of(&state.partition, field, chain);
+        let last = chain.vertices.len() - 1;
+        for (i, &v) in chain.vertices.iter().enumerate() {
+            let old = partition.vertices[v as usize];
+            let fixed = [0, 1].map(|d: usize| lines[d].contains(&old[d]));
+            // Ends on a trimming curve that is no knot line stay on it.
+            if fixed == [true; 2] || ((i == 0 || i == last) && fixed == [false; 2]) {
+                continue;
+            }
+            let before: Vec<f64> = around[&v].iter().map(|&t| area(&partition, t)).collect();
+            partition.vertices[v as usize] = onto(field, old, level, fixed);
+            let kept = around[&v].iter().zip(before).all(|(&t, b)| area(&partition, t) > LEAST_TRIANGLE * b);
+            if !kept {
+                partition.vertices[v as usize] = old;
             }
         }
     }
@@ -117,10 +122,20 @@ fn level_of(partition: &Partition, field: &Field, chain: &SeamChain) -> f64 {
     values[values.len() / 2]
 }
 
-/// Bands that follow each other along one level function, each sequence in the order of levels.
-fn sequences(state: &State, chains: &[SeamChain], tolerance: f64) -> Vec<Vec<Band>> {
+/// A chain of the borders on one level between bands of one function.
+pub(super) struct LevelChain {
+    /// Index in the list of chains.
+    pub chain: usize,
+    /// Label at lower levels.
+    pub low: u32,
+    /// Label at higher levels.
+    pub high: u32,
+}
+
+/// Ranges of the bands' own level function.
+fn ranges(state: &State) -> HashMap<u32, (f64, f64)> {
     let part = &state.partition;
-    let ranges: HashMap<u32, (f64, f64)> = state
+    state
         .bands
         .iter()
         .filter(|(l, _)| state.panels.contains_key(l))
@@ -128,7 +143,29 @@ fn sequences(state: &State, chains: &[SeamChain], tolerance: f64) -> Vec<Vec<Ban
             let values = part.region_vertices(l).into_iter().map(|v| f.value(part.vertices[v as usize]));
             (l, values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x))))
         })
-        .collect();
+        .collect()
+}
+
+/// All chains on one level.
+pub(super) fn level_chains(state: &State, chains: &[SeamChain], tolerance: f64) -> Vec<LevelChain> {
+    let (part, ranges) = (&state.partition, ranges(state));
+    let of = |(chain, c): (usize, &SeamChain)| {
+        let [a, b] = c.labels;
+        let (fa, fb, ra, rb) = (state.bands.get(&a)?, state.bands.get(&b)?, ranges.get(&a)?, ranges.get(&b)?);
+        if !Arc::ptr_eq(fa, fb) || c.length <= 0.0 || c.vertices.len() < 3 {
+            return None;
+        }
+        let values = c.vertices.iter().map(|&v| fa.value(part.vertices[v as usize]));
+        let (lo, hi) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
+        let (low, high) = if ra.0 + ra.1 < rb.0 + rb.1 { (a, b) } else { (b, a) };
+        (hi - lo <= LEVEL * 4.0 * tolerance.sqrt()).then_some(LevelChain { chain, low, high })
+    };
+    chains.iter().enumerate().filter_map(of).collect()
+}
+
+/// Bands that follow each other along one level function, each sequence in the order of levels.
+fn sequences(state: &State, chains: &[SeamChain], tolerance: f64) -> Vec<Vec<Band>> {
+    let ranges = ranges(state);
     // Chains on one level between bands of one function: (lower, upper).
     let mut above: HashMap<u32, Vec<(usize, u32)>> = HashMap::new();
     let mut below: HashMap<u32, Vec<(usize, u32)>> = HashMap::new();
@@ -136,24 +173,9 @@ fn sequences(state: &State, chains: &[SeamChain], tolerance: f64) -> Vec<Vec<Ban
     for c in chains {
         *between.entry(c.labels).or_insert(0) += 1;
     }
-    for (k, c) in chains.iter().enumerate() {
-        let [a, b] = c.labels;
-        let (Some(fa), Some(fb), Some(ra), Some(rb)) =
-            (state.bands.get(&a), state.bands.get(&b), ranges.get(&a), ranges.get(&b))
-        else {
-            continue;
-        };
-        if !Arc::ptr_eq(fa, fb) || between[&c.labels] != 1 || c.length <= 0.0 || c.vertices.len() < 3 {
-            continue;
-        }
-        let values: Vec<f64> = c.vertices.iter().map(|&v| fa.value(part.vertices[v as usize])).collect();
-        let (lo, hi) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &x| (a.min(x), b.max(x)));
-        if hi - lo > LEVEL * 4.0 * tolerance.sqrt() {
-            continue;
-        }
-        let (low, high) = if ra.0 + ra.1 < rb.0 + rb.1 { (a, b) } else { (b, a) };
-        above.entry(low).or_default().push((k, high));
-        below.entry(high).or_default().push((k, low));
+    for c in level_chains(state, chains, tolerance).iter().filter(|c| between[&chains[c.chain].labels] == 1) {
+        above.entry(c.low).or_default().push((c.chain, c.high));
+        below.entry(c.high).or_default().push((c.chain, c.low));
     }
     let single = |m: &HashMap<u32, Vec<(usize, u32)>>, l: u32| match m.get(&l).map(Vec::as_slice) {
         Some([one]) => Some(*one),
@@ -183,10 +205,10 @@ fn sequences(state: &State, chains: &[SeamChain], tolerance: f64) -> Vec<Vec<Ban
 }
 
 /// What a seam starts from.
-struct Origin {
-    seed: [f64; 2],
-    inside: (f64, f64),
-    level: f64,
+pub(super) struct Origin {
+    pub seed: [f64; 2],
+    pub inside: (f64, f64),
+    pub level: f64,
 }
 
 fn laid_anew(
@@ -275,6 +297,9 @@ fn laid_anew(
         laid[k].as_ref().filter(|l: &&Laid| l.error <= tolerance && l.seam_distance <= 10.0 * SEAM_SHARE * tolerance)
     };
     for (k, band) in sequence.iter().enumerate() {
+        if let Some(l) = laid[k].as_ref().filter(|l| l.error <= MOST_DRAFT * tolerance) {
+            out.drafts.insert(band.label, l.torse.clone());
+        }
         if let Some(l) = good(k) {
             out.torses.insert(band.label, l.torse.clone());
         }
@@ -294,7 +319,7 @@ fn laid_anew(
 }
 
 /// Seed, lengths and level of the seam on a chain, lengths along the direction of base lines.
-fn origin(face: &Face, state: &State, field: &Field, chain: &SeamChain) -> Option<Origin> {
+pub(super) fn origin(face: &Face, state: &State, field: &Field, chain: &SeamChain) -> Option<Origin> {
     let at = |v: u32| state.partition.vertices[v as usize];
     let level = level_of(&state.partition, field, chain);
     let place = |v: u32| state.jets[v as usize].jet.p;
@@ -332,7 +357,7 @@ fn onto(field: &Field, mut p: [f64; 2], level: f64, fixed: [bool; 2]) -> [f64; 2
 
 /// The part of a seam beside a border's vertices, over [0, 1] in their direction, and the parameter of each: the
 /// point of the seam nearest to it. `None` if these do not follow each other.
-fn stretch(curve: &Curve<3>, base: &BaseLine, places: &[Vec3]) -> Option<(Curve<3>, Vec<f64>)> {
+pub(super) fn stretch(curve: &Curve<3>, base: &BaseLine, places: &[Vec3]) -> Option<(Curve<3>, Vec<f64>)> {
     const STEPS: usize = 20;
     let (a, b) = curve.domain();
     let nearest = |x: &Vec3| {
@@ -372,10 +397,17 @@ fn stretch(curve: &Curve<3>, base: &BaseLine, places: &[Vec3]) -> Option<(Curve<
     Some((Curve { knots, control: part.control }, s))
 }
 
-/// Whether a partition has a shared edge whose both labels are still new.
-pub(super) fn apply<'a>(meeting: &'a Meeting, refused: &[u32]) -> impl Iterator<Item = &'a SharedSeam> {
-    let refused = refused.to_vec();
-    meeting.edges.iter().filter(move |e| e.labels.iter().all(|l| !refused.contains(l)))
+/// Shared edges whose both labels are still new, without those between labels in `dropped`.
+pub(super) fn apply<'a>(
+    meeting: &'a Meeting,
+    refused: &'a [u32],
+    dropped: &'a [[u32; 2]],
+) -> impl Iterator<Item = &'a SharedSeam> {
+    let between = |e: &SharedSeam, [a, b]: [u32; 2]| e.labels == [a, b] || e.labels == [b, a];
+    meeting
+        .edges
+        .iter()
+        .filter(move |e| !e.labels.iter().any(|l| refused.contains(l)) && !dropped.iter().any(|d| between(e, *d)))
 }
 
 /// The state with another partition of the same labels.

@@ -9,6 +9,7 @@
 //! *Not guaranteed*: that the linear step helps (then the start is kept); distances are sampled.
 
 use super::connecting::{connecting, refit, ConnectingRuling};
+use super::feet::feet;
 use super::seam::{Seam, DEGREE};
 use crate::fit::samples::{thin, Sample};
 use crate::fit::sheet::Sheet;
@@ -109,7 +110,8 @@ pub fn network(seams: &mut [Seam], strips: &[StripBetween], options: &NetworkOpt
     let mut failures = 0;
     let few: Vec<Vec<usize>> = strips.iter().map(|s| thin(&s.samples, SAMPLES)).collect();
     for _ in 0..options.rounds {
-        if score(&best).1 <= KEEN * options.tolerance {
+        let (missing, error) = score(&best);
+        if error <= KEEN * options.tolerance || 2 * missing > strips.len() {
             break;
         }
         let Some(change) = step(seams, strips, &few, &best, options.tolerance, trust) else { break };
@@ -169,17 +171,16 @@ fn drafts(seams: &[Seam], strips: &[StripBetween]) -> Vec<Option<Draft>> {
 fn rows(torse: &Torse, rulings: &[ConnectingRuling], parameters: &[f64], samples: &[Sample]) -> Option<Vec<Row>> {
     let sheet = Sheet::of(torse)?;
     let guesses = sheet.guesses();
-    let mut sign = 0.0;
+    let points: Vec<Vec3> = samples.iter().map(|s| sheet.local(&s.x)).collect();
+    let first: Vec<f64> = points.iter().map(|q| guesses.guess(q)).collect();
+    let found = feet(&sheet, &points, &first, sheet.domain());
     samples
         .iter()
-        .map(|s| {
-            let q = sheet.local(&s.x);
-            let t = sheet.foot(&q, guesses.guess(&q), sheet.domain()).or_else(|| sheet.nearest_foot(&q))?;
-            let (d, regular) = sheet.distance(&q, t);
-            if sign == 0.0 {
-                sign = regular;
-            }
-            if !(d.is_finite() && regular * sign > 0.0) {
+        .zip(points.iter().zip(found))
+        .map(|(s, (q, t))| {
+            let t = t?;
+            let d = sheet.distance(q, t).0;
+            if !d.is_finite() {
                 return None;
             }
             let k = parameters.partition_point(|&p| p < t).clamp(1, parameters.len() - 1);

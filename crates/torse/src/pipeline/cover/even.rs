@@ -71,6 +71,7 @@ impl Job<'_> {
         let mut levels: Vec<f64> = (0..=count).map(|i| lo + (hi - lo) * i as f64 / count as f64).collect();
         // Panels and largest share of the best cover, mean of what its bands leave of the tolerance, and itself.
         let mut best: Option<((usize, f64), f64, State)> = None;
+        let levels_of = Arc::new(field.clone());
         let mut rise = Rise { lo, hi, cells: Vec::new() };
         let mut same = 0;
         // Fewer bands than this have failed.
@@ -106,6 +107,7 @@ impl Job<'_> {
                 let key = (bands.iter().map(Vec::len).sum::<usize>(), worst);
                 if key.0 <= budget && best.as_ref().is_none_or(|b| key < b.0) {
                     for p in bands.into_iter().flatten() {
+                        laid.bands.insert(p.label, Arc::clone(&levels_of));
                         laid.panels.extend(p.fit.map(|f| (p.label, f)));
                     }
                     let mean = shares.iter().sum::<f64>() / shares.len() as f64;
