@@ -69,7 +69,7 @@ fn curves_that_cannot_be_used_are_refused_by_name() {
     assert!(message.contains("ruling 1"), "{message}");
     assert!(refused(room.path(), &["hull", "-t", "0.1mm", "-o", "o"]).contains("CURVE"));
     let message = refused(room.path(), &["hull", "flat.csv", "--unit", "mm", "-t", "0.1mm", "-o", "o"]);
-    assert!(message.contains("flat.csv lie in one plane"), "{message}");
+    assert!(message.contains("off the plane of flat.csv"), "{message}");
 }
 
 #[test]

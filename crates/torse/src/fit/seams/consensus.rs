@@ -676,9 +676,9 @@ mod tests {
     #[test]
     fn strips_without_sheet_are_left_out() {
         let cone = tangent_cone(0.06);
-        // No foot for points far beyond the cone's ends.
-        let (good, bad) =
-            (zone(0.0, 0.12), zone(0.12, 0.2).into_iter().map(|s| Sample { x: -s.x, ..s }).collect::<Vec<_>>());
+        // A quarter turn further on, far beyond the cone's ends, points have no foot.
+        let turned = |s: Sample| Sample { x: Vec3::new(-s.x.y, s.x.x, s.x.z), ..s };
+        let (good, bad) = (zone(0.0, 0.12), zone(0.12, 0.2).into_iter().map(turned).collect::<Vec<_>>());
         let points = (0..=20).map(|i| radial(f64::from(i) / 20.0, 0.12));
         let points = points.enumerate().map(|(i, n)| LinePoint { s: i as f64, x: n * RADIUS, n }).collect();
         let strips = [Agreeing { torse: &cone, samples: &good }, Agreeing { torse: &cone, samples: &bad }];
