@@ -1,5 +1,5 @@
 //! One region, one torse: propose, judge, refine. A torse is accepted only by the certificate; where that refuses,
-//! its witness becomes a sample of the next fit, with all peaks of the distance between the samples so far.
+//! its witness becomes a sample of the next fit, for bands laid all at once with all peaks between the samples so far.
 
 use super::{Job, State, DISTANCE_SHARE};
 use crate::certify::distance::{distance, DistanceOptions};
@@ -81,7 +81,7 @@ impl Job<'_> {
 
     /// The proof of what was proposed.
     pub(super) fn confirmed(&self, state: &State, label: u32, fit: &Fit) -> Trial {
-        self.proven(state, label, fit.clone(), state.dense_samples(&self.face.surface, label))
+        self.peaks_proven(state, label, fit.clone(), state.dense_samples(&self.face.surface, label), true)
     }
 
     /// As [`Job::single`] in another manner. Without proof, what is accepted here may still be refused.
@@ -163,7 +163,13 @@ impl Job<'_> {
     }
 
     /// The loop of propose, judge and refine for one torse.
-    pub(crate) fn proven(&self, state: &State, label: u32, first: Fit, mut samples: Vec<Sample>) -> Trial {
+    pub(crate) fn proven(&self, state: &State, label: u32, first: Fit, samples: Vec<Sample>) -> Trial {
+        self.peaks_proven(state, label, first, samples, false)
+    }
+
+    /// As [`Job::proven`]; with `peaks` a refused torse learns those between the samples, which is worth its time where
+    /// it need only be a little better.
+    fn peaks_proven(&self, state: &State, label: u32, first: Fit, mut samples: Vec<Sample>, peaks: bool) -> Trial {
         let allowed = self.options.tolerance * DISTANCE_SHARE;
         let triangles = state.triangles(label);
         let limits = &self.options.limits;
@@ -194,7 +200,7 @@ impl Job<'_> {
                     }
                     let j = self.face.surface.jet(uv[0], uv[1]);
                     let weight = samples.iter().map(|s| s.weight).fold(0.0, f64::max);
-                    if round == 0 {
+                    if peaks && round == 0 {
                         let finer = state.divided_samples(&self.face.surface, label, FINER);
                         samples.extend(beyond(&fit.torse, finer, fit.error.max(PEAK * allowed)));
                     }

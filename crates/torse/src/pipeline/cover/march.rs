@@ -18,8 +18,6 @@ const NARROWEST: f64 = 0.2;
 const POOR_WIDTH: f64 = 0.55;
 /// … and after so many of them in a row the rest is given to a new level function.
 const PATIENCE: usize = 2;
-/// Bands are not hoped to be wider than this multiple of the theoretical width in the mean.
-const WIDEST: f64 = 1.4;
 /// A rest below this share of the march's range gets a level function of its own when bands fail.
 const FRESH: f64 = 0.9;
 /// A resisting end is left behind when what lies beyond is at least this many bands wide…
@@ -131,16 +129,6 @@ impl Job<'_> {
             }
             if limit.excludes(used + open.len() + 1) {
                 return None;
-            }
-            if let Some(theory) = lay.theory {
-                let ahead = |label: u32| {
-                    let (lo, hi) = range(&state, label, lay.field);
-                    ((hi - lo) / (WIDEST * theory)).ceil().max(1.0) as usize
-                };
-                let least = ahead(rest.label) + open.iter().map(|r| ahead(r.label)).sum::<usize>();
-                if limit.excludes(used + least) {
-                    return None;
-                }
             }
             if rest.narrow >= PATIENCE {
                 // The level function is poor here: what is left gets one of its own.

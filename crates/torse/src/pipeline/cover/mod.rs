@@ -232,28 +232,22 @@ impl Job<'_> {
         let good: Vec<&Level> = found.iter().filter(|l| !free || l.merit <= POOR * l.range).take(CANDIDATES).collect();
         let predicted = good.iter().map(|l| l.merit / four).fold(f64::INFINITY, f64::min);
         // Bands of a good level function come within a panel or two of theory; others can hardly beat that.
-        let hoped = PROMISING * predicted + 1.0;
-        let near_theory = |n: f64| predicted.is_finite() && n <= hoped;
-        let reached = |best: &Option<State>| best.as_ref().map(|b| (Self::count(b) - before) as f64);
-        let mut full = vec![false; good.len()];
-        // First within what theory promises, which soon ends marches that are not worth their time.
-        for (most, first) in [(hoped as usize, true), (usize::MAX, false)] {
-            for (l, full) in good.iter().zip(&mut full) {
-                if limit == 0 || reached(&best).is_some_and(near_theory) {
-                    break;
-                }
-                let even = if top && first { self.even(&state, label, &l.field, l.merit / four, limit) } else { None };
-                if let Some((next, spare)) = even {
-                    // Bands with much to spare are too many: theory may ask for more than is needed.
-                    *full = spare < SPARE;
-                    keep(next, &mut best, &mut limit);
-                }
-                if *full || limit == 0 {
-                    continue;
-                }
-                if let Some(next) = self.bands(&state, label, l, limit.min(most), depth) {
-                    keep(next, &mut best, &mut limit);
-                }
+        let near_theory = |n: f64| predicted.is_finite() && n <= PROMISING * predicted + 1.0;
+        for l in &good {
+            if limit == 0 || best.as_ref().is_some_and(|b| near_theory((Self::count(b) - before) as f64)) {
+                break;
+            }
+            let even = if top { self.even(&state, label, &l.field, l.merit / four, limit) } else { None };
+            // Bands with much to spare are too many: theory may ask for more than is needed.
+            let full = even.as_ref().is_some_and(|(_, spare)| *spare < SPARE);
+            if let Some((next, _)) = even {
+                keep(next, &mut best, &mut limit);
+            }
+            if full || limit == 0 {
+                continue;
+            }
+            if let Some(next) = self.bands(&state, label, l, limit, depth) {
+                keep(next, &mut best, &mut limit);
             }
         }
         if good.is_empty() {
@@ -261,7 +255,7 @@ impl Job<'_> {
                 keep(next, &mut best, &mut limit);
             }
         }
-        let reached = reached(&best).unwrap_or(predicted);
+        let reached = best.as_ref().map_or(predicted, |b| (Self::count(b) - before) as f64);
         if fewest && depth <= SWEEP_DEPTH && reached <= SWEEP_COUNT && !near_theory(reached) && limit > 0 {
             if let Some(next) = self.sweep(&state, label, limit) {
                 keep(next, &mut best, &mut limit);
