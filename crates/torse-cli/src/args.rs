@@ -251,7 +251,7 @@ not between.
 
 With --min-clearance or --clear-zone the surface nearest to the data is sought whose regression curve (where rulings
 meet and the sheet would crease) keeps its distance from the strip and stays out of the zones; this is proven for
-every ruling. Where the tolerance leaves no such surface, the report says how near one comes.
+every ruling. Where the tolerance leaves no such surface for rulings or planes, the report says how near one comes.
 
 Written into the output folder: strips.step (CAD), patterns.dxf and patterns.svg (cutter), model.glb, pictures,
 report.html (open it in a browser), report.json and, for points, deviation.ply (every point with its deviation) and
