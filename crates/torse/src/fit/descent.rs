@@ -19,6 +19,11 @@ pub(super) trait Family {
     fn residuals(&mut self, x: &[f64], active: &[usize], out: &mut Vec<f64>) -> bool;
     /// Adopts the trial feet as the starting points of the next ones.
     fn adopt(&mut self, active: &[usize]);
+    /// The starting points of feet, of all samples.
+    fn feet(&mut self) -> &mut Vec<f64>;
+    /// Which of the samples have no regular foot, or too little room, at the coefficients `x`; adopts the feet of the
+    /// others.
+    fn irregular(&mut self, x: &[f64], samples: &[usize]) -> Vec<usize>;
     /// Derivatives of the distances at the coefficients and feet last given to `residuals`.
     fn jacobian(&mut self, x: &[f64], active: &[usize], residual: &[f64], rows: &mut Rows);
     /// Soft conditions (gauges, smoothness): rows and their residuals at `x`, balanced against `count` samples whose
@@ -318,16 +323,21 @@ impl<'a, F: Family> Descent<'a, F> {
         let mut residual = Vec::new();
         let mut result = None;
         for round in 0..=rounds {
-            let start = self.x.clone();
+            let start = (self.x.clone(), self.family.feet().clone());
             self.polish(STEPS, enough);
             let mut back = 0;
+            let mut bad = Vec::new();
             while !self.family.residuals(&self.x, all, &mut residual) {
                 // Not regular at some sample that did not take part: half way back.
                 if back == BACK {
                     return result;
                 }
+                if back == 0 {
+                    bad = self.family.irregular(&self.x, all);
+                }
                 back += 1;
-                for (x, s) in self.x.iter_mut().zip(&start) {
+                self.family.feet().clone_from(&start.1);
+                for (x, s) in self.x.iter_mut().zip(&start.0) {
                     *x = if back == BACK { *s } else { 0.5 * (*x + s) };
                 }
             }
@@ -335,7 +345,9 @@ impl<'a, F: Family> Descent<'a, F> {
             let worst = largest(&residual);
             result = Some(worst);
             if back > 0 {
-                self.include(std::iter::empty());
+                // Where it was not regular it will be watched.
+                let stride = bad.len().div_ceil(ADDED).max(1);
+                self.include(bad.into_iter().step_by(stride));
             }
             if round == rounds || worst <= enough || worst <= EXCESS * self.worst {
                 break;
@@ -411,6 +423,44 @@ pub(super) fn descended<F: Family>(
         family.adopt(few);
     }
     Some((x, worst))
+}
+
+/// The coefficients `x`, or others found by [`descended`] steps, at which the torse is regular at `all` samples: those
+/// where it is not join `few`, and the fit starts again from nearer `safe`. The largest distance among `few` comes along
+/// if there were further steps. `None` if this does not end well soon.
+pub(super) fn repaired<F: Family>(
+    family: &mut F,
+    mut x: Vec<f64>,
+    safe: &[f64],
+    few: &mut Vec<usize>,
+    all: &[usize],
+    steps: [usize; 2],
+) -> Option<(Vec<f64>, Option<f64>)> {
+    // Rounds, samples that join per round, and shares of the way back.
+    const ROUNDS: usize = 4;
+    const ADDED: usize = 20;
+    const BACK: [f64; 5] = [0.2, 0.4, 0.6, 0.8, 1.0];
+    let mut worst = None;
+    let mut unused = Vec::new();
+    for round in 0..=ROUNDS {
+        let bad = family.irregular(&x, all);
+        if bad.is_empty() {
+            return Some((x, worst));
+        }
+        if round == ROUNDS {
+            break;
+        }
+        few.extend(bad.iter().step_by(bad.len().div_ceil(ADDED)));
+        few.sort_unstable();
+        few.dedup();
+        let start = BACK.iter().find_map(|&back| {
+            let x: Vec<f64> = x.iter().zip(safe).map(|(x, s)| x + back * (s - x)).collect();
+            family.residuals(&x, few, &mut unused).then_some(x)
+        })?;
+        let (next, reached) = descended(family, start, few, steps[0], steps[1])?;
+        (x, worst) = (next, Some(reached));
+    }
+    None
 }
 
 /// Rounds of exchange.

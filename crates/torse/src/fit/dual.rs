@@ -3,7 +3,7 @@
 //! *Method*: dual-and-approximation specification B3.5 (tangent planes along a centre line, distances at exact feet,
 //! gauges), finished by linearised minimax steps with exchange of the worst samples.
 
-use super::descent::{descended, polished, Family};
+use super::descent::{descended, polished, repaired, Family};
 use super::envelope::EnvelopeFamily;
 use super::primal::{ENOUGH, MARGIN};
 use super::samples::{measure, thin, Fit, Sample};
@@ -225,25 +225,26 @@ fn start_planes(
 /// The fit from given planes (scaled coordinates).
 fn fitted(samples: &[Sample], scale: &Scale, start: Pieces<4>, options: &DualOptions) -> Option<Fit> {
     let points: Vec<Vec3> = samples.iter().map(|s| scale.point(&s.x)).collect();
-    let few = thin(samples, options.max_samples.max(12));
+    let mut few = thin(samples, options.max_samples.max(12));
     let all: Vec<usize> = (0..samples.len()).collect();
     let goal = ENOUGH * options.tolerance / scale.unit;
-    let (mut family, x) = EnvelopeFamily::new(points, None, start)?;
+    let (mut family, start) = EnvelopeFamily::new(points, None, start)?;
     let mut residual = Vec::new();
-    if !family.residuals(&x, &all, &mut residual) {
+    if !family.residuals(&start, &all, &mut residual) {
         return None;
     }
     family.adopt(&all);
     // Least squares, then a domain that suits the feet.
-    let (x, _) = descended(&mut family, x, &few, 3, 0)?;
-    if family.residuals(&x, &all, &mut residual) {
-        family.adopt(&all);
-    }
-    let (mut family, x) = family.refitted(&x, options.spans.max(4), MARGIN)?;
-    family.keep_room(&x, Room { clearance: options.clearance, bend_radius: options.bend_radius }.scaled(scale.unit));
-    let (mut x, _) = descended(&mut family, x, &few, 3, 3)?;
-    polished(&mut family, &mut x, &few, &all, goal)?;
-    finished(samples, scale, &family, &x)
+    let (x, _) = descended(&mut family, start.clone(), &few, 3, 0)?;
+    let (x, _) = repaired(&mut family, x, &start, &mut few, &all, [3, 0])?;
+    let (mut family, start) = family.refitted(&x, options.spans.max(4), MARGIN)?;
+    family
+        .keep_room(&start, Room { clearance: options.clearance, bend_radius: options.bend_radius }.scaled(scale.unit));
+    let (x, _) = descended(&mut family, start.clone(), &few, 3, 3)?;
+    let (mut x, _) = repaired(&mut family, x, &start, &mut few, &all, [3, 3])?;
+    let reached = polished(&mut family, &mut x, &few, &all, goal)? * scale.unit;
+    // Feet that have strayed to another part of the torse spoil what is measured in the end.
+    finished(samples, scale, &family, &x).filter(|fit| fit.error <= STRAYED * reached)
 }
 
 /// The torse in mm on a domain that reaches a little beyond the feet.
@@ -269,6 +270,9 @@ fn finished(samples: &[Sample], scale: &Scale, family: &EnvelopeFamily, x: &[f64
     let (error, worst) = measure(&Sheet::of(&torse)?, samples, &mut feet)?;
     Some(Fit { torse, kind: PanelKind::Torse, error, worst })
 }
+
+/// A fit measured to be so many times as far away as it was found to be is none.
+const STRAYED: f64 = 1.5;
 
 /// Clearance that further iterations keep where it is at hand, share of half the diagonal.
 const REFIT_CLEARANCE: f64 = 0.02;

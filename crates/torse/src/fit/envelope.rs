@@ -3,7 +3,7 @@
 use super::basis::{cubic, Basis};
 use super::descent::Family;
 use super::samples::REGULAR_DUAL;
-use super::sheet::{Room, Sheet};
+use super::sheet::{widened, Room, Sheet};
 use crate::geom::Vec3;
 use crate::num::least_squares::Rows;
 use crate::spline::knots::Knots;
@@ -155,11 +155,8 @@ impl Family for EnvelopeFamily {
     }
 
     fn residuals(&mut self, x: &[f64], active: &[usize], out: &mut Vec<f64>) -> bool {
-        // Feet may leave the spans by this share of their range while the fit is under way.
-        const BEYOND: f64 = 0.15;
         let sheet = self.sheet(x);
-        let (lo, hi) = sheet.domain();
-        let range = (lo - BEYOND * (hi - lo), hi + BEYOND * (hi - lo));
+        let range = widened(sheet.domain());
         out.clear();
         self.trial.clear();
         let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
@@ -176,6 +173,35 @@ impl Family for EnvelopeFamily {
             self.trial.push(t);
         }
         least.max(-most) > REGULAR_DUAL * least.abs().max(most.abs())
+    }
+
+    fn feet(&mut self) -> &mut Vec<f64> {
+        &mut self.feet
+    }
+
+    fn irregular(&mut self, x: &[f64], samples: &[usize]) -> Vec<usize> {
+        let sheet = self.sheet(x);
+        let range = widened(sheet.domain());
+        let feet: Vec<Option<(f64, f64)>> = samples
+            .iter()
+            .map(|&i| {
+                let q = &self.points[i];
+                let t = sheet.foot(q, self.feet[i], range)?;
+                self.room.granted(&sheet, q, t).then(|| (t, sheet.distance(q, t).1))
+            })
+            .collect();
+        let regular = || feet.iter().flatten().map(|f| f.1);
+        let most = regular().fold(0.0, |m: f64, r| m.max(r.abs()));
+        // The side of the regression curve on which most samples lie.
+        let side = if 2 * regular().filter(|r| *r > 0.0).count() >= samples.len() { 1.0 } else { -1.0 };
+        let mut out = Vec::new();
+        for (&i, foot) in samples.iter().zip(&feet) {
+            match foot {
+                Some((t, r)) if side * r > REGULAR_DUAL * most => self.feet[i] = *t,
+                _ => out.push(i),
+            }
+        }
+        out
     }
 
     fn adopt(&mut self, active: &[usize]) {

@@ -3,7 +3,7 @@
 //! *Method*: mixed-curvature specification C1.5 (frame from the normals, ten ruling directions, ranking by cylinders
 //! and cones, Gauss–Newton), finished by linearised minimax steps with exchange of the worst samples.
 
-use super::descent::{descended, largest, polished, Family};
+use super::descent::{descended, largest, polished, repaired, Family};
 use super::directions::{candidates, mean_direction, spans, Candidate};
 use super::plane::plane;
 use super::profile::{ProfileFamily, Slopes};
@@ -162,29 +162,13 @@ fn freed(c: &Candidate, few: &[usize], profile_spans: usize, ruling_spans: usize
 }
 
 impl Freed {
-    /// The same, regular at all samples: samples where it is not join in, and the fit starts again nearer the cone.
+    /// The same, regular at all samples.
     fn repaired(mut self, all: &[usize]) -> Option<Self> {
-        // Rounds, samples that join per round, and shares of the way back to the cone.
-        const ROUNDS: usize = 4;
-        const ADDED: usize = 20;
-        const BACK: [f64; 5] = [0.2, 0.4, 0.6, 0.8, 1.0];
-        for _ in 0..ROUNDS {
-            let bad = self.family.irregular(&self.x, all);
-            if bad.is_empty() {
-                return Some(self);
-            }
-            self.few.extend(bad.iter().step_by(bad.len().div_ceil(ADDED)));
-            self.few.sort_unstable();
-            self.few.dedup();
-            let mut unused = Vec::new();
-            let start = BACK.iter().find_map(|&back| {
-                let x: Vec<f64> = self.x.iter().zip(&self.cone).map(|(x, c)| x + back * (c - x)).collect();
-                self.family.residuals(&x, &self.few, &mut unused).then_some(x)
-            })?;
-            let (x, worst) = descended(&mut self.family, start, &self.few, 4, 3)?;
-            (self.x, self.worst) = (x, worst * self.unit);
-        }
-        self.family.irregular(&self.x, all).is_empty().then_some(self)
+        let x = std::mem::take(&mut self.x);
+        let (x, worst) = repaired(&mut self.family, x, &self.cone, &mut self.few, all, [4, 3])?;
+        self.x = x;
+        self.worst = worst.map_or(self.worst, |w| w * self.unit);
+        Some(self)
     }
 }
 

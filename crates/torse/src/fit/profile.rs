@@ -3,7 +3,7 @@
 
 use super::basis::{cubic, Basis};
 use super::descent::Family;
-use super::sheet::{quintic, slope_integral, Room, Sheet};
+use super::sheet::{quintic, slope_integral, widened, Room, Sheet};
 use crate::geom::{Frame, Vec3};
 use crate::num::least_squares::Rows;
 use crate::spline::knots::Knots;
@@ -128,31 +128,10 @@ impl ProfileFamily {
         self.room = wanted.kept(&self.sheet(x), &self.points, &self.feet);
     }
 
-    /// Samples without a regular foot at the coefficients `x`; adopts the feet of the others.
-    pub fn irregular(&mut self, x: &[f64], all: &[usize]) -> Vec<usize> {
-        let sheet = self.sheet(x);
-        let range = widened(sheet.domain());
-        let mut out = Vec::new();
-        for &i in all {
-            let q = &self.points[i];
-            match sheet.foot(q, self.feet[i], range) {
-                Some(t) if sheet.distance(q, t).1 > REGULAR => self.feet[i] = t,
-                _ => out.push(i),
-            }
-        }
-        out
-    }
-
     /// Smallest and largest foot.
     pub fn foot_range(&self) -> (f64, f64) {
         self.feet.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &t| (a.min(t), b.max(t)))
     }
-}
-
-/// The interval in which feet may lie while the fit is under way.
-fn widened((lo, hi): (f64, f64)) -> (f64, f64) {
-    const BEYOND: f64 = 0.15;
-    (lo - BEYOND * (hi - lo), hi + BEYOND * (hi - lo))
 }
 
 impl Family for ProfileFamily {
@@ -180,6 +159,24 @@ impl Family for ProfileFamily {
             self.trial.push(t);
         }
         true
+    }
+
+    fn feet(&mut self) -> &mut Vec<f64> {
+        &mut self.feet
+    }
+
+    fn irregular(&mut self, x: &[f64], samples: &[usize]) -> Vec<usize> {
+        let sheet = self.sheet(x);
+        let range = widened(sheet.domain());
+        let mut out = Vec::new();
+        for &i in samples {
+            let q = &self.points[i];
+            match sheet.foot(q, self.feet[i], range) {
+                Some(t) if sheet.distance(q, t).1 > REGULAR && self.room.granted(&sheet, q, t) => self.feet[i] = t,
+                _ => out.push(i),
+            }
+        }
+        out
     }
 
     fn adopt(&mut self, active: &[usize]) {

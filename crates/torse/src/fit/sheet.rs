@@ -93,6 +93,12 @@ impl Room {
     }
 }
 
+/// The interval in which feet may lie while the fit is under way.
+pub(super) fn widened((lo, hi): (f64, f64)) -> (f64, f64) {
+    const BEYOND: f64 = 0.15;
+    (lo - BEYOND * (hi - lo), hi + BEYOND * (hi - lo))
+}
+
 impl Sheet {
     /// The fast form of a torse whose splines are at most cubic; `None` otherwise.
     pub fn of(torse: &Torse) -> Option<Self> {

@@ -36,6 +36,8 @@ const REPAIRS: usize = 2;
 const MOST_REPAIRED: f64 = 1.2;
 /// Fewer bands than this are not narrowed on their own: their errors hardly follow the law.
 const MANY: usize = 16;
+/// Of so many bands one may resist and be divided in two.
+const SOME: usize = 8;
 /// Share for which a band is laid that gives of its width, and the one up to which others take it.
 const GIVES: f64 = 0.955;
 /// See [`GIVES`].
@@ -77,6 +79,7 @@ impl Job<'_> {
         // Fewer bands than this have failed.
         let mut least_count = 1;
         let (mut round, mut repairs) = (0, 0);
+        let mut divided = false;
         let mut known = Known::new();
         while round < ROUNDS {
             if theory < FEWEST || count > budget.min(most) || self.control.stopped() {
@@ -113,9 +116,14 @@ impl Job<'_> {
                     let mean = shares.iter().sum::<f64>() / shares.len() as f64;
                     best = Some((key, 1.0 - mean, laid));
                 }
-                if needed >= count && (worst <= EVEN * least || same >= SAME || repairs > 0) {
+                if divided || needed >= count && (worst <= EVEN * least || same >= SAME || repairs > 0) {
                     break;
                 }
+            } else if round > 1 && !divided && resisting(&bands) <= (count / SOME).max(1) {
+                // A few bands resist, the others are good: two in place of each.
+                levels = halved(&levels, &bands);
+                divided = true;
+                continue;
             } else if round > 1 && worst >= MOST_SHARE {
                 break;
             }
@@ -203,6 +211,24 @@ impl Job<'_> {
         }
         (laid, pieces)
     }
+}
+
+/// Number of bands with a component that has no torse.
+fn resisting(bands: &[Vec<Piece>]) -> usize {
+    bands.iter().filter(|b| b.iter().any(|p| p.fit.is_none())).count()
+}
+
+/// Levels with one more in the middle of each band that resists; the others stay bit by bit.
+fn halved(levels: &[f64], bands: &[Vec<Piece>]) -> Vec<f64> {
+    let mut out = Vec::with_capacity(levels.len() + 1);
+    for (w, band) in levels.windows(2).zip(bands) {
+        out.push(w[0]);
+        if band.iter().any(|p| p.fit.is_none()) {
+            out.push(0.5 * (w[0] + w[1]));
+        }
+    }
+    out.extend(levels.last());
+    out
 }
 
 /// Torses of the bands of a round, by the levels between which they lie.
@@ -337,6 +363,23 @@ mod tests {
         assert!((width - 1.0).abs() < 1e-12 && l[2] > 2.0, "{l:?}");
         assert_eq!(repaired(&levels, &[0.97, 0.97, 1.1, 0.97]), None);
         assert_eq!(repaired(&levels, &[0.5, 0.5, 1.9, 0.5]), None);
+    }
+
+    #[test]
+    fn bands_that_resist_are_divided() {
+        let fit = Fit {
+            torse: crate::surface::torse::Torse::Dual(crate::surface::torse::DualTorse {
+                planes: crate::spline::curve::Curve::new(1, vec![0.0, 0.0, 1.0, 1.0], vec![[0.0, 0.0, 1.0, 0.0]; 2])
+                    .expect("curve"),
+            }),
+            kind: crate::surface::torse::PanelKind::Torse,
+            error: 0.0,
+            worst: 0,
+        };
+        let piece = |fits: bool| Piece { label: 0, fit: fits.then(|| Arc::new(fit.clone())), share: 1.0 };
+        let bands = [vec![piece(true)], vec![piece(true), piece(false)], Vec::new()];
+        assert_eq!(resisting(&bands), 1);
+        assert_eq!(halved(&[0.0, 1.0, 2.0, 4.0], &bands), [0.0, 1.0, 1.5, 2.0, 4.0]);
     }
 
     #[test]
