@@ -130,6 +130,47 @@ pub fn levels(samples: &[Forms], border: &[[f64; 2]], options: &LevelOptions) ->
     found
 }
 
+/// What straight bands whose levels rise along `gradient` (in parameters) need: divided by the width `4√ε` it is about
+/// their number, their widths varying as the surface allows (√mm). Infinite where nothing can be said.
+pub fn straight_range(samples: &[Forms], gradient: [f64; 2]) -> f64 {
+    // Divisions of the range, and the smallest share of the usual slope that counts: bands with inflections exist.
+    const BINS: usize = 24;
+    const LEAST: f64 = 0.15;
+    let Some((problem, mut field, _)) = problem(samples, &[], &LevelOptions { spans: 1, ..LevelOptions::default() })
+    else {
+        return f64::INFINITY;
+    };
+    field.set_linear(gradient[0], gradient[1]);
+    let (range, [lowest, _]) = problem.extremes(&field);
+    let value = |b: &[(usize, f64)]| b.iter().map(|&(i, n)| n * field.coefficients[i]).sum::<f64>();
+    let lo = value(&problem.places[lowest]);
+    let step = range / BINS as f64;
+    let slopes: Vec<(f64, f64)> = problem
+        .rows
+        .iter()
+        .map(|r| {
+            let at = r.basis.iter().map(|&(i, n, _, _)| n * field.coefficients[i]).sum::<f64>();
+            (at, r.q(r.gradient(&field.coefficients)).0.abs().sqrt() / r.need)
+        })
+        .collect();
+    let mut sorted: Vec<f64> = slopes.iter().map(|s| s.1).collect();
+    sorted.sort_by(f64::total_cmp);
+    let least = LEAST * sorted[sorted.len() / 2];
+    let mut need = [0.0_f64; BINS];
+    for (at, slope) in slopes {
+        let bin = &mut need[(((at - lo) / step) as usize).min(BINS - 1)];
+        *bin = bin.max(1.0 / slope.max(least));
+    }
+    // Bins without a sample need what others need in the mean.
+    let seen = need.iter().filter(|n| **n > 0.0).count();
+    let sum = need.iter().sum::<f64>() * step * BINS as f64 / seen.max(1) as f64;
+    if sum.is_finite() {
+        sum
+    } else {
+        f64::INFINITY
+    }
+}
+
 /// As [`levels`], for bands that run along given directions: `along[i]` is the one wanted at `samples[i]`, in
 /// parameters; zero where there is none. Fields turn from it by at most [`TURN`], or by as much as the least-squares
 /// start already does.

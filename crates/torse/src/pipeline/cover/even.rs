@@ -119,34 +119,28 @@ impl Job<'_> {
                 if divided || needed >= count && (worst <= EVEN * least || same >= SAME || repairs > 0) {
                     break;
                 }
-            } else if round > 1 && !divided && resisting(&bands) <= (count / SOME).max(1) {
-                // A few bands resist, the others are good: two in place of each.
-                levels = halved(&levels, &bands);
-                divided = true;
-                continue;
             } else if round > 1 && worst >= MOST_SHARE {
                 break;
             }
             // One band fewer is not tried before all bands of a round were good.
             let fewer = complete || needed + 1 < count;
             let next = if worst < MOST_SHARE && fewer { needed.max(least_count) } else { needed.max(count) };
-            if next == count {
-                same += 1;
-                if same >= SAME {
-                    if best.is_some() {
-                        break;
-                    }
-                    least_count = count + 1;
-                    count += 1;
-                    same = 0;
+            same = if next == count { same + 1 } else { 0 };
+            if best.is_some() && (same >= SAME || next > count) {
+                break;
+            }
+            if same >= SAME || next > count {
+                if round > 1 && !complete && !divided && resisting(&bands) <= (count / SOME).max(1) {
+                    // A few bands resist, the others are good: two in place of each.
+                    levels = halved(&levels, &bands);
+                    divided = true;
+                    continue;
                 }
-            } else {
-                if best.is_some() && next > count {
-                    break;
-                }
-                count = next;
-                same = 0;
-                repairs = 0;
+                least_count = if next == count { count + 1 } else { least_count };
+            }
+            if next.max(least_count) != count {
+                count = next.max(least_count);
+                (same, repairs, divided) = (0, 0, false);
             }
             levels = rise.levels(count);
         }

@@ -18,7 +18,7 @@ mod state;
 
 use crate::certify::Prepared;
 use crate::control::Control;
-use crate::fit::level::{level, levels, Level, LevelOptions};
+use crate::fit::level::{level, levels, straight_range, Level, LevelOptions};
 use crate::geom::partition::centroid;
 use crate::geom::triangulate::TriangulateError;
 use crate::surface::face::Face;
@@ -89,6 +89,8 @@ const SPARE: f64 = 0.25;
 const SWEEP_DEPTH: usize = 2;
 /// Directions of the sweep.
 const SWEEP_DIRECTIONS: usize = 8;
+/// Deep in the recursion only so many are tried, those that promise the fewest bands.
+const FEW_DIRECTIONS: usize = 3;
 /// Two panels are tried when the best single error is below this multiple of the tolerance.
 const TWO_FACTOR: f64 = 8.0;
 
@@ -257,7 +259,7 @@ impl Job<'_> {
         }
         let reached = best.as_ref().map_or(predicted, |b| (Self::count(b) - before) as f64);
         if fewest && depth <= SWEEP_DEPTH && reached <= SWEEP_COUNT && !near_theory(reached) && limit > 0 {
-            if let Some(next) = self.sweep(&state, label, limit) {
+            if let Some(next) = self.sweep(&state, label, limit, depth) {
                 keep(next, &mut best, &mut limit);
             }
         }
@@ -308,25 +310,34 @@ impl Job<'_> {
     }
 
     /// Straight bands in several directions of the parameter plane; the fewest win (C5b).
-    fn sweep(&self, state: &State, label: u32, budget: usize) -> Option<State> {
+    fn sweep(&self, state: &State, label: u32, budget: usize, depth: usize) -> Option<State> {
         let bounds = state.partition.bounds(label);
         let forms = state.forms(label, 100);
         let (e, g) = forms.iter().fold((0.0, 0.0), |(e, g), f| (e + f.first[0], g + f.first[2]));
         let aspect = if e > 0.0 { (g / e).sqrt() } else { 1.0 };
         let incumbent = AtomicUsize::new(march::key(budget, SWEEP_DIRECTIONS));
         let before = Self::count(state);
-        (0..SWEEP_DIRECTIONS)
+        let gradient = |k: usize| {
+            let angle = std::f64::consts::PI * k as f64 / SWEEP_DIRECTIONS as f64;
+            [angle.cos(), angle.sin() * aspect]
+        };
+        let mut directions: Vec<(f64, usize)> =
+            (0..SWEEP_DIRECTIONS).map(|k| (straight_range(&forms, gradient(k)), k)).collect();
+        directions.sort_by(|a, b| a.0.total_cmp(&b.0));
+        directions.truncate(if depth > 0 { FEW_DIRECTIONS } else { SWEEP_DIRECTIONS });
+        directions
             .into_par_iter()
-            .filter_map(|k| {
-                let angle = std::f64::consts::PI * k as f64 / SWEEP_DIRECTIONS as f64;
+            .enumerate()
+            .filter_map(|(rank, (_, k))| {
                 let mut field = crate::spline::field::Field::bicubic(bounds, 1).ok()?;
-                field.set_linear(angle.cos(), angle.sin() * aspect);
-                let next = self.swept(state, label, &field, march::Limit { best: &incumbent, rank: k })?;
+                let [p, r] = gradient(k);
+                field.set_linear(p, r);
+                let next = self.swept(state, label, &field, march::Limit { best: &incumbent, rank })?;
                 let n = Self::count(&next) - before;
-                incumbent.fetch_min(march::key(n, k), Ordering::Relaxed);
-                Some((n, k, next))
+                incumbent.fetch_min(march::key(n, rank), Ordering::Relaxed);
+                Some((n, rank, next))
             })
-            .min_by_key(|(n, k, _)| (*n, *k))
+            .min_by_key(|(n, rank, _)| (*n, *rank))
             .map(|(_, _, s)| s)
     }
 
