@@ -35,6 +35,7 @@ pub mod rulings;
 pub mod samples;
 pub mod seams;
 mod sheet;
+pub mod span_series;
 pub mod trim;
 mod wall;
 

@@ -237,8 +237,8 @@ fn controlled_fit(
     best
 }
 
-/// Points of the rulings with their normals.
-fn samples(elements: &[PlaneElement]) -> Vec<Sample> {
+/// Points of the rulings of a row with their normals, for fits of points.
+pub fn samples(elements: &[PlaneElement]) -> Vec<Sample> {
     // Enough for a straight line on a surface that is ruled nearly the same way.
     const ALONG: usize = 5;
     let mut out = Vec::with_capacity(ALONG * elements.len());
@@ -321,7 +321,7 @@ pub fn dual_of_cloud(samples: &[Sample], radius: f64, options: &RowOptions) -> O
 }
 
 /// Axes of normals with the origin in the middle of the places; `None` if one axis does not suit all.
-fn axes(normals: &[Vec3], places: impl ExactSizeIterator<Item = Vec3>) -> Option<Frame> {
+pub(super) fn axes(normals: &[Vec3], places: impl ExactSizeIterator<Item = Vec3>) -> Option<Frame> {
     let found = frame_of_normals(normals).ok()?;
     let count = places.len();
     if count < FEWEST || found.min_cosine <= STEEPEST {
@@ -380,7 +380,7 @@ fn dual_by_slope(elements: &[PlaneElement], options: &RowOptions) -> Option<Dual
 }
 
 /// Planes, and rulings where they are known, by the slope of the planes, in axes in which it increases along the row.
-fn slope_data(elements: &[PlaneElement]) -> Option<(SlopeData, Frame)> {
+pub(super) fn slope_data(elements: &[PlaneElement]) -> Option<(SlopeData, Frame)> {
     // Rulings against planes: lengths in the ground plan times this share of the range of slopes are heights.
     const SHARE: f64 = 0.25;
     let normals: Vec<Vec3> = elements.iter().map(|e| e.normal).collect();
@@ -401,7 +401,7 @@ fn slope_data(elements: &[PlaneElement]) -> Option<(SlopeData, Frame)> {
 }
 
 /// Parameters in [0, 1]: shares of the way along the row and of the turn of its normals.
-fn parameters(elements: &[PlaneElement]) -> Option<Vec<f64>> {
+pub(super) fn parameters(elements: &[PlaneElement]) -> Option<Vec<f64>> {
     // Even rows that neither move nor turn somewhere get distinct parameters.
     const EVEN: f64 = 1e-3;
     let (mut way, mut turn) = (vec![0.0], vec![0.0]);
@@ -421,7 +421,7 @@ fn parameters(elements: &[PlaneElement]) -> Option<Vec<f64>> {
 }
 
 /// The data of `F1` in a frame.
-fn data(elements: &[PlaneElement], parameters: &[f64], frame: &Frame) -> Option<Vec<PlaneDatum>> {
+pub(super) fn data(elements: &[PlaneElement], parameters: &[f64], frame: &Frame) -> Option<Vec<PlaneDatum>> {
     let mut out = Vec::with_capacity(elements.len());
     for (i, (e, &parameter)) in elements.iter().zip(parameters).enumerate() {
         let plane = graph_in(frame, &plane_through(&e.centre(), &e.normal), i).ok()?;
@@ -442,7 +442,7 @@ fn data(elements: &[PlaneElement], parameters: &[f64], frame: &Frame) -> Option<
 }
 
 /// The torse of a cubic curve of planes, in the world, continued a little beyond both ends.
-fn extended(curve: &DualCurve, frame: &Frame) -> Option<DualTorse> {
+pub(super) fn extended(curve: &DualCurve, frame: &Frame) -> Option<DualTorse> {
     let torse = curve.to_world(frame).ok()?.to_torse();
     let pieces = Pieces::of(&torse.planes)?;
     let (a, b) = pieces.domain();

@@ -9,6 +9,7 @@ mod consensus;
 pub mod cover;
 pub mod cut;
 pub mod exact_strip;
+mod fewest;
 pub mod fit;
 pub mod hull;
 pub mod info;

@@ -2,6 +2,7 @@
 
 use super::cones::ruled;
 use super::cut::cut;
+use super::fewest::fewest;
 use super::outcome::{Skipped, Status};
 use super::regression;
 use super::sheets::{Basis, FieldMeaning, Figure, FlatPart, Sheets, StripField};
@@ -242,6 +243,8 @@ fn of_rulings(rulings: &[[Vec3; 2]], tolerance: f64) -> Result<Vec<Vec<PlaneElem
 /// Strips for one row.
 struct Attempt {
     strips: Vec<Strip>,
+    /// The elements that each strip was fitted to.
+    ranges: Vec<std::ops::Range<usize>>,
     skipped: Vec<String>,
     certificate: ElementCertificate,
 }
@@ -274,11 +277,14 @@ fn attempt(
 ) -> Attempt {
     let wanted = RowOptions { max_pieces: most, limits, ..RowOptions::new(aim * options.tolerance) };
     let mut strips: Vec<Strip> = Vec::new();
-    let mut skipped = Vec::new();
+    let (mut ranges, mut skipped) = (Vec::new(), Vec::new());
     for piece in row(elements, &wanted) {
         let own = &elements[piece.range.clone()];
         match nearest("A", &piece, own, options) {
-            Ok(s) => strips.push(s),
+            Ok(s) => {
+                strips.push(s);
+                ranges.push(piece.range);
+            }
             Err(reason) => {
                 let (from, to) = (piece.range.start, piece.range.end - 1);
                 skipped.push(format!("{name}: {what} {from} to {to}: {reason}"));
@@ -286,7 +292,7 @@ fn attempt(
         }
     }
     let certificate = certified(&strips, elements, control);
-    Attempt { strips, skipped, certificate }
+    Attempt { strips, ranges, skipped, certificate }
 }
 
 /// The best of several aims, and of several estimates of the same elements (which one is told).
@@ -369,7 +375,9 @@ fn run(
         let left = options.max_strips.saturating_sub(strips.len());
         if let Some((which, found)) = best(&name, &estimates, what, left, options, control) {
             skipped.extend(found.skipped);
-            for strip in found.strips {
+            for (strip, range) in found.strips.into_iter().zip(found.ranges) {
+                let own = &estimates[which][range];
+                let strip = fewest(strip, own, options.tolerance, options.limits.as_ref(), control);
                 strips.push(Strip { name: format!("A-{:02}", strips.len() + 1), ..strip });
             }
             all.append(&mut estimates[which]);

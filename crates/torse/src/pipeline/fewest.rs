@@ -1,0 +1,134 @@
+//! The simplest strip for a run of rulings or planes: fits over few spans are proposed, the proof decides, and of those
+//! within the tolerance the one with the fewest control points along is taken.
+//!
+//! *Method.* For each kind of torse (type (3) and types (1), (2) of \[PW99\], and profiles) spans are added by
+//! half until a strip is proven to be within the tolerance, then taken back by bisection. *Not guaranteed*: that no
+//! strip with fewer control points exists.
+
+use super::regression;
+use crate::certify::elements::elements as certified;
+use crate::certify::regression::{regression as regular, RegressionVerdict};
+use crate::control::Control;
+use crate::fit::row_extent::{strip as strip_of, strip_by_slope};
+use crate::fit::span_series::{PlaneSeries, SlopeSeries};
+use crate::fit::row::samples;
+use crate::fit::{primal, PrimalOptions};
+use crate::surface::plane_row::PlaneElement;
+use crate::surface::strip::Strip;
+use crate::surface::zone::RegressionLimits;
+
+/// Share of the tolerance at which fits may end: the proof compares rulings part by part, which costs a little.
+const AIM: f64 = 0.9;
+/// Spans looked at, at most.
+const MOST: usize = 64;
+
+/// Control points along a strip.
+pub(super) fn count(strip: &Strip) -> usize {
+    strip.patch.knots_u.control_count()
+}
+
+/// A way to make a strip over a number of spans, with the fewest control points that it can have.
+struct Kind<'a> {
+    propose: Box<dyn Fn(usize) -> Option<Strip> + 'a>,
+    fewest: fn(usize) -> usize,
+}
+
+/// What a strip must be, and the best one so far with its control points and its bound.
+struct Search<'a> {
+    elements: &'a [PlaneElement],
+    tolerance: f64,
+    limits: Option<&'a RegressionLimits>,
+    best: (usize, f64, Strip),
+}
+
+impl Search<'_> {
+    /// Whether a strip is within the tolerance, regular, and keeps to the limits; if so, it may become the best.
+    fn holds(&mut self, strip: Strip) -> bool {
+        let bound = bound(&strip, self.elements);
+        let holds = bound <= self.tolerance
+            && regular(&strip, &RegressionLimits::default()) == RegressionVerdict::Clear
+            && regression::keeps(&strip, self.limits);
+        let count = count(&strip);
+        if holds && (count, bound) < (self.best.0, self.best.1) {
+            self.best = (count, bound, strip);
+        }
+        holds
+    }
+
+    /// Spans by half more until a strip holds, then back by bisection.
+    fn look(&mut self, kind: &Kind, control: &Control) {
+        let (mut bad, mut enough) = (0, None);
+        let mut spans = 1;
+        while spans <= MOST.min(self.elements.len()) && (kind.fewest)(spans) < self.best.0 && !control.stopped() {
+            if (kind.propose)(spans).is_some_and(|s| self.holds(s)) {
+                enough = Some(spans);
+                break;
+            }
+            bad = spans;
+            // The last one looked at is the largest that could still be simpler.
+            let next = spans + spans.div_ceil(2);
+            let last = (spans + 1..next).rev().find(|n| (kind.fewest)(*n) < self.best.0);
+            spans = if (kind.fewest)(next) < self.best.0 { next } else { last.unwrap_or(next) };
+        }
+        while let Some(good) = enough.filter(|e| *e > bad + 1 && !control.stopped()) {
+            let middle = bad.midpoint(good);
+            if (kind.propose)(middle).is_some_and(|s| self.holds(s)) {
+                enough = Some(middle);
+            } else {
+                bad = middle;
+            }
+        }
+    }
+}
+
+/// Proven distance of the elements from a strip, mm.
+fn bound(strip: &Strip, elements: &[PlaneElement]) -> f64 {
+    certified(std::slice::from_ref(strip), elements, &Control::default()).worst_bound()
+}
+
+/// The strip with the fewest control points along (of equal ones: with the smallest bound) that is proven to lie within
+/// `tolerance` (mm) of all elements, to be regular, and to keep to the limits; `found` if nothing simpler is found, or if
+/// it is not within the tolerance itself.
+pub(super) fn fewest(
+    found: Strip,
+    elements: &[PlaneElement],
+    tolerance: f64,
+    limits: Option<&RegressionLimits>,
+    control: &Control,
+) -> Strip {
+    let reached = bound(&found, elements);
+    if reached.is_nan() || reached > tolerance {
+        return found;
+    }
+    let name = found.name.clone();
+    let mut search = Search { elements, tolerance, limits, best: (count(&found), reached, found) };
+    let slopes = SlopeSeries::of(elements);
+    let planes = PlaneSeries::of(elements);
+    let mut kinds: Vec<Kind> = Vec::new();
+    for rulings in [false, true] {
+        if let Some(series) = &slopes {
+            let name = &name;
+            let propose = move |n: usize| strip_by_slope(name, &series.fit(n, rulings)?, tolerance, elements);
+            kinds.push(Kind { propose: Box::new(propose), fewest: |n| 2 + 2 * n });
+        }
+    }
+    if let Some(series) = &planes {
+        let propose = |n: usize| strip_of(&name, &series.fit(n, AIM * tolerance)?, elements).ok();
+        kinds.push(Kind { propose: Box::new(propose), fewest: |n| 2 + 3 * n });
+    }
+    if elements.iter().all(PlaneElement::has_ruling) {
+        let (samples, name) = (samples(elements), &name);
+        let propose = move |n: usize| {
+            let (profile_spans, ruling_spans) = (n + 1, 1 + n % 2);
+            let wanted = PrimalOptions { profile_spans, ruling_spans, ..PrimalOptions::new(AIM * tolerance) };
+            strip_of(name, &primal(&samples, &wanted)?, elements).ok()
+        };
+        // Planes, cylinders and cones come with fewer spans than general profiles.
+        kinds.push(Kind { propose: Box::new(propose), fewest: |n| if n == 1 { 4 } else { 6 + 3 * n } });
+    }
+    for kind in &kinds {
+        search.look(kind, control);
+    }
+    drop(kinds);
+    Strip { name, ..search.best.2 }
+}
