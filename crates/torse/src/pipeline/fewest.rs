@@ -9,9 +9,9 @@ use super::regression;
 use crate::certify::elements::elements as certified;
 use crate::certify::regression::{regression as regular, RegressionVerdict};
 use crate::control::Control;
+use crate::fit::row::samples;
 use crate::fit::row_extent::{strip as strip_of, strip_by_slope};
 use crate::fit::span_series::{PlaneSeries, SlopeSeries};
-use crate::fit::row::samples;
 use crate::fit::{primal, PrimalOptions};
 use crate::surface::plane_row::PlaneElement;
 use crate::surface::strip::Strip;
@@ -87,8 +87,7 @@ fn bound(strip: &Strip, elements: &[PlaneElement]) -> f64 {
 }
 
 /// The strip with the fewest control points along (of equal ones: with the smallest bound) that is proven to lie within
-/// `tolerance` (mm) of all elements, to be regular, and to keep to the limits; `found` if nothing simpler is found, or if
-/// it is not within the tolerance itself.
+/// `tolerance` (mm) of all elements, to be regular, and to keep to the limits; `found` if there is none.
 pub(super) fn fewest(
     found: Strip,
     elements: &[PlaneElement],
@@ -96,12 +95,15 @@ pub(super) fn fewest(
     limits: Option<&RegressionLimits>,
     control: &Control,
 ) -> Strip {
+    // A strip that is not within the tolerance is no match for one that is, if there may be one.
+    const HOPELESS: f64 = 3.0;
     let reached = bound(&found, elements);
-    if reached.is_nan() || reached > tolerance {
+    if reached.is_nan() || reached > HOPELESS * tolerance {
         return found;
     }
     let name = found.name.clone();
-    let mut search = Search { elements, tolerance, limits, best: (count(&found), reached, found) };
+    let control_points = if reached <= tolerance { count(&found) } else { usize::MAX };
+    let mut search = Search { elements, tolerance, limits, best: (control_points, reached, found) };
     let slopes = SlopeSeries::of(elements);
     let planes = PlaneSeries::of(elements);
     let mut kinds: Vec<Kind> = Vec::new();

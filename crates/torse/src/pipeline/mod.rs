@@ -11,6 +11,7 @@ pub mod cut;
 pub mod exact_strip;
 mod fewest;
 pub mod fit;
+mod given_face;
 pub mod hull;
 pub mod info;
 pub mod judgement;

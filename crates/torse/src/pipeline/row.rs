@@ -1,8 +1,8 @@
 //! From rulings, tangent planes or a developable face to strips of low degree: fit, prove, develop.
 
-use super::cones::ruled;
 use super::cut::cut;
 use super::fewest::fewest;
+use super::given_face::{is_simplest, no_simpler, reached, GivenFace, NARROW};
 use super::outcome::{Skipped, Status};
 use super::regression;
 use super::sheets::{Basis, FieldMeaning, Figure, FlatPart, Sheets, StripField};
@@ -18,7 +18,6 @@ use crate::fit::ruling_order::ordered;
 use crate::geom::Vec3;
 use crate::surface::face::Face;
 use crate::surface::plane_row::{orient, Given, PlaneElement};
-use crate::surface::ruled_strip::RuledStrip;
 use crate::surface::strip::Strip;
 use crate::surface::zone::RegressionLimits;
 
@@ -140,7 +139,8 @@ pub fn fit_row(given: &Given, options: &RowFitOptions, control: &Control) -> Res
         Given::Planes(p) => vec![p.clone()],
         Given::Rulings(r) => of_rulings(r, options.tolerance)?,
     };
-    run(vec![(what.to_string(), row)], Vec::new(), Vec::new(), what, options, control)
+    let row = Row { name: what.to_string(), estimates: row, face: None };
+    run(vec![row], Vec::new(), what, options, control)
 }
 
 /// Index of the first element that is the same as the one before.
@@ -165,30 +165,13 @@ pub fn fit_faces(
 ) -> Result<RowOutcome, RowFitError> {
     let mut left: Vec<String> = skipped.iter().map(|s| format!("#{}: {}", s.entity, s.reason)).collect();
     let before = left.len();
-    let (mut rows, mut notes) = (Vec::new(), Vec::new());
+    let mut rows = Vec::new();
     for (i, face) in faces.iter().enumerate() {
         let name = if face.name.is_empty() { format!("F{:02}", i + 1) } else { face.name.clone() };
-        match ruled(face, options.tolerance) {
-            Ok((patch, _)) => {
-                let (a, b) = patch.domain();
-                let last = options.rulings_of_face.max(FEWEST) - 1;
-                let row = (0..=last)
-                    .filter_map(|k| {
-                        let jet = patch.jet(a + (b - a) * k as f64 / last as f64);
-                        let element = jet.element().ok()?;
-                        let ends = jet.ends.map(|e| e[0]);
-                        Some(PlaneElement { normal: element.normal, ends, radius: NARROW * jet.length(), weight: 1.0 })
-                    })
-                    .collect();
-                let (u, v) = (&face.surface.knots_u, &face.surface.knots_v);
-                notes.push(format!(
-                    "{name} was given with degrees {} and {} and {} × {} control points.",
-                    u.degree(),
-                    v.degree(),
-                    u.control_count(),
-                    v.control_count()
-                ));
-                rows.push((name, vec![row]));
+        match GivenFace::of(face, &name, options.rulings_of_face.max(FEWEST), options.tolerance) {
+            Ok(mut given) => {
+                let estimates = vec![std::mem::take(&mut given.row)];
+                rows.push(Row { name, estimates, face: Some(given) });
             }
             Err(reason) => left.push(format!("#{} {name}: {reason}", face.entity)),
         }
@@ -197,11 +180,15 @@ pub fn fit_faces(
         let reason = left.get(before).cloned().unwrap_or_else(|| "no faces".into());
         return Err(RowFitError::NoFace { count: faces.len(), reason });
     }
-    run(rows, left, notes, "rulings", options, control)
+    run(rows, left, "rulings", options, control)
 }
 
-/// Width of the region of a ruling as a share of its length: its tangent plane counts a little beside it.
-const NARROW: f64 = 0.1;
+/// What is fitted at once: estimates of the same elements, and the face that they come from.
+struct Row {
+    name: String,
+    estimates: Vec<Vec<PlaneElement>>,
+    face: Option<GivenFace>,
+}
 
 /// Smallest region of a ruling as a share of its length; without extent planes are not compared at all.
 const THIN: f64 = 1e-4;
@@ -343,9 +330,8 @@ fn best(
 }
 
 fn run(
-    rows: Vec<(String, Vec<Vec<PlaneElement>>)>,
+    rows: Vec<Row>,
     mut skipped: Vec<String>,
-    given: Vec<String>,
     what: &'static str,
     options: &RowFitOptions,
     control: &Control,
@@ -359,7 +345,8 @@ fn run(
     }
     let mut strips: Vec<Strip> = Vec::new();
     let mut all: Vec<PlaneElement> = Vec::new();
-    for (k, (name, mut estimates)) in rows.into_iter().enumerate() {
+    let mut given_words = Vec::new();
+    for (k, Row { name, mut estimates, face }) in rows.into_iter().enumerate() {
         for elements in &mut estimates {
             if let Some(index) = elements.iter().position(|e| !e.is_usable()) {
                 return Err(RowFitError::Element { index });
@@ -373,15 +360,44 @@ fn run(
         }
         control.report("fitting", k as f64, name.clone());
         let left = options.max_strips.saturating_sub(strips.len());
-        if let Some((which, found)) = best(&name, &estimates, what, left, options, control) {
-            skipped.extend(found.skipped);
+        let mut own: Vec<Strip> = Vec::new();
+        let given = face.as_ref().and_then(|f| f.strip.as_ref());
+        let given = given.filter(|s| left > 0 && regression::keeps(s, options.limits.as_ref()));
+        let mut missed = Vec::new();
+        let found = match given {
+            Some(strip) if is_simplest(strip) => None,
+            _ => best(&name, &estimates, what, left, options, control),
+        };
+        let which = found.as_ref().map_or(0, |f| f.0);
+        if let Some((which, found)) = found {
+            missed = found.skipped;
             for (strip, range) in found.strips.into_iter().zip(found.ranges) {
-                let own = &estimates[which][range];
-                let strip = fewest(strip, own, options.tolerance, options.limits.as_ref(), control);
-                strips.push(Strip { name: format!("A-{:02}", strips.len() + 1), ..strip });
+                let elements = &estimates[which][range];
+                own.push(fewest(strip, elements, options.tolerance, options.limits.as_ref(), control));
             }
-            all.append(&mut estimates[which]);
         }
+        let mut kept = false;
+        if let Some(strip) = given {
+            let beyond = certified(&own, &estimates[which], control).beyond(options.tolerance);
+            if own.is_empty() || beyond > 0 || no_simpler(&own, strip) {
+                kept = true;
+                own = vec![strip.clone()];
+                missed.clear();
+            }
+        }
+        for (i, strip) in own.iter_mut().enumerate() {
+            strip.name = format!("A-{:02}", strips.len() + i + 1);
+        }
+        if let Some(face) = &face {
+            given_words.push(match (kept, own.is_empty()) {
+                (true, _) => format!("{}; nothing simpler was found, it is {} as it was.", face.words, own[0].name),
+                (_, true) => format!("{}.", face.words),
+                _ => format!("{}; now: {} control points.", face.words, reached(&own)),
+            });
+        }
+        skipped.extend(missed);
+        strips.append(&mut own);
+        all.append(&mut estimates[which]);
     }
     control.report("proving", 0.7, format!("{} {what}", all.len()));
     let certificate = certified(&strips, &all, control);
@@ -410,7 +426,7 @@ fn run(
         _ => Status::Certified,
     };
     let mut notes: Vec<String> = options.limits.iter().map(regression::note).collect();
-    notes.extend(given);
+    notes.extend(given_words);
     notes.extend(broken);
     notes.push(format!("Distances are proven at the {what}, not between them."));
     if strips.len() > 1 {
