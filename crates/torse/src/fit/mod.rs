@@ -17,6 +17,7 @@ mod functionals;
 pub mod knot_choice;
 pub mod level;
 pub mod multiresolution;
+pub mod outliers;
 pub mod plane;
 mod plane_blocks;
 pub mod plane_correction;

@@ -6,10 +6,11 @@
 //! no torse follows are cut, each run as long as can be. *Not guaranteed*: distances; see the judge.
 
 use super::dual;
+use super::functionals::Freedom;
 use super::knot_choice::{planes_within, KnotOptions};
 use super::plane_correction::{corrected, joint, JointOptions};
 use super::plane_frame::{frame_of_normals, slope_frame, STEEPEST};
-use super::planes::{PlaneDatum, PlanesOptions};
+use super::planes::{ruling_condition, PlaneDatum, PlanesOptions};
 use super::primal::{primal, PrimalOptions, MARGIN};
 use super::regression_room::{controlled, keeps, Reach};
 use super::rulings::{slope_fit, RulingDatum, SlopeData, SlopeOptions};
@@ -33,6 +34,12 @@ pub struct RowOptions {
     pub max_pieces: usize,
     /// Whether planes far from the rest lose their weight; false.
     pub robust: bool,
+    /// Weight of bending against the data in fits, as a share; 1e-9. Larger than that, fits stay as smooth as they come:
+    /// they are not polished towards the data.
+    pub smoothing: f64,
+    /// Whether the first and the last element of each piece are kept: planes, and rulings where they are known; false.
+    /// Fits are not polished then.
+    pub fix_ends: bool,
     /// What is asked of regression curves; nothing beyond a regular strip.
     pub limits: Option<RegressionLimits>,
 }
@@ -40,9 +47,17 @@ pub struct RowOptions {
 impl RowOptions {
     /// The defaults with a tolerance in mm.
     pub fn new(tolerance: f64) -> Self {
-        Self { tolerance, max_pieces: 64, robust: false, limits: None }
+        Self { tolerance, max_pieces: 64, robust: false, smoothing: FAINT, fix_ends: false, limits: None }
+    }
+
+    /// Whether distances at exact feet may move fits.
+    pub fn polishes(&self) -> bool {
+        !self.fix_ends && self.smoothing <= FAINT
     }
 }
+
+/// Smoothing that keeps fits determined where planes are few.
+pub(super) const FAINT: f64 = 1e-9;
 
 /// A run of the row with its torses.
 #[derive(Clone, Debug)]
@@ -96,7 +111,7 @@ fn torses(elements: &[PlaneElement], options: &RowOptions) -> Vec<Fit> {
     let mut out = Vec::new();
     let samples = samples(elements);
     let rulings = elements.iter().all(PlaneElement::has_ruling);
-    if rulings {
+    if rulings && options.polishes() {
         out.extend(primal(&samples, &PrimalOptions::new(0.5 * options.tolerance)));
     }
     if let Some((torse, far)) = dual_of_row(elements, options) {
@@ -113,9 +128,15 @@ fn torses(elements: &[PlaneElement], options: &RowOptions) -> Vec<Fit> {
                 Torse::Primal(_) => None,
             };
             out.extend(kept);
+            if options.fix_ends {
+                out.retain(|f| f.error <= options.tolerance);
+                return out;
+            }
+            let polished = polished.filter(|_| options.polishes());
             out.extend(polished);
             let sloped = dual_by_slope(elements, options);
-            out.extend(sloped.as_ref().and_then(|t| dual::refit(t, &samples, &wanted)));
+            let further = sloped.as_ref().filter(|_| options.polishes());
+            out.extend(further.and_then(|t| dual::refit(t, &samples, &wanted)));
             out.extend(sloped.and_then(|t| {
                 let torse = Torse::Dual(t);
                 let (error, worst) = error(&torse, &samples)?;
@@ -135,7 +156,7 @@ fn torses(elements: &[PlaneElement], options: &RowOptions) -> Vec<Fit> {
     let limits = options.limits.clone().unwrap_or_default();
     let reaches = reaches(elements);
     let kept: Vec<bool> = out.iter().map(|f| keeps(&f.torse, &reaches, &limits)).collect();
-    if !kept.contains(&true) {
+    if !kept.contains(&true) && !options.fix_ends {
         let further = controlled_by_slope(elements, &limits, options);
         out.retain(|_| options.limits.is_none());
         out.extend(further.filter(|f| f.error <= options.tolerance && keeps(&f.torse, &reaches, &limits)));
@@ -215,7 +236,7 @@ fn controlled_fit(
     judged: impl Fn(&Torse) -> Option<(f64, usize)>,
 ) -> Option<Fit> {
     const HALVINGS: usize = 2;
-    let wanted = SlopeOptions { smoothing: 1e-9, robust: options.robust, ..SlopeOptions::default() };
+    let wanted = SlopeOptions { smoothing: options.smoothing, robust: options.robust, ..SlopeOptions::default() };
     let mut best: Option<Fit> = None;
     for _ in 0..=HALVINGS {
         let curve = controlled(data, frame, places.clone(), &knots, limits, &wanted);
@@ -252,7 +273,7 @@ pub fn samples(elements: &[PlaneElement]) -> Vec<Sample> {
 }
 
 /// Largest distance of an element's region from a plane `n·X = h`, over its ends and radius, mm.
-fn distance(e: &PlaneElement, n: &Vec3, h: f64) -> f64 {
+pub(super) fn distance(e: &PlaneElement, n: &Vec3, h: f64) -> f64 {
     let n = n.normalize();
     let ends = e.ends.map(|x| (n.dot(&x) - h).abs());
     // In the element's plane the distance is linear; its slope is the sine of the angle between the planes. A ruling
@@ -331,12 +352,35 @@ pub(super) fn axes(normals: &[Vec3], places: impl ExactSizeIterator<Item = Vec3>
 }
 
 /// Knots for a tolerance: `F1` measures the mean over a region, and along the axis.
-fn knots_wanted(count: usize, options: &RowOptions) -> KnotOptions {
+pub(super) fn knots_wanted(count: usize, options: &RowOptions) -> KnotOptions {
     KnotOptions {
         max_spans: (count / 2).clamp(1, 60),
         removals: 20,
-        fit: PlanesOptions { smoothing: 1e-9, robust: options.robust, ..PlanesOptions::default() },
+        fit: PlanesOptions { smoothing: options.smoothing, robust: options.robust, ..PlanesOptions::default() },
         ..KnotOptions::new(0.3 * options.tolerance)
+    }
+}
+
+impl KnotOptions {
+    /// Keeps the first and the last plane of a row and, where they are known, the rulings in them: the next control
+    /// planes go through these \[PW99, 4.2\]. `None` if a ruling is square to the ground plan.
+    pub(super) fn keep_ends(&mut self, elements: &[PlaneElement], data: &[PlaneDatum], frame: &Frame) -> Option<()> {
+        let condition = |e: &PlaneElement, d: &PlaneDatum| -> Option<Vec<(usize, Freedom<3>)>> {
+            let mut out = vec![(0, Freedom::Fixed(d.plane))];
+            if e.has_ruling() {
+                let [p, q] = e.ends.map(|x| frame.to_local(&x));
+                let size = (q - p).xy().norm();
+                if size.is_nan() || size <= 0.0 {
+                    return None;
+                }
+                let plan = [(p.x * q.y - q.x * p.y) / size, (p.y - q.y) / size, (q.x - p.x) / size];
+                out.push((1, ruling_condition(d.plane, plan)));
+            }
+            Some(out)
+        };
+        self.fit.conditions = condition(elements.first()?, data.first()?)?;
+        self.from_end = condition(elements.last()?, data.last()?)?;
+        Some(())
     }
 }
 
@@ -348,10 +392,13 @@ pub fn dual_of_row(elements: &[PlaneElement], options: &RowOptions) -> Option<(T
     let axes = axes(&normals, elements.iter().map(PlaneElement::centre))?;
     let frame = slope_frame(&normals, &axes).unwrap_or(axes);
     let data = data(elements, &parameters, &frame)?;
-    let wanted = knots_wanted(elements.len(), options);
+    let mut wanted = knots_wanted(elements.len(), options);
+    if options.fix_ends {
+        wanted.keep_ends(elements, &data, &frame)?;
+    }
     let few = planes_within(&data, &wanted).ok()?;
     let knots = few.curve.knots();
-    let better = joint(&data, knots, &wanted.fit, &JointOptions::default()).ok();
+    let better = joint(&data, knots, &wanted.over(knots), &JointOptions::default()).ok();
     let (curve, parameters) = match better {
         Some(b) => (b.fit.curve, b.parameters),
         None => (few.curve, parameters),
@@ -374,7 +421,7 @@ fn dual_by_slope(elements: &[PlaneElement], options: &RowOptions) -> Option<Dual
     let (data, frame) = slope_data(elements)?;
     // As many knots as the planes need.
     let few = planes_within(&data.planes, &knots_wanted(elements.len(), options)).ok()?;
-    let wanted = SlopeOptions { smoothing: 1e-9, robust: options.robust, ..SlopeOptions::default() };
+    let wanted = SlopeOptions { smoothing: options.smoothing, robust: options.robust, ..SlopeOptions::default() };
     let fit = slope_fit(&data, few.curve.knots(), &wanted).ok()?;
     extended(&fit.curve, &frame)
 }

@@ -7,12 +7,13 @@
 //! *Not guaranteed*: distances; see the judge.
 
 use super::dual;
+use super::knot_choice::KnotOptions;
 use super::plane_correction::{joint, JointOptions};
 use super::plane_frame::slope_frame;
-use super::planes::{PlaneDatum, PlanesOptions};
-use super::row::{axes, data, extended, parameters, samples, slope_data};
+use super::planes::PlaneDatum;
+use super::row::{axes, data, extended, knots_wanted, parameters, samples, slope_data, RowOptions};
 use super::rulings::{slope_fit, SlopeData, SlopeOptions};
-use super::samples::{Fit, Sample};
+use super::samples::{error, Fit, Sample};
 use super::RefitOptions;
 use crate::geom::{Frame, Vec3};
 use crate::spline::knots::Knots;
@@ -23,8 +24,6 @@ use crate::surface::torse::{PanelKind, Torse};
 
 /// Degree of the splines of planes.
 const DEGREE: usize = 3;
-/// Smoothing that keeps fits determined where planes are few.
-const FAINT: f64 = 1e-9;
 /// Spans of the fit that tells where knots belong, at most, and elements for each.
 const FINE: usize = 32;
 const ELEMENTS: usize = 3;
@@ -103,36 +102,46 @@ pub struct PlaneSeries {
     data: Vec<PlaneDatum>,
     frame: Frame,
     bending: Bending,
-    options: PlanesOptions,
+    options: KnotOptions,
+    polishes: bool,
 }
 
 impl PlaneSeries {
     /// The row made ready; `None` where its planes are no graphs over one plane, or do not move.
     ///
-    /// *Input*: usable elements, neighbours oriented alike.
-    pub fn of(elements: &[PlaneElement]) -> Option<Self> {
+    /// *Input*: usable elements, neighbours oriented alike; smoothing and kept ends of the options count.
+    pub fn of(elements: &[PlaneElement], wanted: &RowOptions) -> Option<Self> {
         let normals: Vec<Vec3> = elements.iter().map(|e| e.normal).collect();
         let along = parameters(elements)?;
         let axes = axes(&normals, elements.iter().map(PlaneElement::centre))?;
         let frame = slope_frame(&normals, &axes).unwrap_or(axes);
         let mut data = data(elements, &along, &frame)?;
-        let options = PlanesOptions { smoothing: FAINT, ..PlanesOptions::default() };
-        let better = joint(&data, &fine(&along)?, &options, &JointOptions::default()).ok()?;
+        let mut options = knots_wanted(elements.len(), wanted);
+        if wanted.fix_ends {
+            options.keep_ends(elements, &data, &frame)?;
+        }
+        let knots = fine(&along)?;
+        let better = joint(&data, &knots, &options.over(&knots), &JointOptions::default()).ok()?;
         for (d, t) in data.iter_mut().zip(&better.parameters) {
             d.parameter = *t;
         }
         let bending = Bending::of(&better.fit.curve, sizes(&data))?;
         let samples = elements.iter().all(PlaneElement::has_ruling).then(|| samples(elements));
-        Some(Self { samples, data, frame, bending, options })
+        Some(Self { samples, data, frame, bending, options, polishes: wanted.polishes() })
     }
 
-    /// The torse over so many spans; for rulings, polished until it is within `tolerance` (mm) of points on them.
+    /// The torse over so many spans; for rulings, if the options allow it, polished until it is within `tolerance` (mm) of points on them.
     pub fn fit(&self, spans: usize, tolerance: f64) -> Option<Fit> {
         let knots = Knots::clamped(DEGREE, &self.bending.breaks(spans.max(1))).ok()?;
-        let found = joint(&self.data, &knots, &self.options, &JointOptions::default()).ok()?;
+        let found = joint(&self.data, &knots, &self.options.over(&knots), &JointOptions::default()).ok()?;
         let torse = extended(&found.fit.curve, &self.frame)?;
         match &self.samples {
-            Some(samples) => dual::refit(&torse, samples, &RefitOptions::new(tolerance)),
+            Some(samples) if self.polishes => dual::refit(&torse, samples, &RefitOptions::new(tolerance)),
+            Some(samples) => {
+                let torse = Torse::Dual(torse);
+                let (error, worst) = error(&torse, samples)?;
+                Some(Fit { torse, kind: PanelKind::Torse, error, worst })
+            }
             None => {
                 let far = &found.fit.distances;
                 let worst = (0..far.len()).max_by(|&i, &j| far[i].total_cmp(&far[j]))?;
@@ -154,10 +163,10 @@ impl SlopeSeries {
     /// The row made ready; `None` where slopes do not increase along it.
     ///
     /// *Input*: as [`PlaneSeries::of`].
-    pub fn of(elements: &[PlaneElement]) -> Option<Self> {
+    pub fn of(elements: &[PlaneElement], wanted: &RowOptions) -> Option<Self> {
         let (data, frame) = slope_data(elements)?;
         let along: Vec<f64> = data.planes.iter().map(|d| d.parameter).collect();
-        let options = SlopeOptions { smoothing: FAINT, ..SlopeOptions::default() };
+        let options = SlopeOptions { smoothing: wanted.smoothing, ..SlopeOptions::default() };
         let found = slope_fit(&data, &fine(&along)?, &options).ok()?;
         let bending = Bending::of(&found.curve, sizes(&data.planes))?;
         Some(Self { data, frame, bending, options })

@@ -9,7 +9,7 @@ use super::regression;
 use crate::certify::elements::elements as certified;
 use crate::certify::regression::{regression as regular, RegressionVerdict};
 use crate::control::Control;
-use crate::fit::row::samples;
+use crate::fit::row::{samples, RowOptions};
 use crate::fit::row_extent::{strip as strip_of, strip_by_slope};
 use crate::fit::span_series::{PlaneSeries, SlopeSeries};
 use crate::fit::{primal, PrimalOptions};
@@ -87,14 +87,9 @@ fn bound(strip: &Strip, elements: &[PlaneElement]) -> f64 {
 }
 
 /// The strip with the fewest control points along (of equal ones: with the smallest bound) that is proven to lie within
-/// `tolerance` (mm) of all elements, to be regular, and to keep to the limits; `found` if there is none.
-pub(super) fn fewest(
-    found: Strip,
-    elements: &[PlaneElement],
-    tolerance: f64,
-    limits: Option<&RegressionLimits>,
-    control: &Control,
-) -> Strip {
+/// the tolerance of all elements, to be regular, and to keep to the limits; `found` if there is none.
+pub(super) fn fewest(found: Strip, elements: &[PlaneElement], wanted: &RowOptions, control: &Control) -> Strip {
+    let (tolerance, limits) = (wanted.tolerance, wanted.limits.as_ref());
     // A strip that is not within the tolerance is no match for one that is, if there may be one.
     const HOPELESS: f64 = 3.0;
     let reached = bound(&found, elements);
@@ -104,8 +99,9 @@ pub(super) fn fewest(
     let name = found.name.clone();
     let control_points = if reached <= tolerance { count(&found) } else { usize::MAX };
     let mut search = Search { elements, tolerance, limits, best: (control_points, reached, found) };
-    let slopes = SlopeSeries::of(elements);
-    let planes = PlaneSeries::of(elements);
+    // Only splines of type (2) keep given ends.
+    let slopes = if wanted.fix_ends { None } else { SlopeSeries::of(elements, wanted) };
+    let planes = PlaneSeries::of(elements, wanted);
     let mut kinds: Vec<Kind> = Vec::new();
     for rulings in [false, true] {
         if let Some(series) = &slopes {
@@ -118,7 +114,7 @@ pub(super) fn fewest(
         let propose = |n: usize| strip_of(&name, &series.fit(n, AIM * tolerance)?, elements).ok();
         kinds.push(Kind { propose: Box::new(propose), fewest: |n| 2 + 3 * n });
     }
-    if elements.iter().all(PlaneElement::has_ruling) {
+    if wanted.polishes() && elements.iter().all(PlaneElement::has_ruling) {
         let (samples, name) = (samples(elements), &name);
         let propose = move |n: usize| {
             let (profile_spans, ruling_spans) = (n + 1, 1 + n % 2);

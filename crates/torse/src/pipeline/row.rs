@@ -9,6 +9,7 @@ use super::sheets::{Basis, FieldMeaning, Figure, FlatPart, Sheets, StripField};
 use crate::certify::elements::{elements as certified, ElementCertificate};
 use crate::control::Control;
 use crate::develop::strip::StripOptions;
+use crate::fit::outliers::outliers;
 use crate::fit::plane_estimates::{
     planes_of_noisy_rulings, planes_of_rulings, planes_of_smooth_rulings, Ends, EstimateError,
 };
@@ -34,12 +35,34 @@ pub struct RowFitOptions {
     pub rulings_of_face: usize,
     /// What is asked of regression curves; nothing beyond regular strips.
     pub limits: Option<RegressionLimits>,
+    /// Whether the first and the last element of each strip are kept exactly; false.
+    pub fix_ends: bool,
+    /// Weight of bending against the data as a share; none: strips follow the data.
+    pub smoothing: Option<f64>,
+    /// Whether elements far from a surface that most of the others agree on are left out and named; false.
+    pub robust: bool,
 }
 
 impl RowFitOptions {
     /// The defaults with a tolerance in mm.
     pub fn new(tolerance: f64, input: &str) -> Self {
-        Self { tolerance, input: input.into(), max_strips: 64, rulings_of_face: 160, limits: None }
+        Self {
+            tolerance,
+            input: input.into(),
+            max_strips: 64,
+            rulings_of_face: 160,
+            limits: None,
+            fix_ends: false,
+            smoothing: None,
+            robust: false,
+        }
+    }
+
+    /// Options of the fits at a tolerance (mm) and a number of strips.
+    fn fits(&self, tolerance: f64, max_pieces: usize, limits: Option<RegressionLimits>) -> RowOptions {
+        let plain = RowOptions::new(tolerance);
+        let smoothing = self.smoothing.unwrap_or(plain.smoothing);
+        RowOptions { max_pieces, limits, smoothing, fix_ends: self.fix_ends, ..plain }
     }
 }
 
@@ -135,12 +158,64 @@ pub fn fit_row(given: &Given, options: &RowFitOptions, control: &Control) -> Res
         let what = if what == "planes" { "plane" } else { "ruling" };
         return Err(RowFitError::Repeated { what, index });
     }
-    let row = match given {
+    let (kept, out) = if options.robust { agreeing(given, options.tolerance) } else { (given.clone(), Vec::new()) };
+    let estimates = match &kept {
         Given::Planes(p) => vec![p.clone()],
         Given::Rulings(r) => of_rulings(r, options.tolerance)?,
     };
-    let row = Row { name: what.to_string(), estimates: row, face: None };
-    run(vec![row], Vec::new(), what, options, control)
+    let row = Row { name: what.to_string(), estimates, face: None };
+    let mut outcome = run(vec![row], Vec::new(), what, options, control)?;
+    if !out.is_empty() {
+        let left = certified(&outcome.sheets.strips, &out.iter().map(|o| o.1).collect::<Vec<_>>(), control);
+        let one = if what == "planes" { "plane" } else { "ruling" };
+        let words = out.iter().zip(left.bounds()).map(|((i, _), b)| {
+            format!("{one} {i}: the others agree on a surface without it, {b:.3} mm away; nothing is proven of it")
+        });
+        outcome.sheets.skipped.extend(words);
+        let figures = &mut outcome.sheets.figures;
+        figures
+            .insert(figures.len().min(1), Figure::new("left out as outliers", out.len() as f64, "", Basis::Measured));
+    }
+    Ok(outcome)
+}
+
+/// What is given without its outliers, and these with their indices.
+fn agreeing(given: &Given, tolerance: f64) -> (Given, Vec<(usize, PlaneElement)>) {
+    // Outliers taken out in turn; what is left then has more of them than agreement.
+    const ROUNDS: usize = 16;
+    let mut left: Vec<usize> = (0..given.len()).collect();
+    let mut out: Vec<(usize, PlaneElement)> = Vec::new();
+    let part = |of: &[usize]| match given {
+        Given::Planes(p) => Given::Planes(of.iter().map(|&i| p[i]).collect()),
+        Given::Rulings(r) => Given::Rulings(of.iter().map(|&i| r[i]).collect()),
+    };
+    for _ in 0..ROUNDS {
+        let mut elements = match part(&left) {
+            Given::Planes(p) => p,
+            Given::Rulings(r) => of_rulings(&r, tolerance).ok().and_then(|e| e.into_iter().next()).unwrap_or_default(),
+        };
+        orient(&mut elements);
+        let found = outliers(&elements, tolerance);
+        if found.is_empty() || left.len() < FEWEST + found.len() {
+            break;
+        }
+        for i in found {
+            // Rulings have been put in order: they are known by their ends.
+            let own = |k: &usize| match given {
+                Given::Planes(_) => left.get(i) == Some(k),
+                Given::Rulings(r) => {
+                    let [p, q] = elements[i].ends;
+                    r[*k] == [p, q] || r[*k] == [q, p]
+                }
+            };
+            if let Some(&k) = left.iter().find(|k| own(k)) {
+                out.push((k, elements[i]));
+            }
+        }
+        left.retain(|k| out.iter().all(|o| o.0 != *k));
+    }
+    out.sort_by_key(|o| o.0);
+    (part(&left), out)
 }
 
 /// Index of the first element that is the same as the one before.
@@ -227,6 +302,14 @@ fn of_rulings(rulings: &[[Vec3; 2]], tolerance: f64) -> Result<Vec<Vec<PlaneElem
     Ok(out)
 }
 
+/// Turns the normals of rulings square to them: a plane that is kept must hold its ruling.
+fn square(elements: &mut [PlaneElement]) {
+    for e in elements.iter_mut().filter(|e| e.has_ruling()) {
+        let d = (e.ends[1] - e.ends[0]).normalize();
+        e.normal = (e.normal - d * d.dot(&e.normal)).try_normalize(0.0).unwrap_or(e.normal);
+    }
+}
+
 /// Strips for one row.
 struct Attempt {
     strips: Vec<Strip>,
@@ -262,7 +345,7 @@ fn attempt(
     options: &RowFitOptions,
     control: &Control,
 ) -> Attempt {
-    let wanted = RowOptions { max_pieces: most, limits, ..RowOptions::new(aim * options.tolerance) };
+    let wanted = options.fits(aim * options.tolerance, most, limits);
     let mut strips: Vec<Strip> = Vec::new();
     let (mut ranges, mut skipped) = (Vec::new(), Vec::new());
     for piece in row(elements, &wanted) {
@@ -357,6 +440,9 @@ fn run(
                 return Err(RowFitError::Coarse { largest, step, tolerance: options.tolerance });
             }
             orient(elements);
+            if options.fix_ends {
+                square(elements);
+            }
         }
         control.report("fitting", k as f64, name.clone());
         let left = options.max_strips.saturating_sub(strips.len());
@@ -373,7 +459,8 @@ fn run(
             missed = found.skipped;
             for (strip, range) in found.strips.into_iter().zip(found.ranges) {
                 let elements = &estimates[which][range];
-                own.push(fewest(strip, elements, options.tolerance, options.limits.as_ref(), control));
+                let wanted = options.fits(options.tolerance, 1, options.limits.clone());
+                own.push(fewest(strip, elements, &wanted, control));
             }
         }
         let mut kept = false;
