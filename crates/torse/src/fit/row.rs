@@ -66,6 +66,8 @@ pub struct RowPiece {
     pub range: std::ops::Range<usize>,
     /// Torses within the tolerance of the elements as far as samples tell, the nearest first; empty where nothing fits.
     pub fits: Vec<Fit>,
+    /// Whether it is empty because of what is asked of the regression curve.
+    pub kept_off: bool,
 }
 
 /// Fewest elements of a piece that is more than a plane.
@@ -75,12 +77,47 @@ const FEWEST: usize = 4;
 ///
 /// *Input*: usable elements, neighbours oriented alike.
 pub fn row(elements: &[PlaneElement], options: &RowOptions) -> Vec<RowPiece> {
-    // Bisections of a run: its length is then within a thirtieth of the longest.
-    const STEPS: usize = 5;
     let mut out: Vec<RowPiece> = Vec::new();
+    for (range, hopeless) in stretches(elements, options) {
+        if hopeless {
+            out.push(RowPiece { range, fits: Vec::new(), kept_off: true });
+        } else {
+            greedy(elements, range, options, &mut out);
+        }
+    }
+    out
+}
+
+/// Stretches of a row, and whether limits of the regression curve leave nothing of them: a strip that keeps to the limits
+/// does so on every part, so that where short runs have fits but none within the limits, longer ones have none either.
+fn stretches(elements: &[PlaneElement], options: &RowOptions) -> Vec<(std::ops::Range<usize>, bool)> {
+    let whole = || vec![(0..elements.len(), false)];
+    if options.limits.is_none() || elements.len() <= FEWEST || !torses(elements, options).is_empty() {
+        return whole();
+    }
+    let free = RowOptions { limits: None, ..options.clone() };
+    let mut out: Vec<(std::ops::Range<usize>, bool)> = Vec::new();
     let mut from = 0;
     while from + 1 < elements.len() {
-        let rest = elements.len() - from;
+        let to = (from + FEWEST).min(elements.len());
+        let own = &elements[from..to];
+        let hopeless = torses(own, options).is_empty() && !torses(own, &free).is_empty();
+        match out.last_mut().filter(|l| l.1 == hopeless) {
+            Some(last) => last.0.end = to,
+            None => out.push((from..to, hopeless)),
+        }
+        from = to - 1;
+    }
+    out
+}
+
+/// Pieces of a stretch of a row.
+fn greedy(elements: &[PlaneElement], range: std::ops::Range<usize>, options: &RowOptions, out: &mut Vec<RowPiece>) {
+    // Bisections of a run: its length is then within a thirtieth of the longest.
+    const STEPS: usize = 5;
+    let mut from = range.start;
+    while from + 1 < range.end {
+        let rest = range.end - from;
         let attempt = |count: usize| torses(&elements[from..from + count], options);
         let mut best = attempt(rest);
         let mut length = rest;
@@ -100,14 +137,15 @@ pub fn row(elements: &[PlaneElement], options: &RowOptions) -> Vec<RowPiece> {
             }
             length = if good == 0 { bad.min(FEWEST) } else { good };
         }
-        out.push(RowPiece { range: from..from + length, fits: best });
+        out.push(RowPiece { range: from..from + length, fits: best, kept_off: false });
         from += length - 1;
     }
-    out
 }
 
-/// Torses within the tolerance of all elements, the nearest first.
-fn torses(elements: &[PlaneElement], options: &RowOptions) -> Vec<Fit> {
+/// Torses within the tolerance of all elements, the nearest first; empty where nothing fits.
+///
+/// *Input*: as for [`row`].
+pub fn torses(elements: &[PlaneElement], options: &RowOptions) -> Vec<Fit> {
     let mut out = Vec::new();
     let samples = samples(elements);
     let rulings = elements.iter().all(PlaneElement::has_ruling);

@@ -38,7 +38,7 @@ struct Search<'a> {
     elements: &'a [PlaneElement],
     tolerance: f64,
     limits: Option<&'a RegressionLimits>,
-    best: (usize, f64, Strip),
+    best: (usize, f64, Option<Strip>),
 }
 
 impl Search<'_> {
@@ -50,7 +50,7 @@ impl Search<'_> {
             && regression::keeps(&strip, self.limits);
         let count = count(&strip);
         if holds && (count, bound) < (self.best.0, self.best.1) {
-            self.best = (count, bound, strip);
+            self.best = (count, bound, Some(strip));
         }
         holds
     }
@@ -89,33 +89,49 @@ fn bound(strip: &Strip, elements: &[PlaneElement]) -> f64 {
 /// The strip with the fewest control points along (of equal ones: with the smallest bound) that is proven to lie within
 /// the tolerance of all elements, to be regular, and to keep to the limits; `found` if there is none.
 pub(super) fn fewest(found: Strip, elements: &[PlaneElement], wanted: &RowOptions, control: &Control) -> Strip {
-    let (tolerance, limits) = (wanted.tolerance, wanted.limits.as_ref());
     // A strip that is not within the tolerance is no match for one that is, if there may be one.
     const HOPELESS: f64 = 3.0;
     let reached = bound(&found, elements);
-    if reached.is_nan() || reached > HOPELESS * tolerance {
+    if reached.is_nan() || reached > HOPELESS * wanted.tolerance {
         return found;
     }
+    let control_points = if reached <= wanted.tolerance { count(&found) } else { 3 * MOST };
     let name = found.name.clone();
-    let control_points = if reached <= tolerance { count(&found) } else { usize::MAX };
-    let mut search = Search { elements, tolerance, limits, best: (control_points, reached, found) };
+    search(&name, (control_points, reached, None), elements, wanted, control).unwrap_or(found)
+}
+
+/// As [`fewest`] among strips with few control points, with nothing found before.
+pub(super) fn simplest(name: &str, elements: &[PlaneElement], wanted: &RowOptions, control: &Control) -> Option<Strip> {
+    const FEW: usize = 36;
+    search(name, (FEW, f64::INFINITY, None), elements, wanted, control)
+}
+
+/// What is better than the best so far, over all kinds.
+fn search(
+    name: &str,
+    best: (usize, f64, Option<Strip>),
+    elements: &[PlaneElement],
+    wanted: &RowOptions,
+    control: &Control,
+) -> Option<Strip> {
+    let (tolerance, limits) = (wanted.tolerance, wanted.limits.as_ref());
+    let mut search = Search { elements, tolerance, limits, best };
     // Only splines of type (2) keep given ends.
     let slopes = if wanted.fix_ends { None } else { SlopeSeries::of(elements, wanted) };
     let planes = PlaneSeries::of(elements, wanted);
     let mut kinds: Vec<Kind> = Vec::new();
-    for rulings in [false, true] {
-        if let Some(series) = &slopes {
-            let name = &name;
+    if let Some(series) = &slopes {
+        for rulings in [false, true] {
             let propose = move |n: usize| strip_by_slope(name, &series.fit(n, rulings)?, tolerance, elements);
             kinds.push(Kind { propose: Box::new(propose), fewest: |n| 2 + 2 * n });
         }
     }
     if let Some(series) = &planes {
-        let propose = |n: usize| strip_of(&name, &series.fit(n, AIM * tolerance)?, elements).ok();
+        let propose = |n: usize| strip_of(name, &series.fit(n, AIM * tolerance)?, elements).ok();
         kinds.push(Kind { propose: Box::new(propose), fewest: |n| 2 + 3 * n });
     }
     if wanted.polishes() && elements.iter().all(PlaneElement::has_ruling) {
-        let (samples, name) = (samples(elements), &name);
+        let samples = samples(elements);
         let propose = move |n: usize| {
             let (profile_spans, ruling_spans) = (n + 1, 1 + n % 2);
             let wanted = PrimalOptions { profile_spans, ruling_spans, ..PrimalOptions::new(AIM * tolerance) };
@@ -127,6 +143,5 @@ pub(super) fn fewest(found: Strip, elements: &[PlaneElement], wanted: &RowOption
     for kind in &kinds {
         search.look(kind, control);
     }
-    drop(kinds);
-    Strip { name, ..search.best.2 }
+    search.best.2
 }

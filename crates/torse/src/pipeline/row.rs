@@ -1,7 +1,7 @@
 //! From rulings, tangent planes or a developable face to strips of low degree: fit, prove, develop.
 
 use super::cut::cut;
-use super::fewest::fewest;
+use super::fewest::{fewest, simplest};
 use super::given_face::{is_simplest, no_simpler, reached, GivenFace, NARROW};
 use super::outcome::{Skipped, Status};
 use super::regression;
@@ -13,9 +13,10 @@ use crate::fit::outliers::outliers;
 use crate::fit::plane_estimates::{
     planes_of_noisy_rulings, planes_of_rulings, planes_of_smooth_rulings, Ends, EstimateError,
 };
-use crate::fit::row::{row, RowOptions, RowPiece};
+use crate::fit::row::{row, torses, RowOptions, RowPiece};
 use crate::fit::row_extent::strip;
 use crate::fit::ruling_order::ordered;
+use crate::geom::coarse::Coarse;
 use crate::geom::Vec3;
 use crate::surface::face::Face;
 use crate::surface::plane_row::{orient, Given, PlaneElement};
@@ -104,18 +105,8 @@ pub enum RowFitError {
         index: usize,
     },
     /// Coordinates so large that their last digits are coarser than the tolerance.
-    #[error(
-        "coordinates up to {largest:.1e} mm are exact to {step:.1e} mm only, too coarse for the tolerance of {tolerance} mm: \
-         move the data towards the origin"
-    )]
-    Coarse {
-        /// Largest coordinate, mm.
-        largest: f64,
-        /// Distance of neighbouring numbers there, mm.
-        step: f64,
-        /// Tolerance, mm.
-        tolerance: f64,
-    },
+    #[error(transparent)]
+    Coarse(#[from] Coarse),
     /// Tangent planes of rulings cannot be estimated.
     #[error(transparent)]
     Estimate(#[from] EstimateError),
@@ -129,8 +120,6 @@ pub enum RowFitError {
     },
 }
 
-/// Steps between numbers, where coordinates are largest, that a tolerance should hold.
-const STEPS: f64 = 20.0;
 /// Elements without which no surface is looked for.
 const FEWEST: usize = 4;
 /// Shares of the tolerance that fits aim at in turn: the proof compares rulings, the fit distances of points.
@@ -315,7 +304,10 @@ struct Attempt {
     strips: Vec<Strip>,
     /// The elements that each strip was fitted to.
     ranges: Vec<std::ops::Range<usize>>,
-    skipped: Vec<String>,
+    /// Stretches without a strip: the elements, and why torses that were found give none.
+    missed: Vec<(std::ops::Range<usize>, Option<String>)>,
+    /// Whether there is nothing because of what is asked of the regression curve.
+    kept_off: bool,
     certificate: ElementCertificate,
 }
 
@@ -336,9 +328,7 @@ fn room(elements: &[PlaneElement]) -> f64 {
 
 /// Strips for a row at one aim and with limits of the regression curve.
 fn attempt(
-    name: &str,
     elements: &[PlaneElement],
-    what: &str,
     most: usize,
     aim: f64,
     limits: Option<RegressionLimits>,
@@ -347,29 +337,26 @@ fn attempt(
 ) -> Attempt {
     let wanted = options.fits(aim * options.tolerance, most, limits);
     let mut strips: Vec<Strip> = Vec::new();
-    let (mut ranges, mut skipped) = (Vec::new(), Vec::new());
-    for piece in row(elements, &wanted) {
+    let (mut ranges, mut missed) = (Vec::new(), Vec::new());
+    let pieces = row(elements, &wanted);
+    let kept_off = pieces.iter().all(|p| p.kept_off);
+    for piece in pieces {
         let own = &elements[piece.range.clone()];
         match nearest("A", &piece, own, options) {
             Ok(s) => {
                 strips.push(s);
                 ranges.push(piece.range);
             }
-            Err(reason) => {
-                let (from, to) = (piece.range.start, piece.range.end - 1);
-                skipped.push(format!("{name}: {what} {from} to {to}: {reason}"));
-            }
+            Err(reason) => missed.push((piece.range, reason)),
         }
     }
     let certificate = certified(&strips, elements, control);
-    Attempt { strips, ranges, skipped, certificate }
+    Attempt { strips, ranges, missed, kept_off, certificate }
 }
 
 /// The best of several aims, and of several estimates of the same elements (which one is told).
 fn best(
-    name: &str,
     estimates: &[Vec<PlaneElement>],
-    what: &str,
     most: usize,
     options: &RowFitOptions,
     control: &Control,
@@ -380,11 +367,15 @@ fn best(
             if control.stopped() && best.is_some() {
                 return best;
             }
-            let mut found = attempt(name, elements, what, most, aim, options.limits.clone(), options, control);
-            if options.limits.is_none() && !found.skipped.is_empty() {
+            // Limits that leave nothing of one estimate leave nothing of the others, which differ little.
+            if best.as_ref().is_some_and(|b| b.1.kept_off) {
+                return best;
+            }
+            let mut found = attempt(elements, most, aim, options.limits.clone(), options, control);
+            if options.limits.is_none() && !found.missed.is_empty() {
                 // Fits without strips mostly come with a regression curve too near: some room makes them regular.
                 let room = Some(RegressionLimits { clearance: room(elements), zones: Vec::new() });
-                let kept = attempt(name, elements, what, most, aim, room, options, control);
+                let kept = attempt(elements, most, aim, room, options, control);
                 if kept.rank(options) < found.rank(options) {
                     found = kept;
                 }
@@ -435,9 +426,8 @@ fn run(
                 return Err(RowFitError::Element { index });
             }
             let largest = elements.iter().flat_map(|e| e.ends).map(|x| x.amax()).fold(0.0, f64::max);
-            let step = largest * f64::EPSILON;
-            if STEPS * step > options.tolerance {
-                return Err(RowFitError::Coarse { largest, step, tolerance: options.tolerance });
+            if let Some(fault) = Coarse::of(largest, options.tolerance) {
+                return Err(fault.into());
             }
             orient(elements);
             if options.fix_ends {
@@ -450,16 +440,24 @@ fn run(
         let given = face.as_ref().and_then(|f| f.strip.as_ref());
         let given = given.filter(|s| left > 0 && regression::keeps(s, options.limits.as_ref()));
         let mut missed = Vec::new();
+        let wanted = options.fits(options.tolerance, 1, options.limits.clone());
+        let simple = given.is_some_and(is_simplest);
+        // Most rows are followed by one strip over few spans; the search for these is also the fastest.
+        if let Some(elements) = estimates.first().filter(|_| !simple && left > 0 && options.limits.is_none()) {
+            own.extend(simplest(&name, elements, &wanted, control));
+        }
         let found = match given {
-            Some(strip) if is_simplest(strip) => None,
-            _ => best(&name, &estimates, what, left, options, control),
+            _ if simple || !own.is_empty() => None,
+            _ => best(&estimates, left, options, control),
         };
         let which = found.as_ref().map_or(0, |f| f.0);
         if let Some((which, found)) = found {
-            missed = found.skipped;
+            for (range, reason) in found.missed {
+                let reason = reason.unwrap_or_else(|| unfollowed(&estimates[which][range.clone()], options));
+                missed.push(format!("{name}: {what} {} to {}: {reason}", range.start, range.end - 1));
+            }
             for (strip, range) in found.strips.into_iter().zip(found.ranges) {
                 let elements = &estimates[which][range];
-                let wanted = options.fits(options.tolerance, 1, options.limits.clone());
                 own.push(fewest(strip, elements, &wanted, control));
             }
         }
@@ -546,10 +544,17 @@ fn run(
 
 /// The strip with the smallest proven distance from its elements, among those whose regression curve keeps to the
 /// limits if there are any.
-fn nearest(name: &str, piece: &RowPiece, own: &[PlaneElement], options: &RowFitOptions) -> Result<Strip, String> {
+///
+/// # Errors
+/// Why torses give no strip; nothing where there are none.
+fn nearest(
+    name: &str,
+    piece: &RowPiece,
+    own: &[PlaneElement],
+    options: &RowFitOptions,
+) -> Result<Strip, Option<String>> {
     let mut best: Option<(bool, f64, Strip)> = None;
-    let mut reason =
-        format!("no developable strip follows them within {} mm{}", options.tolerance, kept_off(own, options));
+    let mut reason = None;
     for fit in &piece.fits {
         match strip(name, fit, own) {
             Ok(s) => {
@@ -559,31 +564,26 @@ fn nearest(name: &str, piece: &RowPiece, own: &[PlaneElement], options: &RowFitO
                     best = Some((broken, worst, s));
                 }
             }
-            Err(e) => reason = format!("the {} found gives no strip ({e})", fit.kind.name()),
+            Err(e) => reason = Some(format!("the {} found gives no strip ({e})", fit.kind.name())),
         }
     }
     best.map(|b| b.2).ok_or(reason)
 }
 
-/// How near developables come whose regression curves keep to the limits, in words; empty where the limits are not what
-/// stands in the way.
-fn kept_off(own: &[PlaneElement], options: &RowFitOptions) -> String {
+/// Why no developable follows elements: too far from any, or none keeps to the limits and then how near one comes.
+fn unfollowed(own: &[PlaneElement], options: &RowFitOptions) -> String {
     // Tolerances looked at for the reason, in multiples of the one asked for.
     const WIDER: [f64; 4] = [3.0, 10.0, 100.0, 1e4];
-    let Some(limits) = &options.limits else { return String::new() };
+    let plain = format!("no developable strip follows them within {} mm", options.tolerance);
+    let Some(limits) = &options.limits else { return plain };
     let one = |tolerance: f64, limits: Option<RegressionLimits>| {
-        let found = row(own, &RowOptions { max_pieces: 1, limits, ..RowOptions::new(tolerance) });
-        found.into_iter().next().filter(|p| p.range.len() == own.len()).and_then(|p| p.fits.into_iter().next())
+        torses(own, &options.fits(tolerance, 1, limits)).into_iter().next().map(|f| f.error)
     };
     if one(options.tolerance, None).is_none() {
-        return String::new();
+        return plain;
     }
     let wider = WIDER.iter().find_map(|w| one(w * options.tolerance, Some(limits.clone())));
-    let how =
-        wider.map_or("none was found that is".to_string(), |f| format!("the nearest found is {:.3} mm away", f.error));
-    format!(
-        " with its regression curve in bounds ({how}); raise the tolerance, or ask for less of the regression curve"
-    )
+    plain + &regression::kept_off(wider.unwrap_or(f64::INFINITY))
 }
 
 fn figures(strips: &[Strip], c: &ElementCertificate) -> Vec<Vec<Figure>> {
