@@ -185,7 +185,7 @@ pub fn torses(elements: &[PlaneElement], options: &RowOptions) -> Vec<Fit> {
             out.push(Fit { torse, kind: PanelKind::Torse, error: far.get(worst).copied().unwrap_or(0.0), worst });
         }
     }
-    out.retain(|f| f.error <= options.tolerance);
+    out.retain(|f| f.error <= options.tolerance && (!rulings || follows(&f.torse, elements, options.tolerance)));
     // With more conditions nothing comes nearer.
     if out.is_empty() {
         return out;
@@ -197,13 +197,30 @@ pub fn torses(elements: &[PlaneElement], options: &RowOptions) -> Vec<Fit> {
     if !kept.contains(&true) && !options.fix_ends {
         let further = controlled_by_slope(elements, &limits, options);
         out.retain(|_| options.limits.is_none());
-        out.extend(further.filter(|f| f.error <= options.tolerance && keeps(&f.torse, &reaches, &limits)));
+        let near =
+            |f: &Fit| f.error <= options.tolerance && (!rulings || follows(&f.torse, elements, options.tolerance));
+        out.extend(further.filter(|f| near(f) && keeps(&f.torse, &reaches, &limits)));
     } else if options.limits.is_some() {
         let mut kept = kept.into_iter();
         out.retain(|_| kept.next() == Some(true));
     }
     out.sort_by(|a, b| a.error.total_cmp(&b.error));
     out
+}
+
+/// Whether rulings of a torse run near given ones, and not only the points on them: nearly plane pieces follow points
+/// with rulings of any direction.
+fn follows(torse: &Torse, elements: &[PlaneElement], tolerance: f64) -> bool {
+    // Rulings are proven part by part; where ends are farther off than so many tolerances, parts are too.
+    const CROSSING: f64 = 32.0;
+    let Some(sheet) = super::sheet::Sheet::of(torse) else { return false };
+    let guesses = sheet.guesses();
+    elements.iter().all(|e| {
+        let q = sheet.local(&e.centre());
+        let Some(t) = sheet.foot(&q, guesses.guess(&q), sheet.domain()) else { return false };
+        let r = torse.ruling(t);
+        e.ends.iter().all(|x| (x - r.point).cross(&r.direction).norm() <= CROSSING * tolerance)
+    })
 }
 
 /// What a strip for the elements reaches: both ends of rulings, or regions around planes.

@@ -130,19 +130,25 @@ impl PlaneSeries {
         Some(Self { samples, data, frame, bending, options, polishes: wanted.polishes() })
     }
 
-    /// The torse over so many spans; for rulings, if the options allow it, polished until it is within `tolerance` (mm) of points on them.
-    pub fn fit(&self, spans: usize, tolerance: f64) -> Option<Fit> {
+    /// Whether fits may be polished: the elements are rulings, and no option stands against it.
+    pub fn polishes(&self) -> bool {
+        self.polishes && self.samples.is_some()
+    }
+
+    /// The torse over so many spans, as it comes or, where it [may be](Self::polishes), polished until it is within a
+    /// distance (mm) of points on the rulings.
+    pub fn fit(&self, spans: usize, polish: Option<f64>) -> Option<Fit> {
         let knots = Knots::clamped(DEGREE, &self.bending.breaks(spans.max(1))).ok()?;
         let found = joint(&self.data, &knots, &self.options.over(&knots), &JointOptions::default()).ok()?;
         let torse = extended(&found.fit.curve, &self.frame)?;
-        match &self.samples {
-            Some(samples) if self.polishes => dual::refit(&torse, samples, &RefitOptions::new(tolerance)),
-            Some(samples) => {
+        match (&self.samples, polish.filter(|_| self.polishes)) {
+            (Some(samples), Some(tolerance)) => dual::refit(&torse, samples, &RefitOptions::new(tolerance)),
+            (Some(samples), None) => {
                 let torse = Torse::Dual(torse);
                 let (error, worst) = error(&torse, samples)?;
                 Some(Fit { torse, kind: PanelKind::Torse, error, worst })
             }
-            None => {
+            (None, _) => {
                 let far = &found.fit.distances;
                 let worst = (0..far.len()).max_by(|&i, &j| far[i].total_cmp(&far[j]))?;
                 Some(Fit { torse: Torse::Dual(torse), kind: PanelKind::Torse, error: far[worst], worst })

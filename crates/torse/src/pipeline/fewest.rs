@@ -127,8 +127,10 @@ fn search(
         }
     }
     if let Some(series) = &planes {
-        let propose = |n: usize| strip_of(name, &series.fit(n, AIM * tolerance)?, elements).ok();
-        kinds.push(Kind { propose: Box::new(propose), fewest: |n| 2 + 3 * n });
+        for polish in [None, Some(AIM * tolerance)].into_iter().filter(|p| p.is_none() || series.polishes()) {
+            let propose = move |n: usize| strip_of(name, &series.fit(n, polish)?, elements).ok();
+            kinds.push(Kind { propose: Box::new(propose), fewest: |n| 2 + 3 * n });
+        }
     }
     if wanted.polishes() && elements.iter().all(PlaneElement::has_ruling) {
         let samples = samples(elements);
