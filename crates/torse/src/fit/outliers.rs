@@ -16,6 +16,8 @@ const FEWEST: usize = 8;
 const TRUSTED: f64 = 0.1;
 /// Neighbours on either side whose estimates an outlier touches.
 const REACH: usize = 2;
+/// Share of the largest distance up to which others may come from the same outlier.
+const RINGING: f64 = 0.3;
 /// Share of a row that can be outliers; beyond, there is nothing to agree on.
 const MOST: f64 = 0.25;
 
@@ -43,8 +45,9 @@ fn search(elements: &[PlaneElement], from: usize, tolerance: f64, out: &mut Vec<
         return;
     };
     let last = far.len() - 1;
+    let least = tolerance.max(RINGING * far.iter().map(|f| f.0).fold(0.0, f64::max));
     let worst = |i: usize| far[i.saturating_sub(REACH)..=(i + REACH).min(last)].iter().all(|f| f.0 <= far[i].0);
-    out.extend((0..far.len()).filter(|&i| far[i].0 > tolerance && far[i].1 < TRUSTED && worst(i)).map(|i| from + i));
+    out.extend((0..far.len()).filter(|&i| far[i].0 > least && far[i].1 < TRUSTED && worst(i)).map(|i| from + i));
 }
 
 /// Distances of the elements from a robust fit, mm, with its trust in them.

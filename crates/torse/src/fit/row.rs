@@ -99,7 +99,8 @@ fn stretches(elements: &[PlaneElement], options: &RowOptions) -> Vec<(std::ops::
     let mut out: Vec<(std::ops::Range<usize>, bool)> = Vec::new();
     let mut from = 0;
     while from + 1 < elements.len() {
-        let to = (from + FEWEST).min(elements.len());
+        // A rest that is too short for a fit belongs to the last run.
+        let to = if from + 2 * FEWEST > elements.len() { elements.len() } else { from + FEWEST };
         let own = &elements[from..to];
         let hopeless = torses(own, options).is_empty() && !torses(own, &free).is_empty();
         match out.last_mut().filter(|l| l.1 == hopeless) {
@@ -185,7 +186,9 @@ pub fn torses(elements: &[PlaneElement], options: &RowOptions) -> Vec<Fit> {
             out.push(Fit { torse, kind: PanelKind::Torse, error: far.get(worst).copied().unwrap_or(0.0), worst });
         }
     }
-    out.retain(|f| f.error <= options.tolerance && (!rulings || follows(&f.torse, elements, options.tolerance)));
+    let crossing = rulings && options.limits.is_some();
+    let near = |f: &Fit| f.error <= options.tolerance && (!crossing || follows(&f.torse, elements, options.tolerance));
+    out.retain(near);
     // With more conditions nothing comes nearer.
     if out.is_empty() {
         return out;
@@ -197,8 +200,6 @@ pub fn torses(elements: &[PlaneElement], options: &RowOptions) -> Vec<Fit> {
     if !kept.contains(&true) && !options.fix_ends {
         let further = controlled_by_slope(elements, &limits, options);
         out.retain(|_| options.limits.is_none());
-        let near =
-            |f: &Fit| f.error <= options.tolerance && (!rulings || follows(&f.torse, elements, options.tolerance));
         out.extend(further.filter(|f| near(f) && keeps(&f.torse, &reaches, &limits)));
     } else if options.limits.is_some() {
         let mut kept = kept.into_iter();
@@ -291,6 +292,8 @@ fn controlled_fit(
     judged: impl Fn(&Torse) -> Option<(f64, usize)>,
 ) -> Option<Fit> {
     const HALVINGS: usize = 2;
+    // Limits that push a fit farther away than so many tolerances do so over any knots.
+    const HOPELESS: f64 = 3.0;
     let wanted = SlopeOptions { smoothing: options.smoothing, robust: options.robust, ..SlopeOptions::default() };
     let mut best: Option<Fit> = None;
     for _ in 0..=HALVINGS {
@@ -302,7 +305,7 @@ fn controlled_fit(
                 }
             }
         }
-        if best.as_ref().is_some_and(|b| b.error <= options.tolerance) {
+        if best.as_ref().is_some_and(|b| b.error <= options.tolerance || b.error > HOPELESS * options.tolerance) {
             break;
         }
         let breaks = knots.breaks();
