@@ -35,6 +35,8 @@ pub enum RegressionVerdict {
 
 /// Halvings of a span before the answer is given up.
 const DEEPEST: usize = 14;
+/// Cells looked at before the answer is given up: where the curve nearly is out of bounds all along, they get ever smaller.
+const MOST_CELLS: usize = 20_000;
 /// Diagonals of the strip beyond which regression points are as good as at infinity: coordinates of rulings have some
 /// 1e-13 of rounding, which moves points out there by themselves.
 const FAR: f64 = 1e3;
@@ -54,12 +56,14 @@ pub fn regression(strip: &Strip, limits: &RegressionLimits) -> RegressionVerdict
     let far = FAR * strip.patch.bbox().diagonal();
     let breaks = ruled.breaks();
     let mut waiting: Vec<(f64, f64, usize)> = breaks.windows(2).map(|w| (w[0], w[1], 0)).collect();
+    let mut cells = 0;
     while let Some((a, b, depth)) = waiting.pop() {
+        cells += 1;
         if Cell::over(strip, &ruled, a, b).is_some_and(|c| c.is_clear(limits, far)) {
             continue;
         }
         let u = 0.5 * (a + b);
-        if depth >= DEEPEST || u <= a || u >= b {
+        if depth >= DEEPEST || cells >= MOST_CELLS || u <= a || u >= b {
             return match meeting(strip, u, limits) {
                 Some(at) => RegressionVerdict::Meets { u, at },
                 None => RegressionVerdict::Undecided { u },

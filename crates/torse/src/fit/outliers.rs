@@ -17,7 +17,7 @@ const TRUSTED: f64 = 0.1;
 /// Neighbours on either side whose estimates an outlier touches.
 const REACH: usize = 2;
 /// Share of the largest distance up to which others may come from the same outlier.
-const RINGING: f64 = 0.3;
+const RINGING: f64 = 0.6;
 /// Share of a row that can be outliers; beyond, there is nothing to agree on.
 const MOST: f64 = 0.25;
 

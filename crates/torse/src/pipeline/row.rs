@@ -171,7 +171,7 @@ pub fn fit_row(given: &Given, options: &RowFitOptions, control: &Control) -> Res
 /// What is given without its outliers, and these with their indices.
 fn agreeing(given: &Given, tolerance: f64) -> (Given, Vec<(usize, PlaneElement)>) {
     // Outliers taken out in turn; what is left then has more of them than agreement.
-    const ROUNDS: usize = 16;
+    const ROUNDS: usize = 64;
     let mut left: Vec<usize> = (0..given.len()).collect();
     let mut out: Vec<(usize, PlaneElement)> = Vec::new();
     let part = |of: &[usize]| match given {
@@ -179,12 +179,16 @@ fn agreeing(given: &Given, tolerance: f64) -> (Given, Vec<(usize, PlaneElement)>
         Given::Rulings(r) => Given::Rulings(of.iter().map(|&i| r[i]).collect()),
     };
     for _ in 0..ROUNDS {
-        let mut elements = match part(&left) {
-            Given::Planes(p) => p,
-            Given::Rulings(r) => of_rulings(&r, tolerance).ok().and_then(|e| e.into_iter().next()).unwrap_or_default(),
+        let mut estimates = match part(&left) {
+            Given::Planes(p) => vec![p],
+            Given::Rulings(r) => of_rulings(&r, tolerance).unwrap_or_default(),
         };
-        orient(&mut elements);
-        let found = outliers(&elements, tolerance);
+        estimates.iter_mut().for_each(|e| orient(e));
+        // What is one estimate's fault, at the ends mostly, is not the ruling's.
+        let all: Vec<Vec<usize>> = estimates.iter().map(|e| outliers(e, tolerance)).collect();
+        let Some(elements) = estimates.first() else { break };
+        let most = |i: &usize| 2 * all.iter().filter(|a| a.contains(i)).count() > all.len();
+        let found: Vec<usize> = (0..elements.len()).filter(most).collect();
         if found.is_empty() || left.len() < FEWEST + found.len() {
             break;
         }
