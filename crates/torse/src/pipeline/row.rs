@@ -458,7 +458,8 @@ fn run(
         if let Some((which, found)) = found {
             for (range, reason) in found.missed {
                 let reason = reason.unwrap_or_else(|| unfollowed(&estimates[which][range.clone()], options));
-                missed.push(format!("{name}: {what} {} to {}: {reason}", range.start, range.end - 1));
+                let of = if name == what { String::new() } else { format!("{name}: ") };
+                missed.push(format!("{of}{what} {} to {}: {reason}", range.start, range.end - 1));
             }
             for (strip, range) in found.strips.into_iter().zip(found.ranges) {
                 let elements = &estimates[which][range];
