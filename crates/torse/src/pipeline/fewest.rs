@@ -127,17 +127,18 @@ fn search(
     let slopes = if wanted.fix_ends { None } else { SlopeSeries::of(elements, wanted) };
     let planes = PlaneSeries::of(elements, wanted);
     let mut kinds: Vec<Kind> = Vec::new();
+    // What mostly succeeds with few spans comes first: it saves the others most of their attempts.
+    if let Some(series) = &planes {
+        kinds.push(of_planes(name, series, None, elements));
+    }
     if let Some(series) = &slopes {
         for rulings in [false, true] {
             let propose = move |n: usize| strip_by_slope(name, &series.fit(n, rulings)?, tolerance, elements);
             kinds.push(Kind { propose: Box::new(propose), fewest: |n| 2 + 2 * n });
         }
     }
-    if let Some(series) = &planes {
-        for polish in [None, Some(AIM * tolerance)].into_iter().filter(|p| p.is_none() || series.polishes()) {
-            let propose = move |n: usize| strip_of(name, &series.fit(n, polish)?, elements).ok();
-            kinds.push(Kind { propose: Box::new(propose), fewest: |n| 2 + 3 * n });
-        }
+    if let Some(series) = planes.as_ref().filter(|s| s.polishes()) {
+        kinds.push(of_planes(name, series, Some(AIM * tolerance), elements));
     }
     if wanted.polishes() && elements.iter().all(PlaneElement::has_ruling) {
         let samples = samples(elements);
@@ -153,4 +154,15 @@ fn search(
         search.look(kind, control);
     }
     search.best.2
+}
+
+/// Strips of types (1) and (2), polished up to a distance (mm) or as they come.
+fn of_planes<'a>(
+    name: &'a str,
+    series: &'a PlaneSeries,
+    polish: Option<f64>,
+    elements: &'a [PlaneElement],
+) -> Kind<'a> {
+    let propose = move |n: usize| strip_of(name, &series.fit(n, polish)?, elements).ok();
+    Kind { propose: Box::new(propose), fewest: |n| 2 + 3 * n }
 }
