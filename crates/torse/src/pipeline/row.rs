@@ -9,7 +9,7 @@ use super::sheets::{Basis, FieldMeaning, Figure, FlatPart, Sheets, StripField};
 use crate::certify::elements::{elements as certified, ElementCertificate};
 use crate::control::Control;
 use crate::develop::strip::StripOptions;
-use crate::fit::outliers::outliers;
+use crate::fit::outliers::{outliers, MOST};
 use crate::fit::plane_estimates::{
     planes_of_noisy_rulings, planes_of_rulings, planes_of_smooth_rulings, Ends, EstimateError,
 };
@@ -206,6 +206,10 @@ fn agreeing(given: &Given, tolerance: f64) -> (Given, Vec<(usize, PlaneElement)>
             }
         }
         left.retain(|k| out.iter().all(|o| o.0 != *k));
+    }
+    // So many do not agree that it is not for the fit to choose.
+    if out.len() as f64 > MOST * given.len() as f64 {
+        return (given.clone(), Vec::new());
     }
     out.sort_by_key(|o| o.0);
     (part(&left), out)
