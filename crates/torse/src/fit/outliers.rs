@@ -100,6 +100,5 @@ mod tests {
     fn short_rows_have_no_outliers() {
         assert!(outliers(&[], 0.1).is_empty());
         assert!(outliers(&cone(&[3])[..FEWEST - 1], 0.1).is_empty());
-        assert_eq!(outliers(&cone(&[9])[..20], 0.1), vec![9]);
     }
 }
