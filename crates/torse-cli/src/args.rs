@@ -1,8 +1,8 @@
 //! Arguments and help.
 
 use crate::quantity::{
-    ball, direction, positive_count, positive_length, positive_time, section, smooth_angle, two_numbers, two_shares,
-    unit_of_length, zone, Length, Section,
+    ball, direction, positive_count, positive_length, positive_share, positive_time, section, smooth_angle,
+    two_numbers, two_shares, unit_of_length, zone, Length, Section,
 };
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
@@ -236,6 +236,7 @@ pub struct Cones {
   torse fit rulings.dxf --tolerance 0.1mm --out hood
   torse fit planes.csv --region 0,0,0,500 --tolerance 0.2mm --out shell
   torse fit face.step --tolerance 0.01mm --out lighter
+  torse fit rulings.csv -t 0.5mm -o hood --robust --fix-ends
   torse fit planes.csv -t 0.2mm -o shell --min-clearance 20mm --clear-zone x=0mm..1200mm
 
 Points need no normals and no order. Normals are estimated, the points are split into pieces that a developable
@@ -245,13 +246,14 @@ A table whose first line names its columns may hold rulings (px,py,pz,qx,qy,qz, 
 are known) or tangent planes a x + b y + c z = d (a,b,c,d, and x,y,z,r for the region of interest of each: a disc
 around x,y,z with radius r). Planes must be in order along the surface; a column t, if there is
 one, must increase, and a column w gives weights in the fit (the proof does not know them). The lines of a DXF
-drawing are rulings, in any order. Ruled developable faces of a STEP file are fitted anew by strips from cubic
-splines; the report tells degrees and control points before and after. Rulings and planes are proven one by one,
-not between.
+drawing are rulings, in any order. Ruled developable faces of a STEP file are fitted anew, or stay as they are
+where nothing simpler is found; the report tells degrees and control points before and after. Strips have as few
+control points as were found within the tolerance. Rulings and planes are proven one by one, not between; those that
+--robust leaves out are named with their distances, and nothing is proven of them.
 
 With --min-clearance or --clear-zone the surface nearest to the data is sought whose regression curve (where rulings
 meet and the sheet would crease) keeps its distance from the strip and stays out of the zones; this is proven for
-every ruling. Where the tolerance leaves no such surface for rulings or planes, the report says how near one comes.
+every ruling. Where the tolerance leaves no such surface, the report says how near one comes.
 
 Written into the output folder: strips.step (CAD), patterns.dxf and patterns.svg (cutter), model.glb, pictures,
 report.html (open it in a browser), report.json and, for points, deviation.ply (every point with its deviation) and
@@ -287,6 +289,18 @@ pub struct Fit {
     /// x=0mm..1m,y=-5cm..5cm,z=0mm..1m (a box); may be given several times
     #[arg(long, value_name = "ZONE", value_parser = zone, allow_hyphen_values = true)]
     pub clear_zone: Vec<Zone>,
+
+    /// Keep the first and the last ruling or plane of each strip exactly (rulings with their planes)
+    #[arg(long)]
+    pub fix_ends: bool,
+
+    /// Weight of bending against the data, as a share such as 1e-6: the larger, the smoother and the farther away
+    #[arg(long, value_name = "WEIGHT", value_parser = positive_share, allow_hyphen_values = true)]
+    pub smooth: Option<f64>,
+
+    /// Leave out and name rulings or planes that lie far from a surface on which the others agree
+    #[arg(long)]
+    pub robust: bool,
 
     /// Replace the results of an earlier run in that folder
     #[arg(long)]

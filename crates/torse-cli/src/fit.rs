@@ -33,6 +33,14 @@ pub fn run(arguments: &Fit) -> Result<bool, Failure> {
         }
         return Ok(outcome.sheets.status == Status::Certified);
     }
+    for (given, name) in
+        [(arguments.fix_ends, "--fix-ends"), (arguments.smooth.is_some(), "--smooth"), (arguments.robust, "--robust")]
+    {
+        if given {
+            let help = "leave it away: fits of points keep off outliers and noise by themselves";
+            return Err(Failure::new(format!("{name} is for rulings, planes and faces, not for points"), help));
+        }
+    }
     let cloud = torse::io::cloud::read(&name, &bytes, millimetres(&arguments.unit))
         .map_err(|e| Failure::new(format!("{}: {e}", file.display()), "export the scan as PLY, CSV, OBJ or STL"))?;
     drop(bytes);
@@ -61,6 +69,7 @@ fn row(name: &str, bytes: &[u8], arguments: &Fit, terminal: &Terminal) -> Result
         options.max_strips = n as usize;
     }
     options.limits = limits(arguments);
+    (options.fix_ends, options.smoothing, options.robust) = (arguments.fix_ends, arguments.smooth, arguments.robust);
     let shown = arguments.file.display();
     if elements::holds_elements(name, bytes) {
         let unit = millimetres(&arguments.unit);

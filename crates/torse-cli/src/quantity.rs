@@ -213,6 +213,14 @@ pub fn positive_count(text: &str) -> Result<u32, String> {
     }
 }
 
+/// Reads a positive share, such as 1e-6.
+pub fn positive_share(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(x) if x > 0.0 && x.is_finite() => Ok(x),
+        _ => Err("it must be a positive number without a unit, such as 1e-6".into()),
+    }
+}
+
 /// Angle of a smooth edge in degrees, at least 0 and below 90.
 pub fn smooth_angle(text: &str) -> Result<f64, String> {
     match text.trim().trim_end_matches("deg").trim_end().parse::<f64>() {

@@ -302,6 +302,53 @@ fn rulings_and_planes_come_as_tables() {
 }
 
 #[test]
+fn rows_keep_their_ends_and_leave_out_outliers() {
+    let (rulings, _) = helix();
+    // Ruling 20 is lifted.
+    let lifted: Vec<String> = rulings
+        .lines()
+        .enumerate()
+        .map(|(i, line)| {
+            let mut x: Vec<String> = line.split(',').map(str::to_string).collect();
+            if i == 21 {
+                for k in [2, 5] {
+                    x[k] = format!("{:.7}", x[k].parse::<f64>().expect("a number") + 9.0);
+                }
+            }
+            x.join(",")
+        })
+        .collect();
+    let (code, said, report) = fit("r.csv", lifted.join("\n"), &["-t", "0.1mm", "--robust", "--fix-ends"]);
+    assert_eq!(code, Some(0), "{said}");
+    assert!(said.contains("left out: ruling 20: ") && said.contains("nothing is proven of it"), "{said}");
+    assert!(
+        (figure(&report, "left out as outliers") - 1.0).abs() < 0.5 && (figure(&report, "rulings") - 49.0).abs() < 0.5
+    );
+    let (code, said, _) = fit("r.csv", lifted.join("\n"), &["-t", "0.1mm"]);
+    assert_eq!(code, Some(3), "{said}");
+    let (code, said, _) = fit("r.csv", &rulings, &["-t", "0.3mm", "--smooth", "1e-6"]);
+    assert_eq!(code, Some(0), "{said}");
+    for (more, reason) in
+        [("--fix-ends", "not for points"), ("--robust", "not for points"), ("--smooth=1e-3", "--smooth")]
+    {
+        let (code, said, _) = fit("p.csv", scan(40, 0.0, 0), &["-t", "1mm", more]);
+        assert!(code == Some(2) && said.contains(reason), "{said}");
+    }
+    let (code, said, _) = fit("r.csv", &rulings, &["-t", "1mm", "--smooth=-1"]);
+    assert!(code == Some(2) && said.contains("positive number"), "{said}");
+}
+
+#[test]
+fn a_table_of_a_strip_of_quadrilaterals_holds_rulings() {
+    let table = include_str!("../../../data/hood_strip.csv");
+    let (code, said, report) = fit("hood.csv", table, &["-t", "1mm"]);
+    assert_eq!(code, Some(0), "{said}");
+    let figures = report["strips"][0]["figures"].as_array().expect("figures");
+    let count = figures.iter().find(|f| f["name"] == "control points along").and_then(|f| f["value"].as_f64());
+    assert!(count.is_some_and(|n| n < 10.0), "{report}");
+}
+
+#[test]
 fn files_that_cannot_be_used_are_refused_in_two_lines() {
     let mut random = Random(9);
     let mut heap = String::new();

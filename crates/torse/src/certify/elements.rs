@@ -62,10 +62,15 @@ pub fn elements(strips: &[Strip], elements: &[PlaneElement], control: &Control) 
         .par_iter()
         .map(|e| {
             let mut best = (f64::INFINITY, (0, 0.0));
-            for (k, t) in targets.iter().enumerate() {
-                if control.stopped() {
+            // Rulings are at least as far from a strip as their ends are from its box: the nearest boxes come first.
+            let away = |t: &Target| if e.has_ruling() { t.outside(&e.ends[0]).max(t.outside(&e.ends[1])) } else { 0.0 };
+            let mut order: Vec<(f64, usize)> = targets.iter().map(away).zip(0..).collect();
+            order.sort_by(|a, b| a.0.total_cmp(&b.0));
+            for (outside, k) in order {
+                if control.stopped() || outside > best.0 {
                     break;
                 }
+                let t = &targets[k];
                 let (bound, u) = if e.has_ruling() { of_ruling(t, e) } else { of_plane(t, e) };
                 if bound < best.0 {
                     best = (bound, (k as u32, u));

@@ -69,6 +69,11 @@ pub(super) struct Target<'a> {
 }
 
 impl<'a> Target<'a> {
+    /// Distance of a point from the box of the control points, mm: no place of the strip is nearer, up to rounding.
+    pub fn outside(&self, x: &Vec3) -> f64 {
+        (self.bbox.min - x).sup(&(x - self.bbox.max)).sup(&Vec3::zeros()).norm()
+    }
+
     /// The strip with sampled rulings.
     pub fn of(strip: &'a Strip) -> Self {
         let (a, b) = strip.domain();
@@ -113,7 +118,7 @@ pub fn points(strips: &[Strip], points: &[Vec3], control: &Control) -> PointCert
 fn nearest(targets: &[Target], x: &Vec3) -> (f64, (u32, f32, f32), f64) {
     let mut best = (f64::INFINITY, (0, 0.0, 0.0), f64::INFINITY);
     for (k, t) in targets.iter().enumerate() {
-        let outside = (t.bbox.min - x).sup(&(x - t.bbox.max)).sup(&Vec3::zeros()).norm();
+        let outside = t.outside(x);
         if outside >= best.0 {
             continue;
         }

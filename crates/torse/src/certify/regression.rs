@@ -35,6 +35,8 @@ pub enum RegressionVerdict {
 
 /// Halvings of a span before the answer is given up.
 const DEEPEST: usize = 14;
+/// Cells looked at before the answer is given up: where the curve nearly is out of bounds all along, they get ever smaller.
+const MOST_CELLS: usize = 60_000;
 /// Diagonals of the strip beyond which regression points are as good as at infinity: coordinates of rulings have some
 /// 1e-13 of rounding, which moves points out there by themselves.
 const FAR: f64 = 1e3;
@@ -54,12 +56,14 @@ pub fn regression(strip: &Strip, limits: &RegressionLimits) -> RegressionVerdict
     let far = FAR * strip.patch.bbox().diagonal();
     let breaks = ruled.breaks();
     let mut waiting: Vec<(f64, f64, usize)> = breaks.windows(2).map(|w| (w[0], w[1], 0)).collect();
+    let mut cells = 0;
     while let Some((a, b, depth)) = waiting.pop() {
+        cells += 1;
         if Cell::over(strip, &ruled, a, b).is_some_and(|c| c.is_clear(limits, far)) {
             continue;
         }
         let u = 0.5 * (a + b);
-        if depth >= DEEPEST || u <= a || u >= b {
+        if depth >= DEEPEST || cells >= MOST_CELLS || u <= a || u >= b {
             return match meeting(strip, u, limits) {
                 Some(at) => RegressionVerdict::Meets { u, at },
                 None => RegressionVerdict::Undecided { u },
@@ -126,8 +130,9 @@ impl Cell {
         let normal = strip.patch.jet(0.5 * (from + to), 0.5).normal();
         let normal = exact(&(normal / normal.norm()));
         let h = Interval::point(to) - Interval::point(from);
+        let rails = [0, 1].map(|end: usize| ruled.end(end, from, to, &origin));
         let side = |end: usize| -> (V3<Interval>, V3<Interval>) {
-            let c = ruled.end(end, from, to, &origin);
+            let c = &rails[end];
             let p = c[0].len() - 1;
             let hull = |d: usize| c[d].iter().skip(1).fold(c[d][0], |a, b| a.hull(*b));
             let slope = |d: usize| {
@@ -147,7 +152,7 @@ impl Cell {
         let gap = if ruled.rational {
             ends[1] - ends[0]
         } else {
-            let (p, q) = (ruled.end(0, from, to, &origin), ruled.end(1, from, to, &origin));
+            let [p, q] = &rails;
             let slope = [0, 1, 2].map(|d: usize| {
                 let c: Vec<Interval> = p[d].iter().zip(&q[d]).map(|(x, y)| *y - *x).collect();
                 let degree = Interval::point((c.len() - 1) as f64);

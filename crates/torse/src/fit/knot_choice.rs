@@ -4,6 +4,7 @@
 //! or a span has too few planes; then knots are taken out one by one, the least needed first, while all stay near
 //! (knot removal in the spirit of \[PT97, 9.4.4\], by fits instead of bounds).
 
+use super::functionals::Freedom;
 use super::planes::{planes, PlaneDatum, PlanesError, PlanesFit, PlanesOptions};
 use crate::spline::knots::Knots;
 use crate::surface::dual::DualError;
@@ -19,11 +20,21 @@ pub struct KnotOptions {
     pub max_spans: usize,
     /// Fits spent on taking knots out; 60.
     pub removals: usize,
+    /// Conditions on control planes counted from the last one; none.
+    pub from_end: Vec<(usize, Freedom<3>)>,
     /// Options of the fits. Small smoothing keeps fits determined where planes are few.
     pub fit: PlanesOptions,
 }
 
 impl KnotOptions {
+    /// Options of a fit over knots, with the conditions that depend on their number.
+    pub(super) fn over(&self, knots: &Knots) -> PlanesOptions {
+        let mut out = self.fit.clone();
+        let count = knots.control_count();
+        out.conditions.extend(self.from_end.iter().filter(|c| c.0 < count).map(|(i, f)| (count - 1 - i, *f)));
+        out
+    }
+
     /// The defaults with a tolerance in mm.
     pub fn new(tolerance: f64) -> Self {
         Self {
@@ -31,6 +42,7 @@ impl KnotOptions {
             degree: 3,
             max_spans: 200,
             removals: 60,
+            from_end: Vec::new(),
             fit: PlanesOptions { smoothing: 1e-9, ..PlanesOptions::default() },
         }
     }
@@ -54,7 +66,8 @@ pub fn planes_within(data: &[PlaneDatum], options: &KnotOptions) -> Result<Plane
         return Err(PlanesError::Undetermined { control: 0, count: options.degree + 1 });
     };
     let fit = |breaks: &[f64]| -> Result<PlanesFit, PlanesError> {
-        planes(data, &Knots::clamped(options.degree, breaks).map_err(DualError::from)?, &options.fit)
+        let knots = Knots::clamped(options.degree, breaks).map_err(DualError::from)?;
+        planes(data, &knots, &options.over(&knots))
     };
     let far = |f: &PlanesFit, i: usize| f.distances[i] > options.tolerance && data[i].weight > 0.0 && f.trust[i] > 0.0;
     let mut breaks = vec![a, b];

@@ -17,6 +17,7 @@ mod functionals;
 pub mod knot_choice;
 pub mod level;
 pub mod multiresolution;
+pub mod outliers;
 pub mod plane;
 mod plane_blocks;
 pub mod plane_correction;
@@ -35,6 +36,7 @@ pub mod rulings;
 pub mod samples;
 pub mod seams;
 mod sheet;
+pub mod span_series;
 pub mod trim;
 mod wall;
 

@@ -6,10 +6,11 @@
 //! no torse follows are cut, each run as long as can be. *Not guaranteed*: distances; see the judge.
 
 use super::dual;
+use super::functionals::Freedom;
 use super::knot_choice::{planes_within, KnotOptions};
 use super::plane_correction::{corrected, joint, JointOptions};
 use super::plane_frame::{frame_of_normals, slope_frame, STEEPEST};
-use super::planes::{PlaneDatum, PlanesOptions};
+use super::planes::{ruling_condition, PlaneDatum, PlanesOptions};
 use super::primal::{primal, PrimalOptions, MARGIN};
 use super::regression_room::{controlled, keeps, Reach};
 use super::rulings::{slope_fit, RulingDatum, SlopeData, SlopeOptions};
@@ -33,6 +34,12 @@ pub struct RowOptions {
     pub max_pieces: usize,
     /// Whether planes far from the rest lose their weight; false.
     pub robust: bool,
+    /// Weight of bending against the data in fits, as a share; 1e-9. Larger than that, fits stay as smooth as they come:
+    /// they are not polished towards the data.
+    pub smoothing: f64,
+    /// Whether the first and the last element of each piece are kept: planes, and rulings where they are known; false.
+    /// Fits are not polished then.
+    pub fix_ends: bool,
     /// What is asked of regression curves; nothing beyond a regular strip.
     pub limits: Option<RegressionLimits>,
 }
@@ -40,9 +47,17 @@ pub struct RowOptions {
 impl RowOptions {
     /// The defaults with a tolerance in mm.
     pub fn new(tolerance: f64) -> Self {
-        Self { tolerance, max_pieces: 64, robust: false, limits: None }
+        Self { tolerance, max_pieces: 64, robust: false, smoothing: FAINT, fix_ends: false, limits: None }
+    }
+
+    /// Whether distances at exact feet may move fits.
+    pub fn polishes(&self) -> bool {
+        !self.fix_ends && self.smoothing <= FAINT
     }
 }
+
+/// Smoothing that keeps fits determined where planes are few.
+pub(super) const FAINT: f64 = 1e-9;
 
 /// A run of the row with its torses.
 #[derive(Clone, Debug)]
@@ -51,6 +66,8 @@ pub struct RowPiece {
     pub range: std::ops::Range<usize>,
     /// Torses within the tolerance of the elements as far as samples tell, the nearest first; empty where nothing fits.
     pub fits: Vec<Fit>,
+    /// Whether it is empty because of what is asked of the regression curve.
+    pub kept_off: bool,
 }
 
 /// Fewest elements of a piece that is more than a plane.
@@ -60,12 +77,48 @@ const FEWEST: usize = 4;
 ///
 /// *Input*: usable elements, neighbours oriented alike.
 pub fn row(elements: &[PlaneElement], options: &RowOptions) -> Vec<RowPiece> {
-    // Bisections of a run: its length is then within a thirtieth of the longest.
-    const STEPS: usize = 5;
     let mut out: Vec<RowPiece> = Vec::new();
+    for (range, hopeless) in stretches(elements, options) {
+        if hopeless {
+            out.push(RowPiece { range, fits: Vec::new(), kept_off: true });
+        } else {
+            greedy(elements, range, options, &mut out);
+        }
+    }
+    out
+}
+
+/// Stretches of a row, and whether limits of the regression curve leave nothing of them: a strip that keeps to the limits
+/// does so on every part, so that where short runs have fits but none within the limits, longer ones have none either.
+fn stretches(elements: &[PlaneElement], options: &RowOptions) -> Vec<(std::ops::Range<usize>, bool)> {
+    let whole = || vec![(0..elements.len(), false)];
+    if options.limits.is_none() || elements.len() <= FEWEST || !torses(elements, options).is_empty() {
+        return whole();
+    }
+    let free = RowOptions { limits: None, ..options.clone() };
+    let mut out: Vec<(std::ops::Range<usize>, bool)> = Vec::new();
     let mut from = 0;
     while from + 1 < elements.len() {
-        let rest = elements.len() - from;
+        // A rest that is too short for a fit belongs to the last run.
+        let to = if from + 2 * FEWEST > elements.len() { elements.len() } else { from + FEWEST };
+        let own = &elements[from..to];
+        let hopeless = torses(own, options).is_empty() && !torses(own, &free).is_empty();
+        match out.last_mut().filter(|l| l.1 == hopeless) {
+            Some(last) => last.0.end = to,
+            None => out.push((from..to, hopeless)),
+        }
+        from = to - 1;
+    }
+    out
+}
+
+/// Pieces of a stretch of a row.
+fn greedy(elements: &[PlaneElement], range: std::ops::Range<usize>, options: &RowOptions, out: &mut Vec<RowPiece>) {
+    // Bisections of a run: its length is then within a thirtieth of the longest.
+    const STEPS: usize = 5;
+    let mut from = range.start;
+    while from + 1 < range.end {
+        let rest = range.end - from;
         let attempt = |count: usize| torses(&elements[from..from + count], options);
         let mut best = attempt(rest);
         let mut length = rest;
@@ -85,18 +138,19 @@ pub fn row(elements: &[PlaneElement], options: &RowOptions) -> Vec<RowPiece> {
             }
             length = if good == 0 { bad.min(FEWEST) } else { good };
         }
-        out.push(RowPiece { range: from..from + length, fits: best });
+        out.push(RowPiece { range: from..from + length, fits: best, kept_off: false });
         from += length - 1;
     }
-    out
 }
 
-/// Torses within the tolerance of all elements, the nearest first.
-fn torses(elements: &[PlaneElement], options: &RowOptions) -> Vec<Fit> {
+/// Torses within the tolerance of all elements, the nearest first; empty where nothing fits.
+///
+/// *Input*: as for [`row`].
+pub fn torses(elements: &[PlaneElement], options: &RowOptions) -> Vec<Fit> {
     let mut out = Vec::new();
     let samples = samples(elements);
     let rulings = elements.iter().all(PlaneElement::has_ruling);
-    if rulings {
+    if rulings && options.polishes() {
         out.extend(primal(&samples, &PrimalOptions::new(0.5 * options.tolerance)));
     }
     if let Some((torse, far)) = dual_of_row(elements, options) {
@@ -113,9 +167,15 @@ fn torses(elements: &[PlaneElement], options: &RowOptions) -> Vec<Fit> {
                 Torse::Primal(_) => None,
             };
             out.extend(kept);
+            if options.fix_ends {
+                out.retain(|f| f.error <= options.tolerance);
+                return out;
+            }
+            let polished = polished.filter(|_| options.polishes());
             out.extend(polished);
             let sloped = dual_by_slope(elements, options);
-            out.extend(sloped.as_ref().and_then(|t| dual::refit(t, &samples, &wanted)));
+            let further = sloped.as_ref().filter(|_| options.polishes());
+            out.extend(further.and_then(|t| dual::refit(t, &samples, &wanted)));
             out.extend(sloped.and_then(|t| {
                 let torse = Torse::Dual(t);
                 let (error, worst) = error(&torse, &samples)?;
@@ -126,7 +186,9 @@ fn torses(elements: &[PlaneElement], options: &RowOptions) -> Vec<Fit> {
             out.push(Fit { torse, kind: PanelKind::Torse, error: far.get(worst).copied().unwrap_or(0.0), worst });
         }
     }
-    out.retain(|f| f.error <= options.tolerance);
+    let crossing = rulings && options.limits.is_some();
+    let near = |f: &Fit| f.error <= options.tolerance && (!crossing || follows(&f.torse, elements, options.tolerance));
+    out.retain(near);
     // With more conditions nothing comes nearer.
     if out.is_empty() {
         return out;
@@ -135,16 +197,31 @@ fn torses(elements: &[PlaneElement], options: &RowOptions) -> Vec<Fit> {
     let limits = options.limits.clone().unwrap_or_default();
     let reaches = reaches(elements);
     let kept: Vec<bool> = out.iter().map(|f| keeps(&f.torse, &reaches, &limits)).collect();
-    if !kept.contains(&true) {
+    if !kept.contains(&true) && !options.fix_ends {
         let further = controlled_by_slope(elements, &limits, options);
         out.retain(|_| options.limits.is_none());
-        out.extend(further.filter(|f| f.error <= options.tolerance && keeps(&f.torse, &reaches, &limits)));
+        out.extend(further.filter(|f| near(f) && keeps(&f.torse, &reaches, &limits)));
     } else if options.limits.is_some() {
         let mut kept = kept.into_iter();
         out.retain(|_| kept.next() == Some(true));
     }
     out.sort_by(|a, b| a.error.total_cmp(&b.error));
     out
+}
+
+/// Whether rulings of a torse run near given ones, and not only the points on them: nearly plane pieces follow points
+/// with rulings of any direction.
+fn follows(torse: &Torse, elements: &[PlaneElement], tolerance: f64) -> bool {
+    // Rulings are proven part by part; where ends are farther off than so many tolerances, parts are too.
+    const CROSSING: f64 = 32.0;
+    let Some(sheet) = super::sheet::Sheet::of(torse) else { return false };
+    let guesses = sheet.guesses();
+    elements.iter().all(|e| {
+        let q = sheet.local(&e.centre());
+        let Some(t) = sheet.foot(&q, guesses.guess(&q), sheet.domain()) else { return false };
+        let r = torse.ruling(t);
+        e.ends.iter().all(|x| (x - r.point).cross(&r.direction).norm() <= CROSSING * tolerance)
+    })
 }
 
 /// What a strip for the elements reaches: both ends of rulings, or regions around planes.
@@ -215,7 +292,9 @@ fn controlled_fit(
     judged: impl Fn(&Torse) -> Option<(f64, usize)>,
 ) -> Option<Fit> {
     const HALVINGS: usize = 2;
-    let wanted = SlopeOptions { smoothing: 1e-9, robust: options.robust, ..SlopeOptions::default() };
+    // Limits that push a fit farther away than so many tolerances do so over any knots.
+    const HOPELESS: f64 = 3.0;
+    let wanted = SlopeOptions { smoothing: options.smoothing, robust: options.robust, ..SlopeOptions::default() };
     let mut best: Option<Fit> = None;
     for _ in 0..=HALVINGS {
         let curve = controlled(data, frame, places.clone(), &knots, limits, &wanted);
@@ -226,7 +305,7 @@ fn controlled_fit(
                 }
             }
         }
-        if best.as_ref().is_some_and(|b| b.error <= options.tolerance) {
+        if best.as_ref().is_some_and(|b| b.error <= options.tolerance || b.error > HOPELESS * options.tolerance) {
             break;
         }
         let breaks = knots.breaks();
@@ -237,8 +316,8 @@ fn controlled_fit(
     best
 }
 
-/// Points of the rulings with their normals.
-fn samples(elements: &[PlaneElement]) -> Vec<Sample> {
+/// Points of the rulings of a row with their normals, for fits of points.
+pub fn samples(elements: &[PlaneElement]) -> Vec<Sample> {
     // Enough for a straight line on a surface that is ruled nearly the same way.
     const ALONG: usize = 5;
     let mut out = Vec::with_capacity(ALONG * elements.len());
@@ -252,7 +331,7 @@ fn samples(elements: &[PlaneElement]) -> Vec<Sample> {
 }
 
 /// Largest distance of an element's region from a plane `n·X = h`, over its ends and radius, mm.
-fn distance(e: &PlaneElement, n: &Vec3, h: f64) -> f64 {
+pub(super) fn distance(e: &PlaneElement, n: &Vec3, h: f64) -> f64 {
     let n = n.normalize();
     let ends = e.ends.map(|x| (n.dot(&x) - h).abs());
     // In the element's plane the distance is linear; its slope is the sine of the angle between the planes. A ruling
@@ -321,7 +400,7 @@ pub fn dual_of_cloud(samples: &[Sample], radius: f64, options: &RowOptions) -> O
 }
 
 /// Axes of normals with the origin in the middle of the places; `None` if one axis does not suit all.
-fn axes(normals: &[Vec3], places: impl ExactSizeIterator<Item = Vec3>) -> Option<Frame> {
+pub(super) fn axes(normals: &[Vec3], places: impl ExactSizeIterator<Item = Vec3>) -> Option<Frame> {
     let found = frame_of_normals(normals).ok()?;
     let count = places.len();
     if count < FEWEST || found.min_cosine <= STEEPEST {
@@ -331,12 +410,35 @@ fn axes(normals: &[Vec3], places: impl ExactSizeIterator<Item = Vec3>) -> Option
 }
 
 /// Knots for a tolerance: `F1` measures the mean over a region, and along the axis.
-fn knots_wanted(count: usize, options: &RowOptions) -> KnotOptions {
+pub(super) fn knots_wanted(count: usize, options: &RowOptions) -> KnotOptions {
     KnotOptions {
         max_spans: (count / 2).clamp(1, 60),
         removals: 20,
-        fit: PlanesOptions { smoothing: 1e-9, robust: options.robust, ..PlanesOptions::default() },
+        fit: PlanesOptions { smoothing: options.smoothing, robust: options.robust, ..PlanesOptions::default() },
         ..KnotOptions::new(0.3 * options.tolerance)
+    }
+}
+
+impl KnotOptions {
+    /// Keeps the first and the last plane of a row and, where they are known, the rulings in them: the next control
+    /// planes go through these \[PW99, 4.2\]. `None` if a ruling is square to the ground plan.
+    pub(super) fn keep_ends(&mut self, elements: &[PlaneElement], data: &[PlaneDatum], frame: &Frame) -> Option<()> {
+        let condition = |e: &PlaneElement, d: &PlaneDatum| -> Option<Vec<(usize, Freedom<3>)>> {
+            let mut out = vec![(0, Freedom::Fixed(d.plane))];
+            if e.has_ruling() {
+                let [p, q] = e.ends.map(|x| frame.to_local(&x));
+                let size = (q - p).xy().norm();
+                if size.is_nan() || size <= 0.0 {
+                    return None;
+                }
+                let plan = [(p.x * q.y - q.x * p.y) / size, (p.y - q.y) / size, (q.x - p.x) / size];
+                out.push((1, ruling_condition(d.plane, plan)));
+            }
+            Some(out)
+        };
+        self.fit.conditions = condition(elements.first()?, data.first()?)?;
+        self.from_end = condition(elements.last()?, data.last()?)?;
+        Some(())
     }
 }
 
@@ -348,10 +450,13 @@ pub fn dual_of_row(elements: &[PlaneElement], options: &RowOptions) -> Option<(T
     let axes = axes(&normals, elements.iter().map(PlaneElement::centre))?;
     let frame = slope_frame(&normals, &axes).unwrap_or(axes);
     let data = data(elements, &parameters, &frame)?;
-    let wanted = knots_wanted(elements.len(), options);
+    let mut wanted = knots_wanted(elements.len(), options);
+    if options.fix_ends {
+        wanted.keep_ends(elements, &data, &frame)?;
+    }
     let few = planes_within(&data, &wanted).ok()?;
     let knots = few.curve.knots();
-    let better = joint(&data, knots, &wanted.fit, &JointOptions::default()).ok();
+    let better = joint(&data, knots, &wanted.over(knots), &JointOptions::default()).ok();
     let (curve, parameters) = match better {
         Some(b) => (b.fit.curve, b.parameters),
         None => (few.curve, parameters),
@@ -374,13 +479,13 @@ fn dual_by_slope(elements: &[PlaneElement], options: &RowOptions) -> Option<Dual
     let (data, frame) = slope_data(elements)?;
     // As many knots as the planes need.
     let few = planes_within(&data.planes, &knots_wanted(elements.len(), options)).ok()?;
-    let wanted = SlopeOptions { smoothing: 1e-9, robust: options.robust, ..SlopeOptions::default() };
+    let wanted = SlopeOptions { smoothing: options.smoothing, robust: options.robust, ..SlopeOptions::default() };
     let fit = slope_fit(&data, few.curve.knots(), &wanted).ok()?;
     extended(&fit.curve, &frame)
 }
 
 /// Planes, and rulings where they are known, by the slope of the planes, in axes in which it increases along the row.
-fn slope_data(elements: &[PlaneElement]) -> Option<(SlopeData, Frame)> {
+pub(super) fn slope_data(elements: &[PlaneElement]) -> Option<(SlopeData, Frame)> {
     // Rulings against planes: lengths in the ground plan times this share of the range of slopes are heights.
     const SHARE: f64 = 0.25;
     let normals: Vec<Vec3> = elements.iter().map(|e| e.normal).collect();
@@ -401,7 +506,7 @@ fn slope_data(elements: &[PlaneElement]) -> Option<(SlopeData, Frame)> {
 }
 
 /// Parameters in [0, 1]: shares of the way along the row and of the turn of its normals.
-fn parameters(elements: &[PlaneElement]) -> Option<Vec<f64>> {
+pub(super) fn parameters(elements: &[PlaneElement]) -> Option<Vec<f64>> {
     // Even rows that neither move nor turn somewhere get distinct parameters.
     const EVEN: f64 = 1e-3;
     let (mut way, mut turn) = (vec![0.0], vec![0.0]);
@@ -421,7 +526,7 @@ fn parameters(elements: &[PlaneElement]) -> Option<Vec<f64>> {
 }
 
 /// The data of `F1` in a frame.
-fn data(elements: &[PlaneElement], parameters: &[f64], frame: &Frame) -> Option<Vec<PlaneDatum>> {
+pub(super) fn data(elements: &[PlaneElement], parameters: &[f64], frame: &Frame) -> Option<Vec<PlaneDatum>> {
     let mut out = Vec::with_capacity(elements.len());
     for (i, (e, &parameter)) in elements.iter().zip(parameters).enumerate() {
         let plane = graph_in(frame, &plane_through(&e.centre(), &e.normal), i).ok()?;
@@ -442,7 +547,7 @@ fn data(elements: &[PlaneElement], parameters: &[f64], frame: &Frame) -> Option<
 }
 
 /// The torse of a cubic curve of planes, in the world, continued a little beyond both ends.
-fn extended(curve: &DualCurve, frame: &Frame) -> Option<DualTorse> {
+pub(super) fn extended(curve: &DualCurve, frame: &Frame) -> Option<DualTorse> {
     let torse = curve.to_world(frame).ok()?.to_torse();
     let pieces = Pieces::of(&torse.planes)?;
     let (a, b) = pieces.domain();

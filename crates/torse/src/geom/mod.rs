@@ -3,6 +3,7 @@
 use nalgebra as na;
 
 pub mod cloud;
+pub mod coarse;
 pub mod convex_hull;
 pub mod measure;
 pub mod mesh;

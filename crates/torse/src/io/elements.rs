@@ -7,6 +7,8 @@ use crate::surface::plane_row::{Given, PlaneElement};
 
 /// Columns of a ruling from p to q.
 const RULING: [&str; 6] = ["px", "py", "pz", "qx", "qy", "qz"];
+/// The same from a to b, as strips of quadrilaterals have them.
+const RUNG: [&str; 6] = ["ax", "ay", "az", "bx", "by", "bz"];
 /// Columns of the plane `a x + b y + c z = d`.
 const PLANE: [&str; 4] = ["a", "b", "c", "d"];
 /// Columns of a region of interest: centre and radius.
@@ -23,7 +25,7 @@ pub fn holds_elements(name: &str, bytes: &[u8]) -> bool {
             let text = String::from_utf8_lossy(&bytes[..bytes.len().min(4096)]);
             let head = lines(&text).next().map(|(_, line)| headings(line)).unwrap_or_default();
             let names = |all: &[&str]| all.iter().all(|c| head.iter().any(|h| h == c));
-            names(&PLANE) || names(&RULING)
+            names(&PLANE) || names(&RULING) || names(&RUNG)
         }
         _ => false,
     }
@@ -32,7 +34,7 @@ pub fn holds_elements(name: &str, bytes: &[u8]) -> bool {
 /// Planes or rulings of a file. `unit` is the length of the file's unit in mm (drawings may say theirs, which then
 /// counts); `region` (centre and radius, mm) is that of planes which come without.
 ///
-/// Tables: `px,py,pz,qx,qy,qz` are rulings, with `nx,ny,nz` their tangent planes; `a,b,c,d` are planes
+/// Tables: `px,py,pz,qx,qy,qz` (or `ax` to `bz`) are rulings, with `nx,ny,nz` their tangent planes; `a,b,c,d` are planes
 /// `a x + b y + c z = d`, with `x,y,z,r` their regions of interest. A column `t` in either must increase: it says
 /// that the rows are in order. `w` are weights of planes and of rulings with planes in fits.
 ///
@@ -73,7 +75,7 @@ fn table(bytes: &[u8], unit: f64, region: Option<[f64; 4]>) -> Result<Given, Clo
     let head = rows.next().map(|(_, l)| headings(l)).unwrap_or_default();
     let column = |name: &str| head.iter().position(|h| h == name);
     let columns = |names: &[&str]| -> Option<Vec<usize>> { names.iter().map(|n| column(n)).collect() };
-    let (planes, rulings) = (columns(&PLANE), columns(&RULING));
+    let (planes, rulings) = (columns(&PLANE), columns(&RULING).or_else(|| columns(&RUNG)));
     let (regions, normals, order, weights) = (columns(&REGION), columns(&NORMAL), column("t"), column("w"));
     let mut found: Vec<(f64, PlaneElement)> = Vec::new();
     for (line, text) in rows {

@@ -15,6 +15,7 @@ use crate::fit::cloud::regions::regions;
 use crate::fit::cloud::CloudError;
 use crate::fit::samples::Fit;
 use crate::geom::cloud::Cloud;
+use crate::geom::coarse::Coarse;
 use crate::geom::Vec3;
 use crate::surface::strip::Strip;
 use crate::surface::zone::RegressionLimits;
@@ -72,8 +73,10 @@ pub fn fit(cloud: &Cloud, options: &FitOptions, control: &Control) -> Result<Fit
     if let Some(fault) = options.limits.as_ref().and_then(regression::fault) {
         return Err(CloudError::Limits(fault));
     }
-    if let Some((largest, step)) = coarse(&cloud.points, options.tolerance) {
-        return Err(CloudError::Coarse { largest, step, tolerance: options.tolerance });
+    // A few points that lie far away do not count.
+    let extent = core(&cloud.points);
+    if let Some(fault) = Coarse::of(extent.min.amax().max(extent.max.amax()), options.tolerance) {
+        return Err(fault.into());
     }
     // 1. What the surface is like, in coordinates that are small where the file's are not.
     control.report("estimating", 0.0, format!("{} points", cloud.points.len()));
@@ -161,17 +164,6 @@ fn far_off(points: &[Vec3]) -> Option<Vec3> {
     (c.norm() > FAR * b.diagonal() && c.iter().all(|x| x.is_finite())).then(|| c.map(f64::round))
 }
 
-/// The largest coordinate and the step between numbers there, where that is too coarse for a tolerance. A few points
-/// that lie far away do not count.
-fn coarse(points: &[Vec3], tolerance: f64) -> Option<(f64, f64)> {
-    // Steps of the coordinates that a tolerance should hold.
-    const STEPS: f64 = 20.0;
-    let b = core(points);
-    let largest = b.min.amax().max(b.max.amax());
-    let step = largest * f64::EPSILON;
-    (largest.is_finite() && STEPS * step > tolerance).then_some((largest, step))
-}
-
 /// Torses with their estimates.
 fn torses(
     found: &Estimates,
@@ -214,7 +206,7 @@ fn torses(
                 c.y,
                 c.z,
                 options.tolerance,
-                if options.limits.is_some() { " with its regression curve in bounds" } else { "" }
+                piece.kept_off.map_or(String::new(), regression::kept_off)
             ));
         }
     }

@@ -52,6 +52,18 @@ pub(super) fn broken(strips: &[Strip], limits: Option<&RegressionLimits>) -> Vec
     strips.iter().filter_map(words).collect()
 }
 
+/// How near developables come that keep to the limits, in words that follow "within so many mm"; infinite if none does.
+pub(super) fn kept_off(nearest: f64) -> String {
+    let how = if nearest.is_finite() {
+        format!("the nearest found is {nearest:.3} mm away")
+    } else {
+        "none was found that is".to_string()
+    };
+    format!(
+        " with its regression curve in bounds ({how}); raise the tolerance, or ask for less of the regression curve"
+    )
+}
+
 /// What was asked, as a note.
 pub(super) fn note(limits: &RegressionLimits) -> String {
     let mut out = if limits.clearance > 0.0 {

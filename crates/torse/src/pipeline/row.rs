@@ -1,23 +1,25 @@
 //! From rulings, tangent planes or a developable face to strips of low degree: fit, prove, develop.
 
-use super::cones::ruled;
 use super::cut::cut;
+use super::fewest::{fewest, simplest};
+use super::given_face::{is_simplest, no_simpler, reached, GivenFace, NARROW};
 use super::outcome::{Skipped, Status};
 use super::regression;
 use super::sheets::{Basis, FieldMeaning, Figure, FlatPart, Sheets, StripField};
 use crate::certify::elements::{elements as certified, ElementCertificate};
 use crate::control::Control;
 use crate::develop::strip::StripOptions;
+use crate::fit::outliers::{outliers, MOST};
 use crate::fit::plane_estimates::{
     planes_of_noisy_rulings, planes_of_rulings, planes_of_smooth_rulings, Ends, EstimateError,
 };
-use crate::fit::row::{row, RowOptions, RowPiece};
+use crate::fit::row::{row, torses, RowOptions, RowPiece};
 use crate::fit::row_extent::strip;
 use crate::fit::ruling_order::ordered;
+use crate::geom::coarse::Coarse;
 use crate::geom::Vec3;
 use crate::surface::face::Face;
 use crate::surface::plane_row::{orient, Given, PlaneElement};
-use crate::surface::ruled_strip::RuledStrip;
 use crate::surface::strip::Strip;
 use crate::surface::zone::RegressionLimits;
 
@@ -34,12 +36,34 @@ pub struct RowFitOptions {
     pub rulings_of_face: usize,
     /// What is asked of regression curves; nothing beyond regular strips.
     pub limits: Option<RegressionLimits>,
+    /// Whether the first and the last element of each strip are kept exactly; false.
+    pub fix_ends: bool,
+    /// Weight of bending against the data as a share; none: strips follow the data.
+    pub smoothing: Option<f64>,
+    /// Whether elements far from a surface that most of the others agree on are left out and named; false.
+    pub robust: bool,
 }
 
 impl RowFitOptions {
     /// The defaults with a tolerance in mm.
     pub fn new(tolerance: f64, input: &str) -> Self {
-        Self { tolerance, input: input.into(), max_strips: 64, rulings_of_face: 160, limits: None }
+        Self {
+            tolerance,
+            input: input.into(),
+            max_strips: 64,
+            rulings_of_face: 160,
+            limits: None,
+            fix_ends: false,
+            smoothing: None,
+            robust: false,
+        }
+    }
+
+    /// Options of the fits at a tolerance (mm) and a number of strips.
+    fn fits(&self, tolerance: f64, max_pieces: usize, limits: Option<RegressionLimits>) -> RowOptions {
+        let plain = RowOptions::new(tolerance);
+        let smoothing = self.smoothing.unwrap_or(plain.smoothing);
+        RowOptions { max_pieces, limits, smoothing, fix_ends: self.fix_ends, ..plain }
     }
 }
 
@@ -81,18 +105,8 @@ pub enum RowFitError {
         index: usize,
     },
     /// Coordinates so large that their last digits are coarser than the tolerance.
-    #[error(
-        "coordinates up to {largest:.1e} mm are exact to {step:.1e} mm only, too coarse for the tolerance of {tolerance} mm: \
-         move the data towards the origin"
-    )]
-    Coarse {
-        /// Largest coordinate, mm.
-        largest: f64,
-        /// Distance of neighbouring numbers there, mm.
-        step: f64,
-        /// Tolerance, mm.
-        tolerance: f64,
-    },
+    #[error(transparent)]
+    Coarse(#[from] Coarse),
     /// Tangent planes of rulings cannot be estimated.
     #[error(transparent)]
     Estimate(#[from] EstimateError),
@@ -106,8 +120,6 @@ pub enum RowFitError {
     },
 }
 
-/// Steps between numbers, where coordinates are largest, that a tolerance should hold.
-const STEPS: f64 = 20.0;
 /// Elements without which no surface is looked for.
 const FEWEST: usize = 4;
 /// Shares of the tolerance that fits aim at in turn: the proof compares rulings, the fit distances of points.
@@ -135,11 +147,72 @@ pub fn fit_row(given: &Given, options: &RowFitOptions, control: &Control) -> Res
         let what = if what == "planes" { "plane" } else { "ruling" };
         return Err(RowFitError::Repeated { what, index });
     }
-    let row = match given {
+    let (kept, out) = if options.robust { agreeing(given, options.tolerance) } else { (given.clone(), Vec::new()) };
+    let estimates = match &kept {
         Given::Planes(p) => vec![p.clone()],
         Given::Rulings(r) => of_rulings(r, options.tolerance)?,
     };
-    run(vec![(what.to_string(), row)], Vec::new(), Vec::new(), what, options, control)
+    let row = Row { name: what.to_string(), estimates, face: None };
+    let mut outcome = run(vec![row], Vec::new(), what, options, control)?;
+    if !out.is_empty() {
+        let left = certified(&outcome.sheets.strips, &out.iter().map(|o| o.1).collect::<Vec<_>>(), control);
+        let one = if what == "planes" { "plane" } else { "ruling" };
+        let words = out.iter().zip(left.bounds()).map(|((i, _), b)| {
+            format!("{one} {i}: the others agree on a surface without it, {b:.3} mm away; nothing is proven of it")
+        });
+        outcome.sheets.skipped.extend(words);
+        let figures = &mut outcome.sheets.figures;
+        figures
+            .insert(figures.len().min(1), Figure::new("left out as outliers", out.len() as f64, "", Basis::Measured));
+    }
+    Ok(outcome)
+}
+
+/// What is given without its outliers, and these with their indices.
+fn agreeing(given: &Given, tolerance: f64) -> (Given, Vec<(usize, PlaneElement)>) {
+    // Outliers taken out in turn; what is left then has more of them than agreement.
+    const ROUNDS: usize = 64;
+    let mut left: Vec<usize> = (0..given.len()).collect();
+    let mut out: Vec<(usize, PlaneElement)> = Vec::new();
+    let part = |of: &[usize]| match given {
+        Given::Planes(p) => Given::Planes(of.iter().map(|&i| p[i]).collect()),
+        Given::Rulings(r) => Given::Rulings(of.iter().map(|&i| r[i]).collect()),
+    };
+    for _ in 0..ROUNDS {
+        let mut estimates = match part(&left) {
+            Given::Planes(p) => vec![p],
+            Given::Rulings(r) => of_rulings(&r, tolerance).unwrap_or_default(),
+        };
+        estimates.iter_mut().for_each(|e| orient(e));
+        // What is one estimate's fault, at the ends mostly, is not the ruling's.
+        let all: Vec<Vec<usize>> = estimates.iter().map(|e| outliers(e, tolerance)).collect();
+        let Some(elements) = estimates.first() else { break };
+        let most = |i: &usize| 2 * all.iter().filter(|a| a.contains(i)).count() > all.len();
+        let found: Vec<usize> = (0..elements.len()).filter(most).collect();
+        if found.is_empty() || left.len() < FEWEST + found.len() {
+            break;
+        }
+        for i in found {
+            // Rulings have been put in order: they are known by their ends.
+            let own = |k: &usize| match given {
+                Given::Planes(_) => left.get(i) == Some(k),
+                Given::Rulings(r) => {
+                    let [p, q] = elements[i].ends;
+                    r[*k] == [p, q] || r[*k] == [q, p]
+                }
+            };
+            if let Some(&k) = left.iter().find(|k| own(k)) {
+                out.push((k, elements[i]));
+            }
+        }
+        left.retain(|k| out.iter().all(|o| o.0 != *k));
+    }
+    // So many do not agree that it is not for the fit to choose.
+    if out.len() as f64 > MOST * given.len() as f64 {
+        return (given.clone(), Vec::new());
+    }
+    out.sort_by_key(|o| o.0);
+    (part(&left), out)
 }
 
 /// Index of the first element that is the same as the one before.
@@ -164,30 +237,13 @@ pub fn fit_faces(
 ) -> Result<RowOutcome, RowFitError> {
     let mut left: Vec<String> = skipped.iter().map(|s| format!("#{}: {}", s.entity, s.reason)).collect();
     let before = left.len();
-    let (mut rows, mut notes) = (Vec::new(), Vec::new());
+    let mut rows = Vec::new();
     for (i, face) in faces.iter().enumerate() {
         let name = if face.name.is_empty() { format!("F{:02}", i + 1) } else { face.name.clone() };
-        match ruled(face, options.tolerance) {
-            Ok((patch, _)) => {
-                let (a, b) = patch.domain();
-                let last = options.rulings_of_face.max(FEWEST) - 1;
-                let row = (0..=last)
-                    .filter_map(|k| {
-                        let jet = patch.jet(a + (b - a) * k as f64 / last as f64);
-                        let element = jet.element().ok()?;
-                        let ends = jet.ends.map(|e| e[0]);
-                        Some(PlaneElement { normal: element.normal, ends, radius: NARROW * jet.length(), weight: 1.0 })
-                    })
-                    .collect();
-                let (u, v) = (&face.surface.knots_u, &face.surface.knots_v);
-                notes.push(format!(
-                    "{name} was given with degrees {} and {} and {} × {} control points.",
-                    u.degree(),
-                    v.degree(),
-                    u.control_count(),
-                    v.control_count()
-                ));
-                rows.push((name, vec![row]));
+        match GivenFace::of(face, &name, options.rulings_of_face.max(FEWEST), options.tolerance) {
+            Ok(mut given) => {
+                let estimates = vec![std::mem::take(&mut given.row)];
+                rows.push(Row { name, estimates, face: Some(given) });
             }
             Err(reason) => left.push(format!("#{} {name}: {reason}", face.entity)),
         }
@@ -196,11 +252,15 @@ pub fn fit_faces(
         let reason = left.get(before).cloned().unwrap_or_else(|| "no faces".into());
         return Err(RowFitError::NoFace { count: faces.len(), reason });
     }
-    run(rows, left, notes, "rulings", options, control)
+    run(rows, left, "rulings", options, control)
 }
 
-/// Width of the region of a ruling as a share of its length: its tangent plane counts a little beside it.
-const NARROW: f64 = 0.1;
+/// What is fitted at once: estimates of the same elements, and the face that they come from.
+struct Row {
+    name: String,
+    estimates: Vec<Vec<PlaneElement>>,
+    face: Option<GivenFace>,
+}
 
 /// Smallest region of a ruling as a share of its length; without extent planes are not compared at all.
 const THIN: f64 = 1e-4;
@@ -239,10 +299,23 @@ fn of_rulings(rulings: &[[Vec3; 2]], tolerance: f64) -> Result<Vec<Vec<PlaneElem
     Ok(out)
 }
 
+/// Turns the normals of rulings square to them: a plane that is kept must hold its ruling.
+fn square(elements: &mut [PlaneElement]) {
+    for e in elements.iter_mut().filter(|e| e.has_ruling()) {
+        let d = (e.ends[1] - e.ends[0]).normalize();
+        e.normal = (e.normal - d * d.dot(&e.normal)).try_normalize(0.0).unwrap_or(e.normal);
+    }
+}
+
 /// Strips for one row.
 struct Attempt {
     strips: Vec<Strip>,
-    skipped: Vec<String>,
+    /// The elements that each strip was fitted to.
+    ranges: Vec<std::ops::Range<usize>>,
+    /// Stretches without a strip: the elements, and why torses that were found give none.
+    missed: Vec<(std::ops::Range<usize>, Option<String>)>,
+    /// Whether there is nothing because of what is asked of the regression curve.
+    kept_off: bool,
     certificate: ElementCertificate,
 }
 
@@ -263,37 +336,35 @@ fn room(elements: &[PlaneElement]) -> f64 {
 
 /// Strips for a row at one aim and with limits of the regression curve.
 fn attempt(
-    name: &str,
     elements: &[PlaneElement],
-    what: &str,
     most: usize,
     aim: f64,
     limits: Option<RegressionLimits>,
     options: &RowFitOptions,
     control: &Control,
 ) -> Attempt {
-    let wanted = RowOptions { max_pieces: most, limits, ..RowOptions::new(aim * options.tolerance) };
+    let wanted = options.fits(aim * options.tolerance, most, limits);
     let mut strips: Vec<Strip> = Vec::new();
-    let mut skipped = Vec::new();
-    for piece in row(elements, &wanted) {
+    let (mut ranges, mut missed) = (Vec::new(), Vec::new());
+    let pieces = row(elements, &wanted);
+    let kept_off = pieces.iter().all(|p| p.kept_off);
+    for piece in pieces {
         let own = &elements[piece.range.clone()];
         match nearest("A", &piece, own, options) {
-            Ok(s) => strips.push(s),
-            Err(reason) => {
-                let (from, to) = (piece.range.start, piece.range.end - 1);
-                skipped.push(format!("{name}: {what} {from} to {to}: {reason}"));
+            Ok(s) => {
+                strips.push(s);
+                ranges.push(piece.range);
             }
+            Err(reason) => missed.push((piece.range, reason)),
         }
     }
     let certificate = certified(&strips, elements, control);
-    Attempt { strips, skipped, certificate }
+    Attempt { strips, ranges, missed, kept_off, certificate }
 }
 
 /// The best of several aims, and of several estimates of the same elements (which one is told).
 fn best(
-    name: &str,
     estimates: &[Vec<PlaneElement>],
-    what: &str,
     most: usize,
     options: &RowFitOptions,
     control: &Control,
@@ -304,11 +375,15 @@ fn best(
             if control.stopped() && best.is_some() {
                 return best;
             }
-            let mut found = attempt(name, elements, what, most, aim, options.limits.clone(), options, control);
-            if options.limits.is_none() && !found.skipped.is_empty() {
+            // Limits that leave nothing of one estimate leave nothing of the others, which differ little.
+            if best.as_ref().is_some_and(|b| b.1.kept_off) {
+                return best;
+            }
+            let mut found = attempt(elements, most, aim, options.limits.clone(), options, control);
+            if options.limits.is_none() && !found.missed.is_empty() {
                 // Fits without strips mostly come with a regression curve too near: some room makes them regular.
                 let room = Some(RegressionLimits { clearance: room(elements), zones: Vec::new() });
-                let kept = attempt(name, elements, what, most, aim, room, options, control);
+                let kept = attempt(elements, most, aim, room, options, control);
                 if kept.rank(options) < found.rank(options) {
                     found = kept;
                 }
@@ -337,9 +412,8 @@ fn best(
 }
 
 fn run(
-    rows: Vec<(String, Vec<Vec<PlaneElement>>)>,
+    rows: Vec<Row>,
     mut skipped: Vec<String>,
-    given: Vec<String>,
     what: &'static str,
     options: &RowFitOptions,
     control: &Control,
@@ -353,27 +427,71 @@ fn run(
     }
     let mut strips: Vec<Strip> = Vec::new();
     let mut all: Vec<PlaneElement> = Vec::new();
-    for (k, (name, mut estimates)) in rows.into_iter().enumerate() {
+    let mut given_words = Vec::new();
+    for (k, Row { name, mut estimates, face }) in rows.into_iter().enumerate() {
         for elements in &mut estimates {
             if let Some(index) = elements.iter().position(|e| !e.is_usable()) {
                 return Err(RowFitError::Element { index });
             }
             let largest = elements.iter().flat_map(|e| e.ends).map(|x| x.amax()).fold(0.0, f64::max);
-            let step = largest * f64::EPSILON;
-            if STEPS * step > options.tolerance {
-                return Err(RowFitError::Coarse { largest, step, tolerance: options.tolerance });
+            if let Some(fault) = Coarse::of(largest, options.tolerance) {
+                return Err(fault.into());
             }
             orient(elements);
+            if options.fix_ends {
+                square(elements);
+            }
         }
         control.report("fitting", k as f64, name.clone());
         let left = options.max_strips.saturating_sub(strips.len());
-        if let Some((which, found)) = best(&name, &estimates, what, left, options, control) {
-            skipped.extend(found.skipped);
-            for strip in found.strips {
-                strips.push(Strip { name: format!("A-{:02}", strips.len() + 1), ..strip });
-            }
-            all.append(&mut estimates[which]);
+        let mut own: Vec<Strip> = Vec::new();
+        let given = face.as_ref().and_then(|f| f.strip.as_ref());
+        let given = given.filter(|s| left > 0 && regression::keeps(s, options.limits.as_ref()));
+        let mut missed = Vec::new();
+        let wanted = options.fits(options.tolerance, 1, options.limits.clone());
+        let simple = given.is_some_and(is_simplest);
+        // Most rows are followed by one strip over few spans; the search for these is also the fastest.
+        if let Some(elements) = estimates.first().filter(|_| !simple && left > 0 && options.limits.is_none()) {
+            own.extend(simplest(&name, elements, &wanted, control));
         }
+        let found = match given {
+            _ if simple || !own.is_empty() => None,
+            _ => best(&estimates, left, options, control),
+        };
+        let which = found.as_ref().map_or(0, |f| f.0);
+        if let Some((which, found)) = found {
+            for (range, reason) in found.missed {
+                let reason = reason.unwrap_or_else(|| unfollowed(&estimates[which][range.clone()], options));
+                let of = if name == what { String::new() } else { format!("{name}: ") };
+                missed.push(format!("{of}{what} {} to {}: {reason}", range.start, range.end - 1));
+            }
+            for (strip, range) in found.strips.into_iter().zip(found.ranges) {
+                let elements = &estimates[which][range];
+                own.push(fewest(strip, elements, &wanted, control));
+            }
+        }
+        let mut kept = false;
+        if let Some(strip) = given {
+            let beyond = certified(&own, &estimates[which], control).beyond(options.tolerance);
+            if own.is_empty() || beyond > 0 || no_simpler(&own, strip) {
+                kept = true;
+                own = vec![strip.clone()];
+                missed.clear();
+            }
+        }
+        for (i, strip) in own.iter_mut().enumerate() {
+            strip.name = format!("A-{:02}", strips.len() + i + 1);
+        }
+        if let Some(face) = &face {
+            given_words.push(match (kept, own.is_empty()) {
+                (true, _) => format!("{}; nothing simpler was found, it is {} as it was.", face.words, own[0].name),
+                (_, true) => format!("{}.", face.words),
+                _ => format!("{}; now: {} control points.", face.words, reached(&own)),
+            });
+        }
+        skipped.extend(missed);
+        strips.append(&mut own);
+        all.append(&mut estimates[which]);
     }
     control.report("proving", 0.7, format!("{} {what}", all.len()));
     let certificate = certified(&strips, &all, control);
@@ -402,7 +520,7 @@ fn run(
         _ => Status::Certified,
     };
     let mut notes: Vec<String> = options.limits.iter().map(regression::note).collect();
-    notes.extend(given);
+    notes.extend(given_words);
     notes.extend(broken);
     notes.push(format!("Distances are proven at the {what}, not between them."));
     if strips.len() > 1 {
@@ -435,10 +553,17 @@ fn run(
 
 /// The strip with the smallest proven distance from its elements, among those whose regression curve keeps to the
 /// limits if there are any.
-fn nearest(name: &str, piece: &RowPiece, own: &[PlaneElement], options: &RowFitOptions) -> Result<Strip, String> {
+///
+/// # Errors
+/// Why torses give no strip; nothing where there are none.
+fn nearest(
+    name: &str,
+    piece: &RowPiece,
+    own: &[PlaneElement],
+    options: &RowFitOptions,
+) -> Result<Strip, Option<String>> {
     let mut best: Option<(bool, f64, Strip)> = None;
-    let mut reason =
-        format!("no developable strip follows them within {} mm{}", options.tolerance, kept_off(own, options));
+    let mut reason = None;
     for fit in &piece.fits {
         match strip(name, fit, own) {
             Ok(s) => {
@@ -448,31 +573,26 @@ fn nearest(name: &str, piece: &RowPiece, own: &[PlaneElement], options: &RowFitO
                     best = Some((broken, worst, s));
                 }
             }
-            Err(e) => reason = format!("the {} found gives no strip ({e})", fit.kind.name()),
+            Err(e) => reason = Some(format!("the {} found gives no strip ({e})", fit.kind.name())),
         }
     }
     best.map(|b| b.2).ok_or(reason)
 }
 
-/// How near developables come whose regression curves keep to the limits, in words; empty where the limits are not what
-/// stands in the way.
-fn kept_off(own: &[PlaneElement], options: &RowFitOptions) -> String {
+/// Why no developable follows elements: too far from any, or none keeps to the limits and then how near one comes.
+fn unfollowed(own: &[PlaneElement], options: &RowFitOptions) -> String {
     // Tolerances looked at for the reason, in multiples of the one asked for.
     const WIDER: [f64; 4] = [3.0, 10.0, 100.0, 1e4];
-    let Some(limits) = &options.limits else { return String::new() };
+    let plain = format!("no developable strip follows them within {} mm", options.tolerance);
+    let Some(limits) = &options.limits else { return plain };
     let one = |tolerance: f64, limits: Option<RegressionLimits>| {
-        let found = row(own, &RowOptions { max_pieces: 1, limits, ..RowOptions::new(tolerance) });
-        found.into_iter().next().filter(|p| p.range.len() == own.len()).and_then(|p| p.fits.into_iter().next())
+        torses(own, &options.fits(tolerance, 1, limits)).into_iter().next().map(|f| f.error)
     };
     if one(options.tolerance, None).is_none() {
-        return String::new();
+        return plain;
     }
     let wider = WIDER.iter().find_map(|w| one(w * options.tolerance, Some(limits.clone())));
-    let how =
-        wider.map_or("none was found that is".to_string(), |f| format!("the nearest found is {:.3} mm away", f.error));
-    format!(
-        " with its regression curve in bounds ({how}); raise the tolerance, or ask for less of the regression curve"
-    )
+    plain + &regression::kept_off(wider.unwrap_or(f64::INFINITY))
 }
 
 fn figures(strips: &[Strip], c: &ElementCertificate) -> Vec<Vec<Figure>> {

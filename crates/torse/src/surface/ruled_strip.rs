@@ -204,6 +204,11 @@ impl RuledPatch {
         (lower.knots == upper.knots).then_some(Self { sides: [lower, upper] })
     }
 
+    /// Both ends of the rulings as homogeneous curves over the same knots.
+    pub fn sides(&self) -> &[Curve<4>; 2] {
+        &self.sides
+    }
+
     /// The part between two rulings.
     pub fn restricted(&self, a: f64, b: f64) -> Option<Self> {
         let [l, u] = &self.sides;

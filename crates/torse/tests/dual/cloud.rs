@@ -44,6 +44,31 @@ fn a_sheet_with_noise_of_a_tenth_is_recovered_within_twice_the_noise() {
 }
 
 #[test]
+fn a_strongly_curved_sheet_is_recovered_within_twice_the_noise_of_the_truth() {
+    // The tangent surface of a helix, turning by 34 degrees.
+    let place = |t: f64, r: f64| {
+        let d = Vec3::new(-800.0 * t.sin(), 800.0 * t.cos(), 500.0).normalize();
+        let c = Vec3::new(800.0 * t.cos(), 800.0 * t.sin(), 500.0 * t);
+        (c + d * (300.0 + 500.0 * r), d.cross(&Vec3::new(-t.cos(), -t.sin(), 0.0)).normalize())
+    };
+    let mut random = Random::new(9);
+    let mut share = || 0.5 + 0.5 * random.number();
+    let points = (0..5000)
+        .map(|_| {
+            let (x, n) = place(0.6 * share(), share());
+            x + n * (0.1 * (2.0 * share() - 1.0))
+        })
+        .collect();
+    let got = fit(&Cloud { points }, &FitOptions::new(0.4, "helix"), &Control::default()).expect("a fit");
+    assert_eq!((&got.sheets.status, got.sheets.strips.len()), (&Status::Certified, 1));
+    let truth: Vec<Vec3> = (0..900)
+        .map(|i| place(0.6 * (0.03 + 0.94 * f64::from(i % 30) / 29.0), 0.03 + 0.94 * f64::from(i / 30) / 29.0).0)
+        .collect();
+    let off = torse::certify::points::points(&got.sheets.strips, &truth, &Control::default());
+    assert!(off.worst_bound() <= 0.2, "{}", off.worst_bound());
+}
+
+#[test]
 fn a_moved_point_is_found() {
     let mut cloud = measured(4000, 0.0, 2);
     let (_, n) = sheet(0.1, 0.1);

@@ -5,9 +5,11 @@ use torse::fit::multiresolution::trigonometric::{
     cone_strip, support_spline, ConeStrip, ContourMetric, RadiusSign, StripError, TrigonometricSpline,
 };
 use torse::fit::multiresolution::wavelets::{split, thinned, wavelets, LevelError};
+use torse::geom::measure::Measure;
 use torse::num::quadrature::gauss_legendre;
 use torse::spline::curve::Curve;
 use torse::spline::knots::Knots;
+use torse::surface::dual::DualCurve;
 
 fn knots(breaks: &[f64]) -> Knots {
     Knots::clamped(3, breaks).expect("knots")
@@ -103,6 +105,39 @@ fn thinning_keeps_its_promise() {
     assert!(matches!(thinned(&curve, &[level(2)], 0.0), Err(LevelError::Tolerance(_))));
     let other = knots(&[0.0, 0.4, 1.0]);
     assert!(matches!(split(&curve, &other), Err(LevelError::NotNested { .. })));
+}
+
+#[test]
+fn planes_of_a_thinned_dual_spline_stay_within_the_bound() {
+    let breaks: Vec<f64> = (0..=32).map(|i| f64::from(i) / 32.0).collect();
+    let level = |step: usize| knots(&breaks.iter().step_by(step).copied().collect::<Vec<_>>());
+    // Heights over a region of radius 1, so that all coordinates of planes are lengths.
+    let control: Vec<[f64; 3]> = (0..level(1).control_count())
+        .map(|i| {
+            let x = i as f64 / 34.0;
+            [(3.0 * x).sin(), 0.3 * x * x + if i == 11 { 0.02 } else { 0.0 }, 1.5 * x]
+        })
+        .collect();
+    let curve = Curve { knots: level(1), control };
+    let mut seen = 0.0_f64;
+    for tolerance in [3e-2, 1e-3, 1e-5] {
+        let t = thinned(&curve, &[level(2), level(4), level(8)], tolerance).expect("thinned");
+        let values = |c: &Curve<3>| DualCurve::graph(3, c.knots.values().to_vec(), &c.control).expect("a dual curve");
+        let (given, found) = (values(&curve), values(&t.curve));
+        let disc = Measure::disc([0.0, 0.0], 1.0).expect("a disc");
+        let mut worst = 0.0_f64;
+        for i in 0..=2000 {
+            let [u, v] = [&given, &found].map(|c| c.planes().point(f64::from(i) / 2000.0));
+            let e = [0, 1, 2].map(|d| u[d] - v[d]);
+            assert!(e.iter().all(|x| x.abs() <= t.error_bound), "{e:?} {}", t.error_bound);
+            // Root mean square over the disc: 1, 1/4 and 1/4 are the moments per area.
+            worst = worst.max((disc.distance_sq(&e) / disc.mass()).sqrt());
+        }
+        assert!(worst <= 1.5f64.sqrt() * t.error_bound && t.error_bound <= tolerance, "{worst} {}", t.error_bound);
+        seen = seen.max(worst / tolerance);
+    }
+    // Something was dropped, or nothing would have been measured.
+    assert!(seen > 0.05, "{seen}");
 }
 
 fn h0(p: f64) -> f64 {

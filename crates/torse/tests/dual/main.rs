@@ -5,6 +5,7 @@ mod levels;
 mod planes;
 mod regression;
 mod rows;
+mod simple;
 
 /// Evenly distributed numbers in −1..1, the same on every machine.
 pub struct Random(u64);

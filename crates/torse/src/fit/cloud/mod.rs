@@ -9,6 +9,8 @@ pub mod regions;
 
 pub use grid::core;
 
+use crate::geom::coarse::Coarse;
+
 /// Why points cannot be fitted at all.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum CloudError {
@@ -44,18 +46,8 @@ pub enum CloudError {
         size: f64,
     },
     /// Coordinates so large that their last digits are coarser than the tolerance.
-    #[error(
-        "coordinates up to {largest:.1e} mm are exact to {step:.1e} mm only, too coarse for the tolerance of {tolerance} mm: \
-         move the data towards the origin"
-    )]
-    Coarse {
-        /// Largest coordinate, mm.
-        largest: f64,
-        /// Distance of neighbouring numbers there, mm.
-        step: f64,
-        /// Tolerance, mm.
-        tolerance: f64,
-    },
+    #[error(transparent)]
+    Coarse(#[from] Coarse),
     /// Limits of the regression curve that cannot be kept by anything.
     #[error("{0}")]
     Limits(String),

@@ -45,6 +45,16 @@ pub struct Piece {
     pub members: Vec<u32>,
     /// Torses that follow it, the nearest to its estimates first; empty where nothing fits.
     pub fits: Vec<Fit>,
+    /// Where nothing fits because of the regression curve: the distance (mm) of the nearest torse found that keeps to the
+    /// limits, infinite if none was found.
+    pub kept_off: Option<f64>,
+}
+
+/// What was found for a part of a region.
+#[derive(Default)]
+struct Found {
+    fits: Vec<Fit>,
+    kept_off: Option<f64>,
 }
 
 /// Splits a region into pieces. Every estimate belongs to exactly one piece.
@@ -65,37 +75,41 @@ pub fn pieces(estimates: &Estimates, region: &Region, options: &PieceOptions, co
     while let Some(mut rest) = waiting.pop() {
         let name = |s: &[(u32, Sample)]| s.iter().map(|p| p.0).collect::<Vec<u32>>();
         if rest.len() < options.fewest || out.len() >= options.max_pieces || control.stopped() {
-            out.push(Piece { members: name(&rest), fits: Vec::new() });
+            out.push(Piece { members: name(&rest), fits: Vec::new(), kept_off: None });
             continue;
         }
         let found = attempt(&rest, estimates.cell, options);
-        if !found.is_empty() {
-            out.push(Piece { members: name(&rest), fits: found });
+        if !found.fits.is_empty() {
+            out.push(Piece { members: name(&rest), fits: found.fits, kept_off: None });
             continue;
         }
         let axis = across(&rest);
         rest.sort_by(|a, b| axis.dot(&a.1.x).total_cmp(&axis.dot(&b.1.x)));
+        if found.kept_off.is_some() && hopeless(&rest, estimates.cell, options) {
+            out.push(Piece { members: name(&rest), fits: Vec::new(), kept_off: found.kept_off });
+            continue;
+        }
         let (mut good, mut bad) = (0, rest.len());
-        let mut best = Vec::new();
+        let mut best = Found::default();
         for _ in 0..STEPS {
             let middle = (good + bad) / 2;
             if middle < options.fewest || middle <= good {
                 break;
             }
             let found = attempt(&rest[..middle], estimates.cell, options);
-            if found.is_empty() {
+            if found.fits.is_empty() {
                 bad = middle;
             } else {
                 (good, best) = (middle, found);
             }
         }
-        if best.is_empty() {
+        if best.fits.is_empty() {
             // A last try with the smallest piece; if that fails, it is named and left out.
             good = options.fewest.min(rest.len());
             best = attempt(&rest[..good], estimates.cell, options);
         }
         let tail = rest.split_off(good);
-        out.push(Piece { members: name(&rest), fits: best });
+        out.push(Piece { members: name(&rest), fits: best.fits, kept_off: best.kept_off });
         if !tail.is_empty() {
             waiting.push(tail);
         }
@@ -103,8 +117,18 @@ pub fn pieces(estimates: &Estimates, region: &Region, options: &PieceOptions, co
     out
 }
 
+/// Whether limits of the regression curve leave nothing of a row of estimates: a strip that keeps to them does so on every
+/// part, so that nothing is to be found where short parts at both ends and in the middle have none.
+fn hopeless(row: &[(u32, Sample)], cell: f64, options: &PieceOptions) -> bool {
+    // A part in so many, but enough of them for a fit to mean something.
+    const PARTS: usize = 12;
+    let count = (row.len() / PARTS).max(3 * options.fewest).min(row.len());
+    let rest = row.len() - count;
+    [0, rest / 2, rest].iter().all(|&from| attempt(&row[from..from + count], cell, options).kept_off.is_some())
+}
+
 /// Torses within the tolerance of the estimates: over a plane profile, and a dual spline.
-fn attempt(samples: &[(u32, Sample)], cell: f64, options: &PieceOptions) -> Vec<Fit> {
+fn attempt(samples: &[(u32, Sample)], cell: f64, options: &PieceOptions) -> Found {
     // Cosine of the angle from the mean normal beyond which a torse over a plane profile is not tried: 65°.
     const TURNED: f64 = 0.422_618_261_740_699_4;
     let samples: Vec<Sample> = samples.iter().map(|s| s.1).collect();
@@ -121,17 +145,21 @@ fn attempt(samples: &[(u32, Sample)], cell: f64, options: &PieceOptions) -> Vec<
         out.extend(dual_of_cloud(&samples, cell, &RowOptions::new(options.enough)));
     }
     out.retain(|f| f.error <= options.tolerance);
+    let mut kept_off = None;
     // With more conditions nothing comes nearer than fits without them.
     if let Some(limits) = options.limits.as_ref().filter(|_| !out.is_empty()) {
         out.retain(|f| keeps_limits(&f.torse, &samples, cell, limits));
         if out.is_empty() {
             let wanted = RowOptions::new(options.tolerance);
             let kept = controlled_of_cloud(&samples, cell, limits, &wanted);
-            out.extend(kept.filter(|f| f.error <= options.tolerance && keeps_limits(&f.torse, &samples, cell, limits)));
+            match kept.filter(|f| keeps_limits(&f.torse, &samples, cell, limits)) {
+                Some(f) if f.error <= options.tolerance => out.push(f),
+                other => kept_off = Some(other.map_or(f64::INFINITY, |f| f.error)),
+            }
         }
     }
     out.sort_by(|a, b| a.error.total_cmp(&b.error));
-    out
+    Found { fits: out, kept_off }
 }
 
 /// The direction in space along which normals change most.
