@@ -93,6 +93,7 @@ impl Job<'_> {
             let needed = (shares.iter().map(|s| s.sqrt()).sum::<f64>() / AIM.sqrt()).ceil() as usize;
             rise.include(&levels, &shares);
             let complete = bands.iter().flatten().all(|p| p.fit.is_some());
+            let resist: Vec<bool> = bands.iter().map(|b| b.iter().any(|p| p.fit.is_none())).collect();
             known = levels
                 .windows(2)
                 .zip(&bands)
@@ -130,9 +131,10 @@ impl Job<'_> {
                 break;
             }
             if same >= SAME || next > count {
-                if round > 1 && !complete && !divided && resisting(&bands) <= (count / SOME).max(1) {
+                let few = resist.iter().filter(|r| **r).count() <= (count / SOME).max(1);
+                if round > 1 && !complete && !divided && few {
                     // A few bands resist, the others are good: two in place of each.
-                    levels = halved(&levels, &bands);
+                    levels = halved(&levels, &resist);
                     divided = true;
                     continue;
                 }
@@ -207,17 +209,12 @@ impl Job<'_> {
     }
 }
 
-/// Number of bands with a component that has no torse.
-fn resisting(bands: &[Vec<Piece>]) -> usize {
-    bands.iter().filter(|b| b.iter().any(|p| p.fit.is_none())).count()
-}
-
 /// Levels with one more in the middle of each band that resists; the others stay bit by bit.
-fn halved(levels: &[f64], bands: &[Vec<Piece>]) -> Vec<f64> {
+fn halved(levels: &[f64], resist: &[bool]) -> Vec<f64> {
     let mut out = Vec::with_capacity(levels.len() + 1);
-    for (w, band) in levels.windows(2).zip(bands) {
+    for (w, resists) in levels.windows(2).zip(resist) {
         out.push(w[0]);
-        if band.iter().any(|p| p.fit.is_none()) {
+        if *resists {
             out.push(0.5 * (w[0] + w[1]));
         }
     }
@@ -361,19 +358,7 @@ mod tests {
 
     #[test]
     fn bands_that_resist_are_divided() {
-        let fit = Fit {
-            torse: crate::surface::torse::Torse::Dual(crate::surface::torse::DualTorse {
-                planes: crate::spline::curve::Curve::new(1, vec![0.0, 0.0, 1.0, 1.0], vec![[0.0, 0.0, 1.0, 0.0]; 2])
-                    .expect("curve"),
-            }),
-            kind: crate::surface::torse::PanelKind::Torse,
-            error: 0.0,
-            worst: 0,
-        };
-        let piece = |fits: bool| Piece { label: 0, fit: fits.then(|| Arc::new(fit.clone())), share: 1.0 };
-        let bands = [vec![piece(true)], vec![piece(true), piece(false)], Vec::new()];
-        assert_eq!(resisting(&bands), 1);
-        assert_eq!(halved(&[0.0, 1.0, 2.0, 4.0], &bands), [0.0, 1.0, 1.5, 2.0, 4.0]);
+        assert_eq!(halved(&[0.0, 1.0, 2.0, 4.0], &[false, true, false]), [0.0, 1.0, 1.5, 2.0, 4.0]);
     }
 
     #[test]
