@@ -95,10 +95,17 @@ pub fn dual(samples: &[Sample], centre: &[CentrePoint], options: &DualOptions) -
     }
     let scale = Scale::of(samples)?;
     let parameters = strip_parameters(centre, scale.unit)?;
-    STARTS.iter().find_map(|&(reach, smooth)| {
-        let start = start_planes(centre, &parameters, &scale, options.spans.max(4), reach, smooth)?;
-        fitted(samples, &scale, start, options)
-    })
+    // The first fit that has nearly the room wanted; else the first.
+    let mut first = None;
+    for (reach, smooth) in STARTS {
+        let start = start_planes(centre, &parameters, &scale, options.spans.max(4), reach, smooth);
+        match start.and_then(|start| fitted(samples, &scale, start, options)) {
+            Some((fit, true)) => return Some(fit),
+            Some((fit, false)) => first = first.or(Some(fit)),
+            None => {}
+        }
+    }
+    first
 }
 
 /// The envelope of the tangent planes along `centre` as a cubic spline of planes with `spans` spans, exactly developable,
@@ -222,8 +229,8 @@ fn start_planes(
     Pieces::of(&crate::spline::curve::Curve::new(3, knots.values().to_vec(), control).ok()?)
 }
 
-/// The fit from given planes (scaled coordinates).
-fn fitted(samples: &[Sample], scale: &Scale, start: Pieces<4>, options: &DualOptions) -> Option<Fit> {
+/// The fit from given planes (scaled coordinates), and whether it has nearly the room wanted.
+fn fitted(samples: &[Sample], scale: &Scale, start: Pieces<4>, options: &DualOptions) -> Option<(Fit, bool)> {
     let points: Vec<Vec3> = samples.iter().map(|s| scale.point(&s.x)).collect();
     let mut few = thin(samples, options.max_samples.max(12));
     let all: Vec<usize> = (0..samples.len()).collect();
@@ -244,7 +251,11 @@ fn fitted(samples: &[Sample], scale: &Scale, start: Pieces<4>, options: &DualOpt
     let (mut x, _) = repaired(&mut family, x, &start, &mut few, &all, [3, 3])?;
     let reached = polished(&mut family, &mut x, &few, &all, goal)? * scale.unit;
     // Feet that have strayed to another part of the torse spoil what is measured in the end.
-    finished(samples, scale, &family, &x).filter(|fit| fit.error <= STRAYED * reached)
+    let fit = finished(samples, scale, &family, &x).filter(|fit| fit.error <= STRAYED * reached)?;
+    let room = Room::least(&family.sheet(&x), &family.points, &family.feet);
+    let roomy = room.bend_radius * scale.unit >= NEARLY[0] * options.bend_radius
+        && room.clearance * scale.unit >= NEARLY[1] * options.clearance;
+    Some((fit, roomy))
 }
 
 /// The torse in mm on a domain that reaches a little beyond the feet.
@@ -270,6 +281,9 @@ fn finished(samples: &[Sample], scale: &Scale, family: &EnvelopeFamily, x: &[f64
     let (error, worst) = measure(&Sheet::of(&torse)?, samples, &mut feet)?;
     Some(Fit { torse, kind: PanelKind::Torse, error, worst })
 }
+
+/// Shares of the bending radius and of the clearance wanted that will do.
+const NEARLY: [f64; 2] = [0.85, 0.25];
 
 /// A fit measured to be so many times as far away as it was found to be is none.
 const STRAYED: f64 = 1.5;

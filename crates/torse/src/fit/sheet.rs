@@ -72,9 +72,19 @@ impl Room {
     pub fn kept(self, sheet: &Sheet, points: &[Vec3], feet: &[f64]) -> Self {
         // Share of the room at hand that steps may not use up.
         const KEPT: f64 = 0.8;
-        points.iter().zip(feet).map(|(q, &t)| sheet.room(q, t)).fold(self, |least, now| Self {
-            bend_radius: least.bend_radius.min(KEPT * now.bend_radius),
-            clearance: least.clearance.min(KEPT * now.clearance),
+        let now = Self::least(sheet, points, feet);
+        Self {
+            bend_radius: self.bend_radius.min(KEPT * now.bend_radius),
+            clearance: self.clearance.min(KEPT * now.clearance),
+        }
+    }
+
+    /// The least room at the feet of points.
+    pub fn least(sheet: &Sheet, points: &[Vec3], feet: &[f64]) -> Self {
+        let most = Self { bend_radius: f64::INFINITY, clearance: f64::INFINITY };
+        points.iter().zip(feet).map(|(q, &t)| sheet.room(q, t)).fold(most, |least, now| Self {
+            bend_radius: least.bend_radius.min(now.bend_radius),
+            clearance: least.clearance.min(now.clearance),
         })
     }
 

@@ -79,13 +79,13 @@ impl Job<'_> {
         // Fewer bands than this have failed.
         let mut least_count = 1;
         let (mut round, mut repairs) = (0, 0);
-        let mut divided = false;
+        let mut divided = None;
         let mut known = Known::new();
         while round < ROUNDS {
             if theory < FEWEST || count > budget.min(most) || self.control.stopped() {
                 break;
             }
-            let (mut laid, bands) = self.laid(state, label, field, &levels, &known);
+            let (laid, bands) = self.laid(state, label, field, &levels, &known);
             let shares: Vec<f64> =
                 bands.iter().map(|b| b.iter().fold(LEAST_SHARE, |m, p| m.max(p.share)).min(MOST_SHARE)).collect();
             let worst = shares.iter().copied().fold(0.0, f64::max);
@@ -94,6 +94,10 @@ impl Job<'_> {
             rise.include(&levels, &shares);
             let complete = bands.iter().flatten().all(|p| p.fit.is_some());
             let resist: Vec<bool> = bands.iter().map(|b| b.iter().any(|p| p.fit.is_none())).collect();
+            let resisting = resist.iter().filter(|r| **r).count();
+            if !complete && resisting <= (count / SOME).max(1) && count + resisting <= budget {
+                divided = Some(halved(&levels, &resist));
+            }
             known = levels
                 .windows(2)
                 .zip(&bands)
@@ -110,14 +114,10 @@ impl Job<'_> {
             if complete {
                 let key = (bands.iter().map(Vec::len).sum::<usize>(), worst);
                 if key.0 <= budget && best.as_ref().is_none_or(|b| key < b.0) {
-                    for p in bands.into_iter().flatten() {
-                        laid.bands.insert(p.label, Arc::clone(&levels_of));
-                        laid.panels.extend(p.fit.map(|f| (p.label, f)));
-                    }
                     let mean = shares.iter().sum::<f64>() / shares.len() as f64;
-                    best = Some((key, 1.0 - mean, laid));
+                    best = Some((key, 1.0 - mean, finished(laid, bands, &levels_of)));
                 }
-                if divided || needed >= count && (worst <= EVEN * least || same >= SAME || repairs > 0) {
+                if needed >= count && (worst <= EVEN * least || same >= SAME || repairs > 0) {
                     break;
                 }
             } else if round > 1 && worst >= MOST_SHARE {
@@ -126,25 +126,33 @@ impl Job<'_> {
             // One band fewer is not tried before all bands of a round were good.
             let fewer = complete || needed + 1 < count;
             let next = if worst < MOST_SHARE && fewer { needed.max(least_count) } else { needed.max(count) };
-            same = if next == count { same + 1 } else { 0 };
-            if best.is_some() && (same >= SAME || next > count) {
-                break;
-            }
-            if same >= SAME || next > count {
-                let few = resist.iter().filter(|r| **r).count() <= (count / SOME).max(1);
-                if round > 1 && !complete && !divided && few {
-                    // A few bands resist, the others are good: two in place of each.
-                    levels = halved(&levels, &resist);
-                    divided = true;
-                    continue;
+            if next == count {
+                same += 1;
+                if same >= SAME {
+                    if best.is_some() {
+                        break;
+                    }
+                    least_count = count + 1;
+                    count += 1;
+                    same = 0;
                 }
-                least_count = if next == count { count + 1 } else { least_count };
-            }
-            if next.max(least_count) != count {
-                count = next.max(least_count);
-                (same, repairs, divided) = (0, 0, false);
+            } else {
+                if best.is_some() && next > count {
+                    break;
+                }
+                count = next;
+                same = 0;
+                repairs = 0;
             }
             levels = rise.levels(count);
+        }
+        if best.is_none() && !self.control.stopped() {
+            // A few bands resist, the others are good: two in place of each.
+            let (laid, bands) = self.laid(state, label, field, &divided?, &known);
+            let panels: Vec<&Piece> = bands.iter().flatten().collect();
+            let within = panels.len() <= budget && panels.iter().all(|p| p.fit.is_some());
+            // The march may do better than halves.
+            return within.then(|| (finished(laid, bands, &levels_of), 1.0));
         }
         best.map(|b| (b.2, b.1))
     }
@@ -209,6 +217,23 @@ impl Job<'_> {
     }
 }
 
+/// Torses of the bands of a round, by the levels between which they lie.
+type Known = HashMap<[u64; 2], Vec<Arc<Fit>>>;
+
+/// The two levels of a band, as a key.
+fn ends(w: &[f64]) -> [u64; 2] {
+    [w[0].to_bits(), w[1].to_bits()]
+}
+
+/// The state with the panels of bands.
+fn finished(mut laid: State, bands: Vec<Vec<Piece>>, levels_of: &Arc<Field>) -> State {
+    for p in bands.into_iter().flatten() {
+        laid.bands.insert(p.label, Arc::clone(levels_of));
+        laid.panels.extend(p.fit.map(|f| (p.label, f)));
+    }
+    laid
+}
+
 /// Levels with one more in the middle of each band that resists; the others stay bit by bit.
 fn halved(levels: &[f64], resist: &[bool]) -> Vec<f64> {
     let mut out = Vec::with_capacity(levels.len() + 1);
@@ -220,14 +245,6 @@ fn halved(levels: &[f64], resist: &[bool]) -> Vec<f64> {
     }
     out.extend(levels.last());
     out
-}
-
-/// Torses of the bands of a round, by the levels between which they lie.
-type Known = HashMap<[u64; 2], Vec<Arc<Fit>>>;
-
-/// The two levels of a band, as a key.
-fn ends(w: &[f64]) -> [u64; 2] {
-    [w[0].to_bits(), w[1].to_bits()]
 }
 
 /// Levels between which bands that are a little too wide have given of their width to the nearest bands with something
