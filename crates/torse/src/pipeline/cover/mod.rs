@@ -79,7 +79,7 @@ const CANDIDATES: usize = 2;
 const FACET_DEPTH: usize = 14;
 /// Level functions are given up for parts when their merit exceeds this multiple of their range (C4).
 const POOR: f64 = 1.5;
-/// Predicted counts up to which sweeps are tried (C0).
+/// Counts up to which sweeps are tried in any case (C0); above, where they promise fewer bands.
 const SWEEP_COUNT: f64 = 18.0;
 /// Sweeps are tried when bands need more than this multiple of the predicted count, and one panel more.
 const PROMISING: f64 = 1.25;
@@ -258,8 +258,10 @@ impl Job<'_> {
             }
         }
         let reached = best.as_ref().map_or(predicted, |b| (Self::count(b) - before) as f64);
-        if fewest && depth <= SWEEP_DEPTH && reached <= SWEEP_COUNT && !near_theory(reached) && limit > 0 {
-            if let Some(next) = self.sweep(&state, label, limit, depth) {
+        if fewest && depth <= SWEEP_DEPTH && !near_theory(reached) && limit > 0 {
+            let most = if reached > SWEEP_COUNT { reached } else { f64::INFINITY };
+            let directions = if depth > 0 { FEW_DIRECTIONS } else { SWEEP_DIRECTIONS };
+            if let Some(next) = self.sweep(&state, label, limit, directions, most) {
                 keep(next, &mut best, &mut limit);
             }
         }
@@ -309,8 +311,9 @@ impl Job<'_> {
         pieces as f64 * l.merit / l.range
     }
 
-    /// Straight bands in several directions of the parameter plane; the fewest win (C5b).
-    fn sweep(&self, state: &State, label: u32, budget: usize, depth: usize) -> Option<State> {
+    /// Straight bands in several directions of the parameter plane, those that promise the fewest bands and fewer than
+    /// `most`; the fewest win (C5b).
+    fn sweep(&self, state: &State, label: u32, budget: usize, directions: usize, most: f64) -> Option<State> {
         let bounds = state.partition.bounds(label);
         let forms = state.forms(label, 100);
         let (e, g) = forms.iter().fold((0.0, 0.0), |(e, g), f| (e + f.first[0], g + f.first[2]));
@@ -321,11 +324,13 @@ impl Job<'_> {
             let angle = std::f64::consts::PI * k as f64 / SWEEP_DIRECTIONS as f64;
             [angle.cos(), angle.sin() * aspect]
         };
-        let mut directions: Vec<(f64, usize)> =
+        let mut ranked: Vec<(f64, usize)> =
             (0..SWEEP_DIRECTIONS).map(|k| (straight_range(&forms, gradient(k)), k)).collect();
-        directions.sort_by(|a, b| a.0.total_cmp(&b.0));
-        directions.truncate(if depth > 0 { FEW_DIRECTIONS } else { SWEEP_DIRECTIONS });
-        directions
+        ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
+        ranked.truncate(directions);
+        let four = 4.0 * self.options.tolerance.sqrt();
+        ranked.retain(|r| most.is_infinite() || r.0 < most * four);
+        ranked
             .into_par_iter()
             .enumerate()
             .filter_map(|(rank, (_, k))| {
