@@ -490,6 +490,18 @@ mod tests {
         assert!(l.range > 0.93 * 8f64.sqrt(), "{}", l.range);
     }
 
+    /// Straight bands across a paraboloid need the root of its curvature across them, whichever is larger where it varies.
+    #[test]
+    fn straight_bands_need_what_curves_across_them() {
+        let s = grid(|_, _| ([1.0, 0.0, 1.0], [4.0, 0.0, 1.0]));
+        assert!((straight_range(&s, [1.0, 0.0]) - 2.0).abs() < 1e-9, "{}", straight_range(&s, [1.0, 0.0]));
+        assert!((straight_range(&s, [0.0, 1.0]) - 1.0).abs() < 1e-9, "{}", straight_range(&s, [0.0, 1.0]));
+        let half = grid(|u, _| ([1.0, 0.0, 1.0], [if u < 0.5 { 4.0 } else { 1.0 }, 0.0, 1.0]));
+        let r = straight_range(&half, [1.0, 0.0]);
+        // Seven of fifteen rows of samples lie in the first half.
+        assert!((r - 1.5).abs() < 0.08, "{r}");
+    }
+
     /// Bands wanted at 40° to the sides of a paraboloid follow that direction; where none is wanted there is no field.
     #[test]
     fn bands_follow_a_wanted_direction() {
