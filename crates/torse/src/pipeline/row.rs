@@ -583,7 +583,13 @@ fn nearest(
 fn unfollowed(own: &[PlaneElement], options: &RowFitOptions) -> String {
     // Tolerances looked at for the reason, in multiples of the one asked for.
     const WIDER: [f64; 4] = [3.0, 10.0, 100.0, 1e4];
-    let plain = format!("no developable strip follows them within {} mm", options.tolerance);
+    let mut plain = format!("no developable strip follows them within {} mm", options.tolerance);
+    if options.fix_ends {
+        plain += " and keeps the first and the last as they are";
+    }
+    if let Some(weight) = options.smoothing {
+        plain += &format!(", smoothed with the weight {weight}; a smaller one comes nearer");
+    }
     let Some(limits) = &options.limits else { return plain };
     let one = |tolerance: f64, limits: Option<RegressionLimits>| {
         torses(own, &options.fits(tolerance, 1, limits)).into_iter().next().map(|f| f.error)
