@@ -79,7 +79,7 @@ const CANDIDATES: usize = 2;
 const FACET_DEPTH: usize = 14;
 /// Level functions are given up for parts when their merit exceeds this multiple of their range (C4).
 const POOR: f64 = 1.5;
-/// Counts up to which sweeps are tried in any case (C0); above, where they promise fewer bands.
+/// Counts up to which sweeps are tried where bands need more than theory says (C0).
 const SWEEP_COUNT: f64 = 18.0;
 /// Sweeps are tried when bands need more than this multiple of the predicted count, and one panel more.
 const PROMISING: f64 = 1.25;
@@ -87,6 +87,8 @@ const PROMISING: f64 = 1.25;
 const SPARE: f64 = 0.25;
 /// Depth of the recursion down to which sweeps are tried.
 const SWEEP_DEPTH: usize = 2;
+/// Elsewhere sweeps must promise less than this share of the panels at hand.
+const PROMISED: f64 = 0.8;
 /// Directions of the sweep.
 const SWEEP_DIRECTIONS: usize = 8;
 /// Deep in the recursion only so many are tried, those that promise the fewest bands.
@@ -258,8 +260,9 @@ impl Job<'_> {
             }
         }
         let reached = best.as_ref().map_or(predicted, |b| (Self::count(b) - before) as f64);
-        if fewest && depth <= SWEEP_DEPTH && !near_theory(reached) && limit > 0 {
-            let most = if reached > SWEEP_COUNT { reached } else { f64::INFINITY };
+        if fewest && depth <= SWEEP_DEPTH && limit > 0 {
+            let promising = reached > SWEEP_COUNT || near_theory(reached);
+            let most = if promising { PROMISED * reached } else { f64::INFINITY };
             let directions = if depth > 0 { FEW_DIRECTIONS } else { SWEEP_DIRECTIONS };
             if let Some(next) = self.sweep(&state, label, limit, directions, most) {
                 keep(next, &mut best, &mut limit);
