@@ -11,14 +11,15 @@ use torse::surface::face::Face;
 use torse::surface::plane_row::{Given, PlaneElement};
 
 /// Ruling and unit normal of the tangent surface of a helix, away from the helix.
-fn helix(t: f64) -> ([Vec3; 2], Vec3) {
+pub fn helix(t: f64) -> ([Vec3; 2], Vec3) {
     let c = Vec3::new(500.0 * t.cos(), 500.0 * t.sin(), 300.0 * t);
     let d = Vec3::new(-500.0 * t.sin(), 500.0 * t.cos(), 300.0).normalize();
     let n = d.cross(&Vec3::new(-t.cos(), -t.sin(), 0.0)).normalize();
     ([c + d * 200.0, c + d * 500.0], n)
 }
 
-fn rulings(count: usize) -> Vec<[Vec3; 2]> {
+/// Rulings of that surface, evenly spaced.
+pub fn rulings(count: usize) -> Vec<[Vec3; 2]> {
     (0..count).map(|i| helix(i as f64 / (count - 1) as f64).0).collect()
 }
 
