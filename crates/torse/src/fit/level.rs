@@ -130,8 +130,12 @@ pub fn levels(samples: &[Forms], border: &[[f64; 2]], options: &LevelOptions) ->
     found
 }
 
-/// What straight bands whose levels rise along `gradient` (in parameters) need: divided by the width `4√ε` it is about
-/// their number, their widths varying as the surface allows (√mm). Infinite where nothing can be said.
+/// What straight bands whose levels rise along `gradient` (in parameters) need, √mm: divided by the width `4√ε` it is
+/// about their number, their widths varying as the surface allows. Infinite where nothing can be said.
+///
+/// *Method*: the density of levels that the condition on φ asks for (approximation specification B2, B3.2), the largest
+/// across each level, summed over the range. *Not guaranteed*: a bound; bands across which the sign of the condition
+/// changes are only guessed.
 pub fn straight_range(samples: &[Forms], gradient: [f64; 2]) -> f64 {
     // Divisions of the range, and the smallest share of the usual slope that counts: bands with inflections exist.
     const BINS: usize = 24;

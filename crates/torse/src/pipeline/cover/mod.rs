@@ -332,6 +332,7 @@ impl Job<'_> {
         ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
         ranked.truncate(directions);
         let four = 4.0 * self.options.tolerance.sqrt();
+        // Without a limit, directions of which nothing can be said are tried too.
         ranked.retain(|r| most.is_infinite() || r.0 < most * four);
         ranked
             .into_par_iter()
