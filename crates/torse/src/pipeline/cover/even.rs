@@ -12,13 +12,19 @@ use super::{Job, State, DISTANCE_SHARE};
 use crate::fit::samples::Fit;
 use crate::spline::field::Field;
 use rayon::prelude::*;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 /// Fewer bands than this are left to the march: errors of wide bands follow no law.
 const FEWEST: f64 = 7.0;
 /// Rounds of fitting all bands.
 const ROUNDS: usize = 8;
+/// The same where bands are laid anew whose widths are nearly right.
+const ROUNDS_ANEW: usize = 4;
+/// Bands whose share is below this are remainders of a march: less than about two thirds as wide as they could be.
+const REMAINDER: f64 = 0.5;
+/// Components that are narrower than this share of their band become part of their neighbours.
+const NARROW: f64 = 0.4;
 /// Rounds with the same number of bands.
 const SAME: usize = 3;
 /// Share of the allowed distance that levels are laid for: errors follow the square law within some percent.
@@ -67,22 +73,58 @@ impl Job<'_> {
         theory: f64,
         budget: usize,
     ) -> Option<(State, f64)> {
-        let (lo, hi) = range(state, label, field);
+        if theory < FEWEST {
+            return None;
+        }
         let most = (theory * (1.0 + MORE.0) + MORE.1) as usize;
-        let mut count = (theory.ceil() as usize).clamp(1, budget.max(1));
-        let mut levels: Vec<f64> = (0..=count).map(|i| lo + (hi - lo) * i as f64 / count as f64).collect();
+        let count = (theory.ceil() as usize).clamp(1, budget.max(1));
+        let (lo, hi) = range(state, label, field);
+        let rise = Rise { lo, hi, cells: Vec::new() };
+        let levels = (0..=count).map(|i| lo + (hi - lo) * i as f64 / count as f64).collect();
+        self.settled(state, label, field, Start { rise, levels, rounds: ROUNDS, most }, budget)
+    }
+
+    /// A cover by bands of one function laid one after the other, as [`Job::march`] leaves it, laid anew with even errors
+    /// where that needs fewer panels or where one of the bands is but a remainder. `before`: the state with the region
+    /// `label` that `cover` covers.
+    pub(super) fn evened(&self, before: &State, label: u32, cover: State) -> State {
+        let allowed = self.options.tolerance * DISTANCE_SHARE;
+        let Some((field, fresh)) = chain(before, &cover) else { return cover };
+        let bands: Vec<[f64; 3]> = fresh
+            .iter()
+            .map(|l| {
+                let (lo, hi) = range(&cover, *l, &field);
+                [lo, hi, (cover.panels[l].error / allowed).max(LEAST_SHARE)]
+            })
+            .collect();
+        let rise = Rise::of_bands(&bands);
+        let count = rise.needed().min(fresh.len());
+        if count == fresh.len() && bands.iter().all(|b| b[2] >= REMAINDER) {
+            return cover;
+        }
+        let start = Start { levels: rise.levels(count), rise, rounds: ROUNDS_ANEW, most: count.max(fresh.len()) };
+        let least = |state: &State| state.panels.values().map(|f| f.error / allowed).fold(f64::INFINITY, f64::min);
+        match self.settled(before, label, &field, start, fresh.len()) {
+            Some((s, _)) if s.panels.len() < cover.panels.len() || least(&s) > least(&cover) => s,
+            _ => cover,
+        }
+    }
+
+    /// Lays bands of `field` until their errors are even; see [`Job::even`].
+    fn settled(&self, state: &State, label: u32, field: &Field, start: Start, budget: usize) -> Option<(State, f64)> {
+        let Start { mut rise, mut levels, rounds, most } = start;
+        let mut count = levels.len() - 1;
         // Panels and largest share of the best cover, mean of what its bands leave of the tolerance, and itself.
         let mut best: Option<((usize, f64), f64, State)> = None;
         let levels_of = Arc::new(field.clone());
-        let mut rise = Rise { lo, hi, cells: Vec::new() };
         let mut same = 0;
         // Fewer bands than this have failed.
         let mut least_count = 1;
         let (mut round, mut repairs) = (0, 0);
         let mut divided = None;
         let mut known = Known::new();
-        while round < ROUNDS {
-            if theory < FEWEST || count > budget.min(most) || self.control.stopped() {
+        while round < rounds {
+            if count > budget.min(most) || self.control.stopped() {
                 break;
             }
             let (laid, bands) = self.laid(state, label, field, &levels, &known);
@@ -90,7 +132,7 @@ impl Job<'_> {
                 bands.iter().map(|b| b.iter().fold(LEAST_SHARE, |m, p| m.max(p.share)).min(MOST_SHARE)).collect();
             let worst = shares.iter().copied().fold(0.0, f64::max);
             let least = shares.iter().copied().fold(f64::INFINITY, f64::min);
-            let needed = (shares.iter().map(|s| s.sqrt()).sum::<f64>() / AIM.sqrt()).ceil() as usize;
+            let needed = needed(&shares);
             rise.include(&levels, &shares);
             let complete = bands.iter().flatten().all(|p| p.fit.is_some());
             let resist: Vec<bool> = bands.iter().map(|b| b.iter().any(|p| p.fit.is_none())).collect();
@@ -177,13 +219,17 @@ impl Job<'_> {
             bands.push(if empty { Vec::new() } else { laid.partition.split_components(fresh) });
         }
         bands.push(laid.partition.split_components(label));
+        absorb_narrow(&mut laid, &mut bands, field, levels);
         let allowed = self.options.tolerance * DISTANCE_SHARE;
         let piece = |label: u32, t: Trial| Piece { label, fit: t.accepted, share: t.error / allowed };
-        let centre = |label: u32| self.centre(&laid, label, field);
+        let centre = |label: u32, w: &[f64]| {
+            let (lo, hi) = range(&laid, label, field);
+            self.centre(&laid, label, field, 0.5 * (lo.max(w[0]) + hi.min(w[1])))
+        };
         // What most bands needed in the round before, they will need again.
         let fine = known.values().flatten().filter(|f| Try::is_fine(f)).count();
         let fine_first = 2 * fine > known.len();
-        let proposed = |label: u32, before: &[Arc<Fit>]| {
+        let proposed = |label: u32, w: &[f64], before: &[Arc<Fit>]| {
             let samples = if before.is_empty() { Vec::new() } else { laid.dense_samples(&self.face.surface, label) };
             let kept = before.iter().find_map(|fit| {
                 let (error, worst) = crate::fit::error(&fit.torse, &samples)?;
@@ -191,7 +237,9 @@ impl Job<'_> {
             });
             match kept {
                 Some(fit) => Piece { label, share: fit.error / allowed, fit: Some(fit) },
-                None => piece(label, self.tried(&laid, label, Some(&centre(label)), Try { prove: false, fine_first })),
+                None => {
+                    piece(label, self.tried(&laid, label, Some(&centre(label, w)), Try { prove: false, fine_first }))
+                }
             }
         };
         let mut pieces: Vec<Vec<Piece>> = bands
@@ -199,22 +247,91 @@ impl Job<'_> {
             .zip(levels.par_windows(2))
             .map(|(band, w)| {
                 let before = known.get(&ends(w)).map_or(&[][..], Vec::as_slice);
-                band.par_iter().map(|&label| proposed(label, before)).collect()
+                band.par_iter().map(|&label| proposed(label, w, before)).collect()
             })
             .collect();
         if pieces.iter().flatten().all(|p| p.fit.is_some()) {
-            pieces.par_iter_mut().flatten().for_each(|p| {
+            let proven = |p: &mut Piece, w: &[f64]| {
                 let Some(fit) = &p.fit else { return };
-                let t = self.confirmed(&laid, p.label, fit);
-                *p = if t.accepted.is_some() {
-                    piece(p.label, t)
-                } else {
-                    piece(p.label, self.tried(&laid, p.label, Some(&centre(p.label)), Try { prove: true, fine_first }))
-                };
-            });
+                let mut t = self.confirmed(&laid, p.label, fit);
+                if t.accepted.is_none() {
+                    t = self.tried(&laid, p.label, Some(&centre(p.label, w)), Try { prove: true, fine_first });
+                }
+                *p = piece(p.label, t);
+            };
+            pieces
+                .par_iter_mut()
+                .zip(levels.par_windows(2))
+                .for_each(|(band, w)| band.par_iter_mut().for_each(|p| proven(p, w)));
         }
         (laid, pieces)
     }
+}
+
+/// What bands are laid from at first.
+struct Start {
+    /// How dense levels must lie, as far as it is known.
+    rise: Rise,
+    levels: Vec<f64>,
+    /// Rounds at most.
+    rounds: usize,
+    /// Bands at most.
+    most: usize,
+}
+
+/// Number of bands that theory asks for where bands with such shares were laid.
+fn needed(shares: &[f64]) -> usize {
+    (shares.iter().map(|s| s.sqrt()).sum::<f64>() / AIM.sqrt()).ceil() as usize
+}
+
+/// The panels of a cover that are new to it and the function of which all of them are bands. `None` where there are
+/// others among them.
+fn chain(before: &State, cover: &State) -> Option<(Arc<Field>, Vec<u32>)> {
+    let fresh: Vec<u32> = cover
+        .panels
+        .iter()
+        .filter(|(l, fit)| before.panels.get(l).is_none_or(|f| !Arc::ptr_eq(f, fit)))
+        .map(|p| *p.0)
+        .collect();
+    let field = cover.bands.get(fresh.first()?)?;
+    let all = fresh.iter().all(|l| cover.bands.get(l).is_some_and(|f| Arc::ptr_eq(f, field)));
+    (all && fresh.len() > 1).then(|| (Arc::clone(field), fresh))
+}
+
+/// Gives components that are far narrower than their bands, as levels cut them off at a border, to the components beside
+/// them that share the most edges.
+fn absorb_narrow(laid: &mut State, bands: &mut [Vec<u32>], field: &Field, levels: &[f64]) {
+    let narrow: HashSet<u32> = bands
+        .iter()
+        .zip(levels.windows(2))
+        .flat_map(|(band, w)| {
+            let is_narrow = |l: &u32| {
+                let (lo, hi) = range(laid, *l, field);
+                hi - lo < NARROW * (w[1] - w[0])
+            };
+            band.iter().copied().filter(is_narrow).collect::<Vec<u32>>()
+        })
+        .collect();
+    if narrow.is_empty() {
+        return;
+    }
+    let wide: HashSet<u32> = bands.iter().flatten().copied().filter(|l| !narrow.contains(l)).collect();
+    // Of each narrow one, edges shared with the best neighbour, and that one.
+    let mut into: HashMap<u32, (usize, u32)> = HashMap::new();
+    for ((a, b), shared) in laid.partition.neighbours() {
+        for (from, to) in [(a, b), (b, a)] {
+            if narrow.contains(&from) && wide.contains(&to) {
+                let best = into.entry(from).or_insert((0, to));
+                *best = (*best).max((shared, to));
+            }
+        }
+    }
+    for l in &mut laid.partition.labels {
+        if let Some((_, to)) = into.get(l) {
+            *l = *to;
+        }
+    }
+    bands.iter_mut().for_each(|band| band.retain(|l| !into.contains_key(l)));
 }
 
 /// Torses of the bands of a round, by the levels between which they lie.
@@ -298,22 +415,45 @@ const CELLS: usize = 2048;
 const FRESH: f64 = 0.5;
 
 impl Rise {
+    /// As bands from `lo` to `hi` with their shares, `[lo, hi, share]`, tell it; the steepest counts where they lie side by
+    /// side.
+    fn of_bands(bands: &[[f64; 3]]) -> Self {
+        // Narrow ones beside wide ones tell nothing.
+        let beside = |b: &[f64; 3], c: &[f64; 3]| c[0] <= b[0] && b[1] <= c[1] && b[1] - b[0] < NARROW * (c[1] - c[0]);
+        let bands: Vec<&[f64; 3]> = bands.iter().filter(|b| !bands.iter().any(|c| beside(b, c))).collect();
+        let lo = bands.iter().fold(f64::INFINITY, |m, b| m.min(b[0]));
+        let hi = bands.iter().fold(f64::NEG_INFINITY, |m, b| m.max(b[1]));
+        let mut rise = Self { lo, hi, cells: vec![0.0; CELLS] };
+        for b in &bands {
+            for (k, r) in rise.within(**b) {
+                rise.cells[k] = rise.cells[k].max(r);
+            }
+        }
+        rise
+    }
+
+    /// The rise in the cells that a band `[lo, hi, share]` touches.
+    fn within(&self, [lo, hi, share]: [f64; 3]) -> impl Iterator<Item = (usize, f64)> {
+        let (origin, step) = (self.lo, (self.hi - self.lo) / CELLS as f64);
+        let density = if hi > lo { share.sqrt() / (hi - lo) } else { 0.0 };
+        let first = (((lo - origin) / step) as usize).min(CELLS - 1);
+        (first..CELLS).map_while(move |k| {
+            let begin = origin + k as f64 * step;
+            (begin < hi).then(|| (k, density * ((begin + step).min(hi) - begin.max(lo)).max(0.0)))
+        })
+    }
+
+    /// Number of bands that can be hoped to do.
+    fn needed(&self) -> usize {
+        (self.cells.iter().sum::<f64>() / AIM.sqrt()).ceil() as usize
+    }
+
     /// Takes in the shares of bands between levels.
     fn include(&mut self, levels: &[f64], shares: &[f64]) {
-        let step = (self.hi - self.lo) / CELLS as f64;
         let mut fresh = vec![0.0; CELLS];
         for (w, share) in levels.windows(2).zip(shares) {
-            if w[1] <= w[0] {
-                continue;
-            }
-            let density = share.sqrt() / (w[1] - w[0]);
-            let first = (((w[0] - self.lo) / step) as usize).min(CELLS - 1);
-            for (k, cell) in fresh.iter_mut().enumerate().skip(first) {
-                let begin = self.lo + k as f64 * step;
-                if begin >= w[1] {
-                    break;
-                }
-                *cell += density * ((begin + step).min(w[1]) - begin.max(w[0])).max(0.0);
+            for (k, r) in self.within([w[0], w[1], *share]) {
+                fresh[k] += r;
             }
         }
         if self.cells.is_empty() {

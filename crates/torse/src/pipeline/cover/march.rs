@@ -218,7 +218,8 @@ impl Job<'_> {
             let mut error: f64 = 0.0;
             let mut ok = true;
             for &b in &bands {
-                let centre = self.centre(&trial, b, lay.field);
+                let (lo, hi) = range(&trial, b, lay.field);
+                let centre = self.centre(&trial, b, lay.field, 0.5 * (lo + hi));
                 let t = self.single(&trial, b, Some(&centre));
                 match t.accepted {
                     Some(fit) => {
@@ -268,10 +269,8 @@ impl Job<'_> {
         Some((state, others.into_iter().map(|label| Rest { label, width, narrow }).collect()))
     }
 
-    /// Centre line of a band: the level through the middle of its range.
-    pub(super) fn centre(&self, state: &State, label: u32, field: &Field) -> Vec<CentrePoint> {
-        let (lo, hi) = range(state, label, field);
-        let middle = 0.5 * (lo + hi);
+    /// Centre line of a band: the level of its field at the value `middle`.
+    pub(super) fn centre(&self, state: &State, label: u32, field: &Field, middle: f64) -> Vec<CentrePoint> {
         let seed = state
             .partition
             .region_vertices(label)

@@ -268,6 +268,9 @@ impl Job<'_> {
                 keep(next, &mut best, &mut limit);
             }
         }
+        if top && fewest {
+            best = best.map(|b| self.evened(&state, label, b));
+        }
         if best.is_none() {
             if let Some(next) = self.bisect(state, label, budget, depth) {
                 limit = budget;
