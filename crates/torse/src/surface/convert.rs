@@ -98,74 +98,71 @@ fn primal_patch(torse: &PrimalTorse, bound: &Bound) -> Result<Surface, ConvertEr
         let integrand = product(&derivative(&f, b - a), &derivative(&w, b - a));
         let g = integral(&integrand, b - a, g0);
         g0 = g[g.len() - 1];
-        let (lo, hi) = (a.max(bound.range.0), b.min(bound.range.1));
-        if lo >= hi {
-            continue;
-        }
-        let cut = |q: &[f64]| restrict(q, (lo - a) / (b - a), (hi - a) / (b - a));
-        let (f, w, g) = (cut(&f), cut(&w), cut(&g));
-        let curve = |y: &Curve<1>| -> [Vec<f64>; 4] {
-            let [y] = coefficients(y, (lo, hi));
-            let p = 5 + bound.degree();
-            let x = sum(&elevate(&[lo, hi], p), &elevate(&product(&y, &w), p));
-            let z = sum(&elevate(&f, p), &elevate(&product(&y, &g), p));
-            let y = elevate(&y, p);
-            let mut out = [vec![], vec![], vec![], vec![1.0; p + 1]];
-            for i in 0..=p {
-                let q = torse.frame.to_world(&Vec3::new(x[i], y[i], z[i]));
-                for d in 0..3 {
-                    out[d].push(q[d]);
+        for (lo, hi) in bound.parts(a, b) {
+            let cut = |q: &[f64]| restrict(q, (lo - a) / (b - a), (hi - a) / (b - a));
+            let (f, w, g) = (cut(&f), cut(&w), cut(&g));
+            let curve = |y: &Curve<1>| -> [Vec<f64>; 4] {
+                let [y] = coefficients(y, (lo, hi));
+                let p = 5 + bound.degree();
+                let x = sum(&elevate(&[lo, hi], p), &elevate(&product(&y, &w), p));
+                let z = sum(&elevate(&f, p), &elevate(&product(&y, &g), p));
+                let y = elevate(&y, p);
+                let mut out = [vec![], vec![], vec![], vec![1.0; p + 1]];
+                for i in 0..=p {
+                    let q = torse.frame.to_world(&Vec3::new(x[i], y[i], z[i]));
+                    for d in 0..3 {
+                        out[d].push(q[d]);
+                    }
                 }
-            }
-            out
-        };
-        pieces.push(Piece { a: lo, b: hi, curves: [curve(&bound.low), curve(&bound.high)] });
+                out
+            };
+            pieces.push(Piece { a: lo, b: hi, curves: [curve(&bound.low), curve(&bound.high)] });
+        }
     }
-    let order = |t: f64| multiplicity(&torse.profile.knots, t).map(|m| (3 - m as isize).min(bound.order));
+    let order =
+        |t: f64| multiplicity(&torse.profile.knots, t).map_or(bound.order, |m| (3 - m as isize).min(bound.order));
     assemble(&pieces, order, false)
 }
 
 fn dual_patch(torse: &DualTorse, bound: &Bound) -> Result<Surface, ConvertError> {
     let mut pieces = Vec::new();
     for (a, b, net) in bezier_pieces(&torse.planes) {
-        let (lo, hi) = (a.max(bound.range.0), b.min(bound.range.1));
-        if lo >= hi {
-            continue;
-        }
-        // U ∧ U' = (k/h) Ua ∧ Ub with Ua, Ub the de Casteljau halves of degree k − 1.
-        let k = net.len() - 1;
-        let half = |shift: usize, c: usize| -> Vec<f64> { (0..k).map(|i| net[i + shift][c]).collect() };
-        let (ua, ub): (Vec<_>, Vec<_>) = (0..4).map(|c| (half(0, c), half(1, c))).unzip();
-        let scale = k as f64 / (b - a);
-        let cut = |q: Vec<f64>| -> Vec<f64> {
-            restrict(&q, (lo - a) / (b - a), (hi - a) / (b - a)).iter().map(|x| x * scale).collect()
-        };
-        let minor = |i: usize, j: usize| cut(difference(&product(&ua[i], &ub[j]), &product(&ua[j], &ub[i])));
-        let d = [minor(1, 2), minor(2, 0), minor(0, 1)];
-        let moment = [minor(3, 0), minor(3, 1), minor(3, 2)];
-        let alpha = coefficients(&bound.direction, (lo, hi));
-        let curve = |offset: &Curve<1>| -> [Vec<f64>; 4] {
-            let [offset] = coefficients(offset, (lo, hi));
-            let p = 2 * k - 2 + bound.degree();
-            // w = α·d, w X = (h m − k n) × α + α₀ d, with α₀ = α·origin + offset.
-            let dot = |x: &[Vec<f64>; 3]| -> Vec<f64> {
-                (0..3).map(|i| product(&x[i], &alpha[i])).reduce(|s, q| sum(&s, &q)).unwrap_or_default()
+        for (lo, hi) in bound.parts(a, b) {
+            // U ∧ U' = (k/h) Ua ∧ Ub with Ua, Ub the de Casteljau halves of degree k − 1.
+            let k = net.len() - 1;
+            let half = |shift: usize, c: usize| -> Vec<f64> { (0..k).map(|i| net[i + shift][c]).collect() };
+            let (ua, ub): (Vec<_>, Vec<_>) = (0..4).map(|c| (half(0, c), half(1, c))).unzip();
+            let scale = k as f64 / (b - a);
+            let cut = |q: Vec<f64>| -> Vec<f64> {
+                restrict(&q, (lo - a) / (b - a), (hi - a) / (b - a)).iter().map(|x| x * scale).collect()
             };
-            let weight = dot(&d);
-            let mut out: [Vec<f64>; 4] = [vec![], vec![], vec![], elevate(&weight, p)];
-            for i in 0..3 {
-                let (j, l) = ((i + 1) % 3, (i + 2) % 3);
-                let cross = difference(&product(&moment[j], &alpha[l]), &product(&moment[l], &alpha[j]));
-                let along: Vec<f64> = (0..3)
-                    .map(|c| product(&d[i], &alpha[c]).iter().map(|x| x * bound.origin[c]).collect::<Vec<f64>>())
-                    .reduce(|s, q| sum(&s, &q))
-                    .unwrap_or_default();
-                let fixed = elevate(&sum(&cross, &along), p);
-                out[i] = sum(&fixed, &elevate(&product(&d[i], &offset), p));
-            }
-            out
-        };
-        pieces.push(Piece { a: lo, b: hi, curves: [curve(&bound.low), curve(&bound.high)] });
+            let minor = |i: usize, j: usize| cut(difference(&product(&ua[i], &ub[j]), &product(&ua[j], &ub[i])));
+            let d = [minor(1, 2), minor(2, 0), minor(0, 1)];
+            let moment = [minor(3, 0), minor(3, 1), minor(3, 2)];
+            let alpha = coefficients(&bound.direction, (lo, hi));
+            let curve = |offset: &Curve<1>| -> [Vec<f64>; 4] {
+                let [offset] = coefficients(offset, (lo, hi));
+                let p = 2 * k - 2 + bound.degree();
+                // w = α·d, w X = (h m − k n) × α + α₀ d, with α₀ = α·origin + offset.
+                let dot = |x: &[Vec<f64>; 3]| -> Vec<f64> {
+                    (0..3).map(|i| product(&x[i], &alpha[i])).reduce(|s, q| sum(&s, &q)).unwrap_or_default()
+                };
+                let weight = dot(&d);
+                let mut out: [Vec<f64>; 4] = [vec![], vec![], vec![], elevate(&weight, p)];
+                for i in 0..3 {
+                    let (j, l) = ((i + 1) % 3, (i + 2) % 3);
+                    let cross = difference(&product(&moment[j], &alpha[l]), &product(&moment[l], &alpha[j]));
+                    let along: Vec<f64> = (0..3)
+                        .map(|c| product(&d[i], &alpha[c]).iter().map(|x| x * bound.origin[c]).collect::<Vec<f64>>())
+                        .reduce(|s, q| sum(&s, &q))
+                        .unwrap_or_default();
+                    let fixed = elevate(&sum(&cross, &along), p);
+                    out[i] = sum(&fixed, &elevate(&product(&d[i], &offset), p));
+                }
+                out
+            };
+            pieces.push(Piece { a: lo, b: hi, curves: [curve(&bound.low), curve(&bound.high)] });
+        }
     }
     // One sign and scale for all weights.
     let mut total = 0.0;
@@ -184,7 +181,7 @@ fn dual_patch(torse: &DualTorse, bound: &Bound) -> Result<Surface, ConvertError>
         }
     }
     let knots = &torse.planes.knots;
-    assemble(&pieces, |t| multiplicity(knots, t).map(|m| (2 - m as isize).min(bound.order)), true)
+    assemble(&pieces, |t| multiplicity(knots, t).map_or(bound.order, |m| (2 - m as isize).min(bound.order)), true)
 }
 
 /// Bézier piece on [a, b]: homogeneous coefficients of both boundary curves by coordinate.
@@ -205,16 +202,12 @@ fn multiplicity(knots: &Knots, t: f64) -> Option<usize> {
 }
 
 /// Joins Bézier pieces to one B-spline surface; `continuity(t)` is the order of continuity at a break.
-fn assemble(
-    pieces: &[Piece],
-    continuity: impl Fn(f64) -> Option<isize>,
-    rational: bool,
-) -> Result<Surface, ConvertError> {
+fn assemble(pieces: &[Piece], continuity: impl Fn(f64) -> isize, rational: bool) -> Result<Surface, ConvertError> {
     let (Some(first), Some(last)) = (pieces.first(), pieces.last()) else { return Err(ConvertError::Empty(0)) };
     let p = first.curves[0][3].len() - 1;
     let mut values = vec![first.a; p + 1];
     for w in pieces.windows(2) {
-        let order = continuity(w[1].a).unwrap_or(0);
+        let order = continuity(w[1].a);
         if order < 0 {
             return Err(ConvertError::Jump { t: w[1].a });
         }

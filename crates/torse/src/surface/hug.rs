@@ -52,6 +52,21 @@ pub(super) struct Bound {
 }
 
 impl Bound {
+    /// Parts of `[a, b]`, within the range, on which the families are polynomials.
+    pub fn parts(&self, a: f64, b: f64) -> Vec<(f64, f64)> {
+        let (lo, hi) = (a.max(self.range.0), b.min(self.range.1));
+        if lo >= hi {
+            return Vec::new();
+        }
+        let mut at: Vec<f64> = [&self.low, &self.high].iter().flat_map(|c| c.knots.breaks()).collect();
+        at.extend(self.direction.knots.breaks());
+        at.retain(|t| *t > lo && *t < hi);
+        at.extend([lo, hi]);
+        at.sort_by(f64::total_cmp);
+        at.dedup();
+        at.windows(2).map(|w| (w[0], w[1])).collect()
+    }
+
     /// Degree that the families add to the patch.
     pub fn degree(&self) -> usize {
         degree(&self.direction).max(degree(&self.low)).max(degree(&self.high))
@@ -310,7 +325,7 @@ struct Line {
     rate: f64,
 }
 
-/// Polynomial of the lowest degree, else quadratic spline with the fewest knots, that passes all intervals; else the
+/// Polynomial of the lowest degree, else quadratic spline with the fewest knots (those of the torse first), that passes all intervals; else the
 /// parameter of the interval that is missed most.
 fn band(data: &[(f64, (f64, f64))], all: &[f64]) -> Result<Curve<1>, f64> {
     let range = (all[0], all[all.len() - 1]);
@@ -338,8 +353,25 @@ fn band(data: &[(f64, (f64, f64))], all: &[f64]) -> Result<Curve<1>, f64> {
             Err(t) => worst = t,
         }
     }
+    // Where it is missed, shorter spans than the torse has.
+    let mut breaks = all.to_vec();
+    for _ in 0..HALVINGS {
+        let k = breaks.partition_point(|b| *b <= worst).clamp(1, breaks.len() - 1);
+        let (first, last) = ((k - 1).saturating_sub(1), (k + 1).min(breaks.len() - 1));
+        let middles: Vec<f64> = breaks[first..=last].windows(2).map(|w| 0.5 * (w[0] + w[1])).collect();
+        breaks.extend(middles);
+        breaks.sort_by(f64::total_cmp);
+        let Ok(knots) = Knots::clamped(2, &breaks) else { break };
+        match through(data, &knots) {
+            Ok(c) => return Ok(c),
+            Err(t) => worst = t,
+        }
+    }
     Err(worst)
 }
+
+/// Rounds in which spans where a spline misses its intervals, and those beside them, are halved.
+const HALVINGS: usize = 4;
 
 /// Spline through intervals by reweighted least squares towards their middles (Lawson), scaled by half widths.
 fn through(data: &[(f64, (f64, f64))], knots: &Knots) -> Result<Curve<1>, f64> {
