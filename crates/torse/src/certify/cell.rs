@@ -45,7 +45,7 @@ pub(super) struct Good {
     pub bound: f64,
     /// Interval holding every foot, each unique in it.
     pub feet: Interval,
-    /// Sign of `N·(S_u × S_v)/E_t`, or 0 where the surface's parametrisation degenerates.
+    /// Sign of `N·(S_u × S_v)/E_t`, or 0 at the region's boundary where it is in doubt.
     pub fold: i32,
     /// Lower bound of the radius of curvature at the feet.
     pub bend_radius: f64,
@@ -93,7 +93,8 @@ impl<'a> Bench<'a> {
 
     /// Tries to prove everything on the triangle.
     ///
-    /// `rim`: whether a corner lies on the boundary of the region (needed where the parametrisation degenerates).
+    /// `rim`: whether a corner lies on the boundary of the region (needed where the parametrisation degenerates or the
+    /// surface curls up).
     pub fn look(&self, triangle: &[[f64; 2]; 3], guess: f64, rim: bool) -> Look {
         let BoxNet { net, corners } = self.patch.over(triangle);
         let c = [0, 1].map(|d| ((corners[0][d] + corners[1][d] + corners[2][d]).mid() / 3.0).clamp(0.0, 1.0));
@@ -220,15 +221,14 @@ impl<'a> Bench<'a> {
         let mut bound = bound;
         let fold = if value.mig() > loss {
             value.sign() * slope.sign()
-        } else if length(&normal).lo > vary * (1.0 + 32.0 * UNIT) {
-            return large(Resistance::Fold);
         } else {
-            // The surface's normal is in doubt, not the torse's: bound the way along the panel to the rim instead.
+            // The surface's normal is in doubt, or turns too far: bound the way along the panel to the rim instead.
             let spread = 2.0 * steep * reach + 2.0 * d0.rad();
             let normals = 2.0 * bound * (speed * delta.abs()).hi;
             bound = (bound + (2.0 * local.norms[0] + spread + normals) * family.metric) * (1.0 + 16.0 * UNIT);
             if !rim || bound > self.tolerance || bound.is_nan() {
-                return large(Resistance::Degenerate);
+                let turned = length(&normal).lo > vary * (1.0 + 32.0 * UNIT);
+                return large(if turned { Resistance::Fold } else { Resistance::Degenerate });
             }
             0
         };

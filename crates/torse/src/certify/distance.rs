@@ -9,11 +9,12 @@
 //! two continuous feet agree is closed, and open because the roots are simple. An edge that only one side has halved
 //! is a chain of shorter edges with its ends in common; the same argument goes along the chain.
 //!
-//! *Degenerate parametrisation*. Where `S_u × S_v` vanishes at the rim of the region (poles), the sign of
-//! `N·(S_u × S_v)` cannot be shown. Let B be such a triangle with a corner on the rim. A point whose foot is also
-//! the foot of a point of B is at most `|d|` from that foot; the foot is at most the diameter of B's feet from the foot of the
-//! rim corner, that is at most diam S(B) + variation of d + |d| · variation of N. This is added to the bound. All other
-//! points have positive degree as in part (c) of the theorem.
+//! *Poles and curls*. Where `S_u × S_v` vanishes at the rim of the region (poles), or a surface curls up there in a space
+//! far smaller than the tolerance (faulty files do), the sign of `N·(S_u × S_v)` cannot be shown. Let B be such a
+//! triangle with a corner on the rim. A point whose foot is also the foot of a point of B is at most `|d|` from that
+//! foot; the foot is at most the diameter of B's feet from the foot of the rim corner, that is at most diam S(B) +
+//! variation of d + |d| · variation of N. This is added to the bound. All other points have positive degree as in part (c)
+//! of the theorem.
 
 use super::cell::{Bench, Good, Look};
 use super::family::Family;
@@ -234,7 +235,8 @@ impl Search<'_> {
                 return accepted;
             }
             let mut look = bench.look(&cell.triangle, cell.guess, false);
-            if matches!(look, Look::Large { reason: Resistance::Degenerate, .. }) && self.touches_rim(&root, &cell) {
+            let doubtful = matches!(look, Look::Large { reason: Resistance::Degenerate | Resistance::Fold, .. });
+            if doubtful && self.touches_rim(&root, &cell) {
                 look = bench.look(&cell.triangle, cell.guess, true);
             }
             match look {
