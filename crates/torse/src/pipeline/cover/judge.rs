@@ -21,11 +21,11 @@ const HOPEFUL: f64 = 0.99;
 const KEEN: f64 = 0.7;
 /// Panels that bend more sharply than this multiple of the tolerance are refused: their rulings crowd together near
 /// the regression curve, and their trims cannot be drawn well (certificate specification, 4).
-const LEAST_BEND: f64 = 8.0;
+const LEAST_BEND: f64 = 3.0;
 /// … and than this share of the model's size, which is the less where tolerances are coarse.
 const LEAST_BEND_SHARE: f64 = 0.03;
 /// Fits keep this multiple of the smallest radius of curvature where they can.
-const WANTED_BEND: f64 = 1.2;
+const WANTED_BEND: f64 = 3.2;
 /// Share of their mean width by which fits of bands keep the regression curve away where they can.
 const WANTED_CLEARANCE: f64 = 0.1;
 /// Panels whose regression curve comes nearer than this share of their mean width (area over length) are refused: there
