@@ -28,7 +28,7 @@ const NARROW: f64 = 0.4;
 /// Rounds with the same number of bands.
 const SAME: usize = 3;
 /// Share of the allowed distance that levels are laid for: errors follow the square law within some percent.
-const AIM: f64 = 0.965;
+pub(super) const AIM: f64 = 0.965;
 /// Shares below this count as this: fits end early when they are good enough.
 const LEAST_SHARE: f64 = 0.3;
 /// Shares above this count as this, and what no torse fits. Bands that resist so much once the levels are laid anew

@@ -30,7 +30,7 @@ const WANTED_BEND: f64 = 3.2;
 const WANTED_CLEARANCE: f64 = 0.1;
 /// Panels whose regression curve comes nearer than this share of their mean width (area over length) are refused: there
 /// feet move too fast along the border for trims to follow.
-const LEAST_CLEARANCE: f64 = 0.02;
+const LEAST_CLEARANCE: f64 = 0.01;
 /// Spans of the torse of a band per length-to-width ratio of the band, and at most.
 const SPANS: f64 = 0.7;
 /// See [`SPANS`].

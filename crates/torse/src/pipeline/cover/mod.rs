@@ -83,8 +83,6 @@ const POOR: f64 = 1.5;
 const SWEEP_COUNT: f64 = 18.0;
 /// Sweeps are tried when bands need more than this multiple of the predicted count, and one panel more.
 const PROMISING: f64 = 1.25;
-/// Even bands with a larger share of the tolerance to spare, in the mean, are compared with a march.
-const SPARE: f64 = 0.25;
 /// Depth of the recursion down to which sweeps are tried.
 const SWEEP_DEPTH: usize = 2;
 /// Elsewhere sweeps must promise less than this share of the panels at hand.
@@ -242,8 +240,11 @@ impl Job<'_> {
                 break;
             }
             let even = if top { self.even(&state, label, &l.field, l.merit / four, limit) } else { None };
-            // Bands with much to spare are too many: theory may ask for more than is needed.
-            let full = even.as_ref().is_some_and(|(_, spare)| *spare < SPARE);
+            // With so much to spare, one band fewer might do: theory may ask for more than is needed.
+            let full = even.as_ref().is_some_and(|(next, spare)| {
+                let n = Self::count(next).saturating_sub(before).max(1) as f64;
+                *spare < 1.0 - even::AIM * ((n - 1.0) / n).powi(2)
+            });
             if let Some((next, _)) = even {
                 keep(next, &mut best, &mut limit);
             }
@@ -261,9 +262,15 @@ impl Job<'_> {
         }
         let reached = best.as_ref().map_or(predicted, |b| (Self::count(b) - before) as f64);
         if fewest && depth <= SWEEP_DEPTH && limit > 0 {
-            let promising = reached > SWEEP_COUNT || near_theory(reached);
-            let most = if promising { PROMISED * reached } else { f64::INFINITY };
-            let directions = if depth > 0 { FEW_DIRECTIONS } else { SWEEP_DIRECTIONS };
+            // Many bands, or bands near theory, leave little hope: only directions that promise fewer are worth their time.
+            let (most, directions) = if reached > SWEEP_COUNT {
+                (PROMISED * reached, SWEEP_DIRECTIONS)
+            } else if near_theory(reached) {
+                (reached, FEW_DIRECTIONS)
+            } else {
+                (f64::INFINITY, SWEEP_DIRECTIONS)
+            };
+            let directions = if depth > 0 { FEW_DIRECTIONS } else { directions };
             if let Some(next) = self.sweep(&state, label, limit, directions, most) {
                 keep(next, &mut best, &mut limit);
             }
