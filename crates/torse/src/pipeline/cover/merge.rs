@@ -1,7 +1,9 @@
 //! Cuts in the middle, covers by two, and merging of neighbours (C6, C7).
 
 use super::layout::same_side;
+use super::march::range;
 use super::{Job, State};
+use crate::fit::CentrePoint;
 use crate::geom::Vec3;
 use crate::spline::surface::Surface;
 use nalgebra as na;
@@ -62,6 +64,9 @@ fn cut_across(
     parts.retain(|&p| state.partition.labels.contains(&p));
     (parts.len() > 1).then_some(parts)
 }
+
+/// Bands smaller than this share of a neighbour are remainders, worth a fit along the neighbour's centre line.
+const REMAINDER: f64 = 0.15;
 
 impl Job<'_> {
     /// Two panels with a plane cut between them, if that is enough.
@@ -133,6 +138,17 @@ impl Job<'_> {
         })
     }
 
+    /// Centre line of the larger of two bands of one function, for both together (region `both[0]` of `joined`).
+    fn common_line(&self, state: &State, joined: &State, both: [u32; 2]) -> Option<Vec<CentrePoint>> {
+        let [f, g] = [state.bands.get(&both[0])?, state.bands.get(&both[1])?];
+        if !Arc::ptr_eq(f, g) {
+            return None;
+        }
+        let wide = if state.area(both[0]) > state.area(both[1]) { both[0] } else { both[1] };
+        let (lo, hi) = range(state, wide, f);
+        Some(self.centre(joined, both[0], f, 0.5 * (lo + hi)))
+    }
+
     /// Merges adjacent panels as long as single torses fit their unions.
     pub(super) fn merged(&self, mut state: State) -> State {
         let mut failed: HashSet<(u32, u32)> = HashSet::new();
@@ -160,7 +176,9 @@ impl Job<'_> {
                         *l = a;
                     }
                 }
-                let t = self.single(&trial, a, None);
+                let small = areas[&a].min(areas[&b]) < REMAINDER * areas[&a].max(areas[&b]);
+                let line = small.then(|| self.common_line(&state, &trial, [a, b])).flatten();
+                let t = self.single(&trial, a, line.as_deref());
                 if let Some(fit) = t.accepted {
                     trial.panels.remove(&b);
                     trial.panels.insert(a, Arc::clone(&fit));
