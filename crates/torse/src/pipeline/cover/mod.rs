@@ -21,6 +21,7 @@ use crate::control::Control;
 use crate::fit::level::{level, levels, straight_range, Level, LevelOptions};
 use crate::geom::partition::centroid;
 use crate::geom::triangulate::TriangulateError;
+use crate::spline::field::Field;
 use crate::surface::face::Face;
 pub use course::{CurveError, CurveShape, PanelCurve};
 pub use guided::Origin;
@@ -85,6 +86,8 @@ const SWEEP_COUNT: f64 = 18.0;
 const PROMISING: f64 = 1.25;
 /// Depth of the recursion down to which sweeps are tried.
 const SWEEP_DEPTH: usize = 2;
+/// Straight directions in which bands are laid all at once.
+const STRAIGHT: usize = 2;
 /// Elsewhere sweeps must promise less than this share of the panels at hand.
 const PROMISED: f64 = 0.8;
 /// Directions of the sweep.
@@ -235,37 +238,55 @@ impl Job<'_> {
         let predicted = good.iter().map(|l| l.merit / four).fold(f64::INFINITY, f64::min);
         // Bands of a good level function come within a panel or two of theory; others can hardly beat that.
         let near_theory = |n: f64| predicted.is_finite() && n <= PROMISING * predicted + 1.0;
-        for l in &good {
-            if limit == 0 || best.as_ref().is_some_and(|b| near_theory((Self::count(b) - before) as f64)) {
+        // With more to spare, one band fewer might do: theory may ask for more than is needed.
+        let full = |n: usize, spare: f64| spare < 1.0 - even::AIM * (1.0 - 1.0 / n.max(1) as f64).powi(2);
+        // Straight bands, where they promise fewer than curved ones.
+        let mut swept = false;
+        if top && fewest {
+            let curved = found.first().map_or(f64::INFINITY, |l| self.bands_predicted(&state, label, l));
+            for (promised, field) in self.straight(&state, label).into_iter().take(STRAIGHT) {
+                if promised >= curved || promised > limit as f64 {
+                    break;
+                }
+                if let Some((next, spare)) = self.even(&state, label, &field, promised, limit) {
+                    swept = full(Self::count(&next).saturating_sub(before), spare);
+                    keep(next, &mut best, &mut limit);
+                    break;
+                }
+            }
+        }
+        let at_theory = best.as_ref().is_some_and(|b| (Self::count(b) - before) as f64 <= predicted.ceil());
+        let good = if at_theory { Vec::new() } else { good };
+        for (i, l) in good.iter().enumerate() {
+            let near = |b: &State| near_theory((Self::count(b) - before) as f64);
+            if limit == 0 || (i > 0 && best.as_ref().is_some_and(near)) {
                 break;
             }
             let even = if top { self.even(&state, label, &l.field, l.merit / four, limit) } else { None };
-            // With so much to spare, one band fewer might do: theory may ask for more than is needed.
-            let full = even.as_ref().is_some_and(|(next, spare)| {
-                let n = Self::count(next).saturating_sub(before).max(1) as f64;
-                *spare < 1.0 - even::AIM * ((n - 1.0) / n).powi(2)
-            });
-            if let Some((next, _)) = even {
+            let mut enough = false;
+            if let Some((next, spare)) = even {
+                enough = full(Self::count(&next).saturating_sub(before), spare);
                 keep(next, &mut best, &mut limit);
             }
-            if full || limit == 0 {
+            if enough || limit == 0 {
                 continue;
             }
             if let Some(next) = self.bands(&state, label, l, limit, depth) {
                 keep(next, &mut best, &mut limit);
             }
         }
-        if good.is_empty() {
+        if good.is_empty() && !at_theory {
             if let Some(next) = self.divided(&state, label, limit, depth) {
                 keep(next, &mut best, &mut limit);
             }
         }
         let reached = best.as_ref().map_or(predicted, |b| (Self::count(b) - before) as f64);
-        if fewest && depth <= SWEEP_DEPTH && limit > 0 {
+        let near = near_theory(reached);
+        if fewest && depth <= SWEEP_DEPTH && limit > 0 && !(swept && (near || reached > SWEEP_COUNT)) {
             // Many bands, or bands near theory, leave little hope: only directions that promise fewer are worth their time.
             let (most, directions) = if reached > SWEEP_COUNT {
                 (PROMISED * reached, SWEEP_DIRECTIONS)
-            } else if near_theory(reached) {
+            } else if near {
                 (reached, FEW_DIRECTIONS)
             } else {
                 (f64::INFINITY, SWEEP_DIRECTIONS)
@@ -324,33 +345,40 @@ impl Job<'_> {
         pieces as f64 * l.merit / l.range
     }
 
-    /// Straight bands in several directions of the parameter plane, those that promise the fewest bands and fewer than
-    /// `most`; the fewest win (C5b).
-    fn sweep(&self, state: &State, label: u32, budget: usize, directions: usize, most: f64) -> Option<State> {
+    /// Linear functions of the parameters that rise in the directions of a sweep, with the number of bands that each
+    /// promises; the one that promises the fewest first.
+    fn straight(&self, state: &State, label: u32) -> Vec<(f64, Field)> {
         let bounds = state.partition.bounds(label);
         let forms = state.forms(label, 100);
         let (e, g) = forms.iter().fold((0.0, 0.0), |(e, g), f| (e + f.first[0], g + f.first[2]));
         let aspect = if e > 0.0 { (g / e).sqrt() } else { 1.0 };
+        let four = 4.0 * self.options.tolerance.sqrt();
+        let mut found: Vec<(f64, Field)> = (0..SWEEP_DIRECTIONS)
+            .filter_map(|k| {
+                let angle = std::f64::consts::PI * k as f64 / SWEEP_DIRECTIONS as f64;
+                let gradient = [angle.cos(), angle.sin() * aspect];
+                let mut field = Field::bicubic(bounds, 1).ok()?;
+                field.set_linear(gradient[0], gradient[1]);
+                Some((straight_range(&forms, gradient) / four, field))
+            })
+            .collect();
+        found.sort_by(|a, b| a.0.total_cmp(&b.0));
+        found
+    }
+
+    /// Straight bands in several directions of the parameter plane, those that promise the fewest bands and fewer than
+    /// `most`; the fewest win (C5b).
+    fn sweep(&self, state: &State, label: u32, budget: usize, directions: usize, most: f64) -> Option<State> {
         let incumbent = AtomicUsize::new(march::key(budget, SWEEP_DIRECTIONS));
         let before = Self::count(state);
-        let gradient = |k: usize| {
-            let angle = std::f64::consts::PI * k as f64 / SWEEP_DIRECTIONS as f64;
-            [angle.cos(), angle.sin() * aspect]
-        };
-        let mut ranked: Vec<(f64, usize)> =
-            (0..SWEEP_DIRECTIONS).map(|k| (straight_range(&forms, gradient(k)), k)).collect();
-        ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut ranked = self.straight(state, label);
         ranked.truncate(directions);
-        let four = 4.0 * self.options.tolerance.sqrt();
         // Without a limit, directions of which nothing can be said are tried too.
-        ranked.retain(|r| most.is_infinite() || r.0 < most * four);
+        ranked.retain(|r| most.is_infinite() || r.0 < most);
         ranked
             .into_par_iter()
             .enumerate()
-            .filter_map(|(rank, (_, k))| {
-                let mut field = crate::spline::field::Field::bicubic(bounds, 1).ok()?;
-                let [p, r] = gradient(k);
-                field.set_linear(p, r);
+            .filter_map(|(rank, (_, field))| {
                 let next = self.swept(state, label, &field, march::Limit { best: &incumbent, rank })?;
                 let n = Self::count(&next) - before;
                 incumbent.fetch_min(march::key(n, rank), Ordering::Relaxed);
