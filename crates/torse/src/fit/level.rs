@@ -130,19 +130,28 @@ pub fn levels(samples: &[Forms], border: &[[f64; 2]], options: &LevelOptions) ->
     found
 }
 
-/// What straight bands whose levels rise along `gradient` (in parameters) need, √mm: divided by the width `4√ε` it is
-/// about their number, their widths varying as the surface allows. Infinite where nothing can be said.
+/// What straight bands need whose levels rise along one direction of the parameters.
+#[derive(Clone, Debug)]
+pub struct StraightBands {
+    /// √mm: divided by the width `4√ε` it is about their number, their widths varying as the surface allows. Infinite
+    /// where nothing can be said.
+    pub range: f64,
+    /// How dense they must lie in equal parts of the range of their levels, from the lowest on.
+    pub density: Vec<f64>,
+}
+
+/// What straight bands whose levels rise along `gradient` (in parameters) need.
 ///
 /// *Method*: the density of levels that the condition on φ asks for (approximation specification B2, B3.2), the largest
 /// across each level, summed over the range. *Not guaranteed*: a bound; bands across which the sign of the condition
 /// changes are only guessed.
-pub fn straight_range(samples: &[Forms], gradient: [f64; 2]) -> f64 {
+pub fn straight_bands(samples: &[Forms], gradient: [f64; 2]) -> StraightBands {
     // Divisions of the range, and the smallest share of the usual slope that counts: bands with inflections exist.
     const BINS: usize = 24;
     const LEAST: f64 = 0.15;
     let Some((problem, mut field, _)) = problem(samples, &[], &LevelOptions { spans: 1, ..LevelOptions::default() })
     else {
-        return f64::INFINITY;
+        return StraightBands { range: f64::INFINITY, density: vec![1.0; BINS] };
     };
     field.set_linear(gradient[0], gradient[1]);
     let (range, [lowest, _]) = problem.extremes(&field);
@@ -160,19 +169,20 @@ pub fn straight_range(samples: &[Forms], gradient: [f64; 2]) -> f64 {
     let mut sorted: Vec<f64> = slopes.iter().map(|s| s.1).collect();
     sorted.sort_by(f64::total_cmp);
     let least = LEAST * sorted[sorted.len() / 2];
-    let mut need = [0.0_f64; BINS];
+    let mut need = vec![0.0_f64; BINS];
     for (at, slope) in slopes {
         let bin = &mut need[(((at - lo) / step) as usize).min(BINS - 1)];
         *bin = bin.max(1.0 / slope.max(least));
     }
     // Bins without a sample need what others need in the mean.
     let seen = need.iter().filter(|n| **n > 0.0).count();
-    let sum = need.iter().sum::<f64>() * step * BINS as f64 / seen.max(1) as f64;
-    if sum.is_finite() {
-        sum
-    } else {
-        f64::INFINITY
+    let mean = need.iter().sum::<f64>() / seen.max(1) as f64;
+    let sum = mean * step * BINS as f64;
+    if !sum.is_finite() {
+        return StraightBands { range: f64::INFINITY, density: vec![1.0; BINS] };
     }
+    need.iter_mut().filter(|n| **n <= 0.0).for_each(|n| *n = mean);
+    StraightBands { range: sum, density: need }
 }
 
 /// As [`levels`], for bands that run along given directions: `along[i]` is the one wanted at `samples[i]`, in
@@ -498,12 +508,15 @@ mod tests {
     #[test]
     fn straight_bands_need_what_curves_across_them() {
         let s = grid(|_, _| ([1.0, 0.0, 1.0], [4.0, 0.0, 1.0]));
-        assert!((straight_range(&s, [1.0, 0.0]) - 2.0).abs() < 1e-9, "{}", straight_range(&s, [1.0, 0.0]));
-        assert!((straight_range(&s, [0.0, 1.0]) - 1.0).abs() < 1e-9, "{}", straight_range(&s, [0.0, 1.0]));
+        let range = |s: &[Forms], gradient| straight_bands(s, gradient).range;
+        assert!((range(&s, [1.0, 0.0]) - 2.0).abs() < 1e-9, "{}", range(&s, [1.0, 0.0]));
+        assert!((range(&s, [0.0, 1.0]) - 1.0).abs() < 1e-9, "{}", range(&s, [0.0, 1.0]));
         let half = grid(|u, _| ([1.0, 0.0, 1.0], [if u < 0.5 { 4.0 } else { 1.0 }, 0.0, 1.0]));
-        let r = straight_range(&half, [1.0, 0.0]);
+        let r = range(&half, [1.0, 0.0]);
         // Seven of fifteen rows of samples lie in the first half.
         assert!((r - 1.5).abs() < 0.08, "{r}");
+        let density = straight_bands(&half, [1.0, 0.0]).density;
+        assert!((density[2] / density[20] - 2.0).abs() < 1e-9, "{density:?}");
     }
 
     /// Bands wanted at 40° to the sides of a paraboloid follow that direction; where none is wanted there is no field.

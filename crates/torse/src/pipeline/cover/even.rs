@@ -36,7 +36,7 @@ const LEAST_SHARE: f64 = 0.3;
 const MOST_SHARE: f64 = 2.5;
 /// Bands whose shares differ by less than this factor count as even.
 const EVEN: f64 = 1.15;
-/// Rounds in which single bands are narrowed, for each number of bands.
+/// Times that single bands are narrowed in a round.
 const REPAIRS: usize = 2;
 /// Bands with larger shares are not narrowed on their own.
 const MOST_REPAIRED: f64 = 1.2;
@@ -44,6 +44,8 @@ const MOST_REPAIRED: f64 = 1.2;
 const MANY: usize = 16;
 /// Of so many bands one may resist and be divided in two.
 const SOME: usize = 8;
+/// Share by which areas of the same region may differ, by rounding.
+const SAME_AREA: f64 = 1e-9;
 /// Share for which a band is laid that gives of its width, and the one up to which others take it.
 const GIVES: f64 = 0.955;
 /// See [`GIVES`].
@@ -59,18 +61,20 @@ struct Piece {
     fit: Option<Arc<Fit>>,
     /// Its error as a share of the allowed distance.
     share: f64,
+    /// Area, mm², once the torse is proven.
+    proven: Option<f64>,
 }
 
 impl Job<'_> {
     /// Covers a region by bands between levels of a function, all laid at once. `theory`: number of bands that theory
-    /// asks for. With the cover comes the share of the tolerance that its bands leave, in the mean. `None` where bands
+    /// asks for, and how dense they must lie in equal parts of the function's range. With the cover comes the share of the tolerance that its bands leave, in the mean. `None` where bands
     /// resist, or where no number of panels up to `budget` will do.
     pub(super) fn even(
         &self,
         state: &State,
         label: u32,
         field: &Field,
-        theory: f64,
+        (theory, density): (f64, &[f64]),
         budget: usize,
     ) -> Option<(State, f64)> {
         if theory < FEWEST {
@@ -79,9 +83,8 @@ impl Job<'_> {
         let most = (theory * (1.0 + MORE.0) + MORE.1) as usize;
         let count = (theory.ceil() as usize).clamp(1, budget.max(1));
         let (lo, hi) = range(state, label, field);
-        let rise = Rise { lo, hi, cells: Vec::new() };
-        let levels = (0..=count).map(|i| lo + (hi - lo) * i as f64 / count as f64).collect();
-        self.settled(state, label, field, Start { rise, levels, rounds: ROUNDS, most }, budget)
+        let rise = Rise::guessed(lo, hi, density);
+        self.settled(state, label, field, Start { levels: rise.levels(count), rise, rounds: ROUNDS, most }, budget)
     }
 
     /// A cover by bands of one function laid one after the other, as [`Job::march`] leaves it, laid anew with even errors
@@ -143,7 +146,7 @@ impl Job<'_> {
             known = levels
                 .windows(2)
                 .zip(&bands)
-                .map(|(w, band)| (ends(w), band.iter().filter_map(|p| p.fit.clone()).collect()))
+                .map(|(w, band)| (ends(w), band.iter().filter_map(|p| Some((p.fit.clone()?, p.proven))).collect()))
                 .collect();
             if !complete && count >= MANY && repairs < REPAIRS && (round > 0 || worst <= EVEN * EVEN * least) {
                 if let Some(next) = repaired(&levels, &shares) {
@@ -159,7 +162,8 @@ impl Job<'_> {
                     let mean = shares.iter().sum::<f64>() / shares.len() as f64;
                     best = Some((key, 1.0 - mean, finished(laid, bands, &levels_of)));
                 }
-                if needed >= count && (worst <= EVEN * least || same >= SAME || repairs > 0) {
+                // No fewer can be hoped for, and they are even, or as even as another round makes them.
+                if needed.max(least_count) >= count && (worst <= EVEN * least || same > 0 || repairs > 0) {
                     break;
                 }
             } else if round > 1 && worst >= MOST_SHARE {
@@ -184,8 +188,8 @@ impl Job<'_> {
                 }
                 count = next;
                 same = 0;
-                repairs = 0;
             }
+            repairs = 0;
             levels = rise.levels(count);
         }
         if best.is_none() && !self.control.stopped() {
@@ -221,22 +225,26 @@ impl Job<'_> {
         bands.push(laid.partition.split_components(label));
         absorb_narrow(&mut laid, &mut bands, field, levels);
         let allowed = self.options.tolerance * DISTANCE_SHARE;
-        let piece = |label: u32, t: Trial| Piece { label, fit: t.accepted, share: t.error / allowed };
+        let piece = |label: u32, t: Trial| Piece { label, fit: t.accepted, share: t.error / allowed, proven: None };
         let centre = |label: u32, w: &[f64]| {
             let (lo, hi) = range(&laid, label, field);
             self.centre(&laid, label, field, 0.5 * (lo.max(w[0]) + hi.min(w[1])))
         };
         // What most bands needed in the round before, they will need again.
-        let fine = known.values().flatten().filter(|f| Try::is_fine(f)).count();
+        let fine = known.values().flatten().filter(|f| Try::is_fine(&f.0)).count();
         let fine_first = 2 * fine > known.len();
-        let proposed = |label: u32, w: &[f64], before: &[Arc<Fit>]| {
+        let proposed = |label: u32, w: &[f64], before: &[(Arc<Fit>, Option<f64>)]| {
             let samples = if before.is_empty() { Vec::new() } else { laid.dense_samples(&self.face.surface, label) };
-            let kept = before.iter().find_map(|fit| {
+            let kept = before.iter().find_map(|(fit, proven)| {
                 let (error, worst) = crate::fit::error(&fit.torse, &samples)?;
-                (error <= allowed).then(|| Arc::new(Fit { error, worst, ..(**fit).clone() }))
+                let area = laid.area(label);
+                // The same region: its proof still holds.
+                let proven = proven.filter(|a| (a - area).abs() <= SAME_AREA * area);
+                let fit = (error <= allowed).then(|| Arc::new(Fit { error, worst, ..(**fit).clone() }))?;
+                Some(Piece { label, share: error / allowed, fit: Some(fit), proven })
             });
             match kept {
-                Some(fit) => Piece { label, share: fit.error / allowed, fit: Some(fit) },
+                Some(piece) => piece,
                 None => {
                     piece(label, self.tried(&laid, label, Some(&centre(label, w)), Try { prove: false, fine_first }))
                 }
@@ -252,12 +260,13 @@ impl Job<'_> {
             .collect();
         if pieces.iter().flatten().all(|p| p.fit.is_some()) {
             let proven = |p: &mut Piece, w: &[f64]| {
-                let Some(fit) = &p.fit else { return };
+                let Some(fit) = p.fit.as_ref().filter(|_| p.proven.is_none()) else { return };
                 let mut t = self.confirmed(&laid, p.label, fit);
                 if t.accepted.is_none() {
                     t = self.tried(&laid, p.label, Some(&centre(p.label, w)), Try { prove: true, fine_first });
                 }
                 *p = piece(p.label, t);
+                p.proven = p.fit.as_ref().map(|_| laid.area(p.label));
             };
             pieces
                 .par_iter_mut()
@@ -334,8 +343,8 @@ fn absorb_narrow(laid: &mut State, bands: &mut [Vec<u32>], field: &Field, levels
     bands.iter_mut().for_each(|band| band.retain(|l| !into.contains_key(l)));
 }
 
-/// Torses of the bands of a round, by the levels between which they lie.
-type Known = HashMap<[u64; 2], Vec<Arc<Fit>>>;
+/// Torses of the bands of a round, with their areas where they are proven, by the levels between which they lie.
+type Known = HashMap<[u64; 2], Vec<(Arc<Fit>, Option<f64>)>>;
 
 /// The two levels of a band, as a key.
 fn ends(w: &[f64]) -> [u64; 2] {
@@ -405,8 +414,10 @@ fn repaired(levels: &[f64], shares: &[f64]) -> Option<Vec<f64>> {
 struct Rise {
     lo: f64,
     hi: f64,
-    /// Rise in every cell of an even division of the range; empty before the first round.
+    /// Rise in every cell of an even division of the range.
     cells: Vec<f64>,
+    /// Whether nothing has been measured yet.
+    guessed: bool,
 }
 
 /// Cells of a [`Rise`].
@@ -415,6 +426,12 @@ const CELLS: usize = 2048;
 const FRESH: f64 = 0.5;
 
 impl Rise {
+    /// Before the first round: in proportion to a density in equal parts of the range.
+    fn guessed(lo: f64, hi: f64, density: &[f64]) -> Self {
+        let cells = (0..CELLS).map(|k| density[k * density.len() / CELLS]).collect();
+        Self { lo, hi, cells, guessed: true }
+    }
+
     /// As bands from `lo` to `hi` with their shares, `[lo, hi, share]`, tell it; the steepest counts where they lie side by
     /// side.
     fn of_bands(bands: &[[f64; 3]]) -> Self {
@@ -423,7 +440,7 @@ impl Rise {
         let bands: Vec<&[f64; 3]> = bands.iter().filter(|b| !bands.iter().any(|c| beside(b, c))).collect();
         let lo = bands.iter().fold(f64::INFINITY, |m, b| m.min(b[0]));
         let hi = bands.iter().fold(f64::NEG_INFINITY, |m, b| m.max(b[1]));
-        let mut rise = Self { lo, hi, cells: vec![0.0; CELLS] };
+        let mut rise = Self { lo, hi, cells: vec![0.0; CELLS], guessed: false };
         for b in &bands {
             for (k, r) in rise.within(**b) {
                 rise.cells[k] = rise.cells[k].max(r);
@@ -456,8 +473,9 @@ impl Rise {
                 fresh[k] += r;
             }
         }
-        if self.cells.is_empty() {
+        if self.guessed {
             self.cells = fresh;
+            self.guessed = false;
         } else {
             self.cells.iter_mut().zip(fresh).for_each(|(old, new)| *old += FRESH * (new - *old));
         }
@@ -486,7 +504,7 @@ mod tests {
     use super::*;
 
     fn relaid(levels: &[f64], shares: &[f64], count: usize) -> Vec<f64> {
-        let mut rise = Rise { lo: levels[0], hi: levels[levels.len() - 1], cells: Vec::new() };
+        let mut rise = Rise::guessed(levels[0], levels[levels.len() - 1], &[1.0]);
         rise.include(levels, shares);
         rise.levels(count)
     }
@@ -520,7 +538,7 @@ mod tests {
 
     #[test]
     fn rounds_are_averaged() {
-        let mut rise = Rise { lo: 0.0, hi: 1.0, cells: Vec::new() };
+        let mut rise = Rise::guessed(0.0, 1.0, &[1.0]);
         rise.include(&[0.0, 0.5, 1.0], &[1.21, 0.81]);
         rise.include(&[0.0, 0.5, 1.0], &[0.81, 1.21]);
         let l = rise.levels(2);

@@ -18,7 +18,7 @@ mod state;
 
 use crate::certify::Prepared;
 use crate::control::Control;
-use crate::fit::level::{level, levels, straight_range, Level, LevelOptions};
+use crate::fit::level::{level, levels, straight_bands, Level, LevelOptions};
 use crate::geom::partition::centroid;
 use crate::geom::triangulate::TriangulateError;
 use crate::spline::field::Field;
@@ -244,11 +244,11 @@ impl Job<'_> {
         let mut swept = false;
         if top && fewest {
             let curved = found.first().map_or(f64::INFINITY, |l| self.bands_predicted(&state, label, l));
-            for (promised, field) in self.straight(&state, label).into_iter().take(STRAIGHT) {
+            for (promised, density, field) in self.straight(&state, label).into_iter().take(STRAIGHT) {
                 if promised >= curved || promised > limit as f64 {
                     break;
                 }
-                if let Some((next, spare)) = self.even(&state, label, &field, promised, limit) {
+                if let Some((next, spare)) = self.even(&state, label, &field, (promised, &density), limit) {
                     swept = full(Self::count(&next).saturating_sub(before), spare);
                     keep(next, &mut best, &mut limit);
                     break;
@@ -262,7 +262,7 @@ impl Job<'_> {
             if limit == 0 || (i > 0 && best.as_ref().is_some_and(near)) {
                 break;
             }
-            let even = if top { self.even(&state, label, &l.field, l.merit / four, limit) } else { None };
+            let even = if top { self.even(&state, label, &l.field, (l.merit / four, &[1.0]), limit) } else { None };
             let mut enough = false;
             if let Some((next, spare)) = even {
                 enough = full(Self::count(&next).saturating_sub(before), spare);
@@ -346,20 +346,21 @@ impl Job<'_> {
     }
 
     /// Linear functions of the parameters that rise in the directions of a sweep, with the number of bands that each
-    /// promises; the one that promises the fewest first.
-    fn straight(&self, state: &State, label: u32) -> Vec<(f64, Field)> {
+    /// promises and how dense they must lie; the one that promises the fewest first.
+    fn straight(&self, state: &State, label: u32) -> Vec<(f64, Vec<f64>, Field)> {
         let bounds = state.partition.bounds(label);
         let forms = state.forms(label, 100);
         let (e, g) = forms.iter().fold((0.0, 0.0), |(e, g), f| (e + f.first[0], g + f.first[2]));
         let aspect = if e > 0.0 { (g / e).sqrt() } else { 1.0 };
         let four = 4.0 * self.options.tolerance.sqrt();
-        let mut found: Vec<(f64, Field)> = (0..SWEEP_DIRECTIONS)
+        let mut found: Vec<(f64, Vec<f64>, Field)> = (0..SWEEP_DIRECTIONS)
             .filter_map(|k| {
                 let angle = std::f64::consts::PI * k as f64 / SWEEP_DIRECTIONS as f64;
                 let gradient = [angle.cos(), angle.sin() * aspect];
                 let mut field = Field::bicubic(bounds, 1).ok()?;
                 field.set_linear(gradient[0], gradient[1]);
-                Some((straight_range(&forms, gradient) / four, field))
+                let bands = straight_bands(&forms, gradient);
+                Some((bands.range / four, bands.density, field))
             })
             .collect();
         found.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -378,7 +379,7 @@ impl Job<'_> {
         ranked
             .into_par_iter()
             .enumerate()
-            .filter_map(|(rank, (_, field))| {
+            .filter_map(|(rank, (_, _, field))| {
                 let next = self.swept(state, label, &field, march::Limit { best: &incumbent, rank })?;
                 let n = Self::count(&next) - before;
                 incumbent.fetch_min(march::key(n, rank), Ordering::Relaxed);
