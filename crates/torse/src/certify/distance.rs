@@ -505,6 +505,29 @@ mod tests {
         assert!((a * factor - b).abs() < 1e-9 * b);
     }
 
+    /// A corner turned over in a space far smaller than the tolerance does not spoil the proof; where the tolerance is as
+    /// small as the corner, it does.
+    #[test]
+    fn a_tiny_curl_at_the_rim_is_certified_within_the_tolerance() {
+        use crate::spline::knots::Knots;
+        let k = Knots::clamped(3, &[0.0, 1e-3, 2e-3, 0.3, 1.0]).expect("knots");
+        let mut s = interpolant(&k, &k, &|u, v| primal_point(1.3 * u, 0.8 * v - 0.4));
+        // The corner lies beyond its neighbours.
+        let (corner, beside) = (s.control[0], s.control[2 * k.control_count()]);
+        for d in 0..3 {
+            s.control[0][d] = corner[d] + 3.0 * (beside[d] - corner[d]);
+        }
+        let torse = Torse::Primal(primal());
+        let triangles = grid(&s, 2, 2);
+        let normal = |u: f64| s.jet(u, 1e-9).normal();
+        assert!(normal(1e-9).dot(&normal(0.5)) < 0.0, "the corner is not turned over");
+        let j = judged(&s, &torse, &triangles, 0.05);
+        let Verdict::Holds { bound } = j.verdict else { panic!("{j:?}") };
+        assert!(bound >= brute_sup(&s, &torse, &triangles, 6) && bound <= 0.05, "{bound}");
+        let j = judged(&s, &torse, &triangles, 5e-4);
+        assert!(!matches!(j.verdict, Verdict::Holds { .. }), "{j:?}");
+    }
+
     #[test]
     fn a_pole_at_the_rim_is_certified_and_a_fold_is_not() {
         use crate::spline::knots::Knots;

@@ -174,14 +174,15 @@ pub fn straight_bands(samples: &[Forms], gradient: [f64; 2]) -> StraightBands {
         let bin = &mut need[(((at - lo) / step) as usize).min(BINS - 1)];
         *bin = bin.max(1.0 / slope.max(least));
     }
-    // Bins without a sample need what others need in the mean.
-    let seen = need.iter().filter(|n| **n > 0.0).count();
-    let mean = need.iter().sum::<f64>() / seen.max(1) as f64;
-    let sum = mean * step * BINS as f64;
+    // Bins without a sample need what the nearest others need.
+    let seen: Vec<(usize, f64)> = need.iter().copied().enumerate().filter(|n| n.1 > 0.0).collect();
+    for (k, n) in need.iter_mut().enumerate() {
+        *n = seen.iter().min_by_key(|s| s.0.abs_diff(k)).map_or(f64::INFINITY, |s| s.1);
+    }
+    let sum = need.iter().sum::<f64>() * step;
     if !sum.is_finite() {
         return StraightBands { range: f64::INFINITY, density: vec![1.0; BINS] };
     }
-    need.iter_mut().filter(|n| **n <= 0.0).for_each(|n| *n = mean);
     StraightBands { range: sum, density: need }
 }
 

@@ -429,6 +429,17 @@ mod tests {
         assert!((-8..=8).all(|i| length(0.1 * i as f64) < 0.36));
     }
 
+    /// An outline that turns sharply within a span of the torse gives the patch shorter spans, and it stays exact.
+    #[test]
+    fn outlines_that_turn_sharply_get_shorter_spans() {
+        for torse in [primal(), dual()] {
+            let (a, b) = torse.domain();
+            let bump = |t: f64| 0.8 * (-((t - 0.5 * (a + b)) / (0.05 * (b - a))).powi(2)).exp();
+            let p = check(&torse, &extent(&torse, bump, 0.01));
+            assert!(p.knots_u.breaks().len() > torse.breaks().len(), "{:?}", p.knots_u.breaks());
+        }
+    }
+
     #[test]
     fn dual_patch_lies_on_the_rulings_with_positive_weights() {
         let torse = dual();

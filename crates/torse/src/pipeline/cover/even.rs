@@ -537,6 +537,25 @@ mod tests {
     }
 
     #[test]
+    fn rise_of_bands_leaves_narrow_ones_beside_wide_ones_out() {
+        // A sliver beside the second band says nothing of how dense levels must lie there.
+        let bands = [[0.0, 1.0, 1.0], [1.0, 2.0, 1.0], [1.9, 2.0, 1.0]];
+        let rise = Rise::of_bands(&bands);
+        let l = rise.levels(2);
+        assert!((l[1] - 1.0).abs() < 1e-2 && rise.needed() == 3, "{l:?} {}", rise.needed());
+        // Side by side, the one that needs more counts.
+        let l = Rise::of_bands(&[[0.0, 2.0, 1.0], [0.0, 1.0, 2.25]]).levels(2);
+        assert!((l[1] - 2.0 / 3.0).abs() < 1e-2, "{l:?}");
+    }
+
+    #[test]
+    fn first_levels_follow_the_density() {
+        let l = Rise::guessed(0.0, 2.0, &[3.0, 1.0]).levels(4);
+        let want = [0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0, 2.0];
+        assert!(l.len() == 5 && l.iter().zip(want).all(|(a, b)| (a - b).abs() < 1e-2), "{l:?}");
+    }
+
+    #[test]
     fn rounds_are_averaged() {
         let mut rise = Rise::guessed(0.0, 1.0, &[1.0]);
         rise.include(&[0.0, 0.5, 1.0], &[1.21, 0.81]);
