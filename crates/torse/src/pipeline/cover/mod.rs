@@ -240,22 +240,16 @@ impl Job<'_> {
         let near_theory = |n: f64| predicted.is_finite() && n <= PROMISING * predicted + 1.0;
         // With more to spare, one band fewer might do: theory may ask for more than is needed.
         let full = |n: usize, spare: f64| spare < 1.0 - even::AIM * (1.0 - 1.0 / n.max(1) as f64).powi(2);
-        // Straight bands, where they promise fewer than curved ones.
         let mut swept = false;
         if top && fewest {
             let curved = found.first().map_or(f64::INFINITY, |l| self.bands_predicted(&state, label, l));
-            for (promised, density, field) in self.straight(&state, label).into_iter().take(STRAIGHT) {
-                if promised >= curved || promised > limit as f64 {
-                    break;
-                }
-                if let Some((next, spare)) = self.even(&state, label, &field, (promised, &density), limit) {
-                    swept = full(Self::count(&next).saturating_sub(before), spare);
-                    keep(next, &mut best, &mut limit);
-                    break;
-                }
+            if let Some((next, spare)) = self.straight_even(&state, label, curved, limit) {
+                swept = full(Self::count(&next).saturating_sub(before), spare);
+                keep(next, &mut best, &mut limit);
             }
         }
-        let at_theory = best.as_ref().is_some_and(|b| (Self::count(b) - before) as f64 <= predicted.ceil());
+        let at_theory = predicted.is_finite()
+            && best.as_ref().is_some_and(|b| (Self::count(b) - before) as f64 <= predicted.ceil());
         let good = if at_theory { Vec::new() } else { good };
         for (i, l) in good.iter().enumerate() {
             let near = |b: &State| near_theory((Self::count(b) - before) as f64);
@@ -365,6 +359,15 @@ impl Job<'_> {
             .collect();
         found.sort_by(|a, b| a.0.total_cmp(&b.0));
         found
+    }
+
+    /// Straight bands laid all at once, where they promise fewer panels than curved ones; as [`Job::even`].
+    fn straight_even(&self, state: &State, label: u32, curved: f64, budget: usize) -> Option<(State, f64)> {
+        self.straight(state, label)
+            .into_iter()
+            .take(STRAIGHT)
+            .filter(|s| s.0 < curved && s.0 <= budget as f64)
+            .find_map(|(promised, density, field)| self.even(state, label, &field, (promised, &density), budget))
     }
 
     /// Straight bands in several directions of the parameter plane, those that promise the fewest bands and fewer than
