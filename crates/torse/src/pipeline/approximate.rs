@@ -562,17 +562,7 @@ fn borders<'a>(face: &'a Face, partition: &'a Partition) -> Borders<'a> {
 /// Panels, proof and patterns of a covered face; second result: labels of the regions that must be cut.
 fn build(index: usize, face: &Face, state: &State, tolerance: f64) -> (Built, Vec<u32>) {
     let partition = smooth_borders(face, state.partition.clone(), tolerance);
-    let smooth = build_on(index, face, &seams::with_partition(face, state, partition), tolerance, None);
-    if smooth.1.is_empty() {
-        return smooth;
-    }
-    // Panels were found on the borders as they were: these may serve where smoothed ones do not.
-    let plain = build_on(index, face, state, tolerance, None);
-    if plain.1.len() < smooth.1.len() {
-        plain
-    } else {
-        smooth
-    }
+    build_on(index, face, &seams::with_partition(face, state, partition), tolerance, None)
 }
 
 /// What is used of strips that meet: all but those of refused labels, and but edges between pairs of labels.
