@@ -97,8 +97,9 @@ struct Accepted {
 ///
 /// *Guarantee*: with [`Verdict::Holds`], every point of the region has exactly one foot near by, continuous over the
 /// region, at a regular place of the torse, at most `bound` away, and the region does not fold over under the foot
-/// map; the bound includes rounding. With [`Verdict::Fails`] the distance from the face's point at `uv` to the ruling at its foot
-/// is proven to exceed the tolerance. *Not* guaranteed: anything about the exported patch and its trimming curves; see
+/// map, except for triangles at the rim that are so small that the bound contains the way to the rim besides; the bound
+/// includes rounding. With [`Verdict::Fails`] the distance from the face's point at `uv` to the ruling at its foot is
+/// proven to exceed the tolerance. *Not* guaranteed: anything about the exported patch and its trimming curves; see
 /// [`patchwork`](super::patchwork()).
 ///
 /// *Cost*: some 10 µs per triangle for bicubic polynomial surfaces; in parallel over triangles.
@@ -505,8 +506,8 @@ mod tests {
         assert!((a * factor - b).abs() < 1e-9 * b);
     }
 
-    /// A corner turned over in a space far smaller than the tolerance does not spoil the proof; where the tolerance is as
-    /// small as the corner, it does.
+    /// A corner turned over in a space far smaller than the tolerance does not spoil the proof; where the tolerance is
+    /// as small as the corner, it does.
     #[test]
     fn a_tiny_curl_at_the_rim_is_certified_within_the_tolerance() {
         use crate::spline::knots::Knots;

@@ -136,7 +136,8 @@ pub struct StraightBands {
     /// √mm: divided by the width `4√ε` it is about their number, their widths varying as the surface allows. Infinite
     /// where nothing can be said.
     pub range: f64,
-    /// How dense they must lie in equal parts of the range of their levels, from the lowest on.
+    /// How dense they must lie in 24 equal parts of the range of their levels, from the lowest on: √mm per unit of the
+    /// level, up to a common factor. All ones where nothing can be said.
     pub density: Vec<f64>,
 }
 
@@ -505,7 +506,7 @@ mod tests {
         assert!(l.range > 0.93 * 8f64.sqrt(), "{}", l.range);
     }
 
-    /// Straight bands across a paraboloid need the root of its curvature across them, whichever is larger where it varies.
+    /// Straight bands across a paraboloid need the root of its curvature across them, the larger where it varies.
     #[test]
     fn straight_bands_need_what_curves_across_them() {
         let s = grid(|_, _| ([1.0, 0.0, 1.0], [4.0, 0.0, 1.0]));

@@ -127,18 +127,20 @@ fn primal_patch(torse: &PrimalTorse, bound: &Bound) -> Result<Surface, ConvertEr
 fn dual_patch(torse: &DualTorse, bound: &Bound) -> Result<Surface, ConvertError> {
     let mut pieces = Vec::new();
     for (a, b, net) in bezier_pieces(&torse.planes) {
+        // U ∧ U' = (k/h) Ua ∧ Ub with Ua, Ub the de Casteljau halves of degree k − 1.
+        let k = net.len() - 1;
+        let half = |shift: usize, c: usize| -> Vec<f64> { (0..k).map(|i| net[i + shift][c]).collect() };
+        let (ua, ub): (Vec<_>, Vec<_>) = (0..4).map(|c| (half(0, c), half(1, c))).unzip();
+        let scale = k as f64 / (b - a);
+        let minor = |i: usize, j: usize| -> Vec<f64> {
+            let q = difference(&product(&ua[i], &ub[j]), &product(&ua[j], &ub[i]));
+            q.iter().map(|x| x * scale).collect()
+        };
+        let whole = [[minor(1, 2), minor(2, 0), minor(0, 1)], [minor(3, 0), minor(3, 1), minor(3, 2)]];
         for (lo, hi) in bound.parts(a, b) {
-            // U ∧ U' = (k/h) Ua ∧ Ub with Ua, Ub the de Casteljau halves of degree k − 1.
-            let k = net.len() - 1;
-            let half = |shift: usize, c: usize| -> Vec<f64> { (0..k).map(|i| net[i + shift][c]).collect() };
-            let (ua, ub): (Vec<_>, Vec<_>) = (0..4).map(|c| (half(0, c), half(1, c))).unzip();
-            let scale = k as f64 / (b - a);
-            let cut = |q: Vec<f64>| -> Vec<f64> {
-                restrict(&q, (lo - a) / (b - a), (hi - a) / (b - a)).iter().map(|x| x * scale).collect()
-            };
-            let minor = |i: usize, j: usize| cut(difference(&product(&ua[i], &ub[j]), &product(&ua[j], &ub[i])));
-            let d = [minor(1, 2), minor(2, 0), minor(0, 1)];
-            let moment = [minor(3, 0), minor(3, 1), minor(3, 2)];
+            let [d, moment] = whole
+                .each_ref()
+                .map(|part| part.each_ref().map(|q| restrict(q, (lo - a) / (b - a), (hi - a) / (b - a))));
             let alpha = coefficients(&bound.direction, (lo, hi));
             let curve = |offset: &Curve<1>| -> [Vec<f64>; 4] {
                 let [offset] = coefficients(offset, (lo, hi));

@@ -325,8 +325,8 @@ struct Line {
     rate: f64,
 }
 
-/// Polynomial of the lowest degree, else quadratic spline with the fewest knots (those of the torse first), that passes all intervals; else the
-/// parameter of the interval that is missed most.
+/// Polynomial of the lowest degree, else quadratic spline with the fewest knots (those of the torse first), that passes
+/// all intervals; else the parameter of the interval that is missed most.
 fn band(data: &[(f64, (f64, f64))], all: &[f64]) -> Result<Curve<1>, f64> {
     let range = (all[0], all[all.len() - 1]);
     // A constant, if there is one; then as near the region as it may be.

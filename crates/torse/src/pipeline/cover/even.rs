@@ -3,8 +3,9 @@
 //!
 //! The error of a band grows with the square of its width. Fitting all bands once therefore tells how dense the levels
 //! must lie everywhere, and how many bands are needed; a few rounds settle it. Single bands that are then still a little
-//! too wide give of their width to neighbours with something to spare; all others keep their torses. Marching, which
-//! needs some trials per band one after the other, is left to regions where this fails.
+//! too wide give of their width to neighbours with something to spare; all others keep their torses. Components far
+//! narrower than their band join the band beside them. Marching, which needs some trials per band one after the other,
+//! is left to regions where this fails; what it leaves is laid anew in this way where its errors say that this pays.
 
 use super::judge::{Trial, Try};
 use super::march::range;
@@ -67,8 +68,9 @@ struct Piece {
 
 impl Job<'_> {
     /// Covers a region by bands between levels of a function, all laid at once. `theory`: number of bands that theory
-    /// asks for, and how dense they must lie in equal parts of the function's range. With the cover comes the share of the tolerance that its bands leave, in the mean. `None` where bands
-    /// resist, or where no number of panels up to `budget` will do.
+    /// asks for, and how dense they must lie in equal parts of the function's range. With the cover comes the share of
+    /// the tolerance that its bands leave, in the mean. `None` where bands resist, or where no number of panels up to
+    /// `budget` will do.
     pub(super) fn even(
         &self,
         state: &State,
@@ -87,9 +89,9 @@ impl Job<'_> {
         self.settled(state, label, field, Start { levels: rise.levels(count), rise, rounds: ROUNDS, most }, budget)
     }
 
-    /// A cover by bands of one function laid one after the other, as [`Job::march`] leaves it, laid anew with even errors
-    /// where that needs fewer panels or where one of the bands is but a remainder. `before`: the state with the region
-    /// `label` that `cover` covers.
+    /// A cover by bands of one function laid one after the other, as [`Job::march`] leaves it, laid anew with even
+    /// errors where that needs fewer panels or where one of the bands is but a remainder. `before`: the state with the
+    /// region `label` that `cover` covers.
     pub(super) fn evened(&self, before: &State, label: u32, cover: State) -> State {
         let allowed = self.options.tolerance * DISTANCE_SHARE;
         let Some((field, fresh)) = chain(before, &cover) else { return cover };
@@ -105,8 +107,8 @@ impl Job<'_> {
         if count == fresh.len() && bands.iter().all(|b| b[2] >= REMAINDER) {
             return cover;
         }
-        let start = Start { levels: rise.levels(count), rise, rounds: ROUNDS_ANEW, most: count.max(fresh.len()) };
-        let least = |state: &State| state.panels.values().map(|f| f.error / allowed).fold(f64::INFINITY, f64::min);
+        let start = Start { levels: rise.levels(count), rise, rounds: ROUNDS_ANEW, most: fresh.len() };
+        let least = |state: &State| newly(before, state).map(|(_, fit)| fit.error).fold(f64::INFINITY, f64::min);
         match self.settled(before, label, &field, start, fresh.len()) {
             Some((s, _)) if s.panels.len() < cover.panels.len() || least(&s) > least(&cover) => s,
             _ => cover,
@@ -135,7 +137,7 @@ impl Job<'_> {
                 bands.iter().map(|b| b.iter().fold(LEAST_SHARE, |m, p| m.max(p.share)).min(MOST_SHARE)).collect();
             let worst = shares.iter().copied().fold(0.0, f64::max);
             let least = shares.iter().copied().fold(f64::INFINITY, f64::min);
-            let needed = needed(&shares);
+            let needed = bands_for(shares.iter().map(|s| s.sqrt()).sum());
             rise.include(&levels, &shares);
             let complete = bands.iter().flatten().all(|p| p.fit.is_some());
             let resist: Vec<bool> = bands.iter().map(|b| b.iter().any(|p| p.fit.is_none())).collect();
@@ -288,20 +290,21 @@ struct Start {
     most: usize,
 }
 
-/// Number of bands that theory asks for where bands with such shares were laid.
-fn needed(shares: &[f64]) -> usize {
-    (shares.iter().map(|s| s.sqrt()).sum::<f64>() / AIM.sqrt()).ceil() as usize
+/// Number of bands that can be hoped to do where the roots of their shares sum up to `rise`.
+fn bands_for(rise: f64) -> usize {
+    (rise / AIM.sqrt()).ceil() as usize
+}
+
+/// The panels of a cover that are new to it.
+fn newly<'a>(before: &'a State, cover: &'a State) -> impl Iterator<Item = (u32, &'a Arc<Fit>)> {
+    let is_new = |l: &u32, fit: &Arc<Fit>| before.panels.get(l).is_none_or(|f| !Arc::ptr_eq(f, fit));
+    cover.panels.iter().filter(move |(l, fit)| is_new(l, fit)).map(|(l, fit)| (*l, fit))
 }
 
 /// The panels of a cover that are new to it and the function of which all of them are bands. `None` where there are
 /// others among them.
 fn chain(before: &State, cover: &State) -> Option<(Arc<Field>, Vec<u32>)> {
-    let fresh: Vec<u32> = cover
-        .panels
-        .iter()
-        .filter(|(l, fit)| before.panels.get(l).is_none_or(|f| !Arc::ptr_eq(f, fit)))
-        .map(|p| *p.0)
-        .collect();
+    let fresh: Vec<u32> = newly(before, cover).map(|p| p.0).collect();
     let field = cover.bands.get(fresh.first()?)?;
     let all = fresh.iter().all(|l| cover.bands.get(l).is_some_and(|f| Arc::ptr_eq(f, field)));
     (all && fresh.len() > 1).then(|| (Arc::clone(field), fresh))
@@ -432,8 +435,8 @@ impl Rise {
         Self { lo, hi, cells, guessed: true }
     }
 
-    /// As bands from `lo` to `hi` with their shares, `[lo, hi, share]`, tell it; the steepest counts where they lie side by
-    /// side.
+    /// As bands from `lo` to `hi` with their shares, `[lo, hi, share]`, tell it; the steepest counts where they lie side
+    /// by side.
     fn of_bands(bands: &[[f64; 3]]) -> Self {
         // Narrow ones beside wide ones tell nothing.
         let beside = |b: &[f64; 3], c: &[f64; 3]| c[0] <= b[0] && b[1] <= c[1] && b[1] - b[0] < NARROW * (c[1] - c[0]);
@@ -462,7 +465,7 @@ impl Rise {
 
     /// Number of bands that can be hoped to do.
     fn needed(&self) -> usize {
-        (self.cells.iter().sum::<f64>() / AIM.sqrt()).ceil() as usize
+        bands_for(self.cells.iter().sum())
     }
 
     /// Takes in the shares of bands between levels.

@@ -24,8 +24,10 @@ const KEEN: f64 = 0.7;
 const LEAST_BEND: f64 = 3.0;
 /// … and than this share of the model's size, which is the less where tolerances are coarse.
 const LEAST_BEND_SHARE: f64 = 0.03;
-/// Fits keep this multiple of the smallest radius of curvature where they can.
+/// Fits keep this multiple of that radius where they can.
 const WANTED_BEND: f64 = 3.2;
+/// … and this one of the radius that the material allows: what the certificate shows is a lower bound.
+const WANTED_LIMIT: f64 = 1.2;
 /// Share of their mean width by which fits of bands keep the regression curve away where they can.
 const WANTED_CLEARANCE: f64 = 0.1;
 /// Panels whose regression curve comes nearer than this share of their mean width (area over length) are refused: there
@@ -149,17 +151,21 @@ impl Job<'_> {
         Trial::failed(best.max(self.options.tolerance * 1.0001))
     }
 
-    /// Smallest radius of curvature that a panel may have, mm.
-    fn least_bend(&self) -> f64 {
+    /// Smallest radius of curvature at which a patch can be laid around a panel, mm.
+    fn patch_bend(&self) -> f64 {
         let size = self.face.surface.bbox().diagonal();
-        (LEAST_BEND * self.options.tolerance)
-            .min(LEAST_BEND_SHARE * size)
-            .max(self.options.limits.min_bend_radius.unwrap_or(0.0))
+        (LEAST_BEND * self.options.tolerance).min(LEAST_BEND_SHARE * size)
     }
 
-    /// The radius of curvature that fits keep: what the certificate shows is a lower bound.
+    /// Smallest radius of curvature that a panel may have, mm.
+    fn least_bend(&self) -> f64 {
+        self.patch_bend().max(self.options.limits.min_bend_radius.unwrap_or(0.0))
+    }
+
+    /// The radius of curvature that fits keep where they can, mm.
     fn wanted_bend(&self) -> f64 {
-        WANTED_BEND * self.least_bend()
+        let limit = self.options.limits.min_bend_radius.unwrap_or(0.0);
+        (WANTED_BEND * self.patch_bend()).max(WANTED_LIMIT * limit)
     }
 
     /// The loop of propose, judge and refine for one torse.

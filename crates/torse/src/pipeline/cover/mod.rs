@@ -1,8 +1,10 @@
 //! Covering one face with torses, each accepted by the certificate.
 //!
-//! *Method* (mixed-curvature specification, C0): one panel if one is enough; two; a sweep of straight bands; bands
-//! of a level function for the conjugate field (\[SE06\] carried on); bisection, which always ends, at worst with
-//! small planar facets. The smallest cover wins; neighbours that fit one torse are merged.
+//! *Method* (mixed-curvature specification, C0): one panel if one is enough; two; straight bands laid all at once, where
+//! they promise fewer panels than curved ones; bands of a level function for the conjugate field (\[SE06\] carried
+//! on), all at once or one after the other; division, where no level function is good; a sweep of straight bands, where
+//! more panels are left than theory asks for; bisection, which always ends, at worst with small planar facets. The
+//! smallest cover wins; neighbours that fit one torse are merged.
 //!
 //! This file holds the recursion; `judge` proposes and proves single torses, `march` lays bands.
 
@@ -80,15 +82,15 @@ const CANDIDATES: usize = 2;
 const FACET_DEPTH: usize = 14;
 /// Level functions are given up for parts when their merit exceeds this multiple of their range (C4).
 const POOR: f64 = 1.5;
-/// Counts up to which sweeps are tried where bands need more than theory says (C0).
-const SWEEP_COUNT: f64 = 18.0;
-/// Sweeps are tried when bands need more than this multiple of the predicted count, and one panel more.
+/// Covers with up to this multiple of the predicted count, and one panel more, count as near theory.
 const PROMISING: f64 = 1.25;
-/// Depth of the recursion down to which sweeps are tried.
-const SWEEP_DEPTH: usize = 2;
 /// Straight directions in which bands are laid all at once.
 const STRAIGHT: usize = 2;
-/// Elsewhere sweeps must promise less than this share of the panels at hand.
+/// Depth of the recursion down to which sweeps are tried.
+const SWEEP_DEPTH: usize = 2;
+/// Against covers of more panels than this, a direction of the sweep …
+const SWEEP_COUNT: f64 = 18.0;
+/// … must promise less than this share of them: with many panels, sweeps take long.
 const PROMISED: f64 = 0.8;
 /// Directions of the sweep.
 const SWEEP_DIRECTIONS: usize = 8;
@@ -277,7 +279,7 @@ impl Job<'_> {
         let reached = best.as_ref().map_or(predicted, |b| (Self::count(b) - before) as f64);
         let near = near_theory(reached);
         if fewest && depth <= SWEEP_DEPTH && limit > 0 && !(swept && (near || reached > SWEEP_COUNT)) {
-            // Many bands, or bands near theory, leave little hope: only directions that promise fewer are worth their time.
+            // Many bands, or bands near theory, leave little hope: only directions that promise fewer are worth it.
             let (most, directions) = if reached > SWEEP_COUNT {
                 (PROMISED * reached, SWEEP_DIRECTIONS)
             } else if near {
