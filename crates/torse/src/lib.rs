@@ -2,7 +2,8 @@
 //!
 //! Data travels one way: read → model → fit → certify → develop → write. The floors, from the bottom:
 //! [`num`], [`geom`], [`spline`], [`surface`], then the sibling verbs [`fit`], [`design`], [`certify`],
-//! [`develop`] and [`tessellate`], then [`pipeline`] and [`io`]. A floor uses only lower ones; `tests/tidy.rs` keeps it so.
+//! [`develop`] and [`tessellate`], then [`pipeline`] and [`io`]. A floor uses only lower ones; `tests/tidy.rs` keeps it
+//! so.
 
 pub mod control;
 pub mod num;

@@ -1,26 +1,26 @@
 //! The exported trimming curves against the image of the region's boundary.
 //!
 //! The boundary of a panel's region is a polyline γ of the face's parameter plane; every point of it has a foot on the
-//! torse. The exported boundary is another curve θ(s) = (t, r) on the patch. This module bounds, for every s, the length of a path on
-//! the torse from the foot of `X = S(γ(s))` to `R(θ(s))` \[certificate, H5\]:
-//! first with X fixed and t running from the foot to θ₁, following the foot of the perpendicular on the ruling; then along
-//! the ruling. With `Q(s) = E(X, θ₁)` and `p(s) = e(θ₁)·(X − R(θ))` these lengths are at most
-//! `|Q|/|E_t| (|G|/|m⊥| + q |n×m'|/|e|)` and `|p|/|e|`, where G = m'·P − k' at the points of the path and q their distance
-//! to X across the ruling.
+//! torse. The exported boundary is another curve θ(s) = (t, r) on the patch. This module bounds, for every s, the
+//! length of a path on the torse from the foot of `X = S(γ(s))` to `R(θ(s))` \[certificate, H5\]:
+//! first with X fixed and t running from the foot to θ₁, following the foot of the perpendicular on the ruling; then
+//! along the ruling. With `Q(s) = E(X, θ₁)` and `p(s) = e(θ₁)·(X − R(θ))` these lengths are at most
+//! `|Q|/|E_t| (|G|/|m⊥| + q |n×m'|/|e|)` and `|p|/|e|`, where G = m'·P − k' at the points of the path and q their
+//! distance to X across the ruling.
 //!
 //! *Why lengths suffice*. Moving along these paths is a homotopy from the foot curve to θ in the plane of (t, position
 //! along the ruling). A point y of the panel that is not on the paths has equal winding numbers under both curves: not
 //! zero for θ means that y is the foot of a point of the region, at most D away. A point on a path is at most δ along the
 //! torse from the foot P of some X. Conversely, since the foot map does not fold, the foot of every point of the region
 //! is on the panel, or on a path, at most δ along the torse from a point of θ. With κ the curvature of the torse along
-//! the paths, the normal turns by at most κ per unit of length, so a way of length δ leads at most κδ²/2 off the tangent plane:
-//! the mismatch enters in quadrature, and both directions are bounded by
+//! the paths, the normal turns by at most κ per unit of length, so a way of length δ leads at most κδ²/2 off the
+//! tangent plane: the mismatch enters in quadrature, and both directions are bounded by
 //! `√((D + κδ²/2)² + δ²)`, plus the rounding η of the patch.
 //!
-//! *Enclosure*: on [0, 1] a function with derivative in [a, b] differs from its chord by at most (b − a)/4, and a C¹ function
-//! with |second derivative| ≤ c by at most c/8. Derivatives come from interval jets; as Q and p nearly vanish, so do
-//! their second derivatives, and the excess is cubic in the length of the piece. Pieces are halved until it is small;
-//! the second bound is used where θ₁ stays in one span of the torse and of the patch.
+//! *Enclosure*: on [0, 1] a function with derivative in [a, b] differs from its chord by at most (b − a)/4, and a C¹
+//! function with |second derivative| ≤ c by at most c/8. Derivatives come from interval jets; as Q and p nearly vanish,
+//! so do their second derivatives, and the excess is cubic in the length of the piece. Pieces are halved until it is
+//! small; the second bound is used where θ₁ stays in one span of the torse and of the patch.
 
 use super::distance::{key, Feet};
 use super::family::{Family, Plane};

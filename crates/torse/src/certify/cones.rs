@@ -2,9 +2,9 @@
 //!
 //! *Method* (docs/algorithms/cones.md): the signed distance from a cone \[LP98\] and its derivative are evaluated by
 //! intervals at the ends of stretches of the boundary curves, and its fourth derivative is enclosed between them; along
-//! a ruling it is convex, and its deviation from a chord is bounded by the twist of the ruling about the axis. The reverse
-//! direction follows from the winding of the boundary's feet around the strip, and the distance between these feet
-//! and the edges of the segments. Shares nothing with the fit.
+//! a ruling it is convex, and its deviation from a chord is bounded by the twist of the ruling about the axis. The
+//! reverse direction follows from the winding of the boundary's feet around the strip, and the distance between these
+//! feet and the edges of the segments. Shares nothing with the fit.
 
 use crate::num::bernstein::Scalar;
 use crate::num::interval::Interval;

@@ -2,10 +2,10 @@
 //!
 //! A question of counting \[certificate, 5\]: all triangles are positively oriented (exact predicate), inner edges are
 //! used by exactly two triangles in opposite directions, and the edges used once are the face's trimming polygons,
-//! subdivided. Then the winding numbers of the triangles add up to that of the face at every point. A subdivided side is compared as a
-//! chain: the polygon's corners occur in order, bit by bit, and the vertices between them lie on the side up to rounding.
-//! The partition is the definition of the trimmed region from there on; the rounding of such a vertex is at most
-//! [`ON_SIDE`] of the size of the parameter box.
+//! subdivided. Then the winding numbers of the triangles add up to that of the face at every point. A subdivided side
+//! is compared as a chain: the polygon's corners occur in order, bit by bit, and the vertices between them lie on the
+//! side up to rounding. The partition is the definition of the trimmed region from there on; the rounding of such a
+//! vertex is at most [`ON_SIDE`] of the size of the parameter box.
 
 use super::distance::key;
 use crate::geom::partition::Partition;

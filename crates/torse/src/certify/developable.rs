@@ -5,9 +5,9 @@
 //! `Δ = det(a, a', b, b')`. With the halves α, β of degree p − 1 (`a = (1−s) α + s β`) the line `a∧a'` is `p α∧β` without
 //! cancellation, degree 2p − 2. All as interval Bernstein products on quarters of the spans, origin at the middle.
 //!
-//! Only the trimmed part matters: on every part of the parameter interval, a and b are taken at the ends of the range of r that
-//! the trimming curves reach there (a region bounded by curves reaches no farther than they do on any ruling). Outside
-//! it the patch may well run into its regression curve.
+//! Only the trimmed part matters: on every part of the parameter interval, a and b are taken at the ends of the range
+//! of r that the trimming curves reach there (a region bounded by curves reaches no farther than they do on any
+//! ruling). Outside it the patch may well run into its regression curve.
 //!
 //! Both normals having a positive component along one direction while being parallel up to a tiny angle, no point of
 //! the regression curve lies between A and B.

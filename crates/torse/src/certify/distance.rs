@@ -2,7 +2,8 @@
 //!
 //! *Method*: certificate, sections 1 and 2 \[certificate\]. On every triangle: one foot per point (opposite signs of
 //! the exact foot function at both ends of an interval, one sign of its derivative), second-order Taylor bound
-//! with interval Hessian, regular torse, no fold. Triangles that are too large are halved at the edge that is longest in space.
+//! with interval Hessian, regular torse, no fold. Triangles that are too large are halved at the edge that is longest
+//! in space.
 //!
 //! *Gluing*. Two triangles that share a vertex have the same foot there when their foot intervals meet: `E_t` keeps
 //! its sign on the union, so there is one root in it. Then the feet agree along the whole common edge: the set where
@@ -13,8 +14,8 @@
 //! far smaller than the tolerance (faulty files do), the sign of `N·(S_u × S_v)` cannot be shown. Let B be such a
 //! triangle with a corner on the rim. A point whose foot is also the foot of a point of B is at most `|d|` from that
 //! foot; the foot is at most the diameter of B's feet from the foot of the rim corner, that is at most diam S(B) +
-//! variation of d + |d| · variation of N. This is added to the bound. All other points have positive degree as in part (c)
-//! of the theorem.
+//! variation of d + |d| · variation of N. This is added to the bound. All other points have positive degree as in part
+//! (c) of the theorem.
 
 use super::cell::{Bench, Good, Look};
 use super::family::Family;

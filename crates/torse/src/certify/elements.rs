@@ -1,9 +1,10 @@
 //! How near given rulings and tangent planes are to strips: a proven bound for each of them.
 //!
 //! *Method.* Each part of a given ruling is compared with a ruling of a strip end by end; between its ends the distance
-//! from a segment is convex, so that the bound holds for all points of the given ruling. A given plane is compared over its region of interest, a disc in it, with a tangent plane of a strip: the plane of
-//! a ruling and the homogeneous derivative across it, as in \[PW99, 2\]. The best parameter is searched with plain
-//! numbers; the bound is evaluated in interval arithmetic \[MKC09\] from the numbers of the patch that are written.
+//! from a segment is convex, so that the bound holds for all points of the given ruling. A given plane is compared over
+//! its region of interest, a disc in it, with a tangent plane of a strip: the plane of a ruling and the homogeneous
+//! derivative across it, as in \[PW99, 2\]. The best parameter is searched with plain numbers; the bound is evaluated
+//! in interval arithmetic \[MKC09\] from the numbers of the patch that are written.
 //! *Not guaranteed*: that a bound is the distance, or anything about the surface between the given elements.
 
 use super::points::{distance_bound, Target};
@@ -24,7 +25,8 @@ pub struct ElementCertificate {
 }
 
 impl ElementCertificate {
-    /// For each element a number that its distance does not exceed, mm: of all points of a ruling from a strip, of a plane over its region from the nearest tangent plane; infinite without strips.
+    /// For each element a number that its distance does not exceed, mm: of all points of a ruling from a strip, of a
+    /// plane over its region from the nearest tangent plane; infinite without strips.
     pub fn bounds(&self) -> &[f64] {
         &self.bounds
     }

@@ -1,8 +1,8 @@
 //! A torse as its family of tangent planes, in the form that both kinds share and that proofs need.
 //!
-//! Planes `n(t)·X = h(t)` with `n' = σ m`, `h' = σ k`; ruling `n·X = h, m·X = k`. Dual torse: `σ = 1`, `m = n'`, `k = h'`.
-//! Primal torse \[mixed, C1.4\] (frame coordinates): `n = (−f', a f' − g, 1)`, `h = f − t f'`, `m = (−1, a, 0)`, `k = −t`,
-//! `σ = f''`: finite at inflections `f'' = 0`. With `F = n·X − h`, `μ = m·X − k` the exact foot function is
+//! Planes `n(t)·X = h(t)` with `n' = σ m`, `h' = σ k`; ruling `n·X = h, m·X = k`. Dual torse: `σ = 1`, `m = n'`,
+//! `k = h'`. Primal torse \[mixed, C1.4\] (frame coordinates): `n = (−f', a f' − g, 1)`, `h = f − t f'`, `m = (−1, a, 0)`,
+//! `k = −t`, `σ = f''`: finite at inflections `f'' = 0`. With `F = n·X − h`, `μ = m·X − k` the exact foot function is
 //! `E(X, t) = |n|² μ − F (n·m)`, linear in `X`; where `E = 0`, `F/|n|` is the signed distance from `X` to the ruling.
 //!
 //! The frame of a primal torse consists of f64 numbers and is orthonormal only up to rounding. The torse is taken as
@@ -29,8 +29,8 @@ enum Functions<S> {
     Dual { c: [Cubic<S>; 4] },
 }
 
-/// A cubic and its derivatives with respect to t, each in powers of x. The derivatives come from differences of control points,
-/// which are exact numbers: that loses much less to rounding than differentiating the enclosed cubic.
+/// A cubic and its derivatives with respect to t, each in powers of x. The derivatives come from differences of control
+/// points, which are exact numbers: that loses much less to rounding than differentiating the enclosed cubic.
 #[derive(Clone, Copy, Debug)]
 struct Cubic<S> {
     value: [S; 4],

@@ -1,7 +1,7 @@
 //! The surface over a small box: a reference point, derivatives there, and hulls of linear forms over the box.
 //!
-//! Values of Bernstein polynomials stay in the hull of their coefficients. Sums are taken in f64 with an a-priori bound of
-//! their rounding, added once per hull (Higham, *Accuracy and Stability of Numerical Algorithms*, 3.1; \[MKC09\]).
+//! Values of Bernstein polynomials stay in the hull of their coefficients. Sums are taken in f64 with an a-priori bound
+//! of their rounding, added once per hull (Higham, *Accuracy and Stability of Numerical Algorithms*, 3.1; \[MKC09\]).
 
 use super::prepared::{bernstein_weights, contract, Net, UNIT};
 use super::vector::{mid, rad, V3};

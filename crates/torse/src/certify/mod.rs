@@ -1,7 +1,8 @@
 //! Floor 5: the independent judge. Imports nothing from `fit`; only this module can make a [`Certificate`].
 //!
-//! [`distance()`] judges one torse on one region and is what a covering loop calls; [`patchwork()`] proves everything about
-//! what will be exported. Theory: certificate \[certificate\]; the primal torse \[mixed, C1.4\]; plane families \[PW99\].
+//! [`distance()`] judges one torse on one region and is what a covering loop calls; [`patchwork()`] proves everything
+//! about what will be exported. Theory: certificate \[certificate\]; the primal torse \[mixed, C1.4\]; plane families
+//! \[PW99\].
 
 mod boundary;
 mod cell;
@@ -38,8 +39,8 @@ use rayon::prelude::*;
 use ruled::RuledJets;
 use seams::Shore;
 
-/// Tolerances below this share of the model's size cannot be certified in double precision: rounding of the control points alone
-/// comes near.
+/// Tolerances below this share of the model's size cannot be certified in double precision: rounding of the control
+/// points alone comes near.
 pub const SMALLEST_RELATIVE_TOLERANCE: f64 = 1e-10;
 
 /// Parameters of a vertex on both sides of a seam must add up to 1 within this.
@@ -209,10 +210,10 @@ impl PanelCertificate {
 ///
 /// *Input*: lengths in mm; the tolerance is the deviation allowed between the trimmed faces and the exported panels.
 ///
-/// *Guarantee*: with `certified`, every point of every trimmed face (its polygons are the definition of the trim) is within
-/// `deviation_bound ≤ tolerance` of the exported panels and conversely; every panel is regular, and developable up to the angle
-/// stated. *Not* guaranteed: the conversion of the file's own representation (see `Face`), watertight seams
-/// (their gap is bounded instead), and the curves in space that accompany the trimming curves.
+/// *Guarantee*: with `certified`, every point of every trimmed face (its polygons are the definition of the trim) is
+/// within `deviation_bound ≤ tolerance` of the exported panels and conversely; every panel is regular, and developable
+/// up to the angle stated. *Not* guaranteed: the conversion of the file's own representation (see `Face`), watertight
+/// seams (their gap is bounded instead), and the curves in space that accompany the trimming curves.
 ///
 /// *Cost*: some 10 µs per triangle and 20 µs per side of a boundary; all in parallel.
 pub fn patchwork(patchwork: &Patchwork, tolerance: f64, control: &Control) -> Certificate {

@@ -1,10 +1,10 @@
 //! The proof for one panel: distance, boundary, rounding, developability and simple loops, put together.
 //!
-//! *Theorem* \[certificate, 1\], in the form of [`boundary`](super::boundary): with D, δ, η the bounds of distance, boundary
-//! and rounding, and κ the curvature of the torse along the boundary, the trimmed panel in the file and its part of the face
-//! are within `√((D + κδ²/2)² + δ²) + η` of each other, in both directions. Where faces of the file were joined, their
-//! points moved by at most a known bound (`Face::joint_bound`), which is added to η: the bound is one to the faces of the
-//! file.
+//! *Theorem* \[certificate, 1\], in the form of [`boundary`](super::boundary): with D, δ, η the bounds of distance,
+//! boundary and rounding, and κ the curvature of the torse along the boundary, the trimmed panel in the file and its
+//! part of the face are within `√((D + κδ²/2)² + δ²) + η` of each other, in both directions. Where faces of the file
+//! were joined, their points moved by at most a known bound (`Face::joint_bound`), which is added to η: the bound is
+//! one to the faces of the file.
 
 use super::boundary::Boundary;
 use super::coverage::loops_bound_triangles;

@@ -35,7 +35,8 @@ pub enum RegressionVerdict {
 
 /// Halvings of a span before the answer is given up.
 const DEEPEST: usize = 14;
-/// Cells looked at before the answer is given up: where the curve nearly is out of bounds all along, they get ever smaller.
+/// Cells looked at before the answer is given up: where the curve nearly is out of bounds all along, they get ever
+/// smaller.
 const MOST_CELLS: usize = 60_000;
 /// Diagonals of the strip beyond which regression points are as good as at infinity: coordinates of rulings have some
 /// 1e-13 of rounding, which moves points out there by themselves.

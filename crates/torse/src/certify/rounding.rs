@@ -3,8 +3,8 @@
 //! *Method*: every ruling of the patch, at parameter t, is compared with the torse's ruling at t. The numerators of
 //! `n(t)·A(t) − h(t)` and `m(t)·A(t) − k(t)` are polynomials that ought to vanish; their interval Bernstein
 //! coefficients bound what rounding has left of them. With `F, μ` these residuals, the distance from A(t) to the ruling
-//! is the root of `F²/|n|² + (μ − F (n·m)/|n|²)²/|m⊥|²` \[certificate, 1\]. Points between A and B are convex combinations.
-//! Nothing is assumed about how the patch was made \[certificate, 4\].
+//! is the root of `F²/|n|² + (μ − F (n·m)/|n|²)²/|m⊥|²` \[certificate, 1\]. Points between A and B are convex
+//! combinations. Nothing is assumed about how the patch was made \[certificate, 4\].
 
 use super::family::{Family, Forms};
 use super::ruled::{common_breaks, Ruled};

@@ -1,7 +1,8 @@
 //! Gaps between neighbouring panels: the distance of the two trimmed edges at equal places of the seam.
 //!
-//! `gap(s) = |R_i(θ_i(s)) − R_j(θ_j(1 − s))|` \[certificate, 5\]: chord between enclosed end values plus the deviation that the
-//! enclosed derivatives allow, component by component, on pieces between the knots of both curves, halved while that pays.
+//! `gap(s) = |R_i(θ_i(s)) − R_j(θ_j(1 − s))|` \[certificate, 5\]: chord between enclosed end values plus the deviation
+//! that the enclosed derivatives allow, component by component, on pieces between the knots of both curves, halved
+//! while that pays.
 
 use super::boundary::trim_piece;
 use super::ruled::RuledJets;

@@ -1,7 +1,7 @@
 //! Whether the exported trimming loops are simple closed curves that bound one region.
 //!
-//! *Method* \[certificate, H7\]: the cubic pieces are halved until every piece runs forward in some direction together with
-//! its successor (so neither meets itself, and both meet in their common end only), and all other pairs are
+//! *Method* \[certificate, H7\]: the cubic pieces are halved until every piece runs forward in some direction together
+//! with its successor (so neither meets itself, and both meet in their common end only), and all other pairs are
 //! separated by a line between their control polygons. Then the loops are disjoint simple curves with the topology of
 //! their chords: the winding of the outer chord polygon and of the holes' inside it is decided by exact predicates.
 //!

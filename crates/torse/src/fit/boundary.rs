@@ -257,15 +257,15 @@ impl<'a> Borders<'a> {
         self.chains.iter().enumerate().filter_map(of).collect()
     }
 
-    /// Makes both sides of a chain end on one edge in space, given over [0, 1] along the chain with the parameter of every
-    /// vertex (0 first, 1 last). Both torses must contain the edge. Their panels end on the normals of the face along
-    /// its own boundary, so that edges meet there in one point.
+    /// Makes both sides of a chain end on one edge in space, given over [0, 1] along the chain with the parameter of
+    /// every vertex (0 first, 1 last). Both torses must contain the edge. Their panels end on the normals of the face
+    /// along its own boundary, so that edges meet there in one point.
     pub fn share(&mut self, chain: usize, edge: Curve<3>, parameters: Vec<f64>) {
         self.shared.insert(chain, SharedEdge { edge, parameters });
     }
 
-    /// Makes the panels of labels end where they meet the face's normals along its borders, not in the feet of these: such
-    /// neighbours are as far apart as their distances from the face differ.
+    /// Makes the panels of labels end where they meet the face's normals along its borders, not in the feet of these:
+    /// such neighbours are as far apart as their distances from the face differ.
     pub fn end_on_normals(&mut self, labels: impl IntoIterator<Item = u32>) {
         self.on_normals.extend(labels);
     }

@@ -229,7 +229,8 @@ impl Family for EnvelopeFamily {
     }
 
     fn soft(&self, x: &[f64], count: usize, error: f64, rows: &mut Rows, residual: &mut Vec<f64>) {
-        // Weights of the gauges for length and turning and of the third differences of the planes. They suit errors of a thousandth of the size and shrink with the error.
+        // Weights of the gauges for length and turning and of the third differences of the planes. They suit errors of
+        // a thousandth of the size and shrink with the error.
         const LENGTH: f64 = 1.0;
         const TURN: f64 = 0.05;
         const THIRD: f64 = 1e-3;

@@ -1,8 +1,9 @@
 //! Elements of a row that most of the others do not agree with.
 //!
-//! *Method*: a robust fit of planes \[PW99, (9)\] (Huber's, then Tukey's weights) with corrected parameters; an element is an
-//! outlier if the fit does not trust it, it is beyond the tolerance, and none of its neighbours is farther: estimates of
-//! neighbours suffer from an outlier, so that the worst is to be taken out first and the rest looked at again.
+//! *Method*: a robust fit of planes \[PW99, (9)\] (Huber's, then Tukey's weights) with corrected parameters; an element
+//! is an outlier if the fit does not trust it, it is beyond the tolerance, and none of its neighbours is farther:
+//! estimates of neighbours suffer from an outlier, so that the worst is to be taken out first and the rest looked at
+//! again.
 //! *Not guaranteed*: that outliers that agree with each other, side by side, are found.
 
 use super::plane_correction::{joint, JointOptions};

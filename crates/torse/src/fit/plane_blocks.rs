@@ -1,8 +1,8 @@
 //! Normal equations of splines of planes, gathered span by span in 3×3 blocks.
 //!
-//! *Method.* A term `(U(t) − V)ᵀ K (U(t) − V)` of (9) in \[PW99\] gives control planes a and b the block `N_a N_b K`. Blocks
-//! of one span are summed densely and brought into the band once, where freedoms are eliminated too: the cost for a
-//! plane is some hundred multiplications, whatever the conditions are.
+//! *Method.* A term `(U(t) − V)ᵀ K (U(t) − V)` of (9) in \[PW99\] gives control planes a and b the block `N_a N_b K`.
+//! Blocks of one span are summed densely and brought into the band once, where freedoms are eliminated too: the cost
+//! for a plane is some hundred multiplications, whatever the conditions are.
 
 use super::functionals::Freedom;
 use crate::num::least_squares::BandMatrix;

@@ -109,9 +109,9 @@ pub fn planes_of_smooth_rulings(from: &[Vec3], to: &[Vec3]) -> Result<Vec<Vec3>,
     Ok(normals)
 }
 
-/// Unit normals of the tangent planes along noisy rulings whose ends lie on smooth curves: both curves are cubic splines by
-/// least squares, with the fewest spans whose largest distance from the ends is within `tolerance` (mm), or with one
-/// span for every four rulings.
+/// Unit normals of the tangent planes along noisy rulings whose ends lie on smooth curves: both curves are cubic
+/// splines by least squares, with the fewest spans whose largest distance from the ends is within `tolerance` (mm), or
+/// with one span for every four rulings.
 ///
 /// # Errors
 /// See [`EstimateError`].

@@ -259,8 +259,8 @@ impl ForbiddenZone {
     /// The zone of a panel: its outline in the ground plan, cut by the rulings of a fit (the free one, say) at `stations`
     /// parameters, with a clearance in x on both sides, mm.
     ///
-    /// *Input*: the vertices (x, y) of a polygon in the frame of the fit. *Not guaranteed*: the outline against rulings of
-    /// another fit; repeat with it where they differ much.
+    /// *Input*: the vertices (x, y) of a polygon in the frame of the fit. *Not guaranteed*: the outline against rulings
+    /// of another fit; repeat with it where they differ much.
     ///
     /// # Errors
     /// No ruling meets the outline, or one of its numbers is not finite.

@@ -2,8 +2,9 @@
 //!
 //! *Method* \[PW99, 4.1–4.3\]: axes from the normals; parameters from distance and turn; `F1` over few knots for the
 //! tolerance; joint correction of planes and parameters. Where rulings are known, they count through `F3` in a further
-//! fit if slopes increase; results are polished with distances at exact feet, and a torse over a plane profile is tried as well: it alone has inflections. Rows that
-//! no torse follows are cut, each run as long as can be. *Not guaranteed*: distances; see the judge.
+//! fit if slopes increase; results are polished with distances at exact feet, and a torse over a plane profile is tried
+//! as well: it alone has inflections. Rows that no torse follows are cut, each run as long as can be. *Not guaranteed*:
+//! distances; see the judge.
 
 use super::dual;
 use super::functionals::Freedom;

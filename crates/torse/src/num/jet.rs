@@ -1,7 +1,8 @@
 //! Values with first and second derivatives, enclosed by intervals: automatic differentiation for functions of one
 //! variable over an interval.
 //!
-//! Rules of product and quotient of Taylor series (Moore, Kearfott and Cloud, *Introduction to Interval Analysis*, ch. 9).
+//! Rules of product and quotient of Taylor series (Moore, Kearfott and Cloud, *Introduction to Interval Analysis*, ch.
+//! 9).
 
 use super::bernstein::{derivative, hull, Scalar};
 use super::interval::Interval;

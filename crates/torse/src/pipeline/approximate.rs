@@ -45,8 +45,8 @@ pub struct Options {
 }
 
 /// Angle between faces (degrees) up to which they are covered as one unless something else is asked for: none, because
-/// large joined faces with creases can take much longer than their parts. Modelling programs join surfaces smoothly within
-/// a tenth of a degree; 0.5 is a good value to ask for.
+/// large joined faces with creases can take much longer than their parts. Modelling programs join surfaces smoothly
+/// within a tenth of a degree; 0.5 is a good value to ask for.
 pub const SMOOTH_ANGLE_DEG: f64 = 0.0;
 
 /// Why the job cannot be done at all.
@@ -133,8 +133,8 @@ const SMOOTHINGS: usize = 4;
 const RELAXATIONS: usize = 3;
 /// Rounds of laying strips that meet, without those that were refused.
 const MEETINGS: usize = 4;
-/// Weights of gaps against distances in turn, each with the openness that needs no more: seams that are one edge, then seams
-/// within the tolerance.
+/// Weights of gaps against distances in turn, each with the openness that needs no more: seams that are one edge, then
+/// seams within the tolerance.
 const WEIGHTS: [(f64, f64); 2] = [(50.0, 0.0), (7.0, 1.0)];
 /// Shares of the tolerance of covers that leave room for joining.
 const ROOM: [f64; 1] = [0.94];

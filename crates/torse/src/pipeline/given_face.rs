@@ -21,7 +21,8 @@ const SIMPLEST: (usize, usize) = (4, 3);
 pub(super) struct GivenFace {
     /// Its rulings with their planes.
     pub row: Vec<PlaneElement>,
-    /// The face between its outermost rulings; `None` if it is not developable and regular to the last digit, as fits are.
+    /// The face between its outermost rulings; `None` if it is not developable and regular to the last digit, as fits
+    /// are.
     pub strip: Option<Strip>,
     /// Degrees and control points, in words.
     pub words: String,

@@ -57,8 +57,8 @@ const TWIST_SHARE: f64 = 0.1;
 /// The developables on the boundary of the convex hull of curves, judged and developed. Planar pieces bounded by a
 /// single planar curve are left open, and named.
 ///
-/// *Guarantee.* `Certified` only if every strip's rails are proven to lie within the tolerance of the curves, its twist is
-/// proven to stay below `twist_tolerance`, no ruling meets the regression curve between its ends (proven), and every
+/// *Guarantee.* `Certified` only if every strip's rails are proven to lie within the tolerance of the curves, its twist
+/// is proven to stay below `twist_tolerance`, no ruling meets the regression curve between its ends (proven), and every
 /// part has a pattern. *Not guaranteed*: that features finer than the samples are seen.
 ///
 /// # Errors

@@ -120,7 +120,8 @@ const ALTERNATIVES: usize = 5;
 ///
 /// *Guarantee.* `Certified` only if every strip's rails are proven to lie within the tolerance of the rails given, its
 /// twist is proven (see [`crate::certify::rails::twist_bound`]) to stay below `twist_tolerance`, no ruling meets the
-/// regression curve between the rails (proven), and every part has a pattern. Everything else is `Uncertified` with the reason.
+/// regression curve between the rails (proven), and every part has a pattern. Everything else is `Uncertified` with the
+/// reason.
 ///
 /// # Errors
 /// Rails that touch, no branch where one is demanded, fixed rulings out of order, a tolerance that is not positive.

@@ -1,7 +1,8 @@
 //! What becomes of the ends of rails: trimmed, joined by fans, or extended; and how much of each rail is used.
 //!
-//! *Method* of extensions: the tangent at the end, or the osculating circle there \[W15, 1.2\]. A straight extension lies in
-//! one plane through any ruling, so that nothing but a triangle leads along it; a bent one has rulings of its own.
+//! *Method* of extensions: the tangent at the end, or the osculating circle there \[W15, 1.2\]. A straight extension
+//! lies in one plane through any ruling, so that nothing but a triangle leads along it; a bent one has rulings of its
+//! own.
 
 use super::loft::{Ends, Extension};
 use crate::design::loft::branches::Branch;

@@ -171,8 +171,8 @@ const CONTOUR_SHARE: f64 = 0.05;
 /// The developable strip through a curve, judged and developed. It is exactly developable by construction; where the end
 /// rulings allow no regular one, the answer has no strips and the status says why.
 ///
-/// *Guarantee.* `Certified` only if the strips' first edge is proven to lie within the tolerance of the curve, their twist
-/// is proven to stay below `twist_tolerance`, no ruling meets the regression curve between the edges (proven), and
+/// *Guarantee.* `Certified` only if the strips' first edge is proven to lie within the tolerance of the curve, their
+/// twist is proven to stay below `twist_tolerance`, no ruling meets the regression curve between the edges (proven), and
 /// every part has a pattern.
 ///
 /// # Errors

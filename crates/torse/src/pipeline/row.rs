@@ -127,9 +127,9 @@ const AIMS: [f64; 3] = [0.8, 0.4, 0.15];
 
 /// Fits developable strips to rulings or tangent planes.
 ///
-/// *Input*: rulings in any order; planes in order along the surface. *Result*: certified if every element is proven to lie
-/// within the tolerance; otherwise those that are not are counted and the worst is named. Nothing is proven between the
-/// elements.
+/// *Input*: rulings in any order; planes in order along the surface. *Result*: certified if every element is proven to
+/// lie within the tolerance; otherwise those that are not are counted and the worst is named. Nothing is proven between
+/// the elements.
 ///
 /// # Errors
 /// See [`RowFitError`].

@@ -1,8 +1,8 @@
 //! Strips that meet: after a face is covered, its bands are laid anew between common seam curves.
 //!
 //! Order of the work: which bands follow each other along one level function, base lines and first offsets of the
-//! seams between them ([`fit::seams`](crate::fit::seams)), all strips together, and the stretches of border that both sides share.
-//! Nothing is judged here: `approximate` keeps a new strip only if it is certified.
+//! seams between them ([`fit::seams`](crate::fit::seams)), all strips together, and the stretches of border that both
+//! sides share. Nothing is judged here: `approximate` keeps a new strip only if it is certified.
 
 use super::cover::State;
 use crate::fit::boundary::{Borders, SeamChain};

@@ -33,8 +33,8 @@ pub struct Run {
     pub vertices: Vec<u32>,
     /// Parameter `s` of each vertex on `trim` and `edge`: increasing, from 0 to 1.
     pub parameters: Vec<f64>,
-    /// The trimming curve `(t, r)(s)` in the parameter plane of the exported patch; cubic, at least C¹, domain [0, 1]; its end
-    /// points are bitwise those of the neighbouring runs of the loop.
+    /// The trimming curve `(t, r)(s)` in the parameter plane of the exported patch; cubic, at least C¹, domain [0, 1];
+    /// its end points are bitwise those of the neighbouring runs of the loop.
     pub trim: Curve<2>,
     /// The same curve in space, mm, same parameter.
     pub edge: Curve<3>,

@@ -183,8 +183,8 @@ fn stretches(stations: &[[f64; 2]], closed: bool, exact: bool) -> Vec<Vec<[f64; 
     out
 }
 
-/// For every step, the rail that rests while the other one moves. Paths of least twist move one rail at a time: there, only
-/// long rests count.
+/// For every step, the rail that rests while the other one moves. Paths of least twist move one rail at a time: there,
+/// only long rests count.
 fn resting(stations: &[[f64; 2]], exact: bool) -> Vec<Option<usize>> {
     let mut out: Vec<Option<usize>> = stations
         .windows(2)

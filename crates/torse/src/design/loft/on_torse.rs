@@ -1,8 +1,8 @@
 //! Strips of an exactly developable surface between two curves near it.
 //!
-//! *Method.* A spline of planes of degree k has its rulings on `U ∧ U'`; a section F with a plane and the directions E are
-//! homogeneous splines of degree 2k − 2 with a common factor \[PW99, 2\]. A boundary that follows a rail is F + μ E with
-//! a spline μ: cubic Hermite pieces through the points of the rulings next to the rail, with exact derivatives. Both
+//! *Method.* A spline of planes of degree k has its rulings on `U ∧ U'`; a section F with a plane and the directions E
+//! are homogeneous splines of degree 2k − 2 with a common factor \[PW99, 2\]. A boundary that follows a rail is F + μ E
+//! with a spline μ: cubic Hermite pieces through the points of the rulings next to the rail, with exact derivatives. Both
 //! boundaries have equal weights, so rulings are run through evenly, and the strip is developable for any μ.
 
 use crate::geom::{Frame, Vec3};

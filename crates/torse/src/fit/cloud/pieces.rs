@@ -117,8 +117,8 @@ pub fn pieces(estimates: &Estimates, region: &Region, options: &PieceOptions, co
     out
 }
 
-/// Whether limits of the regression curve leave nothing of a row of estimates: a strip that keeps to them does so on every
-/// part, so that nothing is to be found where short parts at both ends and in the middle have none.
+/// Whether limits of the regression curve leave nothing of a row of estimates: a strip that keeps to them does so on
+/// every part, so that nothing is to be found where short parts at both ends and in the middle have none.
 fn hopeless(row: &[(u32, Sample)], cell: f64, options: &PieceOptions) -> bool {
     // A part in so many, but enough of them for a fit to mean something.
     const PARTS: usize = 12;

@@ -107,8 +107,8 @@ const LAWSON: usize = 5;
 const KEPT: (f64, f64) = (0.05, 1e-5);
 /// What a gap counts against a distance when steps are judged, share of the weight of seam points.
 const GAP: f64 = 0.08;
-/// Trials of a step: with every one the damping (share of the normal matrix' diagonal) and the family's fairness, which hold
-/// steps back, grow by these factors.
+/// Trials of a step: with every one the damping (share of the normal matrix' diagonal) and the family's fairness, which
+/// hold steps back, grow by these factors.
 const TRIALS: usize = 5;
 /// See [`TRIALS`].
 const DAMPING: (f64, f64) = (1e-4, 10.0);
@@ -649,8 +649,8 @@ mod tests {
         (0..375).map(at).map(|n| Sample { x: n * RADIUS, n, weight: 1.0 }).collect()
     }
 
-    /// A wide and a narrow zone of a sphere: tangent cones are apart by the difference of their sagittas; strips that agree
-    /// are not, and the wide one is off by about half its sagitta, as it is alone.
+    /// A wide and a narrow zone of a sphere: tangent cones are apart by the difference of their sagittas; strips that
+    /// agree are not, and the wide one is off by about half its sagitta, as it is alone.
     #[test]
     fn zones_of_unequal_width_agree() {
         let levels = [0.0, 0.12, 0.2];

@@ -1,14 +1,14 @@
 //! Feet of many points that all belong to one sheet of a torse.
 //!
-//! *Method.* Envelopes continue beyond their regression curve in a second sheet, and rulings of strips that turn far pass near
-//! points that belong elsewhere. The regularity of a foot \[SE06\] has one sign on each sheet; feet on the wrong one are looked
-//! for again from the foot of the nearest point on the right one.
+//! *Method.* Envelopes continue beyond their regression curve in a second sheet, and rulings of strips that turn far
+//! pass near points that belong elsewhere. The regularity of a foot \[SE06\] has one sign on each sheet; feet on the
+//! wrong one are looked for again from the foot of the nearest point on the right one.
 
 use crate::fit::sheet::Sheet;
 use crate::geom::Vec3;
 
-/// Feet of points (in the sheet's coordinates) from first guesses, within a range: `None` for points without one on the sheet
-/// to which most points belong.
+/// Feet of points (in the sheet's coordinates) from first guesses, within a range: `None` for points without one on the
+/// sheet to which most points belong.
 pub(super) fn feet(sheet: &Sheet, points: &[Vec3], guesses: &[f64], range: (f64, f64)) -> Vec<Option<f64>> {
     let found = |q: &Vec3, guess: f64| sheet.foot(q, guess, range).map(|t| (t, sheet.distance(q, t).1));
     let first: Vec<Option<(f64, f64)>> = points.iter().zip(guesses).map(|(q, &t)| found(q, t)).collect();
@@ -32,7 +32,8 @@ mod tests {
     use crate::spline::knots::Knots;
     use crate::surface::torse::{DualTorse, Torse};
 
-    /// Planes of a cone about the z-axis, as a spline of the angle: points of one half have feet there, whatever the guess.
+    /// Planes of a cone about the z-axis, as a spline of the angle: points of one half have feet there, whatever the
+    /// guess.
     #[test]
     fn points_of_a_cone_keep_to_their_half() {
         let angles: Vec<f64> = (0..=200).map(|i| f64::from(i) / 100.0).collect();

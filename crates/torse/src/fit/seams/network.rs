@@ -1,10 +1,10 @@
 //! All strips of a face together: connecting developables between seams, and offsets of the seams that make the largest
 //! distance smallest.
 //!
-//! *Method.* First variation (\[SE06\] carried on): lifting the seams at the ends of a ruling by `da` and `db` along the normal changes
-//! the signed distance of a surface point at the fraction λ of the ruling by `−(1 − λ) da − λ db`, and nothing else to
-//! first order. So the offsets of all seams enter linearly; Lawson's weights turn least squares into the smallest
-//! largest distance. The best state is kept, not the last one.
+//! *Method.* First variation (\[SE06\] carried on): lifting the seams at the ends of a ruling by `da` and `db` along
+//! the normal changes the signed distance of a surface point at the fraction λ of the ruling by `−(1 − λ) da − λ db`,
+//! and nothing else to first order. So the offsets of all seams enter linearly; Lawson's weights turn least squares
+//! into the smallest largest distance. The best state is kept, not the last one.
 //!
 //! *Not guaranteed*: that the linear step helps (then the start is kept); distances are sampled.
 

@@ -1,7 +1,8 @@
 //! A seam: a base line on the surface, lifted by a smooth offset along the normal.
 //!
-//! *Method.* The base line is a level line after \[SE06\]; `y(s) = x(s) + a(s) N(s)` with a quintic spline `a`. The seam itself
-//! is the quintic C⁴ spline nearest to samples of that; it *is* the seam from then on, whatever its distance from them.
+//! *Method.* The base line is a level line after \[SE06\]; `y(s) = x(s) + a(s) N(s)` with a quintic spline `a`. The
+//! seam itself is the quintic C⁴ spline nearest to samples of that; it *is* the seam from then on, whatever its
+//! distance from them.
 
 use super::base_line::BaseLine;
 use crate::num::least_squares::{BandMatrix, Rows};

@@ -12,7 +12,8 @@ use crate::surface::rail::{Rail, RailError};
 pub struct CurveOptions {
     /// Name of the rail, for messages.
     pub name: String,
-    /// Which curve of the file: entity number of a STEP file (`12/2` where an assembly has it a second time), layer or handle of a DXF file; empty if it has only one.
+    /// Which curve of the file: entity number of a STEP file (`12/2` where an assembly has it a second time), layer or
+    /// handle of a DXF file; empty if it has only one.
     pub select: String,
     /// Length of one unit of the file, mm, where the file does not say (CSV, some DXF); default none.
     pub unit: Option<f64>,

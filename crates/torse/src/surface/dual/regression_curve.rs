@@ -22,8 +22,8 @@ pub struct RegressionPiece {
 }
 
 impl DualCurve {
-    /// The regression curve span by span, of degree 3k−6, for type (3) of degree 2k−3 (0 if k = 2, where every span is part of a cone). Jumps where
-    /// the planes are only C¹.
+    /// The regression curve span by span, of degree 3k−6, for type (3) of degree 2k−3 (0 if k = 2, where every span is
+    /// part of a cone). Jumps where the planes are only C¹.
     ///
     /// # Errors
     /// Planes of degree 1: all rulings lie on the common lines of planes, there is no regression curve.

@@ -1,9 +1,10 @@
 //! Two faces with a common side become one.
 //!
-//! *Method.* Both are turned until the common side is the end of the first in u and the beginning of the second; brought to
-//! one degree and one knot vector along it by blossoms \[R89\]; the second then starts with the control points that the
-//! first ends with, and u goes on over a knot of full multiplicity. Knots of full multiplicity along the side may
-//! be moved without changing the surface: so sides fit that are chains themselves, each with a pace of its own.
+//! *Method.* Both are turned until the common side is the end of the first in u and the beginning of the second;
+//! brought to one degree and one knot vector along it by blossoms \[R89\]; the second then starts with the control
+//! points that the first ends with, and u goes on over a knot of full multiplicity. Knots of full multiplicity along
+//! the side may be moved without changing the surface: so sides fit that are chains themselves, each with a pace of its
+//! own.
 
 use super::turn::{reversed_u, reversed_v, transposed};
 use super::JoinOptions;

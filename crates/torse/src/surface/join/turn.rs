@@ -1,5 +1,5 @@
-//! The same face with its parameter plane turned: u and v exchanged, or one of them run backwards; control points and knots
-//! change places, as blossoms do \[R89\].
+//! The same face with its parameter plane turned: u and v exchanged, or one of them run backwards; control points and
+//! knots change places, as blossoms do \[R89\].
 
 use crate::surface::face::{Face, TrimLoop};
 

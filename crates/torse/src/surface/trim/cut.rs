@@ -227,7 +227,8 @@ fn order_across(chains: &mut [Chain], axis: usize, period_across: Option<f64>) -
     Ok(())
 }
 
-/// A parameter line that the chains cross least, and how often: the seam of the surface or the start of a loop if that is no worse.
+/// A parameter line that the chains cross least, and how often: the seam of the surface or the start of a loop if that
+/// is no worse.
 fn quiet_line(carrier: &Carrier, chains: &[Chain], axis: usize, period: f64) -> (f64, usize) {
     let mut candidates = Vec::new();
     if let Carrier::Spline(s) = carrier {
