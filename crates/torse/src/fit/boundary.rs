@@ -3,6 +3,7 @@
 //! Method: certificate specification, section 5. The border of a label is a polyline of partition edges; its foot
 //! points on the torse are the places that the trimming curves pass. Nothing is judged here.
 
+mod feet;
 mod path;
 
 use std::collections::{HashMap, HashSet};
@@ -19,6 +20,7 @@ use crate::surface::convert::{self, ConvertError, Extent};
 use crate::surface::face::Face;
 use crate::surface::panel::{Border, Panel, Run};
 use crate::surface::torse::{PanelKind, Torse};
+use feet::feet_along;
 use path::{Aim, Path};
 
 /// A torse for a label.
@@ -472,30 +474,25 @@ impl<'a> Borders<'a> {
         }
         let mut out: HashMap<u32, Foot> = HashMap::new();
         for l in loops {
-            let mut guess = None;
-            for s in l {
-                for v in s.oriented(&self.chains[s.chain]).0 {
-                    if let Some(f) = out.get(&v) {
-                        guess = Some(f.t);
-                        continue;
-                    }
-                    let vertex = same.get(&v).copied().unwrap_or(v);
-                    let known = out.get(&vertex).copied();
-                    let x = &self.points[vertex as usize];
-                    let f = match known {
-                        Some(f) => f,
-                        None => {
-                            let t = guess
-                                .and_then(|g| torse.foot(x, g))
-                                .or_else(|| nearest_foot(torse, x))
-                                .ok_or(BoundaryError::Foot { label, uv: self.partition.vertices[vertex as usize] })?;
-                            Foot { t, vertex, normal: torse.ruling(t).normal, distance: torse.plane_distance(x, t) }
-                        }
-                    };
-                    out.insert(vertex, f);
-                    out.insert(v, f);
-                    guess = Some(f.t);
-                }
+            let cycle: Vec<u32> = l
+                .iter()
+                .flat_map(|s| {
+                    let mut vertices = s.oriented(&self.chains[s.chain]).0;
+                    vertices.pop();
+                    vertices
+                })
+                .collect();
+            let one = |v: &u32| same.get(v).copied().unwrap_or(*v);
+            let points: Vec<Vec3> = cycle.iter().map(|v| self.points[one(v) as usize]).collect();
+            let bad = |k: usize| BoundaryError::Foot { label, uv: self.partition.vertices[one(&cycle[k]) as usize] };
+            let feet = feet_along(torse, &points).map_err(bad)?;
+            for ((v, x), t) in cycle.iter().zip(&points).zip(feet) {
+                let vertex = one(v);
+                let known = out.get(&vertex).copied();
+                let normal = torse.ruling(t).normal;
+                let f = known.unwrap_or(Foot { t, vertex, normal, distance: torse.plane_distance(x, t) });
+                out.insert(vertex, f);
+                out.insert(*v, f);
             }
         }
         Ok(out)
@@ -524,21 +521,14 @@ fn ends_on_shared_edges(runs: &mut [Run], stretches: &[Stretch], shared: &dyn Fn
 /// Whether a patch can be laid around the part of a torse that a region uses: rulings and regression curve leave room
 /// for it. A quick look at what [`Borders::panel`] does first, on the border as it is.
 pub fn has_patch(face: &Face, partition: &Partition, label: u32, torse: &Torse) -> bool {
-    let mut loops = Vec::new();
-    for cycle in chains::loops(partition, label) {
-        let mut guess = None;
-        let mut points = Vec::with_capacity(cycle.len());
-        for v in cycle {
-            let [u, w] = partition.vertices[v as usize];
-            let x = face.surface.point(u, w);
-            let Some(t) = guess.and_then(|g| torse.foot(&x, g)).or_else(|| nearest_foot(torse, &x)) else {
-                return false;
-            };
-            points.push((t, x - torse.ruling(t).normal * torse.plane_distance(&x, t)));
-            guess = Some(t);
-        }
-        loops.push(points);
-    }
+    let point = |v: u32| face.surface.point(partition.vertices[v as usize][0], partition.vertices[v as usize][1]);
+    let feet = |cycle: Vec<u32>| {
+        let points: Vec<Vec3> = cycle.into_iter().map(point).collect();
+        let feet = feet_along(torse, &points).ok()?;
+        let foot = |(x, t): (Vec3, f64)| (t, x - torse.ruling(t).normal * torse.plane_distance(&x, t));
+        Some(points.into_iter().zip(feet).map(foot).collect())
+    };
+    let Some(loops) = chains::loops(partition, label).into_iter().map(feet).collect() else { return false };
     convert::patch(torse, &Extent { loops }).is_ok()
 }
 
@@ -568,31 +558,6 @@ impl Stretch {
             (chain.vertices.iter().rev().copied().collect(), chain.parameters.iter().rev().map(|s| 1.0 - s).collect())
         }
     }
-}
-
-/// Foot parameter of `x` without a guess: the sign change of the foot function nearest in space.
-pub fn nearest_foot(torse: &Torse, x: &Vec3) -> Option<f64> {
-    const SCAN: usize = 96;
-    let (a, b) = torse.domain();
-    let node = |i: usize| if i == SCAN { b } else { a + (b - a) * i as f64 / SCAN as f64 };
-    let mut best: Option<(f64, f64)> = None;
-    let mut consider = |t: Option<f64>| {
-        if let Some(t) = t {
-            let d = torse.plane_distance(x, t).abs();
-            if best.is_none_or(|b| d < b.1) {
-                best = Some((t, d));
-            }
-        }
-    };
-    let mut before = torse.foot_function(x, a).0;
-    for i in 1..=SCAN {
-        let here = torse.foot_function(x, node(i)).0;
-        if before * here <= 0.0 {
-            consider(torse.foot(x, 0.5 * (node(i - 1) + node(i))));
-        }
-        before = here;
-    }
-    best.map(|b| b.0)
 }
 
 #[cfg(test)]
