@@ -168,7 +168,7 @@ impl Job<'_> {
                 if needed.max(least_count) >= count && (worst <= EVEN * least || same > 0 || repairs > 0) {
                     break;
                 }
-            } else if round > 1 && worst >= MOST_SHARE {
+            } else if round > 1 && worst >= MOST_SHARE && resisting > (count / SOME).max(1) {
                 break;
             }
             // One band fewer is not tried before all bands of a round were good.

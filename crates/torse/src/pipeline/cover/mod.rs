@@ -92,6 +92,9 @@ const SWEEP_DEPTH: usize = 2;
 const SWEEP_COUNT: f64 = 18.0;
 /// … must promise less than this share of them: with many panels, sweeps take long.
 const PROMISED: f64 = 0.8;
+/// Level functions are not tried when they promise more than this multiple of the panels that marched straight bands
+/// leave to win.
+const BEATEN: f64 = 1.15;
 /// Directions of the sweep.
 const SWEEP_DIRECTIONS: usize = 8;
 /// Deep in the recursion only so many are tried, those that promise the fewest bands.
@@ -107,6 +110,14 @@ pub(crate) struct Job<'a> {
     pub(crate) control: &'a Control,
     pub(crate) proofs: AtomicUsize,
     course: Course<'a>,
+}
+
+/// A linear function of the parameters, whose levels bound straight bands.
+struct Straight {
+    field: Field,
+    /// Number of bands that theory promises, and how dense they must lie in equal parts of the function's range.
+    promised: f64,
+    density: Vec<f64>,
 }
 
 /// A covered face.
@@ -243,17 +254,26 @@ impl Job<'_> {
         // With more to spare, one band fewer might do: theory may ask for more than is needed.
         let full = |n: usize, spare: f64| spare < 1.0 - even::AIM * (1.0 - 1.0 / n.max(1) as f64).powi(2);
         let mut swept = false;
-        if top && fewest {
+        let straight = if fewest && depth <= SWEEP_DEPTH { self.straight(&state, label) } else { Vec::new() };
+        // Directions in which straight bands have been marched.
+        let mut marched = 0;
+        if top {
             let curved = found.first().map_or(f64::INFINITY, |l| self.bands_predicted(&state, label, l));
-            if let Some((next, spare)) = self.straight_even(&state, label, curved, limit) {
+            if let Some((next, spare)) = self.straight_even(&state, label, &straight, curved, limit) {
                 swept = full(Self::count(&next).saturating_sub(before), spare);
                 keep(next, &mut best, &mut limit);
+            } else if straight.first().is_some_and(|s| s.promised < curved.min(SWEEP_COUNT)) {
+                marched = FEW_DIRECTIONS.min(straight.len());
+                if let Some(next) = self.sweep(&state, label, limit, &straight[..marched], f64::INFINITY) {
+                    keep(next, &mut best, &mut limit);
+                }
             }
         }
-        let at_theory = predicted.is_finite()
-            && best.as_ref().is_some_and(|b| (Self::count(b) - before) as f64 <= predicted.ceil());
-        let good = if at_theory { Vec::new() } else { good };
-        for (i, l) in good.iter().enumerate() {
+        // Theory is no limit where panels are few: level functions must promise clearly more than what is left to win.
+        let most = if marched > 0 { BEATEN } else { 1.0 } * limit as f64;
+        let worth_it = |l: &Level| best.is_none() || l.merit / four <= most;
+        let tried: Vec<&Level> = good.iter().copied().filter(|l| worth_it(l)).collect();
+        for (i, l) in tried.into_iter().enumerate() {
             let near = |b: &State| near_theory((Self::count(b) - before) as f64);
             if limit == 0 || (i > 0 && best.as_ref().is_some_and(near)) {
                 break;
@@ -271,14 +291,14 @@ impl Job<'_> {
                 keep(next, &mut best, &mut limit);
             }
         }
-        if good.is_empty() && !at_theory {
+        if good.is_empty() {
             if let Some(next) = self.divided(&state, label, limit, depth) {
                 keep(next, &mut best, &mut limit);
             }
         }
         let reached = best.as_ref().map_or(predicted, |b| (Self::count(b) - before) as f64);
         let near = near_theory(reached);
-        if fewest && depth <= SWEEP_DEPTH && limit > 0 && !(swept && (near || reached > SWEEP_COUNT)) {
+        if marched < straight.len() && limit > 0 && !(swept && (near || reached > SWEEP_COUNT)) {
             // Many bands, or bands near theory, leave little hope: only directions that promise fewer are worth it.
             let (most, directions) = if reached > SWEEP_COUNT {
                 (PROMISED * reached, SWEEP_DIRECTIONS)
@@ -287,8 +307,8 @@ impl Job<'_> {
             } else {
                 (f64::INFINITY, SWEEP_DIRECTIONS)
             };
-            let directions = if depth > 0 { FEW_DIRECTIONS } else { directions };
-            if let Some(next) = self.sweep(&state, label, limit, directions, most) {
+            let directions = if depth > 0 { FEW_DIRECTIONS } else { directions }.clamp(marched, straight.len());
+            if let Some(next) = self.sweep(&state, label, limit, &straight[marched..directions], most) {
                 keep(next, &mut best, &mut limit);
             }
         }
@@ -341,51 +361,54 @@ impl Job<'_> {
         pieces as f64 * l.merit / l.range
     }
 
-    /// Linear functions of the parameters that rise in the directions of a sweep, with the number of bands that each
-    /// promises and how dense they must lie; the one that promises the fewest first.
-    fn straight(&self, state: &State, label: u32) -> Vec<(f64, Vec<f64>, Field)> {
+    /// The directions of a sweep; the one that promises the fewest bands first.
+    fn straight(&self, state: &State, label: u32) -> Vec<Straight> {
         let bounds = state.partition.bounds(label);
         let forms = state.forms(label, 100);
         let (e, g) = forms.iter().fold((0.0, 0.0), |(e, g), f| (e + f.first[0], g + f.first[2]));
         let aspect = if e > 0.0 { (g / e).sqrt() } else { 1.0 };
         let four = 4.0 * self.options.tolerance.sqrt();
-        let mut found: Vec<(f64, Vec<f64>, Field)> = (0..SWEEP_DIRECTIONS)
+        let mut found: Vec<Straight> = (0..SWEEP_DIRECTIONS)
             .filter_map(|k| {
                 let angle = std::f64::consts::PI * k as f64 / SWEEP_DIRECTIONS as f64;
                 let gradient = [angle.cos(), angle.sin() * aspect];
                 let mut field = Field::bicubic(bounds, 1).ok()?;
                 field.set_linear(gradient[0], gradient[1]);
                 let bands = straight_bands(&forms, gradient);
-                Some((bands.range / four, bands.density, field))
+                Some(Straight { field, promised: bands.range / four, density: bands.density })
             })
             .collect();
-        found.sort_by(|a, b| a.0.total_cmp(&b.0));
+        found.sort_by(|a, b| a.promised.total_cmp(&b.promised));
         found
     }
 
     /// Straight bands laid all at once, where they promise fewer panels than curved ones; as [`Job::even`].
-    fn straight_even(&self, state: &State, label: u32, curved: f64, budget: usize) -> Option<(State, f64)> {
-        self.straight(state, label)
-            .into_iter()
+    fn straight_even(
+        &self,
+        state: &State,
+        label: u32,
+        directions: &[Straight],
+        curved: f64,
+        budget: usize,
+    ) -> Option<(State, f64)> {
+        directions
+            .iter()
             .take(STRAIGHT)
-            .filter(|s| s.0 < curved && s.0 <= budget as f64)
-            .find_map(|(promised, density, field)| self.even(state, label, &field, (promised, &density), budget))
+            .filter(|s| s.promised < curved && s.promised <= budget as f64)
+            .find_map(|s| self.even(state, label, &s.field, (s.promised, &s.density), budget))
     }
 
-    /// Straight bands in several directions of the parameter plane, those that promise the fewest bands and fewer than
-    /// `most`; the fewest win (C5b).
-    fn sweep(&self, state: &State, label: u32, budget: usize, directions: usize, most: f64) -> Option<State> {
+    /// Straight bands marched in those of several directions that promise fewer than `most`; the fewest win (C5b).
+    fn sweep(&self, state: &State, label: u32, budget: usize, directions: &[Straight], most: f64) -> Option<State> {
         let incumbent = AtomicUsize::new(march::key(budget, SWEEP_DIRECTIONS));
         let before = Self::count(state);
-        let mut ranked = self.straight(state, label);
-        ranked.truncate(directions);
-        // Without a limit, directions of which nothing can be said are tried too.
-        ranked.retain(|r| most.is_infinite() || r.0 < most);
-        ranked
-            .into_par_iter()
+        directions
+            .par_iter()
             .enumerate()
-            .filter_map(|(rank, (_, _, field))| {
-                let next = self.swept(state, label, &field, march::Limit { best: &incumbent, rank })?;
+            // Without a limit, directions of which nothing can be said are tried too.
+            .filter(|(_, s)| most.is_infinite() || s.promised < most)
+            .filter_map(|(rank, s)| {
+                let next = self.swept(state, label, &s.field, march::Limit { best: &incumbent, rank })?;
                 let n = Self::count(&next) - before;
                 incumbent.fetch_min(march::key(n, rank), Ordering::Relaxed);
                 Some((n, rank, next))
