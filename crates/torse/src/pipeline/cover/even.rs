@@ -9,6 +9,7 @@
 
 use super::judge::{Trial, Try};
 use super::march::range;
+use super::state::Density;
 use super::{Job, State, DISTANCE_SHARE};
 use crate::fit::samples::Fit;
 use crate::spline::field::Field;
@@ -234,9 +235,10 @@ impl Job<'_> {
         };
         // What most bands needed in the round before, they will need again.
         let fine = known.values().flatten().filter(|f| Try::is_fine(&f.0)).count();
-        let fine_first = 2 * fine > known.len();
+        let how = Try { prove: false, fine_first: 2 * fine > known.len(), density: Density::Band };
         let proposed = |label: u32, w: &[f64], before: &[(Arc<Fit>, Option<f64>)]| {
-            let samples = if before.is_empty() { Vec::new() } else { laid.dense_samples(&self.face.surface, label) };
+            let sampled = || laid.dense_samples(&self.face.surface, label, how.density);
+            let samples = if before.is_empty() { Vec::new() } else { sampled() };
             let kept = before.iter().find_map(|(fit, proven)| {
                 let (error, worst) = crate::fit::error(&fit.torse, &samples)?;
                 let area = laid.area(label);
@@ -247,9 +249,7 @@ impl Job<'_> {
             });
             match kept {
                 Some(piece) => piece,
-                None => {
-                    piece(label, self.tried(&laid, label, Some(&centre(label, w)), Try { prove: false, fine_first }))
-                }
+                None => piece(label, self.tried(&laid, label, Some(&centre(label, w)), how)),
             }
         };
         let mut pieces: Vec<Vec<Piece>> = bands
@@ -265,7 +265,7 @@ impl Job<'_> {
                 let Some(fit) = p.fit.as_ref().filter(|_| p.proven.is_none()) else { return };
                 let mut t = self.confirmed(&laid, p.label, fit);
                 if t.accepted.is_none() {
-                    t = self.tried(&laid, p.label, Some(&centre(p.label, w)), Try { prove: true, fine_first });
+                    t = self.tried(&laid, p.label, Some(&centre(p.label, w)), Try { prove: true, ..how });
                 }
                 *p = piece(p.label, t);
                 p.proven = p.fit.as_ref().map(|_| laid.area(p.label));

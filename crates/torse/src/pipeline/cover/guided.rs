@@ -13,6 +13,7 @@
 //! face; closed curves become two halves.
 
 use super::course::{lines, CurveError, PanelCurve};
+use super::state::Density;
 use super::{Job, State, DISTANCE_SHARE};
 use crate::fit::along::{envelope_along, interval, paper_estimate, smoothed, walked, RulingPoint};
 use crate::fit::dual::envelope;
@@ -212,7 +213,7 @@ impl Job<'_> {
             let (mut trial, labels) = self.cut_out(state, &polygon);
             let mut worst: f64 = 0.0;
             for &label in &labels {
-                let samples = trial.dense_samples(surface, label);
+                let samples = trial.dense_samples(surface, label, Density::Usual);
                 let Some((e, at)) = error(&sheet.torse, &samples) else {
                     worst = f64::INFINITY;
                     break;

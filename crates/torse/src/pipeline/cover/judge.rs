@@ -1,6 +1,7 @@
 //! One region, one torse: propose, judge, refine. A torse is accepted only by the certificate; where that refuses,
 //! its witness becomes a sample of the next fit, for bands laid all at once with all peaks between the samples so far.
 
+use super::state::Density;
 use super::{Job, State, DISTANCE_SHARE};
 use crate::certify::distance::{distance, DistanceOptions};
 use crate::certify::Verdict;
@@ -39,8 +40,6 @@ const SPANS: f64 = 0.7;
 const MOST_SPANS: usize = 80;
 /// Share of the allowed distance above which further samples of a refused torse are taken in.
 const PEAK: f64 = 0.95;
-/// Samples that a refused torse is measured at lie so many times as dense as those that it was fitted to.
-const FINER: usize = 2;
 /// Refits with witnesses before a torse is given up.
 const REFITS: usize = 3;
 
@@ -59,6 +58,8 @@ pub(super) struct Try {
     pub(super) prove: bool,
     /// Whether torses with many spans are tried first.
     pub(super) fine_first: bool,
+    /// How dense the region is sampled.
+    pub(super) density: Density,
 }
 
 impl Try {
@@ -78,18 +79,24 @@ impl Trial {
 impl Job<'_> {
     /// Tries plane, dual torse along the centre line (if there is one) and primal torse on a region.
     pub(crate) fn single(&self, state: &State, label: u32, centre: Option<&[CentrePoint]>) -> Trial {
-        self.tried(state, label, centre, Try { prove: true, fine_first: false })
+        self.tried(state, label, centre, Try { prove: true, fine_first: false, density: Density::Usual })
     }
 
     /// The proof of what was proposed.
     pub(super) fn confirmed(&self, state: &State, label: u32, fit: &Fit) -> Trial {
-        self.peaks_proven(state, label, fit.clone(), state.dense_samples(&self.face.surface, label), true)
+        self.peaks_proven(
+            state,
+            label,
+            fit.clone(),
+            state.dense_samples(&self.face.surface, label, Density::Band),
+            true,
+        )
     }
 
     /// As [`Job::single`] in another manner. Without proof, what is accepted here may still be refused.
     pub(super) fn tried(&self, state: &State, label: u32, centre: Option<&[CentrePoint]>, how: Try) -> Trial {
         let allowed = self.options.tolerance * DISTANCE_SHARE;
-        let samples = state.dense_samples(&self.face.surface, label);
+        let samples = state.dense_samples(&self.face.surface, label, how.density);
         let proven = |fit: Fit| {
             if how.prove {
                 self.proven(state, label, fit, samples.clone())
@@ -207,7 +214,7 @@ impl Job<'_> {
                     let j = self.face.surface.jet(uv[0], uv[1]);
                     let weight = samples.iter().map(|s| s.weight).fold(0.0, f64::max);
                     if peaks && round == 0 {
-                        let finer = state.divided_samples(&self.face.surface, label, FINER);
+                        let finer = state.dense_samples(&self.face.surface, label, Density::Peaks);
                         samples.extend(beyond(&fit.torse, finer, fit.error.max(PEAK * allowed)));
                     }
                     let n = j.normal();

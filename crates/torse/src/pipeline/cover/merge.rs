@@ -2,6 +2,7 @@
 
 use super::layout::same_side;
 use super::march::range;
+use super::state::Density;
 use super::{Job, State};
 use crate::fit::CentrePoint;
 use crate::geom::Vec3;
@@ -129,7 +130,7 @@ impl Job<'_> {
                 }
             }
             let fit = state.panels.get(&n)?;
-            let samples = trial.dense_samples(&self.face.surface, n);
+            let samples = trial.dense_samples(&self.face.surface, n, Density::Usual);
             let (error, worst) = crate::fit::error(&fit.torse, &samples)?;
             let fit = crate::fit::Fit { error, worst, ..(**fit).clone() };
             let proven = self.proven(&trial, n, fit, samples).accepted?;

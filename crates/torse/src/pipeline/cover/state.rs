@@ -20,6 +20,17 @@ pub struct VertexJet {
     pub normal: Vec3,
 }
 
+/// How dense a region is sampled.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Density {
+    /// For a first opinion: what is between the samples is left to the proof.
+    Usual,
+    /// Errors of bands peak between their borders: denser across them, so that these peaks are seen.
+    Band,
+    /// Twice as dense in every direction, for what a proof has refused.
+    Peaks,
+}
+
 /// A face in the making.
 #[derive(Clone, Debug)]
 pub struct State {
@@ -122,12 +133,12 @@ impl State {
 
     /// As [`State::samples`], with further samples (of no weight) inside the triangles of thin regions, which have few
     /// vertices across, and of small ones.
-    pub fn dense_samples(&self, surface: &Surface, label: u32) -> Vec<Sample> {
-        self.divided_samples(surface, label, 1)
-    }
-
-    /// As [`State::dense_samples`], with every division `finer` times as fine.
-    pub fn divided_samples(&self, surface: &Surface, label: u32, finer: usize) -> Vec<Sample> {
+    pub fn dense_samples(&self, surface: &Surface, label: u32, density: Density) -> Vec<Sample> {
+        let (across, finer) = match density {
+            Density::Usual => (2, 1),
+            Density::Band => (3, 1),
+            Density::Peaks => (3, 2),
+        };
         // Regions of fewer than about five cells across have more vertices than this share of their triangles.
         const THIN: f64 = 0.6;
         // Samples that a region has at least, and the finest division of its triangles.
@@ -136,9 +147,11 @@ impl State {
         let region = self.partition.region(label);
         let mut out = self.samples(label);
         let thin = out.len() as f64 > THIN * region.len() as f64;
-        let parts =
-            (1..FINEST).find(|m| region.len() * m * m / 2 >= LEAST).unwrap_or(FINEST).max(1 + usize::from(thin))
-                * finer;
+        let parts = (1..FINEST).find(|m| region.len() * m * m / 2 >= LEAST).unwrap_or(FINEST).max(if thin {
+            across
+        } else {
+            1
+        }) * finer;
         let mut add = |u: f64, v: f64| {
             let jet = surface.jet(u, v);
             out.push(Sample { x: jet.p, n: unit_normal(&jet), weight: 0.0 });
