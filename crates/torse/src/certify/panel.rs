@@ -14,7 +14,7 @@ use super::family::Family;
 use super::prepared::Prepared;
 use super::rounding::rounding_bound;
 use super::ruled::{Ruled, RuledJets};
-use super::simple::loops_are_simple;
+use super::simple::{loops_are_simple, stays_within};
 use super::{PanelCertificate, Resistance, Verdict};
 use crate::control::Control;
 use crate::geom::partition::Partition;
@@ -91,8 +91,7 @@ pub(super) fn panel_certificate(
         reasons.push(reason.into());
     }
     let (t0, t1) = jets.domain();
-    let within = |c: &[f64; 2]| c[0] >= t0 && c[0] <= t1 && (0.0..=1.0).contains(&c[1]);
-    if !curves.iter().flatten().flat_map(|c| &c.control).all(within) {
+    if !curves.iter().flatten().all(|c| stays_within(c, [t0, 0.0], [t1, 1.0])) {
         reasons.push("a trimming curve leaves the patch".into());
     }
 

@@ -1,4 +1,4 @@
-//! Whether the exported trimming loops are simple closed curves that bound one region.
+//! Whether the exported trimming loops are simple closed curves that bound one region, and stay on their patch.
 //!
 //! *Method* \[certificate, H7\]: the cubic pieces are halved until every piece runs forward in some direction together
 //! with its successor (so neither meets itself, and both meet in their common end only), and all other pairs are
@@ -22,6 +22,12 @@ const ROUNDS: usize = 36;
 
 /// Pieces at most, beyond ten times the number given: loops that need more come too close to themselves.
 const PIECES: usize = 4_000;
+
+/// Distance that computed control points keep from the sides of a box, as a share of its size: rounding is far below.
+const BOX_MARGIN: f64 = 1e-9;
+
+/// Halvings of a piece at most, to show that it stays in a box.
+const BOX_ROUNDS: usize = 12;
 
 /// A cubic piece in coordinates scaled to the unit square.
 #[derive(Clone, Copy, Debug)]
@@ -57,6 +63,35 @@ pub(super) fn loops_are_simple(loops: &[Vec<&Curve<2>>]) -> Result<(), &'static 
         rings = next;
     }
     Err("a trimming loop meets itself or another, or comes too close to tell")
+}
+
+/// Whether a trimming curve stays in a box: its control points do, or those of its pieces once they are short enough.
+pub(super) fn stays_within(curve: &Curve<2>, low: [f64; 2], high: [f64; 2]) -> bool {
+    let within = |c: &[f64; 2], margin: f64| {
+        (0..2).all(|d| {
+            let m = margin * (high[d] - low[d]);
+            c[d] >= low[d] + m && c[d] <= high[d] - m
+        })
+    };
+    if curve.control.iter().all(|c| within(c, 0.0)) {
+        return true;
+    }
+    if curve.knots.degree() != 3 {
+        return false;
+    }
+    let pieces = bezier_pieces(curve).into_iter();
+    let mut open: Vec<(Piece, usize)> =
+        pieces.map(|(_, _, b)| (Piece { c: [b[0], b[1], b[2], b[3]], group: 0 }, 0)).collect();
+    while let Some((p, depth)) = open.pop() {
+        if p.c.iter().all(|c| within(c, BOX_MARGIN)) {
+            continue;
+        }
+        if depth == BOX_ROUNDS || !within(&p.c[0], BOX_MARGIN) || !within(&p.c[3], BOX_MARGIN) {
+            return false;
+        }
+        open.extend(p.halves().map(|h| (h, depth + 1)));
+    }
+    true
 }
 
 /// All pieces in order, scaled; checks that the curves join bit by bit.
@@ -327,6 +362,19 @@ mod tests {
         let mut open = circle(1.0, 1.0, [0.0, 0.0]);
         open[1].control[0][0] += 1e-9;
         assert!(loops_are_simple(&refs(&[open])).is_err());
+    }
+
+    #[test]
+    fn curves_stay_in_a_box_whatever_their_control_points_do() {
+        // The cubic t(1 − t)(1 − 2t) on [0, 1] reaches about ±0.0962, its control points ±1/3.
+        let knots = Knots::clamped(3, &[0.0, 1.0]).expect("knots");
+        let third = 1.0 / 3.0;
+        let c = Curve { knots, control: vec![[0.0, 0.0], [third, third], [2.0 * third, -third], [1.0, 0.0]] };
+        assert!(stays_within(&c, [-0.1, -0.0963], [1.1, 0.0963]));
+        assert!(!stays_within(&c, [-0.1, -0.0961], [1.1, 0.0961]));
+        assert!(!stays_within(&c, [-0.1, -0.0963], [0.9, 0.0963]));
+        // On the very side of the box nothing is computed.
+        assert!(stays_within(&c, [0.0, -third], [1.0, third]));
     }
 
     #[test]
