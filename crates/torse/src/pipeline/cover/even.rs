@@ -25,6 +25,8 @@ const ROUNDS: usize = 8;
 const ROUNDS_ANEW: usize = 4;
 /// Bands whose share is below this are remainders of a march: less than about two thirds as wide as they could be.
 const REMAINDER: f64 = 0.5;
+/// Bands none of whose shares exceed this do not end where they do because of the tolerance: their widths follow no law.
+const LIMITED: f64 = 0.75;
 /// Components that are narrower than this share of their band become part of their neighbours.
 const NARROW: f64 = 0.4;
 /// Rounds with the same number of bands.
@@ -105,13 +107,14 @@ impl Job<'_> {
             .collect();
         let rise = Rise::of_bands(&bands);
         let count = rise.needed().min(fresh.len());
-        if count == fresh.len() && bands.iter().all(|b| b[2] >= REMAINDER) {
+        let uneven = bands.iter().any(|b| b[2] < REMAINDER) && bands.iter().any(|b| b[2] > LIMITED);
+        if count == fresh.len() && !uneven {
             return cover;
         }
         let start = Start { levels: rise.levels(count), rise, rounds: ROUNDS_ANEW, most: fresh.len() };
         let least = |state: &State| newly(before, state).map(|(_, fit)| fit.error).fold(f64::INFINITY, f64::min);
         match self.settled(before, label, &field, start, fresh.len()) {
-            Some((s, _)) if s.panels.len() < cover.panels.len() || least(&s) > least(&cover) => s,
+            Some((s, _)) if s.panels.len() < cover.panels.len() || (uneven && least(&s) > least(&cover)) => s,
             _ => cover,
         }
     }
