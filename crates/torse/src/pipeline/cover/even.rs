@@ -27,6 +27,8 @@ const ROUNDS_ANEW: usize = 4;
 const REMAINDER: f64 = 0.5;
 /// Bands none of whose shares exceed this do not end where they do because of the tolerance: their widths follow no law.
 const LIMITED: f64 = 0.75;
+/// So many bands are laid anew for the sake of a remainder; fewer may end where they do because a surface closes.
+const SEVERAL: usize = 4;
 /// Components that are narrower than this share of their band become part of their neighbours.
 const NARROW: f64 = 0.4;
 /// Rounds with the same number of bands.
@@ -107,7 +109,8 @@ impl Job<'_> {
             .collect();
         let rise = Rise::of_bands(&bands);
         let count = rise.needed().min(fresh.len());
-        let uneven = bands.iter().any(|b| b[2] < REMAINDER) && bands.iter().any(|b| b[2] > LIMITED);
+        let remainder = bands.iter().any(|b| b[2] < REMAINDER) && bands.iter().any(|b| b[2] > LIMITED);
+        let uneven = remainder && fresh.len() >= SEVERAL;
         if count == fresh.len() && !uneven {
             return cover;
         }
