@@ -1,10 +1,11 @@
 //! Covering one face with torses, each accepted by the certificate.
 //!
 //! *Method* (mixed-curvature specification, C0): one panel if one is enough; two; straight bands laid all at once, where
-//! they promise fewer panels than curved ones; bands of a level function for the conjugate field (\[SE06\] carried
-//! on), all at once or one after the other; division, where no level function is good; a sweep of straight bands, where
-//! more panels are left than theory asks for; bisection, which always ends, at worst with small planar facets. The
-//! smallest cover wins; neighbours that fit one torse are merged.
+//! they promise fewer panels than curved ones, or marched in the best directions, where they are few and cannot be laid
+//! so; bands of a level function for the conjugate field (\[SE06\] carried on), all at once or one after the other, if
+//! they promise enough; division, where no level function is good; a sweep of straight bands in the directions that are
+//! left, where more panels are needed than theory asks for; bisection, which always ends, at worst with small planar
+//! facets. The smallest cover wins; neighbours that fit one torse are merged.
 //!
 //! This file holds the recursion; `judge` proposes and proves single torses, `march` lays bands.
 

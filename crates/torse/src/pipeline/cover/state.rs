@@ -147,11 +147,8 @@ impl State {
         let region = self.partition.region(label);
         let mut out = self.samples(label);
         let thin = out.len() as f64 > THIN * region.len() as f64;
-        let parts = (1..FINEST).find(|m| region.len() * m * m / 2 >= LEAST).unwrap_or(FINEST).max(if thin {
-            across
-        } else {
-            1
-        }) * finer;
+        let enough = (1..FINEST).find(|m| region.len() * m * m / 2 >= LEAST).unwrap_or(FINEST);
+        let parts = if thin { enough.max(across) } else { enough } * finer;
         let mut add = |u: f64, v: f64| {
             let jet = surface.jet(u, v);
             out.push(Sample { x: jet.p, n: unit_normal(&jet), weight: 0.0 });
