@@ -1,8 +1,8 @@
 //! Gaps between neighbouring panels: the distance of the two trimmed edges at equal places of the seam.
 //!
 //! `gap(s) = |R_i(θ_i(s)) − R_j(θ_j(1 − s))|` \[certificate, 5\]: chord between enclosed end values plus the deviation
-//! that the enclosed derivatives allow, component by component, on pieces between the knots of both curves, halved
-//! while that pays.
+//! that the enclosed derivatives allow, component by component, on pieces between the knots of both curves. Only
+//! pieces that may hold the greatest gap are halved.
 
 use super::boundary::trim_piece;
 use super::ruled::RuledJets;
@@ -12,7 +12,7 @@ use crate::num::interval::Interval;
 use crate::num::jet::Jet;
 use crate::surface::panel::Run;
 
-/// Pieces are halved until the enclosure exceeds its end values by less than this share of the tolerance.
+/// Pieces are halved until their enclosures exceed the greatest gap seen by less than this share of the tolerance.
 const EXCESS: f64 = 1e-3;
 
 /// Halvings of a piece at most.
@@ -33,16 +33,22 @@ pub(super) fn gap_bound(a: Shore, b: Shore, tolerance: f64) -> Option<f64> {
     cuts.extend(b.run.trim.knots.breaks().into_iter().map(|t| 1.0 - t));
     cuts.sort_by(f64::total_cmp);
     cuts.dedup_by(|x, y| x.to_bits() == y.to_bits());
-    let mut open: Vec<(f64, f64, usize)> = cuts.windows(2).map(|w| (w[0], w[1], 0)).collect();
-    let mut bound = 0.0f64;
-    while let Some((s0, s1, depth)) = open.pop() {
-        let m = 0.5 * (s0 + s1);
-        let can_halve = depth < DEPTH && s0 < m && m < s1;
-        match piece(a, b, &shift, s0, s1) {
-            Some((all, ends)) if all <= ends + EXCESS * tolerance || !can_halve => bound = bound.max(all),
-            None if !can_halve => return None,
-            _ => open.extend([(s0, m, depth + 1), (m, s1, depth + 1)]),
+    let mut open: Vec<[f64; 2]> = cuts.windows(2).map(|w| [w[0], w[1]]).collect();
+    let (mut bound, mut seen) = (0.0f64, 0.0f64);
+    for depth in 0..=DEPTH {
+        let found: Vec<_> = open.iter().map(|&[s0, s1]| piece(a, b, &shift, s0, s1)).collect();
+        seen = found.iter().flatten().fold(seen, |seen, &(_, ends)| seen.max(ends));
+        let mut halves = Vec::new();
+        for (&[s0, s1], found) in open.iter().zip(found) {
+            let m = 0.5 * (s0 + s1);
+            let can_halve = depth < DEPTH && s0 < m && m < s1;
+            match found {
+                Some((all, _)) if all <= seen + EXCESS * tolerance || !can_halve => bound = bound.max(all),
+                None if !can_halve => return None,
+                _ => halves.extend([[s0, m], [m, s1]]),
+            }
         }
+        open = halves;
     }
     Some(bound)
 }

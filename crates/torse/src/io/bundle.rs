@@ -38,12 +38,11 @@ pub enum BundleError {
     Html(#[from] HtmlError),
 }
 
-/// Makes every file. `time` stamps the STEP header: `2026-11-21T14:30:00`.
+/// Makes every file, on all cores. `time` stamps the STEP header: `2026-11-21T14:30:00`.
 ///
 /// # Errors
 /// Data that a format cannot hold.
 pub fn files(outcome: &Outcome, shown: &Presentation, time: &str) -> Result<Vec<File>, BundleError> {
-    let mut out: Vec<File> = Vec::new();
     let header = Header {
         name: outcome.input.clone(),
         time: time.to_owned(),
@@ -53,16 +52,6 @@ pub fn files(outcome: &Outcome, shown: &Presentation, time: &str) -> Result<Vec<
             outcome.tolerance
         },
     };
-    let mut put = |file: &'static str, write: &dyn Fn(&mut Vec<u8>) -> std::io::Result<()>| {
-        let mut bytes = Vec::new();
-        write(&mut bytes).map_err(|source| BundleError::Write { file, source })?;
-        out.push((file.to_owned(), bytes));
-        Ok::<(), BundleError>(())
-    };
-    put("panels.step", &|b| step::panels(b, &header, &outcome.patchwork))?;
-    put("patterns.dxf", &|b| dxf::write(b, &shown.drawing))?;
-    put("patterns.svg", &|b| svg::write(b, &shown.drawing))?;
-    out.push(("model.glb".into(), glb::write(&shown.scene, outcome.tolerance)?));
     let panels = outcome.patchwork.panels.len();
     let what = format!("{panels} panel{}", if panels == 1 { "" } else { "s" });
     let note = match &outcome.status {
@@ -75,11 +64,33 @@ pub fn files(outcome: &Outcome, shown: &Presentation, time: &str) -> Result<Vec<
         Status::Uncertified(_) => format!("{what}, not certified"),
     };
     let caption = |note: String| Caption { title: outcome.input.clone(), note, ..Caption::default() };
-    let panels_png = png::write(&picture::panels(&shown.scene, &shown.direction, &caption(note)))?;
-    let deviation = caption("distance of the panels from the surface, mm".to_owned());
-    let deviation_png = png::write(&picture::deviation(&shown.scene, &shown.direction, outcome.tolerance, &deviation))?;
-    let flat = caption(format!("{what}, flat patterns, 1:1 in patterns.dxf"));
-    let layout_png = png::write(&picture::layout(&shown.pieces, &flat))?;
+    let (distances, all, flat) = (
+        caption("distance of the panels from the surface, mm".to_owned()),
+        caption(note),
+        caption(format!("{what}, flat patterns, 1:1 in patterns.dxf")),
+    );
+    let texts = || -> Result<Vec<File>, BundleError> {
+        Ok(vec![
+            text("panels.step", |b| step::panels(b, &header, &outcome.patchwork))?,
+            text("patterns.dxf", |b| dxf::write(b, &shown.drawing))?,
+            text("patterns.svg", |b| svg::write(b, &shown.drawing))?,
+        ])
+    };
+    let ((deviation_png, panels_png), (layout_png, (texts, model))) = rayon::join(
+        || {
+            rayon::join(
+                || png::write(&picture::deviation(&shown.scene, &shown.direction, outcome.tolerance, &distances)),
+                || png::write(&picture::panels(&shown.scene, &shown.direction, &all)),
+            )
+        },
+        || {
+            rayon::join(
+                || png::write(&picture::layout(&shown.pieces, &flat)),
+                || rayon::join(texts, || glb::write(&shown.scene, outcome.tolerance)),
+            )
+        },
+    );
+    let (deviation_png, panels_png) = (deviation_png?, panels_png?);
     let report = Report::of(outcome);
     let page = html::write(&Page {
         report: &report,
@@ -90,10 +101,19 @@ pub fn files(outcome: &Outcome, shown: &Presentation, time: &str) -> Result<Vec<
         deviation_png: &deviation_png,
     })?;
     let json = report.to_json()?;
+    let mut out = texts?;
+    out.push(("model.glb".into(), model?));
     out.push(("panels.png".into(), panels_png));
     out.push(("deviation.png".into(), deviation_png));
-    out.push(("layout.png".into(), layout_png));
+    out.push(("layout.png".into(), layout_png?));
     out.push(("report.html".into(), page.into_bytes()));
     out.push(("report.json".into(), json.into_bytes()));
     Ok(out)
+}
+
+/// A file that is written line by line.
+fn text(file: &'static str, write: impl Fn(&mut Vec<u8>) -> std::io::Result<()>) -> Result<File, BundleError> {
+    let mut bytes = Vec::new();
+    write(&mut bytes).map_err(|source| BundleError::Write { file, source })?;
+    Ok((file.to_owned(), bytes))
 }

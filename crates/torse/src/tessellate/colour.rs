@@ -3,6 +3,7 @@
 //! All mixing happens in the OKLab space (Ottosson 2020), where equal steps look equal.
 
 use crate::surface::torse::PanelKind;
+use std::sync::LazyLock;
 
 /// An sRGB colour, 0..=1 per channel.
 pub type Rgb = [f64; 3];
@@ -43,8 +44,21 @@ pub fn deviation(share: f64) -> Rgb {
     if share.is_nan() || share.abs() > LIMIT {
         return BEYOND;
     }
+    DEVIATIONS[((share.clamp(-1.0, 1.0) + 1.0) * 0.5 * (DEVIATION_STEPS - 1) as f64).round() as usize]
+}
+
+/// Steps of the deviation scale: neighbours differ by about half a step of 8 bits per channel.
+const DEVIATION_STEPS: usize = 1025;
+
+/// The deviation scale from −1 to 1: pictures ask for it at every pixel.
+static DEVIATIONS: LazyLock<Vec<Rgb>> = LazyLock::new(|| {
+    (0..DEVIATION_STEPS).map(|i| on_deviation_scale(2.0 * i as f64 / (DEVIATION_STEPS - 1) as f64 - 1.0)).collect()
+});
+
+/// The deviation scale at `share`, from −1 to 1.
+fn on_deviation_scale(share: f64) -> Rgb {
     let last = DEVIATION_STOPS.len() - 1;
-    let x = (share.clamp(-1.0, 1.0) + 1.0) * 0.5 * last as f64;
+    let x = (share + 1.0) * 0.5 * last as f64;
     let i = (x.floor() as usize).min(last - 1);
     let f = x - i as f64;
     let lab = |(l, c, h): (f64, f64, f64)| {
