@@ -35,8 +35,8 @@ use crate::num::jet::Jet;
 use crate::spline::curve::Curve;
 use crate::surface::panel::Run;
 
-/// Pieces are halved until their enclosures exceed the greatest end value seen on the run by less than this share of the
-/// tolerance.
+/// Pieces are halved until their enclosures exceed their end values by less than this share of the tolerance, or count
+/// less than pieces before.
 const EXCESS: f64 = 1e-2;
 
 /// Halvings of a side of the polyline at most.
@@ -85,7 +85,7 @@ impl Boundary<'_> {
             );
         }
         let knots = run.trim.knots.breaks();
-        let (mut bound, mut seen, mut curvature) = (0.0f64, 0.0f64, 0.0f64);
+        let (mut bound, mut curvature) = (0.0f64, 0.0f64);
         let mut start = None;
         for k in 0..run.vertices.len() - 1 {
             let (Some(a), Some(b)) = (place(k), place(k + 1)) else {
@@ -113,8 +113,7 @@ impl Boundary<'_> {
                 if piece.depth >= PATIENCE && found.as_ref().is_some_and(|f| f.at_ends > self.tolerance) {
                     return refuse(ga, "a trimming curve is farther than the tolerance from the region's boundary");
                 }
-                seen = found.as_ref().map_or(seen, |f| seen.max(f.at_ends));
-                let good = found.as_ref().is_some_and(|f| f.bound <= seen + EXCESS * self.tolerance);
+                let good = found.as_ref().is_some_and(|f| f.bound <= bound.max(f.at_ends + EXCESS * self.tolerance));
                 if !good && piece.depth < DEPTH {
                     let (f, s) = (0.5 * (piece.f.0 + piece.f.1), 0.5 * (piece.s.0 + piece.s.1));
                     let depth = piece.depth + 1;

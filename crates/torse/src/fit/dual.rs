@@ -242,12 +242,13 @@ fn fitted(samples: &[Sample], scale: &Scale, start: Pieces<4>, options: &DualOpt
         return None;
     }
     family.adopt(&all);
+    let wanted = Room { clearance: options.clearance, bend_radius: options.bend_radius }.scaled(scale.unit);
+    family.keep_room(&start, wanted);
     // Least squares, then a domain that suits the feet.
     let (x, _) = descended(&mut family, start.clone(), &few, 3, 0)?;
     let (x, _) = repaired(&mut family, x, &start, &mut few, &all, [3, 0])?;
     let (mut family, start) = family.refitted(&x, options.spans.max(4), MARGIN)?;
-    family
-        .keep_room(&start, Room { clearance: options.clearance, bend_radius: options.bend_radius }.scaled(scale.unit));
+    family.keep_room(&start, wanted);
     let (x, _) = descended(&mut family, start.clone(), &few, 3, 3)?;
     let (mut x, _) = repaired(&mut family, x, &start, &mut few, &all, [3, 3])?;
     let reached = polished(&mut family, &mut x, &few, &all, goal)? * scale.unit;

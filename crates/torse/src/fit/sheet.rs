@@ -72,11 +72,11 @@ impl Room {
     pub fn kept(self, sheet: &Sheet, points: &[Vec3], feet: &[f64]) -> Self {
         // Share of the room at hand that steps may not use up.
         const KEPT: f64 = 0.8;
+        // Share of the wanted room that they may not use up where it is at hand.
+        const NEEDED: f64 = 0.4;
         let now = Self::least(sheet, points, feet);
-        Self {
-            bend_radius: self.bend_radius.min(KEPT * now.bend_radius),
-            clearance: self.clearance.min(KEPT * now.clearance),
-        }
+        let kept = |wanted: f64, now: f64| wanted.min((KEPT * now).max(now.min(NEEDED * wanted)));
+        Self { bend_radius: kept(self.bend_radius, now.bend_radius), clearance: kept(self.clearance, now.clearance) }
     }
 
     /// The least room at the feet of points.

@@ -241,7 +241,7 @@ impl Job<'_> {
         };
         // What most bands needed in the round before, they will need again.
         let fine = known.values().flatten().filter(|f| Try::is_fine(&f.0)).count();
-        let how = Try { prove: false, fine_first: 2 * fine > known.len(), density: Density::Band };
+        let how = Try { prove: false, fine_first: 2 * fine > known.len(), density: Density::Band, from: None };
         let proposed = |label: u32, w: &[f64], before: &[(Arc<Fit>, Option<f64>)]| {
             let sampled = || laid.dense_samples(&self.face.surface, label, how.density);
             let samples = if before.is_empty() { Vec::new() } else { sampled() };

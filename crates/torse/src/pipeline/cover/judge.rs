@@ -26,7 +26,7 @@ const LEAST_BEND: f64 = 3.0;
 /// … and than this share of the model's size, which is the less where tolerances are coarse.
 const LEAST_BEND_SHARE: f64 = 0.03;
 /// Fits keep this multiple of that radius where they can.
-const WANTED_BEND: f64 = 3.2;
+const WANTED_BEND: f64 = 5.0;
 /// … and this one of the radius that the material allows: what the certificate shows is a lower bound.
 const WANTED_LIMIT: f64 = 1.2;
 /// Share of their mean width by which fits of bands keep the regression curve away where they can.
@@ -49,20 +49,29 @@ pub(crate) struct Trial {
     pub(crate) accepted: Option<Arc<Fit>>,
     /// Error reached, mm; above the tolerance when nothing was accepted; infinite when nothing fits at all.
     pub(crate) error: f64,
+    /// The best torse that was not accepted.
+    pub(super) refused: Option<Fit>,
+    /// Whether a torse near enough was refused for its shape: how much smaller the region should be is not known.
+    pub(super) misshapen: bool,
 }
 
 /// How torses are tried on a region.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Try {
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Try<'a> {
     /// Whether what is accepted must be proven.
     pub(super) prove: bool,
     /// Whether torses with many spans are tried first.
     pub(super) fine_first: bool,
     /// How dense the region is sampled.
     pub(super) density: Density,
+    /// A torse of about the same region, to start from.
+    pub(super) from: Option<&'a Fit>,
 }
 
-impl Try {
+impl Try<'_> {
+    /// With proof, without a torse to start from.
+    pub(super) const USUAL: Self = Try { prove: true, fine_first: false, density: Density::Usual, from: None };
+
     /// Whether a torse has more spans than those that are tried first usually.
     pub(super) fn is_fine(fit: &Fit) -> bool {
         let usual = DualOptions::new(1.0).spans;
@@ -72,14 +81,14 @@ impl Try {
 
 impl Trial {
     fn failed(error: f64) -> Self {
-        Self { accepted: None, error }
+        Self { accepted: None, error, refused: None, misshapen: false }
     }
 }
 
 impl Job<'_> {
     /// Tries plane, dual torse along the centre line (if there is one) and primal torse on a region.
     pub(crate) fn single(&self, state: &State, label: u32, centre: Option<&[CentrePoint]>) -> Trial {
-        self.tried(state, label, centre, Try { prove: true, fine_first: false, density: Density::Usual })
+        self.tried(state, label, centre, Try::USUAL)
     }
 
     /// The proof of what was proposed.
@@ -102,7 +111,7 @@ impl Job<'_> {
                 self.proven(state, label, fit, samples.clone())
             } else {
                 let error = fit.error;
-                Trial { accepted: Some(Arc::new(fit)), error }
+                Trial { accepted: Some(Arc::new(fit)), ..Trial::failed(error) }
             }
         };
         if let Some(fit) = plane(&samples) {
@@ -116,20 +125,26 @@ impl Job<'_> {
         if self.options.facets {
             return Trial::failed(f64::INFINITY);
         }
-        let mut best = f64::INFINITY;
+        let mut best = Trial::failed(f64::INFINITY);
         let mut judge = |fit: Option<Fit>| -> Option<Trial> {
             let fit = fit?;
-            if fit.error <= allowed * HOPEFUL {
-                let t = proven(fit);
-                if t.accepted.is_some() {
-                    return Some(t);
-                }
-                best = best.min(t.error);
-            } else {
-                best = best.min(fit.error);
+            let t = if fit.error <= allowed * HOPEFUL { proven(fit.clone()) } else { Trial::failed(fit.error) };
+            if t.accepted.is_some() {
+                return Some(t);
+            }
+            if t.error < best.error {
+                best = Trial { refused: Some(fit), ..t };
             }
             None
         };
+        // Bands are wanted as wide as they can be: the fit must not rest on the first torse that is good enough.
+        let keen = if centre.is_some() { allowed * KEEN } else { allowed };
+        if let Some(from) = how.from {
+            let options = RefitOptions { bend_radius: self.wanted_bend(), ..RefitOptions::new(keen) };
+            if let Some(t) = judge(refit(from, &samples, &options)) {
+                return t;
+            }
+        }
         if let Some(line) = centre.filter(|l| !l.is_empty()) {
             let length: f64 = line.windows(2).map(|w| (w[1].x - w[0].x).norm()).sum();
             let slender = length * length / state.area(label).max(f64::MIN_POSITIVE);
@@ -148,14 +163,13 @@ impl Job<'_> {
                 }
             }
         }
-        // Bands are wanted as wide as they can be: the fit must not rest on the first torse that is good enough.
-        let keen = if centre.is_some() { allowed * KEEN } else { allowed };
         let options = PrimalOptions { bend_radius: self.wanted_bend(), ..PrimalOptions::new(keen) };
         let f = primal(&samples, &options);
         if let Some(t) = judge(f) {
             return t;
         }
-        Trial::failed(best.max(self.options.tolerance * 1.0001))
+        best.error = best.error.max(self.options.tolerance * 1.0001);
+        best
     }
 
     /// Smallest radius of curvature at which a patch can be laid around a panel, mm.
@@ -201,11 +215,11 @@ impl Job<'_> {
                         || judged.regression_clearance < clearance
                         || !has_patch(self.face, &state.partition, label, &fit.torse) =>
                 {
-                    return Trial::failed(allowed * 1.03);
+                    return Trial { misshapen: true, ..Trial::failed(allowed * 1.03) };
                 }
                 Verdict::Holds { .. } => {
                     let error = fit.error;
-                    return Trial { accepted: Some(Arc::new(fit)), error };
+                    return Trial { accepted: Some(Arc::new(fit)), ..Trial::failed(error) };
                 }
                 Verdict::Fails { uv, distance } => {
                     if round == REFITS || distance.abs() > 1.3 * allowed {

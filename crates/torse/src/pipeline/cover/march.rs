@@ -1,9 +1,10 @@
 //! Bands of a level function: greedy marching with width control, every component on its own (B3.6, C5).
 
+use super::judge::Try;
 use super::{Job, State};
 use crate::fit::centre_line::centre_line;
 use crate::fit::level::Level;
-use crate::fit::CentrePoint;
+use crate::fit::{CentrePoint, Fit};
 use crate::spline::field::Field;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::Arc;
@@ -24,6 +25,10 @@ const FRESH: f64 = 0.9;
 const BEHIND: f64 = 3.0;
 /// … at most so many times in a march.
 const SKIPS: usize = 3;
+/// Widths are sought until the widest good one is that near to the narrowest bad one.
+const CLOSE: f64 = 1.02;
+/// Factor on the width where it is not known how much too wide a band is.
+const UNKNOWN: f64 = 0.6;
 /// A rest of less than this share of a band is tried together with it.
 const REST: f64 = 0.15;
 
@@ -187,12 +192,15 @@ impl Job<'_> {
         let mut accepted: Option<(f64, State, Vec<u32>)> = None;
         let (mut too_wide, mut good) = (f64::INFINITY, 0.0);
         let mut whole_failed = false;
+        // The torse of the last trial.
+        let mut from: Option<Arc<Fit>> = None;
         for _ in 0..TRIALS {
             if self.control.stopped() {
                 return None;
             }
-            if whole_failed && width > LARGEST_PART * (hi - lo) {
-                // Two bands of about equal width serve better than one and a sliver.
+            // Two bands of about equal width serve better than one and a sliver.
+            let halved = whole_failed && width > LARGEST_PART * (hi - lo);
+            if halved {
                 width = 0.5 * (hi - lo);
             }
             let whole = !whole_failed && lo + width * (1.0 + REST) >= hi;
@@ -217,10 +225,12 @@ impl Job<'_> {
             let bands = trial.partition.split_components(band_label);
             let mut error: f64 = 0.0;
             let mut ok = true;
+            let (mut refused, mut misshapen) = (None, false);
             for &b in &bands {
                 let (lo, hi) = range(&trial, b, lay.field);
                 let centre = self.centre(&trial, b, lay.field, 0.5 * (lo + hi));
-                let t = self.single(&trial, b, Some(&centre));
+                let from = from.as_deref().filter(|_| bands.len() == 1);
+                let t = self.tried(&trial, b, Some(&centre), Try { from, ..Try::USUAL });
                 match t.accepted {
                     Some(fit) => {
                         error = error.max(t.error);
@@ -230,9 +240,13 @@ impl Job<'_> {
                     None => {
                         error = error.max(t.error);
                         ok = false;
+                        (refused, misshapen) = (t.refused, t.misshapen);
                         break;
                     }
                 }
+            }
+            if let [b] = bands[..] {
+                from = trial.panels.get(&b).cloned().or(refused.map(Arc::new)).or(from);
             }
             let share = error / (self.options.tolerance * super::DISTANCE_SHARE);
             if ok {
@@ -240,16 +254,18 @@ impl Job<'_> {
                     return Some((trial, Vec::new()));
                 }
                 good = width;
-                let enough = share >= WIDE;
                 accepted = Some((width, trial, others));
-                if enough || too_wide <= good * 1.02 {
+                if share >= WIDE || halved {
                     break;
                 }
             } else {
                 too_wide = width;
                 whole_failed |= whole;
             }
-            let factor = if share.is_finite() { (0.95 / share).sqrt().clamp(0.4, 2.0) } else { 0.6 };
+            if too_wide <= good * CLOSE {
+                break;
+            }
+            let factor = if share.is_finite() && !misshapen { (0.95 / share).sqrt().clamp(0.4, 2.0) } else { UNKNOWN };
             width *= if ok { factor.max(1.02) } else { factor.min(0.98) };
             if too_wide.is_finite() && width >= too_wide {
                 width = 0.5 * (good + too_wide);
