@@ -34,9 +34,14 @@ fn met() -> &'static Outcome {
     DONE.get_or_init(|| run(true))
 }
 
+fn alone() -> &'static Outcome {
+    static DONE: OnceLock<Outcome> = OnceLock::new();
+    DONE.get_or_init(|| run(false))
+}
+
 #[test]
 fn strips_that_meet_are_certified_and_as_many_as_before() {
-    let (alone, met) = (run(false), met());
+    let (alone, met) = (alone(), met());
     assert_eq!(met.status, Status::Certified);
     assert_eq!(met.patchwork.panels.len(), alone.patchwork.panels.len());
     assert!(met.patchwork.panels.len() >= 4);
@@ -44,6 +49,29 @@ fn strips_that_meet_are_certified_and_as_many_as_before() {
     assert!(met.certificate.seams.iter().all(|s| s.status == SeamStatus::Exact), "{:?}", met.certificate.seams);
     assert!(alone.certificate.seams.iter().all(|s| s.status != SeamStatus::Exact));
     assert!(met.certificate.seam_gap_bound < 0.01 * TOLERANCE && alone.certificate.seam_gap_bound > 0.02 * TOLERANCE);
+}
+
+/// No point of a seam is farther apart than its bound, which exceeds the greatest distance by little.
+#[test]
+fn bounds_of_gaps_hold_at_every_place_and_are_close() {
+    // The share of the tolerance to which gaps are enclosed, and as much again for the places between samples.
+    const SLACK: f64 = 2e-3;
+    let seams = alone().patchwork.seams();
+    assert_eq!(seams.len(), alone().certificate.seams.len());
+    for (seam, proof) in seams.iter().zip(&alone().certificate.seams) {
+        assert_eq!(proof.panels, seam.sides.map(|s| s.panel));
+        let bound = proof.gap_bound;
+        let [a, b] = seam.sides;
+        let greatest = (0..=4000)
+            .map(|k| f64::from(k) / 4000.0)
+            .map(|s| {
+                let (p, q) = (a.run.trim.point(s), b.run.trim.point(1.0 - s));
+                (a.of.patch.point(p[0], p[1]) - b.of.patch.point(q[0], q[1])).norm()
+            })
+            .fold(0.0, f64::max);
+        assert!(greatest > 0.0 && bound >= greatest, "seam {}: {bound} below {greatest}", seam.seam);
+        assert!(bound <= greatest + SLACK * TOLERANCE, "seam {}: {bound} for {greatest}", seam.seam);
+    }
 }
 
 /// The kink of a seam is about `κ ω`, with ω the length of the rulings between the middles of both strips.
