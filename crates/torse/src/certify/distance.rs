@@ -132,25 +132,26 @@ pub(super) fn judge(
         (Judgement { verdict, min_bend_radius, regression_clearance, cells: 0, looks: 0 }, Feet::new())
     };
     let undecided = |uv: [f64; 2], reason| blank(Verdict::Undecided { uv, reason });
-    let Some(first) = triangles.first() else {
+    let Some(any) = triangles.first() else {
         return blank(Verdict::Holds { bound: 0.0 });
     };
     let Some(family) = Family::new(torse) else {
-        return undecided(centroid(first), Resistance::Foot);
+        return undecided(centroid(any), Resistance::Foot);
     };
 
-    // Patches and feet of the centroids, in f64.
+    // Patches and feet of the centroids, in f64: each begins at its neighbour's, because a torse that comes round
+    // again has several feet near the tolerance, and those of one region belong to one sheet.
     let mut roots: Vec<(usize, &Patch, f64, f64)> = Vec::with_capacity(triangles.len());
-    let mut guess = None;
-    for (i, triangle) in triangles.iter().enumerate() {
+    let first = middlemost(prepared, &family, triangles, tolerance);
+    for (i, parent) in walk(triangles, first) {
+        let triangle = &triangles[i];
         let Some(patch) = prepared.patch_of(triangle) else {
             return undecided(centroid(triangle), Resistance::Degenerate);
         };
         let bench = Bench::new(&family, patch, tolerance);
-        let Some((t, d)) = bench.quick(triangle, guess) else {
+        let Some((t, d)) = bench.quick(triangle, parent.map(|place| roots[place].2)) else {
             return undecided(centroid(triangle), Resistance::Foot);
         };
-        guess = Some(t);
         roots.push((i, patch, t, d.abs()));
     }
     roots.sort_by(|a, b| b.3.total_cmp(&a.3));
@@ -323,6 +324,59 @@ impl Cell {
     }
 }
 
+/// Of some triangles the one whose foot is nearest to the middle of the torse's domain: should the torse come round
+/// again, it does so near its ends.
+fn middlemost(prepared: &Prepared, family: &Family, triangles: &[[[f64; 2]; 3]], tolerance: f64) -> usize {
+    const SOME: usize = 8;
+    let (t0, t1) = family.domain();
+    let off = |i: &usize| {
+        let triangle = &triangles[*i];
+        let foot = prepared.patch_of(triangle).and_then(|p| Bench::new(family, p, tolerance).quick(triangle, None));
+        foot.map_or(f64::INFINITY, |(t, _)| (t - 0.5 * (t0 + t1)).abs())
+    };
+    let step = triangles.len().div_ceil(SOME).max(1);
+    (0..triangles.len()).step_by(step).min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(0)
+}
+
+/// All triangles in an order in which they follow neighbours (triangles with a common corner) from the `first` on, each
+/// with the place of that neighbour in the order.
+fn walk(triangles: &[[[f64; 2]; 3]], first: usize) -> Vec<(usize, Option<usize>)> {
+    let mut numbers: HashMap<Key, usize> = HashMap::with_capacity(triangles.len());
+    let mut at_corner: Vec<Vec<usize>> = Vec::with_capacity(triangles.len());
+    let mut corners: Vec<[usize; 3]> = Vec::with_capacity(triangles.len());
+    for (i, t) in triangles.iter().enumerate() {
+        corners.push([0, 1, 2].map(|k| {
+            let number = *numbers.entry(key(&t[k])).or_insert(at_corner.len());
+            if number == at_corner.len() {
+                at_corner.push(Vec::new());
+            }
+            at_corner[number].push(i);
+            number
+        }));
+    }
+    let mut seen = vec![false; triangles.len()];
+    let mut order: Vec<(usize, Option<usize>)> = Vec::with_capacity(triangles.len());
+    let mut next = 0;
+    for start in std::iter::once(first).chain(0..triangles.len()) {
+        if !seen[start] {
+            seen[start] = true;
+            order.push((start, order.len().checked_sub(1)));
+        }
+        while let Some(&(i, _)) = order.get(next) {
+            for number in corners[i] {
+                for j in std::mem::take(&mut at_corner[number]) {
+                    if !seen[j] {
+                        seen[j] = true;
+                        order.push((j, Some(next)));
+                    }
+                }
+            }
+            next += 1;
+        }
+    }
+    order
+}
+
 /// Middle of a triangle.
 fn centroid(t: &[[f64; 2]; 3]) -> [f64; 2] {
     [(t[0][0] + t[1][0] + t[2][0]) / 3.0, (t[0][1] + t[1][1] + t[2][1]) / 3.0]
@@ -400,6 +454,26 @@ mod tests {
         let sup = tight(&s, &Torse::Dual(dual()), &grid(&s, 4, 4));
         // Tangent strip of half-width w = 5 · .05: w²/(2 R) in the first order.
         assert!((sup - 0.25f64.powi(2) / 10.0).abs() < 2e-4, "{sup}");
+    }
+
+    #[test]
+    fn a_torse_that_comes_round_again_has_one_sheet_over_a_pipe() {
+        use crate::spline::knots::Knots;
+        use crate::surface::torse::DualTorse;
+        use std::f64::consts::TAU;
+        // A pipe of a full turn; the torse goes on by a fifth of a turn at both ends, so that points near the slit have
+        // feet on both of its ends. The region's triangles come in no order.
+        let around = Knots::uniform(3, 24, 0.0, TAU).expect("knots");
+        let along = Knots::clamped(3, &[0.0, 1.0]).expect("knots");
+        let s = interpolant(&around, &along, &|u, v| Vec3::new(5.0 * u.cos(), 5.0 * u.sin(), v));
+        let longer = Knots::uniform(3, 34, -0.2 * TAU, 1.2 * TAU).expect("knots");
+        let torse = Torse::Dual(DualTorse { planes: curve(&longer, &|t| [t.cos(), t.sin(), 0.0, 5.0]) });
+        let triangles = grid(&s, 1, 2);
+        let n = triangles.len();
+        let shuffled: Vec<_> = (0..n).map(|i| triangles[(i * 37) % n]).collect();
+        assert!(n % 37 != 0, "all triangles");
+        let j = judged(&s, &torse, &shuffled, 1e-2);
+        assert!(matches!(j.verdict, Verdict::Holds { .. }), "{j:?}");
     }
 
     #[test]
