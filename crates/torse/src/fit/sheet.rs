@@ -327,14 +327,16 @@ impl Guesses {
                 best = (d, *t);
             }
         }
-        for w in self.slopes.windows(2) {
-            let (g0, g1) = (q.x - w[0].0 - q.y * w[0].1, q.x - w[1].0 - q.y * w[1].1);
+        let mut before = (0.0, -1.0);
+        for (t1, slope) in &self.slopes {
+            let ((t0, g0), g1) = (before, q.x - t1 - q.y * slope);
             if g0 >= 0.0 && g1 <= 0.0 && g0 > g1 {
-                let t = w[0].0 + (w[1].0 - w[0].0) * g0 / (g0 - g1);
+                let t = t0 + (t1 - t0) * g0 / (g0 - g1);
                 if (t - q.x).abs() < best.0 {
                     best = ((t - q.x).abs(), t);
                 }
             }
+            before = (*t1, g1);
         }
         best.1
     }

@@ -55,6 +55,13 @@ impl Rows {
         (self.first[i], &self.values[i * self.width..(i + 1) * self.width])
     }
 
+    /// The numbers of all rows by the column at which they start.
+    pub fn order(&self, out: &mut Vec<usize>) {
+        out.clear();
+        out.extend(0..self.len());
+        out.sort_by_key(|&i| self.first[i]);
+    }
+
     /// Product of row `i` with the vector `x`.
     #[inline]
     pub fn dot(&self, i: usize, x: &[f64]) -> f64 {
@@ -166,6 +173,34 @@ impl BandMatrix {
         }
     }
 
+    /// Adds `weights[i] · rᵢᵀ rᵢ` for all rows. `order` has their numbers by the column at which they start
+    /// ([`Rows::order`]): four rows that start together are added at once.
+    pub fn add_rows(&mut self, rows: &Rows, order: &[usize], weights: &[f64]) {
+        for together in order.chunk_by(|&i, &j| rows.first[i] == rows.first[j]) {
+            let fours = together.chunks_exact(4);
+            for &i in fours.remainder() {
+                self.add_row(rows, i, weights[i]);
+            }
+            for four in fours {
+                let w = [0, 1, 2, 3].map(|k: usize| weights[four[k]]);
+                let (first, _) = rows.row(four[0]);
+                let r = [0, 1, 2, 3].map(|k: usize| rows.row(four[k]).1);
+                for p in 0..rows.width {
+                    let s = [0, 1, 2, 3].map(|k: usize| w[k] * r[k][p]);
+                    if s == [0.0; 4] {
+                        continue;
+                    }
+                    let end = (first + p + 1) * self.width;
+                    let out = &mut self.values[end - p - 1..end];
+                    let [a, b, c, d] = r.map(|r| &r[..out.len()]);
+                    for (q, o) in out.iter_mut().enumerate() {
+                        *o += (s[0] * a[q] + s[1] * b[q]) + (s[2] * c[q] + s[3] * d[q]);
+                    }
+                }
+            }
+        }
+    }
+
     /// Product with a vector.
     pub fn product(&self, x: &[f64], out: &mut [f64]) {
         out.fill(0.0);
@@ -255,8 +290,9 @@ mod tests {
             r.copy_from_slice(&[0.3, 2.0, 1.0]);
         }
         let mut m = BandMatrix::zeros(n, w);
-        for i in 0..rows.len() {
-            m.add_row(&rows, i, 1.0 + 0.1 * i as f64);
+        let weights: Vec<f64> = (0..rows.len()).map(|i| 1.0 + 0.1 * i as f64).collect();
+        for (i, &weight) in weights.iter().enumerate() {
+            m.add_row(&rows, i, weight);
         }
         let x: Vec<f64> = (0..n).map(|i| (i as f64 * 0.7).sin()).collect();
         let mut b = vec![0.0; n];
@@ -265,6 +301,29 @@ mod tests {
         m.solve(&mut b);
         for (a, b) in x.iter().zip(&b) {
             assert!((a - b).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn rows_added_together_are_those_added_one_by_one() {
+        let (n, w) = (8, 3);
+        let mut rows = Rows::new(n, w);
+        for i in 0..40 {
+            let x = 0.3 * i as f64;
+            rows.push((7 * i) % 6).1.copy_from_slice(&[x.sin(), if i % 3 == 0 { 0.0 } else { x.cos() }, 1.0]);
+        }
+        let weights: Vec<f64> = (0..40).map(|i| 0.1 + i as f64).collect();
+        let (mut one, mut all, mut order) = (BandMatrix::zeros(n, w), BandMatrix::zeros(n, w), Vec::new());
+        for (i, &weight) in weights.iter().enumerate() {
+            one.add_row(&rows, i, weight);
+        }
+        rows.order(&mut order);
+        all.add_rows(&rows, &order, &weights);
+        for i in 0..n {
+            for j in 0..=i {
+                let (a, b) = (one.entry(i, j), all.entry(i, j));
+                assert!((a - b).abs() <= 1e-12 * (1.0 + a.abs()), "{i} {j}: {a} {b}");
+            }
         }
     }
 

@@ -10,23 +10,56 @@ use super::least_squares::{BandMatrix, Rows};
 #[derive(Debug)]
 pub struct Workspace {
     matrix: BandMatrix,
-    slack: [Vec<f64>; 2],
-    dual: [Vec<f64>; 2],
-    moved: Vec<f64>,
+    sides: Vec<[Side; 2]>,
+    /// Row numbers by their first columns.
+    order: Vec<usize>,
+    weights: Vec<f64>,
     p: Vec<f64>,
     q: Vec<f64>,
     gradient: Vec<f64>,
 }
 
+/// One side of a row: `slack = e ∓ (r + J d) > 0` with its multiplier, and what a step makes of them.
+#[derive(Clone, Copy, Debug, Default)]
+struct Side {
+    slack: f64,
+    dual: f64,
+    /// 1/slack, dual/slack and 1/dual.
+    inverse: f64,
+    weight: f64,
+    inverse_dual: f64,
+    /// Their changes in a full step.
+    slack_step: f64,
+    dual_step: f64,
+}
+
+impl Side {
+    /// Brings the quotients up to date, with a single division.
+    #[inline]
+    fn prepare(&mut self) {
+        let both = 1.0 / (self.slack * self.dual);
+        self.inverse = self.dual * both;
+        self.weight = self.dual * self.inverse;
+        self.inverse_dual = self.slack * both;
+    }
+
+    /// Takes the full step that moves the slack by `ds`; the results are the largest shrinkages of both, as shares.
+    #[inline]
+    fn aim(&mut self, ds: f64, mu: f64) -> (f64, f64) {
+        self.slack_step = ds;
+        self.dual_step = mu * self.inverse - self.weight * ds - self.dual;
+        (-ds * self.inverse, -self.dual_step * self.inverse_dual)
+    }
+}
+
 impl Workspace {
     /// Empty workspace.
     pub fn new() -> Self {
-        let none = || [Vec::new(), Vec::new()];
         Self {
             matrix: BandMatrix::zeros(0, 1),
-            slack: none(),
-            dual: none(),
-            moved: Vec::new(),
+            sides: Vec::new(),
+            order: Vec::new(),
+            weights: Vec::new(),
             p: Vec::new(),
             q: Vec::new(),
             gradient: Vec::new(),
@@ -69,20 +102,18 @@ pub fn step(
         return (start == 0.0).then_some(0.0);
     }
     let mut e = 1.1 * start;
-    let Workspace { matrix, slack, dual, moved, p, q, gradient } = work;
-    for k in 0..2 {
-        slack[k].clear();
-        slack[k].extend(residual.iter().map(|r| if k == 0 { e - r } else { e + r }));
-        dual[k].clear();
-        dual[k].resize(m, 0.5 / m as f64);
-    }
-    moved.resize(m, 0.0);
+    let Workspace { matrix, sides, order, weights, p, q, gradient } = work;
+    let dual = 0.5 / m as f64;
+    sides.clear();
+    sides.extend(residual.iter().map(|r| [e - r, e + r].map(|slack| Side { slack, dual, ..Side::default() })));
+    jacobian.order(order);
+    weights.resize(m, 0.0);
     p.resize(n, 0.0);
     q.resize(n, 0.0);
     gradient.resize(n, 0.0);
     for _ in 0..STEPS {
-        let complementarity: f64 = (0..2).map(|k| slack[k].iter().zip(&dual[k]).map(|(s, z)| s * z).sum::<f64>()).sum();
-        let total: f64 = dual.iter().flatten().sum();
+        let complementarity: f64 = sides.iter().flatten().map(|s| s.slack * s.dual).sum();
+        let total: f64 = sides.iter().flatten().map(|s| s.dual).sum();
         if complementarity < gap * e && (total - 1.0).abs() < gap {
             break;
         }
@@ -96,15 +127,16 @@ pub fn step(
             q[j] = 0.0;
         }
         let (mut sum_w, mut rhs_e) = (0.0, -1.0);
-        for i in 0..m {
-            let (w0, w1) = (dual[0][i] / slack[0][i], dual[1][i] / slack[1][i]);
-            let (i0, i1) = (1.0 / slack[0][i], 1.0 / slack[1][i]);
-            matrix.add_row(jacobian, i, w0 + w1);
-            jacobian.scatter(i, -mu * (i0 - i1), p);
-            jacobian.scatter(i, w0 - w1, q);
-            sum_w += w0 + w1;
-            rhs_e += mu * (i0 + i1);
+        for (i, side) in sides.iter_mut().enumerate() {
+            side.iter_mut().for_each(Side::prepare);
+            let [a, b] = side;
+            weights[i] = a.weight + b.weight;
+            jacobian.scatter(i, -mu * (a.inverse - b.inverse), p);
+            jacobian.scatter(i, a.weight - b.weight, q);
+            sum_w += weights[i];
+            rhs_e += mu * (a.inverse + b.inverse);
         }
+        matrix.add_rows(jacobian, order, weights);
         gradient.copy_from_slice(q); // JᵀV
         if !matrix.factorise() {
             return None;
@@ -118,36 +150,21 @@ pub fn step(
         for j in 0..n {
             p[j] += q[j] * de;
         }
-        // Step lengths for slacks and duals.
-        let (mut primal, mut dualstep) = (1.0_f64, 1.0_f64);
-        for i in 0..m {
+        // With a quadratic term the dual residual only shrinks when slacks and multipliers go the same share.
+        let mut shrinkage = TO_BOUND;
+        for (i, [a, b]) in sides.iter_mut().enumerate() {
             let jd = jacobian.dot(i, p);
-            moved[i] = jd;
-            for k in 0..2 {
-                let (s, z) = (slack[k][i], dual[k][i]);
-                let ds = if k == 0 { de - jd } else { de + jd };
-                let dz = (mu - z * ds) / s - z;
-                if ds < 0.0 {
-                    primal = primal.min(-TO_BOUND * s / ds);
-                }
-                if dz < 0.0 {
-                    dualstep = dualstep.min(-TO_BOUND * z / dz);
-                }
+            for (slack, dual) in [a.aim(de - jd, mu), b.aim(de + jd, mu)] {
+                shrinkage = shrinkage.max(slack).max(dual);
             }
         }
-        if !(primal.is_finite() && dualstep.is_finite() && de.is_finite()) {
+        let length = TO_BOUND / shrinkage;
+        if !(length.is_finite() && length > 0.0 && de.is_finite()) {
             return None;
         }
-        // With a quadratic term the dual residual only shrinks when both steps agree.
-        let length = primal.min(dualstep);
-        for i in 0..m {
-            for k in 0..2 {
-                let (s, z) = (slack[k][i], dual[k][i]);
-                let ds = if k == 0 { de - moved[i] } else { de + moved[i] };
-                let dz = (mu - z * ds) / s - z;
-                slack[k][i] = s + length * ds;
-                dual[k][i] = z + length * dz;
-            }
+        for side in sides.iter_mut().flatten() {
+            side.slack += length * side.slack_step;
+            side.dual += length * side.dual_step;
         }
         e += length * de;
         for j in 0..n {

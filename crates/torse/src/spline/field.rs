@@ -1,17 +1,17 @@
-//! Scalar tensor-product B-splines on a rectangle of the parameter plane.
+//! Scalar bicubic B-splines on a rectangle of the parameter plane.
 
 use super::knots::Knots;
 use super::SplineError;
 
-/// A scalar function `φ(u, v) = Σ c_ij N_i(u) N_j(v)`.
+/// A bicubic function `φ(u, v) = Σ c_ij N_i(u) N_j(v)`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Field {
     /// Knots in u.
-    pub knots_u: Knots,
+    pub(crate) knots_u: Knots,
     /// Knots in v.
-    pub knots_v: Knots,
+    pub(crate) knots_v: Knots,
     /// Coefficients, row-major: index `i * n_v + j`.
-    pub coefficients: Vec<f64>,
+    pub(crate) coefficients: Vec<f64>,
 }
 
 impl Field {
@@ -57,19 +57,16 @@ impl Field {
     pub fn jet(&self, u: f64, v: f64) -> [f64; 3] {
         let ((u0, u1), (v0, v1)) = (self.knots_u.domain(), self.knots_v.domain());
         let (cu, cv) = (u.clamp(u0, u1), v.clamp(v0, v1));
-        let (bu, bv) = (self.knots_u.basis(cu, 1), self.knots_v.basis(cv, 1));
+        let ((first_u, bu), (first_v, bv)) = (self.knots_u.basis_fixed::<4>(cu), self.knots_v.basis_fixed::<4>(cv));
         let n = self.knots_v.control_count();
         let mut out = [0.0; 3];
-        for i in 0..=self.knots_u.degree() {
-            let row = &self.coefficients[(bu.first + i) * n + bv.first..];
-            let (mut s, mut d) = (0.0, 0.0);
-            for j in 0..=self.knots_v.degree() {
-                s += bv.rows[0][j] * row[j];
-                d += bv.rows[1][j] * row[j];
-            }
-            out[0] += bu.rows[0][i] * s;
-            out[1] += bu.rows[1][i] * s;
-            out[2] += bu.rows[0][i] * d;
+        for i in 0..4 {
+            let row = &self.coefficients[(first_u + i) * n + first_v..][..4];
+            let sum = |b: &[f64; 4]| b[0] * row[0] + b[1] * row[1] + b[2] * row[2] + b[3] * row[3];
+            let (s, d) = (sum(&bv[0]), sum(&bv[1]));
+            out[0] += bu[0][i] * s;
+            out[1] += bu[1][i] * s;
+            out[2] += bu[0][i] * d;
         }
         out[0] += out[1] * (u - cu) + out[2] * (v - cv);
         out

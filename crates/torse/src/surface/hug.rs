@@ -7,6 +7,7 @@
 use super::convert::ConvertError;
 use super::torse::Torse;
 use crate::geom::Vec3;
+use crate::num::least_squares::{BandMatrix, Rows};
 use crate::spline::curve::Curve;
 use crate::spline::knots::Knots;
 
@@ -376,21 +377,15 @@ const HALVINGS: usize = 4;
 /// Spline through intervals by reweighted least squares towards their middles (Lawson), scaled by half widths.
 fn through(data: &[(f64, (f64, f64))], knots: &Knots) -> Result<Curve<1>, f64> {
     const ROUNDS: usize = 40;
+    let intervals: Vec<(f64, f64)> = data.iter().map(|(_, b)| (0.5 * (b.0 + b.1), 0.5 * (b.1 - b.0))).collect();
+    let mut splines = LeastSquares::new(knots, data.iter().map(|d| d.0));
     let mut weight = vec![1.0; data.len()];
     let mut worst = knots.domain().0;
     for _ in 0..ROUNDS {
-        let rows: Vec<(f64, f64, f64)> = data
-            .iter()
-            .zip(&weight)
-            .map(|((t, b), w)| {
-                let half = 0.5 * (b.1 - b.0);
-                (*t, 0.5 * (b.0 + b.1), w / (half * half))
-            })
-            .collect();
-        let Some(control) = least_squares(&rows, knots) else { return Err(worst) };
-        let Ok(curve) = Curve::new(knots.degree(), knots.values().to_vec(), control) else { return Err(worst) };
-        let miss: Vec<f64> =
-            data.iter().map(|(t, b)| (curve.point(*t)[0] - 0.5 * (b.0 + b.1)).abs() / (0.5 * (b.1 - b.0))).collect();
+        let fitted = splines.fit(|i| (intervals[i].0, weight[i] / (intervals[i].1 * intervals[i].1)));
+        let Some(c) = fitted else { return Err(worst) };
+        let miss = intervals.iter().enumerate().map(|(i, (middle, half))| (splines.value(i, &c) - middle).abs() / half);
+        let miss: Vec<f64> = miss.collect();
         let mut most = 0.0;
         for (m, (t, _)) in miss.iter().zip(data) {
             if *m > most {
@@ -399,7 +394,8 @@ fn through(data: &[(f64, (f64, f64))], knots: &Knots) -> Result<Curve<1>, f64> {
             }
         }
         if most <= 1.0 {
-            return Ok(curve);
+            let control = c.iter().map(|v| [*v]).collect();
+            return Curve::new(knots.degree(), knots.values().to_vec(), control).map_err(|_| worst);
         }
         for (w, m) in weight.iter_mut().zip(&miss) {
             *w *= 0.03 + m / most;
@@ -435,9 +431,10 @@ fn direction_polynomial(torse: &Torse, range: (f64, f64)) -> Result<Option<Curve
             polynomial(vec![mean.into()], range)?
         } else {
             let knots = Knots::clamped(degree, &[range.0, range.1])?;
-            let fit = |c: usize| least_squares(&nodes.iter().map(|(t, e)| (*t, e[c], 1.0)).collect::<Vec<_>>(), &knots);
+            let mut splines = LeastSquares::new(&knots, nodes.iter().map(|n| n.0));
+            let mut fit = |c: usize| splines.fit(|i| (nodes[i].1[c], 1.0));
             let (Some(x), Some(y), Some(z)) = (fit(0), fit(1), fit(2)) else { continue };
-            let control = (0..x.len()).map(|i| [x[i][0], y[i][0], z[i][0]]).collect();
+            let control = (0..x.len()).map(|i| [x[i], y[i], z[i]]).collect();
             Curve::new(degree, knots.values().to_vec(), control)?
         };
         if departs(torse, &curve, range).is_none() {
@@ -474,20 +471,38 @@ fn polynomial<const D: usize>(mut control: Vec<[f64; D]>, range: (f64, f64)) -> 
     Ok(Curve::new(n - 1, values, control)?)
 }
 
-/// Least-squares spline through `(t, value, weight)`; `None` if the data do not determine it.
-fn least_squares(data: &[(f64, f64, f64)], knots: &Knots) -> Option<Vec<[f64; 1]>> {
-    let n = knots.control_count();
-    let mut a = nalgebra::DMatrix::<f64>::zeros(n, n);
-    let mut b = nalgebra::DVector::<f64>::zeros(n);
-    for &(t, y, w) in data {
-        let basis = knots.basis(t, 0);
-        for i in 0..=knots.degree() {
-            b[basis.first + i] += w * basis.rows[0][i] * y;
-            for j in 0..=knots.degree() {
-                a[(basis.first + i, basis.first + j)] += w * basis.rows[0][i] * basis.rows[0][j];
-            }
+/// Least-squares splines on fixed knots through values at fixed parameters; the basis is evaluated once.
+struct LeastSquares {
+    rows: Rows,
+    normal: BandMatrix,
+}
+
+impl LeastSquares {
+    fn new(knots: &Knots, parameters: impl Iterator<Item = f64>) -> Self {
+        let (n, active) = (knots.control_count(), knots.degree() + 1);
+        let mut rows = Rows::new(n, active);
+        for t in parameters {
+            let basis = knots.basis(t, 0);
+            rows.push(basis.first).1.copy_from_slice(&basis.rows[0][..active]);
         }
+        Self { rows, normal: BandMatrix::zeros(n, active) }
     }
-    let x = nalgebra::linalg::Cholesky::new(a)?.solve(&b);
-    Some(x.iter().map(|v| [*v]).collect())
+
+    /// Coefficients of the spline through `(value, weight)` at parameter `i`; `None` if the data do not determine it.
+    fn fit(&mut self, data: impl Fn(usize) -> (f64, f64)) -> Option<Vec<f64>> {
+        let mut x = vec![0.0; self.rows.columns()];
+        self.normal.clear();
+        for i in 0..self.rows.len() {
+            let (value, weight) = data(i);
+            self.normal.add_row(&self.rows, i, weight);
+            self.rows.scatter(i, weight * value, &mut x);
+        }
+        self.normal.factorise().then(|| self.normal.solve(&mut x))?;
+        Some(x)
+    }
+
+    /// Value at parameter `i` of the spline with such coefficients.
+    fn value(&self, i: usize, coefficients: &[f64]) -> f64 {
+        self.rows.dot(i, coefficients)
+    }
 }
