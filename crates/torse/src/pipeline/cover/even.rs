@@ -58,6 +58,8 @@ const GIVES: f64 = 0.955;
 const TAKES: f64 = 0.975;
 /// A band gives of its width to bands at most so many places away.
 const NEAR: usize = 4;
+/// Bands begin with the torse of one with which they share more than this.
+const OVERLAP: f64 = 0.5;
 /// Further bands that may be tried beyond theory, as a share of it and in number.
 const MORE: (f64, f64) = (0.3, 2.0);
 
@@ -65,6 +67,8 @@ const MORE: (f64, f64) = (0.3, 2.0);
 struct Piece {
     label: u32,
     fit: Option<Arc<Fit>>,
+    /// The best torse, where none is good enough.
+    refused: Option<Arc<Fit>>,
     /// Its error as a share of the allowed distance.
     share: f64,
     /// Area, mm², once the torse is proven.
@@ -91,7 +95,8 @@ impl Job<'_> {
         let count = (theory.ceil() as usize).clamp(1, budget.max(1));
         let (lo, hi) = range(state, label, field);
         let rise = Rise::guessed(lo, hi, density);
-        self.settled(state, label, field, Start { levels: rise.levels(count), rise, rounds: ROUNDS, most }, budget)
+        let start = Start { levels: rise.levels(count), rise, known: Vec::new(), rounds: ROUNDS, most };
+        self.settled(state, label, field, start, budget)
     }
 
     /// A cover by bands of one function laid one after the other, as [`Job::march`] leaves it, laid anew with even
@@ -114,7 +119,13 @@ impl Job<'_> {
         if count == fresh.len() && !uneven {
             return cover;
         }
-        let start = Start { levels: rise.levels(count), rise, rounds: ROUNDS_ANEW, most: fresh.len() };
+        let known = fresh.iter().zip(&bands).map(|(l, b)| Known {
+            ends: [b[0], b[1]],
+            good: Vec::new(),
+            single: cover.panels.get(l).cloned(),
+        });
+        let known = known.collect();
+        let start = Start { levels: rise.levels(count), rise, known, rounds: ROUNDS_ANEW, most: fresh.len() };
         let least = |state: &State| newly(before, state).map(|(_, fit)| fit.error).fold(f64::INFINITY, f64::min);
         match self.settled(before, label, &field, start, fresh.len()) {
             Some((s, _)) if s.panels.len() < cover.panels.len() || (uneven && least(&s) > least(&cover)) => s,
@@ -124,7 +135,7 @@ impl Job<'_> {
 
     /// Lays bands of `field` until their errors are even; see [`Job::even`].
     fn settled(&self, state: &State, label: u32, field: &Field, start: Start, budget: usize) -> Option<(State, f64)> {
-        let Start { mut rise, mut levels, rounds, most } = start;
+        let Start { mut rise, mut levels, mut known, rounds, most } = start;
         let mut count = levels.len() - 1;
         // Panels and largest share of the best cover, mean of what its bands leave of the tolerance, and itself.
         let mut best: Option<((usize, f64), f64, State)> = None;
@@ -134,7 +145,6 @@ impl Job<'_> {
         let mut least_count = 1;
         let (mut round, mut repairs) = (0, 0);
         let mut divided = None;
-        let mut known = Known::new();
         while round < rounds {
             if count > budget.min(most) || self.control.stopped() {
                 break;
@@ -155,7 +165,11 @@ impl Job<'_> {
             known = levels
                 .windows(2)
                 .zip(&bands)
-                .map(|(w, band)| (ends(w), band.iter().filter_map(|p| Some((p.fit.clone()?, p.proven))).collect()))
+                .map(|(w, band)| Known {
+                    ends: [w[0], w[1]],
+                    good: band.iter().filter_map(|p| Some((p.fit.clone()?, p.proven))).collect(),
+                    single: if let [p] = &band[..] { p.fit.clone().or(p.refused.clone()) } else { None },
+                })
                 .collect();
             if !complete && count >= MANY && repairs < REPAIRS && (round > 0 || worst <= EVEN * EVEN * least) {
                 if let Some(next) = repaired(&levels, &shares) {
@@ -213,14 +227,15 @@ impl Job<'_> {
     }
 
     /// The bands between levels, with the best torse of each of their components: proven when all bands might do. Bands
-    /// of the round before that have not moved keep the torses that are `known` for them.
+    /// of the round before that have not moved keep the torses that are `known` for them; the others begin with that of
+    /// the band of which they share the most.
     fn laid(
         &self,
         state: &State,
         label: u32,
         field: &Field,
         levels: &[f64],
-        known: &Known,
+        known: &[Known],
     ) -> (State, Vec<Vec<Piece>>) {
         let mut laid = state.clone();
         let mut bands: Vec<Vec<u32>> = Vec::with_capacity(levels.len() - 1);
@@ -234,15 +249,22 @@ impl Job<'_> {
         bands.push(laid.partition.split_components(label));
         absorb_narrow(&mut laid, &mut bands, field, levels);
         let allowed = self.options.tolerance * DISTANCE_SHARE;
-        let piece = |label: u32, t: Trial| Piece { label, fit: t.accepted, share: t.error / allowed, proven: None };
+        let piece = |label: u32, t: Trial| Piece {
+            label,
+            fit: t.accepted,
+            refused: t.refused.map(Arc::new),
+            share: t.error / allowed,
+            proven: None,
+        };
         let centre = |label: u32, w: &[f64]| {
             let (lo, hi) = range(&laid, label, field);
             self.centre(&laid, label, field, 0.5 * (lo.max(w[0]) + hi.min(w[1])))
         };
         // What most bands needed in the round before, they will need again.
-        let fine = known.values().flatten().filter(|f| Try::is_fine(&f.0)).count();
+        let fine = known.iter().flat_map(|k| &k.good).filter(|f| Try::is_fine(&f.0)).count();
         let how = Try { prove: false, fine_first: 2 * fine > known.len(), density: Density::Band, from: None };
-        let proposed = |label: u32, w: &[f64], before: &[(Arc<Fit>, Option<f64>)]| {
+        let proposed = |label: u32, w: &[f64], alone: bool| {
+            let before = known.iter().find(|k| k.ends[..] == *w).map_or(&[][..], |k| &k.good[..]);
             let sampled = || laid.dense_samples(&self.face.surface, label, how.density);
             let samples = if before.is_empty() { Vec::new() } else { sampled() };
             let kept = before.iter().find_map(|(fit, proven)| {
@@ -251,20 +273,22 @@ impl Job<'_> {
                 // The same region: its proof still holds.
                 let proven = proven.filter(|a| (a - area).abs() <= SAME_AREA * area);
                 let fit = (error <= allowed).then(|| Arc::new(Fit { error, worst, ..(**fit).clone() }))?;
-                Some(Piece { label, share: error / allowed, fit: Some(fit), proven })
+                Some(Piece { label, share: error / allowed, fit: Some(fit), refused: None, proven })
             });
             match kept {
                 Some(piece) => piece,
-                None => piece(label, self.tried(&laid, label, Some(&centre(label, w)), how)),
+                None => {
+                    let near = known.iter().filter(|k| alone && levels.len() <= MANY && k.overlap(w) > OVERLAP);
+                    let near = near.max_by(|a, b| a.overlap(w).total_cmp(&b.overlap(w)));
+                    let from = near.and_then(|k| k.single.as_deref());
+                    piece(label, self.tried(&laid, label, Some(&centre(label, w)), Try { from, ..how }))
+                }
             }
         };
         let mut pieces: Vec<Vec<Piece>> = bands
             .par_iter()
             .zip(levels.par_windows(2))
-            .map(|(band, w)| {
-                let before = known.get(&ends(w)).map_or(&[][..], Vec::as_slice);
-                band.par_iter().map(|&label| proposed(label, w, before)).collect()
-            })
+            .map(|(band, w)| band.par_iter().map(|&label| proposed(label, w, band.len() == 1)).collect())
             .collect();
         if pieces.iter().flatten().all(|p| p.fit.is_some()) {
             let proven = |p: &mut Piece, w: &[f64]| {
@@ -290,6 +314,8 @@ struct Start {
     /// How dense levels must lie, as far as it is known.
     rise: Rise,
     levels: Vec<f64>,
+    /// Bands that lie about there.
+    known: Vec<Known>,
     /// Rounds at most.
     rounds: usize,
     /// Bands at most.
@@ -352,12 +378,22 @@ fn absorb_narrow(laid: &mut State, bands: &mut [Vec<u32>], field: &Field, levels
     bands.iter_mut().for_each(|band| band.retain(|l| !into.contains_key(l)));
 }
 
-/// Torses of the bands of a round, with their areas where they are proven, by the levels between which they lie.
-type Known = HashMap<[u64; 2], Vec<(Arc<Fit>, Option<f64>)>>;
+/// A band of the round before.
+struct Known {
+    /// The levels between which it lies.
+    ends: [f64; 2],
+    /// Torses of its components, with their areas where they are proven.
+    good: Vec<(Arc<Fit>, Option<f64>)>,
+    /// The torse of its only component, good enough or not.
+    single: Option<Arc<Fit>>,
+}
 
-/// The two levels of a band, as a key.
-fn ends(w: &[f64]) -> [u64; 2] {
-    [w[0].to_bits(), w[1].to_bits()]
+impl Known {
+    /// The common part of the band and that between two levels, as a share of what they cover together.
+    fn overlap(&self, w: &[f64]) -> f64 {
+        let [lo, hi] = self.ends;
+        (hi.min(w[1]) - lo.max(w[0])) / (hi.max(w[1]) - lo.min(w[0]))
+    }
 }
 
 /// The state with the panels of bands.

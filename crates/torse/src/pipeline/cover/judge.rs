@@ -4,7 +4,7 @@
 use super::state::Density;
 use super::{Job, State, DISTANCE_SHARE};
 use crate::certify::distance::{distance, DistanceOptions};
-use crate::certify::Verdict;
+use crate::certify::{Resistance, Verdict};
 use crate::fit::boundary::has_patch;
 use crate::fit::plane::plane;
 use crate::fit::primal::{primal, PrimalOptions};
@@ -80,6 +80,16 @@ impl Try<'_> {
 }
 
 impl Trial {
+    /// The accepted one of two, else the one with the smaller error.
+    fn or_better(self, other: Self) -> Self {
+        let rank = |t: &Self| (t.accepted.is_none(), t.error);
+        if rank(&other) < rank(&self) {
+            other
+        } else {
+            self
+        }
+    }
+
     fn failed(error: f64) -> Self {
         Self { accepted: None, error, refused: None, misshapen: false }
     }
@@ -125,24 +135,21 @@ impl Job<'_> {
         if self.options.facets {
             return Trial::failed(f64::INFINITY);
         }
-        let mut best = Trial::failed(f64::INFINITY);
-        let mut judge = |fit: Option<Fit>| -> Option<Trial> {
-            let fit = fit?;
+        let judge = |fit: Fit| {
             let t = if fit.error <= allowed * HOPEFUL { proven(fit.clone()) } else { Trial::failed(fit.error) };
-            if t.accepted.is_some() {
-                return Some(t);
-            }
-            if t.error < best.error {
-                best = Trial { refused: Some(fit), ..t };
-            }
-            None
+            let refused = t.accepted.is_none().then_some(fit);
+            Trial { refused, ..t }
         };
         // Bands are wanted as wide as they can be: the fit must not rest on the first torse that is good enough.
         let keen = if centre.is_some() { allowed * KEEN } else { allowed };
+        let bend_radius = self.wanted_bend();
+        let mut best = Trial::failed(f64::INFINITY);
         if let Some(from) = how.from {
-            let options = RefitOptions { bend_radius: self.wanted_bend(), ..RefitOptions::new(keen) };
-            if let Some(t) = judge(refit(from, &samples, &options)) {
-                return t;
+            if let Some(fit) = refit(from, &samples, &RefitOptions { bend_radius, ..RefitOptions::new(keen) }) {
+                best = judge(fit);
+                if best.accepted.is_some() {
+                    return best;
+                }
             }
         }
         if let Some(line) = centre.filter(|l| !l.is_empty()) {
@@ -150,7 +157,7 @@ impl Job<'_> {
             let slender = length * length / state.area(label).max(f64::MIN_POSITIVE);
             let fine = ((SPANS * slender) as usize).min(MOST_SPANS);
             let clearance = WANTED_CLEARANCE * state.width(label);
-            let usual = DualOptions { clearance, bend_radius: self.wanted_bend(), ..DualOptions::new(allowed * KEEN) };
+            let usual = DualOptions { clearance, bend_radius, ..DualOptions::new(allowed * KEEN) };
             // Slender bands need more spans; many spans on short ones come too near the regression curve.
             let mut counts = vec![usual.spans];
             if fine > usual.spans * 5 / 4 {
@@ -158,17 +165,22 @@ impl Job<'_> {
             }
             for spans in counts {
                 let max_samples = usual.max_samples * spans / usual.spans;
-                if let Some(t) = judge(dual(&samples, line, &DualOptions { spans, max_samples, ..usual.clone() })) {
-                    return t;
+                if let Some(fit) = dual(&samples, line, &DualOptions { spans, max_samples, ..usual.clone() }) {
+                    let t = judge(fit);
+                    let accepted = t.accepted.is_some();
+                    best = best.or_better(t);
+                    if accepted {
+                        return best;
+                    }
                 }
             }
         }
-        let options = PrimalOptions { bend_radius: self.wanted_bend(), ..PrimalOptions::new(keen) };
-        let f = primal(&samples, &options);
-        if let Some(t) = judge(f) {
-            return t;
+        if let Some(fit) = primal(&samples, &PrimalOptions { bend_radius, ..PrimalOptions::new(keen) }) {
+            best = best.or_better(judge(fit));
         }
-        best.error = best.error.max(self.options.tolerance * 1.0001);
+        if best.accepted.is_none() {
+            best.error = best.error.max(self.options.tolerance * 1.0001);
+        }
         best
     }
 
@@ -242,7 +254,11 @@ impl Job<'_> {
                         None => return Trial::failed(distance.abs()),
                     }
                 }
-                Verdict::Undecided { .. } => return Trial::failed(allowed * 1.05),
+                Verdict::Undecided { reason, .. } => {
+                    // Near enough at every place looked at, but its regression curve comes into the panel.
+                    let misshapen = matches!(reason, Resistance::Foot | Resistance::Fold);
+                    return Trial { misshapen, ..Trial::failed(allowed * 1.05) };
+                }
             }
         }
         Trial::failed(allowed * 1.02)
