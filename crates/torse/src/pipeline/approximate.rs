@@ -7,7 +7,7 @@ use super::consensus;
 use super::cover::{check_curves, cover, strip_range, Cover, CoverOptions, CurveError, Guide, Layout, Limits, State};
 use super::outcome::{AlongCurve, Outcome, Skipped, Status};
 use super::seams::{self, Meeting};
-use crate::certify::{self, Certificate, SeamCertificate, SeamStatus};
+use crate::certify::{self, Certificate, PanelCertificate, SeamCertificate, SeamStatus};
 use crate::control::Control;
 use crate::develop::pattern::{pattern, PatternOptions};
 use crate::develop::DevelopError;
@@ -20,7 +20,7 @@ use crate::surface::panel::{Border, Panel, Patchwork};
 use crate::surface::pattern::Pattern;
 use crate::surface::torse::PanelKind;
 use rayon::prelude::*;
-use std::collections::HashSet;
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
@@ -136,8 +136,14 @@ const MEETINGS: usize = 4;
 /// Weights of gaps against distances in turn, each with the openness that needs no more: seams that are one edge, then
 /// seams within the tolerance.
 const WEIGHTS: [(f64, f64); 2] = [(50.0, 0.0), (7.0, 1.0)];
+/// Times that strips agree, each with firmer ones in place of those that were ill shaped.
+const AGREEMENTS: usize = 3;
+/// Factor on the firmness of strips from one time to the next.
+const FIRMER: f64 = 10.0;
+/// Panels that are refused and stay within this multiple of the tolerance are too far away, not ill shaped.
+const NEAR: f64 = 1.1;
 /// Shares of the tolerance of covers that leave room for joining.
-const ROOM: [f64; 1] = [0.94];
+const ROOM: [f64; 3] = [0.94, 0.8, 0.65];
 /// Openness with which nothing more is tried.
 const SETTLED: f64 = 0.3;
 /// Share of the openness that a further panel must bring it down to.
@@ -456,25 +462,36 @@ fn met(index: usize, face: &Face, state: &State, built: Built, options: &Options
     let state = seams::with_partition(face, state, partition);
     let state = seams::on_levels(face, &state, &borders(face, &state.partition), tolerance);
     let mut best = built;
+    // Openness of the best so far, and which new panels are ill shaped.
     let mut attempt = |meeting: &Meeting| {
         let count = best.patchwork.panels.len();
-        let next = judged(index, face, &state, meeting, count, options);
+        let (next, ill_shaped) = judged(index, face, &state, meeting, count, options);
         if let Some(next) = next.filter(|n| openness(n) < openness(&best)) {
             best = next;
         }
-        openness(&best)
+        (openness(&best), ill_shaped)
     };
     let borders = || borders(face, &state.partition);
     let meeting = seams::meet(face, &state, &borders(), tolerance);
-    let mut open = if meeting.edges.is_empty() { f64::INFINITY } else { attempt(&meeting) };
+    let mut open = if meeting.edges.is_empty() { f64::INFINITY } else { attempt(&meeting).0 };
     // Where no seam could be made of curves, none will become one edge.
     let first = usize::from(meeting.edges.is_empty());
     for (weight, settled) in WEIGHTS.into_iter().skip(first) {
         if open <= settled || control.stopped() {
             break;
         }
-        if let Some(meeting) = consensus::agree(face, &state, &borders(), &meeting.drafts, weight, tolerance) {
-            open = attempt(&meeting);
+        // Strips that become ill shaped are made firmer.
+        let mut firmness: BTreeMap<u32, f64> = BTreeMap::new();
+        for time in 0..AGREEMENTS {
+            let agreed = consensus::agree(face, &state, &borders(), &meeting.drafts, &firmness, weight, tolerance);
+            let Some(agreed) = agreed else { break };
+            let (now, ill_shaped) = attempt(&agreed);
+            let idle = time > 0 && now >= open;
+            open = now;
+            if open <= settled || ill_shaped.is_empty() || idle || control.stopped() {
+                break;
+            }
+            ill_shaped.into_iter().for_each(|label| *firmness.entry(label).or_insert(1.0) *= FIRMER);
         }
     }
     best
@@ -499,7 +516,10 @@ fn with_room(
         let (built, refused) = build(index, face, &found.state, options.tolerance);
         let more = built.patchwork.panels.len().saturating_sub(best.patchwork.panels.len());
         let is_open = best.certificate.seams.iter().any(|s| s.status == SeamStatus::Open);
-        if !found.complete || !refused.is_empty() || more > usize::from(is_open) {
+        if more > usize::from(is_open) {
+            break;
+        }
+        if !found.complete || !refused.is_empty() {
             continue;
         }
         if !too_large(&built, &options.limits).is_empty() {
@@ -521,7 +541,8 @@ fn openness(built: &Built) -> f64 {
     open.map(|s| EACH + s.gap_bound / built.certificate.tolerance).sum()
 }
 
-/// Panels that meet, without those that are refused. `None` if not all the others can be proven.
+/// Panels that meet, but for those that are refused; no panels if not all the others can be proven. Second result: the
+/// labels of those that were ill shaped.
 fn judged(
     index: usize,
     face: &Face,
@@ -529,8 +550,8 @@ fn judged(
     meeting: &Meeting,
     count: usize,
     options: &Options,
-) -> Option<Built> {
-    let (mut refused, mut dropped) = (Vec::new(), Vec::new());
+) -> (Option<Built>, Vec<u32>) {
+    let (mut refused, mut dropped, mut ill_shaped) = (Vec::new(), Vec::new(), Vec::new());
     for _ in 0..MEETINGS {
         let (next, bad) = build_on(index, face, state, options.tolerance, Some((meeting, &refused, &dropped)));
         let whole = next.patchwork.panels.len() == count;
@@ -541,17 +562,24 @@ fn judged(
         let shared: Vec<&SeamCertificate> = seams.filter(|(s, _)| s.is_shared()).map(|s| s.1).collect();
         let missed: Vec<[u32; 2]> = shared.into_iter().filter(missed).map(|s| s.panels.map(label)).collect();
         if bad.is_empty() && whole && missed.is_empty() && too_large(&next, &options.limits).is_empty() {
-            return Some(next);
+            return (Some(next), ill_shaped);
         }
         // Neighbours of a strip that failed keep their other seams.
         let before = refused.len() + dropped.len();
-        refused.extend(bad.into_iter().filter(|l| !refused.contains(l)).collect::<Vec<_>>());
+        let proofs: HashMap<u32, &PanelCertificate> =
+            next.patchwork.panels.iter().map(|p| p.label).zip(&next.certificate.panels).collect();
+        for l in bad.into_iter().filter(|l| !refused.contains(l)).collect::<Vec<_>>() {
+            refused.push(l);
+            if proofs.get(&l).is_none_or(|p| p.deviation_bound > NEAR * options.tolerance) {
+                ill_shaped.push(l);
+            }
+        }
         dropped.extend(missed);
         if refused.len() + dropped.len() == before {
             break;
         }
     }
-    None
+    (None, ill_shaped)
 }
 
 /// Borders of a partition.

@@ -1,7 +1,7 @@
 //! Strips that agree about their seams: what is left of a covered face where strips laid anew between seam curves do not
 //! exist or cannot be proven. Every border between two panels counts, whatever it follows. Nothing is judged here.
 
-use super::cover::State;
+use super::cover::{Density, State};
 use super::seams::{level_chains, origin, stretch, Meeting, SharedSeam};
 use crate::fit::boundary::{Borders, SeamChain};
 use crate::fit::seams::{base_line, consensus, AgreedLine, Agreeing, BaseLine, ConsensusOptions, Line, LinePoint};
@@ -31,14 +31,15 @@ struct Border<'a> {
     points: Vec<LinePoint>,
 }
 
-/// Moves the strips of a covered face until neighbours agree, from `drafts` where there are any. `weight` says how
-/// much gaps count, see [`ConsensusOptions`]. `state` must have the partition of the borders. `None`
-/// where there is nothing to agree about, or some strip cannot take part.
+/// Moves the strips of a covered face until neighbours agree, from `drafts` where there are any. `firmness`:
+/// see [`Agreeing`]; `weight` says how much gaps count, see [`ConsensusOptions`]. `state` must have the partition of the
+/// borders. `None` where there is nothing to agree about, or some strip cannot take part.
 pub(super) fn agree(
     face: &Face,
     state: &State,
     borders: &Borders,
     drafts: &BTreeMap<u32, Torse>,
+    firmness: &BTreeMap<u32, f64>,
     weight: f64,
     tolerance: f64,
 ) -> Option<Meeting> {
@@ -46,7 +47,8 @@ pub(super) fn agree(
     // 1. Strips, in an order in which neighbours are near each other.
     let order = order(state, &chains);
     let index: HashMap<u32, usize> = order.iter().enumerate().map(|(k, &l)| (l, k)).collect();
-    let samples: Vec<Vec<Sample>> = order.iter().map(|&l| state.samples(l)).collect();
+    let samples: Vec<Vec<Sample>> =
+        order.iter().map(|&l| state.dense_samples(&face.surface, l, Density::Band)).collect();
     let starts: Vec<Option<DualTorse>> = order
         .par_iter()
         .zip(&samples)
@@ -74,8 +76,13 @@ pub(super) fn agree(
     // 3. Agreement of the strips that can.
     let taking: Vec<usize> = (0..order.len()).filter(|&k| starts[k].is_some()).collect();
     let place: HashMap<usize, usize> = taking.iter().enumerate().map(|(i, &k)| (k, i)).collect();
-    let strips: Vec<Agreeing> =
-        taking.iter().filter_map(|&k| Some(Agreeing { torse: starts[k].as_ref()?, samples: &samples[k] })).collect();
+    let strips: Vec<Agreeing> = taking
+        .iter()
+        .filter_map(|&k| {
+            let firmness = firmness.get(&order[k]).copied().unwrap_or(1.0);
+            Some(Agreeing { torse: starts[k].as_ref()?, samples: &samples[k], firmness })
+        })
+        .collect();
     let lines: Vec<Line> = found
         .iter()
         .map(|b| Line { strips: b.chain.labels.map(|l| place[&index[&l]]), points: b.points.clone() })

@@ -50,6 +50,8 @@ pub struct Agreeing<'a> {
     pub torse: &'a DualTorse,
     /// Points of the surface that it is for.
     pub samples: &'a [Sample],
+    /// How firmly its planes keep their ways: factor on the fairness of their changes; 1.
+    pub firmness: f64,
 }
 
 /// Knobs of [`consensus`].
@@ -132,6 +134,7 @@ struct Member {
     scale: Scale,
     /// Number of samples; points of seams follow them.
     samples: usize,
+    firmness: f64,
     /// Seams and where their points begin.
     seams: Vec<(usize, usize)>,
     weights: Vec<f64>,
@@ -350,7 +353,7 @@ fn member(index: usize, strip: &Agreeing, lifts: &[Lift], out: &[usize], options
     let f = scale.unit / options.tolerance;
     residual.iter_mut().for_each(|r| *r *= f);
     let samples = strip.samples.len();
-    Some(Member { family, x, scale, samples, seams, weights: vec![1.0; samples], residual })
+    Some(Member { family, x, scale, samples, firmness: strip.firmness, seams, weights: vec![1.0; samples], residual })
 }
 
 /// First offsets: the mean of both strips along the normal.
@@ -544,6 +547,7 @@ fn reweight(members: &mut [Member], linear: &[Linear], changes: &[Vec<f64>]) {
 
 fn linearised(m: &mut Member, lifts: &[Lift], tolerance: f64, hold: Hold) -> Linear {
     let Hold { damping, firm, weight: heavy } = hold;
+    let firm = firm * m.firmness;
     let f = m.factor(tolerance);
     let all = m.all();
     let scaled: Vec<f64> = m.residual.iter().map(|r| r / f).collect();
@@ -663,7 +667,7 @@ mod tests {
         });
         let lines = [Line { strips: [0, 1], points: points.collect() }];
         let strips: Vec<Agreeing> =
-            cones.iter().zip(&samples).map(|(torse, samples)| Agreeing { torse, samples }).collect();
+            cones.iter().zip(&samples).map(|(torse, samples)| Agreeing { torse, samples, firmness: 1.0 }).collect();
         let options = ConsensusOptions { spans: 24, ..ConsensusOptions::new(sagitta) };
         let (agreed, lines) = consensus(&strips, &lines, &options).expect("agreement");
         let error = agreed.iter().map(|a| a.as_ref().expect("a strip").error).fold(0.0, f64::max);
@@ -681,7 +685,7 @@ mod tests {
         let (good, bad) = (zone(0.0, 0.12), zone(0.12, 0.2).into_iter().map(turned).collect::<Vec<_>>());
         let points = (0..=20).map(|i| radial(f64::from(i) / 20.0, 0.12));
         let points = points.enumerate().map(|(i, n)| LinePoint { s: i as f64, x: n * RADIUS, n }).collect();
-        let strips = [Agreeing { torse: &cone, samples: &good }, Agreeing { torse: &cone, samples: &bad }];
+        let strips = [&good, &bad].map(|samples| Agreeing { torse: &cone, samples, firmness: 1.0 });
         let lines = [Line { strips: [0, 1], points }];
         let (agreed, lines) = consensus(&strips, &lines, &ConsensusOptions::new(1.0)).expect("a result");
         assert!(agreed[0].is_some() && agreed[1].is_none() && lines[0].gap.is_infinite());

@@ -31,7 +31,7 @@ pub use guided::Origin;
 use layout::Course;
 pub use layout::{Guide, Layout, LayoutKind, SeamPlane};
 use rayon::prelude::*;
-pub use state::State;
+pub use state::{Density, State};
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
