@@ -677,6 +677,34 @@ mod tests {
         assert!(lines[0].offset_at(200.0) > 0.1 * sagitta, "{}", lines[0].offset_at(200.0));
     }
 
+    /// A strip whose samples ripple follows them; a firm one does much less.
+    #[test]
+    fn firm_strips_keep_their_ways() {
+        let cones = [tangent_cone(0.06), tangent_cone(0.16)];
+        let sagitta = RADIUS * (1.0 - 0.06_f64.cos());
+        let ripple = |s: Sample| Sample { x: s.x + s.n * (0.1 * sagitta * (25.0 * s.n.y).sin()), ..s };
+        let samples = [zone(0.0, 0.12).into_iter().map(ripple).collect(), zone(0.12, 0.2)];
+        let points = (0..=100).map(|i| f64::from(i) / 100.0).map(|a| {
+            let n = radial(a, 0.12);
+            LinePoint { s: RADIUS * 0.12_f64.cos() * a, x: n * RADIUS, n }
+        });
+        let lines = [Line { strips: [0, 1], points: points.collect() }];
+        let roughness = |firmness: f64| {
+            let strip = |k: usize| Agreeing {
+                torse: &cones[k],
+                samples: &samples[k],
+                firmness: if k == 0 { firmness } else { 1.0 },
+            };
+            let options = ConsensusOptions { spans: 24, ..ConsensusOptions::new(sagitta) };
+            let (agreed, _) = consensus(&[0, 1].map(strip), &lines, &options).expect("agreement");
+            let Torse::Dual(d) = &agreed[0].as_ref().expect("a strip").torse else { panic!("planes") };
+            let third = |w: &[[f64; 4]]| w[3][3] - 3.0 * w[2][3] + 3.0 * w[1][3] - w[0][3];
+            d.planes.control.windows(4).map(|w| third(w).abs()).sum::<f64>()
+        };
+        let (usual, firm) = (roughness(1.0), roughness(100.0));
+        assert!(firm < 0.5 * usual, "{firm} {usual}");
+    }
+
     #[test]
     fn strips_without_sheet_are_left_out() {
         let cone = tangent_cone(0.06);
