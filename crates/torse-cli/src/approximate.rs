@@ -19,6 +19,9 @@ const PANELS_OF_CONES: f64 = 0.6;
 /// Runs the job; `Ok(true)` means certified.
 pub fn run(arguments: &Approximate) -> Result<bool, Failure> {
     let file = &arguments.file;
+    let least = || arguments.sweep.iter().min_by(|a, b| a.mm.total_cmp(&b.mm));
+    let tolerance = arguments.tolerance.as_ref().or_else(least);
+    let tolerance = tolerance.ok_or_else(|| Failure::new("no tolerance", "give one: --tolerance 2mm"))?;
     let bytes = contents(file)?;
     let layout = layout(arguments)?;
     let output = Output::prepare(&arguments.out, file, arguments.force)?;
@@ -33,7 +36,7 @@ pub fn run(arguments: &Approximate) -> Result<bool, Failure> {
     }
     let job = wiring::Job {
         name: arguments.name.clone().unwrap_or_else(|| stem(file)),
-        tolerance: if arguments.cones { PANELS_OF_CONES } else { 1.0 } * arguments.tolerance.mm,
+        tolerance: if arguments.cones { PANELS_OF_CONES } else { 1.0 } * tolerance.mm,
         max_panels: arguments.max_panels.map(|n| n as usize),
         limits: limits(arguments),
         layout,
@@ -61,7 +64,7 @@ pub fn run(arguments: &Approximate) -> Result<bool, Failure> {
     let mut cones_hold = true;
     if arguments.cones {
         terminal.say("cones");
-        let cones = wiring::cones_of_panels(&outcome, arguments.tolerance.mm, terminal.control())?;
+        let cones = wiring::cones_of_panels(&outcome, tolerance.mm, terminal.control())?;
         cones_hold = cones.sheets.status == Status::Certified;
         for (name, bytes) in wiring::cone_files(&cones)? {
             let name = if name.starts_with("cones") { name } else { format!("cones-{name}") };
@@ -74,7 +77,7 @@ pub fn run(arguments: &Approximate) -> Result<bool, Failure> {
 
     if !arguments.quiet {
         // A closed pipe is no reason to fail after the work is done.
-        let _ = summary(&outcome, &notes, arguments, terminal.interrupted());
+        let _ = summary(&outcome, &notes, tolerance, &arguments.out, terminal.interrupted());
     }
     Ok(outcome.status == Status::Certified && cones_hold)
 }
@@ -164,7 +167,13 @@ fn refuse_skipped(file: &Path, model: &wiring::Model) -> Result<(), Failure> {
 }
 
 /// Tells the result in a few lines.
-fn summary(outcome: &Outcome, notes: &[String], arguments: &Approximate, interrupted: bool) -> std::io::Result<()> {
+fn summary(
+    outcome: &Outcome,
+    notes: &[String],
+    tolerance: &Length,
+    folder: &Path,
+    interrupted: bool,
+) -> std::io::Result<()> {
     let mut out = std::io::stdout().lock();
     let panels = outcome.patchwork.panels.len();
     let faces = outcome.patchwork.faces.len();
@@ -175,7 +184,7 @@ fn summary(outcome: &Outcome, notes: &[String], arguments: &Approximate, interru
             out,
             "certified: {head}, at most {} mm from the surface (tolerance {}), {:.1} s",
             significant(outcome.certificate.deviation_bound),
-            arguments.tolerance.text,
+            tolerance.text,
             outcome.seconds
         )?,
         Status::Uncertified(reason) => {
@@ -196,7 +205,7 @@ fn summary(outcome: &Outcome, notes: &[String], arguments: &Approximate, interru
     for note in notes {
         writeln!(out, "  note: {note}")?;
     }
-    writeln!(out, "  open {}", arguments.out.join("report.html").display())
+    writeln!(out, "  open {}", folder.join("report.html").display())
 }
 
 /// A bound to three significant digits, rounded up: it must not look better than it is.

@@ -67,9 +67,17 @@ pub struct Approximate {
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
 
-    /// Largest deviation allowed between surface and panels, with its unit: 2mm, 0.1cm, 1/16in
-    #[arg(short, long, value_name = "LENGTH", value_parser = positive_length, allow_hyphen_values = true)]
-    pub tolerance: Length,
+    /// Largest deviation allowed between surface and panels, with its unit: 2mm, 0.1cm, 1/16in. With --sweep, its least
+    /// one if none is given
+    #[arg(
+        short,
+        long,
+        value_name = "LENGTH",
+        value_parser = positive_length,
+        allow_hyphen_values = true,
+        required_unless_present = "sweep"
+    )]
+    pub tolerance: Option<Length>,
 
     /// Folder to create for the results
     #[arg(short, long, value_name = "DIR")]

@@ -57,6 +57,8 @@ fn tolerances_are_refused_with_the_reason() {
         let message = refused(room.path(), &["approximate", "a.step", "--tolerance", tolerance, "--out", "o"]);
         assert!(message.contains(reason), "{tolerance}: {message}");
     }
+    let message = refused(room.path(), &["approximate", "a.step", "--out", "o"]);
+    assert!(message.contains("--tolerance"), "{message}");
 }
 
 #[test]

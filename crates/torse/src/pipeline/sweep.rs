@@ -66,7 +66,7 @@ pub fn seam_length(outcome: &Outcome) -> f64 {
         };
         spans.windows(2).map(|w| (0..CHORDS).map(|k| chord(w, k)).sum::<f64>()).sum::<f64>()
     };
-    0.5 * seams.map(length).sum::<f64>()
+    0.5 * seams.map(length).fold(0.0, |sum, l| sum + l)
 }
 
 /// Panels, seam length and limit over the tolerance; `None` without rows.

@@ -227,8 +227,8 @@ impl Job<'_> {
     }
 
     /// The bands between levels, with the best torse of each of their components: proven when all bands might do. Bands
-    /// of the round before that have not moved keep the torses that are `known` for them; the others begin with that of
-    /// the band of which they share the most.
+    /// of the round before that have not moved keep the torses that are `known` for them; the others, where they are few,
+    /// begin with that of the band with which they share the most.
     fn laid(
         &self,
         state: &State,
