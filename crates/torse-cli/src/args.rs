@@ -67,8 +67,8 @@ pub struct Approximate {
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
 
-    /// Largest deviation allowed between surface and panels, with its unit: 2mm, 0.1cm, 1/16in. With --sweep, its least
-    /// one if none is given
+    /// Largest deviation allowed between surface and panels, with its unit: 2mm, 0.1cm, 1/16in. If not given,
+    /// the least one of --sweep
     #[arg(
         short,
         long,
