@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use torse::develop::layout::layout;
 use torse::develop::pattern::{pattern, PatternOptions};
 use torse::develop::DevelopError;
-use torse::fit::boundary::{panels, Assigned, BoundaryOptions};
+use torse::fit::boundary::{panels, Assigned, Borders, BoundaryOptions};
 use torse::geom::partition::Partition;
 use torse::geom::{Frame, Vec2, Vec3};
 use torse::spline::curve::Curve;
@@ -331,4 +331,47 @@ fn a_pole_is_a_corner() {
     let p = pattern(&work, 0, &PatternOptions::new(0.01)).expect("a pattern");
     assert_eq!((p.contours[0].vertices.len(), p.sides.len(), p.rulings.len()), (3, 3, 0));
     assert!((p.area - 5000.0).abs() < 0.1 && (p.area_in_space - p.area).abs() < 1e-6);
+}
+
+/// Panels that end on the face's normals: a pole has none, and its points differ by rounding.
+#[test]
+fn panels_on_normals_close_at_a_pole() {
+    let k = Knots::clamped(1, &[0.0, 1.0]).expect("knots");
+    let hair = 1e-13;
+    let p = [(0.0, 0.0, 3.0), (100.0, 0.0, 20.0), (hair, 0.0, 3.0), (0.0, 100.0, 20.0)];
+    let p = p.map(|(x, y, z)| Vec3::new(x, y, z));
+    let face = Face::untrimmed(Surface::new(k.clone(), k, &p, None).expect("surface"));
+    let range = (0.0, 1.0);
+    let partition = grid(6, range, range, |x, _| Some(u32::from(x > 0.5)));
+    let trim_edge = side(&partition, range, range);
+    // The plane z = 8.
+    let control = vec![[8.0, 0.0]; 4];
+    let profile = Curve::new(3, vec![-40., -40., -40., -40., 140., 140., 140., 140.], control).expect("profile");
+    let torse = Torse::Primal(PrimalTorse { frame: Frame::world(), profile, beta: 0.0 });
+    let closed = |borders: &Borders| {
+        for label in [0, 1] {
+            let assigned = Assigned { label, torse: &torse, kind: PanelKind::Plane };
+            let (panel, _) = borders.panel(0, &assigned, &FINE).expect("a panel");
+            let runs = &panel.loops[0];
+            assert_eq!(runs.len(), 4);
+            for (k, run) in runs.iter().enumerate() {
+                let next = &runs[(k + 1) % runs.len()];
+                assert_eq!(run.trim.control.last(), next.trim.control.first(), "run {k} of label {label}");
+            }
+        }
+    };
+    let mut borders = Borders::new(&face, &partition, &trim_edge, 0);
+    borders.end_on_normals([0, 1]);
+    closed(&borders);
+    // The same with an edge in the plane for both, from near the pole to near the other end of the seam.
+    let seam = borders.seam_chains().remove(0);
+    let places = [0, seam.vertices.len() - 1].map(|k| {
+        let [u, v] = partition.vertices[seam.vertices[k] as usize];
+        let x = face.surface.point(u, v);
+        [x.x + 1.0, x.y + 1.5, 8.0]
+    });
+    let edge = Curve::new(1, vec![0.0, 0.0, 1.0, 1.0], places.to_vec()).expect("an edge");
+    let count = (seam.vertices.len() - 1) as f64;
+    borders.share(seam.chain, edge, (0..seam.vertices.len()).map(|k| k as f64 / count).collect());
+    closed(&borders);
 }

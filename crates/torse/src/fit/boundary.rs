@@ -3,6 +3,7 @@
 //! Method: certificate specification, section 5. The border of a label is a polyline of partition edges; its foot
 //! points on the torse are the places that the trimming curves pass. Nothing is judged here.
 
+mod creases;
 mod feet;
 mod path;
 
@@ -20,6 +21,7 @@ use crate::surface::convert::{self, ConvertError, Extent};
 use crate::surface::face::Face;
 use crate::surface::panel::{Border, Panel, Run};
 use crate::surface::torse::{PanelKind, Torse};
+use creases::Creases;
 use feet::feet_along;
 use path::{Aim, Path};
 
@@ -173,6 +175,7 @@ pub struct Borders<'a> {
     bend: HashMap<u32, f64>,
     /// Edges that both sides of a chain take as they are.
     shared: HashMap<usize, SharedEdge>,
+    creases: Creases<'a>,
     /// Labels that end on the face's normals without any shared edge.
     on_normals: HashSet<u32>,
     /// Number of seams.
@@ -211,7 +214,9 @@ impl<'a> Borders<'a> {
             scale[0] += j.du.norm();
             scale[1] += j.dv.norm();
         }
-        let chains = chains::chains(partition, &points, scale, trim_edge);
+        let creases = Creases::new(face, scale);
+        let gain = |a: u32, b: u32, c: u32| creases.gain([a, b, c].map(|v| partition.vertices[v as usize]));
+        let chains = chains::chains(partition, &points, scale, trim_edge, &gain);
         let mut seam_count = 0;
         let mut seams = Vec::new();
         let mut bend = HashMap::new();
@@ -239,6 +244,7 @@ impl<'a> Borders<'a> {
             seams,
             bend,
             shared: HashMap::new(),
+            creases,
             on_normals: HashSet::new(),
             seam_count,
         }
@@ -311,8 +317,13 @@ impl<'a> Borders<'a> {
         if walled {
             let at = |v: u32| self.partition.vertices[v as usize];
             let bad = |v: u32| BoundaryError::Foot { label, uv: at(v) };
-            for (&v, p) in &mut places {
-                let (t, x) = on_normal(&self.face.surface, assigned.torse, at(v), p[0]).ok_or_else(|| bad(v))?;
+            // Vertices of a border that is a point in space (a pole, where the face has no normal) share one place.
+            let in_pole: HashSet<u32> =
+                loops.iter().flatten().flat_map(|s| self.pole_vertices(s.chain)).copied().collect();
+            for (&v, p) in places.iter_mut().filter(|(v, _)| !in_pole.contains(v)) {
+                let normal = self.creases.normal(at(v));
+                let x = &self.points[v as usize];
+                let (t, x) = on_normal(x, &normal, assigned.torse, p[0]).ok_or_else(|| bad(v))?;
                 *p = [t, convert::parameters(&patch, t, &x)];
             }
             walls = places.clone();
@@ -321,7 +332,12 @@ impl<'a> Borders<'a> {
                 for (&v, &s) in self.chains[stretch.chain].vertices.iter().zip(&shared.parameters) {
                     let x = Vec3::from(shared.edge.point(s));
                     let t = assigned.torse.foot(&x, places[&v][0]).ok_or_else(|| bad(v))?;
-                    places.insert(v, [t, convert::parameters(&patch, t, &x)]);
+                    let place = [t, convert::parameters(&patch, t, &x)];
+                    if in_pole.contains(&v) {
+                        let pole = feet[&v].vertex;
+                        places.iter_mut().filter(|(w, _)| feet[w].vertex == pole).for_each(|(_, p)| *p = place);
+                    }
+                    places.insert(v, place);
                 }
             }
         }
@@ -390,6 +406,16 @@ impl<'a> Borders<'a> {
             loops: out,
         };
         Ok((panel, worst))
+    }
+
+    /// Vertices of a chain that is a point in space; none of others.
+    fn pole_vertices(&self, chain: usize) -> &[u32] {
+        let c = &self.chains[chain];
+        if c.length > 0.0 {
+            &[]
+        } else {
+            &c.vertices
+        }
     }
 
     /// Loops of a label as stretches of chains, outer loop first.

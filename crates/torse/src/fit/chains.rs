@@ -25,7 +25,8 @@ pub struct Chain {
     /// Vertices in order, label `left` on their left.
     pub vertices: Vec<u32>,
     /// Parameter of every vertex, from 0 to 1, increasing: chord length in the scaled parameter plane, so that a
-    /// border that is straight there has constant speed.
+    /// border that is straight there has constant speed, and the same speed in space on both sides of creases of the
+    /// parametrisation.
     pub parameters: Vec<f64>,
     /// Label on the left.
     pub left: u32,
@@ -47,12 +48,15 @@ const CONCENTRATED: f64 = 0.1;
 const POINT: f64 = 1e-10;
 
 /// All chains of a partition. `points`: places of the vertices in space (mm); `scale`: mean length in space (mm) of
-/// the units of u and v; `trim_edge(a, b)`: number of the trimming edge under a directed border edge.
+/// the units of u and v; `trim_edge(a, b)`: number of the trimming edge under a directed border edge; `gain(a, b, c)`:
+/// factor by which the length in space per scaled length in the parameter plane jumps at `b` on the way from `a` to `c`,
+/// 1 but on creases of the parametrisation.
 pub fn chains(
     partition: &Partition,
     points: &[Vec3],
     scale: [f64; 2],
     trim_edge: &dyn Fn(u32, u32) -> u32,
+    gain: &dyn Fn(u32, u32, u32) -> f64,
 ) -> Vec<Chain> {
     // 1. Border edges, each once: seams with the smaller label on the left.
     let label = label_map(partition);
@@ -125,11 +129,14 @@ pub fn chains(
             let vertices = line[w[0]..=w[1]].to_vec();
             let length = polyline_length(&place[w[0]..=w[1]]);
             let length = if length > POINT * size { length } else { 0.0 };
-            let steps: Vec<f64> = vertices
-                .windows(2)
-                .map(|e| {
-                    let [p, q] = [e[0], e[1]].map(|v| partition.vertices[v as usize]);
-                    (scale[0] * (q[0] - p[0])).hypot(scale[1] * (q[1] - p[1]))
+            let mut pace = 1.0;
+            let steps: Vec<f64> = (0..vertices.len() - 1)
+                .map(|k| {
+                    if k > 0 {
+                        pace *= gain(vertices[k - 1], vertices[k], vertices[k + 1]);
+                    }
+                    let [p, q] = [k, k + 1].map(|k| partition.vertices[vertices[k] as usize]);
+                    pace * (scale[0] * (q[0] - p[0])).hypot(scale[1] * (q[1] - p[1]))
                 })
                 .collect();
             let parameters = increasing(&steps);
@@ -310,7 +317,7 @@ mod tests {
     #[test]
     fn two_halves_share_one_chain() {
         let p = grid(6, |i, _| u32::from(i >= 3));
-        let c = chains(&p, &flat(&p), [1.0; 2], &side(&p));
+        let c = chains(&p, &flat(&p), [1.0; 2], &side(&p), &|_, _, _| 1.0);
         let seams: Vec<_> = c.iter().filter(|c| matches!(c.right, Right::Label(_))).collect();
         assert_eq!(seams.len(), 1);
         assert_eq!((seams[0].left, seams[0].right, seams[0].vertices.len()), (0, Right::Label(1), 7));
@@ -325,7 +332,7 @@ mod tests {
     #[test]
     fn an_island_has_corners_and_a_round_one_two_ends() {
         let p = grid(8, |i, j| u32::from((2..6).contains(&i) && (2..6).contains(&j)));
-        let c = chains(&p, &flat(&p), [1.0; 2], &side(&p));
+        let c = chains(&p, &flat(&p), [1.0; 2], &side(&p), &|_, _, _| 1.0);
         assert_eq!(c.iter().filter(|c| c.right == Right::Label(1)).count(), 4);
         let ring: Vec<Vec3> = (0..=40)
             .map(|i| f64::from(i) / 40.0 * std::f64::consts::TAU)

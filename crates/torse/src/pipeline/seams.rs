@@ -4,7 +4,7 @@
 //! seams between them ([`fit::seams`](crate::fit::seams)), all strips together, and the stretches of border that both
 //! sides share. Nothing is judged here: `approximate` keeps a new strip only if it is certified.
 
-use super::cover::State;
+use super::cover::{Density, State};
 use crate::fit::boundary::{Borders, SeamChain};
 use crate::fit::seams::{base_line, network, BaseLine, BasePoint, Laid, NetworkOptions, Seam, StripBetween};
 use crate::geom::partition::Partition;
@@ -289,7 +289,11 @@ fn laid_anew(
     let strips: Vec<StripBetween> = sequence
         .iter()
         .enumerate()
-        .map(|(k, b)| StripBetween { lower: k, upper: k + 1, samples: state.samples(b.label) })
+        .map(|(k, b)| StripBetween {
+            lower: k,
+            upper: k + 1,
+            samples: state.dense_samples(surface, b.label, Density::Band),
+        })
         .collect();
     let options = NetworkOptions::new(tolerance * SHARE, tolerance * SEAM_SHARE);
     let laid = network(&mut seams, &strips, &options);

@@ -94,7 +94,8 @@ impl Path<'_> {
             }
             Aim::Wall([a, b]) => {
                 shift = [0, 1].map(|d: usize| a[d] * (1.0 - s) + b[d] * s);
-                on_normal(&face.surface, self.torse, uv, guess)?
+                let normal = self.borders.creases.normal_between(p, q, l);
+                on_normal(&face.surface.point(uv[0], uv[1]), &normal, self.torse, guess)?
             }
             Aim::Edge(edge) => {
                 let x = Vec3::from(edge.point(s));
