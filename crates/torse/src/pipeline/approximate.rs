@@ -5,6 +5,7 @@
 
 use super::consensus;
 use super::cover::{check_curves, cover, strip_range, Cover, CoverOptions, CurveError, Guide, Layout, Limits, State};
+use super::levels;
 use super::outcome::{AlongCurve, Outcome, Skipped, Status};
 use super::seams::{self, Meeting};
 use crate::certify::{self, Certificate, PanelCertificate, SeamCertificate, SeamStatus};
@@ -136,10 +137,14 @@ const MEETINGS: usize = 4;
 /// Weights of gaps against distances in turn, each with the openness that needs no more: seams that are one edge, then
 /// seams within the tolerance.
 const WEIGHTS: [(f64, f64); 2] = [(50.0, 0.0), (7.0, 1.0)];
+/// Times that bands between seams get other levels.
+const LEVELLINGS: usize = 3;
 /// Times that strips agree, each with firmer ones in place of those that were ill shaped.
 const AGREEMENTS: usize = 3;
 /// Factor on the firmness of strips from one time to the next.
 const FIRMER: f64 = 10.0;
+/// Seams with a larger gap, as a share of the tolerance, do not meet.
+const APART: f64 = 0.25;
 /// Panels that are refused and stay within this multiple of the tolerance are too far away, not ill shaped.
 const NEAR: f64 = 1.1;
 /// Shares of the tolerance of covers that leave room for joining.
@@ -458,22 +463,38 @@ fn corners_on_knot_lines(face: &mut Face) {
 /// The same panels laid anew so that neighbours meet, as far as that can be certified; as they are where it cannot.
 fn met(index: usize, face: &Face, state: &State, built: Built, options: &Options, control: &Control) -> Built {
     let tolerance = options.tolerance;
-    let partition = smooth_borders(face, state.partition.clone(), tolerance);
-    let state = seams::with_partition(face, state, partition);
-    let state = seams::on_levels(face, &state, &borders(face, &state.partition), tolerance);
+    let on_levels = |state: &State| {
+        let partition = smooth_borders(face, state.partition.clone(), tolerance);
+        let state = seams::with_partition(face, state, partition);
+        seams::on_levels(face, &state, &borders(face, &state.partition), tolerance)
+    };
     let mut best = built;
     // Openness of the best so far, and which new panels are ill shaped.
-    let mut attempt = |meeting: &Meeting| {
+    let mut attempt = |state: &State, meeting: &Meeting| {
         let count = best.patchwork.panels.len();
-        let (next, ill_shaped) = judged(index, face, &state, meeting, count, options);
+        let (next, ill_shaped) = judged(index, face, state, meeting, count, options);
         if let Some(next) = next.filter(|n| openness(n) < openness(&best)) {
             best = next;
         }
         (openness(&best), ill_shaped)
     };
+    let state = on_levels(state);
     let borders = || borders(face, &state.partition);
     let meeting = seams::meet(face, &state, &borders(), tolerance);
-    let mut open = if meeting.edges.is_empty() { f64::INFINITY } else { attempt(&meeting).0 };
+    // Bands between other levels, where these make strips between seams even.
+    let mut rows = meeting.rows.clone();
+    let mut levelled = None;
+    for _ in 0..LEVELLINGS {
+        let from = levelled.as_ref().unwrap_or(&state);
+        let Some(next) = levels::evened(face, from, &rows).map(|s| on_levels(&s)) else { break };
+        let meeting = seams::meet(face, &next, &self::borders(face, &next.partition), tolerance);
+        rows.clone_from(&meeting.rows);
+        if rows.iter().all(|r| r.worst() <= 1.0) && attempt(&next, &meeting).0 <= 0.0 {
+            return best;
+        }
+        levelled = Some(next);
+    }
+    let mut open = if meeting.edges.is_empty() { f64::INFINITY } else { attempt(&state, &meeting).0 };
     // Where no seam could be made of curves, none will become one edge.
     let first = usize::from(meeting.edges.is_empty());
     for (weight, settled) in WEIGHTS.into_iter().skip(first) {
@@ -485,7 +506,7 @@ fn met(index: usize, face: &Face, state: &State, built: Built, options: &Options
         for time in 0..AGREEMENTS {
             let agreed = consensus::agree(face, &state, &borders(), &meeting.drafts, &firmness, weight, tolerance);
             let Some(agreed) = agreed else { break };
-            let (now, ill_shaped) = attempt(&agreed);
+            let (now, ill_shaped) = attempt(&state, &agreed);
             let idle = time > 0 && now >= open;
             open = now;
             if open <= settled || ill_shaped.is_empty() || idle || control.stopped() {
@@ -562,6 +583,13 @@ fn judged(
         let shared: Vec<&SeamCertificate> = seams.filter(|(s, _)| s.is_shared()).map(|s| s.1).collect();
         let missed: Vec<[u32; 2]> = shared.into_iter().filter(missed).map(|s| s.panels.map(label)).collect();
         if bad.is_empty() && whole && missed.is_empty() && too_large(&next, &options.limits).is_empty() {
+            if ill_shaped.is_empty() {
+                // Strips that came out well and still do not meet.
+                let apart = next.certificate.seams.iter().filter(|s| s.gap_bound > APART * options.tolerance);
+                ill_shaped.extend(apart.flat_map(|s| s.panels.map(label)));
+                ill_shaped.sort_unstable();
+                ill_shaped.dedup();
+            }
             return (Some(next), ill_shaped);
         }
         // Neighbours of a strip that failed keep their other seams.

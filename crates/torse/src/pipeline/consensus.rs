@@ -95,7 +95,7 @@ pub(super) fn agree(
     let torses: BTreeMap<u32, Torse> =
         taking.iter().zip(agreed).filter_map(|(&k, a)| Some((order[k], a?.torse))).collect();
     let edges = found.iter().zip(&lifted).filter_map(|(b, l)| shared(state, b, l, AGREED * tolerance)).collect();
-    Some(Meeting { torses, drafts: BTreeMap::new(), edges, alone: true })
+    Some(Meeting { torses, drafts: BTreeMap::new(), edges, rows: Vec::new(), alone: true })
 }
 
 /// Labels with panels, neighbours near each other.

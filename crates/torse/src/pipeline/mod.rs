@@ -15,6 +15,7 @@ mod given_face;
 pub mod hull;
 pub mod info;
 pub mod judgement;
+mod levels;
 pub mod loft;
 mod loft_ends;
 pub mod net;

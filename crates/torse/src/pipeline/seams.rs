@@ -5,6 +5,7 @@
 //! sides share. Nothing is judged here: `approximate` keeps a new strip only if it is certified.
 
 use super::cover::{Density, State};
+use super::levels::Row;
 use crate::fit::boundary::{Borders, SeamChain};
 use crate::fit::seams::{base_line, network, BaseLine, BasePoint, Laid, NetworkOptions, Seam, StripBetween};
 use crate::geom::partition::Partition;
@@ -26,6 +27,8 @@ pub(super) struct Meeting {
     pub drafts: BTreeMap<u32, Torse>,
     /// Edges between two labels with new torses.
     pub edges: Vec<SharedSeam>,
+    /// Sequences of bands that were laid anew between seam curves.
+    pub rows: Vec<Row>,
     /// Whether torses without such edges are better than those before, too.
     pub alone: bool,
 }
@@ -68,7 +71,8 @@ struct Band {
 /// Lays the bands of a covered face anew so that they meet. `state` must have the partition of the borders.
 pub(super) fn meet(face: &Face, state: &State, borders: &Borders, tolerance: f64) -> Meeting {
     let chains = borders.seam_chains();
-    let mut out = Meeting { torses: BTreeMap::new(), drafts: BTreeMap::new(), edges: Vec::new(), alone: false };
+    let mut out =
+        Meeting { torses: BTreeMap::new(), drafts: BTreeMap::new(), edges: Vec::new(), rows: Vec::new(), alone: false };
     for sequence in sequences(state, &chains, tolerance) {
         laid_anew(face, state, &chains, &sequence, tolerance, &mut out);
     }
@@ -308,6 +312,11 @@ fn laid_anew(
             out.torses.insert(band.label, l.torse.clone());
         }
     }
+    out.rows.push(Row {
+        labels: sequence.iter().map(|b| b.label).collect(),
+        levels,
+        shares: laid.iter().map(|l| l.as_ref().map_or(f64::INFINITY, |l| l.error / tolerance)).collect(),
+    });
     // 5. Edges for the borders whose both sides are good.
     for (k, (chain, _)) in real.iter().enumerate() {
         if good(k).is_none() || good(k + 1).is_none() {

@@ -456,7 +456,7 @@ fn repaired(levels: &[f64], shares: &[f64]) -> Option<Vec<f64>> {
 
 /// How dense levels must lie: the rise of `√error` over the range of the field, as the rounds so far have measured it.
 /// Single fits miss their best by some percent, which the mean of several rounds evens out.
-struct Rise {
+pub(in crate::pipeline) struct Rise {
     lo: f64,
     hi: f64,
     /// Rise in every cell of an even division of the range.
@@ -479,7 +479,7 @@ impl Rise {
 
     /// As bands from `lo` to `hi` with their shares, `[lo, hi, share]`, tell it; the steepest counts where they lie side
     /// by side.
-    fn of_bands(bands: &[[f64; 3]]) -> Self {
+    pub(in crate::pipeline) fn of_bands(bands: &[[f64; 3]]) -> Self {
         // Narrow ones beside wide ones tell nothing.
         let beside = |b: &[f64; 3], c: &[f64; 3]| c[0] <= b[0] && b[1] <= c[1] && b[1] - b[0] < NARROW * (c[1] - c[0]);
         let bands: Vec<&[f64; 3]> = bands.iter().filter(|b| !bands.iter().any(|c| beside(b, c))).collect();
@@ -527,7 +527,7 @@ impl Rise {
     }
 
     /// Levels for `count` bands of equal error by the square law.
-    fn levels(&self, count: usize) -> Vec<f64> {
+    pub(in crate::pipeline) fn levels(&self, count: usize) -> Vec<f64> {
         let step = (self.hi - self.lo) / CELLS as f64;
         let each = self.cells.iter().sum::<f64>() / count as f64;
         let mut out = vec![self.lo];

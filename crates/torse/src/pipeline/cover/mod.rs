@@ -27,6 +27,7 @@ use crate::geom::triangulate::TriangulateError;
 use crate::spline::field::Field;
 use crate::surface::face::Face;
 pub use course::{CurveError, CurveShape, PanelCurve};
+pub(super) use even::Rise;
 pub use guided::Origin;
 use layout::Course;
 pub use layout::{Guide, Layout, LayoutKind, SeamPlane};
