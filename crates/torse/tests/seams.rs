@@ -107,8 +107,8 @@ fn flat_edges_of_an_exact_seam_have_equal_lengths() {
             let ours = |b: &Border| matches!(b, Border::Seam { seam: k, .. } if *k == seam.seam);
             pattern.sides.iter().find(|s| ours(&s.border)).expect("a side").length
         });
-        assert!((a - b).abs() < 1e-7 * a, "{a} {b}: {:e}", (a - b) / a);
-        assert!((a - seam.length()).abs() < 1e-6 * a, "{a} {}", seam.length());
+        assert!((a - b).abs() < 1e-9 * a, "{a} {b}: {:e}", (a - b) / a);
+        assert!((a - seam.length()).abs() < 1e-8 * a, "{a} {}", seam.length());
     }
 }
 

@@ -359,7 +359,7 @@ impl<'a> Borders<'a> {
                 }
                 let ends = [vertices[0], vertices[vertices.len() - 1]];
                 let aim = match &shared_edge {
-                    Some(edge) => Aim::Edge(edge),
+                    Some(edge) => Aim::Edge(edge, chain.length),
                     None if walled => Aim::Wall(ends.map(|v| [0, 1].map(|d| places[&v][d] - walls[&v][d]))),
                     None => Aim::Feet,
                 };

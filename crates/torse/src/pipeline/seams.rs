@@ -46,6 +46,8 @@ pub(super) struct SharedSeam {
 const SHARE: f64 = 0.98;
 /// Wanted distance between seams and dual splines, share of the tolerance.
 const SEAM_SHARE: f64 = 1e-3;
+/// The same as a share of the shortest seam: the lengths of both sides' edges then agree to about 1e-9.
+const LENGTH_SHARE: f64 = 1e-7;
 /// A border belongs to a level if its values differ by less than this share of a band's theoretical width.
 const LEVEL: f64 = 0.05;
 /// Place of the free seam of a band at the end, as a share of its range from that end.
@@ -299,7 +301,9 @@ fn laid_anew(
             samples: state.dense_samples(surface, b.label, Density::Band),
         })
         .collect();
-    let options = NetworkOptions::new(tolerance * SHARE, tolerance * SEAM_SHARE);
+    let shortest = real.iter().map(|(chain, _)| chain.length).fold(f64::INFINITY, f64::min);
+    let wanted = (tolerance * SEAM_SHARE).min(LENGTH_SHARE * shortest);
+    let options = NetworkOptions::new(tolerance * SHARE, wanted);
     let laid = network(&mut seams, &strips, &options);
     let good = |k: usize| {
         laid[k].as_ref().filter(|l: &&Laid| l.error <= tolerance && l.seam_distance <= 10.0 * SEAM_SHARE * tolerance)

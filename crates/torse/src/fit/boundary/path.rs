@@ -15,8 +15,9 @@ use std::collections::HashMap;
 /// Kinks that the polyline keeps are smoothed over by at most this multiple of the trim tolerance: what the curve
 /// strays there counts against the panel.
 const KINKED: f64 = 8.0;
-/// Share of the trim tolerance that trimming curves may stray from a shared edge: it is smooth.
-const SHARED: f64 = 0.02;
+/// Shares of the trim tolerance and of its length that trimming curves may stray from a shared edge: it is smooth, and
+/// both sides' edges in the flat are to be equally long.
+const SHARED: (f64, f64) = (0.02, 3e-8);
 /// Share of the bend of the border polyline that a trimming curve may smooth over: the polyline's own chords are
 /// off a smooth border by a quarter of the bend.
 const SMOOTHED: f64 = 0.5;
@@ -26,8 +27,8 @@ pub(super) enum Aim<'a> {
     Feet,
     /// The places where the torse meets the face's normals, moved to given ends by so much.
     Wall([[f64; 2]; 2]),
-    /// A curve on the torse.
-    Edge(&'a Curve<3>),
+    /// A curve on the torse, and its length, mm.
+    Edge(&'a Curve<3>, f64),
 }
 
 /// What the trimming curve of a run should follow: the feet of the border's points on the torse.
@@ -97,7 +98,7 @@ impl Path<'_> {
                 let normal = self.borders.creases.normal_between(p, q, l);
                 on_normal(&face.surface.point(uv[0], uv[1]), &normal, self.torse, guess)?
             }
-            Aim::Edge(edge) => {
+            Aim::Edge(edge, _) => {
                 let x = Vec3::from(edge.point(s));
                 (self.torse.foot(&x, guess)?, x)
             }
@@ -111,8 +112,8 @@ impl Path<'_> {
 
     /// How far (mm) the curve may stray where the border bends by `bend`.
     fn allowance(&self, bend: f64) -> f64 {
-        if matches!(self.aim, Aim::Edge(_)) {
-            return SHARED * self.options.trim_tolerance;
+        if let Aim::Edge(_, length) = self.aim {
+            return (SHARED.0 * self.options.trim_tolerance).min(SHARED.1 * length);
         }
         (SMOOTHED * bend).clamp(self.options.trim_tolerance, KINKED * self.options.trim_tolerance)
     }

@@ -39,14 +39,14 @@ pub struct NetworkOptions {
     pub seam_tolerance: f64,
     /// Joint steps at most; 8.
     pub rounds: usize,
-    /// Largest number of spans of a strip's dual spline; 240.
+    /// Largest number of spans of a strip's dual spline; 480.
     pub max_spans: usize,
 }
 
 impl NetworkOptions {
     /// The defaults with tolerances in mm.
     pub fn new(tolerance: f64, seam_tolerance: f64) -> Self {
-        Self { tolerance, seam_tolerance, rounds: 8, max_spans: 240 }
+        Self { tolerance, seam_tolerance, rounds: 8, max_spans: 480 }
     }
 }
 
