@@ -148,7 +148,9 @@ const APART: f64 = 0.25;
 /// Panels that are refused and stay within this multiple of the tolerance are too far away, not ill shaped.
 const NEAR: f64 = 1.1;
 /// Shares of the tolerance of covers that leave room for joining.
-const ROOM: [f64; 3] = [0.94, 0.8, 0.65];
+const ROOM: [f64; 4] = [0.94, 0.8, 0.65, 0.5];
+/// Share of the panels by which these may become more, at least one, where seams stay apart.
+const MORE: f64 = 1.0 / 3.0;
 /// Openness with which nothing more is tried.
 const SETTLED: f64 = 0.3;
 /// Share of the openness that a further panel must bring it down to.
@@ -518,8 +520,8 @@ fn met(index: usize, face: &Face, state: &State, built: Built, options: &Options
     best
 }
 
-/// As [`met`], from covers made for less than the tolerance where these have no more panels: what they leave is room for
-/// joining. One panel more is accepted where gaps would stay open.
+/// As [`met`], from covers made for less than the tolerance: what they leave is room for joining. They may have more
+/// panels where seams would stay apart, if that closes most of the gaps.
 fn with_room(
     index: usize,
     face: &Face,
@@ -528,6 +530,7 @@ fn with_room(
     options: &Options,
     control: &Control,
 ) -> Built {
+    let count = best.patchwork.panels.len();
     for share in ROOM {
         if openness(&best) <= SETTLED || control.stopped() {
             break;
@@ -535,9 +538,9 @@ fn with_room(
         let narrow = CoverOptions { tolerance: cover_options.tolerance * share, ..cover_options.clone() };
         let Ok(found) = cover(face, &narrow, control) else { break };
         let (built, refused) = build(index, face, &found.state, options.tolerance);
-        let more = built.patchwork.panels.len().saturating_sub(best.patchwork.panels.len());
-        let is_open = best.certificate.seams.iter().any(|s| s.status == SeamStatus::Open);
-        if more > usize::from(is_open) {
+        let is_apart = best.certificate.seams.iter().any(|s| s.gap_bound > APART * options.tolerance);
+        let allowed = if is_apart { ((count as f64 * MORE) as usize).max(1) } else { 0 };
+        if built.patchwork.panels.len() > count + allowed {
             break;
         }
         if !found.complete || !refused.is_empty() {
@@ -547,7 +550,8 @@ fn with_room(
             continue;
         }
         let next = met(index, face, &found.state, built, options, control);
-        let better = if more > 0 { MUCH * openness(&best) } else { openness(&best) };
+        let more = next.patchwork.panels.len() > best.patchwork.panels.len();
+        let better = if more { MUCH * openness(&best) } else { openness(&best) };
         if openness(&next) < better {
             best = next;
         }
