@@ -471,7 +471,7 @@ fn met(index: usize, face: &Face, state: &State, built: Built, options: &Options
         seams::on_levels(face, &state, &borders(face, &state.partition), tolerance)
     };
     let mut best = built;
-    // Openness of the best so far, and which new panels are ill shaped.
+    // Openness of the best so far, and which new panels should be firmer.
     let mut attempt = |state: &State, meeting: &Meeting| {
         let count = best.patchwork.panels.len();
         let (next, ill_shaped) = judged(index, face, state, meeting, count, options);
@@ -503,7 +503,7 @@ fn met(index: usize, face: &Face, state: &State, built: Built, options: &Options
         if open <= settled || control.stopped() {
             break;
         }
-        // Strips that become ill shaped are made firmer.
+        // Strips that become ill shaped, or do not meet, are made firmer.
         let mut firmness: BTreeMap<u32, f64> = BTreeMap::new();
         for time in 0..AGREEMENTS {
             let agreed = consensus::agree(face, &state, &borders(), &meeting.drafts, &firmness, weight, tolerance);
@@ -567,7 +567,7 @@ fn openness(built: &Built) -> f64 {
 }
 
 /// Panels that meet, but for those that are refused; no panels if not all the others can be proven. Second result: the
-/// labels of those that were ill shaped.
+/// labels of those that were ill shaped, else of those that do not meet.
 fn judged(
     index: usize,
     face: &Face,
