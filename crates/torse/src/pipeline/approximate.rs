@@ -487,6 +487,9 @@ fn met(index: usize, face: &Face, state: &State, built: Built, options: &Options
     let mut rows = meeting.rows.clone();
     let mut levelled = None;
     for _ in 0..LEVELLINGS {
+        if control.stopped() {
+            break;
+        }
         let from = levelled.as_ref().unwrap_or(&state);
         let Some(next) = levels::evened(face, from, &rows).map(|s| on_levels(&s)) else { break };
         let meeting = seams::meet(face, &next, &self::borders(face, &next.partition), tolerance);

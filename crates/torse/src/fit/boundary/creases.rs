@@ -80,7 +80,6 @@ impl<'a> Creases<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::Vec3;
     use crate::spline::knots::Knots;
     use crate::spline::surface::Surface;
 
