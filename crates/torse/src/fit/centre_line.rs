@@ -6,7 +6,9 @@
 
 use crate::fit::CentrePoint;
 use crate::geom::Vec3;
+use crate::num::least_squares::{BandMatrix, Rows};
 use crate::spline::field::Field;
+use crate::spline::knots::Knots;
 use crate::spline::surface::Surface;
 
 /// Steps of the trace over the diagonal of the region.
@@ -86,4 +88,87 @@ fn point(surface: &Surface, field: &Field, p: [f64; 2]) -> Option<CentrePoint> {
     let ruling: Vec3 = j.du * a + j.dv * b;
     let size = ruling.norm();
     (size > 0.0 && size.is_finite()).then(|| CentrePoint { x: j.p, n, ruling: ruling / size })
+}
+
+/// Number of equal spans of a cubic spline that follows a centre line within a distance (mm), on a stretch of it as long
+/// as `extent` (mm); at most 80.
+pub fn spans_along(line: &[CentrePoint], distance: f64, extent: f64) -> usize {
+    const FIRST: usize = 4;
+    const MOST: usize = 80;
+    let mut along = vec![0.0];
+    for w in line.windows(2) {
+        along.push(along[along.len() - 1] + (w[1].x - w[0].x).norm());
+    }
+    let mut spans = FIRST;
+    while spans < MOST && !follows(line, &along, spans, distance) {
+        spans += spans.div_ceil(4);
+    }
+    (spans as f64 * (extent / along[along.len() - 1]).min(1.0)).ceil().min(MOST as f64) as usize
+}
+
+/// Whether the normal curvature of a centre line changes its sign.
+pub fn has_inflection(line: &[CentrePoint]) -> bool {
+    // Curvatures below this share of the largest are none.
+    const LEAST: f64 = 0.1;
+    let bend = |w: &[CentrePoint]| w[1].n.dot(&(w[0].x - w[1].x * 2.0 + w[2].x));
+    let (lo, hi) = line.windows(3).map(bend).fold((0.0_f64, 0.0_f64), |(lo, hi), b| (lo.min(b), hi.max(b)));
+    (-lo).min(hi) > LEAST * (-lo).max(hi)
+}
+
+/// Whether the least-squares spline of so many spans over the arc length stays within a distance of the points; true
+/// where there are too few points to tell.
+fn follows(line: &[CentrePoint], along: &[f64], spans: usize, distance: f64) -> bool {
+    const DEGREE: usize = 3;
+    let Ok(knots) = Knots::uniform(DEGREE, spans, 0.0, along[along.len() - 1]) else { return true };
+    let columns = knots.control_count();
+    if columns > line.len() {
+        return true;
+    }
+    let mut rows = Rows::new(columns, DEGREE + 1);
+    let mut normal = BandMatrix::zeros(columns, DEGREE + 1);
+    for (i, &t) in along.iter().enumerate() {
+        let basis = knots.basis(t, 0);
+        rows.push(basis.first).1.copy_from_slice(&basis.rows[0][..=DEGREE]);
+        normal.add_row(&rows, i, 1.0);
+    }
+    if !normal.factorise() {
+        return true;
+    }
+    let control: [Vec<f64>; 3] = std::array::from_fn(|d| {
+        let mut x = vec![0.0; columns];
+        line.iter().enumerate().for_each(|(i, p)| rows.scatter(i, p.x[d], &mut x));
+        normal.solve(&mut x);
+        x
+    });
+    line.iter().enumerate().all(|(i, p)| {
+        let at = Vec3::from_fn(|d, _| rows.dot(i, &control[d]));
+        (at - p.x).norm() <= distance
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A wave needs about as many spans as the error of cubic splines says: h⁴ times the fourth derivative over 384.
+    #[test]
+    fn waves_need_more_spans_than_arcs() {
+        let line = |f: &dyn Fn(f64) -> f64| -> Vec<CentrePoint> {
+            let point = |i: i32| {
+                let x = f64::from(i) / 200.0;
+                CentrePoint { x: Vec3::new(x, 0.0, f(x)), n: Vec3::z(), ruling: Vec3::y() }
+            };
+            (0..=200).map(point).collect()
+        };
+        let wave = line(&|x| 0.01 * (40.0 * x).sin());
+        let straight = line(&|x| 0.1 * x);
+        assert!(spans_along(&straight, 1e-4, 2.0) == 4, "{}", spans_along(&straight, 1e-4, 2.0));
+        let needed = (0.01 * 40f64.powi(4) / 384.0 / 1e-4_f64).powf(0.25);
+        let spans = spans_along(&wave, 1e-4, 2.0);
+        assert!((0.8 * needed..1.8 * needed).contains(&(spans as f64)), "{spans} {needed}");
+        // On half of it, half as many; more within a smaller distance.
+        assert!(spans_along(&wave, 1e-4, 0.5).abs_diff(spans / 2) <= 1);
+        assert!(spans_along(&wave, 1e-5, 2.0) > spans);
+        assert!(spans_along(&[], 1e-4, 1.0) <= 4 && spans_along(&wave[..1], 1e-4, 1.0) <= 4);
+    }
 }

@@ -46,6 +46,18 @@ impl PrimalOptions {
             bend_radius: 0.0,
         }
     }
+
+    /// The same with more spans of the profile, of the rulings' slope as many more in proportion, and more samples.
+    pub fn with_spans(&self, profile_spans: usize) -> Self {
+        let more = profile_spans as f64 / self.profile_spans.max(1) as f64;
+        Self {
+            profile_spans,
+            ruling_spans: (self.ruling_spans as f64 * more) as usize,
+            // With all the more samples fits take twice as long and are hardly better.
+            max_samples: (self.max_samples as f64 * more.sqrt()) as usize,
+            ..self.clone()
+        }
+    }
 }
 
 /// Share of the tolerance at which a fit is good enough to stop.

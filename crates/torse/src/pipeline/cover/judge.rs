@@ -6,6 +6,7 @@ use super::{Job, State, DISTANCE_SHARE};
 use crate::certify::distance::{distance, DistanceOptions};
 use crate::certify::{Resistance, Verdict};
 use crate::fit::boundary::has_patch;
+use crate::fit::centre_line::{has_inflection, spans_along};
 use crate::fit::plane::plane;
 use crate::fit::primal::{primal, PrimalOptions};
 use crate::fit::samples::{Fit, Sample};
@@ -38,6 +39,9 @@ const LEAST_CLEARANCE: f64 = 0.01;
 const SPANS: f64 = 0.7;
 /// See [`SPANS`].
 const MOST_SPANS: usize = 80;
+/// Share of the allowed distance within which a spline with the spans of a primal torse follows the centre line: bands
+/// over many waves need more of them.
+const LINE_SHARE: f64 = 0.1;
 /// Share of the allowed distance above which further samples of a refused torse are taken in.
 const PEAK: f64 = 0.95;
 /// Refits with witnesses before a torse is given up.
@@ -175,7 +179,11 @@ impl Job<'_> {
                 }
             }
         }
-        if let Some(fit) = primal(&samples, &PrimalOptions { bend_radius, ..PrimalOptions::new(keen) }) {
+        let usual = PrimalOptions { bend_radius, ..PrimalOptions::new(keen) };
+        let wanted = centre
+            .filter(|line| has_inflection(line))
+            .map_or(0, |line| spans_along(line, LINE_SHARE * allowed, state.bbox(label).diagonal()));
+        if let Some(fit) = primal(&samples, &usual.with_spans(wanted.clamp(usual.profile_spans, MOST_SPANS))) {
             best = best.or_better(judge(fit));
         }
         if best.accepted.is_none() {

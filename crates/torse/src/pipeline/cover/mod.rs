@@ -97,6 +97,8 @@ const PROMISED: f64 = 0.8;
 /// Level functions are not tried when they promise more than this multiple of the panels that marched straight bands
 /// leave to win.
 const BEATEN: f64 = 1.15;
+/// Parts must promise less than this multiple of the panels that they may have: merits say little where they are poor.
+const HOPED: f64 = 2.0;
 /// Directions of the sweep.
 const SWEEP_DIRECTIONS: usize = 8;
 /// Deep in the recursion only so many are tried, those that promise the fewest bands.
@@ -438,7 +440,10 @@ impl Job<'_> {
                 Some((merit, s, parts))
             })
             .collect();
-        let (_, s, parts) = candidates.into_iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
+        let (merit, s, parts) = candidates.into_iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
+        if merit > HOPED * four * budget as f64 {
+            return None;
+        }
         self.parts(s, &parts, budget, depth)
     }
 
