@@ -12,6 +12,7 @@ use torse::pipeline::approximate::{approximate, ApproximateError, Options};
 use torse::pipeline::cover::{CurveError, CurveShape, Guide, Layout, LayoutKind, Limits, PanelCurve, SeamPlane};
 use torse::pipeline::outcome::{Outcome, Status};
 use torse::pipeline::presentation::present;
+use torse::spline::knots::Knots;
 use torse::spline::surface::Surface;
 use torse::surface::face::Face;
 use torse::surface::panel::{Panel, Patchwork};
@@ -452,4 +453,24 @@ fn a_cone_with_holes_is_one_panel() {
     assert_eq!(o.status, Status::Certified);
     assert_eq!(o.patchwork.panels.len(), 1);
     assert!(o.patchwork.panels[0].loops.len() >= 2, "holes are kept");
+}
+
+/// Bands across an arch need 4√ε each in the metric of its curvature; along them run six waves, over which fits with the
+/// usual spans fail.
+#[test]
+fn bands_run_over_waves_as_far_as_the_face_goes() {
+    let knots = |spans: usize, half: f64| Knots::uniform(3, spans, -half, half).expect("knots");
+    let (ku, kv) = (knots(2, 150.0), knots(60, 1000.0));
+    let greville = |k: &Knots| -> Vec<f64> {
+        (0..k.control_count()).map(|i| k.values()[i + 1..i + 4].iter().sum::<f64>() / 3.0).collect()
+    };
+    let along = greville(&kv);
+    let height = |x: f64, y: f64| -x * x / 2000.0 + 15.0 * (std::f64::consts::TAU * y / 330.0).cos();
+    let points: Vec<Vec3> =
+        greville(&ku).iter().flat_map(|&x| along.iter().map(move |&y| Vec3::new(x, y, height(x, y)))).collect();
+    let face = Face::untrimmed(Surface::new(ku, kv, &points, None).expect("a surface"));
+    let outcome = approximate(vec![face], Vec::new(), &options(0.5), &Control::default()).expect("an outcome");
+    assert_eq!(outcome.status, Status::Certified);
+    // 300 √(1/1000) / (4 √0.5) = 3.4.
+    assert!(outcome.patchwork.panels.len() <= 4, "{}", outcome.patchwork.panels.len());
 }

@@ -17,6 +17,7 @@ mod layout;
 mod march;
 mod merge;
 mod signs;
+mod star;
 mod state;
 
 use crate::certify::Prepared;
@@ -32,6 +33,7 @@ pub use guided::Origin;
 use layout::Course;
 pub use layout::{Guide, Layout, LayoutKind, SeamPlane};
 use rayon::prelude::*;
+use star::Star;
 pub use state::{Density, State};
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -295,8 +297,10 @@ impl Job<'_> {
                 keep(next, &mut best, &mut limit);
             }
         }
-        if good.is_empty() {
-            if let Some(next) = self.divided(&state, label, limit, depth) {
+        // Around a flat point of saddles no level function is good, even if samples do not tell.
+        let stars = if fewest { star::stars(&self.face.surface, &state, label) } else { Vec::new() };
+        if limit > 0 && (good.is_empty() || !stars.is_empty()) {
+            if let Some(next) = self.divided(&state, label, limit, depth, &stars) {
                 keep(next, &mut best, &mut limit);
             }
         }
@@ -422,19 +426,20 @@ impl Job<'_> {
     }
 
     /// Cuts a region for which no level function is good, where the parts together promise fewer strips (C4).
-    fn divided(&self, state: &State, label: u32, budget: usize, depth: usize) -> Option<State> {
+    fn divided(&self, state: &State, label: u32, budget: usize, depth: usize, stars: &[Star]) -> Option<State> {
         let four = 4.0 * self.options.tolerance.sqrt();
         let rate = |s: &State, l: u32| {
             level(&s.forms(l, 160), &s.places(l), &LevelOptions { rounds: 3, ..LevelOptions::default() })
         };
-        let candidates: Vec<(f64, State, Vec<u32>)> = (0..4usize)
+        let surface = &self.face.surface;
+        let candidates: Vec<(f64, State, Vec<u32>)> = (0..4 + stars.len())
             .into_par_iter()
             .filter_map(|k| {
                 let mut s = state.clone();
-                let parts = if k == 0 {
-                    self.cut_by_sign(&mut s, label)?
-                } else {
-                    merge::halve(&self.face.surface, &mut s, label, k - 1)?
+                let parts = match k {
+                    0 => self.cut_by_sign(&mut s, label)?,
+                    1..4 => merge::halve(surface, &mut s, label, k - 1)?,
+                    _ => stars[k - 4].cut(surface, &mut s, label)?,
                 };
                 let merit: f64 = parts.iter().map(|&p| rate(&s, p).map_or(0.0, |l| l.merit) + four).sum();
                 Some((merit, s, parts))
