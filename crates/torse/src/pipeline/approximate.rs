@@ -45,10 +45,9 @@ pub struct Options {
     pub smooth_angle: f64,
 }
 
-/// Angle between faces (degrees) up to which they are covered as one unless something else is asked for: none, because
-/// large joined faces with creases can take much longer than their parts. Modelling programs join surfaces smoothly
-/// within a tenth of a degree; 0.5 is a good value to ask for.
-pub const SMOOTH_ANGLE_DEG: f64 = 0.0;
+/// Angle between faces (degrees) up to which they are covered as one unless something else is asked for. Modelling
+/// programs join surfaces smoothly within a tenth of a degree, most exported files within half of one.
+pub const SMOOTH_ANGLE_DEG: f64 = 0.5;
 
 /// Why the job cannot be done at all.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

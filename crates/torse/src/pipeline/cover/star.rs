@@ -3,10 +3,9 @@
 //! Around a monkey saddle the principal directions turn once backwards: their field has the index −1/2, and no level
 //! function serves all sides of the flat point. Lines of curvature of either kind run into it in three directions.
 //! Between two neighbours of one kind the surface is like a half plane of the saddle `z = xy`: its bands run along both
-//! of them and bend around the flat point, and nothing is lost. Halves through the flat point lose a third.
+//! of them and bend around the flat point. Halves through the flat point need about a fifth more.
 
 use super::State;
-use crate::geom::partition::Partition;
 use crate::spline::surface::Surface;
 use std::f64::consts::{PI, TAU};
 
@@ -52,8 +51,7 @@ impl Star {
             parts.extend(state.partition.split_components(fresh));
         }
         parts.extend(state.partition.split_components(label));
-        let partition: &Partition = &state.partition;
-        parts.retain(|p| partition.labels.contains(p));
+        parts.retain(|p| state.partition.labels.contains(p));
         (parts.len() >= 3).then_some(parts)
     }
 }

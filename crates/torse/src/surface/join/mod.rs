@@ -13,6 +13,7 @@ mod turn;
 
 use super::face::{Face, FacePart, SurfaceKind};
 use crate::geom::Vec3;
+use crate::spline::surface::Surface;
 use std::collections::HashSet;
 
 /// Whether a joined face (first) is better than its two parts.
@@ -45,13 +46,14 @@ const ON_SIDE: f64 = 1e-8;
 /// guaranteed*: the angle is measured at eight places of every span of the edge; edges that are a part of a side, or
 /// run differently in the parameter, are not joined. A ring of faces stays open at one edge.
 ///
-/// Two faces that fit are joined if `worthwhile` says so. Faces that are not joined are handed back unchanged; order is
-/// that of the first parts.
+/// Faces with creases of their own, sharper than the angle, take no part. Two faces that fit are joined if `worthwhile`
+/// says so. Faces that are not joined are handed back unchanged; order is that of the first parts.
 pub fn joined(faces: Vec<Face>, options: &JoinOptions, worthwhile: Worthwhile) -> Vec<Face> {
     if !(options.angle > 0.0 && options.mismatch > 0.0) || faces.len() < 2 {
         return faces;
     }
-    let boxed: Vec<Option<Face>> = faces.iter().map(boxed).collect();
+    let smooth = |f: &Face| !creased(&f.surface, options.angle);
+    let boxed: Vec<Option<Face>> = faces.iter().map(|f| boxed(f).filter(smooth)).collect();
     let matches = matches(&boxed, options);
     if matches.is_empty() {
         return faces;
@@ -118,6 +120,28 @@ fn boxed(face: &Face) -> Option<Face> {
         l.edge.retain(|_| k.next().is_some_and(|k| keep[k]));
     }
     out.loops.iter().all(|l| l.points.len() >= 3).then_some(out)
+}
+
+/// Whether the normal of a surface turns by more than `angle` (rad) across one of its own knot lines, at samples.
+fn creased(surface: &Surface, angle: f64) -> bool {
+    const PLACES: usize = 24;
+    // Share of the neighbouring spans that lies between a knot line and the places where normals are taken.
+    const BESIDE: f64 = 1e-6;
+    let normal = |p: [f64; 2]| surface.jet(p[0], p[1]).normal().try_normalize(0.0);
+    let knots = [&surface.knots_u, &surface.knots_v];
+    (0..2).any(|d| {
+        let (lo, hi) = knots[1 - d].domain();
+        let lines = knots[d].distinct();
+        lines.windows(3).filter(|w| w[1].1 >= knots[d].degree()).any(|w| {
+            let [before, line, after] = [w[0].0, w[1].0, w[2].0];
+            let sides = [line - BESIDE * (line - before), line + BESIDE * (after - line)];
+            (0..PLACES).any(|k| {
+                let along = lo + (hi - lo) * (k as f64 + 0.5) / PLACES as f64;
+                let [a, b] = sides.map(|t| normal(if d == 0 { [t, along] } else { [along, t] }));
+                a.zip(b).is_some_and(|(a, b)| a.angle(&b) > angle)
+            })
+        })
+    })
 }
 
 /// All common sides of single faces that can be joined.

@@ -120,6 +120,16 @@ fn nothing_is_joined_at_no_angle_or_across_a_crease() {
     };
     assert_eq!(joined(roof(1f64.to_radians().tan()), &options(0.5)).len(), 2);
     assert_eq!(joined(roof(0.4f64.to_radians().tan()), &options(0.5)).len(), 1);
+    // Faces with a crease of their own stay apart.
+    let creased = |slope: f64| {
+        let halves = Knots::clamped(1, &[0.0, 0.5, 1.0]).expect("knots");
+        let lines = [(-20.0, 10.0 * slope), (-10.0, 0.0), (0.0, 0.0)];
+        let points: Vec<Vec3> = lines.iter().flat_map(|&(x, z)| [0.0, 9.0].map(|y| Vec3::new(x, y, z))).collect();
+        let left = Face::untrimmed(Surface::new(halves, knots.clone(), &points, None).expect("a surface"));
+        vec![left, roof(0.0).remove(1)]
+    };
+    assert_eq!(joined(creased(1f64.to_radians().tan()), &options(0.5)).len(), 2);
+    assert_eq!(joined(creased(0.4f64.to_radians().tan()), &options(0.5)).len(), 1);
     // A fold is no smooth edge.
     let mut fold = roof(0.0);
     for c in &mut fold[0].surface.control {
