@@ -2,13 +2,14 @@
 //!
 //! *Method.* The envelope of the tangent planes along a curve has the conjugate directions as rulings (\[SE06\]);
 //! approximation specification B3.4: the curve is continued beyond the region, so that oblique rulings reach its
-//! corners, on the second-order Taylor extension of the surface.
+//! corners, on the second-order Taylor extension of the surface. How a line waves says how many spans a torse along it
+//! needs (cubic splines by least squares over the arc length).
 
 use crate::fit::CentrePoint;
 use crate::geom::Vec3;
-use crate::num::least_squares::{BandMatrix, Rows};
 use crate::spline::field::Field;
 use crate::spline::knots::Knots;
+use crate::spline::lsq::{chord_parameters, fit};
 use crate::spline::surface::Surface;
 
 /// Steps of the trace over the diagonal of the region.
@@ -91,59 +92,35 @@ fn point(surface: &Surface, field: &Field, p: [f64; 2]) -> Option<CentrePoint> {
 }
 
 /// Number of equal spans of a cubic spline that follows a centre line within a distance (mm), on a stretch of it as long
-/// as `extent` (mm); at most 80.
+/// as `extent` (mm); at most 80. *Not guaranteed*: the fewest; numbers rise by a quarter, and only the points of the line
+/// are looked at.
 pub fn spans_along(line: &[CentrePoint], distance: f64, extent: f64) -> usize {
     const FIRST: usize = 4;
     const MOST: usize = 80;
-    let mut along = vec![0.0];
-    for w in line.windows(2) {
-        along.push(along[along.len() - 1] + (w[1].x - w[0].x).norm());
-    }
+    let points: Vec<[f64; 3]> = line.iter().map(|p| p.x.into()).collect();
+    let parameters = chord_parameters(&points);
+    // Too few points, or none that differ, ask for nothing.
+    let follows = |spans: usize| {
+        Knots::uniform(3, spans, 0.0, 1.0)
+            .ok()
+            .and_then(|knots| fit(&points, &parameters, &knots).ok())
+            .is_none_or(|fit| fit.error <= distance)
+    };
     let mut spans = FIRST;
-    while spans < MOST && !follows(line, &along, spans, distance) {
+    while spans < MOST && !follows(spans) {
         spans += spans.div_ceil(4);
     }
-    (spans as f64 * (extent / along[along.len() - 1]).min(1.0)).ceil().min(MOST as f64) as usize
+    let length: f64 = line.windows(2).map(|w| (w[1].x - w[0].x).norm()).sum();
+    (spans as f64 * (extent / length).min(1.0)).ceil().min(MOST as f64) as usize
 }
 
-/// Whether the normal curvature of a centre line changes its sign.
+/// Whether the normal curvature of a centre line changes its sign, its points being about equally spaced; curvatures below
+/// a tenth of the largest do not count.
 pub fn has_inflection(line: &[CentrePoint]) -> bool {
-    // Curvatures below this share of the largest are none.
     const LEAST: f64 = 0.1;
     let bend = |w: &[CentrePoint]| w[1].n.dot(&(w[0].x - w[1].x * 2.0 + w[2].x));
     let (lo, hi) = line.windows(3).map(bend).fold((0.0_f64, 0.0_f64), |(lo, hi), b| (lo.min(b), hi.max(b)));
     (-lo).min(hi) > LEAST * (-lo).max(hi)
-}
-
-/// Whether the least-squares spline of so many spans over the arc length stays within a distance of the points; true
-/// where there are too few points to tell.
-fn follows(line: &[CentrePoint], along: &[f64], spans: usize, distance: f64) -> bool {
-    const DEGREE: usize = 3;
-    let Ok(knots) = Knots::uniform(DEGREE, spans, 0.0, along[along.len() - 1]) else { return true };
-    let columns = knots.control_count();
-    if columns > line.len() {
-        return true;
-    }
-    let mut rows = Rows::new(columns, DEGREE + 1);
-    let mut normal = BandMatrix::zeros(columns, DEGREE + 1);
-    for (i, &t) in along.iter().enumerate() {
-        let basis = knots.basis(t, 0);
-        rows.push(basis.first).1.copy_from_slice(&basis.rows[0][..=DEGREE]);
-        normal.add_row(&rows, i, 1.0);
-    }
-    if !normal.factorise() {
-        return true;
-    }
-    let control: [Vec<f64>; 3] = std::array::from_fn(|d| {
-        let mut x = vec![0.0; columns];
-        line.iter().enumerate().for_each(|(i, p)| rows.scatter(i, p.x[d], &mut x));
-        normal.solve(&mut x);
-        x
-    });
-    line.iter().enumerate().all(|(i, p)| {
-        let at = Vec3::from_fn(|d, _| rows.dot(i, &control[d]));
-        (at - p.x).norm() <= distance
-    })
 }
 
 #[cfg(test)]

@@ -17,13 +17,8 @@ pub(super) struct Creases<'a> {
 
 impl<'a> Creases<'a> {
     pub(super) fn new(face: &'a Face, scale: [f64; 2]) -> Self {
-        let s = &face.surface;
-        let lines = [&s.knots_u, &s.knots_v].map(|k| {
-            let (a, b) = k.domain();
-            let full = k.distinct().into_iter().filter(|&(t, m)| m >= k.degree() && t > a && t < b);
-            full.map(|k| k.0).collect()
-        });
-        Self { face, lines, scale }
+        let (u, v) = face.surface.c0_lines();
+        Self { face, lines: [u, v], scale }
     }
 
     /// Direction in which panels of both sides end at a point of the face: its normal, the mean of those on all sides of

@@ -3,9 +3,9 @@
 //! *Method* (mixed-curvature specification, C0): one panel if one is enough; two; straight bands laid all at once, where
 //! they promise fewer panels than curved ones, or marched in the best directions, where they are few and cannot be laid
 //! so; bands of a level function for the conjugate field (\[SE06\] carried on), all at once or one after the other, if
-//! they promise enough; division, where no level function is good; a sweep of straight bands in the directions that are
-//! left, where more panels are needed than theory asks for; bisection, which always ends, at worst with small planar
-//! facets. The smallest cover wins; neighbours that fit one torse are merged.
+//! they promise enough; division, where no level function is good or saddles surround a flat point; a sweep of straight
+//! bands in the directions that are left, where more panels are needed than theory asks for; bisection, which always
+//! ends, at worst with small planar facets. The smallest cover wins; neighbours that fit one torse are merged.
 //!
 //! This file holds the recursion; `judge` proposes and proves single torses, `march` lays bands.
 
@@ -425,7 +425,8 @@ impl Job<'_> {
             .map(|(_, _, s)| s)
     }
 
-    /// Cuts a region for which no level function is good, where the parts together promise fewer strips (C4).
+    /// Cuts a region for which no level function is good, where the parts together promise fewer strips (C4): by sign, in
+    /// halves, or through a flat point.
     fn divided(&self, state: &State, label: u32, budget: usize, depth: usize, stars: &[Star]) -> Option<State> {
         let four = 4.0 * self.options.tolerance.sqrt();
         let rate = |s: &State, l: u32| {

@@ -4,6 +4,9 @@
 //! function serves all sides of the flat point. Lines of curvature of either kind run into it in three directions.
 //! Between two neighbours of one kind the surface is like a half plane of the saddle `z = xy`: its bands run along both
 //! of them and bend around the flat point. Halves through the flat point need about a fifth more.
+//!
+//! Cuts are straight in the parameters, in the directions that lines of curvature have near the flat point; farther out
+//! they only come near these. Of several flat points the flattest is served; the others are found in the parts.
 
 use super::State;
 use crate::spline::surface::Surface;
@@ -37,7 +40,7 @@ impl Star {
         self.metric.map(|m| m[0] * d[0] + m[1] * d[1])
     }
 
-    /// Cuts a region into its three sectors; labels of all parts.
+    /// Cuts a region into its three sectors; labels of all parts. `None` where fewer than three are left.
     pub(super) fn cut(&self, surface: &Surface, state: &mut State, label: u32) -> Option<Vec<u32>> {
         let mut parts = Vec::new();
         for k in 0..2 {

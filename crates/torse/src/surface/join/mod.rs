@@ -125,19 +125,17 @@ fn boxed(face: &Face) -> Option<Face> {
 /// Whether the normal of a surface turns by more than `angle` (rad) across one of its own knot lines, at samples.
 fn creased(surface: &Surface, angle: f64) -> bool {
     const PLACES: usize = 24;
-    // Share of the neighbouring spans that lies between a knot line and the places where normals are taken.
-    const BESIDE: f64 = 1e-6;
+    // Share of the domain that lies between a knot line and the places where normals are taken.
+    const BESIDE: f64 = 1e-8;
     let normal = |p: [f64; 2]| surface.jet(p[0], p[1]).normal().try_normalize(0.0);
-    let knots = [&surface.knots_u, &surface.knots_v];
-    (0..2).any(|d| {
-        let (lo, hi) = knots[1 - d].domain();
-        let lines = knots[d].distinct();
-        lines.windows(3).filter(|w| w[1].1 >= knots[d].degree()).any(|w| {
-            let [before, line, after] = [w[0].0, w[1].0, w[2].0];
-            let sides = [line - BESIDE * (line - before), line + BESIDE * (after - line)];
+    let (u, v) = surface.domain();
+    let (in_u, in_v) = surface.c0_lines();
+    [(in_u, u, v, false), (in_v, v, u, true)].into_iter().any(|(lines, across, along, swap)| {
+        let beside = BESIDE * (across.1 - across.0);
+        lines.into_iter().any(|line| {
             (0..PLACES).any(|k| {
-                let along = lo + (hi - lo) * (k as f64 + 0.5) / PLACES as f64;
-                let [a, b] = sides.map(|t| normal(if d == 0 { [t, along] } else { [along, t] }));
+                let s = along.0 + (along.1 - along.0) * (k as f64 + 0.5) / PLACES as f64;
+                let [a, b] = [line - beside, line + beside].map(|t| normal(if swap { [s, t] } else { [t, s] }));
                 a.zip(b).is_some_and(|(a, b)| a.angle(&b) > angle)
             })
         })
