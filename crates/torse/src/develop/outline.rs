@@ -50,12 +50,6 @@ impl<'a> FlatRun<'a> {
         trim_place(self.run, s)
     }
 
-    /// Whether the run is a point (a pole of the input).
-    pub fn is_point(&self) -> bool {
-        let c = &self.run.trim.control;
-        c.iter().all(|p| p == &c[0])
-    }
-
     /// `∫ f(s) ds` over the smooth pieces, each in `parts` parts.
     pub fn integral(&self, parts: usize, mut f: impl FnMut(f64) -> f64) -> f64 {
         let mut sum = 0.0;

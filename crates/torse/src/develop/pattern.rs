@@ -70,7 +70,7 @@ pub fn pattern(patchwork: &Patchwork, panel: usize, options: &PatternOptions) ->
     let loops: Vec<Vec<FlatRun>> = p
         .loops
         .iter()
-        .map(|l| l.iter().map(|r| FlatRun::new(&development, &p.patch, r)).filter(|r| !r.is_point()).collect())
+        .map(|l| l.iter().filter(|r| !r.is_point()).map(|r| FlatRun::new(&development, &p.patch, r)).collect())
         .collect();
     let outer = loops.first().filter(|l| !l.is_empty()).ok_or(missing)?;
     // 2. Samples of the outline: measures, overlap.

@@ -40,6 +40,14 @@ pub struct Run {
     pub edge: Curve<3>,
 }
 
+impl Run {
+    /// Whether the run is a point (a pole of the input); files have no edge for it.
+    pub fn is_point(&self) -> bool {
+        let c = &self.trim.control;
+        c.iter().all(|p| p == &c[0])
+    }
+}
+
 /// One panel: an exactly developable surface, the patch written to files, and its boundary.
 #[derive(Clone, Debug)]
 pub struct Panel {

@@ -268,6 +268,19 @@ mod tests {
     }
 
     #[test]
+    fn borders_that_are_points_are_not_edges() {
+        let mut with_pole = panel(false);
+        let outer = &mut with_pole.loops[0];
+        let (place, point) = (outer[0].trim.control[0], outer[0].edge.control[0]);
+        let mut pole = outer[0].clone();
+        pole.trim.control.fill(place);
+        pole.edge.control.fill(point);
+        outer.insert(0, pole);
+        let without = written(Sheet::of_panel(&panel(false), false));
+        assert_eq!(written(Sheet::of_panel(&with_pole, false)), without);
+    }
+
+    #[test]
     fn the_sense_of_a_face_follows_its_loops_and_the_input_face() {
         let same_sense = |mirrored, reversed| {
             let text = written(Sheet::of_panel(&panel(mirrored), reversed));

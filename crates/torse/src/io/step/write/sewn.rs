@@ -40,7 +40,7 @@ fn sewn(panels: &[&Panel], shared: &BTreeSet<u32>, reversed: &dyn Fn(&Panel) -> 
         let mut loops = Vec::with_capacity(panel.loops.len());
         for runs in &panel.loops {
             let mut uses = Vec::with_capacity(runs.len());
-            for run in runs {
+            for run in runs.iter().filter(|r| !r.is_point()) {
                 let seam = match run.border {
                     Border::Seam { seam, .. } if shared.contains(&seam) => Some(seam),
                     _ => None,

@@ -148,6 +148,7 @@ impl Sheet {
         let mut sheet = Self { name: panel.name.clone(), ..Self::default() };
         let mut loops = Vec::with_capacity(panel.loops.len());
         for runs in &panel.loops {
+            let runs: Vec<_> = runs.iter().filter(|r| !r.is_point()).collect();
             let first = sheet.edges.len();
             let mut uses = Vec::with_capacity(runs.len());
             for (i, run) in runs.iter().enumerate() {
