@@ -176,8 +176,10 @@ pub struct Borders<'a> {
     /// Edges that both sides of a chain take as they are.
     shared: HashMap<usize, SharedEdge>,
     creases: Creases<'a>,
-    /// Labels that end on the face's normals without any shared edge.
-    on_normals: HashSet<u32>,
+    /// Labels that end together with their neighbours without any shared edge.
+    together: HashSet<u32>,
+    /// Directions in which panels end at vertices of these labels' borders.
+    leans: HashMap<u32, Vec3>,
     /// Number of seams.
     pub seam_count: usize,
 }
@@ -245,9 +247,16 @@ impl<'a> Borders<'a> {
             bend,
             shared: HashMap::new(),
             creases,
-            on_normals: HashSet::new(),
+            together: HashSet::new(),
+            leans: HashMap::new(),
             seam_count,
         }
+    }
+
+    /// Direction in which panels end on the face's normals at a point of the face: the mean of its normals on all sides
+    /// of creases; zero where there is none.
+    pub fn normal(&self, p: [f64; 2]) -> Vec3 {
+        self.creases.normal(p)
     }
 
     /// All borders between two labels.
@@ -272,10 +281,37 @@ impl<'a> Borders<'a> {
         self.shared.insert(chain, SharedEdge { edge, parameters });
     }
 
-    /// Makes the panels of labels end where they meet the face's normals along its borders, not in the feet of these:
-    /// such neighbours are as far apart as their distances from the face differ.
-    pub fn end_on_normals(&mut self, labels: impl IntoIterator<Item = u32>) {
-        self.on_normals.extend(labels);
+    /// Makes the panels of labels end on common lines, not in the feet of their borders: neighbours among them are then
+    /// as far apart as their distances from the face differ. The lines run between the normals of both panels, so that
+    /// they are hardly longer than the distances; labels without feet are left out.
+    pub fn end_together(&mut self, assigned: &[Assigned]) {
+        let found: Vec<(u32, HashMap<u32, Foot>)> = assigned
+            .par_iter()
+            .filter_map(|a| Some((a.label, self.feet(a.label, a.torse, &self.loops(a.label).ok()?).ok()?)))
+            .collect();
+        for (label, feet) in found {
+            self.together.insert(label);
+            for (v, foot) in feet {
+                let outward = self.creases.normal(self.partition.vertices[v as usize]);
+                let n = if outward.dot(&foot.normal) < 0.0 { -foot.normal } else { foot.normal };
+                *self.leans.entry(v).or_insert_with(Vec3::zeros) += n;
+            }
+        }
+    }
+
+    /// Direction in which panels end at a vertex.
+    fn lean(&self, v: u32) -> Vec3 {
+        self.leans.get(&v).copied().unwrap_or_else(|| self.creases.normal(self.partition.vertices[v as usize]))
+    }
+
+    /// The same at the fraction `l` of an edge of a border, steady along it.
+    fn lean_between(&self, a: u32, b: u32, l: f64) -> Vec3 {
+        let [p, q] = [a, b].map(|v| self.partition.vertices[v as usize]);
+        if !self.leans.contains_key(&a) && !self.leans.contains_key(&b) {
+            return self.creases.normal_between(p, q, l);
+        }
+        let [m, n] = [a, b].map(|v| self.lean(v).try_normalize(0.0).unwrap_or_else(Vec3::zeros));
+        m * (1.0 - l) + n * l
     }
 
     /// Builds one panel (named by the caller), with the largest distance (mm) between trimming curves and feet.
@@ -312,7 +348,7 @@ impl<'a> Borders<'a> {
         let mut places: HashMap<u32, [f64; 2]> =
             feet.iter().map(|(&v, f)| (v, place(f, &self.points[f.vertex as usize]))).collect();
         let walled =
-            self.on_normals.contains(&label) || loops.iter().flatten().any(|s| self.shared.contains_key(&s.chain));
+            self.together.contains(&label) || loops.iter().flatten().any(|s| self.shared.contains_key(&s.chain));
         let mut walls = HashMap::new();
         if walled {
             let at = |v: u32| self.partition.vertices[v as usize];
@@ -321,7 +357,7 @@ impl<'a> Borders<'a> {
             let in_pole: HashSet<u32> =
                 loops.iter().flatten().flat_map(|s| self.pole_vertices(s.chain)).copied().collect();
             for (&v, p) in places.iter_mut().filter(|(v, _)| !in_pole.contains(v)) {
-                let normal = self.creases.normal(at(v));
+                let normal = self.lean(v);
                 let x = &self.points[v as usize];
                 let (t, x) = on_normal(x, &normal, assigned.torse, p[0]).ok_or_else(|| bad(v))?;
                 *p = [t, convert::parameters(&patch, t, &x)];

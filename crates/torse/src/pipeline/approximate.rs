@@ -3,25 +3,18 @@
 //! Reads like the page that describes it: cover every face, build the panels as they will be exported, have them
 //! judged, cut what is refused, develop the rest.
 
-use super::consensus;
-use super::cover::{check_curves, cover, strip_range, Cover, CoverOptions, CurveError, Guide, Layout, Limits, State};
-use super::levels;
+use super::build::{build, too_large, Built};
+use super::cover::{check_curves, cover, strip_range, Cover, CoverOptions, CurveError, Guide, Layout, Limits};
+use super::meet::{met, with_room};
 use super::outcome::{AlongCurve, Outcome, Skipped, Status};
-use super::seams::{self, Meeting};
-use crate::certify::{self, Certificate, PanelCertificate, SeamCertificate, SeamStatus};
+use crate::certify::{self, Certificate};
 use crate::control::Control;
-use crate::develop::pattern::{pattern, PatternOptions};
-use crate::develop::DevelopError;
-use crate::fit::boundary::{self, Assigned, Borders, BoundaryError, BoundaryOptions};
-use crate::geom::partition::Partition;
 use crate::geom::BBox;
 use crate::surface::face::Face;
 use crate::surface::join::{joined, JoinOptions};
 use crate::surface::panel::{Border, Panel, Patchwork};
 use crate::surface::pattern::Pattern;
-use crate::surface::torse::PanelKind;
 use rayon::prelude::*;
-use std::collections::{BTreeMap, HashMap, HashSet};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
@@ -116,44 +109,9 @@ const MISMATCH_SHARE: f64 = 0.01;
 /// Angle through which the normal of a joined face may turn along its parameter lines: half a tube with something to
 /// spare, not a whole tube, whose level functions would have to close.
 const MOST_TURN_DEG: f64 = 200.0;
-/// Share of the tolerance that a trim curve may stray from the region's border.
-const TRIM_SHARE: f64 = 1.0 / 250.0;
-/// Share of that by which the edge in space may stray from the trim curve on its patch.
-const EDGE_SHARE: f64 = 0.1;
-/// Share of the tolerance that lines and arcs of a flat pattern may stray from the exact outline.
-const CONTOUR_SHARE: f64 = 0.05;
 /// Share of the parameter range within which a corner of a trim counts as lying on a knot line: a few times the
 /// rounding of readers' projections, far below any length that matters.
 const ON_LINE: f64 = 1e-9;
-/// Bend of a border (share of the tolerance) above which it gets finer; each round leaves about a quarter of it.
-const BEND_SHARE: f64 = 0.02;
-/// See [`BEND_SHARE`].
-const SMOOTHINGS: usize = 4;
-/// Rounds of moving vertices out of a border's way before each smoothing.
-const RELAXATIONS: usize = 3;
-/// Rounds of laying strips that meet, without those that were refused.
-const MEETINGS: usize = 4;
-/// Weights of gaps against distances in turn, each with the openness that needs no more: seams that are one edge, then
-/// seams within the tolerance.
-const WEIGHTS: [(f64, f64); 2] = [(50.0, 0.0), (7.0, 1.0)];
-/// Times that bands between seams get other levels.
-const LEVELLINGS: usize = 3;
-/// Times that strips agree, each with firmer ones in place of those that were ill shaped.
-const AGREEMENTS: usize = 3;
-/// Factor on the firmness of strips from one time to the next.
-const FIRMER: f64 = 10.0;
-/// Seams with a larger gap, as a share of the tolerance, do not meet.
-const APART: f64 = 0.25;
-/// Panels that are refused and stay within this multiple of the tolerance are too far away, not ill shaped.
-const NEAR: f64 = 1.1;
-/// Shares of the tolerance of covers that leave room for joining.
-const ROOM: [f64; 4] = [0.94, 0.8, 0.65, 0.5];
-/// Share of the panels by which these may become more, at least one, where seams stay apart.
-const MORE: f64 = 1.0 / 3.0;
-/// Openness with which nothing more is tried.
-const SETTLED: f64 = 0.3;
-/// Share of the openness that a further panel must bring it down to.
-const MUCH: f64 = 0.4;
 /// Rounds of cutting panels that the judge refuses as built.
 const ROUNDS: usize = 6;
 /// Rounds of cutting panels that are too large for the sheet, each in halves.
@@ -165,7 +123,7 @@ const COARSER: f64 = 1.6;
 
 /// Approximates faces by developable panels within a tolerance.
 ///
-/// *Method.* [`cover`] per face, in parallel; panels built by [`boundary::panels`]; the proof by
+/// *Method.* [`cover`] per face, in parallel; panels built by [`crate::fit::boundary`]; the proof by
 /// [`certify::patchwork`], which shares nothing with the fit; development of every panel.
 /// *Guarantee.* The status is [`Status::Certified`] only if the certificate holds for every panel as exported.
 /// Ended early by `control` or `max_panels`, the answer holds the best panels found and says why it is not certified.
@@ -358,17 +316,6 @@ fn checked_layout(layout: &Layout, bbox: &BBox) -> Result<(), ApproximateError> 
     }
 }
 
-/// One face with its panels, their proof and their flat patterns.
-struct Built {
-    patchwork: Patchwork,
-    certificate: Certificate,
-    patterns: Vec<Pattern>,
-    /// What is missing besides the proof.
-    missing: Vec<String>,
-    /// Panels along curves.
-    along: Vec<AlongCurve>,
-}
-
 /// The loop over one face: cover, build, judge, develop; cut what is refused and go round again.
 fn one_face(index: usize, mut face: Face, options: &Options, control: &Control) -> Result<Built, Skipped> {
     let entity = face.entity;
@@ -427,14 +374,6 @@ fn one_face(index: usize, mut face: Face, options: &Options, control: &Control) 
     }
 }
 
-/// Panels whose flat patterns do not fit the sheet: labels, and whether they are too long (else too wide).
-fn too_large(built: &Built, limits: &Limits) -> Vec<(u32, bool)> {
-    let exceeds = |size: f64, limit: Option<f64>| limit.is_some_and(|l| size > l);
-    let of = |p: &Pattern| (built.patchwork.panels[p.panel].label, exceeds(p.length, limits.max_length));
-    let large = |p: &&Pattern| exceeds(p.length, limits.max_length) || exceeds(p.width, limits.max_width);
-    built.patterns.iter().filter(large).map(of).collect()
-}
-
 /// Moves corners of the trims that miss a knot line by rounding only onto it, so that no triangle crosses the line by
 /// a hair. From here on these corners are the definition of the face.
 fn corners_on_knot_lines(face: &mut Face) {
@@ -459,263 +398,6 @@ fn corners_on_knot_lines(face: &mut Face) {
             }
         }
     }
-}
-
-/// The same panels laid anew so that neighbours meet, as far as that can be certified; as they are where it cannot.
-fn met(index: usize, face: &Face, state: &State, built: Built, options: &Options, control: &Control) -> Built {
-    let tolerance = options.tolerance;
-    let on_levels = |state: &State| {
-        let partition = smooth_borders(face, state.partition.clone(), tolerance);
-        let state = seams::with_partition(face, state, partition);
-        seams::on_levels(face, &state, &borders(face, &state.partition), tolerance)
-    };
-    let mut best = built;
-    // Openness of the best so far, and which new panels should be firmer.
-    let mut attempt = |state: &State, meeting: &Meeting| {
-        let count = best.patchwork.panels.len();
-        let (next, ill_shaped) = judged(index, face, state, meeting, count, options);
-        if let Some(next) = next.filter(|n| openness(n) < openness(&best)) {
-            best = next;
-        }
-        (openness(&best), ill_shaped)
-    };
-    let state = on_levels(state);
-    let borders = || borders(face, &state.partition);
-    let meeting = seams::meet(face, &state, &borders(), tolerance);
-    // Bands between other levels, where these make strips between seams even.
-    let mut rows = meeting.rows.clone();
-    let mut levelled = None;
-    for _ in 0..LEVELLINGS {
-        if control.stopped() {
-            break;
-        }
-        let from = levelled.as_ref().unwrap_or(&state);
-        let Some(next) = levels::evened(face, from, &rows).map(|s| on_levels(&s)) else { break };
-        let meeting = seams::meet(face, &next, &self::borders(face, &next.partition), tolerance);
-        rows.clone_from(&meeting.rows);
-        if rows.iter().all(|r| r.worst() <= 1.0) && attempt(&next, &meeting).0 <= 0.0 {
-            return best;
-        }
-        levelled = Some(next);
-    }
-    let mut open = if meeting.edges.is_empty() { f64::INFINITY } else { attempt(&state, &meeting).0 };
-    // Where no seam could be made of curves, none will become one edge.
-    let first = usize::from(meeting.edges.is_empty());
-    for (weight, settled) in WEIGHTS.into_iter().skip(first) {
-        if open <= settled || control.stopped() {
-            break;
-        }
-        // Strips that become ill shaped, or do not meet, are made firmer.
-        let mut firmness: BTreeMap<u32, f64> = BTreeMap::new();
-        for time in 0..AGREEMENTS {
-            let agreed = consensus::agree(face, &state, &borders(), &meeting.drafts, &firmness, weight, tolerance);
-            let Some(agreed) = agreed else { break };
-            let (now, ill_shaped) = attempt(&state, &agreed);
-            let idle = time > 0 && now >= open;
-            open = now;
-            if open <= settled || ill_shaped.is_empty() || idle || control.stopped() {
-                break;
-            }
-            ill_shaped.into_iter().for_each(|label| *firmness.entry(label).or_insert(1.0) *= FIRMER);
-        }
-    }
-    best
-}
-
-/// As [`met`], from covers made for less than the tolerance: what they leave is room for joining. They may have more
-/// panels where seams would stay apart, if that closes most of the gaps.
-fn with_room(
-    index: usize,
-    face: &Face,
-    mut best: Built,
-    cover_options: &CoverOptions,
-    options: &Options,
-    control: &Control,
-) -> Built {
-    let count = best.patchwork.panels.len();
-    for share in ROOM {
-        if openness(&best) <= SETTLED || control.stopped() {
-            break;
-        }
-        let narrow = CoverOptions { tolerance: cover_options.tolerance * share, ..cover_options.clone() };
-        let Ok(found) = cover(face, &narrow, control) else { break };
-        let (built, refused) = build(index, face, &found.state, options.tolerance);
-        let is_apart = best.certificate.seams.iter().any(|s| s.gap_bound > APART * options.tolerance);
-        let allowed = if is_apart { ((count as f64 * MORE) as usize).max(1) } else { 0 };
-        if built.patchwork.panels.len() > count + allowed {
-            break;
-        }
-        if !found.complete || !refused.is_empty() {
-            continue;
-        }
-        if !too_large(&built, &options.limits).is_empty() {
-            continue;
-        }
-        let next = met(index, face, &found.state, built, options, control);
-        let more = next.patchwork.panels.len() > best.patchwork.panels.len();
-        let better = if more { MUCH * openness(&best) } else { openness(&best) };
-        if openness(&next) < better {
-            best = next;
-        }
-    }
-    best
-}
-
-/// How far panels are from meeting: a gap of the tolerance counts one, every seam that is not exact a little besides.
-fn openness(built: &Built) -> f64 {
-    const EACH: f64 = 0.1;
-    let open = built.certificate.seams.iter().filter(|s| s.status != SeamStatus::Exact);
-    open.map(|s| EACH + s.gap_bound / built.certificate.tolerance).sum()
-}
-
-/// Panels that meet, but for those that are refused; no panels if not all the others can be proven. Second result: the
-/// labels of those that were ill shaped, else of those that do not meet.
-fn judged(
-    index: usize,
-    face: &Face,
-    state: &State,
-    meeting: &Meeting,
-    count: usize,
-    options: &Options,
-) -> (Option<Built>, Vec<u32>) {
-    let (mut refused, mut dropped, mut ill_shaped) = (Vec::new(), Vec::new(), Vec::new());
-    for _ in 0..MEETINGS {
-        let (next, bad) = build_on(index, face, state, options.tolerance, Some((meeting, &refused, &dropped)));
-        let whole = next.patchwork.panels.len() == count;
-        // An edge that its panels miss is no edge of theirs.
-        let label = |k: usize| next.patchwork.panels[k].label;
-        let missed = |s: &&SeamCertificate| s.status != SeamStatus::Exact;
-        let seams = next.patchwork.seams().into_iter().zip(&next.certificate.seams);
-        let shared: Vec<&SeamCertificate> = seams.filter(|(s, _)| s.is_shared()).map(|s| s.1).collect();
-        let missed: Vec<[u32; 2]> = shared.into_iter().filter(missed).map(|s| s.panels.map(label)).collect();
-        if bad.is_empty() && whole && missed.is_empty() && too_large(&next, &options.limits).is_empty() {
-            if ill_shaped.is_empty() {
-                // Strips that came out well and still do not meet.
-                let apart = next.certificate.seams.iter().filter(|s| s.gap_bound > APART * options.tolerance);
-                ill_shaped.extend(apart.flat_map(|s| s.panels.map(label)));
-                ill_shaped.sort_unstable();
-                ill_shaped.dedup();
-            }
-            return (Some(next), ill_shaped);
-        }
-        // Neighbours of a strip that failed keep their other seams.
-        let before = refused.len() + dropped.len();
-        let proofs: HashMap<u32, &PanelCertificate> =
-            next.patchwork.panels.iter().map(|p| p.label).zip(&next.certificate.panels).collect();
-        for l in bad.into_iter().filter(|l| !refused.contains(l)).collect::<Vec<_>>() {
-            refused.push(l);
-            if proofs.get(&l).is_none_or(|p| p.deviation_bound > NEAR * options.tolerance) {
-                ill_shaped.push(l);
-            }
-        }
-        dropped.extend(missed);
-        if refused.len() + dropped.len() == before {
-            break;
-        }
-    }
-    (None, ill_shaped)
-}
-
-/// Borders of a partition.
-fn borders<'a>(face: &'a Face, partition: &'a Partition) -> Borders<'a> {
-    Borders::new(face, partition, &|a, b| partition.trim_edges.get(&(a, b)).copied().unwrap_or(0), 0)
-}
-
-/// Panels, proof and patterns of a covered face; second result: labels of the regions that must be cut.
-fn build(index: usize, face: &Face, state: &State, tolerance: f64) -> (Built, Vec<u32>) {
-    let partition = smooth_borders(face, state.partition.clone(), tolerance);
-    build_on(index, face, &seams::with_partition(face, state, partition), tolerance, None)
-}
-
-/// What is used of strips that meet: all but those of refused labels, and but edges between pairs of labels.
-type Kept<'a> = (&'a Meeting, &'a [u32], &'a [[u32; 2]]);
-
-/// As [`build`], on smooth borders, with strips that meet but for those of refused labels.
-fn build_on(index: usize, face: &Face, state: &State, tolerance: f64, meeting: Option<Kept>) -> (Built, Vec<u32>) {
-    let partition = &state.partition;
-    let mut borders = borders(face, partition);
-    let mut assigned: Vec<Assigned> =
-        state.panels.iter().map(|(&label, fit)| Assigned { label, torse: &fit.torse, kind: fit.kind }).collect();
-    if let Some((meeting, refused, dropped)) = meeting {
-        let mut met = HashSet::new();
-        for e in seams::apply(meeting, refused, dropped) {
-            borders.share(e.chain, e.edge.clone(), e.parameters.clone());
-            met.extend(e.labels);
-        }
-        let new = |l: &u32| met.contains(l) || (meeting.alone && !refused.contains(l));
-        for a in assigned.iter_mut().filter(|a| new(&a.label)) {
-            if let Some(torse) = meeting.torses.get(&a.label) {
-                (a.torse, a.kind) = (torse, PanelKind::Torse);
-            }
-        }
-        if meeting.alone {
-            borders.end_on_normals(meeting.torses.keys().copied().filter(new));
-        }
-    }
-    let trim_tolerance = tolerance * TRIM_SHARE;
-    let boundary = BoundaryOptions { trim_tolerance, edge_tolerance: trim_tolerance * EDGE_SHARE };
-    let made: Vec<Result<Panel, BoundaryError>> =
-        assigned.par_iter().map(|a| borders.panel(0, a, &boundary).map(|(p, _)| p)).collect();
-    let seam_count = borders.seam_count;
-    let (mut panels, mut missing, mut refused) = (Vec::new(), Vec::new(), Vec::new());
-    for (panel, a) in made.into_iter().zip(&assigned) {
-        match panel {
-            Ok(mut p) => {
-                p.name = boundary::panel_name(index, panels.len());
-                panels.push(p);
-            }
-            Err(e) => {
-                refused.push(a.label);
-                missing.push(format!("a region has no panel: {e}"));
-            }
-        }
-    }
-    let patchwork = Patchwork { faces: vec![face.clone()], partitions: vec![partition.clone()], panels, seam_count };
-    // The proof has its own clock: what was found is judged even when time is up.
-    let certificate = certify::patchwork(&patchwork, tolerance, &Control::default());
-    let pattern_options = PatternOptions::new(tolerance * CONTOUR_SHARE);
-    let developed: Vec<Result<Pattern, DevelopError>> =
-        (0..patchwork.panels.len()).into_par_iter().map(|k| pattern(&patchwork, k, &pattern_options)).collect();
-    let mut patterns = Vec::new();
-    for ((panel, proof), flat) in patchwork.panels.iter().zip(&certificate.panels).zip(developed) {
-        let mut bad = !proof.certified;
-        match flat {
-            Ok(p) => patterns.push(p),
-            Err(e) => {
-                bad = true;
-                missing.push(format!("panel {} has no flat pattern: {e}", panel.name));
-            }
-        }
-        if bad {
-            refused.push(panel.label);
-        }
-    }
-    let panels = patchwork.panels.iter().enumerate();
-    let along = panels.filter_map(|(panel, p)| {
-        let o = state.origins.get(&p.label)?;
-        Some(AlongCurve { panel, curve: o.curve.clone(), step: o.step, paper_estimate: o.paper_estimate })
-    });
-    let along = along.collect();
-    (Built { patchwork, certificate, patterns, missing, along }, refused)
-}
-
-/// Makes the borders between panels as smooth as the tolerance asks for.
-fn smooth_borders(face: &Face, mut partition: Partition, tolerance: f64) -> Partition {
-    let s = &face.surface;
-    let (u, v) = (s.knots_u.breaks(), s.knots_v.breaks());
-    let distance = |p: [f64; 2], q: [f64; 2]| {
-        let j = s.jet(0.5 * (p[0] + q[0]), 0.5 * (p[1] + q[1]));
-        (j.du * (q[0] - p[0]) + j.dv * (q[1] - p[1])).norm()
-    };
-    for _ in 0..SMOOTHINGS {
-        for _ in 0..RELAXATIONS {
-            partition.relax([&u, &v]);
-        }
-        if partition.smooth_seams([&u, &v], tolerance * BEND_SHARE, distance) == 0 {
-            break;
-        }
-    }
-    partition
 }
 
 /// Adds the faces, panels and seams of another patchwork.

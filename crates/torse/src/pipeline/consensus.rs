@@ -4,7 +4,9 @@
 use super::cover::{Density, State};
 use super::seams::{level_chains, origin, stretch, Meeting, SharedSeam};
 use crate::fit::boundary::{Borders, SeamChain};
-use crate::fit::seams::{base_line, consensus, AgreedLine, Agreeing, BaseLine, ConsensusOptions, Line, LinePoint};
+use crate::fit::seams::{
+    base_line, consensus, AgreedLine, Agreeing, BaseLine, ConsensusOptions, Height, Line, LinePoint,
+};
 use crate::fit::{dual_from, DualOptions, Sample};
 use crate::geom::Vec3;
 use crate::spline::curve::Curve;
@@ -31,28 +33,33 @@ struct Border<'a> {
     points: Vec<LinePoint>,
 }
 
-/// Moves the strips of a covered face until neighbours agree, from `drafts` where there are any. `firmness`:
-/// see [`Agreeing`]; `weight` says how much gaps count, see [`ConsensusOptions`]. `state` must have the partition of the
-/// borders. `None` where there is nothing to agree about, or some strip cannot take part.
-pub(super) fn agree(
-    face: &Face,
-    state: &State,
-    borders: &Borders,
-    drafts: &BTreeMap<u32, Torse>,
-    firmness: &BTreeMap<u32, f64>,
-    weight: f64,
-    tolerance: f64,
-) -> Option<Meeting> {
+/// How strips are to agree.
+pub(super) struct Agreement<'a> {
+    /// Torses to start from in place of those of the panels.
+    pub drafts: &'a BTreeMap<u32, Torse>,
+    /// See [`Agreeing::firmness`]; 1 for labels that are not named.
+    pub firmness: &'a BTreeMap<u32, f64>,
+    /// How much gaps count, see [`ConsensusOptions::weight`].
+    pub weight: f64,
+    /// Whether the strips of two labels are to agree; strips that are to agree with none stay as they are.
+    pub wanted: &'a (dyn Fn([u32; 2]) -> bool + Sync),
+}
+
+/// Moves the strips of a covered face until neighbours agree. `state` must have the partition of the borders. `None`
+/// where there is nothing to agree about, or some strip cannot take part.
+pub(super) fn agree(face: &Face, state: &State, borders: &Borders, how: &Agreement, tolerance: f64) -> Option<Meeting> {
     let chains = borders.seam_chains();
     // 1. Strips, in an order in which neighbours are near each other.
-    let order = order(state, &chains);
+    let wanted: Vec<bool> = chains.iter().map(|c| c.length > 0.0 && (how.wanted)(c.labels)).collect();
+    let mut order = order(state, &chains);
+    order.retain(|l| chains.iter().zip(&wanted).any(|(c, w)| *w && c.labels.contains(l)));
     let index: HashMap<u32, usize> = order.iter().enumerate().map(|(k, &l)| (l, k)).collect();
     let samples: Vec<Vec<Sample>> =
         order.iter().map(|&l| state.dense_samples(&face.surface, l, Density::Band)).collect();
     let starts: Vec<Option<DualTorse>> = order
         .par_iter()
         .zip(&samples)
-        .map(|(l, samples)| match drafts.get(l).or_else(|| Some(&state.panels.get(l)?.torse))? {
+        .map(|(l, samples)| match how.drafts.get(l).or_else(|| Some(&state.panels.get(l)?.torse))? {
             Torse::Dual(d) => Some(d.clone()),
             other => match dual_from(other, samples, &DualOptions::new(tolerance))?.torse {
                 Torse::Dual(d) => Some(d),
@@ -66,20 +73,32 @@ pub(super) fn agree(
     let mut found: Vec<Border> = chains
         .par_iter()
         .enumerate()
-        .filter(|(_, c)| c.labels.iter().all(|l| index.get(l).is_some_and(|&k| starts[k].is_some())) && c.length > 0.0)
+        .filter(|&(k, c)| wanted[k] && c.labels.iter().all(|l| index.get(l).is_some_and(|&i| starts[i].is_some())))
         .filter_map(|(k, chain)| border(face, state, chain, levels.get(&k).copied()))
         .collect();
+    // Only points that both strips reach; beyond the region some are not.
+    let torses: Vec<Option<Torse>> = starts.iter().map(|d| d.clone().map(Torse::Dual)).collect();
+    let heights: Vec<Option<Height>> = torses.iter().map(|t| Height::of(t.as_ref()?)).collect();
+    found.par_iter_mut().for_each(|b| {
+        let [p, q] = b.chain.labels.map(|l| heights[index[&l]].as_ref());
+        let reached = |x: &LinePoint| [p, q].iter().flatten().all(|h| h.at(&x.x, &x.n).is_some());
+        let first = b.points.iter().position(reached).unwrap_or(b.points.len());
+        let last = b.points.iter().rposition(reached).map_or(first, |k| k + 1);
+        b.points = b.points[first..last].to_vec();
+    });
+    found.retain(|b| b.points.len() >= 2);
     found.sort_by_key(|b| {
         let [a, b] = b.chain.labels.map(|l| index[&l]);
         (a.min(b), a.max(b))
     });
     // 3. Agreement of the strips that can.
-    let taking: Vec<usize> = (0..order.len()).filter(|&k| starts[k].is_some()).collect();
+    let concerned = |l: &u32| found.iter().any(|b| b.chain.labels.contains(l));
+    let taking: Vec<usize> = (0..order.len()).filter(|&k| starts[k].is_some() && concerned(&order[k])).collect();
     let place: HashMap<usize, usize> = taking.iter().enumerate().map(|(i, &k)| (k, i)).collect();
     let strips: Vec<Agreeing> = taking
         .iter()
         .filter_map(|&k| {
-            let firmness = firmness.get(&order[k]).copied().unwrap_or(1.0);
+            let firmness = how.firmness.get(&order[k]).copied().unwrap_or(1.0);
             Some(Agreeing { torse: starts[k].as_ref()?, samples: &samples[k], firmness })
         })
         .collect();
@@ -90,12 +109,13 @@ pub(super) fn agree(
     if lines.is_empty() {
         return None;
     }
-    let options = ConsensusOptions { weight, ..ConsensusOptions::new(tolerance * SHARE) };
+    let options = ConsensusOptions { weight: how.weight, ..ConsensusOptions::new(tolerance * SHARE) };
     let (agreed, lifted) = consensus(&strips, &lines, &options)?;
     let torses: BTreeMap<u32, Torse> =
         taking.iter().zip(agreed).filter_map(|(&k, a)| Some((order[k], a?.torse))).collect();
     let edges = found.iter().zip(&lifted).filter_map(|(b, l)| shared(state, b, l, AGREED * tolerance)).collect();
-    Some(Meeting { torses, drafts: BTreeMap::new(), edges, rows: Vec::new(), alone: true })
+    let together = torses.keys().copied().collect();
+    Some(Meeting { torses, edges, together, ..Meeting::default() })
 }
 
 /// Labels with panels, neighbours near each other.
@@ -153,8 +173,8 @@ fn border<'a>(face: &Face, state: &State, chain: &'a SeamChain, low: Option<u32>
 /// The edge of both strips where they agree.
 fn shared(state: &State, border: &Border, line: &AgreedLine, allowed: f64) -> Option<SharedSeam> {
     let base = border.base.as_ref().filter(|_| line.gap <= allowed)?;
-    let points: Vec<[f64; 3]> = base.points.iter().map(|p| (p.x + p.n * line.offset_at(p.s)).into()).collect();
-    let parameters: Vec<f64> = base.points.iter().map(|p| p.s).collect();
+    let points: Vec<[f64; 3]> = border.points.iter().map(|p| (p.x + p.n * line.offset_at(p.s)).into()).collect();
+    let parameters: Vec<f64> = border.points.iter().map(|p| p.s).collect();
     let spans = CURVE_SPANS.0.min(points.len() / CURVE_SPANS.1).max(1);
     let knots = Knots::uniform(5, spans, *parameters.first()?, *parameters.last()?).ok()?;
     let curve: Curve<3> = lsq::fit(&points, &parameters, &knots).ok()?.curve;

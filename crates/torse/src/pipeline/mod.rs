@@ -1,6 +1,7 @@
 //! Floor 6: one readable file per user job.
 
 pub mod approximate;
+mod build;
 mod cone_outline;
 pub mod cone_shapes;
 mod cone_strip;
@@ -14,10 +15,12 @@ pub mod fit;
 mod given_face;
 pub mod hull;
 pub mod info;
+mod intersection;
 pub mod judgement;
 mod levels;
 pub mod loft;
 mod loft_ends;
+mod meet;
 pub mod net;
 pub mod outcome;
 pub mod planarise;

@@ -14,12 +14,14 @@ use crate::spline::curve::Curve;
 use crate::spline::field::Field;
 use crate::spline::knots::Knots;
 use crate::surface::face::Face;
+use crate::surface::panel::Patchwork;
 use crate::surface::torse::Torse;
 use rayon::prelude::*;
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::Arc;
 
 /// Strips rebuilt from seams, and the edges that they share.
+#[derive(Default)]
 pub(super) struct Meeting {
     /// New torse of a label.
     pub torses: BTreeMap<u32, Torse>,
@@ -29,8 +31,9 @@ pub(super) struct Meeting {
     pub edges: Vec<SharedSeam>,
     /// Sequences of bands that were laid anew between seam curves.
     pub rows: Vec<Row>,
-    /// Whether torses without such edges are better than those before, too.
-    pub alone: bool,
+    /// Labels whose torses are better than those before without such edges, too: their panels end together with their
+    /// neighbours'.
+    pub together: BTreeSet<u32>,
 }
 
 /// An edge in space for a chain of the borders.
@@ -73,8 +76,7 @@ struct Band {
 /// Lays the bands of a covered face anew so that they meet. `state` must have the partition of the borders.
 pub(super) fn meet(face: &Face, state: &State, borders: &Borders, tolerance: f64) -> Meeting {
     let chains = borders.seam_chains();
-    let mut out =
-        Meeting { torses: BTreeMap::new(), drafts: BTreeMap::new(), edges: Vec::new(), rows: Vec::new(), alone: false };
+    let mut out = Meeting::default();
     for sequence in sequences(state, &chains, tolerance) {
         laid_anew(face, state, &chains, &sequence, tolerance, &mut out);
     }
@@ -86,36 +88,52 @@ pub(super) fn meet(face: &Face, state: &State, borders: &Borders, tolerance: f64
 pub(super) fn on_levels(face: &Face, state: &State, borders: &Borders, tolerance: f64) -> State {
     let chains = borders.seam_chains();
     let mut partition = state.partition.clone();
-    let mut around: HashMap<u32, Vec<usize>> = HashMap::new();
+    for c in level_chains(state, &chains, tolerance) {
+        let chain = &chains[c.chain];
+        let Some(field) = state.bands.get(&c.low) else { continue };
+        let level = level_of(&state.partition, field, chain);
+        settle(face, &mut partition, &chain.vertices, |p, fixed| Some(onto(field, p, level, fixed)));
+    }
+    with_partition(face, state, partition)
+}
+
+/// Moves the vertices of a border to places given for each and for whether its parameters must stay: vertices on knot
+/// lines move along these, ends on a trimming curve that is no knot line stay. Vertices whose triangles would turn over
+/// stay too.
+pub(super) fn settle(
+    face: &Face,
+    partition: &mut Partition,
+    vertices: &[u32],
+    place: impl Fn([f64; 2], [bool; 2]) -> Option<[f64; 2]>,
+) {
+    let mut around: HashMap<u32, Vec<usize>> = vertices.iter().map(|&v| (v, Vec::new())).collect();
     for (t, corners) in partition.triangles.iter().enumerate() {
-        corners.iter().for_each(|&v| around.entry(v).or_default().push(t));
+        for v in corners {
+            if let Some(a) = around.get_mut(v) {
+                a.push(t);
+            }
+        }
     }
     let lines = [face.surface.knots_u.breaks(), face.surface.knots_v.breaks()];
     let area = |p: &Partition, t: usize| {
         let [a, b, c] = p.corners(t);
         (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
     };
-    for c in level_chains(state, &chains, tolerance) {
-        let chain = &chains[c.chain];
-        let Some(field) = state.bands.get(&c.low) else { continue };
-        let level = level_of(&state.partition, field, chain);
-        let last = chain.vertices.len() - 1;
-        for (i, &v) in chain.vertices.iter().enumerate() {
-            let old = partition.vertices[v as usize];
-            let fixed = [0, 1].map(|d: usize| lines[d].contains(&old[d]));
-            // Ends on a trimming curve that is no knot line stay on it.
-            if fixed == [true; 2] || ((i == 0 || i == last) && fixed == [false; 2]) {
-                continue;
-            }
-            let before: Vec<f64> = around[&v].iter().map(|&t| area(&partition, t)).collect();
-            partition.vertices[v as usize] = onto(field, old, level, fixed);
-            let kept = around[&v].iter().zip(before).all(|(&t, b)| area(&partition, t) > LEAST_TRIANGLE * b);
-            if !kept {
-                partition.vertices[v as usize] = old;
-            }
+    let last = vertices.len() - 1;
+    for (i, &v) in vertices.iter().enumerate() {
+        let old = partition.vertices[v as usize];
+        let fixed = [0, 1].map(|d: usize| lines[d].contains(&old[d]));
+        if fixed == [true; 2] || ((i == 0 || i == last) && fixed == [false; 2]) {
+            continue;
+        }
+        let Some(new) = place(old, fixed) else { continue };
+        let before: Vec<f64> = around[&v].iter().map(|&t| area(partition, t)).collect();
+        partition.vertices[v as usize] = new;
+        let kept = around[&v].iter().zip(before).all(|(&t, b)| area(partition, t) > LEAST_TRIANGLE * b);
+        if !kept {
+            partition.vertices[v as usize] = old;
         }
     }
-    with_partition(face, state, partition)
 }
 
 /// Triangles keep this share of their area when vertices move.
@@ -425,6 +443,18 @@ pub(super) fn apply<'a>(
         .edges
         .iter()
         .filter(move |e| !e.labels.iter().any(|l| refused.contains(l)) && !dropped.iter().any(|d| between(e, *d)))
+}
+
+/// The edges that panels of a patchwork share, for those borders that are still the same.
+pub(super) fn kept(patchwork: &Patchwork, borders: &Borders) -> Vec<SharedSeam> {
+    let seams = patchwork.seams();
+    let sides: Vec<_> = seams.iter().filter(|s| s.is_shared()).flat_map(|s| s.sides).collect();
+    let same = |c: SeamChain| {
+        let run = sides.iter().map(|s| s.run).find(|r| r.vertices == c.vertices)?;
+        let (edge, parameters) = (run.edge.clone(), run.parameters.clone());
+        Some(SharedSeam { chain: c.chain, labels: c.labels, edge, parameters })
+    };
+    borders.seam_chains().into_iter().filter_map(same).collect()
 }
 
 /// The state with another partition of the same labels.

@@ -95,7 +95,7 @@ impl Path<'_> {
             }
             Aim::Wall([a, b]) => {
                 shift = [0, 1].map(|d: usize| a[d] * (1.0 - s) + b[d] * s);
-                let normal = self.borders.creases.normal_between(p, q, l);
+                let normal = self.borders.lean_between(self.vertices[k], self.vertices[k + 1], l);
                 on_normal(&face.surface.point(uv[0], uv[1]), &normal, self.torse, guess)?
             }
             Aim::Edge(edge, _) => {

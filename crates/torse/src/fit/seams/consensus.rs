@@ -317,6 +317,9 @@ fn settle(family: &mut EnvelopeFamily, x: &[f64]) {
     family.feet.iter_mut().zip(found).for_each(|(t, f)| *t = f.unwrap_or(*t));
 }
 
+/// Multiples of the spans with which strips take part.
+const FINER: [usize; 3] = [1, 2, 4];
+
 /// Share of a strip's domain beyond it in which feet are looked for.
 const SETTLED: f64 = 0.15;
 
@@ -345,10 +348,11 @@ fn member(index: usize, strip: &Agreeing, lifts: &[Lift], out: &[usize], options
         return None;
     }
     family.adopt(&all);
-    let (mut family, x) = family.refitted(&x, options.spans, MARGIN)?;
-    if !family.residuals(&x, &all, &mut residual) {
-        return None;
-    }
+    // As few spans as it takes for the strip to stay regular.
+    let (mut family, x) = FINER.iter().find_map(|finer| {
+        let (mut even, y) = family.refitted(&x, options.spans * finer, MARGIN)?;
+        even.residuals(&y, &all, &mut residual).then_some((even, y))
+    })?;
     family.adopt(&all);
     let f = scale.unit / options.tolerance;
     residual.iter_mut().for_each(|r| *r *= f);

@@ -17,11 +17,13 @@ pub mod base_line;
 pub mod connecting;
 pub mod consensus;
 mod feet;
+pub mod height;
 pub mod network;
 pub mod seam;
 
 pub use base_line::{base_line, BaseLine, BasePoint};
 pub use connecting::{connecting, refit, ConnectingRuling};
 pub use consensus::{consensus, Agreed, AgreedLine, Agreeing, ConsensusOptions, Line, LinePoint};
+pub use height::Height;
 pub use network::{network, Laid, NetworkOptions, StripBetween};
 pub use seam::Seam;

@@ -1,0 +1,33 @@
+//! A torse as a height over a face, along the face's normals; where the heights of two torses are equal, they intersect.
+//!
+//! *Method* (\[SE06\] carried on): the foot of a point on the torse from a table of rulings, then Newton steps along the
+//! normal.
+
+use crate::fit::sheet::{Guesses, Sheet};
+use crate::fit::wall::on_normal;
+use crate::geom::Vec3;
+use crate::surface::torse::Torse;
+
+/// Heights of a torse.
+pub struct Height<'a> {
+    torse: &'a Torse,
+    sheet: Sheet,
+    guesses: Guesses,
+}
+
+impl<'a> Height<'a> {
+    /// `None` for splines of higher degree than cubic.
+    pub fn of(torse: &'a Torse) -> Option<Self> {
+        let sheet = Sheet::of(torse)?;
+        let guesses = sheet.guesses();
+        Some(Self { torse, sheet, guesses })
+    }
+
+    /// Signed length (mm) from `x` along the unit normal `n` to the torse; `None` where it has no ruling near.
+    pub fn at(&self, x: &Vec3, n: &Vec3) -> Option<f64> {
+        let q = self.sheet.local(x);
+        let guess = self.guesses.guess(&q);
+        let along = |guess: f64| on_normal(x, n, self.torse, guess).map(|(_, y)| n.dot(&(y - x)));
+        along(guess).or_else(|| along(self.sheet.nearest_foot(&q)?)).filter(|h| h.is_finite())
+    }
+}
