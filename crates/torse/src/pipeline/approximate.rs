@@ -355,8 +355,8 @@ fn one_face(index: usize, mut face: Face, options: &Options, control: &Control) 
                 if !options.meet {
                     return Ok(built);
                 }
-                let best = met(index, &face, &state, built, options, control);
-                return Ok(with_room(index, &face, best, &cover_options, options, control));
+                let best = met(index, &face, &state, built, &options.limits, control);
+                return Ok(with_room(index, &face, best, &cover_options, control));
             }
             sheets += 1;
             state = super::cover::cut_large(&face, &state, &large);

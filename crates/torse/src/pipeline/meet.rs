@@ -4,10 +4,9 @@
 //! between other levels; strips that agree about the seams that are still open, then about all; the same from covers that
 //! leave room. The best panels are kept, and those of the cover if nothing better can be proven.
 
-use super::approximate::Options;
 use super::build::{borders, build, build_on, smooth_borders, too_large, Built};
 use super::consensus::{agree, Agreement};
-use super::cover::{cover, CoverOptions, State};
+use super::cover::{cover, CoverOptions, Limits, State};
 use super::intersection::{pair, Intersections};
 use super::levels;
 use super::seams::{self, Meeting};
@@ -49,29 +48,24 @@ const WORTH: f64 = 0.5;
 struct Attempts<'a> {
     index: usize,
     face: &'a Face,
-    options: &'a Options,
+    tolerance: f64,
+    limits: &'a Limits,
     control: &'a Control,
     /// The best so far.
     best: Built,
 }
 
 /// The same panels laid anew so that neighbours meet, as far as that can be certified; as they are where it cannot.
-pub(super) fn met(
-    index: usize,
-    face: &Face,
-    state: &State,
-    built: Built,
-    options: &Options,
-    control: &Control,
-) -> Built {
-    let mut attempts = Attempts { index, face, options, control, best: built };
+pub(super) fn met(index: usize, face: &Face, state: &State, built: Built, limits: &Limits, control: &Control) -> Built {
+    let tolerance = built.certificate.tolerance;
+    let mut attempts = Attempts { index, face, tolerance, limits, control, best: built };
     attempts.all(state);
     attempts.best
 }
 
 impl Attempts<'_> {
     fn all(&mut self, state: &State) {
-        let tolerance = self.options.tolerance;
+        let tolerance = self.tolerance;
         if let Some(next) = self.intersecting(&self.best, state) {
             self.keep(next);
         }
@@ -96,7 +90,7 @@ impl Attempts<'_> {
 
     /// Bands between other levels, where these make strips between seams even.
     fn between_levels(&mut self, state: &State, meeting: &Meeting) {
-        let tolerance = self.options.tolerance;
+        let tolerance = self.tolerance;
         let mut rows = meeting.rows.clone();
         let mut levelled = None;
         for _ in 0..LEVELLINGS {
@@ -122,7 +116,7 @@ impl Attempts<'_> {
         weights: impl IntoIterator<Item = (f64, f64)>,
         wanted: &(dyn Fn([u32; 2]) -> bool + Sync),
     ) {
-        let tolerance = self.options.tolerance;
+        let tolerance = self.tolerance;
         for (weight, settled) in weights {
             let mut firmness: BTreeMap<u32, f64> = BTreeMap::new();
             for time in 0..AGREEMENTS {
@@ -166,9 +160,9 @@ impl Attempts<'_> {
 
     /// A state with smooth borders, those between bands on their levels.
     fn on_levels(&self, state: &State) -> State {
-        let partition = smooth_borders(self.face, state.partition.clone(), self.options.tolerance);
+        let partition = smooth_borders(self.face, state.partition.clone(), self.tolerance);
         let state = seams::with_partition(self.face, state, partition);
-        seams::on_levels(self.face, &state, &borders(self.face, &state.partition), self.options.tolerance)
+        seams::on_levels(self.face, &state, &borders(self.face, &state.partition), self.tolerance)
     }
 
     /// The panels with their borders where they intersect, in place of those along which they do not meet. `None` where
@@ -187,7 +181,7 @@ impl Attempts<'_> {
                 break;
             }
             wanted = moved;
-            let partition = smooth_borders(self.face, now.partition.clone(), self.options.tolerance);
+            let partition = smooth_borders(self.face, now.partition.clone(), self.tolerance);
             let now = intersections.settled(&seams::with_partition(self.face, &now, partition), &wanted);
             let borders = borders(self.face, &now.partition);
             let (mut edges, spoilt) = intersections.edges(&now, &borders, &wanted);
@@ -197,7 +191,7 @@ impl Attempts<'_> {
             }
             edges.extend(seams::kept(&built.patchwork, &borders));
             let meeting = Meeting { edges, together: built.together.clone(), ..Meeting::default() };
-            let (next, bad) = build_on(self.index, self.face, &now, self.options.tolerance, Some((&meeting, &[], &[])));
+            let (next, bad) = build_on(self.index, self.face, &now, self.tolerance, Some((&meeting, &[], &[])));
             let missed = missed(&next);
             if bad.is_empty() && missed.is_empty() {
                 return Some(next);
@@ -214,19 +208,18 @@ impl Attempts<'_> {
     /// Panels that meet, but for those that are refused; no panels if not all the others can be proven. Second result: the
     /// labels of those that were ill shaped, else of those that do not meet.
     fn judged(&self, state: &State, meeting: &Meeting) -> (Option<Built>, Vec<u32>) {
-        let (count, options) = (self.best.patchwork.panels.len(), self.options);
+        let (count, tolerance) = (self.best.patchwork.panels.len(), self.tolerance);
         let (mut refused, mut dropped, mut ill_shaped) = (Vec::new(), Vec::new(), Vec::new());
         for _ in 0..MEETINGS {
-            let (next, bad) =
-                build_on(self.index, self.face, state, options.tolerance, Some((meeting, &refused, &dropped)));
+            let (next, bad) = build_on(self.index, self.face, state, tolerance, Some((meeting, &refused, &dropped)));
             let whole = next.patchwork.panels.len() == count;
             // An edge that its panels miss is no edge of theirs.
             let label = |k: usize| next.patchwork.panels[k].label;
             let missed = missed(&next);
-            if bad.is_empty() && whole && missed.is_empty() && too_large(&next, &options.limits).is_empty() {
+            if bad.is_empty() && whole && missed.is_empty() && too_large(&next, self.limits).is_empty() {
                 if ill_shaped.is_empty() {
                     // Strips that came out well and still do not meet.
-                    let apart = next.certificate.seams.iter().filter(|s| s.gap_bound > APART * options.tolerance);
+                    let apart = next.certificate.seams.iter().filter(|s| s.gap_bound > APART * tolerance);
                     ill_shaped.extend(apart.flat_map(|s| s.panels.map(label)));
                     ill_shaped.sort_unstable();
                     ill_shaped.dedup();
@@ -239,7 +232,7 @@ impl Attempts<'_> {
                 next.patchwork.panels.iter().map(|p| p.label).zip(&next.certificate.panels).collect();
             for l in bad.into_iter().filter(|l| !refused.contains(l)).collect::<Vec<_>>() {
                 refused.push(l);
-                if proofs.get(&l).is_none_or(|p| p.deviation_bound > NEAR * options.tolerance) {
+                if proofs.get(&l).is_none_or(|p| p.deviation_bound > NEAR * tolerance) {
                     ill_shaped.push(l);
                 }
             }
@@ -259,9 +252,9 @@ pub(super) fn with_room(
     face: &Face,
     mut best: Built,
     cover_options: &CoverOptions,
-    options: &Options,
     control: &Control,
 ) -> Built {
+    let tolerance = best.certificate.tolerance;
     let count = best.patchwork.panels.len();
     for share in ROOM {
         if openness(&best) <= SETTLED || control.stopped() {
@@ -269,8 +262,8 @@ pub(super) fn with_room(
         }
         let narrow = CoverOptions { tolerance: cover_options.tolerance * share, ..cover_options.clone() };
         let Ok(found) = cover(face, &narrow, control) else { break };
-        let (built, refused) = build(index, face, &found.state, options.tolerance);
-        let is_apart = best.certificate.seams.iter().any(|s| s.gap_bound > APART * options.tolerance);
+        let (built, refused) = build(index, face, &found.state, tolerance);
+        let is_apart = best.certificate.seams.iter().any(|s| s.gap_bound > APART * tolerance);
         let allowed = if is_apart { ((count as f64 * MORE) as usize).max(1) } else { 0 };
         if built.patchwork.panels.len() > count + allowed {
             break;
@@ -278,10 +271,10 @@ pub(super) fn with_room(
         if !found.complete || !refused.is_empty() {
             continue;
         }
-        if !too_large(&built, &options.limits).is_empty() {
+        if !too_large(&built, &cover_options.limits).is_empty() {
             continue;
         }
-        let next = met(index, face, &found.state, built, options, control);
+        let next = met(index, face, &found.state, built, &cover_options.limits, control);
         let further = next.patchwork.panels.len().saturating_sub(best.patchwork.panels.len());
         if openness(&best) > openness(&next) + WORTH * further as f64 {
             best = next;
