@@ -1,13 +1,13 @@
-//! Where a torse meets the normals of the face along its boundary: panels trimmed there meet in common end points,
-//! whatever their distances from the face are.
+//! Where a torse meets the lines on which panels end, the face's normals or others near them: panels trimmed there meet in
+//! common end points, whatever their distances from the face are.
 //!
-//! *Method*: Newton steps along the normal, each from the distance to the tangent plane at the foot (the certificate's
+//! *Method*: Newton steps along the line, each from the distance to the tangent plane at the foot (the certificate's
 //! foot, \[SE06\] carried on).
 
 use crate::geom::Vec3;
 use crate::surface::torse::Torse;
 
-/// Steps along the normal; the distance falls by the square of the angle between the normals.
+/// Steps along the line; the distance falls by the square of the angle between the normals.
 const STEPS: usize = 12;
 /// Steps end below this share of the first distance and of the coordinates' rounding.
 const SETTLED: f64 = 1e-13;

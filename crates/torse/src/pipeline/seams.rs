@@ -2,7 +2,7 @@
 //!
 //! Order of the work: which bands follow each other along one level function, base lines and first offsets of the
 //! seams between them ([`fit::seams`](crate::fit::seams)), all strips together, and the stretches of border that both
-//! sides share. Nothing is judged here: `approximate` keeps a new strip only if it is certified.
+//! sides share. Nothing is judged here: `meet` keeps a new strip only if it is certified.
 
 use super::cover::{Density, State};
 use super::levels::Row;
@@ -27,7 +27,7 @@ pub(super) struct Meeting {
     pub torses: BTreeMap<u32, Torse>,
     /// Torses that are not good enough, but something to start from.
     pub drafts: BTreeMap<u32, Torse>,
-    /// Edges between two labels with new torses.
+    /// Edges between two labels.
     pub edges: Vec<SharedSeam>,
     /// Sequences of bands that were laid anew between seam curves.
     pub rows: Vec<Row>,

@@ -1,5 +1,5 @@
-//! The places that the trimming curve of a run passes: feet of the border, points on the face's normals, or a shared
-//! edge (certificate specification, section 5).
+//! The places that the trimming curve of a run passes: feet of the border, points on common lines, or a shared edge
+//! (certificate specification, section 5).
 
 use super::Borders;
 use super::BoundaryOptions;
@@ -25,7 +25,7 @@ const SMOOTHED: f64 = 0.5;
 pub(super) enum Aim<'a> {
     /// The feet of the border's points.
     Feet,
-    /// The places where the torse meets the face's normals, moved to given ends by so much.
+    /// The places where the torse meets the lines on which panels end, moved to given ends by so much.
     Wall([[f64; 2]; 2]),
     /// A curve on the torse, and its length, mm.
     Edge(&'a Curve<3>, f64),

@@ -7,6 +7,8 @@
 //! the offsets are. Offsets start from theory (a best-fitting strip of width ω is off by `κ ω²/16` at its edges) and
 //! are then chosen for all strips together so that the largest distance is smallest ([`network()`]).
 //!
+//! Where two strips cross, the intersection is a common edge without any change of theirs ([`Height`]).
+//!
 //! Seams across the rulings are creases: two developables that are tangent along a curve across their rulings are the
 //! same surface. The angle is about `4 √(ε κ)`.
 //!
