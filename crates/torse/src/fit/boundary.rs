@@ -253,8 +253,8 @@ impl<'a> Borders<'a> {
         }
     }
 
-    /// Direction in which panels end on the face's normals at a point of the face: the mean of its normals on all sides
-    /// of creases; zero where there is none.
+    /// Direction in which panels end on the face's normals at parameters of the face: the sum of its unit normals on all
+    /// sides of creases, not normalised; zero where there is none.
     pub fn normal(&self, p: [f64; 2]) -> Vec3 {
         self.creases.normal(p)
     }
@@ -283,7 +283,8 @@ impl<'a> Borders<'a> {
 
     /// Makes the panels of labels end on common lines, not in the feet of their borders: neighbours among them are then
     /// as far apart as their distances from the face differ. The lines run between the normals of both panels, so that
-    /// they are hardly longer than the distances; labels without feet are left out.
+    /// they are hardly longer than the distances. Labels without feet are left out. *Not guaranteed*: that the lines are
+    /// within the tolerance where both normals differ much.
     pub fn end_together(&mut self, assigned: &[Assigned]) {
         let found: Vec<(u32, HashMap<u32, Foot>)> = assigned
             .par_iter()

@@ -3,17 +3,16 @@
 //! Reads like the page that describes it: cover every face, build the panels as they will be exported, have them
 //! judged, cut what is refused, develop the rest.
 
-use super::build::{build, too_large, Built};
+use super::build::{build, limits_missed, too_large, Built};
 use super::cover::{check_curves, cover, strip_range, Cover, CoverOptions, CurveError, Guide, Layout, Limits};
 use super::meet::{met, with_room};
 use super::outcome::{AlongCurve, Outcome, Skipped, Status};
-use crate::certify::{self, Certificate};
+use crate::certify;
 use crate::control::Control;
 use crate::geom::BBox;
 use crate::surface::face::Face;
 use crate::surface::join::{joined, JoinOptions};
 use crate::surface::panel::{Border, Panel, Patchwork};
-use crate::surface::pattern::Pattern;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
@@ -236,33 +235,6 @@ pub fn smoothly_joined(faces: Vec<Face>, tolerance: f64, angle: f64) -> Vec<Face
     })
 }
 
-/// Limits of sheet and material that panels do not keep, in plain words: the first panel of each kind.
-fn limits_missed(
-    patchwork: &Patchwork,
-    certificate: &Certificate,
-    patterns: &[Pattern],
-    limits: &Limits,
-) -> Vec<String> {
-    let name = |k: usize| patchwork.panels.get(k).map_or("", |p| p.name.as_str());
-    let below = |what: &str, limit: Option<f64>, value: &dyn Fn(&certify::PanelCertificate) -> f64| {
-        let (k, p) = certificate.panels.iter().enumerate().find(|(_, p)| limit.is_some_and(|l| value(p) < l))?;
-        Some(format!("panel {}: {what} is only proven to be {:.3} mm", name(k), value(p)))
-    };
-    let above = |what: &str, limit: Option<f64>, value: &dyn Fn(&Pattern) -> f64| {
-        let p = patterns.iter().find(|p| limit.is_some_and(|l| value(p) > l))?;
-        Some(format!("panel {}: {what} is {:.1} mm", p.name, value(p)))
-    };
-    [
-        below("the bending radius", limits.min_bend_radius, &|p| p.min_bend_radius),
-        below("the distance to the regression curve", limits.min_clearance, &|p| p.regression_clearance),
-        above("the width of the pattern", limits.max_width, &|p| p.width),
-        above("the length of the pattern", limits.max_length, &|p| p.length),
-    ]
-    .into_iter()
-    .flatten()
-    .collect()
-}
-
 /// A curve of the layout that is of use on no face: the error of the face that it comes nearest to.
 fn checked_curves(faces: &[Face], options: &Options) -> Result<(), ApproximateError> {
     let curves = &options.layout.curves;
@@ -355,7 +327,7 @@ fn one_face(index: usize, mut face: Face, options: &Options, control: &Control) 
                 if !options.meet {
                     return Ok(built);
                 }
-                let best = met(index, &face, &state, built, &options.limits, control);
+                let best = met(index, &face, &state, built, &cover_options, control);
                 return Ok(with_room(index, &face, best, &cover_options, control));
             }
             sheets += 1;

@@ -50,6 +50,33 @@ pub(super) fn too_large(built: &Built, limits: &Limits) -> Vec<(u32, bool)> {
     built.patterns.iter().filter(large).map(of).collect()
 }
 
+/// Limits of sheet and material that panels do not keep, in plain words: the first panel of each kind.
+pub(super) fn limits_missed(
+    patchwork: &Patchwork,
+    certificate: &Certificate,
+    patterns: &[Pattern],
+    limits: &Limits,
+) -> Vec<String> {
+    let name = |k: usize| patchwork.panels.get(k).map_or("", |p| p.name.as_str());
+    let below = |what: &str, limit: Option<f64>, value: &dyn Fn(&certify::PanelCertificate) -> f64| {
+        let (k, p) = certificate.panels.iter().enumerate().find(|(_, p)| limit.is_some_and(|l| value(p) < l))?;
+        Some(format!("panel {}: {what} is only proven to be {:.3} mm", name(k), value(p)))
+    };
+    let above = |what: &str, limit: Option<f64>, value: &dyn Fn(&Pattern) -> f64| {
+        let p = patterns.iter().find(|p| limit.is_some_and(|l| value(p) > l))?;
+        Some(format!("panel {}: {what} is {:.1} mm", p.name, value(p)))
+    };
+    [
+        below("the bending radius", limits.min_bend_radius, &|p| p.min_bend_radius),
+        below("the distance to the regression curve", limits.min_clearance, &|p| p.regression_clearance),
+        above("the width of the pattern", limits.max_width, &|p| p.width),
+        above("the length of the pattern", limits.max_length, &|p| p.length),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
+}
+
 /// Borders of a partition.
 pub(super) fn borders<'a>(face: &'a Face, partition: &'a Partition) -> Borders<'a> {
     Borders::new(face, partition, &|a, b| partition.trim_edges.get(&(a, b)).copied().unwrap_or(0), 0)

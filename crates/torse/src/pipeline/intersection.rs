@@ -5,6 +5,7 @@
 //! which lies by difference over slope beside the border to first order. Ill posed where strips hardly cross
 //! (parabolic lines).
 
+use super::build::borders as borders_of;
 use super::cover::State;
 use super::seams::{settle, with_partition, SharedSeam};
 use crate::fit::boundary::{Borders, SeamChain};
@@ -51,7 +52,7 @@ impl<'a> Intersections<'a> {
     /// The state with the borders between pairs of labels about where their strips intersect; second result: the pairs
     /// whose borders were moved.
     pub fn cut(&self, state: &State, pairs: &[[u32; 2]]) -> (State, Vec<[u32; 2]>) {
-        let borders = super::build::borders(self.face, &state.partition);
+        let borders = borders_of(self.face, &state.partition);
         let chains = borders.seam_chains();
         let mut now = state.clone();
         let mut moved = Vec::new();
@@ -69,7 +70,7 @@ impl<'a> Intersections<'a> {
 
     /// The state with the vertices of these borders where the strips intersect.
     pub fn settled(&self, state: &State, pairs: &[[u32; 2]]) -> State {
-        let borders = super::build::borders(self.face, &state.partition);
+        let borders = borders_of(self.face, &state.partition);
         let mut partition = state.partition.clone();
         for chain in borders.seam_chains().iter().filter(|c| pairs.contains(&pair(c.labels))) {
             if let Some(strips) = self.pair(&borders, chain.labels) {
@@ -307,7 +308,7 @@ mod tests {
         assert_eq!(moved, [[0, 1]]);
         let settled = intersections.settled(&cut, &moved);
         assert!((settled.area(0) - 5500.0).abs() < 1e-6 && (settled.area(1) - 4500.0).abs() < 1e-6);
-        let borders = super::super::build::borders(&face, &settled.partition);
+        let borders = borders_of(&face, &settled.partition);
         let (edges, spoilt) = intersections.edges(&settled, &borders, &moved);
         assert!(edges.len() == 1 && spoilt.is_empty());
         for k in 0..=10 {

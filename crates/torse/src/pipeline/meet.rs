@@ -4,14 +4,15 @@
 //! between other levels; strips that agree about the seams that are still open, then about all; the same from covers that
 //! leave room. The best panels are kept, and those of the cover if nothing better can be proven.
 
-use super::build::{borders, build, build_on, smooth_borders, too_large, Built};
+use super::build::{borders, build, build_on, limits_missed, smooth_borders, too_large, Built};
 use super::consensus::{agree, Agreement};
-use super::cover::{cover, CoverOptions, Limits, State};
+use super::cover::{cover, CoverOptions, State};
 use super::intersection::{pair, Intersections};
 use super::levels;
-use super::seams::{self, Meeting};
+use super::seams::{self, Meeting, SharedSeam};
 use crate::certify::{PanelCertificate, SeamCertificate, SeamStatus};
 use crate::control::Control;
+use crate::fit::boundary::Borders;
 use crate::fit::samples::Fit;
 use crate::surface::face::Face;
 use crate::surface::torse::Torse;
@@ -49,16 +50,24 @@ struct Attempts<'a> {
     index: usize,
     face: &'a Face,
     tolerance: f64,
-    limits: &'a Limits,
+    /// Limits of sheet and material, seams that must stay.
+    wanted: &'a CoverOptions,
     control: &'a Control,
     /// The best so far.
     best: Built,
 }
 
 /// The same panels laid anew so that neighbours meet, as far as that can be certified; as they are where it cannot.
-pub(super) fn met(index: usize, face: &Face, state: &State, built: Built, limits: &Limits, control: &Control) -> Built {
+pub(super) fn met(
+    index: usize,
+    face: &Face,
+    state: &State,
+    built: Built,
+    wanted: &CoverOptions,
+    control: &Control,
+) -> Built {
     let tolerance = built.certificate.tolerance;
-    let mut attempts = Attempts { index, face, tolerance, limits, control, best: built };
+    let mut attempts = Attempts { index, face, tolerance, wanted, control, best: built };
     attempts.all(state);
     attempts.best
 }
@@ -148,8 +157,10 @@ impl Attempts<'_> {
         ill_shaped
     }
 
+    /// Takes panels that are nearer to meeting and miss no more limits.
     fn keep(&mut self, next: Built) {
-        if openness(&next) < openness(&self.best) {
+        let missed = |b: &Built| limits_missed(&b.patchwork, &b.certificate, &b.patterns, &self.wanted.limits).len();
+        if openness(&next) < openness(&self.best) && missed(&next) <= missed(&self.best) {
             self.best = next;
         }
     }
@@ -171,7 +182,7 @@ impl Attempts<'_> {
         let torses: BTreeMap<u32, &Torse> = built.patchwork.panels.iter().map(|p| (p.label, &p.torse)).collect();
         let intersections = Intersections::new(self.face, &torses);
         let base = as_built(self.face, state, built)?;
-        let mut wanted = open(built);
+        let mut wanted: Vec<[u32; 2]> = open(built).into_iter().filter(|p| !self.is_asked_for(built, *p)).collect();
         for _ in 0..INTERSECTIONS {
             if self.control.stopped() {
                 break;
@@ -190,19 +201,37 @@ impl Attempts<'_> {
                 continue;
             }
             edges.extend(seams::kept(&built.patchwork, &borders));
+            let clashing = clashing(&edges, &borders);
+            let before = wanted.len();
+            wanted.retain(|p| !clashing.contains(p));
+            if wanted.len() < before {
+                continue;
+            }
             let meeting = Meeting { edges, together: built.together.clone(), ..Meeting::default() };
             let (next, bad) = build_on(self.index, self.face, &now, self.tolerance, Some((&meeting, &[], &[])));
             let missed = missed(&next);
             if bad.is_empty() && missed.is_empty() {
                 return Some(next);
             }
-            let before = wanted.len();
             wanted.retain(|p| !missed.contains(p) && !p.iter().any(|l| bad.contains(l)));
             if wanted.len() == before {
                 break;
             }
         }
         None
+    }
+
+    /// Whether the border between two labels lies in a plane in which a seam must run: such borders stay.
+    fn is_asked_for(&self, built: &Built, labels: [u32; 2]) -> bool {
+        let planes = &self.wanted.layout.seams;
+        let Some(partition) = built.patchwork.partitions.first().filter(|_| !planes.is_empty()) else { return false };
+        let seams = built.patchwork.seams();
+        let mut runs = seams.iter().filter(|s| pair(s.sides.map(|s| s.of.label)) == labels).map(|s| s.sides[0].run);
+        let place = |v: &u32| {
+            let [a, b] = partition.vertices[*v as usize];
+            self.face.surface.point(a, b)
+        };
+        runs.any(|r| planes.iter().any(|p| r.vertices.iter().all(|v| p.height(&place(v)).abs() <= self.tolerance)))
     }
 
     /// Panels that meet, but for those that are refused; no panels if not all the others can be proven. Second result: the
@@ -216,7 +245,7 @@ impl Attempts<'_> {
             // An edge that its panels miss is no edge of theirs.
             let label = |k: usize| next.patchwork.panels[k].label;
             let missed = missed(&next);
-            if bad.is_empty() && whole && missed.is_empty() && too_large(&next, self.limits).is_empty() {
+            if bad.is_empty() && whole && missed.is_empty() && too_large(&next, &self.wanted.limits).is_empty() {
                 if ill_shaped.is_empty() {
                     // Strips that came out well and still do not meet.
                     let apart = next.certificate.seams.iter().filter(|s| s.gap_bound > APART * tolerance);
@@ -246,7 +275,7 @@ impl Attempts<'_> {
 }
 
 /// As [`met`], from covers made for less than the tolerance: what they leave is room for joining. They may have more
-/// panels where seams would stay apart, if that closes most of the gaps.
+/// panels where seams would stay apart, if each of these saves enough.
 pub(super) fn with_room(
     index: usize,
     face: &Face,
@@ -274,7 +303,7 @@ pub(super) fn with_room(
         if !too_large(&built, &cover_options.limits).is_empty() {
             continue;
         }
-        let next = met(index, face, &found.state, built, &cover_options.limits, control);
+        let next = met(index, face, &found.state, built, cover_options, control);
         let further = next.patchwork.panels.len().saturating_sub(best.patchwork.panels.len());
         if openness(&best) > openness(&next) + WORTH * further as f64 {
             best = next;
@@ -294,6 +323,25 @@ fn openness(built: &Built) -> f64 {
 fn open(built: &Built) -> Vec<[u32; 2]> {
     let seams = built.certificate.seams.iter().filter(|s| s.status != SeamStatus::Exact);
     seams.map(|s| labels(built, s)).collect()
+}
+
+/// Labels on both sides of edges that end in one vertex of the borders, but in different points.
+fn clashing(edges: &[SharedSeam], borders: &Borders) -> Vec<[u32; 2]> {
+    let chains = borders.seam_chains();
+    // By vertex: the point, bit by bit, and the labels.
+    type End = ([u64; 3], [u32; 2]);
+    let mut ends: HashMap<u32, Vec<End>> = HashMap::new();
+    for e in edges {
+        let Some(chain) = chains.iter().find(|c| c.chain == e.chain) else { continue };
+        let points = [e.edge.control.first(), e.edge.control.last()];
+        for (v, x) in [chain.vertices.first(), chain.vertices.last()].into_iter().zip(points) {
+            if let (Some(v), Some(x)) = (v, x) {
+                ends.entry(*v).or_default().push((x.map(f64::to_bits), pair(e.labels)));
+            }
+        }
+    }
+    let differ = ends.into_values().filter(|e| e.iter().any(|x| x.0 != e[0].0));
+    differ.flatten().map(|e| e.1).collect()
 }
 
 /// Labels on both sides of edges that their panels miss.

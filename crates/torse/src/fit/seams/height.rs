@@ -23,7 +23,8 @@ impl<'a> Height<'a> {
         Some(Self { torse, sheet, guesses })
     }
 
-    /// Signed length (mm) from `x` along the unit normal `n` to the torse; `None` where it has no ruling near.
+    /// Signed length (mm) from `x` (mm) along the unit normal `n` to the torse; `None` where it has no ruling near. *Not
+    /// guaranteed*: that the sheet of the torse is the one on the panel's side of the regression curve.
     pub fn at(&self, x: &Vec3, n: &Vec3) -> Option<f64> {
         let q = self.sheet.local(x);
         let guess = self.guesses.guess(&q);

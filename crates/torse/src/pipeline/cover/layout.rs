@@ -47,7 +47,7 @@ pub struct SeamPlane {
 }
 
 impl SeamPlane {
-    fn height(&self, x: &Vec3) -> f64 {
+    pub(in crate::pipeline) fn height(&self, x: &Vec3) -> f64 {
         self.normal.dot(x) - self.offset
     }
 }
