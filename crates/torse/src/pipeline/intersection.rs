@@ -24,7 +24,7 @@ const ASKED: f64 = 2.0;
 /// Vertices of the border on both sides whose ways count for a place.
 const BESIDE: usize = 2;
 /// Least angle (rad) at which strips must cross all along a seam.
-const LEAST_ANGLE: f64 = 0.01;
+const LEAST_ANGLE: f64 = 0.002;
 /// Places on every edge of a border at which its curve is taken at least, and on all edges.
 const PLACES: (usize, usize) = (6, 1500);
 /// Distance between the edge in space and the intersection as a share of its length, wanted and allowed.
@@ -71,12 +71,14 @@ impl<'a> Intersections<'a> {
     /// The state with the vertices of these borders where the strips intersect.
     pub fn settled(&self, state: &State, pairs: &[[u32; 2]]) -> State {
         let borders = borders_of(self.face, &state.partition);
+        let chains = borders.seam_chains();
+        let (along, strips): (Vec<&SeamChain>, Vec<Pair>) = chains
+            .iter()
+            .filter(|c| pairs.contains(&pair(c.labels)))
+            .filter_map(|c| Some((c, self.pair(&borders, c.labels)?)))
+            .unzip();
         let mut partition = state.partition.clone();
-        for chain in borders.seam_chains().iter().filter(|c| pairs.contains(&pair(c.labels))) {
-            if let Some(strips) = self.pair(&borders, chain.labels) {
-                settle(self.face, &mut partition, &chain.vertices, |p, fixed| strips.onto(p, fixed));
-            }
-        }
+        settle(self.face, &mut partition, &along, |k, p, fixed| strips[k].onto(p, fixed));
         with_partition(self.face, state, partition)
     }
 

@@ -87,26 +87,48 @@ pub(super) fn meet(face: &Face, state: &State, borders: &Borders, tolerance: f64
 /// seams are made for the levels. Vertices on knot lines move along these; vertices whose triangles would turn over stay.
 pub(super) fn on_levels(face: &Face, state: &State, borders: &Borders, tolerance: f64) -> State {
     let chains = borders.seam_chains();
+    let levelled: Vec<(&SeamChain, &Field, f64)> = level_chains(state, &chains, tolerance)
+        .iter()
+        .filter_map(|c| {
+            let (chain, field) = (&chains[c.chain], state.bands.get(&c.low)?);
+            Some((chain, &**field, level_of(&state.partition, field, chain)))
+        })
+        .collect();
     let mut partition = state.partition.clone();
-    for c in level_chains(state, &chains, tolerance) {
-        let chain = &chains[c.chain];
-        let Some(field) = state.bands.get(&c.low) else { continue };
-        let level = level_of(&state.partition, field, chain);
-        settle(face, &mut partition, &chain.vertices, |p, fixed| Some(onto(field, p, level, fixed)));
-    }
+    let along: Vec<&SeamChain> = levelled.iter().map(|l| l.0).collect();
+    settle(face, &mut partition, &along, |k, p, fixed| Some(onto(levelled[k].1, p, levelled[k].2, fixed)));
     with_partition(face, state, partition)
 }
 
-/// Moves the vertices of a border to places given for each and for whether its parameters must stay: vertices on knot
-/// lines move along these, ends on a trimming curve that is no knot line stay. Vertices whose triangles would turn over
-/// stay too.
+/// Moves the vertices of borders to places given by border, vertex, and for whether its parameters must stay: vertices on
+/// knot lines move along these, ends on a trimming curve that is no knot line stay. Where triangles would turn over, the
+/// vertices around are moved out of the way; vertices for which that is not enough stay too.
 pub(super) fn settle(
     face: &Face,
     partition: &mut Partition,
-    vertices: &[u32],
-    place: impl Fn([f64; 2], [bool; 2]) -> Option<[f64; 2]>,
+    along: &[&SeamChain],
+    place: impl Fn(usize, [f64; 2], [bool; 2]) -> Option<[f64; 2]> + Sync,
 ) {
-    let mut around: HashMap<u32, Vec<usize>> = vertices.iter().map(|&v| (v, Vec::new())).collect();
+    let lines = [face.surface.knots_u.breaks(), face.surface.knots_v.breaks()];
+    let mut all: Vec<(usize, u32, bool)> = Vec::new();
+    for (k, chain) in along.iter().enumerate() {
+        let last = chain.vertices.len() - 1;
+        all.extend(chain.vertices.iter().enumerate().map(|(i, &v)| (k, v, i == 0 || i == last)));
+    }
+    let mut waiting: Vec<(u32, [f64; 2])> = all
+        .par_iter()
+        .filter_map(|&(k, v, is_end)| {
+            let old = partition.vertices[v as usize];
+            let fixed = [0, 1].map(|d: usize| lines[d].contains(&old[d]));
+            let stays = fixed == [true; 2] || (is_end && fixed == [false; 2]);
+            if stays {
+                None
+            } else {
+                Some((v, place(k, old, fixed)?))
+            }
+        })
+        .collect();
+    let mut around: HashMap<u32, Vec<usize>> = waiting.iter().map(|&(v, _)| (v, Vec::new())).collect();
     for (t, corners) in partition.triangles.iter().enumerate() {
         for v in corners {
             if let Some(a) = around.get_mut(v) {
@@ -114,28 +136,30 @@ pub(super) fn settle(
             }
         }
     }
-    let lines = [face.surface.knots_u.breaks(), face.surface.knots_v.breaks()];
     let area = |p: &Partition, t: usize| {
         let [a, b, c] = p.corners(t);
         (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
     };
-    let last = vertices.len() - 1;
-    for (i, &v) in vertices.iter().enumerate() {
-        let old = partition.vertices[v as usize];
-        let fixed = [0, 1].map(|d: usize| lines[d].contains(&old[d]));
-        if fixed == [true; 2] || ((i == 0 || i == last) && fixed == [false; 2]) {
-            continue;
+    for _ in 0..SETTLINGS {
+        waiting.retain(|&(v, new)| {
+            let old = partition.vertices[v as usize];
+            let before: Vec<f64> = around[&v].iter().map(|&t| area(partition, t)).collect();
+            partition.vertices[v as usize] = new;
+            let turned = around[&v].iter().zip(before).any(|(&t, b)| area(partition, t) <= LEAST_TRIANGLE * b);
+            if turned {
+                partition.vertices[v as usize] = old;
+            }
+            turned
+        });
+        if waiting.is_empty() {
+            break;
         }
-        let Some(new) = place(old, fixed) else { continue };
-        let before: Vec<f64> = around[&v].iter().map(|&t| area(partition, t)).collect();
-        partition.vertices[v as usize] = new;
-        let kept = around[&v].iter().zip(before).all(|(&t, b)| area(partition, t) > LEAST_TRIANGLE * b);
-        if !kept {
-            partition.vertices[v as usize] = old;
-        }
+        partition.relax([&lines[0], &lines[1]]);
     }
 }
 
+/// Times that vertices try to settle.
+const SETTLINGS: usize = 4;
 /// Triangles keep this share of their area when vertices move.
 const LEAST_TRIANGLE: f64 = 0.05;
 
