@@ -323,14 +323,14 @@ fn strips_follow_a_direction_and_a_guide() {
 fn seams_that_are_asked_for_are_kept() {
     let plane = SeamPlane { normal: Vec3::x(), offset: 500.0 };
     let layout = Layout { seams: vec![plane], ..Layout::default() };
-    for meet in [false, true] {
-        let o = run(TORUS, &Options { layout: layout.clone(), meet, ..options(TOLERANCE) }).expect("an outcome");
+    for (meet, tolerance) in [(false, TOLERANCE), (true, 4.0 * TOLERANCE)] {
+        let o = run(TORUS, &Options { layout: layout.clone(), meet, ..options(tolerance) }).expect("an outcome");
         assert_eq!(o.status, Status::Certified);
         for panel in &o.patchwork.panels {
             let heights = trims(panel).into_iter().flatten().map(|p| panel.patch.point(p[0], p[1]).x - plane.offset);
             let (lo, hi) = heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), h| (a.min(h), b.max(h)));
             // Panels leave the surface, and so the plane, by no more than the tolerance.
-            assert!(lo > -TOLERANCE || hi < TOLERANCE, "{} (seams meet: {meet}): {lo} to {hi}", panel.name);
+            assert!(lo > -tolerance || hi < tolerance, "{} (seams meet: {meet}): {lo} to {hi}", panel.name);
         }
     }
     let layout = Layout { seams: vec![SeamPlane { offset: 5000.0, ..plane }], ..Layout::default() };

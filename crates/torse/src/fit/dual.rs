@@ -129,48 +129,6 @@ pub fn envelope(centre: &[CentrePoint], spans: usize, reach: f64) -> Option<Tors
     Some(Torse::Dual(DualTorse { planes }))
 }
 
-/// As [`dual`], started from the rulings of another torse; refines a primal torse that has no inflection.
-pub fn dual_from(torse: &Torse, samples: &[Sample], options: &DualOptions) -> Option<Fit> {
-    let centre = centre_line(torse, samples, 2 * options.spans.max(4))?;
-    dual(samples, &centre, options)
-}
-
-/// Centre line of the part of a torse near which the samples lie: `count` points at equal parameters, each the mean of
-/// the foot points around its ruling (dragged onto the ruling).
-fn centre_line(torse: &Torse, samples: &[Sample], count: usize) -> Option<Vec<CentrePoint>> {
-    let sheet = Sheet::of(torse)?;
-    let guesses = sheet.guesses();
-    let domain = sheet.domain();
-    let mut feet = Vec::with_capacity(samples.len());
-    for s in samples {
-        let q = sheet.local(&s.x);
-        feet.push(sheet.foot(&q, guesses.guess(&q), domain)?);
-    }
-    let (a, b) = feet.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &t| (a.min(t), b.max(t)));
-    if a.is_nan() || b.is_nan() || b <= a {
-        return None;
-    }
-    let mut sums = vec![(Vec3::zeros(), 0.0_f64); count];
-    for (s, t) in samples.iter().zip(&feet) {
-        let k = ((t - a) / (b - a) * (count - 1) as f64).round() as usize;
-        let bin = &mut sums[k.min(count - 1)];
-        bin.0 += s.x;
-        bin.1 += 1.0;
-    }
-    let mut out = Vec::with_capacity(count);
-    for (k, (sum, n)) in sums.iter().enumerate() {
-        if *n == 0.0 {
-            continue;
-        }
-        let r = torse.ruling(a + (b - a) * k as f64 / (count - 1) as f64);
-        let x = r.point + r.direction * r.direction.dot(&(sum / *n - r.point));
-        if x.iter().chain(r.normal.iter()).all(|v| v.is_finite()) {
-            out.push(CentrePoint { x, n: r.normal, ruling: r.direction });
-        }
-    }
-    (out.len() >= 4).then_some(out)
-}
-
 /// Parameters in [0, 1]: normalised arc length plus normalised length of the Gauss image.
 fn strip_parameters(centre: &[CentrePoint], unit: f64) -> Option<Vec<f64>> {
     let mut sums = vec![(0.0, 0.0)];

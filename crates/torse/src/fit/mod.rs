@@ -42,7 +42,7 @@ mod wall;
 
 pub use functionals::Freedom;
 
-pub use dual::{dual, dual_from, CentrePoint, DualOptions};
+pub use dual::{dual, CentrePoint, DualOptions};
 pub use plane::plane;
 pub use primal::{primal, PrimalOptions};
 pub use samples::{beyond, error, thin, Fit, Sample};

@@ -234,8 +234,9 @@ fn simple(
     finished(candidate.frame, unit, &family, &x, kind, samples).filter(|fit| fit.error <= tolerance)
 }
 
-/// The torse in mm on a domain that reaches a little beyond the feet of all samples, with its measured error.
-fn finished(
+/// The torse in mm on a domain that reaches a little beyond the feet of all points of the family (the samples come first),
+/// with its measured error.
+pub(super) fn finished(
     frame: Frame,
     unit: f64,
     family: &ProfileFamily,
@@ -273,8 +274,8 @@ fn finished(
     Some(Fit { torse, kind, error, worst })
 }
 
-/// Continues the minimax iteration of a primal torse over samples that may have been added.
-pub(super) fn refit(torse: &PrimalTorse, kind: PanelKind, samples: &[Sample], options: &RefitOptions) -> Option<Fit> {
+/// The family of a torse over points (mm) in coordinates of about unit size, its coefficients, and the unit (mm).
+pub(super) fn scaled(torse: &PrimalTorse, kind: PanelKind, points: &[Vec3]) -> Option<(ProfileFamily, Vec<f64>, f64)> {
     let pieces = Pieces::of(&torse.profile)?;
     let (lo, hi) = pieces.domain();
     let unit = (hi - lo) / (1.0 + 2.0 * MARGIN);
@@ -292,10 +293,17 @@ pub(super) fn refit(torse: &PrimalTorse, kind: PanelKind, samples: &[Sample], op
             .map(|p| std::array::from_fn(|k| [p[k][0] * unit.powi(k as i32 - 1), p[k][1] * unit.powi(k as i32)]))
             .collect(),
     };
-    let points: Vec<Vec3> = samples.iter().map(|s| torse.frame.to_local(&s.x) / unit).collect();
+    let points: Vec<Vec3> = points.iter().map(|x| torse.frame.to_local(x) / unit).collect();
     let feet = points.iter().map(|q| q.x).collect();
-    let mut family = ProfileFamily::new(points, feet, breaks, slopes)?;
-    let mut x = family.coefficients(&scaled, torse.beta);
+    let family = ProfileFamily::new(points, feet, breaks, slopes)?;
+    let x = family.coefficients(&scaled, torse.beta);
+    Some((family, x, unit))
+}
+
+/// Continues the minimax iteration of a primal torse over samples that may have been added.
+pub(super) fn refit(torse: &PrimalTorse, kind: PanelKind, samples: &[Sample], options: &RefitOptions) -> Option<Fit> {
+    let points: Vec<Vec3> = samples.iter().map(|s| s.x).collect();
+    let (mut family, mut x, unit) = scaled(torse, kind, &points)?;
     let all: Vec<usize> = (0..samples.len()).collect();
     let few = thin(samples, options.max_samples.max(12));
     let mut residual = Vec::new();

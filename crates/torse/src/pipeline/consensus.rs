@@ -7,13 +7,13 @@ use crate::fit::boundary::{Borders, SeamChain};
 use crate::fit::seams::{
     base_line, consensus, AgreedLine, Agreeing, BaseLine, ConsensusOptions, Height, Line, LinePoint,
 };
-use crate::fit::{dual_from, DualOptions, Sample};
+use crate::fit::Sample;
 use crate::geom::Vec3;
 use crate::spline::curve::Curve;
 use crate::spline::knots::Knots;
 use crate::spline::lsq;
 use crate::surface::face::Face;
-use crate::surface::torse::{DualTorse, Torse};
+use crate::surface::torse::Torse;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, HashMap};
 
@@ -56,17 +56,8 @@ pub(super) fn agree(face: &Face, state: &State, borders: &Borders, how: &Agreeme
     let index: HashMap<u32, usize> = order.iter().enumerate().map(|(k, &l)| (l, k)).collect();
     let samples: Vec<Vec<Sample>> =
         order.iter().map(|&l| state.dense_samples(&face.surface, l, Density::Band)).collect();
-    let starts: Vec<Option<DualTorse>> = order
-        .par_iter()
-        .zip(&samples)
-        .map(|(l, samples)| match how.drafts.get(l).or_else(|| Some(&state.panels.get(l)?.torse))? {
-            Torse::Dual(d) => Some(d.clone()),
-            other => match dual_from(other, samples, &DualOptions::new(tolerance))?.torse {
-                Torse::Dual(d) => Some(d),
-                Torse::Primal(_) => None,
-            },
-        })
-        .collect();
+    let starts: Vec<Option<&Torse>> =
+        order.iter().map(|l| how.drafts.get(l).or_else(|| Some(&state.panels.get(l)?.torse))).collect();
     // 2. Lines.
     let levels: HashMap<usize, u32> =
         level_chains(state, &chains, tolerance).into_iter().map(|c| (c.chain, c.low)).collect();
@@ -77,14 +68,20 @@ pub(super) fn agree(face: &Face, state: &State, borders: &Borders, how: &Agreeme
         .filter_map(|(k, chain)| border(face, state, chain, levels.get(&k).copied()))
         .collect();
     // Only points that both strips reach; beyond the region some are not.
-    let torses: Vec<Option<Torse>> = starts.iter().map(|d| d.clone().map(Torse::Dual)).collect();
-    let heights: Vec<Option<Height>> = torses.iter().map(|t| Height::of(t.as_ref()?)).collect();
+    let heights: Vec<Option<Height>> = starts.iter().map(|t| Height::of((*t)?)).collect();
     found.par_iter_mut().for_each(|b| {
         let [p, q] = b.chain.labels.map(|l| heights[index[&l]].as_ref());
         let reached = |x: &LinePoint| [p, q].iter().flatten().all(|h| h.at(&x.x, &x.n).is_some());
         let first = b.points.iter().position(reached).unwrap_or(b.points.len());
         let last = b.points.iter().rposition(reached).map_or(first, |k| k + 1);
         b.points = b.points[first..last].to_vec();
+        // Between both normals offsets are hardly longer than the distances.
+        for x in &mut b.points {
+            let normals = [p, q].map(|h| h.and_then(|h| h.normal(&x.x, &x.n)));
+            if let [Some(a), Some(b)] = normals {
+                x.n = (a + b).try_normalize(0.0).unwrap_or(x.n);
+            }
+        }
     });
     found.retain(|b| b.points.len() >= 2);
     found.sort_by_key(|b| {
@@ -99,7 +96,7 @@ pub(super) fn agree(face: &Face, state: &State, borders: &Borders, how: &Agreeme
         .iter()
         .filter_map(|&k| {
             let firmness = how.firmness.get(&order[k]).copied().unwrap_or(1.0);
-            Some(Agreeing { torse: starts[k].as_ref()?, samples: &samples[k], firmness })
+            Some(Agreeing { torse: starts[k]?, samples: &samples[k], firmness })
         })
         .collect();
     let lines: Vec<Line> = found

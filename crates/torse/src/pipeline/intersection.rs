@@ -327,9 +327,9 @@ mod tests {
     fn borders_stay_where_strips_hardly_cross_or_cross_far_away() {
         let face = square();
         let state = halves(&face);
-        // At an angle of 0.004 rad; at x = 90, beyond 0.4 of the right half; one above the other.
+        // At an angle of 0.001 rad; at x = 90, beyond 0.4 of the right half; one above the other.
         for (left, right) in [
-            (plane(-0.1, 0.002, 0.0), plane(0.1, -0.002, 0.0)),
+            (plane(-0.025, 0.0005, 0.0), plane(0.025, -0.0005, 0.0)),
             (plane(-9.0, 0.1, 0.0), plane(9.0, -0.1, 0.0)),
             (plane(1.0, 0.0, 0.0), plane(-1.0, 0.0, 0.0)),
         ] {

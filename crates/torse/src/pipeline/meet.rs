@@ -23,9 +23,9 @@ use std::sync::Arc;
 const MEETINGS: usize = 4;
 /// Rounds of moving borders to intersections, without those that were refused.
 const INTERSECTIONS: usize = 8;
-/// Weights of gaps against distances in turn, each with the openness that needs no more: seams that are one edge, then
-/// seams within the tolerance.
-const WEIGHTS: [(f64, f64); 2] = [(50.0, 0.0), (7.0, 1.0)];
+/// Weights of gaps against distances in turn, each with the gap that needs no more, as a share of the tolerance: one edge,
+/// then seams that are not apart.
+const WEIGHTS: [(f64, f64); 2] = [(50.0, 0.0), (7.0, APART)];
 /// Times that bands between seams get other levels.
 const LEVELLINGS: usize = 3;
 /// Times that strips agree, each with firmer ones in place of those that were ill shaped.
@@ -126,11 +126,11 @@ impl Attempts<'_> {
         wanted: &(dyn Fn([u32; 2]) -> bool + Sync),
     ) {
         let tolerance = self.tolerance;
-        for (weight, settled) in weights {
+        for (weight, enough) in weights {
             let mut firmness: BTreeMap<u32, f64> = BTreeMap::new();
             for time in 0..AGREEMENTS {
                 let before = openness(&self.best);
-                if before <= settled || self.control.stopped() {
+                if self.is_done() || widest(&self.best) <= enough {
                     return;
                 }
                 let how = Agreement { drafts, firmness: &firmness, weight, wanted };
@@ -292,8 +292,7 @@ pub(super) fn with_room(
         let narrow = CoverOptions { tolerance: cover_options.tolerance * share, ..cover_options.clone() };
         let Ok(found) = cover(face, &narrow, control) else { break };
         let (built, refused) = build(index, face, &found.state, tolerance);
-        let is_apart = best.certificate.seams.iter().any(|s| s.gap_bound > APART * tolerance);
-        let allowed = if is_apart { ((count as f64 * MORE) as usize).max(1) } else { 0 };
+        let allowed = if widest(&best) > APART { ((count as f64 * MORE) as usize).max(1) } else { 0 };
         if built.patchwork.panels.len() > count + allowed {
             break;
         }
@@ -317,6 +316,12 @@ fn openness(built: &Built) -> f64 {
     const EACH: f64 = 0.1;
     let open = built.certificate.seams.iter().filter(|s| s.status != SeamStatus::Exact);
     open.map(|s| EACH + s.gap_bound / built.certificate.tolerance).sum()
+}
+
+/// The largest gap of seams that are not one edge, as a share of the tolerance; 0 where all are.
+fn widest(built: &Built) -> f64 {
+    let open = built.certificate.seams.iter().filter(|s| s.status != SeamStatus::Exact);
+    open.fold(0.0, |m, s| s.gap_bound.max(m)) / built.certificate.tolerance
 }
 
 /// Labels on both sides of seams that are not one edge.

@@ -1,7 +1,7 @@
-//! Strips that agree about their seams: control planes of all strips and offsets of all seams together.
+//! Strips that agree about their seams: control planes (or profiles) of all strips and offsets of all seams together.
 //!
 //! *Method* (consensus of neighbours, \[SE06\] carried on). A seam is a line on the surface, lifted by an unknown offset
-//! along the normal; its points must have distance zero from both strips. Distances of samples and of seam points are
+//! along its normals or others near them; its points must have distance zero from both strips. Distances of samples and of seam points are
 //! linearised in the control planes and offsets (the feet stay, envelope theorem); seam points count so much that they
 //! are conditions. Lawson's weights make the largest distance of a sample small. Every strip's planes are eliminated by
 //! its own banded factor, what is left is banded in the offsets. Unlike connecting developables this needs no curves
@@ -10,17 +10,13 @@
 //! *Not guaranteed*: that strips agree; gaps and distances are sampled.
 
 use super::feet::feet;
+use super::form::Form;
 use crate::fit::descent::Family;
-use crate::fit::dual::Scale;
-use crate::fit::envelope::EnvelopeFamily;
-use crate::fit::primal::MARGIN;
-use crate::fit::samples::{error, Sample};
-use crate::fit::sheet::Sheet;
+use crate::fit::samples::Sample;
 use crate::geom::Vec3;
 use crate::num::least_squares::{BandMatrix, Rows};
 use crate::spline::knots::Knots;
-use crate::spline::pieces::Pieces;
-use crate::surface::torse::{DualTorse, Torse};
+use crate::surface::torse::Torse;
 use rayon::prelude::*;
 
 /// A point of the line under a seam.
@@ -30,7 +26,7 @@ pub struct LinePoint {
     pub s: f64,
     /// Position on the surface, mm.
     pub x: Vec3,
-    /// Unit normal of the surface.
+    /// Unit direction in which the line is lifted, about normal to surface and strips.
     pub n: Vec3,
 }
 
@@ -47,7 +43,7 @@ pub struct Line {
 #[derive(Clone, Debug)]
 pub struct Agreeing<'a> {
     /// Where it starts from.
-    pub torse: &'a DualTorse,
+    pub torse: &'a Torse,
     /// Points of the surface that it is for.
     pub samples: &'a [Sample],
     /// How firmly its planes keep their ways: factor on the fairness of their changes; 1.
@@ -129,9 +125,8 @@ fn spline_value(knots: &Knots, coefficients: &[f64], s: f64) -> f64 {
 /// One strip with its unknowns.
 #[derive(Clone)]
 struct Member {
-    family: EnvelopeFamily,
+    form: Form,
     x: Vec<f64>,
-    scale: Scale,
     /// Number of samples; points of seams follow them.
     samples: usize,
     firmness: f64,
@@ -161,18 +156,19 @@ impl Lift<'_> {
 
 impl Member {
     fn factor(&self, tolerance: f64) -> f64 {
-        self.scale.unit / tolerance
+        self.form.unit() / tolerance
     }
 
     fn all(&self) -> Vec<usize> {
-        (0..self.family.points.len()).collect()
+        (0..self.form.points().len()).collect()
     }
 
     /// Puts the seams' points where the seams are.
     fn follow(&mut self, lifts: &[Lift], tolerance: f64) {
         for &(l, first) in &self.seams {
             for k in 0..lifts[l].line.points.len() {
-                self.family.points[first + k] = self.scale.point(&lifts[l].point(k, tolerance));
+                let x = self.form.point(&lifts[l].point(k, tolerance));
+                self.form.points_mut()[first + k] = x;
             }
         }
     }
@@ -182,14 +178,19 @@ impl Member {
         let all = self.all();
         let x = std::mem::take(&mut self.x);
         let mut residual = std::mem::take(&mut self.residual);
-        let good = x.iter().all(|c| c.is_finite()) && self.family.residuals(&x, &all, &mut residual);
+        let good = x.iter().all(|c| c.is_finite()) && self.form.residuals(&x, &all, &mut residual);
         if good {
-            self.family.adopt(&all);
+            self.form.adopt(&all);
             let f = self.factor(tolerance);
             residual.iter_mut().for_each(|r| *r *= f);
         }
         (self.x, self.residual) = (x, residual);
         good
+    }
+
+    fn finished(&self, samples: &[Sample]) -> Option<Agreed> {
+        let (torse, error) = self.form.finished(&self.x, samples)?;
+        Some(Agreed { torse, error })
     }
 
     fn error(&self) -> f64 {
@@ -298,7 +299,7 @@ pub fn consensus(
     let agreed = strips
         .iter()
         .enumerate()
-        .map(|(k, s)| if out.contains(&k) { None } else { finished(left.next()?, s.samples) })
+        .map(|(k, s)| if out.contains(&k) { None } else { left.next()?.finished(s.samples) })
         .collect();
     let lines = lifts.into_iter().zip(gaps).map(|(l, gap)| AgreedLine {
         offset: l.offset.iter().map(|a| a * tolerance).collect(),
@@ -309,12 +310,12 @@ pub fn consensus(
 }
 
 /// Feet of all points on one sheet.
-fn settle(family: &mut EnvelopeFamily, x: &[f64]) {
-    let sheet = family.sheet(x);
+fn settle(form: &mut Form, x: &[f64]) {
+    let sheet = form.sheet(x);
     let (lo, hi) = sheet.domain();
     let range = (lo - SETTLED * (hi - lo), hi + SETTLED * (hi - lo));
-    let found = feet(&sheet, &family.points, &family.feet, range);
-    family.feet.iter_mut().zip(found).for_each(|(t, f)| *t = f.unwrap_or(*t));
+    let found = feet(&sheet, form.points(), form.found(), range);
+    form.feet().iter_mut().zip(found).for_each(|(t, f)| *t = f.unwrap_or(*t));
 }
 
 /// Multiples of the spans with which strips take part.
@@ -324,12 +325,7 @@ const FINER: [usize; 3] = [1, 2, 4];
 const SETTLED: f64 = 0.15;
 
 fn member(index: usize, strip: &Agreeing, lifts: &[Lift], out: &[usize], options: &ConsensusOptions) -> Option<Member> {
-    let scale = Scale::of(strip.samples)?;
-    let mut planes = strip.torse.planes.clone();
-    for c in &mut planes.control {
-        *c = scale.plane(c);
-    }
-    let mut points: Vec<Vec3> = strip.samples.iter().map(|s| scale.point(&s.x)).collect();
+    let mut points: Vec<Vec3> = strip.samples.iter().map(|s| s.x).collect();
     let mut seams = Vec::new();
     for (l, lift) in lifts.iter().enumerate() {
         if lift.line.strips.iter().any(|s| out.contains(s)) {
@@ -337,27 +333,27 @@ fn member(index: usize, strip: &Agreeing, lifts: &[Lift], out: &[usize], options
         }
         for _ in lift.line.strips.iter().filter(|s| **s == index) {
             seams.push((l, points.len()));
-            points.extend(lift.line.points.iter().map(|p| scale.point(&p.x)));
+            points.extend(lift.line.points.iter().map(|p| p.x));
         }
     }
     let all: Vec<usize> = (0..points.len()).collect();
-    let (mut family, x) = EnvelopeFamily::new(points, None, Pieces::of(&planes)?)?;
+    let (mut form, x) = Form::of(strip.torse, strip.samples, &points)?;
     let mut residual = Vec::new();
-    settle(&mut family, &x);
-    if !family.residuals(&x, &all, &mut residual) {
+    settle(&mut form, &x);
+    if !form.residuals(&x, &all, &mut residual) {
         return None;
     }
-    family.adopt(&all);
+    form.adopt(&all);
     // As few spans as it takes for the strip to stay regular.
-    let (mut family, x) = FINER.iter().find_map(|finer| {
-        let (mut even, y) = family.refitted(&x, options.spans * finer, MARGIN)?;
+    let (mut form, x) = FINER.iter().find_map(|finer| {
+        let (mut even, y) = form.refitted(&x, options.spans * finer)?;
         even.residuals(&y, &all, &mut residual).then_some((even, y))
     })?;
-    family.adopt(&all);
-    let f = scale.unit / options.tolerance;
+    form.adopt(&all);
+    let f = form.unit() / options.tolerance;
     residual.iter_mut().for_each(|r| *r *= f);
     let samples = strip.samples.len();
-    Some(Member { family, x, scale, samples, firmness: strip.firmness, seams, weights: vec![1.0; samples], residual })
+    Some(Member { form, x, samples, firmness: strip.firmness, seams, weights: vec![1.0; samples], residual })
 }
 
 /// First offsets: the mean of both strips along the normal.
@@ -365,10 +361,10 @@ fn started(members: &[Member], lifts: &mut [Lift]) {
     for l in 0..lifts.len() {
         let mut sum = vec![0.0; lifts[l].line.points.len()];
         for m in members {
-            let sheet = m.family.sheet(&m.x);
+            let sheet = m.form.sheet(&m.x);
             for &(_, first) in m.seams.iter().filter(|s| s.0 == l) {
                 for (k, sum) in sum.iter_mut().enumerate() {
-                    let n = sheet.jet(m.family.feet[first + k]).n.normalize();
+                    let n = m.form.normal(&sheet, first + k);
                     *sum -= 0.5 * m.residual[first + k] / n.dot(&lifts[l].line.points[k].n);
                 }
             }
@@ -555,9 +551,9 @@ fn linearised(m: &mut Member, lifts: &[Lift], tolerance: f64, hold: Hold) -> Lin
     let f = m.factor(tolerance);
     let all = m.all();
     let scaled: Vec<f64> = m.residual.iter().map(|r| r / f).collect();
-    let (n, width) = (m.family.unknowns(), m.family.width());
+    let (n, width) = (m.form.unknowns(), m.form.width());
     let mut raw = Rows::new(n, width);
-    m.family.jacobian(&m.x, &all, &scaled, &mut raw);
+    m.form.jacobian(&m.x, &all, &scaled, &mut raw);
     let mut rows = Rows::new(n, width);
     for i in 0..raw.len() {
         let (first, row) = raw.row(i);
@@ -567,13 +563,13 @@ fn linearised(m: &mut Member, lifts: &[Lift], tolerance: f64, hold: Hold) -> Lin
     let mut right = vec![0.0; n];
     // 1. Gauges and smoothness.
     let (mut soft, mut rest) = (Rows::new(n, width), Vec::new());
-    m.family.soft(&m.x, m.samples, m.error() / f, &mut soft, &mut rest);
+    m.form.soft(&m.x, m.samples, m.error() / f, &mut soft, &mut rest);
     for (i, r) in rest.iter().enumerate() {
         base.add_row(&soft, i, f * f);
         soft.scatter(i, f * f * r, &mut right);
     }
     soft.clear();
-    m.family.fairness(&mut soft);
+    m.form.fairness(&mut soft);
     for i in 0..soft.len() {
         base.add_row(&soft, i, f * f * firm * firm * m.samples as f64);
     }
@@ -585,7 +581,7 @@ fn linearised(m: &mut Member, lifts: &[Lift], tolerance: f64, hold: Hold) -> Lin
     let mean = squares.iter().sum::<f64>() / n as f64;
     squares.iter().enumerate().for_each(|(i, s)| base.add_diagonal(i, damping * s + STEADY * mean));
     // 2. Seam points.
-    let sheet = m.family.sheet(&m.x);
+    let sheet = m.form.sheet(&m.x);
     let (mut coupling, mut own, mut own_right) = (Vec::new(), Vec::new(), Vec::new());
     let mut seams = m.seams.clone();
     seams.sort_by_key(|s| lifts[s.0].first);
@@ -598,7 +594,7 @@ fn linearised(m: &mut Member, lifts: &[Lift], tolerance: f64, hold: Hold) -> Lin
             let i = first + k;
             base.add_row(&rows, i, weight);
             rows.scatter(i, weight * m.residual[i], &mut right);
-            let normal = sheet.jet(m.family.feet[i]).n.normalize();
+            let normal = m.form.normal(&sheet, i);
             let lever = normal.dot(&p.n);
             let b = lift.knots.basis(p.s, 0);
             for j in 0..4 {
@@ -616,26 +612,12 @@ fn linearised(m: &mut Member, lifts: &[Lift], tolerance: f64, hold: Hold) -> Lin
     Linear { rows, base, right, coupling, own, own_right }
 }
 
-/// The strip in mm on a domain that reaches a little beyond its feet.
-fn finished(m: &Member, samples: &[Sample]) -> Option<Agreed> {
-    let Sheet::Dual { planes } = m.family.sheet(&m.x) else { return None };
-    let (a, b) = m.family.feet.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &t| (a.min(t), b.max(t)));
-    let (lo, hi) = planes.domain();
-    let margin = MARGIN * (b - a);
-    let shortest = 0.25 * (hi - lo) / planes.power.len() as f64;
-    let mut planes = planes.on(a - margin, b + margin, shortest).to_curve().ok()?;
-    for c in &mut planes.control {
-        *c = m.scale.plane_back(c);
-    }
-    let torse = Torse::Dual(DualTorse { planes });
-    let error = error(&torse, samples)?.0;
-    Some(Agreed { torse, error })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geom::Frame;
     use crate::spline::lsq;
+    use crate::surface::torse::{DualTorse, PrimalTorse};
 
     const RADIUS: f64 = 500.0;
 
@@ -645,11 +627,11 @@ mod tests {
     }
 
     /// The cone tangent to the sphere along a parallel.
-    fn tangent_cone(b: f64) -> DualTorse {
+    fn tangent_cone(b: f64) -> Torse {
         let angles: Vec<f64> = (0..=200).map(|i| -0.1 + 1.2 * f64::from(i) / 200.0).collect();
         let planes: Vec<[f64; 4]> = angles.iter().map(|&a| radial(a, b)).map(|n| [n.x, n.y, n.z, RADIUS]).collect();
         let knots = Knots::uniform(3, 20, angles[0], angles[200]).expect("knots");
-        DualTorse { planes: lsq::fit(&planes, &angles, &knots).expect("planes").curve }
+        Torse::Dual(DualTorse { planes: lsq::fit(&planes, &angles, &knots).expect("planes").curve })
     }
 
     fn zone(b0: f64, b1: f64) -> Vec<Sample> {
@@ -707,6 +689,41 @@ mod tests {
         };
         let (usual, firm) = (roughness(1.0), roughness(100.0));
         assert!(firm < 0.5 * usual, "{firm} {usual}");
+    }
+
+    /// Strips of a corrugated bowl, which bend to both sides: no envelope of planes does.
+    #[test]
+    fn strips_with_inflections_agree() {
+        const LENGTH: f64 = 60.0;
+        let height = |x: f64, y: f64| 15.0 * (x / LENGTH).sin() + y * y / (2.0 * RADIUS);
+        let normal = |x: f64, y: f64| Vec3::new(-0.25 * (x / LENGTH).cos(), -y / RADIUS, 1.0).normalize();
+        let at = |x: f64, y: f64| (Vec3::new(x, y, height(x, y)), normal(x, y));
+        // Tangent along y = b.
+        let cylinder = |b: f64| {
+            let t: Vec<f64> = (0..=240).map(|i| -20.0 + f64::from(i)).collect();
+            let profile: Vec<[f64; 2]> = t.iter().map(|&t| [height(t, 0.0) - b * b / (2.0 * RADIUS), 0.0]).collect();
+            let knots = Knots::uniform(3, 24, t[0], t[240]).expect("knots");
+            let profile = lsq::fit(&profile, &t, &knots).expect("a profile").curve;
+            Torse::Primal(PrimalTorse { frame: Frame::world(), profile, beta: b / RADIUS })
+        };
+        let zone = |y0: f64, y1: f64| -> Vec<Sample> {
+            let of = |i: u32| at(200.0 * f64::from(i / 11) / 40.0, y0 + (y1 - y0) * f64::from(i % 11) / 10.0);
+            (0..451).map(of).map(|(x, n)| Sample { x, n, weight: 1.0 }).collect()
+        };
+        let torses = [cylinder(30.0), cylinder(80.0)];
+        let samples = [zone(0.0, 60.0), zone(60.0, 100.0)];
+        let sagitta = 30.0 * 30.0 / (2.0 * RADIUS);
+        let points = (0..=100).map(|i| at(2.0 * f64::from(i), 60.0));
+        let points = points.map(|(x, n)| LinePoint { s: x.x, x, n }).collect();
+        let strips: Vec<Agreeing> =
+            torses.iter().zip(&samples).map(|(torse, samples)| Agreeing { torse, samples, firmness: 1.0 }).collect();
+        let lines = [Line { strips: [0, 1], points }];
+        let (agreed, lines) = consensus(&strips, &lines, &ConsensusOptions::new(sagitta)).expect("agreement");
+        assert!(lines[0].gap < 0.01 * sagitta, "{}", lines[0].gap / sagitta);
+        for a in &agreed {
+            let a = a.as_ref().expect("a strip");
+            assert!(matches!(a.torse, Torse::Primal(_)) && a.error < 0.7 * sagitta, "{}", a.error / sagitta);
+        }
     }
 
     #[test]

@@ -19,6 +19,7 @@ pub mod base_line;
 pub mod connecting;
 pub mod consensus;
 mod feet;
+mod form;
 pub mod height;
 pub mod network;
 pub mod seam;
