@@ -84,7 +84,7 @@ pub(super) fn meet(face: &Face, state: &State, borders: &Borders, tolerance: f64
 }
 
 /// The state with the vertices of borders between bands on their levels, from which smoothing may have moved them:
-/// seams are made for the levels. Vertices on knot lines move along these; vertices whose triangles would turn over stay.
+/// seams are made for the levels. How vertices move: [`settle`].
 pub(super) fn on_levels(face: &Face, state: &State, borders: &Borders, tolerance: f64) -> State {
     let chains = borders.seam_chains();
     let levelled: Vec<(&SeamChain, &Field, f64)> = level_chains(state, &chains, tolerance)

@@ -1,11 +1,12 @@
 //! Strips that agree about their seams: control planes (or profiles) of all strips and offsets of all seams together.
 //!
 //! *Method* (consensus of neighbours, \[SE06\] carried on). A seam is a line on the surface, lifted by an unknown offset
-//! along its normals or others near them; its points must have distance zero from both strips. Distances of samples and of seam points are
-//! linearised in the control planes and offsets (the feet stay, envelope theorem); seam points count so much that they
-//! are conditions. Lawson's weights make the largest distance of a sample small. Every strip's planes are eliminated by
-//! its own banded factor, what is left is banded in the offsets. Unlike connecting developables this needs no curves
-//! beyond the region and bears rulings that lean far, at the price of gaps as large as the splines cannot follow.
+//! along its normals or others near them; its points must have distance zero from both strips. Distances of samples and
+//! of seam points are linearised in the strips' coefficients (control planes, or profile and slopes of rulings) and the
+//! offsets; the feet stay (envelope theorem). Seam points count so much that they are conditions. Lawson's weights make
+//! the largest distance of a sample small. Every strip's coefficients are eliminated by its own factor, banded for planes;
+//! what is left is banded in the offsets. Unlike connecting developables this needs no curves beyond the region and bears
+//! rulings that lean far, at the price of gaps as large as the splines cannot follow.
 //!
 //! *Not guaranteed*: that strips agree; gaps and distances are sampled.
 
@@ -55,7 +56,7 @@ pub struct Agreeing<'a> {
 pub struct ConsensusOptions {
     /// Wanted distance of the surface from the strips, mm.
     pub tolerance: f64,
-    /// Spans of the strips' splines; 60.
+    /// Spans of the strips' planes; 60. Profiles have half as many, slopes of rulings a quarter.
     pub spans: usize,
     /// Steps at most; 18.
     pub rounds: usize,
