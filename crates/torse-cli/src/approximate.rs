@@ -9,8 +9,10 @@ use crate::terminal::Terminal;
 use crate::wiring;
 use std::io::Write;
 use std::path::Path;
-use torse::pipeline::cover::{CurveShape, Guide, Layout, LayoutKind, Limits, PanelCurve, SeamPlane};
-use torse::pipeline::outcome::{Outcome, Status};
+use torse::answer::outcome::{Outcome, Skipped};
+use torse::certify::claim::Status;
+use torse::io::words;
+use torse::search::cover::{CurveShape, Guide, Layout, LayoutKind, Limits, PanelCurve, SeamPlane};
 
 /// Share of the tolerance that panels may use if cones follow: the rest is for the cones, which are many where it is
 /// small.
@@ -26,13 +28,13 @@ pub fn run(arguments: &Approximate) -> Result<bool, Failure> {
     let layout = layout(arguments)?;
     let output = Output::prepare(&arguments.out, file, arguments.force)?;
     let terminal = Terminal::new(arguments.quiet, arguments.time_limit)?;
-    terminal.guard(Some(output.staging().to_path_buf()));
+    terminal.guard(Some(output.workspace().to_path_buf()));
 
     terminal.say("reading");
     let mut model = wiring::read(&file.display().to_string(), &bytes)?;
     drop(bytes);
     if arguments.strict {
-        refuse_skipped(file, &model)?;
+        refuse_skipped(file, &model.skipped)?;
     }
     let job = wiring::Job {
         name: arguments.name.clone().unwrap_or_else(|| stem(file)),
@@ -42,6 +44,7 @@ pub fn run(arguments: &Approximate) -> Result<bool, Failure> {
         layout,
         meet: arguments.seams == Seams::Meet,
         smooth_angle: arguments.smooth_angle.to_radians(),
+        drawn: arguments.drawing.drawn(),
     };
     let mut notes = std::mem::take(&mut model.notes);
     let swept = if arguments.sweep.is_empty() {
@@ -50,12 +53,15 @@ pub fn run(arguments: &Approximate) -> Result<bool, Failure> {
         let tolerances: Vec<f64> = arguments.sweep.iter().map(|l| l.mm).collect();
         wiring::sweep(&model, &tolerances, &job, terminal.control())?
     };
-    let outcome = wiring::approximate(model, &job, terminal.control())?;
+    let mut outcome = wiring::approximate(model, &job, terminal.control())?;
+    if arguments.strict {
+        refuse_skipped(file, &outcome.skipped)?;
+    }
     let bare = job.layout.curves.iter().filter(|c| outcome.along.iter().all(|a| a.curve != c.name));
     notes.extend(bare.map(|c| format!("no panel along {} could be certified; others took its place", c.name)));
 
     terminal.say("writing");
-    for (name, bytes) in wiring::files(&outcome)? {
+    for (name, bytes) in wiring::files(&mut outcome)? {
         output.write(&name, &bytes)?;
     }
     for (name, bytes) in &swept {
@@ -65,21 +71,21 @@ pub fn run(arguments: &Approximate) -> Result<bool, Failure> {
     if arguments.cones {
         terminal.say("cones");
         let cones = wiring::cones_of_panels(&outcome, tolerance.mm, terminal.control())?;
-        cones_hold = cones.sheets.status == Status::Certified;
+        cones_hold = cones.sheets.status() == Status::Certified;
         for (name, bytes) in wiring::cone_files(&cones)? {
             let name = if name.starts_with("cones") { name } else { format!("cones-{name}") };
             output.write(&name, &bytes)?;
         }
     }
-    output.finish()?;
     terminal.guard(None);
     terminal.finish();
+    let folder = output.finish()?;
 
     if !arguments.quiet {
         // A closed pipe is no reason to fail after the work is done.
-        let _ = summary(&outcome, &notes, tolerance, &arguments.out, terminal.interrupted());
+        let _ = summary(&outcome, &notes, tolerance, &folder, terminal.interrupted());
     }
-    Ok(outcome.status == Status::Certified && cones_hold)
+    Ok(outcome.status() == Status::Certified && cones_hold)
 }
 
 /// What sheet and material allow, in mm.
@@ -153,15 +159,21 @@ pub fn stem(file: &Path) -> String {
     file.file_stem().map_or_else(|| "model".to_string(), |s| s.to_string_lossy().into_owned())
 }
 
-/// `--strict`: a face that cannot be used is an error.
-fn refuse_skipped(file: &Path, model: &wiring::Model) -> Result<(), Failure> {
-    let Some(first) = model.skipped.first() else { return Ok(()) };
-    let more = match model.skipped.len() {
+/// `--strict`: a face that is left out, by the reader or by the job, is an error.
+pub fn refuse_skipped(file: &Path, skipped: &[Skipped]) -> Result<(), Failure> {
+    let words: Vec<String> = skipped.iter().map(|s| format!("#{} cannot be used: {}", s.entity, s.reason)).collect();
+    refuse_left_out(file, &words)
+}
+
+/// As [`refuse_skipped`], for what is left out in words.
+pub fn refuse_left_out(file: &Path, left_out: &[String]) -> Result<(), Failure> {
+    let Some(first) = left_out.first() else { return Ok(()) };
+    let more = match left_out.len() {
         1 => String::new(),
         n => format!(" (and {} more)", n - 1),
     };
     Err(Failure::new(
-        format!("{}: #{} cannot be used: {}{more}", file.display(), first.entity, first.reason),
+        format!("{}: {first}{more}", file.display()),
         "repair it in CAD, or leave out --strict to go on with the other faces",
     ))
 }
@@ -178,8 +190,12 @@ fn summary(
     let panels = outcome.patchwork.panels.len();
     let faces = outcome.patchwork.faces.len();
     let word = |n: usize, word: &str| format!("{n} {word}{}", if n == 1 { "" } else { "s" });
-    let head = format!("{} for {}", word(panels, "panel"), word(faces, "face"));
-    match &outcome.status {
+    let left_out = match outcome.skipped.len() {
+        0 => String::new(),
+        n => format!(", {n} left out"),
+    };
+    let head = format!("{} for {}{left_out}", word(panels, "panel"), word(faces, "face"));
+    match outcome.status() {
         Status::Certified => writeln!(
             out,
             "certified: {head}, at most {} mm from the surface (tolerance {}), {:.1} s",
@@ -187,9 +203,9 @@ fn summary(
             tolerance.text,
             outcome.seconds
         )?,
-        Status::Uncertified(reason) => {
-            writeln!(out, "NOT certified: {head}, {:.1} s", outcome.seconds)?;
-            writeln!(out, "  reason: {reason}")?;
+        Status::Uncertified => {
+            writeln!(out, "NOT certified, {}: {head}, {:.1} s", wiring::warning(outcome), outcome.seconds)?;
+            writeln!(out, "  reason: {}", words::reason(&outcome.claims, &[]))?;
         }
     }
     if interrupted {

@@ -1,15 +1,18 @@
 //! Arguments and help.
 
 use crate::quantity::{
-    ball, direction, positive_count, positive_length, positive_share, positive_time, section, smooth_angle,
+    ball, bend_step, direction, positive_count, positive_length, positive_share, positive_time, section, smooth_angle,
     two_numbers, two_shares, unit_of_length, zone, Length, Section,
 };
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
 use std::time::Duration;
+use torse::develop::bends::BendSpacing;
+use torse::develop::view::Drawn;
 use torse::geom::Vec3;
+use torse::patchwork::pattern::ViewSide;
 use torse::pipeline::approximate::SMOOTH_ANGLE_DEG;
-use torse::surface::zone::Zone;
+use torse::torse::zone::Zone;
 
 /// Developable panels from freeform CAD surfaces, with a proof of the deviation.
 #[derive(Parser, Debug)]
@@ -61,6 +64,8 @@ pictures, report.html (open it in a browser) and report.json.
 Ctrl-C stops the search and writes what was found, marked as not certified; a second Ctrl-C stops at once
 and writes nothing.
 
+A result that leaves out any face of the file is not certified.
+
 Exit status: 0 certified, 2 bad input or usage, 3 finished but not certified (files written and marked).")]
 pub struct Approximate {
     /// STEP file (AP203, AP214 or AP242)
@@ -83,7 +88,7 @@ pub struct Approximate {
     #[arg(short, long, value_name = "DIR")]
     pub out: PathBuf,
 
-    /// Replace the results of an earlier run in that folder
+    /// Replace the files of an earlier result in that folder; everything else in it is kept
     #[arg(long)]
     pub force: bool,
 
@@ -162,9 +167,45 @@ pub struct Approximate {
     #[arg(long, value_name = "NAME")]
     pub name: Option<String>,
 
+    #[command(flatten)]
+    pub drawing: Drawing,
+
     /// Print nothing but errors
     #[arg(short, long)]
     pub quiet: bool,
+}
+
+/// How flat patterns are drawn.
+#[derive(Args, Clone, Copy, Debug)]
+pub struct Drawing {
+    /// Side of the model from which patterns are seen: bend lines on BEND_UP bend towards you then
+    #[arg(long, value_name = "SIDE", value_enum, default_value_t = View::Outside)]
+    pub view: View,
+
+    /// Turn of the sheet from one bend line to the next, in degrees: 5deg
+    #[arg(long, value_name = "ANGLE", default_value = "5deg", value_parser = bend_step, allow_hyphen_values = true)]
+    pub bend_step: f64,
+}
+
+impl Drawing {
+    /// The same in the library's words.
+    pub fn drawn(&self) -> Drawn {
+        let view = match self.view {
+            View::Outside => ViewSide::Outside,
+            View::Inside => ViewSide::Inside,
+        };
+        let step = self.bend_step.to_radians();
+        Drawn { view, bends: BendSpacing { step, ..BendSpacing::default() } }
+    }
+}
+
+/// Side of the model.
+#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum View {
+    /// From outside: away from the volume of a closed body, from the middle of an open one
+    Outside,
+    /// From inside
+    Inside,
 }
 
 /// How neighbouring strips are joined.
@@ -195,7 +236,7 @@ pub enum Layout {
 
 Every face that is ruled and developable becomes a smooth chain of pieces of right circular cones, cylinders and
 planes, proven to lie within the tolerance both ways, with the holes and edges of the face. Faces that are not ruled
-developables are left out and named; 'torse approximate' handles those.
+developables are left out and named, and the result is then not certified; 'torse approximate' handles those.
 
 Written into the output folder: cones.step (exact conical, cylindrical and plane faces), patterns.dxf and
 patterns.svg (true arcs), model.glb, pictures, report.html and report.json.
@@ -214,9 +255,13 @@ pub struct Cones {
     #[arg(short, long, value_name = "DIR")]
     pub out: PathBuf,
 
-    /// Replace the results of an earlier run in that folder
+    /// Replace the files of an earlier result in that folder; everything else in it is kept
     #[arg(long)]
     pub force: bool,
+
+    /// Refuse the whole file if any of its faces cannot be used
+    #[arg(long)]
+    pub strict: bool,
 
     /// Also show how the parts bend into the plane: bending.glb (animation) and bending.png
     #[arg(long)]
@@ -306,11 +351,15 @@ pub struct Fit {
     #[arg(long, value_name = "WEIGHT", value_parser = positive_share, allow_hyphen_values = true)]
     pub smooth: Option<f64>,
 
+    /// Refuse the whole file if any of its faces, rulings or planes cannot be used
+    #[arg(long)]
+    pub strict: bool,
+
     /// Leave out and name rulings or planes that lie far from a surface on which the others agree
     #[arg(long)]
     pub robust: bool,
 
-    /// Replace the results of an earlier run in that folder
+    /// Replace the files of an earlier result in that folder; everything else in it is kept
     #[arg(long)]
     pub force: bool,
 
@@ -325,6 +374,9 @@ pub struct Fit {
     /// Name of the job in the files [default: name of FILE]
     #[arg(long, value_name = "NAME")]
     pub name: Option<String>,
+
+    #[command(flatten)]
+    pub drawing: Drawing,
 
     /// Print nothing but errors
     #[arg(short, long)]
@@ -370,7 +422,7 @@ pub struct Loft {
     pub polyline: bool,
 
     /// What becomes of rails that the surface does not use up
-    #[arg(long, value_enum, default_value_t = LoftEnds::Trim)]
+    #[arg(long, value_enum, default_value_t = LoftEnds::Fan)]
     pub ends: LoftEnds,
 
     /// How rails are extended
@@ -397,7 +449,7 @@ pub struct Loft {
     #[arg(long = "ruling", value_name = "A,B", value_parser = two_shares)]
     pub fixed: Vec<[f64; 2]>,
 
-    /// Distance between drawn rulings, with its unit [default: 20 over the length]
+    /// Distance between drawn rulings, with its unit [default: as --bend-step says]
     #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
     pub rulings: Option<Length>,
 
@@ -405,13 +457,16 @@ pub struct Loft {
     #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
     pub marks: Option<Length>,
 
-    /// Replace the results of an earlier run in that folder
+    /// Replace the files of an earlier result in that folder; everything else in it is kept
     #[arg(long)]
     pub force: bool,
 
     /// Name of the job in the files [default: name of RAIL_A]
     #[arg(long, value_name = "NAME")]
     pub name: Option<String>,
+
+    #[command(flatten)]
+    pub drawing: Drawing,
 
     /// Print nothing but errors
     #[arg(short, long)]
@@ -507,7 +562,7 @@ pub struct Net {
     #[arg(long, value_name = "UNIT", value_parser = unit_of_length)]
     pub unit: Option<f64>,
 
-    /// Distance between drawn rulings, with its unit [default: 20 over the length]
+    /// Distance between drawn rulings, with its unit [default: as --bend-step says]
     #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
     pub rulings: Option<Length>,
 
@@ -515,13 +570,16 @@ pub struct Net {
     #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
     pub marks: Option<Length>,
 
-    /// Replace the results of an earlier run in that folder
+    /// Replace the files of an earlier result in that folder; everything else in it is kept
     #[arg(long)]
     pub force: bool,
 
     /// Name of the job in the files [default: name of CURVE]
     #[arg(long, value_name = "NAME")]
     pub name: Option<String>,
+
+    #[command(flatten)]
+    pub drawing: Drawing,
 
     /// Print nothing but errors
     #[arg(short, long)]
@@ -565,7 +623,7 @@ pub struct Hull {
     #[arg(long)]
     pub polyline: bool,
 
-    /// Distance between drawn rulings, with its unit [default: 20 over the length]
+    /// Distance between drawn rulings, with its unit [default: as --bend-step says]
     #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
     pub rulings: Option<Length>,
 
@@ -573,13 +631,20 @@ pub struct Hull {
     #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
     pub marks: Option<Length>,
 
-    /// Replace the results of an earlier run in that folder
+    /// Stop after this time, with its unit: 60s, 5min; what was found until then is kept and marked
+    #[arg(long, value_name = "TIME", value_parser = positive_time, allow_hyphen_values = true)]
+    pub time_limit: Option<Duration>,
+
+    /// Replace the files of an earlier result in that folder; everything else in it is kept
     #[arg(long)]
     pub force: bool,
 
     /// Name of the job in the files [default: name of the first CURVE]
     #[arg(long, value_name = "NAME")]
     pub name: Option<String>,
+
+    #[command(flatten)]
+    pub drawing: Drawing,
 
     /// Print nothing but errors
     #[arg(short, long)]
@@ -630,13 +695,16 @@ pub struct Planarise {
     #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
     pub max_move: Option<Length>,
 
-    /// Replace the results of an earlier run in that folder
+    /// Replace the files of an earlier result in that folder; everything else in it is kept
     #[arg(long)]
     pub force: bool,
 
     /// Name of the job in the files [default: name of STRIP]
     #[arg(long, value_name = "NAME")]
     pub name: Option<String>,
+
+    #[command(flatten)]
+    pub drawing: Drawing,
 
     /// Print nothing but errors
     #[arg(short, long)]

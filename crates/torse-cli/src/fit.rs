@@ -1,17 +1,16 @@
 //! `torse fit`: developable strips from measured points, rulings, tangent planes, and faces of too high a degree.
 
-use crate::approximate::{contents, significant, stem};
+use crate::approximate::{contents, refuse_left_out, stem};
 use crate::args::Fit;
 use crate::failure::Failure;
 use crate::folder::Output;
-use crate::strips::deliver;
+use crate::strips::{counted, deliver, left_out, tell};
 use crate::terminal::Terminal;
-use std::io::Write;
-use torse::io::elements;
-use torse::pipeline::fit::{fit, FitOptions, FitOutcome};
-use torse::pipeline::outcome::Status;
+use torse::certify::claim::{Status, Subject};
+use torse::io::{elements, words};
+use torse::pipeline::fit::{fit, FitOptions};
 use torse::pipeline::row::{fit_faces, fit_row, RowFitOptions, RowOutcome};
-use torse::surface::zone::RegressionLimits;
+use torse::torse::zone::RegressionLimits;
 
 /// Runs the job; `Ok(true)` means certified.
 pub fn run(arguments: &Fit) -> Result<bool, Failure> {
@@ -19,19 +18,31 @@ pub fn run(arguments: &Fit) -> Result<bool, Failure> {
     let bytes = contents(file)?;
     let output = Output::prepare(&arguments.out, file, arguments.force)?;
     let terminal = Terminal::new(arguments.quiet, arguments.time_limit)?;
-    terminal.guard(Some(output.staging().to_path_buf()));
+    terminal.guard(Some(output.workspace().to_path_buf()));
 
     terminal.say("reading");
     let name = file.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
     let lower = name.to_ascii_lowercase();
     if lower.ends_with(".step") || lower.ends_with(".stp") || elements::holds_elements(&name, &bytes) {
         let outcome = row(&name, &bytes, arguments, &terminal)?;
-        deliver(&outcome.sheets, Vec::new(), output, &terminal)?;
+        if arguments.strict {
+            refuse_left_out(file, &outcome.sheets.skipped)?;
+        }
+        let folder = deliver(&outcome.sheets, Vec::new(), output, &terminal)?;
         if !arguments.quiet {
             // A closed pipe is no reason to fail after the work is done.
-            let _ = summary_of_row(&outcome, arguments);
+            let what =
+                outcome.sheets.claims_of(Subject::Whole).next().map_or_else(String::new, |c| words::name(c, &[]));
+            let made = format!(
+                "{} for {} {what}{}, tolerance {}",
+                counted(outcome.sheets.strips.len(), "strip"),
+                outcome.elements.len(),
+                left_out(&outcome.sheets),
+                arguments.tolerance.text
+            );
+            let _ = tell(&outcome.sheets, &made, &folder);
         }
-        return Ok(outcome.sheets.status == Status::Certified);
+        return Ok(outcome.sheets.status() == Status::Certified);
     }
     for (given, name) in
         [(arguments.fix_ends, "--fix-ends"), (arguments.smooth.is_some(), "--smooth"), (arguments.robust, "--robust")]
@@ -45,6 +56,7 @@ pub fn run(arguments: &Fit) -> Result<bool, Failure> {
         .map_err(|e| Failure::new(format!("{}: {e}", file.display()), "export the scan as PLY, CSV, OBJ or STL"))?;
     drop(bytes);
     let mut options = FitOptions::new(arguments.tolerance.mm, &job_name(arguments));
+    options.drawn = arguments.drawing.drawn();
     if let Some(n) = arguments.max_strips {
         options.max_strips = n as usize;
     }
@@ -54,17 +66,24 @@ pub fn run(arguments: &Fit) -> Result<bool, Failure> {
     })?;
 
     let map = torse::io::cloud::ply::with_values(&cloud.points, outcome.certificate.signed_estimates(), "deviation");
-    deliver(&outcome.sheets, vec![("deviation.ply".into(), map)], output, &terminal)?;
+    let folder = deliver(&outcome.sheets, vec![("deviation.ply".into(), map)], output, &terminal)?;
     if !arguments.quiet {
         // A closed pipe is no reason to fail after the work is done.
-        let _ = summary(&outcome, arguments);
+        let made = format!(
+            "{} for {}, tolerance {}",
+            counted(outcome.sheets.strips.len(), "strip"),
+            counted(outcome.certificate.bounds().len(), "point"),
+            arguments.tolerance.text
+        );
+        let _ = tell(&outcome.sheets, &made, &folder);
     }
-    Ok(outcome.sheets.status == Status::Certified)
+    Ok(outcome.sheets.status() == Status::Certified)
 }
 
 /// Fits rulings, planes or faces.
 fn row(name: &str, bytes: &[u8], arguments: &Fit, terminal: &Terminal) -> Result<RowOutcome, Failure> {
     let mut options = RowFitOptions::new(arguments.tolerance.mm, &job_name(arguments));
+    options.drawn = arguments.drawing.drawn();
     if let Some(n) = arguments.max_strips {
         options.max_strips = n as usize;
     }
@@ -97,32 +116,6 @@ fn job_name(arguments: &Fit) -> String {
     arguments.name.clone().unwrap_or_else(|| stem(&arguments.file))
 }
 
-/// Tells the result of rulings, planes or faces in a few lines.
-fn summary_of_row(outcome: &RowOutcome, arguments: &Fit) -> std::io::Result<()> {
-    let mut out = std::io::stdout().lock();
-    let sheets = &outcome.sheets;
-    let strips = format!("{} strip{}", sheets.strips.len(), if sheets.strips.len() == 1 { "" } else { "s" });
-    let what = sheets.figures.first().map_or("elements", |f| f.name.as_str());
-    let count = outcome.elements.len();
-    match &sheets.status {
-        Status::Certified => writeln!(
-            out,
-            "certified: {strips} for {count} {what}, none farther than {} mm (tolerance {}), {:.1} s",
-            significant(outcome.certificate.worst_bound()),
-            arguments.tolerance.text,
-            sheets.seconds
-        )?,
-        Status::Uncertified(reason) => {
-            writeln!(out, "NOT certified: {strips} for {count} {what}, {:.1} s", sheets.seconds)?;
-            writeln!(out, "  reason: {reason}")?;
-        }
-    }
-    for s in &sheets.skipped {
-        writeln!(out, "  left out: {s}")?;
-    }
-    writeln!(out, "  open {}", arguments.out.join("report.html").display())
-}
-
 /// Millimetres of a unit that the arguments allow.
 fn millimetres(unit: &str) -> f64 {
     match unit {
@@ -132,30 +125,4 @@ fn millimetres(unit: &str) -> f64 {
         "ft" => 304.8,
         _ => 1.0,
     }
-}
-
-/// Tells the result in a few lines.
-fn summary(outcome: &FitOutcome, arguments: &Fit) -> std::io::Result<()> {
-    let mut out = std::io::stdout().lock();
-    let sheets = &outcome.sheets;
-    let strips = format!("{} strip{}", sheets.strips.len(), if sheets.strips.len() == 1 { "" } else { "s" });
-    let points = outcome.certificate.bounds().len();
-    match &sheets.status {
-        Status::Certified => writeln!(
-            out,
-            "certified: {strips} for {points} points, none farther than {} mm (tolerance {}), noise about {} mm, {:.1} s",
-            significant(outcome.certificate.worst_bound()),
-            arguments.tolerance.text,
-            significant(outcome.noise_estimate),
-            sheets.seconds
-        )?,
-        Status::Uncertified(reason) => {
-            writeln!(out, "NOT certified: {strips} for {points} points, {:.1} s", sheets.seconds)?;
-            writeln!(out, "  reason: {reason}")?;
-        }
-    }
-    for s in &sheets.skipped {
-        writeln!(out, "  left out: {s}")?;
-    }
-    writeln!(out, "  open {}", arguments.out.join("report.html").display())
 }

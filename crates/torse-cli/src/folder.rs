@@ -1,27 +1,58 @@
 //! The output folder: written beside its place under a temporary name and moved there when it is complete, so that
-//! nobody ever sees half of it.
+//! nobody ever sees half of it. Only what Torse wrote is ever replaced.
+
+mod manifest;
+mod workspace;
+
+pub use workspace::discard;
 
 use crate::failure::{os_reason, Failure};
+use manifest::{Entry, Inventory, MANIFEST};
+use std::cell::RefCell;
 use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use workspace::Workspace;
 
-/// File by which an earlier result is recognised; a folder without it is never replaced.
-pub const MARK: &str = "report.json";
+/// Names that are tried for a result whose place was taken meanwhile.
+const OTHER_NAMES: std::ops::RangeInclusive<usize> = 2..=999;
+/// Names of foreign files that are told; the others are counted.
+const NAMES_TOLD: usize = 6;
+
+/// What is at the target before the work begins.
+enum Place {
+    /// Nothing.
+    Free,
+    /// A folder with nothing in it.
+    Empty,
+    /// An earlier result, perhaps among other things.
+    Earlier(Inventory),
+}
 
 /// An output folder in the making. Dropped before [`Output::finish`], it leaves no trace.
 pub struct Output {
     target: PathBuf,
-    staging: tempfile::TempDir,
+    parent: PathBuf,
+    name: String,
+    place: Place,
+    workspace: Workspace,
+    written: RefCell<Vec<Entry>>,
+}
+
+/// Where a result came to be.
+#[derive(Debug)]
+struct Delivered {
+    folder: PathBuf,
+    remark: Option<String>,
 }
 
 impl Output {
-    /// Checks that `target` may be written and creates the temporary folder beside it. Called before the long work,
-    /// so that a wrong folder is refused at once. `input` is the file being read, which must not be swept away.
+    /// Checks that `target` may be written, cleans what killed runs have left, and creates the temporary folder beside
+    /// it. Called before the long work, so that a wrong folder is refused at once. `input` is the file being read.
     ///
     /// # Errors
-    /// The folder exists and holds something (unless `force` and it is an earlier result), is a file, holds the
-    /// input or the working folder, or its parent cannot be written.
+    /// The folder exists and holds something (unless `force` and that is an earlier result whose files can be told from
+    /// others), is a file or a link, holds the input or the working folder, or its parent cannot be written.
     pub fn prepare(target: &Path, input: &Path, force: bool) -> Result<Self, Failure> {
         let shown = target.display();
         let Some(name) = target.file_name().map(|n| n.to_string_lossy().into_owned()) else {
@@ -49,22 +80,23 @@ impl Output {
                 ))
             }
         }
-        if let Ok(metadata) = fs::symlink_metadata(target) {
-            may_replace(target, &metadata, input, force)?;
-        }
-        let staging =
-            tempfile::Builder::new().prefix(&format!(".{name}.partial-")).tempdir_in(&parent).map_err(|e| {
-                Failure::new(
-                    format!("cannot write into '{}': {}", parent.display(), os_reason(&e)),
-                    "choose a folder that you may write to",
-                )
-            })?;
-        Ok(Self { target: target.to_path_buf(), staging })
+        workspace::clean(&parent, &name, target);
+        let place = match fs::symlink_metadata(target) {
+            Ok(metadata) => look(target, &metadata, input, force)?,
+            Err(_) => Place::Free,
+        };
+        let workspace = Workspace::new(&parent, &name).map_err(|e| {
+            Failure::new(
+                format!("cannot write into '{}': {}", parent.display(), os_reason(&e)),
+                "choose a folder that you may write to",
+            )
+        })?;
+        Ok(Self { target: target.to_path_buf(), parent, name, place, workspace, written: RefCell::default() })
     }
 
-    /// The temporary folder.
-    pub fn staging(&self) -> &Path {
-        self.staging.path()
+    /// The temporary folder, to be given to [`discard`] should the program have to end at once.
+    pub fn workspace(&self) -> &Path {
+        self.workspace.path()
     }
 
     /// Writes one file and makes sure that it has reached the disk.
@@ -72,7 +104,13 @@ impl Output {
     /// # Errors
     /// Whatever the disk says; the temporary folder is then removed with the value.
     pub fn write(&self, name: &str, bytes: &[u8]) -> Result<(), Failure> {
-        let written = fs::File::create(self.staging.path().join(name)).and_then(|mut file| {
+        self.put(name, bytes)?;
+        self.written.borrow_mut().push(Entry::of(name, bytes));
+        Ok(())
+    }
+
+    fn put(&self, name: &str, bytes: &[u8]) -> Result<(), Failure> {
+        let written = fs::File::create(self.workspace.result().join(name)).and_then(|mut file| {
             file.write_all(bytes)?;
             file.sync_all()
         });
@@ -89,48 +127,99 @@ impl Output {
         })
     }
 
-    /// Moves the complete folder into its place. An earlier result is kept aside until the new one is there.
+    /// Moves the complete result into its place, or, where that was taken meanwhile, beside it; tells on stderr what
+    /// is not as asked. The folder in which the result is.
     ///
     /// # Errors
-    /// The move fails; the earlier result is then back in its place.
-    pub fn finish(self) -> Result<(), Failure> {
-        let failed = |e: &std::io::Error| {
-            Failure::new(
-                format!("cannot move the results to '{}': {}", self.target.display(), os_reason(e)),
-                "check that nobody else uses that folder, then run again",
-            )
-        };
-        open_to_others(self.staging.path()).map_err(|e| failed(&e))?;
-        let old = self.staging.path().with_extension("old");
-        let replaced = fs::symlink_metadata(&self.target).is_ok();
-        if replaced {
-            fs::rename(&self.target, &old).map_err(|e| failed(&e))?;
+    /// The result can be moved nowhere; it is then kept where it is, and the message says where.
+    pub fn finish(self) -> Result<PathBuf, Failure> {
+        let delivered = self.deliver()?;
+        if let Some(remark) = delivered.remark {
+            // A closed stderr leaves nobody to tell.
+            let _ = writeln!(std::io::stderr(), "note: {remark}");
         }
-        let staging = self.staging.path().to_path_buf();
-        if let Err(e) = fs::rename(&staging, &self.target) {
-            if replaced {
-                // Best effort: the error below is told in any case.
-                let _ = fs::rename(&old, &self.target);
+        Ok(delivered.folder)
+    }
+
+    fn deliver(self) -> Result<Delivered, Failure> {
+        let shown = self.target.display().to_string();
+        let list = manifest::text(&self.written.borrow()).map_err(|e| {
+            Failure::new(format!("cannot list the files of '{shown}': {e}"), "this is a fault of the program")
+        })?;
+        self.put(MANIFEST, list.as_bytes())?;
+        let taken = match self.settle() {
+            Ok(()) => {
+                let remark = match &self.place {
+                    Place::Earlier(found) if !found.kept.is_empty() => Some(format!(
+                        "'{shown}' also holds what Torse did not write or somebody changed; it was kept: {}",
+                        told(&found.kept)
+                    )),
+                    _ => None,
+                };
+                return Ok(Delivered { folder: self.target, remark });
             }
-            return Err(failed(&e));
+            Err(reason) => reason,
+        };
+        let result = self.workspace.result();
+        for k in OTHER_NAMES {
+            let beside = self.parent.join(format!("{}-{k}", self.name));
+            match workspace::move_to_free(&result, &beside) {
+                Ok(()) => {
+                    let remark =
+                        format!("'{shown}' was left as it is: {taken}; the result is in '{}'", beside.display());
+                    return Ok(Delivered { folder: beside, remark: Some(remark) });
+                }
+                Err(e) if e.kind() == std::io::ErrorKind::AlreadyExists => {}
+                Err(_) => break,
+            }
         }
-        if replaced {
-            // The new result is complete; what cannot be removed of the old one is only in the way.
-            let _ = fs::remove_dir_all(&old);
+        let kept = self.workspace.keep();
+        Err(Failure::new(
+            format!("cannot move the results to '{shown}': {taken}"),
+            format!("they are complete in '{}'; move them from there", kept.display()),
+        ))
+    }
+
+    /// Puts the result in its place.
+    ///
+    /// # Errors
+    /// Why that cannot be done, in words; then nothing was changed.
+    fn settle(&self) -> Result<(), String> {
+        let result = self.workspace.result();
+        let in_words = |e: std::io::Error| match e.kind() {
+            std::io::ErrorKind::AlreadyExists | std::io::ErrorKind::DirectoryNotEmpty => {
+                "something was put there meanwhile".to_owned()
+            }
+            _ => os_reason(&e),
+        };
+        let gone = fs::symlink_metadata(&self.target).is_err();
+        match &self.place {
+            Place::Earlier(found) if !gone => workspace::replace(self.workspace.path(), &self.target, &found.own),
+            Place::Empty if !gone => workspace::move_to_empty(&result, &self.target).map_err(in_words),
+            _ => workspace::move_to_free(&result, &self.target).map_err(in_words),
         }
-        // The folder has moved away from under its guard, which has nothing left to remove.
-        let _ = self.staging.keep();
-        Ok(())
     }
 }
 
-/// Whether an existing `target` may be replaced.
-fn may_replace(target: &Path, metadata: &fs::Metadata, input: &Path, force: bool) -> Result<(), Failure> {
+/// Names for people, the first few of them.
+fn told(names: &[String]) -> String {
+    let mut text = names.iter().take(NAMES_TOLD).cloned().collect::<Vec<_>>().join(", ");
+    if names.len() > NAMES_TOLD {
+        text += &format!(" and {} more", names.len() - NAMES_TOLD);
+    }
+    text
+}
+
+/// What an existing `target` is, if it may be used.
+fn look(target: &Path, metadata: &fs::Metadata, input: &Path, force: bool) -> Result<Place, Failure> {
     let shown = target.display();
+    if metadata.is_symlink() {
+        return Err(Failure::new(format!("'{shown}' is a link"), "name the folder itself with --out"));
+    }
     if !metadata.is_dir() {
         return Err(Failure::new(format!("'{shown}' exists and is not a folder"), "choose another name with --out"));
     }
-    let mut entries = fs::read_dir(target)
+    let found = manifest::inspect(target)
         .map_err(|e| Failure::new(format!("cannot look into '{shown}': {}", os_reason(&e)), "choose another folder"))?;
     let here = fs::canonicalize(target).ok();
     let inside = |path: &Path| matches!((&here, fs::canonicalize(path).ok()), (Some(folder), Some(path)) if path.starts_with(folder));
@@ -140,13 +229,13 @@ fn may_replace(target: &Path, metadata: &fs::Metadata, input: &Path, force: bool
             "name a new folder, for example --out panels",
         ));
     }
-    if entries.next().is_none() {
-        return Ok(());
+    if found.own.is_empty() && found.kept.is_empty() {
+        return Ok(Place::Empty);
     }
     if !force {
         return Err(Failure::new(
             format!("the output folder '{shown}' exists already"),
-            "choose another folder, or add --force to replace an earlier result",
+            "choose another folder, or add --force to replace the files of an earlier result in it",
         ));
     }
     if inside(input) {
@@ -155,38 +244,31 @@ fn may_replace(target: &Path, metadata: &fs::Metadata, input: &Path, force: bool
             "choose another folder with --out",
         ));
     }
-    if !target.join(MARK).is_file() {
+    if found.own.is_empty() {
         return Err(Failure::new(
-            format!("'{shown}' is not the result of an earlier run (it has no {MARK}), so --force does not replace it"),
+            format!("'{shown}' holds no result of an earlier run (no {MANIFEST}), so --force replaces nothing there"),
             "choose another folder, or remove that one yourself",
         ));
     }
-    Ok(())
-}
-
-/// Temporary folders are private to their owner; a result gets the rights that a new folder would have.
-#[cfg(unix)]
-fn open_to_others(folder: &Path) -> std::io::Result<()> {
-    use std::os::unix::fs::PermissionsExt;
-    // The umask can only be read off a folder made the ordinary way.
-    let probe = folder.join(".rights");
-    fs::create_dir(&probe)?;
-    let mode = fs::metadata(&probe)?.permissions().mode();
-    fs::remove_dir(&probe)?;
-    fs::set_permissions(folder, fs::Permissions::from_mode(mode))
-}
-
-/// Elsewhere the rights are inherited from the parent.
-#[cfg(not(unix))]
-fn open_to_others(_folder: &Path) -> std::io::Result<()> {
-    Ok(())
+    let in_the_way: Vec<String> = found.kept.iter().filter(|n| manifest::is_result_name(n)).cloned().collect();
+    if !in_the_way.is_empty() {
+        return Err(Failure::new(
+            format!(
+                "'{shown}' holds files that were changed after Torse wrote them, or that it never wrote: {}",
+                told(&in_the_way)
+            ),
+            "--force does not replace them; move them away, or choose another folder",
+        ));
+    }
+    Ok(Place::Earlier(found))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn names(folder: &Path) -> Vec<String> {
+    /// What a folder holds.
+    pub fn names(folder: &Path) -> Vec<String> {
         let mut names: Vec<String> = fs::read_dir(folder)
             .expect("folder")
             .map(|e| e.expect("entry").file_name().to_string_lossy().into_owned())
@@ -199,6 +281,15 @@ mod tests {
         PathBuf::from("no-such-input.step")
     }
 
+    /// A result of these files, delivered.
+    fn result(target: &Path, force: bool, files: &[&str]) -> Result<Delivered, Failure> {
+        let output = Output::prepare(target, &no_input(), force)?;
+        for f in files {
+            output.write(f, f.as_bytes())?;
+        }
+        output.deliver()
+    }
+
     #[test]
     fn a_result_appears_whole_or_not_at_all() {
         let room = tempfile::tempdir().expect("room");
@@ -209,27 +300,77 @@ mod tests {
         drop(output);
         assert!(names(room.path()).is_empty());
 
-        let output = Output::prepare(&target, &no_input(), false).expect("free place");
-        output.write(MARK, b"{}").expect("written");
-        output.finish().expect("moved");
+        result(&target, false, &["report.json"]).expect("moved");
         assert_eq!(names(room.path()), ["panels"]);
-        assert_eq!(names(&target), [MARK]);
+        assert_eq!(names(&target), ["report.json", MANIFEST]);
+    }
+
+    #[test]
+    #[cfg(unix)]
+    fn a_result_has_the_rights_of_a_new_folder() {
+        use std::os::unix::fs::PermissionsExt;
+        let room = tempfile::tempdir().expect("room");
+        fs::create_dir(room.path().join("new")).expect("folder");
+        result(&room.path().join("panels"), false, &["a.dxf"]).expect("moved");
+        let mode = |n: &str| fs::metadata(room.path().join(n)).expect("folder").permissions().mode();
+        assert_eq!(mode("panels"), mode("new"));
     }
 
     #[test]
     fn an_earlier_result_is_replaced_only_by_force_and_only_when_complete() {
         let room = tempfile::tempdir().expect("room");
         let target = room.path().join("panels");
-        fs::create_dir(&target).expect("folder");
-        fs::write(target.join(MARK), "old").expect("file");
+        result(&target, false, &["report.json", "sweep.png"]).expect("moved");
         assert!(Output::prepare(&target, &no_input(), false).err().expect("refused").help.contains("--force"));
 
         let output = Output::prepare(&target, &no_input(), true).expect("force");
-        output.write(MARK, b"new").expect("written");
-        assert_eq!(fs::read(target.join(MARK)).expect("still there"), b"old");
-        output.finish().expect("moved");
-        assert_eq!(fs::read(target.join(MARK)).expect("replaced"), b"new");
+        output.write("report.json", b"new").expect("written");
+        assert_eq!(fs::read(target.join("report.json")).expect("still there"), b"report.json");
+        let delivered = output.deliver().expect("moved");
+        assert!(delivered.remark.is_none(), "{delivered:?}");
+        assert_eq!(fs::read(target.join("report.json")).expect("replaced"), b"new");
         assert_eq!(names(room.path()), ["panels"]);
+        assert_eq!(names(&target), ["report.json", MANIFEST]);
+    }
+
+    #[test]
+    fn what_others_keep_beside_a_result_is_kept_and_named() {
+        let room = tempfile::tempdir().expect("room");
+        let target = room.path().join("panels");
+        result(&target, false, &["report.json", "patterns.dxf", "sweep.png"]).expect("moved");
+        fs::create_dir_all(target.join(".git/objects")).expect("folder");
+        fs::write(target.join(".git/HEAD"), "ref").expect("file");
+        fs::write(target.join("main.rs"), "fn main() {}").expect("file");
+        let delivered = result(&target, true, &["report.json", "patterns.dxf"]).expect("moved");
+        assert_eq!(delivered.folder, target);
+        let remark = delivered.remark.expect("said");
+        assert!(remark.contains(".git") && remark.contains("main.rs"), "{remark}");
+        assert_eq!(names(&target), [".git", "main.rs", "patterns.dxf", "report.json", MANIFEST]);
+        assert_eq!(names(&target.join(".git")), ["HEAD", "objects"]);
+        assert_eq!(names(room.path()), ["panels"]);
+    }
+
+    #[test]
+    fn a_file_that_somebody_changed_is_never_replaced() {
+        let room = tempfile::tempdir().expect("room");
+        let target = room.path().join("panels");
+        result(&target, false, &["report.json", "patterns.dxf"]).expect("moved");
+        fs::write(target.join("patterns.dxf"), "nested by hand").expect("file");
+        let refusal = Output::prepare(&target, &no_input(), true).err().expect("refused");
+        assert!(refusal.message.contains("patterns.dxf"), "{refusal}");
+
+        // Changed while the work goes on, under a name that nobody foresaw.
+        let target = room.path().join("more");
+        result(&target, false, &["report.json", "a.txt"]).expect("moved");
+        let output = Output::prepare(&target, &no_input(), true).expect("force");
+        output.write("a.txt", b"new").expect("written");
+        fs::write(target.join("a.txt"), "mine").expect("file");
+        let delivered = output.deliver().expect("moved");
+        assert_eq!(delivered.folder, room.path().join("more-2"));
+        assert!(delivered.remark.expect("said").contains("a.txt"));
+        assert_eq!(fs::read(target.join("a.txt")).expect("file"), b"mine");
+        assert_eq!(fs::read(target.join("report.json")).expect("put back"), b"report.json");
+        assert_eq!(names(room.path()), ["more", "more-2", "panels"]);
     }
 
     #[test]
@@ -241,7 +382,9 @@ mod tests {
         assert!(Output::prepare(&room.path().join("thesis.txt/out"), &no_input(), true).is_err());
         assert!(Output::prepare(&room.path().join("missing/out"), &no_input(), true).is_err());
         assert!(Output::prepare(Path::new("/"), &no_input(), true).is_err());
-        fs::write(room.path().join(MARK), "{}").expect("file");
+        fs::write(room.path().join("report.json"), "{}").expect("file");
+        let refusal = Output::prepare(room.path(), &no_input(), true).err().expect("refused");
+        assert!(refusal.message.contains("no result"), "{refusal}");
         let input = room.path().join("hull.step");
         fs::write(&input, "").expect("file");
         let refusal = Output::prepare(room.path(), &input, true).err().expect("refused");
@@ -250,14 +393,68 @@ mod tests {
     }
 
     #[test]
+    #[cfg(unix)]
+    fn links_are_not_followed() {
+        let room = tempfile::tempdir().expect("room");
+        let (target, link) = (room.path().join("panels"), room.path().join("link"));
+        result(&target, false, &["report.json", "a.txt"]).expect("moved");
+        std::os::unix::fs::symlink(&target, &link).expect("link");
+        assert!(Output::prepare(&link, &no_input(), true).err().expect("refused").message.contains("link"));
+        fs::rename(target.join("a.txt"), room.path().join("elsewhere")).expect("moved");
+        std::os::unix::fs::symlink(room.path().join("elsewhere"), target.join("a.txt")).expect("link");
+        let delivered = result(&target, true, &["report.json"]).expect("moved");
+        assert!(delivered.remark.expect("said").contains("a.txt"));
+        assert!(room.path().join("elsewhere").exists());
+    }
+
+    #[test]
     fn an_empty_folder_may_be_used() {
         let room = tempfile::tempdir().expect("room");
         let target = room.path().join("panels");
         fs::create_dir(&target).expect("folder");
-        let output = Output::prepare(&target, &no_input(), false).expect("empty folder");
-        output.write(MARK, b"{}").expect("written");
-        output.finish().expect("moved");
-        assert_eq!(names(&target), [MARK]);
+        result(&target, false, &["report.json"]).expect("moved");
+        assert_eq!(names(&target), ["report.json", MANIFEST]);
+    }
+
+    #[test]
+    fn of_two_runs_into_one_folder_one_wins_and_the_other_keeps_its_result() {
+        let room = tempfile::tempdir().expect("room");
+        for (name, before) in [("free", None), ("empty", Some(false)), ("earlier", Some(true))] {
+            let target = room.path().join(name);
+            match before {
+                Some(true) => drop(result(&target, false, &["report.json"]).expect("moved")),
+                Some(false) => fs::create_dir(&target).expect("folder"),
+                None => {}
+            }
+            let first = Output::prepare(&target, &no_input(), true).expect("place");
+            let second = Output::prepare(&target, &no_input(), true).expect("place");
+            first.write("report.json", b"first").expect("written");
+            second.write("report.json", b"second").expect("written");
+            assert!(second.deliver().expect("moved").remark.is_none());
+            let beside = first.deliver().expect("moved");
+            assert_eq!(beside.folder, room.path().join(format!("{name}-2")));
+            assert!(beside.remark.expect("said").contains(name));
+            assert_eq!(fs::read(target.join("report.json")).expect("file"), b"second");
+            assert_eq!(fs::read(beside.folder.join("report.json")).expect("file"), b"first");
+        }
+        assert_eq!(names(room.path()).len(), 6);
+    }
+
+    #[test]
+    fn what_appears_at_the_target_is_never_replaced() {
+        let room = tempfile::tempdir().expect("room");
+        for (name, make) in [
+            ("file", (|p: &Path| fs::write(p, "mine")) as fn(&Path) -> std::io::Result<()>),
+            ("folder", |p| fs::create_dir(p)),
+        ] {
+            let target = room.path().join(name);
+            let output = Output::prepare(&target, &no_input(), true).expect("place");
+            output.write("report.json", b"{}").expect("written");
+            make(&target).expect("made");
+            let delivered = output.deliver().expect("moved");
+            assert_eq!(delivered.folder, room.path().join(format!("{name}-2")));
+            assert_eq!(fs::symlink_metadata(&target).expect("still there").is_file(), name == "file");
+        }
     }
 
     #[test]

@@ -4,12 +4,12 @@ use crate::approximate::stem;
 use crate::args::Hull;
 use crate::failure::Failure;
 use crate::folder::Output;
-use crate::loft::{rail, split, summary};
-use crate::strips::deliver;
+use crate::loft::{rail, split};
+use crate::strips::{deliver, made, tell};
 use crate::terminal::Terminal;
+use torse::certify::claim::Status;
 use torse::pipeline::hull::{hull, Options};
-use torse::pipeline::outcome::Status;
-use torse::surface::rail::Rail;
+use torse::torse::rail::Rail;
 
 /// Runs the job; `Ok(true)` means certified.
 pub fn run(arguments: &Hull) -> Result<bool, Failure> {
@@ -17,20 +17,21 @@ pub fn run(arguments: &Hull) -> Result<bool, Failure> {
     let curves: Vec<Rail> =
         arguments.curves.iter().map(|c| rail(c, arguments.unit, arguments.polyline)).collect::<Result<_, _>>()?;
     let output = Output::prepare(&arguments.out, &file, arguments.force)?;
-    let terminal = Terminal::new(arguments.quiet, None)?;
-    terminal.guard(Some(output.staging().to_path_buf()));
+    let terminal = Terminal::new(arguments.quiet, arguments.time_limit)?;
+    terminal.guard(Some(output.workspace().to_path_buf()));
     let options = Options {
         input: arguments.name.clone().unwrap_or_else(|| stem(&file)),
         ruling_spacing: arguments.rulings.as_ref().map(|l| l.mm),
         mark_spacing: arguments.marks.as_ref().map(|l| l.mm),
+        drawn: arguments.drawing.drawn(),
         ..Options::new(arguments.tolerance.mm)
     };
     let outcome = hull(&curves, &options, terminal.control())
         .map_err(|e| Failure::new(e.to_string(), "see 'torse hull --help' for what the curves must be"))?;
-    deliver(&outcome, Vec::new(), output, &terminal)?;
+    let folder = deliver(&outcome, Vec::new(), output, &terminal)?;
     if !arguments.quiet {
         // A closed pipe is no reason to fail after the work is done.
-        let _ = summary(&outcome, &arguments.out);
+        let _ = tell(&outcome, &made(&outcome), &folder);
     }
-    Ok(outcome.status == Status::Certified)
+    Ok(outcome.status() == Status::Certified)
 }

@@ -4,15 +4,13 @@ use crate::approximate::{contents, stem};
 use crate::args::{Loft, LoftEnds, LoftExtension};
 use crate::failure::Failure;
 use crate::folder::Output;
-use crate::strips::deliver;
+use crate::strips::{deliver, made, tell};
 use crate::terminal::Terminal;
-use std::io::Write;
 use std::path::{Path, PathBuf};
+use torse::certify::claim::Status;
 use torse::io::curves::{self, CurveError, CurveOptions};
 use torse::pipeline::loft::{loft, Choice, Ends, Extension, Options};
-use torse::pipeline::outcome::Status;
-use torse::pipeline::sheets::Sheets;
-use torse::surface::rail::Rail;
+use torse::torse::rail::Rail;
 
 /// Runs the job; `Ok(true)` means certified.
 pub fn run(arguments: &Loft) -> Result<bool, Failure> {
@@ -21,7 +19,7 @@ pub fn run(arguments: &Loft) -> Result<bool, Failure> {
     let b = rail(&arguments.b, arguments.unit, arguments.polyline)?;
     let output = Output::prepare(&arguments.out, &file, arguments.force)?;
     let terminal = Terminal::new(arguments.quiet, arguments.time_limit)?;
-    terminal.guard(Some(output.staging().to_path_buf()));
+    terminal.guard(Some(output.workspace().to_path_buf()));
     let options = Options {
         input: arguments.name.clone().unwrap_or_else(|| stem(&file)),
         ends: match arguments.ends {
@@ -42,16 +40,17 @@ pub fn run(arguments: &Loft) -> Result<bool, Failure> {
         fixed: arguments.fixed.clone(),
         ruling_spacing: arguments.rulings.as_ref().map(|l| l.mm),
         mark_spacing: arguments.marks.as_ref().map(|l| l.mm),
+        drawn: arguments.drawing.drawn(),
         ..Options::new(arguments.tolerance.mm)
     };
     let outcome = loft(&a, &b, &options, terminal.control())
         .map_err(|e| Failure::new(e.to_string(), "see 'torse loft --help' for what can be asked instead"))?;
-    deliver(&outcome, Vec::new(), output, &terminal)?;
+    let folder = deliver(&outcome, Vec::new(), output, &terminal)?;
     if !arguments.quiet {
         // A closed pipe is no reason to fail after the work is done.
-        let _ = summary(&outcome, &arguments.out);
+        let _ = tell(&outcome, &made(&outcome), &folder);
     }
-    Ok(outcome.status == Status::Certified)
+    Ok(outcome.status() == Status::Certified)
 }
 
 /// File and curve of `FILE#CURVE`. A file whose name holds the sign is taken as it is.
@@ -78,42 +77,4 @@ pub fn rail(text: &str, unit: Option<f64>, polyline: bool) -> Result<Rail, Failu
         };
         Failure::new(e.to_string(), help)
     })
-}
-
-/// Tells the result in a few lines.
-pub fn summary(outcome: &Sheets, out_folder: &Path) -> std::io::Result<()> {
-    let mut out = std::io::stdout().lock();
-    let word = |n: usize, word: &str| format!("{n} {word}{}", if n == 1 { "" } else { "s" });
-    let head = format!(
-        "{} in {}, {:.1} s",
-        word(outcome.strips.len(), "strip"),
-        word(outcome.parts.len(), "flat part"),
-        outcome.seconds
-    );
-    match &outcome.status {
-        Status::Certified => writeln!(out, "certified: {head}")?,
-        Status::Uncertified(reason) => {
-            writeln!(out, "NOT certified: {head}")?;
-            writeln!(out, "  reason: {reason}")?;
-        }
-    }
-    for f in &outcome.figures {
-        writeln!(out, "  {}: {} {} ({})", f.name, number(f.value), f.unit, f.basis.name())?;
-    }
-    for n in &outcome.notes {
-        writeln!(out, "  note: {n}")?;
-    }
-    writeln!(out, "  open {}", out_folder.join("report.html").display())
-}
-
-/// Four digits, powers of ten where they are needed.
-fn number(x: f64) -> String {
-    if x.is_infinite() {
-        return "none".into();
-    }
-    if x == 0.0 || !x.is_finite() || (1e-3..1e6).contains(&x.abs()) {
-        let text = format!("{x:.4}");
-        return text.trim_end_matches('0').trim_end_matches('.').to_owned();
-    }
-    format!("{x:.3e}")
 }

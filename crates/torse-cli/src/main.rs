@@ -1,7 +1,8 @@
 //! `torse`: the command line. Arguments, progress, folders and exit status; no geometry.
 //!
 //! Exit status: 0 finished and certified (or the information asked for), 2 bad input or usage, 3 finished but not
-//! certified (files are written and say so), 130 stopped at once by a second Ctrl-C.
+//! certified (files are written and say so), 130 (129, 143) stopped at once by a second Ctrl-C
+//! (SIGHUP, SIGTERM).
 
 mod approximate;
 mod args;
@@ -16,6 +17,7 @@ mod loft;
 mod net;
 mod planarise;
 mod quantity;
+mod signals;
 mod strips;
 mod terminal;
 mod usage;

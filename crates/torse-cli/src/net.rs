@@ -4,13 +4,13 @@ use crate::approximate::{contents, stem};
 use crate::args::Net;
 use crate::failure::Failure;
 use crate::folder::Output;
-use crate::loft::{rail, split, summary};
-use crate::strips::deliver;
+use crate::loft::{rail, split};
+use crate::strips::{deliver, made, tell};
 use crate::terminal::Terminal;
+use torse::certify::claim::Status;
 use torse::geom::Vec3;
 use torse::io::net::{self as file, NetFile};
 use torse::pipeline::net::{net, Condition, Options};
-use torse::pipeline::outcome::Status;
 
 /// Runs the job; `Ok(true)` means certified.
 pub fn run(arguments: &Net) -> Result<bool, Failure> {
@@ -19,7 +19,7 @@ pub fn run(arguments: &Net) -> Result<bool, Failure> {
     let curve = &given.curve;
     let output = Output::prepare(&arguments.out, &path, arguments.force)?;
     let terminal = Terminal::new(arguments.quiet, None)?;
-    terminal.guard(Some(output.staging().to_path_buf()));
+    terminal.guard(Some(output.workspace().to_path_buf()));
     let options = Options {
         input: arguments.name.clone().unwrap_or_else(|| stem(&path)),
         along: arguments.along,
@@ -27,16 +27,17 @@ pub fn run(arguments: &Net) -> Result<bool, Failure> {
         polynomial: arguments.polynomial,
         ruling_spacing: arguments.rulings.as_ref().map(|l| l.mm),
         mark_spacing: arguments.marks.as_ref().map(|l| l.mm),
+        drawn: arguments.drawing.drawn(),
         ..Options::new(arguments.tolerance.mm, first_ruling(arguments, &given)?, condition(arguments, &given)?)
     };
     let outcome = net(curve, &options, terminal.control())
         .map_err(|e| Failure::new(e.to_string(), "see 'torse net --help' for what a net is made from"))?;
-    deliver(&outcome, Vec::new(), output, &terminal)?;
+    let folder = deliver(&outcome, Vec::new(), output, &terminal)?;
     if !arguments.quiet {
         // A closed pipe is no reason to fail after the work is done.
-        let _ = summary(&outcome, &arguments.out);
+        let _ = tell(&outcome, &made(&outcome), &folder);
     }
-    Ok(outcome.status == Status::Certified)
+    Ok(outcome.status() == Status::Certified)
 }
 
 /// The curve, with what a control net says besides.

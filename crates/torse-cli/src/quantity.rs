@@ -3,7 +3,7 @@
 
 use std::time::Duration;
 use torse::geom::Vec3;
-use torse::surface::zone::Zone;
+use torse::torse::zone::Zone;
 
 /// A length given on the command line.
 #[derive(Clone, Debug, PartialEq)]
@@ -226,6 +226,14 @@ pub fn smooth_angle(text: &str) -> Result<f64, String> {
     match text.trim().trim_end_matches("deg").trim_end().parse::<f64>() {
         Ok(degrees) if (0.0..90.0).contains(&degrees) => Ok(degrees),
         _ => Err("it must be a number of degrees from 0 to less than 90, such as 0.5".into()),
+    }
+}
+
+/// Turn between bend lines in degrees.
+pub fn bend_step(text: &str) -> Result<f64, String> {
+    match text.trim().trim_end_matches("deg").trim_end().parse::<f64>() {
+        Ok(degrees) if (0.01..=90.0).contains(&degrees) => Ok(degrees),
+        _ => Err("it must be an angle from 0.01deg to 90deg, such as 5deg".into()),
     }
 }
 

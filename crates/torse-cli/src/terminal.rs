@@ -1,6 +1,8 @@
-//! Progress on a terminal, and Ctrl-C.
+//! Progress on a terminal, and requests to stop.
 
 use crate::failure::Failure;
+use crate::folder::discard;
+use crate::signals::{self, Request};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{IsTerminal, Write};
 use std::path::PathBuf;
@@ -11,8 +13,6 @@ use torse::control::{Control, Progress};
 
 /// Steps of the bar: fractions are shown to a tenth of a percent.
 const STEPS: u64 = 1000;
-/// Exit status after a second Ctrl-C (128 + SIGINT, the shell's convention).
-const INTERRUPTED: i32 = 130;
 
 /// The terminal's part in a long job: a bar that appears only where somebody sees it.
 pub struct Terminal {
@@ -24,8 +24,8 @@ pub struct Terminal {
 }
 
 impl Terminal {
-    /// A bar (hidden unless stderr is a terminal and the job is not quiet), a control that feeds it, and a Ctrl-C
-    /// handler that cancels the control; a second Ctrl-C removes the unfinished folder and ends the program.
+    /// A bar (hidden unless stderr is a terminal and the job is not quiet), and a control that feeds it and that Ctrl-C
+    /// and its like cancel; a second request removes the unfinished folder and ends the program.
     pub fn new(quiet: bool, limit: Option<Duration>) -> Result<Self, Failure> {
         let bar = ProgressBar::new(STEPS);
         if quiet || !std::io::stderr().is_terminal() {
@@ -46,27 +46,28 @@ impl Terminal {
             control = control.until(Instant::now() + limit);
         }
 
-        let interrupted = Arc::new(AtomicBool::new(false));
         let unfinished = Arc::new(Mutex::new(None::<PathBuf>));
-        let (flag, folder, cancel, seen) = (interrupted.clone(), unfinished.clone(), control.clone(), bar.clone());
-        ctrlc::set_handler(move || {
-            if flag.swap(true, Ordering::SeqCst) {
+        let (folder, cancel, seen) = (unfinished.clone(), control.clone(), bar.clone());
+        let interrupted = signals::watch(move |request| match request {
+            Request::End(status) => {
                 let folder = folder.lock().unwrap_or_else(PoisonError::into_inner).take();
                 if let Some(folder) = folder {
-                    // Nothing more can be done if it resists.
-                    let _ = std::fs::remove_dir_all(folder);
+                    // What resists is left to the next run.
+                    let _ = discard(&folder);
                 }
-                std::process::exit(INTERRUPTED);
+                std::process::exit(status);
             }
-            cancel.cancel();
-            seen.suspend(|| {
-                if !quiet {
-                    let _ = writeln!(
-                        std::io::stderr(),
-                        "stopping: writing what was found; press Ctrl-C again to stop at once"
-                    );
-                }
-            });
+            Request::Stop => {
+                cancel.cancel();
+                seen.suspend(|| {
+                    if !quiet {
+                        let _ = writeln!(
+                            std::io::stderr(),
+                            "stopping: writing what was found; press Ctrl-C again to stop at once"
+                        );
+                    }
+                });
+            }
         })
         .map_err(|e| Failure::new(format!("cannot watch for Ctrl-C: {e}"), ""))?;
         Ok(Self { bar, control, interrupted, unfinished })
@@ -82,7 +83,7 @@ impl Terminal {
         self.bar.set_message(message);
     }
 
-    /// Whether Ctrl-C was pressed.
+    /// Whether Ctrl-C or its like asked to stop.
     pub fn interrupted(&self) -> bool {
         self.interrupted.load(Ordering::SeqCst)
     }

@@ -1,16 +1,21 @@
 //! The one place where the program calls the library: read, approximate, files. Opens nothing and prints nothing.
 
 use crate::failure::Failure;
+use torse::answer::marks::Marks;
+use torse::answer::outcome::{Outcome, Skipped};
+use torse::answer::sheets::Sheets;
+use torse::brep::face::Face;
+use torse::certify::claim::{Claim, Status, Subject};
 use torse::control::Control;
+use torse::develop::view::Drawn;
+use torse::io::marks::{chosen, do_not_cut, FEW};
 use torse::io::step::read::ReadError;
+use torse::io::words;
 use torse::pipeline::approximate::{self as pipeline, ApproximateError, Options};
 use torse::pipeline::cone_shapes;
 use torse::pipeline::cones::{self as cone_pipeline, ConesOptions, ConesOutcome};
-use torse::pipeline::cover::{Layout, Limits};
-use torse::pipeline::outcome::{Outcome, Skipped};
-use torse::pipeline::presentation::present;
 use torse::pipeline::sweep;
-use torse::surface::face::Face;
+use torse::search::cover::{Layout, Limits};
 
 /// A model as read from a file.
 pub struct Model {
@@ -40,14 +45,15 @@ pub struct Job {
     pub meet: bool,
     /// Angle up to which edges between faces count as smooth, rad.
     pub smooth_angle: f64,
+    /// How flat patterns are drawn.
+    pub drawn: Drawn,
 }
 
 /// Reads a STEP file. `name` is for messages.
 pub fn read(name: &str, bytes: &[u8]) -> Result<Model, Failure> {
     let model =
         torse::io::step::read::read(bytes).map_err(|e| Failure::new(format!("{name}: {e}"), reading_hint(&e)))?;
-    let skipped = model.skipped.into_iter().map(|s| Skipped { entity: s.entity, reason: s.reason }).collect();
-    Ok(Model { faces: model.faces, skipped, unit: model.unit, notes: model.notes })
+    Ok(Model { faces: model.faces, skipped: model.skipped, unit: model.unit, notes: model.notes })
 }
 
 /// What would help against a file that cannot be read.
@@ -77,6 +83,7 @@ fn options(job: &Job) -> Options {
         layout: job.layout.clone(),
         meet: job.meet,
         smooth_angle: job.smooth_angle,
+        drawn: job.drawn,
     }
 }
 
@@ -87,7 +94,7 @@ pub fn sweep(
     job: &Job,
     control: &Control,
 ) -> Result<Vec<(String, Vec<u8>)>, Failure> {
-    let rows = sweep::sweep(&model.faces, tolerances, &options(job), control)
+    let rows = sweep::sweep(&model.faces, &model.skipped, tolerances, &options(job), control)
         .map_err(|e| Failure::new(e.to_string(), hint(&e)))?;
     torse::io::sweep::files(&job.name, &rows, sweep::picture(&job.name, &rows).as_ref())
         .map_err(|e| Failure::new(e.to_string(), "this is a fault of the program; please report it with the model"))
@@ -110,8 +117,14 @@ pub fn cones_of_panels(outcome: &Outcome, whole: f64, control: &Control) -> Resu
     let used = outcome.certificate.deviation_bound;
     let tolerance = if used < whole { whole - used } else { whole - outcome.tolerance };
     let options = ConesOptions { tolerance, input: outcome.input.clone() };
-    cone_pipeline::of_panels(&outcome.patchwork, &options, control)
-        .map_err(|e| Failure::new(e.to_string(), "leave out --cones to keep the panels"))
+    let mut cones = cone_pipeline::of_panels(&outcome.patchwork, &outcome.skipped, &options, control)
+        .map_err(|e| Failure::new(e.to_string(), "leave out --cones to keep the panels"))?;
+    // Cones near panels are no nearer to the surface than these.
+    if outcome.status() == Status::Uncertified {
+        let reason = format!("the panels are not certified: {}", words::reason(&outcome.claims, &[]));
+        cones.sheets.claims.push(Claim::objection(Subject::Whole, reason));
+    }
+    Ok(cones)
 }
 
 /// The files of cone splines, by name.
@@ -133,7 +146,7 @@ pub fn bending_files(outcome: &ConesOutcome) -> Result<Vec<(String, Vec<u8>)>, F
 pub fn thickness_files(outcome: &ConesOutcome, thickness: f64) -> Result<Vec<(String, Vec<u8>)>, Failure> {
     let surfaces = cone_shapes::thick(&outcome.bodies, thickness)
         .map_err(|e| Failure::new(e.to_string(), "give a smaller --thickness, or leave it out"))?;
-    let scene = cone_shapes::scene(&surfaces);
+    let scene = cone_shapes::scene(&surfaces, Marks::of_sheets(&outcome.sheets).any());
     torse::io::cones::thickness(&outcome.sheets.input, &surfaces, &scene, &crate::clock::stamp()).map_err(|e| fault(&e))
 }
 
@@ -162,8 +175,21 @@ fn hint(error: &ApproximateError) -> &'static str {
     }
 }
 
+/// What must not be cut of panels that are not certified, in words.
+pub fn warning(outcome: &Outcome) -> String {
+    let panels = &outcome.patchwork.panels;
+    do_not_cut(&chosen(panels.iter().map(|p| p.name.as_str()), &Marks::of(outcome).panels), panels.len(), FEW)
+}
+
+/// What must not be cut of strips that are not certified, in words.
+pub fn sheets_warning(sheets: &Sheets) -> String {
+    let marked = Marks::of_sheets(sheets).any();
+    let parts = sheets.parts.iter().filter(|_| marked).map(|p| p.name.as_str()).collect::<Vec<_>>();
+    do_not_cut(&parts, sheets.parts.len(), FEW)
+}
+
 /// The files of a result, by name.
-pub fn files(outcome: &Outcome) -> Result<Vec<(String, Vec<u8>)>, Failure> {
-    torse::io::bundle::files(outcome, &present(outcome), &crate::clock::stamp())
+pub fn files(outcome: &mut Outcome) -> Result<Vec<(String, Vec<u8>)>, Failure> {
+    torse::pipeline::deliver::files(outcome, &crate::clock::stamp())
         .map_err(|e| Failure::new(e.to_string(), "this is a fault of the program; please report it with the model"))
 }

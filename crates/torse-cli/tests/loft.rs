@@ -31,20 +31,23 @@ fn the_chine_plate_is_exactly_developable_and_the_report_says_how_much_of_the_ra
     let room = tempfile::tempdir().expect("room");
     let (low, high) = (data("chine_low.csv"), data("chine_high.csv"));
     let plate = ["loft", &low, &high, "--unit", "mm", "-t", "0.05mm", "--rulings", "250mm"];
-    let (trimmed, told) = report(room.path(), &plate, 0);
+    let (trimmed, told) = report(room.path(), &[&plate[..], &["--ends", "trim"]].concat(), 3);
+    assert!(told.contains("certified in part: 62.55 % of chine_low.csv, 60.6"), "{told}");
     assert!(told.contains("exactly developable splines of planes"), "{told}");
     // A millionth of a degree is rounding.
     assert!(figure(&trimmed, "twist, bound") < 1e-6 && figure(&trimmed, "from chine_low.csv") <= 0.05);
     let used = figure(&trimmed, "used of chine_low.csv");
     assert!((used - 62.55).abs() < 0.01, "{used}");
-    let (all, _) = report(room.path(), &[&plate[..], &["--ends", "all"]].concat(), 0);
+    // Unasked, both rails are used whole: cones about their ends.
+    let (all, _) = report(room.path(), &plate, 0);
     assert!((figure(&all, "used of chine_low.csv") - 100.0).abs() < 1e-6);
     assert!((figure(&all, "used of chine_high.csv") - 100.0).abs() < 1e-6);
-    let (extended, told) = report(room.path(), &[&plate[..], &["--ends", "extend"]].concat(), 0);
+    let (extended, told) = report(room.path(), &[&plate[..], &["--ends", "extend"]].concat(), 3);
+    assert!(told.contains("past the ends of chine"), "{told}");
     assert!(figure(&extended, "used of chine_low.csv") > 99.0 && told.contains("is extended by"), "{told}");
     // An extension along the tangent leads nowhere, and is not drawn.
     let straight = [&plate[..], &["--ends", "extend", "--extension", "line"]].concat();
-    let (straight, _) = report(room.path(), &straight, 0);
+    let (straight, _) = report(room.path(), &straight, 3);
     assert!((figure(&straight, "used of chine_low.csv") - used).abs() < 1e-6);
 }
 

@@ -1,6 +1,6 @@
 //! The envelope of tangent planes along one curve, and the minimal intervals of its rulings (\[SE06\]).
 
-use torse::fit::along::{envelope_along, interval};
+use torse::fit::near::tangent_envelope::{envelope_along, interval};
 use torse::io::step::read::read;
 use torse::spline::surface::Surface;
 

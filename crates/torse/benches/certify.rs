@@ -6,7 +6,7 @@ use torse::geom::{Frame, Vec3};
 use torse::spline::curve::Curve;
 use torse::spline::knots::Knots;
 use torse::spline::surface::Surface;
-use torse::surface::torse::{DualTorse, PrimalTorse, Torse};
+use torse::torse::form::{DualTorse, PrimalTorse, Torse};
 
 fn main() {
     divan::main();
@@ -38,7 +38,7 @@ fn dish(n: usize, rational: bool) -> (Surface, Torse, Vec<[[f64; 2]; 3]>) {
         })
         .collect();
     let profile = Curve::new(3, v.to_vec(), control).expect("profile");
-    let torse = Torse::Primal(PrimalTorse { frame: Frame::world(), profile, beta: 0.0 });
+    let torse = Torse::Primal(PrimalTorse::new(Frame::world(), profile, 0.0));
     let mut triangles = Vec::new();
     let at = |i: usize| i as f64 / n as f64;
     for i in 0..n {

@@ -3,11 +3,11 @@
 use std::f64::consts::TAU;
 use torse::certify::cones::{cones as judge, ConeJudgeOptions, ConeProof};
 use torse::design::cones::{cone_spline, ConeOptions};
-use torse::fit::cones::{cones, ConeFit, ConeFitOptions};
-use torse::surface::cone_pair::{cone_pair, ConePair, PairOptions};
-use torse::surface::cone_spline::ConeSpline;
-use torse::surface::g1_element::G1Element;
-use torse::surface::ruled_strip::{HelicalStrip, RuledStrip};
+use torse::fit::elements::cones::{cones, ConeFit, ConeFitOptions};
+use torse::torse::cone::pair::{cone_pair, ConePair, PairOptions};
+use torse::torse::cone::spline::ConeSpline;
+use torse::torse::g1_element::G1Element;
+use torse::torse::ruled_patch::{HelicalStrip, RuledStrip};
 
 fn main() {
     divan::main();

@@ -3,10 +3,10 @@
 use torse::control::Control;
 use torse::design::discrete::planarise::{planarise, Hold, PlanariseOptions, Planarised};
 use torse::design::discrete::subdivide::{subdivide, SubdivideOptions, Subdivided};
-use torse::fit::decompose::{decompose, DecomposeOptions};
+use torse::fit::elements::decompose::{decompose, DecomposeOptions};
 use torse::geom::Vec3;
-use torse::surface::quad_strip::QuadStrip;
-use torse::surface::shape_run::{Run, TangentPlane};
+use torse::torse::kind::{Run, TangentPlane};
+use torse::torse::quad_strip::QuadStrip;
 
 fn main() {
     divan::main();

@@ -1,10 +1,10 @@
 //! Times of fits in dual space and of measured points, as the documentation states them.
 
 use torse::control::Control;
-use torse::fit::plane_correction::{joint, JointOptions};
-use torse::fit::planes::{planes, PlaneDatum, PlanesOptions};
-use torse::fit::regression::{regression_free, ForbiddenZone, RegressionOptions};
-use torse::fit::rulings::SlopeData;
+use torse::fit::planes::correction::{joint, JointOptions};
+use torse::fit::planes::linear_system::{planes, PlaneDatum, PlanesOptions};
+use torse::fit::planes::regression::{regression_free, ForbiddenZone, RegressionOptions};
+use torse::fit::planes::rulings::SlopeData;
 use torse::geom::cloud::Cloud;
 use torse::geom::measure::Measure;
 use torse::geom::Vec3;

@@ -1,6 +1,9 @@
 //! Time of one fit: a strip of a torus at the width for which the best error is 1 mm.
 
-use torse::fit::{dual, plane, primal, CentrePoint, DualOptions, PrimalOptions, Sample};
+use torse::fit::near::dual::{CentrePoint, DualOptions};
+use torse::fit::near::primal::PrimalOptions;
+use torse::fit::near::samples::Sample;
+use torse::fit::near::{dual::dual, plane::plane, primal::primal};
 use torse::geom::Vec3;
 
 fn main() {

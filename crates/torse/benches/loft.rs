@@ -2,13 +2,14 @@
 //! follow a branch, the convex hull.
 
 use std::f64::consts::TAU;
+use torse::brep::space_curve::SpaceCurve;
+use torse::control::Control;
 use torse::design::hull::{hull, Hull};
 use torse::design::loft::branches::{branches, Branch, BranchOptions};
 use torse::design::loft::build::{follow, BuildOptions, BuiltStrip};
 use torse::design::loft::least_twist::{least_twist, LeastTwistOptions, TwistPath};
 use torse::geom::{Frame, Vec3};
-use torse::spline::space_curve::SpaceCurve;
-use torse::surface::rail::Rail;
+use torse::torse::rail::Rail;
 
 fn main() {
     divan::main();
@@ -52,12 +53,12 @@ fn strips_along_a_branch(b: divan::Bencher) {
     let (p, q) = (ellipse(0.0, 1.0, 1.0), ellipse(1.0, 1.5, 0.6));
     let found = branches(&p, &q, &BranchOptions::default());
     b.bench(|| -> Vec<BuiltStrip> {
-        follow(&p, &q, divan::black_box(&found[0]), &BuildOptions::new(1e-5)).expect("strips")
+        follow([&p, &q], divan::black_box(&found[0]), &BuildOptions::new(1e-5), &Control::default()).expect("strips")
     });
 }
 
 #[divan::bench]
 fn hull_of_two_ellipses(b: divan::Bencher) {
     let curves = [ellipse(0.0, 1.0, 1.0), ellipse(1.0, 1.5, 0.6)];
-    b.bench(|| -> Hull { hull(divan::black_box(&curves), 256).expect("hull") });
+    b.bench(|| -> Hull { hull(divan::black_box(&curves), 256, &Control::default()).expect("hull") });
 }

@@ -5,7 +5,7 @@ use torse::design::interpolate::{interpolate, solvability, EndRulings, Options, 
 use torse::geom::Vec3;
 use torse::spline::curve::Curve;
 use torse::spline::knots::Knots;
-use torse::surface::net::{homogeneous, Net, Shape};
+use torse::torse::net::{homogeneous, Net, Shape};
 
 fn main() {
     divan::main();

@@ -1,18 +1,18 @@
 //! Panels and patterns: patch, panel with trimming curves, development, flat pattern; by number of spans.
 
 use divan::Bencher;
+use torse::brep::face::Face;
 use torse::develop::map::Development;
 use torse::develop::pattern::{pattern, PatternOptions};
-use torse::fit::boundary::{Assigned, Borders, BoundaryOptions};
-use torse::geom::partition::Partition;
+use torse::fit::panels::boundary::{Assigned, Borders, BoundaryOptions};
 use torse::geom::Vec3;
+use torse::patchwork::panel::Patchwork;
+use torse::patchwork::partition::Partition;
 use torse::spline::curve::Curve;
 use torse::spline::knots::Knots;
 use torse::spline::surface::Surface;
-use torse::surface::convert::{patch, Extent};
-use torse::surface::face::Face;
-use torse::surface::panel::Patchwork;
-use torse::surface::torse::{DualTorse, PanelKind, Torse};
+use torse::torse::convert::{patch, Extent};
+use torse::torse::form::{DualTorse, PanelKind, Torse};
 
 fn main() {
     divan::main();

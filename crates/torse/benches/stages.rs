@@ -1,17 +1,17 @@
 //! The main job on half a bowl at 1 mm, stage by stage: where its time goes.
 
 use std::sync::OnceLock;
+use torse::answer::outcome::Outcome;
+use torse::answer::presentation::present;
+use torse::brep::face::Face;
 use torse::certify;
 use torse::control::Control;
 use torse::develop::pattern::{pattern, PatternOptions};
-use torse::fit::level::{levels, LevelOptions};
+use torse::fit::level::strip_potential::{levels, LevelOptions};
 use torse::io::bundle;
 use torse::io::step::read::read;
 use torse::pipeline::approximate::{approximate, Options};
-use torse::pipeline::cover::{cover, CoverOptions, Layout, Limits, State};
-use torse::pipeline::outcome::Outcome;
-use torse::pipeline::presentation::present;
-use torse::surface::face::Face;
+use torse::search::cover::{cover, CoverOptions, Layout, Limits, State};
 
 const BOWL: &[u8] = include_bytes!("../../../data/half_bowl.step");
 
@@ -38,6 +38,7 @@ fn outcome() -> &'static Outcome {
             layout: Layout::default(),
             meet: false,
             smooth_angle: 0.0,
+            drawn: torse::develop::view::Drawn::default(),
         };
         approximate(vec![face()], Vec::new(), &options, &Control::default()).expect("an outcome")
     })

@@ -8,22 +8,22 @@
 use std::path::Path;
 use torse::design::cones::{cone_spline, osculating_spline, ConeOptions, Osculating};
 use torse::develop::cones::{bent, cone_pattern, Bending};
+use torse::draw::drawing::drawing;
+use torse::draw::picture::{panels, Caption};
+use torse::draw::scene::{PanelShape, Scene};
+use torse::draw::sequence::sequence;
 use torse::geom::{Vec2, Vec3};
 use torse::io::{cones::exact, dxf, png};
-use torse::surface::cone_forms::patches;
-use torse::surface::cone_pair::{any_pair, ConePair, PairOptions};
-use torse::surface::cone_part::ConeBody;
-use torse::surface::cone_spline::{ConeSpline, Segment, Shape};
-use torse::surface::g1_element::G1Element;
-use torse::surface::pattern::Placement;
-use torse::surface::ruled_strip::{tangent_strip, HelicalStrip, RuledStrip, StripJet};
-use torse::surface::strip::Strip;
-use torse::surface::torse::PanelKind;
-use torse::tessellate::drawing::drawing;
-use torse::tessellate::picture::{panels, Caption};
-use torse::tessellate::scene::{PanelShape, Scene};
-use torse::tessellate::sequence::sequence;
+use torse::patchwork::pattern::Placement;
 use torse::tessellate::strip;
+use torse::torse::cone::forms::patches;
+use torse::torse::cone::pair::{any_pair, ConePair, PairOptions};
+use torse::torse::cone::part::ConeBody;
+use torse::torse::cone::spline::{ConeSpline, Segment, Shape};
+use torse::torse::form::PanelKind;
+use torse::torse::g1_element::G1Element;
+use torse::torse::ruled_patch::{tangent_strip, HelicalStrip, RuledStrip, StripJet};
+use torse::torse::strip::Strip;
 
 type Result<T> = std::result::Result<T, Box<dyn std::error::Error>>;
 
@@ -181,12 +181,16 @@ fn main() -> Result<()> {
     let circular = three.clone().with_circular_edges(1.0, 1.8);
     bending(&folder.join("fig17_bending.png"), &circular)?;
     let pattern = cone_pattern(&circular, "A", 1e-4);
-    let flat = drawing(&[pattern], &[Placement { angle: 0.0, offset: Vec2::zeros() }]);
+    let flat = drawing(&[pattern], &[Placement { angle: 0.0, offset: Vec2::zeros() }], &[]);
     let mut bytes = Vec::new();
     dxf::write(&mut bytes, &flat)?;
     std::fs::write(folder.join("fig17_flat.dxf"), bytes)?;
-    let (_, step) =
-        exact("three pairs", &[ConeBody { name: "A".into(), spline: circular, part: None }], "2026-01-01T00:00:00")?;
+    let (_, step) = exact(
+        "three pairs",
+        &[ConeBody { name: "A".into(), spline: circular, part: None }],
+        false,
+        "2026-01-01T00:00:00",
+    )?;
     std::fs::write(folder.join("fig11b_three_pairs.step"), step)?;
     Ok(())
 }
@@ -239,6 +243,7 @@ fn scene(spline: &ConeSpline) -> Result<Scene> {
                 mesh: strip::mesh(&strip, &u, &v, &[]),
                 rulings: vec![strip.ruling(0.25), strip.ruling(0.5), strip.ruling(0.75)],
                 borders: vec![strip::border_line(&strip)],
+                marked: false,
             });
         }
     }

@@ -3,12 +3,12 @@
 
 use std::io::Write;
 use torse::control::Control;
+use torse::draw::chart::{chart, Chart, Series};
 use torse::io::png;
 use torse::io::step::read::read;
 use torse::pipeline::approximate::Options;
-use torse::pipeline::cover::{Layout, Limits};
 use torse::pipeline::sweep::sweep;
-use torse::tessellate::chart::{chart, Chart, Series};
+use torse::search::cover::{Layout, Limits};
 
 const BOWL: &[u8] = include_bytes!("../../../data/half_bowl.step");
 
@@ -28,8 +28,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         layout: Layout::default(),
         meet: false,
         smooth_angle: 0.0,
+        drawn: torse::develop::view::Drawn::default(),
     };
-    let rows = sweep(&read(BOWL)?.faces, &TOLERANCES, &options, &Control::default())?;
+    let rows = sweep(&read(BOWL)?.faces, &[], &TOLERANCES, &options, &Control::default())?;
     let mut out = std::io::stdout().lock();
     for r in &rows {
         let limit = r.limit.map_or("-".into(), |l| format!("{l:.2}"));

@@ -3,20 +3,20 @@
 
 use std::error::Error;
 use std::path::Path;
+use torse::answer::presentation::present;
+use torse::certify::claim::Status;
 use torse::control::Control;
-use torse::fit::along::{envelope_along, interval, paper_estimate, smoothed, walked, RulingPoint};
+use torse::draw::picture::{self, Caption};
+use torse::draw::raster::{Drawing, Image};
+use torse::draw::scene::{PanelShape, Scene};
+use torse::fit::near::tangent_envelope::{envelope_along, interval, paper_estimate, smoothed, walked, RulingPoint};
 use torse::geom::mesh::Mesh;
 use torse::geom::{Vec2, Vec3};
 use torse::io::png;
 use torse::io::step::read::read;
 use torse::pipeline::approximate::{approximate, Options};
-use torse::pipeline::cover::{CurveShape, Layout, Limits, PanelCurve};
-use torse::pipeline::outcome::Status;
-use torse::pipeline::presentation::present;
+use torse::search::cover::{CurveShape, Layout, Limits, PanelCurve};
 use torse::spline::surface::Surface;
-use torse::tessellate::picture::{self, Caption};
-use torse::tessellate::raster::{Drawing, Image};
-use torse::tessellate::scene::{PanelShape, Scene};
 
 type Done<T> = Result<T, Box<dyn Error>>;
 
@@ -332,10 +332,11 @@ fn covered(bytes: &[u8], tolerance: f64, curve: &PanelCurve) -> Done<Image> {
         layout: Layout { curves: vec![curve.clone()], ..Layout::default() },
         meet: false,
         smooth_angle: 0.0,
+        drawn: torse::develop::view::Drawn::default(),
     };
     let outcome = approximate(read(bytes)?.faces, Vec::new(), &options, &Control::default())?;
     let shown = present(&outcome);
-    let proof = if outcome.status == Status::Certified { "certified" } else { "not certified" };
+    let proof = if outcome.status() == Status::Certified { "certified" } else { "not certified" };
     let note = format!("{} of them along the {} or in its wake; {proof}", outcome.along.len(), curve.name);
     let title = format!("{} panels at {tolerance} mm", outcome.patchwork.panels.len());
     Ok(picture::panels(&shown.scene, &shown.direction, &Caption { width: 1100, title, note }))

@@ -6,22 +6,21 @@
 //! of which a developable consists.
 
 use std::path::Path;
+use torse::answer::presentation::present_sheets;
+use torse::answer::sheets::{FieldMeaning, FlatPart, Sheets};
 use torse::control::Control;
 use torse::design::discrete::planarise::Hold;
 use torse::design::discrete::subdivide::{subdivide, SubdivideOptions};
 use torse::develop::strip::{pattern, StripOptions};
+use torse::draw::picture::{panels, shapes, Caption};
+use torse::draw::scene::{PanelShape, Scene};
 use torse::geom::mesh::Mesh;
 use torse::geom::Vec3;
 use torse::io::png;
-use torse::pipeline::outcome::Status;
-use torse::pipeline::presentation::present_sheets;
-use torse::pipeline::sheets::{FieldMeaning, FlatPart, Sheets};
-use torse::surface::quad_strip::QuadStrip;
-use torse::surface::ruled_point::RuledPoint;
-use torse::surface::strip::Strip;
-use torse::tessellate::picture::{panels, shapes, Caption};
-use torse::tessellate::scene::{PanelShape, Scene};
 use torse::tessellate::strip;
+use torse::torse::quad_strip::QuadStrip;
+use torse::torse::ruled_point::RuledPoint;
+use torse::torse::strip::Strip;
 
 type Result<T> = std::result::Result<T, Box<dyn std::error::Error>>;
 
@@ -316,16 +315,14 @@ fn mixed() -> Result<Sheets> {
         job: "gallery".into(),
         input: "mixed".into(),
         tolerance: 1e-3,
-        status: Status::Certified,
+        claims: Vec::new(),
         parts: vec![FlatPart { name: "A".into(), first: 0, count: strips.len(), missing: String::new() }],
         strips,
-        strip_figures: Vec::new(),
         fields: Vec::new(),
         points: Default::default(),
         meaning: FieldMeaning::default(),
         patterns,
         guides: Vec::new(),
-        figures: Vec::new(),
         notes: Vec::new(),
         skipped: Vec::new(),
         seconds: 0.0,

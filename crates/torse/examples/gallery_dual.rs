@@ -3,24 +3,24 @@
 
 use std::error::Error;
 use std::path::Path;
-use torse::fit::multiresolution::trigonometric::{cone_strip, ConeStrip, RadiusSign};
-use torse::fit::plane_correction::corrected;
-use torse::fit::planes::{planes, PlaneDatum, PlanesOptions};
-use torse::fit::regression::{regression_free, ForbiddenZone, RegressionOptions};
-use torse::fit::rulings::{slope_fit, RulingDatum, SlopeData, SlopeOptions};
+use torse::draw::picture::{panels, Caption};
+use torse::draw::raster::{Drawing, Image};
+use torse::draw::scene::{PanelShape, Scene};
+use torse::fit::planes::correction::corrected;
+use torse::fit::planes::linear_system::{planes, PlaneDatum, PlanesOptions};
+use torse::fit::planes::multiresolution::trigonometric::{cone_strip, ConeStrip, RadiusSign};
+use torse::fit::planes::regression::{regression_free, ForbiddenZone, RegressionOptions};
+use torse::fit::planes::rulings::{slope_fit, RulingDatum, SlopeData, SlopeOptions};
 use torse::geom::measure::{LineMeasure, Measure};
 use torse::geom::mesh::Mesh;
 use torse::geom::{Vec2, Vec3};
 use torse::io::png;
 use torse::spline::knots::Knots;
 use torse::spline::surface::Surface;
-use torse::surface::dual::DualCurve;
-use torse::surface::strip::Strip;
-use torse::surface::torse::PanelKind;
-use torse::tessellate::picture::{panels, Caption};
-use torse::tessellate::raster::{Drawing, Image};
-use torse::tessellate::scene::{PanelShape, Scene};
 use torse::tessellate::strip::{border_line, grid, mesh, ruling_lines};
+use torse::torse::dual::DualCurve;
+use torse::torse::form::PanelKind;
+use torse::torse::strip::Strip;
 
 type Done<T> = Result<T, Box<dyn Error>>;
 
@@ -90,6 +90,7 @@ fn shape(strip: &Strip, spacing: f64) -> PanelShape {
         mesh: mesh(strip, &u, &v, &[]),
         rulings: ruling_lines(strip, spacing),
         borders: vec![border_line(strip)],
+        marked: false,
     }
 }
 
@@ -405,7 +406,7 @@ fn figure_9_strip(count: usize) -> Done<Image> {
                 rulings.push([a, b]);
             }
         }
-        shapes.push(PanelShape { name: String::new(), mesh, rulings, borders: Vec::new() });
+        shapes.push(PanelShape { mesh, rulings, ..PanelShape::default() });
     }
     let scene = Scene { panels: shapes, ..Scene::default() };
     let caption = Caption {

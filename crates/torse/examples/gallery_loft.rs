@@ -6,18 +6,19 @@
 use std::error::Error;
 use std::f64::consts::TAU;
 use std::path::Path;
+use torse::answer::presentation::present_sheets;
+use torse::answer::sheets::Sheets;
+use torse::brep::space_curve::SpaceCurve;
+use torse::certify::claim::Subject;
 use torse::control::Control;
 use torse::design::loft::branches::BranchType;
+use torse::draw::picture::{self, Caption};
+use torse::draw::raster::{Drawing, Line};
 use torse::geom::{Frame, Vec2, Vec3};
 use torse::io::png;
 use torse::pipeline::hull::{hull, Options};
 use torse::pipeline::loft::{self, Choice, Ends};
-use torse::pipeline::presentation::present_sheets;
-use torse::pipeline::sheets::Sheets;
-use torse::spline::space_curve::SpaceCurve;
-use torse::surface::rail::Rail;
-use torse::tessellate::picture::{self, Caption};
-use torse::tessellate::raster::{Drawing, Line};
+use torse::torse::rail::Rail;
 
 type Outcome<T> = Result<T, Box<dyn Error>>;
 
@@ -83,8 +84,8 @@ fn only(all: &Sheets, part: usize) -> Sheets {
     let mut out = all.clone();
     out.strips = all.strips[p.first..p.first + p.count].to_vec();
     out.fields = all.fields[p.first..p.first + p.count].to_vec();
-    out.strip_figures = all.strip_figures[p.first..p.first + p.count].to_vec();
-    out.parts = vec![torse::pipeline::sheets::FlatPart { first: 0, ..p.clone() }];
+    out.claims = all.claims_of(Subject::Whole).cloned().collect();
+    out.parts = vec![torse::answer::sheets::FlatPart { first: 0, ..p.clone() }];
     out.patterns = all.patterns.iter().filter(|q| q.panel == part).cloned().collect();
     out
 }

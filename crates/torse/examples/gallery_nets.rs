@@ -5,15 +5,15 @@
 use std::error::Error;
 use std::path::Path;
 use torse::design::interpolate::{interpolate, EndRulings, Options};
+use torse::draw::camera::{Camera, Rect};
+use torse::draw::colour::{self, Rgb};
+use torse::draw::raster::{Drawing, Line, Paint, Vertex};
 use torse::geom::{Vec2, Vec3};
 use torse::io::png;
 use torse::spline::curve::Curve;
 use torse::spline::knots::Knots;
 use torse::spline::surface::Surface;
-use torse::surface::net::{aumann, homogeneous, Net, Shape};
-use torse::tessellate::camera::{Camera, Rect};
-use torse::tessellate::colour::{self, Rgb};
-use torse::tessellate::raster::{Drawing, Line, Paint, Vertex};
+use torse::torse::net::{aumann, homogeneous, Net, Shape};
 
 const WIDTH: usize = 1200;
 const HEIGHT: usize = 800;

@@ -4,15 +4,15 @@
 
 use std::error::Error;
 use std::path::Path;
+use torse::draw::flat;
+use torse::draw::picture::{self, Caption};
+use torse::draw::scene::{PanelShape, Scene};
 use torse::geom::mesh::Mesh;
 use torse::geom::{Vec2, Vec3};
 use torse::io::html::{self, Page};
 use torse::io::json::{FaceRecord, PanelRecord, Report, WitnessRecord, SCHEMA};
 use torse::io::png;
-use torse::surface::pattern::{Contour, ContourVertex, Mark, Pattern};
-use torse::tessellate::flat;
-use torse::tessellate::picture::{self, Caption};
-use torse::tessellate::scene::{PanelShape, Scene};
+use torse::patchwork::pattern::{Contour, ContourVertex, Mark, Pattern};
 
 const STRIPS: usize = 9;
 const TOLERANCE: f64 = 1.0;
@@ -78,8 +78,12 @@ fn report(patterns: &[Pattern]) -> Report {
         flat_area: Some(p.area),
         isometry_error: Some(p.isometry_error),
         contour_error: Some(p.contour_error),
+        strain_bound: None,
+        drawing_bound: None,
         length: Some(p.length),
         width: Some(p.width),
+        view: p.view.name().into(),
+        bends: Vec::new(),
     };
     Report {
         schema: SCHEMA.into(),
@@ -106,10 +110,12 @@ fn report(patterns: &[Pattern]) -> Report {
             surface_deviation_estimate: Some(0.0),
             joined: Vec::new(),
             joint_bound: 0.0,
+            trim_bound: Some(0.0),
         }],
         panels: patterns.iter().map(panel).collect(),
         seams: Vec::new(),
         along: Vec::new(),
+        written: Vec::new(),
     }
 }
 
@@ -178,6 +184,7 @@ fn scene() -> Scene {
                 }),
                 rulings: (0..=30).map(|i| [at(i as f64 / 30.0, 0.0), at(i as f64 / 30.0, 1.0)]).collect(),
                 borders: vec![border],
+                marked: false,
             }
         })
         .collect();
@@ -215,6 +222,8 @@ fn pattern(k: usize) -> Pattern {
         panel: k,
         name,
         contours: vec![contour],
+        bends: Vec::new(),
+        view: Default::default(),
         rulings,
         marks,
         sides: vec![],

@@ -3,20 +3,23 @@
 
 use std::sync::OnceLock;
 
+use torse::answer::marks::Marks;
+use torse::answer::outcome::Outcome;
+use torse::answer::presentation::present;
+use torse::brep::face::Face;
 use torse::certify;
+use torse::certify::claim::{Claim, Status, Subject};
 use torse::control::Control;
 use torse::geom::Vec3;
 use torse::io::bundle;
 use torse::io::step::read::{read, read_with, ReadOptions};
+use torse::io::words;
+use torse::patchwork::panel::{Panel, Patchwork};
 use torse::pipeline::approximate::{approximate, ApproximateError, Options};
-use torse::pipeline::cover::{CurveError, CurveShape, Guide, Layout, LayoutKind, Limits, PanelCurve, SeamPlane};
-use torse::pipeline::outcome::{Outcome, Status};
-use torse::pipeline::presentation::present;
+use torse::search::cover::{CurveError, CurveShape, Guide, Layout, LayoutKind, Limits, PanelCurve, SeamPlane};
 use torse::spline::knots::Knots;
 use torse::spline::surface::Surface;
-use torse::surface::face::Face;
-use torse::surface::panel::{Panel, Patchwork};
-use torse::surface::torse::Torse;
+use torse::torse::form::Torse;
 
 const TORUS: &[u8] = include_bytes!("../../../data/torus_piece.step");
 const CONE: &[u8] = include_bytes!("../../../data/cone_holes.step");
@@ -33,6 +36,7 @@ fn options(tolerance: f64) -> Options {
         layout: Layout::default(),
         meet: false,
         smooth_angle: 0.0,
+        drawn: torse::develop::view::Drawn::default(),
     }
 }
 
@@ -82,7 +86,7 @@ fn nearest(s: &Surface, x: &Vec3, grid: [usize; 2]) -> ([f64; 2], f64) {
 
 /// Polygons along the trimming curves of a panel in the parameter plane of its patch.
 fn trims(panel: &Panel) -> Vec<Vec<[f64; 2]>> {
-    let along = |l: &Vec<torse::surface::panel::Run>| {
+    let along = |l: &Vec<torse::patchwork::panel::Run>| {
         l.iter().flat_map(|r| (0..200).map(|k| r.trim.point(f64::from(k) / 200.0))).collect()
     };
     panel.loops.iter().map(along).collect()
@@ -166,7 +170,7 @@ fn face_to_panels(face: &Surface, panels: &[Panel]) -> f64 {
 #[test]
 fn a_small_model_is_certified_and_lies_flat() {
     let o = torus();
-    assert_eq!(o.status, Status::Certified);
+    assert_eq!(o.status(), Status::Certified);
     assert!(o.certificate.certified && o.certificate.covered && o.certificate.missing.is_empty());
     assert!(o.certificate.deviation_bound <= TOLERANCE && o.certificate.deviation_bound > 0.0);
     assert!(o.patchwork.panels.len() >= 2 && o.patterns.len() == o.patchwork.panels.len());
@@ -273,7 +277,8 @@ fn numbers_rounded_for_export_are_part_of_the_bound() {
 #[test]
 fn too_few_panels_end_uncertified_with_witness_and_panels() {
     let o = run(TORUS, &Options { max_panels: Some(1), ..options(TOLERANCE) }).expect("an outcome");
-    let Status::Uncertified(reason) = &o.status else { panic!("one panel cannot be certified") };
+    assert_eq!(o.status(), Status::Uncertified, "one panel cannot be certified");
+    let reason = words::reason(&o.claims, &[]);
     assert!(!reason.is_empty());
     assert_eq!((o.patchwork.panels.len(), o.patterns.len()), (1, 1));
     let (uv, d) = o.certificate.panels[0].witness.expect("a witness");
@@ -289,8 +294,63 @@ fn cancelled_work_answers_with_what_it_has() {
     control.cancel();
     let model = read(TORUS).expect("a model");
     let o = approximate(model.faces, model.skipped, &options(0.5), &control).expect("an outcome");
-    assert!(matches!(&o.status, Status::Uncertified(reason) if reason.contains("ended early")), "{:?}", o.status);
-    assert!(!o.patchwork.panels.is_empty());
+    let reason = words::reason(&o.claims, &[]);
+    assert!(reason.contains("ended early"), "{reason}");
+    // A cover of the whole face with a bound that holds, far from what was asked for, and nothing of it to be cut.
+    let bound = o.certificate.deviation_bound;
+    assert!(o.certificate.covered && bound > 0.5 && bound < 0.07 * 850.0 * 2.0, "{bound}");
+    assert!(Marks::of(&o).panels.iter().all(|m| *m));
+    let face = &o.patchwork.faces[0].surface;
+    assert!(face_to_panels(face, &o.patchwork.panels) <= bound);
+}
+
+/// Time that runs out at some moment: whatever was reached covers the whole face and has a bound.
+#[test]
+fn limited_time_gives_a_whole_cover_with_its_bound() {
+    let model = read(TORUS).expect("a model");
+    let limit = std::time::Instant::now() + std::time::Duration::from_millis(300);
+    let control = Control::default().until(limit);
+    let o = approximate(model.faces, model.skipped, &options(0.02), &control).expect("an outcome");
+    assert!(o.certificate.covered && o.certificate.deviation_bound.is_finite(), "{:?}", o.certificate.missing);
+    assert!(o.status() != Status::Certified && Marks::of(&o).any());
+}
+
+/// Of panels that are not certified, these alone are marked, in every file; where none is to blame, all are; where
+/// something is left out, none is.
+#[test]
+fn what_must_not_be_cut_is_marked_in_every_file() {
+    let mut o = torus().clone();
+    let count = o.patchwork.panels.len();
+    assert!(count > 1 && !Marks::of(&o).any());
+    let good = o.claims.clone();
+    o.claims.push(Claim::left_out("a face is missing"));
+    assert!(!Marks::of(&o).any());
+    o.claims = good.clone();
+    o.claims.push(Claim::objection(Subject::Whole, "nobody is to blame"));
+    assert_eq!(Marks::of(&o).panels, vec![true; count]);
+    o.claims = good;
+    o.claims.push(Claim::objection(Subject::Whole, "panel A-02: the width of the pattern is 9 mm"));
+    o.beyond_limits = vec![1];
+    let marks = Marks::of(&o);
+    assert!(marks.panels.iter().enumerate().all(|(k, m)| *m == (k == 1)) && marks.patterns == marks.panels);
+
+    let files = bundle::files(&o, &present(&o), "2026-01-01T00:00:00").expect("files");
+    let text = |name: &str| String::from_utf8_lossy(&files.iter().find(|f| f.0 == name).expect(name).1).into_owned();
+    for name in ["panels.step", "model.glb", "patterns.svg", "report.html"] {
+        assert!(text(name).contains("A-02 NOT CERTIFIED") && !text(name).contains("A-01 NOT CERTIFIED"), "{name}");
+    }
+    let product = format!("PRODUCT('model (1 of {count} NOT CERTIFIED)'");
+    assert!(text("panels.step").contains(&product));
+    let layers = text("patterns.dxf");
+    assert_eq!(layers.matches("\nCUT_OUTER\n").count(), count, "the other panels and the table of layers");
+    assert!(layers.matches("\nNOT_CERTIFIED\n").count() > 10);
+    let page = text("report.html");
+    let first = &page[page.find("<body>").expect("a body")..][..200];
+    assert!(first.contains("do not cut A-02."), "{first}");
+    let report: serde_json::Value = serde_json::from_str(&text("report.json")).expect("json");
+    assert_eq!(report["panels"][1]["certified"], false);
+    assert_eq!(report["panels"][0]["certified"], true);
+    assert!(report["panels"][1]["reason"].as_str().is_some_and(|r| r.contains("limits")));
 }
 
 /// Strips of the piece of a torus run along its meridians when its axis is given as their direction, and around the
@@ -305,7 +365,7 @@ fn strips_follow_a_direction_and_a_guide() {
     for (guide, meridians) in guides {
         let layout = Layout { guide: Some(guide), ..Layout::default() };
         let o = run(TORUS, &Options { layout, ..options(TOLERANCE) }).expect("an outcome");
-        assert_eq!(o.status, Status::Certified);
+        assert_eq!(o.status(), Status::Certified);
         let seams = o.patchwork.seams();
         assert!(!seams.is_empty());
         for seam in seams {
@@ -325,7 +385,7 @@ fn seams_that_are_asked_for_are_kept() {
     let layout = Layout { seams: vec![plane], ..Layout::default() };
     for (meet, tolerance) in [(false, TOLERANCE), (true, 4.0 * TOLERANCE)] {
         let o = run(TORUS, &Options { layout: layout.clone(), meet, ..options(tolerance) }).expect("an outcome");
-        assert_eq!(o.status, Status::Certified);
+        assert_eq!(o.status(), Status::Certified);
         for panel in &o.patchwork.panels {
             let heights = trims(panel).into_iter().flatten().map(|p| panel.patch.point(p[0], p[1]).x - plane.offset);
             let (lo, hi) = heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), h| (a.min(h), b.max(h)));
@@ -346,11 +406,11 @@ fn seams_that_are_asked_for_are_kept() {
 fn rings_run_around_the_middle() {
     let layout = Layout { kind: LayoutKind::Rings, ..Layout::default() };
     let o = run(TORUS, &Options { layout, ..options(TOLERANCE) }).expect("an outcome");
-    assert_eq!(o.status, Status::Certified);
+    assert_eq!(o.status(), Status::Certified);
     // The middle of the piece, on its outer equator.
     let middle = Vec3::new(850.0 * 0.5f64.sqrt(), 850.0 * 0.5f64.sqrt(), 0.0);
     let seams = o.patchwork.seams();
-    let closest = |s: &torse::surface::seam::Seam| {
+    let closest = |s: &torse::patchwork::seam::Seam| {
         let edge = &s.sides[0].run.edge;
         (0..=20).map(|i| (Vec3::from(edge.point(f64::from(i) / 20.0)) - middle).norm()).fold(f64::INFINITY, f64::min)
     };
@@ -367,7 +427,7 @@ fn along(shape: CurveShape, tolerance: f64) -> Result<Outcome, ApproximateError>
 #[test]
 fn panels_along_a_curve_go_on_until_the_face_is_covered() {
     let o = along(CurveShape::AlongU(0.5), TOLERANCE).expect("an outcome");
-    assert_eq!(o.status, Status::Certified);
+    assert_eq!(o.status(), Status::Certified);
     // Envelopes of tangent planes need about √2 times as many panels as best fits, which are two here.
     assert!(o.patchwork.panels.len() <= 3, "{}", o.patchwork.panels.len());
     assert!(o.along.iter().any(|a| a.step == 0) && o.along.iter().all(|a| a.curve == "the curve"));
@@ -378,7 +438,7 @@ fn panels_along_a_curve_go_on_until_the_face_is_covered() {
 #[test]
 fn a_section_gives_a_panel_and_the_rest_follows() {
     let o = along(CurveShape::Section { normal: Vec3::x(), offset: 400.0 }, TOLERANCE).expect("an outcome");
-    assert_eq!(o.status, Status::Certified);
+    assert_eq!(o.status(), Status::Certified);
     assert!(o.along.iter().any(|a| a.step == 0) && o.along.iter().any(|a| a.step > 0));
 }
 
@@ -452,7 +512,7 @@ fn written_panels_are_read_back_face_by_face() {
 #[test]
 fn a_cone_with_holes_is_one_panel() {
     let o = run(CONE, &options(1.0)).expect("an outcome");
-    assert_eq!(o.status, Status::Certified);
+    assert_eq!(o.status(), Status::Certified);
     assert_eq!(o.patchwork.panels.len(), 1);
     assert!(o.patchwork.panels[0].loops.len() >= 2, "holes are kept");
 }
@@ -472,7 +532,7 @@ fn bands_run_over_waves_as_far_as_the_face_goes() {
         greville(&ku).iter().flat_map(|&x| along.iter().map(move |&y| Vec3::new(x, y, height(x, y)))).collect();
     let face = Face::untrimmed(Surface::new(ku, kv, &points, None).expect("a surface"));
     let outcome = approximate(vec![face], Vec::new(), &options(0.5), &Control::default()).expect("an outcome");
-    assert_eq!(outcome.status, Status::Certified);
+    assert_eq!(outcome.status(), Status::Certified);
     // 300 √(1/1000) / (4 √0.5) = 3.4.
     assert!(outcome.patchwork.panels.len() <= 4, "{}", outcome.patchwork.panels.len());
 }

@@ -6,10 +6,10 @@ use torse::certify::quads::gap_bound;
 use torse::control::Control;
 use torse::design::discrete::planarise::{planarise, Hold, PlanariseOptions, PlanariseStatus};
 use torse::design::discrete::subdivide::{subdivide, SubdivideOptions};
-use torse::fit::decompose::{decompose, DecomposeOptions};
+use torse::fit::elements::decompose::{decompose, DecomposeOptions};
 use torse::geom::Vec3;
-use torse::surface::quad_strip::QuadStrip;
-use torse::surface::shape_run::TangentPlane;
+use torse::torse::kind::TangentPlane;
+use torse::torse::quad_strip::QuadStrip;
 
 #[test]
 fn recorded_sequences_of_planes_are_told_apart() {
@@ -85,7 +85,7 @@ proptest! {
         let size = s.size();
         prop_assert!(s.largest_warp() <= 1e-12);
         for i in 0..s.quads() {
-            prop_assert!(gap_bound(s, i) <= 1e-11 * size);
+            prop_assert!(gap_bound(s, i).value() <= 1e-11 * size);
         }
         let [a, b] = s.development();
         for i in 0..s.quads() {
@@ -108,6 +108,6 @@ proptest! {
         let mut a = plane.a().to_vec();
         a[i + 1] += n * far;
         let moved = QuadStrip::new(a, plane.b().to_vec()).expect("a strip");
-        prop_assert!(gap_bound(&moved, i) > 0.1 * far);
+        prop_assert!(gap_bound(&moved, i).value() > 0.1 * far);
     }
 }

@@ -1,11 +1,13 @@
 //! Fitted torses against the theory of narrow strips, against exact torses, and against bad data.
 
 use proptest::prelude::*;
-use torse::fit::{
-    dual, error, plane, primal, refit, thin, CentrePoint, DualOptions, Fit, PrimalOptions, RefitOptions, Sample,
-};
+use torse::fit::near::dual::{CentrePoint, DualOptions};
+use torse::fit::near::primal::PrimalOptions;
+use torse::fit::near::samples::{error, thin, Fit, Sample};
+use torse::fit::near::{descent::RefitOptions, refit::refit};
+use torse::fit::near::{dual::dual, plane::plane, primal::primal};
 use torse::geom::Vec3;
-use torse::surface::torse::{PanelKind, Torse};
+use torse::torse::form::{PanelKind, Torse};
 
 /// A strip of a surface: `point(a, b)` gives position and unit normal, a runs along the centre line b = 0, the ruling of
 /// the tangent developable at `(a, 0)` is `ruling(a)`.

@@ -2,20 +2,20 @@
 
 use std::collections::HashMap;
 
+use torse::brep::face::Face;
 use torse::develop::layout::layout;
 use torse::develop::pattern::{pattern, PatternOptions};
 use torse::develop::DevelopError;
-use torse::fit::boundary::{panels, Assigned, Borders, BoundaryOptions};
-use torse::geom::partition::Partition;
+use torse::fit::panels::boundary::{panels, Assigned, Borders, BoundaryOptions};
 use torse::geom::{Frame, Vec2, Vec3};
+use torse::patchwork::panel::{Border, Patchwork};
+use torse::patchwork::partition::Partition;
+use torse::patchwork::pattern::Pattern;
 use torse::spline::curve::Curve;
 use torse::spline::knots::Knots;
 use torse::spline::surface::Surface;
-use torse::surface::convert::{patch, Extent};
-use torse::surface::face::Face;
-use torse::surface::panel::{Border, Patchwork};
-use torse::surface::pattern::Pattern;
-use torse::surface::torse::{DualTorse, PanelKind, PrimalTorse, Ruling, Torse};
+use torse::torse::convert::{patch, Extent};
+use torse::torse::form::{DualTorse, PanelKind, PrimalTorse, Ruling, Torse};
 
 /// Grid of n × n cells on a rectangle of the parameter plane, two triangles each; `None` leaves a hole.
 fn grid(n: u32, u: (f64, f64), v: (f64, f64), label: impl Fn(f64, f64) -> Option<u32>) -> Partition {
@@ -65,7 +65,7 @@ fn trough_torse() -> Torse {
     let f = |x: f64, y: f64, z: f64| (x * y + y * z + z * x) / 600.0;
     let control = vec![[f(a, a, a), 0.0], [f(a, a, b), 0.0], [f(a, b, b), 0.0], [f(b, b, b), 0.0]];
     let profile = Curve::new(3, vec![a, a, a, a, b, b, b, b], control).expect("profile");
-    Torse::Primal(PrimalTorse { frame: Frame::world(), profile, beta: 0.0 })
+    Torse::Primal(PrimalTorse::new(Frame::world(), profile, 0.0))
 }
 
 /// Arc length of z = x²/200 from 0 to x.
@@ -124,7 +124,7 @@ fn a_trough_becomes_a_rectangle_with_its_arc_length() {
     assert!(p.isometry_error < 1e-10 && p.contour_error <= 0.0102);
     assert_eq!((p.contours.len(), p.contours[0].vertices.len(), p.sides.len()), (1, 4, 4));
     assert!(p.marks.is_empty());
-    assert_eq!(p.rulings.len(), 20);
+    assert!(p.rulings.len() >= 20 && p.bends.len() == p.rulings.len());
     for [a, b] in &p.rulings {
         assert!(((b - a).norm() - 100.0).abs() < 0.1);
     }
@@ -325,7 +325,7 @@ fn a_pole_is_a_corner() {
     let face = Face::untrimmed(Surface::new(k.clone(), k, &p, None).expect("surface"));
     let control = vec![[3.0, 0.0]; 4];
     let profile = Curve::new(3, vec![-20., -20., -20., -20., 120., 120., 120., 120.], control).expect("profile");
-    let torse = Torse::Primal(PrimalTorse { frame: Frame::world(), profile, beta: 0.0 });
+    let torse = Torse::Primal(PrimalTorse::new(Frame::world(), profile, 0.0));
     let work = build(face, grid(6, (0.0, 1.0), (0.0, 1.0), |_, _| Some(0)), &[(0, &torse, PanelKind::Plane)]);
     assert_eq!(work.panels[0].loops[0].len(), 4);
     let p = pattern(&work, 0, &PatternOptions::new(0.01)).expect("a pattern");
@@ -347,7 +347,7 @@ fn panels_that_end_together_close_at_a_pole() {
     // The plane z = 8.
     let control = vec![[8.0, 0.0]; 4];
     let profile = Curve::new(3, vec![-40., -40., -40., -40., 140., 140., 140., 140.], control).expect("profile");
-    let torse = Torse::Primal(PrimalTorse { frame: Frame::world(), profile, beta: 0.0 });
+    let torse = Torse::Primal(PrimalTorse::new(Frame::world(), profile, 0.0));
     let closed = |borders: &Borders| {
         for label in [0, 1] {
             let assigned = Assigned { label, torse: &torse, kind: PanelKind::Plane };

@@ -2,15 +2,16 @@
 
 use std::sync::OnceLock;
 
+use torse::answer::outcome::Outcome;
+use torse::certify::claim::Status;
 use torse::certify::SeamStatus;
 use torse::control::Control;
 use torse::geom::Vec3;
 use torse::io::step::read::read;
 use torse::io::step::write::{panels, Header};
+use torse::patchwork::panel::Border;
 use torse::pipeline::approximate::{approximate, Options};
-use torse::pipeline::cover::{Layout, Limits};
-use torse::pipeline::outcome::{Outcome, Status};
-use torse::surface::panel::Border;
+use torse::search::cover::{Layout, Limits};
 
 const TORUS: &[u8] = include_bytes!("../../../data/torus_piece.step");
 const TOLERANCE: f64 = 2.0;
@@ -25,6 +26,7 @@ fn run(meet: bool) -> Outcome {
         layout: Layout::default(),
         meet,
         smooth_angle: 0.0,
+        drawn: torse::develop::view::Drawn::default(),
     };
     approximate(model.faces, model.skipped, &options, &Control::default()).expect("an outcome")
 }
@@ -42,7 +44,7 @@ fn alone() -> &'static Outcome {
 #[test]
 fn strips_that_meet_are_certified_and_as_many_as_before() {
     let (alone, met) = (alone(), met());
-    assert_eq!(met.status, Status::Certified);
+    assert_eq!(met.status(), Status::Certified);
     assert_eq!(met.patchwork.panels.len(), alone.patchwork.panels.len());
     assert!(met.patchwork.panels.len() >= 4);
     assert_eq!(met.certificate.seams.len(), met.patchwork.panels.len() - 1);
@@ -117,7 +119,7 @@ fn flat_edges_of_an_exact_seam_have_equal_lengths() {
 fn the_step_file_holds_one_shell_with_shared_edges() {
     let mut bytes = Vec::new();
     let header = Header { name: "torus".into(), time: "2026-01-01T00:00:00".into(), uncertainty: 1e-3 };
-    panels(&mut bytes, &header, &met().patchwork).expect("a file");
+    panels(&mut bytes, &header, &met().patchwork, &[]).expect("a file");
     let text = String::from_utf8(bytes).expect("text");
     let count = |what: &str| text.matches(what).count();
     let n = met().patchwork.panels.len();

@@ -4,15 +4,13 @@ use super::value::{number, numbers, vector, Case, Checks};
 use serde_json::Value;
 use torse::design::cones::{joins, Osculating};
 use torse::develop::cones::{bent, develop, Bending};
-use torse::fit::cones::{cones, ConeFitOptions};
+use torse::fit::elements::cones::{cones, ConeFitOptions};
 use torse::geom::{Vec2, Vec3};
-use torse::surface::cone_forms::dual_planes;
-use torse::surface::cone_pair::{
-    any_pair, congruent_distances, cylinder_first, least_distances, ConePair, PairOptions,
-};
-use torse::surface::cone_spline::{ConeSpline, Segment, Shape};
-use torse::surface::g1_element::G1Element;
-use torse::surface::ruled_strip::{tangent_strip, HelicalStrip, RuledStrip, StripFn};
+use torse::torse::cone::forms::dual_planes;
+use torse::torse::cone::pair::{any_pair, congruent_distances, cylinder_first, least_distances, ConePair, PairOptions};
+use torse::torse::cone::spline::{ConeSpline, Segment, Shape};
+use torse::torse::g1_element::G1Element;
+use torse::torse::ruled_patch::{tangent_strip, HelicalStrip, RuledStrip, StripFn};
 
 /// Relative tolerance of the file.
 const ALLOWED: f64 = 1e-9;

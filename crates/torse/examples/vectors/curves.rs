@@ -3,6 +3,8 @@
 use super::value::{number, numbers, vector, Case, Checks};
 use serde_json::Value;
 use std::f64::consts::TAU;
+use torse::brep::space_curve::SpaceCurve;
+use torse::control::Control;
 use torse::design::hull::hull;
 use torse::design::hull::strips::{strips, HullPart};
 use torse::design::loft::branches::{branches, self_coplanarity, Branch, BranchOptions, BranchType};
@@ -12,10 +14,9 @@ use torse::design::loft::track::{Contact, Track};
 use torse::geom::{Frame, Vec3};
 use torse::spline::bezier::Bezier;
 use torse::spline::curve::{bezier_pieces, Curve};
-use torse::spline::space_curve::SpaceCurve;
-use torse::surface::rail::Rail;
-use torse::surface::strip::Strip;
-use torse::surface::torse::PanelKind;
+use torse::torse::form::PanelKind;
+use torse::torse::rail::Rail;
+use torse::torse::strip::Strip;
 
 /// Runs the case if its kind belongs here.
 pub fn run(case: &Case) -> Option<Result<Checks, String>> {
@@ -36,7 +37,7 @@ fn ellipse(origin: Vec3, a: f64, b: f64) -> Result<Rail, String> {
 }
 
 fn followed(a: &Rail, b: &Rail, branch: &Branch) -> Result<Vec<BuiltStrip>, String> {
-    follow(a, b, branch, &BuildOptions::new(1e-6)).map_err(|e| e.to_string())
+    follow([a, b], branch, &BuildOptions::new(1e-6), &Control::default()).map_err(|e| e.to_string())
 }
 
 /// Share of a turn at which a point of an axis-parallel ellipse about the z-axis lies.
@@ -137,9 +138,10 @@ fn saddle_loop(case: &Case) -> Result<Checks, String> {
     let mut checks = Checks::default();
     let (a, b, c) = (number(&case.input, "a")?, number(&case.input, "b")?, number(&case.input, "c")?);
     let rails = [saddle(a, b, c)?];
-    let found = hull(&rails, 128).map_err(|e| e.to_string())?;
+    let found = hull(&rails, 128, &Control::default()).map_err(|e| e.to_string())?;
     let allowed = number(&case.tol, "rel")?;
-    let parts = strips(&rails, &found, 1e-3, &BuildOptions::new(1e-9)).map_err(|e| e.to_string())?;
+    let parts =
+        strips(&rails, &found, 1e-3, &BuildOptions::new(1e-9), &Control::default()).map_err(|e| e.to_string())?;
     checks.close("developables", parts.len() as f64, number(&case.output, "n_developables")?, 0.0);
     // Branch A joins points of equal x, branch B points of equal y.
     for (axis, key) in [(0, "area_A"), (1, "area_B")] {

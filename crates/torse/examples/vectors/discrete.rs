@@ -4,12 +4,12 @@ use super::value::{number, numbers, vector, vectors, Case, Checks};
 use torse::control::Control;
 use torse::design::discrete::planarise::Hold;
 use torse::design::discrete::subdivide::{lane_riesenfeld, subdivide, SubdivideOptions};
-use torse::fit::decompose::{decompose, DecomposeOptions};
+use torse::fit::elements::decompose::{decompose, DecomposeOptions};
 use torse::geom::Vec3;
-use torse::surface::envelope_point::EnvelopePoint;
-use torse::surface::quad_strip::QuadStrip;
-use torse::surface::ruled_point::{gauss_curvature, tangent_rotation, RuledPoint};
-use torse::surface::shape_run::TangentPlane;
+use torse::torse::envelope_point::EnvelopePoint;
+use torse::torse::kind::TangentPlane;
+use torse::torse::quad_strip::QuadStrip;
+use torse::torse::ruled_point::{gauss_curvature, tangent_rotation, RuledPoint};
 
 /// Allowed angles, as sines, for exact data.
 const EXACT: f64 = 1e-9;

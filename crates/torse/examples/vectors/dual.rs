@@ -2,21 +2,21 @@
 
 use super::value::{number, numbers, vector, vectors, Case, Checks};
 use serde_json::Value;
-use torse::fit::multiresolution::trigonometric::{cone_strip, ConeStrip, ContourMetric, RadiusSign};
-use torse::fit::multiresolution::wavelets::split;
-use torse::fit::plane_correction::corrected;
-use torse::fit::plane_estimates::{planes_of_rulings, Ends};
-use torse::fit::plane_frame::frame_of_normals;
-use torse::fit::planes::{planes, slope_weight, PlaneDatum, PlanesOptions};
-use torse::fit::reduce::reduced;
-use torse::fit::regression::{regression_free, ForbiddenZone, RegressionOptions};
-use torse::fit::rulings::{slope_fit, PointDatum, RulingDatum, SlopeData, SlopeOptions};
-use torse::fit::Freedom;
+use torse::fit::planes::correction::corrected;
+use torse::fit::planes::estimates::{planes_of_rulings, Ends};
+use torse::fit::planes::frame::frame_of_normals;
+use torse::fit::planes::linear_system::{planes, slope_weight, PlaneDatum, PlanesOptions};
+use torse::fit::planes::multiresolution::trigonometric::{cone_strip, ConeStrip, ContourMetric, RadiusSign};
+use torse::fit::planes::multiresolution::wavelets::split;
+use torse::fit::planes::reduce::reduced;
+use torse::fit::planes::regression::{regression_free, ForbiddenZone, RegressionOptions};
+use torse::fit::planes::rulings::{slope_fit, PointDatum, RulingDatum, SlopeData, SlopeOptions};
+use torse::fit::planes::Freedom;
 use torse::geom::measure::{LineMeasure, Measure};
 use torse::geom::Vec3;
 use torse::spline::curve::Curve;
 use torse::spline::knots::Knots;
-use torse::surface::dual::DualCurve;
+use torse::torse::dual::DualCurve;
 
 /// Relative difference that is allowed.
 const ALLOWED: f64 = 1e-9;

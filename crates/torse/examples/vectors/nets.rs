@@ -5,9 +5,7 @@ use serde_json::Value;
 use torse::design::interpolate::{interpolate, rational_for, solvability, EndRulings, Options};
 use torse::geom::Vec3;
 use torse::spline::curve::Curve;
-use torse::surface::net::{
-    from_first_cell, from_paper_knots, homogeneous, paper_knots, recognise, Net, NetKind, Shape,
-};
+use torse::torse::net::{from_first_cell, from_paper_knots, homogeneous, paper_knots, recognise, Net, NetKind, Shape};
 
 /// Allowed where the file states nothing.
 const TOLERANCE: f64 = 1e-9;

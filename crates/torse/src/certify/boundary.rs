@@ -32,8 +32,8 @@ use crate::geom::Vec3;
 use crate::num::bernstein::from_spline_over;
 use crate::num::interval::Interval;
 use crate::num::jet::Jet;
+use crate::patchwork::panel::Run;
 use crate::spline::curve::Curve;
-use crate::surface::panel::Run;
 
 /// Pieces are halved until their enclosures exceed their end values by less than this share of the tolerance, or count
 /// less than pieces before.
@@ -183,27 +183,19 @@ impl Boundary<'_> {
             q_ends = q_ends.max(here.foot(here.f(x), here.mu(x)).mag());
             p_ends = p_ends.max(dot(&Family::direction(&here), &sub(x, &point)).mag());
         }
-        let (plane, one_plane) = family.along(t);
-        let (point, one_point) = self.jets.along(t, r);
+        let (plane, rough_plane) = family.along(t);
+        let (point, rough_point) = self.jets.along(t, r);
         let off = sub(&x, &point);
         let q_jet = plane.foot(plane.f(&x), plane.mu(&x));
         let p_jet = dot(&Family::direction(&plane), &off);
-        let q = q_ends + q_jet.chord_deviation(one_plane);
-        let p = p_ends + p_jet.chord_deviation(one_plane && one_point);
+        let q = q_ends + q_jet.chord_deviation(rough_plane);
+        let p = p_ends + p_jet.chord_deviation((Interval::point(rough_plane) + Interval::point(rough_point)).hi);
         let (t, x, w) = (t.v, x.map(|x| x.v), off.map(|x| x.v));
         let slope_e = slope_over(&family.over(t), &x);
 
         // The path: t between the foot and θ₁, X fixed.
-        let reach = (Interval::point(q) / slope_e.abs()).hi;
-        let roots = t.widen(reach);
-        if roots.lo < f_lo || roots.hi > f_hi || roots.lo.is_nan() {
-            return None;
-        }
+        let (roots, slope_e) = self.foot_between(t, &x, q, slope_e)?;
         let plane = family.over(roots);
-        let slope_e = slope_over(&plane, &x);
-        if slope_e.sign() == 0 {
-            return None;
-        }
         let e_length = length(&Family::direction(&plane));
         let n_length = plane.nn.sqrt();
         let m_across = e_length / n_length;
@@ -230,6 +222,34 @@ impl Boundary<'_> {
             curvature,
             roots,
         })
+    }
+}
+
+impl Boundary<'_> {
+    /// An interval around `t` that provably holds a foot for every point of `x`, and E_t over it: with `|E| ≤ q` on t,
+    /// E changes its sign within `q/|E_t|` of it, provided that this bounds E_t on the interval that it leads to.
+    fn foot_between(&self, t: Interval, x: &V3<Interval>, q: f64, slope: Interval) -> Option<(Interval, Interval)> {
+        // The first guess has the slope on t alone; a little more, for slopes that vary, closes the argument.
+        const TRIES: usize = 4;
+        const MORE: f64 = 1.125;
+        let (lo, hi) = self.family.domain();
+        let mut reach = (Interval::point(q) / slope.abs()).hi * MORE;
+        for _ in 0..TRIES {
+            let roots = t.widen(reach);
+            if !(roots.lo >= lo && roots.hi <= hi) {
+                return None;
+            }
+            let slope = slope_over(&self.family.over(roots), x);
+            if slope.sign() == 0 {
+                return None;
+            }
+            let needed = (Interval::point(q) / slope.abs()).hi;
+            if needed <= reach {
+                return Some((roots, slope));
+            }
+            reach = needed * MORE;
+        }
+        None
     }
 }
 
@@ -283,12 +303,12 @@ pub(super) fn clamped<const D: usize>(c: &Curve<D>) -> bool {
         && v[n - 1 - p..].iter().all(|x| x.to_bits() == 1.0f64.to_bits())
 }
 
-/// Bernstein coefficients of both components of a trimming curve over `[a, b]` inside one span.
-pub(super) fn trim_piece(trim: &Curve<2>, a: f64, b: f64) -> [Vec<Interval>; 2] {
+/// Bernstein coefficients of the components of a curve over `[a, b]` inside one span.
+pub(super) fn trim_piece<const D: usize>(trim: &Curve<D>, a: f64, b: f64) -> [Vec<Interval>; D] {
     let (p, v) = (trim.knots.degree(), trim.knots.values());
     let span = trim.knots.span(0.5 * (a + b));
     let local = &v[span + 1 - p..=span + p];
-    [0, 1].map(|d: usize| {
+    std::array::from_fn(|d| {
         let net: Vec<Interval> = trim.control[span - p..=span].iter().map(|c| Interval::point(c[d])).collect();
         from_spline_over(&net, local, a, b)
     })

@@ -10,7 +10,7 @@ use super::local::Local;
 use super::prepared::{BoxNet, Patch, UNIT};
 use super::quadratic::Quadratic;
 use super::vector::{add, cross, dot, exact, length, length_bound, mid, scale, sub, V3};
-use super::Resistance;
+use super::verdict::Resistance;
 use crate::num::interval::Interval;
 
 /// What one look at a triangle showed.
@@ -41,12 +41,15 @@ pub(super) enum Look {
 /// What was proven on a triangle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Good {
-    /// Bound of |d|, mm; on a triangle with `fold == 0` also of the way to the region's boundary.
+    /// Bound of |d|, mm.
     pub bound: f64,
     /// Interval holding every foot, each unique in it.
     pub feet: Interval,
     /// Sign of `N·(S_u × S_v)/E_t`, or 0 at the region's boundary where it is in doubt.
     pub fold: i32,
+    /// Where the sign is in doubt: bound of the length, mm, of a way on the torse from the foot of any point of the
+    /// triangle to that of its corner on the region's boundary; else 0.
+    pub way: f64,
     /// Lower bound of the radius of curvature at the feet.
     pub bend_radius: f64,
     /// Lower bound of the distance along the ruling to the regression curve.
@@ -66,6 +69,10 @@ pub(super) struct Bench<'a> {
 
 /// Margin by which the first guess of the foot interval exceeds the linear estimate: room for E_t to vary.
 const FOOT_MARGIN: f64 = 1.15;
+
+/// The way across a triangle at the region's boundary on which the foot map may fold is at most this share of the
+/// tolerance: it enters in quadrature, and leaves most of the tolerance to the distance.
+const WAY_SHARE: f64 = 1.0 / 2.0;
 
 /// Sign changes are looked for at this many places when a foot must be found from nothing.
 const SEARCH_PLACES: usize = 48;
@@ -218,34 +225,34 @@ impl<'a> Bench<'a> {
         let value = dot(&plane.n, &normal);
         let loss =
             (length_bound(&plane.n) * vary + turn_size * r1.min(d1 + v1) * r2.min(d2 + v2)) * (1.0 + 32.0 * UNIT);
-        let mut bound = bound;
-        let fold = if value.mig() > loss {
-            value.sign() * slope.sign()
+        // Radius of curvature |n| |G| / (|σ| |m⊥|²), clearance |G| / |m'·ê|: least numerator over largest denominator.
+        let pessimism = 1.0 - 16.0 * (family.metric - 1.0) - 16.0 * UNIT;
+        let e = Family::direction(&Plane { n, m, ..plane });
+        // |m⊥| = |n × m|/|n| loses less where n grows along itself.
+        let same = self.square(&e) / nn;
+        let across = Interval { lo: across.lo.max(same.lo), hi: across.hi.min(same.hi) };
+        let bend_radius = (len * regular).least_ratio(sigma * across) * pessimism;
+        let clearance = (regular.abs() * length(&e)).least_ratio(self.product(&ranges.dm, &e)) * pessimism;
+        let (fold, way) = if value.mig() > loss {
+            (value.sign() * slope.sign(), 0.0)
         } else {
-            // The surface's normal is in doubt, or turns too far: bound the way along the panel to the rim instead.
-            let spread = 2.0 * steep * reach + 2.0 * d0.rad();
-            let normals = 2.0 * bound * (speed * delta.abs()).hi;
-            bound = (bound + (2.0 * local.norms[0] + spread + normals) * family.metric) * (1.0 + 16.0 * UNIT);
-            if !rim || bound > self.tolerance || bound.is_nan() {
+            // The surface's normal is in doubt, or turns too far: bound the way to the rim instead. The foot moves by
+            // the tangential part of S_i and by −d N' t_i, with t_i = −M·S_i/E_t.
+            let turning = Interval::point(bound) * speed / slope_foot.abs();
+            let way = (0..2).fold(Interval::ZERO, |sum, i| {
+                let (lo, hi) = (corners.iter().map(|y| y[i].lo), corners.iter().map(|y| y[i].hi));
+                let across = hi.fold(f64::NEG_INFINITY, f64::max) - lo.fold(f64::INFINITY, f64::min);
+                let along = [along1, along2][i];
+                sum + (Interval::point(local.norms[1 + i]) + turning * along.abs()) * Interval::point(across)
+            });
+            let way = way.hi * family.metric * (1.0 + 16.0 * UNIT);
+            if !(rim && way <= WAY_SHARE * self.tolerance) {
                 let turned = length(&normal).lo > vary * (1.0 + 32.0 * UNIT);
                 return large(if turned { Resistance::Fold } else { Resistance::Degenerate });
             }
-            0
+            (0, way)
         };
-
-        // Radius of curvature |n| |G| / (|σ| |m⊥|²), clearance |G| / |m'·ê|.
-        let bend_radius = (len * regular.abs() / (sigma.abs() * across)).lo;
-        let e = Family::direction(&Plane { n, m, ..plane });
-        let clearance = (regular.abs() * length(&e) / self.product(&ranges.dm, &e).abs()).lo;
-        let positive = |x: f64| if x >= 0.0 { x } else { f64::INFINITY };
-        let pessimism = 1.0 - 16.0 * (family.metric - 1.0) - 16.0 * UNIT;
-        Look::Good(Good {
-            bound,
-            feet,
-            fold,
-            bend_radius: positive(bend_radius) * pessimism,
-            clearance: positive(clearance) * pessimism,
-        })
+        Look::Good(Good { bound, feet, fold, way, bend_radius, clearance })
     }
 
     /// Sign of E(·, t) over the box.
@@ -270,5 +277,75 @@ impl<'a> Bench<'a> {
         let world = a[0].sqr() + a[1].sqr() + a[2].sqr();
         let s = world.widen(8.0 * (self.family.metric - 1.0) * world.hi);
         Interval { lo: s.lo.max(0.0), hi: s.hi }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::certify::distance::{distance, DistanceOptions, Judgement};
+    use crate::certify::specimens::*;
+    use crate::certify::{Prepared, Verdict};
+    use crate::control::Control;
+    use crate::geom::{Frame, Vec3};
+    use crate::spline::knots::Knots;
+    use crate::torse::form::{DualTorse, PrimalTorse, Torse};
+
+    /// The judgement of a torse about points of itself, with a large tolerance so that triangles stay large.
+    fn of_itself(torse: &Torse, from: f64, to: f64, half: f64) -> Judgement {
+        let k = Knots::clamped(3, &[0.0, 1.0]).expect("knots");
+        let many = Knots::uniform(3, 40, 0.0, 1.0).expect("knots");
+        let s = interpolant(&many, &k, &|u, v| {
+            let r = torse.ruling(from + u * (to - from));
+            r.point + r.direction * (half * (2.0 * v - 1.0))
+        });
+        let j =
+            distance(&Prepared::new(&s), torse, &grid(&s, 1, 1), 2.0, &DistanceOptions::default(), &Control::default());
+        assert!(matches!(j.verdict, Verdict::Holds { .. }), "{j:?}");
+        j
+    }
+
+    fn primal_with(f: &dyn Fn(f64) -> [f64; 2]) -> Torse {
+        let knots = Knots::uniform(3, 320, -0.5, 3.5).expect("knots");
+        Torse::Primal(PrimalTorse::new(Frame::world(), curve(&knots, f), 0.0))
+    }
+
+    /// The judgement of a torse about a plane square of width .1 around (x, 0), with so large a tolerance that no
+    /// triangle is halved.
+    fn of_the_ground(torse: &Torse) -> Judgement {
+        let k = Knots::clamped(3, &[0.0, 1.0]).expect("knots");
+        let s = interpolant(&k, &k, &|u, v| Vec3::new(1.0 + u, 0.1 * v - 0.05, 0.0));
+        let options = DistanceOptions::default();
+        let j = distance(&Prepared::new(&s), torse, &grid(&s, 1, 1), 0.5, &options, &Control::default());
+        assert!(matches!(j.verdict, Verdict::Holds { .. }), "{j:?}");
+        j
+    }
+
+    #[test]
+    fn the_bending_radius_of_a_ripple_is_not_infinite_at_its_inflections() {
+        // Curvature 4/5 at the crests, where the slope is 0.
+        let ripple = primal_with(&|t| [0.8 / 1600.0 * (40.0 * t).sin(), 0.0]);
+        let j = of_the_ground(&ripple);
+        assert!(j.min_bend_radius <= 1.26 && j.min_bend_radius > 0.4, "{}", j.min_bend_radius);
+    }
+
+    #[test]
+    fn the_clearance_is_not_infinite_where_rulings_are_parallel_in_passing() {
+        // Rulings y = s, x = t − a s: regression points at s = −1/a', with a' between −1.2 and 1.2.
+        let fan = primal_with(&|t| [1e-3 * t * t, 0.03 * (40.0 * t).sin()]);
+        let j = of_the_ground(&fan);
+        assert!(j.regression_clearance <= 0.84 && j.regression_clearance > 0.05, "{}", j.regression_clearance);
+    }
+
+    #[test]
+    fn a_cylinder_has_its_radius_however_its_planes_are_scaled() {
+        let knots = Knots::uniform(3, 40, -0.2, 1.4).expect("knots");
+        let planes = curve(&knots, &|t| {
+            let s = (2.0 * t).exp();
+            [s * t.cos(), s * t.sin(), 0.0, 5.0 * s]
+        });
+        let j = of_itself(&Torse::Dual(DualTorse { planes }), 0.0, 1.2, 0.1);
+        assert!(j.min_bend_radius <= 5.0 + 1e-3 && j.min_bend_radius > 1.5, "{}", j.min_bend_radius);
+        let x = Vec3::new(5.0, 0.0, 0.0);
+        assert!(x.norm() >= j.min_bend_radius);
     }
 }

@@ -4,18 +4,20 @@
 //! intervals at the ends of stretches of the boundary curves, and its fourth derivative is enclosed between them; along
 //! a ruling it is convex, and its deviation from a chord is bounded by the twist of the ruling about the axis. The
 //! reverse direction follows from the winding of the boundary's feet around the strip, and the distance between these
-//! feet and the edges of the segments. Shares nothing with the fit.
+//! feet and the edges of the segments; as the map to the feet does not fold, the same winding shows that no foot lies
+//! farther outside. Shares nothing with the fit. Chains that are cut along an outline: [`outline`].
 
+use super::claim::UpperBound;
 use crate::num::bernstein::Scalar;
 use crate::num::interval::Interval;
 use crate::num::jet::Jet;
 use crate::num::series::{hermite_range, Series};
-use crate::surface::cone_distance::Round;
-use crate::surface::cone_spline::{ConeSpline, Segment, Shape};
-use crate::surface::g1_element::G1Element;
-use crate::surface::ruled_strip::EnclosedStrip;
+use crate::torse::cone::distance::Round;
+use crate::torse::cone::spline::{ConeSpline, Segment, Shape};
+use crate::torse::g1_element::G1Element;
+use crate::torse::ruled_patch::EnclosedStrip;
 
-use super::vector::{cross, dot, V3};
+use super::vector::{cross, dot, sub, V3};
 use crate::geom::Vec3;
 
 /// Options of [`cones`].
@@ -37,27 +39,54 @@ impl ConeJudgeOptions {
     }
 }
 
-/// What was proven of a cone spline and a strip.
+/// What was proven of a cone spline and a strip; only [`cones`] makes it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ConeProof {
-    /// Every point of the strip is within this distance (mm) of the chain; infinite where nothing could be shown.
-    pub strip_bound: f64,
-    /// Every point of the chain between its edges is within this distance (mm) of the strip.
-    pub chain_bound: f64,
-    /// Ruling where the bound of the strip is attained.
-    pub worst: f64,
-    /// A distance that is attained at some point of the strip, mm: more than the tolerance proves failure.
-    pub attained: f64,
-    /// Largest mismatch at a joint, in rad and as a share of the strip's size: computed, not enclosed.
-    pub mismatch: f64,
-    /// Stretches examined.
-    pub stretches: usize,
+    lines_bound: f64,
+    bound: f64,
+    worst: f64,
+    attained: f64,
+    mismatch: f64,
+    stretches: usize,
 }
 
 impl ConeProof {
+    /// Every point of the strip is within this distance (mm) of the chain, and every point of the chain between its
+    /// edges is within it of the strip; unknown where nothing could be shown.
+    pub fn bound(&self) -> UpperBound {
+        UpperBound::shown(self.bound)
+    }
+
+    /// Every point of the strip is within this distance (mm) of the chain, where the rulings of the chain count as
+    /// whole lines: what holds whatever is cut from it.
+    pub fn lines_bound(&self) -> UpperBound {
+        UpperBound::shown(self.lines_bound)
+    }
+
+    /// Ruling where [`ConeProof::lines_bound`] is attained.
+    pub fn worst(&self) -> f64 {
+        self.worst
+    }
+
+    /// A distance from the carriers that is attained at some point of the strip, mm: more than the tolerance proves
+    /// failure.
+    pub fn attained(&self) -> f64 {
+        self.attained
+    }
+
+    /// Largest mismatch at a joint, in rad and as a share of the strip's size: computed, not enclosed.
+    pub fn mismatch(&self) -> f64 {
+        self.mismatch
+    }
+
+    /// Stretches examined.
+    pub fn stretches(&self) -> usize {
+        self.stretches
+    }
+
     /// Whether both directions are proven to stay within a tolerance (mm).
     pub fn holds(&self, tolerance: f64) -> bool {
-        self.strip_bound <= tolerance && self.chain_bound <= tolerance
+        self.bound <= tolerance
     }
 }
 
@@ -82,8 +111,18 @@ pub enum ConeJudgeError {
 const BEHIND: f64 = 1e-4;
 /// Rounding of a segment's own points against its exact carrier, as a share of the coordinates: eight operations.
 const ROUNDING: f64 = 1e-15;
-/// Joints rougher than this are no joints: the wedges of the segments would not meet.
+/// Joints rougher than this are no joints: the wedges of the segments would not meet. What is less is paid for, by
+/// [`GAP`] times the mismatch.
 const ROUGH: f64 = 1e-6;
+/// Distance between both sides of a joint anywhere on the strip over its mismatch times the strip's size: once for the
+/// lines, once for their directions, once for the normals, and as much again.
+const GAP: f64 = 6.0;
+/// Steps across the first and the last ruling count this often: the distance from the axis of a foot is less than twice
+/// that of its point.
+const ACROSS: f64 = 2.0;
+/// Where the rulings run to a point the surface has no normal there; this share of a ruling beside it is left out and
+/// paid for.
+const TIP: f64 = 1e-9;
 
 /// Functions of u that bounds are needed of; numbers enclosed at a ruling, or over a stretch with derivatives.
 trait Quantity: Scalar {
@@ -277,8 +316,8 @@ pub fn cones(
     let jet = strip.jet(first);
     let size = jet.length();
     let mut proof = ConeProof {
-        strip_bound: 0.0,
-        chain_bound: 0.0,
+        lines_bound: 0.0,
+        bound: 0.0,
         worst: first,
         attained: 0.0,
         mismatch: spline.mismatch(size),
@@ -326,19 +365,35 @@ pub fn cones(
             waiting.push((k, a, m, depth + 1, None));
             continue;
         }
-        if s.strip > proof.strip_bound {
-            (proof.strip_bound, proof.worst) = (s.strip, a);
+        // What is no number counts as far away.
+        let [strip, beyond] = [s.strip, s.edges].map(|x| if x.is_nan() { f64::INFINITY } else { x });
+        if strip > proof.lines_bound {
+            (proof.lines_bound, proof.worst) = (strip, a);
         }
-        edges = edges.max(s.edges);
+        edges = edges.max(beyond);
     }
+    // Feet of the first and the last ruling that are not on those of the chain.
+    let starts = outer_off(strip, &spline.segments[0].start, first, nodes[1]);
+    let ends = outer_off(strip, &spline.segments[spline.segments.len() - 1].end(), last, nodes[nodes.len() - 2]);
     let reach = spline.segments.iter().map(|s| s.start.point.norm()).fold(size, f64::max);
-    let slack = BEHIND * tolerance + ROUNDING * reach;
-    proof.strip_bound += slack;
-    proof.chain_bound = proof.strip_bound + edges;
-    if !(proof.mismatch <= ROUGH && proof.strip_bound.is_finite()) {
-        (proof.strip_bound, proof.chain_bound) = (f64::INFINITY, f64::INFINITY);
+    let slack = BEHIND * tolerance + ROUNDING * reach + (GAP * proof.mismatch + TIP) * size;
+    let aside = Interval::point(edges) + Interval::point(starts.max(ends)) * ACROSS;
+    // A foot and a step in the tangent plane: at right angles.
+    let across = (Interval::point(proof.lines_bound).sqr() + aside.sqr()).sqrt().hi;
+    proof.lines_bound += slack;
+    proof.bound = across + slack;
+    if !(proof.mismatch <= ROUGH && proof.lines_bound.is_finite() && proof.bound.is_finite()) {
+        (proof.lines_bound, proof.bound) = (f64::INFINITY, f64::INFINITY);
     }
     Ok(proof)
+}
+
+/// Distance of a ruling from the normal plane of an element, at both ends; `beside` is another ruling of the strip.
+fn outer_off(strip: &impl EnclosedStrip, g: &G1Element, u: f64, beside: f64) -> f64 {
+    // Next to the ruling: there may be breaks between it and the other one.
+    let inside = strip.breaks().into_iter().fold(beside, |b, t| if (t - u) * (t - b) < 0.0 { t } else { b });
+    let ends = strip.enclosure(u, u, 0.5 * (u + inside)).map(|rows| rows[0]);
+    ahead(g, &ends).iter().map(|a| a.mag()).fold(0.0, f64::max)
 }
 
 /// Rulings close before and behind the junction, so that only the short stretch between them meets both wedges.
@@ -460,6 +515,9 @@ fn judge(
             return None;
         }
     }
+    if !unfolded(segment, jets, &j) {
+        return None;
+    }
     // 2. The boundary curves.
     let mut along = [Interval::ZERO; 2];
     let mut reached = 0.0_f64;
@@ -510,6 +568,31 @@ fn judge(
         out.reached[0] = out.reached[0].max(reached);
     }
     Some(())
+}
+
+/// Whether the map from the strip to its feet keeps its orientation over a stretch: the normals `e × x'` of the strip,
+/// linear along a ruling, and those of the carrier at the feet, `rise w − tilt q/ρ`, are nowhere at right angles.
+fn unfolded(segment: &Prepared, jets: &[V3<Series<5>>; 2], seen: &[Seen<Series<5>>; 2]) -> bool {
+    let value = |k: usize| jets[k].map(|s| s.0[0]);
+    let ruling = sub(&value(1), &value(0));
+    let round = &segment.round;
+    let [a, b] = seen.each_ref().map(|s| s.rho.0[0]);
+    // Between ends that lie less than a right angle apart about the axis, ρ is at most the greater of both and at
+    // least cos 45° times the lesser one.
+    if round.tilt != 0.0 && dot(&seen[0].q, &seen[1].q).0[0].lo <= 0.0 {
+        return false;
+    }
+    let rho = Interval { lo: 0.5 * a.lo.min(b.lo), hi: a.hi.max(b.hi) };
+    let facing = |normal: &V3<Interval>, s: &Seen<Series<5>>| {
+        let along_axis = along(normal, &round.axis) * round.rise;
+        let radial = dot(normal, &s.q.map(|q| q.0[0])) * round.tilt;
+        (along_axis * rho - radial).lo
+    };
+    let least = [0, 1].map(|k: usize| {
+        let normal = cross(&ruling, &jets[k].map(|s| s.0[1]));
+        facing(&normal, &seen[0]).min(facing(&normal, &seen[1]))
+    });
+    least[0] > -TIP * least[1] && least[1] > -TIP * least[0]
 }
 
 /// Upper bound of the greatest value of `(1−λ) a + λ b + λ(1−λ) c` for λ from 0 to 1, `c ≥ 0`.
@@ -577,6 +660,10 @@ fn along_ruling(segment: &Prepared, s: &[Seen<Interval>; 2]) -> Option<[f64; 2]>
     let sag = (twist_sq * tilt.abs() / (rho * rho.sqr())).hi * (0.125 / (PARTS * PARTS) as f64);
     Some([Interval::point(most).widen(sag).hi, most])
 }
+
+mod matching;
+pub mod outline;
+mod side;
 
 #[cfg(test)]
 mod tests;

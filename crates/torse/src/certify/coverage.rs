@@ -5,12 +5,12 @@
 //! subdivided. Then the winding numbers of the triangles add up to that of the face at every point. A subdivided side
 //! is compared as a chain: the polygon's corners occur in order, bit by bit, and the vertices between them lie on the
 //! side up to rounding. The partition is the definition of the trimmed region from there on; the rounding of such a
-//! vertex is at most [`ON_SIDE`] of the size of the parameter box.
+//! vertex is at most [`ON_SIDE`] of the size of the parameter box, and what it moves in space is counted as part of the bound.
 
 use super::distance::key;
-use crate::geom::partition::Partition;
-use crate::surface::face::Face;
-use crate::surface::panel::{Panel, Run};
+use crate::brep::face::Face;
+use crate::patchwork::panel::{Border, Panel, Run};
+use crate::patchwork::partition::Partition;
 use robust::{orient2d, Coord};
 use std::collections::{HashMap, HashSet};
 
@@ -18,11 +18,15 @@ use std::collections::{HashMap, HashSet};
 /// a few roundings.
 const ON_SIDE: f64 = 1e-12;
 
-/// Whether the triangles of a partition cover the face exactly once.
+/// Rounding of that distance, in the same measure.
+const ROUNDING: f64 = 16.0 * f64::EPSILON;
+
+/// Whether the triangles of a partition cover the face exactly once. The result bounds how far, in u and in v, its border
+/// lies off the trimming polygons.
 ///
 /// # Errors
 /// In plain words, what is wrong.
-pub(super) fn partition_covers(face: &Face, partition: &Partition) -> Result<(), String> {
+pub(super) fn partition_covers(face: &Face, partition: &Partition) -> Result<[f64; 2], String> {
     let (v, t) = (&partition.vertices, &partition.triangles);
     if partition.labels.len() != t.len() {
         return Err("triangles and labels differ in number".into());
@@ -33,7 +37,9 @@ pub(super) fn partition_covers(face: &Face, partition: &Partition) -> Result<(),
             return Err(format!("triangle {i} names a vertex that does not exist"));
         };
         let at = |p: &[f64; 2]| Coord { x: p[0], y: p[1] };
-        if orient2d(at(a), at(b), at(c)) <= 0.0 {
+        // Written so that it is refused too where a corner is not a number.
+        let positive = orient2d(at(a), at(b), at(c)) > 0.0;
+        if !positive {
             return Err(format!("triangle {i} at ({}, {}) is not positively oriented", a[0], a[1]));
         }
         for k in 0..3 {
@@ -64,6 +70,7 @@ pub(super) fn partition_covers(face: &Face, partition: &Partition) -> Result<(),
         }
     }
     let scale = [0, 1].map(|d: usize| (high[d] - low[d]).max(low[d].abs()).max(high[d].abs()));
+    let mut farthest = 0.0f64;
     for (l, polygon) in face.loops.iter().enumerate() {
         let n = polygon.points.len();
         for i in 0..n {
@@ -99,7 +106,9 @@ pub(super) fn partition_covers(face: &Face, partition: &Partition) -> Result<(),
                     return Err(format!("the partition's boundary leaves side {i} of loop {l}"));
                 };
                 here = options.swap_remove(best);
-                progress = offset(here).1;
+                let (off, along) = offset(here);
+                farthest = farthest.max(off);
+                progress = along;
                 open -= 1;
             }
         }
@@ -107,7 +116,8 @@ pub(super) fn partition_covers(face: &Face, partition: &Partition) -> Result<(),
     if open > 0 {
         return Err(format!("{open} boundary edges of the partition lie on no trimming loop"));
     }
-    Ok(())
+    // What was measured is rounded by a few units in the last place.
+    Ok(scale.map(|s| (farthest + ROUNDING) * s))
 }
 
 /// Whether every triangle of every partition belongs to exactly one panel.
@@ -138,10 +148,13 @@ pub(super) fn labels_have_panels(partitions: &[Partition], panels: &[Panel]) -> 
 /// In plain words, what is wrong.
 pub(super) fn loops_bound_triangles(partition: &Partition, panel: &Panel) -> Result<(), String> {
     let mut edges = HashSet::new();
-    for (t, _) in partition.triangles.iter().zip(&partition.labels).filter(|(_, &l)| l == panel.label) {
+    let mut others = HashSet::new();
+    for (t, &label) in partition.triangles.iter().zip(&partition.labels) {
         for k in 0..3 {
             let (a, b) = (t[k], t[(k + 1) % 3]);
-            if !edges.remove(&(b, a)) {
+            if label != panel.label {
+                others.insert((a, b));
+            } else if !edges.remove(&(b, a)) {
                 edges.insert((a, b));
             }
         }
@@ -159,6 +172,13 @@ pub(super) fn loops_bound_triangles(partition: &Partition, panel: &Panel) -> Res
                 if !edges.remove(&(w[0], w[1])) {
                     return Err(format!("run {i} of loop {l} leaves the boundary of the panel's triangles"));
                 }
+                // Seams are where there is a neighbour, and nowhere else.
+                let seam = matches!(run.border, Border::Seam { .. });
+                if seam != others.contains(&(w[1], w[0])) {
+                    let (said, is) =
+                        if seam { ("a seam", "the face's border") } else { ("the face's border", "another panel") };
+                    return Err(format!("run {i} of loop {l} is called {said}, but {is} is beyond"));
+                }
             }
         }
     }
@@ -172,8 +192,8 @@ pub(super) fn loops_bound_triangles(partition: &Partition, panel: &Panel) -> Res
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::brep::face::TrimLoop;
     use crate::certify::specimens::near_primal;
-    use crate::surface::face::TrimLoop;
 
     /// The unit square with a square hole, in 8 triangles.
     fn holed() -> (Face, Partition) {
@@ -193,13 +213,13 @@ mod tests {
     #[test]
     fn a_partition_with_a_hole_covers() {
         let (face, mut p) = holed();
-        assert_eq!(partition_covers(&face, &p), Ok(()));
+        assert!(partition_covers(&face, &p).is_ok_and(|off| off.iter().all(|x| *x < 1e-14)));
         // A vertex on the lower side, shared by two triangles.
         p.vertices.push([0.5, 0.0]);
         p.triangles[0] = [0, 8, 4];
         p.triangles.push([8, 1, 4]);
         p.labels.push(0);
-        assert_eq!(partition_covers(&face, &p), Ok(()));
+        assert!(partition_covers(&face, &p).is_ok_and(|off| off.iter().all(|x| *x < 1e-14)));
     }
 
     #[test]
@@ -225,6 +245,11 @@ mod tests {
         p.triangles.push([8, 1, 4]);
         p.labels.push(0);
         assert!(partition_covers(&face, &p).is_err(), "a side dented");
+        // By a hair: rounding of coordinates, and counted.
+        p.vertices[8] = [0.5, 3e-13];
+        assert!(partition_covers(&face, &p).is_ok_and(|off| off[1] >= 3e-13), "a side dented by a hair");
+        p.vertices[8] = [0.5, f64::NAN];
+        assert!(partition_covers(&face, &p).is_err(), "a vertex that is not a number");
         let mut f = face;
         f.loops.pop();
         assert!(partition_covers(&f, &good).is_err(), "a hole forgotten");

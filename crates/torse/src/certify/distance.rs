@@ -12,19 +12,23 @@
 //!
 //! *Poles and curls*. Where `S_u × S_v` vanishes at the rim of the region (poles), or a surface curls up there in a space
 //! far smaller than the tolerance (faulty files do), the sign of `N·(S_u × S_v)` cannot be shown. Let B be such a
-//! triangle with a corner on the rim. A point whose foot is also the foot of a point of B is at most `|d|` from that
-//! foot; the foot is at most the diameter of B's feet from the foot of the rim corner, that is at most diam S(B) +
-//! variation of d + |d| · variation of N. This is added to the bound. All other points have positive degree as in part
-//! (c) of the theorem.
+//! triangle with a corner on the rim. A point of the region, anywhere, whose foot is also the foot of a point b of B is at
+//! most D, the bound for all points, from that foot; and a way on the torse leads from there to the foot of the rim
+//! corner: the image of the segment from b to the corner, whose length is bounded. It goes on to the trimming curve as
+//! from every point of the rim. So the greatest such length is added to the mismatch δ of the trim, and enters with it.
+//! All other points have positive degree as in part (c) of the theorem.
 
 use super::cell::{Bench, Good, Look};
 use super::family::Family;
 use super::prepared::{Patch, Prepared};
-use super::{Resistance, Verdict};
+use super::vector::{dot, exact};
+use super::verdict::{Resistance, Verdict};
 use crate::control::Control;
-use crate::surface::torse::Torse;
+use crate::num::interval::Interval;
+use crate::torse::form::Torse;
 use rayon::prelude::*;
 use std::collections::{HashMap, HashSet};
+use std::ops::Deref;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, OnceLock};
 
@@ -41,19 +45,74 @@ impl Default for DistanceOptions {
     }
 }
 
-/// What was found about a region and a torse.
+/// What was proven about a region and a torse: made here alone, and read like [`JudgementParts`].
 #[derive(Clone, Debug, PartialEq)]
-pub struct Judgement {
+pub struct Judgement(JudgementParts);
+
+impl Deref for Judgement {
+    type Target = JudgementParts;
+    fn deref(&self) -> &JudgementParts {
+        &self.0
+    }
+}
+
+/// What is stated about a region and a torse.
+#[derive(Clone, Debug, PartialEq)]
+pub struct JudgementParts {
     /// Whether the distance is proven to stay below the tolerance.
     pub verdict: Verdict,
-    /// Lower bound of the radius of curvature of the torse over the region, mm; infinite for planes.
+    /// Lower bound of the radius of curvature of the torse over the region, mm; infinite for planes, 0 unless the
+    /// distance holds.
     pub min_bend_radius: f64,
-    /// Lower bound of the distance along rulings to the regression curve, mm; infinite for cylinders.
+    /// Lower bound of the distance along rulings to the regression curve, mm; infinite for cylinders, 0 unless the
+    /// distance holds.
     pub regression_clearance: f64,
     /// Triangles accepted.
     pub cells: usize,
     /// Looks at triangles.
     pub looks: usize,
+    /// What the foot map may fold over at the rim.
+    pub(super) curl: Curl,
+}
+
+/// Triangles at the rim on which the foot map may fold: ways on the torse from the feet of their points to that of a
+/// point of the rim.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Curl {
+    /// Bound of their lengths, mm; 0 where nothing folds.
+    pub way: f64,
+    /// Bound of the torse's curvature along them, 1/mm.
+    pub curvature: f64,
+}
+
+impl Curl {
+    /// Where nothing folds.
+    const NONE: Self = Self { way: 0.0, curvature: 0.0 };
+
+    fn of(accepted: &[Accepted]) -> Self {
+        accepted.iter().filter(|a| a.good.fold == 0).fold(Self::NONE, |c, a| Self {
+            way: c.way.max(a.good.way),
+            // At most the reciprocal, rounded up; infinite for a radius of 0.
+            curvature: c.curvature.max((1.0 / a.good.bend_radius).next_up()),
+        })
+    }
+
+    /// Bound of the distance between points of the region and the torse over the region, as in the theorem.
+    fn with(&self, distance: f64) -> f64 {
+        if self.way > 0.0 {
+            way_total(distance, self.way, self.curvature, 0.0)
+        } else {
+            distance
+        }
+    }
+}
+
+/// `√((D + κδ²/2)² + δ²) + η`, rounded up: how far a point at most D off the torse is from the end of a way of length δ
+/// on it, with curvature κ, that begins at its foot; and η farther.
+pub(super) fn way_total(distance: f64, way: f64, curvature: f64, more: f64) -> f64 {
+    let square = Interval::point(way).sqr();
+    let normal = Interval::point(distance) + (square * curvature).scale_exact(0.5);
+    ((normal.sqr() + square).sqrt() + Interval::point(more)).hi
 }
 
 /// Halvings of a given triangle at most; corners stay exact enough for that many.
@@ -64,6 +123,10 @@ const HOPELESS: f64 = 0.02;
 
 /// A given triangle is halved at least this often before it counts as hopeless.
 const PATIENCE: usize = 6;
+
+/// Triangles at the rim that may fold are halved until the way across them is at most this share of the tolerance, which
+/// is then hardly seen; they are taken as they are if the foot map folds on the halves away from the rim.
+const FINE_WAY: f64 = 1.0 / 64.0;
 
 /// The worst triangles by quick look are examined first, one after the other, because refusals are found there.
 const WORST_FIRST: usize = 6;
@@ -83,6 +146,22 @@ struct Cell {
     marks: [u8; 3],
     depth: usize,
     guess: f64,
+}
+
+/// A triangle at the rim that would do as it is, if its halves do not: it, and how many triangles were open and accepted.
+struct Fallback {
+    whole: Accepted,
+    open: usize,
+    accepted: usize,
+}
+
+impl Fallback {
+    /// Takes the triangle instead of what came of its halves.
+    fn restore(self, open: &mut Vec<Cell>, accepted: &mut Vec<Accepted>) {
+        open.truncate(self.open);
+        accepted.truncate(self.accepted);
+        accepted.push(self.whole);
+    }
 }
 
 /// An accepted triangle.
@@ -112,13 +191,21 @@ pub fn distance(
     options: &DistanceOptions,
     control: &Control,
 ) -> Judgement {
-    judge(prepared, torse, triangles, tolerance, options, control).0
+    let mut judgement = judge(prepared, torse, triangles, tolerance, options, control).0;
+    if let Verdict::Holds { bound } = judgement.verdict {
+        let bound = judgement.curl.with(bound);
+        judgement.verdict = match triangles.first() {
+            Some(t) if bound > tolerance => Verdict::Undecided { uv: centroid(t), reason: Resistance::Fold },
+            _ => Verdict::Holds { bound },
+        };
+    }
+    Judgement(judgement)
 }
 
 /// Foot intervals proven at the corners of triangles.
 pub(super) type Feet = HashMap<Key, (f64, f64)>;
 
-/// As [`distance`], with the feet at the corners.
+/// As [`distance`], with the feet at the corners, and with a bound that does not know of [`Judgement::curl`].
 pub(super) fn judge(
     prepared: &Prepared,
     torse: &Torse,
@@ -126,10 +213,15 @@ pub(super) fn judge(
     tolerance: f64,
     options: &DistanceOptions,
     control: &Control,
-) -> (Judgement, Feet) {
-    let blank = |verdict| {
-        let (min_bend_radius, regression_clearance) = (f64::INFINITY, f64::INFINITY);
-        (Judgement { verdict, min_bend_radius, regression_clearance, cells: 0, looks: 0 }, Feet::new())
+) -> (JudgementParts, Feet) {
+    let blank = |verdict: Verdict| {
+        // Of no points at all anything is true; of points that were not looked at nothing is known.
+        let least = if matches!(verdict, Verdict::Holds { .. }) { f64::INFINITY } else { 0.0 };
+        let (min_bend_radius, regression_clearance) = (least, least);
+        (
+            JudgementParts { verdict, min_bend_radius, regression_clearance, cells: 0, looks: 0, curl: Curl::NONE },
+            Feet::new(),
+        )
     };
     let undecided = |uv: [f64; 2], reason| blank(Verdict::Undecided { uv, reason });
     let Some(any) = triangles.first() else {
@@ -157,6 +249,7 @@ pub(super) fn judge(
     roots.sort_by(|a, b| b.3.total_cmp(&a.3));
 
     let search = Search {
+        prepared,
         family: &family,
         triangles,
         tolerance,
@@ -166,6 +259,7 @@ pub(super) fn judge(
         stop: AtomicBool::new(false),
         failure: Mutex::new(None),
         rim: OnceLock::new(),
+        orientation: OnceLock::new(),
     };
     let examine = |r: &(usize, &Patch, f64, f64)| search.examine(r.0, r.1, r.2);
     let (worst, others) = roots.split_at(WORST_FIRST.min(roots.len()));
@@ -180,19 +274,28 @@ pub(super) fn judge(
     let verdict = failure
         .or(disagreement)
         .unwrap_or_else(|| Verdict::Holds { bound: accepted.iter().fold(0.0, |b, a| a.good.bound.max(b)) });
-    let least = |f: &dyn Fn(&Good) -> f64| accepted.iter().fold(f64::INFINITY, |m, a| m.min(f(&a.good)));
-    let judgement = Judgement {
+    let all = matches!(verdict, Verdict::Holds { .. });
+    let least = |f: &dyn Fn(&Good) -> f64| {
+        if all {
+            accepted.iter().fold(f64::INFINITY, |m, a| m.min(f(&a.good)))
+        } else {
+            0.0
+        }
+    };
+    let judgement = JudgementParts {
         verdict,
         min_bend_radius: least(&|g| g.bend_radius),
         regression_clearance: least(&|g| g.clearance),
         cells: accepted.len(),
         looks,
+        curl: Curl::of(&accepted),
     };
     (judgement, feet)
 }
 
 /// What the threads share.
 struct Search<'a> {
+    prepared: &'a Prepared<'a>,
     family: &'a Family,
     triangles: &'a [[[f64; 2]; 3]],
     tolerance: f64,
@@ -202,6 +305,7 @@ struct Search<'a> {
     stop: AtomicBool,
     failure: Mutex<Option<Verdict>>,
     rim: OnceLock<Rim>,
+    orientation: OnceLock<i32>,
 }
 
 /// Edges and corners on the boundary of the region.
@@ -226,7 +330,12 @@ impl Search<'_> {
         let marks = [0b001_101, 0b010_011, 0b100_110];
         let mut accepted = Vec::new();
         let mut open = vec![Cell { triangle: root, marks, depth: 0, guess }];
+        let mut fallbacks: Vec<Fallback> = Vec::new();
         while let Some(cell) = open.pop() {
+            // Of those all of whose halves are done nothing is needed any more.
+            while fallbacks.last().is_some_and(|f| open.len() < f.open) {
+                fallbacks.pop();
+            }
             if self.stop.load(Ordering::Relaxed) {
                 return accepted;
             }
@@ -243,7 +352,18 @@ impl Search<'_> {
                 look = bench.look(&cell.triangle, cell.guess, true);
             }
             match look {
-                Look::Good(good) => accepted.push(Accepted { triangle: cell.triangle, good }),
+                Look::Good(good) if good.way > FINE_WAY * self.tolerance && cell.depth < DEPTH => {
+                    let whole = Accepted { triangle: cell.triangle, good };
+                    fallbacks.push(Fallback { whole, open: open.len(), accepted: accepted.len() });
+                    open.extend(cell.halves(patch, good.feet.mid()));
+                }
+                Look::Good(good) => match fallbacks.pop() {
+                    Some(f) if good.fold * self.orientation() < 0 => f.restore(&mut open, &mut accepted),
+                    fallback => {
+                        fallbacks.extend(fallback);
+                        accepted.push(Accepted { triangle: cell.triangle, good });
+                    }
+                },
                 Look::Exceeds { place, distance } => {
                     let uv = if place < 3 { cell.triangle[place] } else { uv };
                     self.fail(Verdict::Fails { uv, distance });
@@ -257,6 +377,10 @@ impl Search<'_> {
                     let foot_or_fold = matches!(reason, Resistance::Foot | Resistance::Fold);
                     let hopeless = foot_or_fold && cell.depth >= PATIENCE && radius < HOPELESS * self.tolerance;
                     if hopeless || cell.depth >= DEPTH {
+                        if let Some(f) = fallbacks.pop().filter(|_| foot_or_fold || reason == Resistance::Degenerate) {
+                            f.restore(&mut open, &mut accepted);
+                            continue;
+                        }
                         self.fail(Verdict::Undecided { uv, reason });
                         return accepted;
                     }
@@ -265,6 +389,33 @@ impl Search<'_> {
             }
         }
         accepted
+    }
+
+    /// Orientation of the foot map on most of the region, see [`Good::fold`]; sampled. Which triangles are taken whole
+    /// depends on it, what is proven about them does not.
+    fn orientation(&self) -> i32 {
+        const SOME: usize = 32;
+        let signed_area = |triangle: &[[f64; 2]; 3]| -> Option<f64> {
+            let patch = self.prepared.patch_of(triangle)?;
+            let (t, _) = Bench::new(self.family, patch, self.tolerance).quick(triangle, None)?;
+            let [u, v] = centroid(triangle);
+            let jet = self.prepared.surface.jet(u, v);
+            let plane = self.family.quick(t);
+            let across = dot(&plane.n, &exact(&jet.normal()));
+            let (_, slope) = self.family.quick_foot(&exact(&(jet.p - self.family.origin)), t);
+            let [a, b, c] = triangle;
+            let area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+            Some(across * slope.signum() * area)
+        };
+        *self.orientation.get_or_init(|| {
+            let step = self.triangles.len().div_ceil(SOME).max(1);
+            let sum: f64 = self.triangles.iter().step_by(step).filter_map(signed_area).sum();
+            if sum < 0.0 {
+                -1
+            } else {
+                1
+            }
+        })
     }
 
     /// Whether a corner of the cell lies on the boundary of the region.
@@ -408,217 +559,4 @@ fn glue(accepted: &[Accepted]) -> (Feet, Option<Verdict>) {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::certify::specimens::*;
-    use crate::geom::Vec3;
-    use crate::spline::surface::Surface;
-
-    fn judged(s: &Surface, torse: &Torse, triangles: &[[[f64; 2]; 3]], tolerance: f64) -> Judgement {
-        distance(&Prepared::new(s), torse, triangles, tolerance, &DistanceOptions::default(), &Control::default())
-    }
-
-    fn moved(s: &Surface, f: &dyn Fn(Vec3) -> Vec3) -> Surface {
-        let mut out = s.clone();
-        for c in &mut out.control {
-            let p = f(Vec3::new(c[0], c[1], c[2]) / c[3]) * c[3];
-            *c = [p.x, p.y, p.z, c[3]];
-        }
-        out
-    }
-
-    /// Certified at 3 % above the sampled supremum, refuted at 3 % below; the bound is never below the samples.
-    fn tight(s: &Surface, torse: &Torse, triangles: &[[[f64; 2]; 3]]) -> f64 {
-        let sup = brute_sup(s, torse, triangles, 6);
-        let yes = judged(s, torse, triangles, sup * 1.03);
-        let Verdict::Holds { bound } = yes.verdict else { panic!("{yes:?}, sampled {sup}") };
-        assert!(bound >= sup * (1.0 - 1e-12) && bound <= sup * 1.03, "{bound} {sup}");
-        let no = judged(s, torse, triangles, sup * 0.97);
-        let Verdict::Fails { uv, distance } = no.verdict else { panic!("{no:?}, sampled {sup}") };
-        assert!(distance.abs() > sup * 0.97);
-        let there = brute_distance(torse, &s.point(uv[0], uv[1]));
-        assert!((there - distance.abs()).abs() < 1e-3 * sup, "{there} {distance}");
-        sup
-    }
-
-    #[test]
-    fn torses_over_a_profile_with_an_inflection() {
-        let s = near_primal(1e-3);
-        let sup = tight(&s, &Torse::Primal(primal()), &grid(&s, 3, 3));
-        assert!(sup > 5e-4 && sup < 1e-3);
-    }
-
-    #[test]
-    fn envelopes_near_a_rational_sphere() {
-        let s = sphere_strip(0.05);
-        let sup = tight(&s, &Torse::Dual(dual()), &grid(&s, 4, 4));
-        // Tangent strip of half-width w = 5 · .05: w²/(2 R) in the first order.
-        assert!((sup - 0.25f64.powi(2) / 10.0).abs() < 2e-4, "{sup}");
-    }
-
-    #[test]
-    fn a_torse_that_comes_round_again_has_one_sheet_over_a_pipe() {
-        use crate::spline::knots::Knots;
-        use crate::surface::torse::DualTorse;
-        use std::f64::consts::TAU;
-        // A pipe of a full turn; the torse goes on by a fifth of a turn at both ends, so that points near the slit have
-        // feet on both of its ends. The region's triangles come in no order.
-        let around = Knots::uniform(3, 24, 0.0, TAU).expect("knots");
-        let along = Knots::clamped(3, &[0.0, 1.0]).expect("knots");
-        let s = interpolant(&around, &along, &|u, v| Vec3::new(5.0 * u.cos(), 5.0 * u.sin(), v));
-        let longer = Knots::uniform(3, 34, -0.2 * TAU, 1.2 * TAU).expect("knots");
-        let torse = Torse::Dual(DualTorse { planes: curve(&longer, &|t| [t.cos(), t.sin(), 0.0, 5.0]) });
-        let triangles = grid(&s, 1, 2);
-        let n = triangles.len();
-        let shuffled: Vec<_> = (0..n).map(|i| triangles[(i * 37) % n]).collect();
-        assert!(!n.is_multiple_of(37), "all triangles");
-        let j = judged(&s, &torse, &shuffled, 1e-2);
-        assert!(matches!(j.verdict, Verdict::Holds { .. }), "{j:?}");
-    }
-
-    #[test]
-    fn creases_holes_and_reflex_corners() {
-        use crate::spline::knots::Knots;
-        // A C⁰ knot line with a crease, and a region with a hole and a notch.
-        let k = Knots::clamped(3, &[0.0, 0.5, 0.5, 0.5, 1.0]).expect("knots");
-        let z = tilted_frame().z;
-        let s = interpolant(&k, &k, &|u, v| {
-            primal_point(1.3 * u, 0.8 * v - 0.4) + z * (2e-3 * (u - 0.5).abs() + 1e-3 * (5.0 * v + u).sin())
-        });
-        let middle = |t: &[[f64; 2]; 3]| centroid(t);
-        let region: Vec<_> = grid(&s, 4, 4)
-            .into_iter()
-            .filter(|t| {
-                let [u, v] = middle(t);
-                let hole = (0.25..0.625).contains(&u) && (0.25..0.5).contains(&v);
-                let notch = u > 0.75 && v > 0.625;
-                !hole && !notch
-            })
-            .collect();
-        assert!(region.len() < 120);
-        tight(&s, &Torse::Primal(primal()), &region);
-    }
-
-    #[test]
-    fn perturbed_surfaces_are_refused_with_a_witness() {
-        let s = near_primal(1e-3);
-        let torse = Torse::Primal(primal());
-        let triangles = grid(&s, 3, 3);
-        let tolerance = 1.02e-3;
-        assert!(matches!(judged(&s, &torse, &triangles, tolerance).verdict, Verdict::Holds { .. }));
-        let (frame, middle) = (tilted_frame(), primal_point(0.6, 0.0));
-        let r = torse.ruling(0.6);
-        let turned = |angle: f64| {
-            move |p: Vec3| {
-                let q = p - middle;
-                let e = r.direction;
-                middle + q * angle.cos() + e.cross(&q) * angle.sin() + e * (e.dot(&q) * (1.0 - angle.cos()))
-            }
-        };
-        let cases: Vec<(&str, Surface)> = vec![
-            ("shift by two tolerances", moved(&s, &|p| p + frame.z * (2.0 * tolerance))),
-            ("shift by .3 tolerances", moved(&s, &|p| p + frame.z * (0.3 * tolerance))),
-            ("rotation about a ruling", moved(&s, &turned(0.02))),
-            ("tilt along the ruling", moved(&s, &|p| p + r.normal * (0.03 * (p - middle).dot(&r.direction)))),
-            ("one control point", {
-                let mut out = s.clone();
-                out.control[14][2] += 6.0 * tolerance;
-                out
-            }),
-        ];
-        for (name, surface) in cases {
-            let j = judged(&surface, &torse, &triangles, tolerance);
-            let Verdict::Fails { uv, distance } = j.verdict else { panic!("{name}: {j:?}") };
-            assert!(distance.abs() > tolerance);
-            assert!(brute_distance(&torse, &surface.point(uv[0], uv[1])) > tolerance * (1.0 - 1e-9), "{name}");
-        }
-    }
-
-    #[test]
-    fn a_spike_between_samples_is_found() {
-        // A knot interval of width .002 with a spike of 1.2 tolerances in it, over a plane region.
-        use crate::spline::knots::Knots;
-        let k = Knots::clamped(3, &[0.0, 0.4, 0.4005, 0.401, 0.4015, 0.402, 1.0]).expect("knots");
-        let q = Knots::clamped(3, &[0.0, 1.0]).expect("knots");
-        let mut s = interpolant(&k, &q, &|u, v| primal_point(1.3 * u, 0.8 * v - 0.4));
-        let z = tilted_frame().z * 1.8e-3;
-        let row = s.row();
-        for c in &mut s.control[4 * row..5 * row] {
-            *c = [c[0] + z.x, c[1] + z.y, c[2] + z.z, 1.0];
-        }
-        let triangles = grid(&s, 1, 1);
-        let j = judged(&s, &Torse::Primal(primal()), &triangles, 1e-3);
-        assert!(!matches!(j.verdict, Verdict::Holds { .. }), "{j:?}");
-    }
-
-    #[test]
-    fn feet_outside_the_torse_are_not_accepted() {
-        let s = near_primal(1e-3);
-        let mut p = primal();
-        p.profile =
-            curve(&crate::spline::knots::Knots::clamped(3, &[-0.3, 1.0]).expect("knots"), &|t| p.profile.point(t));
-        let j = judged(&s, &Torse::Primal(p), &grid(&s, 3, 3), 1.0);
-        assert!(matches!(j.verdict, Verdict::Undecided { reason: Resistance::Foot, .. }), "{j:?}");
-    }
-
-    #[test]
-    fn scaling_by_a_power_of_two_scales_the_bound() {
-        let s = near_primal(1e-3);
-        let (p, factor) = (primal(), 1024.0);
-        let mut q = p.clone();
-        q.frame.origin *= factor;
-        let values = p.profile.knots.values().iter().map(|t| t * factor).collect();
-        let control = p.profile.control.iter().map(|c| [c[0] * factor, c[1]]).collect();
-        q.profile = crate::spline::curve::Curve::new(3, values, control).expect("profile");
-        // f and t grow by the factor; a, g = beta + ∫ f' da and the slopes stay.
-        let big = moved(&s, &|x| x * factor);
-        let triangles = grid(&s, 3, 3);
-        let a = judged(&s, &Torse::Primal(p), &triangles, 1.02e-3);
-        let b = judged(&big, &Torse::Primal(q), &triangles, 1.02e-3 * factor);
-        let (Verdict::Holds { bound: a }, Verdict::Holds { bound: b }) = (&a.verdict, &b.verdict) else {
-            panic!("{a:?} {b:?}")
-        };
-        assert!((a * factor - b).abs() < 1e-9 * b);
-    }
-
-    /// A corner turned over in a space far smaller than the tolerance does not spoil the proof; where the tolerance is
-    /// as small as the corner, it does.
-    #[test]
-    fn a_tiny_curl_at_the_rim_is_certified_within_the_tolerance() {
-        use crate::spline::knots::Knots;
-        let k = Knots::clamped(3, &[0.0, 1e-3, 2e-3, 0.3, 1.0]).expect("knots");
-        let mut s = interpolant(&k, &k, &|u, v| primal_point(1.3 * u, 0.8 * v - 0.4));
-        // The corner lies beyond its neighbours.
-        let (corner, beside) = (s.control[0], s.control[2 * k.control_count()]);
-        for d in 0..3 {
-            s.control[0][d] = corner[d] + 3.0 * (beside[d] - corner[d]);
-        }
-        let torse = Torse::Primal(primal());
-        let triangles = grid(&s, 2, 2);
-        let normal = |u: f64| s.jet(u, 1e-9).normal();
-        assert!(normal(1e-9).dot(&normal(0.5)) < 0.0, "the corner is not turned over");
-        let j = judged(&s, &torse, &triangles, 0.05);
-        let Verdict::Holds { bound } = j.verdict else { panic!("{j:?}") };
-        assert!(bound >= brute_sup(&s, &torse, &triangles, 6) && bound <= 0.05, "{bound}");
-        let j = judged(&s, &torse, &triangles, 5e-4);
-        assert!(!matches!(j.verdict, Verdict::Holds { .. }), "{j:?}");
-    }
-
-    #[test]
-    fn a_pole_at_the_rim_is_certified_and_a_fold_is_not() {
-        use crate::spline::knots::Knots;
-        let k = Knots::clamped(3, &[0.0, 1.0]).expect("knots");
-        // A fan over the primal torse: all of u = 0 is one point.
-        let fan = interpolant(&k, &k, &|u, v| primal_point(0.2 + 0.8 * u, 0.5 * u * (v - 0.5)));
-        let triangles = grid(&fan, 4, 4);
-        let torse = Torse::Primal(primal());
-        let sup = brute_sup(&fan, &torse, &triangles, 6);
-        let j = judged(&fan, &torse, &triangles, 1e-4 + sup);
-        assert!(matches!(j.verdict, Verdict::Holds { .. }), "{j:?}");
-        // The same with the parametrisation folded back: distances are small, but the region doubles.
-        let folded = interpolant(&k, &k, &|u, v| primal_point(0.2 + 0.8 * u, 0.5 * (v - 0.4).powi(2)));
-        let triangles = grid(&folded, 4, 4);
-        let j = judged(&folded, &torse, &triangles, 1e-2);
-        assert!(!matches!(j.verdict, Verdict::Holds { .. }), "{j:?}");
-    }
-}
+mod tests;

@@ -7,14 +7,15 @@
 //! in interval arithmetic \[MKC09\] from the numbers of the patch that are written.
 //! *Not guaranteed*: that a bound is the distance, or anything about the surface between the given elements.
 
+use super::claim::UpperBound;
 use super::points::{distance_bound, Target};
 use crate::control::Control;
 use crate::geom::Vec3;
 use crate::num::interval::Interval;
 use crate::spline::blossom::of_piece;
 use crate::spline::curve::Curve;
-use crate::surface::plane_row::PlaneElement;
-use crate::surface::strip::Strip;
+use crate::torse::contact::PlaneElement;
+use crate::torse::strip::Strip;
 use rayon::prelude::*;
 
 /// Proven distances of rulings and planes from strips.
@@ -41,9 +42,15 @@ impl ElementCertificate {
         (0..self.bounds.len()).max_by(|&i, &j| self.bounds[i].total_cmp(&self.bounds[j]))
     }
 
-    /// Largest bound, mm; 0 without elements.
-    pub fn worst_bound(&self) -> f64 {
-        self.worst().map_or(0.0, |i| self.bounds[i])
+    /// Bound of the largest distance, mm; unknown without elements.
+    pub fn worst_bound(&self) -> UpperBound {
+        self.worst().map_or(UpperBound::UNKNOWN, |i| UpperBound::shown(self.bounds[i]))
+    }
+
+    /// Bound of the largest distance, mm, of the elements whose bound comes from a strip; unknown if there are none.
+    pub fn worst_bound_on(&self, strip: usize) -> UpperBound {
+        let own = self.places.iter().zip(&self.bounds).filter(|(p, _)| p.0 as usize == strip);
+        UpperBound::largest(own.map(|(_, b)| UpperBound::shown(*b)))
     }
 
     /// Number of elements whose bound exceeds a tolerance, mm.
@@ -234,7 +241,7 @@ fn through(a: &[Interval; 4], b: &[Interval; 4], c: &[Interval; 4]) -> [Interval
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::surface::torse::PanelKind;
+    use crate::torse::form::PanelKind;
 
     fn quad() -> Strip {
         Strip::quad(

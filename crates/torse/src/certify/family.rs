@@ -9,13 +9,14 @@
 //! the image `o + R q` of its local form. Linear forms carry over exactly with `R⁻ᵀ`; local lengths times
 //! [`Family::metric`] bound lengths in space.
 
+use super::ruled::rough;
 use super::vector::{add, cross, dot, exact, scale, V3};
 use crate::geom::Vec3;
 use crate::num::bernstein::{elevated, from_spline, Scalar};
 use crate::num::interval::Interval;
 use crate::num::jet::Jet;
 use crate::spline::knots::Knots;
-use crate::surface::torse::Torse;
+use crate::torse::form::Torse;
 
 /// Frames less orthonormal than this (Frobenius norm of RᵀR − I) are refused: far above rounding, far below use.
 const FRAME_ERROR_LIMIT: f64 = 1e-9;
@@ -174,7 +175,7 @@ impl Family {
     /// Prepares a torse. `None` when it is not a C¹ spline of degree at most three or its frame is not orthonormal.
     pub fn new(torse: &Torse) -> Option<Self> {
         let knots = match torse {
-            Torse::Primal(p) => &p.profile.knots,
+            Torse::Primal(p) => &p.profile().knots,
             Torse::Dual(d) => &d.planes.knots,
         };
         let (t0, t1) = knots.domain();
@@ -188,9 +189,9 @@ impl Family {
         let (mut axes, mut origin, mut metric) = ([[Interval::ZERO; 3]; 3], Vec3::zeros(), 1.0f64);
         match torse {
             Torse::Primal(p) => {
-                let mut g = Interval::point(p.beta);
+                let mut g = Interval::point(p.beta());
                 for w in breaks.windows(2) {
-                    let [f, a] = pieces(knots, &p.profile.control, w[0], w[1]);
+                    let [f, a] = pieces(knots, &p.profile().control, w[0], w[1]);
                     let inverse = Interval::ONE / (Interval::point(w[1]) - Interval::point(w[0]));
                     let (span, end) = primal_span(f, a, g, inverse);
                     spans.push(span);
@@ -259,8 +260,8 @@ impl Family {
         s.plane(x, t, &self.axes)
     }
 
-    /// The planes along a curve `t(s)` inside the domain, with derivatives in s; and whether `t` stays in one span.
-    pub fn along(&self, t: Jet) -> (Plane<Jet>, bool) {
+    /// The planes along a curve `t(s)` inside the domain, with derivatives in s; and how [`rough`] they are.
+    pub fn along(&self, t: Jet) -> (Plane<Jet>, f64) {
         let (first, last) = (self.span(t.v.lo), self.span(t.v.hi));
         let axes = self.axes.map(|r| r.map(Jet::constant));
         let piece = |i: usize| {
@@ -269,7 +270,8 @@ impl Family {
             let x = (t - Jet::from(self.breaks[i])) * span.inverse - Jet::from(0.5);
             span.plane(x, t, &axes)
         };
-        (first + 1..=last).fold((piece(first), first == last), |(p, one), i| (p.hull(&piece(i)), one))
+        let hull = |p: Plane<Jet>, i: usize| p.hull(&piece(i));
+        ((first + 1..=last).fold(piece(first), hull), rough(&self.breaks, first..=last, t))
     }
 
     /// Enclosures over `t` (inside the domain) of σ and of m' with `m'·x − k'`; `x` relative to the origin.
@@ -358,7 +360,7 @@ impl Family {
 
     /// Foot function and slope at `x` (relative to the origin), in f64.
     #[inline]
-    fn quick_foot(&self, x: &V3<f64>, t: f64) -> (f64, f64) {
+    pub fn quick_foot(&self, x: &V3<f64>, t: f64) -> (f64, f64) {
         let p = self.quick(t);
         let (f, mu) = (p.f(x), p.mu(x));
         (p.foot(f, mu), p.foot_slope(f, mu, dot(&p.dm, x) - p.dk))
@@ -624,7 +626,7 @@ mod tests {
     use super::*;
     use crate::geom::Frame;
     use crate::spline::curve::Curve;
-    use crate::surface::torse::{DualTorse, PrimalTorse};
+    use crate::torse::form::{DualTorse, PrimalTorse};
 
     pub fn primal() -> Torse {
         let knots = vec![-1., -1., -1., -1., 0., 0.5, 1., 1., 1., 1.];
@@ -632,7 +634,7 @@ mod tests {
         let (s, c) = (0.6, 0.8);
         let frame =
             Frame { origin: Vec3::new(1., 2., 3.), x: Vec3::new(c, s, 0.), y: Vec3::new(-s, c, 0.), z: Vec3::z() };
-        Torse::Primal(PrimalTorse { frame, profile: Curve::new(3, knots, control).expect("profile"), beta: 0.2 })
+        Torse::Primal(PrimalTorse::new(frame, Curve::new(3, knots, control).expect("profile"), 0.2))
     }
 
     pub fn dual() -> Torse {

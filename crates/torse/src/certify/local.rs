@@ -3,7 +3,7 @@
 //! Values of Bernstein polynomials stay in the hull of their coefficients. Sums are taken in f64 with an a-priori bound
 //! of their rounding, added once per hull (Higham, *Accuracy and Stability of Numerical Algorithms*, 3.1; \[MKC09\]).
 
-use super::prepared::{bernstein_weights, contract, Net, UNIT};
+use super::prepared::{bernstein_weights, contract, Net, Patch, Prepared, UNIT};
 use super::vector::{mid, rad, V3};
 use crate::num::interval::Interval;
 
@@ -191,6 +191,17 @@ impl<'a> Local<'a> {
             }
         }
     }
+}
+
+/// Bound of the distance in space, mm, between points of a surface whose parameters differ by at most `off`.
+pub(super) fn way(prepared: &Prepared, off: [f64; 2]) -> f64 {
+    let of = |p: &Patch| {
+        let [_, s1, s2, ..] = Local::new(&p.net, [0.5, 0.5]).norms;
+        let share = |(a, b): (f64, f64), off: f64| Interval::point(off) / (Interval::point(b) - Interval::point(a));
+        (share(p.u, off[0]) * Interval::point(s1) + share(p.v, off[1]) * Interval::point(s2)).hi
+    };
+    // A short way may lead over knot lines: each patch has no more than its share.
+    prepared.patches().iter().map(of).fold(0.0, f64::max)
 }
 
 /// Relative error of a contraction with Bernstein weights, in relation to the largest coefficient.

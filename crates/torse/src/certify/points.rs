@@ -6,12 +6,13 @@
 //! *Guaranteed*: no point is farther from the strips than its bound. *Not guaranteed*: that the bound is the distance
 //! (a nearer place may have been missed), or anything about places of the strips without points.
 
+use super::claim::UpperBound;
 use crate::control::Control;
 use crate::geom::{BBox, Vec3};
 use crate::num::interval::Interval;
 use crate::spline::blossom::of_piece;
 use crate::spline::curve::Curve;
-use crate::surface::strip::Strip;
+use crate::torse::strip::Strip;
 use rayon::prelude::*;
 
 /// Rulings of the table of a strip.
@@ -44,9 +45,16 @@ impl PointCertificate {
         &self.signed
     }
 
-    /// Largest bound, mm; 0 without points.
-    pub fn worst_bound(&self) -> f64 {
-        self.worst.map_or(0.0, |i| self.bounds[i])
+    /// Bound of the largest distance, mm; unknown without points.
+    pub fn worst_bound(&self) -> UpperBound {
+        self.worst.map_or(UpperBound::UNKNOWN, |i| UpperBound::shown(self.bounds[i]))
+    }
+
+    /// Bound of the largest distance, mm, of the points whose bound comes from a strip and is at most `within`; unknown
+    /// if there are none.
+    pub fn worst_bound_on(&self, strip: usize, within: f64) -> UpperBound {
+        let own = self.places.iter().zip(&self.bounds).filter(|(p, b)| p.0 as usize == strip && **b <= within);
+        UpperBound::largest(own.map(|(_, b)| UpperBound::shown(*b)))
     }
 
     /// Index of the point with the largest bound.
@@ -207,7 +215,7 @@ pub(super) fn distance_bound(t: &Target, u: f64, v: f64, x: &Vec3) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::surface::torse::PanelKind;
+    use crate::torse::form::PanelKind;
 
     #[test]
     fn bounds_are_distances_on_a_plane_and_never_less() {
@@ -228,7 +236,7 @@ mod tests {
         for (b, d) in c.bounds().iter().zip([0.3, 5.0, 0.1, 5.0]) {
             assert!(*b >= d - 1e-15 && *b <= d + 1e-9, "{b} {d}");
         }
-        assert_eq!(c.worst_bound().max(5.0), c.worst_bound());
+        assert!(c.worst_bound().value() >= 5.0);
         assert_eq!(c.beyond(0.2), 3);
         assert!(points(&[], &x, &Control::default()).bounds()[0].is_infinite());
     }

@@ -192,6 +192,11 @@ impl<'a> Prepared<'a> {
         Self { surface, patches, breaks_u, breaks_v }
     }
 
+    /// All patches.
+    pub(super) fn patches(&self) -> &[Patch] {
+        &self.patches
+    }
+
     /// The patch over which the triangle lies; `None` when it crosses a knot line or leaves the domain.
     pub(super) fn patch_of(&self, triangle: &[[f64; 2]; 3]) -> Option<&Patch> {
         let middle = |d: usize| (triangle[0][d] + triangle[1][d] + triangle[2][d]) / 3.0;

@@ -4,15 +4,17 @@
 //! homogeneous coordinates; `R.xyz H.w − H.xyz R.w` divided by the least weights bounds the distance. All coefficients
 //! are Bernstein coefficients \[FR88\] in interval arithmetic with outward rounding, relative to a point nearby.
 
-use super::developable::developability_within;
+use super::claim::UpperBound;
+use super::developable::developability_until;
 use super::ruled::Ruled;
 use super::vector::length_bound;
+use crate::control::Control;
 use crate::num::bernstein::{self, from_spline_over, hull, product};
 use crate::num::interval::Interval;
 use crate::spline::curve::Curve;
 use crate::spline::knots::Knots;
-use crate::surface::rail::{Rail, RailPart};
-use crate::surface::strip::Strip;
+use crate::torse::rail::{Rail, RailPart};
+use crate::torse::strip::Strip;
 
 /// Halvings of a stretch of the parameter until it is known where a knot of the rail is met.
 const HALVINGS: usize = 60;
@@ -22,11 +24,15 @@ const PAST: f64 = 1e-9;
 const NOTHING: f64 = 1e-13;
 
 /// Bound on the distance (mm) between a strip's rail and the part of the given rail that it stands for, point by
-/// point; both are run through from end to end, so it bounds the distance in both directions. `None` if the parts do
-/// not belong together (a piece that does not exist, weights that are not positive).
+/// point; both are run through from end to end, so it bounds the distance in both directions. Unknown if the parts do
+/// not belong together (a piece that does not exist, weights that are not positive), or the control says stop.
 ///
 /// *Guarantee*: the bound holds at every parameter, rounding included.
-pub fn rail_bound(strip: &Strip, side: usize, rail: &Rail, part: &RailPart) -> Option<f64> {
+pub fn rail_bound(strip: &Strip, side: usize, rail: &Rail, part: &RailPart, control: &Control) -> UpperBound {
+    enclosed((strip, side), rail, part, control).map_or(UpperBound::UNKNOWN, UpperBound::shown)
+}
+
+fn enclosed((strip, side): (&Strip, usize), rail: &Rail, part: &RailPart, control: &Control) -> Option<f64> {
     let given = rail.pieces.get(part.piece)?;
     let patch = Ruled::new(&strip.patch)?;
     let map = &part.parameter;
@@ -35,7 +41,12 @@ pub fn rail_bound(strip: &Strip, side: usize, rail: &Rail, part: &RailPart) -> O
     let (first, last) = (*breaks.first()?, *breaks.last()?);
     breaks.extend(map.knots.breaks().into_iter().filter(|t| *t > first && *t < last));
     let sigma = |u: f64| map.point(u)[0];
-    for t in given.knots.breaks().into_iter().filter(|t| sigma(first) < *t && *t < sigma(last)) {
+    let spans = given.knots.breaks();
+    let (from, to) = (sigma(first), sigma(last));
+    for t in spans.iter().copied().filter(|t| from < *t && *t < to) {
+        if control.stopped() {
+            return None;
+        }
         let (mut lo, mut hi) = (first, last);
         for _ in 0..HALVINGS {
             let m = 0.5 * (lo + hi);
@@ -54,21 +65,29 @@ pub fn rail_bound(strip: &Strip, side: usize, rail: &Rail, part: &RailPart) -> O
         if b - a <= NOTHING * (last - first) && b < last {
             continue;
         }
-        worst = worst.max(piece_bound(&patch, side, given, map, a, b)?);
+        if control.stopped() {
+            return None;
+        }
+        worst = worst.max(piece_bound((&patch, side), (given, &spans), map, a, b)?);
         a = b;
     }
     worst.is_finite().then_some(worst)
 }
 
-/// One stretch without knots inside.
-fn piece_bound(patch: &Ruled, side: usize, given: &Curve<4>, map: &Curve<1>, a: f64, b: f64) -> Option<f64> {
+/// One stretch without knots inside: of a side of a patch, against a curve with its breaks.
+fn piece_bound(
+    (patch, side): (&Ruled, usize),
+    (given, breaks): (&Curve<4>, &[f64]),
+    map: &Curve<1>,
+    a: f64,
+    b: f64,
+) -> Option<f64> {
     let middle = 0.5 * (a + b);
     let origin = patch.middle(middle);
     let r = patch.end(side, a, b, &origin);
     let sigma = over(&map.knots, |i| Interval::point(map.control[i][0]), a, b);
     // The rail over the span in which the parameter lies.
     let at = map.point(middle)[0];
-    let breaks = given.knots.breaks();
     let k = breaks[1..breaks.len() - 1].partition_point(|t| *t <= at);
     let (t0, t1) = (breaks[k], breaks[k + 1]);
     let h = [0, 1, 2, 3].map(|d: usize| {
@@ -128,24 +147,40 @@ fn compose(c: &[Interval], x: &[Interval]) -> Vec<Interval> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TwistBound {
     /// Bound (rad) of the angle between the tangent planes at both ends of any ruling.
-    pub angle: f64,
+    angle: UpperBound,
     /// Whether no ruling meets the regression curve between the rails. False too where nothing could be shown.
-    pub regular: bool,
+    regular: bool,
+}
+
+impl TwistBound {
+    /// Nothing is known.
+    pub const UNKNOWN: Self = Self { angle: UpperBound::UNKNOWN, regular: false };
+
+    /// Bound (rad) of the angle between the tangent planes at both ends of any ruling.
+    pub fn angle(&self) -> UpperBound {
+        self.angle
+    }
+
+    /// Whether no ruling meets the regression curve between the rails. False too where nothing could be shown.
+    pub fn is_regular(&self) -> bool {
+        self.regular
+    }
 }
 
 /// Proven bound of the twist of a strip; parts are halved until it is below `limit` (rad) or cannot be shown to be.
+/// Unknown where rulings may meet the regression curve, and where the control says stop.
 ///
 /// Fans (a rail that is a point) are cones: their twist is 0, and their apex is where their rail rests.
-pub fn twist_bound(strip: &Strip, limit: f64) -> TwistBound {
+pub fn twist_bound(strip: &Strip, limit: f64, control: &Control) -> TwistBound {
     if strip.is_point(0) || strip.is_point(1) {
-        return TwistBound { angle: 0.0, regular: true };
+        return TwistBound { angle: UpperBound::shown(0.0), regular: true };
     }
-    let Some(patch) = Ruled::new(&strip.patch) else {
-        return TwistBound { angle: f64::INFINITY, regular: false };
-    };
     let all = [[Interval::EVERYTHING, Interval::new(0.0, 1.0)]];
-    let shown = developability_within(&patch, &all, limit);
-    TwistBound { angle: shown.angle, regular: shown.regular }
+    let shown = Ruled::new(&strip.patch).and_then(|patch| developability_until(&patch, &all, limit, control));
+    match shown.filter(|shown| shown.regular) {
+        Some(shown) => TwistBound { angle: UpperBound::shown(shown.angle), regular: true },
+        None => TwistBound::UNKNOWN,
+    }
 }
 
 #[cfg(test)]
@@ -153,7 +188,7 @@ mod tests {
     use super::*;
     use crate::geom::Vec3;
     use crate::spline::curve::Curve;
-    use crate::surface::torse::PanelKind;
+    use crate::torse::form::PanelKind;
 
     #[test]
     fn the_bound_exceeds_every_sample_and_sees_what_is_moved() {
@@ -177,8 +212,11 @@ mod tests {
         let part = RailPart { piece: 0, parameter: sigma.clone() };
         let sampled =
             (0..=1000).map(|k| f64::from(k) / 1000.0).map(|u| (strip.ruling(u)[0] - at(u)).norm()).fold(0.0, f64::max);
-        let bound = rail_bound(&strip, 0, &rail, &part).expect("bound");
+        let bound = rail_bound(&strip, 0, &rail, &part, &Control::default()).value();
         assert!(sampled > 0.0 && bound >= sampled && bound < 0.05, "{sampled} {bound}");
-        assert!(rail_bound(&strip, 0, &rail, &RailPart { piece: 4, parameter: sigma }).is_none());
+        assert_eq!(
+            rail_bound(&strip, 0, &rail, &RailPart { piece: 4, parameter: sigma }, &Control::default()),
+            UpperBound::UNKNOWN
+        );
     }
 }

@@ -7,12 +7,13 @@
 //! *Not guaranteed*: an answer where the curve only just keeps its distance, or anything about regression points farther
 //! away than a thousand diagonals of the strip, where rulings are parallel up to rounding.
 
+use super::claim::LowerBound;
 use super::ruled::Ruled;
 use super::vector::{cross, dot, exact, length, V3};
 use crate::geom::Vec3;
 use crate::num::interval::Interval;
-use crate::surface::strip::Strip;
-use crate::surface::zone::{RegressionLimits, Zone};
+use crate::torse::strip::Strip;
+use crate::torse::zone::{RegressionLimits, Zone};
 
 /// The answer of [`regression`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -77,7 +78,7 @@ pub fn regression(strip: &Strip, limits: &RegressionLimits) -> RegressionVerdict
 
 /// A distance (mm) along the rulings that the regression curve of a strip provably keeps, close to the largest there is
 /// but no more than some ten diagonals of the strip; 0 if none could be shown.
-pub fn clearance_bound(strip: &Strip) -> f64 {
+pub fn clearance_bound(strip: &Strip) -> LowerBound {
     // What remains of the sampled distance for the proof, in turn.
     const SHARES: [f64; 4] = [0.99, 0.95, 0.75, 0.4];
     // More than this many diagonals says no more than that rulings are as good as parallel, and takes long to prove.
@@ -90,7 +91,7 @@ pub fn clearance_bound(strip: &Strip) -> f64 {
         let limits = RegressionLimits { clearance: c, zones: Vec::new() };
         regression(strip, &limits) == RegressionVerdict::Clear
     };
-    SHARES.iter().map(|s| s * sampled).find(|&c| c > 0.0 && proven(c)).unwrap_or(0.0)
+    SHARES.iter().map(|s| s * sampled).find(|&c| c > 0.0 && proven(c)).map_or(LowerBound::UNKNOWN, LowerBound::shown)
 }
 
 /// The regression point at `u` if it is out of bounds.
@@ -214,7 +215,7 @@ impl Cell {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::surface::torse::PanelKind;
+    use crate::torse::form::PanelKind;
 
     /// A cone with apex at the origin between spheres of radius 2 and 3 (mm), as a strip with rational rails.
     fn cone() -> Strip {
@@ -229,7 +230,7 @@ mod tests {
     #[test]
     fn the_apex_of_a_cone_is_as_far_as_it_is() {
         let far = 8.0_f64.sqrt();
-        let bound = clearance_bound(&cone());
+        let bound = clearance_bound(&cone()).value();
         assert!(bound <= far && bound >= 0.98 * far, "{bound}");
         let ask = |clearance: f64| regression(&cone(), &RegressionLimits { clearance, zones: Vec::new() });
         assert_eq!(ask(0.97 * far), RegressionVerdict::Clear);
@@ -255,7 +256,7 @@ mod tests {
         let x = |u: f64, v: f64| Vec3::new(100.0 * u, 50.0 * v, 30.0 * u * u);
         let strip = Strip::quad("A", PanelKind::Cylinder, [x(0.0, 0.0), x(0.0, 1.0)], [x(1.0, 0.0), x(1.0, 1.0)]);
         let strip = strip.expect("a strip");
-        assert!(clearance_bound(&strip) > 9.0 * strip.patch.bbox().diagonal());
+        assert!(clearance_bound(&strip).value() > 9.0 * strip.patch.bbox().diagonal());
         let limits = |z: Zone| RegressionLimits { clearance: 0.0, zones: vec![z] };
         assert_eq!(regression(&strip, &limits(Zone::slab(1, 60.0, 1e6))), RegressionVerdict::Clear);
         assert_eq!(regression(&strip, &limits(Zone::slab(0, -1e6, 1e6))), RegressionVerdict::Clear);
@@ -272,6 +273,6 @@ mod tests {
         );
         let bow = bow.expect("a strip");
         assert_ne!(regression(&bow, &RegressionLimits::default()), RegressionVerdict::Clear);
-        assert!(clearance_bound(&bow) <= 0.0);
+        assert!(clearance_bound(&bow).value() <= 0.0);
     }
 }

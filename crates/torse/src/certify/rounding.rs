@@ -85,7 +85,7 @@ mod tests {
     use super::*;
     use crate::certify::specimens::*;
     use crate::spline::surface::Surface;
-    use crate::surface::torse::Torse;
+    use crate::torse::form::Torse;
 
     fn eta(torse: &Torse, patch: &Surface) -> Option<f64> {
         rounding_bound(&Family::new(torse).expect("family"), &Ruled::new(patch).expect("ruled"))

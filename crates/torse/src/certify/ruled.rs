@@ -5,6 +5,7 @@ use crate::num::bernstein::{from_spline_over, powers_about_half, Scalar};
 use crate::num::interval::Interval;
 use crate::num::jet::Jet;
 use crate::spline::surface::Surface;
+use std::ops::RangeInclusive;
 
 /// A patch of degree 1 in v over `v ∈ [0, 1]`.
 #[derive(Clone, Copy, Debug)]
@@ -103,8 +104,8 @@ impl RuledJets {
         (self.breaks[0], self.breaks[self.breaks.len() - 1])
     }
 
-    /// The curve `R(t(s), r(s))` with derivatives, `t` inside the domain; and whether `t` stays in one span.
-    pub fn along(&self, t: Jet, r: Jet) -> (V3<Jet>, bool) {
+    /// The curve `R(t(s), r(s))` with derivatives, `t` inside the domain; and how [`rough`] it is.
+    pub fn along(&self, t: Jet, r: Jet) -> (V3<Jet>, f64) {
         let (first, last) = (self.span(t.v.lo), self.span(t.v.hi));
         let piece = |i: usize| {
             let t = Jet { v: self.clip(i, t.v), ..t };
@@ -112,10 +113,11 @@ impl RuledJets {
             let x = (t - Jet::from(self.breaks[i])) * Jet::constant(span.inverse) - Jet::from(0.5);
             span.point(x, r, Jet::constant)
         };
-        (first + 1..=last).fold((piece(first), first == last), |(p, one), i| {
+        let hull = |p: V3<Jet>, i: usize| {
             let q = piece(i);
-            ([0, 1, 2].map(|d: usize| p[d].hull(q[d])), one)
-        })
+            [0, 1, 2].map(|d: usize| p[d].hull(q[d]))
+        };
+        ((first + 1..=last).fold(piece(first), hull), rough(&self.breaks, first..=last, t))
     }
 
     /// Points `R(t, r)`, `t` inside the domain: for narrow intervals.
@@ -153,6 +155,25 @@ impl RuledSpan {
         } else {
             [h[0], h[1], h[2]]
         }
+    }
+}
+
+/// What [`Jet::chord_deviation`] is to be told of a function of t over the spans `used` of these knots: twice the share
+/// of the piece that lies outside the span which holds most of it. Ends of pieces are knots up to rounding.
+pub(super) fn rough(breaks: &[f64], used: RangeInclusive<usize>, t: Jet) -> f64 {
+    if used.start() == used.end() {
+        return 0.0;
+    }
+    let overlap = |i: usize| t.v.hi.min(breaks[i + 1]) - t.v.lo.max(breaks[i]);
+    let Some(most) = used.max_by(|&i, &j| overlap(i).total_cmp(&overlap(j))) else { return f64::INFINITY };
+    let before = (Interval::point(breaks[most]) - Interval::point(t.v.lo)).hi.max(0.0);
+    let after = (Interval::point(t.v.hi) - Interval::point(breaks[most + 1])).hi.max(0.0);
+    // The least speed of t; without one, t may linger outside.
+    let least = t.d.lo.max(-t.d.hi);
+    if least > 0.0 {
+        ((Interval::point(before) + Interval::point(after)).scale_exact(2.0) / Interval::point(least)).hi
+    } else {
+        f64::INFINITY
     }
 }
 

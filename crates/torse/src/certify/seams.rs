@@ -10,7 +10,7 @@ use super::vector::{add, exact, length_bound, sub, V3};
 use crate::geom::Vec3;
 use crate::num::interval::Interval;
 use crate::num::jet::Jet;
-use crate::surface::panel::Run;
+use crate::patchwork::panel::Run;
 
 /// Pieces are halved until their enclosures exceed the greatest gap seen by less than this share of the tolerance.
 const EXCESS: f64 = 1e-3;
@@ -31,19 +31,28 @@ pub(super) fn gap_bound(a: Shore, b: Shore, tolerance: f64) -> Option<f64> {
     let mut cuts: Vec<f64> = a.run.trim.knots.breaks();
     // 1 − s is rounded; the pieces of the other curve are cut at the rounded places, see `Shore::over`.
     cuts.extend(b.run.trim.knots.breaks().into_iter().map(|t| 1.0 - t));
+    greatest(cuts, EXCESS * tolerance, |s0, s1| piece(a, b, &shift, s0, s1))
+}
+
+/// Bound of the greatest value of a function between the first and the last of some cuts, within `excess` of what it
+/// reaches or as near as halving can bring it. `piece` bounds it between two places, and at these places; `None` where
+/// it cannot, or where the bound is not finite.
+pub(super) fn greatest(mut cuts: Vec<f64>, excess: f64, piece: impl Fn(f64, f64) -> Option<(f64, f64)>) -> Option<f64> {
     cuts.sort_by(f64::total_cmp);
     cuts.dedup_by(|x, y| x.to_bits() == y.to_bits());
     let mut open: Vec<[f64; 2]> = cuts.windows(2).map(|w| [w[0], w[1]]).collect();
     let (mut bound, mut seen) = (0.0f64, 0.0f64);
+    let mut looks = 0;
     for depth in 0..=DEPTH {
-        let found: Vec<_> = open.iter().map(|&[s0, s1]| piece(a, b, &shift, s0, s1)).collect();
+        looks += open.len();
+        let found: Vec<_> = open.iter().map(|&[s0, s1]| piece(s0, s1).filter(|f| f.0.is_finite())).collect();
         seen = found.iter().flatten().fold(seen, |seen, &(_, ends)| seen.max(ends));
         let mut halves = Vec::new();
         for (&[s0, s1], found) in open.iter().zip(found) {
             let m = 0.5 * (s0 + s1);
-            let can_halve = depth < DEPTH && s0 < m && m < s1;
+            let can_halve = depth < DEPTH && looks < MOST_PIECES && s0 < m && m < s1;
             match found {
-                Some((all, _)) if all <= seen + EXCESS * tolerance || !can_halve => bound = bound.max(all),
+                Some((all, _)) if all <= seen + excess || !can_halve => bound = bound.max(all),
                 None if !can_halve => return None,
                 _ => halves.extend([[s0, m], [m, s1]]),
             }
@@ -53,25 +62,30 @@ pub(super) fn gap_bound(a: Shore, b: Shore, tolerance: f64) -> Option<f64> {
     Some(bound)
 }
 
+/// Pieces looked at after which no more are halved: enclosures that do not narrow would be halved everywhere.
+const MOST_PIECES: usize = 2048;
+
 /// Bounds of the gap over a piece and at its ends.
 fn piece(a: Shore, b: Shore, shift: &V3<Interval>, s0: f64, s1: f64) -> Option<(f64, f64)> {
     let p = a.over(s0, s1, false)?;
     let q = b.over(s0, s1, true)?;
-    let smooth = p.smooth && q.smooth;
+    let rough = (Interval::point(p.rough) + Interval::point(q.rough)).hi;
     let ends = [0, 1].map(|k: usize| add(&sub(&p.ends[k], &q.ends[k]), shift));
     let spread = [0, 1, 2].map(|d: usize| {
         let difference = p.curve[d] - q.curve[d];
-        ends[0][d].hull(ends[1][d]).widen(difference.chord_deviation(smooth))
+        ends[0][d].hull(ends[1][d]).widen(difference.chord_deviation(rough))
     });
     Some((length_bound(&spread), length_bound(&ends[0]).max(length_bound(&ends[1]))))
 }
 
-/// A trimmed edge over a piece.
-struct EdgePiece {
-    ends: [V3<Interval>; 2],
+/// A trimmed edge over a piece, relative to the origin of the patch's jets.
+pub(super) struct EdgePiece {
+    /// First and last point.
+    pub ends: [V3<Interval>; 2],
     /// With derivatives with respect to the share of the piece.
-    curve: V3<Jet>,
-    smooth: bool,
+    pub curve: V3<Jet>,
+    /// See [`Jet::chord_deviation`].
+    pub rough: f64,
 }
 
 impl Shore<'_> {
@@ -79,7 +93,7 @@ impl Shore<'_> {
     ///
     /// Rounding of `1 − s` shifts the correspondence by less than a unit in the last place and never leaves a gap, since
     /// neighbouring pieces round alike.
-    fn over(&self, s0: f64, s1: f64, backwards: bool) -> Option<EdgePiece> {
+    pub(super) fn over(&self, s0: f64, s1: f64, backwards: bool) -> Option<EdgePiece> {
         let (from, to) = if backwards { (1.0 - s1, 1.0 - s0) } else { (s0, s1) };
         let mut theta = trim_piece(&self.run.trim, from, to);
         if backwards {
@@ -93,9 +107,9 @@ impl Shore<'_> {
             return None;
         }
         t.v = t.v.intersect(domain)?;
-        let (curve, smooth) = self.jets.along(t, r);
+        let (curve, rough) = self.jets.along(t, r);
         let last = theta[0].len() - 1;
         let at = |k: usize| Some(self.jets.at(theta[0][k].intersect(domain)?, theta[1][k]));
-        Some(EdgePiece { ends: [at(0)?, at(last)?], curve, smooth })
+        Some(EdgePiece { ends: [at(0)?, at(last)?], curve, rough })
     }
 }

@@ -1,13 +1,13 @@
 //! Surfaces and torses for the tests of this floor, and a measurement by brute force.
 
-use crate::geom::partition::Partition;
+use crate::brep::face::Face;
 use crate::geom::{Frame, Vec3};
+use crate::patchwork::panel::{Border, Panel, Patchwork, Run};
+use crate::patchwork::partition::Partition;
 use crate::spline::curve::Curve;
 use crate::spline::knots::Knots;
 use crate::spline::surface::Surface;
-use crate::surface::face::Face;
-use crate::surface::panel::{Border, Panel, Patchwork, Run};
-use crate::surface::torse::{DualTorse, PanelKind, PrimalTorse, Torse};
+use crate::torse::form::{DualTorse, PanelKind, PrimalTorse, Torse};
 use nalgebra::DMatrix;
 
 fn greville(k: &Knots) -> Vec<f64> {
@@ -70,7 +70,7 @@ pub fn tilted_frame() -> Frame {
 pub fn primal() -> PrimalTorse {
     let knots = Knots::clamped(3, &[-0.3, 0.2, 0.8, 1.6]).expect("knots");
     let profile = curve(&knots, &|t| [0.3 * t * t - 0.1 * t * t * t, 0.1 + 0.2 * t]);
-    PrimalTorse { frame: tilted_frame(), profile, beta: 0.05 }
+    PrimalTorse::new(tilted_frame(), profile, 0.05)
 }
 
 /// Point of [`primal`] in world coordinates, from the closed form.
@@ -274,6 +274,7 @@ pub fn two_panels(bump: f64, n: usize) -> Patchwork {
     let along_u = |j: usize| (0..nu).map(|i| index(i, j)).collect::<Vec<_>>();
     let along_v = |i: usize, from: usize, to: usize| (from..=to).map(|j| index(i, j)).collect::<Vec<_>>();
     let reversed = |v: Vec<u32>| v.into_iter().rev().collect::<Vec<_>>();
+    let patch = primal_patch();
     let foot = |uv: [f64; 2]| primal_foot(&surface.point(uv[0], uv[1]));
     let run = |border: Border, vertices: Vec<u32>| {
         let at = |k: u32| partition.vertices[k as usize];
@@ -286,7 +287,8 @@ pub fn two_panels(bump: f64, n: usize) -> Patchwork {
         let last = trim.control.len() - 1;
         (trim.control[0], trim.control[last]) = (foot(a), foot(b));
         let edge = curve(&knots, &|s| {
-            let p = surface.point(on(s)[0], on(s)[1]);
+            let q = trim.point(s);
+            let p = patch.point(q[0], q[1]);
             [p.x, p.y, p.z]
         });
         Run { border, vertices, parameters, trim, edge }

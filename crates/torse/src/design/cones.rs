@@ -7,10 +7,10 @@
 mod arcs;
 
 use crate::geom::Vec3;
-use crate::surface::cone_pair::{cone_pair, PairError, PairOptions, ROTATION_LIMIT};
-use crate::surface::cone_spline::{ConeSpline, Segment, SegmentFault, Shape};
-use crate::surface::g1_element::G1Element;
-use crate::surface::ruled_strip::StripJet;
+use crate::torse::cone::pair::{cone_pair, PairError, PairOptions, ROTATION_LIMIT};
+use crate::torse::cone::spline::{ConeSpline, Segment, SegmentFault, Shape};
+use crate::torse::g1_element::G1Element;
+use crate::torse::ruled_patch::StripJet;
 
 /// Options of [`cone_spline`] and [`osculating_spline`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -408,7 +408,7 @@ fn merged(a: &Segment, b: &Segment) -> Segment {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::surface::ruled_strip::tangent_strip;
+    use crate::torse::ruled_patch::tangent_strip;
 
     fn jet(u: f64) -> StripJet {
         let c = [
@@ -433,7 +433,7 @@ mod tests {
             assert!((v - Vec3::new(u, u * u, u * u * u)).norm() < 1e-13);
             // Contact of second order: the distance of neighbouring rulings falls with the third power.
             let off =
-                |h: f64| crate::surface::cone_distance::Round::of(&o.piece(0.1)).distance(&jet(u + h).ends[1][0]).abs();
+                |h: f64| crate::torse::cone::distance::Round::of(&o.piece(0.1)).distance(&jet(u + h).ends[1][0]).abs();
             let order = (off(0.02) / off(0.01)).log2();
             assert!((2.7..3.3).contains(&order), "{order}");
         }
@@ -473,8 +473,8 @@ mod tests {
     #[test]
     fn the_helical_surface_of_constant_slope_gets_an_osculating_arc_spline() {
         let helix =
-            crate::surface::ruled_strip::HelicalStrip { radius: 1.0, rise: 0.6, reach: [1.0, 2.0], domain: (0.0, 2.0) };
-        use crate::surface::ruled_strip::RuledStrip;
+            crate::torse::ruled_patch::HelicalStrip { radius: 1.0, rise: 0.6, reach: [1.0, 2.0], domain: (0.0, 2.0) };
+        use crate::torse::ruled_patch::RuledStrip;
         let cones: Vec<Osculating> = (0..4)
             .map(|i| helix.jet(0.3 * f64::from(i)))
             .map(|j| Osculating::of(&j.element().expect("element"), &j))

@@ -2,16 +2,16 @@
 //! true arcs.
 
 use super::arcs::{arcs, PlaneCurve};
-use super::cones::{develop, FlatSegment};
+use super::cones::{develop, joint_bend, FlatSegment};
 use super::overlap::{overlap, OutlinePoint};
 use crate::geom::rectangle::smallest_rectangle;
 use crate::geom::Vec2;
+use crate::patchwork::panel::Border;
+use crate::patchwork::pattern::{Contour, ContourVertex, Pattern, Side};
 use crate::spline::curve::Curve;
-use crate::surface::cone_chart::Blank;
-use crate::surface::cone_part::{ConePart, PartCurve};
-use crate::surface::cone_spline::ConeSpline;
-use crate::surface::panel::Border;
-use crate::surface::pattern::{Contour, ContourVertex, Pattern, Side};
+use crate::torse::cone::chart::Blank;
+use crate::torse::cone::part::{ConePart, PartCurve};
+use crate::torse::cone::spline::ConeSpline;
 
 /// An edge in the plane.
 struct FlatEdge<'a> {
@@ -106,6 +106,9 @@ pub fn part_pattern(spline: &ConeSpline, part: &ConePart, name: &str, contour_to
     pattern.area_in_space = pattern.area;
     for e in part.joints().into_iter().map(|k| &part.edges[k]) {
         pattern.rulings.push([place(e.start), place(e.end)]);
+        // Joints lie at one end of their segment or the other.
+        let (segment, [f, _]) = part.places[e.start];
+        pattern.bends.push(joint_bend(spline, segment + usize::from(f > 0.5)));
     }
     for (i, (_, contour, sides)) in contours.into_iter().enumerate() {
         if i == 0 {

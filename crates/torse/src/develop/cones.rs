@@ -4,11 +4,12 @@
 //! plane is seen from the side of the normals: rulings and the forward direction are right-handed.
 
 use super::arcs::{arcs, PlaneCurve};
+use super::bends::Line;
 use super::overlap::{overlap, OutlinePoint};
 use crate::geom::Vec2;
-use crate::surface::cone_spline::{ConeSpline, Segment, Shape};
-use crate::surface::panel::Border;
-use crate::surface::pattern::{Contour, ContourVertex, Pattern, Side};
+use crate::patchwork::panel::Border;
+use crate::patchwork::pattern::{Bend, Contour, ContourVertex, Pattern, Side};
+use crate::torse::cone::spline::{ConeSpline, Segment, Shape};
 
 /// One segment in the plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -219,6 +220,7 @@ pub fn cone_pattern(spline: &ConeSpline, name: &str, contour_tolerance: f64) -> 
     pattern.area_in_space = pattern.area;
     for f in &flats[1..] {
         pattern.rulings.push([corner(f, 0.0, 0), corner(f, 0.0, 1)]);
+        pattern.bends.push(joint_bend(spline, pattern.bends.len() + 1));
     }
     let ends = [(first, 0.0), (last, 1.0)];
     for (edge, (f, share)) in ends.into_iter().enumerate() {
@@ -235,6 +237,21 @@ pub fn cone_pattern(spline: &ConeSpline, name: &str, contour_tolerance: f64) -> 
     }
     pattern.contours.push(Contour { vertices });
     pattern
+}
+
+/// How the sheet bends about the ruling with which the segment `joint` begins: the turn between the middles of its
+/// neighbours, seen from the side of the normals.
+pub(super) fn joint_bend(spline: &ConeSpline, joint: usize) -> Bend {
+    let (Some(before), Some(after)) = (spline.segments.get(joint.wrapping_sub(1)), spline.segments.get(joint)) else {
+        return Bend::default();
+    };
+    let (a, b) = (before.element(0.5), after.element(0.5));
+    let ends = [0, 1].map(|side| after.point(0.5, after.edge(side, 0.5)) - before.point(0.5, before.edge(side, 0.5)));
+    let along = (a.direction + b.direction).normalize();
+    let across = ends.map(|d| d - along * d.dot(&along));
+    let angle = a.normal.angle(&b.normal);
+    let turn = if (b.normal - a.normal).dot(&(across[0] + across[1])) > 0.0 { -angle } else { angle };
+    Line { after: 0, share: 0.0, turn, fold: false }.bend(across.map(|d| d.norm() / angle))
 }
 
 /// Points of each edge of a segment at which overlaps are sought.
@@ -287,8 +304,8 @@ pub(super) fn area(vertices: &[ContourVertex]) -> f64 {
 mod tests {
     use super::*;
     use crate::geom::Vec3;
-    use crate::surface::cone_pair::{cone_pair, PairOptions};
-    use crate::surface::g1_element::G1Element;
+    use crate::torse::cone::pair::{cone_pair, PairOptions};
+    use crate::torse::g1_element::G1Element;
 
     fn element(u: f64) -> G1Element {
         let (s, c) = u.sin_cos();

@@ -7,7 +7,7 @@
 use super::arcs;
 use crate::geom::rectangle::{smallest_rectangle, Rectangle};
 use crate::geom::Vec2;
-use crate::surface::pattern::{Pattern, Placement};
+use crate::patchwork::pattern::{Pattern, Placement};
 
 /// Least distance between patterns, mm.
 const GAP: f64 = 10.0;
@@ -138,7 +138,7 @@ fn outline(pattern: &Pattern) -> Vec<Vec2> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::surface::pattern::{Contour, ContourVertex};
+    use crate::patchwork::pattern::{Contour, ContourVertex};
 
     fn bar(length: f64, width: f64, angle: f64) -> Pattern {
         let (s, c) = angle.sin_cos();

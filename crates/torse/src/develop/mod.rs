@@ -1,6 +1,7 @@
 //! Floor 5: development, the isometric map of a panel to the plane.
 
 pub mod arcs;
+pub mod bends;
 pub mod cone_part;
 pub mod cones;
 pub mod layout;
@@ -9,6 +10,7 @@ pub mod outline;
 pub mod overlap;
 pub mod pattern;
 pub mod strip;
+pub mod view;
 
 /// Why a panel has no flat pattern.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

@@ -4,10 +4,10 @@ use super::arcs::PlaneCurve;
 use super::map::Development;
 use super::overlap::OutlinePoint;
 use crate::geom::{Vec2, Vec3};
+use crate::patchwork::clip::trim_place;
+use crate::patchwork::panel::{Panel, Run};
 use crate::spline::composite::smooth_breaks;
 use crate::spline::surface::Surface;
-use crate::surface::clip::trim_place;
-use crate::surface::panel::{Panel, Run};
 
 /// One run in the plane.
 pub struct FlatRun<'a> {

@@ -4,17 +4,18 @@
 //! 3.1 (closed contours, arcs instead of many points, seams marked on both neighbours at equal places).
 
 use super::arcs::{self, PlaneCurve};
+use super::bends::{self, BendSpacing, Course, Plane};
 use super::map::Development;
 use super::outline::{outside, FlatRun};
 use super::overlap::{overlap, OutlinePoint};
 use super::DevelopError;
 use crate::geom::rectangle::smallest_rectangle;
 use crate::geom::{Vec2, Vec3};
-use crate::surface::clip::ClippedRulings;
-use crate::surface::panel::{Border, Panel, Patchwork, Run};
-use crate::surface::pattern::{Contour, ContourVertex, Mark, Pattern, Side};
-use crate::surface::seam::Seam;
-use crate::surface::torse::PanelKind;
+use crate::patchwork::clip::ClippedRulings;
+use crate::patchwork::panel::{Border, Panel, Patchwork, Run};
+use crate::patchwork::pattern::{Bend, Contour, ContourVertex, Mark, Pattern, Side, ViewSide};
+use crate::patchwork::seam::Seam;
+use crate::torse::form::PanelKind;
 
 /// Knobs of [`pattern`].
 #[derive(Clone, Copy, Debug)]
@@ -22,8 +23,8 @@ pub struct PatternOptions {
     /// Distance allowed between the contour drawn and the exact outline, mm; no default (a tenth of the job's
     /// tolerance at most).
     pub contour_tolerance: f64,
-    /// Rulings drawn over the length of the pattern; default 20.
-    pub rulings: usize,
+    /// How far apart rulings are drawn; default every 5° of turn, within a hundredth and a twentieth of the length.
+    pub bends: BendSpacing,
     /// Distance between matching marks as a share of the face's diagonal; default 0.12. Every seam gets 1 to 9.
     pub mark_spacing: f64,
 }
@@ -31,7 +32,7 @@ pub struct PatternOptions {
 impl PatternOptions {
     /// Defaults with a contour tolerance (mm).
     pub fn new(contour_tolerance: f64) -> Self {
-        Self { contour_tolerance, rulings: 20, mark_spacing: 0.12 }
+        Self { contour_tolerance, bends: BendSpacing::default(), mark_spacing: 0.12 }
     }
 }
 
@@ -56,17 +57,11 @@ pub fn pattern(patchwork: &Patchwork, panel: usize, options: &PatternOptions) ->
         return Err(missing);
     };
     // 1. Map to the plane, seen from outside.
-    let uv = |v: u32| partition.vertices[v as usize];
-    let outward = |v: u32| {
-        let n = face.surface.jet(uv(v)[0], uv(v)[1]).normal();
-        if face.reversed {
-            -n
-        } else {
-            n
-        }
+    let place = |v: u32| {
+        let [u, v] = partition.vertices[v as usize];
+        face.surface.point(u, v)
     };
-    let place = |v: u32| face.surface.point(uv(v)[0], uv(v)[1]);
-    let development = Development::new(&p.patch, outside(p, &outward))?;
+    let (development, side) = developed(patchwork, p)?;
     let loops: Vec<Vec<FlatRun>> = p
         .loops
         .iter()
@@ -105,11 +100,11 @@ pub fn pattern(patchwork: &Patchwork, panel: usize, options: &PatternOptions) ->
         contours.push(Contour { vertices });
     }
     // 4. Rulings, marks, sides.
-    let rulings = if p.kind == PanelKind::Plane {
-        Vec::new()
+    let (rulings, bends) = if p.kind == PanelKind::Plane {
+        (Vec::new(), Vec::new())
     } else {
-        let spacing = rectangle.length / options.rulings.max(1) as f64;
-        rulings(&development, p, spacing, contour_error, SHORTEST_RULING * rectangle.length)
+        let insets = [contour_error, SHORTEST_RULING * rectangle.length];
+        bend_lines(&development, p, side, (&options.bends, rectangle.length), insets)
     };
     let spacing = options.mark_spacing * face.surface.bbox().diagonal();
     let mut marks = Vec::new();
@@ -146,7 +141,9 @@ pub fn pattern(patchwork: &Patchwork, panel: usize, options: &PatternOptions) ->
         panel,
         name: p.name.clone(),
         contours,
+        view: ViewSide::Outside,
         rulings,
+        bends,
         marks,
         sides,
         area: flat_area.abs(),
@@ -156,6 +153,37 @@ pub fn pattern(patchwork: &Patchwork, panel: usize, options: &PatternOptions) ->
         width: rectangle.width,
         length: rectangle.length,
     })
+}
+
+/// The map of a panel to the plane, seen from the side to which its face looks, and what that side is for
+/// [`Development::new`].
+fn developed(patchwork: &Patchwork, panel: &Panel) -> Result<(Development, f64), DevelopError> {
+    let missing = DevelopError::Missing(panel.face);
+    let (Some(face), Some(partition)) = (patchwork.faces.get(panel.face), patchwork.partitions.get(panel.face)) else {
+        return Err(missing);
+    };
+    let outward = |v: u32| {
+        let [u, v] = partition.vertices[v as usize];
+        let n = face.surface.jet(u, v).normal();
+        if face.reversed {
+            -n
+        } else {
+            n
+        }
+    };
+    let side = outside(panel, &outward);
+    Ok((Development::new(&panel.patch, side)?, side))
+}
+
+/// A pattern of [`pattern`] with its rulings drawn at other distances.
+pub fn bends_anew(patchwork: &Patchwork, pattern: Pattern, spacing: &BendSpacing) -> Pattern {
+    let Some(panel) = patchwork.panels.get(pattern.panel).filter(|p| p.kind != PanelKind::Plane) else {
+        return pattern;
+    };
+    let Ok((development, side)) = developed(patchwork, panel) else { return pattern };
+    let insets = [pattern.contour_error, SHORTEST_RULING * pattern.length];
+    let (rulings, bends) = bend_lines(&development, panel, side, (spacing, pattern.length), insets);
+    Pattern { rulings, bends, ..pattern }
 }
 
 /// The same contour the other way round.
@@ -216,19 +244,50 @@ fn mark_places(run: &Run, forward: bool, place: &dyn Fn(u32) -> Vec3, spacing: f
         .collect()
 }
 
-/// Rulings about `spacing` apart, clipped to the outline and shortened by `inset` at both ends.
-fn rulings(development: &Development, panel: &Panel, spacing: f64, inset: f64, shortest: f64) -> Vec<[Vec2; 2]> {
+/// Places between two knots of the patch, and at least, where the tangent plane is followed.
+const PLACES: (usize, usize) = (4, 200);
+
+/// Rulings to be drawn, clipped to the outline and shortened at both ends, with how the sheet bends about each; `side`
+/// is that of the development, `spacing` comes with the length of the pattern, `insets` say by how much lines are
+/// shortened and which are too short (mm).
+fn bend_lines(
+    development: &Development,
+    panel: &Panel,
+    side: f64,
+    spacing: (&BendSpacing, f64),
+    insets: [f64; 2],
+) -> (Vec<[Vec2; 2]>, Vec<Bend>) {
     let clipped = ClippedRulings::new(panel);
-    let mut out = Vec::new();
-    for t in clipped.spaced(spacing) {
+    let (t0, t1) = clipped.range();
+    let mut ends = vec![t0];
+    ends.extend(panel.patch.knots_u.breaks().into_iter().filter(|&t| t > t0 && t < t1));
+    ends.push(t1);
+    let parts = PLACES.0.max(PLACES.1.div_ceil(ends.len()));
+    let mut course = Course::new();
+    let mut before: Option<(Plane, Vec3)> = None;
+    for w in ends.windows(2) {
+        for k in usize::from(before.is_some())..=parts {
+            let t = w[0] + (w[1] - w[0]) * k as f64 / parts as f64;
+            let Some(plane) = Plane::of(&panel.patch, t, 0.5, side) else { continue };
+            let x = panel.patch.point(t, 0.5);
+            let (turn, length) = before.map_or((0.0, 0.0), |(p, y)| (p.turn(&plane), (x - y).dot(&plane.across).abs()));
+            course.push(t, turn, length);
+            before = Some((plane, x));
+        }
+    }
+    let (mut rulings, mut bent) = (Vec::new(), Vec::new());
+    for line in course.lines(spacing.0, spacing.1) {
+        let Some([a, b]) = course.around(line.after) else { continue };
+        let t = a + (b - a) * line.share;
         for (r0, r1) in clipped.at(t) {
             let (a, b) = (development.map(t, r0), development.map(t, r1));
             let length = (b - a).norm();
-            if length > shortest + 2.0 * inset {
-                let d = (b - a) * (inset / length);
-                out.push([a + d, b - d]);
+            if length > insets[1] + 2.0 * insets[0] {
+                let d = (b - a) * (insets[0] / length);
+                rulings.push([a + d, b - d]);
+                bent.push(line.bend([r0, r1].map(|r| bends::radius(&panel.patch, t, r))));
             }
         }
     }
-    out
+    (rulings, bent)
 }

@@ -4,15 +4,17 @@
 //! before. Outline as lines and arcs, rulings, marks at equal lengths along both rails.
 
 use super::arcs::{self, PlaneCurve};
+use super::bends::{self, Course, Plane};
 use super::map::Development;
 use super::overlap::{overlap, OutlinePoint};
+use super::view::Drawn;
 use super::DevelopError;
 use crate::geom::rectangle::smallest_rectangle;
 use crate::geom::Vec2;
-use crate::surface::panel::Border;
-use crate::surface::pattern::{Contour, ContourVertex, Mark, Pattern, Side};
-use crate::surface::strip::Strip;
-use crate::surface::torse::PanelKind;
+use crate::patchwork::panel::Border;
+use crate::patchwork::pattern::{Bend, Contour, ContourVertex, Mark, Pattern, Side, ViewSide};
+use crate::torse::form::PanelKind;
+use crate::torse::strip::Strip;
 
 /// Knobs of [`pattern`].
 #[derive(Clone, Copy, Debug)]
@@ -20,18 +22,20 @@ pub struct StripOptions {
     /// Distance allowed between the contour drawn and the exact outline, mm; no default (a tenth of the job's
     /// tolerance at most).
     pub contour_tolerance: f64,
-    /// Distance between the rulings drawn, mm along the middle of the pattern; default none: 20 over its length.
+    /// Distance between the rulings drawn, mm along the middle of the pattern; default none: as `drawn` says.
     pub ruling_spacing: Option<f64>,
     /// Distance between marks along each rail, mm; default none: 8 over its length. 0 for no marks.
     pub mark_spacing: Option<f64>,
     /// +1 to see the pattern from the side to which ruling × rail points, −1 from the other; default 1.
     pub side: f64,
+    /// How patterns are drawn; their side of the model is that of [`super::view::viewed`].
+    pub drawn: Drawn,
 }
 
 impl StripOptions {
     /// Defaults with a contour tolerance (mm).
     pub fn new(contour_tolerance: f64) -> Self {
-        Self { contour_tolerance, ruling_spacing: None, mark_spacing: None, side: 1.0 }
+        Self { contour_tolerance, ruling_spacing: None, mark_spacing: None, side: 1.0, drawn: Drawn::default() }
     }
 }
 
@@ -41,9 +45,7 @@ const JOINT: f64 = 1e-6;
 const APART: f64 = 1e-3;
 /// Turn of the outline (rad) at a joint from which it is called a corner.
 const CORNER: f64 = 1e-6;
-/// Rulings and marks over a pattern where no spacing is given.
-const RULINGS: f64 = 20.0;
-/// See [`RULINGS`].
+/// Marks over a pattern where no spacing is given.
 const MARKS: f64 = 8.0;
 /// Most rulings or marks drawn: more than anybody can use, and no spacing can exhaust the memory.
 const MOST: f64 = 4000.0;
@@ -162,7 +164,7 @@ pub fn pattern(strips: &[&Strip], index: usize, name: &str, options: &StripOptio
             .collect();
     }
     // 3. Rulings, marks, sides.
-    let rulings = rulings(&laid, options.ruling_spacing, contour_error);
+    let (rulings, bends) = rulings(&laid, options, rectangle.length, contour_error);
     let marks = marks(&laid, options.mark_spacing, if mirrored { -1.0 } else { 1.0 });
     let mut sides: Vec<Side> = Vec::new();
     for side in 0..4u32 {
@@ -187,7 +189,9 @@ pub fn pattern(strips: &[&Strip], index: usize, name: &str, options: &StripOptio
         panel: index,
         name: name.into(),
         contours: vec![Contour { vertices }],
+        view: ViewSide::Outside,
         rulings,
+        bends,
         marks,
         sides,
         area: area.abs(),
@@ -287,28 +291,58 @@ fn at_length(stations: &[(usize, f64, f64)], length: f64) -> (usize, f64) {
     (b.0, a.1 + (b.1 - a.1) * ((length - a.2) / (b.2 - a.2)).clamp(0.0, 1.0))
 }
 
-/// Rulings at equal lengths along the middle, and those between the strips, shortened by `inset` at both ends.
-fn rulings(laid: &[Laid], spacing: Option<f64>, inset: f64) -> Vec<[Vec2; 2]> {
-    let stations = stations(laid, 0.5);
-    let total = stations.last().map_or(0.0, |s| s.2);
-    let step = spacing.filter(|s| *s > 0.0).unwrap_or(total / RULINGS).max(total / MOST);
-    let mut at: Vec<(usize, f64)> = (1..laid.len()).map(|k| (k, laid[k].strip.domain().0)).collect();
-    let mut length = step;
-    while length < total * (1.0 - 1e-9) && step > 0.0 {
-        let (k, u) = at_length(&stations, length);
-        if laid[k].strip.kind != PanelKind::Plane {
-            at.push((k, u));
+/// Rulings along the middle as the options ask for, and those between the strips, shortened by `inset` at both ends, with
+/// how the sheet bends about each; `size` is the length of the pattern.
+fn rulings(laid: &[Laid], options: &StripOptions, size: f64, inset: f64) -> (Vec<[Vec2; 2]>, Vec<Bend>) {
+    let (course, joints) = course(laid, options.side);
+    let total = course.length();
+    let mut lengths: Vec<f64> = match options.ruling_spacing.filter(|s| *s > 0.0) {
+        Some(spacing) => {
+            let step = spacing.max(total / MOST);
+            (1..).map(|k| step * f64::from(k)).take_while(|l| *l < total * (1.0 - 1e-9) && step > 0.0).collect()
         }
-        length += step;
-    }
-    at.iter()
-        .filter_map(|&(k, u)| {
-            let (a, b) = (laid[k].map(u, 0.0), laid[k].map(u, 1.0));
-            let length = (b - a).norm();
+        None => course.lines(&options.drawn.bends, size).iter().map(|l| course.length_at(l)).collect(),
+    };
+    // Lines beside a joint are left out; the joint itself is drawn.
+    let near = 0.5 * options.drawn.bends.least * size;
+    lengths.retain(|l| joints.iter().all(|j| (l - j).abs() > near));
+    lengths.extend(&joints);
+    lengths.sort_by(f64::total_cmp);
+    let mut out = (Vec::new(), Vec::new());
+    for (line, length) in course.lines_at(&lengths, size).iter().zip(&lengths) {
+        let Some([(k, a), (m, b)]) = course.around(line.after) else { continue };
+        let (k, u) = if k == m { (k, a + (b - a) * line.share) } else { (m, b) };
+        if laid[k].strip.kind == PanelKind::Plane && !joints.contains(length) {
+            continue;
+        }
+        let (a, b) = (laid[k].map(u, 0.0), laid[k].map(u, 1.0));
+        let length = (b - a).norm();
+        if length > 4.0 * inset {
             let d = (b - a) * (inset / length);
-            (length > 4.0 * inset).then(|| [a + d, b - d])
-        })
-        .collect()
+            out.0.push([a + d, b - d]);
+            out.1.push(line.bend([0.0, 1.0].map(|v| bends::radius(&laid[k].strip.patch, u, v))));
+        }
+    }
+    out
+}
+
+/// The tangent planes along the middle of the chain, and the lengths at which its strips are joined.
+fn course(laid: &[Laid], side: f64) -> (Course<(usize, f64)>, Vec<f64>) {
+    let mut course = Course::new();
+    let mut joints = Vec::new();
+    let mut before: Option<(Plane, Vec2, usize)> = None;
+    for (k, u, _) in stations(laid, 0.5) {
+        let l = &laid[k];
+        let Some(plane) = Plane::of(&l.strip.patch, u, 0.5, side) else { continue };
+        let x = l.map(u, 0.5);
+        let (turn, length) = before.map_or((0.0, 0.0), |(p, y, _)| (p.turn(&plane), (x - y).norm()));
+        if before.is_some_and(|(_, _, j)| j != k) {
+            joints.push(course.length());
+        }
+        course.push((k, u), turn, length);
+        before = Some((plane, x, k));
+    }
+    (course, joints)
 }
 
 /// Marks at equal lengths along both rails.

@@ -3,8 +3,12 @@
 //! Knows nothing of curves: which triangles belong together is not asked here.
 
 use super::Vec3;
+use rayon::prelude::*;
 use robust::{orient3d, Coord3D};
 use std::collections::HashSet;
+
+/// Triangles from which on their signs are looked at on all cores: fewer are done before others have begun.
+const MANY: usize = 2048;
 
 /// Triangles of the boundary of the convex hull, as indices of the points, counterclockwise seen from outside.
 /// Coplanar facets are cut into triangles in no particular way. `None` if all points lie in one plane, or a coordinate
@@ -13,8 +17,10 @@ use std::collections::HashSet;
 /// *Method.* Points are added one by one; the triangles that see the new point are replaced by a cone over their
 /// horizon. "Sees" is the exact sign of a determinant, so coplanar and collinear points do no harm.
 ///
-/// *Cost.* Number of points times number of triangles of the hull.
-pub fn convex_hull(points: &[Vec3]) -> Option<Vec<[usize; 3]>> {
+/// `stopped` is asked between points: what was added until then is the answer.
+///
+/// *Cost.* Number of points times number of triangles of the hull, on all cores.
+pub fn convex_hull(points: &[Vec3], stopped: &dyn Fn() -> bool) -> Option<Vec<[usize; 3]>> {
     if points.iter().any(|p| p.iter().any(|x| !x.is_finite())) {
         return None;
     }
@@ -41,12 +47,22 @@ pub fn convex_hull(points: &[Vec3]) -> Option<Vec<[usize; 3]>> {
     let [a, b, c] = if s > 0.0 { [a, b, c] } else { [a, c, b] };
     let mut faces = vec![[a, b, c], [a, d, b], [b, d, c], [c, d, a]];
     for p in 0..points.len() {
-        let (seen, kept): (Vec<_>, Vec<_>) = faces.iter().partition(|f| side(f, p) < 0.0);
+        if stopped() {
+            break;
+        }
+        let sees = |f: &&[usize; 3]| side(f, p) < 0.0;
+        let seen: Vec<[usize; 3]> = if faces.len() < MANY {
+            faces.iter().filter(sees).copied().collect()
+        } else {
+            faces.par_iter().filter(sees).copied().collect()
+        };
         if seen.is_empty() {
             continue;
         }
         let edges: HashSet<[usize; 2]> = seen.iter().flat_map(sides).collect();
-        faces = kept;
+        // Both in the order of the faces.
+        let mut next = seen.iter().peekable();
+        faces.retain(|f| next.next_if(|s| *s == f).is_none());
         // In the order of the faces, so that the answer does not depend on hashing.
         for [i, j] in seen.iter().flat_map(sides).filter(|[i, j]| !edges.contains(&[*j, *i])) {
             faces.push([i, j, p]);
@@ -74,7 +90,7 @@ mod tests {
                 }
             }
         }
-        let hull = convex_hull(&points).expect("hull");
+        let hull = convex_hull(&points, &|| false).expect("hull");
         let triangle = |f: &[usize; 3]| (points[f[0]], points[f[1]], points[f[2]]);
         let volume: f64 = hull.iter().map(triangle).map(|(a, b, c)| a.dot(&b.cross(&c)) / 6.0).sum();
         assert!((volume - 8.0).abs() < 1e-14);
@@ -85,6 +101,6 @@ mod tests {
     #[test]
     fn points_of_a_plane_have_no_hull() {
         let points: Vec<Vec3> = (0..9).map(|k| Vec3::new(f64::from(k % 3), f64::from(k / 3), 1.0)).collect();
-        assert!(convex_hull(&points).is_none() && convex_hull(&[]).is_none());
+        assert!(convex_hull(&points, &|| false).is_none() && convex_hull(&[], &|| false).is_none());
     }
 }

@@ -7,11 +7,9 @@ pub mod coarse;
 pub mod convex_hull;
 pub mod measure;
 pub mod mesh;
-pub mod partition;
+pub mod outward;
 pub mod placement;
 pub mod rectangle;
-pub mod smooth_seams;
-pub mod triangulate;
 
 /// A point or vector of space, in millimetres.
 pub type Vec3 = na::Vector3<f64>;

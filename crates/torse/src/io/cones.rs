@@ -3,12 +3,12 @@
 use super::bundle::{BundleError, File};
 use super::step::write::{self as step, Header, Sheet};
 use super::{glb, png};
+use crate::answer::presentation::Presentation;
+use crate::answer::sheets::Sheets;
+use crate::draw::scene::{titled, Scene};
+use crate::draw::sequence::sequence;
 use crate::geom::Vec3;
-use crate::pipeline::presentation::Presentation;
-use crate::pipeline::sheets::Sheets;
-use crate::surface::cone_part::ConeBody;
-use crate::tessellate::scene::Scene;
-use crate::tessellate::sequence::sequence;
+use crate::torse::cone::part::ConeBody;
 
 /// Name of the CAD file that the exact faces replace.
 const STRIPS: &str = "strips.step";
@@ -21,7 +21,7 @@ const UNCERTAINTY: f64 = 1e-6;
 /// Data that a format cannot hold.
 pub fn files(sheets: &Sheets, bodies: &[ConeBody], shown: &Presentation, time: &str) -> Result<Vec<File>, BundleError> {
     let mut out = super::sheets::files(sheets, shown, time)?;
-    let cad = exact(&sheets.input, bodies, time)?;
+    let cad = exact(&sheets.input, bodies, shown.marks.any(), time)?;
     match out.iter_mut().find(|f| f.0 == STRIPS) {
         Some(file) => *file = cad,
         None => out.push(cad),
@@ -52,22 +52,24 @@ pub fn bending(stages: &[(String, Scene)], eye: &Vec3) -> Result<Vec<File>, Bund
 /// # Errors
 /// Data that a format cannot hold.
 pub fn thickness(name: &str, surfaces: &[ConeBody], scene: &Scene, time: &str) -> Result<Vec<File>, BundleError> {
-    let (_, step) = exact(name, surfaces, time)?;
+    let marked = scene.panels.iter().any(|p| p.marked);
+    let (_, step) = exact(name, surfaces, marked, time)?;
     Ok(vec![("thickness.step".into(), step), ("thickness.glb".into(), glb::write(scene, 1.0)?)])
 }
 
-/// cones.step alone.
+/// cones.step alone; `marked` if it must not be cut.
 ///
 /// # Errors
 /// Those of the writer.
-pub fn exact(name: &str, bodies: &[ConeBody], time: &str) -> Result<File, BundleError> {
-    let header = Header { name: name.to_owned(), time: time.to_owned(), uncertainty: UNCERTAINTY };
+pub fn exact(name: &str, bodies: &[ConeBody], marked: bool, time: &str) -> Result<File, BundleError> {
+    let header = Header { name: titled(name, marked), time: time.to_owned(), uncertainty: UNCERTAINTY };
     let bodies: Vec<Sheet> = bodies
         .iter()
         .map(|b| match &b.part {
             Some(part) => Sheet::of_cone_part(&b.name, part),
             None => Sheet::of_cones(&b.name, &b.spline),
         })
+        .map(|s| if marked { s.marked() } else { s })
         .collect();
     let mut bytes = Vec::new();
     step::sheets(&mut bytes, &header, &bodies).map_err(|source| BundleError::Write { file: "cones.step", source })?;

@@ -1,24 +1,30 @@
 //! DXF writer: cutting drawings in the R2000 format (AC1015), millimetres, 1:1.
 //!
-//! Outlines are closed LWPOLYLINEs of lines and arcs on `CUT_OUTER` and `CUT_INNER`, rulings LINEs on `RULING`,
-//! matching marks LINEs on `MARK`, names and labels strokes on `TEXT`: there is no live text that a cutter's program
+//! Outlines are closed LWPOLYLINEs of lines and arcs on `CUT_OUTER` and `CUT_INNER`, rulings LINEs on `BEND_UP`,
+//! `BEND_DOWN` and, where the sheet stays flat, `RULING`, matching marks LINEs on `MARK`, names and labels strokes on
+//! `TEXT`; parts that must not be cut are wholly on `NOT_CERTIFIED`, with these words across them. There is no live text that a cutter's program
 //! could lose. Group codes and the order of sections follow Autodesk's DXF reference; tables, blocks and objects that
 //! strict readers ask for are all there, with handles and owners.
 
 use std::fmt::{Display, Write as _};
 use std::io;
 
+use crate::draw::drawing::Drawing;
 use crate::geom::Vec2;
-use crate::surface::pattern::Contour;
-use crate::tessellate::drawing::Drawing;
+use crate::patchwork::pattern::{BendSense, Contour};
 
 /// Layers and their colours (AutoCAD colour index).
-const LAYERS: [(&str, u8); 5] = [(OUTER, 7), (INNER, 7), (RULING, 3), (MARK, 6), (TEXT, 9)];
+const LAYERS: [(&str, u8); 8] =
+    [(OUTER, 7), (INNER, 7), (BEND_UP, 5), (BEND_DOWN, 30), (RULING, 3), (MARK, 6), (TEXT, 9), (NOT_CERTIFIED, 1)];
 const OUTER: &str = "CUT_OUTER";
 const INNER: &str = "CUT_INNER";
+const BEND_UP: &str = "BEND_UP";
+const BEND_DOWN: &str = "BEND_DOWN";
 const RULING: &str = "RULING";
 const MARK: &str = "MARK";
 const TEXT: &str = "TEXT";
+/// Everything of parts that must not be cut: nothing of them is on a layer that a machine follows.
+const NOT_CERTIFIED: &str = "NOT_CERTIFIED";
 
 /// Handles of things that others refer to. Entities and layers are numbered from [`FIRST_FREE`].
 mod handle {
@@ -53,16 +59,22 @@ pub fn write(out: &mut dyn io::Write, drawing: &Drawing) -> io::Result<()> {
     blocks(&mut body);
     body.section("ENTITIES");
     for piece in &drawing.pieces {
-        for (layer, contour) in piece.outer.iter().map(|c| (OUTER, c)).chain(piece.inner.iter().map(|c| (INNER, c))) {
+        let on = |layer| if piece.marked { NOT_CERTIFIED } else { layer };
+        let inner = piece.inner.iter().map(|c| (on(INNER), c));
+        for (layer, contour) in piece.outer.iter().map(|c| (on(OUTER), c)).chain(inner) {
             body.contour(layer, contour);
         }
-        for (layer, lines) in [(RULING, &piece.rulings), (MARK, &piece.marks)] {
-            for [a, b] in lines {
+        for (layer, sense) in [(BEND_UP, BendSense::Up), (BEND_DOWN, BendSense::Down), (RULING, BendSense::Flat)] {
+            for [a, b] in piece.bent(sense) {
+                let layer = on(layer);
                 body.line(layer, a, b);
             }
         }
+        for [a, b] in &piece.marks {
+            body.line(on(MARK), a, b);
+        }
         for stroke in &piece.text {
-            body.polyline(TEXT, false, stroke.iter().map(|p| (*p, 0.0)));
+            body.polyline(on(TEXT), false, stroke.iter().map(|p| (*p, 0.0)));
         }
     }
     body.pair(0, "ENDSEC");
@@ -427,8 +439,8 @@ fn plot_settings(p: &mut Pairs, model: bool) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::surface::pattern::ContourVertex;
-    use crate::tessellate::drawing::Piece;
+    use crate::draw::drawing::Piece;
+    use crate::patchwork::pattern::ContourVertex;
     use std::collections::BTreeSet;
 
     fn vertex(x: f64, y: f64, bulge: f64) -> ContourVertex {
@@ -442,8 +454,10 @@ mod tests {
             outer: Some(disc(0., 100.)),
             inner: vec![disc(30., 1.0 / 3.0)],
             rulings: vec![[Vec2::new(-5., 5.), Vec2::new(-5., -5.)]],
+            senses: vec![BendSense::Down],
             marks: vec![[Vec2::new(-100., 0.), Vec2::new(-95., 0.)]],
             text: vec![vec![Vec2::zeros(), Vec2::x(), Vec2::y()]],
+            marked: false,
         };
         Drawing { pieces: vec![piece], min: Vec2::repeat(-100.), max: Vec2::repeat(100.) }
     }
@@ -492,7 +506,19 @@ mod tests {
         }
         assert_eq!(value(entity(1), 10), ["29.666666667", "30.333333333"]);
         assert_eq!(value(entity(1), 42), ["1.000000000000"; 2]);
-        assert_eq!((value(entity(2), 8), value(entity(3), 8)), (vec!["RULING".into()], vec!["MARK".into()]));
+        assert_eq!((value(entity(2), 8), value(entity(3), 8)), (vec!["BEND_DOWN".into()], vec!["MARK".into()]));
+    }
+
+    #[test]
+    fn nothing_of_a_part_that_must_not_be_cut_is_on_a_layer_of_others() {
+        let mut d = drawing();
+        d.pieces.push(Piece { marked: true, ..d.pieces[0].clone() });
+        let all = pairs(&d);
+        let start = all.iter().position(|p| p.1 == "ENTITIES").expect("entities");
+        let layers: Vec<&str> = all[start..].iter().filter(|p| p.0 == 8).map(|p| p.1.as_str()).collect();
+        assert_eq!(layers[..5], ["CUT_OUTER", "CUT_INNER", "BEND_DOWN", "MARK", "TEXT"]);
+        assert_eq!(layers[5..], ["NOT_CERTIFIED"; 5]);
+        assert!(all[..start].iter().any(|p| p.0 == 2 && p.1 == "NOT_CERTIFIED"), "a layer of its own");
     }
 
     #[test]

@@ -3,7 +3,7 @@
 
 use super::cloud::CloudReadError;
 use crate::geom::Vec3;
-use crate::surface::plane_row::{Given, PlaneElement};
+use crate::torse::contact::{Given, PlaneElement};
 
 /// Columns of a ruling from p to q.
 const RULING: [&str; 6] = ["px", "py", "pz", "qx", "qy", "qz"];

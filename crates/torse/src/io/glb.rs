@@ -7,10 +7,10 @@
 
 pub mod moving;
 
+use crate::draw::colour::{self, Rgb};
+use crate::draw::scene::Scene;
 use crate::geom::mesh::Mesh;
 use crate::geom::Vec3;
-use crate::tessellate::colour::{self, Rgb};
-use crate::tessellate::scene::Scene;
 use serde_json::{json, Map, Value};
 
 /// A scene that cannot be written.
@@ -90,8 +90,9 @@ pub fn write(scene: &Scene, tolerance: f64) -> Result<Vec<u8>, GlbError> {
             let accessor = file.accessor(&bytes, values.len(), FLOAT, "SCALAR", Some(ARRAY_BUFFER), json!({}));
             attributes.vertex.insert("_DEVIATION".into(), accessor.into());
         }
-        let material = file.material(&panel.name, colour::panel(i));
-        panels.push(file.mesh_node(&panel.name, &attributes, material, extras.clone()));
+        let title = panel.title();
+        let material = file.material(&title, colour::shown(i, panel.marked));
+        panels.push(file.mesh_node(&title, &attributes, material, extras.clone()));
         if attributes.vertex.contains_key("_DEVIATION") {
             let bytes: Vec<u8> = values
                 .iter()
@@ -103,7 +104,7 @@ pub fn write(scene: &Scene, tolerance: f64) -> Result<Vec<u8>, GlbError> {
             let fixed = json!({ "normalized": true });
             let accessor = file.accessor(&bytes, values.len(), UNSIGNED_BYTE, "VEC4", Some(ARRAY_BUFFER), fixed);
             attributes.vertex.insert("COLOR_0".into(), accessor.into());
-            deviations.push(file.mesh_node(&panel.name, &attributes, white, extras));
+            deviations.push(file.mesh_node(&title, &attributes, white, extras));
         }
     }
     let rulings: Vec<Vec3> = scene.panels.iter().flat_map(|p| p.rulings.iter().flatten().copied()).collect();
@@ -316,7 +317,7 @@ fn linear(c: Rgb) -> Rgb {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use crate::tessellate::scene::PanelShape;
+    use crate::draw::scene::PanelShape;
 
     fn square() -> Mesh {
         Mesh {
@@ -333,6 +334,7 @@ pub(crate) mod tests {
             mesh: square(),
             rulings: vec![[Vec3::zeros(), Vec3::x()]],
             borders: vec![vec![Vec3::zeros(), Vec3::x(), Vec3::z()]],
+            marked: false,
         };
         Scene {
             panels: vec![panel.clone(), PanelShape { name: "A-02".into(), ..panel }],

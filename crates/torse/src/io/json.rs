@@ -2,11 +2,16 @@
 //!
 //! The same record feeds `report.html`, so both always say the same.
 
+use super::bends::{self, BendRecord};
+use super::{marks, words};
+use crate::answer::marks::Marks;
+use crate::answer::outcome::Outcome;
+use crate::brep::face::SurfaceKind;
+use crate::certify::claim::Status;
+use crate::certify::flat::FlatCertificate;
 use crate::certify::PanelCertificate;
 use crate::certify::{SeamCertificate, SeamStatus};
-use crate::pipeline::outcome::{Outcome, Status};
-use crate::surface::face::SurfaceKind;
-use crate::surface::pattern::Pattern;
+use crate::patchwork::pattern::Pattern;
 use crate::tessellate::coverage;
 use serde::{Deserialize, Serialize};
 
@@ -39,7 +44,8 @@ pub struct Report {
     pub deviation_bound: Option<f64>,
     /// Bound on the gap across seams, mm; null if none was shown.
     pub seam_gap_bound: Option<f64>,
-    /// Share of the area of the faces that panels cover; 1 exactly if the cover is proven to be complete.
+    /// Share of the area of the faces that panels cover; 1 exactly if the cover is proven to be complete. Faces that were
+    /// left out count with their areas, as far as these are known.
     pub coverage: f64,
     /// Wall time, seconds.
     pub seconds: f64,
@@ -57,6 +63,18 @@ pub struct Report {
     /// Panels that were laid along curves.
     #[serde(default)]
     pub along: Vec<AlongRecord>,
+    /// Files that were read back.
+    #[serde(default)]
+    pub written: Vec<WrittenRecord>,
+}
+
+/// A file that was read back and compared with what was judged.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct WrittenRecord {
+    /// Name of the file.
+    pub file: String,
+    /// Bound of the distance between what it holds and what was judged, mm; null if it does not agree.
+    pub written_bound: Option<f64>,
 }
 
 /// A panel along a curve.
@@ -94,6 +112,9 @@ pub struct SkippedRecord {
     pub entity: u64,
     /// Why, and what would help.
     pub reason: String,
+    /// Its area as far as its surface or edges tell, mm²; null if unknown.
+    #[serde(default)]
+    pub area_estimate: Option<f64>,
 }
 
 /// One face of the input.
@@ -121,6 +142,10 @@ pub struct FaceRecord {
     /// Bound on what joining moved, mm; part of every panel's deviation bound.
     #[serde(default)]
     pub joint_bound: f64,
+    /// Bound on the distance between the face as its file bounds it and the trim, part of `deviation_bound`, mm; null if
+    /// none was shown.
+    #[serde(default)]
+    pub trim_bound: Option<f64>,
 }
 
 /// A face of the file that is part of a joined face.
@@ -163,10 +188,23 @@ pub struct PanelRecord {
     pub isometry_error: Option<f64>,
     /// Largest distance between the outline drawn and the exact flat outline, mm.
     pub contour_error: Option<f64>,
+    /// Bound of the relative change of any length on the flat pattern, proven; null if none was shown.
+    #[serde(default)]
+    pub strain_bound: Option<f64>,
+    /// Bound of the distance of outline, rulings and marks as drawn from the flat image of the panel, mm, proven; null if
+    /// none was shown.
+    #[serde(default)]
+    pub drawing_bound: Option<f64>,
     /// Long side of the smallest rectangle around the flat pattern, mm.
     pub length: Option<f64>,
     /// Short side, mm.
     pub width: Option<f64>,
+    /// Side of the model from which the pattern is seen: `outside` or `inside`; empty without a pattern.
+    #[serde(default)]
+    pub view: String,
+    /// Its bend lines.
+    #[serde(default)]
+    pub bends: Vec<BendRecord>,
 }
 
 /// A place on a face where the tolerance is exceeded.
@@ -182,28 +220,36 @@ impl Report {
     /// The record of an outcome.
     pub fn of(outcome: &Outcome) -> Self {
         let certificate = &outcome.certificate;
-        let (status, reason) = match &outcome.status {
-            Status::Certified => ("certified", ""),
-            Status::Uncertified(reason) => ("uncertified", reason.as_str()),
+        let status = match outcome.status() {
+            Status::Certified => "certified",
+            Status::Uncertified => "uncertified",
         };
         let coverages = coverage::faces(&outcome.patchwork);
+        let areas: Vec<Option<f64>> = outcome.skipped.iter().map(|s| s.area_estimate).collect();
         Self {
             schema: SCHEMA.into(),
             version: env!("CARGO_PKG_VERSION").into(),
             status: status.into(),
-            reason: reason.into(),
+            reason: words::reason(&outcome.claims, &[]),
             unit: "mm".into(),
             input: outcome.input.clone(),
             tolerance: outcome.tolerance,
             deviation_bound: finite(certificate.deviation_bound),
             seam_gap_bound: finite(certificate.seam_gap_bound),
-            coverage: covered_share(certificate.covered, coverage::total(&coverages).share()),
+            coverage: covered_share(
+                certificate.covered && outcome.skipped.is_empty(),
+                coverage::total(&coverages).beside(&areas).share(),
+            ),
             seconds: outcome.seconds,
             missing: certificate.missing.clone(),
             skipped: outcome
                 .skipped
                 .iter()
-                .map(|s| SkippedRecord { entity: s.entity, reason: s.reason.clone() })
+                .map(|s| SkippedRecord {
+                    entity: s.entity,
+                    reason: s.reason.clone(),
+                    area_estimate: s.area_estimate.and_then(finite),
+                })
                 .collect(),
             faces: face_records(outcome, &coverages),
             panels: panel_records(outcome),
@@ -218,12 +264,23 @@ impl Report {
                     paper_deviation_estimate: finite(a.paper_estimate),
                 })
                 .collect(),
+            written: outcome
+                .written
+                .iter()
+                .map(|(file, w)| WrittenRecord { file: file.clone(), written_bound: finite(w.bound()) })
+                .collect(),
         }
     }
 
     /// Whether the status is `certified`.
     pub fn certified(&self) -> bool {
         self.status == "certified"
+    }
+
+    /// What must not be cut, in words that tell at most so many names; `None` if the result is certified.
+    pub fn do_not_cut(&self, most: usize) -> Option<String> {
+        let bad: Vec<&str> = self.panels.iter().filter(|p| !p.certified).map(|p| p.name.as_str()).collect();
+        (!self.certified()).then(|| marks::do_not_cut(&bad, self.panels.len(), most))
     }
 
     /// The text of `report.json`.
@@ -283,7 +340,7 @@ fn seam_record(s: &SeamCertificate) -> SeamRecord {
 
 fn face_records(outcome: &Outcome, coverages: &[coverage::Coverage]) -> Vec<FaceRecord> {
     let patchwork = &outcome.patchwork;
-    let record = |(i, face): (usize, &crate::surface::face::Face)| FaceRecord {
+    let record = |(i, face): (usize, &crate::brep::face::Face)| FaceRecord {
         entity: face.entity,
         name: face.name.clone(),
         part: face.part.clone(),
@@ -294,24 +351,28 @@ fn face_records(outcome: &Outcome, coverages: &[coverage::Coverage]) -> Vec<Face
         surface_deviation_estimate: finite(face.surface_deviation_estimate),
         joined: face.parts.iter().map(|p| PartRecord { entity: p.entity, name: p.name.clone() }).collect(),
         joint_bound: face.joint_bound,
+        trim_bound: finite(face.trim_bound),
     };
     patchwork.faces.iter().enumerate().map(record).collect()
 }
 
 fn panel_records(outcome: &Outcome) -> Vec<PanelRecord> {
     let panels = outcome.patchwork.panels.iter().enumerate();
+    let marks = Marks::of(outcome);
     panels
         .map(|(i, panel)| {
             let proof: Option<&PanelCertificate> = outcome.certificate.panels.get(i);
             let pattern: Option<&Pattern> = outcome.patterns.iter().find(|p| p.panel == i);
+            let flat = outcome.flat.iter().find(|f| f.panel() == i);
+            let shown = |value: fn(&FlatCertificate) -> f64| flat.map(value).and_then(finite);
             let proven = |value: fn(&PanelCertificate) -> f64| proof.map(value).and_then(finite);
             let drawn = |value: fn(&Pattern) -> f64| pattern.map(value).and_then(finite);
             PanelRecord {
                 name: panel.name.clone(),
                 face: panel.face,
                 kind: panel.kind.name().into(),
-                certified: proof.is_some_and(|p| p.certified),
-                reason: proof.map_or_else(|| "not examined".into(), |p| p.reason.clone()),
+                certified: !marks.panels[i],
+                reason: if marks.panels[i] { reason(outcome, i) } else { String::new() },
                 witness: proof
                     .and_then(|p| p.witness)
                     .map(|(uv, distance)| WitnessRecord { uv, distance: finite(distance) }),
@@ -323,11 +384,29 @@ fn panel_records(outcome: &Outcome) -> Vec<PanelRecord> {
                 flat_area: drawn(|p| p.area),
                 isometry_error: drawn(|p| p.isometry_error),
                 contour_error: drawn(|p| p.contour_error),
+                strain_bound: shown(FlatCertificate::strain_bound),
+                drawing_bound: shown(FlatCertificate::drawing_bound),
                 length: drawn(|p| p.length),
                 width: drawn(|p| p.width),
+                view: pattern.map_or_else(String::new, |p| p.view.name().into()),
+                bends: pattern.map_or_else(Vec::new, bends::records),
             }
         })
         .collect()
+}
+
+/// Why a panel is not certified: its own proof, else what the whole asks of it.
+fn reason(outcome: &Outcome, panel: usize) -> String {
+    match outcome.certificate.panels.get(panel) {
+        None => "not examined".into(),
+        Some(p) if !p.certified => p.reason.clone(),
+        Some(p) if p.deviation_bound > outcome.tolerance => {
+            format!("proven for {:.6} mm only, which exceeds the tolerance", p.deviation_bound)
+        }
+        Some(_) if outcome.beyond_limits.contains(&panel) => "it does not keep the limits of sheet and material".into(),
+        Some(_) if !outcome.patterns.iter().any(|p| p.panel == panel) => "it has no flat pattern".into(),
+        Some(_) => format!("the whole is not certified: {}", words::reason(&outcome.claims, &[])),
+    }
 }
 
 /// Lower-case name of a kind of surface.
@@ -366,8 +445,12 @@ pub(crate) mod tests {
             flat_area: Some(81_520.3),
             isometry_error: Some(2.4e-9),
             contour_error: Some(0.081),
+            strain_bound: Some(3.1e-10),
+            drawing_bound: Some(0.082),
             length: Some(1281.3),
             width: Some(90.2),
+            view: "outside".into(),
+            bends: Vec::new(),
         };
         Report {
             schema: SCHEMA.into(),
@@ -394,6 +477,7 @@ pub(crate) mod tests {
                 surface_deviation_estimate: Some(0.0),
                 joined: Vec::new(),
                 joint_bound: 0.0,
+                trim_bound: Some(0.0),
             }],
             panels: vec![panel("A-01", 0.95), panel("A-02", 0.987_654_3)],
             along: vec![AlongRecord {
@@ -409,6 +493,7 @@ pub(crate) mod tests {
                 seam_length: Some(1280.0),
                 kink_deg: [6.1, 6.9],
             }],
+            written: vec![WrittenRecord { file: "panels.step".into(), written_bound: Some(0.0) }],
         }
     }
 
@@ -443,13 +528,14 @@ pub(crate) mod tests {
     fn the_documentation_names_every_field() {
         let doc = include_str!("../../../../docs/report-json.md");
         let mut report = sample();
-        report.skipped.push(SkippedRecord { entity: 7, reason: "offset of an offset".into() });
+        report.skipped.push(SkippedRecord { entity: 7, reason: "offset of an offset".into(), area_estimate: None });
         report.panels[0].witness = Some(WitnessRecord { uv: [0.0, 0.0], distance: None });
         let value = serde_json::to_value(report).expect("json");
         let records = [
             &value,
             &value["seams"][0],
             &value["along"][0],
+            &value["written"][0],
             &value["panels"][0],
             &value["faces"][0],
             &value["skipped"][0],

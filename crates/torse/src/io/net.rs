@@ -14,7 +14,7 @@ use crate::geom::Vec3;
 use crate::spline::curve::Curve;
 use crate::spline::knots::Knots;
 use crate::spline::SplineError;
-use crate::surface::rail::{Rail, RailError};
+use crate::torse::rail::{Rail, RailError};
 use serde::Deserialize;
 
 /// What a file may hold besides the curve; lengths in mm, the curve's parameter from 0 to 1.

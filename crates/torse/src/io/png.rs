@@ -1,6 +1,6 @@
 //! PNG files from finished pictures (ISO/IEC 15948).
 
-use crate::tessellate::raster::Image;
+use crate::draw::raster::Image;
 
 /// The picture could not be encoded.
 #[derive(Debug, thiserror::Error)]

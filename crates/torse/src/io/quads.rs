@@ -4,7 +4,7 @@
 mod obj;
 mod table;
 
-use crate::surface::quad_strip::{QuadStrip, QuadStripError};
+use crate::torse::quad_strip::{QuadStrip, QuadStripError};
 
 /// Why there is no strip in a file.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

@@ -1,19 +1,22 @@
 //! `report.json` of jobs that make strips (format: `docs/report-strips-json.md`), and all files of such a job.
 
+use super::bends::{self, BendRecord};
 use super::bundle::{BundleError, File};
 use super::html::sheets as page;
 use super::step::write::{self as step, Header, Sheet};
-use super::{dxf, glb, png, svg};
-use crate::pipeline::outcome::Status;
-use crate::pipeline::presentation::Presentation;
-use crate::pipeline::shapes::Shape;
-use crate::pipeline::sheets::{Figure, Sheets};
-use crate::surface::shape_run::RunShape;
-use crate::tessellate::picture::{self, Caption};
+use super::{dxf, glb, marks, png, svg, words};
+use crate::answer::presentation::Presentation;
+use crate::answer::shapes::Shape;
+use crate::answer::sheets::Sheets;
+use crate::certify::claim::{Claim, Status, Subject};
+use crate::draw::picture::{self, Caption};
+use crate::torse::kind::RunShape;
 use serde::{Deserialize, Serialize};
 
 /// Name and version of the format.
-pub const SCHEMA: &str = "torse-strips/1";
+pub const SCHEMA: &str = "torse-strips/2";
+/// Basis of a bound that was looked for and could not be shown.
+pub const UNKNOWN: &str = "unknown";
 
 /// The whole report. Lengths in mm; `None` is written as `null` and stands for an infinite or unknown number.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -82,7 +85,7 @@ pub struct FigureRecord {
     pub value: Option<f64>,
     /// Unit; empty for plain numbers.
     pub unit: String,
-    /// `proven`, `measured` or `given`.
+    /// `proven`, `measured` or `given`; `unknown` for a bound that could not be shown.
     pub basis: String,
 }
 
@@ -93,6 +96,8 @@ pub struct StripRecord {
     pub name: String,
     /// `plane`, `cylinder`, `cone` or `torse`.
     pub kind: String,
+    /// Whether it may be cut; false for all strips of a result that is not certified.
+    pub certified: bool,
     /// Its figures.
     pub figures: Vec<FigureRecord>,
 }
@@ -104,6 +109,8 @@ pub struct PartRecord {
     pub name: String,
     /// Names of its strips.
     pub strips: Vec<String>,
+    /// Whether it may be cut; false for all parts of a result that is not certified.
+    pub certified: bool,
     /// Why there is no pattern; empty if there is one.
     pub missing: String,
     /// Area of the flat pattern, mm².
@@ -118,6 +125,12 @@ pub struct PartRecord {
     pub length: Option<f64>,
     /// Short side, mm.
     pub width: Option<f64>,
+    /// Side of the model from which the pattern is seen: `outside` or `inside`; empty without a pattern.
+    #[serde(default)]
+    pub view: String,
+    /// Its bend lines.
+    #[serde(default)]
+    pub bends: Vec<BendRecord>,
 }
 
 /// A stretch of a part that is of one shape.
@@ -168,22 +181,22 @@ impl ShapeRecord {
 impl Report {
     /// The record of an outcome; `shown` knows its shapes.
     pub fn of(sheets: &Sheets, shown: &Presentation) -> Self {
-        let (status, reason) = match &sheets.status {
-            Status::Certified => ("certified", ""),
-            Status::Uncertified(reason) => ("uncertified", reason.as_str()),
+        let curves: Vec<String> = sheets.guides.iter().map(|g| g.name.clone()).collect();
+        let status = match sheets.status() {
+            Status::Certified => "certified",
+            Status::Uncertified => "uncertified",
         };
-        let empty = Vec::new();
         Self {
             schema: SCHEMA.into(),
             version: env!("CARGO_PKG_VERSION").into(),
             job: sheets.job.clone(),
             status: status.into(),
-            reason: reason.into(),
+            reason: words::reason(&sheets.claims, &curves),
             unit: "mm".into(),
             input: sheets.input.clone(),
             tolerance: sheets.tolerance,
             seconds: sheets.seconds,
-            figures: records(&sheets.figures),
+            figures: sheets.claims_of(Subject::Whole).map(|c| record(c, &curves)).collect(),
             notes: sheets.notes.clone(),
             skipped: sheets.skipped.clone(),
             strips: sheets
@@ -193,10 +206,11 @@ impl Report {
                 .map(|(k, s)| StripRecord {
                     name: s.name.clone(),
                     kind: s.kind.name().into(),
-                    figures: records(sheets.strip_figures.get(k).unwrap_or(&empty)),
+                    certified: !shown.marks.panels.get(k).copied().unwrap_or(true),
+                    figures: sheets.claims_of(Subject::Panel(k)).map(|c| record(c, &curves)).collect(),
                 })
                 .collect(),
-            parts: part_records(sheets),
+            parts: part_records(sheets, shown),
             shapes: shown.shapes.iter().map(|s| ShapeRecord::of(s, sheets)).collect(),
             worst_point: PointRecord::worst(sheets),
         }
@@ -205,6 +219,12 @@ impl Report {
     /// Whether the status is `certified`.
     pub fn certified(&self) -> bool {
         self.status == "certified"
+    }
+
+    /// What must not be cut, in words that tell at most so many names; `None` if the result is certified.
+    pub fn do_not_cut(&self, most: usize) -> Option<String> {
+        let bad: Vec<&str> = self.parts.iter().filter(|p| !p.certified).map(|p| p.name.as_str()).collect();
+        (!self.certified()).then(|| marks::do_not_cut(&bad, self.parts.len(), most))
     }
 
     /// The text of `report.json`.
@@ -216,19 +236,18 @@ impl Report {
     }
 }
 
-fn records(figures: &[Figure]) -> Vec<FigureRecord> {
-    figures
-        .iter()
-        .map(|f| FigureRecord {
-            name: f.name.clone(),
-            value: f.value.is_finite().then_some(f.value),
-            unit: f.unit.clone(),
-            basis: f.basis.name().into(),
-        })
-        .collect()
+/// A claim for the report. `null` stands for infinite and for unknown; the basis tells them apart.
+fn record(claim: &Claim, curves: &[String]) -> FigureRecord {
+    let value = claim.value();
+    FigureRecord {
+        name: words::name(claim, curves),
+        value: (value.is_finite() && !claim.is_unknown()).then_some(value),
+        unit: words::unit(claim.what()).into(),
+        basis: if claim.is_unknown() { UNKNOWN } else { words::evidence(claim.evidence()) }.into(),
+    }
 }
 
-fn part_records(sheets: &Sheets) -> Vec<PartRecord> {
+fn part_records(sheets: &Sheets, shown: &Presentation) -> Vec<PartRecord> {
     let finite = |x: f64| x.is_finite().then_some(x);
     sheets
         .parts
@@ -240,6 +259,8 @@ fn part_records(sheets: &Sheets) -> Vec<PartRecord> {
             PartRecord {
                 name: part.name.clone(),
                 strips: strips.map(|s| s.name.clone()).collect(),
+                certified: !(part.first..part.first + part.count)
+                    .any(|k| shown.marks.panels.get(k).copied().unwrap_or(true)),
                 missing: part.missing.clone(),
                 flat_area: p.and_then(|p| finite(p.area)),
                 area: p.and_then(|p| finite(p.area_in_space)),
@@ -247,6 +268,8 @@ fn part_records(sheets: &Sheets) -> Vec<PartRecord> {
                 contour_error: p.and_then(|p| finite(p.contour_error)),
                 length: p.and_then(|p| finite(p.length)),
                 width: p.and_then(|p| finite(p.width)),
+                view: p.map_or_else(String::new, |p| p.view.name().into()),
+                bends: p.map_or_else(Vec::new, bends::records),
             }
         })
         .collect()
@@ -255,15 +278,21 @@ fn part_records(sheets: &Sheets) -> Vec<PartRecord> {
 /// Least uncertainty written into STEP headers, mm: below it CAD systems take edges for open.
 const LEAST_UNCERTAINTY: f64 = 1e-6;
 
-/// Makes every file: strips.step, patterns.dxf, patterns.svg, model.glb, pictures, report.html, report.json.
-/// `time` stamps the STEP header: `2026-11-21T14:30:00`.
+/// Makes every file: strips.step, patterns.dxf, patterns.svg, bends.csv, model.glb, pictures, report.html,
+/// report.json. `time` stamps the STEP header: `2026-11-21T14:30:00`.
 ///
 /// # Errors
 /// Data that a format cannot hold.
 pub fn files(sheets: &Sheets, shown: &Presentation, time: &str) -> Result<Vec<File>, BundleError> {
     let mut out: Vec<File> = Vec::new();
-    let header = Header { name: sheets.input.clone(), time: time.to_owned(), uncertainty: LEAST_UNCERTAINTY };
-    let bodies: Vec<Sheet> = sheets.strips.iter().map(Sheet::of_strip).collect();
+    let header = Header {
+        name: marks::product(&sheets.input, &shown.marks),
+        time: time.to_owned(),
+        uncertainty: LEAST_UNCERTAINTY,
+    };
+    let bodies = sheets.strips.iter().zip(&shown.marks.panels);
+    let bodies = bodies.map(|(s, m)| if *m { Sheet::of_strip(s).marked() } else { Sheet::of_strip(s) });
+    let bodies: Vec<Sheet> = bodies.collect();
     let mut put = |file: &'static str, write: &dyn Fn(&mut Vec<u8>) -> std::io::Result<()>| {
         let mut bytes = Vec::new();
         write(&mut bytes).map_err(|source| BundleError::Write { file, source })?;
@@ -277,11 +306,13 @@ pub fn files(sheets: &Sheets, shown: &Presentation, time: &str) -> Result<Vec<Fi
     out.push(("model.glb".into(), glb::write(&shown.scene, limit)?));
     let word = |n: usize, word: &str| format!("{n} {word}{}", if n == 1 { "" } else { "s" });
     let what = word(sheets.strips.len(), "strip");
-    let note = match &sheets.status {
+    let note = match sheets.status() {
         Status::Certified => format!("{what}, certified"),
-        Status::Uncertified(_) => format!("{what}, not certified"),
+        Status::Uncertified => format!("{what}, not certified"),
     };
-    let caption = |note: String| Caption { title: sheets.input.clone(), note, ..Caption::default() };
+    let report = Report::of(sheets, shown);
+    let warning = report.do_not_cut(marks::FEW).map_or_else(String::new, |w| format!("; {w}"));
+    let caption = |note: String| Caption { title: sheets.input.clone(), note: note + &warning, ..Caption::default() };
     let panels_png = png::write(&picture::panels(&shown.scene, &shown.direction, &caption(note)))?;
     let flat = caption(format!("{}, flat, 1:1 in patterns.dxf", word(sheets.patterns.len(), "part")));
     let layout_png = png::write(&picture::layout(&shown.pieces, &flat))?;
@@ -310,7 +341,6 @@ pub fn files(sheets: &Sheets, shown: &Presentation, time: &str) -> Result<Vec<Fi
         let words = caption("planes, cylinders, cones and tangent surfaces".into());
         Some(png::write(&picture::shapes(&shown.scene, &shown.shape_patches, &shown.direction, &words))?)
     };
-    let report = Report::of(sheets, shown);
     let html = page::write(&page::Page {
         report: &report,
         scene: &shown.scene,
@@ -334,6 +364,7 @@ pub fn files(sheets: &Sheets, shown: &Presentation, time: &str) -> Result<Vec<Fi
         out.push(("shapes.png".into(), png));
     }
     out.push(("layout.png".into(), layout_png));
+    out.extend(bends::csv(&sheets.patterns).map(|b| ("bends.csv".into(), b)));
     out.push(("report.html".into(), html.into_bytes()));
     out.push(("report.json".into(), json.into_bytes()));
     Ok(out)
@@ -342,12 +373,13 @@ pub fn files(sheets: &Sheets, shown: &Presentation, time: &str) -> Result<Vec<Fi
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
+    use crate::answer::presentation::present_sheets;
+    use crate::answer::sheets::{FieldMeaning, FlatPart, Guide, PointMap, StripField};
+    use crate::certify::claim::What;
     use crate::develop::strip::{pattern, StripOptions};
     use crate::geom::Vec3;
-    use crate::pipeline::presentation::present_sheets;
-    use crate::pipeline::sheets::{Basis, FieldMeaning, FlatPart, Guide, PointMap, StripField};
-    use crate::surface::strip::Strip;
-    use crate::surface::torse::PanelKind;
+    use crate::torse::form::PanelKind;
+    use crate::torse::strip::Strip;
 
     /// One plane quadrilateral and one triangle on it.
     pub(crate) fn sample() -> Sheets {
@@ -368,8 +400,11 @@ pub(crate) mod tests {
             job: "loft".into(),
             input: "plate <1>".into(),
             tolerance: 0.1,
-            status: Status::Certified,
-            strip_figures: vec![vec![Figure::new("twist", 1e-9, "rad", Basis::Proven)]; 2],
+            claims: vec![
+                Claim::measured(What::RegressionClearance, Subject::Whole, f64::INFINITY),
+                Claim::measured(What::Twist, Subject::Panel(0), 1e-9),
+                Claim::measured(What::Twist, Subject::Panel(1), 1e-9),
+            ],
             fields: vec![StripField { u: vec![0.0, 1.0], v: vec![0.0, 1.0], values: vec![0.0, 0.1, 0.2, -0.1] }; 2],
             points: PointMap {
                 places: vec![x(20., 20., 0.1), x(40., 20., 9.)],
@@ -380,7 +415,6 @@ pub(crate) mod tests {
             parts: vec![FlatPart { name: "A".into(), first: 0, count: 2, missing: String::new() }],
             patterns,
             guides: vec![Guide { name: "rail".into(), points: vec![x(0., 0., 0.), x(90., 0., 0.)] }],
-            figures: vec![Figure::new("clearance", f64::INFINITY, "mm", Basis::Measured)],
             notes: vec!["a & b".into()],
             skipped: vec![],
             seconds: 0.1,
@@ -405,7 +439,7 @@ pub(crate) mod tests {
         let all = files(&sheets, &present_sheets(&sheets), "2026-11-21T14:30:00").expect("files");
         let names: Vec<&str> = all.iter().map(|f| f.0.as_str()).collect();
         for name in
-            "strips.step patterns.dxf patterns.svg model.glb panels.png field.png points.png layout.png report.html report.json"
+            "strips.step patterns.dxf patterns.svg model.glb panels.png field.png points.png layout.png bends.csv report.html report.json"
                 .split(' ')
         {
             assert!(names.contains(&name), "{name}");
@@ -418,6 +452,37 @@ pub(crate) mod tests {
         assert_eq!(step.matches("ADVANCED_FACE").count(), 2);
         // The triangle has three edges, the quadrilateral four.
         assert_eq!(step.matches("EDGE_CURVE").count(), 7);
+    }
+
+    #[test]
+    fn every_file_of_an_uncertified_result_says_so() {
+        let count = |files: &[File], name: &str, words: &str| {
+            let bytes = &files.iter().find(|f| f.0 == name).expect(name).1;
+            String::from_utf8_lossy(bytes).matches(words).count()
+        };
+        let mut sheets = sample();
+        let made = |s: &Sheets| files(s, &present_sheets(s), "2026-11-21T14:30:00").expect("files");
+        sheets.claims.push(Claim::left_out("a rail is missing"));
+        let good = made(&sheets);
+        for name in ["strips.step", "patterns.svg", "model.glb"] {
+            assert_eq!(count(&good, name, "NOT CERTIFIED"), 0, "{name}");
+        }
+        assert_eq!(count(&good, "report.html", "class=\"stop\""), 1);
+        sheets.claims.push(Claim::objection(Subject::Whole, "too far"));
+        let bad = made(&sheets);
+        // Product, its representations and shapes carry it, and so do nodes.
+        assert!(count(&bad, "strips.step", "A-01 NOT CERTIFIED") >= 3);
+        assert!(count(&bad, "strips.step", "PRODUCT('plate <1> NOT CERTIFIED'") == 1);
+        assert!(count(&bad, "model.glb", "A-02 NOT CERTIFIED") >= 2);
+        assert_eq!(count(&bad, "patterns.dxf", "\nCUT_OUTER\n"), 1, "the table of layers alone");
+        assert!(count(&bad, "patterns.dxf", "\nNOT_CERTIFIED\n") > 3);
+        assert!(count(&bad, "patterns.svg", "not-certified") > 0 && count(&bad, "patterns.svg", "cut-outer") == 0);
+        assert_eq!(count(&bad, "report.html", "<p class=\"stop\" role=\"alert\">Not certified: do not cut A.</p>"), 1);
+        assert_eq!(count(&bad, "report.json", "\"certified\": false"), 3);
+        for name in ["panels.png", "field.png", "points.png", "layout.png"] {
+            let of = |files: &[File]| files.iter().find(|f| f.0 == name).expect(name).1.clone();
+            assert!(of(&good) != of(&bad), "{name}");
+        }
     }
 
     #[test]

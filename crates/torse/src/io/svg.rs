@@ -1,28 +1,35 @@
 //! SVG writer: cutting drawings in millimetres, one user unit being one millimetre.
 //!
-//! Every panel is a group with sub-groups for cuts, rulings, marks and text, which Inkscape shows as layers; arcs of
+//! Every panel is a group with sub-groups for cuts, rulings, marks and text, which Inkscape shows as layers; panels that
+//! must not be cut have one sub-group in a colour of its own. Arcs of
 //! outlines stay arcs (`A`). Strokes are hairlines of 0.01 mm, as laser drivers expect of cuts; browsers, which would
 //! not show these, are told to draw one pixel.
 
 use std::fmt::Write as _;
 use std::io;
 
+use crate::draw::drawing::{Drawing, Piece};
+use crate::draw::scene::titled;
 use crate::geom::Vec2;
-use crate::surface::pattern::Contour;
-use crate::tessellate::drawing::{Drawing, Piece};
+use crate::patchwork::pattern::{BendSense, Contour};
 
 /// White border around the drawing, mm.
 const MARGIN: f64 = 10.0;
 /// Stroke width of everything, mm.
 const HAIRLINE: &str = "0.01";
 /// Colours: red cuts and blue scores for most laser drivers; holes differ so that they can be cut first.
-const COLOURS: [(&str, &str); 5] = [
+const COLOURS: [(&str, &str); 7] = [
     ("cut-outer", "#ff0000"),
     ("cut-inner", "#ff00ff"),
+    ("bend-up", "#0080ff"),
+    ("bend-down", "#ff8000"),
     ("rulings", "#00a000"),
     ("marks", "#0000ff"),
     ("text", "#000000"),
 ];
+
+/// Class and colour of everything of parts that must not be cut: no machine takes orange for a cut.
+const NOT_CERTIFIED: (&str, &str) = ("not-certified", "#ff0080");
 
 /// Writes a drawing.
 ///
@@ -80,7 +87,7 @@ impl Sheet {
     }
 
     fn piece(&mut self, index: usize, piece: &Piece) {
-        let name = escaped(&piece.name);
+        let name = escaped(&titled(&piece.name, piece.marked));
         _ = write!(
             self.text,
             "<g id=\"panel-{}\" inkscape:groupmode=\"layer\" inkscape:label=\"{name}\">\n<title>{name}</title>\n",
@@ -88,12 +95,19 @@ impl Sheet {
         );
         let outer = piece.outer.iter().map(|c| self.contour(c)).collect::<Vec<_>>();
         let inner = piece.inner.iter().map(|c| self.contour(c)).collect::<Vec<_>>();
-        let rulings = piece.rulings.iter().map(|l| self.open(l)).collect::<Vec<_>>();
+        let [up, down, rulings] = [BendSense::Up, BendSense::Down, BendSense::Flat]
+            .map(|sense| piece.bent(sense).map(|l| self.open(l)).collect::<Vec<_>>());
         let marks = piece.marks.iter().map(|l| self.open(l)).collect::<Vec<_>>();
         // One path for all letters: they are never picked one by one.
         let text = piece.text.iter().map(|s| self.open(s)).collect::<Vec<_>>().concat();
         let text = if text.is_empty() { Vec::new() } else { vec![text] };
-        for ((class, colour), paths) in COLOURS.iter().zip([outer, inner, rulings, marks, text]) {
+        let groups = [outer, inner, up, down, rulings, marks, text];
+        let groups: Vec<_> = if piece.marked {
+            vec![(NOT_CERTIFIED, groups.concat())]
+        } else {
+            COLOURS.into_iter().zip(groups).collect()
+        };
+        for ((class, colour), paths) in groups {
             if paths.is_empty() {
                 continue;
             }
@@ -162,7 +176,7 @@ fn escaped(s: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::surface::pattern::ContourVertex;
+    use crate::patchwork::pattern::ContourVertex;
 
     fn vertex(x: f64, y: f64, bulge: f64) -> ContourVertex {
         ContourVertex { point: Vec2::new(x, y), bulge, corner: true }
@@ -190,6 +204,20 @@ mod tests {
         assert!(text.contains("d=\"M10 110L110 110A50 50 0 0 0 110 10L10 10Z\""), "{text}");
         assert!(text.contains("<path d=\"M20 110L20 10\"/>"));
         assert!(text.contains("id=\"panel-A____B_.0\"") && text.contains("<title>A &amp; &lt;B&gt;</title>"));
+    }
+
+    #[test]
+    fn a_part_that_must_not_be_cut_has_no_cuts() {
+        let mut d = drawing();
+        d.pieces[0].marked = true;
+        let mut out = Vec::new();
+        write(&mut out, &d).expect("written");
+        let text = String::from_utf8(out).expect("text");
+        assert!(!text.contains("cut-outer") && !text.contains("#ff0000") && !text.contains("rulings"), "{text}");
+        assert!(
+            text.contains("class=\"not-certified\"") && text.contains("<title>A &amp; &lt;B&gt; NOT CERTIFIED</title>")
+        );
+        assert_eq!(text.matches("<path ").count(), 2);
     }
 
     #[test]

@@ -1,8 +1,8 @@
 //! Files of a sweep over tolerances: `sweep.json` and `sweep.png`.
 
 use super::png::{self, PngError};
-use crate::pipeline::outcome::SweepRow;
-use crate::tessellate::raster::Image;
+use crate::answer::outcome::SweepRow;
+use crate::draw::raster::Image;
 use serde::Serialize;
 
 /// Why the files could not be made.

@@ -7,19 +7,53 @@
 //! The step outward is `|x| 2⁻⁵² + 2⁻¹⁰²²`: no less than the distance to the neighbouring number (so the exact result,
 //! which round-to-nearest leaves within half of that, stays inside), and twice as fast as stepping through bit
 //! patterns.
+//!
+//! No end of a result is NaN: where an end is not known, because an operand was NaN or a number overflowed, it is
+//! infinite. So comparisons, hulls and largest values never lose an unknown.
 
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 
-/// The next number below, or one a little further down.
+/// The next number below, or one a little further down; −∞ for NaN and for what overflowed.
 #[inline]
 fn down(x: f64) -> f64 {
-    x - (x.abs() * f64::EPSILON + f64::MIN_POSITIVE)
+    let y = x - (x.abs() * f64::EPSILON + f64::MIN_POSITIVE);
+    // Written so that it is one instruction, and false for NaN.
+    if y > f64::NEG_INFINITY {
+        y
+    } else {
+        f64::NEG_INFINITY
+    }
 }
 
-/// The next number above, or one a little further up.
+/// The next number above, or one a little further up; +∞ for NaN and for what overflowed.
 #[inline]
 fn up(x: f64) -> f64 {
-    x + (x.abs() * f64::EPSILON + f64::MIN_POSITIVE)
+    let y = x + (x.abs() * f64::EPSILON + f64::MIN_POSITIVE);
+    if y < f64::INFINITY {
+        y
+    } else {
+        f64::INFINITY
+    }
+}
+
+/// The smaller number; one of both, or NaN, where one is NaN. One instruction, other than `f64::min`.
+#[inline]
+fn lesser(a: f64, b: f64) -> f64 {
+    if a < b {
+        a
+    } else {
+        b
+    }
+}
+
+/// The larger number; one of both, or NaN, where one is NaN.
+#[inline]
+fn greater(a: f64, b: f64) -> f64 {
+    if a > b {
+        a
+    } else {
+        b
+    }
 }
 
 /// A closed interval `[lo, hi]` of real numbers with f64 end points.
@@ -39,22 +73,32 @@ impl Interval {
     /// The whole line: "nothing is known".
     pub const EVERYTHING: Self = Self { lo: f64::NEG_INFINITY, hi: f64::INFINITY };
 
-    /// The interval holding exactly the number `x`.
+    /// The interval holding exactly the number `x`; everything for NaN.
     #[inline]
     pub const fn point(x: f64) -> Self {
+        if x.is_nan() {
+            return Self::EVERYTHING;
+        }
         Self { lo: x, hi: x }
     }
 
-    /// The interval between two end points given in either order.
+    /// The interval between two end points given in either order; everything if one is NaN.
     #[inline]
     pub fn new(a: f64, b: f64) -> Self {
+        if a.is_nan() || b.is_nan() {
+            return Self::EVERYTHING;
+        }
         Self { lo: a.min(b), hi: a.max(b) }
     }
 
-    /// `[-r, r]` for `r >= 0`.
+    /// `[-r, r]` for `r >= 0`; everything for anything else.
     #[inline]
     pub fn symmetric(r: f64) -> Self {
-        Self { lo: -r, hi: r }
+        if r >= 0.0 {
+            Self { lo: -r, hi: r }
+        } else {
+            Self::EVERYTHING
+        }
     }
 
     /// Some number near the middle (not rounded in any direction).
@@ -159,6 +203,22 @@ impl Interval {
         Self { lo: down(1.0 / self.hi), hi: up(1.0 / self.lo) }
     }
 
+    /// A lower bound of `|x|/|y|` for all members x and all members y of `o`: 0 where nothing is known, and infinite
+    /// only where y can be nothing but 0.
+    #[inline]
+    pub fn least_ratio(self, o: Self) -> f64 {
+        let (least, most) = (self.mig(), o.mag());
+        if least > 0.0 && most <= 0.0 {
+            return f64::INFINITY;
+        }
+        let q = least / most;
+        if q > 0.0 {
+            down(q.min(f64::MAX)).max(0.0)
+        } else {
+            0.0
+        }
+    }
+
     /// `x` widened by `r >= 0` on both sides.
     #[inline]
     pub fn widen(self, r: f64) -> Self {
@@ -219,8 +279,9 @@ impl Mul for Interval {
     type Output = Self;
     #[inline]
     fn mul(self, o: Self) -> Self {
+        // NaN comes from 0 · ∞ only, and the other products cover what it stands for.
         let (a, b, c, d) = (self.lo * o.lo, self.lo * o.hi, self.hi * o.lo, self.hi * o.hi);
-        Self { lo: down(a.min(b).min(c.min(d))), hi: up(a.max(b).max(c.max(d))) }
+        Self { lo: down(lesser(lesser(a, b), lesser(c, d))), hi: up(greater(greater(a, b), greater(c, d))) }
     }
 }
 
@@ -229,7 +290,10 @@ impl Mul<f64> for Interval {
     #[inline]
     fn mul(self, k: f64) -> Self {
         let (a, b) = (self.lo * k, self.hi * k);
-        Self { lo: down(a.min(b)), hi: up(a.max(b)) }
+        if k.is_nan() {
+            return Self::EVERYTHING;
+        }
+        Self { lo: down(lesser(a, b)), hi: up(greater(a, b)) }
     }
 }
 
@@ -240,8 +304,9 @@ impl Div for Interval {
         if o.sign() == 0 {
             return Self::EVERYTHING;
         }
+        // NaN comes from ∞/∞ only.
         let (a, b, c, d) = (self.lo / o.lo, self.lo / o.hi, self.hi / o.lo, self.hi / o.hi);
-        Self { lo: down(a.min(b).min(c.min(d))), hi: up(a.max(b).max(c.max(d))) }
+        Self { lo: down(lesser(lesser(a, b), lesser(c, d))), hi: up(greater(greater(a, b), greater(c, d))) }
     }
 }
 
@@ -256,6 +321,34 @@ mod tests {
         assert!(one.contains(1.0) && one.rad() < 1e-15);
         assert!(Interval::new(-1.0, 2.0).sqr().encloses(Interval::new(0.0, 4.0)));
         assert_eq!(Interval::new(-1.0, 2.0).recip(), Interval::EVERYTHING);
+    }
+
+    #[test]
+    fn an_unknown_is_never_lost() {
+        let (nan, inf) = (Interval::point(f64::NAN), f64::INFINITY);
+        let two = Interval::new(2.0, 3.0);
+        let huge = Interval::point(1e300) * Interval::point(1e300);
+        for x in [nan, Interval::new(f64::NAN, 1.0), Interval::symmetric(f64::NAN), Interval::symmetric(-1.0)] {
+            assert_eq!(x, Interval::EVERYTHING);
+            for y in [x + two, x - two, x * two, two / x, x / two, x.hull(two), x.widen(1.0), two.widen(f64::NAN)] {
+                assert_eq!(y, Interval::EVERYTHING);
+            }
+            assert!(x.mag() == inf && x.mig() == 0.0 && x.sign() == 0 && x.least_ratio(two) == 0.0);
+        }
+        assert!(huge.hi == inf && !huge.lo.is_nan() && (huge - huge) == Interval::EVERYTHING);
+        assert_eq!(Interval::ZERO * Interval::EVERYTHING, Interval::EVERYTHING);
+    }
+
+    #[test]
+    fn least_ratios_are_infinite_only_above_nothing_but_zero() {
+        let one = Interval::ONE;
+        assert_eq!(one.least_ratio(Interval::ZERO), f64::INFINITY);
+        assert_eq!(Interval::ZERO.least_ratio(Interval::ZERO), 0.0);
+        let half = one.least_ratio(Interval::new(-1.0, 2.0));
+        assert!(half <= 0.5 && half > 0.4999);
+        assert_eq!(one.least_ratio(Interval::EVERYTHING), 0.0);
+        assert_eq!(Interval::new(-1.0, 1.0).least_ratio(one), 0.0);
+        assert!(one.least_ratio(Interval::symmetric(1e-320)).is_finite());
     }
 
     #[test]

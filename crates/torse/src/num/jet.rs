@@ -38,16 +38,19 @@ impl Jet {
         Self { v: self.v.hull(o.v), d: self.d.hull(o.d), dd: self.dd.hull(o.dd) }
     }
 
-    /// The largest deviation on [0, 1] from the chord of a function with these derivatives: a quarter of the width of
-    /// the first derivative, and, where the function is C¹ with a bounded second derivative, an eighth of that.
+    /// The largest deviation on [0, 1] from the chord of a function with these derivatives: a quarter of the width w of
+    /// the first derivative, or an eighth of the second where there is one. Where there is none at the very ends, on
+    /// shares a and b, the function is within w·max(a, b) of one that goes on straight there, and so are their chords:
+    /// `rough ≥ 2 (a + b)` pays for both.
     #[inline]
-    pub fn chord_deviation(self, smooth: bool) -> f64 {
-        let first = 0.25 * self.d.width();
-        if smooth {
-            // Not larger than the exact product, since the factor is a power of two.
-            first.min(0.125 * self.dd.mag())
+    pub fn chord_deviation(self, rough: f64) -> f64 {
+        let width = self.d.width();
+        // Not larger than the exact products, since the factors are powers of two.
+        let (first, second) = (0.25 * width, 0.125 * self.dd.mag());
+        if rough > 0.0 {
+            first.min((Interval::point(second) + Interval::point(rough) * Interval::point(width)).hi)
         } else {
-            first
+            first.min(second)
         }
     }
 }
@@ -160,7 +163,7 @@ mod tests {
         for i in 0..=100 {
             let x = i as f64 / 100.0;
             let off = (value(x) - 2.0 * x).abs();
-            assert!(off <= j.chord_deviation(true) && off <= j.chord_deviation(false));
+            assert!(off <= j.chord_deviation(0.0) && off <= j.chord_deviation(1.0));
         }
     }
 }

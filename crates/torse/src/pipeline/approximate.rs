@@ -3,19 +3,32 @@
 //! Reads like the page that describes it: cover every face, build the panels as they will be exported, have them
 //! judged, cut what is refused, develop the rest.
 
-use super::build::{build, limits_missed, too_large, Built};
-use super::cover::{check_curves, cover, strip_range, Cover, CoverOptions, CurveError, Guide, Layout, Limits};
-use super::meet::{met, with_room};
-use super::outcome::{AlongCurve, Outcome, Skipped, Status};
+use crate::answer::outcome::{left_out, AlongCurve, Outcome, Skipped};
+use crate::brep::area::area_estimate;
+use crate::brep::face::Face;
+use crate::brep::join::{joined, JoinOptions};
+use crate::brep::trim::with_chords;
 use crate::certify;
+use crate::certify::claim::{Claim, Status, Subject, UpperBound};
+use crate::certify::trims::trim_proof;
 use crate::control::Control;
+use crate::develop::bends::BendSpacing;
+use crate::develop::pattern::bends_anew;
+use crate::develop::view::{seen_from, Drawn};
 use crate::geom::BBox;
-use crate::surface::face::Face;
-use crate::surface::join::{joined, JoinOptions};
-use crate::surface::panel::{Border, Panel, Patchwork};
+use crate::patchwork::outside::outward;
+use crate::patchwork::panel::{Border, Panel, Patchwork};
+use crate::patchwork::pattern::{Pattern, ViewSide};
+use crate::search::build::{build, limits_missed, too_large, Built};
+use crate::search::cover::{
+    check_curves, cover, is_developable, is_smoothly_developable, strip_range, Cover, CoverOptions, CurveError, Guide,
+    Layout, Limits,
+};
+use crate::search::stitch::attempts::{met, with_room};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::time::Instant;
+use std::sync::OnceLock;
+use std::time::{Duration, Instant};
 
 /// What the main job is asked for.
 #[derive(Clone, Debug)]
@@ -33,8 +46,10 @@ pub struct Options {
     /// Whether neighbouring strips are to meet in common seams where that can be certified.
     pub meet: bool,
     /// Greatest angle (rad) between faces along a common edge across which they are covered as one surface; 0 covers
-    /// each face for itself. See [`crate::surface::join`].
+    /// each face for itself. See [`crate::brep::join`].
     pub smooth_angle: f64,
+    /// How flat patterns are drawn; default seen from outside, lines every 5°.
+    pub drawn: Drawn,
 }
 
 /// Angle between faces (degrees) up to which they are covered as one unless something else is asked for. Modelling
@@ -120,12 +135,25 @@ const FACET_ROUND: usize = 3;
 /// Factor on the tolerance from one attempt to the next when the number of panels is limited.
 const COARSER: f64 = 1.6;
 
+/// Tolerance of the first stopgap against the size of a face: one panel or two.
+const COARSEST: f64 = 1.0 / 16.0;
+/// Tolerance of each stopgap against that of the next one, and of the last against what was asked for: four times finer
+/// takes about twice the panels.
+const STOPGAP_STEP: f64 = 4.0;
+/// Share of a limited time that goes into stopgaps.
+const STOPGAP_SHARE: f64 = 0.2;
+/// See [`grace`]: people who asked to stop wait for it.
+const GRACE: Duration = Duration::from_millis(1500);
+/// See [`grace`].
+const LEAST_GRACE: Duration = Duration::from_millis(200);
+
 /// Approximates faces by developable panels within a tolerance.
 ///
-/// *Method.* [`cover`] per face, in parallel; panels built by [`crate::fit::boundary`]; the proof by
+/// *Method.* [`cover`] per face, in parallel; panels built by [`crate::fit::panels::boundary`]; the proof by
 /// [`certify::patchwork`], which shares nothing with the fit; development of every panel.
 /// *Guarantee.* The status is [`Status::Certified`] only if the certificate holds for every panel as exported.
-/// Ended early by `control` or `max_panels`, the answer holds the best panels found and says why it is not certified.
+/// Ended early by `control`, the answer holds the finest complete cover found, with its bound; ended by `max_panels`, the
+/// best panels found. It says why it is not certified.
 ///
 /// # Errors
 /// No faces, a tolerance that is not positive or cannot be certified at the size of the model.
@@ -164,15 +192,17 @@ pub fn approximate(
         return Err(ApproximateError::Precision { tolerance, size, least: PRECISION * size });
     }
     checked_layout(&options.layout, &bbox)?;
+    let TrimsJudged { faces, missed: untrue, .. } = trims_judged(faces, tolerance);
     let faces = smoothly_joined(faces, tolerance, options.smooth_angle);
     checked_curves(&faces, options)?;
     let total = faces.len();
     let finished = AtomicUsize::new(0);
+    let deadline = OnceLock::new();
     let built: Vec<Result<Built, Skipped>> = faces
         .into_par_iter()
         .enumerate()
         .map(|(index, face)| {
-            let built = one_face(index, face, options, control);
+            let built = one_face(index, face, options, control, &deadline);
             let n = finished.fetch_add(1, Ordering::Relaxed) + 1;
             control.report("covering faces", n as f64 / total as f64, format!("{n} of {total}"));
             built
@@ -201,37 +231,84 @@ pub fn approximate(
         let why = skipped.first().map_or(String::new(), |s| format!("#{}: {}", s.entity, s.reason));
         return Err(ApproximateError::NoFaces(why));
     }
-    let certificate = certify::join(certificates, tolerance);
-    missing.extend(limits_missed(&patchwork, &certificate, &patterns, &options.limits));
-    let reasons: Vec<&String> = certificate.missing.iter().chain(&missing).collect();
-    let status = if certificate.certified && reasons.is_empty() {
-        Status::Certified
-    } else {
-        let stopped = if control.stopped() { "ended early; " } else { "" };
-        let first = reasons.first().map_or("not every panel could be proven", |r| r.as_str());
-        Status::Uncertified(format!("{stopped}{first}"))
-    };
+    let certificate = certify::join(&patchwork, certificates, tolerance);
+    let patterns = with_bends(&patchwork, patterns, &options.drawn);
+    let missed = limits_missed(&patchwork, &certificate, &patterns, &options.limits);
+    missing.extend(missed.reasons);
+    // As the proof of the panels, this has its own clock.
+    let flat = certify::flat::flat(&patchwork, &patterns, tolerance, &Control::default());
+    // Turned over exactly: what was proven holds for either side.
+    let patterns = as_wanted(&patchwork, patterns, &options.drawn);
+    let bad = patterns.iter().zip(&flat).filter(|(_, f)| !f.holds());
+    let refused: Vec<Claim> = bad
+        .map(|(p, f)| Claim::objection(Subject::Panel(p.panel), format!("pattern {}: {}", p.name, f.reason())))
+        .collect();
+    let mut claims: Vec<Claim> = untrue.into_iter().map(|reason| Claim::objection(Subject::Whole, reason)).collect();
+    claims.extend(certificate.claims());
+    claims.extend(flat.iter().flat_map(|f| f.claims()));
+    claims.extend(refused);
+    claims.extend(missing.into_iter().map(|reason| Claim::objection(Subject::Whole, reason)));
+    if control.stopped() && Status::of(&claims) == Status::Uncertified {
+        let bound = certificate.deviation_bound;
+        let reached = match bound > tolerance && bound.is_finite() {
+            true => format!("ended early; the panels found so far are proven within {bound:.4} mm only"),
+            false => "ended early".into(),
+        };
+        claims.insert(0, Claim::objection(Subject::Whole, reached));
+    }
+    // What was left out on the way counts, whatever is proven of the rest.
+    claims.splice(0..0, left_out(&skipped));
     Ok(Outcome {
         input: options.input.clone(),
         tolerance,
-        status,
+        claims,
         patchwork,
         certificate,
         patterns,
+        flat,
+        written: Vec::new(),
         skipped,
         along,
+        beyond_limits: missed.panels,
         seconds: start.elapsed().as_secs_f64(),
     })
+}
+
+/// Patterns with the lines that are wanted.
+fn with_bends(patchwork: &Patchwork, patterns: Vec<Pattern>, drawn: &Drawn) -> Vec<Pattern> {
+    if drawn.bends == BendSpacing::default() {
+        return patterns;
+    }
+    patterns.into_par_iter().map(|pattern| bends_anew(patchwork, pattern, &drawn.bends)).collect()
+}
+
+/// Patterns seen from the side that is wanted. They come as seen from the side to which
+/// the file says that a face looks.
+fn as_wanted(patchwork: &Patchwork, patterns: Vec<Pattern>, drawn: &Drawn) -> Vec<Pattern> {
+    let outward = outward(patchwork);
+    let wanted = |pattern: Pattern| {
+        let face = patchwork.panels[pattern.panel].face;
+        let seen =
+            if (outward[face] < 0.0) == patchwork.faces[face].reversed { ViewSide::Outside } else { ViewSide::Inside };
+        seen_from(Pattern { view: seen, ..pattern }, drawn.view)
+    };
+    patterns.into_par_iter().map(wanted).collect()
 }
 
 /// Faces that go on smoothly within an angle (rad) as one, as exactly as a tolerance (mm) asks for.
 pub fn smoothly_joined(faces: Vec<Face>, tolerance: f64, angle: f64) -> Vec<Face> {
     let options = JoinOptions { angle, mismatch: tolerance * MISMATCH_SHARE, turn: MOST_TURN_DEG.to_radians() };
-    // Strips of one level function across both, or at least no such strips given up.
-    joined(faces, &options, &|whole, a, b| match (strip_range(whole), strip_range(a), strip_range(b)) {
-        (Some(whole), Some(a), Some(b)) => whole <= a + b,
-        (Some(_), _, _) | (None, None, None) => true,
-        (None, _, _) => false,
+    joined(faces, &options, &|whole, a, b| {
+        // What is developable already keeps its edges and stays exact, unless both together are one smooth developable.
+        if is_developable(a, tolerance) || is_developable(b, tolerance) {
+            return is_smoothly_developable(whole, tolerance);
+        }
+        // Strips of one level function across both, or at least no such strips given up.
+        match (strip_range(whole), strip_range(a), strip_range(b)) {
+            (Some(whole), Some(a), Some(b)) => whole <= a + b,
+            (Some(_), _, _) | (None, None, None) => true,
+            (None, _, _) => false,
+        }
     })
 }
 
@@ -288,14 +365,87 @@ fn checked_layout(layout: &Layout, bbox: &BBox) -> Result<(), ApproximateError> 
     }
 }
 
+/// Share of the tolerance that the proven distance of trims from the file's edges may take.
+const TRIM_SHARE: f64 = 0.5;
+/// Distances of trims from edges below this share of the tolerance are not told apart.
+const TRIM_AIM: f64 = 0.01;
+/// Share of the tolerance that chords of trims may keep from the file's edges.
+const CHORDS_SHARE: f64 = 0.05;
+
+/// Faces whose trims were judged.
+pub struct TrimsJudged {
+    /// The faces, with finer trims where the tolerance asks for them.
+    pub faces: Vec<Face>,
+    /// Greatest distance of a trim from the file's edges, mm.
+    pub bound: UpperBound,
+    /// In words, trims that take too much of the tolerance.
+    pub missed: Vec<String>,
+}
+
+/// Faces with trims as fine as the tolerance asks for and the proven distance of these from the file's edges, and in
+/// words where that takes too much of the tolerance.
+pub fn trims_judged(faces: Vec<Face>, tolerance: f64) -> TrimsJudged {
+    let judged = faces.into_par_iter().map(|mut face| {
+        if face.boundary.is_none() {
+            let bound = trim_proof(&face, TRIM_AIM * tolerance).bound();
+            return (face, (bound, None));
+        }
+        if let Some(finer) = with_chords(&face, CHORDS_SHARE * tolerance) {
+            face = finer;
+        }
+        corners_on_knot_lines(&mut face);
+        let proof = trim_proof(&face, TRIM_AIM * tolerance);
+        let bound = proof.bound();
+        face.trim_bound = bound.value();
+        let words = (bound.value() > TRIM_SHARE * tolerance).then(|| {
+            let far = if bound.value().is_finite() { format!("{:.3e} mm", bound.value()) } else { "no bound".into() };
+            format!(
+                "face #{}: the trim is only proven to keep to the file's edges within {far} (edge #{})",
+                face.entity,
+                proof.edge()
+            )
+        });
+        (face, (bound, words))
+    });
+    let (faces, found): (Vec<Face>, Vec<(UpperBound, Option<String>)>) = judged.unzip();
+    let bound = UpperBound::largest(found.iter().map(|f| f.0));
+    TrimsJudged { faces, bound, missed: found.into_iter().filter_map(|f| f.1).collect() }
+}
+
+/// One face covered. Where its trim takes too much of the tolerance it is covered as it was read, for the eye, and judged
+/// with the whole distance.
+fn one_face(
+    index: usize,
+    mut face: Face,
+    options: &Options,
+    control: &Control,
+    deadline: &OnceLock<Instant>,
+) -> Result<Built, Skipped> {
+    let missed = face.trim_bound;
+    if missed <= TRIM_SHARE * options.tolerance {
+        return covered(index, face, options, control, deadline);
+    }
+    face.trim_bound = 0.0;
+    let mut found = covered(index, face, options, control, deadline)?;
+    found.patchwork.faces.iter_mut().for_each(|f| f.trim_bound = missed);
+    found.certificate = certify::patchwork(&found.patchwork, options.tolerance, &Control::default());
+    Ok(found)
+}
+
 /// The loop over one face: cover, build, judge, develop; cut what is refused and go round again.
-fn one_face(index: usize, mut face: Face, options: &Options, control: &Control) -> Result<Built, Skipped> {
-    let entity = face.entity;
+fn covered(
+    index: usize,
+    mut face: Face,
+    options: &Options,
+    control: &Control,
+    deadline: &OnceLock<Instant>,
+) -> Result<Built, Skipped> {
     corners_on_knot_lines(&mut face);
-    let refuse = |reason: String| Skipped { entity, reason };
+    let refuse = |reason: String| left_face(&face, reason);
     let limit = options.max_panels.unwrap_or(usize::MAX);
-    // What joining moved belongs to the distance from the file's faces: the rest is left for the search.
-    let tolerance = options.tolerance - face.joint_bound;
+    // What trimming missed and joining moved belongs to the distance from the file's faces: the rest is left for the
+    // search.
+    let tolerance = options.tolerance - face.joint_bound - face.trim_bound;
     let mut cover_options = CoverOptions {
         tolerance,
         max_panels: limit,
@@ -303,6 +453,8 @@ fn one_face(index: usize, mut face: Face, options: &Options, control: &Control) 
         limits: options.limits,
         layout: options.layout.clone(),
     };
+    let share = control.remaining().map(|left| Instant::now() + left.mul_f64(STOPGAP_SHARE));
+    let mut stopgap = share.and_then(|end| stopgaps(index, &face, &cover_options, &control.clone().until(end)));
     let mut found = cover(&face, &cover_options, control).map_err(|e| refuse(e.to_string()))?;
     while !found.complete && !control.stopped() {
         // Too many panels: the fewest that were asked for, as near as they can be.
@@ -311,12 +463,19 @@ fn one_face(index: usize, mut face: Face, options: &Options, control: &Control) 
     }
     let Cover { mut state, complete } = found;
     if !complete {
-        super::cover::fill(&mut state);
+        // Time is up: a coarse cover of all of it says more than a fine one of a part.
+        if let Some(built) = stopgap.take().or_else(|| stopgaps(index, &face, &cover_options, &grace(deadline))) {
+            return Ok(built);
+        }
+        crate::search::cover::fill(&mut state);
     }
     let mut round = 0;
     let mut sheets = 0;
     loop {
         let (built, refused) = build(index, &face, &state, options.tolerance);
+        if control.stopped() && !built.certificate.deviation_bound.is_finite() {
+            return Ok(stopgap.take().unwrap_or(built));
+        }
         if control.stopped() || cover_options.tolerance > tolerance {
             return Ok(built);
         }
@@ -331,19 +490,53 @@ fn one_face(index: usize, mut face: Face, options: &Options, control: &Control) 
                 return Ok(with_room(index, &face, best, &cover_options, control));
             }
             sheets += 1;
-            state = super::cover::cut_large(&face, &state, &large);
+            state = crate::search::cover::cut_large(&face, &state, &large);
             continue;
         }
         if round == ROUNDS || built.patchwork.panels.len() + refused.len() > limit {
             return Ok(built);
         }
         cover_options.facets = round >= FACET_ROUND;
-        match super::cover::cut_refused(&face, &cover_options, control, &state, &refused) {
+        match crate::search::cover::cut_refused(&face, &cover_options, control, &state, &refused) {
             Some(next) => state = next,
             None => return Ok(built),
         }
         round += 1;
     }
+}
+
+/// Covers of a whole face from coarse to fine, each proven, until time is up: the finest.
+fn stopgaps(index: usize, face: &Face, wanted: &CoverOptions, control: &Control) -> Option<Built> {
+    let mut best = None;
+    let mut tolerance = COARSEST * face.surface.bbox().diagonal();
+    while tolerance > STOPGAP_STEP * wanted.tolerance && !control.stopped() {
+        // What was asked for besides the tolerance would only take time here; what is missed is marked.
+        let options =
+            CoverOptions { tolerance, limits: Limits::default(), layout: Layout::default(), ..wanted.clone() };
+        let found = cover(face, &options, control).ok()?;
+        if found.complete {
+            let built = build(index, face, &found.state, tolerance).0;
+            if built.certificate.deviation_bound.is_finite() {
+                best = Some(built);
+            }
+        }
+        tolerance /= STOPGAP_STEP;
+    }
+    best
+}
+
+/// Time for stopgaps after a job was asked to stop: a little for all faces together, at least a moment for each.
+fn grace(deadline: &OnceLock<Instant>) -> Control {
+    let now = Instant::now();
+    Control::default().until((now + LEAST_GRACE).max(*deadline.get_or_init(|| now + GRACE)))
+}
+
+/// A face that is left out for a reason, with the faces of the file that go with it.
+pub(super) fn left_face(face: &Face, reason: String) -> Skipped {
+    let others: Vec<String> = face.parts.iter().skip(1).map(|p| format!("#{}", p.entity)).collect();
+    let reason = if others.is_empty() { reason } else { format!("{reason} (joined with {})", others.join(", ")) };
+    let area_estimate = Some(area_estimate(face)).filter(|a| a.is_finite() && *a > 0.0);
+    Skipped { entity: face.entity, reason, area_estimate }
 }
 
 /// Moves corners of the trims that miss a knot line by rounding only onto it, so that no triangle crosses the line by

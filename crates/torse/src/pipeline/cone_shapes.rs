@@ -2,19 +2,19 @@
 //! sheet with thickness.
 
 use super::cones::{ConesOutcome, EDGE_ROUNDING};
-use super::presentation::{present_sheets, Presentation};
+use crate::answer::presentation::{present_sheets, Presentation};
 use crate::develop::cones::{bent, Bending};
-use crate::fit::cone_trim::{offset, ConeTrimError};
+use crate::draw::scene::{PanelShape, Scene};
+use crate::fit::panels::cone_trim::{offset, ConeTrimError};
 use crate::geom::mesh::Mesh;
 use crate::geom::Vec3;
-use crate::surface::cone_chart::share;
-use crate::surface::cone_forms::patches;
-use crate::surface::cone_part::ConeBody;
-use crate::surface::cone_spline::SegmentFault;
-use crate::surface::strip::Strip;
-use crate::surface::torse::PanelKind;
-use crate::tessellate::scene::{PanelShape, Scene};
 use crate::tessellate::strip;
+use crate::torse::cone::chart::share;
+use crate::torse::cone::forms::patches;
+use crate::torse::cone::part::ConeBody;
+use crate::torse::cone::spline::SegmentFault;
+use crate::torse::form::PanelKind;
+use crate::torse::strip::Strip;
 
 /// Why a sheet cannot have a thickness.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -93,7 +93,7 @@ pub fn bending(outcome: &ConesOutcome, shown: &Presentation, stages: usize) -> V
                         mesh.positions[i] = g.at(r);
                         mesh.normals[i] = g.normal;
                     }
-                    Some(PanelShape { name: shape.name.clone(), mesh, ..PanelShape::default() })
+                    Some(PanelShape { name: shape.name.clone(), mesh, marked: shape.marked, ..PanelShape::default() })
                 })
                 .collect();
             (format!("{} %", 100 * k / last), Scene { panels, ..Scene::default() })
@@ -147,11 +147,11 @@ pub fn thick(bodies: &[ConeBody], thickness: f64) -> Result<Vec<ConeBody>, Thick
     Ok(out)
 }
 
-/// Triangles of bodies, one shape for each.
-pub fn scene(bodies: &[ConeBody]) -> Scene {
+/// Triangles of bodies, one shape for each; `marked` if they must not be cut.
+pub fn scene(bodies: &[ConeBody], marked: bool) -> Scene {
     let mut scene = Scene::default();
     for b in bodies {
-        let mut shape = PanelShape { name: b.name.clone(), ..PanelShape::default() };
+        let mut shape = PanelShape { name: b.name.clone(), marked, ..PanelShape::default() };
         let mut add = |mesh: &Mesh| {
             let from = shape.mesh.positions.len() as u32;
             shape.mesh.positions.extend(&mesh.positions);

@@ -1,25 +1,29 @@
 //! The job of `torse cones`: ruled developable faces (or the panels of a patchwork) as chains of exact cones,
 //! cylinders and planes, with their proof and their flat patterns of true arcs.
 
-use super::cone_outline::PlaneOutline;
-use super::cone_strip::strip_of;
-use super::outcome::{Skipped, Status};
-use super::sheets::{Basis, Figure, FlatPart, Sheets};
+use super::approximate::{left_face, trims_judged, TrimsJudged};
+use crate::answer::outcome::{left_out, Skipped};
+use crate::answer::sheets::{FlatPart, Sheets};
+use crate::brep::face::Face;
+use crate::certify::claim::{Claim, Counted, Subject, UpperBound, What};
+use crate::certify::cones::outline::{astray_bound, outline as certified, Region};
 use crate::certify::cones::{cones as judge, ConeJudgeOptions, ConeProof};
 use crate::control::Control;
 use crate::develop::cone_part::{overlaps as part_overlaps, part_pattern};
 use crate::develop::cones::{cone_pattern, overlaps};
-use crate::fit::cone_trim::{cone_part, ConeTrimError, ConeTrimOptions};
-use crate::fit::cones::{cones as fit, ConeFit, ConeFitOptions};
-use crate::surface::cone_forms::patches;
-use crate::surface::cone_part::{ConeBody, ConePart};
-use crate::surface::cone_spline::{ConeSpline, Segment};
-use crate::surface::face::Face;
-use crate::surface::panel::Patchwork;
-use crate::surface::pattern::Pattern;
-use crate::surface::ruled_strip::{RuledPatch, RuledStrip};
-use crate::surface::strip::Strip;
-use crate::surface::torse::PanelKind;
+use crate::develop::view::cones_viewed;
+use crate::fit::elements::cones::{cones as fit, ConeFit, ConeFitOptions};
+use crate::fit::panels::cone_trim::{cone_part, ConeTrimOptions};
+use crate::patchwork::panel::Patchwork;
+use crate::patchwork::pattern::Pattern;
+use crate::search::strips::cone_outline::PlaneOutline;
+use crate::search::strips::cone_strip::{ruled, strip_of};
+use crate::torse::cone::forms::patches;
+use crate::torse::cone::part::ConeBody;
+use crate::torse::cone::spline::{ConeSpline, Segment};
+use crate::torse::form::PanelKind;
+use crate::torse::ruled_patch::{RuledPatch, RuledStrip};
+use crate::torse::strip::Strip;
 use std::time::Instant;
 
 /// What the job is asked.
@@ -58,11 +62,6 @@ pub enum ConesJobError {
     },
 }
 
-/// Rulings at which a face is tested for developability.
-const TESTED: usize = 33;
-/// Largest deviation of a ruled face from a developable one that still counts as none, as a share of the tolerance:
-/// the sine of the twist times the length of the ruling.
-const TWISTED: f64 = 0.05;
 /// The tolerance of the fit against that of the job: the proof of the way back adds to the distance fitted.
 const SHARES: [f64; 5] = [0.76, 0.6, 0.45, 0.3, 0.15];
 /// Distance allowed to edges, as a share of that of the surface: both add up in the proof.
@@ -72,7 +71,8 @@ const CONTOUR_SHARE: f64 = 0.1;
 /// Parts that fall together in the plane are apart in space by more than this share of the size.
 const APART: f64 = 1e-3;
 
-/// Distance (mm) allowed between trimmed edges and the exact surfaces: CAD systems take less for none.
+/// Distance (mm) asked for between trimmed edges and the exact surfaces: CAD systems take less for none. What is reached
+/// is proven.
 pub(super) const EDGE_ROUNDING: f64 = 5e-7;
 /// Distance allowed between the outline and trimmed edges, as a share of the tolerance.
 const OUTLINE_SHARE: f64 = 0.02;
@@ -100,28 +100,39 @@ pub fn of_faces(
     control: &Control,
 ) -> Result<ConesOutcome, ConesJobError> {
     let mut targets = Vec::new();
-    let mut left: Vec<String> = skipped.iter().map(|s| format!("#{}: {}", s.entity, s.reason)).collect();
+    let TrimsJudged { faces, bound, missed } = trims_judged(faces.to_vec(), options.tolerance);
+    let mut left = skipped.to_vec();
     let before = left.len();
     for (i, face) in faces.iter().enumerate() {
         let name = if face.name.is_empty() { format!("F{:02}", i + 1) } else { face.name.clone() };
         match ruled(face, options.tolerance) {
             Ok((strip, outline)) => targets.push(Target { name, strip, outline }),
-            Err(reason) => left.push(format!("#{} {name}: {reason}", face.entity)),
+            Err(reason) => left.push(left_face(face, format!("{name}: {reason}"))),
         }
     }
+    if !(options.tolerance > 0.0 && options.tolerance.is_finite()) {
+        return Err(ConesJobError::Tolerance(options.tolerance));
+    }
     if targets.is_empty() {
-        let reason = left.get(before).cloned().unwrap_or_else(|| "no faces".into());
+        let reason = left.get(before).map_or("no faces".into(), |s| format!("#{} {}", s.entity, s.reason));
         return Err(ConesJobError::Nothing { count: faces.len(), reason });
     }
-    run(&targets, left, options, control)
+    let words = left.iter().map(|s| format!("#{}: {}", s.entity, s.reason)).collect();
+    // What trims miss of the file's edges is part of the tolerance where it fits in, and named where it does not.
+    let trim = Trim { bound, fits: missed.is_empty() };
+    let mut out = run(&targets, words, options, control, Some(trim))?;
+    out.sheets.claims.extend(missed.into_iter().map(|reason| Claim::objection(Subject::Whole, reason)));
+    out.sheets.claims.extend(left_out(&left));
+    Ok(out)
 }
 
-/// The panels of a patchwork as cone splines, cut along their outlines.
+/// The panels of a patchwork as cone splines, cut along their outlines. `skipped` are the faces that have no panels.
 ///
 /// # Errors
 /// See [`ConesJobError`].
 pub fn of_panels(
     patchwork: &Patchwork,
+    skipped: &[Skipped],
     options: &ConesOptions,
     control: &Control,
 ) -> Result<ConesOutcome, ConesJobError> {
@@ -138,7 +149,20 @@ pub fn of_panels(
         let reason = left.first().cloned().unwrap_or_else(|| "no panels".into());
         return Err(ConesJobError::Nothing { count: patchwork.panels.len(), reason });
     }
-    run(&targets, left, options, control)
+    let missing = left.first().map(|l| format!("{} panels are left out, the first {l}", left.len()));
+    let mut out = run(&targets, left, options, control, None)?;
+    out.sheets.claims.extend(missing.map(Claim::left_out));
+    out.sheets.claims.extend(left_out(skipped));
+    out.sheets.skipped.extend(skipped.iter().map(|s| format!("#{}: {}", s.entity, s.reason)));
+    Ok(out)
+}
+
+/// What the trims of faces keep from the file's edges.
+#[derive(Clone, Copy)]
+struct Trim {
+    bound: UpperBound,
+    /// Whether every face's distance fits into the tolerance, of which it takes its part.
+    fits: bool,
 }
 
 fn run(
@@ -146,31 +170,31 @@ fn run(
     left: Vec<String>,
     options: &ConesOptions,
     control: &Control,
+    trim: Option<Trim>,
 ) -> Result<ConesOutcome, ConesJobError> {
     if !(options.tolerance > 0.0 && options.tolerance.is_finite()) {
         return Err(ConesJobError::Tolerance(options.tolerance));
     }
     let started = Instant::now();
+    let rest = options.tolerance - trim.filter(|t| t.fits).map_or(0.0, |t| t.bound.value());
     let mut sheets = Sheets {
         job: "cones".into(),
         input: options.input.clone(),
         tolerance: options.tolerance,
-        status: Status::Certified,
+        claims: Vec::new(),
         strips: Vec::new(),
-        strip_figures: Vec::new(),
         fields: Vec::new(),
         points: Default::default(),
         meaning: Default::default(),
         parts: Vec::new(),
         patterns: Vec::new(),
         guides: Vec::new(),
-        figures: Vec::new(),
         notes: Vec::new(),
         skipped: left,
         seconds: 0.0,
     };
     let (mut bodies, mut pieces): (Vec<ConeBody>, Vec<(usize, usize)>) = (Vec::new(), Vec::new());
-    let (mut worst, mut back, mut joint, mut edges) = (0.0_f64, 0.0_f64, 0.0_f64, 0.0_f64);
+    let mut all: Vec<Proven> = Vec::new();
     let mut failures = Vec::new();
     for (i, target) in targets.iter().enumerate() {
         control.report("cones", i as f64 / targets.len() as f64, target.name.clone());
@@ -178,66 +202,113 @@ fn run(
             failures.push("stopped before all surfaces were done".to_owned());
             break;
         }
-        let (found, proof) = match approximated(target, options.tolerance) {
-            Ok(both) => both,
+        let (body, proven) = match body(target, rest) {
+            Ok(made) => made,
             Err(reason) => {
                 sheets.skipped.push(format!("{}: {reason}", target.name));
                 failures.push(format!("{} has no cone spline", target.name));
                 continue;
             }
         };
-        let mut found = found;
-        found.spline = found.spline.with_turns_below(LARGEST_TURN);
-        let conics = target.outline.is_rectangle() && !found.spline.has_circular_edges();
-        if !conics {
-            found.spline = found.spline.merged(target.strip.jet(target.strip.domain().0).length(), LARGEST_TURN);
+        if let Some(reason) = &proven.missing {
+            sheets.skipped.push(format!("{}: {reason}", target.name));
+            failures.push(format!("{} has no proof for its outline", target.name));
+        } else if proven.bound.value() > rest {
+            failures.push(format!(
+                "{} is not proven to stay within the tolerance (bound {:.3e} mm)",
+                target.name,
+                proven.bound.value()
+            ));
         }
-        // Trimmed edges replace those of the chain, so that its bounds hold for what lies between them.
-        let (part, back_here) = if target.outline.is_rectangle() {
-            (None, proof.chain_bound)
-        } else {
-            match trimmed(target, &found, options.tolerance) {
-                Ok(part) => {
-                    edges = edges.max(part.outline_estimate);
-                    let bound = proof.strip_bound + part.outline_estimate + EDGE_ROUNDING;
-                    (Some(part), bound)
-                }
-                Err(e) => {
-                    sheets.skipped.push(format!("{}: its outline is not cut: {e}", target.name));
-                    failures.push(format!("{} is a blank, its outline is not cut", target.name));
-                    (None, proof.chain_bound)
-                }
-            }
-        };
-        if proof.strip_bound > options.tolerance || back_here > options.tolerance {
-            failures
-                .push(format!("{} is not proven to stay within the tolerance (bound {back_here:.3e} mm)", target.name));
-        }
-        (worst, back) = (worst.max(proof.strip_bound), back.max(back_here));
-        joint = joint.max(proof.mismatch);
-        let body = ConeBody { name: target.name.clone(), spline: found.spline, part };
-        for piece in strips_of(&mut sheets, &body, &proof) {
+        let before = sheets.skipped.len();
+        for piece in strips_of(&mut sheets, &body, &proven) {
             pieces.push((bodies.len(), piece));
         }
+        if sheets.skipped.len() > before {
+            failures.push(format!("{} is not complete", target.name));
+        }
+        all.push(proven);
         bodies.push(body);
     }
     let counts = counts(&bodies);
-    sheets.figures = vec![
-        Figure::new("surfaces", bodies.len() as f64, "", Basis::Given),
-        Figure::new("cones", counts[0] as f64, "", Basis::Given),
-        Figure::new("cylinders", counts[1] as f64, "", Basis::Given),
-        Figure::new("planes", counts[2] as f64, "", Basis::Given),
-        Figure::new("distance of the surface from the cones", worst, "mm", Basis::Proven),
-        Figure::new("distance of the cones from the surface", back, "mm", Basis::Proven),
-        Figure::new("mismatch at joints", joint, "rad", Basis::Measured),
-        Figure::new("distance of trimmed edges from the outline carried over", edges, "mm", Basis::Measured),
+    let whole = Subject::Whole;
+    let cones = UpperBound::largest(all.iter().map(|p| p.bound));
+    let both = trim.map_or(cones, |t| cones.plus(t.bound));
+    let mut claims = vec![
+        Claim::count(Counted::Surfaces, whole, bodies.len()),
+        Claim::count(Counted::Cones, whole, counts[0]),
+        Claim::count(Counted::Cylinders, whole, counts[1]),
+        Claim::count(Counted::Planes, whole, counts[2]),
+        Claim::at_most(What::Deviation, whole, both).within(options.tolerance),
+        Claim::measured(What::JointMismatch, whole, all.iter().map(|p| p.joint).fold(0.0, f64::max)),
     ];
-    sheets.notes.push("Faces of cones.step are exact cones, cylinders and planes.".into());
-    if !failures.is_empty() {
-        sheets.status = Status::Uncertified(failures.join("; "));
+    claims.extend(trim.map(|t| Claim::at_most(What::TrimDistance, whole, t.bound)));
+    let trimmed: Vec<[UpperBound; 2]> = all.iter().filter_map(|p| p.trimmed).collect();
+    for (k, what) in [What::OutlineDistance, What::EdgeDistance].into_iter().enumerate() {
+        if !trimmed.is_empty() {
+            claims.push(Claim::at_most(what, whole, UpperBound::largest(trimmed.iter().map(|t| t[k]))));
+        }
     }
+    claims.extend(failures.into_iter().map(|reason| Claim::objection(whole, reason)));
+    claims.append(&mut sheets.claims);
+    sheets.claims = claims;
+    sheets.notes.push("Faces of cones.step are exact cones, cylinders and planes.".into());
     sheets.seconds = started.elapsed().as_secs_f64();
     Ok(ConesOutcome { sheets, bodies, pieces })
+}
+
+/// What is proven of one chain.
+#[derive(Clone, Debug, PartialEq)]
+struct Proven {
+    /// Distance between surface and cones, both ways.
+    bound: UpperBound,
+    /// Mismatch at joints, computed.
+    joint: f64,
+    /// Trimmed edges: way from the outline carried over, and distance from the exact surfaces; none for whole chains.
+    trimmed: Option<[UpperBound; 2]>,
+    /// Why the outline is not proven.
+    missing: Option<String>,
+}
+
+/// The chain of one surface, cut along its outline, and its proof.
+fn body(target: &Target, tolerance: f64) -> Result<(ConeBody, Proven), String> {
+    let (found, proof) = approximated(target, tolerance)?;
+    let name = target.name.clone();
+    let unmerged = found.spline.with_turns_below(LARGEST_TURN);
+    let joint = proof.mismatch();
+    let whole = |spline: ConeSpline, bound: UpperBound, missing: Option<String>| {
+        let proven = Proven { bound, joint, trimmed: None, missing };
+        (ConeBody { name: name.clone(), spline, part: None }, proven)
+    };
+    if let Some(share) = target.outline.strays_from_rectangle() {
+        let (spline, proof) = match unmerged.has_circular_edges() {
+            true => merged(target, &found, proof, tolerance),
+            false => (unmerged, proof),
+        };
+        return Ok(whole(spline, proof.bound().plus(astray_bound(&target.outline.surface, share)), None));
+    }
+    // Trimmed edges replace those of the chain, so that its bounds hold for what lies between them.
+    let (spline, proof) = merged(target, &found, proof, tolerance);
+    let outline = target.outline.in_space(&found.nodes);
+    let wanted = ConeTrimOptions { outline: OUTLINE_SHARE * tolerance, edge: EDGE_ROUNDING };
+    let part = match cone_part(&spline, &outline, &wanted) {
+        Ok(part) => part,
+        Err(e) => return Ok(whole(spline, proof.bound(), Some(format!("its outline is not cut, it is a blank: {e}")))),
+    };
+    let region = Region { patch: &target.outline.surface, strip: &target.strip, loops: &target.outline.curves };
+    let proven = match certified(&region, &part, &spline, &proof, tolerance) {
+        Ok(shown) => Proven {
+            bound: shown.bound(),
+            joint: proof.mismatch(),
+            trimmed: Some([shown.path_bound(), shown.edge_bound()]),
+            missing: None,
+        },
+        Err(fault) => {
+            let missing = Some(format!("nothing is proven of its outline: {fault}"));
+            Proven { bound: UpperBound::UNKNOWN, joint: proof.mismatch(), trimmed: None, missing }
+        }
+    };
+    Ok((ConeBody { name, spline, part: Some(part) }, proven))
 }
 
 /// Fit and proof; the fit aims lower until the proof of both directions holds.
@@ -262,6 +333,22 @@ fn approximated(target: &Target, tolerance: f64) -> Result<(ConeFit, ConeProof),
     best.ok_or_else(|| "nothing was tried".into())
 }
 
+/// The chain with segments on one carrier made one. These carriers are not those that were judged, to the last digit:
+/// they are judged again, and stay apart where they do not hold.
+fn merged(target: &Target, found: &ConeFit, proof: ConeProof, tolerance: f64) -> (ConeSpline, ConeProof) {
+    let size = target.strip.jet(target.strip.domain().0).length();
+    let merged = found.spline.merged(size, LARGEST_TURN);
+    let again = (merged.segments.len() < found.spline.segments.len())
+        .then(|| merged.cut_like(&found.spline))
+        .flatten()
+        .and_then(|cut| judge(&target.strip, &found.nodes, &cut, &ConeJudgeOptions::new(tolerance)).ok())
+        .filter(|again| again.holds(tolerance.max(proof.bound().value())));
+    match again {
+        Some(again) => (merged.with_turns_below(LARGEST_TURN), again),
+        None => (found.spline.with_turns_below(LARGEST_TURN), proof),
+    }
+}
+
 /// Segments of each kind in bodies: cones, cylinders, planes; of trimmed ones, pieces.
 pub fn counts(bodies: &[ConeBody]) -> [usize; 3] {
     let mut out = [0; 3];
@@ -275,14 +362,8 @@ pub fn counts(bodies: &[ConeBody]) -> [usize; 3] {
     out
 }
 
-/// The chain cut along the outline of what it stands for.
-fn trimmed(target: &Target, found: &ConeFit, tolerance: f64) -> Result<ConePart, ConeTrimError> {
-    let outline = target.outline.in_space(&found.nodes);
-    cone_part(&found.spline, &outline, &ConeTrimOptions { outline: OUTLINE_SHARE * tolerance, edge: EDGE_ROUNDING })
-}
-
 /// Strips, figures, parts and patterns of one chain; the pieces that the strips show.
-fn strips_of(sheets: &mut Sheets, body: &ConeBody, proof: &ConeProof) -> Vec<usize> {
+fn strips_of(sheets: &mut Sheets, body: &ConeBody, proven: &Proven) -> Vec<usize> {
     let first = sheets.strips.len();
     let mut shown = Vec::new();
     let pieces: Vec<Segment> = match &body.part {
@@ -302,9 +383,10 @@ fn strips_of(sheets: &mut Sheets, body: &ConeBody, proof: &ConeProof) -> Vec<usi
         };
         shown.push(k);
         sheets.strips.push(Strip { name, kind, patch });
-        sheets.strip_figures.push(vec![
-            Figure::new("turn about the axis", s.shape.angle().abs().to_degrees(), "deg", Basis::Measured),
-            Figure::new("distance, surface from cones", proof.strip_bound, "mm", Basis::Proven),
+        let subject = Subject::Panel(sheets.strips.len() - 1);
+        sheets.claims.extend([
+            Claim::measured(What::Turn, subject, s.shape.angle().abs().to_degrees()),
+            Claim::at_most(What::Deviation, subject, proven.bound),
         ]);
     }
     // One part for the chain, halved while it overlaps itself in the plane.
@@ -336,49 +418,19 @@ fn strips_of(sheets: &mut Sheets, body: &ConeBody, proof: &ConeProof) -> Vec<usi
             continue;
         }
         pattern.panel = sheets.parts.len();
-        sheets.patterns.push(pattern);
+        sheets.patterns.push(cones_viewed(pattern, if part.is_some() { spline } else { &chain }));
         sheets.parts.push(FlatPart { name, first: first + strips.0, count: strips.1, missing: String::new() });
     }
     shown
 }
 
-/// The strip of a ruled developable face.
-pub(super) fn ruled(face: &Face, tolerance: f64) -> Result<(RuledPatch, PlaneOutline), String> {
-    let candidates = [Some(face.surface.clone()), Some(face.surface.transposed())];
-    let mut reason = "it is not ruled (of degree 1 in one direction)".to_owned();
-    for (k, surface) in candidates.into_iter().flatten().enumerate() {
-        let outline = PlaneOutline::of_face(face, surface, k == 1);
-        let Some(strip) = strip_of(&outline) else { continue };
-        match faulty(&strip, tolerance) {
-            None => return Ok((strip, outline)),
-            Some(fault) => reason = fault,
-        }
-    }
-    Err(reason)
-}
-
-/// What keeps a ruled strip from being developable.
-fn faulty(strip: &RuledPatch, tolerance: f64) -> Option<String> {
-    let (a, b) = strip.domain();
-    for k in 0..TESTED {
-        let u = a + (b - a) * k as f64 / (TESTED - 1) as f64;
-        let jet = strip.jet(u);
-        let element = match jet.element() {
-            Ok(e) => e,
-            Err(e) => return Some(format!("its ruling u = {u:.4} is not usable: {e}")),
-        };
-        let off = jet.twist(&element) * jet.length();
-        if off > TWISTED * tolerance || off.is_nan() {
-            return Some(format!("it is not developable (twist of {off:.2e} mm along ruling u = {u:.4})"));
-        }
-    }
-    None
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::certify::claim::Status;
     use crate::geom::Vec3;
+    use crate::io::words;
+    use crate::search::strips::cone_strip::tests::{face_point, slanting};
     use crate::spline::knots::Knots;
     use crate::spline::surface::Surface;
 
@@ -399,7 +451,7 @@ mod tests {
     fn a_cylinder_becomes_certified_cylinders_and_files_parts_and_patterns_agree() {
         let options = ConesOptions { tolerance: 0.05, input: "test".into() };
         let out = of_faces(&[face(0.0)], &[], &options, &Control::default()).expect("outcome");
-        assert_eq!(out.sheets.status, Status::Certified);
+        assert_eq!(out.sheets.status(), Status::Certified);
         assert_eq!(out.bodies.len(), 1);
         let [cones, cylinders, _] = out.bodies[0].spline.counts();
         assert!(cones == 0 && cylinders > 1 && out.sheets.strips.len() == out.bodies[0].spline.segments.len());
@@ -415,7 +467,38 @@ mod tests {
         assert!(error.to_string().contains("not developable"), "{error}");
         let out = of_faces(&[face(30.0), face(0.0)], &[], &options, &Control::default()).expect("one of two");
         assert_eq!(out.sheets.skipped.len(), 1);
+        // One surface of two is no answer that is certified, nor is what a reader left out.
+        assert_eq!(out.sheets.status(), Status::Uncertified, "half of it is missing");
+        let reason = words::reason(&out.sheets.claims, &[]);
+        assert!(reason.contains("left out") && reason.contains("not developable"), "{reason}");
+        let lost = Skipped { entity: 7, reason: "unreadable".into(), area_estimate: None };
+        let out = of_faces(&[face(0.0)], &[lost], &options, &Control::default()).expect("the other");
+        assert!(words::reason(&out.sheets.claims, &[]).contains("#7"), "{:?}", out.sheets.claims);
         let bad = ConesOptions { tolerance: f64::NAN, ..options };
         assert!(of_faces(&[face(0.0)], &[], &bad, &Control::default()).is_err());
+    }
+
+    #[test]
+    fn slanting_parts_beside_the_regression_curve_are_certified_and_trimmed() {
+        let options = ConesOptions { tolerance: 0.2, input: "test".into() };
+        let out = of_faces(&[slanting()], &[], &options, &Control::default()).expect("outcome");
+        assert_eq!(out.sheets.status(), Status::Certified);
+        let part = out.bodies[0].part.as_ref().expect("trimmed");
+        assert!(part.faces.len() > 1 && part.outline_estimate < 0.01, "{}", part.outline_estimate);
+        // The area of the part is that of the region: |c' x (c' + ...)| by the midpoint rule.
+        let area: f64 = out.sheets.patterns.iter().map(|p| p.area).sum();
+        let n = 200;
+        let mut expected = 0.0;
+        for i in 0..n {
+            let u = 0.2 + 0.8 * (f64::from(i) + 0.5) / f64::from(n);
+            for j in 0..20 {
+                let v = 0.7 - 0.5 * u + 0.25 * (f64::from(j) + 0.5) / 20.0;
+                let h = 1e-5;
+                let s = |u, v| face_point(u, v);
+                let (du, dv) = (s(u + h, v) - s(u - h, v), s(u, v + h) - s(u, v - h));
+                expected += du.cross(&dv).norm() / (4.0 * h * h) * (0.8 / f64::from(n)) * (0.25 / 20.0);
+            }
+        }
+        assert!((area - expected).abs() < 5e-3 * expected, "{area} {expected}");
     }
 }

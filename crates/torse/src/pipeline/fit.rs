@@ -1,24 +1,25 @@
 //! From measured points to developable strips: estimate, segment, fit, prove, develop.
 
-use super::cut::cut;
-use super::outcome::Status;
-use super::regression;
-use super::sheets::{Basis, FieldMeaning, Figure, FlatPart, PointMap, Sheets, StripField};
+use crate::answer::sheets::{FieldMeaning, FlatPart, PointMap, Sheets, StripField};
+use crate::certify::claim::{Claim, Counted, Subject, What};
 use crate::certify::points::{points as certified, PointCertificate};
 use crate::control::Control;
 use crate::develop::strip::StripOptions;
+use crate::develop::view::Drawn;
 use crate::fit::cloud::core;
 use crate::fit::cloud::estimates::{estimates, Estimates};
 use crate::fit::cloud::extent::{assigned, polished, strip, widened};
 use crate::fit::cloud::pieces::{pieces, PieceOptions};
 use crate::fit::cloud::regions::regions;
 use crate::fit::cloud::CloudError;
-use crate::fit::samples::Fit;
+use crate::fit::near::samples::Fit;
 use crate::geom::cloud::Cloud;
 use crate::geom::coarse::Coarse;
 use crate::geom::Vec3;
-use crate::surface::strip::Strip;
-use crate::surface::zone::RegressionLimits;
+use crate::search::strips::cut::cut;
+use crate::search::strips::regression;
+use crate::torse::strip::Strip;
+use crate::torse::zone::RegressionLimits;
 use std::borrow::Cow;
 
 /// What the job is asked.
@@ -34,12 +35,14 @@ pub struct FitOptions {
     pub max_strips: usize,
     /// What is asked of regression curves; nothing beyond regular strips.
     pub limits: Option<RegressionLimits>,
+    /// How flat patterns are drawn; default seen from outside, lines every 5°.
+    pub drawn: Drawn,
 }
 
 impl FitOptions {
     /// The defaults with a tolerance in mm.
     pub fn new(tolerance: f64, input: &str) -> Self {
-        Self { tolerance, input: input.into(), places: 3000, max_strips: 64, limits: None }
+        Self { tolerance, input: input.into(), places: 3000, max_strips: 64, limits: None, drawn: Drawn::default() }
     }
 }
 
@@ -105,7 +108,8 @@ pub fn fit(cloud: &Cloud, options: &FitOptions, control: &Control) -> Result<Fit
     let chains: Vec<FlatPart> = (strips.iter().enumerate())
         .map(|(i, s)| FlatPart { name: s.name.clone(), first: i, count: 1, missing: String::new() })
         .collect();
-    let (parts, patterns) = cut(&strips, &chains, &StripOptions::new(0.1 * options.tolerance));
+    let (parts, patterns) =
+        cut(&strips, &chains, &StripOptions { drawn: options.drawn, ..StripOptions::new(0.1 * options.tolerance) });
     if strips.len() > 1 {
         notes.push("Strips are fitted one by one and are not joined to each other.".to_string());
     }
@@ -115,28 +119,34 @@ pub fn fit(cloud: &Cloud, options: &FitOptions, control: &Control) -> Result<Fit
             "{lonely} points lie too far from others to belong to a surface; they are judged all the same."
         ));
     }
-    let strip_figures = figures_of_strips(&strips, &certificate, options.tolerance);
     let fields = fields(&strips, &certificate, options.tolerance);
-    let figures = vec![
-        Figure::new("points", cloud.points.len() as f64, "", Basis::Given),
-        Figure::new("largest distance of a point", certificate.worst_bound(), "mm", Basis::Proven),
-        Figure::new("points beyond the tolerance", certificate.beyond(options.tolerance) as f64, "", Basis::Proven),
-        Figure::new("noise of the measurement", found.noise, "mm", Basis::Measured),
+    let whole = Subject::Whole;
+    let worst = certificate.worst_bound();
+    let mut claims = vec![
+        Claim::count(Counted::Points, whole, cloud.points.len()),
+        Claim::at_most(What::PointDistance, whole, worst).within(options.tolerance).because(too_far(
+            &strips,
+            &certificate,
+            &cloud.points,
+            options.tolerance,
+            control,
+        )),
+        Claim::count(Counted::Beyond, whole, certificate.beyond(options.tolerance)),
+        Claim::measured(What::Noise, whole, found.noise),
     ];
     let broken = regression::broken(&strips, options.limits.as_ref());
     notes.extend(options.limits.iter().map(regression::note));
     notes.extend(broken.iter().cloned());
-    let status = match status(&strips, &certificate, &cloud.points, options.tolerance, control) {
-        Status::Certified if !broken.is_empty() => Status::Uncertified(broken.join("; ")),
-        other => other,
-    };
+    if worst.value() <= options.tolerance {
+        claims.extend(broken.into_iter().map(|reason| Claim::objection(whole, reason)));
+    }
+    claims.extend(claims_of_strips(&strips, &certificate, options.tolerance));
     let sheets = Sheets {
         job: "fit".into(),
         input: options.input.clone(),
         tolerance: options.tolerance,
-        status,
+        claims,
         strips,
-        strip_figures,
         fields,
         points: PointMap {
             places: cloud.points.clone(),
@@ -147,7 +157,6 @@ pub fn fit(cloud: &Cloud, options: &FitOptions, control: &Control) -> Result<Fit
         parts,
         patterns,
         guides: Vec::new(),
-        figures,
         notes,
         skipped,
         seconds: clock.elapsed().as_secs_f64(),
@@ -260,7 +269,8 @@ fn nearest(name: &str, fits: &[Fit], own: &[Vec3], options: &FitOptions) -> Resu
     let mut look = |fit: &Fit| match strip(name, fit, own, options.tolerance) {
         Ok(s) => {
             let c = certified(std::slice::from_ref(&s), &some, &Control::default());
-            let rank = (!regression::keeps(&s, options.limits.as_ref()), c.beyond(options.tolerance), c.worst_bound());
+            let rank =
+                (!regression::keeps(&s, options.limits.as_ref()), c.beyond(options.tolerance), c.worst_bound().value());
             if best.as_ref().is_none_or(|b| rank < (b.0, b.1, b.2)) {
                 best = Some((rank.0, rank.1, rank.2, s));
             }
@@ -285,51 +295,51 @@ fn nearest(name: &str, fits: &[Fit], own: &[Vec3], options: &FitOptions) -> Resu
     best.map(|b| b.3).ok_or(reason)
 }
 
-fn status(strips: &[Strip], c: &PointCertificate, points: &[Vec3], tolerance: f64, control: &Control) -> Status {
-    let beyond = c.beyond(tolerance);
+/// What is the matter if points are not shown to lie within the tolerance.
+fn too_far(strips: &[Strip], c: &PointCertificate, points: &[Vec3], tolerance: f64, control: &Control) -> String {
     if strips.is_empty() {
-        return Status::Uncertified("no developable strip follows the points within the tolerance".into());
+        return "no developable strip follows the points within the tolerance".into();
     }
     if control.stopped() {
-        return Status::Uncertified("stopped before all points were judged".into());
+        return "stopped before all points were judged".into();
     }
-    match c.worst() {
-        Some(i) if beyond > 0 => {
-            let p = points[i];
-            Status::Uncertified(format!(
-                "{beyond} of {} points are not within {tolerance} mm; the worst is point {i} at ({:.3}, {:.3}, {:.3}), {:.3} mm away",
-                points.len(), p.x, p.y, p.z, c.worst_bound()
-            ))
-        }
-        _ => Status::Certified,
-    }
+    let Some((i, p)) = c.worst().and_then(|i| Some((i, points.get(i)?))) else { return String::new() };
+    format!(
+        "{} of {} points are not within {tolerance} mm; the worst is point {i} at ({:.3}, {:.3}, {:.3}), {:.3} mm away",
+        c.beyond(tolerance),
+        points.len(),
+        p.x,
+        p.y,
+        p.z,
+        c.worst_bound().value()
+    )
 }
 
-fn figures_of_strips(strips: &[Strip], c: &PointCertificate, tolerance: f64) -> Vec<Vec<Figure>> {
+/// Points farther than this many tolerances belong to no strip and are counted for the whole only.
+const OF_A_STRIP: f64 = 10.0;
+
+fn claims_of_strips(strips: &[Strip], c: &PointCertificate, tolerance: f64) -> Vec<Claim> {
+    let within = OF_A_STRIP * tolerance;
     let mut count = vec![0usize; strips.len()];
-    let mut worst = vec![0.0_f64; strips.len()];
     let mut sum = vec![0.0_f64; strips.len()];
     for ((k, _, _), b) in c.places().iter().zip(c.bounds()) {
         let k = *k as usize;
-        // Points that belong to no strip are counted for the whole only.
-        if k < strips.len() && *b <= 10.0 * tolerance {
+        if k < strips.len() && *b <= within {
             count[k] += 1;
-            worst[k] = worst[k].max(*b);
             sum[k] += b * b;
         }
     }
-    (0..strips.len())
-        .map(|k| {
-            vec![
-                Figure::new("points", count[k] as f64, "", Basis::Given),
-                Figure::new("largest distance of a point", worst[k], "mm", Basis::Proven),
-                Figure::new(
-                    "root mean square distance",
-                    (sum[k] / count[k].max(1) as f64).sqrt(),
-                    "mm",
-                    Basis::Measured,
-                ),
-                regression::figure(&strips[k]),
+    strips
+        .iter()
+        .enumerate()
+        .flat_map(|(k, strip)| {
+            let subject = Subject::Panel(k);
+            let mean = (sum[k] / count[k].max(1) as f64).sqrt();
+            [
+                Claim::count(Counted::Points, subject, count[k]),
+                Claim::at_most(What::PointDistance, subject, c.worst_bound_on(k, within)),
+                Claim::measured(What::MeanPointDistance, subject, mean),
+                regression::claim(k, strip),
             ]
         })
         .collect()

@@ -3,17 +3,19 @@
 //! Reads like the page that describes it: find the rulings on which the hull rests, make exact strips along them, have
 //! rails and twist judged, develop.
 
-use super::cut::{cut, stretched};
-use super::judgement::judge;
-use super::outcome::Status;
-use super::sheets::{Basis, Figure, FlatPart, Guide, Sheets, StripField};
+use crate::answer::sheets::{FieldMeaning, FlatPart, Guide, Sheets, StripField};
+use crate::certify::claim::{Claim, Counted, Subject, What};
+use crate::certify::rails::twist_bound;
 use crate::control::Control;
-use crate::design::hull::strips::{strips, HullStrip};
-use crate::design::hull::{hull as rulings_of_hull, HullError};
+use crate::design::hull::strips::{strips, HullPart, HullStrip};
+use crate::design::hull::{hull as rulings_of_hull, Hull, HullError};
 use crate::design::loft::build::BuildOptions;
 use crate::develop::strip::StripOptions;
-use crate::surface::rail::Rail;
-use crate::surface::strip::Strip;
+use crate::develop::view::Drawn;
+use crate::search::strips::cut::{claims as flat_claims, cut};
+use crate::search::strips::judgement::{findings, summed, Candidate, Found, SQUARE_METRES};
+use crate::torse::rail::Rail;
+use crate::torse::strip::Strip;
 use std::time::Instant;
 
 /// What the job is asked for.
@@ -31,6 +33,8 @@ pub struct Options {
     pub mark_spacing: Option<f64>,
     /// Twist that counts as developable, rad; default 1e-5 (0.0006°).
     pub twist_tolerance: f64,
+    /// How flat patterns are drawn; default seen from outside, lines every 5°.
+    pub drawn: Drawn,
 }
 
 impl Options {
@@ -43,6 +47,7 @@ impl Options {
             ruling_spacing: None,
             mark_spacing: None,
             twist_tolerance: 1e-5,
+            drawn: Drawn::default(),
         }
     }
 }
@@ -70,27 +75,52 @@ pub fn hull(curves: &[Rail], options: &Options, control: &Control) -> Result<She
         return Err(HullError::Tolerance(tolerance));
     }
     control.report("looking for rulings", 0.1, "");
-    let found = rulings_of_hull(curves, options.samples)?;
+    let found = rulings_of_hull(curves, options.samples, control)?;
     control.report("fitting", 0.4, "");
     let mut build = BuildOptions::new(RAIL_SHARE * tolerance);
     build.twist_tolerance = TWIST_SHARE * options.twist_tolerance;
-    let mut made = strips(curves, &found, tolerance, &build)?;
-    for (k, part) in made.iter_mut().enumerate() {
-        for (i, s) in part.strips.iter_mut().enumerate() {
-            s.built.strip.name = format!("{}-{:02}", part_name(k), i + 1);
-        }
-        if let Some(facet) = &mut part.facet {
-            facet.name = format!("{}-01", part_name(k));
-        }
-    }
-
+    let made = strips(curves, &found, tolerance, &build, control)?;
     control.report("judging", 0.7, "");
+    let mut notes = notes(curves, &found, &made, tolerance);
+    let kept = kept(curves, made, options, control, &mut notes);
+    let flat = StripOptions {
+        ruling_spacing: options.ruling_spacing,
+        mark_spacing: options.mark_spacing,
+        drawn: options.drawn,
+        ..StripOptions::new(CONTOUR_SHARE * tolerance)
+    };
+    let (parts, patterns) = cut(&kept.strips, &kept.parts, &flat);
+    let whole = Subject::Whole;
+    let mut claims = kept.claims;
+    claims.push(Claim::count(Counted::Strips, whole, kept.strips.len()));
+    claims.extend(flat_claims(&parts, &patterns, tolerance));
+    let stopped = control.stopped().then(|| "the job was stopped early".to_owned());
+    claims.extend(kept.missing.into_iter().chain(stopped).map(|reason| Claim::objection(whole, reason)));
+    claims.extend(kept.of_strips);
+    Ok(Sheets {
+        job: "hull".into(),
+        input: options.input.clone(),
+        tolerance,
+        claims,
+        strips: kept.strips,
+        fields: kept.fields,
+        points: Default::default(),
+        meaning: kept.meaning,
+        parts,
+        patterns,
+        guides: curves.iter().map(|r| Guide { name: r.name.clone(), points: r.samples(200) }).collect(),
+        notes,
+        skipped: kept.skipped,
+        seconds: start.elapsed().as_secs_f64(),
+    })
+}
+
+/// What people should know of the search.
+fn notes(curves: &[Rail], found: &Hull, made: &[HullPart], tolerance: f64) -> Vec<String> {
     let mut notes: Vec<String> = Vec::new();
     for &r in &found.lids {
-        notes.push(format!(
-            "{} lies in a plane on which the hull rests; that planar piece is left open",
-            curves[r].name
-        ));
+        let name = &curves[r].name;
+        notes.push(format!("{name} lies in a plane on which the hull rests; that planar piece is left open"));
     }
     let used = |r: usize| made.iter().flat_map(|p| &p.strips).any(|s| s.rails.contains(&r));
     for (_, c) in curves.iter().enumerate().filter(|(r, _)| !used(*r)) {
@@ -101,89 +131,129 @@ pub fn hull(curves: &[Rail], options: &Options, control: &Control) -> Result<She
         notes
             .push(format!("{tips} tips are cut off where rulings become shorter than the tolerance of {tolerance} mm"));
     }
-    let reversed: Vec<Rail> = curves.iter().map(Rail::reversed).collect();
-    let (mut all, mut parts): (Vec<Strip>, Vec<FlatPart>) = (Vec::new(), Vec::new());
-    let judgement = {
-        let rails = |s: &HullStrip| {
-            [0, 1].map(|d: usize| Some(if s.turned[d] { &reversed[s.rails[d]] } else { &curves[s.rails[d]] }))
-        };
-        let built: Vec<_> = made.iter().flat_map(|p| &p.strips).map(|s| (&s.built, rails(s))).collect();
-        judge(&built, &["first curve", "second curve"].map(String::from), options.twist_tolerance)
-    };
-    let mut missing = judgement.missing.clone();
-    let off = judgement.off[0].max(judgement.off[1]);
-    if off > tolerance {
-        missing.push(format!("the strips stray up to {off:.4} mm from the curves"));
-    }
-    let (mut strip_figures, mut fields) = (Vec::new(), Vec::new());
-    let mut judged = judgement.strip_figures.iter().zip(&judgement.fields);
-    for (k, part) in made.iter().enumerate() {
-        let name = part_name(k);
-        let first = all.len();
-        for (s, (figures, field)) in part.strips.iter().zip(&mut judged) {
-            all.push(s.built.strip.clone());
-            strip_figures.push(figures.clone());
-            fields.push(field.clone());
-        }
-        if let Some(facet) = &part.facet {
-            strip_figures.push(facet_figures(facet.area_estimate() * 1e-6));
-            fields.push(StripField { u: vec![0.0, 1.0], v: vec![0.0, 1.0], values: vec![0.0; 4] });
-            all.push(facet.clone());
-        }
-        if part.closed {
-            notes.push(format!("part {name} is closed; it is cut open along its first ruling"));
-        }
-        parts.push(FlatPart { name, first, count: all.len() - first, missing: String::new() });
-    }
-    if all.is_empty() {
-        missing.push("the hull has no developable strips between smooth curves".into());
-    }
-    let flat = StripOptions {
-        ruling_spacing: options.ruling_spacing,
-        mark_spacing: options.mark_spacing,
-        ..StripOptions::new(CONTOUR_SHARE * tolerance)
-    };
-    let (parts, patterns) = cut(&all, &parts, &flat);
-    missing.extend(parts.iter().filter(|p| !p.missing.is_empty()).map(|p| format!("part {}: {}", p.name, p.missing)));
-    let isometry = patterns.iter().map(|p| p.isometry_error).fold(0.0, f64::max);
-    missing.extend(stretched(&parts, &patterns, tolerance));
-    let mut figures = vec![Figure::new("from the curves", off, "mm", Basis::Proven)];
-    figures.extend(judgement.figures());
-    figures.push(Figure::new("strips", all.len() as f64, "", Basis::Given));
-    figures.push(Figure::new("flat area", patterns.iter().map(|p| p.area * 1e-6).sum(), "m²", Basis::Measured));
-    figures.push(Figure::new("length error of patterns", isometry, "", Basis::Measured));
-    Ok(Sheets {
-        job: "hull".into(),
-        input: options.input.clone(),
-        tolerance,
-        status: match missing.is_empty() {
-            true => Status::Certified,
-            false => Status::Uncertified(missing.join("; ")),
-        },
-        strips: all,
-        strip_figures,
-        fields,
-        points: Default::default(),
-        meaning: judgement.meaning.clone(),
-        parts,
-        patterns,
-        guides: curves.iter().map(|r| Guide { name: r.name.clone(), points: r.samples(200) }).collect(),
-        figures,
-        notes,
-        skipped: Vec::new(),
-        seconds: start.elapsed().as_secs_f64(),
-    })
+    notes
 }
 
-/// Figures of a triangle whose corners lie on curves: plane by construction.
-fn facet_figures(area: f64) -> Vec<Figure> {
+/// Strips with bounded errors, as they are written, and the names of the others.
+#[derive(Default)]
+struct Kept {
+    strips: Vec<Strip>,
+    fields: Vec<StripField>,
+    meaning: FieldMeaning,
+    parts: Vec<FlatPart>,
+    skipped: Vec<String>,
+    claims: Vec<Claim>,
+    of_strips: Vec<Claim>,
+    missing: Vec<String>,
+}
+
+/// Judges parts. A strip of which nothing is proven would be cut from sheet in vain: it is named and not written, and
+/// the strips on both sides of it are parts of their own.
+fn kept(
+    curves: &[Rail],
+    mut made: Vec<HullPart>,
+    options: &Options,
+    control: &Control,
+    notes: &mut Vec<String>,
+) -> Kept {
+    for (k, part) in made.iter_mut().enumerate() {
+        for (i, s) in part.strips.iter_mut().enumerate() {
+            s.built.strip.name = format!("{}-{:02}", part_name(k), i + 1);
+        }
+        if let Some(facet) = &mut part.facet {
+            facet.name = format!("{}-01", part_name(k));
+        }
+    }
+    let reversed: Vec<Rail> = curves.iter().map(Rail::reversed).collect();
+    let candidate = |s: &'_ HullStrip| -> [Option<&Rail>; 2] {
+        [0, 1].map(|d: usize| Some(if s.turned[d] { &reversed[s.rails[d]] } else { &curves[s.rails[d]] }))
+    };
+    let all: Vec<Candidate> = made
+        .iter()
+        .flat_map(|p| &p.strips)
+        .map(|s| Candidate { index: 0, built: &s.built, rails: candidate(s) })
+        .collect();
+    let found = findings(&all, options.twist_tolerance, control);
+    let mut out = Kept::default();
+    let mut written: Vec<(Candidate, &Found)> = Vec::new();
+    let mut judged = all.iter().zip(&found);
+    let mut facets = Vec::new();
+    for (k, part) in made.iter().enumerate() {
+        let name = part_name(k);
+        let mut runs: Vec<(usize, usize)> = Vec::new();
+        let mut joined = false;
+        for (c, f) in judged.by_ref().take(part.strips.len()) {
+            if !f.is_bounded() {
+                let name = &c.built.strip.name;
+                out.skipped.push(format!(
+                    "strip {name}: nothing bounds its distance from the curves or its twist; not written"
+                ));
+                joined = false;
+                continue;
+            }
+            let index = out.strips.len();
+            written.push((Candidate { index, ..*c }, f));
+            out.strips.push(c.built.strip.clone());
+            out.fields.push(StripField::default());
+            match runs.last_mut().filter(|_| joined) {
+                Some(run) => run.1 += 1,
+                None => runs.push((index, 1)),
+            }
+            joined = true;
+        }
+        if part.closed && runs.len() == 1 && runs[0].1 == part.strips.len() {
+            notes.push(format!("part {name} is closed; it is cut open along its first ruling"));
+        }
+        if let Some(facet) = &part.facet {
+            facets.push((out.strips.len(), facet));
+            runs.push((out.strips.len(), 1));
+            out.fields.push(StripField { u: vec![0.0, 1.0], v: vec![0.0, 1.0], values: vec![0.0; 4] });
+            out.strips.push(facet.clone());
+        }
+        for (i, &(first, count)) in runs.iter().enumerate() {
+            let name = if runs.len() > 1 { format!("{name}.{}", i + 1) } else { name.clone() };
+            out.parts.push(FlatPart { name, first, count, missing: String::new() });
+        }
+    }
+    if !out.skipped.is_empty() {
+        out.missing.push(format!("{} strips have no proof and are not written", out.skipped.len()));
+    }
+    let judgement = summed(&written, [What::FromSide(0), What::FromSide(1)], options.twist_tolerance);
+    out.missing.extend(judgement.missing.iter().cloned());
+    for ((c, _), field) in written.iter().zip(&judgement.fields) {
+        out.fields[c.index] = field.clone();
+    }
+    if judgement.counts[0] > 0 {
+        let off = judgement.off[0].max(judgement.off[1]);
+        out.claims.push(
+            Claim::at_most(What::FromCurves, Subject::Whole, off)
+                .within(options.tolerance)
+                .because(format!("the strips stray up to {:.4} mm from the curves", off.value())),
+        );
+    }
+    out.claims.extend(judgement.whole());
+    out.of_strips = judgement.claims;
+    for (index, facet) in facets {
+        out.of_strips.extend(facet_claims(index, facet, options.twist_tolerance));
+    }
+    out.meaning = judgement.meaning;
+    if out.strips.is_empty() {
+        out.missing.push("the hull has no developable strips between smooth curves".into());
+    }
+    out
+}
+
+/// What is said of a triangle whose corners lie on curves: plane by construction.
+fn facet_claims(index: usize, facet: &Strip, limit: f64) -> Vec<Claim> {
+    let subject = Subject::Panel(index);
     vec![
-        Figure::new("from first curve", 0.0, "mm", Basis::Given),
-        Figure::new("from second curve", 0.0, "mm", Basis::Given),
-        Figure::new("twist, bound", 0.0, "°", Basis::Proven),
-        Figure::new("twist", 0.0, "°", Basis::Measured),
-        Figure::new("regression clearance", f64::INFINITY, "mm", Basis::Measured),
-        Figure::new("area", area, "m²", Basis::Measured),
+        Claim::given(What::FromSide(0), subject, 0.0),
+        Claim::given(What::FromSide(1), subject, 0.0),
+        Claim::at_most(What::Twist, subject, twist_bound(facet, limit, &Control::default()).angle().degrees())
+            .within(limit.to_degrees()),
+        Claim::measured(What::Twist, subject, 0.0),
+        Claim::measured(What::RegressionClearance, subject, f64::INFINITY),
+        Claim::measured(What::Area, subject, facet.area_estimate() * SQUARE_METRES),
     ]
 }
 
@@ -198,8 +268,9 @@ fn part_name(k: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::brep::space_curve::SpaceCurve;
+    use crate::certify::claim::{Evidence, Status};
     use crate::geom::{Frame, Vec3};
-    use crate::spline::space_curve::SpaceCurve;
     use std::f64::consts::TAU;
 
     fn ellipse(name: &str, origin: Vec3, a: f64, b: f64) -> Rail {
@@ -212,7 +283,7 @@ mod tests {
     fn circle_and_ellipse_are_joined_and_certified() {
         let curves = [ellipse("low", Vec3::zeros(), 300.0, 300.0), ellipse("high", Vec3::z() * 400.0, 500.0, 200.0)];
         let sheets = hull(&curves, &Options::new(0.1), &Control::default()).expect("sheets");
-        assert_eq!(sheets.status, Status::Certified, "{:?}", sheets.figures);
+        assert_eq!(sheets.status(), Status::Certified, "{:?}", sheets.claims);
         assert_eq!(sheets.notes.iter().filter(|n| n.contains("left open")).count(), 2);
         assert!(!sheets.patterns.is_empty());
     }
@@ -232,13 +303,45 @@ mod tests {
             Rail::new(&format!("circle {k}"), &[c]).expect("rail")
         });
         let sheets = hull(&curves, &Options::new(0.1), &Control::default()).expect("sheets");
-        assert_eq!(sheets.status, Status::Certified, "{:?} {:?}", sheets.figures, sheets.notes);
+        assert_eq!(sheets.status(), Status::Certified, "{:?} {:?}", sheets.claims, sheets.notes);
         let upright = |s: &&Strip| {
             let p = s.patch.control.iter().map(|c| c[2] / c[3]).collect::<Vec<_>>();
             p.iter().all(|z| (z.abs() - 100.0).abs() < 1e-9)
         };
         // Planes z = ±100 touch all three circles at their tops and bottoms.
         assert_eq!(sheets.strips.iter().filter(upright).count(), 2);
+    }
+
+    #[test]
+    fn proven_numbers_are_known_and_not_below_measured_ones() {
+        let wave = |t: f64| Vec3::new(300.0 * t.cos(), 200.0 * t.sin(), 60.0 * (2.0 * t).cos());
+        let cap = |t: f64| Vec3::new(150.0 * t.cos(), 150.0 * t.sin(), 400.0 + 20.0 * (3.0 * t).cos());
+        let row = |f: &dyn Fn(f64) -> Vec3| {
+            let points: Vec<Vec3> = (0..=60).map(|k| f(TAU * f64::from(k % 60) / 60.0)).collect();
+            Rail::through("curve", &points).expect("rail")
+        };
+        let options = Options { samples: 48, ..Options::new(0.5) };
+        let sheets = hull(&[row(&wave), row(&cap)], &options, &Control::default()).expect("sheets");
+        assert!(sheets.claims.iter().all(|c| !c.is_unknown()), "{:?}", sheets.claims);
+        let twist = |c: &&Claim| c.what() == What::Twist;
+        for bound in sheets.claims.iter().filter(twist).filter(|c| c.evidence() == Evidence::Proven) {
+            let measured = |c: &&Claim| c.evidence() == Evidence::Measured && c.subject() == bound.subject();
+            for c in sheets.claims.iter().filter(twist).filter(measured) {
+                assert!(c.value() <= bound.value(), "{c:?} {bound:?}");
+            }
+        }
+        // What is written has bounds; the rest is named.
+        assert!(sheets.strips.iter().all(|s| sheets.skipped.iter().all(|n| !n.contains(&s.name))));
+    }
+
+    #[test]
+    fn a_stopped_job_ends_at_once_and_says_so() {
+        let curves = [ellipse("low", Vec3::zeros(), 300.0, 300.0), ellipse("high", Vec3::z() * 400.0, 500.0, 200.0)];
+        let control = Control::default();
+        control.cancel();
+        let sheets = hull(&curves, &Options::new(0.1), &control).expect("sheets");
+        let told = |c: &Claim| c.what() == What::Objection && c.reason().contains("stopped early");
+        assert!(sheets.strips.is_empty() && sheets.claims.iter().any(told), "{:?}", sheets.claims);
     }
 
     #[test]

@@ -1,11 +1,11 @@
 //! What a face is like: size, area, curvature. Measured, not proven: every number is an estimate.
 //!
-//! Curvatures from the fundamental forms \[DC76\]; areas from [`crate::surface::area`].
+//! Curvatures from the fundamental forms \[DC76\]; areas from [`crate::brep::area`].
 
+use crate::brep::area::area_estimate;
+use crate::brep::face::{Face, SurfaceKind, TrimLoop};
 use crate::geom::{BBox, Vec3};
 use crate::spline::surface::SurfaceJet;
-use crate::surface::area::area_estimate;
-use crate::surface::face::{Face, SurfaceKind, TrimLoop};
 use rayon::prelude::*;
 
 /// Samples per direction of the parameter plane at which curvature is looked at.

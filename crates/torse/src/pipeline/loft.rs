@@ -3,12 +3,8 @@
 //! Reads like the page that describes it: find all branches of common tangent planes, follow the best one, fit it,
 //! have rails and twist judged, develop; where there is no branch, take the strip of least twist and say so.
 
-use super::cut::{cut, stretched};
-use super::exact_strip::exact_strips;
-use super::judgement::judge;
-use super::loft_ends::{extended, note_ends, shares, used, with_ends, WHOLE};
-use super::outcome::Status;
-use super::sheets::{Basis, Figure, FlatPart, Guide, Sheets};
+use crate::answer::sheets::{FlatPart, Guide, Sheets};
+use crate::certify::claim::{Claim, Counted, Subject, What};
 use crate::control::Control;
 use crate::design::loft::alternatives::{alternatives, greatest_twist};
 use crate::design::loft::branches::{branches, Branch, BranchOptions, BranchType, Direction};
@@ -17,31 +13,15 @@ use crate::design::loft::least_twist::{LeastTwistOptions, TwistPath};
 use crate::design::loft::track::{Segment, Track};
 use crate::design::loft::{apart, LoftError};
 use crate::develop::strip::StripOptions;
-use crate::surface::rail::Rail;
-use crate::surface::strip::Strip;
+use crate::develop::view::Drawn;
+use crate::search::strips::cut::{claims as flat_claims, cut};
+use crate::search::strips::exact_strip::exact_strips;
+use crate::search::strips::judgement::{judge, Candidate};
+use crate::search::strips::loft_ends::{extended, note_ends, past_ends, shares, used, with_ends, WHOLE};
+pub use crate::search::strips::loft_ends::{Ends, Extension};
+use crate::torse::rail::Rail;
+use crate::torse::strip::Strip;
 use std::time::Instant;
-
-/// What becomes of rails that the developable does not use from end to end.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Ends {
-    /// They are trimmed: the strip ends where one rail ends.
-    #[default]
-    Trim,
-    /// The rest of a rail is joined to the other's end by a cone.
-    Fan,
-    /// Rails are extended beyond their ends until both are used from end to end, as far as tangent planes lead.
-    Extend,
-}
-
-/// How rails go on beyond their ends.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Extension {
-    /// Along the circle that osculates the end.
-    #[default]
-    Curve,
-    /// Along the end tangent.
-    Line,
-}
 
 /// How rulings are chosen.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -62,7 +42,7 @@ pub struct Options {
     pub tolerance: f64,
     /// Name of the input for reports.
     pub input: String,
-    /// See [`Ends`]; default trim.
+    /// See [`Ends`]; default fan: both rails are used whole.
     pub ends: Ends,
     /// See [`Extension`]; default curve.
     pub extension: Extension,
@@ -79,6 +59,8 @@ pub struct Options {
     pub mark_spacing: Option<f64>,
     /// Twist that counts as developable, rad; default 1e-5 (0.0006°).
     pub twist_tolerance: f64,
+    /// How flat patterns are drawn; default seen from outside, lines every 5°.
+    pub drawn: Drawn,
 }
 
 impl Options {
@@ -87,7 +69,7 @@ impl Options {
         Self {
             tolerance,
             input: "loft".into(),
-            ends: Ends::Trim,
+            ends: Ends::Fan,
             extension: Extension::Curve,
             choice: Choice::Auto,
             alternative: 1,
@@ -95,6 +77,7 @@ impl Options {
             ruling_spacing: None,
             mark_spacing: None,
             twist_tolerance: 1e-5,
+            drawn: Drawn::default(),
         }
     }
 }
@@ -184,16 +167,18 @@ pub fn loft(a: &Rail, b: &Rail, options: &Options, control: &Control) -> Result<
     let size = a.bbox().diagonal().max(b.bbox().diagonal());
     let mut build = BuildOptions::new((RAIL_SHARE * tolerance).max(FINEST * size));
     build.twist_tolerance = TWIST_SHARE * options.twist_tolerance;
+    // What a stopped job falls back on is fitted all the same.
+    let unhurried = Control::default();
     let (strips, closed) = match chosen {
         Some(branch) if branch.closed => {
             let (turned, branch) = seamed(&a, &b, branch, options.alternative)?;
             [a, b] = turned;
-            (follow(&a, &b, &branch, &build)?, true)
+            (follow([&a, &b], &branch, &build, &unhurried)?, true)
         }
         Some(branch) => {
             let whole = with_ends(&a, &b, branch, options.ends, &mut notes);
             note_ends(&a, &b, &whole, options.ends, &mut notes);
-            (follow(&a, &b, &whole, &build)?, whole.closed)
+            (follow([&a, &b], &whole, &build, &unhurried)?, whole.closed)
         }
         None => {
             notes.push("no branch of common tangent planes was used: this is the strip of least twist, and it is not developable unless its twist says so".into());
@@ -204,7 +189,7 @@ pub fn loft(a: &Rail, b: &Rail, options: &Options, control: &Control) -> Result<
             let mut first = 0;
             for &last in path.held.iter().chain([&(path.stations.len() - 1)]) {
                 let closed = path.closed && path.held.is_empty();
-                built.extend(along(&a, &b, &path.stations[first..=last], closed, &build)?);
+                built.extend(along([&a, &b], &path.stations[first..=last], closed, &build, &unhurried)?);
                 first = last;
             }
             for (k, s) in built.iter_mut().enumerate() {
@@ -221,7 +206,7 @@ pub fn loft(a: &Rail, b: &Rail, options: &Options, control: &Control) -> Result<
         strips
     };
     control.report("judging", 0.7, "");
-    Ok(judged(&rails, &given, strips, closed, options, notes, start))
+    Ok(judged([&rails, &given], strips, closed, options, notes, start))
 }
 
 /// The strip of least twist, or the alternative to it that was asked for; all are listed.
@@ -432,30 +417,56 @@ fn creases(strips: &[Strip]) -> Option<String> {
     ))
 }
 
+/// What is covered of rails that are not covered whole, up to the tolerance, and how far strips run past their ends.
+fn covered_in_part(
+    built: &[BuiltStrip],
+    [rails, given]: [&[&Rail; 2]; 2],
+    shares: [f64; 2],
+    options: &Options,
+) -> Option<String> {
+    let mut words = Vec::new();
+    for side in 0..2 {
+        let (name, whole) = (&rails[side].name, given[side].length());
+        if (1.0 - shares[side]) * whole > options.tolerance {
+            words.push(format!("{:.2} % of {name}", 100.0 * shares[side]));
+        }
+        let past = past_ends(built, side, rails[side], options.ends == Ends::Extend);
+        if past > options.tolerance {
+            words.push(format!("{} mm past the ends of {name}", length(past)));
+        }
+    }
+    (!words.is_empty()).then(|| format!("certified in part: {}", words.join(", ")))
+}
+
 /// Judges and develops strips.
 fn judged(
-    rails: &[&Rail; 2],
-    given: &[&Rail; 2],
+    [rails, given]: [&[&Rail; 2]; 2],
     built: Vec<BuiltStrip>,
     closed: bool,
     options: &Options,
     mut notes: Vec<String>,
     start: Instant,
 ) -> Sheets {
-    let pieces: Vec<_> = built.iter().map(|s| (s, rails.map(Some))).collect();
-    let judgement = judge(&pieces, &[rails[0].name.clone(), rails[1].name.clone()], options.twist_tolerance);
-    let mut missing = judgement.missing.clone();
-    for (side, w) in judgement.off.iter().enumerate() {
-        if *w > options.tolerance {
-            missing.push(format!(
+    let pieces: Vec<Candidate> =
+        built.iter().enumerate().map(|(index, built)| Candidate { index, built, rails: rails.map(Some) }).collect();
+    let judgement = judge(&pieces, [What::FromCurve(0), What::FromCurve(1)], options.twist_tolerance);
+    let whole = Subject::Whole;
+    let mut claims: Vec<Claim> = (0..2)
+        .map(|side| {
+            let off = judgement.off[side];
+            Claim::at_most(What::FromCurve(side), whole, off).within(options.tolerance).because(format!(
                 "the strips stray up to {} mm from {}; a tolerance of {} mm is met",
-                length(*w),
+                length(off.value()),
                 rails[side].name,
-                length(reached(*w))
-            ));
-        }
-    }
+                length(reached(off.value()))
+            ))
+        })
+        .collect();
+    let mut missing = judgement.missing.clone();
     let shares = [0, 1].map(|d: usize| used(&built, d, rails[d], options.ends == Ends::Extend));
+    // What is covered comes first.
+    let part = covered_in_part(&built, [rails, given], shares, options);
+    claims.splice(0..0, part.map(|reason| Claim::objection(whole, reason)));
     let strips: Vec<Strip> = built.into_iter().map(|s| s.strip).collect();
     if strips.is_empty() {
         missing.push("no strip could be made".into());
@@ -463,44 +474,34 @@ fn judged(
     let flat = StripOptions {
         ruling_spacing: options.ruling_spacing,
         mark_spacing: options.mark_spacing,
+        drawn: options.drawn,
         ..StripOptions::new((CONTOUR_SHARE * options.tolerance).max(1e4 * FINEST * size(rails)))
     };
-    let whole = FlatPart { name: "A".into(), first: 0, count: strips.len(), missing: String::new() };
-    let (parts, patterns) = cut(&strips, &[whole], &flat);
-    missing.extend(parts.iter().filter(|p| !p.missing.is_empty()).map(|p| format!("part {}: {}", p.name, p.missing)));
+    let chain = FlatPart { name: "A".into(), first: 0, count: strips.len(), missing: String::new() };
+    let (parts, patterns) = cut(&strips, &[chain], &flat);
     if closed {
         notes.push("the strip is closed; its flat part is cut open along the first ruling".into());
     }
     notes.extend(creases(&strips));
-    let isometry = patterns.iter().map(|p| p.isometry_error).fold(0.0, f64::max);
-    missing.extend(stretched(&parts, &patterns, options.tolerance));
-    let mut figures: Vec<Figure> =
-        (0..2).map(|d| Figure::new(format!("from {}", rails[d].name), judgement.off[d], "mm", Basis::Proven)).collect();
-    figures.extend(
-        (0..2).map(|d| Figure::new(format!("used of {}", rails[d].name), 100.0 * shares[d], "%", Basis::Measured)),
-    );
-    figures.extend(judgement.figures());
-    figures.push(Figure::new("strips", strips.len() as f64, "", Basis::Given));
-    figures.push(Figure::new("flat area", patterns.iter().map(|p| p.area * 1e-6).sum(), "m²", Basis::Measured));
-    figures.push(Figure::new("length error of patterns", isometry, "", Basis::Measured));
+    claims.extend((0..2).map(|d| Claim::measured(What::UsedOf(d), whole, 100.0 * shares[d])));
+    claims.extend(judgement.whole());
+    claims.push(Claim::count(Counted::Strips, whole, strips.len()));
+    claims.extend(flat_claims(&parts, &patterns, options.tolerance));
+    claims.extend(missing.into_iter().map(|reason| Claim::objection(whole, reason)));
+    claims.extend(judgement.claims);
     let guides = given.iter().map(|r| Guide { name: r.name.clone(), points: r.samples(200) }).collect();
     Sheets {
         job: "loft".into(),
         input: options.input.clone(),
         tolerance: options.tolerance,
-        status: match missing.first() {
-            None => Status::Certified,
-            Some(_) => Status::Uncertified(missing.join("; ")),
-        },
+        claims,
         strips,
-        strip_figures: judgement.strip_figures,
         fields: judgement.fields,
         points: Default::default(),
         meaning: judgement.meaning,
         parts,
         patterns,
         guides,
-        figures,
         notes,
         skipped: Vec::new(),
         seconds: start.elapsed().as_secs_f64(),
@@ -510,9 +511,11 @@ fn judged(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::brep::space_curve::SpaceCurve;
+    use crate::certify::claim::Status;
     use crate::geom::{Frame, Vec3};
-    use crate::spline::space_curve::SpaceCurve;
-    use crate::surface::torse::PanelKind;
+    use crate::io::words;
+    use crate::torse::form::PanelKind;
     use std::f64::consts::TAU;
 
     fn made(a: &Rail, b: &Rail, options: &Options) -> Sheets {
@@ -520,7 +523,8 @@ mod tests {
     }
 
     fn figure(s: &Sheets, name: &str) -> f64 {
-        s.figures.iter().find(|f| f.name == name).map_or(f64::NAN, |f| f.value)
+        let curves: Vec<String> = s.guides.iter().map(|g| g.name.clone()).collect();
+        s.claims_of(Subject::Whole).find(|c| words::name(c, &curves) == name).map_or(f64::NAN, Claim::value)
     }
 
     /// A duct from a square that starts in the middle of an edge to a circle whose seam lies anywhere.
@@ -544,7 +548,7 @@ mod tests {
         for seam in [0.0, 0.4, 2.0] {
             let (a, b) = duct(seam);
             let sheets = made(&a, &b, &Options::new(1e-6));
-            assert_eq!(sheets.status, Status::Certified, "{:?}", sheets.figures);
+            assert_eq!(sheets.status(), Status::Certified, "{:?}", sheets.claims);
             let count = |kind| sheets.strips.iter().filter(|s| s.kind == kind).count();
             assert_eq!((count(PanelKind::Plane), count(PanelKind::Cone), sheets.strips.len()), (4, 4, 8), "{seam}");
         }
@@ -584,13 +588,15 @@ mod tests {
         let ring = |r: f64, s: f64, h: f64, angle: f64| 0.5 * angle * (r + s) * (h * h + (r - s) * (r - s)).sqrt();
         let area = |s: &Sheets| s.strips.iter().map(Strip::area_estimate).sum::<f64>();
         let trimmed = with(Ends::Trim);
-        assert_eq!(trimmed.status, Status::Certified, "{:?}", trimmed.figures);
+        assert_eq!(trimmed.status(), Status::Uncertified);
+        let reason = words::reason(&trimmed.claims, &[]);
+        assert!(reason.starts_with("certified in part: 63.16 % of long"), "{reason}");
         // Both edges, 200 mm long in all, may lie up to the tolerance off.
         assert!((area(&trimmed) - ring(100.0, 80.0, 60.0, 1.2)).abs() < 0.01 * 200.0);
         assert!(trimmed.notes.iter().any(|n| n.contains("long is used from")), "{:?}", trimmed.notes);
         // The rest of the long rail is joined to the end of the short one.
         let fanned = with(Ends::Fan);
-        assert_eq!(fanned.status, Status::Certified, "{:?} {:?}", fanned.figures, fanned.status);
+        assert_eq!(fanned.status(), Status::Certified, "{:?} {:?}", fanned.claims, fanned.notes);
         let tip = a.point(1.0);
         let fan: Vec<&Strip> = fanned.strips.iter().filter(|s| s.is_point(0)).collect();
         assert_eq!(fan.len(), 1);
@@ -598,7 +604,9 @@ mod tests {
         assert!((fan[0].ruling(1.0)[1] - b.point(1.0)).norm() < 1e-9);
         // The short rail goes on along its tangent.
         let extended = with(Ends::Extend);
-        assert_eq!(extended.status, Status::Certified, "{:?}", extended.status);
+        assert_eq!(extended.status(), Status::Uncertified, "past the end");
+        let reason = words::reason(&extended.claims, &[]);
+        assert!(reason.starts_with("certified in part:") && reason.contains("past the ends of short"), "{reason}");
         assert!(area(&extended) > area(&trimmed) && extended.notes.iter().any(|n| n.contains("is extended by")));
     }
 
@@ -622,8 +630,8 @@ mod tests {
         let met = fixed.strips.iter().flat_map(|s| [s.ruling(0.0), s.ruling(1.0)]);
         // Within the step of the search above.
         assert!(met.into_iter().any(|r| (r[0] - p).norm() < 0.1 && (r[1] - q).norm() < 0.1));
-        assert!(matches!(fixed.status, Status::Uncertified(_)) && fixed.strips.len() < 10);
-        assert!(figure(&fixed, "twist") > 1e-3, "{:?} {:?}", fixed.status, fixed.figures);
+        assert!(fixed.status() == Status::Uncertified && fixed.strips.len() < 10);
+        assert!(figure(&fixed, "twist") > 1e-3, "{:?} {:?}", fixed.claims, fixed.notes);
         let least = made(&a, &b, &Options { choice: Choice::LeastTwist, ..Options::new(0.01) });
         assert!(least.notes.iter().any(|n| n.contains("least twist")));
     }
@@ -638,16 +646,21 @@ mod tests {
         };
         let (a, b) = (ring("a", 0.0, 100.0, 100.0), ring("b", 120.0, 150.0, 60.0));
         let s = made(&a, &b, &Options::new(1e-14));
-        let Status::Uncertified(reason) = &s.status else { panic!("certified") };
+        assert_eq!(s.status(), Status::Uncertified);
+        let reason = words::reason(&s.claims, &[]);
         assert!(reason.contains(" mm is met") && figure(&s, "from a") < 1e-7, "{reason}");
         // An exact one is found at once where the tolerance allows, and is worth its name.
         let s = made(&a, &b, &Options::new(0.01));
-        assert!(s.status == Status::Certified && figure(&s, "twist, bound") < 1e-4, "{:?}", s.figures);
+        assert!(s.status() == Status::Certified && figure(&s, "twist, bound") < 1e-4, "{:?}", s.claims);
         assert!(s.notes.iter().any(|n| n.contains("exactly developable")), "{:?}", s.notes);
         let stopped = Control::default();
         stopped.cancel();
         let s = loft(&a, &b, &Options::new(0.01), &stopped).expect("sheets");
-        assert!(s.status == Status::Certified && s.notes.iter().any(|n| n.contains("stopped early")), "{:?}", s.notes);
+        assert!(
+            s.status() == Status::Certified && s.notes.iter().any(|n| n.contains("stopped early")),
+            "{:?}",
+            s.notes
+        );
     }
 
     #[test]

@@ -3,21 +3,22 @@
 //! Reads like the page that describes it: take the curve as one spline, find all regular nets \[FJ07\], keep the best,
 //! have it judged, develop.
 
-use super::cut::{cut, stretched};
-use super::judgement::judge;
-use super::outcome::Status;
-use super::sheets::{Basis, Figure, FlatPart, Guide, Sheets};
+use crate::answer::sheets::{FlatPart, Guide, Sheets};
+use crate::certify::claim::{Claim, Counted, NetNumber, Subject, What};
 use crate::control::Control;
 use crate::design::interpolate::{self, interpolate, EndRulings, InterpolateError, Interpolation, Route, Solution};
 use crate::design::loft::build::{classified, BuiltStrip};
 use crate::develop::strip::StripOptions;
+use crate::develop::view::Drawn;
 use crate::geom::Vec3;
+use crate::search::strips::cut::{claims as flat_claims, cut};
+use crate::search::strips::judgement::{judge, Candidate};
 use crate::spline::curve::Curve;
 use crate::spline::SplineError;
-use crate::surface::net::{Net, NetError, NetKind, Regularity, Shape, TaperedNet};
-use crate::surface::rail::{Rail, RailError, RailPart};
-use crate::surface::strip::Strip;
-use crate::surface::torse::PanelKind;
+use crate::torse::form::PanelKind;
+use crate::torse::net::{Net, NetError, NetKind, Regularity, Shape, TaperedNet};
+use crate::torse::rail::{Rail, RailError, RailPart};
+use crate::torse::strip::Strip;
 use std::time::Instant;
 
 /// What decides the net besides its curve and first ruling. The curve's parameter runs from 0 to 1.
@@ -71,6 +72,8 @@ pub struct Options {
     pub mark_spacing: Option<f64>,
     /// Twist that counts as developable, rad; default 1e-5 (0.0006°).
     pub twist_tolerance: f64,
+    /// How flat patterns are drawn; default seen from outside, lines every 5°.
+    pub drawn: Drawn,
 }
 
 impl Options {
@@ -88,6 +91,7 @@ impl Options {
             ruling_spacing: None,
             mark_spacing: None,
             twist_tolerance: 1e-5,
+            drawn: Drawn::default(),
         }
     }
 }
@@ -220,7 +224,7 @@ pub fn net(curve: &Rail, options: &Options, control: &Control) -> Result<Sheets,
 #[derive(Default)]
 struct Answer {
     nets: Vec<TaperedNet>,
-    figures: Vec<Figure>,
+    claims: Vec<Claim>,
     notes: Vec<String>,
     missing: Vec<String>,
 }
@@ -248,7 +252,7 @@ fn by_rulings(
         .map_err(|source| NetJobError::Rulings { curve: curve.name.clone(), source })?;
     let mut out = Answer::default();
     let good: Vec<&Solution> = found.candidates.iter().filter(|s| s.is_good()).collect();
-    out.figures.push(Figure::new("regular polynomial solutions", good.len() as f64, "", Basis::Proven));
+    out.claims.push(Claim::count(Counted::Solutions, Subject::Whole, good.len()));
     tell_candidates(&found, size, &mut out.notes);
     let chosen: Vec<Solution> = if options.alternative > 1 {
         let Some(one) = good.get(options.alternative - 1) else {
@@ -263,9 +267,10 @@ fn by_rulings(
     };
     if let (Some(first), Some(last)) = (chosen.first(), chosen.last()) {
         let error = chosen.iter().map(|s| s.end_error).fold(0.0, f64::max);
-        out.figures.push(Figure::new("first ruling", first.start_reach * size, "mm", Basis::Measured));
-        out.figures.push(Figure::new("last ruling", last.end_reach * size, "mm", Basis::Measured));
-        out.figures.push(Figure::new("angle off the end rulings", error.to_degrees(), "°", Basis::Measured));
+        let measured = |what, value| Claim::measured(what, Subject::Whole, value);
+        out.claims.push(measured(What::FirstRuling, first.start_reach * size));
+        out.claims.push(measured(What::LastRuling, last.end_reach * size));
+        out.claims.push(measured(What::EndRulingError, error.to_degrees()));
     }
     out.nets = chosen.into_iter().map(|s| s.strip).collect();
     Ok(out)
@@ -320,7 +325,7 @@ fn tell_route(found: &Interpolation, good: usize, out: &mut Answer) {
 fn by_shape(given: &Curve<4>, curve: &Rail, shape: Shape, options: &Options) -> Result<Answer, NetJobError> {
     let fault = |source| NetJobError::Net { curve: curve.name.clone(), source };
     let e = options.first_ruling;
-    let tangent = crate::surface::rail::tangent(given, 0.0);
+    let tangent = crate::torse::rail::tangent(given, 0.0);
     const TANGENT: f64 = 1e-8;
     if e.norm() > 0.0 && tangent.cross(&e).norm() <= TANGENT * e.norm() {
         let source = InterpolateError::Tangent { which: "first", u: 0.0, angle: tangent.cross(&e).norm() / e.norm() };
@@ -330,7 +335,7 @@ fn by_shape(given: &Curve<4>, curve: &Rail, shape: Shape, options: &Options) -> 
     let net = Net::from_first(given.clone(), [e.x * w, e.y * w, e.z * w, 0.0], shape).map_err(fault)?;
     let last = net.ruling(1.0);
     let mut out = Answer::default();
-    out.figures.push(Figure::new("last ruling", (last[1] - last[0]).norm(), "mm", Basis::Measured));
+    out.claims.push(Claim::measured(What::LastRuling, Subject::Whole, (last[1] - last[0]).norm()));
     out.nets.push(TaperedNet { net, taper: (1.0, 1.0) });
     Ok(out)
 }
@@ -427,9 +432,11 @@ fn judged(
     options: &Options,
     start: Instant,
 ) -> Sheets {
-    let Answer { nets, figures: found, mut notes, mut missing } = answer;
-    let pieces: Vec<_> = built.iter().map(|s| (s, [Some(rail), None])).collect();
-    let judgement = judge(&pieces, &[given.name.clone(), String::new()], options.twist_tolerance);
+    let Answer { nets, mut claims, mut notes, mut missing } = answer;
+    let pieces: Vec<Candidate> =
+        built.iter().enumerate().map(|(index, built)| Candidate { index, built, rails: [Some(rail), None] }).collect();
+    let judgement = judge(&pieces, [What::FromCurve(0), What::FromCurve(1)], options.twist_tolerance);
+    let whole = Subject::Whole;
     for (s, net) in built.iter().zip(&nets) {
         tell_regression(&s.strip.name, net, &mut notes);
         match net.regularity() {
@@ -448,13 +455,11 @@ fn judged(
         }
     }
     missing.extend(judgement.missing.iter().filter(|_| missing.is_empty()).cloned().collect::<Vec<_>>());
-    if judgement.off[0] > options.tolerance {
-        missing.push(format!("the strips stray up to {:.4} mm from {}", judgement.off[0], given.name));
-    }
     let strips: Vec<Strip> = built.into_iter().map(|s| s.strip).collect();
     let flat = StripOptions {
         ruling_spacing: options.ruling_spacing,
         mark_spacing: options.mark_spacing,
+        drawn: options.drawn,
         ..StripOptions::new(CONTOUR_SHARE * options.tolerance)
     };
     let chains: Vec<FlatPart> = (!strips.is_empty())
@@ -462,41 +467,38 @@ fn judged(
         .into_iter()
         .collect();
     let (parts, patterns) = cut(&strips, &chains, &flat);
-    missing.extend(parts.iter().filter(|p| !p.missing.is_empty()).map(|p| format!("part {}: {}", p.name, p.missing)));
-    missing.extend(stretched(&parts, &patterns, options.tolerance));
-    let isometry = patterns.iter().map(|p| p.isometry_error).fold(0.0, f64::max);
-    let mut figures = found;
     if let Some(net) = nets.first() {
         let shape = net.net.shape();
-        let stars = [("M*", shape.m_star()), ("Λ*", shape.lambda_star())];
-        let numbers = if shape.m == 0.0 { [("m", 0.0), ("κ", shape.kappa)] } else { stars };
-        figures.extend(numbers.map(|(name, x)| Figure::new(name, x, "", Basis::Given)));
+        let stars = [(NetNumber::MStar, shape.m_star()), (NetNumber::LambdaStar, shape.lambda_star())];
+        let numbers = if shape.m == 0.0 { [(NetNumber::M, 0.0), (NetNumber::Kappa, shape.kappa)] } else { stars };
+        claims.extend(numbers.map(|(number, x)| Claim::given(What::NetShape(number), whole, x)));
     }
     if !strips.is_empty() {
-        figures.push(Figure::new(format!("from {}", given.name), judgement.off[0], "mm", Basis::Proven));
-        figures.extend(judgement.figures().into_iter().filter(|f| !f.name.starts_with("strips")));
+        let off = judgement.off[0];
+        claims.push(Claim::at_most(What::FromCurve(0), whole, off).within(options.tolerance).because(format!(
+            "the strips stray up to {:.4} mm from {}",
+            off.value(),
+            given.name
+        )));
+        claims.extend(judgement.whole().into_iter().filter(|c| !matches!(c.what(), What::Count(_))));
     }
-    figures.push(Figure::new("strips", strips.len() as f64, "", Basis::Given));
-    if !patterns.is_empty() {
-        figures.push(Figure::new("flat area", patterns.iter().map(|p| p.area * 1e-6).sum(), "m²", Basis::Measured));
-        figures.push(Figure::new("length error of patterns", isometry, "", Basis::Measured));
+    claims.push(Claim::count(Counted::Strips, whole, strips.len()));
+    if !parts.is_empty() {
+        claims.extend(flat_claims(&parts, &patterns, options.tolerance));
     }
+    claims.extend(missing.into_iter().map(|reason| Claim::objection(whole, reason)));
+    claims.extend(judgement.claims);
     Sheets {
         job: "net".into(),
         input: options.input.clone(),
         tolerance: options.tolerance,
-        status: match missing.is_empty() {
-            true => Status::Certified,
-            false => Status::Uncertified(missing.join("; ")),
-        },
+        claims,
         strips,
-        strip_figures: judgement.strip_figures,
         fields: judgement.fields,
         meaning: judgement.meaning,
         parts,
         patterns,
         guides: vec![Guide { name: given.name.clone(), points: given.samples(200) }],
-        figures,
         notes,
         points: Default::default(),
         skipped: Vec::new(),
@@ -507,6 +509,8 @@ fn judged(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::certify::claim::Status;
+    use crate::io::words;
     use crate::spline::knots::Knots;
 
     /// The worked example of the specification of nets, 250 mm to the unit.
@@ -530,13 +534,14 @@ mod tests {
     }
 
     fn figure(s: &Sheets, name: &str) -> f64 {
-        s.figures.iter().find(|f| f.name == name).map_or(f64::NAN, |f| f.value)
+        let curves: Vec<String> = s.guides.iter().map(|g| g.name.clone()).collect();
+        s.claims_of(Subject::Whole).find(|c| words::name(c, &curves) == name).map_or(f64::NAN, Claim::value)
     }
 
     #[test]
     fn the_worked_example_is_certified_with_its_numbers() {
         let s = made(&Options::new(1e-3, first(), last(-0.25, 1.0, 0.125, None)));
-        assert_eq!(s.status, Status::Certified, "{:?}", s.figures);
+        assert_eq!(s.status(), Status::Certified, "{:?}", s.claims);
         assert!((figure(&s, "M*") - 1.369_415_885_318_557_6).abs() < 1e-9);
         assert!((figure(&s, "Λ*") - 1.362_462_674_853_677_2).abs() < 1e-9);
         assert!(figure(&s, "from keel") < 1e-9 && figure(&s, "twist, bound") < 1e-8);
@@ -546,7 +551,7 @@ mod tests {
         assert!((end - expected).norm() < 1e-6, "{end}");
         let both = made(&Options::new(1e-3, first(), last(-0.25, 1.0, 0.125, Some(200.0))));
         let r = both.strips[0].ruling(1.0);
-        assert!(both.status == Status::Certified && ((r[1] - r[0]).norm() - 200.0).abs() < 1e-9);
+        assert!(both.status() == Status::Certified && ((r[1] - r[0]).norm() - 200.0).abs() < 1e-9);
     }
 
     #[test]
@@ -558,8 +563,8 @@ mod tests {
         ] {
             for along in [[0.0, 1.0], [-0.05, 1.1], [0.2, 0.7]] {
                 let s = made(&Options { along, ..Options::new(1e-3, first(), condition) });
-                assert_eq!((&s.status, s.strips[0].kind), (&Status::Certified, kind), "{along:?}");
-                assert!(figure(&s, "from keel") < 1e-8, "{along:?} {:?}", s.figures);
+                assert_eq!((s.status(), s.strips[0].kind), (Status::Certified, kind), "{along:?}");
+                assert!(figure(&s, "from keel") < 1e-8, "{along:?} {:?}", s.claims);
                 let end = keel().pieces[0].extended(-1.0, 2.0).expect("curve").point(along[1]);
                 assert!((s.strips[0].ruling(1.0)[0] - Vec3::new(end[0], end[1], end[2])).norm() < 1e-9);
             }
@@ -569,10 +574,12 @@ mod tests {
     #[test]
     fn what_has_no_regular_answer_says_why_and_has_no_strips() {
         let s = made(&Options { polynomial: true, ..Options::new(1e-3, first(), last(0.0, -1.0, 0.5, None)) });
-        let Status::Uncertified(reason) = &s.status else { panic!("certified") };
+        assert_eq!(s.status(), Status::Uncertified);
+        let reason = words::reason(&s.claims, &[]);
         assert!(reason.contains("pattern ++++") && s.strips.is_empty() && s.patterns.is_empty(), "{reason}");
         let s = made(&Options::new(1e-3, first(), Condition::Stars { m_star: 0.7, lambda_star: 1.4 }));
-        let Status::Uncertified(reason) = &s.status else { panic!("certified") };
+        assert_eq!(s.status(), Status::Uncertified);
+        let reason = words::reason(&s.claims, &[]);
         assert!(reason.contains("u = 0.7000"), "{reason}");
     }
 

@@ -2,17 +2,19 @@
 //!
 //! Reads like the page that describes it: planarise, refine and planarise again, judge every quadrilateral, develop.
 
-use super::cut::cut;
-use super::outcome::Status;
-use super::sheets::{Basis, FieldMeaning, Figure, FlatPart, Guide, Sheets, StripField};
+use crate::answer::sheets::{FieldMeaning, FlatPart, Guide, Sheets, StripField};
+use crate::certify::claim::{Claim, Counted, Subject, UpperBound, What};
 use crate::certify::quads::gap_bound;
 use crate::control::Control;
 use crate::design::discrete::planarise::{DiscreteError, Hold, PlanariseStatus};
 use crate::design::discrete::subdivide::{subdivide, SubdivideOptions, Subdivided};
 use crate::develop::strip::StripOptions;
+use crate::develop::view::Drawn;
 use crate::geom::Vec3;
+use crate::search::strips::cut::{claims as flat_claims, cut};
+use crate::search::strips::judgement::SQUARE_METRES;
 use crate::spline::SplineError;
-use crate::surface::quad_strip::QuadStrip;
+use crate::torse::quad_strip::QuadStrip;
 use std::time::Instant;
 
 /// What the job is asked for.
@@ -28,12 +30,21 @@ pub struct Options {
     pub hold: Hold,
     /// Displacement allowed for given points by planarisation, mm; default none: any.
     pub most_move: Option<f64>,
+    /// How flat patterns are drawn; default seen from outside, lines every 5°.
+    pub drawn: Drawn,
 }
 
 impl Options {
     /// Defaults with a tolerance (mm).
     pub fn new(tolerance: f64) -> Self {
-        Self { tolerance, input: "strip".into(), levels: 0, hold: Hold::Nothing, most_move: None }
+        Self {
+            tolerance,
+            input: "strip".into(),
+            levels: 0,
+            hold: Hold::Nothing,
+            most_move: None,
+            drawn: Drawn::default(),
+        }
     }
 }
 
@@ -91,26 +102,24 @@ pub fn planarise(strip: &QuadStrip, options: &Options, control: &Control) -> Res
 fn judged(given: &QuadStrip, done: Subdivided, options: &Options, start: Instant) -> Result<Sheets, PlanariseError> {
     let result = &done.strip;
     let (mut missing, mut notes) = (Vec::new(), Vec::new());
-    let (mut strip_figures, mut fields, mut worst_gap) = (Vec::new(), Vec::new(), 0.0f64);
+    let (mut each, mut fields, mut gaps) = (Vec::new(), Vec::new(), Vec::new());
     let strips = result.faces("A")?;
     for (i, s) in strips.iter().enumerate() {
         let gap = gap_bound(result, i);
-        worst_gap = worst_gap.max(gap);
+        gaps.push(gap);
         let bends = [result.bend(i).to_degrees(), result.bend(i + 1).to_degrees()];
-        strip_figures.push(vec![
-            Figure::new("distance of diagonals", gap, "mm", Basis::Proven),
-            Figure::new("regression clearance", result.regression_clearance(i), "mm", Basis::Measured),
-            Figure::new("bend before", bends[0], "°", Basis::Measured),
-            Figure::new("area", s.area_estimate() * 1e-6, "m²", Basis::Measured),
+        let subject = Subject::Panel(i);
+        each.extend([
+            Claim::at_most(What::DiagonalGap, subject, gap),
+            Claim::measured(What::RegressionClearance, subject, result.regression_clearance(i)),
+            Claim::measured(What::BendBefore, subject, bends[0]),
+            Claim::measured(What::Area, subject, s.area_estimate() * SQUARE_METRES),
         ]);
         // The ends have no neighbour to bend against; they show the bend of the other side.
         let (first, last) = (i == 0, i + 1 == strips.len());
         let before = if first { bends[1] } else { bends[0] };
         let after = if last { bends[0] } else { bends[1] };
         fields.push(StripField { u: vec![0.0, 1.0], v: vec![0.0, 1.0], values: vec![before, before, after, after] });
-    }
-    if worst_gap > options.tolerance {
-        missing.push(format!("diagonals up to {worst_gap:.4} mm apart{}", stalled(&done, options.hold)));
     }
     if let Some(i) = result.crossing() {
         missing.push(format!(
@@ -137,37 +146,40 @@ fn judged(given: &QuadStrip, done: Subdivided, options: &Options, start: Instant
             100.0 * l.bend_jump
         ));
     }
-    let flat = StripOptions::new(CONTOUR_SHARE * options.tolerance);
-    let whole = FlatPart { name: "A".into(), first: 0, count: strips.len(), missing: String::new() };
-    let (parts, patterns) = cut(&strips, &[whole], &flat);
-    missing.extend(parts.iter().filter(|p| !p.missing.is_empty()).map(|p| format!("part {}: {}", p.name, p.missing)));
-    let isometry = patterns.iter().map(|p| p.isometry_error).fold(0.0, f64::max);
+    let flat = StripOptions { drawn: options.drawn, ..StripOptions::new(CONTOUR_SHARE * options.tolerance) };
+    let chain = FlatPart { name: "A".into(), first: 0, count: strips.len(), missing: String::new() };
+    let (parts, patterns) = cut(&strips, &[chain], &flat);
     let clearance = (0..result.quads()).map(|i| result.regression_clearance(i)).fold(f64::INFINITY, f64::min);
     let largest_bend = (1..result.quads()).map(|i| result.bend(i).abs().to_degrees()).fold(0.0, f64::max);
-    let figures = vec![
-        Figure::new("distance of diagonals", worst_gap, "mm", Basis::Proven),
-        Figure::new("points moved", moved, "mm", Basis::Measured),
-        Figure::new("regression clearance", clearance, "mm", Basis::Measured),
-        Figure::new("largest bend", largest_bend, "°", Basis::Measured),
-        Figure::new("quadrilaterals", strips.len() as f64, "", Basis::Given),
-        Figure::new("flat area", patterns.iter().map(|p| p.area * 1e-6).sum(), "m²", Basis::Measured),
-        Figure::new("length error of patterns", isometry, "", Basis::Measured),
+    let whole = Subject::Whole;
+    let gap = UpperBound::largest(gaps);
+    let mut claims = vec![
+        Claim::at_most(What::DiagonalGap, whole, gap).within(options.tolerance).because(format!(
+            "diagonals up to {:.4} mm apart{}",
+            gap.value(),
+            stalled(&done, options.hold)
+        )),
+        Claim::measured(What::PointsMoved, whole, moved),
+        Claim::measured(What::RegressionClearance, whole, clearance),
+        Claim::measured(What::LargestBend, whole, largest_bend),
+        Claim::count(Counted::Quadrilaterals, whole, strips.len()),
     ];
+    claims.extend(flat_claims(&parts, &patterns, options.tolerance));
+    claims.extend(missing.into_iter().map(|reason| Claim::objection(whole, reason)));
+    claims.extend(each);
     let guide = |name: &str, points: &[Vec3]| Guide { name: name.into(), points: points.to_vec() };
     Ok(Sheets {
         job: "planarise".into(),
         input: options.input.clone(),
         tolerance: options.tolerance,
-        status: if missing.is_empty() { Status::Certified } else { Status::Uncertified(missing.join("; ")) },
+        claims,
         strips,
-        strip_figures,
         fields,
         points: Default::default(),
         meaning: FieldMeaning { name: "bend".into(), unit: "°".into(), limit: largest_bend.max(1e-6) },
         parts,
         patterns,
         guides: vec![guide("first polyline", given.a()), guide("second polyline", given.b())],
-        figures,
         notes,
         skipped: Vec::new(),
         seconds: start.elapsed().as_secs_f64(),
@@ -189,7 +201,9 @@ fn stalled(done: &Subdivided, hold: Hold) -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::pipeline::shapes::shapes;
+    use crate::answer::shapes::shapes;
+    use crate::certify::claim::{Evidence, Status};
+    use crate::io::words;
 
     /// A strip between a circle and an ellipse above it, 200 mm wide.
     fn twisted(quads: usize) -> QuadStrip {
@@ -203,9 +217,10 @@ mod tests {
     fn a_strip_is_planarised_refined_proven_and_developed() {
         let options = Options { levels: 2, ..Options::new(1e-6) };
         let s = planarise(&twisted(8), &options, &Control::default()).expect("an answer");
-        assert_eq!(s.status, Status::Certified);
+        assert_eq!(s.status(), Status::Certified);
         assert_eq!((s.strips.len(), s.patterns.len(), s.notes.len()), (32, 1, 3));
-        assert!(s.figures[0].value < 1e-10 && s.figures[0].basis == Basis::Proven);
+        let gap = s.claim(What::DiagonalGap).expect("a claim");
+        assert!(gap.value() < 1e-10 && gap.evidence() == Evidence::Proven);
         assert!(s.patterns[0].isometry_error < 1e-9);
         assert!((s.patterns[0].area - s.patterns[0].area_in_space).abs() < 1e-6);
         assert!(!shapes(&s).is_empty());
@@ -219,15 +234,16 @@ mod tests {
             .expect("strip");
         let options = Options { hold: Hold::Ends, ..Options::new(0.01) };
         let s = planarise(&held, &options, &Control::default()).expect("an answer");
-        let Status::Uncertified(reason) = s.status else { panic!("certified") };
+        assert_eq!(s.status(), Status::Uncertified);
+        let reason = words::reason(&s.claims, &[]);
         assert!(reason.contains("hold fewer"), "{reason}");
         let options = Options { most_move: Some(1e-3), ..Options::new(0.01) };
         let s = planarise(&twisted(8), &options, &Control::default()).expect("an answer");
-        assert!(matches!(s.status, Status::Uncertified(r) if r.contains("moved")));
+        assert!(words::reason(&s.claims, &[]).contains("moved"));
         let crossed =
             QuadStrip::new(vec![x(50., 0., 0.), x(0., 0., 0.)], vec![x(0., 50., 0.), x(50., 50., 0.)]).expect("strip");
         let s = planarise(&crossed, &Options::new(0.01), &Control::default()).expect("an answer");
-        assert!(matches!(s.status, Status::Uncertified(r) if r.contains("cross")));
+        assert!(words::reason(&s.claims, &[]).contains("cross"));
     }
 
     #[test]

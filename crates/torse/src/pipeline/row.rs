@@ -1,27 +1,30 @@
 //! From rulings, tangent planes or a developable face to strips of low degree: fit, prove, develop.
 
-use super::cut::cut;
-use super::fewest::{fewest, simplest};
-use super::given_face::{is_simplest, no_simpler, reached, GivenFace, NARROW};
-use super::outcome::{Skipped, Status};
-use super::regression;
-use super::sheets::{Basis, FieldMeaning, Figure, FlatPart, Sheets, StripField};
+use super::approximate::left_face;
+use crate::answer::outcome::{left_out, Skipped};
+use crate::answer::sheets::{FieldMeaning, FlatPart, Sheets, StripField};
+use crate::brep::face::Face;
+use crate::certify::claim::{Claim, Counted, Subject, What};
 use crate::certify::elements::{elements as certified, ElementCertificate};
 use crate::control::Control;
 use crate::develop::strip::StripOptions;
-use crate::fit::outliers::{outliers, MOST};
-use crate::fit::plane_estimates::{
+use crate::develop::view::Drawn;
+use crate::fit::elements::extent::strip;
+use crate::fit::elements::outliers::{outliers, MOST};
+use crate::fit::elements::ruling_order::ordered;
+use crate::fit::elements::sequence::{row, torses, RowOptions, RowPiece};
+use crate::fit::planes::estimates::{
     planes_of_noisy_rulings, planes_of_rulings, planes_of_smooth_rulings, Ends, EstimateError,
 };
-use crate::fit::row::{row, torses, RowOptions, RowPiece};
-use crate::fit::row_extent::strip;
-use crate::fit::ruling_order::ordered;
 use crate::geom::coarse::Coarse;
 use crate::geom::Vec3;
-use crate::surface::face::Face;
-use crate::surface::plane_row::{orient, Given, PlaneElement};
-use crate::surface::strip::Strip;
-use crate::surface::zone::RegressionLimits;
+use crate::search::strips::cut::cut;
+use crate::search::strips::fewest::{fewest, simplest};
+use crate::search::strips::regression;
+use crate::search::strips::ruled_face::{is_simplest, no_simpler, reached, GivenFace, NARROW};
+use crate::torse::contact::{orient, Given, PlaneElement};
+use crate::torse::strip::Strip;
+use crate::torse::zone::RegressionLimits;
 
 /// What the job is asked.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,6 +45,8 @@ pub struct RowFitOptions {
     pub smoothing: Option<f64>,
     /// Whether elements far from a surface that most of the others agree on are left out and named; false.
     pub robust: bool,
+    /// How flat patterns are drawn; default seen from outside, lines every 5°.
+    pub drawn: Drawn,
 }
 
 impl RowFitOptions {
@@ -56,6 +61,7 @@ impl RowFitOptions {
             fix_ends: false,
             smoothing: None,
             robust: false,
+            drawn: Drawn::default(),
         }
     }
 
@@ -134,7 +140,8 @@ const AIMS: [f64; 3] = [0.8, 0.4, 0.15];
 /// # Errors
 /// See [`RowFitError`].
 pub fn fit_row(given: &Given, options: &RowFitOptions, control: &Control) -> Result<RowOutcome, RowFitError> {
-    let what = if matches!(given, Given::Rulings(_)) { "rulings" } else { "planes" };
+    let sort = if matches!(given, Given::Rulings(_)) { Sort::Rulings } else { Sort::Planes };
+    let what = sort.many();
     if given.len() < FEWEST {
         return Err(RowFitError::Few(given.len(), what));
     }
@@ -144,8 +151,7 @@ pub fn fit_row(given: &Given, options: &RowFitOptions, control: &Control) -> Res
         }
     }
     if let Some(index) = repeated(given) {
-        let what = if what == "planes" { "plane" } else { "ruling" };
-        return Err(RowFitError::Repeated { what, index });
+        return Err(RowFitError::Repeated { what: sort.one(), index });
     }
     let (kept, out) = if options.robust { agreeing(given, options.tolerance) } else { (given.clone(), Vec::new()) };
     let estimates = match &kept {
@@ -153,17 +159,16 @@ pub fn fit_row(given: &Given, options: &RowFitOptions, control: &Control) -> Res
         Given::Rulings(r) => of_rulings(r, options.tolerance)?,
     };
     let row = Row { name: what.to_string(), estimates, face: None };
-    let mut outcome = run(vec![row], Vec::new(), what, options, control)?;
+    let mut outcome = run(vec![row], Vec::new(), sort, options, control)?;
     if !out.is_empty() {
         let left = certified(&outcome.sheets.strips, &out.iter().map(|o| o.1).collect::<Vec<_>>(), control);
-        let one = if what == "planes" { "plane" } else { "ruling" };
+        let one = sort.one();
         let words = out.iter().zip(left.bounds()).map(|((i, _), b)| {
             format!("{one} {i}: the others agree on a surface without it, {b:.3} mm away; nothing is proven of it")
         });
         outcome.sheets.skipped.extend(words);
-        let figures = &mut outcome.sheets.figures;
-        figures
-            .insert(figures.len().min(1), Figure::new("left out as outliers", out.len() as f64, "", Basis::Measured));
+        let claims = &mut outcome.sheets.claims;
+        claims.insert(claims.len().min(1), Claim::count(Counted::Outliers, Subject::Whole, out.len()));
     }
     Ok(outcome)
 }
@@ -235,7 +240,7 @@ pub fn fit_faces(
     options: &RowFitOptions,
     control: &Control,
 ) -> Result<RowOutcome, RowFitError> {
-    let mut left: Vec<String> = skipped.iter().map(|s| format!("#{}: {}", s.entity, s.reason)).collect();
+    let mut left = skipped.to_vec();
     let before = left.len();
     let mut rows = Vec::new();
     for (i, face) in faces.iter().enumerate() {
@@ -245,14 +250,17 @@ pub fn fit_faces(
                 let estimates = vec![std::mem::take(&mut given.row)];
                 rows.push(Row { name, estimates, face: Some(given) });
             }
-            Err(reason) => left.push(format!("#{} {name}: {reason}", face.entity)),
+            Err(reason) => left.push(left_face(face, format!("{name}: {reason}"))),
         }
     }
     if rows.is_empty() {
-        let reason = left.get(before).cloned().unwrap_or_else(|| "no faces".into());
+        let reason = left.get(before).map_or("no faces".into(), |s| format!("#{} {}", s.entity, s.reason));
         return Err(RowFitError::NoFace { count: faces.len(), reason });
     }
-    run(rows, left, "rulings", options, control)
+    let words = left.iter().map(|s| format!("#{}: {}", s.entity, s.reason)).collect();
+    let mut out = run(rows, words, Sort::Rulings, options, control)?;
+    out.sheets.claims.extend(left_out(&left));
+    Ok(out)
 }
 
 /// What is fitted at once: estimates of the same elements, and the face that they come from.
@@ -323,7 +331,7 @@ impl Attempt {
     /// Elements beyond the tolerance and regression curves out of bounds, strips, worst bound: less is better.
     fn rank(&self, options: &RowFitOptions) -> (usize, usize, f64) {
         let broken = self.strips.iter().filter(|s| !regression::keeps(s, options.limits.as_ref())).count();
-        (self.certificate.beyond(options.tolerance) + broken, self.strips.len(), self.certificate.worst_bound())
+        (self.certificate.beyond(options.tolerance) + broken, self.strips.len(), self.certificate.worst_bound().value())
     }
 }
 
@@ -402,7 +410,7 @@ fn best(
         const HOPELESS: f64 = 5.0;
         let (beyond, worst) = best
             .as_ref()
-            .map_or((0, 0.0), |(_, b)| (b.certificate.beyond(options.tolerance), b.certificate.worst_bound()));
+            .map_or((0, 0.0), |(_, b)| (b.certificate.beyond(options.tolerance), b.certificate.worst_bound().value()));
         let many = estimates.first().is_some_and(|e| 2 * beyond > e.len());
         if beyond == 0 || (many && worst > HOPELESS * options.tolerance) {
             break;
@@ -411,14 +419,45 @@ fn best(
     best
 }
 
+/// What is given.
+#[derive(Clone, Copy)]
+enum Sort {
+    Rulings,
+    Planes,
+}
+
+impl Sort {
+    fn one(self) -> &'static str {
+        match self {
+            Self::Rulings => "ruling",
+            Self::Planes => "plane",
+        }
+    }
+
+    fn many(self) -> &'static str {
+        match self {
+            Self::Rulings => "rulings",
+            Self::Planes => "planes",
+        }
+    }
+
+    fn counted(self) -> Counted {
+        match self {
+            Self::Rulings => Counted::Rulings,
+            Self::Planes => Counted::TangentPlanes,
+        }
+    }
+}
+
 fn run(
     rows: Vec<Row>,
     mut skipped: Vec<String>,
-    what: &'static str,
+    sort: Sort,
     options: &RowFitOptions,
     control: &Control,
 ) -> Result<RowOutcome, RowFitError> {
     let clock = std::time::Instant::now();
+    let what = sort.many();
     if !(options.tolerance > 0.0 && options.tolerance.is_finite()) {
         return Err(RowFitError::Tolerance(options.tolerance));
     }
@@ -498,27 +537,41 @@ fn run(
     let chains: Vec<FlatPart> = (strips.iter().enumerate())
         .map(|(i, s)| FlatPart { name: s.name.clone(), first: i, count: 1, missing: String::new() })
         .collect();
-    let (parts, patterns) = cut(&strips, &chains, &StripOptions::new(0.1 * options.tolerance));
+    let (parts, patterns) =
+        cut(&strips, &chains, &StripOptions { drawn: options.drawn, ..StripOptions::new(0.1 * options.tolerance) });
     let beyond = certificate.beyond(options.tolerance);
     let broken = regression::broken(&strips, options.limits.as_ref());
-    let status = match certificate.worst() {
-        _ if strips.is_empty() => Status::Uncertified(format!("no developable strip follows the {what}")),
-        _ if control.stopped() => Status::Uncertified(format!("stopped before all {what} were judged")),
-        Some(i) if beyond > 0 => {
+    let worst = certificate.worst_bound();
+    let reason = match certificate.worst() {
+        _ if strips.is_empty() => format!("no developable strip follows the {what}"),
+        _ if control.stopped() => format!("stopped before all {what} were judged"),
+        None => String::new(),
+        Some(i) => {
             let c = all[i].centre();
-            Status::Uncertified(format!(
+            format!(
                 "{beyond} of {} {what} are not within {} mm; the worst is number {i} around ({:.3}, {:.3}, {:.3}), {:.3} mm away",
                 all.len(),
                 options.tolerance,
                 c.x,
                 c.y,
                 c.z,
-                certificate.worst_bound()
-            ))
+                worst.value()
+            )
         }
-        _ if !broken.is_empty() => Status::Uncertified(broken.join("; ")),
-        _ => Status::Certified,
     };
+    let whole = Subject::Whole;
+    let mut claims = vec![
+        Claim::count(sort.counted(), whole, all.len()),
+        Claim::at_most(What::ElementDistance, whole, worst).within(options.tolerance).because(reason),
+        Claim::count(Counted::Beyond, whole, beyond),
+    ];
+    if control.stopped() {
+        claims.push(Claim::objection(whole, format!("stopped before all {what} were judged")));
+    }
+    if worst.value() <= options.tolerance {
+        claims.extend(broken.iter().map(|reason| Claim::objection(whole, reason.clone())));
+    }
+    claims.extend(claims_of_strips(&strips, &certificate));
     let mut notes: Vec<String> = options.limits.iter().map(regression::note).collect();
     notes.extend(given_words);
     notes.extend(broken);
@@ -530,19 +583,13 @@ fn run(
         job: "fit".into(),
         input: options.input.clone(),
         tolerance: options.tolerance,
-        status,
-        strip_figures: figures(&strips, &certificate),
+        claims,
         fields: fields(&strips, &certificate),
         points: Default::default(),
         meaning: FieldMeaning { name: "deviation".into(), unit: "mm".into(), limit: options.tolerance },
         parts,
         patterns,
         guides: Vec::new(),
-        figures: vec![
-            Figure::new(what, all.len() as f64, "", Basis::Given),
-            Figure::new("largest distance", certificate.worst_bound(), "mm", Basis::Proven),
-            Figure::new("beyond the tolerance", beyond as f64, "", Basis::Proven),
-        ],
         notes,
         skipped,
         seconds: clock.elapsed().as_secs_f64(),
@@ -567,7 +614,7 @@ fn nearest(
     for fit in &piece.fits {
         match strip(name, fit, own) {
             Ok(s) => {
-                let worst = certified(std::slice::from_ref(&s), own, &Control::default()).worst_bound();
+                let worst = certified(std::slice::from_ref(&s), own, &Control::default()).worst_bound().value();
                 let broken = !regression::keeps(&s, options.limits.as_ref());
                 if best.as_ref().is_none_or(|b| (broken, worst) < (b.0, b.1)) {
                     best = Some((broken, worst, s));
@@ -601,20 +648,20 @@ fn unfollowed(own: &[PlaneElement], options: &RowFitOptions) -> String {
     plain + &regression::kept_off(wider.unwrap_or(f64::INFINITY))
 }
 
-fn figures(strips: &[Strip], c: &ElementCertificate) -> Vec<Vec<Figure>> {
-    (0..strips.len())
-        .map(|k| {
-            let own = c.places().iter().zip(c.bounds()).filter(|(p, _)| p.0 as usize == k);
-            let (count, worst) = own.fold((0usize, 0.0_f64), |(n, w), (_, b)| (n + 1, w.max(*b)));
-            vec![
-                Figure::new("elements", count as f64, "", Basis::Given),
-                Figure::new("largest distance", worst, "mm", Basis::Proven),
-                Figure::new("degree along", strips[k].rail(0).knots.degree() as f64, "", Basis::Given),
-                Figure::new("control points along", strips[k].rail(0).control.len() as f64, "", Basis::Given),
-                regression::figure(&strips[k]),
-            ]
-        })
-        .collect()
+fn claims_of_strips(strips: &[Strip], c: &ElementCertificate) -> Vec<Claim> {
+    let claims = |(k, strip): (usize, &Strip)| {
+        let subject = Subject::Panel(k);
+        let count = c.places().iter().filter(|p| p.0 as usize == k).count();
+        let rail = strip.rail(0);
+        [
+            Claim::count(Counted::Elements, subject, count),
+            Claim::at_most(What::ElementDistance, subject, c.worst_bound_on(k)),
+            Claim::count(Counted::Degree, subject, rail.knots.degree()),
+            Claim::count(Counted::ControlPoints, subject, rail.control.len()),
+            regression::claim(k, strip),
+        ]
+    };
+    strips.iter().enumerate().flat_map(claims).collect()
 }
 
 /// The bounds along the strips, the same on all of a ruling.

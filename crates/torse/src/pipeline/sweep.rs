@@ -1,19 +1,21 @@
 //! The main job at several tolerances: how many panels, and how much seam, each of them costs.
 
-use super::approximate::{approximate, smoothly_joined, ApproximateError, Options};
-use super::cover::band_range;
-use super::outcome::{Outcome, Status, SweepRow};
+use super::approximate::{approximate, smoothly_joined, trims_judged, ApproximateError, Options};
+use crate::answer::outcome::{Outcome, Skipped, SweepRow};
+use crate::brep::face::Face;
+use crate::certify::claim::Status;
 use crate::control::Control;
-use crate::surface::face::Face;
-use crate::surface::panel::Border;
-use crate::tessellate::chart::{chart, Chart, Series};
-use crate::tessellate::raster::Image;
+use crate::draw::chart::{chart, Chart, Series};
+use crate::draw::raster::Image;
+use crate::patchwork::panel::Border;
+use crate::search::cover::band_range;
 use rayon::prelude::*;
 
 /// Chords per span of an edge curve when its length is measured.
 const CHORDS: usize = 4;
 
-/// Runs the main job once for every tolerance (mm), finest last so that early rows come soon.
+/// Runs the main job once for every tolerance (mm), finest last so that early rows come soon. `skipped` are the faces
+/// that were left out before.
 ///
 /// *Limit*: `Σ W/(4√ε)` over the faces, with W the range of the best level function found, at least one panel per face
 /// (approximation specification B2). It is a limit for surfaces of one curvature sign; where curvature is mixed there is
@@ -23,13 +25,15 @@ const CHORDS: usize = 4;
 /// As [`approximate`], for the first tolerance that cannot be used.
 pub fn sweep(
     faces: &[Face],
+    skipped: &[Skipped],
     tolerances: &[f64],
     options: &Options,
     control: &Control,
 ) -> Result<Vec<SweepRow>, ApproximateError> {
     // Joined once for all tolerances, as the finest allows.
     let finest = tolerances.iter().copied().filter(|t| *t > 0.0).fold(f64::INFINITY, f64::min);
-    let faces = &smoothly_joined(faces.to_vec(), finest, options.smooth_angle);
+    let faces = trims_judged(faces.to_vec(), finest).faces;
+    let faces = &smoothly_joined(faces, finest, options.smooth_angle);
     let ranges: Vec<Option<f64>> = faces.par_iter().map(band_range).collect();
     let mut sorted = tolerances.to_vec();
     sorted.sort_by(|a, b| b.total_cmp(a));
@@ -39,14 +43,15 @@ pub fn sweep(
         if control.stopped() {
             break;
         }
-        let outcome = approximate(faces.to_vec(), Vec::new(), &Options { tolerance, ..options.clone() }, control)?;
+        let outcome =
+            approximate(faces.to_vec(), skipped.to_vec(), &Options { tolerance, ..options.clone() }, control)?;
         let bands = |range: &Option<f64>| range.map(|w| (w / (4.0 * tolerance.sqrt())).max(1.0));
         rows.push(SweepRow {
             tolerance,
             panels: outcome.patchwork.panels.len(),
             seam_length: seam_length(&outcome),
             limit: ranges.iter().map(bands).sum(),
-            certified: outcome.status == Status::Certified,
+            certified: outcome.status() == Status::Certified,
             seconds: outcome.seconds,
         });
     }
@@ -57,7 +62,7 @@ pub fn sweep(
 pub fn seam_length(outcome: &Outcome) -> f64 {
     let runs = outcome.patchwork.panels.iter().flat_map(|p| p.loops.iter().flatten());
     let seams = runs.filter(|r| matches!(r.border, Border::Seam { .. }));
-    let length = |r: &crate::surface::panel::Run| {
+    let length = |r: &crate::patchwork::panel::Run| {
         let point = |s: f64| crate::geom::Vec3::from(r.edge.point(s));
         let spans = r.edge.knots.breaks();
         let chord = |w: &[f64], k: usize| {
@@ -116,8 +121,9 @@ mod tests {
             layout: Default::default(),
             meet: false,
             smooth_angle: 0.0,
+            drawn: Default::default(),
         };
-        let rows = sweep(&[bowl()], &[0.4, 1.6], &options, &Control::default()).expect("rows");
+        let rows = sweep(&[bowl()], &[], &[0.4, 1.6], &options, &Control::default()).expect("rows");
         assert_eq!(rows.iter().map(|r| r.tolerance).collect::<Vec<_>>(), vec![1.6, 0.4]);
         assert!(rows.iter().all(|r| r.certified));
         assert!(rows[1].panels > rows[0].panels && rows[1].seam_length > rows[0].seam_length);

@@ -3,7 +3,6 @@
 //! *Method.* The de Boor scheme with a different argument at each step \[R89\]; the control points of a spline are its
 //! blossom at consecutive knots, which is what refinement, splitting and conversion to Bézier form rest on.
 
-use super::curve::Curve;
 use super::knots::Knots;
 use crate::num::interval::Interval;
 use std::ops::{Add, Div, Mul, Sub};
@@ -61,26 +60,9 @@ fn share<S: Scalar>(t: S, left: S, right: S) -> S {
     (t - left) / (right - left)
 }
 
-impl<const D: usize> Curve<D> {
-    /// Blossom of the polynomial piece that holds the parameter `at`. With all arguments equal to `t` it is that
-    /// piece at `t`.
-    ///
-    /// # Errors
-    /// `None` unless there are as many arguments as the degree.
-    pub fn blossom(&self, at: f64, args: &[f64]) -> Option<[f64; D]> {
-        let p = self.knots.degree();
-        if args.len() != p {
-            return None;
-        }
-        let span = self.knots.span(at);
-        let mut net = self.control[span - p..=span].to_vec();
-        Some(of_piece(&self.knots, span, &mut net, args))
-    }
-}
-
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use crate::spline::curve::Curve;
     use crate::spline::sample::any_curve;
     use proptest::prelude::*;
 

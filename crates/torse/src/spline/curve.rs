@@ -91,6 +91,23 @@ impl<const D: usize> Curve<D> {
     }
 }
 
+impl<const D: usize> Curve<D> {
+    /// Blossom of the polynomial piece that holds the parameter `at`. With all arguments equal to `t` it is that
+    /// piece at `t`.
+    ///
+    /// # Errors
+    /// `None` unless there are as many arguments as the degree.
+    pub fn blossom(&self, at: f64, args: &[f64]) -> Option<[f64; D]> {
+        let p = self.knots.degree();
+        if args.len() != p {
+            return None;
+        }
+        let span = self.knots.span(at);
+        let mut net = self.control[span - p..=span].to_vec();
+        Some(blossom::of_piece(&self.knots, span, &mut net, args))
+    }
+}
+
 /// Bézier pieces `(a, b, control points)` of a curve, by inserting every interior knot up to the degree.
 pub fn bezier_pieces<const D: usize>(curve: &Curve<D>) -> Vec<(f64, f64, Vec<[f64; D]>)> {
     let p = curve.knots.degree();

@@ -3,21 +3,15 @@
 pub mod bezier;
 pub mod blossom;
 pub mod bounds;
-pub mod carrier;
 pub mod composite;
 pub mod curve;
 pub mod derivative;
 pub mod field;
 pub mod knots;
 pub mod lsq;
-pub mod offset;
 pub mod pieces;
-pub mod project;
 pub mod refine;
-pub mod space_curve;
 pub mod surface;
-mod swept;
-pub mod unroll;
 
 #[cfg(test)]
 pub(crate) mod sample;

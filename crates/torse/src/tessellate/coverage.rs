@@ -1,8 +1,8 @@
 //! How much of the faces the panels cover, for reports. The proof that nothing is missing belongs to `certify`.
 
-use crate::geom::partition::Partition;
+use crate::patchwork::panel::Patchwork;
+use crate::patchwork::partition::Partition;
 use crate::spline::surface::Surface;
-use crate::surface::panel::Patchwork;
 use std::collections::HashSet;
 
 /// Areas of a face (mm², by flat triangles): covered by panels, and whole.
@@ -31,10 +31,19 @@ impl Coverage {
     }
 }
 
+impl Coverage {
+    /// The same cover of more: of faces too that were left out, with their areas (mm²) as far as they are known.
+    pub fn beside(mut self, left_out: &[Option<f64>]) -> Self {
+        self.whole += left_out.iter().flatten().sum::<f64>();
+        self.complete &= left_out.is_empty();
+        self
+    }
+}
+
 /// Coverage of each face.
 pub fn faces(patchwork: &Patchwork) -> Vec<Coverage> {
     let label_sets = |face: usize| patchwork.panels.iter().filter(|p| p.face == face).map(|p| p.label).collect();
-    let face = |(i, face): (usize, &crate::surface::face::Face)| {
+    let face = |(i, face): (usize, &crate::brep::face::Face)| {
         patchwork.partitions.get(i).map_or_else(Coverage::default, |p| of_face(&face.surface, p, &label_sets(i)))
     };
     patchwork.faces.iter().enumerate().map(face).collect()
@@ -66,8 +75,8 @@ fn of_face(surface: &Surface, partition: &Partition, labels: &HashSet<u32>) -> C
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::partition::UNASSIGNED;
     use crate::geom::Vec3;
+    use crate::patchwork::partition::UNASSIGNED;
     use crate::spline::knots::Knots;
 
     #[test]
@@ -88,5 +97,9 @@ mod tests {
         assert!(of_face(&plate, &partition, &labels).complete);
         assert!(!total(&[part, of_face(&plate, &partition, &labels)]).complete);
         assert!(total(&[]).share() < 1.0);
+        // What was left out counts, and a face of unknown area keeps the share below 1.
+        let all = of_face(&plate, &partition, &labels);
+        assert!((all.beside(&[Some(24.0)]).share() - 0.25).abs() < 1e-12);
+        assert!(all.beside(&[None]).share() < 1.0 && all.beside(&[]).complete);
     }
 }

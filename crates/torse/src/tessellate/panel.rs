@@ -5,9 +5,9 @@ use std::collections::{HashMap, VecDeque};
 
 use crate::geom::mesh::Mesh;
 use crate::geom::Vec3;
-use crate::surface::clip::ClippedRulings;
-use crate::surface::panel::{Panel, Patchwork};
-use crate::surface::torse::PanelKind;
+use crate::patchwork::clip::ClippedRulings;
+use crate::patchwork::panel::{Panel, Patchwork};
+use crate::torse::form::PanelKind;
 
 /// Mesh of one panel: its partition's triangles with every vertex moved to its foot on the torse.
 ///

@@ -2,8 +2,8 @@
 
 use crate::geom::mesh::Mesh;
 use crate::geom::Vec3;
-use crate::surface::strip::Strip;
-use crate::surface::torse::PanelKind;
+use crate::torse::form::PanelKind;
+use crate::torse::strip::Strip;
 
 /// Parts of a span in u where no grid is given.
 const PARTS: usize = 8;

@@ -1,15 +1,15 @@
 //! Nested spaces: wavelets, and strips of cones between parallel planes.
 
 use crate::Random;
-use torse::fit::multiresolution::trigonometric::{
+use torse::fit::planes::multiresolution::trigonometric::{
     cone_strip, support_spline, ConeStrip, ContourMetric, RadiusSign, StripError, TrigonometricSpline,
 };
-use torse::fit::multiresolution::wavelets::{split, thinned, wavelets, LevelError};
+use torse::fit::planes::multiresolution::wavelets::{split, thinned, wavelets, LevelError};
 use torse::geom::measure::Measure;
 use torse::num::quadrature::gauss_legendre;
 use torse::spline::curve::Curve;
 use torse::spline::knots::Knots;
-use torse::surface::dual::DualCurve;
+use torse::torse::dual::DualCurve;
 
 fn knots(breaks: &[f64]) -> Knots {
     Knots::clamped(3, breaks).expect("knots")
@@ -225,7 +225,7 @@ fn arcs_have_common_tangents_and_errors_of_third_order() {
         let s = support_spline(&h0, &angles(n), RadiusSign::Free).expect("a spline");
         for w in s.arcs().windows(2) {
             let (s, c) = w[0].angles.1.sin_cos();
-            let end = |a: &torse::fit::multiresolution::trigonometric::Arc| {
+            let end = |a: &torse::fit::planes::multiresolution::trigonometric::Arc| {
                 [a.centre[0] + a.radius * c, a.centre[1] + a.radius * s]
             };
             let (p, q) = (end(&w[0]), end(&w[1]));

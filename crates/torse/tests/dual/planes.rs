@@ -1,18 +1,20 @@
 //! Planes, rulings and points: F1, F2, F3, corrections, knots, frames.
 
 use crate::Random;
-use torse::fit::knot_choice::{planes_within, KnotOptions};
-use torse::fit::plane_correction::{corrected, joint, JointOptions};
-use torse::fit::plane_estimates::{planes_of_rulings, ruling_direction, Ends, EstimateError};
-use torse::fit::plane_frame::{frame_of_normals, segments, FrameError, STEEPEST};
-use torse::fit::planes::{interpolated, planes, ruling_condition, PlaneDatum, PlanesError, PlanesOptions};
-use torse::fit::reduce::{reduced, reduced_robustly};
-use torse::fit::rulings::{slope_fit, PointDatum, RulingDatum, SlopeData, SlopeOptions};
-use torse::fit::Freedom;
+use torse::fit::planes::correction::{corrected, joint, JointOptions};
+use torse::fit::planes::estimates::{planes_of_rulings, ruling_direction, Ends, EstimateError};
+use torse::fit::planes::frame::{frame_of_normals, segments, FrameError, STEEPEST};
+use torse::fit::planes::knot_choice::{planes_within, KnotOptions};
+use torse::fit::planes::linear_system::{
+    interpolated, planes, ruling_condition, PlaneDatum, PlanesError, PlanesOptions,
+};
+use torse::fit::planes::reduce::{reduced, reduced_robustly};
+use torse::fit::planes::rulings::{slope_fit, PointDatum, RulingDatum, SlopeData, SlopeOptions};
+use torse::fit::planes::Freedom;
 use torse::geom::measure::{LineMeasure, Measure};
 use torse::geom::Vec3;
 use torse::spline::knots::Knots;
-use torse::surface::dual::{graph_in, plane_through, DualCurve, Plane};
+use torse::torse::dual::{graph_in, plane_through, DualCurve, Plane};
 
 fn square() -> Measure {
     Measure::rectangle([-1.0, 1.0], [-1.0, 1.0]).expect("area")
@@ -115,7 +117,7 @@ fn knots_are_as_few_as_the_tolerance_allows() {
     let given = data(200, |s| s);
     let coarse = planes_within(&given, &KnotOptions::new(1e-2)).expect("a fit");
     let fine = planes_within(&given, &KnotOptions::new(1e-5)).expect("a fit");
-    let spans = |f: &torse::fit::planes::PlanesFit| f.curve.knots().breaks().len() - 1;
+    let spans = |f: &torse::fit::planes::linear_system::PlanesFit| f.curve.knots().breaks().len() - 1;
     assert!(coarse.distances.iter().all(|d| *d <= 1e-2) && fine.distances.iter().all(|d| *d <= 1e-5));
     assert!(spans(&coarse) < spans(&fine) && spans(&fine) < 40, "{} {}", spans(&coarse), spans(&fine));
 }

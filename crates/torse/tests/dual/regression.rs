@@ -1,16 +1,16 @@
 //! Control of the regression curve, and the walk of the paper that is not used.
 
 use crate::Random;
-use torse::fit::planes::PlaneDatum;
-use torse::fit::regression::{
+use torse::fit::planes::linear_system::PlaneDatum;
+use torse::fit::planes::regression::{
     regression_free, regression_free_where, ForbiddenZone, RegressionError, RegressionOptions,
 };
-use torse::fit::rulings::{SlopeData, SlopeOptions};
-use torse::fit::Freedom;
+use torse::fit::planes::rulings::{SlopeData, SlopeOptions};
+use torse::fit::planes::Freedom;
 use torse::geom::measure::Measure;
 use torse::num::quadratic_program::QuadraticProgram;
 use torse::spline::knots::Knots;
-use torse::surface::dual::DualCurve;
+use torse::torse::dual::DualCurve;
 
 fn noisy(seed: u64, count: usize) -> SlopeData {
     let measure = Measure::rectangle([-1.0, 1.0], [-1.0, 1.0]).expect("area");
@@ -143,7 +143,7 @@ fn the_outline_of_a_panel_is_cut_by_its_rulings() {
     let knots = Knots::uniform(3, 8, 0.0, 1.0).expect("knots");
     let data = noisy(4, 40);
     let options = RegressionOptions { margin: Some(1e-3), ..RegressionOptions::default() };
-    let free = torse::fit::rulings::slope_fit(&data, &knots, &options.fit).expect("a fit");
+    let free = torse::fit::planes::rulings::slope_fit(&data, &knots, &options.fit).expect("a fit");
     let square = [[-0.5, -9.0], [0.5, -9.0], [0.5, 9.0], [-0.5, 9.0]];
     let zone = ForbiddenZone::of_outline(&free.curve, &square, 0.1, 33).expect("a zone");
     let ForbiddenZone::Outline { extent, .. } = &zone else { panic!("an outline") };

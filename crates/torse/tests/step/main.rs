@@ -2,4 +2,6 @@
 
 mod damage;
 mod kinds;
+mod more;
 mod text;
+mod trims;

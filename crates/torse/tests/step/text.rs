@@ -134,6 +134,19 @@ impl Step {
         self.edge_loop(&edges)
     }
 
+    /// A polygon whose first side follows a curve.
+    pub fn curve_and_polygon(&mut self, curve: u64, corners: &[P]) -> u64 {
+        let vertices: Vec<u64> = corners.iter().map(|p| self.vertex(*p)).collect();
+        let n = corners.len();
+        let edges: Vec<(u64, bool)> = (0..n)
+            .map(|i| {
+                let c = if i == 0 { curve } else { self.line(corners[i], corners[(i + 1) % n]) };
+                (self.edge(vertices[i], vertices[(i + 1) % n], c, true), true)
+            })
+            .collect();
+        self.edge_loop(&edges)
+    }
+
     /// A full circle, counter-clockwise about `z` or not.
     pub fn circle_loop(&mut self, center: P, z: P, r: f64, ccw: bool) -> u64 {
         let circle = self.circle(center, z, r);

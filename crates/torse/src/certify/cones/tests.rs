@@ -2,8 +2,8 @@
 
 use super::*;
 use crate::geom::Vec3;
-use crate::surface::cone_pair::{cone_pair, PairOptions};
-use crate::surface::ruled_strip::{HelicalStrip, RuledStrip};
+use crate::torse::cone::pair::{cone_pair, PairOptions};
+use crate::torse::ruled_patch::{HelicalStrip, RuledStrip};
 
 fn strip() -> HelicalStrip {
     HelicalStrip { radius: 1.0, rise: 0.6, reach: [1.0, 2.0], domain: (0.2, 1.4) }
@@ -40,8 +40,11 @@ fn bounds_exceed_dense_samples_but_not_by_much() {
         let (nodes, spline) = chain(count);
         let proof = cones(&strip(), &nodes, &spline, &ConeJudgeOptions::new(tolerance)).expect("proof");
         let dense = dense_strip(&nodes, &spline);
-        assert!(proof.strip_bound >= dense && proof.strip_bound < 1.1 * dense + 0.1 * tolerance, "{proof:?} {dense}");
-        assert!(proof.attained <= dense * 1.02);
+        assert!(
+            proof.lines_bound().value() >= dense && proof.lines_bound().value() < 1.1 * dense + 0.1 * tolerance,
+            "{proof:?} {dense}"
+        );
+        assert!(proof.attained() <= dense * 1.02);
         // Chain to strip.
         let mut back = 0.0_f64;
         for s in &spline.segments {
@@ -55,8 +58,8 @@ fn bounds_exceed_dense_samples_but_not_by_much() {
                 back = back.max(near.fold(f64::INFINITY, f64::min));
             }
         }
-        assert!(back <= proof.chain_bound + 2e-4, "{back} {proof:?}");
-        assert!(proof.chain_bound.is_finite());
+        assert!(back <= proof.bound().value() + 2e-4, "{back} {proof:?}");
+        assert!(proof.bound().value().is_finite());
     }
 }
 
@@ -65,7 +68,8 @@ fn moved_chains_are_refused() {
     let (nodes, spline) = chain(8);
     let tolerance = 1e-4;
     assert!(
-        cones(&strip(), &nodes, &spline, &ConeJudgeOptions::new(tolerance)).expect("proof").strip_bound < tolerance
+        cones(&strip(), &nodes, &spline, &ConeJudgeOptions::new(tolerance)).expect("proof").lines_bound().value()
+            < tolerance
     );
     // All of it by twice the tolerance.
     let mut moved = spline.clone();
@@ -76,7 +80,7 @@ fn moved_chains_are_refused() {
     // A parallel chain is smooth, and off by its offset.
     let off = spline.offset(2.0 * tolerance).expect("offset");
     let proof = cones(&strip(), &nodes, &off, &ConeJudgeOptions::new(tolerance)).expect("proof");
-    assert!(!proof.holds(tolerance) && proof.attained > tolerance, "{proof:?}");
+    assert!(!proof.holds(tolerance) && proof.attained() > tolerance, "{proof:?}");
     // One joint broken.
     let mut broken = spline.clone();
     broken.segments[3].start.normal = broken.segments[2].start.normal;
@@ -86,7 +90,7 @@ fn moved_chains_are_refused() {
     for s in &mut narrow.segments {
         s.edges[1] = s.edges[1].map(|r| r - 0.1);
     }
-    assert!(cones(&strip(), &nodes, &narrow, &ConeJudgeOptions::new(tolerance)).expect("proof").chain_bound > 0.09);
+    assert!(cones(&strip(), &nodes, &narrow, &ConeJudgeOptions::new(tolerance)).expect("proof").bound().value() > 0.09);
 }
 
 #[test]
@@ -100,5 +104,5 @@ fn nodes_that_do_not_fit_are_an_error() {
 fn a_turn_of_a_helix_takes_few_stretches() {
     let (nodes, spline) = chain(24);
     let proof = cones(&strip(), &nodes, &spline, &ConeJudgeOptions::new(3e-6)).expect("proof");
-    assert!(proof.stretches < 8 * 24, "{}", proof.stretches);
+    assert!(proof.stretches() < 8 * 24, "{}", proof.stretches());
 }

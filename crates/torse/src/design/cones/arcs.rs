@@ -7,7 +7,7 @@
 
 use super::{through, turn_to, Join, Osculating};
 use crate::geom::Vec3;
-use crate::surface::cone_spline::{Segment, Shape};
+use crate::torse::cone::spline::{Segment, Shape};
 
 /// Axes and openings, and vertices against the distance of the rulings, count as equal up to this.
 const EQUAL: f64 = 1e-9;
@@ -127,8 +127,8 @@ impl Planar<'_> {
 mod tests {
     use super::super::{osculating_spline, ConeOptions};
     use super::*;
-    use crate::surface::g1_element::G1Element;
-    use crate::surface::ruled_strip::StripJet;
+    use crate::torse::g1_element::G1Element;
+    use crate::torse::ruled_patch::StripJet;
 
     fn carriers(jet: impl Fn(f64) -> StripJet, us: [f64; 4]) -> Vec<Osculating> {
         us.map(jet).iter().map(|j| Osculating::of(&j.element().expect("element"), j)).collect()

@@ -4,7 +4,7 @@
 use crate::control::Control;
 use crate::geom::Vec3;
 use crate::num::least_squares::{BandMatrix, Rows};
-use crate::surface::quad_strip::{QuadStrip, QuadStripError};
+use crate::torse::quad_strip::{QuadStrip, QuadStripError};
 
 /// Which points keep their places.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

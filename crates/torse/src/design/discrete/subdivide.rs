@@ -4,7 +4,7 @@
 use super::planarise::{planarise, DiscreteError, Hold, PlanariseOptions, PlanariseStatus, Planarised};
 use crate::control::Control;
 use crate::geom::Vec3;
-use crate::surface::quad_strip::QuadStrip;
+use crate::torse::quad_strip::QuadStrip;
 
 /// How [`subdivide`] works.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,10 +1,12 @@
 //! Chains of rulings on the boundary of a convex hull: triangles between samples put in order \[W15, 5.1\].
 
-use super::contact::{coplanarity, is_corner, moved, opposite, tangents, touching, wrap};
-use super::{OnRail, Sampled, SideKind};
+use super::contact::{coplanarity, is_corner, moved, opposite, tangents, touching, wrap, OnRail};
+use super::sampled::{Sampled, SideKind};
+use crate::control::Control;
 use crate::geom::convex_hull::sides;
 use crate::geom::Vec3;
-use crate::surface::rail::Rail;
+use crate::torse::rail::Rail;
+use rayon::prelude::*;
 use std::collections::HashMap;
 
 /// A run of rulings between two curves (or one curve and itself), in order.
@@ -59,6 +61,7 @@ pub(super) fn chains(
     sampled: &Sampled,
     facet_of: &[Option<usize>],
     facets: &[[OnRail; 3]],
+    control: &Control,
 ) -> (Vec<Chain>, Vec<usize>) {
     let mut owner: HashMap<[usize; 2], usize> = HashMap::new();
     for (t, f) in sampled.triangles.iter().enumerate() {
@@ -67,7 +70,7 @@ pub(super) fn chains(
     let rulings = |f: &[usize; 3]| sides(f).into_iter().filter(|e| sampled.side(*e) == SideKind::Ruling).count();
     let is_step: Vec<bool> = sampled.triangles.iter().map(|f| sampled.lid(f).is_none() && rulings(f) == 2).collect();
     let mut seen = vec![false; is_step.len()];
-    let mut out = Vec::new();
+    let mut walks = Vec::new();
     let end_at = |t: usize| match facet_of[t] {
         Some(f) => End::Facet(f),
         None if sampled.lid(&sampled.triangles[t]).is_none() && rulings(&sampled.triangles[t]) == 1 => End::Tip,
@@ -102,12 +105,13 @@ pub(super) fn chains(
                     }
                     now = next;
                 }
-                out.extend(polished(sampled, facets, walk));
+                walks.push(walk);
             }
         }
     }
     let single = (0..facet_of.len()).filter(|&t| !is_step[t]).filter_map(|t| facet_of[t]).collect();
-    (out, single)
+    let polish = |w: Walk| if control.stopped() { None } else { polished(sampled, facets, w, control) };
+    (walks.into_par_iter().filter_map(polish).collect(), single)
 }
 
 /// Goes through a triangle; the directed edge by which the next one has it.
@@ -170,7 +174,7 @@ fn turned(sampled: &Sampled, walk: &mut Walk) {
 }
 
 /// The chain with its rulings where they belong.
-fn polished(sampled: &Sampled, facets: &[[OnRail; 3]], mut walk: Walk) -> Option<Chain> {
+fn polished(sampled: &Sampled, facets: &[[OnRail; 3]], mut walk: Walk, control: &Control) -> Option<Chain> {
     let closed = walk.ends[1] == End::Closed;
     if closed && walk.edges.first() != walk.edges.last() {
         return None;
@@ -204,9 +208,13 @@ fn polished(sampled: &Sampled, facets: &[[OnRail; 3]], mut walk: Walk) -> Option
         let end = border(sampled, facets, &walk, run.last, Some(run), after, walk.ends[1]);
         if run.kind == Kind::Smooth {
             let first = stations.len() - 1;
-            for e in run.first + 1..run.last {
-                unwrap(between(sampled, walk.edges[e]), &mut stations);
+            // Each for itself: the order is that of the edges.
+            let found: Vec<[f64; 2]> =
+                walk.edges[run.first + 1..run.last].par_iter().map(|e| between(sampled, *e)).collect();
+            if control.stopped() {
+                return None;
             }
+            found.into_iter().for_each(|s| unwrap(s, &mut stations));
             unwrap(end, &mut stations);
             monotone(&mut stations, first);
         } else {

@@ -1,8 +1,18 @@
 //! Places where a plane touches curves, moved from samples to where they belong \[W15, 4B\].
 
-use super::OnRail;
 use crate::geom::Vec3;
-use crate::surface::rail::{tangent, Rail};
+use crate::torse::rail::{tangent, Rail};
+
+/// A point of a curve.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OnRail {
+    /// Index of the curve.
+    pub rail: usize,
+    /// Its parameter, in [0, number of pieces].
+    pub parameter: f64,
+    /// Place, mm.
+    pub point: Vec3,
+}
 
 /// Turn (rad) above which a joint, and always an open end, is a corner: rulings turn about it.
 const CORNER: f64 = 1e-6;

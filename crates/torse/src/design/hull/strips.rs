@@ -3,11 +3,13 @@
 
 use super::chains::{towards_tip, Chain};
 use super::{Hull, HullError};
+use crate::control::Control;
 use crate::design::loft::build::{between_pieces, BuildOptions, BuiltStrip};
 use crate::design::loft::LoftError;
-use crate::surface::rail::Rail;
-use crate::surface::strip::Strip;
-use crate::surface::torse::PanelKind;
+use crate::torse::form::PanelKind;
+use crate::torse::rail::Rail;
+use crate::torse::strip::Strip;
+use rayon::prelude::*;
 
 /// A strip of the hull's boundary with the rails that it lies between.
 #[derive(Clone, Debug)]
@@ -37,16 +39,26 @@ pub struct HullPart {
 const REST: f64 = 1e-9;
 
 /// Strips of all chains, and single facets as triangles. Where rulings shrink to a point, the strip ends as soon as
-/// they are shorter than `tip` (mm).
+/// they are shorter than `tip` (mm). A control that says stop leaves the rest out.
 ///
 /// # Errors
 /// Data that no spline can hold.
-pub fn strips(rails: &[Rail], hull: &Hull, tip: f64, options: &BuildOptions) -> Result<Vec<HullPart>, HullError> {
+pub fn strips(
+    rails: &[Rail],
+    hull: &Hull,
+    tip: f64,
+    options: &BuildOptions,
+    control: &Control,
+) -> Result<Vec<HullPart>, HullError> {
     let reversed: Vec<Rail> = rails.iter().map(Rail::reversed).collect();
-    let mut out = Vec::new();
-    for chain in &hull.chains {
-        out.push(part(rails, &reversed, chain, tip, options)?);
-    }
+    let made = |chain| {
+        if control.stopped() {
+            Ok(HullPart::default())
+        } else {
+            part((rails, &reversed), chain, tip, options, control)
+        }
+    };
+    let mut out = hull.chains.par_iter().map(made).collect::<Result<Vec<HullPart>, HullError>>()?;
     for &f in &hull.single {
         let [p, q, r] = hull.facets[f].map(|c| c.point);
         let facet = Strip::quad("", PanelKind::Plane, [p, q], [p, r])?;
@@ -56,12 +68,13 @@ pub fn strips(rails: &[Rail], hull: &Hull, tip: f64, options: &BuildOptions) -> 
     Ok(out)
 }
 
+/// `rails` are the curves, as given and reversed.
 fn part(
-    rails: &[Rail],
-    reversed: &[Rail],
+    (rails, reversed): (&[Rail], &[Rail]),
     chain: &Chain,
     tip: f64,
     options: &BuildOptions,
+    control: &Control,
 ) -> Result<HullPart, HullError> {
     let mut stations = chain.stations.clone();
     let mut joints = chain.joints.clone();
@@ -88,7 +101,11 @@ fn part(
     let (a, b) = (of(0), of(1));
     let mut out =
         HullPart { closed: chain.closed, tips: chain.tips.iter().filter(|t| **t).count(), ..HullPart::default() };
-    for section in sections(&stations, &joints) {
+    let sections = sections(&stations, &joints);
+    let strip_of = |section: &Vec<[f64; 2]>| -> Result<Option<HullStrip>, HullError> {
+        if control.stopped() {
+            return Ok(None);
+        }
         let (p, q) = (section[0], section[section.len() - 1]);
         let base = [0, 1].map(|d| (0.5 * (p[d] + q[d])).floor());
         let piece = [0, 1].map(|d: usize| {
@@ -103,12 +120,17 @@ fn part(
         let base = [0, 1].map(|d: usize| if of(d).closed { base[d] } else { piece[d] });
         let local: Vec<[f64; 2]> = section.iter().map(|s| [0, 1].map(|d| (s[d] - base[d]).clamp(0.0, 1.0))).collect();
         let built =
-            between_pieces(a, b, piece[0] as usize, piece[1] as usize, &local, options).map_err(|e| match e {
+            between_pieces([a, b], piece.map(|p| p as usize), &local, options, control).map_err(|e| match e {
                 LoftError::Spline(e) => HullError::Spline(e),
                 // Building fails for no other reason.
                 _ => HullError::NoCurves,
             })?;
-        out.strips.extend(built.map(|built| HullStrip { built, rails: chain.rails, turned }));
+        Ok(built.map(|built| HullStrip { built, rails: chain.rails, turned }))
+    };
+    let made = sections.par_iter().map(strip_of).collect::<Result<Vec<_>, HullError>>()?;
+    // A part with a gap is no part.
+    if !control.stopped() {
+        out.strips = made.into_iter().flatten().collect();
     }
     Ok(out)
 }
@@ -159,10 +181,10 @@ fn rounded(x: f64) -> f64 {
 mod tests {
     use super::super::hull;
     use super::*;
+    use crate::brep::space_curve::SpaceCurve;
     use crate::geom::{Frame, Vec3};
     use crate::spline::bezier::Bezier;
     use crate::spline::curve::{bezier_pieces, Curve};
-    use crate::spline::space_curve::SpaceCurve;
     use std::f64::consts::TAU;
 
     fn circle(r: f64, z: f64) -> Rail {
@@ -172,8 +194,9 @@ mod tests {
     }
 
     fn made(rails: &[Rail]) -> Vec<HullPart> {
-        let h = hull(rails, 96).expect("hull");
-        strips(rails, &h, 1e-3, &BuildOptions::new(1e-6)).expect("strips")
+        let control = Control::default();
+        let h = hull(rails, 96, &control).expect("hull");
+        strips(rails, &h, 1e-3, &BuildOptions::new(1e-6), &control).expect("strips")
     }
 
     #[test]

@@ -3,7 +3,7 @@
 
 use super::{affine, Problem, Solution};
 use crate::geom::Vec3;
-use crate::surface::net::{Net, Regularity, TaperedNet};
+use crate::torse::net::{Net, Regularity, TaperedNet};
 
 /// The solution with this net, tapered if the last reach is prescribed. `None` if the last ruling points away from
 /// the side given and a reach is prescribed there.

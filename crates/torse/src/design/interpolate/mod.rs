@@ -22,7 +22,7 @@ use crate::geom::Vec3;
 use crate::num::interval::Interval;
 use crate::spline::curve::Curve;
 use crate::spline::SplineError;
-use crate::surface::net::{NetError, Regularity, TaperedNet};
+use crate::torse::net::{NetError, Regularity, TaperedNet};
 
 /// Sine of the angle between the end rulings below which they count as parallel: beyond the digits that directions
 /// are given with.

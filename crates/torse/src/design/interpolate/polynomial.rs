@@ -7,7 +7,7 @@ use super::candidate::measured;
 use super::solvability::{of, Solvability};
 use super::{Problem, Route, Solution};
 use crate::geom::Vec3;
-use crate::surface::net::{paper_knots, Net, Regularity, Shape};
+use crate::torse::net::{paper_knots, Net, Regularity, Shape};
 
 /// Share of the way to the regression curve that a shortened strip keeps: not quite up to it, where nothing is
 /// regular.

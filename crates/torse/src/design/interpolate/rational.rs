@@ -8,7 +8,7 @@
 use super::candidate::measured;
 use super::{affine, Problem, Solution};
 use crate::geom::Vec3;
-use crate::surface::net::{paper_knots, Net, Shape};
+use crate::torse::net::{paper_knots, Net, Shape};
 
 /// Values of M* tried on each side of the curve.
 const GRID: usize = 60;

@@ -6,7 +6,7 @@
 use super::solvability::{of, Solvability};
 use super::{polynomial, Problem, Solution};
 use crate::geom::Vec3;
-use crate::surface::net::Regularity;
+use crate::torse::net::Regularity;
 use std::fmt;
 
 /// Largest turn of an end ruling that is proposed, degrees.

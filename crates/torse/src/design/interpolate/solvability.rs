@@ -11,7 +11,7 @@ use crate::num::bernstein::{derivative, value};
 use crate::num::interval::Interval;
 use crate::num::roots::{isolate, refine};
 use crate::spline::curve::Curve;
-use crate::surface::net::paper_knots;
+use crate::torse::net::paper_knots;
 
 /// Distance from a knot, as a share of the domain, within which a root counts as the knot's own: such roots close no
 /// cell.

@@ -1,6 +1,6 @@
 use super::*;
 use crate::spline::knots::Knots;
-use crate::surface::net::{homogeneous, NetKind};
+use crate::torse::net::{homogeneous, NetKind};
 
 /// A small deterministic generator of numbers in `[0, 1)`.
 struct Numbers(u64);

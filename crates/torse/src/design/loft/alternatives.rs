@@ -9,7 +9,7 @@ use super::branches::twist;
 use super::least_twist::{least_twist, least_twist_from, starts, LeastTwistOptions, TwistPath};
 use super::track::Track;
 use super::LoftError;
-use crate::surface::rail::Rail;
+use crate::torse::rail::Rail;
 
 /// Chords of the coarse sampling.
 const COARSE: usize = 64;

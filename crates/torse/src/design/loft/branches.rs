@@ -6,7 +6,7 @@
 
 use super::track::{Contact, Track};
 use crate::geom::Vec3;
-use crate::surface::rail::Rail;
+use crate::torse::rail::Rail;
 use std::f64::consts::FRAC_PI_2;
 
 /// Knobs of [`branches`].
@@ -403,8 +403,8 @@ pub fn plane_normal(a: &Contact, b: &Contact) -> Option<Vec3> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::brep::space_curve::SpaceCurve;
     use crate::geom::Frame;
-    use crate::spline::space_curve::SpaceCurve;
     use std::f64::consts::TAU;
 
     fn ellipse(origin: Vec3, a: f64, b: f64) -> Rail {

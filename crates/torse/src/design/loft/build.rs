@@ -10,13 +10,14 @@
 use super::branches::Branch;
 use super::track::{Segment, Track};
 use super::LoftError;
+use crate::control::Control;
 use crate::geom::Vec3;
 use crate::spline::curve::Curve;
 use crate::spline::knots::Knots;
 use crate::spline::SplineError;
-use crate::surface::rail::{jet, Rail, RailPart};
-use crate::surface::strip::Strip;
-use crate::surface::torse::PanelKind;
+use crate::torse::form::PanelKind;
+use crate::torse::rail::{jet, Rail, RailPart};
+use crate::torse::strip::Strip;
 
 /// Knobs of [`follow`] and [`along`].
 #[derive(Clone, Copy, Debug)]
@@ -70,8 +71,13 @@ const SAME_KIND: f64 = 1e-8;
 ///
 /// # Errors
 /// Data that no spline can hold.
-pub fn follow(a: &Rail, b: &Rail, branch: &Branch, options: &BuildOptions) -> Result<Vec<BuiltStrip>, LoftError> {
-    along(a, b, &branch.stations, branch.closed, options)
+pub fn follow(
+    rails: [&Rail; 2],
+    branch: &Branch,
+    options: &BuildOptions,
+    control: &Control,
+) -> Result<Vec<BuiltStrip>, LoftError> {
+    along(rails, &branch.stations, branch.closed, options, control)
 }
 
 /// Strips along any path of rulings, both parameters (of the tracks) not decreasing.
@@ -79,11 +85,11 @@ pub fn follow(a: &Rail, b: &Rail, branch: &Branch, options: &BuildOptions) -> Re
 /// # Errors
 /// As [`follow`].
 pub fn along(
-    a: &Rail,
-    b: &Rail,
+    [a, b]: [&Rail; 2],
     stations: &[[f64; 2]],
     closed: bool,
     options: &BuildOptions,
+    control: &Control,
 ) -> Result<Vec<BuiltStrip>, LoftError> {
     let (ta, tb) = (Track::new(a), Track::new(b));
     let mut out = Vec::new();
@@ -101,7 +107,7 @@ pub fn along(
         let local: Vec<[f64; 2]> = stretch.iter().map(|s| [0, 1].map(|d| (s[d] - base[d]).clamp(0.0, 1.0))).collect();
         let (sa, sb) = (ta.locate(base[0] + 0.5).0, tb.locate(base[1] + 0.5).0);
         let built = match (sa, sb) {
-            (Segment::Piece(i), Segment::Piece(j)) => between_pieces(a, b, i, j, &local, options)?,
+            (Segment::Piece(i), Segment::Piece(j)) => between_pieces([a, b], [i, j], &local, options, control)?,
             (Segment::Piece(i), Segment::Corner { point, after, .. }) => {
                 fan(a, i, [local[0][0], local[local.len() - 1][0]], point, after, 0)?
             }
@@ -241,14 +247,13 @@ fn linear(t0: f64, t1: f64) -> Result<Curve<1>, SplineError> {
     Curve::new(1, vec![0.0, 0.0, 1.0, 1.0], vec![[t0], [t1]])
 }
 
-/// The strip between two smooth pieces.
+/// The strip between two smooth pieces. When the control says stop, spans stay as they are found.
 pub(crate) fn between_pieces(
-    a: &Rail,
-    b: &Rail,
-    i: usize,
-    j: usize,
+    [a, b]: [&Rail; 2],
+    [i, j]: [usize; 2],
     stations: &[[f64; 2]],
     options: &BuildOptions,
+    control: &Control,
 ) -> Result<Option<BuiltStrip>, LoftError> {
     let (ca, cb) = (&a.pieces[i], &b.pieces[j]);
     let stations: Vec<[f64; 2]> = stations.iter().map(|s| [at_knot(ca, s[0]), at_knot(cb, s[1])]).collect();
@@ -284,7 +289,9 @@ pub(crate) fn between_pieces(
     let path = Path::new(ca, cb, stations, options.exact);
     let mut spans = Vec::new();
     for w in path.breaks().windows(2) {
-        path.span(w[0], w[1], 0, options, &mut spans);
+        // Deeper than the deepest is not looked at.
+        let depth = if control.stopped() { DEEPEST } else { 0 };
+        path.span(w[0], w[1], depth, options, &mut spans);
     }
     let mut values = vec![0.0; 6];
     for s in spans.iter().skip(1) {
@@ -470,17 +477,18 @@ impl<'a> Path<'a> {
         let parameters = [0, 1].map(|d| {
             hermite([[first.2[d]], [third.2[d]], [two.2[d]], [last.2[d]]], [[first.3[d] * h], [last.3[d] * h]])
         });
-        let good = (1..PROBES).all(|k| {
-            let t = k as f64 / PROBES as f64;
-            let want = sample(w0 + h * t).0;
-            let got = [0, 1].map(|d| quintic(&rails[d], t));
-            let near = (0..2).all(|d| (got[d].0 - want[d]).norm() <= options.rail_tolerance);
-            let r = got[1].0 - got[0].0;
-            let (x, y) = (got[0].1.cross(&r), got[1].1.cross(&r));
-            let twist = x.cross(&y).norm().atan2(x.dot(&y));
-            near && (!self.exact || twist <= options.twist_tolerance)
-        });
-        if good || depth >= DEEPEST || out.len() >= MOST {
+        let good = depth >= DEEPEST
+            || (1..PROBES).all(|k| {
+                let t = k as f64 / PROBES as f64;
+                let want = sample(w0 + h * t).0;
+                let got = [0, 1].map(|d| quintic(&rails[d], t));
+                let near = (0..2).all(|d| (got[d].0 - want[d]).norm() <= options.rail_tolerance);
+                let r = got[1].0 - got[0].0;
+                let (x, y) = (got[0].1.cross(&r), got[1].1.cross(&r));
+                let twist = x.cross(&y).norm().atan2(x.dot(&y));
+                near && (!self.exact || twist <= options.twist_tolerance)
+            });
+        if good || out.len() >= MOST {
             out.push(Span { from: w0, rails, parameters });
             return;
         }
@@ -581,9 +589,9 @@ pub(crate) fn classified(mut strip: Strip) -> Strip {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::brep::space_curve::SpaceCurve;
     use crate::design::loft::branches::{branches, BranchOptions};
     use crate::geom::Frame;
-    use crate::spline::space_curve::SpaceCurve;
     use std::f64::consts::TAU;
 
     fn ellipse(origin: Vec3, a: f64, b: f64) -> Rail {
@@ -594,7 +602,7 @@ mod tests {
 
     fn built(a: &Rail, b: &Rail) -> Vec<BuiltStrip> {
         let found = branches(a, b, &BranchOptions::default());
-        follow(a, b, &found[0], &BuildOptions::new(1e-6)).expect("strips")
+        follow([a, b], &found[0], &BuildOptions::new(1e-6), &Control::default()).expect("strips")
     }
 
     #[test]

@@ -6,7 +6,7 @@
 use super::track::{Segment, Track};
 use super::LoftError;
 use crate::geom::Vec3;
-use crate::surface::rail::Rail;
+use crate::torse::rail::Rail;
 
 /// Knobs of [`least_twist`].
 #[derive(Clone, Debug)]
@@ -318,8 +318,8 @@ fn optimum(p: &[Vec3], q: &[Vec3]) -> (Vec<bool>, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::brep::space_curve::SpaceCurve;
     use crate::geom::Frame;
-    use crate::spline::space_curve::SpaceCurve;
 
     fn circle() -> Rail {
         let (c, _) = SpaceCurve::Ellipse { frame: Frame::world(), a: 1.0, b: 1.0 }

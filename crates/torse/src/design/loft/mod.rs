@@ -10,7 +10,7 @@ pub mod track;
 
 use crate::geom::Vec3;
 use crate::spline::SplineError;
-use crate::surface::rail::Rail;
+use crate::torse::rail::Rail;
 
 /// Why there is nothing between two rails.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

@@ -9,9 +9,9 @@ use crate::geom::{Frame, Vec3};
 use crate::spline::bezier::Bezier;
 use crate::spline::curve::{bezier_pieces, Curve};
 use crate::spline::knots::Knots;
-use crate::surface::dual::assemble::from_pieces;
-use crate::surface::dual::{plane_through, DualCurve, DualError};
-use crate::surface::rail::jet;
+use crate::torse::dual::assemble::from_pieces;
+use crate::torse::dual::{plane_through, DualCurve, DualError};
+use crate::torse::rail::jet;
 
 /// Newton steps from a ruling to the rail's point next to it.
 const STEPS: usize = 12;

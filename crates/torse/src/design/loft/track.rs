@@ -4,7 +4,7 @@
 //! tangents. On the track the tangent is continuous, so that fans about corners need no special case.
 
 use crate::geom::Vec3;
-use crate::surface::rail::{jet, tangent, Rail};
+use crate::torse::rail::{jet, tangent, Rail};
 
 /// A segment of a track.
 #[derive(Clone, Copy, Debug, PartialEq)]

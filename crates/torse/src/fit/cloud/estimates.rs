@@ -6,7 +6,7 @@
 
 use super::grid::{around, core, Grid};
 use super::CloudError;
-use crate::fit::planes::robust_weights;
+use crate::fit::planes::linear_system::robust_weights;
 use crate::geom::Vec3;
 use nalgebra::{Matrix3, Matrix6, SymmetricEigen, Vector6};
 use rayon::prelude::*;

@@ -5,14 +5,14 @@
 //! primal form of the main job).
 
 use super::estimates::Estimates;
-use crate::fit::samples::{Fit, Sample};
-use crate::fit::sheet::{Guesses, Sheet};
-use crate::fit::{refit, RefitOptions};
+use crate::fit::near::power_form::{Guesses, Sheet};
+use crate::fit::near::samples::{Fit, Sample};
+use crate::fit::near::{descent::RefitOptions, refit::refit};
 use crate::geom::Vec3;
 use crate::spline::pieces::Pieces;
-use crate::surface::convert::{parameters, patch, ConvertError, Extent};
-use crate::surface::strip::Strip;
-use crate::surface::torse::{DualTorse, PrimalTorse, Torse};
+use crate::torse::convert::{parameters, patch, ConvertError, Extent};
+use crate::torse::form::{DualTorse, PrimalTorse, Torse};
+use crate::torse::strip::Strip;
 use rayon::prelude::*;
 
 /// Bins of rulings.
@@ -45,10 +45,10 @@ pub fn widened(fit: &Fit) -> Option<Fit> {
             Torse::Dual(DualTorse { planes })
         }
         Torse::Primal(p) => {
-            let profile = Pieces::of(&p.profile)?.on(from, to, 0.0).to_curve().ok()?;
+            let profile = Pieces::of(p.profile())?.on(from, to, 0.0).to_curve().ok()?;
             // The slope at the new start, from which it is integrated.
             let beta = p.functions(profile.domain().0)[5];
-            Torse::Primal(PrimalTorse { frame: p.frame, profile, beta })
+            Torse::Primal(PrimalTorse::new(p.frame, profile, beta))
         }
     };
     Some(Fit { torse, ..fit.clone() })
@@ -184,7 +184,8 @@ pub fn strip(name: &str, fit: &Fit, points: &[Vec3], near: f64) -> Result<Strip,
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::{primal, PrimalOptions};
+    use crate::fit::near::primal::primal;
+    use crate::fit::near::primal::PrimalOptions;
 
     #[test]
     fn a_widened_torse_is_the_same_surface_on_more_rulings() {

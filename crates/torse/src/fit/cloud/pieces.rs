@@ -8,12 +8,12 @@
 use super::estimates::Estimates;
 use super::regions::Region;
 use crate::control::Control;
-use crate::fit::primal::{primal, PrimalOptions};
-use crate::fit::row::{controlled_of_cloud, dual_of_cloud, keeps_limits, RowOptions};
-use crate::fit::samples::{Fit, Sample};
+use crate::fit::elements::sequence::{controlled_of_cloud, dual_of_cloud, keeps_limits, RowOptions};
+use crate::fit::near::primal::{primal, PrimalOptions};
+use crate::fit::near::samples::{Fit, Sample};
 use crate::geom::Vec3;
-use crate::surface::torse::PanelKind;
-use crate::surface::zone::RegressionLimits;
+use crate::torse::form::PanelKind;
+use crate::torse::zone::RegressionLimits;
 use nalgebra::{Matrix3, SymmetricEigen};
 
 /// Options of [`pieces`].

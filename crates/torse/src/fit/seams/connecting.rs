@@ -9,7 +9,7 @@ use crate::geom::Vec3;
 use crate::num::least_squares::{BandMatrix, Rows};
 use crate::spline::curve::Curve;
 use crate::spline::knots::Knots;
-use crate::surface::torse::DualTorse;
+use crate::torse::form::DualTorse;
 
 /// A ruling between two seams.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -189,7 +189,7 @@ const END_WEIGHT: f64 = 4.0;
 mod tests {
     use super::*;
     use crate::spline::lsq;
-    use crate::surface::torse::Torse;
+    use crate::torse::form::Torse;
 
     /// Arc of a circle with radius r about the z-axis at height z, by angle.
     fn arc(r: f64, z: f64) -> Curve<3> {

@@ -12,12 +12,12 @@
 
 use super::feet::feet;
 use super::form::Form;
-use crate::fit::descent::Family;
-use crate::fit::samples::Sample;
+use crate::fit::near::descent::Family;
+use crate::fit::near::samples::Sample;
 use crate::geom::Vec3;
 use crate::num::least_squares::{BandMatrix, Rows};
 use crate::spline::knots::Knots;
-use crate::surface::torse::Torse;
+use crate::torse::form::Torse;
 use rayon::prelude::*;
 
 /// A point of the line under a seam.
@@ -618,7 +618,7 @@ mod tests {
     use super::*;
     use crate::geom::Frame;
     use crate::spline::lsq;
-    use crate::surface::torse::{DualTorse, PrimalTorse};
+    use crate::torse::form::{DualTorse, PrimalTorse};
 
     const RADIUS: f64 = 500.0;
 
@@ -705,7 +705,7 @@ mod tests {
             let profile: Vec<[f64; 2]> = t.iter().map(|&t| [height(t, 0.0) - b * b / (2.0 * RADIUS), 0.0]).collect();
             let knots = Knots::uniform(3, 24, t[0], t[240]).expect("knots");
             let profile = lsq::fit(&profile, &t, &knots).expect("a profile").curve;
-            Torse::Primal(PrimalTorse { frame: Frame::world(), profile, beta: b / RADIUS })
+            Torse::Primal(PrimalTorse::new(Frame::world(), profile, b / RADIUS))
         };
         let zone = |y0: f64, y1: f64| -> Vec<Sample> {
             let of = |i: u32| at(200.0 * f64::from(i / 11) / 40.0, y0 + (y1 - y0) * f64::from(i % 11) / 10.0);

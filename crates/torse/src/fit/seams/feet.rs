@@ -4,7 +4,7 @@
 //! pass near points that belong elsewhere. The regularity of a foot \[SE06\] has one sign on each sheet; feet on the
 //! wrong one are looked for again from the foot of the nearest point on the right one.
 
-use crate::fit::sheet::Sheet;
+use crate::fit::near::power_form::Sheet;
 use crate::geom::Vec3;
 
 /// Feet of points (in the sheet's coordinates) from first guesses, within a range: `None` for points without one on the
@@ -30,7 +30,7 @@ mod tests {
     use super::*;
     use crate::spline::curve::Curve;
     use crate::spline::knots::Knots;
-    use crate::surface::torse::{DualTorse, Torse};
+    use crate::torse::form::{DualTorse, Torse};
 
     /// Planes of a cone about the z-axis, as a spline of the angle: points of one half have feet there, whatever the
     /// guess.

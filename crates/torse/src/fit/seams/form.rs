@@ -1,17 +1,18 @@
 //! A strip under way in the form that it came in \[PW99\]: planes of a dual torse, or profile and rulings of a primal one,
 //! which may have inflections. Coordinates are its own, of about unit size.
 
-use crate::fit::descent::Family;
-use crate::fit::dual::Scale;
-use crate::fit::envelope::EnvelopeFamily;
-use crate::fit::primal::{self, MARGIN};
-use crate::fit::profile::{ProfileFamily, Slopes};
-use crate::fit::samples::{error, Sample};
-use crate::fit::sheet::Sheet;
+use crate::fit::near::descent::Family;
+use crate::fit::near::directions::MARGIN;
+use crate::fit::near::dual::Scale;
+use crate::fit::near::envelope::EnvelopeFamily;
+use crate::fit::near::power_form::Sheet;
+use crate::fit::near::primal;
+use crate::fit::near::profile::{ProfileFamily, Slopes};
+use crate::fit::near::samples::{error, Sample};
 use crate::geom::{Frame, Vec3};
 use crate::num::least_squares::Rows;
 use crate::spline::pieces::Pieces;
-use crate::surface::torse::{DualTorse, PanelKind, Torse};
+use crate::torse::form::{DualTorse, PanelKind, Torse};
 
 /// Spans of a profile, and of the slopes of its rulings, as shares of the spans of planes.
 const PRIMAL: [f64; 2] = [0.5, 0.25];

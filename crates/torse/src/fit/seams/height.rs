@@ -3,10 +3,10 @@
 //! *Method* (\[SE06\] carried on): the foot of a point on the torse from a table of rulings, then Newton steps along the
 //! normal.
 
-use crate::fit::sheet::{Guesses, Sheet};
-use crate::fit::wall::on_normal;
+use crate::fit::near::power_form::{Guesses, Sheet};
+use crate::fit::panels::line_intersection::on_normal;
 use crate::geom::Vec3;
-use crate::surface::torse::Torse;
+use crate::torse::form::Torse;
 
 /// Heights of a torse.
 pub struct Height<'a> {

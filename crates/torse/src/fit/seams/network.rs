@@ -11,12 +11,12 @@
 use super::connecting::{connecting, refit, ConnectingRuling};
 use super::feet::feet;
 use super::seam::{Seam, DEGREE};
-use crate::fit::samples::{thin, Sample};
-use crate::fit::sheet::Sheet;
+use crate::fit::near::power_form::Sheet;
+use crate::fit::near::samples::{thin, Sample};
 use crate::geom::Vec3;
 use crate::num::least_squares::{BandMatrix, Rows};
 use crate::spline::curve::Curve;
-use crate::surface::torse::Torse;
+use crate::torse::form::Torse;
 use rayon::prelude::*;
 
 /// A strip between two seams.
@@ -325,7 +325,7 @@ fn laid(
         let seam_distance = seam_distance(&torse, &used, &parameters, lower, upper)?;
         let better = best.as_ref().is_none_or(|b| seam_distance < b.seam_distance);
         if better {
-            let (error, worst) = crate::fit::samples::error(&torse, &strip.samples)?;
+            let (error, worst) = crate::fit::near::samples::error(&torse, &strip.samples)?;
             let twist = used.iter().map(|r| r.twist).fold(0.0, f64::max);
             best = Some(Laid { torse, error, worst, seam_distance, twist });
         }
@@ -361,9 +361,9 @@ fn seam_distance(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::brep::support_surface::Carrier;
     use crate::fit::seams::base_line;
     use crate::geom::Frame;
-    use crate::spline::carrier::Carrier;
     use crate::spline::field::Field;
 
     const RADIUS: f64 = 500.0;

@@ -4,7 +4,7 @@
 //! seam itself is the quintic C⁴ spline nearest to samples of that; it *is* the seam from then on, whatever its
 //! distance from them.
 
-use super::base_line::BaseLine;
+use super::base_line::{BaseLine, BasePoint};
 use crate::num::least_squares::{BandMatrix, Rows};
 use crate::spline::curve::Curve;
 use crate::spline::knots::Knots;
@@ -34,7 +34,7 @@ pub struct Seam {
 impl Seam {
     /// A seam with an offset near given ones (mm), one for each point of the line inside the region. `None` for a line
     /// without points there.
-    pub fn new(base: BaseLine, wanted: impl Fn(&super::BasePoint) -> f64) -> Option<Self> {
+    pub fn new(base: BaseLine, wanted: impl Fn(&BasePoint) -> f64) -> Option<Self> {
         let (first, last) = (base.points.first()?.s, base.points.last()?.s);
         let knots = Knots::uniform(DEGREE, OFFSET_SPANS, first, last).ok()?;
         let n = knots.control_count();

@@ -2,9 +2,9 @@
 //! drawing's unit (`$INSUNITS`) \[DXF2000\].
 
 use super::{CurveError, CurveOptions, Found};
+use crate::brep::space_curve::SpaceCurve;
 use crate::geom::{Frame, Vec3};
 use crate::spline::curve::Curve;
-use crate::spline::space_curve::SpaceCurve;
 use crate::spline::SplineError;
 
 /// Millimetres per unit, by `$INSUNITS`; 0 is "unitless".

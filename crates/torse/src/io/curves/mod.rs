@@ -5,7 +5,7 @@ mod csv;
 mod dxf;
 
 use crate::io::step::read::{edges, ReadError};
-use crate::surface::rail::{Rail, RailError};
+use crate::torse::rail::{Rail, RailError};
 
 /// What the reader is told besides the bytes.
 #[derive(Clone, Debug, Default)]

@@ -2,10 +2,10 @@
 //! and 3.11). Formats only.
 
 use super::{File, GlbError, ARRAY_BUFFER, FLOAT};
+use crate::draw::colour;
+use crate::draw::scene::Scene;
 use crate::geom::mesh::Mesh;
 use crate::geom::Vec3;
-use crate::tessellate::colour;
-use crate::tessellate::scene::Scene;
 use serde_json::{json, Value};
 
 /// Seconds from one stage to the next.
@@ -38,8 +38,9 @@ pub fn write(stages: &[Scene]) -> Result<Vec<u8>, GlbError> {
             }
             changes.push(target);
         }
-        let material = file.material(&panel.name, colour::panel(i));
-        let node = file.mesh_node(&panel.name, &attributes, material, json!({ "unit": "mm" }));
+        let title = panel.title();
+        let material = file.material(&title, colour::shown(i, panel.marked));
+        let node = file.mesh_node(&title, &attributes, material, json!({ "unit": "mm" }));
         if targets > 0 {
             if let Some(mesh) = file.meshes.last_mut() {
                 mesh["primitives"][0]["targets"] = changes.into();
@@ -90,7 +91,7 @@ fn animation(accessors: [usize; 2], nodes: &[usize]) -> Value {
 mod tests {
     use super::super::tests::open;
     use super::*;
-    use crate::tessellate::scene::PanelShape;
+    use crate::draw::scene::PanelShape;
 
     fn stage(height: f64) -> Scene {
         let mesh = Mesh {

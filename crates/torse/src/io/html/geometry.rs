@@ -1,9 +1,9 @@
 //! The geometry of the 3-D view as one block of bytes with a description, for typed arrays of JavaScript.
 
+use crate::draw::colour;
+use crate::draw::scene::Scene;
 use crate::geom::mesh::Mesh;
 use crate::geom::Vec3;
-use crate::tessellate::colour;
-use crate::tessellate::scene::Scene;
 use serde::Serialize;
 
 /// Steps of the deviation scale handed to the page.
@@ -74,7 +74,7 @@ pub(super) fn pack(scene: &Scene, direction: &Vec3, tolerance: f64) -> (Header, 
     let diagonal = bbox.diagonal();
     let centre = if bbox.min.x <= bbox.max.x { bbox.center() } else { Vec3::zeros() };
     let mut block = Block { bytes: Vec::new(), centre };
-    let colours: Vec<colour::Rgb> = (0..scene.panels.len()).map(colour::panel).collect();
+    let colours: Vec<colour::Rgb> = scene.panels.iter().enumerate().map(|(i, p)| colour::shown(i, p.marked)).collect();
     let panels = scene.panels.iter().zip(&colours).enumerate();
     let meshes: Vec<_> = panels.map(|(i, (p, c))| (&p.mesh, i as u32, colour::bytes(*c))).collect();
     let surfaces: Vec<_> = scene.surfaces.iter().map(|m| (m, u32::MAX, [205, 209, 214])).collect();
@@ -92,7 +92,7 @@ pub(super) fn pack(scene: &Scene, direction: &Vec3, tolerance: f64) -> (Header, 
         radius: if diagonal > 0.0 { 0.5 * diagonal } else { 1.0 },
         direction: (*direction).into(),
         tolerance,
-        names: scene.panels.iter().map(|p| p.name.clone()).collect(),
+        names: scene.panels.iter().map(|p| p.title()).collect(),
         colours: colours.iter().map(|c| colour::hex(*c)).collect(),
         scale,
         panels: block.mesh(&meshes),
@@ -167,7 +167,7 @@ impl Block {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tessellate::scene::PanelShape;
+    use crate::draw::scene::PanelShape;
 
     #[test]
     fn arrays_lie_where_the_header_says() {

@@ -9,9 +9,9 @@ mod tables;
 mod words;
 
 use super::json::Report;
+use crate::draw::flat::FlatPiece;
+use crate::draw::scene::Scene;
 use crate::geom::Vec3;
-use crate::tessellate::flat::FlatPiece;
-use crate::tessellate::scene::Scene;
 use base64::prelude::{Engine, BASE64_STANDARD};
 
 /// Everything the page shows.
@@ -60,6 +60,7 @@ pub fn write(page: &Page) -> Result<String, HtmlError> {
     });
     framed(&Frame {
         title: &report.input,
+        first: words::first_line(report),
         things: ["panels", "Panels"],
         kicker: "Developable panels".into(),
         badge: words::badge(report),
@@ -78,6 +79,8 @@ pub fn write(page: &Page) -> Result<String, HtmlError> {
 /// What surrounds the sections of any report: head, figures, 3-D view, foot.
 struct Frame<'a> {
     title: &'a str,
+    /// What must not be cut, and what is missing, as text; empty if nothing.
+    first: String,
     /// What the 3-D view shows: in running text, and as a label.
     things: [&'a str; 2],
     kicker: String,
@@ -103,6 +106,8 @@ fn framed(f: &Frame) -> Result<String, HtmlError> {
     let header = serde_json::to_string(&header)?;
     let hidden = |there: bool| if there { "" } else { "hidden" };
     Ok(fill(FRAME, |name| match name {
+        "first" if f.first.is_empty() => String::new(),
+        "first" => format!("<p class=\"stop\" role=\"alert\">{}</p>", escape(&f.first)),
         "title" => escape(f.title),
         "things" => f.things[0].into(),
         "Things" => f.things[1].into(),
@@ -147,7 +152,7 @@ fn fill(template: &str, value: impl Fn(&str) -> String) -> String {
 }
 
 /// Text for HTML contents and attribute values.
-fn escape(text: &str) -> String {
+pub(super) fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
         match c {
@@ -165,9 +170,9 @@ fn escape(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::draw::scene::PanelShape;
     use crate::geom::mesh::Mesh;
     use crate::io::json::tests::sample;
-    use crate::tessellate::scene::PanelShape;
 
     fn page(report: &Report) -> String {
         let mesh = Mesh {
@@ -228,5 +233,7 @@ mod tests {
             assert!(text.contains(words), "{words}");
         }
         assert!(!text.contains("badge good"));
+        let body = text.split_once("<body>").map_or("", |b| b.1.trim_start());
+        assert!(body.starts_with("<p class=\"stop\" role=\"alert\">Not certified: do not cut A-01"), "{}", &body[..80]);
     }
 }

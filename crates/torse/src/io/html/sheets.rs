@@ -3,13 +3,13 @@
 use super::tables::{self, exponent};
 use super::words::plain;
 use super::{escape, fill, framed, image, Frame, HtmlError};
+use crate::answer::sheets::FieldMeaning;
+use crate::draw::colour;
+use crate::draw::flat::FlatPiece;
+use crate::draw::scene::{titled, Scene};
 use crate::geom::Vec3;
-use crate::io::sheets::{FigureRecord, Report};
-use crate::pipeline::sheets::FieldMeaning;
-use crate::surface::torse::PanelKind;
-use crate::tessellate::colour;
-use crate::tessellate::flat::FlatPiece;
-use crate::tessellate::scene::Scene;
+use crate::io::sheets::{FigureRecord, Report, UNKNOWN};
+use crate::torse::form::PanelKind;
 use std::fmt::Write;
 
 /// Everything the page shows.
@@ -70,6 +70,7 @@ pub fn write(page: &Page) -> Result<String, HtmlError> {
     });
     framed(&Frame {
         title: &report.input,
+        first: report.do_not_cut(usize::MAX).map_or_else(String::new, |w| format!("Not certified: {w}.")),
         things: ["strips", "Strips"],
         kicker: format!("Developable strips: {}", report.job),
         badge: badge(report),
@@ -116,6 +117,7 @@ fn badge(report: &Report) -> String {
 /// A number for people, with powers of ten where it is tiny.
 fn number(f: &FigureRecord) -> String {
     match f.value {
+        None if f.basis == UNKNOWN => "unknown".into(),
         None => "\u{221e}".into(),
         Some(x) if x != 0.0 && x.abs() < 1e-3 => {
             if x < 0.0 {
@@ -174,8 +176,8 @@ fn heads(report: &Report) -> String {
 fn row(index: usize, report: &Report) -> String {
     let strip = &report.strips[index];
     let mut row = format!("<tr id=\"panel-{index}\" data-panel=\"{index}\" tabindex=\"0\">");
-    let swatch = colour::hex(colour::panel(index));
-    let name = escape(&strip.name);
+    let swatch = colour::hex(colour::shown(index, !strip.certified));
+    let name = escape(&titled(&strip.name, !strip.certified));
     let _ = write!(
         row,
         "<td class=\"name\" data-value=\"{name}\"><i style=\"background:{swatch}\"></i>{name}</td>\
@@ -244,7 +246,7 @@ fn parts(report: &Report) -> String {
                 "<tr><td>{}</td><td>{}</td><td class=\"number\">{}</td><td class=\"number\">{}</td>\
                  <td class=\"number\">{}</td><td class=\"number\">{}</td><td class=\"number\">{error}</td>\
                  <td class=\"number\">{}</td><td>{}</td></tr>",
-                escape(&p.name),
+                escape(&titled(&p.name, !p.certified)),
                 p.strips.len(),
                 cell(p.length, 1.0),
                 cell(p.width, 1.0),
@@ -260,8 +262,8 @@ fn parts(report: &Report) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::answer::presentation::present_sheets;
     use crate::io::sheets::tests::sample;
-    use crate::pipeline::presentation::present_sheets;
 
     #[test]
     fn the_page_is_filled_and_names_cannot_become_markup() {

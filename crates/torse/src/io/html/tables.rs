@@ -2,10 +2,12 @@
 
 use super::escape;
 use super::words::{lower, plain, upper, witness};
+use crate::draw::colour;
+use crate::draw::flat::FlatPiece;
+use crate::draw::scene::{titled, NOT_CERTIFIED};
 use crate::geom::Vec2;
+use crate::io::bends;
 use crate::io::json::{PanelRecord, Report};
-use crate::tessellate::colour;
-use crate::tessellate::flat::FlatPiece;
 use std::fmt::Write;
 
 /// Rows of the table of panels.
@@ -18,8 +20,8 @@ fn panel_row(index: usize, panel: &PanelRecord, report: &Report) -> String {
     let mut cell = |class: &str, key: &str, text: &str| {
         let _ = write!(row, "<td class=\"{class}\" data-value=\"{key}\">{text}</td>");
     };
-    let swatch = colour::hex(colour::panel(index));
-    let name = escape(&panel.name);
+    let swatch = colour::hex(colour::shown(index, !panel.certified));
+    let name = escape(&titled(&panel.name, !panel.certified));
     cell("name", &name, &format!("<i style=\"background:{swatch}\"></i>{name}"));
     let face = report.faces.get(panel.face);
     let face_name =
@@ -169,7 +171,8 @@ pub(super) fn skipped(report: &Report) -> String {
     }
     let mut out = String::from("<h3>Left out</h3><ul class=\"missing\">");
     for item in &report.skipped {
-        let _ = write!(out, "<li>#{}: {}</li>", item.entity, escape(&item.reason));
+        let area = item.area_estimate.map_or("area unknown".into(), |a| format!("about {} mm\u{b2}", plain(a, 4)));
+        let _ = write!(out, "<li>#{}: {} ({area})</li>", item.entity, escape(&item.reason));
     }
     out + "</ul>"
 }
@@ -195,8 +198,8 @@ pub(super) fn layout(pieces: &[FlatPiece]) -> String {
             out,
             "<g data-panel=\"{}\" style=\"--hue:{}\"><title>{}</title><path class=\"piece\" d=\"",
             piece.panel,
-            colour::hex(colour::panel(piece.panel)),
-            escape(&piece.name)
+            colour::hex(colour::shown(piece.panel, piece.marked)),
+            escape(&titled(&piece.name, piece.marked))
         );
         for outline in &piece.outlines {
             for (i, p) in outline.iter().filter(finite).enumerate() {
@@ -215,12 +218,18 @@ pub(super) fn layout(pieces: &[FlatPiece]) -> String {
         let size = (0.9 * piece.room).clamp(0.010 * width, 0.028 * width);
         let _ = write!(
             out,
-            "\"/><text x=\"{x:.2}\" y=\"{:.2}\" font-size=\"{size:.2}\">{}</text></g>",
+            "\"/><text x=\"{x:.2}\" y=\"{:.2}\" font-size=\"{size:.2}\">{}</text>",
             y + 0.35 * size,
             escape(&piece.name)
         );
+        if piece.marked {
+            // Below the name and smaller: the words are longer.
+            let (y, size) = (y + 1.1 * size, 0.5 * size);
+            let _ = write!(out, "<text x=\"{x:.2}\" y=\"{y:.2}\" font-size=\"{size:.2}\">{NOT_CERTIFIED}</text>");
+        }
+        out.push_str("</g>");
     }
-    out + "</svg>"
+    out + "</svg>" + &bends::table(pieces)
 }
 
 #[cfg(test)]

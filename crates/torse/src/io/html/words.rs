@@ -2,8 +2,8 @@
 
 use super::escape;
 use super::tables::exponent;
+use crate::draw::picture::figure;
 use crate::io::json::{PanelRecord, Report};
-use crate::tessellate::picture::figure;
 use std::fmt::Write;
 
 /// Bends tighter than this share of the panel's width deserve a look: the sheet turns by more than a radian or so
@@ -58,6 +58,18 @@ fn rounded(x: f64, round: fn(f64) -> f64) -> f64 {
     }
 }
 
+/// The first line of the page: what must not be cut, and what is missing; empty if nothing.
+pub(super) fn first_line(report: &Report) -> String {
+    let mut out = report.do_not_cut(usize::MAX).map_or_else(String::new, |w| format!("Not certified: {w}."));
+    if report.panels.iter().all(|p| p.certified) && !report.certified() {
+        out += &format!(" Missing: {}.", report.reason.trim_end_matches('.'));
+    } else if !report.skipped.is_empty() {
+        let items: Vec<String> = report.skipped.iter().map(|s| format!("#{}", s.entity)).collect();
+        out += &format!(" Left out of the file, without panels: {}.", items.join(", "));
+    }
+    out.trim_start().to_owned()
+}
+
 /// The status in large letters.
 pub(super) fn badge(report: &Report) -> String {
     if report.certified() {
@@ -85,7 +97,11 @@ pub(super) fn figures(report: &Report) -> String {
         n => format!("{n} faces"),
     };
     item("Panels", report.panels.len().to_string(), format!("on {faces}"));
-    item("Covered", percent(report.coverage), "of the area of the faces".into());
+    let (share, of) = match report.skipped.iter().any(|s| s.area_estimate.is_none()) {
+        true => (format!("&lt;&nbsp;{}", percent(report.coverage)), "of the area of the faces; some are unknown"),
+        false => (percent(report.coverage), "of the area of the faces"),
+    };
+    item("Covered", share, of.into());
     item("Seam gap", bound_with_unit(report.seam_gap_bound), "at most, between neighbours".into());
     let radius = least(report, |p| p.min_bend_radius);
     item(
@@ -176,10 +192,38 @@ fn proven(report: &Report) -> String {
     if report.coverage >= 1.0 {
         items.push("<b>Coverage:</b> the regions of the panels add up to the faces, without holes or overlaps.".into());
     }
+    if let (Some((strain, _)), Some((off, _))) = (flat(report, |p| p.strain_bound), flat(report, |p| p.drawing_bound)) {
+        items.push(format!(
+            "<b>Flat patterns:</b> no length on a flat part differs from that on its panel by more than {} of it;              outlines, rulings and marks as drawn are nowhere more than {} from where they belong.",
+            exponent(strain),
+            bound_with_unit(Some(off)),
+        ));
+    }
+    if !report.written.is_empty() && report.written.iter().all(|w| w.written_bound.is_some()) {
+        let names: Vec<String> = report.written.iter().map(|w| format!("<code>{}</code>", escape(&w.file))).collect();
+        let most = report.written.iter().filter_map(|w| w.written_bound).fold(0.0, f64::max);
+        items.push(format!(
+            "<b>Files:</b> {} were read back; they hold what was judged, to {}.",
+            names.join(", "),
+            bound_with_unit(Some(most)),
+        ));
+    }
+    let trims: Option<Vec<f64>> = report.faces.iter().map(|f| f.trim_bound).collect();
+    if let Some(trim) = trims.and_then(|t| t.into_iter().reduce(f64::max)) {
+        items.push(format!(
+            "<b>Edges of the file:</b> the trims that were used keep to them within {}, which is part of the distance.",
+            bound_with_unit(Some(trim)),
+        ));
+    }
     if items.is_empty() {
         items.push("Nothing.".into());
     }
     format!("<div>{}</div>", list("Proven for every point", "proven", &items))
+}
+
+/// The largest of a proven number of flat patterns, if every panel has one.
+fn flat(report: &Report, value: impl Fn(&PanelRecord) -> Option<f64>) -> Option<(f64, &PanelRecord)> {
+    most(report, &value).filter(|_| report.panels.iter().all(|p| value(p).is_some()))
 }
 
 /// What is missing, and what was only measured.
@@ -193,25 +237,30 @@ fn unproven(report: &Report) -> String {
     }
     if !report.skipped.is_empty() {
         missing.push(format!(
-            "{} item(s) of the file were left out, see <a href=\"#faces\">Faces</a>.",
-            report.skipped.len()
+            "{} of the file left out, see <a href=\"#faces\">Faces</a>.",
+            match report.skipped.len() {
+                1 => "1 face or item is".to_string(),
+                n => format!("{n} faces or items are"),
+            }
         ));
     }
     let mut measured = Vec::new();
-    if let Some((error, _)) = most(report, |p| p.isometry_error) {
+    let measured_only =
+        |p: &PanelRecord, x: Option<f64>| x.filter(|_| p.strain_bound.is_none() || p.drawing_bound.is_none());
+    if let Some((error, _)) = most(report, |p| measured_only(p, p.isometry_error)) {
         measured.push(format!("Flat patterns keep lengths to {} (largest relative error measured).", exponent(error)));
     }
-    if let Some((error, _)) = most(report, |p| p.contour_error) {
+    if let Some((error, _)) = most(report, |p| measured_only(p, p.contour_error)) {
         measured
             .push(format!("Lines and arcs of the flat outlines follow the exact outlines to {}.", millimetres(error)));
     }
-    let trim = report.faces.iter().filter_map(|f| f.trim_deviation_estimate).fold(0.0, f64::max);
     let surface = report.faces.iter().filter_map(|f| f.surface_deviation_estimate).fold(0.0, f64::max);
-    measured.push(format!(
-        "The certificate refers to the faces as they were read: edges of the file agree with them to {}, surfaces to {}.",
-        millimetres(trim),
-        millimetres(surface),
-    ));
+    if surface > 0.0 {
+        measured.push(format!(
+            "Offset surfaces of the file were replaced by splines; these agree with them to {}.",
+            millimetres(surface),
+        ));
+    }
     let joined: usize = report.faces.iter().map(|f| f.joined.len()).sum();
     if joined > 0 {
         let moved = report.faces.iter().map(|f| f.joint_bound).fold(0.0, f64::max);
@@ -291,7 +340,7 @@ fn link(panel: &PanelRecord, report: &Report) -> String {
     format!("<a href=\"#panel-{index}\" data-pick=\"{index}\">{}</a>", escape(&panel.name))
 }
 
-fn most(report: &Report, value: fn(&PanelRecord) -> Option<f64>) -> Option<(f64, &PanelRecord)> {
+fn most(report: &Report, value: impl Fn(&PanelRecord) -> Option<f64>) -> Option<(f64, &PanelRecord)> {
     report.panels.iter().filter_map(|p| Some((value(p)?, p))).max_by(|a, b| a.0.total_cmp(&b.0))
 }
 

@@ -14,7 +14,7 @@ mod sheet;
 use std::io;
 
 use crate::geom::Frame;
-use crate::surface::panel::Patchwork;
+use crate::patchwork::panel::Patchwork;
 use records::{boolean, list, real, references, string, Records};
 pub use sheet::{EdgeUse, Sheet, SheetCurve, SheetEdge, SheetFace, SheetSurface, SurfaceForm};
 
@@ -30,12 +30,13 @@ pub struct Header {
 }
 
 /// Writes the panels of a patchwork, normals on the side of the input faces' normals: panels that share edges are
-/// sewn into one sheet, the others are sheets of their own.
+/// sewn into one sheet, the others are sheets of their own. Names of panels that `marked` holds for say that they must not
+/// be cut.
 ///
 /// # Errors
 /// Those of `out`.
-pub fn panels(out: &mut dyn io::Write, header: &Header, patchwork: &Patchwork) -> io::Result<()> {
-    self::sheets(out, header, &sewn::sheets(patchwork))
+pub fn panels(out: &mut dyn io::Write, header: &Header, patchwork: &Patchwork, marked: &[bool]) -> io::Result<()> {
+    self::sheets(out, header, &sewn::sheets(patchwork, marked))
 }
 
 /// Writes sheets.
@@ -183,11 +184,11 @@ fn out_of_range(sheet: &str, what: &str, index: usize) -> io::Error {
 mod tests {
     use super::*;
     use crate::geom::Vec3;
+    use crate::patchwork::panel::{Border, Panel, Run};
     use crate::spline::curve::Curve;
     use crate::spline::knots::Knots;
     use crate::spline::surface::Surface;
-    use crate::surface::panel::{Border, Panel, Run};
-    use crate::surface::torse::{DualTorse, PanelKind, Torse};
+    use crate::torse::form::{DualTorse, PanelKind, Torse};
 
     /// Parabolic cylinder (100 t, 200 r, 50 t²) with a rectangular outline and a hole; all edges exact.
     /// With `mirrored` the loops run the other way round in the parameter plane.

@@ -1,12 +1,12 @@
 //! Points, directions, placements and curves of ISO 10303-42.
 
-use super::records::{as_number, as_reference, Args, Fault, Records};
+use super::records::{as_number, as_reference, Args, Fault, Part, Records};
 use super::token::Value;
 use super::units::Units;
+use crate::brep::space_curve::{Arc, SpaceCurve};
 use crate::geom::placement::Placement;
 use crate::geom::{Frame, Vec3};
 use crate::spline::curve::Curve;
-use crate::spline::space_curve::{Arc, SpaceCurve};
 
 /// Definitions by definitions by definitions…: real files stay below 6.
 pub(super) const DEEPEST: u32 = 24;
@@ -128,14 +128,17 @@ impl<'r, 'a> Geometry<'r, 'a> {
             return Err(too_deep(id));
         }
         let r = self.records.get(id)?;
-        match r.name() {
-            "SURFACE_CURVE" | "SEAM_CURVE" | "INTERSECTION_CURVE" => {
-                self.course(self.records.simple(id)?.reference(1)?, depth + 1)
+        // The kind is that of a part that says what the curve is made of; others only say that it is one.
+        let telling =
+            |name: &str| name.contains("SURFACE_CURVE") || name.contains("COMPOSITE") || name.contains("TRIMMED");
+        let telling = |p: &&Part| telling(p.name) && !p.args.is_empty();
+        let part = r.parts.iter().rev().find(telling).filter(|_| r.parts.len() > 1);
+        match part.map_or(r.name(), |p| p.name) {
+            "SURFACE_CURVE" | "SEAM_CURVE" | "INTERSECTION_CURVE" | "BOUNDED_SURFACE_CURVE" => {
+                let args = part.or(r.parts.last()).map_or(&[][..], |p| &p.args);
+                let curve = args.iter().find_map(as_reference);
+                self.course(curve.ok_or_else(|| Fault::new(id, format!("#{id} names no curve")))?, depth + 1)
             }
-            "BOUNDED_SURFACE_CURVE" => match r.part("SURFACE_CURVE") {
-                Some(p) => self.course(Args { id, values: &p.args }.reference(0)?, depth + 1),
-                None => Err(Fault::new(id, format!("#{id} names no curve"))),
-            },
             "TRIMMED_CURVE" => self.trimmed(id, depth).map(|a| Course::Path(vec![a])),
             "COMPOSITE_CURVE" | "COMPOSITE_CURVE_ON_SURFACE" | "BOUNDARY_CURVE" | "OUTER_BOUNDARY_CURVE" => {
                 self.composite(id, depth).map(Course::Path)
@@ -234,7 +237,7 @@ impl<'r, 'a> Geometry<'r, 'a> {
         // Simple: (name, degree, points, form, closed, self_intersect, multiplicities, knots, form).
         // Complex: B_SPLINE_CURVE(degree, points, …), B_SPLINE_CURVE_WITH_KNOTS(multiplicities, knots, form).
         let (body, first) = match r.part("B_SPLINE_CURVE") {
-            Some(p) => (Args { id, values: &p.args }, usize::from(matches!(p.args.first(), Some(Value::Text(_))))),
+            Some(p) => (Args { id, values: &p.args }, named(&p.args)),
             None => (self.records.simple(id)?, 1),
         };
         let degree = body.count(first)?;
@@ -242,7 +245,7 @@ impl<'r, 'a> Geometry<'r, 'a> {
         let knots = match r.part("B_SPLINE_CURVE_WITH_KNOTS") {
             Some(p) => {
                 let a = Args { id, values: &p.args };
-                let k = if matches!(p.args.first(), Some(Value::Text(_))) { 6 } else { 0 };
+                let k = 6 * named(&p.args);
                 expanded(id, &a.numbers(k)?, &a.numbers(k + 1)?)?
             }
             None => implied_knots(id, kind_of_knots(r.parts.iter().map(|p| p.name)), degree, points.len())?,
@@ -282,12 +285,19 @@ impl<'r, 'a> Geometry<'r, 'a> {
         let factor = if matches!(curve, SpaceCurve::Ellipse { .. }) { self.units.angle } else { 1.0 };
         let trim = |k: usize| -> Result<f64, Fault> {
             let list = a.list(k)?;
-            if let Some(t) = list.iter().find_map(as_number).filter(|t| t.is_finite()) {
-                return Ok(t * factor);
+            let stated = list.iter().find_map(as_number).filter(|t| t.is_finite()).map(|t| t * factor);
+            match (stated, list.iter().find_map(as_reference)) {
+                (Some(t), None) => Ok(t),
+                (None, Some(p)) => Ok(curve.nearest(&self.point(p)?)),
+                (Some(t), Some(p)) => {
+                    // Both are given: where they disagree, by degrees against radians for instance, the point is right.
+                    let p = self.point(p)?;
+                    let other = curve.nearest(&p);
+                    let [stated, found] = [t, other].map(|t| (curve.point(t) - p).norm());
+                    Ok(if stated > TRIMS_DISAGREE && found < 0.1 * stated { other } else { t })
+                }
+                (None, None) => Err(Fault::new(id, format!("trim {k} of #{id} is neither a point nor a parameter"))),
             }
-            let p = list.iter().find_map(as_reference);
-            let p = p.ok_or_else(|| Fault::new(id, format!("trim {k} of #{id} is neither a point nor a parameter")))?;
-            Ok(curve.nearest(&self.point(p)?))
         };
         let (from, mut to) = (trim(2)?, trim(3)?);
         if let Some(period) = curve.period() {
@@ -303,7 +313,12 @@ impl<'r, 'a> Geometry<'r, 'a> {
 
     fn composite(&self, id: u64, depth: u32) -> Result<Vec<Arc>, Fault> {
         let mut out: Vec<Arc> = Vec::new();
-        let segments = self.records.simple(id)?.references(1)?;
+        let parts = &self.records.get(id)?.parts;
+        let list = parts.iter().flat_map(|p| &p.args).find_map(|v| match v {
+            Value::List(l) => Some(l.iter().filter_map(as_reference).collect::<Vec<u64>>()),
+            _ => None,
+        });
+        let segments = list.ok_or_else(|| Fault::new(id, format!("composite curve #{id} lists no segments")))?;
         for s in &segments {
             let r = self.records.get(*s)?;
             let part = r.parts.iter().find(|p| p.name == "COMPOSITE_CURVE_SEGMENT");
@@ -326,7 +341,7 @@ impl<'r, 'a> Geometry<'r, 'a> {
         if out.is_empty() {
             return Err(Fault::new(id, format!("composite curve #{id} has no segments")));
         }
-        Ok(out)
+        Ok(following(out))
     }
 
     /// A curve given only in the parameter plane of a surface.
@@ -340,6 +355,42 @@ impl<'r, 'a> Geometry<'r, 'a> {
         let scale = carrier.parameter_units(self.units);
         Ok(Course::Basis(SpaceCurve::traced(flat, carrier.carrier, scale), true))
     }
+}
+
+/// Distance (mm) between a point and a parameter of one trim above which they disagree: more than printing loses.
+const TRIMS_DISAGREE: f64 = 1e-3;
+/// A segment is turned round where that brings it nearer by this factor to the one before.
+const CLEARLY: f64 = 1e-2;
+
+/// Segments that follow each other: senses in files are not reliable, so a segment that ends where it should begin is
+/// turned round.
+fn following(mut path: Vec<Arc>) -> Vec<Arc> {
+    for i in 1..path.len() {
+        let (start, end) = path[i].ends();
+        let last = path[i - 1].ends().1;
+        let (there, back) = ((start - last).norm(), (end - last).norm());
+        if i == 1 {
+            // The first has nothing before it: it is turned if that alone makes the second fit.
+            let first = path[0].ends().0;
+            let turned = (start - first).norm().min((end - first).norm());
+            if turned < CLEARLY * there.min(back) {
+                path[0] = path[0].reversed();
+                if (end - first).norm() < CLEARLY * (start - first).norm() {
+                    path[1] = path[1].reversed();
+                }
+                continue;
+            }
+        }
+        if back < CLEARLY * there {
+            path[i] = path[i].reversed();
+        }
+    }
+    path
+}
+
+/// 1 if arguments begin with a name, be it `$`; the parts of complex instances have none.
+fn named(args: &[Value]) -> usize {
+    usize::from(matches!(args.first(), Some(Value::Text(_) | Value::Null | Value::Derived)))
 }
 
 /// Which implied knots a spline without knots of its own has.

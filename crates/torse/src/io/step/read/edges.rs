@@ -4,11 +4,11 @@ use super::curves::{Course, Geometry};
 use super::records::{Fault, Records};
 use super::topology::ParameterPlane;
 use super::{decoded, foreign, product, units, ReadError};
+use crate::brep::space_curve::{Arc, SpaceCurve};
+use crate::brep::unroll;
 use crate::geom::placement::Placement;
 use crate::geom::Vec3;
 use crate::spline::curve::Curve;
-use crate::spline::space_curve::{Arc, SpaceCurve};
-use crate::spline::unroll;
 use std::collections::HashMap;
 
 /// A curve of a file.

@@ -2,10 +2,12 @@
 //!
 //! Tolerant of what real files contain: a record that cannot be read costs what depends on it and nothing more, and
 //! every face that is lost is named with the reason. Knows the format; the geometry of trimming is
-//! [`crate::surface::trim`]'s.
+//! [`crate::brep::trim`]'s.
 
 mod curves;
 pub mod edges;
+mod extruded;
+pub mod own;
 mod product;
 mod records;
 mod surfaces;
@@ -16,9 +18,9 @@ mod units;
 use self::curves::Geometry;
 use self::product::{Census, Occurrence};
 use self::records::{Fault, Records};
-use crate::pipeline::outcome::Skipped;
-use crate::surface::face::Face;
-use crate::surface::trim;
+use crate::answer::outcome::Skipped;
+use crate::brep::face::Face;
+use crate::brep::trim;
 use rayon::prelude::*;
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -41,8 +43,8 @@ pub struct Model {
 /// Knobs of the reader.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ReadOptions {
-    /// Largest distance between a trimming curve and the image of its chords; default `None`: 10⁻⁵ of the extent of
-    /// each face's boundary. mm.
+    /// Largest distance between a trimming curve and the image of its chords, never above 10⁻⁵ of the extent of each
+    /// face's boundary, which is the default (`None`). mm.
     pub chord_tolerance: Option<f64>,
 }
 
@@ -219,7 +221,7 @@ fn main_unit(census: &Census, notes: &mut Vec<String>) -> String {
 }
 
 fn as_skipped(f: &Fault) -> Skipped {
-    Skipped { entity: f.entity, reason: f.reason.clone() }
+    Skipped { entity: f.entity, reason: f.reason.clone(), area_estimate: None }
 }
 
 /// Builds every face once and places its occurrences.
@@ -227,37 +229,56 @@ fn placed(records: &Records, census: &Census, options: &ReadOptions, skipped: &m
     let mut jobs: Vec<(u64, bool, usize)> = census.occurrences.iter().map(key).collect();
     jobs.sort_unstable();
     jobs.dedup();
-    let built: HashMap<(u64, bool, usize), Result<Vec<Face>, Fault>> = jobs
+    let built: HashMap<(u64, bool, usize), Result<Vec<Face>, Lost>> = jobs
         .into_par_iter()
         .map(|job| {
             let (id, flipped, units) = job;
             let geometry = Geometry { records, units: &census.units[units] };
-            let faces = geometry
-                .face(id, flipped, 0)
-                .and_then(|raw| trim::faces(&raw, options.chord_tolerance).map_err(|e| Fault::new(id, e.to_string())));
-            (job, faces)
+            let trimmed = |raw: &trim::RawFace| {
+                trim::faces(raw, options.chord_tolerance).map_err(|e| Fault::new(id, e.to_string()))
+            };
+            let faces = geometry.faces(id, flipped).and_then(|raw| {
+                let all: Result<Vec<Vec<Face>>, Fault> = raw.iter().map(trimmed).collect();
+                all.map(|f| f.into_iter().flatten().collect())
+            });
+            (job, faces.map_err(|fault| Lost { fault, area: geometry.spanned_area(id, 0) }))
         })
         .collect();
     let mut out = Vec::new();
-    let mut named = std::collections::HashSet::new();
+    let mut named: HashMap<(u64, bool, usize), usize> = HashMap::new();
     for o in &census.occurrences {
         match built.get(&key(o)) {
             Some(Ok(faces)) => {
-                let there = faces.iter().map(|f| f.placed(&o.placement, &o.part));
+                let there = faces.iter().map(|f| Face { body: o.body, ..f.placed(&o.placement, &o.part) });
                 let before = out.len();
                 out.extend(there.filter(is_finite));
                 if out.len() < before + faces.len() {
-                    skipped.push(Skipped { entity: o.face, reason: "its placement is not finite".into() });
+                    let reason = "its placement is not finite".into();
+                    skipped.push(Skipped { entity: o.face, reason, area_estimate: None });
                 }
             }
-            Some(Err(fault)) if named.insert(key(o)) => {
-                // The face is what the user looks for; the record at fault is named in the reason.
-                skipped.push(Skipped { entity: o.face, reason: fault.reason.clone() });
+            Some(Err(lost)) => {
+                // Named once, with the area of all its occurrences.
+                let area = lost.area.map(|a| a * o.placement.scale().powi(2)).filter(|a| a.is_finite());
+                let at = *named.entry(key(o)).or_insert_with(|| {
+                    // The face is what the user looks for; the record at fault is named in the reason.
+                    let reason = lost.fault.reason.clone();
+                    skipped.push(Skipped { entity: o.face, reason, area_estimate: area.map(|_| 0.0) });
+                    skipped.len() - 1
+                });
+                skipped[at].area_estimate = skipped[at].area_estimate.zip(area).map(|(sum, a)| sum + a);
             }
-            _ => {}
+            None => {}
         }
     }
     out
+}
+
+/// A face that could not be built.
+struct Lost {
+    fault: Fault,
+    /// Its area, mm², as far as its edges tell.
+    area: Option<f64>,
 }
 
 fn is_finite(f: &Face) -> bool {

@@ -2,6 +2,7 @@
 
 use super::curves::Geometry;
 use super::records::{as_reference, Args, Fault, Records};
+use super::token::Value;
 use super::topology::may_be_face;
 use super::units::{self, Units};
 use crate::geom::placement::Placement;
@@ -20,6 +21,8 @@ pub(super) struct Occurrence {
     pub part: String,
     /// Where it goes.
     pub placement: Placement,
+    /// Number of the body: a solid, or the sheets of one occurrence of a part.
+    pub body: u32,
 }
 
 /// All uses of faces, and what was found wanting on the way.
@@ -64,6 +67,9 @@ struct Walk<'r, 'a> {
     /// Whether a face met again is another occurrence.
     repeats_count: bool,
     steps: usize,
+    /// Bodies met so far, and the one being walked.
+    bodies: u32,
+    body: u32,
     out: Census,
 }
 
@@ -79,6 +85,8 @@ pub(super) fn census(records: &Records) -> Census {
         visited: HashSet::new(),
         repeats_count: true,
         steps: 0,
+        bodies: 0,
+        body: 0,
         out: Census::default(),
     };
     w.name_parts();
@@ -131,6 +139,18 @@ impl<'r, 'a> Walk<'r, 'a> {
         Some(product_name(&product))
     }
 
+    fn is_drawing(&self, rep: u64) -> bool {
+        self.records.get(rep).is_ok_and(|r| r.part("DRAUGHTING_MODEL").is_some())
+    }
+
+    /// Items and context of a representation: they stand in the part with the list. `None` for what only sounds like
+    /// one, such as the link between a dimension and its value.
+    fn items(&self, rep: u64) -> Option<Args<'r, 'a>> {
+        let parts = &self.records.get(rep).ok()?.parts;
+        let body = parts.iter().find(|p| matches!(p.args.get(1), Some(Value::List(_))))?;
+        Some(Args { id: rep, values: &body.args })
+    }
+
     fn find(&self, rep: u64) -> u64 {
         let mut r = rep;
         // Chains of groups are shortened by `join`; the bound is the number of representations.
@@ -145,8 +165,9 @@ impl<'r, 'a> Walk<'r, 'a> {
 
     /// Groups representations of one space and collects the edges of the assembly.
     fn relate(&mut self) {
-        let reps: Vec<u64> =
-            self.records.order.iter().copied().filter(|&id| is_representation(self.records.name(id))).collect();
+        // A drawing of the model shows what others hold.
+        let shape = |id: &u64| is_representation(self.records.name(*id)) && !self.is_drawing(*id);
+        let reps: Vec<u64> = self.records.order.iter().copied().filter(shape).collect();
         let relations = self.records.all(&["SHAPE_REPRESENTATION_RELATIONSHIP", "REPRESENTATION_RELATIONSHIP"]);
         let mut placed = Vec::new();
         for id in relations {
@@ -231,7 +252,7 @@ impl<'r, 'a> Walk<'r, 'a> {
 
     /// Units of a representation's context, by index.
     fn units_index(&mut self, rep: u64) -> usize {
-        let context = self.records.simple(rep).ok().and_then(|a| a.reference(2).ok()).unwrap_or(0);
+        let context = self.items(rep).and_then(|a| a.reference(2).ok()).unwrap_or(0);
         if let Some(&i) = self.units_of.get(&context) {
             return i;
         }
@@ -277,18 +298,20 @@ impl<'r, 'a> Walk<'r, 'a> {
             }
             return;
         }
+        let outer = self.body;
+        self.begin_body();
         let members = self.members.get(&group).cloned().unwrap_or_default();
         let name = members.iter().find_map(|m| self.part.get(m)).cloned().unwrap_or_else(|| part.to_string());
         for m in members {
             let units = self.units_index(m);
-            let items = match self.records.simple(m).and_then(|a| a.references(1)) {
-                Ok(items) => items,
-                Err(fault) => {
-                    self.out.faults.push(fault);
-                    continue;
+            let Some(items) = self.items(m) else {
+                // A shape whose items cannot be read may have held faces.
+                if self.records.name(m).ends_with("SHAPE_REPRESENTATION") {
+                    self.out.faults.push(Fault::new(m, format!("the shape representation #{m} lists no items")));
                 }
+                continue;
             };
-            for item in items {
+            for item in items.references(1).unwrap_or_default() {
                 self.item(item, false, units, placement, &name, depth);
             }
         }
@@ -299,6 +322,13 @@ impl<'r, 'a> Walk<'r, 'a> {
         for (rep, inner) in children {
             self.walk(self.find(rep), &placement.after(&inner), &name, depth + 1);
         }
+        self.body = outer;
+    }
+
+    /// What follows belongs to a body of its own.
+    fn begin_body(&mut self) {
+        self.bodies += 1;
+        self.body = self.bodies;
     }
 
     /// An item of a representation, a shell, or a member of one.
@@ -343,6 +373,7 @@ impl<'r, 'a> Walk<'r, 'a> {
                     units,
                     part: part.to_string(),
                     placement: *placement,
+                    body: self.body,
                 });
             }
             "CLOSED_SHELL" | "OPEN_SHELL" | "CONNECTED_FACE_SET" | "CONNECTED_FACE_SUB_SET" => {
@@ -359,7 +390,10 @@ impl<'r, 'a> Walk<'r, 'a> {
                     None => a.values.iter().find_map(as_reference),
                 };
                 let shell = shell.ok_or_else(|| Fault::new(id, format!("the solid #{id} names no shell")))?;
+                let outer = self.body;
+                self.begin_body();
                 all(self, vec![shell], flipped);
+                self.body = outer;
             }
             "BREP_WITH_VOIDS" => {
                 let mut shells: Vec<u64> = record
@@ -370,11 +404,14 @@ impl<'r, 'a> Walk<'r, 'a> {
                     .collect();
                 shells.extend(a.values.iter().filter_map(as_reference));
                 for (k, v) in a.values.iter().enumerate() {
-                    if matches!(v, super::token::Value::List(_)) {
+                    if matches!(v, Value::List(_)) {
                         shells.extend(a.references(k)?);
                     }
                 }
+                let outer = self.body;
+                self.begin_body();
                 all(self, shells, flipped);
+                self.body = outer;
             }
             "SHELL_BASED_SURFACE_MODEL"
             | "FACE_BASED_SURFACE_MODEL"
@@ -383,6 +420,21 @@ impl<'r, 'a> Walk<'r, 'a> {
                 all(self, a.references(1)?, flipped);
             }
             "MAPPED_ITEM" => self.mapped(&a, placement, part, depth)?,
+            "EXTRUDED_FACE_SOLID" => {
+                // Its base is one of the faces that it becomes.
+                self.visited.insert(a.reference(1)?);
+                let outer = self.body;
+                self.begin_body();
+                self.out.occurrences.push(Occurrence {
+                    face: id,
+                    flipped,
+                    units,
+                    part: part.to_string(),
+                    placement: *placement,
+                    body: self.body,
+                });
+                self.body = outer;
+            }
             name if may_be_face(name) || record.part("B_SPLINE_SURFACE").is_some() => {
                 self.out.occurrences.push(Occurrence {
                     face: id,
@@ -390,18 +442,20 @@ impl<'r, 'a> Walk<'r, 'a> {
                     units,
                     part: part.to_string(),
                     placement: *placement,
+                    body: self.body,
                 });
             }
             name => {
-                // Solids of other kinds hold faces that would be missed; points, curves and axes do not.
-                let solid = name.ends_with("_SOLID")
+                // Solids of other kinds hold faces that would be missed; points, curves, axes and annotations do not.
+                // Triangles beside the exact shape that they name are no loss; on their own they are the shape.
+                let mesh = matches!(name, "TESSELLATED_SOLID" | "TESSELLATED_SHELL")
+                    && a.values.last().and_then(as_reference).is_none();
+                let solid = (name.ends_with("_SOLID") && name != "TESSELLATED_SOLID")
                     || name.starts_with("SOLID_")
                     || name.starts_with("BOOLEAN")
                     || name.starts_with("CSG")
-                    || name.starts_with("TESSELLATED")
-                    || name.starts_with("COMPLEX_TRIANGULATED")
                     || matches!(name, "BLOCK" | "SPHERE" | "TORUS" | "RIGHT_CIRCULAR_CYLINDER" | "RIGHT_CIRCULAR_CONE");
-                if solid {
+                if solid || mesh {
                     return Err(Fault::new(id, format!("an item of kind {name} is not read")));
                 }
             }
@@ -413,6 +467,9 @@ impl<'r, 'a> Walk<'r, 'a> {
     fn mapped(&mut self, a: &Args<'r, 'a>, placement: &Placement, part: &str, depth: u32) -> Result<(), Fault> {
         let map = self.records.args(a.reference(1)?, "REPRESENTATION_MAP")?;
         let (origin, source) = (map.reference(0)?, map.reference(1)?);
+        if self.is_drawing(source) {
+            return Ok(());
+        }
         let inner = self.units_index(source);
         let from = self.geometry(inner).placement(origin)?;
         let to = self.geometry(inner).placement(a.reference(2)?)?;
@@ -446,6 +503,7 @@ impl<'r, 'a> Walk<'r, 'a> {
                     units,
                     part: String::new(),
                     placement: Placement::identity(),
+                    body: 0,
                 });
             }
         } else {

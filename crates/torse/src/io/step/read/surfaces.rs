@@ -4,14 +4,14 @@ use super::curves::{expanded, implied_knots, kind_of_knots, too_deep, Course, Ge
 use super::records::{as_number, as_reference, Args, Fault};
 use super::token::Value;
 use super::units::Units;
+use crate::brep::face::SurfaceKind;
+use crate::brep::offset;
+use crate::brep::space_curve::{Arc, SpaceCurve};
+use crate::brep::support_surface::{Carrier, SplineCarrier};
 use crate::geom::placement::Placement;
 use crate::geom::Vec3;
-use crate::spline::carrier::{Carrier, SplineCarrier};
 use crate::spline::knots::Knots;
-use crate::spline::offset;
-use crate::spline::space_curve::{Arc, SpaceCurve};
 use crate::spline::surface::Surface;
-use crate::surface::face::SurfaceKind;
 
 /// A surface with what its definition says beyond the carrier.
 #[derive(Clone, Debug)]
@@ -184,7 +184,8 @@ impl<'r, 'a> Geometry<'r, 'a> {
 
     fn spline_surface(&self, id: u64) -> Result<Surface, Fault> {
         let r = self.records.get(id)?;
-        let named = |v: &[Value]| usize::from(matches!(v.first(), Some(Value::Text(_))));
+        // A name may be `$`; the parts of complex instances have none.
+        let named = |v: &[Value]| usize::from(matches!(v.first(), Some(Value::Text(_) | Value::Null | Value::Derived)));
         let (body, first) = match r.part("B_SPLINE_SURFACE") {
             Some(p) => (Args { id, values: &p.args }, named(&p.args)),
             None => (self.records.simple(id)?, 1),

@@ -1,11 +1,13 @@
 //! Faces, loops and edges of ISO 10303-42, and surfaces that are bounded without topology.
 
 use super::curves::{Course, Geometry, DEEPEST};
-use super::records::Fault;
+use super::records::{as_reference, Fault};
 use super::surfaces::Patch;
+use super::token::Value;
+use crate::brep::area::spanned_area_estimate;
+use crate::brep::space_curve::{Arc, SpaceCurve};
+use crate::brep::trim::{edge, PlaneTrace, RawEdge, RawFace, RawLoop, Region};
 use crate::geom::Vec3;
-use crate::spline::space_curve::{Arc, SpaceCurve};
-use crate::surface::trim::{edge, PlaneTrace, RawEdge, RawFace, RawLoop, Region};
 
 /// The parameter plane of the face being read.
 pub(super) struct ParameterPlane {
@@ -76,6 +78,27 @@ impl<'r, 'a> Geometry<'r, 'a> {
                 }
                 Ok(face)
             }
+        }
+    }
+
+    /// The area (mm²) that the edges of the face `#id` span, whatever its surface is; `None` where they tell nothing.
+    pub fn spanned_area(&self, id: u64, depth: u32) -> Option<f64> {
+        if depth > DEEPEST {
+            return None;
+        }
+        let a = self.records.simple(id).ok()?;
+        match self.records.name(id) {
+            "ADVANCED_FACE" | "FACE_SURFACE" => {
+                let plane = ParameterPlane { surface: 0, scale: [1.0; 2] };
+                let bounds = a.references(1).ok()?;
+                let loops: Result<Vec<RawLoop>, Fault> = bounds.into_iter().map(|b| self.bound(b, &plane)).collect();
+                spanned_area_estimate(&loops.ok()?)
+            }
+            "ORIENTED_FACE" => self.spanned_area(a.reference(2).ok()?, depth + 1),
+            _ => match self.face(id, false, 0).ok()?.region {
+                Region::Loops(loops) => spanned_area_estimate(&loops),
+                _ => None,
+            },
         }
     }
 
@@ -176,7 +199,11 @@ impl<'r, 'a> Geometry<'r, 'a> {
         if !matches!(self.records.name(geometry), "SURFACE_CURVE" | "INTERSECTION_CURVE") {
             return None;
         }
-        let associated = self.records.simple(geometry).ok()?.references(2).ok()?;
+        let values = self.records.simple(geometry).ok()?.values;
+        let associated = values.iter().find_map(|v| match v {
+            Value::List(l) => Some(l.iter().filter_map(as_reference).collect::<Vec<u64>>()),
+            _ => None,
+        })?;
         let mut found = None;
         for p in associated {
             let Ok(a) = self.records.args(p, "PCURVE") else { continue };
@@ -224,7 +251,7 @@ fn name_of<'r>(a: &super::records::Args<'r, '_>) -> &'r str {
 }
 
 /// Turns a face's normal round; its loops follow.
-fn turn(face: &mut RawFace) {
+pub(super) fn turn(face: &mut RawFace) {
     face.same_sense = !face.same_sense;
     if let Region::Loops(loops) = &mut face.region {
         for l in loops {

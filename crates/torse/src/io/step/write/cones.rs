@@ -3,10 +3,10 @@
 use super::sheet::{EdgeUse, Sheet, SheetCurve, SheetEdge, SheetFace, SheetSurface};
 use crate::geom::{Frame, Vec3};
 use crate::spline::curve::Curve;
-use crate::surface::cone_distance::Round;
-use crate::surface::cone_forms::edge_conic;
-use crate::surface::cone_part::{ConePart, PartCurve};
-use crate::surface::cone_spline::{ConeSpline, Segment, Shape};
+use crate::torse::cone::distance::Round;
+use crate::torse::cone::forms::edge_conic;
+use crate::torse::cone::part::{ConePart, PartCurve};
+use crate::torse::cone::spline::{ConeSpline, Segment, Shape};
 
 /// Turns beyond this are written as several faces, rad: conic edges keep weights above 1/2.
 const LARGEST_TURN: f64 = 2.0 * std::f64::consts::FRAC_PI_3;

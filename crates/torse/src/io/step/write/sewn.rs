@@ -1,13 +1,14 @@
 //! Sheets of panels that share edges: one shell for all panels that hang together, every shared edge once.
 
 use super::sheet::{EdgeUse, Sheet, SheetCurve, SheetEdge, SheetFace, SheetSurface};
+use crate::draw::scene::titled;
 use crate::geom::Vec3;
-use crate::surface::panel::{Border, Panel, Patchwork};
+use crate::patchwork::panel::{Border, Panel, Patchwork};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 /// Sheets of a patchwork. Panels on both sides of a shared edge are in one sheet; its vertices are the ends of edges,
-/// equal bit by bit.
-pub(super) fn sheets(patchwork: &Patchwork) -> Vec<Sheet> {
+/// equal bit by bit. Panels that `marked` holds for carry it in their names.
+pub(super) fn sheets(patchwork: &Patchwork, marked: &[bool]) -> Vec<Sheet> {
     let mut group: Vec<usize> = (0..patchwork.panels.len()).collect();
     let mut shared = BTreeSet::new();
     for s in patchwork.seams().iter().filter(|s| s.is_shared()) {
@@ -16,26 +17,34 @@ pub(super) fn sheets(patchwork: &Patchwork) -> Vec<Sheet> {
         let (low, high) = (a.min(b), a.max(b));
         group.iter_mut().filter(|g| **g == high).for_each(|g| *g = low);
     }
-    let mut members: BTreeMap<usize, Vec<&Panel>> = BTreeMap::new();
-    for (panel, g) in patchwork.panels.iter().zip(group) {
-        members.entry(g).or_default().push(panel);
+    let mut members: BTreeMap<usize, Vec<(&Panel, bool)>> = BTreeMap::new();
+    for (k, (panel, g)) in patchwork.panels.iter().zip(group).enumerate() {
+        members.entry(g).or_default().push((panel, marked.get(k).copied().unwrap_or(false)));
     }
     let reversed = |p: &Panel| patchwork.faces.get(p.face).is_some_and(|f| f.reversed);
     members
         .into_values()
         .map(|panels| match panels[..] {
-            [one] => Sheet::of_panel(one, reversed(one)),
+            [(one, marked)] => {
+                let sheet = Sheet::of_panel(one, reversed(one));
+                if marked {
+                    sheet.marked()
+                } else {
+                    sheet
+                }
+            }
             _ => sewn(&panels, &shared, &reversed),
         })
         .collect()
 }
 
-fn sewn(panels: &[&Panel], shared: &BTreeSet<u32>, reversed: &dyn Fn(&Panel) -> bool) -> Sheet {
-    let (first, last) = (&panels[0].name, &panels[panels.len() - 1].name);
-    let mut sheet = Sheet { name: format!("{first}..{last}"), ..Sheet::default() };
+fn sewn(panels: &[(&Panel, bool)], shared: &BTreeSet<u32>, reversed: &dyn Fn(&Panel) -> bool) -> Sheet {
+    let (first, last) = (&panels[0].0.name, &panels[panels.len() - 1].0.name);
+    let whole = titled(&format!("{first}..{last}"), panels.iter().any(|p| p.1));
+    let mut sheet = Sheet { name: whole, ..Sheet::default() };
     let mut vertices: HashMap<[u64; 3], usize> = HashMap::new();
     let mut edges: HashMap<u32, usize> = HashMap::new();
-    for panel in panels {
+    for &(panel, marked) in panels {
         let turned = reversed(panel);
         let mut loops = Vec::with_capacity(panel.loops.len());
         for runs in &panel.loops {
@@ -69,7 +78,7 @@ fn sewn(panels: &[&Panel], shared: &BTreeSet<u32>, reversed: &dyn Fn(&Panel) -> 
             loops.push(uses);
         }
         sheet.faces.push(SheetFace {
-            name: panel.name.clone(),
+            name: titled(&panel.name, marked),
             surface: SheetSurface::Spline { surface: panel.patch.clone(), form: panel.kind.into() },
             reversed: panel.mirrored() != turned,
             loops,

@@ -1,11 +1,12 @@
 //! Sheets: faces with shared edges and vertices, as a STEP file has them.
 
+use crate::draw::scene::titled;
 use crate::geom::{Frame, Vec3};
+use crate::patchwork::panel::Panel;
 use crate::spline::curve::Curve;
 use crate::spline::surface::Surface;
-use crate::surface::panel::Panel;
-use crate::surface::strip::Strip;
-use crate::surface::torse::PanelKind;
+use crate::torse::form::PanelKind;
+use crate::torse::strip::Strip;
 
 /// Connected faces with the edges and vertices that they share.
 #[derive(Clone, Debug, Default)]
@@ -142,6 +143,15 @@ impl From<PanelKind> for SurfaceForm {
 }
 
 impl Sheet {
+    /// The same sheet with names that say that it must not be cut.
+    pub fn marked(mut self) -> Self {
+        self.name = titled(&self.name, true);
+        for face in &mut self.faces {
+            face.name = titled(&face.name, true);
+        }
+        self
+    }
+
     /// One panel: its patch, trimmed by its runs. With `reversed` the normal is turned over (as that of a face
     /// whose normal is −S_u × S_v).
     pub fn of_panel(panel: &Panel, reversed: bool) -> Self {
@@ -152,8 +162,8 @@ impl Sheet {
             let first = sheet.edges.len();
             let mut uses = Vec::with_capacity(runs.len());
             for (i, run) in runs.iter().enumerate() {
-                let ends = run.edge.domain();
-                sheet.vertices.push(Vec3::from(run.edge.point(ends.0)));
+                // Edges are clamped: the first control point is where they begin, without rounding.
+                sheet.vertices.push(Vec3::from(run.edge.control.first().copied().unwrap_or_default()));
                 uses.push(EdgeUse { edge: first + i, forward: !reversed, trim: Some(run.trim.clone()) });
                 sheet.edges.push(SheetEdge {
                     start: first + i,

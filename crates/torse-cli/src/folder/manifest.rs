@@ -1,0 +1,210 @@
+//! What Torse wrote into a folder: a list of its files with sizes and fingerprints, itself one of the files. By it a
+//! later run tells its own files from those of people, and from those that people have changed.
+
+use serde::{Deserialize, Serialize};
+use std::ffi::OsString;
+use std::fs;
+use std::io;
+use std::path::{Component, Path};
+use std::time::Duration;
+
+/// The list, beside the files that it names.
+pub const MANIFEST: &str = "torse-files.json";
+/// Name and version of its form; a list of another form is nobody's.
+const SCHEMA: &str = "torse-files/1";
+/// By this file a result is known that was written before there were lists.
+const REPORT: &str = "report.json";
+/// How the schemas of such reports begin.
+const REPORT_SCHEMAS: [&str; 2] = ["torse-report/", "torse-strips/"];
+/// A file of such a result that is younger than its report by more than this was changed later: files of one result
+/// are written one after the other, the report among the last, and clocks of some disks count in steps of 2 s.
+const SAME_TIME: Duration = Duration::from_secs(2);
+
+/// Every name that a result's file can have; files of cones made beside panels have `cones-` before it.
+const RESULT_NAMES: [&str; 22] = [
+    MANIFEST,
+    REPORT,
+    "report.html",
+    "panels.step",
+    "strips.step",
+    "cones.step",
+    "thickness.step",
+    "patterns.dxf",
+    "patterns.svg",
+    "model.glb",
+    "thickness.glb",
+    "bending.glb",
+    "bending.png",
+    "panels.png",
+    "deviation.png",
+    "field.png",
+    "points.png",
+    "shapes.png",
+    "layout.png",
+    "sweep.json",
+    "sweep.png",
+    "deviation.ply",
+];
+
+/// Whether a result can have a file of this name.
+pub fn is_result_name(name: &str) -> bool {
+    RESULT_NAMES.contains(&name.strip_prefix("cones-").unwrap_or(name))
+}
+
+/// One file that Torse wrote.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Entry {
+    /// Name, without folder.
+    pub name: String,
+    /// Size.
+    pub bytes: u64,
+    /// [`fingerprint`] of the contents.
+    pub fingerprint: String,
+}
+
+impl Entry {
+    /// The entry of these contents.
+    pub fn of(name: &str, contents: &[u8]) -> Self {
+        Self { name: name.to_owned(), bytes: contents.len() as u64, fingerprint: fingerprint(contents) }
+    }
+
+    /// Whether `path` is a plain file with exactly these contents. Links are not: what they lead to is not ours.
+    pub fn is(&self, path: &Path) -> bool {
+        let same_size = fs::symlink_metadata(path).is_ok_and(|m| m.is_file() && m.len() == self.bytes);
+        same_size && fs::read(path).is_ok_and(|contents| fingerprint(&contents) == self.fingerprint)
+    }
+}
+
+/// 64 bits that change when contents change (FNV-1a): against slips, not against malice.
+fn fingerprint(contents: &[u8]) -> String {
+    const BASIS: u64 = 0xcbf2_9ce4_8422_2325;
+    const PRIME: u64 = 0x0100_0000_01b3;
+    let hash = contents.iter().fold(BASIS, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(PRIME));
+    format!("{hash:016x}")
+}
+
+/// The list as a file.
+#[derive(Serialize, Deserialize)]
+struct Manifest {
+    schema: String,
+    version: String,
+    files: Vec<Entry>,
+}
+
+/// The text of a list.
+pub fn text(files: &[Entry]) -> io::Result<String> {
+    let list = Manifest { schema: SCHEMA.into(), version: env!("CARGO_PKG_VERSION").into(), files: files.to_vec() };
+    Ok(serde_json::to_string_pretty(&list)? + "\n")
+}
+
+/// The list in a folder; `None` if there is none of a known form.
+pub fn read(folder: &Path) -> Option<Vec<Entry>> {
+    let list: Manifest = serde_json::from_slice(&fs::read(folder.join(MANIFEST)).ok()?).ok()?;
+    let plain = |e: &Entry| {
+        let mut parts = Path::new(&e.name).components();
+        matches!((parts.next(), parts.next()), (Some(Component::Normal(_)), None)) && e.name != MANIFEST
+    };
+    (list.schema == SCHEMA && list.files.iter().all(plain)).then_some(list.files)
+}
+
+/// What a folder holds.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Inventory {
+    /// Files of Torse, unchanged. The first is the list itself, or the report of a result that has none.
+    pub own: Vec<Entry>,
+    /// Names of all else: files of people, files that people have changed, folders, links.
+    pub kept: Vec<String>,
+}
+
+/// Looks through a folder; nothing is `own` where there is no result of Torse.
+///
+/// # Errors
+/// The folder cannot be listed.
+pub fn inspect(folder: &Path) -> io::Result<Inventory> {
+    let mut names: Vec<OsString> = fs::read_dir(folder)?.map(|e| Ok(e?.file_name())).collect::<io::Result<_>>()?;
+    names.sort();
+    let own = if names.iter().any(|n| n == MANIFEST) { listed(folder) } else { unlisted(folder, &names) };
+    let kept = names.iter().filter(|n| own.iter().all(|e| **n != *e.name));
+    Ok(Inventory { kept: kept.map(|n| n.to_string_lossy().into_owned()).collect(), own })
+}
+
+/// The files that the list names and that are as it says, with the list.
+fn listed(folder: &Path) -> Vec<Entry> {
+    let plain = fs::symlink_metadata(folder.join(MANIFEST)).is_ok_and(|m| m.is_file());
+    let (true, Some(files), Ok(list)) = (plain, read(folder), fs::read(folder.join(MANIFEST))) else {
+        return Vec::new();
+    };
+    let mut own = vec![Entry::of(MANIFEST, &list)];
+    own.extend(files.into_iter().filter(|e| e.is(&folder.join(&e.name))));
+    own
+}
+
+/// The files of a result that has no list: they have names of results and are no younger than its report.
+fn unlisted(folder: &Path, names: &[OsString]) -> Vec<Entry> {
+    let age = |name: &str| {
+        let metadata = fs::symlink_metadata(folder.join(name)).ok().filter(fs::Metadata::is_file)?;
+        metadata.modified().ok()
+    };
+    let schema = || -> Option<String> {
+        let report: serde_json::Value = serde_json::from_slice(&fs::read(folder.join(REPORT)).ok()?).ok()?;
+        Some(report.get("schema")?.as_str()?.to_owned())
+    };
+    let (Some(time), Some(schema)) = (age(REPORT), schema()) else { return Vec::new() };
+    if !REPORT_SCHEMAS.iter().any(|s| schema.starts_with(s)) {
+        return Vec::new();
+    }
+    let own = names.iter().filter_map(|n| n.to_str()).filter(|n| *n != REPORT && is_result_name(n));
+    let own = own.filter(|n| age(n).is_some_and(|t| t <= time + SAME_TIME));
+    std::iter::once(REPORT).chain(own).filter_map(|n| Some(Entry::of(n, &fs::read(folder.join(n)).ok()?))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_unchanged_plain_files_of_the_list_are_own() {
+        let room = tempfile::tempdir().expect("room");
+        let files: Vec<Entry> = ["a.dxf", "b.svg", "c.png"].iter().map(|n| Entry::of(n, n.as_bytes())).collect();
+        for e in &files {
+            fs::write(room.path().join(&e.name), &e.name).expect("file");
+        }
+        fs::write(room.path().join(MANIFEST), text(&files).expect("text")).expect("list");
+        fs::write(room.path().join("b.svg"), "B.svg").expect("changed, of the same size");
+        fs::write(room.path().join("notes.txt"), "mine").expect("file");
+        let found = inspect(room.path()).expect("listed");
+        let own: Vec<&str> = found.own.iter().map(|e| e.name.as_str()).collect();
+        assert_eq!(own, [MANIFEST, "a.dxf", "c.png"]);
+        assert_eq!(found.kept, ["b.svg", "notes.txt"]);
+    }
+
+    #[test]
+    fn lists_of_other_forms_and_with_paths_are_nobodys() {
+        let room = tempfile::tempdir().expect("room");
+        fs::write(room.path().join(MANIFEST), "{}").expect("file");
+        assert!(inspect(room.path()).expect("listed").own.is_empty());
+        for name in ["../a", "/etc/passwd", "a/b", "..", ""] {
+            let list = text(&[Entry::of(name, b"")]).expect("text");
+            fs::write(room.path().join(MANIFEST), list).expect("file");
+            assert!(read(room.path()).is_none(), "{name}");
+        }
+    }
+
+    #[test]
+    fn a_result_without_a_list_is_known_by_its_report() {
+        let room = tempfile::tempdir().expect("room");
+        let at = |n: &str| room.path().join(n);
+        fs::write(at("patterns.dxf"), "0").expect("file");
+        fs::write(at(REPORT), "{\"title\": \"annual report\"}").expect("file");
+        assert!(inspect(room.path()).expect("listed").own.is_empty());
+        fs::write(at(REPORT), "{\"schema\": \"torse-report/1\"}").expect("file");
+        fs::write(at("main.rs"), "fn main() {}").expect("file");
+        fs::write(at("panels.png"), "edited").expect("file");
+        let later = std::time::SystemTime::now() + Duration::from_secs(60);
+        fs::File::options().write(true).open(at("panels.png")).expect("file").set_modified(later).expect("time");
+        let found = inspect(room.path()).expect("listed");
+        let own: Vec<&str> = found.own.iter().map(|e| e.name.as_str()).collect();
+        assert_eq!(own, [REPORT, "patterns.dxf"]);
+        assert_eq!(found.kept, ["main.rs", "panels.png"]);
+    }
+}

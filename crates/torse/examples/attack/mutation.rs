@@ -1,0 +1,117 @@
+//! Changes that a certificate must not survive, or whose effect it must contain.
+
+use crate::random::Random;
+use torse::patchwork::panel::{Border, Patchwork};
+use torse::spline::knots::Knots;
+
+/// A change of a number, at a size beside the bound: the certificate may hold if its bound then does.
+pub const NUMBERS: [&str; 7] = [
+    "none",
+    "control point of the face",
+    "weight of the face",
+    "knot of the face",
+    "control point of the patch",
+    "control point of a trimming curve",
+    "knot of a trimming curve",
+];
+
+/// A change after which nothing may be certified.
+pub const FORGERIES: [&str; 8] = [
+    "triangle missing",
+    "triangle twice",
+    "triangle turned over",
+    "label of no panel",
+    "loop reversed",
+    "vertex of a run missing",
+    "border called a seam",
+    "bound of a joint below 0",
+];
+
+fn moved_knot(knots: &Knots, k: usize, by: f64) -> Option<Knots> {
+    let mut values = knots.values().to_vec();
+    *values.get_mut(k)? += by;
+    let count = knots.control_count();
+    Knots::new(knots.degree(), values, count).ok()
+}
+
+/// Changes one number; `size` is the tolerance in mm. `None` where there is nothing to change.
+pub fn number(p: &mut Patchwork, what: usize, size: f64, random: &mut Random) -> Option<()> {
+    let by = random.sign() * size * random.scale(0.3, 4.0);
+    let face = &mut p.faces.first_mut()?.surface;
+    let panel = p.panels.first_mut()?;
+    let runs = panel.loops.first_mut()?;
+    let r = random.below(runs.len());
+    match what {
+        0 => {}
+        1 => {
+            let k = random.below(face.control.len());
+            let w = face.control[k][3];
+            face.control[k][random.below(3)] += by * w;
+        }
+        2 => {
+            let k = random.below(face.control.len());
+            let factor = 1.0 + by.signum() * random.scale(1e-6, 1e-2);
+            face.control[k].iter_mut().for_each(|x| *x *= factor);
+            face.rational = true;
+        }
+        3 => {
+            let n = face.knots_u.values().len();
+            let inner = 4..n.checked_sub(4)?;
+            let k = inner.start + random.below(inner.len().max(1));
+            face.knots_u = moved_knot(&face.knots_u, k, random.sign() * random.scale(1e-6, 1e-2))?;
+        }
+        4 => {
+            let k = random.below(panel.patch.control.len());
+            let w = panel.patch.control[k][3];
+            panel.patch.control[k][random.below(3)] += by * w * random.scale(1e-9, 1.0);
+        }
+        5 => {
+            let c = &mut runs.get_mut(r)?.trim.control;
+            let k = 1 + random.below(c.len().checked_sub(2)?);
+            c[k][random.below(2)] += by;
+        }
+        _ => {
+            let trim = &mut runs.get_mut(r)?.trim;
+            let k = 4 + random.below(trim.knots.values().len().checked_sub(8)?);
+            trim.knots = moved_knot(&trim.knots, k, random.sign() * random.scale(1e-4, 1e-2))?;
+        }
+    }
+    Some(())
+}
+
+/// Changes what is counted, not measured.
+pub fn forgery(p: &mut Patchwork, what: usize, random: &mut Random) -> Option<()> {
+    let partition = p.partitions.first_mut()?;
+    let panel = p.panels.first_mut()?;
+    let k = random.below(partition.triangles.len());
+    let runs = panel.loops.first_mut()?;
+    let r = random.below(runs.len());
+    match what {
+        0 => {
+            partition.triangles.remove(k);
+            partition.labels.remove(k);
+        }
+        1 => {
+            let t = partition.triangles[k];
+            partition.triangles.push(t);
+            partition.labels.push(0);
+        }
+        2 => partition.triangles[k].swap(0, 1),
+        3 => partition.labels[k] = 3,
+        4 => {
+            runs.iter_mut().for_each(|r| r.vertices.reverse());
+            runs.reverse();
+        }
+        5 => {
+            let run = runs.get_mut(r)?;
+            run.vertices.remove(1);
+            run.parameters.remove(1);
+        }
+        6 => {
+            runs.get_mut(r)?.border = Border::Seam { seam: 0, forward: true };
+            p.seam_count = 1;
+        }
+        _ => p.faces.first_mut()?.joint_bound = if random.below(2) == 0 { f64::NAN } else { -1e-3 },
+    }
+    Some(())
+}

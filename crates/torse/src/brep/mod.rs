@@ -1,0 +1,16 @@
+//! Floor 3: what CAD files hold. Support surfaces, curves in space, swept and offset surfaces, projection on them,
+//! trimmed faces, and faces that go on smoothly joined to one.
+//!
+//! Nothing is known here of developable surfaces or of panels.
+
+pub mod area;
+pub mod face;
+pub mod join;
+pub mod offset;
+pub mod project;
+pub mod rulings;
+pub mod space_curve;
+pub mod support_surface;
+mod swept;
+pub mod trim;
+pub mod unroll;

@@ -1,0 +1,216 @@
+//! Offset surfaces: exact for the carriers whose offsets are of their own kind, interpolated for the rest.
+
+use super::support_surface::{Carrier, SplineCarrier};
+use crate::geom::{Frame, Vec3};
+use crate::spline::knots::Knots;
+use crate::spline::surface::Surface;
+use crate::spline::SplineError;
+use nalgebra::DMatrix;
+
+/// Why an offset cannot be formed.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum OffsetError {
+    /// The offset passes the centre of curvature.
+    #[error("an offset of {0} mm passes the axis or centre of the surface")]
+    Vanishes(f64),
+    /// The surface has no own bounds, so it cannot be sampled.
+    #[error("the offset of an endless swept surface is not read")]
+    Endless,
+    /// The normal is not defined everywhere.
+    #[error("the surface has a point without a normal, where its offset is not defined")]
+    NoNormal,
+    /// The interpolation did not come near.
+    #[error("the offset could only be represented to {0:.3e} mm")]
+    TooRough(f64),
+    /// The spline kernel refused.
+    #[error(transparent)]
+    Spline(#[from] SplineError),
+}
+
+/// Interpolated offsets are refined until they are this near, as a share of the surface's extent.
+const NEAR_SHARE: f64 = 1e-7;
+/// The worst share that is still accepted (and reported with the face).
+const ACCEPTED_SHARE: f64 = 1e-4;
+/// Rounds of halving all knot spans.
+const ROUNDS: usize = 4;
+
+/// The surface at the signed `distance` (mm) along the normal `S_u × S_v`, with the largest deviation found (mm).
+///
+/// # Errors
+/// See [`OffsetError`].
+pub fn of_carrier(base: &Carrier, distance: f64) -> Result<(Carrier, f64), OffsetError> {
+    let positive = |x: f64| if x > 0.0 { Ok(x) } else { Err(OffsetError::Vanishes(distance)) };
+    let exact = |c: Carrier| Ok((c, 0.0));
+    match base {
+        Carrier::Plane(f) => exact(Carrier::Plane(Frame { origin: f.origin + f.z * distance, ..*f })),
+        Carrier::Cylinder { frame, radius } => {
+            exact(Carrier::Cylinder { frame: *frame, radius: positive(radius + distance)? })
+        }
+        Carrier::Cone { frame, radius, slope } => {
+            // The normal is (cos a, −sin a) in the half plane; the new line has the same slope. The offset keeps the
+            // parameter v of its foot up to a shift along the axis.
+            let (cos, sin) = (1.0 / slope.hypot(1.0), slope / slope.hypot(1.0));
+            let origin = frame.origin - frame.z * (distance * sin);
+            exact(Carrier::Cone { frame: Frame { origin, ..*frame }, radius: radius + distance * cos, slope: *slope })
+        }
+        Carrier::Sphere { frame, radius } => {
+            exact(Carrier::Sphere { frame: *frame, radius: positive(radius + distance)? })
+        }
+        Carrier::Torus { frame, major, minor } => {
+            exact(Carrier::Torus { frame: *frame, major: *major, minor: positive(minor + distance)? })
+        }
+        Carrier::Spline(s) => interpolated(&s.surface, distance),
+        Carrier::Extrusion { .. } | Carrier::Revolution { .. } => Err(OffsetError::Endless),
+    }
+}
+
+/// Interpolates the offset at Greville points over ever finer knots.
+fn interpolated(s: &Surface, distance: f64) -> Result<(Carrier, f64), OffsetError> {
+    let size = s.bbox().diagonal();
+    let at = |u: f64, v: f64| -> Result<Vec3, OffsetError> {
+        let j = s.jet(u, v);
+        let n = j.normal();
+        let length = n.norm();
+        if length > 1e-12 * j.du.norm() * j.dv.norm() && length > 0.0 {
+            Ok(j.p + n * (distance / length))
+        } else {
+            Err(OffsetError::NoNormal)
+        }
+    };
+    let mut best: Option<(Surface, f64)> = None;
+    for round in 1..=ROUNDS {
+        let (ku, kv) = (refined(&s.knots_u, 1 << round)?, refined(&s.knots_v, 1 << round)?);
+        if ku.control_count() > 400 || kv.control_count() > 400 {
+            break;
+        }
+        let (gu, gv) = (greville(&ku), greville(&kv));
+        let mut samples = Vec::with_capacity(gu.len() * gv.len());
+        for &u in &gu {
+            for &v in &gv {
+                samples.push(at(u, v)?);
+            }
+        }
+        let Some(points) = interpolate(&ku, &kv, &gu, &gv, &samples) else { break };
+        let out = Surface::new(ku.clone(), kv.clone(), &points, None)?;
+        let mut worst = 0.0_f64;
+        for w in middles(&ku) {
+            for z in middles(&kv) {
+                worst = worst.max((out.point(w, z) - at(w, z)?).norm());
+            }
+        }
+        if best.as_ref().is_none_or(|b| worst < b.1) {
+            best = Some((out, worst));
+        }
+        if worst <= NEAR_SHARE * size {
+            break;
+        }
+    }
+    match best {
+        Some((out, worst)) if worst <= ACCEPTED_SHARE * size => Ok((Carrier::Spline(SplineCarrier::new(out)), worst)),
+        Some((_, worst)) => Err(OffsetError::TooRough(worst)),
+        None => Err(OffsetError::NoNormal),
+    }
+}
+
+/// Knots of degree at least 3 with the continuity of the old breaks lowered by one, each span cut in `parts`.
+fn refined(k: &Knots, parts: usize) -> Result<Knots, SplineError> {
+    let degree = k.degree().clamp(3, 5);
+    let (a, b) = k.domain();
+    let mut values = vec![a; degree + 1];
+    let distinct = k.distinct();
+    let breaks = k.breaks();
+    for w in breaks.windows(2) {
+        values.extend((1..parts).map(|i| w[0] + (w[1] - w[0]) * i as f64 / parts as f64));
+        if w[1] < b {
+            let m = distinct.iter().find(|d| d.0 >= w[1]).map_or(1, |d| d.1);
+            // Normals lose one derivative, and a higher degree keeps the old continuity with more knots.
+            values.extend(std::iter::repeat_n(w[1], (m + 1 + degree.saturating_sub(k.degree())).min(degree)));
+        }
+    }
+    values.extend(std::iter::repeat_n(b, degree + 1));
+    let control = values.len() - degree - 1;
+    Knots::new(degree, values, control)
+}
+
+fn greville(k: &Knots) -> Vec<f64> {
+    let p = k.degree();
+    let (a, b) = k.domain();
+    (0..k.control_count()).map(|i| (k.values()[i + 1..=i + p].iter().sum::<f64>() / p as f64).clamp(a, b)).collect()
+}
+
+fn middles(k: &Knots) -> Vec<f64> {
+    k.breaks().windows(2).flat_map(|w| [0.25, 0.5, 0.8].map(|s| w[0] + s * (w[1] - w[0]))).collect()
+}
+
+/// Tensor-product interpolation; `None` if the matrices are singular.
+fn interpolate(ku: &Knots, kv: &Knots, gu: &[f64], gv: &[f64], samples: &[Vec3]) -> Option<Vec<Vec3>> {
+    let matrix = |k: &Knots, g: &[f64]| {
+        let mut m = DMatrix::<f64>::zeros(g.len(), g.len());
+        for (r, &t) in g.iter().enumerate() {
+            let b = k.basis(t, 0);
+            for j in 0..=k.degree() {
+                m[(r, b.first + j)] = b.rows[0][j];
+            }
+        }
+        m.lu()
+    };
+    let (mu, mv) = (matrix(ku, gu), matrix(kv, gv));
+    let (n, m) = (gu.len(), gv.len());
+    let mut out = vec![Vec3::zeros(); n * m];
+    for d in 0..3 {
+        let q = DMatrix::from_fn(n, m, |i, j| samples[i * m + j][d]);
+        let half = mu.solve(&q)?;
+        let full = mv.solve(&half.transpose())?;
+        for i in 0..n {
+            for j in 0..m {
+                out[i * m + j][d] = full[(j, i)];
+            }
+        }
+    }
+    Some(out)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn offsets_lie_at_the_distance() {
+        let f = Frame::world();
+        let carriers = [
+            Carrier::Plane(f),
+            Carrier::Cylinder { frame: f, radius: 3.0 },
+            Carrier::Cone { frame: f, radius: 3.0, slope: 0.5 },
+            Carrier::Sphere { frame: f, radius: 3.0 },
+            Carrier::Torus { frame: f, major: 5.0, minor: 2.0 },
+        ];
+        for c in carriers {
+            let (o, deviation) = of_carrier(&c, -0.5).expect("an offset");
+            assert!(deviation <= 0.0);
+            for q in [[0.3, 0.2], [2.0, -0.7]] {
+                let j = c.jet(q);
+                let x = j.p - j.du.cross(&j.dv).normalize() * 0.5;
+                let foot = o.jet(o.foot(&x, None));
+                assert!((foot.p - x).norm() < 1e-12, "{c:?}");
+            }
+        }
+        assert!(of_carrier(&Carrier::Sphere { frame: f, radius: 1.0 }, -2.0).is_err());
+    }
+
+    #[test]
+    fn a_spline_offset_states_its_deviation() {
+        let k = Knots::uniform(3, 2, 0.0, 1.0).expect("knots");
+        let points: Vec<Vec3> =
+            (0..25).map(|k| Vec3::new((k / 5) as f64, (k % 5) as f64, ((k * k) as f64 * 0.01).sin())).collect();
+        let s = Surface::new(k.clone(), k, &points, None).expect("surface");
+        let (o, deviation) = of_carrier(&Carrier::Spline(SplineCarrier::new(s.clone())), 0.2).expect("an offset");
+        assert!(deviation < 1e-4);
+        let Carrier::Spline(o) = o else { unreachable!() };
+        for i in 0..=20 {
+            let (u, v) = (f64::from(i) / 20.0, f64::from(i * i % 21) / 20.0);
+            let j = s.jet(u, v);
+            let x = j.p + j.normal().normalize() * 0.2;
+            assert!((o.surface.point(u, v) - x).norm() <= 3.0 * deviation + 1e-9);
+        }
+    }
+}

@@ -1,0 +1,204 @@
+//! Straight parameter lines of a surface along which its tangent plane stays the same: the rulings of planes, cylinders,
+//! cones, extrusions and ruled developables, whatever the file called them (docs/algorithms/cover.md).
+//!
+//! Looks at places of the surface; proves nothing.
+
+use crate::geom::Vec3;
+use crate::spline::surface::Surface;
+
+/// Spans are looked at in so many places across the lines …
+const ACROSS: usize = 6;
+/// … and lines in so many places along them, ends included.
+const ALONG: usize = 7;
+/// Share of the range beside a knot line at which curvatures of its two sides are compared.
+const BESIDE: f64 = 1e-7;
+/// Relative difference above which they count as different.
+const JUMP: f64 = 1e-3;
+
+/// A parameter line that is straight.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StraightLine {
+    /// A point of it, mm.
+    pub point: Vec3,
+    /// Unit direction, towards growing parameter along the line.
+    pub direction: Vec3,
+    /// Unit normal of the surface along it.
+    pub normal: Vec3,
+    /// Length of its part over the box, mm.
+    pub length: f64,
+}
+
+/// The straight parameter lines of a part of a surface.
+#[derive(Clone, Copy, Debug)]
+pub struct Rulings<'a> {
+    surface: &'a Surface,
+    /// Range of the parameter that selects a line.
+    across: (f64, f64),
+    /// Range of the parameter along the lines.
+    along: (f64, f64),
+    /// Whether v selects the line.
+    swapped: bool,
+}
+
+impl<'a> Rulings<'a> {
+    /// The rulings over the box `[u0, u1, v0, v1]` of the domain: lines of constant u or of constant v that are straight
+    /// and keep their tangent plane within `slack` (mm), at samples. `None` where neither do.
+    pub fn of(surface: &'a Surface, bounds: [f64; 4], slack: f64) -> Option<Self> {
+        let [u0, u1, v0, v1] = bounds;
+        let one = Self { surface, across: (u0, u1), along: (v0, v1), swapped: false };
+        let other = Self { surface, across: (v0, v1), along: (u0, u1), swapped: true };
+        [one, other].into_iter().find(|r| r.hold(slack))
+    }
+
+    /// Range of the parameter that selects a line.
+    pub fn range(&self) -> (f64, f64) {
+        self.across
+    }
+
+    /// Ends of the range and the surface's knots between them.
+    pub fn breaks(&self) -> Vec<f64> {
+        let knots = if self.swapped { &self.surface.knots_v } else { &self.surface.knots_u };
+        let (a, b) = self.across;
+        let mut out = vec![a];
+        out.extend(knots.breaks().into_iter().filter(|&s| s > a && s < b));
+        out.push(b);
+        out
+    }
+
+    /// The line at `s`; `None` where it has no length or the surface no normal.
+    pub fn line(&self, s: f64) -> Option<StraightLine> {
+        let (lo, hi) = self.along;
+        let [p, q] = [lo, hi].map(|r| self.surface.point(self.place(s, r)[0], self.place(s, r)[1]));
+        let direction = (q - p).try_normalize(0.0)?;
+        let normal = self.normal(s, 0.5 * (lo + hi))?;
+        Some(StraightLine { point: 0.5 * (p + q), direction, normal, length: (q - p).norm() })
+    }
+
+    /// Lengths (mm) of the derivative across the line at `s`, square to it, at both ends.
+    pub fn breadths(&self, s: f64) -> Option<[f64; 2]> {
+        let direction = self.line(s)?.direction;
+        let (lo, hi) = self.along;
+        Some([lo, hi].map(|r| {
+            let [u, v] = self.place(s, r);
+            let j = self.surface.jet(u, v);
+            let across = if self.swapped { j.dv } else { j.du };
+            (across - direction * across.dot(&direction)).norm()
+        }))
+    }
+
+    /// Values of u and of v from values of the parameter across the lines and of that along them.
+    pub fn lines(&self, across: Vec<f64>, along: Vec<f64>) -> [Vec<f64>; 2] {
+        if self.swapped {
+            [along, across]
+        } else {
+            [across, along]
+        }
+    }
+
+    /// Range of the parameter along the lines.
+    pub fn reach(&self) -> (f64, f64) {
+        self.along
+    }
+
+    /// Whether the normal curvature across the lines jumps at an inner break.
+    pub fn bends_anew(&self, s: f64) -> bool {
+        let (a, b) = self.across;
+        let beside = BESIDE * (b - a);
+        let curvature = |s: f64| {
+            let [u, v] = self.place(s, 0.5 * (self.along.0 + self.along.1));
+            let j = self.surface.jet(u, v);
+            let n = j.normal().try_normalize(0.0)?;
+            let (across, along, second) = if self.swapped { (j.dv, j.du, j.dvv) } else { (j.du, j.dv, j.duu) };
+            let along = along.try_normalize(0.0)?;
+            // Along the rulings the second form vanishes, mixed terms included.
+            let width = (across - along * across.dot(&along)).norm_squared();
+            Some(n.dot(&second) / width)
+        };
+        match (curvature(s - beside), curvature(s + beside)) {
+            (Some(k), Some(l)) => (k - l).abs() > JUMP * k.abs().max(l.abs()),
+            _ => true,
+        }
+    }
+
+    fn place(&self, s: f64, r: f64) -> [f64; 2] {
+        if self.swapped {
+            [r, s]
+        } else {
+            [s, r]
+        }
+    }
+
+    fn normal(&self, s: f64, r: f64) -> Option<Vec3> {
+        let [u, v] = self.place(s, r);
+        self.surface.jet(u, v).normal().try_normalize(0.0)
+    }
+
+    /// Whether lines are straight and keep their tangent planes.
+    fn hold(&self, slack: f64) -> bool {
+        let at = |(lo, hi): (f64, f64), k: usize, n: usize| lo + (hi - lo) * k as f64 / (n - 1) as f64;
+        self.breaks().windows(2).all(|w| {
+            (0..ACROSS).all(|k| {
+                // Off the knot lines, where normals have two sides.
+                let s = w[0] + (w[1] - w[0]) * (k as f64 + 0.5) / ACROSS as f64;
+                let Some(line) = self.line(s) else { return false };
+                let mut reach = 0.0_f64;
+                let mut turn = 0.0_f64;
+                for i in 0..ALONG {
+                    let r = at(self.along, i, ALONG);
+                    let [u, v] = self.place(s, r);
+                    let off = self.surface.point(u, v) - line.point;
+                    let along = off.dot(&line.direction);
+                    if (off - line.direction * along).norm() > slack {
+                        return false;
+                    }
+                    reach = reach.max(along.abs());
+                    // At an apex there is no normal.
+                    turn = turn.max(self.normal(s, r).map_or(0.0, |n| n.cross(&line.normal).norm()));
+                }
+                turn * reach <= slack
+            })
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::brep::support_surface::Carrier;
+    use crate::geom::Frame;
+
+    fn spline(c: &Carrier) -> Surface {
+        c.to_spline((0.2, 2.9), (-1.0, 1.5)).expect("a spline").0
+    }
+
+    fn whole(s: &Surface) -> [f64; 4] {
+        let ((a, b), (c, d)) = s.domain();
+        [a, b, c, d]
+    }
+
+    #[test]
+    fn cylinders_and_cones_have_rulings_and_spheres_have_none() {
+        let frame = Frame::world();
+        for c in [Carrier::Cylinder { frame, radius: 3.0 }, Carrier::Cone { frame, radius: 3.0, slope: 0.4 }] {
+            let s = spline(&c);
+            for s in [s.clone(), s.transposed()] {
+                let r = Rulings::of(&s, whole(&s), 1e-9).expect("rulings");
+                let (a, b) = r.range();
+                let l = r.line(0.3 * a + 0.7 * b).expect("a line");
+                assert!(l.normal.dot(&l.direction).abs() < 1e-12 && l.direction.z.abs() > 0.9);
+                assert!(r.breaks()[1..r.breaks().len() - 1].iter().all(|&s| !r.bends_anew(s)));
+            }
+        }
+        let s = Carrier::Sphere { frame, radius: 3.0 }.to_spline((0.2, 2.0), (-1.0, 1.0)).expect("a spline").0;
+        assert!(Rulings::of(&s, whole(&s), 1e-3).is_none());
+    }
+
+    #[test]
+    fn twisted_ruled_surfaces_are_no_developables() {
+        let k = crate::spline::knots::Knots::clamped(1, &[0.0, 1.0]).expect("knots");
+        let p = [Vec3::zeros(), Vec3::y(), Vec3::x(), Vec3::new(1.0, 1.0, 0.01)];
+        let s = Surface::new(k.clone(), k, &p, None).expect("surface");
+        assert!(Rulings::of(&s, whole(&s), 1e-4).is_none());
+        assert!(Rulings::of(&s, whole(&s), 0.1).is_some());
+    }
+}

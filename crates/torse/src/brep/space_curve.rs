@@ -1,0 +1,441 @@
+//! Curves of space as CAD files hold them: lines, conics and splines, with exact conversion to rational splines.
+
+use super::project;
+use super::support_surface::Carrier;
+use crate::geom::{Frame, Vec3};
+use crate::spline::curve::Curve;
+use crate::spline::SplineError;
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+/// A curve of space with its natural parameter.
+#[derive(Clone, Debug, PartialEq)]
+pub enum SpaceCurve {
+    /// `origin + t direction`; the direction need not have unit length.
+    Line {
+        /// Point at t = 0.
+        origin: Vec3,
+        /// Derivative.
+        direction: Vec3,
+    },
+    /// `a cos t x + b sin t y`; a circle when a = b.
+    Ellipse {
+        /// Centre and axes.
+        frame: Frame,
+        /// Semi-axis along x.
+        a: f64,
+        /// Semi-axis along y.
+        b: f64,
+    },
+    /// `focal (t² x + 2 t y)`.
+    Parabola {
+        /// Apex and axes.
+        frame: Frame,
+        /// Focal distance.
+        focal: f64,
+    },
+    /// `a cosh t x + b sinh t y`.
+    Hyperbola {
+        /// Centre and axes.
+        frame: Frame,
+        /// Semi-axis along x.
+        a: f64,
+        /// Semi-axis along y.
+        b: f64,
+    },
+    /// Homogeneous B-spline `(w x, w y, w z, w)`; parameters outside the domain wrap around if it is closed.
+    Spline(Curve<4>),
+    /// A curve given in the parameter plane of a surface.
+    Traced(Box<TracedCurve>),
+}
+
+/// The image of a parameter-plane curve (third coordinate 0) on a carrier.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TracedCurve {
+    plane_curve: SpaceCurve,
+    carrier: Carrier,
+    scale: [f64; 2],
+}
+
+/// How a natural parameter becomes the parameter of the spline made from the curve. Increasing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ParameterMap {
+    /// The same number.
+    Same,
+    /// Pieces of angle `sweep` from `start` on, each parametrised by the tangent of the half angle; the ends of
+    /// pieces keep their angle as parameter. Continued periodically.
+    Angle {
+        /// Angle at which a piece begins.
+        start: f64,
+        /// Angle of one piece, below π.
+        sweep: f64,
+    },
+    /// One piece of a hyperbola around `middle`, `half` to each side.
+    Hyperbolic {
+        /// Middle of the natural parameter.
+        middle: f64,
+        /// Half the width of the natural parameter.
+        half: f64,
+    },
+}
+
+impl ParameterMap {
+    /// The spline parameter of the natural parameter `t`.
+    pub fn forward(self, t: f64) -> f64 {
+        match self {
+            Self::Same => t,
+            Self::Angle { start, sweep } => {
+                let middle = start + ((t - start) / sweep).floor() * sweep + 0.5 * sweep;
+                let h = (0.5 * (t - middle)).tan() / (0.25 * sweep).tan();
+                middle + 0.5 * sweep * h
+            }
+            Self::Hyperbolic { middle, half } => middle + half * (0.5 * (t - middle)).tanh() / (0.5 * half).tanh(),
+        }
+    }
+
+    /// The natural parameter of the spline parameter `u`, and its derivative there.
+    pub fn inverse(self, u: f64) -> (f64, f64) {
+        match self {
+            Self::Same => (u, 1.0),
+            Self::Angle { start, sweep } => {
+                let middle = start + ((u - start) / sweep).floor() * sweep + 0.5 * sweep;
+                let k = (0.25 * sweep).tan();
+                let h = (u - middle) / (0.5 * sweep) * k;
+                (middle + 2.0 * h.atan(), 2.0 * k / (0.5 * sweep) / (1.0 + h * h))
+            }
+            Self::Hyperbolic { middle, half } => {
+                let k = (0.5 * half).tanh();
+                // Beyond the piece the map ends; stay just inside.
+                let h = ((u - middle) / half * k).clamp(-0.999_999, 0.999_999);
+                (middle + 2.0 * h.atanh(), 2.0 * k / half / (1.0 - h * h))
+            }
+        }
+    }
+}
+
+/// Number of pieces of at most a quarter turn that an angle needs.
+pub(crate) fn quarter_pieces(angle: f64) -> usize {
+    // A hair more than a quarter is still one piece: rounding of full turns must not add a fifth.
+    ((angle / (FRAC_PI_2 * (1.0 + 1e-9))).ceil() as usize).clamp(1, 64)
+}
+
+/// Homogeneous control points and clamped knots of the arc of the unit circle `(cos, sin, weight)` from `start`
+/// over `pieces` pieces of angle `sweep`.
+pub(crate) fn unit_arc(start: f64, sweep: f64, pieces: usize) -> (Vec<f64>, Vec<[f64; 3]>) {
+    let mut knots = vec![start; 3];
+    let mut control = vec![[start.cos(), start.sin(), 1.0]];
+    for i in 0..pieces {
+        let (m, e) = (start + (i as f64 + 0.5) * sweep, start + (i as f64 + 1.0) * sweep);
+        control.push([m.cos(), m.sin(), (0.5 * sweep).cos()]);
+        control.push([e.cos(), e.sin(), 1.0]);
+        knots.extend([e, e]);
+    }
+    knots.push(start + pieces as f64 * sweep);
+    (knots, control)
+}
+
+impl SpaceCurve {
+    /// The point at `t`.
+    pub fn point(&self, t: f64) -> Vec3 {
+        self.jet(t)[0]
+    }
+
+    /// Point and first two derivatives at `t`.
+    pub fn jet(&self, t: f64) -> [Vec3; 3] {
+        match self {
+            Self::Line { origin, direction } => [origin + direction * t, *direction, Vec3::zeros()],
+            Self::Ellipse { frame, a, b } => {
+                let (s, c) = t.sin_cos();
+                let radius = frame.x * (a * c) + frame.y * (b * s);
+                [frame.origin + radius, frame.y * (b * c) - frame.x * (a * s), -radius]
+            }
+            Self::Parabola { frame, focal } => [
+                frame.origin + (frame.x * (t * t) + frame.y * (2.0 * t)) * *focal,
+                (frame.x * (2.0 * t) + frame.y * 2.0) * *focal,
+                frame.x * (2.0 * focal),
+            ],
+            Self::Hyperbola { frame, a, b } => {
+                let radius = frame.x * (a * t.cosh()) + frame.y * (b * t.sinh());
+                [frame.origin + radius, frame.x * (a * t.sinh()) + frame.y * (b * t.cosh()), radius]
+            }
+            Self::Spline(c) => affine_jet(c, self.wrap(t)),
+            Self::Traced(c) => c.jet(t),
+        }
+    }
+
+    /// The curve `scale · plane_curve(t)` in the natural parameters of a carrier.
+    pub fn traced(plane_curve: SpaceCurve, carrier: Carrier, scale: [f64; 2]) -> Self {
+        Self::Traced(Box::new(TracedCurve { plane_curve, carrier, scale }))
+    }
+
+    /// The parameter inside the domain of a closed spline; `t` itself for everything else.
+    fn wrap(&self, t: f64) -> f64 {
+        let Self::Spline(c) = self else { return t };
+        let (a, b) = c.domain();
+        if t >= a && t <= b {
+            return t;
+        }
+        // Asked only outside the domain: whether the curve is closed takes a look at its ends.
+        match self.period() {
+            Some(period) => a + (t - a).rem_euclid(period),
+            None => t,
+        }
+    }
+
+    /// Domain of the natural parameter where it is bounded.
+    pub fn domain(&self) -> Option<(f64, f64)> {
+        match self {
+            Self::Spline(c) => Some(c.domain()),
+            Self::Ellipse { .. } => Some((0.0, TAU)),
+            Self::Traced(c) => c.plane_curve.domain(),
+            _ => None,
+        }
+    }
+
+    /// Period of the natural parameter of a closed curve.
+    pub fn period(&self) -> Option<f64> {
+        match self {
+            Self::Ellipse { .. } => Some(TAU),
+            Self::Spline(c) => {
+                let (a, b) = c.domain();
+                let (p, q) = (affine_jet(c, a)[0], affine_jet(c, b)[0]);
+                // Ends are one point when they agree to what ten printed digits give.
+                (p - q).norm().le(&(1e-9 * extent(c))).then_some(b - a)
+            }
+            Self::Traced(c) => c.plane_curve.period(),
+            _ => None,
+        }
+    }
+
+    /// Parameters at which smoothness may end or samples should be placed, between `from` and `to` inclusive, in
+    /// the direction of travel.
+    pub fn stations(&self, from: f64, to: f64) -> Vec<f64> {
+        let (lo, hi) = (from.min(to), from.max(to));
+        let mut out = vec![lo];
+        match self {
+            Self::Line { .. } => {}
+            Self::Traced(c) => {
+                let mut inner = c.plane_curve.stations(lo, hi);
+                // A straight trace may be a whole turn in space.
+                let n = inner.len();
+                inner = (0..n - 1)
+                    .flat_map(|i| (0..8).map(move |k| (i, f64::from(k) / 8.0)))
+                    .map(|(i, s)| inner[i] + s * (inner[i + 1] - inner[i]))
+                    .collect();
+                out.extend(inner.into_iter().filter(|&t| t > lo && t < hi));
+            }
+            Self::Ellipse { .. } => {
+                let n = ((hi - lo) / (PI / 8.0)).ceil().clamp(1.0, 400.0) as usize;
+                out.extend((1..n).map(|i| lo + (hi - lo) * i as f64 / n as f64));
+            }
+            Self::Parabola { .. } | Self::Hyperbola { .. } => {
+                out.extend((1..8).map(|i| lo + (hi - lo) * i as f64 / 8.0));
+            }
+            Self::Spline(c) => {
+                let (a, b) = c.domain();
+                let shifts: &[f64] = if self.period().is_some() { &[-1.0, 0.0, 1.0] } else { &[0.0] };
+                for k in shifts {
+                    out.extend(c.knots.breaks().iter().map(|t| t + k * (b - a)).filter(|&t| t > lo && t < hi));
+                }
+            }
+        }
+        out.push(hi);
+        out.dedup_by(|b, a| *b - *a <= 1e-12 * (hi - lo));
+        if let Some(last) = out.last_mut() {
+            *last = hi;
+        }
+        if to < from {
+            out.reverse();
+        }
+        out
+    }
+
+    /// Parameter of a nearest point of the (whole) curve to `x`.
+    pub fn nearest(&self, x: &Vec3) -> f64 {
+        match self {
+            Self::Line { origin, direction } => (x - origin).dot(direction) / direction.norm_squared(),
+            Self::Ellipse { frame, a, b } => {
+                let q = frame.to_local(x);
+                if (a - b).abs() <= f64::EPSILON * a {
+                    return q.y.atan2(q.x).rem_euclid(TAU);
+                }
+                let guess = (q.y / b).atan2(q.x / a);
+                let best = [guess, q.y.atan2(q.x), guess + 0.5 * PI, guess - 0.5 * PI]
+                    .map(|g| project::refine_on_curve(self, x, g, None))
+                    .into_iter()
+                    .min_by(|p, q| p.1.total_cmp(&q.1));
+                best.map_or(guess, |b| b.0).rem_euclid(TAU)
+            }
+            Self::Parabola { frame, focal } => {
+                let q = frame.to_local(x);
+                project::refine_on_curve(self, x, 0.5 * q.y / focal, None).0
+            }
+            Self::Hyperbola { frame, b, .. } => {
+                let q = frame.to_local(x);
+                project::refine_on_curve(self, x, (q.y / b).asinh(), None).0
+            }
+            Self::Spline(c) => project::nearest_on_spline(self, c, x),
+            Self::Traced(c) => {
+                let flat = c.flat_foot(x);
+                project::refine_on_curve(self, x, c.plane_curve.nearest(&flat), None).0
+            }
+        }
+    }
+
+    /// The piece between the natural parameters `from < to` as an exact rational B-spline, and how parameters map.
+    ///
+    /// # Errors
+    /// An empty or endless piece, or more than 16 turns.
+    pub fn to_spline(&self, from: f64, to: f64) -> Result<(Curve<4>, ParameterMap), SplineError> {
+        if !(to > from && (to - from).is_finite()) {
+            return Err(SplineError::KnotOrder { index: 0, value: to });
+        }
+        let homogeneous = |p: Vec3, w: f64| [p.x, p.y, p.z, w];
+        match self {
+            Self::Line { .. } => {
+                let ends = [homogeneous(self.point(from), 1.0), homogeneous(self.point(to), 1.0)];
+                Ok((Curve::new(1, vec![from, from, to, to], ends.to_vec())?, ParameterMap::Same))
+            }
+            Self::Ellipse { frame, a, b } => {
+                let pieces = quarter_pieces(to - from);
+                let sweep = (to - from) / pieces as f64;
+                let (knots, arc) = unit_arc(from, sweep, pieces);
+                let control = arc
+                    .iter()
+                    .map(|c| homogeneous(frame.origin * c[2] + frame.x * (a * c[0]) + frame.y * (b * c[1]), c[2]))
+                    .collect();
+                Ok((Curve::new(2, knots, control)?, ParameterMap::Angle { start: from, sweep }))
+            }
+            Self::Parabola { frame, focal } => {
+                let middle = frame.origin + (frame.x * (from * to) + frame.y * (from + to)) * *focal;
+                let control = [self.point(from), middle, self.point(to)].map(|p| homogeneous(p, 1.0)).to_vec();
+                Ok((Curve::new(2, vec![from, from, from, to, to, to], control)?, ParameterMap::Same))
+            }
+            Self::Hyperbola { frame, a, b } => {
+                let (m, h) = (0.5 * (from + to), 0.5 * (to - from));
+                let w = h.cosh();
+                let middle = frame.origin * w + frame.x * (a * m.cosh()) + frame.y * (b * m.sinh());
+                let control =
+                    vec![homogeneous(self.point(from), 1.0), homogeneous(middle, w), homogeneous(self.point(to), 1.0)];
+                let map = ParameterMap::Hyperbolic { middle: m, half: h };
+                Ok((Curve::new(2, vec![from, from, from, to, to, to], control)?, map))
+            }
+            Self::Spline(c) => Ok((c.clone(), ParameterMap::Same)),
+            // Its image in space is a spline of high degree at best.
+            Self::Traced(_) => Err(SplineError::Degree(0)),
+        }
+    }
+}
+
+impl TracedCurve {
+    fn plane_point(&self, t: f64) -> [f64; 2] {
+        let q = self.plane_curve.point(t);
+        [q.x * self.scale[0], q.y * self.scale[1]]
+    }
+
+    /// Point and derivatives; the second derivative by differences, which serves searches.
+    fn jet(&self, t: f64) -> [Vec3; 3] {
+        let first = |t: f64| {
+            let d = self.plane_curve.jet(t)[1];
+            let j = self.carrier.jet(self.plane_point(t));
+            (j.p, j.du * (d.x * self.scale[0]) + j.dv * (d.y * self.scale[1]))
+        };
+        let (p, d) = first(t);
+        let h = 1e-6 * (1.0 + t.abs());
+        [p, d, (first(t + h).1 - first(t - h).1) / (2.0 * h)]
+    }
+
+    /// The foot of `x` in the coordinates of the plane curve.
+    fn flat_foot(&self, x: &Vec3) -> Vec3 {
+        let q = self.carrier.foot(x, None);
+        Vec3::new(q[0] / self.scale[0], q[1] / self.scale[1], 0.0)
+    }
+}
+
+/// A piece of a curve in the direction of travel: `from` may exceed `to`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Arc {
+    /// The curve.
+    pub curve: SpaceCurve,
+    /// Parameter at the start.
+    pub from: f64,
+    /// Parameter at the end.
+    pub to: f64,
+}
+
+impl Arc {
+    /// The same piece, travelled the other way.
+    pub fn reversed(&self) -> Self {
+        Self { curve: self.curve.clone(), from: self.to, to: self.from }
+    }
+
+    /// First and last point.
+    pub fn ends(&self) -> (Vec3, Vec3) {
+        (self.curve.point(self.from), self.curve.point(self.to))
+    }
+}
+
+/// Affine point and two derivatives of a homogeneous curve.
+fn affine_jet(c: &Curve<4>, t: f64) -> [Vec3; 3] {
+    let h = c.jet(t);
+    let v = h.map(|r| Vec3::new(r[0], r[1], r[2]));
+    let w = h.map(|r| r[3]);
+    let r = 1.0 / w[0];
+    let p = v[0] * r;
+    let d = (v[1] - p * w[1]) * r;
+    [p, d, (v[2] - d * (2.0 * w[1]) - p * w[2]) * r]
+}
+
+/// Diagonal of the box around the control points.
+fn extent(c: &Curve<4>) -> f64 {
+    crate::geom::BBox::of(c.control.iter().map(|p| Vec3::new(p[0], p[1], p[2]) / p[3]).collect::<Vec<_>>().iter())
+        .diagonal()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn frame() -> Frame {
+        let z = Vec3::new(1.0, 2.0, 2.0) / 3.0;
+        let x = Vec3::new(2.0, 1.0, -2.0) / 3.0;
+        Frame { origin: Vec3::new(1.0, -2.0, 3.0), x, y: z.cross(&x), z }
+    }
+
+    #[test]
+    fn conics_are_exact_splines_under_the_map() {
+        let curves = [
+            (SpaceCurve::Ellipse { frame: frame(), a: 3.0, b: 1.0 }, 0.4, 5.9),
+            (SpaceCurve::Ellipse { frame: frame(), a: 2.0, b: 2.0 }, -1.0, -1.0 + TAU),
+            (SpaceCurve::Parabola { frame: frame(), focal: 0.7 }, -1.0, 2.0),
+            (SpaceCurve::Hyperbola { frame: frame(), a: 1.0, b: 0.5 }, -0.3, 1.4),
+            (SpaceCurve::Line { origin: Vec3::zeros(), direction: Vec3::new(1.0, 2.0, 0.0) }, -1.0, 2.0),
+        ];
+        for (curve, from, to) in curves {
+            let (spline, map) = curve.to_spline(from, to).expect("a spline");
+            let h = SpaceCurve::Spline(spline);
+            for i in 0..=40 {
+                let t = from + (to - from) * i as f64 / 40.0;
+                let u = map.forward(t);
+                assert!((h.point(u) - curve.point(t)).norm() < 1e-13, "{curve:?} at {t}");
+                let (back, slope) = map.inverse(u);
+                assert!((back - t).abs() < 1e-12);
+                let difference = (map.inverse(u + 1e-6).0 - map.inverse(u - 1e-6).0) / 2e-6;
+                assert!((difference - slope).abs() < 1e-6 || i % 40 == 0);
+            }
+        }
+    }
+
+    #[test]
+    fn nearest_points_are_found() {
+        let e = SpaceCurve::Ellipse { frame: frame(), a: 3.0, b: 1.0 };
+        for t in [0.2, 1.7, 3.0, 4.4, 6.0] {
+            assert!((e.nearest(&e.point(t)) - t).abs() < 1e-9);
+        }
+        let (spline, map) = e.to_spline(0.0, TAU).expect("a spline");
+        let s = SpaceCurve::Spline(spline);
+        assert!(s.period().is_some());
+        for t in [0.2, 1.7, 3.0, 4.4, 6.0] {
+            assert!((s.nearest(&e.point(t)) - map.forward(t)).abs() < 1e-9);
+        }
+    }
+}

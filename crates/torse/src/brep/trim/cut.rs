@@ -1,0 +1,420 @@
+//! Loops on closed surfaces: brought together in the unwrapped plane, closed at poles, and cut along a seam
+//! (a parameter line) where they wind around the surface.
+
+use super::pcurve::Chain;
+use super::polygon::{Polygon, Side};
+use super::TrimError;
+use crate::brep::space_curve::ParameterMap;
+use crate::brep::support_surface::Carrier;
+
+/// A seam to cut along: the line where the natural parameter `axis` is `at`, up to periods.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Seam {
+    /// 0: a line u = at, 1: a line v = at.
+    pub axis: usize,
+    /// Natural parameter.
+    pub at: f64,
+}
+
+/// How the region is to be made from the chains.
+pub(super) struct Plan {
+    /// Seam to cut along, if any.
+    pub seam: Option<Seam>,
+    /// Whether clockwise polygons are holes whatever their place.
+    pub sense_matters: bool,
+}
+
+/// Shifts the chains by periods to where they belong together and adds the closing lines at poles.
+///
+/// `marked_outer` says that the file calls a loop the outer one, so that it cannot be a hole in a torus.
+pub(super) fn plan(
+    carrier: &Carrier,
+    chains: &mut Vec<Chain>,
+    marked_outer: bool,
+    label: &mut u32,
+) -> Result<Plan, TrimError> {
+    let periods = carrier.periods();
+    if periods == [None, None] {
+        return Ok(Plan { seam: None, sense_matters: false });
+    }
+    if chains.iter().all(|c| c.winding == [0, 0]) {
+        let areas: Vec<f64> = chains.iter().map(|c| rough(c).area()).collect();
+        let holes_only = areas.iter().all(|&a| a < 0.0);
+        if let (true, false, [Some(p), Some(q)]) = (holes_only, marked_outer, periods) {
+            return around_holes(carrier, chains, [p, q], label);
+        }
+        let hole_in_sphere = matches!(carrier, Carrier::Sphere { .. }) && holes_only;
+        if !hole_in_sphere {
+            gather(chains, &areas, &periods);
+            into_domain(carrier, chains, &periods);
+            return Ok(Plan { seam: None, sense_matters: false });
+        }
+    }
+    let turns = |k: usize| chains.iter().any(|c| c.winding[k] != 0);
+    let axis = match (turns(0), turns(1)) {
+        (_, false) => 0,
+        (false, true) => 1,
+        (true, true) => return Err(TrimError::OpenWinding),
+    };
+    let period = periods[axis].ok_or(TrimError::OpenWinding)?;
+    if chains.iter().any(|c| c.winding[axis].abs() > 1) {
+        return Err(TrimError::OpenWinding);
+    }
+    close_at_poles(carrier, chains, axis, period, label)?;
+    order_across(chains, axis, periods[1 - axis])?;
+    Ok(Plan { seam: Some(Seam { axis, at: quiet_line(carrier, chains, axis, period).0 }), sense_matters: true })
+}
+
+/// A whole torus (or doubly closed spline) with holes: cut along two quiet lines into a rectangle.
+fn around_holes(
+    carrier: &Carrier,
+    chains: &mut Vec<Chain>,
+    periods: [f64; 2],
+    label: &mut u32,
+) -> Result<Plan, TrimError> {
+    let mut start = [0.0; 2];
+    for axis in 0..2 {
+        let (at, crossings) = quiet_line(carrier, chains, axis, periods[axis]);
+        if crossings > 0 {
+            return Err(TrimError::OpenWinding);
+        }
+        start[axis] = at;
+    }
+    for c in chains.iter_mut() {
+        let middle = [0, 1].map(|k| mean(c, k));
+        c.shift([0, 1].map(|k| -((middle[k] - start[k]) / periods[k]).floor() * periods[k]));
+    }
+    let [u, v] = start;
+    let [p, q] = periods;
+    let corners = vec![[u, v], [u + p, v], [u + p, v + q], [u, v + q]];
+    chains.push(Chain { strands: Vec::new(), line: Some((corners, *label)), winding: [0, 0], edges: Vec::new() });
+    *label += 4;
+    Ok(Plan { seam: None, sense_matters: false })
+}
+
+/// The chain's samples as a polygon of natural parameters.
+fn rough(c: &Chain) -> Polygon {
+    let points: Vec<[f64; 2]> = c.nodes().copied().collect();
+    let edge = vec![Side::added(0); points.len()];
+    Polygon { points, edge }
+}
+
+/// Shifts the smaller loops by periods into the largest.
+fn gather(chains: &mut [Chain], areas: &[f64], periods: &[Option<f64>; 2]) {
+    let Some(largest) = (0..chains.len()).max_by(|&i, &j| areas[i].abs().total_cmp(&areas[j].abs())) else { return };
+    let outer = rough(&chains[largest]);
+    for i in (0..chains.len()).filter(|&i| i != largest) {
+        let Some(&x) = chains[i].nodes().next() else { continue };
+        let steps = |k: usize| -> Vec<f64> {
+            periods[k].map_or(vec![0.0], |p| [0, 1, -1, 2, -2].map(|n| f64::from(n) * p).to_vec())
+        };
+        let found = steps(0)
+            .into_iter()
+            .flat_map(|a| steps(1).into_iter().map(move |b| [a, b]))
+            .find(|d| outer.contains([x[0] + d[0], x[1] + d[1]]));
+        if let Some(d) = found {
+            chains[i].shift(d);
+        }
+    }
+}
+
+/// Shifts all chains by whole periods so that they begin in the domain of a spline.
+fn into_domain(carrier: &Carrier, chains: &mut [Chain], periods: &[Option<f64>; 2]) {
+    let Carrier::Spline(s) = carrier else { return };
+    let (u, v) = s.surface.domain();
+    for (k, start) in [(0, u.0), (1, v.0)] {
+        let Some(p) = periods[k] else { continue };
+        let lo = chains.iter().flat_map(Chain::nodes).map(|q| q[k]).fold(f64::INFINITY, f64::min);
+        let d = -((lo - start) / p + 1e-9).floor() * p;
+        let mut by = [0.0; 2];
+        by[k] = d;
+        chains.iter_mut().for_each(|c| c.shift(by));
+    }
+}
+
+/// Mean of the natural parameter `k` over a chain.
+fn mean(c: &Chain, k: usize) -> f64 {
+    let (n, s) = c.nodes().fold((0.0, 0.0), |(n, s), q| (n + 1.0, s + q[k]));
+    if n > 0.0 {
+        s / n
+    } else {
+        0.0
+    }
+}
+
+/// Adds lines at poles where windings do not sum to nothing.
+fn close_at_poles(
+    carrier: &Carrier,
+    chains: &mut Vec<Chain>,
+    axis: usize,
+    period: f64,
+    label: &mut u32,
+) -> Result<(), TrimError> {
+    let across = 1 - axis;
+    let sum: i32 = chains.iter().map(|c| c.winding[axis]).sum();
+    let poles: Vec<f64> = carrier.poles().iter().filter(|p| p.axis == across).map(|p| p.value).collect();
+    let mut wanted = Vec::new(); // (winding of the line, value)
+    let winding: Vec<&Chain> = chains.iter().filter(|c| c.winding[axis] != 0).collect();
+    let reach =
+        |f: fn(f64, f64) -> f64, start: f64| winding.iter().flat_map(|c| c.nodes()).map(|q| q[across]).fold(start, f);
+    let (lo, hi) = (reach(f64::min, f64::INFINITY), reach(f64::max, f64::NEG_INFINITY));
+    // For a seam in u, a line turning downward closes above; for one in v it closes on the side of low u.
+    let closes_high = |turn: i32| (turn < 0) == (axis == 0);
+    let mut need = |turn: i32| -> Result<(), TrimError> {
+        let value = if closes_high(turn) {
+            poles.iter().copied().filter(|&p| p >= hi).fold(f64::INFINITY, f64::min)
+        } else {
+            poles.iter().copied().filter(|&p| p <= lo).fold(f64::NEG_INFINITY, f64::max)
+        };
+        if value.is_finite() {
+            wanted.push((turn, value));
+            Ok(())
+        } else {
+            Err(TrimError::OpenWinding)
+        }
+    };
+    match sum {
+        0 if winding.is_empty() => {
+            // A whole sphere with holes.
+            let (Some(a), Some(b)) = (poles.iter().copied().reduce(f64::min), poles.iter().copied().reduce(f64::max))
+            else {
+                return Err(TrimError::OpenWinding);
+            };
+            wanted.extend([(1, a), (-1, b)]);
+        }
+        0 => {}
+        1 | -1 => need(-sum)?,
+        _ => return Err(TrimError::OpenWinding),
+    }
+    for (turn, value) in wanted {
+        let mut ends = [[value; 2]; 2];
+        ends[0][axis] = 0.0;
+        ends[1][axis] = f64::from(turn) * period;
+        let mut winding = [0; 2];
+        winding[axis] = turn;
+        chains.push(Chain { strands: Vec::new(), line: Some((ends.to_vec(), *label)), winding, edges: Vec::new() });
+        *label += 1;
+    }
+    Ok(())
+}
+
+/// Checks that one winding loop is on the material side of the other; on doubly closed surfaces shifts it there, and
+/// the holes in between.
+fn order_across(chains: &mut [Chain], axis: usize, period_across: Option<f64>) -> Result<(), TrimError> {
+    let across = 1 - axis;
+    let sign = if axis == 0 { 1 } else { -1 };
+    let find = |turn: i32| {
+        let hits: Vec<usize> = (0..chains.len()).filter(|&i| chains[i].winding[axis] == turn).collect();
+        (hits.len() == 1).then(|| hits[0])
+    };
+    let (Some(low), Some(high)) = (find(sign), find(-sign)) else {
+        return if period_across.is_some() { Err(TrimError::OpenWinding) } else { Ok(()) };
+    };
+    let (a, b) = (mean(&chains[low], across), mean(&chains[high], across));
+    let Some(p) = period_across else {
+        return if a < b { Ok(()) } else { Err(TrimError::OpenWinding) };
+    };
+    let mut by = [0.0; 2];
+    let height = (b - a).rem_euclid(p);
+    let height = if height < 1e-9 * p { p } else { height };
+    by[across] = a + height - b;
+    chains[high].shift(by);
+    for i in (0..chains.len()).filter(|&i| i != low && i != high) {
+        let m = mean(&chains[i], across);
+        by[across] = a + (m - a).rem_euclid(p) - m;
+        chains[i].shift(by);
+    }
+    Ok(())
+}
+
+/// A parameter line that the chains cross least, and how often: the seam of the surface or the start of a loop if that
+/// is no worse.
+fn quiet_line(carrier: &Carrier, chains: &[Chain], axis: usize, period: f64) -> (f64, usize) {
+    let mut candidates = Vec::new();
+    if let Carrier::Spline(s) = carrier {
+        candidates.push(if axis == 0 { s.surface.domain().0 .0 } else { s.surface.domain().1 .0 });
+    }
+    candidates.extend(
+        chains.iter().filter(|c| c.winding[axis] != 0).filter_map(|c| c.strands.first()).map(|s| s.qs[0][axis]),
+    );
+    let start = candidates.first().copied().unwrap_or(0.0);
+    candidates.extend((0..60).map(|i| start + period * (f64::from(i) + 0.437) / 60.0));
+    let crossings = |at: f64| -> usize {
+        chains
+            .iter()
+            .map(|c| {
+                let mut cells: Vec<f64> = c.nodes().map(|q| ((q[axis] - at) / period + 1e-9).floor()).collect();
+                if let Some(&first) = cells.first() {
+                    cells.push(first + f64::from(c.winding[axis]));
+                }
+                cells.windows(2).map(|w| (w[1] - w[0]).abs() as usize).sum::<usize>()
+            })
+            .sum()
+    };
+    let mut best = (usize::MAX, start);
+    for at in candidates {
+        let n = crossings(at);
+        if n < best.0 {
+            best = (n, at);
+        }
+    }
+    (best.1, best.0)
+}
+
+/// A stretch of a polygon between two crossings of the seam, shifted to the cell right of the seam.
+struct Stretch {
+    points: Vec<[f64; 2]>,
+    edge: Vec<Side>,
+    /// Whether it begins (ends) on the far side of the cell.
+    far: [bool; 2],
+}
+
+/// Cuts polygons (in spline parameters) along the seam. Every answer lies between the seam and its next copy.
+pub(super) fn along(
+    polygons: &[Polygon],
+    chains: &[Chain],
+    seam: &Seam,
+    map: &[ParameterMap; 2],
+    periods: [Option<f64>; 2],
+    label: &mut u32,
+) -> Result<Vec<Polygon>, TrimError> {
+    let period = periods[seam.axis].ok_or(TrimError::OpenWinding)?;
+    let at = map[seam.axis].forward(seam.at);
+    let labels = [*label, *label + 1];
+    *label += 2;
+    let mut whole = Vec::new();
+    let mut stretches = Vec::new();
+    for (p, c) in polygons.iter().zip(chains) {
+        let (p, turn) = upright(p, c.winding[seam.axis], seam.axis);
+        split(&p, turn, at, period, &mut stretches, &mut whole);
+    }
+    whole.extend(linked(stretches, labels)?);
+    Ok(whole.into_iter().map(|p| upright(&p, 0, seam.axis).0).collect())
+}
+
+/// Exchanges the axes for a seam in v, keeping the material on the left.
+fn upright(p: &Polygon, turn: i32, axis: usize) -> (Polygon, i32) {
+    if axis == 0 {
+        return (p.clone(), turn);
+    }
+    let mut q = Polygon { points: p.points.iter().map(|x| [x[1], x[0]]).collect(), edge: p.edge.clone() };
+    q.reverse();
+    (q, -turn)
+}
+
+fn split(p: &Polygon, turn: i32, at: f64, period: f64, stretches: &mut Vec<Stretch>, whole: &mut Vec<Polygon>) {
+    let n = p.points.len();
+    if n == 0 {
+        return;
+    }
+    // Corners within rounding of the seam lie on it.
+    let snapped = |x: [f64; 2]| {
+        let k = ((x[0] - at) / period).round();
+        let line = at + k * period;
+        if (x[0] - line).abs() <= 1e-9 * period {
+            [line, x[1]]
+        } else {
+            x
+        }
+    };
+    let cell = |x: [f64; 2]| {
+        let k = ((x[0] - at) / period).round();
+        // The same expression as above, so that snapped corners compare exactly.
+        if x[0] >= at + k * period {
+            k
+        } else {
+            k - 1.0
+        }
+    };
+    let corner = |i: usize| {
+        let q = p.points[i % n];
+        snapped(if i < n { q } else { [q[0] + f64::from(turn) * period, q[1]] })
+    };
+    let mut done: Vec<Stretch> = Vec::new();
+    let mut here = cell(corner(0));
+    let local = |x: [f64; 2], k: f64| [x[0] - k * period, x[1]];
+    let mut open = Stretch { points: vec![local(corner(0), here)], edge: Vec::new(), far: [false; 2] };
+    for i in 0..n {
+        let (a, b) = (corner(i), corner(i + 1));
+        let target = cell(b);
+        let mut side = p.edge[i];
+        let mut done_share = 0.0;
+        while (here - target).abs() > 0.5 {
+            let up = target > here;
+            let line = at + (if up { here + 1.0 } else { here }) * period;
+            let s = if (b[0] - a[0]).abs() > 0.0 { ((line - a[0]) / (b[0] - a[0])).clamp(0.0, 1.0) } else { 0.0 };
+            let v = a[1] + s * (b[1] - a[1]);
+            // The share of what is left of the side.
+            let [before, after] = side.cut(if done_share < 1.0 { (s - done_share) / (1.0 - done_share) } else { 1.0 });
+            (side, done_share) = (after, s);
+            open.edge.push(before);
+            open.points.push([if up { at + period } else { at }, v]);
+            open.far[1] = up;
+            done.push(std::mem::replace(
+                &mut open,
+                Stretch { points: vec![[if up { at } else { at + period }, v]], edge: Vec::new(), far: [!up, false] },
+            ));
+            here += if up { 1.0 } else { -1.0 };
+        }
+        open.edge.push(side);
+        open.points.push(local(b, here));
+    }
+    if done.is_empty() {
+        open.points.pop();
+        whole.push(Polygon { points: open.points, edge: open.edge });
+        return;
+    }
+    // The last stretch runs on into the first.
+    let first = &mut done[0];
+    open.points.pop();
+    open.points.append(&mut first.points);
+    open.edge.append(&mut first.edge);
+    first.points = open.points;
+    first.edge = open.edge;
+    first.far[0] = open.far[0];
+    stretches.append(&mut done);
+}
+
+/// Joins stretches along the seam: upward on the far side, downward on the near side, so that the material stays left.
+fn linked(mut stretches: Vec<Stretch>, labels: [u32; 2]) -> Result<Vec<Polygon>, TrimError> {
+    let mut out = Vec::new();
+    while let Some(first) = stretches.pop() {
+        let far_first = first.far[0];
+        let mut p = Polygon { points: first.points, edge: first.edge };
+        let mut far = first.far[1];
+        let start = p.points[0][1];
+        loop {
+            let end = p.points[p.points.len() - 1][1];
+            let ahead = |v: f64| if far { v - end } else { end - v };
+            let mut best: Option<(f64, Option<usize>)> = None;
+            let mut offer = |gap: f64, which: Option<usize>| {
+                if gap >= 0.0 && best.is_none_or(|b| gap < b.0) {
+                    best = Some((gap, which));
+                }
+            };
+            if far_first == far {
+                offer(ahead(start), None);
+            }
+            for (k, s) in stretches.iter().enumerate().filter(|(_, s)| s.far[0] == far) {
+                offer(ahead(s.points[0][1]), Some(k));
+            }
+            match best {
+                None => return Err(TrimError::OpenWinding),
+                Some((_, next)) => {
+                    p.edge.push(Side::added(labels[usize::from(far)]));
+                    match next {
+                        None => break,
+                        Some(k) => {
+                            let s = stretches.swap_remove(k);
+                            p.points.extend(s.points);
+                            p.edge.extend(s.edge);
+                            far = s.far[1];
+                        }
+                    }
+                }
+            }
+        }
+        out.push(p);
+    }
+    Ok(out)
+}

@@ -1,0 +1,479 @@
+//! From boundary curves in space to a trimmed face: loops are traced on the surface, unwrapped over its periods,
+//! closed at its poles, cut along a seam where they wind around it, and laid down as polygons of chords.
+//!
+//! Knows the geometry of a face as a file gives it ([`RawFace`]), but no file.
+
+mod cut;
+pub mod edge;
+mod pcurve;
+mod polygon;
+mod sphere;
+
+use self::polygon::Polygon;
+use super::face::{Face, FileBoundary, FileEdge, SurfaceKind, TrimLoop};
+use super::space_curve::{Arc, ParameterMap, SpaceCurve};
+use super::support_surface::Carrier;
+use crate::geom::placement::Placement;
+use crate::geom::{BBox, Vec3};
+use crate::spline::surface::Surface;
+use crate::spline::SplineError;
+use pcurve::Chain;
+use std::sync::Arc as Shared;
+
+/// A face as files describe it: a carrier and oriented boundary curves of space.
+#[derive(Clone, Debug)]
+pub struct RawFace {
+    /// Number of the entity in the file.
+    pub entity: u64,
+    /// Name in the file.
+    pub name: String,
+    /// Name of the part.
+    pub part: String,
+    /// What the file calls the surface.
+    pub kind: SurfaceKind,
+    /// The surface.
+    pub carrier: Carrier,
+    /// Whether the face's normal is that of the carrier.
+    pub same_sense: bool,
+    /// The part of the carrier that is the face.
+    pub region: Region,
+    /// Distance (mm) between the file's surface and `carrier`.
+    pub surface_deviation_estimate: f64,
+}
+
+/// Which part of a carrier belongs to a face.
+#[derive(Clone, Debug)]
+pub enum Region {
+    /// All of a bounded or closed surface.
+    Whole,
+    /// A rectangle of natural parameters, each from low to high.
+    Rectangle([(f64, f64); 2]),
+    /// Inside boundary loops.
+    Loops(Vec<RawLoop>),
+}
+
+/// A closed chain of edges, material on the left seen against the face's normal.
+#[derive(Clone, Debug, Default)]
+pub struct RawLoop {
+    /// Edges in order.
+    pub edges: Vec<RawEdge>,
+    /// Whether the file calls it the outer one.
+    pub outer: bool,
+}
+
+/// One edge in the direction of its loop.
+#[derive(Clone, Debug)]
+pub struct RawEdge {
+    /// Number of the edge in the file.
+    pub entity: u64,
+    /// Whether the loop uses the edge in its own direction.
+    pub forward: bool,
+    /// The pieces of its curve in the direction of the loop.
+    pub path: Vec<Arc>,
+    /// The same curve in the parameter plane of the carrier, if the file gives it and the path is one piece. It is
+    /// used where it proves to agree with the curve in space.
+    pub trace: Option<PlaneTrace>,
+}
+
+/// A curve in the parameter plane, with the parameter of the curve in space that it belongs to.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlaneTrace {
+    /// The curve; third coordinate 0.
+    pub curve: SpaceCurve,
+    /// Factors from its coordinates to natural parameters of the carrier.
+    pub scale: [f64; 2],
+}
+
+impl PlaneTrace {
+    /// Natural parameters at `t`.
+    fn at(&self, t: f64) -> [f64; 2] {
+        let q = self.curve.point(t);
+        [q.x * self.scale[0], q.y * self.scale[1]]
+    }
+}
+
+impl RawEdge {
+    /// The edge run the other way.
+    pub fn reversed(&self) -> Self {
+        Self {
+            entity: self.entity,
+            forward: !self.forward,
+            path: self.path.iter().rev().map(Arc::reversed).collect(),
+            trace: self.trace.clone(),
+        }
+    }
+}
+
+impl RawLoop {
+    /// The loop run the other way.
+    pub fn reversed(&self) -> Self {
+        Self { edges: self.edges.iter().rev().map(RawEdge::reversed).collect(), outer: self.outer }
+    }
+}
+
+/// Why loops do not bound a region of their surface.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum TrimError {
+    /// The surface is endless and no loop bounds the region.
+    #[error("the face has no boundary, and its surface does not end by itself")]
+    Unbounded,
+    /// Loops wind around a closed surface without bounding a region.
+    #[error("the boundary winds around the closed surface but does not enclose a region: a boundary loop is missing")]
+    OpenWinding,
+    /// A loop is shorter than can be told from a point.
+    #[error("every boundary loop is shorter than {0:.3e} mm: the face has no area")]
+    Vanishing(f64),
+    /// Consecutive edges do not meet.
+    #[error("the boundary is open: edges #{before} and #{after} end {gap:.3e} mm apart")]
+    Gap {
+        /// Edge before the gap.
+        before: u64,
+        /// Edge after the gap.
+        after: u64,
+        /// Width of the gap, mm.
+        gap: f64,
+    },
+    /// Boundary curves far from the surface.
+    #[error("edge #{edge} runs {distance:.3e} mm away from the surface of its face")]
+    OffSurface {
+        /// The edge.
+        edge: u64,
+        /// Distance, mm.
+        distance: f64,
+    },
+    /// The boundary crosses or touches itself.
+    #[error("the boundary crosses or touches itself near ({:.6}, {:.6}, {:.6}) mm", .0.x, .0.y, .0.z)]
+    SelfTouching(Vec3),
+    /// The region has no area.
+    #[error("the boundary encloses no area")]
+    NoArea,
+    /// The boundary needs too many chords.
+    #[error("the boundary would need more than {0} chords; a coarser chord tolerance would help")]
+    TooFine(usize),
+    /// The carrier is not usable.
+    #[error("the surface is not usable: {0}")]
+    Surface(#[from] SplineError),
+}
+
+/// Share of the boundary's extent below which chords are no closer, whatever is asked for.
+const FINEST_SHARE: f64 = 1e-9;
+/// Share of the boundary's extent that chords may deviate at most.
+pub const CHORD_SHARE: f64 = 1e-5;
+/// Gaps between edges above this share of the boundary's extent are an open boundary.
+const GAP_SHARE: f64 = 2e-2;
+/// Edges farther from the surface than this share of the boundary's extent do not belong to it.
+const OFF_SURFACE_SHARE: f64 = 5e-2;
+/// Margin around the loops on carriers without bounds of their own, as a share of the loops' extent.
+const MARGIN: f64 = 0.02;
+
+/// Builds the trimmed face (or faces, where the loops bound several separate regions).
+///
+/// *Input*: boundary curves near the carrier, in loops whose ends meet; `chord_tolerance` in mm, at most
+/// [`CHORD_SHARE`] of the boundary's extent, which is the default. *Guarantee*: every answer's loops are simple polygons that do not touch
+/// each other, outer first and counter-clockwise, all corners inside the surface's domain. *Not guaranteed*: the
+/// deviation of the polygons from the curves is measured at samples only ([`Face::trim_deviation_estimate`]); the curves go
+/// with the face ([`Face::boundary`]), so that a judge can prove it.
+///
+/// # Errors
+/// Loops that do not bound a region; see [`TrimError`].
+pub fn faces(raw: &RawFace, chord_tolerance: Option<f64>) -> Result<Vec<Face>, TrimError> {
+    let loops = match &raw.region {
+        Region::Whole => return natural(raw, None).map(|f| vec![f]),
+        Region::Rectangle(r) => return natural(raw, Some(*r)).map(|f| vec![f]),
+        Region::Loops(loops) => loops,
+    };
+    let mut loops = loops.clone();
+    let given = loops.iter().any(|l| !l.edges.is_empty());
+    if carrier_has_free_seams(&raw.carrier) {
+        loops = loops.into_iter().flat_map(without_slits).collect();
+    }
+    if loops.iter().all(|l| l.edges.is_empty()) {
+        // Nothing but edges run there and back: seams of a sphere, but on a surface with a border no region at all.
+        if given && !matches!(raw.carrier, Carrier::Sphere { .. }) {
+            return Err(TrimError::NoArea);
+        }
+        return natural(raw, None).map(|f| vec![f]);
+    }
+    if !raw.same_sense {
+        loops = loops.iter().map(RawLoop::reversed).collect();
+    }
+    let size = extent(&loops).max(1e-6 * raw.carrier.size());
+    let mut raw = raw.clone();
+    if let Carrier::Sphere { frame, radius } = raw.carrier {
+        raw.carrier = Carrier::Sphere { frame: sphere::turned(&frame, &loops), radius };
+        // Traces belong to the file's axis.
+        loops.iter_mut().flat_map(|l| l.edges.iter_mut()).for_each(|e| e.trace = None);
+    }
+    let tolerance = chord_tolerance.map_or(CHORD_SHARE * size, |t| t.min(CHORD_SHARE * size)).max(FINEST_SHARE * size);
+    // A loop of the wrong sense shows by a region that is not bounded; the other sense is then tried.
+    match bounded(&raw, &loops, size, tolerance) {
+        Err(first @ (TrimError::OpenWinding | TrimError::SelfTouching(_) | TrimError::NoArea)) => {
+            let turned: Vec<RawLoop> = loops.iter().map(RawLoop::reversed).collect();
+            bounded(&raw, &turned, size, tolerance).map_err(|_| first)
+        }
+        other => other,
+    }
+}
+
+/// A carrier on which an edge run in both directions is never a needed seam.
+fn carrier_has_free_seams(c: &Carrier) -> bool {
+    matches!(c, Carrier::Sphere { .. }) || c.periods() == [None, None]
+}
+
+/// Removes edges that a loop runs in both directions (seams and slits); the loop falls into several.
+fn without_slits(l: RawLoop) -> Vec<RawLoop> {
+    let mut done = Vec::new();
+    let mut open = vec![l.edges];
+    while let Some(edges) = open.pop() {
+        let pair = (0..edges.len()).find_map(|i| {
+            (i + 1..edges.len())
+                .find(|&j| edges[i].entity == edges[j].entity && edges[i].forward != edges[j].forward)
+                .map(|j| (i, j))
+        });
+        match pair {
+            Some((i, j)) => {
+                open.push(edges[i + 1..j].to_vec());
+                open.push(edges[j + 1..].iter().chain(&edges[..i]).cloned().collect());
+            }
+            None if edges.is_empty() => {}
+            None => done.push(RawLoop { edges, outer: l.outer }),
+        }
+    }
+    done
+}
+
+/// Diagonal of the box around samples of the loops.
+fn extent(loops: &[RawLoop]) -> f64 {
+    let mut b = BBox::empty();
+    for arc in loops.iter().flat_map(|l| &l.edges).flat_map(|e| &e.path) {
+        // Between stations too: a closed curve may have its two ends only.
+        for w in arc.curve.stations(arc.from, arc.to).windows(2) {
+            for i in 0..=8 {
+                b.include(&arc.curve.point(w[0] + (w[1] - w[0]) * f64::from(i) / 8.0));
+            }
+        }
+    }
+    b.diagonal()
+}
+
+/// The face over a rectangle of natural parameters; without one, over all of the carrier.
+fn natural(raw: &RawFace, rectangle: Option<[(f64, f64); 2]>) -> Result<Face, TrimError> {
+    let (limits, periods) = (raw.carrier.limits(), raw.carrier.periods());
+    let side = |k: usize| -> Option<(f64, f64)> {
+        match &raw.carrier {
+            Carrier::Spline(s) => Some(if k == 0 { s.surface.domain().0 } else { s.surface.domain().1 }),
+            _ => limits[k].or_else(|| periods[k].map(|p| (0.0, p))),
+        }
+    };
+    let box_of = match rectangle {
+        Some(r) => r,
+        None => [side(0).ok_or(TrimError::Unbounded)?, side(1).ok_or(TrimError::Unbounded)?],
+    };
+    let (surface, map) = raw.carrier.to_spline(box_of[0], box_of[1])?;
+    let [(u0, u1), (v0, v1)] = [0, 1].map(|k| (map[k].forward(box_of[k].0), map[k].forward(box_of[k].1)));
+    let mut points = vec![[u0, v0], [u1, v0], [u1, v1], [u0, v1]];
+    let domain = surface.domain();
+    for p in &mut points {
+        *p = [p[0].clamp(domain.0 .0, domain.0 .1), p[1].clamp(domain.1 .0, domain.1 .1)];
+    }
+    // The sides are lines of the surface, as the file says.
+    Ok(face(raw, surface, vec![TrimLoop { points, edge: vec![0, 1, 2, 3] }], 0.0, None))
+}
+
+fn face(raw: &RawFace, surface: Surface, loops: Vec<TrimLoop>, deviation: f64, boundary: Option<FileBoundary>) -> Face {
+    Face {
+        entity: raw.entity,
+        name: raw.name.clone(),
+        part: raw.part.clone(),
+        body: 0,
+        kind: raw.kind,
+        surface,
+        reversed: !raw.same_sense,
+        loops,
+        trim_deviation_estimate: deviation,
+        surface_deviation_estimate: raw.surface_deviation_estimate,
+        parts: Vec::new(),
+        joint_bound: 0.0,
+        // Nothing is proven of a polygon that was laid by samples.
+        trim_bound: if boundary.is_some() { f64::INFINITY } else { 0.0 },
+        boundary: boundary.map(Shared::new),
+    }
+}
+
+/// Faces from loops, their sense taken as given where it matters.
+fn bounded(raw: &RawFace, loops: &[RawLoop], size: f64, tolerance: f64) -> Result<Vec<Face>, TrimError> {
+    let carrier = &raw.carrier;
+    let periods = carrier.periods();
+    // 1. Trace every loop in the unwrapped parameter plane.
+    let mut chains = Vec::new();
+    let mut edges: Vec<Vec<FileEdge>> = Vec::new();
+    let mut label = 0;
+    for l in loops {
+        match pcurve::trace(carrier, l, size, &mut label)? {
+            Some(chain) => {
+                edges.push(chain.edges.clone());
+                chains.push(chain);
+            }
+            None => edges.push(pcurve::vanished(l)),
+        }
+    }
+    edges.retain(|l| !l.is_empty());
+    if chains.is_empty() {
+        return Err(TrimError::Vanishing(pcurve::POINT_SHARE * size));
+    }
+    // 2. Bring the loops together, close winding ones at poles, choose the seam.
+    let plan = cut::plan(carrier, &mut chains, loops.iter().any(|l| l.outer), &mut label)?;
+    // 3. Choose the box, lay the chords, enlarge the box if a chord left it.
+    let mut range = margins(carrier, &chains, &plan);
+    for _ in 0..3 {
+        let (surface, map) = carrier.to_spline(range[0], range[1])?;
+        let mut deviation = 0.0;
+        let mut polygons = Vec::new();
+        for c in &chains {
+            let p = pcurve::chords(carrier, c, &map, size, tolerance)?;
+            deviation = p.deviation.max(deviation);
+            polygons.push(p.polygon);
+        }
+        if let Some(seam) = &plan.seam {
+            polygons = cut::along(&polygons, &chains, seam, &map, periods, &mut label)?;
+        }
+        let domain = surface.domain();
+        let corners = polygons.iter().flat_map(|p| p.points.iter());
+        let grown = outside(corners, [domain.0, domain.1], &map, range);
+        if let Some(grown) = grown.filter(|g| can_grow(carrier, range, *g)) {
+            range = grown;
+            continue;
+        }
+        for p in polygons.iter_mut().flat_map(|p| p.points.iter_mut()) {
+            *p = [p[0].clamp(domain.0 .0, domain.0 .1), p[1].clamp(domain.1 .0, domain.1 .1)];
+        }
+        let mut made = regions(raw, &surface, polygons, plan.sense_matters, deviation)?;
+        share_edges(&mut made, &edges, tolerance);
+        return Ok(made);
+    }
+    Err(TrimError::Unbounded)
+}
+
+/// Box of natural parameters around the chains: a margin where the carrier goes on, none at its ends and poles.
+fn margins(carrier: &Carrier, chains: &[Chain], plan: &cut::Plan) -> [(f64, f64); 2] {
+    let (limits, periods, poles) = (carrier.limits(), carrier.periods(), carrier.poles());
+    [0, 1].map(|k| {
+        if let Some(seam) = plan.seam.as_ref().filter(|s| s.axis == k) {
+            return (seam.at, seam.at + periods[k].unwrap_or(0.0));
+        }
+        let (mut lo, mut hi) = (f64::INFINITY, f64::NEG_INFINITY);
+        for q in chains.iter().flat_map(Chain::nodes) {
+            (lo, hi) = (lo.min(q[k]), hi.max(q[k]));
+        }
+        let width = (hi - lo).max(1e-9);
+        let full = periods[k].is_some_and(|p| (width - p).abs() <= 1e-7 * p);
+        let pad = if full { 0.0 } else { MARGIN * width };
+        let (a, b) = (lo, hi);
+        (lo, hi) = (lo - pad, hi + pad);
+        for p in poles.iter().filter(|p| p.axis == k) {
+            let hair = 1e-7 * width;
+            if a >= p.value - hair && lo < p.value {
+                lo = p.value;
+            }
+            if b <= p.value + hair && hi > p.value {
+                hi = p.value;
+            }
+        }
+        match limits[k] {
+            Some((a, b)) => (lo.max(a), hi.min(b)),
+            None => (lo, hi),
+        }
+    })
+}
+
+/// A larger box if some corner lies outside the domain by more than rounding.
+fn outside<'a>(
+    corners: impl Iterator<Item = &'a [f64; 2]>,
+    domain: [(f64, f64); 2],
+    map: &[ParameterMap; 2],
+    range: [(f64, f64); 2],
+) -> Option<[(f64, f64); 2]> {
+    let mut grown = range;
+    let mut any = false;
+    for c in corners {
+        for k in 0..2 {
+            let (a, b) = domain[k];
+            let hair = 1e-9 * (b - a);
+            if c[k] < a - hair || c[k] > b + hair {
+                let (t, _) = map[k].inverse(c[k]);
+                let pad = MARGIN * (range[k].1 - range[k].0);
+                grown[k] = (grown[k].0.min(t - pad), grown[k].1.max(t + pad));
+                any = true;
+            }
+        }
+    }
+    any.then_some(grown)
+}
+
+/// Whether the larger box still lies on the carrier.
+fn can_grow(carrier: &Carrier, old: [(f64, f64); 2], new: [(f64, f64); 2]) -> bool {
+    let limits = carrier.limits();
+    (0..2).all(|k| match limits[k] {
+        Some(_) => new[k] == old[k],
+        None => true,
+    })
+}
+
+/// Gives every face the loops of the file that it follows; loops that none follows go to the first, where they are
+/// missed.
+fn share_edges(faces: &mut [Face], edges: &[Vec<FileEdge>], chords: f64) {
+    let labels: Vec<std::collections::HashSet<u32>> =
+        faces.iter().map(|f| f.loops.iter().flat_map(|l| l.edge.iter().copied()).collect()).collect();
+    let follows = |i: usize, l: &[FileEdge]| l.iter().any(|e| labels[i].contains(&e.label));
+    let count = faces.len();
+    for (i, f) in faces.iter_mut().enumerate() {
+        let Some(b) = f.boundary.as_mut().and_then(Shared::get_mut) else { continue };
+        let own = |l: &&Vec<FileEdge>| follows(i, l) || (i == 0 && !(0..count).any(|j| follows(j, l)));
+        b.loops = edges.iter().filter(own).cloned().collect();
+        (b.index, b.chords) = ([i, count], chords);
+    }
+}
+
+/// The face with chords that keep to the file's edges within `tolerance` (mm), if those that it has do not and it can be
+/// had: the trim as a job asks for it.
+pub fn with_chords(face: &Face, tolerance: f64) -> Option<Face> {
+    let b = face.boundary.as_ref().filter(|b| b.chords > tolerance)?;
+    let made = faces(&b.source, Some(tolerance / b.placement.scale())).ok()?;
+    let [index, count] = b.index;
+    let finer = made.get(index).filter(|_| made.len() == count)?;
+    Some(finer.placed(&b.placement, &face.part))
+}
+
+/// Nests the polygons and checks them.
+fn regions(
+    raw: &RawFace,
+    surface: &Surface,
+    polygons: Vec<Polygon>,
+    sense_matters: bool,
+    deviation: f64,
+) -> Result<Vec<Face>, TrimError> {
+    let mut out = Vec::new();
+    let cleaned: Vec<Polygon> = polygons.into_iter().filter_map(polygon::cleaned).collect();
+    let groups = polygon::nested(cleaned, sense_matters);
+    let source = Shared::new(raw.clone());
+    for group in groups {
+        if let Some(at) = polygon::first_contact(&group) {
+            return Err(TrimError::SelfTouching(surface.point(at[0], at[1])));
+        }
+        let boundary = FileBoundary {
+            loops: Vec::new(),
+            along: group.iter().map(|p| p.edge.iter().map(|s| [s.from, s.to]).collect()).collect(),
+            chords: 0.0,
+            source: source.clone(),
+            index: [0, 0],
+            placement: Placement::identity(),
+        };
+        let labels = |p: &Polygon| p.edge.iter().map(|s| s.label).collect();
+        let loops = group.into_iter().map(|p| TrimLoop { edge: labels(&p), points: p.points }).collect();
+        out.push(face(raw, surface.clone(), loops, deviation, Some(boundary)));
+    }
+    if out.is_empty() {
+        return Err(TrimError::NoArea);
+    }
+    Ok(out)
+}

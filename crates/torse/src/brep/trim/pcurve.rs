@@ -1,0 +1,495 @@
+//! Boundary curves traced on a surface: feet of samples, unwrapped over periods, held together at poles; then chords.
+
+use super::polygon::{Polygon, Side};
+use super::{PlaneTrace, RawLoop, TrimError, GAP_SHARE, OFF_SURFACE_SHARE};
+use crate::brep::face::{FileEdge, FilePiece};
+use crate::brep::space_curve::{Arc, ParameterMap, SpaceCurve};
+use crate::brep::support_surface::{Carrier, Pole};
+use crate::brep::unroll;
+use crate::geom::Vec3;
+use crate::spline::curve::Curve;
+
+/// Curves shorter than this share of the boundary's extent are points, and points nearer than that to a pole are on it.
+pub(super) const POINT_SHARE: f64 = 1e-7;
+/// Gaps between consecutive edges up to this share of the extent are closed by moving both ends to the middle.
+const WELD_SHARE: f64 = 1e-4;
+/// Chords of one face at most.
+const MOST_CHORDS: usize = 200_000;
+/// Halvings of one sample interval at most: 2⁻¹⁴ of an edge is finer than any honest curve needs.
+const DEEPEST: u32 = 14;
+
+/// One piece of an edge with samples in the unwrapped natural parameter plane.
+#[derive(Clone, Debug)]
+pub(super) struct Strand {
+    /// Number of the edge in the file.
+    pub edge: u64,
+    /// Label of its chords.
+    pub label: u32,
+    /// Number of the piece of the edge that it is.
+    piece: usize,
+    arc: Arc,
+    trace: Option<PlaneTrace>,
+    ts: Vec<f64>,
+    /// Samples.
+    pub qs: Vec<[f64; 2]>,
+    poles: [Option<Pole>; 2],
+    /// Label of the side along a pole that follows the strand.
+    joint: Option<u32>,
+}
+
+/// A closed loop in the unwrapped plane: it ends where it began, up to `winding` periods.
+#[derive(Clone, Debug)]
+pub(super) struct Chain {
+    /// The pieces in order; empty for straight lines.
+    pub strands: Vec<Strand>,
+    /// Straight lines that the reader adds: corners, and the label of the first side (the others follow). A line along
+    /// a pole has two corners, the second a period away.
+    pub line: Option<(Vec<[f64; 2]>, u32)>,
+    /// Turns in u and v.
+    pub winding: [i32; 2],
+    /// The edges of the loop, those too that are points; none for straight lines.
+    pub edges: Vec<FileEdge>,
+}
+
+/// The chords of a chain.
+pub(super) struct Chords {
+    /// Their polygon; a winding one closes over the period.
+    pub polygon: Polygon,
+    /// Largest distance between curve and chord at the samples, mm.
+    pub deviation: f64,
+}
+
+impl Chain {
+    /// All samples.
+    pub fn nodes(&self) -> impl Iterator<Item = &[f64; 2]> {
+        let line = self.line.iter().flat_map(|l| l.0.iter());
+        self.strands.iter().flat_map(|s| s.qs.iter()).chain(line)
+    }
+
+    /// Moves the chain in the parameter plane.
+    pub fn shift(&mut self, d: [f64; 2]) {
+        let line = self.line.iter_mut().flat_map(|l| l.0.iter_mut());
+        for q in self.strands.iter_mut().flat_map(|s| s.qs.iter_mut()).chain(line) {
+            *q = [q[0] + d[0], q[1] + d[1]];
+        }
+    }
+}
+
+/// The lift of `x` nearest to `near`.
+fn lifted(x: f64, near: f64, period: Option<f64>) -> f64 {
+    match period {
+        Some(p) => x + ((near - x) / p).round() * p,
+        None => x,
+    }
+}
+
+/// Traces a loop; nothing if it is shorter than a point. `label` counts the edges of the face.
+pub(super) fn trace(carrier: &Carrier, l: &RawLoop, size: f64, label: &mut u32) -> Result<Option<Chain>, TrimError> {
+    let (periods, poles) = (carrier.periods(), carrier.poles());
+    let mut strands: Vec<Strand> = Vec::new();
+    let mut edges = Vec::new();
+    for e in &l.edges {
+        for (piece, arc) in e.path.iter().enumerate() {
+            let trace = e.trace.as_ref().filter(|_| e.path.len() == 1);
+            let found = follow(carrier, arc, trace, (e.entity, *label), &periods, &poles, size)?;
+            strands.extend(found.map(|s| Strand { piece, ..s }));
+        }
+        edges.push(FileEdge { entity: e.entity, label: *label, pieces: pieces_of(&e.path) });
+        *label += 1;
+    }
+    if strands.is_empty() {
+        return Ok(None);
+    }
+    // Lift every strand to where the one before ended.
+    let n = strands.len();
+    let start = strands[0].qs[0];
+    let mut end = strands[0].end();
+    for i in 0..n {
+        let (before, after) = (strands[i].edge, strands[(i + 1) % n].edge);
+        let gap = (strands[i].arc.ends().1 - strands[(i + 1) % n].arc.ends().0).norm();
+        if gap > GAP_SHARE * size {
+            return Err(TrimError::Gap { before, after, gap });
+        }
+        let next = &strands[(i + 1) % n];
+        let mut target = [0, 1].map(|k| lifted(next.qs[0][k], end[k], periods[k]));
+        if let (Some(p), Some(_)) = (strands[i].poles[1], next.poles[0]) {
+            let free = 1 - p.axis;
+            if let Some(period) = periods[free] {
+                target[free] = end[free] + turn_at_pole(&strands[i], &p, next.qs[0][free] - end[free], period);
+            }
+            strands[i].joint = Some(*label);
+            *label += 1;
+        }
+        if i + 1 == n {
+            let winding = [0, 1].map(|k| periods[k].map_or(0, |p| ((target[k] - start[k]) / p).round() as i32));
+            return Ok(Some(Chain { strands, line: None, winding, edges }));
+        }
+        let next = &mut strands[i + 1];
+        let d = [target[0] - next.qs[0][0], target[1] - next.qs[0][1]];
+        for q in &mut next.qs {
+            *q = [q[0] + d[0], q[1] + d[1]];
+        }
+        end = next.end();
+    }
+    Ok(None)
+}
+
+/// The step along a pole's side with the material on the left: `difference` up to whole periods, of the sign that the
+/// side of the pole asks for; a full turn if the difference is none.
+fn turn_at_pole(strand: &Strand, pole: &Pole, difference: f64, period: f64) -> f64 {
+    let inner = strand.qs[strand.qs.len() / 2][pole.axis];
+    let high = inner < pole.value;
+    // Counter-clockwise: along v = low upward in u, u = high upward in v, v = high downward in u, u = low downward in v.
+    let upward = (pole.axis == 1) != high;
+    let rest = difference.rem_euclid(period);
+    let none = rest < 1e-7 * period || rest > (1.0 - 1e-7) * period;
+    match (upward, none) {
+        (true, true) => period,
+        (true, false) => rest,
+        (false, true) => -period,
+        (false, false) => rest - period,
+    }
+}
+
+impl Strand {
+    fn end(&self) -> [f64; 2] {
+        self.qs[self.qs.len() - 1]
+    }
+
+    /// Parameters of the curve as places along the edge: number of the piece and share of its spline.
+    fn places(&self, ts: &[f64]) -> Vec<f64> {
+        let (lo, hi) = (self.arc.from.min(self.arc.to), self.arc.from.max(self.arc.to));
+        let map = self.arc.curve.to_spline(lo, hi).map_or(ParameterMap::Same, |c| c.1);
+        let ends = [self.arc.from, self.arc.to].map(|t| map.forward(t));
+        let share = |t: f64| ((map.forward(t) - ends[0]) / (ends[1] - ends[0])).clamp(0.0, 1.0);
+        ts.iter().map(|&t| self.piece as f64 + share(t)).collect()
+    }
+}
+
+/// The edges of a loop that is shorter than a point.
+pub(super) fn vanished(l: &RawLoop) -> Vec<FileEdge> {
+    // No side has this label.
+    let edge = |e: &super::RawEdge| FileEdge { entity: e.entity, label: u32::MAX, pieces: pieces_of(&e.path) };
+    l.edges.iter().map(edge).collect()
+}
+
+/// The pieces of an edge as rational splines; `None` if one has no such form.
+fn pieces_of(path: &[Arc]) -> Option<Vec<FilePiece>> {
+    path.iter()
+        .map(|arc| {
+            let (lo, hi) = (arc.from.min(arc.to), arc.from.max(arc.to));
+            if lo == hi {
+                // A point is the shortest of lines.
+                let p = arc.curve.point(lo);
+                let control = vec![[p.x, p.y, p.z, 1.0]; 2];
+                let curve = Curve::new(1, vec![0.0, 0.0, 1.0, 1.0], control).ok()?;
+                return Some(FilePiece { curve, from: 0.0, to: 1.0 });
+            }
+            let (curve, map) = match &arc.curve {
+                SpaceCurve::Spline(c) if lo < c.domain().0 || hi > c.domain().1 => {
+                    (unroll::curve(c, (lo, hi)).ok()?, ParameterMap::Same)
+                }
+                other => other.to_spline(lo, hi).ok()?,
+            };
+            let (a, b) = curve.domain();
+            let [from, to] = [arc.from, arc.to].map(|t| map.forward(t).clamp(a, b));
+            Some(FilePiece { curve, from, to })
+        })
+        .collect()
+}
+
+/// Samples one arc. `None` if it is a point.
+fn follow(
+    carrier: &Carrier,
+    arc: &Arc,
+    trace: Option<&PlaneTrace>,
+    (edge, label): (u64, u32),
+    periods: &[Option<f64>; 2],
+    poles: &[Pole],
+    size: f64,
+) -> Result<Option<Strand>, TrimError> {
+    let stations = arc.curve.stations(arc.from, arc.to);
+    // At least eight intervals on an edge: unwrapping needs steps well below half a period.
+    let per = (8 / stations.len().saturating_sub(1).max(1)).clamp(3, 8);
+    let mut ts = Vec::with_capacity(stations.len() * per);
+    for w in stations.windows(2) {
+        ts.extend((0..per).map(|i| w[0] + (w[1] - w[0]) * i as f64 / per as f64));
+    }
+    ts.push(arc.to);
+    let points: Vec<Vec3> = ts.iter().map(|&t| arc.curve.point(t)).collect();
+    let n = points.len();
+    if points.iter().all(|p| (p - points[0]).norm() <= POINT_SHARE * size) || n < 3 {
+        return Ok(None);
+    }
+    let pole_near = |x: &Vec3| poles.iter().find(|p| (p.point - x).norm() <= 10.0 * POINT_SHARE * size).copied();
+    let mut qs = vec![[0.0; 2]; n];
+    if let Some(trace) = trace.filter(|t| agrees(carrier, arc, t, size)) {
+        // Jumps over a seam are not expected inside a trace.
+        for (q, &t) in qs.iter_mut().zip(&ts) {
+            *q = trace.at(t);
+        }
+        let at_poles = [pole_near(&points[0]), pole_near(&points[n - 1])];
+        snap(carrier, &mut qs);
+        return Ok(Some(Strand {
+            edge,
+            label,
+            piece: 0,
+            arc: arc.clone(),
+            trace: Some(trace.clone()),
+            ts,
+            qs,
+            poles: at_poles,
+            joint: None,
+        }));
+    }
+    let mut guess: Option<[f64; 2]> = None;
+    for i in 1..n - 1 {
+        qs[i] = foot_near(carrier, &points[i], guess, periods);
+        guess = Some(qs[i]);
+    }
+    let mut at_poles = [None, None];
+    for (k, end, inner) in [(0, 0, 1), (1, n - 1, n - 2)] {
+        at_poles[k] = pole_near(&points[end]);
+        qs[end] = match at_poles[k] {
+            Some(pole) => {
+                // The direction of arrival: the foot of a point a little before the pole.
+                let t = ts[end] + 1e-3 * (ts[inner] - ts[end]);
+                let mut q = foot_near(carrier, &arc.curve.point(t), Some(qs[inner]), periods);
+                q[pole.axis] = lifted(pole.value, q[pole.axis], periods[pole.axis]);
+                q
+            }
+            None => foot_near(carrier, &points[end], Some(qs[inner]), periods),
+        };
+    }
+    let worst = points.iter().zip(&qs).map(|(x, q)| (carrier.jet(*q).p - x).norm()).fold(0.0, f64::max);
+    if worst > OFF_SURFACE_SHARE * size || worst.is_nan() {
+        return Err(TrimError::OffSurface { edge, distance: worst });
+    }
+    snap(carrier, &mut qs);
+    Ok(Some(Strand { edge, label, piece: 0, arc: arc.clone(), trace: None, ts, qs, poles: at_poles, joint: None }))
+}
+
+/// Traces this near to their curve are used: a share of the boundary's extent …
+const TRACE_SHARE: f64 = 2e-5;
+/// … or so many times the distance of the curve itself from the surface. Coarser traces are worse than feet.
+const TRACE_FACTOR: f64 = 2.0;
+
+/// Whether a curve of the parameter plane runs with its curve in space.
+fn agrees(carrier: &Carrier, arc: &Arc, trace: &PlaneTrace, size: f64) -> bool {
+    if let (Some((a, b)), None) = (trace.curve.domain(), trace.curve.period()) {
+        let hair = 1e-9 * (b - a);
+        if arc.from.min(arc.to) < a - hair || arc.from.max(arc.to) > b + hair {
+            return false;
+        }
+    }
+    let limits = carrier.limits();
+    (0..=8).all(|i| {
+        let t = arc.from + (arc.to - arc.from) * f64::from(i) / 8.0;
+        let (x, q) = (arc.curve.point(t), trace.at(t));
+        let inside = (0..2).all(|k| {
+            limits[k].is_none_or(|(a, b)| {
+                let hair = 1e-6 * (b - a);
+                q[k] >= a - hair && q[k] <= b + hair
+            })
+        });
+        let d = (carrier.jet(q).p - x).norm();
+        let own = || (carrier.jet(carrier.foot(&x, Some(q))).p - x).norm();
+        inside && (d <= TRACE_SHARE * size || d <= TRACE_FACTOR * own())
+    })
+}
+
+/// The foot of `x`, lifted to the guess.
+fn foot_near(carrier: &Carrier, x: &Vec3, guess: Option<[f64; 2]>, periods: &[Option<f64>; 2]) -> [f64; 2] {
+    let q = carrier.foot(x, guess);
+    match guess {
+        Some(g) => [0, 1].map(|k| lifted(q[k], g[k], periods[k])),
+        None => q,
+    }
+}
+
+/// Feet within rounding of the carrier's own end lie on it: printed coordinates have ten digits or so.
+const ON_LIMIT: f64 = 1e-8;
+
+fn snap(carrier: &Carrier, qs: &mut [[f64; 2]]) {
+    for (k, limit) in carrier.limits().iter().enumerate() {
+        let Some((a, b)) = *limit else { continue };
+        for q in qs.iter_mut() {
+            for end in [a, b] {
+                if (q[k] - end).abs() <= ON_LIMIT * (b - a) {
+                    q[k] = end;
+                }
+            }
+        }
+    }
+}
+
+/// Lays chords along a chain in the spline's parameters so that their images stay within `tolerance` of the curves'
+/// feet on the surface.
+pub(super) fn chords(
+    carrier: &Carrier,
+    chain: &Chain,
+    map: &[ParameterMap; 2],
+    size: f64,
+    tolerance: f64,
+) -> Result<Chords, TrimError> {
+    let forward = |q: [f64; 2]| [map[0].forward(q[0]), map[1].forward(q[1])];
+    let mut out = Chords { polygon: Polygon::default(), deviation: 0.0 };
+    if let Some((ends, label)) = &chain.line {
+        // The end of a winding line is its beginning a period on.
+        let n = if chain.winding == [0, 0] { ends.len() } else { ends.len() - 1 };
+        out.polygon.points = ends[..n].iter().map(|&q| forward(q)).collect();
+        out.polygon.edge = (*label..).take(n).map(Side::added).collect();
+        return Ok(out);
+    }
+    let periods = carrier.periods();
+    let mut pieces: Vec<Vec<[f64; 2]>> = Vec::with_capacity(chain.strands.len());
+    let mut places: Vec<Vec<f64>> = Vec::with_capacity(chain.strands.len());
+    for s in &chain.strands {
+        let (points, at) = (vec![forward(s.qs[0])], vec![s.ts[0]]);
+        let mut w = Walk { carrier, strand: s, map, periods, tolerance, points, at, deviation: 0.0 };
+        w.over(0, s.ts.len() - 1)?;
+        out.deviation = w.deviation.max(out.deviation);
+        pieces.push(w.points);
+        places.push(s.places(&w.at));
+    }
+    // Weld the ends.
+    let n = pieces.len();
+    let whole: [f64; 2] = [0, 1].map(|k| periods[k].unwrap_or(0.0) * f64::from(chain.winding[k]));
+    for i in 0..n {
+        let s = &chain.strands[i];
+        let j = (i + 1) % n;
+        let lift = if j == 0 { whole } else { [0.0; 2] };
+        let (Some(&a), Some(&b)) = (pieces[i].last(), pieces[j].first()) else { continue };
+        let b = [b[0] + lift[0], b[1] + lift[1]];
+        if s.joint.is_none() && distance(carrier, s.end(), a, b, map) <= WELD_SHARE * size {
+            let m = [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])];
+            if let Some(last) = pieces[i].last_mut() {
+                *last = m;
+            }
+            if let Some(first) = pieces[j].first_mut() {
+                *first = [m[0] - lift[0], m[1] - lift[1]];
+            }
+        }
+    }
+    for (i, points) in pieces.iter().enumerate() {
+        let s = &chain.strands[i];
+        let j = (i + 1) % n;
+        let lift = if j == 0 { whole } else { [0.0; 2] };
+        let Some((last, body)) = points.split_last() else { continue };
+        out.polygon.points.extend_from_slice(body);
+        let along = places[i].windows(2).map(|w| Side { label: s.label, from: w[0], to: w[1] });
+        out.polygon.edge.extend(along.take(body.len()));
+        let next = pieces[j][0];
+        let welded = (0..2).all(|k| (last[k] - next[k] - lift[k]).abs() <= f64::EPSILON * (1.0 + last[k].abs()) * 4.0);
+        if !welded {
+            out.polygon.points.push(*last);
+            // A gap that is closed by a chord belongs to the end of the edge before.
+            let end = places[i].last().copied().unwrap_or(0.0);
+            out.polygon.edge.push(s.joint.map_or(Side { label: s.label, from: end, to: end }, Side::added));
+        }
+    }
+    if out.polygon.points.len() > MOST_CHORDS {
+        return Err(TrimError::TooFine(MOST_CHORDS));
+    }
+    Ok(out)
+}
+
+/// Length in space of a short step between the spline parameters `a` and `b`, to first order at the natural `q`.
+fn distance(carrier: &Carrier, q: [f64; 2], a: [f64; 2], b: [f64; 2], map: &[ParameterMap; 2]) -> f64 {
+    let j = carrier.jet(q);
+    (j.du * (map[0].inverse(a[0]).1 * (b[0] - a[0])) + j.dv * (map[1].inverse(a[1]).1 * (b[1] - a[1]))).norm()
+}
+
+/// The state of laying chords along one strand.
+struct Walk<'a> {
+    carrier: &'a Carrier,
+    strand: &'a Strand,
+    map: &'a [ParameterMap; 2],
+    periods: [Option<f64>; 2],
+    tolerance: f64,
+    points: Vec<[f64; 2]>,
+    /// Parameters of the curve at the points.
+    at: Vec<f64>,
+    deviation: f64,
+}
+
+impl Walk<'_> {
+    fn forward(&self, q: [f64; 2]) -> [f64; 2] {
+        [self.map[0].forward(q[0]), self.map[1].forward(q[1])]
+    }
+
+    /// Chords between samples `i` and `j`.
+    fn over(&mut self, i: usize, j: usize) -> Result<(), TrimError> {
+        let s = self.strand;
+        if j == i + 1 {
+            return self.between((s.ts[i], s.qs[i]), (s.ts[j], s.qs[j]), 0);
+        }
+        let (a, b) = (self.forward(s.qs[i]), self.forward(s.qs[j]));
+        let mut worst = 0.0_f64;
+        let mut seen = 0.0_f64;
+        for k in i + 1..j {
+            let (d, total) = self.deviation_of(s.ts[k], s.qs[k], a, b);
+            worst = worst.max(d);
+            seen = seen.max(total);
+        }
+        if worst <= self.tolerance {
+            self.deviation = self.deviation.max(seen);
+            self.points.push(b);
+            self.at.push(s.ts[j]);
+            return Ok(());
+        }
+        let m = (i + j) / 2;
+        self.over(i, m)?;
+        self.over(m, j)
+    }
+
+    /// Chords between two samples, halving where needed.
+    fn between(&mut self, p: (f64, [f64; 2]), q: (f64, [f64; 2]), depth: u32) -> Result<(), TrimError> {
+        let (a, b) = (self.forward(p.1), self.forward(q.1));
+        let mut worst = 0.0_f64;
+        let mut seen = 0.0_f64;
+        let mut middle = (0.0, [0.0; 2]);
+        for k in [1.0, 3.0, 2.0] {
+            let f = 0.25 * k;
+            let t = p.0 + f * (q.0 - p.0);
+            let guess = [0, 1].map(|k| p.1[k] + f * (q.1[k] - p.1[k]));
+            let foot = match &self.strand.trace {
+                Some(trace) => {
+                    let q = trace.at(t);
+                    [0, 1].map(|k| lifted(q[k], guess[k], self.periods[k]))
+                }
+                None => foot_near(self.carrier, &self.strand.arc.curve.point(t), Some(guess), &self.periods),
+            };
+            let (d, total) = self.deviation_of(t, foot, a, b);
+            worst = worst.max(d);
+            seen = seen.max(total);
+            middle = (t, foot);
+        }
+        if worst <= self.tolerance || depth >= DEEPEST {
+            self.deviation = self.deviation.max(seen);
+            self.points.push(b);
+            self.at.push(q.0);
+            if self.points.len() > MOST_CHORDS {
+                return Err(TrimError::TooFine(MOST_CHORDS));
+            }
+            return Ok(());
+        }
+        self.between(p, middle, depth + 1)?;
+        self.between(middle, q, depth + 1)
+    }
+
+    /// Distance in space from the foot `q` to the chord's image, and from the curve's own point to it; both to first
+    /// order at the foot.
+    fn deviation_of(&self, t: f64, q: [f64; 2], a: [f64; 2], b: [f64; 2]) -> (f64, f64) {
+        let j = self.carrier.jet(q);
+        let m = self.forward(q);
+        let (du, dv) = (j.du * self.map[0].inverse(m[0]).1, j.dv * self.map[1].inverse(m[1]).1);
+        let chord = du * (b[0] - a[0]) + dv * (b[1] - a[1]);
+        let offset = du * (m[0] - a[0]) + dv * (m[1] - a[1]);
+        let along = chord.norm_squared();
+        let s = if along > 0.0 { (offset.dot(&chord) / along).clamp(0.0, 1.0) } else { 0.0 };
+        let off = offset - chord * s;
+        let total = (self.strand.arc.curve.point(t) - j.p + off).norm();
+        (off.norm(), total)
+    }
+}

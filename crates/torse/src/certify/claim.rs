@@ -1,0 +1,433 @@
+//! What a job says about its result, and how it is known. A job's status is computed from its claims and from nothing
+//! else (docs/algorithms/certificate.md).
+//!
+//! Only this floor can make an [`UpperBound`] or a [`LowerBound`] that says more than "nothing is known", and a claim
+//! is [`Evidence::Proven`] only if it was made of one. Bounds can be joined and weakened anywhere, never strengthened.
+
+/// A proven upper bound; infinite where nothing is known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct UpperBound(f64);
+
+/// A proven lower bound of a quantity that is not negative; 0 where nothing is known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LowerBound(f64);
+
+impl UpperBound {
+    /// Nothing is known.
+    pub const UNKNOWN: Self = Self(f64::INFINITY);
+
+    /// What has been shown by enclosing it; not a number and negative numbers show nothing.
+    pub(super) fn shown(value: f64) -> Self {
+        if value >= 0.0 {
+            Self(value)
+        } else {
+            Self::UNKNOWN
+        }
+    }
+
+    /// The bound; infinite where nothing is known.
+    pub fn value(self) -> f64 {
+        self.0
+    }
+
+    /// A bound of the larger of both quantities.
+    pub fn max(self, other: Self) -> Self {
+        Self(self.0.max(other.0))
+    }
+
+    /// A bound of the sum of both quantities.
+    pub fn plus(self, other: Self) -> Self {
+        Self((self.0 + other.0).next_up())
+    }
+
+    /// A bound of an angle in rad as one in degrees.
+    pub fn degrees(self) -> Self {
+        Self(self.0.to_degrees().next_up())
+    }
+
+    /// A bound of the largest of several quantities; of none, nothing is known.
+    pub fn largest(all: impl IntoIterator<Item = Self>) -> Self {
+        all.into_iter().reduce(Self::max).unwrap_or(Self::UNKNOWN)
+    }
+}
+
+impl LowerBound {
+    /// Nothing is known.
+    pub const UNKNOWN: Self = Self(0.0);
+
+    /// What has been shown by enclosing it; not a number and negative numbers show nothing.
+    pub(super) fn shown(value: f64) -> Self {
+        if value >= 0.0 {
+            Self(value)
+        } else {
+            Self::UNKNOWN
+        }
+    }
+
+    /// The bound; infinite where there is nothing that could be near.
+    pub fn value(self) -> f64 {
+        self.0
+    }
+
+    /// A bound of the smaller of both quantities.
+    pub fn min(self, other: Self) -> Self {
+        Self(self.0.min(other.0))
+    }
+
+    /// A bound of the smallest of several quantities; of none, nothing is known.
+    pub fn smallest(all: impl IntoIterator<Item = Self>) -> Self {
+        all.into_iter().reduce(Self::min).unwrap_or(Self::UNKNOWN)
+    }
+}
+
+/// How a value is known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Evidence {
+    /// Shown for every point.
+    Proven,
+    /// The largest, the smallest or the mean of samples.
+    Measured,
+    /// Asked for, counted or defined.
+    Given,
+}
+
+/// What a claim is about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Subject {
+    /// The whole result.
+    Whole,
+    /// A panel or strip, by its index.
+    Panel(usize),
+}
+
+/// What is claimed. The unit belongs to it; words are made by the writers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum What {
+    /// Two-sided distance between surface and panels, mm.
+    Deviation,
+    /// Distance of the edges from a given curve, by its number, mm.
+    FromCurve(usize),
+    /// Distance of the edge on the first (0) or the second (1) side from its curve, mm.
+    FromSide(usize),
+    /// Distance of the edges from all given curves, mm.
+    FromCurves,
+    /// Distance of a measured point from the strips, mm.
+    PointDistance,
+    /// Root mean square of the distances of points, mm.
+    MeanPointDistance,
+    /// Distance of a given ruling or plane from the strips, mm.
+    ElementDistance,
+    /// Gap between the two sides of a seam, mm.
+    SeamGap,
+    /// Angle between the tangent planes along a ruling, degrees.
+    Twist,
+    /// Distance along rulings to the regression curve, mm.
+    RegressionClearance,
+    /// Radius of curvature, mm.
+    BendRadius,
+    /// Distance between the diagonals of a quadrilateral, mm.
+    DiagonalGap,
+    /// Way of the given points, mm.
+    PointsMoved,
+    /// Angle between neighbouring quadrilaterals at the first ruling, degrees.
+    BendBefore,
+    /// Largest angle between neighbouring quadrilaterals, degrees.
+    LargestBend,
+    /// Noise of a measurement, mm.
+    Noise,
+    /// Angle between the pieces of a chain at their joint, rad.
+    JointMismatch,
+    /// Way between the outline carried over and the trimmed edges that follow it, mm.
+    OutlineDistance,
+    /// Distance of the trims that were used from the file's edges, mm.
+    TrimDistance,
+    /// Distance of edges as written from the exact surfaces that they bound, mm.
+    EdgeDistance,
+    /// Turn of a piece about its axis, degrees.
+    Turn,
+    /// Length of the first ruling, mm.
+    FirstRuling,
+    /// Length of the last ruling, mm.
+    LastRuling,
+    /// Angle between given and found end rulings, degrees.
+    EndRulingError,
+    /// Shape number of a control net.
+    NetShape(NetNumber),
+    /// Share of a given curve that is used, by its number, percent.
+    UsedOf(usize),
+    /// Share of the faces that is covered, 1 for all.
+    Coverage,
+    /// Area in space, m².
+    Area,
+    /// Area of the flat patterns, m².
+    FlatArea,
+    /// Relative error of lengths on the flat patterns.
+    LengthError,
+    /// Distance of what is drawn (outline, rulings, marks) from the flat image of a panel, mm.
+    DrawingDistance,
+    /// Distance between what a written file holds and what was judged, mm.
+    WrittenDistance,
+    /// A number of things.
+    Count(Counted),
+    /// What was asked for and is missing from the answer; [`Claim::reason`] says what.
+    LeftOut,
+    /// Something that stands against the status; [`Claim::reason`] says what.
+    Objection,
+}
+
+/// What is counted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Counted {
+    /// Panels.
+    Panels,
+    /// Strips.
+    Strips,
+    /// Strips ruled between the given curves themselves.
+    ExactStrips,
+    /// Strips whose edges were fitted.
+    FittedStrips,
+    /// Surfaces that were approximated.
+    Surfaces,
+    /// Cones.
+    Cones,
+    /// Cylinders.
+    Cylinders,
+    /// Planes.
+    Planes,
+    /// Measured points.
+    Points,
+    /// Given rulings.
+    Rulings,
+    /// Given tangent planes.
+    TangentPlanes,
+    /// Rulings and planes of a strip.
+    Elements,
+    /// Points, rulings or planes beyond the tolerance.
+    Beyond,
+    /// Elements left out as outliers.
+    Outliers,
+    /// Quadrilaterals.
+    Quadrilaterals,
+    /// Degree along the strip.
+    Degree,
+    /// Control points along the strip.
+    ControlPoints,
+    /// Regular polynomial solutions.
+    Solutions,
+}
+
+/// Shape numbers of control nets (\[FJ07\], spec of nets).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum NetNumber {
+    /// M*.
+    MStar,
+    /// Λ*.
+    LambdaStar,
+    /// m.
+    M,
+    /// κ.
+    Kappa,
+}
+
+/// What a value must keep to, for the status.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Demand {
+    /// Nothing is asked of it.
+    None,
+    /// It must not be larger.
+    AtMost(f64),
+    /// It must not be smaller.
+    AtLeast(f64),
+}
+
+/// A statement about a result: what, of what, how large, how it is known, and what was asked of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Claim {
+    what: What,
+    subject: Subject,
+    value: f64,
+    evidence: Evidence,
+    demand: Demand,
+    reason: String,
+    unknown: bool,
+}
+
+impl Claim {
+    fn new(what: What, subject: Subject, value: f64, evidence: Evidence) -> Self {
+        Self { what, subject, value, evidence, demand: Demand::None, reason: String::new(), unknown: false }
+    }
+
+    /// A proven upper bound.
+    pub fn at_most(what: What, subject: Subject, bound: UpperBound) -> Self {
+        let unknown = bound == UpperBound::UNKNOWN;
+        Self { unknown, ..Self::new(what, subject, bound.value(), Evidence::Proven) }
+    }
+
+    /// A proven lower bound.
+    pub fn at_least(what: What, subject: Subject, bound: LowerBound) -> Self {
+        let unknown = bound == LowerBound::UNKNOWN;
+        Self { unknown, ..Self::new(what, subject, bound.value(), Evidence::Proven) }
+    }
+
+    /// What samples showed.
+    pub fn measured(what: What, subject: Subject, value: f64) -> Self {
+        Self::new(what, subject, value, Evidence::Measured)
+    }
+
+    /// What was asked for or defined.
+    pub fn given(what: What, subject: Subject, value: f64) -> Self {
+        Self::new(what, subject, value, Evidence::Given)
+    }
+
+    /// A number of things.
+    pub fn count(what: Counted, subject: Subject, number: usize) -> Self {
+        Self::new(What::Count(what), subject, number as f64, Evidence::Given)
+    }
+
+    /// Something that stands against the status, in words.
+    pub fn objection(subject: Subject, reason: impl Into<String>) -> Self {
+        Self::new(What::Objection, subject, 1.0, Evidence::Given).within(0.0).because(reason)
+    }
+
+    /// Something that was asked for and is missing from the answer, in words; what was made is as good as it is.
+    pub fn left_out(reason: impl Into<String>) -> Self {
+        Self { what: What::LeftOut, ..Self::objection(Subject::Whole, reason) }
+    }
+
+    /// Asks that the value be no larger than `limit`.
+    pub fn within(mut self, limit: f64) -> Self {
+        self.demand = Demand::AtMost(limit);
+        self
+    }
+
+    /// Asks that the value be no smaller than `limit`.
+    pub fn not_below(mut self, limit: f64) -> Self {
+        self.demand = Demand::AtLeast(limit);
+        self
+    }
+
+    /// Says, in words, what is the matter if the demand is not met.
+    pub fn because(mut self, reason: impl Into<String>) -> Self {
+        self.reason = reason.into();
+        self
+    }
+
+    /// What is claimed.
+    pub fn what(&self) -> What {
+        self.what
+    }
+
+    /// Of what it is claimed.
+    pub fn subject(&self) -> Subject {
+        self.subject
+    }
+
+    /// The value, in the unit that belongs to [`What`]; an infinite upper bound says that nothing is known, an infinite
+    /// lower bound that nothing is near.
+    pub fn value(&self) -> f64 {
+        self.value
+    }
+
+    /// Whether a bound was looked for and nothing could be shown.
+    pub fn is_unknown(&self) -> bool {
+        self.unknown
+    }
+
+    /// How it is known.
+    pub fn evidence(&self) -> Evidence {
+        self.evidence
+    }
+
+    /// What was asked of it.
+    pub fn demand(&self) -> Demand {
+        self.demand
+    }
+
+    /// What is the matter if the demand is not met; may be empty.
+    pub fn reason(&self) -> &str {
+        &self.reason
+    }
+
+    /// Whether what was asked of it is not shown: the value is beyond the limit, is no number, or was only measured.
+    pub fn is_broken(&self) -> bool {
+        let kept = match self.demand {
+            Demand::None => return false,
+            Demand::AtMost(limit) => self.value <= limit,
+            Demand::AtLeast(limit) => self.value >= limit,
+        };
+        !kept || self.evidence == Evidence::Measured
+    }
+}
+
+/// How a job ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Status {
+    /// Everything that was asked for is proven.
+    Certified,
+    /// Finished, but something is not proven or not kept.
+    Uncertified,
+}
+
+impl Status {
+    /// The status that claims give: certified if no demand is broken and at least one is met by proof.
+    pub fn of(claims: &[Claim]) -> Self {
+        let proven = |c: &Claim| c.evidence == Evidence::Proven && c.demand != Demand::None;
+        if claims.iter().any(proven) && !claims.iter().any(Claim::is_broken) {
+            Self::Certified
+        } else {
+            Self::Uncertified
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn within(value: f64, limit: f64) -> Claim {
+        Claim::at_most(What::Deviation, Subject::Whole, UpperBound::shown(value)).within(limit)
+    }
+
+    #[test]
+    fn only_proofs_certify() {
+        assert_eq!(Status::of(&[within(0.9, 1.0)]), Status::Certified);
+        assert_eq!(Status::of(&[]), Status::Uncertified);
+        assert_eq!(Status::of(&[within(1.1, 1.0)]), Status::Uncertified);
+        assert_eq!(Status::of(&[within(f64::NAN, 1.0)]), Status::Uncertified);
+        // Neither a number that was measured nor one that was given is a proof.
+        let measured = Claim::measured(What::Deviation, Subject::Whole, 0.1);
+        assert_eq!(Status::of(std::slice::from_ref(&measured)), Status::Uncertified);
+        assert_eq!(Status::of(&[measured.clone(), within(0.9, 1.0)]), Status::Certified);
+        assert_eq!(Status::of(&[measured.within(1.0), within(0.9, 1.0)]), Status::Uncertified);
+        let given = Claim::given(What::Deviation, Subject::Whole, 0.1).within(1.0);
+        assert_eq!(Status::of(&[given]), Status::Uncertified);
+    }
+
+    #[test]
+    fn one_objection_is_enough() {
+        let claims = [within(0.9, 1.0), Claim::objection(Subject::Panel(3), "it has no pattern")];
+        assert_eq!(Status::of(&claims), Status::Uncertified);
+        assert!(claims[1].is_broken() && claims[1].reason() == "it has no pattern");
+        assert_eq!(
+            Status::of(&[within(0.9, 1.0), Claim::count(Counted::Beyond, Subject::Whole, 0).within(0.0)]),
+            Status::Certified
+        );
+    }
+
+    #[test]
+    fn bounds_are_joined_and_weakened_never_strengthened() {
+        let (a, b) = (UpperBound::shown(0.25), UpperBound::shown(0.5));
+        assert_eq!(a.max(b).value(), 0.5);
+        assert!(a.plus(b).value() >= 0.75 && a.plus(UpperBound::UNKNOWN).value().is_infinite());
+        assert_eq!(UpperBound::shown(-1.0), UpperBound::UNKNOWN);
+        assert_eq!(UpperBound::shown(f64::NAN), UpperBound::UNKNOWN);
+        assert_eq!(UpperBound::largest([a, b]), b);
+        assert_eq!(UpperBound::largest([]), UpperBound::UNKNOWN);
+        assert!(UpperBound::shown(std::f64::consts::PI).degrees().value() >= 180.0);
+        let (a, b) = (LowerBound::shown(2.0), LowerBound::shown(3.0));
+        assert_eq!(a.min(b).value(), 2.0);
+        assert_eq!(a.min(LowerBound::UNKNOWN).value(), 0.0);
+        assert_eq!(LowerBound::smallest([]), LowerBound::UNKNOWN);
+        assert_eq!(LowerBound::shown(f64::NAN), LowerBound::UNKNOWN);
+    }
+}

@@ -1,0 +1,129 @@
+//! What a certificate is about, as a number: all that was judged, bit by bit \[certificate, 6\].
+//!
+//! A patchwork that differs in any control point, weight, knot, trimming curve, edge, triangle or label has another
+//! fingerprint (but for a chance of 2⁻⁶⁴), so that a certificate cannot pass for one about something else. Where a
+//! patchwork stands among others (the numbers of its faces and seams) does not count. Not a defence against somebody who
+//! looks for collisions: the hash is not cryptographic.
+
+use crate::patchwork::panel::{Border, Panel, Patchwork, Run};
+use crate::patchwork::partition::Partition;
+use crate::spline::curve::Curve;
+use crate::spline::knots::Knots;
+use crate::torse::form::Torse;
+use std::collections::hash_map::DefaultHasher;
+use std::hash::{Hash, Hasher};
+
+/// A patchwork that was judged, or its place among others.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Fingerprint {
+    value: u64,
+    /// Numbers of faces, panels and seams.
+    counts: [usize; 3],
+}
+
+impl Fingerprint {
+    /// Of a whole patchwork.
+    pub fn of(patchwork: &Patchwork) -> Self {
+        let counts = [patchwork.faces.len(), patchwork.panels.len(), patchwork.seam_count];
+        Self { value: value(patchwork, [0; 3], counts), counts }
+    }
+
+    /// Whether patchworks with these fingerprints, one after the other, are this patchwork.
+    pub fn make_up(parts: &[Self], patchwork: &Patchwork) -> bool {
+        let mut first = [0; 3];
+        let whole = [patchwork.faces.len(), patchwork.panels.len(), patchwork.seam_count];
+        for part in parts {
+            let next = [0, 1, 2].map(|k: usize| first[k] + part.counts[k]);
+            if (0..3).any(|k| next[k] > whole[k]) || value(patchwork, first, part.counts) != part.value {
+                return false;
+            }
+            first = next;
+        }
+        first == whole && patchwork.partitions.len() == patchwork.faces.len()
+    }
+}
+
+fn value(patchwork: &Patchwork, first: [usize; 3], counts: [usize; 3]) -> u64 {
+    let mut h = DefaultHasher::new();
+    counts.hash(&mut h);
+    for face in patchwork.faces.iter().skip(first[0]).take(counts[0]) {
+        knots(&face.surface.knots_u, &mut h);
+        knots(&face.surface.knots_v, &mut h);
+        points(&face.surface.control, &mut h);
+        face.loops.len().hash(&mut h);
+        for l in &face.loops {
+            points(&l.points, &mut h);
+        }
+        number(face.joint_bound, &mut h);
+    }
+    for p in patchwork.partitions.iter().skip(first[0]).take(counts[0]) {
+        partition(p, &mut h);
+    }
+    for p in patchwork.panels.iter().skip(first[1]).take(counts[1]) {
+        panel(p, first, &mut h);
+    }
+    h.finish()
+}
+
+fn partition(p: &Partition, h: &mut DefaultHasher) {
+    points(&p.vertices, h);
+    p.triangles.hash(h);
+    p.labels.hash(h);
+}
+
+fn panel(p: &Panel, first: [usize; 3], h: &mut DefaultHasher) {
+    p.face.wrapping_sub(first[0]).hash(h);
+    p.label.hash(h);
+    match &p.torse {
+        Torse::Primal(t) => {
+            0u8.hash(h);
+            for v in [t.frame.origin, t.frame.x, t.frame.y, t.frame.z] {
+                v.iter().for_each(|x| number(*x, h));
+            }
+            curve(t.profile(), h);
+            number(t.beta(), h);
+        }
+        Torse::Dual(t) => {
+            1u8.hash(h);
+            curve(&t.planes, h);
+        }
+    }
+    knots(&p.patch.knots_u, h);
+    knots(&p.patch.knots_v, h);
+    points(&p.patch.control, h);
+    for l in &p.loops {
+        l.len().hash(h);
+        l.iter().for_each(|r| run(r, first[2], h));
+    }
+}
+
+fn run(r: &Run, first_seam: usize, h: &mut DefaultHasher) {
+    match r.border {
+        Border::Seam { seam, forward } => (0u8, (seam as usize).wrapping_sub(first_seam), forward).hash(h),
+        Border::Trim { edge } => (1u8, edge).hash(h),
+    }
+    r.vertices.hash(h);
+    r.parameters.iter().for_each(|x| number(*x, h));
+    curve(&r.trim, h);
+    curve(&r.edge, h);
+}
+
+fn curve<const D: usize>(c: &Curve<D>, h: &mut DefaultHasher) {
+    knots(&c.knots, h);
+    points(&c.control, h);
+}
+
+fn knots(k: &Knots, h: &mut DefaultHasher) {
+    k.degree().hash(h);
+    k.values().len().hash(h);
+    k.values().iter().for_each(|x| number(*x, h));
+}
+
+fn points<const D: usize>(p: &[[f64; D]], h: &mut DefaultHasher) {
+    p.len().hash(h);
+    p.iter().flatten().for_each(|x| number(*x, h));
+}
+
+fn number(x: f64, h: &mut DefaultHasher) {
+    x.to_bits().hash(h);
+}

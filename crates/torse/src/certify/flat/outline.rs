@@ -1,0 +1,381 @@
+//! Lines and arcs of a drawn outline against the flat image of the border.
+//!
+//! *Method* \[certificate, 6\]: an arc from P to Q of curvature k, in the frame of its tangent at P, has the signed
+//! distance `w/(1 + √(1 + k w))`, `w = k |X − P|² − 2 y`, from its circle (also for k = 0). A stretch of the image that
+//! begins near P and ends near Q, and never lies before P or behind Q, covers the whole arc with its projections; so the
+//! distance from the circle over the stretch, and of its ends from P and Q, bound the distance of stretch and arc both
+//! ways. Where a point may lie before P by o, it is within `c (1 + k c)`, `c = o + |distance| (1 + k |distance|)`, of P
+//! as long as `k |X − P| ≤ 1`.
+//!
+//! Where the stretches begin is found by searching; any places are good for the proof, these make the bound small.
+
+use super::super::boundary::trim_piece;
+use super::super::seams::greatest;
+use super::rails::FlatRails;
+use crate::num::bernstein::Scalar;
+use crate::num::interval::Interval;
+use crate::num::jet::Jet;
+use crate::patchwork::pattern::ContourVertex;
+use crate::spline::curve::Curve;
+
+/// Enclosures end within this share of the tolerance of the greatest distance.
+const EXCESS: f64 = 5e-4;
+
+/// Arcs of greater bulge are taken in halves: tangents at both ends of what remains turn by much less than half a turn.
+const STEEP: f64 = 0.5;
+
+/// Rounding of the middle of an arc that is halved, as a share of its coordinates.
+const MIDDLE: f64 = 32.0 * f64::EPSILON;
+
+/// Halvings of an arc at most: a full circle has no bulge.
+const SPLITS: usize = 8;
+
+/// Newton steps towards the place nearest to a joint.
+const STEPS: usize = 4;
+
+/// A rigid motion of the plane: turn, then move. The turn need not be of unit length: its direction counts.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::certify) struct Motion {
+    pub turn: [f64; 2],
+    pub from: [f64; 2],
+    pub to: [f64; 2],
+}
+
+impl Motion {
+    /// The motion that takes the first points to the second ones, nearly (least squares; Kabsch in the plane).
+    pub fn between(pairs: &[([f64; 2], [f64; 2])]) -> Option<Self> {
+        let n = pairs.len() as f64;
+        let sum = pairs
+            .iter()
+            .fold([[0.0; 2]; 2], |s, (p, q)| [[s[0][0] + p[0], s[0][1] + p[1]], [s[1][0] + q[0], s[1][1] + q[1]]]);
+        let [from, to] = sum.map(|s| s.map(|x: f64| x / n));
+        let mut turn = [0.0; 2];
+        for (p, q) in pairs {
+            let (p, q) = ([p[0] - from[0], p[1] - from[1]], [q[0] - to[0], q[1] - to[1]]);
+            turn[0] += p[0] * q[0] + p[1] * q[1];
+            turn[1] += p[0] * q[1] - p[1] * q[0];
+        }
+        let size = turn[0].hypot(turn[1]);
+        let motion = Self { turn: [turn[0] / size, turn[1] / size], from, to };
+        (size > 0.0 && size.is_finite()).then_some(motion)
+    }
+
+    /// Cosine and sine, exactly those of some turn.
+    fn rotation(&self) -> [Interval; 2] {
+        let [c, s] = self.turn.map(Interval::point);
+        let size = (c.sqr() + s.sqr()).sqrt();
+        [c / size, s / size]
+    }
+
+    /// Image of a point.
+    pub fn point(&self, p: &[Interval; 2]) -> [Interval; 2] {
+        let [c, s] = self.rotation();
+        let p = [0, 1].map(|d: usize| p[d] - Interval::point(self.from[d]));
+        [c * p[0] - s * p[1] + Interval::point(self.to[0]), s * p[0] + c * p[1] + Interval::point(self.to[1])]
+    }
+
+    /// Image of a moving point.
+    fn jet(&self, p: &[Jet; 2]) -> [Jet; 2] {
+        let [c, s] = self.rotation().map(Jet::constant);
+        let p = [0, 1].map(|d: usize| p[d] - Jet::from(self.from[d]));
+        [c * p[0] - s * p[1] + Jet::from(self.to[0]), s * p[0] + c * p[1] + Jet::from(self.to[1])]
+    }
+}
+
+/// The image of a run of a panel's border in the drawing's coordinates.
+#[derive(Clone, Copy)]
+pub(super) struct Image<'a> {
+    pub flat: &'a FlatRails,
+    pub trim: &'a Curve<2>,
+    pub motion: Motion,
+}
+
+/// A stretch of an image: with derivatives by the share of the stretch, and its ends.
+struct Stretch {
+    curve: [Jet; 2],
+    ends: [[Interval; 2]; 2],
+    /// See [`Jet::chord_deviation`].
+    rough: f64,
+}
+
+impl Image<'_> {
+    /// The image at one place, with derivatives by the parameter.
+    fn at(&self, s: f64) -> Option<[Jet; 2]> {
+        let j = self.trim.jet(s);
+        let jet =
+            |d: usize| Jet { v: Interval::point(j[0][d]), d: Interval::point(j[1][d]), dd: Interval::point(j[2][d]) };
+        Some(self.motion.jet(&self.flat.along(jet(0), jet(1))?.0))
+    }
+
+    /// About where the image is.
+    pub fn place(&self, s: f64) -> Option<[f64; 2]> {
+        let q = self.trim.point(s);
+        let p = self.flat.place(q[0], q[1])?;
+        let ([c, s], p) = (self.motion.turn, [0, 1].map(|d: usize| p[d] - self.motion.from[d]));
+        Some([c * p[0] - s * p[1] + self.motion.to[0], s * p[0] + c * p[1] + self.motion.to[1]])
+    }
+
+    /// Where the image exactly is at an end of the run, or at a place within.
+    pub fn point(&self, s: f64) -> Option<[Interval; 2]> {
+        // Bernstein coefficients over a tiny stretch that begins or ends there enclose the curve's own value.
+        let breaks = self.trim.knots.breaks();
+        let i = breaks.partition_point(|&b| b <= s).clamp(1, breaks.len() - 1);
+        let theta = trim_piece(self.trim, s, breaks[i]);
+        let last = theta[0].len() - 1;
+        let k = if s >= breaks[i] { last } else { 0 };
+        let p = self.flat.along(Jet::constant(theta[0][k]), Jet::constant(theta[1][k]))?.0;
+        Some(self.motion.point(&[p[0].v, p[1].v]))
+    }
+
+    fn over(&self, s0: f64, s1: f64) -> Option<Stretch> {
+        let theta = trim_piece(self.trim, s0, s1);
+        let (curve, rough) = self.flat.along(Jet::of_bernstein(&theta[0]), Jet::of_bernstein(&theta[1]))?;
+        let last = theta[0].len() - 1;
+        let end = |k: usize| {
+            let p = self.flat.along(Jet::constant(theta[0][k]), Jet::constant(theta[1][k]))?.0;
+            Some(self.motion.point(&[p[0].v, p[1].v]))
+        };
+        Some(Stretch { curve: self.motion.jet(&curve), ends: [end(0)?, end(last)?], rough })
+    }
+
+    /// The place nearest to a point, from a place near it; inside `[low, 1]`.
+    pub fn nearest(&self, to: &[f64; 2], from: f64, low: f64) -> f64 {
+        let mut s = from.clamp(low, 1.0);
+        for _ in 0..STEPS {
+            let Some(p) = self.at(s) else { return s };
+            let w = [p[0].v.mid() - to[0], p[1].v.mid() - to[1]];
+            let (v, a) = ([p[0].d.mid(), p[1].d.mid()], [p[0].dd.mid(), p[1].dd.mid()]);
+            let slope = w[0] * v[0] + w[1] * v[1];
+            let speed = v[0] * v[0] + v[1] * v[1];
+            let bend = speed + w[0] * a[0] + w[1] * a[1];
+            // Where the second derivative misleads, the first alone does.
+            let step = slope / if bend > 0.25 * speed { bend } else { speed };
+            if !step.is_finite() {
+                return s;
+            }
+            s = (s - step).clamp(low, 1.0);
+        }
+        s
+    }
+}
+
+/// Bound (mm) of the distance, both ways, between the image of a run and the lines and arcs of a chain. `vertices`
+/// begins with the chain's first joint and ends with its last one, whose bulge does not count.
+pub(super) fn chain_bound(image: &Image, vertices: &[ContourVertex], tolerance: f64) -> Option<f64> {
+    let (mut pieces, slack) = halved(vertices)?;
+    let last = pieces.pop()?;
+    let places = joints(image, &pieces, &last)?;
+    let mut bound = 0.0f64;
+    for (k, piece) in pieces.iter().enumerate() {
+        let next = pieces.get(k + 1).unwrap_or(&last);
+        let (s0, s1) = (places[k], places[k + 1]);
+        let arc = ArcFrame::new(piece.point, next.point, piece.bulge)?;
+        for (s, p) in [(s0, piece), (s1, next)] {
+            let here = image.point(s)?;
+            bound = bound.max(distance(&here, &p.point).hi);
+        }
+        // What is far away at its joints is not worth a closer look.
+        if bound > tolerance {
+            return None;
+        }
+        if s0 >= s1 {
+            // An arc that the image does not follow at all: its points are within its length of the joint.
+            bound = bound.max((distance(&image.point(s0)?, &piece.point) + arc.reach()).hi);
+            continue;
+        }
+        let mut cuts = vec![s0, s1];
+        cuts.extend(image.trim.knots.breaks().into_iter().filter(|&t| t > s0 && t < s1));
+        let off = greatest(cuts, EXCESS * tolerance, |a, b| arc.off(&image.over(a, b)?))?;
+        bound = bound.max(off);
+    }
+    let bound = (Interval::point(bound) + Interval::point(slack)).hi;
+    bound.is_finite().then_some(bound)
+}
+
+fn distance(p: &[Interval; 2], q: &[f64; 2]) -> Interval {
+    let w = [0, 1].map(|d: usize| p[d] - Interval::point(q[d]));
+    (w[0].sqr() + w[1].sqr()).sqrt()
+}
+
+/// A joint as numbers.
+#[derive(Clone, Copy)]
+struct Joint {
+    point: [f64; 2],
+    bulge: f64,
+}
+
+/// The chain with steep arcs in halves, and how far that moved any point.
+fn halved(vertices: &[ContourVertex]) -> Option<(Vec<Joint>, f64)> {
+    let mut out = Vec::with_capacity(vertices.len());
+    let mut slack = 0.0f64;
+    for w in vertices.windows(2) {
+        let joint = |v: &ContourVertex| Joint { point: [v.point.x, v.point.y], bulge: v.bulge };
+        let mut open = vec![(joint(&w[0]), joint(&w[1]).point, 0)];
+        while let Some((a, b, depth)) = open.pop() {
+            if a.bulge.abs() <= STEEP || a.bulge.is_nan() {
+                out.push(a);
+                continue;
+            }
+            if depth == SPLITS {
+                return None;
+            }
+            let v = a.bulge;
+            let half = v / (1.0 + v.hypot(1.0));
+            // A counter-clockwise arc lies on the right of its chord.
+            let middle = [
+                0.5 * (a.point[0] + b[0] + v * (b[1] - a.point[1])),
+                0.5 * (a.point[1] + b[1] - v * (b[0] - a.point[0])),
+            ];
+            let size = a.point.iter().chain(&b).chain(&middle).fold(0.0f64, |m, x| m.max(x.abs()));
+            slack = slack.max(size * MIDDLE * (depth + 1) as f64);
+            open.push((Joint { point: middle, bulge: half }, b, depth + 1));
+            open.push((Joint { bulge: half, ..a }, middle, depth + 1));
+        }
+    }
+    let last = vertices.last()?;
+    out.push(Joint { point: [last.point.x, last.point.y], bulge: 0.0 });
+    let finite = out.iter().all(|j| j.point[0].is_finite() && j.point[1].is_finite() && j.bulge.is_finite());
+    finite.then_some((out, slack))
+}
+
+/// Places on the run of all joints, increasing from 0 to 1: about equal shares of the length first, then the nearest.
+fn joints(image: &Image, pieces: &[Joint], last: &Joint) -> Option<Vec<f64>> {
+    let mut out = by_length(image, pieces, last)?;
+    for k in 1..pieces.len() {
+        out[k] = image.nearest(&pieces[k].point, out[k], out[k - 1]);
+    }
+    Some(out)
+}
+
+/// Joints of a chain with the places of an image at the same shares of the length: pairs for [`Motion::between`].
+pub(super) fn pairs_by_length(image: &Image, vertices: &[ContourVertex]) -> Option<Vec<([f64; 2], [f64; 2])>> {
+    let (mut pieces, _) = halved(vertices)?;
+    let last = pieces.pop()?;
+    let places = by_length(image, &pieces, &last)?;
+    pieces.iter().zip(places).map(|(p, s)| Some((image.place(s)?, p.point))).collect()
+}
+
+/// Places on the run at the joints' shares of the whole length, from 0 to 1.
+fn by_length(image: &Image, pieces: &[Joint], last: &Joint) -> Option<Vec<f64>> {
+    let walked = walk(image)?;
+    let total = walked[walked.len() - 1].1;
+    let mut own = vec![0.0];
+    for (k, piece) in pieces.iter().enumerate() {
+        let next = pieces.get(k + 1).unwrap_or(last).point;
+        let chord = (next[0] - piece.point[0]).hypot(next[1] - piece.point[1]);
+        let half = 2.0 * piece.bulge.atan();
+        let length = if half.abs() > f64::EPSILON { chord * half / half.sin() } else { chord };
+        own.push(own[k] + length);
+    }
+    let whole = own[own.len() - 1];
+    let mut out = vec![0.0];
+    for k in 1..pieces.len() {
+        let at = own[k] / whole * total;
+        let i = walked.partition_point(|w| w.1 <= at).clamp(1, walked.len() - 1);
+        let ((s0, l0), (s1, l1)) = (walked[i - 1], walked[i]);
+        out.push(if l1 > l0 { s0 + (s1 - s0) * (at - l0) / (l1 - l0) } else { s0 });
+    }
+    out.push(1.0);
+    Some(out)
+}
+
+/// Places along an image with the length up to there, by chords.
+fn walk(image: &Image) -> Option<Vec<(f64, f64)>> {
+    const SAMPLES: usize = 6;
+    let breaks = image.trim.knots.breaks();
+    let mut walked = vec![(0.0, 0.0)];
+    let mut before = image.place(breaks[0])?;
+    for w in breaks.windows(2) {
+        for k in 1..=SAMPLES {
+            let s = w[0] + (w[1] - w[0]) * k as f64 / SAMPLES as f64;
+            let p = image.place(s)?;
+            let length = walked[walked.len() - 1].1 + (p[0] - before[0]).hypot(p[1] - before[1]);
+            walked.push((s, length));
+            before = p;
+        }
+    }
+    Some(walked)
+}
+
+/// A line or arc: its ends, tangents there and curvature.
+struct ArcFrame {
+    ends: [[Interval; 2]; 2],
+    tangents: [[Interval; 2]; 2],
+    curvature: Interval,
+    length: Interval,
+}
+
+impl ArcFrame {
+    fn new(a: [f64; 2], b: [f64; 2], bulge: f64) -> Option<Self> {
+        let ends = [a, b].map(|p| p.map(Interval::point));
+        let chord = [0, 1].map(|d: usize| ends[1][d] - ends[0][d]);
+        let length = (chord[0].sqr() + chord[1].sqr()).sqrt();
+        if length.sign() <= 0 {
+            return None;
+        }
+        // tan of a quarter of the sweep; the tangents are half the sweep off the chord.
+        let v = Interval::point(bulge);
+        let one = Interval::ONE + v.sqr();
+        let (c, s) = ((Interval::ONE - v.sqr()) / one, v.scale_exact(2.0) / one);
+        let [x, y] = chord.map(|p| p / length);
+        let tangents = [[c * x + s * y, c * y - s * x], [c * x - s * y, c * y + s * x]];
+        Some(Self { ends, tangents, curvature: v.scale_exact(4.0) / (length * one), length })
+    }
+
+    /// No point of the arc is farther from its first end than twice the chord: arcs turn by less than half a circle.
+    fn reach(&self) -> Interval {
+        self.length.scale_exact(2.0)
+    }
+
+    /// Bound of the distance of a stretch's points from the arc, and at the ends of the stretch.
+    fn off(&self, stretch: &Stretch) -> Option<(f64, f64)> {
+        let k = self.curvature;
+        let constant = |p: &[Interval; 2]| p.map(Jet::constant);
+        let signed = |p: &[Jet; 2]| -> Jet {
+            let w = [0, 1].map(|d: usize| p[d] - Jet::constant(self.ends[0][d]));
+            let t = self.tangents[0].map(Jet::constant);
+            let y = t[0] * w[1] - t[1] * w[0];
+            let power = Jet::constant(k) * (square(w[0]) + square(w[1])) - y * Jet::from(2.0);
+            power.over(Jet::from(1.0) + (Jet::from(1.0) + Jet::constant(k) * power).sqrt())
+        };
+        let ends = [0, 1].map(|i: usize| signed(&constant(&stretch.ends[i])).v);
+        let all = signed(&stretch.curve);
+        let off = ends[0].hull(ends[1]).widen(all.chord_deviation(stretch.rough)).mag();
+        let mut bound = off;
+        for (end, forward) in [(0, true), (1, false)] {
+            let along = |p: &[Jet; 2]| -> Jet {
+                let w = [0, 1].map(|d: usize| p[d] - Jet::constant(self.ends[end][d]));
+                let t = self.tangents[end].map(|t| Jet::constant(if forward { t } else { -t }));
+                w[0] * t[0] + w[1] * t[1]
+            };
+            let (first, last) = (along(&constant(&stretch.ends[0])).v, along(&constant(&stretch.ends[1])).v);
+            let jet = along(&stretch.curve);
+            let least = if jet.d.sign() != 0 {
+                first.lo.min(last.lo)
+            } else {
+                first.hull(last).widen(jet.chord_deviation(stretch.rough)).lo
+            };
+            if least >= 0.0 {
+                continue;
+            }
+            let w = [0, 1].map(|d: usize| stretch.curve[d].v - self.ends[end][d]);
+            let far = (w[0].sqr() + w[1].sqr()).sqrt();
+            if (far * k.abs()).hi > 1.0 {
+                return None;
+            }
+            let k = k.abs();
+            let off = Interval::point(off);
+            let c = Interval::point(-least) + off * (Interval::ONE + k * off);
+            bound = bound.max((c * (Interval::ONE + k * c)).hi);
+            if (k * c).hi > 0.25 {
+                return None;
+            }
+        }
+        (bound.is_finite()).then_some((bound, ends[0].mag().max(ends[1].mag())))
+    }
+}
+
+/// Square of a jet, its value taken tightly.
+fn square(x: Jet) -> Jet {
+    Jet { v: x.v.sqr(), ..x * x }
+}

@@ -1,0 +1,449 @@
+//! The proof of a whole patchwork: coverage, panels, seams \[certificate, 1 and 5\].
+
+use super::certificate::{Certificate, CertificateParts, PanelCertificate, PanelParts};
+use super::certificate::{SeamCertificate, SeamParts, SeamStatus};
+use super::coverage;
+use super::fingerprint::Fingerprint;
+use super::local::way;
+use super::panel::{panel_certificate, Ground};
+use super::prepared::Prepared;
+use super::ruled::RuledJets;
+use super::seams::{self, Shore};
+use crate::control::Control;
+use crate::geom::BBox;
+use crate::patchwork::panel::{Border, Patchwork, Run};
+use crate::patchwork::seam::Seam;
+use rayon::prelude::*;
+
+/// Tolerances below this share of the model's size cannot be certified in double precision: rounding of the control
+/// points alone comes near.
+pub const SMALLEST_RELATIVE_TOLERANCE: f64 = 1e-10;
+
+/// Parameters of a vertex on both sides of a seam must add up to 1 within this.
+const MIRROR: f64 = 1e-9;
+
+/// Proves all that is claimed about a patchwork: two-sided deviation, developability, regularity, coverage, seam gaps.
+///
+/// *Input*: lengths in mm; the tolerance is the deviation allowed between the trimmed faces and the exported panels.
+///
+/// *Guarantee*: with `certified`, every point of every trimmed face (its polygons are the definition of the trim) is
+/// within `deviation_bound ≤ tolerance` of the exported panels and conversely; every panel is regular, and developable
+/// up to the angle stated. *Not* guaranteed: the conversion of the file's own representation (see `Face`), watertight
+/// seams (their gap is bounded instead). The edges in space that accompany the trimming curves are part of the bound.
+///
+/// *Cost*: some 10 µs per triangle and 20 µs per side of a boundary; all in parallel.
+pub fn patchwork(patchwork: &Patchwork, tolerance: f64, control: &Control) -> Certificate {
+    let panels = vec![PanelCertificate(PanelParts::blank()); patchwork.panels.len()];
+    let mut out = CertificateParts { panels, ..CertificateParts::nothing(tolerance) };
+    let of = vec![Fingerprint::of(patchwork)];
+    let size = patchwork.faces.iter().fold(BBox::empty(), |mut b, f| {
+        let c = f.surface.bbox();
+        b.include(&c.min);
+        b.include(&c.max);
+        b
+    });
+    let least = SMALLEST_RELATIVE_TOLERANCE * size.diagonal();
+    if !(tolerance >= least && tolerance.is_finite()) {
+        out.missing.push(format!(
+            "everything: a tolerance of {tolerance:e} mm cannot be certified in double precision at this size; \
+             at least {least:.1e} mm is needed"
+        ));
+        return Certificate { parts: out, of };
+    }
+    for (i, face) in patchwork.faces.iter().enumerate() {
+        if !(face.joint_bound >= 0.0 && face.joint_bound.is_finite()) {
+            out.missing.push(format!("face {i}: joining moved it by {} mm, which is no bound", face.joint_bound));
+        }
+        if !(face.trim_bound >= 0.0 && face.trim_bound.is_finite()) {
+            out.missing
+                .push(format!("face {i}: its trim is {} mm from the file's edges, which is no bound", face.trim_bound));
+        }
+    }
+    let sides = coverage_of(patchwork, &mut out);
+    let jets = panels_of(patchwork, &sides, control, &mut out);
+    match seam_gaps(patchwork, &jets, tolerance) {
+        Ok(gaps) => {
+            out.seam_gap_bound = gaps.iter().copied().fold(0.0, f64::max);
+            let record = |s: &Seam| {
+                let gap_bound = gaps.get(s.seam as usize).copied().unwrap_or(f64::INFINITY);
+                SeamCertificate(SeamParts {
+                    panels: s.sides.map(|s| s.panel),
+                    gap_bound,
+                    status: SeamStatus::of(s.is_shared(), gap_bound, tolerance),
+                    length_estimate: s.length(),
+                    kink_range_estimate: s.kink_range_estimate(),
+                })
+            };
+            out.seams = patchwork.seams().iter().map(record).collect();
+        }
+        Err(reason) => out.missing.push(format!("seams: {reason}")),
+    }
+    out.certified = out.covered && out.missing.is_empty() && out.deviation_bound <= tolerance;
+    Certificate { parts: out, of }
+}
+
+/// Coverage, by counting. For every face how far, in each parameter, the partition's vertices lie off the trimming
+/// polygons' sides.
+fn coverage_of(patchwork: &Patchwork, out: &mut CertificateParts) -> Vec<[f64; 2]> {
+    let mut sides = vec![[0.0; 2]; patchwork.faces.len()];
+    out.covered = true;
+    if patchwork.partitions.len() == patchwork.faces.len() {
+        let found: Vec<_> = patchwork
+            .faces
+            .par_iter()
+            .zip(&patchwork.partitions)
+            .map(|(face, partition)| coverage::partition_covers(face, partition))
+            .collect();
+        for (i, found) in found.into_iter().enumerate() {
+            match found {
+                Ok(off) => sides[i] = off,
+                Err(reason) => {
+                    out.covered = false;
+                    out.missing.push(format!("coverage of face {i}: {reason}"));
+                }
+            }
+        }
+    } else {
+        out.covered = false;
+        out.missing.push("coverage: faces and partitions differ in number".into());
+    }
+    if let Err(reason) = coverage::labels_have_panels(&patchwork.partitions, &patchwork.panels) {
+        out.covered = false;
+        out.missing.push(format!("coverage: {reason}"));
+    }
+    sides
+}
+
+/// The proofs of all panels; result: their patches, ready for the seams.
+fn panels_of(
+    patchwork: &Patchwork,
+    sides: &[[f64; 2]],
+    control: &Control,
+    out: &mut CertificateParts,
+) -> Vec<Option<RuledJets>> {
+    let grounds: Vec<(Prepared, f64)> = patchwork
+        .faces
+        .par_iter()
+        .zip(sides)
+        .map(|(f, off)| {
+            let prepared = Prepared::new(&f.surface);
+            let moved = way(&prepared, *off) + f.joint_bound + f.trim_bound;
+            // Rounded up, and no bound at all if one of both is none.
+            (prepared, if moved >= f.joint_bound { moved.next_up().next_up() } else { f64::INFINITY })
+        })
+        .collect();
+    let done = std::sync::atomic::AtomicUsize::new(0);
+    let total = patchwork.panels.len();
+    let tolerance = out.tolerance;
+    let found: Vec<(PanelParts, Option<RuledJets>)> = patchwork
+        .panels
+        .par_iter()
+        .map(|panel| {
+            let result = match (patchwork.partitions.get(panel.face), grounds.get(panel.face)) {
+                (Some(partition), Some((prepared, moved))) => {
+                    let ground = Ground { partition, prepared, moved: *moved };
+                    panel_certificate(panel, &ground, tolerance, control)
+                }
+                _ => (PanelParts::blank(), None),
+            };
+            let n = done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1;
+            control.report("certify", n as f64 / total as f64, panel.name.clone());
+            result
+        })
+        .collect();
+    let (panels, jets): (Vec<_>, Vec<_>) = found.into_iter().unzip();
+    out.panels = panels.into_iter().map(PanelCertificate).collect();
+    out.deviation_bound = out.panels.iter().fold(0.0, |m, p| p.deviation_bound.max(m));
+    let failing: Vec<usize> = (0..total).filter(|&i| !out.panels[i].certified).collect();
+    for &i in failing.iter().take(3) {
+        out.missing.push(format!("panel {}: {}", patchwork.panels[i].name, out.panels[i].reason));
+    }
+    if failing.len() > 3 {
+        out.missing.push(format!("{} more panels", failing.len() - 3));
+    }
+    jets
+}
+
+/// The certificate of a patchwork whose parts, one after the other, were proven one by one (the faces of a model).
+///
+/// *Guarantee*: it is certified only if the parts are those of the patchwork, bit by bit, all of them and nothing else,
+/// and each was certified within the tolerance; bounds are the largest of the parts'.
+pub fn join(whole: &Patchwork, parts: Vec<Certificate>, tolerance: f64) -> Certificate {
+    let mut out = CertificateParts {
+        certified: !parts.is_empty(),
+        deviation_bound: 0.0,
+        seam_gap_bound: 0.0,
+        covered: true,
+        ..CertificateParts::nothing(tolerance)
+    };
+    let of: Vec<Fingerprint> = parts.iter().flat_map(|p| p.of.iter().copied()).collect();
+    for Certificate { parts: p, .. } in parts {
+        out.certified &= p.certified && p.deviation_bound <= tolerance;
+        out.deviation_bound = out.deviation_bound.max(p.deviation_bound);
+        out.seam_gap_bound = out.seam_gap_bound.max(p.seam_gap_bound);
+        out.covered &= p.covered;
+        let first = out.panels.len();
+        let moved = |s: SeamCertificate| SeamCertificate(SeamParts { panels: s.panels.map(|k| k + first), ..s.0 });
+        out.seams.extend(p.seams.into_iter().map(moved));
+        out.panels.extend(p.panels);
+        out.missing.extend(p.missing);
+    }
+    if !Fingerprint::make_up(&of, whole) {
+        (out.certified, out.covered) = (false, false);
+        out.missing.push("the patchwork is not what was proven".into());
+    }
+    if !out.certified && out.missing.is_empty() {
+        out.missing.push("a part was proven for a larger tolerance only".into());
+    }
+    Certificate { parts: out, of }
+}
+
+impl Certificate {
+    /// Whether this is about the very patchwork, bit by bit.
+    pub fn is_of(&self, patchwork: &Patchwork) -> bool {
+        Fingerprint::make_up(&self.of, patchwork)
+    }
+}
+
+/// Bounds of the gaps of all seams.
+fn seam_gaps(patchwork: &Patchwork, jets: &[Option<RuledJets>], tolerance: f64) -> Result<Vec<f64>, String> {
+    let mut sides: Vec<Vec<(usize, bool, &Run)>> = vec![Vec::new(); patchwork.seam_count];
+    for (i, panel) in patchwork.panels.iter().enumerate() {
+        for run in panel.loops.iter().flatten() {
+            if let Border::Seam { seam, forward } = run.border {
+                let slot = sides.get_mut(seam as usize).ok_or_else(|| format!("seam {seam} is not counted"))?;
+                slot.push((i, forward, run));
+            }
+        }
+    }
+    sides
+        .par_iter()
+        .enumerate()
+        .map(|(seam, sides)| {
+            let [(i, f, a), (j, g, b)] = sides.as_slice() else {
+                return Err(format!("seam {seam} has {} sides", sides.len()));
+            };
+            let mirrored = f != g
+                && a.vertices.iter().eq(b.vertices.iter().rev())
+                && a.parameters.iter().zip(b.parameters.iter().rev()).all(|(s, r)| (s + r - 1.0).abs() <= MIRROR);
+            if !mirrored {
+                return Err(format!("the two sides of seam {seam} do not mirror each other"));
+            }
+            if patchwork.panels[*i].face != patchwork.panels[*j].face {
+                return Err(format!("seam {seam} lies between different faces"));
+            }
+            let (Some(Some(p)), Some(Some(q))) = (jets.get(*i), jets.get(*j)) else {
+                return Err(format!("seam {seam} has a side without a patch"));
+            };
+            seams::gap_bound(Shore { jets: p, run: a }, Shore { jets: q, run: b }, tolerance)
+                .ok_or_else(|| format!("seam {seam} leaves a patch"))
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::certify::specimens::{self, two_panels};
+
+    fn prove(p: &Patchwork, tolerance: f64) -> Certificate {
+        patchwork(p, tolerance, &Control::default())
+    }
+
+    #[test]
+    fn a_good_patchwork_is_certified_and_samples_stay_below() {
+        let p = two_panels(1e-3, 4);
+        let c = prove(&p, 1.05e-3);
+        assert!(c.certified && c.missing.is_empty(), "{c:?}");
+        assert!(c.deviation_bound <= 1.05e-3 && c.covered);
+        assert!(c.seam_gap_bound < 2e-5, "{}", c.seam_gap_bound);
+        for panel in &c.panels {
+            assert!(panel.rounding_bound < 1e-10 && panel.developability_bound < 1e-8);
+            assert!(panel.boundary_bound < 3e-5, "{}", panel.boundary_bound);
+            assert!(panel.min_bend_radius > 0.3 && panel.regression_clearance > 1.0, "{panel:?}");
+        }
+    }
+
+    #[test]
+    fn points_of_the_exported_panels_are_near_the_face() {
+        // The other direction: points of the patch inside the trimming curves against the surface, by Newton steps.
+        let p = two_panels(1e-3, 4);
+        let c = prove(&p, 1.05e-3);
+        let surface = &p.faces[0].surface;
+        let mut tried = 0;
+        for (panel, proof) in p.panels.iter().zip(&c.panels) {
+            let outline: Vec<[f64; 2]> = panel.loops[0]
+                .iter()
+                .flat_map(|r| (0..200).map(|i| r.trim.point(i as f64 / 200.0)).collect::<Vec<_>>())
+                .collect();
+            for i in 0..40 {
+                for j in 0..40 {
+                    let (t, r) = (-0.1 + 1.6 * (i as f64 + 0.37) / 40.0, (j as f64 + 0.41) / 40.0);
+                    let crossings = (0..outline.len())
+                        .filter(|&k| {
+                            let (a, b) = (outline[k], outline[(k + 1) % outline.len()]);
+                            (a[1] > r) != (b[1] > r) && t < a[0] + (r - a[1]) / (b[1] - a[1]) * (b[0] - a[0])
+                        })
+                        .count();
+                    if crossings % 2 == 0 {
+                        continue;
+                    }
+                    tried += 1;
+                    let x = panel.patch.point(t, r);
+                    let (mut u, mut v) = (t / 1.3, r);
+                    for _ in 0..20 {
+                        let s = surface.jet(u.clamp(0.0, 1.0), v.clamp(0.0, 1.0));
+                        let d = x - s.p;
+                        let (e, f, g) = (s.du.dot(&s.du), s.du.dot(&s.dv), s.dv.dot(&s.dv));
+                        let (a, b) = (s.du.dot(&d), s.dv.dot(&d));
+                        let det = e * g - f * f;
+                        u = (u + (g * a - f * b) / det).clamp(0.0, 1.0);
+                        v = (v + (e * b - f * a) / det).clamp(0.0, 1.0);
+                    }
+                    let off = (x - surface.point(u, v)).norm();
+                    assert!(off <= proof.deviation_bound, "{off} {}", proof.deviation_bound);
+                }
+            }
+        }
+        assert!(tried > 700, "{tried}");
+    }
+
+    #[test]
+    fn what_is_wrong_is_said() {
+        let good = two_panels(1e-3, 4);
+        let refused = |name: &str, word: &str, change: &dyn Fn(&mut Patchwork)| {
+            let mut p = good.clone();
+            change(&mut p);
+            let c = prove(&p, 1.05e-3);
+            assert!(!c.certified && c.missing.iter().any(|m| m.contains(word)), "{name}: {:?}", c.missing);
+        };
+        refused("a vertex of the patch off by 1e-8", "rad", &|p| p.panels[0].patch.control[10][2] += 1e-5);
+        refused("a piece of the region gone", "coverage", &|p| {
+            p.partitions[0].triangles.pop();
+            p.partitions[0].labels.pop();
+        });
+        refused("a loop reversed", "region", &|p| {
+            for run in p.panels[0].loops[0].iter_mut() {
+                run.vertices.reverse();
+            }
+            p.panels[0].loops[0].reverse();
+        });
+        refused("a corner of the trim dropped", "panel A-0", &|p| {
+            let n = p.panels[0].loops[0][0].trim.control.len();
+            p.panels[0].loops[0][0].trim.control[n / 2][1] += 0.1;
+        });
+        refused("a panel gone", "belongs to no panel", &|p| {
+            p.panels.pop();
+        });
+        refused("trimming curves that do not join", "join", &|p| p.panels[1].loops[0][0].trim.control[0][0] += 1e-12);
+        refused("a seam of one side only", "seam", &|p| p.panels[1].loops[0][1].border = Border::Trim { edge: 7 });
+    }
+
+    #[test]
+    fn the_witness_exceeds_the_tolerance() {
+        let p = two_panels(1e-3, 4);
+        let c = prove(&p, 5e-4);
+        assert!(!c.certified);
+        let panel = c.panels.iter().find(|p| p.witness.is_some()).expect("a witness");
+        let (uv, distance) = panel.witness.expect("a witness");
+        let there = specimens::brute_distance(&p.panels[0].torse, &p.faces[0].surface.point(uv[0], uv[1]));
+        assert!(distance.abs() > 4.9e-4 && (there - distance.abs()).abs() < 1e-5);
+        // A bound is stated all the same.
+        assert!(c.deviation_bound > 5e-4 && c.deviation_bound < 2e-3, "{}", c.deviation_bound);
+    }
+
+    #[test]
+    fn joining_keeps_the_worst() {
+        let (first, second) = (two_panels(1e-4, 2), two_panels(1e-3, 2));
+        let (good, bad) = (prove(&first, 1e-3), prove(&second, 5e-4));
+        let both = join(&one_after_the_other(&first, &second), vec![good.clone(), bad.clone()], 1e-3);
+        assert!(!both.certified && both.panels.len() == 4);
+        assert!(both.deviation_bound >= bad.deviation_bound && both.missing == bad.missing);
+        assert!(join(&first, vec![good.clone()], 1e-3).certified);
+        let stricter = join(&first, vec![good], 1e-5);
+        assert!(!stricter.certified && !stricter.missing.is_empty());
+    }
+
+    fn one_after_the_other(a: &Patchwork, b: &Patchwork) -> Patchwork {
+        let mut out = a.clone();
+        out.faces.extend(b.faces.iter().cloned());
+        out.partitions.extend(b.partitions.iter().cloned());
+        for mut p in b.panels.iter().cloned() {
+            p.face += a.faces.len();
+            for run in p.loops.iter_mut().flatten() {
+                if let Border::Seam { seam, .. } = &mut run.border {
+                    *seam += a.seam_count as u32;
+                }
+            }
+            out.panels.push(p);
+        }
+        out.seam_count += b.seam_count;
+        out
+    }
+
+    #[test]
+    fn certificates_of_something_else_are_worth_nothing() {
+        let (first, second) = (two_panels(1e-4, 2), two_panels(2e-4, 2));
+        let (a, b) = (prove(&first, 1e-3), prove(&second, 1e-3));
+        let both = one_after_the_other(&first, &second);
+        assert!(a.certified && b.certified && a.is_of(&first) && !a.is_of(&second));
+        let all = join(&both, vec![a.clone(), b.clone()], 1e-3);
+        assert!(all.certified && all.is_of(&both) && all.seams.len() == 2, "{:?}", all.missing);
+        for (name, parts) in [
+            ("one left out", vec![a.clone()]),
+            ("swapped", vec![b.clone(), a.clone()]),
+            ("twice", vec![a.clone(), a.clone()]),
+        ] {
+            let forged = join(&both, parts, 1e-3);
+            assert!(!forged.certified && !forged.covered && !forged.missing.is_empty(), "{name}");
+        }
+        let mut changed = first.clone();
+        changed.panels[0].loops[0][0].edge.control[3][0] += 1e-12;
+        assert!(!a.is_of(&changed) && !join(&changed, vec![a], 1e-3).certified);
+    }
+
+    #[test]
+    fn a_gap_that_is_hidden_is_found() {
+        // Both sides of the seam say that they are borders of the face.
+        let mut p = two_panels(1e-3, 4);
+        for (panel, run) in [(0, 3), (1, 1)] {
+            p.panels[panel].loops[0][run].border = Border::Trim { edge: 7 };
+        }
+        p.seam_count = 0;
+        let c = prove(&p, 1.05e-3);
+        assert!(!c.certified && c.missing.iter().any(|m| m.contains("another panel")), "{:?}", c.missing);
+    }
+
+    #[test]
+    fn what_joining_moved_is_a_bound_or_refused() {
+        for moved in [-1e-3, f64::NAN, f64::INFINITY] {
+            let mut p = two_panels(1e-3, 4);
+            p.faces[0].joint_bound = moved;
+            let c = prove(&p, 1.05e-3);
+            assert!(!c.certified && !c.missing.is_empty(), "{moved}");
+        }
+    }
+
+    #[test]
+    fn an_edge_with_other_knots_is_not_the_same_edge() {
+        let mut p = two_panels(1e-4, 4);
+        let edge = p.panels[0].loops[0][3].edge.clone();
+        p.panels[1].loops[0][1].edge = edge.reversed();
+        assert_eq!(prove(&p, 1e-2).seams[0].status, SeamStatus::Exact);
+        let mut values = edge.reversed().knots.values().to_vec();
+        let middle = values.len() / 2;
+        values[middle] += 1e-3;
+        let other = &mut p.panels[1].loops[0][1].edge;
+        *other = crate::spline::curve::Curve::new(3, values, other.control.clone()).expect("edge");
+        assert_ne!(prove(&p, 1e-2).seams[0].status, SeamStatus::Exact);
+    }
+
+    #[test]
+    fn absurd_tolerances_are_refused() {
+        let p = two_panels(0.0, 2);
+        for tolerance in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-13] {
+            let c = prove(&p, tolerance);
+            assert!(!c.certified && !c.missing.is_empty());
+        }
+    }
+}

@@ -1,0 +1,42 @@
+//! How a question about a region ends: the words that all proofs share \[certificate\].
+
+/// Whether a statement was proven, or how it failed.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Verdict {
+    /// The distance stays below `bound` (mm) at every point.
+    Holds {
+        /// Proven bound, mm.
+        bound: f64,
+    },
+    /// At the witness the distance is proven to exceed the tolerance.
+    Fails {
+        /// Parameters on the face.
+        uv: [f64; 2],
+        /// Signed distance there, mm.
+        distance: f64,
+    },
+    /// Neither could be shown within the budget.
+    Undecided {
+        /// Parameters of the place that resisted.
+        uv: [f64; 2],
+        /// Why.
+        reason: Resistance,
+    },
+}
+
+/// Why a box could not be decided.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Resistance {
+    /// No unique foot point could be shown: the regression curve is near, or rulings leave the patch.
+    Foot,
+    /// The foot map may fold over.
+    Fold,
+    /// The surface's parametrisation degenerates.
+    Degenerate,
+    /// The bound stays above the tolerance down to the smallest box.
+    Bound,
+    /// Too many boxes.
+    Budget,
+    /// Cancelled or out of time.
+    Stopped,
+}

@@ -1,0 +1,14 @@
+//! Floor 6: pictures, drawings and charts: scenes of meshes and lines, cameras, pixels and strokes.
+
+pub mod camera;
+pub mod chart;
+pub mod colour;
+pub mod dots;
+pub mod drawing;
+pub mod flat;
+pub mod label;
+pub mod picture;
+pub mod raster;
+pub mod scene;
+pub mod sequence;
+pub mod stroke_font;

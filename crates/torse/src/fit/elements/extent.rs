@@ -1,0 +1,146 @@
+//! The part of a torse that belongs to a row of rulings or planes, as a strip.
+//!
+//! *Method.* Ends of rulings are dropped on the torse; for a plane the nearest tangent plane is looked for and its ruling
+//! is cut by the ball of the region of interest. A ruled patch that hugs these points is cut back to them (Lemma 2
+//! of \[PW99\] in rational form).
+
+use super::span_series::Sloped;
+use crate::fit::cloud::extent::ExtentError;
+use crate::fit::near::directions::MARGIN;
+use crate::fit::near::power_form::Sheet;
+use crate::fit::near::samples::Fit;
+use crate::geom::Vec3;
+use crate::spline::pieces::Pieces;
+use crate::torse::contact::PlaneElement;
+use crate::torse::convert::{parameters, patch, Extent};
+use crate::torse::dual::DualCurve;
+use crate::torse::form::{PanelKind, Ruling, Torse};
+use crate::torse::strip::Strip;
+
+/// The strip of a torse for the elements that it was fitted to.
+///
+/// # Errors
+/// See [`ExtentError`].
+pub fn strip(name: &str, fit: &Fit, elements: &[PlaneElement]) -> Result<Strip, ExtentError> {
+    let border = border(&fit.torse, fit.error, elements)?;
+    let whole = patch(&fit.torse, &Extent { loops: vec![border.clone()] })?;
+    let (a, b) = border.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), p| (a.min(p.0), b.max(p.0)));
+    let ((u0, u1), _) = whole.domain();
+    let reach: Vec<f64> = border.iter().map(|p| parameters(&whole, p.0.clamp(u0, u1), &p.1)).collect();
+    let (lo, hi) = reach.iter().fold((1.0_f64, 0.0_f64), |(lo, hi), &r| (lo.min(r), hi.max(r)));
+    let part = whole.restricted((a.max(u0), b.min(u1)), (lo.clamp(0.0, 1.0), hi.clamp(0.0, 1.0)))?;
+    let (_, (v0, v1)) = part.domain();
+    Ok(Strip::between(name, fit.kind, &part.curve_at_v(v0), &part.curve_at_v(v1))?)
+}
+
+/// Largest excess of a strip between two parallel planes over the elements at either end, share of their mean length.
+const EXCESS: f64 = 0.3;
+
+/// The strip of a torse of type (3) for the elements that it was fitted to, between two planes square to the x-axis
+/// of its frame: its rails are polynomials of the degree of the planes \[PW99, Corollary 3\]. `None` where such planes
+/// leave much of the strip over, or there is no strip. `error` (mm) is the distance of the torse from the elements.
+pub fn strip_by_slope(name: &str, found: &Sloped, error: f64, elements: &[PlaneElement]) -> Option<Strip> {
+    let curve = continued(&found.curve)?;
+    let torse = Torse::Dual(curve.to_world(&found.frame).ok()?.to_torse());
+    let border = border(&torse, error, elements).ok()?;
+    let local: Vec<(f64, f64)> = border.iter().map(|(t, x)| (*t, found.frame.to_local(x).x)).collect();
+    let range = |values: &mut dyn Iterator<Item = f64>| {
+        values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)))
+    };
+    let (a, b) = range(&mut local.iter().map(|p| p.0));
+    let (from, to) = range(&mut local.iter().map(|p| p.1));
+    let half = local.len() / 2;
+    let own = |i: usize| (local[i].1.min(local[i + half].1), local[i].1.max(local[i + half].1));
+    let mean = (0..half).map(|i| own(i).1 - own(i).0).sum::<f64>() / half as f64;
+    if (0..half).any(|i| own(i).0 - from > EXCESS * mean || to - own(i).1 > EXCESS * mean) {
+        return None;
+    }
+    let patch = curve.restricted(a, b).ok()?.tensor_product(from, to).ok()?;
+    let (_, (v0, v1)) = patch.domain();
+    let rail = |v: f64| {
+        let mut c = patch.curve_at_v(v);
+        for p in &mut c.control {
+            let x = found.frame.to_world(&(Vec3::new(p[0], p[1], p[2]) / p[3]));
+            *p = [x.x, x.y, x.z, 1.0];
+        }
+        c
+    };
+    Strip::between(name, PanelKind::Torse, &rail(v0), &rail(v1)).ok()
+}
+
+/// A curve of planes of type (3) continued a little beyond both ends.
+fn continued(curve: &DualCurve) -> Option<DualCurve> {
+    let (a, b) = curve.domain();
+    let planes = Pieces::of(curve.planes())?.on(a - MARGIN * (b - a), b + MARGIN * (b - a), 0.0).to_curve().ok()?;
+    let control: Vec<[f64; 2]> = planes.control.iter().map(|c| [c[0], c[1]]).collect();
+    DualCurve::slope(planes.knots.degree(), planes.knots.values().to_vec(), &control).ok()
+}
+
+/// Ends of the rulings of a torse for the elements: all first ends, then all second ones, with their parameters.
+fn border(torse: &Torse, error: f64, elements: &[PlaneElement]) -> Result<Vec<(f64, Vec3)>, ExtentError> {
+    let sheet = Sheet::of(torse).ok_or(ExtentError::Few(0))?;
+    let mut sides: [Vec<(f64, Vec3)>; 2] = [Vec::new(), Vec::new()];
+    for e in elements {
+        let t = least(torse, |r| off(r, e));
+        let ends = if e.has_ruling() {
+            // Feet of the ends, near the parameter of the ruling as a whole: other folds may pass nearer to one end.
+            e.ends.map(|x| {
+                let q = sheet.local(&x);
+                let foot = sheet.foot(&q, t, sheet.domain()).filter(|s| sheet.distance(&q, *s).0.abs() <= 2.0 * error);
+                (foot.unwrap_or(t), x)
+            })
+        } else {
+            let r = torse.ruling(t);
+            let c = e.centre();
+            let middle = r.point + r.direction * r.direction.dot(&(c - r.point));
+            let half = (e.radius * e.radius - (c - middle).norm_squared()).max(0.0).sqrt();
+            [(t, middle - r.direction * half), (t, middle + r.direction * half)]
+        };
+        for (side, end) in sides.iter_mut().zip(ends) {
+            side.push(end);
+        }
+    }
+    // Directions of rulings follow the torse, not the elements: ends may have changed sides.
+    let border: Vec<(f64, Vec3)> = sides
+        .into_iter()
+        .flatten()
+        .map(|(t, x)| {
+            let r = torse.ruling(t);
+            (t, r.point + r.direction * r.direction.dot(&(x - r.point)))
+        })
+        .collect();
+    if border.len() < 4 {
+        return Err(ExtentError::Few(border.len()));
+    }
+    Ok(border)
+}
+
+/// Distance of an element from a ruling: end by end, or as planes over the region.
+fn off(r: &Ruling, e: &PlaneElement) -> f64 {
+    if e.has_ruling() {
+        e.ends.map(|x| (x - r.point).cross(&r.direction).norm()).iter().fold(0.0, |a, b| a.max(*b))
+    } else {
+        r.normal.dot(&(e.centre() - r.point)).abs() + e.radius * r.normal.cross(&e.normal).norm()
+    }
+}
+
+/// The parameter with the least value: the best of a table, then golden sections.
+fn least(torse: &Torse, value: impl Fn(&Ruling) -> f64) -> f64 {
+    const TABLE: usize = 128;
+    const SECTIONS: usize = 40;
+    const GOLDEN: f64 = 0.618_033_988_749_894_9;
+    let off = |t: f64| value(&torse.ruling(t));
+    let (from, to) = torse.domain();
+    let at = |k: usize| from + (to - from) * k as f64 / TABLE as f64;
+    let k = (0..=TABLE).min_by(|&i, &j| off(at(i)).total_cmp(&off(at(j)))).unwrap_or(0);
+    let (mut a, mut b) = (at(k.saturating_sub(1)), at((k + 1).min(TABLE)));
+    for _ in 0..SECTIONS {
+        let (p, q) = (b - GOLDEN * (b - a), a + GOLDEN * (b - a));
+        if off(p) < off(q) {
+            b = q;
+        } else {
+            a = p;
+        }
+    }
+    0.5 * (a + b)
+}

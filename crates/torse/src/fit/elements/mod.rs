@@ -1,0 +1,9 @@
+//! Developables near elements in order: rulings, tangent planes, both; cone splines; what they consist of.
+
+pub mod cones;
+pub mod decompose;
+pub mod extent;
+pub mod outliers;
+pub mod ruling_order;
+pub mod sequence;
+pub mod span_series;

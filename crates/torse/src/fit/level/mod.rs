@@ -1,0 +1,3 @@
+//! Functions whose level curves bound strips.
+
+pub mod strip_potential;

@@ -1,0 +1,113 @@
+//! Bend tables: which way, how far and with what radius the sheet bends about every line that is drawn.
+
+use super::html::escape;
+use crate::draw::flat::FlatPiece;
+use crate::patchwork::pattern::{Bend, BendSense, Pattern};
+use serde::{Deserialize, Serialize};
+use std::fmt::Write as _;
+
+/// One bend line.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BendRecord {
+    /// `up`, `down` or `flat`, as the pattern lies before the eye.
+    pub sense: String,
+    /// Turn of the sheet between the middles to the neighbouring lines, degrees.
+    pub angle_deg: f64,
+    /// Radius of curvature at both ends of the line, mm; 0 for a fold, null where the sheet is flat.
+    pub radii: [Option<f64>; 2],
+    /// Length of the line, mm.
+    pub length: f64,
+}
+
+/// The bend lines of a pattern in the order in which they are drawn.
+pub fn records(pattern: &Pattern) -> Vec<BendRecord> {
+    pattern
+        .rulings
+        .iter()
+        .zip(&pattern.bends)
+        .map(|([a, b], bend)| BendRecord {
+            sense: bend.sense.name().into(),
+            angle_deg: bend.angle.to_degrees(),
+            radii: bend.radii.map(|r| r.is_finite().then_some(r)),
+            length: (b - a).norm(),
+        })
+        .collect()
+}
+
+/// The bend lines of all patterns as a table: `bends.csv`. `None` where there are none.
+pub fn csv(patterns: &[Pattern]) -> Option<Vec<u8>> {
+    let mut out = String::from("part,seen_from,line,sense,angle_deg,radius_start_mm,radius_end_mm,length_mm\n");
+    let mut any = false;
+    for p in patterns {
+        for (k, r) in records(p).iter().enumerate() {
+            any = true;
+            let [a, b] = r.radii.map(|r| r.map_or(String::new(), |r| format!("{r:.3}")));
+            let name = p.name.replace('"', "\"\"");
+            // Writing to a string cannot fail.
+            _ = writeln!(
+                out,
+                "\"{name}\",{},{},{},{:.4},{a},{b},{:.3}",
+                p.view.name(),
+                k + 1,
+                r.sense,
+                r.angle_deg,
+                r.length
+            );
+        }
+    }
+    any.then(|| out.into_bytes())
+}
+
+/// What a reader of the report needs to know: for every part from where it is seen, lines each way, whole turn, radii.
+pub(super) fn table(pieces: &[FlatPiece]) -> String {
+    let mut out = String::from(
+        "<p class=\"quiet\">Patterns are drawn as seen from the side named. Lines marked up bend towards you, lines \
+         marked down away from you; every line is in <code>bends.csv</code>.</p>\
+         <table><thead><tr><th>Part</th><th>Seen from</th><th>Up</th><th>Down</th><th>Turn, up and down</th>\
+         <th>Smallest radius</th></tr></thead><tbody>",
+    );
+    for p in pieces {
+        let of = |sense: BendSense| p.bends.iter().filter(move |b| b.sense == sense);
+        let turn = |sense| of(sense).map(|b| b.angle.to_degrees()).sum::<f64>();
+        let least = |b: &Bend| b.radii[0].min(b.radii[1]);
+        let radius = p.bends.iter().map(least).fold(f64::INFINITY, f64::min);
+        let radius = if radius.is_finite() { format!("{radius:.1}&nbsp;mm") } else { "none".into() };
+        _ = write!(
+            out,
+            "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{:.1}°, {:.1}°</td><td>{radius}</td></tr>",
+            escape(&p.name),
+            p.view.name(),
+            of(BendSense::Up).count(),
+            of(BendSense::Down).count(),
+            turn(BendSense::Up),
+            turn(BendSense::Down)
+        );
+    }
+    out.push_str("</tbody></table>");
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geom::Vec2;
+
+    #[test]
+    fn the_table_says_which_way_how_far_and_how_sharp() {
+        let p = Pattern {
+            name: "A-01".into(),
+            rulings: vec![[Vec2::zeros(), Vec2::new(3.0, 4.0)], [Vec2::zeros(), Vec2::x()]],
+            bends: vec![
+                Bend { sense: BendSense::Down, angle: 0.5f64.to_radians(), radii: [10.0, 20.0] },
+                Bend { sense: BendSense::Flat, angle: 0.0, radii: [f64::INFINITY; 2] },
+            ],
+            ..Pattern::default()
+        };
+        let text = String::from_utf8(csv(std::slice::from_ref(&p)).expect("lines")).expect("text");
+        let lines: Vec<&str> = text.lines().collect();
+        assert_eq!(lines[1], "\"A-01\",outside,1,down,0.5000,10.000,20.000,5.000");
+        assert_eq!(lines[2], "\"A-01\",outside,2,flat,0.0000,,,1.000");
+        assert!(csv(&[Pattern::default()]).is_none());
+        assert_eq!(records(&p)[1].radii, [None, None]);
+    }
+}

@@ -1,0 +1,180 @@
+//! Cutting drawings of this program read back: DXF and SVG as their writers make them, number for number.
+
+use crate::geom::Vec2;
+use crate::patchwork::pattern::BendSense;
+use crate::patchwork::written::{WrittenArc, WrittenJoint, WrittenPiece};
+
+/// Pieces of a DXF drawing; an outer outline begins a piece.
+///
+/// # Errors
+/// In plain words, with the entity's handle: what the writer would not write.
+pub fn dxf(bytes: &[u8]) -> Result<Vec<WrittenPiece>, String> {
+    let text = std::str::from_utf8(bytes).map_err(|e| e.to_string())?;
+    let mut lines = text.lines();
+    let mut groups: Vec<(u32, &str)> = Vec::new();
+    while let Some(code) = lines.next() {
+        let code = code.trim().parse().map_err(|_| format!("'{code}' is not a group code"))?;
+        groups.push((code, lines.next().ok_or("the last group has no value")?.trim()));
+    }
+    let unit = groups.iter().position(|g| *g == (9, "$INSUNITS")).and_then(|k| groups.get(k + 1));
+    if unit != Some(&(70, "4")) {
+        return Err("the unit is not the millimetre".into());
+    }
+    if groups.last() != Some(&(0, "EOF")) {
+        return Err("it is cut short".into());
+    }
+    let start = groups.iter().position(|g| *g == (2, "ENTITIES")).ok_or("there are no entities")?;
+    let mut out: Vec<WrittenPiece> = Vec::new();
+    let mut k = start + 1;
+    while k < groups.len() && groups[k] != (0, "ENDSEC") {
+        let end = (k + 1..groups.len()).find(|&i| groups[i].0 == 0).unwrap_or(groups.len());
+        entity(&groups[k..end], &mut out)?;
+        k = end;
+    }
+    Ok(out)
+}
+
+fn entity(groups: &[(u32, &str)], out: &mut Vec<WrittenPiece>) -> Result<(), String> {
+    let text = |code: u32| groups.iter().find(|g| g.0 == code).map_or("", |g| g.1);
+    let (kind, layer, handle) = (groups[0].1, text(8), text(5));
+    let fault = |what: &str| format!("{kind} {handle}: {what}");
+    let number = |s: &str| s.parse::<f64>().ok().filter(|x| x.is_finite()).ok_or_else(|| fault("a number is damaged"));
+    match (kind, layer) {
+        (_, "TEXT") => Ok(()),
+        ("LWPOLYLINE", "CUT_OUTER" | "CUT_INNER") => {
+            let mut joints: Vec<WrittenJoint> = Vec::new();
+            for (code, value) in groups {
+                match (code, joints.last_mut()) {
+                    (10, _) => joints
+                        .push(WrittenJoint { point: Vec2::new(number(value)?, f64::NAN), arc: WrittenArc::Bulge(0.0) }),
+                    (20, Some(j)) => j.point.y = number(value)?,
+                    (42, Some(j)) => j.arc = WrittenArc::Bulge(number(value)?),
+                    _ => {}
+                }
+            }
+            if text(70) != "1" || text(90) != joints.len().to_string() {
+                return Err(fault("the outline is not closed, or its vertices are not counted"));
+            }
+            if layer == "CUT_OUTER" {
+                out.push(WrittenPiece::default());
+            }
+            let piece = out.last_mut().ok_or_else(|| fault("a hole comes before its outline"))?;
+            piece.contours.push(joints);
+            Ok(())
+        }
+        ("LINE", "BEND_UP" | "BEND_DOWN" | "RULING" | "MARK") => {
+            let at =
+                |code: u32| -> Result<Vec2, String> { Ok(Vec2::new(number(text(code))?, number(text(code + 10))?)) };
+            let line = [at(10)?, at(11)?];
+            let piece = out.last_mut().ok_or_else(|| fault("a line comes before its outline"))?;
+            let sense = match layer {
+                "BEND_UP" => BendSense::Up,
+                "BEND_DOWN" => BendSense::Down,
+                "RULING" => BendSense::Flat,
+                _ => {
+                    piece.marks.push(line);
+                    return Ok(());
+                }
+            };
+            piece.rulings.push(line);
+            piece.senses.push(sense);
+            Ok(())
+        }
+        _ => Err(fault("there is no such entity in a cutting drawing")),
+    }
+}
+
+/// Pieces of an SVG drawing; a group whose name begins with `panel-` is a piece.
+///
+/// # Errors
+/// In plain words: what the writer would not write.
+pub fn svg(bytes: &[u8]) -> Result<Vec<WrittenPiece>, String> {
+    let text = std::str::from_utf8(bytes).map_err(|e| e.to_string())?;
+    if !text.trim_end().ends_with("</svg>") {
+        return Err("it is cut short".into());
+    }
+    let mut out: Vec<WrittenPiece> = Vec::new();
+    let mut class = "";
+    for tag in text.split('<').skip(1) {
+        let attribute = |name: &str| {
+            let rest = tag.split_once(&format!(" {name}=\""))?.1;
+            rest.split_once('"').map(|x| x.0)
+        };
+        if tag.starts_with("svg ") {
+            let (width, height, view) = (attribute("width"), attribute("height"), attribute("viewBox"));
+            let (Some(w), Some(h), Some(v)) = (width, height, view) else { return Err("it has no size".into()) };
+            if format!("0 0 {} {}", w.trim_end_matches("mm"), h.trim_end_matches("mm")) != v || !w.ends_with("mm") {
+                return Err("its unit is not the millimetre".into());
+            }
+        } else if tag.starts_with("g ") {
+            class = attribute("class").unwrap_or("");
+            if attribute("id").is_some_and(|id| tag.starts_with("g id=") && !id.is_empty()) {
+                out.push(WrittenPiece::default());
+            }
+        } else if tag.starts_with("path ") {
+            let d = attribute("d").ok_or("a path is empty")?;
+            let piece = out.last_mut().ok_or("a path belongs to no panel")?;
+            let line = || -> Result<[Vec2; 2], String> {
+                match path(d)?.as_slice() {
+                    [a, b] => Ok([a.point, b.point]),
+                    _ => Err(format!("'{d}' is not one line")),
+                }
+            };
+            match class {
+                "cut-outer" | "cut-inner" => piece.contours.push(closed(path(d)?, d)?),
+                "bend-up" | "bend-down" | "rulings" => {
+                    piece.rulings.push(line()?);
+                    piece.senses.push(match class {
+                        "bend-up" => BendSense::Up,
+                        "bend-down" => BendSense::Down,
+                        _ => BendSense::Flat,
+                    });
+                }
+                "marks" => piece.marks.push(line()?),
+                "text" => {}
+                other => return Err(format!("there is no class '{other}' in a cutting drawing")),
+            }
+        }
+    }
+    Ok(out)
+}
+
+/// Joints of a closed path: its last place may be the first again.
+fn closed(mut joints: Vec<WrittenJoint>, d: &str) -> Result<Vec<WrittenJoint>, String> {
+    if !d.ends_with('Z') || joints.len() < 2 {
+        return Err(format!("the outline '{}' is not closed", d.chars().take(30).collect::<String>()));
+    }
+    if joints.last().map(|j| j.point) == joints.first().map(|j| j.point) {
+        joints.pop();
+    }
+    Ok(joints)
+}
+
+/// Joints of a path of M, L, A and Z, y turned upwards.
+fn path(d: &str) -> Result<Vec<WrittenJoint>, String> {
+    let fault = || format!("'{}' is not a path of lines and arcs", d.chars().take(30).collect::<String>());
+    let mut out: Vec<WrittenJoint> = Vec::new();
+    let mut rest = d.trim_end_matches('Z');
+    while let Some(command) = rest.chars().next() {
+        let body = &rest[1..];
+        let end = body.find(['M', 'L', 'A']).unwrap_or(body.len());
+        let numbers: Vec<f64> =
+            body[..end].split_whitespace().map(str::parse).collect::<Result<_, _>>().map_err(|_| fault())?;
+        rest = &body[end..];
+        let &[.., x, y] = numbers.as_slice() else { return Err(fault()) };
+        let to = WrittenJoint { point: Vec2::new(x, -y), arc: WrittenArc::Bulge(0.0) };
+        match (command, numbers.len(), out.last_mut()) {
+            ('M', 2, None) | ('L', 2, Some(_)) => {}
+            ('A', 7, Some(from)) if numbers[0].to_bits() == numbers[1].to_bits() => {
+                from.arc =
+                    WrittenArc::Radius { radius: numbers[0], large: numbers[3] > 0.5, clockwise: numbers[4] > 0.5 };
+            }
+            _ => return Err(fault()),
+        }
+        if !(x.is_finite() && y.is_finite()) {
+            return Err(fault());
+        }
+        out.push(to);
+    }
+    Ok(out)
+}

@@ -1,0 +1,178 @@
+//! Words and units of claims, the same in every file and on the terminal.
+
+use crate::certify::claim::{Claim, Counted, Demand, Evidence, NetNumber, What};
+
+/// Reasons that are told one after the other; more are counted.
+const TOLD: usize = 4;
+
+/// What a claim is about, in lower case; `curves` are the names of the given curves.
+pub fn name(claim: &Claim, curves: &[String]) -> String {
+    let curve = |k: usize| curves.get(k).map_or_else(|| format!("curve {}", k + 1), Clone::clone);
+    let proven = claim.evidence() == Evidence::Proven;
+    match claim.what() {
+        What::Deviation => "distance between surface and panels, both ways".into(),
+        What::FromCurve(k) => format!("from {}", curve(k)),
+        What::FromSide(0) => "from first curve".into(),
+        What::FromSide(_) => "from second curve".into(),
+        What::FromCurves => "from the curves".into(),
+        What::PointDistance => "largest distance of a point".into(),
+        What::MeanPointDistance => "root mean square distance".into(),
+        What::ElementDistance => "largest distance".into(),
+        What::SeamGap => "seam gap".into(),
+        What::Twist if proven => "twist, bound".into(),
+        What::Twist => "twist".into(),
+        What::RegressionClearance if proven => "distance to the regression curve".into(),
+        What::RegressionClearance => "regression clearance".into(),
+        What::BendRadius => "bend radius".into(),
+        What::DiagonalGap => "distance of diagonals".into(),
+        What::PointsMoved => "points moved".into(),
+        What::BendBefore => "bend before".into(),
+        What::LargestBend => "largest bend".into(),
+        What::Noise => "noise of the measurement".into(),
+        What::JointMismatch => "mismatch at joints".into(),
+        What::TrimDistance => "distance of trims from the file's edges".into(),
+        What::EdgeDistance => "distance of trimmed edges from the exact surfaces".into(),
+        What::OutlineDistance => "distance of trimmed edges from the outline carried over".into(),
+        What::Turn => "turn about the axis".into(),
+        What::FirstRuling => "first ruling".into(),
+        What::LastRuling => "last ruling".into(),
+        What::EndRulingError => "angle off the end rulings".into(),
+        What::NetShape(NetNumber::MStar) => "M*".into(),
+        What::NetShape(NetNumber::LambdaStar) => "Λ*".into(),
+        What::NetShape(NetNumber::M) => "m".into(),
+        What::NetShape(NetNumber::Kappa) => "κ".into(),
+        What::UsedOf(k) => format!("used of {}", curve(k)),
+        What::Coverage => "covered".into(),
+        What::Area => "area".into(),
+        What::FlatArea => "flat area".into(),
+        What::LengthError => "length error of patterns".into(),
+        What::DrawingDistance => "distance of the drawing from the flat panel".into(),
+        What::WrittenDistance => "distance of the written file from what was judged".into(),
+        What::Count(counted) => counted_name(counted).into(),
+        What::LeftOut | What::Objection => claim.reason().into(),
+    }
+}
+
+fn counted_name(counted: Counted) -> &'static str {
+    match counted {
+        Counted::Panels => "panels",
+        Counted::Strips => "strips",
+        Counted::ExactStrips => "strips between the curves themselves",
+        Counted::FittedStrips => "strips with fitted edges",
+        Counted::Surfaces => "surfaces",
+        Counted::Cones => "cones",
+        Counted::Cylinders => "cylinders",
+        Counted::Planes | Counted::TangentPlanes => "planes",
+        Counted::Points => "points",
+        Counted::Rulings => "rulings",
+        Counted::Elements => "elements",
+        Counted::Beyond => "beyond the tolerance",
+        Counted::Outliers => "left out as outliers",
+        Counted::Quadrilaterals => "quadrilaterals",
+        Counted::Degree => "degree along",
+        Counted::ControlPoints => "control points along",
+        Counted::Solutions => "regular polynomial solutions",
+    }
+}
+
+/// The unit of what is claimed; empty for plain numbers.
+pub fn unit(what: What) -> &'static str {
+    match what {
+        What::Deviation
+        | What::FromCurve(_)
+        | What::FromSide(_)
+        | What::FromCurves
+        | What::PointDistance
+        | What::MeanPointDistance
+        | What::ElementDistance
+        | What::SeamGap
+        | What::RegressionClearance
+        | What::BendRadius
+        | What::DiagonalGap
+        | What::PointsMoved
+        | What::Noise
+        | What::OutlineDistance
+        | What::DrawingDistance
+        | What::WrittenDistance
+        | What::EdgeDistance
+        | What::TrimDistance
+        | What::FirstRuling
+        | What::LastRuling => "mm",
+        What::Twist | What::BendBefore | What::LargestBend | What::Turn | What::EndRulingError => "°",
+        What::JointMismatch => "rad",
+        What::UsedOf(_) => "%",
+        What::Area | What::FlatArea => "m²",
+        What::NetShape(_) | What::Coverage | What::LengthError | What::Count(_) | What::LeftOut | What::Objection => "",
+    }
+}
+
+/// How a value is known, in one word.
+pub fn evidence(evidence: Evidence) -> &'static str {
+    match evidence {
+        Evidence::Proven => "proven",
+        Evidence::Measured => "measured",
+        Evidence::Given => "given",
+    }
+}
+
+/// Why a result is not certified: what broken claims have to say; empty if none is broken.
+pub fn reason(claims: &[Claim], curves: &[String]) -> String {
+    let broken = || claims.iter().filter(|c| c.is_broken());
+    let mut told: Vec<&str> = broken().map(Claim::reason).filter(|r| !r.is_empty()).collect();
+    // What is said of the whole comes first and often names the panel; what a panel says of itself is repeated.
+    let mut seen = std::collections::HashSet::new();
+    told.retain(|r| seen.insert(*r));
+    if told.is_empty() {
+        return broken().next().map(|c| beyond(c, curves)).unwrap_or_default();
+    }
+    let rest = told.len().saturating_sub(TOLD);
+    let mut out = told[..told.len() - rest].join("; ");
+    if rest > 0 {
+        out += &format!("; and {rest} more");
+    }
+    out
+}
+
+/// A claim whose demand is not kept, in words.
+fn beyond(claim: &Claim, curves: &[String]) -> String {
+    let unit = match unit(claim.what()) {
+        "" => String::new(),
+        unit => format!(" {unit}"),
+    };
+    let name = name(claim, curves);
+    match claim.demand() {
+        _ if claim.evidence() == Evidence::Measured => format!("{name}: only measured, not proven"),
+        Demand::AtMost(limit) if claim.value().is_finite() => {
+            format!("{name}: {}{unit} where {limit}{unit} are allowed", claim.value())
+        }
+        Demand::AtLeast(limit) if claim.value().is_finite() => {
+            format!("{name}: {}{unit} where {limit}{unit} are wanted", claim.value())
+        }
+        _ => format!("{name}: no bound could be shown"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::certify::claim::Subject;
+
+    #[test]
+    fn reasons_are_told_once_and_counted_when_there_are_many() {
+        let mut claims: Vec<Claim> =
+            (0..6).map(|k| Claim::objection(Subject::Panel(k), format!("reason {k}"))).collect();
+        claims.push(Claim::objection(Subject::Whole, "reason 0"));
+        let text = reason(&claims, &[]);
+        assert!(text.starts_with("reason 0; reason 1") && text.ends_with("and 2 more"), "{text}");
+        assert_eq!(text.matches("reason 0").count(), 1);
+        assert_eq!(reason(&[], &[]), "");
+    }
+
+    #[test]
+    fn a_broken_demand_without_words_is_told_by_its_numbers() {
+        let measured = Claim::measured(What::FromCurve(0), Subject::Whole, 0.5).within(1.0);
+        assert_eq!(reason(&[measured], &["low.csv".into()]), "from low.csv: only measured, not proven");
+        let given = Claim::count(Counted::Beyond, Subject::Whole, 3).within(0.0);
+        assert_eq!(reason(&[given], &[]), "beyond the tolerance: 3 where 0 are allowed");
+    }
+}

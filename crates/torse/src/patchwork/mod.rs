@@ -1,0 +1,12 @@
+//! Floor 4: a whole in pieces. The partition of a face's parameter domain, the panels that stand for its regions, the
+//! seams between them, and the drawing of a panel in the plane.
+
+pub mod clip;
+pub mod outside;
+pub mod panel;
+pub mod partition;
+pub mod pattern;
+pub mod seam;
+pub mod smooth_seams;
+pub mod triangulate;
+pub mod written;

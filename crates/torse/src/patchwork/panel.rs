@@ -1,0 +1,102 @@
+//! Panels: pieces of torses with boundaries, as they are exported; and the patchwork that they make up.
+
+use super::partition::Partition;
+use crate::brep::face::Face;
+use crate::spline::curve::Curve;
+use crate::spline::surface::Surface;
+use crate::torse::form::{PanelKind, Torse};
+
+/// What lies beyond a stretch of a panel's boundary.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Border {
+    /// Another panel of the same face; `seam` counts the seams of the patchwork. The neighbour's run has the same
+    /// number, the same partition vertices in reverse order and the opposite `forward`.
+    Seam {
+        /// Number of the seam.
+        seam: u32,
+        /// Whether this panel's run goes along the seam's own direction.
+        forward: bool,
+    },
+    /// The boundary of the face: number of the file's edge within the face.
+    Trim {
+        /// Edge number, see `TrimLoop::edge`.
+        edge: u32,
+    },
+}
+
+/// A smooth stretch of a panel's boundary.
+#[derive(Clone, Debug)]
+pub struct Run {
+    /// What lies beyond.
+    pub border: Border,
+    /// Vertices of the partition along the run, in the panel's direction (material on the left in the (u, v) plane).
+    pub vertices: Vec<u32>,
+    /// Parameter `s` of each vertex on `trim` and `edge`: increasing, from 0 to 1.
+    pub parameters: Vec<f64>,
+    /// The trimming curve `(t, r)(s)` in the parameter plane of the exported patch; cubic, at least C¹, domain [0, 1];
+    /// its end points are bitwise those of the neighbouring runs of the loop.
+    pub trim: Curve<2>,
+    /// The same curve in space, mm, same parameter.
+    pub edge: Curve<3>,
+}
+
+impl Run {
+    /// Whether the run is a point (a pole of the input); files have no edge for it.
+    pub fn is_point(&self) -> bool {
+        let c = &self.trim.control;
+        c.iter().all(|p| p == &c[0])
+    }
+}
+
+/// One panel: an exactly developable surface, the patch written to files, and its boundary.
+#[derive(Clone, Debug)]
+pub struct Panel {
+    /// Name, unique within the patchwork ("A-03").
+    pub name: String,
+    /// Index of the face in the patchwork.
+    pub face: usize,
+    /// What it is, for people.
+    pub kind: PanelKind,
+    /// The exact developable surface.
+    pub torse: Torse,
+    /// The ruled patch in files: u = t (the torse's parameter), v = r ∈ [0, 1] along the ruling, degree 1 in v;
+    /// equal to the torse up to rounding.
+    pub patch: Surface,
+    /// Label of the panel's triangles in the face's partition.
+    pub label: u32,
+    /// Closed boundary loops, outer first; each loop's runs follow each other.
+    pub loops: Vec<Vec<Run>>,
+}
+
+impl Panel {
+    /// Whether the outer loop runs clockwise in the parameter plane (t, r) of the patch: then the patch's normal
+    /// R_t × R_r is opposite to that of the face, about which the loop runs counter-clockwise.
+    pub fn mirrored(&self) -> bool {
+        // Chords of the trimming curves; cubic pieces deviate too little from four chords to turn the sign.
+        const CHORDS: usize = 4;
+        let mut twice_area = 0.0;
+        for run in self.loops.first().into_iter().flatten() {
+            for w in run.trim.knots.breaks().windows(2) {
+                let at = |k: usize| run.trim.point(w[0] + (w[1] - w[0]) * k as f64 / CHORDS as f64);
+                for k in 0..CHORDS {
+                    let (a, b) = (at(k), at(k + 1));
+                    twice_area += a[0] * b[1] - a[1] * b[0];
+                }
+            }
+        }
+        twice_area < 0.0
+    }
+}
+
+/// The panels of a whole model, with what they approximate.
+#[derive(Clone, Debug)]
+pub struct Patchwork {
+    /// Input faces.
+    pub faces: Vec<Face>,
+    /// For each face: its parameter region cut into triangles, each labelled with its panel.
+    pub partitions: Vec<Partition>,
+    /// All panels.
+    pub panels: Vec<Panel>,
+    /// Number of seams.
+    pub seam_count: usize,
+}

@@ -1,0 +1,231 @@
+//! Flat cutting patterns: the drawing of a developed panel. Lengths in mm, 1:1.
+
+use super::panel::Border;
+use crate::geom::Vec2;
+
+/// A closed contour of lines and circular arcs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Contour {
+    /// Corners and joints in order; the last is joined to the first.
+    pub vertices: Vec<ContourVertex>,
+}
+
+/// A joint of a contour and the line or arc that leaves it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContourVertex {
+    /// Place of the joint.
+    pub point: Vec2,
+    /// Bulge of the piece to the next joint: tan(sweep/4), positive counter-clockwise, 0 for a line (as in DXF).
+    pub bulge: f64,
+    /// Whether the outline has a real corner here (a change of run), as opposed to a joint of arcs.
+    pub corner: bool,
+}
+
+/// A matching mark on a seam: both neighbours carry it at the same place of the seam, with the same label.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mark {
+    /// Place on the outline.
+    pub point: Vec2,
+    /// Unit vector into the panel.
+    pub inward: Vec2,
+    /// Label, the same on both sides ("S12.3").
+    pub label: String,
+}
+
+/// A stretch of the outline that follows one run of the panel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Side {
+    /// What lies beyond.
+    pub border: Border,
+    /// Middle of the side.
+    pub middle: Vec2,
+    /// Length of the side on the flat pattern, mm.
+    pub length: f64,
+}
+
+/// Side of the model from which a pattern is seen.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum ViewSide {
+    /// From outside; what that means for open sheets: [`crate::geom::outward`].
+    #[default]
+    Outside,
+    /// From inside.
+    Inside,
+}
+
+impl ViewSide {
+    /// Lower-case name used in reports and files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Outside => "outside",
+            Self::Inside => "inside",
+        }
+    }
+
+    /// The other one.
+    pub fn opposite(self) -> Self {
+        match self {
+            Self::Outside => Self::Inside,
+            Self::Inside => Self::Outside,
+        }
+    }
+}
+
+/// Where the sheet goes beside a ruling, as the pattern lies before the eye.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum BendSense {
+    /// Both sides come up towards the eye.
+    Up,
+    /// Both sides go down.
+    Down,
+    /// The sheet stays flat there.
+    #[default]
+    Flat,
+}
+
+impl BendSense {
+    /// Lower-case name used in reports and files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Up => "up",
+            Self::Down => "down",
+            Self::Flat => "flat",
+        }
+    }
+}
+
+/// How the sheet bends about a ruling that is drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Bend {
+    /// Which way.
+    pub sense: BendSense,
+    /// Turn of the sheet (rad, not negative) between the middles to the neighbouring rulings; those of a pattern add up
+    /// to its whole turn where it bends one way; pieces of one ruling between holes have the same.
+    pub angle: f64,
+    /// Radius of curvature (mm) at both ends of the ruling; infinite where the sheet is flat, 0 for a fold.
+    pub radii: [f64; 2],
+}
+
+/// Where a pattern goes in a drawing: turned about the origin, then moved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Placement {
+    /// Turn, counter-clockwise, rad.
+    pub angle: f64,
+    /// Move after the turn, mm.
+    pub offset: Vec2,
+}
+
+impl Placement {
+    /// The placed point.
+    pub fn apply(&self, p: &Vec2) -> Vec2 {
+        self.turn(p) + self.offset
+    }
+
+    /// The turned direction.
+    pub fn turn(&self, v: &Vec2) -> Vec2 {
+        let (s, c) = self.angle.sin_cos();
+        Vec2::new(c * v.x - s * v.y, s * v.x + c * v.y)
+    }
+}
+
+/// A developed panel.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Pattern {
+    /// Index of the panel in the patchwork.
+    pub panel: usize,
+    /// Name of the panel.
+    pub name: String,
+    /// Closed contours: outer first (counter-clockwise), then holes.
+    pub contours: Vec<Contour>,
+    /// Side of the model from which it is seen.
+    pub view: ViewSide,
+    /// Rulings as line segments inside the outline.
+    pub rulings: Vec<[Vec2; 2]>,
+    /// How the sheet bends about each ruling, in the same order; empty where that is not known.
+    pub bends: Vec<Bend>,
+    /// Matching marks.
+    pub marks: Vec<Mark>,
+    /// Sides of the outer contour in order.
+    pub sides: Vec<Side>,
+    /// Area of the flat pattern, mm².
+    pub area: f64,
+    /// Area of the panel in space, mm².
+    pub area_in_space: f64,
+    /// Largest relative error of lengths between panel and pattern.
+    pub isometry_error: f64,
+    /// Largest distance (mm) between the contour drawn and the exact outline.
+    pub contour_error: f64,
+    /// Largest extent across and along (mm): width ≤ length of the smallest enclosing rectangle.
+    pub width: f64,
+    /// See `width`.
+    pub length: f64,
+}
+
+impl Pattern {
+    /// The same pattern seen from the other side.
+    pub fn turned_over(&self) -> Self {
+        let flip = |p: &Vec2| Vec2::new(-p.x, p.y);
+        let contour = |c: &Contour| {
+            let (v, n) = (&c.vertices, c.vertices.len());
+            let vertex = |k: usize| {
+                let (here, before) = (&v[(n - k) % n], &v[(2 * n - k - 1) % n]);
+                // The piece that left the vertex before now leaves this one, the other way round: reversed and mirrored,
+                // its bulge stays.
+                ContourVertex { point: flip(&here.point), bulge: before.bulge, corner: here.corner }
+            };
+            Contour { vertices: (0..n).map(vertex).collect() }
+        };
+        let bend = |b: &Bend| {
+            let sense = match b.sense {
+                BendSense::Up => BendSense::Down,
+                BendSense::Down => BendSense::Up,
+                BendSense::Flat => BendSense::Flat,
+            };
+            Bend { sense, ..*b }
+        };
+        let mark = |m: &Mark| Mark { point: flip(&m.point), inward: flip(&m.inward), label: m.label.clone() };
+        Self {
+            contours: self.contours.iter().map(contour).collect(),
+            view: self.view.opposite(),
+            rulings: self.rulings.iter().map(|r| r.map(|p| flip(&p))).collect(),
+            bends: self.bends.iter().map(bend).collect(),
+            marks: self.marks.iter().map(mark).collect(),
+            sides: self.sides.iter().rev().map(|s| Side { middle: flip(&s.middle), ..s.clone() }).collect(),
+            ..self.clone()
+        }
+    }
+
+    /// How the sheet bends about a ruling.
+    pub fn bend(&self, ruling: usize) -> Bend {
+        self.bends.get(ruling).copied().unwrap_or_default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn turned_over_twice_is_the_same_and_once_mirrors() {
+        let v = |x: f64, y: f64, bulge: f64| ContourVertex { point: Vec2::new(x, y), bulge, corner: bulge == 0.0 };
+        let p = Pattern {
+            contours: vec![Contour { vertices: vec![v(1.0, 0.0, 0.0), v(5.0, 0.0, 0.3), v(3.0, 4.0, -0.1)] }],
+            rulings: vec![[Vec2::new(2.0, 0.0), Vec2::new(3.0, 3.0)]],
+            bends: vec![Bend { sense: BendSense::Up, angle: 0.1, radii: [3.0, 4.0] }],
+            ..Pattern::default()
+        };
+        let q = p.turned_over();
+        assert_eq!((q.view, q.bend(0).sense), (ViewSide::Inside, BendSense::Down));
+        // The arc still joins the same two corners, and bulges out of the part as before.
+        let arc = q.contours[0].vertices.iter().position(|v| v.bulge == 0.3).expect("the arc");
+        assert_eq!(q.contours[0].vertices[arc].point, Vec2::new(-3.0, 4.0));
+        let area = |c: &Contour| -> f64 {
+            let v = &c.vertices;
+            (0..3).map(|k| v[k].point.perp(&v[(k + 1) % 3].point)).sum()
+        };
+        assert_eq!(area(&q.contours[0]), area(&p.contours[0]));
+        let back = q.turned_over();
+        assert_eq!(back.contours[0].vertices.len(), 3);
+        assert_eq!((back.rulings, back.bends, back.contours), (p.rulings, p.bends, p.contours));
+    }
+}

@@ -1,0 +1,86 @@
+//! What written files hold, number for number, as a reader finds it: panels of a STEP file, outlines and lines of a
+//! cutting drawing. Nothing here is repaired or converted; lengths are mm.
+
+use super::pattern::BendSense;
+use crate::geom::Vec2;
+use crate::spline::curve::Curve;
+use crate::spline::knots::Knots;
+
+/// A face of a STEP file.
+#[derive(Clone, Debug)]
+pub struct WrittenFace {
+    /// Entity number.
+    pub entity: u64,
+    /// Name.
+    pub name: String,
+    /// Whether its normal is the opposite of the surface's.
+    pub reversed: bool,
+    /// Surface.
+    pub surface: WrittenSurface,
+    /// Loops in the order of the file, each in its own direction.
+    pub loops: Vec<Vec<WrittenEdge>>,
+}
+
+/// A B-spline surface of a STEP file.
+#[derive(Clone, Debug)]
+pub struct WrittenSurface {
+    /// Knots in both parameters.
+    pub knots: [Knots; 2],
+    /// Control points, v running fastest.
+    pub points: Vec<[f64; 3]>,
+    /// Their weights; empty for polynomial surfaces.
+    pub weights: Vec<f64>,
+}
+
+/// An edge in a loop of a STEP file.
+#[derive(Clone, Debug)]
+pub struct WrittenEdge {
+    /// Entity number of the edge.
+    pub entity: u64,
+    /// Whether the loop follows the edge's own direction.
+    pub forward: bool,
+    /// Places of the first and last vertex, in the edge's own direction.
+    pub vertices: [[f64; 3]; 2],
+    /// The curve in space.
+    pub curve: Curve<3>,
+    /// The curve in the parameter plane of the face's surface.
+    pub trim: Curve<2>,
+}
+
+/// The parts of a cutting drawing that belong to one pattern.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct WrittenPiece {
+    /// Outer outline, then holes, in the order of the file.
+    pub contours: Vec<Vec<WrittenJoint>>,
+    /// Rulings.
+    pub rulings: Vec<[Vec2; 2]>,
+    /// Which way the sheet bends about each of them, in the same order.
+    pub senses: Vec<BendSense>,
+    /// Matching marks, from the outline inwards.
+    pub marks: Vec<[Vec2; 2]>,
+}
+
+/// A joint of an outline and what leads from it to the next.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WrittenJoint {
+    /// Place, y upwards.
+    pub point: Vec2,
+    /// The line or arc that follows.
+    pub arc: WrittenArc,
+}
+
+/// How files state a line or an arc.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum WrittenArc {
+    /// tan(sweep/4), positive counter-clockwise, 0 for a line (DXF).
+    Bulge(f64),
+    /// By its radius (SVG).
+    Radius {
+        /// Radius, mm.
+        radius: f64,
+        /// Whether it is the longer of both arcs.
+        large: bool,
+        /// Whether it runs clockwise with y upwards.
+        clockwise: bool,
+    },
+}

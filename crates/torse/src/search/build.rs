@@ -1,0 +1,209 @@
+//! Panels of a covered face as they are exported, their proof and their flat patterns.
+
+use super::cover::{Limits, State};
+use super::stitch::seams::{self, Meeting};
+use crate::answer::outcome::AlongCurve;
+use crate::brep::face::Face;
+use crate::certify::{self, Certificate};
+use crate::control::Control;
+use crate::develop::pattern::{pattern, PatternOptions};
+use crate::develop::DevelopError;
+use crate::fit::panels::boundary::{self, Assigned, Borders, BoundaryError, BoundaryOptions};
+use crate::patchwork::panel::{Panel, Patchwork};
+use crate::patchwork::partition::Partition;
+use crate::patchwork::pattern::Pattern;
+use crate::torse::form::PanelKind;
+use rayon::prelude::*;
+use std::collections::{BTreeSet, HashSet};
+
+/// Share of the tolerance that a trim curve may stray from the region's border.
+const TRIM_SHARE: f64 = 1.0 / 250.0;
+/// Share of that by which the edge in space may stray from the trim curve on its patch.
+const EDGE_SHARE: f64 = 0.1;
+/// Share of the tolerance that lines and arcs of a flat pattern may stray from the exact outline.
+const CONTOUR_SHARE: f64 = 0.05;
+/// Bend of a border (share of the tolerance) above which it gets finer; each round leaves about a quarter of it.
+const BEND_SHARE: f64 = 0.02;
+/// See [`BEND_SHARE`].
+const SMOOTHINGS: usize = 4;
+/// Rounds of moving vertices out of a border's way before each smoothing.
+const RELAXATIONS: usize = 3;
+
+/// One face with its panels, their proof and their flat patterns.
+pub(crate) struct Built {
+    pub patchwork: Patchwork,
+    pub certificate: Certificate,
+    pub patterns: Vec<Pattern>,
+    /// What is missing besides the proof.
+    pub missing: Vec<String>,
+    /// Panels along curves.
+    pub along: Vec<AlongCurve>,
+    /// Labels whose panels end together with their neighbours', see [`Borders::end_together`].
+    pub together: BTreeSet<u32>,
+}
+
+/// Panels whose flat patterns do not fit the sheet: labels, and whether they are too long (else too wide).
+pub(crate) fn too_large(built: &Built, limits: &Limits) -> Vec<(u32, bool)> {
+    let exceeds = |size: f64, limit: Option<f64>| limit.is_some_and(|l| size > l);
+    let of = |p: &Pattern| (built.patchwork.panels[p.panel].label, exceeds(p.length, limits.max_length));
+    let large = |p: &&Pattern| exceeds(p.length, limits.max_length) || exceeds(p.width, limits.max_width);
+    built.patterns.iter().filter(large).map(of).collect()
+}
+
+/// What panels miss of the limits of sheet and material.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct LimitsMissed {
+    /// In plain words, the first panel of each limit.
+    pub reasons: Vec<String>,
+    /// Panels that do not keep some limit, in order.
+    pub panels: Vec<usize>,
+}
+
+/// Limits of sheet and material that panels do not keep.
+pub(crate) fn limits_missed(
+    patchwork: &Patchwork,
+    certificate: &Certificate,
+    patterns: &[Pattern],
+    limits: &Limits,
+) -> LimitsMissed {
+    let mut panels = BTreeSet::new();
+    let name = |k: usize| patchwork.panels.get(k).map_or("", |p| p.name.as_str());
+    let below = |missed: &mut BTreeSet<usize>, what: &str, limit: Option<f64>, value: Proven| {
+        let short = |p: &certify::PanelCertificate| limit.is_some_and(|l| value(p) < l);
+        let found: Vec<usize> = (0..certificate.panels.len()).filter(|&k| short(&certificate.panels[k])).collect();
+        missed.extend(&found);
+        let &k = found.first()?;
+        Some(format!("panel {}: {what} is only proven to be {:.3} mm", name(k), value(&certificate.panels[k])))
+    };
+    let above = |missed: &mut BTreeSet<usize>, what: &str, limit: Option<f64>, value: Drawn| {
+        let found: Vec<&Pattern> = patterns.iter().filter(|p| limit.is_some_and(|l| value(p) > l)).collect();
+        missed.extend(found.iter().map(|p| p.panel));
+        let p = found.first()?;
+        Some(format!("panel {}: {what} is {:.1} mm", p.name, value(p)))
+    };
+    let reasons = [
+        below(&mut panels, "the bending radius", limits.min_bend_radius, |p| p.min_bend_radius),
+        below(&mut panels, "the distance to the regression curve", limits.min_clearance, |p| p.regression_clearance),
+        above(&mut panels, "the width of the pattern", limits.max_width, |p| p.width),
+        above(&mut panels, "the length of the pattern", limits.max_length, |p| p.length),
+    ]
+    .into_iter()
+    .flatten()
+    .collect();
+    LimitsMissed { reasons, panels: panels.into_iter().collect() }
+}
+
+/// A number of a panel's proof.
+type Proven = fn(&certify::PanelCertificate) -> f64;
+/// A number of a flat pattern.
+type Drawn = fn(&Pattern) -> f64;
+
+/// Borders of a partition.
+pub(crate) fn borders<'a>(face: &'a Face, partition: &'a Partition) -> Borders<'a> {
+    Borders::new(face, partition, &|a, b| partition.trim_edges.get(&(a, b)).copied().unwrap_or(0), 0)
+}
+
+/// Panels, proof and patterns of a covered face; second result: labels of the regions that must be cut.
+pub(crate) fn build(index: usize, face: &Face, state: &State, tolerance: f64) -> (Built, Vec<u32>) {
+    let partition = smooth_borders(face, state.partition.clone(), tolerance);
+    build_on(index, face, &seams::with_partition(face, state, partition), tolerance, None)
+}
+
+/// What is used of strips that meet: all but those of refused labels, and but edges between pairs of labels.
+pub(crate) type Kept<'a> = (&'a Meeting, &'a [u32], &'a [[u32; 2]]);
+
+/// As [`build`], on smooth borders, with strips that meet but for those of refused labels.
+pub(crate) fn build_on(
+    index: usize,
+    face: &Face,
+    state: &State,
+    tolerance: f64,
+    meeting: Option<Kept>,
+) -> (Built, Vec<u32>) {
+    let partition = &state.partition;
+    let mut borders = borders(face, partition);
+    let mut assigned: Vec<Assigned> =
+        state.panels.iter().map(|(&label, fit)| Assigned { label, torse: &fit.torse, kind: fit.kind }).collect();
+    let mut together = BTreeSet::new();
+    if let Some((meeting, refused, dropped)) = meeting {
+        let mut met = HashSet::new();
+        for e in seams::apply(meeting, refused, dropped) {
+            borders.share(e.chain, e.edge.clone(), e.parameters.clone());
+            met.extend(e.labels);
+        }
+        let ends_together = |l: &u32| meeting.together.contains(l) && !refused.contains(l);
+        let new = |l: &u32| met.contains(l) || ends_together(l);
+        for a in assigned.iter_mut().filter(|a| new(&a.label)) {
+            if let Some(torse) = meeting.torses.get(&a.label) {
+                (a.torse, a.kind) = (torse, PanelKind::Torse);
+            }
+        }
+        let last: Vec<Assigned> = assigned.iter().filter(|a| ends_together(&a.label)).copied().collect();
+        together.extend(last.iter().map(|a| a.label));
+        borders.end_together(&last);
+    }
+    let trim_tolerance = tolerance * TRIM_SHARE;
+    let boundary = BoundaryOptions { trim_tolerance, edge_tolerance: trim_tolerance * EDGE_SHARE };
+    let made: Vec<Result<Panel, BoundaryError>> =
+        assigned.par_iter().map(|a| borders.panel(0, a, &boundary).map(|(p, _)| p)).collect();
+    let seam_count = borders.seam_count;
+    let (mut panels, mut missing, mut refused) = (Vec::new(), Vec::new(), Vec::new());
+    for (panel, a) in made.into_iter().zip(&assigned) {
+        match panel {
+            Ok(mut p) => {
+                p.name = boundary::panel_name(index, panels.len());
+                panels.push(p);
+            }
+            Err(e) => {
+                refused.push(a.label);
+                missing.push(format!("a region has no panel: {e}"));
+            }
+        }
+    }
+    let patchwork = Patchwork { faces: vec![face.clone()], partitions: vec![partition.clone()], panels, seam_count };
+    // The proof has its own clock: what was found is judged even when time is up.
+    let certificate = certify::patchwork(&patchwork, tolerance, &Control::default());
+    let pattern_options = PatternOptions::new(tolerance * CONTOUR_SHARE);
+    let developed: Vec<Result<Pattern, DevelopError>> =
+        (0..patchwork.panels.len()).into_par_iter().map(|k| pattern(&patchwork, k, &pattern_options)).collect();
+    let mut patterns = Vec::new();
+    for ((panel, proof), flat) in patchwork.panels.iter().zip(&certificate.panels).zip(developed) {
+        let mut bad = !proof.certified;
+        match flat {
+            Ok(p) => patterns.push(p),
+            Err(e) => {
+                bad = true;
+                missing.push(format!("panel {} has no flat pattern: {e}", panel.name));
+            }
+        }
+        if bad {
+            refused.push(panel.label);
+        }
+    }
+    let panels = patchwork.panels.iter().enumerate();
+    let along = panels.filter_map(|(panel, p)| {
+        let o = state.origins.get(&p.label)?;
+        Some(AlongCurve { panel, curve: o.curve.clone(), step: o.step, paper_estimate: o.paper_estimate })
+    });
+    let along = along.collect();
+    (Built { patchwork, certificate, patterns, missing, along, together }, refused)
+}
+
+/// Makes the borders between panels as smooth as the tolerance asks for.
+pub(crate) fn smooth_borders(face: &Face, mut partition: Partition, tolerance: f64) -> Partition {
+    let s = &face.surface;
+    let (u, v) = (s.knots_u.breaks(), s.knots_v.breaks());
+    let distance = |p: [f64; 2], q: [f64; 2]| {
+        let j = s.jet(0.5 * (p[0] + q[0]), 0.5 * (p[1] + q[1]));
+        (j.du * (q[0] - p[0]) + j.dv * (q[1] - p[1])).norm()
+    };
+    for _ in 0..SMOOTHINGS {
+        for _ in 0..RELAXATIONS {
+            partition.relax([&u, &v]);
+        }
+        if partition.smooth_seams([&u, &v], tolerance * BEND_SHARE, distance) == 0 {
+            break;
+        }
+    }
+    partition
+}

@@ -1,0 +1,155 @@
+//! What is developable already stays what it is: the torse of the surface itself, tried before any other
+//! (docs/algorithms/cover.md, "What is developable already").
+
+use super::state::Density;
+use super::{layout, CoverOptions, Job, State, DISTANCE_SHARE};
+use crate::brep::face::Face;
+use crate::brep::rulings::Rulings;
+use crate::certify::distance::{distance, DistanceOptions};
+use crate::certify::Verdict;
+use crate::control::Control;
+use crate::fit::near::exact::{exact, ExactOptions};
+use crate::fit::near::samples::Fit;
+use crate::fit::panels::boundary::has_patch;
+use std::sync::Arc;
+
+/// Share of the tolerance within which parameter lines must be straight and keep their tangent planes, and the torse
+/// through them near: files round.
+const SLACK: f64 = 0.05;
+/// Share of the tolerance below which the torse is not made finer.
+const GOAL: f64 = 1e-3;
+
+/// Share of the tolerance at which the proof is aimed: the rest of what it bounds is left for trims and rounding.
+const AIM: f64 = 0.3;
+/// The proof's bound over a cell in which the normal turns by δ is about this multiple of δ² times the cell's length along
+/// the rulings, as measured on cylinders and cones.
+const LOSS: f64 = 1.5;
+/// Turn of the normal (rad) from line to line of the triangulation at least and at most.
+const TURN: (f64, f64) = (0.003, 0.04);
+/// Length of cells along the rulings as a share of the smallest radius of curvature: where they are long against it, the
+/// proof loses the foot of their points.
+const LENGTH: f64 = 0.15;
+/// Places between knots where curvatures are looked at.
+const PLACES: usize = 32;
+/// Cells of the triangulation at most.
+const MOST_CELLS: f64 = 30_000.0;
+
+/// Whether a face is developable as it is, within a small share of the tolerance (mm), in a form of its own: measured,
+/// not proven.
+pub fn is_developable(face: &Face, tolerance: f64) -> bool {
+    // Most faces have no rulings among their parameter lines, which is seen at once.
+    let Some(rulings) = Rulings::of(&face.surface, bounds(face), SLACK * tolerance) else { return false };
+    let Ok(state) = State::of_face(face, f64::INFINITY) else { return false };
+    exact(&rulings, &state.samples(0), &asked(tolerance)).is_some()
+}
+
+/// Whether a face is developable and bends without jumps of its curvature: planes and bends of a plate are not one.
+pub fn is_smoothly_developable(face: &Face, tolerance: f64) -> bool {
+    let Some(rulings) = Rulings::of(&face.surface, bounds(face), SLACK * tolerance) else { return false };
+    let breaks = rulings.breaks();
+    let smooth = breaks[1..breaks.len() - 1].iter().all(|&s| !rulings.bends_anew(s));
+    smooth && is_developable(face, tolerance)
+}
+
+/// Box around a face's loops in the parameter plane.
+fn bounds(face: &Face) -> [f64; 4] {
+    let outer = face.loops.iter().flat_map(|l| &l.points);
+    let none = [f64::INFINITY, f64::NEG_INFINITY, f64::INFINITY, f64::NEG_INFINITY];
+    outer.fold(none, |b, p| [b[0].min(p[0]), b[1].max(p[0]), b[2].min(p[1]), b[3].max(p[1])])
+}
+
+fn asked(tolerance: f64) -> ExactOptions {
+    ExactOptions { goal: GOAL * tolerance, accepted: SLACK * tolerance }
+}
+
+/// A developable face as one panel, or one for each part into which seams asked for cut it, proven. `None` where it is
+/// not developable along its parameter lines, where limits forbid its torse, or where panels shall follow curves.
+pub(super) fn covered(face: &Face, options: &CoverOptions, control: &Control) -> Option<State> {
+    if options.facets || !options.layout.curves.is_empty() {
+        return None;
+    }
+    let rulings = Rulings::of(&face.surface, bounds(face), SLACK * options.tolerance)?;
+    let [u, v] = lines(&rulings, options.tolerance)?;
+    let mut state = State::on_lines(face, u, v).ok()?;
+    state.partition.split_components(0);
+    layout::cut_along_seams(&face.surface, &mut state, &options.layout.seams);
+    let job = Job::new(face, options, control);
+    for label in state.partition.distinct_labels() {
+        let fit = job.exact(&state, label)?;
+        state.panels.insert(label, fit);
+    }
+    (state.panels.len() <= options.max_panels).then_some(state)
+}
+
+/// Places between two knots with the turn of the normal from the first of them to each.
+type Turns = (Vec<f64>, Vec<f64>);
+
+/// Lines of constant u and v of a triangulation on which the proof loses little: at equal turns of the normal across the
+/// rulings, and along them at lengths that are short against the radius of curvature.
+fn lines(rulings: &Rulings, tolerance: f64) -> Option<[Vec<f64>; 2]> {
+    let breaks = rulings.breaks();
+    let (mut radius, mut length) = (f64::INFINITY, 0.0_f64);
+    let mut turns: Vec<Turns> = Vec::new();
+    for w in breaks.windows(2) {
+        let at: Vec<f64> = (0..=PLACES).map(|k| w[0] + (w[1] - w[0]) * k as f64 / PLACES as f64).collect();
+        let mut turn = vec![0.0];
+        let mut before = rulings.line(at[0])?;
+        for s in at.windows(2) {
+            let here = rulings.line(s[1])?;
+            let angle = before.normal.angle(&here.normal);
+            let [a, b] = rulings.breadths(0.5 * (s[0] + s[1]))?;
+            if angle > f64::EPSILON.sqrt() {
+                radius = radius.min(a.min(b) * (s[1] - s[0]) / angle);
+            }
+            length = length.max(here.length);
+            turn.push(turn[turn.len() - 1] + angle);
+            before = here;
+        }
+        turns.push((at, turn));
+    }
+    let wanted = (AIM * tolerance / (LOSS * LENGTH * radius)).sqrt();
+    let step = if wanted.is_finite() { wanted.clamp(TURN.0, TURN.1) } else { TURN.1 };
+    let across = across(&turns, step);
+    let (lo, hi) = rulings.reach();
+    let most = (MOST_CELLS / across.len() as f64).max(1.0);
+    let parts = (length / (LENGTH * radius)).ceil().clamp(1.0, most) as usize;
+    let along = (0..=parts).map(|k| if k == parts { hi } else { lo + (hi - lo) * k as f64 / parts as f64 }).collect();
+    Some(rulings.lines(across, along))
+}
+
+/// Places at equal turns of about `step` (rad), all knots among them.
+fn across(turns: &[Turns], step: f64) -> Vec<f64> {
+    let mut out: Vec<f64> = turns.first().map(|t| t.0[0]).into_iter().collect();
+    for (at, turn) in turns {
+        let count = (turn[PLACES] / step).ceil().max(1.0) as usize;
+        for k in 1..count {
+            let wanted = turn[PLACES] * k as f64 / count as f64;
+            let i = turn.partition_point(|&x| x < wanted).clamp(1, PLACES);
+            let share = (wanted - turn[i - 1]) / (turn[i] - turn[i - 1]).max(f64::MIN_POSITIVE);
+            out.push(at[i - 1] + (at[i] - at[i - 1]) * share.clamp(0.0, 1.0));
+        }
+        out.push(at[PLACES]);
+    }
+    out.dedup();
+    out
+}
+
+impl Job<'_> {
+    /// The torse of a region that is developable already, proven; `None` where it is not, or where limits forbid it.
+    fn exact(&self, state: &State, label: u32) -> Option<Arc<Fit>> {
+        let tolerance = self.options.tolerance;
+        let surface = &self.face.surface;
+        let rulings = Rulings::of(surface, state.partition.bounds(label), SLACK * tolerance)?;
+        let samples = state.dense_samples(surface, label, Density::Usual);
+        let fit = exact(&rulings, &samples, &asked(tolerance))?;
+        let triangles = state.triangles(label);
+        let allowed = tolerance * DISTANCE_SHARE;
+        let options = DistanceOptions::default();
+        let judged = distance(&self.prepared, &fit.torse, &triangles, allowed, &options, self.control);
+        let limits = &self.options.limits;
+        let kept = judged.min_bend_radius >= limits.min_bend_radius.unwrap_or(0.0)
+            && judged.regression_clearance >= limits.min_clearance.unwrap_or(0.0);
+        let holds = matches!(judged.verdict, Verdict::Holds { .. });
+        (holds && kept && has_patch(self.face, &state.partition, label, &fit.torse)).then(|| Arc::new(fit))
+    }
+}

@@ -1,0 +1,431 @@
+//! Panels along curves that a designer gives, and the front that goes on from their borders (\[SE06\]).
+//!
+//! *Method.* Along each curve the envelope of the tangent planes; its region between the ends of the minimal ruling
+//! intervals, with smoothed borders; what earlier panels cover is left out, since only free regions are cut. The third
+//! refinement of the paper (shorter intervals) answers a refusal by the certificate, which stands in the place of the
+//! paper's bound; the first and the second (more rulings, more points on each) only sharpen the paper's own comparison,
+//! which is kept beside the certified bound. Then the front: the next curve lies ahead of the last border by as much as
+//! the intervals on it reach, so that the next strip begins at that border. Where the front stops, the automatic cover
+//! goes on.
+//!
+//! Departures: the dual torse interpolates the tangent planes by least squares, so it is exactly developable, but
+//! not through every one of them exactly; curves are carried on straight in the parameter plane until they leave the
+//! face; closed curves become two halves.
+
+use super::curve_on_face::{lines, CurveError, PanelCurve};
+use super::state::Density;
+use super::{Job, State, DISTANCE_SHARE};
+use crate::fit::near::dual::envelope;
+use crate::fit::near::samples::{error, Fit};
+use crate::fit::near::tangent_envelope::{envelope_along, interval, paper_estimate, smoothed, walked, RulingPoint};
+use crate::spline::surface::Surface;
+use crate::torse::form::PanelKind;
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+/// Rulings of a strip.
+const RULINGS: usize = 81;
+/// Spans of the spline of planes.
+const SPANS: usize = 26;
+/// Share of its parameter range by which the torse reaches beyond the line.
+const REACH: f64 = 0.1;
+/// Share of the box of the region by which lines are carried on beyond it.
+const BEYOND: f64 = 0.25;
+/// Trials with shorter and shorter rulings.
+const TRIALS: usize = 7;
+/// Weight of the smoothing (19).
+const SMOOTHING: f64 = 4.0;
+/// Sampled errors up to this share of the allowed distance go to the certificate.
+const HOPEFUL: f64 = 0.995;
+/// Share of the tolerance for which intervals are measured: planes by least squares and smoothing use up the rest.
+const INTERVALS: f64 = 0.97;
+/// A front whose strips are shorter along their rulings than this share of the intervals is given up.
+const LEAST_SHARE: f64 = 0.2;
+/// Strips of the front from one side of a curve at most.
+const MOST_STRIPS: usize = 2000;
+/// A strip that covers less than this share of a strip's typical area ends its front.
+const LEAST_AREA: f64 = 1e-9;
+
+/// Where a panel along a curve comes from.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Origin {
+    /// Name of the curve.
+    pub curve: String,
+    /// Strips between the curve and the panel: 0 for the panel along the curve itself.
+    pub step: usize,
+    /// Distance found by the comparison of the paper, mm. Sampled.
+    pub paper_estimate: f64,
+}
+
+/// A line for a strip.
+struct Line {
+    points: Vec<[f64; 2]>,
+    /// Whether it is carried on beyond the face.
+    open: bool,
+}
+
+/// A strip that was accepted.
+struct Laid {
+    state: State,
+    /// Borders, backward and forward.
+    borders: [Vec<[f64; 2]>; 2],
+    labels: Vec<u32>,
+}
+
+/// Rulings with a torse through their planes.
+struct Sheet {
+    points: Vec<RulingPoint>,
+    ends: Vec<[f64; 2]>,
+    torse: crate::torse::form::Torse,
+}
+
+/// Checks curves against a face: one result for each.
+pub(crate) fn checked(job: &Job, state: &State, curves: &[PanelCurve]) -> Vec<Result<(), CurveError>> {
+    let tolerance = job.options.tolerance;
+    curves
+        .iter()
+        .map(|c| {
+            for line in lines(job.face, state, c, tolerance)? {
+                let points = resampled(&job.face.surface, &line);
+                envelope_along(&job.face.surface, &points)
+                    .map_err(|source| CurveError::Envelope { name: c.name.clone(), source })?;
+            }
+            Ok(())
+        })
+        .collect()
+}
+
+impl Job<'_> {
+    /// Lays the panels along all curves of the layout, then the fronts; what stays free has no torse.
+    pub(super) fn guided(&self, mut state: State, curves: &[PanelCurve]) -> State {
+        let bounds = state
+            .partition
+            .distinct_labels()
+            .iter()
+            .map(|&l| state.partition.bounds(l))
+            .fold([f64::INFINITY, f64::NEG_INFINITY, f64::INFINITY, f64::NEG_INFINITY], |a, b| {
+                [a[0].min(b[0]), a[1].max(b[1]), a[2].min(b[2]), a[3].max(b[3])]
+            });
+        let mut fronts: Vec<(String, usize, Line, f64)> = Vec::new();
+        for c in curves {
+            let Ok(found) = lines(self.face, &state, c, self.options.tolerance) else { continue };
+            for line in found.into_iter().flat_map(opened) {
+                let Some(sheet) = self.sheet(&line, bounds) else { continue };
+                if let Some(laid) = self.strip(&state, &sheet, None, &c.name, 0) {
+                    state = laid.state;
+                    let [back, forth] = laid.borders;
+                    fronts.push((c.name.clone(), 1, Line { points: back, open: line.open }, -1.0));
+                    fronts.push((c.name.clone(), 1, Line { points: forth, open: line.open }, 1.0));
+                }
+            }
+        }
+        // All fronts advance in turn.
+        let mut fronts = std::collections::VecDeque::from(fronts);
+        while let Some((name, step, border, side)) = fronts.pop_front() {
+            let full = state.panels.len() >= self.options.max_panels;
+            if self.control.stopped() || full || step > MOST_STRIPS || free(&state).is_empty() {
+                break;
+            }
+            if let Some((laid, next)) = self.advanced(&state, &border, side, bounds, &name, step) {
+                state = laid;
+                fronts.push_back((name, step + 1, Line { points: next, open: border.open }, side));
+            }
+        }
+        state
+    }
+
+    /// The strip ahead of a border, and its far border.
+    fn advanced(
+        &self,
+        state: &State,
+        border: &Line,
+        side: f64,
+        bounds: [f64; 4],
+        name: &str,
+        step: usize,
+    ) -> Option<(State, Vec<[f64; 2]>)> {
+        let surface = &self.face.surface;
+        let on_border = self.sheet(border, bounds)?;
+        let forward = usize::from(side > 0.0);
+        let mut share = 1.0;
+        for _ in 0..TRIALS {
+            let ahead: Option<Vec<[f64; 2]>> = on_border
+                .points
+                .iter()
+                .zip(&on_border.ends)
+                .map(|(p, e)| walked(surface, p, side * share * e[forward]))
+                .collect();
+            let line = Line { points: ahead?, open: border.open };
+            if let Some(sheet) = self.sheet(&line, bounds) {
+                let limit = Ahead { side: forward, share };
+                if let Some(laid) = self.strip(state, &sheet, Some(limit), name, step) {
+                    if laid.labels.is_empty() {
+                        return None;
+                    }
+                    let [back, forth] = laid.borders;
+                    return Some((laid.state, if side > 0.0 { forth } else { back }));
+                }
+            }
+            share *= 0.8;
+            if share < LEAST_SHARE || self.control.stopped() {
+                break;
+            }
+        }
+        None
+    }
+
+    /// Rulings, intervals and torse along a line.
+    fn sheet(&self, line: &Line, bounds: [f64; 4]) -> Option<Sheet> {
+        let surface = &self.face.surface;
+        let mut points = resampled(surface, &line.points);
+        if line.open {
+            points = resampled(surface, &carried_on(&points, bounds));
+        }
+        let all = regular(surface, &points)?;
+        let torse = envelope(&all.iter().map(RulingPoint::centre).collect::<Vec<_>>(), SPANS, REACH)?;
+        let size = surface.bbox().diagonal();
+        let allowed = self.options.tolerance * DISTANCE_SHARE * INTERVALS;
+        let ends = all.iter().map(|p| interval(surface, p, allowed, size)).collect();
+        Some(Sheet { points: all, ends, torse })
+    }
+
+    /// The widest strip around the line that the certificate accepts, out of what is free.
+    fn strip(&self, state: &State, sheet: &Sheet, ahead: Option<Ahead>, name: &str, step: usize) -> Option<Laid> {
+        let surface = &self.face.surface;
+        let allowed = self.options.tolerance * DISTANCE_SHARE;
+        let mut share = ahead.map_or(1.0, |a| a.share);
+        let least = LEAST_SHARE * share;
+        let centre: Vec<[f64; 2]> = sheet.points.iter().map(|p| p.uv).collect();
+        for _ in 0..TRIALS {
+            if self.control.stopped() {
+                return None;
+            }
+            // A strip ahead of a border reaches back over it; what is covered there is left out by itself.
+            let behind = |k: usize| ahead.filter(|a| a.side != k).map(|a| 1.3 * a.share);
+            let mut borders: [Vec<[f64; 2]>; 2] = [Vec::new(), Vec::new()];
+            for (k, sign) in [(0, -1.0), (1, 1.0)] {
+                let rest = behind(k).unwrap_or(share);
+                let raw: Option<Vec<[f64; 2]>> =
+                    sheet.points.iter().zip(&sheet.ends).map(|(p, e)| walked(surface, p, sign * rest * e[k])).collect();
+                borders[k] = smoothed(&centre, &raw?, SMOOTHING);
+            }
+            let polygon: Vec<[f64; 2]> = borders[0].iter().chain(borders[1].iter().rev()).copied().collect();
+            let (mut trial, labels) = self.cut_out(state, &polygon);
+            let mut worst: f64 = 0.0;
+            for &label in &labels {
+                let samples = trial.dense_samples(surface, label, Density::Usual);
+                let Some((e, at)) = error(&sheet.torse, &samples) else {
+                    worst = f64::INFINITY;
+                    break;
+                };
+                worst = worst.max(e);
+                if e <= allowed * HOPEFUL {
+                    let fit = Fit { torse: sheet.torse.clone(), kind: PanelKind::Torse, error: e, worst: at };
+                    match self.proven(&trial, label, fit, samples).accepted {
+                        Some(fit) => {
+                            trial.panels.insert(label, fit);
+                        }
+                        None => worst = worst.max(allowed * 1.02),
+                    }
+                }
+                if worst > allowed * HOPEFUL {
+                    break;
+                }
+            }
+            if worst <= allowed * HOPEFUL {
+                let cut: Vec<[f64; 2]> = sheet.ends.iter().map(|e| [e[0] * share, e[1] * share]).collect();
+                let estimate =
+                    (1..=3).map(|m| paper_estimate(surface, &sheet.points, &cut, m)).fold(f64::INFINITY, f64::min);
+                for &label in &labels {
+                    let origin = Origin { curve: name.to_owned(), step, paper_estimate: estimate };
+                    trial.origins.insert(label, Arc::new(origin));
+                }
+                return Some(Laid { state: trial, borders, labels });
+            }
+            let factor = if worst.is_finite() { (0.97 * allowed / worst).sqrt().clamp(0.5, 0.97) } else { 0.6 };
+            share *= factor;
+            if share < least {
+                break;
+            }
+        }
+        None
+    }
+
+    /// Cuts the inside of a polygon out of the free regions: its components.
+    fn cut_out(&self, state: &State, polygon: &[[f64; 2]]) -> (State, Vec<u32>) {
+        let mut trial = state.clone();
+        let mut labels = Vec::new();
+        for label in free(state) {
+            let fresh = trial.partition.fresh_label();
+            trial.cut(&self.face.surface, label, fresh, |p| inside_by(polygon, p));
+            if trial.partition.labels.contains(&fresh) {
+                labels.extend(trial.partition.split_components(fresh));
+            }
+            if trial.partition.labels.contains(&label) {
+                trial.partition.split_components(label);
+            }
+        }
+        let total: f64 = labels.iter().map(|&l| trial.area(l)).sum();
+        let whole: f64 = (0..trial.partition.triangles.len()).map(|t| trial.triangle_area(t)).sum();
+        if total <= LEAST_AREA * whole {
+            labels.clear();
+        }
+        (trial, labels)
+    }
+}
+
+/// A strip ahead of a border.
+#[derive(Clone, Copy)]
+struct Ahead {
+    /// Index of the border that is ahead.
+    side: usize,
+    /// Share of the intervals by which its line lies ahead.
+    share: f64,
+}
+
+/// Labels without a torse.
+fn free(state: &State) -> BTreeSet<u32> {
+    state.partition.distinct_labels().into_iter().filter(|l| !state.panels.contains_key(l)).collect()
+}
+
+/// The longest part of a line along which the envelope is regular and bends to one side.
+fn regular(surface: &Surface, line: &[[f64; 2]]) -> Option<Vec<RulingPoint>> {
+    // Rulings that a strip has at least.
+    const FEWEST: usize = 8;
+    if let Ok(all) = envelope_along(surface, line) {
+        if all.windows(2).all(|w| w[0].curvature * w[1].curvature > 0.0) {
+            return Some(all);
+        }
+    }
+    // Some place fails: triples of neighbours tell where.
+    let each: Vec<Option<RulingPoint>> =
+        line.windows(3).map(|w| envelope_along(surface, w).ok().map(|p| p[1])).collect();
+    let mut best: Vec<RulingPoint> = Vec::new();
+    let mut run: Vec<RulingPoint> = Vec::new();
+    for p in each.into_iter().chain([None]) {
+        match p {
+            Some(p) if run.last().is_none_or(|l| l.curvature * p.curvature > 0.0) => run.push(p),
+            other => {
+                if run.len() > best.len() {
+                    best = std::mem::take(&mut run);
+                }
+                run = other.into_iter().collect();
+            }
+        }
+    }
+    (best.len() >= FEWEST).then_some(best)
+}
+
+/// Points equally spaced in space along a line of the parameter plane.
+fn resampled(surface: &Surface, line: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let mut lengths = vec![0.0];
+    for w in line.windows(2) {
+        let d = (surface.extended_jet(w[1][0], w[1][1]).p - surface.extended_jet(w[0][0], w[0][1]).p).norm();
+        lengths.push(lengths[lengths.len() - 1] + d);
+    }
+    let total = lengths[lengths.len() - 1];
+    if !(total > 0.0 && total.is_finite()) {
+        return line.to_vec();
+    }
+    let mut k = 0;
+    (0..RULINGS)
+        .map(|i| {
+            let s = total * i as f64 / (RULINGS - 1) as f64;
+            while k + 2 < lengths.len() && lengths[k + 1] < s {
+                k += 1;
+            }
+            let part = (s - lengths[k]) / (lengths[k + 1] - lengths[k]).max(f64::MIN_POSITIVE);
+            std::array::from_fn(|d| line[k][d] + part.clamp(0.0, 1.0) * (line[k + 1][d] - line[k][d]))
+        })
+        .collect()
+}
+
+/// The line, carried on straight at both ends until it leaves the box `[u0, u1, v0, v1]` by a margin; what lies beyond
+/// that is left out.
+fn carried_on(line: &[[f64; 2]], b: [f64; 4]) -> Vec<[f64; 2]> {
+    const MOST: usize = 400;
+    let (mu, mv) = (BEYOND * (b[1] - b[0]), BEYOND * (b[3] - b[2]));
+    let inside = |p: &[f64; 2]| p[0] > b[0] - mu && p[0] < b[1] + mu && p[1] > b[2] - mv && p[1] < b[3] + mv;
+    let (Some(first), Some(last)) = (line.iter().position(inside), line.iter().rposition(inside)) else {
+        return line.to_vec();
+    };
+    let mut out: Vec<[f64; 2]> = line[first..=last].to_vec();
+    for _ in 0..2 {
+        out.reverse();
+        let n = out.len();
+        if n < 4 {
+            continue;
+        }
+        let step: [f64; 2] = std::array::from_fn(|d| (out[n - 1][d] - out[n - 4][d]) / 3.0);
+        for _ in 0..MOST {
+            let p = out[out.len() - 1];
+            if !inside(&p) || step[0].abs() + step[1].abs() <= 0.0 {
+                break;
+            }
+            out.push([p[0] + step[0], p[1] + step[1]]);
+        }
+    }
+    out
+}
+
+/// Open lines of a line: two halves of a closed one.
+fn opened(line: Vec<[f64; 2]>) -> Vec<Line> {
+    let closed = line.len() > 6 && line.first() == line.last();
+    if !closed {
+        return vec![Line { points: line, open: true }];
+    }
+    let middle = line.len() / 2;
+    [line[..=middle].to_vec(), line[middle..].to_vec()].map(|points| Line { points, open: false }).into()
+}
+
+/// Signed distance from the border of a polygon, positive inside.
+fn inside_by(polygon: &[[f64; 2]], p: [f64; 2]) -> f64 {
+    let mut inside = false;
+    let mut best = f64::INFINITY;
+    for i in 0..polygon.len() {
+        let (a, b) = (polygon[i], polygon[(i + 1) % polygon.len()]);
+        if (a[1] > p[1]) != (b[1] > p[1]) && p[0] < a[0] + (p[1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0]) {
+            inside = !inside;
+        }
+        let d = [b[0] - a[0], b[1] - a[1]];
+        let q = [p[0] - a[0], p[1] - a[1]];
+        let length = d[0] * d[0] + d[1] * d[1];
+        let s = if length > 0.0 { ((q[0] * d[0] + q[1] * d[1]) / length).clamp(0.0, 1.0) } else { 0.0 };
+        best = best.min((q[0] - s * d[0]).powi(2) + (q[1] - s * d[1]).powi(2));
+    }
+    if inside {
+        best.sqrt()
+    } else {
+        -best.sqrt()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn polygons_tell_inside_from_outside() {
+        let square = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]];
+        assert!((inside_by(&square, [1.0, 0.4]) - 0.4).abs() < 1e-15);
+        assert!((inside_by(&square, [3.0, 0.5]) + 1.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn lines_are_carried_on_until_they_leave_the_box() {
+        let line: Vec<[f64; 2]> = (0..5).map(|i| [0.4 + 0.05 * i as f64, 0.5]).collect();
+        let on = carried_on(&line, [0.0, 1.0, 0.0, 1.0]);
+        let (lo, hi) = on.iter().fold((1.0, 0.0), |(a, b): (f64, f64), p| (a.min(p[0]), b.max(p[0])));
+        assert!(lo <= -0.25 && hi >= 1.25 && on.iter().all(|p| p[1] == 0.5), "{lo} {hi}");
+    }
+
+    #[test]
+    fn closed_lines_become_two_halves() {
+        let mut ring: Vec<[f64; 2]> =
+            (0..12).map(|i| (f64::from(i) * std::f64::consts::FRAC_PI_6).sin_cos().into()).collect();
+        ring.push(ring[0]);
+        let halves = opened(ring);
+        assert!(halves.len() == 2 && halves.iter().all(|l| !l.open));
+        assert_eq!(halves[0].points.last(), halves[1].points.first());
+    }
+}

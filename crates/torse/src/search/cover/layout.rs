@@ -1,0 +1,217 @@
+//! The layout of panels that a user asks for: where strips run, rings, seams that must be kept (B2, B3).
+//!
+//! *Method.* Directions are wanted of the level lines: the level function starts as the one that follows them best and
+//! may turn away from them a little only ([`levels_along`]). Rings run around the point that is farthest
+//! from the region's border; the region is first cut through that point, because no developable closes around it. Planes
+//! of user seams cut the region before anything is fitted, and panels on different sides are never merged.
+//!
+//! Not guaranteed: the direction itself. Where a direction is asymptotic no strip follows it, and where bands fail the
+//! usual means (cuts, facets) take over: the tolerance comes first.
+
+use super::curve_on_face::PanelCurve;
+use super::merge::axes;
+use super::{Job, State};
+use crate::fit::level::strip_potential::{levels_along, Level, LevelOptions};
+use crate::geom::Vec3;
+use crate::patchwork::partition::edges;
+use crate::spline::surface::Surface;
+
+/// Kinds of layouts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum LayoutKind {
+    /// As few panels as can be.
+    #[default]
+    Auto,
+    /// Strips from side to side, even where other cuts would need fewer panels.
+    Strips,
+    /// Strips around the middle of every face.
+    Rings,
+}
+
+/// What strips run along.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Guide {
+    /// A direction in space, seen on the surface.
+    Direction(Vec3),
+    /// The tangents of a polyline (mm), each at the points of the surface that are nearest to it.
+    Curve(Vec<Vec3>),
+}
+
+/// A plane `normal · x = offset` that seams must follow; `normal` of unit length, mm.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SeamPlane {
+    /// Unit normal.
+    pub normal: Vec3,
+    /// Distance from the origin along the normal, mm.
+    pub offset: f64,
+}
+
+impl SeamPlane {
+    pub(in crate::search) fn height(&self, x: &Vec3) -> f64 {
+        self.normal.dot(x) - self.offset
+    }
+}
+
+/// The layout of panels; default: as few as can be.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Layout {
+    /// Kind.
+    pub kind: LayoutKind,
+    /// What strips run along; not used for rings.
+    pub guide: Option<Guide>,
+    /// Planes of seams that must be kept.
+    pub seams: Vec<SeamPlane>,
+    /// Curves along which panels are laid first; the rest follows from their borders.
+    pub curves: Vec<PanelCurve>,
+}
+
+/// What strips of one region follow.
+#[derive(Clone, Debug)]
+pub(super) enum Course<'a> {
+    /// Whatever needs the fewest.
+    Free,
+    /// A guide.
+    Along(&'a Guide),
+    /// A point.
+    Around(Vec3),
+}
+
+impl Course<'_> {
+    /// The direction wanted at a point with a normal; not of unit length.
+    fn at(&self, x: &Vec3, normal: &Vec3) -> Option<Vec3> {
+        match self {
+            Self::Free => None,
+            Self::Along(Guide::Direction(d)) => Some(*d),
+            Self::Along(Guide::Curve(points)) => tangent(points, x),
+            Self::Around(centre) => Some(normal.cross(&(x - centre))),
+        }
+    }
+}
+
+/// Unit tangent of a polyline at its point nearest to `x`.
+fn tangent(points: &[Vec3], x: &Vec3) -> Option<Vec3> {
+    let mut best: Option<(f64, Vec3)> = None;
+    for w in points.windows(2) {
+        let d = w[1] - w[0];
+        let length = d.norm_squared();
+        if length <= 0.0 {
+            continue;
+        }
+        let s = ((x - w[0]).dot(&d) / length).clamp(0.0, 1.0);
+        let distance = (x - (w[0] + d * s)).norm_squared();
+        if best.as_ref().is_none_or(|b| distance < b.0) {
+            best = Some((distance, d / length.sqrt()));
+        }
+    }
+    best.map(|b| b.1)
+}
+
+/// Directions that are nearly square to the surface say nothing about strips: below this sine they are left out.
+const STEEP: f64 = 0.1;
+
+/// Parameter direction of the part of `d` that is tangent to the surface; zero where that says nothing.
+fn pulled_back(surface: &Surface, uv: [f64; 2], course: &Course) -> [f64; 2] {
+    let jet = surface.jet(uv[0], uv[1]);
+    let normal = jet.normal();
+    let area = normal.norm_squared();
+    let Some(d) = course.at(&jet.p, &(normal / area.sqrt())) else { return [0.0; 2] };
+    let (a, b) = (d.dot(&jet.du), d.dot(&jet.dv));
+    let (e, f, g) = (jet.du.norm_squared(), jet.du.dot(&jet.dv), jet.dv.norm_squared());
+    let along = [(g * a - f * b) / area, (e * b - f * a) / area];
+    let tangent = jet.du * along[0] + jet.dv * along[1];
+    if tangent.norm() > STEEP * d.norm() && along.iter().all(|x| x.is_finite()) {
+        along
+    } else {
+        [0.0; 2]
+    }
+}
+
+impl Job<'_> {
+    /// Level functions whose bands follow the region's course.
+    pub(super) fn levels_on_course(&self, state: &State, label: u32, samples: usize, spans: usize) -> Vec<Level> {
+        let forms = state.forms(label, samples);
+        let along: Vec<[f64; 2]> = forms.iter().map(|f| pulled_back(&self.face.surface, f.uv, &self.course)).collect();
+        levels_along(&forms, &along, &state.places(label), &LevelOptions { spans, ..LevelOptions::default() })
+    }
+}
+
+/// Cuts every region along the planes of user seams.
+pub(super) fn cut_along_seams(surface: &Surface, state: &mut State, seams: &[SeamPlane]) {
+    for seam in seams {
+        for label in state.partition.distinct_labels() {
+            let fresh = state.partition.fresh_label();
+            state.cut(surface, label, fresh, |p| seam.height(&surface.point(p[0], p[1])));
+        }
+    }
+    for label in state.partition.distinct_labels() {
+        state.partition.split_components(label);
+    }
+}
+
+/// Whether no user seam runs between two regions.
+pub(super) fn same_side(state: &State, seams: &[SeamPlane], a: u32, b: u32) -> bool {
+    let side = |label: u32, seam: &SeamPlane| {
+        // The vertex farthest from the plane: those on the plane tell nothing.
+        let heights = state.partition.region_vertices(label).into_iter().map(|v| {
+            let x: Vec3 = state.jets[v as usize].jet.p;
+            seam.height(&x)
+        });
+        heights.fold(0.0, |m: f64, h| if h.abs() > m.abs() { h } else { m }) > 0.0
+    };
+    seams.iter().all(|s| side(a, s) == side(b, s))
+}
+
+/// Cuts a region through the point that rings run around; the point, and all parts. `None` where one panel is enough.
+pub(super) fn rings(job: &Job, state: &mut State, label: u32) -> Option<(Vec3, Vec<u32>)> {
+    if job.single(state, label, None).accepted.is_some() {
+        return None;
+    }
+    let centre = middle(state, label)?;
+    let (_, axes) = axes(state, label);
+    let surface = &job.face.surface;
+    let fresh = state.partition.fresh_label();
+    state.cut(surface, label, fresh, |p| axes[0].dot(&(surface.point(p[0], p[1]) - centre)));
+    let mut parts = state.partition.split_components(label);
+    parts.extend(state.partition.split_components(fresh));
+    parts.retain(|p| state.partition.labels.contains(p));
+    Some((centre, parts))
+}
+
+/// Vertices that are compared with the border for [`middle`].
+const TRIED: usize = 400;
+
+/// The vertex that is farthest from the region's border.
+fn middle(state: &State, label: u32) -> Option<Vec3> {
+    let around = state.partition.adjacency();
+    let border: Vec<Vec3> = state
+        .partition
+        .region(label)
+        .into_iter()
+        .flat_map(|t| edges(state.partition.triangles[t]))
+        .filter(|&(a, b)| around.get(&(b, a)).is_none_or(|&t| state.partition.labels[t as usize] != label))
+        .map(|(a, _)| state.jets[a as usize].jet.p)
+        .collect();
+    let vertices = state.partition.region_vertices(label);
+    let step = vertices.len().div_ceil(TRIED).max(1);
+    let distance = |x: &Vec3| border.iter().map(|b| (b - x).norm_squared()).fold(f64::INFINITY, f64::min);
+    vertices
+        .into_iter()
+        .step_by(step)
+        .map(|v| state.jets[v as usize].jet.p)
+        .map(|x: Vec3| (distance(&x), x))
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|m| m.1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tangents_are_those_of_the_nearest_segment() {
+        let line = [Vec3::zeros(), Vec3::x(), Vec3::x(), Vec3::new(1.0, 2.0, 0.0)];
+        assert_eq!(tangent(&line, &Vec3::new(0.4, -1.0, 3.0)), Some(Vec3::x()));
+        assert_eq!(tangent(&line, &Vec3::new(1.5, 1.0, 0.0)), Some(Vec3::y()));
+        assert_eq!(tangent(&line[..1], &Vec3::zeros()), None);
+    }
+}

@@ -1,0 +1,318 @@
+//! Bands of a level function: greedy marching with width control, every component on its own (B3.6, C5).
+
+use super::propose::Try;
+use super::{Job, State};
+use crate::fit::level::strip_potential::Level;
+use crate::fit::near::centre_line::centre_line;
+use crate::fit::near::dual::CentrePoint;
+use crate::fit::near::samples::Fit;
+use crate::spline::field::Field;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::Arc;
+
+/// Width trials for one band.
+const TRIALS: usize = 8;
+/// A band is wide enough when its error reaches this share of the tolerance.
+const WIDE: f64 = 0.86;
+/// Narrowest band, as a share of the theoretical width, before its region is bisected instead.
+const NARROWEST: f64 = 0.2;
+/// Bands below this share of the theoretical width count as narrow (C5)…
+const POOR_WIDTH: f64 = 0.55;
+/// … and after so many of them in a row the rest is given to a new level function.
+const PATIENCE: usize = 2;
+/// A rest below this share of the march's range gets a level function of its own when bands fail.
+const FRESH: f64 = 0.9;
+/// A resisting end is left behind when what lies beyond is at least this many bands wide…
+const BEHIND: f64 = 3.0;
+/// … at most so many times in a march.
+const SKIPS: usize = 3;
+/// Widths are sought until the widest good one is that near to the narrowest bad one.
+const CLOSE: f64 = 1.02;
+/// Factor on the width where it is not known how much too wide a band is.
+const UNKNOWN: f64 = 0.6;
+/// A rest of less than this share of a band is tried together with it.
+const REST: f64 = 0.15;
+
+/// Depth of the recursion down to which marches start from both ends: deeper, trying both would double the work at
+/// every level.
+const BOTH_ENDS_DEPTH: usize = 0;
+/// Of a rest that is too wide for one band, at most this share goes into the next.
+const LARGEST_PART: f64 = 0.9;
+
+/// How bands are laid.
+struct Lay<'f> {
+    field: &'f Arc<Field>,
+    /// Theoretical width in units of the field; `None` for sweeps.
+    theory: Option<f64>,
+    /// Give up instead of bisecting.
+    strict: bool,
+    depth: usize,
+}
+
+/// Covers that compete are told apart by their ranks, all below this.
+const RANKS: usize = 64;
+
+/// Order of competing covers: fewer panels first, then the lower rank.
+pub(super) fn key(panels: usize, rank: usize) -> usize {
+    panels.saturating_mul(RANKS).saturating_add(rank)
+}
+
+/// The best cover so far among several that are sought at the same time; which of them wins does not depend on their
+/// speed.
+#[derive(Clone, Copy)]
+pub(super) struct Limit<'a> {
+    /// Smallest [`key`] so far.
+    pub(super) best: &'a AtomicUsize,
+    /// Rank of the cover that is limited.
+    pub(super) rank: usize,
+}
+
+impl Limit<'_> {
+    /// The limit for a cover that competes with nothing but a number of panels.
+    fn of(panels: &AtomicUsize) -> Limit<'_> {
+        Limit { best: panels, rank: 0 }
+    }
+
+    /// Whether a cover of so many panels, or more, cannot win.
+    fn excludes(&self, panels: usize) -> bool {
+        key(panels, self.rank) > self.best.load(Ordering::Relaxed)
+    }
+
+    /// Largest number of panels that may still win.
+    fn panels(&self) -> usize {
+        self.best.load(Ordering::Relaxed) / RANKS
+    }
+}
+
+/// What is left to do of a march.
+struct Rest {
+    label: u32,
+    width: f64,
+    /// Consecutive bands that came out far narrower than theory.
+    narrow: usize,
+}
+
+impl Job<'_> {
+    /// Bands along a level function.
+    pub(super) fn bands(&self, state: &State, label: u32, level: &Level, budget: usize, depth: usize) -> Option<State> {
+        let theory = 4.0 * self.options.tolerance.sqrt();
+        let mut falling = level.field.clone();
+        falling.coefficients.iter_mut().for_each(|c| *c = -*c);
+        // Each end has the whole budget for itself: what is found must not depend on which of them is faster.
+        let run = |field: &Field| {
+            let field = &Arc::new(field.clone());
+            let lay = Lay { field, theory: Some(theory), strict: false, depth };
+            self.march(state.clone(), label, &lay, theory, Limit::of(&AtomicUsize::new(key(budget, RANKS - 1))))
+        };
+        if depth > BOTH_ENDS_DEPTH {
+            return run(&level.field);
+        }
+        let (up, down) = rayon::join(|| run(&level.field), || run(&falling));
+        match (up, down) {
+            (Some(a), Some(b)) => Some(if b.panels.len() < a.panels.len() { b } else { a }),
+            (a, b) => a.or(b),
+        }
+    }
+
+    /// Bands of a linear function, given up as soon as they exceed `limit`.
+    pub(super) fn swept(&self, state: &State, label: u32, field: &Field, limit: Limit) -> Option<State> {
+        let (lo, hi) = range(state, label, field);
+        let field = &Arc::new(field.clone());
+        let lay = Lay { field, theory: None, strict: true, depth: 0 };
+        self.march(state.clone(), label, &lay, 0.25 * (hi - lo), limit)
+    }
+
+    fn march(&self, mut state: State, label: u32, lay: &Lay, width: f64, limit: Limit) -> Option<State> {
+        let before = state.panels.len();
+        let (lo, hi) = range(&state, label, lay.field);
+        let whole = hi - lo;
+        let mut open = vec![Rest { label, width, narrow: 0 }];
+        let mut skipped = 0;
+        while let Some(rest) = open.pop() {
+            let used = state.panels.len() - before;
+            if self.control.stopped() {
+                return Some(state);
+            }
+            if limit.excludes(used + open.len() + 1) {
+                return None;
+            }
+            if rest.narrow >= PATIENCE {
+                // The level function is poor here: what is left gets one of its own.
+                let budget = limit.panels().saturating_sub(used + open.len());
+                state = self.region(state, rest.label, budget, lay.depth + 1)?;
+                continue;
+            }
+            match self.band(&state, &rest, lay) {
+                Some((next, more)) => {
+                    state = next;
+                    open.extend(more);
+                }
+                None if lay.strict => return None,
+                None => {
+                    let budget = limit.panels().saturating_sub(used + open.len());
+                    let (lo, hi) = range(&state, rest.label, lay.field);
+                    if hi - lo > BEHIND * width && skipped < SKIPS {
+                        // The end resists: it is left behind for other means, and the march goes on beyond it.
+                        skipped += 1;
+                        let end = state.partition.fresh_label();
+                        let level = lo + width;
+                        state.cut(&self.face.surface, rest.label, end, |p| level - lay.field.value(p));
+                        let ahead = state.partition.split_components(rest.label);
+                        for label in state.partition.split_components(end) {
+                            let used = state.panels.len() - before;
+                            let budget = limit.panels().saturating_sub(used + open.len() + ahead.len());
+                            state = self.region(state, label, budget, lay.depth + 1)?;
+                        }
+                        open.extend(ahead.into_iter().map(|label| Rest { label, width, narrow: 0 }));
+                        continue;
+                    }
+                    // A level function of its own may do better on what is left; the whole region must be cut.
+                    state = if hi - lo < FRESH * whole {
+                        self.region(state, rest.label, budget, lay.depth + 1)?
+                    } else {
+                        self.halves(state, rest.label, budget, lay.depth + 1)?
+                    };
+                }
+            }
+        }
+        Some(state)
+    }
+
+    /// Bisection of a region on which bands fail.
+    fn halves(&self, mut state: State, label: u32, budget: usize, depth: usize) -> Option<State> {
+        let parts = super::merge::halve(&self.face.surface, &mut state, label, 0)?;
+        self.parts(state, &parts, budget, depth)
+    }
+
+    /// The widest acceptable band at the lower end of a region; the components of the rest go on by themselves.
+    fn band(&self, state: &State, rest: &Rest, lay: &Lay) -> Option<(State, Vec<Rest>)> {
+        let surface = &self.face.surface;
+        let (lo, hi) = range(state, rest.label, lay.field);
+        let narrowest = lay.theory.map_or((hi - lo) / 60.0, |t| NARROWEST * t);
+        let mut width = rest.width;
+        let mut accepted: Option<(f64, State, Vec<u32>)> = None;
+        let (mut too_wide, mut good) = (f64::INFINITY, 0.0);
+        let mut whole_failed = false;
+        // The torse of the last trial.
+        let mut from: Option<Arc<Fit>> = None;
+        for _ in 0..TRIALS {
+            if self.control.stopped() {
+                return None;
+            }
+            // Two bands of about equal width serve better than one and a sliver.
+            let halved = whole_failed && width > LARGEST_PART * (hi - lo);
+            if halved {
+                width = 0.5 * (hi - lo);
+            }
+            let whole = !whole_failed && lo + width * (1.0 + REST) >= hi;
+            let mut trial = state.clone();
+            let band_label = if whole {
+                width = hi - lo;
+                rest.label
+            } else {
+                let fresh = trial.partition.fresh_label();
+                let level = lo + width;
+                trial.cut(surface, rest.label, fresh, |p| level - lay.field.value(p));
+                fresh
+            };
+            let mut others: Vec<u32> = Vec::new();
+            if !whole {
+                if trial.partition.region(rest.label).is_empty() {
+                    // The cut took everything.
+                    return None;
+                }
+                others = trial.partition.split_components(rest.label);
+            }
+            let bands = trial.partition.split_components(band_label);
+            let mut error: f64 = 0.0;
+            let mut ok = true;
+            let (mut refused, mut misshapen) = (None, false);
+            for &b in &bands {
+                let (lo, hi) = range(&trial, b, lay.field);
+                let centre = self.centre(&trial, b, lay.field, 0.5 * (lo + hi));
+                let from = from.as_deref().filter(|_| bands.len() == 1);
+                let t = self.tried(&trial, b, Some(&centre), Try { from, ..Try::USUAL });
+                match t.accepted {
+                    Some(fit) => {
+                        error = error.max(t.error);
+                        trial.panels.insert(b, fit);
+                        trial.bands.insert(b, Arc::clone(lay.field));
+                    }
+                    None => {
+                        error = error.max(t.error);
+                        ok = false;
+                        (refused, misshapen) = (t.refused, t.misshapen);
+                        break;
+                    }
+                }
+            }
+            if let [b] = bands[..] {
+                from = trial.panels.get(&b).cloned().or(refused.map(Arc::new)).or(from);
+            }
+            let share = error / (self.options.tolerance * super::DISTANCE_SHARE);
+            if ok {
+                if whole {
+                    return Some((trial, Vec::new()));
+                }
+                good = width;
+                accepted = Some((width, trial, others));
+                if share >= WIDE || halved {
+                    break;
+                }
+            } else {
+                too_wide = width;
+                whole_failed |= whole;
+            }
+            if too_wide <= good * CLOSE {
+                break;
+            }
+            let factor = if share.is_finite() && !misshapen { (0.95 / share).sqrt().clamp(0.4, 2.0) } else { UNKNOWN };
+            width *= if ok { factor.max(1.02) } else { factor.min(0.98) };
+            if too_wide.is_finite() && width >= too_wide {
+                width = 0.5 * (good + too_wide);
+            }
+            if width <= good {
+                width = if too_wide.is_finite() { 0.5 * (good + too_wide) } else { good * 1.1 };
+            }
+            if width < narrowest {
+                break;
+            }
+        }
+        let (width, state, others) = accepted?;
+        let poor = lay.theory.is_some_and(|t| width < POOR_WIDTH * t);
+        let narrow = if poor { rest.narrow + 1 } else { 0 };
+        // The next march starts hopeful again where a single band was narrow.
+        let width = if poor { width * 1.5 } else { width };
+        Some((state, others.into_iter().map(|label| Rest { label, width, narrow }).collect()))
+    }
+
+    /// Centre line of a band: the level of its field at the value `middle`.
+    pub(super) fn centre(&self, state: &State, label: u32, field: &Field, middle: f64) -> Vec<CentrePoint> {
+        let seed = state
+            .partition
+            .region_vertices(label)
+            .into_iter()
+            .map(|v| state.partition.vertices[v as usize])
+            .min_by(|a, b| (field.value(*a) - middle).abs().total_cmp(&(field.value(*b) - middle).abs()));
+        let Some(mut seed) = seed else { return Vec::new() };
+        for _ in 0..3 {
+            let [f, fu, fv] = field.jet(seed[0], seed[1]);
+            let g = fu * fu + fv * fv;
+            if g > 0.0 {
+                seed = [seed[0] + (middle - f) * fu / g, seed[1] + (middle - f) * fv / g];
+            }
+        }
+        let size = state.bbox(label).diagonal();
+        centre_line(&self.face.surface, field, state.partition.bounds(label), seed, size)
+    }
+}
+
+/// Smallest and largest value of a field over a region's vertices.
+pub(super) fn range(state: &State, label: u32, field: &Field) -> (f64, f64) {
+    state
+        .partition
+        .region_vertices(label)
+        .into_iter()
+        .map(|v| field.value(state.partition.vertices[v as usize]))
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)))
+}

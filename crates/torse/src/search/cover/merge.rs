@@ -1,0 +1,198 @@
+//! Cuts in the middle, covers by two, and merging of neighbours (C6, C7).
+
+use super::layout::same_side;
+use super::march::range;
+use super::state::Density;
+use super::{Job, State};
+use crate::fit::near::dual::CentrePoint;
+use crate::geom::Vec3;
+use crate::spline::surface::Surface;
+use nalgebra as na;
+use std::collections::HashSet;
+use std::sync::Arc;
+
+/// Directions and bisection steps of the search for two panels.
+const TWO_DIRECTIONS: usize = 4;
+const TWO_STEPS: usize = 4;
+
+/// Mean point and principal axes (longest first) of a region's vertices.
+pub(super) fn axes(state: &State, label: u32) -> (Vec3, [Vec3; 3]) {
+    let samples = state.samples(label);
+    let total: f64 = samples.iter().map(|s| s.weight).sum::<f64>().max(f64::MIN_POSITIVE);
+    let mean = samples.iter().fold(Vec3::zeros(), |m, s| m + s.x * s.weight) / total;
+    let mut c = na::Matrix3::zeros();
+    for s in &samples {
+        let d = s.x - mean;
+        c += d * d.transpose() * s.weight;
+    }
+    let e = na::SymmetricEigen::new(c);
+    let mut order = [0, 1, 2];
+    order.sort_by(|&a, &b| e.eigenvalues[b].total_cmp(&e.eigenvalues[a]));
+    (mean, order.map(|k| e.eigenvectors.column(k).into_owned()))
+}
+
+/// Cuts a region across its `axis`-th principal axis in space (2: the diagonal of the first two) in the middle
+/// of its extent; returns the labels of all parts. `None` if the cut separates nothing.
+pub(super) fn halve(surface: &Surface, state: &mut State, label: u32, axis: usize) -> Option<Vec<u32>> {
+    let (mean, axes) = axes(state, label);
+    let direction = match axis {
+        0 | 1 => axes[axis],
+        _ => (axes[0] + axes[1]).normalize(),
+    };
+    let along: Vec<f64> = state
+        .partition
+        .region_vertices(label)
+        .into_iter()
+        .map(|v| direction.dot(&(state.jets[v as usize].jet.p - mean)))
+        .collect();
+    let (lo, hi) = along.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &x| (a.min(x), b.max(x)));
+    let at = 0.5 * (lo + hi);
+    cut_across(surface, state, label, &mean, &direction, at)
+}
+
+fn cut_across(
+    surface: &Surface,
+    state: &mut State,
+    label: u32,
+    mean: &Vec3,
+    direction: &Vec3,
+    at: f64,
+) -> Option<Vec<u32>> {
+    let fresh = state.partition.fresh_label();
+    state.cut(surface, label, fresh, |p| direction.dot(&(surface.point(p[0], p[1]) - mean)) - at);
+    let mut parts = state.partition.split_components(label);
+    parts.extend(state.partition.split_components(fresh));
+    parts.retain(|&p| state.partition.labels.contains(&p));
+    (parts.len() > 1).then_some(parts)
+}
+
+/// Bands smaller than this share of a neighbour are remainders, worth a fit along the neighbour's centre line.
+const REMAINDER: f64 = 0.15;
+
+impl Job<'_> {
+    /// Two panels with a plane cut between them, if that is enough.
+    pub(super) fn two(&self, state: &State, label: u32) -> Option<State> {
+        let (mean, axes) = axes(state, label);
+        for k in 0..TWO_DIRECTIONS {
+            let angle = std::f64::consts::PI * k as f64 / TWO_DIRECTIONS as f64;
+            let direction = axes[0] * angle.cos() + axes[1] * angle.sin();
+            let along: Vec<f64> = state
+                .partition
+                .region_vertices(label)
+                .into_iter()
+                .map(|v| direction.dot(&(state.jets[v as usize].jet.p - mean)))
+                .collect();
+            let (mut lo, mut hi) =
+                along.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &x| (a.min(x), b.max(x)));
+            for _ in 0..TWO_STEPS {
+                if self.control.stopped() {
+                    return None;
+                }
+                let at = 0.5 * (lo + hi);
+                let mut trial = state.clone();
+                let Some(parts) = cut_across(&self.face.surface, &mut trial, label, &mean, &direction, at) else {
+                    break;
+                };
+                let [low, high] = parts[..] else { break };
+                let (a, b) = (self.single(&trial, low, None), self.single(&trial, high, None));
+                match (a.accepted, b.accepted) {
+                    (Some(a), Some(b)) => {
+                        trial.panels.insert(low, a);
+                        trial.panels.insert(high, b);
+                        return Some(trial);
+                    }
+                    (None, None) => break,
+                    (None, _) => hi = at,
+                    (_, None) => lo = at,
+                }
+            }
+        }
+        None
+    }
+
+    /// Gives a region without a panel to a neighbour whose torse is good for both: the end of slivers that are too
+    /// thin to be panels.
+    pub(super) fn absorbed(&self, state: &State, label: u32) -> Option<State> {
+        let mut around: Vec<(usize, u32)> = state
+            .partition
+            .neighbours()
+            .into_iter()
+            .filter(|((a, b), _)| *a == label || *b == label)
+            .map(|((a, b), shared)| (shared, if a == label { b } else { a }))
+            .filter(|(_, n)| state.panels.contains_key(n) && same_side(state, &self.options.layout.seams, label, *n))
+            .collect();
+        around.sort_unstable_by(|x, y| y.cmp(x));
+        around.into_iter().find_map(|(_, n)| {
+            let mut trial = state.clone();
+            for l in &mut trial.partition.labels {
+                if *l == label {
+                    *l = n;
+                }
+            }
+            let fit = state.panels.get(&n)?;
+            let samples = trial.dense_samples(&self.face.surface, n, Density::Usual);
+            let (error, worst) = crate::fit::near::samples::error(&fit.torse, &samples)?;
+            let fit = crate::fit::near::samples::Fit { error, worst, ..(**fit).clone() };
+            let proven = self.proven(&trial, n, fit, samples).accepted?;
+            trial.panels.insert(n, proven);
+            Some(trial)
+        })
+    }
+
+    /// Centre line of the larger of two bands of one function, for both together (region `both[0]` of `joined`).
+    fn common_line(&self, state: &State, joined: &State, both: [u32; 2]) -> Option<Vec<CentrePoint>> {
+        let [f, g] = [state.bands.get(&both[0])?, state.bands.get(&both[1])?];
+        if !Arc::ptr_eq(f, g) {
+            return None;
+        }
+        let wide = if state.area(both[0]) > state.area(both[1]) { both[0] } else { both[1] };
+        let (lo, hi) = range(state, wide, f);
+        Some(self.centre(joined, both[0], f, 0.5 * (lo + hi)))
+    }
+
+    /// Merges adjacent panels as long as single torses fit their unions.
+    pub(super) fn merged(&self, mut state: State) -> State {
+        let mut failed: HashSet<(u32, u32)> = HashSet::new();
+        loop {
+            let areas: std::collections::HashMap<u32, f64> = state.panels.keys().map(|&l| (l, state.area(l))).collect();
+            let mut pairs: Vec<((u32, u32), f64)> = state
+                .partition
+                .neighbours()
+                .into_iter()
+                .filter(|(p, shared)| *shared >= 2 && !failed.contains(p))
+                .filter(|((a, b), _)| same_side(&state, &self.options.layout.seams, *a, *b))
+                // Panels along curves stay as they were laid.
+                .filter(|((a, b), _)| !state.origins.contains_key(a) && !state.origins.contains_key(b))
+                .filter_map(|((a, b), _)| Some(((a, b), areas.get(&a)? + areas.get(&b)?)))
+                .collect();
+            pairs.sort_by(|x, y| x.1.total_cmp(&y.1).then(x.0.cmp(&y.0)));
+            let mut done = true;
+            for ((a, b), _) in pairs {
+                if self.control.stopped() {
+                    return state;
+                }
+                let mut trial = state.clone();
+                for l in &mut trial.partition.labels {
+                    if *l == b {
+                        *l = a;
+                    }
+                }
+                let small = areas[&a].min(areas[&b]) < REMAINDER * areas[&a].max(areas[&b]);
+                let line = small.then(|| self.common_line(&state, &trial, [a, b])).flatten();
+                let t = self.single(&trial, a, line.as_deref());
+                if let Some(fit) = t.accepted {
+                    trial.panels.remove(&b);
+                    trial.panels.insert(a, Arc::clone(&fit));
+                    failed.retain(|&(x, y)| x != a && y != a && x != b && y != b);
+                    state = trial;
+                    done = false;
+                    break;
+                }
+                failed.insert((a, b));
+            }
+            if done {
+                return state;
+            }
+        }
+    }
+}

@@ -1,0 +1,547 @@
+//! Covering one face with torses, each accepted by the certificate.
+//!
+//! *Method* (mixed-curvature specification, C0): one panel if one is enough; two; straight bands laid all at once, where
+//! they promise fewer panels than curved ones, or marched in the best directions, where they are few and cannot be laid
+//! so; bands of a level function for the conjugate field (\[SE06\] carried on), all at once or one after the other, if
+//! they promise enough; division, where no level function is good or saddles surround a flat point; a sweep of straight
+//! bands in the directions that are left, where more panels are needed than theory asks for; bisection, which always
+//! ends, at worst with small planar facets. The smallest cover wins; neighbours that fit one torse are merged.
+//!
+//! This file holds the recursion; `judge` proposes and proves single torses, `march` lays bands.
+
+mod curve_on_face;
+mod equidistribute;
+mod exact;
+mod guided;
+mod layout;
+mod march;
+mod merge;
+mod propose;
+mod signs;
+mod state;
+mod umbilic;
+
+use crate::brep::face::Face;
+use crate::certify::Prepared;
+use crate::control::Control;
+use crate::fit::level::strip_potential::{level, levels, straight_bands, Level, LevelOptions};
+use crate::patchwork::partition::centroid;
+use crate::patchwork::triangulate::TriangulateError;
+use crate::spline::field::Field;
+pub use curve_on_face::{CurveError, CurveShape, PanelCurve};
+pub(in crate::search) use equidistribute::Rise;
+pub use exact::{is_developable, is_smoothly_developable};
+pub use guided::Origin;
+use layout::Course;
+pub use layout::{Guide, Layout, LayoutKind, SeamPlane};
+use rayon::prelude::*;
+pub use state::{Density, State};
+use std::collections::HashMap;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use umbilic::Star;
+
+/// What a cover is asked for.
+#[derive(Clone, Debug)]
+pub struct CoverOptions {
+    /// Deviation bound to reach, mm.
+    pub tolerance: f64,
+    /// Largest number of panels on one face; `usize::MAX` for no limit.
+    pub max_panels: usize,
+    /// Plane facets only; default false.
+    pub facets: bool,
+    /// What sheet and material allow.
+    pub limits: Limits,
+    /// Where strips and seams run.
+    pub layout: Layout,
+}
+
+/// What sheet and material allow, mm; default: anything.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Limits {
+    /// Smallest radius to which the material bends.
+    pub min_bend_radius: Option<f64>,
+    /// Smallest distance along rulings between panel and regression curve.
+    pub min_clearance: Option<f64>,
+    /// Largest width of a flat pattern (of its smallest enclosing rectangle).
+    pub max_width: Option<f64>,
+    /// Largest length of a flat pattern.
+    pub max_length: Option<f64>,
+}
+
+impl Limits {
+    /// Every limit with its name.
+    pub fn named(&self) -> [(&'static str, Option<f64>); 4] {
+        [
+            ("smallest bending radius", self.min_bend_radius),
+            ("smallest distance to the regression curve", self.min_clearance),
+            ("greatest width", self.max_width),
+            ("greatest length", self.max_length),
+        ]
+    }
+}
+
+/// Share of the tolerance that the distance part may use; the rest is for trim curves and rounding.
+pub(crate) const DISTANCE_SHARE: f64 = 0.985;
+/// Level functions of a face along which bands are laid.
+const CANDIDATES: usize = 2;
+/// Depth of the recursion at which only facets are tried.
+const FACET_DEPTH: usize = 14;
+/// Level functions are given up for parts when their merit exceeds this multiple of their range (C4).
+const POOR: f64 = 1.5;
+/// Covers with up to this multiple of the predicted count, and one panel more, count as near theory.
+const PROMISING: f64 = 1.25;
+/// Straight directions in which bands are laid all at once.
+const STRAIGHT: usize = 2;
+/// Depth of the recursion down to which sweeps are tried.
+const SWEEP_DEPTH: usize = 2;
+/// Against covers of more panels than this, a direction of the sweep …
+const SWEEP_COUNT: f64 = 18.0;
+/// … must promise less than this share of them: with many panels, sweeps take long.
+const PROMISED: f64 = 0.8;
+/// Level functions are not tried when they promise more than this multiple of the panels that marched straight bands
+/// leave to win.
+const BEATEN: f64 = 1.15;
+/// Parts must promise less than this multiple of the panels that they may have: merits say little where they are poor.
+const HOPED: f64 = 2.0;
+/// Directions of the sweep.
+const SWEEP_DIRECTIONS: usize = 8;
+/// Deep in the recursion only so many are tried, those that promise the fewest bands.
+const FEW_DIRECTIONS: usize = 3;
+/// Two panels are tried when the best single error is below this multiple of the tolerance.
+const TWO_FACTOR: f64 = 8.0;
+
+/// Everything that does not change while a face is covered.
+pub(crate) struct Job<'a> {
+    pub(crate) face: &'a Face,
+    pub(crate) prepared: Prepared<'a>,
+    pub(crate) options: CoverOptions,
+    pub(crate) control: &'a Control,
+    pub(crate) proofs: AtomicUsize,
+    course: Course<'a>,
+}
+
+/// A linear function of the parameters, whose levels bound straight bands.
+struct Straight {
+    field: Field,
+    /// Number of bands that theory promises, and how dense they must lie in equal parts of the function's range.
+    promised: f64,
+    density: Vec<f64>,
+}
+
+/// A covered face.
+pub struct Cover {
+    /// Regions and torses; labels without a torse could not be covered within the limits.
+    pub state: State,
+    /// Whether every region has a torse that was proven to be within the tolerance.
+    pub complete: bool,
+}
+
+/// Covers a face.
+///
+/// # Errors
+/// Trim loops that cannot be triangulated.
+pub fn cover(face: &Face, options: &CoverOptions, control: &Control) -> Result<Cover, TriangulateError> {
+    if let Some(state) = exact::covered(face, options, control) {
+        return Ok(Cover { state, complete: true });
+    }
+    let mut state = State::of_face(face, f64::INFINITY)?;
+    let strip = typical_strip(&state, options.tolerance);
+    let finer = State::of_face(face, strip)?;
+    if finer.partition.triangles.len() > state.partition.triangles.len() {
+        state = finer;
+    }
+    state.partition.split_components(0);
+    layout::cut_along_seams(&face.surface, &mut state, &options.layout.seams);
+    let mut job = Job::new(face, options, control);
+    if !options.layout.curves.is_empty() {
+        state = job.guided(state, &options.layout.curves);
+    }
+    for label in state.partition.distinct_labels() {
+        if state.panels.contains_key(&label) {
+            continue;
+        }
+        let around = match options.layout.kind {
+            LayoutKind::Rings => layout::rings(&job, &mut state, label),
+            LayoutKind::Auto | LayoutKind::Strips => None,
+        };
+        let (course, parts) = match around {
+            Some((centre, parts)) => (Course::Around(centre), parts),
+            None => (options.layout.guide.as_ref().map_or(Course::Free, Course::Along), vec![label]),
+        };
+        job.course = course;
+        for part in parts {
+            if let Some(next) = job.region(state.clone(), part, options.max_panels, 0) {
+                state = next;
+            }
+        }
+    }
+    let complete = state.partition.distinct_labels().iter().all(|l| state.panels.contains_key(l));
+    Ok(Cover { state, complete })
+}
+
+/// What is wrong with each curve of a layout on a face.
+///
+/// # Errors
+/// Trim loops that cannot be triangulated.
+pub fn check_curves(
+    face: &Face,
+    curves: &[PanelCurve],
+    options: &CoverOptions,
+) -> Result<Vec<Result<(), CurveError>>, TriangulateError> {
+    let state = State::of_face(face, f64::INFINITY)?;
+    let control = Control::default();
+    Ok(guided::checked(&Job::new(face, options, &control), &state, curves))
+}
+
+/// Width (mm) of a strip at the 90 % quantile of curvature (B2).
+fn typical_strip(state: &State, tolerance: f64) -> f64 {
+    let mut k: Vec<f64> = state
+        .forms(0, 400)
+        .iter()
+        .map(|f| f.principal().map(f64::abs).into_iter().fold(0.0, f64::max))
+        .filter(|k| k.is_finite())
+        .collect();
+    k.sort_by(f64::total_cmp);
+    let high = k.get(k.len() * 9 / 10).copied().unwrap_or(0.0);
+    4.0 * (tolerance / high.max(1e-300)).sqrt()
+}
+
+impl<'a> Job<'a> {
+    fn new(face: &'a Face, options: &'a CoverOptions, control: &'a Control) -> Self {
+        let (prepared, proofs) = (Prepared::new(&face.surface), AtomicUsize::new(0));
+        Self { face, prepared, options: options.clone(), control, proofs, course: Course::Free }
+    }
+}
+
+impl Job<'_> {
+    /// Number of finished panels, for comparing covers.
+    fn count(state: &State) -> usize {
+        state.panels.len()
+    }
+
+    /// Covers the region `label` with at most `budget` panels. `None`: over budget, stopped, or out of depth.
+    pub(crate) fn region(&self, state: State, label: u32, budget: usize, depth: usize) -> Option<State> {
+        if budget == 0 {
+            return None;
+        }
+        if self.control.stopped() {
+            return Some(state);
+        }
+        let before = Self::count(&state);
+        let trial = self.single(&state, label, None);
+        if let Some(fit) = trial.accepted {
+            let mut state = state;
+            state.panels.insert(label, fit);
+            return Some(state);
+        }
+        if depth >= FACET_DEPTH || self.options.facets {
+            return self.bisect(state, label, budget, depth);
+        }
+        let free = matches!(self.course, Course::Free);
+        let fewest = free && self.options.layout.kind == LayoutKind::Auto;
+        if fewest && budget >= 2 && trial.error < TWO_FACTOR * self.options.tolerance {
+            if let Some(next) = self.two(&state, label) {
+                return Some(next);
+            }
+        }
+        let mut best: Option<State> = None;
+        let mut limit = budget;
+        let top = depth == 0;
+        let keep = |next: State, best: &mut Option<State>, limit: &mut usize| {
+            let next = if top { self.merged(next) } else { next };
+            let n = Self::count(&next).saturating_sub(before);
+            // A candidate cut short by the clock has few panels because it is unfinished.
+            if n <= *limit && !(best.is_some() && self.control.stopped()) {
+                *limit = n.saturating_sub(1);
+                *best = Some(next);
+            }
+        };
+        let four = 4.0 * self.options.tolerance.sqrt();
+        let found = self.level_functions(&state, label, depth);
+        let good: Vec<&Level> = found.iter().filter(|l| !free || l.merit <= POOR * l.range).take(CANDIDATES).collect();
+        let predicted = good.iter().map(|l| l.merit / four).fold(f64::INFINITY, f64::min);
+        // Bands of a good level function come within a panel or two of theory; others can hardly beat that.
+        let near_theory = |n: f64| predicted.is_finite() && n <= PROMISING * predicted + 1.0;
+        // With more to spare, one band fewer might do: theory may ask for more than is needed.
+        let full = |n: usize, spare: f64| spare < 1.0 - equidistribute::AIM * (1.0 - 1.0 / n.max(1) as f64).powi(2);
+        let mut swept = false;
+        let straight = if fewest && depth <= SWEEP_DEPTH { self.straight(&state, label) } else { Vec::new() };
+        // Directions in which straight bands have been marched.
+        let mut marched = 0;
+        if top {
+            let curved = found.first().map_or(f64::INFINITY, |l| self.bands_predicted(&state, label, l));
+            if let Some((next, spare)) = self.straight_even(&state, label, &straight, curved, limit) {
+                swept = full(Self::count(&next).saturating_sub(before), spare);
+                keep(next, &mut best, &mut limit);
+            } else if straight.first().is_some_and(|s| s.promised < curved.min(SWEEP_COUNT)) {
+                marched = FEW_DIRECTIONS.min(straight.len());
+                if let Some(next) = self.sweep(&state, label, limit, &straight[..marched], f64::INFINITY) {
+                    keep(next, &mut best, &mut limit);
+                }
+            }
+        }
+        // Theory is no limit where panels are few: level functions must promise clearly more than what is left to win.
+        let most = if marched > 0 { BEATEN } else { 1.0 } * limit as f64;
+        let worth_it = |l: &Level| best.is_none() || l.merit / four <= most;
+        let tried: Vec<&Level> = good.iter().copied().filter(|l| worth_it(l)).collect();
+        for (i, l) in tried.into_iter().enumerate() {
+            let near = |b: &State| near_theory((Self::count(b) - before) as f64);
+            if limit == 0 || (i > 0 && best.as_ref().is_some_and(near)) {
+                break;
+            }
+            let even = if top { self.even(&state, label, &l.field, (l.merit / four, &[1.0]), limit) } else { None };
+            let mut enough = false;
+            if let Some((next, spare)) = even {
+                enough = full(Self::count(&next).saturating_sub(before), spare);
+                keep(next, &mut best, &mut limit);
+            }
+            if enough || limit == 0 {
+                continue;
+            }
+            if let Some(next) = self.bands(&state, label, l, limit, depth) {
+                keep(next, &mut best, &mut limit);
+            }
+        }
+        // Around a flat point of saddles no level function is good, even if samples do not tell.
+        let stars = if fewest { umbilic::stars(&self.face.surface, &state, label) } else { Vec::new() };
+        if limit > 0 && (good.is_empty() || !stars.is_empty()) {
+            if let Some(next) = self.divided(&state, label, limit, depth, &stars) {
+                keep(next, &mut best, &mut limit);
+            }
+        }
+        let reached = best.as_ref().map_or(predicted, |b| (Self::count(b) - before) as f64);
+        let near = near_theory(reached);
+        if marched < straight.len() && limit > 0 && !(swept && (near || reached > SWEEP_COUNT)) {
+            // Many bands, or bands near theory, leave little hope: only directions that promise fewer are worth it.
+            let (most, directions) = if reached > SWEEP_COUNT {
+                (PROMISED * reached, SWEEP_DIRECTIONS)
+            } else if near {
+                (reached, FEW_DIRECTIONS)
+            } else {
+                (f64::INFINITY, SWEEP_DIRECTIONS)
+            };
+            let directions = if depth > 0 { FEW_DIRECTIONS } else { directions }.clamp(marched, straight.len());
+            if let Some(next) = self.sweep(&state, label, limit, &straight[marched..directions], most) {
+                keep(next, &mut best, &mut limit);
+            }
+        }
+        if top && fewest {
+            best = best.map(|b| self.evened(&state, label, b));
+        }
+        if best.is_none() {
+            if let Some(next) = self.bisect(state, label, budget, depth) {
+                limit = budget;
+                keep(next, &mut best, &mut limit);
+            }
+        }
+        self.control.report("covering", 0.0, format!("{} proofs", self.proofs.load(Ordering::Relaxed)));
+        best
+    }
+
+    /// Level functions of a region, the one that promises the fewest panels first; the first region of a face, worth
+    /// more than small remainders, has them sought in two spaces.
+    fn level_functions(&self, state: &State, label: u32, depth: usize) -> Vec<Level> {
+        let places = state.places(label);
+        if !matches!(self.course, Course::Free) {
+            let (samples, spans) = if depth > 0 { (700, 2) } else { (1500, 3) };
+            return self.levels_on_course(state, label, samples, spans);
+        }
+        let attempt = |samples: usize, spans: usize, keep: usize| {
+            levels(&state.forms(label, samples), &places, &LevelOptions { spans, keep, ..LevelOptions::default() })
+        };
+        if depth > 0 {
+            let mut found = attempt(700, 2, 2);
+            found.truncate(1);
+            return found;
+        }
+        let (coarse, fine) = rayon::join(|| attempt(700, 2, 3), || attempt(1500, 3, 3));
+        let mut found: Vec<(f64, Level)> =
+            coarse.into_iter().chain(fine).map(|l| (self.bands_predicted(state, label, &l), l)).collect();
+        found.sort_by(|a, b| a.0.total_cmp(&b.0));
+        found.into_iter().map(|f| f.1).collect()
+    }
+
+    /// Number of panels that bands of the theoretical width would be, in as many pieces as they fall into, raised where
+    /// the level function falls short.
+    fn bands_predicted(&self, state: &State, label: u32, l: &Level) -> f64 {
+        let width = 4.0 * self.options.tolerance.sqrt();
+        let region = state.partition.region(label);
+        let value = |t: usize| l.field.value(centroid(state.partition.corners(t)));
+        let lo = region.iter().map(|&t| value(t)).fold(f64::INFINITY, f64::min);
+        let bands: HashMap<usize, i64> =
+            region.iter().map(|&t| (t, ((value(t) - lo) / width).floor().min(1e6) as i64)).collect();
+        let pieces = state.partition.components(&region, |a, b| bands[&a] == bands[&b]).len();
+        pieces as f64 * l.merit / l.range
+    }
+
+    /// The directions of a sweep; the one that promises the fewest bands first.
+    fn straight(&self, state: &State, label: u32) -> Vec<Straight> {
+        let bounds = state.partition.bounds(label);
+        let forms = state.forms(label, 100);
+        let (e, g) = forms.iter().fold((0.0, 0.0), |(e, g), f| (e + f.first[0], g + f.first[2]));
+        let aspect = if e > 0.0 { (g / e).sqrt() } else { 1.0 };
+        let four = 4.0 * self.options.tolerance.sqrt();
+        let mut found: Vec<Straight> = (0..SWEEP_DIRECTIONS)
+            .filter_map(|k| {
+                let angle = std::f64::consts::PI * k as f64 / SWEEP_DIRECTIONS as f64;
+                let gradient = [angle.cos(), angle.sin() * aspect];
+                let mut field = Field::bicubic(bounds, 1).ok()?;
+                field.set_linear(gradient[0], gradient[1]);
+                let bands = straight_bands(&forms, gradient);
+                Some(Straight { field, promised: bands.range / four, density: bands.density })
+            })
+            .collect();
+        found.sort_by(|a, b| a.promised.total_cmp(&b.promised));
+        found
+    }
+
+    /// Straight bands laid all at once, where they promise fewer panels than curved ones; as [`Job::even`].
+    fn straight_even(
+        &self,
+        state: &State,
+        label: u32,
+        directions: &[Straight],
+        curved: f64,
+        budget: usize,
+    ) -> Option<(State, f64)> {
+        directions
+            .iter()
+            .take(STRAIGHT)
+            .filter(|s| s.promised < curved && s.promised <= budget as f64)
+            .find_map(|s| self.even(state, label, &s.field, (s.promised, &s.density), budget))
+    }
+
+    /// Straight bands marched in those of several directions that promise fewer than `most`; the fewest win (C5b).
+    fn sweep(&self, state: &State, label: u32, budget: usize, directions: &[Straight], most: f64) -> Option<State> {
+        let incumbent = AtomicUsize::new(march::key(budget, SWEEP_DIRECTIONS));
+        let before = Self::count(state);
+        directions
+            .par_iter()
+            .enumerate()
+            // Without a limit, directions of which nothing can be said are tried too.
+            .filter(|(_, s)| most.is_infinite() || s.promised < most)
+            .filter_map(|(rank, s)| {
+                let next = self.swept(state, label, &s.field, march::Limit { best: &incumbent, rank })?;
+                let n = Self::count(&next) - before;
+                incumbent.fetch_min(march::key(n, rank), Ordering::Relaxed);
+                Some((n, rank, next))
+            })
+            .min_by_key(|(n, rank, _)| (*n, *rank))
+            .map(|(_, _, s)| s)
+    }
+
+    /// Cuts a region for which no level function is good, where the parts together promise fewer strips (C4): by sign, in
+    /// halves, or through a flat point.
+    fn divided(&self, state: &State, label: u32, budget: usize, depth: usize, stars: &[Star]) -> Option<State> {
+        let four = 4.0 * self.options.tolerance.sqrt();
+        let rate = |s: &State, l: u32| {
+            level(&s.forms(l, 160), &s.places(l), &LevelOptions { rounds: 3, ..LevelOptions::default() })
+        };
+        let surface = &self.face.surface;
+        let candidates: Vec<(f64, State, Vec<u32>)> = (0..4 + stars.len())
+            .into_par_iter()
+            .filter_map(|k| {
+                let mut s = state.clone();
+                let parts = match k {
+                    0 => self.cut_by_sign(&mut s, label)?,
+                    1..4 => merge::halve(surface, &mut s, label, k - 1)?,
+                    _ => stars[k - 4].cut(surface, &mut s, label)?,
+                };
+                let merit: f64 = parts.iter().map(|&p| rate(&s, p).map_or(0.0, |l| l.merit) + four).sum();
+                Some((merit, s, parts))
+            })
+            .collect();
+        let (merit, s, parts) = candidates.into_iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
+        if merit > HOPED * four * budget as f64 {
+            return None;
+        }
+        self.parts(s, &parts, budget, depth)
+    }
+
+    /// Covers several regions one after the other within a common budget.
+    fn parts(&self, mut state: State, parts: &[u32], budget: usize, depth: usize) -> Option<State> {
+        let before = Self::count(&state);
+        for (i, &p) in parts.iter().enumerate() {
+            let used = Self::count(&state) - before;
+            let rest = parts.len() - 1 - i;
+            state = self.region(state, p, budget.checked_sub(used + rest)?, depth + 1)?;
+        }
+        Some(state)
+    }
+
+    /// Cuts a region in the middle of its principal axis in space and covers the parts (C6).
+    fn bisect(&self, mut state: State, label: u32, budget: usize, depth: usize) -> Option<State> {
+        let parts = merge::halve(&self.face.surface, &mut state, label, 0)?;
+        self.parts(state, &parts, budget, depth)
+    }
+}
+
+/// Gives every region without a torse the nearest one at hand, unproven: the best that a job cut short can offer.
+pub fn fill(state: &mut State) {
+    for label in state.partition.distinct_labels() {
+        if !state.panels.contains_key(&label) {
+            let samples = state.samples(label);
+            let fit = crate::fit::near::primal::primal(&samples, &crate::fit::near::primal::PrimalOptions::new(0.0))
+                .or_else(|| crate::fit::near::plane::plane(&samples));
+            if let Some(fit) = fit {
+                state.panels.insert(label, std::sync::Arc::new(fit));
+            }
+        }
+    }
+}
+
+/// Range of the best level function over a whole face (√mm), its shortfall added: bands of the width `4√ε` then number
+/// `range/(4√ε)`, the fewest that theory allows (approximation specification B2) as far as the level function is
+/// the best. `None` where no level function covers the face: planes, mixed curvature.
+pub fn band_range(face: &Face) -> Option<f64> {
+    let state = State::of_face(face, f64::INFINITY).ok()?;
+    let places = state.places(0);
+    let options = LevelOptions { spans: 3, ..LevelOptions::default() };
+    let best = levels(&state.forms(0, 1500), &places, &options).into_iter().next()?;
+    (best.merit <= POOR * best.range).then_some(best.merit)
+}
+
+/// As [`band_range`], from few samples and in little time: for comparing faces.
+pub fn strip_range(face: &Face) -> Option<f64> {
+    let state = State::of_face(face, f64::INFINITY).ok()?;
+    let options = LevelOptions { rounds: 3, ..LevelOptions::default() };
+    let best = level(&state.forms(0, 160), &state.places(0), &options)?;
+    (best.merit <= POOR * best.range).then_some(best.merit)
+}
+
+/// Cuts panels in halves, the long ones (`true`) across, the wide ones along; both halves keep the torse, which is good
+/// for each of them. A panel that the cut does not separate stays as it is.
+pub fn cut_large(face: &Face, state: &State, large: &[(u32, bool)]) -> State {
+    let mut state = state.clone();
+    for &(label, long) in large {
+        let mut trial = state.clone();
+        let Some(fit) = trial.panels.remove(&label) else { continue };
+        if let Some(parts) = merge::halve(&face.surface, &mut trial, label, usize::from(!long)) {
+            trial.panels.extend(parts.into_iter().map(|p| (p, std::sync::Arc::clone(&fit))));
+            state = trial;
+        }
+    }
+    state
+}
+
+/// Gives the regions of refused panels to neighbours that can have them, or cuts them in two and covers the parts
+/// anew.
+pub fn cut_refused(
+    face: &Face,
+    options: &CoverOptions,
+    control: &Control,
+    state: &State,
+    refused: &[u32],
+) -> Option<State> {
+    let job = Job::new(face, options, control);
+    let mut state = state.clone();
+    for &label in refused {
+        state.panels.remove(&label);
+        if let Some(next) = job.absorbed(&state, label) {
+            state = next;
+            continue;
+        }
+        state = job.bisect(state, label, usize::MAX, 0)?;
+    }
+    Some(state)
+}

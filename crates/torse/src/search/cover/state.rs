@@ -1,0 +1,351 @@
+//! What is known while a face is being covered: the partition, the surface at its vertices, and the torses found.
+
+use crate::brep::face::Face;
+use crate::fit::level::strip_potential::Forms;
+use crate::fit::near::samples::{Fit, Sample};
+use crate::geom::{BBox, Vec3};
+use crate::patchwork::partition::{edges, Partition};
+use crate::patchwork::triangulate::{triangulate, TriangulateError};
+use crate::spline::field::Field;
+use crate::spline::surface::{Surface, SurfaceJet};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// The surface at a vertex of the partition.
+#[derive(Clone, Copy, Debug)]
+pub struct VertexJet {
+    /// Point and derivatives.
+    pub jet: SurfaceJet,
+    /// Unit normal; zero where the parametrisation degenerates.
+    pub normal: Vec3,
+}
+
+/// How dense a region is sampled.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Density {
+    /// For a first opinion: what is between the samples is left to the proof.
+    Usual,
+    /// Errors of bands peak between their borders: denser across them, so that these peaks are seen.
+    Band,
+    /// Twice as dense in every direction, for what a proof has refused.
+    Peaks,
+}
+
+/// A face in the making.
+#[derive(Clone, Debug)]
+pub struct State {
+    /// Regions.
+    pub partition: Partition,
+    /// Surface at the partition's vertices.
+    pub jets: Vec<VertexJet>,
+    /// Torse of each finished label.
+    pub panels: BTreeMap<u32, Arc<Fit>>,
+    /// Level function of each label that was laid as a band of one.
+    pub bands: BTreeMap<u32, Arc<Field>>,
+    /// Curve along which each label was laid, for labels that follow one.
+    pub origins: BTreeMap<u32, Arc<super::guided::Origin>>,
+}
+
+/// Share of the median speed below which a parametrisation counts as collapsed (pole).
+const COLLAPSED: f64 = 1e-7;
+
+/// Cells per direction of the first triangulation, by the longer side; enough for some twenty strips.
+const CELLS: usize = 64;
+/// Largest number of cells of the first triangulation.
+const MOST_CELLS: usize = 6000;
+
+impl State {
+    /// Triangulates a face: along its knot lines, and fine enough to tell strips of width `strip` (mm) apart.
+    ///
+    /// # Errors
+    /// Trim loops that cross or enclose nothing.
+    pub fn of_face(face: &Face, strip: f64) -> Result<Self, TriangulateError> {
+        let s = &face.surface;
+        let mut b = [f64::INFINITY, f64::NEG_INFINITY, f64::INFINITY, f64::NEG_INFINITY];
+        for p in face.loops.iter().flat_map(|l| &l.points) {
+            b = [b[0].min(p[0]), b[1].max(p[0]), b[2].min(p[1]), b[3].max(p[1])];
+        }
+        let (lines_u, lines_v) = grid_lines(s, b, strip);
+        Self::on_lines(face, lines_u, lines_v)
+    }
+
+    /// Triangulates a face along lines of constant u and v, from end to end of its box, and along its knot lines.
+    ///
+    /// # Errors
+    /// Trim loops that cross or enclose nothing.
+    pub fn on_lines(face: &Face, mut lines_u: Vec<f64>, mut lines_v: Vec<f64>) -> Result<Self, TriangulateError> {
+        let s = &face.surface;
+        for (lines, knots) in [(&mut lines_u, s.knots_u.breaks()), (&mut lines_v, s.knots_v.breaks())] {
+            if let (Some(&lo), Some(&hi)) = (lines.first(), lines.last()) {
+                lines.extend(knots.into_iter().filter(|&k| k > lo && k < hi));
+                lines.sort_by(f64::total_cmp);
+                lines.dedup();
+            }
+        }
+        give_way(&mut lines_u, &s.knots_u.breaks(), face.loops.iter().flat_map(|l| &l.points).map(|p| p[0]));
+        give_way(&mut lines_v, &s.knots_v.breaks(), face.loops.iter().flat_map(|l| &l.points).map(|p| p[1]));
+        let loops: Vec<(Vec<[f64; 2]>, Vec<u32>)> =
+            face.loops.iter().map(|l| (l.points.clone(), l.edge.clone())).collect();
+        let partition = triangulate(&loops, &lines_u, &lines_v)?;
+        let mut state = Self {
+            partition,
+            jets: Vec::new(),
+            panels: BTreeMap::new(),
+            bands: BTreeMap::new(),
+            origins: BTreeMap::new(),
+        };
+        state.update(s);
+        Ok(state)
+    }
+
+    /// Evaluates the surface at new vertices.
+    pub fn update(&mut self, surface: &Surface) {
+        for v in self.jets.len()..self.partition.vertices.len() {
+            let [u, w] = self.partition.vertices[v];
+            let jet = surface.jet(u, w);
+            self.jets.push(VertexJet { jet, normal: unit_normal(&jet) });
+        }
+    }
+
+    /// Cuts a label; see [`Partition::cut`].
+    pub fn cut(&mut self, surface: &Surface, label: u32, positive: u32, value: impl Fn([f64; 2]) -> f64) {
+        self.partition.cut(label, positive, value);
+        self.update(surface);
+    }
+
+    /// Area of triangles in space by their corners, mm².
+    pub fn triangle_area(&self, t: usize) -> f64 {
+        let [a, b, c] = self.partition.triangles[t].map(|v| self.jets[v as usize].jet.p);
+        0.5 * (b - a).cross(&(c - a)).norm()
+    }
+
+    /// Area of a label, mm².
+    pub fn area(&self, label: u32) -> f64 {
+        self.partition.region(label).into_iter().map(|t| self.triangle_area(t)).sum()
+    }
+
+    /// Mean width of a label: area over the diagonal of its box, mm.
+    pub fn width(&self, label: u32) -> f64 {
+        self.area(label) / self.bbox(label).diagonal().max(f64::MIN_POSITIVE)
+    }
+
+    /// Samples at the vertices of a label, weighted by area.
+    pub fn samples(&self, label: u32) -> Vec<Sample> {
+        let mut weight: BTreeMap<u32, f64> = BTreeMap::new();
+        for t in self.partition.region(label) {
+            let a = self.triangle_area(t) / 3.0;
+            for v in self.partition.triangles[t] {
+                *weight.entry(v).or_insert(0.0) += a;
+            }
+        }
+        weight
+            .into_iter()
+            .map(|(v, weight)| {
+                let j = &self.jets[v as usize];
+                Sample { x: j.jet.p, n: j.normal, weight }
+            })
+            .collect()
+    }
+
+    /// As [`State::samples`], with further samples (of no weight) inside the triangles of thin regions, which have few
+    /// vertices across, and of small ones.
+    pub fn dense_samples(&self, surface: &Surface, label: u32, density: Density) -> Vec<Sample> {
+        let (across, finer) = match density {
+            Density::Usual => (2, 1),
+            Density::Band => (3, 1),
+            Density::Peaks => (3, 2),
+        };
+        // Regions of fewer than about five cells across have more vertices than this share of their triangles.
+        const THIN: f64 = 0.6;
+        // Samples that a region has at least, and the finest division of its triangles.
+        const LEAST: usize = 300;
+        const FINEST: usize = 6;
+        let region = self.partition.region(label);
+        let mut out = self.samples(label);
+        let thin = out.len() as f64 > THIN * region.len() as f64;
+        let enough = (1..FINEST).find(|m| region.len() * m * m / 2 >= LEAST).unwrap_or(FINEST);
+        let parts = if thin { enough.max(across) } else { enough } * finer;
+        let mut add = |u: f64, v: f64| {
+            let jet = surface.jet(u, v);
+            out.push(Sample { x: jet.p, n: unit_normal(&jet), weight: 0.0 });
+        };
+        let mut sides: Vec<(u32, u32)> = region
+            .iter()
+            .flat_map(|&t| edges(self.partition.triangles[t]))
+            .map(|(a, b)| (a.min(b), a.max(b)))
+            .collect();
+        sides.sort_unstable();
+        sides.dedup();
+        for (a, b) in sides {
+            let [p, q] = [a, b].map(|v| self.partition.vertices[v as usize]);
+            for k in 1..parts {
+                let s = k as f64 / parts as f64;
+                add(p[0] + s * (q[0] - p[0]), p[1] + s * (q[1] - p[1]));
+            }
+        }
+        for &t in &region {
+            let [p, q, r] = self.partition.corners(t);
+            for (i, j) in (1..parts).flat_map(|i| (1..parts - i).map(move |j| (i, j))) {
+                let (s, t) = (i as f64 / parts as f64, j as f64 / parts as f64);
+                let at = |d: usize| p[d] + s * (q[d] - p[d]) + t * (r[d] - p[d]);
+                add(at(0), at(1));
+            }
+        }
+        out
+    }
+
+    /// Fundamental forms at up to `count` vertices of a label, poles left out.
+    pub fn forms(&self, label: u32, count: usize) -> Vec<Forms> {
+        let vertices = self.partition.region_vertices(label);
+        let usable: Vec<u32> =
+            vertices.into_iter().filter(|&v| self.jets[v as usize].normal.norm_squared() > 0.5).collect();
+        let picked = spread(&usable, count, |v| self.jets[v as usize].jet.p);
+        picked.into_iter().map(|v| self.form_at(v)).collect()
+    }
+
+    /// Parameters of all vertices of a label.
+    pub fn places(&self, label: u32) -> Vec<[f64; 2]> {
+        self.partition.region_vertices(label).into_iter().map(|v| self.partition.vertices[v as usize]).collect()
+    }
+
+    /// Principal curvatures at a vertex, larger first, 1/mm; `None` at poles.
+    pub fn curvatures(&self, v: u32) -> Option<[f64; 2]> {
+        let j = &self.jets[v as usize];
+        (j.normal.norm_squared() > 0.5).then(|| self.form_at(v).principal())
+    }
+
+    fn form_at(&self, v: u32) -> Forms {
+        let j = &self.jets[v as usize];
+        let (s, n) = (&j.jet, &j.normal);
+        Forms {
+            uv: self.partition.vertices[v as usize],
+            first: [s.du.dot(&s.du), s.du.dot(&s.dv), s.dv.dot(&s.dv)],
+            second: [n.dot(&s.duu), n.dot(&s.duv), n.dot(&s.dvv)],
+        }
+    }
+
+    /// Corner parameters of a label's triangles.
+    pub fn triangles(&self, label: u32) -> Vec<[[f64; 2]; 3]> {
+        self.partition.region(label).into_iter().map(|t| self.partition.corners(t)).collect()
+    }
+
+    /// Box of a label in space.
+    pub fn bbox(&self, label: u32) -> BBox {
+        BBox::of(self.partition.region_vertices(label).iter().map(|&v| &self.jets[v as usize].jet.p))
+    }
+
+    /// Longest triangle edge of a label in space, mm.
+    pub fn mesh_size(&self, label: u32) -> f64 {
+        let mut longest: f64 = 0.0;
+        for t in self.partition.region(label) {
+            for (a, b) in edges(self.partition.triangles[t]) {
+                longest = longest.max((self.jets[a as usize].jet.p - self.jets[b as usize].jet.p).norm());
+            }
+        }
+        longest
+    }
+}
+
+/// Unit normal; zero where the parametrisation collapses.
+fn unit_normal(jet: &SurfaceJet) -> Vec3 {
+    let n = jet.normal();
+    let size = jet.du.norm() * jet.dv.norm();
+    if n.norm() > COLLAPSED * size && size > 0.0 {
+        n.normalize()
+    } else {
+        Vec3::zeros()
+    }
+}
+
+/// At most `count` of the items, spread evenly in space: one per voxel, voxels growing until few enough are left.
+fn spread(items: &[u32], count: usize, place: impl Fn(u32) -> Vec3) -> Vec<u32> {
+    if items.len() <= count {
+        return items.to_vec();
+    }
+    let bbox = BBox::of(items.iter().map(|&v| place(v)).collect::<Vec<_>>().iter());
+    let mut size = bbox.diagonal() / (count as f64).sqrt() * 0.5;
+    loop {
+        let mut taken = std::collections::HashSet::new();
+        let picked: Vec<u32> = items
+            .iter()
+            .copied()
+            .filter(|&v| {
+                let q = (place(v) - bbox.min) / size;
+                taken.insert((q.x as i64, q.y as i64, q.z as i64))
+            })
+            .collect();
+        if picked.len() <= count || !(size.is_finite() && size > 0.0) {
+            return picked;
+        }
+        size *= 1.15;
+    }
+}
+
+/// Moves grid lines that are no knot lines onto corners of the trims that they nearly meet, or drops them where they
+/// nearly meet several: corners are the definition of the face and stay where they are.
+fn give_way(lines: &mut Vec<f64>, knots: &[f64], corners: impl Iterator<Item = f64> + Clone) {
+    let (Some(&first), Some(&last)) = (lines.first(), lines.last()) else { return };
+    let near = NEAR * (last - first);
+    let mut kept = Vec::with_capacity(lines.len());
+    for &l in lines.iter() {
+        let mut close: Vec<f64> = corners.clone().filter(|c| (c - l).abs() <= near).collect();
+        close.sort_by(f64::total_cmp);
+        close.dedup();
+        match close[..] {
+            [] => kept.push(l),
+            _ if knots.contains(&l) || l <= first || l >= last => kept.push(l),
+            [c] => kept.push(c),
+            _ => {}
+        }
+    }
+    kept.dedup();
+    *lines = kept;
+}
+
+/// Share of the extent within which a grid line counts as meeting a corner.
+const NEAR: f64 = 1e-7;
+
+/// Grid lines of the first triangulation within the box `[u0, u1, v0, v1]`: every knot line, and between them
+/// lines about equally spaced in space.
+fn grid_lines(s: &Surface, b: [f64; 4], strip: f64) -> (Vec<f64>, Vec<f64>) {
+    const ISO: usize = 5;
+    let breaks = |all: Vec<f64>, lo: f64, hi: f64| {
+        let mut l: Vec<f64> = all.into_iter().filter(|&x| x > lo && x < hi).collect();
+        l.insert(0, lo);
+        l.push(hi);
+        l
+    };
+    let (bu, bv) = (breaks(s.knots_u.breaks(), b[0], b[1]), breaks(s.knots_v.breaks(), b[2], b[3]));
+    // Length of each knot interval: the largest over some iso-curves.
+    let lengths = |own: &[f64], other: (f64, f64), point: &dyn Fn(f64, f64) -> Vec3| -> Vec<f64> {
+        own.windows(2)
+            .map(|w| {
+                (0..ISO)
+                    .map(|k| {
+                        let c = other.0 + (other.1 - other.0) * k as f64 / (ISO - 1) as f64;
+                        let pts: Vec<Vec3> = (0..=8).map(|i| point(w[0] + (w[1] - w[0]) * i as f64 / 8.0, c)).collect();
+                        pts.windows(2).map(|p| (p[1] - p[0]).norm()).sum::<f64>()
+                    })
+                    .fold(0.0, f64::max)
+            })
+            .collect()
+    };
+    let lu = lengths(&bu, (b[2], b[3]), &|u, v| s.point(u, v));
+    let lv = lengths(&bv, (b[0], b[1]), &|v, u| s.point(u, v));
+    let (tu, tv) = (lu.iter().sum::<f64>().max(1e-300), lv.iter().sum::<f64>().max(1e-300));
+    let mut h = (tu.max(tv) / CELLS as f64).min(strip / 6.0).max((tu * tv / MOST_CELLS as f64).sqrt());
+    if !(h.is_finite() && h > 0.0) {
+        h = 1.0;
+    }
+    let subdivide = |own: &[f64], len: &[f64]| {
+        let mut out = vec![own[0]];
+        for (w, l) in own.windows(2).zip(len) {
+            let n = ((l / h).ceil() as usize).clamp(1, 4 * CELLS);
+            for i in 1..=n {
+                out.push(if i == n { w[1] } else { w[0] + (w[1] - w[0]) * i as f64 / n as f64 });
+            }
+        }
+        out
+    };
+    (subdivide(&bu, &lu), subdivide(&bv, &lv))
+}

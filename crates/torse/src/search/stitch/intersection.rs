@@ -1,0 +1,342 @@
+//! Seams along which strips intersect: neighbours that are not equally far from the face along their border are so
+//! beside it. Strips stay as they are, the border between their regions moves there. Nothing is judged here.
+//!
+//! *Method*: both strips as heights over the face [`Height`]; regions are cut where the difference of heights vanishes,
+//! which lies by difference over slope beside the border to first order. Ill posed where strips hardly cross
+//! (parabolic lines).
+
+use super::seams::{settle, with_partition, SharedSeam};
+use crate::brep::face::Face;
+use crate::fit::panels::boundary::{Borders, SeamChain};
+use crate::fit::seams::Height;
+use crate::geom::Vec3;
+use crate::search::build::borders as borders_of;
+use crate::search::cover::State;
+use crate::spline::lsq;
+use crate::torse::form::Torse;
+use rayon::prelude::*;
+use std::collections::{BTreeMap, HashMap, HashSet};
+
+/// Borders move by at most this share of the width of the region that they move into.
+const REACH: f64 = 0.4;
+/// Vertices are asked on which side they are within this multiple of the way that the border is expected to move.
+const ASKED: f64 = 2.0;
+/// Vertices of the border on both sides whose ways count for a place.
+const BESIDE: usize = 2;
+/// Least angle (rad) at which strips must cross all along a seam.
+const LEAST_ANGLE: f64 = 0.002;
+/// Places on every edge of a border at which its curve is taken at least, and on all edges.
+const PLACES: (usize, usize) = (6, 1500);
+/// Distance between the edge in space and the intersection as a share of its length, wanted and allowed.
+const EDGE: (f64, f64) = (1e-8, 1e-6);
+/// Degree of edges, and spans at most.
+const CURVE: (usize, usize) = (5, 480);
+
+/// Labels of two neighbours, in order.
+pub(crate) fn pair([a, b]: [u32; 2]) -> [u32; 2] {
+    [a.min(b), a.max(b)]
+}
+
+/// Strips that intersect, by label.
+pub(crate) struct Intersections<'a> {
+    face: &'a Face,
+    heights: BTreeMap<u32, Height<'a>>,
+}
+
+impl<'a> Intersections<'a> {
+    pub fn new(face: &'a Face, torses: &BTreeMap<u32, &'a Torse>) -> Self {
+        let heights = torses.iter().filter_map(|(&l, t)| Some((l, Height::of(t)?))).collect();
+        Self { face, heights }
+    }
+
+    /// The state with the borders between pairs of labels about where their strips intersect; second result: the pairs
+    /// whose borders were moved.
+    pub fn cut(&self, state: &State, pairs: &[[u32; 2]]) -> (State, Vec<[u32; 2]>) {
+        let borders = borders_of(self.face, &state.partition);
+        let chains = borders.seam_chains();
+        let mut now = state.clone();
+        let mut moved = Vec::new();
+        for &p in pairs {
+            let mut of = chains.iter().filter(|c| pair(c.labels) == p);
+            let (Some(chain), None) = (of.next(), of.next()) else { continue };
+            let next = self.pair(&borders, chain.labels).and_then(|strips| strips.cut(&now, chain));
+            if let Some(next) = next {
+                now = next;
+                moved.push(p);
+            }
+        }
+        (now, moved)
+    }
+
+    /// The state with the vertices of these borders where the strips intersect.
+    pub fn settled(&self, state: &State, pairs: &[[u32; 2]]) -> State {
+        let borders = borders_of(self.face, &state.partition);
+        let chains = borders.seam_chains();
+        let (along, strips): (Vec<&SeamChain>, Vec<Pair>) = chains
+            .iter()
+            .filter(|c| pairs.contains(&pair(c.labels)))
+            .filter_map(|c| Some((c, self.pair(&borders, c.labels)?)))
+            .unzip();
+        let mut partition = state.partition.clone();
+        settle(self.face, &mut partition, &along, |k, p, fixed| strips[k].onto(p, fixed));
+        with_partition(self.face, state, partition)
+    }
+
+    /// Edges of these borders, and the pairs for which there is none.
+    pub fn edges(&self, state: &State, borders: &Borders, pairs: &[[u32; 2]]) -> (Vec<SharedSeam>, Vec<[u32; 2]>) {
+        let chains = borders.seam_chains();
+        let (mut edges, mut spoilt) = (Vec::new(), Vec::new());
+        for &p in pairs {
+            let mut of = chains.iter().filter(|c| pair(c.labels) == p);
+            let edge = match (of.next(), of.next()) {
+                (Some(chain), None) => self.pair(borders, chain.labels).and_then(|strips| strips.edge(state, chain)),
+                _ => None,
+            };
+            match edge {
+                Some(edge) => edges.push(edge),
+                None => spoilt.push(p),
+            }
+        }
+        (edges, spoilt)
+    }
+
+    fn pair<'b>(&'b self, borders: &'b Borders<'b>, labels: [u32; 2]) -> Option<Pair<'b>> {
+        let [a, b] = labels.map(|l| self.heights.get(&l));
+        Some(Pair { face: self.face, borders, heights: [a?, b?] })
+    }
+}
+
+/// Two strips beside a border.
+struct Pair<'a> {
+    face: &'a Face,
+    borders: &'a Borders<'a>,
+    heights: [&'a Height<'a>; 2],
+}
+
+impl Pair<'_> {
+    /// Point of the face, unit normal, heights of both strips (mm).
+    fn at(&self, p: [f64; 2]) -> Option<(Vec3, Vec3, [f64; 2])> {
+        let x = self.face.surface.point(p[0], p[1]);
+        let n = self.borders.normal(p).try_normalize(0.0)?;
+        Some((x, n, [self.heights[0].at(&x, &n)?, self.heights[1].at(&x, &n)?]))
+    }
+
+    /// First height less second, mm.
+    fn difference(&self, p: [f64; 2]) -> Option<f64> {
+        self.at(p).map(|(_, _, [a, b])| a - b)
+    }
+
+    /// Derivatives of the difference by the parameters, as differences; zero for fixed parameters.
+    fn slope(&self, p: [f64; 2], fixed: [bool; 2]) -> Option<[f64; 2]> {
+        // Share of the domain: small against the mesh, large against rounding.
+        const STEP: f64 = 1e-5;
+        let (du, dv) = self.face.surface.domain();
+        let mut slope = [0.0; 2];
+        for (d, (lo, hi)) in [du, dv].into_iter().enumerate().filter(|(d, _)| !fixed[*d]) {
+            let (mut a, mut b) = (p, p);
+            a[d] = (p[d] - STEP * (hi - lo)).max(lo);
+            b[d] = (p[d] + STEP * (hi - lo)).min(hi);
+            slope[d] = (self.difference(b)? - self.difference(a)?) / (b[d] - a[d]);
+        }
+        Some(slope)
+    }
+
+    /// The difference (mm), and how it grows with the way to the left of the direction `tangent`.
+    fn across(&self, p: [f64; 2], tangent: &Vec3) -> Option<[f64; 2]> {
+        let slope = self.slope(p, [false; 2])?;
+        let j = self.face.surface.jet(p[0], p[1]);
+        let left = j.normal().cross(tangent).try_normalize(0.0)?;
+        // Parameters of the way: S_u du + S_v dv = left.
+        let (uu, uv, vv) = (j.du.dot(&j.du), j.du.dot(&j.dv), j.dv.dot(&j.dv));
+        let (a, b) = (j.du.dot(&left), j.dv.dot(&left));
+        let det = uu * vv - uv * uv;
+        let (du, dv) = ((a * vv - b * uv) / det, (b * uu - a * uv) / det);
+        Some([self.difference(p)?, slope[0] * du + slope[1] * dv]).filter(|s| s[1].is_finite())
+    }
+
+    /// The place near `p` where both heights are equal, by Newton steps; fixed parameters stay.
+    fn onto(&self, mut p: [f64; 2], fixed: [bool; 2]) -> Option<[f64; 2]> {
+        const STEPS: usize = 12;
+        const SETTLED: f64 = 1e-13;
+        let (du, dv) = self.face.surface.domain();
+        let size = [du, dv].map(|(lo, hi)| hi - lo);
+        for _ in 0..STEPS {
+            let g = self.difference(p)?;
+            let slope = self.slope(p, fixed)?;
+            // The shortest way in shares of the domain.
+            let square = (slope[0] * size[0]).powi(2) + (slope[1] * size[1]).powi(2);
+            let step = [0, 1].map(|d: usize| -g * slope[d] * size[d] * size[d] / square);
+            if !step.iter().all(|s| s.is_finite()) {
+                return None;
+            }
+            p = [(p[0] + step[0]).clamp(du.0, du.1), (p[1] + step[1]).clamp(dv.0, dv.1)];
+            if (step[0] / size[0]).hypot(step[1] / size[1]) <= SETTLED {
+                break;
+            }
+        }
+        Some(p)
+    }
+
+    /// The state with the regions beside a border cut where the strips intersect. `None` where they cross at too small an
+    /// angle or too far away, or regions would come out in pieces.
+    fn cut(&self, state: &State, chain: &SeamChain) -> Option<State> {
+        let labels = chain.labels;
+        let line = &chain.vertices;
+        let last = line.len() - 1;
+        let at = |v: u32| state.partition.vertices[v as usize];
+        let place = |v: u32| state.jets[v as usize].jet.p;
+        // 1. Ways from the border to the intersection, positive towards the first label, which is on the left.
+        let across: Vec<[f64; 2]> = (0..=last)
+            .into_par_iter()
+            .map(|i| {
+                let tangent = place(line[(i + 1).min(last)]) - place(line[i.saturating_sub(1)]);
+                self.across(at(line[i]), &tangent)
+            })
+            .collect::<Option<_>>()?;
+        let sign = across[last / 2][1].signum();
+        let ways: Vec<f64> = across.iter().map(|[difference, slope]| -difference / slope).collect();
+        let most = labels.map(|l| REACH * state.area(l) / chain.length);
+        let crossing = across.iter().all(|[_, slope]| slope * sign > LEAST_ANGLE);
+        if !crossing || ways.iter().any(|w| w.abs() > most[usize::from(*w < 0.0)]) {
+            return None;
+        }
+        let reach: Vec<f64> = (0..=last)
+            .map(|i| {
+                ways[i.saturating_sub(BESIDE)..=(i + BESIDE).min(last)].iter().fold(0.0, |m: f64, w| m.max(w.abs()))
+            })
+            .collect();
+        // 2. Vertices near the border know their side; all others keep it.
+        let on_line: HashSet<u32> = line.iter().copied().collect();
+        let triangles = || state.partition.triangles.iter();
+        let beside: HashSet<u32> =
+            triangles().filter(|t| t.iter().any(|v| on_line.contains(v))).flatten().copied().collect();
+        let vertices: Vec<(u32, f64)> = [(labels[0], 1.0), (labels[1], -1.0)]
+            .into_iter()
+            .flat_map(|(l, side)| state.partition.region_vertices(l).into_iter().map(move |v| (v, side)))
+            .collect();
+        let asked: Vec<(u32, f64, Option<f64>)> = vertices
+            .par_iter()
+            .map(|&(v, side)| {
+                let near = |i: usize| (place(line[i]) - place(v)).norm() <= ASKED * reach[i];
+                let is_asked = beside.contains(&v) || (0..=last).any(near);
+                (v, side, if is_asked { self.difference(at(v)) } else { None })
+            })
+            .collect();
+        // 3. The cut.
+        let bits = |p: [f64; 2]| p.map(f64::to_bits);
+        let known: HashMap<[u64; 2], f64> =
+            asked.iter().map(|&(v, side, found)| (bits(at(v)), -found.map_or(side, |d| sign * d))).collect();
+        let value = |p: [f64; 2]| known.get(&bits(p)).copied().or_else(|| Some(-sign * self.difference(p)?));
+        let mut out = state.clone();
+        out.partition.labels.iter_mut().filter(|l| **l == labels[1]).for_each(|l| *l = labels[0]);
+        out.cut(&self.face.surface, labels[0], labels[1], |p| value(p).unwrap_or(0.0));
+        let single = |l: &u32| out.partition.components(&out.partition.region(*l), |_, _| true).len() == 1;
+        let far: HashMap<u32, f64> = asked.iter().filter(|a| a.2.is_none()).map(|a| (a.0, a.1)).collect();
+        let keeps = |(t, l): (&[u32; 3], &u32)| {
+            let side = if *l == labels[0] { 1.0 } else { -1.0 };
+            !labels.contains(l) || t.iter().all(|v| far.get(v).is_none_or(|s| *s == side))
+        };
+        let kept = out.partition.triangles.iter().zip(&out.partition.labels).all(keeps);
+        (kept && labels.iter().all(single)).then_some(out)
+    }
+
+    /// The curve in space along which the strips intersect, over a border whose vertices lie there. Inside, places are
+    /// looked for anew: vertices on crossings of knot lines cannot be moved.
+    fn edge(&self, state: &State, chain: &SeamChain) -> Option<SharedSeam> {
+        let line = &chain.vertices;
+        let at = |v: u32| state.partition.vertices[v as usize];
+        let lifted = |p: [f64; 2]| self.at(p).map(|(x, n, [a, b])| x + n * (0.5 * (a + b)));
+        let parts = PLACES.0.max(PLACES.1 / line.len());
+        let count = parts * (line.len() - 1);
+        let points: Vec<[f64; 3]> = (0..=count)
+            .into_par_iter()
+            .map(|i| {
+                let (k, share) = (i / parts, (i % parts) as f64 / parts as f64);
+                let (p, q) = (at(line[k]), at(line[(k + 1).min(line.len() - 1)]));
+                let here = [0, 1].map(|d: usize| p[d] + (q[d] - p[d]) * share);
+                let here = if i == 0 || i == count { here } else { self.onto(here, [false; 2])? };
+                lifted(here).map(Into::into)
+            })
+            .collect::<Option<_>>()?;
+        let parameters = lsq::chord_parameters(&points);
+        let fit = lsq::fit_within(&points, &parameters, CURVE.0, EDGE.0 * chain.length, CURVE.1).ok()?;
+        let parameters = parameters.into_iter().step_by(parts).collect();
+        let edge = SharedSeam { chain: chain.chain, labels: chain.labels, edge: fit.curve, parameters };
+        (fit.error <= EDGE.1 * chain.length).then_some(edge)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geom::Frame;
+    use crate::spline::curve::Curve;
+    use crate::spline::knots::Knots;
+    use crate::spline::surface::Surface;
+    use crate::torse::form::PrimalTorse;
+
+    /// The plane z = d + x·c + y·g.
+    fn plane(d: f64, c: f64, g: f64) -> Torse {
+        let at = |x: f64| [d + c * x, 0.0];
+        let knots = vec![-50., -50., -50., -50., 150., 150., 150., 150.];
+        let control = [-50.0, 50.0 / 3.0, 250.0 / 3.0, 150.0].map(at).to_vec();
+        let profile = Curve::new(3, knots, control).expect("a profile");
+        Torse::Primal(PrimalTorse::new(Frame::world(), profile, g))
+    }
+
+    fn square() -> Face {
+        let k = Knots::clamped(1, &[0.0, 1.0]).expect("knots");
+        let points = [(0.0, 0.0), (0.0, 100.0), (100.0, 0.0), (100.0, 100.0)].map(|(x, y)| Vec3::new(x, y, 0.0));
+        Face::untrimmed(Surface::new(k.clone(), k, &points, None).expect("a square"))
+    }
+
+    /// The square, cut at x = 50 into the labels 0 and 1.
+    fn halves(face: &Face) -> State {
+        let mut state = State::of_face(face, 20.0).expect("a state");
+        state.partition.labels.fill(0);
+        state.cut(&face.surface, 0, 1, |p| p[0] - 0.5);
+        state
+    }
+
+    #[test]
+    fn borders_move_to_where_strips_intersect() {
+        let face = square();
+        let state = halves(&face);
+        // Equal at x = 53 + y/25, which is 1.0 to 5.0 beside the border.
+        let (left, right) = (plane(-5.3, 0.1, -0.004), plane(5.3, -0.1, 0.004));
+        let torses = BTreeMap::from([(0, &left), (1, &right)]);
+        let intersections = Intersections::new(&face, &torses);
+        let (cut, moved) = intersections.cut(&state, &[[0, 1]]);
+        assert_eq!(moved, [[0, 1]]);
+        let settled = intersections.settled(&cut, &moved);
+        assert!((settled.area(0) - 5500.0).abs() < 1e-6 && (settled.area(1) - 4500.0).abs() < 1e-6);
+        let borders = borders_of(&face, &settled.partition);
+        let (edges, spoilt) = intersections.edges(&settled, &borders, &moved);
+        assert!(edges.len() == 1 && spoilt.is_empty());
+        for k in 0..=10 {
+            let [x, y, z] = edges[0].edge.point(f64::from(k) / 10.0);
+            assert!((x - 53.0 - y / 25.0).abs() < 1e-9 && z.abs() < 1e-9, "({x}, {y}, {z})");
+        }
+        for (s, &v) in edges[0].parameters.iter().zip(&borders.seam_chains()[0].vertices) {
+            let off = Vec3::from(edges[0].edge.point(*s)) - settled.jets[v as usize].jet.p;
+            assert!(off.norm() < 1e-9, "{off}");
+        }
+    }
+
+    #[test]
+    fn borders_stay_where_strips_hardly_cross_or_cross_far_away() {
+        let face = square();
+        let state = halves(&face);
+        // At an angle of 0.001 rad; at x = 90, beyond 0.4 of the right half; one above the other.
+        for (left, right) in [
+            (plane(-0.025, 0.0005, 0.0), plane(0.025, -0.0005, 0.0)),
+            (plane(-9.0, 0.1, 0.0), plane(9.0, -0.1, 0.0)),
+            (plane(1.0, 0.0, 0.0), plane(-1.0, 0.0, 0.0)),
+        ] {
+            let torses = BTreeMap::from([(0, &left), (1, &right)]);
+            let (same, moved) = Intersections::new(&face, &torses).cut(&state, &[[0, 1]]);
+            assert!(moved.is_empty());
+            assert_eq!(same.partition.labels, state.partition.labels);
+        }
+    }
+}

@@ -1,0 +1,130 @@
+//! Flat parts from chains of strips: develop each chain; a chain that would overlap itself in the plane is cut in two.
+
+use super::judgement::SQUARE_METRES;
+use crate::answer::sheets::FlatPart;
+use crate::certify::claim::{Claim, Subject, What};
+use crate::develop::strip::{pattern, StripOptions};
+use crate::develop::view::{centre, viewed};
+use crate::develop::DevelopError;
+use crate::patchwork::pattern::Pattern;
+use crate::torse::strip::Strip;
+
+/// Develops parts. `chains` name their first strip and the number of strips; strips of a chain share rulings.
+///
+/// Patterns are seen from the side of the model that the options name. Every part asked for is answered: one that cannot be developed is listed with the reason, and without pattern.
+pub fn cut(strips: &[Strip], chains: &[FlatPart], options: &StripOptions) -> (Vec<FlatPart>, Vec<Pattern>) {
+    let (mut parts, mut patterns) = (Vec::new(), Vec::new());
+    let centre = centre(strips);
+    let mut waiting: Vec<FlatPart> = chains.iter().rev().cloned().collect();
+    while let Some(mut part) = waiting.pop() {
+        let Some(chain) = strips.get(part.first..part.first + part.count) else {
+            part.missing = "it names strips that do not exist".into();
+            parts.push(part);
+            continue;
+        };
+        let chain: Vec<&Strip> = chain.iter().collect();
+        match pattern(&chain, parts.len(), &part.name, options) {
+            Ok(p) => {
+                patterns.push(viewed(p, &chain, options.side, &centre, options.drawn.view));
+                parts.push(part);
+            }
+            Err(DevelopError::Overlap { .. } | DevelopError::Apart { .. }) if part.count > 1 => {
+                let half = part.count / 2;
+                let piece = |letter: char, first: usize, count: usize| FlatPart {
+                    name: format!("{}{letter}", part.name),
+                    first,
+                    count,
+                    missing: String::new(),
+                };
+                waiting.push(piece('b', part.first + half, part.count - half));
+                waiting.push(piece('a', part.first, half));
+            }
+            Err(e) => {
+                part.missing = e.to_string();
+                parts.push(part);
+            }
+        }
+    }
+    (parts, patterns)
+}
+
+/// What is said of flat parts: their area, the error of their lengths, and what stands against each.
+pub fn claims(parts: &[FlatPart], patterns: &[Pattern], tolerance: f64) -> Vec<Claim> {
+    let whole = Subject::Whole;
+    let isometry = patterns.iter().map(|p| p.isometry_error).fold(0.0, f64::max);
+    let missing = parts.iter().filter(|p| !p.missing.is_empty()).map(|p| format!("part {}: {}", p.name, p.missing));
+    let area = patterns.iter().map(|p| p.area * SQUARE_METRES).sum();
+    let mut out =
+        vec![Claim::measured(What::FlatArea, whole, area), Claim::measured(What::LengthError, whole, isometry)];
+    out.extend(missing.chain(stretched(parts, patterns, tolerance)).map(|r| Claim::objection(whole, r)));
+    out
+}
+
+/// Parts whose patterns are longer or shorter than the strips by more than the tolerance (mm), as reasons.
+fn stretched(parts: &[FlatPart], patterns: &[Pattern], tolerance: f64) -> Vec<String> {
+    let name = |p: &Pattern| parts.get(p.panel).map_or(p.name.as_str(), |part| part.name.as_str()).to_owned();
+    let off = |p: &Pattern| p.isometry_error * p.length;
+    patterns
+        .iter()
+        .filter(|p| off(p).is_nan() || off(p) > tolerance)
+        .map(|p| {
+            format!(
+                "part {}: lengths in the flat pattern are wrong by up to {:.1e} of their value",
+                name(p),
+                p.isometry_error
+            )
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geom::Vec3;
+    use crate::torse::form::PanelKind;
+
+    #[test]
+    fn a_ring_of_triangles_that_overlaps_is_cut_in_two() {
+        // Eight flat-lying triangles of 60° about a common point: 480° in the plane.
+        let x = |k: usize| {
+            let a = (k as f64) * std::f64::consts::FRAC_PI_3;
+            Vec3::new(100.0 * a.cos(), 100.0 * a.sin(), 0.0)
+        };
+        let strips: Vec<Strip> = (0..8)
+            .map(|k| {
+                let top = Vec3::zeros();
+                Strip::quad(&format!("{k}"), PanelKind::Plane, [x(k), top], [x(k + 1), top]).expect("strip")
+            })
+            .collect();
+        // In space the second round lies 50 mm higher, so that it is an overlap and no contact.
+        let strips: Vec<Strip> = strips
+            .into_iter()
+            .enumerate()
+            .map(|(k, mut s)| {
+                for (i, c) in s.patch.control.iter_mut().enumerate() {
+                    if i % 2 == 0 {
+                        c[2] += 8.0 * (k + i / 2) as f64;
+                    }
+                }
+                s
+            })
+            .collect();
+        let whole = FlatPart { name: "fan".into(), first: 0, count: 8, missing: String::new() };
+        let (parts, patterns) = cut(&strips, &[whole], &StripOptions::new(0.01));
+        assert_eq!((parts.len(), patterns.len()), (2, 2));
+        assert!(parts.iter().all(|p| p.missing.is_empty()) && parts[1].name == "fanb" && patterns[1].panel == 1);
+    }
+
+    #[test]
+    fn a_pattern_with_wrong_lengths_is_named() {
+        let x = Vec3::new;
+        let quad = [[x(0.0, 0.0, 0.0), x(0.0, 80.0, 0.0)], [x(100.0, 0.0, 0.0), x(100.0, 80.0, 0.0)]];
+        let strips = [Strip::quad("A-01", PanelKind::Plane, quad[0], quad[1]).expect("strip")];
+        let whole = FlatPart { name: "A".into(), first: 0, count: 1, missing: String::new() };
+        let (parts, mut patterns) = cut(&strips, &[whole], &StripOptions::new(0.01));
+        assert!(stretched(&parts, &patterns, 1e-6).is_empty());
+        patterns[0].isometry_error = 1.2;
+        let told = stretched(&parts, &patterns, 1e-6);
+        assert!(told.len() == 1 && told[0].starts_with("part A: lengths"), "{told:?}");
+    }
+}

@@ -1,0 +1,182 @@
+//! What is proven and measured about strips between rails: the same for every job that makes them.
+
+use crate::answer::sheets::{FieldMeaning, StripField};
+use crate::certify::claim::{Claim, Counted, Subject, UpperBound, What};
+use crate::certify::rails::{rail_bound, twist_bound, TwistBound};
+use crate::control::Control;
+use crate::design::loft::build::BuiltStrip;
+use crate::torse::rail::Rail;
+use rayon::prelude::*;
+
+/// Stations per strip where twist and clearance are measured.
+const STATIONS: usize = 64;
+/// Square metres in a square millimetre.
+pub(crate) const SQUARE_METRES: f64 = 1e-6;
+
+/// A strip to be judged.
+#[derive(Clone, Copy, Debug)]
+pub struct Candidate<'a> {
+    /// Index of the strip among all strips of the job.
+    pub index: usize,
+    /// The strip with the parts of the rails that it stands for.
+    pub built: &'a BuiltStrip,
+    /// The rails of both sides; none where a side was not asked for.
+    pub rails: [Option<&'a Rail>; 2],
+}
+
+/// Bounds, claims and colours of strips.
+#[derive(Clone, Debug)]
+pub struct Judgement {
+    /// Greatest distance (mm) from the rails on the first and the second side; unknown for sides not asked for.
+    pub off: [UpperBound; 2],
+    /// Greatest twist, rad.
+    pub twist: UpperBound,
+    /// Greatest measured twist, rad.
+    pub measured: f64,
+    /// Least measured distance between a strip and its regression curve, mm; cones of fans left out.
+    pub clearance: f64,
+    /// What is said of the strips one by one.
+    pub claims: Vec<Claim>,
+    /// Measured twist (degrees) for colours.
+    pub fields: Vec<StripField>,
+    /// What the colours mean.
+    pub meaning: FieldMeaning,
+    /// Strips that were judged, and those of them that are exact: planes, and strips ruled between the given curves
+    /// themselves.
+    pub counts: [usize; 2],
+    /// What keeps the whole from being developable.
+    pub missing: Vec<String>,
+    /// Twist (rad) that counts as developable.
+    pub limit: f64,
+}
+
+impl Judgement {
+    /// What is said of the whole, without the distances from rails.
+    pub fn whole(&self) -> Vec<Claim> {
+        let whole = Subject::Whole;
+        let [judged, exact] = self.counts;
+        let mut out = vec![
+            Claim::count(Counted::ExactStrips, whole, exact),
+            Claim::count(Counted::FittedStrips, whole, judged - exact),
+        ];
+        if judged > 0 {
+            out.push(Claim::at_most(What::Twist, whole, self.twist.degrees()).within(self.limit.to_degrees()).because(
+                format!(
+                    "twist up to {:.3e}° (measured), proven bound {:.3e}°, where {:.3e}° count as developable",
+                    self.measured.to_degrees(),
+                    self.twist.value().to_degrees(),
+                    self.limit.to_degrees()
+                ),
+            ));
+        }
+        out.push(Claim::measured(What::Twist, whole, self.measured.to_degrees()));
+        out.push(Claim::measured(What::RegressionClearance, whole, self.clearance));
+        out
+    }
+}
+
+/// What was found of one strip.
+#[derive(Clone, Debug)]
+pub struct Found {
+    /// Distances from the rails that were asked for.
+    off: [Option<UpperBound>; 2],
+    twist: TwistBound,
+    at: Vec<f64>,
+    twists: Vec<f64>,
+    clearance: f64,
+}
+
+impl Found {
+    /// Whether its distances and its twist are bounded at all.
+    pub fn is_bounded(&self) -> bool {
+        self.twist.is_regular() && self.off.iter().flatten().all(|b| *b != UpperBound::UNKNOWN)
+    }
+}
+
+fn found_of(candidate: &Candidate, limit: f64, control: &Control) -> Found {
+    let Candidate { built, rails, .. } = candidate;
+    let strip = &built.strip;
+    let off = [0, 1].map(|side: usize| rails[side].map(|r| rail_bound(strip, side, r, &built.rails[side], control)));
+    let (u0, u1) = strip.domain();
+    let at: Vec<f64> = (0..=STATIONS).map(|k| u0 + (u1 - u0) * k as f64 / STATIONS as f64).collect();
+    // Cones have no twist: what would be measured is rounding.
+    let fan = strip.is_point(0) || strip.is_point(1);
+    let twists: Vec<f64> = at.iter().map(|&u| if fan { 0.0 } else { strip.twist(u) }).collect();
+    let twist = twists.iter().copied().fold(0.0, f64::max);
+    let clearance = match fan {
+        true => f64::INFINITY,
+        false => at.iter().map(|&u| strip.regression_clearance(u)).fold(f64::INFINITY, f64::min),
+    };
+    // Where samples exceed the limit, a bound twice as large says as much, for far less work; where rulings meet the
+    // regression curve there is none.
+    let twist = match clearance > 0.0 {
+        true => twist_bound(strip, limit.max(2.0 * twist), control),
+        false => TwistBound::UNKNOWN,
+    };
+    Found { off, twist, at, twists, clearance }
+}
+
+/// What is found of strips; `limit` (rad) is the twist that counts as developable. Each strip for itself, on all cores;
+/// what a control stops is not proven.
+pub fn findings(strips: &[Candidate], limit: f64, control: &Control) -> Vec<Found> {
+    strips.par_iter().map(|s| found_of(s, limit, control)).collect()
+}
+
+/// Judges strips; `sides` say what the distances from their rails are called, `limit` (rad) is the twist that counts as
+/// developable. The proof has its own clock: what was found is judged even when time is up.
+pub fn judge(strips: &[Candidate], sides: [What; 2], limit: f64) -> Judgement {
+    let found = findings(strips, limit, &Control::default());
+    summed(&strips.iter().zip(&found).map(|(s, f)| (*s, f)).collect::<Vec<_>>(), sides, limit)
+}
+
+/// Sums up what was found of strips: see [`judge`].
+pub fn summed(strips: &[(Candidate, &Found)], sides: [What; 2], limit: f64) -> Judgement {
+    let mut off: [Vec<UpperBound>; 2] = Default::default();
+    let mut twists_shown = Vec::new();
+    let mut out = Judgement {
+        off: [UpperBound::UNKNOWN; 2],
+        twist: UpperBound::UNKNOWN,
+        measured: 0.0,
+        clearance: f64::INFINITY,
+        claims: Vec::new(),
+        fields: Vec::new(),
+        meaning: FieldMeaning::default(),
+        counts: [strips.len(), 0],
+        missing: Vec::new(),
+        limit,
+    };
+    for (Candidate { index, built, .. }, found) in strips {
+        let strip = &built.strip;
+        let subject = Subject::Panel(*index);
+        // The curves themselves, and not a fit to them, if their parameters are linear.
+        out.counts[1] += usize::from(built.rails.iter().all(|r| r.parameter.knots.degree() == 1));
+        let twist = found.twists.iter().copied().fold(0.0, f64::max);
+        let shown = found.twist.angle();
+        twists_shown.push(shown);
+        out.measured = out.measured.max(twist);
+        out.clearance = out.clearance.min(found.clearance);
+        if found.clearance <= 0.0 {
+            out.missing.push(format!("strip {} has regression points between its rails", strip.name));
+        } else if !found.twist.is_regular() {
+            out.missing.push(format!("strip {} was not shown to keep off its regression curve", strip.name));
+        }
+        for side in 0..2 {
+            let Some(bound) = found.off[side] else { continue };
+            off[side].push(bound);
+            out.claims.push(Claim::at_most(sides[side], subject, bound));
+        }
+        out.claims.extend([
+            Claim::at_most(What::Twist, subject, shown.degrees()),
+            Claim::measured(What::Twist, subject, twist.to_degrees()),
+            Claim::measured(What::RegressionClearance, subject, found.clearance),
+            Claim::measured(What::Area, subject, strip.area_estimate() * SQUARE_METRES),
+        ]);
+        let values = found.twists.iter().flat_map(|t| [t.to_degrees(); 2]).collect();
+        out.fields.push(StripField { u: found.at.clone(), v: vec![0.0, 1.0], values });
+    }
+    out.off = off.map(UpperBound::largest);
+    out.twist = UpperBound::largest(twists_shown);
+    let top = out.fields.iter().flat_map(|f| &f.values).fold(limit.to_degrees(), |m: f64, x| m.max(*x));
+    out.meaning = FieldMeaning { name: "twist".into(), unit: "°".into(), limit: top };
+    out
+}

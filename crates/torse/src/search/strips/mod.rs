@@ -1,0 +1,11 @@
+//! Strips that are proposed and judged for lofts, rows of elements, given faces and cone splines.
+
+pub mod cone_outline;
+pub mod cone_strip;
+pub mod cut;
+pub mod exact_strip;
+pub mod fewest;
+pub mod judgement;
+pub mod loft_ends;
+pub mod regression;
+pub mod ruled_face;

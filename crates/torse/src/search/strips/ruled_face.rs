@@ -1,0 +1,84 @@
+//! A ruled developable face that is to become simpler: its rulings, and the face itself as the strip to beat.
+
+use super::cone_strip::ruled;
+use super::fewest::count;
+use crate::brep::face::Face;
+use crate::certify::regression::{regression as regular, RegressionVerdict};
+use crate::torse::contact::PlaneElement;
+use crate::torse::form::PanelKind;
+use crate::torse::ruled_patch::RuledStrip;
+use crate::torse::strip::Strip;
+use crate::torse::zone::RegressionLimits;
+
+/// Width of the region of a ruling as a share of its length: its tangent plane counts a little beside it.
+pub(crate) const NARROW: f64 = 0.1;
+/// Largest twist of a face that may stay as it is, sine times diagonal as a share of the tolerance.
+const TWIST: f64 = 0.01;
+/// Control points along, and degree, of the simplest strips that fits make; nothing below gets simpler.
+const SIMPLEST: (usize, usize) = (4, 3);
+
+/// What a face gives to the fit.
+pub(crate) struct GivenFace {
+    /// Its rulings with their planes.
+    pub row: Vec<PlaneElement>,
+    /// The face between its outermost rulings; `None` if it is not developable and regular to the last digit, as fits
+    /// are.
+    pub strip: Option<Strip>,
+    /// Degrees and control points, in words.
+    pub words: String,
+}
+
+impl GivenFace {
+    /// Takes so many rulings from a face.
+    ///
+    /// # Errors
+    /// Why it is not a ruled developable.
+    pub fn of(face: &Face, name: &str, rulings: usize, tolerance: f64) -> Result<Self, String> {
+        let (patch, _) = ruled(face, tolerance)?;
+        let (a, b) = patch.domain();
+        let last = rulings.max(2) - 1;
+        let row = (0..=last)
+            .filter_map(|k| {
+                let jet = patch.jet(a + (b - a) * k as f64 / last as f64);
+                let element = jet.element().ok()?;
+                let ends = jet.ends.map(|e| e[0]);
+                Some(PlaneElement { normal: element.normal, ends, radius: NARROW * jet.length(), weight: 1.0 })
+            })
+            .collect();
+        let (u, v) = (&face.surface.knots_u, &face.surface.knots_v);
+        let words = format!(
+            "{name} was given with degrees {} and {} and {} × {} control points",
+            u.degree(),
+            v.degree(),
+            u.control_count(),
+            v.control_count()
+        );
+        let [lower, upper] = patch.sides();
+        let developable = |s: &Strip| {
+            s.twist_bound().is_some_and(|t| t * s.patch.bbox().diagonal() <= TWIST * tolerance)
+                && (s.is_point(0)
+                    || s.is_point(1)
+                    || regular(s, &RegressionLimits::default()) == RegressionVerdict::Clear)
+        };
+        let strip = Strip::between(name, PanelKind::Torse, lower, upper).ok().filter(developable);
+        Ok(Self { row, strip, words })
+    }
+}
+
+/// Whether a strip is as simple as fits can be.
+pub(crate) fn is_simplest(strip: &Strip) -> bool {
+    count(strip) <= SIMPLEST.0 && strip.patch.knots_u.degree() <= SIMPLEST.1
+}
+
+/// Whether fitted strips are no simpler than a given one: neither of lower degree nor with fewer control points.
+pub(crate) fn no_simpler(found: &[Strip], given: &Strip) -> bool {
+    let control: usize = found.iter().map(count).sum();
+    let degree = found.iter().map(|s| s.patch.knots_u.degree()).max().unwrap_or(usize::MAX);
+    control >= count(given) && degree >= given.patch.knots_u.degree()
+}
+
+/// Degrees and control points of the strips that took the place of a face, in words.
+pub(crate) fn reached(strips: &[Strip]) -> String {
+    let one = |s: &Strip| format!("{} of degree {} with {} × 2", s.name, s.patch.knots_u.degree(), count(s));
+    strips.iter().map(one).collect::<Vec<_>>().join(", ")
+}

@@ -1,0 +1,280 @@
+//! Developable surfaces as curves of planes: the dual representation \[PW99\], types (1), (2) and (3).
+//!
+//! A plane is `u0 + u1 x + u2 y + u3 z = 0` with coordinates `(u0, u1, u2, u3)`. A spline of planes is
+//! - *general* (type 1): any coordinates, factors included;
+//! - a *graph* (type 2): `u3 = −1`, so that planes are the graphs `z = u0 + u1 x + u2 y`;
+//! - *by slope* (type 3): in addition `u2(t) = t`; the parameter is the slope in y.
+//!
+//! Rulings are `U ∩ U'`, regression points `U ∩ U' ∩ U''`. Nothing here knows where the planes come from.
+
+pub mod assemble;
+pub mod inflection;
+pub mod regression_curve;
+pub mod tensor_product;
+mod wedge;
+
+use super::form::{DualTorse, Ruling};
+use crate::geom::placement::Placement;
+use crate::geom::{Frame, Vec3};
+use crate::spline::curve::{bezier_pieces, Curve};
+use crate::spline::knots::Knots;
+use crate::spline::SplineError;
+
+/// Homogeneous coordinates `(u0, u1, u2, u3)` of a plane.
+pub type Plane = [f64; 4];
+
+/// Which of the three types of \[PW99\] a curve of planes is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DualKind {
+    /// Type (1): any coordinates.
+    General,
+    /// Type (2): `u3 = −1`.
+    Graph,
+    /// Type (3): `u3 = −1` and `u2 = t`.
+    Slope,
+}
+
+/// What a curve of planes cannot do.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum DualError {
+    /// Not a spline.
+    #[error(transparent)]
+    Spline(#[from] SplineError),
+    /// All coordinates of a control plane vanish.
+    #[error("control plane {index} has no coordinates")]
+    NoPlane {
+        /// Its index.
+        index: usize,
+    },
+    /// A plane parallel to the z-axis where graphs are needed.
+    #[error(
+        "plane {index} is parallel to the chosen z-axis (cosine {cosine:e}): choose another axis or split the data"
+    )]
+    Parallel {
+        /// Its index.
+        index: usize,
+        /// Cosine of the angle between its normal and the axis.
+        cosine: f64,
+    },
+    /// Plane and derivative coincide: an inflection ruling or a stretch of equal planes.
+    #[error("the planes stand still at t = {t}: there is no ruling; split the surface there")]
+    NoRuling {
+        /// Parameter.
+        t: f64,
+    },
+    /// The operation is for another type of curve.
+    #[error("this needs a curve of planes of type {wanted:?}, not {kind:?}")]
+    Kind {
+        /// What is needed.
+        wanted: DualKind,
+        /// What is given.
+        kind: DualKind,
+    },
+    /// The degree is too low.
+    #[error("degree {degree} has no {what}: elevate it first")]
+    Degree {
+        /// Degree given.
+        degree: usize,
+        /// What was asked for.
+        what: &'static str,
+    },
+    /// The curve is only continuous at a knot.
+    #[error("the planes are only continuous at the knot {value} (multiplicity {multiplicity}): the surface has a planar facet there; split it")]
+    Facet {
+        /// Value of the knot.
+        value: f64,
+        /// Its multiplicity.
+        multiplicity: usize,
+    },
+    /// A ruling is parallel to a boundary plane.
+    #[error("the ruling near t = {t} is parallel to the boundary plane: choose another plane or split the surface")]
+    RulingParallel {
+        /// Parameter near which the weight vanishes.
+        t: f64,
+    },
+    /// The map cannot be inverted.
+    #[error("the map is not invertible")]
+    Singular,
+}
+
+/// A developable surface given by its tangent planes as a B-spline curve of dual space.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DualCurve {
+    kind: DualKind,
+    planes: Curve<4>,
+}
+
+impl DualCurve {
+    /// Type (1): control planes with any factors.
+    ///
+    /// # Errors
+    /// Knots that do not fit, coordinates that are not finite, control planes without coordinates.
+    pub fn general(degree: usize, knots: Vec<f64>, control: Vec<Plane>) -> Result<Self, DualError> {
+        let planes = Curve::new(degree, knots, control)?;
+        if let Some(index) = planes.control.iter().position(|c| c.iter().all(|x| *x == 0.0)) {
+            return Err(DualError::NoPlane { index });
+        }
+        Ok(Self { kind: DualKind::General, planes })
+    }
+
+    /// Type (2): control planes `z = u0 + u1 x + u2 y`.
+    ///
+    /// # Errors
+    /// As [`DualCurve::general`].
+    pub fn graph(degree: usize, knots: Vec<f64>, control: &[[f64; 3]]) -> Result<Self, DualError> {
+        let control = control.iter().map(|c| [c[0], c[1], c[2], -1.0]).collect();
+        Ok(Self { kind: DualKind::Graph, planes: Curve::new(degree, knots, control)? })
+    }
+
+    /// Type (3): control values of `u0` and `u1`; `u2 = t`.
+    ///
+    /// # Errors
+    /// As [`DualCurve::general`].
+    pub fn slope(degree: usize, knots: Vec<f64>, control: &[[f64; 2]]) -> Result<Self, DualError> {
+        let knots = Knots::new(degree, knots, control.len())?;
+        let v = knots.values().to_vec();
+        // The identity has the Greville abscissae as control values.
+        let greville = |i: usize| v[i + 1..=i + degree].iter().sum::<f64>() / degree as f64;
+        let control = control.iter().enumerate().map(|(i, c)| [c[0], c[1], greville(i), -1.0]).collect();
+        Ok(Self { kind: DualKind::Slope, planes: Curve::new(degree, v, control)? })
+    }
+
+    /// The type.
+    pub fn kind(&self) -> DualKind {
+        self.kind
+    }
+
+    /// The spline of plane coordinates `(u0, u1, u2, u3)`.
+    pub fn planes(&self) -> &Curve<4> {
+        &self.planes
+    }
+
+    /// Knots and degree.
+    pub fn knots(&self) -> &Knots {
+        &self.planes.knots
+    }
+
+    /// Ends of the parameter domain.
+    pub fn domain(&self) -> (f64, f64) {
+        self.planes.domain()
+    }
+
+    /// The plane at `t` with its first two derivatives.
+    pub fn jet(&self, t: f64) -> [Plane; 3] {
+        self.planes.jet(t)
+    }
+
+    /// Ruling and tangent plane at `t`; the point is the one nearest the origin. Does not depend on factors of the
+    /// planes.
+    ///
+    /// # Errors
+    /// The planes stand still at `t`.
+    pub fn ruling(&self, t: f64) -> Result<Ruling, DualError> {
+        // Share of the lengths below which the direction is rounding only.
+        const STILL: f64 = 1e-14;
+        let [u, du, _] = self.jet(t);
+        let (n, m) = (Vec3::new(u[1], u[2], u[3]), Vec3::new(du[1], du[2], du[3]));
+        let e = n.cross(&m);
+        let size = e.norm();
+        if size.is_nan() || size <= STILL * n.norm() * m.norm() {
+            return Err(DualError::NoRuling { t });
+        }
+        let point = -(m.cross(&e) * u[0] + e.cross(&n) * du[0]) / e.norm_squared();
+        Ok(Ruling { point, direction: e.normalize(), normal: n.normalize() })
+    }
+
+    /// Regression point at `t` in homogeneous coordinates `(w x, w y, w z, w)`: the point common to `U`, `U'`, `U''`.
+    /// `w = 0` for rulings of a cylinder; all zero at stationary planes.
+    pub fn regression_point(&self, t: f64) -> [f64; 4] {
+        let [u, d, s] = self.jet(t);
+        wedge::point_of_planes(&u, &d, &s)
+    }
+
+    /// The same surface moved. Of type (1), since graphs over the xy-plane do not stay graphs.
+    ///
+    /// # Errors
+    /// The map is not invertible.
+    pub fn transformed(&self, map: &Placement) -> Result<Self, DualError> {
+        let inverse = map.inverse().ok_or(DualError::Singular)?;
+        // A plane is a linear form: composed with the inverse map.
+        let control = self
+            .planes
+            .control
+            .iter()
+            .map(|c| {
+                let n = inverse.linear.transpose() * Vec3::new(c[1], c[2], c[3]);
+                let shift = Vec3::new(c[1], c[2], c[3]).dot(&inverse.shift);
+                [c[0] + shift, n.x, n.y, n.z]
+            })
+            .collect();
+        Ok(Self { kind: DualKind::General, planes: Curve { knots: self.planes.knots.clone(), control } })
+    }
+
+    /// The surface in world coordinates when this one is in the coordinates of `frame`.
+    ///
+    /// # Errors
+    /// The frame has no inverse.
+    pub fn to_world(&self, frame: &Frame) -> Result<Self, DualError> {
+        self.transformed(&Placement::of_frame(frame))
+    }
+
+    /// The same surface with more knots.
+    ///
+    /// # Errors
+    /// Values outside the domain or too often repeated.
+    pub fn with_knots(&self, more: &[f64]) -> Result<Self, DualError> {
+        Ok(Self { kind: self.kind, planes: self.planes.with_knots(more)? })
+    }
+
+    /// The same surface with planes of one degree more.
+    ///
+    /// # Errors
+    /// The largest degree is reached.
+    pub fn elevated(&self) -> Result<Self, DualError> {
+        Ok(Self { kind: self.kind, planes: self.planes.elevated()? })
+    }
+
+    /// The part over `[a, b]`.
+    ///
+    /// # Errors
+    /// `a < b` inside the domain is needed.
+    pub fn restricted(&self, a: f64, b: f64) -> Result<Self, DualError> {
+        Ok(Self { kind: self.kind, planes: self.planes.restricted(a, b)? })
+    }
+
+    /// As the dual form that the judge, the development and the files know: `n(t)·X = h(t)`.
+    pub fn to_torse(&self) -> DualTorse {
+        let control = self.planes.control.iter().map(|c| [-c[1], -c[2], -c[3], c[0]]).collect();
+        DualTorse { planes: Curve { knots: self.planes.knots.clone(), control } }
+    }
+
+    /// Bézier pieces `(a, b, planes)` of the curve of planes.
+    pub(crate) fn pieces(&self) -> Vec<(f64, f64, crate::spline::bezier::Bezier<4>)> {
+        bezier_pieces(&self.planes).into_iter().map(|(a, b, c)| (a, b, crate::spline::bezier::Bezier::new(c))).collect()
+    }
+}
+
+/// Plane coordinates of the tangent plane of a point and unit normal.
+pub fn plane_through(point: &Vec3, normal: &Vec3) -> Plane {
+    [-normal.dot(point), normal.x, normal.y, normal.z]
+}
+
+/// Coordinates `(u0, u1, u2)` of a plane as a graph over the xy-plane of `frame`. `index` is for the message.
+///
+/// # Errors
+/// The plane is parallel to the z-axis of the frame, or not finite.
+pub fn graph_in(frame: &Frame, plane: &Plane, index: usize) -> Result<[f64; 3], DualError> {
+    // Steeper planes than this give coordinates that are rounding only.
+    const STEEP: f64 = 1e-12;
+    let n = Vec3::new(plane[1], plane[2], plane[3]);
+    let local = frame.vector_to_local(&n);
+    let cosine = local.z / n.norm();
+    if !(cosine.abs() > STEEP && plane[0].is_finite() && cosine.is_finite()) {
+        return Err(DualError::Parallel { index, cosine });
+    }
+    let u0 = plane[0] + n.dot(&frame.origin);
+    Ok([-u0 / local.z, -local.x / local.z, -local.y / local.z])
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,23 @@
+//! B-spline developable nets \[FJ07\]: the control net with its recursion ([`Net`]), its regularity and shape numbers, other
+//! forms of the same surface, and nets recognised in patches.
+
+mod change;
+mod control_net;
+mod first_cell;
+mod forms;
+mod planes;
+mod recognise;
+mod regular;
+mod shape;
+mod taper;
+
+pub use control_net::{from_paper_knots, homogeneous, paper_knots, Net, NetError, NetKind};
+pub use first_cell::{aumann, from_first_cell};
+pub use forms::{to_dual, to_primal, Converted};
+pub use recognise::{recognise, Recognised};
+pub use regular::Regularity;
+pub use shape::Shape;
+pub use taper::TaperedNet;
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,146 @@
+//! What is developable already stays what it is: one panel for a face, with its radius and its length, at any tolerance.
+
+use std::f64::consts::PI;
+use torse::answer::outcome::Outcome;
+use torse::brep::face::Face;
+use torse::brep::space_curve::SpaceCurve;
+use torse::brep::support_surface::Carrier;
+use torse::certify::claim::Status;
+use torse::control::Control;
+use torse::develop::view::Drawn;
+use torse::geom::{Frame, Vec3};
+use torse::pipeline::approximate::{approximate, Options};
+use torse::search::cover::{Layout, Limits};
+use torse::spline::surface::Surface;
+
+const PIPE: &[u8] = include_bytes!("../../../data/cylinder_holes.step");
+
+fn panels(faces: Vec<Face>, tolerance: f64) -> Outcome {
+    let options = Options {
+        tolerance,
+        max_panels: None,
+        input: "test".into(),
+        limits: Limits::default(),
+        layout: Layout::default(),
+        meet: false,
+        smooth_angle: 0.5f64.to_radians(),
+        drawn: Drawn::default(),
+    };
+    let out = approximate(faces, Vec::new(), &options, &Control::default()).expect("an answer");
+    assert_eq!(out.status(), Status::Certified);
+    out
+}
+
+fn part(c: &Carrier, u: (f64, f64), v: (f64, f64)) -> Surface {
+    c.to_spline(u, v).expect("a surface").0
+}
+
+/// Frame with the axis z along `z`, x along `x`.
+fn frame(origin: Vec3, x: Vec3, z: Vec3) -> Frame {
+    Frame { origin, x, y: z.cross(&x), z }
+}
+
+#[test]
+fn a_pipe_with_holes_is_one_panel_at_any_tolerance() {
+    let model = torse::io::step::read::read(PIPE).expect("a model");
+    for tolerance in [0.5, 0.01] {
+        let out = panels(model.faces.clone(), tolerance);
+        assert_eq!(out.patchwork.panels.len(), 1);
+        let (proof, flat) = (&out.certificate.panels[0], &out.patterns[0]);
+        assert!((150.0..=250.0).contains(&proof.min_bend_radius), "{}", proof.min_bend_radius);
+        assert!(flat.bends.iter().all(|b| b.radii.iter().all(|r| (r - 250.0).abs() < 0.1)), "{:?}", flat.bends);
+        assert!(proof.deviation_bound < 0.7 * tolerance, "{}", proof.deviation_bound);
+        assert!((flat.length - 500.0 * PI).abs() < 0.01 && (flat.width - 800.0).abs() < 0.01, "{flat:?}");
+        assert_eq!(flat.contours.len(), 3);
+    }
+}
+
+#[test]
+fn a_frustum_of_three_faces_is_three_cones() {
+    let cone = Carrier::Cone { frame: Frame::world(), radius: 100.0, slope: 0.5 };
+    let third = 2.0 * PI / 3.0;
+    let faces: Vec<Face> = (0..3)
+        .map(|k| Face::untrimmed(part(&cone, (k as f64 * third, (k + 1) as f64 * third), (0.0, 150.0))))
+        .collect();
+    let out = panels(faces, 0.02);
+    assert_eq!(out.patchwork.panels.len(), 3);
+    // A sector of the development: angles shrink by the sine of the half angle.
+    let sine = 0.5 / 1.25f64.sqrt();
+    let (inner, outer) = (100.0 / sine, 175.0 / sine);
+    for p in &out.patterns {
+        let area = 0.5 * third * sine * (outer * outer - inner * inner);
+        assert!((p.area - area).abs() < 1e-4 * area, "{} {area}", p.area);
+    }
+}
+
+#[test]
+fn a_wavy_extrusion_is_one_panel() {
+    // An S with an inflection, extruded askew.
+    let k = torse::spline::knots::Knots::clamped(3, &[0.0, 0.4, 1.0]).expect("knots");
+    let net = [[0.0, 0.0], [40.0, 80.0], [100.0, -90.0], [160.0, 60.0], [200.0, 0.0]];
+    let points: Vec<Vec3> = net.iter().map(|p| Vec3::new(p[0], 0.0, p[1])).collect();
+    let line = torse::spline::knots::Knots::clamped(1, &[0.0, 1.0]).expect("knots");
+    let both: Vec<Vec3> = points.iter().flat_map(|p| [*p, p + Vec3::new(30.0, 120.0, 10.0)]).collect();
+    let s = Surface::new(k, line, &both, None).expect("a surface");
+    for s in [s.clone(), s.transposed().elevated_u().expect("elevated")] {
+        let out = panels(vec![Face::untrimmed(s)], 0.01);
+        assert_eq!(out.patchwork.panels.len(), 1);
+    }
+}
+
+#[test]
+fn a_tangent_surface_of_a_curve_is_one_panel() {
+    // Tangents of a cubic, from one to two times its derivative away.
+    let at = |t: f64| Vec3::new(100.0 * t, 80.0 * t * t, 60.0 * t * t * t);
+    let tangent = |t: f64| Vec3::new(100.0, 160.0 * t, 180.0 * t * t);
+    let knots = torse::spline::knots::Knots::clamped(3, &[0.0, 1.0]).expect("knots");
+    let line = torse::spline::knots::Knots::clamped(1, &[0.0, 1.0]).expect("knots");
+    // Cubic Bézier points from values and derivatives at the ends.
+    let rail = |s: f64| {
+        let p = |t: f64| at(t) + tangent(t) * s;
+        let d = |t: f64| tangent(t) + Vec3::new(0.0, 160.0, 360.0 * t) * s;
+        [p(0.0), p(0.0) + d(0.0) / 3.0, p(1.0) - d(1.0) / 3.0, p(1.0)]
+    };
+    let (a, b) = (rail(1.0), rail(2.0));
+    let points: Vec<Vec3> = a.iter().zip(&b).flat_map(|(p, q)| [*p, *q]).collect();
+    let s = Surface::new(knots, line, &points, None).expect("a surface");
+    let out = panels(vec![Face::untrimmed(s)], 0.01);
+    assert_eq!(out.patchwork.panels.len(), 1);
+}
+
+/// Plane, bend and plane of a bent plate: 60 mm and 40 mm with an inner radius of 5 mm between, 30 mm wide.
+fn bracket(turn: f64) -> Vec<Face> {
+    let (x, y, z) = (Vec3::x(), Vec3::y(), Vec3::z());
+    let bend = Carrier::Cylinder { frame: frame(Vec3::new(0.0, 0.0, 5.0), -z, y), radius: 5.0 };
+    // From the lowest point of the circle on; the axis runs along y, and the angle grows from −z to −x.
+    let bend = part(&bend, (-turn, 0.0), (0.0, 30.0));
+    let (along, up) = (x * turn.cos() + z * turn.sin(), z * turn.cos() - x * turn.sin());
+    let start = Vec3::new(5.0 * turn.sin(), 0.0, 5.0 - 5.0 * turn.cos());
+    let first = part(&Carrier::Plane(frame(Vec3::zeros(), x, z)), (-60.0, 0.0), (0.0, 30.0));
+    let last = part(&Carrier::Plane(frame(start, along, up)), (0.0, 40.0), (0.0, 30.0));
+    [first, bend, last].into_iter().map(Face::untrimmed).collect()
+}
+
+#[test]
+fn a_bent_bracket_keeps_its_planes_and_its_bend() {
+    for (turn, tolerance) in [(0.5 * PI, 2.0), (0.5 * PI, 0.01), (PI, 0.1)] {
+        let out = panels(bracket(turn), tolerance);
+        let flat: f64 = out.patterns.iter().map(|p| p.area).sum();
+        let want = 30.0 * (100.0 + 5.0 * turn);
+        assert!((flat - want).abs() < 1e-3 * want, "{flat} {want}");
+        // The planes and the bend keep their edges, and bend lines are in the bend alone.
+        assert_eq!(out.patchwork.panels.len(), 3);
+        let bent: Vec<usize> = out.patterns.iter().map(|p| p.bends.len()).collect();
+        assert!(bent[0] == 0 && bent[1] > 5 && bent[2] == 0, "{bent:?}");
+        assert!(out.patterns[1].bends.iter().all(|b| b.radii.iter().all(|r| (r - 5.0).abs() < 0.01)));
+    }
+}
+
+#[test]
+fn turns_of_more_than_a_half_circle_are_one_panel() {
+    let tilted = frame(Vec3::new(10.0, 20.0, 30.0), Vec3::new(0.6, 0.8, 0.0), Vec3::z());
+    let ellipse = SpaceCurve::Ellipse { frame: tilted, a: 80.0, b: 50.0 };
+    let tube = Carrier::Extrusion { directrix: ellipse, direction: Vec3::new(0.1, 0.2, 1.0) };
+    let out = panels(vec![Face::untrimmed(part(&tube, (0.0, 1.9 * PI), (0.0, 100.0)))], 0.01);
+    assert_eq!(out.patchwork.panels.len(), 1);
+}
