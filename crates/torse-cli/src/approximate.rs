@@ -70,9 +70,9 @@ pub fn run(arguments: &Approximate) -> Result<bool, Failure> {
     let mut cones_hold = true;
     if arguments.cones {
         terminal.say("cones");
-        let cones = wiring::cones_of_panels(&outcome, tolerance.mm, terminal.control())?;
+        let mut cones = wiring::cones_of_panels(&outcome, tolerance.mm, terminal.control())?;
         cones_hold = cones.sheets.status() == Status::Certified;
-        for (name, bytes) in wiring::cone_files(&cones)? {
+        for (name, bytes) in wiring::cone_files(&mut cones)? {
             let name = if name.starts_with("cones") { name } else { format!("cones-{name}") };
             output.write(&name, &bytes)?;
         }

@@ -22,13 +22,13 @@ pub fn run(arguments: &Cones) -> Result<bool, Failure> {
     let model = wiring::read(&file.display().to_string(), &bytes)?;
     drop(bytes);
     let name = arguments.name.clone().unwrap_or_else(|| stem(file));
-    let outcome = wiring::cones(&model, &name, arguments.tolerance.mm, terminal.control())?;
+    let mut outcome = wiring::cones(&model, &name, arguments.tolerance.mm, terminal.control())?;
     if arguments.strict {
         refuse_left_out(file, &outcome.sheets.skipped)?;
     }
 
     terminal.say("writing");
-    for (name, bytes) in wiring::cone_files(&outcome)? {
+    for (name, bytes) in wiring::cone_files(&mut outcome)? {
         output.write(&name, &bytes)?;
     }
     if arguments.bending {

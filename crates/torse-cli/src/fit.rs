@@ -24,11 +24,11 @@ pub fn run(arguments: &Fit) -> Result<bool, Failure> {
     let name = file.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
     let lower = name.to_ascii_lowercase();
     if lower.ends_with(".step") || lower.ends_with(".stp") || elements::holds_elements(&name, &bytes) {
-        let outcome = row(&name, &bytes, arguments, &terminal)?;
+        let mut outcome = row(&name, &bytes, arguments, &terminal)?;
         if arguments.strict {
             refuse_left_out(file, &outcome.sheets.skipped)?;
         }
-        let folder = deliver(&outcome.sheets, Vec::new(), output, &terminal)?;
+        let folder = deliver(&mut outcome.sheets, Vec::new(), output, &terminal)?;
         if !arguments.quiet {
             // A closed pipe is no reason to fail after the work is done.
             let what =
@@ -61,12 +61,12 @@ pub fn run(arguments: &Fit) -> Result<bool, Failure> {
         options.max_strips = n as usize;
     }
     options.limits = limits(arguments);
-    let outcome = fit(&cloud, &options, terminal.control()).map_err(|e| {
+    let mut outcome = fit(&cloud, &options, terminal.control()).map_err(|e| {
         Failure::new(e.to_string(), "give a scan of a sheet with its unit (--unit) and a tolerance above its noise")
     })?;
 
     let map = torse::io::cloud::ply::with_values(&cloud.points, outcome.certificate.signed_estimates(), "deviation");
-    let folder = deliver(&outcome.sheets, vec![("deviation.ply".into(), map)], output, &terminal)?;
+    let folder = deliver(&mut outcome.sheets, vec![("deviation.ply".into(), map)], output, &terminal)?;
     if !arguments.quiet {
         // A closed pipe is no reason to fail after the work is done.
         let made = format!(

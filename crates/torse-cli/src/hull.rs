@@ -26,9 +26,9 @@ pub fn run(arguments: &Hull) -> Result<bool, Failure> {
         drawn: arguments.drawing.drawn(),
         ..Options::new(arguments.tolerance.mm)
     };
-    let outcome = hull(&curves, &options, terminal.control())
+    let mut outcome = hull(&curves, &options, terminal.control())
         .map_err(|e| Failure::new(e.to_string(), "see 'torse hull --help' for what the curves must be"))?;
-    let folder = deliver(&outcome, Vec::new(), output, &terminal)?;
+    let folder = deliver(&mut outcome, Vec::new(), output, &terminal)?;
     if !arguments.quiet {
         // A closed pipe is no reason to fail after the work is done.
         let _ = tell(&outcome, &made(&outcome), &folder);

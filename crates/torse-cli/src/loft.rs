@@ -43,9 +43,9 @@ pub fn run(arguments: &Loft) -> Result<bool, Failure> {
         drawn: arguments.drawing.drawn(),
         ..Options::new(arguments.tolerance.mm)
     };
-    let outcome = loft(&a, &b, &options, terminal.control())
+    let mut outcome = loft(&a, &b, &options, terminal.control())
         .map_err(|e| Failure::new(e.to_string(), "see 'torse loft --help' for what can be asked instead"))?;
-    let folder = deliver(&outcome, Vec::new(), output, &terminal)?;
+    let folder = deliver(&mut outcome, Vec::new(), output, &terminal)?;
     if !arguments.quiet {
         // A closed pipe is no reason to fail after the work is done.
         let _ = tell(&outcome, &made(&outcome), &folder);

@@ -30,9 +30,9 @@ pub fn run(arguments: &Net) -> Result<bool, Failure> {
         drawn: arguments.drawing.drawn(),
         ..Options::new(arguments.tolerance.mm, first_ruling(arguments, &given)?, condition(arguments, &given)?)
     };
-    let outcome = net(curve, &options, terminal.control())
+    let mut outcome = net(curve, &options, terminal.control())
         .map_err(|e| Failure::new(e.to_string(), "see 'torse net --help' for what a net is made from"))?;
-    let folder = deliver(&outcome, Vec::new(), output, &terminal)?;
+    let folder = deliver(&mut outcome, Vec::new(), output, &terminal)?;
     if !arguments.quiet {
         // A closed pipe is no reason to fail after the work is done.
         let _ = tell(&outcome, &made(&outcome), &folder);

@@ -6,20 +6,20 @@ use crate::terminal::Terminal;
 use crate::wiring::sheets_warning;
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use torse::answer::presentation::present_sheets;
 use torse::answer::sheets::Sheets;
 use torse::certify::claim::{Status, Subject};
-use torse::io::{sheets, words};
+use torse::io::words;
+use torse::pipeline::deliver::strip_files;
 
 /// Writes what strips give, with further files of the job, and moves the folder into place, which it names.
 pub fn deliver(
-    outcome: &Sheets,
+    outcome: &mut Sheets,
     further: Vec<(String, Vec<u8>)>,
     output: Output,
     terminal: &Terminal,
 ) -> Result<PathBuf, Failure> {
     terminal.say("writing");
-    let files = sheets::files(outcome, &present_sheets(outcome), &crate::clock::stamp())
+    let files = strip_files(outcome, &crate::clock::stamp())
         .map_err(|e| Failure::new(e.to_string(), "this is a fault of the program; please report it with the input"))?;
     for (name, bytes) in files.into_iter().chain(further) {
         output.write(&name, &bytes)?;

@@ -128,9 +128,8 @@ pub fn cones_of_panels(outcome: &Outcome, whole: f64, control: &Control) -> Resu
 }
 
 /// The files of cone splines, by name.
-pub fn cone_files(outcome: &ConesOutcome) -> Result<Vec<(String, Vec<u8>)>, Failure> {
-    let shown = cone_shapes::present(outcome);
-    torse::io::cones::files(&outcome.sheets, &outcome.bodies, &shown, &crate::clock::stamp()).map_err(|e| fault(&e))
+pub fn cone_files(outcome: &mut ConesOutcome) -> Result<Vec<(String, Vec<u8>)>, Failure> {
+    torse::pipeline::deliver::cone_files(outcome, &crate::clock::stamp()).map_err(|e| fault(&e))
 }
 
 /// The bending of cone splines into the plane: an animation and a strip of pictures.

@@ -161,3 +161,47 @@ fn any_other_file_loses_it_and_is_named() {
         assert!(reason.contains(file), "{reason}");
     }
 }
+
+/// A fan, a plane and a cylinder: strips between a straight edge and an arc that begins at it.
+fn lofted() -> torse::answer::sheets::Sheets {
+    use torse::io::curves::{read as curve, CurveOptions};
+    use torse::pipeline::loft::{loft, Options};
+    let rail = |name: &str, bytes: &[u8]| {
+        let options = CurveOptions { name: name.into(), select: String::new(), unit: None, polyline: false };
+        curve(bytes, &options).expect("a rail")
+    };
+    let a = rail("square", include_bytes!("../../../data/duct_square.dxf"));
+    let b = rail("round", include_bytes!("../../../data/duct_round.dxf"));
+    loft(&a, &b, &Options::new(0.1), &Control::default()).expect("strips")
+}
+
+#[test]
+fn strips_are_read_back_too() {
+    use torse::answer::presentation::present_sheets;
+    let sheets = lofted();
+    assert_eq!(sheets.status(), Status::Certified, "{}", words::reason(&sheets.claims, &[]));
+    let all = torse::io::sheets::geometry(&sheets, &present_sheets(&sheets), "2026-01-01T00:00:00").expect("files");
+    let judged = |files: &[File]| {
+        let mut s = sheets.clone();
+        deliver::judge_strips(&mut s, files);
+        (s.status(), words::reason(&s.claims, &[]))
+    };
+    assert_eq!(judged(&all), (Status::Certified, String::new()));
+    for (file, from, to) in [
+        ("strips.step", "B_SPLINE_SURFACE_WITH_KNOTS('',", "B_SPLINE_SURFACE_WITH_KNOTS('',1"),
+        ("strips.step", "CARTESIAN_POINT('',(", "CARTESIAN_POINT('',(9"),
+        ("strips.step", "ADVANCED_FACE('", "ADVANCED_FACE('X"),
+        ("strips.step", ".MILLI.", ".CENTI."),
+        ("strips.step", "ORIENTED_EDGE('',*,*,#", "ORIENTED_EDGE('',*,*,#1"),
+        ("patterns.dxf", "\nCUT_OUTER\n100\nAcDbPolyline", "\nCUT_INNER\n100\nAcDbPolyline"),
+        ("patterns.svg", "class=\"cut-outer\"", "class=\"cut-inner\""),
+    ] {
+        let mut bad = all.clone();
+        let bytes = &mut bad.iter_mut().find(|f| f.0 == file).expect("the file").1;
+        let text = String::from_utf8(bytes.clone()).expect("text");
+        assert!(text.contains(from), "{file}: {from}");
+        *bytes = text.replacen(from, to, 1).into_bytes();
+        let (status, reason) = judged(&bad);
+        assert!(status == Status::Uncertified && reason.contains(file), "{file}: {from} became {to}: {reason}");
+    }
+}

@@ -48,6 +48,11 @@ impl Marks {
         Self { panels: vec![marked; sheets.strips.len()], patterns: vec![marked; sheets.patterns.len()] }
     }
 
+    /// Nothing is marked of strips.
+    pub fn none_of_sheets(sheets: &Sheets) -> Self {
+        Self { panels: vec![false; sheets.strips.len()], patterns: vec![false; sheets.patterns.len()] }
+    }
+
     /// Whether there is anything that must not be cut.
     pub fn any(&self) -> bool {
         self.panels.contains(&true) || self.patterns.contains(&true)

@@ -89,7 +89,11 @@ fn pieces(patterns: &[Pattern], places: &[(f64, Vec2)], chord: f64, marks: &Mark
 
 /// Prepares strips for the writers.
 pub fn present_sheets(sheets: &Sheets) -> Presentation {
-    let marks = Marks::of_sheets(sheets);
+    present_sheets_marked(sheets, Marks::of_sheets(sheets))
+}
+
+/// Prepares strips for the writers with given marks.
+pub fn present_sheets_marked(sheets: &Sheets, marks: Marks) -> Presentation {
     let mut scene = Scene::default();
     for (k, s) in sheets.strips.iter().enumerate() {
         let mesh = match sheets.fields.get(k) {

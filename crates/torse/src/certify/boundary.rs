@@ -29,7 +29,7 @@ use super::prepared::{BoxNet, Patch, Prepared};
 use super::ruled::RuledJets;
 use super::vector::{add, cross, dot, exact, length, length_bound, sub, V3};
 use crate::geom::Vec3;
-use crate::num::bernstein::from_spline_over;
+use crate::num::bernstein::SplinePiece;
 use crate::num::interval::Interval;
 use crate::num::jet::Jet;
 use crate::patchwork::panel::Run;
@@ -307,9 +307,9 @@ pub(super) fn clamped<const D: usize>(c: &Curve<D>) -> bool {
 pub(super) fn trim_piece<const D: usize>(trim: &Curve<D>, a: f64, b: f64) -> [Vec<Interval>; D] {
     let (p, v) = (trim.knots.degree(), trim.knots.values());
     let span = trim.knots.span(0.5 * (a + b));
-    let local = &v[span + 1 - p..=span + p];
+    let piece = SplinePiece::new(p, &v[span + 1 - p..=span + p], a, b);
     std::array::from_fn(|d| {
         let net: Vec<Interval> = trim.control[span - p..=span].iter().map(|c| Interval::point(c[d])).collect();
-        from_spline_over(&net, local, a, b)
+        piece.coefficients(&net)
     })
 }

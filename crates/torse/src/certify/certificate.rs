@@ -49,6 +49,8 @@ pub struct SeamParts {
     pub panels: [usize; 2],
     /// Proven bound of the distance between its two sides at equal parameters.
     pub gap_bound: f64,
+    /// Proven bound of the difference between the lengths of its two sides; infinite if none was shown.
+    pub length_difference_bound: f64,
     /// Whether the panels meet.
     pub status: SeamStatus,
     /// Length, measured.

@@ -36,6 +36,7 @@ pub mod trims;
 mod vector;
 mod verdict;
 pub mod written;
+pub mod written_strips;
 
 pub use certificate::{
     Certificate, CertificateParts, PanelCertificate, PanelParts, SeamCertificate, SeamParts, SeamStatus,

@@ -63,12 +63,14 @@ pub fn patchwork(patchwork: &Patchwork, tolerance: f64, control: &Control) -> Ce
     let jets = panels_of(patchwork, &sides, control, &mut out);
     match seam_gaps(patchwork, &jets, tolerance) {
         Ok(gaps) => {
-            out.seam_gap_bound = gaps.iter().copied().fold(0.0, f64::max);
+            out.seam_gap_bound = gaps.iter().map(|g| g.0).fold(0.0, f64::max);
             let record = |s: &Seam| {
-                let gap_bound = gaps.get(s.seam as usize).copied().unwrap_or(f64::INFINITY);
+                let unknown = (f64::INFINITY, f64::INFINITY);
+                let (gap_bound, length_difference_bound) = gaps.get(s.seam as usize).copied().unwrap_or(unknown);
                 SeamCertificate(SeamParts {
                     panels: s.sides.map(|s| s.panel),
                     gap_bound,
+                    length_difference_bound,
                     status: SeamStatus::of(s.is_shared(), gap_bound, tolerance),
                     length_estimate: s.length(),
                     kink_range_estimate: s.kink_range_estimate(),
@@ -205,8 +207,8 @@ impl Certificate {
     }
 }
 
-/// Bounds of the gaps of all seams.
-fn seam_gaps(patchwork: &Patchwork, jets: &[Option<RuledJets>], tolerance: f64) -> Result<Vec<f64>, String> {
+/// Bounds of gap and of difference in length of both sides, for all seams.
+fn seam_gaps(patchwork: &Patchwork, jets: &[Option<RuledJets>], tolerance: f64) -> Result<Vec<(f64, f64)>, String> {
     let mut sides: Vec<Vec<(usize, bool, &Run)>> = vec![Vec::new(); patchwork.seam_count];
     for (i, panel) in patchwork.panels.iter().enumerate() {
         for run in panel.loops.iter().flatten() {
@@ -235,8 +237,9 @@ fn seam_gaps(patchwork: &Patchwork, jets: &[Option<RuledJets>], tolerance: f64) 
             let (Some(Some(p)), Some(Some(q))) = (jets.get(*i), jets.get(*j)) else {
                 return Err(format!("seam {seam} has a side without a patch"));
             };
-            seams::gap_bound(Shore { jets: p, run: a }, Shore { jets: q, run: b }, tolerance)
-                .ok_or_else(|| format!("seam {seam} leaves a patch"))
+            let (a, b) = (Shore { jets: p, run: a }, Shore { jets: q, run: b });
+            let gap = seams::gap_bound(a, b, tolerance).ok_or_else(|| format!("seam {seam} leaves a patch"))?;
+            Ok((gap, seams::length_difference(a, b).unwrap_or(f64::INFINITY)))
         })
         .collect()
 }

@@ -1,7 +1,7 @@
 //! The exported ruled patch: its two boundary curves A (v = 0) and B (v = 1) as enclosed Bernstein polynomials.
 
 use super::vector::{hull, V3};
-use crate::num::bernstein::{from_spline_over, powers_about_half, Scalar};
+use crate::num::bernstein::{powers_about_half, Scalar, SplinePiece};
 use crate::num::interval::Interval;
 use crate::num::jet::Jet;
 use crate::spline::surface::Surface;
@@ -40,7 +40,7 @@ impl<'a> Ruled<'a> {
         let k = &self.surface.knots_u;
         let (p, v) = (k.degree(), k.values());
         let span = k.span(0.5 * (a + b));
-        let local = &v[span + 1 - p..=span + p];
+        let piece = SplinePiece::new(p, &v[span + 1 - p..=span + p], a, b);
         [0, 1, 2, 3].map(|d: usize| {
             if d == 3 && !self.rational {
                 return vec![Interval::ONE; p + 1];
@@ -57,7 +57,7 @@ impl<'a> Ruled<'a> {
                     }
                 })
                 .collect();
-            from_spline_over(&net, local, a, b)
+            piece.coefficients(&net)
         })
     }
 
@@ -111,7 +111,7 @@ impl RuledJets {
             let t = Jet { v: self.clip(i, t.v), ..t };
             let span = &self.spans[i];
             let x = (t - Jet::from(self.breaks[i])) * Jet::constant(span.inverse) - Jet::from(0.5);
-            span.point(x, r, Jet::constant)
+            span.point(r, |c| x.polynomial(c))
         };
         let hull = |p: V3<Jet>, i: usize| {
             let q = piece(i);
@@ -125,7 +125,7 @@ impl RuledJets {
         let (first, last) = (self.span(t.lo), self.span(t.hi));
         let piece = |i: usize| {
             let x = (self.clip(i, t) - Interval::point(self.breaks[i])) * self.spans[i].inverse - Interval::point(0.5);
-            self.spans[i].point(x, r, |c| c)
+            self.spans[i].point(r, |c| c.iter().rev().fold(Interval::ZERO, |v, &a| v * x + a))
         };
         (first + 1..=last).fold(piece(first), |p, i| hull(&p, &piece(i)))
     }
@@ -141,11 +141,11 @@ impl RuledJets {
 }
 
 impl RuledSpan {
-    fn point<S: Scalar>(&self, x: S, r: S, lift: impl Fn(Interval) -> S) -> V3<S> {
+    /// The point at `r`, from values of polynomials in x.
+    fn point<S: Scalar>(&self, r: S, value: impl Fn(&[Interval]) -> S) -> V3<S> {
         let comps = if self.rational { 4 } else { 3 };
         let mut h = [S::from(0.0); 4];
         for (d, h) in h.iter_mut().enumerate().take(comps) {
-            let value = |c: &[Interval]| c.iter().rev().fold(S::from(0.0), |v, &a| v * x + lift(a));
             let (a, b) = (value(&self.ends[0][d]), value(&self.ends[1][d]));
             // A convex combination, written so that r appears once.
             *h = a + r * (b - a);

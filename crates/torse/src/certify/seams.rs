@@ -6,7 +6,7 @@
 
 use super::boundary::trim_piece;
 use super::ruled::RuledJets;
-use super::vector::{add, exact, length_bound, sub, V3};
+use super::vector::{add, dot, exact, length, length_bound, mid, sub, V3};
 use crate::geom::Vec3;
 use crate::num::interval::Interval;
 use crate::num::jet::Jet;
@@ -33,6 +33,38 @@ pub(super) fn gap_bound(a: Shore, b: Shore, tolerance: f64) -> Option<f64> {
     cuts.extend(b.run.trim.knots.breaks().into_iter().map(|t| 1.0 - t));
     greatest(cuts, EXCESS * tolerance, |s0, s1| piece(a, b, &shift, s0, s1))
 }
+
+/// Bound (mm) of the difference between the lengths of the two sides of a seam: what one flat pattern is longer than the
+/// other where they are joined. `None` if a curve leaves its patch.
+///
+/// `|p'| − |q'| = (p' − q')·m`, `m = (p' + q')/(|p'| + |q'|)`; over a piece the integral of `p' − q'` is known from the
+/// ends, and m is nearly constant.
+pub(super) fn length_difference(a: Shore, b: Shore) -> Option<f64> {
+    let mut cuts: Vec<f64> = a.run.trim.knots.breaks();
+    cuts.extend(b.run.trim.knots.breaks().into_iter().map(|t| 1.0 - t));
+    cuts.sort_by(f64::total_cmp);
+    cuts.dedup_by(|x, y| x.to_bits() == y.to_bits());
+    let mut sum = Interval::ZERO;
+    for w in cuts.windows(2) {
+        let at = |k: usize| w[0] + (w[1] - w[0]) * k as f64 / LENGTH_PIECES as f64;
+        for k in 0..LENGTH_PIECES {
+            let end = if k + 1 == LENGTH_PIECES { w[1] } else { at(k + 1) };
+            let (p, q) = (a.over(at(k), end, false)?, b.over(at(k), end, true)?);
+            let whole = sub(&sub(&p.ends[1], &p.ends[0]), &sub(&q.ends[1], &q.ends[0]));
+            let (dp, dq) = (p.curve.map(|x| x.d), q.curve.map(|x| x.d));
+            let both = length(&dp) + length(&dq);
+            let m = add(&dp, &dq).map(|x| x / both).map(|x| x.intersect(Interval::symmetric(1.0)).unwrap_or(x));
+            let middle = mid(&m).map(Interval::point);
+            let rest = Interval::point(length_bound(&sub(&dp, &dq))) * Interval::point(length_bound(&sub(&m, &middle)));
+            sum = sum + dot(&whole, &middle) + Interval::symmetric(rest.hi);
+        }
+    }
+    let bound = sum.mag();
+    bound.is_finite().then_some(bound)
+}
+
+/// Pieces between two knots over which lengths are compared.
+const LENGTH_PIECES: usize = 4;
 
 /// Bound of the greatest value of a function between the first and the last of some cuts, within `excess` of what it
 /// reaches or as near as halving can bring it. `piece` bounds it between two places, and at these places; `None` where

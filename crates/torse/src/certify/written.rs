@@ -3,7 +3,7 @@
 //!
 //! *Panels* \[certificate, 7\]. Knots, weights, trimming curves and edges must be the very numbers; control points of
 //! rational patches are divided by their weights on writing, and curves that serve two panels run backwards on one of
-//! them, with knots `1 − k` rounded. What these move is bounded, and must not exceed [`RESERVE`], which the panel's own
+//! them, with knots `1 − k` rounded. What these move is bounded, and must not exceed `RESERVE`, which the panel's own
 //! bound of rounding holds ready. *Drawings*. Outlines, rulings and marks must be those of the pattern moved rigidly: a
 //! joint that is off by ε and an arc over the chord c whose bulge is off by β lie within `(1 + |bulge|) ε + c β/2`.
 //! (An arc is `τ/(τ + (1 − τ) e^{iψ})`, `ψ` half its sweep, in multiples of its chord: its derivative by the bulge is at
@@ -39,7 +39,12 @@ pub struct WrittenCertificate {
 impl WrittenCertificate {
     /// What is proven, as a claim about the whole.
     pub fn claim(&self) -> Claim {
-        Claim::at_most(What::WrittenDistance, Subject::Whole, UpperBound::shown(self.bound))
+        Claim::at_most(What::WrittenDistance, Subject::Whole, self.proven())
+    }
+
+    /// As a bound.
+    pub fn proven(&self) -> UpperBound {
+        UpperBound::shown(self.bound)
     }
 
     /// Bound (mm) of the distance between what the file holds and what was judged. That of panels is part of their
@@ -53,7 +58,7 @@ impl WrittenCertificate {
         &self.reason
     }
 
-    fn of(found: Result<f64, String>) -> Self {
+    pub(super) fn of(found: Result<f64, String>) -> Self {
         match found {
             Ok(bound) => Self { bound, reason: String::new() },
             Err(reason) => Self { bound: f64::INFINITY, reason },
@@ -151,7 +156,7 @@ fn panel_moved(panel: &Panel, face: &WrittenFace, turned: bool) -> Result<f64, F
 }
 
 /// Bound of the distance between a patch and the surface written for it.
-fn surface_moved(patch: &Surface, written: &WrittenSurface) -> Result<f64, String> {
+pub(super) fn surface_moved(patch: &Surface, written: &WrittenSurface) -> Result<f64, String> {
     if !(same_knots(&patch.knots_u, &written.knots[0]) && same_knots(&patch.knots_v, &written.knots[1])) {
         return Err("the knots of the surface are others".into());
     }

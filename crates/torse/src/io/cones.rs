@@ -10,19 +10,22 @@ use crate::draw::sequence::sequence;
 use crate::geom::Vec3;
 use crate::torse::cone::part::ConeBody;
 
-/// Name of the CAD file that the exact faces replace.
-const STRIPS: &str = "strips.step";
 /// Uncertainty written into the STEP header, mm.
 const UNCERTAINTY: f64 = 1e-6;
 
-/// Makes every file: cones.step, patterns.dxf, patterns.svg, model.glb, pictures, report.html, report.json.
+/// The files that hold geometry: cones.step, patterns.dxf, patterns.svg.
 ///
 /// # Errors
 /// Data that a format cannot hold.
-pub fn files(sheets: &Sheets, bodies: &[ConeBody], shown: &Presentation, time: &str) -> Result<Vec<File>, BundleError> {
-    let mut out = super::sheets::files(sheets, shown, time)?;
+pub fn geometry(
+    sheets: &Sheets,
+    bodies: &[ConeBody],
+    shown: &Presentation,
+    time: &str,
+) -> Result<Vec<File>, BundleError> {
+    let mut out = super::sheets::geometry(sheets, shown, time)?;
     let cad = exact(&sheets.input, bodies, shown.marks.any(), time)?;
-    match out.iter_mut().find(|f| f.0 == STRIPS) {
+    match out.iter_mut().find(|f| f.0 == super::sheets::STRIPS) {
         Some(file) => *file = cad,
         None => out.push(cad),
     }

@@ -101,6 +101,9 @@ pub struct SeamRecord {
     pub gap_bound: Option<f64>,
     /// Length, measured.
     pub seam_length: Option<f64>,
+    /// Bound on the difference between the lengths of its two sides, mm; null if none was shown.
+    #[serde(default)]
+    pub length_difference_bound: Option<f64>,
     /// Smallest and largest angle between the panels along the seam, degrees, sampled.
     pub kink_deg: [f64; 2],
 }
@@ -334,6 +337,7 @@ fn seam_record(s: &SeamCertificate) -> SeamRecord {
         joint: joint.into(),
         gap_bound: finite(s.gap_bound),
         seam_length: finite(s.length_estimate),
+        length_difference_bound: finite(s.length_difference_bound),
         kink_deg: [least.to_degrees(), most.to_degrees()],
     }
 }
@@ -491,6 +495,7 @@ pub(crate) mod tests {
                 joint: "exact".into(),
                 gap_bound: Some(0.0042),
                 seam_length: Some(1280.0),
+                length_difference_bound: Some(0.5),
                 kink_deg: [6.1, 6.9],
             }],
             written: vec![WrittenRecord { file: "panels.step".into(), written_bound: Some(0.0) }],

@@ -278,12 +278,23 @@ fn part_records(sheets: &Sheets, shown: &Presentation) -> Vec<PartRecord> {
 /// Least uncertainty written into STEP headers, mm: below it CAD systems take edges for open.
 const LEAST_UNCERTAINTY: f64 = 1e-6;
 
-/// Makes every file: strips.step, patterns.dxf, patterns.svg, bends.csv, model.glb, pictures, report.html,
-/// report.json. `time` stamps the STEP header: `2026-11-21T14:30:00`.
+/// Name of the file of strips for CAD.
+pub const STRIPS: &str = "strips.step";
+
+/// Makes every file: those of [`geometry`] and of [`with_reports`].
 ///
 /// # Errors
 /// Data that a format cannot hold.
 pub fn files(sheets: &Sheets, shown: &Presentation, time: &str) -> Result<Vec<File>, BundleError> {
+    with_reports(sheets, shown, geometry(sheets, shown, time)?)
+}
+
+/// The files that hold geometry: strips.step, patterns.dxf, patterns.svg. `time` stamps the STEP header:
+/// `2026-11-21T14:30:00`.
+///
+/// # Errors
+/// As [`files`].
+pub fn geometry(sheets: &Sheets, shown: &Presentation, time: &str) -> Result<Vec<File>, BundleError> {
     let mut out: Vec<File> = Vec::new();
     let header = Header {
         name: marks::product(&sheets.input, &shown.marks),
@@ -299,9 +310,17 @@ pub fn files(sheets: &Sheets, shown: &Presentation, time: &str) -> Result<Vec<Fi
         out.push((file.to_owned(), bytes));
         Ok::<(), BundleError>(())
     };
-    put("strips.step", &|b| step::sheets(b, &header, &bodies))?;
+    put(STRIPS, &|b| step::sheets(b, &header, &bodies))?;
     put("patterns.dxf", &|b| dxf::write(b, &shown.drawing))?;
     put("patterns.svg", &|b| svg::write(b, &shown.drawing))?;
+    Ok(out)
+}
+
+/// Adds bends.csv, model.glb, pictures, report.html and report.json to the files of [`geometry`].
+///
+/// # Errors
+/// As [`files`].
+pub fn with_reports(sheets: &Sheets, shown: &Presentation, mut out: Vec<File>) -> Result<Vec<File>, BundleError> {
     let limit = if sheets.meaning.limit > 0.0 { sheets.meaning.limit } else { sheets.tolerance };
     out.push(("model.glb".into(), glb::write(&shown.scene, limit)?));
     let word = |n: usize, word: &str| format!("{n} {word}{}", if n == 1 { "" } else { "s" });

@@ -81,16 +81,60 @@ pub fn from_spline<S: Scalar>(net: &[S], knots: &[f64]) -> Vec<S> {
 
 /// Bernstein coefficients of a B-spline piece over any interval `[a, b]`; see [`blossom`].
 pub fn from_spline_over<S: Scalar>(net: &[S], knots: &[f64], a: f64, b: f64) -> Vec<S> {
-    let p = net.len() - 1;
-    let mut args = vec![a; p];
-    let mut out = Vec::with_capacity(p + 1);
-    for k in 0..=p {
-        if k > 0 {
-            args[p - k] = b;
-        }
-        out.push(blossom(net, knots, &args));
+    SplinePiece::new(net.len() - 1, knots, a, b).coefficients(net)
+}
+
+/// The change from the net of a B-spline piece to its Bernstein coefficients over an interval `[a, b]`: the same for all
+/// components of a curve. See [`blossom`]; coefficient k is that of p − k times a and k times b.
+pub struct SplinePiece<S> {
+    degree: usize,
+    /// Shares of the left and right neighbour for the arguments a and b, step by step.
+    shares: [Vec<[S; 2]>; 2],
+}
+
+impl<S: Scalar> SplinePiece<S> {
+    /// Of degree p, with the 2p knots around the piece.
+    pub fn new(degree: usize, knots: &[f64], a: f64, b: f64) -> Self {
+        let shares = [a, b].map(|x| {
+            let mut all = Vec::with_capacity(degree * (degree + 1) / 2);
+            for r in 1..=degree {
+                for j in (r..=degree).rev() {
+                    let (left, right) = (knots[j - 1], knots[j + degree - r]);
+                    let width = S::sum(right, -left);
+                    all.push([S::sum(right, -x).over(width), S::sum(x, -left).over(width)]);
+                }
+            }
+            all
+        });
+        Self { degree, shares }
     }
-    out
+
+    /// Bernstein coefficients of a net of p + 1 numbers.
+    pub fn coefficients(&self, net: &[S]) -> Vec<S> {
+        let p = self.degree;
+        // Steps 1 to r − 1 use so many shares.
+        let before = |r: usize| (r - 1) * p - (r - 1) * r.saturating_sub(2) / 2;
+        let step = |d: &mut [S], r: usize, argument: usize| {
+            let shares = &self.shares[argument][before(r)..];
+            for (j, [left, right]) in (r..=p).rev().zip(shares) {
+                d[j] = *left * d[j - 1] + *right * d[j];
+            }
+        };
+        let mut level = net.to_vec();
+        let mut out = net.to_vec();
+        let mut d = net.to_vec();
+        for m in 0..=p {
+            d.copy_from_slice(&level);
+            for r in m + 1..=p {
+                step(&mut d, r, 1);
+            }
+            out[p - m] = d[p];
+            if m < p {
+                step(&mut level, m + 1, 0);
+            }
+        }
+        out
+    }
 }
 
 /// Bernstein coefficients on `[a, b]` of a polynomial in powers of `x`.

@@ -56,6 +56,19 @@ impl Jet {
 }
 
 impl Jet {
+    /// A polynomial of a function: coefficients of the powers, from the constant up.
+    #[inline]
+    pub fn polynomial(self, powers: &[Interval]) -> Self {
+        // Value, first and half the second derivative by Horner's scheme repeated, then the chain rule.
+        let zero = Interval::ZERO;
+        let (v, d, half) = powers
+            .iter()
+            .rev()
+            .fold((zero, zero, zero), |(v, d, half), &c| (v * self.v + c, d * self.v + v, half * self.v + d));
+        let dd = half.scale_exact(2.0) * self.d.sqr() + d * self.dd;
+        Self { v, d: d * self.d, dd }
+    }
+
     /// Square root of a function that is positive; derivatives are everything where it may not be.
     #[inline]
     pub fn sqrt(self) -> Self {

@@ -47,6 +47,65 @@ pub struct WrittenEdge {
     pub trim: Curve<2>,
 }
 
+/// An untrimmed strip of a STEP file: a face bounded by its rails and end rulings.
+#[derive(Clone, Debug)]
+pub struct WrittenStrip {
+    /// Entity number.
+    pub entity: u64,
+    /// Name.
+    pub name: String,
+    /// Surface.
+    pub surface: WrittenBase,
+    /// Edges in the order of the loop.
+    pub sides: Vec<WrittenSide>,
+}
+
+/// The surface of an untrimmed strip.
+#[derive(Clone, Debug)]
+pub enum WrittenBase {
+    /// B-spline surface.
+    Spline(WrittenSurface),
+    /// Plane.
+    Plane {
+        /// A point of it.
+        point: [f64; 3],
+        /// Its normal, of any length.
+        normal: [f64; 3],
+    },
+}
+
+/// An edge of an untrimmed strip.
+#[derive(Clone, Debug)]
+pub struct WrittenSide {
+    /// Entity number of the edge.
+    pub entity: u64,
+    /// Whether the loop follows the edge's own direction.
+    pub forward: bool,
+    /// Places of the first and last vertex, in the edge's own direction.
+    pub vertices: [[f64; 3]; 2],
+    /// The curve in space.
+    pub course: WrittenCourse,
+}
+
+/// The curve of an edge.
+#[derive(Clone, Debug)]
+pub enum WrittenCourse {
+    /// Straight line.
+    Line {
+        /// A point of it.
+        point: [f64; 3],
+        /// Its direction, of any length.
+        direction: [f64; 3],
+    },
+    /// B-spline curve.
+    Spline {
+        /// Knots and control points.
+        curve: Curve<3>,
+        /// Weights of the control points; empty for polynomial curves.
+        weights: Vec<f64>,
+    },
+}
+
 /// The parts of a cutting drawing that belong to one pattern.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct WrittenPiece {

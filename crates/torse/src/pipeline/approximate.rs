@@ -368,7 +368,7 @@ fn checked_layout(layout: &Layout, bbox: &BBox) -> Result<(), ApproximateError> 
 /// Share of the tolerance that the proven distance of trims from the file's edges may take.
 const TRIM_SHARE: f64 = 0.5;
 /// Distances of trims from edges below this share of the tolerance are not told apart.
-const TRIM_AIM: f64 = 0.01;
+const TRIM_AIM: f64 = 0.002;
 /// Share of the tolerance that chords of trims may keep from the file's edges.
 const CHORDS_SHARE: f64 = 0.05;
 

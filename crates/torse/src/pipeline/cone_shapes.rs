@@ -2,7 +2,8 @@
 //! sheet with thickness.
 
 use super::cones::{ConesOutcome, EDGE_ROUNDING};
-use crate::answer::presentation::{present_sheets, Presentation};
+use crate::answer::marks::Marks;
+use crate::answer::presentation::{present_sheets_marked, Presentation};
 use crate::develop::cones::{bent, Bending};
 use crate::draw::scene::{PanelShape, Scene};
 use crate::fit::panels::cone_trim::{offset, ConeTrimError};
@@ -46,7 +47,12 @@ pub enum ThicknessError {
 
 /// Scene, view and drawing of an outcome: like those of strips, trimmed pieces as they are.
 pub fn present(outcome: &ConesOutcome) -> Presentation {
-    let mut shown = present_sheets(&outcome.sheets);
+    present_marked(outcome, Marks::of_sheets(&outcome.sheets))
+}
+
+/// As [`present`], with given marks.
+pub fn present_marked(outcome: &ConesOutcome, marks: Marks) -> Presentation {
+    let mut shown = present_sheets_marked(&outcome.sheets, marks);
     for (shape, &(body, piece)) in shown.scene.panels.iter_mut().zip(&outcome.pieces) {
         let Some(part) = outcome.bodies.get(body).and_then(|b| b.part.as_ref()) else { continue };
         let Some(face) = part.faces.get(piece) else { continue };

@@ -1,8 +1,8 @@
 //! The flat pattern of a panel as drawn, against the panel: a map that keeps lengths, the outline, rulings, marks.
 //!
-//! *Theorem* \[certificate, 6\]: there is a map of the panel to the plane ([`rails`]) that changes no length by more than
+//! *Theorem* \[certificate, 6\]: there is a map of the panel to the plane (`rails`) that changes no length by more than
 //! the factor `1 ± strain_bound`, seen from the outside of the face, such that the lines and arcs drawn for every run of
-//! the panel's border are within `outline_bound` of its image, and it of them ([`outline`]); every ruling drawn lies
+//! the panel's border are within `outline_bound` of its image, and it of them (`outline`); every ruling drawn lies
 //! within `ruling_bound` of the image of one; and the marks of both sides of a seam are within `mark_bound` of the images
 //! of points with equal parameters. The panel and the drawing are the data; how the drawing was made is not looked at.
 

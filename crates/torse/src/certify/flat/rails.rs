@@ -136,7 +136,7 @@ impl FlatRails {
     pub fn ruling(&self, t: f64) -> Option<[[Interval; 2]; 2]> {
         let p = &self.pieces[self.piece(t)?];
         let x = p.variable(Jet::constant(Interval::point(t)));
-        let [a, v] = [&p.rail, &p.vector].map(|c| [0, 1].map(|d: usize| horner(&c[d], x).v));
+        let [a, v] = [&p.rail, &p.vector].map(|c| [0, 1].map(|d: usize| x.polynomial(&c[d]).v));
         Some([a, [a[0] + v[0], a[1] + v[1]]])
     }
 
@@ -166,15 +166,11 @@ impl FlatPiece {
         let share = if self.weights[0].is_empty() {
             r
         } else {
-            let (p, q) = (horner(&self.weights[0], x), horner(&self.weights[1], x));
+            let (p, q) = (x.polynomial(&self.weights[0]), x.polynomial(&self.weights[1]));
             (r * q).over(p + r * (q - p))
         };
-        [0, 1].map(|d: usize| horner(&self.rail[d], x) + share * horner(&self.vector[d], x))
+        [0, 1].map(|d: usize| x.polynomial(&self.rail[d]) + share * x.polynomial(&self.vector[d]))
     }
-}
-
-fn horner(powers: &[Interval], x: Jet) -> Jet {
-    powers.iter().rev().fold(Jet::from(0.0), |v, &c| v * x + Jet::constant(c))
 }
 
 /// Flat rails over `[a, b]` that go on from `start`, where they end, and the strain if it could be bounded.
@@ -231,7 +227,7 @@ fn shares(weights: &[Vec<Interval>; 2], r: Interval) -> Interval {
     if weights[0].is_empty() {
         return r;
     }
-    let over = |c: &[Interval]| horner(c, Jet::constant(HALF)).v;
+    let over = |c: &[Interval]| Jet::constant(HALF).polynomial(c).v;
     let (p, q) = (over(&weights[0]), over(&weights[1]));
     let at = |r: f64| {
         let r = Interval::point(r);

@@ -1,5 +1,5 @@
 //! Minimax fitting of any family of torses: Gauss–Newton steps with Lawson weights first, then sequential linear
-//! minimax steps, with exchange of the worst samples. Knows the families only through the trait [`Family`].
+//! minimax steps, with exchange of the worst samples. Knows the families only through the trait `Family`.
 //!
 //! *Departure from the specification* (C1.5, B3.5), which uses Lawson's weights alone: near the optimum the linearised
 //! minimax problem is solved by an interior-point method, which costs about ten Lawson steps and ends within a

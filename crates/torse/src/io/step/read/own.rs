@@ -6,7 +6,9 @@
 use super::records::{as_number, as_reference, Args, Fault, Records};
 use super::token::Value;
 use super::{decoded, units};
-use crate::patchwork::written::{WrittenEdge, WrittenFace, WrittenSurface};
+use crate::patchwork::written::{
+    WrittenBase, WrittenCourse, WrittenEdge, WrittenFace, WrittenSide, WrittenStrip, WrittenSurface,
+};
 use crate::spline::curve::Curve;
 use crate::spline::knots::Knots;
 
@@ -15,15 +17,30 @@ use crate::spline::knots::Knots;
 /// # Errors
 /// In plain words, with the entity: what is not as the writer writes it.
 pub fn faces(bytes: &[u8]) -> Result<Vec<WrittenFace>, String> {
+    each(bytes, face)
+}
+
+/// Reads back all faces of a file of untrimmed strips.
+///
+/// # Errors
+/// As [`faces`].
+pub fn strips(bytes: &[u8]) -> Result<Vec<WrittenStrip>, String> {
+    each(bytes, strip)
+}
+
+/// What `read` makes of every face of a file.
+fn each<T>(bytes: &[u8], read: impl Fn(&Records, u64) -> Result<T, Fault>) -> Result<Vec<T>, String> {
     let text = decoded(bytes);
     let records = Records::parse(&text).ok_or("there is no data section")?;
     if records.truncated || records.unreadable > 0 || !records.repeated.is_empty() {
         return Err("it is cut short or damaged".into());
     }
-    read(&records).map_err(|f| if f.entity == 0 { f.reason } else { format!("#{}: {}", f.entity, f.reason) })
+    let all = shown(&records).and_then(|ids| ids.into_iter().map(|id| read(&records, id)).collect());
+    all.map_err(|f| if f.entity == 0 { f.reason } else { format!("#{}: {}", f.entity, f.reason) })
 }
 
-fn read(records: &Records) -> Result<Vec<WrittenFace>, Fault> {
+/// The faces that a CAD program shows.
+fn shown(records: &Records) -> Result<Vec<u64>, Fault> {
     for id in records.all(&["GLOBAL_UNIT_ASSIGNED_CONTEXT"]) {
         let unit = units::of_context(records, id);
         if unit.length.to_bits() != 1.0f64.to_bits() {
@@ -35,9 +52,7 @@ fn read(records: &Records) -> Result<Vec<WrittenFace>, Fault> {
     for shape in records.all(&["MANIFOLD_SURFACE_SHAPE_REPRESENTATION"]) {
         for model in below(records, shape, 1, "SHELL_BASED_SURFACE_MODEL")? {
             for shell in below(records, model, 1, "OPEN_SHELL")? {
-                for id in below(records, shell, 1, "ADVANCED_FACE")? {
-                    out.push(face(records, id)?);
-                }
+                out.extend(below(records, shell, 1, "ADVANCED_FACE")?);
             }
         }
     }
@@ -74,7 +89,59 @@ fn face(records: &Records, id: u64) -> Result<WrittenFace, Fault> {
     })
 }
 
-fn edge(records: &Records, id: u64, carrier: u64) -> Result<WrittenEdge, Fault> {
+/// An untrimmed strip: one loop, the normal that of the surface.
+fn strip(records: &Records, id: u64) -> Result<WrittenStrip, Fault> {
+    let a = records.args(id, "ADVANCED_FACE")?;
+    let [bound] = a.references(1)?[..] else { return Err(Fault::new(id, "the face has several loops")) };
+    let b = records.args(bound, "FACE_OUTER_BOUND")?;
+    if !(b.logical(2, false) && a.logical(3, false)) {
+        return Err(Fault::new(id, "the face is turned over"));
+    }
+    let uses = records.args(b.reference(1)?, "EDGE_LOOP")?.references(1)?;
+    let base = a.reference(2)?;
+    let surface = match records.name(base) {
+        "PLANE" => {
+            let place = records.args(records.simple(base)?.reference(1)?, "AXIS2_PLACEMENT_3D")?;
+            WrittenBase::Plane {
+                point: point(records, place.reference(1)?)?,
+                normal: direction(records, place.reference(2)?)?,
+            }
+        }
+        _ => WrittenBase::Spline(surface(records, base)?),
+    };
+    let sides = uses.into_iter().map(|u| side(records, u)).collect::<Result<_, _>>()?;
+    Ok(WrittenStrip { entity: id, name: a.text(0).to_owned(), surface, sides })
+}
+
+fn side(records: &Records, id: u64) -> Result<WrittenSide, Fault> {
+    let use_ = oriented(records, id)?;
+    let in_space = match records.name(use_.curve) {
+        "SURFACE_CURVE" => records.simple(use_.curve)?.reference(1)?,
+        _ => use_.curve,
+    };
+    let course = match records.name(in_space) {
+        "LINE" => {
+            let l = records.simple(in_space)?;
+            let along = records.args(l.reference(2)?, "VECTOR")?.reference(1)?;
+            WrittenCourse::Line { point: point(records, l.reference(1)?)?, direction: direction(records, along)? }
+        }
+        _ => {
+            let (curve, weights) = spline(records, in_space)?;
+            WrittenCourse::Spline { curve, weights }
+        }
+    };
+    Ok(WrittenSide { entity: use_.entity, forward: use_.forward, vertices: use_.vertices, course })
+}
+
+/// An edge as a loop names it.
+struct Oriented {
+    entity: u64,
+    forward: bool,
+    vertices: [[f64; 3]; 2],
+    curve: u64,
+}
+
+fn oriented(records: &Records, id: u64) -> Result<Oriented, Fault> {
     let u = records.args(id, "ORIENTED_EDGE")?;
     let entity = u.reference(3)?;
     let e = records.args(entity, "EDGE_CURVE")?;
@@ -84,7 +151,11 @@ fn edge(records: &Records, id: u64, carrier: u64) -> Result<WrittenEdge, Fault> 
     if !e.logical(4, false) {
         return Err(Fault::new(entity, "the edge runs against its curve"));
     }
-    let both = e.reference(3)?;
+    Ok(Oriented { entity, forward: u.logical(4, true), vertices: [vertex(1)?, vertex(2)?], curve: e.reference(3)? })
+}
+
+fn edge(records: &Records, id: u64, carrier: u64) -> Result<WrittenEdge, Fault> {
+    let Oriented { entity, forward, vertices, curve: both } = oriented(records, id)?;
     if !matches!(records.name(both), "SURFACE_CURVE" | "SEAM_CURVE") {
         return Err(Fault::new(both, "the edge has no curve on its surface"));
     }
@@ -100,18 +171,17 @@ fn edge(records: &Records, id: u64, carrier: u64) -> Result<WrittenEdge, Fault> 
     let [trim] = trims[..] else {
         return Err(Fault::new(both, format!("the edge has {} curves on the face's surface", trims.len())));
     };
-    Ok(WrittenEdge {
-        entity,
-        forward: u.logical(4, true),
-        vertices: [vertex(1)?, vertex(2)?],
-        curve: curve(records, c.reference(1)?)?,
-        trim: curve(records, trim)?,
-    })
+    Ok(WrittenEdge { entity, forward, vertices, curve: curve(records, c.reference(1)?)?, trim: curve(records, trim)? })
 }
 
 fn point<const D: usize>(records: &Records, id: u64) -> Result<[f64; D], Fault> {
     let x = records.args(id, "CARTESIAN_POINT")?.numbers(1)?;
     <[f64; D]>::try_from(x).map_err(|_| Fault::new(id, format!("a point does not have {D} coordinates")))
+}
+
+fn direction(records: &Records, id: u64) -> Result<[f64; 3], Fault> {
+    let x = records.args(id, "DIRECTION")?.numbers(1)?;
+    <[f64; 3]>::try_from(x).map_err(|_| Fault::new(id, "a direction does not have 3 coordinates"))
 }
 
 fn points<const D: usize>(records: &Records, list: &[Value]) -> Result<Vec<[f64; D]>, Fault> {
@@ -140,6 +210,17 @@ fn curve<const D: usize>(records: &Records, id: u64) -> Result<Curve<D>, Fault> 
     let control = points(records, a.list(2)?)?;
     let knots = knots(&a, degree, 6, 7, control.len())?;
     Ok(Curve { knots, control })
+}
+
+/// A curve of space with its weights; none for a polynomial one.
+fn spline(records: &Records, id: u64) -> Result<(Curve<3>, Vec<f64>), Fault> {
+    if records.get(id)?.parts.len() == 1 {
+        return Ok((curve(records, id)?, Vec::new()));
+    }
+    let (shape, lists) = (records.args(id, "B_SPLINE_CURVE")?, records.args(id, "B_SPLINE_CURVE_WITH_KNOTS")?);
+    let control = points(records, shape.list(1)?)?;
+    let knots = knots(&lists, shape.count(0)?, 0, 1, control.len())?;
+    Ok((Curve { knots, control }, records.args(id, "RATIONAL_B_SPLINE_CURVE")?.numbers(0)?))
 }
 
 fn surface(records: &Records, id: u64) -> Result<WrittenSurface, Fault> {

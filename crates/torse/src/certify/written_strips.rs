@@ -1,0 +1,130 @@
+//! Untrimmed strips as a STEP file holds them, against the strips that were judged.
+//!
+//! A strip is bounded by its rails and end rulings, so that surface and edges both follow from its control points:
+//! every number of the file must be one of them. Control points of rational strips are divided by their weights on
+//! writing, and strips called plane are written as planes: what these move is bounded, with straight edges as the lines
+//! between their vertices \[certificate, 7\].
+
+use super::vector::{cross, dot, length, length_bound, V3};
+use super::written::{surface_moved, WrittenCertificate};
+use crate::num::interval::Interval;
+use crate::patchwork::written::{WrittenBase, WrittenCourse, WrittenSide, WrittenStrip};
+use crate::spline::curve::Curve;
+use crate::spline::surface::Surface;
+use crate::torse::strip::Strip;
+
+/// Compares the faces of a STEP file with the strips that were judged. The bound is that of the distance of surfaces,
+/// edges and vertices from the strips.
+pub fn strips(strips: &[Strip], faces: &[WrittenStrip]) -> WrittenCertificate {
+    if faces.len() != strips.len() {
+        return WrittenCertificate::of(Err(format!("{} faces for {} strips", faces.len(), strips.len())));
+    }
+    let found = strips.iter().zip(faces).map(|(strip, face)| {
+        if face.name != strip.name {
+            return Err(format!("#{} is called {} instead of {}", face.entity, face.name, strip.name));
+        }
+        strip_moved(strip, face).map_err(|(entity, what)| format!("#{entity}, strip {}: {what}", strip.name))
+    });
+    WrittenCertificate::of(found.into_iter().try_fold(0.0f64, |m, b| b.map(|b| m.max(b))))
+}
+
+type Fault = (u64, String);
+
+fn strip_moved(strip: &Strip, face: &WrittenStrip) -> Result<f64, Fault> {
+    let here = |what: &str| (face.entity, what.to_owned());
+    let mut moved = match &face.surface {
+        WrittenBase::Spline(s) => surface_moved(&strip.patch, s).map_err(|what| here(&what))?,
+        WrittenBase::Plane { point, normal } => {
+            off_plane(&strip.patch, point, normal).ok_or_else(|| here("the plane is none"))?
+        }
+    };
+    // Rail, last ruling, and both others backwards; a rail that is a point has no edge.
+    let (net, row) = (&strip.patch.control, strip.patch.row());
+    let ruling = |first: usize| {
+        Some(Curve { knots: strip.patch.knots_v.clone(), control: net.get(first..first + row)?.to_vec() })
+    };
+    let last = net.len().saturating_sub(row);
+    let sides = [
+        (Some(strip.rail(0)), true, strip.is_point(0)),
+        (ruling(last), true, false),
+        (Some(strip.rail(1)), false, strip.is_point(1)),
+        (ruling(0), false, false),
+    ];
+    let wanted: Vec<_> = sides.into_iter().filter(|s| !s.2).collect();
+    if wanted.len() != face.sides.len() {
+        return Err(here("edges are missing"));
+    }
+    for (k, ((curve, forward, _), side)) in wanted.iter().zip(&face.sides).enumerate() {
+        let fault = |what: &str| (side.entity, what.to_owned());
+        if side.forward != *forward {
+            return Err(fault("the edge runs the other way"));
+        }
+        let before = &face.sides[(k + face.sides.len() - 1) % face.sides.len()];
+        if side.vertices[usize::from(!side.forward)] != before.vertices[usize::from(before.forward)] {
+            return Err(fault("the edge does not begin where the one before ends"));
+        }
+        let curve = curve.as_ref().ok_or_else(|| fault("the ruling is none"))?;
+        moved = moved.max(side_moved(curve, side).ok_or_else(|| fault("the edge is another one"))?);
+    }
+    Ok(moved)
+}
+
+/// Bound of the distance of a patch's points from a plane.
+fn off_plane(patch: &Surface, point: &[f64; 3], normal: &[f64; 3]) -> Option<f64> {
+    let n: V3<Interval> = normal.map(Interval::point);
+    let size = length(&n);
+    if !(size.lo > 0.0 && size.is_finite()) {
+        return None;
+    }
+    let far = |c: &[f64; 4]| {
+        let w = difference(&affine(c), point);
+        (dot(&w, &n) / size).mag()
+    };
+    // A point of the patch is a mean of its control points.
+    worst(patch.control.iter().map(far))
+}
+
+/// The greatest of some numbers; `None` if one of them is not finite.
+fn worst(numbers: impl IntoIterator<Item = f64>) -> Option<f64> {
+    numbers.into_iter().try_fold(0.0f64, |m, x| x.is_finite().then(|| m.max(x)))
+}
+
+/// Bound of the distance of an edge and its vertices from the side that it stands for, point by point.
+fn side_moved(own: &Curve<4>, side: &WrittenSide) -> Option<f64> {
+    let (first, last) = (affine(own.control.first()?), affine(own.control.last()?));
+    let ends = side.vertices.iter().zip([&first, &last]).map(|(vertex, end)| length_bound(&difference(end, vertex)));
+    let ends = worst(ends)?;
+    let course = match &side.course {
+        WrittenCourse::Line { point, direction } => {
+            // The edge is the stretch of the line between its vertices; the side must be straight.
+            let straight = own.control.len() == 2;
+            let d = direction.map(Interval::point);
+            let size = length(&d);
+            let off = |p: &V3<Interval>| (length(&cross(&difference(p, point), &d)) / size).hi;
+            (straight && size.lo > 0.0 && size.is_finite()).then(|| worst([off(&first), off(&last)]))??
+        }
+        WrittenCourse::Spline { curve, weights } => {
+            let rational = own.control.iter().any(|c| c[3].total_cmp(&1.0).is_ne());
+            let same_weights = match weights.len() {
+                0 => !rational,
+                n => n == own.control.len() && own.control.iter().zip(weights).all(|(c, w)| c[3] == *w && *w > 0.0),
+            };
+            let same = curve.knots.degree() == own.knots.degree() && curve.knots.values() == own.knots.values();
+            let whole = same && same_weights && curve.control.len() == own.control.len();
+            let pairs = own.control.iter().zip(&curve.control);
+            let far = pairs.map(|(c, p)| length_bound(&difference(&affine(c), p)));
+            whole.then(|| worst(far))??
+        }
+    };
+    worst([ends, course])
+}
+
+fn affine(c: &[f64; 4]) -> V3<Interval> {
+    let rational = c[3].total_cmp(&1.0).is_ne();
+    [0, 1, 2]
+        .map(|d: usize| if rational { Interval::point(c[d]) / Interval::point(c[3]) } else { Interval::point(c[d]) })
+}
+
+fn difference(p: &V3<Interval>, q: &[f64; 3]) -> V3<Interval> {
+    [0, 1, 2].map(|d: usize| p[d] - Interval::point(q[d]))
+}
