@@ -3,7 +3,7 @@
 use crate::args::{self, Approximate, Seams};
 use crate::failure::{os_reason, Failure};
 use crate::folder::Output;
-use crate::loft::rail;
+use crate::loft::{rail, rails};
 use crate::quantity::{section, Length};
 use crate::terminal::Terminal;
 use crate::wiring;
@@ -13,6 +13,7 @@ use torse::answer::outcome::{Outcome, Skipped};
 use torse::certify::claim::Status;
 use torse::io::words;
 use torse::search::cover::{CurveShape, Guide, Layout, LayoutKind, Limits, PanelCurve, SeamPlane};
+use torse::torse::rail::Rail;
 
 /// Share of the tolerance that panels may use if cones follow: the rest is for the cones, which are many where it is
 /// small.
@@ -25,7 +26,7 @@ pub fn run(arguments: &Approximate) -> Result<bool, Failure> {
     let tolerance = arguments.tolerance.as_ref().or_else(least);
     let tolerance = tolerance.ok_or_else(|| Failure::new("no tolerance", "give one: --tolerance 2mm"))?;
     let bytes = contents(file)?;
-    let layout = layout(arguments)?;
+    let (layout, unread) = layout(arguments)?;
     let output = Output::prepare(&arguments.out, file, arguments.force)?;
     let terminal = Terminal::new(arguments.quiet, arguments.time_limit)?;
     terminal.guard(Some(output.workspace().to_path_buf()));
@@ -47,6 +48,7 @@ pub fn run(arguments: &Approximate) -> Result<bool, Failure> {
         drawn: arguments.drawing.drawn(),
     };
     let mut notes = std::mem::take(&mut model.notes);
+    notes.extend(unread);
     let swept = if arguments.sweep.is_empty() {
         Vec::new()
     } else {
@@ -102,11 +104,16 @@ fn limits(arguments: &Approximate) -> Limits {
 /// Points on a guide curve.
 const GUIDE_POINTS: usize = 400;
 
-/// Where strips and seams run.
-fn layout(arguments: &Approximate) -> Result<Layout, Failure> {
+/// Where strips and seams run, with notes of what was not read.
+fn layout(arguments: &Approximate) -> Result<(Layout, Vec<String>), Failure> {
+    let mut notes = Vec::new();
     let guide = match (&arguments.direction, &arguments.guide) {
         (Some(d), _) => Some(Guide::Direction(*d)),
-        (None, Some(file)) => Some(Guide::Curve(rail(file, arguments.unit, false)?.samples(GUIDE_POINTS))),
+        (None, Some(file)) => {
+            let (rail, unread) = rail(file, arguments.unit, false)?;
+            notes.extend(unread);
+            Some(Guide::Curve(rail.samples(GUIDE_POINTS)))
+        }
         (None, None) => None,
     };
     let kind = match arguments.layout {
@@ -115,12 +122,15 @@ fn layout(arguments: &Approximate) -> Result<Layout, Failure> {
         args::Layout::Rings => LayoutKind::Rings,
     };
     let seams = arguments.seam_at.iter().map(|s| SeamPlane { normal: s.axis, offset: s.at }).collect();
-    let curves = arguments.curves.iter().map(|c| curve(c, arguments.unit)).collect::<Result<_, _>>()?;
-    Ok(Layout { kind, guide, seams, curves })
+    let mut all = Vec::new();
+    for text in &arguments.curves {
+        all.extend(curves(text, arguments.unit, &mut notes)?);
+    }
+    Ok((Layout { kind, guide, seams, curves: all }, notes))
 }
 
-/// A curve that a panel runs along.
-fn curve(text: &str, unit: Option<f64>) -> Result<PanelCurve, Failure> {
+/// Curves that panels run along: one, or all of a drawing. What was not read of it goes into `notes`.
+fn curves(text: &str, unit: Option<f64>, notes: &mut Vec<String>) -> Result<Vec<PanelCurve>, Failure> {
     let shape = match text.split_once('=').map(|(axis, place)| (axis.trim(), place.trim())) {
         Some((axis @ ("u" | "v"), place)) => {
             let share = place.parse::<f64>().ok().filter(|s| (0.0..=1.0).contains(s)).ok_or_else(|| {
@@ -139,9 +149,15 @@ fn curve(text: &str, unit: Option<f64>) -> Result<PanelCurve, Failure> {
             let s = section(text).map_err(|e| Failure::new(e, "give the plane of the section with its unit"))?;
             CurveShape::Section { normal: s.axis, offset: s.at }
         }
-        _ => CurveShape::Points(rail(text, unit, false)?.samples(GUIDE_POINTS)),
+        _ => {
+            let found = rails(text, unit, false)?;
+            notes.extend(found.notes);
+            let name = |r: &Rail| if found.rails.len() > 1 { r.name.clone() } else { text.to_owned() };
+            let points = |r: &Rail| CurveShape::Points(r.samples(GUIDE_POINTS));
+            return Ok(found.rails.iter().map(|r| PanelCurve { name: name(r), shape: points(r) }).collect());
+        }
     };
-    Ok(PanelCurve { name: text.to_owned(), shape })
+    Ok(vec![PanelCurve { name: text.to_owned(), shape }])
 }
 
 /// Reads the input file.

@@ -326,9 +326,10 @@ pub struct Fit {
     #[arg(short, long, value_name = "DIR")]
     pub out: PathBuf,
 
-    /// Unit of the numbers in the file: point files do not tell it
-    #[arg(long, value_name = "UNIT", default_value = "mm", value_parser = ["mm", "cm", "m", "in", "ft"])]
-    pub unit: String,
+    /// Unit of the numbers in files that do not tell theirs: mm, cm, m, in, ft. Drawings may tell it, and headings of
+    /// tables, such as x [m] [default: mm]
+    #[arg(long, value_name = "UNIT", value_parser = unit_of_length)]
+    pub unit: Option<f64>,
 
     /// Region of interest of planes that come without: centre and radius, in the unit of the file
     #[arg(long, value_name = "X,Y,Z,R", value_parser = ball, allow_hyphen_values = true)]
@@ -679,9 +680,9 @@ pub struct Planarise {
     #[arg(short, long, value_name = "DIR")]
     pub out: PathBuf,
 
-    /// Unit of the numbers in the file: mm, cm, m, in, ft
-    #[arg(long, value_name = "UNIT", default_value = "mm", value_parser = unit_of_length)]
-    pub unit: f64,
+    /// Unit of the numbers in the file: mm, cm, m, in, ft [default: what headings such as ax [m] tell, else mm]
+    #[arg(long, value_name = "UNIT", value_parser = unit_of_length)]
+    pub unit: Option<f64>,
 
     /// Levels of subdivision
     #[arg(long, value_name = "N", default_value_t = 0)]

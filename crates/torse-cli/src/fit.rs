@@ -52,7 +52,7 @@ pub fn run(arguments: &Fit) -> Result<bool, Failure> {
             return Err(Failure::new(format!("{name} is for rulings, planes and faces, not for points"), help));
         }
     }
-    let cloud = torse::io::cloud::read(&name, &bytes, millimetres(&arguments.unit))
+    let cloud = torse::io::cloud::read(&name, &bytes, arguments.unit)
         .map_err(|e| Failure::new(format!("{}: {e}", file.display()), "export the scan as PLY, CSV, OBJ or STL"))?;
     drop(bytes);
     let mut options = FitOptions::new(arguments.tolerance.mm, &job_name(arguments));
@@ -91,13 +91,13 @@ fn row(name: &str, bytes: &[u8], arguments: &Fit, terminal: &Terminal) -> Result
     (options.fix_ends, options.smoothing, options.robust) = (arguments.fix_ends, arguments.smooth, arguments.robust);
     let shown = arguments.file.display();
     if elements::holds_elements(name, bytes) {
-        let unit = millimetres(&arguments.unit);
-        let region = arguments.region.map(|r| r.map(|v| v * unit));
-        let given = elements::read(name, bytes, unit, region)
+        let (given, notes) = elements::read(name, bytes, arguments.unit, arguments.region)
             .map_err(|e| Failure::new(format!("{shown}: {e}"), "see 'torse fit --help' for the columns of a table"))?;
-        return fit_row(&given, &options, terminal.control()).map_err(|e| {
+        let mut outcome = fit_row(&given, &options, terminal.control()).map_err(|e| {
             Failure::new(e.to_string(), "give rulings or planes of one developable, in order, and their unit (--unit)")
-        });
+        })?;
+        outcome.sheets.notes.extend(notes);
+        return Ok(outcome);
     }
     let model = crate::wiring::read(&shown.to_string(), bytes)?;
     fit_faces(&model.faces, &model.skipped, &options, terminal.control())
@@ -114,15 +114,4 @@ fn limits(arguments: &Fit) -> Option<RegressionLimits> {
 /// Name of the job in the files.
 fn job_name(arguments: &Fit) -> String {
     arguments.name.clone().unwrap_or_else(|| stem(&arguments.file))
-}
-
-/// Millimetres of a unit that the arguments allow.
-fn millimetres(unit: &str) -> f64 {
-    match unit {
-        "cm" => 10.0,
-        "m" => 1000.0,
-        "in" => 25.4,
-        "ft" => 304.8,
-        _ => 1.0,
-    }
 }

@@ -8,15 +8,16 @@ use crate::strips::{deliver, made, tell};
 use crate::terminal::Terminal;
 use std::path::{Path, PathBuf};
 use torse::certify::claim::Status;
-use torse::io::curves::{self, CurveError, CurveOptions};
+use torse::io::curves::{self, CurveError, CurveOptions, Curves};
 use torse::pipeline::loft::{loft, Choice, Ends, Extension, Options};
 use torse::torse::rail::Rail;
 
 /// Runs the job; `Ok(true)` means certified.
 pub fn run(arguments: &Loft) -> Result<bool, Failure> {
     let (file, _) = split(&arguments.a);
-    let a = rail(&arguments.a, arguments.unit, arguments.polyline)?;
-    let b = rail(&arguments.b, arguments.unit, arguments.polyline)?;
+    let (a, mut notes) = rail(&arguments.a, arguments.unit, arguments.polyline)?;
+    let (b, more) = rail(&arguments.b, arguments.unit, arguments.polyline)?;
+    notes.extend(more);
     let output = Output::prepare(&arguments.out, &file, arguments.force)?;
     let terminal = Terminal::new(arguments.quiet, arguments.time_limit)?;
     terminal.guard(Some(output.workspace().to_path_buf()));
@@ -45,6 +46,7 @@ pub fn run(arguments: &Loft) -> Result<bool, Failure> {
     };
     let mut outcome = loft(&a, &b, &options, terminal.control())
         .map_err(|e| Failure::new(e.to_string(), "see 'torse loft --help' for what can be asked instead"))?;
+    outcome.notes.extend(notes);
     let folder = deliver(&mut outcome, Vec::new(), output, &terminal)?;
     if !arguments.quiet {
         // A closed pipe is no reason to fail after the work is done.
@@ -61,20 +63,33 @@ pub fn split(text: &str) -> (PathBuf, String) {
     }
 }
 
-/// Reads one rail.
-pub fn rail(text: &str, unit: Option<f64>, polyline: bool) -> Result<Rail, Failure> {
+/// Reads one rail; returned with notes of what was not read.
+pub fn rail(text: &str, unit: Option<f64>, polyline: bool) -> Result<(Rail, Vec<String>), Failure> {
+    let (bytes, options) = source(text, unit, polyline)?;
+    curves::read(&bytes, &options).map_err(|e| refusal(&e))
+}
+
+/// Reads all curves of a drawing or table, or the edge named of a STEP file.
+pub fn rails(text: &str, unit: Option<f64>, polyline: bool) -> Result<Curves, Failure> {
+    let (bytes, options) = source(text, unit, polyline)?;
+    curves::read_all(&bytes, &options).map_err(|e| refusal(&e))
+}
+
+/// Contents of a file of curves and what the reader is told.
+fn source(text: &str, unit: Option<f64>, polyline: bool) -> Result<(Vec<u8>, CurveOptions), Failure> {
     let (file, select) = split(text);
     let bytes = contents(&file)?;
     let name = file.file_name().map_or_else(|| text.to_owned(), |n| n.to_string_lossy().into_owned());
     let name = if select.is_empty() { name } else { format!("{name}#{select}") };
-    let options = CurveOptions { name, select, unit, polyline };
-    curves::read(&bytes, &options).map_err(|e| {
-        let help = match e {
-            CurveError::NoUnit(_) => "guessing a unit could ruin material",
-            CurveError::Several { .. } | CurveError::Missing { .. } => "write FILE#NUMBER (STEP) or FILE#LAYER (DXF)",
-            CurveError::Line { .. } => "a table has x, y, z on each line",
-            _ => "check the file in the program that made it",
-        };
-        Failure::new(e.to_string(), help)
-    })
+    Ok((bytes, CurveOptions { name, select, unit, polyline }))
+}
+
+fn refusal(e: &CurveError) -> Failure {
+    let help = match e {
+        CurveError::NoUnit(_) => "guessing a unit could ruin material",
+        CurveError::Several { .. } | CurveError::Missing { .. } => "write FILE#NUMBER (STEP) or FILE#LAYER (DXF)",
+        CurveError::Line { .. } => "a table has columns x, y, z; a first line may name and order them among others",
+        _ => "check the file in the program that made it",
+    };
+    Failure::new(e.to_string(), help)
 }

@@ -15,7 +15,7 @@ use torse::pipeline::net::{net, Condition, Options};
 /// Runs the job; `Ok(true)` means certified.
 pub fn run(arguments: &Net) -> Result<bool, Failure> {
     let (path, _) = split(&arguments.curve);
-    let given = given(arguments)?;
+    let (given, notes) = given(arguments)?;
     let curve = &given.curve;
     let output = Output::prepare(&arguments.out, &path, arguments.force)?;
     let terminal = Terminal::new(arguments.quiet, None)?;
@@ -32,6 +32,7 @@ pub fn run(arguments: &Net) -> Result<bool, Failure> {
     };
     let mut outcome = net(curve, &options, terminal.control())
         .map_err(|e| Failure::new(e.to_string(), "see 'torse net --help' for what a net is made from"))?;
+    outcome.notes.extend(notes);
     let folder = deliver(&mut outcome, Vec::new(), output, &terminal)?;
     if !arguments.quiet {
         // A closed pipe is no reason to fail after the work is done.
@@ -40,17 +41,18 @@ pub fn run(arguments: &Net) -> Result<bool, Failure> {
     Ok(outcome.status() == Status::Certified)
 }
 
-/// The curve, with what a control net says besides.
-fn given(arguments: &Net) -> Result<NetFile, Failure> {
+/// The curve, with what a control net says besides, and notes of what was not read.
+fn given(arguments: &Net) -> Result<(NetFile, Vec<String>), Failure> {
     let (path, select) = split(&arguments.curve);
     let bytes = contents(&path)?;
     if select.is_empty() && file::is_net(&bytes) {
         let name = path.file_name().map_or_else(|| arguments.curve.clone(), |n| n.to_string_lossy().into_owned());
         return file::read(&bytes, &name, arguments.unit)
+            .map(|net| (net, Vec::new()))
             .map_err(|e| Failure::new(e.to_string(), "'torse net --help' says what a control net must hold"));
     }
-    let curve = rail(&arguments.curve, arguments.unit, false)?;
-    Ok(NetFile { curve, first_ruling: None, last_ruling: None, stars: None, shape: None })
+    let (curve, notes) = rail(&arguments.curve, arguments.unit, false)?;
+    Ok((NetFile { curve, first_ruling: None, last_ruling: None, stars: None, shape: None }, notes))
 }
 
 /// The first ruling, mm: what the arguments say, else the file.

@@ -159,6 +159,7 @@ fn hint(error: &ApproximateError) -> &'static str {
         ApproximateError::NoFaces(_) => {
             "see 'torse info' on the file; export surfaces or solids, not only curves or meshes"
         }
+        ApproximateError::Loose(_) => "'torse info' tells unit and size of the model",
         ApproximateError::Tolerance(_) => "give a length with its unit, for example --tolerance 2mm",
         ApproximateError::Precision { .. } => {
             "give a larger tolerance; if the size of the model looks wrong, check its unit with 'torse info'"

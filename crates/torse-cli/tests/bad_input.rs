@@ -146,3 +146,76 @@ fn help_has_examples_and_is_no_error() {
     }
     assert_eq!(torse(room.path(), &["fold"]).status.code(), Some(2));
 }
+
+/// Points of a piece of a cylinder as x, y and z.
+fn sheet() -> Vec<[f64; 3]> {
+    let place = |k: u32| {
+        let (s, c) = (0.025 * f64::from(k / 50)).sin_cos();
+        [100.0 * s, 100.0 * c, 2.5 * f64::from(k % 50)]
+    };
+    (0..1200).map(place).collect()
+}
+
+/// The sheet as lines of a table.
+fn rows(line: impl Fn(usize, [String; 3]) -> String) -> String {
+    sheet().iter().enumerate().map(|(k, p)| line(k, p.map(|x| format!("{x:.4}"))) + "\n").collect()
+}
+
+#[test]
+fn tables_are_read_by_their_headings_and_decimal_signs_or_refused() {
+    let german = |x: String| x.replace('.', ",");
+    for (name, table) in [
+        ("ids", "id,x,y,z\n".to_string() + &rows(|k, [x, y, z]| format!("P{k},{x},{y},{z}"))),
+        ("turned", "\u{feff}z;y;x\r\n".to_string() + &rows(|_, [x, y, z]| [z, y, x].map(german).join(";"))),
+    ] {
+        let room = room("a.csv", table.as_bytes());
+        let output = torse(room.path(), &["fit", "a.csv", "-t", "0.1mm", "-o", "o"]);
+        let said = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.code() == Some(0) && said.contains("for 1200 points"), "{name}: {said}");
+    }
+    for (table, reason) in [
+        (rows(|k, [x, y, z]| format!("{k},{x},{y},{z}")), "line 1: there are 4 columns"),
+        ("a,b,c,e\n1,2,3,4\n".into(), "the columns are named a, b, c, e; 3 of them must be x, y, z"),
+        (rows(|_, p| p.map(german).join(",")), "separate the numbers by semicolons"),
+        ("x [m],y [m],z [m]\n1,2,3\n".into(), "another unit than --unit"),
+        ("1,2,3\n1,,2,3\n".into(), "line 2"),
+        ("1,x,3\n".into(), "'x' is not a number"),
+    ] {
+        let room = room("a.csv", table.as_bytes());
+        let message = refused(room.path(), &["fit", "a.csv", "--unit", "mm", "-t", "0.1mm", "-o", "o"]);
+        assert!(message.contains("a.csv") && message.contains(reason), "{reason}: {message}");
+    }
+}
+
+#[test]
+fn points_of_control_nets_have_three_or_four_numbers() {
+    for (point, count) in [("[1,2]", 2), ("[1,2,3,4,5,6]", 6)] {
+        let net =
+            format!("{{\"unit\":\"mm\",\"degree\":2,\"knots\":[0,0,0,1,1,1],\"points\":[[0,0,0],{point},[2,0,0]]}}");
+        let room = room("net.json", net.as_bytes());
+        let message = refused(room.path(), &["net", "net.json", "-t", "0.1mm", "-o", "o"]);
+        assert!(message.contains(&format!("point 1 (counted from 0) has {count} numbers")), "{message}");
+    }
+}
+
+#[test]
+fn a_tolerance_larger_than_the_model_is_refused_by_every_job() {
+    const DATA: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../data/");
+    let data = |name: &str| format!("{DATA}{name}");
+    let room = room("scan.csv", rows(|_, p| p.join(",")).as_bytes());
+    let (square, round) = (data("duct_square.dxf"), data("duct_round.dxf"));
+    for arguments in [
+        vec!["approximate".into(), data("torus_piece.step")],
+        vec!["cones".into(), data("cone_holes.step")],
+        vec!["fit".into(), "scan.csv".into()],
+        vec!["fit".into(), data("hood_strip.csv")],
+        vec!["loft".into(), square.clone(), round.clone()],
+        vec!["hull".into(), square, round],
+        vec!["net".into(), data("keel_net.json")],
+        vec!["planarise".into(), data("hood_strip.csv")],
+    ] {
+        let all: Vec<&str> = arguments.iter().map(String::as_str).chain(["-t", "90m", "-o", "o"]).collect();
+        let message = refused(room.path(), &all);
+        assert!(message.contains("90000 mm") && message.contains("half the diagonal"), "{message}");
+    }
+}

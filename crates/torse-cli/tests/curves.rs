@@ -83,3 +83,40 @@ fn panels_run_along_a_section_and_sections_that_miss_are_refused() {
     let report = fs::read_to_string(room.path().join("o/report.json")).expect("report");
     assert!(report.contains("\"curve\": \"x=400mm\"") && report.contains("paper_deviation_estimate"));
 }
+
+/// A drawing in mm.
+fn drawing(entities: &str) -> String {
+    format!(
+        "0\nSECTION\n2\nHEADER\n9\n$INSUNITS\n70\n4\n0\nENDSEC\n0\nSECTION\n2\nENTITIES\n{entities}0\nENDSEC\n0\nEOF\n"
+    )
+}
+
+#[test]
+fn all_curves_of_a_drawing_get_panels_and_what_is_not_read_is_named() {
+    let room = tempfile::tempdir().expect("room");
+    let line = |y: i32| format!("0\nLINE\n5\nL{y}\n10\n-900\n20\n{y}\n30\n300\n11\n900\n21\n{y}\n31\n300\n");
+    let frames = drawing(&(line(-250) + &line(250) + "0\nTEXT\n1\nframes\n"));
+    fs::write(room.path().join("frames.dxf"), frames).expect("file");
+    let model = format!("{DATA}/torus_piece.step");
+    let output = torse(room.path(), &["approximate", &model, "-t", "20mm", "-o", "o", "--curves", "frames.dxf"]);
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(output.status.code() != Some(2), "{text}{}", String::from_utf8_lossy(&output.stderr));
+    assert!(text.contains("note: not read of frames.dxf: 1 TEXT"), "{text}");
+    let report = fs::read_to_string(room.path().join("o/report.json")).expect("report") + &text;
+    assert!(report.contains("frames.dxf curve 1") && report.contains("frames.dxf curve 2"), "{text}");
+}
+
+#[test]
+fn splines_of_fit_points_are_rails() {
+    let room = tempfile::tempdir().expect("room");
+    for (name, y) in [("a.dxf", 0), ("b.dxf", 100)] {
+        let points: String =
+            [[0, 0], [100, 10], [200, 0], [300, 5]].map(|[x, z]| format!("11\n{x}\n21\n{y}\n31\n{z}\n")).concat();
+        let spline = format!("0\nSPLINE\n5\nF\n70\n8\n71\n3\n72\n0\n73\n0\n74\n4\n{points}0\nPOINT\n10\n0\n20\n0\n");
+        fs::write(room.path().join(name), drawing(&spline)).expect("file");
+    }
+    let output = torse(room.path(), &["loft", "a.dxf", "b.dxf", "-t", "0.1mm", "-o", "o"]);
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert_eq!(output.status.code(), Some(0), "{text}{}", String::from_utf8_lossy(&output.stderr));
+    assert!(text.contains("not read of a.dxf: 1 POINT") && text.contains("not read of b.dxf: 1 POINT"), "{text}");
+}

@@ -137,6 +137,7 @@ fn scanned_meshes_in_obj_and_stl_are_recovered_within_twice_the_noise() {
         let _ = binary.write_all(&[0, 0]);
         text += "endloop\nendfacet\n";
     }
+    text += "endsolid s\n";
     for (name, content) in [("a.obj", obj.into_bytes()), ("b.stl", binary), ("c.stl", text.into_bytes())] {
         let (code, said, report) = fit(name, content, &["-t", "0.3mm"]);
         assert_eq!(code, Some(0), "{name}: {said}");
@@ -146,6 +147,48 @@ fn scanned_meshes_in_obj_and_stl_are_recovered_within_twice_the_noise() {
         assert!(report["worst_point"]["index"].is_number() && report["worst_point"]["place"][2].is_number());
         assert!(name == "a.obj" || report["shapes"][0]["shape"] == "cone", "{name}: {said}");
     }
+}
+
+/// A part of a cylinder or cone about z as CAD programs mesh it: long thin facets between two rims.
+fn coarse(radii: [f64; 2], steps: std::ops::Range<u32>) -> String {
+    let mut out = String::new();
+    let count = steps.len() + 1;
+    for k in steps.start..=steps.end {
+        let (s, c) = (std::f64::consts::TAU * f64::from(k) / 24.0).sin_cos();
+        for (r, z) in radii.iter().zip([0.0, 300.0]) {
+            let _ = writeln!(out, "v {:.9} {:.9} {z}", r * c, r * s);
+        }
+    }
+    for k in 0..count - 1 {
+        let a = 2 * k + 1;
+        let _ = writeln!(out, "f {} {} {}\nf {} {} {}", a, a + 2, a + 1, a + 2, a + 3, a + 1);
+    }
+    out
+}
+
+#[test]
+fn coarse_meshes_of_cylinders_and_cones_are_followed_through_their_corners() {
+    for (name, mesh) in [("cylinder", coarse([100.0; 2], 0..12)), ("cone", coarse([100.0, 60.0], 0..10))] {
+        let (code, said, report) = fit("mesh.obj", mesh, &["-t", "0.1mm"]);
+        assert_eq!(code, Some(0), "{name}: {said}");
+        // The facets are 0.86 mm inside; only the corners, which lie on the surface, are held to the tolerance.
+        assert!(figure(&report, "largest distance of a point") <= 0.1, "{name}: {said}");
+        let corners = if name == "cone" { 22.0 } else { 26.0 };
+        assert!((figure(&report, "points") - corners).abs() < 0.5, "{name}: {said}");
+        assert!(said.contains("Judged are the") && said.contains("triangles are chords"), "{name}: {said}");
+        let radius = if name == "cone" { 60.0 } else { 100.0 };
+        assert!(radius > 0.0 && report["strips"].as_array().is_some_and(|s| s.len() <= 3), "{name}: {said}");
+    }
+}
+
+#[test]
+fn a_part_of_a_mesh_without_strip_is_no_success() {
+    // A cylinder, and a cap over all of its corners of one rim that no strip follows within one.
+    let mesh = coarse([100.0; 2], 0..12)
+        + "v 0 0 -400\n"
+        + &(0..12).map(|k| format!("f {} {} 27\n", 2 * k + 1, 2 * k + 3)).collect::<String>();
+    let (code, said, _) = fit("mesh.obj", mesh, &["-t", "0.1mm", "--max-strips", "1"]);
+    assert_eq!(code, Some(3), "{said}");
 }
 
 #[test]

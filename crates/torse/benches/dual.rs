@@ -74,7 +74,7 @@ fn scan(bencher: divan::Bencher, count: usize) {
             Vec3::new(u + v * a, v, f + v * 0.25 * f) * 1000.0 + Vec3::z() * (0.1 * noise(i + 5))
         })
         .collect();
-    let cloud = Cloud { points };
+    let cloud = Cloud { points, ..Cloud::default() };
     bencher
         .bench_local(|| fit(&cloud, &FitOptions::new(0.5, "scan"), &Control::default()).expect("a fit").noise_estimate);
 }

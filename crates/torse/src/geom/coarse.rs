@@ -1,4 +1,4 @@
-//! Coordinates whose last digits are coarser than what is asked of them.
+//! Tolerances that do not suit the coordinates: finer than their last digits, or larger than the model.
 
 /// Numbers so large that neighbouring ones are too far apart for a tolerance.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -27,9 +27,45 @@ impl Coarse {
     }
 }
 
+/// A tolerance that is as large as the model, so that nothing would have to look like it.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error(
+    "the tolerance of {tolerance} mm is more than half the diagonal of all that is read, which is {diagonal:.6} mm: check \
+     the unit of the file and the tolerance"
+)]
+pub struct Loose {
+    /// Tolerance, mm.
+    pub tolerance: f64,
+    /// Diagonal of the box around what is read, mm.
+    pub diagonal: f64,
+}
+
+/// Share of the diagonal beyond which a tolerance says nothing: everything is that near to the middle.
+const MOST_SHARE: f64 = 0.5;
+
+impl Loose {
+    /// Refuses a tolerance that is too large for the diagonal of a model, mm. Models without extent are another fault.
+    ///
+    /// # Errors
+    /// The tolerance is more than half the diagonal.
+    pub fn check(diagonal: f64, tolerance: f64) -> Result<(), Self> {
+        if diagonal > 0.0 && tolerance > MOST_SHARE * diagonal {
+            return Err(Self { tolerance, diagonal });
+        }
+        Ok(())
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_tolerance_is_at_most_half_the_diagonal() {
+        assert_eq!((Loose::check(4.0, 2.0), Loose::check(0.0, 2.0)), (Ok(()), Ok(())));
+        let told = Loose::check(3.0, 2.0).expect_err("too large").to_string();
+        assert!(told.contains("2 mm") && told.contains("3.000000 mm"), "{told}");
+    }
 
     #[test]
     fn a_tolerance_holds_twenty_steps() {

@@ -2,6 +2,7 @@
 //! The tables carry no unit: the caller gives it.
 
 use super::cloud::CloudReadError;
+use super::table::{self, Fault, Table};
 use crate::geom::Vec3;
 use crate::torse::contact::{Given, PlaneElement};
 
@@ -22,74 +23,116 @@ pub fn holds_elements(name: &str, bytes: &[u8]) -> bool {
     match ending.as_str() {
         "dxf" => true,
         "csv" | "txt" => {
-            let text = String::from_utf8_lossy(&bytes[..bytes.len().min(4096)]);
-            let head = lines(&text).next().map(|(_, line)| headings(line)).unwrap_or_default();
-            let names = |all: &[&str]| all.iter().all(|c| head.iter().any(|h| h == c));
+            let Ok(text) = table::text(&bytes[..bytes.len().min(4096)]) else { return false };
+            // The start of a file may end in the midst of a row; headings come before.
+            let head = text.split(['\n', '\r']).map(str::trim).find(|l| table::is_row(l)).unwrap_or_default();
+            let Ok(head) = table::table(head) else { return false };
+            let names = |all: &[&str]| all.iter().all(|c| !matches!(head.column(c), Ok(None)));
             names(&PLANE) || names(&RULING) || names(&RUNG)
         }
         _ => false,
     }
 }
 
-/// Planes or rulings of a file. `unit` is the length of the file's unit in mm (drawings may say theirs, which then
-/// counts); `region` (centre and radius, mm) is that of planes which come without.
+/// Planes or rulings of a file. `unit` is the length of the file's unit in mm; where none is given, it is what the
+/// drawing or the headings say, else mm. `region` (centre and radius, in the unit of the file) is that of planes which
+/// come without. Returned with notes of what was not read of a drawing.
 ///
 /// Tables: `px,py,pz,qx,qy,qz` (or `ax` to `bz`) are rulings, with `nx,ny,nz` their tangent planes; `a,b,c,d` are planes
 /// `a x + b y + c z = d`, with `x,y,z,r` their regions of interest. A column `t` in either must increase: it says
-/// that the rows are in order. `w` are weights of planes and of rulings with planes in fits.
+/// that the rows are in order. `w` are weights of planes and of rulings with planes in fits. Other columns are passed
+/// over; see [`crate::io::table`] for separators and decimal commas.
 ///
 /// # Errors
 /// See [`CloudReadError`].
-pub fn read(name: &str, bytes: &[u8], unit: f64, region: Option<[f64; 4]>) -> Result<Given, CloudReadError> {
+pub fn read(
+    name: &str,
+    bytes: &[u8],
+    unit: Option<f64>,
+    region: Option<[f64; 4]>,
+) -> Result<(Given, Vec<String>), CloudReadError> {
     if name.to_ascii_lowercase().ends_with(".dxf") {
-        let lines = super::curves::lines(bytes, name, unit)
+        let (lines, notes) = super::curves::lines(bytes, name, unit)
             .map_err(|e| CloudReadError::Format { format: "DXF", reason: e.to_string() })?;
         if lines.is_empty() {
-            let reason = "it holds no LINE: draw the rulings as lines".to_string();
+            let more = notes.first().map_or(String::new(), |n| format!(" ({n})"));
+            let reason = format!("it holds no LINE: draw the rulings as lines{more}");
             return Err(CloudReadError::Format { format: "DXF", reason });
         }
-        return Ok(Given::Rulings(lines));
+        return Ok((Given::Rulings(lines), notes));
     }
-    table(bytes, unit, region)
+    table(bytes, unit, region).map(|given| (given, Vec::new()))
 }
 
-/// Lines that are neither empty nor comments, with their numbers from 1.
-fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
-    text.lines()
-        .enumerate()
-        .map(|(i, l)| (i + 1, l.trim().trim_start_matches('\u{feff}')))
-        .filter(|(_, l)| !l.is_empty() && !l.starts_with('#') && !l.starts_with("//"))
+/// Columns of a table of planes or rulings.
+struct Columns {
+    /// Both ends of rulings; else planes.
+    rulings: Option<Vec<usize>>,
+    planes: Option<Vec<usize>>,
+    normals: Option<Vec<usize>>,
+    regions: Option<Vec<usize>>,
+    order: Option<usize>,
+    weights: Option<usize>,
 }
 
-fn words(line: &str) -> impl Iterator<Item = &str> {
-    line.split([',', ';', '\t', ' ']).map(str::trim).filter(|w| !w.is_empty())
-}
-
-fn headings(line: &str) -> Vec<String> {
-    words(line).map(|w| w.trim_matches('"').to_ascii_lowercase()).collect()
-}
-
-fn table(bytes: &[u8], unit: f64, region: Option<[f64; 4]>) -> Result<Given, CloudReadError> {
-    let text = String::from_utf8_lossy(bytes);
-    let mut rows = lines(&text);
-    let head = rows.next().map(|(_, l)| headings(l)).unwrap_or_default();
-    let column = |name: &str| head.iter().position(|h| h == name);
-    let columns = |names: &[&str]| -> Option<Vec<usize>> { names.iter().map(|n| column(n)).collect() };
-    let (planes, rulings) = (columns(&PLANE), columns(&RULING).or_else(|| columns(&RUNG)));
-    let (regions, normals, order, weights) = (columns(&REGION), columns(&NORMAL), column("t"), column("w"));
-    let mut found: Vec<(f64, PlaneElement)> = Vec::new();
-    for (line, text) in rows {
-        let fault = |reason: String| CloudReadError::Line { format: "CSV", line, reason };
-        let mut values = Vec::with_capacity(head.len());
-        for w in words(text) {
-            let value = w.parse::<f64>().map_err(|_| fault(format!("'{w}' is not a number")))?;
-            if !value.is_finite() {
-                return Err(fault(format!("'{w}' is not a finite number")));
-            }
-            values.push(value);
+impl Columns {
+    /// The columns that a table names.
+    ///
+    /// # Errors
+    /// Rulings and planes in one table, columns of which some are missing or that are named twice.
+    fn of(table: &Table) -> Result<Self, Fault> {
+        let all = |names: &[&str]| names.iter().map(|n| table.column(n)).collect::<Result<Option<Vec<_>>, _>>();
+        let rulings = all(&RULING)?.map_or_else(|| all(&RUNG), |r| Ok(Some(r)))?;
+        let planes = all(&PLANE)?;
+        if rulings.is_some() && planes.is_some() {
+            let reason = "columns of rulings and of planes in one table: leave out either".into();
+            return Err(Fault { line: 1, reason });
         }
-        if values.len() != head.len() {
-            return Err(fault(format!("{} columns are named, there are {} numbers", head.len(), values.len())));
+        Ok(Self {
+            normals: if rulings.is_some() { table.group(&NORMAL)? } else { None },
+            regions: if planes.is_some() { table.group(&REGION)? } else { None },
+            rulings,
+            planes,
+            order: table.column("t")?,
+            weights: table.column("w")?,
+        })
+    }
+
+    /// Those that hold lengths.
+    fn lengths(&self) -> Vec<usize> {
+        let planes = self.planes.iter().flat_map(|p| p.last());
+        let all = self.rulings.iter().chain(&self.regions).flatten().chain(planes);
+        all.copied().collect()
+    }
+
+    /// Those that are read.
+    fn read(&self) -> Vec<usize> {
+        let groups = [&self.rulings, &self.planes, &self.normals, &self.regions];
+        let mut all: Vec<usize> = groups.into_iter().flatten().flatten().copied().collect();
+        all.extend(self.order.iter().chain(&self.weights));
+        all
+    }
+}
+
+fn table(bytes: &[u8], given: Option<f64>, region: Option<[f64; 4]>) -> Result<Given, CloudReadError> {
+    let told = |f: Fault| CloudReadError::Line { format: "CSV", line: f.line, reason: f.reason };
+    let text = table::text(bytes).map_err(told)?;
+    let table = table::table(&text).map_err(told)?;
+    let columns = Columns::of(&table).map_err(told)?;
+    let unit = table.unit_or(&columns.lengths(), given).map_err(told)?.unwrap_or(1.0);
+    let region = region.map(|r| r.map(|x| x * unit));
+    let Columns { rulings, planes, normals, regions, order, weights } = &columns;
+    let read = columns.read();
+    let (mut numbers, mut values) = (Vec::new(), vec![0.0; table.width()]);
+    let mut found: Vec<(f64, PlaneElement)> = Vec::new();
+    for row in &table.rows {
+        let fault = |reason: String| CloudReadError::Line { format: "CSV", line: row.line, reason };
+        table.numbers(row, &read, &mut numbers).map_err(told)?;
+        for (k, value) in read.iter().zip(&numbers) {
+            if !value.is_finite() {
+                return Err(fault(format!("column {} holds {value}, which is not a finite number", k + 1)));
+            }
+            values[*k] = *value;
         }
         let vector = |at: &[usize]| Vec3::new(values[at[0]], values[at[1]], values[at[2]]);
         let t = order.map_or(found.len() as f64, |k| values[k]);
@@ -105,7 +148,7 @@ fn table(bytes: &[u8], unit: f64, region: Option<[f64; 4]>) -> Result<Given, Clo
         if weight <= 0.0 {
             return Err(fault(format!("the weight {weight} is not positive")));
         }
-        if let Some(at) = &rulings {
+        if let Some(at) = rulings {
             let normal = normals.as_ref().map_or(Vec3::zeros(), |n| vector(n));
             if normals.is_some() && normal.norm() <= 0.0 {
                 return Err(fault("the normal is zero".into()));
@@ -115,7 +158,7 @@ fn table(bytes: &[u8], unit: f64, region: Option<[f64; 4]>) -> Result<Given, Clo
             const NARROW: f64 = 0.1;
             let radius = NARROW * (ends[1] - ends[0]).norm();
             found.push((t, PlaneElement { normal, ends, radius, weight }));
-        } else if let Some(at) = &planes {
+        } else if let Some(at) = planes {
             let n = vector(&at[..3]);
             let d = values[at[3]] * unit;
             let size = n.norm();
@@ -123,7 +166,7 @@ fn table(bytes: &[u8], unit: f64, region: Option<[f64; 4]>) -> Result<Given, Clo
                 return Err(fault("the plane has no normal: a, b and c are zero".into()));
             }
             let ([x, y, z, r], own) =
-                match (&regions, region) {
+                match (regions, region) {
                     (Some(k), _) => ([values[k[0]], values[k[1]], values[k[2]], values[k[3]]], unit),
                     (None, Some(r)) => (r, 1.0),
                     (None, None) => return Err(fault(
@@ -158,14 +201,17 @@ mod tests {
         let rulings = b"t,px,py,pz,qx,qy,qz\n1,0,0,0,1,0,0\n2,0,1,0,1,1,0\n";
         assert!(holds_elements("a.csv", rulings));
         assert_eq!(
-            read("a.csv", rulings, 10.0, None).expect("rulings"),
-            Given::Rulings(vec![
-                [Vec3::zeros(), Vec3::new(10.0, 0.0, 0.0)],
-                [Vec3::new(0.0, 10.0, 0.0), Vec3::new(10.0, 10.0, 0.0)]
-            ])
+            read("a.csv", rulings, Some(10.0), None).expect("rulings"),
+            (
+                Given::Rulings(vec![
+                    [Vec3::zeros(), Vec3::new(10.0, 0.0, 0.0)],
+                    [Vec3::new(0.0, 10.0, 0.0), Vec3::new(10.0, 10.0, 0.0)]
+                ]),
+                Vec::new()
+            )
         );
         let planes = b"a;b;c;d;w\n0;0;2;4;3\n";
-        let Given::Planes(p) = read("a.csv", planes, 1.0, Some([1.0, 1.0, 0.0, 5.0])).expect("planes") else {
+        let (Given::Planes(p), _) = read("a.csv", planes, None, Some([1.0, 1.0, 0.0, 5.0])).expect("planes") else {
             panic!("planes")
         };
         assert_eq!((p[0].centre(), p[0].radius, p[0].weight), (Vec3::new(1.0, 1.0, 2.0), 5.0, 3.0));
@@ -174,7 +220,7 @@ mod tests {
 
     #[test]
     fn faults_name_their_line() {
-        let text = |b: &[u8]| read("a.csv", b, 1.0, None).expect_err("a fault").to_string();
+        let text = |b: &[u8]| read("a.csv", b, None, None).expect_err("a fault").to_string();
         assert!(text(b"a,b,c,d\n0,0,1,0\n").contains("--region"));
         assert!(text(b"px,py,pz,qx,qy,qz\n0,0,0,1,0,NaN\n").contains("line 2"));
         assert!(text(b"px,py,pz,qx,qy,qz\n0,0,0,1,0\n").contains("5 numbers"));

@@ -19,4 +19,5 @@ pub mod sheets;
 pub mod step;
 pub mod svg;
 pub mod sweep;
+mod table;
 pub mod words;

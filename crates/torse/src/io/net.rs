@@ -64,12 +64,16 @@ pub enum NetFileError {
         knots: usize,
     },
     /// A point without three or four coordinates, or a weight that is not positive.
-    #[error("{name}: point {index} must be x, y, z and perhaps a positive weight")]
+    #[error(
+        "{name}: point {index} (counted from 0) has {there} numbers; it must be x, y, z and perhaps a positive weight"
+    )]
     Point {
         /// Name.
         name: String,
         /// Index from 0.
         index: usize,
+        /// Numbers that it has.
+        there: usize,
     },
     /// One of two numbers that belong together.
     #[error("{name}: \"{first}\" and \"{second}\" must be given together")]
@@ -139,7 +143,7 @@ pub fn read(bytes: &[u8], name: &str, unit: Option<f64>) -> Result<NetFile, NetF
         let w = match p.len() {
             3 => 1.0,
             4 if p[3] > 0.0 => p[3],
-            _ => return Err(NetFileError::Point { name: named(), index }),
+            there => return Err(NetFileError::Point { name: named(), index, there }),
         };
         control.push([p[0] * scale * w, p[1] * scale * w, p[2] * scale * w, w]);
     }
@@ -196,6 +200,8 @@ mod tests {
         assert!(told("\"cm\"", "\"furlong\"").contains("furlong"));
         assert!(told("\"unit\": \"cm\",", "").contains("unit"));
         assert!(told("[1, 2, 0]", "[1, 2]").contains("point 1"));
+        assert!(told("[1, 2, 0]", "[1, 2, 0, 1, 2, 3]").contains("point 1 (counted from 0) has 6 numbers"));
+        assert!(told("[1, 2, 0]", "[]").contains("point 1 (counted from 0) has 0 numbers"));
         assert!(told("1.0]", "0.0]").contains("point 3"));
         assert!(told(", \"lambda_star\": 10", "").contains("together"));
         assert!(told("\"degree\"", "\"order\"").contains("line 1"));

@@ -1,7 +1,7 @@
 //! Strips of quadrilaterals from files: tables of rulings, tables of two polylines, Wavefront OBJ with quadrilateral
 //! faces. Formats and the order of faces only.
 
-mod obj;
+pub(super) mod obj;
 mod table;
 
 use crate::torse::quad_strip::{QuadStrip, QuadStripError};
@@ -34,29 +34,31 @@ pub enum QuadReadError {
 /// Most rulings of a file; beyond it the file is no strip.
 const MOST: usize = 1 << 18;
 
-/// Reads a strip; `name` tells the format by its ending, `unit` is the length of one unit of the file in mm.
+/// Reads a strip; `name` tells the format by its ending, `unit` is the length of one unit of the file in mm: where none
+/// is given, what headings say, else mm.
 ///
-/// Tables: one ruling per line as `ax, ay, az, bx, by, bz`; or one point per line as `x, y, z`, the two polylines
-/// separated by an empty line. Commas, semicolons, tabs or blanks separate, `#` begins a comment, one line of headings
-/// is allowed. OBJ: all faces quadrilaterals that form one open strip, in any order.
+/// Tables: one ruling per line as `ax, ay, az, bx, by, bz` (or `px` to `qz`); or one point per line as `x, y, z`, the two
+/// polylines separated by an empty line. Columns that the first line names may stand in any order among others; see
+/// [`crate::io::table`] for separators. OBJ: all faces quadrilaterals that form one open strip, in any order.
 ///
 /// # Errors
 /// See [`QuadReadError`].
-pub fn read(name: &str, bytes: &[u8], unit: f64) -> Result<QuadStrip, QuadReadError> {
-    let text = std::str::from_utf8(bytes).map_err(|_| QuadReadError::NotText)?;
-    if text.contains('\0') {
-        return Err(QuadReadError::NotText);
-    }
+pub fn read(name: &str, bytes: &[u8], unit: Option<f64>) -> Result<QuadStrip, QuadReadError> {
     let is_obj = std::path::Path::new(name).extension().is_some_and(|e| e.eq_ignore_ascii_case("obj"));
-    let [a, b] = if is_obj { obj::rulings(text)? } else { table::rulings(text)? };
+    let [a, b] = if is_obj {
+        let text = std::str::from_utf8(bytes).map_err(|_| QuadReadError::NotText)?;
+        let unit = unit.unwrap_or(1.0);
+        obj::rulings(text)?.map(|side| side.into_iter().map(|p| p * unit).collect())
+    } else {
+        table::rulings(bytes, unit)?
+    };
     if a.is_empty() && b.is_empty() {
         return Err(QuadReadError::Empty);
     }
     if a.len().max(b.len()) > MOST {
         return Err(QuadReadError::NoStrip(format!("more than {MOST} rulings")));
     }
-    let scaled = |p: Vec<crate::geom::Vec3>| p.into_iter().map(|p| p * unit).collect();
-    Ok(QuadStrip::new(scaled(a), scaled(b))?)
+    Ok(QuadStrip::new(a, b)?)
 }
 
 #[cfg(test)]
@@ -65,13 +67,13 @@ mod tests {
     use crate::geom::Vec3;
 
     fn read_as(name: &str, text: &str) -> Result<QuadStrip, QuadReadError> {
-        read(name, text.as_bytes(), 10.0)
+        read(name, text.as_bytes(), Some(10.0))
     }
 
     #[test]
     fn rulings_and_polylines_give_the_same_strip() {
         let rulings = "\u{feff}ax;ay;az;bx;by;bz\n# first\n0;0;0;0;1;0\n1;0;0;1;1;0.5 # second\n\n2;0;0;2;1;0\n";
-        let lines = "x,y,z\n0,0,0\n1 0 0\n2\t0\t0\n\n\n0,1,0\n1,1,0.5\n2,1,0\n\n";
+        let lines = "z,y,x\n0,0,0\n0,0,1\n0, 0,2\n\n\n0,1,0\n0.5,1,1\n0,1,2\n\n";
         let s = read_as("s.csv", rulings).expect("a strip");
         assert_eq!(s, read_as("s.txt", lines).expect("a strip"));
         assert_eq!((s.quads(), s.b()[1]), (2, Vec3::new(10.0, 10.0, 5.0)));
@@ -103,7 +105,7 @@ mod tests {
         assert!(message("s.csv", "0 0 0\n1 0 0\n\n0 1 0\n").contains("as many on both sides"));
         assert!(message("s.csv", "0 0 0\n1 0 0\n\n0 1 0\n1 1 0\n\n2 2 2\n").contains("third"));
         assert!(message("s.csv", "0 0 0 0 1 0\n1 0 0\n").contains("line 2"));
-        assert_eq!(read("s.csv", &[0xff, 0xfe, 0x00], 1.0), Err(QuadReadError::NotText));
+        assert_eq!(read("s.obj", &[0xff, 0xfe, 0x00], None), Err(QuadReadError::NotText));
         let v = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 2 0 0\nv 2 1 0\n";
         assert!(message("s.obj", &format!("{v}f 1 2 3\n")).contains("3 corners"));
         assert!(message("s.obj", &format!("{v}f 1 2 3 9\n")).contains("vertex 9"));

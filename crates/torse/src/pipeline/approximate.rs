@@ -15,6 +15,7 @@ use crate::control::Control;
 use crate::develop::bends::BendSpacing;
 use crate::develop::pattern::bends_anew;
 use crate::develop::view::{seen_from, Drawn};
+use crate::geom::coarse::Loose;
 use crate::geom::BBox;
 use crate::patchwork::outside::outward;
 use crate::patchwork::panel::{Border, Panel, Patchwork};
@@ -59,6 +60,9 @@ pub const SMOOTH_ANGLE_DEG: f64 = 0.5;
 /// Why the job cannot be done at all.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ApproximateError {
+    /// A tolerance larger than the model.
+    #[error(transparent)]
+    Loose(#[from] Loose),
     /// Nothing to approximate.
     #[error("there is no face to approximate; {0}")]
     NoFaces(String),
@@ -187,6 +191,7 @@ pub fn approximate(
         bbox.include(&b.min);
         bbox.include(&b.max);
     }
+    Loose::check(bbox.diagonal(), tolerance)?;
     let size = bbox.diagonal().max(bbox.min.amax().max(bbox.max.amax()));
     if tolerance < PRECISION * size {
         return Err(ApproximateError::Precision { tolerance, size, least: PRECISION * size });

@@ -14,6 +14,8 @@ use crate::develop::cones::{cone_pattern, overlaps};
 use crate::develop::view::cones_viewed;
 use crate::fit::elements::cones::{cones as fit, ConeFit, ConeFitOptions};
 use crate::fit::panels::cone_trim::{cone_part, ConeTrimOptions};
+use crate::geom::coarse::Loose;
+use crate::geom::BBox;
 use crate::patchwork::panel::Patchwork;
 use crate::patchwork::pattern::Pattern;
 use crate::search::strips::cone_outline::PlaneOutline;
@@ -49,6 +51,9 @@ pub struct ConesOutcome {
 /// Why there is no answer at all.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ConesJobError {
+    /// A tolerance larger than the model.
+    #[error(transparent)]
+    Loose(#[from] Loose),
     /// A tolerance that is not positive.
     #[error("the tolerance {0} is not a positive number of mm")]
     Tolerance(f64),
@@ -99,6 +104,8 @@ pub fn of_faces(
     options: &ConesOptions,
     control: &Control,
 ) -> Result<ConesOutcome, ConesJobError> {
+    let boxes: Vec<BBox> = faces.iter().map(|f| f.surface.bbox()).collect();
+    Loose::check(BBox::of(boxes.iter().flat_map(|b| [&b.min, &b.max])).diagonal(), options.tolerance)?;
     let mut targets = Vec::new();
     let TrimsJudged { faces, bound, missed } = trims_judged(faces.to_vec(), options.tolerance);
     let mut left = skipped.to_vec();

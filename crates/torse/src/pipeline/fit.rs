@@ -9,12 +9,13 @@ use crate::develop::view::Drawn;
 use crate::fit::cloud::core;
 use crate::fit::cloud::estimates::{estimates, Estimates};
 use crate::fit::cloud::extent::{assigned, polished, strip, widened};
+use crate::fit::cloud::facets::{facet_points, FacetPoint};
 use crate::fit::cloud::pieces::{pieces, PieceOptions};
 use crate::fit::cloud::regions::regions;
 use crate::fit::cloud::CloudError;
 use crate::fit::near::samples::Fit;
 use crate::geom::cloud::Cloud;
-use crate::geom::coarse::Coarse;
+use crate::geom::coarse::{Coarse, Loose};
 use crate::geom::Vec3;
 use crate::search::strips::cut::cut;
 use crate::search::strips::regression;
@@ -62,7 +63,9 @@ const CRUMB: f64 = 0.01;
 
 /// Fits developable strips to measured points.
 ///
-/// *Input*: finite points in mm, at least 30, not in a line; no order, no normals needed.
+/// *Input*: finite points in mm, at least 30, not in a line; no order, no normals needed. Of a coarse mesh (see
+/// [`crate::fit::cloud::facets`]) points between its corners guide the fit; judged are the corners, and a part of the
+/// mesh without strip is an objection.
 /// *Result*: certified if every point is proven to lie within the tolerance; otherwise the points that are not are
 /// counted and the worst is named. Strips cover what was measured and are not joined to each other.
 ///
@@ -81,22 +84,23 @@ pub fn fit(cloud: &Cloud, options: &FitOptions, control: &Control) -> Result<Fit
     if let Some(fault) = Coarse::of(extent.min.amax().max(extent.max.amax()), options.tolerance) {
         return Err(fault.into());
     }
+    Loose::check(extent.diagonal(), options.tolerance)?;
     // 1. What the surface is like, in coordinates that are small where the file's are not.
     control.report("estimating", 0.0, format!("{} points", cloud.points.len()));
     let shift = far_off(&cloud.points);
-    let moved: Cow<[Vec3]> = match shift {
-        Some(c) => cloud.points.iter().map(|p| p - c).collect(),
-        None => Cow::Borrowed(&cloud.points),
-    };
+    let inside = facet_points(cloud, GUIDES);
+    let moved = guided(&cloud.points, &inside, shift);
     let found = estimates(&moved, options.places)?;
     // 2. Pieces that one torse follows.
     control.report("fitting", 0.2, String::new());
     let mut notes = Vec::new();
     let mut skipped = Vec::new();
-    let fits = torses(&found, cloud.points.len(), shift, options, control, &mut skipped);
+    let slack = GUIDE_SLACK * bulge(&inside);
+    let fits = torses(&found, Placed { points: moved.len(), shift, slack }, options, control, &mut skipped);
     // 3. Strips under the points of each piece.
     control.report("trimming", 0.6, format!("{} pieces", fits.len()));
-    let mut strips = strips(&found, &moved, fits, options, &mut skipped);
+    let given = Given { points: &moved, judged: cloud.points.len() };
+    let mut strips = strips(&found, &given, fits, options, &mut skipped);
     drop(moved);
     if let Some(c) = shift {
         strips = strips.into_iter().map(|s| s.moved(&c)).collect();
@@ -113,7 +117,7 @@ pub fn fit(cloud: &Cloud, options: &FitOptions, control: &Control) -> Result<Fit
     if strips.len() > 1 {
         notes.push("Strips are fitted one by one and are not joined to each other.".to_string());
     }
-    let lonely = found.of_point.iter().filter(|e| e.is_none()).count();
+    let lonely = found.of_point.iter().take(cloud.points.len()).filter(|e| e.is_none()).count();
     if lonely > 0 {
         notes.push(format!(
             "{lonely} points lie too far from others to belong to a surface; they are judged all the same."
@@ -132,8 +136,14 @@ pub fn fit(cloud: &Cloud, options: &FitOptions, control: &Control) -> Result<Fit
             control,
         )),
         Claim::count(Counted::Beyond, whole, certificate.beyond(options.tolerance)),
-        Claim::measured(What::Noise, whole, found.noise),
     ];
+    if inside.is_empty() {
+        claims.push(Claim::measured(What::Noise, whole, found.noise));
+    } else {
+        let (note, bare) = between(&strips, &inside, cloud, options.tolerance, control);
+        notes.push(note);
+        claims.extend(bare.map(|reason| Claim::objection(whole, reason)));
+    }
     let broken = regression::broken(&strips, options.limits.as_ref());
     notes.extend(options.limits.iter().map(regression::note));
     notes.extend(broken.iter().cloned());
@@ -164,6 +174,63 @@ pub fn fit(cloud: &Cloud, options: &FitOptions, control: &Control) -> Result<Fit
     Ok(FitOutcome { sheets, certificate, noise_estimate: found.noise })
 }
 
+/// Points between the corners of a coarse mesh, about so many.
+const GUIDES: usize = 24_000;
+/// Share of the bulge of facets by which their guiding points may miss the surface: the fourth order of the turn against
+/// the second, for facets that turn by up to 35°.
+const GUIDE_SLACK: f64 = 0.1;
+
+/// Points and guiding points, in coordinates from `shift`.
+fn guided<'a>(points: &'a [Vec3], inside: &[FacetPoint], shift: Option<Vec3>) -> Cow<'a, [Vec3]> {
+    if shift.is_none() && inside.is_empty() {
+        return Cow::Borrowed(points);
+    }
+    let c = shift.unwrap_or_default();
+    points.iter().chain(inside.iter().map(|p| &p.lifted)).map(|p| p - c).collect()
+}
+
+/// Largest distance of the surface from the facets, as expected from their corners, mm.
+fn bulge(inside: &[FacetPoint]) -> f64 {
+    inside.iter().map(|p| (p.lifted - p.flat).norm()).fold(0.0, f64::max)
+}
+
+/// What is said of a coarse mesh between its corners, and why the strips are no good there if they are not. All of it is
+/// sampled.
+fn between(
+    strips: &[Strip],
+    inside: &[FacetPoint],
+    cloud: &Cloud,
+    tolerance: f64,
+    control: &Control,
+) -> (String, Option<String>) {
+    let places = |of: fn(&FacetPoint) -> Vec3| inside.iter().map(of).collect::<Vec<_>>();
+    let lifted = certified(strips, &places(|p| p.lifted), control);
+    let flat = certified(strips, &places(|p| p.flat), control);
+    let is_bare = |(p, b): &(&FacetPoint, &f64)| **b > tolerance + (p.lifted - p.flat).norm();
+    let bare: Vec<&FacetPoint> = inside.iter().zip(lifted.bounds()).filter(is_bare).map(|(p, _)| p).collect();
+    let near = inside.iter().zip(lifted.bounds()).zip(flat.bounds()).filter(|(l, _)| !is_bare(l)).map(|(_, b)| *b);
+    let note = format!(
+        "The file is a coarse mesh. Judged are the {} corners of its {} triangles. The triangles are chords: between \
+         corners strips follow a smooth sheet through these, which is estimated to lie up to {:.3} mm off the triangles; \
+         triangles lie up to {:.3} mm from the strips (sampled at {} places).",
+        cloud.points.len(),
+        cloud.triangles.len(),
+        bulge(inside),
+        near.fold(0.0, f64::max),
+        inside.len()
+    );
+    let reason = bare.get(bare.len() / 2).map(|p| {
+        format!(
+            "{:.2} % of the places on the mesh have no strip near them, for example around ({:.3}, {:.3}, {:.3})",
+            100.0 * bare.len() as f64 / inside.len() as f64,
+            p.flat.x,
+            p.flat.y,
+            p.flat.z
+        )
+    });
+    (note, reason)
+}
+
 /// Where coordinates would lose digits to their distance from the origin: the middle of the points, rounded.
 fn far_off(points: &[Vec3]) -> Option<Vec3> {
     // Distances from the origin in multiples of the extent up to which nothing is lost that matters.
@@ -173,11 +240,20 @@ fn far_off(points: &[Vec3]) -> Option<Vec3> {
     (c.norm() > FAR * b.diagonal() && c.iter().all(|x| x.is_finite())).then(|| c.map(f64::round))
 }
 
+/// What estimates were made of.
+struct Placed {
+    /// Number of points, guiding ones included.
+    points: usize,
+    /// Origin of their coordinates.
+    shift: Option<Vec3>,
+    /// Distance by which guiding points may miss the surface, mm.
+    slack: f64,
+}
+
 /// Torses with their estimates.
 fn torses(
     found: &Estimates,
-    points: usize,
-    shift: Option<Vec3>,
+    placed: Placed,
     options: &FitOptions,
     control: &Control,
     skipped: &mut Vec<String>,
@@ -190,6 +266,7 @@ fn torses(
     const ROUGH: f64 = 2.5;
     const UNSEEN: f64 = 0.05;
     let room = (options.tolerance - PEAK * found.noise).clamp(0.4 * options.tolerance, options.tolerance);
+    let Placed { points, shift, slack } = placed;
     let enough = (AVERAGED * found.noise).clamp(0.01 * options.tolerance, 0.3 * options.tolerance).min(room);
     let limits = options.limits.as_ref().map(|l| l.moved(&-shift.unwrap_or_default()));
     let mut out = Vec::new();
@@ -199,7 +276,8 @@ fn torses(
             continue;
         }
         let left = options.max_strips.saturating_sub(out.len());
-        let wanted = PieceOptions { max_pieces: left, limits: limits.clone(), ..PieceOptions::new(room, enough) };
+        let wanted =
+            PieceOptions { max_pieces: left, limits: limits.clone(), ..PieceOptions::new(room + slack, enough) };
         for piece in pieces(found, &region, &wanted, control) {
             if !piece.fits.is_empty() {
                 out.push((piece.members, piece.fits));
@@ -225,10 +303,18 @@ fn torses(
 /// Points farther from the torse of their piece than this many tolerances are outliers.
 const NEAR: f64 = 3.0;
 
+/// Points under strips.
+struct Given<'a> {
+    /// The points of the file, then those that guide.
+    points: &'a [Vec3],
+    /// Number of the first: these are judged.
+    judged: usize,
+}
+
 /// Strips of torses under the points of their estimates.
 fn strips(
     found: &Estimates,
-    points: &[Vec3],
+    given: &Given,
     fits: Vec<(Vec<u32>, Vec<Fit>)>,
     options: &FitOptions,
     skipped: &mut Vec<String>,
@@ -237,19 +323,23 @@ fn strips(
     for (k, (members, _)) in fits.iter().enumerate() {
         members.iter().for_each(|&i| owner[i as usize] = Some(k as u32));
     }
+    let points = given.points;
     let mut own: Vec<Vec<Vec3>> = vec![Vec::new(); fits.len()];
+    let mut judged = vec![0; fits.len()];
     let fits: Vec<Vec<Fit>> =
         fits.into_iter().map(|(_, f)| f.into_iter().map(|f| widened(&f).unwrap_or(f)).collect()).collect();
     let torses: Vec<&Fit> = fits.iter().filter_map(|f| f.first()).collect();
-    for (p, k) in points.iter().zip(assigned(found, &owner, &torses, points, NEAR * options.tolerance)) {
+    let assigned = assigned(found, &owner, &torses, points, NEAR * options.tolerance);
+    for (i, (p, k)) in points.iter().zip(assigned).enumerate() {
         if let Some(k) = k {
             own[k as usize].push(*p);
+            judged[k as usize] += usize::from(i < given.judged);
         }
     }
     let mut out: Vec<Strip> = Vec::new();
-    for (fits, own) in fits.iter().zip(&own) {
+    for ((fits, own), judged) in fits.iter().zip(&own).zip(judged) {
         let name = format!("A-{:02}", out.len() + 1);
-        match nearest(&name, fits, own, options) {
+        match nearest(&name, fits, &Given { points: own, judged }, options) {
             Ok(s) => out.push(s),
             Err(reason) => skipped.push(format!("{} points have no strip: {reason}", own.len())),
         }
@@ -260,10 +350,13 @@ fn strips(
 /// The strip of the torse with the fewest points beyond the tolerance and the smallest proven distance, among those whose
 /// regression curve keeps to the limits if there are any. Where points are beyond, torses are continued over the points
 /// themselves.
-fn nearest(name: &str, fits: &[Fit], own: &[Vec3], options: &FitOptions) -> Result<Strip, String> {
+fn nearest(name: &str, fits: &[Fit], given: &Given, options: &FitOptions) -> Result<Strip, String> {
+    let own = given.points;
+    // A piece may have no points of its own but those that guide.
+    let judged = if given.judged > 0 { &own[..given.judged] } else { own };
     // Points judged for the choice; the strip chosen is judged with all of them later.
     const JUDGED: usize = 20_000;
-    let some: Vec<Vec3> = own.iter().step_by(own.len().div_ceil(JUDGED).max(1)).copied().collect();
+    let some: Vec<Vec3> = judged.iter().step_by(judged.len().div_ceil(JUDGED).max(1)).copied().collect();
     let mut best: Option<(bool, usize, f64, Strip)> = None;
     let mut reason = String::new();
     let mut look = |fit: &Fit| match strip(name, fit, own, options.tolerance) {

@@ -12,6 +12,7 @@ use crate::design::hull::{hull as rulings_of_hull, Hull, HullError};
 use crate::design::loft::build::BuildOptions;
 use crate::develop::strip::StripOptions;
 use crate::develop::view::Drawn;
+use crate::geom::coarse::Loose;
 use crate::search::strips::cut::{claims as flat_claims, cut};
 use crate::search::strips::judgement::{findings, summed, Candidate, Found, SQUARE_METRES};
 use crate::torse::rail::Rail;
@@ -74,6 +75,7 @@ pub fn hull(curves: &[Rail], options: &Options, control: &Control) -> Result<She
     if !(tolerance > 0.0 && tolerance.is_finite()) {
         return Err(HullError::Tolerance(tolerance));
     }
+    Loose::check(Rail::extent(&curves.iter().collect::<Vec<_>>()), tolerance)?;
     control.report("looking for rulings", 0.1, "");
     let found = rulings_of_hull(curves, options.samples, control)?;
     control.report("fitting", 0.4, "");

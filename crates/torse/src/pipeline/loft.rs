@@ -14,6 +14,7 @@ use crate::design::loft::track::{Segment, Track};
 use crate::design::loft::{apart, LoftError};
 use crate::develop::strip::StripOptions;
 use crate::develop::view::Drawn;
+use crate::geom::coarse::Loose;
 use crate::search::strips::cut::{claims as flat_claims, cut};
 use crate::search::strips::exact_strip::exact_strips;
 use crate::search::strips::judgement::{judge, Candidate};
@@ -114,6 +115,7 @@ pub fn loft(a: &Rail, b: &Rail, options: &Options, control: &Control) -> Result<
     if !(tolerance > 0.0 && tolerance.is_finite()) {
         return Err(LoftError::Tolerance(tolerance));
     }
+    Loose::check(Rail::extent(&[a, b]), tolerance)?;
     apart(a, b)?;
     control.report("looking for branches", 0.1, "");
     let given = [a, b];

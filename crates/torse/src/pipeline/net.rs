@@ -10,6 +10,7 @@ use crate::design::interpolate::{self, interpolate, EndRulings, InterpolateError
 use crate::design::loft::build::{classified, BuiltStrip};
 use crate::develop::strip::StripOptions;
 use crate::develop::view::Drawn;
+use crate::geom::coarse::Loose;
 use crate::geom::Vec3;
 use crate::search::strips::cut::{claims as flat_claims, cut};
 use crate::search::strips::judgement::{judge, Candidate};
@@ -99,6 +100,9 @@ impl Options {
 /// A question about a net that cannot be asked.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum NetJobError {
+    /// A tolerance larger than the model.
+    #[error(transparent)]
+    Loose(#[from] Loose),
     /// The curve has corners.
     #[error(
         "{curve} has a corner of {turn_deg:.3}° at {at:.4} of its length; a net needs a smooth curve: split it there"
@@ -198,6 +202,7 @@ pub fn net(curve: &Rail, options: &Options, control: &Control) -> Result<Sheets,
         let at = curve.length_to(piece as f64) / curve.length();
         return Err(NetJobError::Corner { curve: name(), at, turn_deg: turn.to_degrees() });
     };
+    Loose::check(Rail::extent(&[curve]).max(options.first_ruling.norm()), tolerance)?;
     control.report("looking for nets", 0.2, "");
     let mut answer = match options.condition {
         Condition::LastRuling { direction, width } => by_rulings(&given, curve, direction, width, options)?,

@@ -10,7 +10,8 @@ use crate::design::discrete::planarise::{DiscreteError, Hold, PlanariseStatus};
 use crate::design::discrete::subdivide::{subdivide, SubdivideOptions, Subdivided};
 use crate::develop::strip::StripOptions;
 use crate::develop::view::Drawn;
-use crate::geom::Vec3;
+use crate::geom::coarse::Loose;
+use crate::geom::{BBox, Vec3};
 use crate::search::strips::cut::{claims as flat_claims, cut};
 use crate::search::strips::judgement::SQUARE_METRES;
 use crate::spline::SplineError;
@@ -51,6 +52,9 @@ impl Options {
 /// Why there is no answer.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum PlanariseError {
+    /// A tolerance larger than the model.
+    #[error(transparent)]
+    Loose(#[from] Loose),
     /// A tolerance that is none.
     #[error("the tolerance {0} is not a positive finite length")]
     Tolerance(f64),
@@ -88,6 +92,7 @@ pub fn planarise(strip: &QuadStrip, options: &Options, control: &Control) -> Res
     if !(options.tolerance > 0.0 && options.tolerance.is_finite()) {
         return Err(PlanariseError::Tolerance(options.tolerance));
     }
+    Loose::check(BBox::of(strip.a().iter().chain(strip.b())).diagonal(), options.tolerance)?;
     let shift = u32::try_from(options.levels).unwrap_or(u32::MAX);
     let quads = strip.quads().saturating_mul(1usize.checked_shl(shift).unwrap_or(usize::MAX));
     if quads > MOST {

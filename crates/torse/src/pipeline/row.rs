@@ -16,8 +16,8 @@ use crate::fit::elements::sequence::{row, torses, RowOptions, RowPiece};
 use crate::fit::planes::estimates::{
     planes_of_noisy_rulings, planes_of_rulings, planes_of_smooth_rulings, Ends, EstimateError,
 };
-use crate::geom::coarse::Coarse;
-use crate::geom::Vec3;
+use crate::geom::coarse::{Coarse, Loose};
+use crate::geom::{BBox, Vec3};
 use crate::search::strips::cut::cut;
 use crate::search::strips::fewest::{fewest, simplest};
 use crate::search::strips::regression;
@@ -87,6 +87,9 @@ pub struct RowOutcome {
 /// Why there is no answer at all.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum RowFitError {
+    /// A tolerance larger than the model.
+    #[error(transparent)]
+    Loose(#[from] Loose),
     /// A tolerance that is not positive.
     #[error("the tolerance {0} is not a positive length")]
     Tolerance(f64),
@@ -449,6 +452,18 @@ impl Sort {
     }
 }
 
+/// Diagonal of the box around all that rows hold, regions of interest included, mm.
+fn extent(rows: &[Row]) -> f64 {
+    let mut b = BBox::empty();
+    for e in rows.iter().flat_map(|r| r.estimates.iter().flatten()) {
+        for p in e.ends {
+            b.include(&p.add_scalar(e.radius));
+            b.include(&p.add_scalar(-e.radius));
+        }
+    }
+    b.diagonal()
+}
+
 fn run(
     rows: Vec<Row>,
     mut skipped: Vec<String>,
@@ -464,6 +479,7 @@ fn run(
     if let Some(fault) = options.limits.as_ref().and_then(regression::fault) {
         return Err(RowFitError::Limits(fault));
     }
+    Loose::check(extent(&rows), options.tolerance)?;
     let mut strips: Vec<Strip> = Vec::new();
     let mut all: Vec<PlaneElement> = Vec::new();
     let mut given_words = Vec::new();

@@ -12,6 +12,7 @@ pub mod lsq;
 pub mod pieces;
 pub mod refine;
 pub mod surface;
+pub mod through;
 
 #[cfg(test)]
 pub(crate) mod sample;

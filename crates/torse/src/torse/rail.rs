@@ -208,6 +208,25 @@ impl Rail {
         out
     }
 
+    /// Curves in groups whose ends meet, each put in order as by [`Rail::chain`], in the order of their first curves.
+    pub fn chains(curves: &[Curve<4>]) -> Vec<Vec<Curve<4>>> {
+        let curves: Vec<&Curve<4>> = curves.iter().filter(|c| !c.control.is_empty()).collect();
+        let ends: Vec<[Vec3; 2]> = curves.iter().map(|c| [end_point(c, 0.0), end_point(c, 1.0)]).collect();
+        let near = GAP * BBox::of(ends.iter().flatten()).diagonal();
+        let meet = |i: usize, j: usize| ends[i].iter().any(|p| ends[j].iter().any(|q| (p - q).norm() <= near));
+        let mut group: Vec<usize> = (0..curves.len()).collect();
+        for j in 0..curves.len() {
+            for i in 0..j {
+                if group[i] != group[j] && meet(i, j) {
+                    let (keep, drop) = (group[i].min(group[j]), group[i].max(group[j]));
+                    group.iter_mut().filter(|g| **g == drop).for_each(|g| *g = keep);
+                }
+            }
+        }
+        let of = |k: usize| (0..curves.len()).filter(|i| group[*i] == k).map(|i| curves[i].clone()).collect::<Vec<_>>();
+        (0..curves.len()).filter(|k| group[*k] == *k).map(|k| Self::chain(&of(k))).collect()
+    }
+
     /// The polyline through points; straight pieces with corners.
     ///
     /// # Errors
@@ -314,6 +333,12 @@ impl Rail {
             b.include(&place(h));
         }
         b
+    }
+
+    /// Diagonal of the box around rails, mm.
+    pub fn extent(rails: &[&Self]) -> f64 {
+        let boxes: Vec<BBox> = rails.iter().map(|r| r.bbox()).collect();
+        BBox::of(boxes.iter().flat_map(|b| [&b.min, &b.max])).diagonal()
     }
 
     /// The same rail run through backwards.

@@ -23,7 +23,7 @@ fn measured(count: usize, noise: f64, seed: u64) -> Cloud {
             x + n * (noise * random.number())
         })
         .collect();
-    Cloud { points }
+    Cloud { points, ..Cloud::default() }
 }
 
 #[test]
@@ -59,7 +59,8 @@ fn a_strongly_curved_sheet_is_recovered_within_twice_the_noise_of_the_truth() {
             x + n * (0.1 * (2.0 * share() - 1.0))
         })
         .collect();
-    let got = fit(&Cloud { points }, &FitOptions::new(0.4, "helix"), &Control::default()).expect("a fit");
+    let got =
+        fit(&Cloud { points, ..Cloud::default() }, &FitOptions::new(0.4, "helix"), &Control::default()).expect("a fit");
     assert_eq!((got.sheets.status(), got.sheets.strips.len()), (Status::Certified, 1));
     let truth: Vec<Vec3> = (0..900)
         .map(|i| place(0.6 * (0.03 + 0.94 * f64::from(i % 30) / 29.0), 0.03 + 0.94 * f64::from(i / 30) / 29.0).0)
@@ -88,7 +89,8 @@ fn a_crease_is_found() {
         points.push(Vec3::new(x, y, 400.0 * a.cos()));
         points.push(Vec3::new(2.0 * 400.0 * 0.6f64.sin() - x, y, 400.0 * a.cos()));
     }
-    let got = fit(&Cloud { points }, &FitOptions::new(0.5, "crease"), &Control::default()).expect("a fit");
+    let got = fit(&Cloud { points, ..Cloud::default() }, &FitOptions::new(0.5, "crease"), &Control::default())
+        .expect("a fit");
     assert!(got.sheets.strips.len() >= 2 && got.sheets.strips.len() <= 4, "{}", got.sheets.strips.len());
     assert!(got.certificate.beyond(0.5) < 120, "{}", got.certificate.beyond(0.5));
 }
@@ -97,7 +99,7 @@ fn a_crease_is_found() {
 fn what_fits_nothing_is_named() {
     let mut random = Random::new(6);
     let points = (0..3000).map(|_| Vec3::new(random.number(), random.number(), random.number()) * 100.0).collect();
-    let got = fit(&Cloud { points }, &FitOptions::new(0.1, "heap"), &Control::default());
+    let got = fit(&Cloud { points, ..Cloud::default() }, &FitOptions::new(0.1, "heap"), &Control::default());
     match got {
         Ok(g) => assert_eq!(g.sheets.status(), Status::Uncertified),
         Err(e) => assert!(matches!(e, CloudError::Few(_))),
@@ -107,7 +109,7 @@ fn what_fits_nothing_is_named() {
 #[test]
 fn bad_clouds_are_refused() {
     let run = |points: Vec<Vec3>, tolerance: f64| {
-        fit(&Cloud { points }, &FitOptions::new(tolerance, "bad"), &Control::default()).map(|_| ())
+        fit(&Cloud { points, ..Cloud::default() }, &FitOptions::new(tolerance, "bad"), &Control::default()).map(|_| ())
     };
     let good = measured(200, 0.0, 3).points;
     assert_eq!(run(Vec::new(), 1.0), Err(CloudError::Few(0)));

@@ -222,7 +222,7 @@ fn a_clearance_that_nothing_keeps_is_named_for_rulings_planes_and_points() {
         })
         .collect();
     let options = FitOptions { limits, ..FitOptions::new(0.1, "far") };
-    let got = fit(&Cloud { points }, &options, &Control::default()).expect("a fit");
+    let got = fit(&Cloud { points, ..Cloud::default() }, &options, &Control::default()).expect("a fit");
     let skipped = &got.sheets.skipped;
     assert!(skipped.iter().any(|s| s.contains("with its regression curve in bounds (")), "{skipped:?}");
 }

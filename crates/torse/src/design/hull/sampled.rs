@@ -10,6 +10,9 @@ use crate::torse::rail::Rail;
 /// Why there is no hull.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum HullError {
+    /// A tolerance larger than the curves.
+    #[error(transparent)]
+    Loose(#[from] crate::geom::coarse::Loose),
     /// No volume.
     #[error("there is no point off the plane of {curves}: the convex hull has no volume; add a curve off that plane")]
     Flat {

@@ -15,6 +15,9 @@ use crate::torse::rail::Rail;
 /// Why there is nothing between two rails.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum LoftError {
+    /// A tolerance larger than the curves.
+    #[error(transparent)]
+    Loose(#[from] crate::geom::coarse::Loose),
     /// The rails meet, or are one and the same.
     #[error(
         "{a} at {at_a:.4} of its length and {b} at {at_b:.4} of its length are only {gap:.3e} mm apart; \

@@ -3,17 +3,21 @@
 
 pub mod estimates;
 pub mod extent;
+pub mod facets;
 mod grid;
 pub mod pieces;
 pub mod regions;
 
 pub use grid::core;
 
-use crate::geom::coarse::Coarse;
+use crate::geom::coarse::{Coarse, Loose};
 
 /// Why points cannot be fitted at all.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum CloudError {
+    /// A tolerance larger than the model.
+    #[error(transparent)]
+    Loose(#[from] Loose),
     /// Too few points.
     #[error("{0} points: at least {least} are needed", least = estimates::FEWEST)]
     Few(usize),

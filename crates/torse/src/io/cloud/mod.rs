@@ -55,29 +55,33 @@ pub enum CloudReadError {
     Empty,
 }
 
-/// Points of a file; the format is told by the ending of the name. `unit` is the length of the file's unit in mm.
+/// Points of a file, with the triangles of OBJ and STL files; the format is told by the ending of the name. `unit` is the
+/// length of the file's unit in mm; where none is given, what the headings of a table say, else mm.
 ///
 /// # Errors
 /// See [`CloudReadError`].
-pub fn read(name: &str, bytes: &[u8], unit: f64) -> Result<Cloud, CloudReadError> {
+pub fn read(name: &str, bytes: &[u8], unit: Option<f64>) -> Result<Cloud, CloudReadError> {
     let ending = name.rsplit('.').next().unwrap_or("").to_ascii_lowercase();
-    let mut points = match ending.as_str() {
-        "ply" => ply::points(bytes)?,
-        "csv" | "xyz" | "txt" | "asc" | "pts" => table::points(bytes)?,
-        "obj" => obj::points(bytes)?,
-        "stl" => stl::points(bytes)?,
+    let only = |points: Vec<Vec3>| Cloud { points, ..Cloud::default() };
+    let mut cloud = match ending.as_str() {
+        "ply" => only(ply::points(bytes)?),
+        "csv" | "xyz" | "txt" | "asc" | "pts" => only(table::points(bytes, unit, ending == "pts")?),
+        "obj" => obj::cloud(bytes)?,
+        "stl" => stl::cloud(bytes)?,
         _ => return Err(CloudReadError::Kind(name.to_string())),
     };
-    if points.is_empty() {
+    if cloud.points.is_empty() {
         return Err(CloudReadError::Empty);
     }
-    for (index, p) in points.iter_mut().enumerate() {
+    // Tables know their units themselves.
+    let unit = if ["ply", "obj", "stl"].contains(&ending.as_str()) { unit.unwrap_or(1.0) } else { 1.0 };
+    for (index, p) in cloud.points.iter_mut().enumerate() {
         *p *= unit;
         if !p.iter().all(|x| x.is_finite()) {
             return Err(CloudReadError::NotFinite { index });
         }
     }
-    Ok(Cloud { points })
+    Ok(cloud)
 }
 
 /// Three numbers of a line.

@@ -39,15 +39,16 @@ pub(super) fn points(bytes: &[u8]) -> Result<Vec<Vec3>, CloudReadError> {
     let (coding, elements, start) = header(bytes)?;
     let mut rest = &bytes[start..];
     let mut text = if coding == Coding::Text { String::from_utf8_lossy(rest).into_owned() } else { String::new() };
-    for e in &elements {
+    for (k, e) in elements.iter().enumerate() {
         if e.name == "vertex" {
+            let later = elements[k + 1..].iter().map(|e| e.count).sum::<usize>();
             let place = |axis: &str| e.properties.iter().position(|p| p.0 == axis);
             let (Some(x), Some(y), Some(z)) = (place("x"), place("y"), place("z")) else {
                 return Err(wrong("its vertices have no x, y and z"));
             };
             return match coding {
-                Coding::Text => text_vertices(&text, e.count, [x, y, z]),
-                _ => binary_vertices(rest, e, [x, y, z], coding == Coding::Big),
+                Coding::Text => text_vertices(&text, e, [x, y, z], later),
+                _ => binary_vertices(rest, e, [x, y, z], coding == Coding::Big, later),
             };
         }
         // Elements before the vertices are passed over.
@@ -104,27 +105,47 @@ fn header(bytes: &[u8]) -> Result<(Coding, Vec<Element>, usize), CloudReadError>
             ["end_header"] => {
                 return coding.map(|c| (c, elements, at)).ok_or_else(|| wrong("the header has no format"));
             }
-            _ => {}
+            [] | ["ply" | "comment" | "obj_info", ..] => {}
+            _ => return Err(wrong(format!("the header has the line '{}'", line.trim()))),
         }
     }
     Err(wrong("the header has no end"))
 }
 
-fn text_vertices(text: &str, count: usize, axes: [usize; 3]) -> Result<Vec<Vec3>, CloudReadError> {
+/// Vertices of a text file; `later` lines of other elements follow.
+fn text_vertices(text: &str, e: &Element, axes: [usize; 3], later: usize) -> Result<Vec<Vec3>, CloudReadError> {
+    if e.properties.iter().any(|p| p.1.is_none()) {
+        return Err(wrong("vertices with lists are not supported"));
+    }
     let mut out = Vec::new();
-    for (i, line) in text.lines().filter(|l| !l.trim().is_empty()).take(count).enumerate() {
+    let mut lines = text.lines().filter(|l| !l.trim().is_empty());
+    for (i, line) in lines.by_ref().take(e.count).enumerate() {
         let words: Vec<&str> = line.split_whitespace().collect();
-        let p = triple(axes.iter().map(|&k| words.get(k).copied().unwrap_or("")));
-        let reason = || format!("vertex {i} has no three numbers x, y, z");
-        out.push(p.ok_or_else(|| CloudReadError::Line { format: FORMAT, line: i + 1, reason: reason() })?);
+        let fault = |reason: String| CloudReadError::Line { format: FORMAT, line: i + 1, reason };
+        if words.len() != e.properties.len() {
+            let reason = format!("vertex {i} has {} numbers, {} are promised", words.len(), e.properties.len());
+            return Err(fault(reason));
+        }
+        let p = triple(axes.iter().map(|&k| words[k]));
+        out.push(p.ok_or_else(|| fault(format!("vertex {i} has no three numbers x, y, z")))?);
     }
-    if out.len() < count {
-        return Err(CloudReadError::Short { format: FORMAT, read: out.len(), promised: count, what: "vertices" });
+    if out.len() < e.count {
+        return Err(CloudReadError::Short { format: FORMAT, read: out.len(), promised: e.count, what: "vertices" });
     }
-    Ok(out)
+    match lines.count() {
+        n if n > later => Err(wrong(format!("{} lines more than its header promises", n - later))),
+        _ => Ok(out),
+    }
 }
 
-fn binary_vertices(bytes: &[u8], e: &Element, axes: [usize; 3], big: bool) -> Result<Vec<Vec3>, CloudReadError> {
+/// Vertices of a binary file; `later` things of other elements follow.
+fn binary_vertices(
+    bytes: &[u8],
+    e: &Element,
+    axes: [usize; 3],
+    big: bool,
+    later: usize,
+) -> Result<Vec<Vec3>, CloudReadError> {
     let mut offsets = Vec::new();
     let mut row = 0;
     for (_, size) in &e.properties {
@@ -135,6 +156,9 @@ fn binary_vertices(bytes: &[u8], e: &Element, axes: [usize; 3], big: bool) -> Re
     let read = bytes.len().checked_div(row).unwrap_or(0);
     if read < e.count {
         return Err(CloudReadError::Short { format: FORMAT, read, promised: e.count, what: "vertices" });
+    }
+    if later == 0 && bytes.len() != row * e.count {
+        return Err(wrong(format!("{} bytes more than its header promises", bytes.len() - row * e.count)));
     }
     if e.count == 0 {
         return Ok(Vec::new());

@@ -1,38 +1,33 @@
-//! Tables of points: x, y, z on each line, separated by commas, semicolons, tabs or blanks; `#` begins a comment; one
-//! line of headings is allowed.
+//! Tables of points: columns x, y and z in any order if the first line names them, else three columns; see
+//! [`crate::io::table`] for separators, decimal commas and comments.
 
 use super::{CurveError, CurveOptions};
 use crate::geom::Vec3;
+use crate::io::table::{self, Fault};
 
 /// Reads the points, mm.
-pub(super) fn read(text: &str, options: &CurveOptions) -> Result<Vec<Vec3>, CurveError> {
-    let Some(unit) = options.unit else { return Err(CurveError::NoUnit(options.name.clone())) };
-    let mut points = Vec::new();
-    let mut headed = false;
-    for (k, line) in text.lines().enumerate() {
-        let line = line.split('#').next().unwrap_or("").trim().trim_start_matches('\u{feff}');
-        if line.is_empty() {
-            continue;
+pub(super) fn read(bytes: &[u8], options: &CurveOptions) -> Result<Vec<Vec3>, CurveError> {
+    let named = |f: Fault| CurveError::Line { name: options.name.clone(), line: f.line, reason: f.reason };
+    let text = table::text(bytes).map_err(named)?;
+    let table = table::table(&text).map_err(named)?;
+    if table.rows.is_empty() {
+        return Ok(Vec::new());
+    }
+    let columns = table.needed(&["x", "y", "z"]).map_err(named)?;
+    let unit = table.unit_or(&columns, options.unit).map_err(named)?;
+    let Some(unit) = unit else { return Err(CurveError::NoUnit(options.name.clone())) };
+    let mut points = Vec::with_capacity(table.rows.len());
+    let mut values = Vec::new();
+    for row in &table.rows {
+        table.numbers(row, &columns, &mut values).map_err(named)?;
+        if values.iter().any(|x| !x.is_finite()) {
+            return Err(named(Fault { line: row.line, reason: "a coordinate is not a finite number".into() }));
         }
-        let fields: Vec<&str> =
-            line.split(|c: char| ",;\t ".contains(c)).map(str::trim).filter(|f| !f.is_empty()).collect();
-        let numbers: Vec<Option<f64>> = fields.iter().map(|f| f.parse::<f64>().ok()).collect();
-        if points.is_empty() && !headed && numbers.iter().all(Option::is_none) {
-            headed = true;
-            continue;
-        }
-        let fault = |reason: String| CurveError::Line { name: options.name.clone(), line: k + 1, reason };
-        let [Some(x), Some(y), Some(z)] = numbers[..] else {
-            let why = match numbers.iter().position(Option::is_none) {
-                Some(i) => format!("'{}' is not a number", fields[i]),
-                None => format!("three coordinates are needed, there are {}", fields.len()),
-            };
-            return Err(fault(why));
-        };
-        if !(x.is_finite() && y.is_finite() && z.is_finite()) {
-            return Err(fault("a coordinate is not a finite number".into()));
-        }
-        points.push(Vec3::new(x, y, z) * unit);
+        points.push(Vec3::new(values[0], values[1], values[2]) * unit);
+    }
+    if let Some(promised) = table.promised.filter(|n| *n != points.len()) {
+        let reason = format!("it promises {promised} points, there are {}", points.len());
+        return Err(named(Fault { line: 1, reason }));
     }
     Ok(points)
 }

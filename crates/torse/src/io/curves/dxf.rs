@@ -1,11 +1,18 @@
-//! Curves of a DXF drawing (ASCII): LINE, ARC, CIRCLE, LWPOLYLINE, POLYLINE and SPLINE of the ENTITIES section, in the
-//! drawing's unit (`$INSUNITS`) \[DXF2000\].
+//! Curves of a DXF drawing (ASCII): LINE, ARC, CIRCLE, ELLIPSE, LWPOLYLINE, POLYLINE and SPLINE of the ENTITIES section,
+//! in the drawing's unit (`$INSUNITS`) \[DXF2000\].
+//!
+//! Splines with control points are read as they are. Splines with fit points only (groups 11, 21, 31) are the cubic that
+//! AutoCAD draws through them: twice continuously differentiable, with the chords' lengths as parameters, and with the
+//! directions of groups 12 and 13 at the ends where the file gives them, else without curvature there
+//! ([`through::cubic`]); closed ones go on smoothly where they close.
+//! Polylines are read as their segments; of those that are smoothed, the vertices of the frame are passed over.
+//! Other entities (texts, dimensions, blocks, meshes) are counted by kind, so that it can be said what was not read.
 
 use super::{CurveError, CurveOptions, Found};
 use crate::brep::space_curve::SpaceCurve;
 use crate::geom::{Frame, Vec3};
 use crate::spline::curve::Curve;
-use crate::spline::SplineError;
+use crate::spline::{through, SplineError};
 
 /// Millimetres per unit, by `$INSUNITS`; 0 is "unitless".
 fn unit_of(code: i64) -> Option<(f64, &'static str)> {
@@ -15,8 +22,32 @@ fn unit_of(code: i64) -> Option<(f64, &'static str)> {
         4 => (1.0, "millimetres"),
         5 => (10.0, "centimetres"),
         6 => (1000.0, "metres"),
+        9 => (0.0254, "thousandths of an inch"),
+        10 => (914.4, "yards"),
+        13 => (1e-3, "micrometres"),
+        14 => (100.0, "decimetres"),
         _ => return None,
     })
+}
+
+/// Turns of polylines below this are straight: a bulge is a quarter of the angle's tangent, and files have fewer digits.
+const STRAIGHT: f64 = 1e-12;
+/// Share by which a unit given may differ from the drawing's: rounding.
+const SAME_UNIT: f64 = 1e-9;
+/// Group codes of a vertex's coordinates, bulge and flags become those of its polyline with this added.
+const OF_VERTEX: i32 = 1000;
+
+/// Why an entity cannot be read.
+#[derive(Debug, thiserror::Error)]
+enum Fault {
+    #[error("group {code} is '{value}', which is not a finite number")]
+    Number { code: i32, value: String },
+    #[error("group {0} is missing")]
+    Missing(i32),
+    #[error("{what}: {there} of {wanted}")]
+    Count { what: &'static str, there: usize, wanted: usize },
+    #[error(transparent)]
+    Spline(#[from] SplineError),
 }
 
 /// One entity: its kind and its groups.
@@ -30,36 +61,72 @@ impl Entity<'_> {
         self.groups.iter().find(|g| g.0 == code).map_or("", |g| g.1)
     }
 
-    fn number(&self, code: i32) -> Option<f64> {
-        self.groups.iter().find(|g| g.0 == code).and_then(|g| g.1.parse().ok())
+    /// The number of a group, `None` if there is no such group.
+    fn number(&self, code: i32) -> Result<Option<f64>, Fault> {
+        self.groups.iter().find(|g| g.0 == code).map(|g| finite(g)).transpose()
     }
 
-    fn all(&self, code: i32) -> Vec<f64> {
-        self.groups.iter().filter(|g| g.0 == code).map(|g| g.1.parse().unwrap_or(f64::NAN)).collect()
+    fn required(&self, code: i32) -> Result<f64, Fault> {
+        self.number(code)?.ok_or(Fault::Missing(code))
     }
 
-    fn point(&self, code: i32) -> Vec3 {
-        let at = |k: i32| self.number(code + k).unwrap_or(0.0);
-        Vec3::new(at(0), at(10), at(20))
+    /// Bits of a group.
+    fn flags(&self, code: i32) -> Result<i64, Fault> {
+        Ok(self.number(code)?.unwrap_or(0.0) as i64)
+    }
+
+    fn all(&self, code: i32) -> Result<Vec<f64>, Fault> {
+        self.groups.iter().filter(|g| g.0 == code).map(finite).collect()
+    }
+
+    /// The point of a group; only its third coordinate may be left out.
+    fn point(&self, code: i32) -> Result<Vec3, Fault> {
+        let z = self.number(code + 20)?.unwrap_or(0.0);
+        Ok(Vec3::new(self.required(code)?, self.required(code + 10)?, z))
+    }
+
+    /// All points of a group.
+    fn points(&self, code: i32) -> Result<Vec<Vec3>, Fault> {
+        let (x, y, z) = (self.all(code)?, self.all(code + 10)?, self.all(code + 20)?);
+        let flat = z.is_empty();
+        for (k, there) in [(10, y.len()), (20, if flat { x.len() } else { z.len() })] {
+            if there != x.len() {
+                let what = if k == 10 { "second coordinates" } else { "third coordinates" };
+                return Err(Fault::Count { what, there, wanted: x.len() });
+            }
+        }
+        Ok((0..x.len()).map(|i| Vec3::new(x[i], y[i], if flat { 0.0 } else { z[i] })).collect())
     }
 
     /// The entity's own frame by the arbitrary axis rule.
-    fn frame(&self) -> Frame {
+    fn frame(&self) -> Result<Frame, Fault> {
         let z = Vec3::new(
-            self.number(210).unwrap_or(0.0),
-            self.number(220).unwrap_or(0.0),
-            self.number(230).unwrap_or(1.0),
+            self.number(210)?.unwrap_or(0.0),
+            self.number(220)?.unwrap_or(0.0),
+            self.number(230)?.unwrap_or(1.0),
         );
         let z = z.try_normalize(0.0).unwrap_or_else(Vec3::z);
         // Below a 64th of both, the world's y-axis serves, else its z-axis.
         let base = if z.x.abs() < 1.0 / 64.0 && z.y.abs() < 1.0 / 64.0 { Vec3::y() } else { Vec3::z() };
         let x = base.cross(&z).normalize();
-        Frame { origin: Vec3::zeros(), x, y: z.cross(&x), z }
+        Ok(Frame { origin: Vec3::zeros(), x, y: z.cross(&x), z })
     }
 }
 
+fn finite(group: &(i32, &str)) -> Result<f64, Fault> {
+    let value = group.1.parse().ok().filter(|x: &f64| x.is_finite());
+    value.ok_or_else(|| Fault::Number { code: group.0, value: group.1.to_owned() })
+}
+
+/// Curves of a drawing with what was not read.
+pub(super) struct Drawing {
+    pub found: Vec<Found>,
+    /// Kinds of entities that were not read, with their numbers.
+    pub unread: Vec<(String, usize)>,
+}
+
 /// Reads all curves, mm; each can be named by its handle or its layer.
-pub(super) fn read(text: &str, options: &CurveOptions) -> Result<Vec<Found>, CurveError> {
+pub(super) fn read(text: &str, options: &CurveOptions) -> Result<Drawing, CurveError> {
     let damaged = |reason: String| CurveError::Damaged { name: options.name.clone(), reason };
     let mut lines = text.lines();
     let mut groups: Vec<(i32, &str)> = Vec::new();
@@ -69,35 +136,45 @@ pub(super) fn read(text: &str, options: &CurveOptions) -> Result<Vec<Found>, Cur
             code.parse().map_err(|_| damaged(format!("'{code}' is not a group code; is this an ASCII DXF file?")))?;
         groups.push((code, value.trim()));
     }
+    let unit = unit(&groups, options)?;
+    let by_layer = |e: &Entity| options.select.eq_ignore_ascii_case(e.text(8)) && !options.select.is_empty();
+    let mut out = Drawing { found: Vec::new(), unread: Vec::new() };
+    let all =
+        entities(&groups).ok_or_else(|| damaged("the section of its entities has no end: it was cut off".into()))?;
+    for e in all {
+        let label = if by_layer(&e) { e.text(8) } else { e.text(5) };
+        match curves(&e, unit).map_err(|x| damaged(format!("{} {}: {x}", e.kind, e.text(5))))? {
+            Some(curves) => out.found.push(Found { label: label.to_owned(), curves }),
+            None => match out.unread.iter_mut().find(|u| u.0 == e.kind) {
+                Some(u) => u.1 += 1,
+                None => out.unread.push((e.kind.to_owned(), 1)),
+            },
+        }
+    }
+    Ok(out)
+}
+
+/// Length of a unit of the drawing, mm.
+fn unit(groups: &[(i32, &str)], options: &CurveOptions) -> Result<f64, CurveError> {
     let file_unit = groups
         .iter()
         .position(|g| *g == (9, "$INSUNITS"))
         .and_then(|k| groups.get(k + 1))
         .and_then(|g| g.1.parse::<i64>().ok())
         .and_then(unit_of);
-    let unit = match (file_unit, options.unit) {
-        (Some((u, _)), None) => u,
-        (Some((u, name)), Some(given)) if (u - given).abs() > 1e-9 * u => {
-            return Err(CurveError::Unit { name: options.name.clone(), file: name.into() })
+    match (file_unit, options.unit) {
+        (Some((u, _)), None) => Ok(u),
+        (Some((u, name)), Some(given)) if (u - given).abs() > SAME_UNIT * u => {
+            Err(CurveError::Unit { name: options.name.clone(), file: name.into() })
         }
-        (_, Some(given)) => given,
-        (None, None) => return Err(CurveError::NoUnit(options.name.clone())),
-    };
-    let by_layer = |e: &Entity| options.select.eq_ignore_ascii_case(e.text(8)) && !options.select.is_empty();
-    let mut out: Vec<Found> = Vec::new();
-    for e in entities(&groups) {
-        let curves = curves(&e, unit).map_err(|x| damaged(format!("{} {}: {x}", e.kind, e.text(5))))?;
-        if curves.is_empty() {
-            continue;
-        }
-        let label = if by_layer(&e) { e.text(8) } else { e.text(5) };
-        out.push(Found { label: label.to_owned(), curves });
+        (_, Some(given)) => Ok(given),
+        (None, None) => Err(CurveError::NoUnit(options.name.clone())),
     }
-    Ok(out)
 }
 
-/// Entities of the ENTITIES section; vertices of old polylines become groups of their polyline.
-fn entities<'a>(groups: &[(i32, &'a str)]) -> Vec<Entity<'a>> {
+/// Entities of the ENTITIES section; vertices of old polylines become groups of their polyline. `None` if the section
+/// does not end.
+fn entities<'a>(groups: &[(i32, &'a str)]) -> Option<Vec<Entity<'a>>> {
     let mut out: Vec<Entity> = Vec::new();
     let mut section = "";
     let mut k = 0;
@@ -111,6 +188,9 @@ fn entities<'a>(groups: &[(i32, &'a str)]) -> Vec<Entity<'a>> {
             section = groups.get(k).filter(|g| g.0 == 2).map_or("", |g| g.1);
             continue;
         }
+        if value == "ENDSEC" {
+            section = "";
+        }
         let own: Vec<(i32, &str)> = groups[k..].iter().take_while(|g| g.0 != 0).copied().collect();
         k += own.len();
         if section != "ENTITIES" {
@@ -119,79 +199,123 @@ fn entities<'a>(groups: &[(i32, &'a str)]) -> Vec<Entity<'a>> {
         match (value, out.last_mut()) {
             // Coordinates of vertices are renumbered, so that they differ from the polyline's own.
             ("VERTEX", Some(last)) if last.kind == "POLYLINE" => {
-                let bulge = own.iter().find(|g| g.0 == 42).map_or("0", |g| g.1);
-                for code in [10, 20, 30] {
-                    let x = own.iter().find(|g| g.0 == code).map_or("0", |g| g.1);
-                    last.groups.push((1000 + code, x));
+                for (code, missing) in [(10, "0"), (20, "0"), (30, "0"), (42, "0"), (70, "0")] {
+                    let x = own.iter().find(|g| g.0 == code).map_or(missing, |g| g.1);
+                    last.groups.push((OF_VERTEX + code, x));
                 }
-                last.groups.push((1042, bulge));
             }
             ("SEQEND", _) => {}
             _ => out.push(Entity { kind: value, groups: own }),
         }
     }
-    out
+    (section != "ENTITIES").then_some(out)
 }
 
-/// The curves of an entity, none for kinds that are no curves.
-fn curves(e: &Entity, unit: f64) -> Result<Vec<Curve<4>>, SplineError> {
-    let frame = e.frame();
-    let line = |p: Vec3, q: Vec3| {
-        let h = |p: Vec3| [unit * p.x, unit * p.y, unit * p.z, 1.0];
-        Curve::new(1, vec![0.0, 0.0, 1.0, 1.0], vec![h(p), h(q)])
-    };
-    let arc = |centre: Vec3, radius: f64, from: f64, to: f64| {
-        let frame = Frame { origin: frame.vector_to_world(&(centre * unit)), ..frame };
-        let to = if to > from { to } else { to + std::f64::consts::TAU };
-        SpaceCurve::Ellipse { frame, a: unit * radius, b: unit * radius }.to_spline(from, to).map(|c| c.0)
-    };
-    let radians = |code: i32| e.number(code).unwrap_or(0.0).to_radians();
+fn straight(p: Vec3, q: Vec3, unit: f64) -> Result<Curve<4>, SplineError> {
+    let h = |p: Vec3| [unit * p.x, unit * p.y, unit * p.z, 1.0];
+    Curve::new(1, vec![0.0, 0.0, 1.0, 1.0], vec![h(p), h(q)])
+}
+
+/// The arc with a centre in its frame from one angle (rad) to another.
+fn arc(frame: &Frame, centre: Vec3, radius: f64, angles: (f64, f64), unit: f64) -> Result<Curve<4>, SplineError> {
+    let frame = Frame { origin: frame.vector_to_world(&(centre * unit)), ..*frame };
+    let (from, to) = angles;
+    let to = if to > from { to } else { to + std::f64::consts::TAU };
+    SpaceCurve::Ellipse { frame, a: unit * radius, b: unit * radius }.to_spline(from, to).map(|c| c.0)
+}
+
+/// The curves of an entity, `None` for kinds that are no curves.
+fn curves(e: &Entity, unit: f64) -> Result<Option<Vec<Curve<4>>>, Fault> {
+    let one = |c: Curve<4>| Ok(Some(vec![c]));
     match e.kind {
-        "LINE" => Ok(vec![line(e.point(10), e.point(11))?]),
-        "CIRCLE" => Ok(vec![arc(e.point(10), e.number(40).unwrap_or(f64::NAN), 0.0, std::f64::consts::TAU)?]),
-        "ARC" => Ok(vec![arc(e.point(10), e.number(40).unwrap_or(f64::NAN), radians(50), radians(51))?]),
-        "LWPOLYLINE" | "POLYLINE" => polyline(e, &frame, &line, &arc),
-        "SPLINE" => {
-            let (x, y, z) = (e.all(10), e.all(20), e.all(30));
-            let weights = e.all(41);
-            let control = (0..x.len())
-                .map(|i| {
-                    let w = weights.get(i).copied().unwrap_or(1.0);
-                    let at = |v: &[f64]| v.get(i).copied().unwrap_or(0.0) * unit * w;
-                    [at(&x), at(&y), at(&z), w]
-                })
-                .collect();
-            let degree = e.number(71).unwrap_or(3.0).max(0.0) as usize;
-            Ok(vec![Curve::new(degree, e.all(40), control)?])
+        "LINE" => one(straight(e.point(10)?, e.point(11)?, unit)?),
+        "CIRCLE" | "ARC" => {
+            let angle = |code: i32| Ok::<f64, Fault>(e.required(code)?.to_radians());
+            let angles = if e.kind == "ARC" { (angle(50)?, angle(51)?) } else { (0.0, std::f64::consts::TAU) };
+            one(arc(&e.frame()?, e.point(10)?, e.required(40)?, angles, unit)?)
         }
-        _ => Ok(Vec::new()),
+        "ELLIPSE" => one(ellipse(e, unit)?),
+        "LWPOLYLINE" | "POLYLINE" => polyline(e, unit),
+        "SPLINE" => one(spline(e, unit)?),
+        _ => Ok(None),
     }
+}
+
+/// An ellipse or a part of one: centre and half the long axis in the world, ratio of the axes, parameters.
+fn ellipse(e: &Entity, unit: f64) -> Result<Curve<4>, Fault> {
+    let axis = e.point(11)?;
+    let z = e.frame()?.z;
+    let x = axis.try_normalize(0.0).ok_or(Fault::Missing(11))?;
+    let frame = Frame { origin: e.point(10)? * unit, x, y: z.cross(&x), z };
+    let (from, to) = (e.number(41)?.unwrap_or(0.0), e.number(42)?.unwrap_or(std::f64::consts::TAU));
+    let to = if to > from { to } else { to + std::f64::consts::TAU };
+    let a = unit * axis.norm();
+    Ok(SpaceCurve::Ellipse { frame, a, b: a * e.required(40)? }.to_spline(from, to)?.0)
+}
+
+/// A spline by its control points, or by its fit points if it has no others.
+fn spline(e: &Entity, unit: f64) -> Result<Curve<4>, Fault> {
+    const CLOSED: i64 = 1;
+    let count = |code: i32, what: &'static str, there: usize| match e.number(code)? {
+        Some(n) if n as usize != there => Err(Fault::Count { what, there, wanted: n as usize }),
+        _ => Ok(()),
+    };
+    let control = e.points(10)?;
+    count(73, "control points", control.len())?;
+    if control.is_empty() {
+        let points: Vec<Vec3> = e.points(11)?.into_iter().map(|p| p * unit).collect();
+        count(74, "fit points", points.len())?;
+        let end = |code: i32| Ok::<_, Fault>(e.number(code)?.map(|_| e.point(code)).transpose()?);
+        let ends = [end(12)?, end(13)?];
+        return Ok(through::cubic(&points, ends, e.flags(70)? & CLOSED != 0)?);
+    }
+    let weights = e.all(41)?;
+    if !weights.is_empty() && weights.len() != control.len() {
+        return Err(Fault::Count { what: "weights", there: weights.len(), wanted: control.len() });
+    }
+    let knots = e.all(40)?;
+    count(72, "knots", knots.len())?;
+    let homogeneous = |(i, p): (usize, &Vec3)| {
+        let w = weights.get(i).copied().unwrap_or(1.0);
+        [p.x * unit * w, p.y * unit * w, p.z * unit * w, w]
+    };
+    let control = control.iter().enumerate().map(homogeneous).collect();
+    Ok(Curve::new(e.required(71)?.max(0.0) as usize, knots, control)?)
+}
+
+/// Corners of a polyline with the bulge of the segment that follows; `None` for meshes.
+fn corners(e: &Entity) -> Result<Option<Vec<(Vec3, f64)>>, Fault> {
+    const MESH: i64 = 16 | 64;
+    const FRAME: i64 = 16;
+    if e.kind == "POLYLINE" {
+        if e.flags(70)? & MESH != 0 {
+            return Ok(None);
+        }
+        let at = e.points(OF_VERTEX + 10)?;
+        let (bulge, flags) = (e.all(OF_VERTEX + 42)?, e.all(OF_VERTEX + 70)?);
+        // Vertices of the frame are not on a polyline that is smoothed.
+        let on = |i: &usize| flags[*i] as i64 & FRAME == 0;
+        return Ok(Some((0..at.len()).filter(on).map(|i| (at[i], bulge[i])).collect()));
+    }
+    let z = e.number(38)?.unwrap_or(0.0);
+    let mut points: Vec<(Vec3, f64)> = Vec::new();
+    for group in e.groups.iter().filter(|g| [10, 20, 42].contains(&g.0)) {
+        let value = finite(group)?;
+        match (group.0, points.last_mut()) {
+            (10, _) => points.push((Vec3::new(value, 0.0, z), 0.0)),
+            (20, Some(p)) => p.0.y = value,
+            (42, Some(p)) => p.1 = value,
+            _ => return Err(Fault::Missing(10)),
+        }
+    }
+    Ok(Some(points))
 }
 
 /// Lines and arcs of a polyline.
-fn polyline(
-    e: &Entity,
-    frame: &Frame,
-    line: &dyn Fn(Vec3, Vec3) -> Result<Curve<4>, SplineError>,
-    arc: &dyn Fn(Vec3, f64, f64, f64) -> Result<Curve<4>, SplineError>,
-) -> Result<Vec<Curve<4>>, SplineError> {
-    let closed = e.number(70).unwrap_or(0.0) as i64 & 1 == 1;
-    let mut points: Vec<(Vec3, f64)> = Vec::new();
-    if e.kind == "LWPOLYLINE" {
-        let z = e.number(38).unwrap_or(0.0);
-        for (code, value) in &e.groups {
-            let value: f64 = value.parse().unwrap_or(f64::NAN);
-            match (code, points.last_mut()) {
-                (10, _) => points.push((Vec3::new(value, 0.0, z), 0.0)),
-                (20, Some(p)) => p.0.y = value,
-                (42, Some(p)) => p.1 = value,
-                _ => {}
-            }
-        }
-    } else {
-        let (x, y, z, bulge) = (e.all(1010), e.all(1020), e.all(1030), e.all(1042));
-        points = (0..x.len()).map(|i| (Vec3::new(x[i], y[i], z[i]), bulge[i])).collect();
-    }
+fn polyline(e: &Entity, unit: f64) -> Result<Option<Vec<Curve<4>>>, Fault> {
+    let frame = e.frame()?;
+    let closed = e.flags(70)? & 1 == 1;
+    let Some(points) = corners(e)? else { return Ok(None) };
     let n = points.len();
     let mut out = Vec::new();
     for i in 0..if closed { n } else { n.saturating_sub(1) } {
@@ -199,9 +323,9 @@ fn polyline(
         if p == q {
             continue;
         }
-        if bulge.abs() < 1e-12 {
+        if bulge.abs() < STRAIGHT {
             // Three-dimensional polylines have world coordinates; their frame is the world's.
-            out.push(line(frame.vector_to_world(&p), frame.vector_to_world(&q))?);
+            out.push(straight(frame.vector_to_world(&p), frame.vector_to_world(&q), unit)?);
             continue;
         }
         let chord = q - p;
@@ -210,10 +334,10 @@ fn polyline(
         let angle = |x: &Vec3| (x.y - centre.y).atan2(x.x - centre.x);
         let radius = (p - centre).norm();
         out.push(if bulge > 0.0 {
-            arc(centre, radius, angle(&p), angle(&q))?
+            arc(&frame, centre, radius, (angle(&p), angle(&q)), unit)?
         } else {
-            arc(centre, radius, angle(&q), angle(&p))?.reversed()
+            arc(&frame, centre, radius, (angle(&q), angle(&p)), unit)?.reversed()
         });
     }
-    Ok(out)
+    Ok(Some(out))
 }

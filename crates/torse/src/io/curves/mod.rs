@@ -48,7 +48,7 @@ pub enum CurveError {
         first: String,
     },
     /// The curve named is not there.
-    #[error("{name} has no curve #{select}; it has {list}")]
+    #[error("{name} has no curve{}; it has {list}", if .select.is_empty() { String::new() } else { format!(" #{select}") })]
     Missing {
         /// Name.
         name: String,
@@ -94,14 +94,76 @@ pub(super) struct Found {
     pub curves: Vec<crate::spline::curve::Curve<4>>,
 }
 
-/// Reads one rail. The format is told by the contents: STEP by its header, DXF by its group codes, else a table.
+/// Curves of a file with what was not read of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Curves {
+    /// The curves, each as long as it goes on.
+    pub rails: Vec<Rail>,
+    /// What was not read, in words; empty if nothing.
+    pub notes: Vec<String>,
+}
+
+/// Reads one rail. The format is told by the contents: STEP by its header, DXF by its group codes, else a table. Returns
+/// the rail with notes of what was not read.
+///
+/// # Errors
+/// See [`CurveError`]; curves that do not join, unless one is selected.
+pub fn read(bytes: &[u8], options: &CurveOptions) -> Result<(Rail, Vec<String>), CurveError> {
+    match source(bytes, options)? {
+        Source::Points(points) => Ok((points_rail(&points, options)?, Vec::new())),
+        Source::Curves(all, notes) => Ok((chosen(all, options)?, notes)),
+    }
+}
+
+/// Reads all curves of a drawing or a table: those that join end to end are one rail. Of a STEP file, which holds the
+/// edges of a whole model, one must be selected.
 ///
 /// # Errors
 /// See [`CurveError`].
-pub fn read(bytes: &[u8], options: &CurveOptions) -> Result<Rail, CurveError> {
-    let text = String::from_utf8_lossy(bytes);
-    let start = text.trim_start_matches(['\u{feff}', ' ', '\r', '\n', '\t']);
-    if start.starts_with("ISO-10303-21") {
+pub fn read_all(bytes: &[u8], options: &CurveOptions) -> Result<Curves, CurveError> {
+    match source(bytes, options)? {
+        Source::Points(points) => Ok(Curves { rails: vec![points_rail(&points, options)?], notes: Vec::new() }),
+        Source::Curves(all, notes) if is_step(bytes) => Ok(Curves { rails: vec![chosen(all, options)?], notes }),
+        Source::Curves(all, notes) => {
+            let all = selected(all, options)?;
+            let groups = Rail::chains(&all.into_iter().flat_map(|f| f.curves).collect::<Vec<_>>());
+            let name = |k: usize| match groups.len() {
+                1 => options.name.clone(),
+                _ => format!("{} curve {}", options.name, k + 1),
+            };
+            let rails = groups.iter().enumerate().map(|(k, g)| Rail::new(&name(k), g)).collect::<Result<_, _>>()?;
+            Ok(Curves { rails, notes })
+        }
+    }
+}
+
+/// What a file holds.
+enum Source {
+    Points(Vec<crate::geom::Vec3>),
+    Curves(Vec<Found>, Vec<String>),
+}
+
+fn points_rail(points: &[crate::geom::Vec3], options: &CurveOptions) -> Result<Rail, RailError> {
+    if options.polyline {
+        Rail::polyline(&options.name, points)
+    } else {
+        Rail::through(&options.name, points)
+    }
+}
+
+fn is_step(bytes: &[u8]) -> bool {
+    let start = String::from_utf8_lossy(&bytes[..bytes.len().min(STEP_START)]);
+    start.trim_start_matches(BLANK).starts_with("ISO-10303-21")
+}
+
+/// Bytes within which a STEP file says that it is one.
+const STEP_START: usize = 1024;
+/// What may stand before the first word of a file.
+const BLANK: [char; 5] = ['\u{feff}', ' ', '\r', '\n', '\t'];
+
+fn source(bytes: &[u8], options: &CurveOptions) -> Result<Source, CurveError> {
+    let damaged = |reason: &str| CurveError::Damaged { name: options.name.clone(), reason: reason.into() };
+    if is_step(bytes) {
         let all = edges::curves(bytes)
             .map_err(|source| CurveError::Step { name: options.name.clone(), source })?
             .into_iter()
@@ -110,39 +172,68 @@ pub fn read(bytes: &[u8], options: &CurveOptions) -> Result<Rail, CurveError> {
                 curves: e.curves,
             })
             .collect();
-        return chosen(all, options);
+        return Ok(Source::Curves(all, Vec::new()));
     }
-    if is_dxf(start) {
-        return chosen(dxf::read(&text, options)?, options);
+    let text = String::from_utf8_lossy(bytes);
+    if is_dxf(text.trim_start_matches(BLANK)) {
+        let drawing = dxf::read(&text, options)?;
+        let notes = not_read(&options.name, &drawing.unread).into_iter().collect();
+        return Ok(Source::Curves(drawing.found, notes));
     }
-    let points = csv::read(&text, options)?;
-    Ok(if options.polyline { Rail::polyline(&options.name, &points)? } else { Rail::through(&options.name, &points)? })
+    let file = options.name.split('#').next().unwrap_or("").to_ascii_lowercase();
+    if bytes.starts_with(b"AutoCAD Binary DXF") {
+        return Err(damaged("it is a binary DXF drawing; save it as ASCII DXF"));
+    }
+    if file.ends_with(".dxf") {
+        return Err(damaged("it is no ASCII DXF drawing, whatever its name says"));
+    }
+    if [".step", ".stp"].iter().any(|e| file.ends_with(e)) {
+        return Err(damaged("it is no STEP file, whatever its name says"));
+    }
+    csv::read(bytes, options).map(Source::Points)
 }
 
-/// Straight lines of a DXF drawing by their ends, in the order of the file, mm. `unit` is the length of a unit of the
-/// drawing in mm where it does not say.
+/// Entities of a drawing that were not read, in words.
+fn not_read(name: &str, unread: &[(String, usize)]) -> Option<String> {
+    let kinds: Vec<String> = unread.iter().map(|(kind, n)| format!("{n} {kind}")).collect();
+    let blocks =
+        if unread.iter().any(|u| u.0 == "INSERT") { "; explode blocks (INSERT) to have their curves" } else { "" };
+    (!kinds.is_empty()).then(|| format!("not read of {name}: {}{blocks}", kinds.join(", ")))
+}
+
+/// Straight lines of a DXF drawing by their ends, in the order of the file, mm, with notes of what else it holds. `unit`
+/// is the length of a unit of the drawing in mm; where none is given, what the drawing says, else 1.
 ///
 /// # Errors
 /// See [`CurveError`].
-pub fn lines(bytes: &[u8], name: &str, unit: f64) -> Result<Vec<[crate::geom::Vec3; 2]>, CurveError> {
+pub fn lines(
+    bytes: &[u8],
+    name: &str,
+    unit: Option<f64>,
+) -> Result<(Vec<[crate::geom::Vec3; 2]>, Vec<String>), CurveError> {
     let text = String::from_utf8_lossy(bytes);
-    if !is_dxf(text.trim_start_matches(['\u{feff}', ' ', '\r', '\n', '\t'])) {
+    if !is_dxf(text.trim_start_matches(BLANK)) {
         return Err(CurveError::Damaged { name: name.into(), reason: "it is no ASCII DXF drawing".into() });
     }
-    let named = CurveOptions { name: name.into(), ..CurveOptions::default() };
-    let all = match dxf::read(&text, &named) {
-        Err(CurveError::NoUnit(_)) => dxf::read(&text, &CurveOptions { unit: Some(unit), ..named })?,
+    let named = CurveOptions { name: name.into(), unit, ..CurveOptions::default() };
+    let drawing = match dxf::read(&text, &named) {
+        Err(CurveError::NoUnit(_)) => dxf::read(&text, &CurveOptions { unit: Some(1.0), ..named })?,
         other => other?,
     };
     let point = |c: &[f64; 4]| crate::geom::Vec3::new(c[0], c[1], c[2]) / c[3];
-    Ok(all
-        .iter()
-        .filter(|f| f.curves.len() == 1)
-        .filter_map(|f| match &f.curves[0].control[..] {
-            [p, q] => Some([point(p), point(q)]),
-            _ => None,
-        })
-        .collect())
+    let mut notes: Vec<String> = not_read(name, &drawing.unread).into_iter().collect();
+    let mut out = Vec::new();
+    let mut others = 0;
+    for f in &drawing.found {
+        match &f.curves[..] {
+            [one] if one.control.len() == 2 => out.push([point(&one.control[0]), point(&one.control[1])]),
+            _ => others += 1,
+        }
+    }
+    if others > 0 {
+        notes.push(format!("not read of {name}: {others} curves that are no single straight lines"));
+    }
+    Ok((out, notes))
 }
 
 /// DXF files begin with a group code 0 and SECTION, or with comments (code 999).
@@ -151,42 +242,46 @@ fn is_dxf(start: &str) -> bool {
     matches!((lines.next(), lines.next()), (Some("0"), Some("SECTION")) | (Some("999"), Some(_)))
 }
 
-/// The curve asked for, or all of them if they join to one.
-fn chosen(mut all: Vec<Found>, options: &CurveOptions) -> Result<Rail, CurveError> {
-    let name = || options.name.clone();
-    let list = |all: &[Found]| {
-        let some: Vec<String> = all.iter().take(8).map(|f| format!("#{}", f.label)).collect();
-        if all.is_empty() {
-            "no curve".to_owned()
-        } else if all.len() > some.len() {
-            format!("{} …", some.join(", "))
-        } else {
-            some.join(", ")
-        }
-    };
-    if !options.select.is_empty() {
-        let known = list(&all);
-        all.retain(|f| f.label.eq_ignore_ascii_case(&options.select));
-        if all.is_empty() {
-            return Err(CurveError::Missing { name: name(), select: options.select.clone(), list: known });
-        }
+/// The first few names of curves.
+fn list(all: &[Found]) -> String {
+    const FEW: usize = 8;
+    let some: Vec<String> = all.iter().take(FEW).map(|f| format!("#{}", f.label)).collect();
+    if all.is_empty() {
+        "no curve".to_owned()
+    } else if all.len() > some.len() {
+        format!("{} …", some.join(", "))
+    } else {
+        some.join(", ")
     }
-    match &all[..] {
-        [] => Err(CurveError::Missing { name: name(), select: String::new(), list: list(&all) }),
-        [one] => Ok(Rail::new(&options.name, &one.curves)?),
-        several => {
-            let joined: Vec<_> = several.iter().flat_map(|f| f.curves.iter().cloned()).collect();
-            let chain = Rail::chain(&joined);
-            match Rail::new(&options.name, &chain) {
-                Err(RailError::Gap { .. }) => Err(CurveError::Several {
-                    name: name(),
-                    count: several.len(),
-                    list: list(several),
-                    first: several[0].label.clone(),
-                }),
-                other => Ok(other?),
-            }
-        }
+}
+
+/// The curves asked for; all if none is.
+fn selected(mut all: Vec<Found>, options: &CurveOptions) -> Result<Vec<Found>, CurveError> {
+    let known = list(&all);
+    if !options.select.is_empty() {
+        all.retain(|f| f.label.eq_ignore_ascii_case(&options.select));
+    }
+    if all.is_empty() {
+        return Err(CurveError::Missing { name: options.name.clone(), select: options.select.clone(), list: known });
+    }
+    Ok(all)
+}
+
+/// The curve asked for, or all of them if they join to one.
+fn chosen(all: Vec<Found>, options: &CurveOptions) -> Result<Rail, CurveError> {
+    let all = selected(all, options)?;
+    if let [one] = &all[..] {
+        return Ok(Rail::new(&options.name, &one.curves)?);
+    }
+    let joined: Vec<_> = all.iter().flat_map(|f| f.curves.iter().cloned()).collect();
+    match Rail::new(&options.name, &Rail::chain(&joined)) {
+        Err(RailError::Gap { .. }) => Err(CurveError::Several {
+            name: options.name.clone(),
+            count: all.len(),
+            list: list(&all),
+            first: all[0].label.clone(),
+        }),
+        other => Ok(other?),
     }
 }
 
@@ -194,6 +289,10 @@ fn chosen(mut all: Vec<Found>, options: &CurveOptions) -> Result<Rail, CurveErro
 mod tests {
     use super::*;
     use crate::geom::Vec3;
+
+    fn read(bytes: &[u8], options: &CurveOptions) -> Result<Rail, CurveError> {
+        super::read(bytes, options).map(|r| r.0)
+    }
 
     fn options() -> CurveOptions {
         CurveOptions { name: "rail".into(), unit: Some(1.0), ..CurveOptions::default() }
@@ -240,6 +339,73 @@ mod tests {
         assert!(
             (read(format!("{header}{line}{far}{end}").as_bytes(), &one).expect("rail").length() - 100.0).abs() < 1e-9
         );
+    }
+
+    /// A drawing in mm of these entities.
+    fn drawing(entities: &str) -> String {
+        let header = "0\nSECTION\n2\nHEADER\n9\n$INSUNITS\n70\n4\n0\nENDSEC\n0\nSECTION\n2\nENTITIES\n";
+        format!("{header}{entities}0\nENDSEC\n0\nEOF\n")
+    }
+
+    #[test]
+    fn splines_of_fit_points_are_interpolated_and_ellipses_are_read() {
+        let o = CurveOptions { unit: None, ..options() };
+        let fit = |more: &str, points: &[[f64; 2]]| {
+            let points: String = points.iter().map(|p| format!("11\n{}\n21\n{}\n31\n0\n", p[0], p[1])).collect();
+            let n = points.matches("11\n").count();
+            drawing(&format!("0\nSPLINE\n5\nF\n70\n8\n71\n3\n72\n0\n73\n0\n74\n{n}\n{more}{points}"))
+        };
+        let row = [[0.0, 0.0], [3.0, 4.0], [8.0, 4.0]];
+        let rail = read(fit("", &row).as_bytes(), &o).expect("rail");
+        assert!((rail.point(0.5) - Vec3::new(3.0, 4.0, 0.0)).norm() < 1e-9, "{}", rail.point(0.5));
+        let rail = read(fit("12\n0\n22\n2\n32\n0\n", &row).as_bytes(), &o).expect("rail");
+        let start = rail.point(1e-6) - rail.point(0.0);
+        assert!(start.x.abs() < 1e-4 * start.y, "{start}");
+        let ellipse = drawing(
+            "0\nELLIPSE\n5\nE\n10\n1\n20\n0\n30\n0\n11\n0\n21\n4\n31\n0\n40\n0.5\n41\n0\n42\n3.141592653589793\n",
+        );
+        let rail = read(ellipse.as_bytes(), &o).expect("rail");
+        for (s, x) in [(0.0, [1.0, 4.0]), (0.5, [-1.0, 0.0]), (1.0, [1.0, -4.0])] {
+            let p = rail.point(s * rail.pieces.len() as f64);
+            assert!((p - Vec3::new(x[0], x[1], 0.0)).norm() < 1e-6, "{p}");
+        }
+    }
+
+    #[test]
+    fn all_curves_of_a_drawing_are_read_and_the_rest_is_named() {
+        let o = CurveOptions { unit: None, ..options() };
+        let line = |x: f64, y: f64| format!("0\nLINE\n5\nA\n8\nr\n10\n{x}\n20\n0\n11\n{y}\n21\n0\n");
+        let text = "0\nTEXT\n1\nhello\n0\nINSERT\n2\nblock\n";
+        let all = drawing(&[line(0.0, 1.0), line(5.0, 6.0), text.into(), line(2.0, 1.0)].concat());
+        let found = read_all(all.as_bytes(), &o).expect("curves");
+        let lengths: Vec<f64> = found.rails.iter().map(Rail::length).collect();
+        assert!(
+            lengths.len() == 2 && (lengths[0] - 2.0).abs() < 1e-9 && (lengths[1] - 1.0).abs() < 1e-9,
+            "{lengths:?}"
+        );
+        assert!(found.notes[0].contains("1 TEXT, 1 INSERT; explode blocks"), "{:?}", found.notes);
+        let (lines, notes) = lines(all.as_bytes(), "d.dxf", None).expect("lines");
+        assert_eq!((lines.len(), notes.len()), (3, 1));
+        // Vertices of the frame of a polyline that is smoothed are not on it.
+        let vertex = |x: f64, y: f64, flag: i32| format!("0\nVERTEX\n10\n{x}\n20\n{y}\n70\n{flag}\n");
+        let smooth = [vertex(0.0, 0.0, 16), vertex(0.0, 0.0, 8), vertex(1.0, 9.0, 16), vertex(4.0, 0.0, 8)].concat();
+        let smooth = drawing(&format!("0\nPOLYLINE\n5\nP\n70\n4\n{smooth}0\nSEQEND\n"));
+        assert!((read(smooth.as_bytes(), &o).expect("rail").length() - 4.0).abs() < 1e-9);
+        for (entity, reason) in [
+            ("0\nLINE\n5\nA\n10\n0\n20\nabc\n11\n1\n21\n0\n", "LINE A: group 20 is 'abc'"),
+            ("0\nLINE\n5\nA\n10\n0\n20\n0\n", "group 11 is missing"),
+            ("0\nARC\n5\nA\n10\n0\n20\n0\n40\n1\n50\n0\n", "group 51 is missing"),
+            ("0\nSPLINE\n5\nS\n71\n3\n74\n3\n11\n0\n21\n0\n31\n0\n", "fit points: 1 of 3"),
+            ("0\nSPLINE\n5\nS\n71\n3\n", "too few for a spline"),
+        ] {
+            let told = read(drawing(entity).as_bytes(), &o).expect_err(reason).to_string();
+            assert!(told.contains(reason), "{told}");
+        }
+        let cut = all.split("0\nENDSEC\n0\nEOF").next().expect("a part");
+        assert!(read(&all.as_bytes()[..cut.len()], &o).expect_err("cut").to_string().contains("cut off"));
+        let named =
+            |name: &str| read(b"", &CurveOptions { name: name.into(), ..options() }).expect_err(name).to_string();
+        assert!(named("a.dxf").contains("no ASCII DXF") && named("a.STEP#3").contains("no STEP file"));
     }
 
     #[test]

@@ -41,7 +41,7 @@ pub(super) fn rulings(text: &str) -> Result<[Vec<Vec3>; 2], QuadReadError> {
 }
 
 /// Place of a vertex number, which counts from 1, or backwards from −1.
-fn index(number: &str, count: usize) -> Option<usize> {
+pub(in crate::io) fn index(number: &str, count: usize) -> Option<usize> {
     let n: i64 = number.parse().ok()?;
     let i = if n > 0 {
         usize::try_from(n).ok()? - 1

@@ -2,59 +2,66 @@
 
 use super::QuadReadError;
 use crate::geom::Vec3;
+use crate::io::table::{self, Fault, Table};
 
-/// Both polylines in units of the file.
-pub(super) fn rulings(text: &str) -> Result<[Vec<Vec3>; 2], QuadReadError> {
+/// Columns of both ends of a ruling.
+const RUNG: [&str; 6] = ["ax", "ay", "az", "bx", "by", "bz"];
+/// The same as rulings from p to q.
+const RULING: [&str; 6] = ["px", "py", "pz", "qx", "qy", "qz"];
+
+/// Both polylines in mm; `unit` (mm) is the file's where one is given.
+pub(super) fn rulings(bytes: &[u8], unit: Option<f64>) -> Result<[Vec<Vec3>; 2], QuadReadError> {
+    let text = table::text(bytes).map_err(told)?;
+    let table = table::table(&text).map_err(told)?;
     let mut sides: [Vec<Vec3>; 2] = Default::default();
-    // Columns of the table, and the polyline being read where there are three.
-    let (mut columns, mut side, mut gap, mut headed) = (0, 0, false, false);
-    for (k, line) in text.lines().enumerate() {
-        let fault = |reason: String| QuadReadError::Line { line: k + 1, reason };
-        let content = line.split('#').next().unwrap_or("").trim().trim_start_matches('\u{feff}');
-        if content.is_empty() {
-            // A line with nothing but a comment separates nothing.
-            gap |= line.trim().is_empty();
+    if table.rows.is_empty() {
+        return Ok(sides);
+    }
+    let columns = columns(&table).map_err(told)?;
+    let unit = table.unit_or(&columns, unit).map_err(told)?.unwrap_or(1.0);
+    let (mut side, mut values) = (0, Vec::new());
+    for row in &table.rows {
+        let fault = |reason: &str| told(Fault { line: row.line, reason: reason.into() });
+        table.numbers(row, &columns, &mut values).map_err(told)?;
+        if values.iter().any(|x| !x.is_finite()) {
+            return Err(fault("a coordinate is not a finite number"));
+        }
+        if columns.len() == 6 {
+            sides[0].push(Vec3::new(values[0], values[1], values[2]) * unit);
+            sides[1].push(Vec3::new(values[3], values[4], values[5]) * unit);
             continue;
         }
-        let fields: Vec<&str> = content.split(|c: char| ",;\t ".contains(c)).filter(|f| !f.is_empty()).collect();
-        let numbers: Vec<Option<f64>> = fields.iter().map(|f| f.parse::<f64>().ok()).collect();
-        if columns == 0 && !headed && !fields.is_empty() && numbers.iter().all(Option::is_none) {
-            headed = true;
-            gap = false;
-            continue;
-        }
-        if let Some(i) = numbers.iter().position(Option::is_none) {
-            return Err(fault(format!("'{}' is not a number", fields[i])));
-        }
-        let row: Vec<f64> = numbers.into_iter().flatten().collect();
-        if row.iter().any(|x| !x.is_finite()) {
-            return Err(fault("a coordinate is not a finite number".into()));
-        }
-        if columns == 0 && (row.len() == 3 || row.len() == 6) {
-            columns = row.len();
-            gap = false;
-        }
-        if row.len() != columns {
-            let wanted = if columns == 0 { "six (both ends of a ruling) or three".into() } else { columns.to_string() };
-            return Err(fault(format!("{wanted} numbers are needed, there are {}", row.len())));
-        }
-        if columns == 6 {
-            sides[0].push(Vec3::new(row[0], row[1], row[2]));
-            sides[1].push(Vec3::new(row[3], row[4], row[5]));
-            continue;
-        }
-        if gap {
-            side += 1;
-            gap = false;
-        }
+        side += usize::from(row.gap);
         match sides.get_mut(side) {
-            Some(s) => s.push(Vec3::new(row[0], row[1], row[2])),
-            None => return Err(fault("a third polyline begins here; a strip has two".into())),
+            Some(s) => s.push(Vec3::new(values[0], values[1], values[2]) * unit),
+            None => return Err(fault("a third polyline begins here; a strip has two")),
         }
     }
-    if columns == 3 && sides[1].is_empty() {
+    if columns.len() == 3 && sides[1].is_empty() {
         let reason = "the second polyline is missing; separate the two by an empty line".into();
         return Err(QuadReadError::Line { line: text.lines().count(), reason });
     }
     Ok(sides)
+}
+
+/// Columns of both ends of rulings, or of points.
+fn columns(table: &Table) -> Result<Vec<usize>, Fault> {
+    for names in [RUNG, RULING] {
+        if let Some(found) = table.group(&names)? {
+            return Ok(found);
+        }
+    }
+    if table.width() == RUNG.len() && table.column("x")?.is_none() {
+        return table.needed(&RUNG);
+    }
+    if !table.is_named() && table.width() != 3 {
+        let line = table.rows.first().map_or(1, |r| r.line);
+        let reason = format!("six numbers (both ends of a ruling) or three are needed, there are {}", table.width());
+        return Err(Fault { line, reason });
+    }
+    table.needed(&["x", "y", "z"])
+}
+
+fn told(fault: Fault) -> QuadReadError {
+    QuadReadError::Line { line: fault.line, reason: fault.reason }
 }
