@@ -16,7 +16,7 @@ pub const NUMBERS: [&str; 7] = [
 ];
 
 /// A change after which nothing may be certified.
-pub const FORGERIES: [&str; 8] = [
+pub const FORGERIES: [&str; 7] = [
     "triangle missing",
     "triangle twice",
     "triangle turned over",
@@ -24,7 +24,6 @@ pub const FORGERIES: [&str; 8] = [
     "loop reversed",
     "vertex of a run missing",
     "border called a seam",
-    "bound of a joint below 0",
 ];
 
 fn moved_knot(knots: &Knots, k: usize, by: f64) -> Option<Knots> {
@@ -107,11 +106,10 @@ pub fn forgery(p: &mut Patchwork, what: usize, random: &mut Random) -> Option<()
             run.vertices.remove(1);
             run.parameters.remove(1);
         }
-        6 => {
+        _ => {
             runs.get_mut(r)?.border = Border::Seam { seam: 0, forward: true };
             p.seam_count = 1;
         }
-        _ => p.faces.first_mut()?.joint_bound = if random.below(2) == 0 { f64::NAN } else { -1e-3 },
     }
     Some(())
 }

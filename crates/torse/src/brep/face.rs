@@ -59,12 +59,10 @@ pub struct Face {
     pub surface_deviation_estimate: f64,
     /// The faces of the file that were joined to this one; empty for a face of the file.
     pub parts: Vec<FacePart>,
-    /// Bound (mm) on the distance between points of the parts and the same points of `surface`: what joining moved.
-    /// 0 for a face of the file.
-    pub joint_bound: f64,
-    /// Bound (mm) on the distance between the face as its file bounds it and the region of the polygons: what the trim
-    /// misses. Infinite until it is proven (by `certify::trims`); 0 where the polygons are the file's own boundary.
-    pub trim_bound: f64,
+    /// See [`Face::joint_bound`].
+    pub(super) joint_bound: f64,
+    /// See [`Face::trim_bound`].
+    pub(super) trim_bound: f64,
     /// The file's edges, for that proof; `None` where there is nothing to prove.
     pub boundary: Option<Arc<FileBoundary>>,
 }
@@ -143,6 +141,15 @@ pub struct TrimLoop {
     pub edge: Vec<u32>,
 }
 
+/// A distance as it is; infinite if it is none.
+fn distance(bound: f64) -> f64 {
+    if bound >= 0.0 {
+        bound
+    } else {
+        f64::INFINITY
+    }
+}
+
 impl Face {
     /// The face that covers the whole domain of a surface.
     pub fn untrimmed(surface: Surface) -> Self {
@@ -165,6 +172,28 @@ impl Face {
         }
     }
 
+    /// Bound (mm) on the distance between points of the faces that were joined and the same points of `surface`: what
+    /// joining moved. 0 for a face of the file, infinite where nothing is known.
+    pub fn joint_bound(&self) -> f64 {
+        self.joint_bound
+    }
+
+    /// Bound (mm) on the distance between the face as its file bounds it and the region of the polygons: what the trim
+    /// misses. Infinite until it is proven (by `certify::trims`); 0 where the polygons are the file's own boundary.
+    pub fn trim_bound(&self) -> f64 {
+        self.trim_bound
+    }
+
+    /// States what joining moved, mm. What is no distance (negative, NaN) is no bound: infinite.
+    pub(crate) fn set_joint_bound(&mut self, bound: f64) {
+        self.joint_bound = distance(bound);
+    }
+
+    /// States what the trim misses, mm. What is no distance (negative, NaN) is no bound: infinite.
+    pub(crate) fn set_trim_bound(&mut self, bound: f64) {
+        self.trim_bound = distance(bound);
+    }
+
     /// The face where `placement` puts it; `part` names the part there.
     pub fn placed(&self, placement: &Placement, part: &str) -> Self {
         let mut out = self.clone();
@@ -180,5 +209,24 @@ impl Face {
         out.trim_bound *= placement.scale();
         out.boundary = self.boundary.as_ref().map(|b| Arc::new(b.placed(placement)));
         out
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geom::Vec3;
+    use crate::spline::knots::Knots;
+
+    #[test]
+    fn what_is_no_distance_is_no_bound() {
+        let k = Knots::new(1, vec![0., 0., 1., 1.], 2).expect("knots");
+        let p = [Vec3::zeros(), Vec3::y(), Vec3::x(), Vec3::x() + Vec3::y()];
+        let mut face = Face::untrimmed(Surface::new(k.clone(), k, &p, None).expect("surface"));
+        for (given, kept) in [(0.25, 0.25), (0.0, 0.0), (-1e-3, f64::INFINITY), (f64::NAN, f64::INFINITY)] {
+            face.set_trim_bound(given);
+            face.set_joint_bound(given);
+            assert_eq!((face.trim_bound(), face.joint_bound()), (kept, kept), "{given}");
+        }
     }
 }

@@ -54,7 +54,7 @@ fn value(patchwork: &Patchwork, first: [usize; 3], counts: [usize; 3]) -> u64 {
         for l in &face.loops {
             points(&l.points, &mut h);
         }
-        number(face.joint_bound, &mut h);
+        number(face.joint_bound(), &mut h);
     }
     for p in patchwork.partitions.iter().skip(first[0]).take(counts[0]) {
         partition(p, &mut h);

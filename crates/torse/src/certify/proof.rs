@@ -51,12 +51,14 @@ pub fn patchwork(patchwork: &Patchwork, tolerance: f64, control: &Control) -> Ce
         return Certificate { parts: out, of };
     }
     for (i, face) in patchwork.faces.iter().enumerate() {
-        if !(face.joint_bound >= 0.0 && face.joint_bound.is_finite()) {
-            out.missing.push(format!("face {i}: joining moved it by {} mm, which is no bound", face.joint_bound));
+        if !(face.joint_bound() >= 0.0 && face.joint_bound().is_finite()) {
+            out.missing.push(format!("face {i}: joining moved it by {} mm, which is no bound", face.joint_bound()));
         }
-        if !(face.trim_bound >= 0.0 && face.trim_bound.is_finite()) {
-            out.missing
-                .push(format!("face {i}: its trim is {} mm from the file's edges, which is no bound", face.trim_bound));
+        if !(face.trim_bound() >= 0.0 && face.trim_bound().is_finite()) {
+            out.missing.push(format!(
+                "face {i}: its trim is {} mm from the file's edges, which is no bound",
+                face.trim_bound()
+            ));
         }
     }
     let sides = coverage_of(patchwork, &mut out);
@@ -129,9 +131,9 @@ fn panels_of(
         .zip(sides)
         .map(|(f, off)| {
             let prepared = Prepared::new(&f.surface);
-            let moved = way(&prepared, *off) + f.joint_bound + f.trim_bound;
+            let moved = way(&prepared, *off) + f.joint_bound() + f.trim_bound();
             // Rounded up, and no bound at all if one of both is none.
-            (prepared, if moved >= f.joint_bound { moved.next_up().next_up() } else { f64::INFINITY })
+            (prepared, if moved >= f.joint_bound() { moved.next_up().next_up() } else { f64::INFINITY })
         })
         .collect();
     let done = std::sync::atomic::AtomicUsize::new(0);
@@ -421,7 +423,7 @@ mod tests {
     fn what_joining_moved_is_a_bound_or_refused() {
         for moved in [-1e-3, f64::NAN, f64::INFINITY] {
             let mut p = two_panels(1e-3, 4);
-            p.faces[0].joint_bound = moved;
+            p.faces[0].set_joint_bound(moved);
             let c = prove(&p, 1.05e-3);
             assert!(!c.certified && !c.missing.is_empty(), "{moved}");
         }

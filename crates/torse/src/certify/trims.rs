@@ -59,7 +59,7 @@ const MOST_BEND: f64 = 0.9;
 /// (mm) are not told apart.
 pub fn trim_proof(face: &Face, aim: f64) -> TrimProof {
     let Some(boundary) = &face.boundary else {
-        return TrimProof { bound: face.trim_bound, edge: 0 };
+        return TrimProof { bound: face.trim_bound(), edge: 0 };
     };
     let mut out = TrimProof { bound: 0.0, edge: 0 };
     let size = face.surface.control.iter().flatten().fold(0.0, |m: f64, x| m.max(x.abs()));

@@ -354,8 +354,8 @@ fn face_records(outcome: &Outcome, coverages: &[coverage::Coverage]) -> Vec<Face
         trim_deviation_estimate: finite(face.trim_deviation_estimate),
         surface_deviation_estimate: finite(face.surface_deviation_estimate),
         joined: face.parts.iter().map(|p| PartRecord { entity: p.entity, name: p.name.clone() }).collect(),
-        joint_bound: face.joint_bound,
-        trim_bound: finite(face.trim_bound),
+        joint_bound: face.joint_bound(),
+        trim_bound: finite(face.trim_bound()),
     };
     patchwork.faces.iter().enumerate().map(record).collect()
 }

@@ -401,7 +401,7 @@ pub fn trims_judged(faces: Vec<Face>, tolerance: f64) -> TrimsJudged {
         corners_on_knot_lines(&mut face);
         let proof = trim_proof(&face, TRIM_AIM * tolerance);
         let bound = proof.bound();
-        face.trim_bound = bound.value();
+        face.set_trim_bound(bound.value());
         let words = (bound.value() > TRIM_SHARE * tolerance).then(|| {
             let far = if bound.value().is_finite() { format!("{:.3e} mm", bound.value()) } else { "no bound".into() };
             format!(
@@ -426,13 +426,13 @@ fn one_face(
     control: &Control,
     deadline: &OnceLock<Instant>,
 ) -> Result<Built, Skipped> {
-    let missed = face.trim_bound;
+    let missed = face.trim_bound();
     if missed <= TRIM_SHARE * options.tolerance {
         return covered(index, face, options, control, deadline);
     }
-    face.trim_bound = 0.0;
+    face.set_trim_bound(0.0);
     let mut found = covered(index, face, options, control, deadline)?;
-    found.patchwork.faces.iter_mut().for_each(|f| f.trim_bound = missed);
+    found.patchwork.faces.iter_mut().for_each(|f| f.set_trim_bound(missed));
     found.certificate = certify::patchwork(&found.patchwork, options.tolerance, &Control::default());
     Ok(found)
 }
@@ -450,7 +450,7 @@ fn covered(
     let limit = options.max_panels.unwrap_or(usize::MAX);
     // What trimming missed and joining moved belongs to the distance from the file's faces: the rest is left for the
     // search.
-    let tolerance = options.tolerance - face.joint_bound - face.trim_bound;
+    let tolerance = options.tolerance - face.joint_bound() - face.trim_bound();
     let mut cover_options = CoverOptions {
         tolerance,
         max_panels: limit,

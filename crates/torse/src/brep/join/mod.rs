@@ -313,7 +313,7 @@ fn named(group: Group, faces: &[Face]) -> Face {
     face.trim_deviation_estimate = worst(&|f| f.trim_deviation_estimate);
     face.surface_deviation_estimate = worst(&|f| f.surface_deviation_estimate);
     // Joining begins with the polygons: what these miss of the file stays, edges go with the faces of the file.
-    face.trim_bound = worst(&|f| f.trim_bound);
+    face.set_trim_bound(worst(&|f| f.trim_bound()));
     face.boundary = None;
     face
 }

@@ -117,7 +117,10 @@ pub(super) fn joined(a: &Face, s: usize, b: &Face, t: usize, backwards: bool, op
     let surface = glued(&a.surface, &b.surface)?;
     let loops = merged(&a, &b)?;
     let bound = bound + ROUNDING * size;
-    Some(Face { surface, loops, joint_bound: (a.joint_bound + ROUNDING * size).max(b.joint_bound + bound), ..a })
+    let moved = (a.joint_bound() + ROUNDING * size).max(b.joint_bound() + bound);
+    let mut out = Face { surface, loops, ..a };
+    out.set_joint_bound(moved);
+    Some(out)
 }
 
 /// Knots under an increasing map.

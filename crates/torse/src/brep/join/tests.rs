@@ -83,7 +83,7 @@ fn quarters_of_a_bowl_become_the_bowl() {
     let whole = joined(faces.clone(), &options(0.5));
     assert_eq!(whole.len(), 1);
     let f = &whole[0];
-    assert!(f.joint_bound < 1e-9 && f.joint_bound > 0.0, "{}", f.joint_bound);
+    assert!(f.joint_bound() < 1e-9 && f.joint_bound() > 0.0, "{}", f.joint_bound());
     assert!(apart(&faces, &f.surface) < 1e-9);
     assert_eq!(f.parts.iter().map(|p| p.entity).collect::<Vec<_>>(), [10, 11, 12, 13]);
     assert_eq!((f.entity, f.name.as_str()), (10, "#10 + #11 + #12 + #13"));
@@ -147,9 +147,9 @@ fn gaps_are_closed_within_the_mismatch_and_counted() {
     assert_eq!(joined(faces.clone(), &options(0.5)).len(), 3, "the moved quarter stays apart, and its row with it");
     let whole = joined(faces.clone(), &JoinOptions { mismatch: 0.02, ..options(0.5) });
     assert_eq!(whole.len(), 1);
-    assert!(whole[0].joint_bound >= 0.01 && whole[0].joint_bound < 0.03, "{}", whole[0].joint_bound);
+    assert!(whole[0].joint_bound() >= 0.01 && whole[0].joint_bound() < 0.03, "{}", whole[0].joint_bound());
     let met = apart(&faces, &whole[0].surface);
-    assert!(met <= whole[0].joint_bound && met > 1e-3, "{met}");
+    assert!(met <= whole[0].joint_bound() && met > 1e-3, "{met}");
 }
 
 #[test]

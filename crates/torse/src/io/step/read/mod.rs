@@ -7,6 +7,7 @@
 mod curves;
 pub mod edges;
 mod extruded;
+mod items;
 pub mod own;
 mod product;
 mod records;
@@ -14,10 +15,11 @@ mod surfaces;
 mod token;
 mod topology;
 mod units;
+mod walk;
 
 use self::curves::Geometry;
-use self::product::{Census, Occurrence};
 use self::records::{Fault, Records};
+use self::walk::{Census, Occurrence};
 use crate::answer::outcome::Skipped;
 use crate::brep::face::Face;
 use crate::brep::trim;
@@ -249,7 +251,11 @@ fn placed(records: &Records, census: &Census, options: &ReadOptions, skipped: &m
     for o in &census.occurrences {
         match built.get(&key(o)) {
             Some(Ok(faces)) => {
-                let there = faces.iter().map(|f| Face { body: o.body, ..f.placed(&o.placement, &o.part) });
+                let there = faces.iter().map(|f| {
+                    let mut face = f.placed(&o.placement, &o.part);
+                    face.body = o.body;
+                    face
+                });
                 let before = out.len();
                 out.extend(there.filter(is_finite));
                 if out.len() < before + faces.len() {

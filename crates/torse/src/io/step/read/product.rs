@@ -3,75 +3,10 @@
 use super::curves::Geometry;
 use super::records::{as_reference, Args, Fault, Records};
 use super::token::Value;
-use super::topology::may_be_face;
-use super::units::{self, Units};
+use super::units;
+use super::walk::{Census, Child, Here, Walk, DEEPEST_ASSEMBLY, MOST_OCCURRENCES, MOST_STEPS};
 use crate::geom::placement::Placement;
 use std::collections::{HashMap, HashSet};
-
-/// One use of a face.
-#[derive(Clone, Debug)]
-pub(super) struct Occurrence {
-    /// Entity number of the face.
-    pub face: u64,
-    /// Whether a shell turns it round.
-    pub flipped: bool,
-    /// Index into [`Census::units`].
-    pub units: usize,
-    /// Name of the part.
-    pub part: String,
-    /// Where it goes.
-    pub placement: Placement,
-    /// Number of the body: a solid, or the sheets of one occurrence of a part.
-    pub body: u32,
-}
-
-/// All uses of faces, and what was found wanting on the way.
-#[derive(Debug, Default)]
-pub(super) struct Census {
-    /// In the order of the representations.
-    pub occurrences: Vec<Occurrence>,
-    /// Units of the contexts met.
-    pub units: Vec<Units>,
-    /// Items that could not be followed.
-    pub faults: Vec<Fault>,
-    /// Whether no shape representation leads to a face.
-    pub unplaced: bool,
-    /// Remarks on the file as a whole.
-    pub notes: Vec<String>,
-    /// Names of the products.
-    pub products: Vec<String>,
-}
-
-/// Levels of assemblies at most; a deeper nesting is a circle.
-const DEEPEST_ASSEMBLY: u32 = 64;
-/// Uses of faces at most; a short file can ask for exponentially many.
-const MOST_OCCURRENCES: usize = 200_000;
-/// Steps along the assembly tree at most, for the same reason.
-const MOST_STEPS: usize = 1_000_000;
-
-/// A child representation and how its coordinates become those of the parent.
-struct Child {
-    representation: u64,
-    placement: Placement,
-}
-
-struct Walk<'r, 'a> {
-    records: &'r Records<'a>,
-    /// Representations that share one space.
-    group: HashMap<u64, u64>,
-    members: HashMap<u64, Vec<u64>>,
-    children: HashMap<u64, Vec<Child>>,
-    part: HashMap<u64, String>,
-    units_of: HashMap<u64, usize>,
-    visited: HashSet<u64>,
-    /// Whether a face met again is another occurrence.
-    repeats_count: bool,
-    steps: usize,
-    /// Bodies met so far, and the one being walked.
-    bodies: u32,
-    body: u32,
-    out: Census,
-}
 
 /// Follows every representation of a file down to its faces.
 pub(super) fn census(records: &Records) -> Census {
@@ -139,7 +74,7 @@ impl<'r, 'a> Walk<'r, 'a> {
         Some(product_name(&product))
     }
 
-    fn is_drawing(&self, rep: u64) -> bool {
+    pub(super) fn is_drawing(&self, rep: u64) -> bool {
         self.records.get(rep).is_ok_and(|r| r.part("DRAUGHTING_MODEL").is_some())
     }
 
@@ -151,7 +86,7 @@ impl<'r, 'a> Walk<'r, 'a> {
         Some(Args { id: rep, values: &body.args })
     }
 
-    fn find(&self, rep: u64) -> u64 {
+    pub(super) fn find(&self, rep: u64) -> u64 {
         let mut r = rep;
         // Chains of groups are shortened by `join`; the bound is the number of representations.
         for _ in 0..=self.group.len() {
@@ -246,12 +181,12 @@ impl<'r, 'a> Walk<'r, 'a> {
         self.records.all(&["CONTEXT_DEPENDENT_SHAPE_REPRESENTATION"]).into_iter().filter_map(parent).collect()
     }
 
-    fn geometry<'s>(&'s self, units: usize) -> Geometry<'s, 'a> {
+    pub(super) fn geometry<'s>(&'s self, units: usize) -> Geometry<'s, 'a> {
         Geometry { records: self.records, units: &self.out.units[units] }
     }
 
     /// Units of a representation's context, by index.
-    fn units_index(&mut self, rep: u64) -> usize {
+    pub(super) fn units_index(&mut self, rep: u64) -> usize {
         let context = self.items(rep).and_then(|a| a.reference(2).ok()).unwrap_or(0);
         if let Some(&i) = self.units_of.get(&context) {
             return i;
@@ -290,7 +225,7 @@ impl<'r, 'a> Walk<'r, 'a> {
         }
     }
 
-    fn walk(&mut self, group: u64, placement: &Placement, part: &str, depth: u32) {
+    pub(super) fn walk(&mut self, group: u64, placement: &Placement, part: &str, depth: u32) {
         self.steps += 1;
         if depth > DEEPEST_ASSEMBLY || self.steps > MOST_STEPS || self.out.occurrences.len() > MOST_OCCURRENCES {
             if self.out.faults.last().is_none_or(|f| f.entity != group) {
@@ -312,7 +247,7 @@ impl<'r, 'a> Walk<'r, 'a> {
                 continue;
             };
             for item in items.references(1).unwrap_or_default() {
-                self.item(item, false, units, placement, &name, depth);
+                self.item(item, Here { flipped: false, units, placement, part: &name, depth });
             }
         }
         let children: Vec<(u64, Placement)> = self
@@ -326,191 +261,9 @@ impl<'r, 'a> Walk<'r, 'a> {
     }
 
     /// What follows belongs to a body of its own.
-    fn begin_body(&mut self) {
+    pub(super) fn begin_body(&mut self) {
         self.bodies += 1;
         self.body = self.bodies;
-    }
-
-    /// An item of a representation, a shell, or a member of one.
-    fn item(&mut self, id: u64, flipped: bool, units: usize, placement: &Placement, part: &str, depth: u32) {
-        self.steps += 1;
-        if depth > DEEPEST_ASSEMBLY || self.steps > MOST_STEPS || self.out.occurrences.len() > MOST_OCCURRENCES {
-            self.out.faults.push(Fault::new(id, format!("#{id} contains itself or too much")));
-            return;
-        }
-        if let Err(fault) = self.try_item(id, flipped, units, placement, part, depth) {
-            self.out.faults.push(fault);
-        }
-    }
-
-    fn try_item(
-        &mut self,
-        id: u64,
-        flipped: bool,
-        units: usize,
-        placement: &Placement,
-        part: &str,
-        depth: u32,
-    ) -> Result<(), Fault> {
-        let record = self.records.get(id)?;
-        let a = self.records.simple(id)?;
-        let all = |this: &mut Self, members: Vec<u64>, flip: bool| {
-            for m in members {
-                this.item(m, flip, units, placement, part, depth + 1);
-            }
-        };
-        match record.name() {
-            "ADVANCED_FACE" | "FACE_SURFACE" | "ORIENTED_FACE" | "FACE" | "SUBFACE" => {
-                if !self.visited.insert(id) && !self.repeats_count {
-                    return Ok(());
-                }
-                if record.name() == "ORIENTED_FACE" {
-                    self.visited.insert(a.reference(2)?);
-                }
-                self.out.occurrences.push(Occurrence {
-                    face: id,
-                    flipped,
-                    units,
-                    part: part.to_string(),
-                    placement: *placement,
-                    body: self.body,
-                });
-            }
-            "CLOSED_SHELL" | "OPEN_SHELL" | "CONNECTED_FACE_SET" | "CONNECTED_FACE_SUB_SET" => {
-                all(self, a.references(1)?, flipped);
-            }
-            "ORIENTED_CLOSED_SHELL" | "ORIENTED_OPEN_SHELL" => {
-                all(self, vec![a.reference(2)?], flipped == a.logical(3, true));
-            }
-            "SURFACED_OPEN_SHELL" => all(self, a.references(1)?, flipped),
-            "MANIFOLD_SOLID_BREP" | "FACETED_BREP" => {
-                // Complex instances hold the shell in the part of the solid.
-                let shell = match record.part("MANIFOLD_SOLID_BREP") {
-                    Some(p) => p.args.iter().find_map(as_reference),
-                    None => a.values.iter().find_map(as_reference),
-                };
-                let shell = shell.ok_or_else(|| Fault::new(id, format!("the solid #{id} names no shell")))?;
-                let outer = self.body;
-                self.begin_body();
-                all(self, vec![shell], flipped);
-                self.body = outer;
-            }
-            "BREP_WITH_VOIDS" => {
-                let mut shells: Vec<u64> = record
-                    .parts
-                    .iter()
-                    .filter(|p| p.name == "MANIFOLD_SOLID_BREP")
-                    .flat_map(|p| p.args.iter().filter_map(as_reference))
-                    .collect();
-                shells.extend(a.values.iter().filter_map(as_reference));
-                for (k, v) in a.values.iter().enumerate() {
-                    if matches!(v, Value::List(_)) {
-                        shells.extend(a.references(k)?);
-                    }
-                }
-                let outer = self.body;
-                self.begin_body();
-                all(self, shells, flipped);
-                self.body = outer;
-            }
-            "SHELL_BASED_SURFACE_MODEL"
-            | "FACE_BASED_SURFACE_MODEL"
-            | "GEOMETRIC_SET"
-            | "SHELL_BASED_WIREFRAME_MODEL" => {
-                all(self, a.references(1)?, flipped);
-            }
-            "MAPPED_ITEM" => self.mapped(&a, placement, part, depth)?,
-            "EXTRUDED_FACE_SOLID" => {
-                // Its base is one of the faces that it becomes.
-                self.visited.insert(a.reference(1)?);
-                let outer = self.body;
-                self.begin_body();
-                self.out.occurrences.push(Occurrence {
-                    face: id,
-                    flipped,
-                    units,
-                    part: part.to_string(),
-                    placement: *placement,
-                    body: self.body,
-                });
-                self.body = outer;
-            }
-            name if may_be_face(name) || record.part("B_SPLINE_SURFACE").is_some() => {
-                self.out.occurrences.push(Occurrence {
-                    face: id,
-                    flipped,
-                    units,
-                    part: part.to_string(),
-                    placement: *placement,
-                    body: self.body,
-                });
-            }
-            name => {
-                // Solids of other kinds hold faces that would be missed; points, curves, axes and annotations do not.
-                // Triangles beside the exact shape that they name are no loss; on their own they are the shape.
-                let mesh = matches!(name, "TESSELLATED_SOLID" | "TESSELLATED_SHELL")
-                    && a.values.last().and_then(as_reference).is_none();
-                let solid = (name.ends_with("_SOLID") && name != "TESSELLATED_SOLID")
-                    || name.starts_with("SOLID_")
-                    || name.starts_with("BOOLEAN")
-                    || name.starts_with("CSG")
-                    || matches!(name, "BLOCK" | "SPHERE" | "TORUS" | "RIGHT_CIRCULAR_CYLINDER" | "RIGHT_CIRCULAR_CONE");
-                if solid || mesh {
-                    return Err(Fault::new(id, format!("an item of kind {name} is not read")));
-                }
-            }
-        }
-        Ok(())
-    }
-
-    /// A copy of another representation.
-    fn mapped(&mut self, a: &Args<'r, 'a>, placement: &Placement, part: &str, depth: u32) -> Result<(), Fault> {
-        let map = self.records.args(a.reference(1)?, "REPRESENTATION_MAP")?;
-        let (origin, source) = (map.reference(0)?, map.reference(1)?);
-        if self.is_drawing(source) {
-            return Ok(());
-        }
-        let inner = self.units_index(source);
-        let from = self.geometry(inner).placement(origin)?;
-        let to = self.geometry(inner).placement(a.reference(2)?)?;
-        let back = from
-            .inverse()
-            .ok_or_else(|| Fault::new(a.id, format!("the origin of the mapping #{} cannot be inverted", a.id)))?;
-        self.walk(self.find(source), &placement.after(&to.after(&back)), part, depth + 1);
-        Ok(())
-    }
-
-    /// Faces that no representation leads to: used where there is nothing else, else named.
-    fn strays(&mut self) {
-        let faces = self.records.all(&["ADVANCED_FACE", "FACE_SURFACE"]);
-        let strays: Vec<u64> = faces.into_iter().filter(|f| !self.visited.contains(f)).collect();
-        if strays.is_empty() {
-            return;
-        }
-        if self.out.occurrences.is_empty() {
-            self.out.unplaced = true;
-            self.out.notes.push(format!(
-                "no shape representation leads to a face (is the file complete?); its {} faces are read without assembly placements",
-                strays.len()
-            ));
-            let context = self.records.all(&["GLOBAL_UNIT_ASSIGNED_CONTEXT"]).first().copied().unwrap_or(0);
-            let units = self.out.units.len();
-            self.out.units.push(units::of_context(self.records, context));
-            for face in strays {
-                self.out.occurrences.push(Occurrence {
-                    face,
-                    flipped: false,
-                    units,
-                    part: String::new(),
-                    placement: Placement::identity(),
-                    body: 0,
-                });
-            }
-        } else {
-            for face in strays {
-                self.out.faults.push(Fault::new(face, "no shape representation leads to this face"));
-            }
-        }
     }
 }
 

@@ -55,6 +55,14 @@ fn curve_unit(c: &SpaceCurve, units: &Units) -> f64 {
     }
 }
 
+/// Bounds nearer than this share of the period are one: printed angles of a full turn.
+const FULL_TURN: f64 = 1e-9;
+
+/// Whether a keyword is that of a B-spline surface or a part of one.
+fn is_spline(name: &str) -> bool {
+    name.contains("B_SPLINE_SURFACE") || name == "BEZIER_SURFACE" || name.ends_with("UNIFORM_SURFACE")
+}
+
 impl<'r, 'a> Geometry<'r, 'a> {
     /// The surface `#id`.
     pub fn surface(&self, id: u64, depth: u32) -> Result<Patch, Fault> {
@@ -63,7 +71,53 @@ impl<'r, 'a> Geometry<'r, 'a> {
         }
         let r = self.records.get(id)?;
         let a = self.records.simple(id)?;
+        match r.name() {
+            "PLANE"
+            | "CYLINDRICAL_SURFACE"
+            | "CONICAL_SURFACE"
+            | "SPHERICAL_SURFACE"
+            | "TOROIDAL_SURFACE"
+            | "DEGENERATE_TOROIDAL_SURFACE" => self.quadric_or_torus(id, r.name(), &a),
+            "SURFACE_OF_LINEAR_EXTRUSION" => {
+                let (directrix, along) = self.directrix(a.reference(1)?, depth)?;
+                let direction = self.vector(a.reference(2)?)?;
+                let carrier = Carrier::Extrusion { directrix, direction };
+                Ok(Patch { same_sense: along, ..Patch::exact(carrier, SurfaceKind::Extrusion) })
+            }
+            "SURFACE_OF_REVOLUTION" => {
+                let (directrix, along) = self.directrix(a.reference(1)?, depth)?;
+                let carrier = Carrier::Revolution { directrix, frame: self.frame(a.reference(2)?)? };
+                Ok(Patch { same_sense: along, ..Patch::exact(carrier, SurfaceKind::Revolution) })
+            }
+            "OFFSET_SURFACE" => {
+                let base = self.surface(a.reference(1)?, depth + 1)?;
+                let distance = a.number(2)? * self.units.length * if base.same_sense { 1.0 } else { -1.0 };
+                let (carrier, deviation) = offset::of_carrier(&base.carrier, distance)
+                    .map_err(|e| Fault::new(id, format!("offset surface #{id}: {e}")))?;
+                Ok(Patch { carrier, kind: SurfaceKind::Offset, deviation: base.deviation + deviation, ..base })
+            }
+            "RECTANGULAR_TRIMMED_SURFACE" => self.rectangle_of(self.surface(a.reference(1)?, depth + 1)?, &a),
+            "CURVE_BOUNDED_SURFACE" => self.surface(a.reference(1)?, depth + 1),
+            "ORIENTED_SURFACE" => Err(Fault::new(id, format!("the oriented surface #{id} is not read"))),
+            "SURFACE_REPLICA" => {
+                let mut base = self.surface(a.reference(1)?, depth + 1)?;
+                let placement = self.placement(a.reference(2)?)?;
+                base.carrier = moved(&base.carrier, &placement)
+                    .ok_or_else(|| Fault::new(id, format!("the replica #{id} of an analytic surface is not read")))?;
+                Ok(base)
+            }
+            _ if r.parts.iter().any(|p| is_spline(p.name)) => {
+                let s = self.spline_surface(id)?;
+                Ok(Patch::exact(Carrier::Spline(SplineCarrier::new(s)), SurfaceKind::Spline))
+            }
+            other => Err(Fault::new(id, format!("a surface of kind {other} is not read"))),
+        }
+    }
+
+    /// An elementary surface.
+    fn quadric_or_torus(&self, id: u64, name: &str, a: &Args) -> Result<Patch, Fault> {
         let length = self.units.length;
+        let frame = self.frame(a.reference(1)?)?;
         let positive = |k: usize, what: &str| -> Result<f64, Fault> {
             let x = a.number(k)?;
             if x > 0.0 {
@@ -72,11 +126,10 @@ impl<'r, 'a> Geometry<'r, 'a> {
                 Err(Fault::new(id, format!("surface #{id} has the {what} {x}; it must be positive")))
             }
         };
-        match r.name() {
-            "PLANE" => Ok(Patch::exact(Carrier::Plane(self.frame(a.reference(1)?)?), SurfaceKind::Plane)),
+        match name {
+            "PLANE" => Ok(Patch::exact(Carrier::Plane(frame), SurfaceKind::Plane)),
             "CYLINDRICAL_SURFACE" => {
-                let carrier = Carrier::Cylinder { frame: self.frame(a.reference(1)?)?, radius: positive(2, "radius")? };
-                Ok(Patch::exact(carrier, SurfaceKind::Cylinder))
+                Ok(Patch::exact(Carrier::Cylinder { frame, radius: positive(2, "radius")? }, SurfaceKind::Cylinder))
             }
             "CONICAL_SURFACE" => {
                 let radius = a.number(2)? * length;
@@ -87,85 +140,45 @@ impl<'r, 'a> Geometry<'r, 'a> {
                         format!("cone #{id} has the half angle {angle} rad and radius {radius} mm"),
                     ));
                 }
-                let carrier = Carrier::Cone { frame: self.frame(a.reference(1)?)?, radius, slope: angle.tan() };
-                Ok(Patch::exact(carrier, SurfaceKind::Cone))
+                Ok(Patch::exact(Carrier::Cone { frame, radius, slope: angle.tan() }, SurfaceKind::Cone))
             }
             "SPHERICAL_SURFACE" => {
-                let carrier = Carrier::Sphere { frame: self.frame(a.reference(1)?)?, radius: positive(2, "radius")? };
-                Ok(Patch::exact(carrier, SurfaceKind::Sphere))
+                Ok(Patch::exact(Carrier::Sphere { frame, radius: positive(2, "radius")? }, SurfaceKind::Sphere))
             }
-            "TOROIDAL_SURFACE" | "DEGENERATE_TOROIDAL_SURFACE" => {
-                let frame = self.frame(a.reference(1)?)?;
+            _ => {
                 let (major, minor) = (positive(2, "major radius")?, positive(3, "minor radius")?);
-                if r.name().starts_with("DEGENERATE") && major < minor && !a.logical(4, true) {
+                if name.starts_with("DEGENERATE") && major < minor && !a.logical(4, true) {
                     return Err(Fault::new(id, format!("the inner part of the self-crossing torus #{id} is not read")));
                 }
                 Ok(Patch::exact(Carrier::Torus { frame, major, minor }, SurfaceKind::Torus))
             }
-            "SURFACE_OF_LINEAR_EXTRUSION" => {
-                let (directrix, along) = self.directrix(a.reference(1)?, depth)?;
-                let direction = self.vector(a.reference(2)?)?;
-                let mut p = Patch::exact(Carrier::Extrusion { directrix, direction }, SurfaceKind::Extrusion);
-                p.same_sense = along;
-                Ok(p)
-            }
-            "SURFACE_OF_REVOLUTION" => {
-                let (directrix, along) = self.directrix(a.reference(1)?, depth)?;
-                let frame = self.frame(a.reference(2)?)?;
-                let mut p = Patch::exact(Carrier::Revolution { directrix, frame }, SurfaceKind::Revolution);
-                p.same_sense = along;
-                Ok(p)
-            }
-            "OFFSET_SURFACE" => {
-                let base = self.surface(a.reference(1)?, depth + 1)?;
-                let distance = a.number(2)? * length * if base.same_sense { 1.0 } else { -1.0 };
-                let (carrier, deviation) = offset::of_carrier(&base.carrier, distance)
-                    .map_err(|e| Fault::new(id, format!("offset surface #{id}: {e}")))?;
-                Ok(Patch { carrier, kind: SurfaceKind::Offset, deviation: base.deviation + deviation, ..base })
-            }
-            "RECTANGULAR_TRIMMED_SURFACE" => {
-                let mut base = self.surface(a.reference(1)?, depth + 1)?;
-                let unit = base.parameter_units(self.units);
-                let senses = [a.logical(6, true), a.logical(7, true)];
-                let periods = base.carrier.periods();
-                let mut rectangle = [(0.0, 0.0); 2];
-                for k in 0..2 {
-                    let (mut t1, mut t2) = (a.number(2 + 2 * k)? * unit[k], a.number(3 + 2 * k)? * unit[k]);
-                    if !senses[k] {
-                        std::mem::swap(&mut t1, &mut t2);
-                    }
-                    match periods[k] {
-                        Some(p) => {
-                            let way = (t2 - t1).rem_euclid(p);
-                            t2 = t1 + if way <= 1e-9 * p { p } else { way };
-                        }
-                        None if t2 < t1 => std::mem::swap(&mut t1, &mut t2),
-                        None => {}
-                    }
-                    rectangle[k] = (t1, t2);
-                }
-                base.same_sense = base.same_sense == (senses[0] == senses[1]);
-                base.rectangle = Some(rectangle);
-                Ok(base)
-            }
-            "CURVE_BOUNDED_SURFACE" => self.surface(a.reference(1)?, depth + 1),
-            "ORIENTED_SURFACE" => Err(Fault::new(id, format!("the oriented surface #{id} is not read"))),
-            "SURFACE_REPLICA" => {
-                let mut base = self.surface(a.reference(1)?, depth + 1)?;
-                let placement = self.placement(a.reference(2)?)?;
-                base.carrier = moved(&base.carrier, &placement)
-                    .ok_or_else(|| Fault::new(id, format!("the replica #{id} of an analytic surface is not read")))?;
-                Ok(base)
-            }
-            _ if r.parts.iter().any(|p| {
-                p.name.contains("B_SPLINE_SURFACE") || p.name == "BEZIER_SURFACE" || p.name.ends_with("UNIFORM_SURFACE")
-            }) =>
-            {
-                let s = self.spline_surface(id)?;
-                Ok(Patch::exact(Carrier::Spline(SplineCarrier::new(s)), SurfaceKind::Spline))
-            }
-            other => Err(Fault::new(id, format!("a surface of kind {other} is not read"))),
         }
+    }
+
+    /// A surface bounded by the parameter lines that the arguments of a `RECTANGULAR_TRIMMED_SURFACE` state.
+    fn rectangle_of(&self, mut base: Patch, a: &Args) -> Result<Patch, Fault> {
+        let unit = base.parameter_units(self.units);
+        let senses = [a.logical(6, true), a.logical(7, true)];
+        let periods = base.carrier.periods();
+        let mut rectangle = [(0.0, 0.0); 2];
+        for k in 0..2 {
+            let (mut t1, mut t2) = (a.number(2 + 2 * k)? * unit[k], a.number(3 + 2 * k)? * unit[k]);
+            if !senses[k] {
+                std::mem::swap(&mut t1, &mut t2);
+            }
+            match periods[k] {
+                Some(p) => {
+                    let way = (t2 - t1).rem_euclid(p);
+                    t2 = t1 + if way <= FULL_TURN * p { p } else { way };
+                }
+                None if t2 < t1 => std::mem::swap(&mut t1, &mut t2),
+                None => {}
+            }
+            rectangle[k] = (t1, t2);
+        }
+        base.same_sense = base.same_sense == (senses[0] == senses[1]);
+        base.rectangle = Some(rectangle);
+        Ok(base)
     }
 
     /// The curve that a swept surface is made from; `false` if it is run backwards.

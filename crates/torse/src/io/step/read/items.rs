@@ -1,0 +1,191 @@
+//! What the items of a representation hold: shells, solids, sets of surfaces, and copies of other representations.
+
+use super::records::{as_reference, Args, Fault, Record};
+use super::token::Value;
+use super::topology::may_be_face;
+use super::units;
+use super::walk::{Here, Occurrence, Walk, DEEPEST_ASSEMBLY, MOST_OCCURRENCES, MOST_STEPS};
+use crate::geom::placement::Placement;
+
+impl<'r, 'a> Walk<'r, 'a> {
+    /// An item of a representation, a shell, or a member of one.
+    pub(super) fn item(&mut self, id: u64, here: Here) {
+        self.steps += 1;
+        let full = self.steps > MOST_STEPS || self.out.occurrences.len() > MOST_OCCURRENCES;
+        if here.depth > DEEPEST_ASSEMBLY || full {
+            self.out.faults.push(Fault::new(id, format!("#{id} contains itself or too much")));
+            return;
+        }
+        if let Err(fault) = self.try_item(id, here) {
+            self.out.faults.push(fault);
+        }
+    }
+
+    fn try_item(&mut self, id: u64, here: Here) -> Result<(), Fault> {
+        let record = self.records.get(id)?;
+        let a = self.records.simple(id)?;
+        match record.name() {
+            "ADVANCED_FACE" | "FACE_SURFACE" | "ORIENTED_FACE" | "FACE" | "SUBFACE" => self.face(id, &a, here),
+            "CLOSED_SHELL"
+            | "OPEN_SHELL"
+            | "CONNECTED_FACE_SET"
+            | "CONNECTED_FACE_SUB_SET"
+            | "SURFACED_OPEN_SHELL"
+            | "SHELL_BASED_SURFACE_MODEL"
+            | "FACE_BASED_SURFACE_MODEL"
+            | "GEOMETRIC_SET"
+            | "SHELL_BASED_WIREFRAME_MODEL" => {
+                self.members(a.references(1)?, here);
+                Ok(())
+            }
+            "ORIENTED_CLOSED_SHELL" | "ORIENTED_OPEN_SHELL" => {
+                let flipped = here.flipped == a.logical(3, true);
+                self.members(vec![a.reference(2)?], Here { flipped, ..here });
+                Ok(())
+            }
+            // Written in parts, a solid ends with another keyword.
+            name if is_solid(name) || record.parts.iter().any(|p| is_solid(p.name)) => {
+                let shells = shells(id, record, &a)?;
+                self.in_own_body(|w| w.members(shells, here));
+                Ok(())
+            }
+            "MAPPED_ITEM" => self.mapped(&a, here),
+            "EXTRUDED_FACE_SOLID" => {
+                // Its base is one of the faces that it becomes.
+                self.visited.insert(a.reference(1)?);
+                self.in_own_body(|w| w.occurs(id, here));
+                Ok(())
+            }
+            name if may_be_face(name) || record.part("B_SPLINE_SURFACE").is_some() => {
+                self.visited.insert(id);
+                self.occurs(id, here);
+                Ok(())
+            }
+            name if self.is_loss(name, &a) => Err(Fault::new(id, format!("an item of kind {name} is not read"))),
+            _ => Ok(()),
+        }
+    }
+
+    /// One use of a face, or of what becomes faces.
+    pub(super) fn occurs(&mut self, face: u64, here: Here) {
+        let Here { flipped, units, placement, part, .. } = here;
+        let (part, placement, body) = (part.to_string(), *placement, self.body);
+        self.out.occurrences.push(Occurrence { face, flipped, units, part, placement, body });
+    }
+
+    /// A face of topology.
+    fn face(&mut self, id: u64, a: &Args, here: Here) -> Result<(), Fault> {
+        if !self.visited.insert(id) && !self.repeats_count {
+            return Ok(());
+        }
+        if self.records.name(id) == "ORIENTED_FACE" {
+            self.visited.insert(a.reference(2)?);
+        }
+        self.occurs(id, here);
+        Ok(())
+    }
+
+    /// Members of a shell, a solid or a set.
+    fn members(&mut self, members: Vec<u64>, here: Here) {
+        for m in members {
+            self.item(m, Here { depth: here.depth + 1, ..here });
+        }
+    }
+
+    /// Does something in a body of its own.
+    fn in_own_body(&mut self, walk: impl FnOnce(&mut Self)) {
+        let outer = self.body;
+        self.begin_body();
+        walk(self);
+        self.body = outer;
+    }
+
+    /// A copy of another representation.
+    fn mapped(&mut self, a: &Args<'r, 'a>, here: Here) -> Result<(), Fault> {
+        let map = self.records.args(a.reference(1)?, "REPRESENTATION_MAP")?;
+        let (origin, source) = (map.reference(0)?, map.reference(1)?);
+        if self.is_drawing(source) {
+            return Ok(());
+        }
+        let inner = self.units_index(source);
+        let from = self.geometry(inner).placement(origin)?;
+        let to = self.geometry(inner).placement(a.reference(2)?)?;
+        let back = from
+            .inverse()
+            .ok_or_else(|| Fault::new(a.id, format!("the origin of the mapping #{} cannot be inverted", a.id)))?;
+        self.walk(self.find(source), &here.placement.after(&to.after(&back)), here.part, here.depth + 1);
+        Ok(())
+    }
+
+    /// Whether an item that is not read is a loss. Solids of other kinds hold faces that would be missed; points, curves,
+    /// axes and annotations do not. Triangles beside the exact shape that they name are no loss; on their own they are
+    /// the shape.
+    fn is_loss(&self, name: &str, a: &Args) -> bool {
+        match name {
+            "TESSELLATED_SOLID" | "TESSELLATED_SHELL" => {
+                let beside = a.values.last().and_then(as_reference).is_some();
+                let faces = a.references(1).unwrap_or_default();
+                !beside && !(!faces.is_empty() && faces.iter().all(|f| self.shows_a_face(*f)))
+            }
+            "BLOCK" | "SPHERE" | "TORUS" | "RIGHT_CIRCULAR_CYLINDER" | "RIGHT_CIRCULAR_CONE" => true,
+            _ => {
+                let starts = ["SOLID_", "BOOLEAN", "CSG"].iter().any(|s| name.starts_with(s));
+                starts || name.ends_with("_SOLID")
+            }
+        }
+    }
+
+    /// Whether a face of triangles names the exact face that it shows.
+    fn shows_a_face(&self, id: u64) -> bool {
+        let Ok(record) = self.records.get(id) else { return false };
+        let mut named = record.parts.iter().flat_map(|p| &p.args).filter_map(as_reference);
+        named.any(|r| matches!(self.records.name(r), "ADVANCED_FACE" | "FACE_SURFACE" | "ORIENTED_FACE"))
+    }
+
+    /// Faces that no representation leads to: used where there is nothing else, else named.
+    pub(super) fn strays(&mut self) {
+        let faces = self.records.all(&["ADVANCED_FACE", "FACE_SURFACE", "CURVE_BOUNDED_SURFACE"]);
+        let strays: Vec<u64> = faces.into_iter().filter(|f| !self.visited.contains(f)).collect();
+        if strays.is_empty() {
+            return;
+        }
+        if !self.out.occurrences.is_empty() {
+            let fault = |face| Fault::new(face, "no shape representation leads to this face");
+            self.out.faults.extend(strays.into_iter().map(fault));
+            return;
+        }
+        self.out.unplaced = true;
+        self.out.notes.push(format!(
+            "no shape representation leads to a face (is the file complete?); its {} faces are read without assembly placements",
+            strays.len()
+        ));
+        let context = self.records.all(&["GLOBAL_UNIT_ASSIGNED_CONTEXT"]).first().copied().unwrap_or(0);
+        let units = self.out.units.len();
+        self.out.units.push(units::of_context(self.records, context));
+        self.body = 0;
+        let placement = Placement::identity();
+        for face in strays {
+            self.occurs(face, Here { flipped: false, units, placement: &placement, part: "", depth: 0 });
+        }
+    }
+}
+
+/// The shells of a solid, the outer one first. Complex instances hold it in the part of the solid.
+fn shells(id: u64, record: &Record, a: &Args) -> Result<Vec<u64>, Fault> {
+    let outer = match record.part("MANIFOLD_SOLID_BREP") {
+        Some(p) => p.args.iter().find_map(as_reference),
+        None => a.values.iter().find_map(as_reference),
+    };
+    let mut shells = vec![outer.ok_or_else(|| Fault::new(id, format!("the solid #{id} names no shell")))?];
+    let voids = record.part("BREP_WITH_VOIDS").into_iter().flat_map(|p| &p.args);
+    for v in voids {
+        if let Value::List(l) = v {
+            shells.extend(l.iter().filter_map(as_reference));
+        }
+    }
+    Ok(shells)
+}
+
+fn is_solid(name: &str) -> bool {
+    matches!(name, "MANIFOLD_SOLID_BREP" | "FACETED_BREP" | "BREP_WITH_VOIDS")
+}
