@@ -168,7 +168,7 @@ fn lofted() -> torse::answer::sheets::Sheets {
     use torse::pipeline::loft::{loft, Options};
     let rail = |name: &str, bytes: &[u8]| {
         let options = CurveOptions { name: name.into(), select: String::new(), unit: None, polyline: false };
-        curve(bytes, &options).expect("a rail")
+        curve(bytes, &options).expect("a rail").0
     };
     let a = rail("square", include_bytes!("../../../data/duct_square.dxf"));
     let b = rail("round", include_bytes!("../../../data/duct_round.dxf"));
