@@ -19,6 +19,10 @@ pub fn run(arguments: &Info) -> Result<bool, Failure> {
     Ok(true)
 }
 
+/// Share of the size of a face above which the distance of its trim from the file's edges is told; chords keep to a tenth
+/// of this.
+const TRIM_NOTED: f64 = 1e-4;
+
 /// The whole answer.
 fn report(name: &str, model: &wiring::Model, faces: &[FaceInfo]) -> String {
     let mut text = String::new();
@@ -48,6 +52,13 @@ fn report(name: &str, model: &wiring::Model, faces: &[FaceInfo]) -> String {
         let _ = writeln!(text, "  area      {} mm²", number(info.area_estimate));
         if info.holes > 0 {
             let _ = writeln!(text, "  holes     {}", info.holes);
+        }
+        if face.trim_deviation_estimate > TRIM_NOTED * info.bbox_estimate.diagonal() {
+            let far = number(face.trim_deviation_estimate);
+            let _ = writeln!(
+                text,
+                "  trim      up to about {far} mm from the file's edges, which miss each other or the surface"
+            );
         }
         let _ = writeln!(
             text,

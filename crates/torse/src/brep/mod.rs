@@ -8,6 +8,7 @@ pub mod face;
 pub mod join;
 pub mod offset;
 pub mod project;
+pub mod recast;
 pub mod rulings;
 pub mod space_curve;
 pub mod support_surface;

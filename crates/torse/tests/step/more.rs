@@ -3,6 +3,8 @@
 
 use crate::text::{Step, Unit};
 use torse::brep::area::area_estimate;
+use torse::brep::face::Face;
+use torse::certify::trims::trim_proof;
 use torse::geom::Vec3;
 use torse::io::step::read::{read, Model};
 
@@ -111,4 +113,152 @@ fn what_accompanies_shapes_is_no_loss() {
     s.add(&format!("SHAPE_REPRESENTATION('',(#{view}),#1)"));
     s.add(&format!("DIMENSIONAL_CHARACTERISTIC_REPRESENTATION(#{face},#{view})"));
     assert_eq!(model(&s).faces.len(), 1);
+}
+
+const SQUARE: [[f64; 3]; 4] = [[0., 0., 0.], [10., 0., 0.], [10., 8., 0.], [0., 8., 0.]];
+
+/// The square on its plane with another curve for its first side.
+fn square_with(side: impl Fn(&mut Step) -> u64) -> Step {
+    let mut s = Step::new(Unit::Millimetre);
+    let curve = side(&mut s);
+    let l = s.curve_and_polygon(curve, &SQUARE);
+    let plane = s.plane([0., 0., 0.], [0., 0., 1.]);
+    s.face("", plane, &[(l, true)], true);
+    s
+}
+
+/// Area, and proven distance between the trim and the file's edges.
+fn measured(f: &Face) -> (f64, f64) {
+    (area_estimate(f), trim_proof(f, 1e-3).bound().value())
+}
+
+#[test]
+fn vertices_close_what_curves_leave_open() {
+    // The line of the first side runs 0.5 mm beside its vertices, 4 % of the extent.
+    let s = square_with(|s| s.line([0., -0.5, 0.], [10., -0.5, 0.]));
+    let m = model(&s);
+    let (area, bound) = measured(&m.faces[0]);
+    assert!((area - 85.0).abs() < 1e-9, "{area}");
+    assert!((0.5..0.51).contains(&bound), "the gap is part of the bound: {bound}");
+    assert!((m.faces[0].trim_deviation_estimate - 0.5).abs() < 1e-9);
+    // Four millimetres are no edge of this square.
+    let s = square_with(|s| s.line([0., -4.0, 0.], [10., -4.0, 0.]));
+    let e = read(s.text().as_bytes()).expect_err("an open boundary");
+    assert!(e.to_string().contains("open"), "{e}");
+}
+
+#[test]
+fn edges_leave_their_surface_between_vertices_on_it() {
+    // An arc from vertex to vertex that stands up from the plane by a millimetre, 8 % of the extent.
+    let arc = |rise: f64| {
+        move |s: &mut Step| {
+            let r = (25.0 + rise * rise) / (2.0 * rise);
+            s.circle([5., 0., rise - r], [0., 1., 0.], r)
+        }
+    };
+    let m = model(&square_with(arc(1.0)));
+    let (area, bound) = measured(&m.faces[0]);
+    assert!((area - 80.0).abs() < 1e-6, "{area}");
+    assert!((1.0..1.2).contains(&bound), "the distance is part of the bound: {bound}");
+    let e = read(square_with(arc(4.0)).text().as_bytes()).expect_err("another surface's edge");
+    assert!(e.to_string().contains("away from the surface"), "{e}");
+}
+
+#[test]
+fn the_files_uncertainty_closes_gaps() {
+    let mut s = Step::new(Unit::Millimetre);
+    let plane = s.plane([0., 0., 0.], [0., 0., 1.]);
+    // Chains without vertices; the last side ends 0.4 mm short, 3 % of the extent.
+    let ends = [[0., 0., 0.], [10., 0., 0.], [10., 8., 0.], [0., 8., 0.], [0., 0.4, 0.]];
+    let segments: Vec<String> = (0..4)
+        .map(|i| {
+            let (p, q) = (s.point(ends[i]), s.point(ends[i + 1]));
+            let side = s.add(&format!("POLYLINE('',(#{p},#{q}))"));
+            format!("#{}", s.add(&format!("COMPOSITE_CURVE_SEGMENT(.CONTINUOUS.,.T.,#{side})")))
+        })
+        .collect();
+    let boundary = s.add(&format!("OUTER_BOUNDARY_CURVE('',({}),.F.)", segments.join(",")));
+    let face = s.add(&format!("CURVE_BOUNDED_SURFACE('',#{plane},(#{boundary}),.F.)"));
+    s.geometric_set(&[face]);
+    let stated = |mm: f64| {
+        let unit = "#900000=(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.MILLI.,.METRE.));";
+        let record = format!("#900001=UNCERTAINTY_MEASURE_WITH_UNIT(LENGTH_MEASURE({mm:?}),#900000,'','');");
+        let text = s.text().replacen("DATA;", &format!("DATA;{unit}{record}"), 1);
+        let assigned = "GLOBAL_UNCERTAINTY_ASSIGNED_CONTEXT((#900001))GLOBAL_UNIT_ASSIGNED_CONTEXT";
+        read(text.replace("GLOBAL_UNIT_ASSIGNED_CONTEXT", assigned).as_bytes())
+    };
+    let (area, bound) = measured(&stated(0.5).expect("a model").faces[0]);
+    assert!((area - 80.0).abs() < 1e-9 && (0.4..0.41).contains(&bound), "{area} {bound}");
+    let e = stated(0.001).expect_err("an open boundary").to_string();
+    // The edges that do not meet are named by numbers of the file.
+    let named = [segments[3].as_str(), segments[0].as_str()];
+    assert!(named.iter().all(|n| e.contains(&format!("{n} "))), "{e}");
+}
+
+#[test]
+fn edges_in_the_parameter_plane_only_are_read_and_not_certified() {
+    let mut s = Step::new(Unit::Millimetre);
+    let plane = s.plane([0., 0., 0.], [0., 0., 1.]);
+    let p = s.add("CARTESIAN_POINT('',(0.,0.))");
+    let d = s.add("DIRECTION('',(1.,0.))");
+    let v = s.add(&format!("VECTOR('',#{d},10.)"));
+    let line = s.add(&format!("LINE('',#{p},#{v})"));
+    let part = s.add(&format!("TRIMMED_CURVE('',#{line},(PARAMETER_VALUE(0.)),(PARAMETER_VALUE(1.)),.T.,.PARAMETER.)"));
+    let flat = s.add(&format!("DEFINITIONAL_REPRESENTATION('',(#{part}),#1)"));
+    let pcurve = s.add(&format!("PCURVE('',#{plane},#{flat})"));
+    let l = s.curve_and_polygon(pcurve, &SQUARE);
+    s.face("", plane, &[(l, true)], true);
+    let m = model(&s);
+    let (area, bound) = measured(&m.faces[0]);
+    assert!((area - 80.0).abs() < 1e-6, "{area}");
+    assert!(bound.is_infinite(), "nothing is known of such edges: {bound}");
+}
+
+#[test]
+fn offsets_of_sweeps_that_are_cylinders() {
+    let mut s = Step::new(Unit::Millimetre);
+    let line = s.line([2., 0., 0.], [2., 0., 1.]);
+    let axis = s.axis1([0., 0., 0.], [0., 0., 1.]);
+    let turned = s.add(&format!("SURFACE_OF_REVOLUTION('',#{line},#{axis})"));
+    let surface = s.add(&format!("OFFSET_SURFACE('',#{turned},1.,.F.)"));
+    let (low, high) =
+        (s.circle_loop([0., 0., 0.], [0., 0., 1.], 3., true), s.circle_loop([0., 0., 5.], [0., 0., 1.], 3., false));
+    s.face("", surface, &[(low, true), (high, true)], true);
+    let m = model(&s);
+    let area = area_estimate(&m.faces[0]);
+    assert!((area / (30.0 * std::f64::consts::PI) - 1.0).abs() < 1e-4, "{area}");
+}
+
+#[test]
+fn bounded_surfaces_are_named_or_read() {
+    let mut s = Step::new(Unit::Millimetre);
+    let plane = s.plane([0., 0., 0.], [0., 0., 1.]);
+    let circle = s.circle([0., 0., 0.], [0., 0., 1.], 2.);
+    let disc = s.add(&format!("CURVE_BOUNDED_SURFACE('',#{plane},(#{circle}),.F.)"));
+    let stray = s.add(&format!("CURVE_BOUNDED_SURFACE('',#{plane},(#{circle}),.F.)"));
+    s.geometric_set(&[disc]);
+    let m = read(s.text().as_bytes()).expect("a model");
+    assert!((area_estimate(&m.faces[0]) / (4.0 * std::f64::consts::PI) - 1.0).abs() < 1e-4);
+    assert_eq!((m.faces.len(), m.skipped.len(), m.skipped[0].entity), (1, 1, stray));
+}
+
+#[test]
+fn solids_in_parts_and_triangles_that_show_faces() {
+    let mut s = Step::new(Unit::Millimetre);
+    let l = s.polygon(&SQUARE);
+    let plane = s.plane([0., 0., 0.], [0., 0., 1.]);
+    let bound = s.add(&format!("FACE_OUTER_BOUND('',#{l},.T.)"));
+    let face = s.add(&format!("ADVANCED_FACE('',(#{bound}),#{plane},.T.)"));
+    let shell = s.add(&format!("CLOSED_SHELL('',(#{face}))"));
+    let solid = s.add(&format!(
+        "(FACETED_BREP()GEOMETRIC_REPRESENTATION_ITEM()MANIFOLD_SOLID_BREP(#{shell})REPRESENTATION_ITEM('')SOLID_MODEL())"
+    ));
+    let linked = s.add(&format!("TRIANGULATED_FACE('',$,3,(),#{face},(),())"));
+    let shown = s.add(&format!("TESSELLATED_SOLID('',(#{linked}),$)"));
+    let lone = s.add("TRIANGULATED_FACE('',$,3,(),$,(),())");
+    let mesh = s.add(&format!("TESSELLATED_SOLID('',(#{lone}),$)"));
+    s.geometric_set(&[solid, shown, mesh]);
+    let m = read(s.text().as_bytes()).expect("a model");
+    assert_eq!(m.faces.len(), 1);
+    assert_eq!(m.skipped.iter().map(|f| f.entity).collect::<Vec<_>>(), [mesh]);
 }

@@ -39,6 +39,8 @@ pub struct RawFace {
     pub region: Region,
     /// Distance (mm) between the file's surface and `carrier`.
     pub surface_deviation_estimate: f64,
+    /// Distance (mm) below which the file calls points the same; 0 if it does not say.
+    pub uncertainty: f64,
 }
 
 /// Which part of a carrier belongs to a face.
@@ -70,6 +72,8 @@ pub struct RawEdge {
     pub forward: bool,
     /// The pieces of its curve in the direction of the loop.
     pub path: Vec<Arc>,
+    /// Where the file's vertices put its ends, in the direction of the loop; `None` if it has none.
+    pub vertices: Option<[Vec3; 2]>,
     /// The same curve in the parameter plane of the carrier, if the file gives it and the path is one piece. It is
     /// used where it proves to agree with the curve in space.
     pub trace: Option<PlaneTrace>,
@@ -99,6 +103,7 @@ impl RawEdge {
             entity: self.entity,
             forward: !self.forward,
             path: self.path.iter().rev().map(Arc::reversed).collect(),
+            vertices: self.vertices.map(|[p, q]| [q, p]),
             trace: self.trace.clone(),
         }
     }
@@ -163,6 +168,9 @@ pub const CHORD_SHARE: f64 = 1e-5;
 const GAP_SHARE: f64 = 2e-2;
 /// Edges farther from the surface than this share of the boundary's extent do not belong to it.
 const OFF_SURFACE_SHARE: f64 = 5e-2;
+/// Where vertices of the file, or the uncertainty that it states, say that edges meet or lie on their surface, this share
+/// of the boundary's extent is allowed instead. What is moved is part of the bound of the trim.
+const LOOSEST_SHARE: f64 = 0.2;
 /// Margin around the loops on carriers without bounds of their own, as a share of the loops' extent.
 const MARGIN: f64 = 0.02;
 
@@ -308,8 +316,9 @@ fn bounded(raw: &RawFace, loops: &[RawLoop], size: f64, tolerance: f64) -> Resul
     let mut chains = Vec::new();
     let mut edges: Vec<Vec<FileEdge>> = Vec::new();
     let mut label = 0;
+    let ground = pcurve::Ground::new(carrier, size, raw.uncertainty);
     for l in loops {
-        match pcurve::trace(carrier, l, size, &mut label)? {
+        match pcurve::trace(&ground, l, &mut label)? {
             Some(chain) => {
                 edges.push(chain.edges.clone());
                 chains.push(chain);

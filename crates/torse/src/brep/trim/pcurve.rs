@@ -1,7 +1,7 @@
 //! Boundary curves traced on a surface: feet of samples, unwrapped over periods, held together at poles; then chords.
 
 use super::polygon::{Polygon, Side};
-use super::{PlaneTrace, RawLoop, TrimError, GAP_SHARE, OFF_SURFACE_SHARE};
+use super::{PlaneTrace, RawLoop, TrimError, GAP_SHARE, LOOSEST_SHARE, OFF_SURFACE_SHARE};
 use crate::brep::face::{FileEdge, FilePiece};
 use crate::brep::space_curve::{Arc, ParameterMap, SpaceCurve};
 use crate::brep::support_surface::{Carrier, Pole};
@@ -13,6 +13,8 @@ use crate::spline::curve::Curve;
 pub(super) const POINT_SHARE: f64 = 1e-7;
 /// Gaps between consecutive edges up to this share of the extent are closed by moving both ends to the middle.
 const WELD_SHARE: f64 = 1e-4;
+/// Ends nearer to the surface than this share of the extent lie on it, though the edge between them leaves it.
+const ENDS_SHARE: f64 = 1e-3;
 /// Chords of one face at most.
 const MOST_CHORDS: usize = 200_000;
 /// Halvings of one sample interval at most: 2⁻¹⁴ of an edge is finer than any honest curve needs.
@@ -28,6 +30,8 @@ pub(super) struct Strand {
     /// Number of the piece of the edge that it is.
     piece: usize,
     arc: Arc,
+    /// Where the file's vertices put the ends, if it begins or ends its edge.
+    vertices: [Option<Vec3>; 2],
     trace: Option<PlaneTrace>,
     ts: Vec<f64>,
     /// Samples.
@@ -55,7 +59,7 @@ pub(super) struct Chain {
 pub(super) struct Chords {
     /// Their polygon; a winding one closes over the period.
     pub polygon: Polygon,
-    /// Largest distance between curve and chord at the samples, mm.
+    /// Largest distance between curve and chord at the samples, and widest gap that was closed, mm.
     pub deviation: f64,
 }
 
@@ -75,6 +79,44 @@ impl Chain {
     }
 }
 
+/// The surface that loops are traced on, and how far from it and from each other edges may be.
+pub(super) struct Ground<'a> {
+    carrier: &'a Carrier,
+    periods: [Option<f64>; 2],
+    poles: Vec<Pole>,
+    /// Extent of the boundary, mm.
+    size: f64,
+    /// Distance below which the file calls points the same, at most [`LOOSEST_SHARE`] of the extent. mm.
+    uncertainty: f64,
+}
+
+impl<'a> Ground<'a> {
+    /// The ground of a face whose boundary has the extent `size` (mm).
+    pub fn new(carrier: &'a Carrier, size: f64, uncertainty: f64) -> Self {
+        let uncertainty = uncertainty.min(LOOSEST_SHARE * size);
+        Self { carrier, periods: carrier.periods(), poles: carrier.poles(), size, uncertainty }
+    }
+
+    /// The widest gap between two edges that is closed: more where their vertices are one point.
+    fn widest_gap(&self, before: Option<Vec3>, after: Option<Vec3>) -> f64 {
+        let same = (WELD_SHARE * self.size).max(self.uncertainty);
+        match before.zip(after) {
+            Some((p, q)) if (p - q).norm() <= same => LOOSEST_SHARE * self.size,
+            _ => (GAP_SHARE * self.size).max(self.uncertainty),
+        }
+    }
+
+    /// The largest distance from the surface at which an edge still belongs to it: more where its ends lie on it.
+    fn farthest(&self, ends: [f64; 2]) -> f64 {
+        let on = (ENDS_SHARE * self.size).max(self.uncertainty);
+        if ends.iter().all(|d| *d <= on) {
+            LOOSEST_SHARE * self.size
+        } else {
+            (OFF_SURFACE_SHARE * self.size).max(self.uncertainty)
+        }
+    }
+}
+
 /// The lift of `x` nearest to `near`.
 fn lifted(x: f64, near: f64, period: Option<f64>) -> f64 {
     match period {
@@ -84,15 +126,17 @@ fn lifted(x: f64, near: f64, period: Option<f64>) -> f64 {
 }
 
 /// Traces a loop; nothing if it is shorter than a point. `label` counts the edges of the face.
-pub(super) fn trace(carrier: &Carrier, l: &RawLoop, size: f64, label: &mut u32) -> Result<Option<Chain>, TrimError> {
-    let (periods, poles) = (carrier.periods(), carrier.poles());
+pub(super) fn trace(ground: &Ground, l: &RawLoop, label: &mut u32) -> Result<Option<Chain>, TrimError> {
+    let periods = ground.periods;
     let mut strands: Vec<Strand> = Vec::new();
     let mut edges = Vec::new();
     for e in &l.edges {
         for (piece, arc) in e.path.iter().enumerate() {
             let trace = e.trace.as_ref().filter(|_| e.path.len() == 1);
-            let found = follow(carrier, arc, trace, (e.entity, *label), &periods, &poles, size)?;
-            strands.extend(found.map(|s| Strand { piece, ..s }));
+            let found = follow(ground, arc, trace, (e.entity, *label))?;
+            let first = e.vertices.map(|v| v[0]).filter(|_| piece == 0);
+            let last = e.vertices.map(|v| v[1]).filter(|_| piece + 1 == e.path.len());
+            strands.extend(found.map(|s| Strand { piece, vertices: [first, last], ..s }));
         }
         edges.push(FileEdge { entity: e.entity, label: *label, pieces: pieces_of(&e.path) });
         *label += 1;
@@ -107,7 +151,7 @@ pub(super) fn trace(carrier: &Carrier, l: &RawLoop, size: f64, label: &mut u32) 
     for i in 0..n {
         let (before, after) = (strands[i].edge, strands[(i + 1) % n].edge);
         let gap = (strands[i].arc.ends().1 - strands[(i + 1) % n].arc.ends().0).norm();
-        if gap > GAP_SHARE * size {
+        if gap > ground.widest_gap(strands[i].vertices[1], strands[(i + 1) % n].vertices[0]) {
             return Err(TrimError::Gap { before, after, gap });
         }
         let next = &strands[(i + 1) % n];
@@ -200,14 +244,13 @@ fn pieces_of(path: &[Arc]) -> Option<Vec<FilePiece>> {
 
 /// Samples one arc. `None` if it is a point.
 fn follow(
-    carrier: &Carrier,
+    ground: &Ground,
     arc: &Arc,
     trace: Option<&PlaneTrace>,
     (edge, label): (u64, u32),
-    periods: &[Option<f64>; 2],
-    poles: &[Pole],
-    size: f64,
 ) -> Result<Option<Strand>, TrimError> {
+    let Ground { carrier, periods, poles, size, .. } = ground;
+    let (carrier, size) = (*carrier, *size);
     let stations = arc.curve.stations(arc.from, arc.to);
     // At least eight intervals on an edge: unwrapping needs steps well below half a period.
     let per = (8 / stations.len().saturating_sub(1).max(1)).clamp(3, 8);
@@ -235,6 +278,7 @@ fn follow(
             label,
             piece: 0,
             arc: arc.clone(),
+            vertices: [None, None],
             trace: Some(trace.clone()),
             ts,
             qs,
@@ -261,12 +305,15 @@ fn follow(
             None => foot_near(carrier, &points[end], Some(qs[inner]), periods),
         };
     }
-    let worst = points.iter().zip(&qs).map(|(x, q)| (carrier.jet(*q).p - x).norm()).fold(0.0, f64::max);
-    if worst > OFF_SURFACE_SHARE * size || worst.is_nan() {
+    let off: Vec<f64> = points.iter().zip(&qs).map(|(x, q)| (carrier.jet(*q).p - x).norm()).collect();
+    let worst = off.iter().copied().fold(0.0, f64::max);
+    if worst > ground.farthest([off[0], off[n - 1]]) || off.iter().any(|d| d.is_nan()) {
         return Err(TrimError::OffSurface { edge, distance: worst });
     }
     snap(carrier, &mut qs);
-    Ok(Some(Strand { edge, label, piece: 0, arc: arc.clone(), trace: None, ts, qs, poles: at_poles, joint: None }))
+    let arc = arc.clone();
+    let vertices = [None, None];
+    Ok(Some(Strand { edge, label, piece: 0, arc, vertices, trace: None, ts, qs, poles: at_poles, joint: None }))
 }
 
 /// Traces this near to their curve are used: a share of the boundary's extent …
@@ -383,6 +430,10 @@ pub(super) fn chords(
         let welded = (0..2).all(|k| (last[k] - next[k] - lift[k]).abs() <= f64::EPSILON * (1.0 + last[k].abs()) * 4.0);
         if !welded {
             out.polygon.points.push(*last);
+            if s.joint.is_none() {
+                let gap = (s.arc.ends().1 - chain.strands[j].arc.ends().0).norm();
+                out.deviation = out.deviation.max(gap);
+            }
             // A gap that is closed by a chord belongs to the end of the edge before.
             let end = places[i].last().copied().unwrap_or(0.0);
             out.polygon.edge.push(s.joint.map_or(Side { label: s.label, from: end, to: end }, Side::added));

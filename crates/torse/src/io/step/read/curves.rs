@@ -280,7 +280,12 @@ impl<'r, 'a> Geometry<'r, 'a> {
             Course::Path(mut p) if p.len() == 1 => p.remove(0).curve,
             Course::Path(_) => return Err(Fault::new(id, format!("#{id} trims a composite curve, which is not read"))),
         };
-        let along = a.logical(4, true);
+        self.cut(&a, curve, &|p| self.point(p))
+    }
+
+    /// The piece of a curve that the arguments of a `TRIMMED_CURVE` state; points are read by `point`.
+    fn cut(&self, a: &Args, curve: SpaceCurve, point: &dyn Fn(u64) -> Result<Vec3, Fault>) -> Result<Arc, Fault> {
+        let (id, along) = (a.id, a.logical(4, true));
         // Angles of conics come in the unit of the context; lines in their own.
         let factor = if matches!(curve, SpaceCurve::Ellipse { .. }) { self.units.angle } else { 1.0 };
         let trim = |k: usize| -> Result<f64, Fault> {
@@ -288,10 +293,10 @@ impl<'r, 'a> Geometry<'r, 'a> {
             let stated = list.iter().find_map(as_number).filter(|t| t.is_finite()).map(|t| t * factor);
             match (stated, list.iter().find_map(as_reference)) {
                 (Some(t), None) => Ok(t),
-                (None, Some(p)) => Ok(curve.nearest(&self.point(p)?)),
+                (None, Some(p)) => Ok(curve.nearest(&point(p)?)),
                 (Some(t), Some(p)) => {
                     // Both are given: where they disagree, by degrees against radians for instance, the point is right.
-                    let p = self.point(p)?;
+                    let p = point(p)?;
                     let other = curve.nearest(&p);
                     let [stated, found] = [t, other].map(|t| (curve.point(t) - p).norm());
                     Ok(if stated > TRIMS_DISAGREE && found < 0.1 * stated { other } else { t })
@@ -312,7 +317,12 @@ impl<'r, 'a> Geometry<'r, 'a> {
     }
 
     fn composite(&self, id: u64, depth: u32) -> Result<Vec<Arc>, Fault> {
-        let mut out: Vec<Arc> = Vec::new();
+        self.segments(id, depth).map(|s| s.into_iter().map(|s| s.1).collect())
+    }
+
+    /// The pieces of a composite curve, each with the number of its segment.
+    pub fn segments(&self, id: u64, depth: u32) -> Result<Vec<(u64, Arc)>, Fault> {
+        let (mut numbers, mut out): (Vec<u64>, Vec<Arc>) = (Vec::new(), Vec::new());
         let parts = &self.records.get(id)?.parts;
         let list = parts.iter().flat_map(|p| &p.args).find_map(|v| match v {
             Value::List(l) => Some(l.iter().filter_map(as_reference).collect::<Vec<u64>>()),
@@ -336,12 +346,13 @@ impl<'r, 'a> Geometry<'r, 'a> {
             if !a.logical(1, true) {
                 path = path.iter().rev().map(Arc::reversed).collect();
             }
+            numbers.extend(path.iter().map(|_| *s));
             out.extend(path);
         }
         if out.is_empty() {
             return Err(Fault::new(id, format!("composite curve #{id} has no segments")));
         }
-        Ok(following(out))
+        Ok(numbers.into_iter().zip(following(out)).collect())
     }
 
     /// A curve given only in the parameter plane of a surface.
@@ -351,9 +362,20 @@ impl<'r, 'a> Geometry<'r, 'a> {
         let definition = self.records.simple(a.reference(2)?)?;
         let item = definition.references(1)?.first().copied();
         let item = item.ok_or_else(|| Fault::new(id, format!("#{id} has no curve")))?;
-        let flat = self.plane_curve(item)?;
         let scale = carrier.parameter_units(self.units);
-        Ok(Course::Basis(SpaceCurve::traced(flat, carrier.carrier, scale), true))
+        if self.records.name(item) != "TRIMMED_CURVE" {
+            let flat = self.plane_curve(item)?;
+            return Ok(Course::Basis(SpaceCurve::traced(flat, carrier.carrier, scale), true));
+        }
+        let Arc { curve, from, to } = self.trimmed_in_plane(item)?;
+        Ok(Course::Path(vec![Arc { curve: SpaceCurve::traced(curve, carrier.carrier, scale), from, to }]))
+    }
+
+    /// The piece of a curve of a parameter plane between two trims.
+    fn trimmed_in_plane(&self, id: u64) -> Result<Arc, Fault> {
+        let a = self.records.args(id, "TRIMMED_CURVE")?;
+        let curve = self.plane_curve(a.reference(1)?)?;
+        self.cut(&a, curve, &|p| self.plane_point(p))
     }
 }
 

@@ -6,6 +6,7 @@ use super::token::Value;
 use super::units::Units;
 use crate::brep::face::SurfaceKind;
 use crate::brep::offset;
+use crate::brep::recast;
 use crate::brep::space_curve::{Arc, SpaceCurve};
 use crate::brep::support_surface::{Carrier, SplineCarrier};
 use crate::geom::placement::Placement;
@@ -26,11 +27,13 @@ pub(super) struct Patch {
     pub rectangle: Option<[(f64, f64); 2]>,
     /// Distance from the file's surface where the carrier is an approximation, mm.
     pub deviation: f64,
+    /// Whether the carrier has other natural parameters than the definition.
+    pub recast: bool,
 }
 
 impl Patch {
     fn exact(carrier: Carrier, kind: SurfaceKind) -> Self {
-        Self { carrier, kind, same_sense: true, rectangle: None, deviation: 0.0 }
+        Self { carrier, kind, same_sense: true, rectangle: None, deviation: 0.0, recast: false }
     }
 
     /// Factors from the parameters that files state to natural ones.
@@ -90,7 +93,10 @@ impl<'r, 'a> Geometry<'r, 'a> {
                 Ok(Patch { same_sense: along, ..Patch::exact(carrier, SurfaceKind::Revolution) })
             }
             "OFFSET_SURFACE" => {
-                let base = self.surface(a.reference(1)?, depth + 1)?;
+                let mut base = self.surface(a.reference(1)?, depth + 1)?;
+                if let Some((carrier, same)) = recast::elementary(&base.carrier).filter(|_| base.rectangle.is_none()) {
+                    base = Patch { carrier, same_sense: base.same_sense == same, recast: true, ..base };
+                }
                 let distance = a.number(2)? * self.units.length * if base.same_sense { 1.0 } else { -1.0 };
                 let (carrier, deviation) = offset::of_carrier(&base.carrier, distance)
                     .map_err(|e| Fault::new(id, format!("offset surface #{id}: {e}")))?;
@@ -157,6 +163,10 @@ impl<'r, 'a> Geometry<'r, 'a> {
 
     /// A surface bounded by the parameter lines that the arguments of a `RECTANGULAR_TRIMMED_SURFACE` state.
     fn rectangle_of(&self, mut base: Patch, a: &Args) -> Result<Patch, Fault> {
+        if base.recast {
+            let what = format!("the rectangle #{} of an offset of a swept surface is not read", a.id);
+            return Err(Fault::new(a.id, what));
+        }
         let unit = base.parameter_units(self.units);
         let senses = [a.logical(6, true), a.logical(7, true)];
         let periods = base.carrier.periods();

@@ -1,7 +1,7 @@
 //! Faces, loops and edges of ISO 10303-42, and surfaces that are bounded without topology.
 
 use super::curves::{Course, Geometry, DEEPEST};
-use super::records::{as_reference, Fault};
+use super::records::{as_reference, Args, Fault};
 use super::surfaces::Patch;
 use super::token::Value;
 use crate::brep::area::spanned_area_estimate;
@@ -41,7 +41,7 @@ impl<'r, 'a> Geometry<'r, 'a> {
                     _ if loops.is_empty() => Region::Whole,
                     _ => Region::Loops(loops),
                 };
-                let mut face = raw(id, a.text(0), patch, region);
+                let mut face = self.raw(id, a.text(0), patch, region);
                 face.same_sense = same;
                 if flipped {
                     turn(&mut face);
@@ -55,24 +55,18 @@ impl<'r, 'a> Geometry<'r, 'a> {
             "FACE" | "SUBFACE" => Err(Fault::new(id, format!("face #{id} has no surface"))),
             "CURVE_BOUNDED_SURFACE" => {
                 let patch = self.surface(a.reference(1)?, 0)?;
-                let mut loops = Vec::new();
-                for b in a.references(2)? {
-                    let Course::Path(path) = self.course(b, 0)? else {
-                        return Err(Fault::new(b, format!("the boundary #{b} is not a composite curve")));
-                    };
-                    loops.push(chained(b, path));
-                }
+                let loops = self.boundary_curves(id, &a, &patch)?;
                 let region = match patch.rectangle {
                     _ if !loops.is_empty() => Region::Loops(loops),
                     Some(r) => Region::Rectangle(r),
                     None => Region::Whole,
                 };
-                Ok(raw(id, a.text(0), patch, region))
+                Ok(self.raw(id, a.text(0), patch, region))
             }
             _ => {
                 let patch = self.surface(id, 0)?;
                 let region = patch.rectangle.map_or(Region::Whole, Region::Rectangle);
-                let mut face = raw(id, name_of(&a), patch, region);
+                let mut face = self.raw(id, a.text(0), patch, region);
                 if flipped {
                     turn(&mut face);
                 }
@@ -100,6 +94,55 @@ impl<'r, 'a> Geometry<'r, 'a> {
                 _ => None,
             },
         }
+    }
+
+    fn raw(&self, id: u64, name: &str, patch: Patch, region: Region) -> RawFace {
+        RawFace {
+            entity: id,
+            name: name.to_string(),
+            part: String::new(),
+            kind: patch.kind,
+            carrier: patch.carrier,
+            same_sense: patch.same_sense,
+            region,
+            surface_deviation_estimate: patch.deviation,
+            uncertainty: self.units.uncertainty,
+        }
+    }
+
+    /// The boundaries of a surface without topology, one edge for each piece of a curve.
+    fn boundary_curves(&self, id: u64, a: &Args, patch: &Patch) -> Result<Vec<RawLoop>, Fault> {
+        let boundaries = a.references(2)?;
+        let ends = patch.rectangle.is_some() || patch.carrier.limits().iter().any(Option::is_some);
+        let outer = boundaries.iter().any(|b| self.records.name(*b) == "OUTER_BOUNDARY_CURVE");
+        if a.logical(3, false) && ends && !outer && !boundaries.is_empty() {
+            return Err(Fault::new(
+                id,
+                format!("#{id} ends at the sides of its surface and has holes, which is not read"),
+            ));
+        }
+        boundaries.into_iter().map(|b| self.boundary_curve(b)).collect()
+    }
+
+    fn boundary_curve(&self, id: u64) -> Result<RawLoop, Fault> {
+        let part =
+            |(entity, arc): (u64, Arc)| RawEdge { entity, forward: true, path: vec![arc], vertices: None, trace: None };
+        let composite =
+            self.records.get(id)?.parts.iter().any(|p| p.name.contains("BOUNDARY") || p.name.contains("COMPOSITE"));
+        let pieces = if composite {
+            self.segments(id, 0)?
+        } else {
+            match self.course(id, 0)? {
+                Course::Path(path) => path.into_iter().map(|arc| (id, arc)).collect(),
+                Course::Basis(curve, _) => {
+                    let domain = curve.domain();
+                    let (from, to) = domain.ok_or_else(|| Fault::new(id, format!("the boundary #{id} is endless")))?;
+                    vec![(id, Arc { curve, from, to })]
+                }
+            }
+        };
+        // The sense of such boundaries is not reliable: the region is what they enclose.
+        Ok(RawLoop { edges: pieces.into_iter().map(part).collect(), outer: true })
     }
 
     /// A bound of a face, run in the sense that the bound asks for.
@@ -135,12 +178,12 @@ impl<'r, 'a> Geometry<'r, 'a> {
                 let edges = (0..n)
                     .map(|i| (points[i], points[(i + 1) % n]))
                     .filter(|(p, q)| (q - p).norm() > 0.0)
-                    .enumerate()
-                    .map(|(i, (p, q))| RawEdge {
-                        // Sides have no numbers of their own; any that tell them apart serve.
-                        entity: id.wrapping_mul(1 << 20).wrapping_add(i as u64),
+                    .map(|(p, q)| RawEdge {
+                        // Sides have no numbers of their own.
+                        entity: id,
                         forward: true,
                         path: vec![Arc { curve: SpaceCurve::Line { origin: p, direction: q - p }, from: 0.0, to: 1.0 }],
+                        vertices: None,
                         trace: None,
                     })
                     .collect::<Vec<_>>();
@@ -190,7 +233,7 @@ impl<'r, 'a> Geometry<'r, 'a> {
             }
         };
         let trace = self.trace(a.reference(3)?, plane).filter(|_| path.len() == 1);
-        Ok(RawEdge { entity: id, forward: true, path, trace })
+        Ok(RawEdge { entity: id, forward: true, path, vertices: Some([p, q]), trace })
     }
 
     /// The curve in the parameter plane that goes with an edge's geometry on the face's own surface. A seam has two;
@@ -233,23 +276,6 @@ impl<'r, 'a> Geometry<'r, 'a> {
     }
 }
 
-fn raw(id: u64, name: &str, patch: Patch, region: Region) -> RawFace {
-    RawFace {
-        entity: id,
-        name: name.to_string(),
-        part: String::new(),
-        kind: patch.kind,
-        carrier: patch.carrier,
-        same_sense: patch.same_sense,
-        region,
-        surface_deviation_estimate: patch.deviation,
-    }
-}
-
-fn name_of<'r>(a: &super::records::Args<'r, '_>) -> &'r str {
-    a.text(0)
-}
-
 /// Turns a face's normal round; its loops follow.
 pub(super) fn turn(face: &mut RawFace) {
     face.same_sense = !face.same_sense;
@@ -258,22 +284,6 @@ pub(super) fn turn(face: &mut RawFace) {
             *l = l.reversed();
         }
     }
-}
-
-/// A composite boundary curve as a loop: one edge per segment.
-fn chained(id: u64, path: Vec<Arc>) -> RawLoop {
-    let edges = path
-        .into_iter()
-        .enumerate()
-        .map(|(i, arc)| RawEdge {
-            entity: id.wrapping_mul(1 << 20).wrapping_add(i as u64),
-            forward: true,
-            path: vec![arc],
-            trace: None,
-        })
-        .collect();
-    // The sense of such boundaries is not reliable: the region is what they enclose.
-    RawLoop { edges, outer: true }
 }
 
 /// Whether a record of this kind is a surface that may be a face without topology. Endless ones are refused by name

@@ -1,6 +1,6 @@
 //! Units of a representation context.
 
-use super::records::{as_number, Fault, Records};
+use super::records::{as_number, as_reference, Fault, Records};
 use super::token::Value;
 
 /// Factors from the numbers of a file to millimetres and radians.
@@ -12,20 +12,25 @@ pub(super) struct Units {
     pub angle: f64,
     /// Name of the length unit, empty if none is given.
     pub name: String,
+    /// Distance (mm) below which the context calls points the same; 0 if it does not say.
+    pub uncertainty: f64,
 }
 
 impl Default for Units {
     fn default() -> Self {
-        Self { length: 1.0, angle: 1.0, name: String::new() }
+        Self { length: 1.0, angle: 1.0, name: String::new(), uncertainty: 0.0 }
     }
 }
+
+/// Millimetres in a metre.
+const MILLIMETRES: f64 = 1e3;
 
 /// Units of conversions in units of conversions…: real files have one step.
 const DEEPEST_CONVERSION: usize = 6;
 
 /// The units that the context `#id` assigns; what is not assigned stays millimetre and radian.
 pub(super) fn of_context(records: &Records, id: u64) -> Units {
-    let mut out = Units::default();
+    let mut out = Units { uncertainty: uncertainty(records, id), ..Units::default() };
     let Ok(args) = records.args(id, "GLOBAL_UNIT_ASSIGNED_CONTEXT") else { return out };
     // In a simple instance the list is the last argument, in a complex one the only.
     let list = args.values.len().saturating_sub(1);
@@ -35,7 +40,7 @@ pub(super) fn of_context(records: &Records, id: u64) -> Units {
         let base = base_name(records, unit, 0);
         if is("LENGTH_UNIT") || (!is("PLANE_ANGLE_UNIT") && base == Some("METRE")) {
             if let Ok((factor, name)) = factor(records, unit, 0) {
-                out.length = 1e3 * factor;
+                out.length = MILLIMETRES * factor;
                 out.name = name;
             }
         } else if is("PLANE_ANGLE_UNIT") || base == Some("RADIAN") {
@@ -45,6 +50,22 @@ pub(super) fn of_context(records: &Records, id: u64) -> Units {
         }
     }
     out
+}
+
+/// The largest of the length uncertainties of a context, mm.
+fn uncertainty(records: &Records, context: u64) -> f64 {
+    let Ok(args) = records.args(context, "GLOBAL_UNCERTAINTY_ASSIGNED_CONTEXT") else { return 0.0 };
+    let list = args.values.len().saturating_sub(1);
+    let one = |id: u64| -> Option<f64> {
+        let parts = &records.get(id).ok()?.parts;
+        let part = parts.iter().find(|p| p.args.len() >= 2)?;
+        let value = part.args.first().and_then(as_number).filter(|x| x.is_finite() && *x > 0.0)?;
+        let unit = part.args.get(1).and_then(as_reference)?;
+        let of_length = base_name(records, unit, 0) == Some("METRE");
+        let (factor, _) = factor(records, unit, 0).ok().filter(|_| of_length)?;
+        Some(value * factor * MILLIMETRES)
+    };
+    args.references(list).unwrap_or_default().into_iter().filter_map(one).fold(0.0, f64::max)
 }
 
 /// Name of the SI unit at the end of the conversions.
