@@ -137,8 +137,8 @@ pub struct Approximate {
     pub seam_at: Vec<Section>,
 
     /// Curve that a panel must run along; may be given several times. A section such as x=1200mm, a parameter curve
-    /// such as u=0.5 or v=0.25 (share of the range), an edge of a STEP file (FILE#NUMBER), a DXF curve, or a table of
-    /// points, which are projected onto the surface. Further panels follow from the borders of these
+    /// such as u=0.5 or v=0.25 (share of the range), an edge of a STEP file (FILE#NUMBER), all curves of a DXF file, or a
+    /// table of points, which are projected onto the surface. Further panels follow from the borders of these
     #[arg(long, value_name = "CURVE", allow_hyphen_values = true, conflicts_with_all = ["direction", "guide"])]
     pub curves: Vec<String>,
 
@@ -295,6 +295,10 @@ pub struct Cones {
 Points need no normals and no order. Normals are estimated, the points are split into pieces that a developable
 strip can follow, and every point is proven to lie within the tolerance, or counted.
 
+Tables of points have columns x, y, z: in any order among others if the first line names them, else just these three.
+Semicolons, tabs, commas or blanks separate; decimal commas need semicolons or tabs. Triangles of coarse STL and OBJ
+meshes guide the strips; what is held to the tolerance are their corners.
+
 A table whose first line names its columns may hold rulings (px,py,pz,qx,qy,qz, and nx,ny,nz if their tangent planes
 are known) or tangent planes a x + b y + c z = d (a,b,c,d, and x,y,z,r for the region of interest of each: a disc
 around x,y,z with radius r). Planes must be in order along the surface; a column t, if there is
@@ -392,7 +396,7 @@ pub struct Fit {
   torse loft a.dxf b.dxf -t 0.1mm -o strip --ends extend
 
 A rail is a STEP file (FILE#NUMBER names an edge), a DXF file (FILE#LAYER or FILE#HANDLE), or a table of points
-x, y, z. Written into the output folder: strips.step, patterns.dxf, patterns.svg, model.glb, pictures, report.html
+with columns x, y, z. Written into the output folder: strips.step, patterns.dxf, patterns.svg, model.glb, pictures, report.html
 and report.json.
 
 Exit status: 0 developable within the tolerance, 2 bad input or usage, 3 finished but not developable within the
@@ -593,8 +597,8 @@ pub struct Net {
   torse hull inlet.dxf outlet.dxf --tolerance 0.1mm --out hopper
   torse hull loop.csv --unit mm --tolerance 0.1mm --out cushion
 
-A curve is a STEP file (FILE#NUMBER names an edge), a DXF file (FILE#LAYER or FILE#HANDLE), or a table of points
-x, y, z. The boundary of the convex hull of all curves consists of planar triangles and developable strips; planar
+A curve is a STEP file (FILE#NUMBER names an edge), a DXF file (all its curves, or FILE#LAYER or FILE#HANDLE), or a
+table of points with columns x, y, z. The boundary of the convex hull of all curves consists of planar triangles and developable strips; planar
 pieces within a single planar curve, such as the mouths of a duct, are left open. Curves inside the hull of the
 others are not touched.
 

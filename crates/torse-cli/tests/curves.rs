@@ -94,8 +94,8 @@ fn drawing(entities: &str) -> String {
 #[test]
 fn all_curves_of_a_drawing_get_panels_and_what_is_not_read_is_named() {
     let room = tempfile::tempdir().expect("room");
-    let line = |y: i32| format!("0\nLINE\n5\nL{y}\n10\n-900\n20\n{y}\n30\n300\n11\n900\n21\n{y}\n31\n300\n");
-    let frames = drawing(&(line(-250) + &line(250) + "0\nTEXT\n1\nframes\n"));
+    let arc = |z: i32| format!("0\nARC\n5\nA\n10\n0\n20\n0\n30\n{z}\n40\n816.5\n50\n10\n51\n80\n");
+    let frames = drawing(&(arc(-125) + &arc(125) + "0\nTEXT\n1\nframes\n"));
     fs::write(room.path().join("frames.dxf"), frames).expect("file");
     let model = format!("{DATA}/torus_piece.step");
     let output = torse(room.path(), &["approximate", &model, "-t", "20mm", "-o", "o", "--curves", "frames.dxf"]);

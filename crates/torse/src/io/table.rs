@@ -152,24 +152,21 @@ pub(super) fn table(text: &str) -> Result<Table<'_>, Fault> {
             continue;
         }
         let own = Separator::of(content);
-        let mut row = cells(content, own);
-        if row.len() > 1 && row.last().is_some_and(|c| c.is_empty()) {
-            row.pop();
-        }
-        let first = out.rows.is_empty();
-        if first && !headed && row.iter().all(|c| number(c).is_none()) && row.iter().any(|c| !c.is_empty()) {
-            out.headings = row.iter().map(|c| heading(c)).collect();
-            (headed, out.head) = (true, line);
-            gap = false;
-            continue;
-        }
-        if first && !headed && out.promised.is_none() && row.len() == 1 {
-            if let Ok(n) = row[0].parse() {
-                out.promised = Some(n);
+        if out.rows.is_empty() {
+            let mut row = cells(content, own);
+            if row.len() > 1 && row.last().is_some_and(|c| c.is_empty()) {
+                row.pop();
+            }
+            if !headed && row.iter().all(|c| number(c).is_none()) && row.iter().any(|c| !c.is_empty()) {
+                out.headings = row.iter().map(|c| heading(c)).collect();
+                (headed, out.head) = (true, line);
                 continue;
             }
-        }
-        if first {
+            let count: Option<usize> = if row.len() == 1 { row[0].parse().ok() } else { None };
+            if !headed && out.promised.is_none() && count.is_some() {
+                out.promised = count;
+                continue;
+            }
             (out.separator, out.width) = (own, row.len());
             gap = false;
         } else if own != out.separator {
@@ -196,6 +193,17 @@ impl Table<'_> {
     /// Number of columns.
     pub fn width(&self) -> usize {
         self.width
+    }
+
+    /// Refuses another number of rows than a first line promises.
+    ///
+    /// # Errors
+    /// Rows that are missing or too many.
+    pub fn counted(&self) -> Result<(), Fault> {
+        match self.promised.filter(|n| *n != self.rows.len()) {
+            Some(n) => Err(Fault { line: 1, reason: format!("it promises {n} rows, there are {}", self.rows.len()) }),
+            None => Ok(()),
+        }
     }
 
     /// Whether the columns have names.

@@ -10,8 +10,8 @@ use crate::fit::cloud::core;
 use crate::fit::cloud::estimates::{estimates, Estimates};
 use crate::fit::cloud::extent::{assigned, polished, strip, widened};
 use crate::fit::cloud::facets::{facet_points, FacetPoint};
-use crate::fit::cloud::pieces::{pieces, PieceOptions};
-use crate::fit::cloud::regions::regions;
+use crate::fit::cloud::pieces::{is_wide, pieces, PieceOptions};
+use crate::fit::cloud::regions::{regions, Region};
 use crate::fit::cloud::CloudError;
 use crate::fit::near::samples::Fit;
 use crate::geom::cloud::Cloud;
@@ -94,19 +94,36 @@ pub fn fit(cloud: &Cloud, options: &FitOptions, control: &Control) -> Result<Fit
     // 2. Pieces that one torse follows.
     control.report("fitting", 0.2, String::new());
     let mut notes = Vec::new();
-    let mut skipped = Vec::new();
     let slack = GUIDE_SLACK * bulge(&inside);
-    let fits = torses(&found, Placed { points: moved.len(), shift, slack }, options, control, &mut skipped);
-    // 3. Strips under the points of each piece.
-    control.report("trimming", 0.6, format!("{} pieces", fits.len()));
+    let placed = Placed { points: moved.len(), shift, slack };
+    let regions = regions_of(&found, options.tolerance, slack);
+    // 3. Strips under the points of each piece, 4. with their proof.
     let given = Given { points: &moved, judged: cloud.points.len() };
-    let mut strips = strips(&found, &given, fits, options, &mut skipped);
-    drop(moved);
-    if let Some(c) = shift {
-        strips = strips.into_iter().map(|s| s.moved(&c)).collect();
+    let attempt = |narrow: bool| {
+        let mut skipped = Vec::new();
+        let fits = torses(&found, &regions, placed, Asked { options, narrow }, control, &mut skipped);
+        control.report("trimming", 0.6, format!("{} pieces", fits.len()));
+        let strips = strips(&found, &given, fits, options, &mut skipped);
+        let strips: Vec<Strip> = match shift {
+            Some(c) => strips.into_iter().map(|s| s.moved(&c)).collect(),
+            None => strips,
+        };
+        let certificate = certified(&strips, &cloud.points, control);
+        (certificate, strips, skipped)
+    };
+    // Between the corners of coarse meshes nothing holds torses that turn far.
+    let mut done = attempt(!inside.is_empty());
+    // Where they do not reach all points, less turned ones may.
+    let wide = regions.iter().any(|r| is_wide(r.normals.iter().copied()));
+    let beyond = done.0.beyond(options.tolerance);
+    if inside.is_empty() && wide && beyond > 0 && !control.stopped() {
+        let again = attempt(true);
+        if again.0.beyond(options.tolerance) < beyond {
+            done = again;
+        }
     }
-    // 4. Proof.
-    let certificate = certified(&strips, &cloud.points, control);
+    let (certificate, strips, skipped) = done;
+    drop(moved);
     // 5. Flat parts.
     control.report("developing", 0.9, String::new());
     let chains: Vec<FlatPart> = (strips.iter().enumerate())
@@ -240,7 +257,24 @@ fn far_off(points: &[Vec3]) -> Option<Vec3> {
     (c.norm() > FAR * b.diagonal() && c.iter().all(|x| x.is_finite())).then(|| c.map(f64::round))
 }
 
+/// Regions without creases, of points that may miss the surface by `slack` (mm).
+fn regions_of(found: &Estimates, tolerance: f64, slack: f64) -> Vec<Region> {
+    // More noise than this many times the usual one, unless it is far below the tolerance, is a crease. Cells that a bent
+    // sheet crosses askew have several times the bias of others.
+    const ROUGH: f64 = 2.5;
+    const UNSEEN: f64 = 0.2;
+    regions(found, (ROUGH * found.noise).max(UNSEEN * tolerance) + slack)
+}
+
+/// What pieces must be like.
+struct Asked<'a> {
+    options: &'a FitOptions,
+    /// Whether they must turn little.
+    narrow: bool,
+}
+
 /// What estimates were made of.
+#[derive(Clone, Copy)]
 struct Placed {
     /// Number of points, guiding ones included.
     points: usize,
@@ -253,8 +287,9 @@ struct Placed {
 /// Torses with their estimates.
 fn torses(
     found: &Estimates,
+    regions: &[Region],
     placed: Placed,
-    options: &FitOptions,
+    asked: Asked,
     control: &Control,
     skipped: &mut Vec<String>,
 ) -> Vec<(Vec<u32>, Vec<Fit>)> {
@@ -262,23 +297,25 @@ fn torses(
     const PEAK: f64 = 4.0;
     // Estimates are averages over dozens of points; below this share of the noise they are noise themselves.
     const AVERAGED: f64 = 0.5;
-    // More noise than this many times the usual one, unless it is far below the tolerance, is a crease.
-    const ROUGH: f64 = 2.5;
-    const UNSEEN: f64 = 0.05;
+    let Asked { options, narrow } = asked;
     let room = (options.tolerance - PEAK * found.noise).clamp(0.4 * options.tolerance, options.tolerance);
     let Placed { points, shift, slack } = placed;
     let enough = (AVERAGED * found.noise).clamp(0.01 * options.tolerance, 0.3 * options.tolerance).min(room);
     let limits = options.limits.as_ref().map(|l| l.moved(&-shift.unwrap_or_default()));
     let mut out = Vec::new();
-    for region in regions(found, (ROUGH * found.noise).max(UNSEEN * options.tolerance)) {
+    for region in regions {
         let weight: f64 = region.members.iter().map(|&i| found.items[i as usize].weight).sum();
         if weight < CRUMB * points as f64 && !out.is_empty() {
             continue;
         }
         let left = options.max_strips.saturating_sub(out.len());
-        let wanted =
-            PieceOptions { max_pieces: left, limits: limits.clone(), ..PieceOptions::new(room + slack, enough) };
-        for piece in pieces(found, &region, &wanted, control) {
+        let wanted = PieceOptions {
+            max_pieces: left,
+            limits: limits.clone(),
+            narrow,
+            ..PieceOptions::new(room + slack, enough)
+        };
+        for piece in pieces(found, region, &wanted, control) {
             if !piece.fits.is_empty() {
                 out.push((piece.members, piece.fits));
                 continue;

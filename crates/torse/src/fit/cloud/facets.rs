@@ -165,7 +165,7 @@ mod tests {
         let worst = |of: fn(&FacetPoint) -> Vec3| found.iter().map(|p| off(&of(p))).fold(0.0, f64::max);
         // The chord is 100 (1 - cos 7.5°) inside.
         assert!((worst(|p| p.flat) - 0.8555).abs() < 0.02, "{}", worst(|p| p.flat));
-        assert!(worst(|p| p.lifted) < 0.01, "{}", worst(|p| p.lifted));
+        assert!(worst(|p| p.lifted) < 0.015, "{}", worst(|p| p.lifted));
     }
 
     #[test]
@@ -175,9 +175,7 @@ mod tests {
         let mut heap = wall(24);
         heap.triangles.truncate(1);
         assert!(facet_points(&heap, 400).is_empty());
-        let mut flat = Cloud::default();
-        flat.points = vec![Vec3::x(), Vec3::y(), Vec3::y()];
-        flat.triangles = vec![[0, 1, 2]];
+        let flat = Cloud { points: vec![Vec3::x(), Vec3::y(), Vec3::y()], triangles: vec![[0, 1, 2]] };
         assert!(facet_points(&flat, 10).is_empty());
     }
 }

@@ -29,12 +29,14 @@ pub struct PieceOptions {
     pub fewest: usize,
     /// What is asked of regression curves; nothing beyond a regular strip.
     pub limits: Option<RegressionLimits>,
+    /// Whether normals of a piece must keep within 65° of their mean, and regions are cut into such parts first; false.
+    pub narrow: bool,
 }
 
 impl PieceOptions {
     /// The defaults with a tolerance and a distance that is near enough, mm.
     pub fn new(tolerance: f64, enough: f64) -> Self {
-        Self { tolerance, enough, max_pieces: 64, fewest: 8, limits: None }
+        Self { tolerance, enough, max_pieces: 64, fewest: 8, limits: None, narrow: false }
     }
 }
 
@@ -71,14 +73,18 @@ pub fn pieces(estimates: &Estimates, region: &Region, options: &PieceOptions, co
         })
         .collect();
     let mut out: Vec<Piece> = Vec::new();
-    let mut waiting = vec![samples];
-    while let Some(mut rest) = waiting.pop() {
+    let mut waiting = if options.narrow { sectors(samples) } else { vec![Part { own: samples, beside: Vec::new() }] };
+    while let Some(Part { own: mut rest, beside }) = waiting.pop() {
         let name = |s: &[(u32, Sample)]| s.iter().map(|p| p.0).collect::<Vec<u32>>();
         if rest.len() < options.fewest || out.len() >= options.max_pieces || control.stopped() {
             out.push(Piece { members: name(&rest), fits: Vec::new(), kept_off: None });
             continue;
         }
-        let found = attempt(&rest, estimates.cell, options);
+        // With its neighbours first, so that it goes on beyond its own.
+        let mut found = attempt(&[&rest[..], &beside].concat(), estimates.cell, options);
+        if found.fits.is_empty() && !beside.is_empty() {
+            found = attempt(&rest, estimates.cell, options);
+        }
         if !found.fits.is_empty() {
             out.push(Piece { members: name(&rest), fits: found.fits, kept_off: None });
             continue;
@@ -111,9 +117,59 @@ pub fn pieces(estimates: &Estimates, region: &Region, options: &PieceOptions, co
         let tail = rest.split_off(good);
         out.push(Piece { members: name(&rest), fits: best.fits, kept_off: best.kept_off });
         if !tail.is_empty() {
-            waiting.push(tail);
+            waiting.push(Part { own: tail, beside: Vec::new() });
         }
     }
+    out
+}
+
+/// Estimates of which a piece is to be made.
+struct Part {
+    /// Those that belong to it.
+    own: Vec<(u32, Sample)>,
+    /// Neighbours of other parts, which only take part in the fit.
+    beside: Vec<(u32, Sample)>,
+}
+
+/// A region that turns far in parts that do not, from ruling to ruling: normals of developables lie near a circle of the
+/// Gauss sphere, and equal arcs of it are taken, beginning at its widest gap.
+fn sectors(samples: Vec<(u32, Sample)>) -> Vec<Part> {
+    use std::f64::consts::TAU;
+    // Turn of a part (rad), and of its neighbours on both sides: together less than 65° from its middle.
+    const TURN: f64 = 1.6;
+    const BESIDE: f64 = 0.3;
+    if !is_wide(samples.iter().map(|s| s.1.n)) {
+        return vec![Part { own: samples, beside: Vec::new() }];
+    }
+    let mean = samples.iter().map(|s| s.1.n).sum::<Vec3>() / samples.len() as f64;
+    let m: Matrix3<f64> = samples.iter().map(|s| (s.1.n - mean) * (s.1.n - mean).transpose()).sum();
+    let e = SymmetricEigen::new(m);
+    let axis = e.eigenvectors.column(e.eigenvalues.imin()).into_owned();
+    let x = e.eigenvectors.column(e.eigenvalues.imax()).into_owned();
+    let y = axis.cross(&x);
+    let angles: Vec<f64> = samples.iter().map(|s| s.1.n.dot(&y).atan2(s.1.n.dot(&x))).collect();
+    let mut sorted = angles.clone();
+    sorted.sort_by(f64::total_cmp);
+    let gap = |k: usize| if k == 0 { sorted[0] + TAU - sorted[sorted.len() - 1] } else { sorted[k] - sorted[k - 1] };
+    let start = (0..sorted.len()).max_by(|&i, &j| gap(i).total_cmp(&gap(j))).unwrap_or(0);
+    let range = TAU - gap(start);
+    let count = (range / TURN).ceil().max(1.0);
+    let width = range / count;
+    let mut out: Vec<Part> = (0..count as usize).map(|_| Part { own: Vec::new(), beside: Vec::new() }).collect();
+    for (s, angle) in samples.into_iter().zip(angles) {
+        let at = (angle - sorted[start]).rem_euclid(TAU);
+        let own = ((at / width) as usize).min(out.len() - 1);
+        for (k, part) in out.iter_mut().enumerate() {
+            let off = at - (k as f64 + 0.5) * width;
+            let off = off.abs().min(TAU - off.abs());
+            if k == own {
+                part.own.push(s);
+            } else if off <= 0.5 * width + BESIDE {
+                part.beside.push(s);
+            }
+        }
+    }
+    out.retain(|part| !part.own.is_empty());
     out
 }
 
@@ -127,14 +183,25 @@ fn hopeless(row: &[(u32, Sample)], cell: f64, options: &PieceOptions) -> bool {
     [0, rest / 2, rest].iter().all(|&from| attempt(&row[from..from + count], cell, options).kept_off.is_some())
 }
 
+/// Cosine of the angle from the mean normal beyond which a torse over a plane profile is not tried: 65°.
+const TURNED: f64 = 0.422_618_261_740_699_4;
+
+/// Whether unit normals, oriented alike, turn by more than 65° from their mean.
+pub fn is_wide(normals: impl Iterator<Item = Vec3> + Clone) -> bool {
+    let mean: Vec3 = normals.clone().sum();
+    let mut normals = normals;
+    mean.norm() <= 0.0 || normals.any(|n| n.dot(&mean) < TURNED * mean.norm())
+}
+
 /// Torses within the tolerance of the estimates: over a plane profile, and a dual spline.
 fn attempt(samples: &[(u32, Sample)], cell: f64, options: &PieceOptions) -> Found {
-    // Cosine of the angle from the mean normal beyond which a torse over a plane profile is not tried: 65°.
-    const TURNED: f64 = 0.422_618_261_740_699_4;
     let samples: Vec<Sample> = samples.iter().map(|s| s.1).collect();
-    let mean: Vec3 = samples.iter().map(|s| s.n).sum();
     let mut out = Vec::new();
-    if mean.norm() > 0.0 && samples.iter().all(|s| s.n.dot(&mean) >= TURNED * mean.norm()) {
+    let wide = is_wide(samples.iter().map(|s| s.n));
+    if wide && options.narrow {
+        return Found::default();
+    }
+    if !wide {
         out.extend(primal(&samples, &PrimalOptions::new(options.enough)));
     }
     let allowed = |f: &Fit| options.limits.as_ref().is_none_or(|l| keeps_limits(&f.torse, &samples, cell, l));

@@ -33,10 +33,6 @@ pub(super) fn points(bytes: &[u8], unit: Option<f64>, pts: bool) -> Result<Vec<V
         Some(promised) if promised > out.len() => {
             Err(CloudReadError::Short { format: FORMAT, read: out.len(), promised, what: "points" })
         }
-        Some(promised) if promised < out.len() => {
-            let reason = format!("it promises {promised} points, there are {}", out.len());
-            Err(CloudReadError::Line { format: FORMAT, line: 1, reason })
-        }
-        _ => Ok(out),
+        _ => table.counted().map(|()| out).map_err(told),
     }
 }

@@ -11,8 +11,10 @@ pub(super) fn read(bytes: &[u8], options: &CurveOptions) -> Result<Vec<Vec3>, Cu
     let text = table::text(bytes).map_err(named)?;
     let table = table::table(&text).map_err(named)?;
     if table.rows.is_empty() {
-        return Ok(Vec::new());
+        let headed = Fault { line: 1, reason: "there is no row of numbers".into() };
+        return if table.is_named() { Err(named(headed)) } else { Ok(Vec::new()) };
     }
+    table.counted().map_err(named)?;
     let columns = table.needed(&["x", "y", "z"]).map_err(named)?;
     let unit = table.unit_or(&columns, options.unit).map_err(named)?;
     let Some(unit) = unit else { return Err(CurveError::NoUnit(options.name.clone())) };
@@ -24,10 +26,6 @@ pub(super) fn read(bytes: &[u8], options: &CurveOptions) -> Result<Vec<Vec3>, Cu
             return Err(named(Fault { line: row.line, reason: "a coordinate is not a finite number".into() }));
         }
         points.push(Vec3::new(values[0], values[1], values[2]) * unit);
-    }
-    if let Some(promised) = table.promised.filter(|n| *n != points.len()) {
-        let reason = format!("it promises {promised} points, there are {}", points.len());
-        return Err(named(Fault { line: 1, reason }));
     }
     Ok(points)
 }

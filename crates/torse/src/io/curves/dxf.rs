@@ -42,6 +42,8 @@ const OF_VERTEX: i32 = 1000;
 enum Fault {
     #[error("group {code} is '{value}', which is not a finite number")]
     Number { code: i32, value: String },
+    #[error("group {code} is {value}; it must be greater than zero")]
+    Positive { code: i32, value: f64 },
     #[error("group {0} is missing")]
     Missing(i32),
     #[error("{what}: {there} of {wanted}")]
@@ -63,11 +65,16 @@ impl Entity<'_> {
 
     /// The number of a group, `None` if there is no such group.
     fn number(&self, code: i32) -> Result<Option<f64>, Fault> {
-        self.groups.iter().find(|g| g.0 == code).map(|g| finite(g)).transpose()
+        self.groups.iter().find(|g| g.0 == code).map(finite).transpose()
     }
 
     fn required(&self, code: i32) -> Result<f64, Fault> {
         self.number(code)?.ok_or(Fault::Missing(code))
+    }
+
+    fn positive(&self, code: i32) -> Result<f64, Fault> {
+        let value = self.required(code)?;
+        (value > 0.0).then_some(value).ok_or(Fault::Positive { code, value })
     }
 
     /// Bits of a group.
@@ -232,7 +239,7 @@ fn curves(e: &Entity, unit: f64) -> Result<Option<Vec<Curve<4>>>, Fault> {
         "CIRCLE" | "ARC" => {
             let angle = |code: i32| Ok::<f64, Fault>(e.required(code)?.to_radians());
             let angles = if e.kind == "ARC" { (angle(50)?, angle(51)?) } else { (0.0, std::f64::consts::TAU) };
-            one(arc(&e.frame()?, e.point(10)?, e.required(40)?, angles, unit)?)
+            one(arc(&e.frame()?, e.point(10)?, e.positive(40)?, angles, unit)?)
         }
         "ELLIPSE" => one(ellipse(e, unit)?),
         "LWPOLYLINE" | "POLYLINE" => polyline(e, unit),
@@ -245,12 +252,12 @@ fn curves(e: &Entity, unit: f64) -> Result<Option<Vec<Curve<4>>>, Fault> {
 fn ellipse(e: &Entity, unit: f64) -> Result<Curve<4>, Fault> {
     let axis = e.point(11)?;
     let z = e.frame()?.z;
-    let x = axis.try_normalize(0.0).ok_or(Fault::Missing(11))?;
+    let x = axis.try_normalize(0.0).ok_or(Fault::Positive { code: 11, value: axis.norm() })?;
     let frame = Frame { origin: e.point(10)? * unit, x, y: z.cross(&x), z };
     let (from, to) = (e.number(41)?.unwrap_or(0.0), e.number(42)?.unwrap_or(std::f64::consts::TAU));
     let to = if to > from { to } else { to + std::f64::consts::TAU };
     let a = unit * axis.norm();
-    Ok(SpaceCurve::Ellipse { frame, a, b: a * e.required(40)? }.to_spline(from, to)?.0)
+    Ok(SpaceCurve::Ellipse { frame, a, b: a * e.positive(40)? }.to_spline(from, to)?.0)
 }
 
 /// A spline by its control points, or by its fit points if it has no others.
@@ -265,7 +272,7 @@ fn spline(e: &Entity, unit: f64) -> Result<Curve<4>, Fault> {
     if control.is_empty() {
         let points: Vec<Vec3> = e.points(11)?.into_iter().map(|p| p * unit).collect();
         count(74, "fit points", points.len())?;
-        let end = |code: i32| Ok::<_, Fault>(e.number(code)?.map(|_| e.point(code)).transpose()?);
+        let end = |code: i32| e.number(code)?.map(|_| e.point(code)).transpose();
         let ends = [end(12)?, end(13)?];
         return Ok(through::cubic(&points, ends, e.flags(70)? & CLOSED != 0)?);
     }

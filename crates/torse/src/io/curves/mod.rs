@@ -397,6 +397,7 @@ mod tests {
             ("0\nARC\n5\nA\n10\n0\n20\n0\n40\n1\n50\n0\n", "group 51 is missing"),
             ("0\nSPLINE\n5\nS\n71\n3\n74\n3\n11\n0\n21\n0\n31\n0\n", "fit points: 1 of 3"),
             ("0\nSPLINE\n5\nS\n71\n3\n", "too few for a spline"),
+            ("0\nCIRCLE\n5\nC\n10\n0\n20\n0\n40\n-5\n", "group 40 is -5; it must be greater"),
         ] {
             let told = read(drawing(entity).as_bytes(), &o).expect_err(reason).to_string();
             assert!(told.contains(reason), "{told}");

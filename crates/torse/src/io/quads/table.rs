@@ -17,6 +17,7 @@ pub(super) fn rulings(bytes: &[u8], unit: Option<f64>) -> Result<[Vec<Vec3>; 2],
     if table.rows.is_empty() {
         return Ok(sides);
     }
+    table.counted().map_err(told)?;
     let columns = columns(&table).map_err(told)?;
     let unit = table.unit_or(&columns, unit).map_err(told)?.unwrap_or(1.0);
     let (mut side, mut values) = (0, Vec::new());
