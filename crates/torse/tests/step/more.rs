@@ -240,6 +240,21 @@ fn bounded_surfaces_are_named_or_read() {
     let m = read(s.text().as_bytes()).expect("a model");
     assert!((area_estimate(&m.faces[0]) / (4.0 * std::f64::consts::PI) - 1.0).abs() < 1e-4);
     assert_eq!((m.faces.len(), m.skipped.len(), m.skipped[0].entity), (1, 1, stray));
+    // A patch that ends at its own sides, with a hole: the hole must not be taken for the face.
+    let mut s = Step::new(Unit::Millimetre);
+    let p = [[-5., -5., 0.], [-5., 5., 0.], [5., -5., 0.], [5., 5., 0.]].map(|p| s.point(p));
+    let patch = s.add(&format!(
+        "B_SPLINE_SURFACE_WITH_KNOTS('',1,1,((#{},#{}),(#{},#{})),.UNSPECIFIED.,.F.,.F.,.F.,(2,2),(2,2),(0.,1.),(0.,1.),\
+         .UNSPECIFIED.)",
+        p[0], p[1], p[2], p[3]
+    ));
+    let circle = s.circle([0., 0., 0.], [0., 0., 1.], 2.);
+    let segment = s.add(&format!("COMPOSITE_CURVE_SEGMENT(.CONTINUOUS.,.T.,#{circle})"));
+    let hole = s.add(&format!("BOUNDARY_CURVE('',(#{segment}),.F.)"));
+    let face = s.add(&format!("CURVE_BOUNDED_SURFACE('',#{patch},(#{hole}),.T.)"));
+    s.geometric_set(&[face]);
+    let e = read(s.text().as_bytes()).expect_err("not read").to_string();
+    assert!(e.contains("has holes"), "{e}");
 }
 
 #[test]

@@ -125,7 +125,7 @@ impl<'r, 'a> Walk<'r, 'a> {
             "TESSELLATED_SOLID" | "TESSELLATED_SHELL" => {
                 let beside = a.values.last().and_then(as_reference).is_some();
                 let faces = a.references(1).unwrap_or_default();
-                !beside && (faces.is_empty() || !faces.iter().all(|f| self.shows_a_face(*f)))
+                !beside && (faces.is_empty() || faces.iter().any(|f| !self.shows_a_face(*f)))
             }
             "BLOCK" | "SPHERE" | "TORUS" | "RIGHT_CIRCULAR_CYLINDER" | "RIGHT_CIRCULAR_CONE" => true,
             _ => {
