@@ -124,14 +124,18 @@ fn panels_with_poles_and_panels_that_share_edges_are_read_back_as_judged() {
 }
 
 /// Replaces a piece of text after a mark, once.
+fn changed(bytes: &[u8], after: &str, from: &str, to: &str) -> Vec<u8> {
+    let text = String::from_utf8(bytes.to_vec()).expect("text");
+    let at = text.find(after).expect("the place");
+    let (head, tail) = text.split_at(at);
+    assert!(tail.contains(from), "{from}");
+    (head.to_owned() + &tail.replacen(from, to, 1)).into_bytes()
+}
+
 fn tampered(file: &str, after: &str, from: &str, to: &str) -> Vec<File> {
     let mut all = files().clone();
     let (_, bytes) = all.iter_mut().find(|f| f.0 == file).expect("the file");
-    let text = String::from_utf8(bytes.clone()).expect("text");
-    let at = text.find(after).expect("the place");
-    let (head, tail) = text.split_at(at);
-    assert!(tail.contains(from));
-    *bytes = (head.to_owned() + &tail.replacen(from, to, 1)).into_bytes();
+    *bytes = changed(bytes, after, from, to);
     all
 }
 
@@ -187,20 +191,20 @@ fn strips_are_read_back_too() {
         (s.status(), words::reason(&s.claims, &[]))
     };
     assert_eq!(judged(&all), (Status::Certified, String::new()));
-    for (file, from, to) in [
-        ("strips.step", "B_SPLINE_SURFACE_WITH_KNOTS('',", "B_SPLINE_SURFACE_WITH_KNOTS('',1"),
-        ("strips.step", "CARTESIAN_POINT('',(", "CARTESIAN_POINT('',(9"),
-        ("strips.step", "ADVANCED_FACE('", "ADVANCED_FACE('X"),
-        ("strips.step", ".MILLI.", ".CENTI."),
-        ("strips.step", "ORIENTED_EDGE('',*,*,#", "ORIENTED_EDGE('',*,*,#1"),
-        ("patterns.dxf", "\nCUT_OUTER\n100\nAcDbPolyline", "\nCUT_INNER\n100\nAcDbPolyline"),
-        ("patterns.svg", "class=\"cut-outer\"", "class=\"cut-inner\""),
+    for (file, after, from, to) in [
+        // A vertex, a plane's normal, weights of a cone, its name, the unit, an edge of a loop.
+        ("strips.step", "DATA", "CARTESIAN_POINT('',(-300.", "CARTESIAN_POINT('',(-301."),
+        ("strips.step", "VERTEX_POINT", "DIRECTION('',(0.,-0.99", "DIRECTION('',(0.,-0.89"),
+        ("strips.step", "RATIONAL_B_SPLINE_SURFACE", "(1.,", "(2.,"),
+        ("strips.step", "DATA", "ADVANCED_FACE('", "ADVANCED_FACE('X"),
+        ("strips.step", "DATA", ".MILLI.", ".CENTI."),
+        ("strips.step", "DATA", "ORIENTED_EDGE('',*,*,#", "ORIENTED_EDGE('',*,*,#1"),
+        ("patterns.dxf", "CUT_OUTER\n100\nAcDbPolyline", " 10\n", " 10\n9"),
+        ("patterns.svg", "class=\"cut-outer\"", "d=\"M", "d=\"M9"),
     ] {
         let mut bad = all.clone();
         let bytes = &mut bad.iter_mut().find(|f| f.0 == file).expect("the file").1;
-        let text = String::from_utf8(bytes.clone()).expect("text");
-        assert!(text.contains(from), "{file}: {from}");
-        *bytes = text.replacen(from, to, 1).into_bytes();
+        *bytes = changed(bytes, after, from, to);
         let (status, reason) = judged(&bad);
         assert!(status == Status::Uncertified && reason.contains(file), "{file}: {from} became {to}: {reason}");
     }
