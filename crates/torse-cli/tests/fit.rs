@@ -168,13 +168,12 @@ fn coarse(radii: [f64; 2], steps: std::ops::Range<u32>) -> String {
 
 #[test]
 fn coarse_meshes_of_cylinders_and_cones_are_followed_through_their_corners() {
-    for (name, mesh) in [("cylinder", coarse([100.0; 2], 0..12)), ("cone", coarse([100.0, 60.0], 0..10))] {
+    for (name, mesh) in [("cylinder", coarse([100.0; 2], 0..10)), ("cone", coarse([100.0, 60.0], 0..10))] {
         let (code, said, report) = fit("mesh.obj", mesh, &["-t", "0.1mm"]);
         assert_eq!(code, Some(0), "{name}: {said}");
         // The facets are 0.86 mm inside; only the corners, which lie on the surface, are held to the tolerance.
         assert!(figure(&report, "largest distance of a point") <= 0.1, "{name}: {said}");
-        let corners = if name == "cone" { 22.0 } else { 26.0 };
-        assert!((figure(&report, "points") - corners).abs() < 0.5, "{name}: {said}");
+        assert!((figure(&report, "points") - 22.0).abs() < 0.5, "{name}: {said}");
         assert!(said.contains("Judged are the") && said.contains("triangles are chords"), "{name}: {said}");
         assert!(report["strips"].as_array().is_some_and(|s| s.len() <= 3), "{name}: {said}");
     }
