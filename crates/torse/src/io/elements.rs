@@ -41,7 +41,7 @@ pub fn holds_elements(name: &str, bytes: &[u8]) -> bool {
 /// Tables: `px,py,pz,qx,qy,qz` (or `ax` to `bz`) are rulings, with `nx,ny,nz` their tangent planes; `a,b,c,d` are planes
 /// `a x + b y + c z = d`, with `x,y,z,r` their regions of interest. A column `t` in either must increase: it says
 /// that the rows are in order. `w` are weights of planes and of rulings with planes in fits. Other columns are passed
-/// over; see [`crate::io::table`] for separators and decimal commas.
+/// over; see `io::table` for separators and decimal commas.
 ///
 /// # Errors
 /// See [`CloudReadError`].

@@ -39,7 +39,7 @@ const MOST: usize = 1 << 18;
 ///
 /// Tables: one ruling per line as `ax, ay, az, bx, by, bz` (or `px` to `qz`); or one point per line as `x, y, z`, the two
 /// polylines separated by an empty line. Columns that the first line names may stand in any order among others; see
-/// [`crate::io::table`] for separators. OBJ: all faces quadrilaterals that form one open strip, in any order.
+/// `io::table` for separators. OBJ: all faces quadrilaterals that form one open strip, in any order.
 ///
 /// # Errors
 /// See [`QuadReadError`].
