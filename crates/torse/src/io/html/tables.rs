@@ -114,8 +114,8 @@ pub(super) fn seams(report: &Report) -> String {
     }
     let name = |k: usize| report.panels.get(k).map_or_else(String::new, |p| escape(&p.name));
     let mut out = String::from(
-        "<details><summary>Seams</summary><table><thead><tr><th>Between</th><th>Joint</th><th>Gap, mm</th>\
-         <th>Length, mm</th><th>Lengths differ by, mm</th><th>Angle, degrees</th></tr></thead><tbody>",
+        "<details><summary>Seams</summary><div class=\"scroll\"><table><thead><tr><th>Between</th><th>Joint</th><th>Gap, mm</th>\
+         <th>Length, mm</th><th>Angle, degrees</th></tr></thead><tbody>",
     );
     for s in &report.seams {
         let [a, b] = s.between.map(name);
@@ -127,15 +127,14 @@ pub(super) fn seams(report: &Report) -> String {
         let _ = write!(
             out,
             "<tr><td>{a} \u{2013} {b}</td><td>{joint}</td><td class=\"number\">{}</td><td class=\"number\">{}</td>\
-             <td class=\"number\">{}</td><td class=\"number\">{} to {}</td></tr>",
+             <td class=\"number\">{} to {}</td></tr>",
             upper(s.gap_bound),
             s.seam_length.map_or_else(|| "?".into(), |x| plain(x, 5)),
-            upper(s.length_difference_bound),
             plain(s.kink_deg[0], 3),
             plain(s.kink_deg[1], 3),
         );
     }
-    out + "</tbody></table></details>"
+    out + "</tbody></table></div></details>"
 }
 
 /// The table of panels along curves, if there are any.
