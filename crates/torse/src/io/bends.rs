@@ -63,7 +63,7 @@ pub(super) fn table(pieces: &[FlatPiece]) -> String {
     let mut out = String::from(
         "<p class=\"quiet\">Patterns are drawn as seen from the side named. Lines marked up bend towards you, lines \
          marked down away from you; every line is in <code>bends.csv</code>.</p>\
-         <table><thead><tr><th>Part</th><th>Seen from</th><th>Up</th><th>Down</th><th>Turn, up and down</th>\
+         <div class=\"scroll\"><table><thead><tr><th>Part</th><th>Seen from</th><th>Up</th><th>Down</th><th>Turn, up and down</th>\
          <th>Smallest radius</th></tr></thead><tbody>",
     );
     for p in pieces {
@@ -83,7 +83,7 @@ pub(super) fn table(pieces: &[FlatPiece]) -> String {
             turn(BendSense::Down)
         );
     }
-    out.push_str("</tbody></table>");
+    out.push_str("</tbody></table></div>");
     out
 }
 
