@@ -12,8 +12,8 @@ use crate::num::jet::Jet;
 use crate::spline::curve::Curve;
 
 /// Pieces are halved until their enclosures exceed the greatest distance seen by less than this share of the
-/// tolerance; edges are made to be ten times as near.
-const EXCESS: f64 = 1e-4;
+/// tolerance, half of what edges are made to keep to.
+const EXCESS: f64 = 2e-4;
 
 /// Bound (mm) of the distance between an edge in space and its trimming curve on the patch, at equal parameters. `None`
 /// if the curve leaves the patch, or the edge is not a clamped spline of finite numbers over [0, 1].
