@@ -130,8 +130,8 @@ pub fn flat(patchwork: &Patchwork, patterns: &[Pattern], tolerance: f64, control
                 Some(bound) => certificate.mark_bound = bound,
                 None => missing.push("a mark has no partner on the neighbour, or is not on a seam".into()),
             }
-            let whole = Interval::point(certificate.strain_bound) * Interval::point(flat.pattern.length);
-            let total = (Interval::point(certificate.drawing_bound()) + whole).hi;
+            let change = Interval::point(flat.rails.length_change(flat.pattern.length));
+            let total = (Interval::point(certificate.drawing_bound()) + change).hi;
             if missing.is_empty() && (total > tolerance || total.is_nan()) {
                 missing.push(format!("the drawing is only proven to be within {total:.6} mm"));
             }

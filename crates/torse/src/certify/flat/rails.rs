@@ -50,6 +50,8 @@ pub(super) struct FlatRails {
     breaks: Vec<f64>,
     /// Bound of |σ − 1| for the factor σ by which any length changes.
     pub strain: f64,
+    /// See [`FlatRails::length_change`].
+    change: Change,
 }
 
 /// Flat rails in powers of `x = (t − a)/(b − a) − ½`.
@@ -75,7 +77,7 @@ impl FlatRails {
     /// Flat rails over the rulings that `used` gives a range of r for; `side` ±1 says from which side the panel is
     /// seen. `None` where nothing could be shown.
     pub fn new(patch: &Ruled, used: &dyn Fn(f64, f64) -> Option<Interval>, side: f64) -> Option<Self> {
-        let mut out = Self { pieces: Vec::new(), breaks: Vec::new(), strain: 0.0 };
+        let mut out = Self { pieces: Vec::new(), breaks: Vec::new(), strain: 0.0, change: Change::default() };
         let breaks = patch.breaks();
         // Ends, halvings, and the strain before the last of these.
         let mut open: Vec<(f64, f64, usize, f64)> =
@@ -85,13 +87,15 @@ impl FlatRails {
             let Some(r) = used(a, b) else { continue };
             let (piece, end, strain) = developed(patch, (a, b), r, side, start);
             let m = 0.5 * (a + b);
-            let good = strain.is_some_and(|s| s <= STRAIN || s >= HELPS * before);
+            let good = strain.is_some_and(|s| s.bound <= STRAIN || s.bound >= HELPS * before);
             if !good && depth < DEPTH && a < m && m < b {
-                let here = strain.unwrap_or(f64::INFINITY);
+                let here = strain.map_or(f64::INFINITY, |s| s.bound);
                 open.extend([(m, b, depth + 1, here), (a, m, depth + 1, here)]);
                 continue;
             }
-            out.strain = out.strain.max(strain?);
+            let strain = strain?;
+            out.strain = out.strain.max(strain.bound);
+            out.change = out.change.with(&strain);
             out.pieces.push(piece);
             start = Some(end);
         }
@@ -100,6 +104,14 @@ impl FlatRails {
         let end = out.pieces.last()?.b;
         out.breaks = out.pieces.iter().map(|p| p.a).chain([end]).collect();
         whole.then_some(out)
+    }
+
+    /// Bound (mm) of the change of the length of any path of at most this length that crosses no ruling twice, as
+    /// shortest paths do.
+    pub fn length_change(&self, length: f64) -> f64 {
+        let Change { norm, along, crossing } = &self.change;
+        let least = Interval::point(2.0) - Interval::point(norm.hi);
+        ((Interval::point(along.hi) * Interval::point(length) + Interval::point(crossing.hi)) / least).hi
     }
 
     /// The map along `(t(s), r(s))`, and how [`rough`] it is; `None` outside the rulings in use.
@@ -180,7 +192,7 @@ fn developed(
     r: Interval,
     side: f64,
     start: Option<[[f64; 2]; 2]>,
-) -> (FlatPiece, [[f64; 2]; 2], Option<f64>) {
+) -> (FlatPiece, [[f64; 2]; 2], Option<Strain>) {
     let origin = patch.middle(0.5 * (a + b));
     let ends = [0, 1].map(|end: usize| patch.end(end, a, b, &origin).map(|c| powers_about_half(&c)));
     let weights = if patch.rational { [ends[0][3].clone(), ends[1][3].clone()] } else { [Vec::new(), Vec::new()] };
@@ -337,8 +349,46 @@ fn solved(at: &Rails, share: f64, side: f64, start: Option<[[f64; 2]; 2]>) -> [[
     out
 }
 
-/// Bound of |σ − 1| from bounds of the six coefficients.
-fn strain(most: &[f64; 6], middle: &Rails, all: &Rails, share: Interval) -> Option<f64> {
+/// How lengths change over a piece.
+#[derive(Clone, Copy)]
+struct Strain {
+    /// Bound of |σ − 1|.
+    bound: f64,
+    /// Bound of |σ² − 1|.
+    norm: Interval,
+    /// Change of squared lengths along rulings,
+    along: Interval,
+    /// and what across them adds to it, times how far the piece reaches across.
+    crossing: Interval,
+}
+
+/// How lengths change over all pieces.
+///
+/// Of a path with the components dx along and dy across rulings, ds'² − ds² is at most `f dx² + 2 s |dx dy| + t dy²` with
+/// the parts f, s, t of the strain; with `ds' + ds ≥ (2 − n) ds` and n the norm of these, ds' − ds is at most
+/// `(f |dx| + (2 s + t) |dy|)/(2 − n)`. A path that crosses every ruling once has no more dy in a piece than its reach.
+/// That is far less than the largest strain of all times the length, where a panel bends sharply in a short stretch.
+#[derive(Clone, Copy)]
+struct Change {
+    norm: Interval,
+    along: Interval,
+    crossing: Interval,
+}
+
+impl Default for Change {
+    fn default() -> Self {
+        Self { norm: Interval::ZERO, along: Interval::ZERO, crossing: Interval::ZERO }
+    }
+}
+
+impl Change {
+    fn with(&self, s: &Strain) -> Self {
+        Self { norm: self.norm.hull(s.norm), along: self.along.hull(s.along), crossing: self.crossing + s.crossing }
+    }
+}
+
+/// How lengths change, from bounds of the six coefficients.
+fn strain(most: &[f64; 6], middle: &Rails, all: &Rails, share: Interval) -> Option<Strain> {
     let value = |v: &V3<Series<N>>| [0, 1, 2].map(|d: usize| v[d].0[0]);
     let (e, de, da) = (value(&all.e), value(&all.de), value(&all.da));
     let square = e[0].sqr() + e[1].sqr() + e[2].sqr();
@@ -368,7 +418,9 @@ fn strain(most: &[f64; 6], middle: &Rails, all: &Rails, share: Interval) -> Opti
     let norm = (first.sqr() + second.sqr().scale_exact(2.0) + third.sqr()).sqrt();
     // |σ − 1| ≤ |σ² − 1| (1 + |σ² − 1|)/2 up to ½.
     let bound = (norm * (Interval::ONE + norm)).scale_exact(0.5).hi;
-    (bound <= 0.5).then_some(bound)
+    let reach = length(&cross(&e, &velocity)) / ruling;
+    let crossing = (second.scale_exact(2.0) + third) * reach;
+    (bound <= 0.5 && crossing.hi.is_finite()).then_some(Strain { bound, norm, along: first, crossing })
 }
 
 #[cfg(test)]
@@ -403,6 +455,19 @@ mod tests {
             }
             assert!((space / plane - 1.0).abs() < 1e-6, "{space} {plane}");
         }
+    }
+
+    #[test]
+    fn what_lengths_change_adds_up_to_no_more_than_the_greatest_strain_of_all() {
+        let mut patch = primal_patch();
+        let length = 2.0 * patch.bbox().diagonal();
+        let exact = rails_of(&patch).expect("flat rails");
+        assert!(exact.length_change(length) <= exact.strain * length * 4.0, "{:e}", exact.length_change(length));
+        // A twist in one of its spans only is felt there.
+        patch.control[8][2] += 0.02;
+        let twisted = rails_of(&patch).expect("flat rails");
+        let change = twisted.length_change(length);
+        assert!(change > exact.length_change(length) && change < twisted.strain * length, "{change:e}");
     }
 
     #[test]

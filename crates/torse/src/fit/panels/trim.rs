@@ -29,6 +29,10 @@ pub struct Trim {
     pub deviation_estimate: f64,
 }
 
+/// Weight of second differences against waypoints. A control point that is felt at its nearest waypoint by less than the
+/// square root of it counts as left open: with a thousandth of this, one that is felt by 10⁻⁵ followed the last digits of
+/// feet and threw the curve out of its patch, within the span and unseen at waypoints.
+const STIFFNESS: f64 = 1e-8;
 /// Rounds of refinement; every round halves the spans that miss their allowance.
 const ROUNDS: usize = 20;
 /// A span with fewer waypoints gets more of them before it is cut: more knots could not be determined.
@@ -173,7 +177,7 @@ fn least_squares(breaks: &[(f64, usize)], waypoints: &[Waypoint]) -> Result<Curv
     }
     // A trace of second differences decides what few waypoints leave open.
     let trace: f64 = a.iter().map(|r| r[0]).sum::<f64>() / m as f64;
-    let hair = 1e-11 * trace.max(f64::MIN_POSITIVE);
+    let hair = STIFFNESS * trace.max(f64::MIN_POSITIVE);
     for i in 1..n - 1 {
         let stencil = [(i - 1, 1.0), (i, -2.0), (i + 1, 1.0)];
         for (p, x) in stencil {
