@@ -179,9 +179,10 @@ pub fn pattern(strips: &[&Strip], index: usize, name: &str, options: &StripOptio
         sides.reverse();
     }
     let isometry_error = laid.iter().fold(0.0_f64, |m, l| {
+        let point = [0, 1].map(|side| l.strip.is_point(side));
         l.development.stations().flat_map(|t| ACROSS.map(|v| (t, v))).fold(m, |m, (t, v)| {
             // The apex of a fan has no tangent plane to measure in.
-            let apex = (v < 0.5 && l.strip.is_point(0)) || (v > 0.5 && l.strip.is_point(1));
+            let apex = (v < 0.5 && point[0]) || (v > 0.5 && point[1]);
             m.max(l.development.strain(t, if apex { 0.5 } else { v }))
         })
     });

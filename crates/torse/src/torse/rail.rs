@@ -438,26 +438,50 @@ impl Rail {
         self.pieces.get(k).is_some_and(is_straight)
     }
 
-    /// Looks for chords that meet although they are not neighbours.
+    /// Looks for chords that meet although they are not neighbours: in the order in which they begin along the longest
+    /// side of the box, so that only those are compared that lie beside each other there.
     fn simple(&self, size: f64) -> Result<(), RailError> {
         let points = self.samples(CHORDS);
         let n = points.len() - 1;
-        for i in 0..n {
-            for j in i + 2..n {
-                if self.closed && i == 0 && j == n - 1 {
+        let side = {
+            let b = BBox::of(points.iter());
+            (b.max - b.min).imax()
+        };
+        let near = SAME * size;
+        let reach = |k: usize, d: usize| {
+            let (a, b) = (points[k][d], points[k + 1][d]);
+            (a.min(b), a.max(b) + near)
+        };
+        let mut order: Vec<usize> = (0..n).collect();
+        order.sort_by(|i, j| reach(*i, side).0.total_cmp(&reach(*j, side).0));
+        let apart = |i: usize, j: usize| {
+            (0..3).any(|d| {
+                let (p, q) = (reach(i, d), reach(j, d));
+                p.1 < q.0 || q.1 < p.0
+            })
+        };
+        let mut met: Option<(usize, usize)> = None;
+        for (at, &k) in order.iter().enumerate() {
+            let end = reach(k, side).1;
+            for &l in order[at + 1..].iter().take_while(|l| reach(**l, side).0 <= end) {
+                let (i, j) = (k.min(l), k.max(l));
+                let neighbours = j <= i + 1 || (self.closed && i == 0 && j == n - 1);
+                if neighbours || met.is_some_and(|m| m <= (i, j)) || apart(i, j) {
                     continue;
                 }
-                let d = chord_distance(&points[i], &points[i + 1], &points[j], &points[j + 1]);
-                if d <= SAME * size {
-                    return Err(RailError::SelfIntersecting {
-                        rail: self.name.clone(),
-                        first: i as f64 / n as f64,
-                        second: j as f64 / n as f64,
-                    });
+                if chord_distance(&points[i], &points[i + 1], &points[j], &points[j + 1]) <= near {
+                    met = Some((i, j));
                 }
             }
         }
-        Ok(())
+        match met {
+            Some((i, j)) => Err(RailError::SelfIntersecting {
+                rail: self.name.clone(),
+                first: i as f64 / n as f64,
+                second: j as f64 / n as f64,
+            }),
+            None => Ok(()),
+        }
     }
 }
 

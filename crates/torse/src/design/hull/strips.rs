@@ -135,7 +135,7 @@ fn part(
     Ok(out)
 }
 
-/// Stations cut at joints and at the ends of pieces.
+/// Stations cut at joints (in order) and at the ends of pieces.
 fn sections(stations: &[[f64; 2]], joints: &[usize]) -> Vec<Vec<[f64; 2]>> {
     let mut out: Vec<Vec<[f64; 2]>> = Vec::new();
     let mut now = vec![stations[0]];
@@ -159,7 +159,7 @@ fn sections(stations: &[[f64; 2]], joints: &[usize]) -> Vec<Vec<[f64; 2]>> {
         }
         now.push(s);
         let ends = (0..2).any(|d| (s[d] - s[d].round()).abs() < REST && s[d] - now[0][d] > REST);
-        if (ends || joints.contains(&k)) && k + 1 < stations.len() {
+        if (ends || joints.binary_search(&k).is_ok()) && k + 1 < stations.len() {
             out.push(std::mem::replace(&mut now, vec![s.map(rounded)]));
         }
     }

@@ -3,6 +3,7 @@
 use super::judgement::SQUARE_METRES;
 use crate::answer::sheets::FlatPart;
 use crate::certify::claim::{Claim, Subject, What};
+use crate::control::Control;
 use crate::develop::strip::{pattern, StripOptions};
 use crate::develop::view::{centre, viewed};
 use crate::develop::DevelopError;
@@ -13,6 +14,16 @@ use crate::torse::strip::Strip;
 ///
 /// Patterns are seen from the side of the model that the options name. Every part asked for is answered: one that cannot be developed is listed with the reason, and without pattern.
 pub fn cut(strips: &[Strip], chains: &[FlatPart], options: &StripOptions) -> (Vec<FlatPart>, Vec<Pattern>) {
+    cut_until(strips, chains, options, &Control::default())
+}
+
+/// As [`cut`]; parts whose turn comes after a control said stop have no pattern.
+pub fn cut_until(
+    strips: &[Strip],
+    chains: &[FlatPart],
+    options: &StripOptions,
+    control: &Control,
+) -> (Vec<FlatPart>, Vec<Pattern>) {
     let (mut parts, mut patterns) = (Vec::new(), Vec::new());
     let centre = centre(strips);
     let mut waiting: Vec<FlatPart> = chains.iter().rev().cloned().collect();
@@ -22,6 +33,11 @@ pub fn cut(strips: &[Strip], chains: &[FlatPart], options: &StripOptions) -> (Ve
             parts.push(part);
             continue;
         };
+        if control.stopped() {
+            part.missing = "the job was stopped before it was laid flat".into();
+            parts.push(part);
+            continue;
+        }
         let chain: Vec<&Strip> = chain.iter().collect();
         match pattern(&chain, parts.len(), &part.name, options) {
             Ok(p) => {
@@ -53,7 +69,8 @@ pub fn claims(parts: &[FlatPart], patterns: &[Pattern], tolerance: f64) -> Vec<C
     let whole = Subject::Whole;
     let isometry = patterns.iter().map(|p| p.isometry_error).fold(0.0, f64::max);
     let missing = parts.iter().filter(|p| !p.missing.is_empty()).map(|p| format!("part {}: {}", p.name, p.missing));
-    let area = patterns.iter().map(|p| p.area * SQUARE_METRES).sum();
+    // The sum of nothing is −0.
+    let area = patterns.iter().map(|p| p.area * SQUARE_METRES).sum::<f64>() + 0.0;
     let mut out =
         vec![Claim::measured(What::FlatArea, whole, area), Claim::measured(What::LengthError, whole, isometry)];
     out.extend(missing.chain(stretched(parts, patterns, tolerance)).map(|r| Claim::objection(whole, r)));
