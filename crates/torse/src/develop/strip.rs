@@ -49,6 +49,11 @@ const CORNER: f64 = 1e-6;
 const MARKS: f64 = 8.0;
 /// Most rulings or marks drawn: more than anybody can use, and no spacing can exhaust the memory.
 const MOST: f64 = 4000.0;
+/// The least distance between rulings or marks on a pattern whose longer side is so long.
+pub fn least_spacing(length: f64) -> f64 {
+    length / MOST
+}
+
 /// Samples per span for lengths along the middle.
 const SAMPLES: usize = 16;
 /// Stations over the breadth of a strip where the isometry is measured.

@@ -150,7 +150,8 @@ mod tests {
         let area = |k: usize| {
             let x = (hull[(k + 1) % hull.len()] - hull[k]).normalize();
             let extent = |f: &dyn Fn(&Vec2) -> f64| {
-                let (lo, hi) = hull.iter().map(f).fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+                let (lo, hi) =
+                    hull.iter().map(f).fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
                 hi - lo
             };
             extent(&|p| x.dot(p)) * extent(&|p| x.perp(p))

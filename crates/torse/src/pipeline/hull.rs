@@ -14,7 +14,7 @@ use crate::design::loft::build::BuildOptions;
 use crate::develop::strip::StripOptions;
 use crate::develop::view::Drawn;
 use crate::geom::coarse::Loose;
-use crate::search::strips::cut::{claims as flat_claims, cut_until};
+use crate::search::strips::cut::{claims as flat_claims, cut_until, spacing_notes};
 use crate::search::strips::judgement::{findings, summed, Candidate, Found, SQUARE_METRES};
 use crate::torse::rail::Rail;
 use crate::torse::strip::Strip;
@@ -108,6 +108,7 @@ pub fn hull(curves: &[Rail], options: &Options, control: &Control) -> Result<She
         ..StripOptions::new(CONTOUR_SHARE * tolerance)
     };
     let (parts, patterns) = cut_until(&kept.strips, &kept.parts, &flat, control);
+    notes.extend(spacing_notes(&patterns, &flat));
     let whole = Subject::Whole;
     let mut claims = kept.claims;
     claims.push(Claim::count(Counted::Strips, whole, kept.strips.len()));

@@ -69,8 +69,7 @@ fn with_spans(place: &dyn Fn(f64) -> Vec3, count: usize, wraps: bool) -> Option<
     let (first, last) = (-beyond, count as i64 + beyond);
     let breaks: Vec<f64> = (first..=last).map(|k| k as f64 / count as f64).collect();
     let parts = PLACES as i64;
-    let parameters: Vec<f64> =
-        (parts * first..=parts * last).map(|k| k as f64 / (PLACES * count) as f64).collect();
+    let parameters: Vec<f64> = (parts * first..=parts * last).map(|k| k as f64 / (PLACES * count) as f64).collect();
     let once = |t: f64| if wraps { t.rem_euclid(1.0) } else { t };
     let points: Vec<[f64; 3]> = parameters.iter().map(|t| place(once(*t)).into()).collect();
     let knots = Knots::clamped(3, &breaks).ok()?;

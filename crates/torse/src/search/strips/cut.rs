@@ -4,7 +4,7 @@ use super::judgement::SQUARE_METRES;
 use crate::answer::sheets::FlatPart;
 use crate::certify::claim::{Claim, Subject, What};
 use crate::control::Control;
-use crate::develop::strip::{pattern, StripOptions};
+use crate::develop::strip::{least_spacing, pattern, StripOptions};
 use crate::develop::view::{centre, viewed};
 use crate::develop::DevelopError;
 use crate::patchwork::pattern::Pattern;
@@ -62,6 +62,20 @@ pub fn cut_until(
         }
     }
     (parts, patterns)
+}
+
+/// What is said where rulings or marks were asked for nearer to each other than they are drawn.
+pub fn spacing_notes(patterns: &[Pattern], options: &StripOptions) -> Vec<String> {
+    let longest = |p: &Pattern| p.sides.iter().map(|s| s.length).fold(0.0, f64::max);
+    let least = least_spacing(patterns.iter().map(longest).fold(0.0, f64::max));
+    let told = |what: &str, asked: Option<f64>| {
+        let asked = asked.filter(|s| *s > 0.0 && *s < least)?;
+        Some(format!(
+            "{what} every {asked} mm were asked for; on the longest part they are drawn every {least:.4} mm, which is as \
+             many as a part has"
+        ))
+    };
+    told("rulings", options.ruling_spacing).into_iter().chain(told("marks", options.mark_spacing)).collect()
 }
 
 /// What is said of flat parts: their area, the error of their lengths, and what stands against each.
@@ -130,6 +144,22 @@ mod tests {
         let (parts, patterns) = cut(&strips, &[whole], &StripOptions::new(0.01));
         assert_eq!((parts.len(), patterns.len()), (2, 2));
         assert!(parts.iter().all(|p| p.missing.is_empty()) && parts[1].name == "fanb" && patterns[1].panel == 1);
+    }
+
+    #[test]
+    fn rulings_asked_for_too_near_are_told_of() {
+        let x = Vec3::new;
+        let quad = [[x(0.0, 0.0, 0.0), x(0.0, 80.0, 0.0)], [x(100.0, 0.0, 0.0), x(100.0, 80.0, 0.0)]];
+        let strips = [Strip::quad("A-01", PanelKind::Cylinder, quad[0], quad[1]).expect("strip")];
+        let whole = FlatPart { name: "A".into(), first: 0, count: 1, missing: String::new() };
+        let asked = |ruling_spacing, mark_spacing| {
+            let options = StripOptions { ruling_spacing, mark_spacing, ..StripOptions::new(0.01) };
+            spacing_notes(&cut(&strips, std::slice::from_ref(&whole), &options).1, &options)
+        };
+        assert!(asked(None, None).is_empty() && asked(Some(1.0), Some(0.0)).is_empty());
+        let told = asked(Some(1e-6), Some(1.0));
+        assert!(told.len() == 1 && told[0].starts_with("rulings every"), "{told:?}");
+        assert_eq!(asked(Some(1e-6), Some(1e-6)).len(), 2);
     }
 
     #[test]

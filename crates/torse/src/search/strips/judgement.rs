@@ -135,9 +135,7 @@ pub fn judge(strips: &[Candidate], sides: [What; 2], limit: f64) -> Judgement {
 fn field(strip: &Strip, found: &Found) -> StripField {
     let plain = strip.kind == PanelKind::Plane && strip.patch.knots_u.control_count() == 2;
     let (u, twists) = match (plain, &found.at[..]) {
-        (true, [first, .., last]) => {
-            (vec![*first, *last], vec![found.twists.iter().copied().fold(0.0, f64::max); 2])
-        }
+        (true, [first, .., last]) => (vec![*first, *last], vec![found.twists.iter().copied().fold(0.0, f64::max); 2]),
         _ => (found.at.clone(), found.twists.clone()),
     };
     StripField { u, v: vec![0.0, 1.0], values: twists.iter().flat_map(|t| [t.to_degrees(); 2]).collect() }
