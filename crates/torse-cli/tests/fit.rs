@@ -91,7 +91,7 @@ fn flat_outlines_follow_the_border_of_the_scan_and_its_hole() {
     let exact = std::f64::consts::PI * (radius * radius - hole * hole) * 1e-6;
     let flat = figure(&report, "flat area");
     assert!((flat / exact - 1.0).abs() < 0.03, "{flat} {exact} {said}");
-    assert!(said.contains("1 holes are cut out") && said.contains("does not say its unit"), "{said}");
+    assert!(said.contains("Holes cut out: 1;") && said.contains("does not say its unit"), "{said}");
 }
 
 /// Points of a sheet in rows, with noise along its normals.

@@ -236,8 +236,8 @@ fn outlined(
         out = format!(
             "Flat outlines follow the border of the measured points: no place of them is farther than {off:.2} mm from a \
              point (estimated), and the sheet may go on beyond them by the spacing of the points, about {spacing:.2} mm. \
-             {holes} holes are cut out, {closed} of a few spacings are not; {stray} points lie apart. The strips in \
-             strips.step, model.glb and the pictures in space are not trimmed: they reach a little farther."
+             Holes cut out: {holes}; holes of a few spacings that are not: {closed}; points that lie apart: {stray}. The \
+             strips in strips.step, model.glb and the pictures in space are not trimmed: they reach a little farther."
         );
     }
     if !whole.is_empty() {

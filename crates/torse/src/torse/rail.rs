@@ -113,6 +113,9 @@ const POINT_CORNER: f64 = 0.53;
 const SMOOTH: f64 = 1e-6;
 /// Parameters this near the end of a piece are its end.
 const SEAM: f64 = 1e-9;
+/// Distance (share of the whole) up to which a spline is cut at a knot and not beside it: on a span that is rounding its
+/// tangent would be, too.
+const AT_KNOT: f64 = 1e-9;
 /// Chords per rail for the search of self-intersections.
 const CHORDS: usize = 256;
 
@@ -271,7 +274,9 @@ impl Rail {
             let parameters = lsq::chord_parameters(&stretch);
             let whole = cubic_through(name, &stretch)?;
             let spline = |source| RailError::Spline { rail: name.into(), source };
-            let mut once = whole.restricted(parameters[wrap], parameters[wrap + n]).map_err(spline)?;
+            let knots = whole.knots.breaks();
+            let cut = |t: f64| knots.iter().copied().find(|k| (k - t).abs() <= AT_KNOT).unwrap_or(t);
+            let mut once = whole.restricted(cut(parameters[wrap]), cut(parameters[wrap + n])).map_err(spline)?;
             // Both ends exactly at the given point.
             let last = once.control.len() - 1;
             let end = homogeneous(&points[0]);
@@ -659,6 +664,21 @@ mod tests {
         let mut bent = arc.clone();
         bent.extend((1..10).map(|k| arc[20] + Vec3::z() * f64::from(k)));
         assert_eq!(Rail::through("bent", &bent).expect("rail").pieces.len(), 2);
+    }
+
+    #[test]
+    fn evenly_spaced_points_of_a_loop_are_joined_smoothly_at_the_seam() {
+        for n in [48, 96, 250, 500, 1000] {
+            // As printed with nine decimals.
+            let round = |x: f64| (x * 1e9).round() / 1e9;
+            let at = |k: usize| {
+                let (s, c) = (std::f64::consts::TAU * (k % n) as f64 / n as f64).sin_cos();
+                Vec3::new(round(300.0 * c), round(300.0 * s), 0.0)
+            };
+            let r = Rail::through("circle", &(0..=n).map(at).collect::<Vec<_>>()).expect("rail");
+            let turn = tangent(&r.pieces[0], 1.0).angle(&tangent(&r.pieces[0], 0.0));
+            assert!(r.closed && r.pieces.len() == 1 && turn < 1e-6, "{n}: {turn:e}");
+        }
     }
 
     #[test]
