@@ -7,7 +7,7 @@ use crate::wiring::sheets_warning;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use torse::answer::sheets::Sheets;
-use torse::certify::claim::{Claim, Status, Subject};
+use torse::certify::claim::{Claim, Status, Subject, What};
 use torse::io::words;
 use torse::pipeline::deliver::strip_files;
 
@@ -75,7 +75,11 @@ fn value(c: &Claim) -> String {
     let unit = words::unit(c.what());
     match c.value() {
         _ if c.is_unknown() => "unknown".into(),
-        x if x.is_infinite() => "none".into(),
+        x if x.is_infinite() => match c.what() {
+            // Of planes, or of cylinders.
+            What::RegressionClearance | What::BendRadius => "none".into(),
+            _ => "unknown".into(),
+        },
         x if unit.is_empty() => number(x),
         x => format!("{} {unit}", number(x)),
     }

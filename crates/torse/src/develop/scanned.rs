@@ -1,6 +1,6 @@
 //! The outline of measured points in the plane, and patterns cut back to it.
 //!
-//! *Method.* The alpha shape: of the Delaunay triangles of the points, those with small circumcircles belong to the sheet;
+//! *Method.* The alpha shape \[EKS83\]: of the Delaunay triangles of the points, those with small circumcircles belong to the sheet;
 //! their border is the outline. "Small" is measured by the triangles themselves, which know the spacing of the points.
 //! *Not guaranteed*: anything between the points; a sheet may end up to a spacing outside of its outermost points.
 
@@ -182,7 +182,7 @@ impl<'a> Inside<'a> {
     }
 }
 
-/// A polygon without the corners that lie within `off` of the line between those kept \[Douglas–Peucker\].
+/// A polygon without the corners that lie within `off` of the line between those kept, by the method of Douglas and Peucker.
 fn straightened(polygon: &[Vec2], off: f64) -> Vec<Vec2> {
     let n = polygon.len();
     let Some(far) = (0..n).max_by(|i, j| {

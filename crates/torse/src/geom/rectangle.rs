@@ -52,7 +52,8 @@ pub fn smallest_rectangle(points: &[Vec2]) -> Option<Rectangle> {
 /// Corners of a convex hull from which on trying every corner with every edge takes longer than anything else.
 const MANY: usize = 512;
 
-/// The edge of a convex polygon on which the rectangle of least area lies: the farthest corners go round with the edges.
+/// The edge of a convex polygon on which the rectangle of least area lies: the farthest corners go round with the edges
+/// \[T83\].
 fn least_edge(hull: &[Vec2]) -> usize {
     let n = hull.len();
     let along = |k: usize| (hull[(k + 1) % n] - hull[k]).try_normalize(0.0).unwrap_or_else(Vec2::x);

@@ -59,6 +59,8 @@ impl Options {
 const RAIL_SHARE: f64 = 0.1;
 /// Share of the tolerance by which splines with few knots may stray from curves with many.
 const FOLLOW_SHARE: f64 = 0.1;
+/// Strips of one span each that are written within a second; more are not written once the job was asked to stop.
+const SOON: usize = 2000;
 /// Strips left out that are named; more are counted.
 const NAMED: usize = 12;
 /// Share of the tolerance for lines and arcs of the flat outline.
@@ -100,7 +102,14 @@ pub fn hull(curves: &[Rail], options: &Options, control: &Control) -> Result<She
     }
     control.report("judging", 0.7, "");
     let mut notes = notes(curves, &found, &made, tolerance);
-    let kept = kept(curves, made, options, control, &mut notes);
+    let mut kept = kept(curves, made, options, control, &mut notes);
+    // A span costs about a tenth of a strip.
+    let spans: usize = kept.strips.iter().map(|s| s.patch.knots_u.breaks().len() - 1).sum();
+    if control.stopped() && kept.strips.len() + spans / 10 > SOON {
+        let found = kept.strips.len();
+        kept = Kept { skipped: kept.skipped, ..Kept::default() };
+        kept.missing.push(format!("{found} strips were found, too many to be laid flat and written after a stop"));
+    }
     let flat = StripOptions {
         ruling_spacing: options.ruling_spacing,
         mark_spacing: options.mark_spacing,

@@ -1,4 +1,6 @@
 //! Curves through very many points, followed by splines with few knots: every knot of a curve becomes a span of a strip.
+//!
+//! *Method.* Least squares \[PT97, 9.4.1\] at places of the given curve, with its parameters; closed ones more than once round.
 
 use crate::control::Control;
 use crate::geom::Vec3;

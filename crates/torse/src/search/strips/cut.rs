@@ -99,6 +99,9 @@ fn stretched(parts: &[FlatPart], patterns: &[Pattern], tolerance: f64) -> Vec<St
         .iter()
         .filter(|p| off(p).is_nan() || off(p) > tolerance)
         .map(|p| {
+            if !p.isometry_error.is_finite() {
+                return format!("part {}: nothing is known of lengths in the flat pattern", name(p));
+            }
             format!(
                 "part {}: lengths in the flat pattern are wrong by up to {:.1e} of their value",
                 name(p),
@@ -173,5 +176,8 @@ mod tests {
         patterns[0].isometry_error = 1.2;
         let told = stretched(&parts, &patterns, 1e-6);
         assert!(told.len() == 1 && told[0].starts_with("part A: lengths"), "{told:?}");
+        patterns[0].isometry_error = f64::INFINITY;
+        let told = stretched(&parts, &patterns, 1e-6);
+        assert!(told.len() == 1 && !told[0].contains("inf"), "{told:?}");
     }
 }
