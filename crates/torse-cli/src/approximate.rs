@@ -62,6 +62,7 @@ pub fn run(arguments: &Approximate) -> Result<bool, Failure> {
     let bare = job.layout.curves.iter().filter(|c| outcome.along.iter().all(|a| a.curve != c.name));
     notes.extend(bare.map(|c| format!("no panel along {} could be certified; others took its place", c.name)));
 
+    outcome.notes = notes;
     terminal.say("writing");
     for (name, bytes) in wiring::files(&mut outcome)? {
         output.write(&name, &bytes)?;
@@ -85,7 +86,7 @@ pub fn run(arguments: &Approximate) -> Result<bool, Failure> {
 
     if !arguments.quiet {
         // A closed pipe is no reason to fail after the work is done.
-        let _ = summary(&outcome, &notes, tolerance, &folder, terminal.interrupted());
+        let _ = summary(&outcome, tolerance, &folder, terminal.interrupted());
     }
     Ok(outcome.status() == Status::Certified && cones_hold)
 }
@@ -195,13 +196,7 @@ pub fn refuse_left_out(file: &Path, left_out: &[String]) -> Result<(), Failure> 
 }
 
 /// Tells the result in a few lines.
-fn summary(
-    outcome: &Outcome,
-    notes: &[String],
-    tolerance: &Length,
-    folder: &Path,
-    interrupted: bool,
-) -> std::io::Result<()> {
+fn summary(outcome: &Outcome, tolerance: &Length, folder: &Path, interrupted: bool) -> std::io::Result<()> {
     let mut out = std::io::stdout().lock();
     let panels = outcome.patchwork.panels.len();
     let faces = outcome.patchwork.faces.len();
@@ -234,7 +229,7 @@ fn summary(
     for skipped in &outcome.skipped {
         writeln!(out, "  left out: #{}: {}", skipped.entity, skipped.reason)?;
     }
-    for note in notes {
+    for note in &outcome.notes {
         writeln!(out, "  note: {note}")?;
     }
     writeln!(out, "  open {}", folder.join("report.html").display())

@@ -52,7 +52,7 @@ pub fn run(arguments: &Fit) -> Result<bool, Failure> {
             return Err(Failure::new(format!("{name} is for rulings, planes and faces, not for points"), help));
         }
     }
-    let cloud = torse::io::cloud::read(&name, &bytes, arguments.unit)
+    let (cloud, guess) = torse::io::cloud::read_noted(&name, &bytes, arguments.unit)
         .map_err(|e| Failure::new(format!("{}: {e}", file.display()), "export the scan as PLY, CSV, OBJ or STL"))?;
     drop(bytes);
     let mut options = FitOptions::new(arguments.tolerance.mm, &job_name(arguments));
@@ -65,6 +65,7 @@ pub fn run(arguments: &Fit) -> Result<bool, Failure> {
         Failure::new(e.to_string(), "give a scan of a sheet with its unit (--unit) and a tolerance above its noise")
     })?;
 
+    outcome.sheets.notes.extend(guess);
     let map = torse::io::cloud::ply::with_values(&cloud.points, outcome.certificate.signed_estimates(), "deviation");
     let folder = deliver(&mut outcome.sheets, vec![("deviation.ply".into(), map)], output, &terminal)?;
     if !arguments.quiet {

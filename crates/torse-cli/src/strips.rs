@@ -7,7 +7,7 @@ use crate::wiring::sheets_warning;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use torse::answer::sheets::Sheets;
-use torse::certify::claim::{Status, Subject};
+use torse::certify::claim::{Claim, Status, Subject, What};
 use torse::io::words;
 use torse::pipeline::deliver::strip_files;
 
@@ -59,9 +59,7 @@ pub fn tell(outcome: &Sheets, made: &str, folder: &Path) -> std::io::Result<()> 
         }
     }
     for c in outcome.claims_of(Subject::Whole) {
-        let unit = words::unit(c.what());
-        let value = if c.is_unknown() { "unknown".into() } else { number(c.value()) };
-        writeln!(out, "  {}: {value} {unit} ({})", words::name(c, &curves), words::evidence(c.evidence()))?;
+        writeln!(out, "  {}: {} ({})", words::name(c, &curves), value(c), words::evidence(c.evidence()))?;
     }
     for s in &outcome.skipped {
         writeln!(out, "  left out: {s}")?;
@@ -72,11 +70,23 @@ pub fn tell(outcome: &Sheets, made: &str, folder: &Path) -> std::io::Result<()> 
     writeln!(out, "  open {}", folder.join("report.html").display())
 }
 
+/// What a claim says, with its unit: "unknown" where nothing is known, "none" of what does not exist.
+fn value(c: &Claim) -> String {
+    let unit = words::unit(c.what());
+    match c.value() {
+        _ if c.is_unknown() => "unknown".into(),
+        x if x.is_infinite() => match c.what() {
+            // Of planes, or of cylinders.
+            What::RegressionClearance | What::BendRadius => "none".into(),
+            _ => "unknown".into(),
+        },
+        x if unit.is_empty() => number(x),
+        x => format!("{} {unit}", number(x)),
+    }
+}
+
 /// Four digits, powers of ten where they are needed.
 fn number(x: f64) -> String {
-    if x.is_infinite() {
-        return "none".into();
-    }
     if x == 0.0 || !x.is_finite() || (1e-3..1e6).contains(&x.abs()) {
         let text = format!("{x:.4}");
         return text.trim_end_matches('0').trim_end_matches('.').to_owned();

@@ -183,6 +183,9 @@ pub fn warning(outcome: &Outcome) -> String {
 
 /// What must not be cut of strips that are not certified, in words.
 pub fn sheets_warning(sheets: &Sheets) -> String {
+    if sheets.parts.is_empty() {
+        return "there is nothing to cut".into();
+    }
     let marked = Marks::of_sheets(sheets).any();
     let parts = sheets.parts.iter().filter(|_| marked).map(|p| p.name.as_str()).collect::<Vec<_>>();
     do_not_cut(&parts, sheets.parts.len(), FEW)

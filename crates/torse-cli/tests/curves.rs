@@ -45,6 +45,7 @@ fn curves_that_cannot_be_used_are_refused_by_name() {
     write("point.csv", "1,2,3\n1,2,3\n");
     write("eight.csv", "0,0,0\n2,2,0\n2,0,0\n0,2,0\n");
     write("empty.csv", "");
+    write("insert.dxf", "0\nSECTION\n2\nENTITIES\n0\nINSERT\n8\n0\n2\nB\n10\n0\n20\n0\n0\nENDSEC\n0\nEOF\n");
     write("flat.csv", "0,0,0\n10,3,0\n20,0,0\n");
     let loft = |a: &str, b: &str| refused(room.path(), &["loft", a, b, "--unit", "mm", "-t", "0.1mm", "-o", "o"]);
     assert!(loft("a.csv", "a.csv").contains("a.csv"));
@@ -55,6 +56,8 @@ fn curves_that_cannot_be_used_are_refused_by_name() {
     assert!(message.contains("a.csv at 0.3") && message.contains("touching.csv at 0.497"), "{message}");
     assert!(loft("a.csv", "nan.csv").contains("nan.csv, line 2"));
     assert!(loft("point.csv", "b.csv").contains("point.csv has no length"));
+    let message = loft("a.csv", "insert.dxf");
+    assert!(message.contains("no curve that can be read") && message.contains("1 INSERT; explode blocks"), "{message}");
     assert!(loft("a.csv", "empty.csv").contains("empty.csv has no length"));
     let message =
         refused(room.path(), &["loft", "a.csv", "eight.csv", "--polyline", "--unit", "mm", "-t", "0.1mm", "-o", "o"]);

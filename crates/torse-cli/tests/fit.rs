@@ -74,6 +74,26 @@ fn a_noisy_sheet_is_recovered_within_twice_the_noise() {
     assert!(figure(&report, "largest distance of a point") <= 0.2, "{said}");
 }
 
+#[test]
+fn flat_outlines_follow_the_border_of_the_scan_and_its_hole() {
+    // A disc with a round hole, bent about a cylinder.
+    let mut random = Random(0x9E37_79B9_7F4A_7C15);
+    let (radius, hole, bend) = (200.0_f64, 45.0_f64, 500.0_f64);
+    let mut text = String::from("x,y,z\n");
+    for _ in 0..12_000 {
+        let (a, b) = (radius * random.number(), radius * random.number());
+        if a.hypot(b) <= radius && (a - 60.0).hypot(b - 30.0) >= hole {
+            let _ = writeln!(text, "{:.5},{b:.5},{:.5}", bend * (a / bend).sin(), bend * (a / bend).cos());
+        }
+    }
+    let (code, said, report) = fit("disc.csv", text, &["-t", "0.2mm"]);
+    assert_eq!(code, Some(0), "{said}");
+    let exact = std::f64::consts::PI * (radius * radius - hole * hole) * 1e-6;
+    let flat = figure(&report, "flat area");
+    assert!((flat / exact - 1.0).abs() < 0.03, "{flat} {exact} {said}");
+    assert!(said.contains("Holes cut out: 1;") && said.contains("does not say its unit"), "{said}");
+}
+
 /// Points of a sheet in rows, with noise along its normals.
 fn rows(count: usize, noise: f64, sheet: impl Fn(f64, f64) -> ([f64; 3], [f64; 3])) -> Vec<[f64; 3]> {
     let mut random = Random(0x2545_F491_4F6C_DD1D);

@@ -98,6 +98,7 @@ fn report(patterns: &[Pattern]) -> Report {
         coverage: 1.0,
         seconds: 3.217,
         missing: vec![],
+        notes: Vec::new(),
         skipped: vec![],
         faces: vec![FaceRecord {
             entity: 42,

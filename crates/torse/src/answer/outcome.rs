@@ -58,6 +58,8 @@ pub struct Outcome {
     pub written: Vec<(String, WrittenCertificate)>,
     /// Faces that could not be read or used.
     pub skipped: Vec<Skipped>,
+    /// What people should know of the file and the job, in plain words.
+    pub notes: Vec<String>,
     /// Panels that were laid along curves, in order of the panels.
     pub along: Vec<AlongCurve>,
     /// Panels that do not keep the limits of sheet and material, in order.

@@ -9,6 +9,7 @@ pub mod map;
 pub mod outline;
 pub mod overlap;
 pub mod pattern;
+pub mod scanned;
 pub mod strip;
 pub mod view;
 

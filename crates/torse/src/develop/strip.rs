@@ -49,6 +49,11 @@ const CORNER: f64 = 1e-6;
 const MARKS: f64 = 8.0;
 /// Most rulings or marks drawn: more than anybody can use, and no spacing can exhaust the memory.
 const MOST: f64 = 4000.0;
+/// The least distance between rulings or marks on a pattern whose longer side is so long.
+pub fn least_spacing(length: f64) -> f64 {
+    length / MOST
+}
+
 /// Samples per span for lengths along the middle.
 const SAMPLES: usize = 16;
 /// Stations over the breadth of a strip where the isometry is measured.
@@ -179,9 +184,10 @@ pub fn pattern(strips: &[&Strip], index: usize, name: &str, options: &StripOptio
         sides.reverse();
     }
     let isometry_error = laid.iter().fold(0.0_f64, |m, l| {
+        let point = [0, 1].map(|side| l.strip.is_point(side));
         l.development.stations().flat_map(|t| ACROSS.map(|v| (t, v))).fold(m, |m, (t, v)| {
             // The apex of a fan has no tangent plane to measure in.
-            let apex = (v < 0.5 && l.strip.is_point(0)) || (v > 0.5 && l.strip.is_point(1));
+            let apex = (v < 0.5 && point[0]) || (v > 0.5 && point[1]);
             m.max(l.development.strain(t, if apex { 0.5 } else { v }))
         })
     });

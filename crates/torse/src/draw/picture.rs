@@ -39,6 +39,11 @@ const SMALL: f64 = 14.0;
 /// Lines drawn on a surface are lifted towards the eye by this share of the model's diagonal, or the chords of the
 /// mesh would swallow them.
 const LIFT: f64 = 2.5e-3;
+/// Panels whose borders and rulings are drawn; of more, every second, third, … is: lines of a pixel's distance would only
+/// blacken the picture.
+const MOST_LINED: usize = 1000;
+/// Rulings drawn on the sheet; of more, every second, third, … is.
+const MOST_RULINGS: usize = 4000;
 /// Above this many panels, names would only cover the picture.
 const MOST_NAMES: usize = 80;
 
@@ -57,7 +62,7 @@ pub fn panels(scene: &Scene, direction: &Vec3, caption: &Caption) -> Image {
         let base = colour::shown(i, panel.marked);
         triangles(&mut drawing, &camera, &panel.mesh, Paint::Solid(base), 1.0);
         let ruling = colour::mix(base, INK, 0.55);
-        for r in &panel.rulings {
+        for r in panel.rulings.iter().filter(|_| i % lined(scene) == 0) {
             let points = r.map(|p| camera.project_towards_eye(&p, lift)).to_vec();
             drawing.lines.push(Line { points, width: 1.3, colour: ruling, alpha: 0.8 });
         }
@@ -143,7 +148,7 @@ pub fn shapes(scene: &Scene, patches: &[ShapePatch], direction: &Vec3, caption: 
         triangles(&mut drawing, &camera, &p.mesh, Paint::Solid(colour::kind(p.kind)), 1.0);
     }
     let lift = LIFT * scene.bbox().diagonal();
-    for r in scene.panels.iter().flat_map(|p| &p.rulings) {
+    for r in scene.panels.iter().step_by(lined(scene)).flat_map(|p| &p.rulings) {
         let points = r.map(|p| camera.project_towards_eye(&p, lift)).to_vec();
         drawing.lines.push(Line { points, width: 1.0, colour: INK, alpha: 0.35 });
     }
@@ -190,11 +195,12 @@ pub fn layout(pieces: &[FlatPiece], caption: &Caption) -> Image {
     captions(&mut drawing, caption);
     let left = 0.5 * (width - extent.x * scale);
     let place = |p: &Vec2| Vec2::new(left + (p.x - low.x) * scale, head + MARGIN + (high.y - p.y) * scale);
+    let step = pieces.iter().map(|p| p.rulings.len()).sum::<usize>().div_ceil(MOST_RULINGS).max(1);
     for piece in pieces {
         let base = colour::shown(piece.panel, piece.marked);
         let loops: Vec<Vec<Vec2>> = piece.outlines.iter().map(|o| o.iter().map(place).collect()).collect();
         drawing.fill(loops.clone(), colour::mix(base, [1.0; 3], 0.55), 1.0);
-        for r in &piece.rulings {
+        for r in piece.rulings.iter().step_by(step) {
             drawing.stroke(&r.map(|p| place(&p)), 1.1, colour::mix(base, INK, 0.35), 0.65);
         }
         for mut outline in loops {
@@ -327,9 +333,14 @@ fn corners(vertices: &[Vertex], t: &[u32; 3]) -> Option<[Vertex; 3]> {
     Some([*vertices.get(t[0] as usize)?, *vertices.get(t[1] as usize)?, *vertices.get(t[2] as usize)?])
 }
 
+/// The step from one panel whose lines are drawn to the next.
+fn lined(scene: &Scene) -> usize {
+    scene.panels.len().div_ceil(MOST_LINED).max(1)
+}
+
 fn borders(drawing: &mut Drawing, camera: &Camera, scene: &Scene, width: f64) {
     let lift = LIFT * scene.bbox().diagonal();
-    for border in scene.panels.iter().flat_map(|p| &p.borders) {
+    for border in scene.panels.iter().step_by(lined(scene)).flat_map(|p| &p.borders) {
         let points = border.iter().map(|p| camera.project_towards_eye(p, lift)).collect();
         drawing.lines.push(Line { points, width, colour: INK, alpha: 1.0 });
     }

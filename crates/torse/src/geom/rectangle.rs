@@ -21,7 +21,8 @@ pub fn smallest_rectangle(points: &[Vec2]) -> Option<Rectangle> {
     let hull = convex_hull(points);
     let first = *hull.first()?;
     let mut best: Option<Rectangle> = None;
-    for k in 0..hull.len() {
+    let few = if hull.len() > MANY { vec![least_edge(&hull)] } else { (0..hull.len()).collect() };
+    for k in few {
         let d = hull[(k + 1) % hull.len()] - hull[k];
         let n = d.norm();
         let x = if n > 0.0 { d / n } else { Vec2::x() };
@@ -46,6 +47,44 @@ pub fn smallest_rectangle(points: &[Vec2]) -> Option<Rectangle> {
     let x = Vec2::new(r.angle.cos(), r.angle.sin());
     r.corner = hull.iter().map(|p| Vec2::new(x.dot(p), x.perp(p))).fold(Vec2::repeat(f64::INFINITY), |c, p| c.inf(&p));
     Some(r)
+}
+
+/// Corners of a convex hull from which on trying every corner with every edge takes longer than anything else.
+const MANY: usize = 512;
+
+/// The edge of a convex polygon on which the rectangle of least area lies: the farthest corners go round with the edges
+/// \[T83\].
+fn least_edge(hull: &[Vec2]) -> usize {
+    let n = hull.len();
+    let along = |k: usize| (hull[(k + 1) % n] - hull[k]).try_normalize(0.0).unwrap_or_else(Vec2::x);
+    // Farthest ahead, to the left, and behind.
+    let heights: [fn(Vec2, Vec2) -> f64; 3] = [|x, p| x.dot(&p), |x, p| x.perp(&p), |x, p| -x.dot(&p)];
+    let first = along(0);
+    let farthest = |h: &fn(Vec2, Vec2) -> f64| {
+        (0..n).max_by(|i, j| h(first, hull[*i]).total_cmp(&h(first, hull[*j]))).unwrap_or(0)
+    };
+    let mut at = heights.each_ref().map(farthest);
+    let mut best = (f64::INFINITY, 0);
+    for k in 0..n {
+        let x = along(k);
+        let mut most = [0.0; 3];
+        for (i, h) in heights.iter().enumerate() {
+            let of = |c: usize| h(x, hull[c % n] - hull[k]);
+            // Once round at most.
+            for _ in 0..n {
+                if of(at[i] + 1) <= of(at[i]) {
+                    break;
+                }
+                at[i] = (at[i] + 1) % n;
+            }
+            most[i] = of(at[i]);
+        }
+        let area = (most[0] + most[2]) * most[1];
+        if area < best.0 {
+            best = (area, k);
+        }
+    }
+    best.1
 }
 
 /// Convex hull, counter-clockwise, by Andrew's monotone chain.
@@ -96,5 +135,30 @@ mod tests {
         assert!(((r.angle - a).sin()).abs() < 1e-12);
         assert!(convex_hull(&p).len() < 20);
         assert!(smallest_rectangle(&[]).is_none());
+    }
+
+    #[test]
+    fn many_corners_give_the_rectangle_that_all_edges_would() {
+        let n = 4000;
+        let ellipse = |k: usize| {
+            let (s, c) = (std::f64::consts::TAU * k as f64 / n as f64).sin_cos();
+            let p = Vec2::new(30.0 * c, 10.0 * s + 2.0 * c * c);
+            Vec2::new(0.8 * p.x - 0.6 * p.y, 0.6 * p.x + 0.8 * p.y)
+        };
+        let points: Vec<Vec2> = (0..n).map(ellipse).collect();
+        let hull = convex_hull(&points);
+        assert!(hull.len() > MANY);
+        let area = |k: usize| {
+            let x = (hull[(k + 1) % hull.len()] - hull[k]).normalize();
+            let extent = |f: &dyn Fn(&Vec2) -> f64| {
+                let (lo, hi) =
+                    hull.iter().map(f).fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+                hi - lo
+            };
+            extent(&|p| x.dot(p)) * extent(&|p| x.perp(p))
+        };
+        let least = (0..hull.len()).step_by(7).map(area).fold(f64::INFINITY, f64::min);
+        let r = smallest_rectangle(&points).expect("a rectangle");
+        assert!(r.length * r.width <= least * (1.0 + 1e-12), "{} {least}", r.length * r.width);
     }
 }

@@ -61,7 +61,8 @@ pub fn read(
         }
         return Ok((Given::Rulings(lines), notes));
     }
-    table(bytes, unit, region).map(|given| (given, Vec::new()))
+    let (given, guessed) = table(bytes, unit, region)?;
+    Ok((given, guessed.then(|| super::cloud::unit_note(name)).into_iter().collect()))
 }
 
 /// Columns of a table of planes or rulings.
@@ -114,12 +115,14 @@ impl Columns {
     }
 }
 
-fn table(bytes: &[u8], given: Option<f64>, region: Option<[f64; 4]>) -> Result<Given, CloudReadError> {
+/// What a table holds, and whether its unit is a guess.
+fn table(bytes: &[u8], given: Option<f64>, region: Option<[f64; 4]>) -> Result<(Given, bool), CloudReadError> {
     let told = |f: Fault| CloudReadError::Line { format: "CSV", line: f.line, reason: f.reason };
     let text = table::text(bytes).map_err(told)?;
     let table = table::table(&text).map_err(told)?;
     let columns = Columns::of(&table).map_err(told)?;
-    let unit = table.unit_or(&columns.lengths(), given).map_err(told)?.unwrap_or(1.0);
+    let unit = table.unit_or(&columns.lengths(), given).map_err(told)?;
+    let (guessed, unit) = (unit.is_none(), unit.unwrap_or(1.0));
     let region = region.map(|r| r.map(|x| x * unit));
     let Columns { rulings, planes, normals, regions, order, weights } = &columns;
     let read = columns.read();
@@ -187,9 +190,9 @@ fn table(bytes: &[u8], given: Option<f64>, region: Option<[f64; 4]>) -> Result<G
         return Err(CloudReadError::Empty);
     }
     if rulings.is_some() && normals.is_none() {
-        return Ok(Given::Rulings(found.into_iter().map(|f| f.1.ends).collect()));
+        return Ok((Given::Rulings(found.into_iter().map(|f| f.1.ends).collect()), guessed));
     }
-    Ok(Given::Planes(found.into_iter().map(|f| f.1).collect()))
+    Ok((Given::Planes(found.into_iter().map(|f| f.1).collect()), guessed))
 }
 
 #[cfg(test)]

@@ -53,6 +53,9 @@ pub struct Report {
     pub missing: Vec<String>,
     /// Items of the file that could not be used.
     pub skipped: Vec<SkippedRecord>,
+    /// What people should know of the file and the job.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub notes: Vec<String>,
     /// Faces of the input.
     pub faces: Vec<FaceRecord>,
     /// Panels.
@@ -254,6 +257,7 @@ impl Report {
                     area_estimate: s.area_estimate.and_then(finite),
                 })
                 .collect(),
+            notes: outcome.notes.clone(),
             faces: face_records(outcome, &coverages),
             panels: panel_records(outcome),
             seams: certificate.seams.iter().map(seam_record).collect(),
@@ -470,6 +474,7 @@ pub(crate) mod tests {
             seconds: 1.25,
             missing: vec![],
             skipped: vec![],
+            notes: vec![],
             faces: vec![FaceRecord {
                 entity: 42,
                 name: "side".into(),

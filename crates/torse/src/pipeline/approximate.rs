@@ -275,6 +275,7 @@ pub fn approximate(
         skipped,
         along,
         beyond_limits: missed.panels,
+        notes: Vec::new(),
         seconds: start.elapsed().as_secs_f64(),
     })
 }

@@ -4,6 +4,8 @@ use crate::answer::sheets::{FieldMeaning, FlatPart, PointMap, Sheets, StripField
 use crate::certify::claim::{Claim, Counted, Subject, What};
 use crate::certify::points::{points as certified, PointCertificate};
 use crate::control::Control;
+use crate::develop::map::Development;
+use crate::develop::scanned::{cut_back, outline};
 use crate::develop::strip::StripOptions;
 use crate::develop::view::Drawn;
 use crate::fit::cloud::core;
@@ -16,8 +18,10 @@ use crate::fit::cloud::CloudError;
 use crate::fit::near::samples::Fit;
 use crate::geom::cloud::Cloud;
 use crate::geom::coarse::{Coarse, Loose};
-use crate::geom::Vec3;
+use crate::geom::{Vec2, Vec3};
+use crate::patchwork::pattern::Pattern;
 use crate::search::strips::cut::cut;
+use crate::search::strips::judgement::SQUARE_METRES;
 use crate::search::strips::regression;
 use crate::torse::strip::Strip;
 use crate::torse::zone::RegressionLimits;
@@ -129,8 +133,12 @@ pub fn fit(cloud: &Cloud, options: &FitOptions, control: &Control) -> Result<Fit
     let chains: Vec<FlatPart> = (strips.iter().enumerate())
         .map(|(i, s)| FlatPart { name: s.name.clone(), first: i, count: 1, missing: String::new() })
         .collect();
-    let (parts, patterns) =
-        cut(&strips, &chains, &StripOptions { drawn: options.drawn, ..StripOptions::new(0.1 * options.tolerance) });
+    let flat = StripOptions { drawn: options.drawn, ..StripOptions::new(0.1 * options.tolerance) };
+    let (parts, mut patterns) = cut(&strips, &chains, &flat);
+    if inside.is_empty() && !control.stopped() {
+        notes.push(outlined(&strips, &parts, &mut patterns, (&certificate, NEAR * options.tolerance), flat.side));
+    }
+    let flat_area: f64 = patterns.iter().map(|p| p.area).sum::<f64>() * SQUARE_METRES;
     if strips.len() > 1 {
         notes.push("Strips are fitted one by one and are not joined to each other.".to_string());
     }
@@ -154,6 +162,7 @@ pub fn fit(cloud: &Cloud, options: &FitOptions, control: &Control) -> Result<Fit
         )),
         Claim::count(Counted::Beyond, whole, certificate.beyond(options.tolerance)),
     ];
+    claims.push(Claim::measured(What::FlatArea, whole, flat_area));
     if inside.is_empty() {
         claims.push(Claim::measured(What::Noise, whole, found.noise));
     } else {
@@ -189,6 +198,79 @@ pub fn fit(cloud: &Cloud, options: &FitOptions, control: &Control) -> Result<Fit
         seconds: clock.elapsed().as_secs_f64(),
     };
     Ok(FitOutcome { sheets, certificate, noise_estimate: found.noise })
+}
+
+/// Cuts flat patterns back to the border of the points within `near` (mm) of their strips, and says so.
+fn outlined(
+    strips: &[Strip],
+    parts: &[FlatPart],
+    patterns: &mut [Pattern],
+    (certificate, near): (&PointCertificate, f64),
+    side: f64,
+) -> String {
+    let mut whole: Vec<&str> = Vec::new();
+    let (mut off, mut spacing, mut closed, mut stray, mut holes) = (0.0_f64, 0.0_f64, 0, 0, 0);
+    for pattern in patterns.iter_mut() {
+        let Some(part) = parts.get(pattern.panel) else { continue };
+        let development = strips.get(part.first).and_then(|s| Development::new(&s.patch, side).ok());
+        // Patterns are seen from outside or from inside: mirrored where that is the other side.
+        let found = development.and_then(|d| {
+            let of = |((k, u, v), b): (&(u32, f32, f32), &f64)| {
+                (*k as usize == part.first && *b <= near).then(|| d.map(f64::from(*u), f64::from(*v)))
+            };
+            let mut points: Vec<Vec2> = certificate.places().iter().zip(certificate.bounds()).filter_map(of).collect();
+            let is_mirrored = mirrored(pattern, &d)?;
+            points.iter_mut().filter(|_| is_mirrored).for_each(|p| p.x = -p.x);
+            outline(&points)
+        });
+        let Some(found) = found else {
+            whole.push(&part.name);
+            continue;
+        };
+        *pattern = cut_back(pattern, &found);
+        (off, spacing) = (off.max(found.distance_estimate), spacing.max(found.spacing));
+        (closed, stray, holes) = (closed + found.closed, stray + found.stray, holes + found.loops.len() - 1);
+    }
+    let mut out = String::new();
+    if whole.len() < patterns.len() {
+        out = format!(
+            "Flat outlines follow the border of the measured points: no place of them is farther than {off:.2} mm from a \
+             point (estimated), and the sheet may go on beyond them by the spacing of the points, about {spacing:.2} mm. \
+             Holes cut out: {holes}; holes of a few spacings that are not: {closed}; points that lie apart: {stray}. The \
+             strips in strips.step, model.glb and the pictures in space are not trimmed: they reach a little farther."
+        );
+    }
+    if !whole.is_empty() {
+        let space = if out.is_empty() { "" } else { " " };
+        out += &format!("{space}Not cut back to the points, which have no single border there: {}.", whole.join(", "));
+    }
+    out
+}
+
+/// Whether a pattern is mirrored against the development that it was drawn from: told by the marks along both rails,
+/// whose directions along the strip and across it are not parallel. `None` without such marks.
+fn mirrored(pattern: &Pattern, development: &Development) -> Option<bool> {
+    let rail = |letter: char| -> Vec<Vec2> {
+        pattern.marks.iter().filter(|m| m.label.starts_with(letter)).map(|m| m.point).collect()
+    };
+    let (a, b) = (rail('A'), rail('B'));
+    let middle = |l: &[Vec2]| l.iter().sum::<Vec2>() / l.len() as f64;
+    let drawn = [a.last()? - a.first()?, middle(&b) - middle(&a)];
+    if b.is_empty() || a.len() < 2 {
+        return None;
+    }
+    let (u0, u1) = development.domain();
+    let at = |v: f64| [0.25, 0.5, 0.75].map(|s| development.map(u0 + s * (u1 - u0), v));
+    let (c, d) = (at(0.0), at(1.0));
+    let made = [c[2] - c[0], middle(&d) - middle(&c)];
+    let alike = |flip: f64| -> f64 {
+        let pair = |(x, y): (&Vec2, &Vec2)| {
+            let y = Vec2::new(flip * y.x, y.y);
+            x.dot(&y) / (x.norm() * y.norm()).max(f64::MIN_POSITIVE)
+        };
+        drawn.iter().zip(&made).map(pair).sum()
+    };
+    Some(alike(-1.0) > alike(1.0))
 }
 
 /// Points between the corners of a coarse mesh, about so many.

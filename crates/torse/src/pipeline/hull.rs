@@ -7,16 +7,18 @@ use crate::answer::sheets::{FieldMeaning, FlatPart, Guide, Sheets, StripField};
 use crate::certify::claim::{Claim, Counted, Subject, What};
 use crate::certify::rails::twist_bound;
 use crate::control::Control;
+use crate::design::hull::sparse::sparse;
 use crate::design::hull::strips::{strips, HullPart, HullStrip};
 use crate::design::hull::{hull as rulings_of_hull, Hull, HullError};
 use crate::design::loft::build::BuildOptions;
 use crate::develop::strip::StripOptions;
 use crate::develop::view::Drawn;
 use crate::geom::coarse::Loose;
-use crate::search::strips::cut::{claims as flat_claims, cut};
+use crate::search::strips::cut::{claims as flat_claims, cut_until, spacing_notes};
 use crate::search::strips::judgement::{findings, summed, Candidate, Found, SQUARE_METRES};
 use crate::torse::rail::Rail;
 use crate::torse::strip::Strip;
+use rayon::prelude::*;
 use std::time::Instant;
 
 /// What the job is asked for.
@@ -55,6 +57,12 @@ impl Options {
 
 /// Share of the tolerance for fitted rails.
 const RAIL_SHARE: f64 = 0.1;
+/// Share of the tolerance by which splines with few knots may stray from curves with many.
+const FOLLOW_SHARE: f64 = 0.1;
+/// Strips of one span each that are written within a second; more are not written once the job was asked to stop.
+const SOON: usize = 2000;
+/// Strips left out that are named; more are counted.
+const NAMED: usize = 12;
 /// Share of the tolerance for lines and arcs of the flat outline.
 const CONTOUR_SHARE: f64 = 0.05;
 /// Twist asked of fits, as a share of what counts as developable.
@@ -77,21 +85,39 @@ pub fn hull(curves: &[Rail], options: &Options, control: &Control) -> Result<She
     }
     Loose::check(Rail::extent(&curves.iter().collect::<Vec<_>>()), tolerance)?;
     control.report("looking for rulings", 0.1, "");
-    let found = rulings_of_hull(curves, options.samples, control)?;
+    // Curves through very many points by their likes with few knots; judged are the given ones.
+    let followed: Vec<Rail> = curves.par_iter().map(|c| sparse(c, FOLLOW_SHARE * tolerance, control)).collect();
+    let found = rulings_of_hull(&followed, options.samples, control)?;
     control.report("fitting", 0.4, "");
     let mut build = BuildOptions::new(RAIL_SHARE * tolerance);
     build.twist_tolerance = TWIST_SHARE * options.twist_tolerance;
-    let made = strips(curves, &found, tolerance, &build, control)?;
+    let mut made = strips(&followed, &found, tolerance, &build, control)?;
+    let changed: Vec<bool> = curves.iter().zip(&followed).map(|(c, f)| c != f).collect();
+    for s in made.iter_mut().flat_map(|p| &mut p.strips) {
+        for d in (0..2).filter(|d| changed[s.rails[*d]]) {
+            // No longer the curve itself: a degree above the first says so.
+            let part = &mut s.built.rails[d].parameter;
+            *part = part.elevated()?;
+        }
+    }
     control.report("judging", 0.7, "");
     let mut notes = notes(curves, &found, &made, tolerance);
-    let kept = kept(curves, made, options, control, &mut notes);
+    let mut kept = kept(curves, made, options, control, &mut notes);
+    // A span costs about a tenth of a strip.
+    let spans: usize = kept.strips.iter().map(|s| s.patch.knots_u.breaks().len() - 1).sum();
+    if control.stopped() && kept.strips.len() + spans / 10 > SOON {
+        let found = kept.strips.len();
+        kept = Kept { skipped: kept.skipped, ..Kept::default() };
+        kept.missing.push(format!("{found} strips were found, too many to be laid flat and written after a stop"));
+    }
     let flat = StripOptions {
         ruling_spacing: options.ruling_spacing,
         mark_spacing: options.mark_spacing,
         drawn: options.drawn,
         ..StripOptions::new(CONTOUR_SHARE * tolerance)
     };
-    let (parts, patterns) = cut(&kept.strips, &kept.parts, &flat);
+    let (parts, patterns) = cut_until(&kept.strips, &kept.parts, &flat, control);
+    notes.extend(spacing_notes(&patterns, &flat));
     let whole = Subject::Whole;
     let mut claims = kept.claims;
     claims.push(Claim::count(Counted::Strips, whole, kept.strips.len()));
@@ -217,8 +243,16 @@ fn kept(
             out.parts.push(FlatPart { name, first, count, missing: String::new() });
         }
     }
-    if !out.skipped.is_empty() {
-        out.missing.push(format!("{} strips have no proof and are not written", out.skipped.len()));
+    let skipped = out.skipped.len();
+    if skipped > NAMED {
+        out.skipped.truncate(NAMED);
+        out.skipped.push(format!("{} more strips: nothing bounds them either", skipped - NAMED));
+    }
+    if skipped > 0 {
+        out.missing.push(match skipped {
+            1 => "1 strip has no proof and is not written".to_owned(),
+            n => format!("{n} strips have no proof and are not written"),
+        });
     }
     let judgement = summed(&written, [What::FromSide(0), What::FromSide(1)], options.twist_tolerance);
     out.missing.extend(judgement.missing.iter().cloned());
@@ -334,6 +368,23 @@ mod tests {
         }
         // What is written has bounds; the rest is named.
         assert!(sheets.strips.iter().all(|s| sheets.skipped.iter().all(|n| !n.contains(&s.name))));
+    }
+
+    #[test]
+    fn curves_through_many_points_have_as_few_spans_as_their_shape_needs() {
+        let at = |t: f64, a: f64, b: f64, z: f64| Vec3::new(a * t.cos(), b * t.sin(), z);
+        let row = |n: u32, a: f64, b: f64, z: f64| {
+            let points: Vec<Vec3> = (0..=n).map(|k| at(TAU * f64::from(k % n) / f64::from(n), a, b, z)).collect();
+            Rail::through("curve", &points).expect("rail")
+        };
+        let curves = [row(700, 300.0, 300.0, 0.0), row(500, 500.0, 200.0, 400.0)];
+        let options = Options { samples: 64, ..Options::new(0.1) };
+        let sheets = hull(&curves, &options, &Control::default()).expect("sheets");
+        assert_eq!(sheets.status(), Status::Certified, "{:?} {:?}", sheets.claims, sheets.skipped);
+        let spans: usize = sheets.strips.iter().map(|s| s.patch.knots_u.breaks().len() - 1).sum();
+        assert!(spans < 600, "{spans}");
+        // Fitted to the curves, not laid between them.
+        assert!(sheets.claims.iter().any(|c| c.what() == What::Count(Counted::ExactStrips) && c.value() == 0.0));
     }
 
     #[test]

@@ -15,7 +15,7 @@ use crate::design::loft::{apart, LoftError};
 use crate::develop::strip::StripOptions;
 use crate::develop::view::Drawn;
 use crate::geom::coarse::Loose;
-use crate::search::strips::cut::{claims as flat_claims, cut};
+use crate::search::strips::cut::{claims as flat_claims, cut, spacing_notes};
 use crate::search::strips::exact_strip::exact_strips;
 use crate::search::strips::judgement::{judge, Candidate};
 use crate::search::strips::loft_ends::{extended, note_ends, past_ends, shares, used, with_ends, WHOLE};
@@ -481,6 +481,7 @@ fn judged(
     };
     let chain = FlatPart { name: "A".into(), first: 0, count: strips.len(), missing: String::new() };
     let (parts, patterns) = cut(&strips, &[chain], &flat);
+    notes.extend(spacing_notes(&patterns, &flat));
     if closed {
         notes.push("the strip is closed; its flat part is cut open along the first ruling".into());
     }

@@ -12,7 +12,7 @@ use crate::develop::strip::StripOptions;
 use crate::develop::view::Drawn;
 use crate::geom::coarse::Loose;
 use crate::geom::Vec3;
-use crate::search::strips::cut::{claims as flat_claims, cut};
+use crate::search::strips::cut::{claims as flat_claims, cut, spacing_notes};
 use crate::search::strips::judgement::{judge, Candidate};
 use crate::spline::curve::Curve;
 use crate::spline::SplineError;
@@ -472,6 +472,7 @@ fn judged(
         .into_iter()
         .collect();
     let (parts, patterns) = cut(&strips, &chains, &flat);
+    notes.extend(spacing_notes(&patterns, &flat));
     if let Some(net) = nets.first() {
         let shape = net.net.shape();
         let stars = [(NetNumber::MStar, shape.m_star()), (NetNumber::LambdaStar, shape.lambda_star())];

@@ -113,6 +113,9 @@ const POINT_CORNER: f64 = 0.53;
 const SMOOTH: f64 = 1e-6;
 /// Parameters this near the end of a piece are its end.
 const SEAM: f64 = 1e-9;
+/// Distance (share of the whole) up to which a spline is cut at a knot and not beside it: on a span that is rounding its
+/// tangent would be, too.
+const AT_KNOT: f64 = 1e-9;
 /// Chords per rail for the search of self-intersections.
 const CHORDS: usize = 256;
 
@@ -271,7 +274,9 @@ impl Rail {
             let parameters = lsq::chord_parameters(&stretch);
             let whole = cubic_through(name, &stretch)?;
             let spline = |source| RailError::Spline { rail: name.into(), source };
-            let mut once = whole.restricted(parameters[wrap], parameters[wrap + n]).map_err(spline)?;
+            let knots = whole.knots.breaks();
+            let cut = |t: f64| knots.iter().copied().find(|k| (k - t).abs() <= AT_KNOT).unwrap_or(t);
+            let mut once = whole.restricted(cut(parameters[wrap]), cut(parameters[wrap + n])).map_err(spline)?;
             // Both ends exactly at the given point.
             let last = once.control.len() - 1;
             let end = homogeneous(&points[0]);
@@ -438,26 +443,50 @@ impl Rail {
         self.pieces.get(k).is_some_and(is_straight)
     }
 
-    /// Looks for chords that meet although they are not neighbours.
+    /// Looks for chords that meet although they are not neighbours: in the order in which they begin along the longest
+    /// side of the box, so that only those are compared that lie beside each other there.
     fn simple(&self, size: f64) -> Result<(), RailError> {
         let points = self.samples(CHORDS);
         let n = points.len() - 1;
-        for i in 0..n {
-            for j in i + 2..n {
-                if self.closed && i == 0 && j == n - 1 {
+        let side = {
+            let b = BBox::of(points.iter());
+            (b.max - b.min).imax()
+        };
+        let near = SAME * size;
+        let reach = |k: usize, d: usize| {
+            let (a, b) = (points[k][d], points[k + 1][d]);
+            (a.min(b), a.max(b) + near)
+        };
+        let mut order: Vec<usize> = (0..n).collect();
+        order.sort_by(|i, j| reach(*i, side).0.total_cmp(&reach(*j, side).0));
+        let apart = |i: usize, j: usize| {
+            (0..3).any(|d| {
+                let (p, q) = (reach(i, d), reach(j, d));
+                p.1 < q.0 || q.1 < p.0
+            })
+        };
+        let mut met: Option<(usize, usize)> = None;
+        for (at, &k) in order.iter().enumerate() {
+            let end = reach(k, side).1;
+            for &l in order[at + 1..].iter().take_while(|l| reach(**l, side).0 <= end) {
+                let (i, j) = (k.min(l), k.max(l));
+                let neighbours = j <= i + 1 || (self.closed && i == 0 && j == n - 1);
+                if neighbours || met.is_some_and(|m| m <= (i, j)) || apart(i, j) {
                     continue;
                 }
-                let d = chord_distance(&points[i], &points[i + 1], &points[j], &points[j + 1]);
-                if d <= SAME * size {
-                    return Err(RailError::SelfIntersecting {
-                        rail: self.name.clone(),
-                        first: i as f64 / n as f64,
-                        second: j as f64 / n as f64,
-                    });
+                if chord_distance(&points[i], &points[i + 1], &points[j], &points[j + 1]) <= near {
+                    met = Some((i, j));
                 }
             }
         }
-        Ok(())
+        match met {
+            Some((i, j)) => Err(RailError::SelfIntersecting {
+                rail: self.name.clone(),
+                first: i as f64 / n as f64,
+                second: j as f64 / n as f64,
+            }),
+            None => Ok(()),
+        }
     }
 }
 
@@ -635,6 +664,21 @@ mod tests {
         let mut bent = arc.clone();
         bent.extend((1..10).map(|k| arc[20] + Vec3::z() * f64::from(k)));
         assert_eq!(Rail::through("bent", &bent).expect("rail").pieces.len(), 2);
+    }
+
+    #[test]
+    fn evenly_spaced_points_of_a_loop_are_joined_smoothly_at_the_seam() {
+        for n in [48, 96, 250, 500, 1000] {
+            // As printed with nine decimals.
+            let round = |x: f64| (x * 1e9).round() / 1e9;
+            let at = |k: usize| {
+                let (s, c) = (std::f64::consts::TAU * (k % n) as f64 / n as f64).sin_cos();
+                Vec3::new(round(300.0 * c), round(300.0 * s), 0.0)
+            };
+            let r = Rail::through("circle", &(0..=n).map(at).collect::<Vec<_>>()).expect("rail");
+            let turn = tangent(&r.pieces[0], 1.0).angle(&tangent(&r.pieces[0], 0.0));
+            assert!(r.closed && r.pieces.len() == 1 && turn < 1e-6, "{n}: {turn:e}");
+        }
     }
 
     #[test]

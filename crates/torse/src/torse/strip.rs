@@ -251,7 +251,10 @@ pub fn homogeneous(c: &Curve<3>) -> Curve<4> {
     Curve { knots: c.knots.clone(), control: c.control.iter().map(|p| [p[0], p[1], p[2], 1.0]).collect() }
 }
 
-/// The same curves over the same knots on [0, 1].
+/// Distance of knots, share of the domain, that is rounding.
+const ONE_KNOT: f64 = 1e-11;
+
+/// The same curves over the same knots on [0, 1], up to [`ONE_KNOT`].
 fn matched(a: &Curve<4>, b: &Curve<4>) -> Result<(Curve<4>, Curve<4>), SplineError> {
     let (mut a, mut b) = (on_unit(a)?, on_unit(b)?);
     while a.knots.degree() < b.knots.degree() {
@@ -260,6 +263,11 @@ fn matched(a: &Curve<4>, b: &Curve<4>) -> Result<(Curve<4>, Curve<4>), SplineErr
     while b.knots.degree() < a.knots.degree() {
         b = b.elevated()?;
     }
+    // Knots that differ by rounding are one: a span between them would have no direction.
+    let known = a.knots.breaks();
+    let one = |t: &f64| known.iter().copied().find(|k| (k - t).abs() <= ONE_KNOT).unwrap_or(*t);
+    let values = b.knots.values().iter().map(one).collect();
+    b.knots = Knots::new(b.knots.degree(), values, b.control.len())?;
     let missing = |from: &Knots, into: &Knots| -> Vec<f64> {
         let have = into.distinct();
         let mut out = Vec::new();
@@ -321,6 +329,17 @@ mod tests {
         assert!((half.regression_clearance(0.7) - 1.25f64.sqrt()).abs() < 1e-12);
         let lateral = 0.25 * std::f64::consts::PI * 5f64.sqrt() * 0.75;
         assert!((half.area_estimate() - lateral).abs() < 1e-9);
+    }
+
+    #[test]
+    fn knots_that_differ_by_rounding_are_one() {
+        let rail = |y: f64, knot: f64| {
+            let control = [0.0, 1.0, 2.0, 3.0, 4.0].map(|x: f64| [x, y, 0.1 * x * x]).to_vec();
+            Curve::<3>::new(3, vec![0.0, 0.0, 0.0, 0.0, knot, 1.0, 1.0, 1.0, 1.0], control).expect("rail")
+        };
+        let s = Strip::polynomial("s", PanelKind::Cylinder, &rail(0.0, 0.5), &rail(5.0, 0.5 + 3e-13)).expect("strip");
+        assert_eq!(s.patch.knots_u.breaks(), vec![0.0, 0.5, 1.0]);
+        assert!(s.twist_bound().is_some_and(|b| b < 1e-9));
     }
 
     #[test]

@@ -209,8 +209,11 @@ fn polished(sampled: &Sampled, facets: &[[OnRail; 3]], mut walk: Walk, control: 
         if run.kind == Kind::Smooth {
             let first = stations.len() - 1;
             // Each for itself: the order is that of the edges.
-            let found: Vec<[f64; 2]> =
-                walk.edges[run.first + 1..run.last].par_iter().map(|e| between(sampled, *e)).collect();
+            let found: Vec<[f64; 2]> = walk.edges[run.first + 1..run.last]
+                .par_iter()
+                .filter(|_| !control.stopped())
+                .map(|e| between(sampled, *e))
+                .collect();
             if control.stopped() {
                 return None;
             }

@@ -5,6 +5,7 @@
 pub mod chains;
 mod contact;
 mod sampled;
+pub mod sparse;
 pub mod strips;
 
 use crate::control::Control;

@@ -35,6 +35,9 @@ pub struct HullPart {
     pub tips: usize,
 }
 
+/// Lengths of rulings, shares of the curve's size, at which a strip towards a tip is cut: the shorter rulings are, the less
+/// is known of their direction, and what cannot be proven of the last ones must not spoil the rest.
+const TIP_CUTS: [f64; 4] = [0.2, 0.06, 0.02, 0.006];
 /// Parameter steps below which a run has no extent.
 const REST: f64 = 1e-9;
 
@@ -89,7 +92,12 @@ fn part(
         stations.reverse();
         joints = joints.iter().filter_map(|j| (j + stations.len()).checked_sub(count)).collect();
     }
+    for end in (0..2).filter(|&end| one && chain.tips[end]) {
+        joints.extend(tip_joints(&rails[chain.rails[0]], &stations, end == 1));
+    }
     joints.retain(|j| *j > 0 && j + 1 < stations.len());
+    joints.sort_unstable();
+    joints.dedup();
     // Both parameters grow: curves that are followed backwards are reversed.
     let last = stations[stations.len() - 1];
     let turned = [0, 1].map(|d| last[d] < stations[0][d]);
@@ -135,7 +143,19 @@ fn part(
     Ok(out)
 }
 
-/// Stations cut at joints and at the ends of pieces.
+/// Stations at which strips are cut towards a tip, at the end or at the start.
+fn tip_joints(rail: &Rail, stations: &[[f64; 2]], at_end: bool) -> Vec<usize> {
+    let size = rail.bbox().diagonal();
+    let place = |s: f64| rail.point(if rail.closed { s.rem_euclid(rail.pieces.len() as f64) } else { s });
+    let long = |k: usize, share: f64| (place(stations[k][1]) - place(stations[k][0])).norm() >= share * size;
+    let first = |share: &f64| match at_end {
+        true => (0..stations.len()).rev().find(|k| long(*k, *share)),
+        false => (0..stations.len()).find(|k| long(*k, *share)),
+    };
+    TIP_CUTS.iter().filter_map(first).collect()
+}
+
+/// Stations cut at joints (in order) and at the ends of pieces.
 fn sections(stations: &[[f64; 2]], joints: &[usize]) -> Vec<Vec<[f64; 2]>> {
     let mut out: Vec<Vec<[f64; 2]>> = Vec::new();
     let mut now = vec![stations[0]];
@@ -159,7 +179,7 @@ fn sections(stations: &[[f64; 2]], joints: &[usize]) -> Vec<Vec<[f64; 2]>> {
         }
         now.push(s);
         let ends = (0..2).any(|d| (s[d] - s[d].round()).abs() < REST && s[d] - now[0][d] > REST);
-        if (ends || joints.contains(&k)) && k + 1 < stations.len() {
+        if (ends || joints.binary_search(&k).is_ok()) && k + 1 < stations.len() {
             out.push(std::mem::replace(&mut now, vec![s.map(rounded)]));
         }
     }

@@ -18,6 +18,7 @@ use crate::spline::SplineError;
 use crate::torse::form::PanelKind;
 use crate::torse::rail::{jet, Rail, RailPart};
 use crate::torse::strip::Strip;
+use rayon::prelude::*;
 
 /// Knobs of [`follow`] and [`along`].
 #[derive(Clone, Copy, Debug)]
@@ -58,6 +59,9 @@ const LONG: usize = 12;
 const LINEAR: f64 = 1e-11;
 /// Distance from a knot, in parameters, that is rounding.
 const KNOT: f64 = 1e-10;
+/// Share of a run within which a knot counts as its end: a shorter span has no direction, for rulings at the end are
+/// known to no more than this.
+const AT_END: f64 = 1e-5;
 /// Halvings of a span.
 const DEEPEST: usize = 9;
 /// Most spans of a strip: at so many, halving on would take longer than anybody waits.
@@ -288,10 +292,8 @@ pub(crate) fn between_pieces(
     }
     let path = Path::new(ca, cb, stations, options.exact);
     let mut spans = Vec::new();
-    for w in path.breaks().windows(2) {
-        // Deeper than the deepest is not looked at.
-        let depth = if control.stopped() { DEEPEST } else { 0 };
-        path.span(w[0], w[1], depth, options, &mut spans);
+    for w in path.breaks(control).windows(2) {
+        path.span(w[0], w[1], 0, (options, control), &mut spans);
     }
     let mut values = vec![0.0; 6];
     for s in spans.iter().skip(1) {
@@ -424,27 +426,29 @@ impl<'a> Path<'a> {
         (value, rate / h)
     }
 
-    /// Values of w where one of the rails has a knot, or an approximate path a station.
-    fn breaks(&self) -> Vec<f64> {
+    /// Values of w where one of the rails has a knot, or an approximate path a station. A control that says stop leaves
+    /// knots out.
+    fn breaks(&self, control: &Control) -> Vec<f64> {
         let mut out = vec![0.0, 1.0];
         for d in 0..2 {
-            for t in self.curves[d].knots.breaks() {
+            let met = |t: &f64| {
                 let share = (t - self.from[d]) / self.extent[d];
-                if share <= 1e-9 || share >= 1.0 - 1e-9 {
-                    continue;
+                if share <= AT_END || share >= 1.0 - AT_END || control.stopped() {
+                    return None;
                 }
                 // Shares grow with w: bisection.
                 let (mut lo, mut hi) = (0.0, 1.0);
                 for _ in 0..60 {
                     let m = 0.5 * (lo + hi);
-                    if self.at(m).0[d] < t {
+                    if self.at(m).0[d] < *t {
                         lo = m;
                     } else {
                         hi = m;
                     }
                 }
-                out.push(0.5 * (lo + hi));
-            }
+                Some(0.5 * (lo + hi))
+            };
+            out.extend(self.curves[d].knots.breaks().par_iter().filter_map(met).collect::<Vec<f64>>());
         }
         if !self.exact {
             out.extend(self.stations.iter().map(|s| s[0]));
@@ -458,8 +462,9 @@ impl<'a> Path<'a> {
         out
     }
 
-    /// Fits [w0, w1], in halves where it must.
-    fn span(&self, w0: f64, w1: f64, depth: usize, options: &BuildOptions, out: &mut Vec<Span>) {
+    /// Fits [w0, w1], in halves where it must, until the control says stop.
+    fn span(&self, w0: f64, w1: f64, depth: usize, asked: (&BuildOptions, &Control), out: &mut Vec<Span>) {
+        let (options, control) = asked;
         let h = w1 - w0;
         let sample = |w: f64| {
             let (s, ds) = self.at(w);
@@ -478,6 +483,7 @@ impl<'a> Path<'a> {
             hermite([[first.2[d]], [third.2[d]], [two.2[d]], [last.2[d]]], [[first.3[d] * h], [last.3[d] * h]])
         });
         let good = depth >= DEEPEST
+            || control.stopped()
             || (1..PROBES).all(|k| {
                 let t = k as f64 / PROBES as f64;
                 let want = sample(w0 + h * t).0;
@@ -493,8 +499,8 @@ impl<'a> Path<'a> {
             return;
         }
         let m = 0.5 * (w0 + w1);
-        self.span(w0, m, depth + 1, options, out);
-        self.span(m, w1, depth + 1, options, out);
+        self.span(w0, m, depth + 1, asked, out);
+        self.span(m, w1, depth + 1, asked, out);
     }
 }
 

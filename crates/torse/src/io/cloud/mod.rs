@@ -61,11 +61,24 @@ pub enum CloudReadError {
 /// # Errors
 /// See [`CloudReadError`].
 pub fn read(name: &str, bytes: &[u8], unit: Option<f64>) -> Result<Cloud, CloudReadError> {
+    read_noted(name, bytes, unit).map(|(cloud, _)| cloud)
+}
+
+/// As [`read`], with a note where neither the file nor the caller says a unit.
+///
+/// # Errors
+/// See [`CloudReadError`].
+pub fn read_noted(name: &str, bytes: &[u8], unit: Option<f64>) -> Result<(Cloud, Option<String>), CloudReadError> {
+    let mut guessed = unit.is_none();
     let ending = name.rsplit('.').next().unwrap_or("").to_ascii_lowercase();
     let only = |points: Vec<Vec3>| Cloud { points, ..Cloud::default() };
     let mut cloud = match ending.as_str() {
         "ply" => only(ply::points(bytes)?),
-        "csv" | "xyz" | "txt" | "asc" | "pts" => only(table::points(bytes, unit, ending == "pts")?),
+        "csv" | "xyz" | "txt" | "asc" | "pts" => {
+            let (points, is_guess) = table::points(bytes, unit, ending == "pts")?;
+            guessed = is_guess;
+            only(points)
+        }
         "obj" => obj::cloud(bytes)?,
         "stl" => stl::cloud(bytes)?,
         _ => return Err(CloudReadError::Kind(name.to_string())),
@@ -81,7 +94,12 @@ pub fn read(name: &str, bytes: &[u8], unit: Option<f64>) -> Result<Cloud, CloudR
             return Err(CloudReadError::NotFinite { index });
         }
     }
-    Ok(cloud)
+    Ok((cloud, guessed.then(|| unit_note(name))))
+}
+
+/// What is said where a unit had to be guessed.
+pub(super) fn unit_note(name: &str) -> String {
+    format!("{name} does not say its unit: its numbers were taken as mm; --unit says what they are")
 }
 
 /// Three numbers of a line.

@@ -11,18 +11,20 @@ const FORMAT: &str = "CSV";
 /// Numbers on a line of a PTS file: coordinates, with colour, with intensity, with both.
 const PTS_WIDTHS: [usize; 4] = [3, 4, 6, 7];
 
-/// Points in mm; `unit` (mm) is that of the file unless its headings say one, mm if none is given. `pts` says that the
+/// Points in mm, and whether that is a guess; `unit` (mm) is that of the file unless its headings say one, mm if none is
+/// given. `pts` says that the
 /// name of the file promises Leica's order of columns.
-pub(super) fn points(bytes: &[u8], unit: Option<f64>, pts: bool) -> Result<Vec<Vec3>, CloudReadError> {
+pub(super) fn points(bytes: &[u8], unit: Option<f64>, pts: bool) -> Result<(Vec<Vec3>, bool), CloudReadError> {
     let told = |f: Fault| CloudReadError::Line { format: FORMAT, line: f.line, reason: f.reason };
     let text = table::text(bytes).map_err(told)?;
     let table = table::table(&text).map_err(told)?;
     if table.rows.is_empty() {
-        return Ok(Vec::new());
+        return Ok((Vec::new(), false));
     }
     let leica = pts && !table.is_named() && PTS_WIDTHS.contains(&table.width());
     let columns = if leica { vec![0, 1, 2] } else { table.needed(&["x", "y", "z"]).map_err(told)? };
-    let unit = table.unit_or(&columns, unit).map_err(told)?.unwrap_or(1.0);
+    let unit = table.unit_or(&columns, unit).map_err(told)?;
+    let (guessed, unit) = (unit.is_none(), unit.unwrap_or(1.0));
     let mut out = Vec::with_capacity(table.rows.len());
     let mut values = Vec::new();
     for row in &table.rows {
@@ -33,6 +35,6 @@ pub(super) fn points(bytes: &[u8], unit: Option<f64>, pts: bool) -> Result<Vec<V
         Some(promised) if promised > out.len() => {
             Err(CloudReadError::Short { format: FORMAT, read: out.len(), promised, what: "points" })
         }
-        _ => table.counted().map(|()| out).map_err(told),
+        _ => table.counted().map(|()| (out, guessed)).map_err(told),
     }
 }

@@ -47,6 +47,14 @@ pub enum CurveError {
         /// The first.
         first: String,
     },
+    /// No curve that can be read.
+    #[error("{name} holds no curve that can be read{}; draw lines, arcs, circles, polylines or splines", .unread.as_ref().map_or(String::new(), |u| format!(" ({u})")))]
+    Nothing {
+        /// Name.
+        name: String,
+        /// What else it holds, and what would help.
+        unread: Option<String>,
+    },
     /// The curve named is not there.
     #[error("{name} has no curve{}; it has {list}", if .select.is_empty() { String::new() } else { format!(" #{select}") })]
     Missing {
@@ -171,13 +179,19 @@ fn source(bytes: &[u8], options: &CurveOptions) -> Result<Source, CurveError> {
                 label: if e.copy > 1 { format!("{}/{}", e.entity, e.copy) } else { e.entity.to_string() },
                 curves: e.curves,
             })
-            .collect();
+            .collect::<Vec<Found>>();
+        if all.is_empty() {
+            return Err(CurveError::Nothing { name: options.name.clone(), unread: None });
+        }
         return Ok(Source::Curves(all, Vec::new()));
     }
     let text = String::from_utf8_lossy(bytes);
     if is_dxf(text.trim_start_matches(BLANK)) {
         let drawing = dxf::read(&text, options)?;
-        let notes = not_read(&options.name, &drawing.unread).into_iter().collect();
+        let notes: Vec<String> = not_read(&options.name, &drawing.unread).into_iter().collect();
+        if drawing.found.is_empty() {
+            return Err(CurveError::Nothing { name: options.name.clone(), unread: notes.into_iter().next() });
+        }
         return Ok(Source::Curves(drawing.found, notes));
     }
     let file = options.name.split('#').next().unwrap_or("").to_ascii_lowercase();
@@ -216,12 +230,16 @@ pub fn lines(
         return Err(CurveError::Damaged { name: name.into(), reason: "it is no ASCII DXF drawing".into() });
     }
     let named = CurveOptions { name: name.into(), unit, ..CurveOptions::default() };
+    let mut guess = None;
     let drawing = match dxf::read(&text, &named) {
-        Err(CurveError::NoUnit(_)) => dxf::read(&text, &CurveOptions { unit: Some(1.0), ..named })?,
+        Err(CurveError::NoUnit(_)) => {
+            guess = Some(crate::io::cloud::unit_note(name));
+            dxf::read(&text, &CurveOptions { unit: Some(1.0), ..named })?
+        }
         other => other?,
     };
     let point = |c: &[f64; 4]| crate::geom::Vec3::new(c[0], c[1], c[2]) / c[3];
-    let mut notes: Vec<String> = not_read(name, &drawing.unread).into_iter().collect();
+    let mut notes: Vec<String> = not_read(name, &drawing.unread).into_iter().chain(guess).collect();
     let mut out = Vec::new();
     let mut others = 0;
     for f in &drawing.found {

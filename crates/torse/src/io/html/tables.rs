@@ -164,17 +164,19 @@ pub(super) fn along(report: &Report) -> String {
         mismatch along the surface too, and is no bound.</p></details>"
 }
 
-/// What was left out, if anything.
+/// What was left out, if anything, and notes.
 pub(super) fn skipped(report: &Report) -> String {
+    let items: String = report.notes.iter().map(|n| format!("<li>{}</li>", escape(n))).collect();
+    let notes = if items.is_empty() { items } else { format!("<h3>Notes</h3><ul>{items}</ul>") };
     if report.skipped.is_empty() {
-        return String::new();
+        return notes;
     }
     let mut out = String::from("<h3>Left out</h3><ul class=\"missing\">");
     for item in &report.skipped {
         let area = item.area_estimate.map_or("area unknown".into(), |a| format!("about {} mm\u{b2}", plain(a, 4)));
         let _ = write!(out, "<li>#{}: {} ({area})</li>", item.entity, escape(&item.reason));
     }
-    out + "</ul>"
+    out + "</ul>" + &notes
 }
 
 /// The flat patterns as SVG, one group per panel, 1 unit = 1 mm.

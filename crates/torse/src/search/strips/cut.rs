@@ -3,7 +3,8 @@
 use super::judgement::SQUARE_METRES;
 use crate::answer::sheets::FlatPart;
 use crate::certify::claim::{Claim, Subject, What};
-use crate::develop::strip::{pattern, StripOptions};
+use crate::control::Control;
+use crate::develop::strip::{least_spacing, pattern, StripOptions};
 use crate::develop::view::{centre, viewed};
 use crate::develop::DevelopError;
 use crate::patchwork::pattern::Pattern;
@@ -13,6 +14,16 @@ use crate::torse::strip::Strip;
 ///
 /// Patterns are seen from the side of the model that the options name. Every part asked for is answered: one that cannot be developed is listed with the reason, and without pattern.
 pub fn cut(strips: &[Strip], chains: &[FlatPart], options: &StripOptions) -> (Vec<FlatPart>, Vec<Pattern>) {
+    cut_until(strips, chains, options, &Control::default())
+}
+
+/// As [`cut`]; parts whose turn comes after a control said stop have no pattern.
+pub fn cut_until(
+    strips: &[Strip],
+    chains: &[FlatPart],
+    options: &StripOptions,
+    control: &Control,
+) -> (Vec<FlatPart>, Vec<Pattern>) {
     let (mut parts, mut patterns) = (Vec::new(), Vec::new());
     let centre = centre(strips);
     let mut waiting: Vec<FlatPart> = chains.iter().rev().cloned().collect();
@@ -22,6 +33,11 @@ pub fn cut(strips: &[Strip], chains: &[FlatPart], options: &StripOptions) -> (Ve
             parts.push(part);
             continue;
         };
+        if control.stopped() {
+            part.missing = "the job was stopped before it was laid flat".into();
+            parts.push(part);
+            continue;
+        }
         let chain: Vec<&Strip> = chain.iter().collect();
         match pattern(&chain, parts.len(), &part.name, options) {
             Ok(p) => {
@@ -48,12 +64,27 @@ pub fn cut(strips: &[Strip], chains: &[FlatPart], options: &StripOptions) -> (Ve
     (parts, patterns)
 }
 
+/// What is said where rulings or marks were asked for nearer to each other than they are drawn.
+pub fn spacing_notes(patterns: &[Pattern], options: &StripOptions) -> Vec<String> {
+    let longest = |p: &Pattern| p.sides.iter().map(|s| s.length).fold(0.0, f64::max);
+    let least = least_spacing(patterns.iter().map(longest).fold(0.0, f64::max));
+    let told = |what: &str, asked: Option<f64>| {
+        let asked = asked.filter(|s| *s > 0.0 && *s < least)?;
+        Some(format!(
+            "{what} every {asked} mm were asked for; on the longest part they are drawn every {least:.4} mm, which is as \
+             many as a part has"
+        ))
+    };
+    told("rulings", options.ruling_spacing).into_iter().chain(told("marks", options.mark_spacing)).collect()
+}
+
 /// What is said of flat parts: their area, the error of their lengths, and what stands against each.
 pub fn claims(parts: &[FlatPart], patterns: &[Pattern], tolerance: f64) -> Vec<Claim> {
     let whole = Subject::Whole;
     let isometry = patterns.iter().map(|p| p.isometry_error).fold(0.0, f64::max);
     let missing = parts.iter().filter(|p| !p.missing.is_empty()).map(|p| format!("part {}: {}", p.name, p.missing));
-    let area = patterns.iter().map(|p| p.area * SQUARE_METRES).sum();
+    // The sum of nothing is −0.
+    let area = patterns.iter().map(|p| p.area * SQUARE_METRES).sum::<f64>() + 0.0;
     let mut out =
         vec![Claim::measured(What::FlatArea, whole, area), Claim::measured(What::LengthError, whole, isometry)];
     out.extend(missing.chain(stretched(parts, patterns, tolerance)).map(|r| Claim::objection(whole, r)));
@@ -68,6 +99,9 @@ fn stretched(parts: &[FlatPart], patterns: &[Pattern], tolerance: f64) -> Vec<St
         .iter()
         .filter(|p| off(p).is_nan() || off(p) > tolerance)
         .map(|p| {
+            if !p.isometry_error.is_finite() {
+                return format!("part {}: nothing is known of lengths in the flat pattern", name(p));
+            }
             format!(
                 "part {}: lengths in the flat pattern are wrong by up to {:.1e} of their value",
                 name(p),
@@ -116,6 +150,22 @@ mod tests {
     }
 
     #[test]
+    fn rulings_asked_for_too_near_are_told_of() {
+        let x = Vec3::new;
+        let quad = [[x(0.0, 0.0, 0.0), x(0.0, 80.0, 0.0)], [x(100.0, 0.0, 0.0), x(100.0, 80.0, 0.0)]];
+        let strips = [Strip::quad("A-01", PanelKind::Cylinder, quad[0], quad[1]).expect("strip")];
+        let whole = FlatPart { name: "A".into(), first: 0, count: 1, missing: String::new() };
+        let asked = |ruling_spacing, mark_spacing| {
+            let options = StripOptions { ruling_spacing, mark_spacing, ..StripOptions::new(0.01) };
+            spacing_notes(&cut(&strips, std::slice::from_ref(&whole), &options).1, &options)
+        };
+        assert!(asked(None, None).is_empty() && asked(Some(1.0), Some(0.0)).is_empty());
+        let told = asked(Some(1e-6), Some(1.0));
+        assert!(told.len() == 1 && told[0].starts_with("rulings every"), "{told:?}");
+        assert_eq!(asked(Some(1e-6), Some(1e-6)).len(), 2);
+    }
+
+    #[test]
     fn a_pattern_with_wrong_lengths_is_named() {
         let x = Vec3::new;
         let quad = [[x(0.0, 0.0, 0.0), x(0.0, 80.0, 0.0)], [x(100.0, 0.0, 0.0), x(100.0, 80.0, 0.0)]];
@@ -126,5 +176,8 @@ mod tests {
         patterns[0].isometry_error = 1.2;
         let told = stretched(&parts, &patterns, 1e-6);
         assert!(told.len() == 1 && told[0].starts_with("part A: lengths"), "{told:?}");
+        patterns[0].isometry_error = f64::INFINITY;
+        let told = stretched(&parts, &patterns, 1e-6);
+        assert!(told.len() == 1 && !told[0].contains("inf"), "{told:?}");
     }
 }

@@ -5,7 +5,9 @@ use crate::certify::claim::{Claim, Counted, Subject, UpperBound, What};
 use crate::certify::rails::{rail_bound, twist_bound, TwistBound};
 use crate::control::Control;
 use crate::design::loft::build::BuiltStrip;
+use crate::torse::form::PanelKind;
 use crate::torse::rail::Rail;
+use crate::torse::strip::Strip;
 use rayon::prelude::*;
 
 /// Stations per strip where twist and clearance are measured.
@@ -129,6 +131,16 @@ pub fn judge(strips: &[Candidate], sides: [What; 2], limit: f64) -> Judgement {
     summed(&strips.iter().zip(&found).map(|(s, f)| (*s, f)).collect::<Vec<_>>(), sides, limit)
 }
 
+/// Measured twist for colours; one value for a plane between straight rails, which is two triangles in every picture.
+fn field(strip: &Strip, found: &Found) -> StripField {
+    let plain = strip.kind == PanelKind::Plane && strip.patch.knots_u.control_count() == 2;
+    let (u, twists) = match (plain, &found.at[..]) {
+        (true, [first, .., last]) => (vec![*first, *last], vec![found.twists.iter().copied().fold(0.0, f64::max); 2]),
+        _ => (found.at.clone(), found.twists.clone()),
+    };
+    StripField { u, v: vec![0.0, 1.0], values: twists.iter().flat_map(|t| [t.to_degrees(); 2]).collect() }
+}
+
 /// Sums up what was found of strips: see [`judge`].
 pub fn summed(strips: &[(Candidate, &Found)], sides: [What; 2], limit: f64) -> Judgement {
     let mut off: [Vec<UpperBound>; 2] = Default::default();
@@ -171,8 +183,7 @@ pub fn summed(strips: &[(Candidate, &Found)], sides: [What; 2], limit: f64) -> J
             Claim::measured(What::RegressionClearance, subject, found.clearance),
             Claim::measured(What::Area, subject, strip.area_estimate() * SQUARE_METRES),
         ]);
-        let values = found.twists.iter().flat_map(|t| [t.to_degrees(); 2]).collect();
-        out.fields.push(StripField { u: found.at.clone(), v: vec![0.0, 1.0], values });
+        out.fields.push(field(strip, found));
     }
     out.off = off.map(UpperBound::largest);
     out.twist = UpperBound::largest(twists_shown);
