@@ -42,7 +42,7 @@ pub struct ScanOutline {
 
 /// The outline of points of the plane; `None` where they are too few, lie in a line, or in parts that are apart.
 pub fn outline(points: &[Vec2]) -> Option<ScanOutline> {
-    let taken = thinned(points);
+    let (taken, left_out) = thinned(points);
     if taken.len() < FEWEST {
         return None;
     }
@@ -83,7 +83,7 @@ pub fn outline(points: &[Vec2]) -> Option<ScanOutline> {
     let off = STRAIGHT * median;
     let all: Vec<&Vec<Vec2>> = std::iter::once(&outer).chain(cut).collect();
     Some(ScanOutline {
-        distance_estimate: 0.5 * all.iter().map(|l| longest(l)).fold(0.0, f64::max) + off,
+        distance_estimate: 0.5 * all.iter().map(|l| longest(l)).fold(0.0, f64::max) + off + left_out,
         loops: all.into_iter().map(|l| straightened(l, off)).collect(),
         // Circumradius of a right-angled half of a square with this side.
         spacing: std::f64::consts::SQRT_2 * median,
@@ -92,8 +92,8 @@ pub fn outline(points: &[Vec2]) -> Option<ScanOutline> {
     })
 }
 
-/// One point of each cell, in no other order than given.
-fn thinned(points: &[Vec2]) -> Vec<Vec2> {
+/// One point of each cell, in no other order than given, and how far (mm) the others may be from these.
+fn thinned(points: &[Vec2]) -> (Vec<Vec2>, f64) {
     let finite = || points.iter().filter(|p| p.x.is_finite() && p.y.is_finite());
     let (mut low, mut high) = (Vec2::repeat(f64::INFINITY), Vec2::repeat(f64::NEG_INFINITY));
     for p in finite() {
@@ -101,10 +101,13 @@ fn thinned(points: &[Vec2]) -> Vec<Vec2> {
     }
     let cell = (high - low).max() / CELLS;
     if !(cell > 0.0 && cell.is_finite()) {
-        return Vec::new();
+        return (Vec::new(), 0.0);
     }
     let mut seen = std::collections::HashSet::new();
-    finite().filter(|p| seen.insert((**p - low).map(|x| (x / cell) as i64).data.0)).copied().collect()
+    let taken: Vec<Vec2> =
+        finite().filter(|p| seen.insert((**p - low).map(|x| (x / cell) as i64).data.0)).copied().collect();
+    let left_out = if taken.len() < finite().count() { std::f64::consts::SQRT_2 * cell } else { 0.0 };
+    (taken, left_out)
 }
 
 /// Closed walks along directed edges; where one comes to a corner again, what lies between is a walk of its own.

@@ -137,6 +137,10 @@ pub fn fit(cloud: &Cloud, options: &FitOptions, control: &Control) -> Result<Fit
     let (parts, mut patterns) = cut(&strips, &chains, &flat);
     if inside.is_empty() && !control.stopped() {
         notes.push(outlined(&strips, &parts, &mut patterns, (&certificate, NEAR * options.tolerance), flat.side));
+    } else {
+        notes.push(
+            "Flat patterns are those of whole strips, which reach a little beyond what was measured.".to_string(),
+        );
     }
     let flat_area: f64 = patterns.iter().map(|p| p.area).sum::<f64>() * SQUARE_METRES;
     if strips.len() > 1 {

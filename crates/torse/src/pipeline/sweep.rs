@@ -87,7 +87,7 @@ pub fn picture(title: &str, rows: &[SweepRow]) -> Option<Image> {
         y: "panels; seam length, m".to_owned(),
         series: vec![
             series("panels", true, &|r| Some(r.panels as f64)),
-            series("limit of theory", false, &|r| r.limit),
+            series("estimate of theory", false, &|r| r.limit),
             series("seam length, m", true, &|r| Some(r.seam_length / 1000.0)),
         ],
     })
