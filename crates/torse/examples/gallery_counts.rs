@@ -1,4 +1,4 @@
-//! Panels over the tolerance: ours, the limit of theory, and the counts published with the method of \[SE06\] for a bowl
+//! Panels over the tolerance: ours, the estimate of theory, and the counts published with the method of \[SE06\] for a bowl
 //! of the same kind. `cargo run --release --example gallery_counts -- FOLDER` writes `counts.png` and prints the table.
 
 use std::io::Write;
@@ -47,7 +47,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         y: "panels".into(),
         series: vec![
             series("panels, certified", true, rows.iter().map(|r| [r.tolerance, r.panels as f64]).collect()),
-            series("limit of theory", false, rows.iter().filter_map(|r| Some([r.tolerance, r.limit?])).collect()),
+            series("estimate of theory", false, rows.iter().filter_map(|r| Some([r.tolerance, r.limit?])).collect()),
             series("published for a bowl of this kind", true, PUBLISHED.to_vec()),
         ],
     })

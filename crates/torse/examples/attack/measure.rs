@@ -35,7 +35,10 @@ impl<'a> Trimmed<'a> {
         let patch = &panel.patch;
         let mut outline = Vec::new();
         for run in panel.loops.first()? {
-            outline.extend((0..OUTLINE).map(|i| run.trim.point(i as f64 / OUTLINE as f64)));
+            // Between all knots: what happens within a narrow interval would be cut off by even samples.
+            let mut at = places(&run.trim.knots.breaks(), OUTLINE);
+            at.pop();
+            outline.extend(at.into_iter().map(|s| run.trim.point(s)));
         }
         let ((t0, t1), _) = patch.domain();
         if outline.iter().any(|p| !(p[0] >= t0 && p[0] <= t1 && p[1].is_finite())) {

@@ -5,8 +5,9 @@
 //! panel's boundary from the one instead of the other moves it by no more than that.
 
 use super::boundary::{clamped, trim_piece};
-use super::seams::{greatest, Shore};
+use super::seams::Shore;
 use super::vector::{length_bound, V3};
+use crate::num::greatest::greatest;
 use crate::num::interval::Interval;
 use crate::num::jet::Jet;
 use crate::spline::curve::Curve;

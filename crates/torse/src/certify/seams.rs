@@ -8,17 +8,13 @@ use super::boundary::trim_piece;
 use super::ruled::RuledJets;
 use super::vector::{add, dot, exact, length, length_bound, mid, sub, V3};
 use crate::geom::Vec3;
+use crate::num::greatest::greatest;
 use crate::num::interval::Interval;
 use crate::num::jet::Jet;
 use crate::patchwork::panel::Run;
-use std::cmp::Ordering;
-use std::collections::BinaryHeap;
 
 /// Pieces are halved until their enclosures exceed the greatest gap seen by less than this share of the tolerance.
 const EXCESS: f64 = 1e-3;
-
-/// Halvings of a piece at most.
-const DEPTH: usize = 10;
 
 /// One side of a seam.
 #[derive(Clone, Copy)]
@@ -67,70 +63,6 @@ pub(super) fn length_difference(a: Shore, b: Shore) -> Option<f64> {
 
 /// Pieces between two knots over which lengths are compared.
 const LENGTH_PIECES: usize = 4;
-
-/// Bound of the greatest value of a function between the first and the last of some cuts, within `excess` of what it
-/// reaches or as near as halving can bring it. `piece` bounds it between two places, and at these places; `None` where
-/// it cannot, or where the bound is not finite.
-///
-/// The piece with the greatest bound is halved first: what is left when no more pieces are looked at is the bound of the
-/// one that needs it most.
-pub(super) fn greatest(mut cuts: Vec<f64>, excess: f64, piece: impl Fn(f64, f64) -> Option<(f64, f64)>) -> Option<f64> {
-    cuts.sort_by(f64::total_cmp);
-    cuts.dedup_by(|x, y| x.to_bits() == y.to_bits());
-    let (mut open, mut seen) = (BinaryHeap::with_capacity(2 * cuts.len()), 0.0f64);
-    let mut looks = 0;
-    let mut look = |open: &mut BinaryHeap<Bounded>, ends: [f64; 2], depth: usize| {
-        let found = piece(ends[0], ends[1]).filter(|f| f.0.is_finite() && f.1.is_finite());
-        seen = found.map_or(seen, |(_, reached)| seen.max(reached));
-        looks += 1;
-        open.push(Bounded { bound: found.map_or(f64::INFINITY, |(all, _)| all), ends, depth });
-        (seen, looks)
-    };
-    let mut state = (0.0, 0);
-    for w in cuts.windows(2) {
-        state = look(&mut open, [w[0], w[1]], 0);
-    }
-    while let Some(Bounded { bound, ends: [s0, s1], depth }) = open.pop() {
-        let m = 0.5 * (s0 + s1);
-        let can_halve = depth < DEPTH && state.1 < MOST_PIECES && s0 < m && m < s1;
-        if bound <= state.0 + excess || !can_halve {
-            return bound.is_finite().then_some(bound);
-        }
-        look(&mut open, [s0, m], depth + 1);
-        state = look(&mut open, [m, s1], depth + 1);
-    }
-    Some(0.0)
-}
-
-/// A piece between two places, ordered by the bound over it.
-struct Bounded {
-    bound: f64,
-    ends: [f64; 2],
-    depth: usize,
-}
-
-impl Ord for Bounded {
-    fn cmp(&self, other: &Self) -> Ordering {
-        self.bound.total_cmp(&other.bound)
-    }
-}
-
-impl PartialOrd for Bounded {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl PartialEq for Bounded {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other) == Ordering::Equal
-    }
-}
-
-impl Eq for Bounded {}
-
-/// Pieces looked at after which no more are halved: enclosures that do not narrow would be halved everywhere.
-const MOST_PIECES: usize = 2048;
 
 /// Bounds of the gap over a piece and at its ends.
 fn piece(a: Shore, b: Shore, shift: &V3<Interval>, s0: f64, s1: f64) -> Option<(f64, f64)> {

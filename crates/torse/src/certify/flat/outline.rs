@@ -10,9 +10,9 @@
 //! Where the stretches begin is found by searching; any places are good for the proof, these make the bound small.
 
 use super::super::boundary::trim_piece;
-use super::super::seams::greatest;
 use super::rails::FlatRails;
 use crate::num::bernstein::Scalar;
+use crate::num::greatest::greatest;
 use crate::num::interval::Interval;
 use crate::num::jet::Jet;
 use crate::patchwork::pattern::ContourVertex;
