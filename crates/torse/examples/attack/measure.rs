@@ -125,17 +125,24 @@ fn places(breaks: &[f64], n: usize) -> Vec<f64> {
     out
 }
 
-/// Distance of a point from an untrimmed surface: steps of Newton's method from the nearest of a table.
-fn to_surface(s: &Surface, table: &[(f64, f64, Vec3)], x: &Vec3) -> f64 {
+/// Distance of a point from an untrimmed surface: steps of Newton's method from the nearest of a table. A distance above
+/// the one given is looked at once more, by steps downhill: on spikes Newton's method leaps over the foot.
+fn to_surface(s: &Surface, table: &[(f64, f64, Vec3)], x: &Vec3, most: f64) -> f64 {
     let mut starts: Vec<&(f64, f64, Vec3)> = table.iter().collect();
     starts.sort_by(|a, b| (a.2 - x).norm_squared().total_cmp(&(b.2 - x).norm_squared()));
     let ((u0, u1), (v0, v1)) = s.domain();
-    let mut best = f64::INFINITY;
+    let mut best = (f64::INFINITY, u0, v0);
+    let closer = |best: &mut (f64, f64, f64), u: f64, v: f64| {
+        let d = (x - s.point(u, v)).norm();
+        if d < best.0 {
+            *best = (d, u, v);
+        }
+    };
     for start in starts.iter().take(3) {
         let (mut u, mut v) = (start.0, start.1);
         for _ in 0..12 {
             let j = s.jet(u, v);
-            best = best.min((x - j.p).norm());
+            closer(&mut best, u, v);
             let d = x - j.p;
             let (e, f, g) = (j.du.dot(&j.du), j.du.dot(&j.dv), j.dv.dot(&j.dv));
             let (a, b) = (j.du.dot(&d), j.dv.dot(&d));
@@ -154,9 +161,25 @@ fn to_surface(s: &Surface, table: &[(f64, f64, Vec3)], x: &Vec3) -> f64 {
             }
             (u, v) = (nu, nv);
         }
-        best = best.min((x - s.point(u, v)).norm());
+        closer(&mut best, u, v);
     }
-    best
+    if best.0 <= most {
+        return best.0;
+    }
+    let (mut hu, mut hv) = (0.05 * (u1 - u0), 0.05 * (v1 - v0));
+    for _ in 0..400 {
+        let (_, u, v) = best;
+        for (a, b) in [(u + hu, v), (u - hu, v), (u, v + hv), (u, v - hv), (u + hu, v + hv), (u - hu, v - hv)] {
+            closer(&mut best, a.clamp(u0, u1), b.clamp(v0, v1));
+        }
+        if best.1 == u && best.2 == v {
+            (hu, hv) = (0.6 * hu, 0.6 * hv);
+            if hu < 1e-12 * (u1 - u0) {
+                break;
+            }
+        }
+    }
+    best.0
 }
 
 /// Largest principal curvature at a place of the patch, and the distance along the ruling to the regression curve.
@@ -208,7 +231,7 @@ pub fn measure(patchwork: &Patchwork, grid: usize) -> Option<Measured> {
         if !sure && !trimmed.contains(q) {
             continue;
         }
-        from_panel = from_panel.max(to_surface(s, &table, &trimmed.patch.point(q[0], q[1])));
+        from_panel = from_panel.max(to_surface(s, &table, &trimmed.patch.point(q[0], q[1]), from_panel));
         if let Some((k, c)) = shape(trimmed.patch, q[0], q[1]) {
             radius = radius.min(1.0 / k);
             clearance = clearance.min(c);
