@@ -178,7 +178,7 @@ fn hint(error: &ApproximateError) -> &'static str {
 /// What must not be cut of panels that are not certified, in words.
 pub fn warning(outcome: &Outcome) -> String {
     let panels = &outcome.patchwork.panels;
-    do_not_cut(&chosen(panels.iter().map(|p| p.name.as_str()), &Marks::of(outcome).panels), panels.len(), FEW)
+    do_not_cut(&chosen(panels.iter().map(|p| p.strip.name.as_str()), &Marks::of(outcome).panels), panels.len(), FEW)
 }
 
 /// What must not be cut of strips that are not certified, in words.

@@ -86,10 +86,10 @@ fn nearest(s: &Surface, x: &Vec3, grid: [usize; 2]) -> ([f64; 2], f64) {
 
 /// Polygons along the trimming curves of a panel in the parameter plane of its patch.
 fn trims(panel: &Panel) -> Vec<Vec<[f64; 2]>> {
-    let along = |l: &Vec<torse::patchwork::panel::Run>| {
+    let along = |l: &Vec<torse::patchwork::panel::Coedge>| {
         l.iter().flat_map(|r| (0..200).map(|k| r.trim.point(f64::from(k) / 200.0))).collect()
     };
-    panel.loops.iter().map(along).collect()
+    panel.loops().iter().map(along).collect()
 }
 
 fn inside(loops: &[Vec<[f64; 2]>], p: [f64; 2]) -> bool {
@@ -103,7 +103,7 @@ fn inside(loops: &[Vec<[f64; 2]>], p: [f64; 2]) -> bool {
 /// Distance from a point to the border of a panel in space: samples, then ever closer ones around the best.
 fn to_border(panel: &Panel, x: &Vec3) -> f64 {
     let mut least = f64::INFINITY;
-    for run in panel.loops.iter().flatten() {
+    for run in panel.loops().iter().flatten() {
         let far = |s: f64| (Vec3::from(run.edge.point(s)) - x).norm();
         let (mut middle, mut step) = (0.0, 1.0 / 60.0);
         for k in 1..=60 {
@@ -125,21 +125,21 @@ fn to_border(panel: &Panel, x: &Vec3) -> f64 {
 /// Largest distance met from points of a trimmed panel to the face; the face covers its whole surface.
 fn panel_to_face(panel: &Panel, face: &Surface) -> f64 {
     let loops = trims(panel);
-    let ((t0, t1), _) = panel.patch.domain();
+    let ((t0, t1), _) = panel.strip.patch.domain();
     let mut worst = 0.0_f64;
     for i in 0..=40 {
         for j in 0..=16 {
             let p = [t0 + (t1 - t0) * f64::from(i) / 40.0, f64::from(j) / 16.0];
             if inside(&loops, p) {
-                worst = worst.max(nearest(face, &panel.patch.point(p[0], p[1]), [24, 24]).1);
+                worst = worst.max(nearest(face, &panel.strip.patch.point(p[0], p[1]), [24, 24]).1);
             }
         }
     }
     // The border too: there the trimming has its say.
-    for run in panel.loops.iter().flatten() {
+    for run in panel.loops().iter().flatten() {
         for k in 0..=20 {
             let q = run.trim.point(f64::from(k) / 20.0);
-            worst = worst.max(nearest(face, &panel.patch.point(q[0], q[1]), [24, 24]).1);
+            worst = worst.max(nearest(face, &panel.strip.patch.point(q[0], q[1]), [24, 24]).1);
         }
     }
     worst
@@ -154,7 +154,7 @@ fn face_to_panels(face: &Surface, panels: &[Panel]) -> f64 {
         for j in 0..=24 {
             let x = face.point(du.0 + (du.1 - du.0) * f64::from(i) / 24.0, dv.0 + (dv.1 - dv.0) * f64::from(j) / 24.0);
             let to = |(panel, loops): (&Panel, &Vec<Vec<[f64; 2]>>)| {
-                let (foot, d) = nearest(&panel.patch, &x, [32, 4]);
+                let (foot, d) = nearest(&panel.strip.patch, &x, [32, 4]);
                 if inside(loops, foot) {
                     d
                 } else {
@@ -188,7 +188,7 @@ fn dense_samples_never_exceed_the_bound_in_either_direction() {
     let mut worst = 0.0_f64;
     for (panel, proof) in o.patchwork.panels.iter().zip(&o.certificate.panels) {
         let d = panel_to_face(panel, face);
-        assert!(d <= proof.deviation_bound, "{}: {d} exceeds {}", panel.name, proof.deviation_bound);
+        assert!(d <= proof.deviation_bound, "{}: {d} exceeds {}", panel.strip.name, proof.deviation_bound);
         worst = worst.max(d);
     }
     let back = face_to_panels(face, &o.patchwork.panels);
@@ -200,7 +200,7 @@ fn dense_samples_never_exceed_the_bound_in_either_direction() {
 
 /// The same panel moved by `d`: torse, patch and edges.
 fn moved(panel: &mut Panel, d: &Vec3) {
-    match &mut panel.torse {
+    match &mut panel.trim.as_mut().expect("a trim").torse {
         Torse::Primal(p) => p.frame.origin += d,
         Torse::Dual(t) => {
             for c in &mut t.planes.control {
@@ -208,12 +208,12 @@ fn moved(panel: &mut Panel, d: &Vec3) {
             }
         }
     }
-    for c in &mut panel.patch.control {
+    for c in &mut panel.strip.patch.control {
         for k in 0..3 {
             c[k] += c[3] * d[k];
         }
     }
-    for c in panel.loops.iter_mut().flatten().flat_map(|r| &mut r.edge.control) {
+    for c in panel.loops().iter_mut().flatten().flat_map(|r| &mut r.edge.control) {
         for k in 0..3 {
             c[k] += d[k];
         }
@@ -231,12 +231,12 @@ fn a_panel_moved_by_twice_the_tolerance_is_refused_with_a_witness() {
         let mut changed = o.patchwork.clone();
         let normal = {
             let p = &changed.panels[k];
-            let q = p.loops[0][0].trim.point(0.5);
-            p.patch.jet(q[0], q[1]).normal().normalize()
+            let q = p.loops()[0][0].trim.point(0.5);
+            p.strip.patch.jet(q[0], q[1]).normal().normalize()
         };
         moved(&mut changed.panels[k], &(2.0 * TOLERANCE * normal));
         let c = judged(&changed);
-        assert!(!c.certified && !c.panels[k].certified, "{}", changed.panels[k].name);
+        assert!(!c.certified && !c.panels[k].certified, "{}", changed.panels[k].strip.name);
         let (_, d) = c.panels[k].witness.expect("a witness");
         assert!(d.abs() > TOLERANCE, "{d}");
     }
@@ -248,7 +248,7 @@ fn numbers_rounded_for_export_are_part_of_the_bound() {
     let o = torus();
     // Control points of the exported patch to whole eighths of a millimetre, the torse left as it was.
     let mut coarse = o.patchwork.clone();
-    for c in coarse.panels.iter_mut().flat_map(|p| &mut p.patch.control) {
+    for c in coarse.panels.iter_mut().flat_map(|p| &mut p.strip.patch.control) {
         for k in 0..3 {
             c[k] = (c[k] / c[3] * 8.0).round() / 8.0 * c[3];
         }
@@ -258,15 +258,15 @@ fn numbers_rounded_for_export_are_part_of_the_bound() {
     for ((panel, was), (before, now)) in
         coarse.panels.iter().zip(&o.patchwork.panels).zip(fine.panels.iter().zip(&c.panels))
     {
-        let ((t0, t1), _) = panel.patch.domain();
+        let ((t0, t1), _) = panel.strip.patch.domain();
         let mut gap = 0.0_f64;
         for i in 0..=50 {
             let t = t0 + (t1 - t0) * f64::from(i) / 50.0;
             for r in [0.0, 0.5, 1.0] {
-                gap = gap.max((panel.patch.point(t, r) - was.patch.point(t, r)).norm());
+                gap = gap.max((panel.strip.patch.point(t, r) - was.strip.patch.point(t, r)).norm());
             }
         }
-        assert!(gap > 0.0 && now.rounding_bound >= gap, "{}: {gap} against {}", panel.name, now.rounding_bound);
+        assert!(gap > 0.0 && now.rounding_bound >= gap, "{}: {gap} against {}", panel.strip.name, now.rounding_bound);
         // Written exactly, there is still a bound for rounding, and it is not zero.
         assert!(
             before.rounding_bound > 0.0 && before.rounding_bound < 1e-6 && now.deviation_bound > before.deviation_bound
@@ -285,7 +285,7 @@ fn too_few_panels_end_uncertified_with_witness_and_panels() {
     assert!(d.abs() > TOLERANCE, "{d}");
     // The witness is a place where the panel is indeed too far away.
     let x = o.patchwork.faces[0].surface.point(uv[0], uv[1]);
-    assert!(nearest(&o.patchwork.panels[0].patch, &x, [60, 8]).1 > TOLERANCE);
+    assert!(nearest(&o.patchwork.panels[0].strip.patch, &x, [60, 8]).1 > TOLERANCE);
 }
 
 #[test]
@@ -387,10 +387,11 @@ fn seams_that_are_asked_for_are_kept() {
         let o = run(TORUS, &Options { layout: layout.clone(), meet, ..options(tolerance) }).expect("an outcome");
         assert_eq!(o.status(), Status::Certified);
         for panel in &o.patchwork.panels {
-            let heights = trims(panel).into_iter().flatten().map(|p| panel.patch.point(p[0], p[1]).x - plane.offset);
+            let heights =
+                trims(panel).into_iter().flatten().map(|p| panel.strip.patch.point(p[0], p[1]).x - plane.offset);
             let (lo, hi) = heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), h| (a.min(h), b.max(h)));
             // Panels leave the surface, and so the plane, by no more than the tolerance.
-            assert!(lo > -tolerance || hi < tolerance, "{} (seams meet: {meet}): {lo} to {hi}", panel.name);
+            assert!(lo > -tolerance || hi < tolerance, "{} (seams meet: {meet}): {lo} to {hi}", panel.strip.name);
         }
     }
     let layout = Layout { seams: vec![SeamPlane { offset: 5000.0, ..plane }], ..Layout::default() };
@@ -503,9 +504,14 @@ fn written_panels_are_read_back_face_by_face() {
     assert!(back.skipped.is_empty() && back.notes.is_empty(), "{:?} {:?}", back.skipped, back.notes);
     assert_eq!(back.faces.len(), o.patchwork.panels.len());
     for (face, (panel, pattern)) in back.faces.iter().zip(o.patchwork.panels.iter().zip(&o.patterns)) {
-        assert_eq!(face.name, panel.name);
+        assert_eq!(face.name, panel.strip.name);
         let area = area_by_rulings(face);
-        assert!((area / pattern.area_in_space - 1.0).abs() < 1e-6, "{}: {area}, {}", panel.name, pattern.area_in_space);
+        assert!(
+            (area / pattern.area_in_space - 1.0).abs() < 1e-6,
+            "{}: {area}, {}",
+            panel.strip.name,
+            pattern.area_in_space
+        );
     }
 }
 
@@ -514,7 +520,7 @@ fn a_cone_with_holes_is_one_panel() {
     let o = run(CONE, &options(1.0)).expect("an outcome");
     assert_eq!(o.status(), Status::Certified);
     assert_eq!(o.patchwork.panels.len(), 1);
-    assert!(o.patchwork.panels[0].loops.len() >= 2, "holes are kept");
+    assert!(o.patchwork.panels[0].loops().len() >= 2, "holes are kept");
 }
 
 /// Bands across an arch need 4√ε each in the metric of its curvature; along them run six waves, over which fits with the

@@ -327,7 +327,7 @@ fn a_pole_is_a_corner() {
     let profile = Curve::new(3, vec![-20., -20., -20., -20., 120., 120., 120., 120.], control).expect("profile");
     let torse = Torse::Primal(PrimalTorse::new(Frame::world(), profile, 0.0));
     let work = build(face, grid(6, (0.0, 1.0), (0.0, 1.0), |_, _| Some(0)), &[(0, &torse, PanelKind::Plane)]);
-    assert_eq!(work.panels[0].loops[0].len(), 4);
+    assert_eq!(work.panels[0].loops()[0].len(), 4);
     let p = pattern(&work, 0, &PatternOptions::new(0.01)).expect("a pattern");
     assert_eq!((p.contours[0].vertices.len(), p.sides.len(), p.rulings.len()), (3, 3, 0));
     assert!((p.area - 5000.0).abs() < 0.1 && (p.area_in_space - p.area).abs() < 1e-6);
@@ -352,7 +352,7 @@ fn panels_that_end_together_close_at_a_pole() {
         for label in [0, 1] {
             let assigned = Assigned { label, torse: &torse, kind: PanelKind::Plane };
             let (panel, _) = borders.panel(0, &assigned, &FINE).expect("a panel");
-            let runs = &panel.loops[0];
+            let runs = &panel.loops()[0];
             assert_eq!(runs.len(), 4);
             for (k, run) in runs.iter().enumerate() {
                 let next = &runs[(k + 1) % runs.len()];

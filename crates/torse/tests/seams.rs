@@ -68,7 +68,7 @@ fn bounds_of_gaps_hold_at_every_place_and_are_close() {
             .map(|k| f64::from(k) / 4000.0)
             .map(|s| {
                 let (p, q) = (a.run.trim.point(s), b.run.trim.point(1.0 - s));
-                (a.of.patch.point(p[0], p[1]) - b.of.patch.point(q[0], q[1])).norm()
+                (a.of.strip.patch.point(p[0], p[1]) - b.of.strip.patch.point(q[0], q[1])).norm()
             })
             .fold(0.0, f64::max);
         assert!(greatest > 0.0 && bound >= greatest, "seam {}: {bound} below {greatest}", seam.seam);
@@ -94,7 +94,7 @@ fn both_sides_of_an_exact_seam_are_one_edge_in_space() {
             let y = Vec3::from(seam.sides[0].run.edge.point(s));
             for (side, s) in [(&seam.sides[0], s), (&seam.sides[1], 1.0 - s)] {
                 let q = side.run.trim.point(s);
-                assert!((side.of.patch.point(q[0], q[1]) - y).norm() < 1e-3 * TOLERANCE);
+                assert!((side.of.strip.patch.point(q[0], q[1]) - y).norm() < 1e-3 * TOLERANCE);
             }
         }
     }
@@ -125,7 +125,7 @@ fn the_step_file_holds_one_shell_with_shared_edges() {
     let n = met().patchwork.panels.len();
     assert_eq!(count("=OPEN_SHELL("), 1);
     assert_eq!(count("=ADVANCED_FACE("), n);
-    let runs: usize = met().patchwork.panels.iter().flat_map(|p| &p.loops).map(Vec::len).sum();
+    let runs: usize = met().patchwork.panels.iter().flat_map(|p| p.loops()).map(Vec::len).sum();
     assert_eq!(count("=EDGE_CURVE("), runs - (n - 1));
     assert_eq!(count("=ORIENTED_EDGE("), runs);
 }

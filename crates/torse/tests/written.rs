@@ -84,8 +84,8 @@ fn edges_in_space_are_part_of_the_proof() {
     let o = outcome();
     let proof = |by: f64| {
         let mut p = o.patchwork.clone();
-        let k = p.panels[0].loops[0][0].edge.control.len() / 2;
-        p.panels[0].loops[0][0].edge.control[k][1] += by;
+        let k = p.panels[0].loops()[0][0].edge.control.len() / 2;
+        p.panels[0].loops_mut()[0][0].edge.control[k][1] += by;
         certify::patchwork(&p, TOLERANCE, &Control::default())
     };
     assert!(proof(0.0).certified);

@@ -32,9 +32,9 @@ const RULINGS: usize = 160;
 impl<'a> Trimmed<'a> {
     fn of(patchwork: &'a Patchwork) -> Option<Self> {
         let panel = patchwork.panels.first()?;
-        let patch = &panel.patch;
+        let patch = &panel.strip.patch;
         let mut outline = Vec::new();
-        for run in panel.loops.first()? {
+        for run in panel.loops().first()? {
             // Between all knots: what happens within a narrow interval would be cut off by even samples.
             let mut at = places(&run.trim.knots.breaks(), OUTLINE);
             at.pop();

@@ -38,7 +38,7 @@ pub fn number(p: &mut Patchwork, what: usize, size: f64, random: &mut Random) ->
     let by = random.sign() * size * random.scale(0.3, 4.0);
     let face = &mut p.faces.first_mut()?.surface;
     let panel = p.panels.first_mut()?;
-    let runs = panel.loops.first_mut()?;
+    let runs = panel.loops_mut().first_mut()?;
     let r = random.below(runs.len());
     match what {
         0 => {}
@@ -60,9 +60,9 @@ pub fn number(p: &mut Patchwork, what: usize, size: f64, random: &mut Random) ->
             face.knots_u = moved_knot(&face.knots_u, k, random.sign() * random.scale(1e-6, 1e-2))?;
         }
         4 => {
-            let k = random.below(panel.patch.control.len());
-            let w = panel.patch.control[k][3];
-            panel.patch.control[k][random.below(3)] += by * w * random.scale(1e-9, 1.0);
+            let k = random.below(panel.strip.patch.control.len());
+            let w = panel.strip.patch.control[k][3];
+            panel.strip.patch.control[k][random.below(3)] += by * w * random.scale(1e-9, 1.0);
         }
         5 => {
             let c = &mut runs.get_mut(r)?.trim.control;
@@ -83,7 +83,7 @@ pub fn forgery(p: &mut Patchwork, what: usize, random: &mut Random) -> Option<()
     let partition = p.partitions.first_mut()?;
     let panel = p.panels.first_mut()?;
     let k = random.below(partition.triangles.len());
-    let runs = panel.loops.first_mut()?;
+    let runs = panel.loops_mut().first_mut()?;
     let r = random.below(runs.len());
     match what {
         0 => {

@@ -4,12 +4,13 @@ use crate::random::Random;
 use nalgebra::DMatrix;
 use torse::brep::face::Face;
 use torse::geom::{Frame, Vec3};
-use torse::patchwork::panel::{Border, Panel, Patchwork, Run};
+use torse::patchwork::panel::{Border, Coedge, Panel, PanelTrim, Patchwork};
 use torse::patchwork::partition::Partition;
 use torse::spline::curve::Curve;
 use torse::spline::knots::Knots;
 use torse::spline::surface::Surface;
 use torse::torse::form::{DualTorse, PanelKind, PrimalTorse, Torse};
+use torse::torse::strip::Strip;
 
 /// What makes a specimen hard.
 pub const KINDS: [&str; 9] = [
@@ -277,19 +278,14 @@ pub fn specimen(random: &mut Random, kind: usize) -> Option<(Patchwork, f64)> {
         runs.push(run(&ground, &s, &partition, vertices, edge)?);
     }
     let panel = Panel {
-        name: "A".into(),
-        face: 0,
-        kind: PanelKind::Torse,
-        torse: ground.torse.clone(),
-        patch: ground.patch.clone(),
-        label: 0,
-        loops: vec![runs],
+        strip: Strip { name: "A".into(), kind: PanelKind::Torse, patch: ground.patch.clone() },
+        trim: Some(PanelTrim { face: 0, label: 0, torse: ground.torse.clone(), loops: vec![runs] }),
     };
     let faces = vec![Face::untrimmed(s)];
     Some((Patchwork { faces, partitions: vec![partition], panels: vec![panel], seam_count: 0 }, size))
 }
 
-fn run(ground: &Ground, s: &Surface, partition: &Partition, vertices: Vec<u32>, edge: u32) -> Option<Run> {
+fn run(ground: &Ground, s: &Surface, partition: &Partition, vertices: Vec<u32>, edge: u32) -> Option<Coedge> {
     let at = |k: u32| partition.vertices[k as usize];
     let (a, b) = (at(vertices[0]), at(vertices[vertices.len() - 1]));
     let length = |p: [f64; 2], q: [f64; 2]| (p[0] - q[0]).abs() + (p[1] - q[1]).abs();
@@ -321,5 +317,5 @@ fn run(ground: &Ground, s: &Surface, partition: &Partition, vertices: Vec<u32>, 
         let [t, r] = trim.point(x);
         ground.patch.point(t, r).into()
     });
-    Some(Run { border: Border::Trim { edge }, vertices, parameters, trim, edge: space })
+    Some(Coedge { border: Border::Trim { edge }, vertices, parameters, trim, edge: space })
 }

@@ -57,7 +57,7 @@ pub fn present_marked(outcome: &Outcome, marks: Marks) -> Presentation {
         .map(|k| {
             let panel = &patchwork.panels[k];
             PanelShape {
-                name: panel.name.clone(),
+                name: panel.strip.name.clone(),
                 mesh: panel_mesh(patchwork, k),
                 rulings: ruling_lines(panel, spacing),
                 borders: border_lines(panel, BORDER_POINTS),

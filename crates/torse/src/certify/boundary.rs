@@ -32,7 +32,7 @@ use crate::geom::Vec3;
 use crate::num::bernstein::SplinePiece;
 use crate::num::interval::Interval;
 use crate::num::jet::Jet;
-use crate::patchwork::panel::Run;
+use crate::patchwork::panel::Coedge;
 use crate::spline::curve::Curve;
 
 /// Pieces are halved until their enclosures exceed their end values by less than this share of the tolerance, or count
@@ -74,7 +74,7 @@ struct Piece {
 
 impl Boundary<'_> {
     /// Bounds the length of the paths over a run. `vertices` are the corner points of the face's partition.
-    pub fn run_bound(&self, run: &Run, vertices: &[[f64; 2]]) -> Result<RunBound, Obstacle> {
+    pub fn run_bound(&self, run: &Coedge, vertices: &[[f64; 2]]) -> Result<RunBound, Obstacle> {
         let place = |i: usize| run.vertices.get(i).and_then(|&v| vertices.get(v as usize)).copied();
         let first = place(0).unwrap_or([f64::NAN; 2]);
         let refuse = |uv: [f64; 2], reason: &'static str| Err(Obstacle { uv, reason });
@@ -285,7 +285,7 @@ fn slope_over(p: &Plane<Interval>, x: &V3<Interval>) -> Interval {
 }
 
 /// Whether a run has a clamped cubic trimming curve over [0, 1] and increasing parameters from 0 to 1.
-fn well_formed(run: &Run) -> bool {
+fn well_formed(run: &Coedge) -> bool {
     let n = run.vertices.len();
     let p = &run.parameters;
     let ends = |v: &[f64]| {

@@ -9,7 +9,7 @@
 
 use super::distance::key;
 use crate::brep::face::Face;
-use crate::patchwork::panel::{Border, Panel, Run};
+use crate::patchwork::panel::{Border, Coedge, Panel, PanelTrim};
 use crate::patchwork::partition::Partition;
 use robust::{orient2d, Coord};
 use std::collections::{HashMap, HashSet};
@@ -127,11 +127,11 @@ pub(super) fn partition_covers(face: &Face, partition: &Partition) -> Result<[f6
 pub(super) fn labels_have_panels(partitions: &[Partition], panels: &[Panel]) -> Result<(), String> {
     let mut owners = HashSet::new();
     for p in panels {
-        if p.face >= partitions.len() {
-            return Err(format!("panel {} belongs to a face that does not exist", p.name));
-        }
-        if !owners.insert((p.face, p.label)) {
-            return Err(format!("panel {} shares its region with another", p.name));
+        let Some(trim) = p.trim.as_ref().filter(|t| t.face < partitions.len()) else {
+            return Err(format!("panel {} belongs to a face that does not exist", p.strip.name));
+        };
+        if !owners.insert((trim.face, trim.label)) {
+            return Err(format!("panel {} shares its region with another", p.strip.name));
         }
     }
     for (face, partition) in partitions.iter().enumerate() {
@@ -146,13 +146,13 @@ pub(super) fn labels_have_panels(partitions: &[Partition], panels: &[Panel]) -> 
 ///
 /// # Errors
 /// In plain words, what is wrong.
-pub(super) fn loops_bound_triangles(partition: &Partition, panel: &Panel) -> Result<(), String> {
+pub(super) fn loops_bound_triangles(partition: &Partition, trim: &PanelTrim) -> Result<(), String> {
     let mut edges = HashSet::new();
     let mut others = HashSet::new();
     for (t, &label) in partition.triangles.iter().zip(&partition.labels) {
         for k in 0..3 {
             let (a, b) = (t[k], t[(k + 1) % 3]);
-            if label != panel.label {
+            if label != trim.label {
                 others.insert((a, b));
             } else if !edges.remove(&(b, a)) {
                 edges.insert((a, b));
@@ -162,9 +162,9 @@ pub(super) fn loops_bound_triangles(partition: &Partition, panel: &Panel) -> Res
     if edges.is_empty() {
         return Err("the panel has no triangles".into());
     }
-    for (l, runs) in panel.loops.iter().enumerate() {
+    for (l, runs) in trim.loops.iter().enumerate() {
         for (i, run) in runs.iter().enumerate() {
-            let following: &Run = &runs[(i + 1) % runs.len()];
+            let following: &Coedge = &runs[(i + 1) % runs.len()];
             if run.vertices.last() != following.vertices.first() {
                 return Err(format!("loop {l} is not closed after run {i}"));
             }

@@ -53,15 +53,15 @@ mod tests {
     fn samples_stay_below_and_a_bump_between_them_is_seen() {
         let p = two_panels(1e-3, 4);
         let panel = &p.panels[0];
-        let jets = RuledJets::new(&Ruled::new(&panel.patch).expect("ruled"), &[0.0; 3]);
-        for run in panel.loops.iter().flatten() {
+        let jets = RuledJets::new(&Ruled::new(&panel.strip.patch).expect("ruled"), &[0.0; 3]);
+        for run in panel.loops().iter().flatten() {
             let shore = Shore { jets: &jets, run };
             let bound = edge_bound(shore, &run.edge, 1e-3).expect("a bound");
             let mut worst = 0.0f64;
             for i in 0..=1000 {
                 let s = f64::from(i) / 1000.0;
                 let q = run.trim.point(s);
-                worst = worst.max((panel.patch.point(q[0], q[1]) - Vec3::from(run.edge.point(s))).norm());
+                worst = worst.max((panel.strip.patch.point(q[0], q[1]) - Vec3::from(run.edge.point(s))).norm());
             }
             assert!(worst <= bound && bound < 1.05 * worst + 1e-6, "{worst:e} {bound:e}");
             // A spike between knots so close that no sampling finds it.

@@ -5,7 +5,7 @@
 //! patchwork stands among others (the numbers of its faces and seams) does not count. Not a defence against somebody who
 //! looks for collisions: the hash is not cryptographic.
 
-use crate::patchwork::panel::{Border, Panel, Patchwork, Run};
+use crate::patchwork::panel::{Border, Coedge, Panel, Patchwork};
 use crate::patchwork::partition::Partition;
 use crate::spline::curve::Curve;
 use crate::spline::knots::Knots;
@@ -72,9 +72,13 @@ fn partition(p: &Partition, h: &mut DefaultHasher) {
 }
 
 fn panel(p: &Panel, first: [usize; 3], h: &mut DefaultHasher) {
-    p.face.wrapping_sub(first[0]).hash(h);
-    p.label.hash(h);
-    match &p.torse {
+    knots(&p.strip.patch.knots_u, h);
+    knots(&p.strip.patch.knots_v, h);
+    points(&p.strip.patch.control, h);
+    let Some(trim) = &p.trim else { return };
+    trim.face.wrapping_sub(first[0]).hash(h);
+    trim.label.hash(h);
+    match &trim.torse {
         Torse::Primal(t) => {
             0u8.hash(h);
             for v in [t.frame.origin, t.frame.x, t.frame.y, t.frame.z] {
@@ -88,16 +92,13 @@ fn panel(p: &Panel, first: [usize; 3], h: &mut DefaultHasher) {
             curve(&t.planes, h);
         }
     }
-    knots(&p.patch.knots_u, h);
-    knots(&p.patch.knots_v, h);
-    points(&p.patch.control, h);
-    for l in &p.loops {
+    for l in &trim.loops {
         l.len().hash(h);
         l.iter().for_each(|r| run(r, first[2], h));
     }
 }
 
-fn run(r: &Run, first_seam: usize, h: &mut DefaultHasher) {
+fn run(r: &Coedge, first_seam: usize, h: &mut DefaultHasher) {
     match r.border {
         Border::Seam { seam, forward } => (0u8, (seam as usize).wrapping_sub(first_seam), forward).hash(h),
         Border::Trim { edge } => (1u8, edge).hash(h),

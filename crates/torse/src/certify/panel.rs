@@ -23,8 +23,9 @@ use super::verdict::{Resistance, Verdict};
 use super::written::reserve;
 use crate::control::Control;
 use crate::num::interval::Interval;
-use crate::patchwork::panel::Panel;
+use crate::patchwork::panel::{Panel, PanelTrim};
 use crate::patchwork::partition::Partition;
+use crate::torse::form::Torse;
 use rayon::prelude::*;
 
 /// A panel that is not within the tolerance is looked at again with these multiples of it, so that the report can
@@ -49,8 +50,12 @@ pub(super) fn panel_certificate(
 ) -> (PanelParts, Option<RuledJets>) {
     let &Ground { partition, prepared, moved } = ground;
     let mut out = PanelParts::blank();
-    let triangles = region(partition, panel.label);
-    let (Some(family), Some(ruled)) = (Family::new(&panel.torse), Ruled::new(&panel.patch)) else {
+    let Some(trim) = &panel.trim else {
+        out.reason = "the panel covers no face".into();
+        return (out, None);
+    };
+    let triangles = region(partition, trim.label);
+    let (Some(family), Some(ruled)) = (Family::new(&trim.torse), Ruled::new(&panel.strip.patch)) else {
         out.reason =
             "the torse is not a C¹ spline of degree at most 3, or the patch is not ruled with positive weights".into();
         return (out, None);
@@ -64,7 +69,7 @@ pub(super) fn panel_certificate(
     let origin = [family.origin.x, family.origin.y, family.origin.z];
     let jets = RuledJets::new(&ruled, &origin);
     let boundary = Boundary { family: &family, jets: &jets, prepared, tolerance };
-    let edge = boundary_bounds(panel, partition, &boundary, &mut reasons);
+    let edge = boundary_bounds(trim, partition, &boundary, &mut reasons);
     out.boundary_bound = edge.delta.unwrap_or(f64::INFINITY);
 
     // The edges in space that go with the trimming curves.
@@ -77,7 +82,7 @@ pub(super) fn panel_certificate(
     let beside = if out.edge_bound.is_finite() { out.edge_bound } else { 0.0 };
     let eta = (Interval::point(out.rounding_bound) + Interval::point(moved) + Interval::point(beside)).hi;
     let mismatch = Mismatch { delta: edge.delta.unwrap_or(0.0), curvature: edge.curvature, eta };
-    let region = Region { prepared, panel, triangles: &triangles, tolerance, control };
+    let region = Region { prepared, torse: &trim.torse, triangles: &triangles, tolerance, control };
     let (judgement, feet) = region.judged(&mismatch, &mut out, &mut reasons);
     if let Verdict::Holds { bound } = judgement.verdict {
         out.distance_bound = bound;
@@ -103,7 +108,7 @@ pub(super) fn panel_certificate(
 
 /// Bound of the distance between edges in space and trimming curves, over all runs that files have edges for.
 fn edges(panel: &Panel, jets: &RuledJets, tolerance: f64) -> Option<f64> {
-    let runs: Vec<_> = panel.loops.iter().flatten().filter(|r| !r.is_point()).collect();
+    let runs: Vec<_> = panel.loops().iter().flatten().filter(|r| !r.is_point()).collect();
     let bounds: Vec<_> = runs.par_iter().map(|run| edge_bound(Shore { jets, run }, &run.edge, tolerance)).collect();
     bounds.into_iter().try_fold(0.0f64, |most, b| b.filter(|b| !b.is_nan()).map(|b| most.max(b)))
 }
@@ -117,10 +122,10 @@ fn patch_bounds(
     reasons: &mut Vec<String>,
 ) -> Developability {
     match rounding_bound(family, ruled) {
-        Some(bound) => out.rounding_bound = (bound + reserve(&panel.patch)) * (1.0 + 4.0 * f64::EPSILON),
+        Some(bound) => out.rounding_bound = (bound + reserve(&panel.strip.patch)) * (1.0 + 4.0 * f64::EPSILON),
         None => reasons.push("the patch cannot be compared with the exact torse".into()),
     }
-    let shape = developability(ruled, &trim_boxes(panel.loops.iter().flatten().map(|r| &r.trim)));
+    let shape = developability(ruled, &trim_boxes(panel.loops().iter().flatten().map(|r| &r.trim)));
     out.developability_bound = shape.angle;
     if shape.angle > ANGLE_LIMIT {
         reasons.push(format!("tangent planes along a ruling may differ by {:.1e} rad", shape.angle));
@@ -139,8 +144,8 @@ struct Edge {
 }
 
 /// The trimming curves: near the images of the region's boundary, all around the region, simple, and on the patch.
-fn boundary_bounds(panel: &Panel, partition: &Partition, boundary: &Boundary, reasons: &mut Vec<String>) -> Edge {
-    let runs: Vec<_> = panel.loops.iter().flatten().collect();
+fn boundary_bounds(trim: &PanelTrim, partition: &Partition, boundary: &Boundary, reasons: &mut Vec<String>) -> Edge {
+    let runs: Vec<_> = trim.loops.iter().flatten().collect();
     let bounds: Vec<_> = runs.par_iter().map(|run| boundary.run_bound(run, &partition.vertices)).collect();
     let mut edge = Edge { runs: Vec::with_capacity(bounds.len()), delta: Some(0.0), curvature: 0.0 };
     for b in bounds {
@@ -157,10 +162,10 @@ fn boundary_bounds(panel: &Panel, partition: &Partition, boundary: &Boundary, re
             }
         }
     }
-    if let Err(reason) = loops_bound_triangles(partition, panel) {
+    if let Err(reason) = loops_bound_triangles(partition, trim) {
         reasons.push(reason);
     }
-    let curves: Vec<Vec<_>> = panel.loops.iter().map(|l| l.iter().map(|r| &r.trim).collect()).collect();
+    let curves: Vec<Vec<_>> = trim.loops.iter().map(|l| l.iter().map(|r| &r.trim).collect()).collect();
     if let Err(reason) = loops_are_simple(&curves) {
         reasons.push(reason.into());
     }
@@ -174,7 +179,7 @@ fn boundary_bounds(panel: &Panel, partition: &Partition, boundary: &Boundary, re
 /// The part of a face that a panel stands for.
 struct Region<'a> {
     prepared: &'a Prepared<'a>,
-    panel: &'a Panel,
+    torse: &'a Torse,
     triangles: &'a [[[f64; 2]; 3]],
     tolerance: f64,
     control: &'a Control,
@@ -183,7 +188,7 @@ struct Region<'a> {
 impl Region<'_> {
     fn judge(&self, tolerance: f64) -> (JudgementParts, Feet) {
         let options = DistanceOptions::default();
-        judge(self.prepared, &self.panel.torse, self.triangles, tolerance, &options, self.control)
+        judge(self.prepared, self.torse, self.triangles, tolerance, &options, self.control)
     }
 
     /// The distance, within what boundary and rounding have left of the tolerance; if that cannot be shown, within a

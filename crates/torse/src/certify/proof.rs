@@ -11,7 +11,7 @@ use super::ruled::RuledJets;
 use super::seams::{self, Shore};
 use crate::control::Control;
 use crate::geom::BBox;
-use crate::patchwork::panel::{Border, Patchwork, Run};
+use crate::patchwork::panel::{Border, Coedge, Patchwork};
 use crate::patchwork::seam::Seam;
 use rayon::prelude::*;
 
@@ -143,7 +143,7 @@ fn panels_of(
         .panels
         .par_iter()
         .map(|panel| {
-            let result = match (patchwork.partitions.get(panel.face), grounds.get(panel.face)) {
+            let result = match (patchwork.partition_of(panel), panel.face().and_then(|f| grounds.get(f))) {
                 (Some(partition), Some((prepared, moved))) => {
                     let ground = Ground { partition, prepared, moved: *moved };
                     panel_certificate(panel, &ground, tolerance, control)
@@ -151,7 +151,7 @@ fn panels_of(
                 _ => (PanelParts::blank(), None),
             };
             let n = done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1;
-            control.report("certify", n as f64 / total as f64, panel.name.clone());
+            control.report("certify", n as f64 / total as f64, panel.strip.name.clone());
             result
         })
         .collect();
@@ -160,7 +160,7 @@ fn panels_of(
     out.deviation_bound = out.panels.iter().fold(0.0, |m, p| p.deviation_bound.max(m));
     let failing: Vec<usize> = (0..total).filter(|&i| !out.panels[i].certified).collect();
     for &i in failing.iter().take(3) {
-        out.missing.push(format!("panel {}: {}", patchwork.panels[i].name, out.panels[i].reason));
+        out.missing.push(format!("panel {}: {}", patchwork.panels[i].strip.name, out.panels[i].reason));
     }
     if failing.len() > 3 {
         out.missing.push(format!("{} more panels", failing.len() - 3));
@@ -211,9 +211,9 @@ impl Certificate {
 
 /// Bounds of gap and of difference in length of both sides, for all seams.
 fn seam_gaps(patchwork: &Patchwork, jets: &[Option<RuledJets>], tolerance: f64) -> Result<Vec<(f64, f64)>, String> {
-    let mut sides: Vec<Vec<(usize, bool, &Run)>> = vec![Vec::new(); patchwork.seam_count];
+    let mut sides: Vec<Vec<(usize, bool, &Coedge)>> = vec![Vec::new(); patchwork.seam_count];
     for (i, panel) in patchwork.panels.iter().enumerate() {
-        for run in panel.loops.iter().flatten() {
+        for run in panel.loops().iter().flatten() {
             if let Border::Seam { seam, forward } = run.border {
                 let slot = sides.get_mut(seam as usize).ok_or_else(|| format!("seam {seam} is not counted"))?;
                 slot.push((i, forward, run));
@@ -233,7 +233,7 @@ fn seam_gaps(patchwork: &Patchwork, jets: &[Option<RuledJets>], tolerance: f64) 
             if !mirrored {
                 return Err(format!("the two sides of seam {seam} do not mirror each other"));
             }
-            if patchwork.panels[*i].face != patchwork.panels[*j].face {
+            if patchwork.panels[*i].face() != patchwork.panels[*j].face() {
                 return Err(format!("seam {seam} lies between different faces"));
             }
             let (Some(Some(p)), Some(Some(q))) = (jets.get(*i), jets.get(*j)) else {
@@ -277,7 +277,7 @@ mod tests {
         let surface = &p.faces[0].surface;
         let mut tried = 0;
         for (panel, proof) in p.panels.iter().zip(&c.panels) {
-            let outline: Vec<[f64; 2]> = panel.loops[0]
+            let outline: Vec<[f64; 2]> = panel.loops()[0]
                 .iter()
                 .flat_map(|r| (0..200).map(|i| r.trim.point(i as f64 / 200.0)).collect::<Vec<_>>())
                 .collect();
@@ -294,7 +294,7 @@ mod tests {
                         continue;
                     }
                     tried += 1;
-                    let x = panel.patch.point(t, r);
+                    let x = panel.strip.patch.point(t, r);
                     let (mut u, mut v) = (t / 1.3, r);
                     for _ in 0..20 {
                         let s = surface.jet(u.clamp(0.0, 1.0), v.clamp(0.0, 1.0));
@@ -322,26 +322,30 @@ mod tests {
             let c = prove(&p, 1.05e-3);
             assert!(!c.certified && c.missing.iter().any(|m| m.contains(word)), "{name}: {:?}", c.missing);
         };
-        refused("a vertex of the patch off by 1e-8", "rad", &|p| p.panels[0].patch.control[10][2] += 1e-5);
+        refused("a vertex of the patch off by 1e-8", "rad", &|p| p.panels[0].strip.patch.control[10][2] += 1e-5);
         refused("a piece of the region gone", "coverage", &|p| {
             p.partitions[0].triangles.pop();
             p.partitions[0].labels.pop();
         });
         refused("a loop reversed", "region", &|p| {
-            for run in p.panels[0].loops[0].iter_mut() {
+            for run in p.panels[0].loops_mut()[0].iter_mut() {
                 run.vertices.reverse();
             }
-            p.panels[0].loops[0].reverse();
+            p.panels[0].loops_mut()[0].reverse();
         });
         refused("a corner of the trim dropped", "panel A-0", &|p| {
-            let n = p.panels[0].loops[0][0].trim.control.len();
-            p.panels[0].loops[0][0].trim.control[n / 2][1] += 0.1;
+            let n = p.panels[0].loops()[0][0].trim.control.len();
+            p.panels[0].loops_mut()[0][0].trim.control[n / 2][1] += 0.1;
         });
         refused("a panel gone", "belongs to no panel", &|p| {
             p.panels.pop();
         });
-        refused("trimming curves that do not join", "join", &|p| p.panels[1].loops[0][0].trim.control[0][0] += 1e-12);
-        refused("a seam of one side only", "seam", &|p| p.panels[1].loops[0][1].border = Border::Trim { edge: 7 });
+        refused("trimming curves that do not join", "join", &|p| {
+            p.panels[1].loops_mut()[0][0].trim.control[0][0] += 1e-12
+        });
+        refused("a seam of one side only", "seam", &|p| {
+            p.panels[1].loops_mut()[0][1].border = Border::Trim { edge: 7 }
+        });
     }
 
     #[test]
@@ -351,7 +355,10 @@ mod tests {
         assert!(!c.certified);
         let panel = c.panels.iter().find(|p| p.witness.is_some()).expect("a witness");
         let (uv, distance) = panel.witness.expect("a witness");
-        let there = specimens::brute_distance(&p.panels[0].torse, &p.faces[0].surface.point(uv[0], uv[1]));
+        let there = specimens::brute_distance(
+            &p.panels[0].trim.as_ref().expect("a trim").torse,
+            &p.faces[0].surface.point(uv[0], uv[1]),
+        );
         assert!(distance.abs() > 4.9e-4 && (there - distance.abs()).abs() < 1e-5);
         // A bound is stated all the same.
         assert!(c.deviation_bound > 5e-4 && c.deviation_bound < 2e-3, "{}", c.deviation_bound);
@@ -374,8 +381,8 @@ mod tests {
         out.faces.extend(b.faces.iter().cloned());
         out.partitions.extend(b.partitions.iter().cloned());
         for mut p in b.panels.iter().cloned() {
-            p.face += a.faces.len();
-            for run in p.loops.iter_mut().flatten() {
+            p.trim.iter_mut().for_each(|t| t.face += a.faces.len());
+            for run in p.loops_mut().iter_mut().flatten() {
                 if let Border::Seam { seam, .. } = &mut run.border {
                     *seam += a.seam_count as u32;
                 }
@@ -403,7 +410,7 @@ mod tests {
             assert!(!forged.certified && !forged.covered && !forged.missing.is_empty(), "{name}");
         }
         let mut changed = first.clone();
-        changed.panels[0].loops[0][0].edge.control[3][0] += 1e-12;
+        changed.panels[0].loops_mut()[0][0].edge.control[3][0] += 1e-12;
         assert!(!a.is_of(&changed) && !join(&changed, vec![a], 1e-3).certified);
     }
 
@@ -412,7 +419,7 @@ mod tests {
         // Both sides of the seam say that they are borders of the face.
         let mut p = two_panels(1e-3, 4);
         for (panel, run) in [(0, 3), (1, 1)] {
-            p.panels[panel].loops[0][run].border = Border::Trim { edge: 7 };
+            p.panels[panel].loops_mut()[0][run].border = Border::Trim { edge: 7 };
         }
         p.seam_count = 0;
         let c = prove(&p, 1.05e-3);
@@ -432,13 +439,13 @@ mod tests {
     #[test]
     fn an_edge_with_other_knots_is_not_the_same_edge() {
         let mut p = two_panels(1e-4, 4);
-        let edge = p.panels[0].loops[0][3].edge.clone();
-        p.panels[1].loops[0][1].edge = edge.reversed();
+        let edge = p.panels[0].loops()[0][3].edge.clone();
+        p.panels[1].loops_mut()[0][1].edge = edge.reversed();
         assert_eq!(prove(&p, 1e-2).seams[0].status, SeamStatus::Exact);
         let mut values = edge.reversed().knots.values().to_vec();
         let middle = values.len() / 2;
         values[middle] += 1e-3;
-        let other = &mut p.panels[1].loops[0][1].edge;
+        let other = &mut p.panels[1].loops_mut()[0][1].edge;
         *other = crate::spline::curve::Curve::new(3, values, other.control.clone()).expect("edge");
         assert_ne!(prove(&p, 1e-2).seams[0].status, SeamStatus::Exact);
     }

@@ -11,7 +11,7 @@ use crate::geom::Vec3;
 use crate::num::greatest::greatest;
 use crate::num::interval::Interval;
 use crate::num::jet::Jet;
-use crate::patchwork::panel::Run;
+use crate::patchwork::panel::Coedge;
 
 /// Pieces are halved until their enclosures exceed the greatest gap seen by less than this share of the tolerance.
 const EXCESS: f64 = 1e-3;
@@ -20,7 +20,7 @@ const EXCESS: f64 = 1e-3;
 #[derive(Clone, Copy)]
 pub(super) struct Shore<'a> {
     pub jets: &'a RuledJets,
-    pub run: &'a Run,
+    pub run: &'a Coedge,
 }
 
 /// Bound (mm) of the gap along a seam whose sides run against each other. `None` if a curve leaves its patch.

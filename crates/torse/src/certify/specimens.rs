@@ -2,12 +2,13 @@
 
 use crate::brep::face::Face;
 use crate::geom::{Frame, Vec3};
-use crate::patchwork::panel::{Border, Panel, Patchwork, Run};
+use crate::patchwork::panel::{Border, Coedge, Panel, PanelTrim, Patchwork};
 use crate::patchwork::partition::Partition;
 use crate::spline::curve::Curve;
 use crate::spline::knots::Knots;
 use crate::spline::surface::Surface;
 use crate::torse::form::{DualTorse, PanelKind, PrimalTorse, Torse};
+use crate::torse::strip::Strip;
 use nalgebra::DMatrix;
 
 fn greville(k: &Knots) -> Vec<f64> {
@@ -291,7 +292,7 @@ pub fn two_panels(bump: f64, n: usize) -> Patchwork {
             let p = patch.point(q[0], q[1]);
             [p.x, p.y, p.z]
         });
-        Run { border, vertices, parameters, trim, edge }
+        Coedge { border, vertices, parameters, trim, edge }
     };
     let trim = |edge| Border::Trim { edge };
     let seam = |forward| Border::Seam { seam: 0, forward };
@@ -312,13 +313,13 @@ pub fn two_panels(bump: f64, n: usize) -> Patchwork {
     let mut loops = loops.into_iter();
     let panels = (0..2)
         .map(|label| Panel {
-            name: format!("A-{label}"),
-            face: 0,
-            kind: PanelKind::Torse,
-            torse: Torse::Primal(primal()),
-            patch: primal_patch(),
-            label,
-            loops: vec![loops.next().expect("two loops")],
+            strip: Strip { name: format!("A-{label}"), kind: PanelKind::Torse, patch: primal_patch() },
+            trim: Some(PanelTrim {
+                face: 0,
+                label,
+                torse: Torse::Primal(primal()),
+                loops: vec![loops.next().expect("two loops")],
+            }),
         })
         .collect();
     Patchwork {

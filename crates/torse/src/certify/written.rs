@@ -18,7 +18,7 @@ use crate::geom::Vec2;
 use crate::num::bernstein::hull;
 use crate::num::interval::Interval;
 use crate::num::jet::Jet;
-use crate::patchwork::panel::{Panel, Patchwork, Run};
+use crate::patchwork::panel::{Coedge, Panel, Patchwork};
 use crate::patchwork::pattern::{BendSense, Contour, Pattern};
 use crate::patchwork::written::{WrittenArc, WrittenEdge, WrittenFace, WrittenJoint, WrittenPiece, WrittenSurface};
 use crate::spline::curve::Curve;
@@ -83,11 +83,11 @@ pub fn panels(patchwork: &Patchwork, faces: &[WrittenFace]) -> WrittenCertificat
         .panels
         .par_iter()
         .map(|panel| {
-            let own: Vec<&WrittenFace> = faces.iter().filter(|f| f.name == panel.name).collect();
-            let [face] = own[..] else { return Err(format!("panel {} has {} faces", panel.name, own.len())) };
-            let turned = patchwork.faces.get(panel.face).is_some_and(|f| f.reversed);
+            let own: Vec<&WrittenFace> = faces.iter().filter(|f| f.name == panel.strip.name).collect();
+            let [face] = own[..] else { return Err(format!("panel {} has {} faces", panel.strip.name, own.len())) };
+            let turned = patchwork.face_of(panel).is_some_and(|f| f.reversed);
             panel_moved(panel, face, turned)
-                .map_err(|(entity, what)| format!("#{entity}, panel {}: {what}", panel.name))
+                .map_err(|(entity, what)| format!("#{entity}, panel {}: {what}", panel.strip.name))
         })
         .collect();
     WrittenCertificate::of(found.into_iter().try_fold(0.0f64, |m, b| b.map(|b| m.max(b))))
@@ -106,14 +106,14 @@ fn panel_moved(panel: &Panel, face: &WrittenFace, turned: bool) -> Result<f64, F
     if face.reversed == (panel.mirrored() == turned) {
         return Err(here("the normal is on the wrong side"));
     }
-    let mut moved = surface_moved(&panel.patch, &face.surface).map_err(|what| here(&what))?;
-    if face.loops.len() != panel.loops.len() {
+    let mut moved = surface_moved(&panel.strip.patch, &face.surface).map_err(|what| here(&what))?;
+    if face.loops.len() != panel.loops().len() {
         return Err(here("loops are missing"));
     }
-    let ruled = Ruled::new(&panel.patch).ok_or_else(|| here("the patch is not ruled"))?;
+    let ruled = Ruled::new(&panel.strip.patch).ok_or_else(|| here("the patch is not ruled"))?;
     let mut jets = None;
-    for (runs, uses) in panel.loops.iter().zip(&face.loops) {
-        let runs: Vec<&Run> = runs.iter().filter(|r| !r.is_point()).collect();
+    for (runs, uses) in panel.loops().iter().zip(&face.loops) {
+        let runs: Vec<&Coedge> = runs.iter().filter(|r| !r.is_point()).collect();
         let mut uses: Vec<(&WrittenEdge, bool)> = uses.iter().map(|u| (u, u.forward != turned)).collect();
         if turned {
             uses.reverse();
@@ -143,12 +143,13 @@ fn panel_moved(panel: &Panel, face: &WrittenFace, turned: bool) -> Result<f64, F
             if same_course(&run.trim, &edge.trim, forward) && same_course(&run.edge, &edge.curve, forward) {
                 continue;
             }
-            let jets = jets.get_or_insert_with(|| RuledJets::new(&ruled, &ruled.middle(panel.patch.domain().0 .0)));
+            let jets =
+                jets.get_or_insert_with(|| RuledJets::new(&ruled, &ruled.middle(panel.strip.patch.domain().0 .0)));
             let by = curves_moved(run, edge, forward, jets);
             moved = moved.max(by.ok_or_else(|| fault("the edge or its trimming curve is another one"))?);
         }
     }
-    if moved <= reserve(&panel.patch) {
+    if moved <= reserve(&panel.strip.patch) {
         Ok(moved)
     } else {
         Err(here(&format!("it is {moved:.3e} mm from what was judged")))
@@ -206,7 +207,7 @@ fn same_course<const D: usize>(own: &Curve<D>, written: &Curve<D>, forward: bool
 
 /// Bound (mm) of what a written pair of edge and trimming curve differs from the judged one, at places that correspond
 /// up to rounding.
-fn curves_moved(run: &Run, edge: &WrittenEdge, forward: bool, jets: &RuledJets) -> Option<f64> {
+fn curves_moved(run: &Coedge, edge: &WrittenEdge, forward: bool, jets: &RuledJets) -> Option<f64> {
     let mut most = 0.0f64;
     for (own, off) in differences(&run.trim, &edge.trim, forward)? {
         // How fast the patch goes in t and in r, where both curves run.
@@ -384,7 +385,7 @@ mod tests {
 
     /// The faces that a writer makes of a patchwork, without a writer.
     fn faces(p: &Patchwork) -> Vec<WrittenFace> {
-        let edge = |run: &Run, next: &Run| WrittenEdge {
+        let edge = |run: &Coedge, next: &Coedge| WrittenEdge {
             entity: 7,
             forward: true,
             vertices: [run.edge.control[0], next.edge.control[0]],
@@ -395,15 +396,15 @@ mod tests {
             .iter()
             .map(|panel| WrittenFace {
                 entity: 3,
-                name: panel.name.clone(),
+                name: panel.strip.name.clone(),
                 reversed: panel.mirrored(),
                 surface: WrittenSurface {
-                    knots: [panel.patch.knots_u.clone(), panel.patch.knots_v.clone()],
-                    points: panel.patch.control.iter().map(|c| [c[0], c[1], c[2]]).collect(),
+                    knots: [panel.strip.patch.knots_u.clone(), panel.strip.patch.knots_v.clone()],
+                    points: panel.strip.patch.control.iter().map(|c| [c[0], c[1], c[2]]).collect(),
                     weights: Vec::new(),
                 },
                 loops: panel
-                    .loops
+                    .loops()
                     .iter()
                     .map(|l| (0..l.len()).map(|k| edge(&l[k], &l[(k + 1) % l.len()])).collect())
                     .collect(),

@@ -5,7 +5,7 @@ use super::map::Development;
 use super::overlap::OutlinePoint;
 use crate::geom::{Vec2, Vec3};
 use crate::patchwork::clip::trim_place;
-use crate::patchwork::panel::{Panel, Run};
+use crate::patchwork::panel::{Coedge, Panel};
 use crate::spline::composite::smooth_breaks;
 use crate::spline::surface::Surface;
 
@@ -13,7 +13,7 @@ use crate::spline::surface::Surface;
 pub struct FlatRun<'a> {
     development: &'a Development,
     /// The run in space.
-    pub run: &'a Run,
+    pub run: &'a Coedge,
     /// Ends of its smooth pieces.
     pub breaks: Vec<f64>,
 }
@@ -41,7 +41,7 @@ const GAUSS: [(f64, f64); 5] = [
 
 impl<'a> FlatRun<'a> {
     /// A run of a panel on the panel's patch.
-    pub fn new(development: &'a Development, patch: &Surface, run: &'a Run) -> Self {
+    pub fn new(development: &'a Development, patch: &Surface, run: &'a Coedge) -> Self {
         Self { development, run, breaks: smooth_breaks(patch, &run.trim) }
     }
 
@@ -119,10 +119,10 @@ impl<'a> FlatRun<'a> {
 /// `outward` gives the face's outward normal at a vertex of the partition.
 pub fn outside(panel: &Panel, outward: &dyn Fn(u32) -> Vec3) -> f64 {
     let mut sum = 0.0;
-    for run in panel.loops.iter().flatten() {
+    for run in panel.loops().iter().flatten() {
         let middle = run.vertices.len() / 2;
         let q = run.trim.point(run.parameters[middle]);
-        let j = panel.patch.jet(q[0], q[1]);
+        let j = panel.strip.patch.jet(q[0], q[1]);
         let (n, m) = (j.dv.cross(&j.du), outward(run.vertices[middle]));
         let size = n.norm() * m.norm();
         if size > 0.0 {

@@ -12,7 +12,7 @@ use super::DevelopError;
 use crate::geom::rectangle::smallest_rectangle;
 use crate::geom::{Vec2, Vec3};
 use crate::patchwork::clip::ClippedRulings;
-use crate::patchwork::panel::{Border, Panel, Patchwork, Run};
+use crate::patchwork::panel::{Border, Coedge, Panel, Patchwork};
 use crate::patchwork::pattern::{Bend, Contour, ContourVertex, Mark, Pattern, Side, ViewSide};
 use crate::patchwork::seam::Seam;
 use crate::torse::form::PanelKind;
@@ -53,7 +53,7 @@ const SHORTEST_RULING: f64 = 0.01;
 pub fn pattern(patchwork: &Patchwork, panel: usize, options: &PatternOptions) -> Result<Pattern, DevelopError> {
     let missing = DevelopError::Missing(panel);
     let (Some(p), index) = (patchwork.panels.get(panel), panel) else { return Err(missing) };
-    let (Some(face), Some(partition)) = (patchwork.faces.get(p.face), patchwork.partitions.get(p.face)) else {
+    let (Some(face), Some(partition)) = (patchwork.face_of(p), patchwork.partition_of(p)) else {
         return Err(missing);
     };
     // 1. Map to the plane, seen from outside.
@@ -63,14 +63,14 @@ pub fn pattern(patchwork: &Patchwork, panel: usize, options: &PatternOptions) ->
     };
     let (development, side) = developed(patchwork, p)?;
     let loops: Vec<Vec<FlatRun>> = p
-        .loops
+        .loops()
         .iter()
-        .map(|l| l.iter().filter(|r| !r.is_point()).map(|r| FlatRun::new(&development, &p.patch, r)).collect())
+        .map(|l| l.iter().filter(|r| !r.is_point()).map(|r| FlatRun::new(&development, &p.strip.patch, r)).collect())
         .collect();
     let outer = loops.first().filter(|l| !l.is_empty()).ok_or(missing)?;
     // 2. Samples of the outline: measures, overlap.
     let samples: Vec<Vec<OutlinePoint>> =
-        loops.iter().map(|l| l.iter().flat_map(|r| r.samples(&p.patch, 6, 48)).collect()).collect();
+        loops.iter().map(|l| l.iter().flat_map(|r| r.samples(&p.strip.patch, 6, 48)).collect()).collect();
     let flat: Vec<Vec2> = samples[0].iter().map(|s| s.flat).collect();
     let rectangle = smallest_rectangle(&flat).ok_or(DevelopError::Missing(index))?;
     if let Some((a, b)) = overlap(&samples, (APART * rectangle.length).max(4.0 * options.contour_tolerance)) {
@@ -78,7 +78,7 @@ pub fn pattern(patchwork: &Patchwork, panel: usize, options: &PatternOptions) ->
     }
     let origin = flat[0];
     let flat_area: f64 = loops.iter().flatten().map(|r| r.flat_area(&origin)).sum();
-    let area_in_space: f64 = loops.iter().flatten().map(|r| r.area_in_space(&p.patch)).sum();
+    let area_in_space: f64 = loops.iter().flatten().map(|r| r.area_in_space(&p.strip.patch)).sum();
     // Loops run with the material on their left on the parameter plane, which is seen from behind if the face's
     // normal is reversed.
     let mirrored = flat_area < 0.0;
@@ -100,7 +100,7 @@ pub fn pattern(patchwork: &Patchwork, panel: usize, options: &PatternOptions) ->
         contours.push(Contour { vertices });
     }
     // 4. Rulings, marks, sides.
-    let (rulings, bends) = if p.kind == PanelKind::Plane {
+    let (rulings, bends) = if p.strip.kind == PanelKind::Plane {
         (Vec::new(), Vec::new())
     } else {
         let insets = [contour_error, SHORTEST_RULING * rectangle.length];
@@ -139,7 +139,7 @@ pub fn pattern(patchwork: &Patchwork, panel: usize, options: &PatternOptions) ->
     }
     Ok(Pattern {
         panel,
-        name: p.name.clone(),
+        name: p.strip.name.clone(),
         contours,
         view: ViewSide::Outside,
         rulings,
@@ -158,8 +158,8 @@ pub fn pattern(patchwork: &Patchwork, panel: usize, options: &PatternOptions) ->
 /// The map of a panel to the plane, seen from the side to which its face looks, and what that side is for
 /// [`Development::new`].
 fn developed(patchwork: &Patchwork, panel: &Panel) -> Result<(Development, f64), DevelopError> {
-    let missing = DevelopError::Missing(panel.face);
-    let (Some(face), Some(partition)) = (patchwork.faces.get(panel.face), patchwork.partitions.get(panel.face)) else {
+    let missing = DevelopError::Missing(panel.face().unwrap_or_default());
+    let (Some(face), Some(partition)) = (patchwork.face_of(panel), patchwork.partition_of(panel)) else {
         return Err(missing);
     };
     let outward = |v: u32| {
@@ -172,12 +172,12 @@ fn developed(patchwork: &Patchwork, panel: &Panel) -> Result<(Development, f64),
         }
     };
     let side = outside(panel, &outward);
-    Ok((Development::new(&panel.patch, side)?, side))
+    Ok((Development::new(&panel.strip.patch, side)?, side))
 }
 
 /// A pattern of [`pattern`] with its rulings drawn at other distances.
 pub fn bends_anew(patchwork: &Patchwork, pattern: Pattern, spacing: &BendSpacing) -> Pattern {
-    let Some(panel) = patchwork.panels.get(pattern.panel).filter(|p| p.kind != PanelKind::Plane) else {
+    let Some(panel) = patchwork.panels.get(pattern.panel).filter(|p| p.strip.kind != PanelKind::Plane) else {
         return pattern;
     };
     let Ok((development, side)) = developed(patchwork, panel) else { return pattern };
@@ -204,7 +204,7 @@ fn isometry_error(development: &Development, panel: &Panel) -> f64 {
     // Only rulings and stretches that the panel uses: the patch's margins are not cut.
     let (mut t0, mut t1) = (f64::INFINITY, f64::NEG_INFINITY);
     let mut worst = 0.0_f64;
-    for run in panel.loops.iter().flatten() {
+    for run in panel.loops().iter().flatten() {
         for k in 0..=32 {
             let q = run.trim.point(f64::from(k) / 32.0);
             t0 = t0.min(q[0]);
@@ -222,7 +222,7 @@ fn isometry_error(development: &Development, panel: &Panel) -> f64 {
 
 /// Marks of a run: number within the seam and parameter on this run. Both sides find the same points of the shared
 /// polyline, at equal steps of its length in space.
-fn mark_places(run: &Run, forward: bool, place: &dyn Fn(u32) -> Vec3, spacing: f64) -> Vec<(usize, f64)> {
+fn mark_places(run: &Coedge, forward: bool, place: &dyn Fn(u32) -> Vec3, spacing: f64) -> Vec<(usize, f64)> {
     let n = run.vertices.len();
     let order = |k: usize| if forward { k } else { n - 1 - k };
     let points: Vec<Vec3> = (0..n).map(|k| place(run.vertices[order(k)])).collect();
@@ -260,7 +260,7 @@ fn bend_lines(
     let clipped = ClippedRulings::new(panel);
     let (t0, t1) = clipped.range();
     let mut ends = vec![t0];
-    ends.extend(panel.patch.knots_u.breaks().into_iter().filter(|&t| t > t0 && t < t1));
+    ends.extend(panel.strip.patch.knots_u.breaks().into_iter().filter(|&t| t > t0 && t < t1));
     ends.push(t1);
     let parts = PLACES.0.max(PLACES.1.div_ceil(ends.len()));
     let mut course = Course::new();
@@ -268,8 +268,8 @@ fn bend_lines(
     for w in ends.windows(2) {
         for k in usize::from(before.is_some())..=parts {
             let t = w[0] + (w[1] - w[0]) * k as f64 / parts as f64;
-            let Some(plane) = Plane::of(&panel.patch, t, 0.5, side) else { continue };
-            let x = panel.patch.point(t, 0.5);
+            let Some(plane) = Plane::of(&panel.strip.patch, t, 0.5, side) else { continue };
+            let x = panel.strip.patch.point(t, 0.5);
             let (turn, length) = before.map_or((0.0, 0.0), |(p, y)| (p.turn(&plane), (x - y).dot(&plane.across).abs()));
             course.push(t, turn, length);
             before = Some((plane, x));
@@ -285,7 +285,7 @@ fn bend_lines(
             if length > insets[1] + 2.0 * insets[0] {
                 let d = (b - a) * (insets[0] / length);
                 rulings.push([a + d, b - d]);
-                bent.push(line.bend([r0, r1].map(|r| bends::radius(&panel.patch, t, r))));
+                bent.push(line.bend([r0, r1].map(|r| bends::radius(&panel.strip.patch, t, r))));
             }
         }
     }

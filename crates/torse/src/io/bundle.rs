@@ -89,7 +89,7 @@ pub fn with_reports(outcome: &Outcome, shown: &Presentation, mut out: Vec<File>)
         }
         Status::Uncertified => format!("{what}, not certified"),
     };
-    let names = outcome.patchwork.panels.iter().map(|p| p.name.as_str());
+    let names = outcome.patchwork.panels.iter().map(|p| p.strip.name.as_str());
     let bad = marks::chosen(names, &shown.marks.panels);
     let caption = |note: String| {
         let warning =

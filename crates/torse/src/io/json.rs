@@ -353,7 +353,7 @@ fn face_records(outcome: &Outcome, coverages: &[coverage::Coverage]) -> Vec<Face
         name: face.name.clone(),
         part: face.part.clone(),
         kind: kind_name(face.kind).into(),
-        panels: patchwork.panels.iter().filter(|p| p.face == i).count(),
+        panels: patchwork.panels.iter().filter(|p| p.face() == Some(i)).count(),
         coverage: coverages.get(i).map_or(0.0, coverage::Coverage::share),
         trim_deviation_estimate: finite(face.trim_deviation_estimate),
         surface_deviation_estimate: finite(face.surface_deviation_estimate),
@@ -376,9 +376,9 @@ fn panel_records(outcome: &Outcome) -> Vec<PanelRecord> {
             let proven = |value: fn(&PanelCertificate) -> f64| proof.map(value).and_then(finite);
             let drawn = |value: fn(&Pattern) -> f64| pattern.map(value).and_then(finite);
             PanelRecord {
-                name: panel.name.clone(),
-                face: panel.face,
-                kind: panel.kind.name().into(),
+                name: panel.strip.name.clone(),
+                face: panel.face().unwrap_or_default(),
+                kind: panel.strip.kind.name().into(),
                 certified: !marks.panels[i],
                 reason: if marks.panels[i] { reason(outcome, i) } else { String::new() },
                 witness: proof

@@ -1,7 +1,7 @@
 //! Rulings of a panel between its borders: which stretches of `t = const` lie in the trimmed region. Wanted by
 //! flat patterns and by pictures alike.
 
-use super::panel::{Panel, Run};
+use super::panel::{Coedge, Panel};
 use crate::geom::Vec3;
 use crate::spline::surface::Surface;
 
@@ -14,7 +14,7 @@ pub struct ClippedRulings<'a> {
 
 /// A short step of a trimming curve.
 struct Step<'a> {
-    run: &'a Run,
+    run: &'a Coedge,
     s: (f64, f64),
     t: (f64, f64),
 }
@@ -23,7 +23,7 @@ struct Step<'a> {
 const STEPS: (usize, usize) = (8, 32);
 
 /// Place (t, r) on a trimming curve; at its ends exactly those shared with the neighbouring runs.
-pub fn trim_place(run: &Run, s: f64) -> [f64; 2] {
+pub fn trim_place(run: &Coedge, s: f64) -> [f64; 2] {
     let c = &run.trim.control;
     if s <= 0.0 {
         c[0]
@@ -39,7 +39,7 @@ impl<'a> ClippedRulings<'a> {
     pub fn new(panel: &'a Panel) -> Self {
         let mut sides = Vec::new();
         let mut range = (f64::INFINITY, f64::NEG_INFINITY);
-        for run in panel.loops.iter().flatten() {
+        for run in panel.loops().iter().flatten() {
             let breaks = run.trim.knots.breaks();
             let parts = STEPS.0.max(STEPS.1.div_ceil(breaks.len() - 1));
             for w in breaks.windows(2) {
@@ -52,7 +52,7 @@ impl<'a> ClippedRulings<'a> {
                 }
             }
         }
-        Self { patch: &panel.patch, sides, range }
+        Self { patch: &panel.strip.patch, sides, range }
     }
 
     /// Range of rulings that meet the region.

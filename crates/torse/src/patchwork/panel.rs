@@ -3,8 +3,8 @@
 use super::partition::Partition;
 use crate::brep::face::Face;
 use crate::spline::curve::Curve;
-use crate::spline::surface::Surface;
-use crate::torse::form::{PanelKind, Torse};
+use crate::torse::form::Torse;
+use crate::torse::strip::Strip;
 
 /// What lies beyond a stretch of a panel's boundary.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -24,9 +24,9 @@ pub enum Border {
     },
 }
 
-/// A smooth stretch of a panel's boundary.
+/// A smooth stretch of a panel's boundary, with its direction.
 #[derive(Clone, Debug)]
-pub struct Run {
+pub struct Coedge {
     /// What lies beyond.
     pub border: Border,
     /// Vertices of the partition along the run, in the panel's direction (material on the left in the (u, v) plane).
@@ -40,7 +40,7 @@ pub struct Run {
     pub edge: Curve<3>,
 }
 
-impl Run {
+impl Coedge {
     /// Whether the run is a point (a pole of the input); files have no edge for it.
     pub fn is_point(&self) -> bool {
         let c = &self.trim.control;
@@ -48,34 +48,64 @@ impl Run {
     }
 }
 
-/// One panel: an exactly developable surface, the patch written to files, and its boundary.
+/// What a panel covers of a face, and where it ends.
 #[derive(Clone, Debug)]
-pub struct Panel {
-    /// Name, unique within the patchwork ("A-03").
-    pub name: String,
+pub struct PanelTrim {
     /// Index of the face in the patchwork.
     pub face: usize,
-    /// What it is, for people.
-    pub kind: PanelKind,
-    /// The exact developable surface.
-    pub torse: Torse,
-    /// The ruled patch in files: u = t (the torse's parameter), v = r ∈ [0, 1] along the ruling, degree 1 in v;
-    /// equal to the torse up to rounding.
-    pub patch: Surface,
     /// Label of the panel's triangles in the face's partition.
     pub label: u32,
-    /// Closed boundary loops, outer first; each loop's runs follow each other.
-    pub loops: Vec<Vec<Run>>,
+    /// The exact developable surface, equal to the panel's patch up to rounding.
+    pub torse: Torse,
+    /// Closed boundary loops, outer first; the coedges of a loop follow each other.
+    pub loops: Vec<Vec<Coedge>>,
+}
+
+/// One panel: a developable surface, as the ruled patch that is written to files, and its boundary.
+#[derive(Clone, Debug)]
+pub struct Panel {
+    /// Name, unique within the patchwork ("A-03"), kind and patch: u = t (the torse's parameter), v = r ∈ [0, 1] along the
+    /// ruling, degree 1 in v; equal to the torse up to rounding.
+    pub strip: Strip,
+    /// What it covers of a face; a panel without it ends where its patch does, at two rails and two rulings.
+    pub trim: Option<PanelTrim>,
+}
+
+impl From<Strip> for Panel {
+    /// The whole strip.
+    fn from(strip: Strip) -> Self {
+        Self { strip, trim: None }
+    }
 }
 
 impl Panel {
+    /// Index of the face that it covers a part of.
+    pub fn face(&self) -> Option<usize> {
+        self.trim.as_ref().map(|t| t.face)
+    }
+
+    /// Label of its triangles in the face's partition.
+    pub fn label(&self) -> Option<u32> {
+        self.trim.as_ref().map(|t| t.label)
+    }
+
+    /// Closed boundary loops, outer first; none of a panel that ends where its patch does.
+    pub fn loops(&self) -> &[Vec<Coedge>] {
+        self.trim.as_ref().map_or(&[], |t| &t.loops)
+    }
+
+    /// As [`Panel::loops`], to be changed.
+    pub fn loops_mut(&mut self) -> &mut [Vec<Coedge>] {
+        self.trim.as_mut().map_or(&mut [], |t| &mut t.loops)
+    }
+
     /// Whether the outer loop runs clockwise in the parameter plane (t, r) of the patch: then the patch's normal
     /// R_t × R_r is opposite to that of the face, about which the loop runs counter-clockwise.
     pub fn mirrored(&self) -> bool {
         // Chords of the trimming curves; cubic pieces deviate too little from four chords to turn the sign.
         const CHORDS: usize = 4;
         let mut twice_area = 0.0;
-        for run in self.loops.first().into_iter().flatten() {
+        for run in self.loops().first().into_iter().flatten() {
             for w in run.trim.knots.breaks().windows(2) {
                 let at = |k: usize| run.trim.point(w[0] + (w[1] - w[0]) * k as f64 / CHORDS as f64);
                 for k in 0..CHORDS {
@@ -89,7 +119,7 @@ impl Panel {
 }
 
 /// The panels of a whole model, with what they approximate.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Patchwork {
     /// Input faces.
     pub faces: Vec<Face>,
@@ -99,4 +129,21 @@ pub struct Patchwork {
     pub panels: Vec<Panel>,
     /// Number of seams.
     pub seam_count: usize,
+}
+
+impl Patchwork {
+    /// Panels that cover no faces and end where their patches do.
+    pub fn of_strips(strips: Vec<Strip>) -> Self {
+        Self { panels: strips.into_iter().map(Panel::from).collect(), ..Self::default() }
+    }
+
+    /// The face that a panel covers a part of.
+    pub fn face_of(&self, panel: &Panel) -> Option<&Face> {
+        self.faces.get(panel.face()?)
+    }
+
+    /// The triangles of that face.
+    pub fn partition_of(&self, panel: &Panel) -> Option<&Partition> {
+        self.partitions.get(panel.face()?)
+    }
 }

@@ -1,6 +1,6 @@
 //! Seams: stretches of border that two panels share, with both of their sides.
 
-use super::panel::{Border, Panel, Patchwork, Run};
+use super::panel::{Border, Coedge, Panel, Patchwork};
 use crate::geom::Vec3;
 
 /// One side of a seam.
@@ -11,7 +11,7 @@ pub struct SeamSide<'a> {
     /// The panel.
     pub of: &'a Panel,
     /// Its run along the seam.
-    pub run: &'a Run,
+    pub run: &'a Coedge,
 }
 
 /// A seam: the side that runs along the seam's own direction, and the other one.
@@ -37,7 +37,7 @@ impl Patchwork {
     pub fn seams(&self) -> Vec<Seam<'_>> {
         let mut sides: Vec<[Option<SeamSide>; 2]> = vec![[None; 2]; self.seam_count];
         for (panel, of) in self.panels.iter().enumerate() {
-            for run in of.loops.iter().flatten() {
+            for run in of.loops().iter().flatten() {
                 if let Border::Seam { seam, forward } = run.border {
                     if let Some(slot) = sides.get_mut(seam as usize) {
                         slot[usize::from(!forward)] = Some(SeamSide { panel, of, run });
@@ -53,7 +53,7 @@ impl SeamSide<'_> {
     /// Unit normal of the patch at the parameter `s` of the run; zero where the patch degenerates.
     pub fn normal(&self, s: f64) -> Vec3 {
         let q = self.run.trim.point(s);
-        let j = self.of.patch.jet(q[0], q[1]);
+        let j = self.of.strip.patch.jet(q[0], q[1]);
         j.normal().try_normalize(0.0).unwrap_or_else(Vec3::zeros)
     }
 }

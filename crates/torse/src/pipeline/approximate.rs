@@ -293,9 +293,10 @@ fn with_bends(patchwork: &Patchwork, patterns: Vec<Pattern>, drawn: &Drawn) -> V
 fn as_wanted(patchwork: &Patchwork, patterns: Vec<Pattern>, drawn: &Drawn) -> Vec<Pattern> {
     let outward = outward(patchwork);
     let wanted = |pattern: Pattern| {
-        let face = patchwork.panels[pattern.panel].face;
-        let seen =
-            if (outward[face] < 0.0) == patchwork.faces[face].reversed { ViewSide::Outside } else { ViewSide::Inside };
+        let face = patchwork.panels[pattern.panel].face();
+        let of = face.and_then(|f| Some((outward.get(f)?, patchwork.faces.get(f)?)));
+        let as_outside = of.is_some_and(|(outward, face)| (*outward < 0.0) == face.reversed);
+        let seen = if as_outside { ViewSide::Outside } else { ViewSide::Inside };
         seen_from(Pattern { view: seen, ..pattern }, drawn.view)
     };
     patterns.into_par_iter().map(wanted).collect()
@@ -577,8 +578,8 @@ fn append(whole: &mut Patchwork, part: Patchwork) {
     whole.faces.extend(part.faces);
     whole.partitions.extend(part.partitions);
     whole.panels.extend(part.panels.into_iter().map(|mut p: Panel| {
-        p.face += faces;
-        for run in p.loops.iter_mut().flatten() {
+        p.trim.iter_mut().for_each(|t| t.face += faces);
+        for run in p.loops_mut().iter_mut().flatten() {
             if let Border::Seam { seam, .. } = &mut run.border {
                 *seam += seams;
             }

@@ -148,8 +148,8 @@ pub fn of_panels(
     for panel in &patchwork.panels {
         let outline = PlaneOutline::of_panel(panel);
         match strip_of(&outline) {
-            Some(strip) => targets.push(Target { name: panel.name.clone(), strip, outline }),
-            None => left.push(format!("{}: its outline leaves the patch", panel.name)),
+            Some(strip) => targets.push(Target { name: panel.strip.name.clone(), strip, outline }),
+            None => left.push(format!("{}: its outline leaves the patch", panel.strip.name)),
         }
     }
     if targets.is_empty() {

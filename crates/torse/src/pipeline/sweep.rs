@@ -60,9 +60,9 @@ pub fn sweep(
 
 /// Length of all seams of a result, each counted once, mm.
 pub fn seam_length(outcome: &Outcome) -> f64 {
-    let runs = outcome.patchwork.panels.iter().flat_map(|p| p.loops.iter().flatten());
+    let runs = outcome.patchwork.panels.iter().flat_map(|p| p.loops().iter().flatten());
     let seams = runs.filter(|r| matches!(r.border, Border::Seam { .. }));
-    let length = |r: &crate::patchwork::panel::Run| {
+    let length = |r: &crate::patchwork::panel::Coedge| {
         let point = |s: f64| crate::geom::Vec3::from(r.edge.point(s));
         let spans = r.edge.knots.breaks();
         let chord = |w: &[f64], k: usize| {

@@ -45,9 +45,9 @@ pub(crate) struct Built {
 /// Panels whose flat patterns do not fit the sheet: labels, and whether they are too long (else too wide).
 pub(crate) fn too_large(built: &Built, limits: &Limits) -> Vec<(u32, bool)> {
     let exceeds = |size: f64, limit: Option<f64>| limit.is_some_and(|l| size > l);
-    let of = |p: &Pattern| (built.patchwork.panels[p.panel].label, exceeds(p.length, limits.max_length));
+    let of = |p: &Pattern| Some((built.patchwork.panels[p.panel].label()?, exceeds(p.length, limits.max_length)));
     let large = |p: &&Pattern| exceeds(p.length, limits.max_length) || exceeds(p.width, limits.max_width);
-    built.patterns.iter().filter(large).map(of).collect()
+    built.patterns.iter().filter(large).filter_map(of).collect()
 }
 
 /// What panels miss of the limits of sheet and material.
@@ -67,7 +67,7 @@ pub(crate) fn limits_missed(
     limits: &Limits,
 ) -> LimitsMissed {
     let mut panels = BTreeSet::new();
-    let name = |k: usize| patchwork.panels.get(k).map_or("", |p| p.name.as_str());
+    let name = |k: usize| patchwork.panels.get(k).map_or("", |p| p.strip.name.as_str());
     let below = |missed: &mut BTreeSet<usize>, what: &str, limit: Option<f64>, value: Proven| {
         let short = |p: &certify::PanelCertificate| limit.is_some_and(|l| value(p) < l);
         let found: Vec<usize> = (0..certificate.panels.len()).filter(|&k| short(&certificate.panels[k])).collect();
@@ -151,7 +151,7 @@ pub(crate) fn build_on(
     for (panel, a) in made.into_iter().zip(&assigned) {
         match panel {
             Ok(mut p) => {
-                p.name = boundary::panel_name(index, panels.len());
+                p.strip.name = boundary::panel_name(index, panels.len());
                 panels.push(p);
             }
             Err(e) => {
@@ -173,16 +173,16 @@ pub(crate) fn build_on(
             Ok(p) => patterns.push(p),
             Err(e) => {
                 bad = true;
-                missing.push(format!("panel {} has no flat pattern: {e}", panel.name));
+                missing.push(format!("panel {} has no flat pattern: {e}", panel.strip.name));
             }
         }
         if bad {
-            refused.push(panel.label);
+            refused.extend(panel.label());
         }
     }
     let panels = patchwork.panels.iter().enumerate();
     let along = panels.filter_map(|(panel, p)| {
-        let o = state.origins.get(&p.label)?;
+        let o = state.origins.get(&p.label()?)?;
         Some(AlongCurve { panel, curve: o.curve.clone(), step: o.step, paper_estimate: o.paper_estimate })
     });
     let along = along.collect();

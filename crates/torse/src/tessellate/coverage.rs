@@ -42,7 +42,8 @@ impl Coverage {
 
 /// Coverage of each face.
 pub fn faces(patchwork: &Patchwork) -> Vec<Coverage> {
-    let label_sets = |face: usize| patchwork.panels.iter().filter(|p| p.face == face).map(|p| p.label).collect();
+    let trims = || patchwork.panels.iter().filter_map(|p| p.trim.as_ref());
+    let label_sets = |face: usize| trims().filter(|t| t.face == face).map(|t| t.label).collect();
     let face = |(i, face): (usize, &crate::brep::face::Face)| {
         patchwork.partitions.get(i).map_or_else(Coverage::default, |p| of_face(&face.surface, p, &label_sets(i)))
     };

@@ -15,15 +15,14 @@ use crate::torse::form::PanelKind;
 /// Normals point to the outer side. An empty mesh if the panel does not exist.
 pub fn panel_mesh(patchwork: &Patchwork, panel: usize) -> Mesh {
     let Some(p) = patchwork.panels.get(panel) else { return Mesh::default() };
-    let (Some(face), Some(partition)) = (patchwork.faces.get(p.face), patchwork.partitions.get(p.face)) else {
-        return Mesh::default();
-    };
+    let on = (&p.trim, patchwork.face_of(p), patchwork.partition_of(p));
+    let (Some(trim), Some(face), Some(partition)) = on else { return Mesh::default() };
     // 1. Vertices used, neighbours, and feet known from the trimming curves.
     let mut index: HashMap<u32, u32> = HashMap::new();
     let mut old: Vec<u32> = Vec::new();
     let mut triangles = Vec::new();
     for (t, &l) in partition.triangles.iter().zip(&partition.labels) {
-        if l == p.label {
+        if l == trim.label {
             triangles.push(t.map(|v| {
                 *index.entry(v).or_insert_with(|| {
                     old.push(v);
@@ -41,7 +40,7 @@ pub fn panel_mesh(patchwork: &Patchwork, panel: usize) -> Mesh {
     }
     let mut foot: Vec<Option<f64>> = vec![None; old.len()];
     let mut queue = VecDeque::new();
-    for run in p.loops.iter().flatten() {
+    for run in trim.loops.iter().flatten() {
         for (v, s) in run.vertices.iter().zip(&run.parameters) {
             if let Some(&i) = index.get(v) {
                 if foot[i as usize].is_none() {
@@ -58,7 +57,7 @@ pub fn panel_mesh(patchwork: &Patchwork, panel: usize) -> Mesh {
         let guess = foot[i as usize].unwrap_or_default();
         for &n in &around[i as usize] {
             if foot[n as usize].is_none() {
-                foot[n as usize] = Some(p.torse.foot(&jets[n as usize].p, guess).unwrap_or(guess));
+                foot[n as usize] = Some(trim.torse.foot(&jets[n as usize].p, guess).unwrap_or(guess));
                 queue.push_back(n);
             }
         }
@@ -66,8 +65,8 @@ pub fn panel_mesh(patchwork: &Patchwork, panel: usize) -> Mesh {
     // 3. Points, normals and deviations.
     let mut mesh = Mesh { triangles, ..Mesh::default() };
     for (i, j) in jets.iter().enumerate() {
-        let t = foot[i].unwrap_or(p.torse.domain().0);
-        let ruling = p.torse.ruling(t);
+        let t = foot[i].unwrap_or(trim.torse.domain().0);
+        let ruling = trim.torse.ruling(t);
         let x = j.p - ruling.point;
         let place = ruling.point + ruling.direction * ruling.direction.dot(&x);
         let outward = if face.reversed { -j.normal() } else { j.normal() };
@@ -96,11 +95,11 @@ pub fn surface_mesh(patchwork: &Patchwork, face: usize) -> Mesh {
 
 /// Rulings of a panel in space, clipped to its borders, about `spacing` (mm) apart; none for planes.
 pub fn ruling_lines(panel: &Panel, spacing: f64) -> Vec<[Vec3; 2]> {
-    if panel.kind == PanelKind::Plane {
+    if panel.strip.kind == PanelKind::Plane {
         return Vec::new();
     }
     let clipped = ClippedRulings::new(panel);
-    let point = |t: f64, r: f64| panel.patch.point(t, r);
+    let point = |t: f64, r: f64| panel.strip.patch.point(t, r);
     clipped
         .spaced(spacing)
         .into_iter()
@@ -111,7 +110,7 @@ pub fn ruling_lines(panel: &Panel, spacing: f64) -> Vec<[Vec3; 2]> {
 /// Borders of a panel in space as closed polylines, `per_span` points per span of the edge curves.
 pub fn border_lines(panel: &Panel, per_span: usize) -> Vec<Vec<Vec3>> {
     let mut out = Vec::new();
-    for l in &panel.loops {
+    for l in panel.loops() {
         let mut line = Vec::new();
         for run in l {
             for w in run.edge.knots.breaks().windows(2) {

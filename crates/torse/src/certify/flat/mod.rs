@@ -14,7 +14,7 @@ use super::developable::trim_boxes;
 use super::ruled::Ruled;
 use crate::control::Control;
 use crate::num::interval::Interval;
-use crate::patchwork::panel::{Border, Panel, Patchwork, Run};
+use crate::patchwork::panel::{Border, Coedge, Panel, Patchwork};
 use crate::patchwork::pattern::{Contour, ContourVertex, Pattern};
 pub(super) use outline::Motion;
 use outline::{chain_bound, pairs_by_length, Image};
@@ -100,11 +100,11 @@ struct Flat<'a> {
     rails: FlatRails,
     motion: Motion,
     /// For every mark: its run and the place on it.
-    marks: Vec<Option<(&'a Run, f64)>>,
+    marks: Vec<Option<(&'a Coedge, f64)>>,
 }
 
 impl Flat<'_> {
-    fn image<'b>(&'b self, run: &'b Run) -> Image<'b> {
+    fn image<'b>(&'b self, run: &'b Coedge) -> Image<'b> {
         Image { flat: &self.rails, trim: &run.trim, motion: self.motion }
     }
 }
@@ -156,10 +156,10 @@ fn one<'a>(
         return refuse(out, "the proof was stopped");
     }
     let Some(panel) = patchwork.panels.get(pattern.panel) else { return refuse(out, "there is no such panel") };
-    let Some(ruled) = Ruled::new(&panel.patch) else { return refuse(out, "the patch is not ruled") };
-    let reversed = patchwork.faces.get(panel.face).is_some_and(|f| f.reversed);
+    let Some(ruled) = Ruled::new(&panel.strip.patch) else { return refuse(out, "the patch is not ruled") };
+    let reversed = patchwork.face_of(panel).is_some_and(|f| f.reversed);
     let side = if panel.mirrored() == reversed { -1.0 } else { 1.0 };
-    let boxes = trim_boxes(panel.loops.iter().flatten().map(|r| &r.trim));
+    let boxes = trim_boxes(panel.loops().iter().flatten().map(|r| &r.trim));
     let used = |a: f64, b: f64| {
         let range = boxes.iter().filter(|[t, _]| t.lo <= b && t.hi >= a).map(|[_, r]| *r).reduce(Interval::hull)?;
         range.intersect(Interval { lo: 0.0, hi: 1.0 })
@@ -186,20 +186,20 @@ fn one<'a>(
         Some(bound) => out.ruling_bound = bound,
         None => out.reason = "a ruling drawn is none of the panel's".into(),
     }
-    let seams: Vec<&Run> =
-        panel.loops.iter().flatten().filter(|r| matches!(r.border, Border::Seam { .. }) && !r.is_point()).collect();
+    let seams: Vec<&Coedge> =
+        panel.loops().iter().flatten().filter(|r| matches!(r.border, Border::Seam { .. }) && !r.is_point()).collect();
     let marks = pattern.marks.iter().map(|m| marked(&seams, &flat, &[m.point.x, m.point.y])).collect();
     (out, Some(Flat { marks, ..flat }))
 }
 
 /// Runs of the panel with the lines and arcs drawn for them, in the direction of the run.
-fn chains<'a>(panel: &'a Panel, pattern: &Pattern, reversed: bool) -> Option<Vec<(&'a Run, Vec<ContourVertex>)>> {
-    if panel.loops.len() != pattern.contours.len() {
+fn chains<'a>(panel: &'a Panel, pattern: &Pattern, reversed: bool) -> Option<Vec<(&'a Coedge, Vec<ContourVertex>)>> {
+    if panel.loops().len() != pattern.contours.len() {
         return None;
     }
     let mut out = Vec::new();
-    for (runs, contour) in panel.loops.iter().zip(&pattern.contours) {
-        let runs: Vec<&Run> = runs.iter().filter(|r| !r.is_point()).collect();
+    for (runs, contour) in panel.loops().iter().zip(&pattern.contours) {
+        let runs: Vec<&Coedge> = runs.iter().filter(|r| !r.is_point()).collect();
         let mut pieces = between_corners(contour);
         if pieces.len() != runs.len() || runs.is_empty() {
             return None;
@@ -238,7 +238,7 @@ fn backwards(chain: &[ContourVertex]) -> Vec<ContourVertex> {
 }
 
 /// Where the drawing shows the panel: by its corners, or by the whole outline where these are too few.
-fn motion(rails: &FlatRails, chains: &[(&Run, Vec<ContourVertex>)]) -> Option<Motion> {
+fn motion(rails: &FlatRails, chains: &[(&Coedge, Vec<ContourVertex>)]) -> Option<Motion> {
     const ENOUGH: usize = 3;
     let still = Motion { turn: [1.0, 0.0], from: [0.0; 2], to: [0.0; 2] };
     let mut pairs = Vec::new();
@@ -329,9 +329,9 @@ fn from_line(line: &[[Interval; 2]; 2], p: &[f64; 2]) -> Interval {
 }
 
 /// The run and place that a mark stands at: the nearest among runs along seams.
-fn marked<'a>(seams: &[&'a Run], flat: &Flat, at: &[f64; 2]) -> Option<(&'a Run, f64)> {
+fn marked<'a>(seams: &[&'a Coedge], flat: &Flat, at: &[f64; 2]) -> Option<(&'a Coedge, f64)> {
     const SAMPLES: usize = 4;
-    let mut best: Option<(f64, &Run, f64)> = None;
+    let mut best: Option<(f64, &Coedge, f64)> = None;
     for &run in seams {
         let image = flat.image(run);
         let mut nearest = (f64::INFINITY, 0.0);
@@ -369,7 +369,7 @@ fn marks(flat: &Flat, all: &[Option<Flat>]) -> Option<f64> {
         };
         let partner = all.iter().flatten().find_map(|other| {
             let k = other.pattern.marks.iter().zip(&other.marks).find(|(m, at)| {
-                let across = |r: &Run| r.border == Border::Seam { seam, forward: !forward };
+                let across = |r: &Coedge| r.border == Border::Seam { seam, forward: !forward };
                 m.label == mark.label && at.is_some_and(|(r, _)| across(r))
             })?;
             *k.1

@@ -10,12 +10,12 @@ fn drawn(p: &Patchwork, k: usize) -> Pattern {
     let panel = &p.panels[k];
     let side = if panel.mirrored() { 1.0 } else { -1.0 };
     let all = |_: f64, _: f64| Some(Interval::new(0.0, 1.0));
-    let rails = FlatRails::new(&Ruled::new(&panel.patch).expect("ruled"), &all, side).expect("flat rails");
+    let rails = FlatRails::new(&Ruled::new(&panel.strip.patch).expect("ruled"), &all, side).expect("flat rails");
     let motion = Motion { turn: [0.6, 0.8], from: [1.0, 2.0], to: [30.0, -7.0] };
     const LINES: usize = 400;
     let mut vertices = Vec::new();
     let mut marks = Vec::new();
-    for run in &panel.loops[0] {
+    for run in &panel.loops()[0] {
         let image = Image { flat: &rails, trim: &run.trim, motion };
         for i in 0..LINES {
             let [x, y] = image.place(i as f64 / LINES as f64).expect("a place");
@@ -29,7 +29,7 @@ fn drawn(p: &Patchwork, k: usize) -> Pattern {
     let ends = rails.ruling(0.5).expect("inside").map(|q| motion.point(&q).map(Interval::mid));
     Pattern {
         panel: k,
-        name: panel.name.clone(),
+        name: panel.strip.name.clone(),
         contours: vec![Contour { vertices }],
         rulings: vec![ends.map(|q| Vec2::new(q[0], q[1]))],
         marks,

@@ -16,11 +16,12 @@ use super::line_intersection::on_normal;
 use super::trim;
 use crate::brep::face::Face;
 use crate::geom::Vec3;
-use crate::patchwork::panel::{Border, Panel, Run};
+use crate::patchwork::panel::{Border, Coedge, Panel, PanelTrim};
 use crate::patchwork::partition::Partition;
 use crate::spline::curve::Curve;
 use crate::torse::convert::{self, ConvertError, Extent};
 use crate::torse::form::{PanelKind, Torse};
+use crate::torse::strip::Strip;
 use creases::Creases;
 use feet::feet_along;
 use path::{Aim, Path};
@@ -140,7 +141,7 @@ pub fn panels(
     let built: Result<Vec<_>, _> = assigned.par_iter().map(|a| borders.panel(face_index, a, options)).collect();
     let (mut panels, trim_deviation_estimates): (Vec<Panel>, Vec<f64>) = built?.into_iter().unzip();
     for (k, p) in panels.iter_mut().enumerate() {
-        p.name = panel_name(face_index, k);
+        p.strip.name = panel_name(face_index, k);
     }
     Ok(Panels { panels, trim_deviation_estimates, seam_count: borders.seam_count })
 }
@@ -426,7 +427,7 @@ impl<'a> Borders<'a> {
                     Right::Trim(edge) => Border::Trim { edge },
                     Right::Label(_) => Border::Seam { seam: self.seams[stretch.chain], forward: stretch.forward },
                 };
-                runs.push(Run { border, vertices, parameters, trim: fitted.curve, edge });
+                runs.push(Coedge { border, vertices, parameters, trim: fitted.curve, edge });
             }
             if walled {
                 ends_on_shared_edges(&mut runs, l, &|chain| self.shared.contains_key(&chain));
@@ -434,13 +435,8 @@ impl<'a> Borders<'a> {
             out.push(runs);
         }
         let panel = Panel {
-            name: String::new(),
-            face: face_index,
-            kind: assigned.kind,
-            torse: assigned.torse.clone(),
-            patch,
-            label,
-            loops: out,
+            strip: Strip { name: String::new(), kind: assigned.kind, patch },
+            trim: Some(PanelTrim { face: face_index, label, torse: assigned.torse.clone(), loops: out }),
         };
         Ok((panel, worst))
     }
@@ -563,7 +559,7 @@ impl<'a> Borders<'a> {
 }
 
 /// Ends the edges of runs beside shared edges in the ends of these, bit by bit.
-fn ends_on_shared_edges(runs: &mut [Run], stretches: &[Stretch], shared: &dyn Fn(usize) -> bool) {
+fn ends_on_shared_edges(runs: &mut [Coedge], stretches: &[Stretch], shared: &dyn Fn(usize) -> bool) {
     let n = runs.len();
     for k in 0..n {
         if !shared(stretches[k].chain) {
@@ -688,11 +684,11 @@ mod tests {
         let options = BoundaryOptions { trim_tolerance: 0.01, edge_tolerance: 1e-4 };
         let trim_edge = side(&part);
         let out = panels(0, &face, &part, &assigned, &trim_edge, 5, &options).expect("panels");
-        assert_eq!(out.panels.iter().map(|p| p.loops.len()).collect::<Vec<_>>(), vec![2, 1, 1]);
-        assert_eq!(out.panels[1].name, "A-02");
-        let mut seams: HashMap<u32, Vec<(bool, Run)>> = HashMap::new();
+        assert_eq!(out.panels.iter().map(|p| p.loops().len()).collect::<Vec<_>>(), vec![2, 1, 1]);
+        assert_eq!(out.panels[1].strip.name, "A-02");
+        let mut seams: HashMap<u32, Vec<(bool, Coedge)>> = HashMap::new();
         for p in &out.panels {
-            for l in &p.loops {
+            for l in p.loops() {
                 for (k, run) in l.iter().enumerate() {
                     let next = &l[(k + 1) % l.len()];
                     assert_eq!(run.trim.control.last(), next.trim.control.first());
@@ -731,15 +727,15 @@ mod tests {
         let assigned = [Assigned { label: 0, torse: &torse, kind: PanelKind::Cylinder }];
         let out = panels(27, &face, &part, &assigned, &trim_edge, 0, &options).expect("a panel");
         let p = &out.panels[0];
-        assert_eq!(p.name, "AB-01");
-        assert_eq!((p.loops.len(), p.loops[0].len()), (1, 4));
+        assert_eq!(p.strip.name, "AB-01");
+        assert_eq!((p.loops().len(), p.loops()[0].len()), (1, 4));
         assert!(out.trim_deviation_estimates[0] <= 0.005);
-        for run in &p.loops[0] {
+        for run in &p.loops()[0] {
             for i in 0..=50 {
                 let s = f64::from(i) / 50.0;
                 let q = run.trim.point(s);
                 let x = Vec3::from(run.edge.point(s));
-                assert!((p.patch.point(q[0], q[1]) - x).norm() < 2e-4);
+                assert!((p.strip.patch.point(q[0], q[1]) - x).norm() < 2e-4);
                 assert!((x.z - x.x * x.x / 200.0).abs() < 1e-3);
                 assert!(q[1] > 0.01 && q[1] < 0.99);
             }

@@ -184,11 +184,12 @@ fn out_of_range(sheet: &str, what: &str, index: usize) -> io::Error {
 mod tests {
     use super::*;
     use crate::geom::Vec3;
-    use crate::patchwork::panel::{Border, Panel, Run};
+    use crate::patchwork::panel::{Border, Coedge, Panel, PanelTrim};
     use crate::spline::curve::Curve;
     use crate::spline::knots::Knots;
     use crate::spline::surface::Surface;
     use crate::torse::form::{DualTorse, PanelKind, Torse};
+    use crate::torse::strip::Strip;
 
     /// Parabolic cylinder (100 t, 200 r, 50 t²) with a rectangular outline and a hole; all edges exact.
     /// With `mirrored` the loops run the other way round in the parameter plane.
@@ -204,7 +205,7 @@ mod tests {
             let mut middle = at(0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1]));
             middle[2] = 50.0 * a[0] * b[0]; // blossom of t²
             let ends = [0.0, 0.0, 1.0, 1.0].to_vec();
-            Run {
+            Coedge {
                 border: Border::Trim { edge: 0 },
                 vertices: Vec::new(),
                 parameters: Vec::new(),
@@ -212,7 +213,7 @@ mod tests {
                 edge: Curve { knots: knots(2), control: vec![at(a[0], a[1]), middle, at(b[0], b[1])] },
             }
         };
-        let ring = |mut corners: Vec<[f64; 2]>| -> Vec<Run> {
+        let ring = |mut corners: Vec<[f64; 2]>| -> Vec<Coedge> {
             if mirrored {
                 corners.reverse();
             }
@@ -220,16 +221,16 @@ mod tests {
         };
         let planes = Curve { knots: knots(1), control: vec![[0.0, 0.0, 1.0, 0.0], [-1.0, 0.0, 1.0, -50.0]] };
         Panel {
-            name: "A-01 'Bug'".into(),
-            face: 0,
-            kind: PanelKind::Cylinder,
-            torse: Torse::Dual(DualTorse { planes }),
-            patch,
-            label: 0,
-            loops: vec![
-                ring(vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]),
-                ring(vec![[0.3, 0.4], [0.3, 0.7], [0.6, 0.7], [0.6, 0.4]]),
-            ],
+            strip: Strip { name: "A-01 'Bug'".into(), kind: PanelKind::Cylinder, patch },
+            trim: Some(PanelTrim {
+                face: 0,
+                label: 0,
+                torse: Torse::Dual(DualTorse { planes }),
+                loops: vec![
+                    ring(vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]),
+                    ring(vec![[0.3, 0.4], [0.3, 0.7], [0.6, 0.7], [0.6, 0.4]]),
+                ],
+            }),
         }
     }
 
@@ -271,7 +272,7 @@ mod tests {
     #[test]
     fn borders_that_are_points_are_not_edges() {
         let mut with_pole = panel(false);
-        let outer = &mut with_pole.loops[0];
+        let outer = &mut with_pole.loops_mut()[0];
         let (place, point) = (outer[0].trim.control[0], outer[0].edge.control[0]);
         let mut pole = outer[0].clone();
         pole.trim.control.fill(place);

@@ -180,7 +180,8 @@ impl Attempts<'_> {
     /// The panels with their borders where they intersect, in place of those along which they do not meet. `None` where
     /// that is not possible, or cannot be proven.
     fn intersecting(&self, built: &Built, state: &State) -> Option<Built> {
-        let torses: BTreeMap<u32, &Torse> = built.patchwork.panels.iter().map(|p| (p.label, &p.torse)).collect();
+        let torses: BTreeMap<u32, &Torse> =
+            built.patchwork.panels.iter().filter_map(|p| p.trim.as_ref()).map(|t| (t.label, &t.torse)).collect();
         let intersections = Intersections::new(self.face, &torses);
         let base = as_built(self.face, state, built)?;
         let mut wanted: Vec<[u32; 2]> = open(built).into_iter().filter(|p| !self.is_asked_for(built, *p)).collect();
@@ -227,7 +228,8 @@ impl Attempts<'_> {
         let planes = &self.wanted.layout.seams;
         let Some(partition) = built.patchwork.partitions.first().filter(|_| !planes.is_empty()) else { return false };
         let seams = built.patchwork.seams();
-        let mut runs = seams.iter().filter(|s| pair(s.sides.map(|s| s.of.label)) == labels).map(|s| s.sides[0].run);
+        let mut runs =
+            seams.iter().filter(|s| both(s.sides.map(|s| s.of.label())) == Some(labels)).map(|s| s.sides[0].run);
         let place = |v: &u32| {
             let [a, b] = partition.vertices[*v as usize];
             self.face.surface.point(a, b)
@@ -244,13 +246,13 @@ impl Attempts<'_> {
             let (next, bad) = build_on(self.index, self.face, state, tolerance, Some((meeting, &refused, &dropped)));
             let whole = next.patchwork.panels.len() == count;
             // An edge that its panels miss is no edge of theirs.
-            let label = |k: usize| next.patchwork.panels[k].label;
+            let label = |k: usize| next.patchwork.panels[k].label();
             let missed = missed(&next);
             if bad.is_empty() && whole && missed.is_empty() && too_large(&next, &self.wanted.limits).is_empty() {
                 if ill_shaped.is_empty() {
                     // Strips that came out well and still do not meet.
                     let apart = next.certificate.seams.iter().filter(|s| s.gap_bound > APART * tolerance);
-                    ill_shaped.extend(apart.flat_map(|s| s.panels.map(label)));
+                    ill_shaped.extend(apart.flat_map(|s| s.panels.map(label)).flatten());
                     ill_shaped.sort_unstable();
                     ill_shaped.dedup();
                 }
@@ -259,7 +261,7 @@ impl Attempts<'_> {
             // Neighbours of a strip that failed keep their other seams.
             let before = refused.len() + dropped.len();
             let proofs: HashMap<u32, &PanelCertificate> =
-                next.patchwork.panels.iter().map(|p| p.label).zip(&next.certificate.panels).collect();
+                next.patchwork.panels.iter().filter_map(|p| p.label()).zip(&next.certificate.panels).collect();
             for l in bad.into_iter().filter(|l| !refused.contains(l)).collect::<Vec<_>>() {
                 refused.push(l);
                 if proofs.get(&l).is_none_or(|p| p.deviation_bound > NEAR * tolerance) {
@@ -328,7 +330,7 @@ fn widest(built: &Built) -> f64 {
 /// Labels on both sides of seams that are not one edge.
 fn open(built: &Built) -> Vec<[u32; 2]> {
     let seams = built.certificate.seams.iter().filter(|s| s.status != SeamStatus::Exact);
-    seams.map(|s| labels(built, s)).collect()
+    seams.filter_map(|s| labels(built, s)).collect()
 }
 
 /// Labels on both sides of edges that end in one vertex of the borders, but in different points.
@@ -354,19 +356,25 @@ fn clashing(edges: &[SharedSeam], borders: &Borders) -> Vec<[u32; 2]> {
 fn missed(built: &Built) -> Vec<[u32; 2]> {
     let seams = built.patchwork.seams().into_iter().zip(&built.certificate.seams);
     let missed = seams.filter(|(s, c)| s.is_shared() && c.status != SeamStatus::Exact);
-    missed.map(|(_, c)| labels(built, c)).collect()
+    missed.filter_map(|(_, c)| labels(built, c)).collect()
 }
 
-fn labels(built: &Built, seam: &SeamCertificate) -> [u32; 2] {
-    pair(seam.panels.map(|k| built.patchwork.panels[k].label))
+fn labels(built: &Built, seam: &SeamCertificate) -> Option<[u32; 2]> {
+    both(seam.panels.map(|k| built.patchwork.panels[k].label()))
+}
+
+/// Two labels in order, if both panels have one.
+fn both(labels: [Option<u32>; 2]) -> Option<[u32; 2]> {
+    Some(pair([labels[0]?, labels[1]?]))
 }
 
 /// The state with the torses and the partition of panels.
 fn as_built(face: &Face, state: &State, built: &Built) -> Option<State> {
     let mut out = seams::with_partition(face, state, built.patchwork.partitions.first()?.clone());
     for p in &built.patchwork.panels {
-        let fit = Fit { torse: p.torse.clone(), kind: p.kind, ..(**out.panels.get(&p.label)?).clone() };
-        out.panels.insert(p.label, Arc::new(fit));
+        let trim = p.trim.as_ref()?;
+        let fit = Fit { torse: trim.torse.clone(), kind: p.strip.kind, ..(**out.panels.get(&trim.label)?).clone() };
+        out.panels.insert(trim.label, Arc::new(fit));
     }
     Some(out)
 }

@@ -42,7 +42,7 @@ impl PlaneOutline {
     pub fn of_panel(panel: &Panel) -> Self {
         let mut number = 0;
         let (mut loops, mut hulls) = (Vec::new(), Vec::new());
-        for runs in &panel.loops {
+        for runs in panel.loops() {
             let (mut corners, mut sets) = (Vec::new(), Vec::new());
             for run in runs {
                 for (a, _, control) in bezier_pieces(&run.trim) {
@@ -60,8 +60,8 @@ impl PlaneOutline {
             loops.push(corners);
             hulls.push(sets);
         }
-        let curves = panel.loops.iter().map(|runs| runs.iter().map(|r| r.trim.clone()).collect()).collect();
-        Self { surface: panel.patch.clone(), loops, curves, hulls }
+        let curves = panel.loops().iter().map(|runs| runs.iter().map(|r| r.trim.clone()).collect()).collect();
+        Self { surface: panel.strip.patch.clone(), loops, curves, hulls }
     }
 
     /// Least and greatest parameters `(u0, u1, v0, v1)`.

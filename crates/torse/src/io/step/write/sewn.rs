@@ -21,7 +21,7 @@ pub(super) fn sheets(patchwork: &Patchwork, marked: &[bool]) -> Vec<Sheet> {
     for (k, (panel, g)) in patchwork.panels.iter().zip(group).enumerate() {
         members.entry(g).or_default().push((panel, marked.get(k).copied().unwrap_or(false)));
     }
-    let reversed = |p: &Panel| patchwork.faces.get(p.face).is_some_and(|f| f.reversed);
+    let reversed = |p: &Panel| patchwork.face_of(p).is_some_and(|f| f.reversed);
     members
         .into_values()
         .map(|panels| match panels[..] {
@@ -39,15 +39,15 @@ pub(super) fn sheets(patchwork: &Patchwork, marked: &[bool]) -> Vec<Sheet> {
 }
 
 fn sewn(panels: &[(&Panel, bool)], shared: &BTreeSet<u32>, reversed: &dyn Fn(&Panel) -> bool) -> Sheet {
-    let (first, last) = (&panels[0].0.name, &panels[panels.len() - 1].0.name);
+    let (first, last) = (&panels[0].0.strip.name, &panels[panels.len() - 1].0.strip.name);
     let whole = titled(&format!("{first}..{last}"), panels.iter().any(|p| p.1));
     let mut sheet = Sheet { name: whole, ..Sheet::default() };
     let mut vertices: HashMap<[u64; 3], usize> = HashMap::new();
     let mut edges: HashMap<u32, usize> = HashMap::new();
     for &(panel, marked) in panels {
         let turned = reversed(panel);
-        let mut loops = Vec::with_capacity(panel.loops.len());
-        for runs in &panel.loops {
+        let mut loops = Vec::with_capacity(panel.loops().len());
+        for runs in panel.loops() {
             let mut uses = Vec::with_capacity(runs.len());
             for run in runs.iter().filter(|r| !r.is_point()) {
                 let seam = match run.border {
@@ -78,8 +78,8 @@ fn sewn(panels: &[(&Panel, bool)], shared: &BTreeSet<u32>, reversed: &dyn Fn(&Pa
             loops.push(uses);
         }
         sheet.faces.push(SheetFace {
-            name: titled(&panel.name, marked),
-            surface: SheetSurface::Spline { surface: panel.patch.clone(), form: panel.kind.into() },
+            name: titled(&panel.strip.name, marked),
+            surface: SheetSurface::Spline { surface: panel.strip.patch.clone(), form: panel.strip.kind.into() },
             reversed: panel.mirrored() != turned,
             loops,
         });

@@ -155,9 +155,9 @@ impl Sheet {
     /// One panel: its patch, trimmed by its runs. With `reversed` the normal is turned over (as that of a face
     /// whose normal is −S_u × S_v).
     pub fn of_panel(panel: &Panel, reversed: bool) -> Self {
-        let mut sheet = Self { name: panel.name.clone(), ..Self::default() };
-        let mut loops = Vec::with_capacity(panel.loops.len());
-        for runs in &panel.loops {
+        let mut sheet = Self { name: panel.strip.name.clone(), ..Self::default() };
+        let mut loops = Vec::with_capacity(panel.loops().len());
+        for runs in panel.loops() {
             let runs: Vec<_> = runs.iter().filter(|r| !r.is_point()).collect();
             let first = sheet.edges.len();
             let mut uses = Vec::with_capacity(runs.len());
@@ -177,8 +177,8 @@ impl Sheet {
             loops.push(uses);
         }
         sheet.faces.push(SheetFace {
-            name: panel.name.clone(),
-            surface: SheetSurface::Spline { surface: panel.patch.clone(), form: panel.kind.into() },
+            name: panel.strip.name.clone(),
+            surface: SheetSurface::Spline { surface: panel.strip.patch.clone(), form: panel.strip.kind.into() },
             reversed: panel.mirrored() != reversed,
             loops,
         });
