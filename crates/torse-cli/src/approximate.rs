@@ -1,17 +1,14 @@
 //! `torse approximate`: the main job.
 
 use crate::args::{self, Approximate, Seams};
-use crate::failure::{os_reason, Failure};
-use crate::folder::Output;
+use crate::failure::Failure;
+use crate::job::{contents, fault, refuse_left_out, Job};
 use crate::loft::{rail, rails};
 use crate::quantity::{section, Length};
-use crate::terminal::Terminal;
 use crate::wiring;
-use std::io::Write;
-use std::path::Path;
-use torse::answer::outcome::{Outcome, Skipped};
 use torse::certify::claim::Status;
-use torse::io::words;
+use torse::io::bundle;
+use torse::pipeline::deliver;
 use torse::search::cover::{CurveShape, Guide, Layout, LayoutKind, Limits, PanelCurve, SeamPlane};
 use torse::torse::rail::Rail;
 
@@ -27,18 +24,16 @@ pub fn run(arguments: &Approximate) -> Result<bool, Failure> {
     let tolerance = tolerance.ok_or_else(|| Failure::new("no tolerance", "give one: --tolerance 2mm"))?;
     let bytes = contents(file)?;
     let (layout, unread) = layout(arguments)?;
-    let output = Output::prepare(&arguments.out, file, arguments.force)?;
-    let terminal = Terminal::new(arguments.quiet, arguments.time_limit)?;
-    terminal.guard(Some(output.workspace().to_path_buf()));
+    let running = Job::begin(&arguments.files, file, arguments.time_limit)?;
 
-    terminal.say("reading");
+    running.say("reading");
     let mut model = wiring::read(&file.display().to_string(), &bytes)?;
     drop(bytes);
     if arguments.strict {
-        refuse_skipped(file, &model.skipped)?;
+        refuse_left_out(file, &model.skipped)?;
     }
     let job = wiring::Job {
-        name: arguments.name.clone().unwrap_or_else(|| stem(file)),
+        name: arguments.files.job_name(file),
         tolerance: if arguments.cones { PANELS_OF_CONES } else { 1.0 } * tolerance.mm,
         max_panels: arguments.max_panels.map(|n| n as usize),
         limits: limits(arguments),
@@ -53,42 +48,27 @@ pub fn run(arguments: &Approximate) -> Result<bool, Failure> {
         Vec::new()
     } else {
         let tolerances: Vec<f64> = arguments.sweep.iter().map(|l| l.mm).collect();
-        wiring::sweep(&model, &tolerances, &job, terminal.control())?
+        wiring::sweep(&model, &tolerances, &job, running.control())?
     };
-    let mut outcome = wiring::approximate(model, &job, terminal.control())?;
+    let mut answer = wiring::approximate(model, &job, running.control())?;
     if arguments.strict {
-        refuse_skipped(file, &outcome.skipped)?;
+        refuse_left_out(file, &answer.skipped)?;
     }
-    let bare = job.layout.curves.iter().filter(|c| outcome.along.iter().all(|a| a.curve != c.name));
+    let bare = job.layout.curves.iter().filter(|c| answer.along.iter().all(|a| a.curve != c.name));
     notes.extend(bare.map(|c| format!("no panel along {} could be certified; others took its place", c.name)));
-
-    outcome.notes = notes;
-    terminal.say("writing");
-    for (name, bytes) in wiring::files(&mut outcome)? {
-        output.write(&name, &bytes)?;
-    }
-    for (name, bytes) in &swept {
-        output.write(name, bytes)?;
-    }
+    answer.notes = notes;
+    running.deliver(&mut answer)?;
+    running.write(swept)?;
     let mut cones_hold = true;
     if arguments.cones {
-        terminal.say("cones");
-        let mut cones = wiring::cones_of_panels(&outcome, tolerance.mm, terminal.control())?;
-        cones_hold = cones.sheets.status() == Status::Certified;
-        for (name, bytes) in wiring::cone_files(&mut cones)? {
-            let name = if name.starts_with("cones") { name } else { format!("cones-{name}") };
-            output.write(&name, &bytes)?;
-        }
+        running.say("cones");
+        let mut cones = wiring::cones_of_panels(&answer, tolerance.mm, running.control())?;
+        let files = deliver::files(&mut cones, &crate::clock::stamp()).map_err(|e| fault(&e))?;
+        let named = |name: String| if name == bundle::CONES { name } else { format!("cones-{name}") };
+        running.write(files.into_iter().map(|(name, bytes)| (named(name), bytes)).collect())?;
+        cones_hold = cones.status() == Status::Certified;
     }
-    terminal.guard(None);
-    terminal.finish();
-    let folder = output.finish()?;
-
-    if !arguments.quiet {
-        // A closed pipe is no reason to fail after the work is done.
-        let _ = summary(&outcome, tolerance, &folder, terminal.interrupted());
-    }
-    Ok(outcome.status() == Status::Certified && cones_hold)
+    Ok(running.finish(&answer, &tolerance.text)? && cones_hold)
 }
 
 /// What sheet and material allow, in mm.
@@ -159,109 +139,4 @@ fn curves(text: &str, unit: Option<f64>, notes: &mut Vec<String>) -> Result<Vec<
         }
     };
     Ok(vec![PanelCurve { name: text.to_owned(), shape }])
-}
-
-/// Reads the input file.
-pub fn contents(file: &Path) -> Result<Vec<u8>, Failure> {
-    if file.is_dir() {
-        return Err(Failure::new(format!("'{}' is a folder", file.display()), "give a file inside it"));
-    }
-    std::fs::read(file).map_err(|e| {
-        Failure::new(format!("cannot read '{}': {}", file.display(), os_reason(&e)), "check the name and the rights")
-    })
-}
-
-/// Name of a file without folder and extension.
-pub fn stem(file: &Path) -> String {
-    file.file_stem().map_or_else(|| "model".to_string(), |s| s.to_string_lossy().into_owned())
-}
-
-/// `--strict`: a face that is left out, by the reader or by the job, is an error.
-pub fn refuse_skipped(file: &Path, skipped: &[Skipped]) -> Result<(), Failure> {
-    let words: Vec<String> = skipped.iter().map(|s| format!("#{} cannot be used: {}", s.entity, s.reason)).collect();
-    refuse_left_out(file, &words)
-}
-
-/// As [`refuse_skipped`], for what is left out in words.
-pub fn refuse_left_out(file: &Path, left_out: &[String]) -> Result<(), Failure> {
-    let Some(first) = left_out.first() else { return Ok(()) };
-    let more = match left_out.len() {
-        1 => String::new(),
-        n => format!(" (and {} more)", n - 1),
-    };
-    Err(Failure::new(
-        format!("{}: {first}{more}", file.display()),
-        "repair it in CAD, or leave out --strict to go on with the other faces",
-    ))
-}
-
-/// Tells the result in a few lines.
-fn summary(outcome: &Outcome, tolerance: &Length, folder: &Path, interrupted: bool) -> std::io::Result<()> {
-    let mut out = std::io::stdout().lock();
-    let panels = outcome.patchwork.panels.len();
-    let faces = outcome.patchwork.faces.len();
-    let word = |n: usize, word: &str| format!("{n} {word}{}", if n == 1 { "" } else { "s" });
-    let left_out = match outcome.skipped.len() {
-        0 => String::new(),
-        n => format!(", {n} left out"),
-    };
-    let head = format!("{} for {}{left_out}", word(panels, "panel"), word(faces, "face"));
-    match outcome.status() {
-        Status::Certified => writeln!(
-            out,
-            "certified: {head}, at most {} mm from the surface (tolerance {}), {:.1} s",
-            significant(outcome.certificate.deviation_bound),
-            tolerance.text,
-            outcome.seconds
-        )?,
-        Status::Uncertified => {
-            writeln!(out, "NOT certified, {}: {head}, {:.1} s", wiring::warning(outcome), outcome.seconds)?;
-            writeln!(out, "  reason: {}", words::reason(&outcome.claims, &[]))?;
-        }
-    }
-    if interrupted {
-        writeln!(out, "  stopped early by Ctrl-C")?;
-    }
-    for face in outcome.patchwork.faces.iter().filter(|f| !f.parts.is_empty()) {
-        let parts: Vec<String> = face.parts.iter().map(|p| format!("#{}", p.entity)).collect();
-        writeln!(out, "  covered as one: {}", parts.join(" + "))?;
-    }
-    for skipped in &outcome.skipped {
-        writeln!(out, "  left out: #{}: {}", skipped.entity, skipped.reason)?;
-    }
-    for note in &outcome.notes {
-        writeln!(out, "  note: {note}")?;
-    }
-    writeln!(out, "  open {}", folder.join("report.html").display())
-}
-
-/// A bound to three significant digits, rounded up: it must not look better than it is.
-pub fn significant(value: f64) -> String {
-    if value <= 0.0 || !value.is_finite() {
-        return format!("{value}");
-    }
-    let digits = 2 - value.log10().floor() as i32;
-    let scale = 10f64.powi(digits);
-    let rounded = (value * scale).ceil() / scale;
-    format!("{rounded:.*}", digits.max(0) as usize)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn bounds_are_rounded_up() {
-        assert_eq!(significant(0.98212), "0.983");
-        assert_eq!(significant(1.9e-4), "0.000190");
-        assert_eq!(significant(12.341), "12.4");
-        assert_eq!(significant(1234.1), "1240");
-        assert_eq!(significant(f64::INFINITY), "inf");
-    }
-
-    #[test]
-    fn names_come_from_files() {
-        assert_eq!(stem(Path::new("a/hull.v2.step")), "hull.v2");
-        assert_eq!(stem(Path::new("/")), "model");
-    }
 }

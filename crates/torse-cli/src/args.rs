@@ -1,11 +1,12 @@
 //! Arguments and help.
 
+use crate::job::stem;
 use crate::quantity::{
     ball, bend_step, direction, positive_count, positive_length, positive_share, positive_time, section, smooth_angle,
     two_numbers, two_shares, unit_of_length, zone, Length, Section,
 };
 use clap::{Args, Parser, Subcommand};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 use torse::develop::bends::BendSpacing;
 use torse::develop::view::Drawn;
@@ -84,13 +85,8 @@ pub struct Approximate {
     )]
     pub tolerance: Option<Length>,
 
-    /// Folder to create for the results
-    #[arg(short, long, value_name = "DIR")]
-    pub out: PathBuf,
-
-    /// Replace the files of an earlier result in that folder; everything else in it is kept
-    #[arg(long)]
-    pub force: bool,
+    #[command(flatten)]
+    pub files: Files,
 
     /// Refuse the whole file if any of its faces cannot be used
     #[arg(long)]
@@ -163,16 +159,35 @@ pub struct Approximate {
     #[arg(long, value_name = "DEGREES", default_value_t = SMOOTH_ANGLE_DEG, value_parser = smooth_angle, allow_hyphen_values = true)]
     pub smooth_angle: f64,
 
-    /// Name of the job in the files [default: name of FILE]
-    #[arg(long, value_name = "NAME")]
-    pub name: Option<String>,
-
     #[command(flatten)]
     pub drawing: Drawing,
+}
+
+/// Where results go, and what is told on the way.
+#[derive(Args, Clone, Debug)]
+pub struct Files {
+    /// Folder to create for the results
+    #[arg(short, long, value_name = "DIR")]
+    pub out: PathBuf,
+
+    /// Replace the files of an earlier result in that folder; everything else in it is kept
+    #[arg(long)]
+    pub force: bool,
+
+    /// Name of the job in the files [default: name of the first input]
+    #[arg(long, value_name = "NAME")]
+    pub name: Option<String>,
 
     /// Print nothing but errors
     #[arg(short, long)]
     pub quiet: bool,
+}
+
+impl Files {
+    /// Name of the job: what was asked for, else the name of the input.
+    pub fn job_name(&self, input: &Path) -> String {
+        self.name.clone().unwrap_or_else(|| stem(input))
+    }
 }
 
 /// How flat patterns are drawn.
@@ -251,13 +266,8 @@ pub struct Cones {
     #[arg(short, long, value_name = "LENGTH", value_parser = positive_length, allow_hyphen_values = true)]
     pub tolerance: Length,
 
-    /// Folder to create for the results
-    #[arg(short, long, value_name = "DIR")]
-    pub out: PathBuf,
-
-    /// Replace the files of an earlier result in that folder; everything else in it is kept
-    #[arg(long)]
-    pub force: bool,
+    #[command(flatten)]
+    pub files: Files,
 
     /// Refuse the whole file if any of its faces cannot be used
     #[arg(long)]
@@ -270,14 +280,6 @@ pub struct Cones {
     /// Also write inner, neutral and outer surface of sheets this thick, with its unit: thickness.step, thickness.glb
     #[arg(long, value_name = "LENGTH", value_parser = positive_length, allow_hyphen_values = true)]
     pub thickness: Option<Length>,
-
-    /// Name of the job in the files [default: name of FILE]
-    #[arg(long, value_name = "NAME")]
-    pub name: Option<String>,
-
-    /// Print nothing but errors
-    #[arg(short, long)]
-    pub quiet: bool,
 }
 
 /// Arguments of `fit`.
@@ -312,7 +314,7 @@ With --min-clearance or --clear-zone the surface nearest to the data is sought w
 meet and the sheet would crease) keeps its distance from the strip and stays out of the zones; this is proven for
 every ruling. Where the tolerance leaves no such surface, the report says how near one comes.
 
-Written into the output folder: strips.step (CAD), patterns.dxf and patterns.svg (cutter), model.glb, pictures,
+Written into the output folder: panels.step (CAD), patterns.dxf and patterns.svg (cutter), model.glb, pictures,
 report.html (open it in a browser), report.json and, for points, deviation.ply (every point with its deviation) and
 points.png (a map of them).
 
@@ -326,9 +328,8 @@ pub struct Fit {
     #[arg(short, long, value_name = "LENGTH", value_parser = positive_length, allow_hyphen_values = true)]
     pub tolerance: Length,
 
-    /// Folder to create for the results
-    #[arg(short, long, value_name = "DIR")]
-    pub out: PathBuf,
+    #[command(flatten)]
+    pub files: Files,
 
     /// Unit of the numbers in files that do not tell theirs: mm, cm, m, in, ft. Drawings may tell it, and headings of
     /// tables, such as x [m] [default: mm]
@@ -364,10 +365,6 @@ pub struct Fit {
     #[arg(long)]
     pub robust: bool,
 
-    /// Replace the files of an earlier result in that folder; everything else in it is kept
-    #[arg(long)]
-    pub force: bool,
-
     /// Stop at this number of strips; the result may then be uncertified
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub max_strips: Option<u32>,
@@ -376,16 +373,8 @@ pub struct Fit {
     #[arg(long, value_name = "TIME", value_parser = positive_time, allow_hyphen_values = true)]
     pub time_limit: Option<Duration>,
 
-    /// Name of the job in the files [default: name of FILE]
-    #[arg(long, value_name = "NAME")]
-    pub name: Option<String>,
-
     #[command(flatten)]
     pub drawing: Drawing,
-
-    /// Print nothing but errors
-    #[arg(short, long)]
-    pub quiet: bool,
 }
 
 /// Arguments of `loft`.
@@ -396,7 +385,7 @@ pub struct Fit {
   torse loft a.dxf b.dxf -t 0.1mm -o strip --ends extend
 
 A rail is a STEP file (FILE#NUMBER names an edge), a DXF file (FILE#LAYER or FILE#HANDLE), or a table of points
-with columns x, y, z. Written into the output folder: strips.step, patterns.dxf, patterns.svg, model.glb, pictures, report.html
+with columns x, y, z. Written into the output folder: panels.step, patterns.dxf, patterns.svg, model.glb, pictures, report.html
 and report.json.
 
 Exit status: 0 developable within the tolerance, 2 bad input or usage, 3 finished but not developable within the
@@ -414,9 +403,8 @@ pub struct Loft {
     #[arg(short, long, value_name = "LENGTH", value_parser = positive_length, allow_hyphen_values = true)]
     pub tolerance: Length,
 
-    /// Folder to create for the results
-    #[arg(short, long, value_name = "DIR")]
-    pub out: PathBuf,
+    #[command(flatten)]
+    pub files: Files,
 
     /// Unit of tables and of drawings that do not say theirs: mm, cm, m, in, ft
     #[arg(long, value_name = "UNIT", value_parser = unit_of_length)]
@@ -462,20 +450,8 @@ pub struct Loft {
     #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
     pub marks: Option<Length>,
 
-    /// Replace the files of an earlier result in that folder; everything else in it is kept
-    #[arg(long)]
-    pub force: bool,
-
-    /// Name of the job in the files [default: name of RAIL_A]
-    #[arg(long, value_name = "NAME")]
-    pub name: Option<String>,
-
     #[command(flatten)]
     pub drawing: Drawing,
-
-    /// Print nothing but errors
-    #[arg(short, long)]
-    pub quiet: bool,
 }
 
 /// What becomes of rails that are not used up.
@@ -509,7 +485,7 @@ pub enum LoftExtension {
 The curve is a STEP file (FILE#NUMBER names an edge), a DXF file (FILE#LAYER or FILE#HANDLE), a table of points
 x, y, z, or a control net (JSON: unit, degree, knots, points, first_ruling, last_ruling). It must be smooth. The
 strip is exactly developable. All solutions are listed in the report; the one whose regression curve keeps farthest
-from the curve is taken. Written into the output folder: strips.step, patterns.dxf, patterns.svg, model.glb, pictures,
+from the curve is taken. Written into the output folder: panels.step, patterns.dxf, patterns.svg, model.glb, pictures,
 report.html and report.json.
 
 Exit status: 0 developable within the tolerance, 2 bad input or usage, 3 no regular surface holds the rulings, or not
@@ -523,9 +499,8 @@ pub struct Net {
     #[arg(short, long, value_name = "LENGTH", value_parser = positive_length, allow_hyphen_values = true)]
     pub tolerance: Length,
 
-    /// Folder to create for the results
-    #[arg(short, long, value_name = "DIR")]
-    pub out: PathBuf,
+    #[command(flatten)]
+    pub files: Files,
 
     /// Direction of the first ruling, away from the curve: x, -y, z or three numbers such as 0,1,0.3
     #[arg(long, value_name = "DIRECTION", value_parser = direction, allow_hyphen_values = true)]
@@ -575,20 +550,8 @@ pub struct Net {
     #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
     pub marks: Option<Length>,
 
-    /// Replace the files of an earlier result in that folder; everything else in it is kept
-    #[arg(long)]
-    pub force: bool,
-
-    /// Name of the job in the files [default: name of CURVE]
-    #[arg(long, value_name = "NAME")]
-    pub name: Option<String>,
-
     #[command(flatten)]
     pub drawing: Drawing,
-
-    /// Print nothing but errors
-    #[arg(short, long)]
-    pub quiet: bool,
 }
 
 /// Arguments of `hull`.
@@ -602,7 +565,7 @@ table of points with columns x, y, z. The boundary of the convex hull of all cur
 pieces within a single planar curve, such as the mouths of a duct, are left open. Curves inside the hull of the
 others are not touched.
 
-Written into the output folder: strips.step, patterns.dxf, patterns.svg, model.glb, pictures, report.html and
+Written into the output folder: panels.step, patterns.dxf, patterns.svg, model.glb, pictures, report.html and
 report.json.
 
 Exit status: 0 developable within the tolerance, 2 bad input or usage, 3 finished but not developable within the
@@ -616,9 +579,8 @@ pub struct Hull {
     #[arg(short, long, value_name = "LENGTH", value_parser = positive_length, allow_hyphen_values = true)]
     pub tolerance: Length,
 
-    /// Folder to create for the results
-    #[arg(short, long, value_name = "DIR")]
-    pub out: PathBuf,
+    #[command(flatten)]
+    pub files: Files,
 
     /// Unit of tables and of drawings that do not say theirs: mm, cm, m, in, ft
     #[arg(long, value_name = "UNIT", value_parser = unit_of_length)]
@@ -640,20 +602,8 @@ pub struct Hull {
     #[arg(long, value_name = "TIME", value_parser = positive_time, allow_hyphen_values = true)]
     pub time_limit: Option<Duration>,
 
-    /// Replace the files of an earlier result in that folder; everything else in it is kept
-    #[arg(long)]
-    pub force: bool,
-
-    /// Name of the job in the files [default: name of the first CURVE]
-    #[arg(long, value_name = "NAME")]
-    pub name: Option<String>,
-
     #[command(flatten)]
     pub drawing: Drawing,
-
-    /// Print nothing but errors
-    #[arg(short, long)]
-    pub quiet: bool,
 }
 
 /// Arguments of `planarise`.
@@ -666,7 +616,7 @@ A strip is a table with one ruling on each line (six numbers: both ends), a tabl
 each line, an empty line between them), or an OBJ file of quadrilaterals that form one open strip. Points are moved as
 little and as smoothly as makes every quadrilateral plane; each level of subdivision doubles their number.
 
-Written into the output folder: strips.step, patterns.dxf, patterns.svg, model.glb, pictures, report.html
+Written into the output folder: panels.step, patterns.dxf, patterns.svg, model.glb, pictures, report.html
 and report.json.
 
 Exit status: 0 plane within the tolerance, 2 bad input or usage, 3 finished but not plane within the tolerance (files
@@ -680,9 +630,8 @@ pub struct Planarise {
     #[arg(short, long, value_name = "LENGTH", value_parser = positive_length, allow_hyphen_values = true)]
     pub tolerance: Length,
 
-    /// Folder to create for the results
-    #[arg(short, long, value_name = "DIR")]
-    pub out: PathBuf,
+    #[command(flatten)]
+    pub files: Files,
 
     /// Unit of the numbers in the file: mm, cm, m, in, ft [default: what headings such as ax [m] tell, else mm]
     #[arg(long, value_name = "UNIT", value_parser = unit_of_length)]
@@ -700,20 +649,8 @@ pub struct Planarise {
     #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
     pub max_move: Option<Length>,
 
-    /// Replace the files of an earlier result in that folder; everything else in it is kept
-    #[arg(long)]
-    pub force: bool,
-
-    /// Name of the job in the files [default: name of STRIP]
-    #[arg(long, value_name = "NAME")]
-    pub name: Option<String>,
-
     #[command(flatten)]
     pub drawing: Drawing,
-
-    /// Print nothing but errors
-    #[arg(short, long)]
-    pub quiet: bool,
 }
 
 /// Points of a strip that keep their places.

@@ -1,13 +1,9 @@
 //! `torse hull`: developables on the boundary of the convex hull of curves.
 
-use crate::approximate::stem;
 use crate::args::Hull;
 use crate::failure::Failure;
-use crate::folder::Output;
+use crate::job::Job;
 use crate::loft::{rails, split};
-use crate::strips::{deliver, made, tell};
-use crate::terminal::Terminal;
-use torse::certify::claim::Status;
 use torse::pipeline::hull::{hull, Options};
 use torse::torse::rail::Rail;
 
@@ -20,23 +16,17 @@ pub fn run(arguments: &Hull) -> Result<bool, Failure> {
         curves.extend(found.rails);
         notes.extend(found.notes);
     }
-    let output = Output::prepare(&arguments.out, &file, arguments.force)?;
-    let terminal = Terminal::new(arguments.quiet, arguments.time_limit)?;
-    terminal.guard(Some(output.workspace().to_path_buf()));
+    let job = Job::begin(&arguments.files, &file, arguments.time_limit)?;
     let options = Options {
-        input: arguments.name.clone().unwrap_or_else(|| stem(&file)),
+        input: arguments.files.job_name(&file),
         ruling_spacing: arguments.rulings.as_ref().map(|l| l.mm),
         mark_spacing: arguments.marks.as_ref().map(|l| l.mm),
         drawn: arguments.drawing.drawn(),
         ..Options::new(arguments.tolerance.mm)
     };
-    let mut outcome = hull(&curves, &options, terminal.control())
+    let mut answer = hull(&curves, &options, job.control())
         .map_err(|e| Failure::new(e.to_string(), "see 'torse hull --help' for what the curves must be"))?;
-    outcome.notes.extend(notes);
-    let folder = deliver(&mut outcome, Vec::new(), output, &terminal)?;
-    if !arguments.quiet {
-        // A closed pipe is no reason to fail after the work is done.
-        let _ = tell(&outcome, &made(&outcome), &folder);
-    }
-    Ok(outcome.status() == Status::Certified)
+    answer.notes.extend(notes);
+    job.deliver(&mut answer)?;
+    job.finish(&answer, &arguments.tolerance.text)
 }

@@ -1,8 +1,8 @@
 //! `torse info`: what a STEP file holds.
 
-use crate::approximate::contents;
 use crate::args::Info;
 use crate::failure::Failure;
+use crate::job::contents;
 use crate::wiring;
 use std::fmt::Write as _;
 use std::io::Write as _;
@@ -74,7 +74,7 @@ fn report(name: &str, model: &wiring::Model, faces: &[FaceInfo]) -> String {
     if !model.skipped.is_empty() {
         let _ = writeln!(text, "\nnot read    {}", model.skipped.len());
         for skipped in &model.skipped {
-            let _ = writeln!(text, "  #{}: {}", skipped.entity, skipped.reason);
+            let _ = writeln!(text, "  {}", skipped.words());
         }
     }
     for note in &model.notes {

@@ -1,13 +1,9 @@
 //! `torse loft`: the developable between two rails.
 
-use crate::approximate::{contents, stem};
 use crate::args::{Loft, LoftEnds, LoftExtension};
 use crate::failure::Failure;
-use crate::folder::Output;
-use crate::strips::{deliver, made, tell};
-use crate::terminal::Terminal;
+use crate::job::{contents, Job};
 use std::path::{Path, PathBuf};
-use torse::certify::claim::Status;
 use torse::io::curves::{self, CurveError, CurveOptions, Curves};
 use torse::pipeline::loft::{loft, Choice, Ends, Extension, Options};
 use torse::torse::rail::Rail;
@@ -18,11 +14,9 @@ pub fn run(arguments: &Loft) -> Result<bool, Failure> {
     let (a, mut notes) = rail(&arguments.a, arguments.unit, arguments.polyline)?;
     let (b, more) = rail(&arguments.b, arguments.unit, arguments.polyline)?;
     notes.extend(more);
-    let output = Output::prepare(&arguments.out, &file, arguments.force)?;
-    let terminal = Terminal::new(arguments.quiet, arguments.time_limit)?;
-    terminal.guard(Some(output.workspace().to_path_buf()));
+    let job = Job::begin(&arguments.files, &file, arguments.time_limit)?;
     let options = Options {
-        input: arguments.name.clone().unwrap_or_else(|| stem(&file)),
+        input: arguments.files.job_name(&file),
         ends: match arguments.ends {
             LoftEnds::Trim => Ends::Trim,
             LoftEnds::Fan => Ends::Fan,
@@ -44,15 +38,11 @@ pub fn run(arguments: &Loft) -> Result<bool, Failure> {
         drawn: arguments.drawing.drawn(),
         ..Options::new(arguments.tolerance.mm)
     };
-    let mut outcome = loft(&a, &b, &options, terminal.control())
+    let mut answer = loft(&a, &b, &options, job.control())
         .map_err(|e| Failure::new(e.to_string(), "see 'torse loft --help' for what can be asked instead"))?;
-    outcome.notes.extend(notes);
-    let folder = deliver(&mut outcome, Vec::new(), output, &terminal)?;
-    if !arguments.quiet {
-        // A closed pipe is no reason to fail after the work is done.
-        let _ = tell(&outcome, &made(&outcome), &folder);
-    }
-    Ok(outcome.status() == Status::Certified)
+    answer.notes.extend(notes);
+    job.deliver(&mut answer)?;
+    job.finish(&answer, &arguments.tolerance.text)
 }
 
 /// File and curve of `FILE#CURVE`. A file whose name holds the sign is taken as it is.

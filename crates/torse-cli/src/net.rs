@@ -1,13 +1,9 @@
 //! `torse net`: the developable through one curve.
 
-use crate::approximate::{contents, stem};
 use crate::args::Net;
 use crate::failure::Failure;
-use crate::folder::Output;
+use crate::job::{contents, Job};
 use crate::loft::{rail, split};
-use crate::strips::{deliver, made, tell};
-use crate::terminal::Terminal;
-use torse::certify::claim::Status;
 use torse::geom::Vec3;
 use torse::io::net::{self as file, NetFile};
 use torse::pipeline::net::{net, Condition, Options};
@@ -17,11 +13,9 @@ pub fn run(arguments: &Net) -> Result<bool, Failure> {
     let (path, _) = split(&arguments.curve);
     let (given, notes) = given(arguments)?;
     let curve = &given.curve;
-    let output = Output::prepare(&arguments.out, &path, arguments.force)?;
-    let terminal = Terminal::new(arguments.quiet, None)?;
-    terminal.guard(Some(output.workspace().to_path_buf()));
+    let job = Job::begin(&arguments.files, &path, None)?;
     let options = Options {
-        input: arguments.name.clone().unwrap_or_else(|| stem(&path)),
+        input: arguments.files.job_name(&path),
         along: arguments.along,
         alternative: arguments.alternative as usize,
         polynomial: arguments.polynomial,
@@ -30,15 +24,11 @@ pub fn run(arguments: &Net) -> Result<bool, Failure> {
         drawn: arguments.drawing.drawn(),
         ..Options::new(arguments.tolerance.mm, first_ruling(arguments, &given)?, condition(arguments, &given)?)
     };
-    let mut outcome = net(curve, &options, terminal.control())
+    let mut answer = net(curve, &options, job.control())
         .map_err(|e| Failure::new(e.to_string(), "see 'torse net --help' for what a net is made from"))?;
-    outcome.notes.extend(notes);
-    let folder = deliver(&mut outcome, Vec::new(), output, &terminal)?;
-    if !arguments.quiet {
-        // A closed pipe is no reason to fail after the work is done.
-        let _ = tell(&outcome, &made(&outcome), &folder);
-    }
-    Ok(outcome.status() == Status::Certified)
+    answer.notes.extend(notes);
+    job.deliver(&mut answer)?;
+    job.finish(&answer, &arguments.tolerance.text)
 }
 
 /// The curve, with what a control net says besides, and notes of what was not read.

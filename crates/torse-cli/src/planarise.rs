@@ -1,12 +1,8 @@
 //! `torse planarise`: plane quadrilaterals from a strip that nearly has them.
 
-use crate::approximate::{contents, stem};
 use crate::args::{HeldPoints, Planarise};
 use crate::failure::Failure;
-use crate::folder::Output;
-use crate::strips::{counted, deliver, tell};
-use crate::terminal::Terminal;
-use torse::certify::claim::Status;
+use crate::job::{contents, Job};
 use torse::design::discrete::planarise::Hold;
 use torse::io::quads;
 use torse::pipeline::planarise::{planarise, Options};
@@ -20,11 +16,9 @@ pub fn run(arguments: &Planarise) -> Result<bool, Failure> {
         Failure::new(format!("{}: {e}", file.display()), "see 'torse planarise --help' for the form of a strip")
     })?;
     drop(bytes);
-    let output = Output::prepare(&arguments.out, file, arguments.force)?;
-    let terminal = Terminal::new(arguments.quiet, None)?;
-    terminal.guard(Some(output.workspace().to_path_buf()));
+    let job = Job::begin(&arguments.files, file, None)?;
     let options = Options {
-        input: arguments.name.clone().unwrap_or_else(|| stem(file)),
+        input: arguments.files.job_name(file),
         levels: arguments.levels as usize,
         hold: match arguments.hold {
             HeldPoints::Nothing => Hold::Nothing,
@@ -36,17 +30,8 @@ pub fn run(arguments: &Planarise) -> Result<bool, Failure> {
         drawn: arguments.drawing.drawn(),
         ..Options::new(arguments.tolerance.mm)
     };
-    let mut outcome = planarise(&strip, &options, terminal.control())
+    let mut answer = planarise(&strip, &options, job.control())
         .map_err(|e| Failure::new(e.to_string(), "see 'torse planarise --help' for what can be asked instead"))?;
-    let folder = deliver(&mut outcome, Vec::new(), output, &terminal)?;
-    if !arguments.quiet {
-        // A closed pipe is no reason to fail after the work is done.
-        let made = format!(
-            "{} in {}",
-            counted(outcome.strips.len(), "quadrilateral"),
-            counted(outcome.parts.len(), "flat part")
-        );
-        let _ = tell(&outcome, &made, &folder);
-    }
-    Ok(outcome.status() == Status::Certified)
+    job.deliver(&mut answer)?;
+    job.finish(&answer, &arguments.tolerance.text)
 }

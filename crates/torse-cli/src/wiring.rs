@@ -1,19 +1,21 @@
 //! The one place where the program calls the library: read, approximate, files. Opens nothing and prints nothing.
 
 use crate::failure::Failure;
+use crate::job::fault;
 use torse::answer::marks::Marks;
-use torse::answer::outcome::{Outcome, Skipped};
-use torse::answer::sheets::Sheets;
+use torse::answer::presentation::present;
+use torse::answer::skipped::Skipped;
+use torse::answer::Answer;
 use torse::brep::face::Face;
 use torse::certify::claim::{Claim, Status, Subject};
 use torse::control::Control;
 use torse::develop::view::Drawn;
-use torse::io::marks::{chosen, do_not_cut, FEW};
+use torse::io::bundle;
 use torse::io::step::read::ReadError;
 use torse::io::words;
 use torse::pipeline::approximate::{self as pipeline, ApproximateError, Options};
 use torse::pipeline::cone_shapes;
-use torse::pipeline::cones::{self as cone_pipeline, ConesOptions, ConesOutcome};
+use torse::pipeline::cones::{self as cone_pipeline, ConesOptions};
 use torse::pipeline::sweep;
 use torse::search::cover::{Layout, Limits};
 
@@ -68,8 +70,8 @@ fn reading_hint(error: &ReadError) -> &'static str {
 }
 
 /// Runs the main job.
-pub fn approximate(model: Model, job: &Job, control: &Control) -> Result<Outcome, Failure> {
-    pipeline::approximate(model.faces, model.skipped, &options(job), control)
+pub fn approximate(model: Model, job: &Job, control: &Control) -> Result<Answer, Failure> {
+    pipeline::of_faces(model.faces, model.skipped, &options(job), control)
         .map_err(|e| Failure::new(e.to_string(), hint(&e)))
 }
 
@@ -96,12 +98,11 @@ pub fn sweep(
 ) -> Result<Vec<(String, Vec<u8>)>, Failure> {
     let rows = sweep::sweep(&model.faces, &model.skipped, tolerances, &options(job), control)
         .map_err(|e| Failure::new(e.to_string(), hint(&e)))?;
-    torse::io::sweep::files(&job.name, &rows, sweep::picture(&job.name, &rows).as_ref())
-        .map_err(|e| Failure::new(e.to_string(), "this is a fault of the program; please report it with the model"))
+    torse::io::sweep::files(&job.name, &rows, sweep::picture(&job.name, &rows).as_ref()).map_err(|e| fault(&e))
 }
 
 /// Runs the job of cone splines on faces.
-pub fn cones(model: &Model, name: &str, tolerance: f64, control: &Control) -> Result<ConesOutcome, Failure> {
+pub fn cones(model: &Model, name: &str, tolerance: f64, control: &Control) -> Result<Answer, Failure> {
     let options = ConesOptions { tolerance, input: name.to_owned() };
     cone_pipeline::of_faces(&model.faces, &model.skipped, &options, control).map_err(|e| {
         Failure::new(
@@ -113,44 +114,37 @@ pub fn cones(model: &Model, name: &str, tolerance: f64, control: &Control) -> Re
 
 /// Runs the job of cone splines on the panels of the main job: what the panels leave of the whole tolerance (mm) is
 /// theirs, so that cones keep the whole tolerance to the surface.
-pub fn cones_of_panels(outcome: &Outcome, whole: f64, control: &Control) -> Result<ConesOutcome, Failure> {
-    let used = outcome.certificate.deviation_bound;
-    let tolerance = if used < whole { whole - used } else { whole - outcome.tolerance };
-    let options = ConesOptions { tolerance, input: outcome.input.clone() };
-    let mut cones = cone_pipeline::of_panels(&outcome.patchwork, &outcome.skipped, &options, control)
+pub fn cones_of_panels(answer: &Answer, whole: f64, control: &Control) -> Result<Answer, Failure> {
+    let used = answer.certificate.as_ref().map_or(f64::INFINITY, |c| c.deviation_bound);
+    let tolerance = if used < whole { whole - used } else { whole - answer.tolerance };
+    let options = ConesOptions { tolerance, input: answer.input.clone() };
+    let mut cones = cone_pipeline::of_panels(&answer.patchwork, &answer.skipped, &options, control)
         .map_err(|e| Failure::new(e.to_string(), "leave out --cones to keep the panels"))?;
     // Cones near panels are no nearer to the surface than these.
-    if outcome.status() == Status::Uncertified {
-        let reason = format!("the panels are not certified: {}", words::reason(&outcome.claims, &[]));
-        cones.sheets.claims.push(Claim::objection(Subject::Whole, reason));
+    if answer.status() == Status::Uncertified {
+        let reason = format!("the panels are not certified: {}", words::reason(&answer.claims, &[]));
+        cones.claims.push(Claim::objection(Subject::Whole, reason));
     }
     Ok(cones)
 }
 
-/// The files of cone splines, by name.
-pub fn cone_files(outcome: &mut ConesOutcome) -> Result<Vec<(String, Vec<u8>)>, Failure> {
-    torse::pipeline::deliver::cone_files(outcome, &crate::clock::stamp()).map_err(|e| fault(&e))
-}
-
 /// The bending of cone splines into the plane: an animation and a strip of pictures.
-pub fn bending_files(outcome: &ConesOutcome) -> Result<Vec<(String, Vec<u8>)>, Failure> {
+pub fn bending_files(answer: &Answer) -> Result<Vec<(String, Vec<u8>)>, Failure> {
     const STAGES: usize = 16;
-    let shown = cone_shapes::present(outcome);
-    let stages = cone_shapes::bending(outcome, &shown, STAGES);
-    let eye = cone_shapes::bending_direction(outcome, &shown);
-    torse::io::cones::bending(&stages, &eye).map_err(|e| fault(&e))
+    let Some(cones) = &answer.cones else { return Ok(Vec::new()) };
+    let shown = present(answer);
+    let stages = cone_shapes::bending(cones, &shown, STAGES);
+    let eye = cone_shapes::bending_direction(cones, &shown);
+    bundle::bending(&stages, &eye).map_err(|e| fault(&e))
 }
 
 /// Inner, neutral and outer surfaces of sheets with a thickness (mm).
-pub fn thickness_files(outcome: &ConesOutcome, thickness: f64) -> Result<Vec<(String, Vec<u8>)>, Failure> {
-    let surfaces = cone_shapes::thick(&outcome.bodies, thickness)
+pub fn thickness_files(answer: &Answer, thickness: f64) -> Result<Vec<(String, Vec<u8>)>, Failure> {
+    let Some(cones) = &answer.cones else { return Ok(Vec::new()) };
+    let surfaces = cone_shapes::thick(&cones.bodies, thickness)
         .map_err(|e| Failure::new(e.to_string(), "give a smaller --thickness, or leave it out"))?;
-    let scene = cone_shapes::scene(&surfaces, Marks::of_sheets(&outcome.sheets).any());
-    torse::io::cones::thickness(&outcome.sheets.input, &surfaces, &scene, &crate::clock::stamp()).map_err(|e| fault(&e))
-}
-
-fn fault(e: &dyn std::error::Error) -> Failure {
-    Failure::new(e.to_string(), "this is a fault of the program; please report it with the model")
+    let scene = cone_shapes::scene(&surfaces, Marks::of(answer).any());
+    bundle::thickness(&answer.input, &surfaces, &scene, &crate::clock::stamp()).map_err(|e| fault(&e))
 }
 
 /// What would help against a refusal of the main job.
@@ -173,26 +167,4 @@ fn hint(error: &ApproximateError) -> &'static str {
         ApproximateError::Guide => "give a direction such as x or 1,0,0.5, or a curve of at least two different points",
         ApproximateError::MaxPanels => "give --max-panels 1 or more, or leave it out",
     }
-}
-
-/// What must not be cut of panels that are not certified, in words.
-pub fn warning(outcome: &Outcome) -> String {
-    let panels = &outcome.patchwork.panels;
-    do_not_cut(&chosen(panels.iter().map(|p| p.strip.name.as_str()), &Marks::of(outcome).panels), panels.len(), FEW)
-}
-
-/// What must not be cut of strips that are not certified, in words.
-pub fn sheets_warning(sheets: &Sheets) -> String {
-    if sheets.parts.is_empty() {
-        return "there is nothing to cut".into();
-    }
-    let marked = Marks::of_sheets(sheets).any();
-    let parts = sheets.parts.iter().filter(|_| marked).map(|p| p.name.as_str()).collect::<Vec<_>>();
-    do_not_cut(&parts, sheets.parts.len(), FEW)
-}
-
-/// The files of a result, by name.
-pub fn files(outcome: &mut Outcome) -> Result<Vec<(String, Vec<u8>)>, Failure> {
-    torse::pipeline::deliver::files(outcome, &crate::clock::stamp())
-        .map_err(|e| Failure::new(e.to_string(), "this is a fault of the program; please report it with the model"))
 }

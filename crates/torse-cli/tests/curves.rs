@@ -29,7 +29,7 @@ fn the_hull_of_a_duct_is_certified_and_its_files_are_there() {
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
     assert_eq!(output.status.code(), Some(0), "{text}{}", String::from_utf8_lossy(&output.stderr));
     assert!(text.starts_with("certified: ") && text.contains("left open"), "{text}");
-    for file in ["strips.step", "patterns.dxf", "patterns.svg", "model.glb", "report.html", "report.json"] {
+    for file in ["panels.step", "patterns.dxf", "patterns.svg", "model.glb", "report.html", "report.json"] {
         assert!(fs::metadata(room.path().join("o").join(file)).expect(file).len() > 100, "{file}");
     }
 }

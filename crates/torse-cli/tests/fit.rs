@@ -34,7 +34,7 @@ fn fit(name: &str, content: impl AsRef<[u8]>, more: &[&str]) -> (Option<i32>, St
     let output = torse(room.path(), &[&["fit", name, "--out", "o"], more].concat());
     let said = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
     let report = fs::read_to_string(room.path().join("o/report.json")).unwrap_or_else(|_| "null".into());
-    for file in ["strips.step", "patterns.dxf", "report.html"] {
+    for file in ["panels.step", "patterns.dxf", "report.html"] {
         assert!(report == "null" || room.path().join("o").join(file).exists(), "{file}: {said}");
     }
     (output.status.code(), said, serde_json::from_str(&report).expect("a report"))
@@ -69,7 +69,7 @@ fn scan(count: usize, noise: f64, outliers: usize) -> String {
 fn a_noisy_sheet_is_recovered_within_twice_the_noise() {
     let (code, said, report) = fit("scan.csv", scan(6000, 0.1, 0), &["-t", "0.3mm"]);
     assert_eq!(code, Some(0), "{said}");
-    assert_eq!(report["strips"].as_array().map(Vec::len), Some(1), "{said}");
+    assert_eq!(report["panels"].as_array().map(Vec::len), Some(1), "{said}");
     // Points carry their own noise of 0.1 mm; the strip lies within as much of the true sheet.
     assert!(figure(&report, "largest distance of a point") <= 0.2, "{said}");
 }
@@ -195,7 +195,7 @@ fn coarse_meshes_of_cylinders_and_cones_are_followed_through_their_corners() {
         assert!(figure(&report, "largest distance of a point") <= 0.1, "{name}: {said}");
         assert!((figure(&report, "points") - 22.0).abs() < 0.5, "{name}: {said}");
         assert!(said.contains("Judged are the") && said.contains("triangles are chords"), "{name}: {said}");
-        assert!(report["strips"].as_array().is_some_and(|s| s.len() <= 3), "{name}: {said}");
+        assert!(report["panels"].as_array().is_some_and(|s| s.len() <= 3), "{name}: {said}");
     }
 }
 
@@ -209,10 +209,10 @@ fn a_part_of_a_mesh_without_strip_is_no_success() {
         let _ = writeln!(cube, "f {f}");
     }
     let (code, said, report) = fit("cube.obj", &cube, &["-t", "0.1mm"]);
-    assert_eq!((code, report["strips"].as_array().map(Vec::len)), (Some(0), Some(6)), "{said}");
+    assert_eq!((code, report["panels"].as_array().map(Vec::len)), (Some(0), Some(6)), "{said}");
     // Four sides hold all corners, but two are missing.
     let (code, said, report) = fit("cube.obj", &cube, &["-t", "0.1mm", "--max-strips", "4"]);
-    assert_eq!((code, report["strips"].as_array().map(Vec::len)), (Some(3), Some(4)), "{said}");
+    assert_eq!((code, report["panels"].as_array().map(Vec::len)), (Some(3), Some(4)), "{said}");
     assert!(figure(&report, "beyond the tolerance") < 0.5 && said.contains("have no strip near them"), "{said}");
 }
 
@@ -236,7 +236,7 @@ fn sheets_that_meet_at_an_edge_are_covered_up_to_it() {
     }
     let (code, said, report) = fit("roof.csv", &out, &["-t", "0.25mm"]);
     assert_eq!(code, Some(0), "{said}");
-    assert_eq!(report["strips"].as_array().map(Vec::len), Some(2), "{said}");
+    assert_eq!(report["panels"].as_array().map(Vec::len), Some(2), "{said}");
 }
 
 #[test]
@@ -279,7 +279,7 @@ fn noisy_planes(noise: f64) -> String {
 fn regression_curves_keep_their_distance_and_out_of_zones() {
     let planes = noisy_planes(2e-3);
     let clearance = |report: &serde_json::Value| {
-        let strips = report["strips"].as_array().expect("strips");
+        let strips = report["panels"].as_array().expect("strips");
         let figures = strips.iter().flat_map(|s| s["figures"].as_array().expect("figures"));
         let own = figures.filter(|f| f["name"] == "distance to the regression curve" && f["basis"] == "proven");
         own.filter_map(|f| f["value"].as_f64()).fold(f64::INFINITY, f64::min)
@@ -320,7 +320,7 @@ fn two_pieces_make_two_strips() {
     }
     let (code, said, report) = fit("two.xyz", &out, &["-t", "0.2mm"]);
     assert_eq!(code, Some(0), "{said}");
-    assert_eq!(report["strips"].as_array().map(Vec::len), Some(2), "{said}");
+    assert_eq!(report["panels"].as_array().map(Vec::len), Some(2), "{said}");
 }
 
 #[test]
@@ -411,7 +411,7 @@ fn a_table_of_a_strip_of_quadrilaterals_holds_rulings() {
     let table = include_str!("../../../data/hood_strip.csv");
     let (code, said, report) = fit("hood.csv", table, &["-t", "1mm"]);
     assert_eq!(code, Some(0), "{said}");
-    let figures = report["strips"][0]["figures"].as_array().expect("figures");
+    let figures = report["panels"][0]["figures"].as_array().expect("figures");
     let count = figures.iter().find(|f| f["name"] == "control points along").and_then(|f| f["value"].as_f64());
     assert!(count.is_some_and(|n| n < 10.0), "{report}");
 }

@@ -26,7 +26,7 @@ fn a_control_net_with_end_rulings_becomes_a_certified_strip_with_all_files() {
     assert!(told.starts_with("certified: 1 strip in 1 flat part"), "{told}");
     assert!(told.contains("M* = 1.369416") && told.contains("the only regular polynomial one"), "{told}");
     let out = room.path().join("out");
-    for name in ["strips.step", "patterns.dxf", "patterns.svg", "model.glb", "panels.png", "field.png"] {
+    for name in ["panels.step", "patterns.dxf", "patterns.svg", "model.glb", "panels.png", "field.png"] {
         assert!(fs::metadata(out.join(name)).expect(name).len() > 500, "{name}");
     }
     let report = report(&out);
@@ -60,7 +60,7 @@ fn rulings_without_a_regular_surface_end_with_status_3_and_the_signs() {
     assert!(String::from_utf8_lossy(&output.stdout).contains("pattern ++++"));
     let report = report(&room.path().join("out"));
     assert!(report["reason"].as_str().expect("a reason").contains("no polynomial net exists"));
-    assert_eq!(report["strips"].as_array().map(Vec::len), Some(0));
+    assert_eq!(report["panels"].as_array().map(Vec::len), Some(0));
 }
 
 #[test]

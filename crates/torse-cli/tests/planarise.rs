@@ -25,12 +25,12 @@ fn the_hood_becomes_plane_is_refined_and_all_files_are_written() {
     assert_eq!(output.status.code(), Some(0), "{told}{}", String::from_utf8_lossy(&output.stderr));
     assert!(told.starts_with("certified: 40 quadrilaterals in 1 flat part") && told.contains("level 2: 40"), "{told}");
     let out = room.path().join("out");
-    for name in ["strips.step", "patterns.dxf", "patterns.svg", "model.glb", "panels.png", "field.png", "shapes.png"] {
+    for name in ["panels.step", "patterns.dxf", "patterns.svg", "model.glb", "panels.png", "field.png", "shapes.png"] {
         assert!(fs::metadata(out.join(name)).expect(name).len() > 500, "{name}");
     }
     let report = report(&out);
     assert_eq!((report["status"].as_str(), report["job"].as_str()), (Some("certified"), Some("planarise")));
-    assert_eq!(report["strips"].as_array().map(Vec::len), Some(40));
+    assert_eq!(report["panels"].as_array().map(Vec::len), Some(40));
     assert!(!report["shapes"].as_array().expect("shapes").is_empty());
     assert!(report["parts"][0]["isometry_error"].as_f64().expect("a number") < 1e-9);
     let page = fs::read_to_string(out.join("report.html")).expect("a page");

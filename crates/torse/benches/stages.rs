@@ -1,8 +1,8 @@
 //! The main job on half a bowl at 1 mm, stage by stage: where its time goes.
 
 use std::sync::OnceLock;
-use torse::answer::outcome::Outcome;
 use torse::answer::presentation::present;
+use torse::answer::Answer;
 use torse::brep::face::Face;
 use torse::certify;
 use torse::control::Control;
@@ -10,7 +10,7 @@ use torse::develop::pattern::{pattern, PatternOptions};
 use torse::fit::level::strip_potential::{levels, LevelOptions};
 use torse::io::bundle;
 use torse::io::step::read::read;
-use torse::pipeline::approximate::{approximate, Options};
+use torse::pipeline::approximate::{of_faces, Options};
 use torse::search::cover::{cover, CoverOptions, Layout, Limits, State};
 
 const BOWL: &[u8] = include_bytes!("../../../data/half_bowl.step");
@@ -27,20 +27,11 @@ fn face() -> Face {
 }
 
 /// The job done once: what later stages begin with.
-fn outcome() -> &'static Outcome {
-    static DONE: OnceLock<Outcome> = OnceLock::new();
+fn answer() -> &'static Answer {
+    static DONE: OnceLock<Answer> = OnceLock::new();
     DONE.get_or_init(|| {
-        let options = Options {
-            tolerance: TOLERANCE,
-            max_panels: None,
-            input: "bowl".into(),
-            limits: Limits::default(),
-            layout: Layout::default(),
-            meet: false,
-            smooth_angle: 0.0,
-            drawn: torse::develop::view::Drawn::default(),
-        };
-        approximate(vec![face()], Vec::new(), &options, &Control::default()).expect("an outcome")
+        let options = Options { smooth_angle: 0.0, ..Options::new(TOLERANCE) };
+        of_faces(vec![face()], Vec::new(), &options, &Control::default()).expect("an answer")
     })
 }
 
@@ -74,14 +65,14 @@ fn cover_with_proofs(bencher: divan::Bencher) {
 /// The last proof, of panels as they are written.
 #[divan::bench(sample_count = 10)]
 fn certificate(bencher: divan::Bencher) {
-    let patchwork = &outcome().patchwork;
+    let patchwork = &answer().patchwork;
     bencher.bench(|| certify::patchwork(patchwork, TOLERANCE, &Control::default()).deviation_bound);
 }
 
 /// Flat patterns of all panels.
 #[divan::bench(sample_count = 10)]
 fn development(bencher: divan::Bencher) {
-    let patchwork = &outcome().patchwork;
+    let patchwork = &answer().patchwork;
     let options = PatternOptions::new(0.05 * TOLERANCE);
     let one = |k| pattern(patchwork, k, &options).expect("a pattern").width;
     bencher.bench(|| (0..patchwork.panels.len()).map(one).sum::<f64>());
@@ -90,6 +81,6 @@ fn development(bencher: divan::Bencher) {
 /// STEP, DXF, SVG, GLB, pictures, report.
 #[divan::bench(sample_count = 3)]
 fn files(bencher: divan::Bencher) {
-    let outcome = outcome();
-    bencher.bench(|| bundle::files(outcome, &present(outcome), "2000-01-01T00:00:00").expect("files").len());
+    let answer = answer();
+    bencher.bench(|| bundle::files(answer, &present(answer), "2000-01-01T00:00:00").expect("files").len());
 }

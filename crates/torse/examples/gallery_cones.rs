@@ -13,7 +13,7 @@ use torse::draw::picture::{panels, Caption};
 use torse::draw::scene::{PanelShape, Scene};
 use torse::draw::sequence::sequence;
 use torse::geom::{Vec2, Vec3};
-use torse::io::{cones::exact, dxf, png};
+use torse::io::{bundle::exact, dxf, png};
 use torse::patchwork::pattern::Placement;
 use torse::tessellate::strip;
 use torse::torse::cone::forms::patches;
@@ -186,6 +186,7 @@ fn main() -> Result<()> {
     dxf::write(&mut bytes, &flat)?;
     std::fs::write(folder.join("fig17_flat.dxf"), bytes)?;
     let (_, step) = exact(
+        "cones.step",
         "three pairs",
         &[ConeBody { name: "A".into(), spline: circular, part: None }],
         false,

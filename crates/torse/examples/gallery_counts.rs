@@ -20,16 +20,7 @@ const PUBLISHED: [[f64; 2]; 2] = [[10.0, 11.0], [1.0, 27.0]];
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let folder = std::env::args().nth(1).ok_or("give a folder for the picture")?;
-    let options = Options {
-        tolerance: TOLERANCES[0],
-        max_panels: None,
-        input: "half bowl".into(),
-        limits: Limits::default(),
-        layout: Layout::default(),
-        meet: false,
-        smooth_angle: 0.0,
-        drawn: torse::develop::view::Drawn::default(),
-    };
+    let options = Options { input: "half bowl".into(), smooth_angle: 0.0, ..Options::new(TOLERANCES[0]) };
     let rows = sweep(&read(BOWL)?.faces, &[], &TOLERANCES, &options, &Control::default())?;
     let mut out = std::io::stdout().lock();
     for r in &rows {

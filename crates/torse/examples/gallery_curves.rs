@@ -14,7 +14,7 @@ use torse::geom::mesh::Mesh;
 use torse::geom::{Vec2, Vec3};
 use torse::io::png;
 use torse::io::step::read::read;
-use torse::pipeline::approximate::{approximate, Options};
+use torse::pipeline::approximate::{of_faces, Options};
 use torse::search::cover::{CurveShape, Layout, Limits, PanelCurve};
 use torse::spline::surface::Surface;
 
@@ -334,10 +334,10 @@ fn covered(bytes: &[u8], tolerance: f64, curve: &PanelCurve) -> Done<Image> {
         smooth_angle: 0.0,
         drawn: torse::develop::view::Drawn::default(),
     };
-    let outcome = approximate(read(bytes)?.faces, Vec::new(), &options, &Control::default())?;
-    let shown = present(&outcome);
-    let proof = if outcome.status() == Status::Certified { "certified" } else { "not certified" };
-    let note = format!("{} of them along the {} or in its wake; {proof}", outcome.along.len(), curve.name);
-    let title = format!("{} panels at {tolerance} mm", outcome.patchwork.panels.len());
+    let answer = of_faces(read(bytes)?.faces, Vec::new(), &options, &Control::default())?;
+    let shown = present(&answer);
+    let proof = if answer.status() == Status::Certified { "certified" } else { "not certified" };
+    let note = format!("{} of them along the {} or in its wake; {proof}", answer.along.len(), curve.name);
+    let title = format!("{} panels at {tolerance} mm", answer.patchwork.panels.len());
     Ok(picture::panels(&shown.scene, &shown.direction, &Caption { width: 1100, title, note }))
 }

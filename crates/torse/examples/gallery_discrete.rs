@@ -6,8 +6,8 @@
 //! of which a developable consists.
 
 use std::path::Path;
-use torse::answer::presentation::present_sheets;
-use torse::answer::sheets::{FieldMeaning, FlatPart, Sheets};
+use torse::answer::presentation::present;
+use torse::answer::{Answer, Job};
 use torse::control::Control;
 use torse::design::discrete::planarise::Hold;
 use torse::design::discrete::subdivide::{subdivide, SubdivideOptions};
@@ -17,6 +17,8 @@ use torse::draw::scene::{PanelShape, Scene};
 use torse::geom::mesh::Mesh;
 use torse::geom::Vec3;
 use torse::io::png;
+use torse::patchwork::panel::Patchwork;
+use torse::patchwork::part::Part;
 use torse::tessellate::strip;
 use torse::torse::quad_strip::QuadStrip;
 use torse::torse::ruled_point::RuledPoint;
@@ -95,7 +97,7 @@ fn main() -> Result<()> {
 
     // What a developable consists of.
     let sheets = mixed()?;
-    let shown = present_sheets(&sheets);
+    let shown = present(&sheets);
     let caption = Caption { title: "planes, cylinders, cones, tangent surfaces".into(), ..Caption::default() };
     let image = shapes(&shown.scene, &shown.shape_patches, &Vec3::new(0.2, -1.0, 0.9), &caption);
     std::fs::write(folder.join("shapes.png"), png::write(&image)?)?;
@@ -280,7 +282,7 @@ fn envelope(strip: &QuadStrip) -> Scene {
 }
 
 /// A plane, a cylinder, a cone and a tangent surface that continue each other, as one finely ruled strip.
-fn mixed() -> Result<Sheets> {
+fn mixed() -> Result<Answer> {
     let (mut a, mut b) = (Vec::new(), Vec::new());
     // Each step goes forward in the tangent plane, turns the ruling in it, and bends about the new ruling.
     let (mut p, mut e, mut forward) = (Vec3::zeros(), Vec3::y(), Vec3::x());
@@ -311,20 +313,10 @@ fn mixed() -> Result<Sheets> {
     let strips: Vec<Strip> = QuadStrip::new(a, b)?.faces("A")?;
     let chain: Vec<&Strip> = strips.iter().collect();
     let patterns = pattern(&chain, 0, "A", &StripOptions::new(0.01)).into_iter().collect();
-    Ok(Sheets {
-        job: "gallery".into(),
-        input: "mixed".into(),
-        tolerance: 1e-3,
-        claims: Vec::new(),
-        parts: vec![FlatPart { name: "A".into(), first: 0, count: strips.len(), missing: String::new() }],
-        strips,
-        fields: Vec::new(),
-        points: Default::default(),
-        meaning: FieldMeaning::default(),
+    Ok(Answer {
+        parts: vec![Part { name: "A".into(), first: 0, count: strips.len(), missing: String::new() }],
+        patchwork: Patchwork::of_strips(strips),
         patterns,
-        guides: Vec::new(),
-        notes: Vec::new(),
-        skipped: Vec::new(),
-        seconds: 0.0,
+        ..Answer::new(Job::Planarise, "mixed", 1e-3)
     })
 }

@@ -6,8 +6,8 @@
 use std::error::Error;
 use std::f64::consts::TAU;
 use std::path::Path;
-use torse::answer::presentation::present_sheets;
-use torse::answer::sheets::Sheets;
+use torse::answer::presentation::present;
+use torse::answer::Answer;
 use torse::brep::space_curve::SpaceCurve;
 use torse::certify::claim::Subject;
 use torse::control::Control;
@@ -16,6 +16,8 @@ use torse::draw::picture::{self, Caption};
 use torse::draw::raster::{Drawing, Line};
 use torse::geom::{Frame, Vec2, Vec3};
 use torse::io::png;
+use torse::patchwork::panel::Patchwork;
+use torse::patchwork::part::Part;
 use torse::pipeline::hull::{hull, Options};
 use torse::pipeline::loft::{self, Choice, Ends};
 use torse::torse::rail::Rail;
@@ -27,23 +29,23 @@ fn main() -> Outcome<()> {
     let folder = Path::new(&folder);
     std::fs::create_dir_all(folder)?;
     let control = Control::default();
-    let save = |name: &str, sheets: &Sheets, title: &str, eye: Vec3| -> Outcome<()> {
-        let note = sheets.notes.first().cloned().unwrap_or_default();
+    let save = |name: &str, answer: &Answer, title: &str, eye: Vec3| -> Outcome<()> {
+        let note = answer.notes.first().cloned().unwrap_or_default();
         let caption = Caption { title: title.into(), note, ..Caption::default() };
-        let shown = present_sheets(sheets);
+        let shown = present(answer);
         let image = picture::panels(&shown.scene, &eye, &caption);
         Ok(std::fs::write(folder.join(format!("{name}.png")), png::write(&image)?)?)
     };
     // 4.1: a plane rolls over a closed curve; where it touches three times, a facet is planar.
     let knot = around("curve", |t| Vec3::new(100.0 * t.cos(), 100.0 * t.sin(), 35.0 * (3.0 * t).cos()))?;
-    let sheets = hull(&[knot], &Options::new(0.1), &control)?;
-    save("figure-4-1", &sheets, "the boundary of the convex hull of a curve: developables and planar triangles", EYE)?;
+    let answer = hull(&[knot], &Options::new(0.1), &control)?;
+    save("figure-4-1", &answer, "the boundary of the convex hull of a curve: developables and planar triangles", EYE)?;
     // 4.4: formwork between a circle and a rectangle.
     let rectangle = [(-110.0, -70.0), (110.0, -70.0), (110.0, 70.0), (-110.0, 70.0), (-110.0, -70.0)];
     let rectangle = Rail::polyline("rectangle", &rectangle.map(|(x, y)| Vec3::new(x, y, 0.0)))?;
     let circle = ellipse("circle", Vec3::z() * 140.0, 90.0, 90.0)?;
-    let sheets = hull(&[rectangle, circle], &Options::new(1e-3), &control)?;
-    save("figure-4-4", &sheets, "formwork from a rectangle to a circle: four triangles, four cones", EYE)?;
+    let answer = hull(&[rectangle, circle], &Options::new(1e-3), &control)?;
+    save("figure-4-4", &answer, "formwork from a rectangle to a circle: four triangles, four cones", EYE)?;
     // 4.7: one boundary, several developables. Both hulls of a saddle loop, one side at a time.
     let saddle = around("loop", |t| Vec3::new(100.0 * t.cos(), 100.0 * t.sin(), 50.0 * (2.0 * t).cos()))?;
     let whole = hull(&[saddle], &Options::new(0.1), &control)?;
@@ -57,9 +59,9 @@ fn main() -> Outcome<()> {
     let double = torse::design::loft::branches::branches(&low, &high, &Default::default());
     let double = double.iter().filter(|b| b.kind == BranchType::DoubleCone).count();
     let options = loft::Options { choice: Choice::Exact, ends: Ends::Trim, ..loft::Options::new(1e-3) };
-    let sheets = loft::loft(&low, &high, &options, &control)?;
+    let answer = loft::loft(&low, &high, &options, &control)?;
     let title = format!("two circles: one regular developable ({double} double cone not used)");
-    save("figure-4-7-circles", &sheets, &title, EYE)?;
+    save("figure-4-7-circles", &answer, &title, EYE)?;
     std::fs::write(folder.join("figure-4-11.png"), png::write(&subdivision().render())?)?;
     Ok(())
 }
@@ -79,13 +81,13 @@ fn ellipse(name: &str, origin: Vec3, a: f64, b: f64) -> Outcome<Rail> {
 }
 
 /// One part of a result.
-fn only(all: &Sheets, part: usize) -> Sheets {
+fn only(all: &Answer, part: usize) -> Answer {
     let p = &all.parts[part];
     let mut out = all.clone();
-    out.strips = all.strips[p.first..p.first + p.count].to_vec();
+    out.patchwork = Patchwork::of_strips(all.strips().skip(p.first).take(p.count).cloned().collect());
     out.fields = all.fields[p.first..p.first + p.count].to_vec();
     out.claims = all.claims_of(Subject::Whole).cloned().collect();
-    out.parts = vec![torse::answer::sheets::FlatPart { first: 0, ..p.clone() }];
+    out.parts = vec![Part { first: 0, ..p.clone() }];
     out.patterns = all.patterns.iter().filter(|q| q.panel == part).cloned().collect();
     out
 }

@@ -1,10 +1,56 @@
 //! Torse: developable surfaces, with certified bounds.
 //!
-//! Data travels one way: read → model → fit or design → certify → develop → write. The floors, from the bottom:
+//! Every job takes what a reader gives and its options, and returns an [`Answer`]: panels, what is proven of them, flat
+//! patterns. [`files`] makes files of it and judges these too.
+//!
+//! | job | options | from | to |
+//! |---|---|---|---|
+//! | [`approximate()`] | [`Approximate`] | faces of a CAD model | trimmed panels |
+//! | [`cones()`] | [`ConesOptions`] | developable faces | exact cones, cylinders and planes |
+//! | [`fit()`] | [`FitOptions`] | measured points | strips |
+//! | [`fit_row`], [`fit_faces`] | [`RowFitOptions`] | rulings, tangent planes, faces | strips |
+//! | [`loft()`] | [`Loft`] | two curves | strips |
+//! | [`hull()`] | [`Hull`] | curves | strips on their convex hull |
+//! | [`net()`] | [`Net`] | one curve and rulings | strips |
+//! | [`planarise()`] | [`Planarise`] | a strip of quadrilaterals | plane ones |
+//!
+//! ```no_run
+//! let model = torse::read_step(&std::fs::read("hull.step")?)?;
+//! let mut answer = torse::approximate(&model, &torse::Approximate::new(2.0))?;
+//! for (name, bytes) in torse::files(&mut answer, "2026-01-31T12:00:00")? {
+//!     std::fs::write(name, bytes)?;
+//! }
+//! println!("{:?}: {} panels", answer.status(), answer.patchwork.panels.len());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! Lengths are millimetres, angles radians. Nothing is opened or printed; progress and cancellation go through
+//! [`Control`]. Vectors are those of [`nalgebra`].
+//!
+//! # Floors
+//!
+//! Data travels one way: read → model → fit or design → certify → develop → write. From the bottom:
 //! [`num`], [`geom`], [`spline`]; the nouns [`brep`] (what CAD files hold), [`torse`] (exact developables) and
-//! [`patchwork`] (a whole in pieces); the sibling verbs [`fit`], [`design`], [`certify`] and [`develop`], then
+//! [`patchwork`] (a whole in pieces); the sibling verbs [`mod@fit`], [`design`], [`certify`] and [`develop`], then
 //! [`tessellate`] and [`draw`]; [`search`], which lets the judge decide about what was proposed; [`answer`], [`io`] and
 //! [`pipeline`]. A floor uses only lower ones; `tests/tidy.rs` keeps it so.
+
+pub use answer::Answer;
+pub use certify::claim::Status;
+pub use control::Control;
+pub use io::curves::read as read_curve;
+pub use io::step::read::{read as read_step, Model};
+pub use nalgebra;
+pub use pipeline::approximate::{approximate, Options as Approximate};
+pub use pipeline::cones::{of_faces as cones, ConesOptions};
+pub use pipeline::deliver::files;
+pub use pipeline::fit::{fit, FitOptions};
+pub use pipeline::hull::{hull, Options as Hull};
+pub use pipeline::info::measure;
+pub use pipeline::loft::{loft, Options as Loft};
+pub use pipeline::net::{net, Options as Net};
+pub use pipeline::planarise::{planarise, Options as Planarise};
+pub use pipeline::row::{fit_faces, fit_row, RowFitOptions};
 
 pub mod control;
 pub mod num;

@@ -4,8 +4,8 @@
 use std::sync::OnceLock;
 
 use torse::answer::marks::Marks;
-use torse::answer::outcome::Outcome;
 use torse::answer::presentation::present;
+use torse::answer::Answer;
 use torse::brep::face::Face;
 use torse::certify;
 use torse::certify::claim::{Claim, Status, Subject};
@@ -15,7 +15,7 @@ use torse::io::bundle;
 use torse::io::step::read::{read, read_with, ReadOptions};
 use torse::io::words;
 use torse::patchwork::panel::{Panel, Patchwork};
-use torse::pipeline::approximate::{approximate, ApproximateError, Options};
+use torse::pipeline::approximate::{of_faces, ApproximateError, Options};
 use torse::search::cover::{CurveError, CurveShape, Guide, Layout, LayoutKind, Limits, PanelCurve, SeamPlane};
 use torse::spline::knots::Knots;
 use torse::spline::surface::Surface;
@@ -28,27 +28,18 @@ const CONE: &[u8] = include_bytes!("../../../data/cone_holes.step");
 const TOLERANCE: f64 = 10.0;
 
 fn options(tolerance: f64) -> Options {
-    Options {
-        tolerance,
-        max_panels: None,
-        input: "model".into(),
-        limits: Limits::default(),
-        layout: Layout::default(),
-        meet: false,
-        smooth_angle: 0.0,
-        drawn: torse::develop::view::Drawn::default(),
-    }
+    Options { smooth_angle: 0.0, ..Options::new(tolerance) }
 }
 
-fn run(bytes: &[u8], options: &Options) -> Result<Outcome, ApproximateError> {
+fn run(bytes: &[u8], options: &Options) -> Result<Answer, ApproximateError> {
     let model = read(bytes).expect("a model");
-    approximate(model.faces, model.skipped, options, &Control::default())
+    of_faces(model.faces, model.skipped, options, &Control::default())
 }
 
 /// The piece of a torus, covered once for all tests.
-fn torus() -> &'static Outcome {
-    static DONE: OnceLock<Outcome> = OnceLock::new();
-    DONE.get_or_init(|| run(TORUS, &options(TOLERANCE)).expect("an outcome"))
+fn torus() -> &'static Answer {
+    static DONE: OnceLock<Answer> = OnceLock::new();
+    DONE.get_or_init(|| run(TORUS, &options(TOLERANCE)).expect("an answer"))
 }
 
 /// The nearest point of a surface over a rectangle of parameters: best of a grid, then Gauss–Newton steps held inside.
@@ -171,13 +162,24 @@ fn face_to_panels(face: &Surface, panels: &[Panel]) -> f64 {
 fn a_small_model_is_certified_and_lies_flat() {
     let o = torus();
     assert_eq!(o.status(), Status::Certified);
-    assert!(o.certificate.certified && o.certificate.covered && o.certificate.missing.is_empty());
-    assert!(o.certificate.deviation_bound <= TOLERANCE && o.certificate.deviation_bound > 0.0);
+    assert!(
+        o.certificate.as_ref().expect("a certificate").certified
+            && o.certificate.as_ref().expect("a certificate").covered
+            && o.certificate.as_ref().expect("a certificate").missing.is_empty()
+    );
+    assert!(
+        o.certificate.as_ref().expect("a certificate").deviation_bound <= TOLERANCE
+            && o.certificate.as_ref().expect("a certificate").deviation_bound > 0.0
+    );
     assert!(o.patchwork.panels.len() >= 2 && o.patterns.len() == o.patchwork.panels.len());
-    for (p, c) in o.patterns.iter().zip(&o.certificate.panels) {
+    for (p, c) in o.patterns.iter().zip(&o.certificate.as_ref().expect("a certificate").panels) {
         assert!((p.area / p.area_in_space - 1.0).abs() < 1e-6, "{}: {} and {}", p.name, p.area, p.area_in_space);
         assert!(p.isometry_error < 1e-6, "{}: {}", p.name, p.isometry_error);
-        assert!(c.certified && c.regression_clearance > 0.0 && c.deviation_bound <= o.certificate.deviation_bound);
+        assert!(
+            c.certified
+                && c.regression_clearance > 0.0
+                && c.deviation_bound <= o.certificate.as_ref().expect("a certificate").deviation_bound
+        );
     }
 }
 
@@ -186,13 +188,13 @@ fn dense_samples_never_exceed_the_bound_in_either_direction() {
     let o = torus();
     let face = &o.patchwork.faces[0].surface;
     let mut worst = 0.0_f64;
-    for (panel, proof) in o.patchwork.panels.iter().zip(&o.certificate.panels) {
+    for (panel, proof) in o.patchwork.panels.iter().zip(&o.certificate.as_ref().expect("a certificate").panels) {
         let d = panel_to_face(panel, face);
         assert!(d <= proof.deviation_bound, "{}: {d} exceeds {}", panel.strip.name, proof.deviation_bound);
         worst = worst.max(d);
     }
     let back = face_to_panels(face, &o.patchwork.panels);
-    let bound = o.certificate.deviation_bound;
+    let bound = o.certificate.as_ref().expect("a certificate").deviation_bound;
     assert!(back <= bound, "{back} exceeds {bound}");
     // A bound far above what is there would pass for nothing; one that samples nearly reach means something.
     assert!(worst.max(back) > 0.5 * bound, "{worst} and {back} against {bound}");
@@ -213,7 +215,7 @@ fn moved(panel: &mut Panel, d: &Vec3) {
             c[k] += c[3] * d[k];
         }
     }
-    for c in panel.loops().iter_mut().flatten().flat_map(|r| &mut r.edge.control) {
+    for c in panel.loops_mut().iter_mut().flatten().flat_map(|r| &mut r.edge.control) {
         for k in 0..3 {
             c[k] += d[k];
         }
@@ -276,12 +278,12 @@ fn numbers_rounded_for_export_are_part_of_the_bound() {
 
 #[test]
 fn too_few_panels_end_uncertified_with_witness_and_panels() {
-    let o = run(TORUS, &Options { max_panels: Some(1), ..options(TOLERANCE) }).expect("an outcome");
+    let o = run(TORUS, &Options { max_panels: Some(1), ..options(TOLERANCE) }).expect("an answer");
     assert_eq!(o.status(), Status::Uncertified, "one panel cannot be certified");
     let reason = words::reason(&o.claims, &[]);
     assert!(!reason.is_empty());
     assert_eq!((o.patchwork.panels.len(), o.patterns.len()), (1, 1));
-    let (uv, d) = o.certificate.panels[0].witness.expect("a witness");
+    let (uv, d) = o.certificate.as_ref().expect("a certificate").panels[0].witness.expect("a witness");
     assert!(d.abs() > TOLERANCE, "{d}");
     // The witness is a place where the panel is indeed too far away.
     let x = o.patchwork.faces[0].surface.point(uv[0], uv[1]);
@@ -293,12 +295,15 @@ fn cancelled_work_answers_with_what_it_has() {
     let control = Control::default();
     control.cancel();
     let model = read(TORUS).expect("a model");
-    let o = approximate(model.faces, model.skipped, &options(0.5), &control).expect("an outcome");
+    let o = of_faces(model.faces, model.skipped, &options(0.5), &control).expect("an answer");
     let reason = words::reason(&o.claims, &[]);
     assert!(reason.contains("ended early"), "{reason}");
     // A cover of the whole face with a bound that holds, far from what was asked for, and nothing of it to be cut.
-    let bound = o.certificate.deviation_bound;
-    assert!(o.certificate.covered && bound > 0.5 && bound < 0.07 * 850.0 * 2.0, "{bound}");
+    let bound = o.certificate.as_ref().expect("a certificate").deviation_bound;
+    assert!(
+        o.certificate.as_ref().expect("a certificate").covered && bound > 0.5 && bound < 0.07 * 850.0 * 2.0,
+        "{bound}"
+    );
     assert!(Marks::of(&o).panels.iter().all(|m| *m));
     let face = &o.patchwork.faces[0].surface;
     assert!(face_to_panels(face, &o.patchwork.panels) <= bound);
@@ -310,8 +315,13 @@ fn limited_time_gives_a_whole_cover_with_its_bound() {
     let model = read(TORUS).expect("a model");
     let limit = std::time::Instant::now() + std::time::Duration::from_millis(300);
     let control = Control::default().until(limit);
-    let o = approximate(model.faces, model.skipped, &options(0.02), &control).expect("an outcome");
-    assert!(o.certificate.covered && o.certificate.deviation_bound.is_finite(), "{:?}", o.certificate.missing);
+    let o = of_faces(model.faces, model.skipped, &options(0.02), &control).expect("an answer");
+    assert!(
+        o.certificate.as_ref().expect("a certificate").covered
+            && o.certificate.as_ref().expect("a certificate").deviation_bound.is_finite(),
+        "{:?}",
+        o.certificate.as_ref().expect("a certificate").missing
+    );
     assert!(o.status() != Status::Certified && Marks::of(&o).any());
 }
 
@@ -364,7 +374,7 @@ fn strips_follow_a_direction_and_a_guide() {
     let guides = [(Guide::Direction(Vec3::z()), true), (Guide::Curve(circle), false)];
     for (guide, meridians) in guides {
         let layout = Layout { guide: Some(guide), ..Layout::default() };
-        let o = run(TORUS, &Options { layout, ..options(TOLERANCE) }).expect("an outcome");
+        let o = run(TORUS, &Options { layout, ..options(TOLERANCE) }).expect("an answer");
         assert_eq!(o.status(), Status::Certified);
         let seams = o.patchwork.seams();
         assert!(!seams.is_empty());
@@ -384,7 +394,7 @@ fn seams_that_are_asked_for_are_kept() {
     let plane = SeamPlane { normal: Vec3::x(), offset: 500.0 };
     let layout = Layout { seams: vec![plane], ..Layout::default() };
     for (meet, tolerance) in [(false, TOLERANCE), (true, 4.0 * TOLERANCE)] {
-        let o = run(TORUS, &Options { layout: layout.clone(), meet, ..options(tolerance) }).expect("an outcome");
+        let o = run(TORUS, &Options { layout: layout.clone(), meet, ..options(tolerance) }).expect("an answer");
         assert_eq!(o.status(), Status::Certified);
         for panel in &o.patchwork.panels {
             let heights =
@@ -406,7 +416,7 @@ fn seams_that_are_asked_for_are_kept() {
 #[test]
 fn rings_run_around_the_middle() {
     let layout = Layout { kind: LayoutKind::Rings, ..Layout::default() };
-    let o = run(TORUS, &Options { layout, ..options(TOLERANCE) }).expect("an outcome");
+    let o = run(TORUS, &Options { layout, ..options(TOLERANCE) }).expect("an answer");
     assert_eq!(o.status(), Status::Certified);
     // The middle of the piece, on its outer equator.
     let middle = Vec3::new(850.0 * 0.5f64.sqrt(), 850.0 * 0.5f64.sqrt(), 0.0);
@@ -420,14 +430,14 @@ fn rings_run_around_the_middle() {
 }
 
 /// The piece of a torus with panels along one curve.
-fn along(shape: CurveShape, tolerance: f64) -> Result<Outcome, ApproximateError> {
+fn along(shape: CurveShape, tolerance: f64) -> Result<Answer, ApproximateError> {
     let curves = vec![PanelCurve { name: "the curve".into(), shape }];
     run(TORUS, &Options { layout: Layout { curves, ..Layout::default() }, ..options(tolerance) })
 }
 
 #[test]
 fn panels_along_a_curve_go_on_until_the_face_is_covered() {
-    let o = along(CurveShape::AlongU(0.5), TOLERANCE).expect("an outcome");
+    let o = along(CurveShape::AlongU(0.5), TOLERANCE).expect("an answer");
     assert_eq!(o.status(), Status::Certified);
     // Envelopes of tangent planes need about √2 times as many panels as best fits, which are two here.
     assert!(o.patchwork.panels.len() <= 3, "{}", o.patchwork.panels.len());
@@ -438,7 +448,7 @@ fn panels_along_a_curve_go_on_until_the_face_is_covered() {
 
 #[test]
 fn a_section_gives_a_panel_and_the_rest_follows() {
-    let o = along(CurveShape::Section { normal: Vec3::x(), offset: 400.0 }, TOLERANCE).expect("an outcome");
+    let o = along(CurveShape::Section { normal: Vec3::x(), offset: 400.0 }, TOLERANCE).expect("an answer");
     assert_eq!(o.status(), Status::Certified);
     assert!(o.along.iter().any(|a| a.step == 0) && o.along.iter().any(|a| a.step > 0));
 }
@@ -468,7 +478,7 @@ fn impossible_tolerances_are_refused() {
     assert!(matches!(e, ApproximateError::Precision { least, .. } if least > 1e-12), "{e}");
     let e = run(TORUS, &Options { max_panels: Some(0), ..options(1.0) }).expect_err("refused");
     assert_eq!(e, ApproximateError::MaxPanels);
-    let e = approximate(Vec::new(), Vec::new(), &options(1.0), &Control::default()).expect_err("refused");
+    let e = of_faces(Vec::new(), Vec::new(), &options(1.0), &Control::default()).expect_err("refused");
     assert!(matches!(e, ApproximateError::NoFaces(_)), "{e}");
 }
 
@@ -517,7 +527,7 @@ fn written_panels_are_read_back_face_by_face() {
 
 #[test]
 fn a_cone_with_holes_is_one_panel() {
-    let o = run(CONE, &options(1.0)).expect("an outcome");
+    let o = run(CONE, &options(1.0)).expect("an answer");
     assert_eq!(o.status(), Status::Certified);
     assert_eq!(o.patchwork.panels.len(), 1);
     assert!(o.patchwork.panels[0].loops().len() >= 2, "holes are kept");
@@ -537,8 +547,8 @@ fn bands_run_over_waves_as_far_as_the_face_goes() {
     let points: Vec<Vec3> =
         greville(&ku).iter().flat_map(|&x| along.iter().map(move |&y| Vec3::new(x, y, height(x, y)))).collect();
     let face = Face::untrimmed(Surface::new(ku, kv, &points, None).expect("a surface"));
-    let outcome = approximate(vec![face], Vec::new(), &options(0.5), &Control::default()).expect("an outcome");
-    assert_eq!(outcome.status(), Status::Certified);
+    let answer = of_faces(vec![face], Vec::new(), &options(0.5), &Control::default()).expect("an answer");
+    assert_eq!(answer.status(), Status::Certified);
     // 300 √(1/1000) / (4 √0.5) = 3.4.
-    assert!(outcome.patchwork.panels.len() <= 4, "{}", outcome.patchwork.panels.len());
+    assert!(answer.patchwork.panels.len() <= 4, "{}", answer.patchwork.panels.len());
 }

@@ -78,7 +78,7 @@ fn ruled_patches_are_approximated_and_certified() {
 #[test]
 fn exact_faces_are_written_and_read_back() {
     use torse::brep::face::SurfaceKind;
-    use torse::io::cones::exact;
+    use torse::io::bundle::exact;
     use torse::torse::cone::part::ConeBody;
     use torse::torse::cone::spline::ConeSpline;
     let fit = cones(&helix(), &ConeFitOptions::new(1e-2)).expect("fit");
@@ -87,6 +87,7 @@ fn exact_faces_are_written_and_read_back() {
     assert!(circular.segments.iter().all(|s| s.fault().is_none()));
     for spline in [fit.spline, circular] {
         let (_, bytes) = exact(
+            "cones.step",
             "helix",
             &[ConeBody { name: "A".into(), spline: spline.clone(), part: None }],
             false,

@@ -2,42 +2,38 @@
 
 use std::sync::OnceLock;
 
-use torse::answer::outcome::Outcome;
+use torse::answer::Answer;
 use torse::certify::claim::Status;
+use torse::certify::Certificate;
 use torse::certify::SeamStatus;
 use torse::control::Control;
 use torse::geom::Vec3;
 use torse::io::step::read::read;
 use torse::io::step::write::{panels, Header};
 use torse::patchwork::panel::Border;
-use torse::pipeline::approximate::{approximate, Options};
+use torse::pipeline::approximate::{of_faces, Options};
 use torse::search::cover::{Layout, Limits};
 
 const TORUS: &[u8] = include_bytes!("../../../data/torus_piece.step");
 const TOLERANCE: f64 = 2.0;
 
-fn run(meet: bool) -> Outcome {
+fn run(meet: bool) -> Answer {
     let model = read(TORUS).expect("a model");
-    let options = Options {
-        tolerance: TOLERANCE,
-        max_panels: None,
-        input: "torus".into(),
-        limits: Limits::default(),
-        layout: Layout::default(),
-        meet,
-        smooth_angle: 0.0,
-        drawn: torse::develop::view::Drawn::default(),
-    };
-    approximate(model.faces, model.skipped, &options, &Control::default()).expect("an outcome")
+    let options = Options { meet, smooth_angle: 0.0, ..Options::new(TOLERANCE) };
+    of_faces(model.faces, model.skipped, &options, &Control::default()).expect("an answer")
 }
 
-fn met() -> &'static Outcome {
-    static DONE: OnceLock<Outcome> = OnceLock::new();
+fn proof(answer: &Answer) -> &Certificate {
+    answer.certificate.as_ref().expect("a certificate")
+}
+
+fn met() -> &'static Answer {
+    static DONE: OnceLock<Answer> = OnceLock::new();
     DONE.get_or_init(|| run(true))
 }
 
-fn alone() -> &'static Outcome {
-    static DONE: OnceLock<Outcome> = OnceLock::new();
+fn alone() -> &'static Answer {
+    static DONE: OnceLock<Answer> = OnceLock::new();
     DONE.get_or_init(|| run(false))
 }
 
@@ -47,10 +43,10 @@ fn strips_that_meet_are_certified_and_as_many_as_before() {
     assert_eq!(met.status(), Status::Certified);
     assert_eq!(met.patchwork.panels.len(), alone.patchwork.panels.len());
     assert!(met.patchwork.panels.len() >= 4);
-    assert_eq!(met.certificate.seams.len(), met.patchwork.panels.len() - 1);
-    assert!(met.certificate.seams.iter().all(|s| s.status == SeamStatus::Exact), "{:?}", met.certificate.seams);
-    assert!(alone.certificate.seams.iter().all(|s| s.status != SeamStatus::Exact));
-    assert!(met.certificate.seam_gap_bound < 0.01 * TOLERANCE && alone.certificate.seam_gap_bound > 0.02 * TOLERANCE);
+    assert_eq!(proof(met).seams.len(), met.patchwork.panels.len() - 1);
+    assert!(proof(met).seams.iter().all(|s| s.status == SeamStatus::Exact), "{:?}", proof(met).seams);
+    assert!(proof(alone).seams.iter().all(|s| s.status != SeamStatus::Exact));
+    assert!(proof(met).seam_gap_bound < 0.01 * TOLERANCE && proof(alone).seam_gap_bound > 0.02 * TOLERANCE);
 }
 
 /// No point of a seam is farther apart than its bound, which exceeds the greatest distance by little.
@@ -59,8 +55,8 @@ fn bounds_of_gaps_hold_at_every_place_and_are_close() {
     // The share of the tolerance to which gaps are enclosed, and as much again for the places between samples.
     const SLACK: f64 = 2e-3;
     let seams = alone().patchwork.seams();
-    assert_eq!(seams.len(), alone().certificate.seams.len());
-    for (seam, proof) in seams.iter().zip(&alone().certificate.seams) {
+    assert_eq!(seams.len(), proof(alone()).seams.len());
+    for (seam, proof) in seams.iter().zip(&proof(alone()).seams) {
         assert_eq!(proof.panels, seam.sides.map(|s| s.panel));
         let bound = proof.gap_bound;
         let [a, b] = seam.sides;
@@ -79,7 +75,7 @@ fn bounds_of_gaps_hold_at_every_place_and_are_close() {
 /// The kink of a seam is about `κ ω`, with ω the length of the rulings between the middles of both strips.
 #[test]
 fn seams_are_creases_with_the_angle_of_theory() {
-    for s in &met().certificate.seams {
+    for s in &proof(met()).seams {
         let (least, most) = s.kink_range_estimate;
         assert!(least > 0.2 && most < 0.5, "{least} {most}");
     }

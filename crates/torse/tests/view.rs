@@ -1,7 +1,6 @@
 //! From which side patterns are seen and which way their lines bend: the same whichever way a face or a strip was drawn.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
-use torse::answer::sheets::FlatPart;
 use torse::brep::face::{Face, TrimLoop};
 use torse::brep::support_surface::Carrier;
 use torse::control::Control;
@@ -9,8 +8,9 @@ use torse::develop::bends::BendSpacing;
 use torse::develop::strip::StripOptions;
 use torse::develop::view::Drawn;
 use torse::geom::{Frame, Vec3};
+use torse::patchwork::part::Part;
 use torse::patchwork::pattern::{BendSense, Pattern, ViewSide};
-use torse::pipeline::approximate::{approximate, Options};
+use torse::pipeline::approximate::{of_faces, Options};
 use torse::search::cover::{Layout, Limits};
 use torse::search::strips::cut::cut;
 use torse::spline::curve::Curve;
@@ -33,7 +33,7 @@ fn patterns(faces: Vec<Face>, drawn: Drawn) -> Vec<Pattern> {
         smooth_angle: 0.0,
         drawn,
     };
-    approximate(faces, Vec::new(), &options, &Control::default()).expect("an answer").patterns
+    of_faces(faces, Vec::new(), &options, &Control::default()).expect("an answer").patterns
 }
 
 /// A triangle with three different sides on a quarter of a cylinder.
@@ -148,7 +148,7 @@ fn strips_look_the_same_whichever_rail_comes_first() {
     let mut seen = Vec::new();
     for (a, b) in [(&low, &high), (&high, &low), (&low.reversed(), &high.reversed())] {
         let strip = Strip::between("s", PanelKind::Cylinder, a, b).expect("a strip");
-        let whole = FlatPart { name: "s".into(), first: 0, count: 1, missing: String::new() };
+        let whole = Part { name: "s".into(), first: 0, count: 1, missing: String::new() };
         seen.extend(cut(&[strip], &[whole], &StripOptions::new(0.01)).1);
     }
     assert_eq!(seen.len(), 3);

@@ -1,8 +1,8 @@
 //! Flat patterns and written files are judged: what is as it should be is proven, what is off by little is seen.
 
 use std::sync::OnceLock;
-use torse::answer::outcome::Outcome;
 use torse::answer::presentation::present;
+use torse::answer::Answer;
 use torse::certify;
 use torse::certify::claim::Status;
 use torse::certify::flat::flat;
@@ -11,43 +11,34 @@ use torse::geom::Vec2;
 use torse::io::bundle::{self, File};
 use torse::io::step::read::read;
 use torse::io::words;
-use torse::pipeline::approximate::{approximate, Options};
+use torse::pipeline::approximate::{of_faces, Options};
 use torse::pipeline::deliver;
 use torse::search::cover::{Layout, Limits};
 
 const TOLERANCE: f64 = 10.0;
 
-fn outcome() -> &'static Outcome {
-    static OUTCOME: OnceLock<Outcome> = OnceLock::new();
-    OUTCOME.get_or_init(|| run(include_bytes!("../../../data/torus_piece.step"), TOLERANCE, false))
+fn answer() -> &'static Answer {
+    static ANSWER: OnceLock<Answer> = OnceLock::new();
+    ANSWER.get_or_init(|| run(include_bytes!("../../../data/torus_piece.step"), TOLERANCE, false))
 }
 
-fn run(bytes: &[u8], tolerance: f64, meet: bool) -> Outcome {
+fn run(bytes: &[u8], tolerance: f64, meet: bool) -> Answer {
     let model = read(bytes).expect("a model");
-    let options = Options {
-        tolerance,
-        max_panels: None,
-        input: "test".into(),
-        limits: Limits::default(),
-        layout: Layout::default(),
-        meet,
-        smooth_angle: 0.0,
-        drawn: Default::default(),
-    };
-    approximate(model.faces, Vec::new(), &options, &Control::default()).expect("an outcome")
+    let options = Options { meet, smooth_angle: 0.0, ..Options::new(tolerance) };
+    of_faces(model.faces, Vec::new(), &options, &Control::default()).expect("an answer")
 }
 
 fn files() -> &'static Vec<File> {
     static FILES: OnceLock<Vec<File>> = OnceLock::new();
     FILES.get_or_init(|| {
-        let o = outcome();
+        let o = answer();
         bundle::geometry(o, &present(o), "2026-01-01T00:00:00").expect("files")
     })
 }
 
 #[test]
 fn patterns_of_a_certified_result_are_proven_closely() {
-    let o = outcome();
+    let o = answer();
     assert_eq!(o.status(), Status::Certified);
     for (f, p) in o.flat.iter().zip(&o.patterns) {
         assert!(f.holds(), "{}", f.reason());
@@ -59,7 +50,7 @@ fn patterns_of_a_certified_result_are_proven_closely() {
 
 #[test]
 fn a_pattern_changed_by_more_than_its_bound_is_seen() {
-    let o = outcome();
+    let o = answer();
     let judged = |change: &dyn Fn(&mut torse::patchwork::pattern::Pattern)| {
         let mut patterns = o.patterns.clone();
         change(&mut patterns[0]);
@@ -81,7 +72,7 @@ fn a_pattern_changed_by_more_than_its_bound_is_seen() {
 
 #[test]
 fn edges_in_space_are_part_of_the_proof() {
-    let o = outcome();
+    let o = answer();
     let proof = |by: f64| {
         let mut p = o.patchwork.clone();
         let k = p.panels[0].loops()[0][0].edge.control.len() / 2;
@@ -97,7 +88,7 @@ fn edges_in_space_are_part_of_the_proof() {
 
 #[test]
 fn files_that_hold_what_was_judged_keep_the_certificate() {
-    let mut o = outcome().clone();
+    let mut o = answer().clone();
     deliver::judge(&mut o, files());
     assert_eq!(o.status(), Status::Certified);
     let names: Vec<&str> = o.written.iter().map(|w| w.0.as_str()).collect();
@@ -158,7 +149,7 @@ fn any_other_file_loses_it_and_is_named() {
         ("patterns.svg", "class=\"marks\"", "d=\"M", "d=\"M9"),
         ("patterns.svg", "<svg", "mm\"", "in\""),
     ] {
-        let mut o = outcome().clone();
+        let mut o = answer().clone();
         deliver::judge(&mut o, &tampered(file, after, from, to));
         assert_eq!(o.status(), Status::Uncertified, "{file}: {from} became {to} unseen");
         let reason = words::reason(&o.claims, &[]);
@@ -167,7 +158,7 @@ fn any_other_file_loses_it_and_is_named() {
 }
 
 /// A fan, a plane and a cylinder: strips between a straight edge and an arc that begins at it.
-fn lofted() -> torse::answer::sheets::Sheets {
+fn lofted() -> Answer {
     use torse::io::curves::{read as curve, CurveOptions};
     use torse::pipeline::loft::{loft, Options};
     let rail = |name: &str, bytes: &[u8]| {
@@ -181,24 +172,23 @@ fn lofted() -> torse::answer::sheets::Sheets {
 
 #[test]
 fn strips_are_read_back_too() {
-    use torse::answer::presentation::present_sheets;
-    let sheets = lofted();
-    assert_eq!(sheets.status(), Status::Certified, "{}", words::reason(&sheets.claims, &[]));
-    let all = torse::io::sheets::geometry(&sheets, &present_sheets(&sheets), "2026-01-01T00:00:00").expect("files");
+    let answer = lofted();
+    assert_eq!(answer.status(), Status::Certified, "{}", words::reason(&answer.claims, &[]));
+    let all = torse::io::bundle::geometry(&answer, &present(&answer), "2026-01-01T00:00:00").expect("files");
     let judged = |files: &[File]| {
-        let mut s = sheets.clone();
-        deliver::judge_strips(&mut s, files);
+        let mut s = answer.clone();
+        deliver::judge(&mut s, files);
         (s.status(), words::reason(&s.claims, &[]))
     };
     assert_eq!(judged(&all), (Status::Certified, String::new()));
     for (file, after, from, to) in [
         // A vertex, a plane's normal, weights of a cone, its name, the unit, an edge of a loop.
-        ("strips.step", "DATA", "CARTESIAN_POINT('',(-300.", "CARTESIAN_POINT('',(-301."),
-        ("strips.step", "VERTEX_POINT", "DIRECTION('',(0.,-0.99", "DIRECTION('',(0.,-0.89"),
-        ("strips.step", "RATIONAL_B_SPLINE_SURFACE", "(1.,", "(2.,"),
-        ("strips.step", "DATA", "ADVANCED_FACE('", "ADVANCED_FACE('X"),
-        ("strips.step", "DATA", ".MILLI.", ".CENTI."),
-        ("strips.step", "DATA", "ORIENTED_EDGE('',*,*,#", "ORIENTED_EDGE('',*,*,#1"),
+        ("panels.step", "DATA", "CARTESIAN_POINT('',(-300.", "CARTESIAN_POINT('',(-301."),
+        ("panels.step", "VERTEX_POINT", "DIRECTION('',(0.,-0.99", "DIRECTION('',(0.,-0.89"),
+        ("panels.step", "RATIONAL_B_SPLINE_SURFACE", "(1.,", "(2.,"),
+        ("panels.step", "DATA", "ADVANCED_FACE('", "ADVANCED_FACE('X"),
+        ("panels.step", "DATA", ".MILLI.", ".CENTI."),
+        ("panels.step", "DATA", "ORIENTED_EDGE('',*,*,#", "ORIENTED_EDGE('',*,*,#1"),
         ("patterns.dxf", "CUT_OUTER\n100\nAcDbPolyline", " 10\n", " 10\n9"),
         ("patterns.svg", "class=\"cut-outer\"", "d=\"M", "d=\"M9"),
     ] {

@@ -21,7 +21,7 @@ const REPORT_SCHEMAS: [&str; 2] = ["torse-report/", "torse-strips/"];
 const SAME_TIME: Duration = Duration::from_secs(2);
 
 /// Every name that a result's file can have; files of cones made beside panels have `cones-` before it.
-const RESULT_NAMES: [&str; 22] = [
+const RESULT_NAMES: [&str; 23] = [
     MANIFEST,
     REPORT,
     "report.html",
@@ -31,6 +31,7 @@ const RESULT_NAMES: [&str; 22] = [
     "thickness.step",
     "patterns.dxf",
     "patterns.svg",
+    "bends.csv",
     "model.glb",
     "thickness.glb",
     "bending.glb",

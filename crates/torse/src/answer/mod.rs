@@ -1,7 +1,209 @@
-//! Floor 8: what a job answers with: the nouns that files and reports are made from.
+//! Floor 8: what a job answers with: the one record that files, reports and pictures are made from.
 
 pub mod marks;
-pub mod outcome;
 pub mod presentation;
 pub mod shapes;
-pub mod sheets;
+pub mod skipped;
+pub mod sweep;
+
+use crate::certify::claim::{Claim, Status, Subject, What};
+use crate::certify::flat::FlatCertificate;
+use crate::certify::written::WrittenCertificate;
+use crate::certify::Certificate;
+use crate::draw::field::{FieldMeaning, PanelField};
+use crate::geom::Vec3;
+use crate::patchwork::panel::Patchwork;
+use crate::patchwork::part::Part;
+use crate::patchwork::pattern::Pattern;
+use crate::search::build::AlongCurve;
+use crate::torse::cone::part::ConeBody;
+use crate::torse::strip::Strip;
+use skipped::Skipped;
+
+/// Which job answered.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Job {
+    /// Panels over faces.
+    Approximate,
+    /// Developable faces as cones, cylinders and planes.
+    Cones,
+    /// Strips near measured points, rulings or planes.
+    Fit,
+    /// Developables of the convex hull of curves.
+    Hull,
+    /// The developable between two curves.
+    Loft,
+    /// The developable through one curve.
+    Net,
+    /// Plane quadrilaterals.
+    Planarise,
+}
+
+impl Job {
+    /// Lower-case name, that of the command.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Approximate => "approximate",
+            Self::Cones => "cones",
+            Self::Fit => "fit",
+            Self::Hull => "hull",
+            Self::Loft => "loft",
+            Self::Net => "net",
+            Self::Planarise => "planarise",
+        }
+    }
+}
+
+/// A curve to be seen with the panels: a rail, a given line.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Guide {
+    /// Name.
+    pub name: String,
+    /// Points along it, mm.
+    pub points: Vec<Vec3>,
+}
+
+/// Measured points with a value each, for a map of all of them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PointMap {
+    /// Places, mm.
+    pub places: Vec<Vec3>,
+    /// Values, in the unit of the colours; one per place.
+    pub values: Vec<f64>,
+    /// Index of the point that is farthest from the panels.
+    pub worst: Option<usize>,
+}
+
+/// Chains of cones, cylinders and planes whose patches the panels of an answer are.
+#[derive(Clone, Debug, Default)]
+pub struct Cones {
+    /// The chains, trimmed where faces are, in the order of the parts before cutting.
+    pub bodies: Vec<ConeBody>,
+    /// Body and piece of every panel.
+    pub pieces: Vec<(usize, usize)>,
+}
+
+/// The answer of a job: what was made, what is said of it, and what is missing. Lengths in mm.
+#[derive(Clone, Debug)]
+pub struct Answer {
+    /// The job.
+    pub job: Job,
+    /// Name of the input, without folder.
+    pub input: String,
+    /// Tolerance asked for, mm.
+    pub tolerance: f64,
+    /// What is said of the whole and of single panels; the status is computed from these and from nothing else.
+    pub claims: Vec<Claim>,
+    /// Panels, and the faces that they cover if there are any: then every panel covers a part of one. Neighbours within a
+    /// part follow each other.
+    pub patchwork: Patchwork,
+    /// Proof of panels that cover faces.
+    pub certificate: Option<Certificate>,
+    /// Parts as they are cut, in the order of their panels.
+    pub parts: Vec<Part>,
+    /// Flat patterns, not yet laid out side by side (each near its own origin); `panel` is the index of the part.
+    pub patterns: Vec<Pattern>,
+    /// What was proven about flat patterns, in the same order; empty where lengths were only measured.
+    pub flat: Vec<FlatCertificate>,
+    /// Files that were read back, by name, and whether they hold what was judged; empty before anything is written.
+    pub written: Vec<(String, WrittenCertificate)>,
+    /// Exact surfaces for CAD in place of the panels' patches.
+    pub cones: Option<Cones>,
+    /// Values for colours, one set per panel; empty if there are none, or if panels show their distance from faces.
+    pub fields: Vec<PanelField>,
+    /// What the colours mean.
+    pub meaning: FieldMeaning,
+    /// Measured points; none for jobs that have no points.
+    pub points: PointMap,
+    /// Rails and other given curves.
+    pub guides: Vec<Guide>,
+    /// Panels that were laid along curves, in order of the panels.
+    pub along: Vec<AlongCurve>,
+    /// Panels that do not keep the limits of sheet and material, in order.
+    pub beyond_limits: Vec<usize>,
+    /// Items of the input that could not be used.
+    pub skipped: Vec<Skipped>,
+    /// What people should know of the input and the job, in plain sentences.
+    pub notes: Vec<String>,
+    /// Wall time of reading, fitting and proving, seconds.
+    pub seconds: f64,
+}
+
+impl Answer {
+    /// An answer that holds nothing yet. `input` names the input without folder, `tolerance` is in mm.
+    pub fn new(job: Job, input: &str, tolerance: f64) -> Self {
+        Self {
+            job,
+            input: input.into(),
+            tolerance,
+            claims: Vec::new(),
+            patchwork: Patchwork::default(),
+            certificate: None,
+            parts: Vec::new(),
+            patterns: Vec::new(),
+            flat: Vec::new(),
+            written: Vec::new(),
+            cones: None,
+            fields: Vec::new(),
+            meaning: FieldMeaning::default(),
+            points: PointMap::default(),
+            guides: Vec::new(),
+            along: Vec::new(),
+            beyond_limits: Vec::new(),
+            skipped: Vec::new(),
+            notes: Vec::new(),
+            seconds: 0.0,
+        }
+    }
+
+    /// How the job ended.
+    pub fn status(&self) -> Status {
+        Status::of(&self.claims)
+    }
+
+    /// What is said of the whole or of a panel, without objections.
+    pub fn claims_of(&self, subject: Subject) -> impl Iterator<Item = &Claim> {
+        self.claims
+            .iter()
+            .filter(move |c| c.subject() == subject && !matches!(c.what(), What::Objection | What::LeftOut))
+    }
+
+    /// The claim about something of the whole, if there is one.
+    pub fn claim(&self, what: What) -> Option<&Claim> {
+        self.claims_of(Subject::Whole).find(|c| c.what() == what)
+    }
+
+    /// The patches of all panels, with names and kinds.
+    pub fn strips(&self) -> impl Iterator<Item = &Strip> {
+        self.patchwork.panels.iter().map(|p| &p.strip)
+    }
+
+    /// The part that a panel belongs to, by its index.
+    pub fn part_of(&self, panel: usize) -> Option<usize> {
+        self.parts.iter().position(|p| (p.first..p.first + p.count).contains(&panel))
+    }
+
+    /// The flat pattern of a part.
+    pub fn pattern_of(&self, part: usize) -> Option<&Pattern> {
+        self.patterns.iter().find(|p| p.panel == part)
+    }
+
+    /// What was proven of the flat pattern of a part.
+    pub fn flat_of(&self, part: usize) -> Option<&FlatCertificate> {
+        self.flat.iter().find(|f| f.panel() == part)
+    }
+
+    /// Whether the panels cover faces.
+    pub fn covers_faces(&self) -> bool {
+        !self.patchwork.faces.is_empty()
+    }
+
+    /// End of the colour scale.
+    pub fn colour_limit(&self) -> f64 {
+        if self.meaning.limit > 0.0 {
+            self.meaning.limit
+        } else {
+            self.tolerance
+        }
+    }
+}

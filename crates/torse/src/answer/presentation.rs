@@ -1,18 +1,19 @@
-//! What people look at and cutters follow: scene, view and drawing of an outcome.
+//! What people look at and cutters follow: scene, view and drawing of an answer.
 
 use super::marks::Marks;
-use super::outcome::Outcome;
 use super::shapes::{shapes, Shape};
-use super::sheets::Sheets;
+use super::Answer;
 use crate::develop::layout::layout;
 use crate::draw::drawing::{drawing, Drawing};
 use crate::draw::flat::{self, FlatPiece};
 use crate::draw::picture;
 use crate::draw::scene::{PanelShape, Scene, ShapePatch};
 use crate::geom::{Vec2, Vec3};
+use crate::patchwork::panel::Panel;
 use crate::patchwork::pattern::Pattern;
 use crate::tessellate::panel::{border_lines, panel_mesh, ruling_lines, surface_mesh};
 use crate::tessellate::strip;
+use crate::torse::cone::part::{ConePart, PartFace};
 use rayon::prelude::*;
 
 /// Everything drawn, in mm.
@@ -28,7 +29,7 @@ pub struct Presentation {
     pub drawing: Drawing,
     /// The same patterns as polygons, for pictures.
     pub pieces: Vec<FlatPiece>,
-    /// Planes, cylinders, cones and tangent surfaces of which strips consist; empty for jobs without strips.
+    /// Planes, cylinders, cones and tangent surfaces of which whole strips consist; empty where panels cover faces.
     pub shapes: Vec<Shape>,
     /// Their triangles, to be coloured by kind.
     pub shape_patches: Vec<ShapePatch>,
@@ -41,41 +42,80 @@ const BORDER_POINTS: usize = 6;
 /// Chord error of the pictures' outlines, as a share of the tolerance.
 const PICTURE_CHORD: f64 = 0.2;
 
-/// Prepares an outcome for the writers.
-pub fn present(outcome: &Outcome) -> Presentation {
-    present_marked(outcome, Marks::of(outcome))
+/// Prepares an answer for the writers.
+pub fn present(answer: &Answer) -> Presentation {
+    present_marked(answer, Marks::of(answer))
 }
 
-/// Prepares an outcome for the writers with given marks.
-pub fn present_marked(outcome: &Outcome, marks: Marks) -> Presentation {
-    let patchwork = &outcome.patchwork;
+/// Prepares an answer for the writers with given marks.
+pub fn present_marked(answer: &Answer, marks: Marks) -> Presentation {
+    let patchwork = &answer.patchwork;
     let surfaces = (0..patchwork.faces.len()).into_par_iter().map(|f| surface_mesh(patchwork, f)).collect();
     let mut scene = Scene { surfaces, ..Scene::default() };
+    let panels = patchwork.panels.par_iter().enumerate();
+    scene.panels = panels.map(|(k, panel)| shape(answer, k, panel, marks.panels[k])).collect();
+    scene.guides = answer.guides.iter().map(|g| g.points.clone()).collect();
     let spacing = scene.bbox().diagonal() / RULINGS;
-    scene.panels = (0..patchwork.panels.len())
-        .into_par_iter()
-        .map(|k| {
-            let panel = &patchwork.panels[k];
-            PanelShape {
-                name: panel.strip.name.clone(),
-                mesh: panel_mesh(patchwork, k),
-                rulings: ruling_lines(panel, spacing),
-                borders: border_lines(panel, BORDER_POINTS),
-                marked: marks.panels[k],
-            }
-        })
-        .collect();
-    let placements = layout(&outcome.patterns);
+    for (k, (shown, panel)) in scene.panels.iter_mut().zip(&patchwork.panels).enumerate() {
+        if trimmed_cone(answer, k).is_none() {
+            shown.rulings = match panel.trim {
+                Some(_) => ruling_lines(panel, spacing),
+                None => strip::ruling_lines(&panel.strip, spacing),
+            };
+        }
+    }
+    let shapes = shapes(answer);
+    let placements = layout(&answer.patterns);
     let places: Vec<(f64, Vec2)> = placements.iter().map(|p| (p.angle, p.offset)).collect();
     Presentation {
         direction: picture::direction(&scene),
-        drawing: drawing(&outcome.patterns, &placements, &marks.patterns),
-        pieces: pieces(&outcome.patterns, &places, PICTURE_CHORD * outcome.tolerance, &marks),
-        shapes: Vec::new(),
-        shape_patches: Vec::new(),
+        drawing: drawing(&answer.patterns, &placements, &marks.patterns),
+        pieces: pieces(&answer.patterns, &places, PICTURE_CHORD * answer.tolerance, &marks),
+        shape_patches: shape_patches(answer, &shapes),
+        shapes,
         marks,
         scene,
     }
+}
+
+/// Triangles and borders of a panel.
+fn shape(answer: &Answer, k: usize, panel: &Panel, marked: bool) -> PanelShape {
+    let name = panel.strip.name.clone();
+    let (mesh, borders) = match (trimmed_cone(answer, k), &panel.trim, answer.fields.get(k)) {
+        (Some((part, face)), ..) => (face.mesh.clone(), face.loops.iter().map(|l| part.polyline(l)).collect()),
+        (_, Some(_), _) => (panel_mesh(&answer.patchwork, k), border_lines(panel, BORDER_POINTS)),
+        (.., Some(f)) if f.u.len() > 1 && f.v.len() > 1 => {
+            (strip::mesh(&panel.strip, &f.u, &f.v, &f.values), vec![strip::border_line(&panel.strip)])
+        }
+        _ => {
+            let (u, v) = strip::grid(&panel.strip);
+            (strip::mesh(&panel.strip, &u, &v, &[]), vec![strip::border_line(&panel.strip)])
+        }
+    };
+    PanelShape { name, mesh, rulings: Vec::new(), borders, marked }
+}
+
+/// The piece of a trimmed chain of cones that a panel is the patch of, if it is one.
+fn trimmed_cone(answer: &Answer, panel: usize) -> Option<(&ConePart, &PartFace)> {
+    let cones = answer.cones.as_ref()?;
+    let &(body, piece) = cones.pieces.get(panel)?;
+    let part = cones.bodies.get(body)?.part.as_ref()?;
+    Some((part, part.faces.get(piece)?))
+}
+
+/// Triangles of the shapes of parts, to be coloured by kind.
+fn shape_patches(answer: &Answer, shapes: &[Shape]) -> Vec<ShapePatch> {
+    shapes
+        .iter()
+        .flat_map(|s| s.pieces.iter().map(|p| (s.shape.kind(), p)))
+        .filter_map(|(kind, &(k, from, to))| {
+            let s = &answer.patchwork.panels.get(k)?.strip;
+            let (grid, across) = strip::grid(s);
+            let inner = grid.into_iter().filter(|u| *u > from && *u < to);
+            let u: Vec<f64> = std::iter::once(from).chain(inner).chain([to]).collect();
+            Some(ShapePatch { kind, mesh: strip::mesh(s, &u, &across, &[]) })
+        })
+        .collect()
 }
 
 /// Patterns for pictures, marked.
@@ -85,59 +125,4 @@ fn pieces(patterns: &[Pattern], places: &[(f64, Vec2)], chord: f64, marks: &Mark
         piece.marked = *marked;
     }
     pieces
-}
-
-/// Prepares strips for the writers.
-pub fn present_sheets(sheets: &Sheets) -> Presentation {
-    present_sheets_marked(sheets, Marks::of_sheets(sheets))
-}
-
-/// Prepares strips for the writers with given marks.
-pub fn present_sheets_marked(sheets: &Sheets, marks: Marks) -> Presentation {
-    let mut scene = Scene::default();
-    for (k, s) in sheets.strips.iter().enumerate() {
-        let mesh = match sheets.fields.get(k) {
-            Some(f) if f.u.len() > 1 && f.v.len() > 1 => strip::mesh(s, &f.u, &f.v, &f.values),
-            _ => {
-                let (u, v) = strip::grid(s);
-                strip::mesh(s, &u, &v, &[])
-            }
-        };
-        let borders = vec![strip::border_line(s)];
-        scene.panels.push(PanelShape {
-            name: s.name.clone(),
-            mesh,
-            rulings: Vec::new(),
-            borders,
-            marked: marks.panels[k],
-        });
-    }
-    let spacing = scene.bbox().diagonal() / RULINGS;
-    for (shape, s) in scene.panels.iter_mut().zip(&sheets.strips) {
-        shape.rulings = strip::ruling_lines(s, spacing);
-    }
-    scene.guides = sheets.guides.iter().map(|g| g.points.clone()).collect();
-    let shapes = shapes(sheets);
-    let shape_patches = shapes
-        .iter()
-        .flat_map(|s| s.pieces.iter().map(|p| (s.shape.kind(), p)))
-        .filter_map(|(kind, &(k, from, to))| {
-            let s = sheets.strips.get(k)?;
-            let (grid, across) = strip::grid(s);
-            let inner = grid.into_iter().filter(|u| *u > from && *u < to);
-            let u: Vec<f64> = std::iter::once(from).chain(inner).chain([to]).collect();
-            Some(ShapePatch { kind, mesh: strip::mesh(s, &u, &across, &[]) })
-        })
-        .collect();
-    let placements = layout(&sheets.patterns);
-    let places: Vec<(f64, Vec2)> = placements.iter().map(|p| (p.angle, p.offset)).collect();
-    Presentation {
-        direction: picture::direction(&scene),
-        drawing: drawing(&sheets.patterns, &placements, &marks.patterns),
-        pieces: pieces(&sheets.patterns, &places, PICTURE_CHORD * sheets.tolerance, &marks),
-        shapes,
-        shape_patches,
-        marks,
-        scene,
-    }
 }

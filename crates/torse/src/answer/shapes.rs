@@ -1,6 +1,6 @@
 //! What the strips of a job consist of: planes, cylinders, cones and tangent surfaces along every part.
 
-use super::sheets::Sheets;
+use super::Answer;
 use crate::fit::elements::decompose::{decompose, DecomposeOptions};
 use crate::geom::BBox;
 use crate::torse::form::PanelKind;
@@ -40,17 +40,23 @@ const NOISE: f64 = 1e-6;
 ///
 /// A part that is a chain of plane strips counts as a discrete torse, one plane per strip. Parts with fewer planes than
 /// a shape needs, and those with rulings without tangent plane, are left out.
-pub fn shapes(sheets: &Sheets) -> Vec<Shape> {
+/// Panels that cover faces are left out: they are trimmed.
+pub fn shapes(answer: &Answer) -> Vec<Shape> {
     let mut out = Vec::new();
-    for part in &sheets.parts {
-        let Some(strips) = sheets.strips.get(part.first..part.first.saturating_add(part.count)) else { continue };
-        out.extend(part_shapes(&part.name, part.first, strips, sheets.tolerance).unwrap_or_default());
+    for part in &answer.parts {
+        let range = part.first..part.first.saturating_add(part.count);
+        let Some(panels) = answer.patchwork.panels.get(range) else { continue };
+        if panels.iter().any(|p| p.trim.is_some()) {
+            continue;
+        }
+        let strips: Vec<&Strip> = panels.iter().map(|p| &p.strip).collect();
+        out.extend(part_shapes(&part.name, part.first, &strips, answer.tolerance).unwrap_or_default());
     }
     out
 }
 
 /// The shapes of one part, or `None` if they cannot be told.
-fn part_shapes(name: &str, first: usize, strips: &[Strip], tolerance: f64) -> Option<Vec<Shape>> {
+fn part_shapes(name: &str, first: usize, strips: &[&Strip], tolerance: f64) -> Option<Vec<Shape>> {
     if strips.is_empty() {
         return None;
     }
@@ -131,7 +137,7 @@ mod tests {
             foot + (apex - foot) * (0.5 * r)
         };
         let strips = discrete(cone, 20);
-        let s = part_shapes("A", 3, &strips, 0.001).expect("shapes");
+        let s = part_shapes("A", 3, &strips.iter().collect::<Vec<_>>(), 0.001).expect("shapes");
         assert_eq!(s.len(), 1);
         let RunShape::Cone { apex: found } = s[0].shape else { panic!("{:?}", s[0].shape) };
         assert!((found - apex).norm() < 1e-6 && s[0].residual < 1e-9);
@@ -146,11 +152,11 @@ mod tests {
             let (x, z) = if t < 0.0 { (100.0 * t, 0.0) } else { (100.0 * t.sin(), 100.0 * (1.0 - t.cos())) };
             Vec3::new(x, 80.0 * r, z)
         };
-        let s = part_shapes("A", 0, &discrete(c, 38), 0.001).expect("shapes");
+        let s = part_shapes("A", 0, &discrete(c, 38).iter().collect::<Vec<_>>(), 0.001).expect("shapes");
         let names: Vec<&str> = s.iter().map(|s| s.shape.name()).collect();
         assert_eq!(names, ["plane", "cylinder"]);
         assert!(s[0].pieces.len() == 20 && s[1].pieces[0].0 == 20);
         assert!(part_shapes("A", 0, &[], 0.1).is_none());
-        assert!(part_shapes("A", 0, &discrete(c, 3), 0.1).is_none());
+        assert!(part_shapes("A", 0, &discrete(c, 3).iter().collect::<Vec<_>>(), 0.1).is_none());
     }
 }

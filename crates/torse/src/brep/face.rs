@@ -29,6 +29,23 @@ pub enum SurfaceKind {
     Spline,
 }
 
+impl SurfaceKind {
+    /// Lower-case name used in reports and files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Plane => "plane",
+            Self::Cylinder => "cylinder",
+            Self::Cone => "cone",
+            Self::Sphere => "sphere",
+            Self::Torus => "torus",
+            Self::Extrusion => "extrusion",
+            Self::Revolution => "revolution",
+            Self::Offset => "offset",
+            Self::Spline => "spline",
+        }
+    }
+}
+
 /// A face: a surface in B-spline form and a trimmed region of its parameter plane.
 ///
 /// Whatever the file's representation was, `surface` is an exact (rational) B-spline of it in millimetres, in the

@@ -15,7 +15,7 @@ use crate::torse::strip::Strip;
 
 /// Compares the faces of a STEP file with the strips that were judged. The bound is that of the distance of surfaces,
 /// edges and vertices from the strips.
-pub fn strips(strips: &[Strip], faces: &[WrittenStrip]) -> WrittenCertificate {
+pub fn strips(strips: &[&Strip], faces: &[WrittenStrip]) -> WrittenCertificate {
     if faces.len() != strips.len() {
         return WrittenCertificate::of(Err(format!("{} faces for {} strips", faces.len(), strips.len())));
     }

@@ -249,7 +249,7 @@ pub fn cut_back(pattern: &Pattern, outline: &ScanOutline) -> Pattern {
         sides: Vec::new(),
         area,
         area_in_space: pattern.area_in_space * area / pattern.area.max(f64::MIN_POSITIVE),
-        contour_error: 0.0,
+        contour_error: f64::NAN,
         width,
         length,
         ..pattern.clone()

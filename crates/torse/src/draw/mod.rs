@@ -5,6 +5,7 @@ pub mod chart;
 pub mod colour;
 pub mod dots;
 pub mod drawing;
+pub mod field;
 pub mod flat;
 pub mod label;
 pub mod picture;

@@ -1,6 +1,6 @@
 //! Bend tables: which way, how far and with what radius the sheet bends about every line that is drawn.
 
-use super::html::escape;
+use super::markup::escape;
 use crate::draw::flat::FlatPiece;
 use crate::patchwork::pattern::{Bend, BendSense, Pattern};
 use serde::{Deserialize, Serialize};

@@ -1,15 +1,19 @@
-//! All files of an outcome, in memory: nothing reaches a disk before everything is made.
+//! All files of an answer, in memory: nothing reaches a disk before everything is made.
 
+use super::cloud::ply;
 use super::glb::{self, GlbError};
 use super::html::{self, HtmlError, Page};
 use super::json::{JsonError, Report};
+use super::pictures::Pictures;
 use super::png::{self, PngError};
-use super::step::write::{self as step, Header};
+use super::step::write::{self as step, Header, Sheet};
 use super::{bends, dxf, marks, svg};
-use crate::answer::outcome::Outcome;
 use crate::answer::presentation::Presentation;
-use crate::certify::claim::Status;
-use crate::draw::picture::{self, figure, Caption};
+use crate::answer::Answer;
+use crate::draw::scene::{titled, Scene};
+use crate::draw::sequence::sequence;
+use crate::geom::Vec3;
+use crate::torse::cone::part::ConeBody;
 
 /// A file to be: its name, with `/` between folder and file, and its contents.
 pub type File = (String, Vec<u8>);
@@ -39,101 +43,127 @@ pub enum BundleError {
     Html(#[from] HtmlError),
 }
 
-/// Makes every file, on all cores. `time` stamps the STEP header: `2026-11-21T14:30:00`.
+/// Name of the file of panels for CAD.
+pub const PANELS: &str = "panels.step";
+/// Name of the file of exact cones, cylinders and planes for CAD.
+pub const CONES: &str = "cones.step";
+
+/// Least uncertainty written into STEP headers, mm: below it CAD systems take edges for open.
+const LEAST_UNCERTAINTY: f64 = 1e-6;
+
+/// Makes every file, on all cores: those of [`geometry`] and of [`with_reports`].
 ///
 /// # Errors
 /// Data that a format cannot hold.
-pub fn files(outcome: &Outcome, shown: &Presentation, time: &str) -> Result<Vec<File>, BundleError> {
-    with_reports(outcome, shown, geometry(outcome, shown, time)?)
+pub fn files(answer: &Answer, shown: &Presentation, time: &str) -> Result<Vec<File>, BundleError> {
+    with_reports(answer, shown, geometry(answer, shown, time)?)
 }
 
-/// The files that hold geometry: panels for CAD, drawings for the cutter.
+/// The files that hold geometry: panels for CAD, drawings for the cutter. `time` stamps the STEP header:
+/// `2026-11-21T14:30:00`.
 ///
 /// # Errors
 /// As [`files`].
-pub fn geometry(outcome: &Outcome, shown: &Presentation, time: &str) -> Result<Vec<File>, BundleError> {
+pub fn geometry(answer: &Answer, shown: &Presentation, time: &str) -> Result<Vec<File>, BundleError> {
+    let gap = answer.certificate.as_ref().map(|c| c.seam_gap_bound);
     let header = Header {
-        name: marks::product(&outcome.input, &shown.marks),
+        name: marks::product(&answer.input, &shown.marks),
         time: time.to_owned(),
-        uncertainty: if outcome.certificate.seam_gap_bound.is_finite() {
-            outcome.certificate.seam_gap_bound.max(1e-6)
-        } else {
-            outcome.tolerance
+        uncertainty: match gap {
+            Some(gap) if !gap.is_finite() => answer.tolerance,
+            gap => gap.unwrap_or(0.0).max(LEAST_UNCERTAINTY),
         },
     };
-    let (step, (dxf, svg)) = rayon::join(
-        || text("panels.step", |b| step::panels(b, &header, &outcome.patchwork, &shown.marks.panels)),
-        || {
-            rayon::join(
-                || text("patterns.dxf", |b| dxf::write(b, &shown.drawing)),
-                || text("patterns.svg", |b| svg::write(b, &shown.drawing)),
-            )
-        },
-    );
+    let cad = || match &answer.cones {
+        Some(cones) => exact(CONES, &answer.input, &cones.bodies, shown.marks.any(), time),
+        None => text(PANELS, |b| step::panels(b, &header, &answer.patchwork, &shown.marks.panels)),
+    };
+    let (step, (dxf, svg)) = rayon::join(cad, || {
+        rayon::join(
+            || text("patterns.dxf", |b| dxf::write(b, &shown.drawing)),
+            || text("patterns.svg", |b| svg::write(b, &shown.drawing)),
+        )
+    });
     Ok(vec![step?, dxf?, svg?])
 }
 
-/// Adds pictures, model and reports to the files of [`geometry`].
+/// Adds bend table, pictures, model, points and reports to the files of [`geometry`].
 ///
 /// # Errors
 /// As [`files`].
-pub fn with_reports(outcome: &Outcome, shown: &Presentation, mut out: Vec<File>) -> Result<Vec<File>, BundleError> {
-    let panels = outcome.patchwork.panels.len();
-    let what = format!("{panels} panel{}", if panels == 1 { "" } else { "s" });
-    let note = match outcome.status() {
-        Status::Certified => {
-            format!(
-                "{what}, each within {} mm of the surface, certified",
-                figure(outcome.certificate.deviation_bound, 3)
-            )
-        }
-        Status::Uncertified => format!("{what}, not certified"),
-    };
-    let names = outcome.patchwork.panels.iter().map(|p| p.strip.name.as_str());
-    let bad = marks::chosen(names, &shown.marks.panels);
-    let caption = |note: String| {
-        let warning =
-            if bad.is_empty() { String::new() } else { format!("; {}", marks::do_not_cut(&bad, panels, marks::FEW)) };
-        Caption { title: outcome.input.clone(), note: note + &warning, ..Caption::default() }
-    };
-    let (distances, all, flat) = (
-        caption("distance of the panels from the surface, mm".to_owned()),
-        caption(note),
-        caption(format!("{what}, flat patterns, 1:1 in patterns.dxf")),
-    );
-    let ((deviation_png, panels_png), (layout_png, model)) = rayon::join(
-        || {
-            rayon::join(
-                || png::write(&picture::deviation(&shown.scene, &shown.direction, outcome.tolerance, &distances)),
-                || png::write(&picture::panels(&shown.scene, &shown.direction, &all)),
-            )
-        },
-        || {
-            rayon::join(
-                || png::write(&picture::layout(&shown.pieces, &flat)),
-                || glb::write(&shown.scene, outcome.tolerance),
-            )
-        },
-    );
-    let (deviation_png, panels_png) = (deviation_png?, panels_png?);
-    let report = Report::of(outcome);
+pub fn with_reports(answer: &Answer, shown: &Presentation, mut out: Vec<File>) -> Result<Vec<File>, BundleError> {
+    let report = Report::of(answer, shown);
+    let pictures = Pictures::of(answer, shown, &report)?;
+    let limit = answer.colour_limit();
+    out.push(("model.glb".into(), glb::write(&shown.scene, limit)?));
+    if !answer.points.places.is_empty() {
+        let (places, values) = (&answer.points.places, &answer.points.values);
+        out.push(("deviation.ply".into(), ply::with_values(places, values, &answer.meaning.name)));
+    }
+    out.extend(bends::csv(&answer.patterns).map(|b| ("bends.csv".into(), b)));
     let page = html::write(&Page {
         report: &report,
-        scene: &shown.scene,
-        direction: shown.direction,
-        layout: &shown.pieces,
-        panels_png: &panels_png,
-        deviation_png: &deviation_png,
+        job: answer.job,
+        meaning: &answer.meaning,
+        limit,
+        shown,
+        pictures: &pictures,
     })?;
-    let json = report.to_json()?;
-    out.push(("model.glb".into(), model?));
-    out.push(("panels.png".into(), panels_png));
-    out.push(("deviation.png".into(), deviation_png));
-    out.push(("layout.png".into(), layout_png?));
-    out.extend(bends::csv(&outcome.patterns).map(|b| ("bends.csv".into(), b)));
     out.push(("report.html".into(), page.into_bytes()));
-    out.push(("report.json".into(), json.into_bytes()));
+    out.push(("report.json".into(), report.to_json()?.into_bytes()));
+    out.extend(pictures.files());
     Ok(out)
+}
+
+/// bending.glb, an animation, and bending.png, a strip of pictures, from stages with their captions; `eye` points
+/// from the model to the eye.
+///
+/// # Errors
+/// Data that a format cannot hold.
+pub fn bending(stages: &[(String, Scene)], eye: &Vec3) -> Result<Vec<File>, BundleError> {
+    /// Pictures in the strip.
+    const PICTURES: usize = 6;
+    let scenes: Vec<Scene> = stages.iter().map(|s| s.1.clone()).collect();
+    let last = stages.len().saturating_sub(1);
+    let chosen: Vec<(String, Scene)> =
+        (0..PICTURES).filter_map(|k| stages.get(last * k / (PICTURES - 1)).cloned()).collect();
+    Ok(vec![
+        ("bending.glb".into(), glb::moving::write(&scenes)?),
+        ("bending.png".into(), png::write(&sequence(&chosen, eye))?),
+    ])
+}
+
+/// thickness.step and thickness.glb: the surfaces of sheets with thickness.
+///
+/// # Errors
+/// Data that a format cannot hold.
+pub fn thickness(name: &str, surfaces: &[ConeBody], scene: &Scene, time: &str) -> Result<Vec<File>, BundleError> {
+    let marked = scene.panels.iter().any(|p| p.marked);
+    let step = exact("thickness.step", name, surfaces, marked, time)?;
+    Ok(vec![step, ("thickness.glb".into(), glb::write(scene, 1.0)?)])
+}
+
+/// A file of exact cones, cylinders and planes for CAD; `marked` if they must not be cut.
+///
+/// # Errors
+/// Those of the writer.
+pub fn exact(
+    file: &'static str,
+    name: &str,
+    bodies: &[ConeBody],
+    marked: bool,
+    time: &str,
+) -> Result<File, BundleError> {
+    let header = Header { name: titled(name, marked), time: time.to_owned(), uncertainty: LEAST_UNCERTAINTY };
+    let bodies: Vec<Sheet> = bodies
+        .iter()
+        .map(|b| match &b.part {
+            Some(part) => Sheet::of_cone_part(&b.name, part),
+            None => Sheet::of_cones(&b.name, &b.spline),
+        })
+        .map(|s| if marked { s.marked() } else { s })
+        .collect();
+    text(file, |b| step::sheets(b, &header, &bodies))
 }
 
 /// A file that is written line by line.
@@ -141,4 +171,142 @@ fn text(file: &'static str, write: impl Fn(&mut Vec<u8>) -> std::io::Result<()>)
     let mut bytes = Vec::new();
     write(&mut bytes).map_err(|source| BundleError::Write { file, source })?;
     Ok((file.to_owned(), bytes))
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+    use crate::answer::presentation::present;
+    use crate::answer::{Guide, Job, PointMap};
+    use crate::certify::claim::{Claim, Subject, What};
+    use crate::develop::strip::{pattern, StripOptions};
+    use crate::draw::field::{FieldMeaning, PanelField};
+    use crate::geom::Vec3;
+    use crate::patchwork::panel::Patchwork;
+    use crate::patchwork::part::Part;
+    use crate::torse::form::PanelKind;
+    use crate::torse::strip::Strip;
+
+    /// One plane quadrilateral and one triangle on it.
+    pub(crate) fn sample() -> Answer {
+        let x = |x: f64, y: f64, z: f64| Vec3::new(x, y, z);
+        let strips = vec![
+            Strip::quad("A-01", PanelKind::Plane, [x(0., 0., 0.), x(0., 50., 0.)], [x(90., 0., 0.), x(80., 50., 0.)])
+                .expect("strip"),
+            Strip::quad(
+                "A-02",
+                PanelKind::Plane,
+                [x(90., 0., 0.), x(80., 50., 0.)],
+                [x(120., 0., 40.), x(80., 50., 0.)],
+            )
+            .expect("strip"),
+        ];
+        let patterns = vec![pattern(&[&strips[0], &strips[1]], 0, "A", &StripOptions::new(0.01)).expect("pattern")];
+        Answer {
+            claims: vec![
+                Claim::measured(What::RegressionClearance, Subject::Whole, f64::INFINITY),
+                Claim::measured(What::Twist, Subject::Panel(0), 1e-9),
+                Claim::measured(What::Twist, Subject::Panel(1), 1e-9),
+            ],
+            fields: vec![PanelField { u: vec![0.0, 1.0], v: vec![0.0, 1.0], values: vec![0.0, 0.1, 0.2, -0.1] }; 2],
+            points: PointMap {
+                places: vec![x(20., 20., 0.1), x(40., 20., 9.)],
+                values: vec![0.1, 9.0],
+                worst: Some(1),
+            },
+            meaning: FieldMeaning { name: "deviation".into(), unit: "mm".into(), limit: 0.2 },
+            parts: vec![Part { name: "A".into(), first: 0, count: 2, missing: String::new() }],
+            patterns,
+            guides: vec![Guide { name: "rail".into(), points: vec![x(0., 0., 0.), x(90., 0., 0.)] }],
+            notes: vec!["a & b".into()],
+            patchwork: Patchwork::of_strips(strips),
+            ..Answer::new(Job::Loft, "plate <1>", 0.1)
+        }
+    }
+
+    /// Triangles with a common corner: a discrete cone.
+    fn fan(count: usize) -> Vec<Strip> {
+        let at = |k: usize| {
+            let (s, c) = (0.2 * k as f64).sin_cos();
+            [Vec3::new(100.0 * c, 80.0 * s, 0.0), Vec3::new(0.0, 0.0, 90.0)]
+        };
+        (0..count)
+            .map(|k| Strip::quad(&format!("F-{}", k + 1), PanelKind::Plane, at(k), at(k + 1)).expect("strip"))
+            .collect()
+    }
+
+    #[test]
+    fn all_files_are_made_and_the_report_says_the_same_as_the_data() {
+        let answer = sample();
+        let all = files(&answer, &present(&answer), "2026-11-21T14:30:00").expect("files");
+        let names: Vec<&str> = all.iter().map(|f| f.0.as_str()).collect();
+        for name in
+            "panels.step patterns.dxf patterns.svg model.glb panels.png field.png points.png layout.png bends.csv deviation.ply report.html report.json"
+                .split(' ')
+        {
+            assert!(names.contains(&name), "{name}");
+        }
+        let json = &all.iter().find(|f| f.0 == "report.json").expect("json").1;
+        let report: Report = serde_json::from_slice(json).expect("a report");
+        assert_eq!(report, Report::of(&answer, &present(&answer)));
+        assert!(report.figures[0].value.is_none() && report.parts[0].panels == ["A-01", "A-02"]);
+        let step = String::from_utf8_lossy(&all[0].1).into_owned();
+        assert_eq!(step.matches("ADVANCED_FACE").count(), 2);
+        // The triangle has three edges, the quadrilateral four.
+        assert_eq!(step.matches("EDGE_CURVE").count(), 7);
+    }
+
+    #[test]
+    fn every_file_of_an_uncertified_result_says_so() {
+        let count = |files: &[File], name: &str, words: &str| {
+            let bytes = &files.iter().find(|f| f.0 == name).expect(name).1;
+            String::from_utf8_lossy(bytes).matches(words).count()
+        };
+        let mut answer = sample();
+        let made = |s: &Answer| files(s, &present(s), "2026-11-21T14:30:00").expect("files");
+        answer.claims.push(Claim::left_out("a rail is missing"));
+        let good = made(&answer);
+        for name in ["panels.step", "patterns.svg", "model.glb"] {
+            assert_eq!(count(&good, name, "NOT CERTIFIED"), 0, "{name}");
+        }
+        assert_eq!(count(&good, "report.html", "class=\"stop\""), 1);
+        answer.claims.push(Claim::objection(Subject::Whole, "too far"));
+        let bad = made(&answer);
+        // Product, its representations and shapes carry it, and so do nodes.
+        assert!(count(&bad, "panels.step", "A-01 NOT CERTIFIED") >= 3);
+        assert!(count(&bad, "panels.step", "PRODUCT('plate <1> NOT CERTIFIED'") == 1);
+        assert!(count(&bad, "model.glb", "A-02 NOT CERTIFIED") >= 2);
+        assert_eq!(count(&bad, "patterns.dxf", "\nCUT_OUTER\n"), 1, "the table of layers alone");
+        assert!(count(&bad, "patterns.dxf", "\nNOT_CERTIFIED\n") > 3);
+        assert!(count(&bad, "patterns.svg", "not-certified") > 0 && count(&bad, "patterns.svg", "cut-outer") == 0);
+        assert_eq!(count(&bad, "report.html", "<p class=\"stop\" role=\"alert\">Not certified: do not cut A.</p>"), 1);
+        assert_eq!(count(&bad, "report.json", "\"certified\": false"), 3);
+        for name in ["panels.png", "field.png", "points.png", "layout.png"] {
+            let of = |files: &[File]| files.iter().find(|f| f.0 == name).expect(name).1.clone();
+            assert!(of(&good) != of(&bad), "{name}");
+        }
+    }
+
+    #[test]
+    fn the_shapes_of_parts_are_told() {
+        let mut answer = sample();
+        answer.patchwork = Patchwork::of_strips(fan(8));
+        answer.parts[0].count = 8;
+        let report = Report::of(&answer, &present(&answer));
+        assert_eq!((report.shapes[0].shape.as_str(), report.shapes[0].last.as_str()), ("cone", "F-8"));
+    }
+
+    #[test]
+    fn the_page_of_strips_is_filled_and_names_cannot_become_markup() {
+        let answer = sample();
+        let all = files(&answer, &present(&answer), "2026-11-21T14:30:00").expect("files");
+        let page = &all.iter().find(|f| f.0 == "report.html").expect("a page").1;
+        let text = String::from_utf8_lossy(page);
+        assert!(!text.contains("{{") && !text.contains("plate <1>") && text.contains("plate &lt;1&gt;"));
+        assert!(text.contains("a &amp; b") && text.contains("A-02"));
+        assert!(text.contains("point 1 at (40, 20, 9), 9&nbsp;mm away."));
+        for unwanted in ["src=\"http", "href=\"http", "url(", "@import"] {
+            assert!(!text.contains(unwanted), "{unwanted}");
+        }
+    }
 }

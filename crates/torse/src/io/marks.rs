@@ -46,7 +46,7 @@ mod tests {
         assert_eq!(do_not_cut(&["A", "B", "C"], 4, 1), "do not cut A and 2 more (3 of 4 parts)");
         assert!(do_not_cut(&[], 4, 3).contains("may be cut"));
         assert_eq!(chosen(["A", "B"].into_iter(), &[false, true]), ["B"]);
-        let marks = |m: [bool; 2]| Marks { panels: m.into(), patterns: m.into() };
+        let marks = |m: [bool; 2]| Marks { panels: m.into(), ..Marks::default() };
         assert_eq!(product("hull", &marks([false, false])), "hull");
         assert_eq!(product("hull", &marks([true, false])), "hull (1 of 2 NOT CERTIFIED)");
         assert_eq!(product("hull", &marks([true, true])), "hull NOT CERTIFIED");

@@ -1,7 +1,7 @@
 //! Files of a sweep over tolerances: `sweep.json` and `sweep.png`.
 
 use super::png::{self, PngError};
-use crate::answer::outcome::SweepRow;
+use crate::answer::sweep::SweepRow;
 use crate::draw::raster::Image;
 use serde::Serialize;
 

@@ -1,6 +1,8 @@
 //! Words and units of claims, the same in every file and on the terminal.
 
+use crate::answer::{Answer, Job};
 use crate::certify::claim::{Claim, Counted, Demand, Evidence, NetNumber, What};
+use std::collections::HashSet;
 
 /// Reasons that are told one after the other; more are counted.
 const TOLD: usize = 4;
@@ -75,6 +77,73 @@ fn counted_name(counted: Counted) -> &'static str {
     }
 }
 
+/// A name for programs, the same in every report.
+pub fn id(what: What) -> &'static str {
+    match what {
+        What::Deviation => "deviation",
+        What::FromCurve(_) => "from_curve",
+        What::FromSide(_) => "from_side",
+        What::FromCurves => "from_curves",
+        What::PointDistance => "point_distance",
+        What::MeanPointDistance => "mean_point_distance",
+        What::ElementDistance => "element_distance",
+        What::SeamGap => "seam_gap",
+        What::Twist => "twist",
+        What::RegressionClearance => "regression_clearance",
+        What::BendRadius => "bend_radius",
+        What::DiagonalGap => "diagonal_gap",
+        What::PointsMoved => "points_moved",
+        What::BendBefore => "bend_before",
+        What::LargestBend => "largest_bend",
+        What::Noise => "noise",
+        What::JointMismatch => "joint_mismatch",
+        What::TrimDistance => "trim_distance",
+        What::EdgeDistance => "edge_distance",
+        What::OutlineDistance => "outline_distance",
+        What::Turn => "turn",
+        What::FirstRuling => "first_ruling",
+        What::LastRuling => "last_ruling",
+        What::EndRulingError => "end_ruling_error",
+        What::NetShape(NetNumber::MStar) => "m_star",
+        What::NetShape(NetNumber::LambdaStar) => "lambda_star",
+        What::NetShape(NetNumber::M) => "m",
+        What::NetShape(NetNumber::Kappa) => "kappa",
+        What::UsedOf(_) => "used_of_curve",
+        What::Coverage => "covered",
+        What::Area => "area",
+        What::FlatArea => "flat_area",
+        What::LengthError => "length_error",
+        What::DrawingDistance => "drawing_distance",
+        What::WrittenDistance => "written_distance",
+        What::Count(counted) => counted_id(counted),
+        What::LeftOut => "left_out",
+        What::Objection => "objection",
+    }
+}
+
+fn counted_id(counted: Counted) -> &'static str {
+    match counted {
+        Counted::Panels => "panels",
+        Counted::Strips => "strips",
+        Counted::ExactStrips => "exact_strips",
+        Counted::FittedStrips => "fitted_strips",
+        Counted::Surfaces => "surfaces",
+        Counted::Cones => "cones",
+        Counted::Cylinders => "cylinders",
+        Counted::Planes => "planes",
+        Counted::TangentPlanes => "tangent_planes",
+        Counted::Points => "points",
+        Counted::Rulings => "rulings",
+        Counted::Elements => "elements",
+        Counted::Beyond => "beyond",
+        Counted::Outliers => "outliers",
+        Counted::Quadrilaterals => "quadrilaterals",
+        Counted::Degree => "degree",
+        Counted::ControlPoints => "control_points",
+        Counted::Solutions => "solutions",
+    }
+}
+
 /// The unit of what is claimed; empty for plain numbers.
 pub fn unit(what: What) -> &'static str {
     match what {
@@ -115,12 +184,24 @@ pub fn evidence(evidence: Evidence) -> &'static str {
     }
 }
 
+/// All that stands against a status, once each: what broken claims have to say; empty if none is broken.
+pub fn objections(claims: &[Claim], curves: &[String]) -> Vec<String> {
+    let mut seen = HashSet::new();
+    let mut out: Vec<String> = claims
+        .iter()
+        .filter(|c| c.is_broken())
+        .map(|c| if c.reason().is_empty() { beyond(c, curves) } else { c.reason().to_owned() })
+        .collect();
+    out.retain(|r| seen.insert(r.clone()));
+    out
+}
+
 /// Why a result is not certified: what broken claims have to say; empty if none is broken.
 pub fn reason(claims: &[Claim], curves: &[String]) -> String {
     let broken = || claims.iter().filter(|c| c.is_broken());
     let mut told: Vec<&str> = broken().map(Claim::reason).filter(|r| !r.is_empty()).collect();
     // What is said of the whole comes first and often names the panel; what a panel says of itself is repeated.
-    let mut seen = std::collections::HashSet::new();
+    let mut seen = HashSet::new();
     told.retain(|r| seen.insert(*r));
     if told.is_empty() {
         return broken().next().map(|c| beyond(c, curves)).unwrap_or_default();
@@ -149,6 +230,52 @@ fn beyond(claim: &Claim, curves: &[String]) -> String {
             format!("{name}: {}{unit} where {limit}{unit} are wanted", claim.value())
         }
         _ => format!("{name}: no bound could be shown"),
+    }
+}
+
+/// So many things of one sort.
+pub fn counted(n: usize, word: &str) -> String {
+    format!("{n} {word}{}", if n == 1 { "" } else { "s" })
+}
+
+/// What a job made, and how much was left out.
+pub fn made(answer: &Answer) -> String {
+    let panels = answer.patchwork.panels.len();
+    let number = |of: Counted| answer.claim(What::Count(of)).map_or(0, |c| c.value() as usize);
+    let parts = || counted(answer.parts.len(), "flat part");
+    let what = match answer.job {
+        Job::Approximate => {
+            format!("{} for {}", counted(panels, "panel"), counted(answer.patchwork.faces.len(), "face"))
+        }
+        Job::Cones => format!(
+            "{}, {} and {} for {}",
+            counted(number(Counted::Cones), "cone"),
+            counted(number(Counted::Cylinders), "cylinder"),
+            counted(number(Counted::Planes), "plane"),
+            counted(number(Counted::Surfaces), "surface")
+        ),
+        Job::Fit => {
+            let sorts = [(Counted::Points, "point"), (Counted::Rulings, "ruling"), (Counted::TangentPlanes, "plane")];
+            let given =
+                sorts.iter().find_map(|(of, word)| Some(counted(number(*of), word)).filter(|_| number(*of) > 0));
+            format!("{} for {}", counted(panels, "strip"), given.unwrap_or_else(|| "nothing".into()))
+        }
+        Job::Planarise => format!("{} in {}", counted(panels, "quadrilateral"), parts()),
+        Job::Hull | Job::Loft | Job::Net => format!("{} in {}", counted(panels, "strip"), parts()),
+    };
+    match answer.skipped.len() {
+        0 => what,
+        n => format!("{what}, {n} left out"),
+    }
+}
+
+/// The panels of a job in its own word, for headings: "panel" or "strip".
+pub fn thing(job: Job) -> &'static str {
+    match job {
+        Job::Approximate => "panel",
+        Job::Planarise => "quadrilateral",
+        Job::Cones => "piece",
+        Job::Fit | Job::Hull | Job::Loft | Job::Net => "strip",
     }
 }
 

@@ -4,6 +4,7 @@
 pub mod clip;
 pub mod outside;
 pub mod panel;
+pub mod part;
 pub mod partition;
 pub mod pattern;
 pub mod seam;

@@ -3,7 +3,8 @@
 //! Reads like the page that describes it: cover every face, build the panels as they will be exported, have them
 //! judged, cut what is refused, develop the rest.
 
-use crate::answer::outcome::{left_out, AlongCurve, Outcome, Skipped};
+use crate::answer::skipped::{left_out, Skipped};
+use crate::answer::{Answer, Job};
 use crate::brep::area::area_estimate;
 use crate::brep::face::Face;
 use crate::brep::join::{joined, JoinOptions};
@@ -17,16 +18,19 @@ use crate::develop::pattern::bends_anew;
 use crate::develop::view::{seen_from, Drawn};
 use crate::geom::coarse::Loose;
 use crate::geom::BBox;
+use crate::io::step::read::Model;
 use crate::patchwork::outside::outward;
 use crate::patchwork::panel::{Border, Panel, Patchwork};
+use crate::patchwork::part::Part;
 use crate::patchwork::pattern::{Pattern, ViewSide};
-use crate::search::build::{build, limits_missed, too_large, Built};
+use crate::search::build::{build, limits_missed, too_large, AlongCurve, Built};
 use crate::search::cover::{
     check_curves, cover, is_developable, is_smoothly_developable, strip_range, Cover, CoverOptions, CurveError, Guide,
     Layout, Limits,
 };
 use crate::search::stitch::attempts::{met, with_room};
 use rayon::prelude::*;
+use std::collections::BTreeSet;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::OnceLock;
 use std::time::{Duration, Instant};
@@ -38,19 +42,36 @@ pub struct Options {
     pub tolerance: f64,
     /// Largest number of panels on any face; default none.
     pub max_panels: Option<usize>,
-    /// Name of the input for reports, without folder.
+    /// Name of the input for reports, without folder; default "model".
     pub input: String,
-    /// What sheet and material allow.
+    /// What sheet and material allow; default anything.
     pub limits: Limits,
-    /// Where strips and seams run.
+    /// Where strips and seams run; default where fewest are needed.
     pub layout: Layout,
-    /// Whether neighbouring strips are to meet in common seams where that can be certified.
+    /// Whether neighbouring strips are to meet in common seams where that can be certified; default
+    /// they are not.
     pub meet: bool,
     /// Greatest angle (rad) between faces along a common edge across which they are covered as one surface; 0 covers
-    /// each face for itself. See [`crate::brep::join`].
+    /// each face for itself; default [`SMOOTH_ANGLE_DEG`]. See [`crate::brep::join`].
     pub smooth_angle: f64,
     /// How flat patterns are drawn; default seen from outside, lines every 5°.
     pub drawn: Drawn,
+}
+
+impl Options {
+    /// Defaults with a tolerance (mm).
+    pub fn new(tolerance: f64) -> Self {
+        Self {
+            tolerance,
+            max_panels: None,
+            input: "model".into(),
+            limits: Limits::default(),
+            layout: Layout::default(),
+            meet: false,
+            smooth_angle: SMOOTH_ANGLE_DEG.to_radians(),
+            drawn: Drawn::default(),
+        }
+    }
 }
 
 /// Angle between faces (degrees) up to which they are covered as one unless something else is asked for. Modelling
@@ -151,6 +172,23 @@ const GRACE: Duration = Duration::from_millis(1500);
 /// See [`grace`].
 const LEAST_GRACE: Duration = Duration::from_millis(200);
 
+/// Approximates a model by developable panels; see [`of_faces`].
+///
+/// # Errors
+/// As [`of_faces`].
+///
+/// # Example
+/// ```
+/// let plate = include_bytes!("../../../../data/cylinder_holes.step");
+/// let answer = torse::approximate(&torse::read_step(plate)?, &torse::Approximate::new(0.5))?;
+/// assert_eq!((answer.status(), answer.parts.len()), (torse::Status::Certified, 1));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn approximate(model: &Model, options: &Options) -> Result<Answer, ApproximateError> {
+    let found = of_faces(model.faces.clone(), model.skipped.clone(), options, &Control::default())?;
+    Ok(Answer { notes: model.notes.clone(), ..found })
+}
+
 /// Approximates faces by developable panels within a tolerance.
 ///
 /// *Method.* [`cover`] per face, in parallel; panels built by [`crate::fit::panels::boundary`]; the proof by
@@ -161,12 +199,12 @@ const LEAST_GRACE: Duration = Duration::from_millis(200);
 ///
 /// # Errors
 /// No faces, a tolerance that is not positive or cannot be certified at the size of the model.
-pub fn approximate(
+pub fn of_faces(
     faces: Vec<Face>,
     mut skipped: Vec<Skipped>,
     options: &Options,
     control: &Control,
-) -> Result<Outcome, ApproximateError> {
+) -> Result<Answer, ApproximateError> {
     let start = Instant::now();
     let tolerance = options.tolerance;
     if !(tolerance > 0.0 && tolerance.is_finite()) {
@@ -182,7 +220,7 @@ pub fn approximate(
         return Err(ApproximateError::SmoothAngle(options.smooth_angle.to_degrees()));
     }
     if faces.is_empty() {
-        let why = skipped.first().map_or("the file holds none".to_owned(), |s| format!("#{}: {}", s.entity, s.reason));
+        let why = skipped.first().map_or("the file holds none".to_owned(), Skipped::words);
         return Err(ApproximateError::NoFaces(why));
     }
     let mut bbox = BBox::empty();
@@ -213,7 +251,7 @@ pub fn approximate(
             built
         })
         .collect();
-    let mut patchwork = Patchwork { faces: Vec::new(), partitions: Vec::new(), panels: Vec::new(), seam_count: 0 };
+    let mut patchwork = Patchwork::default();
     let (mut certificates, mut patterns, mut missing) = (Vec::new(), Vec::new(), Vec::new());
     let mut along = Vec::new();
     for b in built {
@@ -233,7 +271,7 @@ pub fn approximate(
         }
     }
     if patchwork.faces.is_empty() {
-        let why = skipped.first().map_or(String::new(), |s| format!("#{}: {}", s.entity, s.reason));
+        let why = skipped.first().map_or(String::new(), Skipped::words);
         return Err(ApproximateError::NoFaces(why));
     }
     let certificate = certify::join(&patchwork, certificates, tolerance);
@@ -263,21 +301,28 @@ pub fn approximate(
     }
     // What was left out on the way counts, whatever is proven of the rest.
     claims.splice(0..0, left_out(&skipped));
-    Ok(Outcome {
-        input: options.input.clone(),
-        tolerance,
+    let parts = one_by_one(&patchwork, &patterns);
+    Ok(Answer {
         claims,
         patchwork,
-        certificate,
+        certificate: Some(certificate),
+        parts,
         patterns,
         flat,
-        written: Vec::new(),
         skipped,
         along,
         beyond_limits: missed.panels,
-        notes: Vec::new(),
         seconds: start.elapsed().as_secs_f64(),
+        ..Answer::new(Job::Approximate, &options.input, tolerance)
     })
+}
+
+/// Every panel as a part of its own.
+fn one_by_one(patchwork: &Patchwork, patterns: &[Pattern]) -> Vec<Part> {
+    let flat: BTreeSet<usize> = patterns.iter().map(|p| p.panel).collect();
+    let missing = |k: usize| if flat.contains(&k) { String::new() } else { "it could not be laid flat".into() };
+    let panels = patchwork.panels.iter().enumerate();
+    panels.map(|(k, p)| Part { name: p.strip.name.clone(), first: k, count: 1, missing: missing(k) }).collect()
 }
 
 /// Patterns with the lines that are wanted.
@@ -543,7 +588,7 @@ pub(super) fn left_face(face: &Face, reason: String) -> Skipped {
     let others: Vec<String> = face.parts.iter().skip(1).map(|p| format!("#{}", p.entity)).collect();
     let reason = if others.is_empty() { reason } else { format!("{reason} (joined with {})", others.join(", ")) };
     let area_estimate = Some(area_estimate(face)).filter(|a| a.is_finite() && *a > 0.0);
-    Skipped { entity: face.entity, reason, area_estimate }
+    Skipped::of_file(face.entity, reason, area_estimate)
 }
 
 /// Moves corners of the trims that miss a knot line by rounding only onto it, so that no triangle crosses the line by

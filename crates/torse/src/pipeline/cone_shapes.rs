@@ -1,9 +1,9 @@
 //! What is seen of cone splines: the presentation with trimmed pieces, the bending into the plane, the surfaces of a
 //! sheet with thickness.
 
-use super::cones::{ConesOutcome, EDGE_ROUNDING};
-use crate::answer::marks::Marks;
-use crate::answer::presentation::{present_sheets_marked, Presentation};
+use super::cones::EDGE_ROUNDING;
+use crate::answer::presentation::Presentation;
+use crate::answer::Cones;
 use crate::develop::cones::{bent, Bending};
 use crate::draw::scene::{PanelShape, Scene};
 use crate::fit::panels::cone_trim::{offset, ConeTrimError};
@@ -45,34 +45,16 @@ pub enum ThicknessError {
     },
 }
 
-/// Scene, view and drawing of an outcome: like those of strips, trimmed pieces as they are.
-pub fn present(outcome: &ConesOutcome) -> Presentation {
-    present_marked(outcome, Marks::of_sheets(&outcome.sheets))
-}
-
-/// As [`present`], with given marks.
-pub fn present_marked(outcome: &ConesOutcome, marks: Marks) -> Presentation {
-    let mut shown = present_sheets_marked(&outcome.sheets, marks);
-    for (shape, &(body, piece)) in shown.scene.panels.iter_mut().zip(&outcome.pieces) {
-        let Some(part) = outcome.bodies.get(body).and_then(|b| b.part.as_ref()) else { continue };
-        let Some(face) = part.faces.get(piece) else { continue };
-        shape.mesh = face.mesh.clone();
-        shape.rulings = Vec::new();
-        shape.borders = face.loops.iter().map(|l| part.polyline(l)).collect();
-    }
-    shown
-}
-
 /// The chains at evenly spaced stages of their bending, from the shape in space to the plane: for every stage its share
 /// in per cent and a scene whose panels have the same triangles throughout. The first ruling of every body stays.
 ///
 /// *Guarantee*: vertices move isometrically (exact at every stage).
-pub fn bending(outcome: &ConesOutcome, shown: &Presentation, stages: usize) -> Vec<(String, Scene)> {
+pub fn bending(cones: &Cones, shown: &Presentation, stages: usize) -> Vec<(String, Scene)> {
     let last = stages.max(2) - 1;
     // Coordinates on the segments, once.
     let mut places: Vec<(usize, usize, Vec<[f64; 2]>)> = Vec::new();
-    for (shape, &(body, piece)) in shown.scene.panels.iter().zip(&outcome.pieces) {
-        let Some(b) = outcome.bodies.get(body) else { continue };
+    for (shape, &(body, piece)) in shown.scene.panels.iter().zip(&cones.pieces) {
+        let Some(b) = cones.bodies.get(body) else { continue };
         let index = b.part.as_ref().map_or(Some(piece), |p| p.faces.get(piece).map(|f| f.segment));
         let Some((index, s)) = index.and_then(|i| Some((i, b.spline.segments.get(i)?))) else { continue };
         let place = |p: &Vec3| {
@@ -85,7 +67,7 @@ pub fn bending(outcome: &ConesOutcome, shown: &Presentation, stages: usize) -> V
     (0..=last)
         .map(|k| {
             let stage = k as f64 / last as f64;
-            let chains: Vec<_> = outcome.bodies.iter().map(|b| bent(&b.spline, stage, Bending::Curvature)).collect();
+            let chains: Vec<_> = cones.bodies.iter().map(|b| bent(&b.spline, stage, Bending::Curvature)).collect();
             let panels = shown
                 .scene
                 .panels
@@ -109,8 +91,8 @@ pub fn bending(outcome: &ConesOutcome, shown: &Presentation, stages: usize) -> V
 
 /// A direction from which both the shape in space and the plane that it bends into show: mostly along the normal of the
 /// first ruling, which stays, on the side from which the model shows best.
-pub fn bending_direction(outcome: &ConesOutcome, shown: &Presentation) -> Vec3 {
-    let first = outcome.bodies.iter().flat_map(|b| b.spline.segments.first()).next();
+pub fn bending_direction(cones: &Cones, shown: &Presentation) -> Vec3 {
+    let first = cones.bodies.iter().flat_map(|b| b.spline.segments.first()).next();
     first.map_or(shown.direction, |s| {
         let g = &s.start;
         let side = if g.normal.dot(&shown.direction) < 0.0 { -1.0 } else { 1.0 };

@@ -2,8 +2,8 @@
 //! cylinders and planes, with their proof and their flat patterns of true arcs.
 
 use super::approximate::{left_face, trims_judged, TrimsJudged};
-use crate::answer::outcome::{left_out, Skipped};
-use crate::answer::sheets::{FlatPart, Sheets};
+use crate::answer::skipped::{left_out, Skipped};
+use crate::answer::{Answer, Cones, Job};
 use crate::brep::face::Face;
 use crate::certify::claim::{Claim, Counted, Subject, UpperBound, What};
 use crate::certify::cones::outline::{astray_bound, outline as certified, Region};
@@ -17,6 +17,7 @@ use crate::fit::panels::cone_trim::{cone_part, ConeTrimOptions};
 use crate::geom::coarse::Loose;
 use crate::geom::BBox;
 use crate::patchwork::panel::Patchwork;
+use crate::patchwork::part::Part;
 use crate::patchwork::pattern::Pattern;
 use crate::search::strips::cone_outline::PlaneOutline;
 use crate::search::strips::cone_strip::{ruled, strip_of};
@@ -35,17 +36,6 @@ pub struct ConesOptions {
     pub tolerance: f64,
     /// Name of the input, for the files.
     pub input: String,
-}
-
-/// What it answers.
-#[derive(Clone, Debug)]
-pub struct ConesOutcome {
-    /// Everything for files and reports.
-    pub sheets: Sheets,
-    /// The chains, trimmed where faces are, in the order of the parts before cutting.
-    pub bodies: Vec<ConeBody>,
-    /// Body and piece of every strip.
-    pub pieces: Vec<(usize, usize)>,
 }
 
 /// Why there is no answer at all.
@@ -98,12 +88,21 @@ struct Target {
 ///
 /// # Errors
 /// See [`ConesJobError`].
+///
+/// # Example
+/// ```
+/// let chute = torse::read_step(include_bytes!("../../../../data/cone_holes.step"))?;
+/// let options = torse::ConesOptions { tolerance: 0.5, input: "chute".into() };
+/// let answer = torse::cones(&chute.faces, &chute.skipped, &options, &torse::Control::default())?;
+/// assert_eq!(answer.status(), torse::Status::Certified);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn of_faces(
     faces: &[Face],
     skipped: &[Skipped],
     options: &ConesOptions,
     control: &Control,
-) -> Result<ConesOutcome, ConesJobError> {
+) -> Result<Answer, ConesJobError> {
     let boxes: Vec<BBox> = faces.iter().map(|f| f.surface.bbox()).collect();
     Loose::check(BBox::of(boxes.iter().flat_map(|b| [&b.min, &b.max])).diagonal(), options.tolerance)?;
     let mut targets = Vec::new();
@@ -121,15 +120,15 @@ pub fn of_faces(
         return Err(ConesJobError::Tolerance(options.tolerance));
     }
     if targets.is_empty() {
-        let reason = left.get(before).map_or("no faces".into(), |s| format!("#{} {}", s.entity, s.reason));
+        let reason = left.get(before).map_or("no faces".into(), Skipped::words);
         return Err(ConesJobError::Nothing { count: faces.len(), reason });
     }
-    let words = left.iter().map(|s| format!("#{}: {}", s.entity, s.reason)).collect();
     // What trims miss of the file's edges is part of the tolerance where it fits in, and named where it does not.
     let trim = Trim { bound, fits: missed.is_empty() };
-    let mut out = run(&targets, words, options, control, Some(trim))?;
-    out.sheets.claims.extend(missed.into_iter().map(|reason| Claim::objection(Subject::Whole, reason)));
-    out.sheets.claims.extend(left_out(&left));
+    let skipped = left.clone();
+    let mut out = run(&targets, skipped, options, control, Some(trim))?;
+    out.claims.extend(missed.into_iter().map(|reason| Claim::objection(Subject::Whole, reason)));
+    out.claims.extend(left_out(&left));
     Ok(out)
 }
 
@@ -142,25 +141,25 @@ pub fn of_panels(
     skipped: &[Skipped],
     options: &ConesOptions,
     control: &Control,
-) -> Result<ConesOutcome, ConesJobError> {
+) -> Result<Answer, ConesJobError> {
     let mut targets = Vec::new();
     let mut left = Vec::new();
     for panel in &patchwork.panels {
         let outline = PlaneOutline::of_panel(panel);
         match strip_of(&outline) {
             Some(strip) => targets.push(Target { name: panel.strip.name.clone(), strip, outline }),
-            None => left.push(format!("{}: its outline leaves the patch", panel.strip.name)),
+            None => left.push(Skipped::from(format!("{}: its outline leaves the patch", panel.strip.name))),
         }
     }
     if targets.is_empty() {
-        let reason = left.first().cloned().unwrap_or_else(|| "no panels".into());
+        let reason = left.first().map_or_else(|| "no panels".into(), Skipped::words);
         return Err(ConesJobError::Nothing { count: patchwork.panels.len(), reason });
     }
-    let missing = left.first().map(|l| format!("{} panels are left out, the first {l}", left.len()));
+    let missing = left.first().map(|l| format!("{} panels are left out, the first {}", left.len(), l.words()));
     let mut out = run(&targets, left, options, control, None)?;
-    out.sheets.claims.extend(missing.map(Claim::left_out));
-    out.sheets.claims.extend(left_out(skipped));
-    out.sheets.skipped.extend(skipped.iter().map(|s| format!("#{}: {}", s.entity, s.reason)));
+    out.claims.extend(missing.map(Claim::left_out));
+    out.claims.extend(left_out(skipped));
+    out.skipped.extend(skipped.iter().cloned());
     Ok(out)
 }
 
@@ -174,32 +173,17 @@ struct Trim {
 
 fn run(
     targets: &[Target],
-    left: Vec<String>,
+    left: Vec<Skipped>,
     options: &ConesOptions,
     control: &Control,
     trim: Option<Trim>,
-) -> Result<ConesOutcome, ConesJobError> {
+) -> Result<Answer, ConesJobError> {
     if !(options.tolerance > 0.0 && options.tolerance.is_finite()) {
         return Err(ConesJobError::Tolerance(options.tolerance));
     }
     let started = Instant::now();
     let rest = options.tolerance - trim.filter(|t| t.fits).map_or(0.0, |t| t.bound.value());
-    let mut sheets = Sheets {
-        job: "cones".into(),
-        input: options.input.clone(),
-        tolerance: options.tolerance,
-        claims: Vec::new(),
-        strips: Vec::new(),
-        fields: Vec::new(),
-        points: Default::default(),
-        meaning: Default::default(),
-        parts: Vec::new(),
-        patterns: Vec::new(),
-        guides: Vec::new(),
-        notes: Vec::new(),
-        skipped: left,
-        seconds: 0.0,
-    };
+    let mut answer = Answer { skipped: left, ..Answer::new(Job::Cones, &options.input, options.tolerance) };
     let (mut bodies, mut pieces): (Vec<ConeBody>, Vec<(usize, usize)>) = (Vec::new(), Vec::new());
     let mut all: Vec<Proven> = Vec::new();
     let mut failures = Vec::new();
@@ -212,13 +196,13 @@ fn run(
         let (body, proven) = match body(target, rest) {
             Ok(made) => made,
             Err(reason) => {
-                sheets.skipped.push(format!("{}: {reason}", target.name));
+                answer.skipped.push(format!("{}: {reason}", target.name).into());
                 failures.push(format!("{} has no cone spline", target.name));
                 continue;
             }
         };
         if let Some(reason) = &proven.missing {
-            sheets.skipped.push(format!("{}: {reason}", target.name));
+            answer.skipped.push(format!("{}: {reason}", target.name).into());
             failures.push(format!("{} has no proof for its outline", target.name));
         } else if proven.bound.value() > rest {
             failures.push(format!(
@@ -227,11 +211,11 @@ fn run(
                 proven.bound.value()
             ));
         }
-        let before = sheets.skipped.len();
-        for piece in strips_of(&mut sheets, &body, &proven) {
+        let before = answer.skipped.len();
+        for piece in strips_of(&mut answer, &body, &proven) {
             pieces.push((bodies.len(), piece));
         }
-        if sheets.skipped.len() > before {
+        if answer.skipped.len() > before {
             failures.push(format!("{} is not complete", target.name));
         }
         all.push(proven);
@@ -257,11 +241,12 @@ fn run(
         }
     }
     claims.extend(failures.into_iter().map(|reason| Claim::objection(whole, reason)));
-    claims.append(&mut sheets.claims);
-    sheets.claims = claims;
-    sheets.notes.push("Faces of cones.step are exact cones, cylinders and planes.".into());
-    sheets.seconds = started.elapsed().as_secs_f64();
-    Ok(ConesOutcome { sheets, bodies, pieces })
+    claims.append(&mut answer.claims);
+    answer.claims = claims;
+    answer.notes.push("Faces of cones.step are exact cones, cylinders and planes.".into());
+    answer.seconds = started.elapsed().as_secs_f64();
+    answer.cones = Some(Cones { bodies, pieces });
+    Ok(answer)
 }
 
 /// What is proven of one chain.
@@ -370,8 +355,8 @@ pub fn counts(bodies: &[ConeBody]) -> [usize; 3] {
 }
 
 /// Strips, figures, parts and patterns of one chain; the pieces that the strips show.
-fn strips_of(sheets: &mut Sheets, body: &ConeBody, proven: &Proven) -> Vec<usize> {
-    let first = sheets.strips.len();
+fn strips_of(answer: &mut Answer, body: &ConeBody, proven: &Proven) -> Vec<usize> {
+    let first = answer.patchwork.panels.len();
     let mut shown = Vec::new();
     let pieces: Vec<Segment> = match &body.part {
         Some(part) => part.faces.iter().map(|f| f.blank.segment).collect(),
@@ -385,13 +370,13 @@ fn strips_of(sheets: &mut Sheets, body: &ConeBody, proven: &Proven) -> Vec<usize
         };
         let name = format!("{}-{:02}", body.name, k + 1);
         let Some(patch) = patches(s).ok().and_then(|p| p.into_iter().next()) else {
-            sheets.skipped.push(format!("{name}: its edges run through its vertex"));
+            answer.skipped.push(format!("{name}: its edges run through its vertex").into());
             continue;
         };
         shown.push(k);
-        sheets.strips.push(Strip { name, kind, patch });
-        let subject = Subject::Panel(sheets.strips.len() - 1);
-        sheets.claims.extend([
+        answer.patchwork.panels.push(Strip { name, kind, patch }.into());
+        let subject = Subject::Panel(answer.patchwork.panels.len() - 1);
+        answer.claims.extend([
             Claim::measured(What::Turn, subject, s.shape.angle().abs().to_degrees()),
             Claim::at_most(What::Deviation, subject, proven.bound),
         ]);
@@ -413,7 +398,7 @@ fn strips_of(sheets: &mut Sheets, body: &ConeBody, proven: &Proven) -> Vec<usize
             waiting.push((format!("{name}a"), from, half));
             continue;
         }
-        let contour = CONTOUR_SHARE * sheets.tolerance;
+        let contour = CONTOUR_SHARE * answer.tolerance;
         let (mut pattern, strips): (Pattern, (usize, usize)) = match &part {
             Some(part) => {
                 let before = body.part.iter().flat_map(|p| &p.faces).take_while(|f| f.segment < from).count();
@@ -424,9 +409,9 @@ fn strips_of(sheets: &mut Sheets, body: &ConeBody, proven: &Proven) -> Vec<usize
         if pattern.contours.is_empty() {
             continue;
         }
-        pattern.panel = sheets.parts.len();
-        sheets.patterns.push(cones_viewed(pattern, if part.is_some() { spline } else { &chain }));
-        sheets.parts.push(FlatPart { name, first: first + strips.0, count: strips.1, missing: String::new() });
+        pattern.panel = answer.parts.len();
+        answer.patterns.push(cones_viewed(pattern, if part.is_some() { spline } else { &chain }));
+        answer.parts.push(Part { name, first: first + strips.0, count: strips.1, missing: String::new() });
     }
     shown
 }
@@ -457,13 +442,14 @@ mod tests {
     #[test]
     fn a_cylinder_becomes_certified_cylinders_and_files_parts_and_patterns_agree() {
         let options = ConesOptions { tolerance: 0.05, input: "test".into() };
-        let out = of_faces(&[face(0.0)], &[], &options, &Control::default()).expect("outcome");
-        assert_eq!(out.sheets.status(), Status::Certified);
-        assert_eq!(out.bodies.len(), 1);
-        let [cones, cylinders, _] = out.bodies[0].spline.counts();
-        assert!(cones == 0 && cylinders > 1 && out.sheets.strips.len() == out.bodies[0].spline.segments.len());
-        let area: f64 = out.sheets.patterns.iter().map(|p| p.area).sum();
-        let surface: f64 = out.sheets.strips.iter().map(Strip::area_estimate).sum();
+        let out = of_faces(&[face(0.0)], &[], &options, &Control::default()).expect("an answer");
+        assert_eq!(out.status(), Status::Certified);
+        let bodies = &out.cones.as_ref().expect("cones").bodies;
+        assert_eq!(bodies.len(), 1);
+        let [cones, cylinders, _] = bodies[0].spline.counts();
+        assert!(cones == 0 && cylinders > 1 && out.patchwork.panels.len() == bodies[0].spline.segments.len());
+        let area: f64 = out.patterns.iter().map(|p| p.area).sum();
+        let surface: f64 = out.strips().map(Strip::area_estimate).sum();
         assert!((area - surface).abs() < 1e-3 * surface, "{area} {surface}");
     }
 
@@ -473,14 +459,14 @@ mod tests {
         let error = of_faces(&[face(30.0)], &[], &options, &Control::default()).expect_err("hyperbolic");
         assert!(error.to_string().contains("not developable"), "{error}");
         let out = of_faces(&[face(30.0), face(0.0)], &[], &options, &Control::default()).expect("one of two");
-        assert_eq!(out.sheets.skipped.len(), 1);
+        assert_eq!(out.skipped.len(), 1);
         // One surface of two is no answer that is certified, nor is what a reader left out.
-        assert_eq!(out.sheets.status(), Status::Uncertified, "half of it is missing");
-        let reason = words::reason(&out.sheets.claims, &[]);
+        assert_eq!(out.status(), Status::Uncertified, "half of it is missing");
+        let reason = words::reason(&out.claims, &[]);
         assert!(reason.contains("left out") && reason.contains("not developable"), "{reason}");
-        let lost = Skipped { entity: 7, reason: "unreadable".into(), area_estimate: None };
+        let lost = Skipped::of_file(7, "unreadable", None);
         let out = of_faces(&[face(0.0)], &[lost], &options, &Control::default()).expect("the other");
-        assert!(words::reason(&out.sheets.claims, &[]).contains("#7"), "{:?}", out.sheets.claims);
+        assert!(words::reason(&out.claims, &[]).contains("#7"), "{:?}", out.claims);
         let bad = ConesOptions { tolerance: f64::NAN, ..options };
         assert!(of_faces(&[face(0.0)], &[], &bad, &Control::default()).is_err());
     }
@@ -488,12 +474,13 @@ mod tests {
     #[test]
     fn slanting_parts_beside_the_regression_curve_are_certified_and_trimmed() {
         let options = ConesOptions { tolerance: 0.2, input: "test".into() };
-        let out = of_faces(&[slanting()], &[], &options, &Control::default()).expect("outcome");
-        assert_eq!(out.sheets.status(), Status::Certified);
-        let part = out.bodies[0].part.as_ref().expect("trimmed");
+        let out = of_faces(&[slanting()], &[], &options, &Control::default()).expect("an answer");
+        assert_eq!(out.status(), Status::Certified);
+        let bodies = &out.cones.as_ref().expect("cones").bodies;
+        let part = bodies[0].part.as_ref().expect("trimmed");
         assert!(part.faces.len() > 1 && part.outline_estimate < 0.01, "{}", part.outline_estimate);
         // The area of the part is that of the region: |c' x (c' + ...)| by the midpoint rule.
-        let area: f64 = out.sheets.patterns.iter().map(|p| p.area).sum();
+        let area: f64 = out.patterns.iter().map(|p| p.area).sum();
         let n = 200;
         let mut expected = 0.0;
         for i in 0..n {

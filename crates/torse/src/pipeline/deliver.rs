@@ -1,137 +1,88 @@
 //! Results into files: what holds geometry is written, read back and compared with what was judged; then pictures and
 //! reports, which tell what came of it.
 
-use super::cone_shapes;
-use super::cones::ConesOutcome;
 use crate::answer::marks::Marks;
-use crate::answer::outcome::Outcome;
-use crate::answer::presentation::{present_marked, present_sheets_marked};
-use crate::answer::sheets::Sheets;
+use crate::answer::presentation::present_marked;
+use crate::answer::Answer;
 use crate::certify::claim::{Claim, Demand, Evidence, Subject, UpperBound, What};
 use crate::certify::written::{self, WrittenCertificate};
 use crate::certify::written_strips;
-use crate::io::bundle::{self, BundleError, File};
-use crate::io::{cones, drawings, sheets, step};
+use crate::io::bundle::{self, BundleError, File, PANELS};
+use crate::io::{drawings, step};
 use crate::patchwork::pattern::Pattern;
+use crate::torse::strip::Strip;
 use rayon::prelude::*;
 
-/// All files of the main job's answer. `time` stamps the STEP header: `2026-11-21T14:30:00`.
+/// All files of an answer. `time` stamps the STEP header: `2026-11-21T14:30:00`.
 ///
-/// *Guarantee*: the answer stays certified only if the bytes of the files, read back, are what was judged.
+/// *Guarantee*: the answer stays certified only if the bytes of the files, read back, are what was judged; the exact cones,
+/// cylinders and planes of `cones.step` are not read back.
 ///
 /// # Errors
 /// Data that a format cannot hold.
-pub fn files(outcome: &mut Outcome, time: &str) -> Result<Vec<File>, BundleError> {
+///
+/// # Example
+/// ```
+/// let plate = torse::read_step(include_bytes!("../../../../data/cylinder_holes.step"))?;
+/// let mut answer = torse::approximate(&plate, &torse::Approximate::new(0.5))?;
+/// let files = torse::files(&mut answer, "2026-01-31T12:00:00")?;
+/// assert!(files.iter().any(|(name, bytes)| name == "patterns.dxf" && !bytes.is_empty()));
+/// assert_eq!(answer.status(), torse::Status::Certified);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn files(answer: &mut Answer, time: &str) -> Result<Vec<File>, BundleError> {
     // Marks are no part of what is judged: first as if there were none, then with those that came of it.
-    let mut shown = present_marked(outcome, Marks::none(outcome));
-    let mut geometry = bundle::geometry(outcome, &shown, time)?;
-    judge(outcome, &geometry);
-    let marks = Marks::of(outcome);
+    let mut shown = present_marked(answer, Marks::none(answer));
+    let mut geometry = bundle::geometry(answer, &shown, time)?;
+    judge(answer, &geometry);
+    let marks = Marks::of(answer);
     if marks.any() {
-        shown = present_marked(outcome, marks);
-        geometry = bundle::geometry(outcome, &shown, time)?;
+        shown = present_marked(answer, marks);
+        geometry = bundle::geometry(answer, &shown, time)?;
     }
-    bundle::with_reports(outcome, &shown, geometry)
+    bundle::with_reports(answer, &shown, geometry)
 }
 
-/// Compares files with what was judged; what does not agree, or is off by more than the tolerance leaves, ends the
-/// certificate.
-pub fn judge(outcome: &mut Outcome, files: &[File]) {
-    outcome.written = files
+/// What a drawing may be off patterns that are only measured, as a share of the tolerance.
+const DRAWN_SHARE: f64 = 1e-3;
+
+/// Compares files with what was judged; what does not agree, takes a proven distance beyond its limit, or is off by more
+/// than the tolerance leaves, ends the certificate.
+pub fn judge(answer: &mut Answer, files: &[File]) {
+    answer.written = files
         .par_iter()
         .filter_map(|(name, bytes)| {
-            let found = if name.ends_with(".step") {
-                let faces = step::read::own::faces(bytes);
-                written::of(faces, |faces| written::panels(&outcome.patchwork, faces))
-            } else {
-                drawing(name, bytes, &outcome.patterns)?
-            };
+            let found = if name == PANELS { panels(answer, bytes) } else { drawing(name, bytes, &answer.patterns)? };
             Some((name.clone(), found))
         })
         .collect();
-    outcome.claims.extend(outcome.written.iter().map(|(_, found)| found.claim()));
-    // What the patterns are off already; panels have what writing moves among their bounds.
-    let drawn = outcome.flat.iter().map(|f| f.drawing_bound()).fold(0.0, f64::max);
-    for (name, found) in &outcome.written {
-        let reason = if !found.reason().is_empty() {
-            format!("{name}: {}", found.reason())
-        } else if !name.ends_with(".step") && drawn + found.bound() > outcome.tolerance {
-            format!("{name} is {:.3e} mm from the patterns that were judged", found.bound())
-        } else {
-            continue;
-        };
-        outcome.claims.push(Claim::objection(Subject::Whole, reason));
-    }
-}
-
-/// All files of the answer of a job that makes strips. `time` stamps the STEP header.
-///
-/// *Guarantee*: the answer stays certified only if the bytes of the files, read back, are what was judged.
-///
-/// # Errors
-/// Data that a format cannot hold.
-pub fn strip_files(answer: &mut Sheets, time: &str) -> Result<Vec<File>, BundleError> {
-    let mut shown = present_sheets_marked(answer, Marks::none_of_sheets(answer));
-    let mut geometry = sheets::geometry(answer, &shown, time)?;
-    judge_strips(answer, &geometry);
-    let marks = Marks::of_sheets(answer);
-    if marks.any() {
-        shown = present_sheets_marked(answer, marks);
-        geometry = sheets::geometry(answer, &shown, time)?;
-    }
-    sheets::with_reports(answer, &shown, geometry)
-}
-
-/// All files of cones; as [`strip_files`], but that the faces of the CAD file, cones and cylinders by their axes, are not
-/// read back.
-///
-/// # Errors
-/// Data that a format cannot hold.
-pub fn cone_files(answer: &mut ConesOutcome, time: &str) -> Result<Vec<File>, BundleError> {
-    let mut shown = cone_shapes::present_marked(answer, Marks::none_of_sheets(&answer.sheets));
-    let mut geometry = cones::geometry(&answer.sheets, &answer.bodies, &shown, time)?;
-    judge_strips(&mut answer.sheets, &geometry);
-    let marks = Marks::of_sheets(&answer.sheets);
-    if marks.any() {
-        shown = cone_shapes::present_marked(answer, marks);
-        geometry = cones::geometry(&answer.sheets, &answer.bodies, &shown, time)?;
-    }
-    sheets::with_reports(&answer.sheets, &shown, geometry)
-}
-
-/// What a drawing may be off its patterns, which are measured, as a share of the tolerance.
-const DRAWN_SHARE: f64 = 1e-3;
-
-/// Compares files of strips with what was judged; what does not agree, or takes a proven distance beyond its limit, ends
-/// the certificate.
-pub fn judge_strips(answer: &mut Sheets, files: &[File]) {
-    let judged: Vec<(&str, WrittenCertificate)> = files
-        .par_iter()
-        .filter_map(|(name, bytes)| {
-            let found = if name == sheets::STRIPS {
-                let faces = step::read::own::strips(bytes);
-                written::of(faces, |faces| written_strips::strips(&answer.strips, faces))
-            } else {
-                drawing(name, bytes, &answer.patterns)?
-            };
-            Some((name.as_str(), found))
-        })
-        .collect();
-    let worst = UpperBound::largest(judged.iter().map(|(_, found)| found.proven()));
+    // What the patterns are off already; panels that cover faces have what writing moves among their bounds.
+    let drawn = answer.flat.iter().map(|f| f.drawing_bound()).reduce(f64::max);
+    let left = drawn.map_or(DRAWN_SHARE * answer.tolerance, |d| answer.tolerance - d);
     let mut objections = Vec::new();
-    for (name, found) in &judged {
+    for (name, found) in &answer.written {
         let off = format!("{name} is {:.3e} mm from what was judged", found.bound());
         let reason = if !found.reason().is_empty() {
             Some(format!("{name}: {}", found.reason()))
-        } else if *name == sheets::STRIPS {
+        } else if name == PANELS {
             answer.claims.iter().any(|c| breaks(c, found.bound())).then_some(off)
         } else {
-            (found.bound() > DRAWN_SHARE * answer.tolerance).then_some(off)
+            (found.bound() > left).then_some(off)
         };
         objections.extend(reason.map(|r| Claim::objection(Subject::Whole, r)));
     }
+    let worst = UpperBound::largest(answer.written.iter().map(|(_, found)| found.proven()));
     answer.claims.push(Claim::at_most(What::WrittenDistance, Subject::Whole, worst));
     answer.claims.extend(objections);
+}
+
+/// The file of panels against what was judged.
+fn panels(answer: &Answer, bytes: &[u8]) -> WrittenCertificate {
+    if answer.covers_faces() {
+        return written::of(step::read::own::faces(bytes), |faces| written::panels(&answer.patchwork, faces));
+    }
+    let strips: Vec<&Strip> = answer.patchwork.panels.iter().map(|p| &p.strip).collect();
+    written::of(step::read::own::strips(bytes), |faces| written_strips::strips(&strips, faces))
 }
 
 /// Whether a proven distance that keeps to its limit would not any more if the strips moved by `off` (mm).

@@ -1,6 +1,7 @@
 //! From measured points to developable strips: estimate, segment, fit, prove, develop.
 
-use crate::answer::sheets::{FieldMeaning, FlatPart, PointMap, Sheets, StripField};
+use crate::answer::skipped::Skipped;
+use crate::answer::{Answer, Job, PointMap};
 use crate::certify::claim::{Claim, Counted, Subject, What};
 use crate::certify::points::{points as certified, PointCertificate};
 use crate::control::Control;
@@ -8,6 +9,7 @@ use crate::develop::map::Development;
 use crate::develop::scanned::{cut_back, outline};
 use crate::develop::strip::StripOptions;
 use crate::develop::view::Drawn;
+use crate::draw::field::{FieldMeaning, PanelField};
 use crate::fit::cloud::core;
 use crate::fit::cloud::estimates::{estimates, Estimates};
 use crate::fit::cloud::extent::{assigned, polished, strip, widened};
@@ -19,6 +21,8 @@ use crate::fit::near::samples::Fit;
 use crate::geom::cloud::Cloud;
 use crate::geom::coarse::{Coarse, Loose};
 use crate::geom::{Vec2, Vec3};
+use crate::patchwork::panel::Patchwork;
+use crate::patchwork::part::Part;
 use crate::patchwork::pattern::Pattern;
 use crate::search::strips::cut::cut;
 use crate::search::strips::judgement::SQUARE_METRES;
@@ -51,17 +55,6 @@ impl FitOptions {
     }
 }
 
-/// The answer: strips with their files' data, and the proof point by point.
-#[derive(Debug)]
-pub struct FitOutcome {
-    /// Strips, figures, patterns.
-    pub sheets: Sheets,
-    /// Proven distance of every measured point.
-    pub certificate: PointCertificate,
-    /// Estimated noise of the measurement (root mean square), mm.
-    pub noise_estimate: f64,
-}
-
 /// Points of regions smaller than this share of the cloud are left to the other strips, if these are near.
 const CRUMB: f64 = 0.01;
 
@@ -75,7 +68,17 @@ const CRUMB: f64 = 0.01;
 ///
 /// # Errors
 /// See [`CloudError`].
-pub fn fit(cloud: &Cloud, options: &FitOptions, control: &Control) -> Result<FitOutcome, CloudError> {
+///
+/// # Example
+/// ```
+/// use torse::geom::{cloud::Cloud, Vec3};
+/// let point = |k: i32| Vec3::new(f64::from(k % 20), f64::from(k / 20), 0.0);
+/// let scan = Cloud { points: (0..400).map(point).collect(), ..Cloud::default() };
+/// let answer = torse::fit(&scan, &torse::FitOptions::new(0.1, "sheet"), &torse::Control::default())?;
+/// assert_eq!((answer.status(), answer.parts.len()), (torse::Status::Certified, 1));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn fit(cloud: &Cloud, options: &FitOptions, control: &Control) -> Result<Answer, CloudError> {
     let clock = std::time::Instant::now();
     if !(options.tolerance > 0.0 && options.tolerance.is_finite()) {
         return Err(CloudError::Tolerance(options.tolerance));
@@ -130,8 +133,8 @@ pub fn fit(cloud: &Cloud, options: &FitOptions, control: &Control) -> Result<Fit
     drop(moved);
     // 5. Flat parts.
     control.report("developing", 0.9, String::new());
-    let chains: Vec<FlatPart> = (strips.iter().enumerate())
-        .map(|(i, s)| FlatPart { name: s.name.clone(), first: i, count: 1, missing: String::new() })
+    let chains: Vec<Part> = (strips.iter().enumerate())
+        .map(|(i, s)| Part { name: s.name.clone(), first: i, count: 1, missing: String::new() })
         .collect();
     let flat = StripOptions { drawn: options.drawn, ..StripOptions::new(0.1 * options.tolerance) };
     let (parts, mut patterns) = cut(&strips, &chains, &flat);
@@ -181,12 +184,9 @@ pub fn fit(cloud: &Cloud, options: &FitOptions, control: &Control) -> Result<Fit
         claims.extend(broken.into_iter().map(|reason| Claim::objection(whole, reason)));
     }
     claims.extend(claims_of_strips(&strips, &certificate, options.tolerance));
-    let sheets = Sheets {
-        job: "fit".into(),
-        input: options.input.clone(),
-        tolerance: options.tolerance,
+    Ok(Answer {
         claims,
-        strips,
+        patchwork: Patchwork::of_strips(strips),
         fields,
         points: PointMap {
             places: cloud.points.clone(),
@@ -196,18 +196,17 @@ pub fn fit(cloud: &Cloud, options: &FitOptions, control: &Control) -> Result<Fit
         meaning: FieldMeaning { name: "deviation".into(), unit: "mm".into(), limit: options.tolerance },
         parts,
         patterns,
-        guides: Vec::new(),
         notes,
-        skipped,
+        skipped: skipped.into_iter().map(Skipped::from).collect(),
         seconds: clock.elapsed().as_secs_f64(),
-    };
-    Ok(FitOutcome { sheets, certificate, noise_estimate: found.noise })
+        ..Answer::new(Job::Fit, &options.input, options.tolerance)
+    })
 }
 
 /// Cuts flat patterns back to the border of the points within `near` (mm) of their strips, and says so.
 fn outlined(
     strips: &[Strip],
-    parts: &[FlatPart],
+    parts: &[Part],
     patterns: &mut [Pattern],
     (certificate, near): (&PointCertificate, f64),
     side: f64,
@@ -563,7 +562,7 @@ fn claims_of_strips(strips: &[Strip], c: &PointCertificate, tolerance: f64) -> V
 
 /// Mean signed distance of the points around the places of a grid; empty places take their neighbours' mean. Points far
 /// beyond the tolerance do not belong to the strip and do not count here; the map of points shows them.
-fn fields(strips: &[Strip], c: &PointCertificate, tolerance: f64) -> Vec<StripField> {
+fn fields(strips: &[Strip], c: &PointCertificate, tolerance: f64) -> Vec<PanelField> {
     const FAR: f64 = 10.0;
     const ALONG: usize = 48;
     const ACROSS: usize = 24;
@@ -605,7 +604,7 @@ fn fields(strips: &[Strip], c: &PointCertificate, tolerance: f64) -> Vec<StripFi
                 }
             }
             let (a, b) = s.domain();
-            StripField {
+            PanelField {
                 u: grid(ALONG, a, b),
                 v: grid(ACROSS, 0.0, 1.0),
                 values: values.into_iter().map(|v| v.unwrap_or(0.0)).collect(),

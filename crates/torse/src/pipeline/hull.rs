@@ -3,7 +3,8 @@
 //! Reads like the page that describes it: find the rulings on which the hull rests, make exact strips along them, have
 //! rails and twist judged, develop.
 
-use crate::answer::sheets::{FieldMeaning, FlatPart, Guide, Sheets, StripField};
+use crate::answer::skipped::Skipped;
+use crate::answer::{Answer, Guide, Job};
 use crate::certify::claim::{Claim, Counted, Subject, What};
 use crate::certify::rails::twist_bound;
 use crate::control::Control;
@@ -13,7 +14,10 @@ use crate::design::hull::{hull as rulings_of_hull, Hull, HullError};
 use crate::design::loft::build::BuildOptions;
 use crate::develop::strip::StripOptions;
 use crate::develop::view::Drawn;
+use crate::draw::field::{FieldMeaning, PanelField};
 use crate::geom::coarse::Loose;
+use crate::patchwork::panel::Patchwork;
+use crate::patchwork::part::Part;
 use crate::search::strips::cut::{claims as flat_claims, cut_until, spacing_notes};
 use crate::search::strips::judgement::{findings, summed, Candidate, Found, SQUARE_METRES};
 use crate::torse::rail::Rail;
@@ -77,7 +81,21 @@ const TWIST_SHARE: f64 = 0.1;
 ///
 /// # Errors
 /// No curves, curves in one plane, a tolerance that is not positive.
-pub fn hull(curves: &[Rail], options: &Options, control: &Control) -> Result<Sheets, HullError> {
+///
+/// # Example
+/// ```
+/// use torse::io::curves::CurveOptions;
+/// let square = include_bytes!("../../../../data/duct_square.dxf");
+/// let round = include_bytes!("../../../../data/duct_round.dxf");
+/// let curves = [
+///     torse::read_curve(square, &CurveOptions::new("square"))?.0,
+///     torse::read_curve(round, &CurveOptions::new("round"))?.0,
+/// ];
+/// let answer = torse::hull(&curves, &torse::Hull::new(0.1), &torse::Control::default())?;
+/// assert_eq!(answer.status(), torse::Status::Certified);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn hull(curves: &[Rail], options: &Options, control: &Control) -> Result<Answer, HullError> {
     let start = Instant::now();
     let tolerance = options.tolerance;
     if !(tolerance > 0.0 && tolerance.is_finite()) {
@@ -125,21 +143,18 @@ pub fn hull(curves: &[Rail], options: &Options, control: &Control) -> Result<She
     let stopped = control.stopped().then(|| "the job was stopped early".to_owned());
     claims.extend(kept.missing.into_iter().chain(stopped).map(|reason| Claim::objection(whole, reason)));
     claims.extend(kept.of_strips);
-    Ok(Sheets {
-        job: "hull".into(),
-        input: options.input.clone(),
-        tolerance,
+    Ok(Answer {
         claims,
-        strips: kept.strips,
+        patchwork: Patchwork::of_strips(kept.strips),
         fields: kept.fields,
-        points: Default::default(),
         meaning: kept.meaning,
         parts,
         patterns,
         guides: curves.iter().map(|r| Guide { name: r.name.clone(), points: r.samples(200) }).collect(),
         notes,
-        skipped: kept.skipped,
+        skipped: kept.skipped.into_iter().map(Skipped::from).collect(),
         seconds: start.elapsed().as_secs_f64(),
+        ..Answer::new(Job::Hull, &options.input, options.tolerance)
     })
 }
 
@@ -166,9 +181,9 @@ fn notes(curves: &[Rail], found: &Hull, made: &[HullPart], tolerance: f64) -> Ve
 #[derive(Default)]
 struct Kept {
     strips: Vec<Strip>,
-    fields: Vec<StripField>,
+    fields: Vec<PanelField>,
     meaning: FieldMeaning,
-    parts: Vec<FlatPart>,
+    parts: Vec<Part>,
     skipped: Vec<String>,
     claims: Vec<Claim>,
     of_strips: Vec<Claim>,
@@ -222,7 +237,7 @@ fn kept(
             let index = out.strips.len();
             written.push((Candidate { index, ..*c }, f));
             out.strips.push(c.built.strip.clone());
-            out.fields.push(StripField::default());
+            out.fields.push(PanelField::default());
             match runs.last_mut().filter(|_| joined) {
                 Some(run) => run.1 += 1,
                 None => runs.push((index, 1)),
@@ -235,12 +250,12 @@ fn kept(
         if let Some(facet) = &part.facet {
             facets.push((out.strips.len(), facet));
             runs.push((out.strips.len(), 1));
-            out.fields.push(StripField { u: vec![0.0, 1.0], v: vec![0.0, 1.0], values: vec![0.0; 4] });
+            out.fields.push(PanelField { u: vec![0.0, 1.0], v: vec![0.0, 1.0], values: vec![0.0; 4] });
             out.strips.push(facet.clone());
         }
         for (i, &(first, count)) in runs.iter().enumerate() {
             let name = if runs.len() > 1 { format!("{name}.{}", i + 1) } else { name.clone() };
-            out.parts.push(FlatPart { name, first, count, missing: String::new() });
+            out.parts.push(Part { name, first, count, missing: String::new() });
         }
     }
     let skipped = out.skipped.len();
@@ -318,10 +333,10 @@ mod tests {
     #[test]
     fn circle_and_ellipse_are_joined_and_certified() {
         let curves = [ellipse("low", Vec3::zeros(), 300.0, 300.0), ellipse("high", Vec3::z() * 400.0, 500.0, 200.0)];
-        let sheets = hull(&curves, &Options::new(0.1), &Control::default()).expect("sheets");
-        assert_eq!(sheets.status(), Status::Certified, "{:?}", sheets.claims);
-        assert_eq!(sheets.notes.iter().filter(|n| n.contains("left open")).count(), 2);
-        assert!(!sheets.patterns.is_empty());
+        let answer = hull(&curves, &Options::new(0.1), &Control::default()).expect("an answer");
+        assert_eq!(answer.status(), Status::Certified, "{:?}", answer.claims);
+        assert_eq!(answer.notes.iter().filter(|n| n.contains("left open")).count(), 2);
+        assert!(!answer.patterns.is_empty());
     }
 
     #[test]
@@ -338,14 +353,14 @@ mod tests {
             let (c, _) = SpaceCurve::Ellipse { frame, a: 100.0, b: 100.0 }.to_spline(0.0, TAU).expect("spline");
             Rail::new(&format!("circle {k}"), &[c]).expect("rail")
         });
-        let sheets = hull(&curves, &Options::new(0.1), &Control::default()).expect("sheets");
-        assert_eq!(sheets.status(), Status::Certified, "{:?} {:?}", sheets.claims, sheets.notes);
+        let answer = hull(&curves, &Options::new(0.1), &Control::default()).expect("an answer");
+        assert_eq!(answer.status(), Status::Certified, "{:?} {:?}", answer.claims, answer.notes);
         let upright = |s: &&Strip| {
             let p = s.patch.control.iter().map(|c| c[2] / c[3]).collect::<Vec<_>>();
             p.iter().all(|z| (z.abs() - 100.0).abs() < 1e-9)
         };
         // Planes z = ±100 touch all three circles at their tops and bottoms.
-        assert_eq!(sheets.strips.iter().filter(upright).count(), 2);
+        assert_eq!(answer.strips().filter(upright).count(), 2);
     }
 
     #[test]
@@ -357,17 +372,17 @@ mod tests {
             Rail::through("curve", &points).expect("rail")
         };
         let options = Options { samples: 48, ..Options::new(0.5) };
-        let sheets = hull(&[row(&wave), row(&cap)], &options, &Control::default()).expect("sheets");
-        assert!(sheets.claims.iter().all(|c| !c.is_unknown()), "{:?}", sheets.claims);
+        let answer = hull(&[row(&wave), row(&cap)], &options, &Control::default()).expect("an answer");
+        assert!(answer.claims.iter().all(|c| !c.is_unknown()), "{:?}", answer.claims);
         let twist = |c: &&Claim| c.what() == What::Twist;
-        for bound in sheets.claims.iter().filter(twist).filter(|c| c.evidence() == Evidence::Proven) {
+        for bound in answer.claims.iter().filter(twist).filter(|c| c.evidence() == Evidence::Proven) {
             let measured = |c: &&Claim| c.evidence() == Evidence::Measured && c.subject() == bound.subject();
-            for c in sheets.claims.iter().filter(twist).filter(measured) {
+            for c in answer.claims.iter().filter(twist).filter(measured) {
                 assert!(c.value() <= bound.value(), "{c:?} {bound:?}");
             }
         }
         // What is written has bounds; the rest is named.
-        assert!(sheets.strips.iter().all(|s| sheets.skipped.iter().all(|n| !n.contains(&s.name))));
+        assert!(answer.strips().all(|s| answer.skipped.iter().all(|n| !n.reason.contains(&s.name))));
     }
 
     #[test]
@@ -379,12 +394,12 @@ mod tests {
         };
         let curves = [row(700, 300.0, 300.0, 0.0), row(500, 500.0, 200.0, 400.0)];
         let options = Options { samples: 64, ..Options::new(0.1) };
-        let sheets = hull(&curves, &options, &Control::default()).expect("sheets");
-        assert_eq!(sheets.status(), Status::Certified, "{:?} {:?}", sheets.claims, sheets.skipped);
-        let spans: usize = sheets.strips.iter().map(|s| s.patch.knots_u.breaks().len() - 1).sum();
+        let answer = hull(&curves, &options, &Control::default()).expect("an answer");
+        assert_eq!(answer.status(), Status::Certified, "{:?} {:?}", answer.claims, answer.skipped);
+        let spans: usize = answer.strips().map(|s| s.patch.knots_u.breaks().len() - 1).sum();
         assert!(spans < 600, "{spans}");
         // Fitted to the curves, not laid between them.
-        assert!(sheets.claims.iter().any(|c| c.what() == What::Count(Counted::ExactStrips) && c.value() == 0.0));
+        assert!(answer.claims.iter().any(|c| c.what() == What::Count(Counted::ExactStrips) && c.value() == 0.0));
     }
 
     #[test]
@@ -392,9 +407,9 @@ mod tests {
         let curves = [ellipse("low", Vec3::zeros(), 300.0, 300.0), ellipse("high", Vec3::z() * 400.0, 500.0, 200.0)];
         let control = Control::default();
         control.cancel();
-        let sheets = hull(&curves, &Options::new(0.1), &control).expect("sheets");
+        let answer = hull(&curves, &Options::new(0.1), &control).expect("an answer");
         let told = |c: &Claim| c.what() == What::Objection && c.reason().contains("stopped early");
-        assert!(sheets.strips.is_empty() && sheets.claims.iter().any(told), "{:?}", sheets.claims);
+        assert!(answer.patchwork.panels.is_empty() && answer.claims.iter().any(told), "{:?}", answer.claims);
     }
 
     #[test]

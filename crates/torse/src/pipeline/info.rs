@@ -3,7 +3,7 @@
 //! Curvatures from the fundamental forms \[DC76\]; areas from [`crate::brep::area`].
 
 use crate::brep::area::area_estimate;
-use crate::brep::face::{Face, SurfaceKind, TrimLoop};
+use crate::brep::face::{Face, TrimLoop};
 use crate::geom::{BBox, Vec3};
 use crate::spline::surface::SurfaceJet;
 use rayon::prelude::*;
@@ -92,6 +92,13 @@ impl FaceInfo {
 }
 
 /// Measures faces, each on its own, on all cores.
+///
+/// # Example
+/// ```
+/// let plate = torse::read_step(include_bytes!("../../../../data/cylinder_holes.step"))?;
+/// assert_eq!(torse::measure(&plate.faces)[0].character(), "developable");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn measure(faces: &[Face]) -> Vec<FaceInfo> {
     faces.par_iter().map(measure_face).collect()
 }
@@ -139,28 +146,13 @@ pub fn measure_face(face: &Face) -> FaceInfo {
     }
     let noise = ROUNDING / bbox_estimate.diagonal();
     FaceInfo {
-        kind: kind_name(face.kind),
+        kind: face.kind.name(),
         holes: face.loops.len().saturating_sub(1),
         bbox_estimate,
         area_estimate: area_estimate(face),
         curvature_min: kmin.cleared(noise),
         curvature_max: kmax.cleared(noise),
         gaussian: gaussian.cleared(noise * noise / ROUNDING),
-    }
-}
-
-/// Word for the kind of a surface.
-pub fn kind_name(kind: SurfaceKind) -> &'static str {
-    match kind {
-        SurfaceKind::Plane => "plane",
-        SurfaceKind::Cylinder => "cylinder",
-        SurfaceKind::Cone => "cone",
-        SurfaceKind::Sphere => "sphere",
-        SurfaceKind::Torus => "torus",
-        SurfaceKind::Extrusion => "extrusion",
-        SurfaceKind::Revolution => "revolution",
-        SurfaceKind::Offset => "offset",
-        SurfaceKind::Spline => "spline",
     }
 }
 

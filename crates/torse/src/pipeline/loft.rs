@@ -3,7 +3,7 @@
 //! Reads like the page that describes it: find all branches of common tangent planes, follow the best one, fit it,
 //! have rails and twist judged, develop; where there is no branch, take the strip of least twist and say so.
 
-use crate::answer::sheets::{FlatPart, Guide, Sheets};
+use crate::answer::{Answer, Guide, Job};
 use crate::certify::claim::{Claim, Counted, Subject, What};
 use crate::control::Control;
 use crate::design::loft::alternatives::{alternatives, greatest_twist};
@@ -15,6 +15,8 @@ use crate::design::loft::{apart, LoftError};
 use crate::develop::strip::StripOptions;
 use crate::develop::view::Drawn;
 use crate::geom::coarse::Loose;
+use crate::patchwork::panel::Patchwork;
+use crate::patchwork::part::Part;
 use crate::search::strips::cut::{claims as flat_claims, cut, spacing_notes};
 use crate::search::strips::exact_strip::exact_strips;
 use crate::search::strips::judgement::{judge, Candidate};
@@ -109,7 +111,18 @@ const ALTERNATIVES: usize = 5;
 ///
 /// # Errors
 /// Rails that touch, no branch where one is demanded, fixed rulings out of order, a tolerance that is not positive.
-pub fn loft(a: &Rail, b: &Rail, options: &Options, control: &Control) -> Result<Sheets, LoftError> {
+///
+/// # Example
+/// ```
+/// use torse::geom::Vec3;
+/// use torse::torse::rail::Rail;
+/// let low = Rail::polyline("low", &[Vec3::zeros(), Vec3::new(300.0, 0.0, 0.0)])?;
+/// let high = Rail::polyline("high", &[Vec3::new(20.0, 0.0, 80.0), Vec3::new(250.0, 0.0, 90.0)])?;
+/// let answer = torse::loft(&low, &high, &torse::Loft::new(0.1), &torse::Control::default())?;
+/// assert_eq!((answer.status(), answer.parts.len()), (torse::Status::Certified, 1));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn loft(a: &Rail, b: &Rail, options: &Options, control: &Control) -> Result<Answer, LoftError> {
     let start = Instant::now();
     let tolerance = options.tolerance;
     if !(tolerance > 0.0 && tolerance.is_finite()) {
@@ -448,7 +461,7 @@ fn judged(
     options: &Options,
     mut notes: Vec<String>,
     start: Instant,
-) -> Sheets {
+) -> Answer {
     let pieces: Vec<Candidate> =
         built.iter().enumerate().map(|(index, built)| Candidate { index, built, rails: rails.map(Some) }).collect();
     let judgement = judge(&pieces, [What::FromCurve(0), What::FromCurve(1)], options.twist_tolerance);
@@ -479,7 +492,7 @@ fn judged(
         drawn: options.drawn,
         ..StripOptions::new((CONTOUR_SHARE * options.tolerance).max(1e4 * FINEST * size(rails)))
     };
-    let chain = FlatPart { name: "A".into(), first: 0, count: strips.len(), missing: String::new() };
+    let chain = Part { name: "A".into(), first: 0, count: strips.len(), missing: String::new() };
     let (parts, patterns) = cut(&strips, &[chain], &flat);
     notes.extend(spacing_notes(&patterns, &flat));
     if closed {
@@ -493,21 +506,17 @@ fn judged(
     claims.extend(missing.into_iter().map(|reason| Claim::objection(whole, reason)));
     claims.extend(judgement.claims);
     let guides = given.iter().map(|r| Guide { name: r.name.clone(), points: r.samples(200) }).collect();
-    Sheets {
-        job: "loft".into(),
-        input: options.input.clone(),
-        tolerance: options.tolerance,
+    Answer {
         claims,
-        strips,
+        patchwork: Patchwork::of_strips(strips),
         fields: judgement.fields,
-        points: Default::default(),
         meaning: judgement.meaning,
         parts,
         patterns,
         guides,
         notes,
-        skipped: Vec::new(),
         seconds: start.elapsed().as_secs_f64(),
+        ..Answer::new(Job::Loft, &options.input, options.tolerance)
     }
 }
 
@@ -521,11 +530,11 @@ mod tests {
     use crate::torse::form::PanelKind;
     use std::f64::consts::TAU;
 
-    fn made(a: &Rail, b: &Rail, options: &Options) -> Sheets {
-        loft(a, b, options, &Control::default()).expect("sheets")
+    fn made(a: &Rail, b: &Rail, options: &Options) -> Answer {
+        loft(a, b, options, &Control::default()).expect("an answer")
     }
 
-    fn figure(s: &Sheets, name: &str) -> f64 {
+    fn figure(s: &Answer, name: &str) -> f64 {
         let curves: Vec<String> = s.guides.iter().map(|g| g.name.clone()).collect();
         s.claims_of(Subject::Whole).find(|c| words::name(c, &curves) == name).map_or(f64::NAN, Claim::value)
     }
@@ -550,10 +559,14 @@ mod tests {
     fn a_duct_is_four_triangles_and_four_cones_wherever_its_drawings_start() {
         for seam in [0.0, 0.4, 2.0] {
             let (a, b) = duct(seam);
-            let sheets = made(&a, &b, &Options::new(1e-6));
-            assert_eq!(sheets.status(), Status::Certified, "{:?}", sheets.claims);
-            let count = |kind| sheets.strips.iter().filter(|s| s.kind == kind).count();
-            assert_eq!((count(PanelKind::Plane), count(PanelKind::Cone), sheets.strips.len()), (4, 4, 8), "{seam}");
+            let answer = made(&a, &b, &Options::new(1e-6));
+            assert_eq!(answer.status(), Status::Certified, "{:?}", answer.claims);
+            let count = |kind| answer.strips().filter(|s| s.kind == kind).count();
+            assert_eq!(
+                (count(PanelKind::Plane), count(PanelKind::Cone), answer.patchwork.panels.len()),
+                (4, 4, 8),
+                "{seam}"
+            );
         }
     }
 
@@ -562,9 +575,9 @@ mod tests {
         let line = |name: &str, p: Vec3, q: Vec3| Rail::polyline(name, &[p, q]).expect("rail");
         let a = line("a", Vec3::zeros(), Vec3::new(100.0, 0.0, 0.0));
         let b = line("b", Vec3::new(0.0, 100.0, 0.0), Vec3::new(100.0, 100.0, 100.0));
-        let sheets = made(&a, &b, &Options::new(1e-3));
-        let told = sheets.notes.iter().find(|n| n.contains("crease"));
-        assert!(told.is_some_and(|n| n.contains("54.7°") || n.contains("45.0°")), "{:?}", sheets.notes);
+        let answer = made(&a, &b, &Options::new(1e-3));
+        let told = answer.notes.iter().find(|n| n.contains("crease"));
+        assert!(told.is_some_and(|n| n.contains("54.7°") || n.contains("45.0°")), "{:?}", answer.notes);
         // Smooth ones have none.
         let (a, b) = duct(0.4);
         assert!(!made(&a, &b, &Options::new(1e-3)).notes.iter().any(|n| n.contains("crease")));
@@ -589,7 +602,7 @@ mod tests {
         let (a, b) = arcs();
         let with = |ends| made(&a, &b, &Options { ends, ..Options::new(0.01) });
         let ring = |r: f64, s: f64, h: f64, angle: f64| 0.5 * angle * (r + s) * (h * h + (r - s) * (r - s)).sqrt();
-        let area = |s: &Sheets| s.strips.iter().map(Strip::area_estimate).sum::<f64>();
+        let area = |s: &Answer| s.strips().map(Strip::area_estimate).sum::<f64>();
         let trimmed = with(Ends::Trim);
         assert_eq!(trimmed.status(), Status::Uncertified);
         let reason = words::reason(&trimmed.claims, &[]);
@@ -601,7 +614,7 @@ mod tests {
         let fanned = with(Ends::Fan);
         assert_eq!(fanned.status(), Status::Certified, "{:?} {:?}", fanned.claims, fanned.notes);
         let tip = a.point(1.0);
-        let fan: Vec<&Strip> = fanned.strips.iter().filter(|s| s.is_point(0)).collect();
+        let fan: Vec<&Strip> = fanned.strips().filter(|s| s.is_point(0)).collect();
         assert_eq!(fan.len(), 1);
         assert!((fan[0].ruling(0.5)[0] - tip).norm() < 1e-9);
         assert!((fan[0].ruling(1.0)[1] - b.point(1.0)).norm() < 1e-9);
@@ -630,10 +643,10 @@ mod tests {
             )
         };
         let (p, q) = (at(&a, 0.5), at(&b, 0.3));
-        let met = fixed.strips.iter().flat_map(|s| [s.ruling(0.0), s.ruling(1.0)]);
+        let met = fixed.strips().flat_map(|s| [s.ruling(0.0), s.ruling(1.0)]);
         // Within the step of the search above.
         assert!(met.into_iter().any(|r| (r[0] - p).norm() < 0.1 && (r[1] - q).norm() < 0.1));
-        assert!(fixed.status() == Status::Uncertified && fixed.strips.len() < 10);
+        assert!(fixed.status() == Status::Uncertified && fixed.patchwork.panels.len() < 10);
         assert!(figure(&fixed, "twist") > 1e-3, "{:?} {:?}", fixed.claims, fixed.notes);
         let least = made(&a, &b, &Options { choice: Choice::LeastTwist, ..Options::new(0.01) });
         assert!(least.notes.iter().any(|n| n.contains("least twist")));
@@ -658,7 +671,7 @@ mod tests {
         assert!(s.notes.iter().any(|n| n.contains("exactly developable")), "{:?}", s.notes);
         let stopped = Control::default();
         stopped.cancel();
-        let s = loft(&a, &b, &Options::new(0.01), &stopped).expect("sheets");
+        let s = loft(&a, &b, &Options::new(0.01), &stopped).expect("an answer");
         assert!(
             s.status() == Status::Certified && s.notes.iter().any(|n| n.contains("stopped early")),
             "{:?}",

@@ -3,7 +3,7 @@
 //! Reads like the page that describes it: take the curve as one spline, find all regular nets \[FJ07\], keep the best,
 //! have it judged, develop.
 
-use crate::answer::sheets::{FlatPart, Guide, Sheets};
+use crate::answer::{Answer, Guide, Job};
 use crate::certify::claim::{Claim, Counted, NetNumber, Subject, What};
 use crate::control::Control;
 use crate::design::interpolate::{self, interpolate, EndRulings, InterpolateError, Interpolation, Route, Solution};
@@ -12,6 +12,8 @@ use crate::develop::strip::StripOptions;
 use crate::develop::view::Drawn;
 use crate::geom::coarse::Loose;
 use crate::geom::Vec3;
+use crate::patchwork::panel::Patchwork;
+use crate::patchwork::part::Part;
 use crate::search::strips::cut::{claims as flat_claims, cut, spacing_notes};
 use crate::search::strips::judgement::{judge, Candidate};
 use crate::spline::curve::Curve;
@@ -185,7 +187,19 @@ const CONTOUR_SHARE: f64 = 0.05;
 ///
 /// # Errors
 /// See [`NetJobError`].
-pub fn net(curve: &Rail, options: &Options, control: &Control) -> Result<Sheets, NetJobError> {
+///
+/// # Example
+/// ```
+/// use torse::geom::Vec3;
+/// use torse::pipeline::net::Condition;
+/// let keel = torse::io::net::read(include_bytes!("../../../../data/keel_net.json"), "keel", None)?;
+/// let (first, last) = (keel.first_ruling.ok_or("no ruling")?, keel.last_ruling.ok_or("no ruling")?);
+/// let options = torse::Net::new(0.1, first, Condition::LastRuling { direction: last, width: None });
+/// let answer = torse::net(&keel.curve, &options, &torse::Control::default())?;
+/// assert_eq!(answer.status(), torse::Status::Certified);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn net(curve: &Rail, options: &Options, control: &Control) -> Result<Answer, NetJobError> {
     let start = Instant::now();
     let tolerance = options.tolerance;
     if !(tolerance > 0.0 && tolerance.is_finite()) {
@@ -227,7 +241,7 @@ pub fn net(curve: &Rail, options: &Options, control: &Control) -> Result<Sheets,
 
 /// What was found, in the words of the report.
 #[derive(Default)]
-struct Answer {
+struct Nets {
     nets: Vec<TaperedNet>,
     claims: Vec<Claim>,
     notes: Vec<String>,
@@ -241,7 +255,7 @@ fn by_rulings(
     direction: Vec3,
     width: Option<f64>,
     options: &Options,
-) -> Result<Answer, NetJobError> {
+) -> Result<Nets, NetJobError> {
     // Both rulings in units of the first one's length, so that reaches compare.
     let size = options.first_ruling.norm();
     let unit = direction.try_normalize(0.0).unwrap_or_else(Vec3::zeros);
@@ -255,7 +269,7 @@ fn by_rulings(
     };
     let found = interpolate(given, &rulings, &wanted)
         .map_err(|source| NetJobError::Rulings { curve: curve.name.clone(), source })?;
-    let mut out = Answer::default();
+    let mut out = Nets::default();
     let good: Vec<&Solution> = found.candidates.iter().filter(|s| s.is_good()).collect();
     out.claims.push(Claim::count(Counted::Solutions, Subject::Whole, good.len()));
     tell_candidates(&found, size, &mut out.notes);
@@ -302,7 +316,7 @@ fn tell_candidates(found: &Interpolation, size: f64, notes: &mut Vec<String>) {
 }
 
 /// Which answer was taken, and why.
-fn tell_route(found: &Interpolation, good: usize, out: &mut Answer) {
+fn tell_route(found: &Interpolation, good: usize, out: &mut Nets) {
     use interpolate::Status as Found;
     let why = |route: &Route| {
         match route {
@@ -327,7 +341,7 @@ fn tell_route(found: &Interpolation, good: usize, out: &mut Answer) {
 }
 
 /// The net with given parameters.
-fn by_shape(given: &Curve<4>, curve: &Rail, shape: Shape, options: &Options) -> Result<Answer, NetJobError> {
+fn by_shape(given: &Curve<4>, curve: &Rail, shape: Shape, options: &Options) -> Result<Nets, NetJobError> {
     let fault = |source| NetJobError::Net { curve: curve.name.clone(), source };
     let e = options.first_ruling;
     let tangent = crate::torse::rail::tangent(given, 0.0);
@@ -339,14 +353,14 @@ fn by_shape(given: &Curve<4>, curve: &Rail, shape: Shape, options: &Options) -> 
     let w = given.control[0][3];
     let net = Net::from_first(given.clone(), [e.x * w, e.y * w, e.z * w, 0.0], shape).map_err(fault)?;
     let last = net.ruling(1.0);
-    let mut out = Answer::default();
+    let mut out = Nets::default();
     out.claims.push(Claim::measured(What::LastRuling, Subject::Whole, (last[1] - last[0]).norm()));
     out.nets.push(TaperedNet { net, taper: (1.0, 1.0) });
     Ok(out)
 }
 
 /// The curve over the stretch asked for, as a rail of one piece; nets at its ends are restricted or continued with it.
-fn continued(given: &Curve<4>, curve: &Rail, answer: &mut Answer, options: &Options) -> Result<Rail, NetJobError> {
+fn continued(given: &Curve<4>, curve: &Rail, answer: &mut Nets, options: &Options) -> Result<Rail, NetJobError> {
     let [from, to] = options.along;
     let whole = options.along == [0.0, 1.0];
     let spline = |source| NetJobError::Spline { curve: curve.name.clone(), source };
@@ -433,11 +447,11 @@ fn judged(
     rail: &Rail,
     given: &Rail,
     built: Vec<BuiltStrip>,
-    answer: Answer,
+    answer: Nets,
     options: &Options,
     start: Instant,
-) -> Sheets {
-    let Answer { nets, mut claims, mut notes, mut missing } = answer;
+) -> Answer {
+    let Nets { nets, mut claims, mut notes, mut missing } = answer;
     let pieces: Vec<Candidate> =
         built.iter().enumerate().map(|(index, built)| Candidate { index, built, rails: [Some(rail), None] }).collect();
     let judgement = judge(&pieces, [What::FromCurve(0), What::FromCurve(1)], options.twist_tolerance);
@@ -467,8 +481,8 @@ fn judged(
         drawn: options.drawn,
         ..StripOptions::new(CONTOUR_SHARE * options.tolerance)
     };
-    let chains: Vec<FlatPart> = (!strips.is_empty())
-        .then(|| FlatPart { name: "A".into(), first: 0, count: strips.len(), missing: String::new() })
+    let chains: Vec<Part> = (!strips.is_empty())
+        .then(|| Part { name: "A".into(), first: 0, count: strips.len(), missing: String::new() })
         .into_iter()
         .collect();
     let (parts, patterns) = cut(&strips, &chains, &flat);
@@ -494,21 +508,17 @@ fn judged(
     }
     claims.extend(missing.into_iter().map(|reason| Claim::objection(whole, reason)));
     claims.extend(judgement.claims);
-    Sheets {
-        job: "net".into(),
-        input: options.input.clone(),
-        tolerance: options.tolerance,
+    Answer {
         claims,
-        strips,
+        patchwork: Patchwork::of_strips(strips),
         fields: judgement.fields,
         meaning: judgement.meaning,
         parts,
         patterns,
         guides: vec![Guide { name: given.name.clone(), points: given.samples(200) }],
         notes,
-        points: Default::default(),
-        skipped: Vec::new(),
         seconds: start.elapsed().as_secs_f64(),
+        ..Answer::new(Job::Net, &options.input, options.tolerance)
     }
 }
 
@@ -535,11 +545,11 @@ mod tests {
         Condition::LastRuling { direction: Vec3::new(x, y, z), width }
     }
 
-    fn made(options: &Options) -> Sheets {
-        net(&keel(), options, &Control::default()).expect("sheets")
+    fn made(options: &Options) -> Answer {
+        net(&keel(), options, &Control::default()).expect("an answer")
     }
 
-    fn figure(s: &Sheets, name: &str) -> f64 {
+    fn figure(s: &Answer, name: &str) -> f64 {
         let curves: Vec<String> = s.guides.iter().map(|g| g.name.clone()).collect();
         s.claims_of(Subject::Whole).find(|c| words::name(c, &curves) == name).map_or(f64::NAN, Claim::value)
     }
@@ -552,11 +562,11 @@ mod tests {
         assert!((figure(&s, "Λ*") - 1.362_462_674_853_677_2).abs() < 1e-9);
         assert!(figure(&s, "from keel") < 1e-9 && figure(&s, "twist, bound") < 1e-8);
         assert!(s.notes.iter().any(|n| n.contains("196.9473 times")), "{:?}", s.notes);
-        let end = s.strips[0].ruling(1.0)[1];
+        let end = s.patchwork.panels[0].strip.ruling(1.0)[1];
         let expected = Vec3::new(3.994_013_734_506_109, 0.023_945_061_975_563, 0.127_993_132_746_945) * 250.0;
         assert!((end - expected).norm() < 1e-6, "{end}");
         let both = made(&Options::new(1e-3, first(), last(-0.25, 1.0, 0.125, Some(200.0))));
-        let r = both.strips[0].ruling(1.0);
+        let r = both.patchwork.panels[0].strip.ruling(1.0);
         assert!(both.status() == Status::Certified && ((r[1] - r[0]).norm() - 200.0).abs() < 1e-9);
     }
 
@@ -569,10 +579,10 @@ mod tests {
         ] {
             for along in [[0.0, 1.0], [-0.05, 1.1], [0.2, 0.7]] {
                 let s = made(&Options { along, ..Options::new(1e-3, first(), condition) });
-                assert_eq!((s.status(), s.strips[0].kind), (Status::Certified, kind), "{along:?}");
+                assert_eq!((s.status(), s.patchwork.panels[0].strip.kind), (Status::Certified, kind), "{along:?}");
                 assert!(figure(&s, "from keel") < 1e-8, "{along:?} {:?}", s.claims);
                 let end = keel().pieces[0].extended(-1.0, 2.0).expect("curve").point(along[1]);
-                assert!((s.strips[0].ruling(1.0)[0] - Vec3::new(end[0], end[1], end[2])).norm() < 1e-9);
+                assert!((s.patchwork.panels[0].strip.ruling(1.0)[0] - Vec3::new(end[0], end[1], end[2])).norm() < 1e-9);
             }
         }
     }
@@ -582,7 +592,7 @@ mod tests {
         let s = made(&Options { polynomial: true, ..Options::new(1e-3, first(), last(0.0, -1.0, 0.5, None)) });
         assert_eq!(s.status(), Status::Uncertified);
         let reason = words::reason(&s.claims, &[]);
-        assert!(reason.contains("pattern ++++") && s.strips.is_empty() && s.patterns.is_empty(), "{reason}");
+        assert!(reason.contains("pattern ++++") && s.patchwork.panels.is_empty() && s.patterns.is_empty(), "{reason}");
         let s = made(&Options::new(1e-3, first(), Condition::Stars { m_star: 0.7, lambda_star: 1.4 }));
         assert_eq!(s.status(), Status::Uncertified);
         let reason = words::reason(&s.claims, &[]);

@@ -2,7 +2,7 @@
 //!
 //! Reads like the page that describes it: planarise, refine and planarise again, judge every quadrilateral, develop.
 
-use crate::answer::sheets::{FieldMeaning, FlatPart, Guide, Sheets, StripField};
+use crate::answer::{Answer, Guide, Job};
 use crate::certify::claim::{Claim, Counted, Subject, UpperBound, What};
 use crate::certify::quads::gap_bound;
 use crate::control::Control;
@@ -10,8 +10,11 @@ use crate::design::discrete::planarise::{DiscreteError, Hold, PlanariseStatus};
 use crate::design::discrete::subdivide::{subdivide, SubdivideOptions, Subdivided};
 use crate::develop::strip::StripOptions;
 use crate::develop::view::Drawn;
+use crate::draw::field::{FieldMeaning, PanelField};
 use crate::geom::coarse::Loose;
 use crate::geom::{BBox, Vec3};
+use crate::patchwork::panel::Patchwork;
+use crate::patchwork::part::Part;
 use crate::search::strips::cut::{claims as flat_claims, cut};
 use crate::search::strips::judgement::SQUARE_METRES;
 use crate::spline::SplineError;
@@ -87,7 +90,18 @@ const MOST: usize = 5000;
 ///
 /// # Errors
 /// A tolerance that is not positive, more levels than can be written.
-pub fn planarise(strip: &QuadStrip, options: &Options, control: &Control) -> Result<Sheets, PlanariseError> {
+///
+/// # Example
+/// ```
+/// use torse::geom::Vec3;
+/// use torse::torse::quad_strip::QuadStrip;
+/// let side = |y: f64| (0..6).map(|k| Vec3::new(f64::from(k), y, 0.01 * y * f64::from(k))).collect();
+/// let strip = QuadStrip::new(side(0.0), side(2.0))?;
+/// let answer = torse::planarise(&strip, &torse::Planarise::new(1e-6), &torse::Control::default())?;
+/// assert_eq!(answer.status(), torse::Status::Certified);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn planarise(strip: &QuadStrip, options: &Options, control: &Control) -> Result<Answer, PlanariseError> {
     let start = Instant::now();
     if !(options.tolerance > 0.0 && options.tolerance.is_finite()) {
         return Err(PlanariseError::Tolerance(options.tolerance));
@@ -104,7 +118,7 @@ pub fn planarise(strip: &QuadStrip, options: &Options, control: &Control) -> Res
     judged(strip, done, options, start)
 }
 
-fn judged(given: &QuadStrip, done: Subdivided, options: &Options, start: Instant) -> Result<Sheets, PlanariseError> {
+fn judged(given: &QuadStrip, done: Subdivided, options: &Options, start: Instant) -> Result<Answer, PlanariseError> {
     let result = &done.strip;
     let (mut missing, mut notes) = (Vec::new(), Vec::new());
     let (mut each, mut fields, mut gaps) = (Vec::new(), Vec::new(), Vec::new());
@@ -124,7 +138,7 @@ fn judged(given: &QuadStrip, done: Subdivided, options: &Options, start: Instant
         let (first, last) = (i == 0, i + 1 == strips.len());
         let before = if first { bends[1] } else { bends[0] };
         let after = if last { bends[0] } else { bends[1] };
-        fields.push(StripField { u: vec![0.0, 1.0], v: vec![0.0, 1.0], values: vec![before, before, after, after] });
+        fields.push(PanelField { u: vec![0.0, 1.0], v: vec![0.0, 1.0], values: vec![before, before, after, after] });
     }
     if let Some(i) = result.crossing() {
         missing.push(format!(
@@ -152,7 +166,7 @@ fn judged(given: &QuadStrip, done: Subdivided, options: &Options, start: Instant
         ));
     }
     let flat = StripOptions { drawn: options.drawn, ..StripOptions::new(CONTOUR_SHARE * options.tolerance) };
-    let chain = FlatPart { name: "A".into(), first: 0, count: strips.len(), missing: String::new() };
+    let chain = Part { name: "A".into(), first: 0, count: strips.len(), missing: String::new() };
     let (parts, patterns) = cut(&strips, &[chain], &flat);
     let clearance = (0..result.quads()).map(|i| result.regression_clearance(i)).fold(f64::INFINITY, f64::min);
     let largest_bend = (1..result.quads()).map(|i| result.bend(i).abs().to_degrees()).fold(0.0, f64::max);
@@ -173,21 +187,17 @@ fn judged(given: &QuadStrip, done: Subdivided, options: &Options, start: Instant
     claims.extend(missing.into_iter().map(|reason| Claim::objection(whole, reason)));
     claims.extend(each);
     let guide = |name: &str, points: &[Vec3]| Guide { name: name.into(), points: points.to_vec() };
-    Ok(Sheets {
-        job: "planarise".into(),
-        input: options.input.clone(),
-        tolerance: options.tolerance,
+    Ok(Answer {
         claims,
-        strips,
+        patchwork: Patchwork::of_strips(strips),
         fields,
-        points: Default::default(),
         meaning: FieldMeaning { name: "bend".into(), unit: "°".into(), limit: largest_bend.max(1e-6) },
         parts,
         patterns,
         guides: vec![guide("first polyline", given.a()), guide("second polyline", given.b())],
         notes,
-        skipped: Vec::new(),
         seconds: start.elapsed().as_secs_f64(),
+        ..Answer::new(Job::Planarise, &options.input, options.tolerance)
     })
 }
 
@@ -223,7 +233,7 @@ mod tests {
         let options = Options { levels: 2, ..Options::new(1e-6) };
         let s = planarise(&twisted(8), &options, &Control::default()).expect("an answer");
         assert_eq!(s.status(), Status::Certified);
-        assert_eq!((s.strips.len(), s.patterns.len(), s.notes.len()), (32, 1, 3));
+        assert_eq!((s.patchwork.panels.len(), s.patterns.len(), s.notes.len()), (32, 1, 3));
         let gap = s.claim(What::DiagonalGap).expect("a claim");
         assert!(gap.value() < 1e-10 && gap.evidence() == Evidence::Proven);
         assert!(s.patterns[0].isometry_error < 1e-9);

@@ -1,14 +1,15 @@
 //! From rulings, tangent planes or a developable face to strips of low degree: fit, prove, develop.
 
 use super::approximate::left_face;
-use crate::answer::outcome::{left_out, Skipped};
-use crate::answer::sheets::{FieldMeaning, FlatPart, Sheets, StripField};
+use crate::answer::skipped::{left_out, Skipped};
+use crate::answer::{Answer, Job};
 use crate::brep::face::Face;
 use crate::certify::claim::{Claim, Counted, Subject, What};
 use crate::certify::elements::{elements as certified, ElementCertificate};
 use crate::control::Control;
 use crate::develop::strip::StripOptions;
 use crate::develop::view::Drawn;
+use crate::draw::field::{FieldMeaning, PanelField};
 use crate::fit::elements::extent::strip;
 use crate::fit::elements::outliers::{outliers, MOST};
 use crate::fit::elements::ruling_order::ordered;
@@ -18,6 +19,8 @@ use crate::fit::planes::estimates::{
 };
 use crate::geom::coarse::{Coarse, Loose};
 use crate::geom::{BBox, Vec3};
+use crate::patchwork::panel::Patchwork;
+use crate::patchwork::part::Part;
 use crate::search::strips::cut::cut;
 use crate::search::strips::fewest::{fewest, simplest};
 use crate::search::strips::regression;
@@ -71,17 +74,6 @@ impl RowFitOptions {
         let smoothing = self.smoothing.unwrap_or(plain.smoothing);
         RowOptions { max_pieces, limits, smoothing, fix_ends: self.fix_ends, ..plain }
     }
-}
-
-/// The answer: strips with their files' data, and the proof element by element.
-#[derive(Debug)]
-pub struct RowOutcome {
-    /// Strips, figures, patterns.
-    pub sheets: Sheets,
-    /// The elements that were fitted, row after row.
-    pub elements: Vec<PlaneElement>,
-    /// Proven distance of each.
-    pub certificate: ElementCertificate,
 }
 
 /// Why there is no answer at all.
@@ -142,7 +134,20 @@ const AIMS: [f64; 3] = [0.8, 0.4, 0.15];
 ///
 /// # Errors
 /// See [`RowFitError`].
-pub fn fit_row(given: &Given, options: &RowFitOptions, control: &Control) -> Result<RowOutcome, RowFitError> {
+///
+/// # Example
+/// ```
+/// use torse::{geom::Vec3, torse::contact::Given};
+/// let ruling = |k: i32| {
+///     let (x, y) = (0.05 * f64::from(k)).sin_cos();
+///     [Vec3::new(100.0 * x, 100.0 * y, 0.0), Vec3::new(100.0 * x, 100.0 * y, 80.0)]
+/// };
+/// let given = Given::Rulings((0..20).map(ruling).collect());
+/// let answer = torse::fit_row(&given, &torse::RowFitOptions::new(0.1, "hood"), &torse::Control::default())?;
+/// assert_eq!((answer.status(), answer.patchwork.panels.len()), (torse::Status::Certified, 1));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn fit_row(given: &Given, options: &RowFitOptions, control: &Control) -> Result<Answer, RowFitError> {
     let sort = if matches!(given, Given::Rulings(_)) { Sort::Rulings } else { Sort::Planes };
     let what = sort.many();
     if given.len() < FEWEST {
@@ -162,18 +167,21 @@ pub fn fit_row(given: &Given, options: &RowFitOptions, control: &Control) -> Res
         Given::Rulings(r) => of_rulings(r, options.tolerance)?,
     };
     let row = Row { name: what.to_string(), estimates, face: None };
-    let mut outcome = run(vec![row], Vec::new(), sort, options, control)?;
+    let mut answer = run(vec![row], Vec::new(), sort, options, control)?;
     if !out.is_empty() {
-        let left = certified(&outcome.sheets.strips, &out.iter().map(|o| o.1).collect::<Vec<_>>(), control);
+        let strips: Vec<Strip> = answer.strips().cloned().collect();
+        let left = certified(&strips, &out.iter().map(|o| o.1).collect::<Vec<_>>(), control);
         let one = sort.one();
         let words = out.iter().zip(left.bounds()).map(|((i, _), b)| {
-            format!("{one} {i}: the others agree on a surface without it, {b:.3} mm away; nothing is proven of it")
+            let why =
+                format!("{one} {i}: the others agree on a surface without it, {b:.3} mm away; nothing is proven of it");
+            Skipped::from(why)
         });
-        outcome.sheets.skipped.extend(words);
-        let claims = &mut outcome.sheets.claims;
+        answer.skipped.extend(words);
+        let claims = &mut answer.claims;
         claims.insert(claims.len().min(1), Claim::count(Counted::Outliers, Subject::Whole, out.len()));
     }
-    Ok(outcome)
+    Ok(answer)
 }
 
 /// What is given without its outliers, and these with their indices.
@@ -242,7 +250,7 @@ pub fn fit_faces(
     skipped: &[Skipped],
     options: &RowFitOptions,
     control: &Control,
-) -> Result<RowOutcome, RowFitError> {
+) -> Result<Answer, RowFitError> {
     let mut left = skipped.to_vec();
     let before = left.len();
     let mut rows = Vec::new();
@@ -257,12 +265,11 @@ pub fn fit_faces(
         }
     }
     if rows.is_empty() {
-        let reason = left.get(before).map_or("no faces".into(), |s| format!("#{} {}", s.entity, s.reason));
+        let reason = left.get(before).map_or("no faces".into(), Skipped::words);
         return Err(RowFitError::NoFace { count: faces.len(), reason });
     }
-    let words = left.iter().map(|s| format!("#{}: {}", s.entity, s.reason)).collect();
-    let mut out = run(rows, words, Sort::Rulings, options, control)?;
-    out.sheets.claims.extend(left_out(&left));
+    let mut out = run(rows, left.clone(), Sort::Rulings, options, control)?;
+    out.claims.extend(left_out(&left));
     Ok(out)
 }
 
@@ -466,11 +473,11 @@ fn extent(rows: &[Row]) -> f64 {
 
 fn run(
     rows: Vec<Row>,
-    mut skipped: Vec<String>,
+    mut skipped: Vec<Skipped>,
     sort: Sort,
     options: &RowFitOptions,
     control: &Control,
-) -> Result<RowOutcome, RowFitError> {
+) -> Result<Answer, RowFitError> {
     let clock = std::time::Instant::now();
     let what = sort.many();
     if !(options.tolerance > 0.0 && options.tolerance.is_finite()) {
@@ -544,14 +551,14 @@ fn run(
                 _ => format!("{}; now: {} control points.", face.words, reached(&own)),
             });
         }
-        skipped.extend(missed);
+        skipped.extend(missed.into_iter().map(Skipped::from));
         strips.append(&mut own);
         all.append(&mut estimates[which]);
     }
     control.report("proving", 0.7, format!("{} {what}", all.len()));
     let certificate = certified(&strips, &all, control);
-    let chains: Vec<FlatPart> = (strips.iter().enumerate())
-        .map(|(i, s)| FlatPart { name: s.name.clone(), first: i, count: 1, missing: String::new() })
+    let chains: Vec<Part> = (strips.iter().enumerate())
+        .map(|(i, s)| Part { name: s.name.clone(), first: i, count: 1, missing: String::new() })
         .collect();
     let (parts, patterns) =
         cut(&strips, &chains, &StripOptions { drawn: options.drawn, ..StripOptions::new(0.1 * options.tolerance) });
@@ -595,23 +602,18 @@ fn run(
     if strips.len() > 1 {
         notes.push("Strips are fitted one by one and are not joined to each other.".to_string());
     }
-    let sheets = Sheets {
-        job: "fit".into(),
-        input: options.input.clone(),
-        tolerance: options.tolerance,
+    Ok(Answer {
         claims,
         fields: fields(&strips, &certificate),
-        points: Default::default(),
         meaning: FieldMeaning { name: "deviation".into(), unit: "mm".into(), limit: options.tolerance },
         parts,
         patterns,
-        guides: Vec::new(),
         notes,
         skipped,
         seconds: clock.elapsed().as_secs_f64(),
-        strips,
-    };
-    Ok(RowOutcome { sheets, elements: all, certificate })
+        patchwork: Patchwork::of_strips(strips),
+        ..Answer::new(Job::Fit, &options.input, options.tolerance)
+    })
 }
 
 /// The strip with the smallest proven distance from its elements, among those whose regression curve keeps to the
@@ -681,7 +683,7 @@ fn claims_of_strips(strips: &[Strip], c: &ElementCertificate) -> Vec<Claim> {
 }
 
 /// The bounds along the strips, the same on all of a ruling.
-fn fields(strips: &[Strip], c: &ElementCertificate) -> Vec<StripField> {
+fn fields(strips: &[Strip], c: &ElementCertificate) -> Vec<PanelField> {
     const ALONG: usize = 48;
     strips
         .iter()
@@ -700,7 +702,7 @@ fn fields(strips: &[Strip], c: &ElementCertificate) -> Vec<StripField> {
             };
             let u: Vec<f64> = (0..=ALONG).map(|i| a + (b - a) * i as f64 / ALONG as f64).collect();
             let values = u.iter().flat_map(|&u| [at(u); 2]).collect();
-            StripField { u, v: vec![0.0, 1.0], values }
+            PanelField { u, v: vec![0.0, 1.0], values }
         })
         .collect()
 }

@@ -1,7 +1,9 @@
 //! The main job at several tolerances: how many panels, and how much seam, each of them costs.
 
-use super::approximate::{approximate, smoothly_joined, trims_judged, ApproximateError, Options};
-use crate::answer::outcome::{Outcome, Skipped, SweepRow};
+use super::approximate::{of_faces, smoothly_joined, trims_judged, ApproximateError, Options};
+use crate::answer::skipped::Skipped;
+use crate::answer::sweep::SweepRow;
+use crate::answer::Answer;
 use crate::brep::face::Face;
 use crate::certify::claim::Status;
 use crate::control::Control;
@@ -22,7 +24,7 @@ const CHORDS: usize = 4;
 /// none. *Not guaranteed*: that no cover needs fewer; W is a numerical optimum.
 ///
 /// # Errors
-/// As [`approximate`], for the first tolerance that cannot be used.
+/// As [`of_faces`], for the first tolerance that cannot be used.
 pub fn sweep(
     faces: &[Face],
     skipped: &[Skipped],
@@ -43,24 +45,23 @@ pub fn sweep(
         if control.stopped() {
             break;
         }
-        let outcome =
-            approximate(faces.to_vec(), skipped.to_vec(), &Options { tolerance, ..options.clone() }, control)?;
+        let answer = of_faces(faces.to_vec(), skipped.to_vec(), &Options { tolerance, ..options.clone() }, control)?;
         let bands = |range: &Option<f64>| range.map(|w| (w / (4.0 * tolerance.sqrt())).max(1.0));
         rows.push(SweepRow {
             tolerance,
-            panels: outcome.patchwork.panels.len(),
-            seam_length: seam_length(&outcome),
+            panels: answer.patchwork.panels.len(),
+            seam_length: seam_length(&answer),
             limit: ranges.iter().map(bands).sum(),
-            certified: outcome.status() == Status::Certified,
-            seconds: outcome.seconds,
+            certified: answer.status() == Status::Certified,
+            seconds: answer.seconds,
         });
     }
     Ok(rows)
 }
 
 /// Length of all seams of a result, each counted once, mm.
-pub fn seam_length(outcome: &Outcome) -> f64 {
-    let runs = outcome.patchwork.panels.iter().flat_map(|p| p.loops().iter().flatten());
+pub fn seam_length(answer: &Answer) -> f64 {
+    let runs = answer.patchwork.panels.iter().flat_map(|p| p.loops().iter().flatten());
     let seams = runs.filter(|r| matches!(r.border, Border::Seam { .. }));
     let length = |r: &crate::patchwork::panel::Coedge| {
         let point = |s: f64| crate::geom::Vec3::from(r.edge.point(s));
@@ -113,16 +114,7 @@ mod tests {
 
     #[test]
     fn finer_tolerances_take_more_panels_and_never_fewer_than_theory() {
-        let options = Options {
-            tolerance: 1.0,
-            max_panels: None,
-            input: "bowl".into(),
-            limits: Default::default(),
-            layout: Default::default(),
-            meet: false,
-            smooth_angle: 0.0,
-            drawn: Default::default(),
-        };
+        let options = Options { input: "bowl".into(), smooth_angle: 0.0, ..Options::new(1.0) };
         let rows = sweep(&[bowl()], &[], &[0.4, 1.6], &options, &Control::default()).expect("rows");
         assert_eq!(rows.iter().map(|r| r.tolerance).collect::<Vec<_>>(), vec![1.6, 0.4]);
         assert!(rows.iter().all(|r| r.certified));

@@ -2,7 +2,6 @@
 
 use super::cover::{Limits, State};
 use super::stitch::seams::{self, Meeting};
-use crate::answer::outcome::AlongCurve;
 use crate::brep::face::Face;
 use crate::certify::{self, Certificate};
 use crate::control::Control;
@@ -40,6 +39,19 @@ pub(crate) struct Built {
     pub along: Vec<AlongCurve>,
     /// Labels whose panels end together with their neighbours', see [`Borders::end_together`].
     pub together: BTreeSet<u32>,
+}
+
+/// A panel that was laid along a curve of the user, or on the front that set out from it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AlongCurve {
+    /// Index of the panel.
+    pub panel: usize,
+    /// Name of the curve.
+    pub curve: String,
+    /// Strips between the curve and the panel: 0 for the panel along the curve itself.
+    pub step: usize,
+    /// Distance found by the comparison of the paper on curves (matching points at equal parameters), mm. Sampled.
+    pub paper_estimate: f64,
 }
 
 /// Panels whose flat patterns do not fit the sheet: labels, and whether they are too long (else too wide).

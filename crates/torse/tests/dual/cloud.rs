@@ -1,7 +1,7 @@
 //! From measured points to proven strips.
 
-use crate::Random;
-use torse::certify::claim::Status;
+use crate::{strips, value, Random};
+use torse::certify::claim::{Counted, Status, What};
 use torse::control::Control;
 use torse::fit::cloud::CloudError;
 use torse::geom::cloud::Cloud;
@@ -30,17 +30,17 @@ fn measured(count: usize, noise: f64, seed: u64) -> Cloud {
 fn a_sheet_with_noise_of_a_tenth_is_recovered_within_twice_the_noise() {
     let cloud = measured(6000, 0.1, 1);
     let got = fit(&cloud, &FitOptions::new(0.5, "sheet"), &Control::default()).expect("a fit");
-    assert_eq!(got.sheets.status(), Status::Certified);
-    assert_eq!(got.sheets.strips.len(), 1);
-    assert!(got.certificate.worst_bound().value() <= 0.2 + 0.1, "{}", got.certificate.worst_bound().value());
-    assert!((got.noise_estimate - 0.1 / 3f64.sqrt()).abs() < 0.01);
+    assert_eq!(got.status(), Status::Certified);
+    assert_eq!(got.patchwork.panels.len(), 1);
+    assert!(value(&got, What::PointDistance) <= 0.2 + 0.1, "{}", value(&got, What::PointDistance));
+    assert!((value(&got, What::Noise) - 0.1 / 3f64.sqrt()).abs() < 0.01);
     // Against the truth: points of the sheet without noise.
     let truth: Vec<Vec3> = (0..400)
         .map(|i| sheet(0.49 * (f64::from(i % 20) / 9.5 - 1.0), 0.39 * (f64::from(i / 20) / 9.5 - 1.0)).0)
         .collect();
-    let off = torse::certify::points::points(&got.sheets.strips, &truth, &Control::default());
+    let off = torse::certify::points::points(&strips(&got), &truth, &Control::default());
     assert!(off.worst_bound().value() <= 0.2, "{}", off.worst_bound().value());
-    assert_eq!((got.sheets.parts.len(), got.sheets.patterns.len()), (1, 1));
+    assert_eq!((got.parts.len(), got.patterns.len()), (1, 1));
 }
 
 #[test]
@@ -61,11 +61,11 @@ fn a_strongly_curved_sheet_is_recovered_within_twice_the_noise_of_the_truth() {
         .collect();
     let got =
         fit(&Cloud { points, ..Cloud::default() }, &FitOptions::new(0.4, "helix"), &Control::default()).expect("a fit");
-    assert_eq!((got.sheets.status(), got.sheets.strips.len()), (Status::Certified, 1));
+    assert_eq!((got.status(), got.patchwork.panels.len()), (Status::Certified, 1));
     let truth: Vec<Vec3> = (0..900)
         .map(|i| place(0.6 * (0.03 + 0.94 * f64::from(i % 30) / 29.0), 0.03 + 0.94 * f64::from(i / 30) / 29.0).0)
         .collect();
-    let off = torse::certify::points::points(&got.sheets.strips, &truth, &Control::default());
+    let off = torse::certify::points::points(&strips(&got), &truth, &Control::default());
     assert!(off.worst_bound().value() <= 0.2, "{}", off.worst_bound().value());
 }
 
@@ -75,8 +75,8 @@ fn a_moved_point_is_found() {
     let (_, n) = sheet(0.1, 0.1);
     cloud.points[777] += n * 2.0;
     let got = fit(&cloud, &FitOptions::new(0.5, "sheet"), &Control::default()).expect("a fit");
-    assert_eq!(got.sheets.status(), Status::Uncertified);
-    assert_eq!((got.certificate.worst(), got.certificate.beyond(0.5)), (Some(777), 1));
+    assert_eq!(got.status(), Status::Uncertified);
+    assert_eq!((got.points.worst, value(&got, What::Count(Counted::Beyond))), (Some(777), 1.0));
 }
 
 #[test]
@@ -91,8 +91,8 @@ fn a_crease_is_found() {
     }
     let got = fit(&Cloud { points, ..Cloud::default() }, &FitOptions::new(0.5, "crease"), &Control::default())
         .expect("a fit");
-    assert!(got.sheets.strips.len() >= 2 && got.sheets.strips.len() <= 4, "{}", got.sheets.strips.len());
-    assert!(got.certificate.beyond(0.5) < 120, "{}", got.certificate.beyond(0.5));
+    assert!(got.patchwork.panels.len() >= 2 && got.patchwork.panels.len() <= 4, "{}", got.patchwork.panels.len());
+    assert!(value(&got, What::Count(Counted::Beyond)) < 120.0, "{}", value(&got, What::Count(Counted::Beyond)));
 }
 
 #[test]
@@ -101,7 +101,7 @@ fn what_fits_nothing_is_named() {
     let points = (0..3000).map(|_| Vec3::new(random.number(), random.number(), random.number()) * 100.0).collect();
     let got = fit(&Cloud { points, ..Cloud::default() }, &FitOptions::new(0.1, "heap"), &Control::default());
     match got {
-        Ok(g) => assert_eq!(g.sheets.status(), Status::Uncertified),
+        Ok(g) => assert_eq!(g.status(), Status::Uncertified),
         Err(e) => assert!(matches!(e, CloudError::Few(_))),
     }
 }

@@ -7,6 +7,20 @@ mod regression;
 mod rows;
 mod simple;
 
+use torse::answer::Answer;
+use torse::certify::claim::What;
+use torse::torse::strip::Strip;
+
+/// What an answer says of the whole.
+pub fn value(answer: &Answer, what: What) -> f64 {
+    answer.claim(what).map_or(f64::NAN, |c| c.value())
+}
+
+/// The strips of an answer.
+pub fn strips(answer: &Answer) -> Vec<Strip> {
+    answer.strips().cloned().collect()
+}
+
 /// Evenly distributed numbers in −1..1, the same on every machine.
 pub struct Random(u64);
 

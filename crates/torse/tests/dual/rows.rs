@@ -1,8 +1,8 @@
 //! Rulings, tangent planes and faces of high degree, from data to proven strips.
 
-use crate::Random;
+use crate::{strips, value, Random};
 use torse::brep::face::Face;
-use torse::certify::claim::Status;
+use torse::certify::claim::{Counted, Status, What};
 use torse::control::Control;
 use torse::geom::Vec3;
 use torse::pipeline::row::{fit_faces, fit_row, RowFitError, RowFitOptions};
@@ -36,12 +36,15 @@ fn rulings_of_a_drawing_in_any_order_are_met() {
         })
         .collect();
     let got = fit_row(&Given::Rulings(given), &RowFitOptions::new(0.1, "helix"), &Control::default()).expect("a fit");
-    assert_eq!(got.sheets.status(), Status::Certified);
-    assert_eq!((got.sheets.strips.len(), got.sheets.patterns.len(), got.elements.len()), (1, 1, 60));
+    assert_eq!(got.status(), Status::Certified);
+    assert_eq!(
+        (got.patchwork.panels.len(), got.patterns.len(), value(&got, What::Count(Counted::Rulings)) as usize),
+        (1, 1, 60)
+    );
     // Against the truth, between the rulings given.
     let truth: Vec<Vec3> =
         (0..200).map(|i| helix(f64::from(i) / 199.0).0).flat_map(|[p, q]| [p, 0.5 * (p + q), q]).collect();
-    let off = torse::certify::points::points(&got.sheets.strips, &truth, &Control::default());
+    let off = torse::certify::points::points(&strips(&got), &truth, &Control::default());
     assert!(off.worst_bound().value() < 0.2, "{}", off.worst_bound().value());
 }
 
@@ -60,9 +63,9 @@ fn sampled_tangent_planes_are_met_over_their_regions() {
         })
         .collect();
     let got = fit_row(&Given::Planes(planes), &RowFitOptions::new(0.1, "helix"), &Control::default()).expect("a fit");
-    assert_eq!(got.sheets.status(), Status::Certified);
-    assert_eq!(got.sheets.strips.len(), 1);
-    assert!(got.certificate.worst_bound().value() < 0.05, "{}", got.certificate.worst_bound().value());
+    assert_eq!(got.status(), Status::Certified);
+    assert_eq!(got.patchwork.panels.len(), 1);
+    assert!(value(&got, What::ElementDistance) < 0.05, "{}", value(&got, What::ElementDistance));
 }
 
 #[test]
@@ -73,8 +76,8 @@ fn noise_of_rulings_is_averaged() {
         .map(|r| r.map(|x| x + Vec3::new(random.number(), random.number(), random.number()) * 0.05))
         .collect();
     let got = fit_row(&Given::Rulings(noisy), &RowFitOptions::new(0.4, "noisy"), &Control::default()).expect("a fit");
-    assert_eq!(got.sheets.status(), Status::Certified);
-    assert!(got.sheets.strips.len() <= 2, "{}", got.sheets.strips.len());
+    assert_eq!(got.status(), Status::Certified);
+    assert!(got.patchwork.panels.len() <= 2, "{}", got.patchwork.panels.len());
 }
 
 #[test]
@@ -86,8 +89,8 @@ fn rulings_of_no_developable_are_named() {
     let got = fit_row(&Given::Rulings(hypar), &RowFitOptions::new(0.1, "hypar"), &Control::default());
     match got {
         Ok(g) => {
-            assert_eq!(g.sheets.status(), Status::Uncertified);
-            assert!(!g.sheets.skipped.is_empty() || g.certificate.beyond(0.1) > 0);
+            assert_eq!(g.status(), Status::Uncertified);
+            assert!(!g.skipped.is_empty() || value(&g, What::Count(Counted::Beyond)) > 0.0);
         }
         Err(e) => assert!(matches!(e, RowFitError::Estimate(_)), "{e}"),
     }
@@ -106,8 +109,8 @@ fn a_face_of_high_degree_gets_a_lighter_strip() {
     let knots = |p| Knots::clamped(p, &[0.0, 1.0]).expect("knots");
     let face = Face::untrimmed(Surface::new(knots(9), knots(1), &points, None).expect("a surface"));
     let got = fit_faces(&[face], &[], &RowFitOptions::new(0.05, "nine"), &Control::default()).expect("a fit");
-    assert_eq!(got.sheets.status(), Status::Certified);
-    assert_eq!(got.sheets.strips.len(), 1);
+    assert_eq!(got.status(), Status::Certified);
+    assert_eq!(got.patchwork.panels.len(), 1);
 }
 
 #[test]

@@ -1,9 +1,10 @@
 //! Strips with few control points, kept ends, smoothing, outliers, and limits that nothing keeps.
 
 use super::rows::{helix, rulings};
-use crate::Random;
+use crate::{strips, value, Random};
+use torse::answer::Answer;
 use torse::brep::face::Face;
-use torse::certify::claim::Status;
+use torse::certify::claim::{Counted, Status, What};
 use torse::control::Control;
 use torse::fit::elements::extent::strip_by_slope;
 use torse::fit::elements::sequence::RowOptions;
@@ -11,7 +12,7 @@ use torse::fit::elements::span_series::{PlaneSeries, SlopeSeries};
 use torse::geom::cloud::Cloud;
 use torse::geom::Vec3;
 use torse::pipeline::fit::{fit, FitOptions};
-use torse::pipeline::row::{fit_faces, fit_row, RowFitOptions, RowOutcome};
+use torse::pipeline::row::{fit_faces, fit_row, RowFitOptions};
 use torse::spline::knots::Knots;
 use torse::spline::surface::Surface;
 use torse::torse::contact::{Given, PlaneElement};
@@ -27,7 +28,7 @@ fn elements(count: usize) -> Vec<PlaneElement> {
     (0..count).map(element).collect()
 }
 
-fn run(given: Given, options: &RowFitOptions) -> RowOutcome {
+fn run(given: Given, options: &RowFitOptions) -> Answer {
     fit_row(&given, options, &Control::default()).expect("a fit")
 }
 
@@ -57,20 +58,20 @@ fn a_face_of_degree_six_gets_a_few_control_points() {
     for (tolerance, most) in [(0.5, 8), (0.01, 14), (1e-3, 30)] {
         let got =
             fit_faces(&[heavy()], &[], &RowFitOptions::new(tolerance, "six"), &Control::default()).expect("a fit");
-        assert_eq!(got.sheets.status(), Status::Certified);
-        assert!(got.certificate.worst_bound().value() <= tolerance);
-        let strip = &got.sheets.strips[0];
-        assert!(got.sheets.strips.len() == 1 && count(strip) <= most, "{tolerance}: {}", count(strip));
+        assert_eq!(got.status(), Status::Certified);
+        assert!(value(&got, What::ElementDistance) <= tolerance);
+        let strip = &got.patchwork.panels[0].strip;
+        assert!(got.patchwork.panels.len() == 1 && count(strip) <= most, "{tolerance}: {}", count(strip));
         assert!(strip.patch.knots_u.degree() < 6);
         assert!(count(strip) >= before, "finer tolerances need more: {} after {before}", count(strip));
         before = count(strip);
         let note = format!("57 × 2 control points; now: A-01 of degree {}", strip.patch.knots_u.degree());
-        assert!(got.sheets.notes.iter().any(|n| n.contains(&note)), "{:?}", got.sheets.notes);
+        assert!(got.notes.iter().any(|n| n.contains(&note)), "{:?}", got.notes);
         // Between the rulings that were fitted as well.
         let truth: Vec<Vec3> = (1..300)
             .flat_map(|i| [0.01, 0.5, 0.99].map(|r| heavy().surface.point(-0.5 + f64::from(i) / 300.0, r)))
             .collect();
-        let off = torse::certify::points::points(&got.sheets.strips, &truth, &Control::default());
+        let off = torse::certify::points::points(&strips(&got), &truth, &Control::default());
         assert!(off.worst_bound().value() <= 1.5 * tolerance, "{tolerance}: {}", off.worst_bound().value());
     }
 }
@@ -89,11 +90,11 @@ fn a_face_that_is_simple_stays_as_it_is() {
         let surface = Surface::new(knots(degree), knots(1), points, None).expect("a surface");
         let options = RowFitOptions::new(0.05, "simple");
         let got = fit_faces(&[Face::untrimmed(surface)], &[], &options, &Control::default()).expect("a fit");
-        assert_eq!(got.sheets.status(), Status::Certified);
-        let strip = &got.sheets.strips[0];
+        assert_eq!(got.status(), Status::Certified);
+        let strip = &got.patchwork.panels[0].strip;
         assert_eq!((strip.patch.knots_u.degree(), count(strip)), (degree, points.len() / 2));
-        assert!(got.certificate.worst_bound().value() < 1e-9);
-        assert!(got.sheets.notes.iter().any(|n| n.contains("nothing simpler was found")), "{:?}", got.sheets.notes);
+        assert!(value(&got, What::ElementDistance) < 1e-9);
+        assert!(got.notes.iter().any(|n| n.contains("nothing simpler was found")), "{:?}", got.notes);
     }
 }
 
@@ -126,8 +127,8 @@ fn ends_are_kept_exactly() {
     let worst = |fix_ends: bool| {
         let options = RowFitOptions { fix_ends, ..RowFitOptions::new(0.5, "helix") };
         let got = run(Given::Rulings(given.clone()), &options);
-        assert_eq!(got.sheets.status(), Status::Certified);
-        let s = &got.sheets.strips[0];
+        assert_eq!(got.status(), Status::Certified);
+        let s = &got.patchwork.panels[0].strip;
         let ends = [s.ruling(0.0), s.ruling(1.0)];
         // Strips may run the other way.
         let along = off(ends[0], &given[0]).max(off(ends[1], &given[49]));
@@ -150,8 +151,9 @@ fn planes_at_the_ends_are_kept_exactly() {
     let ends = |fix_ends: bool| {
         let options = RowFitOptions { fix_ends, ..RowFitOptions::new(0.6, "planes") };
         let got = run(Given::Planes(planes.clone()), &options);
-        assert_eq!(got.sheets.status(), Status::Certified);
-        got.certificate.bounds()[0].max(got.certificate.bounds()[39])
+        assert_eq!(got.status(), Status::Certified);
+        let judged = torse::certify::elements::elements(&strips(&got), &planes, &Control::default());
+        judged.bounds()[0].max(judged.bounds()[39])
     };
     let (kept, free) = (ends(true), ends(false));
     assert!(kept < 1e-6 && free > 1e-4, "{kept} {free}");
@@ -179,7 +181,7 @@ fn smoothing_trades_distance_for_calm() {
     let (restless, near) = wave(1e-9);
     assert!(calm < 0.5 * restless && far > near, "{calm} {restless}, {far} {near}");
     let options = RowFitOptions { smoothing: Some(1e-3), ..RowFitOptions::new(0.6, "planes") };
-    assert_eq!(run(Given::Planes(planes), &options).sheets.status(), Status::Certified);
+    assert_eq!(run(Given::Planes(planes), &options).status(), Status::Certified);
 }
 
 #[test]
@@ -191,15 +193,22 @@ fn outliers_are_left_out_and_named() {
     }
     let options = RowFitOptions { robust: true, ..RowFitOptions::new(0.1, "outliers") };
     let got = run(Given::Rulings(given), &options);
-    assert_eq!(got.sheets.status(), Status::Certified);
-    let skipped = &got.sheets.skipped;
-    assert_eq!((got.elements.len(), got.sheets.strips.len(), skipped.len()), (48, 1, 2), "{skipped:?}");
+    assert_eq!(got.status(), Status::Certified);
+    let skipped = &got.skipped;
+    assert_eq!(
+        (value(&got, What::Count(Counted::Rulings)) as usize, got.patchwork.panels.len(), skipped.len()),
+        (48, 1, 2),
+        "{skipped:?}"
+    );
     for (i, s) in [12, 31].iter().zip(skipped) {
-        assert!(s.starts_with(&format!("ruling {i}: ")) && s.contains("nothing is proven of it"), "{s}");
+        assert!(
+            s.reason.starts_with(&format!("ruling {i}: ")) && s.reason.contains("nothing is proven of it"),
+            "{s:?}"
+        );
     }
     // Against the truth at the places that were left out.
     let truth: Vec<Vec3> = [12.0, 31.0].iter().flat_map(|i| helix(i / 49.0).0).collect();
-    let off = torse::certify::points::points(&got.sheets.strips, &truth, &Control::default());
+    let off = torse::certify::points::points(&strips(&got), &truth, &Control::default());
     assert!(off.worst_bound().value() < 0.1, "{}", off.worst_bound().value());
 }
 
@@ -210,9 +219,9 @@ fn a_clearance_that_nothing_keeps_is_named_for_rulings_planes_and_points() {
     let planes = elements(16).into_iter().map(|e| PlaneElement { ends: [e.centre(); 2], radius: 150.0, ..e }).collect();
     for (given, tolerance) in [(Given::Rulings(rulings(16)), 0.1), (Given::Planes(planes), 1e-3)] {
         let got = run(given, &RowFitOptions { tolerance, ..options.clone() });
-        assert_eq!(got.sheets.status(), Status::Uncertified);
-        let named = got.sheets.skipped.iter().any(|s| s.contains("regression curve in bounds"));
-        assert!(named, "{:?}", got.sheets.skipped);
+        assert_eq!(got.status(), Status::Uncertified);
+        let named = got.skipped.iter().any(|s| s.reason.contains("regression curve in bounds"));
+        assert!(named, "{:?}", got.skipped);
     }
     let mut random = Random::new(8);
     let points = (0..900)
@@ -223,6 +232,6 @@ fn a_clearance_that_nothing_keeps_is_named_for_rulings_planes_and_points() {
         .collect();
     let options = FitOptions { limits, ..FitOptions::new(0.1, "far") };
     let got = fit(&Cloud { points, ..Cloud::default() }, &options, &Control::default()).expect("a fit");
-    let skipped = &got.sheets.skipped;
-    assert!(skipped.iter().any(|s| s.contains("with its regression curve in bounds (")), "{skipped:?}");
+    let skipped = &got.skipped;
+    assert!(skipped.iter().any(|s| s.reason.contains("with its regression curve in bounds (")), "{skipped:?}");
 }

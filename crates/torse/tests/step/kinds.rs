@@ -454,7 +454,7 @@ fn bad_faces_are_named_and_the_rest_goes_on() {
         (off, "away from the surface"),
         (nan, "finite"),
     ] {
-        let reason = m.skipped.iter().find(|k| k.entity == id).map(|k| k.reason.clone()).unwrap_or_default();
+        let reason = m.skipped.iter().find(|k| k.entity == Some(id)).map(|k| k.reason.clone()).unwrap_or_default();
         assert!(reason.contains(word), "#{id}: {reason}");
     }
 }

@@ -239,7 +239,7 @@ fn bounded_surfaces_are_named_or_read() {
     s.geometric_set(&[disc]);
     let m = read(s.text().as_bytes()).expect("a model");
     assert!((area_estimate(&m.faces[0]) / (4.0 * std::f64::consts::PI) - 1.0).abs() < 1e-4);
-    assert_eq!((m.faces.len(), m.skipped.len(), m.skipped[0].entity), (1, 1, stray));
+    assert_eq!((m.faces.len(), m.skipped.len(), m.skipped[0].entity), (1, 1, Some(stray)));
     // A patch that ends at its own sides, with a hole: the hole must not be taken for the face.
     let mut s = Step::new(Unit::Millimetre);
     let p = [[-5., -5., 0.], [-5., 5., 0.], [5., -5., 0.], [5., 5., 0.]].map(|p| s.point(p));
@@ -275,5 +275,5 @@ fn solids_in_parts_and_triangles_that_show_faces() {
     s.geometric_set(&[solid, shown, mesh]);
     let m = read(s.text().as_bytes()).expect("a model");
     assert_eq!(m.faces.len(), 1);
-    assert_eq!(m.skipped.iter().map(|f| f.entity).collect::<Vec<_>>(), [mesh]);
+    assert_eq!(m.skipped.iter().map(|f| f.entity).collect::<Vec<_>>(), [Some(mesh)]);
 }

@@ -9,7 +9,7 @@ use torse::control::Control;
 use torse::geom::Vec3;
 use torse::io::step::read::read;
 use torse::io::words;
-use torse::pipeline::approximate::{approximate, trims_judged, Options, TrimsJudged};
+use torse::pipeline::approximate::{of_faces, trims_judged, Options, TrimsJudged};
 use torse::search::cover::{Layout, Limits};
 
 const SQUARE: [[f64; 3]; 4] = [[0., 0., 0.], [100., 0., 0.], [100., 100., 0.], [0., 100., 0.]];
@@ -81,7 +81,7 @@ fn status(faces: Vec<Face>, tolerance: f64) -> (Status, String) {
         smooth_angle: 0.0,
         drawn: Default::default(),
     };
-    let outcome = approximate(faces, Vec::new(), &options, &Control::default()).expect("an outcome");
+    let outcome = of_faces(faces, Vec::new(), &options, &Control::default()).expect("an outcome");
     (outcome.status(), words::reason(&outcome.claims, &[]))
 }
 

@@ -21,6 +21,13 @@ pub struct CurveOptions {
     pub polyline: bool,
 }
 
+impl CurveOptions {
+    /// The only curve of a file that says its unit.
+    pub fn new(name: &str) -> Self {
+        Self { name: name.into(), select: String::new(), unit: None, polyline: false }
+    }
+}
+
 /// Why there is no rail in a file.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum CurveError {

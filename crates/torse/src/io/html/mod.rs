@@ -4,31 +4,34 @@
 //! All words and numbers come from [`Report`], the record that is also written as `report.json`.
 
 mod geometry;
-pub mod sheets;
+mod numbers;
 mod tables;
 mod words;
 
 use super::json::Report;
-use crate::draw::flat::FlatPiece;
-use crate::draw::scene::Scene;
-use crate::geom::Vec3;
+use super::markup::escape;
+use super::pictures::Pictures;
+use super::words::{counted, thing};
+use crate::answer::presentation::Presentation;
+use crate::answer::Job;
+use crate::draw::field::FieldMeaning;
 use base64::prelude::{Engine, BASE64_STANDARD};
 
 /// Everything the page shows.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub struct Page<'a> {
     /// Words and numbers.
     pub report: &'a Report,
-    /// Geometry of the 3-D view.
-    pub scene: &'a Scene,
-    /// Direction (towards the eye) in which the 3-D view opens.
-    pub direction: Vec3,
-    /// Flat patterns on the sheet.
-    pub layout: &'a [FlatPiece],
-    /// PNG file: panels with rulings.
-    pub panels_png: &'a [u8],
-    /// PNG file: deviation map.
-    pub deviation_png: &'a [u8],
+    /// The job.
+    pub job: Job,
+    /// What the colours mean, where panels show values.
+    pub meaning: &'a FieldMeaning,
+    /// End of the colour scale.
+    pub limit: f64,
+    /// Geometry of the 3-D view, its first direction, flat patterns.
+    pub shown: &'a Presentation,
+    /// PNG files.
+    pub pictures: &'a Pictures,
 }
 
 /// The page could not be written.
@@ -46,88 +49,94 @@ const SCRIPT: &str = include_str!("viewer.js");
 /// # Errors
 /// None in practice: the geometry's description always has a JSON form.
 pub fn write(page: &Page) -> Result<String, HtmlError> {
-    let report = page.report;
+    let Page { report, shown, pictures, .. } = *page;
+    let covers = report.covers_faces();
+    let thing = thing(page.job);
+    let plural = format!("{thing}s");
+    let capital = capitalised(&plural);
     let main = fill(PAGE, |name| match name {
-        "certificate" => words::certificate(report) + &tables::seams(report) + &tables::along(report),
+        "result" => if covers { "Certificate" } else { "Result" }.into(),
+        "certificate" if covers => words::certificate(report) + &tables::seams(report) + &tables::along(report),
+        "certificate" => words::result(report),
         "warnings" => words::warnings(report),
+        "panel_count" => counted(report.panels.len(), thing),
+        "panel_words" if covers => "Bounds are proven and rounded to the safe side; lengths in mm.".into(),
+        "panel_words" => String::new(),
+        "thing" => thing.into(),
+        "Things" => capital.clone(),
+        "face_head" if covers => "<th><button type=\"button\">Face</button></th>".into(),
+        "figure_heads" => tables::figure_heads(report),
         "panel_rows" => tables::panels(report),
-        "face_rows" => tables::faces(report),
-        "skipped" => tables::skipped(report),
-        "layout" => tables::layout(page.layout),
-        "panel_count" => report.panels.len().to_string(),
-        "deviation_png" => image(page.deviation_png),
+        "shapes" => tables::shapes(report, pictures.shapes.as_deref().map(image)),
+        "layout" => tables::layout(&shown.pieces),
+        "part_rows" => tables::parts(report),
+        "points" => tables::points(report, pictures.points.as_ref().map(|p| (image(&p.0), p.1)), page.limit),
+        "field" => maps(page),
+        "faces" => {
+            if covers {
+                tables::faces(report)
+            } else {
+                String::new()
+            }
+        }
         _ => String::new(),
     });
-    framed(&Frame {
-        title: &report.input,
-        first: words::first_line(report),
-        things: ["panels", "Panels"],
-        kicker: "Developable panels".into(),
-        badge: words::badge(report),
-        figures: words::figures(report),
-        surface: true,
-        borders: "Seams",
-        field: Some("Deviation"),
-        limit: words::millimetres(report.tolerance),
-        main,
-        version: &report.version,
-        picture: page.panels_png,
-        view: (page.scene, &page.direction, report.tolerance),
-    })
-}
-
-/// What surrounds the sections of any report: head, figures, 3-D view, foot.
-struct Frame<'a> {
-    title: &'a str,
-    /// What must not be cut, and what is missing, as text; empty if nothing.
-    first: String,
-    /// What the 3-D view shows: in running text, and as a label.
-    things: [&'a str; 2],
-    kicker: String,
-    /// Of HTML, as are `figures`, `limit` and `main`.
-    badge: String,
-    figures: String,
-    /// Whether there is a surface to compare with.
-    surface: bool,
-    borders: &'a str,
-    /// Name of what the colours mean, if there are any.
-    field: Option<&'a str>,
-    limit: String,
-    main: String,
-    version: &'a str,
-    /// PNG file for readers without a 3-D view.
-    picture: &'a [u8],
-    /// Geometry, direction in which it opens, end of the colour scale.
-    view: (&'a Scene, &'a Vec3, f64),
-}
-
-fn framed(f: &Frame) -> Result<String, HtmlError> {
-    let (header, blob) = geometry::pack(f.view.0, f.view.1, f.view.2);
+    let field = if covers { "Deviation" } else { page.meaning.name.as_str() };
+    let coloured = covers || pictures.field.is_some();
+    let unit = if page.meaning.unit.is_empty() { "mm" } else { &page.meaning.unit };
+    let (header, blob) = geometry::pack(&shown.scene, &shown.direction, page.limit);
     let header = serde_json::to_string(&header)?;
     let hidden = |there: bool| if there { "" } else { "hidden" };
+    let first = words::first_line(report);
     Ok(fill(FRAME, |name| match name {
-        "first" if f.first.is_empty() => String::new(),
-        "first" => format!("<p class=\"stop\" role=\"alert\">{}</p>", escape(&f.first)),
-        "title" => escape(f.title),
-        "things" => f.things[0].into(),
-        "Things" => f.things[1].into(),
-        "kicker" => escape(&f.kicker),
+        "first" if first.is_empty() => String::new(),
+        "first" => format!("<p class=\"stop\" role=\"alert\">{}</p>", escape(&first)),
+        "title" => escape(&report.input),
+        "things" => plural.clone(),
+        "Things" => capital.clone(),
+        "kicker" => escape(&format!("Developable {plural}: {}", report.job)),
         "style" => STYLE.to_string(),
         "script" => SCRIPT.to_string(),
-        "badge" => f.badge.clone(),
-        "figures" => f.figures.clone(),
-        "surface_hidden" => hidden(f.surface).into(),
-        "borders" => f.borders.into(),
-        "field_hidden" => hidden(f.field.is_some()).into(),
-        "field_name" => escape(f.field.unwrap_or("Values")),
-        "limit" => f.limit.clone(),
-        "main" => f.main.clone(),
-        "version" => escape(f.version),
-        "panels_png" => image(f.picture),
+        "badge" => words::badge(report),
+        "figures" if covers => words::cover_figures(report),
+        "figures" => words::figures(report),
+        "surface_hidden" => hidden(covers).into(),
+        "borders" => if covers { "Seams" } else { "Borders" }.into(),
+        "field_hidden" => hidden(coloured).into(),
+        "field_name" => escape(field),
+        "limit" => format!("{}&nbsp;{}", numbers::plain(page.limit, 4), escape(unit)),
+        "main" => main.clone(),
+        "version" => escape(&report.version),
+        "panels_png" => image(&pictures.panels),
         "scene" => header.replace('<', "\\u003c"),
         "geometry" => BASE64_STANDARD.encode(&blob),
         _ => String::new(),
     }))
+}
+
+/// Maps of deviations and values.
+fn maps(page: &Page) -> String {
+    let card = |id: &str, title: &str, about: &str, png: &[u8]| {
+        let (title, about, png) = (escape(title), escape(about), image(png));
+        format!("<section class=\"card\" id=\"{id}\"><h2>{title}</h2><img src=\"{png}\" alt=\"{about}\"></section>")
+    };
+    let mut out = String::new();
+    if let Some(png) = &page.pictures.deviation {
+        let about = "Map of the signed distance between panels and surface";
+        out += &card("deviation", "Distance from the surface", about, png);
+    }
+    if let Some(png) = &page.pictures.field {
+        let mean = if page.pictures.points.is_some() { "mean " } else { "" };
+        let title = capitalised(&format!("{mean}{}", page.meaning.name));
+        out += &card("field", &title, &format!("Map: {}", page.meaning.name), png);
+    }
+    out
+}
+
+/// The same words with a capital letter.
+fn capitalised(words: &str) -> String {
+    let mut letters = words.chars();
+    letters.next().map_or_else(String::new, |c| c.to_uppercase().chain(letters).collect())
 }
 
 /// A PNG file as the address of a picture.
@@ -151,28 +160,17 @@ fn fill(template: &str, value: impl Fn(&str) -> String) -> String {
     out
 }
 
-/// Text for HTML contents and attribute values.
-pub(super) fn escape(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '&' => out.push_str("&amp;"),
-            '<' => out.push_str("&lt;"),
-            '>' => out.push_str("&gt;"),
-            '"' => out.push_str("&quot;"),
-            '\'' => out.push_str("&#39;"),
-            c => out.push(c),
-        }
-    }
-    out
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::draw::scene::PanelShape;
+    use crate::answer::marks::Marks;
+    use crate::certify::claim::What;
+    use crate::draw::drawing::Drawing;
+    use crate::draw::flat::FlatPiece;
+    use crate::draw::scene::{PanelShape, Scene};
     use crate::geom::mesh::Mesh;
-    use crate::io::json::tests::sample;
+    use crate::geom::Vec3;
+    use crate::io::json::tests::{sample, set};
 
     fn page(report: &Report) -> String {
         let mesh = Mesh {
@@ -184,8 +182,27 @@ mod tests {
         let panel = |name: &str| PanelShape { name: name.into(), mesh: mesh.clone(), ..PanelShape::default() };
         let scene =
             Scene { panels: vec![panel("A-01"), panel("A-02")], surfaces: vec![mesh.clone()], ..Scene::default() };
-        let direction = Vec3::new(1.0, -1.0, 1.0);
-        let page = Page { report, scene: &scene, direction, layout: &[], panels_png: &[1, 2], deviation_png: &[3] };
+        let flat = FlatPiece { name: "A-01".into(), ..FlatPiece::default() };
+        let shown = Presentation {
+            marks: Marks::default(),
+            scene,
+            direction: Vec3::new(1.0, -1.0, 1.0),
+            drawing: Drawing::default(),
+            pieces: vec![flat],
+            shapes: Vec::new(),
+            shape_patches: Vec::new(),
+        };
+        let pictures = Pictures {
+            panels: vec![1, 2],
+            layout: vec![],
+            deviation: Some(vec![3]),
+            field: None,
+            points: Some((vec![4], 1)),
+            shapes: None,
+        };
+        let meaning = FieldMeaning::default();
+        let page =
+            Page { report, job: Job::Approximate, meaning: &meaning, limit: 1.0, shown: &shown, pictures: &pictures };
         write(&page).expect("a page")
     }
 
@@ -199,8 +216,8 @@ mod tests {
         assert!(text.contains("0.9877"), "the bound, rounded up");
         // An unknown name in the template would leave an empty place.
         fill(PAGE, |name| {
-            let known = "title style script badge figures certificate warnings panel_rows face_rows skipped layout \
-                         tolerance panel_count version panels_png deviation_png scene geometry";
+            let known = "result certificate warnings panel_count panel_words thing Things face_head figure_heads \
+                         panel_rows shapes layout part_rows points field faces";
             assert!(known.split_whitespace().any(|k| k == name), "{name}");
             String::new()
         });
@@ -223,13 +240,13 @@ mod tests {
         let mut report = sample();
         report.status = "uncertified".into();
         report.reason = "the tolerance is exceeded".into();
-        report.missing = vec!["panel A-01 exceeds the tolerance".into()];
-        report.panels[0].certified = false;
+        report.objections = vec!["the tolerance is exceeded".into(), "panel A-01: distance 1.7 mm".into()];
+        (report.panels[0].certified, report.parts[0].certified) = (false, false);
         report.panels[0].reason = "distance 1.7 mm".into();
-        report.panels[0].deviation_bound = None;
+        set(&mut report.panels[0].figures, What::Deviation, None);
         report.panels[0].witness = Some(crate::io::json::WitnessRecord { uv: [0.25, 0.75], distance: Some(1.7) });
         let text = page(&report);
-        for words in ["Not certified", "the tolerance is exceeded", "panel A-01 exceeds", "0.25", "1.7"] {
+        for words in ["Not certified", "the tolerance is exceeded", "distance 1.7 mm", "0.25", "1.7"] {
             assert!(text.contains(words), "{words}");
         }
         assert!(!text.contains("badge good"));

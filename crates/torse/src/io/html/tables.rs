@@ -1,21 +1,70 @@
-//! Tables of panels and faces, and the flat layout as inline SVG.
+//! Tables of panels, parts and faces, and the flat layout as inline SVG.
 
-use super::escape;
-use super::words::{lower, plain, upper, witness};
+use super::numbers::{exponent, lower, plain, upper, witness};
+use crate::certify::claim::What;
 use crate::draw::colour;
 use crate::draw::flat::FlatPiece;
 use crate::draw::scene::{titled, NOT_CERTIFIED};
 use crate::geom::Vec2;
 use crate::io::bends;
-use crate::io::json::{PanelRecord, Report};
+use crate::io::json::{value, FigureRecord, PanelRecord, PartRecord, Report, UNKNOWN};
+use crate::io::markup::escape;
+use crate::io::words::id;
+use crate::torse::form::PanelKind;
 use std::fmt::Write;
+
+/// Smaller numbers are written with powers of ten.
+const TINY: f64 = 1e-3;
+
+/// Heading of a figure in the table of panels, and whether it is a lower bound.
+fn heading(f: &FigureRecord) -> (String, bool) {
+    let least = [What::RegressionClearance, What::BendRadius].map(id).contains(&f.what.as_str());
+    let short = [
+        (What::Deviation, "Distance"),
+        (What::Twist, "Twist"),
+        (What::RegressionClearance, "Regression"),
+        (What::BendRadius, "Bend radius"),
+        (What::LengthError, "Length error"),
+        (What::DrawingDistance, "Drawing error"),
+    ];
+    let known = short.iter().find(|(what, _)| id(*what) == f.what);
+    let name = known.map_or_else(|| f.name.clone(), |(_, name)| (*name).to_owned());
+    let sign = match (f.basis.as_str(), least) {
+        ("proven" | UNKNOWN, true) => " \u{2265}",
+        ("proven" | UNKNOWN, false) => " \u{2264}",
+        _ => "",
+    };
+    let unit = if f.unit.is_empty() { String::new() } else { format!(" ({})", f.unit) };
+    (format!("{name}{sign}{unit}"), least)
+}
+
+/// The figures that panels have, in order: one of each name.
+fn columns(report: &Report) -> Vec<&FigureRecord> {
+    let mut out: Vec<&FigureRecord> = Vec::new();
+    for f in report.panels.iter().flat_map(|p| &p.figures) {
+        if !out.iter().any(|c| c.name == f.name) {
+            out.push(f);
+        }
+    }
+    out
+}
+
+/// Headings of the figures in the table of panels.
+pub(super) fn figure_heads(report: &Report) -> String {
+    let head = |f: &&FigureRecord| {
+        let (words, title) = (escape(&heading(f).0), escape(&format!("{}, {}", f.name, f.basis)));
+        format!("<th class=\"number\"><button type=\"button\" title=\"{title}\">{words}</button></th>")
+    };
+    columns(report).iter().map(head).collect()
+}
 
 /// Rows of the table of panels.
 pub(super) fn panels(report: &Report) -> String {
-    report.panels.iter().enumerate().map(|(i, p)| panel_row(i, p, report)).collect()
+    let columns = columns(report);
+    report.panels.iter().enumerate().map(|(i, p)| panel_row(i, p, &columns, report)).collect()
 }
 
-fn panel_row(index: usize, panel: &PanelRecord, report: &Report) -> String {
+fn panel_row(index: usize, panel: &PanelRecord, columns: &[&FigureRecord], report: &Report) -> String {
     let mut row = format!("<tr id=\"panel-{index}\" data-panel=\"{index}\" tabindex=\"0\">");
     let mut cell = |class: &str, key: &str, text: &str| {
         let _ = write!(row, "<td class=\"{class}\" data-value=\"{key}\">{text}</td>");
@@ -23,37 +72,30 @@ fn panel_row(index: usize, panel: &PanelRecord, report: &Report) -> String {
     let swatch = colour::hex(colour::shown(index, !panel.certified));
     let name = escape(&titled(&panel.name, !panel.certified));
     cell("name", &name, &format!("<i style=\"background:{swatch}\"></i>{name}"));
-    let face = report.faces.get(panel.face);
-    let face_name =
-        face.map_or_else(String::new, |f| if f.name.is_empty() { format!("#{}", f.entity) } else { f.name.clone() });
-    cell("", &format!("{:06}", panel.face), &escape(&face_name));
+    if let Some(face) = panel.face {
+        let name = match report.faces.get(face) {
+            Some(f) if f.name.is_empty() => format!("#{}", f.entity),
+            Some(f) => f.name.clone(),
+            None => String::new(),
+        };
+        cell("", &format!("{face:06}"), &escape(&name));
+    }
     cell("", &escape(&panel.kind), &escape(&panel.kind));
-    let share = panel.deviation_bound.map_or(1.0, |b| (b / report.tolerance).clamp(0.0, 1.0));
-    let over = panel.deviation_bound.is_none_or(|b| b > report.tolerance);
-    cell(
-        "number",
-        &key(panel.deviation_bound, true),
-        &format!(
-            "<span class=\"bar{}\" style=\"--share:{:.3}\">{}</span>",
-            if over { " over" } else { "" },
-            share,
-            upper(panel.deviation_bound)
-        ),
-    );
-    let degrees = panel.developability_bound.map(f64::to_degrees);
-    cell("number", &key(degrees, true), &degrees.map_or_else(|| upper(None), exponent));
-    cell("number", &key(panel.regression_clearance, true), &lower(panel.regression_clearance));
-    cell("number", &key(panel.min_bend_radius, true), &lower(panel.min_bend_radius));
-    let measure =
-        |x: Option<f64>, unit: f64, digits: usize| x.map_or_else(|| "\u{2014}".into(), |x| plain(x * unit, digits));
-    cell("number", &key(panel.length, false), &measure(panel.length, 1.0, 5));
-    cell("number", &key(panel.width, false), &measure(panel.width, 1.0, 5));
-    cell("number", &key(panel.flat_area, false), &measure(panel.flat_area, 1e-6, 4));
-    cell(
-        "number",
-        &key(panel.isometry_error, false),
-        &panel.isometry_error.map_or_else(|| "\u{2014}".into(), exponent),
-    );
+    for column in columns {
+        let Some(f) = panel.figures.iter().find(|f| f.name == column.name) else {
+            cell("number", "-1", "\u{2014}");
+            continue;
+        };
+        let text = match f.limit {
+            Some(limit) if limit > 0.0 => {
+                let share = f.value.map_or(1.0, |b| (b / limit).clamp(0.0, 1.0));
+                let over = if f.value.is_none_or(|b| b > limit) { " over" } else { "" };
+                format!("<span class=\"bar{over}\" style=\"--share:{share:.3}\">{}</span>", number(f))
+            }
+            _ => number(f),
+        };
+        cell("number", &f.value.map_or_else(|| "Infinity".into(), |x| format!("{x:e}")), &text);
+    }
     let verdict = if panel.certified {
         "<span class=\"yes\">\u{2713} yes</span>".to_string()
     } else {
@@ -63,27 +105,126 @@ fn panel_row(index: usize, panel: &PanelRecord, report: &Report) -> String {
     row + "</tr>"
 }
 
-/// Sorting key of a number; where there is none it counts as infinite or as less than everything.
-fn key(x: Option<f64>, infinite: bool) -> String {
-    x.map_or_else(|| if infinite { "Infinity" } else { "-1" }.to_string(), |x| format!("{x:e}"))
+/// A figure for people: bounds rounded to the safe side, powers of ten where it is tiny.
+pub(super) fn number(f: &FigureRecord) -> String {
+    let least = heading(f).1;
+    match f.value {
+        None if f.basis == UNKNOWN => "unknown".into(),
+        // Of planes, or of cylinders.
+        None if least => "none".into(),
+        None => "\u{221e}".into(),
+        Some(x) if f.basis == "proven" && least => lower(Some(x)),
+        Some(x) if x != 0.0 && x.abs() < TINY => {
+            let sign = if x < 0.0 { "\u{2212}" } else { "" };
+            format!("{sign}{}", exponent(x.abs()))
+        }
+        Some(x) if f.basis == "proven" => upper(Some(x)),
+        Some(x) => plain(x, 6),
+    }
 }
 
-/// A tiny number in powers of ten, rounded up.
-pub(super) fn exponent(x: f64) -> String {
-    if x == 0.0 {
-        return "0".into();
-    }
-    let power = x.abs().log10().floor() as i32;
-    let mantissa = (x / 10f64.powi(power) * 10.0).ceil() / 10.0;
-    if power >= -2 {
-        return upper(Some(x));
-    }
-    format!("{mantissa:.1}\u{b7}10<sup>{}</sup>", power.to_string().replace('-', "\u{2212}"))
+/// Rows of the table of parts.
+pub(super) fn parts(report: &Report) -> String {
+    let cell = |x: Option<f64>, unit: f64| x.map_or_else(|| "\u{2014}".to_string(), |x| plain(x * unit, 6));
+    // What is proven goes before what was measured.
+    let error = |bound: Option<f64>, measured: Option<f64>| match (bound, measured) {
+        (Some(x), _) => format!("\u{2264} {}", exponent(x)),
+        (None, Some(x)) => format!("{} measured", exponent(x)),
+        (None, None) => "\u{2014}".into(),
+    };
+    let row = |p: &PartRecord| {
+        format!(
+            "<tr><td>{}</td><td class=\"number\">{}</td><td class=\"number\">{}</td><td class=\"number\">{}</td>\
+             <td class=\"number\">{}</td><td class=\"number\">{}</td><td class=\"number\">{}</td>\
+             <td class=\"number\">{}</td><td>{}</td></tr>",
+            escape(&titled(&p.name, !p.certified)),
+            p.panels.len(),
+            cell(p.length, 1.0),
+            cell(p.width, 1.0),
+            cell(p.flat_area, 1e-6),
+            cell(p.area, 1e-6),
+            error(p.strain_bound, p.isometry_error),
+            error(p.drawing_bound, p.contour_error),
+            escape(&p.missing),
+        )
+    };
+    report.parts.iter().map(row).collect()
 }
 
-/// Rows of the table of faces.
+/// Map of the measured points, with the worst of them in words; nothing without points. `map` is the address of the
+/// picture and the number of points outside it.
+pub(super) fn points(report: &Report, map: Option<(String, usize)>, limit: f64) -> String {
+    let Some((image, outside)) = map else { return String::new() };
+    let mut words = format!(
+        "Every measured point with its own distance from the strips; points beyond {}&nbsp;mm are larger and magenta.",
+        plain(limit, 4)
+    );
+    if let Some(w) = &report.worst_point {
+        let place = w.place.map(|x| plain(x, 7)).join(", ");
+        let far = w.deviation.map_or_else(|| "infinitely".into(), |d| format!("{}&nbsp;mm", plain(d.abs(), 4)));
+        let _ = write!(words, " The farthest is point {} at ({place}), {far} away.", w.index);
+    }
+    if outside > 0 {
+        let (s, lie) = if outside == 1 { ("", "lies") } else { ("s", "lie") };
+        let _ = write!(words, " {outside} point{s} {lie} outside the picture.");
+    }
+    format!(
+        "<section class=\"card\" id=\"points\"><h2>Measured points</h2><p class=\"quiet\">{words} All values are in \
+         <code>deviation.ply</code>.</p><img src=\"{image}\" alt=\"Map of the measured points\"></section>"
+    )
+}
+
+/// Picture and table of the shapes along each part; nothing if there are none.
+pub(super) fn shapes(report: &Report, picture: Option<String>) -> String {
+    if report.shapes.is_empty() {
+        return String::new();
+    }
+    let swatch = |name: &str| {
+        let kind = match name {
+            "plane" => PanelKind::Plane,
+            "cylinder" => PanelKind::Cylinder,
+            "cone" => PanelKind::Cone,
+            _ => PanelKind::Torse,
+        };
+        colour::hex(colour::kind(kind))
+    };
+    let mut rows = String::new();
+    for s in &report.shapes {
+        let vector = s.vector.map_or_else(|| "\u{2014}".to_string(), |v| v.map(|x| plain(x, 5)).join(", "));
+        let doubt = if s.ambiguous { "noise may hide another" } else { "" };
+        let strips = if s.first == s.last {
+            escape(&s.first)
+        } else {
+            format!("{}&nbsp;… {}", escape(&s.first), escape(&s.last))
+        };
+        let _ = write!(
+            rows,
+            "<tr><td>{}</td><td class=\"name\"><i style=\"background:{}\"></i>{}</td><td>{strips}</td>\
+             <td class=\"number\">{}</td><td class=\"number\">{vector}</td><td class=\"number\">{}</td><td>{doubt}</td></tr>",
+            escape(&s.part),
+            swatch(&s.shape),
+            escape(&s.shape),
+            plain(s.turn, 4),
+            exponent(s.residual),
+        );
+    }
+    let picture = picture.map_or_else(String::new, |p| format!("<img src=\"{p}\" alt=\"Strips coloured by shape\">"));
+    format!(
+        "<section class=\"card\" id=\"shapes\"><h2>Shapes</h2><p class=\"quiet\">What each part consists of, told from its \
+         tangent planes (measured). The vector is the normal of a plane, the direction of a cylinder, the apex of a cone in \
+         mm.</p>{picture}<div class=\"scroll\"><table><thead><tr><th>Part</th><th>Shape</th><th>Strips</th>\
+         <th class=\"number\">Turn (°)</th><th class=\"number\">Vector</th><th class=\"number\">Residual</th><th>Doubt</th></tr></thead>\
+         <tbody>{rows}</tbody></table></div></section>"
+    )
+}
+
+/// The table of faces.
 pub(super) fn faces(report: &Report) -> String {
-    let mut out = String::new();
+    let mut out = String::from(
+        "<section class=\"card\" id=\"faces\"><h2>Faces</h2><div class=\"scroll\"><table><thead><tr><th>Entity</th>\
+         <th>Name</th><th>Part</th><th>Surface</th><th class=\"number\">Panels</th><th class=\"number\">Covered</th>\
+         <th class=\"number\">Edges read to</th><th class=\"number\">Surface read to</th></tr></thead><tbody>",
+    );
     for face in &report.faces {
         let numbers = match &face.joined[..] {
             [] => format!("#{}", face.entity),
@@ -104,7 +245,7 @@ pub(super) fn faces(report: &Report) -> String {
             estimate(face.surface_deviation_estimate),
         );
     }
-    out
+    out + "</tbody></table></div>" + &skipped(report) + &notes(report) + "</section>"
 }
 
 /// The table of seams, if there are any.
@@ -155,7 +296,7 @@ pub(super) fn along(report: &Report) -> String {
             panel.map_or_else(String::new, |p| escape(&p.name)),
             escape(&a.curve),
             a.step,
-            upper(panel.and_then(|p| p.deviation_bound)),
+            upper(panel.and_then(|p| value(&p.figures, What::Deviation))),
             upper(a.paper_deviation_estimate),
         );
     }
@@ -164,19 +305,32 @@ pub(super) fn along(report: &Report) -> String {
         mismatch along the surface too, and is no bound.</p></details>"
 }
 
-/// What was left out, if anything, and notes.
-pub(super) fn skipped(report: &Report) -> String {
+/// Notes, if there are any.
+pub(super) fn notes(report: &Report) -> String {
     let items: String = report.notes.iter().map(|n| format!("<li>{}</li>", escape(n))).collect();
-    let notes = if items.is_empty() { items } else { format!("<h3>Notes</h3><ul>{items}</ul>") };
+    if items.is_empty() {
+        items
+    } else {
+        format!("<h3>Notes</h3><ul>{items}</ul>")
+    }
+}
+
+/// What was left out, if anything.
+pub(super) fn skipped(report: &Report) -> String {
     if report.skipped.is_empty() {
-        return notes;
+        return String::new();
     }
     let mut out = String::from("<h3>Left out</h3><ul class=\"missing\">");
     for item in &report.skipped {
-        let area = item.area_estimate.map_or("area unknown".into(), |a| format!("about {} mm\u{b2}", plain(a, 4)));
-        let _ = write!(out, "<li>#{}: {} ({area})</li>", item.entity, escape(&item.reason));
+        let area = match (item.entity, item.area_estimate) {
+            (_, Some(a)) => format!(" (about {} mm\u{b2})", plain(a, 4)),
+            (Some(_), None) => " (area unknown)".into(),
+            (None, None) => String::new(),
+        };
+        let entity = item.entity.map_or_else(String::new, |e| format!("#{e}: "));
+        let _ = write!(out, "<li>{entity}{}{area}</li>", escape(&item.reason));
     }
-    out + "</ul>" + &notes
+    out + "</ul>"
 }
 
 /// The flat patterns as SVG, one group per panel, 1 unit = 1 mm.
@@ -244,12 +398,6 @@ mod tests {
         let rows = panels(&sample());
         assert_eq!(rows.matches("<tr ").count(), 2);
         assert!(rows.contains("data-value=\"9.5e-1\""));
-    }
-
-    #[test]
-    fn tiny_numbers_are_written_with_powers_and_rounded_up() {
-        assert_eq!(exponent(2.41e-9), "2.5\u{b7}10<sup>\u{2212}9</sup>");
-        assert_eq!(exponent(0.0), "0");
     }
 
     #[test]

@@ -1,9 +1,10 @@
 //! The certificate in plain words: what is proven, what is only measured, what needs care.
 
-use super::escape;
-use super::tables::exponent;
-use crate::draw::picture::figure;
-use crate::io::json::{PanelRecord, Report};
+use super::numbers::{bound_with_unit, exponent, lower, millimetres, percent, plain, upper, witness};
+use super::tables;
+use crate::certify::claim::What;
+use crate::io::json::{value, FigureRecord, PanelRecord, PartRecord, Report};
+use crate::io::markup::escape;
 use std::fmt::Write;
 
 /// Bends tighter than this share of the panel's width deserve a look: the sheet turns by more than a radian or so
@@ -14,57 +15,13 @@ const NEAR_REGRESSION: f64 = 0.05;
 /// Relative length errors of flat patterns above this are worth a warning.
 const ISOMETRY_LIMIT: f64 = 1e-6;
 
-/// A length for people: four digits.
-pub(super) fn millimetres(x: f64) -> String {
-    format!("{}&nbsp;mm", plain(x, 4))
-}
-
-/// An upper bound for people: rounded up, so that the text stays true.
-pub(super) fn upper(x: Option<f64>) -> String {
-    x.map_or_else(|| "none shown".into(), |x| plain(rounded(x, f64::ceil), 4))
-}
-
-/// A lower bound for people: rounded down.
-pub(super) fn lower(x: Option<f64>) -> String {
-    x.map_or_else(|| "\u{2014}".into(), |x| plain(rounded(x, f64::floor), 4))
-}
-
-/// A number without superfluous zeros.
-pub(super) fn plain(x: f64, digits: usize) -> String {
-    let text = figure(x, digits);
-    match text.split_once('.') {
-        Some((whole, fraction)) if !fraction.contains('e') => {
-            let fraction = fraction.trim_end_matches('0');
-            if fraction.is_empty() {
-                whole.to_string()
-            } else {
-                format!("{whole}.{fraction}")
-            }
-        }
-        _ => text,
-    }
-}
-
-fn rounded(x: f64, round: fn(f64) -> f64) -> f64 {
-    if x == 0.0 || !x.is_finite() {
-        return x;
-    }
-    let unit = 10f64.powi(x.abs().log10().floor() as i32 - 3);
-    let y = round(x / unit) * unit;
-    if y.is_finite() {
-        y
-    } else {
-        x
-    }
-}
-
 /// The first line of the page: what must not be cut, and what is missing; empty if nothing.
 pub(super) fn first_line(report: &Report) -> String {
     let mut out = report.do_not_cut(usize::MAX).map_or_else(String::new, |w| format!("Not certified: {w}."));
     if report.panels.iter().all(|p| p.certified) && !report.certified() {
         out += &format!(" Missing: {}.", report.reason.trim_end_matches('.'));
-    } else if !report.skipped.is_empty() {
-        let items: Vec<String> = report.skipped.iter().map(|s| format!("#{}", s.entity)).collect();
+    } else if report.skipped.iter().any(|s| s.entity.is_some()) {
+        let items: Vec<String> = report.skipped.iter().filter_map(|s| s.entity).map(|e| format!("#{e}")).collect();
         out += &format!(" Left out of the file, without panels: {}.", items.join(", "));
     }
     out.trim_start().to_owned()
@@ -79,14 +36,25 @@ pub(super) fn badge(report: &Report) -> String {
     }
 }
 
-/// The figures beside the badge.
+/// The figures of the whole, one by one.
 pub(super) fn figures(report: &Report) -> String {
+    let tile = |f: &FigureRecord| {
+        let unit = if f.unit.is_empty() { String::new() } else { format!("&nbsp;{}", escape(&f.unit)) };
+        let note = if f.basis == "given" { "" } else { f.basis.as_str() };
+        format!("<div><dt>{}</dt><dd>{}{unit}<small>{note}</small></dd></div>", escape(&f.name), tables::number(f))
+    };
+    report.figures.iter().map(tile).collect()
+}
+
+/// The figures of a cover.
+pub(super) fn cover_figures(report: &Report) -> String {
     let mut out = String::new();
     let mut item = |name: &str, value: String, note: String| {
         let _ = write!(out, "<div><dt>{name}</dt><dd>{value}<small>{note}</small></dd></div>");
     };
-    let above = report.deviation_bound.is_none_or(|b| b > report.tolerance);
-    let distance = bound_with_unit(report.deviation_bound);
+    let bound = value(&report.figures, What::Deviation);
+    let above = bound.is_none_or(|b| b > report.tolerance);
+    let distance = bound_with_unit(bound);
     item(
         "Largest distance",
         if above { format!("<span class=\"no\">{distance}</span>") } else { distance },
@@ -98,18 +66,18 @@ pub(super) fn figures(report: &Report) -> String {
     };
     item("Panels", report.panels.len().to_string(), format!("on {faces}"));
     let (share, of) = match report.skipped.iter().any(|s| s.area_estimate.is_none()) {
-        true => (format!("&lt;&nbsp;{}", percent(report.coverage)), "of the area of the faces; some are unknown"),
-        false => (percent(report.coverage), "of the area of the faces"),
+        true => (format!("&lt;&nbsp;{}", percent(coverage(report))), "of the area of the faces; some are unknown"),
+        false => (percent(coverage(report)), "of the area of the faces"),
     };
     item("Covered", share, of.into());
-    item("Seam gap", bound_with_unit(report.seam_gap_bound), "at most, between neighbours".into());
-    let radius = least(report, |p| p.min_bend_radius);
+    item("Seam gap", bound_with_unit(value(&report.figures, What::SeamGap)), "at most, between neighbours".into());
+    let radius = least(report, |p| value(&p.figures, What::BendRadius));
     item(
         "Tightest bend",
         radius.map_or_else(|| "\u{2014}".into(), |(r, _)| format!("{}&nbsp;mm", lower(Some(r)))),
         radius.map_or_else(|| "all panels plane".into(), |(_, p)| format!("radius, panel {}", escape(&p.name))),
     );
-    let flat: f64 = report.panels.iter().filter_map(|p| p.flat_area).sum();
+    let flat: f64 = report.parts.iter().filter_map(|p| p.flat_area).sum();
     item(
         "Sheet",
         format!("{}&nbsp;m\u{b2}", plain(flat * 1e-6, 4)),
@@ -128,7 +96,7 @@ pub(super) fn certificate(report: &Report) -> String {
             "<p class=\"lead\">Every point of every face lies within <b>{bound}</b> of the panels, and every point of \
              the panels lies within <b>{bound}</b> of the surface. You asked for {tolerance}. This is proven, not \
              sampled.</p>",
-            bound = bound_with_unit(report.deviation_bound),
+            bound = bound_with_unit(value(&report.figures, What::Deviation)),
         );
     } else {
         let _ = write!(
@@ -147,7 +115,7 @@ fn proven(report: &Report) -> String {
     let mut items = Vec::new();
     let bad = report.panels.iter().filter(|p| !p.certified).count();
     let good = report.panels.len() - bad;
-    if let Some(bound) = report.deviation_bound {
+    if let Some(bound) = value(&report.figures, What::Deviation) {
         let within = if bound <= report.tolerance { "within the tolerance" } else { "<b>above the tolerance</b>" };
         items.push(format!(
             "<b>Distance</b> between the trimmed faces and the panels as written to <code>panels.step</code>, in both \
@@ -160,15 +128,15 @@ fn proven(report: &Report) -> String {
     }
     // Of panels that are not certified these numbers may be unknown.
     let scope = if bad > 0 { "of the certified panels: " } else { "" };
-    if let Some((angle, panel)) = most(report, |p| p.developability_bound.filter(|_| p.certified)) {
+    if let Some((angle, panel)) = most(report, |p| value(&p.figures, What::Twist).filter(|_| p.certified)) {
         items.push(format!(
             "<b>Developability:</b> {scope}along no ruling does the tangent plane turn by more than {}\u{b0} (panel \
              {}); an exactly developable surface has 0.",
-            exponent(angle.to_degrees()),
+            exponent(angle),
             escape(&panel.name),
         ));
     }
-    match least(report, |p| p.regression_clearance.filter(|_| p.certified)) {
+    match least(report, |p| value(&p.figures, What::RegressionClearance).filter(|_| p.certified)) {
         Some((clearance, panel)) => items.push(format!(
             "<b>Regularity:</b> {scope}none comes nearer than {}&nbsp;mm, measured along its rulings, to its curve of \
              regression, where a developable surface has a sharp edge (nearest: panel {}).",
@@ -180,7 +148,7 @@ fn proven(report: &Report) -> String {
         }
         None => {}
     }
-    if let Some(gap) = report.seam_gap_bound {
+    if let Some(gap) = value(&report.figures, What::SeamGap) {
         items.push(format!(
             "<b>Seams:</b> the two sides of a seam are nowhere more than {}&nbsp;mm apart; {} of {} seams are exact, with \
              one common edge.",
@@ -189,10 +157,10 @@ fn proven(report: &Report) -> String {
             report.seams.len(),
         ));
     }
-    if report.coverage >= 1.0 {
+    if coverage(report) >= 1.0 {
         items.push("<b>Coverage:</b> the regions of the panels add up to the faces, without holes or overlaps.".into());
     }
-    if let (Some((strain, _)), Some((off, _))) = (flat(report, |p| p.strain_bound), flat(report, |p| p.drawing_bound)) {
+    if let (Some(strain), Some(off)) = (flat(report, |p| p.strain_bound), flat(report, |p| p.drawing_bound)) {
         items.push(format!(
             "<b>Flat patterns:</b> no length on a flat part differs from that on its panel by more than {} of it;              outlines, rulings and marks as drawn are nowhere more than {} from where they belong.",
             exponent(strain),
@@ -221,19 +189,32 @@ fn proven(report: &Report) -> String {
     format!("<div>{}</div>", list("Proven for every point", "proven", &items))
 }
 
-/// The largest of a proven number of flat patterns, if every panel has one.
-fn flat(report: &Report, value: impl Fn(&PanelRecord) -> Option<f64>) -> Option<(f64, &PanelRecord)> {
-    most(report, &value).filter(|_| report.panels.iter().all(|p| value(p).is_some()))
+/// The largest of a proven number of flat parts, if every part has one.
+fn flat(report: &Report, value: impl Fn(&PartRecord) -> Option<f64>) -> Option<f64> {
+    report.parts.iter().map(value).try_fold(0.0, |m: f64, x| Some(m.max(x?)))
+}
+
+/// The largest of a measured number of flat parts that have no proof.
+fn unproven_flat(report: &Report, value: impl Fn(&PartRecord) -> Option<f64>) -> Option<f64> {
+    let parts = report.parts.iter().filter(|p| p.strain_bound.is_none() || p.drawing_bound.is_none());
+    parts.filter_map(value).reduce(f64::max)
+}
+
+/// Share of the faces that is covered.
+fn coverage(report: &Report) -> f64 {
+    report.coverage.unwrap_or(0.0)
 }
 
 /// What is missing, and what was only measured.
 fn unproven(report: &Report) -> String {
-    let mut missing: Vec<String> = report.missing.iter().map(|m| escape(m)).collect();
+    // What panels say of themselves follows one by one.
+    let of_a_panel = |o: &str| report.panels.iter().any(|p| !p.reason.is_empty() && o.contains(&p.reason));
+    let mut missing: Vec<String> = report.objections.iter().filter(|o| !of_a_panel(o)).map(|o| escape(o)).collect();
     for panel in report.panels.iter().filter(|p| !p.certified) {
         missing.push(format!("Panel {}: {}{}", link(panel, report), escape(&panel.reason), witness(panel)));
     }
-    if report.coverage < 1.0 {
-        missing.push(format!("The panels cover {} of the area of the faces.", percent(report.coverage)));
+    if coverage(report) < 1.0 {
+        missing.push(format!("The panels cover {} of the area of the faces.", percent(coverage(report))));
     }
     if !report.skipped.is_empty() {
         missing.push(format!(
@@ -245,12 +226,10 @@ fn unproven(report: &Report) -> String {
         ));
     }
     let mut measured = Vec::new();
-    let measured_only =
-        |p: &PanelRecord, x: Option<f64>| x.filter(|_| p.strain_bound.is_none() || p.drawing_bound.is_none());
-    if let Some((error, _)) = most(report, |p| measured_only(p, p.isometry_error)) {
+    if let Some(error) = unproven_flat(report, |p| p.isometry_error) {
         measured.push(format!("Flat patterns keep lengths to {} (largest relative error measured).", exponent(error)));
     }
-    if let Some((error, _)) = most(report, |p| measured_only(p, p.contour_error)) {
+    if let Some(error) = unproven_flat(report, |p| p.contour_error) {
         measured
             .push(format!("Lines and arcs of the flat outlines follow the exact outlines to {}.", millimetres(error)));
     }
@@ -282,57 +261,58 @@ fn unproven(report: &Report) -> String {
 
 /// Things to look at before cutting.
 pub(super) fn warnings(report: &Report) -> String {
+    const MOST: usize = 12;
     let mut items = Vec::new();
-    let mut warn = |panels: Vec<&PanelRecord>, words: &str| {
-        const MOST: usize = 12;
-        if panels.is_empty() {
-            return;
+    let mut warn = |found: Vec<String>, words: &str| {
+        let more = if found.len() > MOST { format!(" and {} more", found.len() - MOST) } else { String::new() };
+        if !found.is_empty() {
+            items.push(format!("{words}: {}{more}.", found[..found.len().min(MOST)].join(", ")));
         }
-        let names: Vec<String> = panels.iter().take(MOST).map(|p| link(p, report)).collect();
-        let more = if panels.len() > MOST { format!(" and {} more", panels.len() - MOST) } else { String::new() };
-        items.push(format!("{words}: {}{more}.", names.join(", ")));
     };
-    let panels = |test: &dyn Fn(&PanelRecord) -> Option<bool>| {
-        report.panels.iter().filter(|p| test(p).unwrap_or(false)).collect::<Vec<_>>()
+    let panels = |test: &dyn Fn(&PanelRecord, &PartRecord) -> Option<bool>| -> Vec<String> {
+        let bad = report.panels.iter().filter(|panel| {
+            let part = report.parts.iter().find(|part| part.panels.contains(&panel.name));
+            part.and_then(|part| test(panel, part)).unwrap_or(false)
+        });
+        bad.map(|p| link(p, report)).collect()
+    };
+    let parts = |test: &dyn Fn(&PartRecord) -> Option<bool>| -> Vec<String> {
+        report.parts.iter().filter(|p| test(p).unwrap_or(false)).map(|p| escape(&p.name)).collect()
     };
     warn(
-        panels(&|p| Some(p.min_bend_radius? < TIGHT_BEND * p.width?)),
-        "Tight bends (radius below half the panel's width); check them against sheet thickness",
+        panels(&|panel, part| Some(value(&panel.figures, What::BendRadius)? < TIGHT_BEND * part.width?)),
+        "Tight bends (radius below half the part's width); check them against sheet thickness",
     );
     warn(
-        panels(&|p| Some(p.regression_clearance? < NEAR_REGRESSION * p.length?)),
+        panels(&|panel, part| Some(value(&panel.figures, What::RegressionClearance)? < NEAR_REGRESSION * part.length?)),
         "Close to the curve of regression, where bending becomes sharp",
     );
     warn(
-        panels(&|p| Some(p.isometry_error? > ISOMETRY_LIMIT)),
+        parts(&|p| Some(p.isometry_error? > ISOMETRY_LIMIT)),
         "Flat pattern with a relative length error above one in a million",
     );
-    warn(panels(&|p| Some(p.flat_area.is_none())), "Without flat pattern");
+    warn(parts(&|p| Some(p.flat_area.is_none())), "Without flat pattern");
     if items.is_empty() {
         return String::new();
     }
     format!("<section class=\"card warn\"><h2>Before you cut</h2><ul>{}</ul></section>", bullets(&items))
 }
 
-/// Where a panel exceeds the tolerance.
-pub(super) fn witness(panel: &PanelRecord) -> String {
-    panel.witness.as_ref().map_or_else(String::new, |w| {
-        let distance = w.distance.map_or_else(String::new, |d| format!(", distance {}", millimetres(d)));
-        format!(" <span class=\"quiet\">(at u = {}, v = {}{distance})</span>", plain(w.uv[0], 6), plain(w.uv[1], 6))
-    })
-}
-
-fn bound_with_unit(x: Option<f64>) -> String {
-    if x.is_some() {
-        format!("{}&nbsp;mm", upper(x))
+/// The result of a job that covers no faces, in words.
+pub(super) fn result(report: &Report) -> String {
+    let lead = if report.certified() {
+        format!(
+            "The result meets the tolerance of {}. Figures marked <i>proven</i> hold for every point, those marked \
+             <i>measured</i> for samples.",
+            millimetres(report.tolerance)
+        )
     } else {
-        upper(x)
-    }
-}
-
-fn percent(share: f64) -> String {
-    // Rounded down: an incomplete cover must not read 100 %.
-    format!("{}&nbsp;%", plain((share * 10_000.0).floor() / 100.0, 4))
+        format!(
+            "This result is <b>not certified</b>: {}. The files were written so that you can look.",
+            escape(report.reason.trim_end_matches('.'))
+        )
+    };
+    format!("<p class=\"lead\">{lead}</p>") + &tables::skipped(report) + &tables::notes(report)
 }
 
 fn link(panel: &PanelRecord, report: &Report) -> String {
@@ -359,23 +339,13 @@ fn bullets(items: &[String]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::io::json::tests::sample;
-
-    #[test]
-    fn bounds_are_rounded_to_the_safe_side() {
-        assert_eq!(upper(Some(0.987_61)), "0.9877");
-        assert_eq!(upper(Some(0.987_600_01)), "0.9877");
-        assert_eq!(lower(Some(412.79)), "412.7");
-        assert_eq!(upper(Some(1.0)), "1");
-        assert_eq!(upper(None), "none shown");
-        assert_eq!(percent(0.999_999), "99.99&nbsp;%");
-    }
+    use crate::io::json::tests::{sample, set};
 
     #[test]
     fn warnings_name_the_panels_concerned_and_only_those() {
         let mut report = sample();
         assert_eq!(warnings(&report), "");
-        report.panels[1].min_bend_radius = Some(12.0);
+        set(&mut report.panels[1].figures, What::BendRadius, Some(12.0));
         let text = warnings(&report);
         assert!(text.contains("A-02") && !text.contains("A-01"));
     }
@@ -384,8 +354,8 @@ mod tests {
     fn nothing_is_claimed_for_panels_that_are_not_certified() {
         let mut report = sample();
         report.panels[1].certified = false;
-        report.panels[1].developability_bound = None;
-        report.panels[1].regression_clearance = None;
+        set(&mut report.panels[1].figures, What::Twist, None);
+        set(&mut report.panels[1].figures, What::RegressionClearance, None);
         let text = proven(&report);
         assert_eq!(text.matches("of the certified panels").count(), 2);
         report.panels[0].certified = false;
@@ -396,7 +366,7 @@ mod tests {
     fn a_bound_above_the_tolerance_is_called_so() {
         let mut report = sample();
         report.status = "uncertified".into();
-        report.deviation_bound = Some(1.5);
+        set(&mut report.figures, What::Deviation, Some(1.5));
         let text = certificate(&report);
         assert!(text.contains("above the tolerance") && !text.contains("This is proven"));
     }

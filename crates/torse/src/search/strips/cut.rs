@@ -1,32 +1,32 @@
 //! Flat parts from chains of strips: develop each chain; a chain that would overlap itself in the plane is cut in two.
 
 use super::judgement::SQUARE_METRES;
-use crate::answer::sheets::FlatPart;
 use crate::certify::claim::{Claim, Subject, What};
 use crate::control::Control;
 use crate::develop::strip::{least_spacing, pattern, StripOptions};
 use crate::develop::view::{centre, viewed};
 use crate::develop::DevelopError;
+use crate::patchwork::part::Part;
 use crate::patchwork::pattern::Pattern;
 use crate::torse::strip::Strip;
 
 /// Develops parts. `chains` name their first strip and the number of strips; strips of a chain share rulings.
 ///
 /// Patterns are seen from the side of the model that the options name. Every part asked for is answered: one that cannot be developed is listed with the reason, and without pattern.
-pub fn cut(strips: &[Strip], chains: &[FlatPart], options: &StripOptions) -> (Vec<FlatPart>, Vec<Pattern>) {
+pub fn cut(strips: &[Strip], chains: &[Part], options: &StripOptions) -> (Vec<Part>, Vec<Pattern>) {
     cut_until(strips, chains, options, &Control::default())
 }
 
 /// As [`cut`]; parts whose turn comes after a control said stop have no pattern.
 pub fn cut_until(
     strips: &[Strip],
-    chains: &[FlatPart],
+    chains: &[Part],
     options: &StripOptions,
     control: &Control,
-) -> (Vec<FlatPart>, Vec<Pattern>) {
+) -> (Vec<Part>, Vec<Pattern>) {
     let (mut parts, mut patterns) = (Vec::new(), Vec::new());
     let centre = centre(strips);
-    let mut waiting: Vec<FlatPart> = chains.iter().rev().cloned().collect();
+    let mut waiting: Vec<Part> = chains.iter().rev().cloned().collect();
     while let Some(mut part) = waiting.pop() {
         let Some(chain) = strips.get(part.first..part.first + part.count) else {
             part.missing = "it names strips that do not exist".into();
@@ -46,7 +46,7 @@ pub fn cut_until(
             }
             Err(DevelopError::Overlap { .. } | DevelopError::Apart { .. }) if part.count > 1 => {
                 let half = part.count / 2;
-                let piece = |letter: char, first: usize, count: usize| FlatPart {
+                let piece = |letter: char, first: usize, count: usize| Part {
                     name: format!("{}{letter}", part.name),
                     first,
                     count,
@@ -79,7 +79,7 @@ pub fn spacing_notes(patterns: &[Pattern], options: &StripOptions) -> Vec<String
 }
 
 /// What is said of flat parts: their area, the error of their lengths, and what stands against each.
-pub fn claims(parts: &[FlatPart], patterns: &[Pattern], tolerance: f64) -> Vec<Claim> {
+pub fn claims(parts: &[Part], patterns: &[Pattern], tolerance: f64) -> Vec<Claim> {
     let whole = Subject::Whole;
     let isometry = patterns.iter().map(|p| p.isometry_error).fold(0.0, f64::max);
     let missing = parts.iter().filter(|p| !p.missing.is_empty()).map(|p| format!("part {}: {}", p.name, p.missing));
@@ -92,7 +92,7 @@ pub fn claims(parts: &[FlatPart], patterns: &[Pattern], tolerance: f64) -> Vec<C
 }
 
 /// Parts whose patterns are longer or shorter than the strips by more than the tolerance (mm), as reasons.
-fn stretched(parts: &[FlatPart], patterns: &[Pattern], tolerance: f64) -> Vec<String> {
+fn stretched(parts: &[Part], patterns: &[Pattern], tolerance: f64) -> Vec<String> {
     let name = |p: &Pattern| parts.get(p.panel).map_or(p.name.as_str(), |part| part.name.as_str()).to_owned();
     let off = |p: &Pattern| p.isometry_error * p.length;
     patterns
@@ -143,7 +143,7 @@ mod tests {
                 s
             })
             .collect();
-        let whole = FlatPart { name: "fan".into(), first: 0, count: 8, missing: String::new() };
+        let whole = Part { name: "fan".into(), first: 0, count: 8, missing: String::new() };
         let (parts, patterns) = cut(&strips, &[whole], &StripOptions::new(0.01));
         assert_eq!((parts.len(), patterns.len()), (2, 2));
         assert!(parts.iter().all(|p| p.missing.is_empty()) && parts[1].name == "fanb" && patterns[1].panel == 1);
@@ -154,7 +154,7 @@ mod tests {
         let x = Vec3::new;
         let quad = [[x(0.0, 0.0, 0.0), x(0.0, 80.0, 0.0)], [x(100.0, 0.0, 0.0), x(100.0, 80.0, 0.0)]];
         let strips = [Strip::quad("A-01", PanelKind::Cylinder, quad[0], quad[1]).expect("strip")];
-        let whole = FlatPart { name: "A".into(), first: 0, count: 1, missing: String::new() };
+        let whole = Part { name: "A".into(), first: 0, count: 1, missing: String::new() };
         let asked = |ruling_spacing, mark_spacing| {
             let options = StripOptions { ruling_spacing, mark_spacing, ..StripOptions::new(0.01) };
             spacing_notes(&cut(&strips, std::slice::from_ref(&whole), &options).1, &options)
@@ -170,7 +170,7 @@ mod tests {
         let x = Vec3::new;
         let quad = [[x(0.0, 0.0, 0.0), x(0.0, 80.0, 0.0)], [x(100.0, 0.0, 0.0), x(100.0, 80.0, 0.0)]];
         let strips = [Strip::quad("A-01", PanelKind::Plane, quad[0], quad[1]).expect("strip")];
-        let whole = FlatPart { name: "A".into(), first: 0, count: 1, missing: String::new() };
+        let whole = Part { name: "A".into(), first: 0, count: 1, missing: String::new() };
         let (parts, mut patterns) = cut(&strips, &[whole], &StripOptions::new(0.01));
         assert!(stretched(&parts, &patterns, 1e-6).is_empty());
         patterns[0].isometry_error = 1.2;

@@ -1,10 +1,10 @@
 //! What is proven and measured about strips between rails: the same for every job that makes them.
 
-use crate::answer::sheets::{FieldMeaning, StripField};
 use crate::certify::claim::{Claim, Counted, Subject, UpperBound, What};
 use crate::certify::rails::{rail_bound, twist_bound, TwistBound};
 use crate::control::Control;
 use crate::design::loft::build::BuiltStrip;
+use crate::draw::field::{FieldMeaning, PanelField};
 use crate::torse::form::PanelKind;
 use crate::torse::rail::Rail;
 use crate::torse::strip::Strip;
@@ -40,7 +40,7 @@ pub struct Judgement {
     /// What is said of the strips one by one.
     pub claims: Vec<Claim>,
     /// Measured twist (degrees) for colours.
-    pub fields: Vec<StripField>,
+    pub fields: Vec<PanelField>,
     /// What the colours mean.
     pub meaning: FieldMeaning,
     /// Strips that were judged, and those of them that are exact: planes, and strips ruled between the given curves
@@ -132,13 +132,13 @@ pub fn judge(strips: &[Candidate], sides: [What; 2], limit: f64) -> Judgement {
 }
 
 /// Measured twist for colours; one value for a plane between straight rails, which is two triangles in every picture.
-fn field(strip: &Strip, found: &Found) -> StripField {
+fn field(strip: &Strip, found: &Found) -> PanelField {
     let plain = strip.kind == PanelKind::Plane && strip.patch.knots_u.control_count() == 2;
     let (u, twists) = match (plain, &found.at[..]) {
         (true, [first, .., last]) => (vec![*first, *last], vec![found.twists.iter().copied().fold(0.0, f64::max); 2]),
         _ => (found.at.clone(), found.twists.clone()),
     };
-    StripField { u, v: vec![0.0, 1.0], values: twists.iter().flat_map(|t| [t.to_degrees(); 2]).collect() }
+    PanelField { u, v: vec![0.0, 1.0], values: twists.iter().flat_map(|t| [t.to_degrees(); 2]).collect() }
 }
 
 /// Sums up what was found of strips: see [`judge`].

@@ -20,7 +20,7 @@ mod walk;
 use self::curves::Geometry;
 use self::records::{Fault, Records};
 use self::walk::{Census, Occurrence};
-use crate::answer::outcome::Skipped;
+use crate::answer::skipped::Skipped;
 use crate::brep::face::Face;
 use crate::brep::trim;
 use rayon::prelude::*;
@@ -138,7 +138,8 @@ pub fn read_with(bytes: &[u8], options: &ReadOptions) -> Result<Model, ReadError
     let unit = main_unit(&census, &mut notes);
     let faces = placed(&records, &census, options, &mut skipped);
     if faces.is_empty() {
-        let (entity, reason) = skipped.last().map_or((0, String::new()), |s| (s.entity, s.reason.clone()));
+        let (entity, reason) =
+            skipped.last().map_or((0, String::new()), |s| (s.entity.unwrap_or_default(), s.reason.clone()));
         let reason = std::iter::once(reason).chain(damage(&records)).collect::<Vec<_>>().join("; ");
         return Err(ReadError::NoUsableFaces { count: census.occurrences.len(), entity, reason });
     }
@@ -223,7 +224,7 @@ fn main_unit(census: &Census, notes: &mut Vec<String>) -> String {
 }
 
 fn as_skipped(f: &Fault) -> Skipped {
-    Skipped { entity: f.entity, reason: f.reason.clone(), area_estimate: None }
+    Skipped::of_file(f.entity, f.reason.clone(), None)
 }
 
 /// Builds every face once and places its occurrences.
@@ -259,8 +260,8 @@ fn placed(records: &Records, census: &Census, options: &ReadOptions, skipped: &m
                 let before = out.len();
                 out.extend(there.filter(is_finite));
                 if out.len() < before + faces.len() {
-                    let reason = "its placement is not finite".into();
-                    skipped.push(Skipped { entity: o.face, reason, area_estimate: None });
+                    let reason = "its placement is not finite".to_string();
+                    skipped.push(Skipped::of_file(o.face, reason, None));
                 }
             }
             Some(Err(lost)) => {
@@ -269,7 +270,7 @@ fn placed(records: &Records, census: &Census, options: &ReadOptions, skipped: &m
                 let at = *named.entry(key(o)).or_insert_with(|| {
                     // The face is what the user looks for; the record at fault is named in the reason.
                     let reason = lost.fault.reason.clone();
-                    skipped.push(Skipped { entity: o.face, reason, area_estimate: area.map(|_| 0.0) });
+                    skipped.push(Skipped::of_file(o.face, reason, area.map(|_| 0.0)));
                     skipped.len() - 1
                 });
                 skipped[at].area_estimate = skipped[at].area_estimate.zip(area).map(|(sum, a)| sum + a);

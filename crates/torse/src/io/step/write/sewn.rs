@@ -26,7 +26,10 @@ pub(super) fn sheets(patchwork: &Patchwork, marked: &[bool]) -> Vec<Sheet> {
         .into_values()
         .map(|panels| match panels[..] {
             [(one, marked)] => {
-                let sheet = Sheet::of_panel(one, reversed(one));
+                let sheet = match one.trim {
+                    Some(_) => Sheet::of_panel(one, reversed(one)),
+                    None => Sheet::of_strip(&one.strip),
+                };
                 if marked {
                     sheet.marked()
                 } else {

@@ -1,0 +1,180 @@
+//! A job under way: what every command that writes files has in common.
+
+use crate::args::Files;
+use crate::failure::{os_reason, Failure};
+use crate::folder::Output;
+use crate::terminal::Terminal;
+use std::io::Write;
+use std::path::Path;
+use std::time::Duration;
+use torse::answer::marks::Marks;
+use torse::answer::skipped::Skipped;
+use torse::answer::Answer;
+use torse::certify::claim::{Claim, Status, Subject, What};
+use torse::control::Control;
+use torse::io::marks::{chosen, do_not_cut, FEW};
+use torse::io::words;
+use torse::pipeline::deliver;
+
+/// The folder that results will be in, and the terminal that tells of the job.
+pub struct Job<'a> {
+    output: Output,
+    terminal: Terminal,
+    files: &'a Files,
+}
+
+impl<'a> Job<'a> {
+    /// Prepares the folder and the terminal; `input` is the file that the job reads, `limit` the time that it may take.
+    pub fn begin(files: &'a Files, input: &Path, limit: Option<Duration>) -> Result<Self, Failure> {
+        let output = Output::prepare(&files.out, input, files.force)?;
+        let terminal = Terminal::new(files.quiet, limit)?;
+        terminal.guard(Some(output.workspace().to_path_buf()));
+        Ok(Self { output, terminal, files })
+    }
+
+    /// The control to hand to the library.
+    pub fn control(&self) -> &Control {
+        self.terminal.control()
+    }
+
+    /// Shows what the program itself is doing.
+    pub fn say(&self, message: &'static str) {
+        self.terminal.say(message);
+    }
+
+    /// Writes further files.
+    pub fn write(&self, files: Vec<(String, Vec<u8>)>) -> Result<(), Failure> {
+        files.into_iter().try_for_each(|(name, bytes)| self.output.write(&name, &bytes))
+    }
+
+    /// Writes the files of an answer, which are judged with it.
+    pub fn deliver(&self, answer: &mut Answer) -> Result<(), Failure> {
+        self.say("writing");
+        self.write(deliver::files(answer, &crate::clock::stamp()).map_err(|e| fault(&e))?)
+    }
+
+    /// Moves the folder into place and tells the result; `Ok(true)` means certified.
+    pub fn finish(self, answer: &Answer, tolerance: &str) -> Result<bool, Failure> {
+        self.terminal.guard(None);
+        self.terminal.finish();
+        let interrupted = self.terminal.interrupted();
+        let folder = self.output.finish()?;
+        if !self.files.quiet {
+            // A closed pipe is no reason to fail after the work is done.
+            let _ = tell(answer, tolerance, &folder, interrupted);
+        }
+        Ok(answer.status() == Status::Certified)
+    }
+}
+
+/// A fault of the program.
+pub fn fault(e: &dyn std::error::Error) -> Failure {
+    Failure::new(e.to_string(), "this is a fault of the program; please report it with the input")
+}
+
+/// Reads the input file.
+pub fn contents(file: &Path) -> Result<Vec<u8>, Failure> {
+    if file.is_dir() {
+        return Err(Failure::new(format!("'{}' is a folder", file.display()), "give a file inside it"));
+    }
+    std::fs::read(file).map_err(|e| {
+        Failure::new(format!("cannot read '{}': {}", file.display(), os_reason(&e)), "check the name and the rights")
+    })
+}
+
+/// Name of a file without folder and extension.
+pub fn stem(file: &Path) -> String {
+    file.file_stem().map_or_else(|| "model".to_string(), |s| s.to_string_lossy().into_owned())
+}
+
+/// `--strict`: anything that is left out, by the reader or by the job, is an error.
+pub fn refuse_left_out(file: &Path, left_out: &[Skipped]) -> Result<(), Failure> {
+    let Some(first) = left_out.first() else { return Ok(()) };
+    let more = match left_out.len() {
+        1 => String::new(),
+        n => format!(" (and {} more)", n - 1),
+    };
+    let first = match first.entity {
+        Some(entity) => format!("#{entity} cannot be used: {}", first.reason),
+        None => first.reason.clone(),
+    };
+    Err(Failure::new(
+        format!("{}: {first}{more}", file.display()),
+        "repair it in CAD, or leave out --strict to go on with the rest",
+    ))
+}
+
+/// Tells the result in a few lines: status with what was made, reason, claims of the whole, what was left out, notes.
+fn tell(answer: &Answer, tolerance: &str, folder: &Path, interrupted: bool) -> std::io::Result<()> {
+    let mut out = std::io::stdout().lock();
+    let curves: Vec<String> = answer.guides.iter().map(|g| g.name.clone()).collect();
+    let made = format!("{}, tolerance {tolerance}, {:.1} s", words::made(answer), answer.seconds);
+    match answer.status() {
+        Status::Certified => writeln!(out, "certified: {made}")?,
+        Status::Uncertified => {
+            writeln!(out, "NOT certified, {}: {made}", warning(answer))?;
+            writeln!(out, "  reason: {}", words::reason(&answer.claims, &curves))?;
+        }
+    }
+    if interrupted {
+        writeln!(out, "  stopped early by Ctrl-C")?;
+    }
+    for c in answer.claims_of(Subject::Whole) {
+        writeln!(out, "  {}: {} ({})", words::name(c, &curves), value(c), words::evidence(c.evidence()))?;
+    }
+    for face in answer.patchwork.faces.iter().filter(|f| !f.parts.is_empty()) {
+        let parts: Vec<String> = face.parts.iter().map(|p| format!("#{}", p.entity)).collect();
+        writeln!(out, "  covered as one: {}", parts.join(" + "))?;
+    }
+    for skipped in &answer.skipped {
+        writeln!(out, "  left out: {}", skipped.words())?;
+    }
+    for note in &answer.notes {
+        writeln!(out, "  note: {note}")?;
+    }
+    writeln!(out, "  open {}", folder.join("report.html").display())
+}
+
+/// What must not be cut of a result that is not certified, in words.
+fn warning(answer: &Answer) -> String {
+    if answer.parts.is_empty() {
+        return "there is nothing to cut".into();
+    }
+    let names = answer.parts.iter().map(|p| p.name.as_str());
+    do_not_cut(&chosen(names, &Marks::of(answer).parts), answer.parts.len(), FEW)
+}
+
+/// What a claim says, with its unit: "unknown" where nothing is known, "none" of what does not exist.
+fn value(c: &Claim) -> String {
+    let unit = words::unit(c.what());
+    match c.value() {
+        _ if c.is_unknown() => "unknown".into(),
+        x if x.is_infinite() => match c.what() {
+            // Of planes, or of cylinders.
+            What::RegressionClearance | What::BendRadius => "none".into(),
+            _ => "unknown".into(),
+        },
+        x if unit.is_empty() => number(x),
+        x => format!("{} {unit}", number(x)),
+    }
+}
+
+/// Four digits, powers of ten where they are needed.
+fn number(x: f64) -> String {
+    if x == 0.0 || !x.is_finite() || (1e-3..1e6).contains(&x.abs()) {
+        let text = format!("{x:.4}");
+        return text.trim_end_matches('0').trim_end_matches('.').to_owned();
+    }
+    format!("{x:.3e}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_come_from_files() {
+        assert_eq!(stem(Path::new("a/hull.v2.step")), "hull.v2");
+        assert_eq!(stem(Path::new("/")), "model");
+    }
+}

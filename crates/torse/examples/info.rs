@@ -1,0 +1,16 @@
+//! Tells what a STEP file holds: `cargo run --release --example info -- hull.step`.
+
+use std::error::Error;
+use torse::{measure, read_step};
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let file = std::env::args().nth(1).ok_or("give a file")?;
+    let model = read_step(&std::fs::read(file)?)?;
+    for (face, info) in model.faces.iter().zip(measure(&model.faces)) {
+        println!("#{}: {}, {}, {:.0} mm²", face.entity, info.kind, info.character(), info.area_estimate);
+    }
+    for item in &model.skipped {
+        println!("not read: {}", item.words());
+    }
+    Ok(())
+}

@@ -1,0 +1,54 @@
+//! What is missing from an answer.
+
+use crate::certify::claim::Claim;
+
+/// A face of the input, or another item of it, that is missing from the answer.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Skipped {
+    /// Entity number in a STEP file.
+    pub entity: Option<u64>,
+    /// Why, and what would help.
+    pub reason: String,
+    /// Area (mm²) of all its occurrences, as far as surface or edges tell; `None` if unknown.
+    pub area_estimate: Option<f64>,
+}
+
+impl Skipped {
+    /// A face or item of a STEP file.
+    pub fn of_file(entity: u64, reason: impl Into<String>, area_estimate: Option<f64>) -> Self {
+        Self { entity: Some(entity), reason: reason.into(), area_estimate }
+    }
+
+    /// Name of the item in front of the reason.
+    pub fn words(&self) -> String {
+        match self.entity {
+            Some(entity) => format!("#{entity}: {}", self.reason),
+            None => self.reason.clone(),
+        }
+    }
+}
+
+impl From<String> for Skipped {
+    /// An item that the words name.
+    fn from(reason: String) -> Self {
+        Self { entity: None, reason, area_estimate: None }
+    }
+}
+
+/// What is missing from an answer, as an objection: such an answer is never certified, however good the rest is. `None`
+/// if nothing is missing.
+pub fn left_out(skipped: &[Skipped]) -> Option<Claim> {
+    let first = skipped.first()?;
+    let (what, more) = match skipped.len() {
+        1 => ("1 face or item of the file is".to_string(), ""),
+        n => (format!("{n} faces or items of the file are"), ", the first"),
+    };
+    let known: f64 = skipped.iter().filter_map(|s| s.area_estimate).sum();
+    let known = if known < 100.0 { format!("{known:.4}") } else { format!("{known:.0}") };
+    let area = match skipped.iter().filter(|s| s.area_estimate.is_none()).count() {
+        0 => format!("about {known} mm²"),
+        n if n == skipped.len() => "of unknown area".to_string(),
+        n => format!("about {known} mm², {n} of them of unknown area"),
+    };
+    Some(Claim::left_out(format!("{what} left out ({area}){more} {}", first.words())))
+}

@@ -1,0 +1,234 @@
+//! The record of an answer.
+
+use super::{
+    AlongRecord, FaceRecord, FigureRecord, JoinedRecord, PanelRecord, PartRecord, PointRecord, Report, SeamRecord,
+    ShapeRecord, SkippedRecord, WitnessRecord, WrittenRecord, SCHEMA, UNKNOWN,
+};
+use crate::answer::presentation::Presentation;
+use crate::answer::shapes::Shape;
+use crate::answer::Answer;
+use crate::brep::face::Face;
+use crate::certify::claim::{Claim, Demand, Status, Subject, What};
+use crate::certify::flat::FlatCertificate;
+use crate::certify::{SeamCertificate, SeamStatus};
+use crate::io::{bends, words};
+use crate::patchwork::panel::Panel;
+use crate::patchwork::pattern::Pattern;
+use crate::tessellate::coverage;
+use crate::torse::kind::RunShape;
+
+impl Report {
+    /// The record of an answer; `shown` knows its shapes and marks.
+    pub fn of(answer: &Answer, shown: &Presentation) -> Self {
+        let status = match answer.status() {
+            Status::Certified => "certified",
+            Status::Uncertified => "uncertified",
+        };
+        let curves: Vec<String> = answer.guides.iter().map(|g| g.name.clone()).collect();
+        let coverages = coverage::faces(&answer.patchwork);
+        let skipped = answer.skipped.iter().map(|s| SkippedRecord {
+            entity: s.entity,
+            reason: s.reason.clone(),
+            area_estimate: s.area_estimate.and_then(finite),
+        });
+        let along = answer.along.iter().map(|a| AlongRecord {
+            panel: a.panel,
+            curve: a.curve.clone(),
+            step: a.step,
+            paper_deviation_estimate: finite(a.paper_estimate),
+        });
+        let written = answer.written.iter();
+        Self {
+            schema: SCHEMA.into(),
+            version: env!("CARGO_PKG_VERSION").into(),
+            job: answer.job.name().into(),
+            status: status.into(),
+            reason: words::reason(&answer.claims, &curves),
+            objections: words::objections(&answer.claims, &curves),
+            unit: "mm".into(),
+            input: answer.input.clone(),
+            tolerance: answer.tolerance,
+            seconds: answer.seconds,
+            figures: answer.claims_of(Subject::Whole).map(|c| FigureRecord::of(c, &curves)).collect(),
+            coverage: answer.covers_faces().then(|| covered_share(answer, &coverages)),
+            notes: answer.notes.clone(),
+            skipped: skipped.collect(),
+            faces: face_records(answer, &coverages),
+            panels: panel_records(answer, shown, &curves),
+            parts: part_records(answer, shown),
+            seams: answer.certificate.iter().flat_map(|c| &c.seams).map(seam_record).collect(),
+            along: along.collect(),
+            shapes: shown.shapes.iter().map(|s| shape_record(s, answer)).collect(),
+            worst_point: worst_point(answer),
+            written: written
+                .map(|(file, w)| WrittenRecord { file: file.clone(), written_bound: finite(w.bound()) })
+                .collect(),
+        }
+    }
+}
+
+impl FigureRecord {
+    /// A claim for the report. `null` stands for infinite and for unknown; the basis tells them apart.
+    fn of(claim: &Claim, curves: &[String]) -> Self {
+        Self {
+            what: words::id(claim.what()).into(),
+            name: words::name(claim, curves),
+            value: finite(claim.value()).filter(|_| !claim.is_unknown()),
+            unit: words::unit(claim.what()).into(),
+            basis: if claim.is_unknown() { UNKNOWN } else { words::evidence(claim.evidence()) }.into(),
+            limit: match claim.demand() {
+                Demand::AtMost(x) | Demand::AtLeast(x) => finite(x),
+                Demand::None => None,
+            },
+        }
+    }
+}
+
+/// JSON has no infinity; `null` stands for it.
+fn finite(x: f64) -> Option<f64> {
+    x.is_finite().then_some(x)
+}
+
+/// 1 is kept for covers that the certificate confirms.
+fn covered_share(answer: &Answer, coverages: &[coverage::Coverage]) -> f64 {
+    if answer.skipped.is_empty() && answer.certificate.as_ref().is_some_and(|c| c.covered) {
+        return 1.0;
+    }
+    let areas: Vec<Option<f64>> = answer.skipped.iter().map(|s| s.area_estimate).collect();
+    coverage::total(coverages).beside(&areas).share().min(1.0 - f64::EPSILON)
+}
+
+fn seam_record(s: &SeamCertificate) -> SeamRecord {
+    let joint = match s.status {
+        SeamStatus::Exact => "exact",
+        SeamStatus::Tolerance => "tolerance",
+        SeamStatus::Open => "open",
+    };
+    let (least, most) = s.kink_range_estimate;
+    SeamRecord {
+        between: s.panels,
+        joint: joint.into(),
+        gap_bound: finite(s.gap_bound),
+        seam_length: finite(s.length_estimate),
+        length_difference_bound: finite(s.length_difference_bound),
+        kink_deg: [least.to_degrees(), most.to_degrees()],
+    }
+}
+
+fn face_records(answer: &Answer, coverages: &[coverage::Coverage]) -> Vec<FaceRecord> {
+    let patchwork = &answer.patchwork;
+    let record = |(i, face): (usize, &Face)| FaceRecord {
+        entity: face.entity,
+        name: face.name.clone(),
+        part: face.part.clone(),
+        kind: face.kind.name().into(),
+        panels: patchwork.panels.iter().filter(|p| p.face() == Some(i)).count(),
+        coverage: coverages.get(i).map_or(0.0, coverage::Coverage::share),
+        trim_deviation_estimate: finite(face.trim_deviation_estimate),
+        surface_deviation_estimate: finite(face.surface_deviation_estimate),
+        joined: face.parts.iter().map(|p| JoinedRecord { entity: p.entity, name: p.name.clone() }).collect(),
+        joint_bound: face.joint_bound(),
+        trim_bound: finite(face.trim_bound()),
+    };
+    patchwork.faces.iter().enumerate().map(record).collect()
+}
+
+fn panel_records(answer: &Answer, shown: &Presentation, curves: &[String]) -> Vec<PanelRecord> {
+    let mut figures: Vec<Vec<FigureRecord>> = vec![Vec::new(); answer.patchwork.panels.len()];
+    for c in answer.claims.iter().filter(|c| !matches!(c.what(), What::Objection | What::LeftOut)) {
+        if let Subject::Panel(k) = c.subject() {
+            figures.get_mut(k).into_iter().for_each(|f| f.push(FigureRecord::of(c, curves)));
+        }
+    }
+    let panels = answer.patchwork.panels.iter().enumerate().zip(figures);
+    let record = |((k, panel), figures): ((usize, &Panel), _)| {
+        let marked = shown.marks.panels.get(k).copied().unwrap_or(true);
+        let proof = answer.certificate.as_ref().and_then(|c| c.panels.get(k));
+        PanelRecord {
+            name: panel.strip.name.clone(),
+            face: panel.face(),
+            kind: panel.strip.kind.name().into(),
+            certified: !marked,
+            reason: if marked { reason(answer, k, curves) } else { String::new() },
+            witness: proof
+                .and_then(|p| p.witness)
+                .map(|(uv, distance)| WitnessRecord { uv, distance: finite(distance) }),
+            figures,
+        }
+    };
+    panels.map(record).collect()
+}
+
+/// Why a panel is not certified: its own proof, else what the whole asks of it.
+fn reason(answer: &Answer, panel: usize, curves: &[String]) -> String {
+    let whole = || format!("the whole is not certified: {}", words::reason(&answer.claims, curves));
+    let Some(certificate) = &answer.certificate else { return whole() };
+    match certificate.panels.get(panel) {
+        None => "not examined".into(),
+        Some(p) if !p.certified => p.reason.clone(),
+        Some(p) if p.deviation_bound > answer.tolerance => {
+            format!("proven for {:.6} mm only, which exceeds the tolerance", p.deviation_bound)
+        }
+        Some(_) if answer.beyond_limits.contains(&panel) => "it does not keep the limits of sheet and material".into(),
+        Some(_) if answer.part_of(panel).is_none_or(|part| answer.pattern_of(part).is_none()) => {
+            "it has no flat pattern".into()
+        }
+        Some(_) => whole(),
+    }
+}
+
+fn part_records(answer: &Answer, shown: &Presentation) -> Vec<PartRecord> {
+    let parts = answer.parts.iter().enumerate();
+    parts
+        .map(|(k, part)| {
+            let (pattern, flat) = (answer.pattern_of(k), answer.flat_of(k));
+            let drawn = |value: fn(&Pattern) -> f64| pattern.map(value).and_then(finite);
+            let proven = |value: fn(&FlatCertificate) -> f64| flat.map(value).and_then(finite);
+            let panels = answer.patchwork.panels.iter().skip(part.first).take(part.count);
+            PartRecord {
+                name: part.name.clone(),
+                panels: panels.map(|p| p.strip.name.clone()).collect(),
+                certified: !shown.marks.parts.get(k).copied().unwrap_or(true),
+                missing: part.missing.clone(),
+                area: drawn(|p| p.area_in_space),
+                flat_area: drawn(|p| p.area),
+                isometry_error: drawn(|p| p.isometry_error),
+                contour_error: drawn(|p| p.contour_error),
+                strain_bound: proven(FlatCertificate::strain_bound),
+                drawing_bound: proven(FlatCertificate::drawing_bound),
+                length: drawn(|p| p.length),
+                width: drawn(|p| p.width),
+                view: pattern.map_or_else(String::new, |p| p.view.name().into()),
+                bends: pattern.map_or_else(Vec::new, bends::records),
+            }
+        })
+        .collect()
+}
+
+fn worst_point(answer: &Answer) -> Option<PointRecord> {
+    let index = answer.points.worst?;
+    let deviation = answer.points.values.get(index).copied().and_then(finite);
+    Some(PointRecord { index, place: (*answer.points.places.get(index)?).into(), deviation })
+}
+
+fn shape_record(shape: &Shape, answer: &Answer) -> ShapeRecord {
+    let name = |k: Option<&(usize, f64, f64)>| {
+        k.and_then(|k| answer.patchwork.panels.get(k.0)).map_or_else(String::new, |p| p.strip.name.clone())
+    };
+    let vector = match shape.shape {
+        RunShape::Plane { plane } => Some(plane.normal),
+        RunShape::Cylinder { direction } => Some(direction),
+        RunShape::Cone { apex } => Some(apex),
+        RunShape::Tangent => None,
+    };
+    ShapeRecord {
+        part: shape.part.clone(),
+        shape: shape.shape.name().into(),
+        first: name(shape.pieces.first()),
+        last: name(shape.pieces.last()),
+        turn: shape.turn.to_degrees(),
+        vector: vector.map(Into::into),
+        residual: shape.residual,
+        ambiguous: shape.ambiguous,
+    }
+}
