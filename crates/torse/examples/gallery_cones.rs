@@ -63,14 +63,16 @@ fn main() -> Result<()> {
     let joined = osculating_spline(&cones, &[], &ConeOptions::default())?;
     let arcs: Vec<Vec<Vec3>> = joined.spline.segments.iter().map(|s| directions(s, 0.0, 1.0)).collect();
     let eye_on_sphere = arcs.iter().flatten().sum::<Vec3>().normalize() + Vec3::new(0.2, 0.1, 0.3);
-    let mut s = Scene { panels: vec![sphere(&Vec3::zeros(), 0.995)], ..Scene::default() };
+    let outwards = arcs.iter().flatten().sum::<Vec3>().normalize();
+    let mut s = Scene { panels: vec![cap(&Vec3::zeros(), 0.995, &outwards, 0.7)], ..Scene::default() };
     // One colour for each arc.
     s.panels.extend(arcs.iter().enumerate().map(|(i, arc)| ribbon(&format!("{}", i + 1), arc)));
-    save(folder, "fig13_triarc", &s, &eye_on_sphere, "rulings of two osculating cones and their join as directions")?;
+    save(folder, "fig13_triarc", &s, &eye_on_sphere, "directions of rulings: two cones, one join")?;
     let whole = |s: &Segment| directions(s, 0.0, std::f64::consts::TAU / s.shape.angle().abs());
-    s.panels.truncate(1);
+    s.panels = vec![sphere(&Vec3::zeros(), 0.995)];
     s.guides = joined.spline.segments.iter().map(whole).collect();
-    save(folder, "fig14_circles", &s, &eye_on_sphere, "the whole circles: the joining one touches both")?;
+    let middle = s.guides.iter().flatten().sum::<Vec3>();
+    save(folder, "fig14_circles", &s, &middle, "the whole circles: the joining one touches both")?;
 
     // Figures 9, 10, 12: constant slope.
     save(folder, "fig9_constant_slope", &smooth(&over_ellipse, 0.0, 5.6), &eye, "constant slope over an ellipse")?;
@@ -100,9 +102,9 @@ fn main() -> Result<()> {
         let mut s = ConeSpline { segments: pair.segments.to_vec() };
         s = s.with_circular_edges(-0.5, 0.5);
         for (i, mut shape) in scene(&s)?.panels.into_iter().enumerate() {
-            shape.name = format!("psi {psi} {}", i + 1);
-            let lift = Vec3::new(0.0, 0.0, 1.1 * k as f64);
-            shift(&mut shape, &lift);
+            shape.name = if i == 0 { format!("{psi}") } else { String::new() };
+            // Side by side for the eye.
+            shift(&mut shape, &(Vec3::new(1.2, 0.6, 0.0) * k as f64));
             family.panels.push(shape);
         }
     }
@@ -121,15 +123,11 @@ fn main() -> Result<()> {
         s.panels.push(sphere(&m, r.abs()));
         s.guides = touching[..2].to_vec();
         save(folder, "fig3_inscribed_sphere", &s, &look, "the inscribed sphere of both cones")?;
-        let mut s = Scene { panels: vec![sphere(&m, r.abs())], ..Scene::default() };
+        let away = |p: &Vec3| (p - m).angle(&outwards);
+        let widest = touching.iter().flatten().map(away).fold(0.0, f64::max);
+        let mut s = Scene { panels: vec![cap(&m, r.abs(), &outwards, 1.4 * widest)], ..Scene::default() };
         s.guides = touching;
-        save(
-            folder,
-            "fig4_biarc",
-            &s,
-            &look,
-            "the biarc in which the cones touch the sphere, and its control polygon",
-        )?;
+        save(folder, "fig4_biarc", &s, &look, "the biarc of contact, and its polygon")?;
     }
     let mut s = scene(&ConeSpline { segments: pair.segments.to_vec() }.with_circular_edges(-0.5, 0.5))?;
     for k in 1..20 {
@@ -141,7 +139,7 @@ fn main() -> Result<()> {
             }
         }
     }
-    save(folder, "fig8_vertex_distance", &s, &eye, "junction rulings between the vertices, psi from 0.25 to 0.7")?;
+    save(folder, "fig8_vertex_distance", &s, &eye, "from vertex to vertex, psi 0.25 to 0.7")?;
 
     // Figures 5 and 6: the same cone used on either side of its vertex.
     for (name, distance, angle) in [("fig5_same_side", 1.5, 1.6), ("fig6_other_side", -1.5, -1.6)] {
@@ -156,12 +154,12 @@ fn main() -> Result<()> {
         let m = g.point + g.normal * r;
         shown.panels.push(sphere(&m, r.abs()));
         if let Some(vertex) = segment.vertex() {
-            shown.panels.push(PanelShape { name: "vertex".into(), ..sphere(&vertex, 0.05) });
+            shown.panels.push(sphere(&vertex, 0.05));
             shown.guides = [0.0, 0.5, 1.0].map(|f| vec![vertex, segment.element(f).point]).to_vec();
         }
         let middle = segment.element(0.5);
         let look = (middle.point - m).normalize() + middle.forward * 0.8;
-        save(folder, name, &shown, &look, "used part, vertex, and the sphere that touches along a circle")?;
+        save(folder, name, &shown, &look, "used part, vertex, touching sphere")?;
     }
 
     // Figure 16: a segment and its development.
@@ -169,7 +167,7 @@ fn main() -> Result<()> {
     let mut both = scene(&one)?;
     let first = one.segments[0].start;
     for mut shape in scene(&bent(&one, 1.0, Bending::Curvature))?.panels {
-        shape.name = "development".into();
+        shape.name = "flat".into();
         shift(&mut shape, &(first.direction * 1.4));
         both.panels.push(shape);
     }
@@ -259,15 +257,20 @@ fn shift(shape: &mut PanelShape, by: &Vec3) {
 }
 
 fn sphere(m: &Vec3, r: f64) -> PanelShape {
-    let mut shape = PanelShape { name: "sphere".into(), ..PanelShape::default() };
+    cap(m, r, &Vec3::z(), std::f64::consts::PI)
+}
+
+/// The part of a sphere about `m` no farther than an angle from a direction.
+fn cap(m: &Vec3, r: f64, direction: &Vec3, angle: f64) -> PanelShape {
+    let mut shape = PanelShape::default();
     const N: u32 = 40;
+    let z = direction.normalize();
+    let x = z.cross(&if z.x.abs() < 0.8 { Vec3::x() } else { Vec3::y() }).normalize();
+    let y = z.cross(&x);
     for i in 0..=N {
         for j in 0..=N {
-            let (a, b) = (
-                std::f64::consts::TAU * f64::from(i) / f64::from(N),
-                std::f64::consts::PI * f64::from(j) / f64::from(N),
-            );
-            let n = Vec3::new(a.cos() * b.sin(), a.sin() * b.sin(), b.cos());
+            let (a, b) = (std::f64::consts::TAU * f64::from(i) / f64::from(N), angle * f64::from(j) / f64::from(N));
+            let n = (x * a.cos() + y * a.sin()) * b.sin() + z * b.cos();
             shape.mesh.positions.push(m + n * r);
             shape.mesh.normals.push(n);
             if i > 0 && j > 0 {
@@ -299,7 +302,7 @@ fn ribbon(name: &str, arc: &[Vec3]) -> PanelShape {
 }
 
 fn save(folder: &Path, name: &str, scene: &Scene, eye: &Vec3, title: &str) -> Result<()> {
-    let caption = Caption { title: title.into(), note: "LP98".into(), ..Caption::default() };
+    let caption = Caption { width: 800, title: title.into(), note: "LP98".into() };
     let image = panels(scene, eye, &caption);
     std::fs::write(folder.join(format!("{name}.png")), png::write(&image)?)?;
     Ok(())

@@ -8,7 +8,6 @@ use torse::io::png;
 use torse::io::step::read::read;
 use torse::pipeline::approximate::Options;
 use torse::pipeline::sweep::sweep;
-use torse::search::cover::{Layout, Limits};
 
 const BOWL: &[u8] = include_bytes!("../../../data/half_bowl.step");
 

@@ -9,6 +9,7 @@ use torse::control::Control;
 use torse::draw::picture::{self, Caption};
 use torse::draw::raster::{Drawing, Image};
 use torse::draw::scene::{PanelShape, Scene};
+use torse::draw::stroke_font;
 use torse::fit::near::tangent_envelope::{envelope_along, interval, paper_estimate, smoothed, walked, RulingPoint};
 use torse::geom::mesh::Mesh;
 use torse::geom::{Vec2, Vec3};
@@ -41,10 +42,10 @@ fn main() -> Done<()> {
     };
     let bowl = surface(BOWL)?;
     let rich = Study::new(&bowl, 41)?;
-    save("figure-1-a.png", &regions(&bowl, &rich, &[20], "The curve and the region that one ruling approximates")?)?;
+    save("figure-1-a.png", &regions(&bowl, &rich, &[20], "The region near one ruling")?)?;
     save("figure-1-b.png", &in_space(&bowl, &rich, &[20], "The minimal interval of one ruling", false))?;
     let some: Vec<usize> = (2..41).step_by(6).collect();
-    save("figure-2-a.png", &regions(&bowl, &rich, &some, "Regions that sampled rulings approximate")?)?;
+    save("figure-2-a.png", &regions(&bowl, &rich, &some, "The regions near sampled rulings")?)?;
     save("figure-2-b.png", &in_space(&bowl, &rich, &some, "Developable surface through the rulings", true))?;
     for (letter, rulings, m, share) in [("a", 4, 0, 1.0), ("b", 5, 0, 1.0), ("c", 5, 1, 1.0), ("d", 5, 1, 0.7)] {
         save(&format!("figure-3-{letter}.png"), &refinement(&bowl, rulings, m, share)?)?;
@@ -110,15 +111,17 @@ struct Plot {
 
 impl Plot {
     fn new(surface: &Surface, title: &str, note: &str) -> Self {
-        let mut drawing = Drawing::new(1000, 800);
-        drawing.text(title, Vec2::new(40.0, 46.0), 18.0, INK);
-        drawing.text(note, Vec2::new(40.0, 76.0), 13.0, GREY);
+        let mut drawing = Drawing::new(800, 560);
+        // Words too long for the picture are written smaller.
+        let fitting = |text: &str, size: f64| size.min(720.0 / stroke_font::width(text, 1.0));
+        drawing.text(title, Vec2::new(40.0, 46.0), fitting(title, 20.0), INK);
+        drawing.text(note, Vec2::new(40.0, 76.0), fitting(note, 16.0), GREY);
         Self { drawing, domain: surface.domain() }
     }
 
     fn at(&self, p: [f64; 2]) -> Vec2 {
         let ((u0, u1), (v0, v1)) = self.domain;
-        Vec2::new(60.0 + 880.0 * (p[0] - u0) / (u1 - u0), 750.0 - 640.0 * (p[1] - v0) / (v1 - v0))
+        Vec2::new(40.0 + 720.0 * (p[0] - u0) / (u1 - u0), 530.0 - 430.0 * (p[1] - v0) / (v1 - v0))
     }
 
     fn line(&mut self, points: &[[f64; 2]], width: f64, colour: [f64; 3]) {
@@ -245,8 +248,8 @@ fn in_space(surface: &Surface, study: &Study, which: &[usize], title: &str, shee
         let (p, e) = (&study.points[k], study.ends[k]);
         scene.guides.push(vec![p.x - p.ruling * e[0], p.x + p.ruling * e[1]]);
     }
-    let note = format!("red: the curve, and rulings as long as the surface is within {TOLERANCE} mm of them");
-    picture::panels(&scene, &EYE, &Caption { width: 1100, title: title.into(), note })
+    let note = format!("red: the curve, and rulings within {TOLERANCE} mm");
+    picture::panels(&scene, &EYE, &Caption { width: 800, title: title.into(), note })
 }
 
 /// The quadrangles of the comparison between surface and developable.
@@ -256,7 +259,7 @@ fn refinement(surface: &Surface, rulings: usize, m: u32, share: f64) -> Done<Ima
     let parts = 1i32 << m;
     let found = paper_estimate(surface, &study.points, &study.ends, m);
     let title = format!("{rulings} rulings, {} samples on each", 2 * parts + 1);
-    let note = format!("{:.0} % of the minimal intervals; distance by this comparison {found:.1} mm", 100.0 * share);
+    let note = format!("{:.0} % of the intervals; distance by samples {found:.1} mm", 100.0 * share);
     let mut plot = Plot::new(surface, &title, &note);
     let rows: Vec<Vec<[f64; 2]>> = (-parts..=parts)
         .map(|k| {
@@ -318,7 +321,7 @@ fn smoothing(surface: &Surface, study: &Study, save: &dyn Fn(&str, &Image) -> Do
 fn input(bytes: &[u8], title: &str) -> Done<Image> {
     let surface = surface(bytes)?;
     let scene = Scene { surfaces: vec![whole(&surface)], ..Scene::default() };
-    let caption = Caption { width: 1100, title: title.into(), note: "the surface given".into() };
+    let caption = Caption { width: 800, title: title.into(), note: "the surface given".into() };
     Ok(picture::panels(&scene, &picture::direction(&scene), &caption))
 }
 
@@ -334,10 +337,12 @@ fn covered(bytes: &[u8], tolerance: f64, curve: &PanelCurve) -> Done<Image> {
         smooth_angle: 0.0,
         drawn: torse::develop::view::Drawn::default(),
     };
+    let given = Scene { surfaces: vec![whole(&surface(bytes)?)], ..Scene::default() };
     let answer = of_faces(read(bytes)?.faces, Vec::new(), &options, &Control::default())?;
     let shown = present(&answer);
     let proof = if answer.status() == Status::Certified { "certified" } else { "not certified" };
-    let note = format!("{} of them along the {} or in its wake; {proof}", answer.along.len(), curve.name);
+    let note = format!("{} along the {} or in its wake; {proof}", answer.along.len(), curve.name);
     let title = format!("{} panels at {tolerance} mm", answer.patchwork.panels.len());
-    Ok(picture::panels(&shown.scene, &shown.direction, &Caption { width: 1100, title, note }))
+    // Seen as the surface is.
+    Ok(picture::panels(&shown.scene, &picture::direction(&given), &Caption { width: 800, title, note }))
 }

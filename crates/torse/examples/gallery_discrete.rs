@@ -31,7 +31,7 @@ fn main() -> Result<()> {
     let folder = Path::new(&folder);
     std::fs::create_dir_all(folder)?;
     let save = |name: &str, scene: &Scene, eye: [f64; 3], title: &str| -> Result<()> {
-        let caption = Caption { title: title.into(), note: "W15".into(), ..Caption::default() };
+        let caption = Caption { width: 800, title: title.into(), note: "W15".into() };
         let image = panels(scene, &Vec3::from(eye), &caption);
         Ok(std::fs::write(folder.join(format!("{name}.png")), png::write(&image)?)?)
     };
@@ -44,25 +44,15 @@ fn main() -> Result<()> {
         (0..=200).map(|k| a(f64::from(k) / 200.0)).collect(),
         (0..=200).map(|k| b(f64::from(k) / 200.0)).collect(),
     ];
-    save("fig1_1_ruled_surface", &scene, [0.25, -0.8, 1.0], "ruled surface between two curves a(u), b(u)")?;
+    save("fig1_1_ruled_surface", &scene, [0.25, -0.8, 1.0], "ruled surface between two curves")?;
 
-    save(
-        "fig1_2_turning_tangent_plane",
-        &turning(),
-        [0.9, -0.75, 0.55],
-        "the tangent plane turns by 180 degrees along a ruling",
-    )?;
-    save("fig1_3_tangent_surface", &tangent_surface(), [0.7, -1.0, 0.9], "tangents of a curve, which is a sharp edge")?;
+    save("fig1_2_turning_tangent_plane", &turning(), [0.9, -0.75, 0.55], "the tangent plane turns along a ruling")?;
+    save("fig1_3_tangent_surface", &tangent_surface(), [0.7, -1.0, 0.9], "the tangents of a curve")?;
 
     // Figure 1.4: successive segments are coplanar; the regression polyline of figure 1.5 extends them.
     let torse = discrete();
-    save(
-        "fig1_4_discrete_torse",
-        &quads(&torse, false)?,
-        [0.3, -1.0, 0.8],
-        "discrete torse: successive segments are coplanar",
-    )?;
-    save("fig1_5_envelope", &envelope(&torse), [0.3, -1.0, 0.8], "planes, their rulings and their regression points")?;
+    save("fig1_4_discrete_torse", &quads(&torse, false)?, [0.3, -1.0, 0.8], "successive segments are coplanar")?;
+    save("fig1_5_envelope", &envelope(&torse), [0.3, -1.0, 0.8], "planes, rulings and regression points")?;
 
     // A strip that is not plane, made plane and refined.
     for levels in [0, 1, 3] {
@@ -87,18 +77,19 @@ fn main() -> Result<()> {
         save(&format!("fig4_8_reflection_lines_level_{levels}"), &reflection_lines(&done.strip), VIEW, &title)?;
     }
     // Figure 4.12: the coarse strip and the refined one with its singular points.
-    for levels in [0, 4] {
+    for levels in [0, 2] {
         let done = subdivide(&warped()?, &SubdivideOptions::new(levels, Hold::Nothing), &Control::default())?;
         let mut scene = quads(&done.strip, false)?;
         scene.guides = regression(&done.strip);
-        let title = format!("level {levels} and its singular points, where they are near");
+        let title = format!("level {levels} and its near singular points");
         save(&format!("fig4_12_subdivision_level_{levels}"), &scene, VIEW, &title)?;
     }
 
     // What a developable consists of.
-    let sheets = mixed()?;
-    let shown = present(&sheets);
-    let caption = Caption { title: "planes, cylinders, cones, tangent surfaces".into(), ..Caption::default() };
+    let answer = mixed()?;
+    let shown = present(&answer);
+    let caption =
+        Caption { width: 1200, title: "planes, cylinders, cones, tangent surfaces".into(), note: String::new() };
     let image = shapes(&shown.scene, &shown.shape_patches, &Vec3::new(0.2, -1.0, 0.9), &caption);
     std::fs::write(folder.join("shapes.png"), png::write(&image)?)?;
     Ok(())
@@ -240,7 +231,7 @@ fn reflection_lines(strip: &QuadStrip) -> Scene {
 
 /// Stretches of the regression polyline not farther from the strip than its size.
 fn regression(strip: &QuadStrip) -> Vec<Vec<Vec3>> {
-    let reach = 0.6 * strip.size();
+    let reach = strip.size();
     let near = |p: &Option<Vec3>| p.filter(|p| strip.a().iter().chain(strip.b()).any(|q| (p - q).norm() < reach));
     let all: Vec<Option<Vec3>> = strip.regression_polyline().iter().map(near).collect();
     all.split(Option::is_none)

@@ -6,6 +6,7 @@ use std::path::Path;
 use torse::draw::picture::{panels, Caption};
 use torse::draw::raster::{Drawing, Image};
 use torse::draw::scene::{PanelShape, Scene};
+use torse::draw::stroke_font;
 use torse::fit::planes::correction::corrected;
 use torse::fit::planes::linear_system::{planes, PlaneDatum, PlanesOptions};
 use torse::fit::planes::multiresolution::trigonometric::{cone_strip, ConeStrip, RadiusSign};
@@ -118,7 +119,7 @@ fn plane_piece(plane: &[f64; 3], ruling: (&Vec3, &Vec3)) -> PanelShape {
 
 fn perspective(shapes: Vec<PanelShape>, guides: Vec<Vec<Vec3>>, title: &str, note: &str) -> Image {
     let scene = Scene { panels: shapes, guides, ..Scene::default() };
-    let caption = Caption { width: 1100, title: title.into(), note: note.into() };
+    let caption = Caption { width: 800, title: title.into(), note: note.into() };
     panels(&scene, &Vec3::new(1.4, -1.9, 1.5), &caption)
 }
 
@@ -133,7 +134,7 @@ fn figure_1() -> Done<Image> {
         shapes.push(plane_piece(&d.plane, (&r.point, &r.direction)));
     }
     let note = format!("9 planes, {} control planes", knots.control_count());
-    Ok(perspective(shapes, Vec::new(), "Approximation of planes by a developable surface", &note))
+    Ok(perspective(shapes, Vec::new(), "Planes, and a developable near them", &note))
 }
 
 fn figure_2() -> Done<(Image, Image)> {
@@ -198,7 +199,8 @@ struct Plot {
 impl Plot {
     fn new(width: usize, height: usize, low: Vec2, high: Vec2, title: &str) -> Self {
         let mut drawing = Drawing::new(width, height);
-        drawing.text(title, Vec2::new(30.0, 42.0), 18.0, INK);
+        let size = f64::min(20.0, (width as f64 - 60.0) / stroke_font::width(title, 1.0));
+        drawing.text(title, Vec2::new(30.0, 42.0), size, INK);
         let size = Vec2::new(width as f64 - 80.0, height as f64 - 130.0);
         Self { drawing, centre: (low + high) * 0.5, scale: size.component_div(&(high - low)) }
     }
@@ -220,7 +222,7 @@ impl Plot {
 
     fn word(&mut self, text: &str, p: Vec2) {
         let p = self.at(p);
-        self.drawing.text(text, p, 14.0, INK);
+        self.drawing.text(text, p, 17.0, INK);
     }
 }
 
@@ -240,8 +242,8 @@ fn wedges(plot: &mut Plot, a: f64, b: f64, size: f64) {
 
 fn figure_4() -> Image {
     let mut plot = Plot::new(
-        900,
-        700,
+        800,
+        600,
         Vec2::new(-1.0, -1.0),
         Vec2::new(1.0, 1.0),
         "Forbidden region (white) for x0 = u0'', x1 = u1''",
@@ -290,7 +292,7 @@ fn regression(curve: &DualCurve, window: f64) -> Vec<Vec<Vec3>> {
 
 fn figure_5(curve: &DualCurve, title: &str) -> Done<Image> {
     const WINDOW: f64 = 3.0;
-    let mut plot = Plot::new(900, 900, Vec2::new(-WINDOW, -WINDOW), Vec2::new(WINDOW, WINDOW), title);
+    let mut plot = Plot::new(720, 720, Vec2::new(-WINDOW, -WINDOW), Vec2::new(WINDOW, WINDOW), title);
     plot.area(
         &[Vec2::new(-1.0, -WINDOW), Vec2::new(1.0, -WINDOW), Vec2::new(1.0, WINDOW), Vec2::new(-1.0, WINDOW)],
         ZONE,
@@ -316,8 +318,8 @@ fn figure_6(curves: &(DualCurve, DualCurve)) -> Image {
     };
     let (free, kept) = (second(&curves.0), second(&curves.1));
     let size = free.iter().chain(&kept).fold(0.1f64, |m, p| m.max(p.amax())) * 1.1;
-    let title = "(u0'', u1'') before (black) and after (red) the control";
-    let mut plot = Plot::new(1000, 900, Vec2::new(-size, -size), Vec2::new(size, size), title);
+    let title = "(u0'', u1'') before (black) and after (red)";
+    let mut plot = Plot::new(800, 720, Vec2::new(-size, -size), Vec2::new(size, size), title);
     wedges(&mut plot, -1.0, 1.0, size);
     plot.line(&free, 2.5, INK);
     plot.line(&kept, 3.0, RED);
@@ -326,7 +328,7 @@ fn figure_6(curves: &(DualCurve, DualCurve)) -> Image {
 
 fn figure_7(curve: &DualCurve) -> Done<Image> {
     let strip = between("7", curve)?;
-    let guides = regression(curve, 4.0);
+    let guides = regression(curve, 1.7);
     Ok(perspective(
         vec![shape(&strip, 0.08)],
         guides,
@@ -369,8 +371,8 @@ fn cones(count: usize) -> Done<ConeStrip> {
 }
 
 fn figure_9() -> Done<Image> {
-    let title = "Support functions and radii: z = 0 black, z = 1 blue; 16 and 4 cones";
-    let mut plot = Plot::new(1100, 700, Vec2::new(0.1, 0.0), Vec2::new(2.7, 3.3), title);
+    let title = "Support and radii: z = 0 black, z = 1 blue";
+    let mut plot = Plot::new(800, 540, Vec2::new(0.1, 0.0), Vec2::new(2.7, 3.3), title);
     for (count, width) in [(16, 2.0), (4, 1.0)] {
         let strip = cones(count)?;
         for (contour, colour) in [(&strip.bottom, INK), (&strip.top, BLUE)] {
@@ -410,8 +412,8 @@ fn figure_9_strip(count: usize) -> Done<Image> {
     }
     let scene = Scene { panels: shapes, ..Scene::default() };
     let caption = Caption {
-        width: 1100,
-        title: format!("{count} oblique circular cones between parallel planes"),
+        width: 800,
+        title: format!("{count} oblique circular cones"),
         note: "circular sections in z = 0 and z = 1".into(),
     };
     Ok(panels(&scene, &Vec3::new(0.3, 2.2, 1.4), &caption))

@@ -21,6 +21,7 @@ use torse::patchwork::part::Part;
 use torse::pipeline::hull::{hull, Options};
 use torse::pipeline::loft::{self, Choice, Ends};
 use torse::torse::rail::Rail;
+use torse::torse::strip::Strip;
 
 type Outcome<T> = Result<T, Box<dyn Error>>;
 
@@ -30,8 +31,7 @@ fn main() -> Outcome<()> {
     std::fs::create_dir_all(folder)?;
     let control = Control::default();
     let save = |name: &str, answer: &Answer, title: &str, eye: Vec3| -> Outcome<()> {
-        let note = answer.notes.first().cloned().unwrap_or_default();
-        let caption = Caption { title: title.into(), note, ..Caption::default() };
+        let caption = Caption { width: 800, title: title.into(), note: "W15".into() };
         let shown = present(answer);
         let image = picture::panels(&shown.scene, &eye, &caption);
         Ok(std::fs::write(folder.join(format!("{name}.png")), png::write(&image)?)?)
@@ -39,20 +39,22 @@ fn main() -> Outcome<()> {
     // 4.1: a plane rolls over a closed curve; where it touches three times, a facet is planar.
     let knot = around("curve", |t| Vec3::new(100.0 * t.cos(), 100.0 * t.sin(), 35.0 * (3.0 * t).cos()))?;
     let answer = hull(&[knot], &Options::new(0.1), &control)?;
-    save("figure-4-1", &answer, "the boundary of the convex hull of a curve: developables and planar triangles", EYE)?;
+    save("figure-4-1", &answer, "the convex hull of a closed curve", EYE)?;
     // 4.4: formwork between a circle and a rectangle.
     let rectangle = [(-110.0, -70.0), (110.0, -70.0), (110.0, 70.0), (-110.0, 70.0), (-110.0, -70.0)];
     let rectangle = Rail::polyline("rectangle", &rectangle.map(|(x, y)| Vec3::new(x, y, 0.0)))?;
     let circle = ellipse("circle", Vec3::z() * 140.0, 90.0, 90.0)?;
     let answer = hull(&[rectangle, circle], &Options::new(1e-3), &control)?;
-    save("figure-4-4", &answer, "formwork from a rectangle to a circle: four triangles, four cones", EYE)?;
-    // 4.7: one boundary, several developables. Both hulls of a saddle loop, one side at a time.
+    save("figure-4-4", &answer, "formwork from a rectangle to a circle", EYE)?;
+    // 4.7: one boundary, several developables: the upper and the lower side of the hull of a saddle's edge.
     let saddle = around("loop", |t| Vec3::new(100.0 * t.cos(), 100.0 * t.sin(), 50.0 * (2.0 * t).cos()))?;
-    let whole = hull(&[saddle], &Options::new(0.1), &control)?;
-    for (k, letter) in (0..whole.parts.len()).zip(["a", "b", "c", "d"]) {
-        let mut side = only(&whole, k);
-        side.notes.clear();
-        save(&format!("figure-4-7-{letter}"), &side, "a closed curve bounds more than one developable", EYE)?;
+    let whole = hull(&[saddle], &Options::new(1.0), &control)?;
+    let height = |p: &Vec3| 50.0 * (p.x * p.x - p.y * p.y) / 1e4;
+    for (letter, upper) in [("a", true), ("b", false)] {
+        let side = only(&whole, |middle| (middle.z > height(middle)) == upper);
+        let title =
+            if upper { "the upper developable of a closed curve" } else { "and the lower one of the same curve" };
+        save(&format!("figure-4-7-{letter}"), &side, title, EYE)?;
     }
     // The same two circles bound a cone and a double cone; only the first is regular.
     let (low, high) = (ellipse("low", Vec3::zeros(), 80.0, 80.0)?, ellipse("high", Vec3::z() * 120.0, 50.0, 50.0)?);
@@ -60,7 +62,7 @@ fn main() -> Outcome<()> {
     let double = double.iter().filter(|b| b.kind == BranchType::DoubleCone).count();
     let options = loft::Options { choice: Choice::Exact, ends: Ends::Trim, ..loft::Options::new(1e-3) };
     let answer = loft::loft(&low, &high, &options, &control)?;
-    let title = format!("two circles: one regular developable ({double} double cone not used)");
+    let title = format!("two circles: a cone, and {double} double cone not used");
     save("figure-4-7-circles", &answer, &title, EYE)?;
     std::fs::write(folder.join("figure-4-11.png"), png::write(&subdivision().render())?)?;
     Ok(())
@@ -70,7 +72,9 @@ const EYE: Vec3 = Vec3::new(1.0, -1.6, 1.1);
 
 /// A closed curve through points, as a smooth rail.
 fn around(name: &str, at: impl Fn(f64) -> Vec3) -> Outcome<Rail> {
-    let points: Vec<Vec3> = (0..=96).map(|k| at(TAU * f64::from(k % 96) / 96.0)).collect();
+    // Rounded, as tables of points are.
+    let place = |k: u32| at(TAU * f64::from(k % 96) / 96.0).map(|x| (x * 1e6).round() / 1e6);
+    let points: Vec<Vec3> = (0..=96).map(place).collect();
     Ok(Rail::through(name, &points)?)
 }
 
@@ -80,15 +84,20 @@ fn ellipse(name: &str, origin: Vec3, a: f64, b: f64) -> Outcome<Rail> {
     Ok(Rail::new(name, &[c])?)
 }
 
-/// One part of a result.
-fn only(all: &Answer, part: usize) -> Answer {
-    let p = &all.parts[part];
+/// The strips whose middles are wanted.
+fn only(all: &Answer, wanted: impl Fn(&Vec3) -> bool) -> Answer {
+    let chosen = |strip: &Strip| {
+        let [p, q] = strip.ruling(0.5);
+        wanted(&((p + q) * 0.5))
+    };
+    let keep: Vec<bool> = all.strips().map(chosen).collect();
     let mut out = all.clone();
-    out.patchwork = Patchwork::of_strips(all.strips().skip(p.first).take(p.count).cloned().collect());
-    out.fields = all.fields[p.first..p.first + p.count].to_vec();
+    let strips: Vec<Strip> = all.strips().zip(&keep).filter(|s| *s.1).map(|s| s.0.clone()).collect();
+    out.fields = all.fields.iter().zip(&keep).filter(|s| *s.1).map(|s| s.0.clone()).collect();
     out.claims = all.claims_of(Subject::Whole).cloned().collect();
-    out.parts = vec![Part { first: 0, ..p.clone() }];
-    out.patterns = all.patterns.iter().filter(|q| q.panel == part).cloned().collect();
+    out.parts = vec![Part { name: "A".into(), first: 0, count: strips.len(), missing: String::new() }];
+    out.patchwork = Patchwork::of_strips(strips);
+    out.patterns.clear();
     out
 }
 
@@ -112,11 +121,6 @@ fn subdivision() -> Drawing {
         let averaged = |p: &[Vec2]| -> Vec<Vec2> { p.windows(2).map(|w| (w[0] + w[1]) * 0.5).collect() };
         points = averaged(&averaged(&averaged(&doubled)));
     }
-    drawing.text(
-        "doubled points, averaged: polygons tend to a cubic B-spline curve",
-        Vec2::new(40.0, 52.0),
-        19.0,
-        [0.13, 0.15, 0.19],
-    );
+    drawing.text("doubled and averaged: a cubic B-spline curve", Vec2::new(40.0, 62.0), 28.0, [0.13, 0.15, 0.19]);
     drawing
 }

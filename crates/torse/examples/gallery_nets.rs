@@ -8,6 +8,7 @@ use torse::design::interpolate::{interpolate, EndRulings, Options};
 use torse::draw::camera::{Camera, Rect};
 use torse::draw::colour::{self, Rgb};
 use torse::draw::raster::{Drawing, Line, Paint, Vertex};
+use torse::draw::stroke_font;
 use torse::geom::{Vec2, Vec3};
 use torse::io::png;
 use torse::spline::curve::Curve;
@@ -15,8 +16,8 @@ use torse::spline::knots::Knots;
 use torse::spline::surface::Surface;
 use torse::torse::net::{aumann, homogeneous, Net, Shape};
 
-const WIDTH: usize = 1200;
-const HEIGHT: usize = 800;
+const WIDTH: usize = 800;
+const HEIGHT: usize = 560;
 const INK: Rgb = [0.13, 0.15, 0.19];
 const NET: Rgb = [0.75, 0.22, 0.17];
 const REGRESSION: Rgb = [0.10, 0.45, 0.25];
@@ -50,8 +51,8 @@ fn main() -> Outcome<()> {
 
 /// Figure 1: c', d' and d − c lie in one plane on every ruling.
 fn developable() -> Outcome<Figure> {
-    let net = bezier(-1.6, -0.75)?;
-    let mut f = Figure::new("developable surface: c', d' and d - c are coplanar on every ruling", (1.0, -2.2, 1.3));
+    let net = bezier(2.3, 1.5)?;
+    let mut f = Figure::new("c', d' and d - c are coplanar on every ruling", (1.0, -1.6, 2.6));
     f.strip(&net.patch()?, colour::panel(0));
     let patch = net.patch()?;
     for u in [0.3, 0.75] {
@@ -79,7 +80,7 @@ fn cylinder() -> Outcome<Figure> {
 fn cone() -> Outcome<Figure> {
     let vertex = Vec3::new(2.2, 2.4, 2.6);
     let net = Net::cone(curve(3, 1, &WAVE), &vertex, 0.6)?;
-    let mut f = Figure::new("cone: the sides of both polygons are parallel and proportional", (1.0, -2.2, 1.3));
+    let mut f = Figure::new("cone: the sides of both polygons are parallel", (1.0, -2.2, 1.3));
     f.strip(&net.patch()?, colour::panel(2));
     f.net(&net, true);
     for c in &net.curve().control {
@@ -107,8 +108,8 @@ fn tangent_surface() -> Outcome<Figure> {
 
 /// Figure 5: the four points of the last step but one of the de Boor schemes.
 fn coplanarity() -> Outcome<Figure> {
-    let net = bezier(-1.6, -0.75)?;
-    let mut f = Figure::new("the points c0, c1, d0, d1 of the last de Boor step are coplanar", (1.0, -2.2, 1.3));
+    let net = bezier(2.3, 1.5)?;
+    let mut f = Figure::new("c0, c1, d0, d1 of the last step are coplanar", (1.0, -2.2, 1.3));
     f.strip(&net.patch()?, colour::mix(colour::panel(0), [1.0; 3], 0.45));
     let u = 0.55;
     let step = |c: &Curve<4>| -> Outcome<[Vec3; 2]> {
@@ -134,7 +135,7 @@ fn coplanarity() -> Outcome<Figure> {
 /// Figure 6: the tangents at c(u) and d(u) meet where the blossoms agree.
 fn meeting_tangents() -> Outcome<Figure> {
     let net = bezier(2.3, 1.5)?;
-    let mut f = Figure::new("tangents at c(u) and d(u) meet at c[u, u, L*] = d[u, u, M*]", (1.0, -2.2, 1.3));
+    let mut f = Figure::new("tangents meet at c[u, u, L*] = d[u, u, M*]", (1.0, -2.2, 1.3));
     f.strip(&net.patch()?, colour::mix(colour::panel(0), [1.0; 3], 0.3));
     let patch = net.patch()?;
     for u in [0.2, 0.6] {
@@ -155,7 +156,7 @@ fn meeting_tangents() -> Outcome<Figure> {
 /// Figure 7: a regular net of several pieces with its control points.
 fn regular_net() -> Outcome<Figure> {
     let net = spline_net(2, -0.9, -0.55)?;
-    let mut f = Figure::new("regular B-spline developable, degree 2, five pieces", (0.6, -2.2, 1.5));
+    let mut f = Figure::new("regular, of degree 2, five pieces", (0.6, -2.2, 1.5));
     f.strip(&net.patch()?, colour::panel(0));
     f.net(&net, true);
     f.breaks(&net);
@@ -169,7 +170,7 @@ fn singular_segment() -> Outcome<Figure> {
     let shape = Shape::from_stars((0.0, 1.0), 0.93, 1.35).ok_or("no shape")?;
     let first = Vec3::new(-0.35, 1.1, 1.5);
     let net = Net::from_first(c, [first.x, first.y, first.z, 0.0], shape)?;
-    let mut f = Figure::new("quadratic B-spline developable: one regular and one singular segment", (0.4, -2.0, 1.8));
+    let mut f = Figure::new("one regular and one singular segment", (0.4, -2.0, 1.8));
     let patch = net.patch()?;
     let ((a, b), v) = patch.domain();
     f.strip(&patch.restricted((a, 0.5), v)?, colour::panel(0));
@@ -184,8 +185,7 @@ fn singular_segment() -> Outcome<Figure> {
 /// Section 4: the net through a curve with two given lines, the same with both end points given.
 fn interpolation() -> Outcome<Figure> {
     let (c, rulings) = question();
-    let mut f =
-        Figure::new("a curve with its first and last ruling: the net, and both reaches prescribed", (0.6, -2.0, 1.6));
+    let mut f = Figure::new("a curve with its first and last ruling: two nets", (0.6, -2.0, 1.6));
     for (end_reach, base) in [(None, colour::panel(0)), (Some(1.0), colour::mix(colour::panel(1), [1.0; 3], 0.35))] {
         let options = Options { end_reach, ..Options::default() };
         let answer = interpolate(&c, &rulings, &options)?;
@@ -249,10 +249,12 @@ fn question() -> (Curve<4>, EndRulings) {
 
 fn note(net: &Net) -> String {
     let s = net.shape();
+    // Far away is as good as infinite.
+    let number = |x: f64| if x.abs() > 1e4 { format!("{x:.0e}") } else { format!("{x:.3}") };
     format!(
-        "L* = {:.3}, M* = {:.3}: {}",
-        s.lambda_star(),
-        s.m_star(),
+        "L* = {}, M* = {}: {}",
+        number(s.lambda_star()),
+        number(s.m_star()),
         if net.regularity().holds() { "regular" } else { "singular" }
     )
 }
@@ -379,7 +381,7 @@ impl Figure {
             .chain(self.lines.iter().flat_map(|l| l.0.clone()))
             .chain(self.dots.iter().map(|d| d.0))
             .collect();
-        let rect = Rect { x: 60.0, y: 100.0, width: WIDTH as f64 - 120.0, height: HEIGHT as f64 - 190.0 };
+        let rect = Rect { x: 50.0, y: 100.0, width: WIDTH as f64 - 100.0, height: HEIGHT as f64 - 165.0 };
         let camera = Camera::fitting(points.iter(), &self.eye, rect);
         let size = camera.distance;
         for (base, corners) in &self.triangles {
@@ -404,8 +406,11 @@ impl Figure {
             let at = camera.project(p);
             drawing.rimmed_text(text, Vec2::new(at[0] + 10.0, at[1] - 8.0), 17.0, INK);
         }
-        drawing.text(&self.title, Vec2::new(40.0, 52.0), 19.0, INK);
-        drawing.text(&self.note, Vec2::new(40.0, HEIGHT as f64 - 34.0), 15.0, colour::mix(INK, [1.0; 3], 0.3));
+        // Words too long for the picture are written smaller.
+        let fitting = |text: &str, size: f64| size.min((WIDTH as f64 - 60.0) / stroke_font::width(text, 1.0).max(1.0));
+        drawing.text(&self.title, Vec2::new(30.0, 46.0), fitting(&self.title, 20.0), INK);
+        let grey = colour::mix(INK, [1.0; 3], 0.3);
+        drawing.text(&self.note, Vec2::new(30.0, HEIGHT as f64 - 20.0), fitting(&self.note, 16.0), grey);
         drawing
     }
 }

@@ -16,7 +16,7 @@ use torse::io::step::read::{read, read_with, ReadOptions};
 use torse::io::words;
 use torse::patchwork::panel::{Panel, Patchwork};
 use torse::pipeline::approximate::{of_faces, ApproximateError, Options};
-use torse::search::cover::{CurveError, CurveShape, Guide, Layout, LayoutKind, Limits, PanelCurve, SeamPlane};
+use torse::search::cover::{CurveError, CurveShape, Guide, Layout, LayoutKind, PanelCurve, SeamPlane};
 use torse::spline::knots::Knots;
 use torse::spline::surface::Surface;
 use torse::torse::form::Torse;

@@ -7,10 +7,8 @@ use torse::brep::space_curve::SpaceCurve;
 use torse::brep::support_surface::Carrier;
 use torse::certify::claim::Status;
 use torse::control::Control;
-use torse::develop::view::Drawn;
 use torse::geom::{Frame, Vec3};
 use torse::pipeline::approximate::{of_faces, Options};
-use torse::search::cover::{Layout, Limits};
 use torse::spline::surface::Surface;
 
 const PIPE: &[u8] = include_bytes!("../../../data/cylinder_holes.step");

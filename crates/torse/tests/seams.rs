@@ -12,7 +12,6 @@ use torse::io::step::read::read;
 use torse::io::step::write::{panels, Header};
 use torse::patchwork::panel::Border;
 use torse::pipeline::approximate::{of_faces, Options};
-use torse::search::cover::{Layout, Limits};
 
 const TORUS: &[u8] = include_bytes!("../../../data/torus_piece.step");
 const TOLERANCE: f64 = 2.0;

@@ -469,6 +469,31 @@ fn methods_say_where_they_come_from() {
     assert!(faults.is_empty(), "{}", faults.join("\n"));
 }
 
+/// Files below a folder, as paths from there with slashes.
+fn files(folder: &Path) -> BTreeSet<String> {
+    let mut found = BTreeSet::new();
+    for entry in fs::read_dir(folder).expect("a folder").flatten() {
+        let name = entry.file_name().to_string_lossy().into_owned();
+        if entry.path().is_dir() {
+            found.extend(files(&entry.path()).iter().map(|f| format!("{name}/{f}")));
+        } else {
+            found.insert(name);
+        }
+    }
+    found
+}
+
+#[test]
+fn the_gallery_shows_its_pictures_and_no_others() {
+    let page = fs::read_to_string(root().join("docs/gallery.md")).expect("docs/gallery.md");
+    let shown: Vec<&str> = page.split("src=\"images/gallery/").skip(1).filter_map(|t| t.split('"').next()).collect();
+    let folder = root().join("docs/images/gallery");
+    assert_eq!(shown.iter().map(|s| s.to_string()).collect::<BTreeSet<_>>(), files(&folder));
+    assert!(page.matches("images/gallery/").count() == shown.len(), "a picture that the gallery would not make");
+    let sizes: Vec<u64> = shown.iter().map(|f| fs::metadata(folder.join(f)).expect("a picture").len()).collect();
+    assert!(sizes.iter().all(|s| *s <= 25_000) && sizes.iter().sum::<u64>() <= 1_500_000, "pictures too large");
+}
+
 #[test]
 fn the_test_itself_can_fail() {
     assert!(!floor_faults("fit::planes", "use crate::certify::Verdict;").is_empty());

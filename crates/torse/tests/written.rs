@@ -13,7 +13,6 @@ use torse::io::step::read::read;
 use torse::io::words;
 use torse::pipeline::approximate::{of_faces, Options};
 use torse::pipeline::deliver;
-use torse::search::cover::{Layout, Limits};
 
 const TOLERANCE: f64 = 10.0;
 

@@ -33,11 +33,11 @@ const SIZE: [usize; 2] = [1000, 640];
 const INK: Rgb = [0.10, 0.12, 0.16];
 const GRID: Rgb = [0.86, 0.88, 0.90];
 /// Space left, right, above and below the axes, px.
-const ROOM: [f64; 4] = [90.0, 40.0, 90.0, 80.0];
+const ROOM: [f64; 4] = [90.0, 40.0, 110.0, 80.0];
 /// Height of capitals, px.
-const TITLE: f64 = 18.0;
+const TITLE: f64 = 20.0;
 /// See [`TITLE`].
-const SMALL: f64 = 12.0;
+const SMALL: f64 = 15.0;
 /// Ticks of a decade.
 const TICKS: [f64; 3] = [1.0, 2.0, 5.0];
 
@@ -103,6 +103,9 @@ pub fn chart(chart: &Chart) -> Option<Image> {
     d.stroke(&[Vec2::new(x.from, y.to), corner, Vec2::new(x.to, y.from)], 1.6, INK, 1.0);
     d.text(&chart.x, Vec2::new(x.to - stroke_font::width(&chart.x, SMALL), height - 22.0), SMALL, INK);
     d.text(&chart.y, Vec2::new(14.0, ROOM[2] - 18.0), SMALL, INK);
+    // Names end where the axis does.
+    let names = chart.series.iter().map(|s| stroke_font::width(&s.name, SMALL)).fold(0.0, f64::max);
+    let left = x.to - names - 42.0;
     for (k, s) in chart.series.iter().enumerate() {
         let colour = colour::panel(k);
         let mut points: Vec<[f64; 2]> = s.points.iter().copied().filter(|p| p[0] > 0.0 && p[1] > 0.0).collect();
@@ -114,8 +117,7 @@ pub fn chart(chart: &Chart) -> Option<Image> {
                 d.stroke(&[*p, p + Vec2::new(0.01, 0.0)], 10.0, colour, 1.0);
             }
         }
-        let row = ROOM[2] - 20.0 + 22.0 * k as f64;
-        let left = x.to - 260.0;
+        let row = ROOM[2] - 60.0 + 24.0 * k as f64;
         d.stroke(
             &[Vec2::new(left, row - 5.0), Vec2::new(left + 30.0, row - 5.0)],
             if s.measured { 3.0 } else { 1.6 },

@@ -6,6 +6,7 @@ use super::flat::FlatPiece;
 use super::label::SightMap;
 use super::raster::{Drawing, Image, Line, Paint, Vertex};
 use super::scene::{Scene, ShapePatch, NOT_CERTIFIED};
+use super::stroke_font;
 use crate::geom::mesh::Mesh;
 use crate::geom::{Vec2, Vec3};
 use crate::torse::form::PanelKind;
@@ -33,9 +34,9 @@ const GUIDE: Rgb = [0.78, 0.16, 0.12];
 const GREY: Rgb = [0.42, 0.45, 0.50];
 /// Space around the contents, px.
 const MARGIN: f64 = 44.0;
-/// Height of capitals of titles and legends, px.
-const TITLE: f64 = 21.0;
-const SMALL: f64 = 14.0;
+/// Height of capitals of titles and legends, px: still readable in a picture shrunk to two fifths.
+const TITLE: f64 = 24.0;
+const SMALL: f64 = 18.0;
 /// Lines drawn on a surface are lifted towards the eye by this share of the model's diagonal, or the chords of the
 /// mesh would swallow them.
 const LIFT: f64 = 2.5e-3;
@@ -96,7 +97,7 @@ pub fn values(scene: &Scene, direction: &Vec3, limit: f64, what: &str, caption: 
 }
 
 /// Room for the legend of values, px.
-const LEGEND: f64 = 150.0;
+const LEGEND: f64 = 190.0;
 
 /// The legend of values at the right border.
 fn value_legend(drawing: &mut Drawing, limit: f64, what: &str) {
@@ -141,7 +142,7 @@ pub fn points(
 
 /// Patches coloured by what they are, with the rulings and borders of the scene, and a legend of the four kinds.
 pub fn shapes(scene: &Scene, patches: &[ShapePatch], direction: &Vec3, caption: &Caption) -> Image {
-    const LEGEND: f64 = 240.0;
+    const LEGEND: f64 = 290.0;
     const BOX: f64 = 22.0;
     let (mut drawing, camera) = stage(scene, direction, caption, LEGEND);
     for p in patches {
@@ -215,7 +216,7 @@ pub fn layout(pieces: &[FlatPiece], caption: &Caption) -> Image {
     for piece in pieces {
         let room = piece.room * scale;
         let size = (room * 0.75).clamp(9.0, 26.0);
-        let wide = super::stroke_font::width(&piece.name, size);
+        let wide = stroke_font::width(&piece.name, size);
         // A name may be wider than the inscribed circle, but should not leave a piece that is only a sliver.
         if room >= 5.0 {
             let at = place(&piece.label) + Vec2::new(-0.5 * wide, 0.5 * size);
@@ -232,7 +233,7 @@ pub fn layout(pieces: &[FlatPiece], caption: &Caption) -> Image {
 /// Says below a name, the middle of whose base line is given, that the part must not be cut.
 fn words_below(drawing: &mut Drawing, base: Vec2, name: f64) {
     let size = (0.6 * name).max(9.0);
-    let wide = super::stroke_font::width(NOT_CERTIFIED, size);
+    let wide = stroke_font::width(NOT_CERTIFIED, size);
     drawing.rimmed_text(NOT_CERTIFIED, base + Vec2::new(-0.5 * wide, 1.7 * size), size, INK);
 }
 
@@ -265,11 +266,12 @@ fn head(caption: &Caption) -> f64 {
     line(&caption.title, TITLE + 14.0) + line(&caption.note, SMALL + 12.0)
 }
 
-/// A drawing with captions and a camera that shows the scene below them, `right` pixels kept free for a legend.
+/// A drawing with captions and a camera that shows the scene with its curves below them, `right` pixels kept free for a legend.
 fn stage(scene: &Scene, direction: &Vec3, caption: &Caption, right: f64) -> (Drawing, Camera) {
     const ASPECT: std::ops::RangeInclusive<f64> = 0.36..=0.68;
     let finite = |p: &&Vec3| p.iter().all(|x| x.is_finite());
-    let points = meshes(scene).flat_map(|m| &m.positions).filter(finite);
+    let guides = scene.guides.iter().flatten();
+    let points = meshes(scene).flat_map(|m| &m.positions).chain(guides).filter(finite);
     let width = caption.width.max(200) as f64;
     let head = head(caption);
     let room = width - 2.0 * MARGIN - right;
@@ -289,12 +291,17 @@ fn stage(scene: &Scene, direction: &Vec3, caption: &Caption, right: f64) -> (Dra
 }
 
 fn captions(drawing: &mut Drawing, caption: &Caption) {
+    // Words too long for the picture are written smaller.
+    let room = drawing.width as f64 - 2.0 * MARGIN;
+    let fitting = |text: &str, size: f64| size.min(room / stroke_font::width(text, 1.0));
     let mut y = MARGIN;
     if !caption.title.is_empty() {
-        drawing.text(&caption.title, Vec2::new(MARGIN, y + 0.5 * TITLE), TITLE, INK);
+        drawing.text(&caption.title, Vec2::new(MARGIN, y + 0.5 * TITLE), fitting(&caption.title, TITLE), INK);
         y += TITLE + 10.0;
     }
-    drawing.text(&caption.note, Vec2::new(MARGIN, y + 0.5 * SMALL), SMALL, GREY);
+    if !caption.note.is_empty() {
+        drawing.text(&caption.note, Vec2::new(MARGIN, y + 0.5 * SMALL), fitting(&caption.note, SMALL), GREY);
+    }
 }
 
 fn triangles(drawing: &mut Drawing, camera: &Camera, mesh: &Mesh, paint: Paint, unit: f64) {
@@ -354,7 +361,7 @@ fn borders(drawing: &mut Drawing, camera: &Camera, scene: &Scene, width: f64) {
 fn names(drawing: &mut Drawing, camera: &Camera, scene: &Scene) {
     // A name takes this share of the room around its place, within limits; narrower panels get none.
     const SHARE: f64 = 0.85;
-    const SIZES: std::ops::RangeInclusive<f64> = 9.0..=18.0;
+    const SIZES: std::ops::RangeInclusive<f64> = 9.0..=22.0;
     const NARROWEST: f64 = 8.0;
     let mut map = SightMap::new(drawing.width, drawing.height);
     for (i, panel) in scene.panels.iter().enumerate() {
@@ -364,10 +371,10 @@ fn names(drawing: &mut Drawing, camera: &Camera, scene: &Scene) {
     }
     for (panel, place) in scene.panels.iter().zip(map.places(scene.panels.len())) {
         let Some(place) = place else { continue };
-        let fitting = place.breadth / super::stroke_font::width(&panel.name, 1.0);
-        let size = (SHARE * place.room).clamp(*SIZES.start(), *SIZES.end()).min(fitting);
-        if place.room >= NARROWEST && size >= *SIZES.start() {
-            let width = super::stroke_font::width(&panel.name, size);
+        let fitting = place.breadth / stroke_font::width(&panel.name, 1.0);
+        let size = (SHARE * place.room.min(fitting)).clamp(*SIZES.start(), *SIZES.end());
+        if place.room >= NARROWEST && fitting >= *SIZES.start() {
+            let width = stroke_font::width(&panel.name, size);
             drawing.rimmed_text(&panel.name, place.middle + Vec2::new(-0.5 * width, 0.5 * size), size, INK);
             if panel.marked {
                 words_below(drawing, place.middle + Vec2::new(0.0, 0.5 * size), size);
@@ -494,6 +501,19 @@ mod tests {
         assert!(panels(&Scene::default(), &Vec3::z(), &caption).height > 50);
         assert!(deviation(&Scene::default(), &Vec3::x(), 1.0, &caption).height > 50);
         assert!(layout(&[], &caption).height > 50);
+    }
+
+    #[test]
+    fn long_titles_and_far_curves_stay_in_the_picture() {
+        let caption = Caption { width: 600, title: "a title of many words ".repeat(8), note: "note ".repeat(60) };
+        let mut scene = scene();
+        scene.guides = vec![vec![Vec3::new(-400.0, -300.0, 0.0), Vec3::new(500.0, 400.0, 0.0)]];
+        let image = panels(&scene, &Vec3::new(0.3, -0.2, 1.0), &caption);
+        let paper = image.pixels[0];
+        let (w, h) = (image.width, image.height);
+        let edge = (0..w).flat_map(|x| [x, (h - 1) * w + x]).chain((0..h).flat_map(|y| [y * w, y * w + w - 1]));
+        assert!(edge.into_iter().all(|i| image.pixels[i] == paper));
+        assert!(image.pixels.iter().any(|p| *p == colour::bytes(GUIDE)));
     }
 
     #[test]

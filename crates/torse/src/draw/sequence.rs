@@ -1,4 +1,4 @@
-//! A strip of pictures: stages of a motion side by side, all seen by one camera.
+//! Pictures in rows: stages of a motion side by side, all seen by one camera.
 
 use super::camera::{Camera, Rect};
 use super::colour;
@@ -9,18 +9,25 @@ use crate::geom::{Vec2, Vec3};
 /// Width and height of one picture, and of the caption below, pixels.
 const CELL: (f64, f64) = (340.0, 360.0);
 const CAPTION: f64 = 60.0;
+/// Pictures in a row.
+const ROW: usize = 3;
 /// Margin around the model in a picture, pixels.
 const MARGIN: f64 = 10.0;
 
-/// The stages from left to right, each with its caption below; `eye` points from the model to the eye.
+/// The stages in rows of three, each with its caption below; `eye` points from the model to the eye.
 pub fn sequence(stages: &[(String, Scene)], eye: &Vec3) -> Image {
-    let mut picture = Drawing::new((CELL.0 * stages.len().max(1) as f64) as usize, (CELL.1 + CAPTION) as usize);
+    let (columns, rows) = (stages.len().clamp(1, ROW), stages.len().div_ceil(ROW).max(1));
+    let mut picture = Drawing::new((CELL.0 * columns as f64) as usize, ((CELL.1 + CAPTION) * rows as f64) as usize);
     let points: Vec<Vec3> =
         stages.iter().flat_map(|(_, s)| s.panels.iter().flat_map(|p| p.mesh.positions.iter().copied())).collect();
     for (k, (caption, stage)) in stages.iter().enumerate() {
-        let left = CELL.0 * k as f64;
-        let rect =
-            Rect { x: left + MARGIN, y: 2.0 * MARGIN, width: CELL.0 - 2.0 * MARGIN, height: CELL.1 - 2.0 * MARGIN };
+        let (left, top) = (CELL.0 * (k % ROW) as f64, (CELL.1 + CAPTION) * (k / ROW) as f64);
+        let rect = Rect {
+            x: left + MARGIN,
+            y: top + 2.0 * MARGIN,
+            width: CELL.0 - 2.0 * MARGIN,
+            height: CELL.1 - 2.0 * MARGIN,
+        };
         let camera = Camera::fitting(points.iter(), eye, rect);
         for (i, shape) in stage.panels.iter().enumerate() {
             let corner = |c: u32| Vertex {
@@ -36,7 +43,7 @@ pub fn sequence(stages: &[(String, Scene)], eye: &Vec3) -> Image {
                 picture.lines.push(Line { points, width: 1.6, colour: [0.1, 0.1, 0.12], alpha: 1.0 });
             }
         }
-        picture.text(caption, Vec2::new(left + 2.0 * MARGIN, CELL.1 + 40.0), 15.0, [0.2, 0.2, 0.22]);
+        picture.text(caption, Vec2::new(left + 2.0 * MARGIN, top + CELL.1 + 40.0), 17.0, [0.2, 0.2, 0.22]);
     }
     picture.render()
 }
@@ -65,6 +72,9 @@ mod tests {
             (20..340).any(|y| (from..from + 340).any(|x| image.pixels[y * image.width + x] != image.pixels[0]))
         };
         assert!(inked(0) && inked(340));
+        let five: Vec<_> = (0..5).map(|k| (format!("{k}"), stage(f64::from(k)))).collect();
+        let image = sequence(&five, &Vec3::new(0.3, -1.0, 0.8));
+        assert_eq!((image.width, image.height), (1020, 840));
         assert!(sequence(&[], &Vec3::z()).width > 0);
     }
 }
