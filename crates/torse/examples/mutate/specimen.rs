@@ -99,10 +99,7 @@ fn answers() -> Result<Vec<(Kind, Vec<u8>)>, String> {
     let outcome =
         approximate(model.faces, Vec::new(), &options, &Control::default()).map_err(|e| format!("no outcome: {e}"))?;
     let report = json::write(&outcome).map_err(|e| e.to_string())?;
-    let mut all = vec![
-        (Kind::Report, report.into_bytes()),
-        (Kind::Report, include_bytes!("../../tests/data/decompose.json").to_vec()),
-    ];
+    let mut all = vec![(Kind::Report, report.into_bytes())];
     let files = bundle::geometry(&outcome, &present(&outcome), "2026-01-01T00:00:00").map_err(|e| e.to_string())?;
     for (name, bytes) in files {
         let kind = match name.rsplit('.').next() {
@@ -129,6 +126,7 @@ fn tables() -> Vec<String> {
     };
     let (p, q) = (arc(9), arc(8));
     let bare = rows(&p, ",");
+    let named = p.iter().map(|p| format!("{};1;{};{}\n", p[2], p[0], p[1]).replace('.', ",")).collect::<String>();
     let rungs: Vec<String> =
         p.iter().map(|p| p.map(|x| x.to_string()).join(",")).map(|a| format!("{a},{}\n", "0,0,250")).collect();
     let planes: String = q
@@ -144,7 +142,7 @@ fn tables() -> Vec<String> {
     vec![
         bare.clone(),
         format!("x [m],y [m],z [m]\n{bare}"),
-        format!("# a scan\nz;name;x;y\n{}", rows(&p, ";1;").replace('.', ",")),
+        format!("# a scan\nz;name;x;y\n{named}"),
         format!("{}\n{}", p.len(), rows(&p, " ")),
         format!("2\n{}\n", "1.5 2.5 3.5 -120 255 0 17\n".repeat(2)),
         format!("x\ty\tz\n{}", rows(&p, "\t")),
