@@ -34,7 +34,9 @@ static PANIC: Mutex<String> = Mutex::new(String::new());
 /// Panics are counted, not printed.
 pub fn silence() {
     set_hook(Box::new(|panic| {
-        let message = panic.payload_as_str().unwrap_or("").lines().next().unwrap_or("").to_string();
+        let payload = panic.payload();
+        let text = payload.downcast_ref::<&str>().copied().or(payload.downcast_ref::<String>().map(String::as_str));
+        let message = text.unwrap_or("").lines().next().unwrap_or("");
         let at = panic.location().map_or(String::new(), |l| format!("{}:{}", l.file(), l.line()));
         if let Ok(mut told) = PANIC.lock() {
             *told = format!("{at}: {message}");
