@@ -52,6 +52,9 @@ fn entity(groups: &[(u32, &str)], out: &mut Vec<WrittenPiece>) -> Result<(), Str
                     _ => {}
                 }
             }
+            if joints.iter().any(|j| j.point.y.is_nan()) {
+                return Err(fault("a vertex has no second coordinate"));
+            }
             if text(70) != "1" || text(90) != joints.len().to_string() {
                 return Err(fault("the outline is not closed, or its vertices are not counted"));
             }
@@ -156,7 +159,7 @@ fn path(d: &str) -> Result<Vec<WrittenJoint>, String> {
     let mut out: Vec<WrittenJoint> = Vec::new();
     let mut rest = d.trim_end_matches('Z');
     while let Some(command) = rest.chars().next() {
-        let body = &rest[1..];
+        let body = &rest[command.len_utf8()..];
         let end = body.find(['M', 'L', 'A']).unwrap_or(body.len());
         let numbers: Vec<f64> =
             body[..end].split_whitespace().map(str::parse).collect::<Result<_, _>>().map_err(|_| fault())?;
@@ -171,10 +174,38 @@ fn path(d: &str) -> Result<Vec<WrittenJoint>, String> {
             }
             _ => return Err(fault()),
         }
-        if !(x.is_finite() && y.is_finite()) {
+        if numbers.iter().any(|n| !n.is_finite()) {
             return Err(fault());
         }
         out.push(to);
     }
     Ok(out)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn vertices_of_outlines_have_two_coordinates() {
+        let drawing = |vertices: &str| {
+            let outline = format!("0\nLWPOLYLINE\n5\n30\n8\nCUT_OUTER\n90\n2\n70\n1\n{vertices}");
+            let head = "0\nSECTION\n2\nHEADER\n9\n$INSUNITS\n70\n4\n0\nENDSEC\n0\nSECTION\n2\nENTITIES\n";
+            dxf(format!("{head}{outline}0\nENDSEC\n0\nEOF\n").as_bytes())
+        };
+        assert_eq!(drawing("10\n1\n20\n2\n10\n3\n20\n4\n").expect("a piece")[0].contours[0].len(), 2);
+        assert!(drawing("10\n1\n20\n2\n10\n3\n").expect_err("half a point").contains("no second coordinate"));
+    }
+
+    #[test]
+    fn paths_hold_lines_and_arcs_of_finite_numbers() {
+        let drawing = |d: &str| {
+            let paths = format!("<g id=\"panel-A\">\n<g class=\"cut-outer\">\n<path d=\"{d}\"/>\n</g>\n</g>\n");
+            svg(format!("<svg width=\"9mm\" height=\"9mm\" viewBox=\"0 0 9 9\">\n{paths}</svg>\n").as_bytes())
+        };
+        assert_eq!(drawing("M 1 2 A 3 3 0 0 1 4 5 L 6 7 Z").expect("a piece")[0].contours[0].len(), 3);
+        for bad in ["\u{e9} 1 2 L 6 7 Z", "M 1 2 A inf inf 0 0 1 4 5 L 6 7 Z", "M 1 nan L 6 7 Z"] {
+            assert!(drawing(bad).expect_err(bad).contains("is not a path of lines and arcs"), "{bad}");
+        }
+    }
 }

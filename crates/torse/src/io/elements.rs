@@ -17,6 +17,9 @@ const REGION: [&str; 4] = ["x", "y", "z", "r"];
 /// Columns of the normal of a ruling's tangent plane.
 const NORMAL: [&str; 3] = ["nx", "ny", "nz"];
 
+/// Greatest coordinate, mm: a million kilometres, as for curves; squares and cubes of larger ones leave the numbers.
+const FARTHEST: f64 = 1e12;
+
 /// Whether a file gives planes or rulings: a DXF drawing, or a table whose headings say so.
 pub fn holds_elements(name: &str, bytes: &[u8]) -> bool {
     let ending = name.rsplit('.').next().unwrap_or("").to_ascii_lowercase();
@@ -153,21 +156,25 @@ fn table(bytes: &[u8], given: Option<f64>, region: Option<[f64; 4]>) -> Result<(
         }
         if let Some(at) = rulings {
             let normal = normals.as_ref().map_or(Vec3::zeros(), |n| vector(n));
-            if normals.is_some() && normal.norm() <= 0.0 {
-                return Err(fault("the normal is zero".into()));
+            let size = normal.norm();
+            if normals.is_some() && !(size > 0.0 && size.is_finite()) {
+                return Err(fault(format!("the normal has the length {size:e}; any between 1e-150 and 1e150 will do")));
             }
             let ends = [vector(&at[..3]) * unit, vector(&at[3..]) * unit];
+            near(ends.iter().flatten()).map_err(fault)?;
             // Rulings are compared on themselves; their planes in a narrow region around.
             const NARROW: f64 = 0.1;
             let radius = NARROW * (ends[1] - ends[0]).norm();
             found.push((t, PlaneElement { normal, ends, radius, weight }));
         } else if let Some(at) = planes {
             let n = vector(&at[..3]);
-            let d = values[at[3]] * unit;
-            let size = n.norm();
-            if size <= 0.0 {
+            // Squares of very large or small numbers are none: first the numbers by the largest of them.
+            let (largest, d) = (n.amax(), values[at[3]] * unit);
+            if largest <= 0.0 {
                 return Err(fault("the plane has no normal: a, b and c are zero".into()));
             }
+            let n = n / largest;
+            let (normal, d) = (n.normalize(), d / largest / n.norm());
             let ([x, y, z, r], own) =
                 match (regions, region) {
                     (Some(k), _) => ([values[k[0]], values[k[1]], values[k[2]], values[k[3]]], unit),
@@ -182,8 +189,9 @@ fn table(bytes: &[u8], given: Option<f64>, region: Option<[f64; 4]>) -> Result<(
             }
             let centre = Vec3::new(x, y, z) * own;
             // Regions are discs in their planes.
-            let centre = centre - n * ((n.dot(&centre) - d) / (size * size));
-            found.push((t, PlaneElement { normal: n / size, ends: [centre; 2], radius: r * own, weight }));
+            near([d, r * own].iter().chain(&centre)).map_err(&fault)?;
+            let centre = centre - normal * (normal.dot(&centre) - d);
+            found.push((t, PlaneElement { normal, ends: [centre; 2], radius: r * own, weight }));
         }
     }
     if found.is_empty() {
@@ -193,6 +201,12 @@ fn table(bytes: &[u8], given: Option<f64>, region: Option<[f64; 4]>) -> Result<(
         return Ok((Given::Rulings(found.into_iter().map(|f| f.1.ends).collect()), guessed));
     }
     Ok((Given::Planes(found.into_iter().map(|f| f.1).collect()), guessed))
+}
+
+/// Refuses lengths (mm) that are too great to be reckoned with.
+fn near<'a>(lengths: impl IntoIterator<Item = &'a f64>) -> Result<(), String> {
+    let far = lengths.into_iter().find(|x| x.is_nan() || x.abs() > FARTHEST);
+    far.map_or(Ok(()), |x| Err(format!("a length of {x:e} mm is more than {FARTHEST:e} mm: is its unit right?")))
 }
 
 #[cfg(test)]
@@ -232,5 +246,20 @@ mod tests {
         assert!(text(b"t,a,b,c,d,x,y,z,r\n2,0,0,1,0,0,0,0,1\n1,0,1,1,0,0,0,0,1\n").contains("sort the rows by t"));
         assert!(text(b"a,b,c,d,x,y,z,r,w\n0,0,1,1,0,0,0,1,0\n").contains("weight 0"));
         assert!(text(b"a,b,c,d,x,y,z,r\n0,0,0,1,0,0,0,1\n").contains("no normal"));
+        assert!(text(b"px [in],py [in],pz [in],qx [in],qy [in],qz [in]\n0,0,0,1,0,0\n1e308,0,0,1,0,9\n")
+            .contains("line 3: a length of inf mm"));
+        assert!(text(b"a,b,c,d,x,y,z,r\n0,0,1e-300,1e10,0,0,0,1\n").contains("line 2: a length of inf mm"));
+    }
+
+    #[test]
+    fn equations_of_planes_may_have_numbers_of_any_size() {
+        for scale in ["e-200", "e0", "e200"] {
+            let text = format!("a,b,c,d,x,y,z,r\n0,3{scale},4{scale},10{scale},1,2,3,5\n");
+            let (Given::Planes(p), _) = read("a.csv", text.as_bytes(), None, None).expect("a plane") else {
+                panic!("planes")
+            };
+            assert!((p[0].normal - Vec3::new(0.0, 0.6, 0.8)).norm() < 1e-15, "{scale}: {:?}", p[0]);
+            assert!((p[0].centre() - Vec3::new(1.0, 1.04, 1.72)).norm() < 1e-14, "{scale}: {:?}", p[0]);
+        }
     }
 }

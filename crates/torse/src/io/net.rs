@@ -52,7 +52,7 @@ pub enum NetFileError {
         unit: String,
     },
     /// A number of knots that does not fit.
-    #[error("{name}: {points} points of degree {degree} need {} knots, or {} without the first and last, not {knots}", .points + .degree + 1, (.points + .degree).saturating_sub(1))]
+    #[error("{name}: {points} points of degree {degree} need {} knots, or {} without the first and last, not {knots}", .points.saturating_add(*.degree).saturating_add(1), .points.saturating_add(*.degree).saturating_sub(1))]
     KnotCount {
         /// Name.
         name: String,
@@ -149,12 +149,14 @@ pub fn read(bytes: &[u8], name: &str, unit: Option<f64>) -> Result<NetFile, NetF
     }
     let mut knots = r.knots;
     let (points, degree) = (control.len(), r.degree);
-    let short = (points + degree).checked_sub(1) == Some(knots.len()) && !knots.is_empty();
+    // A degree may be any number that a file can hold.
+    let sum = points.saturating_add(degree);
+    let short = sum.checked_sub(1) == Some(knots.len()) && !knots.is_empty();
     if short {
         knots.insert(0, knots[0]);
         knots.push(knots[knots.len() - 1]);
     }
-    if knots.len() != points + degree + 1 {
+    if knots.len() != sum.saturating_add(1) {
         let knots = if short { knots.len() - 2 } else { knots.len() };
         return Err(NetFileError::KnotCount { name: named(), points, degree, knots });
     }
@@ -197,6 +199,7 @@ mod tests {
     fn what_is_no_net_is_refused_with_the_place() {
         let told = |from: &str, to: &str| read(NET.replace(from, to).as_bytes(), "n", None).expect_err(to).to_string();
         assert!(told("[0, 0, 2, 4, 4]", "[0, 0, 2, 4]").contains("need 7 knots, or 5"));
+        assert!(told("\"degree\": 2", "\"degree\": 18446744073709551615").contains("of degree 18446744073709551615"));
         assert!(told("\"cm\"", "\"furlong\"").contains("furlong"));
         assert!(told("\"unit\": \"cm\",", "").contains("unit"));
         assert!(told("[1, 2, 0]", "[1, 2]").contains("point 1"));

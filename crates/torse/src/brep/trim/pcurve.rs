@@ -19,6 +19,11 @@ const ENDS_SHARE: f64 = 1e-3;
 const MOST_CHORDS: usize = 200_000;
 /// Halvings of one sample interval at most: 2⁻¹⁴ of an edge is finer than any honest curve needs.
 const DEEPEST: u32 = 14;
+/// So many intervals of one piece that halving to the end does not bring within the tolerance are corners and jumps of a
+/// curve; where there are more, feet scatter (on surfaces a million times larger than the face, say), …
+const VAIN: usize = 256;
+/// … and so many halvings are enough: finer chords would follow the scatter, and cost minutes.
+const ENOUGH: u32 = 6;
 
 /// One piece of an edge with samples in the unwrapped natural parameter plane.
 #[derive(Clone, Debug)]
@@ -393,7 +398,7 @@ pub(super) fn chords(
     let mut places: Vec<Vec<f64>> = Vec::with_capacity(chain.strands.len());
     for s in &chain.strands {
         let (points, at) = (vec![forward(s.qs[0])], vec![s.ts[0]]);
-        let mut w = Walk { carrier, strand: s, map, periods, tolerance, points, at, deviation: 0.0 };
+        let mut w = Walk { carrier, strand: s, map, periods, tolerance, points, at, deviation: 0.0, vain: 0 };
         w.over(0, s.ts.len() - 1)?;
         out.deviation = w.deviation.max(out.deviation);
         pieces.push(w.points);
@@ -462,6 +467,8 @@ struct Walk<'a> {
     /// Parameters of the curve at the points.
     at: Vec<f64>,
     deviation: f64,
+    /// Intervals that halving did not bring within the tolerance.
+    vain: usize,
 }
 
 impl Walk<'_> {
@@ -516,7 +523,9 @@ impl Walk<'_> {
             seen = seen.max(total);
             middle = (t, foot);
         }
-        if worst <= self.tolerance || depth >= DEEPEST {
+        let deepest = if self.vain > VAIN { ENOUGH } else { DEEPEST };
+        if worst <= self.tolerance || depth >= deepest {
+            self.vain += usize::from(worst > self.tolerance);
             self.deviation = self.deviation.max(seen);
             self.points.push(b);
             self.at.push(q.0);
@@ -542,5 +551,42 @@ impl Walk<'_> {
         let off = offset - chord * s;
         let total = (self.strand.arc.curve.point(t) - j.p + off).norm();
         (off.norm(), total)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::brep::support_surface::SplineCarrier;
+    use crate::geom::Frame;
+    use crate::spline::knots::Knots;
+    use crate::spline::surface::Surface;
+    use std::f64::consts::FRAC_PI_4;
+
+    /// A cylinder with one control point far away: feet on it scatter by more than chords may be off.
+    #[test]
+    fn curves_whose_feet_scatter_cost_little() {
+        let (mut points, mut weights) = (Vec::new(), Vec::new());
+        for i in 0..9 {
+            let (sin, cos) = (FRAC_PI_4 * f64::from(i)).sin_cos();
+            let w = if i % 2 == 1 { FRAC_PI_4.cos() } else { 1.0 };
+            let top = if i == 1 { 6e7 } else { 6.0 };
+            points.extend([-1.0, top].map(|z| Vec3::new(2.0 / w * cos, 2.0 / w * sin, z)));
+            weights.extend([w, w]);
+        }
+        let ku = Knots::new(2, vec![0., 0., 0., 1., 1., 2., 2., 3., 3., 4., 4., 4.], 9).expect("knots");
+        let kv = Knots::clamped(1, &[0., 1.]).expect("knots");
+        let carrier =
+            Carrier::Spline(SplineCarrier::new(Surface::new(ku, kv, &points, Some(&weights)).expect("surface")));
+        let size = 1e-6 * carrier.size();
+        let ground = Ground::new(&carrier, size, 0.0);
+        let frame = Frame { origin: Vec3::new(0.0, 0.0, 3.0), ..Frame::world() };
+        let arc = Arc { curve: SpaceCurve::Ellipse { frame, a: 2.0, b: 2.0 }, from: -0.7, to: 0.7 };
+        let strand = follow(&ground, &arc, None, (1, 0)).expect("near the surface").expect("a curve");
+        let chain = Chain { strands: vec![strand], line: None, winding: [0, 0], edges: Vec::new() };
+        let same = [ParameterMap::Same, ParameterMap::Same];
+        let found = chords(&carrier, &chain, &same, size, 1e-5 * size).expect("chords").polygon.points.len();
+        assert!(found > VAIN, "the feet do not scatter: {found} chords");
+        assert!(found < 16 * VAIN, "{found} chords");
     }
 }

@@ -41,7 +41,7 @@ pub(super) fn points(bytes: &[u8]) -> Result<Vec<Vec3>, CloudReadError> {
     let mut text = if coding == Coding::Text { String::from_utf8_lossy(rest).into_owned() } else { String::new() };
     for (k, e) in elements.iter().enumerate() {
         if e.name == "vertex" {
-            let later = elements[k + 1..].iter().map(|e| e.count).sum::<usize>();
+            let later = elements[k + 1..].iter().map(|e| e.count).fold(0, usize::saturating_add);
             let place = |axis: &str| e.properties.iter().position(|p| p.0 == axis);
             let (Some(x), Some(y), Some(z)) = (place("x"), place("y"), place("z")) else {
                 return Err(wrong("its vertices have no x, y and z"));

@@ -33,6 +33,9 @@ fn text(bytes: &[u8]) -> Result<Vec<Vec3>, CloudReadError> {
         let Some(first) = words.next() else { continue };
         last = first.to_ascii_lowercase();
         match last.as_str() {
+            "facet" if facets == 0 && !found.is_empty() => {
+                return Err(fault(format!("{} corners stand before the first facet", found.len())));
+            }
             "facet" if found.len() != 3 * facets => {
                 return Err(fault(format!(
                     "the facet before has {} corners, not three",

@@ -63,6 +63,13 @@ fn damaged_files_are_refused_with_the_place() {
         ("a.obj", b"v 1 2 3\nv 1 2 4\nf 1 2\n", "2 corners"),
         ("a.stl", b"solid\nfacet normal 0 0 1\nvertex 1 2 3\nvertex 1 2 4\nendfacet\nendsolid\n", "cut off"),
         ("a.stl", b"solid\nfacet normal 0 0 1\nvertex 1 2 3\nvertex 1 2 4\nvertex 1 3 4\n", "cut off"),
+        ("a.stl", b"solid\nvertex 1 2 3\nfacet normal 0 0 1\nendfacet\nendsolid\n", "1 corners stand before"),
+        (
+            "a.ply",
+            b"ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\n\
+            element face 18446744073709551615\nelement edge 7\nend_header\n1 2 3\n",
+            "1 of 2 vertices",
+        ),
         (
             "a.ply",
             b"ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n\

@@ -34,9 +34,6 @@ fn unit_of(code: i64) -> Option<(f64, &'static str)> {
 const STRAIGHT: f64 = 1e-12;
 /// Share by which a unit given may differ from the drawing's: rounding.
 const SAME_UNIT: f64 = 1e-9;
-/// Group codes of a vertex's coordinates, bulge and flags become those of its polyline with this added.
-const OF_VERTEX: i32 = 1000;
-
 /// Why an entity cannot be read.
 #[derive(Debug, thiserror::Error)]
 enum Fault {
@@ -52,10 +49,11 @@ enum Fault {
     Spline(#[from] SplineError),
 }
 
-/// One entity: its kind and its groups.
+/// One entity: its kind, its groups, and the vertices of an old polyline, which are entities of the file.
 struct Entity<'a> {
     kind: &'a str,
     groups: Vec<(i32, &'a str)>,
+    vertices: Vec<Entity<'a>>,
 }
 
 impl Entity<'_> {
@@ -179,8 +177,8 @@ fn unit(groups: &[(i32, &str)], options: &CurveOptions) -> Result<f64, CurveErro
     }
 }
 
-/// Entities of the ENTITIES section; vertices of old polylines become groups of their polyline. `None` if the section
-/// does not end.
+/// Entities of the ENTITIES section; vertices of old polylines belong to their polyline. `None` if the section does not
+/// end.
 fn entities<'a>(groups: &[(i32, &'a str)]) -> Option<Vec<Entity<'a>>> {
     let mut out: Vec<Entity> = Vec::new();
     let mut section = "";
@@ -203,16 +201,11 @@ fn entities<'a>(groups: &[(i32, &'a str)]) -> Option<Vec<Entity<'a>>> {
         if section != "ENTITIES" {
             continue;
         }
+        let entity = Entity { kind: value, groups: own, vertices: Vec::new() };
         match (value, out.last_mut()) {
-            // Coordinates of vertices are renumbered, so that they differ from the polyline's own.
-            ("VERTEX", Some(last)) if last.kind == "POLYLINE" => {
-                for (code, missing) in [(10, "0"), (20, "0"), (30, "0"), (42, "0"), (70, "0")] {
-                    let x = own.iter().find(|g| g.0 == code).map_or(missing, |g| g.1);
-                    last.groups.push((OF_VERTEX + code, x));
-                }
-            }
+            ("VERTEX", Some(last)) if last.kind == "POLYLINE" => last.vertices.push(entity),
             ("SEQEND", _) => {}
-            _ => out.push(Entity { kind: value, groups: own }),
+            _ => out.push(entity),
         }
     }
     (section != "ENTITIES").then_some(out)
@@ -298,11 +291,16 @@ fn corners(e: &Entity) -> Result<Option<Vec<(Vec3, f64)>>, Fault> {
         if e.flags(70)? & MESH != 0 {
             return Ok(None);
         }
-        let at = e.points(OF_VERTEX + 10)?;
-        let (bulge, flags) = (e.all(OF_VERTEX + 42)?, e.all(OF_VERTEX + 70)?);
-        // Vertices of the frame are not on a polyline that is smoothed.
-        let on = |i: &usize| flags[*i] as i64 & FRAME == 0;
-        return Ok(Some((0..at.len()).filter(on).map(|i| (at[i], bulge[i])).collect()));
+        let mut points = Vec::new();
+        for v in &e.vertices {
+            let number = |code: i32| v.number(code).map(|x| x.unwrap_or(0.0));
+            let corner = (Vec3::new(number(10)?, number(20)?, number(30)?), number(42)?);
+            // Vertices of the frame are not on a polyline that is smoothed.
+            if v.flags(70)? & FRAME == 0 {
+                points.push(corner);
+            }
+        }
+        return Ok(Some(points));
     }
     let z = e.number(38)?.unwrap_or(0.0);
     let mut points: Vec<(Vec3, f64)> = Vec::new();

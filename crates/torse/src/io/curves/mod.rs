@@ -416,6 +416,11 @@ mod tests {
         let smooth = [vertex(0.0, 0.0, 16), vertex(0.0, 0.0, 8), vertex(1.0, 9.0, 16), vertex(4.0, 0.0, 8)].concat();
         let smooth = drawing(&format!("0\nPOLYLINE\n5\nP\n70\n4\n{smooth}0\nSEQEND\n"));
         assert!((read(smooth.as_bytes(), &o).expect("rail").length() - 4.0).abs() < 1e-9);
+        // What programs add to a polyline for themselves (groups above 1000) is none of its vertices.
+        let own = "1001\nACAD\n1010\n7\n1020\n8\n1030\n9\n1042\n5\n";
+        let marked =
+            format!("0\nPOLYLINE\n5\nP\n70\n0\n{own}{}{}0\nSEQEND\n", vertex(0.0, 0.0, 0), vertex(3.0, 4.0, 0));
+        assert!((read(drawing(&marked).as_bytes(), &o).expect("rail").length() - 5.0).abs() < 1e-9);
         for (entity, reason) in [
             ("0\nLINE\n5\nA\n10\n0\n20\nabc\n11\n1\n21\n0\n", "LINE A: group 20 is 'abc'"),
             ("0\nLINE\n5\nA\n10\n0\n20\n0\n", "group 11 is missing"),
