@@ -6,8 +6,8 @@ use crate::job::{contents, refuse_left_out, Job};
 use torse::answer::Answer;
 use torse::control::Control;
 use torse::io::elements;
+use torse::pipeline::elements::{fit_elements, fit_faces, ElementFitOptions};
 use torse::pipeline::fit::{fit, FitOptions};
-use torse::pipeline::row::{fit_faces, fit_row, RowFitOptions};
 use torse::torse::zone::RegressionLimits;
 
 /// Runs the job; `Ok(true)` means certified.
@@ -60,7 +60,7 @@ fn points(name: &str, bytes: &[u8], arguments: &Fit, control: &Control) -> Resul
 
 /// Fits rulings, planes or faces.
 fn row(name: &str, bytes: &[u8], arguments: &Fit, control: &Control) -> Result<Answer, Failure> {
-    let mut options = RowFitOptions::new(arguments.tolerance.mm, &arguments.files.job_name(&arguments.file));
+    let mut options = ElementFitOptions::new(arguments.tolerance.mm, &arguments.files.job_name(&arguments.file));
     options.drawn = arguments.drawing.drawn();
     if let Some(n) = arguments.max_strips {
         options.max_strips = n as usize;
@@ -71,7 +71,7 @@ fn row(name: &str, bytes: &[u8], arguments: &Fit, control: &Control) -> Result<A
     if elements::holds_elements(name, bytes) {
         let (given, notes) = elements::read(name, bytes, arguments.unit, arguments.region)
             .map_err(|e| Failure::new(format!("{shown}: {e}"), "see 'torse fit --help' for the columns of a table"))?;
-        let mut answer = fit_row(&given, &options, control).map_err(|e| {
+        let mut answer = fit_elements(&given, &options, control).map_err(|e| {
             Failure::new(e.to_string(), "give rulings or planes of one developable, in order, and their unit (--unit)")
         })?;
         answer.notes.extend(notes);

@@ -10,7 +10,7 @@ use std::time::Duration;
 use torse::answer::marks::Marks;
 use torse::answer::skipped::Skipped;
 use torse::answer::Answer;
-use torse::certify::claim::{Claim, Status, Subject, What};
+use torse::certify::claim::{Claim, Evidence, Status, Subject, What};
 use torse::control::Control;
 use torse::io::marks::{chosen, do_not_cut, FEW};
 use torse::io::words;
@@ -154,23 +154,46 @@ fn value(c: &Claim) -> String {
             What::RegressionClearance | What::BendRadius => "none".into(),
             _ => "unknown".into(),
         },
-        x if unit.is_empty() => number(x),
-        x => format!("{} {unit}", number(x)),
+        x => {
+            let shown = match c.evidence() {
+                Evidence::Proven if c.is_lower_bound() => number(x, f64::floor),
+                Evidence::Proven => number(x, f64::ceil),
+                Evidence::Measured | Evidence::Given => number(x, f64::round),
+            };
+            if unit.is_empty() {
+                shown
+            } else {
+                format!("{shown} {unit}")
+            }
+        }
     }
 }
 
-/// Four digits, powers of ten where they are needed.
-fn number(x: f64) -> String {
+/// Four digits after the point, or four in all with powers of ten where they are needed. Bounds are rounded to the safe
+/// side: they must not look better than they are.
+fn number(x: f64, round: fn(f64) -> f64) -> String {
     if x == 0.0 || !x.is_finite() || (1e-3..1e6).contains(&x.abs()) {
-        let text = format!("{x:.4}");
+        let text = format!("{:.4}", round(x * 1e4) / 1e4);
         return text.trim_end_matches('0').trim_end_matches('.').to_owned();
     }
-    format!("{x:.3e}")
+    let power = x.abs().log10().floor();
+    let unit = 10f64.powf(power - 3.0);
+    format!("{:.3e}", round(x / unit) * unit)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn bounds_are_rounded_to_the_safe_side() {
+        assert_eq!(number(0.999_71, f64::ceil), "0.9998");
+        assert_eq!(number(412.799_99, f64::floor), "412.7999");
+        assert_eq!(number(1.9e-4, f64::ceil), "1.900e-4");
+        assert_eq!(number(1.000_01e-9, f64::ceil), "1.001e-9");
+        assert_eq!(number(1.999_9e-9, f64::floor), "1.999e-9");
+        assert_eq!((number(0.0, f64::ceil), number(2.0, f64::ceil)), ("0".into(), "2".into()));
+    }
 
     #[test]
     fn names_come_from_files() {

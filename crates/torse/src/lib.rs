@@ -8,7 +8,7 @@
 //! | [`approximate()`] | [`Approximate`] | faces of a CAD model | trimmed panels |
 //! | [`cones()`] | [`ConesOptions`] | developable faces | exact cones, cylinders and planes |
 //! | [`fit()`] | [`FitOptions`] | measured points | strips |
-//! | [`fit_row`], [`fit_faces`] | [`RowFitOptions`] | rulings, tangent planes, faces | strips |
+//! | [`fit_elements`], [`fit_faces`] | [`ElementFitOptions`] | rulings, tangent planes, faces | strips |
 //! | [`loft()`] | [`Loft`] | two curves | strips |
 //! | [`hull()`] | [`Hull`] | curves | strips on their convex hull |
 //! | [`net()`] | [`Net`] | one curve and rulings | strips |
@@ -44,13 +44,13 @@ pub use nalgebra;
 pub use pipeline::approximate::{approximate, Options as Approximate};
 pub use pipeline::cones::{of_faces as cones, ConesOptions};
 pub use pipeline::deliver::files;
+pub use pipeline::elements::{fit_elements, fit_faces, ElementFitOptions};
 pub use pipeline::fit::{fit, FitOptions};
 pub use pipeline::hull::{hull, Options as Hull};
 pub use pipeline::info::measure;
 pub use pipeline::loft::{loft, Options as Loft};
 pub use pipeline::net::{net, Options as Net};
 pub use pipeline::planarise::{planarise, Options as Planarise};
-pub use pipeline::row::{fit_faces, fit_row, RowFitOptions};
 
 pub mod control;
 pub mod num;

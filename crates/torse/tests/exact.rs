@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 use torse::answer::Answer;
 use torse::brep::face::Face;
 use torse::brep::space_curve::SpaceCurve;
-use torse::brep::support_surface::Carrier;
+use torse::brep::support_surface::SupportSurface;
 use torse::certify::claim::Status;
 use torse::control::Control;
 use torse::geom::{Frame, Vec3};
@@ -20,7 +20,7 @@ fn panels(faces: Vec<Face>, tolerance: f64) -> Answer {
     out
 }
 
-fn part(c: &Carrier, u: (f64, f64), v: (f64, f64)) -> Surface {
+fn part(c: &SupportSurface, u: (f64, f64), v: (f64, f64)) -> Surface {
     c.to_spline(u, v).expect("a surface").0
 }
 
@@ -46,7 +46,7 @@ fn a_pipe_with_holes_is_one_panel_at_any_tolerance() {
 
 #[test]
 fn a_frustum_of_three_faces_is_three_cones() {
-    let cone = Carrier::Cone { frame: Frame::world(), radius: 100.0, slope: 0.5 };
+    let cone = SupportSurface::Cone { frame: Frame::world(), radius: 100.0, slope: 0.5 };
     let third = 2.0 * PI / 3.0;
     let faces: Vec<Face> = (0..3)
         .map(|k| Face::untrimmed(part(&cone, (k as f64 * third, (k + 1) as f64 * third), (0.0, 150.0))))
@@ -100,13 +100,13 @@ fn a_tangent_surface_of_a_curve_is_one_panel() {
 /// Plane, bend and plane of a bent plate: 60 mm and 40 mm with an inner radius of 5 mm between, 30 mm wide.
 fn bracket(turn: f64) -> Vec<Face> {
     let (x, y, z) = (Vec3::x(), Vec3::y(), Vec3::z());
-    let bend = Carrier::Cylinder { frame: frame(Vec3::new(0.0, 0.0, 5.0), -z, y), radius: 5.0 };
+    let bend = SupportSurface::Cylinder { frame: frame(Vec3::new(0.0, 0.0, 5.0), -z, y), radius: 5.0 };
     // From the lowest point of the circle on; the axis runs along y, and the angle grows from −z to −x.
     let bend = part(&bend, (-turn, 0.0), (0.0, 30.0));
     let (along, up) = (x * turn.cos() + z * turn.sin(), z * turn.cos() - x * turn.sin());
     let start = Vec3::new(5.0 * turn.sin(), 0.0, 5.0 - 5.0 * turn.cos());
-    let first = part(&Carrier::Plane(frame(Vec3::zeros(), x, z)), (-60.0, 0.0), (0.0, 30.0));
-    let last = part(&Carrier::Plane(frame(start, along, up)), (0.0, 40.0), (0.0, 30.0));
+    let first = part(&SupportSurface::Plane(frame(Vec3::zeros(), x, z)), (-60.0, 0.0), (0.0, 30.0));
+    let last = part(&SupportSurface::Plane(frame(start, along, up)), (0.0, 40.0), (0.0, 30.0));
     [first, bend, last].into_iter().map(Face::untrimmed).collect()
 }
 
@@ -129,7 +129,7 @@ fn a_bent_bracket_keeps_its_planes_and_its_bend() {
 fn turns_of_more_than_a_half_circle_are_one_panel() {
     let tilted = frame(Vec3::new(10.0, 20.0, 30.0), Vec3::new(0.6, 0.8, 0.0), Vec3::z());
     let ellipse = SpaceCurve::Ellipse { frame: tilted, a: 80.0, b: 50.0 };
-    let tube = Carrier::Extrusion { directrix: ellipse, direction: Vec3::new(0.1, 0.2, 1.0) };
+    let tube = SupportSurface::Extrusion { directrix: ellipse, direction: Vec3::new(0.1, 0.2, 1.0) };
     let out = panels(vec![Face::untrimmed(part(&tube, (0.0, 1.9 * PI), (0.0, 100.0)))], 0.01);
     assert_eq!(out.patchwork.panels.len(), 1);
 }

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 use torse::brep::face::{Face, TrimLoop};
-use torse::brep::support_surface::Carrier;
+use torse::brep::support_surface::SupportSurface;
 use torse::control::Control;
 use torse::develop::bends::BendSpacing;
 use torse::develop::strip::StripOptions;
@@ -38,7 +38,7 @@ fn patterns(faces: Vec<Face>, drawn: Drawn) -> Vec<Pattern> {
 
 /// A triangle with three different sides on a quarter of a cylinder.
 fn shell() -> Face {
-    let c = Carrier::Cylinder { frame: Frame::world(), radius: 100.0 };
+    let c = SupportSurface::Cylinder { frame: Frame::world(), radius: 100.0 };
     let surface = c.to_spline((0.0, FRAC_PI_2), (0.0, 120.0)).expect("a surface").0;
     let ((u0, u1), (v0, v1)) = surface.domain();
     let at = |s: f64, t: f64| [u0 + (u1 - u0) * s, v0 + (v1 - v0) * t];
@@ -107,12 +107,12 @@ fn a_shell_looks_the_same_however_its_face_was_drawn() {
 fn of_a_closed_body_outside_is_away_from_the_material() {
     // A pipe with a wall: two tubes and two rings, drawn any way.
     let tube = |radius: f64| {
-        let c = Carrier::Cylinder { frame: Frame::world(), radius };
+        let c = SupportSurface::Cylinder { frame: Frame::world(), radius };
         Face::untrimmed(c.to_spline((0.0, TAU), (0.0, 120.0)).expect("a surface").0)
     };
     let ring = |z: f64, reversed: bool| {
         let frame = Frame { origin: Vec3::new(0.0, 0.0, z), ..Frame::world() };
-        let (surface, _) = Carrier::Plane(frame).to_spline((-110.0, 110.0), (-110.0, 110.0)).expect("a surface");
+        let (surface, _) = SupportSurface::Plane(frame).to_spline((-110.0, 110.0), (-110.0, 110.0)).expect("a surface");
         let circle = |r: f64, way: f64| {
             let corner = |k: usize| {
                 let (s, c) = (way * TAU * k as f64 / 90.0).sin_cos();

@@ -3,12 +3,11 @@
 use crate::parts;
 use crate::random::Random;
 use torse::answer::presentation::present;
-use torse::control::Control;
 use torse::geom::Vec3;
+use torse::io::json::Report;
 use torse::io::step::read::read;
-use torse::io::{bundle, cloud, json};
+use torse::io::{bundle, cloud};
 use torse::pipeline::approximate::{approximate, Options};
-use torse::search::cover::{Layout, Limits};
 
 /// Files that the same readers read.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -86,21 +85,11 @@ impl Stock {
 fn answers() -> Result<Vec<(Kind, Vec<u8>)>, String> {
     let torus = include_bytes!("../../../../data/torus_piece.step");
     let model = read(torus).map_err(|e| e.to_string())?;
-    let options = Options {
-        tolerance: COARSE,
-        max_panels: None,
-        input: "torus".into(),
-        limits: Limits::default(),
-        layout: Layout::default(),
-        meet: false,
-        smooth_angle: 0.0,
-        drawn: Default::default(),
-    };
-    let outcome =
-        approximate(model.faces, Vec::new(), &options, &Control::default()).map_err(|e| format!("no outcome: {e}"))?;
-    let report = json::write(&outcome).map_err(|e| e.to_string())?;
+    let answer = approximate(&model, &Options::new(COARSE)).map_err(|e| format!("no answer: {e}"))?;
+    let shown = present(&answer);
+    let report = Report::of(&answer, &shown).to_json().map_err(|e| e.to_string())?;
     let mut all = vec![(Kind::Report, report.into_bytes())];
-    let files = bundle::geometry(&outcome, &present(&outcome), "2026-01-01T00:00:00").map_err(|e| e.to_string())?;
+    let files = bundle::geometry(&answer, &shown, "2026-01-01T00:00:00").map_err(|e| e.to_string())?;
     for (name, bytes) in files {
         let kind = match name.rsplit('.').next() {
             Some("step") => Kind::Panels,

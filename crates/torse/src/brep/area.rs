@@ -92,20 +92,20 @@ fn pieces(a: [f64; 2], b: [f64; 2], us: &[f64], vs: &[f64]) -> Vec<([f64; 2], [f
 mod tests {
     use super::*;
     use crate::brep::face::TrimLoop;
-    use crate::brep::support_surface::Carrier;
+    use crate::brep::support_surface::SupportSurface;
     use crate::geom::Frame;
     use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
     #[test]
     fn area_of_a_sphere() {
-        let sphere = Carrier::Sphere { frame: Frame::world(), radius: 3.0 };
+        let sphere = SupportSurface::Sphere { frame: Frame::world(), radius: 3.0 };
         let (s, _) = sphere.to_spline((0.0, TAU), (-FRAC_PI_2, FRAC_PI_2)).expect("a sphere");
         assert!((area_estimate(&Face::untrimmed(s)) / (36.0 * PI) - 1.0).abs() < 1e-9);
     }
 
     #[test]
     fn holes_subtract_themselves() {
-        let tube = Carrier::Cylinder { frame: Frame::world(), radius: 2.0 };
+        let tube = SupportSurface::Cylinder { frame: Frame::world(), radius: 2.0 };
         let (s, _) = tube.to_spline((0.0, PI), (0.0, 3.0)).expect("a cylinder");
         let mut face = Face::untrimmed(s);
         let ((u0, u1), (v0, v1)) = face.surface.domain();

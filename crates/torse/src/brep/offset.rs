@@ -1,6 +1,6 @@
-//! Offset surfaces: exact for the carriers whose offsets are of their own kind, interpolated for the rest.
+//! Offset surfaces: exact for the support surfaces whose offsets are of their own kind, interpolated for the rest.
 
-use super::support_surface::{Carrier, SplineCarrier};
+use super::support_surface::{SplineCarrier, SupportSurface};
 use crate::geom::{Frame, Vec3};
 use crate::spline::knots::Knots;
 use crate::spline::surface::Surface;
@@ -38,34 +38,38 @@ const ROUNDS: usize = 4;
 ///
 /// # Errors
 /// See [`OffsetError`].
-pub fn of_carrier(base: &Carrier, distance: f64) -> Result<(Carrier, f64), OffsetError> {
+pub fn of_carrier(base: &SupportSurface, distance: f64) -> Result<(SupportSurface, f64), OffsetError> {
     let positive = |x: f64| if x > 0.0 { Ok(x) } else { Err(OffsetError::Vanishes(distance)) };
-    let exact = |c: Carrier| Ok((c, 0.0));
+    let exact = |c: SupportSurface| Ok((c, 0.0));
     match base {
-        Carrier::Plane(f) => exact(Carrier::Plane(Frame { origin: f.origin + f.z * distance, ..*f })),
-        Carrier::Cylinder { frame, radius } => {
-            exact(Carrier::Cylinder { frame: *frame, radius: positive(radius + distance)? })
+        SupportSurface::Plane(f) => exact(SupportSurface::Plane(Frame { origin: f.origin + f.z * distance, ..*f })),
+        SupportSurface::Cylinder { frame, radius } => {
+            exact(SupportSurface::Cylinder { frame: *frame, radius: positive(radius + distance)? })
         }
-        Carrier::Cone { frame, radius, slope } => {
+        SupportSurface::Cone { frame, radius, slope } => {
             // The normal is (cos a, −sin a) in the half plane; the new line has the same slope. The offset keeps the
             // parameter v of its foot up to a shift along the axis.
             let (cos, sin) = (1.0 / slope.hypot(1.0), slope / slope.hypot(1.0));
             let origin = frame.origin - frame.z * (distance * sin);
-            exact(Carrier::Cone { frame: Frame { origin, ..*frame }, radius: radius + distance * cos, slope: *slope })
+            exact(SupportSurface::Cone {
+                frame: Frame { origin, ..*frame },
+                radius: radius + distance * cos,
+                slope: *slope,
+            })
         }
-        Carrier::Sphere { frame, radius } => {
-            exact(Carrier::Sphere { frame: *frame, radius: positive(radius + distance)? })
+        SupportSurface::Sphere { frame, radius } => {
+            exact(SupportSurface::Sphere { frame: *frame, radius: positive(radius + distance)? })
         }
-        Carrier::Torus { frame, major, minor } => {
-            exact(Carrier::Torus { frame: *frame, major: *major, minor: positive(minor + distance)? })
+        SupportSurface::Torus { frame, major, minor } => {
+            exact(SupportSurface::Torus { frame: *frame, major: *major, minor: positive(minor + distance)? })
         }
-        Carrier::Spline(s) => interpolated(&s.surface, distance),
-        Carrier::Extrusion { .. } | Carrier::Revolution { .. } => Err(OffsetError::Endless),
+        SupportSurface::Spline(s) => interpolated(&s.surface, distance),
+        SupportSurface::Extrusion { .. } | SupportSurface::Revolution { .. } => Err(OffsetError::Endless),
     }
 }
 
 /// Interpolates the offset at Greville points over ever finer knots.
-fn interpolated(s: &Surface, distance: f64) -> Result<(Carrier, f64), OffsetError> {
+fn interpolated(s: &Surface, distance: f64) -> Result<(SupportSurface, f64), OffsetError> {
     let size = s.bbox().diagonal();
     let at = |u: f64, v: f64| -> Result<Vec3, OffsetError> {
         let j = s.jet(u, v);
@@ -106,7 +110,9 @@ fn interpolated(s: &Surface, distance: f64) -> Result<(Carrier, f64), OffsetErro
         }
     }
     match best {
-        Some((out, worst)) if worst <= ACCEPTED_SHARE * size => Ok((Carrier::Spline(SplineCarrier::new(out)), worst)),
+        Some((out, worst)) if worst <= ACCEPTED_SHARE * size => {
+            Ok((SupportSurface::Spline(SplineCarrier::new(out)), worst))
+        }
         Some((_, worst)) => Err(OffsetError::TooRough(worst)),
         None => Err(OffsetError::NoNormal),
     }
@@ -177,14 +183,14 @@ mod tests {
     #[test]
     fn offsets_lie_at_the_distance() {
         let f = Frame::world();
-        let carriers = [
-            Carrier::Plane(f),
-            Carrier::Cylinder { frame: f, radius: 3.0 },
-            Carrier::Cone { frame: f, radius: 3.0, slope: 0.5 },
-            Carrier::Sphere { frame: f, radius: 3.0 },
-            Carrier::Torus { frame: f, major: 5.0, minor: 2.0 },
+        let supports = [
+            SupportSurface::Plane(f),
+            SupportSurface::Cylinder { frame: f, radius: 3.0 },
+            SupportSurface::Cone { frame: f, radius: 3.0, slope: 0.5 },
+            SupportSurface::Sphere { frame: f, radius: 3.0 },
+            SupportSurface::Torus { frame: f, major: 5.0, minor: 2.0 },
         ];
-        for c in carriers {
+        for c in supports {
             let (o, deviation) = of_carrier(&c, -0.5).expect("an offset");
             assert!(deviation <= 0.0);
             for q in [[0.3, 0.2], [2.0, -0.7]] {
@@ -194,7 +200,7 @@ mod tests {
                 assert!((foot.p - x).norm() < 1e-12, "{c:?}");
             }
         }
-        assert!(of_carrier(&Carrier::Sphere { frame: f, radius: 1.0 }, -2.0).is_err());
+        assert!(of_carrier(&SupportSurface::Sphere { frame: f, radius: 1.0 }, -2.0).is_err());
     }
 
     #[test]
@@ -203,9 +209,10 @@ mod tests {
         let points: Vec<Vec3> =
             (0..25).map(|k| Vec3::new((k / 5) as f64, (k % 5) as f64, ((k * k) as f64 * 0.01).sin())).collect();
         let s = Surface::new(k.clone(), k, &points, None).expect("surface");
-        let (o, deviation) = of_carrier(&Carrier::Spline(SplineCarrier::new(s.clone())), 0.2).expect("an offset");
+        let (o, deviation) =
+            of_carrier(&SupportSurface::Spline(SplineCarrier::new(s.clone())), 0.2).expect("an offset");
         assert!(deviation < 1e-4);
-        let Carrier::Spline(o) = o else { unreachable!() };
+        let SupportSurface::Spline(o) = o else { unreachable!() };
         for i in 0..=20 {
             let (u, v) = (f64::from(i) / 20.0, f64::from(i * i % 21) / 20.0);
             let j = s.jet(u, v);

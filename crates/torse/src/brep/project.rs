@@ -256,9 +256,9 @@ mod tests {
 
     #[test]
     fn feet_around_the_apex_of_a_cone_are_found() {
-        use crate::brep::support_surface::Carrier;
+        use crate::brep::support_surface::SupportSurface;
         use crate::geom::Frame;
-        let cone = Carrier::Cone { frame: Frame::world(), radius: 10.0, slope: -0.4 };
+        let cone = SupportSurface::Cone { frame: Frame::world(), radius: 10.0, slope: -0.4 };
         let (s, map) = cone.to_spline((0.0, std::f64::consts::TAU), (0.0, 25.0)).expect("a cone");
         let projector = SurfaceProjector::new(&s);
         for i in 0..200 {

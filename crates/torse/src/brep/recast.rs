@@ -2,7 +2,7 @@
 //! offsets are known, those of endless sweeps are not.
 
 use super::space_curve::SpaceCurve;
-use super::support_surface::Carrier;
+use super::support_surface::SupportSurface;
 use crate::geom::{Frame, Vec3};
 
 /// Directions and places that differ by less than this share are the same: what thirteen printed digits lose.
@@ -12,29 +12,29 @@ const PROBE: [f64; 2] = [0.3, 0.1];
 
 /// The elementary surface that a swept surface is, up to rounding of the file's numbers; `false` if its normal is turned
 /// round. `None` for surfaces that are no such sweep. Natural parameters are those of the answer.
-pub fn elementary(carrier: &Carrier) -> Option<(Carrier, bool)> {
-    let out = match carrier {
-        Carrier::Revolution { directrix: SpaceCurve::Line { origin, direction }, frame } => {
+pub fn elementary(support: &SupportSurface) -> Option<(SupportSurface, bool)> {
+    let out = match support {
+        SupportSurface::Revolution { directrix: SpaceCurve::Line { origin, direction }, frame } => {
             turned_line(&frame.to_local(origin), &frame.vector_to_local(direction).normalize(), frame)
         }
-        Carrier::Revolution { directrix: SpaceCurve::Ellipse { frame: own, a, b }, frame }
+        SupportSurface::Revolution { directrix: SpaceCurve::Ellipse { frame: own, a, b }, frame }
             if (a - b).abs() <= SAME * a =>
         {
             turned_circle(own, *a, frame)
         }
-        Carrier::Extrusion { directrix: SpaceCurve::Line { origin, direction }, direction: way } => {
+        SupportSurface::Extrusion { directrix: SpaceCurve::Line { origin, direction }, direction: way } => {
             let x = direction.normalize();
             let z = direction.cross(way);
             let flat = z.norm() > SAME * direction.norm() * way.norm();
-            flat.then(|| Carrier::Plane(frame_of(*origin, z.normalize(), x)))
+            flat.then(|| SupportSurface::Plane(frame_of(*origin, z.normalize(), x)))
         }
-        Carrier::Extrusion { directrix: SpaceCurve::Ellipse { frame, a, b }, direction } => {
+        SupportSurface::Extrusion { directrix: SpaceCurve::Ellipse { frame, a, b }, direction } => {
             let upright = frame.z.cross(direction).norm() <= SAME * direction.norm();
-            (upright && (a - b).abs() <= SAME * a).then_some(Carrier::Cylinder { frame: *frame, radius: *a })
+            (upright && (a - b).abs() <= SAME * a).then_some(SupportSurface::Cylinder { frame: *frame, radius: *a })
         }
         _ => None,
     }?;
-    let jet = carrier.jet(PROBE);
+    let jet = support.jet(PROBE);
     let other = out.jet(out.foot(&jet.p, None));
     let same = jet.du.cross(&jet.dv).dot(&other.du.cross(&other.dv)) > 0.0;
     Some((out, same))
@@ -45,10 +45,10 @@ fn frame_of(origin: Vec3, z: Vec3, x: Vec3) -> Frame {
 }
 
 /// A line turned about the z axis: a cylinder, or a cone if it meets the axis elsewhere than at a right angle.
-fn turned_line(origin: &Vec3, direction: &Vec3, frame: &Frame) -> Option<Carrier> {
+fn turned_line(origin: &Vec3, direction: &Vec3, frame: &Frame) -> Option<SupportSurface> {
     let (reach, radius) = (direction.x.hypot(direction.y), origin.x.hypot(origin.y));
     if reach <= SAME {
-        return (radius > 0.0).then_some(Carrier::Cylinder { frame: *frame, radius });
+        return (radius > 0.0).then_some(SupportSurface::Cylinder { frame: *frame, radius });
     }
     let beside = (origin.x * direction.y - origin.y * direction.x) / reach;
     if beside.abs() > SAME * (radius + origin.z.abs()) || direction.z.abs() <= SAME {
@@ -57,16 +57,16 @@ fn turned_line(origin: &Vec3, direction: &Vec3, frame: &Frame) -> Option<Carrier
     let signed = (origin.x * direction.x + origin.y * direction.y) / reach;
     let slope = reach / direction.z * if signed < 0.0 { -1.0 } else { 1.0 };
     let foot = frame.origin + frame.z * origin.z;
-    Some(Carrier::Cone { frame: Frame { origin: foot, ..*frame }, radius: signed.abs(), slope })
+    Some(SupportSurface::Cone { frame: Frame { origin: foot, ..*frame }, radius: signed.abs(), slope })
 }
 
 /// A circle turned about an axis in its plane that it does not meet: a torus.
-fn turned_circle(own: &Frame, minor: f64, frame: &Frame) -> Option<Carrier> {
+fn turned_circle(own: &Frame, minor: f64, frame: &Frame) -> Option<SupportSurface> {
     let (centre, normal) = (frame.to_local(&own.origin), frame.vector_to_local(&own.z));
     let major = centre.x.hypot(centre.y);
     let in_plane = normal.z.abs() <= SAME && (centre.x * normal.x + centre.y * normal.y).abs() <= SAME * major;
     let origin = frame.origin + frame.z * centre.z;
-    (in_plane && major > minor).then_some(Carrier::Torus { frame: Frame { origin, ..*frame }, major, minor })
+    (in_plane && major > minor).then_some(SupportSurface::Torus { frame: Frame { origin, ..*frame }, major, minor })
 }
 
 #[cfg(test)]
@@ -79,8 +79,8 @@ mod tests {
         let line = |p: Vec3, d: Vec3| SpaceCurve::Line { origin: f.to_world(&p), direction: f.vector_to_world(&d) };
         let meridian = frame_of(f.to_world(&Vec3::new(5.0, 0.0, 1.0)), -Vec3::y(), Vec3::x());
         let circle = |frame: Frame| SpaceCurve::Ellipse { frame, a: 2.0, b: 2.0 };
-        let turned = |directrix: SpaceCurve| Carrier::Revolution { directrix, frame: f };
-        let moved = |directrix: SpaceCurve, direction: Vec3| Carrier::Extrusion { directrix, direction };
+        let turned = |directrix: SpaceCurve| SupportSurface::Revolution { directrix, frame: f };
+        let moved = |directrix: SpaceCurve, direction: Vec3| SupportSurface::Extrusion { directrix, direction };
         let sweeps = [
             turned(line(Vec3::new(0.0, 4.0, 1.0), Vec3::z() * 2.0)),
             turned(line(Vec3::new(0.0, 4.0, 1.0), Vec3::new(0.0, -1.0, 2.0))),

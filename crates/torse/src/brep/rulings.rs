@@ -164,10 +164,10 @@ impl<'a> Rulings<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::brep::support_surface::Carrier;
+    use crate::brep::support_surface::SupportSurface;
     use crate::geom::Frame;
 
-    fn spline(c: &Carrier) -> Surface {
+    fn spline(c: &SupportSurface) -> Surface {
         c.to_spline((0.2, 2.9), (-1.0, 1.5)).expect("a spline").0
     }
 
@@ -179,7 +179,9 @@ mod tests {
     #[test]
     fn cylinders_and_cones_have_rulings_and_spheres_have_none() {
         let frame = Frame::world();
-        for c in [Carrier::Cylinder { frame, radius: 3.0 }, Carrier::Cone { frame, radius: 3.0, slope: 0.4 }] {
+        for c in
+            [SupportSurface::Cylinder { frame, radius: 3.0 }, SupportSurface::Cone { frame, radius: 3.0, slope: 0.4 }]
+        {
             let s = spline(&c);
             for s in [s.clone(), s.transposed()] {
                 let r = Rulings::of(&s, whole(&s), 1e-9).expect("rulings");
@@ -189,7 +191,7 @@ mod tests {
                 assert!(r.breaks()[1..r.breaks().len() - 1].iter().all(|&s| !r.bends_anew(s)));
             }
         }
-        let s = Carrier::Sphere { frame, radius: 3.0 }.to_spline((0.2, 2.0), (-1.0, 1.0)).expect("a spline").0;
+        let s = SupportSurface::Sphere { frame, radius: 3.0 }.to_spline((0.2, 2.0), (-1.0, 1.0)).expect("a spline").0;
         assert!(Rulings::of(&s, whole(&s), 1e-3).is_none());
     }
 

@@ -1,7 +1,7 @@
 //! Curves of space as CAD files hold them: lines, conics and splines, with exact conversion to rational splines.
 
 use super::project;
-use super::support_surface::Carrier;
+use super::support_surface::SupportSurface;
 use crate::geom::{Frame, Vec3};
 use crate::spline::curve::Curve;
 use crate::spline::SplineError;
@@ -48,11 +48,11 @@ pub enum SpaceCurve {
     Traced(Box<TracedCurve>),
 }
 
-/// The image of a parameter-plane curve (third coordinate 0) on a carrier.
+/// The image of a parameter-plane curve (third coordinate 0) on a support.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TracedCurve {
     plane_curve: SpaceCurve,
-    carrier: Carrier,
+    support: SupportSurface,
     scale: [f64; 2],
 }
 
@@ -162,9 +162,9 @@ impl SpaceCurve {
         }
     }
 
-    /// The curve `scale · plane_curve(t)` in the natural parameters of a carrier.
-    pub fn traced(plane_curve: SpaceCurve, carrier: Carrier, scale: [f64; 2]) -> Self {
-        Self::Traced(Box::new(TracedCurve { plane_curve, carrier, scale }))
+    /// The curve `scale · plane_curve(t)` in the natural parameters of a support.
+    pub fn traced(plane_curve: SpaceCurve, support: SupportSurface, scale: [f64; 2]) -> Self {
+        Self::Traced(Box::new(TracedCurve { plane_curve, support, scale }))
     }
 
     /// The parameter inside the domain of a closed spline; `t` itself for everything else.
@@ -336,7 +336,7 @@ impl TracedCurve {
     fn jet(&self, t: f64) -> [Vec3; 3] {
         let first = |t: f64| {
             let d = self.plane_curve.jet(t)[1];
-            let j = self.carrier.jet(self.plane_point(t));
+            let j = self.support.jet(self.plane_point(t));
             (j.p, j.du * (d.x * self.scale[0]) + j.dv * (d.y * self.scale[1]))
         };
         let (p, d) = first(t);
@@ -346,7 +346,7 @@ impl TracedCurve {
 
     /// The foot of `x` in the coordinates of the plane curve.
     fn flat_foot(&self, x: &Vec3) -> Vec3 {
-        let q = self.carrier.foot(x, None);
+        let q = self.support.foot(x, None);
         Vec3::new(q[0] / self.scale[0], q[1] / self.scale[1], 0.0)
     }
 }

@@ -1,6 +1,6 @@
 //! Surfaces as CAD files hold them, with their natural parameters: nearest points, periods, poles, exact B-splines.
 //!
-//! Natural parameters follow ISO 10303-42: lengths in mm, angles in radians, and every carrier is oriented so that
+//! Natural parameters follow ISO 10303-42: lengths in mm, angles in radians, and every support is oriented so that
 //! `S_u × S_v` is the normal of that standard.
 
 use super::project::{self, SurfaceProjector};
@@ -14,7 +14,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// An unbounded surface (or a spline with its domain).
 #[derive(Clone, Debug, PartialEq)]
-pub enum Carrier {
+pub enum SupportSurface {
     /// `origin + u x + v y`.
     Plane(Frame),
     /// `origin + radius (cos u x + sin u y) + v z`.
@@ -171,7 +171,7 @@ impl SplineCarrier {
     }
 }
 
-impl Carrier {
+impl SupportSurface {
     /// Point and derivatives at natural parameters.
     pub fn jet(&self, q: [f64; 2]) -> TangentJet {
         let [u, v] = q;
@@ -389,24 +389,24 @@ mod tests {
         Frame { origin: Vec3::new(10.0, -2.0, 3.0), x, y: z.cross(&x), z }
     }
 
-    fn carriers() -> Vec<Carrier> {
+    fn supports() -> Vec<SupportSurface> {
         let f = frame();
         let tilted = Frame { origin: f.to_world(&Vec3::new(5.0, 1.0, 0.5)), x: f.x, y: f.z, z: -f.y };
         let conic = SpaceCurve::Ellipse { frame: tilted, a: 2.0, b: 1.0 };
         vec![
-            Carrier::Plane(f),
-            Carrier::Cylinder { frame: f, radius: 3.0 },
-            Carrier::Cone { frame: f, radius: 3.0, slope: 0.4 },
-            Carrier::Sphere { frame: f, radius: 3.0 },
-            Carrier::Torus { frame: f, major: 5.0, minor: 2.0 },
-            Carrier::Extrusion { directrix: conic.clone(), direction: Vec3::new(0.3, 1.0, 0.2) },
-            Carrier::Revolution { directrix: conic, frame: f },
+            SupportSurface::Plane(f),
+            SupportSurface::Cylinder { frame: f, radius: 3.0 },
+            SupportSurface::Cone { frame: f, radius: 3.0, slope: 0.4 },
+            SupportSurface::Sphere { frame: f, radius: 3.0 },
+            SupportSurface::Torus { frame: f, major: 5.0, minor: 2.0 },
+            SupportSurface::Extrusion { directrix: conic.clone(), direction: Vec3::new(0.3, 1.0, 0.2) },
+            SupportSurface::Revolution { directrix: conic, frame: f },
         ]
     }
 
     #[test]
     fn splines_are_exact_and_feet_return() {
-        for c in carriers() {
+        for c in supports() {
             let (u, v) = ((0.3, 2.9), (-0.9, 1.1));
             let (s, map) = c.to_spline(u, v).expect("a spline");
             for i in 0..=10 {

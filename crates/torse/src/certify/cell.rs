@@ -10,7 +10,7 @@ use super::local::Local;
 use super::prepared::{BoxNet, Patch, UNIT};
 use super::quadratic::Quadratic;
 use super::vector::{add, cross, dot, exact, length, length_bound, mid, scale, sub, V3};
-use super::verdict::Resistance;
+use super::verdict::Obstruction;
 use crate::num::interval::Interval;
 
 /// What one look at a triangle showed.
@@ -28,7 +28,7 @@ pub(super) enum Look {
     /// The triangle is too large for a decision.
     Large {
         /// What failed.
-        reason: Resistance,
+        reason: Obstruction,
         /// Foot of the centroid, for the next look.
         foot: f64,
         /// Radius of the triangle's box in space, mm.
@@ -130,11 +130,11 @@ impl<'a> Bench<'a> {
         let tau = reach + 4.0 * UNIT * t.abs().max(t1 - t0) + f64::MIN_POSITIVE;
         let feet = Interval { lo: t - tau, hi: t + tau };
         if !(feet.lo >= t0 && feet.hi <= t1) {
-            return large(Resistance::Foot);
+            return large(Obstruction::Foot);
         }
         let low = self.end_sign(&local, &z, feet.lo);
         if low == 0 || low * self.end_sign(&local, &z, feet.hi) >= 0 {
-            return large(Resistance::Foot);
+            return large(Obstruction::Foot);
         }
 
         // Enclosures over K × T.
@@ -156,7 +156,7 @@ impl<'a> Bench<'a> {
         let across = Interval { lo: across.lo.max(0.0), hi: across.hi };
         let slope_foot = nn * regular - f * sigma * across;
         if slope.sign() == 0 || regular.sign() == 0 || slope_foot.sign() == 0 {
-            return large(Resistance::Foot);
+            return large(Obstruction::Foot);
         }
 
         // Taylor bound at the centroid.
@@ -203,7 +203,7 @@ impl<'a> Bench<'a> {
         let remainder = offsets.iter().fold(0.0f64, |r, &y| r.max(rest(y)));
         let bound = (quadratic.magnitude_bound(&offsets) + remainder) * (family.metric + 16.0 * UNIT);
         if !bound.is_finite() {
-            return large(Resistance::Bound);
+            return large(Obstruction::Bound);
         }
         if bound > self.tolerance {
             let shrink = 2.0 - family.metric - 16.0 * UNIT;
@@ -213,7 +213,7 @@ impl<'a> Bench<'a> {
                     return Look::Exceeds { place, distance: value };
                 }
             }
-            return large(Resistance::Bound);
+            return large(Obstruction::Bound);
         }
 
         // Fold: N·(S_u × S_v) keeps its sign.
@@ -248,7 +248,7 @@ impl<'a> Bench<'a> {
             let way = way.hi * family.metric * (1.0 + 16.0 * UNIT);
             if !(rim && way <= WAY_SHARE * self.tolerance) {
                 let turned = length(&normal).lo > vary * (1.0 + 32.0 * UNIT);
-                return large(if turned { Resistance::Fold } else { Resistance::Degenerate });
+                return large(if turned { Obstruction::Fold } else { Obstruction::Degenerate });
             }
             (0, way)
         };

@@ -42,7 +42,8 @@ impl UpperBound {
 
     /// A bound of an angle in rad as one in degrees.
     pub fn degrees(self) -> Self {
-        Self(self.0.to_degrees().next_up())
+        // No angle stays none.
+        Self(if self.0 > 0.0 { self.0.to_degrees().next_up() } else { 0.0 })
     }
 
     /// A bound of the largest of several quantities; of none, nothing is known.
@@ -250,11 +251,21 @@ pub struct Claim {
     demand: Demand,
     reason: String,
     unknown: bool,
+    lower: bool,
 }
 
 impl Claim {
     fn new(what: What, subject: Subject, value: f64, evidence: Evidence) -> Self {
-        Self { what, subject, value, evidence, demand: Demand::None, reason: String::new(), unknown: false }
+        Self {
+            what,
+            subject,
+            value,
+            evidence,
+            demand: Demand::None,
+            reason: String::new(),
+            unknown: false,
+            lower: false,
+        }
     }
 
     /// A proven upper bound.
@@ -266,7 +277,7 @@ impl Claim {
     /// A proven lower bound.
     pub fn at_least(what: What, subject: Subject, bound: LowerBound) -> Self {
         let unknown = bound == LowerBound::UNKNOWN;
-        Self { unknown, ..Self::new(what, subject, bound.value(), Evidence::Proven) }
+        Self { unknown, lower: true, ..Self::new(what, subject, bound.value(), Evidence::Proven) }
     }
 
     /// What samples showed.
@@ -331,6 +342,11 @@ impl Claim {
     /// Whether a bound was looked for and nothing could be shown.
     pub fn is_unknown(&self) -> bool {
         self.unknown
+    }
+
+    /// Whether it is a lower bound; else what is proven is an upper one.
+    pub fn is_lower_bound(&self) -> bool {
+        self.lower
     }
 
     /// How it is known.
@@ -424,6 +440,8 @@ mod tests {
         assert_eq!(UpperBound::largest([a, b]), b);
         assert_eq!(UpperBound::largest([]), UpperBound::UNKNOWN);
         assert!(UpperBound::shown(std::f64::consts::PI).degrees().value() >= 180.0);
+        assert_eq!(UpperBound::shown(0.0).degrees().value(), 0.0);
+        assert!(UpperBound::UNKNOWN.degrees().value().is_infinite());
         let (a, b) = (LowerBound::shown(2.0), LowerBound::shown(3.0));
         assert_eq!(a.min(b).value(), 2.0);
         assert_eq!(a.min(LowerBound::UNKNOWN).value(), 0.0);

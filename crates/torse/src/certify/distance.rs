@@ -22,7 +22,7 @@ use super::cell::{Bench, Good, Look};
 use super::family::Family;
 use super::prepared::{Patch, Prepared};
 use super::vector::{dot, exact};
-use super::verdict::{Resistance, Verdict};
+use super::verdict::{Obstruction, Verdict};
 use crate::control::Control;
 use crate::num::interval::Interval;
 use crate::torse::form::Torse;
@@ -195,7 +195,7 @@ pub fn distance(
     if let Verdict::Holds { bound } = judgement.verdict {
         let bound = judgement.curl.with(bound);
         judgement.verdict = match triangles.first() {
-            Some(t) if bound > tolerance => Verdict::Undecided { uv: centroid(t), reason: Resistance::Fold },
+            Some(t) if bound > tolerance => Verdict::Undecided { uv: centroid(t), reason: Obstruction::Fold },
             _ => Verdict::Holds { bound },
         };
     }
@@ -228,7 +228,7 @@ pub(super) fn judge(
         return blank(Verdict::Holds { bound: 0.0 });
     };
     let Some(family) = Family::new(torse) else {
-        return undecided(centroid(any), Resistance::Foot);
+        return undecided(centroid(any), Obstruction::Foot);
     };
 
     // Patches and feet of the centroids, in f64: each begins at its neighbour's, because a torse that comes round
@@ -238,11 +238,11 @@ pub(super) fn judge(
     for (i, parent) in walk(triangles, first) {
         let triangle = &triangles[i];
         let Some(patch) = prepared.patch_of(triangle) else {
-            return undecided(centroid(triangle), Resistance::Degenerate);
+            return undecided(centroid(triangle), Obstruction::Degenerate);
         };
         let bench = Bench::new(&family, patch, tolerance);
         let Some((t, d)) = bench.quick(triangle, parent.map(|place| roots[place].2)) else {
-            return undecided(centroid(triangle), Resistance::Foot);
+            return undecided(centroid(triangle), Obstruction::Foot);
         };
         roots.push((i, patch, t, d.abs()));
     }
@@ -342,12 +342,12 @@ impl Search<'_> {
             let uv = centroid(&cell.triangle);
             let looks = self.looks.fetch_add(1, Ordering::Relaxed);
             if looks >= self.budget || (looks % 256 == 255 && self.control.stopped()) {
-                let reason = if looks >= self.budget { Resistance::Budget } else { Resistance::Stopped };
+                let reason = if looks >= self.budget { Obstruction::Budget } else { Obstruction::Stopped };
                 self.fail(Verdict::Undecided { uv, reason });
                 return accepted;
             }
             let mut look = bench.look(&cell.triangle, cell.guess, false);
-            let doubtful = matches!(look, Look::Large { reason: Resistance::Degenerate | Resistance::Fold, .. });
+            let doubtful = matches!(look, Look::Large { reason: Obstruction::Degenerate | Obstruction::Fold, .. });
             if doubtful && self.touches_rim(&root, &cell) {
                 look = bench.look(&cell.triangle, cell.guess, true);
             }
@@ -370,14 +370,14 @@ impl Search<'_> {
                     return accepted;
                 }
                 Look::Lost => {
-                    self.fail(Verdict::Undecided { uv, reason: Resistance::Foot });
+                    self.fail(Verdict::Undecided { uv, reason: Obstruction::Foot });
                     return accepted;
                 }
                 Look::Large { reason, foot, radius } => {
-                    let foot_or_fold = matches!(reason, Resistance::Foot | Resistance::Fold);
+                    let foot_or_fold = matches!(reason, Obstruction::Foot | Obstruction::Fold);
                     let hopeless = foot_or_fold && cell.depth >= PATIENCE && radius < HOPELESS * self.tolerance;
                     if hopeless || cell.depth >= DEPTH {
-                        if let Some(f) = fallbacks.pop().filter(|_| foot_or_fold || reason == Resistance::Degenerate) {
+                        if let Some(f) = fallbacks.pop().filter(|_| foot_or_fold || reason == Obstruction::Degenerate) {
                             f.restore(&mut open, &mut accepted);
                             continue;
                         }
@@ -541,7 +541,7 @@ fn glue(accepted: &[Accepted]) -> (Feet, Option<Verdict>) {
     for a in accepted {
         let undecided = |reason| Some(Verdict::Undecided { uv: centroid(&a.triangle), reason });
         if a.good.fold * sign < 0 {
-            verdict = undecided(Resistance::Fold);
+            verdict = undecided(Obstruction::Fold);
         }
         if a.good.fold != 0 {
             sign = a.good.fold;
@@ -551,7 +551,7 @@ fn glue(accepted: &[Accepted]) -> (Feet, Option<Verdict>) {
             slot.0 = slot.0.max(a.good.feet.lo);
             slot.1 = slot.1.min(a.good.feet.hi);
             if slot.0 > slot.1 {
-                verdict = undecided(Resistance::Foot);
+                verdict = undecided(Obstruction::Foot);
             }
         }
     }

@@ -5,7 +5,7 @@
 //! panel's boundary from the one instead of the other moves it by no more than that.
 
 use super::boundary::{clamped, trim_piece};
-use super::seams::Shore;
+use super::seams::SeamSide;
 use super::vector::{length_bound, V3};
 use crate::num::greatest::greatest;
 use crate::num::interval::Interval;
@@ -18,18 +18,18 @@ const EXCESS: f64 = 2e-4;
 
 /// Bound (mm) of the distance between an edge in space and its trimming curve on the patch, at equal parameters. `None`
 /// if the curve leaves the patch, or the edge is not a clamped spline of finite numbers over [0, 1].
-pub(super) fn edge_bound(shore: Shore, edge: &Curve<3>, tolerance: f64) -> Option<f64> {
+pub(super) fn edge_bound(side: SeamSide, edge: &Curve<3>, tolerance: f64) -> Option<f64> {
     let whole = edge.control.len() == edge.knots.control_count() && edge.knots.degree() > 0;
     if !(whole && clamped(edge) && edge.control.iter().flatten().all(|x| x.is_finite())) {
         return None;
     }
-    let mut cuts = shore.run.trim.knots.breaks();
+    let mut cuts = side.run.trim.knots.breaks();
     cuts.extend(edge.knots.breaks());
     greatest(cuts, EXCESS * tolerance, |s0, s1| {
-        let on_patch = shore.over(s0, s1, false)?;
+        let on_patch = side.over(s0, s1, false)?;
         let in_space: V3<Vec<Interval>> = trim_piece(edge, s0, s1);
         let relative = [0, 1, 2].map(|d: usize| {
-            let origin = Interval::point(shore.jets.origin[d]);
+            let origin = Interval::point(side.jets.origin[d]);
             in_space[d].iter().map(|&c| c - origin).collect::<Vec<_>>()
         });
         let last = relative[0].len() - 1;
@@ -55,8 +55,8 @@ mod tests {
         let panel = &p.panels[0];
         let jets = RuledJets::new(&Ruled::new(&panel.strip.patch).expect("ruled"), &[0.0; 3]);
         for run in panel.loops().iter().flatten() {
-            let shore = Shore { jets: &jets, run };
-            let bound = edge_bound(shore, &run.edge, 1e-3).expect("a bound");
+            let side = SeamSide { jets: &jets, run };
+            let bound = edge_bound(side, &run.edge, 1e-3).expect("a bound");
             let mut worst = 0.0f64;
             for i in 0..=1000 {
                 let s = f64::from(i) / 1000.0;
@@ -69,10 +69,10 @@ mod tests {
             let mut spiked = run.edge.with_knots(&[a, a, a, b, b, b]).expect("knots");
             let k = spiked.knots.span(0.5 * (a + b)) - 1;
             spiked.control[k][2] += 5.0;
-            let seen = edge_bound(shore, &spiked, 1e-3).expect("a bound");
+            let seen = edge_bound(side, &spiked, 1e-3).expect("a bound");
             assert!(seen > 1.0, "{seen}");
             spiked.control[k][2] = f64::NAN;
-            assert_eq!(edge_bound(shore, &spiked, 1e-3), None);
+            assert_eq!(edge_bound(side, &spiked, 1e-3), None);
         }
     }
 }

@@ -14,7 +14,7 @@ use crate::geom::Vec3;
 use crate::num::interval::Interval;
 use crate::spline::blossom::of_piece;
 use crate::spline::curve::Curve;
-use crate::torse::contact::PlaneElement;
+use crate::torse::contact::ContactElement;
 use crate::torse::strip::Strip;
 use rayon::prelude::*;
 
@@ -65,7 +65,7 @@ const PARTS: usize = 16;
 
 /// Bounds the distance of every element from the nearest strip. Stopped early, elements not reached keep infinite
 /// bounds.
-pub fn elements(strips: &[Strip], elements: &[PlaneElement], control: &Control) -> ElementCertificate {
+pub fn elements(strips: &[Strip], elements: &[ContactElement], control: &Control) -> ElementCertificate {
     let targets: Vec<Target> = strips.iter().map(Target::of).collect();
     let found: Vec<(f64, (u32, f64))> = elements
         .par_iter()
@@ -128,7 +128,7 @@ fn share(p: &Vec3, d: &Vec3, x: &Vec3) -> f64 {
 }
 
 /// The largest bound of the parts of a ruling, and the parameter for its middle part.
-fn of_ruling(t: &Target, e: &PlaneElement) -> (f64, f64) {
+fn of_ruling(t: &Target, e: &ContactElement) -> (f64, f64) {
     let at = |k: usize| {
         let s = k as f64 / PARTS as f64;
         // The last part ends where the ruling ends, to the last digit.
@@ -170,7 +170,7 @@ fn of_part(t: &Target, ends: &[Vec3; 2]) -> (f64, f64) {
     (bound(&ends[0]).max(bound(&ends[1])), u)
 }
 
-fn of_plane(t: &Target, e: &PlaneElement) -> (f64, f64) {
+fn of_plane(t: &Target, e: &ContactElement) -> (f64, f64) {
     let c = e.centre();
     let normal = e.normal.normalize();
     let u = least(t, |u| {
@@ -182,7 +182,7 @@ fn of_plane(t: &Target, e: &PlaneElement) -> (f64, f64) {
 }
 
 /// Upper bound of the distance between the element's plane, over its disc, and the tangent plane at `u`.
-fn plane_bound(t: &Target, u: f64, e: &PlaneElement, c: &Vec3) -> f64 {
+fn plane_bound(t: &Target, u: f64, e: &ContactElement, c: &Vec3) -> f64 {
     // Near the region, so that large coordinates do not cancel in the determinants.
     let jets = [0, 1].map(|k| jet(&t.rails[k], u, c));
     let across: [Interval; 4] = std::array::from_fn(|d| jets[0].1[d] + jets[1].1[d]);
@@ -256,14 +256,14 @@ mod tests {
     #[test]
     fn rulings_and_planes_above_a_plane_have_their_distance() {
         let z = Vec3::new(0.0, 0.0, 1.0);
-        let ruling = PlaneElement {
+        let ruling = ContactElement {
             normal: z,
             ends: [Vec3::new(5.0, 1.0, 0.2), Vec3::new(5.0, 8.0, 0.5)],
             radius: 1.0,
             weight: 1.0,
         };
-        let level = PlaneElement { normal: z, ends: [Vec3::new(5.0, 5.0, 0.3); 2], radius: 2.0, weight: 1.0 };
-        let tilted = PlaneElement {
+        let level = ContactElement { normal: z, ends: [Vec3::new(5.0, 5.0, 0.3); 2], radius: 2.0, weight: 1.0 };
+        let tilted = ContactElement {
             normal: Vec3::new(0.6, 0.0, 0.8),
             ends: [Vec3::new(5.0, 5.0, 0.0); 2],
             radius: 2.0,

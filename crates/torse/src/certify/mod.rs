@@ -44,4 +44,4 @@ pub use certificate::{
 pub use distance::{distance, DistanceOptions, Judgement, JudgementParts};
 pub use prepared::Prepared;
 pub use proof::{join, patchwork, SMALLEST_RELATIVE_TOLERANCE};
-pub use verdict::{Resistance, Verdict};
+pub use verdict::{Obstruction, Verdict};

@@ -17,9 +17,9 @@ use super::family::Family;
 use super::prepared::Prepared;
 use super::rounding::rounding_bound;
 use super::ruled::{Ruled, RuledJets};
-use super::seams::Shore;
+use super::seams::SeamSide;
 use super::simple::{loops_are_simple, stays_within};
-use super::verdict::{Resistance, Verdict};
+use super::verdict::{Obstruction, Verdict};
 use super::written::reserve;
 use crate::control::Control;
 use crate::num::interval::Interval;
@@ -109,7 +109,7 @@ pub(super) fn panel_certificate(
 /// Bound of the distance between edges in space and trimming curves, over all runs that files have edges for.
 fn edges(panel: &Panel, jets: &RuledJets, tolerance: f64) -> Option<f64> {
     let runs: Vec<_> = panel.loops().iter().flatten().filter(|r| !r.is_point()).collect();
-    let bounds: Vec<_> = runs.par_iter().map(|run| edge_bound(Shore { jets, run }, &run.edge, tolerance)).collect();
+    let bounds: Vec<_> = runs.par_iter().map(|run| edge_bound(SeamSide { jets, run }, &run.edge, tolerance)).collect();
     bounds.into_iter().try_fold(0.0f64, |most, b| b.filter(|b| !b.is_nan()).map(|b| most.max(b)))
 }
 
@@ -286,14 +286,14 @@ fn region(partition: &Partition, label: u32) -> Vec<[[f64; 2]; 3]> {
 }
 
 /// What a resistance means.
-fn words(reason: Resistance) -> &'static str {
+fn words(reason: Obstruction) -> &'static str {
     match reason {
-        Resistance::Foot => "no unique regular foot on the torse could be shown",
-        Resistance::Fold => "the foot map may fold over",
-        Resistance::Degenerate => "the surface's parametrisation degenerates, or a triangle crosses a knot line",
-        Resistance::Bound => "the bound stays above the tolerance",
-        Resistance::Budget => "too many triangles were needed",
-        Resistance::Stopped => "the proof was stopped",
+        Obstruction::Foot => "no unique regular foot on the torse could be shown",
+        Obstruction::Fold => "the foot map may fold over",
+        Obstruction::Degenerate => "the surface's parametrisation degenerates, or a triangle crosses a knot line",
+        Obstruction::Bound => "the bound stays above the tolerance",
+        Obstruction::Budget => "too many triangles were needed",
+        Obstruction::Stopped => "the proof was stopped",
     }
 }
 

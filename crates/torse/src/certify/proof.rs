@@ -8,7 +8,7 @@ use super::local::way;
 use super::panel::{panel_certificate, Ground};
 use super::prepared::Prepared;
 use super::ruled::RuledJets;
-use super::seams::{self, Shore};
+use super::seams::{self, SeamSide};
 use crate::control::Control;
 use crate::geom::BBox;
 use crate::patchwork::panel::{Border, Coedge, Patchwork};
@@ -239,7 +239,7 @@ fn seam_gaps(patchwork: &Patchwork, jets: &[Option<RuledJets>], tolerance: f64) 
             let (Some(Some(p)), Some(Some(q))) = (jets.get(*i), jets.get(*j)) else {
                 return Err(format!("seam {seam} has a side without a patch"));
             };
-            let (a, b) = (Shore { jets: p, run: a }, Shore { jets: q, run: b });
+            let (a, b) = (SeamSide { jets: p, run: a }, SeamSide { jets: q, run: b });
             let gap = seams::gap_bound(a, b, tolerance).ok_or_else(|| format!("seam {seam} leaves a patch"))?;
             Ok((gap, seams::length_difference(a, b).unwrap_or(f64::INFINITY)))
         })

@@ -18,16 +18,16 @@ const EXCESS: f64 = 1e-3;
 
 /// One side of a seam.
 #[derive(Clone, Copy)]
-pub(super) struct Shore<'a> {
+pub(super) struct SeamSide<'a> {
     pub jets: &'a RuledJets,
     pub run: &'a Coedge,
 }
 
 /// Bound (mm) of the gap along a seam whose sides run against each other. `None` if a curve leaves its patch.
-pub(super) fn gap_bound(a: Shore, b: Shore, tolerance: f64) -> Option<f64> {
+pub(super) fn gap_bound(a: SeamSide, b: SeamSide, tolerance: f64) -> Option<f64> {
     let shift = sub(&exact(&Vec3::from(a.jets.origin)), &exact(&Vec3::from(b.jets.origin)));
     let mut cuts: Vec<f64> = a.run.trim.knots.breaks();
-    // 1 − s is rounded; the pieces of the other curve are cut at the rounded places, see `Shore::over`.
+    // 1 − s is rounded; the pieces of the other curve are cut at the rounded places, see `SeamSide::over`.
     cuts.extend(b.run.trim.knots.breaks().into_iter().map(|t| 1.0 - t));
     greatest(cuts, EXCESS * tolerance, |s0, s1| piece(a, b, &shift, s0, s1))
 }
@@ -37,7 +37,7 @@ pub(super) fn gap_bound(a: Shore, b: Shore, tolerance: f64) -> Option<f64> {
 ///
 /// `|p'| − |q'| = (p' − q')·m`, `m = (p' + q')/(|p'| + |q'|)`; over a piece the integral of `p' − q'` is known from the
 /// ends, and m is nearly constant.
-pub(super) fn length_difference(a: Shore, b: Shore) -> Option<f64> {
+pub(super) fn length_difference(a: SeamSide, b: SeamSide) -> Option<f64> {
     let mut cuts: Vec<f64> = a.run.trim.knots.breaks();
     cuts.extend(b.run.trim.knots.breaks().into_iter().map(|t| 1.0 - t));
     cuts.sort_by(f64::total_cmp);
@@ -65,7 +65,7 @@ pub(super) fn length_difference(a: Shore, b: Shore) -> Option<f64> {
 const LENGTH_PIECES: usize = 4;
 
 /// Bounds of the gap over a piece and at its ends.
-fn piece(a: Shore, b: Shore, shift: &V3<Interval>, s0: f64, s1: f64) -> Option<(f64, f64)> {
+fn piece(a: SeamSide, b: SeamSide, shift: &V3<Interval>, s0: f64, s1: f64) -> Option<(f64, f64)> {
     let p = a.over(s0, s1, false)?;
     let q = b.over(s0, s1, true)?;
     let rough = (Interval::point(p.rough) + Interval::point(q.rough)).hi;
@@ -87,7 +87,7 @@ pub(super) struct EdgePiece {
     pub rough: f64,
 }
 
-impl Shore<'_> {
+impl SeamSide<'_> {
     /// The edge over `[s0, s1]`, or over `[1 − s1, 1 − s0]` backwards.
     ///
     /// Rounding of `1 − s` shifts the correspondence by less than a unit in the last place and never leaves a gap, since

@@ -20,13 +20,13 @@ pub enum Verdict {
         /// Parameters of the place that resisted.
         uv: [f64; 2],
         /// Why.
-        reason: Resistance,
+        reason: Obstruction,
     },
 }
 
 /// Why a box could not be decided.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Resistance {
+pub enum Obstruction {
     /// No unique foot point could be shown: the regression curve is near, or rulings leave the patch.
     Foot,
     /// The foot map may fold over.

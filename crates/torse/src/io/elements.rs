@@ -4,7 +4,7 @@
 use super::cloud::CloudReadError;
 use super::table::{self, Fault, Table};
 use crate::geom::Vec3;
-use crate::torse::contact::{Given, PlaneElement};
+use crate::torse::contact::{ContactElement, Given};
 
 /// Columns of a ruling from p to q.
 const RULING: [&str; 6] = ["px", "py", "pz", "qx", "qy", "qz"];
@@ -130,7 +130,7 @@ fn table(bytes: &[u8], given: Option<f64>, region: Option<[f64; 4]>) -> Result<(
     let Columns { rulings, planes, normals, regions, order, weights } = &columns;
     let read = columns.read();
     let (mut numbers, mut values) = (Vec::new(), vec![0.0; table.width()]);
-    let mut found: Vec<(f64, PlaneElement)> = Vec::new();
+    let mut found: Vec<(f64, ContactElement)> = Vec::new();
     for row in &table.rows {
         let fault = |reason: String| CloudReadError::Line { format: "CSV", line: row.line, reason };
         table.numbers(row, &read, &mut numbers).map_err(told)?;
@@ -165,7 +165,7 @@ fn table(bytes: &[u8], given: Option<f64>, region: Option<[f64; 4]>) -> Result<(
             // Rulings are compared on themselves; their planes in a narrow region around.
             const NARROW: f64 = 0.1;
             let radius = NARROW * (ends[1] - ends[0]).norm();
-            found.push((t, PlaneElement { normal, ends, radius, weight }));
+            found.push((t, ContactElement { normal, ends, radius, weight }));
         } else if let Some(at) = planes {
             let n = vector(&at[..3]);
             // Squares of very large or small numbers are none: first the numbers by the largest of them.
@@ -191,7 +191,7 @@ fn table(bytes: &[u8], given: Option<f64>, region: Option<[f64; 4]>) -> Result<(
             // Regions are discs in their planes.
             near([d, r * own].iter().chain(&centre)).map_err(&fault)?;
             let centre = centre - normal * (normal.dot(&centre) - d);
-            found.push((t, PlaneElement { normal, ends: [centre; 2], radius: r * own, weight }));
+            found.push((t, ContactElement { normal, ends: [centre; 2], radius: r * own, weight }));
         }
     }
     if found.is_empty() {

@@ -82,6 +82,8 @@ pub struct FigureRecord {
     pub unit: String,
     /// `proven`, `measured` or `given`; `unknown` for a bound that could not be shown.
     pub basis: String,
+    /// `upper` or `lower` for bounds, empty for other figures.
+    pub bound: String,
     /// The limit that it has to keep, if there is one.
     pub limit: Option<f64>,
 }
@@ -322,6 +324,7 @@ pub(crate) mod tests {
             value: Some(value),
             unit: unit.into(),
             basis: "proven".into(),
+            bound: if matches!(what, What::RegressionClearance | What::BendRadius) { "lower" } else { "upper" }.into(),
             limit,
         }
     }

@@ -5,7 +5,7 @@ use crate::geom::Vec3;
 
 /// One given tangent plane, with the ruling in it if that is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PlaneElement {
+pub struct ContactElement {
     /// Unit normal; neighbours are oriented alike.
     pub normal: Vec3,
     /// Ends of the ruling, mm; for a plane without ruling both are the centre of its region of interest.
@@ -16,7 +16,7 @@ pub struct PlaneElement {
     pub weight: f64,
 }
 
-impl PlaneElement {
+impl ContactElement {
     /// Whether the ruling is known.
     pub fn has_ruling(&self) -> bool {
         self.ends[0] != self.ends[1]
@@ -36,7 +36,7 @@ impl PlaneElement {
 }
 
 /// Turns normals so that neighbours are oriented alike.
-pub fn orient(row: &mut [PlaneElement]) {
+pub fn orient(row: &mut [ContactElement]) {
     for i in 1..row.len() {
         if row[i].normal.dot(&row[i - 1].normal) < 0.0 {
             row[i].normal = -row[i].normal;
@@ -50,7 +50,7 @@ pub enum Given {
     /// Rulings in order along the surface, by their ends, mm; tangent planes are not known.
     Rulings(Vec<[Vec3; 2]>),
     /// Tangent planes in order along the surface, with or without rulings.
-    Planes(Vec<PlaneElement>),
+    Planes(Vec<ContactElement>),
 }
 
 impl Given {

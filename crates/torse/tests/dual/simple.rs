@@ -11,25 +11,25 @@ use torse::fit::elements::sequence::RowOptions;
 use torse::fit::elements::span_series::{PlaneSeries, SlopeSeries};
 use torse::geom::cloud::Cloud;
 use torse::geom::Vec3;
+use torse::pipeline::elements::{fit_elements, fit_faces, ElementFitOptions};
 use torse::pipeline::fit::{fit, FitOptions};
-use torse::pipeline::row::{fit_faces, fit_row, RowFitOptions};
 use torse::spline::knots::Knots;
 use torse::spline::surface::Surface;
-use torse::torse::contact::{Given, PlaneElement};
+use torse::torse::contact::{ContactElement, Given};
 use torse::torse::dual::DualCurve;
 use torse::torse::strip::Strip;
 use torse::torse::zone::RegressionLimits;
 
-fn elements(count: usize) -> Vec<PlaneElement> {
+fn elements(count: usize) -> Vec<ContactElement> {
     let element = |i: usize| {
         let (ends, normal) = helix(i as f64 / (count - 1) as f64);
-        PlaneElement { normal, ends, radius: 30.0, weight: 1.0 }
+        ContactElement { normal, ends, radius: 30.0, weight: 1.0 }
     };
     (0..count).map(element).collect()
 }
 
-fn run(given: Given, options: &RowFitOptions) -> Answer {
-    fit_row(&given, options, &Control::default()).expect("a fit")
+fn run(given: Given, options: &ElementFitOptions) -> Answer {
+    fit_elements(&given, options, &Control::default()).expect("a fit")
 }
 
 fn count(strip: &Strip) -> usize {
@@ -57,7 +57,7 @@ fn a_face_of_degree_six_gets_a_few_control_points() {
     let mut before = 0;
     for (tolerance, most) in [(0.5, 8), (0.01, 14), (1e-3, 30)] {
         let got =
-            fit_faces(&[heavy()], &[], &RowFitOptions::new(tolerance, "six"), &Control::default()).expect("a fit");
+            fit_faces(&[heavy()], &[], &ElementFitOptions::new(tolerance, "six"), &Control::default()).expect("a fit");
         assert_eq!(got.status(), Status::Certified);
         assert!(value(&got, What::ElementDistance) <= tolerance);
         let strip = &got.patchwork.panels[0].strip;
@@ -88,7 +88,7 @@ fn a_face_that_is_simple_stays_as_it_is() {
     let flat = [Vec3::zeros(), corner, Vec3::new(70.0, 0.0, 0.0), corner];
     for (degree, points) in [(2, &bent[..]), (1, &flat[..])] {
         let surface = Surface::new(knots(degree), knots(1), points, None).expect("a surface");
-        let options = RowFitOptions::new(0.05, "simple");
+        let options = ElementFitOptions::new(0.05, "simple");
         let got = fit_faces(&[Face::untrimmed(surface)], &[], &options, &Control::default()).expect("a fit");
         assert_eq!(got.status(), Status::Certified);
         let strip = &got.patchwork.panels[0].strip;
@@ -101,11 +101,11 @@ fn a_face_that_is_simple_stays_as_it_is() {
 #[test]
 fn corollary_3_strips_of_type_3_have_cubic_polynomial_rails() {
     let surface = heavy().surface;
-    let row: Vec<PlaneElement> = (0..40)
+    let row: Vec<ContactElement> = (0..40)
         .map(|i| {
             let jet = surface.jet(-0.5 + f64::from(i) / 39.0, 0.5);
             let ends = [0.0, 1.0].map(|v| surface.point(-0.5 + f64::from(i) / 39.0, v));
-            PlaneElement { normal: jet.normal().normalize(), ends, radius: 30.0, weight: 1.0 }
+            ContactElement { normal: jet.normal().normalize(), ends, radius: 30.0, weight: 1.0 }
         })
         .collect();
     let series = SlopeSeries::of(&row, &RowOptions::new(0.1)).expect("slopes increase");
@@ -125,7 +125,7 @@ fn ends_are_kept_exactly() {
     };
     let given = rulings(50);
     let worst = |fix_ends: bool| {
-        let options = RowFitOptions { fix_ends, ..RowFitOptions::new(0.5, "helix") };
+        let options = ElementFitOptions { fix_ends, ..ElementFitOptions::new(0.5, "helix") };
         let got = run(Given::Rulings(given.clone()), &options);
         assert_eq!(got.status(), Status::Certified);
         let s = &got.patchwork.panels[0].strip;
@@ -141,15 +141,15 @@ fn ends_are_kept_exactly() {
 #[test]
 fn planes_at_the_ends_are_kept_exactly() {
     let mut random = Random::new(3);
-    let planes: Vec<PlaneElement> = elements(40)
+    let planes: Vec<ContactElement> = elements(40)
         .into_iter()
         .map(|e| {
             let tilt = Vec3::new(random.number(), random.number(), random.number()) * 1e-3;
-            PlaneElement { normal: (e.normal + tilt).normalize(), ends: [e.centre(); 2], radius: 120.0, ..e }
+            ContactElement { normal: (e.normal + tilt).normalize(), ends: [e.centre(); 2], radius: 120.0, ..e }
         })
         .collect();
     let ends = |fix_ends: bool| {
-        let options = RowFitOptions { fix_ends, ..RowFitOptions::new(0.6, "planes") };
+        let options = ElementFitOptions { fix_ends, ..ElementFitOptions::new(0.6, "planes") };
         let got = run(Given::Planes(planes.clone()), &options);
         assert_eq!(got.status(), Status::Certified);
         let judged = torse::certify::elements::elements(&strips(&got), &planes, &Control::default());
@@ -162,11 +162,11 @@ fn planes_at_the_ends_are_kept_exactly() {
 #[test]
 fn smoothing_trades_distance_for_calm() {
     let mut random = Random::new(5);
-    let planes: Vec<PlaneElement> = elements(60)
+    let planes: Vec<ContactElement> = elements(60)
         .into_iter()
         .map(|e| {
             let tilt = Vec3::new(random.number(), random.number(), random.number()) * 2e-3;
-            PlaneElement { normal: (e.normal + tilt).normalize(), ends: [e.centre(); 2], radius: 120.0, ..e }
+            ContactElement { normal: (e.normal + tilt).normalize(), ends: [e.centre(); 2], radius: 120.0, ..e }
         })
         .collect();
     let wave = |smoothing: f64| {
@@ -180,7 +180,7 @@ fn smoothing_trades_distance_for_calm() {
     let (calm, far) = wave(1e-3);
     let (restless, near) = wave(1e-9);
     assert!(calm < 0.5 * restless && far > near, "{calm} {restless}, {far} {near}");
-    let options = RowFitOptions { smoothing: Some(1e-3), ..RowFitOptions::new(0.6, "planes") };
+    let options = ElementFitOptions { smoothing: Some(1e-3), ..ElementFitOptions::new(0.6, "planes") };
     assert_eq!(run(Given::Planes(planes), &options).status(), Status::Certified);
 }
 
@@ -191,7 +191,7 @@ fn outliers_are_left_out_and_named() {
         let n = helix(i as f64 / 49.0).1;
         given[i] = given[i].map(|x| x + n * 7.0);
     }
-    let options = RowFitOptions { robust: true, ..RowFitOptions::new(0.1, "outliers") };
+    let options = ElementFitOptions { robust: true, ..ElementFitOptions::new(0.1, "outliers") };
     let got = run(Given::Rulings(given), &options);
     assert_eq!(got.status(), Status::Certified);
     let skipped = &got.skipped;
@@ -215,10 +215,11 @@ fn outliers_are_left_out_and_named() {
 #[test]
 fn a_clearance_that_nothing_keeps_is_named_for_rulings_planes_and_points() {
     let limits = Some(RegressionLimits { clearance: 5000.0, zones: Vec::new() });
-    let options = RowFitOptions { limits: limits.clone(), ..RowFitOptions::new(0.1, "far") };
-    let planes = elements(16).into_iter().map(|e| PlaneElement { ends: [e.centre(); 2], radius: 150.0, ..e }).collect();
+    let options = ElementFitOptions { limits: limits.clone(), ..ElementFitOptions::new(0.1, "far") };
+    let planes =
+        elements(16).into_iter().map(|e| ContactElement { ends: [e.centre(); 2], radius: 150.0, ..e }).collect();
     for (given, tolerance) in [(Given::Rulings(rulings(16)), 0.1), (Given::Planes(planes), 1e-3)] {
-        let got = run(given, &RowFitOptions { tolerance, ..options.clone() });
+        let got = run(given, &ElementFitOptions { tolerance, ..options.clone() });
         assert_eq!(got.status(), Status::Uncertified);
         let named = got.skipped.iter().any(|s| s.reason.contains("regression curve in bounds"));
         assert!(named, "{:?}", got.skipped);

@@ -5,7 +5,7 @@ use super::pcurve::Chain;
 use super::polygon::{Polygon, Side};
 use super::TrimError;
 use crate::brep::space_curve::ParameterMap;
-use crate::brep::support_surface::Carrier;
+use crate::brep::support_surface::SupportSurface;
 
 /// A seam to cut along: the line where the natural parameter `axis` is `at`, up to periods.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,12 +28,12 @@ pub(super) struct Plan {
 ///
 /// `marked_outer` says that the file calls a loop the outer one, so that it cannot be a hole in a torus.
 pub(super) fn plan(
-    carrier: &Carrier,
+    support: &SupportSurface,
     chains: &mut Vec<Chain>,
     marked_outer: bool,
     label: &mut u32,
 ) -> Result<Plan, TrimError> {
-    let periods = carrier.periods();
+    let periods = support.periods();
     if periods == [None, None] {
         return Ok(Plan { seam: None, sense_matters: false });
     }
@@ -41,12 +41,12 @@ pub(super) fn plan(
         let areas: Vec<f64> = chains.iter().map(|c| rough(c).area()).collect();
         let holes_only = areas.iter().all(|&a| a < 0.0);
         if let (true, false, [Some(p), Some(q)]) = (holes_only, marked_outer, periods) {
-            return around_holes(carrier, chains, [p, q], label);
+            return around_holes(support, chains, [p, q], label);
         }
-        let hole_in_sphere = matches!(carrier, Carrier::Sphere { .. }) && holes_only;
+        let hole_in_sphere = matches!(support, SupportSurface::Sphere { .. }) && holes_only;
         if !hole_in_sphere {
             gather(chains, &areas, &periods);
-            into_domain(carrier, chains, &periods);
+            into_domain(support, chains, &periods);
             return Ok(Plan { seam: None, sense_matters: false });
         }
     }
@@ -60,21 +60,21 @@ pub(super) fn plan(
     if chains.iter().any(|c| c.winding[axis].abs() > 1) {
         return Err(TrimError::OpenWinding);
     }
-    close_at_poles(carrier, chains, axis, period, label)?;
+    close_at_poles(support, chains, axis, period, label)?;
     order_across(chains, axis, periods[1 - axis])?;
-    Ok(Plan { seam: Some(Seam { axis, at: quiet_line(carrier, chains, axis, period).0 }), sense_matters: true })
+    Ok(Plan { seam: Some(Seam { axis, at: quiet_line(support, chains, axis, period).0 }), sense_matters: true })
 }
 
 /// A whole torus (or doubly closed spline) with holes: cut along two quiet lines into a rectangle.
 fn around_holes(
-    carrier: &Carrier,
+    support: &SupportSurface,
     chains: &mut Vec<Chain>,
     periods: [f64; 2],
     label: &mut u32,
 ) -> Result<Plan, TrimError> {
     let mut start = [0.0; 2];
     for axis in 0..2 {
-        let (at, crossings) = quiet_line(carrier, chains, axis, periods[axis]);
+        let (at, crossings) = quiet_line(support, chains, axis, periods[axis]);
         if crossings > 0 {
             return Err(TrimError::OpenWinding);
         }
@@ -87,7 +87,7 @@ fn around_holes(
     let [u, v] = start;
     let [p, q] = periods;
     let corners = vec![[u, v], [u + p, v], [u + p, v + q], [u, v + q]];
-    chains.push(Chain { strands: Vec::new(), line: Some((corners, *label)), winding: [0, 0], edges: Vec::new() });
+    chains.push(Chain { pcurves: Vec::new(), line: Some((corners, *label)), winding: [0, 0], edges: Vec::new() });
     *label += 4;
     Ok(Plan { seam: None, sense_matters: false })
 }
@@ -119,8 +119,8 @@ fn gather(chains: &mut [Chain], areas: &[f64], periods: &[Option<f64>; 2]) {
 }
 
 /// Shifts all chains by whole periods so that they begin in the domain of a spline.
-fn into_domain(carrier: &Carrier, chains: &mut [Chain], periods: &[Option<f64>; 2]) {
-    let Carrier::Spline(s) = carrier else { return };
+fn into_domain(support: &SupportSurface, chains: &mut [Chain], periods: &[Option<f64>; 2]) {
+    let SupportSurface::Spline(s) = support else { return };
     let (u, v) = s.surface.domain();
     for (k, start) in [(0, u.0), (1, v.0)] {
         let Some(p) = periods[k] else { continue };
@@ -144,7 +144,7 @@ fn mean(c: &Chain, k: usize) -> f64 {
 
 /// Adds lines at poles where windings do not sum to nothing.
 fn close_at_poles(
-    carrier: &Carrier,
+    support: &SupportSurface,
     chains: &mut Vec<Chain>,
     axis: usize,
     period: f64,
@@ -152,7 +152,7 @@ fn close_at_poles(
 ) -> Result<(), TrimError> {
     let across = 1 - axis;
     let sum: i32 = chains.iter().map(|c| c.winding[axis]).sum();
-    let poles: Vec<f64> = carrier.poles().iter().filter(|p| p.axis == across).map(|p| p.value).collect();
+    let poles: Vec<f64> = support.poles().iter().filter(|p| p.axis == across).map(|p| p.value).collect();
     let mut wanted = Vec::new(); // (winding of the line, value)
     let winding: Vec<&Chain> = chains.iter().filter(|c| c.winding[axis] != 0).collect();
     let reach =
@@ -192,7 +192,7 @@ fn close_at_poles(
         ends[1][axis] = f64::from(turn) * period;
         let mut winding = [0; 2];
         winding[axis] = turn;
-        chains.push(Chain { strands: Vec::new(), line: Some((ends.to_vec(), *label)), winding, edges: Vec::new() });
+        chains.push(Chain { pcurves: Vec::new(), line: Some((ends.to_vec(), *label)), winding, edges: Vec::new() });
         *label += 1;
     }
     Ok(())
@@ -229,13 +229,13 @@ fn order_across(chains: &mut [Chain], axis: usize, period_across: Option<f64>) -
 
 /// A parameter line that the chains cross least, and how often: the seam of the surface or the start of a loop if that
 /// is no worse.
-fn quiet_line(carrier: &Carrier, chains: &[Chain], axis: usize, period: f64) -> (f64, usize) {
+fn quiet_line(support: &SupportSurface, chains: &[Chain], axis: usize, period: f64) -> (f64, usize) {
     let mut candidates = Vec::new();
-    if let Carrier::Spline(s) = carrier {
+    if let SupportSurface::Spline(s) = support {
         candidates.push(if axis == 0 { s.surface.domain().0 .0 } else { s.surface.domain().1 .0 });
     }
     candidates.extend(
-        chains.iter().filter(|c| c.winding[axis] != 0).filter_map(|c| c.strands.first()).map(|s| s.qs[0][axis]),
+        chains.iter().filter(|c| c.winding[axis] != 0).filter_map(|c| c.pcurves.first()).map(|s| s.qs[0][axis]),
     );
     let start = candidates.first().copied().unwrap_or(0.0);
     candidates.extend((0..60).map(|i| start + period * (f64::from(i) + 0.437) / 60.0));

@@ -12,7 +12,7 @@ mod sphere;
 use self::polygon::Polygon;
 use super::face::{Face, FileBoundary, FileEdge, SurfaceKind, TrimLoop};
 use super::space_curve::{Arc, ParameterMap, SpaceCurve};
-use super::support_surface::Carrier;
+use super::support_surface::SupportSurface;
 use crate::geom::placement::Placement;
 use crate::geom::{BBox, Vec3};
 use crate::spline::surface::Surface;
@@ -20,7 +20,7 @@ use crate::spline::SplineError;
 use pcurve::Chain;
 use std::sync::Arc as Shared;
 
-/// A face as files describe it: a carrier and oriented boundary curves of space.
+/// A face as files describe it: a support and oriented boundary curves of space.
 #[derive(Clone, Debug)]
 pub struct RawFace {
     /// Number of the entity in the file.
@@ -32,18 +32,18 @@ pub struct RawFace {
     /// What the file calls the surface.
     pub kind: SurfaceKind,
     /// The surface.
-    pub carrier: Carrier,
-    /// Whether the face's normal is that of the carrier.
+    pub support: SupportSurface,
+    /// Whether the face's normal is that of the support.
     pub same_sense: bool,
-    /// The part of the carrier that is the face.
+    /// The part of the support that is the face.
     pub region: Region,
-    /// Distance (mm) between the file's surface and `carrier`.
+    /// Distance (mm) between the file's surface and `support`.
     pub surface_deviation_estimate: f64,
     /// Distance (mm) below which the file calls points the same; 0 if it does not say.
     pub uncertainty: f64,
 }
 
-/// Which part of a carrier belongs to a face.
+/// Which part of a support belongs to a face.
 #[derive(Clone, Debug)]
 pub enum Region {
     /// All of a bounded or closed surface.
@@ -74,7 +74,7 @@ pub struct RawEdge {
     pub path: Vec<Arc>,
     /// Where the file's vertices put its ends, in the direction of the loop; `None` if it has none.
     pub vertices: Option<[Vec3; 2]>,
-    /// The same curve in the parameter plane of the carrier, if the file gives it and the path is one piece. It is
+    /// The same curve in the parameter plane of the support, if the file gives it and the path is one piece. It is
     /// used where it proves to agree with the curve in space.
     pub trace: Option<PlaneTrace>,
 }
@@ -84,7 +84,7 @@ pub struct RawEdge {
 pub struct PlaneTrace {
     /// The curve; third coordinate 0.
     pub curve: SpaceCurve,
-    /// Factors from its coordinates to natural parameters of the carrier.
+    /// Factors from its coordinates to natural parameters of the support.
     pub scale: [f64; 2],
 }
 
@@ -155,7 +155,7 @@ pub enum TrimError {
     /// The boundary needs too many chords.
     #[error("the boundary would need more than {0} chords; a coarser chord tolerance would help")]
     TooFine(usize),
-    /// The carrier is not usable.
+    /// The support is not usable.
     #[error("the surface is not usable: {0}")]
     Surface(#[from] SplineError),
 }
@@ -171,12 +171,12 @@ const OFF_SURFACE_SHARE: f64 = 5e-2;
 /// Where vertices of the file, or the uncertainty that it states, say that edges meet or lie on their surface, this share
 /// of the boundary's extent is allowed instead. What is moved is part of the bound of the trim.
 const LOOSEST_SHARE: f64 = 0.2;
-/// Margin around the loops on carriers without bounds of their own, as a share of the loops' extent.
+/// Margin around the loops on support surfaces without bounds of their own, as a share of the loops' extent.
 const MARGIN: f64 = 0.02;
 
 /// Builds the trimmed face (or faces, where the loops bound several separate regions).
 ///
-/// *Input*: boundary curves near the carrier, in loops whose ends meet; `chord_tolerance` in mm, at most
+/// *Input*: boundary curves near the support, in loops whose ends meet; `chord_tolerance` in mm, at most
 /// [`CHORD_SHARE`] of the boundary's extent, which is the default. *Guarantee*: every answer's loops are simple polygons that do not touch
 /// each other, outer first and counter-clockwise, all corners inside the surface's domain. *Not guaranteed*: the
 /// deviation of the polygons from the curves is measured at samples only ([`Face::trim_deviation_estimate`]); the curves go
@@ -192,12 +192,12 @@ pub fn faces(raw: &RawFace, chord_tolerance: Option<f64>) -> Result<Vec<Face>, T
     };
     let mut loops = loops.clone();
     let given = loops.iter().any(|l| !l.edges.is_empty());
-    if carrier_has_free_seams(&raw.carrier) {
+    if carrier_has_free_seams(&raw.support) {
         loops = loops.into_iter().flat_map(without_slits).collect();
     }
     if loops.iter().all(|l| l.edges.is_empty()) {
         // Nothing but edges run there and back: seams of a sphere, but on a surface with a border no region at all.
-        if given && !matches!(raw.carrier, Carrier::Sphere { .. }) {
+        if given && !matches!(raw.support, SupportSurface::Sphere { .. }) {
             return Err(TrimError::NoArea);
         }
         return natural(raw, None).map(|f| vec![f]);
@@ -205,10 +205,10 @@ pub fn faces(raw: &RawFace, chord_tolerance: Option<f64>) -> Result<Vec<Face>, T
     if !raw.same_sense {
         loops = loops.iter().map(RawLoop::reversed).collect();
     }
-    let size = extent(&loops).max(1e-6 * raw.carrier.size());
+    let size = extent(&loops).max(1e-6 * raw.support.size());
     let mut raw = raw.clone();
-    if let Carrier::Sphere { frame, radius } = raw.carrier {
-        raw.carrier = Carrier::Sphere { frame: sphere::turned(&frame, &loops), radius };
+    if let SupportSurface::Sphere { frame, radius } = raw.support {
+        raw.support = SupportSurface::Sphere { frame: sphere::turned(&frame, &loops), radius };
         // Traces belong to the file's axis.
         loops.iter_mut().flat_map(|l| l.edges.iter_mut()).for_each(|e| e.trace = None);
     }
@@ -223,9 +223,9 @@ pub fn faces(raw: &RawFace, chord_tolerance: Option<f64>) -> Result<Vec<Face>, T
     }
 }
 
-/// A carrier on which an edge run in both directions is never a needed seam.
-fn carrier_has_free_seams(c: &Carrier) -> bool {
-    matches!(c, Carrier::Sphere { .. }) || c.periods() == [None, None]
+/// A support on which an edge run in both directions is never a needed seam.
+fn carrier_has_free_seams(c: &SupportSurface) -> bool {
+    matches!(c, SupportSurface::Sphere { .. }) || c.periods() == [None, None]
 }
 
 /// Removes edges that a loop runs in both directions (seams and slits); the loop falls into several.
@@ -264,12 +264,12 @@ fn extent(loops: &[RawLoop]) -> f64 {
     b.diagonal()
 }
 
-/// The face over a rectangle of natural parameters; without one, over all of the carrier.
+/// The face over a rectangle of natural parameters; without one, over all of the support.
 fn natural(raw: &RawFace, rectangle: Option<[(f64, f64); 2]>) -> Result<Face, TrimError> {
-    let (limits, periods) = (raw.carrier.limits(), raw.carrier.periods());
+    let (limits, periods) = (raw.support.limits(), raw.support.periods());
     let side = |k: usize| -> Option<(f64, f64)> {
-        match &raw.carrier {
-            Carrier::Spline(s) => Some(if k == 0 { s.surface.domain().0 } else { s.surface.domain().1 }),
+        match &raw.support {
+            SupportSurface::Spline(s) => Some(if k == 0 { s.surface.domain().0 } else { s.surface.domain().1 }),
             _ => limits[k].or_else(|| periods[k].map(|p| (0.0, p))),
         }
     };
@@ -277,7 +277,7 @@ fn natural(raw: &RawFace, rectangle: Option<[(f64, f64); 2]>) -> Result<Face, Tr
         Some(r) => r,
         None => [side(0).ok_or(TrimError::Unbounded)?, side(1).ok_or(TrimError::Unbounded)?],
     };
-    let (surface, map) = raw.carrier.to_spline(box_of[0], box_of[1])?;
+    let (surface, map) = raw.support.to_spline(box_of[0], box_of[1])?;
     let [(u0, u1), (v0, v1)] = [0, 1].map(|k| (map[k].forward(box_of[k].0), map[k].forward(box_of[k].1)));
     let mut points = vec![[u0, v0], [u1, v0], [u1, v1], [u0, v1]];
     let domain = surface.domain();
@@ -310,13 +310,13 @@ fn face(raw: &RawFace, surface: Surface, loops: Vec<TrimLoop>, deviation: f64, b
 
 /// Faces from loops, their sense taken as given where it matters.
 fn bounded(raw: &RawFace, loops: &[RawLoop], size: f64, tolerance: f64) -> Result<Vec<Face>, TrimError> {
-    let carrier = &raw.carrier;
-    let periods = carrier.periods();
+    let support = &raw.support;
+    let periods = support.periods();
     // 1. Trace every loop in the unwrapped parameter plane.
     let mut chains = Vec::new();
     let mut edges: Vec<Vec<FileEdge>> = Vec::new();
     let mut label = 0;
-    let ground = pcurve::Ground::new(carrier, size, raw.uncertainty);
+    let ground = pcurve::Ground::new(support, size, raw.uncertainty);
     for l in loops {
         match pcurve::trace(&ground, l, &mut label)? {
             Some(chain) => {
@@ -331,15 +331,15 @@ fn bounded(raw: &RawFace, loops: &[RawLoop], size: f64, tolerance: f64) -> Resul
         return Err(TrimError::Vanishing(pcurve::POINT_SHARE * size));
     }
     // 2. Bring the loops together, close winding ones at poles, choose the seam.
-    let plan = cut::plan(carrier, &mut chains, loops.iter().any(|l| l.outer), &mut label)?;
+    let plan = cut::plan(support, &mut chains, loops.iter().any(|l| l.outer), &mut label)?;
     // 3. Choose the box, lay the chords, enlarge the box if a chord left it.
-    let mut range = margins(carrier, &chains, &plan);
+    let mut range = margins(support, &chains, &plan);
     for _ in 0..3 {
-        let (surface, map) = carrier.to_spline(range[0], range[1])?;
+        let (surface, map) = support.to_spline(range[0], range[1])?;
         let mut deviation = 0.0;
         let mut polygons = Vec::new();
         for c in &chains {
-            let p = pcurve::chords(carrier, c, &map, size, tolerance)?;
+            let p = pcurve::chords(support, c, &map, size, tolerance)?;
             deviation = p.deviation.max(deviation);
             polygons.push(p.polygon);
         }
@@ -349,7 +349,7 @@ fn bounded(raw: &RawFace, loops: &[RawLoop], size: f64, tolerance: f64) -> Resul
         let domain = surface.domain();
         let corners = polygons.iter().flat_map(|p| p.points.iter());
         let grown = outside(corners, [domain.0, domain.1], &map, range);
-        if let Some(grown) = grown.filter(|g| can_grow(carrier, range, *g)) {
+        if let Some(grown) = grown.filter(|g| can_grow(support, range, *g)) {
             range = grown;
             continue;
         }
@@ -363,9 +363,9 @@ fn bounded(raw: &RawFace, loops: &[RawLoop], size: f64, tolerance: f64) -> Resul
     Err(TrimError::Unbounded)
 }
 
-/// Box of natural parameters around the chains: a margin where the carrier goes on, none at its ends and poles.
-fn margins(carrier: &Carrier, chains: &[Chain], plan: &cut::Plan) -> [(f64, f64); 2] {
-    let (limits, periods, poles) = (carrier.limits(), carrier.periods(), carrier.poles());
+/// Box of natural parameters around the chains: a margin where the support goes on, none at its ends and poles.
+fn margins(support: &SupportSurface, chains: &[Chain], plan: &cut::Plan) -> [(f64, f64); 2] {
+    let (limits, periods, poles) = (support.limits(), support.periods(), support.poles());
     [0, 1].map(|k| {
         if let Some(seam) = plan.seam.as_ref().filter(|s| s.axis == k) {
             return (seam.at, seam.at + periods[k].unwrap_or(0.0));
@@ -419,9 +419,9 @@ fn outside<'a>(
     any.then_some(grown)
 }
 
-/// Whether the larger box still lies on the carrier.
-fn can_grow(carrier: &Carrier, old: [(f64, f64); 2], new: [(f64, f64); 2]) -> bool {
-    let limits = carrier.limits();
+/// Whether the larger box still lies on the support.
+fn can_grow(support: &SupportSurface, old: [(f64, f64); 2], new: [(f64, f64); 2]) -> bool {
+    let limits = support.limits();
     (0..2).all(|k| match limits[k] {
         Some(_) => new[k] == old[k],
         None => true,

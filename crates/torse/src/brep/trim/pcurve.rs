@@ -4,7 +4,7 @@ use super::polygon::{Polygon, Side};
 use super::{PlaneTrace, RawLoop, TrimError, GAP_SHARE, LOOSEST_SHARE, OFF_SURFACE_SHARE};
 use crate::brep::face::{FileEdge, FilePiece};
 use crate::brep::space_curve::{Arc, ParameterMap, SpaceCurve};
-use crate::brep::support_surface::{Carrier, Pole};
+use crate::brep::support_surface::{Pole, SupportSurface};
 use crate::brep::unroll;
 use crate::geom::Vec3;
 use crate::spline::curve::Curve;
@@ -27,7 +27,7 @@ const ENOUGH: u32 = 6;
 
 /// One piece of an edge with samples in the unwrapped natural parameter plane.
 #[derive(Clone, Debug)]
-pub(super) struct Strand {
+pub(super) struct Pcurve {
     /// Number of the edge in the file.
     pub edge: u64,
     /// Label of its chords.
@@ -42,7 +42,7 @@ pub(super) struct Strand {
     /// Samples.
     pub qs: Vec<[f64; 2]>,
     poles: [Option<Pole>; 2],
-    /// Label of the side along a pole that follows the strand.
+    /// Label of the side along a pole that follows the pcurve.
     joint: Option<u32>,
 }
 
@@ -50,7 +50,7 @@ pub(super) struct Strand {
 #[derive(Clone, Debug)]
 pub(super) struct Chain {
     /// The pieces in order; empty for straight lines.
-    pub strands: Vec<Strand>,
+    pub pcurves: Vec<Pcurve>,
     /// Straight lines that the reader adds: corners, and the label of the first side (the others follow). A line along
     /// a pole has two corners, the second a period away.
     pub line: Option<(Vec<[f64; 2]>, u32)>,
@@ -72,13 +72,13 @@ impl Chain {
     /// All samples.
     pub fn nodes(&self) -> impl Iterator<Item = &[f64; 2]> {
         let line = self.line.iter().flat_map(|l| l.0.iter());
-        self.strands.iter().flat_map(|s| s.qs.iter()).chain(line)
+        self.pcurves.iter().flat_map(|s| s.qs.iter()).chain(line)
     }
 
     /// Moves the chain in the parameter plane.
     pub fn shift(&mut self, d: [f64; 2]) {
         let line = self.line.iter_mut().flat_map(|l| l.0.iter_mut());
-        for q in self.strands.iter_mut().flat_map(|s| s.qs.iter_mut()).chain(line) {
+        for q in self.pcurves.iter_mut().flat_map(|s| s.qs.iter_mut()).chain(line) {
             *q = [q[0] + d[0], q[1] + d[1]];
         }
     }
@@ -86,7 +86,7 @@ impl Chain {
 
 /// The surface that loops are traced on, and how far from it and from each other edges may be.
 pub(super) struct Ground<'a> {
-    carrier: &'a Carrier,
+    support: &'a SupportSurface,
     periods: [Option<f64>; 2],
     poles: Vec<Pole>,
     /// Extent of the boundary, mm.
@@ -97,9 +97,9 @@ pub(super) struct Ground<'a> {
 
 impl<'a> Ground<'a> {
     /// The ground of a face whose boundary has the extent `size` (mm).
-    pub fn new(carrier: &'a Carrier, size: f64, uncertainty: f64) -> Self {
+    pub fn new(support: &'a SupportSurface, size: f64, uncertainty: f64) -> Self {
         let uncertainty = uncertainty.min(LOOSEST_SHARE * size);
-        Self { carrier, periods: carrier.periods(), poles: carrier.poles(), size, uncertainty }
+        Self { support, periods: support.periods(), poles: support.poles(), size, uncertainty }
     }
 
     /// The widest gap between two edges that is closed: more where their vertices are one point.
@@ -133,7 +133,7 @@ fn lifted(x: f64, near: f64, period: Option<f64>) -> f64 {
 /// Traces a loop; nothing if it is shorter than a point. `label` counts the edges of the face.
 pub(super) fn trace(ground: &Ground, l: &RawLoop, label: &mut u32) -> Result<Option<Chain>, TrimError> {
     let periods = ground.periods;
-    let mut strands: Vec<Strand> = Vec::new();
+    let mut pcurves: Vec<Pcurve> = Vec::new();
     let mut edges = Vec::new();
     for e in &l.edges {
         for (piece, arc) in e.path.iter().enumerate() {
@@ -141,39 +141,39 @@ pub(super) fn trace(ground: &Ground, l: &RawLoop, label: &mut u32) -> Result<Opt
             let found = follow(ground, arc, trace, (e.entity, *label))?;
             let first = e.vertices.map(|v| v[0]).filter(|_| piece == 0);
             let last = e.vertices.map(|v| v[1]).filter(|_| piece + 1 == e.path.len());
-            strands.extend(found.map(|s| Strand { piece, vertices: [first, last], ..s }));
+            pcurves.extend(found.map(|s| Pcurve { piece, vertices: [first, last], ..s }));
         }
         edges.push(FileEdge { entity: e.entity, label: *label, pieces: pieces_of(&e.path) });
         *label += 1;
     }
-    if strands.is_empty() {
+    if pcurves.is_empty() {
         return Ok(None);
     }
-    // Lift every strand to where the one before ended.
-    let n = strands.len();
-    let start = strands[0].qs[0];
-    let mut end = strands[0].end();
+    // Lift every pcurve to where the one before ended.
+    let n = pcurves.len();
+    let start = pcurves[0].qs[0];
+    let mut end = pcurves[0].end();
     for i in 0..n {
-        let (before, after) = (strands[i].edge, strands[(i + 1) % n].edge);
-        let gap = (strands[i].arc.ends().1 - strands[(i + 1) % n].arc.ends().0).norm();
-        if gap > ground.widest_gap(strands[i].vertices[1], strands[(i + 1) % n].vertices[0]) {
+        let (before, after) = (pcurves[i].edge, pcurves[(i + 1) % n].edge);
+        let gap = (pcurves[i].arc.ends().1 - pcurves[(i + 1) % n].arc.ends().0).norm();
+        if gap > ground.widest_gap(pcurves[i].vertices[1], pcurves[(i + 1) % n].vertices[0]) {
             return Err(TrimError::Gap { before, after, gap });
         }
-        let next = &strands[(i + 1) % n];
+        let next = &pcurves[(i + 1) % n];
         let mut target = [0, 1].map(|k| lifted(next.qs[0][k], end[k], periods[k]));
-        if let (Some(p), Some(_)) = (strands[i].poles[1], next.poles[0]) {
+        if let (Some(p), Some(_)) = (pcurves[i].poles[1], next.poles[0]) {
             let free = 1 - p.axis;
             if let Some(period) = periods[free] {
-                target[free] = end[free] + turn_at_pole(&strands[i], &p, next.qs[0][free] - end[free], period);
+                target[free] = end[free] + turn_at_pole(&pcurves[i], &p, next.qs[0][free] - end[free], period);
             }
-            strands[i].joint = Some(*label);
+            pcurves[i].joint = Some(*label);
             *label += 1;
         }
         if i + 1 == n {
             let winding = [0, 1].map(|k| periods[k].map_or(0, |p| ((target[k] - start[k]) / p).round() as i32));
-            return Ok(Some(Chain { strands, line: None, winding, edges }));
+            return Ok(Some(Chain { pcurves, line: None, winding, edges }));
         }
-        let next = &mut strands[i + 1];
+        let next = &mut pcurves[i + 1];
         let d = [target[0] - next.qs[0][0], target[1] - next.qs[0][1]];
         for q in &mut next.qs {
             *q = [q[0] + d[0], q[1] + d[1]];
@@ -185,8 +185,8 @@ pub(super) fn trace(ground: &Ground, l: &RawLoop, label: &mut u32) -> Result<Opt
 
 /// The step along a pole's side with the material on the left: `difference` up to whole periods, of the sign that the
 /// side of the pole asks for; a full turn if the difference is none.
-fn turn_at_pole(strand: &Strand, pole: &Pole, difference: f64, period: f64) -> f64 {
-    let inner = strand.qs[strand.qs.len() / 2][pole.axis];
+fn turn_at_pole(pcurve: &Pcurve, pole: &Pole, difference: f64, period: f64) -> f64 {
+    let inner = pcurve.qs[pcurve.qs.len() / 2][pole.axis];
     let high = inner < pole.value;
     // Counter-clockwise: along v = low upward in u, u = high upward in v, v = high downward in u, u = low downward in v.
     let upward = (pole.axis == 1) != high;
@@ -200,7 +200,7 @@ fn turn_at_pole(strand: &Strand, pole: &Pole, difference: f64, period: f64) -> f
     }
 }
 
-impl Strand {
+impl Pcurve {
     fn end(&self) -> [f64; 2] {
         self.qs[self.qs.len() - 1]
     }
@@ -253,9 +253,9 @@ fn follow(
     arc: &Arc,
     trace: Option<&PlaneTrace>,
     (edge, label): (u64, u32),
-) -> Result<Option<Strand>, TrimError> {
-    let Ground { carrier, periods, poles, size, .. } = ground;
-    let (carrier, size) = (*carrier, *size);
+) -> Result<Option<Pcurve>, TrimError> {
+    let Ground { support, periods, poles, size, .. } = ground;
+    let (support, size) = (*support, *size);
     let stations = arc.curve.stations(arc.from, arc.to);
     // At least eight intervals on an edge: unwrapping needs steps well below half a period.
     let per = (8 / stations.len().saturating_sub(1).max(1)).clamp(3, 8);
@@ -271,14 +271,14 @@ fn follow(
     }
     let pole_near = |x: &Vec3| poles.iter().find(|p| (p.point - x).norm() <= 10.0 * POINT_SHARE * size).copied();
     let mut qs = vec![[0.0; 2]; n];
-    if let Some(trace) = trace.filter(|t| agrees(carrier, arc, t, size)) {
+    if let Some(trace) = trace.filter(|t| agrees(support, arc, t, size)) {
         // Jumps over a seam are not expected inside a trace.
         for (q, &t) in qs.iter_mut().zip(&ts) {
             *q = trace.at(t);
         }
         let at_poles = [pole_near(&points[0]), pole_near(&points[n - 1])];
-        snap(carrier, &mut qs);
-        return Ok(Some(Strand {
+        snap(support, &mut qs);
+        return Ok(Some(Pcurve {
             edge,
             label,
             piece: 0,
@@ -293,7 +293,7 @@ fn follow(
     }
     let mut guess: Option<[f64; 2]> = None;
     for i in 1..n - 1 {
-        qs[i] = foot_near(carrier, &points[i], guess, periods);
+        qs[i] = foot_near(support, &points[i], guess, periods);
         guess = Some(qs[i]);
     }
     let mut at_poles = [None, None];
@@ -303,22 +303,22 @@ fn follow(
             Some(pole) => {
                 // The direction of arrival: the foot of a point a little before the pole.
                 let t = ts[end] + 1e-3 * (ts[inner] - ts[end]);
-                let mut q = foot_near(carrier, &arc.curve.point(t), Some(qs[inner]), periods);
+                let mut q = foot_near(support, &arc.curve.point(t), Some(qs[inner]), periods);
                 q[pole.axis] = lifted(pole.value, q[pole.axis], periods[pole.axis]);
                 q
             }
-            None => foot_near(carrier, &points[end], Some(qs[inner]), periods),
+            None => foot_near(support, &points[end], Some(qs[inner]), periods),
         };
     }
-    let off: Vec<f64> = points.iter().zip(&qs).map(|(x, q)| (carrier.jet(*q).p - x).norm()).collect();
+    let off: Vec<f64> = points.iter().zip(&qs).map(|(x, q)| (support.jet(*q).p - x).norm()).collect();
     let worst = off.iter().copied().fold(0.0, f64::max);
     if worst > ground.farthest([off[0], off[n - 1]]) || off.iter().any(|d| d.is_nan()) {
         return Err(TrimError::OffSurface { edge, distance: worst });
     }
-    snap(carrier, &mut qs);
+    snap(support, &mut qs);
     let arc = arc.clone();
     let vertices = [None, None];
-    Ok(Some(Strand { edge, label, piece: 0, arc, vertices, trace: None, ts, qs, poles: at_poles, joint: None }))
+    Ok(Some(Pcurve { edge, label, piece: 0, arc, vertices, trace: None, ts, qs, poles: at_poles, joint: None }))
 }
 
 /// Traces this near to their curve are used: a share of the boundary's extent …
@@ -327,14 +327,14 @@ const TRACE_SHARE: f64 = 2e-5;
 const TRACE_FACTOR: f64 = 2.0;
 
 /// Whether a curve of the parameter plane runs with its curve in space.
-fn agrees(carrier: &Carrier, arc: &Arc, trace: &PlaneTrace, size: f64) -> bool {
+fn agrees(support: &SupportSurface, arc: &Arc, trace: &PlaneTrace, size: f64) -> bool {
     if let (Some((a, b)), None) = (trace.curve.domain(), trace.curve.period()) {
         let hair = 1e-9 * (b - a);
         if arc.from.min(arc.to) < a - hair || arc.from.max(arc.to) > b + hair {
             return false;
         }
     }
-    let limits = carrier.limits();
+    let limits = support.limits();
     (0..=8).all(|i| {
         let t = arc.from + (arc.to - arc.from) * f64::from(i) / 8.0;
         let (x, q) = (arc.curve.point(t), trace.at(t));
@@ -344,26 +344,26 @@ fn agrees(carrier: &Carrier, arc: &Arc, trace: &PlaneTrace, size: f64) -> bool {
                 q[k] >= a - hair && q[k] <= b + hair
             })
         });
-        let d = (carrier.jet(q).p - x).norm();
-        let own = || (carrier.jet(carrier.foot(&x, Some(q))).p - x).norm();
+        let d = (support.jet(q).p - x).norm();
+        let own = || (support.jet(support.foot(&x, Some(q))).p - x).norm();
         inside && (d <= TRACE_SHARE * size || d <= TRACE_FACTOR * own())
     })
 }
 
 /// The foot of `x`, lifted to the guess.
-fn foot_near(carrier: &Carrier, x: &Vec3, guess: Option<[f64; 2]>, periods: &[Option<f64>; 2]) -> [f64; 2] {
-    let q = carrier.foot(x, guess);
+fn foot_near(support: &SupportSurface, x: &Vec3, guess: Option<[f64; 2]>, periods: &[Option<f64>; 2]) -> [f64; 2] {
+    let q = support.foot(x, guess);
     match guess {
         Some(g) => [0, 1].map(|k| lifted(q[k], g[k], periods[k])),
         None => q,
     }
 }
 
-/// Feet within rounding of the carrier's own end lie on it: printed coordinates have ten digits or so.
+/// Feet within rounding of the support's own end lie on it: printed coordinates have ten digits or so.
 const ON_LIMIT: f64 = 1e-8;
 
-fn snap(carrier: &Carrier, qs: &mut [[f64; 2]]) {
-    for (k, limit) in carrier.limits().iter().enumerate() {
+fn snap(support: &SupportSurface, qs: &mut [[f64; 2]]) {
+    for (k, limit) in support.limits().iter().enumerate() {
         let Some((a, b)) = *limit else { continue };
         for q in qs.iter_mut() {
             for end in [a, b] {
@@ -378,7 +378,7 @@ fn snap(carrier: &Carrier, qs: &mut [[f64; 2]]) {
 /// Lays chords along a chain in the spline's parameters so that their images stay within `tolerance` of the curves'
 /// feet on the surface.
 pub(super) fn chords(
-    carrier: &Carrier,
+    support: &SupportSurface,
     chain: &Chain,
     map: &[ParameterMap; 2],
     size: f64,
@@ -393,12 +393,12 @@ pub(super) fn chords(
         out.polygon.edge = (*label..).take(n).map(Side::added).collect();
         return Ok(out);
     }
-    let periods = carrier.periods();
-    let mut pieces: Vec<Vec<[f64; 2]>> = Vec::with_capacity(chain.strands.len());
-    let mut places: Vec<Vec<f64>> = Vec::with_capacity(chain.strands.len());
-    for s in &chain.strands {
+    let periods = support.periods();
+    let mut pieces: Vec<Vec<[f64; 2]>> = Vec::with_capacity(chain.pcurves.len());
+    let mut places: Vec<Vec<f64>> = Vec::with_capacity(chain.pcurves.len());
+    for s in &chain.pcurves {
         let (points, at) = (vec![forward(s.qs[0])], vec![s.ts[0]]);
-        let mut w = Walk { carrier, strand: s, map, periods, tolerance, points, at, deviation: 0.0, vain: 0 };
+        let mut w = Walk { support, pcurve: s, map, periods, tolerance, points, at, deviation: 0.0, vain: 0 };
         w.over(0, s.ts.len() - 1)?;
         out.deviation = w.deviation.max(out.deviation);
         pieces.push(w.points);
@@ -408,12 +408,12 @@ pub(super) fn chords(
     let n = pieces.len();
     let whole: [f64; 2] = [0, 1].map(|k| periods[k].unwrap_or(0.0) * f64::from(chain.winding[k]));
     for i in 0..n {
-        let s = &chain.strands[i];
+        let s = &chain.pcurves[i];
         let j = (i + 1) % n;
         let lift = if j == 0 { whole } else { [0.0; 2] };
         let (Some(&a), Some(&b)) = (pieces[i].last(), pieces[j].first()) else { continue };
         let b = [b[0] + lift[0], b[1] + lift[1]];
-        if s.joint.is_none() && distance(carrier, s.end(), a, b, map) <= WELD_SHARE * size {
+        if s.joint.is_none() && distance(support, s.end(), a, b, map) <= WELD_SHARE * size {
             let m = [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])];
             if let Some(last) = pieces[i].last_mut() {
                 *last = m;
@@ -424,7 +424,7 @@ pub(super) fn chords(
         }
     }
     for (i, points) in pieces.iter().enumerate() {
-        let s = &chain.strands[i];
+        let s = &chain.pcurves[i];
         let j = (i + 1) % n;
         let lift = if j == 0 { whole } else { [0.0; 2] };
         let Some((last, body)) = points.split_last() else { continue };
@@ -436,7 +436,7 @@ pub(super) fn chords(
         if !welded {
             out.polygon.points.push(*last);
             if s.joint.is_none() {
-                let gap = (s.arc.ends().1 - chain.strands[j].arc.ends().0).norm();
+                let gap = (s.arc.ends().1 - chain.pcurves[j].arc.ends().0).norm();
                 out.deviation = out.deviation.max(gap);
             }
             // A gap that is closed by a chord belongs to the end of the edge before.
@@ -451,15 +451,15 @@ pub(super) fn chords(
 }
 
 /// Length in space of a short step between the spline parameters `a` and `b`, to first order at the natural `q`.
-fn distance(carrier: &Carrier, q: [f64; 2], a: [f64; 2], b: [f64; 2], map: &[ParameterMap; 2]) -> f64 {
-    let j = carrier.jet(q);
+fn distance(support: &SupportSurface, q: [f64; 2], a: [f64; 2], b: [f64; 2], map: &[ParameterMap; 2]) -> f64 {
+    let j = support.jet(q);
     (j.du * (map[0].inverse(a[0]).1 * (b[0] - a[0])) + j.dv * (map[1].inverse(a[1]).1 * (b[1] - a[1]))).norm()
 }
 
-/// The state of laying chords along one strand.
+/// The state of laying chords along one pcurve.
 struct Walk<'a> {
-    carrier: &'a Carrier,
-    strand: &'a Strand,
+    support: &'a SupportSurface,
+    pcurve: &'a Pcurve,
     map: &'a [ParameterMap; 2],
     periods: [Option<f64>; 2],
     tolerance: f64,
@@ -478,7 +478,7 @@ impl Walk<'_> {
 
     /// Chords between samples `i` and `j`.
     fn over(&mut self, i: usize, j: usize) -> Result<(), TrimError> {
-        let s = self.strand;
+        let s = self.pcurve;
         if j == i + 1 {
             return self.between((s.ts[i], s.qs[i]), (s.ts[j], s.qs[j]), 0);
         }
@@ -511,12 +511,12 @@ impl Walk<'_> {
             let f = 0.25 * k;
             let t = p.0 + f * (q.0 - p.0);
             let guess = [0, 1].map(|k| p.1[k] + f * (q.1[k] - p.1[k]));
-            let foot = match &self.strand.trace {
+            let foot = match &self.pcurve.trace {
                 Some(trace) => {
                     let q = trace.at(t);
                     [0, 1].map(|k| lifted(q[k], guess[k], self.periods[k]))
                 }
-                None => foot_near(self.carrier, &self.strand.arc.curve.point(t), Some(guess), &self.periods),
+                None => foot_near(self.support, &self.pcurve.arc.curve.point(t), Some(guess), &self.periods),
             };
             let (d, total) = self.deviation_of(t, foot, a, b);
             worst = worst.max(d);
@@ -541,7 +541,7 @@ impl Walk<'_> {
     /// Distance in space from the foot `q` to the chord's image, and from the curve's own point to it; both to first
     /// order at the foot.
     fn deviation_of(&self, t: f64, q: [f64; 2], a: [f64; 2], b: [f64; 2]) -> (f64, f64) {
-        let j = self.carrier.jet(q);
+        let j = self.support.jet(q);
         let m = self.forward(q);
         let (du, dv) = (j.du * self.map[0].inverse(m[0]).1, j.dv * self.map[1].inverse(m[1]).1);
         let chord = du * (b[0] - a[0]) + dv * (b[1] - a[1]);
@@ -549,7 +549,7 @@ impl Walk<'_> {
         let along = chord.norm_squared();
         let s = if along > 0.0 { (offset.dot(&chord) / along).clamp(0.0, 1.0) } else { 0.0 };
         let off = offset - chord * s;
-        let total = (self.strand.arc.curve.point(t) - j.p + off).norm();
+        let total = (self.pcurve.arc.curve.point(t) - j.p + off).norm();
         (off.norm(), total)
     }
 }
@@ -576,16 +576,16 @@ mod tests {
         }
         let ku = Knots::new(2, vec![0., 0., 0., 1., 1., 2., 2., 3., 3., 4., 4., 4.], 9).expect("knots");
         let kv = Knots::clamped(1, &[0., 1.]).expect("knots");
-        let carrier =
-            Carrier::Spline(SplineCarrier::new(Surface::new(ku, kv, &points, Some(&weights)).expect("surface")));
-        let size = 1e-6 * carrier.size();
-        let ground = Ground::new(&carrier, size, 0.0);
+        let support =
+            SupportSurface::Spline(SplineCarrier::new(Surface::new(ku, kv, &points, Some(&weights)).expect("surface")));
+        let size = 1e-6 * support.size();
+        let ground = Ground::new(&support, size, 0.0);
         let frame = Frame { origin: Vec3::new(0.0, 0.0, 3.0), ..Frame::world() };
         let arc = Arc { curve: SpaceCurve::Ellipse { frame, a: 2.0, b: 2.0 }, from: -0.7, to: 0.7 };
-        let strand = follow(&ground, &arc, None, (1, 0)).expect("near the surface").expect("a curve");
-        let chain = Chain { strands: vec![strand], line: None, winding: [0, 0], edges: Vec::new() };
+        let pcurve = follow(&ground, &arc, None, (1, 0)).expect("near the surface").expect("a curve");
+        let chain = Chain { pcurves: vec![pcurve], line: None, winding: [0, 0], edges: Vec::new() };
         let same = [ParameterMap::Same, ParameterMap::Same];
-        let found = chords(&carrier, &chain, &same, size, 1e-5 * size).expect("chords").polygon.points.len();
+        let found = chords(&support, &chain, &same, size, 1e-5 * size).expect("chords").polygon.points.len();
         assert!(found > VAIN, "the feet do not scatter: {found} chords");
         assert!(found < 16 * VAIN, "{found} chords");
     }

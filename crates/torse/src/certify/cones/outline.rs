@@ -7,7 +7,7 @@
 //! a foot of the region; a foot off the paths is enclosed by the edges, because the map does not fold \[LP98\].
 
 use super::matching::{matched, Passed, Ring};
-use super::side::{off_ruling, side, speed, Carrier, EdgeCurve, Ground, Side, SidePiece};
+use super::side::{off_ruling, side, speed, EdgeCurve, Ground, Side, SidePiece, SupportSurface};
 use super::{ConeProof, Prepared, ROUNDING};
 use crate::certify::boundary::clamped;
 use crate::certify::claim::UpperBound;
@@ -108,7 +108,8 @@ pub fn outline(
     let nothing = UpperBound::shown(0.0);
     let joints = UpperBound::shown(joints_off(part, spline, &faces)?);
     let mut out = OutlineProof { bound: proof.lines_bound(), path: nothing, edges: joints };
-    let carriers: Vec<Carrier> = part.faces.iter().map(|f| carrier(f.segment, spline, &f.blank.segment)).collect();
+    let carriers: Vec<SupportSurface> =
+        part.faces.iter().map(|f| carrier(f.segment, spline, &f.blank.segment)).collect();
     let loops = part.outline();
     if loops.len() != region.loops.len() {
         return Err(OutlineFault::Loops { found: loops.len(), wanted: region.loops.len() });
@@ -223,10 +224,10 @@ fn joints_off(part: &ConePart, spline: &ConeSpline, faces: &[[Option<usize>; 2]]
 }
 
 /// What a piece is cut from: the carrier of its blank between the joints of its segment.
-fn carrier(segment: usize, spline: &ConeSpline, blank: &crate::torse::cone::spline::Segment) -> Carrier {
+fn carrier(segment: usize, spline: &ConeSpline, blank: &crate::torse::cone::spline::Segment) -> SupportSurface {
     let front = (segment > 0).then_some(blank.start);
     let back = spline.segments.get(segment + 1).map(|s| s.start);
-    Carrier { prepared: Prepared::new(blank), front, back }
+    SupportSurface { prepared: Prepared::new(blank), front, back }
 }
 
 /// The edges of a loop with their senses and the joints at which they end. `None` for edges that do not exist, or whose

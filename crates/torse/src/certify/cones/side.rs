@@ -54,7 +54,7 @@ pub(super) struct Side {
 }
 
 /// A carrier with the normal planes of its joints (`None` at the ends of the chain).
-pub(super) struct Carrier {
+pub(super) struct SupportSurface {
     pub prepared: Prepared,
     pub front: Option<G1Element>,
     pub back: Option<G1Element>,
@@ -70,7 +70,7 @@ struct Enclosed {
 }
 
 /// Bounds one piece; `None` where nothing can be said.
-pub(super) fn side(ground: &Ground, carrier: &Carrier, piece: &SidePiece) -> Option<Side> {
+pub(super) fn side(ground: &Ground, carrier: &SupportSurface, piece: &SidePiece) -> Option<Side> {
     let (x, slack) = boundary(ground, piece.border.0, piece.border.1)?;
     let y = piece.edge.0.enclosed(piece.edge.1);
     let p = &carrier.prepared;

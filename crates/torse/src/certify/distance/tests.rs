@@ -152,7 +152,7 @@ fn feet_outside_the_torse_are_not_accepted() {
     let short = curve(&Knots::clamped(3, &[-0.3, 1.0]).expect("knots"), &|t| p.profile().point(t));
     let p = PrimalTorse::new(p.frame, short, p.beta());
     let j = judged(&s, &Torse::Primal(p), &grid(&s, 3, 3), 1.0);
-    assert!(matches!(j.verdict, Verdict::Undecided { reason: Resistance::Foot, .. }), "{j:?}");
+    assert!(matches!(j.verdict, Verdict::Undecided { reason: Obstruction::Foot, .. }), "{j:?}");
 }
 
 #[test]

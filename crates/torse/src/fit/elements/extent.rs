@@ -11,7 +11,7 @@ use crate::fit::near::power_form::Sheet;
 use crate::fit::near::samples::Fit;
 use crate::geom::Vec3;
 use crate::spline::pieces::Pieces;
-use crate::torse::contact::PlaneElement;
+use crate::torse::contact::ContactElement;
 use crate::torse::convert::{parameters, patch, Extent};
 use crate::torse::dual::DualCurve;
 use crate::torse::form::{PanelKind, Ruling, Torse};
@@ -21,7 +21,7 @@ use crate::torse::strip::Strip;
 ///
 /// # Errors
 /// See [`ExtentError`].
-pub fn strip(name: &str, fit: &Fit, elements: &[PlaneElement]) -> Result<Strip, ExtentError> {
+pub fn strip(name: &str, fit: &Fit, elements: &[ContactElement]) -> Result<Strip, ExtentError> {
     let border = border(&fit.torse, fit.error, elements)?;
     let whole = patch(&fit.torse, &Extent { loops: vec![border.clone()] })?;
     let (a, b) = border.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), p| (a.min(p.0), b.max(p.0)));
@@ -39,7 +39,7 @@ const EXCESS: f64 = 0.3;
 /// The strip of a torse of type (3) for the elements that it was fitted to, between two planes square to the x-axis
 /// of its frame: its rails are polynomials of the degree of the planes \[PW99, Corollary 3\]. `None` where such planes
 /// leave much of the strip over, or there is no strip. `error` (mm) is the distance of the torse from the elements.
-pub fn strip_by_slope(name: &str, found: &Sloped, error: f64, elements: &[PlaneElement]) -> Option<Strip> {
+pub fn strip_by_slope(name: &str, found: &Sloped, error: f64, elements: &[ContactElement]) -> Option<Strip> {
     let curve = continued(&found.curve)?;
     let torse = Torse::Dual(curve.to_world(&found.frame).ok()?.to_torse());
     let border = border(&torse, error, elements).ok()?;
@@ -77,7 +77,7 @@ fn continued(curve: &DualCurve) -> Option<DualCurve> {
 }
 
 /// Ends of the rulings of a torse for the elements: all first ends, then all second ones, with their parameters.
-fn border(torse: &Torse, error: f64, elements: &[PlaneElement]) -> Result<Vec<(f64, Vec3)>, ExtentError> {
+fn border(torse: &Torse, error: f64, elements: &[ContactElement]) -> Result<Vec<(f64, Vec3)>, ExtentError> {
     let sheet = Sheet::of(torse).ok_or(ExtentError::Few(0))?;
     let mut sides: [Vec<(f64, Vec3)>; 2] = [Vec::new(), Vec::new()];
     for e in elements {
@@ -116,7 +116,7 @@ fn border(torse: &Torse, error: f64, elements: &[PlaneElement]) -> Result<Vec<(f
 }
 
 /// Distance of an element from a ruling: end by end, or as planes over the region.
-fn off(r: &Ruling, e: &PlaneElement) -> f64 {
+fn off(r: &Ruling, e: &ContactElement) -> f64 {
     if e.has_ruling() {
         e.ends.map(|x| (x - r.point).cross(&r.direction).norm()).iter().fold(0.0, |a, b| a.max(*b))
     } else {

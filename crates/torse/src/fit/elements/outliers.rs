@@ -9,7 +9,7 @@
 use super::sequence::{axes, data, distance, knots_wanted, parameters, RowOptions};
 use crate::fit::planes::correction::{joint, JointOptions};
 use crate::geom::Vec3;
-use crate::torse::contact::PlaneElement;
+use crate::torse::contact::ContactElement;
 
 /// Elements of a part of a row without which no fit is looked at.
 const FEWEST: usize = 8;
@@ -26,7 +26,7 @@ pub const MOST: f64 = 0.25;
 /// [`MOST`] of the row.
 ///
 /// *Input*: usable elements, neighbours oriented alike; `tolerance` in mm.
-pub fn outliers(elements: &[PlaneElement], tolerance: f64) -> Vec<usize> {
+pub fn outliers(elements: &[ContactElement], tolerance: f64) -> Vec<usize> {
     let mut out = Vec::new();
     search(elements, 0, tolerance, &mut out);
     if out.len() as f64 > MOST * elements.len() as f64 {
@@ -36,7 +36,7 @@ pub fn outliers(elements: &[PlaneElement], tolerance: f64) -> Vec<usize> {
 }
 
 /// Looks through a part of a row that begins at `from`, in halves where planes turn too far for one fit.
-fn search(elements: &[PlaneElement], from: usize, tolerance: f64, out: &mut Vec<usize>) {
+fn search(elements: &[ContactElement], from: usize, tolerance: f64, out: &mut Vec<usize>) {
     if elements.len() < FEWEST {
         return;
     }
@@ -53,15 +53,15 @@ fn search(elements: &[PlaneElement], from: usize, tolerance: f64, out: &mut Vec<
 }
 
 /// Distances of the elements from a robust fit, mm, with its trust in them.
-fn distances(elements: &[PlaneElement], tolerance: f64) -> Option<Vec<(f64, f64)>> {
+fn distances(elements: &[ContactElement], tolerance: f64) -> Option<Vec<(f64, f64)>> {
     let normals: Vec<Vec3> = elements.iter().map(|e| e.normal).collect();
     let along = parameters(elements)?;
-    let frame = axes(&normals, elements.iter().map(PlaneElement::centre))?;
+    let frame = axes(&normals, elements.iter().map(ContactElement::centre))?;
     let data = data(elements, &along, &frame)?;
     let wanted = knots_wanted(elements.len(), &RowOptions { robust: true, ..RowOptions::new(tolerance) });
     let few = crate::fit::planes::knot_choice::planes_within(&data, &wanted).ok()?;
     let found = joint(&data, few.curve.knots(), &wanted.fit, &JointOptions::default()).ok()?;
-    let far = |(e, t): (&PlaneElement, &f64)| {
+    let far = |(e, t): (&ContactElement, &f64)| {
         let [u0, u1, u2, _] = found.fit.curve.planes().point(*t);
         // The plane z = u0 + u1 x + u2 y of the frame, as n·X = h in the world.
         let local = Vec3::new(-u1, -u2, 1.0);
@@ -76,7 +76,7 @@ mod tests {
     use super::*;
 
     /// Tangent planes of a cone, some of them lifted.
-    fn cone(lifted: &[usize]) -> Vec<PlaneElement> {
+    fn cone(lifted: &[usize]) -> Vec<ContactElement> {
         (0..40)
             .map(|i| {
                 let ((s, c), (p, q)) = ((0.03 * i as f64 - 0.6).sin_cos(), 0.5_f64.sin_cos());
@@ -84,7 +84,7 @@ mod tests {
                 let ray = Vec3::new(p * c, p * s, q);
                 let lift = if lifted.contains(&i) { 6.0 } else { 0.0 };
                 let ends = [400.0, 900.0].map(|r| ray * r + normal * lift);
-                PlaneElement { normal, ends, radius: 50.0, weight: 1.0 }
+                ContactElement { normal, ends, radius: 50.0, weight: 1.0 }
             })
             .collect()
     }

@@ -22,7 +22,7 @@ use crate::geom::measure::{LineMeasure, Measure};
 use crate::geom::{Frame, Vec3};
 use crate::spline::knots::Knots;
 use crate::spline::pieces::Pieces;
-use crate::torse::contact::PlaneElement;
+use crate::torse::contact::ContactElement;
 use crate::torse::dual::{graph_in, plane_through, DualCurve};
 use crate::torse::form::{DualTorse, PanelKind, Torse};
 use crate::torse::zone::RegressionLimits;
@@ -78,7 +78,7 @@ const FEWEST: usize = 4;
 /// Torses for the runs of a row, greedily as long as can be. Every element belongs to a piece.
 ///
 /// *Input*: usable elements, neighbours oriented alike.
-pub fn row(elements: &[PlaneElement], options: &RowOptions) -> Vec<RowPiece> {
+pub fn row(elements: &[ContactElement], options: &RowOptions) -> Vec<RowPiece> {
     let mut out: Vec<RowPiece> = Vec::new();
     for (range, hopeless) in stretches(elements, options) {
         if hopeless {
@@ -92,7 +92,7 @@ pub fn row(elements: &[PlaneElement], options: &RowOptions) -> Vec<RowPiece> {
 
 /// Stretches of a row, and whether limits of the regression curve leave nothing of them: a strip that keeps to the limits
 /// does so on every part, so that where short runs have fits but none within the limits, longer ones have none either.
-fn stretches(elements: &[PlaneElement], options: &RowOptions) -> Vec<(std::ops::Range<usize>, bool)> {
+fn stretches(elements: &[ContactElement], options: &RowOptions) -> Vec<(std::ops::Range<usize>, bool)> {
     let whole = || vec![(0..elements.len(), false)];
     if options.limits.is_none() || elements.len() <= FEWEST || !torses(elements, options).is_empty() {
         return whole();
@@ -115,7 +115,7 @@ fn stretches(elements: &[PlaneElement], options: &RowOptions) -> Vec<(std::ops::
 }
 
 /// Pieces of a stretch of a row.
-fn greedy(elements: &[PlaneElement], range: std::ops::Range<usize>, options: &RowOptions, out: &mut Vec<RowPiece>) {
+fn greedy(elements: &[ContactElement], range: std::ops::Range<usize>, options: &RowOptions, out: &mut Vec<RowPiece>) {
     // Bisections of a run: its length is then within a thirtieth of the longest.
     const STEPS: usize = 5;
     let mut from = range.start;
@@ -148,10 +148,10 @@ fn greedy(elements: &[PlaneElement], range: std::ops::Range<usize>, options: &Ro
 /// Torses within the tolerance of all elements, the nearest first; empty where nothing fits.
 ///
 /// *Input*: as for [`row`].
-pub fn torses(elements: &[PlaneElement], options: &RowOptions) -> Vec<Fit> {
+pub fn torses(elements: &[ContactElement], options: &RowOptions) -> Vec<Fit> {
     let mut out = Vec::new();
     let samples = samples(elements);
-    let rulings = elements.iter().all(PlaneElement::has_ruling);
+    let rulings = elements.iter().all(ContactElement::has_ruling);
     if rulings && options.polishes() {
         out.extend(primal(&samples, &PrimalOptions::new(0.5 * options.tolerance)));
     }
@@ -213,7 +213,7 @@ pub fn torses(elements: &[PlaneElement], options: &RowOptions) -> Vec<Fit> {
 
 /// Whether rulings of a torse run near given ones, and not only the points on them: nearly plane pieces follow points
 /// with rulings of any direction.
-fn follows(torse: &Torse, elements: &[PlaneElement], tolerance: f64) -> bool {
+fn follows(torse: &Torse, elements: &[ContactElement], tolerance: f64) -> bool {
     // Rulings are proven part by part; where ends are farther off than so many tolerances, parts are too.
     const CROSSING: f64 = 32.0;
     let Some(sheet) = crate::fit::near::power_form::Sheet::of(torse) else { return false };
@@ -227,28 +227,28 @@ fn follows(torse: &Torse, elements: &[PlaneElement], tolerance: f64) -> bool {
 }
 
 /// What a strip for the elements reaches: both ends of rulings, or regions around planes.
-fn reaches(elements: &[PlaneElement]) -> Vec<Reach> {
-    let reach = |e: &PlaneElement| if e.has_ruling() { 0.0 } else { e.radius };
+fn reaches(elements: &[ContactElement]) -> Vec<Reach> {
+    let reach = |e: &ContactElement| if e.has_ruling() { 0.0 } else { e.radius };
     elements.iter().flat_map(|e| e.ends.map(|x| (x, reach(e)))).collect()
 }
 
 /// The nearest torse found whose regression curve keeps to the limits, by the convex program, over more and more knots
 /// until it is within the tolerance.
-fn controlled_by_slope(elements: &[PlaneElement], limits: &RegressionLimits, options: &RowOptions) -> Option<Fit> {
+fn controlled_by_slope(elements: &[ContactElement], limits: &RegressionLimits, options: &RowOptions) -> Option<Fit> {
     let (data, frame) = slope_data(elements)?;
-    let places = |e: &PlaneElement, t: f64| {
+    let places = |e: &ContactElement, t: f64| {
         e.ends.map(|x| (t, (frame.to_local(&x), if e.has_ruling() { 0.0 } else { e.radius })))
     };
     let places: Vec<(f64, Reach)> =
         elements.iter().zip(&data.planes).flat_map(|(e, d)| places(e, d.parameter)).collect();
     let start = planes_within(&data.planes, &knots_wanted(elements.len(), options)).ok()?;
     controlled_fit(&data, &frame, places, start.curve.knots().clone(), limits, options, |torse| {
-        if elements.iter().all(PlaneElement::has_ruling) {
+        if elements.iter().all(ContactElement::has_ruling) {
             return error(torse, &samples(elements));
         }
         let Torse::Dual(d) = torse else { return None };
         let (a, b) = d.planes.domain();
-        let far = |e: &PlaneElement| {
+        let far = |e: &ContactElement| {
             // The nearest of the planes: the parameter is a slope, which noise moves.
             let at = |t: f64| {
                 let u = d.planes.jet(t)[0];
@@ -319,7 +319,7 @@ fn controlled_fit(
 }
 
 /// Points of the rulings of a row with their normals, for fits of points.
-pub fn samples(elements: &[PlaneElement]) -> Vec<Sample> {
+pub fn samples(elements: &[ContactElement]) -> Vec<Sample> {
     // Enough for a straight line on a surface that is ruled nearly the same way.
     const ALONG: usize = 5;
     let mut out = Vec::with_capacity(ALONG * elements.len());
@@ -333,7 +333,7 @@ pub fn samples(elements: &[PlaneElement]) -> Vec<Sample> {
 }
 
 /// Largest distance of an element's region from a plane `n·X = h`, over its ends and radius, mm.
-pub(crate) fn distance(e: &PlaneElement, n: &Vec3, h: f64) -> f64 {
+pub(crate) fn distance(e: &ContactElement, n: &Vec3, h: f64) -> f64 {
     let n = n.normalize();
     let ends = e.ends.map(|x| (n.dot(&x) - h).abs());
     // In the element's plane the distance is linear; its slope is the sine of the angle between the planes. A ruling
@@ -350,7 +350,7 @@ pub fn controlled_of_cloud(
     options: &RowOptions,
 ) -> Option<Fit> {
     let (elements, frame) = sloped(samples, radius)?;
-    let elements: Vec<PlaneElement> = elements.into_iter().map(|e| e.1).collect();
+    let elements: Vec<ContactElement> = elements.into_iter().map(|e| e.1).collect();
     let mut data = SlopeData { planes: data(&elements, &vec![0.0; elements.len()], &frame)?, ..SlopeData::default() };
     data.planes.iter_mut().for_each(|d| d.parameter = d.plane[2]);
     let places = (elements.iter().zip(&data.planes)).map(|(e, d)| (d.parameter, (frame.to_local(&e.centre()), radius)));
@@ -366,14 +366,14 @@ pub fn keeps_limits(torse: &Torse, samples: &[Sample], radius: f64, limits: &Reg
 }
 
 /// Estimates as planes with their slopes, in increasing order, and the axes of these.
-fn sloped(samples: &[Sample], radius: f64) -> Option<(Vec<(f64, PlaneElement)>, Frame)> {
+fn sloped(samples: &[Sample], radius: f64) -> Option<(Vec<(f64, ContactElement)>, Frame)> {
     let normals: Vec<Vec3> = samples.iter().map(|s| s.n).collect();
     let frame = axes(&normals, samples.iter().map(|s| s.x))?;
-    let mut sloped: Vec<(f64, PlaneElement)> = samples
+    let mut sloped: Vec<(f64, ContactElement)> = samples
         .iter()
         .map(|s| {
             let n = frame.vector_to_local(&s.n);
-            (-n.y / n.z, PlaneElement { normal: s.n, ends: [s.x; 2], radius, weight: 1.0 })
+            (-n.y / n.z, ContactElement { normal: s.n, ends: [s.x; 2], radius, weight: 1.0 })
         })
         .collect();
     sloped.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -388,7 +388,7 @@ pub fn dual_of_cloud(samples: &[Sample], radius: f64, options: &RowOptions) -> O
     const CORRECTIONS: usize = 3;
     let (sloped, frame) = sloped(samples, radius)?;
     let (a, b) = (sloped.first()?.0, sloped.last()?.0);
-    let elements: Vec<PlaneElement> = sloped.iter().map(|s| s.1).collect();
+    let elements: Vec<ContactElement> = sloped.iter().map(|s| s.1).collect();
     let parameters: Vec<f64> = sloped.iter().map(|s| (s.0 - a) / (b - a)).collect();
     if parameters.iter().any(|t| !t.is_finite()) {
         return None;
@@ -424,8 +424,8 @@ pub(crate) fn knots_wanted(count: usize, options: &RowOptions) -> KnotOptions {
 impl KnotOptions {
     /// Keeps the first and the last plane of a row and, where they are known, the rulings in them: the next control
     /// planes go through these \[PW99, 4.2\]. `None` if a ruling is square to the ground plan.
-    pub(crate) fn keep_ends(&mut self, elements: &[PlaneElement], data: &[PlaneDatum], frame: &Frame) -> Option<()> {
-        let condition = |e: &PlaneElement, d: &PlaneDatum| -> Option<Vec<(usize, Freedom<3>)>> {
+    pub(crate) fn keep_ends(&mut self, elements: &[ContactElement], data: &[PlaneDatum], frame: &Frame) -> Option<()> {
+        let condition = |e: &ContactElement, d: &PlaneDatum| -> Option<Vec<(usize, Freedom<3>)>> {
             let mut out = vec![(0, Freedom::Fixed(d.plane))];
             if e.has_ruling() {
                 let [p, q] = e.ends.map(|x| frame.to_local(&x));
@@ -446,10 +446,10 @@ impl KnotOptions {
 
 /// A cubic dual torse near a row by `F1` with joint correction, on a domain that reaches beyond its ends, with the
 /// distances of all elements. `None` where the planes are no graphs over one plane, or turn back.
-pub fn dual_of_row(elements: &[PlaneElement], options: &RowOptions) -> Option<(Torse, Vec<f64>)> {
+pub fn dual_of_row(elements: &[ContactElement], options: &RowOptions) -> Option<(Torse, Vec<f64>)> {
     let normals: Vec<Vec3> = elements.iter().map(|e| e.normal).collect();
     let parameters = parameters(elements)?;
-    let axes = axes(&normals, elements.iter().map(PlaneElement::centre))?;
+    let axes = axes(&normals, elements.iter().map(ContactElement::centre))?;
     let frame = slope_frame(&normals, &axes).unwrap_or(axes);
     let data = data(elements, &parameters, &frame)?;
     let mut wanted = knots_wanted(elements.len(), options);
@@ -477,7 +477,7 @@ pub fn dual_of_row(elements: &[PlaneElement], options: &RowOptions) -> Option<(T
 
 /// A cubic dual torse of type (3) near a row of rulings with planes by `F3`, where the slope of the planes increases
 /// along the row. The rulings themselves count, not only their planes.
-fn dual_by_slope(elements: &[PlaneElement], options: &RowOptions) -> Option<DualTorse> {
+fn dual_by_slope(elements: &[ContactElement], options: &RowOptions) -> Option<DualTorse> {
     let (data, frame) = slope_data(elements)?;
     // As many knots as the planes need.
     let few = planes_within(&data.planes, &knots_wanted(elements.len(), options)).ok()?;
@@ -487,11 +487,11 @@ fn dual_by_slope(elements: &[PlaneElement], options: &RowOptions) -> Option<Dual
 }
 
 /// Planes, and rulings where they are known, by the slope of the planes, in axes in which it increases along the row.
-pub(crate) fn slope_data(elements: &[PlaneElement]) -> Option<(SlopeData, Frame)> {
+pub(crate) fn slope_data(elements: &[ContactElement]) -> Option<(SlopeData, Frame)> {
     // Rulings against planes: lengths in the ground plan times this share of the range of slopes are heights.
     const SHARE: f64 = 0.25;
     let normals: Vec<Vec3> = elements.iter().map(|e| e.normal).collect();
-    let axes = axes(&normals, elements.iter().map(PlaneElement::centre))?;
+    let axes = axes(&normals, elements.iter().map(ContactElement::centre))?;
     let frame = slope_frame(&normals, &axes)?;
     let mut out = SlopeData { planes: data(elements, &vec![0.0; elements.len()], &frame)?, ..SlopeData::default() };
     out.planes.iter_mut().for_each(|d| d.parameter = d.plane[2]);
@@ -508,7 +508,7 @@ pub(crate) fn slope_data(elements: &[PlaneElement]) -> Option<(SlopeData, Frame)
 }
 
 /// Parameters in [0, 1]: shares of the way along the row and of the turn of its normals.
-pub(crate) fn parameters(elements: &[PlaneElement]) -> Option<Vec<f64>> {
+pub(crate) fn parameters(elements: &[ContactElement]) -> Option<Vec<f64>> {
     // Even rows that neither move nor turn somewhere get distinct parameters.
     const EVEN: f64 = 1e-3;
     let (mut way, mut turn) = (vec![0.0], vec![0.0]);
@@ -528,7 +528,7 @@ pub(crate) fn parameters(elements: &[PlaneElement]) -> Option<Vec<f64>> {
 }
 
 /// The data of `F1` in a frame.
-pub(crate) fn data(elements: &[PlaneElement], parameters: &[f64], frame: &Frame) -> Option<Vec<PlaneDatum>> {
+pub(crate) fn data(elements: &[ContactElement], parameters: &[f64], frame: &Frame) -> Option<Vec<PlaneDatum>> {
     let mut out = Vec::with_capacity(elements.len());
     for (i, (e, &parameter)) in elements.iter().zip(parameters).enumerate() {
         let plane = graph_in(frame, &plane_through(&e.centre(), &e.normal), i).ok()?;
@@ -563,14 +563,14 @@ mod tests {
     use super::*;
 
     /// Rulings of the tangent surface of a helix, moved out along the tangents.
-    fn helix(count: usize, turn: f64) -> Vec<PlaneElement> {
+    fn helix(count: usize, turn: f64) -> Vec<ContactElement> {
         (0..count)
             .map(|i| {
                 let t = turn * i as f64 / (count - 1) as f64;
                 let c = Vec3::new(500.0 * t.cos(), 500.0 * t.sin(), 300.0 * t);
                 let d = Vec3::new(-500.0 * t.sin(), 500.0 * t.cos(), 300.0).normalize();
                 let n = d.cross(&Vec3::new(-t.cos(), -t.sin(), 0.0)).normalize();
-                PlaneElement { normal: n, ends: [c + d * 200.0, c + d * 500.0], radius: 30.0, weight: 1.0 }
+                ContactElement { normal: n, ends: [c + d * 200.0, c + d * 500.0], radius: 30.0, weight: 1.0 }
             })
             .collect()
     }
@@ -585,8 +585,8 @@ mod tests {
 
     #[test]
     fn planes_alone_are_met_over_their_regions() {
-        let planes: Vec<PlaneElement> =
-            helix(40, 1.0).into_iter().map(|e| PlaneElement { ends: [e.centre(); 2], radius: 150.0, ..e }).collect();
+        let planes: Vec<ContactElement> =
+            helix(40, 1.0).into_iter().map(|e| ContactElement { ends: [e.centre(); 2], radius: 150.0, ..e }).collect();
         let out = row(&planes, &RowOptions::new(0.1));
         assert_eq!(out.len(), 1);
         assert!(out[0].fits[0].error <= 0.1, "{:?}", out[0].fits[0].error);

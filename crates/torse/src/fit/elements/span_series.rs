@@ -18,7 +18,7 @@ use crate::fit::planes::rulings::{slope_fit, SlopeData, SlopeOptions};
 use crate::geom::{Frame, Vec3};
 use crate::spline::knots::Knots;
 use crate::spline::pieces::Pieces;
-use crate::torse::contact::PlaneElement;
+use crate::torse::contact::ContactElement;
 use crate::torse::dual::DualCurve;
 use crate::torse::form::{PanelKind, Torse};
 
@@ -110,10 +110,10 @@ impl PlaneSeries {
     /// The row made ready; `None` where its planes are no graphs over one plane, or do not move.
     ///
     /// *Input*: usable elements, neighbours oriented alike; smoothing and kept ends of the options count.
-    pub fn of(elements: &[PlaneElement], wanted: &RowOptions) -> Option<Self> {
+    pub fn of(elements: &[ContactElement], wanted: &RowOptions) -> Option<Self> {
         let normals: Vec<Vec3> = elements.iter().map(|e| e.normal).collect();
         let along = parameters(elements)?;
-        let axes = axes(&normals, elements.iter().map(PlaneElement::centre))?;
+        let axes = axes(&normals, elements.iter().map(ContactElement::centre))?;
         let frame = slope_frame(&normals, &axes).unwrap_or(axes);
         let mut data = data(elements, &along, &frame)?;
         let mut options = knots_wanted(elements.len(), wanted);
@@ -126,7 +126,7 @@ impl PlaneSeries {
             d.parameter = *t;
         }
         let bending = Bending::of(&better.fit.curve, sizes(&data))?;
-        let samples = elements.iter().all(PlaneElement::has_ruling).then(|| samples(elements));
+        let samples = elements.iter().all(ContactElement::has_ruling).then(|| samples(elements));
         Some(Self { samples, data, frame, bending, options, polishes: wanted.polishes() })
     }
 
@@ -169,7 +169,7 @@ impl SlopeSeries {
     /// The row made ready; `None` where slopes do not increase along it.
     ///
     /// *Input*: as [`PlaneSeries::of`].
-    pub fn of(elements: &[PlaneElement], wanted: &RowOptions) -> Option<Self> {
+    pub fn of(elements: &[ContactElement], wanted: &RowOptions) -> Option<Self> {
         let (data, frame) = slope_data(elements)?;
         let along: Vec<f64> = data.planes.iter().map(|d| d.parameter).collect();
         let options = SlopeOptions { smoothing: wanted.smoothing, ..SlopeOptions::default() };

@@ -361,7 +361,7 @@ fn seam_distance(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::brep::support_surface::Carrier;
+    use crate::brep::support_surface::SupportSurface;
     use crate::fit::seams::base_line;
     use crate::geom::Frame;
     use crate::spline::field::Field;
@@ -370,7 +370,7 @@ mod tests {
 
     /// Zones of a sphere about the equator: seams between parallels, samples between them.
     fn zones(levels: &[f64], offset: f64) -> (Vec<Seam>, Vec<StripBetween>) {
-        let sphere = Carrier::Sphere { frame: Frame::world(), radius: RADIUS };
+        let sphere = SupportSurface::Sphere { frame: Frame::world(), radius: RADIUS };
         let (surface, map) = sphere.to_spline((0.0, 1.0), (-0.6, 0.6)).expect("a spline");
         let ((u0, u1), (v0, v1)) = surface.domain();
         let mut field = Field::bicubic([u0, u1, v0, v1], 1).expect("a field");

@@ -52,8 +52,13 @@ pub(super) fn exponent(x: f64) -> String {
     if x == 0.0 {
         return "0".into();
     }
-    let power = x.abs().log10().floor() as i32;
-    let mantissa = (x / 10f64.powi(power) * 10.0).ceil() / 10.0;
+    // Powers of ten have no more room than normal numbers.
+    let x = x.abs().max(f64::MIN_POSITIVE);
+    let mut power = x.log10().floor() as i32;
+    let mut mantissa = (x / 10f64.powi(power) * 10.0).ceil() / 10.0;
+    if mantissa >= 10.0 {
+        (mantissa, power) = (1.0, power + 1);
+    }
     if power >= -2 {
         return upper(Some(x));
     }
@@ -101,5 +106,7 @@ mod tests {
     fn tiny_numbers_are_written_with_powers_and_rounded_up() {
         assert_eq!(exponent(2.41e-9), "2.5\u{b7}10<sup>\u{2212}9</sup>");
         assert_eq!(exponent(0.0), "0");
+        assert_eq!(exponent(9.97e-10), "1.0\u{b7}10<sup>\u{2212}9</sup>");
+        assert_eq!(exponent(5e-324), "2.3\u{b7}10<sup>\u{2212}308</sup>");
     }
 }

@@ -16,9 +16,8 @@ use std::fmt::Write;
 /// Smaller numbers are written with powers of ten.
 const TINY: f64 = 1e-3;
 
-/// Heading of a figure in the table of panels, and whether it is a lower bound.
-fn heading(f: &FigureRecord) -> (String, bool) {
-    let least = [What::RegressionClearance, What::BendRadius].map(id).contains(&f.what.as_str());
+/// Heading of a figure in the table of panels.
+fn heading(f: &FigureRecord) -> String {
     let short = [
         (What::Deviation, "Distance"),
         (What::Twist, "Twist"),
@@ -29,13 +28,13 @@ fn heading(f: &FigureRecord) -> (String, bool) {
     ];
     let known = short.iter().find(|(what, _)| id(*what) == f.what);
     let name = known.map_or_else(|| f.name.clone(), |(_, name)| (*name).to_owned());
-    let sign = match (f.basis.as_str(), least) {
-        ("proven" | UNKNOWN, true) => " \u{2265}",
-        ("proven" | UNKNOWN, false) => " \u{2264}",
+    let sign = match f.bound.as_str() {
+        "lower" => " \u{2265}",
+        "upper" => " \u{2264}",
         _ => "",
     };
     let unit = if f.unit.is_empty() { String::new() } else { format!(" ({})", f.unit) };
-    (format!("{name}{sign}{unit}"), least)
+    format!("{name}{sign}{unit}")
 }
 
 /// The figures that panels have, in order: one of each name.
@@ -52,7 +51,7 @@ fn columns(report: &Report) -> Vec<&FigureRecord> {
 /// Headings of the figures in the table of panels.
 pub(super) fn figure_heads(report: &Report) -> String {
     let head = |f: &&FigureRecord| {
-        let (words, title) = (escape(&heading(f).0), escape(&format!("{}, {}", f.name, f.basis)));
+        let (words, title) = (escape(&heading(f)), escape(&format!("{}, {}", f.name, f.basis)));
         format!("<th class=\"number\"><button type=\"button\" title=\"{title}\">{words}</button></th>")
     };
     columns(report).iter().map(head).collect()
@@ -107,18 +106,17 @@ fn panel_row(index: usize, panel: &PanelRecord, columns: &[&FigureRecord], repor
 
 /// A figure for people: bounds rounded to the safe side, powers of ten where it is tiny.
 pub(super) fn number(f: &FigureRecord) -> String {
-    let least = heading(f).1;
     match f.value {
         None if f.basis == UNKNOWN => "unknown".into(),
         // Of planes, or of cylinders.
-        None if least => "none".into(),
+        None if [What::RegressionClearance, What::BendRadius].map(id).contains(&f.what.as_str()) => "none".into(),
         None => "\u{221e}".into(),
-        Some(x) if f.basis == "proven" && least => lower(Some(x)),
+        Some(x) if f.bound == "lower" => lower(Some(x)),
         Some(x) if x != 0.0 && x.abs() < TINY => {
             let sign = if x < 0.0 { "\u{2212}" } else { "" };
             format!("{sign}{}", exponent(x.abs()))
         }
-        Some(x) if f.basis == "proven" => upper(Some(x)),
+        Some(x) if f.bound == "upper" => upper(Some(x)),
         Some(x) => plain(x, 6),
     }
 }

@@ -39,7 +39,8 @@ pub(super) fn badge(report: &Report) -> String {
 /// The figures of the whole, one by one.
 pub(super) fn figures(report: &Report) -> String {
     let tile = |f: &FigureRecord| {
-        let unit = if f.unit.is_empty() { String::new() } else { format!("&nbsp;{}", escape(&f.unit)) };
+        let unit =
+            if f.unit.is_empty() || f.value.is_none() { String::new() } else { format!("&nbsp;{}", escape(&f.unit)) };
         let note = if f.basis == "given" { "" } else { f.basis.as_str() };
         format!("<div><dt>{}</dt><dd>{}{unit}<small>{note}</small></dd></div>", escape(&f.name), tables::number(f))
     };

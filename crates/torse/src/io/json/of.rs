@@ -8,7 +8,7 @@ use crate::answer::presentation::Presentation;
 use crate::answer::shapes::Shape;
 use crate::answer::Answer;
 use crate::brep::face::Face;
-use crate::certify::claim::{Claim, Demand, Status, Subject, What};
+use crate::certify::claim::{Claim, Demand, Evidence, Status, Subject, What};
 use crate::certify::flat::FlatCertificate;
 use crate::certify::{SeamCertificate, SeamStatus};
 use crate::io::{bends, words};
@@ -76,6 +76,11 @@ impl FigureRecord {
             value: finite(claim.value()).filter(|_| !claim.is_unknown()),
             unit: words::unit(claim.what()).into(),
             basis: if claim.is_unknown() { UNKNOWN } else { words::evidence(claim.evidence()) }.into(),
+            bound: match claim.evidence() {
+                Evidence::Proven if claim.is_lower_bound() => "lower".into(),
+                Evidence::Proven => "upper".into(),
+                Evidence::Measured | Evidence::Given => String::new(),
+            },
             limit: match claim.demand() {
                 Demand::AtMost(x) | Demand::AtLeast(x) => finite(x),
                 Demand::None => None,

@@ -4,7 +4,7 @@
 use super::state::Density;
 use super::{Job, State, DISTANCE_SHARE};
 use crate::certify::distance::{distance, DistanceOptions};
-use crate::certify::{Resistance, Verdict};
+use crate::certify::{Obstruction, Verdict};
 use crate::fit::near::centre_line::{has_inflection, spans_along};
 use crate::fit::near::dual::dual;
 use crate::fit::near::dual::CentrePoint;
@@ -267,7 +267,7 @@ impl Job<'_> {
                 }
                 Verdict::Undecided { reason, .. } => {
                     // Near enough at every place looked at, but its regression curve comes into the panel.
-                    let misshapen = matches!(reason, Resistance::Foot | Resistance::Fold);
+                    let misshapen = matches!(reason, Obstruction::Foot | Obstruction::Fold);
                     return Trial { misshapen, ..Trial::failed(allowed * 1.05) };
                 }
             }

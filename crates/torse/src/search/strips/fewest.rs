@@ -14,7 +14,7 @@ use crate::fit::elements::sequence::{samples, RowOptions};
 use crate::fit::elements::span_series::{PlaneSeries, SlopeSeries};
 use crate::fit::near::primal::primal;
 use crate::fit::near::primal::PrimalOptions;
-use crate::torse::contact::PlaneElement;
+use crate::torse::contact::ContactElement;
 use crate::torse::strip::Strip;
 use crate::torse::zone::RegressionLimits;
 
@@ -36,7 +36,7 @@ struct Kind<'a> {
 
 /// What a strip must be, and the best one so far with its control points and its bound.
 struct Search<'a> {
-    elements: &'a [PlaneElement],
+    elements: &'a [ContactElement],
     tolerance: f64,
     limits: Option<&'a RegressionLimits>,
     best: (usize, f64, Option<Strip>),
@@ -48,7 +48,7 @@ impl Search<'_> {
         // Most strips fail; some of the elements, the last one among them, show that soon.
         const SOME: usize = 12;
         let step = self.elements.len().div_ceil(SOME).max(1);
-        let some: Vec<PlaneElement> = self.elements.iter().rev().step_by(step).copied().collect();
+        let some: Vec<ContactElement> = self.elements.iter().rev().step_by(step).copied().collect();
         if bound(&strip, &some) > self.tolerance {
             return false;
         }
@@ -90,13 +90,13 @@ impl Search<'_> {
 }
 
 /// Proven distance of the elements from a strip, mm.
-fn bound(strip: &Strip, elements: &[PlaneElement]) -> f64 {
+fn bound(strip: &Strip, elements: &[ContactElement]) -> f64 {
     certified(std::slice::from_ref(strip), elements, &Control::default()).worst_bound().value()
 }
 
 /// The strip with the fewest control points along (of equal ones: with the smallest bound) that is proven to lie within
 /// the tolerance of all elements, to be regular, and to keep to the limits; `found` if there is none.
-pub(crate) fn fewest(found: Strip, elements: &[PlaneElement], wanted: &RowOptions, control: &Control) -> Strip {
+pub(crate) fn fewest(found: Strip, elements: &[ContactElement], wanted: &RowOptions, control: &Control) -> Strip {
     // A strip that is not within the tolerance is no match for one that is, if there may be one.
     const HOPELESS: f64 = 3.0;
     let reached = bound(&found, elements);
@@ -109,7 +109,12 @@ pub(crate) fn fewest(found: Strip, elements: &[PlaneElement], wanted: &RowOption
 }
 
 /// As [`fewest`] among strips with few control points, with nothing found before.
-pub(crate) fn simplest(name: &str, elements: &[PlaneElement], wanted: &RowOptions, control: &Control) -> Option<Strip> {
+pub(crate) fn simplest(
+    name: &str,
+    elements: &[ContactElement],
+    wanted: &RowOptions,
+    control: &Control,
+) -> Option<Strip> {
     const FEW: usize = 36;
     search(name, (FEW, f64::INFINITY, None), elements, wanted, control)
 }
@@ -118,7 +123,7 @@ pub(crate) fn simplest(name: &str, elements: &[PlaneElement], wanted: &RowOption
 fn search(
     name: &str,
     best: (usize, f64, Option<Strip>),
-    elements: &[PlaneElement],
+    elements: &[ContactElement],
     wanted: &RowOptions,
     control: &Control,
 ) -> Option<Strip> {
@@ -141,7 +146,7 @@ fn search(
     if let Some(series) = planes.as_ref().filter(|s| s.polishes()) {
         kinds.push(of_planes(name, series, Some(AIM * tolerance), elements));
     }
-    if wanted.polishes() && elements.iter().all(PlaneElement::has_ruling) {
+    if wanted.polishes() && elements.iter().all(ContactElement::has_ruling) {
         let samples = samples(elements);
         let propose = move |n: usize| {
             let (profile_spans, ruling_spans) = (n + 1, 1 + n % 2);
@@ -162,7 +167,7 @@ fn of_planes<'a>(
     name: &'a str,
     series: &'a PlaneSeries,
     polish: Option<f64>,
-    elements: &'a [PlaneElement],
+    elements: &'a [ContactElement],
 ) -> Kind<'a> {
     let propose = move |n: usize| strip_of(name, &series.fit(n, polish)?, elements).ok();
     Kind { propose: Box::new(propose), fewest: |n| 2 + 3 * n }

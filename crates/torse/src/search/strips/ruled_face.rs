@@ -4,7 +4,7 @@ use super::cone_strip::ruled;
 use super::fewest::count;
 use crate::brep::face::Face;
 use crate::certify::regression::{regression as regular, RegressionVerdict};
-use crate::torse::contact::PlaneElement;
+use crate::torse::contact::ContactElement;
 use crate::torse::form::PanelKind;
 use crate::torse::ruled_patch::RuledStrip;
 use crate::torse::strip::Strip;
@@ -20,7 +20,7 @@ const SIMPLEST: (usize, usize) = (4, 3);
 /// What a face gives to the fit.
 pub(crate) struct GivenFace {
     /// Its rulings with their planes.
-    pub row: Vec<PlaneElement>,
+    pub row: Vec<ContactElement>,
     /// The face between its outermost rulings; `None` if it is not developable and regular to the last digit, as fits
     /// are.
     pub strip: Option<Strip>,
@@ -42,7 +42,7 @@ impl GivenFace {
                 let jet = patch.jet(a + (b - a) * k as f64 / last as f64);
                 let element = jet.element().ok()?;
                 let ends = jet.ends.map(|e| e[0]);
-                Some(PlaneElement { normal: element.normal, ends, radius: NARROW * jet.length(), weight: 1.0 })
+                Some(ContactElement { normal: element.normal, ends, radius: NARROW * jet.length(), weight: 1.0 })
             })
             .collect();
         let (u, v) = (&face.surface.knots_u, &face.surface.knots_v);

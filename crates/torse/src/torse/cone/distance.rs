@@ -23,7 +23,7 @@ pub struct Round {
 }
 
 impl Round {
-    /// The carrier of a segment.
+    /// The support of a segment.
     pub fn of(segment: &Segment) -> Self {
         let s = &segment.start;
         match segment.shape {

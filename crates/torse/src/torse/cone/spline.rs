@@ -332,7 +332,7 @@ impl ConeSpline {
         Self { segments }
     }
 
-    /// The same surface with neighbours on one carrier made one segment, as long as it turns by no more than `limit`
+    /// The same surface with neighbours on one support made one segment, as long as it turns by no more than `limit`
     /// (rad); `length` is the size of the strip, mm. Edges of merged segments are plane sections through the ends and
     /// the joint: those of circles stay as they are, others change.
     pub fn merged(&self, length: f64, limit: f64) -> Self {
@@ -375,7 +375,7 @@ impl ConeSpline {
         Self { segments }
     }
 
-    /// This chain, merged from another one, cut where that one's joints are: as many segments, each on the carrier that
+    /// This chain, merged from another one, cut where that one's joints are: as many segments, each on the support that
     /// it has here, with the other one's edges. `None` if it was not merged from that chain.
     pub fn cut_like(&self, other: &Self) -> Option<Self> {
         let measure = |s: &Segment| match s.shape {

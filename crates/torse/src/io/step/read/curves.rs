@@ -358,17 +358,17 @@ impl<'r, 'a> Geometry<'r, 'a> {
     /// A curve given only in the parameter plane of a surface.
     fn traced(&self, id: u64, depth: u32) -> Result<Course, Fault> {
         let a = self.records.simple(id)?;
-        let carrier = self.surface(a.reference(1)?, depth + 1)?;
+        let support = self.surface(a.reference(1)?, depth + 1)?;
         let definition = self.records.simple(a.reference(2)?)?;
         let item = definition.references(1)?.first().copied();
         let item = item.ok_or_else(|| Fault::new(id, format!("#{id} has no curve")))?;
-        let scale = carrier.parameter_units(self.units);
+        let scale = support.parameter_units(self.units);
         if self.records.name(item) != "TRIMMED_CURVE" {
             let flat = self.plane_curve(item)?;
-            return Ok(Course::Basis(SpaceCurve::traced(flat, carrier.carrier, scale), true));
+            return Ok(Course::Basis(SpaceCurve::traced(flat, support.support, scale), true));
         }
         let Arc { curve, from, to } = self.trimmed_in_plane(item)?;
-        Ok(Course::Path(vec![Arc { curve: SpaceCurve::traced(curve, carrier.carrier, scale), from, to }]))
+        Ok(Course::Path(vec![Arc { curve: SpaceCurve::traced(curve, support.support, scale), from, to }]))
     }
 
     /// The piece of a curve of a parameter plane between two trims.

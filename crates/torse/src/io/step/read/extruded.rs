@@ -5,7 +5,7 @@ use super::records::Fault;
 use super::topology::turn;
 use crate::brep::face::SurfaceKind;
 use crate::brep::space_curve::{Arc, SpaceCurve};
-use crate::brep::support_surface::{Carrier, SplineCarrier};
+use crate::brep::support_surface::{SplineCarrier, SupportSurface};
 use crate::brep::trim::{RawEdge, RawFace, RawLoop, Region};
 use crate::geom::placement::Placement;
 use crate::geom::Vec3;
@@ -24,7 +24,7 @@ impl Geometry<'_, '_> {
         let a = self.records.simple(id)?;
         let base = self.face(a.reference(1)?, false, 0)?;
         let way = self.direction(a.reference(2)?)? * (a.number(3)? * self.units.length);
-        let Carrier::Plane(frame) = &base.carrier else {
+        let SupportSurface::Plane(frame) = &base.support else {
             return Err(Fault::new(id, format!("the solid #{id} extrudes a curved face, which is not read")));
         };
         let up = frame.z.dot(&way) * if base.same_sense { 1.0 } else { -1.0 };
@@ -38,16 +38,16 @@ impl Geometry<'_, '_> {
         for arc in loops.iter().flat_map(|l| &l.edges).flat_map(|e| &e.path) {
             let (lo, hi) = (arc.from.min(arc.to), arc.from.max(arc.to));
             let mut side = base.clone();
-            side.carrier = Carrier::Extrusion { directrix: arc.curve.clone(), direction: way };
+            side.support = SupportSurface::Extrusion { directrix: arc.curve.clone(), direction: way };
             side.kind = SurfaceKind::Extrusion;
             side.region = Region::Rectangle([(lo, hi), (0.0, 1.0)]);
             // Material lies left of the loop seen against the face's normal, so that travel × way points outward.
             side.same_sense = (arc.to >= arc.from) == (up > 0.0);
             out.push(side);
         }
-        let shift = |c: &Carrier| moved(c, &way).ok_or_else(|| Fault::new(id, format!("#{id} cannot be moved")));
+        let shift = |c: &SupportSurface| moved(c, &way).ok_or_else(|| Fault::new(id, format!("#{id} cannot be moved")));
         let mut top = base.clone();
-        top.carrier = shift(&base.carrier)?;
+        top.support = shift(&base.support)?;
         top.region =
             Region::Loops(loops.iter().map(|l| moved_loop(l, &way)).collect::<Option<_>>().ok_or_else(|| {
                 Fault::new(id, format!("the solid #{id} has an edge that is given in a parameter plane only"))
@@ -70,17 +70,17 @@ impl Geometry<'_, '_> {
     }
 }
 
-fn moved(c: &Carrier, way: &Vec3) -> Option<Carrier> {
+fn moved(c: &SupportSurface, way: &Vec3) -> Option<SupportSurface> {
     match c {
-        Carrier::Plane(f) => {
+        SupportSurface::Plane(f) => {
             let mut f = *f;
             f.origin += way;
-            Some(Carrier::Plane(f))
+            Some(SupportSurface::Plane(f))
         }
-        Carrier::Spline(s) => {
+        SupportSurface::Spline(s) => {
             let mut surface = s.surface.clone();
             surface.place(&Placement { shift: *way, ..Placement::identity() });
-            Some(Carrier::Spline(SplineCarrier::new(surface)))
+            Some(SupportSurface::Spline(SplineCarrier::new(surface)))
         }
         _ => None,
     }

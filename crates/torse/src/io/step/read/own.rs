@@ -70,7 +70,7 @@ fn below(records: &Records, id: u64, index: usize, kind: &str) -> Result<Vec<u64
 
 fn face(records: &Records, id: u64) -> Result<WrittenFace, Fault> {
     let a = records.args(id, "ADVANCED_FACE")?;
-    let carrier = a.reference(2)?;
+    let support = a.reference(2)?;
     let mut loops = Vec::new();
     for bound in a.references(1)? {
         let b = records.simple(bound)?;
@@ -78,13 +78,13 @@ fn face(records: &Records, id: u64) -> Result<WrittenFace, Fault> {
             return Err(Fault::new(bound, "a bound is turned over"));
         }
         let uses = records.args(b.reference(1)?, "EDGE_LOOP")?.references(1)?;
-        loops.push(uses.into_iter().map(|u| edge(records, u, carrier)).collect::<Result<Vec<_>, _>>()?);
+        loops.push(uses.into_iter().map(|u| edge(records, u, support)).collect::<Result<Vec<_>, _>>()?);
     }
     Ok(WrittenFace {
         entity: id,
         name: a.text(0).to_owned(),
         reversed: !a.logical(3, true),
-        surface: surface(records, carrier)?,
+        surface: surface(records, support)?,
         loops,
     })
 }
@@ -154,7 +154,7 @@ fn oriented(records: &Records, id: u64) -> Result<Oriented, Fault> {
     Ok(Oriented { entity, forward: u.logical(4, true), vertices: [vertex(1)?, vertex(2)?], curve: e.reference(3)? })
 }
 
-fn edge(records: &Records, id: u64, carrier: u64) -> Result<WrittenEdge, Fault> {
+fn edge(records: &Records, id: u64, support: u64) -> Result<WrittenEdge, Fault> {
     let Oriented { entity, forward, vertices, curve: both } = oriented(records, id)?;
     if !matches!(records.name(both), "SURFACE_CURVE" | "SEAM_CURVE") {
         return Err(Fault::new(both, "the edge has no curve on its surface"));
@@ -163,7 +163,7 @@ fn edge(records: &Records, id: u64, carrier: u64) -> Result<WrittenEdge, Fault> 
     let mut trims = Vec::new();
     for p in c.references(2)? {
         let p = records.args(p, "PCURVE")?;
-        if p.reference(1)? == carrier {
+        if p.reference(1)? == support {
             let r = records.args(p.reference(2)?, "DEFINITIONAL_REPRESENTATION")?;
             trims.extend(r.references(1)?);
         }

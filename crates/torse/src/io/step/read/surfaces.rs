@@ -8,44 +8,44 @@ use crate::brep::face::SurfaceKind;
 use crate::brep::offset;
 use crate::brep::recast;
 use crate::brep::space_curve::{Arc, SpaceCurve};
-use crate::brep::support_surface::{Carrier, SplineCarrier};
+use crate::brep::support_surface::{SplineCarrier, SupportSurface};
 use crate::geom::placement::Placement;
 use crate::geom::Vec3;
 use crate::spline::knots::Knots;
 use crate::spline::surface::Surface;
 
-/// A surface with what its definition says beyond the carrier.
+/// A surface with what its definition says beyond the support.
 #[derive(Clone, Debug)]
 pub(super) struct Patch {
     /// The unbounded surface.
-    pub carrier: Carrier,
+    pub support: SupportSurface,
     /// Kind for people.
     pub kind: SurfaceKind,
-    /// Whether its normal is that of the carrier.
+    /// Whether its normal is that of the support.
     pub same_sense: bool,
     /// Rectangle of natural parameters, if the definition bounds it.
     pub rectangle: Option<[(f64, f64); 2]>,
-    /// Distance from the file's surface where the carrier is an approximation, mm.
+    /// Distance from the file's surface where the support is an approximation, mm.
     pub deviation: f64,
-    /// Whether the carrier has other natural parameters than the definition.
+    /// Whether the support has other natural parameters than the definition.
     pub recast: bool,
 }
 
 impl Patch {
-    fn exact(carrier: Carrier, kind: SurfaceKind) -> Self {
-        Self { carrier, kind, same_sense: true, rectangle: None, deviation: 0.0, recast: false }
+    fn exact(support: SupportSurface, kind: SurfaceKind) -> Self {
+        Self { support, kind, same_sense: true, rectangle: None, deviation: 0.0, recast: false }
     }
 
     /// Factors from the parameters that files state to natural ones.
     pub fn parameter_units(&self, units: &Units) -> [f64; 2] {
-        match &self.carrier {
-            Carrier::Plane(_) => [units.length; 2],
+        match &self.support {
+            SupportSurface::Plane(_) => [units.length; 2],
             // The parameter v of a cone is measured along its axis in ISO 10303-42, as here.
-            Carrier::Cylinder { .. } | Carrier::Cone { .. } => [units.angle, units.length],
-            Carrier::Sphere { .. } | Carrier::Torus { .. } => [units.angle; 2],
-            Carrier::Extrusion { directrix, .. } => [curve_unit(directrix, units), 1.0],
-            Carrier::Revolution { directrix, .. } => [units.angle, curve_unit(directrix, units)],
-            Carrier::Spline(_) => [1.0; 2],
+            SupportSurface::Cylinder { .. } | SupportSurface::Cone { .. } => [units.angle, units.length],
+            SupportSurface::Sphere { .. } | SupportSurface::Torus { .. } => [units.angle; 2],
+            SupportSurface::Extrusion { directrix, .. } => [curve_unit(directrix, units), 1.0],
+            SupportSurface::Revolution { directrix, .. } => [units.angle, curve_unit(directrix, units)],
+            SupportSurface::Spline(_) => [1.0; 2],
         }
     }
 }
@@ -84,23 +84,23 @@ impl<'r, 'a> Geometry<'r, 'a> {
             "SURFACE_OF_LINEAR_EXTRUSION" => {
                 let (directrix, along) = self.directrix(a.reference(1)?, depth)?;
                 let direction = self.vector(a.reference(2)?)?;
-                let carrier = Carrier::Extrusion { directrix, direction };
-                Ok(Patch { same_sense: along, ..Patch::exact(carrier, SurfaceKind::Extrusion) })
+                let support = SupportSurface::Extrusion { directrix, direction };
+                Ok(Patch { same_sense: along, ..Patch::exact(support, SurfaceKind::Extrusion) })
             }
             "SURFACE_OF_REVOLUTION" => {
                 let (directrix, along) = self.directrix(a.reference(1)?, depth)?;
-                let carrier = Carrier::Revolution { directrix, frame: self.frame(a.reference(2)?)? };
-                Ok(Patch { same_sense: along, ..Patch::exact(carrier, SurfaceKind::Revolution) })
+                let support = SupportSurface::Revolution { directrix, frame: self.frame(a.reference(2)?)? };
+                Ok(Patch { same_sense: along, ..Patch::exact(support, SurfaceKind::Revolution) })
             }
             "OFFSET_SURFACE" => {
                 let mut base = self.surface(a.reference(1)?, depth + 1)?;
-                if let Some((carrier, same)) = recast::elementary(&base.carrier).filter(|_| base.rectangle.is_none()) {
-                    base = Patch { carrier, same_sense: base.same_sense == same, recast: true, ..base };
+                if let Some((support, same)) = recast::elementary(&base.support).filter(|_| base.rectangle.is_none()) {
+                    base = Patch { support, same_sense: base.same_sense == same, recast: true, ..base };
                 }
                 let distance = a.number(2)? * self.units.length * if base.same_sense { 1.0 } else { -1.0 };
-                let (carrier, deviation) = offset::of_carrier(&base.carrier, distance)
+                let (support, deviation) = offset::of_carrier(&base.support, distance)
                     .map_err(|e| Fault::new(id, format!("offset surface #{id}: {e}")))?;
-                Ok(Patch { carrier, kind: SurfaceKind::Offset, deviation: base.deviation + deviation, ..base })
+                Ok(Patch { support, kind: SurfaceKind::Offset, deviation: base.deviation + deviation, ..base })
             }
             "RECTANGULAR_TRIMMED_SURFACE" => self.rectangle_of(self.surface(a.reference(1)?, depth + 1)?, &a),
             "CURVE_BOUNDED_SURFACE" => self.surface(a.reference(1)?, depth + 1),
@@ -108,13 +108,13 @@ impl<'r, 'a> Geometry<'r, 'a> {
             "SURFACE_REPLICA" => {
                 let mut base = self.surface(a.reference(1)?, depth + 1)?;
                 let placement = self.placement(a.reference(2)?)?;
-                base.carrier = moved(&base.carrier, &placement)
+                base.support = moved(&base.support, &placement)
                     .ok_or_else(|| Fault::new(id, format!("the replica #{id} of an analytic surface is not read")))?;
                 Ok(base)
             }
             _ if r.parts.iter().any(|p| is_spline(p.name)) => {
                 let s = self.spline_surface(id)?;
-                Ok(Patch::exact(Carrier::Spline(SplineCarrier::new(s)), SurfaceKind::Spline))
+                Ok(Patch::exact(SupportSurface::Spline(SplineCarrier::new(s)), SurfaceKind::Spline))
             }
             other => Err(Fault::new(id, format!("a surface of kind {other} is not read"))),
         }
@@ -133,10 +133,11 @@ impl<'r, 'a> Geometry<'r, 'a> {
             }
         };
         match name {
-            "PLANE" => Ok(Patch::exact(Carrier::Plane(frame), SurfaceKind::Plane)),
-            "CYLINDRICAL_SURFACE" => {
-                Ok(Patch::exact(Carrier::Cylinder { frame, radius: positive(2, "radius")? }, SurfaceKind::Cylinder))
-            }
+            "PLANE" => Ok(Patch::exact(SupportSurface::Plane(frame), SurfaceKind::Plane)),
+            "CYLINDRICAL_SURFACE" => Ok(Patch::exact(
+                SupportSurface::Cylinder { frame, radius: positive(2, "radius")? },
+                SurfaceKind::Cylinder,
+            )),
             "CONICAL_SURFACE" => {
                 let radius = a.number(2)? * length;
                 let angle = a.number(3)? * self.units.angle;
@@ -146,17 +147,17 @@ impl<'r, 'a> Geometry<'r, 'a> {
                         format!("cone #{id} has the half angle {angle} rad and radius {radius} mm"),
                     ));
                 }
-                Ok(Patch::exact(Carrier::Cone { frame, radius, slope: angle.tan() }, SurfaceKind::Cone))
+                Ok(Patch::exact(SupportSurface::Cone { frame, radius, slope: angle.tan() }, SurfaceKind::Cone))
             }
             "SPHERICAL_SURFACE" => {
-                Ok(Patch::exact(Carrier::Sphere { frame, radius: positive(2, "radius")? }, SurfaceKind::Sphere))
+                Ok(Patch::exact(SupportSurface::Sphere { frame, radius: positive(2, "radius")? }, SurfaceKind::Sphere))
             }
             _ => {
                 let (major, minor) = (positive(2, "major radius")?, positive(3, "minor radius")?);
                 if name.starts_with("DEGENERATE") && major < minor && !a.logical(4, true) {
                     return Err(Fault::new(id, format!("the inner part of the self-crossing torus #{id} is not read")));
                 }
-                Ok(Patch::exact(Carrier::Torus { frame, major, minor }, SurfaceKind::Torus))
+                Ok(Patch::exact(SupportSurface::Torus { frame, major, minor }, SurfaceKind::Torus))
             }
         }
     }
@@ -169,7 +170,7 @@ impl<'r, 'a> Geometry<'r, 'a> {
         }
         let unit = base.parameter_units(self.units);
         let senses = [a.logical(6, true), a.logical(7, true)];
-        let periods = base.carrier.periods();
+        let periods = base.support.periods();
         let mut rectangle = [(0.0, 0.0); 2];
         for k in 0..2 {
             let (mut t1, mut t2) = (a.number(2 + 2 * k)? * unit[k], a.number(3 + 2 * k)? * unit[k]);
@@ -275,10 +276,10 @@ impl<'r, 'a> Geometry<'r, 'a> {
     }
 }
 
-/// A spline carrier moved by a placement.
-fn moved(c: &Carrier, placement: &Placement) -> Option<Carrier> {
-    let Carrier::Spline(s) = c else { return None };
+/// A spline support moved by a placement.
+fn moved(c: &SupportSurface, placement: &Placement) -> Option<SupportSurface> {
+    let SupportSurface::Spline(s) = c else { return None };
     let mut surface = s.surface.clone();
     surface.place(placement);
-    Some(Carrier::Spline(SplineCarrier::new(surface)))
+    Some(SupportSurface::Spline(SplineCarrier::new(surface)))
 }

@@ -102,7 +102,7 @@ impl<'r, 'a> Geometry<'r, 'a> {
             name: name.to_string(),
             part: String::new(),
             kind: patch.kind,
-            carrier: patch.carrier,
+            support: patch.support,
             same_sense: patch.same_sense,
             region,
             surface_deviation_estimate: patch.deviation,
@@ -113,7 +113,7 @@ impl<'r, 'a> Geometry<'r, 'a> {
     /// The boundaries of a surface without topology, one edge for each piece of a curve.
     fn boundary_curves(&self, id: u64, a: &Args, patch: &Patch) -> Result<Vec<RawLoop>, Fault> {
         let boundaries = a.references(2)?;
-        let ends = patch.rectangle.is_some() || patch.carrier.limits().iter().any(Option::is_some);
+        let ends = patch.rectangle.is_some() || patch.support.limits().iter().any(Option::is_some);
         let outer = boundaries.iter().any(|b| self.records.name(*b) == "OUTER_BOUNDARY_CURVE");
         if a.logical(3, false) && ends && !outer && !boundaries.is_empty() {
             return Err(Fault::new(

@@ -34,7 +34,7 @@ impl Sheet {
                 let curve = lateral(s, side);
                 sheet.edges.push(SheetEdge { start: 2 * i + side, end: 2 * i + 2 + side, curve });
             }
-            let (surface, reversed) = carrier(s);
+            let (surface, reversed) = support(s);
             sheet.faces.push(SheetFace {
                 name: format!("{name}-{:02} {}", i + 1, s.shape.name()),
                 surface,
@@ -65,7 +65,7 @@ impl Sheet {
             sheet.edges.push(SheetEdge { start: e.start, end: e.end, curve });
         }
         for (i, f) in part.faces.iter().enumerate() {
-            let (surface, reversed) = carrier(&f.blank.segment);
+            let (surface, reversed) = support(&f.blank.segment);
             sheet.faces.push(SheetFace {
                 name: format!("{name}-{:02} {}", i + 1, f.blank.segment.shape.name()),
                 surface,
@@ -82,7 +82,7 @@ impl Sheet {
 }
 
 /// Surface of a face, and whether its normal is opposite to the segment's.
-fn carrier(s: &Segment) -> (SheetSurface, bool) {
+fn support(s: &Segment) -> (SheetSurface, bool) {
     let g = &s.start;
     let round = Round::of(s);
     // From the axis to the first point.

@@ -25,13 +25,13 @@ use crate::search::strips::cut::cut;
 use crate::search::strips::fewest::{fewest, simplest};
 use crate::search::strips::regression;
 use crate::search::strips::ruled_face::{is_simplest, no_simpler, reached, GivenFace, NARROW};
-use crate::torse::contact::{orient, Given, PlaneElement};
+use crate::torse::contact::{orient, ContactElement, Given};
 use crate::torse::strip::Strip;
 use crate::torse::zone::RegressionLimits;
 
 /// What the job is asked.
 #[derive(Clone, Debug, PartialEq)]
-pub struct RowFitOptions {
+pub struct ElementFitOptions {
     /// Largest distance of a ruling, or of a plane over its region of interest, from the strips, mm.
     pub tolerance: f64,
     /// Name of the input, for files.
@@ -52,7 +52,7 @@ pub struct RowFitOptions {
     pub drawn: Drawn,
 }
 
-impl RowFitOptions {
+impl ElementFitOptions {
     /// The defaults with a tolerance in mm.
     pub fn new(tolerance: f64, input: &str) -> Self {
         Self {
@@ -78,7 +78,7 @@ impl RowFitOptions {
 
 /// Why there is no answer at all.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum RowFitError {
+pub enum ElementFitError {
     /// A tolerance larger than the model.
     #[error(transparent)]
     Loose(#[from] Loose),
@@ -133,7 +133,7 @@ const AIMS: [f64; 3] = [0.8, 0.4, 0.15];
 /// the elements.
 ///
 /// # Errors
-/// See [`RowFitError`].
+/// See [`ElementFitError`].
 ///
 /// # Example
 /// ```
@@ -143,23 +143,23 @@ const AIMS: [f64; 3] = [0.8, 0.4, 0.15];
 ///     [Vec3::new(100.0 * x, 100.0 * y, 0.0), Vec3::new(100.0 * x, 100.0 * y, 80.0)]
 /// };
 /// let given = Given::Rulings((0..20).map(ruling).collect());
-/// let answer = torse::fit_row(&given, &torse::RowFitOptions::new(0.1, "hood"), &torse::Control::default())?;
+/// let answer = torse::fit_elements(&given, &torse::ElementFitOptions::new(0.1, "hood"), &torse::Control::default())?;
 /// assert_eq!((answer.status(), answer.patchwork.panels.len()), (torse::Status::Certified, 1));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn fit_row(given: &Given, options: &RowFitOptions, control: &Control) -> Result<Answer, RowFitError> {
+pub fn fit_elements(given: &Given, options: &ElementFitOptions, control: &Control) -> Result<Answer, ElementFitError> {
     let sort = if matches!(given, Given::Rulings(_)) { Sort::Rulings } else { Sort::Planes };
     let what = sort.many();
     if given.len() < FEWEST {
-        return Err(RowFitError::Few(given.len(), what));
+        return Err(ElementFitError::Few(given.len(), what));
     }
     if let Given::Planes(planes) = given {
         if let Some(index) = planes.iter().position(|e| !e.is_usable()) {
-            return Err(RowFitError::Element { index });
+            return Err(ElementFitError::Element { index });
         }
     }
     if let Some(index) = repeated(given) {
-        return Err(RowFitError::Repeated { what: sort.one(), index });
+        return Err(ElementFitError::Repeated { what: sort.one(), index });
     }
     let (kept, out) = if options.robust { agreeing(given, options.tolerance) } else { (given.clone(), Vec::new()) };
     let estimates = match &kept {
@@ -185,11 +185,11 @@ pub fn fit_row(given: &Given, options: &RowFitOptions, control: &Control) -> Res
 }
 
 /// What is given without its outliers, and these with their indices.
-fn agreeing(given: &Given, tolerance: f64) -> (Given, Vec<(usize, PlaneElement)>) {
+fn agreeing(given: &Given, tolerance: f64) -> (Given, Vec<(usize, ContactElement)>) {
     // Outliers taken out in turn; what is left then has more of them than agreement.
     const ROUNDS: usize = 64;
     let mut left: Vec<usize> = (0..given.len()).collect();
-    let mut out: Vec<(usize, PlaneElement)> = Vec::new();
+    let mut out: Vec<(usize, ContactElement)> = Vec::new();
     let part = |of: &[usize]| match given {
         Given::Planes(p) => Given::Planes(of.iter().map(|&i| p[i]).collect()),
         Given::Rulings(r) => Given::Rulings(of.iter().map(|&i| r[i]).collect()),
@@ -244,13 +244,13 @@ fn repeated(given: &Given) -> Option<usize> {
 /// cubic splines within the tolerance at its rulings. Faces that are not ruled developables are named as skipped.
 ///
 /// # Errors
-/// See [`RowFitError`].
+/// See [`ElementFitError`].
 pub fn fit_faces(
     faces: &[Face],
     skipped: &[Skipped],
-    options: &RowFitOptions,
+    options: &ElementFitOptions,
     control: &Control,
-) -> Result<Answer, RowFitError> {
+) -> Result<Answer, ElementFitError> {
     let mut left = skipped.to_vec();
     let before = left.len();
     let mut rows = Vec::new();
@@ -266,7 +266,7 @@ pub fn fit_faces(
     }
     if rows.is_empty() {
         let reason = left.get(before).map_or("no faces".into(), Skipped::words);
-        return Err(RowFitError::NoFace { count: faces.len(), reason });
+        return Err(ElementFitError::NoFace { count: faces.len(), reason });
     }
     let mut out = run(rows, left.clone(), Sort::Rulings, options, control)?;
     out.claims.extend(left_out(&left));
@@ -276,7 +276,7 @@ pub fn fit_faces(
 /// What is fitted at once: estimates of the same elements, and the face that they come from.
 struct Row {
     name: String,
-    estimates: Vec<Vec<PlaneElement>>,
+    estimates: Vec<Vec<ContactElement>>,
     face: Option<GivenFace>,
 }
 
@@ -285,7 +285,7 @@ const THIN: f64 = 1e-4;
 
 /// Rulings in order with their planes, estimated in several ways: for ends that lie on smooth curves, for ends that do
 /// not, and for noisy rulings, whose planes say little beside them.
-fn of_rulings(rulings: &[[Vec3; 2]], tolerance: f64) -> Result<Vec<Vec<PlaneElement>>, RowFitError> {
+fn of_rulings(rulings: &[[Vec3; 2]], tolerance: f64) -> Result<Vec<Vec<ContactElement>>, ElementFitError> {
     for (index, r) in rulings.iter().enumerate() {
         if !r.iter().flat_map(|p| p.iter()).all(|x| x.is_finite()) || r[0] == r[1] {
             return Err(EstimateError::Ruling { index }.into());
@@ -297,16 +297,16 @@ fn of_rulings(rulings: &[[Vec3; 2]], tolerance: f64) -> Result<Vec<Vec<PlaneElem
     let middle = |i: usize| 0.5 * (row[i][0] + row[i][1]);
     let last = row.len() - 1;
     let radius = |i: usize| 0.5 * (middle((i + 1).min(last)) - middle(i.saturating_sub(1))).norm();
-    let elements = |normals: &[Vec3], wide: bool| -> Vec<PlaneElement> {
+    let elements = |normals: &[Vec3], wide: bool| -> Vec<ContactElement> {
         let element = |(i, normal): (usize, &Vec3)| {
             let length = (row[i][1] - row[i][0]).norm();
             let radius = if wide { NARROW * length } else { radius(i).max(THIN * length) };
-            PlaneElement { normal: *normal, ends: row[i], radius, weight: 1.0 }
+            ContactElement { normal: *normal, ends: row[i], radius, weight: 1.0 }
         };
         normals.iter().enumerate().map(element).collect()
     };
     let neighbours = planes_of_rulings(&from, &to, Ends::Extrapolated);
-    let mut out: Vec<Vec<PlaneElement>> = Vec::new();
+    let mut out: Vec<Vec<ContactElement>> = Vec::new();
     out.extend(planes_of_smooth_rulings(&from, &to).ok().map(|n| elements(&n, true)));
     out.extend(planes_of_noisy_rulings(&from, &to, 0.5 * tolerance).ok().map(|n| elements(&n, true)));
     match neighbours {
@@ -318,7 +318,7 @@ fn of_rulings(rulings: &[[Vec3; 2]], tolerance: f64) -> Result<Vec<Vec<PlaneElem
 }
 
 /// Turns the normals of rulings square to them: a plane that is kept must hold its ruling.
-fn square(elements: &mut [PlaneElement]) {
+fn square(elements: &mut [ContactElement]) {
     for e in elements.iter_mut().filter(|e| e.has_ruling()) {
         let d = (e.ends[1] - e.ends[0]).normalize();
         e.normal = (e.normal - d * d.dot(&e.normal)).try_normalize(0.0).unwrap_or(e.normal);
@@ -339,26 +339,26 @@ struct Attempt {
 
 impl Attempt {
     /// Elements beyond the tolerance and regression curves out of bounds, strips, worst bound: less is better.
-    fn rank(&self, options: &RowFitOptions) -> (usize, usize, f64) {
+    fn rank(&self, options: &ElementFitOptions) -> (usize, usize, f64) {
         let broken = self.strips.iter().filter(|s| !regression::keeps(s, options.limits.as_ref())).count();
         (self.certificate.beyond(options.tolerance) + broken, self.strips.len(), self.certificate.worst_bound().value())
     }
 }
 
 /// Room for a regression curve that makes fits regular: a share of the mean length of the rulings, mm.
-fn room(elements: &[PlaneElement]) -> f64 {
+fn room(elements: &[ContactElement]) -> f64 {
     const SHARE: f64 = 0.05;
-    let length = |e: &PlaneElement| (e.ends[1] - e.ends[0]).norm().max(2.0 * e.radius);
+    let length = |e: &ContactElement| (e.ends[1] - e.ends[0]).norm().max(2.0 * e.radius);
     SHARE * elements.iter().map(length).sum::<f64>() / elements.len().max(1) as f64
 }
 
 /// Strips for a row at one aim and with limits of the regression curve.
 fn attempt(
-    elements: &[PlaneElement],
+    elements: &[ContactElement],
     most: usize,
     aim: f64,
     limits: Option<RegressionLimits>,
-    options: &RowFitOptions,
+    options: &ElementFitOptions,
     control: &Control,
 ) -> Attempt {
     let wanted = options.fits(aim * options.tolerance, most, limits);
@@ -382,9 +382,9 @@ fn attempt(
 
 /// The best of several aims, and of several estimates of the same elements (which one is told).
 fn best(
-    estimates: &[Vec<PlaneElement>],
+    estimates: &[Vec<ContactElement>],
     most: usize,
-    options: &RowFitOptions,
+    options: &ElementFitOptions,
     control: &Control,
 ) -> Option<(usize, Attempt)> {
     let mut best: Option<(usize, Attempt)> = None;
@@ -475,25 +475,25 @@ fn run(
     rows: Vec<Row>,
     mut skipped: Vec<Skipped>,
     sort: Sort,
-    options: &RowFitOptions,
+    options: &ElementFitOptions,
     control: &Control,
-) -> Result<Answer, RowFitError> {
+) -> Result<Answer, ElementFitError> {
     let clock = std::time::Instant::now();
     let what = sort.many();
     if !(options.tolerance > 0.0 && options.tolerance.is_finite()) {
-        return Err(RowFitError::Tolerance(options.tolerance));
+        return Err(ElementFitError::Tolerance(options.tolerance));
     }
     if let Some(fault) = options.limits.as_ref().and_then(regression::fault) {
-        return Err(RowFitError::Limits(fault));
+        return Err(ElementFitError::Limits(fault));
     }
     Loose::check(extent(&rows), options.tolerance)?;
     let mut strips: Vec<Strip> = Vec::new();
-    let mut all: Vec<PlaneElement> = Vec::new();
+    let mut all: Vec<ContactElement> = Vec::new();
     let mut given_words = Vec::new();
     for (k, Row { name, mut estimates, face }) in rows.into_iter().enumerate() {
         for elements in &mut estimates {
             if let Some(index) = elements.iter().position(|e| !e.is_usable()) {
-                return Err(RowFitError::Element { index });
+                return Err(ElementFitError::Element { index });
             }
             let largest = elements.iter().flat_map(|e| e.ends).map(|x| x.amax()).fold(0.0, f64::max);
             if let Some(fault) = Coarse::of(largest, options.tolerance) {
@@ -624,8 +624,8 @@ fn run(
 fn nearest(
     name: &str,
     piece: &RowPiece,
-    own: &[PlaneElement],
-    options: &RowFitOptions,
+    own: &[ContactElement],
+    options: &ElementFitOptions,
 ) -> Result<Strip, Option<String>> {
     let mut best: Option<(bool, f64, Strip)> = None;
     let mut reason = None;
@@ -645,7 +645,7 @@ fn nearest(
 }
 
 /// Why no developable follows elements: too far from any, or none keeps to the limits and then how near one comes.
-fn unfollowed(own: &[PlaneElement], options: &RowFitOptions) -> String {
+fn unfollowed(own: &[ContactElement], options: &ElementFitOptions) -> String {
     // Tolerances looked at for the reason, in multiples of the one asked for.
     const WIDER: [f64; 4] = [3.0, 10.0, 100.0, 1e4];
     let mut plain = format!("no developable strip follows them within {} mm", options.tolerance);
