@@ -1,6 +1,8 @@
 //! Covers a STEP model with developable panels and writes all files:
 //! `cargo run --release --example approximate -- hull.step 2 hull-panels` (tolerance in mm).
 
+#![allow(clippy::print_stdout)]
+
 use std::error::Error;
 use torse::{approximate, files, read_step, Approximate};
 

@@ -1,6 +1,8 @@
 //! Makes developable faces exact cones, cylinders and planes:
 //! `cargo run --release --example cones -- chute.step 0.5 chute-cones` (tolerance in mm).
 
+#![allow(clippy::print_stdout)]
+
 use std::error::Error;
 use torse::{cones, files, read_step, ConesOptions, Control};
 

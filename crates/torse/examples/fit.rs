@@ -1,5 +1,7 @@
 //! Fits developable strips to measured points: `cargo run --release --example fit -- scan.ply 0.5 sheet`.
 
+#![allow(clippy::print_stdout)]
+
 use std::error::Error;
 use torse::io::cloud;
 use torse::{files, fit, Control, FitOptions};

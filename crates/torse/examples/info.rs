@@ -1,5 +1,7 @@
 //! Tells what a STEP file holds: `cargo run --release --example info -- hull.step`.
 
+#![allow(clippy::print_stdout)]
+
 use std::error::Error;
 use torse::{measure, read_step};
 

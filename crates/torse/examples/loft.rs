@@ -1,5 +1,7 @@
 //! Lays a developable surface between two curves: `cargo run --release --example loft -- a.dxf b.dxf duct`.
 
+#![allow(clippy::print_stdout)]
+
 use std::error::Error;
 use torse::io::curves::CurveOptions;
 use torse::{files, loft, read_curve, Control, Loft};
