@@ -153,7 +153,7 @@ pub struct Pattern {
     pub area_in_space: f64,
     /// Largest relative error of lengths between panel and pattern.
     pub isometry_error: f64,
-    /// Largest distance (mm) between the contour drawn and the exact outline.
+    /// Largest distance (mm) between the contour drawn and the exact outline; not a number where it is unknown.
     pub contour_error: f64,
     /// Largest extent across and along (mm): width ≤ length of the smallest enclosing rectangle.
     pub width: f64,
