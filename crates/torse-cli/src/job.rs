@@ -189,7 +189,7 @@ mod tests {
     fn bounds_are_rounded_to_the_safe_side() {
         assert_eq!(number(0.999_71, f64::ceil), "0.9998");
         assert_eq!(number(412.799_99, f64::floor), "412.7999");
-        assert_eq!(number(1.9e-4, f64::ceil), "1.900e-4");
+        assert_eq!(number(1.900_1e-4, f64::ceil), "1.901e-4");
         assert_eq!(number(1.000_01e-9, f64::ceil), "1.001e-9");
         assert_eq!(number(1.999_9e-9, f64::floor), "1.999e-9");
         assert_eq!((number(0.0, f64::ceil), number(2.0, f64::ceil)), ("0".into(), "2".into()));
