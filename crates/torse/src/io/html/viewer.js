@@ -22,7 +22,7 @@ function select(index, scroll) {
     const name = document.createElement("b");
     name.textContent = row.cells[0].textContent;
     const table = document.createElement("table");
-    for (const k of [2, 3, 6, 7, 8, 9, 11]) {
+    for (let k = 1; k < row.cells.length; k++) {
       const line = table.insertRow();
       line.insertCell().textContent = heads[k];
       line.insertCell().append(...Array.from(row.cells[k].cloneNode(true).childNodes));
