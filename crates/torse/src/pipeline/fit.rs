@@ -240,7 +240,7 @@ fn outlined(
             "Flat outlines follow the border of the measured points: no place of them is farther than {off:.2} mm from a \
              point (estimated), and the sheet may go on beyond them by the spacing of the points, about {spacing:.2} mm. \
              Holes cut out: {holes}; holes of a few spacings that are not: {closed}; points that lie apart: {stray}. The \
-             strips in strips.step, model.glb and the pictures in space are not trimmed: they reach a little farther."
+             strips in panels.step, model.glb and the pictures in space are not trimmed: they reach a little farther."
         );
     }
     if !whole.is_empty() {
