@@ -2,7 +2,8 @@
 
 use crate::args::{self, Approximate, Seams};
 use crate::failure::Failure;
-use crate::job::{contents, fault, refuse_left_out, Job};
+use crate::input::contents;
+use crate::job::{fault, refuse_left_out, Job};
 use crate::loft::{rail, rails};
 use crate::quantity::{section, Length};
 use crate::wiring;
@@ -24,16 +25,16 @@ pub fn run(arguments: &Approximate) -> Result<bool, Failure> {
     let tolerance = tolerance.ok_or_else(|| Failure::new("no tolerance", "give one: --tolerance 2mm"))?;
     let bytes = contents(file)?;
     let (layout, unread) = layout(arguments)?;
-    let running = Job::begin(&arguments.files, file, arguments.time_limit)?;
+    let job = Job::begin(&arguments.files, file, arguments.time_limit)?;
 
-    running.say("reading");
+    job.say("reading");
     let mut model = wiring::read(&file.display().to_string(), &bytes)?;
     drop(bytes);
     if arguments.strict {
         refuse_left_out(file, &model.skipped)?;
     }
-    let job = wiring::Job {
-        name: arguments.files.job_name(file),
+    let options = torse::Approximate {
+        input: arguments.files.job_name(file),
         tolerance: if arguments.cones { PANELS_OF_CONES } else { 1.0 } * tolerance.mm,
         max_panels: arguments.max_panels.map(|n| n as usize),
         limits: limits(arguments),
@@ -48,27 +49,27 @@ pub fn run(arguments: &Approximate) -> Result<bool, Failure> {
         Vec::new()
     } else {
         let tolerances: Vec<f64> = arguments.sweep.iter().map(|l| l.mm).collect();
-        wiring::sweep(&model, &tolerances, &job, running.control())?
+        wiring::sweep(&model, &tolerances, &options, job.control())?
     };
-    let mut answer = wiring::approximate(model, &job, running.control())?;
+    let mut answer = wiring::approximate(model, &options, job.control())?;
     if arguments.strict {
         refuse_left_out(file, &answer.skipped)?;
     }
-    let bare = job.layout.curves.iter().filter(|c| answer.along.iter().all(|a| a.curve != c.name));
+    let bare = options.layout.curves.iter().filter(|c| answer.along.iter().all(|a| a.curve != c.name));
     notes.extend(bare.map(|c| format!("no panel along {} could be certified; others took its place", c.name)));
     answer.notes = notes;
-    running.deliver(&mut answer)?;
-    running.write(swept)?;
+    job.deliver(&mut answer)?;
+    job.write(swept)?;
     let mut cones_hold = true;
     if arguments.cones {
-        running.say("cones");
-        let mut cones = wiring::cones_of_panels(&answer, tolerance.mm, running.control())?;
+        job.say("cones");
+        let mut cones = wiring::cones_of_panels(&answer, tolerance.mm, job.control())?;
         let files = deliver::files(&mut cones, &crate::clock::stamp()).map_err(|e| fault(&e))?;
         let named = |name: String| if name == bundle::CONES { name } else { format!("cones-{name}") };
-        running.write(files.into_iter().map(|(name, bytes)| (named(name), bytes)).collect())?;
+        job.write(files.into_iter().map(|(name, bytes)| (named(name), bytes)).collect())?;
         cones_hold = cones.status() == Status::Certified;
     }
-    Ok(running.finish(&answer, &tolerance.text)? && cones_hold)
+    Ok(job.finish(&answer, &tolerance.text)? && cones_hold)
 }
 
 /// What sheet and material allow, in mm.

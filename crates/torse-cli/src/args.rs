@@ -1,6 +1,6 @@
 //! Arguments and help.
 
-use crate::job::stem;
+use crate::input::stem;
 use crate::quantity::{
     ball, bend_step, direction, positive_count, positive_length, positive_share, positive_time, section, smooth_angle,
     two_numbers, two_shares, unit_of_length, zone, Length, Section,

@@ -2,7 +2,8 @@
 
 use crate::args::Cones;
 use crate::failure::Failure;
-use crate::job::{contents, refuse_left_out, Job};
+use crate::input::contents;
+use crate::job::{refuse_left_out, Job};
 use crate::wiring;
 
 /// Runs the job; `Ok(true)` means certified.

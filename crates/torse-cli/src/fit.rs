@@ -2,7 +2,8 @@
 
 use crate::args::Fit;
 use crate::failure::Failure;
-use crate::job::{contents, refuse_left_out, Job};
+use crate::input::contents;
+use crate::job::{refuse_left_out, Job};
 use torse::answer::Answer;
 use torse::control::Control;
 use torse::io::elements;

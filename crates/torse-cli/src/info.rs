@@ -2,11 +2,12 @@
 
 use crate::args::Info;
 use crate::failure::Failure;
-use crate::job::contents;
+use crate::input::contents;
 use crate::wiring;
 use std::fmt::Write as _;
 use std::io::Write as _;
 use torse::pipeline::info::{measure, FaceInfo, Range};
+use torse::Model;
 
 /// Prints what the file holds; `Ok(true)` always.
 pub fn run(arguments: &Info) -> Result<bool, Failure> {
@@ -24,7 +25,7 @@ pub fn run(arguments: &Info) -> Result<bool, Failure> {
 const TRIM_NOTED: f64 = 1e-4;
 
 /// The whole answer.
-fn report(name: &str, model: &wiring::Model, faces: &[FaceInfo]) -> String {
+fn report(name: &str, model: &Model, faces: &[FaceInfo]) -> String {
     let mut text = String::new();
     // Writing to a String cannot fail.
     let _ = writeln!(text, "{name}");

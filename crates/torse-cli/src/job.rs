@@ -1,7 +1,7 @@
 //! A job under way: what every command that writes files has in common.
 
 use crate::args::Files;
-use crate::failure::{os_reason, Failure};
+use crate::failure::Failure;
 use crate::folder::Output;
 use crate::terminal::Terminal;
 use std::io::Write;
@@ -70,21 +70,6 @@ impl<'a> Job<'a> {
 /// A fault of the program.
 pub fn fault(e: &dyn std::error::Error) -> Failure {
     Failure::new(e.to_string(), "this is a fault of the program; please report it with the input")
-}
-
-/// Reads the input file.
-pub fn contents(file: &Path) -> Result<Vec<u8>, Failure> {
-    if file.is_dir() {
-        return Err(Failure::new(format!("'{}' is a folder", file.display()), "give a file inside it"));
-    }
-    std::fs::read(file).map_err(|e| {
-        Failure::new(format!("cannot read '{}': {}", file.display(), os_reason(&e)), "check the name and the rights")
-    })
-}
-
-/// Name of a file without folder and extension.
-pub fn stem(file: &Path) -> String {
-    file.file_stem().map_or_else(|| "model".to_string(), |s| s.to_string_lossy().into_owned())
 }
 
 /// `--strict`: anything that is left out, by the reader or by the job, is an error.
@@ -193,11 +178,5 @@ mod tests {
         assert_eq!(number(1.000_01e-9, f64::ceil), "1.001e-9");
         assert_eq!(number(1.999_9e-9, f64::floor), "1.999e-9");
         assert_eq!((number(0.0, f64::ceil), number(2.0, f64::ceil)), ("0".into(), "2".into()));
-    }
-
-    #[test]
-    fn names_come_from_files() {
-        assert_eq!(stem(Path::new("a/hull.v2.step")), "hull.v2");
-        assert_eq!(stem(Path::new("/")), "model");
     }
 }

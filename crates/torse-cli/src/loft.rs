@@ -2,7 +2,8 @@
 
 use crate::args::{Loft, LoftEnds, LoftExtension};
 use crate::failure::Failure;
-use crate::job::{contents, Job};
+use crate::input::contents;
+use crate::job::Job;
 use std::path::{Path, PathBuf};
 use torse::io::curves::{self, CurveError, CurveOptions, Curves};
 use torse::pipeline::loft::{loft, Choice, Ends, Extension, Options};

@@ -13,6 +13,7 @@ mod fit;
 mod folder;
 mod hull;
 mod info;
+mod input;
 mod job;
 mod loft;
 mod net;

@@ -2,7 +2,8 @@
 
 use crate::args::Net;
 use crate::failure::Failure;
-use crate::job::{contents, Job};
+use crate::input::contents;
+use crate::job::Job;
 use crate::loft::{rail, split};
 use torse::geom::Vec3;
 use torse::io::net::{self as file, NetFile};

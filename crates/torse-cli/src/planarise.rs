@@ -2,7 +2,8 @@
 
 use crate::args::{HeldPoints, Planarise};
 use crate::failure::Failure;
-use crate::job::{contents, Job};
+use crate::input::contents;
+use crate::job::Job;
 use torse::design::discrete::planarise::Hold;
 use torse::io::quads;
 use torse::pipeline::planarise::{planarise, Options};

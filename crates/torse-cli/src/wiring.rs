@@ -1,61 +1,24 @@
-//! The one place where the program calls the library: read, approximate, files. Opens nothing and prints nothing.
+//! Calls of the library that several commands or several steps of one share, with what would help where they refuse. Opens
+//! nothing and prints nothing.
 
 use crate::failure::Failure;
 use crate::job::fault;
 use torse::answer::marks::Marks;
 use torse::answer::presentation::present;
-use torse::answer::skipped::Skipped;
 use torse::answer::Answer;
-use torse::brep::face::Face;
 use torse::certify::claim::{Claim, Status, Subject};
-use torse::control::Control;
-use torse::develop::view::Drawn;
 use torse::io::bundle;
 use torse::io::step::read::ReadError;
 use torse::io::words;
-use torse::pipeline::approximate::{self as pipeline, ApproximateError, Options};
+use torse::pipeline::approximate::{self as pipeline, ApproximateError};
 use torse::pipeline::cone_shapes;
 use torse::pipeline::cones::{self as cone_pipeline, ConesOptions};
 use torse::pipeline::sweep;
-use torse::search::cover::{Layout, Limits};
-
-/// A model as read from a file.
-pub struct Model {
-    /// Usable faces.
-    pub faces: Vec<Face>,
-    /// What could not be used.
-    pub skipped: Vec<Skipped>,
-    /// Length unit of the file, as found.
-    pub unit: String,
-    /// Remarks of the reader.
-    pub notes: Vec<String>,
-}
-
-/// What the main job is asked.
-pub struct Job {
-    /// Name of the job.
-    pub name: String,
-    /// Tolerance, mm.
-    pub tolerance: f64,
-    /// Largest number of panels.
-    pub max_panels: Option<usize>,
-    /// What sheet and material allow.
-    pub limits: Limits,
-    /// Where strips and seams run.
-    pub layout: Layout,
-    /// Whether neighbouring strips are to meet.
-    pub meet: bool,
-    /// Angle up to which edges between faces count as smooth, rad.
-    pub smooth_angle: f64,
-    /// How flat patterns are drawn.
-    pub drawn: Drawn,
-}
+use torse::{Approximate, Control, Model};
 
 /// Reads a STEP file. `name` is for messages.
 pub fn read(name: &str, bytes: &[u8]) -> Result<Model, Failure> {
-    let model =
-        torse::io::step::read::read(bytes).map_err(|e| Failure::new(format!("{name}: {e}"), reading_hint(&e)))?;
-    Ok(Model { faces: model.faces, skipped: model.skipped, unit: model.unit, notes: model.notes })
+    torse::read_step(bytes).map_err(|e| Failure::new(format!("{name}: {e}"), reading_hint(&e)))
 }
 
 /// What would help against a file that cannot be read.
@@ -70,35 +33,21 @@ fn reading_hint(error: &ReadError) -> &'static str {
 }
 
 /// Runs the main job.
-pub fn approximate(model: Model, job: &Job, control: &Control) -> Result<Answer, Failure> {
-    pipeline::of_faces(model.faces, model.skipped, &options(job), control)
-        .map_err(|e| Failure::new(e.to_string(), hint(&e)))
-}
-
-/// The job in the library's words.
-fn options(job: &Job) -> Options {
-    Options {
-        tolerance: job.tolerance,
-        max_panels: job.max_panels,
-        input: job.name.clone(),
-        limits: job.limits,
-        layout: job.layout.clone(),
-        meet: job.meet,
-        smooth_angle: job.smooth_angle,
-        drawn: job.drawn,
-    }
+pub fn approximate(model: Model, options: &Approximate, control: &Control) -> Result<Answer, Failure> {
+    pipeline::of_faces(model.faces, model.skipped, options, control).map_err(|e| Failure::new(e.to_string(), hint(&e)))
 }
 
 /// Runs the main job at several tolerances (mm): the files with the table and its picture.
 pub fn sweep(
     model: &Model,
     tolerances: &[f64],
-    job: &Job,
+    options: &Approximate,
     control: &Control,
 ) -> Result<Vec<(String, Vec<u8>)>, Failure> {
-    let rows = sweep::sweep(&model.faces, &model.skipped, tolerances, &options(job), control)
+    let rows = sweep::sweep(&model.faces, &model.skipped, tolerances, options, control)
         .map_err(|e| Failure::new(e.to_string(), hint(&e)))?;
-    torse::io::sweep::files(&job.name, &rows, sweep::picture(&job.name, &rows).as_ref()).map_err(|e| fault(&e))
+    torse::io::sweep::files(&options.input, &rows, sweep::picture(&options.input, &rows).as_ref())
+        .map_err(|e| fault(&e))
 }
 
 /// Runs the job of cone splines on faces.

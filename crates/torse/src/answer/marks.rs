@@ -2,6 +2,7 @@
 
 use super::Answer;
 use crate::certify::claim::{Claim, Subject, What};
+use crate::patchwork::part::Part;
 
 /// What is marked as not certified.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -47,7 +48,7 @@ impl Marks {
     }
 
     fn from_panels(answer: &Answer, panels: Vec<bool>) -> Self {
-        let of = |part: &crate::patchwork::part::Part| panels.iter().skip(part.first).take(part.count).any(|m| *m);
+        let of = |part: &Part| panels.iter().skip(part.first).take(part.count).any(|m| *m);
         let parts: Vec<bool> = answer.parts.iter().map(of).collect();
         let patterns = answer.patterns.iter().map(|p| parts.get(p.panel).copied().unwrap_or(true)).collect();
         Self { panels, patterns, parts }

@@ -445,6 +445,8 @@ mod tests {
         let (a, b) = (LowerBound::shown(2.0), LowerBound::shown(3.0));
         assert_eq!(a.min(b).value(), 2.0);
         assert_eq!(a.min(LowerBound::UNKNOWN).value(), 0.0);
+        assert!(Claim::at_least(What::BendRadius, Subject::Whole, LowerBound::shown(2.0)).is_lower_bound());
+        assert!(!Claim::at_most(What::Deviation, Subject::Whole, UpperBound::shown(2.0)).is_lower_bound());
         assert_eq!(LowerBound::smallest([]), LowerBound::UNKNOWN);
         assert_eq!(LowerBound::shown(f64::NAN), LowerBound::UNKNOWN);
     }

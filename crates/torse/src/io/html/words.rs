@@ -5,6 +5,7 @@ use super::tables;
 use crate::certify::claim::What;
 use crate::io::json::{value, FigureRecord, PanelRecord, PartRecord, Report};
 use crate::io::markup::escape;
+use std::collections::HashMap;
 use std::fmt::Write;
 
 /// Bends tighter than this share of the panel's width deserve a look: the sheet turns by more than a radian or so
@@ -270,12 +271,12 @@ pub(super) fn warnings(report: &Report) -> String {
             items.push(format!("{words}: {}{more}.", found[..found.len().min(MOST)].join(", ")));
         }
     };
+    let of: HashMap<&str, &PartRecord> =
+        report.parts.iter().flat_map(|part| part.panels.iter().map(move |name| (name.as_str(), part))).collect();
     let panels = |test: &dyn Fn(&PanelRecord, &PartRecord) -> Option<bool>| -> Vec<String> {
-        let bad = report.panels.iter().filter(|panel| {
-            let part = report.parts.iter().find(|part| part.panels.contains(&panel.name));
-            part.and_then(|part| test(panel, part)).unwrap_or(false)
-        });
-        bad.map(|p| link(p, report)).collect()
+        let bad =
+            |panel: &&PanelRecord| of.get(panel.name.as_str()).and_then(|part| test(panel, part)).unwrap_or(false);
+        report.panels.iter().filter(bad).map(|p| link(p, report)).collect()
     };
     let parts = |test: &dyn Fn(&PartRecord) -> Option<bool>| -> Vec<String> {
         report.parts.iter().filter(|p| test(p).unwrap_or(false)).map(|p| escape(&p.name)).collect()
