@@ -23,7 +23,7 @@ impl Marks {
     pub fn of(answer: &Answer) -> Self {
         let count = answer.patchwork.panels.len();
         let Some(certificate) = &answer.certificate else {
-            return Self::from_panels(answer, vec![is_refused(&answer.claims); count]);
+            return Self::all(answer, is_refused(&answer.claims));
         };
         let mut panels: Vec<bool> = (0..count)
             .map(|k| {
@@ -44,7 +44,16 @@ impl Marks {
 
     /// Nothing is marked.
     pub fn none(answer: &Answer) -> Self {
-        Self::from_panels(answer, vec![false; answer.patchwork.panels.len()])
+        Self::all(answer, false)
+    }
+
+    /// Everything is marked, or nothing, whatever parts say of their panels.
+    fn all(answer: &Answer, marked: bool) -> Self {
+        Self {
+            panels: vec![marked; answer.patchwork.panels.len()],
+            patterns: vec![marked; answer.patterns.len()],
+            parts: vec![marked; answer.parts.len()],
+        }
     }
 
     fn from_panels(answer: &Answer, panels: Vec<bool>) -> Self {
@@ -63,4 +72,25 @@ impl Marks {
 /// Whether something of what was made is not proven, as opposed to something that is only left out.
 fn is_refused(claims: &[Claim]) -> bool {
     claims.iter().any(|c| c.is_broken() && c.what() != What::LeftOut)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::answer::Job;
+    use crate::patchwork::pattern::Pattern;
+
+    #[test]
+    fn every_pattern_of_a_refused_answer_is_marked() {
+        let mut answer = Answer::new(Job::Cones, "chute", 0.1);
+        // A part whose panels are not there has a pattern all the same.
+        answer.parts = vec![Part { name: "A".into(), first: 7, count: 0, missing: String::new() }];
+        answer.patterns = vec![Pattern::default()];
+        assert!(!Marks::of(&answer).any());
+        answer.claims.push(Claim::left_out("a rail is missing"));
+        assert!(!Marks::of(&answer).any());
+        answer.claims.push(Claim::objection(Subject::Whole, "too far"));
+        let marks = Marks::of(&answer);
+        assert_eq!((marks.patterns, marks.parts), (vec![true], vec![true]));
+    }
 }

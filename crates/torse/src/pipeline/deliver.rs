@@ -99,8 +99,8 @@ fn breaks(claim: &Claim, off: f64) -> bool {
     }
 }
 
-/// A cutting drawing against its patterns; `None` for files that are none. For every job that writes drawings.
-pub fn drawing(name: &str, bytes: &[u8], patterns: &[Pattern]) -> Option<WrittenCertificate> {
+/// A cutting drawing against its patterns; `None` for files that are none.
+fn drawing(name: &str, bytes: &[u8], patterns: &[Pattern]) -> Option<WrittenCertificate> {
     let pieces = if name.ends_with(".dxf") {
         drawings::dxf(bytes)
     } else if name.ends_with(".svg") {

@@ -164,7 +164,7 @@ fn proven(report: &Report) -> String {
     }
     if let (Some(strain), Some(off)) = (flat(report, |p| p.strain_bound), flat(report, |p| p.drawing_bound)) {
         items.push(format!(
-            "<b>Flat patterns:</b> no length on a flat part differs from that on its panel by more than {} of it;              outlines, rulings and marks as drawn are nowhere more than {} from where they belong.",
+            "<b>Flat patterns:</b> no length on a flat part differs from that on its panel by more than {} of it; outlines, rulings and marks as drawn are nowhere more than {} from where they belong.",
             exponent(strain),
             bound_with_unit(Some(off)),
         ));
@@ -191,9 +191,10 @@ fn proven(report: &Report) -> String {
     format!("<div>{}</div>", list("Proven for every point", "proven", &items))
 }
 
-/// The largest of a proven number of flat parts, if every part has one.
+/// The largest of a proven number of flat parts, if there are parts and every one has it.
 fn flat(report: &Report, value: impl Fn(&PartRecord) -> Option<f64>) -> Option<f64> {
-    report.parts.iter().map(value).try_fold(0.0, |m: f64, x| Some(m.max(x?)))
+    let all: Option<Vec<f64>> = report.parts.iter().map(value).collect();
+    all?.into_iter().reduce(f64::max)
 }
 
 /// The largest of a measured number of flat parts that have no proof.
@@ -362,6 +363,16 @@ mod tests {
         assert_eq!(text.matches("of the certified panels").count(), 2);
         report.panels[0].certified = false;
         assert!(!proven(&report).contains("Regularity"));
+    }
+
+    #[test]
+    fn nothing_is_claimed_of_flat_parts_that_are_not_there() {
+        let mut report = sample();
+        assert!(proven(&report).contains("Flat patterns"));
+        report.parts[0].strain_bound = None;
+        assert!(!proven(&report).contains("Flat patterns"));
+        report.parts.clear();
+        assert!(!proven(&report).contains("Flat patterns"));
     }
 
     #[test]
