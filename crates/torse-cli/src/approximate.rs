@@ -28,7 +28,8 @@ pub fn run(arguments: &Approximate) -> Result<bool, Failure> {
     let job = Job::begin(&arguments.files, file, arguments.time_limit)?;
 
     job.say("reading");
-    let mut model = wiring::read(&file.display().to_string(), &bytes)?;
+    let model = wiring::read(&file.display().to_string(), &bytes)?;
+    let mut model = wiring::selected(model, &arguments.chosen)?;
     drop(bytes);
     if arguments.strict {
         refuse_left_out(file, &model.skipped)?;
@@ -80,6 +81,8 @@ fn limits(arguments: &Approximate) -> Limits {
         min_clearance: mm(&arguments.min_clearance),
         max_width: mm(&arguments.max_width),
         max_length: mm(&arguments.max_length),
+        sheet: arguments.sheet,
+        min_width: mm(&arguments.min_width),
     }
 }
 

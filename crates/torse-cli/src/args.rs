@@ -2,17 +2,20 @@
 
 use crate::input::stem;
 use crate::quantity::{
-    ball, bend_step, direction, positive_count, positive_length, positive_share, positive_time, section, smooth_angle,
-    two_numbers, two_shares, unit_of_length, zone, Length, Section,
+    ball, bend_step, direction, entity, positive_count, positive_length, positive_share, positive_time, section, sheet,
+    smooth_angle, two_numbers, two_shares, unit_of_length, zone, Length, Section,
 };
 use clap::{Args, Parser, Subcommand};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
+use torse::answer::CutFiles;
 use torse::develop::bends::BendSpacing;
 use torse::develop::view::Drawn;
+use torse::geom::unit::LengthUnit;
 use torse::geom::Vec3;
 use torse::patchwork::pattern::ViewSide;
 use torse::pipeline::approximate::SMOOTH_ANGLE_DEG;
+use torse::pipeline::select::Selection;
 use torse::torse::zone::Zone;
 
 /// Developable panels from freeform CAD surfaces, with a proof of the deviation.
@@ -56,7 +59,7 @@ pub enum Command {
 #[command(after_help = "Examples:
   torse approximate hull.step --tolerance 2mm --out hull-panels
   torse approximate roof.step --tolerance 1/8in --out roof --max-panels 40
-  torse approximate hull.step -t 2mm -o plates --max-width 2m --max-length 6m --min-bend-radius 150mm
+  torse approximate hull.step -t 2mm -o plates --sheet 2mx6m --min-bend-radius 150mm
   torse approximate wing.step -t 0.5mm -o wing --force --time-limit 5min
 
 Written into the output folder: panels.step (CAD), patterns.dxf and patterns.svg (cutter), model.glb,
@@ -96,11 +99,25 @@ pub struct Approximate {
     #[arg(long, value_name = "N", value_parser = positive_count, allow_hyphen_values = true)]
     pub max_panels: Option<u32>,
 
-    /// Greatest width of a flat pattern (sheet or coil), with its unit
+    #[command(flatten)]
+    pub chosen: Chosen,
+
+    /// Sheet that every flat pattern must fit on: the smallest rectangle around it, such as 1250x2550 (mm), 1.25mx2.55m,
+    /// 4ftx8ft
+    #[arg(long, value_name = "SIZE", value_parser = sheet, allow_hyphen_values = true)]
+    pub sheet: Option<[f64; 2]>,
+
+    /// Greatest width of a strip square to its middle line, with its unit; strips that are curved in the plane need a
+    /// wider sheet (--sheet)
     #[arg(long, value_name = "LENGTH", value_parser = positive_length, allow_hyphen_values = true)]
     pub max_width: Option<Length>,
 
-    /// Greatest length of a flat pattern, with its unit
+    /// Least mean width of a flat pattern (area over length), with its unit [default: panels narrower than a tenth of
+    /// their widest neighbour are avoided where that can be proven]
+    #[arg(long, value_name = "LENGTH", value_parser = positive_length, allow_hyphen_values = true)]
+    pub min_width: Option<Length>,
+
+    /// Greatest length of a flat pattern (of the smallest rectangle around it), with its unit
     #[arg(long, value_name = "LENGTH", value_parser = positive_length, allow_hyphen_values = true)]
     pub max_length: Option<Length>,
 
@@ -163,6 +180,25 @@ pub struct Approximate {
     pub drawing: Drawing,
 }
 
+/// Which faces of a model are meant.
+#[derive(Args, Clone, Debug)]
+pub struct Chosen {
+    /// Only this face, by its number in the file (see 'torse info'); may be given several times
+    #[arg(long, value_name = "#NUMBER", value_parser = entity)]
+    pub face: Vec<u64>,
+
+    /// Only this part, by its name in the file; may be given several times
+    #[arg(long, value_name = "NAME")]
+    pub part: Vec<String>,
+}
+
+impl Chosen {
+    /// The same in the library's words.
+    pub fn selection(&self) -> Selection {
+        Selection { faces: self.face.clone(), parts: self.part.clone() }
+    }
+}
+
 /// Where results go, and what is told on the way.
 #[derive(Args, Clone, Debug)]
 pub struct Files {
@@ -174,6 +210,14 @@ pub struct Files {
     #[arg(long)]
     pub force: bool,
 
+    /// Also write a DXF drawing of every part alone: part-A-01.dxf
+    #[arg(long)]
+    pub one_file_per_part: bool,
+
+    /// Unit of drawings and tables of parts; reports and models are in mm
+    #[arg(long, value_name = "UNIT", value_enum, default_value_t = DrawnUnit::Mm)]
+    pub drawing_unit: DrawnUnit,
+
     /// Name of the job in the files [default: name of the first input]
     #[arg(long, value_name = "NAME")]
     pub name: Option<String>,
@@ -183,7 +227,25 @@ pub struct Files {
     pub quiet: bool,
 }
 
+/// Unit of drawings.
+#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DrawnUnit {
+    /// Millimetres
+    Mm,
+    /// Inches
+    In,
+}
+
 impl Files {
+    /// How drawings are written, in the library's words.
+    pub fn cut(&self) -> CutFiles {
+        let unit = match self.drawing_unit {
+            DrawnUnit::Mm => LengthUnit::Millimetre,
+            DrawnUnit::In => LengthUnit::Inch,
+        };
+        CutFiles { unit, one_per_part: self.one_file_per_part }
+    }
+
     /// Name of the job: what was asked for, else the name of the input.
     pub fn job_name(&self, input: &Path) -> String {
         self.name.clone().unwrap_or_else(|| stem(input))
@@ -268,6 +330,9 @@ pub struct Cones {
 
     #[command(flatten)]
     pub files: Files,
+
+    #[command(flatten)]
+    pub chosen: Chosen,
 
     /// Refuse the whole file if any of its faces cannot be used
     #[arg(long)]

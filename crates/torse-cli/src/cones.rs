@@ -13,7 +13,7 @@ pub fn run(arguments: &Cones) -> Result<bool, Failure> {
     let job = Job::begin(&arguments.files, file, None)?;
 
     job.say("reading");
-    let model = wiring::read(&file.display().to_string(), &bytes)?;
+    let model = wiring::selected(wiring::read(&file.display().to_string(), &bytes)?, &arguments.chosen)?;
     drop(bytes);
     let name = arguments.files.job_name(file);
     let mut answer = wiring::cones(&model, &name, arguments.tolerance.mm, job.control())?;

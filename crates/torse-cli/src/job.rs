@@ -50,6 +50,7 @@ impl<'a> Job<'a> {
     /// Writes the files of an answer, which are judged with it.
     pub fn deliver(&self, answer: &mut Answer) -> Result<(), Failure> {
         self.say("writing");
+        answer.cut = self.files.cut();
         self.write(deliver::files(answer, &crate::clock::stamp()).map_err(|e| fault(&e))?)
     }
 

@@ -81,6 +81,24 @@ pub fn positive_length(text: &str) -> Result<Length, String> {
     Ok(Length { mm, text: text.trim().to_string() })
 }
 
+/// Reads the sides of a sheet, in mm: two lengths with an x between them. A unit after the second is that of both; where
+/// there is none, both are millimetres, as sheets are named.
+pub fn sheet(text: &str) -> Result<[f64; 2], String> {
+    let example = "write two lengths, such as 1250x2550 (mm), 1.25mx2.55m or 4ftx8ft";
+    let (first, second) = text.trim().split_once(['x', 'X', '×']).ok_or_else(|| format!("'{text}': {example}"))?;
+    let (value, unit) = split(second)?;
+    let unit = if unit.is_empty() { "mm" } else { unit };
+    let other = split(first)?;
+    let other_unit = if other.1.is_empty() { unit } else { other.1 };
+    Ok([positive_length(&format!("{}{other_unit}", other.0))?.mm, positive_length(&format!("{value}{unit}"))?.mm])
+}
+
+/// Reads the number of an entity, with or without its sign: #17.
+pub fn entity(text: &str) -> Result<u64, String> {
+    let number = text.trim().trim_start_matches('#');
+    number.parse().map_err(|_| format!("'{text}' is no number of a face: write it as 'torse info' does, such as #17"))
+}
+
 /// A plane square to an axis of the model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Section {
@@ -249,6 +267,20 @@ pub fn ball(text: &str) -> Result<[f64; 4], String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn sheets_have_two_sides_and_one_unit_or_two() {
+        assert_eq!(sheet("1250x2550"), Ok([1250.0, 2550.0]));
+        assert_eq!(sheet("1.25 x 2.5 m"), Ok([1250.0, 2500.0]));
+        assert_eq!(sheet("4ftx8ft"), Ok([1219.2, 2438.4]));
+        assert!(sheet("1250").is_err() && sheet("0x100").is_err() && sheet("1x2x3").is_err() && sheet("axb").is_err());
+    }
+
+    #[test]
+    fn entities_may_carry_their_sign() {
+        assert_eq!((entity("#17"), entity("17")), (Ok(17), Ok(17)));
+        assert!(entity("face").is_err());
+    }
 
     #[test]
     fn planes_and_directions_are_understood() {

@@ -1,6 +1,7 @@
 //! Calls of the library that several commands or several steps of one share, with what would help where they refuse. Opens
 //! nothing and prints nothing.
 
+use crate::args::Chosen;
 use crate::failure::Failure;
 use crate::job::fault;
 use torse::answer::marks::Marks;
@@ -13,12 +14,19 @@ use torse::io::words;
 use torse::pipeline::approximate::{self as pipeline, ApproximateError};
 use torse::pipeline::cone_shapes;
 use torse::pipeline::cones::{self as cone_pipeline, ConesOptions};
+use torse::pipeline::select;
 use torse::pipeline::sweep;
 use torse::{Approximate, Control, Model};
 
 /// Reads a STEP file. `name` is for messages.
 pub fn read(name: &str, bytes: &[u8]) -> Result<Model, Failure> {
     torse::read_step(bytes).map_err(|e| Failure::new(format!("{name}: {e}"), reading_hint(&e)))
+}
+
+/// The model with the chosen faces.
+pub fn selected(model: Model, chosen: &Chosen) -> Result<Model, Failure> {
+    select::selected(model, &chosen.selection())
+        .map_err(|e| Failure::new(e.to_string(), "'torse info' lists the faces and parts of the file"))
 }
 
 /// What would help against a file that cannot be read.
@@ -114,6 +122,8 @@ fn hint(error: &ApproximateError) -> &'static str {
             "give a curve on the surface, or a plane through it; 'torse info' tells the size of the model"
         }
         ApproximateError::Guide => "give a direction such as x or 1,0,0.5, or a curve of at least two different points",
+        ApproximateError::TooMany { .. } => "'torse info' tells the radii of curvature and sizes of the faces",
+        ApproximateError::Widths { .. } => "give a smaller --min-width, or a larger --max-width or --sheet",
         ApproximateError::MaxPanels => "give --max-panels 1 or more, or leave it out",
     }
 }

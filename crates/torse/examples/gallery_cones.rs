@@ -8,7 +8,7 @@
 use std::path::Path;
 use torse::design::cones::{cone_spline, osculating_spline, ConeOptions, Osculating};
 use torse::develop::cones::{bent, cone_pattern, Bending};
-use torse::draw::drawing::drawing;
+use torse::draw::drawing::{drawing, DrawingOptions};
 use torse::draw::picture::{panels, Caption};
 use torse::draw::scene::{PanelShape, Scene};
 use torse::draw::sequence::sequence;
@@ -179,7 +179,7 @@ fn main() -> Result<()> {
     let circular = three.clone().with_circular_edges(1.0, 1.8);
     bending(&folder.join("fig17_bending.png"), &circular)?;
     let pattern = cone_pattern(&circular, "A", 1e-4);
-    let flat = drawing(&[pattern], &[Placement { angle: 0.0, offset: Vec2::zeros() }], &[]);
+    let flat = drawing(&[pattern], &[Placement { angle: 0.0, offset: Vec2::zeros() }], &[], &DrawingOptions::default());
     let mut bytes = Vec::new();
     dxf::write(&mut bytes, &flat)?;
     std::fs::write(folder.join("fig17_flat.dxf"), bytes)?;

@@ -7,6 +7,7 @@ use std::fs;
 use std::io;
 use std::path::{Component, Path};
 use std::time::Duration;
+use torse::io::bundle::PART_FILE;
 
 /// The list, beside the files that it names.
 pub const MANIFEST: &str = "torse-files.json";
@@ -21,7 +22,7 @@ const REPORT_SCHEMAS: [&str; 2] = ["torse-report/", "torse-strips/"];
 const SAME_TIME: Duration = Duration::from_secs(2);
 
 /// Every name that a result's file can have; files of cones made beside panels have `cones-` before it.
-const RESULT_NAMES: [&str; 23] = [
+const RESULT_NAMES: [&str; 24] = [
     MANIFEST,
     REPORT,
     "report.html",
@@ -32,6 +33,7 @@ const RESULT_NAMES: [&str; 23] = [
     "patterns.dxf",
     "patterns.svg",
     "bends.csv",
+    "parts.csv",
     "model.glb",
     "thickness.glb",
     "bending.glb",
@@ -49,7 +51,8 @@ const RESULT_NAMES: [&str; 23] = [
 
 /// Whether a result can have a file of this name.
 pub fn is_result_name(name: &str) -> bool {
-    RESULT_NAMES.contains(&name.strip_prefix("cones-").unwrap_or(name))
+    let name = name.strip_prefix("cones-").unwrap_or(name);
+    RESULT_NAMES.contains(&name) || (name.starts_with(PART_FILE) && name.ends_with(".dxf"))
 }
 
 /// One file that Torse wrote.

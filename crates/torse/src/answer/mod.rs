@@ -11,6 +11,7 @@ use crate::certify::flat::FlatCertificate;
 use crate::certify::written::WrittenCertificate;
 use crate::certify::Certificate;
 use crate::draw::field::{FieldMeaning, PanelField};
+use crate::geom::unit::LengthUnit;
 use crate::geom::Vec3;
 use crate::patchwork::panel::Patchwork;
 use crate::patchwork::part::Part;
@@ -83,6 +84,15 @@ pub struct Cones {
     pub pieces: Vec<(usize, usize)>,
 }
 
+/// How drawings for the cutter are written.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct CutFiles {
+    /// Unit of drawings and tables; default mm. Reports and models are in mm.
+    pub unit: LengthUnit,
+    /// Whether every part gets a drawing of its own besides the common one; default no.
+    pub one_per_part: bool,
+}
+
 /// The answer of a job: what was made, what is said of it, and what is missing. Lengths in mm.
 #[derive(Clone, Debug)]
 pub struct Answer {
@@ -125,6 +135,8 @@ pub struct Answer {
     pub skipped: Vec<Skipped>,
     /// What people should know of the input and the job, in plain sentences.
     pub notes: Vec<String>,
+    /// How drawings are written.
+    pub cut: CutFiles,
     /// Wall time of reading, fitting and proving, seconds.
     pub seconds: f64,
 }
@@ -152,6 +164,7 @@ impl Answer {
             beyond_limits: Vec::new(),
             skipped: Vec::new(),
             notes: Vec::new(),
+            cut: CutFiles::default(),
             seconds: 0.0,
         }
     }

@@ -4,7 +4,7 @@ use super::marks::Marks;
 use super::shapes::{shapes, Shape};
 use super::Answer;
 use crate::develop::layout::layout;
-use crate::draw::drawing::{drawing, Drawing};
+use crate::draw::drawing::{drawing, Drawing, DrawingOptions};
 use crate::draw::flat::{self, FlatPiece};
 use crate::draw::picture;
 use crate::draw::scene::{PanelShape, Scene, ShapePatch};
@@ -27,6 +27,8 @@ pub struct Presentation {
     pub direction: Vec3,
     /// The cutter's drawing of all patterns side by side.
     pub drawing: Drawing,
+    /// A drawing of each part alone, with its name, where that is wanted.
+    pub alone: Vec<(String, Drawing)>,
     /// The same patterns as polygons, for pictures.
     pub pieces: Vec<FlatPiece>,
     /// Planes, cylinders, cones and tangent surfaces of which whole strips consist; empty where panels cover faces.
@@ -67,9 +69,11 @@ pub fn present_marked(answer: &Answer, marks: Marks) -> Presentation {
     let shapes = shapes(answer);
     let placements = layout(&answer.patterns);
     let places: Vec<(f64, Vec2)> = placements.iter().map(|p| (p.angle, p.offset)).collect();
+    let options = DrawingOptions { title: answer.input.to_uppercase(), unit: answer.cut.unit, test_square: true };
     Presentation {
         direction: picture::direction(&scene),
-        drawing: drawing(&answer.patterns, &placements, &marks.patterns),
+        drawing: drawing(&answer.patterns, &placements, &marks.patterns, &options),
+        alone: if answer.cut.one_per_part { alone(&answer.patterns, &marks, &options) } else { Vec::new() },
         pieces: pieces(&answer.patterns, &places, PICTURE_CHORD * answer.tolerance, &marks),
         shape_patches: shape_patches(answer, &shapes),
         shapes,
@@ -116,6 +120,17 @@ fn shape_patches(answer: &Answer, shapes: &[Shape]) -> Vec<ShapePatch> {
             Some(ShapePatch { kind, mesh: strip::mesh(s, &u, &across, &[]) })
         })
         .collect()
+}
+
+/// Every pattern in a drawing of its own, without a test square: the programs of machines place what is in such files.
+fn alone(patterns: &[Pattern], marks: &Marks, options: &DrawingOptions) -> Vec<(String, Drawing)> {
+    let options = DrawingOptions { test_square: false, ..options.clone() };
+    let one = |(k, pattern): (usize, &Pattern)| {
+        let one = std::slice::from_ref(pattern);
+        let marked = marks.patterns.get(k..=k).unwrap_or(&[]);
+        (pattern.name.clone(), drawing(one, &layout(one), marked, &options))
+    };
+    patterns.par_iter().enumerate().map(one).collect()
 }
 
 /// Patterns for pictures, marked.

@@ -14,6 +14,7 @@ use super::claim::{Claim, Subject, UpperBound, What};
 use super::flat::Motion;
 use super::ruled::{Ruled, RuledJets};
 use super::vector::length_bound;
+use crate::geom::unit::LengthUnit;
 use crate::geom::Vec2;
 use crate::num::bernstein::hull;
 use crate::num::interval::Interval;
@@ -301,17 +302,19 @@ fn piece_moved(pattern: &Pattern, piece: &WrittenPiece) -> Result<f64, String> {
     let mut pairs = Vec::new();
     for (own, written) in pattern.contours.iter().zip(&piece.contours) {
         counted("joints of an outline", own.vertices.len(), written.len())?;
-        pairs.extend(own.vertices.iter().zip(written).map(|(a, b)| (place(&a.point), place(&b.point))));
+        let mm = |p: &Vec2| place(&(p * piece.unit.mm()));
+        pairs.extend(own.vertices.iter().zip(written).map(|(a, b)| (place(&a.point), mm(&b.point))));
     }
     let motion = Motion::between(&pairs).ok_or("the outline has no extent")?;
+    let unit = length_of(piece.unit);
     let far = |a: &Vec2, b: &Vec2| {
         let p = motion.point(&place(a).map(Interval::point));
-        let w = [p[0] - Interval::point(b.x), p[1] - Interval::point(b.y)];
+        let w = [p[0] - Interval::point(b.x) * unit, p[1] - Interval::point(b.y) * unit];
         (w[0].sqr() + w[1].sqr()).sqrt().hi
     };
     let mut offs: Vec<f64> = Vec::new();
     for (own, written) in pattern.contours.iter().zip(&piece.contours) {
-        offs.extend(contour_moved(own, written, &far));
+        offs.extend(contour_moved(own, written, unit, &far));
     }
     for ((a, b), sense) in in_order(pattern).into_iter().zip(&piece.rulings).zip(&piece.senses) {
         if a.1 != *sense {
@@ -327,12 +330,25 @@ fn piece_moved(pattern: &Pattern, piece: &WrittenPiece) -> Result<f64, String> {
     Ok(offs.into_iter().fold(0.0, f64::max))
 }
 
+/// A unit's length, mm: an inch is 127/5 mm exactly, which no double is.
+fn length_of(unit: LengthUnit) -> Interval {
+    match unit {
+        LengthUnit::Millimetre => Interval::ONE,
+        LengthUnit::Inch => Interval::point(127.0) / Interval::point(5.0),
+    }
+}
+
 fn place(p: &Vec2) -> [f64; 2] {
     [p.x, p.y]
 }
 
 /// What every piece of an outline is off.
-fn contour_moved(own: &Contour, written: &[WrittenJoint], far: &dyn Fn(&Vec2, &Vec2) -> f64) -> Vec<f64> {
+fn contour_moved(
+    own: &Contour,
+    written: &[WrittenJoint],
+    unit: Interval,
+    far: &dyn Fn(&Vec2, &Vec2) -> f64,
+) -> Vec<f64> {
     let n = written.len();
     (0..n)
         .map(|k| {
@@ -344,7 +360,7 @@ fn contour_moved(own: &Contour, written: &[WrittenJoint], far: &dyn Fn(&Vec2, &V
             let chord = (w[0].sqr() + w[1].sqr()).sqrt();
             let bulge = Interval::point(a.bulge);
             let off = (bulge_of(p.arc, chord) - bulge).abs();
-            (joint * (Interval::ONE + bulge.abs()) + (chord * off).scale_exact(0.5)).hi
+            (joint * (Interval::ONE + bulge.abs()) + (chord * unit * off).scale_exact(0.5)).hi
         })
         .collect()
 }
@@ -470,6 +486,7 @@ mod tests {
         // Radius of the arc over the chord of 80: 20 (0.4 + 1/0.4).
         let radius = WrittenArc::Radius { radius: 58.0, large: false, clockwise: false };
         let piece = |arc: WrittenArc| WrittenPiece {
+            unit: LengthUnit::Millimetre,
             contours: vec![vertices
                 .iter()
                 .map(|v| WrittenJoint {

@@ -38,8 +38,15 @@ const ROOM: [f64; 4] = [90.0, 40.0, 110.0, 80.0];
 const TITLE: f64 = 20.0;
 /// See [`TITLE`].
 const SMALL: f64 = 15.0;
-/// Ticks of a decade.
-const TICKS: [f64; 3] = [1.0, 2.0, 5.0];
+/// Ticks of a decade, from coarse to fine: the coarsest that gives enough of them.
+const TICKS: [&[f64]; 4] = [
+    &[1.0],
+    &[1.0, 2.0, 5.0],
+    &[1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0],
+    &[1.0, 1.2, 1.4, 1.6, 1.8, 2.0, 2.5, 3.0, 3.5, 4.0, 4.5, 5.0, 5.5, 6.0, 6.5, 7.0, 7.5, 8.0, 8.5, 9.0, 9.5],
+];
+/// Ticks of an axis are at least so many where that is possible.
+const ENOUGH_TICKS: usize = 4;
 
 /// One logarithmic axis: from data to pixels.
 struct Axis {
@@ -68,11 +75,13 @@ impl Axis {
     }
 
     fn ticks(&self) -> Vec<f64> {
-        let decades = self.low.floor() as i32..=self.high.ceil() as i32;
-        decades
-            .flat_map(|d| TICKS.iter().map(move |t| t * 10f64.powi(d)))
-            .filter(|t| (self.low..=self.high).contains(&t.log10()))
-            .collect()
+        let with = |decade: &[f64]| -> Vec<f64> {
+            let decades = self.low.floor() as i32..=self.high.ceil() as i32;
+            let all = decades.flat_map(|d| decade.iter().map(move |t| t * 10f64.powi(d)));
+            all.filter(|t| (self.low..=self.high).contains(&t.log10())).collect()
+        };
+        let found = TICKS.iter().map(|t| with(t)).find(|t| t.len() >= ENOUGH_TICKS);
+        found.unwrap_or_else(|| with(TICKS[TICKS.len() - 1]))
     }
 }
 
@@ -84,7 +93,8 @@ pub fn chart(chart: &Chart) -> Option<Image> {
     let y = Axis::over(all().map(|p| p[1]), height - ROOM[3], ROOM[2])?;
     let mut d = Drawing::new(SIZE[0], SIZE[1]);
     d.text(&chart.title, Vec2::new(ROOM[0], 40.0), TITLE, INK);
-    let number = |t: f64| if t >= 1.0 { format!("{t:.0}") } else { format!("{t}") };
+    // Products with powers of ten are off by rounding: six digits are more than ticks have.
+    let number = |t: f64| format!("{}", (t * 1e6).round() / 1e6);
     for t in x.ticks() {
         let at = x.place(t);
         d.stroke(&[Vec2::new(at, y.from), Vec2::new(at, y.to)], 1.0, GRID, 1.0);

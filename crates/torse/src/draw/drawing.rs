@@ -1,10 +1,13 @@
 //! The cutter's drawing: patterns placed side by side, every letter a stroke, sorted by what the machine does with
 //! it. Curves of outlines stay lines and arcs. Lengths in mm, y upwards.
 
+use super::labels::{upright, Labels, TextPlace};
 use super::scene::NOT_CERTIFIED;
 use super::{flat, stroke_font};
+use crate::geom::unit::LengthUnit;
 use crate::geom::Vec2;
-use crate::patchwork::pattern::{BendSense, Contour, ContourVertex, Mark, Pattern, Placement};
+use crate::patchwork::pattern::{BendSense, Contour, ContourVertex, Pattern, Placement};
+use rayon::prelude::*;
 
 /// All patterns of a sheet.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -15,6 +18,19 @@ pub struct Drawing {
     pub min: Vec2,
     /// Largest x and y of anything drawn.
     pub max: Vec2,
+    /// Unit of the coordinates in files; everything here is in mm.
+    pub unit: LengthUnit,
+    /// A square of known size, not to be cut.
+    pub test_square: Option<TestSquare>,
+}
+
+/// A square by which the shop sees the scale of a drawing.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TestSquare {
+    /// Corners, counter-clockwise, mm.
+    pub corners: [Vec2; 4],
+    /// Strokes of its size.
+    pub text: Vec<Vec<Vec2>>,
 }
 
 /// One pattern as drawn.
@@ -57,7 +73,9 @@ const NAME_WIDTH: f64 = 1.6;
 /// Height of the words that say from where the part is seen against that of its name.
 const SIDE_SHARE: f64 = 0.35;
 /// Width of these words against the radius of the circle.
-const SIDE_WIDTH: f64 = 1.3;
+const SIDE_WIDTH: f64 = 1.2;
+/// Distance of lines of words from each other against their height.
+const LINE: f64 = 1.6;
 /// Height of the marks' labels against the same radius, and its limits, mm: readable, but small beside the part.
 const LABEL_SHARE: f64 = 0.05;
 /// See [`LABEL_SHARE`].
@@ -68,41 +86,72 @@ const LABEL_MOST: f64 = 0.2;
 const WORDS_GAP: f64 = 0.6;
 /// Length of a mark against the height of its label.
 const TICK: f64 = 1.5;
-/// Length of a full stop against the height of the letters: a machine skips strokes of no length.
-const DOT: f64 = 0.12;
+/// Sizes in which the label of a mark is tried.
+const SMALLER: [f64; 3] = [1.0, 0.75, 0.5];
+/// Distances from the mark, against the height, at which its label is tried.
+const DEEPER: [f64; 4] = [1.0, 2.2, 4.0, -0.9];
+/// Distance of the test square from the parts, mm.
+const SQUARE_GAP: f64 = 10.0;
+/// Height of the words in it against its side.
+const SQUARE_WORDS: f64 = 0.12;
+
+/// How patterns are drawn for the cutter.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct DrawingOptions {
+    /// Name of the job, on every part; default none.
+    pub title: String,
+    /// Unit of coordinates in files and of sizes in words; default mm.
+    pub unit: LengthUnit,
+    /// Whether a square of known size is drawn beside the parts, by which the shop sees the scale; default no.
+    pub test_square: bool,
+}
 
 /// Draws patterns at their places; patterns without a placement stay where they are, those without an entry in `marked`
 /// are good to cut.
 ///
-/// Names stand in the largest free circle, labels behind their marks, upright towards the inside of the panel.
-pub fn drawing(patterns: &[Pattern], placements: &[Placement], marked: &[bool]) -> Drawing {
-    let mut d = Drawing::default();
+/// Names stand in the largest free circle, with the job, the side from which the part is seen and its size below them;
+/// labels stand behind their marks. All words are upright and keep off cuts, marks and each other; a label for which there
+/// is no room is left out.
+pub fn drawing(patterns: &[Pattern], placements: &[Placement], marked: &[bool], options: &DrawingOptions) -> Drawing {
+    let mut d = Drawing { unit: options.unit, ..Drawing::default() };
     let (mut low, mut high) = (Vec2::repeat(f64::INFINITY), Vec2::repeat(f64::NEG_INFINITY));
-    for (i, pattern) in patterns.iter().enumerate() {
-        let stay = Placement { angle: 0.0, offset: Vec2::zeros() };
+    let stay = Placement { angle: 0.0, offset: Vec2::zeros() };
+    let pieces = patterns.par_iter().enumerate().map(|(i, pattern)| {
         let placement = placements.get(i).unwrap_or(&stay);
-        let rough = flat::pieces(
-            std::slice::from_ref(pattern),
-            &[(placement.angle, placement.offset)],
-            ROUGH * pattern.length.max(pattern.area.sqrt()),
-        );
-        let (place, room) = rough.first().map_or((Vec2::zeros(), 0.0), |p| (p.label, p.room));
-        let mut piece = piece(pattern, placement, place, room);
-        if marked.get(i).copied().unwrap_or(false) {
-            mark(&mut piece, place, room);
-        }
+        piece(pattern, placement, marked.get(i).copied().unwrap_or(false), options)
+    });
+    d.pieces = pieces.collect();
+    for piece in &d.pieces {
         for c in piece.outer.iter().chain(&piece.inner) {
             extend(c, &mut low, &mut high);
         }
         for p in piece.text.iter().flatten().chain(piece.rulings.iter().chain(&piece.marks).flatten()) {
             (low, high) = (low.inf(p), high.sup(p));
         }
-        d.pieces.push(piece);
     }
     if low.x <= high.x {
         (d.min, d.max) = (low, high);
+        if options.test_square {
+            d.test_square = Some(square_below(&mut d, options.unit));
+        }
     }
     d
+}
+
+/// A square of known size below everything drawn, with its size in words.
+fn square_below(d: &mut Drawing, unit: LengthUnit) -> TestSquare {
+    let (side, words) = match unit {
+        LengthUnit::Millimetre => (100.0, "100 MM"),
+        LengthUnit::Inch => (4.0 * unit.mm(), "4 IN"),
+    };
+    let corner = d.min - Vec2::new(0.0, side + SQUARE_GAP);
+    d.min.y = corner.y;
+    d.max.x = d.max.x.max(corner.x + side);
+    let mut labels = Labels::default();
+    let middle = corner + Vec2::repeat(0.5 * side);
+    labels.write(words, &TextPlace { middle, along: Vec2::x(), height: SQUARE_WORDS * side });
+    let corners = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)].map(|(x, y)| corner + Vec2::new(x, y) * side);
+    TestSquare { corners, text: labels.strokes }
 }
 
 /// Extends a box by a contour, arcs included.
@@ -126,89 +175,97 @@ fn extend(contour: &Contour, low: &mut Vec2, high: &mut Vec2) {
     }
 }
 
-/// One pattern; its name goes into the circle about `place` with the radius `room`.
-fn piece(pattern: &Pattern, placement: &Placement, place: Vec2, room: f64) -> Piece {
+/// One pattern where it is placed.
+fn piece(pattern: &Pattern, placement: &Placement, marked: bool, options: &DrawingOptions) -> Piece {
     let mut contours = pattern.contours.iter().map(|c| Contour {
         vertices: c.vertices.iter().map(|v| ContourVertex { point: placement.apply(&v.point), ..*v }).collect(),
     });
-    let label_height = (LABEL_SHARE * room).clamp(LABEL_HEIGHT.0, LABEL_HEIGHT.1).min(LABEL_MOST * room);
     let mut piece = Piece {
         name: pattern.name.clone(),
         outer: contours.next(),
         inner: contours.collect(),
         rulings: pattern.rulings.iter().map(|r| r.map(|p| placement.apply(&p))).collect(),
         senses: pattern.bends.iter().map(|b| b.sense).collect(),
+        marked,
         ..Piece::default()
     };
-    if room <= 0.0 {
-        return piece;
-    }
+    let chord = ROUGH * pattern.length.max(pattern.area.sqrt());
+    let place = [(placement.angle, placement.offset)];
+    let rough = flat::pieces(std::slice::from_ref(pattern), &place, chord);
+    let Some(rough) = rough.into_iter().next() else { return piece };
+    // Where no circle was found, marks are drawn all the same: their number is compared with what was judged.
+    let (place, room) = (rough.label, rough.room.max(LABEL_SHARE * pattern.width));
+    let height = (LABEL_SHARE * room).clamp(LABEL_HEIGHT.0, LABEL_HEIGHT.1).min(LABEL_MOST * room);
     for mark in &pattern.marks {
-        let (foot, inward) = (placement.apply(&mark.point), placement.turn(&mark.inward));
-        let tip = foot + inward * (TICK * label_height);
-        piece.marks.push([foot, tip]);
-        piece.text.extend(label(mark, tip + inward * (0.5 * label_height), inward, label_height));
+        let foot = placement.apply(&mark.point);
+        piece.marks.push([foot, foot + placement.turn(&mark.inward) * (TICK * height)]);
     }
-    let height = name_height(&pattern.name, room);
-    let unit_width = stroke_font::width(&pattern.name, 1.0).max(1.0);
-    let corner = place - Vec2::new(0.5 * unit_width * height, 0.5 * height);
-    let mut put = |text: &str, height: f64, corner: Vec2| {
-        piece.text.extend(strokes(text, height).into_iter().map(|s| s.iter().map(|p| corner + p).collect()));
-    };
-    put(&pattern.name, height, corner);
-    // Below it the side of the model from which the part is seen: without it parts are bent the wrong way.
-    let words = format!("SEEN FROM {}", pattern.view.name().to_uppercase());
-    let unit_width = stroke_font::width(&words, 1.0).max(1.0);
-    let small = (SIDE_SHARE * height).min(SIDE_WIDTH * room / unit_width);
-    put(&words, small, place - Vec2::new(0.5 * unit_width * small, 0.5 * height + 2.0 * small));
+    let cuts = rough.outlines.iter().flat_map(|o| (0..o.len()).map(|k| [o[k], o[(k + 1) % o.len()]]));
+    let mut labels = Labels::new(cuts.chain(piece.marks.iter().copied()).collect());
+    if rough.room > 0.0 {
+        words(&mut labels, pattern, (place, room), marked, options);
+    }
+    for (mark, &[foot, tip]) in pattern.marks.iter().zip(&piece.marks) {
+        labels.put(&mark.label, places_behind(&mark.label, foot, tip, height));
+    }
+    piece.text = labels.strokes;
     piece
 }
 
-/// Height of the name of a part with a free circle of this radius.
-fn name_height(name: &str, room: f64) -> f64 {
-    let unit_width = stroke_font::width(name, 1.0).max(1.0);
-    (NAME_SHARE * room).min(NAME_WIDTH * room / unit_width).min(NAME_HEIGHT)
-}
-
-/// Says across a part that it must not be cut: above and below its name, as large as the free circle allows.
-fn mark(piece: &mut Piece, place: Vec2, room: f64) {
-    piece.marked = true;
-    if room <= 0.0 {
-        return;
-    }
-    let unit_width = stroke_font::width(NOT_CERTIFIED, 1.0);
-    let height = NAME_WIDTH * room / unit_width;
-    let away = 0.5 * name_height(&piece.name, room) + WORDS_GAP * height;
-    for bottom in [away, -away - height] {
-        let corner = place + Vec2::new(-0.5 * unit_width * height, bottom);
-        piece.text.extend(strokes(NOT_CERTIFIED, height).iter().map(|s| s.iter().map(|p| corner + p).collect()));
-    }
-}
-
-/// The strokes of a mark's label, centred on the line of the mark, `inward` being up.
-fn label(mark: &Mark, bottom: Vec2, inward: Vec2, height: f64) -> Vec<Vec<Vec2>> {
+/// Where the label of a mark may stand: behind its tip, farther in, to either side, smaller.
+fn places_behind(label: &str, foot: Vec2, tip: Vec2, height: f64) -> impl Iterator<Item = TextPlace> {
+    let inward = (tip - foot).normalize();
     let right = Vec2::new(inward.y, -inward.x);
-    let half = 0.5 * stroke_font::width(&mark.label, height);
-    let put = |p: &Vec2| bottom + right * (p.x - half) + inward * p.y;
-    strokes(&mark.label, height).iter().map(|s| s.iter().map(put).collect()).collect()
+    let along = upright(right);
+    let half = 0.5 * stroke_font::width(label, 1.0);
+    let places = SMALLER.into_iter().flat_map(move |share| {
+        let h = share * height;
+        DEEPER.into_iter().flat_map(move |deep| {
+            [0.0, 1.0, -1.0].map(|side| {
+                // Beside the mark, or behind it.
+                let middle = tip + inward * (deep * h) + right * (side * (half + 0.7) * h);
+                TextPlace { middle, along, height: h }
+            })
+        })
+    });
+    places
 }
 
-/// Strokes of a text, without repeated points and without strokes of no length.
-fn strokes(text: &str, height: f64) -> Vec<Vec<Vec2>> {
-    let mut all = stroke_font::strokes(text, height);
-    for stroke in &mut all {
-        stroke.dedup();
-        if let [p] = stroke[..] {
-            let half = Vec2::new(0.5 * DOT * height, 0.0);
-            *stroke = vec![p - half, p + half];
-        }
+/// The words in the free circle of a part: its name, the job, from where it is seen and how large it is; and across it that
+/// it must not be cut.
+fn words(labels: &mut Labels, pattern: &Pattern, circle: (Vec2, f64), marked: bool, options: &DrawingOptions) {
+    let (place, room) = circle;
+    let mut put = |text: &str, height: f64, up: f64| {
+        let middle = place + Vec2::new(0.0, up);
+        labels.write(text, &TextPlace { middle, along: Vec2::x(), height });
+    };
+    let width = |text: &str| stroke_font::width(text, 1.0).max(1.0);
+    let height = (NAME_SHARE * room).min(NAME_WIDTH * room / width(&pattern.name)).min(NAME_HEIGHT);
+    put(&pattern.name, height, 0.0);
+    // Without the side of the model from which the part is seen, parts are bent the wrong way.
+    let unit = options.unit;
+    let size = |mm: f64| format!("{:.*}", if unit.of(mm) < 100.0 { 1 } else { 0 }, unit.of(mm));
+    let sizes = format!("{} X {} {}", size(pattern.length), size(pattern.width), unit.sign().to_uppercase());
+    let lines = [options.title.clone(), format!("SEEN FROM {}", pattern.view.name().to_uppercase()), sizes];
+    let lines: Vec<&String> = lines.iter().filter(|l| !l.is_empty()).collect();
+    let widest = lines.iter().map(|l| width(l)).fold(1.0, f64::max);
+    let small = (SIDE_SHARE * height).min(SIDE_WIDTH * room / widest);
+    for (k, line) in lines.iter().enumerate() {
+        put(line, small, -0.5 * height - (1.5 + LINE * k as f64) * small);
     }
-    all
+    if marked {
+        let words = NAME_WIDTH * room / width(NOT_CERTIFIED);
+        let below = 0.5 * height + if lines.is_empty() { 0.0 } else { (1.0 + LINE * lines.len() as f64) * small };
+        put(NOT_CERTIFIED, words, 0.5 * height + (0.5 + WORDS_GAP) * words);
+        put(NOT_CERTIFIED, words, -below - (0.5 + WORDS_GAP) * words);
+    }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::labels::letters;
     use super::*;
+    use crate::patchwork::pattern::Mark;
 
     fn square(name: &str) -> Pattern {
         let corner = |x, y| ContourVertex { point: Vec2::new(x, y), bulge: 0.0, corner: true };
@@ -228,7 +285,7 @@ mod tests {
     #[test]
     fn everything_follows_the_placement_and_stays_inside_the_part() {
         let placement = Placement { angle: 0.5 * std::f64::consts::PI, offset: Vec2::new(500.0, 200.0) };
-        let d = drawing(&[square("A-01")], &[placement], &[]);
+        let d = drawing(&[square("A-01")], &[placement], &[], &DrawingOptions::default());
         assert!((d.min - Vec2::new(400.0, 200.0)).norm() < 1e-9 && (d.max - Vec2::new(500.0, 300.0)).norm() < 1e-9);
         let p = &d.pieces[0];
         let [foot, tip] = p.marks[0];
@@ -243,13 +300,16 @@ mod tests {
 
     #[test]
     fn words_about_cutting_stand_inside_the_part_on_both_sides_of_its_name() {
-        let bare = drawing(&[square("A-01")], &[], &[]);
-        let d = drawing(&[square("A-01"), square("A-02")], &[], &[true, false]);
+        let bare = drawing(&[square("A-01")], &[], &[], &DrawingOptions::default());
+        let d = drawing(&[square("A-01"), square("A-02")], &[], &[true, false], &DrawingOptions::default());
         assert!(d.pieces[0].marked && !d.pieces[1].marked);
-        let added = &d.pieces[0].text[bare.pieces[0].text.len()..];
-        assert_eq!(added.len(), 2 * strokes(NOT_CERTIFIED, 1.0).len());
-        let (low, high) = added.iter().flatten().fold((f64::INFINITY, 0.0f64), |(a, b), p| (a.min(p.y), b.max(p.y)));
-        assert!(added.iter().flatten().all(|p| (p - Vec2::repeat(50.0)).norm() < 50.0));
+        let added: Vec<&Vec<Vec2>> = d.pieces[0].text.iter().filter(|s| !bare.pieces[0].text.contains(s)).collect();
+        let letters = 2 * letters(NOT_CERTIFIED, 1.0).len();
+        // The label of the mark may have moved out of the way.
+        assert!((letters..letters + 12).contains(&added.len()), "{}", added.len());
+        let words: Vec<&Vec2> = added.iter().flat_map(|s| s.iter()).filter(|p| p.x > 20.0).collect();
+        let (low, high) = words.iter().fold((f64::INFINITY, 0.0f64), |(a, b), p| (a.min(p.y), b.max(p.y)));
+        assert!(words.iter().all(|p| (*p - Vec2::repeat(50.0)).norm() < 50.0));
         assert!(low < 40.0 && high > 60.0 && high - low > 30.0, "{low} {high}");
     }
 
@@ -258,16 +318,43 @@ mod tests {
         let mut p = square("A");
         p.contours[0].vertices[1].bulge = 1.0; // half circle beyond x = 100
         p.contours[0].vertices[3].bulge = -0.2; // towards the inside
-        let d = drawing(&[p], &[], &[]);
+        let d = drawing(&[p], &[], &[], &DrawingOptions::default());
         assert!(d.min.norm() < 1e-9 && (d.max - Vec2::new(150.0, 100.0)).norm() < 1e-9);
     }
 
     #[test]
     fn patterns_without_placement_stay_and_nothing_gives_an_empty_drawing() {
-        let d = drawing(&[square("B")], &[], &[false]);
+        let d = drawing(&[square("B")], &[], &[false], &DrawingOptions::default());
         assert!((d.max - Vec2::new(100.0, 100.0)).norm() < 1e-9);
-        assert_eq!(drawing(&[], &[], &[]), Drawing::default());
+        assert_eq!(drawing(&[], &[], &[], &DrawingOptions::default()), Drawing::default());
         let empty = Pattern { name: "empty".into(), ..Pattern::default() };
-        assert!(drawing(&[empty], &[], &[true]).pieces[0].outer.is_none());
+        assert!(drawing(&[empty], &[], &[true], &DrawingOptions::default()).pieces[0].outer.is_none());
+    }
+
+    #[test]
+    fn the_test_square_is_as_large_as_it_says_and_beside_the_parts() {
+        for (unit, side) in [(LengthUnit::Millimetre, 100.0), (LengthUnit::Inch, 101.6)] {
+            let options = DrawingOptions { unit, test_square: true, ..DrawingOptions::default() };
+            let d = drawing(&[square("A")], &[], &[], &options);
+            let c = d.test_square.as_ref().expect("a square").corners;
+            assert!(((c[1] - c[0]).norm() - side).abs() < 1e-12 && ((c[2] - c[1]).norm() - side).abs() < 1e-12);
+            assert!(c.iter().all(|p| p.y < 0.0) && d.min.y <= c[0].y);
+        }
+    }
+
+    #[test]
+    fn every_part_says_what_it_is_and_labels_keep_off_its_words() {
+        let options = DrawingOptions { title: "BOAT".into(), ..DrawingOptions::default() };
+        let bare = drawing(&[square("A-01")], &[], &[], &DrawingOptions::default());
+        let titled = drawing(&[square("A-01")], &[], &[], &options);
+        assert!(titled.pieces[0].text.len() > bare.pieces[0].text.len() + 3);
+        // Marks all around and too near each other: no two labels on one place, none across the outline.
+        let mut p = square("A-02");
+        p.marks = (1..40)
+            .map(|k| Mark { point: Vec2::new(2.5 * f64::from(k), 0.0), inward: Vec2::y(), label: format!("S1.{k}") })
+            .collect();
+        let d = drawing(&[p], &[], &[], &options);
+        assert!(d.pieces[0].text.iter().flatten().all(|p| p.x > 0.0 && p.x < 100.0 && p.y > 0.0 && p.y < 100.0));
+        assert_eq!(d.pieces[0].marks.len(), 39);
     }
 }

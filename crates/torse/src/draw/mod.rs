@@ -8,6 +8,7 @@ pub mod drawing;
 pub mod field;
 pub mod flat;
 pub mod label;
+pub mod labels;
 pub mod picture;
 pub mod raster;
 pub mod scene;

@@ -38,6 +38,17 @@ pub fn width(text: &str, height: f64) -> f64 {
     (grid - SPACING).max(0.0) * height / CAP
 }
 
+/// Every character with where it begins and ends along the line.
+pub fn extents(text: &str, height: f64) -> Vec<(char, [f64; 2])> {
+    let mut pen = 0.0;
+    let extent = |c: char| {
+        let from = pen;
+        pen += glyph(c).0 + SPACING;
+        (c, [from, pen - SPACING].map(|x| x * height / CAP))
+    };
+    text.chars().map(extent).collect()
+}
+
 /// Points of one stroke on the grid.
 fn stroke_points(stroke: &str) -> Vec<Vec2> {
     let mut digits = stroke.bytes().skip(1).map(|b| f64::from(b.wrapping_sub(b'0')));

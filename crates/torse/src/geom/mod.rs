@@ -10,6 +10,7 @@ pub mod mesh;
 pub mod outward;
 pub mod placement;
 pub mod rectangle;
+pub mod unit;
 
 /// A point or vector of space, in millimetres.
 pub type Vec3 = na::Vector3<f64>;

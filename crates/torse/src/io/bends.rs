@@ -2,6 +2,7 @@
 
 use super::markup::escape;
 use crate::draw::flat::FlatPiece;
+use crate::geom::unit::LengthUnit;
 use crate::patchwork::pattern::{Bend, BendSense, Pattern};
 use serde::{Deserialize, Serialize};
 use std::fmt::Write as _;
@@ -34,14 +35,15 @@ pub fn records(pattern: &Pattern) -> Vec<BendRecord> {
         .collect()
 }
 
-/// The bend lines of all patterns as a table: `bends.csv`. `None` where there are none.
-pub fn csv(patterns: &[Pattern]) -> Option<Vec<u8>> {
-    let mut out = String::from("part,seen_from,line,sense,angle_deg,radius_start_mm,radius_end_mm,length_mm\n");
+/// The bend lines of all patterns as a table: `bends.csv`, lengths in `unit`. `None` where there are none.
+pub fn csv(patterns: &[Pattern], unit: LengthUnit) -> Option<Vec<u8>> {
+    let sign = unit.sign();
+    let mut out = format!("part,seen_from,line,sense,angle_deg,radius_start_{sign},radius_end_{sign},length_{sign}\n");
     let mut any = false;
     for p in patterns {
         for (k, r) in records(p).iter().enumerate() {
             any = true;
-            let [a, b] = r.radii.map(|r| r.map_or(String::new(), |r| format!("{r:.3}")));
+            let [a, b] = r.radii.map(|r| r.map_or(String::new(), |r| format!("{:.3}", unit.of(r))));
             let name = p.name.replace('"', "\"\"");
             // Writing to a string cannot fail.
             _ = writeln!(
@@ -51,7 +53,7 @@ pub fn csv(patterns: &[Pattern]) -> Option<Vec<u8>> {
                 k + 1,
                 r.sense,
                 r.angle_deg,
-                r.length
+                unit.of(r.length)
             );
         }
     }
@@ -103,11 +105,12 @@ mod tests {
             ],
             ..Pattern::default()
         };
-        let text = String::from_utf8(csv(std::slice::from_ref(&p)).expect("lines")).expect("text");
+        let text =
+            String::from_utf8(csv(std::slice::from_ref(&p), LengthUnit::Millimetre).expect("lines")).expect("text");
         let lines: Vec<&str> = text.lines().collect();
         assert_eq!(lines[1], "\"A-01\",outside,1,down,0.5000,10.000,20.000,5.000");
         assert_eq!(lines[2], "\"A-01\",outside,2,flat,0.0000,,,1.000");
-        assert!(csv(&[Pattern::default()]).is_none());
+        assert!(csv(&[Pattern::default()], LengthUnit::Millimetre).is_none());
         assert_eq!(records(&p)[1].radii, [None, None]);
     }
 }

@@ -7,7 +7,7 @@ use super::json::{JsonError, Report};
 use super::pictures::Pictures;
 use super::png::{self, PngError};
 use super::step::write::{self as step, Header, Sheet};
-use super::{bends, dxf, marks, svg};
+use super::{bends, dxf, marks, parts, svg};
 use crate::answer::presentation::Presentation;
 use crate::answer::Answer;
 use crate::draw::scene::{titled, Scene};
@@ -45,6 +45,8 @@ pub enum BundleError {
 
 /// Name of the file of panels for CAD.
 pub const PANELS: &str = "panels.step";
+/// How names of drawings of single parts begin.
+pub const PART_FILE: &str = "part-";
 /// Name of the file of exact cones, cylinders and planes for CAD.
 pub const CONES: &str = "cones.step";
 
@@ -84,10 +86,21 @@ pub fn geometry(answer: &Answer, shown: &Presentation, time: &str) -> Result<Vec
             || text("patterns.svg", |b| svg::write(b, &shown.drawing)),
         )
     });
-    Ok(vec![step?, dxf?, svg?])
+    let mut out = vec![step?, dxf?, svg?];
+    for (part, drawing) in &shown.alone {
+        let (_, bytes) = text("patterns.dxf", |b| dxf::write(b, drawing))?;
+        out.push((part_file(part), bytes));
+    }
+    Ok(out)
 }
 
-/// Adds bend table, pictures, model, points and reports to the files of [`geometry`].
+/// Name of the drawing of one part: what names of files cannot hold is replaced.
+pub fn part_file(name: &str) -> String {
+    let plain = |c: char| if c.is_alphanumeric() || "-_.+".contains(c) { c } else { '_' };
+    format!("{PART_FILE}{}.dxf", name.chars().map(plain).collect::<String>())
+}
+
+/// Adds bend table, list of parts, pictures, model, points and reports to the files of [`geometry`].
 ///
 /// # Errors
 /// As [`files`].
@@ -100,7 +113,9 @@ pub fn with_reports(answer: &Answer, shown: &Presentation, mut out: Vec<File>) -
         let (places, values) = (&answer.points.places, &answer.points.values);
         out.push(("deviation.ply".into(), ply::with_values(places, values, &answer.meaning.name)));
     }
-    out.extend(bends::csv(&answer.patterns).map(|b| ("bends.csv".into(), b)));
+    let unit = answer.cut.unit;
+    out.extend(bends::csv(&answer.patterns, unit).map(|b| ("bends.csv".into(), b)));
+    out.extend(parts::csv(&report, &answer.patterns, unit).map(|b| ("parts.csv".into(), b)));
     let page = html::write(&Page {
         report: &report,
         job: answer.job,
@@ -241,7 +256,7 @@ pub(crate) mod tests {
         let all = files(&answer, &present(&answer), "2026-11-21T14:30:00").expect("files");
         let names: Vec<&str> = all.iter().map(|f| f.0.as_str()).collect();
         for name in
-            "panels.step patterns.dxf patterns.svg model.glb panels.png field.png points.png layout.png bends.csv deviation.ply report.html report.json"
+            "panels.step patterns.dxf patterns.svg model.glb panels.png field.png points.png layout.png bends.csv parts.csv deviation.ply report.html report.json"
                 .split(' ')
         {
             assert!(names.contains(&name), "{name}");

@@ -1,5 +1,6 @@
 //! Cutting drawings of this program read back: DXF and SVG as their writers make them, number for number.
 
+use crate::geom::unit::LengthUnit;
 use crate::geom::Vec2;
 use crate::patchwork::pattern::BendSense;
 use crate::patchwork::written::{WrittenArc, WrittenJoint, WrittenPiece};
@@ -17,9 +18,11 @@ pub fn dxf(bytes: &[u8]) -> Result<Vec<WrittenPiece>, String> {
         groups.push((code, lines.next().ok_or("the last group has no value")?.trim()));
     }
     let unit = groups.iter().position(|g| *g == (9, "$INSUNITS")).and_then(|k| groups.get(k + 1));
-    if unit != Some(&(70, "4")) {
-        return Err("the unit is not the millimetre".into());
-    }
+    let unit = match unit {
+        Some((70, "4")) => LengthUnit::Millimetre,
+        Some((70, "1")) => LengthUnit::Inch,
+        _ => return Err("the unit is neither the millimetre nor the inch".into()),
+    };
     if groups.last() != Some(&(0, "EOF")) {
         return Err("it is cut short".into());
     }
@@ -31,6 +34,7 @@ pub fn dxf(bytes: &[u8]) -> Result<Vec<WrittenPiece>, String> {
         entity(&groups[k..end], &mut out)?;
         k = end;
     }
+    out.iter_mut().for_each(|p| p.unit = unit);
     Ok(out)
 }
 
@@ -40,7 +44,7 @@ fn entity(groups: &[(u32, &str)], out: &mut Vec<WrittenPiece>) -> Result<(), Str
     let fault = |what: &str| format!("{kind} {handle}: {what}");
     let number = |s: &str| s.parse::<f64>().ok().filter(|x| x.is_finite()).ok_or_else(|| fault("a number is damaged"));
     match (kind, layer) {
-        (_, "TEXT") => Ok(()),
+        (_, "TEXT" | "SCALE_CHECK") => Ok(()),
         ("LWPOLYLINE", "CUT_OUTER" | "CUT_INNER") => {
             let mut joints: Vec<WrittenJoint> = Vec::new();
             for (code, value) in groups {
@@ -98,6 +102,7 @@ pub fn svg(bytes: &[u8]) -> Result<Vec<WrittenPiece>, String> {
     }
     let mut out: Vec<WrittenPiece> = Vec::new();
     let mut class = "";
+    let mut unit = LengthUnit::default();
     for tag in text.split('<').skip(1) {
         let attribute = |name: &str| {
             let rest = tag.split_once(&format!(" {name}=\""))?.1;
@@ -106,15 +111,18 @@ pub fn svg(bytes: &[u8]) -> Result<Vec<WrittenPiece>, String> {
         if tag.starts_with("svg ") {
             let (width, height, view) = (attribute("width"), attribute("height"), attribute("viewBox"));
             let (Some(w), Some(h), Some(v)) = (width, height, view) else { return Err("it has no size".into()) };
-            if format!("0 0 {} {}", w.trim_end_matches("mm"), h.trim_end_matches("mm")) != v || !w.ends_with("mm") {
-                return Err("its unit is not the millimetre".into());
-            }
+            let units = [LengthUnit::Millimetre, LengthUnit::Inch];
+            let fits = |u: &LengthUnit| {
+                let sizes = w.strip_suffix(u.sign()).zip(h.strip_suffix(u.sign()));
+                sizes.is_some_and(|(w, h)| format!("0 0 {w} {h}") == v)
+            };
+            unit = units.into_iter().find(fits).ok_or("its unit is neither the millimetre nor the inch")?;
         } else if tag.starts_with("g ") {
             class = attribute("class").unwrap_or("");
             if attribute("id").is_some_and(|id| tag.starts_with("g id=") && !id.is_empty()) {
                 out.push(WrittenPiece::default());
             }
-        } else if tag.starts_with("path ") {
+        } else if tag.starts_with("path ") && class != "scale-check" {
             let d = attribute("d").ok_or("a path is empty")?;
             let piece = out.last_mut().ok_or("a path belongs to no panel")?;
             let line = || -> Result<[Vec2; 2], String> {
@@ -139,6 +147,7 @@ pub fn svg(bytes: &[u8]) -> Result<Vec<WrittenPiece>, String> {
             }
         }
     }
+    out.iter_mut().for_each(|p| p.unit = unit);
     Ok(out)
 }
 

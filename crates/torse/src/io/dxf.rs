@@ -1,21 +1,31 @@
-//! DXF writer: cutting drawings in the R2000 format (AC1015), millimetres, 1:1.
+//! DXF writer: cutting drawings in the R2000 format (AC1015), in millimetres or inches, 1:1.
 //!
 //! Outlines are closed LWPOLYLINEs of lines and arcs on `CUT_OUTER` and `CUT_INNER`, rulings LINEs on `BEND_UP`,
 //! `BEND_DOWN` and, where the sheet stays flat, `RULING`, matching marks LINEs on `MARK`, names and labels strokes on
-//! `TEXT`; parts that must not be cut are wholly on `NOT_CERTIFIED`, with these words across them. There is no live text that a cutter's program
-//! could lose. Group codes and the order of sections follow Autodesk's DXF reference; tables, blocks and objects that
+//! `TEXT`, a square by which the scale is seen on `SCALE_CHECK`; parts that must not be cut are wholly on `NOT_CERTIFIED`,
+//! with these words across them. There is no live text that a cutter's program could lose. Group codes and the order of sections follow Autodesk's DXF reference; tables, blocks and objects that
 //! strict readers ask for are all there, with handles and owners.
 
 use std::fmt::{Display, Write as _};
 use std::io;
 
 use crate::draw::drawing::Drawing;
+use crate::geom::unit::LengthUnit;
 use crate::geom::Vec2;
 use crate::patchwork::pattern::{BendSense, Contour};
 
 /// Layers and their colours (AutoCAD colour index).
-const LAYERS: [(&str, u8); 8] =
-    [(OUTER, 7), (INNER, 7), (BEND_UP, 5), (BEND_DOWN, 30), (RULING, 3), (MARK, 6), (TEXT, 9), (NOT_CERTIFIED, 1)];
+const LAYERS: [(&str, u8); 9] = [
+    (OUTER, 7),
+    (INNER, 7),
+    (BEND_UP, 5),
+    (BEND_DOWN, 30),
+    (RULING, 3),
+    (MARK, 6),
+    (TEXT, 9),
+    (SCALE, 8),
+    (NOT_CERTIFIED, 1),
+];
 const OUTER: &str = "CUT_OUTER";
 const INNER: &str = "CUT_INNER";
 const BEND_UP: &str = "BEND_UP";
@@ -23,6 +33,8 @@ const BEND_DOWN: &str = "BEND_DOWN";
 const RULING: &str = "RULING";
 const MARK: &str = "MARK";
 const TEXT: &str = "TEXT";
+/// The test square.
+const SCALE: &str = "SCALE_CHECK";
 /// Everything of parts that must not be cut: nothing of them is on a layer that a machine follows.
 const NOT_CERTIFIED: &str = "NOT_CERTIFIED";
 
@@ -54,7 +66,7 @@ mod handle {
 /// # Errors
 /// Those of `out`; a coordinate that is not a finite number ([`io::ErrorKind::InvalidData`]).
 pub fn write(out: &mut dyn io::Write, drawing: &Drawing) -> io::Result<()> {
-    let mut body = Pairs { next: handle::FIRST_FREE, ..Pairs::default() };
+    let mut body = Pairs { unit: drawing.unit, ..Pairs::default() };
     tables(&mut body);
     blocks(&mut body);
     body.section("ENTITIES");
@@ -77,6 +89,12 @@ pub fn write(out: &mut dyn io::Write, drawing: &Drawing) -> io::Result<()> {
             body.polyline(on(TEXT), false, stroke.iter().map(|p| (*p, 0.0)));
         }
     }
+    if let Some(square) = &drawing.test_square {
+        body.polyline(SCALE, true, square.corners.iter().map(|p| (*p, 0.0)));
+        for stroke in &square.text {
+            body.polyline(SCALE, false, stroke.iter().map(|p| (*p, 0.0)));
+        }
+    }
     body.pair(0, "ENDSEC");
     objects(&mut body);
     body.pair(0, "EOF");
@@ -95,11 +113,13 @@ struct Pairs {
     text: String,
     next: u32,
     finite: bool,
+    /// Unit of coordinates.
+    unit: LengthUnit,
 }
 
 impl Default for Pairs {
     fn default() -> Self {
-        Self { text: String::new(), next: handle::FIRST_FREE, finite: true }
+        Self { text: String::new(), next: handle::FIRST_FREE, finite: true, unit: LengthUnit::default() }
     }
 }
 
@@ -189,8 +209,10 @@ impl Pairs {
 
     fn line(&mut self, layer: &str, a: &Vec2, b: &Vec2) {
         self.entity("LINE", layer, "AcDbLine");
-        self.point3(10, a.x, a.y, 0.0);
-        self.point3(11, b.x, b.y, 0.0);
+        for (code, p) in [(10, a), (11, b)] {
+            let p = p / self.unit.mm();
+            self.point3(code, p.x, p.y, 0.0);
+        }
     }
 
     fn contour(&mut self, layer: &str, c: &Contour) {
@@ -203,6 +225,7 @@ impl Pairs {
         self.integer(70, usize::from(closed));
         self.real(43, 0.0);
         for (p, bulge) in vertices {
+            let p = p / self.unit.mm();
             self.point(10, p.x, p.y);
             if bulge != 0.0 {
                 self.bulge(bulge);
@@ -238,12 +261,16 @@ fn header(p: &mut Pairs, drawing: &Drawing, free: u32) {
     text("$DWGCODEPAGE", 3, "ANSI_1252");
     text("$HANDSEED", 5, &format!("{free:X}"));
     // Millimetres; metric linetypes and hatches; decimal lengths with four places.
-    text("$INSUNITS", 70, "     4");
-    text("$MEASUREMENT", 70, "     1");
+    let (unit, metric) = match drawing.unit {
+        LengthUnit::Millimetre => ("     4", "     1"),
+        LengthUnit::Inch => ("     1", "     0"),
+    };
+    text("$INSUNITS", 70, unit);
+    text("$MEASUREMENT", 70, metric);
     text("$LUNITS", 70, "     2");
     text("$LUPREC", 70, "     4");
     text("$CLAYER", 8, "0");
-    let (min, max) = (drawing.min, drawing.max);
+    let (min, max) = (drawing.min / drawing.unit.mm(), drawing.max / drawing.unit.mm());
     for (name, corner) in [("$EXTMIN", min), ("$EXTMAX", max)] {
         p.pair(9, name);
         p.point3(10, corner.x, corner.y, 0.0);
@@ -459,7 +486,7 @@ mod tests {
             text: vec![vec![Vec2::zeros(), Vec2::x(), Vec2::y()]],
             marked: false,
         };
-        Drawing { pieces: vec![piece], min: Vec2::repeat(-100.), max: Vec2::repeat(100.) }
+        Drawing { pieces: vec![piece], min: Vec2::repeat(-100.), max: Vec2::repeat(100.), ..Drawing::default() }
     }
 
     /// Group codes and values of the file.

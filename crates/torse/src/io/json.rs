@@ -118,6 +118,9 @@ pub struct AlongRecord {
 /// One seam. Lengths in mm.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SeamRecord {
+    /// Its number, as on the marks of both patterns: S3 of S3.1, S3.2, …
+    #[serde(default)]
+    pub number: Option<u32>,
     /// Indices of the panels on both sides.
     pub between: [usize; 2],
     /// `exact` (one common edge), `tolerance` (a gap of at most a quarter of the tolerance) or `open`.
@@ -406,6 +409,7 @@ pub(crate) mod tests {
                 paper_deviation_estimate: Some(0.5),
             }],
             seams: vec![SeamRecord {
+                number: Some(1),
                 between: [0, 1],
                 joint: "exact".into(),
                 gap_bound: Some(0.0042),

@@ -13,6 +13,7 @@ pub mod json;
 pub mod marks;
 mod markup;
 pub mod net;
+pub mod parts;
 pub mod pictures;
 pub mod png;
 pub mod quads;

@@ -1,4 +1,4 @@
-//! SVG writer: cutting drawings in millimetres, one user unit being one millimetre.
+//! SVG writer: cutting drawings in millimetres or inches, one user unit being one of these.
 //!
 //! Every panel is a group with sub-groups for cuts, rulings, marks and text, which Inkscape shows as layers; panels that
 //! must not be cut have one sub-group in a colour of its own. Arcs of
@@ -10,13 +10,14 @@ use std::io;
 
 use crate::draw::drawing::{Drawing, Piece};
 use crate::draw::scene::titled;
+use crate::geom::unit::LengthUnit;
 use crate::geom::Vec2;
 use crate::patchwork::pattern::{BendSense, Contour};
 
 /// White border around the drawing, mm.
 const MARGIN: f64 = 10.0;
 /// Stroke width of everything, mm.
-const HAIRLINE: &str = "0.01";
+const HAIRLINE: f64 = 0.01;
 /// Colours: red cuts and blue scores for most laser drivers; holes differ so that they can be cut first.
 const COLOURS: [(&str, &str); 7] = [
     ("cut-outer", "#ff0000"),
@@ -31,26 +32,42 @@ const COLOURS: [(&str, &str); 7] = [
 /// Class and colour of everything of parts that must not be cut: no machine takes orange for a cut.
 const NOT_CERTIFIED: (&str, &str) = ("not-certified", "#ff0080");
 
+/// Class of the test square.
+const SCALE: &str = "scale-check";
+
 /// Writes a drawing.
 ///
 /// # Errors
 /// Those of `out`; a coordinate that is not a finite number ([`io::ErrorKind::InvalidData`]).
 pub fn write(out: &mut dyn io::Write, drawing: &Drawing) -> io::Result<()> {
-    let mut sheet =
-        Sheet { text: String::new(), left: drawing.min.x - MARGIN, top: drawing.max.y + MARGIN, finite: true };
+    let (left, top) = (drawing.min.x - MARGIN, drawing.max.y + MARGIN);
+    let mut sheet = Sheet { text: String::new(), left, top, finite: true, unit: drawing.unit };
     let size = drawing.max - drawing.min + Vec2::repeat(2.0 * MARGIN);
     let (width, height) = (sheet.number(size.x), sheet.number(size.y));
+    let (unit, hairline) = (drawing.unit.sign(), sheet.number(HAIRLINE));
     // Writing to a string cannot fail.
     _ = write!(
         sheet.text,
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n\
          <svg xmlns=\"http://www.w3.org/2000/svg\" xmlns:inkscape=\"http://www.inkscape.org/namespaces/inkscape\" \
-         width=\"{width}mm\" height=\"{height}mm\" viewBox=\"0 0 {width} {height}\" \
-         fill=\"none\" stroke-width=\"{HAIRLINE}\" stroke-linejoin=\"round\">\n\
+         width=\"{width}{unit}\" height=\"{height}{unit}\" viewBox=\"0 0 {width} {height}\" \
+         fill=\"none\" stroke-width=\"{hairline}\" stroke-linejoin=\"round\">\n\
          <style>@media screen {{ path {{ stroke-width: 1px; vector-effect: non-scaling-stroke }} }}</style>\n"
     );
     for (i, piece) in drawing.pieces.iter().enumerate() {
         sheet.piece(i, piece);
+    }
+    if let Some(square) = &drawing.test_square {
+        _ = writeln!(
+            sheet.text,
+            "<g class=\"{SCALE}\" inkscape:groupmode=\"layer\" inkscape:label=\"{SCALE}\" stroke=\"#808080\">"
+        );
+        let [a, b, c, d] = square.corners;
+        for line in std::iter::once(&[a, b, c, d, a][..]).chain(square.text.iter().map(Vec::as_slice)) {
+            let path = sheet.open(line);
+            _ = writeln!(sheet.text, "<path d=\"{path}\"/>");
+        }
+        sheet.text.push_str("</g>\n");
     }
     sheet.text.push_str("</svg>\n");
     if !sheet.finite {
@@ -65,13 +82,19 @@ struct Sheet {
     left: f64,
     top: f64,
     finite: bool,
+    /// Unit of coordinates.
+    unit: LengthUnit,
 }
 
 impl Sheet {
-    /// A length in mm to a nanometre, without idle zeros.
+    /// A length (mm) in the unit of the drawing, to a nanometre or finer, without idle zeros.
     fn number(&mut self, x: f64) -> String {
         self.finite &= x.is_finite();
-        let mut s = format!("{x:.6}");
+        let digits = match self.unit {
+            LengthUnit::Millimetre => 6,
+            LengthUnit::Inch => 8,
+        };
+        let mut s = format!("{:.digits$}", self.unit.of(x));
         let keep = s.trim_end_matches('0').trim_end_matches('.').len();
         s.truncate(keep);
         if s == "-0" {
@@ -191,7 +214,7 @@ mod tests {
             rulings: vec![[Vec2::new(10., 0.), Vec2::new(10., 100.)]],
             ..Piece::default()
         };
-        Drawing { pieces: vec![piece], min: Vec2::zeros(), max: Vec2::new(150., 100.) }
+        Drawing { pieces: vec![piece], max: Vec2::new(150., 100.), ..Drawing::default() }
     }
 
     #[test]

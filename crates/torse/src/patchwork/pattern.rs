@@ -195,15 +195,78 @@ impl Pattern {
         }
     }
 
+    /// Area over length, mm.
+    pub fn mean_width(&self) -> f64 {
+        self.area / self.length.max(f64::MIN_POSITIVE)
+    }
+
+    /// Greatest width of the strip (mm) square to its middle line, which joins the middles of the rulings drawn: what
+    /// remains of `width` for a strip that is curved in the plane. As fine as rulings are drawn.
+    pub fn strip_width(&self) -> f64 {
+        let rulings = whole_rulings(&self.rulings);
+        let middles: Vec<Vec2> = rulings.iter().map(|[a, b]| 0.5 * (a + b)).collect();
+        let across = |k: usize| {
+            let along = middles[(k + 1).min(middles.len() - 1)] - middles[k.saturating_sub(1)];
+            let [a, b] = rulings[k];
+            (b - a).perp(&along).abs() / along.norm()
+        };
+        // Rulings at the ends belong to what lies beyond them as well.
+        let widest = (0..rulings.len()).map(across).filter(|w| w.is_finite()).fold(0.0, f64::max);
+        if rulings.len() < LEAST_RULINGS || widest <= 0.0 {
+            return self.width;
+        }
+        widest.min(self.width)
+    }
+
     /// How the sheet bends about a ruling.
     pub fn bend(&self, ruling: usize) -> Bend {
         self.bends.get(ruling).copied().unwrap_or_default()
     }
 }
 
+/// Fewer rulings say too little about the course of a strip.
+const LEAST_RULINGS: usize = 5;
+/// Sine of the angle below which two pieces lie on one line: rulings of a strip that are this near to parallel and to
+/// each other are one, interrupted by a hole.
+const ON_ONE_LINE: f64 = 1e-6;
+
+/// Rulings from end to end: pieces of one line between holes as one.
+fn whole_rulings(pieces: &[[Vec2; 2]]) -> Vec<[Vec2; 2]> {
+    let mut out: Vec<[Vec2; 2]> = Vec::new();
+    for &[c, d] in pieces {
+        if let Some([a, b]) = out.last_mut() {
+            let (whole, reach) = (*b - *a, (d - *a).norm().max((c - *a).norm()));
+            let off = |p: &Vec2| whole.perp(&(p - *a)).abs() <= ON_ONE_LINE * whole.norm() * reach;
+            if off(&c) && off(&d) && whole.dot(&(d - c)) > 0.0 {
+                *b = d;
+                continue;
+            }
+        }
+        out.push([c, d]);
+    }
+    out
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_strip_is_as_wide_as_across_its_middle_line_holes_or_not() {
+        // A quarter of a ring between the radii 9 and 10, rulings every 3 degrees, one interrupted.
+        let mut rulings = Vec::new();
+        for k in 0..=30 {
+            let e = Vec2::new((3.0 * f64::from(k)).to_radians().cos(), (3.0 * f64::from(k)).to_radians().sin());
+            match k {
+                12 => rulings.extend([[e * 9.0, e * 9.3], [e * 9.5, e * 10.0]]),
+                _ => rulings.push([e * 9.0, e * 10.0]),
+            }
+        }
+        let ring = Pattern { rulings, width: 3.6, length: 14.1, ..Pattern::default() };
+        assert!((ring.strip_width() - 1.0).abs() < 1e-3, "{}", ring.strip_width());
+        // Without rulings nothing is known but the rectangle.
+        assert_eq!(Pattern { width: 3.6, length: 14.1, ..Pattern::default() }.strip_width(), 3.6);
+    }
 
     #[test]
     fn turned_over_twice_is_the_same_and_once_mirrors() {

@@ -1,7 +1,8 @@
 //! What written files hold, number for number, as a reader finds it: panels of a STEP file, outlines and lines of a
-//! cutting drawing. Nothing here is repaired or converted; lengths are mm.
+//! cutting drawing. Nothing here is repaired or converted; lengths are mm, in drawings the unit that they name.
 
 use super::pattern::BendSense;
+use crate::geom::unit::LengthUnit;
 use crate::geom::Vec2;
 use crate::spline::curve::Curve;
 use crate::spline::knots::Knots;
@@ -109,6 +110,8 @@ pub enum WrittenCourse {
 /// The parts of a cutting drawing that belong to one pattern.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct WrittenPiece {
+    /// Unit of all its numbers.
+    pub unit: LengthUnit,
     /// Outer outline, then holes, in the order of the file.
     pub contours: Vec<Vec<WrittenJoint>>,
     /// Rulings.

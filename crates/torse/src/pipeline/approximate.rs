@@ -8,10 +8,8 @@ use crate::answer::{Answer, Job};
 use crate::brep::area::area_estimate;
 use crate::brep::face::Face;
 use crate::brep::join::{joined, JoinOptions};
-use crate::brep::trim::with_chords;
 use crate::certify;
-use crate::certify::claim::{Claim, Status, Subject, UpperBound};
-use crate::certify::trims::trim_proof;
+use crate::certify::claim::{Claim, Status, Subject};
 use crate::control::Control;
 use crate::develop::bends::BendSpacing;
 use crate::develop::pattern::bends_anew;
@@ -23,17 +21,18 @@ use crate::patchwork::outside::outward;
 use crate::patchwork::panel::{Border, Panel, Patchwork};
 use crate::patchwork::part::Part;
 use crate::patchwork::pattern::{Pattern, ViewSide};
-use crate::search::build::{build, limits_missed, too_large, AlongCurve, Built};
+use crate::search::build::{limits_missed, AlongCurve, Built};
 use crate::search::cover::{
-    check_curves, cover, is_developable, is_smoothly_developable, strip_range, Cover, CoverOptions, CurveError, Guide,
+    check_curves, is_developable, is_smoothly_developable, panels_needed, strip_range, CoverOptions, CurveError, Guide,
     Layout, Limits,
 };
-use crate::search::stitch::attempts::{met, with_room};
+use crate::search::face::{one_face, Wanted};
+use crate::search::trims::{trims_judged, TrimsJudged};
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::OnceLock;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// What the main job is asked for.
 #[derive(Clone, Debug)]
@@ -111,6 +110,27 @@ pub enum ApproximateError {
         /// Asked for, mm.
         value: f64,
     },
+    /// A limit that asks for more panels than can be laid.
+    #[error(
+        "the {name} asks for about {count:.0} panels on face #{entity}, more than the {MOST_PANELS:.0} that can be laid; \
+         allow more there, or a larger tolerance"
+    )]
+    TooMany {
+        /// Which limit.
+        name: &'static str,
+        /// About how many panels that would be.
+        count: f64,
+        /// The face in the file.
+        entity: u64,
+    },
+    /// A least width above the greatest.
+    #[error("the least width, {least} mm, is above the greatest, {greatest} mm")]
+    Widths {
+        /// Least, mm.
+        least: f64,
+        /// Greatest, mm.
+        greatest: f64,
+    },
     /// Angle of smooth edges that is none.
     #[error("the angle of smooth edges must lie between 0 and 90 degrees, not at {0}")]
     SmoothAngle(f64),
@@ -142,36 +162,14 @@ pub enum ApproximateError {
 
 /// Share of the model's size below which no tolerance is accepted (certificate specification, 3).
 const PRECISION: f64 = 1e-10;
+/// Panels of one face; more take hours.
+const MOST_PANELS: f64 = 1000.0;
 /// Share of the tolerance by which control points of two faces may differ along an edge across which they are joined;
 /// what is used of it is taken from the tolerance of the panels.
 const MISMATCH_SHARE: f64 = 0.01;
 /// Angle through which the normal of a joined face may turn along its parameter lines: half a tube with something to
 /// spare, not a whole tube, whose level functions would have to close.
 const MOST_TURN_DEG: f64 = 200.0;
-/// Share of the parameter range within which a corner of a trim counts as lying on a knot line: a few times the
-/// rounding of readers' projections, far below any length that matters.
-const ON_LINE: f64 = 1e-9;
-/// Rounds of cutting panels that the judge refuses as built.
-const ROUNDS: usize = 6;
-/// Rounds of cutting panels that are too large for the sheet, each in halves.
-const SHEET_ROUNDS: usize = 8;
-/// Round from which refused regions get plane facets only: these can always be built.
-const FACET_ROUND: usize = 3;
-/// Factor on the tolerance from one attempt to the next when the number of panels is limited.
-const COARSER: f64 = 1.6;
-
-/// Tolerance of the first stopgap against the size of a face: one panel or two.
-const COARSEST: f64 = 1.0 / 16.0;
-/// Tolerance of each stopgap against that of the next one, and of the last against what was asked for: four times finer
-/// takes about twice the panels.
-const STOPGAP_STEP: f64 = 4.0;
-/// Share of a limited time that goes into stopgaps.
-const STOPGAP_SHARE: f64 = 0.2;
-/// See [`grace`]: people who asked to stop wait for it.
-const GRACE: Duration = Duration::from_millis(1500);
-/// See [`grace`].
-const LEAST_GRACE: Duration = Duration::from_millis(200);
-
 /// Approximates a model by developable panels; see [`of_faces`].
 ///
 /// # Errors
@@ -213,9 +211,7 @@ pub fn of_faces(
     if options.max_panels == Some(0) {
         return Err(ApproximateError::MaxPanels);
     }
-    if let Some((name, value)) = options.limits.named().into_iter().find(|(_, v)| !v.is_none_or(|v| v > 0.0)) {
-        return Err(ApproximateError::Limit { name, value: value.unwrap_or(f64::NAN) });
-    }
+    checked_limits(&options.limits)?;
     if !(0.0..std::f64::consts::FRAC_PI_2).contains(&options.smooth_angle) {
         return Err(ApproximateError::SmoothAngle(options.smooth_angle.to_degrees()));
     }
@@ -237,15 +233,31 @@ pub fn of_faces(
     checked_layout(&options.layout, &bbox)?;
     let TrimsJudged { faces, missed: untrue, .. } = trims_judged(faces, tolerance);
     let faces = smoothly_joined(faces, tolerance, options.smooth_angle);
+    for f in faces.iter().filter(|f| !is_developable(f, tolerance)) {
+        if let Some((name, count)) = panels_needed(f, &options.limits, tolerance).filter(|n| n.1 > MOST_PANELS) {
+            return Err(ApproximateError::TooMany { name, count, entity: f.entity });
+        }
+    }
     checked_curves(&faces, options)?;
     let total = faces.len();
     let finished = AtomicUsize::new(0);
-    let deadline = OnceLock::new();
+    let wanted = Wanted {
+        options: CoverOptions {
+            tolerance,
+            max_panels: options.max_panels.unwrap_or(usize::MAX),
+            facets: false,
+            limits: options.limits,
+            layout: options.layout.clone(),
+        },
+        meet: options.meet,
+        control,
+        deadline: OnceLock::new(),
+    };
     let built: Vec<Result<Built, Skipped>> = faces
         .into_par_iter()
         .enumerate()
         .map(|(index, face)| {
-            let built = one_face(index, face, options, control, &deadline);
+            let built = one_face(index, &face, &wanted).map_err(|e| left_face(&face, e.to_string()));
             let n = finished.fetch_add(1, Ordering::Relaxed) + 1;
             control.report("covering faces", n as f64 / total as f64, format!("{n} of {total}"));
             built
@@ -393,6 +405,17 @@ fn checked_curves(faces: &[Face], options: &Options) -> Result<(), ApproximateEr
     }
 }
 
+/// Limits that nothing can keep.
+fn checked_limits(limits: &Limits) -> Result<(), ApproximateError> {
+    if let Some((name, value)) = limits.named().into_iter().find(|(_, v)| !v.is_none_or(|v| v > 0.0)) {
+        return Err(ApproximateError::Limit { name, value: value.unwrap_or(f64::NAN) });
+    }
+    match limits.min_width.zip(limits.widest()) {
+        Some((least, greatest)) if least > greatest => Err(ApproximateError::Widths { least, greatest }),
+        _ => Ok(()),
+    }
+}
+
 /// A layout that asks for what cannot be.
 fn checked_layout(layout: &Layout, bbox: &BBox) -> Result<(), ApproximateError> {
     for (i, seam) in layout.seams.iter().enumerate() {
@@ -417,204 +440,12 @@ fn checked_layout(layout: &Layout, bbox: &BBox) -> Result<(), ApproximateError> 
     }
 }
 
-/// Share of the tolerance that the proven distance of trims from the file's edges may take.
-const TRIM_SHARE: f64 = 0.5;
-/// Distances of trims from edges below this share of the tolerance are not told apart.
-const TRIM_AIM: f64 = 0.002;
-/// Share of the tolerance that chords of trims may keep from the file's edges.
-const CHORDS_SHARE: f64 = 0.05;
-
-/// Faces whose trims were judged.
-pub struct TrimsJudged {
-    /// The faces, with finer trims where the tolerance asks for them.
-    pub faces: Vec<Face>,
-    /// Greatest distance of a trim from the file's edges, mm.
-    pub bound: UpperBound,
-    /// In words, trims that take too much of the tolerance.
-    pub missed: Vec<String>,
-}
-
-/// Faces with trims as fine as the tolerance asks for and the proven distance of these from the file's edges, and in
-/// words where that takes too much of the tolerance.
-pub fn trims_judged(faces: Vec<Face>, tolerance: f64) -> TrimsJudged {
-    let judged = faces.into_par_iter().map(|mut face| {
-        if face.boundary.is_none() {
-            let bound = trim_proof(&face, TRIM_AIM * tolerance).bound();
-            return (face, (bound, None));
-        }
-        if let Some(finer) = with_chords(&face, CHORDS_SHARE * tolerance) {
-            face = finer;
-        }
-        corners_on_knot_lines(&mut face);
-        let proof = trim_proof(&face, TRIM_AIM * tolerance);
-        let bound = proof.bound();
-        face.set_trim_bound(bound.value());
-        let words = (bound.value() > TRIM_SHARE * tolerance).then(|| {
-            let far = if bound.value().is_finite() { format!("{:.3e} mm", bound.value()) } else { "no bound".into() };
-            format!(
-                "face #{}: the trim is only proven to keep to the file's edges within {far} (edge #{})",
-                face.entity,
-                proof.edge()
-            )
-        });
-        (face, (bound, words))
-    });
-    let (faces, found): (Vec<Face>, Vec<(UpperBound, Option<String>)>) = judged.unzip();
-    let bound = UpperBound::largest(found.iter().map(|f| f.0));
-    TrimsJudged { faces, bound, missed: found.into_iter().filter_map(|f| f.1).collect() }
-}
-
-/// One face covered. Where its trim takes too much of the tolerance it is covered as it was read, for the eye, and judged
-/// with the whole distance.
-fn one_face(
-    index: usize,
-    mut face: Face,
-    options: &Options,
-    control: &Control,
-    deadline: &OnceLock<Instant>,
-) -> Result<Built, Skipped> {
-    let missed = face.trim_bound();
-    if missed <= TRIM_SHARE * options.tolerance {
-        return covered(index, face, options, control, deadline);
-    }
-    face.set_trim_bound(0.0);
-    let mut found = covered(index, face, options, control, deadline)?;
-    found.patchwork.faces.iter_mut().for_each(|f| f.set_trim_bound(missed));
-    found.certificate = certify::patchwork(&found.patchwork, options.tolerance, &Control::default());
-    Ok(found)
-}
-
-/// The loop over one face: cover, build, judge, develop; cut what is refused and go round again.
-fn covered(
-    index: usize,
-    mut face: Face,
-    options: &Options,
-    control: &Control,
-    deadline: &OnceLock<Instant>,
-) -> Result<Built, Skipped> {
-    corners_on_knot_lines(&mut face);
-    let refuse = |reason: String| left_face(&face, reason);
-    let limit = options.max_panels.unwrap_or(usize::MAX);
-    // What trimming missed and joining moved belongs to the distance from the file's faces: the rest is left for the
-    // search.
-    let tolerance = options.tolerance - face.joint_bound() - face.trim_bound();
-    let mut cover_options = CoverOptions {
-        tolerance,
-        max_panels: limit,
-        facets: false,
-        limits: options.limits,
-        layout: options.layout.clone(),
-    };
-    let share = control.remaining().map(|left| Instant::now() + left.mul_f64(STOPGAP_SHARE));
-    let mut stopgap = share.and_then(|end| stopgaps(index, &face, &cover_options, &control.clone().until(end)));
-    let mut found = cover(&face, &cover_options, control).map_err(|e| refuse(e.to_string()))?;
-    while !found.complete && !control.stopped() {
-        // Too many panels: the fewest that were asked for, as near as they can be.
-        cover_options.tolerance *= COARSER;
-        found = cover(&face, &cover_options, control).map_err(|e| refuse(e.to_string()))?;
-    }
-    let Cover { mut state, complete } = found;
-    if !complete {
-        // Time is up: a coarse cover of all of it says more than a fine one of a part.
-        if let Some(built) = stopgap.take().or_else(|| stopgaps(index, &face, &cover_options, &grace(deadline))) {
-            return Ok(built);
-        }
-        crate::search::cover::fill(&mut state);
-    }
-    let mut round = 0;
-    let mut sheets = 0;
-    loop {
-        let (built, refused) = build(index, &face, &state, options.tolerance);
-        if control.stopped() && !built.certificate.deviation_bound.is_finite() {
-            return Ok(stopgap.take().unwrap_or(built));
-        }
-        if control.stopped() || cover_options.tolerance > tolerance {
-            return Ok(built);
-        }
-        if refused.is_empty() {
-            // Pieces of a good panel are good panels: only the cuts are new.
-            let large = too_large(&built, &options.limits);
-            if large.is_empty() || sheets == SHEET_ROUNDS || built.patchwork.panels.len() + large.len() > limit {
-                if !options.meet {
-                    return Ok(built);
-                }
-                let best = met(index, &face, &state, built, &cover_options, control);
-                return Ok(with_room(index, &face, best, &cover_options, control));
-            }
-            sheets += 1;
-            state = crate::search::cover::cut_large(&face, &state, &large);
-            continue;
-        }
-        if round == ROUNDS || built.patchwork.panels.len() + refused.len() > limit {
-            return Ok(built);
-        }
-        cover_options.facets = round >= FACET_ROUND;
-        match crate::search::cover::cut_refused(&face, &cover_options, control, &state, &refused) {
-            Some(next) => state = next,
-            None => return Ok(built),
-        }
-        round += 1;
-    }
-}
-
-/// Covers of a whole face from coarse to fine, each proven, until time is up: the finest.
-fn stopgaps(index: usize, face: &Face, wanted: &CoverOptions, control: &Control) -> Option<Built> {
-    let mut best = None;
-    let mut tolerance = COARSEST * face.surface.bbox().diagonal();
-    while tolerance > STOPGAP_STEP * wanted.tolerance && !control.stopped() {
-        // What was asked for besides the tolerance would only take time here; what is missed is marked.
-        let options =
-            CoverOptions { tolerance, limits: Limits::default(), layout: Layout::default(), ..wanted.clone() };
-        let found = cover(face, &options, control).ok()?;
-        if found.complete {
-            let built = build(index, face, &found.state, tolerance).0;
-            if built.certificate.deviation_bound.is_finite() {
-                best = Some(built);
-            }
-        }
-        tolerance /= STOPGAP_STEP;
-    }
-    best
-}
-
-/// Time for stopgaps after a job was asked to stop: a little for all faces together, at least a moment for each.
-fn grace(deadline: &OnceLock<Instant>) -> Control {
-    let now = Instant::now();
-    Control::default().until((now + LEAST_GRACE).max(*deadline.get_or_init(|| now + GRACE)))
-}
-
 /// A face that is left out for a reason, with the faces of the file that go with it.
 pub(super) fn left_face(face: &Face, reason: String) -> Skipped {
     let others: Vec<String> = face.parts.iter().skip(1).map(|p| format!("#{}", p.entity)).collect();
     let reason = if others.is_empty() { reason } else { format!("{reason} (joined with {})", others.join(", ")) };
     let area_estimate = Some(area_estimate(face)).filter(|a| a.is_finite() && *a > 0.0);
     Skipped::of_file(face.entity, reason, area_estimate)
-}
-
-/// Moves corners of the trims that miss a knot line by rounding only onto it, so that no triangle crosses the line by
-/// a hair. From here on these corners are the definition of the face.
-fn corners_on_knot_lines(face: &mut Face) {
-    let mut lines = [face.surface.knots_u.breaks(), face.surface.knots_v.breaks()];
-    // The outermost corners are lines of the triangulation too.
-    for (d, lines) in lines.iter_mut().enumerate() {
-        let along = face.loops.iter().flat_map(|l| &l.points).map(|p| p[d] + 0.0);
-        let (lo, hi) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
-        for x in [lo, hi] {
-            if !lines.iter().any(|k| (k - x).abs() <= ON_LINE * (hi - lo)) {
-                lines.push(x);
-            }
-        }
-    }
-    for p in face.loops.iter_mut().flat_map(|l| &mut l.points) {
-        for (x, lines) in p.iter_mut().zip(&lines) {
-            // No negative zero: corners are compared bit by bit.
-            *x += 0.0;
-            let extent = lines.iter().fold(0.0, |m: f64, k| m.max((k - lines[0]).abs()));
-            if let Some(&k) = lines.iter().find(|k| (*k - *x).abs() <= ON_LINE * extent) {
-                *x = k;
-            }
-        }
-    }
 }
 
 /// Adds the faces, panels and seams of another patchwork.

@@ -1,7 +1,7 @@
 //! The job of `torse cones`: ruled developable faces (or the panels of a patchwork) as chains of exact cones,
 //! cylinders and planes, with their proof and their flat patterns of true arcs.
 
-use super::approximate::{left_face, trims_judged, TrimsJudged};
+use super::approximate::left_face;
 use crate::answer::skipped::{left_out, Skipped};
 use crate::answer::{Answer, Cones, Job};
 use crate::brep::face::Face;
@@ -21,6 +21,7 @@ use crate::patchwork::part::Part;
 use crate::patchwork::pattern::Pattern;
 use crate::search::strips::cone_outline::PlaneOutline;
 use crate::search::strips::cone_strip::{ruled, strip_of};
+use crate::search::trims::{trims_judged, TrimsJudged};
 use crate::torse::cone::forms::patches;
 use crate::torse::cone::part::ConeBody;
 use crate::torse::cone::spline::{ConeSpline, Segment};

@@ -7,7 +7,7 @@ use crate::answer::Answer;
 use crate::certify::claim::{Claim, Demand, Evidence, Subject, UpperBound, What};
 use crate::certify::written::{self, WrittenCertificate};
 use crate::certify::written_strips;
-use crate::io::bundle::{self, BundleError, File, PANELS};
+use crate::io::bundle::{self, part_file, BundleError, File, PANELS};
 use crate::io::{drawings, step};
 use crate::patchwork::pattern::Pattern;
 use crate::torse::strip::Strip;
@@ -52,7 +52,12 @@ pub fn judge(answer: &mut Answer, files: &[File]) {
     answer.written = files
         .par_iter()
         .filter_map(|(name, bytes)| {
-            let found = if name == PANELS { panels(answer, bytes) } else { drawing(name, bytes, &answer.patterns)? };
+            let found =
+                match answer.patterns.iter().position(|p| answer.cut.one_per_part && part_file(&p.name) == *name) {
+                    _ if name == PANELS => panels(answer, bytes),
+                    Some(part) => drawing(name, bytes, &answer.patterns[part..=part])?,
+                    None => drawing(name, bytes, &answer.patterns)?,
+                };
             Some((name.clone(), found))
         })
         .collect();

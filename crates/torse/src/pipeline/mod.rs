@@ -11,4 +11,5 @@ pub mod info;
 pub mod loft;
 pub mod net;
 pub mod planarise;
+pub mod select;
 pub mod sweep;

@@ -8,13 +8,16 @@ use crate::control::Control;
 use crate::develop::pattern::{pattern, PatternOptions};
 use crate::develop::DevelopError;
 use crate::fit::panels::boundary::{self, Assigned, Borders, BoundaryError, BoundaryOptions};
+use crate::geom::Vec3;
 use crate::patchwork::panel::{Panel, Patchwork};
 use crate::patchwork::partition::Partition;
 use crate::patchwork::pattern::Pattern;
 use crate::torse::form::PanelKind;
 use rayon::prelude::*;
-use std::collections::{BTreeSet, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashSet};
 
+/// Parts into which a panel is cut at once, at most.
+const MOST_PARTS: f64 = 64.0;
 /// Share of the tolerance that a trim curve may stray from the region's border.
 const TRIM_SHARE: f64 = 1.0 / 250.0;
 /// Share of that by which the edge in space may stray from the trim curve on its patch.
@@ -54,12 +57,15 @@ pub struct AlongCurve {
     pub paper_estimate: f64,
 }
 
-/// Panels whose flat patterns do not fit the sheet: labels, and whether they are too long (else too wide).
-pub(crate) fn too_large(built: &Built, limits: &Limits) -> Vec<(u32, bool)> {
-    let exceeds = |size: f64, limit: Option<f64>| limit.is_some_and(|l| size > l);
-    let of = |p: &Pattern| Some((built.patchwork.panels[p.panel].label()?, exceeds(p.length, limits.max_length)));
-    let large = |p: &&Pattern| exceeds(p.length, limits.max_length) || exceeds(p.width, limits.max_width);
-    built.patterns.iter().filter(large).filter_map(of).collect()
+/// Panels whose flat patterns are too large: labels, and into how many parts each should be cut, along and across.
+pub(crate) fn too_large(built: &Built, limits: &Limits) -> Vec<(u32, [usize; 2])> {
+    let parts = |size: f64, limit: Option<f64>| limit.map_or(1, |l| (size / l).ceil().clamp(1.0, MOST_PARTS) as usize);
+    let of = |p: &Pattern| {
+        let across = parts(p.strip_width(), limits.max_width).max(parts(p.width, limits.sheet_width()));
+        let parts = [parts(p.length, limits.longest()), across];
+        (parts != [1, 1]).then(|| Some((built.patchwork.panels[p.panel].label()?, parts)))?
+    };
+    built.patterns.iter().filter_map(of).collect()
 }
 
 /// What panels miss of the limits of sheet and material.
@@ -93,11 +99,21 @@ pub(crate) fn limits_missed(
         let p = found.first()?;
         Some(format!("panel {}: {what} is {:.1} mm", p.name, value(p)))
     };
+    let narrow = |missed: &mut BTreeSet<usize>| {
+        let found: Vec<&Pattern> =
+            patterns.iter().filter(|p| limits.min_width.is_some_and(|l| p.mean_width() < l)).collect();
+        missed.extend(found.iter().map(|p| p.panel));
+        let p = found.first()?;
+        Some(format!("panel {}: its mean width is {:.1} mm", p.name, p.mean_width()))
+    };
     let reasons = [
         below(&mut panels, "the bending radius", limits.min_bend_radius, |p| p.min_bend_radius),
         below(&mut panels, "the distance to the regression curve", limits.min_clearance, |p| p.regression_clearance),
-        above(&mut panels, "the width of the pattern", limits.max_width, |p| p.width),
+        above(&mut panels, "the width of the strip", limits.max_width, Pattern::strip_width),
         above(&mut panels, "the length of the pattern", limits.max_length, |p| p.length),
+        above(&mut panels, "the width of the rectangle around the pattern", limits.sheet_width(), |p| p.width),
+        above(&mut panels, "the length of the rectangle around the pattern", limits.sheet_length(), |p| p.length),
+        narrow(&mut panels),
     ]
     .into_iter()
     .flatten()
@@ -136,6 +152,8 @@ pub(crate) fn build_on(
     let mut borders = borders(face, partition);
     let mut assigned: Vec<Assigned> =
         state.panels.iter().map(|(&label, fit)| Assigned { label, torse: &fit.torse, kind: fit.kind }).collect();
+    let order = along_the_model(state);
+    assigned.sort_by_key(|a| order.get(&a.label).copied());
     let mut together = BTreeSet::new();
     if let Some((meeting, refused, dropped)) = meeting {
         let mut met = HashSet::new();
@@ -199,6 +217,38 @@ pub(crate) fn build_on(
     });
     let along = along.collect();
     (Built { patchwork, certificate, patterns, missing, along, together }, refused)
+}
+
+/// Middles of panels within this share of their spread count as side by side.
+const SIDE_BY_SIDE: f64 = 0.04;
+
+/// The order in which panels are numbered: along the axis of the model over which their middles spread most, towards its
+/// positive end, then along the other axes.
+fn along_the_model(state: &State) -> BTreeMap<u32, usize> {
+    let mut sums: BTreeMap<u32, (Vec3, f64)> = BTreeMap::new();
+    for (t, label) in state.partition.labels.iter().enumerate() {
+        let area = state.triangle_area(t);
+        let middle = state.partition.triangles[t].iter().map(|&v| state.jets[v as usize].jet.p).sum::<Vec3>() / 3.0;
+        let sum = sums.entry(*label).or_insert((Vec3::zeros(), 0.0));
+        *sum = (sum.0 + middle * area, sum.1 + area);
+    }
+    let middles: Vec<(u32, Vec3)> = sums.into_iter().map(|(l, (x, a))| (l, x / a.max(f64::MIN_POSITIVE))).collect();
+    let (low, high) =
+        middles.iter().fold((Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY)), |(lo, hi), (_, x)| {
+            (lo.inf(x), hi.sup(x))
+        });
+    let spread = high - low;
+    let mut axes = [0, 1, 2];
+    axes.sort_by(|&a, &b| spread[b].total_cmp(&spread[a]));
+    // Steps of the first axis, so that panels side by side are numbered across and not at random.
+    let step = (SIDE_BY_SIDE * spread[axes[0]]).max(f64::MIN_POSITIVE);
+    let mut keys: Vec<(i64, [f64; 3], u32)> = middles
+        .iter()
+        .map(|(l, x)| (((x[axes[0]] - low[axes[0]]) / step).round() as i64, [x[axes[1]], x[axes[2]], x[axes[0]]], *l))
+        .collect();
+    let less = |a: &[f64; 3], b: &[f64; 3]| (0..3).map(|k| a[k].total_cmp(&b[k])).find(|o| o.is_ne());
+    keys.sort_by(|a, b| a.0.cmp(&b.0).then(less(&a.1, &b.1).unwrap_or(a.2.cmp(&b.2))));
+    keys.into_iter().enumerate().map(|(k, key)| (key.2, k)).collect()
 }
 
 /// Makes the borders between panels as smooth as the tolerance asks for.

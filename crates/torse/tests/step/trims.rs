@@ -9,8 +9,9 @@ use torse::control::Control;
 use torse::geom::Vec3;
 use torse::io::step::read::read;
 use torse::io::words;
-use torse::pipeline::approximate::{of_faces, trims_judged, Options, TrimsJudged};
+use torse::pipeline::approximate::{of_faces, Options};
 use torse::search::cover::{Layout, Limits};
+use torse::search::trims::{trims_judged, TrimsJudged};
 
 const SQUARE: [[f64; 3]; 4] = [[0., 0., 0.], [100., 0., 0.], [100., 100., 0.], [0., 100., 0.]];
 

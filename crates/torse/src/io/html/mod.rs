@@ -188,6 +188,7 @@ mod tests {
             scene,
             direction: Vec3::new(1.0, -1.0, 1.0),
             drawing: Drawing::default(),
+            alone: Vec::new(),
             pieces: vec![flat],
             shapes: Vec::new(),
             shape_patches: Vec::new(),

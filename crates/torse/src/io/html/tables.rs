@@ -253,7 +253,7 @@ pub(super) fn seams(report: &Report) -> String {
     }
     let name = |k: usize| report.panels.get(k).map_or_else(String::new, |p| escape(&p.name));
     let mut out = String::from(
-        "<details><summary>Seams</summary><div class=\"scroll\"><table><thead><tr><th>Between</th><th>Joint</th><th>Gap, mm</th>\
+        "<details><summary>Seams</summary><div class=\"scroll\"><table><thead><tr><th>Seam</th><th>Between</th><th>Joint</th><th>Gap, mm</th>\
          <th>Length, mm</th><th>Angle, degrees</th></tr></thead><tbody>",
     );
     for s in &report.seams {
@@ -265,8 +265,9 @@ pub(super) fn seams(report: &Report) -> String {
         };
         let _ = write!(
             out,
-            "<tr><td>{a} \u{2013} {b}</td><td>{joint}</td><td class=\"number\">{}</td><td class=\"number\">{}</td>\
+            "<tr><td>{}</td><td>{a} \u{2013} {b}</td><td>{joint}</td><td class=\"number\">{}</td><td class=\"number\">{}</td>\
              <td class=\"number\">{} to {}</td></tr>",
+            s.number.map_or_else(String::new, |n| format!("S{n}")),
             upper(s.gap_bound),
             s.seam_length.map_or_else(|| "?".into(), |x| plain(x, 5)),
             plain(s.kink_deg[0], 3),

@@ -16,6 +16,7 @@ use crate::patchwork::panel::Panel;
 use crate::patchwork::pattern::Pattern;
 use crate::tessellate::coverage;
 use crate::torse::kind::RunShape;
+use std::collections::BTreeMap;
 
 impl Report {
     /// The record of an answer; `shown` knows its shapes and marks.
@@ -56,7 +57,7 @@ impl Report {
             faces: face_records(answer, &coverages),
             panels: panel_records(answer, shown, &curves),
             parts: part_records(answer, shown),
-            seams: answer.certificate.iter().flat_map(|c| &c.seams).map(seam_record).collect(),
+            seams: seam_records(answer),
             along: along.collect(),
             shapes: shown.shapes.iter().map(|s| shape_record(s, answer)).collect(),
             worst_point: worst_point(answer),
@@ -103,7 +104,26 @@ fn covered_share(answer: &Answer, coverages: &[coverage::Coverage]) -> f64 {
     coverage::total(coverages).beside(&areas).share().min(1.0 - f64::EPSILON)
 }
 
-fn seam_record(s: &SeamCertificate) -> SeamRecord {
+fn seam_records(answer: &Answer) -> Vec<SeamRecord> {
+    let numbers: BTreeMap<[usize; 2], Vec<u32>> =
+        answer.patchwork.seams().iter().fold(BTreeMap::new(), |mut all, s| {
+            all.entry([s.sides[0].panel, s.sides[1].panel]).or_default().push(s.seam);
+            all
+        });
+    let mut used: BTreeMap<[usize; 2], usize> = BTreeMap::new();
+    let certificates = answer.certificate.iter().flat_map(|c| &c.seams);
+    certificates
+        .map(|s| {
+            // Seams between the same two panels come in the same order.
+            let k = used.entry(s.panels).or_default();
+            *k += 1;
+            let number = numbers.get(&s.panels).and_then(|n| n.get(*k - 1)).copied();
+            seam_record(s, number)
+        })
+        .collect()
+}
+
+fn seam_record(s: &SeamCertificate, number: Option<u32>) -> SeamRecord {
     let joint = match s.status {
         SeamStatus::Exact => "exact",
         SeamStatus::Tolerance => "tolerance",
@@ -111,6 +131,7 @@ fn seam_record(s: &SeamCertificate) -> SeamRecord {
     };
     let (least, most) = s.kink_range_estimate;
     SeamRecord {
+        number,
         between: s.panels,
         joint: joint.into(),
         gap_bound: finite(s.gap_bound),

@@ -73,12 +73,18 @@ pub(super) fn covered(face: &Face, options: &CoverOptions, control: &Control) ->
     let mut state = State::on_lines(face, u, v).ok()?;
     state.partition.split_components(0);
     layout::cut_along_seams(&face.surface, &mut state, &options.layout.seams);
+    let state = exactly(face, options, control, state)?;
+    (state.panels.len() <= options.max_panels).then_some(state)
+}
+
+/// The regions of a developable face with the torses of the surface itself, each as long as its region, proven.
+pub fn exactly(face: &Face, options: &CoverOptions, control: &Control, mut state: State) -> Option<State> {
     let job = Job::new(face, options, control);
     for label in state.partition.distinct_labels() {
         let fit = job.exact(&state, label)?;
         state.panels.insert(label, fit);
     }
-    (state.panels.len() <= options.max_panels).then_some(state)
+    Some(state)
 }
 
 /// Places between two knots with the turn of the normal from the first of them to each.

@@ -17,13 +17,17 @@ const TWO_STEPS: usize = 4;
 
 /// Mean point and principal axes (longest first) of a region's vertices.
 pub(super) fn axes(state: &State, label: u32) -> (Vec3, [Vec3; 3]) {
-    let samples = state.samples(label);
-    let total: f64 = samples.iter().map(|s| s.weight).sum::<f64>().max(f64::MIN_POSITIVE);
-    let mean = samples.iter().fold(Vec3::zeros(), |m, s| m + s.x * s.weight) / total;
+    axes_of(&state.samples(label).iter().map(|s| (s.x, s.weight)).collect::<Vec<_>>())
+}
+
+/// Mean point and principal axes (longest first) of weighted points.
+pub(super) fn axes_of(points: &[(Vec3, f64)]) -> (Vec3, [Vec3; 3]) {
+    let total: f64 = points.iter().map(|p| p.1).sum::<f64>().max(f64::MIN_POSITIVE);
+    let mean = points.iter().fold(Vec3::zeros(), |m, (x, w)| m + x * *w) / total;
     let mut c = na::Matrix3::zeros();
-    for s in &samples {
-        let d = s.x - mean;
-        c += d * d.transpose() * s.weight;
+    for (x, w) in points {
+        let d = x - mean;
+        c += d * d.transpose() * *w;
     }
     let e = na::SymmetricEigen::new(c);
     let mut order = [0, 1, 2];
@@ -34,6 +38,11 @@ pub(super) fn axes(state: &State, label: u32) -> (Vec3, [Vec3; 3]) {
 /// Cuts a region across its `axis`-th principal axis in space (2: the diagonal of the first two) in the middle
 /// of its extent; returns the labels of all parts. `None` if the cut separates nothing.
 pub(super) fn halve(surface: &Surface, state: &mut State, label: u32, axis: usize) -> Option<Vec<u32>> {
+    divide(surface, state, label, axis, 2)
+}
+
+/// As [`halve`], into equal parts of the extent.
+pub(super) fn divide(surface: &Surface, state: &mut State, label: u32, axis: usize, parts: usize) -> Option<Vec<u32>> {
     let (mean, axes) = axes(state, label);
     let direction = match axis {
         0 | 1 => axes[axis],
@@ -46,8 +55,19 @@ pub(super) fn halve(surface: &Surface, state: &mut State, label: u32, axis: usiz
         .map(|v| direction.dot(&(state.jets[v as usize].jet.p - mean)))
         .collect();
     let (lo, hi) = along.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &x| (a.min(x), b.max(x)));
-    let at = 0.5 * (lo + hi);
-    cut_across(surface, state, label, &mean, &direction, at)
+    let mut all = vec![label];
+    for k in 1..parts {
+        let at = lo + (hi - lo) * k as f64 / parts as f64;
+        let mut next = Vec::new();
+        for l in all {
+            match cut_across(surface, state, l, &mean, &direction, at) {
+                Some(cut) => next.extend(cut),
+                None => next.push(l),
+            }
+        }
+        all = next;
+    }
+    (all.len() > 1).then_some(all)
 }
 
 fn cut_across(
@@ -58,8 +78,18 @@ fn cut_across(
     direction: &Vec3,
     at: f64,
 ) -> Option<Vec<u32>> {
+    parted(surface, state, label, |p| direction.dot(&(surface.point(p[0], p[1]) - mean)) - at)
+}
+
+/// Cuts a region where a function of the parameters is zero; the labels of all parts. `None` if that separates nothing.
+pub(super) fn parted(
+    surface: &Surface,
+    state: &mut State,
+    label: u32,
+    height: impl Fn([f64; 2]) -> f64,
+) -> Option<Vec<u32>> {
     let fresh = state.partition.fresh_label();
-    state.cut(surface, label, fresh, |p| direction.dot(&(surface.point(p[0], p[1]) - mean)) - at);
+    state.cut(surface, label, fresh, height);
     let mut parts = state.partition.split_components(label);
     parts.extend(state.partition.split_components(fresh));
     parts.retain(|&p| state.partition.labels.contains(&p));
@@ -68,6 +98,13 @@ fn cut_across(
 
 /// Bands smaller than this share of a neighbour are remainders, worth a fit along the neighbour's centre line.
 const REMAINDER: f64 = 0.15;
+
+/// The same state with the region `label` given to `to`.
+fn joined(state: &State, label: u32, to: u32) -> State {
+    let mut next = state.clone();
+    next.partition.labels.iter_mut().filter(|l| **l == label).for_each(|l| *l = to);
+    next
+}
 
 impl Job<'_> {
     /// Two panels with a plane cut between them, if that is enough.
@@ -113,6 +150,29 @@ impl Job<'_> {
     /// Gives a region without a panel to a neighbour whose torse is good for both: the end of slivers that are too
     /// thin to be panels.
     pub(super) fn absorbed(&self, state: &State, label: u32) -> Option<State> {
+        self.around(state, label).into_iter().find_map(|n| {
+            let mut trial = joined(state, label, n);
+            let fit = state.panels.get(&n)?;
+            let samples = trial.dense_samples(&self.face.surface, n, Density::Usual);
+            let (error, worst) = crate::fit::near::samples::error(&fit.torse, &samples)?;
+            let fit = crate::fit::near::samples::Fit { error, worst, ..(**fit).clone() };
+            let proven = self.proven(&trial, n, fit, samples).accepted?;
+            trial.panels.insert(n, proven);
+            Some(trial)
+        })
+    }
+
+    /// A region without a panel and a neighbour covered by two new panels of equal extent, if that is enough.
+    pub(super) fn shared(&self, state: &State, label: u32) -> Option<State> {
+        self.around(state, label).into_iter().find_map(|n| {
+            let mut trial = joined(state, label, n);
+            trial.panels.remove(&n);
+            self.two(&trial, n)
+        })
+    }
+
+    /// Neighbours of a region that have panels and may be joined with it, those with the longest common border first.
+    fn around(&self, state: &State, label: u32) -> Vec<u32> {
         let mut around: Vec<(usize, u32)> = state
             .partition
             .neighbours()
@@ -122,21 +182,7 @@ impl Job<'_> {
             .filter(|(_, n)| state.panels.contains_key(n) && same_side(state, &self.options.layout.seams, label, *n))
             .collect();
         around.sort_unstable_by(|x, y| y.cmp(x));
-        around.into_iter().find_map(|(_, n)| {
-            let mut trial = state.clone();
-            for l in &mut trial.partition.labels {
-                if *l == label {
-                    *l = n;
-                }
-            }
-            let fit = state.panels.get(&n)?;
-            let samples = trial.dense_samples(&self.face.surface, n, Density::Usual);
-            let (error, worst) = crate::fit::near::samples::error(&fit.torse, &samples)?;
-            let fit = crate::fit::near::samples::Fit { error, worst, ..(**fit).clone() };
-            let proven = self.proven(&trial, n, fit, samples).accepted?;
-            trial.panels.insert(n, proven);
-            Some(trial)
-        })
+        around.into_iter().map(|a| a.1).collect()
     }
 
     /// Centre line of the larger of two bands of one function, for both together (region `both[0]` of `joined`).
@@ -171,12 +217,7 @@ impl Job<'_> {
                 if self.control.stopped() {
                     return state;
                 }
-                let mut trial = state.clone();
-                for l in &mut trial.partition.labels {
-                    if *l == b {
-                        *l = a;
-                    }
-                }
+                let mut trial = joined(&state, b, a);
                 let small = areas[&a].min(areas[&b]) < REMAINDER * areas[&a].max(areas[&b]);
                 let line = small.then(|| self.common_line(&state, &trial, [a, b])).flatten();
                 let t = self.single(&trial, a, line.as_deref());

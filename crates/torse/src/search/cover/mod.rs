@@ -14,6 +14,7 @@ mod equidistribute;
 mod exact;
 mod guided;
 mod layout;
+mod limits;
 mod march;
 mod merge;
 mod propose;
@@ -30,10 +31,11 @@ use crate::patchwork::triangulate::TriangulateError;
 use crate::spline::field::Field;
 pub use curve_on_face::{CurveError, CurveShape, PanelCurve};
 pub(in crate::search) use equidistribute::Rise;
-pub use exact::{is_developable, is_smoothly_developable};
+pub use exact::{exactly, is_developable, is_smoothly_developable};
 pub use guided::Origin;
 use layout::Course;
 pub use layout::{Guide, Layout, LayoutKind, SeamPlane};
+pub use limits::{panels_needed, Limits};
 use rayon::prelude::*;
 pub use state::{Density, State};
 use std::collections::HashMap;
@@ -53,31 +55,6 @@ pub struct CoverOptions {
     pub limits: Limits,
     /// Where strips and seams run.
     pub layout: Layout,
-}
-
-/// What sheet and material allow, mm; default: anything.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Limits {
-    /// Smallest radius to which the material bends.
-    pub min_bend_radius: Option<f64>,
-    /// Smallest distance along rulings between panel and regression curve.
-    pub min_clearance: Option<f64>,
-    /// Largest width of a flat pattern (of its smallest enclosing rectangle).
-    pub max_width: Option<f64>,
-    /// Largest length of a flat pattern.
-    pub max_length: Option<f64>,
-}
-
-impl Limits {
-    /// Every limit with its name.
-    pub fn named(&self) -> [(&'static str, Option<f64>); 4] {
-        [
-            ("smallest bending radius", self.min_bend_radius),
-            ("smallest distance to the regression curve", self.min_clearance),
-            ("greatest width", self.max_width),
-            ("greatest length", self.max_length),
-        ]
-    }
 }
 
 /// Share of the tolerance that the distance part may use; the rest is for trim curves and rounding.
@@ -509,19 +486,61 @@ pub fn strip_range(face: &Face) -> Option<f64> {
     (best.merit <= POOR * best.range).then_some(best.merit)
 }
 
-/// Cuts panels in halves, the long ones (`true`) across, the wide ones along; both halves keep the torse, which is good
-/// for each of them. A panel that the cut does not separate stays as it is.
-pub fn cut_large(face: &Face, state: &State, large: &[(u32, bool)]) -> State {
+/// Cuts panels into equal parts: `[along, across]` of each label; all parts keep the torse, which is good for each of
+/// them. A panel that a cut does not separate stays as it is.
+pub fn cut_large(face: &Face, state: &State, large: &[(u32, [usize; 2])]) -> State {
     let mut state = state.clone();
-    for &(label, long) in large {
+    for &(label, parts) in large {
         let mut trial = state.clone();
         let Some(fit) = trial.panels.remove(&label) else { continue };
-        if let Some(parts) = merge::halve(&face.surface, &mut trial, label, usize::from(!long)) {
-            trial.panels.extend(parts.into_iter().map(|p| (p, std::sync::Arc::clone(&fit))));
+        let axis = usize::from(parts[0] < 2);
+        if let Some(cut) = merge::divide(&face.surface, &mut trial, label, axis, parts[axis]) {
+            trial.panels.extend(cut.into_iter().map(|p| (p, std::sync::Arc::clone(&fit))));
             state = trial;
         }
     }
     state
+}
+
+/// The same panels cut where functions of the parameters are zero; all parts keep their torses.
+pub fn cut_where(face: &Face, state: &State, heights: &[impl Fn([f64; 2]) -> f64]) -> State {
+    let mut state = state.clone();
+    for height in heights {
+        for label in state.partition.distinct_labels() {
+            let mut trial = state.clone();
+            let Some(fit) = trial.panels.remove(&label) else { continue };
+            if let Some(cut) = merge::parted(&face.surface, &mut trial, label, height) {
+                trial.panels.extend(cut.into_iter().map(|p| (p, std::sync::Arc::clone(&fit))));
+                state = trial;
+            }
+        }
+    }
+    state
+}
+
+/// Middle and principal axes of a face's vertices, longest first, and how far the face reaches along each from there, mm.
+pub fn extents(state: &State) -> (crate::geom::Vec3, [(crate::geom::Vec3, [f64; 2]); 3]) {
+    let (mean, axes) = merge::axes_of(&state.jets.iter().map(|j| (j.jet.p, 1.0)).collect::<Vec<_>>());
+    let reach = |axis: crate::geom::Vec3| {
+        let along = state.jets.iter().map(|j| axis.dot(&(j.jet.p - mean)));
+        (axis, along.fold([f64::INFINITY, f64::NEG_INFINITY], |[lo, hi], x| [lo.min(x), hi.max(x)]))
+    };
+    (mean, axes.map(reach))
+}
+
+/// A panel given to a neighbour whose torse is good for both, or shared evenly with one of them by two new panels.
+/// `None` where neither can be proven.
+pub fn without_sliver(
+    face: &Face,
+    options: &CoverOptions,
+    control: &Control,
+    state: &State,
+    label: u32,
+) -> Option<State> {
+    let job = Job::new(face, options, control);
+    let mut bare = state.clone();
+    bare.panels.remove(&label);
+    job.absorbed(&bare, label).or_else(|| job.shared(&bare, label))
 }
 
 /// Gives the regions of refused panels to neighbours that can have them, or cuts them in two and covers the parts

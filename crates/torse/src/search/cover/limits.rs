@@ -1,0 +1,86 @@
+//! What a shop's sheets and material allow, and about how many panels that asks for.
+
+use super::state::State;
+use crate::brep::area::area_estimate;
+use crate::brep::face::Face;
+
+/// What sheet and material allow, mm; default: anything.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Limits {
+    /// Smallest radius to which the material bends.
+    pub min_bend_radius: Option<f64>,
+    /// Smallest distance along rulings between panel and regression curve.
+    pub min_clearance: Option<f64>,
+    /// Greatest width of a strip, square to its middle line: [`crate::patchwork::pattern::Pattern::strip_width`].
+    pub max_width: Option<f64>,
+    /// Greatest length of a flat pattern (of its smallest enclosing rectangle).
+    pub max_length: Option<f64>,
+    /// Sides of the sheet from which patterns are cut, in any order: the smallest enclosing rectangle must fit.
+    pub sheet: Option<[f64; 2]>,
+    /// Least mean width of a flat pattern, its area over its length; by default panels narrower than a tenth of their
+    /// widest neighbour are avoided where that can be proven.
+    pub min_width: Option<f64>,
+}
+
+impl Limits {
+    /// Every limit with its name.
+    pub fn named(&self) -> [(&'static str, Option<f64>); 7] {
+        [
+            ("smallest bending radius", self.min_bend_radius),
+            ("smallest distance to the regression curve", self.min_clearance),
+            ("greatest width", self.max_width),
+            ("greatest length", self.max_length),
+            ("width of the sheet", self.sheet_width()),
+            ("length of the sheet", self.sheet_length()),
+            ("least width", self.min_width),
+        ]
+    }
+
+    /// Shorter side of the sheet.
+    pub fn sheet_width(&self) -> Option<f64> {
+        self.sheet.map(|[a, b]| a.min(b))
+    }
+
+    /// Longer side of the sheet.
+    pub fn sheet_length(&self) -> Option<f64> {
+        self.sheet.map(|[a, b]| a.max(b))
+    }
+
+    /// Greatest length that anything allows.
+    pub fn longest(&self) -> Option<f64> {
+        least(self.max_length, self.sheet_length())
+    }
+
+    /// Greatest width that anything allows, of strip or sheet.
+    pub fn widest(&self) -> Option<f64> {
+        least(self.max_width, self.sheet_width())
+    }
+}
+
+fn least(a: Option<f64>, b: Option<f64>) -> Option<f64> {
+    [a, b].into_iter().flatten().reduce(f64::min)
+}
+
+/// Samples of curvature.
+const SAMPLES: usize = 400;
+
+/// The limit that asks for the most panels on a face, with about how many these are; `None` where limits ask for nothing.
+///
+/// *Method.* A panel within ε of a surface with curvature κ bends with at most 1/R; across a direction it may be
+/// `4 √(ε/(|κ| − 1/R))` wide. It may bend in one of the principal directions, so that the product of the widths in both
+/// is its area (\[SE06\], carried on to limited bending). Sheets count by their area. Not proven, an estimate.
+pub fn panels_needed(face: &Face, limits: &Limits, tolerance: f64) -> Option<(&'static str, f64)> {
+    let area = area_estimate(face);
+    let by_radius = limits.min_bend_radius.and_then(|radius| {
+        let forms = State::of_face(face, f64::INFINITY).ok()?.forms(0, SAMPLES);
+        let rate = |k: f64| (k.max(0.0) / tolerance).sqrt() / 4.0;
+        let sum = forms
+            .iter()
+            .map(|f| f.principal().map(f64::abs))
+            .fold([0.0; 2], |[along, across], [a, b]| [along + rate(a.max(b) - 1.0 / radius), across + rate(a.min(b))]);
+        let counts = sum.map(|s| (s / forms.len().max(1) as f64 * area.sqrt()).max(1.0));
+        Some(("smallest bending radius", counts[0] * counts[1]))
+    });
+    let by_sheet = limits.widest().zip(limits.longest()).map(|(w, l)| ("size of the sheet", area / (w * l)));
+    [by_radius, by_sheet].into_iter().flatten().filter(|n| n.1.is_finite()).max_by(|a, b| a.1.total_cmp(&b.1))
+}

@@ -1,0 +1,63 @@
+//! A cover of one face as panels.
+
+use super::build::{build, Built};
+use super::cover::{cut_refused, CoverOptions, SeamPlane, State};
+use crate::brep::face::Face;
+use crate::control::Control;
+
+/// Rounds of cutting panels that the judge refuses as built.
+const ROUNDS: usize = 6;
+/// Round from which refused regions get plane facets only: these can always be built.
+const FACET_ROUND: usize = 3;
+
+/// A face while panels are laid on it.
+pub(super) struct Task<'a> {
+    pub index: usize,
+    pub face: &'a Face,
+    /// Tolerance of the proof, mm.
+    pub whole: f64,
+    /// What covers are asked for.
+    pub options: CoverOptions,
+    pub control: &'a Control,
+}
+
+/// A cover as panels.
+pub(super) struct Laid {
+    pub state: State,
+    pub built: Built,
+    /// Whether every panel was accepted; else the search is at its end.
+    pub accepted: bool,
+    /// Planes of seams that were kept besides those of the user.
+    pub seams: Vec<SeamPlane>,
+}
+
+impl Task<'_> {
+    /// What covers are asked for with further seams.
+    pub(super) fn options_with(&self, seams: &[SeamPlane]) -> CoverOptions {
+        let mut options = self.options.clone();
+        options.layout.seams.extend(seams);
+        options
+    }
+
+    /// Builds a cover; what the judge refuses is cut, and goes round again.
+    pub(super) fn laid(&self, mut state: State, seams: Vec<SeamPlane>) -> Laid {
+        let mut options = self.options_with(&seams);
+        let mut round = 0;
+        loop {
+            let (built, refused) = build(self.index, self.face, &state, self.whole);
+            if refused.is_empty() {
+                return Laid { state, built, accepted: true, seams };
+            }
+            let panels = built.patchwork.panels.len() + refused.len();
+            if self.control.stopped() || round == ROUNDS || panels > options.max_panels {
+                return Laid { state, built, accepted: false, seams };
+            }
+            options.facets = round >= FACET_ROUND;
+            match cut_refused(self.face, &options, self.control, &state, &refused) {
+                Some(next) => state = next,
+                None => return Laid { state, built, accepted: false, seams },
+            }
+            round += 1;
+        }
+    }
+}

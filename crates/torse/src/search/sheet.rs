@@ -1,0 +1,225 @@
+//! Panels that fit the sheets of a shop.
+//!
+//! *Method.* Panels that are too large are cut: each for itself into equal parts, or all together along common planes
+//! across the face, so that joints line up; or the face is cut along such planes first and each section is covered for
+//! itself, where strips may run another way. The fewest panels that all fit win. Faces that are developable already are
+//! cut along their parameter lines, equally far apart on the flat pattern. Pieces of a good panel are good panels:
+//! only the cuts are new, and the judge sees all of them again.
+//!
+//! *Not guaranteed*: the fewest panels that could be; where no way fits, the one that misses the sheet with the fewest
+//! panels.
+
+use super::build::too_large;
+use super::cover::{cover, cut_large, cut_where, exactly, extents, is_developable, CoverOptions, SeamPlane};
+use super::laid::{Laid, Task};
+use crate::geom::Vec3;
+
+/// Rounds of cutting panels that are still too large.
+const ROUNDS: usize = 8;
+/// Numbers of sections that are tried beyond the least: strips are longer than the face is, where they run askew.
+const MORE_SECTIONS: usize = 1;
+/// Sections of one face, at most.
+const MOST_SECTIONS: usize = 64;
+/// Cosine of the angle within which an axis of the model is taken for the direction across which sections run: about 15°.
+const NEAR_AXIS: f64 = 0.966;
+
+/// Panels that fit, of a cover some of whose panels do not.
+pub(super) fn fitted(task: &Task, laid: Laid) -> Laid {
+    if is_developable(task.face, task.options.tolerance) {
+        return gridded(task, &laid).unwrap_or_else(|| cut_until_it_fits(task, laid));
+    }
+    let planes = sections(task, &laid);
+    let lined_up = planes.iter().find_map(|planes| {
+        let surface = &task.face.surface;
+        let heights: Vec<_> = planes.iter().map(|p| |uv: [f64; 2]| p.height(&surface.point(uv[0], uv[1]))).collect();
+        let cut = task.laid(cut_where(task.face, &laid.state, &heights), planes.clone());
+        let cut = cut_until_it_fits(task, cut);
+        fits(task, &cut).then_some(cut)
+    });
+    let mut best = cut_until_it_fits(task, laid);
+    // Joints in line are worth as many panels.
+    if let Some(next) = lined_up {
+        if rank(task, &next) <= rank(task, &best) {
+            best = next;
+        }
+    }
+    for seams in planes {
+        let count = best.built.patchwork.panels.len();
+        if task.control.stopped() || (fits(task, &best) && count <= seams.len() + 1) {
+            break;
+        }
+        let options = CoverOptions { max_panels: task.options.max_panels.min(count), ..task.options_with(&seams) };
+        let Ok(found) = cover(task.face, &options, task.control) else { break };
+        if found.complete {
+            let next = cut_until_it_fits(task, task.laid(found.state, seams));
+            if rank(task, &next) < rank(task, &best) {
+                best = next;
+            }
+        }
+    }
+    best
+}
+
+/// A developable face cut along parameter lines, in the fewest fields that fit; `None` if none do.
+fn gridded(task: &Task, laid: &Laid) -> Option<Laid> {
+    let limits = &task.options.limits;
+    let lines = [Line::along(task, 0), Line::along(task, 1)];
+    // Cuts run along lines of the triangulation: beside them they would leave triangles that are too thin to be judged.
+    let drawn = [0, 1].map(|k| drawn_lines(laid.state.partition.vertices.iter().map(|v| v[k])));
+    let mut counts: Vec<[usize; 2]> = Vec::new();
+    for sides in [[limits.longest(), limits.widest()], [limits.widest(), limits.longest()]] {
+        let least = |k: usize| sides[k].map_or(1.0, |limit| (lines[k].length() / limit).ceil().max(1.0));
+        let [a, b] = [least(0), least(1)];
+        if a * b <= (MOST_SECTIONS * MOST_SECTIONS) as f64 {
+            let [a, b] = [a as usize, b as usize];
+            counts.extend((0..=MORE_SECTIONS).flat_map(|k| (0..=MORE_SECTIONS).map(move |m| [a + k, b + m])));
+        }
+    }
+    counts.sort_by_key(|c| (c[0] * c[1], *c));
+    counts.dedup();
+    counts.into_iter().filter(|c| c[0] * c[1] <= task.options.max_panels).find_map(|counts| {
+        if task.control.stopped() {
+            return None;
+        }
+        let cuts = (0..2).flat_map(|k| (1..counts[k]).map(move |i| (k, i as f64 / counts[k] as f64)));
+        let places: Vec<(usize, f64)> = cuts.map(|(k, share)| (k, nearest(&drawn[k], lines[k].at(share)))).collect();
+        let heights: Vec<_> = places.iter().map(|&(k, at)| move |uv: [f64; 2]| uv[k] - at).collect();
+        let cut = exactly(task.face, &task.options, task.control, cut_where(task.face, &laid.state, &heights))?;
+        let cut = task.laid(cut, Vec::new());
+        fits(task, &cut).then_some(cut)
+    })
+}
+
+/// Vertices with the same parameter that make a line of the triangulation.
+const LINE_OF: usize = 3;
+
+/// Parameters of the lines of a triangulation, increasing, from one parameter of its vertices.
+fn drawn_lines(parameters: impl Iterator<Item = f64>) -> Vec<f64> {
+    let mut all: Vec<f64> = parameters.collect();
+    all.sort_by(f64::total_cmp);
+    all.chunk_by(|a, b| a == b).filter(|c| c.len() >= LINE_OF).map(|c| c[0]).collect()
+}
+
+/// The line nearest to a place; the place itself where there is none.
+fn nearest(lines: &[f64], at: f64) -> f64 {
+    lines.iter().copied().min_by(|a, b| (a - at).abs().total_cmp(&(b - at).abs())).unwrap_or(at)
+}
+
+/// The longest of some parameter lines of one direction over the trim, as a polyline.
+struct Line {
+    /// Parameter and length up to there, mm.
+    points: Vec<[f64; 2]>,
+}
+
+/// Parameter lines that are measured, and their pieces.
+const LINES: [usize; 2] = [9, 200];
+
+impl Line {
+    fn along(task: &Task, direction: usize) -> Self {
+        let surface = &task.face.surface;
+        let mut b = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
+        for p in task.face.loops.iter().flat_map(|l| &l.points) {
+            for (b, x) in b.iter_mut().zip(p) {
+                *b = [b[0].min(*x), b[1].max(*x)];
+            }
+        }
+        let at = |b: [f64; 2], k: usize, n: usize| b[0] + (b[1] - b[0]) * k as f64 / n as f64;
+        let line = |across: f64| {
+            let mut points: Vec<[f64; 2]> = Vec::with_capacity(LINES[1] + 1);
+            let mut before = None;
+            for k in 0..=LINES[1] {
+                let t = at(b[direction], k, LINES[1]);
+                let [u, v] = if direction == 0 { [t, across] } else { [across, t] };
+                let x: Vec3 = surface.point(u, v);
+                let length = points.last().map_or(0.0, |p| p[1]) + before.map_or(0.0, |y: Vec3| (x - y).norm());
+                points.push([t, length]);
+                before = Some(x);
+            }
+            Self { points }
+        };
+        let lines = (0..=LINES[0]).map(|k| line(at(b[1 - direction], k, LINES[0])));
+        lines.max_by(|a, b| a.length().total_cmp(&b.length())).unwrap_or(Self { points: vec![[0.0; 2]] })
+    }
+
+    fn length(&self) -> f64 {
+        self.points.last().map_or(0.0, |p| p[1])
+    }
+
+    /// Parameter at a share of the length.
+    fn at(&self, share: f64) -> f64 {
+        let wanted = share * self.length();
+        let k = self.points.partition_point(|p| p[1] < wanted).clamp(1, self.points.len() - 1);
+        let ([t, l], [s, m]) = (self.points[k - 1], self.points[k]);
+        t + (s - t) * if m > l { (wanted - l) / (m - l) } else { 0.0 }
+    }
+}
+
+fn fits(task: &Task, laid: &Laid) -> bool {
+    laid.accepted && too_large(&laid.built, &task.options.limits).is_empty()
+}
+
+/// What is wrong with panels, the worst first: whether they were refused, how many do not fit, how many there are.
+fn rank(task: &Task, laid: &Laid) -> (bool, usize, usize) {
+    (!laid.accepted, too_large(&laid.built, &task.options.limits).len(), laid.built.patchwork.panels.len())
+}
+
+/// Cuts panels that are too large, each into equal parts.
+fn cut_until_it_fits(task: &Task, mut laid: Laid) -> Laid {
+    for _ in 0..ROUNDS {
+        let large = too_large(&laid.built, &task.options.limits);
+        let more: usize = large.iter().map(|l| l.1.iter().max().map_or(0, |m| m - 1)).sum();
+        let panels = laid.built.patchwork.panels.len() + more;
+        if large.is_empty() || !laid.accepted || task.control.stopped() || panels > task.options.max_panels {
+            break;
+        }
+        laid = task.laid(cut_large(task.face, &laid.state, &large), laid.seams);
+    }
+    laid
+}
+
+/// Planes that cut the face into equal sections: across its length where panels are too long, along it where they are
+/// too wide. The fewest sections first.
+fn sections(task: &Task, laid: &Laid) -> Vec<Vec<SeamPlane>> {
+    let limits = &task.options.limits;
+    let large = too_large(&laid.built, limits);
+    let (mean, reaches) = extents(&laid.state);
+    let mut out = Vec::new();
+    for (k, limit) in [limits.longest(), limits.widest()].into_iter().enumerate() {
+        let (axis, reach) = reaches[k];
+        let Some(limit) = limit.filter(|_| large.iter().any(|l| l.1[k] > 1)) else { continue };
+        let least = ((reach[1] - reach[0]) / limit).ceil();
+        if !(least <= MOST_SECTIONS as f64) {
+            continue;
+        }
+        let least = (least as usize).max(2);
+        out.extend((least..=least + MORE_SECTIONS).map(|n| planes(&mean, &axis, reach, n)));
+    }
+    out.sort_by_key(Vec::len);
+    out
+}
+
+/// Planes between equal sections along an axis through the middle, or along the axis of the model that is near to it.
+fn planes(mean: &Vec3, axis: &Vec3, reach: [f64; 2], sections: usize) -> Vec<SeamPlane> {
+    let normal = match axis.iamax() {
+        k if axis[k].abs() > NEAR_AXIS => Vec3::ith(k, axis[k].signum()),
+        _ => *axis,
+    };
+    let at = |k: usize| reach[0] + (reach[1] - reach[0]) * k as f64 / sections as f64;
+    (1..sections).map(|k| SeamPlane { normal, offset: normal.dot(&(mean + axis * at(k))) }).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sections_are_equal_and_square_to_a_near_axis_of_the_model() {
+        let axis = Vec3::new(1.0, 0.1, 0.0).normalize();
+        let found = planes(&Vec3::new(10.0, 0.0, 0.0), &axis, [-30.0, 30.0], 3);
+        assert_eq!(found.len(), 2);
+        assert_eq!(found[0].normal, Vec3::x());
+        assert!((found[0].offset - (10.0 - 10.0 * axis.x)).abs() < 1e-12);
+        let skew = Vec3::new(1.0, 1.0, 0.0).normalize();
+        assert_eq!(planes(&Vec3::zeros(), &skew, [0.0, 2.0], 2)[0], SeamPlane { normal: skew, offset: 1.0 });
+    }
+}

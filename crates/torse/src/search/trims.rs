@@ -1,0 +1,83 @@
+//! Trims as fine as a tolerance asks for, and what is proven of their distance from the file's edges.
+
+use crate::brep::face::Face;
+use crate::brep::trim::with_chords;
+use crate::certify::claim::UpperBound;
+use crate::certify::trims::trim_proof;
+use rayon::prelude::*;
+
+/// Share of the tolerance that the proven distance of trims from the file's edges may take.
+pub(super) const TRIM_SHARE: f64 = 0.5;
+/// Distances of trims from edges below this share of the tolerance are not told apart.
+const TRIM_AIM: f64 = 0.002;
+/// Share of the tolerance that chords of trims may keep from the file's edges.
+const CHORDS_SHARE: f64 = 0.05;
+
+/// Faces whose trims were judged.
+pub struct TrimsJudged {
+    /// The faces, with finer trims where the tolerance asks for them.
+    pub faces: Vec<Face>,
+    /// Greatest distance of a trim from the file's edges, mm.
+    pub bound: UpperBound,
+    /// In words, trims that take too much of the tolerance.
+    pub missed: Vec<String>,
+}
+
+/// Faces with trims as fine as the tolerance asks for and the proven distance of these from the file's edges, and in
+/// words where that takes too much of the tolerance.
+pub fn trims_judged(faces: Vec<Face>, tolerance: f64) -> TrimsJudged {
+    let judged = faces.into_par_iter().map(|mut face| {
+        if face.boundary.is_none() {
+            let bound = trim_proof(&face, TRIM_AIM * tolerance).bound();
+            return (face, (bound, None));
+        }
+        if let Some(finer) = with_chords(&face, CHORDS_SHARE * tolerance) {
+            face = finer;
+        }
+        corners_on_knot_lines(&mut face);
+        let proof = trim_proof(&face, TRIM_AIM * tolerance);
+        let bound = proof.bound();
+        face.set_trim_bound(bound.value());
+        let words = (bound.value() > TRIM_SHARE * tolerance).then(|| {
+            let far = if bound.value().is_finite() { format!("{:.3e} mm", bound.value()) } else { "no bound".into() };
+            format!(
+                "face #{}: the trim is only proven to keep to the file's edges within {far} (edge #{})",
+                face.entity,
+                proof.edge()
+            )
+        });
+        (face, (bound, words))
+    });
+    let (faces, found): (Vec<Face>, Vec<(UpperBound, Option<String>)>) = judged.unzip();
+    let bound = UpperBound::largest(found.iter().map(|f| f.0));
+    TrimsJudged { faces, bound, missed: found.into_iter().filter_map(|f| f.1).collect() }
+}
+
+/// Share of the parameter range within which a corner of a trim counts as lying on a knot line: a few times the
+/// rounding of readers' projections, far below any length that matters.
+const ON_LINE: f64 = 1e-9;
+/// Moves corners of the trims that miss a knot line by rounding only onto it, so that no triangle crosses the line by
+/// a hair. From here on these corners are the definition of the face.
+pub(super) fn corners_on_knot_lines(face: &mut Face) {
+    let mut lines = [face.surface.knots_u.breaks(), face.surface.knots_v.breaks()];
+    // The outermost corners are lines of the triangulation too.
+    for (d, lines) in lines.iter_mut().enumerate() {
+        let along = face.loops.iter().flat_map(|l| &l.points).map(|p| p[d] + 0.0);
+        let (lo, hi) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
+        for x in [lo, hi] {
+            if !lines.iter().any(|k| (k - x).abs() <= ON_LINE * (hi - lo)) {
+                lines.push(x);
+            }
+        }
+    }
+    for p in face.loops.iter_mut().flat_map(|l| &mut l.points) {
+        for (x, lines) in p.iter_mut().zip(&lines) {
+            // No negative zero: corners are compared bit by bit.
+            *x += 0.0;
+            let extent = lines.iter().fold(0.0, |m: f64, k| m.max((k - lines[0]).abs()));
+            if let Some(&k) = lines.iter().find(|k| (*k - *x).abs() <= ON_LINE * extent) {
+                *x = k;
+            }
+        }
+    }
+}
