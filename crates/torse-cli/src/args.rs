@@ -15,10 +15,14 @@ use torse::geom::unit::LengthUnit;
 use torse::geom::Vec3;
 use torse::patchwork::pattern::ViewSide;
 use torse::pipeline::approximate::SMOOTH_ANGLE_DEG;
-use torse::pipeline::select::Selection;
+use torse::pipeline::select::{Selection, Skin};
 use torse::torse::zone::Zone;
 
-/// Developable panels from freeform CAD surfaces, with a proof of the deviation.
+/// Builds curved shapes from flat sheet.
+///
+/// Covers CAD surfaces with panels that bend from flat material without stretching, lays such panels between curves or
+/// near measured points, proves how far they are from what was asked for, and writes flat patterns for the cutter and
+/// models for CAD.
 #[derive(Parser, Debug)]
 #[command(name = "torse", version, about, arg_required_else_help = true)]
 #[command(after_help = "Examples:
@@ -125,7 +129,8 @@ pub struct Approximate {
     #[arg(long, value_name = "LENGTH", value_parser = positive_length, allow_hyphen_values = true)]
     pub min_bend_radius: Option<Length>,
 
-    /// Smallest distance along the rulings between a panel and its regression curve, with its unit
+    /// Smallest distance along the rulings (the lines about which the sheet bends) between a panel and its regression
+    /// curve, where they meet and the sheet would crease; with its unit
     #[arg(long, value_name = "LENGTH", value_parser = positive_length, allow_hyphen_values = true)]
     pub min_clearance: Option<Length>,
 
@@ -190,12 +195,25 @@ pub struct Chosen {
     /// Only this part, by its name in the file; may be given several times
     #[arg(long, value_name = "NAME")]
     pub part: Vec<String>,
+
+    /// Of sheets of constant thickness that are drawn as bodies, only the outer skin
+    #[arg(long, conflicts_with = "inner")]
+    pub outer: bool,
+
+    /// Of sheets of constant thickness that are drawn as bodies, only the inner skin
+    #[arg(long)]
+    pub inner: bool,
 }
 
 impl Chosen {
     /// The same in the library's words.
     pub fn selection(&self) -> Selection {
-        Selection { faces: self.face.clone(), parts: self.part.clone() }
+        let skin = match (self.outer, self.inner) {
+            (true, _) => Some(Skin::Outer),
+            (_, true) => Some(Skin::Inner),
+            _ => None,
+        };
+        Selection { faces: self.face.clone(), parts: self.part.clone(), skin }
     }
 }
 
@@ -290,7 +308,7 @@ pub enum View {
 pub enum Seams {
     /// In common edges, as far as the certificate allows
     Meet,
-    /// Not at all: each strip is the best for itself, gaps stay within the tolerance
+    /// Not at all: each strip is the best for itself; gaps are bounded, reported, and can be wider than the tolerance
     Independent,
 }
 
@@ -405,7 +423,8 @@ pub struct Fit {
     #[arg(long, value_name = "X,Y,Z,R", value_parser = ball, allow_hyphen_values = true)]
     pub region: Option<[f64; 4]>,
 
-    /// Smallest distance along the rulings between a strip and its regression curve, with its unit
+    /// Smallest distance along the rulings (the lines about which the sheet bends) between a strip and its regression
+    /// curve, where they meet and the sheet would crease; with its unit
     #[arg(long, value_name = "LENGTH", value_parser = positive_length, allow_hyphen_values = true)]
     pub min_clearance: Option<Length>,
 

@@ -31,16 +31,19 @@ impl Terminal {
         if quiet || !std::io::stderr().is_terminal() {
             bar.set_draw_target(ProgressDrawTarget::hidden());
         }
-        if let Ok(style) = ProgressStyle::with_template("{msg:32!} [{bar:30}] {percent:>3}%  {elapsed}") {
+        if let Ok(style) = ProgressStyle::with_template("{msg:48!} [{bar:24}] {percent:>3}%  {elapsed}") {
             bar.set_style(style.progress_chars("=> "));
         }
         bar.enable_steady_tick(Duration::from_millis(200));
 
-        let shown = bar.clone();
+        let (shown, begun) = (bar.clone(), Instant::now());
         let mut control = Control::with_progress(Arc::new(move |p: &Progress| {
             let text = if p.detail.is_empty() { p.stage.to_string() } else { format!("{}: {}", p.stage, p.detail) };
-            shown.set_message(text);
-            shown.set_position((p.fraction.clamp(0.0, 1.0) * STEPS as f64) as u64);
+            shown.set_message(text + &left(p.fraction, begun.elapsed()));
+            // What is counted within a stage without knowing its end leaves the bar where it is.
+            if p.fraction > 0.0 {
+                shown.set_position((p.fraction.clamp(0.0, 1.0) * STEPS as f64) as u64);
+            }
         }));
         if let Some(limit) = limit {
             control = control.until(Instant::now() + limit);
@@ -99,9 +102,37 @@ impl Terminal {
     }
 }
 
+/// Time after which an estimate of the rest is worth something.
+const ESTIMATED: Duration = Duration::from_secs(2);
+
+/// About how long the rest will take, in words, once a share of the work is done.
+fn left(done: f64, since: Duration) -> String {
+    if !(done > 0.0 && done < 1.0) || since < ESTIMATED {
+        return String::new();
+    }
+    let rest = since.as_secs_f64() * (1.0 - done) / done;
+    if rest < 90.0 {
+        format!(", about {rest:.0} s left")
+    } else {
+        format!(", about {:.0} min left", rest / 60.0)
+    }
+}
+
 /// An error leaves no bar behind either.
 impl Drop for Terminal {
     fn drop(&mut self) {
         self.finish();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_rest_is_estimated_from_what_is_done() {
+        assert_eq!(left(0.25, Duration::from_secs(10)), ", about 30 s left");
+        assert_eq!(left(0.1, Duration::from_secs(60)), ", about 9 min left");
+        assert_eq!(left(0.0, Duration::from_secs(60)) + &left(1.0, Duration::from_secs(60)), "");
     }
 }

@@ -22,9 +22,11 @@ use super::simple::{loops_are_simple, stays_within};
 use super::verdict::{Obstruction, Verdict};
 use super::written::reserve;
 use crate::control::Control;
+use crate::geom::place_in_words;
 use crate::num::interval::Interval;
 use crate::patchwork::panel::{Panel, PanelTrim};
 use crate::patchwork::partition::Partition;
+use crate::spline::surface::Surface;
 use crate::torse::form::Torse;
 use rayon::prelude::*;
 
@@ -69,7 +71,7 @@ pub(super) fn panel_certificate(
     let origin = [family.origin.x, family.origin.y, family.origin.z];
     let jets = RuledJets::new(&ruled, &origin);
     let boundary = Boundary { family: &family, jets: &jets, prepared, tolerance };
-    let edge = boundary_bounds(trim, partition, &boundary, &mut reasons);
+    let edge = boundary_bounds(trim, (partition, prepared.surface), &boundary, &mut reasons);
     out.boundary_bound = edge.delta.unwrap_or(f64::INFINITY);
 
     // The edges in space that go with the trimming curves.
@@ -91,7 +93,7 @@ pub(super) fn panel_certificate(
         let clearance = judgement.regression_clearance.min(shape.clearance);
         if let Some(b) = edge.runs.iter().find(|b| !b.agrees_with(&feet)) {
             let uv = b.start.0;
-            reasons.push(format!("a trimming curve belongs to another foot at ({:.6}, {:.6})", uv[0], uv[1]));
+            reasons.push(format!("a trimming curve belongs to another foot at {}", at(prepared.surface, uv)));
         } else if edge.delta.is_some() && out.edge_bound.is_finite() {
             out.deviation_bound = mismatch.with(&judgement.curl).total(bound);
             out.regression_clearance = clearance;
@@ -143,8 +145,24 @@ struct Edge {
     curvature: f64,
 }
 
+/// A place on a surface in words.
+fn at(surface: &Surface, uv: [f64; 2]) -> String {
+    place_in_words(&surface.point(uv[0], uv[1]))
+}
+
+/// A length with three digits.
+fn short(x: f64) -> String {
+    let digits = if x > 0.0 && x.is_finite() { (2 - x.log10().floor() as i32).clamp(0, 12) } else { 3 };
+    format!("{x:.*}", digits as usize)
+}
+
 /// The trimming curves: near the images of the region's boundary, all around the region, simple, and on the patch.
-fn boundary_bounds(trim: &PanelTrim, partition: &Partition, boundary: &Boundary, reasons: &mut Vec<String>) -> Edge {
+fn boundary_bounds(
+    trim: &PanelTrim,
+    (partition, surface): (&Partition, &Surface),
+    boundary: &Boundary,
+    reasons: &mut Vec<String>,
+) -> Edge {
     let runs: Vec<_> = trim.loops.iter().flatten().collect();
     let bounds: Vec<_> = runs.par_iter().map(|run| boundary.run_bound(run, &partition.vertices)).collect();
     let mut edge = Edge { runs: Vec::with_capacity(bounds.len()), delta: Some(0.0), curvature: 0.0 };
@@ -156,7 +174,7 @@ fn boundary_bounds(trim: &PanelTrim, partition: &Partition, boundary: &Boundary,
                 edge.runs.push(b);
             }
             Err(obstacle) => {
-                reasons.push(format!("{} at ({:.6}, {:.6})", obstacle.reason, obstacle.uv[0], obstacle.uv[1]));
+                reasons.push(format!("{} at {}", obstacle.reason, at(surface, obstacle.uv)));
                 edge.delta = None;
                 break;
             }
@@ -213,16 +231,17 @@ impl Region<'_> {
         match &judgement.verdict {
             Verdict::Holds { .. } => {}
             Verdict::Fails { uv, distance } => {
-                let place = format!("{:.6} mm away at ({:.6}, {:.6})", distance.abs(), uv[0], uv[1]);
+                let place = format!("{} mm away at {}", short(distance.abs()), at(self.prepared.surface, *uv));
                 if distance.abs() > self.tolerance {
                     out.witness = Some((*uv, *distance));
                     reasons.push(format!("the face is {place}"));
                 } else {
-                    reasons.push(format!("the face is {place}; rounding and trimming curves leave {budget:.6} mm"));
+                    reasons
+                        .push(format!("the face is {place}; rounding and trimming curves leave {} mm", short(budget)));
                 }
             }
             Verdict::Undecided { uv, reason } => {
-                reasons.push(format!("{} at ({:.6}, {:.6})", words(*reason), uv[0], uv[1]));
+                reasons.push(format!("{} at {}", words(*reason), at(self.prepared.surface, *uv)));
             }
         }
         out.cells = judgement.cells;

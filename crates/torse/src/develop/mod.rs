@@ -4,6 +4,7 @@ pub mod arcs;
 pub mod bends;
 pub mod cone_part;
 pub mod cones;
+pub mod joints;
 pub mod layout;
 pub mod map;
 pub mod outline;

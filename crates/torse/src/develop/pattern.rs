@@ -13,7 +13,7 @@ use crate::geom::rectangle::smallest_rectangle;
 use crate::geom::{Vec2, Vec3};
 use crate::patchwork::clip::ClippedRulings;
 use crate::patchwork::panel::{Border, Coedge, Panel, Patchwork};
-use crate::patchwork::pattern::{Bend, Contour, ContourVertex, Mark, Pattern, Side, ViewSide};
+use crate::patchwork::pattern::{Bend, Contour, ContourVertex, Mark, MarkPlace, Pattern, Side, ViewSide};
 use crate::patchwork::seam::Seam;
 use crate::torse::form::PanelKind;
 
@@ -32,10 +32,12 @@ pub struct PatternOptions {
 impl PatternOptions {
     /// Defaults with a contour tolerance (mm).
     pub fn new(contour_tolerance: f64) -> Self {
-        Self { contour_tolerance, bends: BendSpacing::default(), mark_spacing: 0.12 }
+        Self { contour_tolerance, bends: BendSpacing::default(), mark_spacing: MARK_SPACING }
     }
 }
 
+/// Distance between marks as a share of the face's diagonal.
+pub(super) const MARK_SPACING: f64 = 0.12;
 /// Share of the pattern's size by which points must be apart in space to overlap in the plane.
 const APART: f64 = 1e-3;
 /// Rulings shorter than this share of the pattern are not drawn.
@@ -125,7 +127,8 @@ pub fn pattern(patchwork: &Patchwork, panel: usize, options: &PatternOptions) ->
                     let along = if forward { s } else { 1.0 - s };
                     let kink = shared.iter().find(|c| c.seam == seam).map(|c| c.kink(along).to_degrees());
                     let angle = kink.map_or_else(String::new, |a| format!(" {a:.1}deg"));
-                    marks.push(Mark { point: run.place(s), inward: n / norm, label: format!("S{seam}.{k}{angle}") });
+                    let label = format!("S{seam}.{k}{angle}");
+                    marks.push(Mark { point: run.place(s), inward: n / norm, label, on: MarkPlace::Seam });
                 }
             }
         }
@@ -157,7 +160,7 @@ pub fn pattern(patchwork: &Patchwork, panel: usize, options: &PatternOptions) ->
 
 /// The map of a panel to the plane, seen from the side to which its face looks, and what that side is for
 /// [`Development::new`].
-fn developed(patchwork: &Patchwork, panel: &Panel) -> Result<(Development, f64), DevelopError> {
+pub(super) fn developed(patchwork: &Patchwork, panel: &Panel) -> Result<(Development, f64), DevelopError> {
     let missing = DevelopError::Missing(panel.face().unwrap_or_default());
     let (Some(face), Some(partition)) = (patchwork.face_of(panel), patchwork.partition_of(panel)) else {
         return Err(missing);

@@ -12,7 +12,7 @@ use super::DevelopError;
 use crate::geom::rectangle::smallest_rectangle;
 use crate::geom::Vec2;
 use crate::patchwork::panel::Border;
-use crate::patchwork::pattern::{Bend, Contour, ContourVertex, Mark, Pattern, Side, ViewSide};
+use crate::patchwork::pattern::{Bend, Contour, ContourVertex, Mark, MarkPlace, Pattern, Side, ViewSide};
 use crate::torse::form::PanelKind;
 use crate::torse::strip::Strip;
 
@@ -369,7 +369,7 @@ fn marks(laid: &[Laid], spacing: Option<f64>, sign: f64) -> Vec<Mark> {
             let norm = t.norm();
             if norm > 0.0 && !l.strip.is_point(v as usize) {
                 let inward = Vec2::new(-t.y, t.x) / norm;
-                out.push(Mark { point: l.map(u, v), inward, label: format!("{letter}{k}") });
+                out.push(Mark { point: l.map(u, v), inward, label: format!("{letter}{k}"), on: MarkPlace::Seam });
             }
             k += 1;
         }

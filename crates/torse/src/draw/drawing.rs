@@ -218,7 +218,7 @@ fn places_behind(label: &str, foot: Vec2, tip: Vec2, height: f64) -> impl Iterat
     let right = Vec2::new(inward.y, -inward.x);
     let along = upright(right);
     let half = 0.5 * stroke_font::width(label, 1.0);
-    let places = SMALLER.into_iter().flat_map(move |share| {
+    SMALLER.into_iter().flat_map(move |share| {
         let h = share * height;
         DEEPER.into_iter().flat_map(move |deep| {
             [0.0, 1.0, -1.0].map(|side| {
@@ -227,8 +227,7 @@ fn places_behind(label: &str, foot: Vec2, tip: Vec2, height: f64) -> impl Iterat
                 TextPlace { middle, along, height: h }
             })
         })
-    });
-    places
+    })
 }
 
 /// The words in the free circle of a part: its name, the job, from where it is seen and how large it is; and across it that
@@ -265,7 +264,7 @@ fn words(labels: &mut Labels, pattern: &Pattern, circle: (Vec2, f64), marked: bo
 mod tests {
     use super::super::labels::letters;
     use super::*;
-    use crate::patchwork::pattern::Mark;
+    use crate::patchwork::pattern::{Mark, MarkPlace};
 
     fn square(name: &str) -> Pattern {
         let corner = |x, y| ContourVertex { point: Vec2::new(x, y), bulge: 0.0, corner: true };
@@ -275,7 +274,12 @@ mod tests {
                 vertices: vec![corner(0., 0.), corner(100., 0.), corner(100., 100.), corner(0., 100.)],
             }],
             rulings: vec![[Vec2::new(50., 0.), Vec2::new(50., 100.)]],
-            marks: vec![Mark { point: Vec2::new(0., 30.), inward: Vec2::x(), label: "S1.2".into() }],
+            marks: vec![Mark {
+                point: Vec2::new(0., 30.),
+                inward: Vec2::x(),
+                label: "S1.2".into(),
+                on: MarkPlace::Seam,
+            }],
             area: 1e4,
             length: 100.0,
             ..Pattern::default()
@@ -351,7 +355,12 @@ mod tests {
         // Marks all around and too near each other: no two labels on one place, none across the outline.
         let mut p = square("A-02");
         p.marks = (1..40)
-            .map(|k| Mark { point: Vec2::new(2.5 * f64::from(k), 0.0), inward: Vec2::y(), label: format!("S1.{k}") })
+            .map(|k| Mark {
+                point: Vec2::new(2.5 * f64::from(k), 0.0),
+                inward: Vec2::y(),
+                label: format!("S1.{k}"),
+                on: MarkPlace::Seam,
+            })
             .collect();
         let d = drawing(&[p], &[], &[], &options);
         assert!(d.pieces[0].text.iter().flatten().all(|p| p.x > 0.0 && p.x < 100.0 && p.y > 0.0 && p.y < 100.0));

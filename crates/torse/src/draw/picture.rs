@@ -224,6 +224,10 @@ pub fn layout(pieces: &[FlatPiece], caption: &Caption) -> Image {
             if piece.marked {
                 words_below(&mut drawing, at + Vec2::new(0.5 * wide, 0.0), size);
             }
+        } else if pieces.len() <= MOST_NAMES {
+            // Beside a piece that is too small for its name.
+            let corner = piece.outlines.iter().flatten().fold(Vec2::repeat(f64::INFINITY), |m, p| m.inf(p));
+            drawing.rimmed_text(&piece.name, place(&corner) + Vec2::new(0.0, size + 3.0), size, INK);
         }
     }
     scale_bar(&mut drawing, scale);

@@ -22,10 +22,14 @@ pub fn strokes(text: &str, height: f64) -> Vec<Vec<Vec2>> {
     let mut pen = 0.0;
     let mut all = Vec::new();
     for c in text.chars() {
-        let (advance, glyph) = glyph(c);
-        for stroke in glyph.split_whitespace() {
-            let line = stroke_points(stroke);
-            all.push(line.iter().map(|p| Vec2::new((p.x + pen) * scale, (p.y - BASELINE) * scale)).collect());
+        let (letter, accent) = parted(c);
+        let (advance, glyph) = glyph(letter);
+        let raised = if letter.is_uppercase() { CAPITAL_RISE } else { 0.0 };
+        let over = Vec2::new(0.5 * advance - ACCENT_MIDDLE, raised);
+        let strokes = glyph.split_whitespace().map(|s| (s, Vec2::zeros()));
+        for (stroke, moved) in strokes.chain(accent.split_whitespace().map(|s| (s, over))) {
+            let place = |p: &Vec2| Vec2::new((p.x + moved.x + pen) * scale, (p.y + moved.y - BASELINE) * scale);
+            all.push(stroke_points(stroke).iter().map(place).collect());
         }
         pen += advance + SPACING;
     }
@@ -34,7 +38,7 @@ pub fn strokes(text: &str, height: f64) -> Vec<Vec<Vec2>> {
 
 /// Width of `text` with capitals `height` tall.
 pub fn width(text: &str, height: f64) -> f64 {
-    let grid: f64 = text.chars().map(|c| glyph(c).0 + SPACING).sum();
+    let grid: f64 = text.chars().map(|c| glyph(parted(c).0).0 + SPACING).sum();
     (grid - SPACING).max(0.0) * height / CAP
 }
 
@@ -43,7 +47,7 @@ pub fn extents(text: &str, height: f64) -> Vec<(char, [f64; 2])> {
     let mut pen = 0.0;
     let extent = |c: char| {
         let from = pen;
-        pen += glyph(c).0 + SPACING;
+        pen += glyph(parted(c).0).0 + SPACING;
         (c, [from, pen - SPACING].map(|x| x * height / CAP))
     };
     text.chars().map(extent).collect()
@@ -86,6 +90,41 @@ fn spline(control: &[Vec2], closed: bool) -> Vec<Vec2> {
         }
     }
     points
+}
+
+/// Middle of accents on their own grid.
+const ACCENT_MIDDLE: f64 = 2.0;
+/// How much higher accents stand on capitals.
+const CAPITAL_RISE: f64 = 1.8;
+
+/// A letter with an accent as both; other characters as they are.
+fn parted(c: char) -> (char, &'static str) {
+    const DIAERESIS: &str = "L1717 L3737";
+    const ACUTE: &str = "L1738";
+    const GRAVE: &str = "L1827";
+    const CIRCUMFLEX: &str = "L172837";
+    const TILDE: &str = "S07182738";
+    const RING: &str = "O17283726";
+    const CARON: &str = "L182738";
+    const CEDILLA: &str = "S2221312010";
+    const SLASH: &str = "L0147";
+    let pairs = [
+        ("\u{e4}\u{eb}\u{ef}\u{f6}\u{fc}\u{ff}\u{c4}\u{cb}\u{cf}\u{d6}\u{dc}", "aeiouyAEIOU", DIAERESIS),
+        ("\u{e1}\u{e9}\u{ed}\u{f3}\u{fa}\u{fd}\u{c1}\u{c9}\u{cd}\u{d3}\u{da}", "aeiouyAEIOU", ACUTE),
+        ("\u{e0}\u{e8}\u{ec}\u{f2}\u{f9}\u{c0}\u{c8}\u{cc}\u{d2}\u{d9}", "aeiouAEIOU", GRAVE),
+        ("\u{e2}\u{ea}\u{ee}\u{f4}\u{fb}\u{c2}\u{ca}\u{ce}\u{d4}\u{db}", "aeiouAEIOU", CIRCUMFLEX),
+        ("\u{e3}\u{f1}\u{f5}\u{c3}\u{d1}\u{d5}", "anoANO", TILDE),
+        ("\u{e5}\u{c5}", "aA", RING),
+        ("\u{10d}\u{11b}\u{159}\u{161}\u{17e}\u{10c}\u{158}\u{160}\u{17d}", "cerszCRSZ", CARON),
+        ("\u{e7}\u{c7}", "cC", CEDILLA),
+        ("\u{f8}\u{d8}", "oO", SLASH),
+    ];
+    for (accented, letters, accent) in pairs {
+        if let Some(letter) = accented.chars().zip(letters.chars()).find(|p| p.0 == c).map(|p| p.1) {
+            return (letter, accent);
+        }
+    }
+    (c, "")
 }
 
 /// Width on the grid and strokes of a character.
@@ -183,6 +222,12 @@ fn glyph(c: char) -> (f64, &'static str) {
         '\u{d7}' => (3.2, "L0733 L0337"),
         '\u{b0}' => (2.0, "O06262808"),
         '\u{b2}' => (2.0, "S0809292806 L0626"),
+        '&' => (5.0, "S522617283847360402325354"),
+        '\u{df}' => (4.0, "L0207 S07183847362545433222"),
+        '?' => (4.0, "S0718384736252324 L2222"),
+        '@' => (5.4, "O25354443 S4543525658382814225152"),
+        '|' => (0.0, "L0901"),
+        '~' => (4.0, "S04152546"),
         _ => (4.0, "L0242480802"),
     }
 }
@@ -196,9 +241,22 @@ mod tests {
         let tofu = glyph('\u{fffd}').1;
         let known =
             "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789 .,:;-_+\u{b1}=<>\u{2264}\u{2265}/()%#";
-        for c in known.chars() {
+        // Names of people's files.
+        let names = "&\u{e4}\u{f6}\u{fc}\u{c4}\u{d6}\u{dc}\u{df}\u{e9}\u{e8}\u{ea}\u{e7}\u{f1}\u{e5}\u{f8}\u{161}?@|~";
+        for c in known.chars().chain(names.chars()).map(|c| parted(c).0) {
             assert_ne!(glyph(c).1, tofu, "{c} has no glyph");
         }
+    }
+
+    #[test]
+    fn an_accent_stands_over_its_letter() {
+        let (plain, accented) = (strokes("u", 6.0), strokes("\u{fc}", 6.0));
+        assert_eq!((accented.len(), width("\u{fc}", 6.0)), (plain.len() + 2, width("u", 6.0)));
+        let top = plain.iter().flatten().map(|p| p.y).fold(0.0, f64::max);
+        let w = width("u", 6.0);
+        assert!(accented[plain.len()..].iter().flatten().all(|p| p.y > top && p.x > 0.0 && p.x < w));
+        let capital = strokes("\u{dc}", 6.0);
+        assert!(capital.iter().flatten().map(|p| p.y).fold(0.0, f64::max) > 6.0);
     }
 
     #[test]

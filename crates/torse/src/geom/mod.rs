@@ -102,3 +102,13 @@ impl BBox {
         (self.min + self.max) * 0.5
     }
 }
+
+/// A place in words, with as many digits as tell it from its surroundings: (1203.4, −20.0, 88.1) mm.
+pub fn place_in_words(x: &Vec3) -> String {
+    let digits = match x.amax() {
+        m if m >= 10.0 => 1,
+        m if m >= 0.1 => 3,
+        _ => 6,
+    };
+    format!("({:.digits$}, {:.digits$}, {:.digits$}) mm", x.x, x.y, x.z)
+}

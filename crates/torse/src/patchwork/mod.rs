@@ -2,12 +2,14 @@
 //! seams between them, and the drawing of a panel in the plane.
 
 pub mod clip;
+pub mod joint;
 pub mod outside;
 pub mod panel;
 pub mod part;
 pub mod partition;
 pub mod pattern;
 pub mod seam;
+pub mod skins;
 pub mod smooth_seams;
 pub mod triangulate;
 pub mod written;

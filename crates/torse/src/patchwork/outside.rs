@@ -4,8 +4,10 @@
 //! Looks at the triangles of the partitions; a rule, not a proof.
 
 use super::panel::Patchwork;
+use super::partition::Partition;
 use crate::geom::outward::{middle, outward as outside_of_sheet};
 use crate::geom::{BBox, Vec3};
+use crate::spline::surface::Surface;
 use std::collections::BTreeMap;
 
 /// Triangles of each face from which rays are sent.
@@ -20,11 +22,11 @@ const BESIDE: f64 = 1e-7;
 const CLEAR: f64 = 0.2;
 
 /// A face as triangles.
-struct Hull {
+pub(super) struct Hull {
     triangles: Vec<[Vec3; 3]>,
     bbox: BBox,
     /// Centres of the triangles with their normals, as long as their areas, on the side of S_u × S_v.
-    sides: Vec<(Vec3, Vec3)>,
+    pub(super) sides: Vec<(Vec3, Vec3)>,
 }
 
 /// For each face +1 if S_u × S_v points out of the model, −1 if into it.
@@ -50,9 +52,13 @@ pub fn outward(patchwork: &Patchwork) -> Vec<f64> {
 
 impl Hull {
     fn of(patchwork: &Patchwork, face: usize) -> Self {
-        let surface = &patchwork.faces[face].surface;
+        let none = || Self { triangles: Vec::new(), bbox: BBox::empty(), sides: Vec::new() };
+        patchwork.partitions.get(face).map_or_else(none, |p| Self::new(&patchwork.faces[face].surface, p))
+    }
+
+    /// The triangles of a partition of a face.
+    pub(super) fn new(surface: &Surface, partition: &Partition) -> Self {
         let mut out = Self { triangles: Vec::new(), bbox: BBox::empty(), sides: Vec::new() };
-        let Some(partition) = patchwork.partitions.get(face) else { return out };
         let points: Vec<Vec3> = partition.vertices.iter().map(|v| surface.point(v[0], v[1])).collect();
         for (t, corners) in partition.triangles.iter().enumerate() {
             let [a, b, c] = corners.map(|v| points[v as usize]);
@@ -73,7 +79,16 @@ impl Hull {
         if !meets_box(&self.bbox, from, way) {
             return 0;
         }
-        self.triangles.iter().filter(|t| meets(t, from, way)).count()
+        self.triangles.iter().filter(|t| meets(t, from, way).is_some()).count()
+    }
+
+    /// Where a ray first meets the face: the multiple of `way`, and the unit normal on the side of S_u × S_v.
+    pub(super) fn first_hit(&self, from: &Vec3, way: &Vec3) -> Option<(f64, Vec3)> {
+        if !meets_box(&self.bbox, from, way) {
+            return None;
+        }
+        let hits = self.triangles.iter().zip(&self.sides).filter_map(|(t, s)| Some((meets(t, from, way)?, s.1)));
+        hits.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(far, n)| (far, n.normalize()))
     }
 }
 
@@ -144,17 +159,18 @@ fn meets_box(b: &BBox, from: &Vec3, way: &Vec3) -> bool {
     near <= far
 }
 
-/// Whether a ray meets a triangle.
-fn meets(t: &[Vec3; 3], from: &Vec3, way: &Vec3) -> bool {
+/// Where a ray meets a triangle: the multiple of `way`, if it is positive.
+fn meets(t: &[Vec3; 3], from: &Vec3, way: &Vec3) -> Option<f64> {
     let (e, f) = (t[1] - t[0], t[2] - t[0]);
     let h = way.cross(&f);
     let det = e.dot(&h);
     if det == 0.0 {
-        return false;
+        return None;
     }
     let s = from - t[0];
     let u = s.dot(&h) / det;
     let q = s.cross(&e);
     let v = way.dot(&q) / det;
-    u >= 0.0 && v >= 0.0 && u + v <= 1.0 && f.dot(&q) / det > 0.0
+    let far = f.dot(&q) / det;
+    (u >= 0.0 && v >= 0.0 && u + v <= 1.0 && far > 0.0).then_some(far)
 }

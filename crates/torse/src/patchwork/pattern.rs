@@ -21,7 +21,17 @@ pub struct ContourVertex {
     pub corner: bool,
 }
 
-/// A matching mark on a seam: both neighbours carry it at the same place of the seam, with the same label.
+/// What a matching mark stands on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum MarkPlace {
+    /// A seam within a face.
+    #[default]
+    Seam,
+    /// The border of a face, where a panel of another face joins, or the other end of a closed one.
+    Joint,
+}
+
+/// A matching mark on a seam or joint: both neighbours carry it at the same place, with the same label.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mark {
     /// Place on the outline.
@@ -30,6 +40,8 @@ pub struct Mark {
     pub inward: Vec2,
     /// Label, the same on both sides ("S12.3").
     pub label: String,
+    /// What it stands on.
+    pub on: MarkPlace,
 }
 
 /// A stretch of the outline that follows one run of the panel.
@@ -183,7 +195,7 @@ impl Pattern {
             };
             Bend { sense, ..*b }
         };
-        let mark = |m: &Mark| Mark { point: flip(&m.point), inward: flip(&m.inward), label: m.label.clone() };
+        let mark = |m: &Mark| Mark { point: flip(&m.point), inward: flip(&m.inward), ..m.clone() };
         Self {
             contours: self.contours.iter().map(contour).collect(),
             view: self.view.opposite(),

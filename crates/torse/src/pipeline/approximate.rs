@@ -12,6 +12,7 @@ use crate::certify;
 use crate::certify::claim::{Claim, Status, Subject};
 use crate::control::Control;
 use crate::develop::bends::BendSpacing;
+use crate::develop::joints::with_joint_marks;
 use crate::develop::pattern::bends_anew;
 use crate::develop::view::{seen_from, Drawn};
 use crate::geom::coarse::Loose;
@@ -162,6 +163,8 @@ pub enum ApproximateError {
 
 /// Share of the model's size below which no tolerance is accepted (certificate specification, 3).
 const PRECISION: f64 = 1e-10;
+/// Borders of panels that are joined are each within a tolerance of the file's edge.
+const JOINT_REACH: f64 = 2.0;
 /// Panels of one face; more take hours.
 const MOST_PANELS: f64 = 1000.0;
 /// Share of the tolerance by which control points of two faces may differ along an edge across which they are joined;
@@ -286,8 +289,10 @@ pub fn of_faces(
         let why = skipped.first().map_or(String::new(), Skipped::words);
         return Err(ApproximateError::NoFaces(why));
     }
+    control.report("judging flat patterns", 1.0, format!("{} panels", patchwork.panels.len()));
     let certificate = certify::join(&patchwork, certificates, tolerance);
     let patterns = with_bends(&patchwork, patterns, &options.drawn);
+    let patterns = with_joint_marks(&patchwork, patterns, JOINT_REACH * tolerance);
     let missed = limits_missed(&patchwork, &certificate, &patterns, &options.limits);
     missing.extend(missed.reasons);
     // As the proof of the panels, this has its own clock.

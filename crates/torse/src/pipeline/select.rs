@@ -2,7 +2,8 @@
 
 use crate::brep::face::Face;
 use crate::io::step::read::Model;
-use std::collections::BTreeSet;
+use crate::patchwork::skins::{sheet, Sheet};
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Faces that are wanted; default: all.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -11,6 +12,17 @@ pub struct Selection {
     pub faces: Vec<u64>,
     /// Names of parts, as the file gives them; none: any.
     pub parts: Vec<String>,
+    /// The skin of sheets that are drawn as bodies, which leaves out the other skin and the sides; default everything.
+    pub skin: Option<Skin>,
+}
+
+/// A skin of a sheet of constant thickness.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Skin {
+    /// The larger one.
+    Outer,
+    /// The smaller one.
+    Inner,
 }
 
 /// A selection that names what the model does not have.
@@ -40,6 +52,14 @@ pub enum SelectError {
         /// Those that there are.
         there: String,
     },
+    /// A skin of bodies that have none.
+    #[error(
+        "none of the {bodies} bodies is a sheet of constant thickness, which alone has an outer and an inner skin"
+    )]
+    NoSheet {
+        /// Number of bodies.
+        bodies: usize,
+    },
     /// Faces and parts that have nothing in common.
     #[error("none of the faces belongs to one of the parts that were asked for")]
     Nothing,
@@ -64,7 +84,8 @@ fn some_of(names: &BTreeSet<String>) -> String {
 /// Faces and parts that are not there.
 pub fn selected(model: Model, selection: &Selection) -> Result<Model, SelectError> {
     if *selection == Selection::default() {
-        return Ok(model);
+        let notes = sheets(&model.faces).into_iter().map(|(faces, sheet)| offer(&model.faces, &faces, &sheet));
+        return Ok(Model { notes: model.notes.iter().cloned().chain(notes).collect(), ..model });
     }
     let Model { faces, mut skipped, mut notes, .. } = model;
     for &entity in &selection.faces {
@@ -92,15 +113,77 @@ pub fn selected(model: Model, selection: &Selection) -> Result<Model, SelectErro
             && (selection.parts.is_empty() || selection.parts.contains(&f.part))
     };
     let all = faces.len();
-    let faces: Vec<Face> = faces.into_iter().filter(wanted).collect();
+    let mut faces: Vec<Face> = faces.into_iter().filter(wanted).collect();
     if faces.is_empty() {
         return Err(SelectError::Nothing);
+    }
+    if let Some(skin) = selection.skin {
+        faces = skins(faces, skin, &mut notes)?;
     }
     if !selection.faces.is_empty() {
         skipped.clear();
     }
     notes.push(format!("{} of the {all} faces of the file, as chosen", faces.len()));
     Ok(Model { faces, skipped, notes, ..model })
+}
+
+/// Bodies that are sheets: the indices of their faces, and the skins among these.
+fn sheets(faces: &[Face]) -> Vec<(Vec<usize>, Sheet)> {
+    let mut bodies: BTreeMap<(u32, &str), Vec<usize>> = BTreeMap::new();
+    for (k, f) in faces.iter().enumerate() {
+        bodies.entry((f.body, f.part.as_str())).or_default().push(k);
+    }
+    let found = bodies.into_values().filter_map(|body| {
+        let faces: Vec<&Face> = body.iter().map(|&k| &faces[k]).collect();
+        Some((body, sheet(&faces)?))
+    });
+    found.collect()
+}
+
+/// What a body is called.
+fn named(face: &Face) -> String {
+    match face.part.as_str() {
+        "" => format!("the body of face #{}", face.entity),
+        part => format!("'{part}'"),
+    }
+}
+
+fn offer(faces: &[Face], body: &[usize], sheet: &Sheet) -> String {
+    format!(
+        "{} is a sheet of about {:.3} mm: its outer skin has {} faces, its inner {}, its sides {}; all are covered unless \
+         one skin is asked for (--outer, --inner)",
+        named(&faces[body[0]]),
+        sheet.thickness_estimate,
+        sheet.outer.len(),
+        sheet.inner.len(),
+        sheet.sides.len()
+    )
+}
+
+/// The faces of one skin of every sheet; bodies that are none stay whole.
+fn skins(faces: Vec<Face>, skin: Skin, notes: &mut Vec<String>) -> Result<Vec<Face>, SelectError> {
+    let found = sheets(&faces);
+    if found.is_empty() {
+        let bodies: BTreeSet<(u32, &str)> = faces.iter().map(|f| (f.body, f.part.as_str())).collect();
+        return Err(SelectError::NoSheet { bodies: bodies.len() });
+    }
+    let mut left_out = BTreeSet::new();
+    for (body, sheet) in &found {
+        let (kept, other, name) = match skin {
+            Skin::Outer => (&sheet.outer, &sheet.inner, "outer"),
+            Skin::Inner => (&sheet.inner, &sheet.outer, "inner"),
+        };
+        left_out.extend(other.iter().chain(&sheet.sides).map(|&k| body[k]));
+        notes.push(format!(
+            "of {}, a sheet of about {:.3} mm, the {name} skin is taken: {} of {} faces",
+            named(&faces[body[0]]),
+            sheet.thickness_estimate,
+            kept.len(),
+            body.len()
+        ));
+    }
+    let kept = faces.into_iter().enumerate().filter(|(k, _)| !left_out.contains(k));
+    Ok(kept.map(|(_, f)| f).collect())
 }
 
 #[cfg(test)]
@@ -115,7 +198,8 @@ mod tests {
     fn faces_are_chosen_by_number_and_by_part() {
         let whole = model();
         let (entity, part) = (whole.faces[0].entity, whole.faces[0].part.clone());
-        let chosen = selected(model(), &Selection { faces: vec![entity], parts: vec![part] }).expect("it is there");
+        let chosen =
+            selected(model(), &Selection { faces: vec![entity], parts: vec![part], skin: None }).expect("it is there");
         assert_eq!((chosen.faces.len(), chosen.faces[0].entity), (1, entity));
         assert!(chosen.notes.last().is_some_and(|n| n.contains("as chosen")));
     }

@@ -8,7 +8,7 @@ use crate::control::Control;
 use crate::develop::pattern::{pattern, PatternOptions};
 use crate::develop::DevelopError;
 use crate::fit::panels::boundary::{self, Assigned, Borders, BoundaryError, BoundaryOptions};
-use crate::geom::Vec3;
+use crate::geom::{place_in_words, Vec3};
 use crate::patchwork::panel::{Panel, Patchwork};
 use crate::patchwork::partition::Partition;
 use crate::patchwork::pattern::Pattern;
@@ -186,7 +186,8 @@ pub(crate) fn build_on(
             }
             Err(e) => {
                 refused.push(a.label);
-                missing.push(format!("a region has no panel: {e}"));
+                let place = e.uv().map(|[u, v]| format!(" at {}", place_in_words(&face.surface.point(u, v))));
+                missing.push(format!("a region has no panel: {e}{}", place.unwrap_or_default()));
             }
         }
     }

@@ -188,7 +188,7 @@ fn sections(task: &Task, laid: &Laid) -> Vec<Vec<SeamPlane>> {
         let (axis, reach) = reaches[k];
         let Some(limit) = limit.filter(|_| large.iter().any(|l| l.1[k] > 1)) else { continue };
         let least = ((reach[1] - reach[0]) / limit).ceil();
-        if !(least <= MOST_SECTIONS as f64) {
+        if least.is_nan() || least > MOST_SECTIONS as f64 {
             continue;
         }
         let least = (least as usize).max(2);

@@ -4,7 +4,8 @@
 //! the factor `1 ± strain_bound`, seen from the outside of the face, such that the lines and arcs drawn for every run of
 //! the panel's border are within `outline_bound` of its image, and it of them (`outline`); every ruling drawn lies
 //! within `ruling_bound` of the image of one; and the marks of both sides of a seam are within `mark_bound` of the images
-//! of points with equal parameters. The panel and the drawing are the data; how the drawing was made is not looked at.
+//! of points with equal parameters; marks on joints of faces are within it of the panel's own border, and that both sides
+//! of a joint name the same place is measured. The panel and the drawing are the data; how the drawing was made is not looked at.
 
 mod outline;
 mod rails;
@@ -15,7 +16,7 @@ use super::ruled::Ruled;
 use crate::control::Control;
 use crate::num::interval::Interval;
 use crate::patchwork::panel::{Border, Coedge, Panel, Patchwork};
-use crate::patchwork::pattern::{Contour, ContourVertex, Pattern};
+use crate::patchwork::pattern::{Contour, ContourVertex, Mark, MarkPlace, Pattern};
 pub(super) use outline::Motion;
 use outline::{chain_bound, pairs_by_length, Image};
 use rails::FlatRails;
@@ -186,9 +187,13 @@ fn one<'a>(
         Some(bound) => out.ruling_bound = bound,
         None => out.reason = "a ruling drawn is none of the panel's".into(),
     }
-    let seams: Vec<&Coedge> =
-        panel.loops().iter().flatten().filter(|r| matches!(r.border, Border::Seam { .. }) && !r.is_point()).collect();
-    let marks = pattern.marks.iter().map(|m| marked(&seams, &flat, &[m.point.x, m.point.y])).collect();
+    let runs = || panel.loops().iter().flatten().filter(|r| !r.is_point());
+    let (seams, borders): (Vec<&Coedge>, Vec<&Coedge>) = runs().partition(|r| matches!(r.border, Border::Seam { .. }));
+    let on = |m: &Mark| match m.on {
+        MarkPlace::Seam => &seams,
+        MarkPlace::Joint => &borders,
+    };
+    let marks = pattern.marks.iter().map(|m| marked(on(m), &flat, &[m.point.x, m.point.y])).collect();
     (out, Some(Flat { marks, ..flat }))
 }
 
@@ -361,11 +366,20 @@ fn marks(flat: &Flat, all: &[Option<Flat>]) -> Option<f64> {
     let mut bound = 0.0f64;
     for (mark, at) in flat.pattern.marks.iter().zip(&flat.marks) {
         let (run, s) = (*at)?;
-        let Border::Seam { seam, forward } = run.border else { return None };
         let far = |s: f64| -> Option<f64> {
             let p = flat.image(run).point(s)?;
             let w = [p[0] - Interval::point(mark.point.x), p[1] - Interval::point(mark.point.y)];
             Some((w[0].sqr() + w[1].sqr()).sqrt().hi)
+        };
+        let Border::Seam { seam, forward } = run.border else {
+            // Faces do not know of each other: that both sides name the same place is measured.
+            let same = |m: &Mark| m.label == mark.label && m.on == MarkPlace::Joint;
+            let named = all.iter().flatten().flat_map(|f| &f.pattern.marks).filter(|m| same(m)).count();
+            bound = bound.max(far(s)?);
+            if named == 2 {
+                continue;
+            }
+            return None;
         };
         let partner = all.iter().flatten().find_map(|other| {
             let k = other.pattern.marks.iter().zip(&other.marks).find(|(m, at)| {

@@ -63,7 +63,7 @@ pub struct Panels {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum BoundaryError {
     /// No triangles, or several pieces.
-    #[error("label {label} has {outer} outer borders; a panel needs exactly one")]
+    #[error("it has {outer} outer borders; a panel needs exactly one")]
     Pieces {
         /// Label concerned.
         label: u32,
@@ -71,7 +71,7 @@ pub enum BoundaryError {
         outer: usize,
     },
     /// The border touches itself in a vertex.
-    #[error("the border of label {label} touches itself at (u, v) = ({}, {})", uv[0], uv[1])]
+    #[error("its border touches itself")]
     Pinch {
         /// Label concerned.
         label: u32,
@@ -79,7 +79,7 @@ pub enum BoundaryError {
         uv: [f64; 2],
     },
     /// No foot point on the torse.
-    #[error("the border of label {label} has no foot point on its torse at (u, v) = ({}, {})", uv[0], uv[1])]
+    #[error("its border is too far from its panel")]
     Foot {
         /// Label concerned.
         label: u32,
@@ -87,7 +87,7 @@ pub enum BoundaryError {
         uv: [f64; 2],
     },
     /// The torse cannot be written as a patch.
-    #[error("label {label}: {source}")]
+    #[error("{source}")]
     Convert {
         /// Label concerned.
         label: u32,
@@ -95,7 +95,7 @@ pub enum BoundaryError {
         source: ConvertError,
     },
     /// A trimming curve is not a valid spline.
-    #[error("label {label}: {source}")]
+    #[error("{source}")]
     Spline {
         /// Label concerned.
         label: u32,
@@ -105,6 +105,14 @@ pub enum BoundaryError {
 }
 
 impl BoundaryError {
+    /// Parameters of the place, where it is known.
+    pub fn uv(&self) -> Option<[f64; 2]> {
+        match self {
+            Self::Pinch { uv, .. } | Self::Foot { uv, .. } => Some(*uv),
+            Self::Pieces { .. } | Self::Convert { .. } | Self::Spline { .. } => None,
+        }
+    }
+
     /// The label that caused the trouble.
     pub fn label(&self) -> u32 {
         match self {

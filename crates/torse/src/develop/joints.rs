@@ -1,0 +1,62 @@
+//! Marks on joints: both panels of a joint carry the same labels at the same places, as both sides of a seam do.
+
+use super::arcs::PlaneCurve;
+use super::map::Development;
+use super::outline::FlatRun;
+use super::pattern::{developed, MARK_SPACING};
+use crate::geom::Vec2;
+use crate::patchwork::joint::{joints, JointSide};
+use crate::patchwork::panel::Patchwork;
+use crate::patchwork::pattern::{Mark, MarkPlace, Pattern};
+use std::collections::HashMap;
+
+/// Patterns with marks on joints, "J3.1" on both sides; `reach` (mm) is how far from each other the borders of panels may
+/// be that are joined: each is within its deviation of the file's edge. Panels that cannot be developed get none.
+pub fn with_joint_marks(patchwork: &Patchwork, mut patterns: Vec<Pattern>, reach: f64) -> Vec<Pattern> {
+    let diagonal = patchwork.faces.iter().map(|f| f.surface.bbox().diagonal()).fold(0.0, f64::max);
+    let found = joints(patchwork, reach, MARK_SPACING * diagonal);
+    let of_panel: HashMap<usize, usize> = patterns.iter().enumerate().map(|(k, p)| (p.panel, k)).collect();
+    let mut maps: HashMap<usize, Option<(Development, bool)>> = HashMap::new();
+    for (number, joint) in found.iter().enumerate() {
+        let both = joint.sides.iter().all(|s| of_panel.contains_key(&s.panel));
+        for side in joint.sides.iter().filter(|_| both) {
+            maps.entry(side.panel).or_insert_with(|| map(patchwork, side.panel));
+        }
+        if !both || joint.sides.iter().any(|s| maps[&s.panel].is_none()) {
+            continue;
+        }
+        for (k, pair) in joint.pairs.iter().enumerate() {
+            let label = format!("J{}.{}", number + 1, k + 1);
+            for (side, s) in joint.sides.iter().zip(pair) {
+                let Some((development, mirrored)) = &maps[&side.panel] else { continue };
+                if let Some(mark) = mark(patchwork, side, *s, (development, *mirrored), &label) {
+                    patterns[of_panel[&side.panel]].marks.push(mark);
+                }
+            }
+        }
+    }
+    patterns
+}
+
+/// The map of a panel to the plane, and whether its outline runs the other way round there.
+fn map(patchwork: &Patchwork, panel: usize) -> Option<(Development, bool)> {
+    let p = patchwork.panels.get(panel)?;
+    let (development, _) = developed(patchwork, p).ok()?;
+    let runs = p.loops().iter().flatten().filter(|r| !r.is_point());
+    let origin = Vec2::zeros();
+    let area: f64 = runs.map(|r| FlatRun::new(&development, &p.strip.patch, r).flat_area(&origin)).sum();
+    Some((development, area < 0.0))
+}
+
+fn mark(
+    patchwork: &Patchwork,
+    side: &JointSide,
+    s: f64,
+    (development, mirrored): (&Development, bool),
+    label: &str,
+) -> Option<Mark> {
+    let run = FlatRun::new(development, &patchwork.panels[side.panel].strip.patch, side.run);
+    let t = if mirrored { -run.velocity(s) } else { run.velocity(s) };
+    let inward = Vec2::new(-t.y, t.x).try_normalize(0.0)?;
+    Some(Mark { point: run.place(s), inward, label: label.to_owned(), on: MarkPlace::Joint })
+}

@@ -1,0 +1,116 @@
+//! What reaches the shop: panels that fit the sheet, marks on joints, numbers along the model, drawings in inches and one
+//! for each part.
+
+use std::collections::BTreeMap;
+use torse::certify::claim::Status;
+use torse::geom::unit::LengthUnit;
+use torse::patchwork::pattern::MarkPlace;
+use torse::pipeline::approximate::ApproximateError;
+use torse::search::cover::Limits;
+use torse::{approximate, files, read_step, Answer, Approximate};
+
+const PIPE: &[u8] = include_bytes!("../../../data/cylinder_holes.step");
+const BOWL: &[u8] = include_bytes!("../../../data/half_bowl.step");
+
+fn answer(bytes: &[u8], tolerance: f64, limits: Limits) -> Answer {
+    let model = read_step(bytes).expect("our own model");
+    approximate(&model, &Approximate { limits, ..Approximate::new(tolerance) }).expect("an answer")
+}
+
+/// A pipe is cut into equal fields on its flat pattern: the fewest that fit, not halves of halves.
+#[test]
+fn a_developable_face_is_cut_into_few_fields_that_fit_the_sheet() {
+    let sheet = Some([400.0, 500.0]);
+    let a = answer(PIPE, 0.5, Limits { sheet, ..Limits::default() });
+    assert_eq!(a.status(), Status::Certified);
+    assert!(a.patterns.iter().all(|p| p.width <= 400.0 && p.length <= 500.0));
+    // 800 mm by 1571 mm less the holes.
+    assert!(a.patterns.len() <= 8, "{}", a.patterns.len());
+}
+
+/// Strips that are too long are cut where all of them are, or the face is covered in sections.
+#[test]
+fn panels_that_are_too_long_are_cut_in_line_or_covered_in_sections() {
+    let limits = Limits { max_length: Some(1300.0), ..Limits::default() };
+    let (free, kept) = (answer(BOWL, 10.0, Limits::default()), answer(BOWL, 10.0, limits));
+    let long = free.patterns.iter().map(|p| (p.length / 1300.0).ceil() as usize).sum::<usize>();
+    assert!(long > free.patterns.len());
+    assert_eq!(kept.status(), Status::Certified);
+    assert!(kept.patterns.iter().all(|p| p.length <= 1300.0));
+    assert!(kept.patterns.len() <= long + 1, "{} instead of {long}", kept.patterns.len());
+}
+
+#[test]
+fn limits_that_nothing_can_keep_are_named_at_once() {
+    let model = read_step(BOWL).expect("a model");
+    let refused = |limits| approximate(&model, &Approximate { limits, ..Approximate::new(0.1) }).expect_err("refused");
+    let e = refused(Limits { sheet: Some([20.0, 10.0]), ..Limits::default() });
+    assert!(matches!(e, ApproximateError::TooMany { name: "size of the sheet", .. }), "{e}");
+    let e = refused(Limits { min_width: Some(500.0), max_width: Some(100.0), ..Limits::default() });
+    assert!(matches!(e, ApproximateError::Widths { .. }), "{e}");
+}
+
+/// The panel of a pipe meets itself: both ends carry the same marks, at the same places in space.
+#[test]
+fn both_sides_of_a_joint_carry_the_same_marks() {
+    let a = answer(PIPE, 0.5, Limits::default());
+    assert_eq!((a.status(), a.patterns.len()), (Status::Certified, 1));
+    let mut labels: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
+    for m in a.patterns[0].marks.iter().filter(|m| m.on == MarkPlace::Joint) {
+        labels.entry(&m.label).or_default().push(m.point.y.min(m.point.x));
+    }
+    assert!(labels.len() > 2 && labels.values().all(|v| v.len() == 2), "{labels:?}");
+}
+
+#[test]
+fn panels_are_numbered_along_the_model() {
+    let a = answer(BOWL, 10.0, Limits::default());
+    let middle = |k: usize| {
+        let points: Vec<_> = (0..=8)
+            .map(|i| {
+                a.patchwork.panels[k].strip.patch.point(
+                    {
+                        let b = a.patchwork.panels[k].strip.patch.knots_u.breaks();
+                        b[0] + (b[b.len() - 1] - b[0]) * f64::from(i) / 8.0
+                    },
+                    0.5,
+                )
+            })
+            .collect();
+        points.iter().sum::<torse::geom::Vec3>() / points.len() as f64
+    };
+    let middles: Vec<_> = (0..a.patchwork.panels.len()).map(middle).collect();
+    let spread = |d: usize| {
+        let all = middles.iter().map(|m| m[d]);
+        all.clone().fold(f64::MIN, f64::max) - all.fold(f64::MAX, f64::min)
+    };
+    let axis = (0..3).max_by(|&a, &b| spread(a).total_cmp(&spread(b))).expect("an axis");
+    assert!(middles.windows(2).all(|w| w[1][axis] > w[0][axis]), "{middles:?}");
+    assert_eq!(a.patchwork.panels[0].strip.name, "A-01");
+}
+
+#[test]
+fn drawings_in_inches_and_of_single_parts_hold_what_was_judged() {
+    let mut a = answer(BOWL, 10.0, Limits::default());
+    a.cut.unit = LengthUnit::Inch;
+    a.cut.one_per_part = true;
+    let all: BTreeMap<String, Vec<u8>> = files(&mut a, "2026-01-31T12:00:00").expect("files").into_iter().collect();
+    assert_eq!(a.status(), Status::Certified);
+    let drawings = ["patterns.dxf", "patterns.svg", "part-A-01.dxf", "part-A-04.dxf"];
+    for name in drawings {
+        assert!(all.contains_key(name), "{name}");
+        let written = a.written.iter().find(|w| w.0 == name).expect("read back");
+        assert!(written.1.reason().is_empty() && written.1.bound() < 1e-6, "{name} {}", written.1.bound());
+    }
+    let dxf = String::from_utf8_lossy(&all["part-A-01.dxf"]).into_owned();
+    assert!(dxf.contains("$INSUNITS\n 70\n     1\n") && !dxf.contains("SCALE_CHECK\n 90"));
+    let parts = String::from_utf8_lossy(&all["parts.csv"]).into_owned();
+    assert!(parts.starts_with("part,job,quantity,seen_from,length_in,"));
+    let length: f64 =
+        parts.lines().nth(1).and_then(|l| l.split(',').nth(4)).and_then(|x| x.parse().ok()).expect("inches");
+    assert!((length * 25.4 - a.patterns[0].length).abs() < 0.02);
+    // The same in millimetres is another file.
+    a.cut.unit = LengthUnit::Millimetre;
+    let again: BTreeMap<String, Vec<u8>> = files(&mut a, "2026-01-31T12:00:00").expect("files").into_iter().collect();
+    assert_ne!(all["patterns.dxf"], again["patterns.dxf"]);
+}
