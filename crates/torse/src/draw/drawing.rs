@@ -254,9 +254,13 @@ fn words(labels: &mut Labels, pattern: &Pattern, circle: (Vec2, f64), marked: bo
     }
     if marked {
         let words = NAME_WIDTH * room / width(NOT_CERTIFIED);
-        let below = 0.5 * height + if lines.is_empty() { 0.0 } else { (1.0 + LINE * lines.len() as f64) * small };
-        put(NOT_CERTIFIED, words, 0.5 * height + (0.5 + WORDS_GAP) * words);
-        put(NOT_CERTIFIED, words, -below - (0.5 + WORDS_GAP) * words);
+        let below = 0.5 * height + (1.0 + LINE * lines.len() as f64) * small;
+        for (side, away) in [(1.0, 0.5 * height), (-1.0, below)] {
+            // As wide as the circle is there.
+            let chord = (room * room - (away + words).powi(2)).max(0.0).sqrt();
+            let words = words.min(2.0 * chord / width(NOT_CERTIFIED));
+            put(NOT_CERTIFIED, words, side * (away + (0.5 + WORDS_GAP) * words));
+        }
     }
 }
 

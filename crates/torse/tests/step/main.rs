@@ -3,5 +3,6 @@
 mod damage;
 mod kinds;
 mod more;
+mod skins;
 mod text;
 mod trims;

@@ -10,7 +10,7 @@ pub enum Unit {
     Foot,
 }
 
-type P = [f64; 3];
+pub type P = [f64; 3];
 /// Origin, z, x, and whether the relationship is written the other way round.
 type Use = (P, P, P, bool);
 
