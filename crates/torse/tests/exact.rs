@@ -2,13 +2,14 @@
 
 use std::f64::consts::PI;
 use torse::answer::Answer;
-use torse::brep::face::Face;
+use torse::brep::face::{Face, TrimLoop};
 use torse::brep::space_curve::SpaceCurve;
 use torse::brep::support_surface::SupportSurface;
 use torse::certify::claim::Status;
 use torse::control::Control;
 use torse::geom::{Frame, Vec3};
 use torse::pipeline::approximate::{of_faces, Options};
+use torse::spline::knots::Knots;
 use torse::spline::surface::Surface;
 
 const PIPE: &[u8] = include_bytes!("../../../data/cylinder_holes.step");
@@ -132,4 +133,33 @@ fn turns_of_more_than_a_half_circle_are_one_panel() {
     let tube = SupportSurface::Extrusion { directrix: ellipse, direction: Vec3::new(0.1, 0.2, 1.0) };
     let out = panels(vec![Face::untrimmed(part(&tube, (0.0, 1.9 * PI), (0.0, 100.0)))], 0.01);
     assert_eq!(out.patchwork.panels.len(), 1);
+}
+
+/// Corners of outlines and holes that share a coordinate but for its last digits, as files with chamfered caps have them.
+#[test]
+fn corners_in_line_but_for_rounding_are_in_line() {
+    let knots = |lo: f64, hi: f64| Knots::clamped(1, &[lo, hi]).expect("knots");
+    let (u, v) = ([-1.1101679159995956, 7.80622017146501], [-1.3755068091133649, 11.57603501136442]);
+    let corner = |k: usize| Vec3::new(u[k / 2], v[k % 2], 0.0);
+    let control: Vec<Vec3> = (0..4).map(corner).collect();
+    let mut face =
+        Face::untrimmed(Surface::new(knots(u[0], u[1]), knots(v[0], v[1]), &control, None).expect("a plane"));
+    let outer = vec![
+        [-0.9386989143175821, -1.126438697181099],
+        [5.819933268769008, -1.1264386971810998],
+        [5.819933268769007, 0.0],
+        [3.5044759467856386, 4.440892098500626e-16],
+        [3.5044759467856395, 6.070252979253694],
+        [7.634751169782996, 6.070252979253694],
+        [-0.938698914317583, 11.326966899432152],
+    ];
+    let hole = vec![
+        [0.0, 1.3322676295501878e-15],
+        [0.0, 6.070252979253696],
+        [2.252877394362196, 6.070252979253696],
+        [2.2528773943621996, 1.3322676295501878e-15],
+    ];
+    let trim = |points: Vec<[f64; 2]>| TrimLoop { edge: (0..points.len() as u32).collect(), points };
+    face.loops = vec![trim(outer), trim(hole)];
+    assert_eq!(panels(vec![face], 0.5).patterns.len(), 1);
 }

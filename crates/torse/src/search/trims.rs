@@ -56,27 +56,31 @@ pub fn trims_judged(faces: Vec<Face>, tolerance: f64) -> TrimsJudged {
 /// Share of the parameter range within which a corner of a trim counts as lying on a knot line: a few times the
 /// rounding of readers' projections, far below any length that matters.
 const ON_LINE: f64 = 1e-9;
-/// Moves corners of the trims that miss a knot line by rounding only onto it, so that no triangle crosses the line by
-/// a hair. From here on these corners are the definition of the face.
+/// Moves corners of the trims that miss a knot line, or the coordinate of another corner, by rounding only onto it, so that
+/// no triangle crosses a line by a hair. From here on these corners are the definition of the face.
 pub(super) fn corners_on_knot_lines(face: &mut Face) {
-    let mut lines = [face.surface.knots_u.breaks(), face.surface.knots_v.breaks()];
-    // The outermost corners are lines of the triangulation too.
-    for (d, lines) in lines.iter_mut().enumerate() {
-        let along = face.loops.iter().flat_map(|l| &l.points).map(|p| p[d] + 0.0);
-        let (lo, hi) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
-        for x in [lo, hi] {
-            if !lines.iter().any(|k| (k - x).abs() <= ON_LINE * (hi - lo)) {
-                lines.push(x);
-            }
+    for (d, breaks) in [face.surface.knots_u.breaks(), face.surface.knots_v.breaks()].into_iter().enumerate() {
+        // No negative zero: corners are compared bit by bit.
+        let mut all: Vec<f64> = face.loops.iter().flat_map(|l| &l.points).map(|p| p[d] + 0.0).collect();
+        all.sort_by(f64::total_cmp);
+        all.dedup();
+        let (Some(lo), Some(hi)) = (all.first().copied(), all.last().copied()) else { continue };
+        let extent = breaks.iter().fold(hi - lo, |m, k| m.max((k - breaks[0]).abs()));
+        // Corners near a knot go there, others that differ by rounding only to the least of them; the outermost
+        // ones are lines of the triangulation too.
+        let mut to: Vec<(f64, f64)> = Vec::with_capacity(all.len());
+        let mut before: Option<f64> = None;
+        for x in all {
+            let near = |k: f64| (k - x).abs() <= ON_LINE * extent;
+            let knot = breaks.iter().copied().find(|&k| near(k));
+            let at = knot.or(before.filter(|&b| near(b))).unwrap_or(x);
+            before = Some(at);
+            to.push((x, at));
         }
-    }
-    for p in face.loops.iter_mut().flat_map(|l| &mut l.points) {
-        for (x, lines) in p.iter_mut().zip(&lines) {
-            // No negative zero: corners are compared bit by bit.
-            *x += 0.0;
-            let extent = lines.iter().fold(0.0, |m: f64, k| m.max((k - lines[0]).abs()));
-            if let Some(&k) = lines.iter().find(|k| (*k - *x).abs() <= ON_LINE * extent) {
-                *x = k;
+        for p in face.loops.iter_mut().flat_map(|l| &mut l.points) {
+            p[d] += 0.0;
+            if let Ok(k) = to.binary_search_by(|t| t.0.total_cmp(&p[d])) {
+                p[d] = to[k].1;
             }
         }
     }
