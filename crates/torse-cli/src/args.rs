@@ -40,9 +40,9 @@ pub struct Arguments {
 /// The commands.
 #[derive(Subcommand, Debug)]
 pub enum Command {
-    /// Cover every face of a STEP model with developable panels and write cut-ready files
+    /// Cover every face of a CAD model with developable panels and write cut-ready files
     Approximate(Approximate),
-    /// Turn ruled developable faces of a STEP model into exact cones, cylinders and planes with flat patterns
+    /// Turn ruled developable faces of a CAD model into exact cones, cylinders and planes with flat patterns
     Cones(Cones),
     /// Fit developable strips to measured points, rulings, tangent planes or faces and write cut-ready files
     Fit(Fit),
@@ -54,7 +54,7 @@ pub enum Command {
     Hull(Hull),
     /// Make the quadrilaterals of a strip plane, refine them, and write cut-ready files
     Planarise(Planarise),
-    /// Tell what a STEP file holds: unit, faces, sizes, curvature, what was not read
+    /// Tell what a CAD file holds: unit, faces, sizes, curvature, what was not read
     Info(Info),
 }
 
@@ -76,7 +76,7 @@ A result that leaves out any face of the file is not certified.
 
 Exit status: 0 certified, 2 bad input or usage, 3 finished but not certified (files written and marked).")]
 pub struct Approximate {
-    /// STEP file (AP203, AP214 or AP242)
+    /// STEP (AP203, AP214, AP242), IGES or Rhino file (3DM)
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
 
@@ -232,6 +232,10 @@ pub struct Files {
     #[arg(long)]
     pub one_file_per_part: bool,
 
+    /// Also write the panels in these formats, as copies of panels.step: iges, 3dm
+    #[arg(long, value_name = "FORMAT,...", value_delimiter = ',', value_enum)]
+    pub also: Vec<Also>,
+
     /// Unit of drawings and tables of parts; reports and models are in mm
     #[arg(long, value_name = "UNIT", value_enum, default_value_t = DrawnUnit::Mm)]
     pub drawing_unit: DrawnUnit,
@@ -243,6 +247,16 @@ pub struct Files {
     /// Print nothing but errors
     #[arg(short, long)]
     pub quiet: bool,
+}
+
+/// Formats of copies of the panels.
+#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Also {
+    /// IGES 5.3, trimmed surfaces
+    Iges,
+    /// Rhino archive of version 6
+    #[value(name = "3dm")]
+    ThreeDm,
 }
 
 /// Unit of drawings.
@@ -261,7 +275,9 @@ impl Files {
             DrawnUnit::Mm => LengthUnit::Millimetre,
             DrawnUnit::In => LengthUnit::Inch,
         };
-        CutFiles { unit, one_per_part: self.one_file_per_part }
+        let also = |format: Also| self.also.contains(&format);
+        let (iges, threedm) = (also(Also::Iges), also(Also::ThreeDm));
+        CutFiles { unit, one_per_part: self.one_file_per_part, iges, threedm }
     }
 
     /// Name of the job: what was asked for, else the name of the input.
@@ -338,7 +354,7 @@ patterns.svg (true arcs), model.glb, pictures, report.html and report.json.
 
 Exit status: 0 certified, 2 bad input or usage, 3 finished but not certified (files written and marked).")]
 pub struct Cones {
-    /// STEP file (AP203, AP214 or AP242)
+    /// STEP (AP203, AP214, AP242), IGES or Rhino file (3DM)
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
 
@@ -755,7 +771,7 @@ pub enum HeldPoints {
 #[command(after_help = "Example:
   torse info hull.step")]
 pub struct Info {
-    /// STEP file (AP203, AP214 or AP242)
+    /// STEP (AP203, AP214, AP242), IGES or Rhino file (3DM)
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
 }

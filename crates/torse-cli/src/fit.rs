@@ -7,6 +7,7 @@ use crate::job::{refuse_left_out, Job};
 use torse::answer::Answer;
 use torse::control::Control;
 use torse::io::elements;
+use torse::io::threedm;
 use torse::pipeline::elements::{fit_elements, fit_faces, ElementFitOptions};
 use torse::pipeline::fit::{fit, FitOptions};
 use torse::torse::zone::RegressionLimits;
@@ -20,7 +21,9 @@ pub fn run(arguments: &Fit) -> Result<bool, Failure> {
     job.say("reading");
     let name = file.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
     let lower = name.to_ascii_lowercase();
-    let of_elements = lower.ends_with(".step") || lower.ends_with(".stp") || elements::holds_elements(&name, &bytes);
+    let faces = [".step", ".stp", ".igs", ".iges"].iter().any(|e| lower.ends_with(e))
+        || (threedm::recognises(&bytes) && threedm::meshes::cloud(&bytes).is_err());
+    let of_elements = faces || elements::holds_elements(&name, &bytes);
     let mut answer = match of_elements {
         true => row(&name, &bytes, arguments, job.control())?,
         false => points(&name, &bytes, arguments, job.control())?,

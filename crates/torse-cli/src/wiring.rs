@@ -9,7 +9,10 @@ use torse::answer::presentation::present;
 use torse::answer::Answer;
 use torse::certify::claim::{Claim, Status, Subject};
 use torse::io::bundle;
-use torse::io::step::read::ReadError;
+use torse::io::cad::ReadError;
+use torse::io::iges::read as iges;
+use torse::io::step::read as step;
+use torse::io::threedm;
 use torse::io::words;
 use torse::pipeline::approximate::{self as pipeline, ApproximateError};
 use torse::pipeline::cone_shapes;
@@ -18,9 +21,9 @@ use torse::pipeline::select;
 use torse::pipeline::sweep;
 use torse::{Approximate, Control, Model};
 
-/// Reads a STEP file. `name` is for messages.
+/// Reads a CAD file. `name` is for messages.
 pub fn read(name: &str, bytes: &[u8]) -> Result<Model, Failure> {
-    torse::read_step(bytes).map_err(|e| Failure::new(format!("{name}: {e}"), reading_hint(&e)))
+    torse::read(bytes).map_err(|e| Failure::new(format!("{name}: {e}"), reading_hint(&e)))
 }
 
 /// The model with the chosen faces.
@@ -31,12 +34,22 @@ pub fn selected(model: Model, chosen: &Chosen) -> Result<Model, Failure> {
 
 /// What would help against a file that cannot be read.
 fn reading_hint(error: &ReadError) -> &'static str {
+    const CUT_OFF: &str = "compare its size with the original; if that is cut off too, export it again";
+    const REPAIR: &str = "repair that face in the CAD program, or export the model again";
     match error {
-        ReadError::Truncated(_) => "compare its size with the original; if that is cut off too, export it again",
-        ReadError::NoUsableFaces { .. } => "repair that face in the CAD program, or export the model again",
-        ReadError::Empty | ReadError::NotStep(_) | ReadError::NoFaces { .. } => {
+        ReadError::Step(step::ReadError::Truncated(_)) | ReadError::Iges(iges::ReadError::Truncated(_)) => CUT_OFF,
+        ReadError::Step(step::ReadError::NoUsableFaces { .. })
+        | ReadError::Iges(iges::ReadError::NoUsableFaces { .. })
+        | ReadError::ThreeDm(threedm::ReadError::NoUsableFaces { .. }) => REPAIR,
+        ReadError::Step(step::ReadError::NotStep(_)) => "give a STEP, IGES or Rhino file",
+        ReadError::Step(step::ReadError::Empty | step::ReadError::NoFaces { .. }) => {
             "export the surfaces as STEP (AP203, AP214 or AP242)"
         }
+        ReadError::Iges(iges::ReadError::OtherForm(_)) => {
+            "save it in the fixed ASCII form, or export the surfaces as STEP"
+        }
+        ReadError::Iges(_) => "export trimmed surfaces (144) or solids (186), or STEP instead",
+        ReadError::ThreeDm(_) => "save it again in Rhino, or as STEP",
     }
 }
 

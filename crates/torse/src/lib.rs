@@ -15,7 +15,7 @@
 //! | [`planarise()`] | [`Planarise`] | a strip of quadrilaterals | plane ones |
 //!
 //! ```no_run
-//! let model = torse::read_step(&std::fs::read("hull.step")?)?;
+//! let model = torse::read(&std::fs::read("hull.step")?)?;
 //! let mut answer = torse::approximate(&model, &torse::Approximate::new(2.0))?;
 //! for (name, bytes) in torse::files(&mut answer, "2026-01-31T12:00:00")? {
 //!     std::fs::write(name, bytes)?;
@@ -38,8 +38,10 @@
 pub use answer::Answer;
 pub use certify::claim::Status;
 pub use control::Control;
+pub use io::cad::read;
 pub use io::curves::read as read_curve;
-pub use io::step::read::{read as read_step, Model};
+pub use io::model::Model;
+pub use io::step::read::read as read_step;
 pub use nalgebra;
 pub use pipeline::approximate::{approximate, Options as Approximate};
 pub use pipeline::cones::{of_faces as cones, ConesOptions};

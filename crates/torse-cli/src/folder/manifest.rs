@@ -22,11 +22,13 @@ const REPORT_SCHEMAS: [&str; 2] = ["torse-report/", "torse-strips/"];
 const SAME_TIME: Duration = Duration::from_secs(2);
 
 /// Every name that a result's file can have; files of cones made beside panels have `cones-` before it.
-const RESULT_NAMES: [&str; 24] = [
+const RESULT_NAMES: [&str; 26] = [
     MANIFEST,
     REPORT,
     "report.html",
     "panels.step",
+    "panels.igs",
+    "panels.3dm",
     "strips.step",
     "cones.step",
     "thickness.step",

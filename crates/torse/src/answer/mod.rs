@@ -91,6 +91,10 @@ pub struct CutFiles {
     pub unit: LengthUnit,
     /// Whether every part gets a drawing of its own besides the common one; default no.
     pub one_per_part: bool,
+    /// Whether the panels are written as IGES too; default no.
+    pub iges: bool,
+    /// Whether the panels are written as a Rhino archive too; default no.
+    pub threedm: bool,
 }
 
 /// The answer of a job: what was made, what is said of it, and what is missing. Lengths in mm.

@@ -7,7 +7,7 @@ use super::json::{JsonError, Report};
 use super::pictures::Pictures;
 use super::png::{self, PngError};
 use super::step::write::{self as step, Header, Sheet};
-use super::{bends, dxf, marks, parts, svg};
+use super::{bends, dxf, iges, marks, parts, svg, threedm};
 use crate::answer::presentation::Presentation;
 use crate::answer::Answer;
 use crate::draw::scene::{titled, Scene};
@@ -45,6 +45,10 @@ pub enum BundleError {
 
 /// Name of the file of panels for CAD.
 pub const PANELS: &str = "panels.step";
+/// Names of copies of the panels in other formats.
+pub const IGES: &str = "panels.igs";
+/// See [`IGES`].
+pub const THREEDM: &str = "panels.3dm";
 /// How names of drawings of single parts begin.
 pub const PART_FILE: &str = "part-";
 /// Name of the file of exact cones, cylinders and planes for CAD.
@@ -87,9 +91,26 @@ pub fn geometry(answer: &Answer, shown: &Presentation, time: &str) -> Result<Vec
         )
     });
     let mut out = vec![step?, dxf?, svg?];
+    if answer.cones.is_none() {
+        out.extend(copies(answer, shown, &header)?);
+    }
     for (part, drawing) in &shown.alone {
         let (_, bytes) = text("patterns.dxf", |b| dxf::write(b, drawing))?;
         out.push((part_file(part), bytes));
+    }
+    Ok(out)
+}
+
+/// The panels in further formats: copies of [`PANELS`].
+fn copies(answer: &Answer, shown: &Presentation, header: &Header) -> Result<Vec<File>, BundleError> {
+    let mut out = Vec::new();
+    if answer.cut.iges {
+        out.push((IGES.into(), iges::write::panels(header, &answer.patchwork, &shown.marks.panels)));
+    }
+    if answer.cut.threedm {
+        let bytes = threedm::write::panels(header, &answer.patchwork, &shown.marks.panels)
+            .map_err(|source| BundleError::Write { file: THREEDM, source })?;
+        out.push((THREEDM.into(), bytes));
     }
     Ok(out)
 }

@@ -2,6 +2,7 @@
 
 pub mod bends;
 pub mod bundle;
+pub mod cad;
 pub mod cloud;
 pub mod curves;
 pub mod drawings;
@@ -9,9 +10,11 @@ pub mod dxf;
 pub mod elements;
 pub mod glb;
 pub mod html;
+pub mod iges;
 pub mod json;
 pub mod marks;
 mod markup;
+pub mod model;
 pub mod net;
 pub mod parts;
 pub mod pictures;
@@ -21,4 +24,5 @@ pub mod step;
 pub mod svg;
 pub mod sweep;
 mod table;
+pub mod threedm;
 pub mod words;

@@ -17,7 +17,7 @@ use crate::develop::pattern::bends_anew;
 use crate::develop::view::{seen_from, Drawn};
 use crate::geom::coarse::Loose;
 use crate::geom::BBox;
-use crate::io::step::read::Model;
+use crate::io::model::Model;
 use crate::patchwork::outside::outward;
 use crate::patchwork::panel::{Border, Panel, Patchwork};
 use crate::patchwork::part::Part;

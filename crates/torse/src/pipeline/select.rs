@@ -1,7 +1,7 @@
 //! Which faces of a model a job is for.
 
 use crate::brep::face::Face;
-use crate::io::step::read::Model;
+use crate::io::model::Model;
 use crate::patchwork::skins::{sheet, Sheet};
 use std::collections::{BTreeMap, BTreeSet};
 

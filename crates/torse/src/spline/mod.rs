@@ -7,6 +7,7 @@ pub mod composite;
 pub mod curve;
 pub mod derivative;
 pub mod field;
+pub mod image;
 pub mod knots;
 pub mod lsq;
 pub mod pieces;

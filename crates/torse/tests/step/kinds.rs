@@ -6,7 +6,8 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 use torse::brep::area::area_estimate;
 use torse::brep::face::{Face, SurfaceKind};
 use torse::geom::Vec3;
-use torse::io::step::read::{read, Model, ReadError};
+use torse::io::model::Model;
+use torse::io::step::read::{read, ReadError};
 
 /// Chords of 10⁻⁵ of the extent inside a circle cost less area than this share.
 const AREA: f64 = 5e-5;

@@ -6,7 +6,8 @@ use torse::brep::area::area_estimate;
 use torse::brep::face::Face;
 use torse::certify::trims::trim_proof;
 use torse::geom::Vec3;
-use torse::io::step::read::{read, Model};
+use torse::io::model::Model;
+use torse::io::step::read::read;
 
 fn model(s: &Step) -> Model {
     let m = read(s.text().as_bytes()).expect("a model");

@@ -7,12 +7,16 @@ mod table;
 
 use crate::geom::cloud::Cloud;
 use crate::geom::Vec3;
+use crate::io::threedm;
 
 /// Why a file of points cannot be read.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum CloudReadError {
+    /// A 3DM file without meshes, or none at all.
+    #[error(transparent)]
+    ThreeDm(#[from] threedm::ReadError),
     /// The ending of the name is not known.
-    #[error("'{0}' is no known kind of point file: give .ply, .csv, .xyz, .txt, .obj or .stl")]
+    #[error("'{0}' is no known kind of point file: give .ply, .csv, .xyz, .txt, .obj, .stl or .3dm")]
     Kind(String),
     /// Not what the ending says.
     #[error("not a {format} file: {reason}")]
@@ -71,6 +75,12 @@ pub fn read(name: &str, bytes: &[u8], unit: Option<f64>) -> Result<Cloud, CloudR
 pub fn read_noted(name: &str, bytes: &[u8], unit: Option<f64>) -> Result<(Cloud, Option<String>), CloudReadError> {
     let mut guessed = unit.is_none();
     let ending = name.rsplit('.').next().unwrap_or("").to_ascii_lowercase();
+    if ending == "3dm" {
+        // The file says its unit, or that it has none.
+        let (cloud, notes) = threedm::meshes::cloud(bytes)?;
+        let guessed = notes.iter().any(|n| n.contains("no length unit"));
+        return Ok((cloud, guessed.then(|| unit_note(name))));
+    }
     let only = |points: Vec<Vec3>| Cloud { points, ..Cloud::default() };
     let mut cloud = match ending.as_str() {
         "ply" => only(ply::points(bytes)?),

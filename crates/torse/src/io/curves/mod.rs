@@ -1,10 +1,13 @@
-//! Curves from files, as rails: STEP edges, DXF entities, tables of points. Formats only; the geometry of joining is
+//! Curves from files, as rails: STEP edges, IGES curves, DXF entities, tables of points. Formats only; the geometry of joining is
 //! [`Rail`]'s.
 
 mod csv;
 mod dxf;
 
-use crate::io::step::read::{edges, ReadError};
+use crate::io::iges::read as iges;
+use crate::io::step::read::edges::{self, EdgeCurve};
+use crate::io::step::read::ReadError;
+use crate::io::threedm;
 use crate::torse::rail::{Rail, RailError};
 
 /// What the reader is told besides the bytes.
@@ -12,8 +15,8 @@ use crate::torse::rail::{Rail, RailError};
 pub struct CurveOptions {
     /// Name of the rail, for messages.
     pub name: String,
-    /// Which curve of the file: entity number of a STEP file (`12/2` where an assembly has it a second time), layer or
-    /// handle of a DXF file; empty if it has only one.
+    /// Which curve of the file: entity number of a STEP file (`12/2` where an assembly has it a second time), number in the
+    /// directory of an IGES file, layer or handle of a DXF file; empty if it has only one.
     pub select: String,
     /// Length of one unit of the file, mm, where the file does not say (CSV, some DXF); default none.
     pub unit: Option<f64>,
@@ -101,6 +104,22 @@ pub enum CurveError {
         /// What is wrong.
         source: ReadError,
     },
+    /// Not a readable IGES file.
+    #[error("{name}: {source}")]
+    Iges {
+        /// Name.
+        name: String,
+        /// What is wrong.
+        source: iges::ReadError,
+    },
+    /// Not a readable 3DM file.
+    #[error("{name}: {source}")]
+    ThreeDm {
+        /// Name.
+        name: String,
+        /// What is wrong.
+        source: threedm::ReadError,
+    },
 }
 
 /// A curve of a file with the name by which it can be selected.
@@ -179,18 +198,19 @@ const BLANK: [char; 5] = ['\u{feff}', ' ', '\r', '\n', '\t'];
 fn source(bytes: &[u8], options: &CurveOptions) -> Result<Source, CurveError> {
     let damaged = |reason: &str| CurveError::Damaged { name: options.name.clone(), reason: reason.into() };
     if is_step(bytes) {
-        let all = edges::curves(bytes)
-            .map_err(|source| CurveError::Step { name: options.name.clone(), source })?
-            .into_iter()
-            .map(|e| Found {
-                label: if e.copy > 1 { format!("{}/{}", e.entity, e.copy) } else { e.entity.to_string() },
-                curves: e.curves,
-            })
-            .collect::<Vec<Found>>();
-        if all.is_empty() {
-            return Err(CurveError::Nothing { name: options.name.clone(), unread: None });
-        }
-        return Ok(Source::Curves(all, Vec::new()));
+        let all = edges::curves(bytes).map_err(|source| CurveError::Step { name: options.name.clone(), source })?;
+        return labelled(all, options);
+    }
+    if iges::recognises(bytes) {
+        let all =
+            iges::free::curves(bytes).map_err(|source| CurveError::Iges { name: options.name.clone(), source })?;
+        return labelled(all, options);
+    }
+    if threedm::recognises(bytes) {
+        let (all, notes) = threedm::free_curves::curves(bytes)
+            .map_err(|source| CurveError::ThreeDm { name: options.name.clone(), source })?;
+        let found = all.into_iter().map(|c| Found { label: c.label, curves: c.curves }).collect();
+        return Ok(Source::Curves(found, notes));
     }
     let text = String::from_utf8_lossy(bytes);
     if is_dxf(text.trim_start_matches(BLANK)) {
@@ -211,7 +231,22 @@ fn source(bytes: &[u8], options: &CurveOptions) -> Result<Source, CurveError> {
     if [".step", ".stp"].iter().any(|e| file.ends_with(e)) {
         return Err(damaged("it is no STEP file, whatever its name says"));
     }
+    if [".igs", ".iges"].iter().any(|e| file.ends_with(e)) {
+        return Err(damaged("it is no IGES file, whatever its name says"));
+    }
+    if file.ends_with(".3dm") {
+        return Err(damaged("it is no 3DM file, whatever its name says"));
+    }
     csv::read(bytes, options).map(Source::Points)
+}
+
+/// Curves by their numbers.
+fn labelled(all: Vec<EdgeCurve>, options: &CurveOptions) -> Result<Source, CurveError> {
+    if all.is_empty() {
+        return Err(CurveError::Nothing { name: options.name.clone(), unread: None });
+    }
+    let label = |e: &EdgeCurve| if e.copy > 1 { format!("{}/{}", e.entity, e.copy) } else { e.entity.to_string() };
+    Ok(Source::Curves(all.into_iter().map(|e| Found { label: label(&e), curves: e.curves }).collect(), Vec::new()))
 }
 
 /// Entities of a drawing that were not read, in words.

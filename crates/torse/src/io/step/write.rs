@@ -8,7 +8,7 @@
 mod cones;
 mod geometry;
 mod records;
-mod sewn;
+pub(crate) mod sewn;
 mod sheet;
 
 use std::io;

@@ -384,6 +384,9 @@ const TRIMS_DISAGREE: f64 = 1e-3;
 /// A segment is turned round where that brings it nearer by this factor to the one before.
 const CLEARLY: f64 = 1e-2;
 
+/// Segments that begin nearer to where the one before ends than this share of their extent do follow it.
+const TOUCHES: f64 = 1e-6;
+
 /// Segments that follow each other: senses in files are not reliable, so a segment that ends where it should begin is
 /// turned round.
 fn following(mut path: Vec<Arc>) -> Vec<Arc> {
@@ -391,6 +394,11 @@ fn following(mut path: Vec<Arc>) -> Vec<Arc> {
         let (start, end) = path[i].ends();
         let last = path[i - 1].ends().1;
         let (there, back) = ((start - last).norm(), (end - last).norm());
+        let middle = path[i].curve.point(0.5 * (path[i].from + path[i].to));
+        if there <= TOUCHES * (middle - start).norm() {
+            // A closed piece begins and ends there: which way it runs is for the file to say.
+            continue;
+        }
         if i == 1 {
             // The first has nothing before it: it is turned if that alone makes the second fit.
             let first = path[0].ends().0;

@@ -8,7 +8,7 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 /// Sheets of a patchwork. Panels on both sides of a shared edge are in one sheet; its vertices are the ends of edges,
 /// equal bit by bit. Panels that `marked` holds for carry it in their names.
-pub(super) fn sheets(patchwork: &Patchwork, marked: &[bool]) -> Vec<Sheet> {
+pub(crate) fn sheets(patchwork: &Patchwork, marked: &[bool]) -> Vec<Sheet> {
     let mut group: Vec<usize> = (0..patchwork.panels.len()).collect();
     let mut shared = BTreeSet::new();
     for s in patchwork.seams().iter().filter(|s| s.is_shared()) {

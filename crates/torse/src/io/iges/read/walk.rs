@@ -1,0 +1,323 @@
+//! The way through a file: from entities that no other refers to, down to the uses of faces.
+
+use super::faces::is_face;
+use super::placing;
+use super::records::DEEPEST;
+use super::records::{Entry, Fault, Records};
+use crate::geom::placement::Placement;
+use crate::geom::Vec3;
+use std::collections::{HashMap, HashSet};
+
+/// One use of a face.
+#[derive(Clone, Debug)]
+pub(super) struct Occurrence {
+    /// Number of the face's entity.
+    pub face: u64,
+    /// Whether a shell turns it round.
+    pub flipped: bool,
+    /// Name of the part.
+    pub part: String,
+    /// Where it goes, in the numbers of the file.
+    pub placement: Placement,
+    /// Number of the body: a solid, a group, or what lies loose in one part.
+    pub body: u32,
+}
+
+/// All uses of faces, and what was found wanting on the way.
+#[derive(Debug, Default)]
+pub(super) struct Census {
+    /// In the order of the directory.
+    pub occurrences: Vec<Occurrence>,
+    /// Entities that could not be followed.
+    pub faults: Vec<Fault>,
+    /// Remarks on the file as a whole.
+    pub notes: Vec<String>,
+    /// Names of parts.
+    pub parts: Vec<String>,
+}
+
+/// Uses of faces at most; a short file can ask for exponentially many.
+const MOST_OCCURRENCES: usize = 200_000;
+/// Steps along the assembly tree at most, for the same reason.
+const MOST_STEPS: usize = 1_000_000;
+
+/// Where the walk stands.
+#[derive(Clone, Copy)]
+struct Here<'p> {
+    flipped: bool,
+    placement: &'p Placement,
+    part: &'p str,
+    body: u32,
+    depth: u32,
+}
+
+struct Walk<'r> {
+    records: &'r Records,
+    /// Faces and groups met outside of copied parts: there, what is met again is the same thing.
+    met: HashSet<(u64, bool)>,
+    bodies: u32,
+    steps: usize,
+    /// Parts whose copies are being walked through.
+    open: Vec<u64>,
+    out: Census,
+}
+
+/// Finds all uses of faces.
+pub(super) fn census(records: &Records) -> Census {
+    let referred = referred(records);
+    let mut walk = Walk { records, met: HashSet::new(), bodies: 1, steps: 0, open: Vec::new(), out: Census::default() };
+    let place = Placement::identity();
+    let top = records.global.product.clone();
+    walk.out.parts.extend(Some(top.clone()).filter(|t| !t.is_empty()));
+    for (number, _) in records.unlisted.iter().filter(|(_, kind)| may_hold_faces(*kind)) {
+        walk.out.faults.push(Fault::new(*number, "its entry in the directory is lost"));
+    }
+    let mut orphans = 0;
+    // Groups and copies first, so that their members belong to them.
+    for groups in [true, false] {
+        for e in records.all().filter(|e| !referred.contains(&e.number) && is_group(e) == groups) {
+            let here = Here { flipped: false, placement: &place, part: &top, body: 1, depth: 0 };
+            if is_face(e.kind) && e.dependent {
+                if !records.lost.is_empty() {
+                    let what = "it is a part of something that is lost, so that its boundary is not known";
+                    walk.out.faults.push(Fault::new(e.number, what));
+                    continue;
+                }
+                orphans += 1;
+            }
+            walk.entity(e.number, here);
+        }
+    }
+    if orphans > 0 {
+        walk.out.notes.push(format!(
+            "surfaces that are marked as parts of others, though nothing refers to them, and are read as faces: {orphans}"
+        ));
+    }
+    let hidden: HashSet<u64> = walk.out.occurrences.iter().map(|o| o.face).collect();
+    let hidden = hidden.iter().filter(|f| records.entry(**f).is_some_and(|e| e.blanked)).count();
+    if hidden > 0 {
+        walk.out.notes.push(format!("faces that are hidden (blanked) in the file, and read all the same: {hidden}"));
+    }
+    walk.out
+}
+
+/// Forms of associativities that are groups.
+const GROUPS: [i64; 4] = [1, 7, 14, 15];
+
+fn is_group(e: &Entry) -> bool {
+    (e.kind == 402 && GROUPS.contains(&e.form)) || matches!(e.kind, 186 | 408 | 430 | 514)
+}
+
+/// Entities that others are made of.
+fn referred(records: &Records) -> HashSet<u64> {
+    records.all().flat_map(|e| children(e).unwrap_or_default()).collect()
+}
+
+/// Entities that an entity is made of.
+pub(super) fn children(e: &Entry) -> Result<Vec<u64>, Fault> {
+    let some = |fields: &[usize]| -> Result<Vec<u64>, Fault> { fields.iter().map(|k| e.optional(*k)).collect() };
+    let mut out = match e.kind {
+        102 => e.pointers(2, e.count(1)?)?,
+        108 => some(&[5])?,
+        118 | 120 => some(&[1, 2])?,
+        122 | 130 => some(&[1])?,
+        140 => some(&[5])?,
+        141 => {
+            let mut out = some(&[3])?;
+            let mut at = 5;
+            for _ in 0..e.count(4)? {
+                let n = e.count(at + 2)?;
+                out.push(e.optional(at)?);
+                out.extend((0..n).map(|k| e.optional(at + 3 + k)).collect::<Result<Vec<_>, _>>()?);
+                at += 3 + n;
+            }
+            out
+        }
+        142 => some(&[2, 3, 4])?,
+        143 => [some(&[2])?, e.pointers(4, e.count(3)?)?].concat(),
+        144 => {
+            let inner = (0..e.count(3)?).map(|k| e.optional(5 + k)).collect::<Result<Vec<_>, _>>()?;
+            [some(&[1, 4])?, inner].concat()
+        }
+        162 | 164 => some(&[1])?,
+        // Operands are negative; what is positive is an operation.
+        180 => {
+            (0..e.count(1)?).filter_map(|k| e.integer(2 + k).ok().filter(|p| *p < 0).map(i64::unsigned_abs)).collect()
+        }
+        184 => e.pointers(2, e.count(1)?)?,
+        186 => {
+            let voids = (0..e.count(3)?).map(|k| e.optional(4 + 2 * k)).collect::<Result<Vec<_>, _>>()?;
+            [some(&[1])?, voids].concat()
+        }
+        190 => some(&[1, 2, 3])?,
+        192 => some(&[1, 2, 4])?,
+        194 | 198 => some(&[1, 2, 5])?,
+        196 => some(&[1, 3, 4])?,
+        308 => e.pointers(4, e.count(3)?)?,
+        402 if GROUPS.contains(&e.form) => e.pointers(2, e.count(1)?)?,
+        408 | 412 | 414 | 430 => some(&[1])?,
+        504 => {
+            let n = e.count(1)?;
+            (0..n).flat_map(|k| [2 + 5 * k, 3 + 5 * k, 5 + 5 * k]).map(|k| e.optional(k)).collect::<Result<_, _>>()?
+        }
+        508 => {
+            let mut out = Vec::new();
+            let mut at = 2;
+            for _ in 0..e.count(1)? {
+                let n = e.count(at + 4)?;
+                out.push(e.optional(at + 1)?);
+                out.extend((0..n).map(|k| e.optional(at + 6 + 2 * k)).collect::<Result<Vec<_>, _>>()?);
+                at += 5 + 2 * n;
+            }
+            out
+        }
+        510 => [some(&[1])?, e.pointers(4, e.count(2)?)?].concat(),
+        514 => (0..e.count(1)?).map(|k| e.optional(2 + 2 * k)).collect::<Result<_, _>>()?,
+        _ => Vec::new(),
+    };
+    out.retain(|p| *p != 0);
+    Ok(out)
+}
+
+/// Why an entity at the top of a file is a loss.
+fn loss(kind: u32) -> Option<&'static str> {
+    match kind {
+        150 | 152 | 154 | 156 | 158 | 160 | 162 | 164 | 168 | 180 | 182 | 184 => {
+            Some("solids of constructive geometry (CSG) are not read; export the surfaces or a boundary representation")
+        }
+        134 | 136 | 138 => Some("finite elements are not read; export surfaces"),
+        412 | 414 => Some("arrays of copies are not read; explode them before export"),
+        416 => Some("it refers to another file; export the model as one file"),
+        _ => None,
+    }
+}
+
+impl Walk<'_> {
+    fn entity(&mut self, id: u64, here: Here) {
+        self.steps += 1;
+        let full = self.steps > MOST_STEPS || self.out.occurrences.len() > MOST_OCCURRENCES;
+        if here.depth > DEEPEST || full {
+            if self.out.faults.last().is_none_or(|f| f.entity != id) {
+                self.out.faults.push(Fault::new(id, format!("D{id} contains itself or too much")));
+            }
+            return;
+        }
+        if let Err(fault) = self.try_entity(id, here) {
+            self.out.faults.push(Fault { entity: id, reason: fault.reason });
+        }
+    }
+
+    fn try_entity(&mut self, id: u64, here: Here) -> Result<(), Fault> {
+        let kind = self.records.kind(id);
+        let e = match self.records.get(id) {
+            Ok(e) => e,
+            // Whatever it was, what it held is lost.
+            Err(fault) => return if kind == 0 || may_hold_faces(kind) { Err(fault) } else { Ok(()) },
+        };
+        let endless = matches!(e.kind, 190) || (e.kind == 108 && e.form == 0);
+        let hole = e.kind == 108 && e.form < 0;
+        if endless || hole {
+            // Planes by themselves are construction geometry.
+            return Ok(());
+        }
+        let placement = here.placement.after(&placing::of_entry(self.records, e)?);
+        let below = Here { placement: &placement, depth: here.depth + 1, ..here };
+        if is_face(e.kind) {
+            if self.first_time(id, here) {
+                let Here { flipped, part, body, .. } = here;
+                self.out.occurrences.push(Occurrence { face: id, flipped, part: part.to_string(), placement, body });
+            }
+            return Ok(());
+        }
+        match e.kind {
+            186 => {
+                let body = self.body();
+                let shells = (0..e.count(3)?).map(|k| (4 + 2 * k, 5 + 2 * k)).chain(std::iter::once((1, 2)));
+                for (shell, sense) in shells.collect::<Vec<_>>() {
+                    let flipped = here.flipped != (e.integer(sense)? == 0);
+                    self.entity(e.pointer(shell)?, Here { flipped, body, ..below });
+                }
+                Ok(())
+            }
+            514 => {
+                let body = if here.depth == 0 { self.body() } else { here.body };
+                for k in 0..e.count(1)? {
+                    let flipped = here.flipped != (e.integer(3 + 2 * k)? == 0);
+                    self.entity(e.pointer(2 + 2 * k)?, Here { flipped, body, ..below });
+                }
+                Ok(())
+            }
+            402 if GROUPS.contains(&e.form) => {
+                if self.first_time(id, here) {
+                    let body = self.body();
+                    // A group does not move its members.
+                    let inside = Here { placement: here.placement, body, ..below };
+                    e.pointers(2, e.count(1)?)?.into_iter().for_each(|m| self.entity(m, inside));
+                }
+                Ok(())
+            }
+            408 => self.copy(e, below),
+            430 => {
+                self.entity(e.pointer(1)?, below);
+                Ok(())
+            }
+            kind => loss(kind).map_or(Ok(()), |why| Err(Fault::new(id, format!("D{id} (type {kind}): {why}")))),
+        }
+    }
+
+    /// A copy of a part.
+    fn copy(&mut self, e: &Entry, here: Here) -> Result<(), Fault> {
+        let part = self.records.get(e.pointer(1)?)?;
+        if part.kind != 308 {
+            return Err(Fault::new(e.number, format!("D{} copies D{}, which is no part", e.number, part.number)));
+        }
+        if self.open.contains(&part.number) {
+            return Err(Fault::new(e.number, format!("the part D{} contains itself", part.number)));
+        }
+        let shift = Vec3::new(e.number(2)?, e.number(3)?, e.number(4)?);
+        let scale = if e.has(5) { e.number(5)? } else { 1.0 };
+        if !(scale > 0.0 && scale.is_finite()) {
+            return Err(Fault::new(e.number, format!("the copy D{} has the scale {scale}", e.number)));
+        }
+        let mut placement = Placement { shift, ..Placement::identity() };
+        placement.linear *= scale;
+        let placement = here.placement.after(&placement).after(&placing::of_entry(self.records, part)?);
+        let name = part.text(2).to_string();
+        if !name.is_empty() && !self.out.parts.contains(&name) {
+            self.out.parts.push(name.clone());
+        }
+        let body = self.body();
+        let members = part.pointers(4, part.count(3)?)?;
+        let copies = Here { placement: &placement, part: &name, body, ..here };
+        self.open.push(part.number);
+        members.into_iter().for_each(|m| self.entity(m, copies));
+        self.open.pop();
+        Ok(())
+    }
+
+    /// Whether something is to be walked through: inside of copies always, else once.
+    fn first_time(&mut self, id: u64, here: Here) -> bool {
+        *here.placement != Placement::identity() || self.met.insert((id, here.flipped))
+    }
+
+    fn body(&mut self) -> u32 {
+        self.bodies += 1;
+        self.bodies
+    }
+}
+
+/// Whether an entity of this type, with its data lost, may have held faces.
+fn may_hold_faces(kind: u32) -> bool {
+    is_face(kind) || matches!(kind, 186 | 308 | 402 | 408 | 430 | 514) || loss(kind).is_some()
+}
+
+/// How often each entity is used by others, by type of the user.
+pub(super) fn users(records: &Records) -> HashMap<u64, Vec<u32>> {
+    let mut out: HashMap<u64, Vec<u32>> = HashMap::new();
+    for e in records.all() {
+        for c in children(e).unwrap_or_default() {
+            out.entry(c).or_default().push(e.kind);
+        }
+    }
+    out
+}

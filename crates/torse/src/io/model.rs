@@ -1,0 +1,27 @@
+//! What a CAD file holds, whatever its format.
+
+use crate::answer::skipped::Skipped;
+use crate::brep::face::Face;
+
+/// The faces of a CAD file.
+#[derive(Clone, Debug)]
+pub struct Model {
+    /// Trimmed faces in millimetres, in the coordinates of the whole model; one for each occurrence in an assembly.
+    pub faces: Vec<Face>,
+    /// Faces and other items that could not be read, by entity number.
+    pub skipped: Vec<Skipped>,
+    /// Name of the file's length unit in lower case ("millimetre", "foot"); empty if the file names none.
+    pub unit: String,
+    /// Remarks on the file as a whole (damage, repeated numbers, truncation).
+    pub notes: Vec<String>,
+    /// Names of the products.
+    pub products: Vec<String>,
+}
+
+/// Knobs of the reader.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ReadOptions {
+    /// Largest distance between a trimming curve and the image of its chords, never above 10⁻⁵ of the extent of each
+    /// face's boundary, which is the default (`None`). mm.
+    pub chord_tolerance: Option<f64>,
+}

@@ -1,0 +1,119 @@
+//! What is written is read back.
+
+use super::super::{read, write};
+use super::{area, model, near, normal};
+use crate::geom::{Frame, Vec3};
+use crate::io::step::write::{EdgeUse, Header, Sheet, SheetCurve, SheetEdge, SheetFace, SheetSurface, SurfaceForm};
+use crate::spline::curve::Curve;
+use crate::spline::knots::Knots;
+use crate::spline::surface::Surface;
+
+fn header() -> Header {
+    Header { name: "test".into(), time: String::new(), uncertainty: 1e-6 }
+}
+
+fn knots(p: usize) -> Knots {
+    Knots::clamped(p, &[0.0, 1.0]).expect("knots")
+}
+
+/// Parabolic cylinder (100 u, 200 v, 50 u²).
+fn parabola() -> Surface {
+    let row = [(0.0, 0.0), (50.0, 0.0), (100.0, 50.0)];
+    let points: Vec<Vec3> = row.iter().flat_map(|&(x, z)| [Vec3::new(x, 0., z), Vec3::new(x, 200., z)]).collect();
+    Surface::new(knots(2), knots(1), &points, None).expect("surface")
+}
+
+/// A rectangle of the parameter plane of the parabola as a loop, with exact edges.
+fn ring(s: &mut Sheet, corners: [[f64; 2]; 4]) -> Vec<EdgeUse> {
+    let first = s.edges.len();
+    let at = |q: [f64; 2]| [100.0 * q[0], 200.0 * q[1], 50.0 * q[0] * q[0]];
+    let mut uses = Vec::new();
+    for i in 0..4 {
+        let (a, b) = (corners[i], corners[(i + 1) % 4]);
+        let mut middle = at([0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])]);
+        middle[2] = 50.0 * a[0] * b[0];
+        s.vertices.push(Vec3::from(at(a)));
+        let curve = SheetCurve::Spline(Curve { knots: knots(2), control: vec![at(a), middle, at(b)] });
+        s.edges.push(SheetEdge { start: first + i, end: first + (i + 1) % 4, curve });
+        let trim = Curve::new(1, vec![0., 0., 1., 1.], vec![a, b]).ok();
+        uses.push(EdgeUse { edge: first + i, forward: true, trim });
+    }
+    uses
+}
+
+#[test]
+fn a_trimmed_panel_keeps_its_numbers() {
+    let surface = parabola();
+    let mut s = Sheet { name: "A-01 'Bügel'".into(), ..Sheet::default() };
+    let outer = ring(&mut s, [[0., 0.], [1., 0.], [1., 1.], [0., 1.]]);
+    let hole = ring(&mut s, [[0.3, 0.4], [0.3, 0.7], [0.6, 0.7], [0.6, 0.4]]);
+    let carrier = SheetSurface::Spline { surface: surface.clone(), form: SurfaceForm::Extrusion };
+    s.faces.push(SheetFace { name: String::new(), surface: carrier, reversed: false, loops: vec![outer, hole] });
+    let m = model(&write::sheets(&header(), &[s.clone()]).expect("written"));
+    assert_eq!((m.faces.len(), m.skipped.len(), m.unit.as_str()), (1, 0, "millimetre"));
+    let f = &m.faces[0];
+    assert_eq!((f.name.as_str(), f.part.as_str(), f.reversed), ("A-01 'Bügel'", "Panels", false));
+    assert_eq!(f.surface, surface);
+    assert!(crate::certify::trims::trim_proof(f, 1e-9).bound().value() < 1e-9);
+    // Turned over, loops and normal go with the face.
+    let face = &mut s.faces[0];
+    face.reversed = true;
+    for l in &mut face.loops {
+        l.reverse();
+        l.iter_mut().for_each(|u| u.forward = false);
+    }
+    let turned = model(&write::sheets(&header(), &[s]).expect("written"));
+    assert!(near(area(&turned.faces), area(&m.faces)));
+    assert!((normal(f) + normal(&turned.faces[0])).norm() < 1e-12);
+}
+
+#[test]
+fn a_strip_that_ends_in_a_point_and_a_plane_one() {
+    let r = 0.5f64.sqrt();
+    let (mut points, mut weights) = (Vec::new(), Vec::new());
+    for (x, y, w) in [(1.0, 0.0, 1.0), (1.0, 1.0, r), (0.0, 1.0, 1.0)] {
+        points.extend([Vec3::new(0., 0., 100.), Vec3::new(50.0 * x, 50.0 * y, 0.)]);
+        weights.extend([w, w]);
+    }
+    let cone = Surface::new(knots(2), knots(1), &points, Some(&weights)).expect("cone");
+    let mut s = Sheet::untrimmed("cone", &cone);
+    // The side v = 0 is the apex: no edge, one vertex.
+    s.faces[0].loops[0].retain(|u| u.edge != 0);
+    s.faces[0].loops[0].iter_mut().for_each(|u| u.edge -= 1);
+    s.edges.remove(0);
+    s.edges.iter_mut().flat_map(|e| [&mut e.start, &mut e.end]).filter(|v| **v == 1).for_each(|v| *v = 0);
+    let frame = Frame { origin: Vec3::new(10., 0., 200.), x: Vec3::x(), y: Vec3::y(), z: Vec3::z() };
+    let corners = [(0., 0.), (30., 0.), (30., 20.), (5., 25.)];
+    let plane = Sheet {
+        name: "plane".into(),
+        vertices: corners.iter().map(|c| frame.to_world(&Vec3::new(c.0, c.1, 0.))).collect(),
+        edges: (0..4).map(|i| SheetEdge { start: i, end: (i + 1) % 4, curve: SheetCurve::Line }).collect(),
+        faces: vec![SheetFace {
+            name: String::new(),
+            surface: SheetSurface::Plane(frame),
+            reversed: false,
+            loops: vec![(0..4).map(|edge| EdgeUse { edge, forward: true, trim: None }).collect()],
+        }],
+    };
+    let m = model(&write::sheets(&header(), &[s, plane]).expect("written"));
+    assert_eq!((m.faces.len(), m.skipped.len()), (2, 0));
+    let lateral = 0.25 * std::f64::consts::PI * 50.0 * 50f64.hypot(100.0);
+    assert!((area(&m.faces[..1]) / lateral - 1.0).abs() < 1e-5);
+    assert!(near(area(&m.faces[1..]), 625.0));
+}
+
+#[test]
+fn what_cannot_be_written_is_an_error() {
+    let mut s = Sheet::untrimmed("A", &parabola());
+    s.faces[0].loops[0][1].edge = 99;
+    let error = write::sheets(&header(), &[s.clone()]).expect_err("refused");
+    assert!(error.to_string().contains("no edge 99"), "{error}");
+    s = Sheet::untrimmed("A", &parabola());
+    s.faces[0].surface = SheetSurface::Cylinder { frame: Frame::world(), radius: 1.0 };
+    let error = write::sheets(&header(), &[s.clone()]).expect_err("refused");
+    assert!(error.to_string().contains("cylinder"), "{error}");
+    s = Sheet::untrimmed("A", &parabola());
+    s.edges[0].end = 77;
+    assert!(write::sheets(&header(), &[s]).is_err());
+    assert!(read(&write::sheets(&header(), &[]).expect("an archive")).is_err());
+}

@@ -1,0 +1,86 @@
+//! Parts, copies, groups and names.
+
+use crate::file::{entry, Entry, File};
+use crate::{area, model};
+use torse::io::iges::read;
+
+const PART: &str = "00010000";
+
+#[test]
+fn copies_of_a_part_are_placed_scaled_and_named() {
+    let mut f = File::new();
+    f.units = "1.0,10,2HCM".into();
+    let s = f.rectangle(Entry { status: PART, ..entry(128) }, 3.0, 2.0);
+    let part = f.add(entry(308), &format!("0,4Hwing,1,{s}"));
+    f.add(entry(408), &format!("{part},10.,0.,0."));
+    let turn = f.add(entry(124), "0.,-1.,0.,0.,1.,0.,0.,0.,0.,0.,1.,7.");
+    f.add(Entry { matrix: turn, ..entry(408) }, &format!("{part},1.,0.,0.,2."));
+    let m = model(&f);
+    assert_eq!(m.faces.len(), 2);
+    assert!(m.faces.iter().all(|f| f.part == "wing") && m.products.contains(&"wing".to_string()));
+    assert!((area(&m.faces[0]) - 600.0).abs() < 1e-9 && (area(&m.faces[1]) - 2400.0).abs() < 1e-9);
+    let corner = |k: usize| m.faces[k].surface.point(1.0, 0.0);
+    // (3, 0) doubled and moved by 1 is (7, 0), turned (0, 7), lifted by 7; centimetres.
+    assert!((corner(0) - torse::geom::Vec3::new(130.0, 0.0, 0.0)).norm() < 1e-9);
+    assert!((corner(1) - torse::geom::Vec3::new(0.0, 70.0, 70.0)).norm() < 1e-9);
+    assert_ne!(m.faces[0].body, m.faces[1].body);
+}
+
+#[test]
+fn groups_are_bodies_and_do_not_copy() {
+    let mut f = File::new();
+    let a = f.rectangle(entry(128), 1.0, 1.0);
+    let b = f.rectangle(entry(128), 2.0, 1.0);
+    f.rectangle(entry(128), 3.0, 1.0);
+    f.add(Entry { form: 7, ..entry(402) }, &format!("2,{a},{b}"));
+    let m = model(&f);
+    let body = |w: f64| m.faces.iter().find(|f| (area(f) - w).abs() < 1e-9).expect("a face").body;
+    assert_eq!(m.faces.len(), 3);
+    assert!(body(1.0) == body(2.0) && body(1.0) != body(3.0));
+}
+
+#[test]
+fn names_are_properties_or_labels_and_hidden_faces_are_told() {
+    let mut f = File::new();
+    f.rectangle(Entry { label: "DECK", status: "01000000", ..entry(128) }, 1.0, 1.0);
+    let name = f.add(Entry { form: 15, status: "00010300", ..entry(406) }, "1,10Hfore, deck");
+    f.add(
+        Entry { label: "OTHER", ..entry(128) },
+        &format!("1,1,1,1,0,0,1,0,0,0.,0.,1.,1.,0.,0.,1.,1.,1.,1.,1.,1.,0.,0.,0.,3.,0.,0.,0.,2.,0.,3.,2.,0.,0.,1.,0.,1.,0,1,{name}"),
+    );
+    let m = model(&f);
+    assert_eq!((m.faces[0].name.as_str(), m.faces[1].name.as_str()), ("DECK", "fore, deck"));
+    assert!(m.notes.iter().any(|n| n.contains("hidden")), "{:?}", m.notes);
+}
+
+#[test]
+fn what_is_not_read_is_named() {
+    let mut f = File::new();
+    f.rectangle(entry(128), 1.0, 1.0);
+    let block = f.add(entry(150), "1.,2.,3.");
+    f.add(entry(416), "9Hother.igs");
+    let m = read::read(&f.bytes()).expect("a model");
+    let named: Vec<Option<u64>> = m.skipped.iter().map(|s| s.entity).collect();
+    assert_eq!(named, [Some(block), Some(block + 2)]);
+    assert!(m.skipped[0].reason.contains("CSG") && m.skipped[1].reason.contains("another file"));
+    let mut f = File::new();
+    f.add(entry(150), "1.,2.,3.");
+    let e = read::read(&f.bytes()).expect_err("no faces");
+    assert!(e.to_string().contains("CSG"), "{e}");
+}
+
+#[test]
+fn circles_of_references_end() {
+    let mut f = File::new();
+    f.rectangle(entry(128), 1.0, 1.0);
+    // 3 is a part that holds copies of itself; 7 and 9 are matrices of each other.
+    f.add(entry(308), "0,1Hx,2,5,5");
+    f.add(entry(408), "3,1.,0.,0.");
+    f.add(Entry { matrix: 9, ..entry(124) }, "1.,0.,0.,0.,0.,1.,0.,0.,0.,0.,1.,0.");
+    f.add(Entry { matrix: 7, ..entry(124) }, "1.,0.,0.,0.,0.,1.,0.,0.,0.,0.,1.,0.");
+    f.rectangle(Entry { matrix: 7, ..entry(128) }, 1.0, 1.0);
+    f.add(entry(408), "3,1.,0.,0.");
+    let m = read::read(&f.bytes()).expect("a model");
+    assert_eq!(m.faces.len(), 1);
+    assert!(m.skipped.iter().any(|s| s.reason.contains("contains itself")), "{:?}", m.skipped);
+}
