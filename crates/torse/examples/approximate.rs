@@ -4,12 +4,12 @@
 #![allow(clippy::print_stdout)]
 
 use std::error::Error;
-use torse::{approximate, files, read_step, Approximate};
+use torse::{approximate, files, read, Approximate};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let [file, tolerance, folder] = &arguments[..] else { return Err("give FILE TOLERANCE FOLDER".into()) };
-    let model = read_step(&std::fs::read(file)?)?;
+    let model = read(&std::fs::read(file)?)?;
     let mut answer = approximate(&model, &Approximate::new(tolerance.parse()?))?;
     std::fs::create_dir_all(folder)?;
     for (name, bytes) in files(&mut answer, "2026-01-31T12:00:00")? {

@@ -4,12 +4,12 @@
 #![allow(clippy::print_stdout)]
 
 use std::error::Error;
-use torse::{cones, files, read_step, ConesOptions, Control};
+use torse::{cones, files, read, ConesOptions, Control};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let [file, tolerance, folder] = &arguments[..] else { return Err("give FILE TOLERANCE FOLDER".into()) };
-    let model = read_step(&std::fs::read(file)?)?;
+    let model = read(&std::fs::read(file)?)?;
     let options = ConesOptions { tolerance: tolerance.parse()?, input: "chute".into() };
     let mut answer = cones(&model.faces, &model.skipped, &options, &Control::default())?;
     std::fs::create_dir_all(folder)?;

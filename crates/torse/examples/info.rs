@@ -3,11 +3,11 @@
 #![allow(clippy::print_stdout)]
 
 use std::error::Error;
-use torse::{measure, read_step};
+use torse::{measure, read};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let file = std::env::args().nth(1).ok_or("give a file")?;
-    let model = read_step(&std::fs::read(file)?)?;
+    let model = read(&std::fs::read(file)?)?;
     for (face, info) in model.faces.iter().zip(measure(&model.faces)) {
         println!("#{}: {}, {}, {:.0} mm²", face.entity, info.kind, info.character(), info.area_estimate);
     }

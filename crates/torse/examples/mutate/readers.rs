@@ -22,7 +22,7 @@ const fn reader(name: &'static str, kinds: &'static [Kind], read: fn(&[u8]) -> R
 }
 
 /// All of them.
-pub const READERS: [Reader; 22] = [
+pub const READERS: [Reader; 26] = [
     reader("points: PLY", &[Kind::Ply], |b| points("a.ply", b)),
     reader("points: tables", &[Kind::Table], |b| points("a.csv", b)),
     reader("points: PTS", &[Kind::Table], |b| points("a.pts", b)),
@@ -34,6 +34,8 @@ pub const READERS: [Reader; 22] = [
     reader("curves: all of a DXF", &[Kind::Dxf, Kind::DrawnDxf], |b| all_curves(b, "a.dxf", None)),
     reader("curves: all of a file in inches", &[Kind::Dxf, Kind::Table], |b| all_curves(b, "a", Some(25.4))),
     reader("curves: STEP", &[Kind::Step, Kind::Strips], edge),
+    reader("curves: IGES", &[Kind::Iges], |b| all_curves(b, "a.igs", None)),
+    reader("curves: 3DM", &[Kind::ThreeDm], |b| all_curves(b, "a.3dm", None)),
     reader("elements: tables", &[Kind::Table], |b| given("a.csv", b)),
     reader("elements: DXF", &[Kind::Dxf], |b| given("a.dxf", b)),
     reader("quadrilaterals: tables", &[Kind::Table], |b| strip("a.csv", b)),
@@ -43,6 +45,8 @@ pub const READERS: [Reader; 22] = [
     reader("drawings: DXF", &[Kind::DrawnDxf], |b| drawings::dxf(b).map(|p| pieces(&p))),
     reader("drawings: SVG", &[Kind::DrawnSvg], |b| drawings::svg(b).map(|p| pieces(&p))),
     reader("STEP: faces", &[Kind::Step, Kind::Step, Kind::Strips], faces),
+    reader("IGES: faces", &[Kind::Iges], faces),
+    reader("3DM: faces", &[Kind::ThreeDm], faces),
     reader("STEP: panels written here", &[Kind::Panels], |b| step::own::faces(b).map(|f| own_faces(&f))),
     reader("STEP: strips written here", &[Kind::Strips], |b| step::own::strips(b).map(|_| true)),
 ];
@@ -124,7 +128,7 @@ fn pieces(all: &[WrittenPiece]) -> bool {
 }
 
 fn faces(bytes: &[u8]) -> Result<bool, String> {
-    let model = step::read(bytes).map_err(|e| e.to_string())?;
+    let model = torse::read(bytes).map_err(|e| e.to_string())?;
     Ok(!model.faces.is_empty()
         && model.faces.iter().all(|f| {
             f.surface.control.iter().flatten().all(|x| x.is_finite())

@@ -24,6 +24,8 @@ pub enum Kind {
     Step,
     Panels,
     Strips,
+    Iges,
+    ThreeDm,
 }
 
 /// All good files.
@@ -85,7 +87,8 @@ impl Stock {
 fn answers() -> Result<Vec<(Kind, Vec<u8>)>, String> {
     let torus = include_bytes!("../../../../data/torus_piece.step");
     let model = read(torus).map_err(|e| e.to_string())?;
-    let answer = approximate(&model, &Options::new(COARSE)).map_err(|e| format!("no answer: {e}"))?;
+    let mut answer = approximate(&model, &Options::new(COARSE)).map_err(|e| format!("no answer: {e}"))?;
+    (answer.cut.iges, answer.cut.threedm) = (true, true);
     let shown = present(&answer);
     let report = Report::of(&answer, &shown).to_json().map_err(|e| e.to_string())?;
     let mut all = vec![(Kind::Report, report.into_bytes())];
@@ -95,6 +98,8 @@ fn answers() -> Result<Vec<(Kind, Vec<u8>)>, String> {
             Some("step") => Kind::Panels,
             Some("dxf") => Kind::DrawnDxf,
             Some("svg") => Kind::DrawnSvg,
+            Some("igs") => Kind::Iges,
+            Some("3dm") => Kind::ThreeDm,
             _ => continue,
         };
         all.push((kind, bytes));

@@ -5,7 +5,8 @@ use crate::certify::claim::Claim;
 /// A face of the input, or another item of it, that is missing from the answer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Skipped {
-    /// Entity number in a STEP file.
+    /// Number of the entity in a CAD file: of a record in STEP, of a directory entry in IGES, of the face counted through a
+    /// Rhino archive.
     pub entity: Option<u64>,
     /// Why, and what would help.
     pub reason: String,
@@ -14,7 +15,7 @@ pub struct Skipped {
 }
 
 impl Skipped {
-    /// A face or item of a STEP file.
+    /// A face or item of a CAD file.
     pub fn of_file(entity: u64, reason: impl Into<String>, area_estimate: Option<f64>) -> Self {
         Self { entity: Some(entity), reason: reason.into(), area_estimate }
     }

@@ -139,7 +139,7 @@ pub struct SeamRecord {
 /// An item of the input that could not be used.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SkippedRecord {
-    /// Entity number in a STEP file; null for items of other files, which the reason names.
+    /// Number of the entity in a CAD file; null for items of other files, which the reason names.
     pub entity: Option<u64>,
     /// Why, and what would help.
     pub reason: String,

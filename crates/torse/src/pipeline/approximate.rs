@@ -181,7 +181,7 @@ const MOST_TURN_DEG: f64 = 200.0;
 /// # Example
 /// ```
 /// let plate = include_bytes!("../../../../data/cylinder_holes.step");
-/// let answer = torse::approximate(&torse::read_step(plate)?, &torse::Approximate::new(0.5))?;
+/// let answer = torse::approximate(&torse::read(plate)?, &torse::Approximate::new(0.5))?;
 /// assert_eq!((answer.status(), answer.parts.len()), (torse::Status::Certified, 1));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

@@ -92,7 +92,7 @@ struct Target {
 ///
 /// # Example
 /// ```
-/// let chute = torse::read_step(include_bytes!("../../../../data/cone_holes.step"))?;
+/// let chute = torse::read(include_bytes!("../../../../data/cone_holes.step"))?;
 /// let options = torse::ConesOptions { tolerance: 0.5, input: "chute".into() };
 /// let answer = torse::cones(&chute.faces, &chute.skipped, &options, &torse::Control::default())?;
 /// assert_eq!(answer.status(), torse::Status::Certified);

@@ -23,7 +23,7 @@ use rayon::prelude::*;
 ///
 /// # Example
 /// ```
-/// let plate = torse::read_step(include_bytes!("../../../../data/cylinder_holes.step"))?;
+/// let plate = torse::read(include_bytes!("../../../../data/cylinder_holes.step"))?;
 /// let mut answer = torse::approximate(&plate, &torse::Approximate::new(0.5))?;
 /// let files = torse::files(&mut answer, "2026-01-31T12:00:00")?;
 /// assert!(files.iter().any(|(name, bytes)| name == "patterns.dxf" && !bytes.is_empty()));

@@ -95,7 +95,7 @@ impl FaceInfo {
 ///
 /// # Example
 /// ```
-/// let plate = torse::read_step(include_bytes!("../../../../data/cylinder_holes.step"))?;
+/// let plate = torse::read(include_bytes!("../../../../data/cylinder_holes.step"))?;
 /// assert_eq!(torse::measure(&plate.faces)[0].character(), "developable");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
