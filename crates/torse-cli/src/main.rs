@@ -19,8 +19,10 @@ mod loft;
 mod net;
 mod planarise;
 mod quantity;
+mod shape;
 mod signals;
 mod terminal;
+mod unroll;
 mod usage;
 mod wiring;
 
@@ -55,6 +57,8 @@ fn run(arguments: &args::Arguments) -> Result<bool, failure::Failure> {
         args::Command::Loft(a) => loft::run(a),
         args::Command::Net(a) => net::run(a),
         args::Command::Planarise(a) => planarise::run(a),
+        args::Command::Shape(a) => shape::run(a),
+        args::Command::Unroll(a) => unroll::run(a),
         args::Command::Info(a) => info::run(a),
     }
 }

@@ -19,7 +19,8 @@ use torse::pipeline::cone_shapes;
 use torse::pipeline::cones::{self as cone_pipeline, ConesOptions};
 use torse::pipeline::select;
 use torse::pipeline::sweep;
-use torse::{Approximate, Control, Model};
+use torse::pipeline::unroll::UnrollError;
+use torse::{Approximate, Control, Model, UnrollOptions};
 
 /// Reads a CAD file. `name` is for messages.
 pub fn read(name: &str, bytes: &[u8]) -> Result<Model, Failure> {
@@ -51,6 +52,43 @@ fn reading_hint(error: &ReadError) -> &'static str {
         ReadError::Iges(_) => "export trimmed surfaces (144) or solids (186), or STEP instead",
         ReadError::ThreeDm(_) => "save it again in Rhino, or as STEP",
     }
+}
+
+/// Lays a model flat.
+pub fn unroll(model: &Model, options: &UnrollOptions) -> Result<Answer, Failure> {
+    torse::unroll(model, options).map_err(|e| {
+        let hint = match e {
+            UnrollError::Tolerance(_) => "give a length with its unit, for example --tolerance 0.01mm",
+            UnrollError::KFactor(_) => "give a share such as --k 0.44, --k din, or a table of R/t and K",
+            UnrollError::KWithoutThickness => "leave out --k or --surfaces",
+            UnrollError::Nothing { .. } => {
+                "--surfaces takes faces without thickness; 'torse approximate' covers faces that are not developable"
+            }
+        };
+        Failure::new(e.to_string(), hint)
+    })
+}
+
+/// A table of K-factors: inside radius over thickness, K.
+pub fn k_table(name: &str, bytes: &[u8]) -> Result<Vec<[f64; 2]>, Failure> {
+    let text = String::from_utf8_lossy(bytes);
+    let rows = text.lines().enumerate().filter(|(_, l)| !l.trim().is_empty() && !l.trim_start().starts_with('#'));
+    let mut out = Vec::new();
+    for (k, line) in rows {
+        let numbers: Option<Vec<f64>> = line.split([',', ';', '\t']).map(|w| w.trim().parse().ok()).collect();
+        match numbers.as_deref() {
+            Some(&[ratio, share]) => out.push([ratio, share]),
+            // Headings.
+            _ if out.is_empty() && k == 0 => {}
+            _ => {
+                return Err(Failure::new(
+                    format!("{name}, line {}: '{}' is not two numbers", k + 1, line.trim()),
+                    "every line holds inside radius over thickness, and K: 1.0,0.38",
+                ))
+            }
+        }
+    }
+    Ok(out)
 }
 
 /// Runs the main job.

@@ -12,7 +12,9 @@
 //! | [`loft()`] | [`Loft`] | two curves | strips |
 //! | [`hull()`] | [`Hull`] | curves | strips on their convex hull |
 //! | [`net()`] | [`Net`] | one curve and rulings | strips |
+//! | [`shape()`] | [`Shape`] | curves with handles | strips |
 //! | [`planarise()`] | [`Planarise`] | a strip of quadrilaterals | plane ones |
+//! | [`unroll()`] | [`UnrollOptions`] | bodies of sheet, developable faces | flat patterns |
 //!
 //! ```no_run
 //! let model = torse::read(&std::fs::read("hull.step")?)?;
@@ -53,6 +55,8 @@ pub use pipeline::info::measure;
 pub use pipeline::loft::{loft, Options as Loft};
 pub use pipeline::net::{net, Options as Net};
 pub use pipeline::planarise::{planarise, Options as Planarise};
+pub use pipeline::shape::{shape, Options as Shape};
+pub use pipeline::unroll::{unroll, UnrollOptions};
 
 pub mod control;
 pub mod num;
@@ -65,6 +69,8 @@ pub mod brep;
 pub mod torse;
 
 pub mod patchwork;
+
+pub mod constraint;
 
 pub mod certify;
 pub mod design;

@@ -10,14 +10,15 @@ use std::path::{Path, PathBuf};
 /// A module of the library and what it may name besides itself.
 const FLOORS: &[(&str, &[&str])] = &[
     ("control", &[]),
-    ("num", &[]),
+    ("num", &["control"]),
     ("geom", &["num"]),
     ("spline", &["num", "geom"]),
     ("brep", &["num", "geom", "spline"]),
     ("torse", &["num", "geom", "spline"]),
     ("patchwork", &["num", "geom", "spline", "brep", "torse"]),
+    ("constraint", &["control", "num", "geom", "spline", "brep", "torse", "patchwork"]),
     ("fit", &["control", "num", "geom", "spline", "brep", "torse", "patchwork"]),
-    ("design", &["control", "num", "geom", "spline", "brep", "torse", "patchwork"]),
+    ("design", &["control", "num", "geom", "spline", "brep", "torse", "patchwork", "constraint"]),
     ("certify", &["control", "num", "geom", "spline", "brep", "torse", "patchwork"]),
     ("develop", &["control", "num", "geom", "spline", "brep", "torse", "patchwork"]),
     ("tessellate", &["control", "num", "geom", "spline", "brep", "torse", "patchwork"]),
@@ -32,6 +33,7 @@ const FLOORS: &[(&str, &[&str])] = &[
             "brep",
             "torse",
             "patchwork",
+            "constraint",
             "fit",
             "design",
             "certify",
@@ -84,6 +86,7 @@ const FLOORS: &[(&str, &[&str])] = &[
             "brep",
             "torse",
             "patchwork",
+            "constraint",
             "fit",
             "design",
             "certify",
@@ -105,7 +108,8 @@ const LINE_LIMIT: usize = 800;
 
 /// Floors whose files are algorithms. Where the method comes from is said in the module header by a key of
 /// `docs/references.md`, or on a page of `docs/algorithms` that names the file.
-const ALGORITHM_FLOORS: &[&str] = &["brep", "torse", "patchwork", "fit", "design", "certify", "develop", "search"];
+const ALGORITHM_FLOORS: &[&str] =
+    &["brep", "torse", "patchwork", "constraint", "fit", "design", "certify", "develop", "search"];
 
 /// Files of those floors that hold data, not methods.
 const NOUNS: &[&str] =

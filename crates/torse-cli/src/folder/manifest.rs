@@ -22,7 +22,7 @@ const REPORT_SCHEMAS: [&str; 2] = ["torse-report/", "torse-strips/"];
 const SAME_TIME: Duration = Duration::from_secs(2);
 
 /// Every name that a result's file can have; files of cones made beside panels have `cones-` before it.
-const RESULT_NAMES: [&str; 26] = [
+const RESULT_NAMES: [&str; 27] = [
     MANIFEST,
     REPORT,
     "report.html",
@@ -35,6 +35,7 @@ const RESULT_NAMES: [&str; 26] = [
     "patterns.dxf",
     "patterns.svg",
     "bends.csv",
+    "bend_table.csv",
     "parts.csv",
     "model.glb",
     "thickness.glb",

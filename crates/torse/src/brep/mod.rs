@@ -4,14 +4,18 @@
 //! Nothing is known here of developable surfaces or of panels.
 
 pub mod area;
+pub mod body;
+pub mod carrier;
 pub mod conic;
 pub mod face;
 pub mod join;
+
 pub mod offset;
 pub mod project;
 pub mod recast;
 pub mod ruled;
 pub mod rulings;
+pub mod run;
 pub mod space_curve;
 pub mod support_surface;
 mod swept;

@@ -5,6 +5,7 @@
 //! \[PW99\].
 
 mod boundary;
+pub mod carriers;
 mod cell;
 mod certificate;
 pub mod claim;
@@ -32,6 +33,7 @@ mod seams;
 mod simple;
 #[cfg(test)]
 mod specimens;
+pub mod strokes;
 pub mod trims;
 mod vector;
 mod verdict;

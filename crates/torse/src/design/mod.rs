@@ -1,6 +1,7 @@
 //! Floor 5: developables from a designer's conditions (curves, rulings, control nets). A sibling of `fit`: neither
 //! knows the other, and what both want lies below in `surface`.
 
+pub mod composite;
 pub mod cones;
 pub mod discrete;
 pub mod hull;

@@ -12,6 +12,7 @@ pub mod overlap;
 pub mod pattern;
 pub mod scanned;
 pub mod strip;
+pub mod unfold;
 pub mod view;
 
 /// Why a panel has no flat pattern.

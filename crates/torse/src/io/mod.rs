@@ -1,5 +1,6 @@
 //! Floor 6: files in and out; computes nothing.
 
+pub mod bend_table;
 pub mod bends;
 pub mod bundle;
 pub mod cad;
@@ -20,6 +21,7 @@ pub mod parts;
 pub mod pictures;
 pub mod png;
 pub mod quads;
+pub mod shape;
 pub mod step;
 pub mod svg;
 pub mod sweep;

@@ -261,7 +261,8 @@ pub fn made(answer: &Answer) -> String {
             format!("{} for {}", counted(panels, "strip"), given.unwrap_or_else(|| "nothing".into()))
         }
         Job::Planarise => format!("{} in {}", counted(panels, "quadrilateral"), parts()),
-        Job::Hull | Job::Loft | Job::Net => format!("{} in {}", counted(panels, "strip"), parts()),
+        Job::Unroll => format!("{} of {}", counted(answer.patterns.len(), "flat part"), counted(panels, "face")),
+        Job::Hull | Job::Loft | Job::Net | Job::Shape => format!("{} in {}", counted(panels, "strip"), parts()),
     };
     match answer.skipped.len() {
         0 => what,
@@ -275,7 +276,8 @@ pub fn thing(job: Job) -> &'static str {
         Job::Approximate => "panel",
         Job::Planarise => "quadrilateral",
         Job::Cones => "piece",
-        Job::Fit | Job::Hull | Job::Loft | Job::Net => "strip",
+        Job::Unroll => "face",
+        Job::Fit | Job::Hull | Job::Loft | Job::Net | Job::Shape => "strip",
     }
 }
 

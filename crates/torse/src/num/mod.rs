@@ -2,6 +2,7 @@
 
 pub mod bernstein;
 pub mod binomial;
+pub mod gauss_newton;
 pub mod greatest;
 pub mod interval;
 pub mod jet;

@@ -2,6 +2,7 @@
 //! seams between them, and the drawing of a panel in the plane.
 
 pub mod clip;
+pub mod image;
 pub mod joint;
 pub mod outside;
 pub mod panel;

@@ -12,4 +12,6 @@ pub mod loft;
 pub mod net;
 pub mod planarise;
 pub mod select;
+pub mod shape;
 pub mod sweep;
+pub mod unroll;

@@ -4,6 +4,7 @@ pub mod cone_outline;
 pub mod cone_strip;
 pub mod cut;
 pub mod exact_strip;
+pub mod face_panel;
 pub mod fewest;
 pub mod judgement;
 pub mod loft_ends;

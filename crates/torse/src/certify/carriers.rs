@@ -1,0 +1,152 @@
+//! A face against the plane, cylinder or cone that it is laid flat as.
+//!
+//! *Theorem*. Every point of the face's surface within its Bézier patches is within the bound of the carrier. *Proof.* The
+//! carrier is the zero set of a function of degree 1 or 2 in homogeneous coordinates; put into it, a patch becomes a
+//! polynomial whose Bernstein coefficients enclose it, and so does the weight. Divided by the gradient of the function,
+//! which is bounded from below on the carrier's own side, that is a distance. Patches come from knot insertion, whose
+//! rounding is added.
+
+use super::claim::UpperBound;
+use crate::brep::carrier::Carrier;
+use crate::geom::{Frame, Vec3};
+use crate::num::bernstein::binomial;
+use crate::num::interval::Interval;
+use crate::spline::bezier::BezierPatch;
+use crate::spline::surface::Surface;
+
+/// Share of the size that rounding in knot insertion, in the change of coordinates and in the frame's own axes may move
+/// control points: a thousand times what some twenty convex combinations of doubles do.
+const ROUNDING: f64 = 1e-12;
+
+/// Bound of the distance (mm) of all points of a surface from a carrier; unknown for carriers that are neither plane nor
+/// circular cylinder or cone, and where a weight is not positive.
+pub fn distance_from_carrier(surface: &Surface, carrier: &Carrier) -> UpperBound {
+    let size = surface.bbox().diagonal();
+    let patches = surface.bezier_patches();
+    let of = |p: &BezierPatch| -> Option<f64> {
+        match carrier {
+            Carrier::Plane(frame) => {
+                let net = Net::of(p, frame)?;
+                net.hull(|q| q[2]).map(|z| z.mag() / net.weight)
+            }
+            Carrier::Cylinder { frame, radius } => {
+                let net = Net::of(p, frame)?;
+                let r = Interval::point(*radius);
+                let off = net.quadratic(|a, b| a[0] * b[0] + a[1] * b[1] - r.sqr() * a[3] * b[3]);
+                // |ρ² − R²| = |ρ − R| (ρ + R).
+                Some(off.mag() / (net.weight * net.weight * radius.abs()))
+            }
+            Carrier::Cone { frame, half_angle } => {
+                let net = Net::of(p, frame)?;
+                let (s, c) = half_angle.sin_cos();
+                let (s, c) = (Interval::point(s), Interval::point(c));
+                let off = net.quadratic(|a, b| (a[0] * b[0] + a[1] * b[1]) * c.sqr() - a[2] * b[2] * s.sqr());
+                // |ρ cos − z sin| (ρ cos + z sin), on the nappe of positive z.
+                let far = net.hull(|q| q[2])?.lo / net.heaviest;
+                (far > 0.0).then(|| off.mag() / (net.weight * net.weight * far * s.lo))
+            }
+            _ => None,
+        }
+    };
+    let worst = patches.iter().map(of).try_fold(0.0_f64, |m, d| d.map(|d| m.max(d)));
+    match worst {
+        // Some slack for the divisions above, which are not rounded outwards.
+        Some(d) if d.is_finite() => UpperBound::shown(d * (1.0 + ROUNDING) + ROUNDING * size),
+        _ => UpperBound::UNKNOWN,
+    }
+}
+
+/// A patch in a frame, homogeneous.
+struct Net {
+    points: Vec<[Interval; 4]>,
+    degree: (usize, usize),
+    /// Least and greatest weight.
+    weight: f64,
+    heaviest: f64,
+}
+
+impl Net {
+    fn of(patch: &BezierPatch, frame: &Frame) -> Option<Self> {
+        let weights = || patch.control.iter().map(|p| p[3]);
+        let weight = weights().fold(f64::INFINITY, f64::min);
+        let heaviest = weights().fold(0.0, f64::max);
+        let axis = |a: &Vec3, p: &[f64; 4]| {
+            let o = &frame.origin;
+            let part = |d: usize| {
+                Interval::point(a[d]) * (Interval::point(p[d]) - Interval::point(o[d]) * Interval::point(p[3]))
+            };
+            part(0) + part(1) + part(2)
+        };
+        let local = |p: &[f64; 4]| [axis(&frame.x, p), axis(&frame.y, p), axis(&frame.z, p), Interval::point(p[3])];
+        (weight > 0.0 && heaviest.is_finite()).then(|| Self {
+            points: patch.control.iter().map(local).collect(),
+            degree: patch.degree,
+            weight,
+            heaviest,
+        })
+    }
+
+    /// Hull of a linear function over the net.
+    fn hull(&self, f: impl Fn(&[Interval; 4]) -> Interval) -> Option<Interval> {
+        self.points.iter().map(f).reduce(Interval::hull)
+    }
+
+    /// Hull of the Bernstein coefficients of a symmetric bilinear form with the patch in both places.
+    fn quadratic(&self, form: impl Fn(&[Interval; 4], &[Interval; 4]) -> Interval) -> Interval {
+        let (p, q) = self.degree;
+        let at = |i: usize, j: usize| &self.points[i * (q + 1) + j];
+        let share = |n: usize, i: usize, k: usize| {
+            Interval::point(binomial(n, i) * binomial(n, k - i)) / Interval::point(binomial(2 * n, k))
+        };
+        let mut hull: Option<Interval> = None;
+        for k in 0..=2 * p {
+            for l in 0..=2 * q {
+                let mut sum = Interval::point(0.0);
+                for i in k.saturating_sub(p)..=k.min(p) {
+                    for j in l.saturating_sub(q)..=l.min(q) {
+                        sum = sum + share(p, i, k) * share(q, j, l) * form(at(i, j), at(k - i, l - j));
+                    }
+                }
+                hull = Some(hull.map_or(sum, |h| h.hull(sum)));
+            }
+        }
+        hull.unwrap_or(Interval::EVERYTHING)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::brep::support_surface::SupportSurface;
+
+    fn part(s: &SupportSurface) -> Surface {
+        s.to_spline((0.2, 2.4), (10.0, 60.0)).expect("a spline").0
+    }
+
+    #[test]
+    fn exact_cylinders_and_cones_keep_to_themselves_and_others_are_seen() {
+        let frame = Frame::world();
+        let pipe = part(&SupportSurface::Cylinder { frame, radius: 25.0 });
+        let bound = |radius: f64| distance_from_carrier(&pipe, &Carrier::Cylinder { frame, radius }).value();
+        assert!(bound(25.0) < 1e-9, "{}", bound(25.0));
+        // Wrong by a hundredth of a millimetre: never less than the truth, and not much more.
+        assert!((0.01..0.03).contains(&bound(25.01)), "{}", bound(25.01));
+        let moved = Frame { origin: Vec3::new(0.02, 0.0, 0.0), ..frame };
+        let off = distance_from_carrier(&pipe, &Carrier::Cylinder { frame: moved, radius: 25.0 }).value();
+        assert!((0.0199..0.1).contains(&off), "{off}");
+        let unknown = distance_from_carrier(&pipe, &Carrier::GeneralCylinder { direction: Vec3::z() });
+        assert_eq!(unknown, UpperBound::UNKNOWN);
+    }
+
+    #[test]
+    fn planes_are_planes_to_rounding_and_bumps_are_not() {
+        let frame = Frame::world();
+        let knots = || crate::spline::knots::Knots::clamped(1, &[0.0, 1.0]).expect("knots");
+        let flat = |z: f64| {
+            let points = [[0.0, 0.0, 0.0], [0.0, 80.0, z], [90.0, 0.0, 0.0], [90.0, 80.0, 0.0]].map(Vec3::from);
+            Surface::new(knots(), knots(), &points, None).expect("a surface")
+        };
+        let bound = |z: f64| distance_from_carrier(&flat(z), &Carrier::Plane(frame)).value();
+        assert!(bound(0.0) < 1e-9 && bound(0.5) >= 0.5 && bound(0.5) < 0.51);
+    }
+}

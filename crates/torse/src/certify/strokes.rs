@@ -1,0 +1,323 @@
+//! Lines and arcs drawn against the flat images of the edges that they stand for, in interval arithmetic.
+//!
+//! *Theorem.* The maps of [`ClosedMap`] change no length on their surface by more than the factor `1 ± strain_bound`
+//! (their frames are orthonormal up to rounding, which is enclosed). Every point of an image lies within `drawn_bound` of
+//! its stroke, and every point of a stroke within it of its image. *Proof.* Distance and progress along the stroke are
+//! enclosed over parts of the edge by their value in the middle and their derivative over the part. Progress is
+//! continuous and takes the values at both ends, which are compared with the ends of the stroke: so it takes all values
+//! between, and the stroke is covered too.
+//!
+//! Knows edges, maps and strokes; how they were found is not looked at.
+
+use super::claim::UpperBound;
+use crate::geom::{Frame, Vec2, Vec3};
+use crate::num::interval::Interval;
+use crate::patchwork::image::{ClosedMap, EdgeImage, Stroke};
+use crate::spline::blossom::of_piece;
+use crate::spline::curve::Curve;
+use rayon::prelude::*;
+use std::f64::consts::TAU;
+
+/// What is proven of strokes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StrokeProof {
+    strain_bound: f64,
+    drawn_bound: f64,
+}
+
+impl StrokeProof {
+    /// No map changes a length by more than this share.
+    pub fn strain_bound(&self) -> UpperBound {
+        UpperBound::shown(self.strain_bound)
+    }
+
+    /// Distance (mm), both ways, between strokes and images; unknown where nothing is shown.
+    pub fn drawn_bound(&self) -> UpperBound {
+        match self.drawn_bound {
+            d if d.is_finite() => UpperBound::shown(d),
+            _ => UpperBound::UNKNOWN,
+        }
+    }
+}
+
+/// Relative error of trigonometric functions of the standard library, far above what any platform's library has.
+const TRIGONOMETRIC: f64 = 1e-14;
+/// Halvings of a part of an edge at most.
+const DEEPEST: usize = 14;
+/// Share of the tolerance below which a bound needs no better one.
+const ENOUGH: f64 = 0.25;
+/// Else parts are halved until bounds exceed what is seen in their middle by no more than this share of the tolerance.
+const EXCESS: f64 = 0.05;
+
+/// Proves what can be shown of strokes; `tolerance` (mm) says how fine is fine enough.
+pub fn strokes(all: &[Stroke], tolerance: f64) -> StrokeProof {
+    let one = |s: &Stroke| StrokeProof {
+        drawn_bound: s.images.as_ref().map_or(f64::INFINITY, |images| stroke(s, images, tolerance)),
+        strain_bound: s.images.iter().flatten().map(strain).fold(0.0, f64::max),
+    };
+    let none = || StrokeProof { strain_bound: 0.0, drawn_bound: 0.0 };
+    let both = |a: StrokeProof, b: StrokeProof| StrokeProof {
+        strain_bound: a.strain_bound.max(b.strain_bound),
+        drawn_bound: a.drawn_bound.max(b.drawn_bound),
+    };
+    all.par_iter().map(one).reduce(none, both)
+}
+
+/// Distance between one stroke and its images.
+fn stroke(s: &Stroke, images: &[EdgeImage], tolerance: f64) -> f64 {
+    let Some(guide) = Guide::new(s) else { return f64::INFINITY };
+    let mut bound = 0.0_f64;
+    for image in images {
+        for [a, b] in smooth_parts(image) {
+            bound = bound.max(part(&guide, image, [a, b], (tolerance, DEEPEST)));
+        }
+    }
+    // Ends of images that follow each other, and both ends of the stroke.
+    let end = |i: &EdgeImage, k: usize| point(i, i.part[k]).map(|p| (p[0], p[1]));
+    let near = |p: Option<(Interval, Interval)>, q: Option<(Interval, Interval)>| match (p, q) {
+        (Some(p), Some(q)) => ((p.0 - q.0).sqr() + (p.1 - q.1).sqr()).sqrt().hi,
+        _ => f64::INFINITY,
+    };
+    let fixed = |p: &Vec2| Some((Interval::point(p.x), Interval::point(p.y)));
+    match (images.first(), images.last()) {
+        (Some(first), Some(last)) => {
+            bound = bound.max(near(end(first, 0), fixed(&s.start))).max(near(end(last, 1), fixed(&s.end)));
+            images.windows(2).fold(bound, |b, w| b.max(near(end(&w[0], 1), end(&w[1], 0))))
+        }
+        // A line that joins ends, drawn for no edge.
+        _ => bound,
+    }
+}
+
+/// Line or circle of a stroke, enclosed.
+struct Guide {
+    start: [Interval; 2],
+    /// Unit direction of a line; of an arc, that from the centre to its middle.
+    way: [Interval; 2],
+    length: Interval,
+    /// Centre, radius, half the sweep and its sign.
+    circle: Option<([Interval; 2], Interval, Interval, f64)>,
+}
+
+impl Guide {
+    fn new(s: &Stroke) -> Option<Self> {
+        let at = |p: &Vec2| [Interval::point(p.x), Interval::point(p.y)];
+        let (a, b) = (at(&s.start), at(&s.end));
+        let chord = [b[0] - a[0], b[1] - a[1]];
+        let length = (chord[0].sqr() + chord[1].sqr()).sqrt();
+        if length.lo <= 0.0 {
+            return None;
+        }
+        if s.bulge == 0.0 {
+            let way = [chord[0] / length, chord[1] / length];
+            return Some(Self { start: a, way, length, circle: None });
+        }
+        let bulge = Interval::point(s.bulge);
+        let quarter = (Interval::ONE / bulge - bulge) * 0.25;
+        let half = Interval::point(0.5);
+        let centre = [(a[0] + b[0]) * half - chord[1] * quarter, (a[1] + b[1]) * half + chord[0] * quarter];
+        let radius = (((a[0] - centre[0]).sqr() + (a[1] - centre[1]).sqr()).sqrt()).abs();
+        let sign = s.bulge.signum();
+        // The middle of a counter-clockwise arc lies to the right of its chord.
+        let way = [chord[1] / length * sign, -(chord[0] / length) * sign];
+        let half_sweep = widened(2.0 * s.bulge.abs().atan());
+        Some(Self { start: a, way, length, circle: Some((centre, radius, half_sweep, sign)) })
+    }
+
+    /// Distance from the line or circle (signed), and way beyond its ends, of a place; both with their derivative where
+    /// the place has one: `(off, off', ahead, ahead')`. `ahead` is measured from the middle, mm.
+    fn measure(&self, p: [Interval; 2], d: [Interval; 2]) -> Option<[Interval; 4]> {
+        let Some((centre, radius, _, sign)) = self.circle else {
+            let v = [p[0] - self.start[0], p[1] - self.start[1]];
+            let dot = |v: [Interval; 2]| v[0] * self.way[0] + v[1] * self.way[1];
+            let perp = |v: [Interval; 2]| self.way[0] * v[1] - self.way[1] * v[0];
+            return Some([perp(v), perp(d), dot(v) - self.length * 0.5, dot(d)]);
+        };
+        let v = [p[0] - centre[0], p[1] - centre[1]];
+        let reach = (v[0].sqr() + v[1].sqr()).sqrt();
+        if reach.lo <= 0.0 {
+            return None;
+        }
+        let out = (v[0] * d[0] + v[1] * d[1]) / reach;
+        let along = (v[0] * d[1] - v[1] * d[0]) / reach.sqr() * radius * sign;
+        let (x, y) = (v[0] * self.way[0] + v[1] * self.way[1], self.way[0] * v[1] - self.way[1] * v[0]);
+        let angle = arc_tangent(y, x)?;
+        Some([reach - radius, out, angle * radius * sign, along])
+    }
+
+    /// Half the length of the stroke, mm.
+    fn half(&self) -> Interval {
+        self.circle.map_or(self.length * 0.5, |(_, radius, half_sweep, _)| radius * half_sweep)
+    }
+}
+
+/// Distance from the stroke over a part of an edge, halved where that helps.
+fn part(guide: &Guide, image: &EdgeImage, [a, b]: [f64; 2], (tolerance, depth): (f64, usize)) -> f64 {
+    let seen = || {
+        let p = point(image, 0.5 * (a + b))?;
+        let m = guide.measure(p, [Interval::ZERO; 2])?;
+        Some(m[0].mag())
+    };
+    let bound = over(guide, image, [a, b]).unwrap_or(f64::INFINITY);
+    if bound <= ENOUGH * tolerance || depth == 0 || bound <= seen().unwrap_or(f64::INFINITY) + EXCESS * tolerance {
+        return bound;
+    }
+    let m = 0.5 * (a + b);
+    let next = (tolerance, depth - 1);
+    part(guide, image, [a, m], next).max(part(guide, image, [m, b], next))
+}
+
+/// Distance from the stroke over a part of an edge, by values in the middle and derivatives over the part.
+fn over(guide: &Guide, image: &EdgeImage, [a, b]: [f64; 2]) -> Option<f64> {
+    let m = 0.5 * (a + b);
+    let reach = Interval::new(a - m, b - m).hull(Interval::point(m - a)).hull(Interval::point(m - b));
+    let (v, dv) = enclosed(&image.curve, frame_of(image), [a, b])?;
+    let (_, slope) = mapped(image, v, dv, m)?;
+    let middle = point(image, m)?;
+    // Where the image is, by its own derivative: narrower than the map of a box.
+    let place = [middle[0] + slope[0] * reach, middle[1] + slope[1] * reach];
+    let [_, d_off, _, d_ahead] = guide.measure(place, slope)?;
+    let [off, _, ahead, _] = guide.measure(middle, [Interval::ZERO; 2])?;
+    let off = off + d_off * reach;
+    let ahead = ahead + d_ahead * reach;
+    let beyond = (ahead.mag() - guide.half().lo).max(0.0);
+    let beyond = Interval::new(0.0, beyond);
+    Some((off.sqr() + beyond.sqr()).sqrt().hi)
+}
+
+/// The image of a point of an edge.
+fn point(image: &EdgeImage, t: f64) -> Option<[Interval; 2]> {
+    let h = from_origin(image.curve.bounds(t, t), frame_of(image));
+    let v = [h[0] / h[3], h[1] / h[3], h[2] / h[3]];
+    Some(mapped(image, v, [Interval::ZERO; 3], t)?.0)
+}
+
+fn frame_of(image: &EdgeImage) -> &Frame {
+    match &image.map {
+        ClosedMap::Plane(f) | ClosedMap::Cylinder { frame: f, .. } | ClosedMap::Cone { frame: f, .. } => f,
+    }
+}
+
+/// Homogeneous coordinates from the origin of a frame: where radii are small against coordinates, quotients of the
+/// coordinates themselves would lose them.
+fn from_origin(h: [Interval; 4], frame: &Frame) -> [Interval; 4] {
+    let o = &frame.origin;
+    [h[0] - h[3] * o.x, h[1] - h[3] * o.y, h[2] - h[3] * o.z, h[3]]
+}
+
+/// Place and derivative under the map and the motion of a box of ways from the frame's origin, around the point at `t`,
+/// which tells turns apart.
+fn mapped(image: &EdgeImage, v: [Interval; 3], dv: [Interval; 3], t: f64) -> Option<([Interval; 2], [Interval; 2])> {
+    let frame = frame_of(image);
+    let (q, dq) = (local(frame, v), local(frame, dv));
+    let angle = || -> Option<(Interval, Interval)> {
+        let away = q[0].sqr() + q[1].sqr();
+        if away.lo <= 0.0 {
+            return None;
+        }
+        let slope = (q[0] * dq[1] - q[1] * dq[0]) / away;
+        let share = (t - image.part[0]) / (image.part[1] - image.part[0]);
+        let near = image.angles[0] + (image.angles[1] - image.angles[0]) * share;
+        let angle = arc_tangent(q[1], q[0])?;
+        let turns = ((near - angle.mid()) / TAU).round();
+        Some((angle + Interval::point(turns) * widened(TAU), slope))
+    };
+    let (p, d) = match &image.map {
+        ClosedMap::Plane(_) => ([q[0], q[1]], [dq[0], dq[1]]),
+        ClosedMap::Cylinder { reach, .. } => {
+            let (a, da) = angle()?;
+            ([a * *reach, q[2]], [da * *reach, dq[2]])
+        }
+        ClosedMap::Cone { half_angle, behind, turn, .. } => {
+            let (a, da) = angle()?;
+            let (sin, cos) = (widened(half_angle.sin()), widened(half_angle.cos()));
+            let radius = (q[0].sqr() + q[1].sqr()).sqrt();
+            let slant = q[2] * cos + radius * sin + Interval::point(*behind);
+            let out = (q[0] * dq[0] + q[1] * dq[1]) / radius;
+            let d_slant = dq[2] * cos + out * sin;
+            let (f, df) = (a * *turn, da * *turn);
+            let (s, c) = (widened(f.mid().sin()).widen(f.rad()), widened(f.mid().cos()).widen(f.rad()));
+            ([slant * c, slant * s], [d_slant * c - slant * df * s, d_slant * s + slant * df * c])
+        }
+    };
+    let [c, s] = image.turn.map(Interval::point);
+    let turned = |v: [Interval; 2]| [c * v[0] - s * v[1], s * v[0] + c * v[1]];
+    let r = turned(p);
+    Some(([r[0] + Interval::point(image.shift.x), r[1] + Interval::point(image.shift.y)], turned(d)))
+}
+
+fn local(f: &Frame, v: [Interval; 3]) -> [Interval; 3] {
+    let dot = |a: &Vec3| v[0] * a.x + v[1] * a.y + v[2] * a.z;
+    [dot(&f.x), dot(&f.y), dot(&f.z)]
+}
+
+/// A number from a trigonometric function, with its error.
+fn widened(x: f64) -> Interval {
+    Interval::point(x).widen(TRIGONOMETRIC * (1.0 + x.abs()))
+}
+
+/// Angle of small boxes: that of the middle, with the angle under which the box is seen.
+fn arc_tangent(y: Interval, x: Interval) -> Option<Interval> {
+    let away = (x.sqr() + y.sqr()).sqrt();
+    let box_radius = (Interval::point(x.rad()).sqr() + Interval::point(y.rad()).sqr()).sqrt();
+    let share = (box_radius / away).hi;
+    // sin of the angle is at most the share; below a half the angle is at most 1.1 times it.
+    (away.lo > 0.0 && share < 0.5).then(|| widened(y.mid().atan2(x.mid())).widen((1.1 * share).next_up()))
+}
+
+/// Parts of an edge between its knots, in the direction drawn.
+fn smooth_parts(image: &EdgeImage) -> Vec<[f64; 2]> {
+    let [a, b] = image.part;
+    let (lo, hi) = (a.min(b), a.max(b));
+    let mut at = vec![lo];
+    at.extend(image.curve.knots.breaks().into_iter().filter(|t| *t > lo && *t < hi));
+    at.push(hi);
+    at.windows(2).map(|w| [w[0], w[1]]).collect()
+}
+
+/// Boxes around ways from a frame's origin to a curve between two parameters of one span, and around its derivative.
+fn enclosed(c: &Curve<4>, frame: &Frame, [a, b]: [f64; 2]) -> Option<([Interval; 3], [Interval; 3])> {
+    let p = c.knots.degree();
+    let span = c.knots.span(0.5 * (a + b));
+    let coefficient = |k: usize| {
+        let net = c.control[span - p..=span].iter().map(|q| from_origin(q.map(Interval::point), frame));
+        let mut net: Vec<[Interval; 4]> = net.collect();
+        let args: Vec<Interval> = (0..p).map(|i| Interval::point(if i < p - k { a } else { b })).collect();
+        of_piece(&c.knots, span, &mut net, &args)
+    };
+    let points: Vec<[Interval; 4]> = (0..=p).map(coefficient).collect();
+    let width = Interval::point(b) - Interval::point(a);
+    let factor = Interval::point(p as f64) / width;
+    let h: [Interval; 4] = std::array::from_fn(|d| hull(points.iter().map(|q| q[d])));
+    let dh: [Interval; 4] = std::array::from_fn(|d| hull(points.windows(2).map(|w| (w[1][d] - w[0][d]) * factor)));
+    if h[3].lo <= 0.0 {
+        return None;
+    }
+    let x: [Interval; 3] = std::array::from_fn(|d| h[d] / h[3]);
+    Some((x, std::array::from_fn(|d| (dh[d] - x[d] * dh[3]) / h[3])))
+}
+
+fn hull(all: impl Iterator<Item = Interval>) -> Interval {
+    all.reduce(Interval::hull).unwrap_or(Interval::EVERYTHING)
+}
+
+/// Relative change of lengths by a map: how far its frame and its turn are from orthonormal.
+fn strain(image: &EdgeImage) -> f64 {
+    let frame = frame_of(image);
+    let axes = [frame.x, frame.y, frame.z];
+    let dot = |a: &Vec3, b: &Vec3| Interval::point(a.x) * b.x + Interval::point(a.y) * b.y + Interval::point(a.z) * b.z;
+    let mut off = 0.0_f64;
+    for (i, a) in axes.iter().enumerate() {
+        for (j, b) in axes.iter().enumerate() {
+            off = off.max((dot(a, b) - if i == j { Interval::ONE } else { Interval::ZERO }).mag());
+        }
+    }
+    let [c, s] = image.turn.map(Interval::point);
+    off = off.max((c.sqr() + s.sqr() - Interval::ONE).mag());
+    if let ClosedMap::Cone { half_angle, turn, .. } = &image.map {
+        off = off.max((widened(half_angle.sin()) - Interval::point(turn.abs())).mag() / turn.abs());
+    }
+    // A matrix whose Gram matrix is off the unit by entries of this size changes lengths by less than thrice that;
+    // frame and turn follow each other.
+    (Interval::point(8.0) * off).hi
+}

@@ -1,0 +1,430 @@
+//! From a composite to unknowns and rows.
+
+use super::check::{check, curve_item, handle_item, strip_item, CompositeError, SAME};
+use super::handle::{Handle, Hold, Strength};
+use super::identify::{identified, Identified};
+use super::{Composite, Edge, Join, Options, Smoothness, StripShape};
+use crate::constraint::coplanarity::{Coplanarity, InPlane, Unit};
+use crate::constraint::developability::{freedom_per_interval, samples, KForm, NForm, StripPoints};
+use crate::constraint::distance::Distance;
+use crate::constraint::fairness::{across, along, greville};
+use crate::constraint::fold::Fold;
+use crate::constraint::handle::{OnPlane, Parallel, Vanish};
+use crate::constraint::join::{SameCurvature, SameDirection};
+use crate::constraint::proximity::{Proximity, Scale};
+use crate::constraint::stencil::Stencil;
+use crate::geom::Vec3;
+use crate::num::gauss_newton::{Role, System};
+
+/// Which equations say that a ruling is torsal.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Form {
+    /// With a bound for the regression curve, for editing.
+    K,
+    /// With a normal, for the polish.
+    N,
+}
+
+/// What a block is about.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Item {
+    Ruling { strip: usize, u: f64 },
+    Plane { strip: usize },
+    Join(usize),
+    Handle(usize),
+    Length(usize),
+    Target(usize),
+    Fairness,
+}
+
+/// Where a handle's numbers are among the unknowns.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum HandleAt {
+    /// A control point that is the handle's place itself.
+    Control(u32),
+    /// A frozen point or direction.
+    Vector(u32),
+    /// A frozen point and a normal.
+    Plane(u32, u32),
+}
+
+/// A system with the meaning of its unknowns and blocks.
+pub(super) struct Built {
+    pub system: System,
+    pub start: Vec<f64>,
+    /// First unknown of every control point, by curve.
+    pub points: Vec<Vec<u32>>,
+    pub handles: Vec<HandleAt>,
+    pub items: Vec<Item>,
+    pub scale: Scale,
+}
+
+struct Builder<'a> {
+    composite: &'a Composite,
+    options: &'a Options,
+    form: Form,
+    /// Curves of both sides, by strip.
+    sides: Vec<[usize; 2]>,
+    built: Built,
+}
+
+/// Sets up a composite.
+pub(super) fn build(composite: &Composite, options: &Options, form: Form) -> Result<Built, CompositeError> {
+    check(composite)?;
+    let Identified { start, points, scale } = identified(composite);
+    let system = System::new(start.len());
+    let built = Built { system, start, points, handles: Vec::new(), items: Vec::new(), scale };
+    let curve = |name: &String| composite.curve(name).unwrap_or(0);
+    let sides = composite.strips.iter().map(|s| s.sides.each_ref().map(curve)).collect();
+    let mut b = Builder { composite, options, form, sides, built };
+    b.fixed_curves()?;
+    (0..composite.handles.len()).try_for_each(|k| b.handle(k))?;
+    (0..composite.strips.len()).for_each(|k| b.strip(k));
+    (0..composite.joins.len()).for_each(|k| b.join(k));
+    (0..composite.lengths.len()).for_each(|k| b.length(k));
+    (0..composite.targets.len()).for_each(|k| b.target(k));
+    b.fairness();
+    let (conditions, free) = (b.built.system.conditions(), b.built.system.free());
+    if conditions > free && !options.redundant {
+        return Err(CompositeError::OverDetermined { conditions, free });
+    }
+    Ok(b.built)
+}
+
+impl Builder<'_> {
+    /// Value and derivatives of a curve; those with respect to the length of the piece at `u`.
+    fn jet(&self, curve: usize, u: f64) -> [Stencil; 3] {
+        let knots = &self.composite.curves[curve].curve.knots;
+        let span = knots.span(u);
+        let unit = knots.values()[span + 1] - knots.values()[span];
+        Stencil::jet(knots, &self.built.points[curve], u, unit)
+    }
+
+    fn local(&self, p: &Vec3) -> Vec3 {
+        (p - self.built.scale.origin) / self.built.scale.size
+    }
+
+    /// A frozen vector.
+    fn given(&mut self, v: Vec3) -> u32 {
+        let first = self.built.start.len() as u32;
+        for x in v.iter() {
+            let k = self.built.system.unknown();
+            self.built.system.freeze(k);
+            self.built.start.push(*x);
+        }
+        first
+    }
+
+    fn add(&mut self, block: impl crate::num::gauss_newton::Block + 'static, role: Role, class: &str, item: Item) {
+        let class = self.built.system.class(class);
+        self.built.system.add(block, role, class);
+        self.built.items.push(item);
+    }
+
+    fn at(&self, p: u32) -> Vec3 {
+        Vec3::from_column_slice(&self.built.start[p as usize..p as usize + 3])
+    }
+
+    fn freeze(&mut self, p: u32) {
+        (p..p + 3).for_each(|k| self.built.system.freeze(k));
+    }
+
+    /// Fixed curves: their control points are frozen, unless two of them ask for different places of one.
+    fn fixed_curves(&mut self) -> Result<(), CompositeError> {
+        for (k, curve) in self.composite.curves.iter().enumerate().filter(|(_, c)| c.fixed) {
+            for (i, p) in curve.curve.control.iter().enumerate() {
+                let unknown = self.built.points[k][i];
+                let distance = (self.local(&Vec3::from(*p)) - self.at(unknown)).norm();
+                if distance > SAME {
+                    let other = self
+                        .composite
+                        .curves
+                        .iter()
+                        .enumerate()
+                        .find(|(j, o)| *j != k && o.fixed && self.built.points[*j].contains(&unknown));
+                    let second = other.map_or("a join".into(), |(j, o)| format!("fixed curve {j} '{}'", o.name));
+                    let distance = 2.0 * distance * self.built.scale.size;
+                    let first = curve_item(self.composite, k, "fixed curve");
+                    return Err(CompositeError::Contradiction { first, second, distance });
+                }
+                self.freeze(unknown);
+            }
+        }
+        Ok(())
+    }
+
+    /// Rows of a handle, or a frozen control point where the place is one.
+    fn handle(&mut self, k: usize) -> Result<(), CompositeError> {
+        let h = &self.composite.handles[k];
+        let curve = self.composite.curve(&h.place.curve).unwrap_or(0);
+        self.not_contradicted(k, h, curve)?;
+        let [place, slope, _] = self.jet(curve, h.place.u);
+        let role = match h.strength {
+            Strength::Exact => Role::Hard,
+            Strength::Pull(weight) => Role::Soft { weight, fades: true },
+        };
+        let (a, b) = self.composite.curves[curve].curve.domain();
+        let end = (h.place.u <= a || h.place.u >= b).then(|| {
+            let p = &self.built.points[curve];
+            if h.place.u <= a {
+                p[0]
+            } else {
+                p[p.len() - 1]
+            }
+        });
+        let at = match (h.hold, end, h.strength) {
+            (Hold::Point(target), Some(control), Strength::Exact) => {
+                let target = self.local(&target);
+                self.freeze(control);
+                self.built.start[control as usize..control as usize + 3].copy_from_slice(target.as_slice());
+                HandleAt::Control(control)
+            }
+            (Hold::Point(target), ..) => {
+                let target = self.given(self.local(&target));
+                self.add(Vanish::at(&place, target), role, "point handles", Item::Handle(k));
+                HandleAt::Vector(target)
+            }
+            (Hold::Tangent(t), ..) => {
+                let direction = self.given(t.normalize());
+                self.add(Parallel::new(&slope, direction), role, "tangent handles", Item::Handle(k));
+                HandleAt::Vector(direction)
+            }
+            (Hold::Plane { point, normal }, ..) => {
+                let (o, n) = (self.given(self.local(&point)), self.given(normal.normalize()));
+                self.add(OnPlane::new(&place, o, n), role, "plane handles", Item::Handle(k));
+                HandleAt::Plane(o, n)
+            }
+        };
+        self.built.handles.push(at);
+        Ok(())
+    }
+
+    /// Compares an exact point handle with fixed control points and with the handles before it.
+    fn not_contradicted(&self, k: usize, h: &Handle, curve: usize) -> Result<(), CompositeError> {
+        let (Hold::Point(target), Strength::Exact) = (h.hold, h.strength) else { return Ok(()) };
+        let unit = self.built.scale.size;
+        let earlier = &self.composite.handles[..k];
+        let same = |o: &Handle| match (o.hold, o.strength) {
+            (Hold::Point(p), Strength::Exact) if o.place == h.place => Some((p - target).norm()),
+            _ => None,
+        };
+        let other = earlier.iter().enumerate().find_map(|(j, o)| Some((j, same(o)?)));
+        let held = match other {
+            Some((j, distance)) => Some((handle_item(j, &earlier[j]).to_string(), distance)),
+            None => {
+                let mut here = self.jet(curve, h.place.u)[0].clone();
+                here.0.retain(|t| t.1 != 0.0);
+                let fixed = here.0.iter().all(|t| self.built.system.is_frozen(t.0));
+                // At the end of a curve that goes on, a handle of the other curve may hold the same control point.
+                let by = here.0.first().map(|t| HandleAt::Control(t.0));
+                let by = self.built.handles.iter().position(|a| Some(*a) == by);
+                let words =
+                    by.map_or(format!("fixed curve '{}'", h.place.curve), |j| handle_item(j, &earlier[j]).to_string());
+                fixed.then(|| (words, (here.value(&self.built.start) - self.local(&target)).norm() * unit))
+            }
+        };
+        match held {
+            Some((second, distance)) if distance > SAME * unit => {
+                Err(CompositeError::Contradiction { first: handle_item(k, h), second, distance })
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn strip(&mut self, k: usize) {
+        let [a, b] = self.sides[k];
+        let composite = self.composite;
+        let knots = &composite.curves[a].curve.knots;
+        let margin = match composite.strips[k].shape {
+            StripShape::Planar => return self.plane(k, a, b),
+            StripShape::Developable { margin } => margin,
+        };
+        let (pa, pb) = (self.built.points[a].clone(), self.built.points[b].clone());
+        let strip = StripPoints { knots, a: &pa, b: &pb };
+        for (u, unit) in samples(knots) {
+            let item = Item::Ruling { strip: k, u };
+            match self.form {
+                Form::K => self.add(KForm::new(strip, u, unit, margin), Role::Hard, "developability", item),
+                Form::N => self.add(NForm::new(strip, u, unit), Role::Hard, "developability", item),
+            }
+        }
+    }
+
+    /// A planar strip: an unknown plane with all control points in it.
+    fn plane(&mut self, k: usize, a: usize, b: usize) {
+        let mut points: Vec<u32> = self.built.points[a].iter().chain(&self.built.points[b]).copied().collect();
+        points.sort_unstable();
+        points.dedup();
+        let places: Vec<Vec3> = points.iter().map(|&p| self.at(p)).collect();
+        let middle = places.iter().sum::<Vec3>() / places.len().max(1) as f64;
+        let moment: nalgebra::Matrix3<f64> = places.iter().map(|p| (p - middle) * (p - middle).transpose()).sum();
+        let eigen = moment.symmetric_eigen();
+        let normal: Vec3 = eigen.eigenvectors.column(eigen.eigenvalues.imin()).into_owned();
+        let first = self.built.start.len() as u32;
+        (0..4).for_each(|_| {
+            self.built.system.unknown();
+        });
+        self.built.start.extend_from_slice(normal.as_slice());
+        self.built.start.push(-normal.dot(&middle));
+        self.add(Unit::new(first), Role::Hard, "planarity", Item::Plane { strip: k });
+        for p in points {
+            let block = InPlane::new(&Stencil::point(p), first, first + 3);
+            self.add(block, Role::Hard, "planarity", Item::Plane { strip: k });
+        }
+    }
+
+    fn join(&mut self, k: usize) {
+        match &self.composite.joins[k] {
+            Join::Ruling { first, second, smoothness } => {
+                let strips = (self.composite.strip(first), self.composite.strip(second));
+                if let (Some(first), Some(second)) = strips {
+                    self.ruling(k, first, second, *smoothness);
+                }
+            }
+            Join::Curve { curve, edge } => {
+                if let Some(curve) = self.composite.curve(curve) {
+                    self.edge(k, curve, *edge);
+                }
+            }
+        }
+    }
+
+    fn ruling(&mut self, k: usize, first: usize, second: usize, smoothness: Smoothness) {
+        if smoothness == Smoothness::G0 {
+            return;
+        }
+        let ([p, q], [r, s]) = (self.sides[first], self.sides[second]);
+        let end = self.composite.curves[p].curve.domain().1;
+        let begin = self.composite.curves[r].curve.domain().0;
+        let ruling = self.jet(s, begin)[0].clone().minus(&self.jet(r, begin)[0]);
+        for (p, q) in [(p, r), (q, s)] {
+            let [_, d, e] = self.jet(p, end);
+            let [_, f, g] = self.jet(q, begin);
+            self.add(SameDirection::new(&d, &f), Role::Hard, "smooth joins", Item::Join(k));
+            if smoothness == Smoothness::G2 {
+                let block = SameCurvature::new([&d, &e], [&f, &g], &ruling);
+                self.add(block, Role::Hard, "joins of equal curvature", Item::Join(k));
+            }
+        }
+    }
+
+    fn edge(&mut self, k: usize, curve: usize, edge: Edge) {
+        let name = &self.composite.curves[curve].name;
+        let others: Vec<usize> = (0..self.composite.strips.len())
+            .filter(|&s| self.composite.strips[s].sides.contains(name))
+            .map(|s| {
+                let [a, b] = self.sides[s];
+                if a == curve {
+                    b
+                } else {
+                    a
+                }
+            })
+            .collect();
+        let &[one, two] = &others[..] else { return };
+        let knots = &self.composite.curves[curve].curve.knots;
+        let degree = knots.degree();
+        let inner = knots.distinct();
+        let multiplicity = inner.iter().skip(1).rev().skip(1).map(|k| k.1).min().unwrap_or(degree);
+        // Two strips and their edge gain three control points where one strip gains two.
+        let free = 2 * freedom_per_interval(degree, multiplicity) - 3 * multiplicity as isize;
+        let count = match edge {
+            Edge::Fold => (free / 2).clamp(1, 2) as usize,
+            Edge::Smooth => degree,
+        };
+        for w in knots.breaks().windows(2) {
+            for i in 0..count {
+                let u = w[0] + (w[1] - w[0]) * (i as f64 + 0.5) / count as f64;
+                let [c, d, e] = self.jet(curve, u);
+                let r = [one, two].map(|o| self.jet(o, u)[0].clone().minus(&c));
+                match edge {
+                    Edge::Fold => {
+                        self.add(Fold::new(&d, &e, [&r[0], &r[1]]), Role::Hard, "folds", Item::Join(k));
+                    }
+                    Edge::Smooth => {
+                        let block = Coplanarity::new(&r[0], &d, &r[1]);
+                        self.add(block, Role::Hard, "smooth joins", Item::Join(k));
+                    }
+                }
+            }
+        }
+    }
+
+    fn length(&mut self, k: usize) {
+        let l = &self.composite.lengths[k];
+        let place = |p: &super::Place| self.jet(self.composite.curve(&p.curve).unwrap_or(0), p.u)[0].clone();
+        let between = place(&l.between[1]).minus(&place(&l.between[0]));
+        let block = Distance::new(&between, l.length / self.built.scale.size);
+        self.add(block, Role::Hard, "lengths", Item::Length(k));
+    }
+
+    fn target(&mut self, k: usize) {
+        let t = &self.composite.targets[k];
+        let (weight, scale) = (t.weight, self.built.scale);
+        for s in 0..self.composite.strips.len() {
+            if !(t.strips.is_empty() || t.strips.contains(&self.composite.strips[s].name)) {
+                continue;
+            }
+            let [a, b] = self.sides[s];
+            let knots = &self.composite.curves[a].curve.knots;
+            let degree = knots.degree();
+            for w in knots.breaks().windows(2) {
+                for i in 0..=degree {
+                    let u = w[0] + (w[1] - w[0]) * (i as f64 + 0.5) / (degree + 1) as f64;
+                    let (p, q) = (self.jet(a, u)[0].clone(), self.jet(b, u)[0].clone());
+                    for v in [0.0, 0.5, 1.0] {
+                        let place = p.clone().times(1.0 - v).plus(&q.clone().times(v));
+                        let block = Proximity::new(&place, t.reference.clone(), scale);
+                        self.add(block, Role::Soft { weight, fades: true }, "targets", Item::Target(k));
+                    }
+                }
+            }
+        }
+    }
+
+    /// Differences along curves and across strips, and a metric in which smooth displacements are short.
+    fn fairness(&mut self) {
+        let role = Role::Fair { weight: 1.0 };
+        for (k, curve) in self.composite.curves.iter().enumerate() {
+            let (g, points) = (greville(&curve.curve.knots), self.built.points[k].clone());
+            for order in [2, 3] {
+                for s in along(&g, &points, order) {
+                    self.add(Vanish::new(&s, self.options.fairness), role, "fairness", Item::Fairness);
+                }
+            }
+            let weight = self.options.smoothness * points.len() as f64;
+            for s in along(&g, &points, 2) {
+                for d in 0..3 {
+                    let row = s.0.iter().map(|t| (t.0 + d, t.1)).collect();
+                    self.built.system.measure(weight, row);
+                }
+            }
+        }
+        for s in 0..self.composite.strips.len() {
+            for t in 0..self.composite.strips.len() {
+                let ([a, b], [c, d]) = (self.sides[s], self.sides[t]);
+                if b != c || s == t {
+                    continue;
+                }
+                let rows = self.built.points[a].iter().zip(&self.built.points[b]).zip(&self.built.points[d]);
+                let rows: Vec<Stencil> = rows.map(|((p, q), r)| across(*p, *q, *r)).collect();
+                for row in rows {
+                    self.add(Vanish::new(&row, self.options.fairness), role, "fairness", Item::Fairness);
+                }
+            }
+        }
+    }
+}
+
+/// What an item is called.
+pub(super) fn describe(c: &Composite, item: Item) -> String {
+    match item {
+        Item::Ruling { strip, u } => format!("{}, ruling u = {u:.4}", strip_item(c, strip)),
+        Item::Plane { strip } => strip_item(c, strip).to_string(),
+        Item::Join(k) => format!("join {k}"),
+        Item::Handle(k) => c.handles.get(k).map_or(String::new(), |h| handle_item(k, h).to_string()),
+        Item::Length(k) => format!("length {k}"),
+        Item::Target(k) => format!("target {k}"),
+        Item::Fairness => "fairness".into(),
+    }
+}

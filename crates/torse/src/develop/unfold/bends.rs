@@ -1,0 +1,176 @@
+//! Where a piece is bent: centre lines and extents, angles, radii, allowances, and an order to bend in.
+
+use super::region::Region;
+use super::tree::{Piece, Placed};
+use crate::brep::body::{Body, SMOOTH};
+use crate::brep::carrier::Carrier;
+use crate::geom::Vec2;
+use crate::patchwork::pattern::BendSense;
+
+/// How the sheet is bent.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum BendKind {
+    /// About one line, with a radius.
+    Bend,
+    /// About a sharp edge.
+    Fold,
+    /// Back onto itself, nearly or wholly.
+    Hem,
+    /// Over many lines: large radii, cones and other curved faces.
+    Rolled,
+}
+
+impl BendKind {
+    /// Lower-case name used in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Bend => "bend",
+            Self::Fold => "fold",
+            Self::Hem => "hem",
+            Self::Rolled => "rolled",
+        }
+    }
+}
+
+/// One bend of a piece.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SheetBend {
+    /// How.
+    pub kind: BendKind,
+    /// Centre lines, in parts where holes lie between: one line of a bend, several of a rolled face.
+    pub lines: Vec<[Vec2; 2]>,
+    /// Lines where the bent zone begins and ends; none for folds.
+    pub extents: Vec<[Vec2; 2]>,
+    /// Which way, as the piece lies before the eye.
+    pub sense: BendSense,
+    /// Whole turn, rad.
+    pub angle: f64,
+    /// Inside radius, mm; infinite where it is not one number.
+    pub inside_radius: f64,
+    /// K used: depth of the neutral fibre as a share of the thickness.
+    pub k: f64,
+    /// Breadth of the bent zone in the flat (mm): length of the neutral fibre. Not a number where it varies.
+    pub allowance: f64,
+    /// Length along the centre line, all its parts and the holes between them, mm.
+    pub length: f64,
+    /// Place in a sequence that begins with the outermost bends, counted from 1.
+    pub order: usize,
+    /// Steps of the outer face from the root.
+    level: usize,
+}
+
+/// Bends turn back onto the sheet from here on, rad.
+const HEM: f64 = 170.0 * std::f64::consts::PI / 180.0;
+/// Inside radii above so many thicknesses are rolled or pressed in many steps: no common tool of a press brake is so wide.
+const ROLLED: f64 = 12.0;
+/// A rolled face gets a line at every such turn, rad.
+const STEP: f64 = 5.0 * std::f64::consts::PI / 180.0;
+/// Lines of a rolled face at most.
+const MOST_LINES: usize = 400;
+/// Lines that are apart by less than this share of the body are one.
+const ONE_LINE: f64 = 1e-5;
+
+/// The bends of a piece, in the order of its faces.
+pub fn bends(body: &Body, piece: &Piece, thickness: f64) -> Vec<SheetBend> {
+    let mut out: Vec<SheetBend> = Vec::new();
+    for placed in &piece.faces {
+        if matches!(body.carriers[placed.face], Carrier::Plane(_)) {
+            continue;
+        }
+        let bend = of_face(body, piece, placed, thickness);
+        match out.iter_mut().find(|b| one_line(b, &bend, ONE_LINE * body.size)) {
+            Some(b) => {
+                b.lines.extend(bend.lines);
+                b.extents.extend(bend.extents);
+                b.level = b.level.min(bend.level);
+            }
+            None => out.push(bend),
+        }
+    }
+    for fold in &piece.folds {
+        let (h, twin) = (fold.half, body.halves[fold.half].twin.unwrap_or(fold.half));
+        let [a, b] = [0.0, 1.0].map(|s| (piece.place(body, h, s) + piece.place(body, twin, 1.0 - s)) * 0.5);
+        let level = [h, twin].iter().filter_map(|h| piece.placed(body.halves[*h].face)).map(|p| p.level).max();
+        let bend = SheetBend {
+            kind: BendKind::Fold,
+            lines: vec![[a, b]],
+            extents: Vec::new(),
+            sense: if fold.meeting.convex { BendSense::Down } else { BendSense::Up },
+            angle: fold.meeting.angle,
+            inside_radius: 0.0,
+            k: fold.k,
+            allowance: fold.allowance,
+            length: 0.0,
+            order: 0,
+            level: level.unwrap_or(0),
+        };
+        match out.iter_mut().find(|b| one_line(b, &bend, ONE_LINE * body.size)) {
+            Some(b) => b.lines.extend(bend.lines),
+            None => out.push(bend),
+        }
+    }
+    for b in out.iter_mut().filter(|b| b.kind != BendKind::Rolled) {
+        b.length = reach(&b.lines);
+    }
+    let mut sequence: Vec<usize> = (0..out.len()).collect();
+    sequence.sort_by(|a, b| (out[*b].level.cmp(&out[*a].level)).then(out[*a].length.total_cmp(&out[*b].length)));
+    for (k, b) in sequence.into_iter().enumerate() {
+        out[b].order = k + 1;
+    }
+    out
+}
+
+/// Distance between the farthest ends of collinear segments.
+fn reach(lines: &[[Vec2; 2]]) -> f64 {
+    let Some(way) = lines.first().and_then(|l| (l[1] - l[0]).try_normalize(0.0)) else { return 0.0 };
+    let along = |f: fn(f64, f64) -> f64, start: f64| lines.iter().flatten().map(|p| p.dot(&way)).fold(start, f);
+    along(f64::max, f64::NEG_INFINITY) - along(f64::min, f64::INFINITY)
+}
+
+/// Whether two bends are parts of one: equal turns about one line.
+fn one_line(a: &SheetBend, b: &SheetBend, tolerance: f64) -> bool {
+    let alike = a.kind == b.kind && a.sense == b.sense && (a.angle - b.angle).abs() < SMOOTH;
+    let (Some(l), Some(m)) = (a.lines.first(), b.lines.first()) else { return false };
+    let Some(way) = (l[1] - l[0]).try_normalize(0.0) else { return false };
+    alike && a.kind != BendKind::Rolled && m.iter().all(|p| way.perp(&(p - l[0])).abs() <= tolerance)
+}
+
+fn of_face(body: &Body, piece: &Piece, placed: &Placed, thickness: f64) -> SheetBend {
+    let turn = placed.chart.turn();
+    let cylinder = matches!(body.carriers[placed.face], Carrier::Cylinder { .. });
+    let between = body.of_face(placed.face).filter(|h| piece.inner.contains(h) && is_plane(body, *h)).count();
+    let narrow = if thickness > 0.0 { placed.inside_radius <= ROLLED * thickness } else { between > 1 };
+    let kind = match cylinder && narrow && between > 0 {
+        true if turn >= HEM => BendKind::Hem,
+        true => BendKind::Bend,
+        false => BendKind::Rolled,
+    };
+    let count = if kind == BendKind::Rolled { ((turn / STEP).ceil() as usize).clamp(1, MOST_LINES) } else { 1 };
+    let rulings = placed.chart.rulings(count);
+    let hollow = rulings.iter().filter(|r| r.hollow).count() * 2 > rulings.len();
+    let region = Region::of(body, placed.face, &placed.chart);
+    let line = |at: Vec2, way: Vec2| region.line(&at, &way).into_iter().map(|l| l.map(|p| placed.motion.apply(&p)));
+    let lines: Vec<[Vec2; 2]> = rulings.iter().flat_map(|r| line(r.at, r.way)).collect();
+    let extents = body.of_face(placed.face).filter(|h| piece.inner.contains(h));
+    let extents = extents.map(|h| [piece.place(body, h, 0.0), piece.place(body, h, 1.0)]).collect();
+    let allowance = if cylinder { turn * placed.chart.neutral_radius() } else { f64::NAN };
+    let length = region.max.y - region.min.y;
+    SheetBend {
+        kind,
+        lines,
+        extents,
+        sense: if hollow { BendSense::Up } else { BendSense::Down },
+        angle: turn,
+        inside_radius: if cylinder { placed.inside_radius } else { f64::INFINITY },
+        k: placed.k,
+        allowance,
+        length: if cylinder { length } else { f64::NAN },
+        order: 0,
+        level: placed.level,
+    }
+}
+
+/// Whether the face beyond a run is plane.
+fn is_plane(body: &Body, half: usize) -> bool {
+    body.beyond(half).is_some_and(|g| matches!(body.carriers[g], Carrier::Plane(_)))
+}

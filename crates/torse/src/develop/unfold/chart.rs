@@ -1,0 +1,381 @@
+//! The isometric map of one face's neutral surface to the plane, seen from outside.
+//!
+//! *Method*: planes, circular cylinders and circular cones in closed form. Every other developable is a family of rulings
+//! `p(s) + r w(s)` with one normal `n(s)` along each; with the frame `w, e = n × w` the flat ruling turns by
+//! `Φ' = w'·e` and its base point moves by `(q'·w, q'·e)` in that frame, where `q = p − δ n` lies in the neutral surface
+//! at depth δ below the face. Both are integrated by Runge–Kutta steps of fourth order, knots of the surface among
+//! their ends.
+
+use crate::brep::carrier::{bounds, outward, Carrier};
+use crate::brep::face::Face;
+use crate::brep::project::SurfaceProjector;
+use crate::brep::rulings::Rulings;
+use crate::geom::{Frame, Vec2, Vec3};
+use crate::patchwork::image::ClosedMap;
+use crate::spline::surface::Surface;
+use std::f64::consts::{PI, TAU};
+
+/// A face's map to the plane.
+#[derive(Clone, Debug)]
+pub struct Chart {
+    kind: Kind,
+}
+
+#[derive(Clone, Debug)]
+enum Kind {
+    Plane(Frame),
+    Round {
+        frame: Frame,
+        /// −1 if the outward normal looks to the axis.
+        sign: f64,
+        angles: Angles,
+        /// Half angle; 0 for a cylinder.
+        half_angle: f64,
+        /// Radius of the neutral cylinder; of a cone, way (mm) by which its neutral cone's apex lies behind.
+        neutral: f64,
+    },
+    Ruled(Box<Ruled>),
+}
+
+/// Angles about an axis by the parameter across the rulings: tells turns apart.
+#[derive(Clone, Debug)]
+struct Angles {
+    swapped: bool,
+    table: Vec<(f64, f64)>,
+    middle: f64,
+}
+
+/// Rulings with their places in the plane.
+#[derive(Clone, Debug)]
+struct Ruled {
+    surface: Surface,
+    swapped: bool,
+    reversed: bool,
+    along: (f64, f64),
+    depth: f64,
+    nodes: Vec<(f64, State)>,
+    projector: SurfaceProjector,
+}
+
+/// Turn and base point of a flat ruling.
+#[derive(Clone, Copy, Debug, Default)]
+struct State {
+    turn: f64,
+    base: Vec2,
+    /// Turn of the normal so far, whichever way.
+    bent: f64,
+}
+
+/// A ruling in the plane, standing for a part of the turn of a face.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FlatRuling {
+    /// A point of it.
+    pub at: Vec2,
+    /// Unit direction.
+    pub way: Vec2,
+    /// Turn of the face that it stands for, rad.
+    pub angle: f64,
+    /// Whether the face is hollow there, seen from outside: the sheet comes up.
+    pub hollow: bool,
+    /// Radius of curvature of the face at the point, mm.
+    pub radius: f64,
+}
+
+/// Places in the table of angles, enough that turns cannot be mistaken.
+const PLACES: usize = 96;
+/// Share of a span by which integration keeps from knots, which have two sides: above rounding, below any effect.
+const HAIR: f64 = 1e-12;
+/// Steps of the integration on each span between knots.
+const STEPS: usize = 96;
+
+impl Chart {
+    /// The map of a face on its carrier, `depth` (mm) below its outward side; `None` for faces that are not developable and
+    /// where the depth exceeds the radius.
+    pub fn of(face: &Face, carrier: &Carrier, depth: f64) -> Option<Self> {
+        let kind = match carrier {
+            Carrier::Plane(frame) => Kind::Plane(*frame),
+            Carrier::Cylinder { frame, radius } => {
+                let (sign, angles) = round(face, frame)?;
+                let neutral = radius - sign * depth;
+                if neutral < 0.0 {
+                    return None;
+                }
+                Kind::Round { frame: *frame, sign, angles, half_angle: 0.0, neutral }
+            }
+            Carrier::Cone { frame, half_angle } => {
+                let (sign, angles) = round(face, frame)?;
+                let neutral = -sign * depth / half_angle.tan();
+                Kind::Round { frame: *frame, sign, angles, half_angle: *half_angle, neutral }
+            }
+            Carrier::GeneralCylinder { .. } | Carrier::GeneralCone { .. } | Carrier::TangentSurface => {
+                Kind::Ruled(Box::new(Ruled::new(face, depth)?))
+            }
+            Carrier::Curved(_) => return None,
+        };
+        Some(Self { kind })
+    }
+
+    /// Place in the plane of a point of the face; `uv` is its place in the parameter plane, which tells copies on closed
+    /// surfaces apart. Without it the copy nearest to the middle of the face is meant.
+    pub fn flat(&self, x: &Vec3, uv: Option<[f64; 2]>) -> Vec2 {
+        match &self.kind {
+            Kind::Plane(frame) => {
+                let q = frame.to_local(x);
+                Vec2::new(q.x, q.y)
+            }
+            Kind::Round { frame, sign, angles, half_angle, neutral } => {
+                let q = frame.to_local(x);
+                let angle = angles.unwrapped(q.y.atan2(q.x), uv);
+                if *half_angle == 0.0 {
+                    return Vec2::new(sign * neutral * angle, q.z);
+                }
+                let reach = q.z * half_angle.cos() + q.x.hypot(q.y) * half_angle.sin() + neutral;
+                let (sin, cos) = (-sign * half_angle.sin() * angle).sin_cos();
+                Vec2::new(cos, sin) * reach
+            }
+            Kind::Ruled(r) => r.flat(x, uv),
+        }
+    }
+
+    /// The map in closed form; `None` for faces that are neither plane nor circular.
+    pub fn closed(&self) -> Option<ClosedMap> {
+        match &self.kind {
+            Kind::Plane(frame) => Some(ClosedMap::Plane(*frame)),
+            Kind::Round { frame, sign, half_angle, neutral, .. } if *half_angle == 0.0 => {
+                Some(ClosedMap::Cylinder { frame: *frame, reach: sign * neutral })
+            }
+            Kind::Round { frame, sign, half_angle, neutral, .. } => Some(ClosedMap::Cone {
+                frame: *frame,
+                half_angle: *half_angle,
+                behind: *neutral,
+                turn: -sign * half_angle.sin(),
+            }),
+            Kind::Ruled(_) => None,
+        }
+    }
+
+    /// Angle (rad) about the axis of a circular face by which a point of it stands.
+    pub fn angle(&self, x: &Vec3, uv: Option<[f64; 2]>) -> Option<f64> {
+        let Kind::Round { frame, angles, .. } = &self.kind else { return None };
+        let q = frame.to_local(x);
+        Some(angles.unwrapped(q.y.atan2(q.x), uv))
+    }
+
+    /// Radius of the neutral cylinder (mm), 0 for anything else.
+    pub fn neutral_radius(&self) -> f64 {
+        match &self.kind {
+            Kind::Round { half_angle, neutral, .. } if *half_angle == 0.0 => *neutral,
+            _ => 0.0,
+        }
+    }
+
+    /// Whole turn of the normal over the face, rad.
+    pub fn turn(&self) -> f64 {
+        match &self.kind {
+            Kind::Plane(_) => 0.0,
+            Kind::Round { angles, half_angle, .. } => angles.width() * half_angle.cos(),
+            Kind::Ruled(r) => r.nodes[r.nodes.len() - 1].1.bent,
+        }
+    }
+
+    /// Rulings half way through `count` equal parts of the turn.
+    pub fn rulings(&self, count: usize) -> Vec<FlatRuling> {
+        let angle = self.turn() / count as f64;
+        let shares = (0..count).map(|k| (k as f64 + 0.5) / count as f64);
+        match &self.kind {
+            Kind::Plane(_) => Vec::new(),
+            Kind::Round { sign, angles, half_angle, neutral, .. } => {
+                let place = |share: f64| {
+                    let theta = angles.table[0].1 + (angles.table[PLACES].1 - angles.table[0].1) * share;
+                    if *half_angle == 0.0 {
+                        (Vec2::new(sign * neutral * theta, 0.0), Vec2::y())
+                    } else {
+                        let (s, c) = (-sign * half_angle.sin() * theta).sin_cos();
+                        (Vec2::zeros(), Vec2::new(c, s))
+                    }
+                };
+                let ruling = |(at, way)| FlatRuling { at, way, angle, hollow: *sign < 0.0, radius: f64::NAN };
+                shares.map(place).map(ruling).collect()
+            }
+            Kind::Ruled(r) => shares.filter_map(|s| r.ruling(s, angle)).collect(),
+        }
+    }
+
+    /// Whether the face stands out, seen from outside: +1, −1 if it is hollow, 0 where that is not one answer.
+    pub fn bulge(&self) -> f64 {
+        match &self.kind {
+            Kind::Round { sign, .. } => *sign,
+            _ => 0.0,
+        }
+    }
+}
+
+/// Sign and angles of a face on a circular carrier.
+fn round(face: &Face, frame: &Frame) -> Option<(f64, Angles)> {
+    let [u0, u1, v0, v1] = bounds(face);
+    let (u, v) = (0.5 * (u0 + u1), 0.5 * (v0 + v1));
+    let j = face.surface.jet(u, v);
+    let steep = |d: Vec3| d.try_normalize(0.0).map_or(0.0, |d| d.dot(&frame.z).abs());
+    let swapped = steep(j.du) > steep(j.dv);
+    let q = frame.to_local(&j.p);
+    let sign = frame.vector_to_world(&Vec3::new(q.x, q.y, 0.0)).dot(&outward(face, [u, v])?).signum();
+    // On closed surfaces trims may touch the ends of the domain.
+    let (lo, hi) = if swapped { (v0, v1) } else { (u0, u1) };
+    let mut table: Vec<(f64, f64)> = Vec::with_capacity(PLACES + 1);
+    for k in 0..=PLACES {
+        let s = lo + (hi - lo) * k as f64 / PLACES as f64;
+        let p = if swapped { face.surface.point(u, s) } else { face.surface.point(s, v) };
+        let q = frame.to_local(&p);
+        let a = q.y.atan2(q.x);
+        let near = table.last().map_or(a, |t| t.1);
+        table.push((s, nearest_turn(a, near)));
+    }
+    let middle = 0.5 * (table[0].1 + table[PLACES].1);
+    Some((sign, Angles { swapped, table, middle }))
+}
+
+fn nearest_turn(angle: f64, near: f64) -> f64 {
+    angle + TAU * ((near - angle) / TAU).round()
+}
+
+impl Angles {
+    fn width(&self) -> f64 {
+        (self.table[PLACES].1 - self.table[0].1).abs()
+    }
+
+    fn unwrapped(&self, angle: f64, uv: Option<[f64; 2]>) -> f64 {
+        let Some(uv) = uv else { return self.middle + (angle - self.middle + PI).rem_euclid(TAU) - PI };
+        let s = if self.swapped { uv[1] } else { uv[0] };
+        let k = self.table.partition_point(|t| t.0 <= s).clamp(1, PLACES);
+        let ((a, p), (b, q)) = (self.table[k - 1], self.table[k]);
+        nearest_turn(angle, p + (q - p) * ((s - a) / (b - a)).clamp(0.0, 1.0))
+    }
+}
+
+/// A ruling with its derivatives in s.
+struct Line {
+    p: Vec3,
+    w: Vec3,
+    n: Vec3,
+    dp: Vec3,
+    dw: Vec3,
+    dn: Vec3,
+}
+
+impl Ruled {
+    fn new(face: &Face, depth: f64) -> Option<Self> {
+        let b = bounds(face);
+        let extent = face.surface.bbox().diagonal();
+        let rulings = Rulings::of(&face.surface, b, crate::brep::carrier::EXACT * extent)?;
+        let breaks = rulings.breaks();
+        let [u, _] = rulings.lines(vec![0.0], vec![1.0]);
+        let mut out = Self {
+            surface: face.surface.clone(),
+            swapped: u[0] == 1.0,
+            reversed: face.reversed,
+            along: rulings.reach(),
+            depth,
+            nodes: Vec::new(),
+            projector: SurfaceProjector::new(&face.surface),
+        };
+        let mut state = State::default();
+        out.nodes.push((breaks[0], state));
+        for w in breaks.windows(2) {
+            let hair = HAIR * (w[1] - w[0]);
+            for k in 0..STEPS {
+                let at = |k: usize| w[0] + (w[1] - w[0]) * k as f64 / STEPS as f64;
+                let (a, b) = (at(k), at(k + 1));
+                state = out.step(state, a.max(w[0] + hair), b.min(w[1] - hair))?;
+                out.nodes.push((b, state));
+            }
+        }
+        Some(out)
+    }
+
+    fn line(&self, s: f64) -> Option<Line> {
+        let (lo, hi) = self.along;
+        let jet = |r: f64| {
+            let j = if self.swapped { self.surface.jet(r, s) } else { self.surface.jet(s, r) };
+            if self.swapped {
+                (j.p, j.dv, j.du, j.dvv, j.duv)
+            } else {
+                (j.p, j.du, j.dv, j.duu, j.duv)
+            }
+        };
+        let (a, da, ..) = jet(lo);
+        let (b, db, ..) = jet(hi);
+        let (p, ps, pr, pss, psr) = jet(0.5 * (lo + hi));
+        let length = (b - a).norm();
+        let w = (b - a).try_normalize(0.0)?;
+        let dw = ((db - da) - w * w.dot(&(db - da))) / length;
+        // The sense of the normal: that of S_u × S_v, turned if the face is.
+        let sense = if self.swapped == self.reversed { 1.0 } else { -1.0 };
+        let (big, dbig) = (ps.cross(&pr) * sense, (pss.cross(&pr) + ps.cross(&psr)) * sense);
+        let n = big.try_normalize(0.0)?;
+        let dn = (dbig - n * n.dot(&dbig)) / big.norm();
+        Some(Line { p, w, n, dp: ps, dw, dn })
+    }
+
+    /// One Runge–Kutta step; the turn does not depend on the state, so its slopes serve for both.
+    fn step(&self, from: State, a: f64, b: f64) -> Option<State> {
+        let h = b - a;
+        let slope = |s: f64| {
+            let l = self.line(s)?;
+            let e = l.n.cross(&l.w);
+            let dq = l.dp - l.dn * self.depth;
+            Some((l.dw.dot(&e), Vec2::new(dq.dot(&l.w), dq.dot(&e)), l.dn.norm()))
+        };
+        let [f0, f1, f2, f3, f4] =
+            [slope(a)?, slope(a + 0.25 * h)?, slope(a + 0.5 * h)?, slope(a + 0.75 * h)?, slope(b)?];
+        // Turn half way and at the end by Simpson's rule, then the base point with these turns.
+        let half = from.turn + h / 12.0 * (f0.0 + 4.0 * f1.0 + f2.0);
+        let whole = half + h / 12.0 * (f2.0 + 4.0 * f3.0 + f4.0);
+        let turned = |v: Vec2, a: f64| {
+            let (s, c) = a.sin_cos();
+            Vec2::new(c * v.x - s * v.y, s * v.x + c * v.y)
+        };
+        let moved = turned(f0.1, from.turn) + turned(f2.1, half) * 4.0 + turned(f4.1, whole);
+        let bent = from.bent + h / 6.0 * (f0.2 + 4.0 * f2.2 + f4.2);
+        Some(State { turn: whole, base: from.base + moved * (h / 6.0), bent })
+    }
+
+    /// The ruling at a share of the turn of the normal.
+    fn ruling(&self, share: f64, angle: f64) -> Option<FlatRuling> {
+        let wanted = share * self.nodes[self.nodes.len() - 1].1.bent;
+        let k = self.nodes.partition_point(|n| n.1.bent < wanted).clamp(1, self.nodes.len() - 1);
+        let ((a, p), (b, q)) = (self.nodes[k - 1], self.nodes[k]);
+        let part = if q.bent > p.bent { (wanted - p.bent) / (q.bent - p.bent) } else { 0.5 };
+        let s = a + (b - a) * part;
+        let (state, l) = (self.step(p, a, s)?, self.line(s)?);
+        let (e, way) = (l.n.cross(&l.w), Vec2::new(state.turn.cos(), state.turn.sin()));
+        let hollow = l.dn.dot(&e) * l.dp.dot(&e) < 0.0;
+        let radius = (l.dp.dot(&e) / l.dn.norm()).abs();
+        Some(FlatRuling { at: state.base, way, angle, hollow, radius })
+    }
+
+    fn flat(&self, x: &Vec3, uv: Option<[f64; 2]>) -> Vec2 {
+        let uv = uv.unwrap_or_else(|| self.projector.nearest(&self.surface, x).at);
+        let (first, last) = (self.nodes[0].0, self.nodes[self.nodes.len() - 1].0);
+        let mut s = if self.swapped { uv[1] } else { uv[0] };
+        // The guide keeps near the edge; Newton's steps bring it to the point's own ruling.
+        for _ in 0..8 {
+            let Some(l) = self.line(s.clamp(first, last)) else { break };
+            let e = l.n.cross(&l.w);
+            let off = x - l.p;
+            let slope = l.dp.dot(&e) + off.dot(&l.w) * l.dw.dot(&e);
+            let step = off.dot(&e) / slope;
+            if !step.is_finite() {
+                break;
+            }
+            s = (s + step).clamp(first, last);
+            if step.abs() <= f64::EPSILON * (last - first) {
+                break;
+            }
+        }
+        let k = self.nodes.partition_point(|n| n.0 <= s).clamp(1, self.nodes.len() - 1) - 1;
+        let (at, before) = self.nodes[k];
+        let state = if s > at { self.step(before, at, s).unwrap_or(before) } else { before };
+        let reach = self.line(s).map_or(0.0, |l| (x - l.p).dot(&l.w));
+        state.base + Vec2::new(state.turn.cos(), state.turn.sin()) * reach
+    }
+}

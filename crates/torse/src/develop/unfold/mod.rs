@@ -1,0 +1,15 @@
+//! Chains and trees of developable faces, unfolded to one piece of the plane.
+
+pub mod allowance;
+pub mod bends;
+pub mod chart;
+pub mod outline;
+pub mod part;
+pub mod region;
+pub mod sheet;
+pub mod tree;
+
+#[cfg(test)]
+pub(crate) mod specimens;
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,337 @@
+//! Contours of a piece: the runs that are not inside it, chained, as lines and true arcs.
+
+use super::tree::{Piece, Placed};
+use crate::brep::body::Body;
+use crate::develop::arcs::{arcs, circle, PlaneCurve};
+use crate::geom::Vec2;
+use crate::patchwork::image::{EdgeImage, Stroke};
+use crate::patchwork::pattern::{Contour, ContourVertex};
+use std::collections::HashSet;
+
+/// A contour with what it follows.
+#[derive(Clone, Debug)]
+pub struct Outline {
+    /// Lines and arcs.
+    pub contour: Contour,
+    /// Runs in order.
+    pub halves: Vec<usize>,
+    /// Signed area, mm²: positive for outer contours.
+    pub area: f64,
+    /// Largest distance (mm) between drawn and exact outline, measured.
+    pub error: f64,
+    /// Length, mm.
+    pub length: f64,
+    /// What every line and arc is drawn for.
+    pub strokes: Vec<Stroke>,
+}
+
+/// A vertex of a contour that follows a run.
+#[derive(Clone, Copy, Debug)]
+struct Station {
+    vertex: ContourVertex,
+    /// Number of the run in the outline, and share of it.
+    run: usize,
+    share: f64,
+    /// Whether the piece that leaves it joins two runs and follows none.
+    bridge: bool,
+}
+
+/// A run in the plane.
+struct FlatRun<'a> {
+    body: &'a Body<'a>,
+    placed: &'a Placed,
+    half: usize,
+}
+
+/// Step for derivatives along a run: at 1e-5 rounding and the term left out are both some 1e-10 of the length.
+const STEP: f64 = 1e-5;
+
+impl PlaneCurve for FlatRun<'_> {
+    fn place(&self, s: f64) -> Vec2 {
+        let h = &self.body.halves[self.half];
+        let (x, uv) = h.run.at(self.body.faces[h.face], s);
+        self.placed.motion.apply(&self.placed.chart.flat(&x, Some(uv)))
+    }
+
+    fn velocity(&self, s: f64) -> Vec2 {
+        let at = |k: f64| self.place(s + k * STEP);
+        if s < STEP {
+            (at(1.0) * 4.0 - at(2.0) - at(0.0) * 3.0) / (2.0 * STEP)
+        } else if s > 1.0 - STEP {
+            (at(0.0) * 3.0 + at(-2.0) - at(-1.0) * 4.0) / (2.0 * STEP)
+        } else {
+            (at(1.0) - at(-1.0)) / (2.0 * STEP)
+        }
+    }
+}
+
+/// Runs shorter than this share of the body are points.
+const POINT: f64 = 1e-9;
+/// Ends of runs farther apart than this share of the body are joined by a line: allowances of sharp bends.
+const GAP: f64 = 1e-6;
+
+/// The contours of a piece, outer ones first.
+pub fn outlines(body: &Body, piece: &Piece, tolerance: f64) -> Vec<Outline> {
+    let mut open: Vec<usize> = piece.faces.iter().flat_map(|p| body.of_face(p.face)).collect();
+    open.retain(|h| !piece.inner.contains(h) && body.halves[*h].length > POINT * body.size);
+    open.sort_unstable();
+    let mut seen: HashSet<usize> = HashSet::new();
+    let mut out = Vec::new();
+    for &start in &open {
+        if seen.contains(&start) {
+            continue;
+        }
+        let mut halves = Vec::new();
+        let mut h = start;
+        while seen.insert(h) {
+            halves.push(h);
+            h = following(body, piece, h);
+        }
+        out.push(outline(body, piece, halves, tolerance));
+    }
+    out.sort_by(|a, b| b.area.total_cmp(&a.area));
+    out
+}
+
+/// The run after a run on the boundary of the piece: at inner edges the way goes on along the neighbour.
+fn following(body: &Body, piece: &Piece, half: usize) -> usize {
+    let mut h = body.halves[half].next;
+    for _ in 0..body.halves.len() {
+        let point = body.halves[h].length <= POINT * body.size;
+        match body.halves[h].twin.filter(|_| piece.inner.contains(&h)) {
+            Some(twin) => h = body.halves[twin].next,
+            None if point => h = body.halves[h].next,
+            None => break,
+        }
+    }
+    h
+}
+
+/// The contour along runs.
+fn outline(body: &Body, piece: &Piece, halves: Vec<usize>, tolerance: f64) -> Outline {
+    let mut stations: Vec<Station> = Vec::new();
+    let mut error = 0.0_f64;
+    let mut end: Option<Vec2> = None;
+    let first = piece.place(body, halves[0], 0.0);
+    for (number, &half) in halves.iter().enumerate() {
+        let Some(placed) = piece.placed(body.halves[half].face) else { continue };
+        let run = FlatRun { body, placed, half };
+        join(&mut stations, &mut error, (end, run.place(0.0)), (number, GAP * body.size));
+        let (pieces, off) = whole_arc(&run, tolerance).unwrap_or_else(|| {
+            let (pieces, off) = arcs(&run, tolerance);
+            let vertex = |(k, p): (usize, &crate::develop::arcs::ArcPiece)| ContourVertex {
+                point: p.point,
+                bulge: p.bulge,
+                corner: k == 0,
+            };
+            (pieces.iter().enumerate().map(vertex).collect(), off)
+        });
+        error = error.max(off);
+        let mut share = 0.0;
+        for vertex in pieces {
+            share = nearest(&run, &vertex.point, share);
+            stations.push(Station { vertex, run: number, share, bridge: false });
+        }
+        end = Some(run.place(1.0));
+    }
+    join(&mut stations, &mut error, (end, first), (halves.len(), GAP * body.size));
+    let stations = simpler(stations);
+    let strokes = strokes(body, piece, &halves, &stations);
+    let contour = Contour { vertices: stations.into_iter().map(|s| s.vertex).collect() };
+    let length = length(&contour.vertices);
+    Outline { area: contour_area(&contour), contour, halves, error, length, strokes }
+}
+
+/// Where the next run begins apart from the end of the last, a line joins them; what is less is part of the error.
+fn join(stations: &mut Vec<Station>, error: &mut f64, way: (Option<Vec2>, Vec2), (run, gap): (usize, f64)) {
+    let (Some(end), next) = way else { return };
+    let apart = (next - end).norm();
+    if apart > gap {
+        let vertex = ContourVertex { point: end, bulge: 0.0, corner: true };
+        stations.push(Station { vertex, run: run.saturating_sub(1), share: 1.0, bridge: true });
+    } else {
+        *error = error.max(apart);
+    }
+}
+
+/// Share of a run, from `from` on, where it passes nearest to a point of it.
+fn nearest(run: &FlatRun, x: &Vec2, from: f64) -> f64 {
+    /// Starts.
+    const STARTS: usize = 64;
+    let far = |s: f64| (run.place(s) - x).norm();
+    let at = |k: usize| from + (1.0 - from) * k as f64 / STARTS as f64;
+    let Some(k) = (0..=STARTS).min_by(|a, b| far(at(*a)).total_cmp(&far(at(*b)))) else { return from };
+    let mut s = at(k);
+    for _ in 0..8 {
+        let v = run.velocity(s);
+        let step = (x - run.place(s)).dot(&v) / v.norm_squared();
+        if !step.is_finite() {
+            break;
+        }
+        s = (s + step).clamp(from, 1.0);
+    }
+    // Both ends are met exactly.
+    [from, 1.0].into_iter().find(|e| far(*e) <= far(s)).unwrap_or(s)
+}
+
+/// What the lines and arcs between stations are drawn for.
+fn strokes(body: &Body, piece: &Piece, halves: &[usize], stations: &[Station]) -> Vec<Stroke> {
+    let n = stations.len();
+    let stroke = |k: usize| {
+        let (a, b) = (&stations[k], &stations[(k + 1) % n]);
+        let last = if k + 1 == n { (halves.len(), 0.0) } else { (b.run, b.share) };
+        let images = match a.bridge {
+            true => Some(Vec::new()),
+            false => (a.run..=last.0)
+                .filter_map(|r| {
+                    let ends = [if r == a.run { a.share } else { 0.0 }, if r == last.0 { last.1 } else { 1.0 }];
+                    (ends[0] < ends[1]).then(|| halves.get(r).map(|h| image(body, piece, *h, ends)))?
+                })
+                .collect(),
+        };
+        Stroke { start: a.vertex.point, end: b.vertex.point, bulge: a.vertex.bulge, images }
+    };
+    (0..n).map(stroke).collect()
+}
+
+/// A part of a run for the judge; `None` where its map has no closed form.
+pub(super) fn image(body: &Body, piece: &Piece, half: usize, ends: [f64; 2]) -> Option<EdgeImage> {
+    let h = &body.halves[half];
+    let placed = piece.placed(h.face)?;
+    let (curve, [from, to]) = h.run.curve()?;
+    let angle = |s: f64| {
+        let (x, uv) = h.run.at(body.faces[h.face], s);
+        placed.chart.angle(&x, Some(uv)).unwrap_or(0.0)
+    };
+    Some(EdgeImage {
+        curve: curve.clone(),
+        map: placed.chart.closed()?,
+        turn: placed.motion.turn,
+        shift: placed.motion.shift,
+        part: ends.map(|s| from + (to - from) * s),
+        angles: ends.map(angle),
+    })
+}
+
+/// Arcs turn by no more than this (rad): the radius and the ends, all that SVG knows of an arc, say little of one that is
+/// nearly half a turn.
+const MOST_SWEEP: f64 = std::f64::consts::TAU / 3.0;
+
+/// A run that is one line or one circular arc, to what ten digits hold: as such.
+fn whole_arc(run: &FlatRun, tolerance: f64) -> Option<(Vec<ContourVertex>, f64)> {
+    /// Samples.
+    const SAMPLES: usize = 24;
+    /// Share of the tolerance within which the run must keep to the arc.
+    const EXACT: f64 = 1e-2;
+    /// The same as a share of its length.
+    const EXACT_SHARE: f64 = 1e-6;
+    let p: Vec<Vec2> = (0..=SAMPLES).map(|k| run.place(k as f64 / SAMPLES as f64)).collect();
+    let chords: f64 = p.windows(2).map(|w| (w[1] - w[0]).norm()).sum();
+    let allowed = (EXACT * tolerance).min(EXACT_SHARE * chords);
+    let way = (p[SAMPLES] - p[0]).try_normalize(0.0);
+    let off = |way: Vec2| p.iter().map(|q| way.perp(&(q - p[0])).abs()).fold(0.0, f64::max);
+    if let Some(off) = way.map(off).filter(|o| *o <= allowed) {
+        return Some((vec![ContourVertex { point: p[0], bulge: 0.0, corner: true }], off));
+    }
+    let (a, b, c) = (p[0], p[SAMPLES / 3], p[2 * SAMPLES / 3]);
+    let centre = centre(&a, &b, &c)?;
+    let radius = (a - centre).norm();
+    let off = p.iter().map(|q| ((q - centre).norm() - radius).abs()).fold(0.0, f64::max);
+    if off > allowed {
+        return None;
+    }
+    let angle = |u: Vec2, v: Vec2| u.perp(&v).atan2(u.dot(&v));
+    let turns: Vec<f64> = p.windows(2).map(|w| angle(w[0] - centre, w[1] - centre)).collect();
+    let sweep: f64 = turns.iter().sum();
+    if turns.iter().any(|t| t * sweep < 0.0) || sweep.abs() > std::f64::consts::TAU * (1.0 + EXACT_SHARE) {
+        return None;
+    }
+    // A hair more than the most is rounding.
+    let count = ((sweep.abs() / MOST_SWEEP) * (1.0 - EXACT_SHARE)).ceil().max(1.0) as usize;
+    let step = sweep / count as f64;
+    let vertex = |k: usize| {
+        let (s, c) = (step * k as f64).sin_cos();
+        let v = a - centre;
+        let point = if k == 0 { a } else { centre + Vec2::new(c * v.x - s * v.y, s * v.x + c * v.y) };
+        ContourVertex { point, bulge: (0.25 * step).tan(), corner: k == 0 }
+    };
+    Some(((0..count).map(vertex).collect(), off))
+}
+
+/// Centre of the circle through three points.
+fn centre(a: &Vec2, b: &Vec2, c: &Vec2) -> Option<Vec2> {
+    let (u, v) = (b - a, c - a);
+    let d = 2.0 * u.perp(&v);
+    let out =
+        a + Vec2::new(v.y * u.norm_squared() - u.y * v.norm_squared(), u.x * v.norm_squared() - v.x * u.norm_squared())
+            / d;
+    (out.x.is_finite() && out.y.is_finite()).then_some(out)
+}
+
+/// Lines that go straight on, and arcs of one circle, as one piece.
+fn simpler(v: Vec<Station>) -> Vec<Station> {
+    /// Share of the pieces' length within which they must keep to one line or circle.
+    const SAME: f64 = 1e-6;
+    let mut out: Vec<Station> = Vec::with_capacity(v.len());
+    let n = v.len();
+    let merged = |last: &Station, here: &Station, c: Vec2| -> Option<f64> {
+        let (a, b) = (last.vertex.point, here.vertex.point);
+        let (p, q) = (last.vertex.bulge, here.vertex.bulge);
+        let length = (b - a).norm() + (c - b).norm();
+        if n <= 3 || last.bridge || here.bridge {
+            return None;
+        }
+        if p == 0.0 && q == 0.0 {
+            let way = (c - a).try_normalize(0.0)?;
+            let on = way.perp(&(b - a)).abs() <= SAME * length && way.dot(&(b - a)) > 0.0 && way.dot(&(c - b)) > 0.0;
+            return on.then_some(0.0);
+        }
+        if p * q <= 0.0 {
+            return None;
+        }
+        let ((o, r), (m, s)) = (circle(&a, &b, p), circle(&b, &c, q));
+        let sweep = p.atan() + q.atan();
+        let one = (o - m).norm() <= SAME * length && (r - s).abs() <= SAME * length;
+        (one && 4.0 * sweep.abs() <= MOST_SWEEP * (1.0 + SAME)).then(|| sweep.tan())
+    };
+    for k in 0..n {
+        let (here, next) = (v[k], v[(k + 1) % n].vertex.point);
+        let bulge = out.last().and_then(|last| merged(last, &here, next));
+        match (bulge, out.last_mut()) {
+            (Some(bulge), Some(last)) => last.vertex.bulge = bulge,
+            _ => out.push(here),
+        }
+    }
+    out
+}
+
+/// Length of a contour, mm.
+fn length(v: &[ContourVertex]) -> f64 {
+    let piece = |k: usize| {
+        let chord = (v[(k + 1) % v.len()].point - v[k].point).norm();
+        let half = 2.0 * v[k].bulge.atan();
+        if half == 0.0 {
+            chord
+        } else {
+            chord * half / half.sin()
+        }
+    };
+    (0..v.len()).map(piece).sum()
+}
+
+/// Area inside a contour with its arcs, mm²; negative clockwise.
+pub fn contour_area(c: &Contour) -> f64 {
+    let v = &c.vertices;
+    let Some(o) = v.first().map(|v| v.point) else { return 0.0 };
+    let piece = |k: usize| {
+        let (a, b) = (&v[k], &v[(k + 1) % v.len()]);
+        let straight = 0.5 * (a.point - o).perp(&(b.point - o));
+        if a.bulge == 0.0 {
+            return straight;
+        }
+        let sweep = 4.0 * a.bulge.atan();
+        let (_, r) = circle(&a.point, &b.point, a.bulge);
+        straight + 0.5 * r * r * (sweep - sweep.sin())
+    };
+    (0..v.len()).map(piece).sum()
+}

@@ -1,0 +1,201 @@
+//! A body as flat parts: sheet recognised, the better skin unfolded, drawn.
+
+use super::bends::{bends, BendKind, SheetBend};
+use super::outline::{image, outlines, Outline};
+use super::sheet::{open, sheet, Sheet};
+use super::tree::{unfold, Cut, CutReason, Piece, UnfoldOptions};
+use super::{allowance::KFactor, outline::contour_area};
+use crate::brep::body::{oriented, Body};
+use crate::brep::carrier::Carrier;
+use crate::brep::face::Face;
+use crate::geom::rectangle::smallest_rectangle;
+use crate::geom::Vec2;
+use crate::patchwork::image::Stroke;
+use crate::patchwork::pattern::{Bend, Contour, Pattern, ViewSide};
+use std::collections::HashSet;
+
+/// A flat part.
+#[derive(Clone, Debug)]
+pub struct FlatPart {
+    /// The drawing, seen from outside the skin that was unfolded; `panel` is for the caller.
+    pub pattern: Pattern,
+    /// Its bends.
+    pub bends: Vec<SheetBend>,
+    /// Outlines of formed features, to be marked and not cut.
+    pub formed: Vec<Contour>,
+    /// Indices (among the faces given) of the skin faces that it is made of; the first is the root.
+    pub faces: Vec<usize>,
+    /// Entity numbers of edges of the file that were cut to lay it flat, with the reason.
+    pub cuts: Vec<(u64, CutReason)>,
+    /// Thickness, mm; 0 for surfaces.
+    pub thickness: f64,
+    /// What every line and arc of the outlines is drawn for.
+    pub strokes: Vec<Stroke>,
+    /// Both sides of edges inside the part, as lines between their ends: joints.
+    pub joints: Vec<Stroke>,
+}
+
+/// The parts of one body.
+#[derive(Clone, Debug, Default)]
+pub struct BodyParts {
+    /// The parts; empty if there are none, then `left` says why.
+    pub parts: Vec<FlatPart>,
+    /// Faces left out with the reason: index among the faces given, `None` for the body as a whole.
+    pub left: Vec<(Option<usize>, String)>,
+}
+
+/// How bodies are laid flat.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PartOptions {
+    /// Distance (mm) between contours drawn and exact outlines; no default.
+    pub tolerance: f64,
+    /// Where the neutral fibre lies; default 0.44 (ANSI).
+    pub k: KFactor,
+    /// Takes all faces as surfaces without thickness; default false.
+    pub surfaces: bool,
+}
+
+/// The flat parts of the faces of one body.
+///
+/// *Input*: faces of one solid or sheet, mm. *Guarantee*: every face is in a part, an edge of the sheet, or named in
+/// `left`. Contours are closed, the outer one first and counter-clockwise. *Measured, not proven*: that carriers are
+/// exact, that parts do not overlap themselves.
+pub fn flat_parts(faces: &[&Face], name: &str, options: &PartOptions) -> BodyParts {
+    let mut out = BodyParts::default();
+    let given = Body::new(faces.to_vec());
+    let turned = oriented(&given);
+    let body = turned.as_ref().map_or(given, |all| Body::new(all.iter().collect()));
+    let found = match options.surfaces {
+        true => open(&body),
+        false => match sheet(&body) {
+            Ok(found) => found,
+            Err(e) => {
+                out.left.push((None, e.to_string()));
+                return out;
+            }
+        },
+    };
+    let asked = UnfoldOptions { k: options.k.clone(), tolerance: options.tolerance, thickness: found.local.clone() };
+    let sides = found.skins.iter().filter(|s| !s.is_empty()).map(|skin| Side::of(&body, skin, &asked));
+    let best = sides.min_by(|a, b| a.rank().partial_cmp(&b.rank()).unwrap_or(std::cmp::Ordering::Equal));
+    let left: Vec<usize> = best.iter().flat_map(|b| &b.left).chain(&found.others).copied().collect();
+    for group in groups(&body, &left) {
+        let more = if group.len() > 1 { format!(" ({} faces that hang together)", group.len()) } else { String::new() };
+        out.left.push((Some(group[0]), format!("{}{more}", why(&body, group[0], &found))));
+    }
+    let Some(best) = best else { return out };
+    let count = best.pieces.len();
+    for (k, (piece, outlines)) in best.pieces.iter().zip(best.outlines).enumerate() {
+        let name = if count > 1 { format!("{name}-{}", k + 1) } else { name.to_owned() };
+        out.parts.push(part(&body, piece, outlines, (&found, &name)));
+    }
+    out
+}
+
+/// One skin of a sheet, unfolded.
+struct Side {
+    pieces: Vec<Piece>,
+    outlines: Vec<Vec<Outline>>,
+    left: Vec<usize>,
+}
+
+impl Side {
+    fn of(body: &Body, skin: &[usize], asked: &UnfoldOptions) -> Self {
+        let (pieces, left) = unfold(body, skin, asked);
+        let outlines = pieces.iter().map(|p| outlines(body, p, asked.tolerance)).collect();
+        Self { pieces, outlines, left }
+    }
+
+    /// Less is better: faces left out, pieces, sharp bends seen from outside; then more area, which is the side without
+    /// countersinks.
+    fn rank(&self) -> (usize, usize, usize, f64) {
+        let outside = self.pieces.iter().flat_map(|p| &p.folds).filter(|f| f.meeting.convex).count();
+        let area: f64 = self.outlines.iter().flatten().map(|o| o.area).sum();
+        (self.left.len(), self.pieces.len(), outside, -area)
+    }
+}
+
+/// Faces in groups that hang together; one that is not developable comes first in its group.
+fn groups(body: &Body, faces: &[usize]) -> Vec<Vec<usize>> {
+    let mut open: Vec<usize> = faces.to_vec();
+    open.sort_unstable();
+    let mut out = Vec::new();
+    while let Some(first) = open.first().copied() {
+        let mut group = vec![first];
+        open.remove(0);
+        let mut k = 0;
+        while k < group.len() {
+            let near: Vec<usize> = body.of_face(group[k]).filter_map(|h| body.beyond(h)).collect();
+            let (mut joined, rest) = open.iter().partition(|f| near.contains(f));
+            group.append(&mut joined);
+            open = rest;
+            k += 1;
+        }
+        group.sort_by_key(|f| (body.carriers[*f].is_developable(), *f));
+        out.push(group);
+    }
+    out
+}
+
+/// Why a face is not part of a flat pattern.
+fn why(body: &Body, face: usize, found: &Sheet) -> String {
+    match &body.carriers[face] {
+        Carrier::Curved(d) => d.words(),
+        c if found.thickness > 0.0 => format!(
+            "the {} is neither a skin nor an edge of the sheet of {:.3} mm: a feature formed or milled into it, or a bend \
+             of a radius below the thickness",
+            c.name(),
+            found.thickness
+        ),
+        c => format!("the {} could not be laid flat", c.name()),
+    }
+}
+
+/// The drawing of a piece.
+fn part(body: &Body, piece: &Piece, outlines: Vec<Outline>, (found, name): (&Sheet, &str)) -> FlatPart {
+    let others: HashSet<usize> = found.others.iter().copied().collect();
+    let formed =
+        |o: &Outline| o.area < 0.0 && o.halves.iter().all(|h| body.beyond(*h).is_some_and(|g| others.contains(&g)));
+    let bends = bends(body, piece, found.thickness);
+    let (marks, contours): (Vec<Outline>, Vec<Outline>) = outlines.into_iter().partition(formed);
+    let mut pattern = Pattern {
+        name: name.to_owned(),
+        view: ViewSide::Outside,
+        area: contours.iter().map(|o| contour_area(&o.contour)).sum(),
+        contour_error: contours.iter().map(|o| o.error).fold(0.0, f64::max),
+        ..Pattern::default()
+    };
+    // The neutral surface keeps its area.
+    pattern.area_in_space = pattern.area;
+    let points: Vec<Vec2> = piece.faces.iter().flat_map(|p| p.region.loops.iter().flatten().copied()).collect();
+    if let Some(r) = smallest_rectangle(&points) {
+        (pattern.width, pattern.length) = (r.width, r.length);
+    }
+    let strokes = contours.iter().chain(&marks).flat_map(|o| o.strokes.iter().cloned()).collect();
+    pattern.contours = contours.into_iter().map(|o| o.contour).collect();
+    for b in &bends {
+        let each = if b.kind == BendKind::Rolled { b.angle / b.lines.len() as f64 } else { b.angle };
+        for l in &b.lines {
+            pattern.rulings.push(*l);
+            pattern.bends.push(Bend { sense: b.sense, angle: each, radii: [b.inside_radius; 2] });
+        }
+    }
+    let joints = piece.inner.iter().map(|h| Stroke {
+        start: piece.place(body, *h, 0.0),
+        end: piece.place(body, *h, 1.0),
+        bulge: 0.0,
+        images: image(body, piece, *h, [0.0, 1.0]).map(|i| vec![i]),
+    });
+    let joints = joints.collect();
+    let number = |c: &Cut| (body.halves[c.half].run.entity, c.reason);
+    FlatPart {
+        pattern,
+        bends,
+        formed: marks.into_iter().map(|o| o.contour).collect(),
+        faces: piece.faces.iter().map(|p| p.face).collect(),
+        cuts: piece.cuts.iter().map(number).collect(),
+        thickness: found.thickness,
+        strokes,
+        joints,
+    }
+}

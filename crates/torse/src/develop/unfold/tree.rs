@@ -1,0 +1,318 @@
+//! Faces laid side by side: a spanning tree of joints, the longest first, so that cuts are short; where a face would
+//! lie on another, or images of a common edge do not fit, the joint is cut.
+
+use super::allowance::KFactor;
+use super::chart::Chart;
+use super::region::{Motion, Region};
+use crate::brep::body::{Body, Meeting, SMOOTH};
+use crate::brep::carrier::Carrier;
+use crate::geom::Vec2;
+use std::collections::{BTreeMap, HashSet};
+
+/// What unfolding is asked.
+#[derive(Clone, Debug, PartialEq)]
+pub struct UnfoldOptions {
+    /// Where the neutral fibre lies; default 0.44 (ANSI).
+    pub k: KFactor,
+    /// Distance (mm) allowed between contours drawn and exact outlines; no default.
+    pub tolerance: f64,
+    /// Thickness at every face of the body, mm; 0 for open surfaces.
+    pub thickness: Vec<f64>,
+}
+
+/// A face in the plane.
+#[derive(Clone, Debug)]
+pub struct Placed {
+    /// Index of the face in the body.
+    pub face: usize,
+    /// Its own map.
+    pub chart: Chart,
+    /// Where the map's image lies in the piece.
+    pub motion: Motion,
+    /// The image, sampled.
+    pub region: Region,
+    /// Steps from the root of the tree.
+    pub level: usize,
+    /// The run of the face before by which it is joined.
+    pub by: Option<usize>,
+    /// K used for it (share of the thickness), if it is bent.
+    pub k: f64,
+    /// Inside radius (mm) of a cylinder.
+    pub inside_radius: f64,
+}
+
+/// A sharp bend between two faces of a piece.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fold {
+    /// A run along it.
+    pub half: usize,
+    /// How the faces meet.
+    pub meeting: Meeting,
+    /// Way (mm) by which the faces are apart in the plane: the allowance.
+    pub allowance: f64,
+    /// K used for it.
+    pub k: f64,
+}
+
+/// Why a joint is cut.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum CutReason {
+    /// The piece closes on itself there.
+    Closes,
+    /// Faces would lie on each other.
+    Overlap,
+    /// The images of the edge on both faces differ, as along curved creases.
+    Differs,
+}
+
+impl CutReason {
+    /// Words for reports.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Closes => "the piece closes on itself there",
+            Self::Overlap => "faces would lie on each other",
+            Self::Differs => "its images on both faces differ",
+        }
+    }
+}
+
+/// An edge between two skin faces that is cut.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cut {
+    /// A run along it.
+    pub half: usize,
+    /// Why.
+    pub reason: CutReason,
+}
+
+/// One piece of the plane.
+#[derive(Clone, Debug, Default)]
+pub struct Piece {
+    /// Its faces; the first is the root.
+    pub faces: Vec<Placed>,
+    /// Runs (both sides) that lie inside the piece and are not drawn.
+    pub inner: HashSet<usize>,
+    /// Sharp bends.
+    pub folds: Vec<Fold>,
+    /// Edges cut, whose other side is in this piece or another.
+    pub cuts: Vec<Cut>,
+}
+
+impl Piece {
+    /// The placed face of a body's face.
+    pub fn placed(&self, face: usize) -> Option<&Placed> {
+        self.faces.iter().find(|p| p.face == face)
+    }
+
+    /// Place of a run's point in the piece.
+    pub fn place(&self, body: &Body, half: usize, s: f64) -> Vec2 {
+        let h = &body.halves[half];
+        let (x, uv) = h.run.at(body.faces[h.face], s);
+        self.placed(h.face).map_or_else(Vec2::zeros, |p| p.motion.apply(&p.chart.flat(&x, Some(uv))))
+    }
+}
+
+/// Images of one edge on both faces may differ by this share of its length: what ten printed digits lose many times over.
+const CONGRUENT: f64 = 1e-5;
+/// Faces may lie on each other by this share of the piece, and by so many tolerances.
+const OVERLAP: (f64, f64) = (1e-5, 2.0);
+/// Points along an edge where its images are compared.
+const PLACES: usize = 7;
+
+/// A face with its map, ready to be placed.
+struct Ready {
+    chart: Chart,
+    region: Region,
+    k: f64,
+    inside_radius: f64,
+}
+
+/// Unfolds the skin faces of a body into as few pieces as their joints allow. Faces without a map (thicker than their
+/// radius, not developable) are answered in the second list.
+pub fn unfold(body: &Body, skin: &[usize], options: &UnfoldOptions) -> (Vec<Piece>, Vec<usize>) {
+    let mut ready: BTreeMap<usize, Ready> = BTreeMap::new();
+    let mut left = Vec::new();
+    for &f in skin {
+        match prepared(body, f, options) {
+            Some(r) => _ = ready.insert(f, r),
+            None => left.push(f),
+        }
+    }
+    let mut pieces = Vec::new();
+    let mut cuts: Vec<Cut> = Vec::new();
+    while let Some(root) = ready.iter().max_by(|a, b| a.1.region.area().total_cmp(&b.1.region.area())).map(|r| *r.0) {
+        let mut piece = Piece::default();
+        if let Some(r) = ready.remove(&root) {
+            piece.faces.push(r.placed(root, Motion::identity(), 0, None));
+        }
+        grow(body, &mut piece, &mut ready, &mut cuts, options);
+        close(body, &mut piece, &mut cuts, options);
+        pieces.push(piece);
+    }
+    // Each cut is told once, with the first piece that it bounds.
+    let mut told: HashSet<usize> = HashSet::new();
+    for piece in &mut pieces {
+        for cut in &cuts {
+            let h = &body.halves[cut.half];
+            let twin = h.twin.unwrap_or(cut.half);
+            if piece.placed(h.face).is_some() && !piece.inner.contains(&cut.half) && !told.contains(&twin) {
+                told.insert(cut.half);
+                told.insert(twin);
+                piece.cuts.push(*cut);
+            }
+        }
+    }
+    (pieces, left)
+}
+
+impl Ready {
+    fn placed(self, face: usize, motion: Motion, level: usize, by: Option<usize>) -> Placed {
+        let region = self.region.moved(&motion);
+        let (k, inside_radius) = (self.k, self.inside_radius);
+        Placed { face, chart: self.chart, motion, region, level, by, k, inside_radius }
+    }
+}
+
+fn prepared(body: &Body, face: usize, options: &UnfoldOptions) -> Option<Ready> {
+    let (f, carrier, t) = (body.faces[face], &body.carriers[face], options.thickness[face]);
+    let skin = Chart::of(f, carrier, 0.0)?;
+    let hollow = hollow(body, face, &skin);
+    let radius = match carrier {
+        Carrier::Cylinder { radius, .. } => *radius,
+        Carrier::Cone { half_angle, frame } => {
+            let [u0, u1, v0, v1] = crate::brep::carrier::bounds(f);
+            let p = frame.to_local(&f.surface.point(0.5 * (u0 + u1), 0.5 * (v0 + v1)));
+            p.x.hypot(p.y) / half_angle.cos()
+        }
+        _ => f64::INFINITY,
+    };
+    let inside_radius = if hollow { radius } else { (radius - t).max(0.0) };
+    let k = if t > 0.0 { options.k.share(inside_radius / t) } else { 0.0 };
+    let depth = if hollow { k * t } else { (1.0 - k) * t };
+    let chart = Chart::of(f, carrier, if matches!(carrier, Carrier::Plane(_)) { 0.0 } else { depth })?;
+    let region = Region::of(body, face, &chart);
+    (region.area() > 0.0).then_some(Ready { chart, region, k, inside_radius })
+}
+
+/// Whether a face is hollow, seen from outside, half way.
+fn hollow(body: &Body, face: usize, chart: &Chart) -> bool {
+    if chart.bulge() != 0.0 {
+        return chart.bulge() < 0.0;
+    }
+    let f = body.faces[face];
+    let [u0, u1, v0, v1] = crate::brep::carrier::bounds(f);
+    let j = f.surface.jet(0.5 * (u0 + u1), 0.5 * (v0 + v1));
+    let n = if f.reversed { -j.normal() } else { j.normal() };
+    // The mean of both second derivatives bends towards the normal in a hollow.
+    n.dot(&j.duu) / j.du.norm_squared() + n.dot(&j.dvv) / j.dv.norm_squared() > 0.0
+}
+
+/// Adds faces over the longest joint at hand, as long as one fits.
+fn grow(
+    body: &Body,
+    piece: &mut Piece,
+    ready: &mut BTreeMap<usize, Ready>,
+    cuts: &mut Vec<Cut>,
+    options: &UnfoldOptions,
+) {
+    let mut refused: HashSet<usize> = HashSet::new();
+    loop {
+        let open = piece
+            .faces
+            .iter()
+            .flat_map(|p| body.of_face(p.face))
+            .filter(|h| !refused.contains(h) && body.beyond(*h).is_some_and(|g| ready.contains_key(&g)));
+        let Some(h) = open.max_by(|a, b| body.halves[*a].length.total_cmp(&body.halves[*b].length)) else { return };
+        let Some((g, twin)) = body.beyond(h).zip(body.halves[h].twin) else { return };
+        let Some(there) = ready.get(&g) else { return };
+        refused.insert(h);
+        let (allowance, k) = fold_allowance(body, h, options);
+        let Some(motion) = joined(body, piece, h, twin, (&there.chart, allowance)) else {
+            cuts.push(Cut { half: h, reason: CutReason::Differs });
+            continue;
+        };
+        let moved = there.region.moved(&motion);
+        let depth = (OVERLAP.0 * body.size).max(OVERLAP.1 * options.tolerance);
+        if piece.faces.iter().any(|p| p.region.overlaps(&moved, depth)) {
+            cuts.push(Cut { half: h, reason: CutReason::Overlap });
+            continue;
+        }
+        let level = piece.placed(body.halves[h].face).map_or(0, |p| p.level) + 1;
+        piece.inner.extend([h, twin]);
+        if let Some(meeting) = body.meeting(h).filter(|m| m.angle >= SMOOTH) {
+            piece.folds.push(Fold { half: h, meeting, allowance, k });
+        }
+        if let Some(r) = ready.remove(&g) {
+            piece.faces.push(r.placed(g, motion, level, Some(h)));
+        }
+    }
+}
+
+/// Way by which faces are apart in the plane along a joint, and K: 0 where they go on smoothly.
+fn fold_allowance(body: &Body, half: usize, options: &UnfoldOptions) -> (f64, f64) {
+    let near = options.thickness[body.halves[half].face];
+    let t = body.beyond(half).map_or(near, |g| near.min(options.thickness[g]));
+    let Some(m) = body.meeting(half).filter(|m| m.angle >= SMOOTH && t > 0.0) else { return (0.0, 0.0) };
+    let k = options.k.share(0.0);
+    // On the outside of a sharp bend both faces reach farther than the inside by t tan(angle/2).
+    let outside = if m.convex { 2.0 * t * (0.5 * m.angle).tan() } else { 0.0 };
+    (k * t * m.angle - outside, k)
+}
+
+/// Where the face beyond a run comes to lie; `None` if the edge has two different images.
+fn joined(body: &Body, piece: &Piece, h: usize, twin: usize, (chart, apart): (&Chart, f64)) -> Option<Motion> {
+    let (near, far) = (&body.halves[h], &body.halves[twin]);
+    let here = |s: f64| piece.place(body, h, s);
+    let there = |x: &crate::geom::Vec3| {
+        let s = far.run.nearest(body.faces[far.face], x).0;
+        let (y, uv) = far.run.at(body.faces[far.face], s);
+        chart.flat(&y, Some(uv))
+    };
+    let point = |s: f64| near.run.at(body.faces[near.face], s).0;
+    let closed = (point(0.0) - point(1.0)).norm() <= CONGRUENT * near.length;
+    let last = if closed { 0.5 } else { 1.0 };
+    let mut to = [here(0.0), here(last)];
+    let mut gap = Vec2::zeros();
+    if apart != 0.0 {
+        // Material is on the left of the run: the neighbour moves to the right.
+        let way = (to[1] - to[0]).try_normalize(0.0)?;
+        gap = Vec2::new(way.y, -way.x) * apart;
+        to = to.map(|p| p + gap);
+    }
+    let motion = Motion::between([there(&point(0.0)), there(&point(last))], to)?;
+    let fits = (0..PLACES).all(|k| {
+        let s = k as f64 / (PLACES - 1) as f64;
+        (motion.apply(&there(&point(s))) - here(s) - gap).norm() <= CONGRUENT * near.length.max(CONGRUENT * body.size)
+    });
+    fits.then_some(motion)
+}
+
+/// Finds the other edges that lie inside the piece, because both images fall together, and cuts the rest.
+fn close(body: &Body, piece: &mut Piece, cuts: &mut Vec<Cut>, options: &UnfoldOptions) {
+    let halves: Vec<usize> = piece.faces.iter().flat_map(|p| body.of_face(p.face)).collect();
+    for h in halves {
+        let Some((g, twin)) = body.beyond(h).zip(body.halves[h].twin) else { continue };
+        if piece.inner.contains(&h) || piece.placed(g).is_none() {
+            continue;
+        }
+        let (allowance, k) = fold_allowance(body, h, options);
+        let here = [piece.place(body, h, 0.0), piece.place(body, h, 0.5), piece.place(body, h, 1.0)];
+        let Some(way) = (here[2] - here[0]).try_normalize(0.0) else { continue };
+        let gap = Vec2::new(way.y, -way.x) * allowance;
+        let other = &body.halves[twin];
+        let near = &body.halves[h];
+        let apart = [0.0, 0.5, 1.0].into_iter().zip(here).map(|(s, p)| {
+            let x = near.run.at(body.faces[near.face], s).0;
+            let t = other.run.nearest(body.faces[other.face], &x).0;
+            (piece.place(body, twin, t) - p - gap).norm()
+        });
+        if apart.fold(0.0, f64::max) <= CONGRUENT * body.size {
+            piece.inner.extend([h, twin]);
+            if let Some(meeting) = body.meeting(h).filter(|m| m.angle >= SMOOTH) {
+                piece.folds.push(Fold { half: h, meeting, allowance, k });
+            }
+        } else if !cuts.iter().any(|c| c.half == h || c.half == twin) {
+            cuts.push(Cut { half: h, reason: CutReason::Closes });
+        }
+    }
+}

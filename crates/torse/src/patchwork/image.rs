@@ -1,0 +1,60 @@
+//! What a judge needs to know of a flat part: edges of the file, the closed maps that lay them flat, and what is drawn
+//! for them. Plain data; nothing is computed here.
+
+use crate::geom::{Frame, Vec2};
+use crate::spline::curve::Curve;
+
+/// A map of an elementary surface to the plane that keeps lengths.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ClosedMap {
+    /// Coordinates along x and y.
+    Plane(Frame),
+    /// Angle about z times `reach`, height along z. A negative reach mirrors.
+    Cylinder {
+        /// Axis z.
+        frame: Frame,
+        /// Radius of the cylinder that keeps its lengths, mm, with its sign.
+        reach: f64,
+    },
+    /// Polar coordinates about the apex: slant plus `behind`, angle about z times `turn`.
+    Cone {
+        /// Apex, axis z.
+        frame: Frame,
+        /// Angle between axis and rulings, rad.
+        half_angle: f64,
+        /// Way (mm) by which the apex of the cone that keeps its lengths lies behind.
+        behind: f64,
+        /// Sine of the half angle, with the sign of the sense.
+        turn: f64,
+    },
+}
+
+/// A part of an edge and its map.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EdgeImage {
+    /// The edge, homogeneous, mm.
+    pub curve: Curve<4>,
+    /// The map of its face.
+    pub map: ClosedMap,
+    /// Turn of the plane after the map (cosine and sine).
+    pub turn: [f64; 2],
+    /// Move after that, mm.
+    pub shift: Vec2,
+    /// Parameters of the part, in the direction drawn.
+    pub part: [f64; 2],
+    /// Angles about the axis at both ends, which tell turns apart; any for planes.
+    pub angles: [f64; 2],
+}
+
+/// A line or arc drawn for parts of edges that follow each other.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stroke {
+    /// Start.
+    pub start: Vec2,
+    /// End.
+    pub end: Vec2,
+    /// tan(sweep/4), positive counter-clockwise, 0 for a line.
+    pub bulge: f64,
+    /// What it is drawn for, in order; `None` where an image has no closed form.
+    pub images: Option<Vec<EdgeImage>>,
+}
