@@ -112,8 +112,14 @@ const ALGORITHM_FLOORS: &[&str] =
     &["brep", "torse", "patchwork", "constraint", "fit", "design", "certify", "develop", "search"];
 
 /// Files of those floors that hold data, not methods.
-const NOUNS: &[&str] =
-    &["brep/face.rs", "patchwork/panel.rs", "patchwork/part.rs", "patchwork/pattern.rs", "patchwork/written.rs"];
+const NOUNS: &[&str] = &[
+    "brep/face.rs",
+    "patchwork/panel.rs",
+    "patchwork/image.rs",
+    "patchwork/part.rs",
+    "patchwork/pattern.rs",
+    "patchwork/written.rs",
+];
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")

@@ -120,6 +120,15 @@ const GUIDE_POINTS: usize = 200;
 ///
 /// # Errors
 /// Anything in the job that does not make sense, with its place: `$.handles[2].curve`.
+///
+/// # Example
+/// ```
+/// let job = torse::io::shape::read(include_bytes!("../../../../data/pulled_hull.json"), "hull", None)?;
+/// let nothing = |name: &str| Err(format!("no file {name}"));
+/// let answer = torse::shape(&job, &torse::Shape::new(0.5), &nothing, &torse::Control::default())?;
+/// assert_eq!(answer.patchwork.panels.len(), 2);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn shape(
     job: &ShapeFile,
     options: &Options,

@@ -108,8 +108,21 @@ pub fn flat_parts_of(faces: &[Face], options: &UnrollOptions) -> Result<(Vec<Fla
 
 /// Lays every body of a model flat.
 ///
+/// *Guarantee*: [`crate::certify::claim::Status::Certified`] only where every face that is laid flat is proven to lie on its
+/// plane, cylinder or cone, and every outline to be its flat image, within the tolerance, and nothing is left out.
+/// *Not guaranteed*: that parts do not overlap themselves between samples.
+///
 /// # Errors
 /// See [`UnrollError`].
+///
+/// # Example
+/// ```
+/// let pipe = torse::read(include_bytes!("../../../../data/cylinder_holes.step"))?;
+/// let options = torse::UnrollOptions { surfaces: true, ..torse::UnrollOptions::new(0.05) };
+/// let answer = torse::unroll(&pipe, &options)?;
+/// assert_eq!((answer.status(), answer.patterns.len()), (torse::Status::Certified, 1));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn unroll(model: &Model, options: &UnrollOptions) -> Result<Answer, UnrollError> {
     let start = Instant::now();
     let (parts, left) = flat_parts_of(&model.faces, options)?;

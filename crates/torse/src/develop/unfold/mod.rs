@@ -11,5 +11,3 @@ pub mod tree;
 
 #[cfg(test)]
 pub(crate) mod specimens;
-#[cfg(test)]
-mod tests;
