@@ -10,6 +10,7 @@ use crate::wiring;
 use torse::certify::claim::Status;
 use torse::io::bundle;
 use torse::pipeline::deliver;
+use torse::pipeline::select::{offers, Selection};
 use torse::search::cover::{CurveShape, Guide, Layout, LayoutKind, Limits, PanelCurve, SeamPlane};
 use torse::torse::rail::Rail;
 
@@ -45,6 +46,9 @@ pub fn run(arguments: &Approximate) -> Result<bool, Failure> {
         drawn: arguments.drawing.drawn(),
     };
     let mut notes = std::mem::take(&mut model.notes);
+    if arguments.chosen.selection() == Selection::default() {
+        notes.extend(offers(&model));
+    }
     notes.extend(unread);
     let swept = if arguments.sweep.is_empty() {
         Vec::new()

@@ -104,7 +104,7 @@ impl Net {
                 let mut sum = Interval::point(0.0);
                 for i in k.saturating_sub(p)..=k.min(p) {
                     for j in l.saturating_sub(q)..=l.min(q) {
-                        sum = sum + share(p, i, k) * share(q, j, l) * form(at(i, j), at(k - i, l - j));
+                        sum += share(p, i, k) * share(q, j, l) * form(at(i, j), at(k - i, l - j));
                     }
                 }
                 hull = Some(hull.map_or(sum, |h| h.hull(sum)));

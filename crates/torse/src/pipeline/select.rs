@@ -77,6 +77,12 @@ fn some_of(names: &BTreeSet<String>) -> String {
     }
 }
 
+/// What could be asked for of a model of which everything is taken: a skin of each sheet that is drawn as a body.
+pub fn offers(model: &Model) -> Vec<String> {
+    let all = sheets(&model.faces).into_iter();
+    all.map(|(faces, sheet)| offer(&model.faces, &faces, &sheet)).collect()
+}
+
 /// The model with the selected faces only. Faces that were not read and are not asked for by number do not count as left
 /// out; where parts are asked for they do, for nobody knows whose they are.
 ///
@@ -84,8 +90,7 @@ fn some_of(names: &BTreeSet<String>) -> String {
 /// Faces and parts that are not there.
 pub fn selected(model: Model, selection: &Selection) -> Result<Model, SelectError> {
     if *selection == Selection::default() {
-        let notes = sheets(&model.faces).into_iter().map(|(faces, sheet)| offer(&model.faces, &faces, &sheet));
-        return Ok(Model { notes: model.notes.iter().cloned().chain(notes).collect(), ..model });
+        return Ok(model);
     }
     let Model { faces, mut skipped, mut notes, .. } = model;
     for &entity in &selection.faces {

@@ -3,7 +3,7 @@
 use crate::text::{Step, Unit, P};
 use torse::io::model::Model;
 use torse::io::step::read::read;
-use torse::pipeline::select::{selected, SelectError, Selection, Skin};
+use torse::pipeline::select::{offers, selected, SelectError, Selection, Skin};
 
 /// A block between two corners of a box, each face with its outward normal.
 fn block(size: P) -> Model {
@@ -40,8 +40,9 @@ fn a_plate_has_two_skins_and_each_can_be_had_alone() {
     assert!((middle(&outer) - middle(&inner)).abs() > 1.99);
     // Without a choice everything is covered, and the choice is offered.
     let whole = selected(plate, &Selection::default()).expect("a model");
-    assert_eq!(whole.faces.len(), 6);
-    assert!(whole.notes.iter().any(|n| n.contains("a sheet of about 2.000 mm")), "{:?}", whole.notes);
+    let offered = offers(&whole);
+    assert_eq!((whole.faces.len(), offered.len()), (6, 1));
+    assert!(offered[0].contains("a sheet of about 2.000 mm"), "{offered:?}");
 }
 
 #[test]
