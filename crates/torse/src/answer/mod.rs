@@ -220,9 +220,9 @@ impl Answer {
         self.flat.iter().find(|f| f.panel() == part)
     }
 
-    /// Whether the panels cover faces.
+    /// Whether the panels are a cover of faces, judged against these. Those of parts that were only laid flat are not.
     pub fn covers_faces(&self) -> bool {
-        !self.patchwork.faces.is_empty()
+        !self.patchwork.faces.is_empty() && self.job != Job::Unroll
     }
 
     /// End of the colour scale.

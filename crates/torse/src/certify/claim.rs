@@ -120,6 +120,10 @@ pub enum What {
     ElementDistance,
     /// Gap between the two sides of a seam, mm.
     SeamGap,
+    /// Distance of faces from the planes, cylinders and cones that are laid flat for them, mm.
+    CarrierDistance,
+    /// Distance between both flat images of an edge inside a part, mm.
+    JointGap,
     /// Angle between the tangent planes along a ruling, degrees.
     Twist,
     /// Distance along rulings to the regression curve, mm.

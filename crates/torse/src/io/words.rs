@@ -21,6 +21,8 @@ pub fn name(claim: &Claim, curves: &[String]) -> String {
         What::MeanPointDistance => "root mean square distance".into(),
         What::ElementDistance => "largest distance".into(),
         What::SeamGap => "seam gap".into(),
+        What::CarrierDistance => "distance of faces from the planes, cylinders and cones laid flat".into(),
+        What::JointGap => "gap of joints inside flat parts".into(),
         What::Twist if proven => "twist, bound".into(),
         What::Twist => "twist".into(),
         What::RegressionClearance if proven => "distance to the regression curve".into(),
@@ -88,6 +90,8 @@ pub fn id(what: What) -> &'static str {
         What::MeanPointDistance => "mean_point_distance",
         What::ElementDistance => "element_distance",
         What::SeamGap => "seam_gap",
+        What::CarrierDistance => "carrier_distance",
+        What::JointGap => "joint_gap",
         What::Twist => "twist",
         What::RegressionClearance => "regression_clearance",
         What::BendRadius => "bend_radius",
@@ -155,6 +159,8 @@ pub fn unit(what: What) -> &'static str {
         | What::MeanPointDistance
         | What::ElementDistance
         | What::SeamGap
+        | What::CarrierDistance
+        | What::JointGap
         | What::RegressionClearance
         | What::BendRadius
         | What::DiagonalGap

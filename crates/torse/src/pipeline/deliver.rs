@@ -83,7 +83,7 @@ pub fn judge(answer: &mut Answer, files: &[File]) {
 
 /// The file of panels against what was judged.
 fn panels(answer: &Answer, bytes: &[u8]) -> WrittenCertificate {
-    if answer.covers_faces() {
+    if !answer.patchwork.faces.is_empty() {
         return written::of(step::read::own::faces(bytes), |faces| written::panels(&answer.patchwork, faces));
     }
     let strips: Vec<&Strip> = answer.patchwork.panels.iter().map(|p| &p.strip).collect();

@@ -159,9 +159,9 @@ pub fn unroll(model: &Model, options: &UnrollOptions) -> Result<Answer, UnrollEr
     let off: Vec<_> = used.par_iter().map(|f| distance_from_carrier(&f.surface, &carrier(f))).collect();
     let strain = UpperBound::largest([drawn.strain_bound(), joints.strain_bound()]);
     let mut claims = vec![
-        Claim::at_most(What::Deviation, Subject::Whole, UpperBound::largest(off)).within(options.tolerance),
+        Claim::at_most(What::CarrierDistance, Subject::Whole, UpperBound::largest(off)).within(options.tolerance),
         Claim::at_most(What::DrawingDistance, Subject::Whole, drawn.drawn_bound()).within(options.tolerance),
-        Claim::at_most(What::SeamGap, Subject::Whole, joints.drawn_bound()).within(options.tolerance),
+        Claim::at_most(What::JointGap, Subject::Whole, joints.drawn_bound()).within(options.tolerance),
         Claim::at_most(What::LengthError, Subject::Whole, strain),
     ];
     let mut skipped = model.skipped.clone();

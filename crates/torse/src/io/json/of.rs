@@ -26,7 +26,7 @@ impl Report {
             Status::Uncertified => "uncertified",
         };
         let curves: Vec<String> = answer.guides.iter().map(|g| g.name.clone()).collect();
-        let coverages = coverage::faces(&answer.patchwork);
+        let coverages = if answer.covers_faces() { coverage::faces(&answer.patchwork) } else { Vec::new() };
         let skipped = answer.skipped.iter().map(|s| SkippedRecord {
             entity: s.entity,
             reason: s.reason.clone(),
@@ -54,7 +54,7 @@ impl Report {
             coverage: answer.covers_faces().then(|| covered_share(answer, &coverages)),
             notes: answer.notes.clone(),
             skipped: skipped.collect(),
-            faces: face_records(answer, &coverages),
+            faces: if answer.covers_faces() { face_records(answer, &coverages) } else { Vec::new() },
             panels: panel_records(answer, shown, &curves),
             parts: part_records(answer, shown),
             seams: seam_records(answer),
