@@ -1,0 +1,92 @@
+//! `torse unroll` and `torse shape`, the options of the files, and what bad input gets.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+fn data(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data").join(name)
+}
+
+fn torse(arguments: &[&str], input: &Path, out: &Path) -> Output {
+    let (command, rest) = arguments.split_first().expect("a command");
+    let run =
+        Command::new(env!("CARGO_BIN_EXE_torse")).arg(command).arg(input).args(rest).arg("--out").arg(out).output();
+    run.expect("torse runs")
+}
+
+fn said(run: &Output) -> String {
+    String::from_utf8_lossy(&run.stdout).into_owned() + &String::from_utf8_lossy(&run.stderr)
+}
+
+#[test]
+fn a_pipe_is_unrolled_with_its_proof_and_its_tables() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let out = dir.path().join("flat");
+    let options = ["unroll", "--surfaces", "--tolerance", "0.05mm", "--one-file-per-part", "--also", "iges,3dm"];
+    let run = torse(&options, &data("cylinder_holes.step"), &out);
+    assert_eq!(run.status.code(), Some(0), "{}", said(&run));
+    assert!(said(&run).contains("certified: 1 flat part") && said(&run).contains("cut along edge #"), "{}", said(&run));
+    let read = |name: &str| std::fs::read_to_string(out.join(name)).expect(name);
+    let report: serde_json::Value = serde_json::from_str(&read("report.json")).expect("JSON");
+    assert_eq!((report["job"].as_str(), report["status"].as_str()), (Some("unroll"), Some("certified")));
+    // The pipe has a radius of 250 mm.
+    let length = report["parts"][0]["length"].as_f64().expect("a length");
+    assert!((length - 500.0 * std::f64::consts::PI).abs() < 1e-6, "{length}");
+    assert!(
+        read("parts.csv").lines().count() == 2 && out.join("panels.igs").is_file() && out.join("panels.3dm").is_file()
+    );
+    let alone = std::fs::read_dir(&out).expect("a folder").flatten();
+    assert_eq!(alone.filter(|f| f.file_name().to_string_lossy().starts_with("part-")).count(), 1);
+    // What was written as IGES and for Rhino is read again.
+    for copy in ["panels.igs", "panels.3dm"] {
+        let info =
+            Command::new(env!("CARGO_BIN_EXE_torse")).arg("info").arg(out.join(copy)).output().expect("torse runs");
+        assert_eq!(info.status.code(), Some(0), "{copy}: {}", said(&info));
+    }
+}
+
+#[test]
+fn faces_that_are_not_developable_are_named_with_the_command_that_would_help() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let out = dir.path().join("flat");
+    let run = torse(&["unroll", "--surfaces", "--tolerance", "0.05mm"], &data("torus_piece.step"), &out);
+    assert_eq!(run.status.code(), Some(2), "{}", said(&run));
+    assert!(said(&run).contains("torse approximate") && !out.exists(), "{}", said(&run));
+}
+
+#[test]
+fn what_cannot_be_meant_is_refused() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let out = dir.path().join("flat");
+    for (options, words) in [
+        (&["unroll", "--tolerance", "0.05mm", "--k", "1.5"][..], "between 0 and 1"),
+        (&["unroll", "--tolerance", "0.05mm", "--k", "0.4", "--surfaces"], "cannot be used with"),
+        (&["unroll", "--tolerance", "0.05"], "no unit"),
+        (&["unroll", "--tolerance", "0.05mm", "--face", "#999999"], "no face #999999"),
+        (&["unroll", "--tolerance", "0.05mm", "--outer"], "constant thickness"),
+        (&["approximate", "--tolerance", "1mm", "--sheet", "1250"], "1250x2550"),
+    ] {
+        let run = torse(options, &data("cylinder_holes.step"), &out);
+        assert!(run.status.code() == Some(2) && said(&run).contains(words), "{options:?}: {}", said(&run));
+        assert!(!out.exists());
+    }
+}
+
+#[test]
+fn strips_follow_their_handles_and_stay_developable() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let out = dir.path().join("pulled");
+    let run = torse(&["shape", "--tolerance", "0.5mm"], &data("pulled_hull.json"), &out);
+    assert_eq!(run.status.code(), Some(0), "{}", said(&run));
+    let report: serde_json::Value =
+        serde_json::from_str(&std::fs::read_to_string(out.join("report.json")).expect("a report")).expect("JSON");
+    assert_eq!((report["job"].as_str(), report["panels"].as_array().map(Vec::len)), (Some("shape"), Some(2)));
+    // A job that names what is not there says where.
+    let bad = dir.path().join("bad.json");
+    let text = std::fs::read_to_string(data("pulled_hull.json"))
+        .expect("the job")
+        .replace("\"chine\", \"sheer\"", "\"chine\", \"rail\"");
+    std::fs::write(&bad, text).expect("a file");
+    let run = torse(&["shape", "--tolerance", "0.5mm"], &bad, &dir.path().join("none"));
+    assert!(run.status.code() == Some(2) && said(&run).contains("$.strips[1]"), "{}", said(&run));
+}
