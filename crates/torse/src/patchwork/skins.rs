@@ -8,7 +8,7 @@ use super::triangulate::triangulate;
 use crate::brep::area::area_estimate;
 use crate::brep::face::Face;
 use rayon::prelude::*;
-use std::collections::{BTreeMap, HashMap};
+use std::collections::HashMap;
 
 /// A sheet of constant thickness.
 #[derive(Clone, Debug, PartialEq)]
@@ -46,8 +46,8 @@ const MOST_FACES: usize = 2000;
 struct Seen {
     /// Median distance to what lies opposite, mm.
     distance: f64,
-    /// Faces met, each with the number of rays.
-    opposite: BTreeMap<usize, usize>,
+    /// Faces met, with the distance, mm.
+    opposite: Vec<(usize, f64)>,
 }
 
 /// The skins of a body, from all of its faces; `None` where it is no sheet of constant thickness.
@@ -66,7 +66,7 @@ pub fn sheet(faces: &[&Face]) -> Option<Sheet> {
     if covered < LEAST_SKINS * total || thickness > THICKEST * (0.5 * covered).sqrt() {
         return None;
     }
-    let side_of = two_sides(faces, &skins, &seen)?;
+    let side_of = two_sides(faces, &skins, &seen, thickness)?;
     let of = |side: bool| -> Vec<usize> { skins.iter().copied().filter(|k| side_of[k] == side).collect() };
     let (mut outer, mut inner) = (of(true), of(false));
     let area = |f: &[usize]| f.iter().map(|&k| areas[k]).sum::<f64>();
@@ -98,7 +98,7 @@ fn seen(k: usize, faces: &[&Face], hulls: &[Hull]) -> Option<Seen> {
     // A face's normal points out of its body.
     let out = if faces[k].reversed { -1.0 } else { 1.0 };
     let mut distances = Vec::new();
-    let mut opposite = BTreeMap::new();
+    let mut opposite = Vec::new();
     let count = RAYS.min(sides.len());
     for probe in 0..count {
         let (x, n) = &sides[(2 * probe + 1) * sides.len() / (2 * count)];
@@ -107,8 +107,9 @@ fn seen(k: usize, faces: &[&Face], hulls: &[Hull]) -> Option<Seen> {
         let first = (0..hulls.len()).filter_map(|j| hulls[j].first_hit(&from, &way).map(|(far, m)| (far, m, j)));
         let Some((far, m, j)) = first.min_by(|a, b| a.0.total_cmp(&b.0)) else { continue };
         if m.dot(&way).abs() > OPPOSITE {
-            distances.push(far + BESIDE * size);
-            *opposite.entry(j).or_insert(0) += 1;
+            let far = far + BESIDE * size;
+            distances.push(far);
+            opposite.push((j, far));
         }
     }
     if (distances.len() as f64) < MET * count as f64 || distances.is_empty() {
@@ -132,7 +133,7 @@ fn thickness(seen: &[Option<Seen>], areas: &[f64]) -> Option<f64> {
 
 /// Which of two sides every skin face is on: joined faces on the same, opposite faces on the other. `None` where these
 /// contradict each other.
-fn two_sides(faces: &[&Face], skins: &[usize], seen: &[Option<Seen>]) -> Option<HashMap<usize, bool>> {
+fn two_sides(faces: &[&Face], skins: &[usize], seen: &[Option<Seen>], thickness: f64) -> Option<HashMap<usize, bool>> {
     let mut by_edge: HashMap<u64, Vec<usize>> = HashMap::new();
     for &k in skins {
         let edges = faces[k].boundary.iter().flat_map(|b| b.loops.iter().flatten()).map(|e| e.entity);
@@ -145,7 +146,10 @@ fn two_sides(faces: &[&Face], skins: &[usize], seen: &[Option<Seen>]) -> Option<
         }
     }
     for &k in skins {
-        for &j in seen[k].iter().flat_map(|s| s.opposite.keys()).filter(|j| skins.contains(j)) {
+        // Rays that leave through a hole may meet another flange of the same skin, farther away.
+        let through =
+            seen[k].iter().flat_map(|s| &s.opposite).filter(|(_, far)| (far - thickness).abs() <= SAME * thickness);
+        for &(j, _) in through.filter(|(j, _)| skins.contains(j)) {
             links.entry(k).or_default().push((j, false));
             links.entry(j).or_default().push((k, false));
         }

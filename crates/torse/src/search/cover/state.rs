@@ -293,7 +293,10 @@ fn give_way(lines: &mut Vec<f64>, knots: &[f64], corners: impl Iterator<Item = f
         close.dedup();
         match close[..] {
             [] => kept.push(l),
-            _ if knots.contains(&l) || l <= first || l >= last => kept.push(l),
+            _ if knots.contains(&l) => kept.push(l),
+            // The box ends where corners do: ends that were computed miss them by rounding.
+            [c, ..] if l <= first => kept.push(c),
+            [.., c] if l >= last => kept.push(c),
             [c] => kept.push(c),
             _ => {}
         }
