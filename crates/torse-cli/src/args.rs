@@ -1,11 +1,14 @@
 //! Arguments and help.
 
+mod flat;
+
 use crate::input::stem;
 use crate::quantity::{
     ball, bend_step, direction, entity, positive_count, positive_length, positive_share, positive_time, section, sheet,
     smooth_angle, two_numbers, two_shares, unit_of_length, zone, Length, Section,
 };
 use clap::{Args, Parser, Subcommand};
+pub use flat::{Shape, Unroll, K};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 use torse::answer::CutFiles;
@@ -768,117 +771,6 @@ pub enum HeldPoints {
     Second,
     /// The first and the last ruling
     Ends,
-}
-
-/// Arguments of `unroll`.
-#[derive(Args, Debug)]
-#[command(after_help = "Examples:
-  torse unroll bracket.step --k 0.47 --tolerance 0.01mm --out flat
-  torse unroll duct.igs --k din --tolerance 0.05mm --out flat --one-file-per-part
-  torse unroll skin.step --surfaces --tolerance 0.05mm --out flat
-
-A body of constant thickness is recognised as sheet: its thickness is measured, the sides are dropped, and one skin is
-unfolded into one part, holes across bends included. It is cut where it would overlap or close up; the report names the edges.
-Bent zones get the length of the neutral fibre. Surfaces without thickness are unfolded as they are.
-Faces that are not developable are left out and named, and the result is then not certified; 'torse approximate'
-handles those.
-
-Written into the output folder: patterns.dxf and patterns.svg (cutter), bend_table.csv (angle, inside radius, direction,
-allowance, order), parts.csv, panels.step, model.glb, pictures, report.html and report.json.
-
-Exit status: 0 certified, 2 bad input or usage, 3 finished but not certified (files written and marked).")]
-pub struct Unroll {
-    /// STEP (AP203, AP214, AP242), IGES or Rhino file (3DM)
-    #[arg(value_name = "FILE")]
-    pub file: PathBuf,
-
-    /// Largest distance allowed between drawn and exact outlines, with its unit: 0.01mm
-    #[arg(short, long, value_name = "LENGTH", value_parser = positive_length, allow_hyphen_values = true)]
-    pub tolerance: Length,
-
-    #[command(flatten)]
-    pub files: Files,
-
-    #[command(flatten)]
-    pub chosen: Chosen,
-
-    /// Where the neutral fibre of bends lies: its depth from the inside as a share of the thickness (ANSI, such as 0.44),
-    /// 'din' for the formula of DIN 6935, or a table (.csv) of inside radius over thickness and K [default: 0.44]
-    #[arg(long, value_name = "K", value_parser = k_factor, allow_hyphen_values = true)]
-    pub k: Option<K>,
-
-    /// Take all faces as surfaces without thickness
-    #[arg(long, conflicts_with = "k")]
-    pub surfaces: bool,
-
-    /// Refuse the whole file if any of its faces cannot be used
-    #[arg(long)]
-    pub strict: bool,
-}
-
-/// Where the neutral fibre lies.
-#[derive(Clone, Debug, PartialEq)]
-pub enum K {
-    /// Share of the thickness.
-    Share(f64),
-    /// The formula of DIN 6935.
-    Din,
-    /// A table.
-    Table(PathBuf),
-}
-
-/// Reads a K-factor; what is no number is a table.
-fn k_factor(text: &str) -> Result<K, String> {
-    match text.trim() {
-        t if t.eq_ignore_ascii_case("din") => Ok(K::Din),
-        t => match t.parse::<f64>() {
-            Ok(k) if (0.0..=1.0).contains(&k) => Ok(K::Share(k)),
-            Ok(k) => {
-                Err(format!("K is a share of the thickness, between 0 and 1, not {k}; values of DIN 6935: --k din"))
-            }
-            Err(_) => Ok(K::Table(PathBuf::from(t))),
-        },
-    }
-}
-
-/// Arguments of `shape`.
-#[derive(Args, Debug)]
-#[command(after_help = "Example:
-  torse shape hull-job.json --tolerance 0.5mm --out hull
-
-The job names curves, strips between them, handles that pull on them, what stays fixed and what the strips should keep to;
-docs/shape.md describes it. The strips stay developable while they follow; what is proven of them is in the report.
-
-Written into the output folder: panels.step, patterns.dxf and patterns.svg (cutter), model.glb, pictures, report.html
-and report.json.
-
-Exit status: 0 certified, 2 bad input or usage, 3 finished but not certified (files written and marked).")]
-pub struct Shape {
-    /// The job (JSON)
-    #[arg(value_name = "JOB")]
-    pub job: PathBuf,
-
-    /// Largest distance allowed between strips and the curves that they end on, with its unit: 0.5mm
-    #[arg(short, long, value_name = "LENGTH", value_parser = positive_length, allow_hyphen_values = true)]
-    pub tolerance: Length,
-
-    #[command(flatten)]
-    pub files: Files,
-
-    /// Unit of lengths in the job, if it does not say its own: mm, cm, m, in, ft
-    #[arg(long, value_name = "UNIT", value_parser = unit_of_length)]
-    pub unit: Option<f64>,
-
-    /// Distance between rulings that are drawn, with its unit
-    #[arg(long, value_name = "LENGTH", value_parser = positive_length, allow_hyphen_values = true)]
-    pub rulings: Option<Length>,
-
-    /// Distance between matching marks, with its unit
-    #[arg(long, value_name = "LENGTH", value_parser = positive_length, allow_hyphen_values = true)]
-    pub marks: Option<Length>,
-
-    #[command(flatten)]
-    pub drawing: Drawing,
 }
 
 /// Arguments of `info`.

@@ -33,8 +33,8 @@
 //!
 //! Data travels one way: read → model → fit or design → certify → develop → write. From the bottom:
 //! [`num`], [`geom`], [`spline`]; the nouns [`brep`] (what CAD files hold), [`torse`] (exact developables) and
-//! [`patchwork`] (a whole in pieces); the sibling verbs [`mod@fit`], [`design`], [`certify`] and [`develop`], then
-//! [`tessellate`] and [`draw`]; [`search`], which lets the judge decide about what was proposed; [`answer`], [`io`] and
+//! [`patchwork`] (a whole in pieces); [`constraint`] (equations over unknown points); the sibling verbs [`mod@fit`],
+//! [`design`], [`certify`] and [`develop`], then [`tessellate`] and [`draw`]; [`search`], which lets the judge decide about what was proposed; [`answer`], [`io`] and
 //! [`pipeline`]. A floor uses only lower ones; `tests/tidy.rs` keeps it so.
 
 pub use answer::Answer;

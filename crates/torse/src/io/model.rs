@@ -25,3 +25,12 @@ pub struct ReadOptions {
     /// face's boundary, which is the default (`None`). mm.
     pub chord_tolerance: Option<f64>,
 }
+
+/// A reason as the end of a message; nothing where there is none.
+pub(super) fn first_of(reason: &str) -> String {
+    if reason.is_empty() {
+        String::new()
+    } else {
+        format!("; {reason}")
+    }
+}

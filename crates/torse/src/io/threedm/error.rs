@@ -1,5 +1,7 @@
 //! What is said where nothing could be read.
 
+use crate::io::model::first_of;
+
 /// Why nothing could be read at all.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ReadError {
@@ -49,12 +51,4 @@ pub enum ReadError {
         /// The first, and what is wrong with it.
         reason: String,
     },
-}
-
-fn first_of(reason: &str) -> String {
-    if reason.is_empty() {
-        String::new()
-    } else {
-        format!("; {reason}")
-    }
 }

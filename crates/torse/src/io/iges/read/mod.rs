@@ -29,7 +29,7 @@ use crate::answer::skipped::Skipped;
 use crate::brep::face::Face;
 use crate::geom::placement::Placement;
 use crate::geom::Vec3;
-use crate::io::model::{Model, ReadOptions};
+use crate::io::model::{first_of, Model, ReadOptions};
 use nalgebra::Matrix3;
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -67,14 +67,6 @@ pub enum ReadError {
         /// What is wrong with it.
         reason: String,
     },
-}
-
-fn first_of(reason: &str) -> String {
-    if reason.is_empty() {
-        String::new()
-    } else {
-        format!("; {reason}")
-    }
 }
 
 /// Whether bytes look like an IGES file of any form: the first line that is not blank ends with the letter of a section

@@ -23,7 +23,7 @@ use self::walk::{Census, Occurrence};
 use crate::answer::skipped::Skipped;
 use crate::brep::face::Face;
 use crate::brep::trim;
-use crate::io::model::{Model, ReadOptions};
+use crate::io::model::{first_of, Model, ReadOptions};
 use rayon::prelude::*;
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -58,14 +58,6 @@ pub enum ReadError {
         /// What is wrong with it.
         reason: String,
     },
-}
-
-fn first_of(reason: &str) -> String {
-    if reason.is_empty() {
-        String::new()
-    } else {
-        format!("; {reason}")
-    }
 }
 
 /// Reads a STEP file with default options; see [`read_with`].
