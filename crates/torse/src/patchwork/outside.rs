@@ -52,8 +52,12 @@ pub fn outward(patchwork: &Patchwork) -> Vec<f64> {
 
 impl Hull {
     fn of(patchwork: &Patchwork, face: usize) -> Self {
-        let none = || Self { triangles: Vec::new(), bbox: BBox::empty(), sides: Vec::new() };
-        patchwork.partitions.get(face).map_or_else(none, |p| Self::new(&patchwork.faces[face].surface, p))
+        patchwork.partitions.get(face).map_or_else(Self::none, |p| Self::new(&patchwork.faces[face].surface, p))
+    }
+
+    /// Of a face without triangles: no ray meets it.
+    pub(super) fn none() -> Self {
+        Self { triangles: Vec::new(), bbox: BBox::empty(), sides: Vec::new() }
     }
 
     /// The triangles of a partition of a face.

@@ -55,7 +55,8 @@ pub fn sheet(faces: &[&Face]) -> Option<Sheet> {
     if faces.len() < 3 || faces.len() > MOST_FACES {
         return None;
     }
-    let hulls: Vec<Hull> = faces.par_iter().map(|f| hull(f)).collect::<Option<_>>()?;
+    // Small faces that cannot be triangulated so coarsely are no skins.
+    let hulls: Vec<Hull> = faces.par_iter().map(|f| hull(f).unwrap_or_else(Hull::none)).collect();
     let areas: Vec<f64> = faces.par_iter().map(|f| area_estimate(f)).collect();
     let seen: Vec<Option<Seen>> = (0..faces.len()).into_par_iter().map(|k| seen(k, faces, &hulls)).collect();
     let thickness = thickness(&seen, &areas)?;
