@@ -5,7 +5,7 @@
 //! \[PW99\].
 
 mod boundary;
-pub mod carriers;
+mod carriers;
 mod cell;
 mod certificate;
 pub mod claim;
@@ -33,8 +33,9 @@ mod seams;
 mod simple;
 #[cfg(test)]
 mod specimens;
-pub mod strokes;
+mod strokes;
 pub mod trims;
+pub mod unfolded;
 mod vector;
 mod verdict;
 pub mod written;

@@ -1,15 +1,13 @@
 //! Lines and arcs drawn against the flat images of the edges that they stand for, in interval arithmetic.
 //!
-//! *Theorem.* The maps of [`ClosedMap`] change no length on their surface by more than the factor `1 ± strain_bound`
-//! (their frames are orthonormal up to rounding, which is enclosed). Every point of an image lies within `drawn_bound` of
-//! its stroke, and every point of a stroke within it of its image. *Proof.* Distance and progress along the stroke are
+//! *Theorem.* Every point of an image lies within the bound of its stroke, and every point of a stroke within it of its
+//! image. *Proof.* Distance and progress along the stroke are
 //! enclosed over parts of the edge by their value in the middle and their derivative over the part. Progress is
 //! continuous and takes the values at both ends, which are compared with the ends of the stroke: so it takes all values
 //! between, and the stroke is covered too.
 //!
 //! Knows edges, maps and strokes; how they were found is not looked at.
 
-use super::claim::UpperBound;
 use crate::geom::{Frame, Vec2, Vec3};
 use crate::num::interval::Interval;
 use crate::patchwork::image::{ClosedMap, EdgeImage, Stroke};
@@ -18,28 +16,8 @@ use crate::spline::curve::Curve;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 
-/// What is proven of strokes.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct StrokeProof {
-    strain_bound: f64,
-    drawn_bound: f64,
-}
-
-impl StrokeProof {
-    /// No map changes a length by more than this share.
-    pub fn strain_bound(&self) -> UpperBound {
-        UpperBound::shown(self.strain_bound)
-    }
-
-    /// Distance (mm), both ways, between strokes and images; unknown where nothing is shown.
-    pub fn drawn_bound(&self) -> UpperBound {
-        match self.drawn_bound {
-            d if d.is_finite() => UpperBound::shown(d),
-            _ => UpperBound::UNKNOWN,
-        }
-    }
-}
-
+/// Lengths of lines are computed without outward rounding; this share of them is far above what that may be.
+const SLACK: f64 = 1e-12;
 /// Relative error of trigonometric functions of the standard library, far above what any platform's library has.
 const TRIGONOMETRIC: f64 = 1e-14;
 /// Halvings of a part of an edge at most.
@@ -49,18 +27,20 @@ const ENOUGH: f64 = 0.25;
 /// Else parts are halved until bounds exceed what is seen in their middle by no more than this share of the tolerance.
 const EXCESS: f64 = 0.05;
 
-/// Proves what can be shown of strokes; `tolerance` (mm) says how fine is fine enough.
-pub fn strokes(all: &[Stroke], tolerance: f64) -> StrokeProof {
-    let one = |s: &Stroke| StrokeProof {
-        drawn_bound: s.images.as_ref().map_or(f64::INFINITY, |images| stroke(s, images, tolerance)),
-        strain_bound: s.images.iter().flatten().map(strain).fold(0.0, f64::max),
+/// Bound of the distance (mm), both ways, between strokes and what they are drawn for; infinite where nothing is shown.
+/// `tolerance` (mm) says how fine is fine enough. A stroke drawn for no edge is a line across a sharp bend, as long as one
+/// of the `allowances` (mm); by what it is not, or by half its length, it counts as off.
+pub(super) fn strokes(all: &[Stroke], allowances: &[f64], tolerance: f64) -> f64 {
+    let one = |s: &Stroke| match s.images.as_deref() {
+        None => f64::INFINITY,
+        Some([]) => {
+            let length = (s.end - s.start).norm();
+            let off = allowances.iter().map(|a| (a.abs() - length).abs()).fold(0.5 * length, f64::min);
+            off + SLACK * length
+        }
+        Some(images) => stroke(s, images, tolerance),
     };
-    let none = || StrokeProof { strain_bound: 0.0, drawn_bound: 0.0 };
-    let both = |a: StrokeProof, b: StrokeProof| StrokeProof {
-        strain_bound: a.strain_bound.max(b.strain_bound),
-        drawn_bound: a.drawn_bound.max(b.drawn_bound),
-    };
-    all.par_iter().map(one).reduce(none, both)
+    all.par_iter().map(one).reduce(|| 0.0, f64::max)
 }
 
 /// Distance between one stroke and its images.
@@ -84,8 +64,7 @@ fn stroke(s: &Stroke, images: &[EdgeImage], tolerance: f64) -> f64 {
             bound = bound.max(near(end(first, 0), fixed(&s.start))).max(near(end(last, 1), fixed(&s.end)));
             images.windows(2).fold(bound, |b, w| b.max(near(end(&w[0], 1), end(&w[1], 0))))
         }
-        // A line that joins ends, drawn for no edge.
-        _ => bound,
+        _ => f64::INFINITY,
     }
 }
 
@@ -171,7 +150,7 @@ fn part(guide: &Guide, image: &EdgeImage, [a, b]: [f64; 2], (tolerance, depth): 
 fn over(guide: &Guide, image: &EdgeImage, [a, b]: [f64; 2]) -> Option<f64> {
     let m = 0.5 * (a + b);
     let reach = Interval::new(a - m, b - m).hull(Interval::point(m - a)).hull(Interval::point(m - b));
-    let (v, dv) = enclosed(&image.curve, frame_of(image), [a, b])?;
+    let (v, dv) = enclosed(&image.curve, image.map.frame(), [a, b])?;
     let (_, slope) = mapped(image, v, dv, m)?;
     let middle = point(image, m)?;
     // Where the image is, by its own derivative: narrower than the map of a box.
@@ -187,15 +166,9 @@ fn over(guide: &Guide, image: &EdgeImage, [a, b]: [f64; 2]) -> Option<f64> {
 
 /// The image of a point of an edge.
 fn point(image: &EdgeImage, t: f64) -> Option<[Interval; 2]> {
-    let h = from_origin(image.curve.bounds(t, t), frame_of(image));
+    let h = from_origin(image.curve.bounds(t, t), image.map.frame());
     let v = [h[0] / h[3], h[1] / h[3], h[2] / h[3]];
     Some(mapped(image, v, [Interval::ZERO; 3], t)?.0)
-}
-
-fn frame_of(image: &EdgeImage) -> &Frame {
-    match &image.map {
-        ClosedMap::Plane(f) | ClosedMap::Cylinder { frame: f, .. } | ClosedMap::Cone { frame: f, .. } => f,
-    }
 }
 
 /// Homogeneous coordinates from the origin of a frame: where radii are small against coordinates, quotients of the
@@ -208,7 +181,7 @@ fn from_origin(h: [Interval; 4], frame: &Frame) -> [Interval; 4] {
 /// Place and derivative under the map and the motion of a box of ways from the frame's origin, around the point at `t`,
 /// which tells turns apart.
 fn mapped(image: &EdgeImage, v: [Interval; 3], dv: [Interval; 3], t: f64) -> Option<([Interval; 2], [Interval; 2])> {
-    let frame = frame_of(image);
+    let frame = image.map.frame();
     let (q, dq) = (local(frame, v), local(frame, dv));
     let angle = || -> Option<(Interval, Interval)> {
         let away = q[0].sqr() + q[1].sqr();
@@ -302,8 +275,8 @@ fn hull(all: impl Iterator<Item = Interval>) -> Interval {
 }
 
 /// Relative change of lengths by a map: how far its frame and its turn are from orthonormal.
-fn strain(image: &EdgeImage) -> f64 {
-    let frame = frame_of(image);
+pub(super) fn strain(image: &EdgeImage) -> f64 {
+    let frame = image.map.frame();
     let axes = [frame.x, frame.y, frame.z];
     let dot = |a: &Vec3, b: &Vec3| Interval::point(a.x) * b.x + Interval::point(a.y) * b.y + Interval::point(a.z) * b.z;
     let mut off = 0.0_f64;

@@ -27,11 +27,15 @@ pub fn with_joint_marks(patchwork: &Patchwork, mut patterns: Vec<Pattern>, reach
         }
         for (k, pair) in joint.pairs.iter().enumerate() {
             let label = format!("J{}.{}", number + 1, k + 1);
-            for (side, s) in joint.sides.iter().zip(pair) {
-                let Some((development, mirrored)) = &maps[&side.panel] else { continue };
-                if let Some(mark) = mark(patchwork, side, *s, (development, *mirrored), &label) {
-                    patterns[of_panel[&side.panel]].marks.push(mark);
-                }
+            let on = |i: usize| {
+                let (side, s) = (&joint.sides[i], pair[i]);
+                let (development, mirrored) = maps[&side.panel].as_ref()?;
+                mark(patchwork, side, s, (development, *mirrored), &label)
+            };
+            // On both sides or on none.
+            let Some(marks) = on(0).zip(on(1)) else { continue };
+            for (side, mark) in joint.sides.iter().zip([marks.0, marks.1]) {
+                patterns[of_panel[&side.panel]].marks.push(mark);
             }
         }
     }

@@ -1,5 +1,5 @@
 //! What a judge needs to know of a flat part: edges of the file, the closed maps that lay them flat, and what is drawn
-//! for them. Plain data; nothing is computed here.
+//! for them. Plain data.
 
 use crate::geom::{Frame, Vec2};
 use crate::spline::curve::Curve;
@@ -13,6 +13,8 @@ pub enum ClosedMap {
     Cylinder {
         /// Axis z.
         frame: Frame,
+        /// Radius of the face, mm.
+        radius: f64,
         /// Radius of the cylinder that keeps its lengths, mm, with its sign.
         reach: f64,
     },
@@ -29,9 +31,20 @@ pub enum ClosedMap {
     },
 }
 
+impl ClosedMap {
+    /// Frame of the face's surface.
+    pub fn frame(&self) -> &Frame {
+        match self {
+            Self::Plane(frame) | Self::Cylinder { frame, .. } | Self::Cone { frame, .. } => frame,
+        }
+    }
+}
+
 /// A part of an edge and its map.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EdgeImage {
+    /// Number of the face in its part.
+    pub face: usize,
     /// The edge, homogeneous, mm.
     pub curve: Curve<4>,
     /// The map of its face.
@@ -55,6 +68,16 @@ pub struct Stroke {
     pub end: Vec2,
     /// tan(sweep/4), positive counter-clockwise, 0 for a line.
     pub bulge: f64,
-    /// What it is drawn for, in order; `None` where an image has no closed form.
+    /// What it is drawn for, in order; empty for a line across a sharp bend, `None` where an image has no closed form.
     pub images: Option<Vec<EdgeImage>>,
 }
+
+impl Stroke {
+    /// A line of which nothing is known.
+    pub fn unknown(start: Vec2, end: Vec2) -> Self {
+        Self { start, end, bulge: 0.0, images: None }
+    }
+}
+
+/// Both images of an edge inside a part: as many lines and arcs on either side, the second side's the other way round.
+pub type JointImage = [Vec<Stroke>; 2];

@@ -3,7 +3,10 @@
 //! Seams within a face are known from its partition; joints are found by their places in space. Measured, not proven.
 
 use super::panel::{Border, Coedge, Patchwork};
+use crate::brep::face::Face;
 use crate::geom::{BBox, Vec3};
+use rayon::prelude::*;
+use std::collections::{HashMap, HashSet};
 
 /// One side of a joint.
 #[derive(Clone, Copy, Debug)]
@@ -31,25 +34,30 @@ const SAMPLES: usize = 96;
 const PARALLEL: f64 = 0.9;
 /// Stretches shorter than this multiple of the reach are corners in which runs touch.
 const LEAST_STRETCH: f64 = 8.0;
-/// Halvings that refine a foot on a run: to 1e-6 of the distance of samples.
-const REFINEMENTS: usize = 20;
+/// Steps that refine a foot on a run, each to two thirds: to 1e-6 of the distance of samples.
+const REFINEMENTS: usize = 34;
 
 /// A run as a polyline.
 struct Course<'a> {
     side: JointSide<'a>,
+    /// Number of its face, of the edge within the face, and of the edge in the file (0 if unknown).
+    edge: (usize, u32, u64),
     points: Vec<Vec3>,
+    /// Longest way between points that follow each other, mm.
+    step: f64,
     bbox: BBox,
 }
 
 impl<'a> Course<'a> {
-    fn new(panel: usize, run: &'a Coedge, reach: f64) -> Self {
+    fn new(panel: usize, run: &'a Coedge, edge: (usize, u32, u64), reach: f64) -> Self {
         let points: Vec<Vec3> = (0..=SAMPLES).map(|k| point(run, k as f64 / SAMPLES as f64)).collect();
         let mut bbox = BBox::empty();
         for p in &points {
             bbox.include(&p.add_scalar(reach));
             bbox.include(&p.add_scalar(-reach));
         }
-        Self { side: JointSide { panel, run }, points, bbox }
+        let step = points.windows(2).map(|w| (w[1] - w[0]).norm()).fold(0.0, f64::max);
+        Self { side: JointSide { panel, run }, edge, points, step, bbox }
     }
 
     fn near(&self, other: &Self) -> bool {
@@ -61,11 +69,15 @@ impl<'a> Course<'a> {
         (self.points[b] - self.points[a]).normalize()
     }
 
+    /// Number of the sample nearest to a point.
+    fn nearest(&self, x: &Vec3) -> usize {
+        let far = |k: usize| (self.points[k] - x).norm_squared();
+        (0..=SAMPLES).min_by(|&a, &b| far(a).total_cmp(&far(b))).unwrap_or(0)
+    }
+
     /// Parameter of the place nearest to a point, its distance and the direction there.
     fn foot(&self, x: &Vec3) -> (f64, f64, Vec3) {
-        let k = (0..=SAMPLES)
-            .min_by(|&a, &b| (self.points[a] - x).norm_squared().total_cmp(&(self.points[b] - x).norm_squared()))
-            .unwrap_or(0);
+        let k = self.nearest(x);
         let step = 1.0 / SAMPLES as f64;
         let (mut lo, mut hi) = ((k as f64 - 1.0).max(0.0) * step, (k as f64 + 1.0).min(SAMPLES as f64) * step);
         let far = |s: f64| (point(self.side.run, s) - x).norm_squared();
@@ -87,28 +99,51 @@ fn point(run: &Coedge, s: f64) -> Vec3 {
 }
 
 /// All joints: pairs of runs along borders of faces that lie within `reach` (mm) of each other over a stretch; `spacing`
-/// (mm) says about how far apart the places on it are.
+/// (mm) says about how far apart the places on it are. Runs along an edge that the file gives to two faces are joined to
+/// each other only, however near other borders are, as both sides of a thin strip; other runs go by their places alone.
 pub fn joints(patchwork: &Patchwork, reach: f64, spacing: f64) -> Vec<Joint<'_>> {
-    let mut all: Vec<Course> = Vec::new();
+    let mut runs: Vec<(usize, &Coedge, (usize, u32, u64))> = Vec::new();
     for (k, panel) in patchwork.panels.iter().enumerate() {
-        let runs = panel.loops().iter().flatten();
-        let on_borders = runs.filter(|r| matches!(r.border, Border::Trim { .. }) && !r.is_point());
-        all.extend(on_borders.map(|run| Course::new(k, run, reach)));
-    }
-    let mut out = Vec::new();
-    for (i, a) in all.iter().enumerate() {
-        for b in all[i + 1..].iter().filter(|b| a.near(b)) {
-            out.extend(joint(a, b, reach, spacing));
+        let Some(face) = panel.face() else { continue };
+        for run in panel.loops().iter().flatten().filter(|r| !r.is_point()) {
+            if let Border::Trim { edge } = run.border {
+                runs.push((k, run, (face, edge, entity(&patchwork.faces[face], edge))));
+            }
         }
     }
-    out
+    let all: Vec<Course> = runs.into_par_iter().map(|(k, run, edge)| Course::new(k, run, edge, reach)).collect();
+    let mut uses: HashMap<u64, HashSet<(usize, u32)>> = HashMap::new();
+    for (face, label, entity) in all.iter().map(|c| c.edge).filter(|e| e.2 != 0) {
+        uses.entry(entity).or_default().insert((face, label));
+    }
+    let shared = |c: &Course| uses.get(&c.edge.2).is_some_and(|u| u.len() > 1);
+    let may_join = |a: &Course, b: &Course| {
+        let by_number = shared(a) || shared(b);
+        (!by_number || a.edge.2 == b.edge.2) && a.near(b)
+    };
+    let with_later = |i: usize| -> Vec<Joint> {
+        let later = all[i + 1..].iter().filter(|b| may_join(&all[i], b));
+        later.filter_map(|b| joint(&all[i], b, reach, spacing)).collect()
+    };
+    (0..all.len()).into_par_iter().flat_map_iter(with_later).collect()
+}
+
+/// Number in the file of an edge of a face; 0 if it has none.
+fn entity(face: &Face, label: u32) -> u64 {
+    let edges = face.boundary.iter().flat_map(|b| &b.loops).flatten();
+    edges.filter(|e| e.label == label).map(|e| e.entity).next().unwrap_or(0)
 }
 
 /// The longest common stretch of two runs.
 fn joint<'a>(a: &Course<'a>, b: &Course<'a>, reach: f64, spacing: f64) -> Option<Joint<'a>> {
     let together: Vec<bool> = (0..=SAMPLES)
         .map(|k| {
-            let (_, far, direction) = b.foot(&a.points[k]);
+            // A foot lies within half a step of the nearest sample.
+            let x = &a.points[k];
+            if (b.points[b.nearest(x)] - x).norm() > reach + b.step {
+                return false;
+            }
+            let (_, far, direction) = b.foot(x);
             far <= reach && direction.dot(&a.direction(k)).abs() > PARALLEL
         })
         .collect();

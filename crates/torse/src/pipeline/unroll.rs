@@ -3,16 +3,13 @@
 use crate::answer::skipped::{left_out, Skipped};
 use crate::answer::{Answer, Job};
 use crate::brep::area::area_estimate;
-use crate::brep::carrier::carrier;
 use crate::brep::face::Face;
-use crate::certify::carriers::distance_from_carrier;
 use crate::certify::claim::UpperBound;
 use crate::certify::claim::{Claim, Subject, What};
-use crate::certify::strokes::{strokes, StrokeProof};
+use crate::certify::unfolded::{unfolded, Unfolded, UnfoldedProof};
 use crate::develop::unfold::allowance::{KFactor, KFactorError};
 use crate::develop::unfold::part::{flat_parts, FlatPart, PartOptions};
 use crate::io::model::Model;
-use crate::patchwork::image::Stroke;
 use crate::patchwork::panel::Patchwork;
 use crate::patchwork::part::Part;
 use crate::search::strips::face_panel::face_panels;
@@ -150,19 +147,15 @@ pub fn unroll(model: &Model, options: &UnrollOptions) -> Result<Answer, UnrollEr
         let name = part.pattern.name.clone();
         made_of.push(Part { name, first, count: patchwork.panels.len() - first, missing: String::new() });
     }
-    // 2. What is proven: faces against the surfaces that are laid flat, drawings against these.
-    let judged = |s: &dyn Fn(&FlatPart) -> Vec<Stroke>| -> StrokeProof {
-        strokes(&parts.iter().flat_map(s).collect::<Vec<_>>(), options.tolerance)
-    };
-    let (drawn, joints) = (judged(&|p| p.strokes.clone()), judged(&|p| p.joints.clone()));
-    let used: Vec<&Face> = parts.iter().flat_map(|p| &p.faces).map(|f| &model.faces[*f]).collect();
-    let off: Vec<_> = used.par_iter().map(|f| distance_from_carrier(&f.surface, &carrier(f))).collect();
-    let strain = UpperBound::largest([drawn.strain_bound(), joints.strain_bound()]);
+    // 2. What is proven: faces against the surfaces that are laid flat, drawings and inner edges against these.
+    let proofs: Vec<UnfoldedProof> = parts.par_iter().map(|p| judged(p, &model.faces, options.tolerance)).collect();
+    let bound = |of: fn(&UnfoldedProof) -> UpperBound| UpperBound::largest(proofs.iter().map(of));
+    let within = |what, bound| Claim::at_most(what, Subject::Whole, bound).within(options.tolerance);
     let mut claims = vec![
-        Claim::at_most(What::CarrierDistance, Subject::Whole, UpperBound::largest(off)).within(options.tolerance),
-        Claim::at_most(What::DrawingDistance, Subject::Whole, drawn.drawn_bound()).within(options.tolerance),
-        Claim::at_most(What::JointGap, Subject::Whole, joints.drawn_bound()).within(options.tolerance),
-        Claim::at_most(What::LengthError, Subject::Whole, strain),
+        within(What::CarrierDistance, bound(UnfoldedProof::carrier_distance)),
+        within(What::DrawingDistance, bound(UnfoldedProof::drawing_distance)),
+        within(What::JointGap, bound(UnfoldedProof::joint_gap)),
+        Claim::at_most(What::LengthError, Subject::Whole, bound(UnfoldedProof::strain)),
     ];
     let mut skipped = model.skipped.clone();
     skipped.extend(left);
@@ -180,6 +173,20 @@ pub fn unroll(model: &Model, options: &UnrollOptions) -> Result<Answer, UnrollEr
     answer.notes.extend(notes(&parts, options));
     answer.seconds = start.elapsed().as_secs_f64();
     Ok(answer)
+}
+
+/// A part before its judge.
+fn judged(part: &FlatPart, faces: &[Face], tolerance: f64) -> UnfoldedProof {
+    let asked = Unfolded {
+        surfaces: part.faces.iter().map(|f| &faces[*f].surface).collect(),
+        maps: &part.maps,
+        thickness: part.thickness,
+        contours: part.pattern.contours.iter().chain(&part.formed).collect(),
+        strokes: &part.strokes,
+        joints: &part.joints,
+        allowances: &part.allowances,
+    };
+    unfolded(&asked, tolerance)
 }
 
 /// Names of bodies: that of their part, numbered where several bodies have one.
@@ -228,13 +235,13 @@ fn notes(parts: &[FlatPart], options: &UnrollOptions) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use crate::brep::face::Face;
-    use crate::certify::strokes::strokes;
     use crate::develop::unfold::allowance::KFactor;
     use crate::develop::unfold::bends::BendKind;
     use crate::develop::unfold::part::{flat_parts, BodyParts, FlatPart, PartOptions};
     use crate::develop::unfold::specimens::{quarter, rectangle, round_surface, BentSheet, Stretch};
     use crate::develop::unfold::tree::CutReason;
     use crate::geom::Vec3;
+    use crate::patchwork::image::ClosedMap;
     use crate::patchwork::pattern::BendSense;
     use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -246,14 +253,18 @@ mod tests {
     }
 
     /// The only part, with nothing left out and its drawing proven.
-    fn only(made: BodyParts) -> FlatPart {
+    fn only(faces: &[Face], made: BodyParts) -> FlatPart {
         assert!(made.left.is_empty(), "{:?}", made.left);
         assert_eq!(made.parts.len(), 1);
         let part = made.parts.into_iter().next().expect("a part");
-        let (drawn, joints) = (strokes(&part.strokes, TOLERANCE), strokes(&part.joints, TOLERANCE));
-        assert!(drawn.drawn_bound().value() <= TOLERANCE && drawn.strain_bound().value() < 1e-12, "{drawn:?}");
-        assert!(joints.drawn_bound().value() < 1e-9 && joints.strain_bound().value() < 1e-12, "{joints:?}");
+        let proof = super::judged(&part, faces, TOLERANCE);
+        assert!(proof.carrier_distance().value() < 1e-9 && proof.drawing_distance().value() <= TOLERANCE, "{proof:?}");
+        assert!(proof.joint_gap().value() < 1e-9 && proof.strain().value() < 1e-12, "{proof:?}");
         part
+    }
+
+    fn laid(faces: &[Face], k: f64) -> FlatPart {
+        only(faces, flat(faces, k))
     }
 
     fn near(a: f64, b: f64) {
@@ -265,7 +276,7 @@ mod tests {
         let (t, r, k, angle, w) = (2.0, 3.0, 0.4, 1.2, 30.0);
         for sign in [1.0, -1.0] {
             let profile = [Stretch::Line(40.0), Stretch::Bend(sign * angle, r), Stretch::Line(25.0)];
-            let part = only(flat(&BentSheet::new(t, &profile, &[0.0, w], &[]).faces(), k));
+            let part = laid(&BentSheet::new(t, &profile, &[0.0, w], &[]).faces(), k);
             let length = 40.0 + (r + k * t) * angle + 25.0;
             near(part.thickness, t);
             near(part.pattern.area, length * w);
@@ -299,7 +310,7 @@ mod tests {
         };
         let length = 100.0 + 2.0 * (2.0 + 0.44 * 1.5) * FRAC_PI_2;
         for (second, alike) in [(1.0, true), (-1.0, false)] {
-            let part = only(flat(&BentSheet::new(1.5, &profile(second), &[0.0, 40.0], &[]).faces(), 0.44));
+            let part = laid(&BentSheet::new(1.5, &profile(second), &[0.0, 40.0], &[]).faces(), 0.44);
             near(part.pattern.length, length);
             near(part.pattern.area, 40.0 * length);
             assert_eq!(part.bends.len(), 2);
@@ -321,7 +332,7 @@ mod tests {
         ];
         let holes = [[1, 1], [2, 1], [3, 1]];
         let sheet = BentSheet::new(1.0, &profile, &[0.0, 10.0, 25.0, 40.0], &holes);
-        let part = only(flat(&sheet.faces(), 0.5));
+        let part = laid(&sheet.faces(), 0.5);
         let bent = 2.5 * FRAC_PI_2;
         near(part.pattern.area, 40.0 * (60.0 + bent) - 15.0 * (20.0 + bent));
         assert_eq!(part.pattern.contours.len(), 2, "an outer contour and a hole");
@@ -350,7 +361,7 @@ mod tests {
             let foot = axis + out * r;
             faces.push(rectangle(foot, along * length, Vec3::z() * h));
         }
-        let part = only(flat(&faces, 0.44));
+        let part = laid(&faces, 0.44);
         assert_eq!(part.thickness, 0.0);
         let flange = h + r * FRAC_PI_2;
         near(part.pattern.area, a * b + 2.0 * (a + b) * flange);
@@ -364,7 +375,7 @@ mod tests {
         let (x, y, z) = (Vec3::x() * 10.0, Vec3::y() * 20.0, Vec3::z() * 30.0);
         let floor = rectangle(Vec3::zeros(), x, y);
         for wall in [rectangle(Vec3::zeros(), y, z), rectangle(Vec3::zeros(), z, y)] {
-            let part = only(flat(&[floor.clone(), wall], 0.44));
+            let part = laid(&[floor.clone(), wall], 0.44);
             near(part.pattern.area, 800.0);
             assert_eq!((part.bends.len(), part.faces.len()), (1, 2));
         }
@@ -383,7 +394,7 @@ mod tests {
             rectangle(x, y, z),
         ];
         let options = PartOptions { tolerance: TOLERANCE, k: KFactor::default(), surfaces: true };
-        let part = only(flat_parts(&faces.iter().collect::<Vec<_>>(), "box", &options));
+        let part = only(&faces, flat_parts(&faces.iter().collect::<Vec<_>>(), "box", &options));
         near(part.pattern.area, 2.0 * (200.0 + 300.0 + 600.0));
         assert_eq!((part.cuts.len(), part.bends.len()), (7, 5));
         assert!(part.cuts.iter().all(|c| c.1 == CutReason::Closes));
@@ -393,13 +404,13 @@ mod tests {
     #[test]
     fn a_frustum_is_a_sector_and_a_pipe_a_rectangle() {
         let (radius, slope, h) = (20.0, 0.3_f64, 40.0);
-        let cone = only(flat(&[round_surface(radius, slope, (0.0, h))], 0.44));
+        let cone = laid(&[round_surface(radius, slope, (0.0, h))], 0.44);
         let slant = h * (1.0 + slope * slope).sqrt();
         near(cone.pattern.area, PI * slant * (2.0 * radius + slope * h));
         assert!(cone.bends[0].kind == BendKind::Rolled && cone.bends[0].lines.len() > 60);
         // Two lines and two arcs of one centre, each in two parts at most.
         assert!(cone.pattern.contours[0].vertices.len() <= 6, "{}", cone.pattern.contours[0].vertices.len());
-        let pipe = only(flat(&[round_surface(radius, 0.0, (0.0, h))], 0.44));
+        let pipe = laid(&[round_surface(radius, 0.0, (0.0, h))], 0.44);
         near(pipe.pattern.area, 2.0 * PI * radius * h);
         near(pipe.pattern.length, 2.0 * PI * radius);
         assert_eq!(pipe.pattern.contours[0].vertices.len(), 4);
@@ -417,7 +428,7 @@ mod tests {
         assert!(reason.contains("28.000") && reason.contains("29.000"), "{reason}");
         // As surfaces they unfold all the same.
         let options = PartOptions { tolerance: TOLERANCE, k: KFactor::default(), surfaces: true };
-        let part = only(flat_parts(&block.iter().collect::<Vec<_>>(), "block", &options));
+        let part = only(&block, flat_parts(&block.iter().collect::<Vec<_>>(), "block", &options));
         near(part.pattern.area, 2.0 * (30.0 * 28.0 + 30.0 * 29.0 + 28.0 * 29.0));
     }
 
@@ -477,17 +488,58 @@ mod tests {
     #[test]
     fn a_drawing_that_is_moved_is_refused_by_the_judge() {
         let profile = [Stretch::Line(40.0), Stretch::Bend(1.0, 3.0), Stretch::Line(25.0)];
-        let part = only(flat(&BentSheet::new(2.0, &profile, &[0.0, 30.0], &[]).faces(), 0.44));
-        let bad = |change: &dyn Fn(&mut crate::patchwork::image::Stroke)| {
-            let mut all = part.strokes.clone();
-            change(&mut all[1]);
-            strokes(&all, TOLERANCE).drawn_bound().value()
+        let faces = BentSheet::new(2.0, &profile, &[0.0, 30.0], &[]).faces();
+        let part = laid(&faces, 0.44);
+        let judged = |change: &dyn Fn(&mut FlatPart)| {
+            let mut forged = part.clone();
+            change(&mut forged);
+            super::judged(&forged, &faces, TOLERANCE)
         };
-        assert!(bad(&|_| {}) <= TOLERANCE);
-        assert!(bad(&|s| s.start.x += 2.0 * TOLERANCE) > TOLERANCE);
-        assert!(bad(&|s| s.end.y -= 2.0 * TOLERANCE) > TOLERANCE);
-        assert!(bad(&|s| s.bulge = 0.01) > TOLERANCE);
-        assert!(bad(&|s| s.images.iter_mut().flatten().for_each(|i| i.shift.x += 2.0 * TOLERANCE)) > TOLERANCE);
-        assert!(bad(&|s| s.images = None).is_infinite());
+        let drawn = |change: &dyn Fn(&mut FlatPart)| judged(change).drawing_distance().value();
+        assert!(drawn(&|_| {}) <= TOLERANCE);
+        // Contours that are not what was judged.
+        assert!(drawn(&|p| p.pattern.contours[0].vertices[1].point.x += 1e-9).is_infinite());
+        assert!(drawn(&|p| p.pattern.contours[0].vertices[1].bulge = 1e-9).is_infinite());
+        assert!(drawn(&|p| p.pattern.contours.push(p.pattern.contours[0].clone())).is_infinite());
+        // Strokes moved together with the contours.
+        let x = 2.0 * TOLERANCE;
+        assert!(
+            drawn(&|p| {
+                p.pattern.contours[0].vertices[1].point.x += x;
+                p.strokes[0].end.x += x;
+                p.strokes[1].start.x += x;
+            }) > TOLERANCE
+        );
+        assert!(
+            drawn(&|p| {
+                p.pattern.contours[0].vertices[1].bulge = 0.01;
+                p.strokes[1].bulge = 0.01;
+            }) > TOLERANCE
+        );
+        // A line drawn for nothing, although there is no sharp bend.
+        assert!(drawn(&|p| p.strokes[1].images = Some(Vec::new())) > TOLERANCE);
+        // Images of which the judge does not know the map, or that lie elsewhere.
+        assert!(drawn(&|p| p.strokes[1].images = None).is_infinite());
+        assert!(drawn(&|p| p.strokes[1].images.iter_mut().flatten().for_each(|i| i.shift.x += x)) > TOLERANCE);
+        assert!(drawn(&|p| p.strokes[1].images.iter_mut().flatten().for_each(|i| i.face += 1)).is_infinite());
+        // A joint whose other side is elsewhere.
+        let gap = judged(&|p| {
+            for s in &mut p.joints[0][1] {
+                s.start.x += x;
+                s.end.x += x;
+                s.images.iter_mut().flatten().for_each(|i| i.shift.x += x);
+            }
+        });
+        assert!(gap.joint_gap().value() > TOLERANCE);
+        // A bend of another radius, for which everything else would fit.
+        let bend = part.maps.iter().position(|m| matches!(m, Some(ClosedMap::Cylinder { .. }))).expect("a bend");
+        let wider = judged(&|p| {
+            if let Some(ClosedMap::Cylinder { radius, .. }) = &mut p.maps[bend] {
+                *radius += x;
+            }
+        });
+        assert!(wider.carrier_distance().value() > TOLERANCE);
+        // A surface without thickness keeps its own radius.
+        assert!(judged(&|p| p.thickness = 0.0).strain().value() > 0.01);
     }
 }

@@ -31,6 +31,8 @@ enum Kind {
         angles: Angles,
         /// Half angle; 0 for a cylinder.
         half_angle: f64,
+        /// Radius of a cylinder's face, mm.
+        radius: f64,
         /// Radius of the neutral cylinder; of a cone, way (mm) by which its neutral cone's apex lies behind.
         neutral: f64,
     },
@@ -100,12 +102,12 @@ impl Chart {
                 if neutral < 0.0 {
                     return None;
                 }
-                Kind::Round { frame: *frame, sign, angles, half_angle: 0.0, neutral }
+                Kind::Round { frame: *frame, sign, angles, half_angle: 0.0, radius: *radius, neutral }
             }
             Carrier::Cone { frame, half_angle } => {
                 let (sign, angles) = round(face, frame)?;
                 let neutral = -sign * depth / half_angle.tan();
-                Kind::Round { frame: *frame, sign, angles, half_angle: *half_angle, neutral }
+                Kind::Round { frame: *frame, sign, angles, half_angle: *half_angle, radius: 0.0, neutral }
             }
             Carrier::GeneralCylinder { .. } | Carrier::GeneralCone { .. } | Carrier::TangentSurface => {
                 Kind::Ruled(Box::new(Ruled::new(face, depth)?))
@@ -123,7 +125,7 @@ impl Chart {
                 let q = frame.to_local(x);
                 Vec2::new(q.x, q.y)
             }
-            Kind::Round { frame, sign, angles, half_angle, neutral } => {
+            Kind::Round { frame, sign, angles, half_angle, neutral, .. } => {
                 let q = frame.to_local(x);
                 let angle = angles.unwrapped(q.y.atan2(q.x), uv);
                 if *half_angle == 0.0 {
@@ -141,8 +143,8 @@ impl Chart {
     pub fn closed(&self) -> Option<ClosedMap> {
         match &self.kind {
             Kind::Plane(frame) => Some(ClosedMap::Plane(*frame)),
-            Kind::Round { frame, sign, half_angle, neutral, .. } if *half_angle == 0.0 => {
-                Some(ClosedMap::Cylinder { frame: *frame, reach: sign * neutral })
+            Kind::Round { frame, sign, half_angle, radius, neutral, .. } if *half_angle == 0.0 => {
+                Some(ClosedMap::Cylinder { frame: *frame, radius: *radius, reach: sign * neutral })
             }
             Kind::Round { frame, sign, half_angle, neutral, .. } => Some(ClosedMap::Cone {
                 frame: *frame,

@@ -4,7 +4,7 @@ use super::tree::{Piece, Placed};
 use crate::brep::body::Body;
 use crate::develop::arcs::{arcs, circle, PlaneCurve};
 use crate::geom::Vec2;
-use crate::patchwork::image::{EdgeImage, Stroke};
+use crate::patchwork::image::{EdgeImage, JointImage, Stroke};
 use crate::patchwork::pattern::{Contour, ContourVertex};
 use std::collections::HashSet;
 
@@ -66,7 +66,7 @@ impl PlaneCurve for FlatRun<'_> {
 }
 
 /// Runs shorter than this share of the body are points.
-const POINT: f64 = 1e-9;
+pub(super) const POINT: f64 = 1e-9;
 /// Ends of runs farther apart than this share of the body are joined by a line: allowances of sharp bends.
 const GAP: f64 = 1e-6;
 
@@ -195,15 +195,17 @@ fn strokes(body: &Body, piece: &Piece, halves: &[usize], stations: &[Station]) -
 }
 
 /// A part of a run for the judge; `None` where its map has no closed form.
-pub(super) fn image(body: &Body, piece: &Piece, half: usize, ends: [f64; 2]) -> Option<EdgeImage> {
+fn image(body: &Body, piece: &Piece, half: usize, ends: [f64; 2]) -> Option<EdgeImage> {
     let h = &body.halves[half];
-    let placed = piece.placed(h.face)?;
+    let face = piece.faces.iter().position(|p| p.face == h.face)?;
+    let placed = &piece.faces[face];
     let (curve, [from, to]) = h.run.curve()?;
     let angle = |s: f64| {
         let (x, uv) = h.run.at(body.faces[h.face], s);
         placed.chart.angle(&x, Some(uv)).unwrap_or(0.0)
     };
     Some(EdgeImage {
+        face,
         curve: curve.clone(),
         map: placed.chart.closed()?,
         turn: placed.motion.turn,
@@ -211,6 +213,41 @@ pub(super) fn image(body: &Body, piece: &Piece, half: usize, ends: [f64; 2]) -> 
         part: ends.map(|s| from + (to - from) * s),
         angles: ends.map(angle),
     })
+}
+
+/// Both images of an inner edge: lines and arcs for one, and the same, after the move `gap` of a sharp bend, for the other.
+pub(super) fn joint(body: &Body, piece: &Piece, [half, twin]: [usize; 2], tolerance: f64) -> Option<JointImage> {
+    let run = |half: usize| Some(FlatRun { body, placed: piece.placed(body.halves[half].face)?, half });
+    let (near, far) = (run(half)?, run(twin)?);
+    let vertices = |run: &FlatRun| whole_arc(run, tolerance).map(|v| v.0);
+    let vertices = vertices(&near).unwrap_or_else(|| {
+        let (pieces, _) = arcs(&near, tolerance);
+        pieces.iter().map(|p| ContourVertex { point: p.point, bulge: p.bulge, corner: false }).collect()
+    });
+    let end = near.place(1.0);
+    let points: Vec<Vec2> = vertices.iter().map(|v| v.point).chain([end]).collect();
+    // Where the vertices lie on both runs; the twin passes them the other way round.
+    let gap = 0.5 * ((far.place(1.0) - points[0]) + (far.place(0.0) - end));
+    let last = points.len() - 1;
+    let (mut here, mut there) = (vec![0.0; last + 1], vec![0.0; last + 1]);
+    for k in 1..last {
+        here[k] = nearest(&near, &points[k], here[k - 1]);
+    }
+    here[last] = 1.0;
+    for k in 1..last {
+        there[k] = nearest(&far, &(points[last - k] + gap), there[k - 1]);
+    }
+    there[last] = 1.0;
+    let side = |half: usize, shares: &[f64], at: &dyn Fn(usize) -> (Vec2, Vec2, f64)| -> Vec<Stroke> {
+        let stroke = |k: usize| {
+            let (start, end, bulge) = at(k);
+            Stroke { start, end, bulge, images: image(body, piece, half, [shares[k], shares[k + 1]]).map(|i| vec![i]) }
+        };
+        (0..last).map(stroke).collect()
+    };
+    let along = |k: usize| (points[k], points[k + 1], vertices[k].bulge);
+    let back = |k: usize| (points[last - k] + gap, points[last - k - 1] + gap, -vertices[last - k - 1].bulge);
+    Some([side(half, &here, &along), side(twin, &there, &back)])
 }
 
 /// Arcs turn by no more than this (rad): the radius and the ends, all that SVG knows of an arc, say little of one that is

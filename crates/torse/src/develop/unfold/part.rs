@@ -1,7 +1,7 @@
 //! A body as flat parts: sheet recognised, the better skin unfolded, drawn.
 
 use super::bends::{bends, BendKind, SheetBend};
-use super::outline::{image, outlines, Outline};
+use super::outline::{joint, outlines, Outline, POINT};
 use super::sheet::{open, sheet, Sheet};
 use super::tree::{unfold, Cut, CutReason, Piece, UnfoldOptions};
 use super::{allowance::KFactor, outline::contour_area};
@@ -10,7 +10,7 @@ use crate::brep::carrier::Carrier;
 use crate::brep::face::Face;
 use crate::geom::rectangle::smallest_rectangle;
 use crate::geom::Vec2;
-use crate::patchwork::image::Stroke;
+use crate::patchwork::image::{ClosedMap, JointImage, Stroke};
 use crate::patchwork::pattern::{Bend, Contour, Pattern, ViewSide};
 use std::collections::HashSet;
 
@@ -31,8 +31,12 @@ pub struct FlatPart {
     pub thickness: f64,
     /// What every line and arc of the outlines is drawn for.
     pub strokes: Vec<Stroke>,
-    /// Both sides of edges inside the part, as lines between their ends: joints.
-    pub joints: Vec<Stroke>,
+    /// Both images of edges inside the part.
+    pub joints: Vec<JointImage>,
+    /// The map of every face; `None` where it has no closed form.
+    pub maps: Vec<Option<ClosedMap>>,
+    /// Ways (mm) by which faces are apart in the plane along sharp bends.
+    pub allowances: Vec<f64>,
 }
 
 /// The parts of one body.
@@ -87,7 +91,7 @@ pub fn flat_parts(faces: &[&Face], name: &str, options: &PartOptions) -> BodyPar
     let count = best.pieces.len();
     for (k, (piece, outlines)) in best.pieces.iter().zip(best.outlines).enumerate() {
         let name = if count > 1 { format!("{name}-{}", k + 1) } else { name.to_owned() };
-        out.parts.push(part(&body, piece, outlines, (&found, &name)));
+        out.parts.push(part(&body, piece, outlines, (&found, &name), options.tolerance));
     }
     out
 }
@@ -152,7 +156,7 @@ fn why(body: &Body, face: usize, found: &Sheet) -> String {
 }
 
 /// The drawing of a piece.
-fn part(body: &Body, piece: &Piece, outlines: Vec<Outline>, (found, name): (&Sheet, &str)) -> FlatPart {
+fn part(body: &Body, piece: &Piece, outlines: Vec<Outline>, (found, name): (&Sheet, &str), tolerance: f64) -> FlatPart {
     let others: HashSet<usize> = found.others.iter().copied().collect();
     let formed =
         |o: &Outline| o.area < 0.0 && o.halves.iter().all(|h| body.beyond(*h).is_some_and(|g| others.contains(&g)));
@@ -180,12 +184,13 @@ fn part(body: &Body, piece: &Piece, outlines: Vec<Outline>, (found, name): (&She
             pattern.bends.push(Bend { sense: b.sense, angle: each, radii: [b.inside_radius; 2] });
         }
     }
-    let joints = piece.inner.iter().map(|h| Stroke {
-        start: piece.place(body, *h, 0.0),
-        end: piece.place(body, *h, 1.0),
-        bulge: 0.0,
-        images: image(body, piece, *h, [0.0, 1.0]).map(|i| vec![i]),
-    });
+    let twins = piece.inner.iter().filter_map(|h| Some([*h, body.halves[*h].twin?]));
+    let mut pairs: Vec<[usize; 2]> =
+        twins.filter(|[h, t]| h < t && body.halves[*h].length > POINT * body.size).collect();
+    pairs.sort_unstable();
+    let unknown =
+        |edge: [usize; 2]| edge.map(|h| vec![Stroke::unknown(piece.place(body, h, 0.0), piece.place(body, h, 1.0))]);
+    let joints = pairs.into_iter().map(|edge| joint(body, piece, edge, tolerance).unwrap_or_else(|| unknown(edge)));
     let joints = joints.collect();
     let number = |c: &Cut| (body.halves[c.half].run.entity, c.reason);
     FlatPart {
@@ -197,5 +202,7 @@ fn part(body: &Body, piece: &Piece, outlines: Vec<Outline>, (found, name): (&She
         thickness: found.thickness,
         strokes,
         joints,
+        maps: piece.faces.iter().map(|p| p.chart.closed()).collect(),
+        allowances: piece.folds.iter().map(|f| f.allowance).filter(|a| *a != 0.0).collect(),
     }
 }

@@ -3,6 +3,8 @@
 //! Freeform shapes are smooth functions, interpolated by splines at the Greville points and rounded to 0.1 µm, so
 //! that the files are small and come out the same on every machine. Lengths in mm.
 
+mod bracket;
+
 use std::error::Error;
 use std::f64::consts::PI;
 use std::fs;
@@ -41,6 +43,7 @@ fn models() -> Outcome<Vec<(&'static str, Sheet)>> {
         spline("torus_piece", torus_piece()?),
         ("cone_holes", cone_holes()?),
         ("cylinder_holes", cylinder_holes()?),
+        ("bracket", bracket::bracket()?),
     ])
 }
 

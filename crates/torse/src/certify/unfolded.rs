@@ -1,0 +1,156 @@
+//! A part laid flat: its faces against the carriers that their maps are made for, its drawing and its inner edges
+//! against the images of edges under these maps.
+//!
+//! *Theorem.* Every face lies within `carrier_distance` of the plane, cylinder or cone that its map lays flat. The maps
+//! change no length on their surface, or on the neutral surface of a sheet, by more than the factor `1 ± strain`. Every
+//! line and arc of the contours is drawn for parts of edges, or across a sharp bend, and keeps to their images within
+//! `drawing_distance`, both ways. Both images of every edge inside the part lie within `joint_gap` of each other, across a
+//! sharp bend after a move by its allowance.
+//!
+//! *Not shown*: that the contours name every edge of the file that bounds the part, and that parts of one edge follow each
+//! other; the developing code takes all of them in order.
+
+use super::carriers::distance_from_carrier;
+use super::claim::UpperBound;
+use super::strokes::{strain, strokes};
+use crate::geom::Vec2;
+use crate::patchwork::image::{ClosedMap, EdgeImage, JointImage, Stroke};
+use crate::patchwork::pattern::Contour;
+use crate::spline::surface::Surface;
+use rayon::prelude::*;
+
+/// What is judged.
+#[derive(Clone, Debug)]
+pub struct Unfolded<'a> {
+    /// Surfaces of the faces, as they were read.
+    pub surfaces: Vec<&'a Surface>,
+    /// The map of every face; `None` where it has no closed form, of which nothing is shown.
+    pub maps: &'a [Option<ClosedMap>],
+    /// Thickness of the sheet, mm; 0 for surfaces.
+    pub thickness: f64,
+    /// Everything that is drawn, in the order of the strokes.
+    pub contours: Vec<&'a Contour>,
+    /// What each of their lines and arcs is drawn for.
+    pub strokes: &'a [Stroke],
+    /// Edges inside the part.
+    pub joints: &'a [JointImage],
+    /// Ways (mm) by which faces are apart in the plane along sharp bends.
+    pub allowances: &'a [f64],
+}
+
+/// What is proven.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct UnfoldedProof {
+    carrier_distance: UpperBound,
+    drawing_distance: UpperBound,
+    joint_gap: UpperBound,
+    strain: UpperBound,
+}
+
+impl UnfoldedProof {
+    /// Distance (mm) of faces from the surfaces that are laid flat.
+    pub fn carrier_distance(&self) -> UpperBound {
+        self.carrier_distance
+    }
+
+    /// Distance (mm) between contours and images.
+    pub fn drawing_distance(&self) -> UpperBound {
+        self.drawing_distance
+    }
+
+    /// Distance (mm) of both images of inner edges.
+    pub fn joint_gap(&self) -> UpperBound {
+        self.joint_gap
+    }
+
+    /// Relative change of lengths.
+    pub fn strain(&self) -> UpperBound {
+        self.strain
+    }
+}
+
+/// A neutral surface lies no deeper below its face than this multiple of the sheet's thickness: flanges may be thinned or
+/// thickened up to it.
+const DEEPEST: f64 = 2.0;
+/// Rounding of radii and places in this floor's plain arithmetic, as a share.
+const ROUNDING: f64 = 1e-12;
+
+/// Judges a part; `tolerance` (mm) says how fine is fine enough.
+pub fn unfolded(part: &Unfolded, tolerance: f64) -> UnfoldedProof {
+    let off = |(surface, map): (&&Surface, &Option<ClosedMap>)| {
+        map.as_ref().map_or(UpperBound::UNKNOWN, |m| distance_from_carrier(surface, m))
+    };
+    let carrier_distance = match part.surfaces.len() == part.maps.len() {
+        true => UpperBound::largest(part.surfaces.par_iter().zip(part.maps).map(off).collect::<Vec<_>>()),
+        false => UpperBound::UNKNOWN,
+    };
+    let sides = || part.joints.iter().flatten().flatten();
+    let images = || part.strokes.iter().chain(sides()).flat_map(|s| s.images.iter().flatten());
+    let known = images().all(|i| part.maps.get(i.face).is_some_and(|m| m.as_ref() == Some(&i.map)));
+    let bound = |d: f64, holds: bool| if holds && d.is_finite() { UpperBound::shown(d) } else { UpperBound::UNKNOWN };
+    let depths = part.maps.iter().flatten().map(|m| depth_strain(m, part.thickness));
+    let strained = images().map(strain).chain(depths).fold(0.0, f64::max);
+    let drawn = strokes(part.strokes, part.allowances, tolerance);
+    let joint = |j: &JointImage| joint_gap(j, part.allowances, tolerance);
+    let gap = part.joints.par_iter().map(joint).reduce(|| 0.0, f64::max);
+    UnfoldedProof {
+        carrier_distance,
+        drawing_distance: bound(drawn, known && follows(part)),
+        joint_gap: bound(gap, known),
+        strain: bound(strained, known),
+    }
+}
+
+/// Whether the lines and arcs of the contours are the strokes, bit by bit.
+fn follows(part: &Unfolded) -> bool {
+    let mut left = part.strokes.iter();
+    let drawn = part.contours.iter().all(|c| {
+        let v = &c.vertices;
+        (0..v.len()).all(|k| {
+            let (from, to) = (&v[k], &v[(k + 1) % v.len()]);
+            left.next().is_some_and(|s| s.start == from.point && s.end == to.point && s.bulge == from.bulge)
+        })
+    });
+    drawn && left.next().is_none()
+}
+
+/// Relative change of lengths by a neutral surface at another depth than the sheet allows: none within the sheet.
+fn depth_strain(map: &ClosedMap, thickness: f64) -> f64 {
+    let (depth, size) = match map {
+        ClosedMap::Plane(_) => return 0.0,
+        ClosedMap::Cylinder { radius, reach, .. } => ((radius - reach.abs()).abs(), *radius),
+        ClosedMap::Cone { half_angle, behind, .. } => (behind.abs() * half_angle.tan(), behind.abs()),
+    };
+    if depth <= DEEPEST * thickness {
+        return 0.0;
+    }
+    if thickness > 0.0 {
+        return f64::INFINITY;
+    }
+    match map {
+        ClosedMap::Cylinder { .. } => depth / size + ROUNDING,
+        // On a cone the share grows without bound towards the apex.
+        _ => f64::INFINITY,
+    }
+}
+
+/// Distance of both images of an inner edge: each from its own strokes, and these from each other after a move square to
+/// them by an allowance.
+fn joint_gap([here, there]: &JointImage, allowances: &[f64], tolerance: f64) -> f64 {
+    let has_images = |s: &Stroke| s.images.as_ref().is_some_and(|i: &Vec<EdgeImage>| !i.is_empty());
+    if here.len() != there.len() || here.is_empty() || !here.iter().chain(there).all(has_images) {
+        return f64::INFINITY;
+    }
+    let apart = |(a, b): (&Stroke, &Stroke)| -> f64 {
+        let chord = a.end - a.start;
+        let Some(way) = chord.try_normalize(0.0) else { return f64::INFINITY };
+        let (d, e): (Vec2, Vec2) = (b.end - a.start, b.start - a.end);
+        let across = way.perp(&d).abs();
+        let off = allowances.iter().map(|x| (x.abs() - across).abs()).fold(across, f64::min);
+        // Arcs on one chord with different bulges differ by no more than the difference of their heights and ends.
+        let bent = 0.5 * chord.norm() * (a.bulge + b.bulge).abs();
+        off + way.dot(&d).abs() + (d - e).norm() + 2.0 * bent + ROUNDING * chord.norm()
+    };
+    let between = here.iter().zip(there.iter().rev()).map(apart).fold(0.0, f64::max);
+    strokes(here, &[], tolerance) + strokes(there, &[], tolerance) + between
+}
