@@ -105,7 +105,7 @@ fn drawings_in_inches_and_of_single_parts_hold_what_was_judged() {
     let dxf = String::from_utf8_lossy(&all["part-A-01.dxf"]).into_owned();
     assert!(dxf.contains("$INSUNITS\n 70\n     1\n") && !dxf.contains("SCALE_CHECK\n 90"));
     let parts = String::from_utf8_lossy(&all["parts.csv"]).into_owned();
-    assert!(parts.starts_with("part,job,quantity,seen_from,length_in,"));
+    assert!(parts.starts_with("part,job,quantity,seen_from,thickness_in,length_in,"));
     let length: f64 =
         parts.lines().nth(1).and_then(|l| l.split(',').nth(4)).and_then(|x| x.parse().ok()).expect("inches");
     assert!((length * 25.4 - a.patterns[0].length).abs() < 0.02);

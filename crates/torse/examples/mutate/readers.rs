@@ -122,9 +122,7 @@ fn report(bytes: &[u8]) -> Result<bool, String> {
 
 fn pieces(all: &[WrittenPiece]) -> bool {
     let fine = |p: &Vec2| p.iter().all(|x| x.is_finite());
-    all.iter().all(|p| {
-        p.contours.iter().flatten().all(|j| fine(&j.point)) && p.rulings.iter().chain(&p.marks).flatten().all(fine)
-    })
+    all.iter().all(|p| p.points().all(fine))
 }
 
 fn faces(bytes: &[u8]) -> Result<bool, String> {

@@ -10,7 +10,7 @@ use crate::certify::claim::{Claim, Status, Subject, What};
 use crate::certify::flat::FlatCertificate;
 use crate::certify::written::WrittenCertificate;
 use crate::certify::Certificate;
-use crate::develop::unfold::bends::SheetBend;
+use crate::develop::unfold::part::SheetPart;
 use crate::draw::field::{FieldMeaning, PanelField};
 use crate::geom::unit::LengthUnit;
 use crate::geom::Vec3;
@@ -124,8 +124,8 @@ pub struct Answer {
     pub parts: Vec<Part>,
     /// Flat patterns, not yet laid out side by side (each near its own origin); `panel` is the index of the part.
     pub patterns: Vec<Pattern>,
-    /// Bends of sheet metal with their allowances, one list for each pattern; empty for jobs that know no thickness.
-    pub sheet_bends: Vec<Vec<SheetBend>>,
+    /// Thickness and bends of sheet metal, one for each pattern; empty for jobs that know no thickness.
+    pub sheets: Vec<SheetPart>,
     /// What was proven about flat patterns, in the same order; empty where lengths were only measured.
     pub flat: Vec<FlatCertificate>,
     /// Files that were read back, by name, and whether they hold what was judged; empty before anything is written.
@@ -166,7 +166,7 @@ impl Answer {
             certificate: None,
             parts: Vec::new(),
             patterns: Vec::new(),
-            sheet_bends: Vec::new(),
+            sheets: Vec::new(),
             flat: Vec::new(),
             written: Vec::new(),
             cones: None,

@@ -21,11 +21,14 @@ use crate::num::interval::Interval;
 use crate::num::jet::Jet;
 use crate::patchwork::panel::{Coedge, Panel, Patchwork};
 use crate::patchwork::pattern::{BendSense, Contour, Pattern};
-use crate::patchwork::written::{WrittenArc, WrittenEdge, WrittenFace, WrittenJoint, WrittenPiece, WrittenSurface};
+use crate::patchwork::written::{
+    WrittenArc, WrittenContour, WrittenEdge, WrittenFace, WrittenJoint, WrittenPiece, WrittenSurface,
+};
 use crate::spline::curve::Curve;
 use crate::spline::knots::Knots;
 use crate::spline::surface::Surface;
 use rayon::prelude::*;
+use std::f64::consts::TAU;
 
 /// What writing may move, as a share of the largest coordinate: held ready in the rounding bound of every panel.
 pub(super) const RESERVE: f64 = 256.0 * f64::EPSILON;
@@ -292,18 +295,23 @@ fn piece_moved(pattern: &Pattern, piece: &WrittenPiece) -> Result<f64, String> {
         }
     };
     counted("contours", pattern.contours.len(), piece.contours.len())?;
+    counted("outlines of formed features", pattern.formed.len(), piece.formed.len())?;
+    counted("extents of bends", pattern.extents.len(), piece.extents.len())?;
     counted("rulings", pattern.rulings.len(), piece.rulings.len())?;
     counted("marks", pattern.marks.len(), piece.marks.len())?;
-    let numbers = piece.contours.iter().flatten().map(|j| &j.point);
-    let mut numbers = numbers.chain(piece.rulings.iter().chain(&piece.marks).flatten());
-    if numbers.any(|p| !(p.x.is_finite() && p.y.is_finite())) {
+    let outlines = || {
+        let own = pattern.contours.iter().chain(&pattern.formed);
+        own.zip(piece.contours.iter().chain(&piece.formed))
+    };
+    if piece.points().any(|p| !(p.x.is_finite() && p.y.is_finite())) {
         return Err("a coordinate is not a finite number".into());
     }
     let mut pairs = Vec::new();
-    for (own, written) in pattern.contours.iter().zip(&piece.contours) {
-        counted("joints of an outline", own.vertices.len(), written.len())?;
+    for (own, written) in outlines() {
+        let WrittenContour::Joints(joints) = written else { continue };
+        counted("joints of an outline", own.vertices.len(), joints.len())?;
         let mm = |p: &Vec2| place(&(p * piece.unit.mm()));
-        pairs.extend(own.vertices.iter().zip(written).map(|(a, b)| (place(&a.point), mm(&b.point))));
+        pairs.extend(own.vertices.iter().zip(joints).map(|(a, b)| (place(&a.point), mm(&b.point))));
     }
     let motion = Motion::between(&pairs).ok_or("the outline has no extent")?;
     let unit = length_of(piece.unit);
@@ -313,8 +321,17 @@ fn piece_moved(pattern: &Pattern, piece: &WrittenPiece) -> Result<f64, String> {
         (w[0].sqr() + w[1].sqr()).sqrt().hi
     };
     let mut offs: Vec<f64> = Vec::new();
-    for (own, written) in pattern.contours.iter().zip(&piece.contours) {
-        offs.extend(contour_moved(own, written, unit, &far));
+    for (own, written) in outlines() {
+        match written {
+            WrittenContour::Joints(joints) => offs.extend(contour_moved(own, joints, unit, &far)),
+            WrittenContour::Circle { centre, radius } => {
+                let radius = Interval::point(*radius) * unit;
+                offs.push(circle_moved(own, radius, |p| far(p, centre)).ok_or("a hole is no circle")?);
+            }
+        }
+    }
+    for (a, b) in pattern.extents.iter().zip(&piece.extents) {
+        offs.extend([far(&a[0], &b[0]), far(&a[1], &b[1])]);
     }
     for ((a, b), sense) in in_order(pattern).into_iter().zip(&piece.rulings).zip(&piece.senses) {
         if a.1 != *sense {
@@ -363,6 +380,35 @@ fn contour_moved(
             (joint * (Interval::ONE + bulge.abs()) + (chord * unit * off).scale_exact(0.5)).hi
         })
         .collect()
+}
+
+/// What an outline of arcs is off from a circle of a radius, given how far places are from its centre; `None` where it
+/// does not go round once.
+///
+/// Every arc lies on a circle of its own; two circles are apart by no more than their centres and radii are, and arcs that
+/// go round once pass every direction.
+fn circle_moved(own: &Contour, radius: Interval, from_centre: impl Fn(&Vec2) -> f64) -> Option<f64> {
+    /// Sums of a few angles are exact to this (rad).
+    const TURN: f64 = 1e-9;
+    let v = &own.vertices;
+    let sweep: f64 = v.iter().map(|v| 4.0 * v.bulge.atan()).sum();
+    if (sweep.abs() - TAU).abs() > TURN || v.iter().any(|w| w.bulge * v[0].bulge <= 0.0) {
+        return None;
+    }
+    let mut bound = 0.0_f64;
+    for k in 0..v.len() {
+        let [a, b] = [&v[k].point, &v[(k + 1) % v.len()].point].map(|p| [p.x, p.y].map(Interval::point));
+        let bulge = Interval::point(v[k].bulge);
+        let up = (Interval::ONE / bulge - bulge).scale_exact(0.25);
+        let middle = [0, 1].map(|d| (a[d] + b[d]).scale_exact(0.5));
+        let chord = [b[0] - a[0], b[1] - a[1]];
+        let o = [middle[0] - chord[1] * up, middle[1] + chord[0] * up];
+        let own_radius = ((a[0] - o[0]).sqr() + (a[1] - o[1]).sqr()).sqrt();
+        let at = Vec2::new(o[0].mid(), o[1].mid());
+        let off = Interval::point(from_centre(&at)) + Interval::point(o[0].rad()) + Interval::point(o[1].rad());
+        bound = bound.max((off + (own_radius - radius).abs()).hi);
+    }
+    Some(bound)
 }
 
 /// The bulge of a written arc over a chord.
@@ -487,16 +533,18 @@ mod tests {
         let radius = WrittenArc::Radius { radius: 58.0, large: false, clockwise: false };
         let piece = |arc: WrittenArc| WrittenPiece {
             unit: LengthUnit::Millimetre,
-            contours: vec![vertices
-                .iter()
-                .map(|v| WrittenJoint {
-                    point: moved(&v.point),
-                    arc: if v.bulge > 0.0 { arc } else { WrittenArc::Bulge(0.0) },
-                })
-                .collect()],
+            contours: vec![WrittenContour::Joints(
+                vertices
+                    .iter()
+                    .map(|v| WrittenJoint {
+                        point: moved(&v.point),
+                        arc: if v.bulge > 0.0 { arc } else { WrittenArc::Bulge(0.0) },
+                    })
+                    .collect(),
+            )],
             rulings: pattern.rulings.iter().map(|r| [moved(&r[0]), moved(&r[1])]).collect(),
             senses: vec![BendSense::Flat; pattern.rulings.len()],
-            marks: Vec::new(),
+            ..WrittenPiece::default()
         };
         let all = [pattern.clone()];
         for arc in [WrittenArc::Bulge(0.4), radius] {
@@ -512,5 +560,35 @@ mod tests {
         wrong.rulings[0][1].x = f64::NAN;
         assert!(!drawing(&all, &[wrong]).reason().is_empty());
         assert!(!drawing(&all, &[]).reason().is_empty());
+        // A hole of three arcs is a circle, and only that circle.
+        let third = (TAU / 12.0).tan();
+        let at = |k: usize| {
+            Vec2::new(2.0, 1.0) + Vec2::new((TAU * k as f64 / 3.0).cos(), -(TAU * k as f64 / 3.0).sin()) * 0.5
+        };
+        let hole = (0..3).map(|k| ContourVertex { point: at(k), bulge: -third, corner: false }).collect();
+        let mut with_hole = pattern.clone();
+        with_hole.contours.push(Contour { vertices: hole });
+        let (centre, size) = with_hole.contours[1].circle().expect("a circle");
+        assert!((centre - Vec2::new(2.0, 1.0)).norm() < 1e-12 && (size - 0.5).abs() < 1e-12);
+        assert!(with_hole.contours[0].circle().is_none());
+        let written = |radius: f64, beside: f64| {
+            let mut p = piece(WrittenArc::Bulge(0.4));
+            let centre = moved(&Vec2::new(2.0 + beside, 1.0));
+            p.contours.push(WrittenContour::Circle { centre, radius });
+            drawing(&[with_hole.clone()], &[p])
+        };
+        assert!(written(0.5, 0.0).bound() < 1e-11, "{:e}", written(0.5, 0.0).bound());
+        assert!((0.01..0.0101).contains(&written(0.51, 0.0).bound()));
+        assert!((0.01..0.0101).contains(&written(0.5, 0.01).bound()));
+        with_hole.contours[1].vertices[1].bulge = third;
+        let turned = drawing(
+            &[with_hole],
+            &[{
+                let mut p = piece(WrittenArc::Bulge(0.4));
+                p.contours.push(WrittenContour::Circle { centre: moved(&Vec2::new(2.0, 1.0)), radius: 0.5 });
+                p
+            }],
+        );
+        assert!(!turned.reason().is_empty());
     }
 }

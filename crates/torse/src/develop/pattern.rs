@@ -147,6 +147,8 @@ pub fn pattern(patchwork: &Patchwork, panel: usize, options: &PatternOptions) ->
         view: ViewSide::Outside,
         rulings,
         bends,
+        extents: Vec::new(),
+        formed: Vec::new(),
         marks,
         sides,
         area: flat_area.abs(),

@@ -198,6 +198,8 @@ pub fn pattern(strips: &[&Strip], index: usize, name: &str, options: &StripOptio
         view: ViewSide::Outside,
         rulings,
         bends,
+        extents: Vec::new(),
+        formed: Vec::new(),
         marks,
         sides,
         area: area.abs(),

@@ -46,6 +46,10 @@ pub struct Piece {
     pub rulings: Vec<[Vec2; 2]>,
     /// Which way the sheet bends about each ruling; flat where nothing is said.
     pub senses: Vec<BendSense>,
+    /// Lines where bent zones begin and end: do not cut.
+    pub extents: Vec<[Vec2; 2]>,
+    /// Outlines of formed features: do not cut.
+    pub formed: Vec<Contour>,
     /// Matching marks: short lines from the outline inwards.
     pub marks: Vec<[Vec2; 2]>,
     /// Strokes of the panel's name and of the marks' labels.
@@ -179,15 +183,19 @@ fn extend(contour: &Contour, low: &mut Vec2, high: &mut Vec2) {
 
 /// One pattern where it is placed.
 fn piece(pattern: &Pattern, placement: &Placement, marked: bool, options: &DrawingOptions) -> Piece {
-    let mut contours = pattern.contours.iter().map(|c| Contour {
+    let contour = |c: &Contour| Contour {
         vertices: c.vertices.iter().map(|v| ContourVertex { point: placement.apply(&v.point), ..*v }).collect(),
-    });
+    };
+    let line = |l: &[Vec2; 2]| l.map(|p| placement.apply(&p));
+    let mut contours = pattern.contours.iter().map(contour);
     let mut piece = Piece {
         name: pattern.name.clone(),
         outer: contours.next(),
         inner: contours.collect(),
-        rulings: pattern.rulings.iter().map(|r| r.map(|p| placement.apply(&p))).collect(),
+        rulings: pattern.rulings.iter().map(line).collect(),
         senses: pattern.bends.iter().map(|b| b.sense).collect(),
+        extents: pattern.extents.iter().map(line).collect(),
+        formed: pattern.formed.iter().map(contour).collect(),
         marked,
         ..Piece::default()
     };

@@ -16,6 +16,10 @@ pub struct FlatPiece {
     pub rulings: Vec<[Vec2; 2]>,
     /// How the sheet bends about each.
     pub bends: Vec<Bend>,
+    /// Lines where bent zones begin and end.
+    pub extents: Vec<[Vec2; 2]>,
+    /// Outlines of formed features.
+    pub formed: Vec<Vec<Vec2>>,
     /// Side of the model from which the pattern is seen.
     pub view: ViewSide,
     /// Matching marks: place, unit vector into the panel.
@@ -39,11 +43,8 @@ pub fn pieces(patterns: &[Pattern], placements: &[(f64, Vec2)], chord_error: f64
             let (sin, cos) = angle.sin_cos();
             let turn = |v: Vec2| Vec2::new(cos * v.x - sin * v.y, sin * v.x + cos * v.y);
             let place = |p: Vec2| turn(p) + offset;
-            let outlines: Vec<Vec<Vec2>> = pattern
-                .contours
-                .iter()
-                .map(|c| contour_points(c, chord_error).into_iter().map(place).collect())
-                .collect();
+            let points = |c: &Contour| contour_points(c, chord_error).into_iter().map(place).collect();
+            let outlines: Vec<Vec<Vec2>> = pattern.contours.iter().map(points).collect();
             let (label, room) = roomy_place(&outlines);
             FlatPiece {
                 panel: pattern.panel,
@@ -51,6 +52,8 @@ pub fn pieces(patterns: &[Pattern], placements: &[(f64, Vec2)], chord_error: f64
                 outlines,
                 rulings: pattern.rulings.iter().map(|r| r.map(place)).collect(),
                 bends: pattern.bends.clone(),
+                extents: pattern.extents.iter().map(|r| r.map(place)).collect(),
+                formed: pattern.formed.iter().map(points).collect(),
                 view: pattern.view,
                 marks: pattern.marks.iter().map(|m| [place(m.point), turn(m.inward)]).collect(),
                 label,

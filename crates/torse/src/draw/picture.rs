@@ -9,6 +9,7 @@ use super::scene::{Scene, ShapePatch, NOT_CERTIFIED};
 use super::stroke_font;
 use crate::geom::mesh::Mesh;
 use crate::geom::{Vec2, Vec3};
+use crate::patchwork::pattern::BendSense;
 use crate::torse::form::PanelKind;
 
 /// Size and captions of a picture.
@@ -31,6 +32,10 @@ impl Default for Caption {
 const INK: Rgb = [0.10, 0.12, 0.16];
 /// Given curves.
 const GUIDE: Rgb = [0.78, 0.16, 0.12];
+/// Bend lines, as in SVG files.
+const UPWARDS: Rgb = [0.0, 0.5, 1.0];
+/// See [`UPWARDS`].
+const DOWNWARDS: Rgb = [1.0, 0.5, 0.0];
 const GREY: Rgb = [0.42, 0.45, 0.50];
 /// Space around the contents, px.
 const MARGIN: f64 = 44.0;
@@ -201,8 +206,22 @@ pub fn layout(pieces: &[FlatPiece], caption: &Caption) -> Image {
         let base = colour::shown(piece.panel, piece.marked);
         let loops: Vec<Vec<Vec2>> = piece.outlines.iter().map(|o| o.iter().map(place).collect()).collect();
         drawing.fill(loops.clone(), colour::mix(base, [1.0; 3], 0.55), 1.0);
-        for r in piece.rulings.iter().step_by(step) {
-            drawing.stroke(&r.map(|p| place(&p)), 1.1, colour::mix(base, INK, 0.35), 0.65);
+        for (k, r) in piece.rulings.iter().enumerate().step_by(step) {
+            // Of sheet with bends, which way each goes is what people look for.
+            let bend = piece.bends.get(k).filter(|_| !piece.extents.is_empty());
+            let (width, colour, opacity) = match bend.map(|b| b.sense) {
+                Some(BendSense::Up) => (2.4, UPWARDS, 1.0),
+                Some(BendSense::Down) => (2.4, DOWNWARDS, 1.0),
+                _ => (1.1, colour::mix(base, INK, 0.35), 0.65),
+            };
+            drawing.stroke(&r.map(|p| place(&p)), width, colour, opacity);
+        }
+        for r in &piece.extents {
+            drawing.stroke(&r.map(|p| place(&p)), 1.0, INK, 0.4);
+        }
+        for outline in &piece.formed {
+            let line: Vec<Vec2> = outline.iter().chain(outline.first()).map(place).collect();
+            drawing.stroke(&line, 1.4, INK, 0.5);
         }
         for mut outline in loops {
             outline.extend(outline.first().copied());
@@ -230,7 +249,16 @@ pub fn layout(pieces: &[FlatPiece], caption: &Caption) -> Image {
             drawing.rimmed_text(&piece.name, place(&corner) + Vec2::new(0.0, size + 3.0), size, INK);
         }
     }
-    scale_bar(&mut drawing, scale);
+    let right = scale_bar(&mut drawing, scale);
+    if pieces.iter().any(|p| !p.extents.is_empty()) {
+        let base = height - 34.0 + 0.5 * SMALL;
+        let mut x = right + 40.0;
+        for (words, colour) in [("bends up", UPWARDS), ("bends down", DOWNWARDS)] {
+            drawing.stroke(&[Vec2::new(x, base - 5.0), Vec2::new(x + 28.0, base - 5.0)], 2.4, colour, 1.0);
+            drawing.text(words, Vec2::new(x + 36.0, base), SMALL, INK);
+            x += 60.0 + stroke_font::width(words, SMALL);
+        }
+    }
     drawing.render()
 }
 
@@ -412,7 +440,7 @@ fn legend(drawing: &mut Drawing, bar: Rect, limit: f64, what: &str) {
     drawing.text(what, Vec2::new(bar.x - 16.0, bar.y - 22.0), SMALL, GREY);
 }
 
-fn scale_bar(drawing: &mut Drawing, scale: f64) {
+fn scale_bar(drawing: &mut Drawing, scale: f64) -> f64 {
     // The longest of 1, 2, 5 · 10^k mm that is at most 200 pixels long.
     const LONGEST: f64 = 200.0;
     let power = 10f64.powf((LONGEST / scale).log10().floor());
@@ -420,7 +448,7 @@ fn scale_bar(drawing: &mut Drawing, scale: f64) {
     let (x, y) = (MARGIN, drawing.height as f64 - 34.0);
     let end = x + length * scale;
     if !end.is_finite() {
-        return;
+        return x;
     }
     drawing.stroke(&[Vec2::new(x, y), Vec2::new(end, y)], 2.0, INK, 1.0);
     for tick in [x, end] {
@@ -428,6 +456,7 @@ fn scale_bar(drawing: &mut Drawing, scale: f64) {
     }
     let text = if length >= 1000.0 { format!("{} m", length / 1000.0) } else { format!("{length} mm") };
     drawing.text(&text, Vec2::new(end + 14.0, y + 0.5 * SMALL), SMALL, INK);
+    end + 14.0 + stroke_font::width(&text, SMALL)
 }
 
 #[cfg(test)]

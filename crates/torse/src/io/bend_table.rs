@@ -1,21 +1,64 @@
 //! The bend table of flat parts: what a press brake's operator asks for, one line for each bend.
 
+use super::markup::escape;
 use crate::answer::Answer;
+use crate::develop::unfold::bends::SheetBend;
+use crate::geom::unit::LengthUnit;
+use serde::{Deserialize, Serialize};
 use std::fmt::Write as _;
 
-/// The table as CSV: part, bend, way, angle, inside radius, length, allowance, K, proposed place in the sequence. `None`
-/// where there are no bends.
-pub fn csv(answer: &Answer) -> Option<Vec<u8>> {
-    let unit = answer.cut.unit;
+/// One bend of a part. Lengths in mm; `null` where there is not one number.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SheetBendRecord {
+    /// `bend`, `fold`, `hem` or `rolled`.
+    pub kind: String,
+    /// `up` towards the eye or `down`.
+    pub sense: String,
+    /// Whole turn, degrees.
+    pub angle_deg: f64,
+    /// Inside radius; 0 for a fold.
+    pub inside_radius: Option<f64>,
+    /// Length along the bend line, holes included.
+    pub length: f64,
+    /// Breadth of the bent zone in the flat: length of the neutral fibre.
+    pub allowance: Option<f64>,
+    /// Depth of the neutral fibre as a share of the thickness, from the inside.
+    pub k: Option<f64>,
+    /// Number of lines drawn.
+    pub lines: usize,
+    /// Proposed place in the sequence, from 1: outer bends first.
+    pub sequence: usize,
+}
+
+/// The bends of a part.
+pub fn records(bends: &[SheetBend]) -> Vec<SheetBendRecord> {
+    let number = |x: f64| x.is_finite().then_some(x);
+    let record = |b: &SheetBend| SheetBendRecord {
+        kind: b.kind.name().into(),
+        sense: b.sense.name().into(),
+        angle_deg: b.angle.to_degrees(),
+        inside_radius: number(b.inside_radius),
+        length: b.length,
+        allowance: number(b.allowance),
+        k: number(b.k),
+        lines: b.lines.len(),
+        sequence: b.order,
+    };
+    bends.iter().map(record).collect()
+}
+
+/// The table as CSV: part, bend, way, angle, inside radius, length, allowance, K, proposed place in the sequence; lengths in
+/// `unit`. `None` where there are no bends.
+pub fn csv(answer: &Answer, unit: LengthUnit) -> Option<Vec<u8>> {
     let sign = unit.sign();
     let mut out = format!(
         "part,bend,kind,sense,angle_deg,inside_radius_{sign},length_{sign},allowance_{sign},k_ansi,lines,sequence\n"
     );
-    let number = |x: f64, digits: usize| if x.is_finite() { format!("{x:.digits$}") } else { String::new() };
-    let length = |mm: f64, digits: usize| number(unit.of(mm), digits);
+    let number = |x: Option<f64>, digits: usize| x.map_or_else(String::new, |x| format!("{x:.digits$}"));
+    let length = |mm: Option<f64>, digits: usize| number(mm.map(|x| unit.of(x)), digits);
     let mut any = false;
-    for (pattern, bends) in answer.patterns.iter().zip(&answer.sheet_bends) {
-        for (k, b) in bends.iter().enumerate() {
+    for (pattern, sheet) in answer.patterns.iter().zip(&answer.sheets) {
+        for (k, b) in records(&sheet.bends).iter().enumerate() {
             any = true;
             let name = pattern.name.replace('"', "\"\"");
             // Writing to a string cannot fail.
@@ -23,19 +66,53 @@ pub fn csv(answer: &Answer) -> Option<Vec<u8>> {
                 out,
                 "\"{name}\",{},{},{},{:.4},{},{},{},{},{},{}",
                 k + 1,
-                b.kind.name(),
-                b.sense.name(),
-                b.angle.to_degrees(),
+                b.kind,
+                b.sense,
+                b.angle_deg,
                 length(b.inside_radius, 4),
-                length(b.length, 3),
+                length(Some(b.length), 3),
                 length(b.allowance, 4),
                 number(b.k, 4),
-                b.lines.len(),
-                b.order
+                b.lines,
+                b.sequence
             );
         }
     }
     any.then(|| out.into_bytes())
+}
+
+/// The table for a report; empty where there are no bends.
+pub(super) fn table<'a>(parts: impl Iterator<Item = (&'a str, &'a [SheetBendRecord])>) -> String {
+    let mut rows = String::new();
+    let mm = |x: Option<f64>, digits: usize| x.map_or_else(|| "varies".into(), |x| format!("{x:.digits$}"));
+    for (name, bends) in parts {
+        for (k, b) in bends.iter().enumerate() {
+            _ = write!(
+                rows,
+                "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{:.2}°</td><td>{}</td><td>{:.2}</td><td>{}</td><td>{}</td>\
+                 <td>{}</td></tr>",
+                escape(name),
+                k + 1,
+                escape(&b.kind),
+                escape(&b.sense),
+                b.angle_deg,
+                mm(b.inside_radius, 3),
+                b.length,
+                mm(b.allowance, 3),
+                mm(b.k, 3),
+                b.sequence
+            );
+        }
+    }
+    if rows.is_empty() {
+        return rows;
+    }
+    format!(
+        "<p class=\"quiet\">Bend table: radius inside, length along the bend line and allowance (breadth of the bent zone in the \
+         flat) in mm; K is the depth of the neutral fibre as a share of the thickness; the sequence is a proposal. Computed, not \
+         proven.</p><div class=\"scroll\"><table><thead><tr><th>Part</th><th>Bend</th><th>Kind</th><th>Way</th><th>Angle</th>\
+         <th>Radius</th><th>Length</th><th>Allowance</th><th>K</th><th>Sequence</th></tr></thead><tbody>{rows}</tbody></table></div>"
+    )
 }
 
 #[cfg(test)]
@@ -54,14 +131,17 @@ mod tests {
         let made = flat_parts(&faces.iter().collect::<Vec<_>>(), "a \"b\"", &options);
         let answer = Answer {
             patterns: made.parts.iter().map(|p| p.pattern.clone()).collect(),
-            sheet_bends: made.parts.iter().map(|p| p.bends.clone()).collect(),
+            sheets: made.parts.iter().map(|p| p.sheet.clone()).collect(),
             ..Answer::new(Job::Unroll, "a", 0.01)
         };
-        let text = String::from_utf8(csv(&answer).expect("bends")).expect("text");
+        let text = String::from_utf8(csv(&answer, LengthUnit::Millimetre).expect("bends")).expect("text");
         let lines: Vec<&str> = text.lines().collect();
         assert_eq!(lines.len(), 2);
         assert!(lines[1].starts_with("\"a \"\"b\"\"\",1,bend,"), "{text}");
         assert!(lines[1].ends_with(",28.6479,3.0000,30.000,2.0000,0.5000,1,1"), "{text}");
-        assert!(csv(&Answer::new(Job::Unroll, "a", 0.01)).is_none());
+        let records = records(&answer.sheets[0].bends);
+        let page = table([("a \"b\"", &records[..])].into_iter());
+        assert!(page.contains("<td>28.65°</td><td>3.000</td><td>30.00</td><td>2.000</td>"), "{page}");
+        assert!(csv(&Answer::new(Job::Unroll, "a", 0.01), LengthUnit::Millimetre).is_none());
     }
 }

@@ -136,7 +136,7 @@ pub fn with_reports(answer: &Answer, shown: &Presentation, mut out: Vec<File>) -
     }
     let unit = answer.cut.unit;
     out.extend(bends::csv(&answer.patterns, unit).map(|b| ("bends.csv".into(), b)));
-    out.extend(bend_table::csv(answer).map(|b| ("bend_table.csv".into(), b)));
+    out.extend(bend_table::csv(answer, unit).map(|b| ("bend_table.csv".into(), b)));
     out.extend(parts::csv(&report, &answer.patterns, unit).map(|b| ("parts.csv".into(), b)));
     let page = html::write(&Page {
         report: &report,

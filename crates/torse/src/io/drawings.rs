@@ -3,7 +3,7 @@
 use crate::geom::unit::LengthUnit;
 use crate::geom::Vec2;
 use crate::patchwork::pattern::BendSense;
-use crate::patchwork::written::{WrittenArc, WrittenJoint, WrittenPiece};
+use crate::patchwork::written::{WrittenArc, WrittenContour, WrittenJoint, WrittenPiece};
 
 /// Pieces of a DXF drawing; an outer outline begins a piece.
 ///
@@ -45,7 +45,14 @@ fn entity(groups: &[(u32, &str)], out: &mut Vec<WrittenPiece>) -> Result<(), Str
     let number = |s: &str| s.parse::<f64>().ok().filter(|x| x.is_finite()).ok_or_else(|| fault("a number is damaged"));
     match (kind, layer) {
         (_, "TEXT" | "SCALE_CHECK") => Ok(()),
-        ("LWPOLYLINE", "CUT_OUTER" | "CUT_INNER") => {
+        ("CIRCLE", "CUT_INNER" | "FORMED") => {
+            let centre = Vec2::new(number(text(10))?, number(text(20))?);
+            let circle = WrittenContour::Circle { centre, radius: number(text(40))? };
+            let piece = out.last_mut().ok_or_else(|| fault("a hole comes before its outline"))?;
+            if layer == "FORMED" { &mut piece.formed } else { &mut piece.contours }.push(circle);
+            Ok(())
+        }
+        ("LWPOLYLINE", "CUT_OUTER" | "CUT_INNER" | "FORMED") => {
             let mut joints: Vec<WrittenJoint> = Vec::new();
             for (code, value) in groups {
                 match (code, joints.last_mut()) {
@@ -66,10 +73,11 @@ fn entity(groups: &[(u32, &str)], out: &mut Vec<WrittenPiece>) -> Result<(), Str
                 out.push(WrittenPiece::default());
             }
             let piece = out.last_mut().ok_or_else(|| fault("a hole comes before its outline"))?;
-            piece.contours.push(joints);
+            let contours = if layer == "FORMED" { &mut piece.formed } else { &mut piece.contours };
+            contours.push(WrittenContour::Joints(joints));
             Ok(())
         }
-        ("LINE", "BEND_UP" | "BEND_DOWN" | "RULING" | "MARK") => {
+        ("LINE", "BEND_UP" | "BEND_DOWN" | "RULING" | "BEND_EXTENT" | "MARK") => {
             let at =
                 |code: u32| -> Result<Vec2, String> { Ok(Vec2::new(number(text(code))?, number(text(code + 10))?)) };
             let line = [at(10)?, at(11)?];
@@ -78,6 +86,10 @@ fn entity(groups: &[(u32, &str)], out: &mut Vec<WrittenPiece>) -> Result<(), Str
                 "BEND_UP" => BendSense::Up,
                 "BEND_DOWN" => BendSense::Down,
                 "RULING" => BendSense::Flat,
+                "BEND_EXTENT" => {
+                    piece.extents.push(line);
+                    return Ok(());
+                }
                 _ => {
                     piece.marks.push(line);
                     return Ok(());
@@ -133,6 +145,8 @@ pub fn svg(bytes: &[u8]) -> Result<Vec<WrittenPiece>, String> {
             };
             match class {
                 "cut-outer" | "cut-inner" => piece.contours.push(closed(path(d)?, d)?),
+                "formed" => piece.formed.push(closed(path(d)?, d)?),
+                "bend-extent" => piece.extents.push(line()?),
                 "bend-up" | "bend-down" | "rulings" => {
                     piece.rulings.push(line()?);
                     piece.senses.push(match class {
@@ -152,14 +166,14 @@ pub fn svg(bytes: &[u8]) -> Result<Vec<WrittenPiece>, String> {
 }
 
 /// Joints of a closed path: its last place may be the first again.
-fn closed(mut joints: Vec<WrittenJoint>, d: &str) -> Result<Vec<WrittenJoint>, String> {
+fn closed(mut joints: Vec<WrittenJoint>, d: &str) -> Result<WrittenContour, String> {
     if !d.ends_with('Z') || joints.len() < 2 {
         return Err(format!("the outline '{}' is not closed", d.chars().take(30).collect::<String>()));
     }
     if joints.last().map(|j| j.point) == joints.first().map(|j| j.point) {
         joints.pop();
     }
-    Ok(joints)
+    Ok(WrittenContour::Joints(joints))
 }
 
 /// Joints of a path of M, L, A and Z, y turned upwards.
@@ -195,6 +209,13 @@ fn path(d: &str) -> Result<Vec<WrittenJoint>, String> {
 mod tests {
     use super::*;
 
+    fn joints(pieces: &[WrittenPiece]) -> usize {
+        match &pieces[0].contours[0] {
+            WrittenContour::Joints(joints) => joints.len(),
+            WrittenContour::Circle { .. } => 0,
+        }
+    }
+
     #[test]
     fn vertices_of_outlines_have_two_coordinates() {
         let drawing = |vertices: &str| {
@@ -202,7 +223,7 @@ mod tests {
             let head = "0\nSECTION\n2\nHEADER\n9\n$INSUNITS\n70\n4\n0\nENDSEC\n0\nSECTION\n2\nENTITIES\n";
             dxf(format!("{head}{outline}0\nENDSEC\n0\nEOF\n").as_bytes())
         };
-        assert_eq!(drawing("10\n1\n20\n2\n10\n3\n20\n4\n").expect("a piece")[0].contours[0].len(), 2);
+        assert_eq!(drawing("10\n1\n20\n2\n10\n3\n20\n4\n").map(|p| joints(&p)), Ok(2));
         assert!(drawing("10\n1\n20\n2\n10\n3\n").expect_err("half a point").contains("no second coordinate"));
     }
 
@@ -212,7 +233,7 @@ mod tests {
             let paths = format!("<g id=\"panel-A\">\n<g class=\"cut-outer\">\n<path d=\"{d}\"/>\n</g>\n</g>\n");
             svg(format!("<svg width=\"9mm\" height=\"9mm\" viewBox=\"0 0 9 9\">\n{paths}</svg>\n").as_bytes())
         };
-        assert_eq!(drawing("M 1 2 A 3 3 0 0 1 4 5 L 6 7 Z").expect("a piece")[0].contours[0].len(), 3);
+        assert_eq!(drawing("M 1 2 A 3 3 0 0 1 4 5 L 6 7 Z").map(|p| joints(&p)), Ok(3));
         for bad in ["\u{e9} 1 2 L 6 7 Z", "M 1 2 A inf inf 0 0 1 4 5 L 6 7 Z", "M 1 nan L 6 7 Z"] {
             assert!(drawing(bad).expect_err(bad).contains("is not a path of lines and arcs"), "{bad}");
         }

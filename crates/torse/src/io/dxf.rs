@@ -1,7 +1,8 @@
 //! DXF writer: cutting drawings in the R2000 format (AC1015), in millimetres or inches, 1:1.
 //!
 //! Outlines are closed LWPOLYLINEs of lines and arcs on `CUT_OUTER` and `CUT_INNER`, rulings LINEs on `BEND_UP`,
-//! `BEND_DOWN` and, where the sheet stays flat, `RULING`, matching marks LINEs on `MARK`, names and labels strokes on
+//! `BEND_DOWN` and, where the sheet stays flat, `RULING`, lines where bends begin and end on `BEND_EXTENT`, outlines of formed
+//! features on `FORMED`, holes that are circles as CIRCLEs, matching marks LINEs on `MARK`, names and labels strokes on
 //! `TEXT`, a square by which the scale is seen on `SCALE_CHECK`; parts that must not be cut are wholly on `NOT_CERTIFIED`,
 //! with these words across them. There is no live text that a cutter's program could lose. Group codes and the order of sections follow Autodesk's DXF reference; tables, blocks and objects that
 //! strict readers ask for are all there, with handles and owners.
@@ -15,12 +16,14 @@ use crate::geom::Vec2;
 use crate::patchwork::pattern::{BendSense, Contour};
 
 /// Layers and their colours (AutoCAD colour index).
-const LAYERS: [(&str, u8); 9] = [
+const LAYERS: [(&str, u8); 11] = [
     (OUTER, 7),
     (INNER, 7),
     (BEND_UP, 5),
     (BEND_DOWN, 30),
     (RULING, 3),
+    (EXTENT, 8),
+    (FORMED, 4),
     (MARK, 6),
     (TEXT, 9),
     (SCALE, 8),
@@ -31,6 +34,10 @@ const INNER: &str = "CUT_INNER";
 const BEND_UP: &str = "BEND_UP";
 const BEND_DOWN: &str = "BEND_DOWN";
 const RULING: &str = "RULING";
+/// Where bent zones begin and end.
+const EXTENT: &str = "BEND_EXTENT";
+/// Features that are formed into the sheet.
+const FORMED: &str = "FORMED";
 const MARK: &str = "MARK";
 const TEXT: &str = "TEXT";
 /// The test square.
@@ -75,6 +82,12 @@ pub fn write(out: &mut dyn io::Write, drawing: &Drawing) -> io::Result<()> {
         let inner = piece.inner.iter().map(|c| (on(INNER), c));
         for (layer, contour) in piece.outer.iter().map(|c| (on(OUTER), c)).chain(inner) {
             body.contour(layer, contour);
+        }
+        for contour in &piece.formed {
+            body.contour(on(FORMED), contour);
+        }
+        for [a, b] in &piece.extents {
+            body.line(on(EXTENT), a, b);
         }
         for (layer, sense) in [(BEND_UP, BendSense::Up), (BEND_DOWN, BendSense::Down), (RULING, BendSense::Flat)] {
             for [a, b] in piece.bent(sense) {
@@ -215,7 +228,15 @@ impl Pairs {
         }
     }
 
+    /// Holes that are circles as such: machines drill or punch these.
     fn contour(&mut self, layer: &str, c: &Contour) {
+        if let Some((centre, radius)) = c.circle().filter(|_| layer != OUTER) {
+            self.entity("CIRCLE", layer, "AcDbCircle");
+            let centre = centre / self.unit.mm();
+            self.point3(10, centre.x, centre.y, 0.0);
+            self.real(40, self.unit.of(radius));
+            return;
+        }
         self.polyline(layer, true, c.vertices.iter().map(|v| (v.point, v.bulge)));
     }
 
@@ -484,7 +505,7 @@ mod tests {
             senses: vec![BendSense::Down],
             marks: vec![[Vec2::new(-100., 0.), Vec2::new(-95., 0.)]],
             text: vec![vec![Vec2::zeros(), Vec2::x(), Vec2::y()]],
-            marked: false,
+            ..Piece::default()
         };
         Drawing { pieces: vec![piece], min: Vec2::repeat(-100.), max: Vec2::repeat(100.), ..Drawing::default() }
     }

@@ -2,6 +2,7 @@
 //!
 //! The same record feeds `report.html`, so both always say the same.
 
+use super::bend_table::SheetBendRecord;
 use super::bends::BendRecord;
 use super::{marks, words};
 use crate::certify::claim::What;
@@ -238,6 +239,10 @@ pub struct PartRecord {
     pub view: String,
     /// Its bend lines.
     pub bends: Vec<BendRecord>,
+    /// Thickness of the sheet, mm; null where none is known.
+    pub thickness: Option<f64>,
+    /// Bends of sheet metal with their allowances.
+    pub sheet_bends: Vec<SheetBendRecord>,
 }
 
 /// A place on a face where the tolerance is exceeded.
@@ -368,6 +373,8 @@ pub(crate) mod tests {
             width: Some(90.2),
             view: "outside".into(),
             bends: Vec::new(),
+            thickness: None,
+            sheet_bends: Vec::new(),
         };
         Report {
             schema: SCHEMA.into(),

@@ -14,7 +14,7 @@ const CHORD: f64 = 1e-3;
 pub fn csv(report: &Report, patterns: &[Pattern], unit: LengthUnit) -> Option<Vec<u8>> {
     let sign = unit.sign();
     let mut out = format!(
-        "part,job,quantity,seen_from,length_{sign},width_{sign},strip_width_{sign},area_{sign}2,cut_length_{sign},holes,\
+        "part,job,quantity,seen_from,thickness_{sign},length_{sign},width_{sign},strip_width_{sign},area_{sign}2,cut_length_{sign},holes,\
          bend_lines,least_bend_radius_{sign},panels,certified\n"
     );
     let quoted = |s: &str| format!("\"{}\"", s.replace('"', "\"\""));
@@ -25,10 +25,11 @@ pub fn csv(report: &Report, patterns: &[Pattern], unit: LengthUnit) -> Option<Ve
         // Writing to a string cannot fail.
         _ = writeln!(
             out,
-            "{},{},1,{},{},{},{},{:.4},{},{},{},{},{},{}",
+            "{},{},1,{},{},{},{},{},{:.4},{},{},{},{},{},{}",
             quoted(&pattern.name),
             quoted(&report.input),
             pattern.view.name(),
+            part.and_then(|p| p.thickness).map_or_else(String::new, length),
             length(pattern.length),
             length(pattern.width),
             length(pattern.strip_width()),
@@ -74,8 +75,8 @@ mod tests {
         let report = Report::of(&answer, &present(&answer));
         let text = String::from_utf8(csv(&report, &answer.patterns, LengthUnit::Inch).expect("a table")).expect("text");
         let row = text.lines().nth(1).expect("a row");
-        assert!(row.starts_with("\"disc \"\"A\"\"\",\"a,b\",1,outside,10.000,10.000,10.000,78.5398,31.41"), "{row}");
-        assert!(text.starts_with("part,job,quantity,seen_from,length_in,"));
+        assert!(row.starts_with("\"disc \"\"A\"\"\",\"a,b\",1,outside,,10.000,10.000,10.000,78.5398,31.41"), "{row}");
+        assert!(text.starts_with("part,job,quantity,seen_from,thickness_in,length_in,"));
         assert!(csv(&report, &[], LengthUnit::Millimetre).is_none());
     }
 }

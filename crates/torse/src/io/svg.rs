@@ -19,12 +19,14 @@ const MARGIN: f64 = 10.0;
 /// Stroke width of everything, mm.
 const HAIRLINE: f64 = 0.01;
 /// Colours: red cuts and blue scores for most laser drivers; holes differ so that they can be cut first.
-const COLOURS: [(&str, &str); 7] = [
+const COLOURS: [(&str, &str); 9] = [
     ("cut-outer", "#ff0000"),
     ("cut-inner", "#ff00ff"),
     ("bend-up", "#0080ff"),
     ("bend-down", "#ff8000"),
     ("rulings", "#00a000"),
+    ("bend-extent", "#808080"),
+    ("formed", "#00a0a0"),
     ("marks", "#0000ff"),
     ("text", "#000000"),
 ];
@@ -124,7 +126,9 @@ impl Sheet {
         // One path for all letters: they are never picked one by one.
         let text = piece.text.iter().map(|s| self.open(s)).collect::<Vec<_>>().concat();
         let text = if text.is_empty() { Vec::new() } else { vec![text] };
-        let groups = [outer, inner, up, down, rulings, marks, text];
+        let extents = piece.extents.iter().map(|l| self.open(l)).collect::<Vec<_>>();
+        let formed = piece.formed.iter().map(|c| self.contour(c)).collect::<Vec<_>>();
+        let groups = [outer, inner, up, down, rulings, extents, formed, marks, text];
         let groups: Vec<_> = if piece.marked {
             vec![(NOT_CERTIFIED, groups.concat())]
         } else {

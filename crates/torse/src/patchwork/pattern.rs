@@ -2,6 +2,7 @@
 
 use super::panel::Border;
 use crate::geom::Vec2;
+use std::f64::consts::TAU;
 
 /// A closed contour of lines and circular arcs.
 #[derive(Clone, Debug, PartialEq)]
@@ -155,6 +156,10 @@ pub struct Pattern {
     pub rulings: Vec<[Vec2; 2]>,
     /// How the sheet bends about each ruling, in the same order; empty where that is not known.
     pub bends: Vec<Bend>,
+    /// Lines where bent zones begin and end.
+    pub extents: Vec<[Vec2; 2]>,
+    /// Outlines of features formed into the sheet: not cut.
+    pub formed: Vec<Contour>,
     /// Matching marks.
     pub marks: Vec<Mark>,
     /// Sides of the outer contour in order.
@@ -171,6 +176,30 @@ pub struct Pattern {
     pub width: f64,
     /// See `width`.
     pub length: f64,
+}
+
+impl Contour {
+    /// Centre and radius (mm) of the circle that it is, to rounding; `None` if it is none.
+    pub fn circle(&self) -> Option<(Vec2, f64)> {
+        /// Share of the radius within which arcs are of one circle: rounding of their ends.
+        const SAME: f64 = 1e-9;
+        let v = &self.vertices;
+        let n = v.len();
+        let of = |k: usize| -> Option<(Vec2, f64)> {
+            let (a, b, bulge) = (v[k].point, v[(k + 1) % n].point, v[k].bulge);
+            let chord = b - a;
+            let centre = (a + b) * 0.5 + Vec2::new(-chord.y, chord.x) * ((1.0 / bulge - bulge) * 0.25);
+            let radius = (a - centre).norm();
+            (bulge != 0.0 && radius > 0.0 && radius.is_finite()).then_some((centre, radius))
+        };
+        n.checked_sub(2)?;
+        let first = of(0)?;
+        let (centre, radius) = first;
+        let same = |(c, r): (Vec2, f64)| (c - centre).norm() + (r - radius).abs() <= SAME * radius;
+        let sweep: f64 = v.iter().map(|v| 4.0 * v.bulge.atan()).sum();
+        let round = (0..n).all(|k| of(k).is_some_and(same) && v[k].bulge * v[0].bulge > 0.0);
+        (round && (sweep.abs() - TAU).abs() <= SAME).then_some(first)
+    }
 }
 
 impl Pattern {
@@ -201,6 +230,8 @@ impl Pattern {
             view: self.view.opposite(),
             rulings: self.rulings.iter().map(|r| r.map(|p| flip(&p))).collect(),
             bends: self.bends.iter().map(bend).collect(),
+            extents: self.extents.iter().map(|r| r.map(|p| flip(&p))).collect(),
+            formed: self.formed.iter().map(contour).collect(),
             marks: self.marks.iter().map(mark).collect(),
             sides: self.sides.iter().rev().map(|s| Side { middle: flip(&s.middle), ..s.clone() }).collect(),
             ..self.clone()

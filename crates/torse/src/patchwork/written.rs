@@ -113,13 +113,42 @@ pub struct WrittenPiece {
     /// Unit of all its numbers.
     pub unit: LengthUnit,
     /// Outer outline, then holes, in the order of the file.
-    pub contours: Vec<Vec<WrittenJoint>>,
+    pub contours: Vec<WrittenContour>,
     /// Rulings.
     pub rulings: Vec<[Vec2; 2]>,
     /// Which way the sheet bends about each of them, in the same order.
     pub senses: Vec<BendSense>,
+    /// Lines where bent zones begin and end.
+    pub extents: Vec<[Vec2; 2]>,
+    /// Outlines of formed features.
+    pub formed: Vec<WrittenContour>,
     /// Matching marks, from the outline inwards.
     pub marks: Vec<[Vec2; 2]>,
+}
+
+impl WrittenPiece {
+    /// Every place that the file names.
+    pub fn points(&self) -> impl Iterator<Item = &Vec2> {
+        let outlines = self.contours.iter().chain(&self.formed).flat_map(|c| match c {
+            WrittenContour::Joints(joints) => joints.iter().map(|j| &j.point).collect(),
+            WrittenContour::Circle { centre, .. } => vec![centre],
+        });
+        outlines.chain(self.rulings.iter().chain(&self.extents).chain(&self.marks).flatten())
+    }
+}
+
+/// How files state an outline.
+#[derive(Clone, Debug, PartialEq)]
+pub enum WrittenContour {
+    /// Lines and arcs.
+    Joints(Vec<WrittenJoint>),
+    /// A whole circle.
+    Circle {
+        /// Centre, y upwards.
+        centre: Vec2,
+        /// Radius.
+        radius: f64,
+    },
 }
 
 /// A joint of an outline and what leads from it to the next.

@@ -167,7 +167,7 @@ pub fn unroll(model: &Model, options: &UnrollOptions) -> Result<Answer, UnrollEr
         parts: made_of,
         patterns: parts.iter().map(|p| p.pattern.clone()).collect(),
         notes: model.notes.clone(),
-        sheet_bends: parts.iter().map(|p| p.bends.clone()).collect(),
+        sheets: parts.iter().map(|p| p.sheet.clone()).collect(),
         ..Answer::new(Job::Unroll, &options.input, options.tolerance)
     };
     answer.notes.extend(notes(&parts, options));
@@ -180,8 +180,8 @@ fn judged(part: &FlatPart, faces: &[Face], tolerance: f64) -> UnfoldedProof {
     let asked = Unfolded {
         surfaces: part.faces.iter().map(|f| &faces[*f].surface).collect(),
         maps: &part.maps,
-        thickness: part.thickness,
-        contours: part.pattern.contours.iter().chain(&part.formed).collect(),
+        thickness: part.sheet.thickness,
+        contours: part.pattern.contours.iter().chain(&part.pattern.formed).collect(),
         strokes: &part.strokes,
         joints: &part.joints,
         allowances: &part.allowances,
@@ -214,19 +214,19 @@ fn names(faces: &[Face], bodies: &BTreeMap<u32, Vec<usize>>) -> Vec<String> {
 /// What people should know of the parts.
 fn notes(parts: &[FlatPart], options: &UnrollOptions) -> Vec<String> {
     let mut out = Vec::new();
-    if parts.iter().any(|p| p.thickness > 0.0 && !p.bends.is_empty()) {
+    if parts.iter().any(|p| p.sheet.thickness > 0.0 && !p.sheet.bends.is_empty()) {
         out.push(format!("Bent zones have the length of the neutral fibre: {}.", options.k.words()));
     }
     for p in parts {
         let name = &p.pattern.name;
-        if p.thickness > 0.0 {
-            out.push(format!("{name}: sheet of {:.4} mm, {} bends.", p.thickness, p.bends.len()));
+        if p.sheet.thickness > 0.0 {
+            out.push(format!("{name}: sheet of {:.4} mm, {} bends.", p.sheet.thickness, p.sheet.bends.len()));
         }
         for (edge, reason) in &p.cuts {
             out.push(format!("{name}: cut along edge #{edge}, because {}.", reason.words()));
         }
-        if !p.formed.is_empty() {
-            out.push(format!("{name}: {} outlines of formed features are not cut.", p.formed.len()));
+        if !p.pattern.formed.is_empty() {
+            out.push(format!("{name}: {} outlines of formed features are not cut.", p.pattern.formed.len()));
         }
     }
     out
@@ -278,13 +278,13 @@ mod tests {
             let profile = [Stretch::Line(40.0), Stretch::Bend(sign * angle, r), Stretch::Line(25.0)];
             let part = laid(&BentSheet::new(t, &profile, &[0.0, w], &[]).faces(), k);
             let length = 40.0 + (r + k * t) * angle + 25.0;
-            near(part.thickness, t);
+            near(part.sheet.thickness, t);
             near(part.pattern.area, length * w);
             near(part.pattern.length, length);
             near(part.pattern.width, w);
             assert_eq!(part.pattern.contours.len(), 1);
             assert_eq!(part.pattern.contours[0].vertices.len(), 4, "straight sides are one line each");
-            let [bend] = part.bends.as_slice() else { panic!("one bend") };
+            let [bend] = part.sheet.bends.as_slice() else { panic!("one bend") };
             assert_eq!((bend.kind, bend.lines.len(), bend.extents.len()), (BendKind::Bend, 1, 2));
             near(bend.angle, angle);
             near(bend.inside_radius, r);
@@ -313,9 +313,9 @@ mod tests {
             let part = laid(&BentSheet::new(1.5, &profile(second), &[0.0, 40.0], &[]).faces(), 0.44);
             near(part.pattern.length, length);
             near(part.pattern.area, 40.0 * length);
-            assert_eq!(part.bends.len(), 2);
-            assert_eq!(part.bends[0].sense == part.bends[1].sense, alike);
-            let mut order: Vec<usize> = part.bends.iter().map(|b| b.order).collect();
+            assert_eq!(part.sheet.bends.len(), 2);
+            assert_eq!(part.sheet.bends[0].sense == part.sheet.bends[1].sense, alike);
+            let mut order: Vec<usize> = part.sheet.bends.iter().map(|b| b.order).collect();
             order.sort_unstable();
             assert_eq!(order, [1, 2]);
         }
@@ -337,7 +337,7 @@ mod tests {
         near(part.pattern.area, 40.0 * (60.0 + bent) - 15.0 * (20.0 + bent));
         assert_eq!(part.pattern.contours.len(), 2, "an outer contour and a hole");
         assert!(part.pattern.contours.iter().all(|c| c.vertices.len() == 4));
-        let [bend] = part.bends.as_slice() else { panic!("one bend: {:?}", part.bends) };
+        let [bend] = part.sheet.bends.as_slice() else { panic!("one bend: {:?}", part.sheet.bends) };
         assert_eq!(bend.lines.len(), 2);
         near(bend.length, 40.0);
         assert!(part.cuts.is_empty());
@@ -362,12 +362,12 @@ mod tests {
             faces.push(rectangle(foot, along * length, Vec3::z() * h));
         }
         let part = laid(&faces, 0.44);
-        assert_eq!(part.thickness, 0.0);
+        assert_eq!(part.sheet.thickness, 0.0);
         let flange = h + r * FRAC_PI_2;
         near(part.pattern.area, a * b + 2.0 * (a + b) * flange);
         assert_eq!(part.pattern.contours[0].vertices.len(), 12);
-        assert_eq!((part.bends.len(), part.cuts.len()), (4, 0));
-        assert!(part.bends.iter().all(|b| b.kind == BendKind::Bend));
+        assert_eq!((part.sheet.bends.len(), part.cuts.len()), (4, 0));
+        assert!(part.sheet.bends.iter().all(|b| b.kind == BendKind::Bend));
     }
 
     #[test]
@@ -377,7 +377,7 @@ mod tests {
         for wall in [rectangle(Vec3::zeros(), y, z), rectangle(Vec3::zeros(), z, y)] {
             let part = laid(&[floor.clone(), wall], 0.44);
             near(part.pattern.area, 800.0);
-            assert_eq!((part.bends.len(), part.faces.len()), (1, 2));
+            assert_eq!((part.sheet.bends.len(), part.faces.len()), (1, 2));
         }
     }
 
@@ -396,9 +396,9 @@ mod tests {
         let options = PartOptions { tolerance: TOLERANCE, k: KFactor::default(), surfaces: true };
         let part = only(&faces, flat_parts(&faces.iter().collect::<Vec<_>>(), "box", &options));
         near(part.pattern.area, 2.0 * (200.0 + 300.0 + 600.0));
-        assert_eq!((part.cuts.len(), part.bends.len()), (7, 5));
+        assert_eq!((part.cuts.len(), part.sheet.bends.len()), (7, 5));
         assert!(part.cuts.iter().all(|c| c.1 == CutReason::Closes));
-        assert!(part.bends.iter().all(|b| b.kind == BendKind::Fold && b.sense == BendSense::Down));
+        assert!(part.sheet.bends.iter().all(|b| b.kind == BendKind::Fold && b.sense == BendSense::Down));
     }
 
     #[test]
@@ -407,7 +407,7 @@ mod tests {
         let cone = laid(&[round_surface(radius, slope, (0.0, h))], 0.44);
         let slant = h * (1.0 + slope * slope).sqrt();
         near(cone.pattern.area, PI * slant * (2.0 * radius + slope * h));
-        assert!(cone.bends[0].kind == BendKind::Rolled && cone.bends[0].lines.len() > 60);
+        assert!(cone.sheet.bends[0].kind == BendKind::Rolled && cone.sheet.bends[0].lines.len() > 60);
         // Two lines and two arcs of one centre, each in two parts at most.
         assert!(cone.pattern.contours[0].vertices.len() <= 6, "{}", cone.pattern.contours[0].vertices.len());
         let pipe = laid(&[round_surface(radius, 0.0, (0.0, h))], 0.44);
@@ -472,7 +472,7 @@ mod tests {
                     "{name}: {flat_sides:?} {wanted}"
                 );
             }
-            assert!(part.bends[0].kind == BendKind::Rolled && part.bends[0].lines.len() > 10);
+            assert!(part.sheet.bends[0].kind == BendKind::Rolled && part.sheet.bends[0].lines.len() > 10);
         }
     }
 
@@ -540,6 +540,6 @@ mod tests {
         });
         assert!(wider.carrier_distance().value() > TOLERANCE);
         // A surface without thickness keeps its own radius.
-        assert!(judged(&|p| p.thickness = 0.0).strain().value() > 0.01);
+        assert!(judged(&|p| p.sheet.thickness = 0.0).strain().value() > 0.01);
     }
 }

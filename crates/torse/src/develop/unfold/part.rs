@@ -11,24 +11,29 @@ use crate::brep::face::Face;
 use crate::geom::rectangle::smallest_rectangle;
 use crate::geom::Vec2;
 use crate::patchwork::image::{ClosedMap, JointImage, Stroke};
-use crate::patchwork::pattern::{Bend, Contour, Pattern, ViewSide};
+use crate::patchwork::pattern::{Bend, Pattern, ViewSide};
 use std::collections::HashSet;
+
+/// What is known of the sheet that a part is made of.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SheetPart {
+    /// Thickness, mm; 0 for surfaces.
+    pub thickness: f64,
+    /// Its bends.
+    pub bends: Vec<SheetBend>,
+}
 
 /// A flat part.
 #[derive(Clone, Debug)]
 pub struct FlatPart {
     /// The drawing, seen from outside the skin that was unfolded; `panel` is for the caller.
     pub pattern: Pattern,
-    /// Its bends.
-    pub bends: Vec<SheetBend>,
-    /// Outlines of formed features, to be marked and not cut.
-    pub formed: Vec<Contour>,
+    /// Thickness and bends.
+    pub sheet: SheetPart,
     /// Indices (among the faces given) of the skin faces that it is made of; the first is the root.
     pub faces: Vec<usize>,
     /// Entity numbers of edges of the file that were cut to lay it flat, with the reason.
     pub cuts: Vec<(u64, CutReason)>,
-    /// Thickness, mm; 0 for surfaces.
-    pub thickness: f64,
     /// What every line and arc of the outlines is drawn for.
     pub strokes: Vec<Stroke>,
     /// Both images of edges inside the part.
@@ -177,6 +182,8 @@ fn part(body: &Body, piece: &Piece, outlines: Vec<Outline>, (found, name): (&She
     }
     let strokes = contours.iter().chain(&marks).flat_map(|o| o.strokes.iter().cloned()).collect();
     pattern.contours = contours.into_iter().map(|o| o.contour).collect();
+    pattern.formed = marks.into_iter().map(|o| o.contour).collect();
+    pattern.extents = bends.iter().flat_map(|b| b.extents.iter().copied()).collect();
     for b in &bends {
         let each = if b.kind == BendKind::Rolled { b.angle / b.lines.len() as f64 } else { b.angle };
         for l in &b.lines {
@@ -195,11 +202,9 @@ fn part(body: &Body, piece: &Piece, outlines: Vec<Outline>, (found, name): (&She
     let number = |c: &Cut| (body.halves[c.half].run.entity, c.reason);
     FlatPart {
         pattern,
-        bends,
-        formed: marks.into_iter().map(|o| o.contour).collect(),
+        sheet: SheetPart { thickness: found.thickness, bends },
         faces: piece.faces.iter().map(|p| p.face).collect(),
         cuts: piece.cuts.iter().map(number).collect(),
-        thickness: found.thickness,
         strokes,
         joints,
         maps: piece.faces.iter().map(|p| p.chart.closed()).collect(),

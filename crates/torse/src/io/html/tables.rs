@@ -6,10 +6,10 @@ use crate::draw::colour;
 use crate::draw::flat::FlatPiece;
 use crate::draw::scene::{titled, NOT_CERTIFIED};
 use crate::geom::Vec2;
-use crate::io::bends;
 use crate::io::json::{value, FigureRecord, PanelRecord, PartRecord, Report, UNKNOWN};
 use crate::io::markup::escape;
 use crate::io::words::id;
+use crate::io::{bend_table, bends};
 use crate::torse::form::PanelKind;
 use std::fmt::Write;
 
@@ -330,6 +330,11 @@ pub(super) fn skipped(report: &Report) -> String {
         let _ = write!(out, "<li>{entity}{}{area}</li>", escape(&item.reason));
     }
     out + "</ul>"
+}
+
+/// The bend table of sheet metal; empty without bends.
+pub(super) fn sheet_bends(report: &Report) -> String {
+    bend_table::table(report.parts.iter().map(|p| (p.name.as_str(), p.sheet_bends.as_slice())))
 }
 
 /// The flat patterns as SVG, one group per panel, 1 unit = 1 mm.

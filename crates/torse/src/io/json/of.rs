@@ -11,7 +11,7 @@ use crate::brep::face::Face;
 use crate::certify::claim::{Claim, Demand, Evidence, Status, Subject, What};
 use crate::certify::flat::FlatCertificate;
 use crate::certify::{SeamCertificate, SeamStatus};
-use crate::io::{bends, words};
+use crate::io::{bend_table, bends, words};
 use crate::patchwork::panel::Panel;
 use crate::patchwork::pattern::Pattern;
 use crate::tessellate::coverage;
@@ -205,6 +205,10 @@ fn reason(answer: &Answer, panel: usize, curves: &[String]) -> String {
 
 fn part_records(answer: &Answer, shown: &Presentation) -> Vec<PartRecord> {
     let parts = answer.parts.iter().enumerate();
+    let sheet = |part: usize| {
+        let k = answer.patterns.iter().position(|p| p.panel == part)?;
+        answer.sheets.get(k)
+    };
     parts
         .map(|(k, part)| {
             let (pattern, flat) = (answer.pattern_of(k), answer.flat_of(k));
@@ -226,6 +230,8 @@ fn part_records(answer: &Answer, shown: &Presentation) -> Vec<PartRecord> {
                 width: drawn(|p| p.width),
                 view: pattern.map_or_else(String::new, |p| p.view.name().into()),
                 bends: pattern.map_or_else(Vec::new, bends::records),
+                thickness: sheet(k).map(|s| s.thickness).filter(|t| *t > 0.0),
+                sheet_bends: sheet(k).map_or_else(Vec::new, |s| bend_table::records(&s.bends)),
             }
         })
         .collect()
