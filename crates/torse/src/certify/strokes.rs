@@ -9,6 +9,7 @@
 //! Knows edges, maps and strokes; how they were found is not looked at.
 
 use crate::geom::{Frame, Vec2, Vec3};
+use crate::num::bernstein::binomial;
 use crate::num::interval::Interval;
 use crate::patchwork::image::{ClosedMap, EdgeImage, Stroke};
 use crate::spline::blossom::of_piece;
@@ -150,15 +151,23 @@ fn part(guide: &Guide, image: &EdgeImage, [a, b]: [f64; 2], (tolerance, depth): 
 fn over(guide: &Guide, image: &EdgeImage, [a, b]: [f64; 2]) -> Option<f64> {
     let m = 0.5 * (a + b);
     let reach = Interval::new(a - m, b - m).hull(Interval::point(m - a)).hull(Interval::point(m - b));
-    let (v, dv) = enclosed(&image.curve, image.map.frame(), [a, b])?;
+    let net = net(&image.curve, image.map.frame(), [a, b]);
+    let (v, dv) = enclosed(&net, Interval::point(b) - Interval::point(a))?;
     let (_, slope) = mapped(image, v, dv, m)?;
     let middle = point(image, m)?;
     // Where the image is, by its own derivative: narrower than the map of a box.
     let place = [middle[0] + slope[0] * reach, middle[1] + slope[1] * reach];
     let [_, d_off, _, d_ahead] = guide.measure(place, slope)?;
     let [off, _, ahead, _] = guide.measure(middle, [Interval::ZERO; 2])?;
-    let off = off + d_off * reach;
-    let ahead = ahead + d_ahead * reach;
+    let off = flat_off(guide, image, &net).unwrap_or(off + d_off * reach);
+    let ahead = match d_ahead.lo > 0.0 || d_ahead.hi < 0.0 {
+        // Progress that does not turn round is greatest at the ends.
+        true => {
+            let at = |t: f64| Some(guide.measure(point(image, t)?, [Interval::ZERO; 2])?[2]);
+            at(a)?.hull(at(b)?)
+        }
+        false => ahead + d_ahead * reach,
+    };
     let beyond = (ahead.mag() - guide.half().lo).max(0.0);
     let beyond = Interval::new(0.0, beyond);
     Some((off.sqr() + beyond.sqr()).sqrt().hi)
@@ -248,8 +257,8 @@ fn smooth_parts(image: &EdgeImage) -> Vec<[f64; 2]> {
     at.windows(2).map(|w| [w[0], w[1]]).collect()
 }
 
-/// Boxes around ways from a frame's origin to a curve between two parameters of one span, and around its derivative.
-fn enclosed(c: &Curve<4>, frame: &Frame, [a, b]: [f64; 2]) -> Option<([Interval; 3], [Interval; 3])> {
+/// Bézier points, homogeneous from a frame's origin, of a curve between two parameters of one span.
+fn net(c: &Curve<4>, frame: &Frame, [a, b]: [f64; 2]) -> Vec<[Interval; 4]> {
     let p = c.knots.degree();
     let span = c.knots.span(0.5 * (a + b));
     let coefficient = |k: usize| {
@@ -258,8 +267,49 @@ fn enclosed(c: &Curve<4>, frame: &Frame, [a, b]: [f64; 2]) -> Option<([Interval;
         let args: Vec<Interval> = (0..p).map(|i| Interval::point(if i < p - k { a } else { b })).collect();
         of_piece(&c.knots, span, &mut net, &args)
     };
-    let points: Vec<[Interval; 4]> = (0..=p).map(coefficient).collect();
-    let width = Interval::point(b) - Interval::point(a);
+    (0..=p).map(coefficient).collect()
+}
+
+/// Distance from a line or circle of the image of Bézier points under the map of a plane: a polynomial of the curve's degree,
+/// or of twice that, over the weight, bounded by its coefficients. `None` for other maps.
+fn flat_off(guide: &Guide, image: &EdgeImage, net: &[[Interval; 4]]) -> Option<Interval> {
+    let ClosedMap::Plane(frame) = &image.map else { return None };
+    let [c, s] = image.turn.map(Interval::point);
+    let from = guide.circle.map_or(guide.start, |(centre, ..)| centre);
+    let shift = [image.shift.x, image.shift.y].map(Interval::point);
+    // From the start of the line or the centre of the circle, times the weight.
+    let flat: Vec<[Interval; 3]> = (net.iter())
+        .map(|h| {
+            let q = local(frame, [h[0], h[1], h[2]]);
+            let turned = [c * q[0] - s * q[1], s * q[0] + c * q[1]];
+            [turned[0] + (shift[0] - from[0]) * h[3], turned[1] + (shift[1] - from[1]) * h[3], h[3]]
+        })
+        .collect();
+    let weight = hull(flat.iter().map(|p| p[2]));
+    if weight.lo <= 0.0 {
+        return None;
+    }
+    let Some((_, radius, ..)) = guide.circle else {
+        let away = hull(flat.iter().map(|p| guide.way[0] * p[1] - guide.way[1] * p[0]));
+        return Some(away / weight);
+    };
+    // |v|² − r² = (|v| − r)(|v| + r), and the second factor is at least r.
+    let p = flat.len() - 1;
+    let form = |a: &[Interval; 3], b: &[Interval; 3]| a[0] * b[0] + a[1] * b[1] - radius.sqr() * a[2] * b[2];
+    let coefficient = |k: usize| {
+        let share =
+            |i: usize| Interval::point(binomial(p, i) * binomial(p, k - i)) / Interval::point(binomial(2 * p, k));
+        let terms = (k.saturating_sub(p)..=k.min(p)).map(|i| share(i) * form(&flat[i], &flat[k - i]));
+        terms.fold(Interval::ZERO, |sum, x| sum + x)
+    };
+    let most = hull((0..=2 * p).map(coefficient)).mag();
+    (radius.lo > 0.0).then(|| Interval::new(-most, most) / (Interval::point(weight.lo).sqr() * radius.lo))
+}
+
+/// Boxes around ways from a frame's origin to a curve of these Bézier points, and around its derivative by a parameter that
+/// runs over `width`.
+fn enclosed(points: &[[Interval; 4]], width: Interval) -> Option<([Interval; 3], [Interval; 3])> {
+    let p = points.len() - 1;
     let factor = Interval::point(p as f64) / width;
     let h: [Interval; 4] = std::array::from_fn(|d| hull(points.iter().map(|q| q[d])));
     let dh: [Interval; 4] = std::array::from_fn(|d| hull(points.windows(2).map(|w| (w[1][d] - w[0][d]) * factor)));

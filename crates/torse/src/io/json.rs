@@ -243,6 +243,10 @@ pub struct PartRecord {
     pub thickness: Option<f64>,
     /// Bends of sheet metal with their allowances.
     pub sheet_bends: Vec<SheetBendRecord>,
+    /// Name of the first part whose flat pattern is the same; empty if there is none before it.
+    pub same_as: String,
+    /// Whether one of the two must be turned over.
+    pub mirrored: bool,
 }
 
 /// A place on a face where the tolerance is exceeded.
@@ -375,6 +379,8 @@ pub(crate) mod tests {
             bends: Vec::new(),
             thickness: None,
             sheet_bends: Vec::new(),
+            same_as: String::new(),
+            mirrored: false,
         };
         Report {
             schema: SCHEMA.into(),

@@ -15,17 +15,19 @@ pub fn csv(report: &Report, patterns: &[Pattern], unit: LengthUnit) -> Option<Ve
     let sign = unit.sign();
     let mut out = format!(
         "part,job,quantity,seen_from,thickness_{sign},length_{sign},width_{sign},strip_width_{sign},area_{sign}2,cut_length_{sign},holes,\
-         bend_lines,least_bend_radius_{sign},panels,certified\n"
+         bend_lines,least_bend_radius_{sign},panels,certified,same_as,mirrored\n"
     );
     let quoted = |s: &str| format!("\"{}\"", s.replace('"', "\"\""));
     for pattern in patterns {
         let part = report.parts.get(pattern.panel);
+        let yes = |is: bool| if is { "yes" } else { "no" };
+        let same = part.filter(|p| !p.same_as.is_empty());
         let length = |mm: f64| format!("{:.3}", unit.of(mm));
         let least = pattern.bends.iter().flat_map(|b| b.radii).filter(|r| r.is_finite()).reduce(f64::min);
         // Writing to a string cannot fail.
         _ = writeln!(
             out,
-            "{},{},1,{},{},{},{},{},{:.4},{},{},{},{},{},{}",
+            "{},{},1,{},{},{},{},{},{:.4},{},{},{},{},{},{},{},{}",
             quoted(&pattern.name),
             quoted(&report.input),
             pattern.view.name(),
@@ -39,7 +41,9 @@ pub fn csv(report: &Report, patterns: &[Pattern], unit: LengthUnit) -> Option<Ve
             pattern.rulings.len(),
             least.map_or_else(String::new, length),
             part.map_or(1, |p| p.panels.len()),
-            if part.is_some_and(|p| p.certified) { "yes" } else { "no" },
+            yes(part.is_some_and(|p| p.certified)),
+            same.map_or_else(String::new, |p| quoted(&p.same_as)),
+            same.map_or("", |p| yes(p.mirrored)),
         );
     }
     (!patterns.is_empty()).then(|| out.into_bytes())

@@ -45,7 +45,7 @@ pub(super) struct MeshPart {
     pub indices: usize,
     /// 3 × f32 per vertex.
     pub position: usize,
-    /// 4 × i8 per vertex, 127 for 1; zero where unknown.
+    /// 4 × i16 per vertex, 32767 for 1, so that reflections are smooth; zero where unknown.
     pub normal: usize,
     /// f32 per vertex: deviation, mm.
     pub value: usize,
@@ -128,16 +128,19 @@ impl Block {
     }
 
     fn mesh(&mut self, meshes: &[(&Mesh, u32, [u8; 3])]) -> MeshPart {
-        let component = |x: f64| (x * 127.0).round().clamp(-127.0, 127.0) as i8 as u8;
+        let component = |x: f64| ((x * f64::from(i16::MAX)).round() as i16).to_le_bytes();
         let normal = |mesh: &Mesh, i: usize| match mesh.normals.get(i) {
-            Some(n) if n.iter().all(|x| x.is_finite()) => [component(n.x), component(n.y), component(n.z), 0],
-            _ => [0; 4],
+            Some(n) if n.iter().all(|x| x.is_finite()) => {
+                let [x, y, z] = [n.x, n.y, n.z].map(component);
+                [[x[0], x[1], y[0], y[1]], [z[0], z[1], 0, 0]]
+            }
+            _ => [[0; 4]; 2],
         };
         let value = |mesh: &Mesh, i: usize| (mesh.values.get(i).copied().unwrap_or(0.0) as f32).to_le_bytes();
         let each = || meshes.iter().flat_map(|m| (0..m.0.positions.len()).map(move |i| (m, i)));
         let mut part = MeshPart { vertices: each().count(), ..MeshPart::default() };
         part.position = self.points(meshes.iter().flat_map(|m| &m.0.positions));
-        part.normal = self.array(each().map(|(m, i)| normal(m.0, i)));
+        part.normal = self.array(each().flat_map(|(m, i)| normal(m.0, i)));
         part.value = self.array(each().map(|(m, i)| value(m.0, i)));
         part.colour = self.array(each().map(|(m, _)| [m.2[0], m.2[1], m.2[2], 255]));
         part.panel = self.array(each().map(|(m, _)| m.1.to_le_bytes()));
@@ -193,7 +196,8 @@ mod tests {
         assert_eq!(f32_at(header.panels.position + 3 * 12), 1.0);
         assert_eq!(u32_at(header.panels.panel + 5 * 4), 1);
         assert_eq!(u32_at(header.panels.index + 3 * 4), 3);
-        assert_eq!(bytes[header.panels.normal + 2] as i8, 127);
+        let z = header.panels.normal + 4;
+        assert_eq!(i16::from_le_bytes([bytes[z], bytes[z + 1]]), i16::MAX);
         assert_eq!(header.borders.panel + 4 * 4, bytes.len());
     }
 }

@@ -130,6 +130,11 @@ pub(super) fn parts(report: &Report) -> String {
         (None, Some(x)) => format!("{} measured", exponent(x)),
         (None, None) => "\u{2014}".into(),
     };
+    let remark = |p: &PartRecord| match (p.same_as.as_str(), p.mirrored) {
+        ("", _) => p.missing.clone(),
+        (name, false) => format!("same as {name}"),
+        (name, true) => format!("same as {name} turned over"),
+    };
     let row = |p: &PartRecord| {
         format!(
             "<tr><td>{}</td><td class=\"number\">{}</td><td class=\"number\">{}</td><td class=\"number\">{}</td>\
@@ -143,7 +148,7 @@ pub(super) fn parts(report: &Report) -> String {
             cell(p.area, 1e-6),
             error(p.strain_bound, p.isometry_error),
             error(p.drawing_bound, p.contour_error),
-            escape(&p.missing),
+            escape(&remark(p)),
         )
     };
     report.parts.iter().map(row).collect()

@@ -107,7 +107,7 @@ flat in uint owner;
 uniform vec3 eye, right, up;
 uniform float tolerance, alpha;
 uniform int selected;
-uniform bool coloured, picking;
+uniform bool coloured, picking, striped;
 uniform sampler2D scale;
 out vec4 pixel;
 void main() {
@@ -135,6 +135,14 @@ void main() {
   float gloss = pow(max(dot(n, normalize(lamp + toward)), 0.0), 40.0);
   float level = (coloured ? 0.66 : 0.58) * (0.72 + 0.28 * sky) + (coloured ? 0.38 : 0.5) * soft;
   c = c * level + gloss * (coloured ? 0.04 : 0.12);
+  if (striped) {
+    // Parallel lamps far away, square to the view's upright: their images break where surfaces meet at an angle and have
+    // corners where curvature jumps.
+    vec3 image = reflect(-toward, n);
+    float lamp_angle = atan(dot(image, up), dot(image, toward));
+    float wave = sin(24.0 * lamp_angle), edge = max(fwidth(wave), 0.05);
+    c = mix(c * 0.45 + 0.5, vec3(0.06, 0.08, 0.12), smoothstep(-edge, edge, wave) * (other ? 0.35 : 1.0));
+  }
   pixel = vec4(min(c, 1.0) * alpha, alpha);
 }`;
 
@@ -204,7 +212,7 @@ function open_view(canvas, gl) {
   const shading = program(gl, MESH_VERTEX, MESH_FRAGMENT);
   const drawing = program(gl, LINE_VERTEX, LINE_FRAGMENT);
   const FOV = 24 * Math.PI / 180;
-  const shown = { panels: true, surface: false, rulings: true, borders: true, deviation: false };
+  const shown = { panels: true, surface: false, rulings: true, borders: true, deviation: false, reflections: false };
   let eye_at;
 
   const upload = (from, length, target = gl.ARRAY_BUFFER) => {
@@ -223,7 +231,7 @@ function open_view(canvas, gl) {
       gl.vertexAttribPointer(slot, width, type, normalised, bytesEach, 0);
     };
     float(0, part.position, 3, gl.FLOAT, 12, false);
-    float(1, part.normal, 3, gl.BYTE, 4, true);
+    float(1, part.normal, 3, gl.SHORT, 8, true);
     float(2, part.value, 1, gl.FLOAT, 4, false);
     float(3, part.colour, 3, gl.UNSIGNED_BYTE, 4, true);
     upload(part.panel, part.vertices * 4);
@@ -338,6 +346,7 @@ function open_view(canvas, gl) {
     const triangles = (part, alpha, coloured) => {
       gl.uniform1f(at.alpha, alpha);
       gl.uniform1i(at.coloured, coloured ? 1 : 0);
+      gl.uniform1i(at.striped, shown.reflections && !picking ? 1 : 0);
       gl.bindVertexArray(part.array);
       gl.drawElements(gl.TRIANGLES, part.count, gl.UNSIGNED_INT, 0);
     };

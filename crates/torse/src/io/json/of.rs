@@ -11,12 +11,13 @@ use crate::brep::face::Face;
 use crate::certify::claim::{Claim, Demand, Evidence, Status, Subject, What};
 use crate::certify::flat::FlatCertificate;
 use crate::certify::{SeamCertificate, SeamStatus};
+use crate::develop::same::same_parts;
 use crate::io::{bend_table, bends, words};
 use crate::patchwork::panel::Panel;
 use crate::patchwork::pattern::Pattern;
 use crate::tessellate::coverage;
 use crate::torse::kind::RunShape;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 
 impl Report {
     /// The record of an answer; `shown` knows its shapes and marks.
@@ -205,10 +206,11 @@ fn reason(answer: &Answer, panel: usize, curves: &[String]) -> String {
 
 fn part_records(answer: &Answer, shown: &Presentation) -> Vec<PartRecord> {
     let parts = answer.parts.iter().enumerate();
-    let sheet = |part: usize| {
-        let k = answer.patterns.iter().position(|p| p.panel == part)?;
-        answer.sheets.get(k)
-    };
+    let drawn: HashMap<usize, usize> = answer.patterns.iter().enumerate().map(|(k, p)| (p.panel, k)).collect();
+    let thicknesses: Vec<f64> = answer.sheets.iter().map(|s| s.thickness).collect();
+    let equal = same_parts(&answer.patterns, &thicknesses);
+    let sheet = |part: usize| answer.sheets.get(*drawn.get(&part)?);
+    let same = |part: usize| equal[*drawn.get(&part)?];
     parts
         .map(|(k, part)| {
             let (pattern, flat) = (answer.pattern_of(k), answer.flat_of(k));
@@ -231,6 +233,8 @@ fn part_records(answer: &Answer, shown: &Presentation) -> Vec<PartRecord> {
                 view: pattern.map_or_else(String::new, |p| p.view.name().into()),
                 bends: pattern.map_or_else(Vec::new, bends::records),
                 thickness: sheet(k).map(|s| s.thickness).filter(|t| *t > 0.0),
+                same_as: same(k).map_or_else(String::new, |s| answer.patterns[s.pattern].name.clone()),
+                mirrored: same(k).is_some_and(|s| s.mirrored),
                 sheet_bends: sheet(k).map_or_else(Vec::new, |s| bend_table::records(&s.bends)),
             }
         })
