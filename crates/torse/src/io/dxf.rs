@@ -547,13 +547,15 @@ mod tests {
         let entity = |i: usize| &all[starts[i]..starts[i + 1]];
         let value =
             |e: &[(u32, String)], code| e.iter().filter(|p| p.0 == code).map(|p| p.1.clone()).collect::<Vec<_>>();
-        for (i, layer, closed) in [(0, "CUT_OUTER", "1"), (1, "CUT_INNER", "1"), (4, "TEXT", "0")] {
+        for (i, layer, closed) in [(0, "CUT_OUTER", "1"), (4, "TEXT", "0")] {
             assert_eq!(entity(i)[0].1, "LWPOLYLINE");
             assert_eq!(value(entity(i), 8), [layer]);
             assert_eq!(value(entity(i), 70), [closed]);
         }
-        assert_eq!(value(entity(1), 10), ["29.666666667", "30.333333333"]);
-        assert_eq!(value(entity(1), 42), ["1.000000000000"; 2]);
+        assert_eq!(value(entity(0), 42), ["1.000000000000"; 2]);
+        // A round hole is one entity.
+        assert_eq!((entity(1)[0].1.as_str(), value(entity(1), 8)), ("CIRCLE", vec!["CUT_INNER".into()]));
+        assert_eq!((value(entity(1), 10), value(entity(1), 40)), (vec!["30.0".into()], vec!["0.333333333".into()]));
         assert_eq!((value(entity(2), 8), value(entity(3), 8)), (vec!["BEND_DOWN".into()], vec!["MARK".into()]));
     }
 
