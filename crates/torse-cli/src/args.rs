@@ -1,5 +1,6 @@
 //! Arguments and help.
 
+mod back;
 mod flat;
 
 use crate::input::stem;
@@ -7,6 +8,7 @@ use crate::quantity::{
     ball, bend_step, direction, entity, positive_count, positive_length, positive_share, positive_time, section, sheet,
     smooth_angle, two_numbers, two_shares, unit_of_length, zone, Length, Section,
 };
+pub use back::{Map, Refold, To};
 use clap::{Args, Parser, Subcommand};
 pub use flat::{Shape, Unroll, K};
 use std::path::{Path, PathBuf};
@@ -61,6 +63,10 @@ pub enum Command {
     Shape(Shape),
     /// Lay bodies of sheet and developable faces of a CAD model flat, with bend allowance and bend table
     Unroll(Unroll),
+    /// Bend the flat parts of a result back and measure how far they are from where they belong
+    Refold(Refold),
+    /// Carry points and curves between the parts of a result and their flat patterns
+    Map(Map),
     /// Tell what a CAD file holds: unit, faces, sizes, curvature, what was not read
     Info(Info),
 }

@@ -16,9 +16,11 @@ mod info;
 mod input;
 mod job;
 mod loft;
+mod map;
 mod net;
 mod planarise;
 mod quantity;
+mod refold;
 mod shape;
 mod signals;
 mod terminal;
@@ -59,6 +61,8 @@ fn run(arguments: &args::Arguments) -> Result<bool, failure::Failure> {
         args::Command::Planarise(a) => planarise::run(a),
         args::Command::Shape(a) => shape::run(a),
         args::Command::Unroll(a) => unroll::run(a),
+        args::Command::Refold(a) => refold::run(a),
+        args::Command::Map(a) => map::run(a),
         args::Command::Info(a) => info::run(a),
     }
 }

@@ -10,6 +10,7 @@ pub mod map;
 pub mod outline;
 pub mod overlap;
 pub mod pattern;
+pub mod refold;
 pub mod same;
 pub mod scanned;
 pub mod strip;

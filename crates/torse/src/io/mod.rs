@@ -1,5 +1,6 @@
 //! Floor 6: files in and out; computes nothing.
 
+pub mod artwork;
 pub mod bend_table;
 pub mod bends;
 pub mod bundle;
@@ -21,6 +22,8 @@ pub mod parts;
 pub mod pictures;
 pub mod png;
 pub mod quads;
+pub mod refold_report;
+pub mod result_folder;
 pub mod shape;
 pub mod step;
 pub mod svg;

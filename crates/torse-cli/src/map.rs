@@ -1,0 +1,88 @@
+//! `torse map`: artwork carried between parts in space and their flat patterns.
+
+use crate::args::{Map, To};
+use crate::failure::{os_reason, Failure};
+use crate::input::contents;
+use crate::refold::file_of;
+use std::io::Write as _;
+use torse::io::artwork::{self, Artwork};
+use torse::pipeline::map_artwork::{read_map, ArtworkMap, MapError, Side};
+use torse::torse::rail::Rail;
+
+/// Points on no part that are told one by one.
+const TOLD: usize = 20;
+
+/// Runs the job; `Ok(true)` means that all was carried over.
+pub fn run(arguments: &Map) -> Result<bool, Failure> {
+    if arguments.out.exists() && !arguments.force {
+        return Err(Failure::new(
+            format!("'{}' exists already", arguments.out.display()),
+            "choose another name, or --force to replace it",
+        ));
+    }
+    let name = arguments.artwork.display().to_string();
+    let artwork = artwork::read(&name, &contents(&arguments.artwork)?, arguments.unit.unwrap_or(1.0))
+        .map_err(|e| Failure::new(e.to_string(), "give a table of points (x, y, z) or a drawing of curves (DXF)"))?;
+    let file = file_of(&arguments.folder)?;
+    let map = read_map(&file, arguments.part.as_deref(), arguments.within.as_ref().map(|l| l.mm)).map_err(|e| {
+        let hint = match &e {
+            MapError::Part { .. } => "name one of these",
+            _ => "give a folder as another command wrote it, with all its files",
+        };
+        Failure::new(format!("{}: {e}", arguments.folder.display()), hint)
+    })?;
+    let to = match arguments.to {
+        To::Flat => Side::Flat,
+        To::Space => Side::Space,
+    };
+    let (bytes, mut told) = match artwork {
+        Artwork::Points(points) => carried_points(&map, &points, to),
+        Artwork::Curves(curves, notes) => {
+            let (bytes, told) = carried_curves(&map, &curves, to);
+            (bytes, notes.into_iter().map(|n| format!("note: {n}")).chain(told).collect())
+        }
+    };
+    told.extend(map.left.iter().map(|(name, reason)| format!("left out: {name}: {reason}")));
+    std::fs::write(&arguments.out, bytes).map_err(|e| {
+        Failure::new(
+            format!("cannot write '{}': {}", arguments.out.display(), os_reason(&e)),
+            "check the folder and the rights",
+        )
+    })?;
+    // A closed pipe is no reason to fail after the work is done.
+    let mut out = std::io::stdout().lock();
+    for line in &told {
+        let _ = writeln!(out, "  {line}");
+    }
+    let _ = writeln!(out, "  written {}", arguments.out.display());
+    Ok(told.iter().all(|l| l.starts_with("note")))
+}
+
+fn carried_points(map: &ArtworkMap, points: &[(usize, torse::geom::Vec3)], to: Side) -> (Vec<u8>, Vec<String>) {
+    let rows = map.points(points, to);
+    let off: Vec<_> = rows.iter().filter(|r| r.place.is_none()).collect();
+    let mut told: Vec<String> = off
+        .iter()
+        .take(TOLD)
+        .map(|r| format!("line {}: the point lies on no part; the nearest is {:.4} mm away", r.line, r.distance))
+        .collect();
+    if off.len() > TOLD {
+        told.push(format!("and {} more points lie on no part", off.len() - TOLD));
+    }
+    (artwork::csv(&rows, to == Side::Flat), told)
+}
+
+fn carried_curves(map: &ArtworkMap, curves: &[Rail], to: Side) -> (Vec<u8>, Vec<String>) {
+    let (mut lines, mut told) = (Vec::new(), Vec::new());
+    for curve in curves {
+        let made = map.curve(curve, to);
+        if made.off > 0.0 {
+            told.push(format!(
+                "{}: about {:.3} mm lie on no part, up to {:.4} mm away",
+                curve.name, made.off, made.farthest
+            ));
+        }
+        lines.extend(made.pieces);
+    }
+    (artwork::dxf(&lines, to == Side::Flat), told)
+}

@@ -1,0 +1,55 @@
+//! `torse refold` and `torse map` as people call them.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+fn torse(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_torse")).args(arguments).output().expect("the program runs")
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+fn scratch(name: &str) -> PathBuf {
+    let folder = std::env::temp_dir().join(format!("torse-{name}-{}", std::process::id()));
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(&folder).expect("a folder");
+    folder
+}
+
+fn path(p: &Path) -> &str {
+    p.to_str().expect("a plain name")
+}
+
+#[test]
+fn a_result_is_bent_back_and_carries_points() {
+    let folder = scratch("refold");
+    let model = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/cylinder_holes.step");
+    let (made, back) = (folder.join("made"), folder.join("back"));
+    let run = torse(&["approximate", path(&model), "-t", "0.5mm", "-o", path(&made), "-q"]);
+    assert!(run.status.success(), "{}", text(&run.stderr));
+    let run = torse(&["refold", path(&made), "-o", path(&back), "--against", path(&model)]);
+    assert!(run.status.success(), "{}", text(&run.stderr));
+    assert!(text(&run.stdout).contains("1 of 1 parts bent back"), "{}", text(&run.stdout));
+    let report: serde_json::Value =
+        serde_json::from_slice(&std::fs::read(back.join("refold.json")).expect("a report")).expect("JSON");
+    let part = &report["parts"][0];
+    assert!(part["matched_estimate"].as_f64().is_some_and(|x| x < 0.01), "{part}");
+    assert!(part["model_distance_estimate"].as_f64().is_some_and(|x| x < 0.5), "{part}");
+    assert!(back.join("refolded.glb").is_file() && back.join("refolded.step").is_file());
+
+    let points = folder.join("points.csv");
+    std::fs::write(&points, "x,y\n300,200\n-5000,0\n").expect("written");
+    let there = folder.join("there.csv");
+    let run = torse(&["map", path(&made), path(&points), "--to", "space", "-o", path(&there)]);
+    assert_eq!(run.status.code(), Some(3), "{}", text(&run.stderr));
+    assert!(text(&run.stdout).contains("line 3: the point lies on no part"), "{}", text(&run.stdout));
+    let run = torse(&["map", path(&made), path(&points), "--to", "space", "-o", path(&there)]);
+    assert!(text(&run.stderr).contains("exists already"));
+    let run = torse(&["map", path(&made), path(&points), "--to", "flat", "--part", "Z", "-o", "x.csv"]);
+    assert!(text(&run.stderr).contains("there is no part 'Z'; the result has A-01"), "{}", text(&run.stderr));
+    let run = torse(&["refold", path(&folder), "-o", path(&folder.join("none"))]);
+    assert!(text(&run.stderr).contains("report.json is missing"), "{}", text(&run.stderr));
+    std::fs::remove_dir_all(&folder).expect("removed");
+}

@@ -1,0 +1,503 @@
+//! Parts in space beside their flat patterns: the patches of the panels as a parametrisation of both.
+//!
+//! *Method*. Every panel is developed anew from its patch: the isometric map of a ruled patch \[DC76\], or the chart of a face of
+//! sheet metal on its neutral surface. Panels of one part are laid beside each other along their common rulings; then the
+//! whole is moved onto the outline as drawn: first by area, centre and axes of inertia, then by the nearest points of the
+//! outline, last by the corners, which are exact images.
+
+use super::align::{fitted, settled, Moments};
+use super::drawn::{area, bounds, distance, inside, FlatPart};
+use crate::brep::body::Body;
+use crate::brep::face::Face;
+use crate::brep::project::refine;
+use crate::develop::map::Development;
+use crate::develop::unfold::allowance::KFactor;
+use crate::develop::unfold::chart::Chart;
+use crate::develop::unfold::region::Motion;
+use crate::develop::unfold::tree::{unfold, UnfoldOptions};
+use crate::geom::{Vec2, Vec3};
+use crate::spline::surface::Surface;
+use nalgebra::Matrix2;
+
+/// A panel as its file has it: a ruled patch and the region of its parameter plane.
+#[derive(Clone, Debug)]
+pub struct PanelPatch {
+    /// Name.
+    pub name: String,
+    /// The patch, mm.
+    pub surface: Surface,
+    /// Polygons of the parameter plane that bound the panel.
+    pub loops: Vec<Vec<[f64; 2]>>,
+    /// Corners: ends of the edges.
+    pub corners: Vec<[f64; 2]>,
+}
+
+/// How a panel is laid flat.
+#[derive(Clone, Debug)]
+enum Map {
+    Developed(Box<Development>),
+    Charted(Box<Chart>),
+}
+
+/// A panel with its place in the plane.
+#[derive(Clone, Debug)]
+pub struct Sheet {
+    /// The panel.
+    pub panel: PanelPatch,
+    map: Map,
+    own: Motion,
+    /// Images of the loops, after everything.
+    flat: Vec<Vec<Vec2>>,
+    seeds: Vec<([f64; 2], Vec2)>,
+}
+
+/// The panels of a part with their places in the plane.
+#[derive(Clone, Debug)]
+pub struct Atlas {
+    /// The panels.
+    pub sheets: Vec<Sheet>,
+    mirrored: bool,
+    motion: Motion,
+    /// Largest distance (mm) between corners of the panels and those of the outline as drawn; of the outline's joints from
+    /// the panels' sides where fewer than two corners fit.
+    pub alignment: f64,
+}
+
+/// A place on a part.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OnPanel {
+    /// Index of the panel in the atlas.
+    pub sheet: usize,
+    /// Parameters on its patch.
+    pub uv: [f64; 2],
+    /// Distance (mm) of what was asked for from this place, in space or in the plane.
+    pub off: f64,
+}
+
+/// Why panels cannot be laid beside their pattern.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum AtlasError {
+    /// A patch that cannot be developed.
+    #[error("panel {name} cannot be developed: {reason}")]
+    Panel {
+        /// Its name.
+        name: String,
+        /// Why.
+        reason: String,
+    },
+    /// Panels of one part that have no ruling in common.
+    #[error("panel {0} has no ruling in common with those before it")]
+    Apart(String),
+    /// Outlines that differ.
+    #[error("the outline drawn is {0:.4} mm from that of the panels; drawing and panels do not belong together")]
+    Differs(f64),
+    /// No panel at all.
+    #[error("it has no panels")]
+    Empty,
+}
+
+/// Share of the size within which rulings of neighbours are one.
+const JOINT: f64 = 1e-6;
+/// Outlines that are farther from those of the panels (share of the size) do not belong to them.
+const BELONGS: f64 = 2e-3;
+/// Samples over a panel from which searches start.
+const SEEDS: (usize, usize) = (40, 8);
+/// Steps of Newton's method.
+const STEPS: usize = 30;
+/// Share of a panel's parameters by which differences for derivatives are taken: the root of rounding's share.
+const DIFFERENCE: f64 = 1e-6;
+/// Share of the size below which places have been found.
+const FOUND: f64 = 1e-13;
+/// Ratio of the moments of inertia from which on a part has a direction.
+const LONG: f64 = 1.02;
+/// Directions that are tried for parts without one.
+const DIRECTIONS: usize = 48;
+/// Steps that bring an outline onto another, for a first look and at most.
+const GLANCE: usize = 6;
+/// See [`GLANCE`].
+const ROUNDS: usize = 60;
+/// Ways to lay an outline that are followed further: a square has four.
+const MOST_WAYS: usize = 8;
+/// Candidates whose outlines fit so much worse than the best are no candidates.
+const AS_GOOD: f64 = 3.0;
+
+impl Sheet {
+    fn new(panel: PanelPatch, map: Map, own: Motion) -> Self {
+        let mut out = Self { panel, map, own, flat: Vec::new(), seeds: Vec::new() };
+        out.flat = out.images();
+        let start = [f64::INFINITY, f64::NEG_INFINITY, f64::INFINITY, f64::NEG_INFINITY];
+        let b = out
+            .panel
+            .loops
+            .iter()
+            .flatten()
+            .fold(start, |b, p| [b[0].min(p[0]), b[1].max(p[0]), b[2].min(p[1]), b[3].max(p[1])]);
+        for i in 0..=SEEDS.0 {
+            for j in 0..=SEEDS.1 {
+                let uv = [
+                    b[0] + (b[1] - b[0]) * i as f64 / SEEDS.0 as f64,
+                    b[2] + (b[3] - b[2]) * j as f64 / SEEDS.1 as f64,
+                ];
+                out.seeds.push((uv, out.own_flat(uv)));
+            }
+        }
+        out
+    }
+
+    fn images(&self) -> Vec<Vec<Vec2>> {
+        self.panel.loops.iter().map(|l| l.iter().map(|p| self.own_flat(*p)).collect()).collect()
+    }
+
+    /// Image before the whole is moved.
+    fn own_flat(&self, uv: [f64; 2]) -> Vec2 {
+        let p = match &self.map {
+            Map::Developed(d) => d.map(uv[0], uv[1]),
+            Map::Charted(c) => c.flat(&self.panel.surface.point(uv[0], uv[1]), Some(uv)),
+        };
+        self.own.apply(&p)
+    }
+
+    /// Parameters whose image is nearest to a point, and how far it is.
+    fn inverse(&self, q: &Vec2, size: f64) -> ([f64; 2], f64) {
+        let near = self.seeds.iter().min_by(|a, b| (a.1 - q).norm_squared().total_cmp(&(b.1 - q).norm_squared()));
+        let Some(&(mut uv, _)) = near else { return ([0.0; 2], f64::INFINITY) };
+        let ((u0, u1), (v0, v1)) = self.panel.surface.domain();
+        let h = [DIFFERENCE * (u1 - u0), DIFFERENCE * (v1 - v0)];
+        // A little beyond the patch its last pieces go on; far beyond they mean nothing.
+        let (du, dv) = (0.05 * (u1 - u0), 0.05 * (v1 - v0));
+        let mut best = (uv, f64::INFINITY);
+        for _ in 0..STEPS {
+            let off = q - self.own_flat(uv);
+            if off.norm() < best.1 {
+                best = (uv, off.norm());
+            }
+            if off.norm() <= FOUND * size {
+                break;
+            }
+            let slope = |k: usize| {
+                let (mut a, mut b) = (uv, uv);
+                a[k] -= h[k];
+                b[k] += h[k];
+                (self.own_flat(b) - self.own_flat(a)) / (2.0 * h[k])
+            };
+            let Some(inverse) = Matrix2::from_columns(&[slope(0), slope(1)]).try_inverse() else { break };
+            let step = inverse * off;
+            if !(step.x.is_finite() && step.y.is_finite()) {
+                break;
+            }
+            uv = [(uv[0] + step.x).clamp(u0 - du, u1 + du), (uv[1] + step.y).clamp(v0 - dv, v1 + dv)];
+        }
+        best
+    }
+
+    fn contains(&self, uv: [f64; 2]) -> bool {
+        let loops: Vec<Vec<Vec2>> =
+            self.panel.loops.iter().map(|l| l.iter().map(|p| Vec2::new(p[0], p[1])).collect()).collect();
+        inside(&loops, &Vec2::new(uv[0], uv[1]))
+    }
+}
+
+impl Atlas {
+    /// Panels that share rulings, each after the one that it is joined to; a single panel is a chain of one.
+    ///
+    /// # Errors
+    /// Patches that are not regular, panels that share no ruling with those before them.
+    pub fn developed(panels: Vec<PanelPatch>) -> Result<Self, AtlasError> {
+        let mut sheets: Vec<Sheet> = Vec::new();
+        let size = panels.iter().map(|p| p.surface.bbox().diagonal()).fold(0.0, f64::max);
+        for panel in panels {
+            let map = |side: f64| {
+                let fault = |e: crate::develop::DevelopError| AtlasError::Panel {
+                    name: panel.name.clone(),
+                    reason: e.to_string(),
+                };
+                Development::new(&panel.surface, side).map(|d| Map::Developed(Box::new(d))).map_err(fault)
+            };
+            if sheets.is_empty() {
+                let map = map(1.0)?;
+                sheets.push(Sheet::new(panel, map, Motion::identity()));
+                continue;
+            }
+            let joint = sheets.iter().enumerate().rev().find_map(|(k, s)| Some((k, common(&s.panel, &panel, size)?)));
+            let Some((k, [there, here])) = joint else { return Err(AtlasError::Apart(panel.name)) };
+            let to = there.map(|uv| sheets[k].own_flat(uv));
+            let across = |s: &Sheet| {
+                let l: Vec<Vec2> = s.flat.iter().flatten().copied().collect();
+                (to[1] - to[0]).perp(&(l.iter().sum::<Vec2>() / l.len() as f64 - to[0]))
+            };
+            // Seen from the same side the neighbours lie on both sides of the ruling.
+            let mut laid = None;
+            for side in [1.0, -1.0] {
+                let sheet = Sheet::new(panel.clone(), map(side)?, Motion::identity());
+                let from = here.map(|uv| sheet.own_flat(uv));
+                let Some(own) = Motion::between(from, to) else { continue };
+                let sheet = Sheet::new(panel.clone(), sheet.map, own);
+                if across(&sheet) * across(&sheets[k]) < 0.0 {
+                    laid = Some(sheet);
+                    break;
+                }
+            }
+            sheets.push(laid.ok_or(AtlasError::Apart(panel.name))?);
+        }
+        Self::of(sheets)
+    }
+
+    /// Faces of one sheet, with `thickness` (mm, 0 for surfaces) below the skin given.
+    ///
+    /// # Errors
+    /// Faces that cannot be laid beside each other.
+    pub fn unfolded(faces: &[Face], k: &KFactor, thickness: f64) -> Result<Self, AtlasError> {
+        let body = Body::new(faces.iter().collect());
+        let skin: Vec<usize> = (0..faces.len()).collect();
+        let asked = UnfoldOptions {
+            k: k.clone(),
+            tolerance: FOUND.sqrt() * body.size,
+            thickness: vec![thickness; faces.len()],
+        };
+        let (pieces, left) = unfold(&body, &skin, &asked);
+        if let Some(f) = left.first().map(|k| &faces[*k]) {
+            return Err(AtlasError::Panel { name: f.name.clone(), reason: "it has no closed chart".into() });
+        }
+        let mut pieces = pieces.into_iter();
+        let piece = pieces.next().ok_or(AtlasError::Empty)?;
+        if let Some(f) = pieces.next().and_then(|p| p.faces.first().map(|f| &faces[f.face])) {
+            return Err(AtlasError::Apart(f.name.clone()));
+        }
+        let sheets = piece
+            .faces
+            .into_iter()
+            .map(|p| Sheet::new(of_face(&faces[p.face]), Map::Charted(Box::new(p.chart)), p.motion));
+        Self::of(sheets.collect())
+    }
+
+    fn of(sheets: Vec<Sheet>) -> Result<Self, AtlasError> {
+        match sheets.is_empty() {
+            true => Err(AtlasError::Empty),
+            false => Ok(Self { sheets, mirrored: false, motion: Motion::identity(), alignment: f64::NAN }),
+        }
+    }
+
+    fn moved(&self, q: &Vec2) -> Vec2 {
+        self.motion.apply(&if self.mirrored { Vec2::new(-q.x, q.y) } else { *q })
+    }
+
+    fn moved_back(&self, q: &Vec2) -> Vec2 {
+        let [c, s] = self.motion.turn;
+        let p = q - self.motion.shift;
+        let p = Vec2::new(c * p.x + s * p.y, c * p.y - s * p.x);
+        if self.mirrored {
+            Vec2::new(-p.x, p.y)
+        } else {
+            p
+        }
+    }
+
+    /// Place in the drawing of a place on a panel.
+    pub fn flat(&self, on: &OnPanel) -> Vec2 {
+        self.moved(&self.sheets[on.sheet].own_flat(on.uv))
+    }
+
+    /// Place in space of a place on a panel.
+    pub fn space(&self, on: &OnPanel) -> Vec3 {
+        self.sheets[on.sheet].panel.surface.point(on.uv[0], on.uv[1])
+    }
+
+    /// The place on the panels of a point of the drawing: on the panel whose region holds it, else on the nearest one.
+    pub fn from_flat(&self, q: &Vec2) -> Option<OnPanel> {
+        let own = self.moved_back(q);
+        let size = self.size();
+        let order = |s: &Sheet| if inside(&s.flat, &own) { 0.0 } else { distance(&s.flat, &own) };
+        let mut near: Vec<(f64, usize)> = self.sheets.iter().map(order).zip(0..).collect();
+        near.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let (_, sheet) = *near.first()?;
+        let (uv, off) = self.sheets[sheet].inverse(&own, size);
+        Some(OnPanel { sheet, uv, off })
+    }
+
+    /// The nearest place on the panels of a point in space, within their edges.
+    pub fn from_space(&self, x: &Vec3) -> Option<OnPanel> {
+        let mut best: Option<OnPanel> = None;
+        for (sheet, s) in self.sheets.iter().enumerate() {
+            let mut starts: Vec<(f64, [f64; 2])> =
+                s.seeds.iter().map(|(uv, _)| ((s.panel.surface.point(uv[0], uv[1]) - x).norm_squared(), *uv)).collect();
+            starts.sort_by(|a, b| a.0.total_cmp(&b.0));
+            let mut offer = |uv: [f64; 2], off: f64| {
+                if best.is_none_or(|b| off < b.off) {
+                    best = Some(OnPanel { sheet, uv, off });
+                }
+            };
+            for (_, start) in starts.iter().take(3) {
+                let at = refine(&s.panel.surface, x, *start);
+                if s.contains(at.at) {
+                    offer(at.at, at.distance);
+                }
+            }
+            // The nearest place of the edge.
+            for l in &s.panel.loops {
+                for k in 0..l.len() {
+                    let (a, b) = (l[k], l[(k + 1) % l.len()]);
+                    let [p, q] = [a, b].map(|c| s.panel.surface.point(c[0], c[1]));
+                    let d = q - p;
+                    let share = ((x - p).dot(&d) / d.norm_squared()).clamp(0.0, 1.0);
+                    if share.is_finite() {
+                        offer([0, 1].map(|i| a[i] + (b[i] - a[i]) * share), (p + d * share - x).norm());
+                    }
+                }
+            }
+        }
+        best
+    }
+
+    fn size(&self) -> f64 {
+        let (lo, hi) = self
+            .sheets
+            .iter()
+            .map(|s| bounds(&s.flat))
+            .fold((Vec2::repeat(f64::INFINITY), Vec2::repeat(f64::NEG_INFINITY)), |(l, h), (a, b)| {
+                (l.inf(&a), h.sup(&b))
+            });
+        (hi - lo).norm()
+    }
+
+    /// All ways to lay the panels onto an outline, the best first; mirror images and turns that fit as well are all there.
+    ///
+    /// # Errors
+    /// Outlines that do not fit in any way.
+    pub fn aligned(&self, part: &FlatPart) -> Result<Vec<Self>, AtlasError> {
+        let size = part.size();
+        let own: Vec<Vec<Vec2>> = self.sheets.iter().flat_map(|s| s.flat.clone()).collect();
+        let mut found: Vec<(f64, Self)> = Vec::new();
+        for mirrored in [false, true] {
+            let flip = |p: &Vec2| if mirrored { Vec2::new(-p.x, p.y) } else { *p };
+            let loops: Vec<Vec<Vec2>> = own.iter().map(|l| l.iter().map(flip).collect()).collect();
+            let weights: Vec<f64> = self
+                .sheets
+                .iter()
+                .flat_map(|s| {
+                    let sign = s.flat.iter().map(|l| area(l)).sum::<f64>().signum() * if mirrored { -1.0 } else { 1.0 };
+                    vec![sign; s.flat.len()]
+                })
+                .collect();
+            let here = Moments::of(&loops, &weights);
+            let there = Moments::of(&part.loops, &vec![1.0; part.loops.len()]);
+            let turns: Vec<f64> = if there.ratio > LONG {
+                vec![there.angle - here.angle, there.angle - here.angle + std::f64::consts::PI]
+            } else {
+                (0..DIRECTIONS).map(|k| std::f64::consts::TAU * k as f64 / DIRECTIONS as f64).collect()
+            };
+            let start = |turn: f64| {
+                let (s, c) = turn.sin_cos();
+                let only = Motion { turn: [c, s], shift: Vec2::zeros() };
+                Motion { turn: [c, s], shift: there.centre - only.apply(&here.centre) }
+            };
+            // A few steps tell the ways that are worth more.
+            let mut tried: Vec<(f64, Motion)> = turns
+                .into_iter()
+                .map(|turn| settled(&loops, start(turn), &part.joints, GLANCE))
+                .map(|(motion, off)| (off, motion))
+                .collect();
+            tried.sort_by(|a, b| a.0.total_cmp(&b.0));
+            for (_, start) in tried.into_iter().take(MOST_WAYS) {
+                let (motion, off) = settled(&loops, start, &part.joints, ROUNDS);
+                found.push((off, Self { mirrored, motion, alignment: off, ..self.clone() }));
+            }
+        }
+        found.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let best = found.first().map_or(f64::INFINITY, |f| f.0);
+        if best.is_nan() || best > BELONGS * size {
+            return Err(AtlasError::Differs(best));
+        }
+        let floor = JOINT * size;
+        let mut out: Vec<Self> = Vec::new();
+        for (off, mut a) in found.into_iter().filter(|f| f.0 <= AS_GOOD * best + floor) {
+            a.snap(part, off + floor);
+            let same = |b: &Self| {
+                b.mirrored == a.mirrored
+                    && (b.motion.shift - a.motion.shift).norm() < 10.0 * (off + floor)
+                    && (b.motion.turn[0] * a.motion.turn[0] + b.motion.turn[1] * a.motion.turn[1]) > 0.999
+            };
+            if !out.iter().any(same) {
+                out.push(a);
+            }
+        }
+        // Where all fit alike, the outline begins where the first panel's does.
+        let first = |a: &Self| match (a.sheets[0].panel.corners.first(), part.joints.first().and_then(|j| j.first())) {
+            (Some(uv), Some(j)) => (a.flat(&OnPanel { sheet: 0, uv: *uv, off: 0.0 }) - j).norm(),
+            _ => 0.0,
+        };
+        out.sort_by(|a, b| first(a).total_cmp(&first(b)));
+        Ok(out)
+    }
+
+    /// Brings corners onto those of the outline, which are their exact images.
+    fn snap(&mut self, part: &FlatPart, near: f64) {
+        let mut pairs: Vec<(Vec2, Vec2)> = Vec::new();
+        for s in &self.sheets {
+            for uv in &s.panel.corners {
+                let own = s.own_flat(*uv);
+                let own = if self.mirrored { Vec2::new(-own.x, own.y) } else { own };
+                let at = self.motion.apply(&own);
+                let nearest = part.joints.iter().flatten().min_by(|a, b| (*a - at).norm().total_cmp(&(*b - at).norm()));
+                if let Some(j) = nearest.filter(|j| (*j - at).norm() <= 4.0 * near) {
+                    pairs.push((own, *j));
+                }
+            }
+        }
+        // Corners of which the nearest joint is another one are told by their distance after a first fit.
+        for _ in 0..3 {
+            let Some(motion) = fitted(&pairs) else { return };
+            let mut off: Vec<f64> = pairs.iter().map(|(a, b)| (motion.apply(a) - b).norm()).collect();
+            (self.motion, self.alignment) = (motion, off.iter().copied().fold(0.0, f64::max));
+            off.sort_by(f64::total_cmp);
+            let median = off[off.len() / 2];
+            let kept: Vec<(Vec2, Vec2)> = pairs
+                .iter()
+                .filter(|(a, b)| (motion.apply(a) - b).norm() <= 4.0 * median + FOUND * near.max(1.0))
+                .copied()
+                .collect();
+            if kept.len() == pairs.len() || kept.len() < 2 {
+                return;
+            }
+            pairs = kept;
+        }
+    }
+}
+
+/// A face as a panel.
+pub fn of_face(face: &Face) -> PanelPatch {
+    let corner = |l: &crate::brep::face::TrimLoop| {
+        let n = l.points.len();
+        (0..n).filter(|k| l.edge[*k] != l.edge[(k + n - 1) % n]).map(|k| l.points[k]).collect::<Vec<_>>()
+    };
+    PanelPatch {
+        name: face.name.clone(),
+        surface: face.surface.clone(),
+        loops: face.loops.iter().map(|l| l.points.clone()).collect(),
+        corners: face.loops.iter().flat_map(corner).collect(),
+    }
+}
+
+/// The ruling that two panels have in common: its ends in the parameters of both.
+fn common(a: &PanelPatch, b: &PanelPatch, size: f64) -> Option<[[[f64; 2]; 2]; 2]> {
+    let ends = |p: &PanelPatch| {
+        let n = p.corners.len();
+        (0..n).map(|k| [p.corners[k], p.corners[(k + 1) % n]]).collect::<Vec<_>>()
+    };
+    let near =
+        |p: [f64; 2], q: [f64; 2]| (a.surface.point(p[0], p[1]) - b.surface.point(q[0], q[1])).norm() <= JOINT * size;
+    for x in ends(a) {
+        for y in ends(b) {
+            let long = (a.surface.point(x[0][0], x[0][1]) - a.surface.point(x[1][0], x[1][1])).norm() > JOINT * size;
+            if !long {
+                continue;
+            }
+            if near(x[0], y[0]) && near(x[1], y[1]) {
+                return Some([x, y]);
+            }
+            if near(x[0], y[1]) && near(x[1], y[0]) {
+                return Some([x, [y[1], y[0]]]);
+            }
+        }
+    }
+    None
+}

@@ -1,0 +1,140 @@
+//! How far a refolded part is from where it belongs, after the best rigid motion. Sampled; nothing is proven here.
+
+use super::atlas::{Atlas, OnPanel};
+use super::drawn::{bounds, inside, FlatPart};
+use super::leaf::Refolded;
+use crate::brep::project::refine;
+use crate::geom::placement::Placement;
+use crate::geom::{Vec2, Vec3};
+use nalgebra::Matrix3;
+
+/// What was measured of a part, mm.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Comparison {
+    /// The best rigid motion, from the refolded part to the part in space.
+    pub motion: Placement,
+    /// Largest distance of any sample from the place where it belongs.
+    pub matched_estimate: f64,
+    /// Root mean square of these.
+    pub matched_mean_estimate: f64,
+    /// Largest distance of any sample of the refolded surface from the part, and the other way.
+    pub distance_estimate: f64,
+    /// Place on the drawing of the sample that is farthest from where it belongs.
+    pub worst: Vec2,
+    /// Samples that were compared.
+    pub samples: usize,
+}
+
+/// Samples inside a part, about.
+const SAMPLES: usize = 2000;
+/// Steps towards the nearest point of the refolded surface: each squares what is left of the first, which is small.
+const STEPS: usize = 5;
+
+/// Points inside a part on a grid, and the joints of its outlines.
+pub fn samples(part: &FlatPart) -> Vec<Vec2> {
+    let (lo, hi) = bounds(&part.loops);
+    let whole: f64 = part.loops.iter().map(|l| super::drawn::area(l)).sum();
+    let step = (whole / SAMPLES as f64).sqrt();
+    let mut out: Vec<Vec2> = part.joints.iter().flatten().copied().collect();
+    let count = |d: f64| ((d / step).floor() as usize).max(1);
+    let (n, m) = (count(hi.x - lo.x), count(hi.y - lo.y));
+    for i in 0..=n {
+        for j in 0..=m {
+            let q = lo
+                + Vec2::new(
+                    (hi.x - lo.x) * (i as f64 + 0.5) / (n + 1) as f64,
+                    (hi.y - lo.y) * (j as f64 + 0.5) / (m + 1) as f64,
+                );
+            if inside(&part.loops, &q) {
+                out.push(q);
+            }
+        }
+    }
+    out
+}
+
+/// Compares a refolded part with its panels. `None` where no sample is on both.
+pub fn compare(part: &FlatPart, refolded: &Refolded, atlas: &Atlas) -> Option<Comparison> {
+    let mut pairs: Vec<(Vec2, Vec3, OnPanel, Vec3)> = Vec::new();
+    for q in samples(part) {
+        let (Some(place), Some(on)) = (refolded.locate(&q), atlas.from_flat(&q)) else { continue };
+        pairs.push((q, refolded.frame(&place).0, on, atlas.space(&on)));
+    }
+    let motion = best_motion(&pairs.iter().map(|p| (p.1, p.3)).collect::<Vec<_>>())?;
+    let off = |p: &(Vec2, Vec3, OnPanel, Vec3)| (motion.point(&p.1) - p.3).norm();
+    let worst = pairs.iter().max_by(|a, b| off(a).total_cmp(&off(b)))?;
+    let mean = (pairs.iter().map(|p| off(p).powi(2)).sum::<f64>() / pairs.len() as f64).sqrt();
+    let back = motion.inverse()?;
+    let nearest = pairs.iter().map(|(q, x, on, y)| {
+        let there = refine(&atlas.sheets[on.sheet].panel.surface, &motion.point(x), on.uv).distance;
+        there.max(to_refolded(refolded, q, &back.point(y)))
+    });
+    Some(Comparison {
+        motion,
+        matched_estimate: off(worst),
+        matched_mean_estimate: mean,
+        distance_estimate: nearest.fold(0.0, f64::max),
+        worst: worst.0,
+        samples: pairs.len(),
+    })
+}
+
+/// Distance of a point from the refolded surface near the image of `q`.
+fn to_refolded(refolded: &Refolded, q: &Vec2, x: &Vec3) -> f64 {
+    let mut q = *q;
+    let mut least = f64::INFINITY;
+    for _ in 0..STEPS {
+        let Some(place) = refolded.locate(&q) else { break };
+        let (p, pose) = refolded.frame(&place);
+        let off = x - p;
+        least = least.min(off.norm());
+        // The map keeps lengths, so the way in the plane is that in the tangent plane.
+        let flat = refolded.leaves[place.leaf].ribbon.flat(place.spot.t);
+        q += flat.ruling().xy() * off.dot(&pose.ruling()) + flat.across().xy() * off.dot(&pose.across());
+    }
+    least
+}
+
+/// The rotation and move that bring the first points of pairs nearest to the second in the mean square. `None` without
+/// pairs.
+pub fn best_motion(pairs: &[(Vec3, Vec3)]) -> Option<Placement> {
+    if pairs.is_empty() {
+        return None;
+    }
+    let n = pairs.len() as f64;
+    let a = pairs.iter().map(|p| p.0).sum::<Vec3>() / n;
+    let b = pairs.iter().map(|p| p.1).sum::<Vec3>() / n;
+    let m: Matrix3<f64> = pairs.iter().map(|(p, q)| (q - b) * (p - a).transpose()).sum();
+    let svd = m.svd(true, true);
+    let (u, vt) = (svd.u?, svd.v_t?);
+    let sign = (u * vt).determinant().signum();
+    // The least singular direction is turned over where a reflection would fit better.
+    let mut fix = Matrix3::identity();
+    let least = svd.singular_values.imin();
+    fix[(least, least)] = sign;
+    let linear = u * fix * vt;
+    Some(Placement { linear, shift: b - linear * a })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rigid_motions_are_found_again() {
+        let turn = *nalgebra::Rotation3::from_euler_angles(0.3, -1.2, 2.0).matrix();
+        let by = Placement { linear: turn, shift: Vec3::new(3.0, -4.0, 5.0) };
+        // Points of a plane too, where a reflection would fit as well.
+        for height in [0.0, 2.0] {
+            let points: Vec<Vec3> = (0..20)
+                .map(|k| {
+                    let t = k as f64;
+                    Vec3::new(t.sin() * 5.0, t.cos() * 3.0 + t, height * (1.7 * t).sin())
+                })
+                .collect();
+            let pairs: Vec<(Vec3, Vec3)> = points.iter().map(|p| (*p, by.point(p))).collect();
+            let found = best_motion(&pairs).expect("a motion");
+            assert!((found.linear - by.linear).norm() < 1e-12 && (found.shift - by.shift).norm() < 1e-11);
+        }
+    }
+}

@@ -1,0 +1,155 @@
+//! Polygons with holes cut along chords.
+
+use super::drawn::{area, distance, foot, inside};
+use crate::geom::Vec2;
+
+/// A region that is left between chords.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Region {
+    /// The outer polygon counter-clockwise, then holes clockwise.
+    pub loops: Vec<Vec<Vec2>>,
+    /// Chords on its border, and whether the region lies to their left.
+    pub chords: Vec<(usize, bool)>,
+}
+
+/// A corner of a border in the making.
+struct Node {
+    at: Vec2,
+    next: usize,
+    /// The chord along which the border leaves this corner, and whether in its direction.
+    chord: Option<(usize, bool)>,
+}
+
+/// The regions into which chords cut the inside of polygons (the outer one counter-clockwise, holes clockwise). The ends of
+/// every chord lie on sides of the polygons, up to rounding, and chords do not cross.
+///
+/// *Method*: a chord is run through in both directions; at both of its ends the border turns into it, so that borders come
+/// apart or together as they must, holes included.
+pub fn cut(loops: &[Vec<Vec2>], chords: &[[Vec2; 2]]) -> Vec<Region> {
+    // Ends of chords on the sides that they lie on.
+    let mut on: Vec<Vec<Vec<(f64, usize, usize)>>> = loops.iter().map(|l| vec![Vec::new(); l.len()]).collect();
+    for (c, chord) in chords.iter().enumerate() {
+        for (end, x) in chord.iter().enumerate() {
+            let mut best = (f64::INFINITY, 0, 0, 0.0);
+            for (i, l) in loops.iter().enumerate() {
+                for k in 0..l.len() {
+                    let (p, q) = (l[k], l[(k + 1) % l.len()]);
+                    let f = foot(&p, &q, x);
+                    if (f - x).norm() < best.0 {
+                        best = ((f - x).norm(), i, k, (f - p).norm());
+                    }
+                }
+            }
+            if let Some(side) = on.get_mut(best.1).and_then(|l| l.get_mut(best.2)) {
+                side.push((best.3, c, end));
+            }
+        }
+    }
+    let mut nodes: Vec<Node> = Vec::new();
+    let mut ends = vec![[usize::MAX; 2]; chords.len()];
+    for (l, sides) in loops.iter().zip(&mut on) {
+        let first = nodes.len();
+        for (p, side) in l.iter().zip(sides) {
+            nodes.push(Node { at: *p, next: nodes.len() + 1, chord: None });
+            side.sort_by(|a, b| a.0.total_cmp(&b.0));
+            for (_, c, end) in side.iter() {
+                ends[*c][*end] = nodes.len();
+                nodes.push(Node { at: chords[*c][*end], next: nodes.len() + 1, chord: None });
+            }
+        }
+        if let Some(last) = nodes.last_mut() {
+            last.next = first;
+        }
+    }
+    for (c, &[a, b]) in ends.iter().enumerate() {
+        if a == usize::MAX || b == usize::MAX {
+            continue;
+        }
+        let (a2, b2) = (nodes.len(), nodes.len() + 1);
+        let copy = |n: &Node| Node { at: n.at, next: n.next, chord: n.chord };
+        let (x, y) = (copy(&nodes[a]), copy(&nodes[b]));
+        nodes.push(x);
+        nodes.push(y);
+        (nodes[a].next, nodes[a].chord) = (b2, Some((c, true)));
+        (nodes[b].next, nodes[b].chord) = (a2, Some((c, false)));
+    }
+    gathered(&nodes)
+}
+
+/// Borders as regions: outer ones with the holes that lie in them.
+fn gathered(nodes: &[Node]) -> Vec<Region> {
+    let mut seen = vec![false; nodes.len()];
+    let (mut out, mut holes): (Vec<Region>, Vec<Region>) = (Vec::new(), Vec::new());
+    for start in 0..nodes.len() {
+        if seen[start] {
+            continue;
+        }
+        let mut one = Region::default();
+        let mut border = Vec::new();
+        let mut k = start;
+        while !seen[k] {
+            seen[k] = true;
+            border.push(nodes[k].at);
+            one.chords.extend(nodes[k].chord);
+            k = nodes[k].next;
+        }
+        let positive = area(&border) > 0.0;
+        one.loops.push(border);
+        if positive {
+            out.push(one);
+        } else {
+            holes.push(one);
+        }
+    }
+    for hole in holes {
+        let x = hole.loops[0][0];
+        let holds = |r: &&mut Region| inside(&r.loops[..1], &x);
+        // Of nested regions the least one; a hole on the border of one belongs to the nearest.
+        let within = out.iter_mut().filter(|r| holds(r)).min_by(|a, b| area(&a.loops[0]).total_cmp(&area(&b.loops[0])));
+        let home = match within {
+            Some(r) => Some(r),
+            None => out.iter_mut().min_by(|a, b| distance(&a.loops, &x).total_cmp(&distance(&b.loops, &x))),
+        };
+        if let Some(r) = home {
+            r.loops.extend(hole.loops);
+            r.chords.extend(hole.chords);
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rectangle(a: f64, b: f64, c: f64, d: f64) -> Vec<Vec2> {
+        vec![Vec2::new(a, c), Vec2::new(b, c), Vec2::new(b, d), Vec2::new(a, d)]
+    }
+
+    fn total(r: &Region) -> f64 {
+        r.loops.iter().map(|l| area(l)).sum()
+    }
+
+    #[test]
+    fn chords_across_a_hole_leave_what_is_left() {
+        let mut hole = rectangle(4.0, 6.0, 4.0, 6.0);
+        hole.reverse();
+        let loops = vec![rectangle(0.0, 10.0, 0.0, 10.0), hole];
+        let up = |x: f64, from: f64, to: f64| [Vec2::new(x, from), Vec2::new(x, to)];
+        // Both pieces of a line through the hole: two halves without a hole.
+        let halves = cut(&loops, &[up(5.0, 0.0, 4.0), up(5.0, 6.0, 10.0)]);
+        assert_eq!(halves.len(), 2);
+        assert!(halves.iter().all(|r| r.loops.len() == 1 && (total(r) - 48.0).abs() < 1e-12 && r.chords.len() == 2));
+        let left = halves.iter().find(|r| r.loops[0].iter().all(|p| p.x <= 5.0)).expect("the left half");
+        assert!(left.chords.iter().all(|c| c.1), "it lies to the left of a line upwards");
+        // One piece alone cuts nothing off but joins hole and border.
+        let one = cut(&loops, &[up(5.0, 0.0, 4.0)]);
+        assert!(one.len() == 1 && (total(&one[0]) - 96.0).abs() < 1e-12 && one[0].loops.len() == 1);
+        // Beside the hole it stays in one of three.
+        let three = cut(&loops, &[up(2.0, 0.0, 10.0), up(3.0, 0.0, 10.0)]);
+        let mut areas: Vec<f64> = three.iter().map(total).collect();
+        areas.sort_by(f64::total_cmp);
+        assert!((areas[0] - 10.0).abs() < 1e-12 && (areas[2] - 66.0).abs() < 1e-12);
+        assert_eq!(three.iter().map(|r| r.loops.len()).sum::<usize>(), 4);
+    }
+}

@@ -1,0 +1,213 @@
+//! A flat part as its drawing has it: outlines as polygons, bend lines with what the table says of them.
+
+use super::RefoldError;
+use crate::geom::Vec2;
+use crate::patchwork::pattern::{Bend, BendSense};
+
+/// A bend line of a drawing with its row of the table.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BendLine {
+    /// Ends, mm.
+    pub ends: [Vec2; 2],
+    /// What the table says.
+    pub bend: Bend,
+}
+
+/// A bend of sheet metal: a row of its table.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SheetRow {
+    /// Indices of its lines among those of the part.
+    pub lines: std::ops::Range<usize>,
+    /// Whether it is rolled over many lines.
+    pub rolled: bool,
+    /// Which way.
+    pub sense: BendSense,
+    /// Whole turn, rad.
+    pub angle: f64,
+    /// Inside radius, mm; not a number where it is not one.
+    pub inside_radius: f64,
+    /// Breadth in the plane, mm; not a number where it varies.
+    pub allowance: f64,
+    /// Depth of the neutral fibre as a share of the thickness.
+    pub k: f64,
+}
+
+/// One part of a cutting drawing.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FlatPart {
+    /// Outlines as polygons, mm: the outer one first and counter-clockwise, holes clockwise.
+    pub loops: Vec<Vec<Vec2>>,
+    /// Joints of lines and arcs on the outlines, in the order of the file; the first begins the outer outline.
+    pub joints: Vec<Vec<Vec2>>,
+    /// Bend lines in the order of the table.
+    pub lines: Vec<BendLine>,
+    /// Bends of sheet metal; empty for parts without a thickness.
+    pub bends: Vec<SheetRow>,
+    /// By how much bend lines were shortened at both ends, mm.
+    pub inset: f64,
+    /// The last digit of lengths in the bend table, mm.
+    pub printed: f64,
+}
+
+/// Chords of arcs keep so near to them (share of the size of the part): far below what drawings are drawn to.
+const CHORD: f64 = 1e-6;
+/// Least turn of an arc that one chord may stand for, rad, so that no arc needs more memory than a file that draws it.
+const LEAST_TURN: f64 = 5e-3;
+
+/// A closed outline of lines and arcs (place and bulge of every piece) as a polygon.
+pub fn polygon(joints: &[(Vec2, f64)], size: f64) -> Vec<Vec2> {
+    let mut out = Vec::new();
+    for (k, (a, bulge)) in joints.iter().enumerate() {
+        let b = joints[(k + 1) % joints.len()].0;
+        out.push(*a);
+        let sweep = 4.0 * bulge.atan();
+        if sweep == 0.0 {
+            continue;
+        }
+        let chord = b - a;
+        let radius = chord.norm() / (2.0 * (0.5 * sweep).sin().abs());
+        let step = (8.0 * CHORD * size / radius.max(f64::MIN_POSITIVE)).sqrt().clamp(LEAST_TURN, 0.5);
+        let n = (sweep.abs() / step).ceil().max(1.0) as usize;
+        let left = Vec2::new(-chord.y, chord.x);
+        let centre = (a + b) * 0.5 + left * (0.25 * (1.0 / bulge - bulge));
+        let v = a - centre;
+        for i in 1..n {
+            let (s, c) = (sweep * i as f64 / n as f64).sin_cos();
+            out.push(centre + Vec2::new(c * v.x - s * v.y, s * v.x + c * v.y));
+        }
+    }
+    out
+}
+
+/// Signed area of a polygon, positive counter-clockwise.
+pub fn area(l: &[Vec2]) -> f64 {
+    let Some(o) = l.first() else { return 0.0 };
+    (0..l.len()).map(|k| 0.5 * (l[k] - o).perp(&(l[(k + 1) % l.len()] - o))).sum()
+}
+
+/// The sides of polygons.
+pub fn sides(loops: &[Vec<Vec2>]) -> impl Iterator<Item = (Vec2, Vec2)> + '_ {
+    loops.iter().flat_map(|l| (0..l.len()).map(move |k| (l[k], l[(k + 1) % l.len()])))
+}
+
+/// Whether a point lies inside polygons (even-odd rule).
+pub fn inside(loops: &[Vec<Vec2>], x: &Vec2) -> bool {
+    let crossed =
+        |(p, q): &(Vec2, Vec2)| (p.y > x.y) != (q.y > x.y) && x.x < p.x + (q.x - p.x) * (x.y - p.y) / (q.y - p.y);
+    sides(loops).filter(crossed).count() % 2 == 1
+}
+
+/// Distance of a point from the sides of polygons.
+pub fn distance(loops: &[Vec<Vec2>], x: &Vec2) -> f64 {
+    sides(loops).map(|(p, q)| (x - foot(&p, &q, x)).norm()).fold(f64::INFINITY, f64::min)
+}
+
+/// Nearest point of a segment.
+pub fn foot(p: &Vec2, q: &Vec2, x: &Vec2) -> Vec2 {
+    let d = q - p;
+    let s = d.dot(&(x - p)) / d.norm_squared();
+    p + d * if s.is_finite() { s.clamp(0.0, 1.0) } else { 0.0 }
+}
+
+/// Corners of the box around polygons.
+pub fn bounds(loops: &[Vec<Vec2>]) -> (Vec2, Vec2) {
+    let start = (Vec2::repeat(f64::INFINITY), Vec2::repeat(f64::NEG_INFINITY));
+    loops.iter().flatten().fold(start, |(lo, hi), p| (lo.inf(p), hi.sup(p)))
+}
+
+/// Where a line crosses polygons: ways along it from `at`, rising; neighbours in pairs bound the stretches inside.
+pub fn crossings(loops: &[Vec<Vec2>], at: &Vec2, way: &Vec2) -> Vec<f64> {
+    let mut out: Vec<f64> = sides(loops)
+        .filter_map(|(p, q)| {
+            let (a, b) = (way.perp(&(p - at)), way.perp(&(q - at)));
+            ((a > 0.0) != (b > 0.0)).then(|| way.dot(&(p + (q - p) * (a / (a - b)) - at)))
+        })
+        .collect();
+    out.sort_by(f64::total_cmp);
+    out
+}
+
+impl FlatPart {
+    /// Diagonal of the box around the part, mm.
+    pub fn size(&self) -> f64 {
+        let (lo, hi) = bounds(&self.loops);
+        let d = (hi - lo).norm();
+        if d.is_finite() {
+            d
+        } else {
+            0.0
+        }
+    }
+
+    /// Refuses outlines that cross or touch themselves or each other, and parts without area.
+    ///
+    /// # Errors
+    /// [`RefoldError::Outline`], [`RefoldError::Empty`].
+    pub fn check(&self) -> Result<(), RefoldError> {
+        let total: f64 = self.loops.iter().map(|l| area(l)).sum();
+        if self.loops.iter().any(|l| l.len() < 3) || !(total > 0.0 && total.is_finite()) {
+            return Err(RefoldError::Empty);
+        }
+        // Sides sorted by their left ends: only those that overlap in x are compared.
+        let mut all: Vec<(usize, usize, Vec2, Vec2)> = Vec::new();
+        for (c, l) in self.loops.iter().enumerate() {
+            all.extend((0..l.len()).map(|k| (c, k, l[k], l[(k + 1) % l.len()])));
+        }
+        all.sort_by(|a, b| a.2.x.min(a.3.x).total_cmp(&b.2.x.min(b.3.x)));
+        for (i, (c, k, p, q)) in all.iter().enumerate() {
+            let right = p.x.max(q.x);
+            for (d, m, r, s) in all[i + 1..].iter().take_while(|o| o.2.x.min(o.3.x) <= right) {
+                let n = self.loops[*c].len();
+                let beside = c == d && (k == m || (k + 1) % n == *m || (m + 1) % n == *k);
+                if !beside && meet([p, q], [r, s]) {
+                    return Err(RefoldError::Outline { contour: c.max(d) + 1, x: p.x, y: p.y });
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Whether two segments have a point in common.
+fn meet(a: [&Vec2; 2], b: [&Vec2; 2]) -> bool {
+    let side = |o: [&Vec2; 2], x: &Vec2| (o[1] - o[0]).perp(&(x - o[0]));
+    let (p, q) = (side(a, b[0]) * side(a, b[1]), side(b, a[0]) * side(b, a[1]));
+    let apart =
+        (0..2).any(|k| a[0][k].max(a[1][k]) < b[0][k].min(b[1][k]) || b[0][k].max(b[1][k]) < a[0][k].min(a[1][k]));
+    p <= 0.0 && q <= 0.0 && !apart
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn square(a: f64) -> Vec<Vec2> {
+        vec![Vec2::zeros(), Vec2::new(a, 0.0), Vec2::new(a, a), Vec2::new(0.0, a)]
+    }
+
+    #[test]
+    fn outlines_that_cross_or_touch_are_named() {
+        let good = FlatPart { loops: vec![square(10.0)], ..FlatPart::default() };
+        assert!(good.check().is_ok());
+        let mut bow = good.clone();
+        bow.loops[0] = [(0.0, 0.0), (10.0, 0.0), (1.0, 9.0), (8.0, 9.0)].map(|(x, y)| Vec2::new(x, y)).to_vec();
+        assert!(matches!(bow.check(), Err(RefoldError::Outline { contour: 1, .. })));
+        let mut touching = good.clone();
+        touching.loops.push([(3.0, 0.0), (3.0, 4.0), (6.0, 4.0)].map(|(x, y)| Vec2::new(x, y)).to_vec());
+        assert!(matches!(touching.check(), Err(RefoldError::Outline { contour: 2, .. })));
+        assert_eq!(FlatPart::default().check(), Err(RefoldError::Empty));
+    }
+
+    #[test]
+    fn arcs_are_followed_and_insides_are_told() {
+        // A disc of two half circles.
+        let disc = polygon(&[(Vec2::new(-5.0, 0.0), 1.0), (Vec2::new(5.0, 0.0), 1.0)], 10.0);
+        assert!(disc.iter().all(|p| (p.norm() - 5.0).abs() < 1e-12));
+        let loops = vec![disc];
+        assert!((area(&loops[0]) - 25.0 * std::f64::consts::PI).abs() < 1e-3);
+        assert!(inside(&loops, &Vec2::new(0.0, 4.99)) && !inside(&loops, &Vec2::new(0.0, 5.01)));
+        assert!((distance(&loops, &Vec2::new(0.0, 2.0)) - 3.0).abs() < 1e-4);
+        let cuts = crossings(&loops, &Vec2::new(0.0, 3.0), &Vec2::x());
+        assert!(cuts.len() == 2 && (cuts[1] - 4.0).abs() < 1e-4);
+    }
+}

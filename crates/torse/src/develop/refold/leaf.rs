@@ -1,0 +1,50 @@
+//! A flat part bent back: regions of the drawing with their places in space.
+
+use super::drawn;
+use super::pose::Pose;
+use super::ribbon::{Ribbon, Spot};
+use crate::geom::{Vec2, Vec3};
+
+/// A part of the flat sheet with its place in space: a region of a ribbon.
+#[derive(Clone, Debug, Default)]
+pub struct Leaf {
+    /// The rulings.
+    pub ribbon: Ribbon,
+    /// Closed polygons in the plane that bound the region: the outer one counter-clockwise, holes clockwise.
+    pub loops: Vec<Vec<Vec2>>,
+}
+
+/// A flat part bent back.
+#[derive(Clone, Debug, Default)]
+pub struct Refolded {
+    /// Its regions: one for parts that bend about one family of rulings, else one for every plane and every bend.
+    pub leaves: Vec<Leaf>,
+    /// Largest turn (rad) by which the table's angles differ from what its radii give; 0 where they are not compared.
+    pub disagreement: f64,
+    /// How the turn between the lines was found, in words.
+    pub method: &'static str,
+}
+
+/// A place on a refolded part.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Place {
+    /// Index of the region.
+    pub leaf: usize,
+    /// Place on its ribbon.
+    pub spot: Spot,
+}
+
+impl Refolded {
+    /// The place of a point of the plane: on the region that holds it, else on the nearest one. `None` where no ruling runs
+    /// through it.
+    pub fn locate(&self, q: &Vec2) -> Option<Place> {
+        let order = |l: &Leaf| if drawn::inside(&l.loops, q) { 0.0 } else { drawn::distance(&l.loops, q) };
+        let (leaf, _) = (self.leaves.iter().map(order).enumerate()).min_by(|a, b| a.1.total_cmp(&b.1))?;
+        Some(Place { leaf, spot: self.leaves[leaf].ribbon.locate(q)? })
+    }
+
+    /// Point in space and frame of a place.
+    pub fn frame(&self, place: &Place) -> (Vec3, Pose) {
+        self.leaves[place.leaf].ribbon.frame(&place.spot)
+    }
+}

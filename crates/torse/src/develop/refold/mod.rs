@@ -1,0 +1,60 @@
+//! Flat parts bent back: from outlines, bend lines and bend tables to the part in space, and how far that is from where it
+//! belongs.
+
+mod align;
+pub mod atlas;
+pub mod compare;
+pub mod course;
+pub mod cut;
+pub mod drawn;
+mod family;
+pub mod leaf;
+mod lines;
+pub mod mesh;
+pub mod pose;
+pub mod ribbon;
+pub mod sheet;
+pub mod smooth;
+
+/// Why a part cannot be bent back. Messages say what of the part is concerned; the caller names the part.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum RefoldError {
+    /// An outline that crosses or touches itself.
+    #[error("its outline {contour} crosses or touches itself near ({x:.4}, {y:.4}) mm; draw it again without")]
+    Outline {
+        /// Number of the outline, the outer one first, from 1.
+        contour: usize,
+        /// Place.
+        x: f64,
+        /// Place.
+        y: f64,
+    },
+    /// An outline without area.
+    #[error("its outlines enclose no area")]
+    Empty,
+    /// Bend lines that cross inside the part.
+    #[error("its bend lines {first} and {second} cross inside the part; no sheet bends about both")]
+    Crossing {
+        /// Number of a line, from 1.
+        first: usize,
+        /// Number of another line, from 1.
+        second: usize,
+    },
+    /// A bend line that does not lie in the part.
+    #[error("its bend line {line} does not run through the part")]
+    Outside {
+        /// Number of the line, from 1.
+        line: usize,
+    },
+    /// Bends that leave some of the part without a place.
+    #[error("the area around ({x:.2}, {y:.2}) mm is not joined to the rest by bends")]
+    Loose {
+        /// Place.
+        x: f64,
+        /// Place.
+        y: f64,
+    },
+    /// Something of the table that cannot be.
+    #[error("{0}")]
+    Table(String),
+}

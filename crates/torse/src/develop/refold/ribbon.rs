@@ -1,0 +1,154 @@
+//! Rulings in the plane with their places in space: the map that bends a flat part, piece by piece exactly a plane, a
+//! circular cylinder or a circular cone.
+
+use super::pose::{Pose, Rates};
+use crate::geom::{Vec2, Vec3};
+
+/// A stretch between two rulings.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Span {
+    /// First ruling in the plane.
+    pub flat: Pose,
+    /// First ruling in space.
+    pub space: Pose,
+    /// How it moves in the plane; no turn.
+    pub in_plane: Rates,
+    /// How it moves in space.
+    pub in_space: Rates,
+    /// Which part of the first ruling belongs to the sheet, mm along it.
+    pub reach: [f64; 2],
+}
+
+/// A sequence of rulings.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Ribbon {
+    /// Stretches in order; each begins where the one before ends.
+    pub spans: Vec<Span>,
+}
+
+/// A place on a ribbon.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spot {
+    /// Number of the span and share of it: below 0 and beyond the number of spans the outermost spans go on.
+    pub t: f64,
+    /// Way along the ruling, mm.
+    pub v: f64,
+}
+
+/// Steps of Newton's method; they converge quadratically from any place inside a span.
+const STEPS: usize = 12;
+/// Step (share of a span) below which Newton's method has ended.
+const ENOUGH: f64 = 1e-14;
+/// Share of a span by which places may lie beyond its ends: rounding.
+const SLACK: f64 = 1e-9;
+/// How far (in spans) beyond its ends a ribbon may be continued.
+const BEYOND: f64 = 64.0;
+
+impl Ribbon {
+    /// Range of the parameter.
+    pub fn end(&self) -> f64 {
+        self.spans.len() as f64
+    }
+
+    fn span(&self, t: f64) -> (&Span, f64) {
+        let k = (t.max(0.0) as usize).min(self.spans.len() - 1);
+        (&self.spans[k], t - k as f64)
+    }
+
+    /// The ruling in the plane.
+    pub fn flat(&self, t: f64) -> Pose {
+        let (s, share) = self.span(t);
+        s.flat.moved(&s.in_plane, share)
+    }
+
+    /// The ruling in space.
+    pub fn space(&self, t: f64) -> Pose {
+        let (s, share) = self.span(t);
+        s.space.moved(&s.in_space, share)
+    }
+
+    /// The place of a point of the plane; the one nearest to the sheet where rulings cross in it.
+    pub fn locate(&self, q: &Vec2) -> Option<Spot> {
+        let n = self.spans.len();
+        let side = |pose: &Pose| (Vec3::new(q.x, q.y, 0.0) - pose.at).dot(&pose.across());
+        let sides: Vec<f64> = self.spans.iter().map(|s| side(&s.flat)).chain([side(&self.flat(self.end()))]).collect();
+        let offer = |best: &mut Option<(f64, Spot)>, k: usize, start: f64, limits: [f64; 2]| {
+            let Some(share) = self.share(k, q, start, limits) else { return };
+            let spot = self.spot(k, share, q);
+            let [a, b] = self.spans[k].reach;
+            // Beyond its ends a ribbon is a continuation: what lies on it comes first.
+            let outside = (-(k as f64 + share)).max(k as f64 + share - n as f64).max(0.0);
+            let off = (a - spot.v).max(spot.v - b).max(0.0) + outside * self.spans[k].in_plane.across.abs();
+            if best.is_none_or(|(least, _)| off < least) {
+                *best = Some((off, spot));
+            }
+        };
+        let mut best: Option<(f64, Spot)> = None;
+        for k in 0..n {
+            if sides[k] >= 0.0 && sides[k + 1] <= 0.0 || sides[k] <= 0.0 && sides[k + 1] >= 0.0 {
+                let whole = sides[k] - sides[k + 1];
+                let start = if whole == 0.0 { 0.5 } else { sides[k] / whole };
+                offer(&mut best, k, start, [0.0, 1.0]);
+            }
+        }
+        if best.is_none_or(|b| b.0 > 0.0) {
+            offer(&mut best, 0, 0.0, [-BEYOND, 0.0]);
+            offer(&mut best, n - 1, 1.0, [1.0, 1.0 + BEYOND]);
+        }
+        best.map(|b| b.1)
+    }
+
+    fn spot(&self, k: usize, share: f64, q: &Vec2) -> Spot {
+        let s = &self.spans[k];
+        let pose = s.flat.moved(&s.in_plane, share);
+        Spot { t: k as f64 + share, v: (Vec3::new(q.x, q.y, 0.0) - pose.at).dot(&pose.ruling()) }
+    }
+
+    /// Share of a span at which its ruling runs through a point.
+    fn share(&self, k: usize, q: &Vec2, start: f64, limits: [f64; 2]) -> Option<f64> {
+        let s = &self.spans[k];
+        let (mut share, mut left) = (start, f64::INFINITY);
+        for _ in 0..STEPS {
+            let pose = s.flat.moved(&s.in_plane, share);
+            let off = Vec3::new(q.x, q.y, 0.0) - pose.at;
+            let (across, along) = (off.dot(&pose.across()), off.dot(&pose.ruling()));
+            let slope = s.in_plane.across + along * s.in_plane.spin;
+            let step = across / slope;
+            if !step.is_finite() {
+                return None;
+            }
+            // A step that stays beyond the limits does not lead to the point.
+            left = step.abs();
+            if left < ENOUGH {
+                break;
+            }
+            share = (share + step).clamp(limits[0] - SLACK, limits[1] + SLACK);
+        }
+        (left <= SLACK).then_some(share)
+    }
+
+    /// The point in space, and the unit vectors along the ruling, across it and square to the sheet.
+    pub fn frame(&self, spot: &Spot) -> (Vec3, Pose) {
+        let pose = self.space(spot.t);
+        (pose.point(spot.v, 0.0), pose)
+    }
+
+    /// The point of the plane.
+    pub fn flat_point(&self, spot: &Spot) -> Vec2 {
+        self.flat(spot.t).point(spot.v, 0.0).xy()
+    }
+
+    /// Greatest turn of the sheet per mm across, over the sheet: one over the least radius of curvature.
+    pub fn curvature(&self) -> f64 {
+        let of = |s: &Span| {
+            let widths = s.reach.map(|v| (s.in_space.across + v * s.in_space.spin).abs());
+            let least = widths[0].min(widths[1]);
+            if s.in_space.turn == 0.0 {
+                0.0
+            } else {
+                s.in_space.turn.abs() / least
+            }
+        };
+        self.spans.iter().map(of).fold(0.0, f64::max)
+    }
+}

@@ -1,0 +1,188 @@
+//! Artwork: points in tables and curves in drawings, read, and written in the same kind after they were carried over.
+
+use crate::geom::Vec3;
+use crate::io::curves::{read_all, CurveError, CurveOptions};
+use crate::torse::rail::Rail;
+use std::fmt::Write as _;
+
+/// A file of artwork.
+#[derive(Clone, Debug)]
+pub enum Artwork {
+    /// Points of a table, mm, each with its line.
+    Points(Vec<(usize, Vec3)>),
+    /// Curves of a drawing, with what was not read of it.
+    Curves(Vec<Rail>, Vec<String>),
+}
+
+/// Why a file of artwork cannot be read.
+#[derive(Debug, thiserror::Error)]
+pub enum ArtworkError {
+    /// A line of a table.
+    #[error("{name}, line {line}: {reason}")]
+    Line {
+        /// File.
+        name: String,
+        /// Line, from 1.
+        line: usize,
+        /// What is wrong.
+        reason: String,
+    },
+    /// No points.
+    #[error("{0} holds no points")]
+    Empty(String),
+    /// A drawing.
+    #[error(transparent)]
+    Curves(#[from] CurveError),
+}
+
+/// Reads artwork; a drawing is told by how it begins, all else is a table. Tables without a unit are in `unit` mm; in tables of
+/// the plane the third coordinate may be left out.
+///
+/// # Errors
+/// See [`ArtworkError`].
+pub fn read(name: &str, bytes: &[u8], unit: f64) -> Result<Artwork, ArtworkError> {
+    let text = String::from_utf8_lossy(bytes);
+    let start = text.trim_start_matches(['\u{feff}', ' ', '\t', '\r', '\n']);
+    let drawing = start.lines().next().is_some_and(|l| matches!(l.trim(), "0" | "999"));
+    if drawing {
+        let options = CurveOptions { polyline: true, ..CurveOptions::new(name) };
+        let all = match read_all(bytes, &options) {
+            Err(CurveError::NoUnit(_)) => read_all(bytes, &CurveOptions { unit: Some(unit), ..options })?,
+            other => other?,
+        };
+        return Ok(Artwork::Curves(all.rails, all.notes));
+    }
+    points(name, &text, unit)
+}
+
+// INTEGRATION: `io::table` reads such tables with more forms of numbers; it is private to `io`.
+fn points(name: &str, text: &str, unit: f64) -> Result<Artwork, ArtworkError> {
+    let (mut columns, mut factor) = ([0, 1, 2], unit);
+    let mut out = Vec::new();
+    let mut headed = false;
+    for (k, line) in text.lines().enumerate() {
+        let fault = |reason: String| ArtworkError::Line { name: name.into(), line: k + 1, reason };
+        let line = line.split('#').next().unwrap_or("").trim().trim_start_matches('\u{feff}');
+        if line.is_empty() {
+            continue;
+        }
+        let cells: Vec<&str> = line.split([',', ';', '\t']).map(|c| c.trim().trim_matches('"')).collect();
+        let numbers: Vec<Option<f64>> = cells.iter().map(|c| c.parse().ok().filter(|x: &f64| x.is_finite())).collect();
+        if !headed && out.is_empty() && !numbers.iter().any(Option::is_some) {
+            let at = |axis: &str| {
+                cells.iter().position(|c| {
+                    let c = c.to_ascii_lowercase();
+                    c == axis || c.starts_with(&format!("{axis}_")) || c.starts_with(&format!("{axis} "))
+                })
+            };
+            let (Some(x), Some(y)) = (at("x"), at("y")) else {
+                return Err(fault("the table needs columns named x and y, and z for places in space".into()));
+            };
+            columns = [x, y, at("z").unwrap_or(usize::MAX)];
+            let head = cells[x].to_ascii_lowercase();
+            let units = [("mm", 1.0), ("cm", 10.0), ("m", 1000.0), ("in", 25.4), ("ft", 304.8)];
+            let named = |u: &str| head.ends_with(&format!("_{u}")) || head.contains(&format!("[{u}]"));
+            factor = units.iter().find(|u| named(u.0)).map_or(unit, |u| u.1);
+            headed = true;
+            continue;
+        }
+        let mut p = [0.0; 3];
+        for (d, c) in columns.iter().enumerate() {
+            p[d] = match (numbers.get(*c), d) {
+                (Some(Some(x)), _) => x * factor,
+                (None, 2) => 0.0,
+                (found, _) => {
+                    let what = if found.is_some() { "is no number" } else { "is missing" };
+                    return Err(fault(format!("coordinate {} {what}", ["x", "y", "z"][d])));
+                }
+            };
+        }
+        out.push((k + 1, Vec3::from(p)));
+    }
+    match out.is_empty() {
+        true => Err(ArtworkError::Empty(name.into())),
+        false => Ok(Artwork::Points(out)),
+    }
+}
+
+/// A point that was carried over, or what keeps it from being.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PointRow {
+    /// Line of the input.
+    pub line: usize,
+    /// Name of the part.
+    pub part: String,
+    /// Its place on the other side, mm; `None` for points on no part.
+    pub place: Option<Vec3>,
+    /// Distance from the part, mm.
+    pub distance: f64,
+}
+
+/// Points as a table, mm; `flat` leaves out the third coordinate.
+pub fn csv(rows: &[PointRow], flat: bool) -> Vec<u8> {
+    let mut out =
+        String::from(if flat { "line,part,x_mm,y_mm,distance_mm\n" } else { "line,part,x_mm,y_mm,z_mm,distance_mm\n" });
+    for r in rows {
+        let name = r.part.replace('"', "\"\"");
+        let place = r.place.map_or_else(
+            || if flat { ",".to_owned() } else { ",,".to_owned() },
+            |p| if flat { format!("{:.9},{:.9}", p.x, p.y) } else { format!("{:.9},{:.9},{:.9}", p.x, p.y, p.z) },
+        );
+        // Writing to a string cannot fail.
+        _ = writeln!(out, "{},\"{name}\",{place},{:.6}", r.line, r.distance);
+    }
+    out.into_bytes()
+}
+
+/// Polylines with the names of their layers as a DXF drawing (AC1009) in mm; `flat` for drawings of the plane.
+pub fn dxf(lines: &[(String, Vec<Vec3>)], flat: bool) -> Vec<u8> {
+    let mut out = String::from(
+        "0\nSECTION\n2\nHEADER\n9\n$ACADVER\n1\nAC1009\n9\n$INSUNITS\n70\n4\n0\nENDSEC\n0\nSECTION\n2\nENTITIES\n",
+    );
+    for (name, points) in lines {
+        let plain = |c: char| if c.is_ascii_alphanumeric() || "-_$".contains(c) { c } else { '_' };
+        let layer: String = name.chars().map(plain).collect();
+        let flags = if flat { 0 } else { 8 };
+        // Writing to a string cannot fail.
+        _ = write!(out, "0\nPOLYLINE\n8\n{layer}\n66\n1\n70\n{flags}\n10\n0.0\n20\n0.0\n30\n0.0\n");
+        for p in points {
+            _ = write!(out, "0\nVERTEX\n8\n{layer}\n10\n{:.9}\n20\n{:.9}\n30\n{:.9}\n", p.x, p.y, p.z);
+            if !flat {
+                out.push_str("70\n32\n");
+            }
+        }
+        _ = write!(out, "0\nSEQEND\n8\n{layer}\n");
+    }
+    out.push_str("0\nENDSEC\n0\nEOF\n");
+    out.into_bytes()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tables_need_two_columns_in_the_plane_and_name_their_faults() {
+        let Ok(Artwork::Points(p)) = read("a.csv", b"name,x_in,y_in\nhole,1,2\n", 1.0) else { panic!("points") };
+        assert_eq!(p, vec![(2, Vec3::new(25.4, 50.8, 0.0))]);
+        let Ok(Artwork::Points(p)) = read("a.csv", b"1;2;3\n", 10.0) else { panic!("points") };
+        assert_eq!(p[0].1, Vec3::new(10.0, 20.0, 30.0));
+        for (text, what) in [
+            ("x,z\n1,2\n", "named x and y"),
+            ("x,y\n1,a\n", "line 2: coordinate y is no number"),
+            ("x,y\n", "no points"),
+        ] {
+            let e = read("a.csv", text.as_bytes(), 1.0).expect_err(text).to_string();
+            assert!(e.contains(what), "{e}");
+        }
+    }
+
+    #[test]
+    fn drawings_read_back_as_they_were_written() {
+        let line = vec![Vec3::new(1.0, 2.0, 3.0), Vec3::new(4.0, 5.0, 6.0), Vec3::new(4.0, 9.0, 6.5)];
+        let bytes = dxf(&[("a b".into(), line.clone())], false);
+        let Ok(Artwork::Curves(rails, _)) = read("a.dxf", &bytes, 1.0) else { panic!("curves") };
+        assert_eq!(rails.len(), 1);
+        assert!((rails[0].length() - (27.0_f64.sqrt() + 16.25_f64.sqrt())).abs() < 1e-9);
+    }
+}

@@ -1,0 +1,109 @@
+//! The answer of `torse refold` for people and as data: `refold.json`.
+
+use serde::{Deserialize, Serialize};
+use std::fmt::Write as _;
+
+/// Name and version of the format.
+pub const SCHEMA: &str = "torse-refold/1";
+
+/// The whole answer. Lengths in mm, angles in degrees. Everything is measured at samples; nothing is proven.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RefoldReport {
+    /// [`SCHEMA`].
+    pub schema: String,
+    /// The command that made the result.
+    pub job: String,
+    /// Its input.
+    pub input: String,
+    /// The model that refolded parts were compared with besides their panels; empty if there is none.
+    pub against: String,
+    /// Largest distance of a refolded part from the model, where it is compared with one.
+    pub model_distance_estimate: Option<f64>,
+    /// Parts.
+    pub parts: Vec<RefoldPart>,
+    /// Parts that could not be bent back or compared, with the reason.
+    pub left: Vec<[String; 2]>,
+    /// What was noticed.
+    pub notes: Vec<String>,
+}
+
+/// One part.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RefoldPart {
+    /// Name.
+    pub name: String,
+    /// How the turn between the bend lines was found.
+    pub method: String,
+    /// Bend lines.
+    pub lines: usize,
+    /// Largest distance of a sample from the place where it belongs, after the best rigid motion.
+    pub matched_estimate: f64,
+    /// Root mean square of these distances.
+    pub matched_mean_estimate: f64,
+    /// Largest distance of a sample of either surface from the other surface.
+    pub distance_estimate: f64,
+    /// `matched_estimate` with the digits that the tables print, without the numbers of `report.json`; null if not known.
+    pub printed_estimate: Option<f64>,
+    /// Largest difference between the angles of the table and what its radii give.
+    pub disagreement_deg: f64,
+    /// Distance between the corners of the panels laid flat and those of the outline as drawn.
+    pub alignment: f64,
+    /// Place on the drawing of the sample farthest from where it belongs.
+    pub worst: [f64; 2],
+    /// Samples compared.
+    pub samples: usize,
+    /// Largest distance of the part from the model, where it is compared with one.
+    pub model_distance_estimate: Option<f64>,
+}
+
+impl RefoldReport {
+    /// The report as JSON.
+    ///
+    /// # Errors
+    /// Numbers that JSON cannot hold are written as null; nothing else can fail.
+    pub fn to_json(&self) -> Result<String, serde_json::Error> {
+        serde_json::to_string_pretty(self).map(|s| s + "\n")
+    }
+
+    /// A few lines for the terminal.
+    pub fn words(&self) -> String {
+        let mut out = format!(
+            "{} of {} parts bent back (measured at samples, not proven)\n",
+            self.parts.len(),
+            self.parts.len() + self.left.len()
+        );
+        for p in &self.parts {
+            // Writing to a string cannot fail.
+            _ = writeln!(
+                out,
+                "  {}: within {} mm of the part, every point within {} mm of where it belongs ({} mm by the printed digits)",
+                p.name,
+                number(p.distance_estimate),
+                number(p.matched_estimate),
+                p.printed_estimate.map_or_else(|| "unknown".into(), number),
+            );
+            if let Some(d) = p.model_distance_estimate {
+                _ = writeln!(out, "    within {} mm of {}", number(d), self.against);
+            }
+        }
+        for [name, reason] in &self.left {
+            _ = writeln!(out, "  left out: {name}: {reason}");
+        }
+        for note in &self.notes {
+            _ = writeln!(out, "  note: {note}");
+        }
+        out
+    }
+}
+
+/// Four digits.
+fn number(x: f64) -> String {
+    if x == 0.0 || !x.is_finite() || (PLAIN.0..PLAIN.1).contains(&x.abs()) {
+        format!("{x:.4}")
+    } else {
+        format!("{x:.1e}")
+    }
+}
+
+/// Numbers in this range are written without powers of ten.
+const PLAIN: (f64, f64) = (1e-3, 1e6);

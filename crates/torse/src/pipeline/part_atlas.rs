@@ -1,0 +1,196 @@
+//! Parts of a result with their panels in space and their flat patterns: what refolding and carrying artwork begin with.
+
+use crate::brep::face::Face;
+use crate::develop::refold::atlas::{of_face, Atlas, PanelPatch};
+use crate::develop::refold::drawn::{polygon, BendLine, FlatPart, SheetRow};
+use crate::develop::refold::leaf::Refolded;
+use crate::develop::refold::{course, sheet, RefoldError};
+use crate::develop::unfold::allowance::KFactor;
+use crate::draw::scene::NOT_CERTIFIED;
+use crate::geom::{Frame, Vec3};
+use crate::io::bundle::{CONES, PANELS};
+use crate::io::result_folder::{ResultFolder, ResultPart};
+use crate::io::step::read as step;
+use crate::patchwork::written::{WrittenBase, WrittenStrip};
+use crate::spline::knots::Knots;
+use crate::spline::surface::Surface;
+use std::collections::HashMap;
+
+/// The part as its drawing and its table have it: `exact` takes the unrounded numbers of the report where they are there.
+pub fn flat_part(part: &ResultPart, exact: bool) -> FlatPart {
+    let joints: Vec<Vec<_>> = part.contours.iter().map(|c| c.iter().map(|j| j.0).collect()).collect();
+    let whole = FlatPart { loops: joints.clone(), ..FlatPart::default() };
+    let size = whole.size();
+    let numbers = part.exact.as_ref().filter(|_| exact);
+    let line = |(k, (ends, row)): (usize, &([_; 2], crate::io::result_folder::TableLine))| BendLine {
+        ends: *ends,
+        bend: numbers.map_or(row.bend, |n| n[k]),
+    };
+    let bend = |b: &crate::io::result_folder::TableBend| SheetRow {
+        lines: b.lines.clone(),
+        rolled: b.kind == "rolled",
+        sense: b.sense,
+        angle: b.angle,
+        inside_radius: b.inside_radius,
+        allowance: b.allowance,
+        k: if b.k.is_finite() { b.k } else { 0.0 },
+    };
+    // Sheet metal has its lines from edge to edge, panels a little less.
+    let inset = if part.bends.is_empty() { part.record.contour_error.unwrap_or(0.0) } else { 0.0 };
+    FlatPart {
+        loops: part.contours.iter().map(|c| polygon(c, size)).collect(),
+        joints,
+        lines: part.lines.iter().enumerate().map(line).collect(),
+        bends: part.bends.iter().map(bend).collect(),
+        inset,
+        printed: part.printed,
+    }
+}
+
+/// Bends a part back from its drawing and tables alone.
+///
+/// # Errors
+/// See [`RefoldError`].
+pub fn refolded(part: &FlatPart) -> Result<Refolded, RefoldError> {
+    match &part.bends[..] {
+        [] => course::refold(part),
+        // One rolled face without planes beside it is one family of rulings.
+        [one] if one.rolled && !one.allowance.is_finite() => course::refold(part),
+        _ => sheet::refold(part),
+    }
+}
+
+/// The panels of a result by name.
+pub enum Panels {
+    /// Faces with trims.
+    Faces(HashMap<String, Face>),
+    /// Untrimmed strips.
+    Strips(HashMap<String, PanelPatch>),
+}
+
+/// Reads the panels of a result.
+///
+/// # Errors
+/// In plain words, with the name of the file.
+pub fn panels(file: &dyn Fn(&str) -> Option<Vec<u8>>, job: &str) -> Result<Panels, String> {
+    let name = if job == "cones" { CONES } else { PANELS };
+    let bytes = file(name).ok_or(format!("{name} is missing"))?;
+    let fault = |e: String| format!("{name}: {e}");
+    if matches!(job, "approximate" | "unroll" | "cones") {
+        let model = step::read(&bytes).map_err(|e| fault(e.to_string()))?;
+        let named = model.faces.into_iter().map(|f| (plain(&f.name), f));
+        return Ok(Panels::Faces(named.collect()));
+    }
+    let strips = step::own::strips(&bytes).map_err(fault)?;
+    let named = strips.iter().map(|s| panel_of(s).map(|p| (plain(&s.name), p)));
+    named.collect::<Result<_, String>>().map(Panels::Strips).map_err(fault)
+}
+
+/// A name without the words that warn of cutting.
+fn plain(name: &str) -> String {
+    name.strip_suffix(NOT_CERTIFIED).map_or(name, str::trim_end).to_owned()
+}
+
+/// An untrimmed strip as a panel.
+fn panel_of(s: &WrittenStrip) -> Result<PanelPatch, String> {
+    let named = |e: String| format!("face {}: {e}", s.name);
+    match &s.surface {
+        WrittenBase::Spline(w) => {
+            let points: Vec<Vec3> = w.points.iter().map(|p| Vec3::from(*p)).collect();
+            let weights = (!w.weights.is_empty()).then_some(&w.weights[..]);
+            let [u, v] = w.knots.clone();
+            let surface = Surface::new(u, v, &points, weights).map_err(|e| named(e.to_string()))?;
+            let ((a, b), (c, d)) = surface.domain();
+            let breaks = surface.knots_u.breaks();
+            // Rails bend: enough corners that chords tell inside from outside.
+            let mut along: Vec<f64> = breaks
+                .windows(2)
+                .flat_map(|w| (0..RAIL).map(|k| w[0] + (w[1] - w[0]) * k as f64 / RAIL as f64))
+                .collect();
+            along.push(b);
+            let rail: Vec<[f64; 2]> = along.iter().map(|u| [*u, c]).collect();
+            let back = along.iter().rev().map(|u| [*u, d]);
+            let loops = vec![rail.into_iter().chain(back).collect()];
+            Ok(PanelPatch { name: plain(&s.name), surface, loops, corners: vec![[a, c], [b, c], [b, d], [a, d]] })
+        }
+        WrittenBase::Plane { point, normal } => {
+            let vertices: Vec<Vec3> = s.sides.iter().map(|e| Vec3::from(e.vertices[usize::from(!e.forward)])).collect();
+            plane_panel(&plain(&s.name), Vec3::from(*point), Vec3::from(*normal), &vertices)
+                .ok_or_else(|| named("the plane has no corners".into()))
+        }
+    }
+}
+
+/// Points on a rail from knot to knot.
+const RAIL: usize = 24;
+
+/// A plane polygon as a panel.
+fn plane_panel(name: &str, point: Vec3, normal: Vec3, vertices: &[Vec3]) -> Option<PanelPatch> {
+    let z = normal.try_normalize(0.0)?;
+    let x = (vertices.get(1)? - vertices.first()?).try_normalize(0.0)?;
+    let x = (x - z * z.dot(&x)).try_normalize(0.0)?;
+    let frame = Frame { origin: point, x, y: z.cross(&x), z };
+    let local: Vec<[f64; 2]> = vertices.iter().map(|v| frame.to_local(v)).map(|q| [q.x, q.y]).collect();
+    let span =
+        |k: usize| local.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |b, p| [b[0].min(p[k]), b[1].max(p[k])]);
+    let ([a, b], [c, d]) = (span(0), span(1));
+    let corner = |x: f64, y: f64| frame.to_world(&Vec3::new(x, y, 0.0));
+    let points = [corner(a, c), corner(a, d), corner(b, c), corner(b, d)];
+    let knots = |lo: f64, hi: f64| Knots::clamped(1, &[lo, hi]).ok();
+    let surface = Surface::new(knots(a, b)?, knots(c, d)?, &points, None).ok()?;
+    Some(PanelPatch { name: name.into(), surface, loops: vec![local.clone()], corners: local })
+}
+
+/// The panels of a part laid onto its outline in all ways that fit, the best first.
+///
+/// # Errors
+/// In plain words: panels that are missing or cannot be laid flat, outlines that differ.
+pub fn atlases(
+    folder: &ResultFolder,
+    panels: &Panels,
+    part: &ResultPart,
+    flat: &FlatPart,
+) -> Result<Vec<Atlas>, String> {
+    let missing = |name: &String| format!("its panel {name} is not in the file of panels");
+    let atlas = match panels {
+        Panels::Strips(all) => {
+            let own: Result<Vec<PanelPatch>, String> =
+                part.record.panels.iter().map(|n| all.get(n).cloned().ok_or_else(|| missing(n))).collect();
+            Atlas::developed(own?)
+        }
+        Panels::Faces(all) => {
+            let own: Result<Vec<Face>, String> =
+                part.record.panels.iter().map(|n| all.get(n).cloned().ok_or_else(|| missing(n))).collect();
+            let own = own?;
+            match folder.report.job.as_str() {
+                "approximate" => Atlas::developed(own.iter().map(of_face).collect()),
+                _ => {
+                    let thickness = sheet::thickness(&flat.bends);
+                    Atlas::unfolded(&own, &neutral(flat, thickness), thickness)
+                }
+            }
+        }
+    };
+    let found = atlas.and_then(|a| a.aligned(flat)).map_err(|e| e.to_string())?;
+    Ok(found)
+}
+
+/// Shares of the neutral fibre over inside radius and thickness, as the table has them.
+fn neutral(part: &FlatPart, thickness: f64) -> KFactor {
+    let mut rows: Vec<[f64; 2]> = part
+        .bends
+        .iter()
+        .filter(|b| b.inside_radius.is_finite() && thickness > 0.0)
+        .map(|b| [b.inside_radius / thickness, b.k])
+        .collect();
+    rows.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    rows.dedup_by(|a, b| (a[0] - b[0]).abs() <= SAME_RATIO);
+    if rows.is_empty() {
+        KFactor::default()
+    } else {
+        KFactor::Table(rows)
+    }
+}
+
+/// Ratios of radius and thickness that are one: what the table prints.
+const SAME_RATIO: f64 = 1e-3;

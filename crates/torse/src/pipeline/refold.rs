@@ -1,0 +1,234 @@
+//! The job of `torse refold`: a result read back, bent back, and compared with the part in space.
+
+use super::part_atlas::{atlases, flat_part, panels, refolded};
+use super::refold_step::surfaces;
+use crate::brep::project::SurfaceProjector;
+use crate::develop::refold::atlas::Atlas;
+use crate::develop::refold::compare::{compare, samples, Comparison};
+use crate::develop::refold::drawn::FlatPart;
+use crate::develop::refold::leaf::Refolded;
+use crate::develop::refold::mesh::mesh;
+use crate::draw::scene::{PanelShape, Scene};
+use crate::geom::placement::Placement;
+use crate::geom::Vec3;
+use crate::io::glb;
+use crate::io::refold_report::{RefoldPart, RefoldReport, SCHEMA};
+use crate::io::result_folder::{read, FolderError, ResultFolder, ResultPart};
+use crate::io::step::write::{self as step, Header, Sheet};
+use crate::Model;
+use rayon::prelude::*;
+
+/// Names of the files of the job.
+pub const FILES: [&str; 3] = ["refold.json", "refolded.glb", "refolded.step"];
+
+/// A part that was bent back.
+#[derive(Clone, Debug)]
+pub struct PartAnswer {
+    /// Name.
+    pub name: String,
+    /// The drawing.
+    pub flat: FlatPart,
+    /// The part bent back, where the drawing has its origin.
+    pub refolded: Refolded,
+    /// Against the panels; the reason where that could not be.
+    pub compared: Result<Comparison, String>,
+    /// The same from the printed digits of the tables alone.
+    pub printed: Option<Comparison>,
+    /// Distance of the panels' corners from the outline drawn, mm.
+    pub alignment: f64,
+}
+
+/// The answer.
+#[derive(Clone, Debug)]
+pub struct RefoldAnswer {
+    /// What was read.
+    pub folder: ResultFolder,
+    /// Parts bent back.
+    pub parts: Vec<PartAnswer>,
+    /// Parts that could not be, with the reason.
+    pub left: Vec<(String, String)>,
+    /// What was noticed.
+    pub notes: Vec<String>,
+    /// Name of the model that parts were compared with, and their largest distances from it, in the order of the parts.
+    pub against: Option<(String, Vec<f64>)>,
+}
+
+/// Bends all parts of a result back. `file` answers the bytes of its files by name.
+///
+/// # Errors
+/// See [`FolderError`]; what concerns single parts stands in the answer.
+pub fn refold(file: &(dyn Fn(&str) -> Option<Vec<u8>> + Sync)) -> Result<RefoldAnswer, FolderError> {
+    let folder = read(file)?;
+    let in_space = panels(file, &folder.report.job);
+    let made: Vec<_> = folder
+        .parts
+        .par_iter()
+        .map(|p| {
+            let flat = flat_part(p, true);
+            let back = refolded(&flat).map_err(|e| (p.record.name.clone(), e.to_string()))?;
+            let found = match &in_space {
+                Ok(all) => atlases(&folder, all, p, &flat),
+                Err(e) => Err(e.clone()),
+            };
+            Ok(answer(p, flat, back, found))
+        })
+        .collect();
+    let mut left = folder.left.clone();
+    let mut parts = Vec::new();
+    for m in made {
+        match m {
+            Ok(p) => parts.push(p),
+            Err(e) => left.push(e),
+        }
+    }
+    Ok(RefoldAnswer { notes: folder.notes.clone(), folder, parts, left, against: None })
+}
+
+fn answer(part: &ResultPart, flat: FlatPart, refolded: Refolded, found: Result<Vec<Atlas>, String>) -> PartAnswer {
+    let mut out = PartAnswer {
+        name: part.record.name.clone(),
+        compared: Err("no sample is on both".into()),
+        printed: None,
+        alignment: f64::NAN,
+        flat,
+        refolded,
+    };
+    match found {
+        Err(e) => out.compared = Err(e),
+        Ok(all) => {
+            if let Some((atlas, c)) = best(&out.flat, &out.refolded, &all) {
+                out.alignment = atlas.alignment;
+                let printed = flat_part(part, false);
+                out.printed = super::part_atlas::refolded(&printed).ok().and_then(|r| compare(&printed, &r, atlas));
+                out.compared = Ok(c);
+            }
+        }
+    }
+    out
+}
+
+/// Of several ways to lay the panels onto an outline the one that the bends agree with.
+pub fn best<'a>(flat: &FlatPart, refolded: &Refolded, all: &'a [Atlas]) -> Option<(&'a Atlas, Comparison)> {
+    let mut out: Option<(&Atlas, Comparison)> = None;
+    for a in all {
+        let Some(c) = compare(flat, refolded, a) else { continue };
+        // Ways that differ by rounding only: the first, whose outline begins where the panels do.
+        let clear = out.as_ref().is_none_or(|b| c.matched_mean_estimate < 0.9 * b.1.matched_mean_estimate);
+        if clear {
+            out = Some((a, c));
+        }
+    }
+    out
+}
+
+impl RefoldAnswer {
+    /// Measures how far the refolded parts are from the faces of a model, in the place that their panels have: samples of the
+    /// refolded parts against the model's surfaces, whole where trims are.
+    pub fn compare_with(&mut self, name: &str, model: &Model) {
+        let projectors: Vec<SurfaceProjector> =
+            model.faces.par_iter().map(|f| SurfaceProjector::new(&f.surface)).collect();
+        let far = |x: &Vec3| {
+            let each = model.faces.iter().zip(&projectors).map(|(f, p)| p.nearest(&f.surface, x).distance);
+            each.fold(f64::INFINITY, f64::min)
+        };
+        let of = |p: &PartAnswer| {
+            let Ok(c) = &p.compared else { return f64::NAN };
+            let all = samples(&p.flat);
+            let places = all.par_iter().step_by(THINNED).filter_map(|q| p.refolded.locate(q));
+            places.map(|s| far(&c.motion.point(&p.refolded.frame(&s).0))).reduce(|| 0.0, f64::max)
+        };
+        self.against = Some((name.into(), self.parts.iter().map(of).collect()));
+    }
+
+    /// The answer as data.
+    pub fn report(&self) -> RefoldReport {
+        let mut left: Vec<[String; 2]> = self.left.iter().map(|(n, r)| [n.clone(), r.clone()]).collect();
+        let mut parts = Vec::new();
+        for (k, p) in self.parts.iter().enumerate() {
+            match &p.compared {
+                Err(reason) => left.push([p.name.clone(), format!("bent back, but not compared: {reason}")]),
+                Ok(c) => parts.push(RefoldPart {
+                    name: p.name.clone(),
+                    method: p.refolded.method.into(),
+                    lines: p.flat.lines.len(),
+                    matched_estimate: c.matched_estimate,
+                    matched_mean_estimate: c.matched_mean_estimate,
+                    distance_estimate: c.distance_estimate,
+                    printed_estimate: p.printed.as_ref().map(|c| c.matched_estimate),
+                    disagreement_deg: p.refolded.disagreement.to_degrees(),
+                    alignment: p.alignment,
+                    worst: [c.worst.x, c.worst.y],
+                    samples: c.samples,
+                    model_distance_estimate: self.against.as_ref().map(|a| a.1[k]),
+                }),
+            }
+        }
+        let finite = |x: &f64| x.is_finite();
+        RefoldReport {
+            schema: SCHEMA.into(),
+            job: self.folder.report.job.clone(),
+            input: self.folder.report.input.clone(),
+            against: self.against.as_ref().map_or_else(String::new, |a| a.0.clone()),
+            model_distance_estimate: self
+                .against
+                .as_ref()
+                .and_then(|a| a.1.iter().copied().filter(finite).reduce(f64::max)),
+            parts,
+            left,
+            notes: self.notes.clone(),
+        }
+    }
+
+    /// All files of the job: report, model for viewers, surfaces for CAD. `time` stamps the STEP header.
+    ///
+    /// # Errors
+    /// In plain words: outlines that cannot be triangulated, numbers that a format cannot hold.
+    pub fn files(&self, time: &str) -> Result<Vec<(String, Vec<u8>)>, String> {
+        let shape = |p: &PartAnswer| {
+            let motion = p.compared.as_ref().map_or_else(|_| Placement::identity(), |c| c.motion);
+            let (mesh, borders) = mesh(&p.refolded, &motion).map_err(|e| format!("{}: {e}", p.name))?;
+            Ok(PanelShape { name: p.name.clone(), mesh, rulings: Vec::new(), borders, marked: false })
+        };
+        let made: Vec<Result<PanelShape, String>> = self.parts.par_iter().map(shape).collect();
+        let mut report = self.report();
+        let mut scene = Scene::default();
+        for shape in made {
+            match shape {
+                Ok(s) => scene.panels.push(s),
+                Err(e) => report.notes.push(format!("not in {}: {e}", FILES[1])),
+            }
+        }
+        let limit = self.folder.report.tolerance;
+        let glb = glb::write(&scene, limit).map_err(|e| e.to_string())?;
+        let mut sheets: Vec<Sheet> = Vec::new();
+        for p in &self.parts {
+            let motion = p.compared.as_ref().map_or_else(|_| Placement::identity(), |c| c.motion);
+            let made = surfaces(&p.name, &p.refolded, &motion);
+            if made.len() < p.refolded.leaves.len() {
+                report.notes.push(format!(
+                    "{}: {} of {} regions are not in {}",
+                    p.name,
+                    p.refolded.leaves.len() - made.len(),
+                    p.refolded.leaves.len(),
+                    FILES[2]
+                ));
+            }
+            sheets.extend(made);
+        }
+        let json = report.to_json().map_err(|e| e.to_string())?;
+        let header = Header {
+            name: format!("{} refolded", self.folder.report.input),
+            time: time.into(),
+            uncertainty: UNCERTAINTY,
+        };
+        let mut step = Vec::new();
+        step::sheets(&mut step, &header, &sheets).map_err(|e| e.to_string())?;
+        let [report, model, cad] = FILES.map(String::from);
+        Ok(vec![(report, json.into_bytes()), (model, glb), (cad, step)])
+    }
+}
+
+/// Of the samples of a part every so many are compared with a model.
+const THINNED: usize = 4;
+/// Distance (mm) within which edges of the refolded surfaces meet these.
+const UNCERTAINTY: f64 = 1e-3;

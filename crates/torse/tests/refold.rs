@@ -1,0 +1,129 @@
+//! Results of the library's own jobs bent back and used to carry artwork.
+
+use std::collections::HashMap;
+use torse::geom::Vec3;
+use torse::io::artwork::{read, Artwork};
+use torse::io::result_folder::FolderError;
+use torse::pipeline::map_artwork::{read_map, MapError, Side};
+use torse::pipeline::refold::refold;
+use torse::torse::rail::Rail;
+use torse::{Control, Loft};
+
+type Files = HashMap<String, Vec<u8>>;
+
+/// The files of a quarter of a cone between two arcs.
+fn cone() -> Files {
+    let arc = |r: f64, z: f64| -> Vec<Vec3> {
+        (0..=24).map(|k| f64::from(k) / 24.0 * 1.5).map(|a| Vec3::new(r * a.cos(), r * a.sin(), z)).collect()
+    };
+    let rail = |name: &str, r: f64, z: f64| Rail::through(name, &arc(r, z)).expect("a rail");
+    let mut answer =
+        torse::loft(&rail("low", 200.0, 0.0), &rail("high", 120.0, 150.0), &Loft::new(0.1), &Control::default())
+            .expect("a strip");
+    torse::files(&mut answer, "2026-01-31T12:00:00").expect("files").into_iter().collect()
+}
+
+fn text(files: &Files, name: &str) -> String {
+    String::from_utf8(files[name].clone()).expect("text")
+}
+
+fn matched(files: &Files) -> f64 {
+    let answer = refold(&|n| files.get(n).cloned()).expect("an answer");
+    answer.report().parts.iter().map(|p| p.matched_estimate).fold(0.0, f64::max)
+}
+
+#[test]
+fn a_cone_is_bent_back_onto_itself_and_written() {
+    let files = cone();
+    let answer = refold(&|n| files.get(n).cloned()).expect("an answer");
+    let report = answer.report();
+    assert_eq!((report.parts.len(), report.left.len()), (1, 0), "{report:?}");
+    let p = &report.parts[0];
+    assert!(p.distance_estimate <= p.matched_estimate && p.matched_estimate < 0.05, "{p:?}");
+    let made = answer.files("2026-01-31T12:00:00").expect("files");
+    let step = &made.iter().find(|f| f.0 == "refolded.step").expect("surfaces").1;
+    let back = torse::read_step(step).expect("a model");
+    assert_eq!(back.faces.len(), 1);
+    let json: serde_json::Value = serde_json::from_slice(&made[0].1).expect("a report");
+    assert_eq!(json["schema"], "torse-refold/1");
+}
+
+#[test]
+fn a_table_that_bends_otherwise_is_found_out() {
+    let right = matched(&cone());
+    // Smaller angles and larger radii are no part of the panels.
+    let mut files = cone();
+    let rows: Vec<String> = text(&files, "bends.csv")
+        .lines()
+        .enumerate()
+        .map(|(k, l)| {
+            let mut c: Vec<String> = l.split(',').map(String::from).collect();
+            if k > 0 {
+                for (i, f) in [(4, 0.9), (5, 1.0 / 0.9), (6, 1.0 / 0.9)] {
+                    c[i] = format!("{:.4}", c[i].parse::<f64>().expect("a number") * f);
+                }
+            }
+            c.join(",")
+        })
+        .collect();
+    files.insert("bends.csv".into(), (rows.join("\n") + "\n").into_bytes());
+    assert!(matched(&files) > right + 1.0);
+}
+
+#[test]
+fn damaged_files_are_named_and_drawings_replace_each_other() {
+    let whole = cone();
+    let mut files = whole.clone();
+    files.remove("bends.csv");
+    let e = refold(&|n| files.get(n).cloned()).expect_err("no table").to_string();
+    assert!(e.contains("bends.csv is missing"), "{e}");
+    let mut files = whole.clone();
+    let cut = files["patterns.dxf"].len() / 2;
+    files.get_mut("patterns.dxf").expect("a drawing").truncate(cut);
+    let answer = refold(&|n| files.get(n).cloned()).expect("an answer");
+    assert!(answer.notes.iter().any(|n| n.contains("patterns.dxf is damaged")), "{:?}", answer.notes);
+    assert!(answer.report().parts[0].matched_estimate < 0.05);
+    files.remove("patterns.svg");
+    assert!(matches!(refold(&|n| files.get(n).cloned()), Err(FolderError::File { file: "patterns.dxf", .. })));
+    let mut files = whole;
+    files.remove("panels.step");
+    let answer = refold(&|n| files.get(n).cloned()).expect("an answer");
+    assert!(answer.report().left[0][1].contains("panels.step is missing"));
+}
+
+#[test]
+fn points_and_curves_go_there_and_back() {
+    let files = cone();
+    let file = |n: &str| files.get(n).cloned();
+    let map = read_map(&file, None, None).expect("a map");
+    let space: Vec<(usize, Vec3)> = (1..9)
+        .map(|k| {
+            // On the cone, in the middle of its height.
+            let a = 0.15 * k as f64;
+            (k, Vec3::new(160.0 * a.cos(), 160.0 * a.sin(), 75.0))
+        })
+        .chain([(9, Vec3::new(500.0, 0.0, 0.0))])
+        .collect();
+    let flat = map.points(&space, Side::Flat);
+    assert!(flat[..8].iter().all(|r| r.part == map.parts[0].name && r.distance < 0.1), "{flat:?}");
+    assert!(flat[8].place.is_none() && (flat[8].distance - 300.0).abs() < 0.1, "{:?}", flat[8]);
+    // Neighbours keep their distance along the cone.
+    let slant = 160.0 * 0.15;
+    let step = (flat[1].place.expect("a place") - flat[0].place.expect("a place")).norm();
+    assert!((step - slant).abs() < 0.1, "{step} {slant}");
+    let there: Vec<(usize, Vec3)> = flat[..8].iter().map(|r| (r.line, r.place.expect("a place"))).collect();
+    for (r, x) in map.points(&there, Side::Space).iter().zip(&space) {
+        assert!((r.place.expect("a place") - x.1).norm() < 0.1);
+        assert!(r.distance < 1e-6);
+    }
+    // A line across the whole drawing leaves the part at its edges.
+    let all: Vec<Vec3> = there.iter().map(|p| p.1).collect();
+    let way = (all[7] - all[0]).normalize() * 1000.0;
+    let rail = Rail::polyline("line", &[all[0] - way, all[0] + way]).expect("a rail");
+    let pieces = map.curve(&rail, Side::Space);
+    assert!(!pieces.pieces.is_empty() && pieces.off > 100.0);
+    let drawn = torse::io::artwork::dxf(&pieces.pieces, false);
+    assert!(matches!(read("a.dxf", &drawn, 1.0), Ok(Artwork::Curves(c, _)) if !c.is_empty()));
+    let unknown = read_map(&file, Some("Z"), None).expect_err("no such part");
+    assert!(matches!(&unknown, MapError::Part { known, .. } if *known == map.parts[0].name));
+}
