@@ -8,7 +8,7 @@ use crate::quantity::{
     ball, bend_step, direction, entity, positive_count, positive_length, positive_share, positive_time, section, sheet,
     smooth_angle, two_numbers, two_shares, unit_of_length, zone, Length, Section,
 };
-pub use back::{Map, Refold, To};
+pub use back::{Info, Map, Refold, To};
 use clap::{Args, Parser, Subcommand};
 pub use flat::{Shape, Unroll, K};
 use std::path::{Path, PathBuf};
@@ -777,16 +777,6 @@ pub enum HeldPoints {
     Second,
     /// The first and the last ruling
     Ends,
-}
-
-/// Arguments of `info`.
-#[derive(Args, Debug)]
-#[command(after_help = "Example:
-  torse info hull.step")]
-pub struct Info {
-    /// STEP (AP203, AP214, AP242), IGES or Rhino file (3DM)
-    #[arg(value_name = "FILE")]
-    pub file: PathBuf,
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! Arguments of `refold` and `map`, which read results.
+//! Arguments of `refold` and `map`, which read results, and of `info`.
 
 use crate::quantity::{positive_length, unit_of_length, Length};
 use clap::{Args, ValueEnum};
@@ -90,4 +90,14 @@ pub struct Map {
     /// Unit of artwork that does not say its own: mm, cm, m, in, ft [default: mm]
     #[arg(long, value_name = "UNIT", value_parser = unit_of_length)]
     pub unit: Option<f64>,
+}
+
+/// Arguments of `info`.
+#[derive(Args, Debug)]
+#[command(after_help = "Example:
+  torse info hull.step")]
+pub struct Info {
+    /// STEP (AP203, AP214, AP242), IGES or Rhino file (3DM)
+    #[arg(value_name = "FILE")]
+    pub file: PathBuf,
 }
