@@ -3,10 +3,8 @@
 use crate::args::Refold;
 use crate::failure::Failure;
 use crate::folder::Output;
-use crate::input::{contents, stem};
 use crate::job::fault;
 use crate::terminal::Terminal;
-use crate::wiring;
 use std::io::Write as _;
 use std::path::Path;
 use torse::pipeline::refold::refold;
@@ -25,27 +23,19 @@ pub fn file_of(folder: &Path) -> Result<impl Fn(&str) -> Option<Vec<u8>> + Sync 
 /// Runs the job; `Ok(true)` means that no part was left out.
 pub fn run(arguments: &Refold) -> Result<bool, Failure> {
     let folder = &arguments.folder;
-    let model = match &arguments.against {
-        Some(file) => Some((stem(file), wiring::read(&file.display().to_string(), &contents(file)?)?)),
-        None => None,
-    };
     let file = file_of(folder)?;
     let output = Output::prepare(&arguments.out, &folder.join("report.json"), arguments.force)?;
     let terminal = Terminal::new(arguments.quiet, None)?;
     terminal.guard(Some(output.workspace().to_path_buf()));
     terminal.say("bending back");
-    let mut answer = refold(&file).map_err(|e| {
+    let answer = refold(&file).map_err(|e| {
         Failure::new(
             format!("{}: {e}", folder.display()),
             "give a folder as another command wrote it, with all its files",
         )
     })?;
-    if let Some((name, model)) = &model {
-        terminal.say("comparing");
-        answer.compare_with(name, model);
-    }
     terminal.say("writing");
-    for (name, bytes) in answer.files(&crate::clock::stamp()).map_err(|e| fault(&std::io::Error::other(e)))? {
+    for (name, bytes) in answer.files().map_err(|e| fault(&std::io::Error::other(e)))? {
         output.write(&name, &bytes)?;
     }
     terminal.guard(None);

@@ -29,15 +29,14 @@ fn a_result_is_bent_back_and_carries_points() {
     let (made, back) = (folder.join("made"), folder.join("back"));
     let run = torse(&["approximate", path(&model), "-t", "0.5mm", "-o", path(&made), "-q"]);
     assert!(run.status.success(), "{}", text(&run.stderr));
-    let run = torse(&["refold", path(&made), "-o", path(&back), "--against", path(&model)]);
+    let run = torse(&["refold", path(&made), "-o", path(&back)]);
     assert!(run.status.success(), "{}", text(&run.stderr));
     assert!(text(&run.stdout).contains("1 of 1 parts bent back"), "{}", text(&run.stdout));
     let report: serde_json::Value =
         serde_json::from_slice(&std::fs::read(back.join("refold.json")).expect("a report")).expect("JSON");
     let part = &report["parts"][0];
     assert!(part["matched_estimate"].as_f64().is_some_and(|x| x < 0.01), "{part}");
-    assert!(part["model_distance_estimate"].as_f64().is_some_and(|x| x < 0.5), "{part}");
-    assert!(back.join("refolded.glb").is_file() && back.join("refolded.step").is_file());
+    assert!(back.join("refolded.glb").is_file());
 
     let points = folder.join("points.csv");
     std::fs::write(&points, "x,y\n300,200\n-5000,0\n").expect("written");

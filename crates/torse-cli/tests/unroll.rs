@@ -35,6 +35,10 @@ fn a_pipe_is_unrolled_with_its_proof_and_its_tables() {
     assert!(
         read("parts.csv").lines().count() == 2 && out.join("panels.igs").is_file() && out.join("panels.3dm").is_file()
     );
+    // A line every 5°, whole or in pieces beside a hole: each turns by that.
+    let turns: Vec<String> =
+        read("bends.csv").lines().skip(1).filter_map(|l| l.split(',').nth(4).map(String::from)).collect();
+    assert!(turns.len() > 72 && turns.iter().all(|t| t == "5.0000"), "{turns:?}");
     let alone = std::fs::read_dir(&out).expect("a folder").flatten();
     assert_eq!(alone.filter(|f| f.file_name().to_string_lossy().starts_with("part-")).count(), 1);
     // What was written as IGES and for Rhino is read again.

@@ -40,10 +40,8 @@ fn a_cone_is_bent_back_onto_itself_and_written() {
     assert_eq!((report.parts.len(), report.left.len()), (1, 0), "{report:?}");
     let p = &report.parts[0];
     assert!(p.distance_estimate <= p.matched_estimate && p.matched_estimate < 0.05, "{p:?}");
-    let made = answer.files("2026-01-31T12:00:00").expect("files");
-    let step = &made.iter().find(|f| f.0 == "refolded.step").expect("surfaces").1;
-    let back = torse::read_step(step).expect("a model");
-    assert_eq!(back.faces.len(), 1);
+    let made = answer.files().expect("files");
+    assert!(made.iter().any(|f| f.0 == "refolded.glb" && f.1.starts_with(b"glTF")));
     let json: serde_json::Value = serde_json::from_slice(&made[0].1).expect("a report");
     assert_eq!(json["schema"], "torse-refold/1");
 }

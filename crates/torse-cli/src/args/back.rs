@@ -8,13 +8,12 @@ use std::path::PathBuf;
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:
   torse refold hull-panels --out hull-refolded
-  torse refold flat --out check --against bracket.step
 
 Reads only what another command wrote into the folder: report.json, patterns.dxf (or patterns.svg), bends.csv, bend_table.csv
 and panels.step. Bends every flat part back from its drawing and its bend tables and measures how far it is from its panels
 in space after the best rigid motion. What is told is measured at samples, not proven.
 
-Written into the output folder: refold.json, refolded.glb, refolded.step.
+Written into the output folder: refold.json, refolded.glb.
 
 Exit status: 0 all parts bent back and compared, 2 bad input or usage, 3 some parts left out.")]
 pub struct Refold {
@@ -29,10 +28,6 @@ pub struct Refold {
     /// Replace the files of an earlier result in that folder; everything else in it is kept
     #[arg(long)]
     pub force: bool,
-
-    /// Also measure the distance from the faces of this model: STEP, IGES or Rhino file (3DM)
-    #[arg(long, value_name = "MODEL")]
-    pub against: Option<PathBuf>,
 
     /// Print nothing but errors
     #[arg(short, long)]

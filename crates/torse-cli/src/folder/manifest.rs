@@ -22,7 +22,7 @@ const REPORT_SCHEMAS: [&str; 2] = ["torse-report/", "torse-strips/"];
 const SAME_TIME: Duration = Duration::from_secs(2);
 
 /// Every name that a result's file can have; files of cones made beside panels have `cones-` before it.
-const RESULT_NAMES: [&str; 30] = [
+const RESULT_NAMES: [&str; 29] = [
     MANIFEST,
     REPORT,
     "report.html",
@@ -52,7 +52,6 @@ const RESULT_NAMES: [&str; 30] = [
     "deviation.ply",
     "refold.json",
     "refolded.glb",
-    "refolded.step",
 ];
 
 /// Whether a result can have a file of this name.

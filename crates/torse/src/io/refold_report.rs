@@ -15,10 +15,8 @@ pub struct RefoldReport {
     pub job: String,
     /// Its input.
     pub input: String,
-    /// The model that refolded parts were compared with besides their panels; empty if there is none.
-    pub against: String,
-    /// Largest distance of a refolded part from the model, where it is compared with one.
-    pub model_distance_estimate: Option<f64>,
+    /// Tolerance of the result.
+    pub tolerance: f64,
     /// Parts.
     pub parts: Vec<RefoldPart>,
     /// Parts that could not be bent back or compared, with the reason.
@@ -52,8 +50,6 @@ pub struct RefoldPart {
     pub worst: [f64; 2],
     /// Samples compared.
     pub samples: usize,
-    /// Largest distance of the part from the model, where it is compared with one.
-    pub model_distance_estimate: Option<f64>,
 }
 
 impl RefoldReport {
@@ -82,9 +78,12 @@ impl RefoldReport {
                 number(p.matched_estimate),
                 p.printed_estimate.map_or_else(|| "unknown".into(), number),
             );
-            if let Some(d) = p.model_distance_estimate {
-                _ = writeln!(out, "    within {} mm of {}", number(d), self.against);
-            }
+        }
+        if self.parts.iter().any(|p| p.matched_estimate > self.tolerance) {
+            out.push_str(
+                "  Parts beyond the tolerance of the result may still be right: between the lines that are drawn the turn of the \
+                 sheet is not in the files. More lines (--bend-step) bring them nearer.\n",
+            );
         }
         for [name, reason] in &self.left {
             _ = writeln!(out, "  left out: {name}: {reason}");

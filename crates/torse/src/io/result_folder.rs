@@ -6,7 +6,8 @@ use crate::geom::Vec2;
 use crate::io::drawings;
 use crate::io::json::{PartRecord, Report, SCHEMA};
 use crate::patchwork::pattern::{Bend, BendSense};
-use crate::patchwork::written::{WrittenArc, WrittenPiece};
+use crate::patchwork::written::{WrittenArc, WrittenContour, WrittenPiece};
+use std::f64::consts::TAU;
 use std::ops::Range;
 
 /// Why a folder cannot be used at all.
@@ -260,7 +261,16 @@ fn exact(record: &PartRecord, table: &[TableLine], mm: f64) -> Option<Vec<Bend>>
 }
 
 /// An outline in mm.
-fn contour(joints: &[crate::patchwork::written::WrittenJoint], mm: f64) -> Vec<(Vec2, f64)> {
+fn contour(written: &WrittenContour, mm: f64) -> Vec<(Vec2, f64)> {
+    let joints = match written {
+        WrittenContour::Joints(joints) => joints,
+        // A hole, clockwise, in three arcs.
+        WrittenContour::Circle { centre, radius } => {
+            let third = |k: usize| -TAU * k as f64 / 3.0;
+            let at = |k: usize| centre + Vec2::new(third(k).cos(), third(k).sin()) * *radius;
+            return (0..3).map(|k| (at(k) * mm, -(TAU / 12.0).tan())).collect();
+        }
+    };
     (0..joints.len())
         .map(|k| {
             let (a, b) = (joints[k].point, joints[(k + 1) % joints.len()].point);

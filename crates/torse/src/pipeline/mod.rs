@@ -14,7 +14,6 @@ pub mod net;
 pub mod part_atlas;
 pub mod planarise;
 pub mod refold;
-pub mod refold_step;
 pub mod select;
 pub mod shape;
 pub mod sweep;

@@ -1,25 +1,20 @@
 //! The job of `torse refold`: a result read back, bent back, and compared with the part in space.
 
 use super::part_atlas::{atlases, flat_part, panels, refolded};
-use super::refold_step::surfaces;
-use crate::brep::project::SurfaceProjector;
 use crate::develop::refold::atlas::Atlas;
-use crate::develop::refold::compare::{compare, samples, Comparison};
+use crate::develop::refold::compare::{compare, Comparison};
 use crate::develop::refold::drawn::FlatPart;
 use crate::develop::refold::leaf::Refolded;
 use crate::develop::refold::mesh::mesh;
 use crate::draw::scene::{PanelShape, Scene};
 use crate::geom::placement::Placement;
-use crate::geom::Vec3;
 use crate::io::glb;
 use crate::io::refold_report::{RefoldPart, RefoldReport, SCHEMA};
 use crate::io::result_folder::{read, FolderError, ResultFolder, ResultPart};
-use crate::io::step::write::{self as step, Header, Sheet};
-use crate::Model;
 use rayon::prelude::*;
 
 /// Names of the files of the job.
-pub const FILES: [&str; 3] = ["refold.json", "refolded.glb", "refolded.step"];
+pub const FILES: [&str; 2] = ["refold.json", "refolded.glb"];
 
 /// A part that was bent back.
 #[derive(Clone, Debug)]
@@ -49,8 +44,6 @@ pub struct RefoldAnswer {
     pub left: Vec<(String, String)>,
     /// What was noticed.
     pub notes: Vec<String>,
-    /// Name of the model that parts were compared with, and their largest distances from it, in the order of the parts.
-    pub against: Option<(String, Vec<f64>)>,
 }
 
 /// Bends all parts of a result back. `file` answers the bytes of its files by name.
@@ -81,7 +74,7 @@ pub fn refold(file: &(dyn Fn(&str) -> Option<Vec<u8>> + Sync)) -> Result<RefoldA
             Err(e) => left.push(e),
         }
     }
-    Ok(RefoldAnswer { notes: folder.notes.clone(), folder, parts, left, against: None })
+    Ok(RefoldAnswer { notes: folder.notes.clone(), folder, parts, left })
 }
 
 fn answer(part: &ResultPart, flat: FlatPart, refolded: Refolded, found: Result<Vec<Atlas>, String>) -> PartAnswer {
@@ -122,29 +115,11 @@ pub fn best<'a>(flat: &FlatPart, refolded: &Refolded, all: &'a [Atlas]) -> Optio
 }
 
 impl RefoldAnswer {
-    /// Measures how far the refolded parts are from the faces of a model, in the place that their panels have: samples of the
-    /// refolded parts against the model's surfaces, whole where trims are.
-    pub fn compare_with(&mut self, name: &str, model: &Model) {
-        let projectors: Vec<SurfaceProjector> =
-            model.faces.par_iter().map(|f| SurfaceProjector::new(&f.surface)).collect();
-        let far = |x: &Vec3| {
-            let each = model.faces.iter().zip(&projectors).map(|(f, p)| p.nearest(&f.surface, x).distance);
-            each.fold(f64::INFINITY, f64::min)
-        };
-        let of = |p: &PartAnswer| {
-            let Ok(c) = &p.compared else { return f64::NAN };
-            let all = samples(&p.flat);
-            let places = all.par_iter().step_by(THINNED).filter_map(|q| p.refolded.locate(q));
-            places.map(|s| far(&c.motion.point(&p.refolded.frame(&s).0))).reduce(|| 0.0, f64::max)
-        };
-        self.against = Some((name.into(), self.parts.iter().map(of).collect()));
-    }
-
     /// The answer as data.
     pub fn report(&self) -> RefoldReport {
         let mut left: Vec<[String; 2]> = self.left.iter().map(|(n, r)| [n.clone(), r.clone()]).collect();
         let mut parts = Vec::new();
-        for (k, p) in self.parts.iter().enumerate() {
+        for p in &self.parts {
             match &p.compared {
                 Err(reason) => left.push([p.name.clone(), format!("bent back, but not compared: {reason}")]),
                 Ok(c) => parts.push(RefoldPart {
@@ -159,31 +134,25 @@ impl RefoldAnswer {
                     alignment: p.alignment,
                     worst: [c.worst.x, c.worst.y],
                     samples: c.samples,
-                    model_distance_estimate: self.against.as_ref().map(|a| a.1[k]),
                 }),
             }
         }
-        let finite = |x: &f64| x.is_finite();
         RefoldReport {
             schema: SCHEMA.into(),
             job: self.folder.report.job.clone(),
             input: self.folder.report.input.clone(),
-            against: self.against.as_ref().map_or_else(String::new, |a| a.0.clone()),
-            model_distance_estimate: self
-                .against
-                .as_ref()
-                .and_then(|a| a.1.iter().copied().filter(finite).reduce(f64::max)),
+            tolerance: self.folder.report.tolerance,
             parts,
             left,
             notes: self.notes.clone(),
         }
     }
 
-    /// All files of the job: report, model for viewers, surfaces for CAD. `time` stamps the STEP header.
+    /// All files of the job: report and model for viewers.
     ///
     /// # Errors
     /// In plain words: outlines that cannot be triangulated, numbers that a format cannot hold.
-    pub fn files(&self, time: &str) -> Result<Vec<(String, Vec<u8>)>, String> {
+    pub fn files(&self) -> Result<Vec<(String, Vec<u8>)>, String> {
         let shape = |p: &PartAnswer| {
             let motion = p.compared.as_ref().map_or_else(|_| Placement::identity(), |c| c.motion);
             let (mesh, borders) = mesh(&p.refolded, &motion).map_err(|e| format!("{}: {e}", p.name))?;
@@ -200,35 +169,8 @@ impl RefoldAnswer {
         }
         let limit = self.folder.report.tolerance;
         let glb = glb::write(&scene, limit).map_err(|e| e.to_string())?;
-        let mut sheets: Vec<Sheet> = Vec::new();
-        for p in &self.parts {
-            let motion = p.compared.as_ref().map_or_else(|_| Placement::identity(), |c| c.motion);
-            let made = surfaces(&p.name, &p.refolded, &motion);
-            if made.len() < p.refolded.leaves.len() {
-                report.notes.push(format!(
-                    "{}: {} of {} regions are not in {}",
-                    p.name,
-                    p.refolded.leaves.len() - made.len(),
-                    p.refolded.leaves.len(),
-                    FILES[2]
-                ));
-            }
-            sheets.extend(made);
-        }
         let json = report.to_json().map_err(|e| e.to_string())?;
-        let header = Header {
-            name: format!("{} refolded", self.folder.report.input),
-            time: time.into(),
-            uncertainty: UNCERTAINTY,
-        };
-        let mut step = Vec::new();
-        step::sheets(&mut step, &header, &sheets).map_err(|e| e.to_string())?;
-        let [report, model, cad] = FILES.map(String::from);
-        Ok(vec![(report, json.into_bytes()), (model, glb), (cad, step)])
+        let [report, model] = FILES.map(String::from);
+        Ok(vec![(report, json.into_bytes()), (model, glb)])
     }
 }
-
-/// Of the samples of a part every so many are compared with a model.
-const THINNED: usize = 4;
-/// Distance (mm) within which edges of the refolded surfaces meet these.
-const UNCERTAINTY: f64 = 1e-3;

@@ -39,6 +39,8 @@ pub struct SheetBend {
     pub kind: BendKind,
     /// Centre lines, in parts where holes lie between: one line of a bend, several of a rolled face.
     pub lines: Vec<[Vec2; 2]>,
+    /// Rulings that the lines stand for, holes or not, which share the turn of a rolled face.
+    pub rulings: usize,
     /// Lines where the bent zone begins and ends; none for folds.
     pub extents: Vec<[Vec2; 2]>,
     /// Which way, as the piece lies before the eye.
@@ -94,6 +96,7 @@ pub fn bends(body: &Body, piece: &Piece, thickness: f64) -> Vec<SheetBend> {
         let bend = SheetBend {
             kind: BendKind::Fold,
             lines: vec![[a, b]],
+            rulings: 1,
             extents: Vec::new(),
             sense: if fold.meeting.convex { BendSense::Down } else { BendSense::Up },
             angle: fold.meeting.angle,
@@ -158,6 +161,7 @@ fn of_face(body: &Body, piece: &Piece, placed: &Placed, thickness: f64) -> Sheet
     SheetBend {
         kind,
         lines,
+        rulings: rulings.len(),
         extents,
         sense: if hollow { BendSense::Up } else { BendSense::Down },
         angle: turn,

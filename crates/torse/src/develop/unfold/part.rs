@@ -185,7 +185,7 @@ fn part(body: &Body, piece: &Piece, outlines: Vec<Outline>, (found, name): (&She
     pattern.formed = marks.into_iter().map(|o| o.contour).collect();
     pattern.extents = bends.iter().flat_map(|b| b.extents.iter().copied()).collect();
     for b in &bends {
-        let each = if b.kind == BendKind::Rolled { b.angle / b.lines.len() as f64 } else { b.angle };
+        let each = if b.kind == BendKind::Rolled { b.angle / b.rulings as f64 } else { b.angle };
         for l in &b.lines {
             pattern.rulings.push(*l);
             pattern.bends.push(Bend { sense: b.sense, angle: each, radii: [b.inside_radius; 2] });
