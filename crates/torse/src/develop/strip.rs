@@ -228,8 +228,9 @@ fn lay<'a>(strips: &[&'a Strip], index: usize, side: f64) -> Result<Vec<Laid<'a>
             let (d, to) = (laid.map(u, 1.0) - laid.map(u, 0.0), before.map(t, 1.0) - before.map(t, 0.0));
             let angle = d.perp(&to).atan2(d.dot(&to));
             laid.turn = angle.sin_cos();
-            let middle = before.map(t, 0.5);
-            laid.offset = middle - laid.map(u, 0.5);
+            // The middle between the ends: where v is one half, the weights of both rails decide.
+            let middle = |l: &Laid, u: f64| (l.map(u, 0.0) + l.map(u, 1.0)) * 0.5;
+            laid.offset = middle(before, t) - middle(&laid, u);
         }
         out.push(laid);
     }
@@ -416,6 +417,24 @@ mod tests {
         assert_eq!(p.contours[0].vertices.iter().filter(|v| v.corner).count(), 4);
         assert_eq!((p.panel, p.sides.len()), (3, 4));
         assert!(p.rulings.len() >= 19 && p.marks.len() == 14);
+    }
+
+    #[test]
+    fn strips_with_other_weights_at_their_common_ruling_do_not_slide_along_it() {
+        // The same quarter as its other half would have it: weights of one rail three times those of the other.
+        let (a, mut b) = (cone(0), cone(1));
+        for c in b.patch.control.iter_mut().skip(1).step_by(2) {
+            c.iter_mut().for_each(|x| *x *= 3.0);
+        }
+        let p = pattern(&[&a, &b], 0, "duct", &StripOptions::new(0.01)).expect("pattern");
+        let outer = 100f64.hypot(200.0);
+        let whole = pattern(&[&a, &cone(1)], 0, "duct", &StripOptions::new(0.01)).expect("pattern");
+        assert!((p.area - whole.area).abs() < 1e-9 * whole.area);
+        // All of the outer rail lies on one circle.
+        let on = |p: &Pattern| p.contours[0].vertices.iter().map(|v| v.point).collect::<Vec<_>>();
+        for (x, y) in on(&p).iter().zip(on(&whole)) {
+            assert!((x - y).norm() < 1e-9 * outer, "{x} {y}");
+        }
     }
 
     #[test]
