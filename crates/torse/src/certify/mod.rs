@@ -39,6 +39,7 @@ pub mod unfolded;
 mod vector;
 mod verdict;
 pub mod written;
+pub mod written_cones;
 pub mod written_strips;
 
 pub use certificate::{

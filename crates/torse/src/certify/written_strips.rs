@@ -28,7 +28,7 @@ pub fn strips(strips: &[&Strip], faces: &[WrittenStrip]) -> WrittenCertificate {
     WrittenCertificate::of(found.into_iter().try_fold(0.0f64, |m, b| b.map(|b| m.max(b))))
 }
 
-type Fault = (u64, String);
+pub(super) type Fault = (u64, String);
 
 fn strip_moved(strip: &Strip, face: &WrittenStrip) -> Result<f64, Fault> {
     let here = |what: &str| (face.entity, what.to_owned());
@@ -37,6 +37,7 @@ fn strip_moved(strip: &Strip, face: &WrittenStrip) -> Result<f64, Fault> {
         WrittenBase::Plane { point, normal } => {
             off_plane(&strip.patch, point, normal).ok_or_else(|| here("the plane is none"))?
         }
+        _ => return Err(here("the surface is neither a spline nor a plane")),
     };
     // Rail, last ruling, and both others backwards; a rail that is a point has no edge.
     let (net, row) = (&strip.patch.control, strip.patch.row());
@@ -70,7 +71,7 @@ fn strip_moved(strip: &Strip, face: &WrittenStrip) -> Result<f64, Fault> {
 }
 
 /// Bound of the distance of a patch's points from a plane.
-fn off_plane(patch: &Surface, point: &[f64; 3], normal: &[f64; 3]) -> Option<f64> {
+pub(super) fn off_plane(patch: &Surface, point: &[f64; 3], normal: &[f64; 3]) -> Option<f64> {
     let n: V3<Interval> = normal.map(Interval::point);
     let size = length(&n);
     if !(size.lo > 0.0 && size.is_finite()) {
@@ -85,15 +86,20 @@ fn off_plane(patch: &Surface, point: &[f64; 3], normal: &[f64; 3]) -> Option<f64
 }
 
 /// The greatest of some numbers; `None` if one of them is not finite.
-fn worst(numbers: impl IntoIterator<Item = f64>) -> Option<f64> {
+pub(super) fn worst(numbers: impl IntoIterator<Item = f64>) -> Option<f64> {
     numbers.into_iter().try_fold(0.0f64, |m, x| x.is_finite().then(|| m.max(x)))
 }
 
-/// Bound of the distance of an edge and its vertices from the side that it stands for, point by point.
-fn side_moved(own: &Curve<4>, side: &WrittenSide) -> Option<f64> {
+/// Bound of the distance of an edge's vertices from the ends of the side that it stands for.
+pub(super) fn ends_moved(own: &Curve<4>, side: &WrittenSide) -> Option<f64> {
     let (first, last) = (affine(own.control.first()?), affine(own.control.last()?));
-    let ends = side.vertices.iter().zip([&first, &last]).map(|(vertex, end)| length_bound(&difference(end, vertex)));
-    let ends = worst(ends)?;
+    worst(side.vertices.iter().zip([&first, &last]).map(|(vertex, end)| length_bound(&difference(end, vertex))))
+}
+
+/// Bound of the distance of an edge and its vertices from the side that it stands for, point by point; `None` for circles.
+pub(super) fn side_moved(own: &Curve<4>, side: &WrittenSide) -> Option<f64> {
+    let (first, last) = (affine(own.control.first()?), affine(own.control.last()?));
+    let ends = ends_moved(own, side)?;
     let course = match &side.course {
         WrittenCourse::Line { point, direction } => {
             // The edge is the stretch of the line between its vertices; the side must be straight.
@@ -103,6 +109,7 @@ fn side_moved(own: &Curve<4>, side: &WrittenSide) -> Option<f64> {
             let off = |p: &V3<Interval>| (length(&cross(&difference(p, point), &d)) / size).hi;
             (straight && size.lo > 0.0 && size.is_finite()).then(|| worst([off(&first), off(&last)]))??
         }
+        WrittenCourse::Circle { .. } => return None,
         WrittenCourse::Spline { curve, weights } => {
             let rational = own.control.iter().any(|c| c[3].total_cmp(&1.0).is_ne());
             let same_weights = match weights.len() {
@@ -119,12 +126,12 @@ fn side_moved(own: &Curve<4>, side: &WrittenSide) -> Option<f64> {
     worst([ends, course])
 }
 
-fn affine(c: &[f64; 4]) -> V3<Interval> {
+pub(super) fn affine(c: &[f64; 4]) -> V3<Interval> {
     let rational = c[3].total_cmp(&1.0).is_ne();
     [0, 1, 2]
         .map(|d: usize| if rational { Interval::point(c[d]) / Interval::point(c[3]) } else { Interval::point(c[d]) })
 }
 
-fn difference(p: &V3<Interval>, q: &[f64; 3]) -> V3<Interval> {
+pub(super) fn difference(p: &V3<Interval>, q: &[f64; 3]) -> V3<Interval> {
     [0, 1, 2].map(|d: usize| p[d] - Interval::point(q[d]))
 }

@@ -61,7 +61,22 @@ pub struct WrittenStrip {
     pub sides: Vec<WrittenSide>,
 }
 
-/// The surface of an untrimmed strip.
+/// A face of a STEP file on an exact surface, with one loop or several.
+#[derive(Clone, Debug)]
+pub struct WrittenExact {
+    /// Entity number.
+    pub entity: u64,
+    /// Name.
+    pub name: String,
+    /// Whether its normal is the opposite of the surface's.
+    pub reversed: bool,
+    /// Surface.
+    pub surface: WrittenBase,
+    /// Loops in the order of the file, each in its own direction.
+    pub loops: Vec<Vec<WrittenSide>>,
+}
+
+/// The surface of an untrimmed strip, or of an exact face.
 #[derive(Clone, Debug)]
 pub enum WrittenBase {
     /// B-spline surface.
@@ -73,9 +88,29 @@ pub enum WrittenBase {
         /// Its normal, of any length.
         normal: [f64; 3],
     },
+    /// Circular cylinder.
+    Cylinder {
+        /// A point of its axis.
+        point: [f64; 3],
+        /// Direction of the axis, of any length.
+        axis: [f64; 3],
+        /// Radius, mm.
+        radius: f64,
+    },
+    /// Circular cone that widens along its axis.
+    Cone {
+        /// A point of its axis.
+        point: [f64; 3],
+        /// Direction of the axis, of any length.
+        axis: [f64; 3],
+        /// Radius at that point, mm.
+        radius: f64,
+        /// Angle between axis and rulings, rad.
+        half_angle: f64,
+    },
 }
 
-/// An edge of an untrimmed strip.
+/// An edge of an untrimmed strip or of an exact face.
 #[derive(Clone, Debug)]
 pub struct WrittenSide {
     /// Entity number of the edge.
@@ -97,6 +132,15 @@ pub enum WrittenCourse {
         point: [f64; 3],
         /// Its direction, of any length.
         direction: [f64; 3],
+    },
+    /// Circle, run counter-clockwise about its axis.
+    Circle {
+        /// Centre.
+        centre: [f64; 3],
+        /// Direction of the axis, of any length.
+        axis: [f64; 3],
+        /// Radius, mm.
+        radius: f64,
     },
     /// B-spline curve.
     Spline {

@@ -6,8 +6,8 @@ use crate::answer::presentation::present_marked;
 use crate::answer::Answer;
 use crate::certify::claim::{Claim, Demand, Evidence, Subject, UpperBound, What};
 use crate::certify::written::{self, WrittenCertificate};
-use crate::certify::written_strips;
-use crate::io::bundle::{self, part_file, BundleError, File, PANELS};
+use crate::certify::{written_cones, written_strips};
+use crate::io::bundle::{self, part_file, BundleError, File, CONES, PANELS};
 use crate::io::{drawings, step};
 use crate::patchwork::pattern::Pattern;
 use crate::torse::strip::Strip;
@@ -15,8 +15,7 @@ use rayon::prelude::*;
 
 /// All files of an answer. `time` stamps the STEP header: `2026-11-21T14:30:00`.
 ///
-/// *Guarantee*: the answer stays certified only if the bytes of the files, read back, are what was judged; the exact cones,
-/// cylinders and planes of `cones.step` are not read back.
+/// *Guarantee*: the answer stays certified only if the bytes of the files, read back, are what was judged.
 ///
 /// # Errors
 /// Data that a format cannot hold.
@@ -54,7 +53,7 @@ pub fn judge(answer: &mut Answer, files: &[File]) {
         .filter_map(|(name, bytes)| {
             let found =
                 match answer.patterns.iter().position(|p| answer.cut.one_per_part && part_file(&p.name) == *name) {
-                    _ if name == PANELS => panels(answer, bytes),
+                    _ if name == PANELS || name == CONES => panels(answer, bytes),
                     Some(part) => drawing(name, bytes, &answer.patterns[part..=part])?,
                     None => drawing(name, bytes, &answer.patterns)?,
                 };
@@ -62,15 +61,15 @@ pub fn judge(answer: &mut Answer, files: &[File]) {
         })
         .collect();
     // What the patterns are off already; panels that cover faces have what writing moves among their bounds.
-    let drawn = answer.flat.iter().map(|f| f.drawing_bound()).reduce(f64::max);
+    let drawn = answer.flat.iter().map(|f| f.drawing_bound()).filter(|d| d.is_finite()).reduce(f64::max);
     let left = drawn.map_or(DRAWN_SHARE * answer.tolerance, |d| answer.tolerance - d);
     let mut objections = Vec::new();
     for (name, found) in &answer.written {
         let off = format!("{name} is {:.3e} mm from what was judged", found.bound());
         let reason = if !found.reason().is_empty() {
             Some(format!("{name}: {}", found.reason()))
-        } else if name == PANELS {
-            answer.claims.iter().any(|c| breaks(c, found.bound())).then_some(off)
+        } else if name == PANELS || name == CONES {
+            answer.claims.iter().any(|c| breaks(c, found.bound(), answer.cones.is_some())).then_some(off)
         } else {
             (found.bound() > left).then_some(off)
         };
@@ -83,6 +82,9 @@ pub fn judge(answer: &mut Answer, files: &[File]) {
 
 /// The file of panels against what was judged.
 fn panels(answer: &Answer, bytes: &[u8]) -> WrittenCertificate {
+    if let Some(cones) = &answer.cones {
+        return written::of(step::read::own::exact(bytes), |faces| written_cones::cones(&cones.bodies, faces));
+    }
     if !answer.patchwork.faces.is_empty() {
         return written::of(step::read::own::faces(bytes), |faces| written::panels(&answer.patchwork, faces));
     }
@@ -90,12 +92,14 @@ fn panels(answer: &Answer, bytes: &[u8]) -> WrittenCertificate {
     written::of(step::read::own::strips(bytes), |faces| written_strips::strips(&strips, faces))
 }
 
-/// Whether a proven distance that keeps to its limit would not any more if the strips moved by `off` (mm).
-fn breaks(claim: &Claim, off: f64) -> bool {
-    let distance = matches!(
-        claim.what(),
-        What::FromCurve(_) | What::FromSide(_) | What::FromCurves | What::PointDistance | What::ElementDistance
-    );
+/// Whether a proven distance that keeps to its limit would not any more if strips, or `cones`, moved by `off` (mm).
+fn breaks(claim: &Claim, off: f64, cones: bool) -> bool {
+    let distance = match claim.what() {
+        What::FromCurve(_) | What::FromSide(_) | What::FromCurves | What::PointDistance | What::ElementDistance => true,
+        // Panels that cover faces have what writing moves among their bounds.
+        What::Deviation => cones,
+        _ => false,
+    };
     match claim.demand() {
         Demand::AtMost(limit) if distance && claim.evidence() == Evidence::Proven && !claim.is_broken() => {
             claim.value() + off > limit

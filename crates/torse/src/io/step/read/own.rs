@@ -7,7 +7,7 @@ use super::records::{as_number, as_reference, Args, Fault, Records};
 use super::token::Value;
 use super::{decoded, units};
 use crate::patchwork::written::{
-    WrittenBase, WrittenCourse, WrittenEdge, WrittenFace, WrittenSide, WrittenStrip, WrittenSurface,
+    WrittenBase, WrittenCourse, WrittenEdge, WrittenExact, WrittenFace, WrittenSide, WrittenStrip, WrittenSurface,
 };
 use crate::spline::curve::Curve;
 use crate::spline::knots::Knots;
@@ -26,6 +26,14 @@ pub fn faces(bytes: &[u8]) -> Result<Vec<WrittenFace>, String> {
 /// As [`faces`].
 pub fn strips(bytes: &[u8]) -> Result<Vec<WrittenStrip>, String> {
     each(bytes, strip)
+}
+
+/// Reads back all faces of a file of exact cones, cylinders and planes.
+///
+/// # Errors
+/// As [`faces`].
+pub fn exact(bytes: &[u8]) -> Result<Vec<WrittenExact>, String> {
+    each(bytes, exact_face)
 }
 
 /// What `read` makes of every face of a file.
@@ -99,18 +107,51 @@ fn strip(records: &Records, id: u64) -> Result<WrittenStrip, Fault> {
     }
     let uses = records.args(b.reference(1)?, "EDGE_LOOP")?.references(1)?;
     let base = a.reference(2)?;
-    let surface = match records.name(base) {
-        "PLANE" => {
-            let place = records.args(records.simple(base)?.reference(1)?, "AXIS2_PLACEMENT_3D")?;
-            WrittenBase::Plane {
-                point: point(records, place.reference(1)?)?,
-                normal: direction(records, place.reference(2)?)?,
-            }
-        }
-        _ => WrittenBase::Spline(surface(records, base)?),
-    };
+    let surface = support(records, base)?;
     let sides = uses.into_iter().map(|u| side(records, u)).collect::<Result<_, _>>()?;
     Ok(WrittenStrip { entity: id, name: a.text(0).to_owned(), surface, sides })
+}
+
+/// A face on an exact surface, with its loops.
+fn exact_face(records: &Records, id: u64) -> Result<WrittenExact, Fault> {
+    let a = records.args(id, "ADVANCED_FACE")?;
+    let mut loops = Vec::new();
+    for bound in a.references(1)? {
+        let b = records.simple(bound)?;
+        if !matches!(records.name(bound), "FACE_OUTER_BOUND" | "FACE_BOUND") || !b.logical(2, false) {
+            return Err(Fault::new(bound, "a bound is turned over"));
+        }
+        let uses = records.args(b.reference(1)?, "EDGE_LOOP")?.references(1)?;
+        loops.push(uses.into_iter().map(|u| side(records, u)).collect::<Result<_, _>>()?);
+    }
+    let surface = support(records, a.reference(2)?)?;
+    Ok(WrittenExact { entity: id, name: a.text(0).to_owned(), reversed: !a.logical(3, true), surface, loops })
+}
+
+/// A plane, cylinder, cone or spline.
+fn support(records: &Records, id: u64) -> Result<WrittenBase, Fault> {
+    let placed = || placement(records, records.simple(id)?.reference(1)?);
+    Ok(match records.name(id) {
+        "PLANE" => {
+            let (point, normal) = placed()?;
+            WrittenBase::Plane { point, normal }
+        }
+        "CYLINDRICAL_SURFACE" => {
+            let ((point, axis), radius) = (placed()?, records.simple(id)?.number(2)?);
+            WrittenBase::Cylinder { point, axis, radius }
+        }
+        "CONICAL_SURFACE" => {
+            let ((point, axis), s) = (placed()?, records.simple(id)?);
+            WrittenBase::Cone { point, axis, radius: s.number(2)?, half_angle: s.number(3)? }
+        }
+        _ => WrittenBase::Spline(surface(records, id)?),
+    })
+}
+
+/// Origin and axis of a placement.
+fn placement(records: &Records, id: u64) -> Result<([f64; 3], [f64; 3]), Fault> {
+    let place = records.args(id, "AXIS2_PLACEMENT_3D")?;
+    Ok((point(records, place.reference(1)?)?, direction(records, place.reference(2)?)?))
 }
 
 fn side(records: &Records, id: u64) -> Result<WrittenSide, Fault> {
@@ -124,6 +165,11 @@ fn side(records: &Records, id: u64) -> Result<WrittenSide, Fault> {
             let l = records.simple(in_space)?;
             let along = records.args(l.reference(2)?, "VECTOR")?.reference(1)?;
             WrittenCourse::Line { point: point(records, l.reference(1)?)?, direction: direction(records, along)? }
+        }
+        "CIRCLE" => {
+            let c = records.simple(in_space)?;
+            let (centre, axis) = placement(records, c.reference(1)?)?;
+            WrittenCourse::Circle { centre, axis, radius: c.number(2)? }
         }
         _ => {
             let (curve, weights) = spline(records, in_space)?;

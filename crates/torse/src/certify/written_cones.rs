@@ -1,0 +1,384 @@
+//! Exact cones, cylinders and planes as a STEP file holds them, against the segments that were judged.
+//!
+//! *Method* \[certificate, 9\]. A surface of revolution has the signed distance `rise z − tilt (ρ − R)`, z along its axis
+//! and ρ from it \[LP98\]. With `L = rise z + tilt R` the distance of a point is `|L² − tilt² ρ²|/(L + tilt ρ)`: put into
+//! it, the rational patch of a segment gives a polynomial, whose Bernstein coefficients enclose it \[FR88\]. That is done
+//! with the file's surface and with the segment's own, and both are added. Edges of whole segments are compared with the
+//! borders of these patches; those of trimmed ones must be the numbers that were judged.
+
+use super::vector::{cross, dot, length, sub, V3};
+use super::written::WrittenCertificate;
+use super::written_strips::{affine, difference, ends_moved, off_plane, side_moved, worst, Fault};
+use crate::geom::Vec3;
+use crate::num::bernstein::binomial;
+use crate::num::interval::Interval;
+use crate::patchwork::written::{WrittenBase, WrittenCourse, WrittenExact, WrittenSide};
+use crate::spline::curve::Curve;
+use crate::spline::knots::Knots;
+use crate::spline::surface::Surface;
+use crate::torse::cone::distance::Round;
+use crate::torse::cone::forms::patches;
+use crate::torse::cone::part::{ConeBody, ConePart, PartCurve, PartFace};
+use crate::torse::cone::spline::Segment;
+use rayon::prelude::*;
+
+/// Relative error of sine and cosine of the standard library, far above what any platform's library has.
+const TRIGONOMETRIC: f64 = 1e-14;
+
+/// What writing may move, as a share of the largest coordinate or radius: centres, radii and angles are computed from the
+/// frames of segments in some twenty operations.
+const ROUNDING: f64 = 1e-11;
+
+/// Compares the faces of a STEP file with the bodies that were judged. The bound is that of the distance of surfaces,
+/// edges and vertices from the segments.
+pub fn cones(bodies: &[ConeBody], faces: &[WrittenExact]) -> WrittenCertificate {
+    let all: Vec<Piece> = bodies.iter().flat_map(Piece::of_body).collect();
+    if all.len() != faces.len() {
+        return WrittenCertificate::of(Err(format!("{} faces for {} pieces", faces.len(), all.len())));
+    }
+    let one = |(piece, face): (&Piece, &WrittenExact)| {
+        if face.name != piece.name {
+            return Err(format!("#{} is called {} instead of {}", face.entity, face.name, piece.name));
+        }
+        piece.moved(face).map_err(|(entity, what)| format!("#{entity}, {}: {what}", piece.name))
+    };
+    let found: Vec<Result<f64, String>> = all.par_iter().zip(faces).map(one).collect();
+    WrittenCertificate::of(found.into_iter().try_fold(0.0f64, |m, b| b.map(|b| m.max(b))))
+}
+
+/// What a face stands for.
+struct Piece<'a> {
+    name: String,
+    segment: Segment,
+    /// The trimmed chain and the number of the piece in it; none for whole segments.
+    part: Option<(&'a ConePart, usize)>,
+}
+
+impl<'a> Piece<'a> {
+    fn of_body(body: &'a ConeBody) -> Vec<Self> {
+        let named = |i: usize, s: &Segment| format!("{}-{:02} {}", body.name, i + 1, s.shape.name());
+        match &body.part {
+            Some(part) => {
+                let of = |(i, f): (usize, &PartFace)| {
+                    let segment = f.blank.segment;
+                    Self { name: named(i, &segment), segment, part: Some((part, i)) }
+                };
+                part.faces.iter().enumerate().map(of).collect()
+            }
+            None => {
+                let of = |(i, s): (usize, &Segment)| Self { name: named(i, s), segment: *s, part: None };
+                body.spline.segments.iter().enumerate().map(of).collect()
+            }
+        }
+    }
+
+    /// Bound of the distance of a written face from the piece.
+    fn moved(&self, face: &WrittenExact) -> Result<f64, Fault> {
+        let here = |what: &str| (face.entity, what.to_owned());
+        let list = patches(&self.segment).map_err(|e| here(&e.to_string()))?;
+        let [patch] = &list[..] else { return Err(here("the piece turns too far")) };
+        let own = Carrier::of_round(&Round::of(&self.segment)).off(patch);
+        let own = own.ok_or_else(|| here("the piece does not lie on its own carrier"))?;
+        let (off, outwards) = match &face.surface {
+            WrittenBase::Spline(_) => return Err(here("the surface is a spline")),
+            WrittenBase::Plane { point, normal } => {
+                (off_plane(patch, point, normal), dot(&unit(normal), &exact(&self.segment.start.normal)))
+            }
+            WrittenBase::Cylinder { point, axis, radius } => {
+                let c = Carrier::new(point, axis, *radius, [Interval::ZERO, Interval::ONE]);
+                (c.off(patch), c.outwards(&self.segment))
+            }
+            WrittenBase::Cone { point, axis, radius, half_angle } => {
+                let c = Carrier::new(point, axis, *radius, sine_and_cosine(*half_angle));
+                (c.off(patch), c.outwards(&self.segment))
+            }
+        };
+        let off = off.ok_or_else(|| here("the surface is another one"))?;
+        let wanted = if face.reversed { -1 } else { 1 };
+        if outwards.sign() != wanted {
+            return Err(here("the normal is on the wrong side"));
+        }
+        let moved = (Interval::point(own) + Interval::point(off)).hi;
+        let b = patch.bbox();
+        let reach = b.min.amax().max(b.max.amax()).max(Round::of(&self.segment).radius);
+        if moved.is_nan() || moved > ROUNDING * reach {
+            return Err(here(&format!("the surface is {moved:.3e} mm from what was judged")));
+        }
+        let edges = match self.part {
+            Some((part, k)) => trimmed_moved(part, k, face)?,
+            None => whole_moved(patch, face)?,
+        };
+        if edges > ROUNDING * reach {
+            return Err(here(&format!("its edges are {edges:.3e} mm from what was judged")));
+        }
+        Ok(moved.max(edges))
+    }
+}
+
+/// The edges of a whole segment against the border of its patch.
+fn whole_moved(patch: &Surface, face: &WrittenExact) -> Result<f64, Fault> {
+    let [sides] = &face.loops[..] else { return Err((face.entity, "the face has several loops".into())) };
+    let (net, n) = (&patch.control, patch.knots_u.control_count());
+    let across = |first: usize| Curve { knots: patch.knots_v.clone(), control: net[first..first + 2].to_vec() };
+    let along = |side: usize| {
+        let control = net.iter().skip(side).step_by(2).copied().collect();
+        Curve { knots: patch.knots_u.clone(), control }
+    };
+    let wanted = [(across(0), true), (along(1), true), (across(2 * n - 2), false), (along(0), false)];
+    if sides.len() != wanted.len() {
+        return Err((face.entity, "edges are missing".into()));
+    }
+    let mut moved = 0.0f64;
+    for (k, ((curve, forward), side)) in wanted.iter().zip(sides).enumerate() {
+        let fault = |what: &str| (side.entity, what.to_owned());
+        if side.forward != *forward {
+            return Err(fault("the edge runs the other way"));
+        }
+        follows(sides, k)?;
+        let off = match &side.course {
+            WrittenCourse::Circle { centre, axis, radius } => {
+                ends_moved(curve, side).zip(off_circle(curve, centre, axis, *radius)).map(|(a, b)| a.max(b))
+            }
+            // Edges of planes may be lines where the patch has three control points in a row.
+            WrittenCourse::Line { .. } => {
+                let chord = ends_of(curve).and_then(|line| side_moved(&line, side));
+                chord.zip(off_chord(curve)).map(|(a, b)| a.max(b))
+            }
+            WrittenCourse::Spline { .. } => side_moved(curve, side),
+        };
+        moved = moved.max(off.ok_or_else(|| fault("the edge is another one"))?);
+    }
+    Ok(moved)
+}
+
+/// The edges of a trimmed piece: the very numbers that were judged.
+fn trimmed_moved(part: &ConePart, piece: usize, face: &WrittenExact) -> Result<f64, Fault> {
+    let loops = &part.faces[piece].loops;
+    if loops.len() != face.loops.len() {
+        return Err((face.entity, "loops are missing".into()));
+    }
+    let mut moved = 0.0f64;
+    for (uses, sides) in loops.iter().zip(&face.loops) {
+        if uses.len() != sides.len() {
+            return Err((face.entity, "edges are missing".into()));
+        }
+        for (k, (&(e, forward), side)) in uses.iter().zip(sides).enumerate() {
+            let fault = |what: &str| (side.entity, what.to_owned());
+            if side.forward != forward {
+                return Err(fault("the edge runs the other way"));
+            }
+            follows(sides, k)?;
+            let edge = part.edges.get(e).ok_or_else(|| fault("the edge is none"))?;
+            let own = [edge.start, edge.end].map(|v| part.vertices.get(v).copied().unwrap_or(Vec3::repeat(f64::NAN)));
+            if side.vertices != own.map(<[f64; 3]>::from) {
+                return Err(fault("a vertex is another one"));
+            }
+            match (&edge.curve, &side.course) {
+                (PartCurve::Ruling, WrittenCourse::Line { .. }) => {
+                    let line = line(own.map(|p| [p.x, p.y, p.z, 1.0]));
+                    let off = line.and_then(|line| side_moved(&line, side));
+                    moved = moved.max(off.ok_or_else(|| fault("the edge is another one"))?);
+                }
+                (PartCurve::Free { space, .. }, WrittenCourse::Spline { curve, weights }) => {
+                    if !weights.is_empty() || curve != space {
+                        return Err(fault("the edge is another one"));
+                    }
+                }
+                _ => return Err(fault("the edge is of another kind")),
+            }
+        }
+    }
+    Ok(moved)
+}
+
+/// Whether an edge of a loop begins where the one before ends.
+fn follows(sides: &[WrittenSide], k: usize) -> Result<(), Fault> {
+    let (side, before) = (&sides[k], &sides[(k + sides.len() - 1) % sides.len()]);
+    if side.vertices[usize::from(!side.forward)] == before.vertices[usize::from(before.forward)] {
+        Ok(())
+    } else {
+        Err((side.entity, "the edge does not begin where the one before ends".into()))
+    }
+}
+
+/// The line between the ends of a curve.
+fn ends_of(c: &Curve<4>) -> Option<Curve<4>> {
+    line([*c.control.first()?, *c.control.last()?])
+}
+
+fn line(ends: [[f64; 4]; 2]) -> Option<Curve<4>> {
+    Some(Curve { knots: Knots::clamped(1, &[0.0, 1.0]).ok()?, control: ends.to_vec() })
+}
+
+/// Bound of the distance of a curve's points from the line through its ends.
+fn off_chord(c: &Curve<4>) -> Option<f64> {
+    let (first, last) = (affine(c.control.first()?), affine(c.control.last()?));
+    let chord = sub(&last, &first);
+    let size = length(&chord);
+    worst(c.control.iter().map(|p| (length(&cross(&sub(&affine(p), &first), &chord)) / size).hi))
+}
+
+/// Bound of the distance of an arc from the circle about an axis; `None` if it does not run counter-clockwise about it.
+fn off_circle(own: &Curve<4>, centre: &[f64; 3], axis: &[f64; 3], radius: f64) -> Option<f64> {
+    let carrier = Carrier::new(centre, axis, radius, [Interval::ZERO, Interval::ONE]);
+    let out: Vec<V3<Interval>> = own.control.iter().map(|c| difference(&affine(c), centre)).collect();
+    let turns = |w: &[V3<Interval>]| dot(&carrier.axis, &cross(&w[0], &w[1])).sign() > 0;
+    if own.control.len() != 3 || own.knots.degree() != 2 || !out.windows(2).all(turns) {
+        return None;
+    }
+    let above = worst(out.iter().map(|p| dot(&carrier.axis, p).mag()))?;
+    let beside = carrier.off_net(&own.control, (2, 0))?;
+    let (above, beside) = (Interval::point(above), Interval::point(beside));
+    Some((above.sqr() + beside.sqr()).sqrt().hi)
+}
+
+fn exact(v: &Vec3) -> V3<Interval> {
+    [v.x, v.y, v.z].map(Interval::point)
+}
+
+fn unit(v: &[f64; 3]) -> V3<Interval> {
+    let v = v.map(Interval::point);
+    let size = length(&v);
+    v.map(|x| x / size)
+}
+
+/// Sine and cosine of an angle between 0 and a right angle.
+fn sine_and_cosine(angle: f64) -> [Interval; 2] {
+    if !(0.0..=std::f64::consts::FRAC_PI_2).contains(&angle) {
+        return [Interval::EVERYTHING; 2];
+    }
+    let (s, c) = angle.sin_cos();
+    [s, c].map(|x| Interval::point(x).widen(x.abs() * TRIGONOMETRIC))
+}
+
+/// A surface of revolution: `tilt ρ = rise z + tilt R`, z and ρ along and from the axis through a point.
+struct Carrier {
+    point: [f64; 3],
+    axis: V3<Interval>,
+    radius: f64,
+    rise: Interval,
+    tilt: Interval,
+}
+
+impl Carrier {
+    fn new(point: &[f64; 3], axis: &[f64; 3], radius: f64, [rise, tilt]: [Interval; 2]) -> Self {
+        Self { point: *point, axis: unit(axis), radius, rise, tilt }
+    }
+
+    fn of_round(r: &Round) -> Self {
+        // Signs only say on which side the normals are.
+        let sign = if r.tilt < 0.0 { -1.0 } else { 1.0 };
+        let [rise, tilt] = [r.rise * sign, r.tilt * sign].map(Interval::point);
+        Self::new(&r.center.into(), &r.axis.into(), r.radius, [rise, tilt])
+    }
+
+    /// Bound of the distance of a patch's points.
+    fn off(&self, patch: &Surface) -> Option<f64> {
+        let degree = (patch.knots_u.degree(), patch.knots_v.degree());
+        self.off_net(&patch.control, degree)
+    }
+
+    /// Bound of the distance of the points of a Bézier net; `None` where one is not on the near side of the vertex.
+    fn off_net(&self, net: &[[f64; 4]], (p, q): (usize, usize)) -> Option<f64> {
+        if net.len() != (p + 1) * (q + 1) || net.iter().any(|c| !(c[3] > 0.0 && c.iter().all(|x| x.is_finite()))) {
+            return None;
+        }
+        // Homogeneous vectors from the point on the axis; along the axis, and the linear form L.
+        let seen: Vec<(V3<Interval>, Interval, Interval)> = net
+            .iter()
+            .map(|c| {
+                let w = Interval::point(c[3]);
+                let y: V3<Interval> =
+                    std::array::from_fn(|d| Interval::point(c[d]) - w * Interval::point(self.point[d]));
+                let z = dot(&self.axis, &y);
+                (y, z, self.rise * z + self.tilt * (w * Interval::point(self.radius)))
+            })
+            .collect();
+        let least = net.iter().map(|c| c[3]).fold(f64::INFINITY, f64::min);
+        if self.tilt.mag() <= 0.0 {
+            return worst(seen.iter().map(|s| (s.2.abs() / Interval::point(least)).hi));
+        }
+        let floor = seen.iter().zip(net).map(|(s, c)| (s.2 / Interval::point(c[3])).lo).fold(f64::INFINITY, f64::min);
+        let form = |a: usize, b: usize| {
+            let (a, b) = (&seen[a], &seen[b]);
+            a.2 * b.2 - self.tilt.sqr() * (dot(&a.0, &b.0) - a.1 * b.1)
+        };
+        let share = |n: usize, i: usize, k: usize| {
+            Interval::point(binomial(n, i) * binomial(n, k - i)) / Interval::point(binomial(2 * n, k))
+        };
+        let mut most = 0.0f64;
+        for k in 0..=2 * p {
+            for l in 0..=2 * q {
+                let mut sum = Interval::ZERO;
+                for i in k.saturating_sub(p)..=k.min(p) {
+                    for j in l.saturating_sub(q)..=l.min(q) {
+                        sum += share(p, i, k) * share(q, j, l) * form(i * (q + 1) + j, (k - i) * (q + 1) + l - j);
+                    }
+                }
+                most = most.max(sum.mag());
+            }
+        }
+        // d (L + tilt ρ) is at most this, and L + tilt ρ at least 2 L − d: once with d below L, then with what that gives.
+        let most = Interval::point(most) / Interval::point(least).sqr();
+        let crude = (most / Interval::point(floor)).hi;
+        if !(floor > 0.0 && crude < floor) {
+            return None;
+        }
+        let bound = most / (Interval::point(floor).scale_exact(2.0) - Interval::point(crude));
+        bound.hi.is_finite().then_some(bound.hi)
+    }
+
+    /// Positive where the segment's normal points away from the axis.
+    fn outwards(&self, segment: &Segment) -> Interval {
+        let y = difference(&exact(&segment.start.point), &self.point);
+        let z = dot(&self.axis, &y);
+        let out: V3<Interval> = std::array::from_fn(|d| y[d] - z * self.axis[d]);
+        dot(&out, &exact(&segment.start.normal))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::torse::cone::spline::Shape;
+    use crate::torse::g1_element::G1Element;
+
+    fn segment(shape: Shape) -> Segment {
+        let start = G1Element::new(Vec3::new(1.0, 2.0, 3.0), Vec3::new(1.0, 0.2, -0.3), Vec3::new(0.3, 0.0, 1.0));
+        Segment { edges: [[-20.0; 3], [30.0; 3]], ..Segment::new(start.expect("element"), shape) }
+    }
+
+    #[test]
+    fn patches_lie_on_their_carriers_and_by_as_much_off_others() {
+        for shape in [
+            Shape::Cone { distance: 100.0, cos_gamma: 0.8, sin_gamma: 0.6, angle: 0.7 },
+            Shape::Cone { distance: -100.0, cos_gamma: 0.6, sin_gamma: 0.8, angle: -0.6 },
+            Shape::Cylinder { radius: -40.0, angle: 0.9 },
+            Shape::Cone { distance: 100.0, cos_gamma: 0.0, sin_gamma: 1.0, angle: 0.5 },
+            Shape::Flat { width: 60.0 },
+        ] {
+            let s = segment(shape);
+            let list = patches(&s).expect("patches");
+            let own = Carrier::of_round(&Round::of(&s));
+            let off = own.off(&list[0]).expect("a bound");
+            assert!(off < 1e-11, "{shape:?} {off:e}");
+            // Wider by a tenth: the greatest distance is that of the radius, times the cosine of the half angle.
+            if !s.shape.is_plane() {
+                let wide = Carrier { radius: own.radius + 0.1, ..own };
+                let (off, least) = (wide.off(&list[0]).expect("a bound"), 0.1 * wide.tilt.lo);
+                assert!(off >= least && off < 2.2 * least, "{shape:?} {off} {least}");
+            }
+        }
+    }
+
+    #[test]
+    fn angles_that_are_none_show_nothing() {
+        let list = patches(&segment(Shape::Cylinder { radius: 40.0, angle: -0.9 })).expect("patches");
+        for angle in [f64::NAN, -0.1, 2.0] {
+            let c = Carrier::new(&[0.0; 3], &[0.0, 0.0, 1.0], 10.0, sine_and_cosine(angle));
+            assert_eq!(c.off(&list[0]), None);
+        }
+        let nowhere = Carrier::new(&[0.0; 3], &[0.0; 3], 10.0, sine_and_cosine(0.3));
+        assert_eq!(nowhere.off(&list[0]), None);
+    }
+}
