@@ -23,7 +23,7 @@ pub(super) fn edge_bound(side: SeamSide, edge: &Curve<3>, tolerance: f64) -> Opt
     if !(whole && clamped(edge) && edge.control.iter().flatten().all(|x| x.is_finite())) {
         return None;
     }
-    let mut cuts = side.run.trim.knots.breaks();
+    let mut cuts = side.trim.knots.breaks();
     cuts.extend(edge.knots.breaks());
     greatest(cuts, EXCESS * tolerance, |s0, s1| {
         let on_patch = side.over(s0, s1, false)?;
@@ -55,7 +55,7 @@ mod tests {
         let panel = &p.panels[0];
         let jets = RuledJets::new(&Ruled::new(&panel.strip.patch).expect("ruled"), &[0.0; 3]);
         for run in panel.loops().iter().flatten() {
-            let side = SeamSide { jets: &jets, run };
+            let side = SeamSide { jets: &jets, trim: &run.trim };
             let bound = edge_bound(side, &run.edge, 1e-3).expect("a bound");
             let mut worst = 0.0f64;
             for i in 0..=1000 {

@@ -24,7 +24,7 @@ use super::written::reserve;
 use crate::control::Control;
 use crate::geom::place_in_words;
 use crate::num::interval::Interval;
-use crate::patchwork::panel::{Panel, PanelTrim};
+use crate::patchwork::panel::{Coedge, Panel, PanelTrim};
 use crate::patchwork::partition::Partition;
 use crate::spline::surface::Surface;
 use crate::torse::form::Torse;
@@ -111,7 +111,8 @@ pub(super) fn panel_certificate(
 /// Bound of the distance between edges in space and trimming curves, over all runs that files have edges for.
 fn edges(panel: &Panel, jets: &RuledJets, tolerance: f64) -> Option<f64> {
     let runs: Vec<_> = panel.loops().iter().flatten().filter(|r| !r.is_point()).collect();
-    let bounds: Vec<_> = runs.par_iter().map(|run| edge_bound(SeamSide { jets, run }, &run.edge, tolerance)).collect();
+    let bound = |run: &&Coedge| edge_bound(SeamSide { jets, trim: &run.trim }, &run.edge, tolerance);
+    let bounds: Vec<_> = runs.par_iter().map(bound).collect();
     bounds.into_iter().try_fold(0.0f64, |most, b| b.filter(|b| !b.is_nan()).map(|b| most.max(b)))
 }
 

@@ -239,7 +239,7 @@ fn seam_gaps(patchwork: &Patchwork, jets: &[Option<RuledJets>], tolerance: f64) 
             let (Some(Some(p)), Some(Some(q))) = (jets.get(*i), jets.get(*j)) else {
                 return Err(format!("seam {seam} has a side without a patch"));
             };
-            let (a, b) = (SeamSide { jets: p, run: a }, SeamSide { jets: q, run: b });
+            let (a, b) = (SeamSide { jets: p, trim: &a.trim }, SeamSide { jets: q, trim: &b.trim });
             let gap = seams::gap_bound(a, b, tolerance).ok_or_else(|| format!("seam {seam} leaves a patch"))?;
             Ok((gap, seams::length_difference(a, b).unwrap_or(f64::INFINITY)))
         })

@@ -11,7 +11,7 @@ use crate::geom::Vec3;
 use crate::num::greatest::greatest;
 use crate::num::interval::Interval;
 use crate::num::jet::Jet;
-use crate::patchwork::panel::Coedge;
+use crate::spline::curve::Curve;
 
 /// Pieces are halved until their enclosures exceed the greatest gap seen by less than this share of the tolerance.
 const EXCESS: f64 = 1e-3;
@@ -20,15 +20,15 @@ const EXCESS: f64 = 1e-3;
 #[derive(Clone, Copy)]
 pub(super) struct SeamSide<'a> {
     pub jets: &'a RuledJets,
-    pub run: &'a Coedge,
+    pub trim: &'a Curve<2>,
 }
 
 /// Bound (mm) of the gap along a seam whose sides run against each other. `None` if a curve leaves its patch.
 pub(super) fn gap_bound(a: SeamSide, b: SeamSide, tolerance: f64) -> Option<f64> {
     let shift = sub(&exact(&Vec3::from(a.jets.origin)), &exact(&Vec3::from(b.jets.origin)));
-    let mut cuts: Vec<f64> = a.run.trim.knots.breaks();
+    let mut cuts: Vec<f64> = a.trim.knots.breaks();
     // 1 − s is rounded; the pieces of the other curve are cut at the rounded places, see `SeamSide::over`.
-    cuts.extend(b.run.trim.knots.breaks().into_iter().map(|t| 1.0 - t));
+    cuts.extend(b.trim.knots.breaks().into_iter().map(|t| 1.0 - t));
     greatest(cuts, EXCESS * tolerance, |s0, s1| piece(a, b, &shift, s0, s1))
 }
 
@@ -38,8 +38,8 @@ pub(super) fn gap_bound(a: SeamSide, b: SeamSide, tolerance: f64) -> Option<f64>
 /// `|p'| − |q'| = (p' − q')·m`, `m = (p' + q')/(|p'| + |q'|)`; over a piece the integral of `p' − q'` is known from the
 /// ends, and m is nearly constant.
 pub(super) fn length_difference(a: SeamSide, b: SeamSide) -> Option<f64> {
-    let mut cuts: Vec<f64> = a.run.trim.knots.breaks();
-    cuts.extend(b.run.trim.knots.breaks().into_iter().map(|t| 1.0 - t));
+    let mut cuts: Vec<f64> = a.trim.knots.breaks();
+    cuts.extend(b.trim.knots.breaks().into_iter().map(|t| 1.0 - t));
     cuts.sort_by(f64::total_cmp);
     cuts.dedup_by(|x, y| x.to_bits() == y.to_bits());
     let mut sum = Interval::ZERO;
@@ -94,7 +94,7 @@ impl SeamSide<'_> {
     /// neighbouring pieces round alike.
     pub(super) fn over(&self, s0: f64, s1: f64, backwards: bool) -> Option<EdgePiece> {
         let (from, to) = if backwards { (1.0 - s1, 1.0 - s0) } else { (s0, s1) };
-        let mut theta = trim_piece(&self.run.trim, from, to);
+        let mut theta = trim_piece(&self.trim, from, to);
         if backwards {
             theta.iter_mut().for_each(|c| c.reverse());
         }

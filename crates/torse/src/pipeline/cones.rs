@@ -8,6 +8,7 @@ use crate::brep::face::Face;
 use crate::certify::claim::{Claim, Counted, Subject, UpperBound, What};
 use crate::certify::cones::outline::{astray_bound, outline as certified, Region};
 use crate::certify::cones::{cones as judge, ConeJudgeOptions, ConeProof};
+use crate::certify::flat::cone_parts;
 use crate::control::Control;
 use crate::develop::cone_part::{overlaps as part_overlaps, part_pattern};
 use crate::develop::cones::{cone_pattern, overlaps};
@@ -21,6 +22,7 @@ use crate::patchwork::part::Part;
 use crate::patchwork::pattern::Pattern;
 use crate::search::strips::cone_outline::PlaneOutline;
 use crate::search::strips::cone_strip::{ruled, strip_of};
+use crate::search::strips::cut::{lengths, refused};
 use crate::search::trims::{trims_judged, TrimsJudged};
 use crate::torse::cone::forms::patches;
 use crate::torse::cone::part::ConeBody;
@@ -241,6 +243,10 @@ fn run(
             claims.push(Claim::at_most(what, whole, UpperBound::largest(trimmed.iter().map(|t| t[k]))));
         }
     }
+    let strips: Vec<Strip> = answer.strips().cloned().collect();
+    answer.flat = cone_parts((&bodies, &pieces), &strips, &answer.parts, &answer.patterns, options.tolerance);
+    claims.extend(lengths(&answer.patterns, &answer.flat));
+    failures.extend(refused(&answer.parts, &answer.patterns, &answer.flat, options.tolerance));
     claims.extend(failures.into_iter().map(|reason| Claim::objection(whole, reason)));
     claims.append(&mut answer.claims);
     answer.claims = claims;

@@ -21,7 +21,7 @@ use crate::geom::coarse::{Coarse, Loose};
 use crate::geom::{BBox, Vec3};
 use crate::patchwork::panel::Patchwork;
 use crate::patchwork::part::Part;
-use crate::search::strips::cut::cut;
+use crate::search::strips::cut::{cut, judged, lengths, refused};
 use crate::search::strips::fewest::{fewest, simplest};
 use crate::search::strips::regression;
 use crate::search::strips::ruled_face::{is_simplest, no_simpler, reached, GivenFace, NARROW};
@@ -562,6 +562,7 @@ fn run(
         .collect();
     let (parts, patterns) =
         cut(&strips, &chains, &StripOptions { drawn: options.drawn, ..StripOptions::new(0.1 * options.tolerance) });
+    let flat_proof = judged(&strips, &parts, &patterns, options.tolerance);
     let beyond = certificate.beyond(options.tolerance);
     let broken = regression::broken(&strips, options.limits.as_ref());
     let worst = certificate.worst_bound();
@@ -594,6 +595,9 @@ fn run(
     if worst.value() <= options.tolerance {
         claims.extend(broken.iter().map(|reason| Claim::objection(whole, reason.clone())));
     }
+    claims.extend(lengths(&patterns, &flat_proof));
+    let refused = refused(&parts, &patterns, &flat_proof, options.tolerance);
+    claims.extend(refused.into_iter().map(|reason| Claim::objection(whole, reason)));
     claims.extend(claims_of_strips(&strips, &certificate));
     let mut notes: Vec<String> = options.limits.iter().map(regression::note).collect();
     notes.extend(given_words);
@@ -608,6 +612,7 @@ fn run(
         meaning: FieldMeaning { name: "deviation".into(), unit: "mm".into(), limit: options.tolerance },
         parts,
         patterns,
+        flat: flat_proof,
         notes,
         skipped,
         seconds: clock.elapsed().as_secs_f64(),

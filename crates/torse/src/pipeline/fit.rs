@@ -3,6 +3,7 @@
 use crate::answer::skipped::Skipped;
 use crate::answer::{Answer, Job, PointMap};
 use crate::certify::claim::{Claim, Counted, Subject, What};
+use crate::certify::flat::FlatCertificate;
 use crate::certify::points::{points as certified, PointCertificate};
 use crate::control::Control;
 use crate::develop::map::Development;
@@ -24,7 +25,7 @@ use crate::geom::{Vec2, Vec3};
 use crate::patchwork::panel::Patchwork;
 use crate::patchwork::part::Part;
 use crate::patchwork::pattern::Pattern;
-use crate::search::strips::cut::cut;
+use crate::search::strips::cut::{cut, judged, lengths, refused};
 use crate::search::strips::judgement::SQUARE_METRES;
 use crate::search::strips::regression;
 use crate::torse::strip::Strip;
@@ -138,8 +139,20 @@ pub fn fit(cloud: &Cloud, options: &FitOptions, control: &Control) -> Result<Ans
         .collect();
     let flat = StripOptions { drawn: options.drawn, ..StripOptions::new(0.1 * options.tolerance) };
     let (parts, mut patterns) = cut(&strips, &chains, &flat);
+    let mut flat_proof = judged(&strips, &parts, &patterns, options.tolerance);
+    let stretched = refused(&parts, &patterns, &flat_proof, options.tolerance);
     if inside.is_empty() && !control.stopped() {
         notes.push(outlined(&strips, &parts, &mut patterns, (&certificate, NEAR * options.tolerance), flat.side));
+        // Nothing is proven of outlines that follow points.
+        let cut_back = |f: FlatCertificate| {
+            let own = patterns.iter().any(|p| p.panel == f.panel() && p.contour_error.is_nan());
+            if own {
+                f.without_outline()
+            } else {
+                f
+            }
+        };
+        flat_proof = flat_proof.into_iter().map(cut_back).collect();
     } else {
         notes.push(
             "Flat patterns are those of whole strips, which reach a little beyond what was measured.".to_string(),
@@ -170,6 +183,8 @@ pub fn fit(cloud: &Cloud, options: &FitOptions, control: &Control) -> Result<Ans
         Claim::count(Counted::Beyond, whole, certificate.beyond(options.tolerance)),
     ];
     claims.push(Claim::measured(What::FlatArea, whole, flat_area));
+    claims.extend(lengths(&patterns, &flat_proof));
+    claims.extend(stretched.into_iter().map(|reason| Claim::objection(whole, reason)));
     if inside.is_empty() {
         claims.push(Claim::measured(What::Noise, whole, found.noise));
     } else {
@@ -196,6 +211,7 @@ pub fn fit(cloud: &Cloud, options: &FitOptions, control: &Control) -> Result<Ans
         meaning: FieldMeaning { name: "deviation".into(), unit: "mm".into(), limit: options.tolerance },
         parts,
         patterns,
+        flat: flat_proof,
         notes,
         skipped: skipped.into_iter().map(Skipped::from).collect(),
         seconds: clock.elapsed().as_secs_f64(),

@@ -18,7 +18,7 @@ use crate::draw::field::{FieldMeaning, PanelField};
 use crate::geom::coarse::Loose;
 use crate::patchwork::panel::Patchwork;
 use crate::patchwork::part::Part;
-use crate::search::strips::cut::{claims as flat_claims, cut_until, spacing_notes};
+use crate::search::strips::cut::{claims as flat_claims, cut_until, judged as flat_judged, spacing_notes};
 use crate::search::strips::judgement::{findings, summed, Candidate, Found, SQUARE_METRES};
 use crate::torse::rail::Rail;
 use crate::torse::strip::Strip;
@@ -135,11 +135,12 @@ pub fn hull(curves: &[Rail], options: &Options, control: &Control) -> Result<Ans
         ..StripOptions::new(CONTOUR_SHARE * tolerance)
     };
     let (parts, patterns) = cut_until(&kept.strips, &kept.parts, &flat, control);
+    let flat_proof = flat_judged(&kept.strips, &parts, &patterns, tolerance);
     notes.extend(spacing_notes(&patterns, &flat));
     let whole = Subject::Whole;
     let mut claims = kept.claims;
     claims.push(Claim::count(Counted::Strips, whole, kept.strips.len()));
-    claims.extend(flat_claims(&parts, &patterns, tolerance));
+    claims.extend(flat_claims(&parts, &patterns, &flat_proof, tolerance));
     let stopped = control.stopped().then(|| "the job was stopped early".to_owned());
     claims.extend(kept.missing.into_iter().chain(stopped).map(|reason| Claim::objection(whole, reason)));
     claims.extend(kept.of_strips);
@@ -150,6 +151,7 @@ pub fn hull(curves: &[Rail], options: &Options, control: &Control) -> Result<Ans
         meaning: kept.meaning,
         parts,
         patterns,
+        flat: flat_proof,
         guides: curves.iter().map(|r| Guide { name: r.name.clone(), points: r.samples(200) }).collect(),
         notes,
         skipped: kept.skipped.into_iter().map(Skipped::from).collect(),

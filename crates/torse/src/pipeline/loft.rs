@@ -17,7 +17,7 @@ use crate::develop::view::Drawn;
 use crate::geom::coarse::Loose;
 use crate::patchwork::panel::Patchwork;
 use crate::patchwork::part::Part;
-use crate::search::strips::cut::{claims as flat_claims, cut, spacing_notes};
+use crate::search::strips::cut::{claims as flat_claims, cut, judged as flat_judged, spacing_notes};
 use crate::search::strips::exact_strip::exact_strips;
 use crate::search::strips::judgement::{judge, Candidate};
 use crate::search::strips::loft_ends::{extended, note_ends, past_ends, shares, used, with_ends, WHOLE};
@@ -494,6 +494,7 @@ fn judged(
     };
     let chain = Part { name: "A".into(), first: 0, count: strips.len(), missing: String::new() };
     let (parts, patterns) = cut(&strips, &[chain], &flat);
+    let flat_proof = flat_judged(&strips, &parts, &patterns, options.tolerance);
     notes.extend(spacing_notes(&patterns, &flat));
     if closed {
         notes.push("the strip is closed; its flat part is cut open along the first ruling".into());
@@ -502,7 +503,7 @@ fn judged(
     claims.extend((0..2).map(|d| Claim::measured(What::UsedOf(d), whole, 100.0 * shares[d])));
     claims.extend(judgement.whole());
     claims.push(Claim::count(Counted::Strips, whole, strips.len()));
-    claims.extend(flat_claims(&parts, &patterns, options.tolerance));
+    claims.extend(flat_claims(&parts, &patterns, &flat_proof, options.tolerance));
     claims.extend(missing.into_iter().map(|reason| Claim::objection(whole, reason)));
     claims.extend(judgement.claims);
     let guides = given.iter().map(|r| Guide { name: r.name.clone(), points: r.samples(200) }).collect();
@@ -513,6 +514,7 @@ fn judged(
         meaning: judgement.meaning,
         parts,
         patterns,
+        flat: flat_proof,
         guides,
         notes,
         seconds: start.elapsed().as_secs_f64(),

@@ -14,7 +14,7 @@ use crate::geom::coarse::Loose;
 use crate::geom::Vec3;
 use crate::patchwork::panel::Patchwork;
 use crate::patchwork::part::Part;
-use crate::search::strips::cut::{claims as flat_claims, cut, spacing_notes};
+use crate::search::strips::cut::{claims as flat_claims, cut, judged as flat_judged, spacing_notes};
 use crate::search::strips::judgement::{judge, Candidate};
 use crate::spline::curve::Curve;
 use crate::spline::SplineError;
@@ -486,6 +486,7 @@ fn judged(
         .into_iter()
         .collect();
     let (parts, patterns) = cut(&strips, &chains, &flat);
+    let flat_proof = flat_judged(&strips, &parts, &patterns, options.tolerance);
     notes.extend(spacing_notes(&patterns, &flat));
     if let Some(net) = nets.first() {
         let shape = net.net.shape();
@@ -504,7 +505,7 @@ fn judged(
     }
     claims.push(Claim::count(Counted::Strips, whole, strips.len()));
     if !parts.is_empty() {
-        claims.extend(flat_claims(&parts, &patterns, options.tolerance));
+        claims.extend(flat_claims(&parts, &patterns, &flat_proof, options.tolerance));
     }
     claims.extend(missing.into_iter().map(|reason| Claim::objection(whole, reason)));
     claims.extend(judgement.claims);
@@ -515,6 +516,7 @@ fn judged(
         meaning: judgement.meaning,
         parts,
         patterns,
+        flat: flat_proof,
         guides: vec![Guide { name: given.name.clone(), points: given.samples(200) }],
         notes,
         seconds: start.elapsed().as_secs_f64(),

@@ -15,7 +15,7 @@ use crate::geom::coarse::Loose;
 use crate::geom::{BBox, Vec3};
 use crate::patchwork::panel::Patchwork;
 use crate::patchwork::part::Part;
-use crate::search::strips::cut::{claims as flat_claims, cut};
+use crate::search::strips::cut::{claims as flat_claims, cut, judged as flat_judged};
 use crate::search::strips::judgement::SQUARE_METRES;
 use crate::spline::SplineError;
 use crate::torse::quad_strip::QuadStrip;
@@ -168,6 +168,7 @@ fn judged(given: &QuadStrip, done: Subdivided, options: &Options, start: Instant
     let flat = StripOptions { drawn: options.drawn, ..StripOptions::new(CONTOUR_SHARE * options.tolerance) };
     let chain = Part { name: "A".into(), first: 0, count: strips.len(), missing: String::new() };
     let (parts, patterns) = cut(&strips, &[chain], &flat);
+    let flat_proof = flat_judged(&strips, &parts, &patterns, options.tolerance);
     let clearance = (0..result.quads()).map(|i| result.regression_clearance(i)).fold(f64::INFINITY, f64::min);
     let largest_bend = (1..result.quads()).map(|i| result.bend(i).abs().to_degrees()).fold(0.0, f64::max);
     let whole = Subject::Whole;
@@ -183,7 +184,7 @@ fn judged(given: &QuadStrip, done: Subdivided, options: &Options, start: Instant
         Claim::measured(What::LargestBend, whole, largest_bend),
         Claim::count(Counted::Quadrilaterals, whole, strips.len()),
     ];
-    claims.extend(flat_claims(&parts, &patterns, options.tolerance));
+    claims.extend(flat_claims(&parts, &patterns, &flat_proof, options.tolerance));
     claims.extend(missing.into_iter().map(|reason| Claim::objection(whole, reason)));
     claims.extend(each);
     let guide = |name: &str, points: &[Vec3]| Guide { name: name.into(), points: points.to_vec() };
@@ -194,6 +195,7 @@ fn judged(given: &QuadStrip, done: Subdivided, options: &Options, start: Instant
         meaning: FieldMeaning { name: "bend".into(), unit: "°".into(), limit: largest_bend.max(1e-6) },
         parts,
         patterns,
+        flat: flat_proof,
         guides: vec![guide("first polyline", given.a()), guide("second polyline", given.b())],
         notes,
         seconds: start.elapsed().as_secs_f64(),

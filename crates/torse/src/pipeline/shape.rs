@@ -20,7 +20,7 @@ use crate::io::{cloud, step};
 use crate::num::gauss_newton::Status;
 use crate::patchwork::panel::Patchwork;
 use crate::patchwork::part::Part;
-use crate::search::strips::cut::{claims as flat_claims, cut, spacing_notes};
+use crate::search::strips::cut::{claims as flat_claims, cut, judged as flat_judged, spacing_notes};
 use crate::search::strips::judgement::{judge, Candidate};
 use crate::spline::curve::Curve;
 use crate::spline::SplineError;
@@ -378,10 +378,11 @@ fn judged(session: &Session, options: &Options, mut notes: Vec<String>, start: I
         ..StripOptions::new(CONTOUR_SHARE * options.tolerance)
     };
     let (parts, patterns) = cut(&strips, &chains(session.composite()), &flat);
+    let flat_proof = flat_judged(&strips, &parts, &patterns, options.tolerance);
     notes.extend(spacing_notes(&patterns, &flat));
     claims.extend(judgement.whole().into_iter().filter(|c| !matches!(c.what(), What::Count(_))));
     claims.push(Claim::count(Counted::Strips, whole, strips.len()));
-    claims.extend(flat_claims(&parts, &patterns, options.tolerance));
+    claims.extend(flat_claims(&parts, &patterns, &flat_proof, options.tolerance));
     claims.extend(missing.into_iter().map(|reason| Claim::objection(whole, reason)));
     claims.extend(judgement.claims);
     let guides = session.composite().curves.iter().map(|c| {
@@ -397,6 +398,7 @@ fn judged(session: &Session, options: &Options, mut notes: Vec<String>, start: I
         meaning: judgement.meaning,
         parts,
         patterns,
+        flat: flat_proof,
         notes,
         seconds: start.elapsed().as_secs_f64(),
         ..Answer::new(Job::Shape, &options.input, options.tolerance)

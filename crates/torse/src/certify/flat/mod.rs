@@ -6,9 +6,14 @@
 //! within `ruling_bound` of the image of one; and the marks of both sides of a seam are within `mark_bound` of the images
 //! of points with equal parameters; marks on joints of faces are within it of the panel's own border, and that both sides
 //! of a joint name the same place is measured. The panel and the drawing are the data; how the drawing was made is not looked at.
+//! Chains of untrimmed strips: [`strip_parts`]; of cones: [`cone_parts`].
 
+mod chain;
+mod cone_part;
+mod matching;
 mod outline;
 mod rails;
+mod senses;
 
 use super::claim::{Claim, Subject, UpperBound, What};
 use super::developable::trim_boxes;
@@ -17,12 +22,15 @@ use crate::control::Control;
 use crate::num::interval::Interval;
 use crate::patchwork::panel::{Border, Coedge, Panel, Patchwork};
 use crate::patchwork::pattern::{Contour, ContourVertex, Mark, MarkPlace, Pattern};
+pub use chain::strip_parts;
+pub use cone_part::cone_parts;
+use matching::backwards;
 pub(super) use outline::Motion;
 use outline::{chain_bound, pairs_by_length, Image};
 use rails::FlatRails;
 use rayon::prelude::*;
 
-/// What was proven about the flat pattern of a panel. Lengths in mm.
+/// What was proven about the flat pattern of a panel or of a chain of strips. Lengths in mm.
 #[derive(Clone, Debug)]
 pub struct FlatCertificate {
     panel: usize,
@@ -30,10 +38,29 @@ pub struct FlatCertificate {
     outline_bound: f64,
     ruling_bound: f64,
     mark_bound: f64,
+    gap_bound: f64,
+    change_bound: f64,
+    open: String,
     reason: String,
 }
 
+/// Why nothing can be shown of lengths, nor of what is drawn.
+const NO_MAP: &str = "no map to the plane could be shown to keep lengths";
+
 impl FlatCertificate {
+    /// What is proven of all parts of a job, as claims about the whole: lengths, drawings, joints inside parts.
+    pub fn of_parts(all: &[Self]) -> Vec<Claim> {
+        let largest = |value: fn(&Self) -> f64| UpperBound::largest(all.iter().map(|c| UpperBound::shown(value(c))));
+        let whole = Subject::Whole;
+        let claims = [
+            Claim::at_most(What::LengthError, whole, largest(Self::strain_bound)),
+            Claim::at_most(What::DrawingDistance, whole, largest(Self::drawing_bound)),
+            Claim::at_most(What::JointGap, whole, largest(Self::gap_bound)),
+        ];
+        // What is not known of all parts is told part by part.
+        claims.into_iter().filter(|c| !c.is_unknown()).collect()
+    }
+
     /// What is proven, as claims about the panel.
     pub fn claims(&self) -> [Claim; 2] {
         let panel = Subject::Panel(self.panel);
@@ -43,7 +70,12 @@ impl FlatCertificate {
         ]
     }
 
-    /// Index of the panel.
+    /// The same for a pattern whose outline was replaced: nothing is said of that, nor of the drawing as a whole.
+    pub fn without_outline(self) -> Self {
+        Self { outline_bound: f64::INFINITY, ..self }
+    }
+
+    /// Index of the panel; of chains, of the part.
     pub fn panel(&self) -> usize {
         self.panel
     }
@@ -68,6 +100,17 @@ impl FlatCertificate {
         self.mark_bound
     }
 
+    /// Bound of the distance in space between strips of a chain that meet in the plane, where they meet, and of the ends
+    /// of rulings that are one point in the plane.
+    pub fn gap_bound(&self) -> f64 {
+        self.gap_bound
+    }
+
+    /// No path over the whole part that is as short as can be changes its length by more than this, gaps included.
+    pub fn change_bound(&self) -> f64 {
+        self.change_bound
+    }
+
     /// The greatest of the bounds of outline, rulings and marks.
     pub fn drawing_bound(&self) -> f64 {
         self.outline_bound.max(self.ruling_bound).max(self.mark_bound)
@@ -78,9 +121,40 @@ impl FlatCertificate {
         &self.reason
     }
 
+    /// Of parts of strips, what could not be shown of their own map to the plane, whatever is drawn: lengths are only
+    /// measured then; empty if all is well.
+    pub fn open(&self) -> &str {
+        &self.open
+    }
+
     /// Whether everything is proven and within the tolerance.
     pub fn holds(&self) -> bool {
-        self.reason.is_empty()
+        self.reason.is_empty() && self.open.is_empty()
+    }
+
+    /// What is shown by `proof`, and whether drawing and gaps are within the tolerance (mm); how lengths change is told
+    /// apart.
+    fn judged(panel: usize, tolerance: f64, proof: impl FnOnce(&mut Self) -> Result<(), &'static str>) -> Self {
+        let mut out = Self::blank(panel);
+        match proof(&mut out) {
+            Err(NO_MAP) => {
+                out.open = NO_MAP.into();
+                return out;
+            }
+            Err(reason) => {
+                out.reason = reason.into();
+                return out;
+            }
+            Ok(()) => {}
+        }
+        let drawn = Interval::point(out.drawing_bound()) + Interval::point(out.gap_bound);
+        let total = (drawn + Interval::point(out.change_bound)).hi;
+        if drawn.hi > tolerance || drawn.hi.is_nan() {
+            out.reason = format!("the drawing is only proven to be within {:.6} mm", drawn.hi);
+        } else if total > tolerance || total.is_nan() {
+            out.open = format!("lengths are only proven to change by less than {:.6} mm", out.change_bound);
+        }
+        out
     }
 
     fn blank(panel: usize) -> Self {
@@ -90,6 +164,9 @@ impl FlatCertificate {
             outline_bound: f64::INFINITY,
             ruling_bound: f64::INFINITY,
             mark_bound: f64::INFINITY,
+            gap_bound: f64::INFINITY,
+            change_bound: f64::INFINITY,
+            open: String::new(),
             reason: String::new(),
         }
     }
@@ -131,7 +208,9 @@ pub fn flat(patchwork: &Patchwork, patterns: &[Pattern], tolerance: f64, control
                 Some(bound) => certificate.mark_bound = bound,
                 None => missing.push("a mark has no partner on the neighbour, or is not on a seam".into()),
             }
-            let change = Interval::point(flat.rails.length_change(flat.pattern.length));
+            certificate.gap_bound = 0.0;
+            certificate.change_bound = flat.rails.length_change(flat.pattern.length);
+            let change = Interval::point(certificate.change_bound);
             let total = (Interval::point(certificate.drawing_bound()) + change).hi;
             if missing.is_empty() && (total > tolerance || total.is_nan()) {
                 missing.push(format!("the drawing is only proven to be within {total:.6} mm"));
@@ -166,7 +245,7 @@ fn one<'a>(
         range.intersect(Interval { lo: 0.0, hi: 1.0 })
     };
     let Some(rails) = FlatRails::new(&ruled, &used, side) else {
-        return refuse(out, "no map to the plane could be shown to keep lengths");
+        return refuse(out, NO_MAP);
     };
     out.strain_bound = rails.strain;
     let Some(chains) = chains(panel, pattern, reversed) else {
@@ -231,17 +310,6 @@ fn between_corners(contour: &Contour) -> Vec<Vec<ContourVertex>> {
         .collect()
 }
 
-/// The same chain the other way round.
-fn backwards(chain: &[ContourVertex]) -> Vec<ContourVertex> {
-    let n = chain.len();
-    (0..n)
-        .map(|k| {
-            let bulge = if k + 1 < n { -chain[n - 2 - k].bulge } else { 0.0 };
-            ContourVertex { bulge, ..chain[n - 1 - k] }
-        })
-        .collect()
-}
-
 /// Where the drawing shows the panel: by its corners, or by the whole outline where these are too few.
 fn motion(rails: &FlatRails, chains: &[(&Coedge, Vec<ContourVertex>)]) -> Option<Motion> {
     const ENOUGH: usize = 3;
@@ -277,14 +345,30 @@ impl<'a> DrawnRulings<'a> {
         Some(self.rails.ruling(t)?.map(|q| self.motion.point(&q).map(Interval::mid)))
     }
 
+    /// About how far a segment is from the rulings at known places.
+    fn about(&self, ends: &[[f64; 2]; 2]) -> f64 {
+        let far = |line: &[[f64; 2]; 2]| {
+            let v = [line[1][0] - line[0][0], line[1][1] - line[0][1]];
+            let off = |p: &[f64; 2]| (v[0] * (p[1] - line[0][1]) - v[1] * (p[0] - line[0][0])).abs();
+            off(&ends[0]).max(off(&ends[1])) / v[0].hypot(v[1])
+        };
+        let all = self.known.iter().filter_map(|k| k.1.as_ref()).map(far);
+        all.filter(|d| !d.is_nan()).fold(f64::INFINITY, f64::min)
+    }
+
     /// Bound of the distance of a segment from the image of the ruling that is nearest to both its ends.
     fn bound(&self, ends: &[[f64; 2]; 2]) -> Option<f64> {
-        // How far the line of a ruling passes an end, left or right.
-        let off = |line: &Option<[[f64; 2]; 2]>| -> Option<f64> {
+        // How far the line of a ruling passes an end, left or right: that which lines pass farther, as all may meet in
+        // the other one.
+        let passed = |line: &Option<[[f64; 2]; 2]>, end: &[f64; 2]| -> Option<f64> {
             let [a, b] = (*line)?;
-            let (v, w) = ([b[0] - a[0], b[1] - a[1]], [ends[0][0] - a[0], ends[0][1] - a[1]]);
+            let (v, w) = ([b[0] - a[0], b[1] - a[1]], [end[0] - a[0], end[1] - a[1]]);
             Some((v[0] * w[1] - v[1] * w[0]) / v[0].hypot(v[1]))
         };
+        let most =
+            |end: &[f64; 2]| self.known.iter().filter_map(|k| passed(&k.1, end)).map(f64::abs).fold(0.0, f64::max);
+        let seen = if most(&ends[1]) > most(&ends[0]) { &ends[1] } else { &ends[0] };
+        let off = |line: &Option<[[f64; 2]; 2]>| passed(line, seen);
         let far = |t: f64| -> Option<f64> {
             let line = self.rails.ruling(t)?.map(|q| self.motion.point(&q));
             Some(ends.iter().map(|p| from_line(&line, p).hi).fold(0.0, f64::max))

@@ -60,11 +60,25 @@ impl Motion {
         (size > 0.0 && size.is_finite()).then_some(motion)
     }
 
+    /// This motion and then another one, nearly: that which does the same to two points.
+    pub fn then(&self, next: &Self) -> Option<Self> {
+        let from = self.from;
+        let size = self.to.iter().chain(&next.to).chain(&from).fold(1.0f64, |m, x| m.max(x.abs()));
+        let pair = |p: [f64; 2]| (p, next.about(&self.about(&p)));
+        Self::between(&[pair([from[0] - size, from[1]]), pair([from[0] + size, from[1]])])
+    }
+
     /// Cosine and sine, exactly those of some turn.
     fn rotation(&self) -> [Interval; 2] {
         let [c, s] = self.turn.map(Interval::point);
         let size = (c.sqr() + s.sqr()).sqrt();
         [c / size, s / size]
+    }
+
+    /// About where a point goes.
+    pub fn about(&self, p: &[f64; 2]) -> [f64; 2] {
+        let ([c, s], p) = (self.turn, [0, 1].map(|d: usize| p[d] - self.from[d]));
+        [c * p[0] - s * p[1] + self.to[0], s * p[0] + c * p[1] + self.to[1]]
     }
 
     /// Image of a point.
@@ -110,9 +124,7 @@ impl Image<'_> {
     /// About where the image is.
     pub fn place(&self, s: f64) -> Option<[f64; 2]> {
         let q = self.trim.point(s);
-        let p = self.flat.place(q[0], q[1])?;
-        let ([c, s], p) = (self.motion.turn, [0, 1].map(|d: usize| p[d] - self.motion.from[d]));
-        Some([c * p[0] - s * p[1] + self.motion.to[0], s * p[0] + c * p[1] + self.motion.to[1]])
+        Some(self.motion.about(&self.flat.place(q[0], q[1])?))
     }
 
     /// Where the image exactly is at an end of the run, or at a place within.
@@ -164,6 +176,15 @@ impl Image<'_> {
 pub(super) fn chain_bound(image: &Image, vertices: &[ContourVertex], tolerance: f64) -> Option<f64> {
     let (mut pieces, slack) = halved(vertices)?;
     let last = pieces.pop()?;
+    if pieces.is_empty() {
+        // Nothing is drawn but a point.
+        let bound = greatest(image.trim.knots.breaks(), EXCESS * tolerance, |a, b| {
+            let stretch = image.over(a, b)?;
+            let all = distance(&stretch.curve.map(|j| j.v), &last.point).hi;
+            Some((all, distance(&stretch.ends[0], &last.point).lo))
+        })?;
+        return bound.is_finite().then_some(bound);
+    }
     let places = joints(image, &pieces, &last)?;
     let mut bound = 0.0f64;
     for (k, piece) in pieces.iter().enumerate() {
@@ -255,6 +276,17 @@ pub(super) fn pairs_by_length(image: &Image, vertices: &[ContourVertex]) -> Opti
     pieces.iter().zip(places).map(|(p, s)| Some((image.place(s)?, p.point))).collect()
 }
 
+/// Length of a line or arc.
+pub(super) fn arc_length(a: [f64; 2], b: [f64; 2], bulge: f64) -> f64 {
+    let chord = (b[0] - a[0]).hypot(b[1] - a[1]);
+    let half = 2.0 * bulge.atan();
+    if half.abs() > f64::EPSILON {
+        chord * half / half.sin()
+    } else {
+        chord
+    }
+}
+
 /// Places on the run at the joints' shares of the whole length, from 0 to 1.
 fn by_length(image: &Image, pieces: &[Joint], last: &Joint) -> Option<Vec<f64>> {
     let walked = walk(image)?;
@@ -262,10 +294,7 @@ fn by_length(image: &Image, pieces: &[Joint], last: &Joint) -> Option<Vec<f64>> 
     let mut own = vec![0.0];
     for (k, piece) in pieces.iter().enumerate() {
         let next = pieces.get(k + 1).unwrap_or(last).point;
-        let chord = (next[0] - piece.point[0]).hypot(next[1] - piece.point[1]);
-        let half = 2.0 * piece.bulge.atan();
-        let length = if half.abs() > f64::EPSILON { chord * half / half.sin() } else { chord };
-        own.push(own[k] + length);
+        own.push(own[k] + arc_length(piece.point, next, piece.bulge));
     }
     let whole = own[own.len() - 1];
     let mut out = vec![0.0];

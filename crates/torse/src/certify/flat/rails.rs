@@ -48,6 +48,8 @@ pub(super) struct FlatRails {
     pieces: Vec<FlatPiece>,
     /// Ends of the pieces, increasing.
     breaks: Vec<f64>,
+    /// Images of both ends of the last ruling, exactly.
+    end: [[f64; 2]; 2],
     /// Bound of |σ − 1| for the factor σ by which any length changes.
     pub strain: f64,
     /// See [`FlatRails::length_change`].
@@ -73,19 +75,37 @@ struct Rails {
     de: V3<Series<N>>,
 }
 
+/// Where flat rails begin, and which of them are points.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Start {
+    /// Images of both ends of the first ruling; none: anywhere.
+    pub places: Option<[[f64; 2]; 2]>,
+    /// Rails whose control points are all the same, number for number: their images are one point.
+    pub points: [bool; 2],
+}
+
 impl FlatRails {
     /// Flat rails over the rulings that `used` gives a range of r for; `side` ±1 says from which side the panel is
     /// seen. `None` where nothing could be shown.
     pub fn new(patch: &Ruled, used: &dyn Fn(f64, f64) -> Option<Interval>, side: f64) -> Option<Self> {
-        let mut out = Self { pieces: Vec::new(), breaks: Vec::new(), strain: 0.0, change: Change::default() };
+        Self::from(patch, used, side, &Start::default())
+    }
+
+    /// As [`FlatRails::new`], from a given beginning on.
+    ///
+    /// Where one rail is a point, map and patch are cones about it: they scale alike along their rulings, and what is
+    /// shown of the other rail holds everywhere but in the point itself. Then `used` is to answer for that rail.
+    pub fn from(patch: &Ruled, used: &dyn Fn(f64, f64) -> Option<Interval>, side: f64, begin: &Start) -> Option<Self> {
+        let change = Change::default();
+        let mut out = Self { pieces: Vec::new(), breaks: Vec::new(), end: [[0.0; 2]; 2], strain: 0.0, change };
         let breaks = patch.breaks();
         // Ends, halvings, and the strain before the last of these.
         let mut open: Vec<(f64, f64, usize, f64)> =
             breaks.windows(2).rev().map(|w| (w[0], w[1], 0, f64::INFINITY)).collect();
-        let mut start: Option<[[f64; 2]; 2]> = None;
+        let mut start = *begin;
         while let Some((a, b, depth, before)) = open.pop() {
             let Some(r) = used(a, b) else { continue };
-            let (piece, end, strain) = developed(patch, (a, b), r, side, start);
+            let (piece, end, strain) = developed(patch, (a, b), r, side, &start);
             let m = 0.5 * (a + b);
             let good = strain.is_some_and(|s| s.bound <= STRAIN || s.bound >= HELPS * before);
             if !good && depth < DEPTH && a < m && m < b {
@@ -97,7 +117,8 @@ impl FlatRails {
             out.strain = out.strain.max(strain.bound);
             out.change = out.change.with(&strain);
             out.pieces.push(piece);
-            start = Some(end);
+            start.places = Some(end);
+            out.end = end;
         }
         // Rulings in use are one stretch, without a gap between pieces.
         let whole = out.pieces.windows(2).all(|w| w[0].b.to_bits() == w[1].a.to_bits());
@@ -109,9 +130,22 @@ impl FlatRails {
     /// Bound (mm) of the change of the length of any path of at most this length that crosses no ruling twice, as
     /// shortest paths do.
     pub fn length_change(&self, length: f64) -> f64 {
-        let Change { norm, along, crossing } = &self.change;
-        let least = Interval::point(2.0) - Interval::point(norm.hi);
-        ((Interval::point(along.hi) * Interval::point(length) + Interval::point(crossing.hi)) / least).hi
+        self.change.of(length)
+    }
+
+    /// How lengths change over all of it.
+    pub fn change(&self) -> Change {
+        self.change
+    }
+
+    /// Ends of the pieces, increasing.
+    pub fn breaks(&self) -> &[f64] {
+        &self.breaks
+    }
+
+    /// Images of both ends of the last ruling, exactly: where a next strip begins.
+    pub fn end(&self) -> [[f64; 2]; 2] {
+        self.end
     }
 
     /// The map along `(t(s), r(s))`, and how [`rough`] it is; `None` outside the rulings in use.
@@ -179,7 +213,16 @@ impl FlatPiece {
             r
         } else {
             let (p, q) = (x.polynomial(&self.weights[0]), x.polynomial(&self.weights[1]));
-            (r * q).over(p + r * (q - p))
+            let rest = Jet::from(1.0) - r;
+            // All the same, but each tight where r is near one end.
+            if r.v.lo > 0.5 {
+                Jet::from(1.0).over(Jet::from(1.0) + rest.over(r) * p.over(q))
+            } else if r.v.hi < 0.5 {
+                let k = r.over(rest) * q.over(p);
+                k.over(Jet::from(1.0) + k)
+            } else {
+                (r * q).over(p + r * (q - p))
+            }
         };
         [0, 1].map(|d: usize| x.polynomial(&self.rail[d]) + share * x.polynomial(&self.vector[d]))
     }
@@ -191,14 +234,20 @@ fn developed(
     (a, b): (f64, f64),
     r: Interval,
     side: f64,
-    start: Option<[[f64; 2]; 2]>,
+    start: &Start,
 ) -> (FlatPiece, [[f64; 2]; 2], Option<Strain>) {
     let origin = patch.middle(0.5 * (a + b));
     let ends = [0, 1].map(|end: usize| patch.end(end, a, b, &origin).map(|c| powers_about_half(&c)));
     let weights = if patch.rational { [ends[0][3].clone(), ends[1][3].clone()] } else { [Vec::new(), Vec::new()] };
     let (middle, all) = (rails(&ends, Interval::ZERO, patch.rational), rails(&ends, HALF, patch.rational));
     let shares = shares(&weights, r);
-    let flat = solved(&middle, 0.5 * (shares.lo + shares.hi), side, start);
+    let mut flat = solved(&middle, 0.5 * (shares.lo + shares.hi), side, start.places);
+    for (rail, _) in flat.iter_mut().zip(start.points).filter(|(_, is_point)| *is_point) {
+        for c in rail {
+            let first = c[0];
+            c.fill(first);
+        }
+    }
     let last = [0, 1].map(|k: usize| [0, 1].map(|d: usize| flat[k][d][flat[k][d].len() - 1]));
     let exact = |c: &[f64]| powers_about_half(&c.iter().map(|&x| Interval::point(x)).collect::<Vec<_>>());
     let rail = [0, 1].map(|d: usize| exact(&flat[0][d]));
@@ -369,7 +418,7 @@ struct Strain {
 /// `(f |dx| + (2 s + t) |dy|)/(2 − n)`. A path that crosses every ruling once has no more dy in a piece than its reach.
 /// That is far less than the largest strain of all times the length, where a panel bends sharply in a short stretch.
 #[derive(Clone, Copy)]
-struct Change {
+pub(super) struct Change {
     norm: Interval,
     along: Interval,
     crossing: Interval,
@@ -383,7 +432,20 @@ impl Default for Change {
 
 impl Change {
     fn with(&self, s: &Strain) -> Self {
-        Self { norm: self.norm.hull(s.norm), along: self.along.hull(s.along), crossing: self.crossing + s.crossing }
+        let Strain { norm, along, crossing, .. } = *s;
+        self.and(&Self { norm, along, crossing })
+    }
+
+    /// Over what follows, too.
+    pub fn and(&self, o: &Self) -> Self {
+        Self { norm: self.norm.hull(o.norm), along: self.along.hull(o.along), crossing: self.crossing + o.crossing }
+    }
+
+    /// See [`FlatRails::length_change`].
+    pub fn of(&self, length: f64) -> f64 {
+        let Self { norm, along, crossing } = self;
+        let least = Interval::point(2.0) - Interval::point(norm.hi);
+        ((Interval::point(along.hi) * Interval::point(length) + Interval::point(crossing.hi)) / least).hi
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::judgement::SQUARE_METRES;
 use crate::certify::claim::{Claim, Subject, What};
+use crate::certify::flat::{strip_parts, FlatCertificate};
 use crate::control::Control;
 use crate::develop::strip::{least_spacing, pattern, StripOptions};
 use crate::develop::view::{centre, viewed};
@@ -78,37 +79,53 @@ pub fn spacing_notes(patterns: &[Pattern], options: &StripOptions) -> Vec<String
     told("rulings", options.ruling_spacing).into_iter().chain(told("marks", options.mark_spacing)).collect()
 }
 
-/// What is said of flat parts: their area, the error of their lengths, and what stands against each.
-pub fn claims(parts: &[Part], patterns: &[Pattern], tolerance: f64) -> Vec<Claim> {
+/// What is proven of flat parts; `tolerance` (mm) is that of the job.
+pub fn judged(strips: &[Strip], parts: &[Part], patterns: &[Pattern], tolerance: f64) -> Vec<FlatCertificate> {
+    // As the proof of strips in space, this has its own clock.
+    strip_parts(strips, parts, patterns, tolerance, &Control::default())
+}
+
+/// What is said of flat parts: their area, what is proven of lengths and of the drawing, and what stands against each.
+pub fn claims(parts: &[Part], patterns: &[Pattern], flat: &[FlatCertificate], tolerance: f64) -> Vec<Claim> {
     let whole = Subject::Whole;
-    let isometry = patterns.iter().map(|p| p.isometry_error).fold(0.0, f64::max);
     let missing = parts.iter().filter(|p| !p.missing.is_empty()).map(|p| format!("part {}: {}", p.name, p.missing));
     // The sum of nothing is −0.
     let area = patterns.iter().map(|p| p.area * SQUARE_METRES).sum::<f64>() + 0.0;
-    let mut out =
-        vec![Claim::measured(What::FlatArea, whole, area), Claim::measured(What::LengthError, whole, isometry)];
-    out.extend(missing.chain(stretched(parts, patterns, tolerance)).map(|r| Claim::objection(whole, r)));
+    let mut out = vec![Claim::measured(What::FlatArea, whole, area)];
+    out.extend(lengths(patterns, flat));
+    let refused = refused(parts, patterns, flat, tolerance);
+    out.extend(missing.chain(refused).map(|r| Claim::objection(whole, r)));
     out
 }
 
-/// Parts whose patterns are longer or shorter than the strips by more than the tolerance (mm), as reasons.
-fn stretched(parts: &[Part], patterns: &[Pattern], tolerance: f64) -> Vec<String> {
-    let name = |p: &Pattern| parts.get(p.panel).map_or(p.name.as_str(), |part| part.name.as_str()).to_owned();
-    let off = |p: &Pattern| p.isometry_error * p.length;
-    patterns
-        .iter()
-        .filter(|p| off(p).is_nan() || off(p) > tolerance)
-        .map(|p| {
-            if !p.isometry_error.is_finite() {
-                return format!("part {}: nothing is known of lengths in the flat pattern", name(p));
-            }
-            format!(
-                "part {}: lengths in the flat pattern are wrong by up to {:.1e} of their value",
-                name(p),
-                p.isometry_error
-            )
-        })
-        .collect()
+/// What is proven of flat parts together; where a part has no proof of its map, lengths as they were measured.
+pub fn lengths(patterns: &[Pattern], flat: &[FlatCertificate]) -> Vec<Claim> {
+    if flat.is_empty() {
+        return Vec::new();
+    }
+    let mut out = FlatCertificate::of_parts(flat);
+    if !out.iter().any(|c| c.what() == What::LengthError) {
+        let measured = patterns.iter().map(|p| p.isometry_error).fold(0.0, f64::max);
+        out.push(Claim::measured(What::LengthError, Subject::Whole, measured));
+    }
+    out
+}
+
+/// Parts whose drawings are not proven within the tolerance (mm), and parts without a proof of their map whose lengths are
+/// measured to be wrong by more than it, as reasons.
+pub fn refused(parts: &[Part], patterns: &[Pattern], flat: &[FlatCertificate], tolerance: f64) -> Vec<String> {
+    let name = |f: &FlatCertificate| parts.get(f.panel()).map_or("", |part| part.name.as_str()).to_owned();
+    let stretched = |f: &FlatCertificate| {
+        let own = patterns.iter().find(|p| p.panel == f.panel());
+        let off = own.map_or(f64::NAN, |p| p.isometry_error * p.length);
+        off.is_nan() || off > tolerance
+    };
+    let reason = |f: &FlatCertificate| match (f.reason(), f.open()) {
+        ("", "") => None,
+        ("", open) => stretched(f).then(|| format!("part {}: {open}", name(f))),
+        (reason, _) => Some(format!("part {}: {reason}", name(f))),
+    };
+    flat.iter().filter_map(reason).collect()
 }
 
 #[cfg(test)]
@@ -172,12 +189,10 @@ mod tests {
         let strips = [Strip::quad("A-01", PanelKind::Plane, quad[0], quad[1]).expect("strip")];
         let whole = Part { name: "A".into(), first: 0, count: 1, missing: String::new() };
         let (parts, mut patterns) = cut(&strips, &[whole], &StripOptions::new(0.01));
-        assert!(stretched(&parts, &patterns, 1e-6).is_empty());
-        patterns[0].isometry_error = 1.2;
-        let told = stretched(&parts, &patterns, 1e-6);
-        assert!(told.len() == 1 && told[0].starts_with("part A: lengths"), "{told:?}");
-        patterns[0].isometry_error = f64::INFINITY;
-        let told = stretched(&parts, &patterns, 1e-6);
-        assert!(told.len() == 1 && !told[0].contains("inf"), "{told:?}");
+        let told = |patterns: &[Pattern]| refused(&parts, patterns, &judged(&strips, &parts, patterns, 1e-6), 1e-6);
+        assert!(told(&patterns).is_empty(), "{:?}", told(&patterns));
+        patterns[0].contours[0].vertices.iter_mut().for_each(|v| v.point.x *= 1.001);
+        let told = told(&patterns);
+        assert!(told.len() == 1 && told[0].starts_with("part A: the outline"), "{told:?}");
     }
 }
