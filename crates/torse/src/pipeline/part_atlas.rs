@@ -118,6 +118,7 @@ fn panel_of(s: &WrittenStrip) -> Result<PanelPatch, String> {
             plane_panel(&plain(&s.name), Vec3::from(*point), Vec3::from(*normal), &vertices)
                 .ok_or_else(|| named("the plane has no corners".into()))
         }
+        WrittenBase::Cylinder { .. } | WrittenBase::Cone { .. } => Err(named("it is no strip".into())),
     }
 }
 
