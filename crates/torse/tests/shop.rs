@@ -107,7 +107,7 @@ fn drawings_in_inches_and_of_single_parts_hold_what_was_judged() {
     let parts = String::from_utf8_lossy(&all["parts.csv"]).into_owned();
     assert!(parts.starts_with("part,job,quantity,seen_from,thickness_in,length_in,"));
     let length: f64 =
-        parts.lines().nth(1).and_then(|l| l.split(',').nth(4)).and_then(|x| x.parse().ok()).expect("inches");
+        parts.lines().nth(1).and_then(|l| l.split(',').nth(5)).and_then(|x| x.parse().ok()).expect("inches");
     assert!((length * 25.4 - a.patterns[0].length).abs() < 0.02);
     // The same in millimetres is another file.
     a.cut.unit = LengthUnit::Millimetre;

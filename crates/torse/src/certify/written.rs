@@ -31,7 +31,7 @@ use rayon::prelude::*;
 use std::f64::consts::TAU;
 
 /// What writing may move, as a share of the largest coordinate: held ready in the rounding bound of every panel.
-pub(super) const RESERVE: f64 = 256.0 * f64::EPSILON;
+pub(super) const RESERVE: f64 = 1024.0 * f64::EPSILON;
 
 /// Whether a file holds what was judged.
 #[derive(Clone, Debug)]

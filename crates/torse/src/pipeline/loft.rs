@@ -92,6 +92,8 @@ const RAIL_SHARE: f64 = 0.1;
 const EXACT_SHARE: f64 = 0.5;
 /// Share of the tolerance for lines and arcs of the flat outline.
 const CONTOUR_SHARE: f64 = 0.05;
+/// Drawings are asked to keep to at least this multiple of what their outlines were made for.
+const DRAWN: f64 = 2.0;
 /// Twist asked of fits, as a share of what counts as developable.
 const TWIST_SHARE: f64 = 0.1;
 /// Least share of both rails that an exact branch must use to be chosen without being asked for.
@@ -494,7 +496,9 @@ fn judged(
     };
     let chain = Part { name: "A".into(), first: 0, count: strips.len(), missing: String::new() };
     let (parts, patterns) = cut(&strips, &[chain], &flat);
-    let flat_proof = flat_judged(&strips, &parts, &patterns, options.tolerance);
+    // Nothing is drawn finer than that, however fine the strips are.
+    let drawable = options.tolerance.max(DRAWN * flat.contour_tolerance);
+    let flat_proof = flat_judged(&strips, &parts, &patterns, drawable);
     notes.extend(spacing_notes(&patterns, &flat));
     if closed {
         notes.push("the strip is closed; its flat part is cut open along the first ruling".into());
@@ -503,7 +507,7 @@ fn judged(
     claims.extend((0..2).map(|d| Claim::measured(What::UsedOf(d), whole, 100.0 * shares[d])));
     claims.extend(judgement.whole());
     claims.push(Claim::count(Counted::Strips, whole, strips.len()));
-    claims.extend(flat_claims(&parts, &patterns, &flat_proof, options.tolerance));
+    claims.extend(flat_claims(&parts, &patterns, &flat_proof, drawable));
     claims.extend(missing.into_iter().map(|reason| Claim::objection(whole, reason)));
     claims.extend(judgement.claims);
     let guides = given.iter().map(|r| Guide { name: r.name.clone(), points: r.samples(200) }).collect();

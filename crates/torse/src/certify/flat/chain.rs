@@ -11,14 +11,14 @@
 use super::matching::{directed, laid_on, motion_of, Walk};
 use super::outline::{chain_bound, Image, Motion};
 use super::rails::{FlatRails, Start};
-use super::senses::{seen, OTHER_WAY};
+use super::senses::{against, seen, OTHER_WAY};
 use super::{DrawnRulings, FlatCertificate, NO_MAP};
 use crate::certify::ruled::Ruled;
 use crate::certify::vector::length_bound;
 use crate::control::Control;
 use crate::num::interval::Interval;
 use crate::patchwork::part::Part;
-use crate::patchwork::pattern::Pattern;
+use crate::patchwork::pattern::{Contour, Pattern};
 use crate::spline::curve::Curve;
 use crate::spline::knots::Knots;
 use crate::spline::surface::Surface;
@@ -93,20 +93,42 @@ pub(super) fn judged(
         return Err("the outline drawn has no sides");
     }
     let lay = |side: f64| Laid::new(chain, side).ok_or(NO_MAP);
-    let walked = |laid: &Laid| Walk::new(&laid.runs.iter().map(|r| laid.image(r, STILL)).collect::<Vec<_>>());
-    // Outlines are drawn counter-clockwise.
-    let fit = |walk: &Walk, flip: f64| motion_of(walk, &directed(contour, walk.turn() * flip < 0.0), flip);
-    let nowhere = "the outline drawn cannot be laid on the strips";
-    let mut laid = lay(1.0)?;
-    let mut walk = walked(&laid).ok_or(nowhere)?;
-    let off = |side: f64| fit(&walk, side).map_or(f64::INFINITY, |m| m.1);
-    let side = seen(chain.iter().map(|s| &s.patch), pattern, tolerance, &off).ok_or(OTHER_WAY)?;
-    if side < 0.0 {
-        laid = lay(side)?;
-        walk = walked(&laid).ok_or(nowhere)?;
+    let laid = lay(1.0)?;
+    let walk = laid.walk().ok_or(NOWHERE)?;
+    let off = |side: f64| fit(&walk, contour, side).map_or(f64::INFINITY, |m| m.1);
+    let patches = || chain.iter().map(|s| &s.patch);
+    let side = seen(patches(), pattern, tolerance, &off).ok_or(OTHER_WAY)?;
+    let laid = if side < 0.0 { lay(side)? } else { laid };
+    let blank = out.clone();
+    let found = drawn(out, &laid, pattern, tolerance);
+    let proven = |c: &FlatCertificate, found: &Result<(), _>| found.is_ok() && c.drawing_bound() <= tolerance;
+    if proven(out, &found) || !off(-side).is_finite() || against(patches(), -side, pattern) {
+        return found;
     }
-    let motion = fit(&walk, 1.0).ok_or(nowhere)?.0;
-    let found = laid_on(&walk, &directed(contour, walk.turn() < 0.0), &motion).ok_or(nowhere)?;
+    // Outlines that are their own mirror images, as squares are, fit from either side: rulings and marks may tell.
+    let mut other = blank;
+    let found_there = drawn(&mut other, &lay(-side)?, pattern, tolerance);
+    if proven(&other, &found_there) {
+        *out = other;
+        return found_there;
+    }
+    found
+}
+
+/// Why nothing is shown of a drawing.
+const NOWHERE: &str = "the outline drawn cannot be laid on the strips";
+
+/// Where a contour shows a border seen from a side; outlines are drawn counter-clockwise.
+fn fit(walk: &Walk, contour: &Contour, flip: f64) -> Option<(Motion, f64)> {
+    motion_of(walk, &directed(contour, walk.turn() * flip < 0.0), flip)
+}
+
+/// What is shown of a drawing of a chain seen from one side.
+fn drawn(out: &mut FlatCertificate, laid: &Laid, pattern: &Pattern, tolerance: f64) -> Result<(), &'static str> {
+    let contour = &pattern.contours[0];
+    let walk = laid.walk().ok_or(NOWHERE)?;
+    let motion = fit(&walk, contour, 1.0).ok_or(NOWHERE)?.0;
+    let found = laid_on(&walk, &directed(contour, walk.turn() < 0.0), &motion).ok_or(NOWHERE)?;
     out.strain_bound = laid.links.iter().map(|l| l.rails.strain).fold(0.0, f64::max);
     out.gap_bound = laid.gap;
     let pairs: Vec<_> = laid.runs.iter().zip(&found.chains).collect();
@@ -119,8 +141,8 @@ pub(super) fn judged(
         None => missing = Err("the outline drawn could not be shown to be near the strips' border"),
     }
     let enough = ENOUGH * tolerance;
-    let drawn: Vec<DrawnRulings> = laid.links.iter().map(|l| DrawnRulings::new(&l.rails, motion)).collect();
-    let rulings = pattern.rulings.par_iter().map(|r| ruling_bound(&drawn, &r.map(|p| [p.x, p.y]), enough)).collect();
+    let lines: Vec<DrawnRulings> = laid.links.iter().map(|l| DrawnRulings::new(&l.rails, motion)).collect();
+    let rulings = pattern.rulings.par_iter().map(|r| ruling_bound(&lines, &r.map(|p| [p.x, p.y]), enough)).collect();
     match worst(rulings) {
         Some(bound) => out.ruling_bound = bound,
         None => missing = missing.and(Err("a ruling drawn is none of the strips'")),
@@ -201,6 +223,11 @@ impl Laid {
         }
         out.runs = runs;
         Some(out)
+    }
+
+    /// The border, sampled.
+    fn walk(&self) -> Option<Walk> {
+        Walk::new(&self.runs.iter().map(|r| self.image(r, STILL)).collect::<Vec<_>>())
     }
 
     fn image<'a>(&'a self, run: &'a Run, motion: Motion) -> Image<'a> {
@@ -288,7 +315,7 @@ fn joint_gap(before: &Strip, next: &Strip) -> f64 {
 mod tests {
     use super::*;
     use crate::geom::{Vec2, Vec3};
-    use crate::patchwork::pattern::{Contour, ContourVertex};
+    use crate::patchwork::pattern::ContourVertex;
     use crate::torse::form::PanelKind;
 
     const TOLERANCE: f64 = 0.01;

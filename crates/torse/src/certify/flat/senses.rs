@@ -21,7 +21,7 @@ const FLAT: f64 = 0.05;
 pub(super) const OTHER_WAY: &str = "the bends drawn go the other way on the side that the outline shows";
 
 /// Whether the bends drawn go against those of patches that follow each other, seen with `side` as flat rails are.
-fn against<'a>(patches: impl Iterator<Item = &'a Surface>, side: f64, pattern: &Pattern) -> bool {
+pub(super) fn against<'a>(patches: impl Iterator<Item = &'a Surface>, side: f64, pattern: &Pattern) -> bool {
     let signed = |(k, _)| {
         let bend = pattern.bend(k);
         match bend.sense {
