@@ -94,7 +94,7 @@ impl SeamSide<'_> {
     /// neighbouring pieces round alike.
     pub(super) fn over(&self, s0: f64, s1: f64, backwards: bool) -> Option<EdgePiece> {
         let (from, to) = if backwards { (1.0 - s1, 1.0 - s0) } else { (s0, s1) };
-        let mut theta = trim_piece(&self.trim, from, to);
+        let mut theta = trim_piece(self.trim, from, to);
         if backwards {
             theta.iter_mut().for_each(|c| c.reverse());
         }
