@@ -92,8 +92,9 @@ const RAIL_SHARE: f64 = 0.1;
 const EXACT_SHARE: f64 = 0.5;
 /// Share of the tolerance for lines and arcs of the flat outline.
 const CONTOUR_SHARE: f64 = 0.05;
-/// Drawings are asked to keep to at least this multiple of what their outlines were made for.
-const DRAWN: f64 = 2.0;
+/// Drawings are asked to keep to at least this multiple of what their outlines were made for: proofs follow a chain of
+/// strips less tightly than outlines do, up to ten times over a duct of eight.
+const DRAWN: f64 = 16.0;
 /// Twist asked of fits, as a share of what counts as developable.
 const TWIST_SHARE: f64 = 0.1;
 /// Least share of both rails that an exact branch must use to be chosen without being asked for.
