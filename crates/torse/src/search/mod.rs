@@ -6,6 +6,7 @@
 pub mod build;
 pub mod cover;
 pub(crate) mod face;
+pub mod joint;
 mod laid;
 mod sheet;
 mod slivers;

@@ -15,8 +15,9 @@ use crate::fit::near::samples::Fit;
 use crate::fit::panels::boundary::Borders;
 use crate::search::build::{borders, build, build_on, limits_missed, smooth_borders, too_large, Built};
 use crate::search::cover::{cover, CoverOptions, State};
-use crate::torse::form::Torse;
-use std::collections::{BTreeMap, HashMap};
+use crate::search::joint;
+use crate::torse::form::{PanelKind, Torse};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::Arc;
 
 /// Rounds of laying strips that meet, without those that were refused.
@@ -79,6 +80,13 @@ impl Attempts<'_> {
             self.keep(next);
         }
         if self.is_done() {
+            return;
+        }
+        if let Some(next) = self.joined(state) {
+            self.keep(next);
+        }
+        // What follows takes long and would leave more open.
+        if self.is_done() || openness(&self.best) <= SETTLED {
             return;
         }
         let state = self.on_levels(state);
@@ -184,12 +192,45 @@ impl Attempts<'_> {
             built.patchwork.panels.iter().filter_map(|p| p.trim.as_ref()).map(|t| (t.label, &t.torse)).collect();
         let intersections = Intersections::new(self.face, &torses);
         let base = as_built(self.face, state, built)?;
-        let mut wanted: Vec<[u32; 2]> = open(built).into_iter().filter(|p| !self.is_asked_for(built, *p)).collect();
+        let wanted: Vec<[u32; 2]> = open(built).into_iter().filter(|p| !self.is_asked_for(built, *p)).collect();
+        self.along(&intersections, &base, wanted, Some(built))
+    }
+
+    /// Strips of the program over all of them, with their borders under their edges.
+    fn joined(&self, state: &State) -> Option<Built> {
+        let base = as_built(self.face, state, &self.best)?;
+        let chains = borders(self.face, &base.partition).seam_chains();
+        let stays = |labels: [u32; 2]| self.is_asked_for(&self.best, pair(labels));
+        let joined = joint::joined(self.face, &base, chains, &stays, self.tolerance, self.control)?;
+        let mut next = base;
+        for (label, torse) in joined.torses {
+            let fit = next.panels.get(&label)?;
+            let fit = Fit { torse, kind: PanelKind::Torse, ..(**fit).clone() };
+            next.panels.insert(label, Arc::new(fit));
+        }
+        let torses = next.panels.iter().map(|(&l, f)| (l, &f.torse)).collect();
+        let edges: Vec<_> = joined.lines.into_iter().filter_map(|l| Some((pair(l.labels), l.edge?))).collect();
+        let wanted = edges.iter().map(|e| e.0).collect();
+        let vertices = joined.vertices.into_iter().map(|v| (v.labels, v.place)).collect();
+        let intersections = Intersections::new(self.face, &torses).along(edges, vertices);
+        let next = intersections.with_vertices(&next);
+        self.along(&intersections, &next, wanted, None)
+    }
+
+    /// The panels of a state with borders where strips intersect, and the edges that panels share already. `None` where that
+    /// is not possible, or cannot be proven.
+    fn along(
+        &self,
+        intersections: &Intersections,
+        base: &State,
+        mut wanted: Vec<[u32; 2]>,
+        built: Option<&Built>,
+    ) -> Option<Built> {
         for _ in 0..INTERSECTIONS {
             if self.control.stopped() {
                 break;
             }
-            let (now, moved) = intersections.cut(&base, &wanted);
+            let (now, moved) = intersections.cut(base, &wanted);
             if moved.is_empty() {
                 break;
             }
@@ -202,14 +243,18 @@ impl Attempts<'_> {
                 wanted.retain(|p| !spoilt.contains(p));
                 continue;
             }
-            edges.extend(seams::kept(&built.patchwork, &borders));
+            edges.extend(built.into_iter().flat_map(|b| seams::kept(&b.patchwork, &borders)));
             let clashing = clashing(&edges, &borders);
             let before = wanted.len();
             wanted.retain(|p| !clashing.contains(p));
             if wanted.len() < before {
                 continue;
             }
-            let meeting = Meeting { edges, together: built.together.clone(), ..Meeting::default() };
+            let meeting = Meeting {
+                edges,
+                together: built.map_or_else(BTreeSet::new, |b| b.together.clone()),
+                ..Meeting::default()
+            };
             let (next, bad) = build_on(self.index, self.face, &now, self.tolerance, Some((&meeting, &[], &[])));
             let missed = missed(&next);
             if bad.is_empty() && missed.is_empty() {

@@ -10,12 +10,15 @@ use crate::brep::face::Face;
 use crate::fit::panels::boundary::{Borders, SeamChain};
 use crate::fit::seams::Height;
 use crate::geom::Vec3;
+use crate::patchwork::partition::Partition;
 use crate::search::build::borders as borders_of;
 use crate::search::cover::State;
+use crate::search::joint::whole_borders;
+use crate::spline::curve::Curve;
 use crate::spline::lsq;
 use crate::torse::form::Torse;
 use rayon::prelude::*;
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
 /// Borders move by at most this share of the width of the region that they move into.
 const REACH: f64 = 0.4;
@@ -41,19 +44,159 @@ pub(crate) fn pair([a, b]: [u32; 2]) -> [u32; 2] {
 pub(crate) struct Intersections<'a> {
     face: &'a Face,
     heights: BTreeMap<u32, Height<'a>>,
+    /// Edges of two strips that are known, for their borders to lie under.
+    known: BTreeMap<[u32; 2], KnownEdge>,
+    /// Points in which the edges of three labels end.
+    vertices: BTreeMap<Vec<u32>, Vec3>,
+}
+
+/// An edge of two strips in space, and places on it.
+struct KnownEdge {
+    curve: Curve<3>,
+    places: Vec<(f64, Vec3)>,
+}
+
+/// Rounds of moving a vertex, the shares of the way that are tried in each, and what a triangle beside it keeps of its area.
+const VERTEX_ROUNDS: usize = 20;
+/// See [`VERTEX_ROUNDS`].
+const VERTEX_SHARES: [f64; 4] = [1.0, 0.5, 0.25, 0.1];
+/// See [`VERTEX_ROUNDS`].
+const LEAST_TRIANGLE: f64 = 0.2;
+/// Distance (share of the edge's length) of the point in which edges end from each.
+const COMMON: f64 = 1e-6;
+/// Places on a known edge from which its nearest point is looked for.
+const KNOWN: usize = 400;
+
+impl KnownEdge {
+    fn new(curve: Curve<3>) -> Self {
+        let (a, b) = curve.domain();
+        let at = |i: usize| a + (b - a) * i as f64 / KNOWN as f64;
+        let places = (0..=KNOWN).map(|i| (at(i), Vec3::from(curve.point(at(i))))).collect();
+        Self { curve, places }
+    }
+
+    /// The parameter of the point that lies beside `x`, not along the edge, as seen along the unit normal `n`, and how far
+    /// (mm) `x` is to the left of it.
+    fn beside(&self, x: &Vec3, n: &Vec3) -> Option<(f64, f64)> {
+        const STEPS: usize = 30;
+        const SETTLED: f64 = 1e-15;
+        let off = |p: &(f64, Vec3)| (p.1 - x).norm_squared();
+        let mut s = self.places.iter().min_by(|p, q| off(p).total_cmp(&off(q)))?.0;
+        let (a, b) = self.curve.domain();
+        for _ in 0..STEPS {
+            let j = self.curve.jet(s).map(Vec3::from);
+            let along = j[1] - n * j[1].dot(n);
+            let step = (x - j[0]).dot(&along) / j[1].dot(&along);
+            if !step.is_finite() {
+                return None;
+            }
+            let next = (s + step).clamp(a, b);
+            let settled = (next - s).abs() <= SETTLED * (b - a);
+            s = next;
+            if settled {
+                break;
+            }
+        }
+        let j = self.curve.jet(s).map(Vec3::from);
+        Some((s, (x - j[0]).dot(&n.cross(&j[1]).try_normalize(0.0)?)))
+    }
 }
 
 impl<'a> Intersections<'a> {
     pub fn new(face: &'a Face, torses: &BTreeMap<u32, &'a Torse>) -> Self {
         let heights = torses.iter().filter_map(|(&l, t)| Some((l, Height::of(t)?))).collect();
-        Self { face, heights }
+        Self { face, heights, known: BTreeMap::new(), vertices: BTreeMap::new() }
+    }
+
+    /// The same with edges that are known, which need not cross at any angle, and the points in which those of three
+    /// labels end.
+    pub fn along(mut self, edges: Vec<([u32; 2], Curve<3>)>, vertices: Vec<(Vec<u32>, Vec3)>) -> Self {
+        self.known = edges.into_iter().map(|(labels, curve)| (pair(labels), KnownEdge::new(curve))).collect();
+        self.vertices = vertices.into_iter().collect();
+        self
+    }
+
+    /// The vertices in which borders end inside the face, with the point that their labels have in common.
+    fn common_points(&self, chains: &[SeamChain]) -> BTreeMap<u32, Vec3> {
+        let mut labels: BTreeMap<u32, BTreeSet<u32>> = BTreeMap::new();
+        for c in chains {
+            for &v in c.vertices.first().into_iter().chain(c.vertices.last()) {
+                labels.entry(v).or_default().extend(c.labels);
+            }
+        }
+        let point = |(v, l): (u32, BTreeSet<u32>)| Some((v, *self.vertices.get(&l.into_iter().collect::<Vec<_>>())?));
+        labels.into_iter().filter_map(point).collect()
+    }
+
+    /// The state with the vertices in which borders end inside the face under the points that their labels have in common;
+    /// others make way. Vertices that cannot go there stay where they get to.
+    pub fn with_vertices(&self, state: &State) -> State {
+        let borders = borders_of(self.face, &state.partition);
+        let surface = &self.face.surface;
+        let mut partition = state.partition.clone();
+        let lines = [surface.knots_u.breaks(), surface.knots_v.breaks()];
+        let points = self.common_points(&borders.seam_chains());
+        for (v, x) in points {
+            let Some(target) = self.under(&x, partition.vertices[v as usize], &borders) else { continue };
+            let around: Vec<usize> =
+                (0..partition.triangles.len()).filter(|&t| partition.triangles[t].contains(&v)).collect();
+            for _ in 0..VERTEX_ROUNDS {
+                let old = partition.vertices[v as usize];
+                if old == target {
+                    break;
+                }
+                // No triangle may cross a knot line.
+                let crosses = |d: usize| {
+                    let (a, b) = (old[d].min(target[d]), old[d].max(target[d]));
+                    a < b && lines[d].iter().any(|k| (a..=b).contains(k))
+                };
+                if crosses(0) || crosses(1) {
+                    break;
+                }
+                let area = |p: &Partition, t: usize| {
+                    let [a, b, c] = p.corners(t);
+                    (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+                };
+                let before: Vec<f64> = around.iter().map(|&t| area(&partition, t)).collect();
+                for share in VERTEX_SHARES {
+                    let to = |d: usize| if share < 1.0 { old[d] + (target[d] - old[d]) * share } else { target[d] };
+                    partition.vertices[v as usize] = [to(0), to(1)];
+                    if around.iter().zip(&before).all(|(&t, b)| area(&partition, t) > LEAST_TRIANGLE * b) {
+                        break;
+                    }
+                    partition.vertices[v as usize] = old;
+                }
+                partition.relax([&lines[0], &lines[1]]);
+            }
+        }
+        with_partition(self.face, state, partition)
+    }
+
+    /// Parameters of the place on the face whose normal goes through a point.
+    fn under(&self, x: &Vec3, mut p: [f64; 2], borders: &Borders) -> Option<[f64; 2]> {
+        const STEPS: usize = 20;
+        for _ in 0..STEPS {
+            let j = self.face.surface.jet(p[0], p[1]);
+            let n = borders.normal(p).try_normalize(0.0)?;
+            let off = x - j.p;
+            let off = off - n * off.dot(&n);
+            let (e, f, g) = (j.du.dot(&j.du), j.du.dot(&j.dv), j.dv.dot(&j.dv));
+            let (a, b, det) = (j.du.dot(&off), j.dv.dot(&off), e * g - f * f);
+            let next = [p[0] + (a * g - b * f) / det, p[1] + (b * e - a * f) / det];
+            if !next.iter().all(|x| x.is_finite()) {
+                return None;
+            }
+            p = next;
+        }
+        let ((u0, u1), (v0, v1)) = self.face.surface.domain();
+        ((u0..=u1).contains(&p[0]) && (v0..=v1).contains(&p[1])).then_some(p)
     }
 
     /// The state with the borders between pairs of labels about where their strips intersect; second result: the pairs
     /// whose borders were moved.
     pub fn cut(&self, state: &State, pairs: &[[u32; 2]]) -> (State, Vec<[u32; 2]>) {
         let borders = borders_of(self.face, &state.partition);
-        let chains = borders.seam_chains();
+        let chains = whole_borders(borders.seam_chains());
         let mut now = state.clone();
         let mut moved = Vec::new();
         for &p in pairs {
@@ -86,7 +229,18 @@ impl<'a> Intersections<'a> {
     pub fn edges(&self, state: &State, borders: &Borders, pairs: &[[u32; 2]]) -> (Vec<SharedSeam>, Vec<[u32; 2]>) {
         let chains = borders.seam_chains();
         let (mut edges, mut spoilt) = (Vec::new(), Vec::new());
+        let points = self.common_points(&chains);
         for &p in pairs {
+            if let Some(known) = self.known.get(&p) {
+                // A border with corners has several chains.
+                let of = chains.iter().filter(|c| pair(c.labels) == p);
+                let parts = of.map(|c| self.pair(borders, c.labels)?.known_edge(known, state, c, &points));
+                match parts.collect::<Option<Vec<SharedSeam>>>() {
+                    Some(parts) => edges.extend(parts),
+                    None => spoilt.push(p),
+                }
+                continue;
+            }
             let mut of = chains.iter().filter(|c| pair(c.labels) == p);
             let edge = match (of.next(), of.next()) {
                 (Some(chain), None) => self.pair(borders, chain.labels).and_then(|strips| strips.edge(state, chain)),
@@ -102,7 +256,7 @@ impl<'a> Intersections<'a> {
 
     fn pair<'b>(&'b self, borders: &'b Borders<'b>, labels: [u32; 2]) -> Option<Pair<'b>> {
         let [a, b] = labels.map(|l| self.heights.get(&l));
-        Some(Pair { face: self.face, borders, heights: [a?, b?] })
+        Some(Pair { face: self.face, borders, heights: [a?, b?], known: self.known.get(&pair(labels)) })
     }
 }
 
@@ -111,6 +265,7 @@ struct Pair<'a> {
     face: &'a Face,
     borders: &'a Borders<'a>,
     heights: [&'a Height<'a>; 2],
+    known: Option<&'a KnownEdge>,
 }
 
 impl Pair<'_> {
@@ -121,8 +276,12 @@ impl Pair<'_> {
         Some((x, n, [self.heights[0].at(&x, &n)?, self.heights[1].at(&x, &n)?]))
     }
 
-    /// First height less second, mm.
+    /// First height less second, mm; how far the edge is to the right where it is known.
     fn difference(&self, p: [f64; 2]) -> Option<f64> {
+        if let Some(known) = self.known {
+            let x = self.face.surface.point(p[0], p[1]);
+            return known.beside(&x, &self.borders.normal(p).try_normalize(0.0)?).map(|b| b.1);
+        }
         self.at(p).map(|(_, _, [a, b])| a - b)
     }
 
@@ -263,6 +422,47 @@ impl Pair<'_> {
         let parameters = parameters.into_iter().step_by(parts).collect();
         let edge = SharedSeam { chain: chain.chain, labels: chain.labels, edge: fit.curve, parameters };
         (fit.error <= EDGE.1 * chain.length).then_some(edge)
+    }
+}
+
+impl Pair<'_> {
+    /// The part of a known edge over a border, from and to the points in common.
+    fn known_edge(
+        &self,
+        known: &KnownEdge,
+        state: &State,
+        chain: &SeamChain,
+        points: &BTreeMap<u32, Vec3>,
+    ) -> Option<SharedSeam> {
+        let beside = |&v: &u32| {
+            let p = state.partition.vertices[v as usize];
+            let n = self.borders.normal(p).try_normalize(0.0)?;
+            known.beside(&self.face.surface.point(p[0], p[1]), &n).map(|b| b.0)
+        };
+        let s: Vec<f64> = chain.vertices.iter().map(beside).collect::<Option<_>>()?;
+        let forward = s.last()? > s.first()?;
+        if s.windows(2).any(|w| (w[0] < w[1]) != forward || w[0] == w[1]) {
+            return None;
+        }
+        // Anew over [0, 1] with knots that are mirrored without rounding.
+        let (edges, parts) = (s.len() - 1, PLACES.0.max(PLACES.1 / s.len()));
+        let at = |i: usize| {
+            let (k, share) = (i / parts, (i % parts) as f64 / parts as f64);
+            s[k] + (s[(k + 1).min(edges)] - s[k]) * share
+        };
+        let mut places: Vec<[f64; 3]> = (0..=parts * edges).map(|i| known.curve.point(at(i))).collect();
+        let last = places.len() - 1;
+        for (i, v) in [(0, chain.vertices.first()?), (last, chain.vertices.last()?)] {
+            let Some(x) = points.get(v) else { continue };
+            if (x - Vec3::from(places[i])).norm() > COMMON * chain.length {
+                return None;
+            }
+            places[i] = (*x).into();
+        }
+        let parameters = lsq::chord_parameters(&places);
+        let edge = lsq::fit_within(&places, &parameters, CURVE.0, EDGE.0 * chain.length, CURVE.1).ok()?.curve;
+        let parameters = parameters.into_iter().step_by(parts).collect();
+        Some(SharedSeam { chain: chain.chain, labels: chain.labels, edge, parameters })
     }
 }
 

@@ -1,0 +1,293 @@
+//! From strips that are nearly equally high along their lines to edges on both: finer strips where the edges would miss
+//! them, and the curve along which two strips intersect.
+//!
+//! *Method* ([joint](super)). Over every line stands a fixed reference curve between both strips. Least squares make
+//! strips of twice the spans equally high there. At each place the edge is the point beside and above the reference for
+//! which `φ_A² + φ_B² + λ²x²` is least, with the distances φ from both strips and the way x to the side: the intersection
+//! where strips cross at more than λ, the middle of both where they do not.
+
+use super::columns::Columns;
+use super::form::Tie;
+use super::line::{End, Line};
+use super::network::{Member, Network};
+
+use crate::num::block_matrix::{BlockMatrix, Runs, Structure};
+use rayon::prelude::*;
+use crate::geom::Vec3;
+use crate::spline::curve::Curve;
+use crate::spline::knots::Knots;
+use crate::spline::lsq;
+
+/// What a way to the side counts against a distance.
+const SIDEWAYS: f64 = 1e-3;
+/// Newton steps for a point of an edge.
+const STEPS: usize = 12;
+/// Steps end below this share of the tolerance.
+const SETTLED: f64 = 1e-9;
+/// Spans of reference curves.
+const REFERENCE: usize = 24;
+/// Degree of curves.
+const DEGREE: usize = 5;
+/// Places of an edge on its line, and share of the line by which it goes on beyond both ends.
+const PLACES: (usize, f64) = (1600, 0.01);
+/// Distance of an edge's spline from its places as a share of its length, and spans at most.
+const FIT: (f64, usize) = (1e-8, 480);
+/// Reference points per span of a strip.
+const PER_SPAN: usize = 4;
+/// Rounds of making finer strips equally high.
+const ROUNDS: usize = 3;
+/// Prices of changes there, in turn until no foot is lost, and what damps strips as a multiple of them.
+const PRICES: ([f64; 3], f64) = ([1e-3, 3e-2, 1.0], 10.0);
+
+/// The curve over a line at which edges start, with the direction of heights.
+struct Reference {
+    place: Curve<3>,
+    up: Curve<3>,
+}
+
+/// An edge of two strips.
+#[derive(Clone, Debug)]
+pub(super) struct Edge {
+    /// Over the line and a little beyond.
+    pub curve: Curve<3>,
+    /// Largest distance of its places from both strips, mm. Sampled.
+    pub missed: f64,
+}
+
+impl Reference {
+    fn of(line: &Line) -> Option<Self> {
+        let at: Vec<f64> = line.points.iter().map(|p| p.share).collect();
+        let knots = Knots::uniform(DEGREE, REFERENCE, 0.0, 1.0).ok()?;
+        let through = |f: &dyn Fn(&super::line::Middle) -> Vec3| {
+            let points: Vec<[f64; 3]> =
+                line.points.iter().map(|p| Some(f(p.middle.as_ref()?).into())).collect::<Option<_>>()?;
+            let curve = lsq::fit(&points, &at, &knots).ok()?.curve;
+            curve.extended(-2.0 * PLACES.1, 1.0 + 2.0 * PLACES.1).ok()
+        };
+        Some(Self { place: through(&|m| m.z)?, up: through(&|m| m.up)? })
+    }
+
+    /// Place, direction of heights, direction to the side.
+    fn frame(&self, s: f64) -> Option<[Vec3; 3]> {
+        let j = self.place.jet(s).map(Vec3::from);
+        let up = Vec3::from(self.up.point(s)).try_normalize(0.0)?;
+        Some([j[0], up, up.cross(&j[1]).try_normalize(0.0)?])
+    }
+}
+
+/// A point of an edge with its feet.
+struct Place {
+    x: Vec3,
+    feet: [f64; 2],
+    /// Whether it is over the line.
+    inside: bool,
+}
+
+/// The point of the edge at `s`; `feet` are guesses and become its feet.
+fn point(members: [&Member; 2], reference: &Reference, s: f64, feet: &mut [f64; 2], tolerance: f64) -> Option<Vec3> {
+    let [y, up, aside] = reference.frame(s)?;
+    let (mut x, mut h) = (0.0, 0.0);
+    for step in 0..=STEPS {
+        let z = y + aside * x + up * h;
+        let found = [members[0].foot(&z, feet[0])?, members[1].foot(&z, feet[1])?];
+        *feet = found.map(|f| f.t);
+        // Normal equations of both distances and the way to the side.
+        let (mut m, mut r) = ([SIDEWAYS * SIDEWAYS, 0.0, 0.0], [SIDEWAYS * SIDEWAYS * x, 0.0]);
+        for f in &found {
+            let (a, b) = (f.normal.dot(&aside), f.normal.dot(&up));
+            m = [m[0] + a * a, m[1] + a * b, m[2] + b * b];
+            r = [r[0] + a * f.distance, r[1] + b * f.distance];
+        }
+        let det = m[0] * m[2] - m[1] * m[1];
+        let (dx, dh) = ((m[1] * r[1] - m[2] * r[0]) / det, (m[1] * r[0] - m[0] * r[1]) / det);
+        if !(dx.is_finite() && dh.is_finite()) {
+            return None;
+        }
+        if step == STEPS || dx.abs().max(dh.abs()) <= SETTLED * tolerance {
+            return Some(z);
+        }
+        (x, h) = (x + dx, h + dh);
+    }
+    None
+}
+
+/// The point in which strips meet near the ends of their lines.
+#[derive(Clone, Debug)]
+pub(super) struct Junction {
+    /// Indices of the strips, in order.
+    pub strips: Vec<usize>,
+    pub place: Vec3,
+}
+
+impl Network<'_> {
+    /// The common points of the three strips around every vertex; none where others meet, or they do so in no point.
+    pub fn junctions(&self) -> Vec<Junction> {
+        (0..self.vertices).filter_map(|v| self.junction(v)).collect()
+    }
+
+    fn junction(&self, vertex: usize) -> Option<Junction> {
+        let end = |l: &Line| l.ends.iter().position(|e| *e == End::Vertex(vertex));
+        let ends: Vec<(&Line, usize)> = self.lines.iter().filter_map(|l| Some((l, end(l)?))).collect();
+        let at = |l: &Line, e: usize| l.points[if e == 0 { 0 } else { l.points.len() - 1 }].middle;
+        let mut around: Vec<(usize, f64)> = Vec::new();
+        for (l, e) in &ends {
+            let middle = at(l, *e)?;
+            around.extend(l.strips.into_iter().zip(middle.feet.map(|f| f.t)));
+        }
+        around.sort_by_key(|a| a.0);
+        around.dedup_by_key(|a| a.0);
+        if around.len() != 3 {
+            return None;
+        }
+        let (l, e) = ends.first()?;
+        let mut z = at(l, *e)?.z;
+        for _ in 0..STEPS {
+            let mut matrix = nalgebra::Matrix3::zeros();
+            let mut right = Vec3::zeros();
+            for (i, (k, t)) in around.iter_mut().enumerate() {
+                let foot = self.members[*k].foot(&z, *t)?;
+                *t = foot.t;
+                matrix.set_row(i, &foot.normal.transpose());
+                right[i] = -foot.distance;
+            }
+            let step = matrix.lu().solve(&right)?;
+            z += step;
+            if step.norm() <= SETTLED * self.tolerance {
+                break;
+            }
+        }
+        z.iter().all(|x| x.is_finite()).then(|| Junction { strips: around.iter().map(|a| a.0).collect(), place: z })
+    }
+
+    /// Edges along all lines; `None` for lines along which there is none.
+    pub fn edges(&self) -> Vec<Option<Edge>> {
+        self.lines.par_iter().map(|l| self.edge(l)).collect()
+    }
+
+    fn edge(&self, line: &Line) -> Option<Edge> {
+        let reference = Reference::of(line)?;
+        let members = line.strips.map(|k| &self.members[k]);
+        let at = |i: usize| (1.0 + 2.0 * PLACES.1) * i as f64 / PLACES.0 as f64 - PLACES.1;
+        // From the middle outwards: every place starts from the feet of the one before.
+        let middle = PLACES.0 / 2;
+        let m = line.points[line.points.len() / 2].middle.as_ref()?;
+        let mut places: Vec<Place> = Vec::with_capacity(PLACES.0 + 1);
+        for backwards in [true, false] {
+            let mut feet = m.feet.map(|f| f.t);
+            let range: Vec<usize> = if backwards { (0..middle).rev().collect() } else { (middle..=PLACES.0).collect() };
+            for i in range {
+                let found = point(members, &reference, at(i), &mut feet, self.tolerance);
+                match found {
+                    Some(x) => places.push(Place { x, feet, inside: (0.0..=1.0).contains(&at(i)) }),
+                    // Beyond the line strips may end; on it they may not.
+                    None if (0.0..=1.0).contains(&at(i)) => return None,
+                    None => break,
+                }
+            }
+            if backwards {
+                places.reverse();
+            }
+        }
+        let points: Vec<[f64; 3]> = places.iter().map(|p| p.x.into()).collect();
+        let parameters = lsq::chord_parameters(&points);
+        let curve = lsq::fit_within(&points, &parameters, DEGREE, FIT.0 * line.length, FIT.1).ok()?.curve;
+        // What counts is how far the curve is from both strips, between its places too: to the side both are alike.
+        let mut missed: f64 = 0.0;
+        for (p, t) in places.windows(2).zip(parameters.windows(2)).filter(|(p, _)| p.iter().all(|p| p.inside)) {
+            for x in [curve.point(t[0]), curve.point(0.5 * (t[0] + t[1]))] {
+                for (m, &guess) in members.iter().zip(&p[0].feet) {
+                    missed = missed.max(m.foot(&Vec3::from(x), guess)?.distance.abs());
+                }
+            }
+        }
+        Some(Edge { curve, missed })
+    }
+
+    /// The strips on twice the spans, as equally high over their lines as these allow. `None` where a foot is lost.
+    pub fn polished(&self) -> Option<Self> {
+        let references: Vec<Reference> = self.lines.iter().map(Reference::of).collect::<Option<_>>()?;
+        let mut now = self.clone();
+        for m in &mut now.members {
+            m.strip = m.strip.refined()?;
+        }
+        now.lie_on_bands();
+        let spans = now.members.iter().map(|m| m.strip.torse().breaks().len() - 1).max()?;
+        // Feet of all reference points, the nearest of the line to begin with.
+        let count = PER_SPAN * spans;
+        let at = |i: usize| (1.0 + 2.0 * PLACES.1) * i as f64 / count as f64 - PLACES.1;
+        let mut guesses: Vec<Vec<[f64; 2]>> = now
+            .lines
+            .iter()
+            .map(|l| {
+                let last = l.points.len() - 1;
+                let near = |i: usize| (at(i).clamp(0.0, 1.0) * last as f64).round() as usize;
+                (0..=count).map(|i| Some(l.points[near(i)].middle.as_ref()?.feet.map(|f| f.t))).collect()
+            })
+            .collect::<Option<_>>()?;
+        for _ in 0..ROUNDS {
+            let columns = now.columns();
+            let mut gaps = Tie { rows: Runs::default(), price: Vec::new(), damping: 0.0 };
+            for ((line, reference), guesses) in now.lines.iter().zip(&references).zip(&mut guesses) {
+                for (i, guess) in guesses.iter_mut().enumerate() {
+                    let [y, up, _] = reference.frame(at(i))?;
+                    let inside = (0.0..=1.0).contains(&at(i));
+                    match now.height_row(line, &y, &up, guess, &columns, &mut gaps.rows) {
+                        Some(gap) => gaps.end(1.0, gap),
+                        None if inside => return None,
+                        None => {}
+                    }
+                }
+            }
+            now = PRICES.0.iter().find_map(|&price| now.changed(&columns, &now.closed(&columns, &gaps, price)?))?;
+        }
+        now.lie_on_bands();
+        Some(now)
+    }
+
+    /// The change of all strips that closes gaps in the sense of least squares, at a price.
+    fn closed(&self, columns: &Columns, gaps: &Tie, price: f64) -> Option<Vec<f64>> {
+        let mut tie = Tie { rows: gaps.rows.clone(), price: gaps.price.clone(), damping: PRICES.1 * price };
+        for (m, &c) in self.members.iter().zip(&columns.strips) {
+            m.strip.damping(c, self.tolerance, &mut tie);
+        }
+        let structure = Structure::new(&columns.groups, &[&tie.rows]);
+        let mut matrix = BlockMatrix::zeros(&structure);
+        let mut x = vec![0.0; structure.columns()];
+        for (i, &(w, g)) in tie.price.iter().enumerate() {
+            matrix.add_row(&tie.rows, i, w);
+            tie.rows.scatter(i, -w * g, &mut x);
+        }
+        (0..x.len()).for_each(|j| matrix.add_diagonal(j, price));
+        matrix.factorise().then(|| matrix.solve(&mut x))?;
+        Some(x)
+    }
+
+    /// Writes the row of the difference of heights of two strips over a place; the difference in tolerances.
+    fn height_row(
+        &self,
+        line: &Line,
+        place: &Vec3,
+        up: &Vec3,
+        guess: &mut [f64; 2],
+        columns: &Columns,
+        rows: &mut Runs,
+    ) -> Option<f64> {
+        const ROUNDS: usize = 3;
+        let members = line.strips.map(|k| &self.members[k]);
+        let mut z = *place;
+        for round in 0..ROUNDS {
+            let feet = [members[0].foot(&z, guess[0])?, members[1].foot(&z, guess[1])?];
+            *guess = feet.map(|f| f.t);
+            let heights = feet.map(|f| f.distance / f.normal.dot(up));
+            if round + 1 == ROUNDS {
+                for ((foot, &k), sign) in feet.iter().zip(&line.strips).zip([1.0, -1.0]) {
+                    let scale = sign / foot.normal.dot(up);
+                    self.members[k].strip.row(columns.strips[k], &z, foot, scale, rows);
+                }
+                return Some((heights[0] - heights[1]) / self.tolerance);
+            }
+            z -= up * (0.5 * (heights[0] + heights[1]));
+        }
+        None
+    }
+}

@@ -1,0 +1,206 @@
+//! All strips of a face and the lines between them in one program: neighbours become equally high along their seams while
+//! the largest distance falls. Nothing is judged here.
+//!
+//! *Method*: docs/algorithms/seams.md, "All strips together"; independent strips along the level lines of a function
+//! \[SE06\] carried on. Unknown are the functions that make up every strip, shifts of the lines between them along the
+//! face, and the places where lines meet. One step is a convex program: the smallest largest distance of samples under a
+//! price of the squared differences of heights along lines, all to first order; the feet of samples stay (envelope
+//! theorem), and a damping of what that leaves out keeps steps as short as they must be. Then feet, regions and rows are
+//! found anew. Since heights are compared and nothing is intersected, seams at which strips hardly cross are like all
+//! others. Edges come last: points in which both strips intersect, or lie between them where they hardly do.
+
+mod columns;
+mod edge;
+mod envelope;
+mod form;
+mod line;
+mod network;
+mod profile;
+mod program;
+mod start;
+mod strip;
+#[cfg(test)]
+mod tests;
+
+use edge::{Edge, Junction};
+use line::Line;
+use network::Network;
+use program::step;
+pub use start::whole_borders;
+use crate::brep::face::Face;
+use crate::control::Control;
+use crate::fit::panels::boundary::SeamChain;
+use crate::geom::Vec3;
+use crate::search::cover::State;
+use crate::spline::curve::Curve;
+use crate::torse::form::Torse;
+
+/// Weights of gaps from step to step; the last one stays.
+const WEIGHTS: [f64; 4] = [1e3, 4e3, 1.6e4, 6e4];
+/// Steps at most.
+const STEPS: usize = 8;
+/// Trials of a step.
+const TRIALS: usize = 5;
+/// Largest distance and gap (tolerances) with which nothing more is tried, after so many steps.
+const ENOUGH: (f64, f64, usize) = (0.96, 0.03, 2);
+/// Steps that gain less end the program once gaps are small enough.
+const STALLED: f64 = 2e-3;
+/// Gaps below the first of these count no less than it, times the second, beside the largest distance.
+const GAP: (f64, f64) = (0.01, 3.0);
+/// Shares of the expected gain: accepted above, damped more below, damped less above.
+const GAIN: (f64, f64, f64) = (0.1, 0.3, 0.7);
+/// Growth of the merit that is nothing.
+const NOTHING: f64 = 1e-3;
+/// Factors on the damping after good, poor and refused steps.
+const DAMPING: (f64, f64, f64) = (0.25, 2.0, 6.0);
+
+/// Largest distance of an edge from its strips, as a share of its length: wanted, allowed.
+const ON_BOTH: (f64, f64) = (3e-7, 1e-6);
+/// Times that strips get finer for that, and the largest distance of a sample that this may lead to, in tolerances.
+const POLISHINGS: usize = 2;
+/// See [`POLISHINGS`].
+const MOST: f64 = 0.97;
+
+/// What one step led to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StepReport {
+    /// Largest distance of a sample and largest gap, in tolerances.
+    pub reached: [f64; 2],
+    /// Programs solved and their Newton matrices.
+    pub effort: [usize; 2],
+}
+
+/// A seam line after the program.
+#[derive(Clone, Debug)]
+pub struct JoinedLine {
+    /// Labels on the left and on the right.
+    pub labels: [u32; 2],
+    /// Parameters on the face at equal arc lengths.
+    pub uv: Vec<[f64; 2]>,
+    /// The edge of both strips, beyond both ends by about a hundredth.
+    pub edge: Option<Curve<3>>,
+    /// Largest difference of both strips' heights, mm. Sampled.
+    pub gap_estimate: f64,
+}
+
+/// The point in which three strips meet.
+#[derive(Clone, Debug)]
+pub struct JoinedVertex {
+    /// Their labels, in order.
+    pub labels: Vec<u32>,
+    /// The point, mm.
+    pub place: Vec3,
+}
+
+/// Strips after the program.
+#[derive(Clone, Debug)]
+pub struct Joined {
+    /// New torse of every label.
+    pub torses: Vec<(u32, Torse)>,
+    /// Points inside the face in which three strips meet.
+    pub vertices: Vec<JoinedVertex>,
+    /// Seam lines.
+    pub lines: Vec<JoinedLine>,
+    /// Largest distance of a sample, mm. Sampled.
+    pub distance_estimate: f64,
+    /// Largest distance and gap to begin with, in tolerances.
+    pub start: [f64; 2],
+    /// Accepted steps.
+    pub steps: Vec<StepReport>,
+}
+
+/// The strips of a covered face and the lines between them, changed together until neighbours are equally high along their
+/// seams, with as small a largest distance as that allows, and edges on both.
+///
+/// *Input*: `state` with the partition to which the chains belong and a torse for every label; `held` says between which
+/// labels (left, right) seams must stay where they are. *Result*: the best that was reached, whether strips meet or not.
+/// `None` where some strip cannot take part (a torse of higher degree, samples without feet), where borders close, or
+/// without any border. *Not guaranteed*: any distance between samples; see `certify`.
+/// *Cost*: about as many factorisations as three programs have iterations, each of one block per strip.
+pub fn joined(
+    face: &Face,
+    state: &State,
+    chains: Vec<SeamChain>,
+    held: &dyn Fn([u32; 2]) -> bool,
+    tolerance: f64,
+    control: &Control,
+) -> Option<Joined> {
+    let network = start::network(face, state, chains, held, tolerance)?;
+    let start = network.measured();
+    let (network, steps) = improved(network, control);
+    let (network, edges) = edged(network);
+    let label = |k: &usize| network.members[*k].label;
+    let line = |((l, gap_estimate), edge): ((&Line, f64), Option<Edge>)| JoinedLine {
+        labels: l.strips.map(|k| label(&k)),
+        uv: l.points.iter().map(|p| p.uv).collect(),
+        edge: edge.filter(|e| e.missed <= ON_BOTH.1 * l.length).map(|e| e.curve),
+        gap_estimate,
+    };
+    let vertex = |j: Junction| JoinedVertex { labels: j.strips.iter().map(label).collect(), place: j.place };
+    Some(Joined {
+        torses: network.members.iter().map(|m| (m.label, m.strip.torse().clone())).collect(),
+        lines: network.lines.iter().zip(network.gaps()).zip(edges).map(line).collect(),
+        vertices: network.junctions().into_iter().map(vertex).collect(),
+        distance_estimate: network.measured()[0] * tolerance,
+        start,
+        steps,
+    })
+}
+
+/// Steps as long as they make the network better.
+fn improved<'a>(mut now: Network<'a>, control: &Control) -> (Network<'a>, Vec<StepReport>) {
+    let merit = |[distance, gap]: [f64; 2]| distance + GAP.1 * gap.max(GAP.0);
+    let mut damping = 1.0;
+    let mut steps: Vec<StepReport> = Vec::new();
+    'steps: while steps.len() < STEPS && !control.stopped() {
+        let at = now.measured();
+        if steps.len() >= ENOUGH.2 && at[0] < ENOUGH.0 && at[1] < ENOUGH.1 {
+            break;
+        }
+        let columns = now.columns();
+        let weight = WEIGHTS[steps.len().min(WEIGHTS.len() - 1)];
+        let mut effort = [0, 0];
+        for _ in 0..TRIALS {
+            let Some(found) = step(&now, &columns, weight, damping) else { break 'steps };
+            effort = [effort[0] + 1, effort[1] + found.iterations];
+            let next = now.stepped(&columns, &found.x);
+            let reached = next.as_ref().map_or([f64::INFINITY; 2], Network::measured);
+            let share = (merit(at) - merit(reached)) / (merit(at) - merit(found.expected)).max(f64::MIN_POSITIVE);
+            let accepted = share > GAIN.0 || merit(reached) < merit(at) + NOTHING;
+            let Some(mut next) = next.filter(|_| accepted) else {
+                damping *= DAMPING.2;
+                continue;
+            };
+            if share > GAIN.2 {
+                damping *= DAMPING.0;
+            } else if share < GAIN.1 {
+                damping *= DAMPING.1;
+            }
+            next.lie_on_bands();
+            now = next;
+            steps.push(StepReport { reached, effort });
+            if steps.len() >= ENOUGH.2 && reached[1] < ENOUGH.1 && merit(at) - merit(reached) < STALLED {
+                break 'steps;
+            }
+            continue 'steps;
+        }
+        break;
+    }
+    (now, steps)
+}
+
+/// Edges along all lines, on finer strips where they would miss these.
+fn edged(mut now: Network) -> (Network, Vec<Option<Edge>>) {
+    let most = now.measured()[0].max(MOST);
+    let mut edges = now.edges();
+    for _ in 0..POLISHINGS {
+        let good = |(l, e): (&Line, &Option<Edge>)| e.as_ref().is_some_and(|e| e.missed <= ON_BOTH.0 * l.length);
+        if now.lines.iter().zip(&edges).all(good) {
+            break;
+        }
+        let Some(next) = now.polished().filter(|n| n.measured()[0] <= most) else { break };
+        now = next;
+        edges = now.edges();
+    }
+    (now, edges)
+}

@@ -1,0 +1,287 @@
+//! All strips of a face with the lines between them, and what is measured of them.
+
+use super::columns::Columns;
+use super::form::{Band, Foot};
+use super::line::{slide_functions, slide_knots, Line, LinePoint, Middle, POINTS, SLIDES};
+use super::strip::Strip;
+use rayon::prelude::*;
+use crate::brep::face::Face;
+use crate::geom::Vec3;
+
+/// Share of its first value below which the least regularity of a strip may not fall.
+const REGULAR: f64 = 0.15;
+/// Lines may slide by this share of the median half width per unit.
+pub(super) const UNIT: f64 = 0.05;
+/// Samples within this share of the median half width of a line may change sides.
+const BESIDE: f64 = 0.8;
+/// Corrections of the middle of two strips.
+const MIDDLE: usize = 3;
+
+/// A strip with what belongs to it.
+#[derive(Clone, Debug)]
+pub(super) struct Member {
+    pub label: u32,
+    pub strip: Strip,
+    /// −1 where the torse's own normals look away from the face's.
+    pub side: f64,
+    /// Sign of the regularity, and its least size to begin with.
+    pub sense: f64,
+    pub least: f64,
+}
+
+/// A point of the face.
+#[derive(Clone, Debug)]
+pub(super) struct Sample {
+    pub x: Vec3,
+    pub strip: usize,
+    pub foot: Option<Foot>,
+    /// Lines beside it.
+    pub lines: Vec<u32>,
+}
+
+/// Strips, lines and samples.
+#[derive(Clone)]
+pub(super) struct Network<'a> {
+    pub face: &'a Face,
+    pub tolerance: f64,
+    pub members: Vec<Member>,
+    pub lines: Vec<Line>,
+    /// Number of vertices.
+    pub vertices: usize,
+    pub samples: Vec<Sample>,
+    /// What a slide of one means, mm.
+    pub unit: f64,
+}
+
+impl Member {
+    /// What is left of the least regularity of the strip at a foot, as a share of that to begin with, and the sign with
+    /// which it counts.
+    pub fn room(&self, foot: &Foot) -> (f64, f64) {
+        (foot.regular * self.sense / self.least - REGULAR, self.sense / self.least)
+    }
+
+    pub fn foot(&self, x: &Vec3, guess: f64) -> Option<Foot> {
+        let foot = self.strip.foot(x, guess, self.side)?;
+        (foot.regular * self.sense >= REGULAR * self.least).then_some(foot)
+    }
+}
+
+impl Network<'_> {
+    /// Whether all feet are known.
+    pub fn is_whole(&self) -> bool {
+        self.samples.iter().all(|s| s.foot.is_some())
+            && self.lines.iter().flat_map(|l| &l.points).all(|p| p.feet.iter().all(Option::is_some))
+    }
+
+    /// Columns of its unknowns.
+    pub fn columns(&self) -> Columns {
+        let unknowns: Vec<usize> = self.members.iter().map(|m| m.strip.unknowns()).collect();
+        Columns::of(&unknowns, &self.lines, self.vertices)
+    }
+
+    /// Tells strips where they lie on their rulings; their half widths, mm.
+    pub fn lie_on_bands(&mut self) -> Vec<f64> {
+        let bands: Vec<Band> = (0..self.members.len()).into_par_iter().map(|k| self.band(k)).collect();
+        for (m, b) in self.members.iter_mut().zip(&bands) {
+            m.strip = m.strip.clone().on_band(b);
+        }
+        bands.iter().map(|b| b.half_width).collect()
+    }
+
+    fn band(&self, k: usize) -> Band {
+        let strip = &self.members[k].strip;
+        let of_lines = self.lines.iter().flat_map(|l| {
+            let points = l.points.iter();
+            points.flat_map(move |p| (0..2).filter(move |&e| l.strips[e] == k).filter_map(|e| Some((p.x, p.feet[e]?))))
+        });
+        let of_samples = self.samples.iter().filter(|s| s.strip == k).filter_map(|s| Some((s.x, s.foot?)));
+        let feet: Vec<(f64, Vec3)> =
+            of_samples.chain(of_lines).map(|(x, f)| (f.t, x - f.normal * f.distance)).collect();
+        let centre = feet.iter().map(|f| f.1).sum::<Vec3>() / feet.len().max(1) as f64;
+        let at = match strip {
+            Strip::Planes(e) => e.greville(),
+            Strip::Profile(_) => vec![strip.torse().domain().0, strip.torse().domain().1],
+        };
+        let torse = strip.torse();
+        let mut extents = vec![(f64::INFINITY, f64::NEG_INFINITY); at.len()];
+        for (t, x) in feet {
+            let k = at.partition_point(|a| *a < t).clamp(1, at.len() - 1);
+            let k = if t - at[k - 1] < at[k] - t { k - 1 } else { k };
+            let y = (x - centre).dot(&torse.ruling(t).direction);
+            extents[k] = (extents[k].0.min(y), extents[k].1.max(y));
+        }
+        let known: Vec<usize> = (0..at.len()).filter(|&k| extents[k].0 <= extents[k].1).collect();
+        let half: Vec<f64> = known.iter().map(|&k| 0.5 * (extents[k].1 - extents[k].0)).filter(|w| *w > 0.0).collect();
+        let half_width = median(half).max(f64::MIN_POSITIVE);
+        let ruling = |k: usize| {
+            let near = known.iter().min_by_key(|j| j.abs_diff(k)).copied();
+            let (lo, hi) = near.map_or((0.0, 0.0), |j| extents[j]);
+            let r = torse.ruling(at[k]);
+            let point = |y: f64| r.point + r.direction * (y - (r.point - centre).dot(&r.direction));
+            (at[k], [point(0.5 * (lo + hi)), point(lo), point(hi)])
+        };
+        Band { rulings: (0..at.len()).map(ruling).collect(), half_width }
+    }
+
+    /// Lines near samples.
+    pub fn find_neighbours(&mut self) {
+        let reach = BESIDE * self.unit / UNIT;
+        let lines = &self.lines;
+        self.samples.par_iter_mut().for_each(|s| {
+            let near = |l: &Line| l.points.iter().any(|p| (p.x - s.x).norm_squared() < reach * reach);
+            s.lines = (0..lines.len()).filter(|&l| near(&lines[l])).map(|l| l as u32).collect();
+        });
+    }
+
+    /// Middles of strips over all lines.
+    pub fn find_middles(&mut self) -> Option<()> {
+        let members = &self.members;
+        for l in &mut self.lines {
+            let strips = l.strips;
+            let found: Option<Vec<Middle>> =
+                l.points.par_iter().map(|p| middle(strips.map(|k| &members[k]), p)).collect();
+            l.points.iter_mut().zip(found?).for_each(|(p, m)| p.middle = Some(m));
+        }
+        Some(())
+    }
+
+    /// Largest distance of a sample or line from each strip, mm.
+    pub fn largest_of_strips(&self) -> Vec<f64> {
+        let mut out = vec![0.0_f64; self.members.len()];
+        for s in &self.samples {
+            out[s.strip] = s.foot.map_or(f64::INFINITY, |f| f.distance.abs()).max(out[s.strip]);
+        }
+        for l in &self.lines {
+            for (&k, e) in l.strips.iter().zip(0..2) {
+                let far = l.points.iter().map(|p| p.feet[e].map_or(f64::INFINITY, |f| f.distance.abs()));
+                out[k] = far.fold(out[k], f64::max);
+            }
+        }
+        out
+    }
+
+    /// Largest gap of every line, mm.
+    pub fn gaps(&self) -> Vec<f64> {
+        let gap = |p: &LinePoint| p.middle.as_ref().map_or(f64::INFINITY, |m| m.gap().abs());
+        self.lines.iter().map(|l| l.points.iter().map(gap).fold(0.0, f64::max)).collect()
+    }
+
+    /// Largest distance and largest gap, in tolerances.
+    pub fn measured(&self) -> [f64; 2] {
+        let most = |v: Vec<f64>| v.into_iter().fold(0.0, f64::max) / self.tolerance;
+        [most(self.largest_of_strips()), most(self.gaps())]
+    }
+
+    /// The network after a step; `None` where a foot is lost or a strip comes near its regression curve.
+    pub fn stepped(&self, columns: &Columns, x: &[f64]) -> Option<Self> {
+        let mut out = self.clone();
+        let knots = slide_knots()?;
+        for (line, &c) in out.lines.iter_mut().zip(&columns.slides) {
+            let way = |p: &LinePoint| {
+                let (first, values) = slide_functions(&knots, p.share);
+                let slide: f64 = values.iter().zip(&x[c + first..c + SLIDES]).map(|(v, x)| v * x).sum();
+                let mut way = p.slide * slide;
+                for (v, axes) in line.vertex_ways(p) {
+                    let at = columns.vertices[v];
+                    way += axes[0] * x[at] + axes[1] * x[at + 1];
+                }
+                way * self.unit
+            };
+            let mut next = line.moved(self.face, way, self.tolerance)?;
+            // The feet of the points before are guesses.
+            for (p, old) in next.points.iter_mut().zip(&line.points) {
+                p.feet = old.feet;
+            }
+            *line = next;
+        }
+        out.changed(columns, x)
+    }
+
+    /// The network after a step of its strips.
+    pub fn changed(&self, columns: &Columns, x: &[f64]) -> Option<Self> {
+        let mut out = self.clone();
+        for (m, &c) in out.members.iter_mut().zip(&columns.strips) {
+            let change: Vec<f64> = x[c..c + m.strip.unknowns()].iter().map(|v| v * self.tolerance).collect();
+            m.strip = m.strip.moved(&change)?;
+        }
+        let members = &out.members;
+        for l in &mut out.lines {
+            let strips = l.strips;
+            l.points.par_iter_mut().for_each(|p| {
+                p.feet = [0, 1].map(|e: usize| members[strips[e]].foot(&p.x, p.feet[e]?.t));
+            });
+        }
+        let lines = &out.lines;
+        out.samples.par_iter_mut().for_each(|s| {
+            let before = s.foot.map(|f| f.t);
+            let (strip, guess) = placed(lines, s).unwrap_or((s.strip, before));
+            s.foot = guess.and_then(|t| members[strip].foot(&s.x, t));
+            s.strip = strip;
+        });
+        if !out.is_whole() {
+            return None;
+        }
+        out.find_middles()?;
+        Some(out)
+    }
+}
+
+/// The strip on whose side of the nearest line a sample lies, and the foot of the line there.
+fn placed(lines: &[Line], s: &Sample) -> Option<(usize, Option<f64>)> {
+    // Of lines that meet in one point the one that leaves it most nearly towards the sample.
+    const TIE: f64 = 1e-6;
+    let mut best: Option<(f64, usize, usize)> = None;
+    for &l in &s.lines {
+        let points = &lines[l as usize].points;
+        let off = |k: &usize| (points[*k].x - s.x).norm_squared();
+        let k = (0..POINTS).min_by(|a, b| off(a).total_cmp(&off(b)))?;
+        // Distance from the chords on both sides.
+        let off_chord = |i: usize| {
+            let (chord, way) = (points[i + 1].x - points[i].x, s.x - points[i].x);
+            (way - chord * (way.dot(&chord) / chord.norm_squared()).clamp(0.0, 1.0)).norm()
+        };
+        let distance = (k.saturating_sub(1)..=k.min(POINTS - 2)).map(off_chord).fold(f64::INFINITY, f64::min);
+        let inward = match k {
+            0 => points[0].tangent,
+            _ if k + 1 == POINTS => -points[k].tangent,
+            _ => Vec3::zeros(),
+        };
+        let way = s.x - points[k].x;
+        let key = distance * (1.0 - TIE * way.dot(&inward) / way.norm().max(f64::MIN_POSITIVE));
+        if best.is_none_or(|b| key < b.0) {
+            best = Some((key, l as usize, k));
+        }
+    }
+    let (_, l, k) = best?;
+    let (line, p) = (&lines[l], &lines[l].points[k]);
+    let left = p.normal.cross(&p.tangent).dot(&(s.x - p.x)) >= 0.0;
+    let side = usize::from(!left);
+    let strip = line.strips[side];
+    (strip != s.strip).then(|| (strip, p.feet[side].map(|f| f.t)))
+}
+
+/// The middle of two strips over a point.
+fn middle(members: [&Member; 2], p: &LinePoint) -> Option<Middle> {
+    let mut feet = [p.feet[0]?, p.feet[1]?];
+    let up = (feet[0].normal + feet[1].normal).try_normalize(0.0)?;
+    let (mut z, mut height) = (p.x, 0.0);
+    for round in 0..=MIDDLE {
+        if round > 0 {
+            for e in 0..2 {
+                feet[e] = members[e].foot(&z, feet[e].t)?;
+            }
+        }
+        if round == MIDDLE {
+            break;
+        }
+        height -= 0.5 * feet.iter().map(|f| f.distance / f.normal.dot(&up)).sum::<f64>();
+        z = p.x + up * height;
+    }
+    height.is_finite().then_some(Middle { z, feet, up })
+}
+
+/// The middle one of values, 0 if there are none.
+pub(super) fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(0.0)
+}

@@ -1,0 +1,107 @@
+//! One step: the linear changes of all distances and gaps, and the program that chooses it.
+
+use super::columns::Columns;
+use super::form::Tie;
+use super::line::{slide_functions, slide_knots, SLIDES};
+use super::network::Network;
+use crate::num::block_matrix::Runs;
+use crate::num::minimax_program::{MinimaxProgram, Minimum};
+use crate::geom::Vec3;
+
+/// Samples count where their distance is above this share of their strip's largest.
+const COUNTS: f64 = 0.3;
+/// Samples whose regularity is below this multiple of the least must keep it; the share of what is left that a step may
+/// take, and what is left at least.
+const ROOM: (f64, f64, f64) = (4.0, 0.8, 0.02);
+/// Prices of uneven changes of strips and of slides, and of every unknown.
+const EVEN: (f64, f64) = (1e-4, 1e-2);
+/// See [`EVEN`].
+const RIDGE: f64 = 1e-4;
+
+/// A step and what it should lead to.
+pub(super) struct Step {
+    /// Unknowns, in tolerances and units of slides.
+    pub x: Vec<f64>,
+    /// Largest distance and largest gap, tolerances.
+    pub expected: [f64; 2],
+    /// Newton matrices of the program.
+    pub iterations: usize,
+}
+
+/// The step for a weight of gaps and a damping.
+pub(super) fn step(network: &Network, columns: &Columns, weight: f64, damping: f64) -> Option<Step> {
+    let mut tie = Tie { rows: Runs::default(), price: Vec::new(), damping };
+    let mut program = distances(network, columns, weight, &mut tie)?;
+    let gaps = tie.price.len();
+    for (m, &column) in network.members.iter().zip(&columns.strips) {
+        m.strip.damping(column, network.tolerance, &mut tie);
+        m.strip.sequences().iter().for_each(|s| tie.uneven(column, s, EVEN.0));
+    }
+    let all: Vec<usize> = (0..SLIDES).collect();
+    columns.slides.iter().for_each(|&column| tie.uneven(column, &all, EVEN.1));
+    (program.soft, program.price) = (tie.rows, tie.price);
+    let Minimum { x, largest, iterations } = program.solve()?;
+    let gap = |i: usize| (program.price[i].1 + program.soft.dot(i, &x)).abs();
+    let gap = (0..gaps).map(gap).fold(0.0, f64::max);
+    Some(Step { x, expected: [largest, gap], iterations })
+}
+
+/// The program of distances and of what strips must keep; the rows of gaps go to `tie`.
+pub(super) fn distances(network: &Network, columns: &Columns, weight: f64, tie: &mut Tie) -> Option<MinimaxProgram> {
+    let tolerance = network.tolerance;
+    let knots = slide_knots()?;
+    let mut program = MinimaxProgram {
+        groups: columns.groups.clone(),
+        limits: columns.limits.clone(),
+        ridge: RIDGE,
+        ..MinimaxProgram::default()
+    };
+    // 1. Samples.
+    let largest = network.largest_of_strips();
+    for s in &network.samples {
+        let (Some(foot), m, column) = (s.foot, &network.members[s.strip], columns.strips[s.strip]) else { continue };
+        if foot.distance.abs() > COUNTS * largest[s.strip] {
+            m.strip.row(column, &s.x, &foot, 1.0, &mut program.hard);
+            program.hard.end();
+            program.distances.push(foot.distance / tolerance);
+        }
+        let (room, sign) = m.room(&foot);
+        if room < ROOM.0 {
+            m.strip.regular_row(column, &s.x, &foot, -sign * tolerance, &mut program.bounded);
+            program.bounded.end();
+            program.room.push(ROOM.1 * room.max(ROOM.2));
+        }
+    }
+    // 2. Lines: distances of both strips, gaps.
+    let unit = network.unit / tolerance;
+    for (l, line) in network.lines.iter().enumerate() {
+        for p in &line.points {
+            let (first, slide) = slide_functions(&knots, p.share);
+            let ways = |direction: &Vec3, out: &mut Runs| {
+                let along = unit * direction.dot(&p.slide);
+                out.run(columns.slides[l] + first, slide.map(|s| s * along));
+                for (v, axes) in line.vertex_ways(p) {
+                    out.run(columns.vertices[v], axes.map(|a| unit * direction.dot(&a)));
+                }
+            };
+            for (&k, foot) in line.strips.iter().zip(&p.feet) {
+                let Some(foot) = foot else { continue };
+                network.members[k].strip.row(columns.strips[k], &p.x, foot, 1.0, &mut program.hard);
+                ways(&foot.normal, &mut program.hard);
+                program.hard.end();
+                program.distances.push(foot.distance / tolerance);
+            }
+            let Some(middle) = &p.middle else { continue };
+            let mut direction = Vec3::zeros();
+            for (side, sign) in [1.0, -1.0].into_iter().enumerate() {
+                let (k, foot) = (line.strips[side], &middle.feet[side]);
+                let scale = sign / foot.normal.dot(&middle.up);
+                network.members[k].strip.row(columns.strips[k], &middle.z, foot, scale, &mut tie.rows);
+                direction += foot.normal * scale;
+            }
+            ways(&direction, &mut tie.rows);
+            tie.end(weight / line.points.len() as f64, middle.gap() / tolerance);
+        }
+    }
+    Some(program)
+}

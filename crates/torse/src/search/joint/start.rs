@@ -1,0 +1,268 @@
+//! What the program starts from: strips on equal spans near those of a cover, lines along the borders of its regions, and
+//! points of the face.
+
+use super::envelope::Envelope;
+use super::form::Foot;
+use super::line::{End, Line};
+use super::network::{median, Member, Network, Sample, UNIT};
+use super::profile::Profile;
+use super::strip::{Rulings, Strip};
+use rayon::prelude::*;
+use std::collections::{BTreeMap, HashSet};
+use crate::brep::face::Face;
+use crate::fit::panels::boundary::SeamChain;
+use crate::geom::Vec3;
+use crate::patchwork::partition::edges;
+use crate::search::cover::State;
+use crate::torse::form::Torse;
+
+/// Spans of strips to begin with, and at most.
+const SPANS: (usize, usize) = (30, 120);
+/// Share of the tolerance by which a strip on equal spans may miss what it stands for.
+const MISSED: f64 = 0.05;
+/// Domains reach beyond the feet by this share.
+const BEYOND: f64 = 0.03;
+/// Envelopes whose regularity falls below this share of its largest value are near an inflection.
+const INFLECTED: f64 = 0.1;
+
+/// The network of a covered face. `None` where some strip cannot take part, or lines close.
+pub(super) fn network<'a>(
+    face: &'a Face,
+    state: &State,
+    chains: Vec<SeamChain>,
+    held: &dyn Fn([u32; 2]) -> bool,
+    tolerance: f64,
+) -> Option<Network<'a>> {
+    let labels: Vec<u32> = state.partition.distinct_labels();
+    let index: BTreeMap<u32, usize> = labels.iter().enumerate().map(|(k, &l)| (l, k)).collect();
+    let torses: Vec<&Torse> = labels.iter().map(|l| Some(&state.panels.get(l)?.torse)).collect::<Option<_>>()?;
+    let (lines, vertices) = lines(face, state, &whole_borders(chains), &index, held, tolerance)?;
+    let given = given(face, state, &index);
+    let places: Vec<Vec<Place>> = (0..labels.len()).map(|k| places(k, &given, &lines)).collect();
+    let members: Vec<Member> = (0..labels.len())
+        .into_par_iter()
+        .map(|k| member(labels[k], torses[k], &places[k], tolerance))
+        .collect::<Option<_>>()?;
+    let sample = |&(x, _, strip): &Given| Sample { x, strip, foot: None, lines: Vec::new() };
+    let samples = given.iter().map(sample).collect();
+    let mut out = Network { face, tolerance, members, lines, vertices, samples, unit: 0.0 };
+    // Feet from nothing.
+    let rulings: Vec<Rulings> = out.members.iter().map(|m| Rulings::of(m.strip.torse())).collect();
+    let anywhere = |m: &Member, r: &Rulings, x: &Vec3| r.near(x).into_iter().find_map(|t| m.foot(x, t));
+    let members = &out.members;
+    out.samples.par_iter_mut().for_each(|s| s.foot = anywhere(&members[s.strip], &rulings[s.strip], &s.x));
+    for l in &mut out.lines {
+        let strips = l.strips;
+        l.points.par_iter_mut().for_each(|p| {
+            p.feet = strips.map(|k| anywhere(&members[k], &rulings[k], &p.x));
+        });
+    }
+    if !out.is_whole() {
+        return None;
+    }
+    let widths = out.lie_on_bands();
+    out.unit = UNIT * median(widths);
+    out.find_neighbours();
+    out.find_middles()?;
+    Some(out)
+}
+
+/// A point with the normal of the face where it is known.
+type Place = (Vec3, Vec3);
+
+/// Points that a strip is for.
+fn places(k: usize, samples: &[Given], lines: &[Line]) -> Vec<Place> {
+    let of_samples = samples.iter().filter(|s| s.2 == k).map(|s| (s.0, s.1));
+    let of_lines = lines.iter().filter(|l| l.strips.contains(&k)).flat_map(|l| &l.points).map(|p| (p.x, p.normal));
+    of_samples.chain(of_lines).collect()
+}
+
+/// The strip near a torse of the cover, on as many equal spans as it takes, in the form that bears them.
+fn member(label: u32, torse: &Torse, places: &[Place], tolerance: f64) -> Option<Member> {
+    let ((lo, hi), distances) = feet_on(torse, places)?;
+    let margin = BEYOND * (hi - lo);
+    let range = (lo - margin, hi + margin);
+    let mut best: Option<(f64, Member)> = None;
+    let mut spans = SPANS.0;
+    while spans <= SPANS.1 {
+        let forms = match torse {
+            Torse::Dual(d) => [
+                Envelope::new(d, range, spans).map(Strip::Planes),
+                Profile::of_planes(d, range, spans).map(Strip::Profile),
+            ],
+            Torse::Primal(p) => [Profile::new(p, range, spans).map(Strip::Profile), None],
+        };
+        for strip in forms.into_iter().flatten() {
+            let Some(start) = Start::of(label, strip, places) else { continue };
+            let off = start.feet.iter().zip(&distances).map(|(f, d)| (f.distance.abs() - d.abs()).abs());
+            let missed = off.fold(0.0, f64::max).max(MISSED * tolerance);
+            if missed <= MISSED * tolerance && !start.is_inflected {
+                return Some(start.member);
+            }
+            // Planes near an inflection are better than nothing.
+            if best.as_ref().is_none_or(|b| missed < b.0) {
+                best = Some((missed, start.member));
+            }
+        }
+        spans *= 2;
+    }
+    best.map(|b| b.1)
+}
+
+/// A strip with the feet of its points.
+struct Start {
+    member: Member,
+    feet: Vec<Foot>,
+    /// Whether it consists of planes near an inflection.
+    is_inflected: bool,
+}
+
+impl Start {
+    /// The strip with the side and the sign of the regularity that most of its points have. `None` if some point has no such
+    /// foot.
+    fn of(label: u32, strip: Strip, places: &[Place]) -> Option<Self> {
+        let rulings = Rulings::of(strip.torse());
+        let feet_of = |(x, n): &Place| -> Vec<Foot> {
+            let feet = rulings.near(x).into_iter().filter_map(|t| strip.foot(x, t, 1.0));
+            feet.filter(|f| *n == Vec3::zeros() || f.normal.dot(n).abs() > FACING).collect()
+        };
+        let near: Vec<Vec<Foot>> = places.iter().map(feet_of).collect();
+        let sense = near.iter().filter_map(|f| f.first()).map(|f| f.regular.signum()).sum::<f64>().signum();
+        let on_sheet = |f: &Vec<Foot>| f.iter().find(|f| f.regular * sense > 0.0).copied();
+        let feet: Vec<Foot> = near.iter().map(on_sheet).collect::<Option<_>>()?;
+        let side = feet.iter().zip(places).map(|(f, p)| f.normal.dot(&p.1).signum()).sum::<f64>().signum();
+        let sizes = feet.iter().map(|f| f.regular.abs());
+        let (least, most) = sizes.fold((f64::INFINITY, 0.0_f64), |(a, b), r| (a.min(r), b.max(r)));
+        let is_inflected = matches!(strip, Strip::Planes(_)) && least < INFLECTED * most;
+        Some(Self { member: Member { label, strip, side, sense, least }, feet, is_inflected })
+    }
+}
+
+/// Least cosine between the normals of face and strip at a foot.
+const FACING: f64 = 0.5;
+
+/// Range of the feet of points on a torse, and their distances from it, mm.
+fn feet_on(torse: &Torse, places: &[Place]) -> Option<((f64, f64), Vec<f64>)> {
+    let rulings = Rulings::of(torse);
+    let found: Vec<Option<(f64, f64)>> = places
+        .iter()
+        .map(|(x, n)| {
+            let feet = rulings.near(x).into_iter().filter_map(|t| torse.foot(x, t));
+            let good = |t: &f64| *n == Vec3::zeros() || torse.ruling(*t).normal.dot(n).abs() > FACING;
+            feet.filter(good).map(|t| (t, torse.plane_distance(x, t))).min_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
+        })
+        .collect();
+    let found: Vec<(f64, f64)> = found.into_iter().collect::<Option<_>>()?;
+    let range = found.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), f| (a.min(f.0), b.max(f.0)));
+    Some((range, found.into_iter().map(|f| f.1).collect()))
+}
+
+/// A point of the face, the face's normal, and the strip in whose region it lies.
+type Given = (Vec3, Vec3, usize);
+
+/// Vertices of a partition and middles of its edges.
+fn given(face: &Face, state: &State, index: &BTreeMap<u32, usize>) -> Vec<Given> {
+    let partition = &state.partition;
+    let mut of_vertex = vec![None; partition.vertices.len()];
+    let mut of_edge: BTreeMap<(u32, u32), usize> = BTreeMap::new();
+    for (t, label) in partition.triangles.iter().zip(&partition.labels) {
+        let Some(&k) = index.get(label) else { continue };
+        for (a, b) in edges(*t) {
+            of_vertex[a as usize] = Some(k);
+            of_edge.insert((a.min(b), a.max(b)), k);
+        }
+    }
+    let of_vertex = state.jets.iter().zip(of_vertex);
+    let mut out: Vec<Given> = of_vertex.filter_map(|(j, k)| Some((j.jet.p, j.normal, k?))).collect();
+    let of_edge: Vec<_> = of_edge.into_iter().collect();
+    out.par_extend(of_edge.into_par_iter().map(|((a, b), k)| {
+        let [p, q] = [a, b].map(|v| partition.vertices[v as usize]);
+        let j = face.surface.jet(0.5 * (p[0] + q[0]), 0.5 * (p[1] + q[1]));
+        (j.p, j.normal().try_normalize(0.0).unwrap_or_else(Vec3::zeros), k)
+    }));
+    out
+}
+
+/// Borders between two labels from end to end: chains that follow each other, and nothing else, are one.
+pub fn whole_borders(chains: Vec<SeamChain>) -> Vec<SeamChain> {
+    let mut count: BTreeMap<u32, usize> = BTreeMap::new();
+    for c in &chains {
+        c.vertices.first().into_iter().chain(c.vertices.last()).for_each(|&v| *count.entry(v).or_insert(0) += 1);
+    }
+    let mut out: Vec<SeamChain> = Vec::new();
+    let mut left = chains;
+    while let Some(mut whole) = left.pop() {
+        loop {
+            let follows = |c: &SeamChain| {
+                let ends = [(whole.vertices.last(), c.vertices.first()), (c.vertices.last(), whole.vertices.first())];
+                c.labels == whole.labels && ends.iter().any(|(a, b)| a == b && a.is_some_and(|v| count[v] == 2))
+            };
+            let Some(k) = left.iter().position(follows) else { break };
+            let next = left.swap_remove(k);
+            whole.length += next.length;
+            let (mut first, second) = if whole.vertices.last() == next.vertices.first() {
+                (std::mem::take(&mut whole.vertices), next.vertices)
+            } else {
+                (next.vertices, std::mem::take(&mut whole.vertices))
+            };
+            first.extend(second.into_iter().skip(1));
+            whole.vertices = first;
+        }
+        out.push(whole);
+    }
+    out.reverse();
+    out
+}
+
+/// Lines along borders between regions, and the number of vertices in which they end inside the face.
+fn lines(
+    face: &Face,
+    state: &State,
+    chains: &[SeamChain],
+    index: &BTreeMap<u32, usize>,
+    held: &dyn Fn([u32; 2]) -> bool,
+    tolerance: f64,
+) -> Option<(Vec<Line>, usize)> {
+    let on_border: HashSet<u32> = state.partition.trim_edges.keys().flat_map(|&(a, b)| [a, b]).collect();
+    let mut count: BTreeMap<u32, usize> = BTreeMap::new();
+    let ends = |c: &SeamChain| Some([*c.vertices.first()?, *c.vertices.last()?]);
+    for c in chains {
+        ends(c)?.into_iter().for_each(|v| *count.entry(v).or_insert(0) += 1);
+    }
+    let inner: BTreeMap<u32, usize> =
+        count.keys().filter(|v| !on_border.contains(v)).enumerate().map(|(k, &v)| (v, k)).collect();
+    let mut out = Vec::new();
+    for c in chains {
+        let [first, last] = ends(c)?;
+        if first == last || c.labels[0] == c.labels[1] || c.length <= 0.0 {
+            return None;
+        }
+        let end = |v: u32| match inner.get(&v) {
+            Some(&k) => End::Vertex(k),
+            None if count[&v] > 1 => End::Fixed,
+            None => End::Border,
+        };
+        let strips = [*index.get(&c.labels[0])?, *index.get(&c.labels[1])?];
+        let held = held(c.labels);
+        let bare = Line { strips, ends: [end(first), end(last)], held, points: Vec::new(), length: 0.0 };
+        let uv: Vec<[f64; 2]> = c.vertices.iter().map(|&v| state.partition.vertices[v as usize]).collect();
+        out.push(bare.through(face, &uv, tolerance)?);
+    }
+    // Vertices of lines that stay must stay.
+    let stays: HashSet<usize> = out.iter().filter(|l| l.held).flat_map(|l| l.ends).filter_map(vertex).collect();
+    for l in &mut out {
+        for e in 0..2 {
+            if vertex(l.ends[e]).is_some_and(|v| stays.contains(&v)) {
+                l.ends[e] = End::Fixed;
+            }
+        }
+    }
+    (!out.is_empty()).then_some((out, inner.len()))
+}
+
+fn vertex(end: End) -> Option<usize> {
+    match end {
+        End::Vertex(v) => Some(v),
+        _ => None,
+    }
+}

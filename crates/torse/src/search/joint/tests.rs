@@ -1,0 +1,172 @@
+use super::envelope::Envelope;
+use super::form::{Band, Tie};
+use super::line::POINTS;
+use super::profile::Profile;
+use super::program::distances;
+use super::strip::Strip;
+use super::*;
+use crate::num::block_matrix::Runs;
+use std::sync::Arc;
+use crate::brep::support_surface::SupportSurface;
+use crate::fit::near::samples::Fit;
+use crate::fit::panels::boundary::Borders;
+use crate::geom::Frame;
+use crate::spline::knots::Knots;
+use crate::spline::lsq;
+use crate::torse::form::{DualTorse, PanelKind};
+
+const RADIUS: f64 = 500.0;
+
+/// Point of the unit sphere with longitude a and latitude b.
+fn radial(a: f64, b: f64) -> Vec3 {
+    Vec3::new(b.cos() * a.cos(), b.cos() * a.sin(), b.sin())
+}
+
+/// The cone tangent to the sphere along a parallel, its rulings of unequal length.
+fn tangent_cone(b: f64) -> DualTorse {
+    let angles: Vec<f64> = (0..=200).map(|i| -0.2 + 1.4 * f64::from(i) / 200.0).collect();
+    let planes: Vec<[f64; 4]> = angles.iter().map(|&a| radial(a, b)).map(|n| [n.x, n.y, n.z, RADIUS]).collect();
+    let knots = Knots::uniform(3, 20, angles[0], angles[200]).expect("knots");
+    DualTorse { planes: lsq::fit(&planes, &angles, &knots).expect("planes").curve }
+}
+
+/// The sphere between longitudes 0 and 1 and the outer levels, cut at the inner ones, with tangent cones.
+fn zones(levels: &[f64]) -> (Face, State) {
+    let last = levels.len() - 1;
+    let sphere = SupportSurface::Sphere { frame: Frame::world(), radius: RADIUS };
+    let (surface, map) = sphere.to_spline((0.0, 1.0), (levels[0], levels[last])).expect("a spline");
+    let face = Face::untrimmed(surface);
+    let mut state = State::of_face(&face, 30.0).expect("a state");
+    state.partition.labels.fill(0);
+    for (k, &b) in levels[1..last].iter().enumerate() {
+        let at = map[1].forward(b);
+        state.cut(&face.surface, k as u32, k as u32 + 1, |p| p[1] - at);
+    }
+    for (k, w) in levels.windows(2).enumerate() {
+        let torse = Torse::Dual(tangent_cone(0.5 * (w[0] + w[1])));
+        state.panels.insert(k as u32, Arc::new(Fit { torse, kind: PanelKind::Cone, error: 0.0, worst: 0 }));
+    }
+    (face, state)
+}
+
+fn chains(face: &Face, state: &State) -> Vec<SeamChain> {
+    Borders::new(face, &state.partition, &|_, _| 0, 0).seam_chains()
+}
+
+/// What half the sagitta of a zone is.
+fn half_sagitta(width: f64) -> f64 {
+    RADIUS * (1.0 - (0.5 * width).cos()) / 2.0
+}
+
+#[test]
+fn unequal_zones_become_even_by_slides() {
+    // Widths 0.13, 0.09, 0.11; three even zones of 0.11 are off by half their sagitta.
+    let (face, state) = zones(&[-0.15, -0.02, 0.07, 0.18]);
+    let tolerance = half_sagitta(0.11) / 0.9;
+    let free = Control::default();
+    let found = joined(&face, &state, chains(&face, &state), &|_| false, tolerance, &free).expect("joined");
+    assert!(found.start[0] > 1.5, "{:?}", found.start);
+    let end = found.steps.last().expect("a step").reached;
+    assert!(end[0] < 0.97 && end[1] < 0.03 && found.steps.len() <= 6, "{:?}", found.steps);
+    // Lines that must stay leave the wide zone as far off as it is alone.
+    let held = joined(&face, &state, chains(&face, &state), &|_| true, tolerance, &free).expect("joined");
+    let end = held.steps.last().expect("a step").reached;
+    assert!(end[0] > 0.97 * half_sagitta(0.13) / tolerance, "{:?}", held.steps);
+    for (a, b) in held.lines.iter().zip(chains(&face, &state)) {
+        let v = state.partition.vertices[b.vertices[0] as usize];
+        assert!(a.uv.iter().all(|p| (p[1] - v[1]).abs() < 1e-6 * v[1].abs().max(1.0)));
+    }
+}
+
+#[test]
+fn edges_lie_on_both_strips() {
+    let (face, state) = zones(&[-0.15, -0.02, 0.07, 0.18]);
+    let tolerance = half_sagitta(0.11) / 0.9;
+    let found =
+        joined(&face, &state, chains(&face, &state), &|_| false, tolerance, &Control::default()).expect("joined");
+    for l in &found.lines {
+        let edge = l.edge.as_ref().expect("an edge");
+        let (a, b) = edge.domain();
+        for k in 5..=95 {
+            let x = Vec3::from(edge.point(a + (b - a) * f64::from(k) / 100.0));
+            for torse in found.torses.iter().filter(|t| l.labels.contains(&t.0)).map(|t| &t.1) {
+                let t = strip::Rulings::of(torse).near(&x).into_iter().find_map(|t| torse.foot(&x, t)).expect("a foot");
+                assert!(torse.plane_distance(&x, t).abs() < 1e-4 * tolerance);
+            }
+        }
+    }
+}
+
+/// Distances, what must keep its sign, and gaps against small changes of every unknown in turn.
+#[test]
+fn rows_match_differences() {
+    let (face, state) = zones(&[0.0, 0.12, 0.2]);
+    let network = start::network(&face, &state, chains(&face, &state), &|_| false, 1.0).expect("a network");
+    let cone = tangent_cone(0.06);
+    let range = (-0.15, 1.15);
+    let strips =
+        [Envelope::new(&cone, range, 12).map(Strip::Planes), Profile::of_planes(&cone, range, 12).map(Strip::Profile)];
+    for strip in strips.into_iter().map(|s| s.expect("a strip")) {
+        let at = match &strip {
+            Strip::Planes(e) => e.greville(),
+            Strip::Profile(_) => vec![strip.torse().domain().0],
+        };
+        let ruling = |t: f64| {
+            let r = strip.torse().ruling(t);
+            let point =
+                |b: f64| r.point + r.direction * (r.direction.dot(&(radial(t.clamp(0.0, 1.0), b) * RADIUS - r.point)));
+            (t, [point(0.06), point(0.0), point(0.12)])
+        };
+        let band = Band { rulings: at.into_iter().map(ruling).collect(), half_width: 30.0 };
+        let strip = strip.on_band(&band);
+        for (a, b) in [(0.1, 0.01), (0.43, 0.11), (0.8, 0.05)] {
+            let x = radial(a, b) * (RADIUS + 0.3);
+            let t = strip::Rulings::of(strip.torse()).near(&x)[0];
+            let foot = strip.foot(&x, t, 1.0).expect("a foot");
+            let (mut rows, mut regular) = (Runs::default(), Runs::default());
+            strip.row(0, &x, &foot, 1.0, &mut rows);
+            strip.regular_row(0, &x, &foot, 1.0, &mut regular);
+            rows.end();
+            regular.end();
+            for j in 0..strip.unknowns() {
+                let h = 1e-3;
+                let moved = |h: f64| {
+                    let mut change = vec![0.0; strip.unknowns()];
+                    change[j] = h;
+                    strip.moved(&change).expect("a strip").foot(&x, foot.t, 1.0).expect("a foot")
+                };
+                let (up, down) = (moved(h), moved(-h));
+                let unit: Vec<f64> = (0..strip.unknowns()).map(|i| f64::from(u8::from(i == j))).collect();
+                let d = (up.distance - down.distance) / (2.0 * h);
+                assert!((d - rows.dot(0, &unit)).abs() < 1e-5, "{j}: {d} {}", rows.dot(0, &unit));
+                let g = (up.regular - down.regular) / (2.0 * h);
+                let expected = regular.dot(0, &unit);
+                assert!((g - expected).abs() < 0.1 * (g.abs() + 1e-3 * foot.regular.abs()), "{j}: {g} {expected}");
+            }
+        }
+    }
+    // A slide of the line, alike all along it.
+    let columns = network.columns();
+    let mut tie = Tie { rows: Runs::default(), price: Vec::new(), damping: 1.0 };
+    let program = distances(&network, &columns, 1.0, &mut tie).expect("rows");
+    let mut x = vec![0.0; program.limits.len()];
+    x[columns.slides[0]..columns.slides[0] + 12].fill(1e-3);
+    let next = network.stepped(&columns, &x).expect("a step");
+    let first = program.hard.len() - 2 * POINTS;
+    for (k, (p, q)) in next.lines[0].points.iter().zip(&network.lines[0].points).enumerate() {
+        for e in 0..2 {
+            let change = p.feet[e].expect("a foot").distance - q.feet[e].expect("a foot").distance;
+            let expected = program.hard.dot(first + 2 * k + e, &x);
+            assert!((change - expected).abs() < 0.02 * expected.abs() + 1e-7, "{k}: {change} {expected}");
+        }
+        let gap = p.middle.expect("a middle").gap() - q.middle.expect("a middle").gap();
+        let expected = tie.rows.dot(k, &x);
+        assert!((gap - expected).abs() < 0.02 * expected.abs() + 1e-7, "{k}: {gap} {expected}");
+    }
+}
+
+#[test]
+fn one_strip_has_nothing_to_be_joined_with() {
+    let (face, state) = zones(&[0.0, 0.1]);
+    assert!(joined(&face, &state, Vec::new(), &|_| false, 1.0, &Control::default()).is_none());
+}
