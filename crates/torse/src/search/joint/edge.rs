@@ -11,12 +11,12 @@ use super::form::Tie;
 use super::line::{End, Line};
 use super::network::{Member, Network};
 
-use crate::num::block_matrix::{BlockMatrix, Runs, Structure};
-use rayon::prelude::*;
 use crate::geom::Vec3;
+use crate::num::block_matrix::{BlockMatrix, Runs, Structure};
 use crate::spline::curve::Curve;
 use crate::spline::knots::Knots;
 use crate::spline::lsq;
+use rayon::prelude::*;
 
 /// What a way to the side counts against a distance.
 const SIDEWAYS: f64 = 1e-3;

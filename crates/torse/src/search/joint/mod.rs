@@ -22,11 +22,6 @@ mod strip;
 #[cfg(test)]
 mod tests;
 
-use edge::{Edge, Junction};
-use line::Line;
-use network::Network;
-use program::step;
-pub use start::whole_borders;
 use crate::brep::face::Face;
 use crate::control::Control;
 use crate::fit::panels::boundary::SeamChain;
@@ -34,6 +29,11 @@ use crate::geom::Vec3;
 use crate::search::cover::State;
 use crate::spline::curve::Curve;
 use crate::torse::form::Torse;
+use edge::{Edge, Junction};
+use line::Line;
+use network::Network;
+use program::step;
+pub use start::whole_borders;
 
 /// Weights of gaps from step to step; the last one stays.
 const WEIGHTS: [f64; 4] = [1e3, 4e3, 1.6e4, 6e4];

@@ -4,9 +4,9 @@ use super::columns::Columns;
 use super::form::{Band, Foot};
 use super::line::{slide_functions, slide_knots, Line, LinePoint, Middle, POINTS, SLIDES};
 use super::strip::Strip;
-use rayon::prelude::*;
 use crate::brep::face::Face;
 use crate::geom::Vec3;
+use rayon::prelude::*;
 
 /// Share of its first value below which the least regularity of a strip may not fall.
 const REGULAR: f64 = 0.15;

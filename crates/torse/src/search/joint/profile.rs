@@ -1,8 +1,8 @@
 //! Strips over plane profiles, which may have inflections; see [`super::strip`].
 
 use super::form::{Band, Foot, Form, Tie};
-use crate::num::block_matrix::Runs;
 use crate::geom::{Frame, Vec3};
+use crate::num::block_matrix::Runs;
 use crate::spline::curve::Curve;
 use crate::spline::knots::Knots;
 use crate::spline::lsq;

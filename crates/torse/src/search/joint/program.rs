@@ -4,9 +4,9 @@ use super::columns::Columns;
 use super::form::Tie;
 use super::line::{slide_functions, slide_knots, SLIDES};
 use super::network::Network;
+use crate::geom::Vec3;
 use crate::num::block_matrix::Runs;
 use crate::num::minimax_program::{MinimaxProgram, Minimum};
-use crate::geom::Vec3;
 
 /// Samples count where their distance is above this share of their strip's largest.
 const COUNTS: f64 = 0.3;

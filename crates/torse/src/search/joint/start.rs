@@ -7,14 +7,14 @@ use super::line::{End, Line};
 use super::network::{median, Member, Network, Sample, UNIT};
 use super::profile::Profile;
 use super::strip::{Rulings, Strip};
-use rayon::prelude::*;
-use std::collections::{BTreeMap, HashSet};
 use crate::brep::face::Face;
 use crate::fit::panels::boundary::SeamChain;
 use crate::geom::Vec3;
 use crate::patchwork::partition::edges;
 use crate::search::cover::State;
 use crate::torse::form::Torse;
+use rayon::prelude::*;
+use std::collections::{BTreeMap, HashSet};
 
 /// Spans of strips to begin with, and at most.
 const SPANS: (usize, usize) = (30, 120);

@@ -9,8 +9,8 @@
 use super::envelope::Envelope;
 use super::form::{Band, Foot, Form, Tie};
 use super::profile::Profile;
-use crate::num::block_matrix::Runs;
 use crate::geom::Vec3;
+use crate::num::block_matrix::Runs;
 use crate::torse::form::Torse;
 
 /// A strip under way.

@@ -5,15 +5,15 @@ use super::profile::Profile;
 use super::program::distances;
 use super::strip::Strip;
 use super::*;
-use crate::num::block_matrix::Runs;
-use std::sync::Arc;
 use crate::brep::support_surface::SupportSurface;
 use crate::fit::near::samples::Fit;
 use crate::fit::panels::boundary::Borders;
 use crate::geom::Frame;
+use crate::num::block_matrix::Runs;
 use crate::spline::knots::Knots;
 use crate::spline::lsq;
 use crate::torse::form::{DualTorse, PanelKind};
+use std::sync::Arc;
 
 const RADIUS: f64 = 500.0;
 
