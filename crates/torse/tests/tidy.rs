@@ -52,6 +52,7 @@ const FLOORS: &[(&str, &[&str])] = &[
             "torse",
             "patchwork",
             "fit",
+            "design",
             "certify",
             "develop",
             "tessellate",
@@ -421,6 +422,24 @@ fn files_stay_short() {
         let lines = fs::read_to_string(&file).expect("readable source").lines().count();
         assert!(lines <= LINE_LIMIT, "{} has {lines} lines; {LINE_LIMIT} are allowed", file.display());
     }
+}
+
+/// Ways in which prose could get among the notes of an answer.
+const PROSE: &[&str] = &["Note::Input", "notes.push(format!", "notes.push(\""];
+
+/// Floors that name facts; the sentences are made in `io`.
+const WORDLESS: &[&str] = &["search", "answer", "pipeline"];
+
+#[test]
+fn notes_are_worded_in_io_only() {
+    let src = root().join("crates/torse/src");
+    let mut faults = Vec::new();
+    for file in WORDLESS.iter().flat_map(|floor| sources(&src.join(floor))) {
+        let code = without_tests(&fs::read_to_string(&file).expect("readable source"));
+        let found = PROSE.iter().filter(|p| code.contains(**p));
+        faults.extend(found.map(|p| format!("{} makes words of a note: {p}", file.display())));
+    }
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! Floor 8: what a job answers with: the one record that files, reports and pictures are made from.
 
 pub mod marks;
+pub mod note;
 pub mod presentation;
 pub mod shapes;
 pub mod skipped;
@@ -20,6 +21,7 @@ use crate::patchwork::pattern::Pattern;
 use crate::search::build::AlongCurve;
 use crate::torse::cone::part::ConeBody;
 use crate::torse::strip::Strip;
+use note::Note;
 use skipped::Skipped;
 
 /// Which job answered.
@@ -146,8 +148,8 @@ pub struct Answer {
     pub beyond_limits: Vec<usize>,
     /// Items of the input that could not be used.
     pub skipped: Vec<Skipped>,
-    /// What people should know of the input and the job, in plain sentences.
-    pub notes: Vec<String>,
+    /// What people should know of the input and the job.
+    pub notes: Vec<Note>,
     /// How drawings are written.
     pub cut: CutFiles,
     /// Wall time of reading, fitting and proving, seconds.

@@ -2,6 +2,7 @@
 //! cylinders and planes, with their proof and their flat patterns of true arcs.
 
 use super::approximate::left_face;
+use crate::answer::note::Note;
 use crate::answer::skipped::{left_out, Skipped};
 use crate::answer::{Answer, Cones, Job};
 use crate::brep::face::Face;
@@ -250,7 +251,7 @@ fn run(
     claims.extend(failures.into_iter().map(|reason| Claim::objection(whole, reason)));
     claims.append(&mut answer.claims);
     answer.claims = claims;
-    answer.notes.push("Faces of cones.step are exact cones, cylinders and planes.".into());
+    answer.notes.push(Note::ExactFaces);
     answer.seconds = started.elapsed().as_secs_f64();
     answer.cones = Some(Cones { bodies, pieces });
     Ok(answer)

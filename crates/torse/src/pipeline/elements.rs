@@ -1,6 +1,7 @@
 //! From rulings, tangent planes or a developable face to strips of low degree: fit, prove, develop.
 
 use super::approximate::left_face;
+use crate::answer::note::{Became, FaceNote, FitNote, Note};
 use crate::answer::skipped::{left_out, Skipped};
 use crate::answer::{Answer, Job};
 use crate::brep::face::Face;
@@ -19,6 +20,7 @@ use crate::fit::planes::estimates::{
 };
 use crate::geom::coarse::{Coarse, Loose};
 use crate::geom::{BBox, Vec3};
+use crate::io::words::note::beyond_limits;
 use crate::patchwork::panel::Patchwork;
 use crate::patchwork::part::Part;
 use crate::search::strips::cut::{cut, judged, lengths, refused};
@@ -489,7 +491,7 @@ fn run(
     Loose::check(extent(&rows), options.tolerance)?;
     let mut strips: Vec<Strip> = Vec::new();
     let mut all: Vec<ContactElement> = Vec::new();
-    let mut given_words = Vec::new();
+    let mut became_of = Vec::new();
     for (k, Row { name, mut estimates, face }) in rows.into_iter().enumerate() {
         for elements in &mut estimates {
             if let Some(index) = elements.iter().position(|e| !e.is_usable()) {
@@ -545,11 +547,12 @@ fn run(
             strip.name = format!("A-{:02}", strips.len() + i + 1);
         }
         if let Some(face) = &face {
-            given_words.push(match (kept, own.is_empty()) {
-                (true, _) => format!("{}; nothing simpler was found, it is {} as it was.", face.words, own[0].name),
-                (_, true) => format!("{}.", face.words),
-                _ => format!("{}; now: {} control points.", face.words, reached(&own)),
-            });
+            let became = match own.first() {
+                Some(only) if kept => Became::Itself(only.name.clone()),
+                Some(_) => Became::Strips(reached(&own)),
+                None => Became::Nothing,
+            };
+            became_of.push(FaceNote { face: name, given: face.size, became });
         }
         skipped.extend(missed.into_iter().map(Skipped::from));
         strips.append(&mut own);
@@ -593,19 +596,17 @@ fn run(
         claims.push(Claim::objection(whole, format!("stopped before all {what} were judged")));
     }
     if worst.value() <= options.tolerance {
-        claims.extend(broken.iter().map(|reason| Claim::objection(whole, reason.clone())));
+        claims.extend(broken.iter().map(|b| Claim::objection(whole, beyond_limits(b))));
     }
     claims.extend(lengths(&patterns, &flat_proof));
     let refused = refused(&parts, &patterns, &flat_proof, options.tolerance);
     claims.extend(refused.into_iter().map(|reason| Claim::objection(whole, reason)));
     claims.extend(claims_of_strips(&strips, &certificate));
-    let mut notes: Vec<String> = options.limits.iter().map(regression::note).collect();
-    notes.extend(given_words);
-    notes.extend(broken);
-    notes.push(format!("Distances are proven at the {what}, not between them."));
-    if strips.len() > 1 {
-        notes.push("Strips are fitted one by one and are not joined to each other.".to_string());
-    }
+    let mut notes: Vec<Note> = options.limits.iter().cloned().map(Note::Limits).collect();
+    notes.extend(became_of.into_iter().map(FitNote::Face).map(Note::Fit));
+    notes.extend(broken.into_iter().map(Note::Broken));
+    notes.push(Note::Fit(FitNote::At(sort.counted())));
+    notes.extend((strips.len() > 1).then_some(Note::Unjoined));
     Ok(Answer {
         claims,
         fields: fields(&strips, &certificate),

@@ -1,5 +1,6 @@
 //! From measured points to developable strips: estimate, segment, fit, prove, develop.
 
+use crate::answer::note::{FitNote, Note, Outlines};
 use crate::answer::skipped::Skipped;
 use crate::answer::{Answer, Job, PointMap};
 use crate::certify::claim::{Claim, Counted, Subject, What};
@@ -22,6 +23,7 @@ use crate::fit::near::samples::Fit;
 use crate::geom::cloud::Cloud;
 use crate::geom::coarse::{Coarse, Loose};
 use crate::geom::{Vec2, Vec3};
+use crate::io::words::note::beyond_limits;
 use crate::patchwork::panel::Patchwork;
 use crate::patchwork::part::Part;
 use crate::patchwork::pattern::Pattern;
@@ -142,7 +144,9 @@ pub fn fit(cloud: &Cloud, options: &FitOptions, control: &Control) -> Result<Ans
     let mut flat_proof = judged(&strips, &parts, &patterns, options.tolerance);
     let stretched = refused(&parts, &patterns, &flat_proof, options.tolerance);
     if inside.is_empty() && !control.stopped() {
-        notes.push(outlined(&strips, &parts, &mut patterns, (&certificate, NEAR * options.tolerance), flat.side));
+        let near = NEAR * options.tolerance;
+        let outlined = outlined(&strips, &parts, &mut patterns, (&certificate, near), flat.side);
+        notes.push(Note::Fit(outlined));
         // Nothing is proven of outlines that follow points.
         let cut_back = |f: FlatCertificate| {
             let own = patterns.iter().any(|p| p.panel == f.panel() && p.contour_error.is_nan());
@@ -154,19 +158,15 @@ pub fn fit(cloud: &Cloud, options: &FitOptions, control: &Control) -> Result<Ans
         };
         flat_proof = flat_proof.into_iter().map(cut_back).collect();
     } else {
-        notes.push(
-            "Flat patterns are those of whole strips, which reach a little beyond what was measured.".to_string(),
-        );
+        notes.push(Note::Fit(FitNote::WholePatterns));
     }
     let flat_area: f64 = patterns.iter().map(|p| p.area).sum::<f64>() * SQUARE_METRES;
     if strips.len() > 1 {
-        notes.push("Strips are fitted one by one and are not joined to each other.".to_string());
+        notes.push(Note::Unjoined);
     }
     let lonely = found.of_point.iter().take(cloud.points.len()).filter(|e| e.is_none()).count();
     if lonely > 0 {
-        notes.push(format!(
-            "{lonely} points lie too far from others to belong to a surface; they are judged all the same."
-        ));
+        notes.push(Note::Fit(FitNote::Lonely { count: lonely }));
     }
     let fields = fields(&strips, &certificate, options.tolerance);
     let whole = Subject::Whole;
@@ -189,14 +189,14 @@ pub fn fit(cloud: &Cloud, options: &FitOptions, control: &Control) -> Result<Ans
         claims.push(Claim::measured(What::Noise, whole, found.noise));
     } else {
         let (note, bare) = between(&strips, &inside, cloud, options.tolerance, control);
-        notes.push(note);
+        notes.push(Note::Fit(note));
         claims.extend(bare.map(|reason| Claim::objection(whole, reason)));
     }
     let broken = regression::broken(&strips, options.limits.as_ref());
-    notes.extend(options.limits.iter().map(regression::note));
-    notes.extend(broken.iter().cloned());
+    notes.extend(options.limits.iter().cloned().map(Note::Limits));
+    notes.extend(broken.iter().cloned().map(Note::Broken));
     if worst.value() <= options.tolerance {
-        claims.extend(broken.into_iter().map(|reason| Claim::objection(whole, reason)));
+        claims.extend(broken.iter().map(|b| Claim::objection(whole, beyond_limits(b))));
     }
     claims.extend(claims_of_strips(&strips, &certificate, options.tolerance));
     Ok(Answer {
@@ -226,8 +226,8 @@ fn outlined(
     patterns: &mut [Pattern],
     (certificate, near): (&PointCertificate, f64),
     side: f64,
-) -> String {
-    let mut whole: Vec<&str> = Vec::new();
+) -> FitNote {
+    let mut whole: Vec<String> = Vec::new();
     let (mut off, mut spacing, mut closed, mut stray, mut holes) = (0.0_f64, 0.0_f64, 0, 0, 0);
     for pattern in patterns.iter_mut() {
         let Some(part) = parts.get(pattern.panel) else { continue };
@@ -243,27 +243,16 @@ fn outlined(
             outline(&points)
         });
         let Some(found) = found else {
-            whole.push(&part.name);
+            whole.push(part.name.clone());
             continue;
         };
         *pattern = cut_back(pattern, &found);
         (off, spacing) = (off.max(found.distance_estimate), spacing.max(found.spacing));
         (closed, stray, holes) = (closed + found.closed, stray + found.stray, holes + found.loops.len() - 1);
     }
-    let mut out = String::new();
-    if whole.len() < patterns.len() {
-        out = format!(
-            "Flat outlines follow the border of the measured points: no place of them is farther than {off:.2} mm from a \
-             point (estimated), and the sheet may go on beyond them by the spacing of the points, about {spacing:.2} mm. \
-             Holes cut out: {holes}; holes of a few spacings that are not: {closed}; points that lie apart: {stray}. The \
-             strips in panels.step, model.glb and the pictures in space are not trimmed: they reach a little farther."
-        );
-    }
-    if !whole.is_empty() {
-        let space = if out.is_empty() { "" } else { " " };
-        out += &format!("{space}Not cut back to the points, which have no single border there: {}.", whole.join(", "));
-    }
-    out
+    let outlines =
+        (whole.len() < patterns.len()).then_some(Outlines { off_estimate: off, spacing, holes, closed, stray });
+    FitNote::Outlined { outlines, whole }
 }
 
 /// Whether a pattern is mirrored against the development that it was drawn from: told by the marks along both rails,
@@ -320,23 +309,20 @@ fn between(
     cloud: &Cloud,
     tolerance: f64,
     control: &Control,
-) -> (String, Option<String>) {
+) -> (FitNote, Option<String>) {
     let places = |of: fn(&FacetPoint) -> Vec3| inside.iter().map(of).collect::<Vec<_>>();
     let lifted = certified(strips, &places(|p| p.lifted), control);
     let flat = certified(strips, &places(|p| p.flat), control);
     let is_bare = |(p, b): &(&FacetPoint, &f64)| **b > tolerance + (p.lifted - p.flat).norm();
     let bare: Vec<&FacetPoint> = inside.iter().zip(lifted.bounds()).filter(is_bare).map(|(p, _)| p).collect();
     let near = inside.iter().zip(lifted.bounds()).zip(flat.bounds()).filter(|(l, _)| !is_bare(l)).map(|(_, b)| *b);
-    let note = format!(
-        "The file is a coarse mesh. Judged are the {} corners of its {} triangles. The triangles are chords: between \
-         corners strips follow a smooth sheet through these, which is estimated to lie up to {:.3} mm off the triangles; \
-         triangles lie up to {:.3} mm from the strips (sampled at {} places).",
-        cloud.points.len(),
-        cloud.triangles.len(),
-        bulge(inside),
-        near.fold(0.0, f64::max),
-        inside.len()
-    );
+    let note = FitNote::CoarseMesh {
+        corners: cloud.points.len(),
+        triangles: cloud.triangles.len(),
+        bulge_estimate: bulge(inside),
+        off_estimate: near.fold(0.0, f64::max),
+        places: inside.len(),
+    };
     let reason = bare.get(bare.len() / 2).map(|p| {
         format!(
             "{:.2} % of the places on the mesh have no strip near them, for example around ({:.3}, {:.3}, {:.3})",

@@ -3,6 +3,7 @@
 //! Reads like the page that describes it: find the rulings on which the hull rests, make exact strips along them, have
 //! rails and twist judged, develop.
 
+use crate::answer::note::Note;
 use crate::answer::skipped::Skipped;
 use crate::answer::{Answer, Guide, Job};
 use crate::certify::claim::{Claim, Counted, Subject, What};
@@ -18,7 +19,7 @@ use crate::draw::field::{FieldMeaning, PanelField};
 use crate::geom::coarse::Loose;
 use crate::patchwork::panel::Patchwork;
 use crate::patchwork::part::Part;
-use crate::search::strips::cut::{claims as flat_claims, cut_until, judged as flat_judged, spacing_notes};
+use crate::search::strips::cut::{claims as flat_claims, crowded, cut_until, judged as flat_judged};
 use crate::search::strips::judgement::{findings, summed, Candidate, Found, SQUARE_METRES};
 use crate::torse::rail::Rail;
 use crate::torse::strip::Strip;
@@ -136,7 +137,7 @@ pub fn hull(curves: &[Rail], options: &Options, control: &Control) -> Result<Ans
     };
     let (parts, patterns) = cut_until(&kept.strips, &kept.parts, &flat, control);
     let flat_proof = flat_judged(&kept.strips, &parts, &patterns, tolerance);
-    notes.extend(spacing_notes(&patterns, &flat));
+    notes.extend(crowded(&patterns, &flat).into_iter().map(Note::Crowded));
     let whole = Subject::Whole;
     let mut claims = kept.claims;
     claims.push(Claim::count(Counted::Strips, whole, kept.strips.len()));
@@ -161,20 +162,18 @@ pub fn hull(curves: &[Rail], options: &Options, control: &Control) -> Result<Ans
 }
 
 /// What people should know of the search.
-fn notes(curves: &[Rail], found: &Hull, made: &[HullPart], tolerance: f64) -> Vec<String> {
-    let mut notes: Vec<String> = Vec::new();
+fn notes(curves: &[Rail], found: &Hull, made: &[HullPart], tolerance: f64) -> Vec<Note> {
+    let mut notes: Vec<Note> = Vec::new();
     for &r in &found.lids {
-        let name = &curves[r].name;
-        notes.push(format!("{name} lies in a plane on which the hull rests; that planar piece is left open"));
+        notes.push(Note::Lid { curve: curves[r].name.clone() });
     }
     let used = |r: usize| made.iter().flat_map(|p| &p.strips).any(|s| s.rails.contains(&r));
     for (_, c) in curves.iter().enumerate().filter(|(r, _)| !used(*r)) {
-        notes.push(format!("{} bounds no developable strip: it lies inside the hull of the others", c.name));
+        notes.push(Note::Inside { curve: c.name.clone() });
     }
     let tips: usize = made.iter().map(|p| p.tips).sum();
     if tips > 0 {
-        notes
-            .push(format!("{tips} tips are cut off where rulings become shorter than the tolerance of {tolerance} mm"));
+        notes.push(Note::Tips { count: tips, tolerance });
     }
     notes
 }
@@ -194,13 +193,7 @@ struct Kept {
 
 /// Judges parts. A strip of which nothing is proven would be cut from sheet in vain: it is named and not written, and
 /// the strips on both sides of it are parts of their own.
-fn kept(
-    curves: &[Rail],
-    mut made: Vec<HullPart>,
-    options: &Options,
-    control: &Control,
-    notes: &mut Vec<String>,
-) -> Kept {
+fn kept(curves: &[Rail], mut made: Vec<HullPart>, options: &Options, control: &Control, notes: &mut Vec<Note>) -> Kept {
     for (k, part) in made.iter_mut().enumerate() {
         for (i, s) in part.strips.iter_mut().enumerate() {
             s.built.strip.name = format!("{}-{:02}", part_name(k), i + 1);
@@ -247,7 +240,7 @@ fn kept(
             joined = true;
         }
         if part.closed && runs.len() == 1 && runs[0].1 == part.strips.len() {
-            notes.push(format!("part {name} is closed; it is cut open along its first ruling"));
+            notes.push(Note::CutOpen { part: Some(name.clone()) });
         }
         if let Some(facet) = &part.facet {
             facets.push((out.strips.len(), facet));
@@ -337,7 +330,7 @@ mod tests {
         let curves = [ellipse("low", Vec3::zeros(), 300.0, 300.0), ellipse("high", Vec3::z() * 400.0, 500.0, 200.0)];
         let answer = hull(&curves, &Options::new(0.1), &Control::default()).expect("an answer");
         assert_eq!(answer.status(), Status::Certified, "{:?}", answer.claims);
-        assert_eq!(answer.notes.iter().filter(|n| n.contains("left open")).count(), 2);
+        assert_eq!(answer.notes.iter().filter(|n| matches!(n, Note::Lid { .. })).count(), 2);
         assert!(!answer.patterns.is_empty());
     }
 

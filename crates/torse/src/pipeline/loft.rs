@@ -3,6 +3,7 @@
 //! Reads like the page that describes it: find all branches of common tangent planes, follow the best one, fit it,
 //! have rails and twist judged, develop; where there is no branch, take the strip of least twist and say so.
 
+use crate::answer::note::{ExactPiece, LoftNote, Note};
 use crate::answer::{Answer, Guide, Job};
 use crate::certify::claim::{Claim, Counted, Subject, What};
 use crate::control::Control;
@@ -17,8 +18,8 @@ use crate::develop::view::Drawn;
 use crate::geom::coarse::Loose;
 use crate::patchwork::panel::Patchwork;
 use crate::patchwork::part::Part;
-use crate::search::strips::cut::{claims as flat_claims, cut, judged as flat_judged, spacing_notes};
-use crate::search::strips::exact_strip::exact_strips;
+use crate::search::strips::cut::{claims as flat_claims, crowded, cut, judged as flat_judged};
+use crate::search::strips::exact_strip::{exact_strips, ExactError};
 use crate::search::strips::judgement::{judge, Candidate};
 use crate::search::strips::loft_ends::{extended, note_ends, past_ends, shares, used, with_ends, WHOLE};
 pub use crate::search::strips::loft_ends::{Ends, Extension};
@@ -145,19 +146,12 @@ pub fn loft(a: &Rail, b: &Rail, options: &Options, control: &Control) -> Result<
     let regular: Vec<&Branch> = found.iter().filter(|f| is_candidate(f)).collect();
     for (k, f) in regular.iter().enumerate().take(5) {
         let share = shares(&a, &b, f, options.ends);
-        notes.push(format!(
-            "alternative {}: regular, uses {:.2} % of {} and {:.2} % of {}{}",
-            k + 1,
-            100.0 * share[0],
-            a.name,
-            100.0 * share[1],
-            b.name,
-            if f.closed { ", closed" } else { "" }
-        ));
+        let rails = [a.name.clone(), b.name.clone()];
+        notes.push(LoftNote::Branch { number: k + 1, rails, shares: share, closed: f.closed });
     }
     let doubles = found.iter().filter(|f| f.kind == BranchType::DoubleCone).count();
     if doubles > 0 {
-        notes.push(format!("{doubles} branches have their regression points between the rails and are not used"));
+        notes.push(LoftNote::Doubles { count: doubles });
     }
     let chosen = match options.choice {
         Choice::LeastTwist => None,
@@ -194,12 +188,14 @@ pub fn loft(a: &Rail, b: &Rail, options: &Options, control: &Control) -> Result<
             (follow([&a, &b], &branch, &build, &unhurried)?, true)
         }
         Some(branch) => {
-            let whole = with_ends(&a, &b, branch, options.ends, &mut notes);
-            note_ends(&a, &b, &whole, options.ends, &mut notes);
+            let mut ends = Vec::new();
+            let whole = with_ends(&a, &b, branch, options.ends, &mut ends);
+            note_ends(&a, &b, &whole, options.ends, &mut ends);
+            notes.extend(ends.into_iter().map(LoftNote::Ends));
             (follow([&a, &b], &whole, &build, &unhurried)?, whole.closed)
         }
         None => {
-            notes.push("no branch of common tangent planes was used: this is the strip of least twist, and it is not developable unless its twist says so".into());
+            notes.push(LoftNote::LeastTwist);
             let path = chosen_path(&a, &b, options, &mut notes)?;
             build.exact = false;
             // Fixed rulings stay: the path is smoothed between them only.
@@ -228,18 +224,13 @@ pub fn loft(a: &Rail, b: &Rail, options: &Options, control: &Control) -> Result<
 }
 
 /// The strip of least twist, or the alternative to it that was asked for; all are listed.
-fn chosen_path(a: &Rail, b: &Rail, options: &Options, notes: &mut Vec<String>) -> Result<TwistPath, LoftError> {
+fn chosen_path(a: &Rail, b: &Rail, options: &Options, notes: &mut Vec<LoftNote>) -> Result<TwistPath, LoftError> {
     let wanted = LeastTwistOptions { fixed: options.fixed.clone(), ..LeastTwistOptions::default() };
     let mut found = alternatives(a, b, &wanted, ALTERNATIVES.max(options.alternative))?;
     if found.len() > 1 {
         for (k, p) in found.iter().enumerate() {
-            notes.push(format!(
-                "alternative {}: least twist near here; root of the summed squares of its bends {:.3}°, twist up to {:.3}°, area {:.6} m²",
-                k + 1,
-                p.cost.max(0.0).sqrt().to_degrees(),
-                greatest_twist(a, b, p).to_degrees(),
-                p.area * 1e-6
-            ));
+            let (bends, twist) = (p.cost.max(0.0).sqrt(), greatest_twist(a, b, p));
+            notes.push(LoftNote::LeastTwistPath { number: k + 1, bends, twist, area: p.area });
         }
     }
     if options.alternative > found.len() {
@@ -254,14 +245,14 @@ fn exactly(
     rails: [&Rail; 2],
     tolerance: f64,
     control: &Control,
-    notes: &mut Vec<String>,
+    notes: &mut Vec<LoftNote>,
 ) -> Vec<BuiltStrip> {
     let mut out = Vec::with_capacity(built.len());
     let (mut made, mut kept) = (Vec::new(), Vec::new());
     for mut one in built {
         let fitted = one.rails.iter().any(|r| r.parameter.knots.degree() > 1);
         if fitted && control.stopped() {
-            kept.push((out.len() + 1, "it was not looked for: the job was stopped early".into()));
+            kept.push((out.len() + 1, ExactError::NotLookedFor));
         }
         let found = if fitted && !control.stopped() {
             Some(exact_strips(&one, rails, EXACT_SHARE * tolerance, control))
@@ -272,7 +263,8 @@ fn exactly(
             Some(Ok(parts)) => {
                 for mut p in parts {
                     p.built.strip.name = format!("A-{:02}", out.len() + 1);
-                    made.push(format!("{} ({} spans, {:.1e} mm)", p.built.strip.name, p.spans, p.off));
+                    let strip = p.built.strip.name.clone();
+                    made.push(ExactPiece { strip, spans: p.spans, off_bound: p.off });
                     out.push(p.built);
                 }
                 continue;
@@ -284,19 +276,14 @@ fn exactly(
         out.push(one);
     }
     if !made.is_empty() {
-        notes.push(format!(
-            "exactly developable splines of planes, with their proven distance from the rails: {}",
-            made.join(", ")
-        ));
+        notes.push(LoftNote::Exact(made));
     }
-    notes.extend(kept.into_iter().map(|(k, why)| {
-        format!("strip A-{k:02} is a ruled spline with a small twist, not exactly developable: as an exact one, {why}")
-    }));
+    notes.extend(kept.into_iter().map(|(strip, why)| LoftNote::Ruled { strip, why }));
     out
 }
 
 /// Turns the second rail round where the best branch runs against it.
-fn oriented(a: &Rail, b: Rail, options: &Options, notes: &mut Vec<String>) -> (Rail, Vec<Branch>) {
+fn oriented(a: &Rail, b: Rail, options: &Options, notes: &mut Vec<LoftNote>) -> (Rail, Vec<Branch>) {
     let found = branches(a, &b, &BranchOptions::default());
     let merit = |d: Direction| {
         found
@@ -322,7 +309,7 @@ fn oriented(a: &Rail, b: Rail, options: &Options, notes: &mut Vec<String>) -> (R
     if !turn {
         return (b, found);
     }
-    notes.push(format!("{} is run through backwards", b.name));
+    notes.push(LoftNote::Backwards { rail: b.name.clone() });
     let found = branches(a, &turned, &BranchOptions::default());
     (turned, found)
 }
@@ -383,14 +370,12 @@ fn is_candidate(f: &Branch) -> bool {
 }
 
 /// A word on rails whose lengths are so different that one may be in another unit.
-fn unlike(a: &Rail, b: &Rail) -> Option<String> {
+fn unlike(a: &Rail, b: &Rail) -> Option<LoftNote> {
     // Between the common units of length lie factors of 10, 12, 25.4 and more; 10 also lies between honest rails.
     const UNLIKE: f64 = 20.0;
     let (x, y) = (a.length(), b.length());
     let (long, short, factor) = if x > y { (a, b, x / y) } else { (b, a, y / x) };
-    (factor > UNLIKE).then(|| {
-        format!("{} is {factor:.0} times as long as {}: check that both are in the unit given", long.name, short.name)
-    })
+    (factor > UNLIKE).then(|| LoftNote::Unlike { long: long.name.clone(), short: short.name.clone(), factor })
 }
 
 /// Size of both rails, mm.
@@ -417,22 +402,18 @@ fn reached(x: f64) -> f64 {
 }
 
 /// Says where neighbouring strips meet at an angle: developable each by itself, but not smooth together.
-fn creases(strips: &[Strip]) -> Option<String> {
+fn creases(strips: &[Strip]) -> Option<LoftNote> {
     // Below a tenth of a degree nobody sees or feels an edge.
-    const EDGE: f64 = 0.1;
+    const EDGE_DEG: f64 = 0.1;
     let normal = |s: &Strip, u: f64| s.patch.jet(u, 0.5).normal().try_normalize(0.0);
     let angles = strips.windows(2).filter_map(|w| {
         let (n, m) = (normal(&w[0], w[0].domain().1)?, normal(&w[1], w[1].domain().0)?);
-        Some((w, n.cross(&m).norm().atan2(n.dot(&m)).to_degrees()))
+        Some((w, n.cross(&m).norm().atan2(n.dot(&m))))
     });
-    let all: Vec<_> = angles.filter(|(_, angle)| *angle > EDGE).collect();
+    let all: Vec<_> = angles.filter(|(_, angle)| *angle > EDGE_DEG.to_radians()).collect();
     let (w, angle) = all.iter().max_by(|x, y| x.1.total_cmp(&y.1))?;
-    let count = all.len();
-    let s = if count == 1 { "" } else { "s" };
-    Some(format!(
-        "{count} crease{s} between strips; the sharpest, {angle:.1}°, between {} and {}",
-        w[0].name, w[1].name
-    ))
+    let between = [w[0].name.clone(), w[1].name.clone()];
+    Some(LoftNote::Creases { count: all.len(), sharpest: *angle, between })
 }
 
 /// What is covered of rails that are not covered whole, up to the tolerance, and how far strips run past their ends.
@@ -462,7 +443,7 @@ fn judged(
     built: Vec<BuiltStrip>,
     closed: bool,
     options: &Options,
-    mut notes: Vec<String>,
+    notes: Vec<LoftNote>,
     start: Instant,
 ) -> Answer {
     let pieces: Vec<Candidate> =
@@ -500,11 +481,10 @@ fn judged(
     // Nothing is drawn finer than that, however fine the strips are.
     let drawable = options.tolerance.max(DRAWN * flat.contour_tolerance);
     let flat_proof = flat_judged(&strips, &parts, &patterns, drawable);
-    notes.extend(spacing_notes(&patterns, &flat));
-    if closed {
-        notes.push("the strip is closed; its flat part is cut open along the first ruling".into());
-    }
-    notes.extend(creases(&strips));
+    let mut notes: Vec<Note> = notes.into_iter().map(Note::Loft).collect();
+    notes.extend(crowded(&patterns, &flat).into_iter().map(Note::Crowded));
+    notes.extend(closed.then_some(Note::CutOpen { part: None }));
+    notes.extend(creases(&strips).map(Note::Loft));
     claims.extend((0..2).map(|d| Claim::measured(What::UsedOf(d), whole, 100.0 * shares[d])));
     claims.extend(judgement.whole());
     claims.push(Claim::count(Counted::Strips, whole, strips.len()));
@@ -530,6 +510,7 @@ fn judged(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::answer::note::EndNote;
     use crate::brep::space_curve::SpaceCurve;
     use crate::certify::claim::Status;
     use crate::geom::{Frame, Vec3};
@@ -583,11 +564,16 @@ mod tests {
         let a = line("a", Vec3::zeros(), Vec3::new(100.0, 0.0, 0.0));
         let b = line("b", Vec3::new(0.0, 100.0, 0.0), Vec3::new(100.0, 100.0, 100.0));
         let answer = made(&a, &b, &Options::new(1e-3));
-        let told = answer.notes.iter().find(|n| n.contains("crease"));
-        assert!(told.is_some_and(|n| n.contains("54.7°") || n.contains("45.0°")), "{:?}", answer.notes);
+        let crease = |n: &Note| match n {
+            Note::Loft(LoftNote::Creases { count: 1, sharpest, .. }) => Some(sharpest.to_degrees()),
+            _ => None,
+        };
+        let told = answer.notes.iter().find_map(crease);
+        assert!(told.is_some_and(|a| (a - 54.7).abs() < 0.1 || (a - 45.0).abs() < 0.1), "{:?}", answer.notes);
         // Smooth ones have none.
         let (a, b) = duct(0.4);
-        assert!(!made(&a, &b, &Options::new(1e-3)).notes.iter().any(|n| n.contains("crease")));
+        let smooth = made(&a, &b, &Options::new(1e-3));
+        assert!(!smooth.notes.iter().any(|n| matches!(n, Note::Loft(LoftNote::Creases { .. }))));
         let far = line("far", Vec3::new(200.0, 0.0, 0.0), Vec3::new(300.0, 0.0, 0.0));
         let near = line("near", Vec3::zeros(), Vec3::new(100.0, 0.0, 0.0));
         let refused = loft(&near, &far, &Options::new(1e-3), &Control::default());
@@ -616,7 +602,9 @@ mod tests {
         assert!(reason.starts_with("certified in part: 63.16 % of long"), "{reason}");
         // Both edges, 200 mm long in all, may lie up to the tolerance off.
         assert!((area(&trimmed) - ring(100.0, 80.0, 60.0, 1.2)).abs() < 0.01 * 200.0);
-        assert!(trimmed.notes.iter().any(|n| n.contains("long is used from")), "{:?}", trimmed.notes);
+        let cut_short =
+            |n: &Note| matches!(n, Note::Loft(LoftNote::Ends(EndNote::Used { rail, .. })) if rail == "long");
+        assert!(trimmed.notes.iter().any(cut_short), "{:?}", trimmed.notes);
         // The rest of the long rail is joined to the end of the short one.
         let fanned = with(Ends::Fan);
         assert_eq!(fanned.status(), Status::Certified, "{:?} {:?}", fanned.claims, fanned.notes);
@@ -630,7 +618,8 @@ mod tests {
         assert_eq!(extended.status(), Status::Uncertified, "past the end");
         let reason = words::reason(&extended.claims, &[]);
         assert!(reason.starts_with("certified in part:") && reason.contains("past the ends of short"), "{reason}");
-        assert!(area(&extended) > area(&trimmed) && extended.notes.iter().any(|n| n.contains("is extended by")));
+        let longer = |n: &Note| matches!(n, Note::Loft(LoftNote::Ends(EndNote::Extended { .. })));
+        assert!(area(&extended) > area(&trimmed) && extended.notes.iter().any(longer));
     }
 
     #[test]
@@ -656,7 +645,7 @@ mod tests {
         assert!(fixed.status() == Status::Uncertified && fixed.patchwork.panels.len() < 10);
         assert!(figure(&fixed, "twist") > 1e-3, "{:?} {:?}", fixed.claims, fixed.notes);
         let least = made(&a, &b, &Options { choice: Choice::LeastTwist, ..Options::new(0.01) });
-        assert!(least.notes.iter().any(|n| n.contains("least twist")));
+        assert!(least.notes.contains(&Note::Loft(LoftNote::LeastTwist)));
     }
 
     #[test]
@@ -675,15 +664,12 @@ mod tests {
         // An exact one is found at once where the tolerance allows, and is worth its name.
         let s = made(&a, &b, &Options::new(0.01));
         assert!(s.status() == Status::Certified && figure(&s, "twist, bound") < 1e-4, "{:?}", s.claims);
-        assert!(s.notes.iter().any(|n| n.contains("exactly developable")), "{:?}", s.notes);
+        assert!(s.notes.iter().any(|n| matches!(n, Note::Loft(LoftNote::Exact(_)))), "{:?}", s.notes);
         let stopped = Control::default();
         stopped.cancel();
         let s = loft(&a, &b, &Options::new(0.01), &stopped).expect("an answer");
-        assert!(
-            s.status() == Status::Certified && s.notes.iter().any(|n| n.contains("stopped early")),
-            "{:?}",
-            s.notes
-        );
+        let early = |n: &Note| matches!(n, Note::Loft(LoftNote::Ruled { why: ExactError::NotLookedFor, .. }));
+        assert!(s.status() == Status::Certified && s.notes.iter().any(early), "{:?}", s.notes);
     }
 
     #[test]

@@ -3,10 +3,11 @@
 //! Reads like the page that describes it: take the curve as one spline, find all regular nets \[FJ07\], keep the best,
 //! have it judged, develop.
 
+use crate::answer::note::{NetNote, Note};
 use crate::answer::{Answer, Guide, Job};
 use crate::certify::claim::{Claim, Counted, NetNumber, Subject, What};
 use crate::control::Control;
-use crate::design::interpolate::{self, interpolate, EndRulings, InterpolateError, Interpolation, Route, Solution};
+use crate::design::interpolate::{self, interpolate, EndRulings, InterpolateError, Interpolation, Solution};
 use crate::design::loft::build::{classified, BuiltStrip};
 use crate::develop::strip::StripOptions;
 use crate::develop::view::Drawn;
@@ -14,7 +15,7 @@ use crate::geom::coarse::Loose;
 use crate::geom::Vec3;
 use crate::patchwork::panel::Patchwork;
 use crate::patchwork::part::Part;
-use crate::search::strips::cut::{claims as flat_claims, cut, judged as flat_judged, spacing_notes};
+use crate::search::strips::cut::{claims as flat_claims, crowded, cut, judged as flat_judged};
 use crate::search::strips::judgement::{judge, Candidate};
 use crate::spline::curve::Curve;
 use crate::spline::SplineError;
@@ -244,7 +245,7 @@ pub fn net(curve: &Rail, options: &Options, control: &Control) -> Result<Answer,
 struct Nets {
     nets: Vec<TaperedNet>,
     claims: Vec<Claim>,
-    notes: Vec<String>,
+    notes: Vec<NetNote>,
     missing: Vec<String>,
 }
 
@@ -278,7 +279,7 @@ fn by_rulings(
             let (asked, count) = (options.alternative, good.len());
             return Err(NetJobError::NoAlternative { curve: curve.name.clone(), asked, count });
         };
-        out.notes.push(format!("solution {} was taken because it was asked for", options.alternative));
+        out.notes.push(NetNote::Asked { number: options.alternative });
         vec![(*one).clone()]
     } else {
         tell_route(&found, good.len(), &mut out);
@@ -296,46 +297,24 @@ fn by_rulings(
 }
 
 /// One line for each polynomial net.
-fn tell_candidates(found: &Interpolation, size: f64, notes: &mut Vec<String>) {
+fn tell_candidates(found: &Interpolation, size: f64, notes: &mut Vec<NetNote>) {
     for (k, s) in found.candidates.iter().enumerate() {
-        let shape = s.strip.net.shape();
-        let stars = if shape.m == 0.0 {
-            format!("m = 0, κ = {:.6}", shape.kappa)
-        } else {
-            format!("M* = {:.6}, Λ* = {:.6}", shape.m_star(), shape.lambda_star())
-        };
-        let clearance = match s.clearance_estimate.is_finite() {
-            true => {
-                format!("regression curve at least {:.3} mm from the curve along the rulings", s.clearance_estimate)
-            }
-            false => "no regression curve".into(),
-        };
-        let last = s.end_reach * size;
-        notes.push(format!("solution {}: {stars}; it {}; {clearance}, last ruling {last:.3} mm", k + 1, s.quality()));
+        notes.push(NetNote::Candidate {
+            number: k + 1,
+            shape: *s.strip.net.shape(),
+            quality: s.quality(),
+            clearance_estimate: s.clearance_estimate,
+            last: s.end_reach * size,
+        });
     }
 }
 
 /// Which answer was taken, and why.
 fn tell_route(found: &Interpolation, good: usize, out: &mut Nets) {
     use interpolate::Status as Found;
-    let why = |route: &Route| {
-        match route {
-        Route::Polynomial if good > 1 => {
-            format!("solution 1 was taken: of {good} regular ones its regression curve keeps farthest from the curve")
-        }
-        Route::Polynomial => "solution 1 was taken: it is the only regular polynomial one".into(),
-        Route::Cylinder => "the end rulings are parallel: the surface is a cylinder".into(),
-        Route::Cone => "the end rulings meet: the surface is a cone".into(),
-        Route::Rational => "no polynomial net is regular with both end rulings on the sides given: a rational one was taken, that with the most even rulings".into(),
-        Route::Split => "no single net is regular: the curve was split, and a ruling in between was chosen so that both parts are regular and join smoothly".into(),
-    }
-    };
     match &found.status {
-        Found::Solved(route) => out.notes.push(why(route)),
-        Found::Shortened(route) => {
-            out.notes.push(why(route));
-            out.notes.push("the strip is narrower than asked for: wider, it would meet its regression curve".into());
-        }
+        Found::Solved(route) => out.notes.push(NetNote::Route { route: *route, good }),
+        Found::Shortened(route) => out.notes.extend([NetNote::Route { route: *route, good }, NetNote::Narrower]),
         Found::Unsolved(reasons) => out.missing.push(reasons.to_string()),
     }
 }
@@ -377,10 +356,7 @@ fn continued(given: &Curve<4>, curve: &Rail, answer: &mut Nets, options: &Option
             let fault = |source| NetJobError::Net { curve: curve.name.clone(), source };
             answer.nets.push(TaperedNet { net: net.net.over(a, b).map_err(fault)?, taper });
         }
-        answer.notes.push(format!(
-            "the strip runs from {from} to {to} of the curve's parameter, 0 to 1{}",
-            if from < 0.0 || to > 1.0 { "; beyond the curve's ends curve and surface are continued" } else { "" }
-        ));
+        answer.notes.push(NetNote::Stretch { along: options.along });
     }
     let piece = if whole { given.clone() } else { given.extended(from, to).map_err(spline)? };
     let rail = Rail { name: curve.name.clone(), pieces: vec![piece], closed: whole && curve.closed };
@@ -421,25 +397,16 @@ fn strip(net: &TaperedNet, index: usize, along: [f64; 2]) -> Result<BuiltStrip, 
 }
 
 /// Where the regression curve lies against a strip.
-fn tell_regression(name: &str, net: &TaperedNet, notes: &mut Vec<String>) {
+fn tell_regression(name: &str, net: &TaperedNet, notes: &mut Vec<NetNote>) {
     let (a, b) = net.net.domain();
     let at = [net.regression(a), net.regression(b)];
+    let strip = name.to_owned();
     if !(at[0].is_finite() && at[1].is_finite()) {
-        notes.push(format!("strip {name} has no regression curve"));
+        notes.push(NetNote::NoRegression { strip });
         return;
     }
-    let side = |v: f64| if v < 0.0 { "behind the curve" } else { "beyond the opposite edge" };
-    let far = |v: f64| if v < 0.0 { -v } else { v };
-    let (what, way) = match net.net.kind() {
-        NetKind::Cone { .. } => ("apex", ""),
-        _ => ("regression curve", if net.is_constant() { " (linear in between)" } else { "" }),
-    };
-    notes.push(format!(
-        "strip {name}: its {what} lies {}, {:.4} times the ruling from the curve on the first ruling and {:.4} times on the last{way}",
-        if at[0] * at[1] > 0.0 { side(at[0]) } else { "on both sides" },
-        far(at[0]),
-        far(at[1])
-    ));
+    let apex = matches!(net.net.kind(), NetKind::Cone { .. });
+    notes.push(NetNote::Regression { strip, apex, linear: !apex && net.is_constant(), at });
 }
 
 /// Judges and develops strips.
@@ -487,7 +454,8 @@ fn judged(
         .collect();
     let (parts, patterns) = cut(&strips, &chains, &flat);
     let flat_proof = flat_judged(&strips, &parts, &patterns, options.tolerance);
-    notes.extend(spacing_notes(&patterns, &flat));
+    let mut notes: Vec<Note> = notes.into_iter().map(Note::Net).collect();
+    notes.extend(crowded(&patterns, &flat).into_iter().map(Note::Crowded));
     if let Some(net) = nets.first() {
         let shape = net.net.shape();
         let stars = [(NetNumber::MStar, shape.m_star()), (NetNumber::LambdaStar, shape.lambda_star())];
@@ -563,7 +531,8 @@ mod tests {
         assert!((figure(&s, "M*") - 1.369_415_885_318_557_6).abs() < 1e-9);
         assert!((figure(&s, "Λ*") - 1.362_462_674_853_677_2).abs() < 1e-9);
         assert!(figure(&s, "from keel") < 1e-9 && figure(&s, "twist, bound") < 1e-8);
-        assert!(s.notes.iter().any(|n| n.contains("196.9473 times")), "{:?}", s.notes);
+        let told = |n: &Note| matches!(n, Note::Net(NetNote::Regression { at, .. }) if (at[0] - 196.9473).abs() < 1e-4);
+        assert!(s.notes.iter().any(told), "{:?}", s.notes);
         let end = s.patchwork.panels[0].strip.ruling(1.0)[1];
         let expected = Vec3::new(3.994_013_734_506_109, 0.023_945_061_975_563, 0.127_993_132_746_945) * 250.0;
         assert!((end - expected).norm() < 1e-6, "{end}");

@@ -2,6 +2,7 @@
 //!
 //! Reads like the page that describes it: planarise, refine and planarise again, judge every quadrilateral, develop.
 
+use crate::answer::note::Note;
 use crate::answer::{Answer, Guide, Job};
 use crate::certify::claim::{Claim, Counted, Subject, UpperBound, What};
 use crate::certify::quads::gap_bound;
@@ -120,7 +121,7 @@ pub fn planarise(strip: &QuadStrip, options: &Options, control: &Control) -> Res
 
 fn judged(given: &QuadStrip, done: Subdivided, options: &Options, start: Instant) -> Result<Answer, PlanariseError> {
     let result = &done.strip;
-    let (mut missing, mut notes) = (Vec::new(), Vec::new());
+    let mut missing = Vec::new();
     let (mut each, mut fields, mut gaps) = (Vec::new(), Vec::new(), Vec::new());
     let strips = result.faces("A")?;
     for (i, s) in strips.iter().enumerate() {
@@ -154,17 +155,7 @@ fn judged(given: &QuadStrip, done: Subdivided, options: &Options, start: Instant
     if done.levels.len() <= options.levels {
         missing.push(format!("stopped after {} of {} levels", done.levels.len() - 1, options.levels));
     }
-    for (k, l) in done.levels.iter().enumerate() {
-        notes.push(format!(
-            "level {k}: {} quadrilaterals, warp {:.1e} before and {:.1e} after {} steps, points moved up to {:.4} mm, bends jump by {:.1} % of their mean",
-            l.quads,
-            l.warp_before,
-            l.warp,
-            l.steps,
-            l.largest_move,
-            100.0 * l.bend_jump
-        ));
-    }
+    let notes = done.levels.iter().enumerate().map(|(level, l)| Note::Level { level, report: *l }).collect();
     let flat = StripOptions { drawn: options.drawn, ..StripOptions::new(CONTOUR_SHARE * options.tolerance) };
     let chain = Part { name: "A".into(), first: 0, count: strips.len(), missing: String::new() };
     let (parts, patterns) = cut(&strips, &[chain], &flat);

@@ -2,12 +2,13 @@
 //!
 //! Reads like the page that describes it: set up the composite, settle it, move handles, polish, have it judged, develop.
 
+use crate::answer::note::Note;
 use crate::answer::{Answer, Guide, Job};
 use crate::certify::claim::{Claim, Counted, Subject, What};
 use crate::constraint::reference::{FaceReference, PointReference, Reference};
 use crate::design::composite::{
     At, BoundaryCurve, Composite, CompositeError, Edge, Handle, Hold, Join, Length, Options as SessionOptions, Place,
-    Report, RuledStrip, Session, Smoothness, Strength, StripShape, Target,
+    RuledStrip, Session, Smoothness, Strength, StripShape, Target,
 };
 use crate::design::loft::build::{classified, BuiltStrip};
 use crate::develop::strip::StripOptions;
@@ -20,7 +21,7 @@ use crate::io::{cloud, step};
 use crate::num::gauss_newton::Status;
 use crate::patchwork::panel::Patchwork;
 use crate::patchwork::part::Part;
-use crate::search::strips::cut::{claims as flat_claims, cut, judged as flat_judged, spacing_notes};
+use crate::search::strips::cut::{claims as flat_claims, crowded, cut, judged as flat_judged};
 use crate::search::strips::judgement::{judge, Candidate};
 use crate::spline::curve::Curve;
 use crate::spline::SplineError;
@@ -146,7 +147,7 @@ pub fn shape(
     let mut session = Session::new(composite, SessionOptions::default())?;
     control.report("settling", 0.1, "");
     let settled = session.settle(control);
-    tell("the first shape", &settled, &mut notes);
+    notes.push(Note::Solved { step: None, report: settled });
     for (index, m) in job.moves.iter().enumerate() {
         let source = |source| ShapeError::Move { index, source };
         let from = session.composite().handles.get(m.handle).map(|h| h.hold);
@@ -160,38 +161,16 @@ pub fn shape(
             session.set_handle(m.handle, between(&from, &to, k as f64 / m.steps as f64)).map_err(source)?;
             let report = session.step(control);
             if report.status != Status::Converged && !std::mem::replace(&mut told, true) {
-                tell(&format!("move {index}, step {k}"), &report, &mut notes);
+                notes.push(Note::Solved { step: Some((index, k)), report });
             }
         }
         control.report("moving", 0.1 + 0.5 * (index + 1) as f64 / job.moves.len() as f64, "");
     }
     control.report("polishing", 0.6, "");
     let polished = session.polish(POLISHED, control)?;
-    notes.push(format!("conditions are met to {:.1e} of the size", polished.residual));
+    notes.push(Note::Met { residual: polished.residual });
     control.report("judging", 0.7, "");
     judged(&session, options, notes, start)
-}
-
-/// A word on a solve.
-fn tell(what: &str, report: &Report, notes: &mut Vec<String>) {
-    let reason = match (&report.obstacle, report.status) {
-        (_, Status::Converged) => format!("converged in {} iterations", report.iterations),
-        (_, Status::Cancelled) => "was stopped early".into(),
-        (Some((class, item)), Status::Stalled) => {
-            format!(
-                "asks for more than there is: {class} keep {:.1e} of the size, most of it at {item}",
-                report.residual
-            )
-        }
-        (Some((class, item)), _) => {
-            format!(
-                "did not converge in {} iterations: {class}, {:.1e} of the size at {item}",
-                report.iterations, report.residual
-            )
-        }
-        (None, _) => format!("did not converge in {} iterations", report.iterations),
-    };
-    notes.push(format!("{what} {reason}"));
 }
 
 /// The composite that a file describes.
@@ -348,7 +327,7 @@ fn chains(composite: &Composite) -> Vec<Part> {
 }
 
 /// Judges and develops strips.
-fn judged(session: &Session, options: &Options, mut notes: Vec<String>, start: Instant) -> Result<Answer, ShapeError> {
+fn judged(session: &Session, options: &Options, mut notes: Vec<Note>, start: Instant) -> Result<Answer, ShapeError> {
     let strips = session.strips()?;
     let all = strips.into_iter().enumerate().map(|(k, s)| made(session, s, k)).collect::<Result<Vec<_>, _>>()?;
     let pieces: Vec<Candidate> = all
@@ -379,7 +358,7 @@ fn judged(session: &Session, options: &Options, mut notes: Vec<String>, start: I
     };
     let (parts, patterns) = cut(&strips, &chains(session.composite()), &flat);
     let flat_proof = flat_judged(&strips, &parts, &patterns, options.tolerance);
-    notes.extend(spacing_notes(&patterns, &flat));
+    notes.extend(crowded(&patterns, &flat).into_iter().map(Note::Crowded));
     claims.extend(judgement.whole().into_iter().filter(|c| !matches!(c.what(), What::Count(_))));
     claims.push(Claim::count(Counted::Strips, whole, strips.len()));
     claims.extend(flat_claims(&parts, &patterns, &flat_proof, options.tolerance));
@@ -408,6 +387,7 @@ fn judged(session: &Session, options: &Options, mut notes: Vec<String>, start: I
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::answer::note::SolveReport;
     use crate::io::shape::read;
     use crate::Status as Certified;
 
@@ -458,7 +438,13 @@ mod tests {
         let answer =
             run(&JOB.replace("[\"low\", \"high\"]", "[\"low\", \"high\"], \"planar\": true")).expect("an answer");
         assert_eq!(answer.status(), Certified::Uncertified);
-        let told = answer.notes.iter().filter(|n| n.contains("asks for more than there is: point handles")).count();
+        let stalled = |n: &&Note| match n {
+            Note::Solved {
+                report: SolveReport { status: Status::Stalled, obstacle: Some((class, _)), .. }, ..
+            } => class == "point handles",
+            _ => false,
+        };
+        let told = answer.notes.iter().filter(stalled).count();
         assert_eq!(told, 2, "the first shape and the move, each once: {:?}", answer.notes);
     }
 }

@@ -1,5 +1,6 @@
 //! The job of `torse unroll`: bodies of sheet and other developable faces as flat patterns.
 
+use crate::answer::note::{Note, UnrollNote};
 use crate::answer::skipped::{left_out, Skipped};
 use crate::answer::{Answer, Job};
 use crate::brep::area::area_estimate;
@@ -170,7 +171,7 @@ pub fn unroll(model: &Model, options: &UnrollOptions) -> Result<Answer, UnrollEr
         sheets: parts.iter().map(|p| p.sheet.clone()).collect(),
         ..Answer::new(Job::Unroll, &options.input, options.tolerance)
     };
-    answer.notes.extend(notes(&parts, options));
+    answer.notes.extend(notes(&parts, options).into_iter().map(Note::Unroll));
     answer.seconds = start.elapsed().as_secs_f64();
     Ok(answer)
 }
@@ -212,21 +213,20 @@ fn names(faces: &[Face], bodies: &BTreeMap<u32, Vec<usize>>) -> Vec<String> {
 }
 
 /// What people should know of the parts.
-fn notes(parts: &[FlatPart], options: &UnrollOptions) -> Vec<String> {
+fn notes(parts: &[FlatPart], options: &UnrollOptions) -> Vec<UnrollNote> {
     let mut out = Vec::new();
     if parts.iter().any(|p| p.sheet.thickness > 0.0 && !p.sheet.bends.is_empty()) {
-        out.push(format!("Bent zones have the length of the neutral fibre: {}.", options.k.words()));
+        out.push(UnrollNote::NeutralFibre(options.k.clone()));
     }
     for p in parts {
-        let name = &p.pattern.name;
+        let part = || p.pattern.name.clone();
         if p.sheet.thickness > 0.0 {
-            out.push(format!("{name}: sheet of {:.4} mm, {} bends.", p.sheet.thickness, p.sheet.bends.len()));
+            let (thickness, bends) = (p.sheet.thickness, p.sheet.bends.len());
+            out.push(UnrollNote::Sheet { part: part(), thickness, bends });
         }
-        for (edge, reason) in &p.cuts {
-            out.push(format!("{name}: cut along edge #{edge}, because {}.", reason.words()));
-        }
+        out.extend(p.cuts.iter().map(|&(edge, reason)| UnrollNote::Cut { part: part(), edge, reason }));
         if !p.pattern.formed.is_empty() {
-            out.push(format!("{name}: {} outlines of formed features are not cut.", p.pattern.formed.len()));
+            out.push(UnrollNote::Formed { part: part(), count: p.pattern.formed.len() });
         }
     }
     out

@@ -65,18 +65,34 @@ pub fn cut_until(
     (parts, patterns)
 }
 
-/// What is said where rulings or marks were asked for nearer to each other than they are drawn.
-pub fn spacing_notes(patterns: &[Pattern], options: &StripOptions) -> Vec<String> {
+/// Lines on flat parts that were asked for nearer to each other than they are drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Crowded {
+    /// Which lines.
+    pub lines: Lines,
+    /// Distance asked for, mm.
+    pub asked: f64,
+    /// Distance at which they are drawn on the longest part, mm.
+    pub least: f64,
+}
+
+/// Lines on flat parts of which the distance can be asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Lines {
+    /// Rulings.
+    Rulings,
+    /// Marks along the rails.
+    Marks,
+}
+
+/// Which lines were asked for nearer to each other than they are drawn.
+pub fn crowded(patterns: &[Pattern], options: &StripOptions) -> Vec<Crowded> {
     let longest = |p: &Pattern| p.sides.iter().map(|s| s.length).fold(0.0, f64::max);
     let least = least_spacing(patterns.iter().map(longest).fold(0.0, f64::max));
-    let told = |what: &str, asked: Option<f64>| {
-        let asked = asked.filter(|s| *s > 0.0 && *s < least)?;
-        Some(format!(
-            "{what} every {asked} mm were asked for; on the longest part they are drawn every {least:.4} mm, which is as \
-             many as a part has"
-        ))
-    };
-    told("rulings", options.ruling_spacing).into_iter().chain(told("marks", options.mark_spacing)).collect()
+    [(Lines::Rulings, options.ruling_spacing), (Lines::Marks, options.mark_spacing)]
+        .into_iter()
+        .filter_map(|(lines, asked)| Some(Crowded { lines, asked: asked.filter(|s| *s > 0.0 && *s < least)?, least }))
+        .collect()
 }
 
 /// What is proven of flat parts; `tolerance` (mm) is that of the job.
@@ -174,11 +190,11 @@ mod tests {
         let whole = Part { name: "A".into(), first: 0, count: 1, missing: String::new() };
         let asked = |ruling_spacing, mark_spacing| {
             let options = StripOptions { ruling_spacing, mark_spacing, ..StripOptions::new(0.01) };
-            spacing_notes(&cut(&strips, std::slice::from_ref(&whole), &options).1, &options)
+            crowded(&cut(&strips, std::slice::from_ref(&whole), &options).1, &options)
         };
         assert!(asked(None, None).is_empty() && asked(Some(1.0), Some(0.0)).is_empty());
         let told = asked(Some(1e-6), Some(1.0));
-        assert!(told.len() == 1 && told[0].starts_with("rulings every"), "{told:?}");
+        assert!(told.len() == 1 && told[0].lines == Lines::Rulings, "{told:?}");
         assert_eq!(asked(Some(1e-6), Some(1e-6)).len(), 2);
     }
 
