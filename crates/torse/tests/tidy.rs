@@ -107,6 +107,9 @@ const SOLVERS: &[&str] = &["clarabel", "faer"];
 /// Longest file, in lines. The style asks for 150 to 400.
 const LINE_LIMIT: usize = 800;
 
+/// Longest file of a job, in lines, tests beside it left out: a job is a page that is read at once.
+const JOB_LIMIT: usize = 250;
+
 /// Floors whose files are algorithms. Where the method comes from is said in the module header by a key of
 /// `docs/references.md`, or on a page of `docs/algorithms` that names the file.
 const ALGORITHM_FLOORS: &[&str] =
@@ -421,6 +424,14 @@ fn files_stay_short() {
     for file in sources(&root().join("crates")) {
         let lines = fs::read_to_string(&file).expect("readable source").lines().count();
         assert!(lines <= LINE_LIMIT, "{} has {lines} lines; {LINE_LIMIT} are allowed", file.display());
+    }
+}
+
+#[test]
+fn jobs_are_pages() {
+    for file in sources(&root().join("crates/torse/src/pipeline")).iter().filter(|f| !f.ends_with("tests.rs")) {
+        let lines = fs::read_to_string(file).expect("readable source").lines().count();
+        assert!(lines <= JOB_LIMIT, "{} has {lines} lines; {JOB_LIMIT} are allowed for a job", file.display());
     }
 }
 

@@ -19,7 +19,9 @@ use crate::patchwork::panel::Patchwork;
 use crate::patchwork::part::Part;
 use crate::patchwork::pattern::Pattern;
 use crate::search::build::AlongCurve;
+use crate::search::strips::cut::Laid;
 use crate::torse::cone::part::ConeBody;
+use crate::torse::rail::Rail;
 use crate::torse::strip::Strip;
 use note::Note;
 use skipped::Skipped;
@@ -156,7 +158,23 @@ pub struct Answer {
     pub seconds: f64,
 }
 
+impl Guide {
+    /// A rail, by points along it.
+    pub fn of(rail: &Rail) -> Self {
+        Self { name: rail.name.clone(), points: rail.samples(GUIDE_POINTS) }
+    }
+}
+
+/// Points of a guide.
+const GUIDE_POINTS: usize = 200;
+
 impl Answer {
+    /// An answer that holds strips laid flat and nothing else yet.
+    pub fn of_flat(job: Job, input: &str, tolerance: f64, laid: Laid) -> Self {
+        let Laid { parts, patterns, proofs, .. } = laid;
+        Self { parts, patterns, flat: proofs, ..Self::new(job, input, tolerance) }
+    }
+
     /// An answer that holds nothing yet. `input` names the input without folder, `tolerance` is in mm.
     pub fn new(job: Job, input: &str, tolerance: f64) -> Self {
         Self {

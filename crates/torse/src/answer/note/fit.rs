@@ -2,6 +2,8 @@
 
 use crate::certify::claim::Counted;
 pub use crate::search::strips::ruled_face::SplineSize;
+pub use crate::search::strips::scan::Between;
+pub use crate::search::strips::scan_outline::Outlines;
 
 /// Something that people should know of strips fitted to what was given.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,32 +28,13 @@ pub enum FitNote {
         corners: usize,
         /// Its triangles.
         triangles: usize,
-        /// How far a smooth sheet through the corners may lie off the triangles, mm, estimated.
-        bulge_estimate: f64,
-        /// How far triangles lie from the strips at most, mm, sampled.
-        off_estimate: f64,
-        /// Places at which that was sampled.
-        places: usize,
+        /// What is known between its corners.
+        between: Between,
     },
     /// A face that was to become simpler.
     Face(FaceNote),
     /// Distances are proven at these, not between them.
     At(Counted),
-}
-
-/// Outlines that follow measured points.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Outlines {
-    /// Largest distance of a place on them from a point, mm.
-    pub off_estimate: f64,
-    /// Spacing of the points, mm.
-    pub spacing: f64,
-    /// Holes that are cut out.
-    pub holes: usize,
-    /// Holes of a few spacings that are not.
-    pub closed: usize,
-    /// Points that lie apart.
-    pub stray: usize,
 }
 
 /// A face and the strips in its place.

@@ -1,5 +1,6 @@
 //! Notes of lofts.
 
+pub use crate::search::strips::exact_chain::ExactPiece;
 pub use crate::search::strips::exact_strip::ExactError;
 pub use crate::search::strips::loft_ends::{EndNote, Leads};
 
@@ -69,15 +70,4 @@ pub enum LoftNote {
         /// Names of the strips there.
         between: [String; 2],
     },
-}
-
-/// An exactly developable strip.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ExactPiece {
-    /// Its name.
-    pub strip: String,
-    /// Spans of its spline of planes.
-    pub spans: usize,
-    /// Proven distance from the rails, mm.
-    pub off_bound: f64,
 }

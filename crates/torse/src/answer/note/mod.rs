@@ -12,7 +12,7 @@ pub use crate::patchwork::skins::Skin;
 pub use crate::search::strips::cut::{Crowded, Lines};
 pub use crate::search::strips::regression::Broken;
 use crate::torse::zone::RegressionLimits;
-pub use fit::{Became, FaceNote, FitNote, Outlines, SplineSize};
+pub use fit::{Became, Between, FaceNote, FitNote, Outlines, SplineSize};
 pub use loft::{EndNote, ExactError, ExactPiece, Leads, LoftNote};
 pub use net::{NetNote, Quality, Route};
 pub use unroll::UnrollNote;

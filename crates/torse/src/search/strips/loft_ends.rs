@@ -7,6 +7,7 @@
 use crate::brep::space_curve::SpaceCurve;
 use crate::design::loft::branches::Branch;
 use crate::design::loft::build::BuiltStrip;
+use crate::design::loft::orientation::WHOLE;
 use crate::design::loft::track::Track;
 use crate::geom::Frame;
 use crate::spline::curve::Curve;
@@ -77,8 +78,6 @@ pub enum Leads {
     OtherRail,
 }
 
-/// Share of a rail that may be left over without a word.
-pub(crate) const WHOLE: f64 = 1e-6;
 /// Rests of rails, in parameters, that make a cone of their own.
 const CREASE: f64 = 1e-6;
 /// Extension of rails beyond each end, as a share of their length.

@@ -4,14 +4,13 @@ use super::cone_strip::ruled;
 use super::fewest::count;
 use crate::brep::face::Face;
 use crate::certify::regression::{regression as regular, RegressionVerdict};
+use crate::fit::elements::given::NARROW;
 use crate::torse::contact::ContactElement;
 use crate::torse::form::PanelKind;
 use crate::torse::ruled_patch::RuledStrip;
 use crate::torse::strip::Strip;
 use crate::torse::zone::RegressionLimits;
 
-/// Width of the region of a ruling as a share of its length: its tangent plane counts a little beside it.
-pub(crate) const NARROW: f64 = 0.1;
 /// Largest twist of a face that may stay as it is, sine times diagonal as a share of the tolerance.
 const TWIST: f64 = 0.01;
 /// Control points along, and degree, of the simplest strips that fits make; nothing below gets simpler.

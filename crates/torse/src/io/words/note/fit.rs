@@ -17,12 +17,13 @@ pub(super) fn words(note: &FitNote) -> String {
         FitNote::Lonely { count } => {
             format!("{count} points lie too far from others to belong to a surface; they are judged all the same.")
         }
-        FitNote::CoarseMesh { corners, triangles, bulge_estimate, off_estimate, places } => format!(
+        FitNote::CoarseMesh { corners, triangles, between } => format!(
             "The file is a coarse mesh. Judged are the {corners} corners of its {triangles} triangles. The triangles are \
              chords: between corners strips follow a smooth sheet through these, which is estimated to lie up to {} off the \
-             triangles; triangles lie up to {} from the strips (sampled at {places} places).",
-            length(*bulge_estimate),
-            length(*off_estimate)
+             triangles; triangles lie up to {} from the strips (sampled at {} places).",
+            length(between.bulge_estimate),
+            length(between.off_estimate),
+            between.places
         ),
         FitNote::Face(note) => face(note),
         FitNote::At(what) => format!("Distances are proven at the {}, not between them.", counted_name(*what)),
