@@ -36,6 +36,7 @@ mod options;
 
 /// Borders of panels that are joined are each within a tolerance of the file's edge.
 const JOINT_REACH: f64 = 2.0;
+
 /// Approximates a model by developable panels; see [`of_faces`].
 ///
 /// # Errors
@@ -76,49 +77,8 @@ pub fn of_faces(
     let faces = smoothly_joined(faces, tolerance, options.smooth_angle);
     checked_number(&faces, options)?;
     checked_curves(&faces, options)?;
-    let total = faces.len();
-    let finished = AtomicUsize::new(0);
-    let wanted = Wanted {
-        options: CoverOptions {
-            tolerance,
-            max_panels: options.max_panels.unwrap_or(usize::MAX),
-            facets: false,
-            limits: options.limits,
-            layout: options.layout.clone(),
-        },
-        meet: options.meet,
-        control,
-        deadline: OnceLock::new(),
-    };
-    let built: Vec<Result<Built, Skipped>> = faces
-        .into_par_iter()
-        .enumerate()
-        .map(|(index, face)| {
-            let built = one_face(index, &face, &wanted).map_err(|e| Skipped::of_face(&face, e.to_string()));
-            let n = finished.fetch_add(1, Ordering::Relaxed) + 1;
-            control.report("covering faces", n as f64 / total as f64, format!("{n} of {total}"));
-            built
-        })
-        .collect();
-    let mut patchwork = Patchwork::default();
-    let (mut certificates, mut patterns, mut missing) = (Vec::new(), Vec::new(), Vec::new());
-    let mut along = Vec::new();
-    for b in built {
-        match b {
-            Ok(b) => {
-                certificates.push(b.certificate);
-                let first = patchwork.panels.len();
-                patterns.extend(b.patterns.into_iter().map(|mut p| {
-                    p.panel += first;
-                    p
-                }));
-                along.extend(b.along.into_iter().map(|a| AlongCurve { panel: a.panel + first, ..a }));
-                missing.extend(b.missing);
-                patchwork.append(b.patchwork);
-            }
-            Err(s) => skipped.push(s),
-        }
-    }
+    let built = covered(faces, options, control);
+    let Whole { patchwork, certificates, patterns, along, mut missing } = whole(built, &mut skipped);
     if patchwork.faces.is_empty() {
         let why = skipped.first().map_or(String::new(), Skipped::words);
         return Err(ApproximateError::NoFaces(why));
@@ -166,6 +126,63 @@ pub fn of_faces(
         seconds: start.elapsed().as_secs_f64(),
         ..Answer::new(Job::Approximate, &options.input, tolerance)
     })
+}
+
+/// Panels for every face, on all cores.
+fn covered(faces: Vec<Face>, options: &Options, control: &Control) -> Vec<Result<Built, Skipped>> {
+    let total = faces.len();
+    let finished = AtomicUsize::new(0);
+    let wanted = Wanted {
+        options: CoverOptions {
+            tolerance: options.tolerance,
+            max_panels: options.max_panels.unwrap_or(usize::MAX),
+            facets: false,
+            limits: options.limits,
+            layout: options.layout.clone(),
+        },
+        meet: options.meet,
+        control,
+        deadline: OnceLock::new(),
+    };
+    faces
+        .into_par_iter()
+        .enumerate()
+        .map(|(index, face)| {
+            let built = one_face(index, &face, &wanted).map_err(|e| Skipped::of_face(&face, e.to_string()));
+            let n = finished.fetch_add(1, Ordering::Relaxed) + 1;
+            control.report("covering faces", n as f64 / total as f64, format!("{n} of {total}"));
+            built
+        })
+        .collect()
+}
+
+/// The panels of all faces.
+#[derive(Default)]
+struct Whole {
+    patchwork: Patchwork,
+    certificates: Vec<certify::Certificate>,
+    patterns: Vec<Pattern>,
+    along: Vec<AlongCurve>,
+    missing: Vec<String>,
+}
+
+/// What was built on faces as one whole; faces without panels are added to `skipped`.
+fn whole(built: Vec<Result<Built, Skipped>>, skipped: &mut Vec<Skipped>) -> Whole {
+    let mut out = Whole::default();
+    for b in built {
+        match b {
+            Ok(b) => {
+                let first = out.patchwork.panels.len();
+                out.certificates.push(b.certificate);
+                out.patterns.extend(b.patterns.into_iter().map(|p| Pattern { panel: p.panel + first, ..p }));
+                out.along.extend(b.along.into_iter().map(|a| AlongCurve { panel: a.panel + first, ..a }));
+                out.missing.extend(b.missing);
+                out.patchwork.append(b.patchwork);
+            }
+            Err(s) => skipped.push(s),
+        }
+    }
+    out
 }
 
 /// Every panel as a part of its own.

@@ -194,25 +194,8 @@ fn run(
         all.push(proven);
         bodies.push(body);
     }
-    let counts = counts(&bodies);
     let whole = Subject::Whole;
-    let cones = UpperBound::largest(all.iter().map(|p| p.bound));
-    let both = trim.map_or(cones, |t| cones.plus(t.bound));
-    let mut claims = vec![
-        Claim::count(Counted::Surfaces, whole, bodies.len()),
-        Claim::count(Counted::Cones, whole, counts[0]),
-        Claim::count(Counted::Cylinders, whole, counts[1]),
-        Claim::count(Counted::Planes, whole, counts[2]),
-        Claim::at_most(What::Deviation, whole, both).within(options.tolerance),
-        Claim::measured(What::JointMismatch, whole, all.iter().map(|p| p.joint).fold(0.0, f64::max)),
-    ];
-    claims.extend(trim.map(|t| Claim::at_most(What::TrimDistance, whole, t.bound)));
-    let trimmed: Vec<[UpperBound; 2]> = all.iter().filter_map(|p| p.trimmed).collect();
-    for (k, what) in [What::OutlineDistance, What::EdgeDistance].into_iter().enumerate() {
-        if !trimmed.is_empty() {
-            claims.push(Claim::at_most(what, whole, UpperBound::largest(trimmed.iter().map(|t| t[k]))));
-        }
-    }
+    let mut claims = claims(&bodies, &all, trim, options.tolerance);
     let strips: Vec<Strip> = answer.strips().cloned().collect();
     answer.flat = cone_parts((&bodies, &pieces), &strips, &answer.parts, &answer.patterns, options.tolerance);
     claims.extend(lengths(&answer.patterns, &answer.flat));
@@ -224,4 +207,28 @@ fn run(
     answer.seconds = started.elapsed().as_secs_f64();
     answer.cones = Some(Cones { bodies, pieces });
     Ok(answer)
+}
+
+/// What is proven and counted of all chains.
+fn claims(bodies: &[ConeBody], all: &[Proven], trim: Option<Trim>, tolerance: f64) -> Vec<Claim> {
+    let counts = counts(bodies);
+    let whole = Subject::Whole;
+    let cones = UpperBound::largest(all.iter().map(|p| p.bound));
+    let both = trim.map_or(cones, |t| cones.plus(t.bound));
+    let mut claims = vec![
+        Claim::count(Counted::Surfaces, whole, bodies.len()),
+        Claim::count(Counted::Cones, whole, counts[0]),
+        Claim::count(Counted::Cylinders, whole, counts[1]),
+        Claim::count(Counted::Planes, whole, counts[2]),
+        Claim::at_most(What::Deviation, whole, both).within(tolerance),
+        Claim::measured(What::JointMismatch, whole, all.iter().map(|p| p.joint).fold(0.0, f64::max)),
+    ];
+    claims.extend(trim.map(|t| Claim::at_most(What::TrimDistance, whole, t.bound)));
+    let trimmed: Vec<[UpperBound; 2]> = all.iter().filter_map(|p| p.trimmed).collect();
+    for (k, what) in [What::OutlineDistance, What::EdgeDistance].into_iter().enumerate() {
+        if !trimmed.is_empty() {
+            claims.push(Claim::at_most(what, whole, UpperBound::largest(trimmed.iter().map(|t| t[k]))));
+        }
+    }
+    claims
 }

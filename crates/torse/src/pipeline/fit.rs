@@ -47,18 +47,7 @@ mod options;
 /// ```
 pub fn fit(cloud: &Cloud, options: &FitOptions, control: &Control) -> Result<Answer, CloudError> {
     let clock = std::time::Instant::now();
-    if !is_tolerance(options.tolerance) {
-        return Err(CloudError::Tolerance(options.tolerance));
-    }
-    if let Some(fault) = options.limits.as_ref().and_then(regression::fault) {
-        return Err(CloudError::Limits(fault));
-    }
-    // A few points that lie far away do not count.
-    let extent = core(&cloud.points);
-    if let Some(fault) = Coarse::of(extent.min.amax().max(extent.max.amax()), options.tolerance) {
-        return Err(fault.into());
-    }
-    Loose::check(extent.diagonal(), options.tolerance)?;
+    checked(cloud, options)?;
     // 1. Strips under the points, with their proof.
     let wanted = ScanOptions {
         tolerance: options.tolerance,
@@ -133,6 +122,22 @@ pub fn fit(cloud: &Cloud, options: &FitOptions, control: &Control) -> Result<Ans
         seconds: clock.elapsed().as_secs_f64(),
         ..Answer::of_flat(Job::Fit, &options.input, options.tolerance, laid)
     })
+}
+
+/// Refuses options that cannot be kept, and a tolerance that does not suit the points.
+fn checked(cloud: &Cloud, options: &FitOptions) -> Result<(), CloudError> {
+    if !is_tolerance(options.tolerance) {
+        return Err(CloudError::Tolerance(options.tolerance));
+    }
+    if let Some(fault) = options.limits.as_ref().and_then(regression::fault) {
+        return Err(CloudError::Limits(fault));
+    }
+    // A few points that lie far away do not count.
+    let extent = core(&cloud.points);
+    if let Some(fault) = Coarse::of(extent.min.amax().max(extent.max.amax()), options.tolerance) {
+        return Err(fault.into());
+    }
+    Ok(Loose::check(extent.diagonal(), options.tolerance)?)
 }
 
 /// What is the matter if parts of a coarse mesh have no strip near them.

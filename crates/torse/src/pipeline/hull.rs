@@ -65,8 +65,6 @@ const RAIL_SHARE: f64 = 0.1;
 const FOLLOW_SHARE: f64 = 0.1;
 /// Strips of one span each that are written within a second; more are not written once the job was asked to stop.
 const SOON: usize = 2000;
-/// Share of the tolerance for lines and arcs of the flat outline.
-const CONTOUR_SHARE: f64 = 0.05;
 /// Twist asked of fits, as a share of what counts as developable.
 const TWIST_SHARE: f64 = 0.1;
 
@@ -127,12 +125,7 @@ pub fn hull(curves: &[Rail], options: &Options, control: &Control) -> Result<Ans
         kept = Kept { skipped: kept.skipped, ..Kept::default() };
         kept.missing.push(format!("{found} strips were found, too many to be laid flat and written after a stop"));
     }
-    let flat = StripOptions {
-        ruling_spacing: options.ruling_spacing,
-        mark_spacing: options.mark_spacing,
-        drawn: options.drawn,
-        ..StripOptions::new(CONTOUR_SHARE * tolerance)
-    };
+    let flat = StripOptions::of_job(options.tolerance, [options.ruling_spacing, options.mark_spacing], options.drawn);
     let laid = laid_until(&kept.strips, &kept.parts, &flat, tolerance, control);
     notes.extend(laid.crowded.iter().copied().map(Note::Crowded));
     let whole = Subject::Whole;

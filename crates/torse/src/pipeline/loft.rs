@@ -13,7 +13,7 @@ use crate::answer::Answer;
 use crate::control::Control;
 use crate::design::loft::alternatives::{alternatives, greatest_twist};
 use crate::design::loft::branches::{Branch, BranchType};
-use crate::design::loft::build::{along, follow, BuildOptions};
+use crate::design::loft::build::{along, follow, BuildOptions, BuiltStrip};
 use crate::design::loft::least_twist::{LeastTwistOptions, TwistPath};
 use crate::design::loft::orientation::{is_candidate, oriented, seamed};
 use crate::design::loft::{apart, LoftError};
@@ -31,7 +31,7 @@ const RAIL_SHARE: f64 = 0.1;
 const TWIST_SHARE: f64 = 0.1;
 /// Least share of both rails that an exact branch must use to be chosen without being asked for.
 const ENOUGH: f64 = 0.5;
-/// Alternatives of least twist that are looked for and listed.
+/// Alternatives that are listed; of least twist, also those that are looked for.
 const ALTERNATIVES: usize = 5;
 
 /// The developable between two rails, fitted, judged and developed.
@@ -74,37 +74,13 @@ pub fn loft(a: &Rail, b: &Rail, options: &Options, control: &Control) -> Result<
     let (mut b, found, turned) = oriented(&a, b, by_branches);
     notes.extend(turned.then(|| LoftNote::Backwards { rail: b.name.clone() }));
     let regular: Vec<&Branch> = found.iter().filter(|f| is_candidate(f)).collect();
-    for (k, f) in regular.iter().enumerate().take(5) {
-        let share = shares(&a, &b, f, options.ends);
-        let rails = [a.name.clone(), b.name.clone()];
-        notes.push(LoftNote::Branch { number: k + 1, rails, shares: share, closed: f.closed });
-    }
+    notes.extend(told([&a, &b], &regular, options.ends));
     let doubles = found.iter().filter(|f| f.kind == BranchType::DoubleCone).count();
-    if doubles > 0 {
-        notes.push(LoftNote::Doubles { count: doubles });
+    notes.extend((doubles > 0).then_some(LoftNote::Doubles { count: doubles }));
+    let chosen = chosen_branch(&regular, options)?;
+    if chosen.is_none() && by_branches && options.choice == Choice::Exact {
+        return Err(LoftError::NoBranch { a: a.name.clone(), b: b.name.clone(), count: found.len() });
     }
-    let chosen = match options.choice {
-        Choice::LeastTwist => None,
-        _ if !options.fixed.is_empty() => None,
-        choice => {
-            let branch = regular.get(options.alternative.max(1) - 1);
-            let enough = branch.is_some_and(|f| f.coverage[0].min(f.coverage[1]) >= ENOUGH);
-            match branch {
-                Some(f)
-                    if choice == Choice::Exact || options.alternative > 1 || enough || options.ends == Ends::Extend =>
-                {
-                    Some(*f)
-                }
-                None if options.alternative > 1 && (choice == Choice::Exact || !regular.is_empty()) => {
-                    return Err(LoftError::NoAlternative { asked: options.alternative, count: regular.len() })
-                }
-                None if choice == Choice::Exact => {
-                    return Err(LoftError::NoBranch { a: a.name.clone(), b: b.name.clone(), count: found.len() })
-                }
-                _ => None,
-            }
-        }
-    };
     control.report("fitting", 0.4, "");
     let size = a.bbox().diagonal().max(b.bbox().diagonal());
     let mut build = BuildOptions::new((RAIL_SHARE * tolerance).max(FINEST * size));
@@ -128,18 +104,7 @@ pub fn loft(a: &Rail, b: &Rail, options: &Options, control: &Control) -> Result<
             notes.push(LoftNote::LeastTwist);
             let path = chosen_path(&a, &b, options, &mut notes)?;
             build.exact = false;
-            // Fixed rulings stay: the path is smoothed between them only.
-            let mut built = Vec::new();
-            let mut first = 0;
-            for &last in path.held.iter().chain([&(path.stations.len() - 1)]) {
-                let closed = path.closed && path.held.is_empty();
-                built.extend(along([&a, &b], &path.stations[first..=last], closed, &build, &unhurried)?);
-                first = last;
-            }
-            for (k, s) in built.iter_mut().enumerate() {
-                s.strip.name = format!("A-{:02}", k + 1);
-            }
-            (built, path.closed)
+            (along_path([&a, &b], &path, &build)?, path.closed)
         }
     };
     let rails = [&a, &b];
@@ -154,6 +119,50 @@ pub fn loft(a: &Rail, b: &Rail, options: &Options, control: &Control) -> Result<
     };
     control.report("judging", 0.7, "");
     Ok(judged([&rails, &given], strips, closed, options, notes, start))
+}
+
+/// The best branches, as notes.
+fn told(rails: [&Rail; 2], regular: &[&Branch], ends: Ends) -> Vec<LoftNote> {
+    let note = |(k, f): (usize, &&Branch)| LoftNote::Branch {
+        number: k + 1,
+        rails: rails.map(|r| r.name.clone()),
+        shares: shares(rails[0], rails[1], f, ends),
+        closed: f.closed,
+    };
+    regular.iter().enumerate().take(ALTERNATIVES).map(note).collect()
+}
+
+/// The branch that was asked for, or the best one where it covers enough; `None` where least twist takes its place.
+fn chosen_branch<'a>(regular: &[&'a Branch], options: &Options) -> Result<Option<&'a Branch>, LoftError> {
+    if options.choice == Choice::LeastTwist || !options.fixed.is_empty() {
+        return Ok(None);
+    }
+    let exact = options.choice == Choice::Exact;
+    let Some(branch) = regular.get(options.alternative.max(1) - 1) else {
+        if options.alternative > 1 && (exact || !regular.is_empty()) {
+            return Err(LoftError::NoAlternative { asked: options.alternative, count: regular.len() });
+        }
+        return Ok(None);
+    };
+    let enough = branch.coverage[0].min(branch.coverage[1]) >= ENOUGH;
+    let asked_for = exact || options.alternative > 1 || options.ends == Ends::Extend;
+    Ok((asked_for || enough).then_some(*branch))
+}
+
+/// Strips along a path of least twist. Fixed rulings stay: the path is smoothed between them only.
+fn along_path(rails: [&Rail; 2], path: &TwistPath, build: &BuildOptions) -> Result<Vec<BuiltStrip>, LoftError> {
+    let mut built = Vec::new();
+    let mut first = 0;
+    for &last in path.held.iter().chain([&(path.stations.len() - 1)]) {
+        let closed = path.closed && path.held.is_empty();
+        // What a stopped job falls back on is fitted all the same.
+        built.extend(along(rails, &path.stations[first..=last], closed, build, &Control::default())?);
+        first = last;
+    }
+    for (k, s) in built.iter_mut().enumerate() {
+        s.strip.name = format!("A-{:02}", k + 1);
+    }
+    Ok(built)
 }
 
 /// The strip of least twist, or the alternative to it that was asked for; all are listed.

@@ -81,8 +81,6 @@ pub enum PlanariseError {
     Patch(#[from] SplineError),
 }
 
-/// Share of the tolerance for outlines; plane quadrilaterals have exact ones.
-const CONTOUR_SHARE: f64 = 0.05;
 /// Most quadrilaterals for which files are written.
 const MOST: usize = 5000;
 
@@ -159,7 +157,7 @@ fn judged(given: &QuadStrip, done: Subdivided, options: &Options, start: Instant
         missing.push(format!("stopped after {} of {} levels", done.levels.len() - 1, options.levels));
     }
     let notes = done.levels.iter().enumerate().map(|(level, l)| Note::Level { level, report: *l }).collect();
-    let flat = StripOptions { drawn: options.drawn, ..StripOptions::new(CONTOUR_SHARE * options.tolerance) };
+    let flat = StripOptions::of_job(options.tolerance, [None; 2], options.drawn);
     let chain = Part::new("A", 0, strips.len());
     let laid = laid(&strips, &[chain], &flat, options.tolerance);
     let clearance = (0..result.quads()).map(|i| result.regression_clearance(i)).fold(f64::INFINITY, f64::min);

@@ -32,8 +32,6 @@ use std::time::Instant;
 
 /// Residual of the polish, as a share of the size: some digits beyond what twist is asked for.
 const POLISHED: f64 = 1e-11;
-/// Share of the tolerance for lines and arcs of the flat outline.
-const CONTOUR_SHARE: f64 = 0.05;
 /// Points of a guide.
 const GUIDE_POINTS: usize = 200;
 
@@ -176,12 +174,7 @@ fn judged(session: &Session, options: &Options, mut notes: Vec<Note>, start: Ins
         missing.push(format!("{what} is {off:.4} mm from where it should be; hold less, or move it in steps"));
     }
     let strips: Vec<Strip> = all.into_iter().map(|m| m.built.strip).collect();
-    let flat = StripOptions {
-        ruling_spacing: options.ruling_spacing,
-        mark_spacing: options.mark_spacing,
-        drawn: options.drawn,
-        ..StripOptions::new(CONTOUR_SHARE * options.tolerance)
-    };
+    let flat = StripOptions::of_job(options.tolerance, [options.ruling_spacing, options.mark_spacing], options.drawn);
     let laid = laid(&strips, &chains(session.composite()), &flat, options.tolerance);
     notes.extend(laid.crowded.iter().copied().map(Note::Crowded));
     claims.extend(judgement.whole().into_iter().filter(|c| !matches!(c.what(), What::Count(_))));

@@ -5,6 +5,7 @@ use crate::search::cover::CurveError;
 
 /// Panels of one face; more take hours.
 pub(super) const MOST_PANELS: f64 = 1000.0;
+
 /// Why the job cannot be done at all.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ApproximateError {

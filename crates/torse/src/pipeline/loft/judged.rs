@@ -15,14 +15,13 @@ use crate::torse::rail::Rail;
 use crate::torse::strip::Strip;
 use std::time::Instant;
 
-/// Share of the tolerance for lines and arcs of the flat outline.
-const CONTOUR_SHARE: f64 = 0.05;
 /// Drawings are asked to keep to at least this multiple of what their outlines were made for: proofs follow a chain of
 /// strips less tightly than outlines do, up to ten times over a duct of eight.
 const DRAWN: f64 = 16.0;
 /// Rails are fitted no finer than this share of their size, and flat outlines drawn no finer than ten thousand times
 /// that: digits beyond are rounding, and work for them would have no end.
 pub(super) const FINEST: f64 = 1e-13;
+
 /// What is covered of rails that are not covered whole, up to the tolerance, and how far strips run past their ends.
 fn covered_in_part(
     built: &[BuiltStrip],
@@ -77,12 +76,9 @@ pub(super) fn judged(
     if strips.is_empty() {
         missing.push("no strip could be made".into());
     }
-    let flat = StripOptions {
-        ruling_spacing: options.ruling_spacing,
-        mark_spacing: options.mark_spacing,
-        drawn: options.drawn,
-        ..StripOptions::new((CONTOUR_SHARE * options.tolerance).max(1e4 * FINEST * size(rails)))
-    };
+    let mut flat =
+        StripOptions::of_job(options.tolerance, [options.ruling_spacing, options.mark_spacing], options.drawn);
+    flat.contour_tolerance = flat.contour_tolerance.max(1e4 * FINEST * size(rails));
     let chain = Part::new("A", 0, strips.len());
     // Nothing is drawn finer than that, however fine the strips are.
     let laid = laid(&strips, &[chain], &flat, options.tolerance.max(DRAWN * flat.contour_tolerance));

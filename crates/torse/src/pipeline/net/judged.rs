@@ -15,9 +15,6 @@ use crate::torse::rail::Rail;
 use crate::torse::strip::Strip;
 use std::time::Instant;
 
-/// Share of the tolerance for lines and arcs of the flat outline.
-const CONTOUR_SHARE: f64 = 0.05;
-
 /// What was found.
 #[derive(Default)]
 pub(super) struct Nets {
@@ -77,12 +74,7 @@ pub(super) fn judged(
     }
     missing.extend(judgement.missing.iter().filter(|_| missing.is_empty()).cloned().collect::<Vec<_>>());
     let strips: Vec<Strip> = built.into_iter().map(|s| s.strip).collect();
-    let flat = StripOptions {
-        ruling_spacing: options.ruling_spacing,
-        mark_spacing: options.mark_spacing,
-        drawn: options.drawn,
-        ..StripOptions::new(CONTOUR_SHARE * options.tolerance)
-    };
+    let flat = StripOptions::of_job(options.tolerance, [options.ruling_spacing, options.mark_spacing], options.drawn);
     let chains: Vec<Part> = (!strips.is_empty()).then(|| Part::new("A", 0, strips.len())).into_iter().collect();
     let laid = laid(&strips, &chains, &flat, options.tolerance);
     let mut notes: Vec<Note> = notes.into_iter().map(Note::Net).collect();

@@ -12,6 +12,7 @@ use crate::torse::strip::Strip;
 
 /// Strips left out that are named; more are counted.
 const NAMED: usize = 12;
+
 /// Strips with bounded errors, as they are written, and the names of the others.
 #[derive(Clone, Debug, Default)]
 pub struct Kept {
@@ -38,14 +39,7 @@ pub struct Kept {
 /// Judges parts; `tolerance` is in mm, `twist` (rad) is what counts as developable. A strip of which nothing is proven would be cut from sheet in vain: it is named and not written, and
 /// the strips on both sides of it are parts of their own.
 pub fn kept(curves: &[Rail], mut made: Vec<HullPart>, (tolerance, twist): (f64, f64), control: &Control) -> Kept {
-    for (k, part) in made.iter_mut().enumerate() {
-        for (i, s) in part.strips.iter_mut().enumerate() {
-            s.built.strip.name = format!("{}-{:02}", part_name(k), i + 1);
-        }
-        if let Some(facet) = &mut part.facet {
-            facet.name = format!("{}-01", part_name(k));
-        }
-    }
+    named(&mut made);
     let reversed: Vec<Rail> = curves.iter().map(Rail::reversed).collect();
     let candidate = |s: &'_ HullStrip| -> [Option<&Rail>; 2] {
         [0, 1].map(|d: usize| Some(if s.turned[d] { &reversed[s.rails[d]] } else { &curves[s.rails[d]] }))
@@ -97,17 +91,7 @@ pub fn kept(curves: &[Rail], mut made: Vec<HullPart>, (tolerance, twist): (f64, 
             out.parts.push(Part::new(name, first, count));
         }
     }
-    let skipped = out.skipped.len();
-    if skipped > NAMED {
-        out.skipped.truncate(NAMED);
-        out.skipped.push(format!("{} more strips: nothing bounds them either", skipped - NAMED));
-    }
-    if skipped > 0 {
-        out.missing.push(match skipped {
-            1 => "1 strip has no proof and is not written".to_owned(),
-            n => format!("{n} strips have no proof and are not written"),
-        });
-    }
+    out.count_skipped();
     let judgement = summed(&written, [What::FromSide(0), What::FromSide(1)], twist);
     out.missing.extend(judgement.missing.iter().cloned());
     for ((c, _), field) in written.iter().zip(&judgement.fields) {
@@ -131,6 +115,35 @@ pub fn kept(curves: &[Rail], mut made: Vec<HullPart>, (tolerance, twist): (f64, 
         out.missing.push("the hull has no developable strips between smooth curves".into());
     }
     out
+}
+
+/// Names strips by part and number.
+fn named(made: &mut [HullPart]) {
+    for (k, part) in made.iter_mut().enumerate() {
+        for (i, s) in part.strips.iter_mut().enumerate() {
+            s.built.strip.name = format!("{}-{:02}", part_name(k), i + 1);
+        }
+        if let Some(facet) = &mut part.facet {
+            facet.name = format!("{}-01", part_name(k));
+        }
+    }
+}
+
+impl Kept {
+    /// Names the first strips that are left out, and counts the others.
+    fn count_skipped(&mut self) {
+        let skipped = self.skipped.len();
+        if skipped > NAMED {
+            self.skipped.truncate(NAMED);
+            self.skipped.push(format!("{} more strips: nothing bounds them either", skipped - NAMED));
+        }
+        if skipped > 0 {
+            self.missing.push(match skipped {
+                1 => "1 strip has no proof and is not written".to_owned(),
+                n => format!("{n} strips have no proof and are not written"),
+            });
+        }
+    }
 }
 
 /// What is said of a triangle whose corners lie on curves: plane by construction.
