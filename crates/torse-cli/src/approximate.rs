@@ -7,6 +7,7 @@ use crate::job::{fault, refuse_left_out, Job};
 use crate::loft::{rail, rails};
 use crate::quantity::{section, Length};
 use crate::wiring;
+use torse::answer::note::Note;
 use torse::certify::claim::Status;
 use torse::io::bundle;
 use torse::pipeline::deliver;
@@ -49,7 +50,7 @@ pub fn run(arguments: &Approximate) -> Result<bool, Failure> {
     if arguments.chosen.selection() == Selection::default() {
         notes.extend(offers(&model));
     }
-    notes.extend(unread);
+    notes.extend(unread.into_iter().map(Note::Input));
     let swept = if arguments.sweep.is_empty() {
         Vec::new()
     } else {
@@ -61,7 +62,7 @@ pub fn run(arguments: &Approximate) -> Result<bool, Failure> {
         refuse_left_out(file, &answer.skipped)?;
     }
     let bare = options.layout.curves.iter().filter(|c| answer.along.iter().all(|a| a.curve != c.name));
-    notes.extend(bare.map(|c| format!("no panel along {} could be certified; others took its place", c.name)));
+    notes.extend(bare.map(|c| Note::NoPanelAlong { curve: c.name.clone() }));
     answer.notes = notes;
     job.deliver(&mut answer)?;
     job.write(swept)?;

@@ -4,6 +4,7 @@ use crate::args::Fit;
 use crate::failure::Failure;
 use crate::input::contents;
 use crate::job::{refuse_left_out, Job};
+use torse::answer::note::Note;
 use torse::answer::Answer;
 use torse::control::Control;
 use torse::io::elements;
@@ -58,7 +59,7 @@ fn points(name: &str, bytes: &[u8], arguments: &Fit, control: &Control) -> Resul
     let mut answer = fit(&cloud, &options, control).map_err(|e| {
         Failure::new(e.to_string(), "give a scan of a sheet with its unit (--unit) and a tolerance above its noise")
     })?;
-    answer.notes.extend(guess);
+    answer.notes.extend(guess.map(Note::Input));
     Ok(answer)
 }
 
@@ -78,7 +79,7 @@ fn row(name: &str, bytes: &[u8], arguments: &Fit, control: &Control) -> Result<A
         let mut answer = fit_elements(&given, &options, control).map_err(|e| {
             Failure::new(e.to_string(), "give rulings or planes of one developable, in order, and their unit (--unit)")
         })?;
-        answer.notes.extend(notes);
+        answer.notes.extend(notes.into_iter().map(Note::Input));
         return Ok(answer);
     }
     let model = crate::wiring::read(&shown.to_string(), bytes)?;

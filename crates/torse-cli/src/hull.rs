@@ -4,6 +4,7 @@ use crate::args::Hull;
 use crate::failure::Failure;
 use crate::job::Job;
 use crate::loft::{rails, split};
+use torse::answer::note::Note;
 use torse::pipeline::hull::{hull, Options};
 use torse::torse::rail::Rail;
 
@@ -26,7 +27,7 @@ pub fn run(arguments: &Hull) -> Result<bool, Failure> {
     };
     let mut answer = hull(&curves, &options, job.control())
         .map_err(|e| Failure::new(e.to_string(), "see 'torse hull --help' for what the curves must be"))?;
-    answer.notes.extend(notes);
+    answer.notes.extend(notes.into_iter().map(Note::Input));
     job.deliver(&mut answer)?;
     job.finish(&answer, &arguments.tolerance.text)
 }

@@ -6,6 +6,7 @@ use crate::input::contents;
 use crate::wiring;
 use std::fmt::Write as _;
 use std::io::Write as _;
+use torse::io::words;
 use torse::pipeline::info::{measure, FaceInfo, Range};
 use torse::Model;
 
@@ -79,7 +80,7 @@ fn report(name: &str, model: &Model, faces: &[FaceInfo]) -> String {
         }
     }
     for note in &model.notes {
-        let _ = writeln!(text, "\nnote        {note}");
+        let _ = writeln!(text, "\nnote        {}", words::note(note));
     }
     text
 }

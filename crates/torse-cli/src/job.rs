@@ -116,7 +116,7 @@ fn tell(answer: &Answer, tolerance: &str, folder: &Path, interrupted: bool) -> s
         writeln!(out, "  left out: {}", skipped.words())?;
     }
     for note in &answer.notes {
-        writeln!(out, "  note: {note}")?;
+        writeln!(out, "  note: {}", words::note(note))?;
     }
     writeln!(out, "  open {}", folder.join("report.html").display())
 }

@@ -5,6 +5,7 @@ use crate::failure::Failure;
 use crate::input::contents;
 use crate::job::Job;
 use std::path::{Path, PathBuf};
+use torse::answer::note::Note;
 use torse::io::curves::{self, CurveError, CurveOptions, Curves};
 use torse::pipeline::loft::{loft, Choice, Ends, Extension, Options};
 use torse::torse::rail::Rail;
@@ -41,7 +42,7 @@ pub fn run(arguments: &Loft) -> Result<bool, Failure> {
     };
     let mut answer = loft(&a, &b, &options, job.control())
         .map_err(|e| Failure::new(e.to_string(), "see 'torse loft --help' for what can be asked instead"))?;
-    answer.notes.extend(notes);
+    answer.notes.extend(notes.into_iter().map(Note::Input));
     job.deliver(&mut answer)?;
     job.finish(&answer, &arguments.tolerance.text)
 }

@@ -35,12 +35,9 @@ pub fn run(arguments: &Map) -> Result<bool, Failure> {
         To::Flat => Side::Flat,
         To::Space => Side::Space,
     };
-    let (bytes, mut told) = match artwork {
-        Artwork::Points(points) => carried_points(&map, &points, to),
-        Artwork::Curves(curves, notes) => {
-            let (bytes, told) = carried_curves(&map, &curves, to);
-            (bytes, notes.into_iter().map(|n| format!("note: {n}")).chain(told).collect())
-        }
+    let (notes, (bytes, mut told)) = match artwork {
+        Artwork::Points(points) => (Vec::new(), carried_points(&map, &points, to)),
+        Artwork::Curves(curves, notes) => (notes, carried_curves(&map, &curves, to)),
     };
     told.extend(map.left.iter().map(|(name, reason)| format!("left out: {name}: {reason}")));
     std::fs::write(&arguments.out, bytes).map_err(|e| {
@@ -51,11 +48,14 @@ pub fn run(arguments: &Map) -> Result<bool, Failure> {
     })?;
     // A closed pipe is no reason to fail after the work is done.
     let mut out = std::io::stdout().lock();
+    for note in &notes {
+        let _ = writeln!(out, "  note: {note}");
+    }
     for line in &told {
         let _ = writeln!(out, "  {line}");
     }
     let _ = writeln!(out, "  written {}", arguments.out.display());
-    Ok(told.iter().all(|l| l.starts_with("note")))
+    Ok(told.is_empty())
 }
 
 fn carried_points(map: &ArtworkMap, points: &[(usize, torse::geom::Vec3)], to: Side) -> (Vec<u8>, Vec<String>) {

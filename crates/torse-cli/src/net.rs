@@ -5,6 +5,7 @@ use crate::failure::Failure;
 use crate::input::contents;
 use crate::job::Job;
 use crate::loft::{rail, split};
+use torse::answer::note::Note;
 use torse::geom::Vec3;
 use torse::io::net::{self as file, NetFile};
 use torse::pipeline::net::{net, Condition, Options};
@@ -27,7 +28,7 @@ pub fn run(arguments: &Net) -> Result<bool, Failure> {
     };
     let mut answer = net(curve, &options, job.control())
         .map_err(|e| Failure::new(e.to_string(), "see 'torse net --help' for what a net is made from"))?;
-    answer.notes.extend(notes);
+    answer.notes.extend(notes.into_iter().map(Note::Input));
     job.deliver(&mut answer)?;
     job.finish(&answer, &arguments.tolerance.text)
 }

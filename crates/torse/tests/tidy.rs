@@ -52,6 +52,7 @@ const FLOORS: &[(&str, &[&str])] = &[
             "torse",
             "patchwork",
             "fit",
+            "design",
             "certify",
             "develop",
             "tessellate",
@@ -105,6 +106,9 @@ const SOLVERS: &[&str] = &["clarabel", "faer"];
 
 /// Longest file, in lines. The style asks for 150 to 400.
 const LINE_LIMIT: usize = 800;
+
+/// Longest file of a job, in lines, tests beside it left out: a job is a page that is read at once.
+const JOB_LIMIT: usize = 250;
 
 /// Floors whose files are algorithms. Where the method comes from is said in the module header by a key of
 /// `docs/references.md`, or on a page of `docs/algorithms` that names the file.
@@ -421,6 +425,32 @@ fn files_stay_short() {
         let lines = fs::read_to_string(&file).expect("readable source").lines().count();
         assert!(lines <= LINE_LIMIT, "{} has {lines} lines; {LINE_LIMIT} are allowed", file.display());
     }
+}
+
+#[test]
+fn jobs_are_pages() {
+    for file in sources(&root().join("crates/torse/src/pipeline")).iter().filter(|f| !f.ends_with("tests.rs")) {
+        let lines = fs::read_to_string(file).expect("readable source").lines().count();
+        assert!(lines <= JOB_LIMIT, "{} has {lines} lines; {JOB_LIMIT} are allowed for a job", file.display());
+    }
+}
+
+/// Ways in which prose could get among the notes of an answer.
+const PROSE: &[&str] = &["Note::Input", "notes.push(format!", "notes.push(\""];
+
+/// Floors that name facts; the sentences are made in `io`.
+const WORDLESS: &[&str] = &["search", "answer", "pipeline"];
+
+#[test]
+fn notes_are_worded_in_io_only() {
+    let src = root().join("crates/torse/src");
+    let mut faults = Vec::new();
+    for file in WORDLESS.iter().flat_map(|floor| sources(&src.join(floor))) {
+        let code = without_tests(&fs::read_to_string(&file).expect("readable source"));
+        let found = PROSE.iter().filter(|p| code.contains(**p));
+        faults.extend(found.map(|p| format!("{} makes words of a note: {p}", file.display())));
+    }
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
 }
 
 #[test]

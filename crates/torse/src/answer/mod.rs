@@ -1,6 +1,7 @@
 //! Floor 8: what a job answers with: the one record that files, reports and pictures are made from.
 
 pub mod marks;
+pub mod note;
 pub mod presentation;
 pub mod shapes;
 pub mod skipped;
@@ -18,8 +19,11 @@ use crate::patchwork::panel::Patchwork;
 use crate::patchwork::part::Part;
 use crate::patchwork::pattern::Pattern;
 use crate::search::build::AlongCurve;
+use crate::search::strips::cut::Laid;
 use crate::torse::cone::part::ConeBody;
+use crate::torse::rail::Rail;
 use crate::torse::strip::Strip;
+use note::Note;
 use skipped::Skipped;
 
 /// Which job answered.
@@ -146,15 +150,31 @@ pub struct Answer {
     pub beyond_limits: Vec<usize>,
     /// Items of the input that could not be used.
     pub skipped: Vec<Skipped>,
-    /// What people should know of the input and the job, in plain sentences.
-    pub notes: Vec<String>,
+    /// What people should know of the input and the job.
+    pub notes: Vec<Note>,
     /// How drawings are written.
     pub cut: CutFiles,
     /// Wall time of reading, fitting and proving, seconds.
     pub seconds: f64,
 }
 
+impl Guide {
+    /// A rail, by points along it.
+    pub fn of(rail: &Rail) -> Self {
+        Self { name: rail.name.clone(), points: rail.samples(GUIDE_POINTS) }
+    }
+}
+
+/// Points of a guide.
+const GUIDE_POINTS: usize = 200;
+
 impl Answer {
+    /// An answer that holds strips laid flat and nothing else yet.
+    pub fn of_flat(job: Job, input: &str, tolerance: f64, laid: Laid) -> Self {
+        let Laid { parts, patterns, proofs, .. } = laid;
+        Self { parts, patterns, flat: proofs, ..Self::new(job, input, tolerance) }
+    }
+
     /// An answer that holds nothing yet. `input` names the input without folder, `tolerance` is in mm.
     pub fn new(job: Job, input: &str, tolerance: f64) -> Self {
         Self {

@@ -1,5 +1,7 @@
 //! What is missing from an answer.
 
+use crate::brep::area::area_estimate;
+use crate::brep::face::Face;
 use crate::certify::claim::Claim;
 
 /// A face of the input, or another item of it, that is missing from the answer.
@@ -18,6 +20,14 @@ impl Skipped {
     /// A face or item of a CAD file.
     pub fn of_file(entity: u64, reason: impl Into<String>, area_estimate: Option<f64>) -> Self {
         Self { entity: Some(entity), reason: reason.into(), area_estimate }
+    }
+
+    /// A face that is left out for a reason, with the faces of the file that are one with it.
+    pub fn of_face(face: &Face, reason: String) -> Self {
+        let others: Vec<String> = face.parts.iter().skip(1).map(|p| format!("#{}", p.entity)).collect();
+        let reason = if others.is_empty() { reason } else { format!("{reason} (joined with {})", others.join(", ")) };
+        let area_estimate = Some(area_estimate(face)).filter(|a| a.is_finite() && *a > 0.0);
+        Self::of_file(face.entity, reason, area_estimate)
     }
 
     /// Name of the item in front of the reason.

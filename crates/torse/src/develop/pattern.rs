@@ -16,6 +16,7 @@ use crate::patchwork::panel::{Border, Coedge, Panel, Patchwork};
 use crate::patchwork::pattern::{Bend, Contour, ContourVertex, Mark, MarkPlace, Pattern, Side, ViewSide};
 use crate::patchwork::seam::Seam;
 use crate::torse::form::PanelKind;
+use rayon::prelude::*;
 
 /// Knobs of [`pattern`].
 #[derive(Clone, Copy, Debug)]
@@ -180,8 +181,16 @@ pub(super) fn developed(patchwork: &Patchwork, panel: &Panel) -> Result<(Develop
     Ok((Development::new(&panel.strip.patch, side)?, side))
 }
 
-/// A pattern of [`pattern`] with its rulings drawn at other distances.
-pub fn bends_anew(patchwork: &Patchwork, pattern: Pattern, spacing: &BendSpacing) -> Pattern {
+/// Patterns of [`pattern`] with rulings drawn at the distances that are wanted.
+pub fn with_bends(patchwork: &Patchwork, patterns: Vec<Pattern>, spacing: &BendSpacing) -> Vec<Pattern> {
+    if *spacing == BendSpacing::default() {
+        return patterns;
+    }
+    patterns.into_par_iter().map(|pattern| bends_anew(patchwork, pattern, spacing)).collect()
+}
+
+/// A pattern with its rulings drawn at other distances.
+fn bends_anew(patchwork: &Patchwork, pattern: Pattern, spacing: &BendSpacing) -> Pattern {
     let Some(panel) = patchwork.panels.get(pattern.panel).filter(|p| p.strip.kind != PanelKind::Plane) else {
         return pattern;
     };

@@ -37,8 +37,15 @@ impl StripOptions {
     pub fn new(contour_tolerance: f64) -> Self {
         Self { contour_tolerance, ruling_spacing: None, mark_spacing: None, side: 1.0, drawn: Drawn::default() }
     }
+
+    /// Options of a job with a tolerance (mm) and the distances that were asked for between rulings and between marks (mm).
+    pub fn of_job(tolerance: f64, [ruling_spacing, mark_spacing]: [Option<f64>; 2], drawn: Drawn) -> Self {
+        Self { ruling_spacing, mark_spacing, drawn, ..Self::new(CONTOUR_SHARE * tolerance) }
+    }
 }
 
+/// Share of a job's tolerance for lines and arcs of the flat outline.
+const CONTOUR_SHARE: f64 = 0.05;
 /// Share of the pattern's size by which end rulings of neighbours may differ: beyond rounding they are no chain.
 const JOINT: f64 = 1e-6;
 /// Share of the pattern's size by which points must be apart in space to overlap in the plane.
@@ -49,6 +56,7 @@ const CORNER: f64 = 1e-6;
 const MARKS: f64 = 8.0;
 /// Most rulings or marks drawn: more than anybody can use, and no spacing can exhaust the memory.
 const MOST: f64 = 4000.0;
+
 /// The least distance between rulings or marks on a pattern whose longer side is so long.
 pub fn least_spacing(length: f64) -> f64 {
     length / MOST

@@ -4,9 +4,12 @@
 use super::bends::BendSpacing;
 use crate::geom::outward::{middle, outward};
 use crate::geom::Vec3;
+use crate::patchwork::outside::outward as faces_outward;
+use crate::patchwork::panel::Patchwork;
 use crate::patchwork::pattern::{Pattern, ViewSide};
 use crate::torse::cone::spline::ConeSpline;
 use crate::torse::strip::Strip;
+use rayon::prelude::*;
 
 /// How patterns are drawn; default: seen from outside, lines every 5°.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -69,6 +72,20 @@ pub fn viewed(pattern: Pattern, chain: &[&Strip], side: f64, centre: &Vec3, view
     let all: Vec<(Vec3, Vec3)> = chain.iter().flat_map(|s| sides(s)).map(|(x, n)| (x, n * side)).collect();
     let seen = if outward(&all, centre) > 0.0 { ViewSide::Outside } else { ViewSide::Inside };
     seen_from(Pattern { view: seen, ..pattern }, view)
+}
+
+/// Patterns of panels on faces seen from the side that is wanted. They come as seen from the side to which the file says
+/// that a face looks.
+pub fn panels_viewed(patchwork: &Patchwork, patterns: Vec<Pattern>, view: ViewSide) -> Vec<Pattern> {
+    let outward = faces_outward(patchwork);
+    let wanted = |pattern: Pattern| {
+        let face = patchwork.panels[pattern.panel].face();
+        let of = face.and_then(|f| Some((outward.get(f)?, patchwork.faces.get(f)?)));
+        let as_outside = of.is_some_and(|(outward, face)| (*outward < 0.0) == face.reversed);
+        let seen = if as_outside { ViewSide::Outside } else { ViewSide::Inside };
+        seen_from(Pattern { view: seen, ..pattern }, view)
+    };
+    patterns.into_par_iter().map(wanted).collect()
 }
 
 /// A pattern as it is seen from the side that is wanted.

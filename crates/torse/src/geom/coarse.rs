@@ -27,6 +27,11 @@ impl Coarse {
     }
 }
 
+/// Whether a number can be a tolerance: a positive length.
+pub fn is_tolerance(x: f64) -> bool {
+    x > 0.0 && x.is_finite()
+}
+
 /// A tolerance that is as large as the model, so that nothing would have to look like it.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error(

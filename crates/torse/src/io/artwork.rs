@@ -1,5 +1,6 @@
 //! Artwork: points in tables and curves in drawings, read, and written in the same kind after they were carried over.
 
+pub use crate::develop::refold::artwork::PointRow;
 use crate::geom::Vec3;
 use crate::io::curves::{read_all, CurveError, CurveOptions};
 use crate::torse::rail::Rail;
@@ -103,19 +104,6 @@ fn points(name: &str, text: &str, unit: f64) -> Result<Artwork, ArtworkError> {
         true => Err(ArtworkError::Empty(name.into())),
         false => Ok(Artwork::Points(out)),
     }
-}
-
-/// A point that was carried over, or what keeps it from being.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PointRow {
-    /// Line of the input.
-    pub line: usize,
-    /// Name of the part.
-    pub part: String,
-    /// Its place on the other side, mm; `None` for points on no part.
-    pub place: Option<Vec3>,
-    /// Distance from the part, mm.
-    pub distance: f64,
 }
 
 /// Points as a table, mm; `flat` leaves out the third coordinate.

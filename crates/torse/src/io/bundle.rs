@@ -213,6 +213,7 @@ fn text(file: &'static str, write: impl Fn(&mut Vec<u8>) -> std::io::Result<()>)
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
+    use crate::answer::note::Note;
     use crate::answer::presentation::present;
     use crate::answer::{Guide, Job, PointMap};
     use crate::certify::claim::{Claim, Subject, What};
@@ -255,7 +256,7 @@ pub(crate) mod tests {
             parts: vec![Part { name: "A".into(), first: 0, count: 2, missing: String::new() }],
             patterns,
             guides: vec![Guide { name: "rail".into(), points: vec![x(0., 0., 0.), x(90., 0., 0.)] }],
-            notes: vec!["a & b".into()],
+            notes: vec![Note::Input("a & b".into())],
             patchwork: Patchwork::of_strips(strips),
             ..Answer::new(Job::Loft, "plate <1>", 0.1)
         }

@@ -1,5 +1,6 @@
 //! What a CAD file holds, whatever its format.
 
+use crate::answer::note::Note;
 use crate::answer::skipped::Skipped;
 use crate::brep::face::Face;
 
@@ -12,8 +13,8 @@ pub struct Model {
     pub skipped: Vec<Skipped>,
     /// Name of the file's length unit in lower case ("millimetre", "foot"); empty if the file names none.
     pub unit: String,
-    /// Remarks on the file as a whole (damage, repeated numbers, truncation).
-    pub notes: Vec<String>,
+    /// Remarks on the file as a whole (damage, repeated numbers, truncation), and on what was chosen of it.
+    pub notes: Vec<Note>,
     /// Names of the products.
     pub products: Vec<String>,
 }

@@ -53,6 +53,11 @@ pub struct RefoldPart {
 }
 
 impl RefoldReport {
+    /// Notes that a part is missing from one of the files; `reason` names it.
+    pub fn note_missing(&mut self, file: &str, reason: &str) {
+        self.notes.push(format!("not in {file}: {reason}"));
+    }
+
     /// The report as JSON.
     ///
     /// # Errors

@@ -137,6 +137,23 @@ impl Patchwork {
         Self { panels: strips.into_iter().map(Panel::from).collect(), ..Self::default() }
     }
 
+    /// Adds the faces, panels and seams of another patchwork.
+    pub fn append(&mut self, other: Self) {
+        let (faces, seams) = (self.faces.len(), self.seam_count as u32);
+        self.faces.extend(other.faces);
+        self.partitions.extend(other.partitions);
+        self.panels.extend(other.panels.into_iter().map(|mut p: Panel| {
+            p.trim.iter_mut().for_each(|t| t.face += faces);
+            for run in p.loops_mut().iter_mut().flatten() {
+                if let Border::Seam { seam, .. } = &mut run.border {
+                    *seam += seams;
+                }
+            }
+            p
+        }));
+        self.seam_count += other.seam_count;
+    }
+
     /// The face that a panel covers a part of.
     pub fn face_of(&self, panel: &Panel) -> Option<&Face> {
         self.faces.get(panel.face()?)

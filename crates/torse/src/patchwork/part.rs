@@ -1,5 +1,7 @@
 //! Parts: what is cut in one piece.
 
+use crate::torse::strip::Strip;
+
 /// Consecutive panels that share rulings and are cut as one piece, or one panel alone.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Part {
@@ -11,4 +13,16 @@ pub struct Part {
     pub count: usize,
     /// Why the part has no pattern; empty if it has one.
     pub missing: String,
+}
+
+impl Part {
+    /// A part of `count` panels from the panel `first` on.
+    pub fn new(name: impl Into<String>, first: usize, count: usize) -> Self {
+        Self { name: name.into(), first, count, missing: String::new() }
+    }
+
+    /// Every strip as a part of its own.
+    pub fn of_each(strips: &[Strip]) -> Vec<Self> {
+        strips.iter().enumerate().map(|(k, s)| Self::new(&s.name, k, 1)).collect()
+    }
 }

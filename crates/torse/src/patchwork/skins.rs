@@ -23,6 +23,15 @@ pub struct Sheet {
     pub sides: Vec<usize>,
 }
 
+/// A skin of a sheet of constant thickness.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Skin {
+    /// The larger one.
+    Outer,
+    /// The smaller one.
+    Inner,
+}
+
 /// Lines of the triangulation of a face in each direction: a quarter of a cylinder deviates by a thousandth of its radius.
 const LINES: usize = 24;
 /// Rays from every face.

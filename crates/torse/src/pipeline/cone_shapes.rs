@@ -1,7 +1,6 @@
 //! What is seen of cone splines: the presentation with trimmed pieces, the bending into the plane, the surfaces of a
 //! sheet with thickness.
 
-use super::cones::EDGE_ROUNDING;
 use crate::answer::presentation::Presentation;
 use crate::answer::Cones;
 use crate::develop::cones::{bent, Bending};
@@ -9,6 +8,7 @@ use crate::draw::scene::{PanelShape, Scene};
 use crate::fit::panels::cone_trim::{offset, ConeTrimError};
 use crate::geom::mesh::Mesh;
 use crate::geom::Vec3;
+use crate::search::strips::cone_body::EDGE_ROUNDING;
 use crate::tessellate::strip;
 use crate::torse::cone::chart::share;
 use crate::torse::cone::forms::patches;

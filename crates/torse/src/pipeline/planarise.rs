@@ -2,6 +2,10 @@
 //!
 //! Reads like the page that describes it: planarise, refine and planarise again, judge every quadrilateral, develop.
 
+#[cfg(test)]
+mod tests;
+
+use crate::answer::note::Note;
 use crate::answer::{Answer, Guide, Job};
 use crate::certify::claim::{Claim, Counted, Subject, UpperBound, What};
 use crate::certify::quads::gap_bound;
@@ -11,11 +15,11 @@ use crate::design::discrete::subdivide::{subdivide, SubdivideOptions, Subdivided
 use crate::develop::strip::StripOptions;
 use crate::develop::view::Drawn;
 use crate::draw::field::{FieldMeaning, PanelField};
-use crate::geom::coarse::Loose;
+use crate::geom::coarse::{is_tolerance, Loose};
 use crate::geom::{BBox, Vec3};
 use crate::patchwork::panel::Patchwork;
 use crate::patchwork::part::Part;
-use crate::search::strips::cut::{claims as flat_claims, cut, judged as flat_judged};
+use crate::search::strips::cut::laid;
 use crate::search::strips::judgement::SQUARE_METRES;
 use crate::spline::SplineError;
 use crate::torse::quad_strip::QuadStrip;
@@ -77,8 +81,6 @@ pub enum PlanariseError {
     Patch(#[from] SplineError),
 }
 
-/// Share of the tolerance for outlines; plane quadrilaterals have exact ones.
-const CONTOUR_SHARE: f64 = 0.05;
 /// Most quadrilaterals for which files are written.
 const MOST: usize = 5000;
 
@@ -103,7 +105,7 @@ const MOST: usize = 5000;
 /// ```
 pub fn planarise(strip: &QuadStrip, options: &Options, control: &Control) -> Result<Answer, PlanariseError> {
     let start = Instant::now();
-    if !(options.tolerance > 0.0 && options.tolerance.is_finite()) {
+    if !is_tolerance(options.tolerance) {
         return Err(PlanariseError::Tolerance(options.tolerance));
     }
     Loose::check(BBox::of(strip.a().iter().chain(strip.b())).diagonal(), options.tolerance)?;
@@ -120,7 +122,7 @@ pub fn planarise(strip: &QuadStrip, options: &Options, control: &Control) -> Res
 
 fn judged(given: &QuadStrip, done: Subdivided, options: &Options, start: Instant) -> Result<Answer, PlanariseError> {
     let result = &done.strip;
-    let (mut missing, mut notes) = (Vec::new(), Vec::new());
+    let mut missing = Vec::new();
     let (mut each, mut fields, mut gaps) = (Vec::new(), Vec::new(), Vec::new());
     let strips = result.faces("A")?;
     for (i, s) in strips.iter().enumerate() {
@@ -154,21 +156,10 @@ fn judged(given: &QuadStrip, done: Subdivided, options: &Options, start: Instant
     if done.levels.len() <= options.levels {
         missing.push(format!("stopped after {} of {} levels", done.levels.len() - 1, options.levels));
     }
-    for (k, l) in done.levels.iter().enumerate() {
-        notes.push(format!(
-            "level {k}: {} quadrilaterals, warp {:.1e} before and {:.1e} after {} steps, points moved up to {:.4} mm, bends jump by {:.1} % of their mean",
-            l.quads,
-            l.warp_before,
-            l.warp,
-            l.steps,
-            l.largest_move,
-            100.0 * l.bend_jump
-        ));
-    }
-    let flat = StripOptions { drawn: options.drawn, ..StripOptions::new(CONTOUR_SHARE * options.tolerance) };
-    let chain = Part { name: "A".into(), first: 0, count: strips.len(), missing: String::new() };
-    let (parts, patterns) = cut(&strips, &[chain], &flat);
-    let flat_proof = flat_judged(&strips, &parts, &patterns, options.tolerance);
+    let notes = done.levels.iter().enumerate().map(|(level, l)| Note::Level { level, report: *l }).collect();
+    let flat = StripOptions::of_job(options.tolerance, [None; 2], options.drawn);
+    let chain = Part::new("A", 0, strips.len());
+    let laid = laid(&strips, &[chain], &flat, options.tolerance);
     let clearance = (0..result.quads()).map(|i| result.regression_clearance(i)).fold(f64::INFINITY, f64::min);
     let largest_bend = (1..result.quads()).map(|i| result.bend(i).abs().to_degrees()).fold(0.0, f64::max);
     let whole = Subject::Whole;
@@ -184,7 +175,7 @@ fn judged(given: &QuadStrip, done: Subdivided, options: &Options, start: Instant
         Claim::measured(What::LargestBend, whole, largest_bend),
         Claim::count(Counted::Quadrilaterals, whole, strips.len()),
     ];
-    claims.extend(flat_claims(&parts, &patterns, &flat_proof, options.tolerance));
+    claims.extend(laid.claims());
     claims.extend(missing.into_iter().map(|reason| Claim::objection(whole, reason)));
     claims.extend(each);
     let guide = |name: &str, points: &[Vec3]| Guide { name: name.into(), points: points.to_vec() };
@@ -193,13 +184,10 @@ fn judged(given: &QuadStrip, done: Subdivided, options: &Options, start: Instant
         patchwork: Patchwork::of_strips(strips),
         fields,
         meaning: FieldMeaning { name: "bend".into(), unit: "°".into(), limit: largest_bend.max(1e-6) },
-        parts,
-        patterns,
-        flat: flat_proof,
         guides: vec![guide("first polyline", given.a()), guide("second polyline", given.b())],
         notes,
         seconds: start.elapsed().as_secs_f64(),
-        ..Answer::new(Job::Planarise, &options.input, options.tolerance)
+        ..Answer::of_flat(Job::Planarise, &options.input, options.tolerance, laid)
     })
 }
 
@@ -212,64 +200,5 @@ fn stalled(done: &Subdivided, hold: Hold) -> &'static str {
         (Some(PlanariseStatus::Stalled), _) => ": the held points leave no room; hold fewer",
         (Some(PlanariseStatus::StepLimit), _) => ": the steps are used up",
         _ => "",
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::answer::shapes::shapes;
-    use crate::certify::claim::{Evidence, Status};
-    use crate::io::words;
-
-    /// A strip between a circle and an ellipse above it, 200 mm wide.
-    fn twisted(quads: usize) -> QuadStrip {
-        let t = |k: usize| 1.8 * k as f64 / quads as f64;
-        let a = (0..=quads).map(t).map(|t| Vec3::new(100.0 * t.cos(), 100.0 * t.sin(), 0.0)).collect();
-        let b = (0..=quads).map(t).map(|t| Vec3::new(150.0 * (t + 0.1).cos(), 120.0 * (t + 0.1).sin(), 90.0)).collect();
-        QuadStrip::new(a, b).expect("a strip")
-    }
-
-    #[test]
-    fn a_strip_is_planarised_refined_proven_and_developed() {
-        let options = Options { levels: 2, ..Options::new(1e-6) };
-        let s = planarise(&twisted(8), &options, &Control::default()).expect("an answer");
-        assert_eq!(s.status(), Status::Certified);
-        assert_eq!((s.patchwork.panels.len(), s.patterns.len(), s.notes.len()), (32, 1, 3));
-        let gap = s.claim(What::DiagonalGap).expect("a claim");
-        assert!(gap.value() < 1e-10 && gap.evidence() == Evidence::Proven);
-        assert!(s.patterns[0].isometry_error < 1e-9);
-        assert!((s.patterns[0].area - s.patterns[0].area_in_space).abs() < 1e-6);
-        assert!(!shapes(&s).is_empty());
-    }
-
-    #[test]
-    fn what_cannot_be_plane_or_moves_too_far_is_not_certified() {
-        let x = |x: f64, y: f64, z: f64| Vec3::new(x, y, z);
-        // One warped quadrilateral, all of its corners held.
-        let held = QuadStrip::new(vec![x(0., 0., 5.), x(50., 0., -5.)], vec![x(0., 50., -5.), x(50., 50., 5.)])
-            .expect("strip");
-        let options = Options { hold: Hold::Ends, ..Options::new(0.01) };
-        let s = planarise(&held, &options, &Control::default()).expect("an answer");
-        assert_eq!(s.status(), Status::Uncertified);
-        let reason = words::reason(&s.claims, &[]);
-        assert!(reason.contains("hold fewer"), "{reason}");
-        let options = Options { most_move: Some(1e-3), ..Options::new(0.01) };
-        let s = planarise(&twisted(8), &options, &Control::default()).expect("an answer");
-        assert!(words::reason(&s.claims, &[]).contains("moved"));
-        let crossed =
-            QuadStrip::new(vec![x(50., 0., 0.), x(0., 0., 0.)], vec![x(0., 50., 0.), x(50., 50., 0.)]).expect("strip");
-        let s = planarise(&crossed, &Options::new(0.01), &Control::default()).expect("an answer");
-        assert!(words::reason(&s.claims, &[]).contains("cross"));
-    }
-
-    #[test]
-    fn bad_requests_are_refused() {
-        let s = twisted(8);
-        let ask = |o: Options| planarise(&s, &o, &Control::default()).expect_err("refused");
-        assert!(matches!(ask(Options::new(f64::NAN)), PlanariseError::Tolerance(_)));
-        for levels in [10, 70, 5_000_000_000] {
-            assert!(matches!(ask(Options { levels, ..Options::new(0.1) }), PlanariseError::Many { .. }));
-        }
     }
 }

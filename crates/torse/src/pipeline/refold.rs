@@ -164,7 +164,7 @@ impl RefoldAnswer {
         for shape in made {
             match shape {
                 Ok(s) => scene.panels.push(s),
-                Err(e) => report.notes.push(format!("not in {}: {e}", FILES[1])),
+                Err(e) => report.note_missing(FILES[1], &e),
             }
         }
         let limit = self.folder.report.tolerance;

@@ -1,7 +1,9 @@
 //! Which faces of a model a job is for.
 
+use crate::answer::note::{BodyName, Note};
 use crate::brep::face::Face;
 use crate::io::model::Model;
+pub use crate::patchwork::skins::Skin;
 use crate::patchwork::skins::{sheet, Sheet};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -14,15 +16,6 @@ pub struct Selection {
     pub parts: Vec<String>,
     /// The skin of sheets that are drawn as bodies, which leaves out the other skin and the sides; default everything.
     pub skin: Option<Skin>,
-}
-
-/// A skin of a sheet of constant thickness.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Skin {
-    /// The larger one.
-    Outer,
-    /// The smaller one.
-    Inner,
 }
 
 /// A selection that names what the model does not have.
@@ -78,7 +71,7 @@ fn some_of(names: &BTreeSet<String>) -> String {
 }
 
 /// What could be asked for of a model of which everything is taken: a skin of each sheet that is drawn as a body.
-pub fn offers(model: &Model) -> Vec<String> {
+pub fn offers(model: &Model) -> Vec<Note> {
     let all = sheets(&model.faces).into_iter();
     all.map(|(faces, sheet)| offer(&model.faces, &faces, &sheet)).collect()
 }
@@ -128,7 +121,7 @@ pub fn selected(model: Model, selection: &Selection) -> Result<Model, SelectErro
     if !selection.faces.is_empty() {
         skipped.clear();
     }
-    notes.push(format!("{} of the {all} faces of the file, as chosen", faces.len()));
+    notes.push(Note::Chosen { count: faces.len(), all });
     Ok(Model { faces, skipped, notes, ..model })
 }
 
@@ -146,27 +139,20 @@ fn sheets(faces: &[Face]) -> Vec<(Vec<usize>, Sheet)> {
 }
 
 /// What a body is called.
-fn named(face: &Face) -> String {
-    match face.part.as_str() {
-        "" => format!("the body of face #{}", face.entity),
-        part => format!("'{part}'"),
+fn named(face: &Face) -> BodyName {
+    BodyName { part: face.part.clone(), entity: face.entity }
+}
+
+fn offer(faces: &[Face], body: &[usize], sheet: &Sheet) -> Note {
+    Note::BothSkins {
+        body: named(&faces[body[0]]),
+        thickness: sheet.thickness_estimate,
+        faces: [&sheet.outer, &sheet.inner, &sheet.sides].map(Vec::len),
     }
 }
 
-fn offer(faces: &[Face], body: &[usize], sheet: &Sheet) -> String {
-    format!(
-        "{} is a sheet of about {:.3} mm: its outer skin has {} faces, its inner {}, its sides {}; all are covered unless \
-         one skin is asked for (--outer, --inner)",
-        named(&faces[body[0]]),
-        sheet.thickness_estimate,
-        sheet.outer.len(),
-        sheet.inner.len(),
-        sheet.sides.len()
-    )
-}
-
 /// The faces of one skin of every sheet; bodies that are none stay whole.
-fn skins(faces: Vec<Face>, skin: Skin, notes: &mut Vec<String>) -> Result<Vec<Face>, SelectError> {
+fn skins(faces: Vec<Face>, skin: Skin, notes: &mut Vec<Note>) -> Result<Vec<Face>, SelectError> {
     let found = sheets(&faces);
     if found.is_empty() {
         let bodies: BTreeSet<(u32, &str)> = faces.iter().map(|f| (f.body, f.part.as_str())).collect();
@@ -174,18 +160,18 @@ fn skins(faces: Vec<Face>, skin: Skin, notes: &mut Vec<String>) -> Result<Vec<Fa
     }
     let mut left_out = BTreeSet::new();
     for (body, sheet) in &found {
-        let (kept, other, name) = match skin {
-            Skin::Outer => (&sheet.outer, &sheet.inner, "outer"),
-            Skin::Inner => (&sheet.inner, &sheet.outer, "inner"),
+        let (kept, other) = match skin {
+            Skin::Outer => (&sheet.outer, &sheet.inner),
+            Skin::Inner => (&sheet.inner, &sheet.outer),
         };
         left_out.extend(other.iter().chain(&sheet.sides).map(|&k| body[k]));
-        notes.push(format!(
-            "of {}, a sheet of about {:.3} mm, the {name} skin is taken: {} of {} faces",
-            named(&faces[body[0]]),
-            sheet.thickness_estimate,
-            kept.len(),
-            body.len()
-        ));
+        notes.push(Note::OneSkin {
+            body: named(&faces[body[0]]),
+            thickness: sheet.thickness_estimate,
+            skin,
+            kept: kept.len(),
+            all: body.len(),
+        });
     }
     let kept = faces.into_iter().enumerate().filter(|(k, _)| !left_out.contains(k));
     Ok(kept.map(|(_, f)| f).collect())
@@ -206,7 +192,7 @@ mod tests {
         let chosen =
             selected(model(), &Selection { faces: vec![entity], parts: vec![part], skin: None }).expect("it is there");
         assert_eq!((chosen.faces.len(), chosen.faces[0].entity), (1, entity));
-        assert!(chosen.notes.last().is_some_and(|n| n.contains("as chosen")));
+        assert_eq!(chosen.notes.last(), Some(&Note::Chosen { count: 1, all: whole.faces.len() }));
     }
 
     #[test]

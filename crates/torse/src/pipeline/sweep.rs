@@ -1,6 +1,6 @@
 //! The main job at several tolerances: how many panels, and how much seam, each of them costs.
 
-use super::approximate::{of_faces, smoothly_joined, ApproximateError, Options};
+use super::approximate::{of_faces, ApproximateError, Options};
 use crate::answer::skipped::Skipped;
 use crate::answer::sweep::SweepRow;
 use crate::answer::Answer;
@@ -11,6 +11,7 @@ use crate::draw::chart::{chart, Chart, Series};
 use crate::draw::raster::Image;
 use crate::patchwork::panel::Border;
 use crate::search::cover::band_range;
+use crate::search::smooth::smoothly_joined;
 use crate::search::trims::trims_judged;
 use rayon::prelude::*;
 

@@ -2,6 +2,7 @@
 
 use super::rows::{helix, rulings};
 use crate::{strips, value, Random};
+use torse::answer::note::{Became, FaceNote, FitNote, Note, SplineSize};
 use torse::answer::Answer;
 use torse::brep::face::Face;
 use torse::certify::claim::{Counted, Status, What};
@@ -65,8 +66,14 @@ fn a_face_of_degree_six_gets_a_few_control_points() {
         assert!(strip.patch.knots_u.degree() < 6);
         assert!(count(strip) >= before, "finer tolerances need more: {} after {before}", count(strip));
         before = count(strip);
-        let note = format!("57 × 2 control points; now: A-01 of degree {}", strip.patch.knots_u.degree());
-        assert!(got.notes.iter().any(|n| n.contains(&note)), "{:?}", got.notes);
+        let now = SplineSize { degree: [strip.patch.knots_u.degree(), 1], control: [count(strip), 2] };
+        let told = |n: &Note| match n {
+            Note::Fit(FitNote::Face(f)) => {
+                f.given.control == [57, 2] && f.became == Became::Strips(vec![("A-01".into(), now)])
+            }
+            _ => false,
+        };
+        assert!(got.notes.iter().any(told), "{:?}", got.notes);
         // Between the rulings that were fitted as well.
         let truth: Vec<Vec3> = (1..300)
             .flat_map(|i| [0.01, 0.5, 0.99].map(|r| heavy().surface.point(-0.5 + f64::from(i) / 300.0, r)))
@@ -94,7 +101,8 @@ fn a_face_that_is_simple_stays_as_it_is() {
         let strip = &got.patchwork.panels[0].strip;
         assert_eq!((strip.patch.knots_u.degree(), count(strip)), (degree, points.len() / 2));
         assert!(value(&got, What::ElementDistance) < 1e-9);
-        assert!(got.notes.iter().any(|n| n.contains("nothing simpler was found")), "{:?}", got.notes);
+        let kept = |n: &Note| matches!(n, Note::Fit(FitNote::Face(FaceNote { became: Became::Itself(_), .. })));
+        assert!(got.notes.iter().any(kept), "{:?}", got.notes);
     }
 }
 

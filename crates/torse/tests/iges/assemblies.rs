@@ -3,6 +3,7 @@
 use crate::file::{entry, Entry, File};
 use crate::{area, model};
 use torse::io::iges::read;
+use torse::io::words;
 
 const PART: &str = "00010000";
 
@@ -50,7 +51,7 @@ fn names_are_properties_or_labels_and_hidden_faces_are_told() {
     );
     let m = model(&f);
     assert_eq!((m.faces[0].name.as_str(), m.faces[1].name.as_str()), ("DECK", "fore, deck"));
-    assert!(m.notes.iter().any(|n| n.contains("hidden")), "{:?}", m.notes);
+    assert!(m.notes.iter().any(|n| words::note(n).contains("hidden")), "{:?}", m.notes);
 }
 
 #[test]

@@ -3,6 +3,7 @@
 use crate::area;
 use crate::file::{entry, Entry, File};
 use torse::io::iges::read::{self, ReadError};
+use torse::io::words;
 
 fn two() -> File {
     let mut f = File::new();
@@ -40,7 +41,7 @@ fn truncated_files_are_refused_and_lost_last_lines_are_told() {
     let e = read::read(text(n - 3).as_bytes()).expect_err("half of the data");
     assert!(e.to_string().contains("D3"), "{e}");
     let m = read::read(text(n - 1).as_bytes()).expect("a model");
-    assert!(m.faces.len() == 2 && m.notes.iter().any(|n| n.contains("last line")), "{:?}", m.notes);
+    assert!(m.faces.len() == 2 && m.notes.iter().any(|n| words::note(n).contains("last line")), "{:?}", m.notes);
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! Sheets that are drawn as bodies: their skins, and what is no sheet.
 
 use crate::text::{Step, Unit, P};
+use torse::answer::note::Note;
 use torse::io::model::Model;
 use torse::io::step::read::read;
 use torse::pipeline::select::{offers, selected, SelectError, Selection, Skin};
@@ -42,7 +43,8 @@ fn a_plate_has_two_skins_and_each_can_be_had_alone() {
     let whole = selected(plate, &Selection::default()).expect("a model");
     let offered = offers(&whole);
     assert_eq!((whole.faces.len(), offered.len()), (6, 1));
-    assert!(offered[0].contains("a sheet of about 2.000 mm"), "{offered:?}");
+    let Note::BothSkins { thickness, faces, .. } = &offered[0] else { panic!("{offered:?}") };
+    assert!((thickness - 2.0).abs() < 1e-3 && faces.iter().sum::<usize>() == 6, "{offered:?}");
 }
 
 #[test]

@@ -15,7 +15,7 @@ mod split;
 #[cfg(test)]
 mod tests;
 
-pub use reasons::{Reasons, Turn};
+pub use reasons::{Quality, Reasons, Turn};
 pub use solvability::{solvability, Solvability};
 
 use crate::geom::Vec3;

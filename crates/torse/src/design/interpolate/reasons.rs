@@ -47,21 +47,45 @@ fn fault(s: &Solution) -> String {
     format!("the net with M* = {:.6} {}", s.strip.net.shape().m_star(), s.quality())
 }
 
+/// What a solution is like; displayed in words that follow "the net".
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Quality {
+    /// It is regular and holds both end rulings.
+    Regular,
+    /// Its end rulings lie on different sides of the curve.
+    Sides,
+    /// It has no width at one end.
+    NoWidth,
+    /// It is not regular; never [`Regularity::Regular`].
+    Faulty(Regularity),
+}
+
 impl Solution {
-    /// What it is like, in words that follow "the net": "is regular", or what is wrong with it.
-    pub fn quality(&self) -> String {
-        let s = self;
-        if s.start_reach * s.end_reach < 0.0 {
-            "has its end rulings on different sides of the curve".to_string()
-        } else {
-            match s.regularity {
-                Regularity::Regression { u, v } => {
-                    format!("meets its regression curve on ruling u = {u:.4} at {:.0} % of its length", 100.0 * v)
-                }
-                Regularity::TangentRuling { u } => format!("has a ruling tangent to the curve at u = {u:.4}"),
-                Regularity::Weight { index, weight } => format!("has weight {weight:.3} at control point {index}"),
-                Regularity::Regular if !s.is_good() => "has no width at one end".to_string(),
-                Regularity::Regular => "is regular".to_string(),
+    /// What it is like.
+    pub fn quality(&self) -> Quality {
+        match self.regularity {
+            _ if self.start_reach * self.end_reach < 0.0 => Quality::Sides,
+            Regularity::Regular if self.is_good() => Quality::Regular,
+            Regularity::Regular => Quality::NoWidth,
+            fault => Quality::Faulty(fault),
+        }
+    }
+}
+
+impl fmt::Display for Quality {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Sides => write!(f, "has its end rulings on different sides of the curve"),
+            Self::NoWidth => write!(f, "has no width at one end"),
+            Self::Regular | Self::Faulty(Regularity::Regular) => write!(f, "is regular"),
+            Self::Faulty(Regularity::Regression { u, v }) => {
+                write!(f, "meets its regression curve on ruling u = {u:.4} at {:.0} % of its length", 100.0 * v)
+            }
+            Self::Faulty(Regularity::TangentRuling { u }) => {
+                write!(f, "has a ruling tangent to the curve at u = {u:.4}")
+            }
+            Self::Faulty(Regularity::Weight { index, weight }) => {
+                write!(f, "has weight {weight:.3} at control point {index}")
             }
         }
     }

@@ -5,7 +5,9 @@ pub mod alternatives;
 pub mod branches;
 pub mod build;
 pub mod least_twist;
+pub mod net_strip;
 pub mod on_torse;
+pub mod orientation;
 pub mod track;
 
 use crate::geom::Vec3;

@@ -2,6 +2,7 @@
 //! belongs.
 
 mod align;
+pub mod artwork;
 pub mod atlas;
 pub mod compare;
 pub mod course;

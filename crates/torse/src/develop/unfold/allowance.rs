@@ -75,15 +75,6 @@ impl KFactor {
             }
         }
     }
-
-    /// Words for reports.
-    pub fn words(&self) -> String {
-        match self {
-            Self::Ansi(k) => format!("K = {k} (ANSI: share of the thickness from the inside)"),
-            Self::Din => "K by DIN 6935".into(),
-            Self::Table(rows) => format!("K from a table of {} rows (ANSI)", rows.len()),
-        }
-    }
 }
 
 #[cfg(test)]

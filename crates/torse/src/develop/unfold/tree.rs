@@ -65,17 +65,6 @@ pub enum CutReason {
     Differs,
 }
 
-impl CutReason {
-    /// Words for reports.
-    pub fn words(self) -> &'static str {
-        match self {
-            Self::Closes => "the piece closes on itself there",
-            Self::Overlap => "faces would lie on each other",
-            Self::Differs => "its images on both faces differ",
-        }
-    }
-}
-
 /// An edge between two skin faces that is cut.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cut {

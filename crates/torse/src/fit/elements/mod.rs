@@ -3,6 +3,7 @@
 pub mod cones;
 pub mod decompose;
 pub mod extent;
+pub mod given;
 pub mod outliers;
 pub mod ruling_order;
 pub mod sequence;

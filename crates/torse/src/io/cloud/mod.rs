@@ -77,9 +77,8 @@ pub fn read_noted(name: &str, bytes: &[u8], unit: Option<f64>) -> Result<(Cloud,
     let ending = name.rsplit('.').next().unwrap_or("").to_ascii_lowercase();
     if ending == "3dm" {
         // The file says its unit, or that it has none.
-        let (cloud, notes) = threedm::meshes::cloud(bytes)?;
-        let guessed = notes.iter().any(|n| n.contains("no length unit"));
-        return Ok((cloud, guessed.then(|| unit_note(name))));
+        let found = threedm::meshes::cloud(bytes)?;
+        return Ok((found.cloud, found.assumes_unit.then(|| unit_note(name))));
     }
     let only = |points: Vec<Vec3>| Cloud { points, ..Cloud::default() };
     let mut cloud = match ending.as_str() {

@@ -1,7 +1,7 @@
 //! Numbers for people: digits that say no more than is known.
 
-use crate::draw::picture::figure;
 use crate::io::json::PanelRecord;
+pub(super) use crate::io::words::numbers::plain;
 
 /// A length for people: four digits.
 pub(super) fn millimetres(x: f64) -> String {
@@ -16,22 +16,6 @@ pub(super) fn upper(x: Option<f64>) -> String {
 /// A lower bound for people: rounded down.
 pub(super) fn lower(x: Option<f64>) -> String {
     x.map_or_else(|| "\u{2014}".into(), |x| plain(rounded(x, f64::floor), 4))
-}
-
-/// A number without superfluous zeros.
-pub(super) fn plain(x: f64, digits: usize) -> String {
-    let text = figure(x, digits);
-    match text.split_once('.') {
-        Some((whole, fraction)) if !fraction.contains('e') => {
-            let fraction = fraction.trim_end_matches('0');
-            if fraction.is_empty() {
-                whole.to_string()
-            } else {
-                format!("{whole}.{fraction}")
-            }
-        }
-        _ => text,
-    }
 }
 
 fn rounded(x: f64, round: fn(f64) -> f64) -> f64 {

@@ -53,7 +53,7 @@ impl Report {
             seconds: answer.seconds,
             figures: answer.claims_of(Subject::Whole).map(|c| FigureRecord::of(c, &curves)).collect(),
             coverage: answer.covers_faces().then(|| covered_share(answer, &coverages)),
-            notes: answer.notes.clone(),
+            notes: answer.notes.iter().map(words::note).collect(),
             skipped: skipped.collect(),
             faces: if answer.covers_faces() { face_records(answer, &coverages) } else { Vec::new() },
             panels: panel_records(answer, shown, &curves),

@@ -17,22 +17,30 @@ const ALWAYS_ALLOWED: usize = 1 << 16;
 /// Corners and triangles of all meshes that blocks copy at most; a short file can ask for copies without end.
 const MOST_COPIED: usize = 5_000_000;
 
-/// All meshes of an archive that are shown, where its blocks put them, as one; with what was not read, in words.
+/// What an archive holds of meshes.
+#[derive(Clone, Debug)]
+pub struct MeshCloud {
+    /// All meshes that are shown, as one.
+    pub cloud: Cloud,
+    /// Whether the archive names no length unit, so that millimetres are assumed.
+    pub assumes_unit: bool,
+    /// What was not read, in words.
+    pub notes: Vec<String>,
+}
+
+/// All meshes of an archive that are shown, where its blocks put them, as one.
 ///
 /// Quadrilaterals are cut into two triangles about their first corner. Corners are those of single precision that every
 /// mesh has.
 ///
 /// # Errors
 /// Not an archive, or a damaged one; no mesh that can be read.
-pub fn cloud(bytes: &[u8]) -> Result<(Cloud, Vec<String>), ReadError> {
+pub fn cloud(bytes: &[u8]) -> Result<MeshCloud, ReadError> {
     let archive = archive::archive(bytes)?;
     let uses = blocks::uses(&archive, Want::Meshes);
     let mut notes = archive.notes.clone();
     notes.extend(uses.notes);
     notes.extend(uses.skipped.iter().map(|s| s.words()));
-    if archive.unit.name.is_empty() {
-        notes.push("the file states no length unit; millimetres are assumed".into());
-    }
     let mut out = Cloud::default();
     let (mut seen, mut copied) = (HashSet::new(), 0);
     for o in &uses.occurrences {
@@ -63,7 +71,7 @@ pub fn cloud(bytes: &[u8]) -> Result<(Cloud, Vec<String>), ReadError> {
         let reason = notes.into_iter().next().unwrap_or_default();
         return Err(ReadError::Nothing { what: "meshes", objects: archive.objects.len(), reason });
     }
-    Ok((out, notes))
+    Ok(MeshCloud { cloud: out, assumes_unit: archive.unit.name.is_empty(), notes })
 }
 
 fn mesh(mut c: Cursor, scale: f64) -> Reading<Cloud> {

@@ -22,6 +22,7 @@ pub mod write;
 use self::blocks::{Occurrence, Want};
 pub use self::error::ReadError;
 use self::faces::Shapes;
+use crate::answer::note::Note;
 use crate::answer::skipped::Skipped;
 use crate::brep::area::spanned_area_estimate;
 use crate::brep::face::{Face, SurfaceKind};
@@ -79,6 +80,7 @@ pub fn read_with(bytes: &[u8], options: &ReadOptions) -> Result<Model, ReadError
         return Err(ReadError::NoUsableFaces { count, reason });
     }
     let products = parts(&faces);
+    let notes = notes.into_iter().map(Note::Input).collect();
     Ok(Model { faces, skipped, unit: archive.unit.name, notes, products })
 }
 

@@ -47,11 +47,8 @@ pub fn cut_until(
             }
             Err(DevelopError::Overlap { .. } | DevelopError::Apart { .. }) if part.count > 1 => {
                 let half = part.count / 2;
-                let piece = |letter: char, first: usize, count: usize| Part {
-                    name: format!("{}{letter}", part.name),
-                    first,
-                    count,
-                    missing: String::new(),
+                let piece = |letter: char, first: usize, count: usize| {
+                    Part::new(format!("{}{letter}", part.name), first, count)
                 };
                 waiting.push(piece('b', part.first + half, part.count - half));
                 waiting.push(piece('a', part.first, half));
@@ -65,37 +62,106 @@ pub fn cut_until(
     (parts, patterns)
 }
 
-/// What is said where rulings or marks were asked for nearer to each other than they are drawn.
-pub fn spacing_notes(patterns: &[Pattern], options: &StripOptions) -> Vec<String> {
+/// Strips laid flat, with what is proven of that.
+#[derive(Clone, Debug)]
+pub struct Laid {
+    /// Parts as they are cut.
+    pub parts: Vec<Part>,
+    /// Their patterns.
+    pub patterns: Vec<Pattern>,
+    /// What is proven of the patterns.
+    pub proofs: Vec<FlatCertificate>,
+    /// Lines that were asked for nearer to each other than they are drawn.
+    pub crowded: Vec<Crowded>,
+    /// Distance that drawings must keep, mm.
+    tolerance: f64,
+}
+
+/// Lays chains of strips flat, see [`cut`], and has them judged; `tolerance` (mm) is that of the job.
+pub fn laid(strips: &[Strip], chains: &[Part], options: &StripOptions, tolerance: f64) -> Laid {
+    laid_until(strips, chains, options, tolerance, &Control::default())
+}
+
+/// As [`laid`]; parts whose turn comes after a control said stop have no pattern.
+pub fn laid_until(
+    strips: &[Strip],
+    chains: &[Part],
+    options: &StripOptions,
+    tolerance: f64,
+    control: &Control,
+) -> Laid {
+    let (parts, patterns) = cut_until(strips, chains, options, control);
+    // As the proof of strips in space, this has its own clock.
+    let proofs = strip_parts(strips, &parts, &patterns, tolerance, &Control::default());
+    let crowded = crowded(&patterns, options);
+    Laid { parts, patterns, proofs, crowded, tolerance }
+}
+
+impl Laid {
+    /// What is said of flat parts: their area, what is proven of lengths and of the drawing, and what stands against each.
+    pub fn claims(&self) -> Vec<Claim> {
+        let whole = Subject::Whole;
+        let missing =
+            self.parts.iter().filter(|p| !p.missing.is_empty()).map(|p| format!("part {}: {}", p.name, p.missing));
+        let mut out = vec![self.area()];
+        out.extend(self.lengths());
+        out.extend(missing.chain(self.refused()).map(|r| Claim::objection(whole, r)));
+        out
+    }
+
+    /// Takes the proofs of outlines away where these were drawn anew without one.
+    pub(crate) fn unprove_outlines(&mut self) {
+        let (patterns, proofs) = (&self.patterns, std::mem::take(&mut self.proofs));
+        let anew = |f: &FlatCertificate| patterns.iter().any(|p| p.panel == f.panel() && p.contour_error.is_nan());
+        self.proofs = proofs.into_iter().map(|f| if anew(&f) { f.without_outline() } else { f }).collect();
+    }
+
+    /// Area of all patterns.
+    pub fn area(&self) -> Claim {
+        // The sum of nothing is −0.
+        let area = self.patterns.iter().map(|p| p.area * SQUARE_METRES).sum::<f64>() + 0.0;
+        Claim::measured(What::FlatArea, Subject::Whole, area)
+    }
+
+    /// See [`lengths`].
+    pub fn lengths(&self) -> Vec<Claim> {
+        lengths(&self.patterns, &self.proofs)
+    }
+
+    /// See [`refused`].
+    pub fn refused(&self) -> Vec<String> {
+        refused(&self.parts, &self.patterns, &self.proofs, self.tolerance)
+    }
+}
+
+/// Lines on flat parts that were asked for nearer to each other than they are drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Crowded {
+    /// Which lines.
+    pub lines: Lines,
+    /// Distance asked for, mm.
+    pub asked: f64,
+    /// Distance at which they are drawn on the longest part, mm.
+    pub least: f64,
+}
+
+/// Lines on flat parts of which the distance can be asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Lines {
+    /// Rulings.
+    Rulings,
+    /// Marks along the rails.
+    Marks,
+}
+
+/// Which lines were asked for nearer to each other than they are drawn.
+fn crowded(patterns: &[Pattern], options: &StripOptions) -> Vec<Crowded> {
     let longest = |p: &Pattern| p.sides.iter().map(|s| s.length).fold(0.0, f64::max);
     let least = least_spacing(patterns.iter().map(longest).fold(0.0, f64::max));
-    let told = |what: &str, asked: Option<f64>| {
-        let asked = asked.filter(|s| *s > 0.0 && *s < least)?;
-        Some(format!(
-            "{what} every {asked} mm were asked for; on the longest part they are drawn every {least:.4} mm, which is as \
-             many as a part has"
-        ))
-    };
-    told("rulings", options.ruling_spacing).into_iter().chain(told("marks", options.mark_spacing)).collect()
-}
-
-/// What is proven of flat parts; `tolerance` (mm) is that of the job.
-pub fn judged(strips: &[Strip], parts: &[Part], patterns: &[Pattern], tolerance: f64) -> Vec<FlatCertificate> {
-    // As the proof of strips in space, this has its own clock.
-    strip_parts(strips, parts, patterns, tolerance, &Control::default())
-}
-
-/// What is said of flat parts: their area, what is proven of lengths and of the drawing, and what stands against each.
-pub fn claims(parts: &[Part], patterns: &[Pattern], flat: &[FlatCertificate], tolerance: f64) -> Vec<Claim> {
-    let whole = Subject::Whole;
-    let missing = parts.iter().filter(|p| !p.missing.is_empty()).map(|p| format!("part {}: {}", p.name, p.missing));
-    // The sum of nothing is −0.
-    let area = patterns.iter().map(|p| p.area * SQUARE_METRES).sum::<f64>() + 0.0;
-    let mut out = vec![Claim::measured(What::FlatArea, whole, area)];
-    out.extend(lengths(patterns, flat));
-    let refused = refused(parts, patterns, flat, tolerance);
-    out.extend(missing.chain(refused).map(|r| Claim::objection(whole, r)));
-    out
+    [(Lines::Rulings, options.ruling_spacing), (Lines::Marks, options.mark_spacing)]
+        .into_iter()
+        .filter_map(|(lines, asked)| Some(Crowded { lines, asked: asked.filter(|s| *s > 0.0 && *s < least)?, least }))
+        .collect()
 }
 
 /// What is proven of flat parts together; where a part has no proof of its map, lengths as they were measured.
@@ -160,7 +226,7 @@ mod tests {
                 s
             })
             .collect();
-        let whole = Part { name: "fan".into(), first: 0, count: 8, missing: String::new() };
+        let whole = Part::new("fan", 0, 8);
         let (parts, patterns) = cut(&strips, &[whole], &StripOptions::new(0.01));
         assert_eq!((parts.len(), patterns.len()), (2, 2));
         assert!(parts.iter().all(|p| p.missing.is_empty()) && parts[1].name == "fanb" && patterns[1].panel == 1);
@@ -171,14 +237,14 @@ mod tests {
         let x = Vec3::new;
         let quad = [[x(0.0, 0.0, 0.0), x(0.0, 80.0, 0.0)], [x(100.0, 0.0, 0.0), x(100.0, 80.0, 0.0)]];
         let strips = [Strip::quad("A-01", PanelKind::Cylinder, quad[0], quad[1]).expect("strip")];
-        let whole = Part { name: "A".into(), first: 0, count: 1, missing: String::new() };
+        let whole = Part::new("A", 0, 1);
         let asked = |ruling_spacing, mark_spacing| {
             let options = StripOptions { ruling_spacing, mark_spacing, ..StripOptions::new(0.01) };
-            spacing_notes(&cut(&strips, std::slice::from_ref(&whole), &options).1, &options)
+            crowded(&cut(&strips, std::slice::from_ref(&whole), &options).1, &options)
         };
         assert!(asked(None, None).is_empty() && asked(Some(1.0), Some(0.0)).is_empty());
         let told = asked(Some(1e-6), Some(1.0));
-        assert!(told.len() == 1 && told[0].starts_with("rulings every"), "{told:?}");
+        assert!(told.len() == 1 && told[0].lines == Lines::Rulings, "{told:?}");
         assert_eq!(asked(Some(1e-6), Some(1e-6)).len(), 2);
     }
 
@@ -187,9 +253,11 @@ mod tests {
         let x = Vec3::new;
         let quad = [[x(0.0, 0.0, 0.0), x(0.0, 80.0, 0.0)], [x(100.0, 0.0, 0.0), x(100.0, 80.0, 0.0)]];
         let strips = [Strip::quad("A-01", PanelKind::Plane, quad[0], quad[1]).expect("strip")];
-        let whole = Part { name: "A".into(), first: 0, count: 1, missing: String::new() };
+        let whole = Part::new("A", 0, 1);
         let (parts, mut patterns) = cut(&strips, &[whole], &StripOptions::new(0.01));
-        let told = |patterns: &[Pattern]| refused(&parts, patterns, &judged(&strips, &parts, patterns, 1e-6), 1e-6);
+        let told = |patterns: &[Pattern]| {
+            refused(&parts, patterns, &strip_parts(&strips, &parts, patterns, 1e-6, &Control::default()), 1e-6)
+        };
         assert!(told(&patterns).is_empty(), "{:?}", told(&patterns));
         patterns[0].contours[0].vertices.iter_mut().for_each(|v| v.point.x *= 1.001);
         let told = told(&patterns);

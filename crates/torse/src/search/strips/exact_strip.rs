@@ -57,21 +57,57 @@ pub struct ExactStrip {
     pub off: f64,
 }
 
+/// Why there is no exactly developable strip, in words that follow "as an exact one,". Lengths in mm.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ExactError {
+    /// The job was stopped before it was looked for.
+    #[error("it was not looked for: the job was stopped early")]
+    NotLookedFor,
+    /// Rails that the strip was not made from.
+    #[error("its rails do not belong to it")]
+    Rails,
+    /// A ruling without tangent plane.
+    #[error("it has rulings without tangent plane")]
+    NoPlane,
+    /// Tangent planes that turn too far.
+    #[error("its tangent planes turn too far")]
+    PlanesTurn,
+    /// Rulings that turn too far.
+    #[error("its rulings turn too far")]
+    RulingsTurn,
+    /// The search was stopped; the nearest strip was so far from the rails.
+    #[error("the search was stopped early, {0:.1e} mm from the rails")]
+    Stopped(f64),
+    /// The nearest strip is so far from the rails.
+    #[error("it would stray {0:.1e} mm from the rails")]
+    Strays(f64),
+    /// A step that failed, in its own words.
+    #[error("{0}")]
+    Step(String),
+}
+
+impl ExactError {
+    /// The reason of a step that failed.
+    fn of(reason: impl std::error::Error) -> Self {
+        Self::Step(reason.to_string())
+    }
+}
+
 /// Exactly developable strips in place of a fitted one, end to end, within the tolerance (mm) of both rails (proven);
 /// they begin and end on its first and last ruling.
 ///
 /// *Guarantee*: developable by construction, up to rounding; no regression point between the rails (proven).
 ///
 /// # Errors
-/// Why there is none, in words that follow "because".
+/// Why there is none.
 pub fn exact_strips(
     built: &BuiltStrip,
     rails: [&Rail; 2],
     tolerance: f64,
     control: &Control,
-) -> Result<Vec<ExactStrip>, String> {
+) -> Result<Vec<ExactStrip>, ExactError> {
     let (a, b) = built.strip.domain();
-    let contact = Contacts::new(built, rails).ok_or("its rails do not belong to it")?;
+    let contact = Contacts::new(built, rails).ok_or(ExactError::Rails)?;
     let inflections = contact.inflections(a, b);
     let mut ends = vec![(a, false)];
     ends.extend(inflections.into_iter().map(|u| (u, true)));
@@ -99,16 +135,16 @@ fn over(
     tolerance: f64,
     depth: usize,
     control: &Control,
-) -> Result<Vec<ExactStrip>, String> {
+) -> Result<Vec<ExactStrip>, ExactError> {
     let Part { from, to, still } = *part;
     let normals: Vec<Vec3> = (0..=4 * PLANES)
         .map(|k| contacts.at(cut(from, to, k, 4 * PLANES)).map(|c| c.normal))
         .collect::<Option<_>>()
-        .ok_or("it has rulings without tangent plane")?;
+        .ok_or(ExactError::NoPlane)?;
     let frame = frame_of_normals(&normals).ok().filter(|f| f.min_cosine > STEEPEST);
     let Some(frame) = frame else {
         if depth == HALVINGS {
-            return Err("its tangent planes turn too far".into());
+            return Err(ExactError::PlanesTurn);
         }
         let middle = 0.5 * (from + to);
         let first = Part { from, to: middle, still: [still[0], false] };
@@ -117,7 +153,7 @@ fn over(
         out.extend(over(contacts, &second, tolerance, depth + 1, control)?);
         return Ok(out);
     };
-    let mut why = String::new();
+    let mut why = ExactError::PlanesTurn;
     for (multiplicity, most) in TRIALS {
         match refined(contacts, &frame.frame, part, (multiplicity, most), tolerance, control) {
             Ok(one) => return Ok(vec![one]),
@@ -135,7 +171,7 @@ fn refined(
     (multiplicity, most): (usize, usize),
     tolerance: f64,
     control: &Control,
-) -> Result<ExactStrip, String> {
+) -> Result<ExactStrip, ExactError> {
     // Knots of the planes on [0, 1], with their multiplicity.
     let Part { from, to, .. } = *part;
     let mut breaks = vec![(0.0, 4)];
@@ -154,7 +190,7 @@ fn refined(
     let mut nearest = f64::INFINITY;
     for _ in 0..ROUNDS {
         if control.stopped() {
-            return Err(format!("the search was stopped early, {nearest:.1e} mm from the rails"));
+            return Err(ExactError::Stopped(nearest));
         }
         let (built, strays) = attempt(contacts, frame, part, &breaks)?;
         let stray = strays.iter().copied().fold(0.0, f64::max);
@@ -176,7 +212,7 @@ fn refined(
         }
         breaks = next;
     }
-    Err(format!("it would stray {nearest:.1e} mm from the rails"))
+    Err(ExactError::Strays(nearest))
 }
 
 /// The k-th of n parts of an interval.
@@ -272,28 +308,25 @@ fn attempt(
     frame: &Frame,
     part: &Part,
     breaks: &[(f64, usize)],
-) -> Result<(BuiltStrip, Vec<f64>), String> {
+) -> Result<(BuiltStrip, Vec<f64>), ExactError> {
     let Part { from, to, still } = *part;
     let values: Vec<f64> = breaks.iter().flat_map(|&(t, m)| std::iter::repeat_n(t, m)).collect();
-    let knots = Knots::new(3, values.clone(), values.len() - 4).map_err(|e| e.to_string())?;
+    let knots = Knots::new(3, values.clone(), values.len() - 4).map_err(ExactError::of)?;
     let spans = breaks.windows(2).flat_map(|w| (0..PLANES).map(|k| cut(w[0].0, w[1].0, k, PLANES)));
     let at: Vec<f64> = spans.chain([1.0]).collect();
     let count = at.len() - 1;
-    let all: Vec<Contact> = at
-        .iter()
-        .map(|t| contacts.at(from + (to - from) * t))
-        .collect::<Option<_>>()
-        .ok_or("it has rulings without tangent plane")?;
+    let all: Vec<Contact> =
+        at.iter().map(|t| contacts.at(from + (to - from) * t)).collect::<Option<_>>().ok_or(ExactError::NoPlane)?;
     // A frame of the strip's own: planes at the origin would lose digits.
     let centre = all.iter().map(|c| (c.ends[0] + c.ends[1]) * 0.5).sum::<Vec3>() / all.len() as f64;
     let frame = Frame { origin: centre, ..*frame };
     let mut data = Vec::with_capacity(all.len());
     for (k, c) in all.iter().enumerate() {
-        let plane = graph_in(&frame, &plane_through(&c.ends[0], &c.normal), k).map_err(|e| e.to_string())?;
+        let plane = graph_in(&frame, &plane_through(&c.ends[0], &c.normal), k).map_err(ExactError::of)?;
         let plan = c.ends.map(|p| frame.to_local(&p));
         let middle = (plan[0] + plan[1]) * 0.5;
         let radius = 0.5 * (plan[1] - plan[0]).norm();
-        let measure = Measure::disc([middle.x, middle.y], radius).map_err(|e| e.to_string())?;
+        let measure = Measure::disc([middle.x, middle.y], radius).map_err(ExactError::of)?;
         let weight = slope_weight(&plane) / measure.mass();
         data.push(PlaneDatum { plane, parameter: at[k], measure, weight });
     }
@@ -316,12 +349,12 @@ fn attempt(
         conditions.push((index(if still { 2 } else { 1 }), through));
     }
     let options = PlanesOptions { conditions, ..PlanesOptions::default() };
-    let torse = planes(&data, &knots, &options).map(|f| f.curve).map_err(|e| e.to_string())?;
+    let torse = planes(&data, &knots, &options).map(|f| f.curve).map_err(ExactError::of)?;
     let direction: Vec3 = all.iter().map(|c| (c.ends[1] - c.ends[0]).normalize()).sum();
-    let direction = direction.try_normalize(1e-3).ok_or("its rulings turn too far")?;
+    let direction = direction.try_normalize(1e-3).ok_or(ExactError::RulingsTurn)?;
     let pieces = [0, 1].map(|d| contacts.piece(d));
     let guess = |t: f64| contacts.parameters(from + (to - from) * t);
-    let found = between_rails(&torse, pieces, guess, &frame, &direction, still).map_err(|e| e.to_string())?;
+    let found = between_rails(&torse, pieces, guess, &frame, &direction, still).map_err(ExactError::of)?;
     let stray = |t: f64| {
         let off = [0, 1].map(|side: usize| {
             let h = found.boundaries[side].point(t);
@@ -336,7 +369,7 @@ fn attempt(
         .collect();
     let old = &contacts.built.strip;
     let [a, b] = &found.boundaries;
-    let strip = Strip::between(&old.name, old.kind, a, b).map_err(|e| e.to_string())?;
+    let strip = Strip::between(&old.name, old.kind, a, b).map_err(ExactError::of)?;
     let [x, y] = found.parameters;
     let [first, second] = [0, 1].map(|d: usize| contacts.built.rails[d].piece);
     let rails = [RailPart { piece: first, parameter: x }, RailPart { piece: second, parameter: y }];
@@ -425,11 +458,11 @@ mod tests {
     fn what_no_envelope_follows_is_refused_with_the_reason() {
         let ([a, b], strips) = fitted();
         let e = exact_strips(&strips[0], [&a, &b], 1e-13, &Control::default()).expect_err("too fine");
-        assert!(e.contains("stray"), "{e}");
+        assert!(matches!(e, ExactError::Strays(off) if off > 1e-13), "{e}");
         let stopped = Control::default();
         stopped.cancel();
         let e = exact_strips(&strips[0], [&a, &b], 0.1, &stopped).expect_err("stopped");
-        assert!(e.contains("stopped early"), "{e}");
+        assert!(matches!(e, ExactError::Stopped(_)), "{e}");
         // Rulings between other points of the rails: no tangent planes are common.
         let mut wrong = strips[0].clone();
         for c in &mut wrong.rails[1].parameter.control {

@@ -7,6 +7,7 @@
 use crate::brep::space_curve::SpaceCurve;
 use crate::design::loft::branches::Branch;
 use crate::design::loft::build::BuiltStrip;
+use crate::design::loft::orientation::WHOLE;
 use crate::design::loft::track::Track;
 use crate::geom::Frame;
 use crate::spline::curve::Curve;
@@ -34,8 +35,49 @@ pub enum Extension {
     Line,
 }
 
-/// Share of a rail that may be left over without a word.
-pub(crate) const WHOLE: f64 = 1e-6;
+/// What people should know of the ends of a strip between two rails. Lengths in mm.
+#[derive(Clone, Debug, PartialEq)]
+pub enum EndNote {
+    /// Both rails have a rest at one end: the cones over them meet in a crease.
+    BothRest {
+        /// Whether that is the end, not the start.
+        at_end: bool,
+    },
+    /// A rail is extended.
+    Extended {
+        /// Its name.
+        rail: String,
+        /// By how much before its start.
+        before: f64,
+        /// By how much behind its end.
+        behind: f64,
+    },
+    /// A rail is not used from end to end.
+    Used {
+        /// Its name.
+        rail: String,
+        /// Length at which the strip begins.
+        from: f64,
+        /// Length at which it ends.
+        to: f64,
+        /// Length of the rail.
+        total: f64,
+        /// Why it ends there, or what would lead on.
+        leads: Leads,
+    },
+}
+
+/// Why a strip ends before its rail does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Leads {
+    /// The extension of the other rail ends before.
+    ExtensionEnds,
+    /// No common tangent planes lead on.
+    NoPlanes,
+    /// The other rail ends, which could be extended or joined by a fan.
+    OtherRail,
+}
+
 /// Rests of rails, in parameters, that make a cone of their own.
 const CREASE: f64 = 1e-6;
 /// Extension of rails beyond each end, as a share of their length.
@@ -101,7 +143,7 @@ fn without_idle_ends(stations: &mut Vec<[f64; 2]>, open: [(bool, f64); 2]) {
 }
 
 /// The run with what `ends` asks for.
-pub(crate) fn with_ends(a: &Rail, b: &Rail, branch: &Branch, ends: Ends, notes: &mut Vec<String>) -> Branch {
+pub(crate) fn with_ends(a: &Rail, b: &Rail, branch: &Branch, ends: Ends, notes: &mut Vec<EndNote>) -> Branch {
     let mut out = branch.clone();
     let (ta, tb) = (Track::new(a).end(), Track::new(b).end());
     match ends {
@@ -110,10 +152,10 @@ pub(crate) fn with_ends(a: &Rail, b: &Rail, branch: &Branch, ends: Ends, notes: 
             let (first, last) = (out.stations[0], out.stations[out.stations.len() - 1]);
             // Cones over the rests of both rails have different tangent planes where they meet.
             if first[0] > CREASE && first[1] > CREASE && !a.closed && !b.closed {
-                notes.push("both rails have a rest at the start: the cones over them meet in a crease".into());
+                notes.push(EndNote::BothRest { at_end: false });
             }
             if last[0] < ta - CREASE && last[1] < tb - CREASE && !a.closed && !b.closed {
-                notes.push("both rails have a rest at the end: the cones over them meet in a crease".into());
+                notes.push(EndNote::BothRest { at_end: true });
             }
             for start in corner_stations(first[0], 0.0, false).into_iter().filter(|_| !a.closed) {
                 out.stations.insert(0, [start, out.stations[0][1]]);
@@ -187,7 +229,7 @@ pub(crate) fn shares(a: &Rail, b: &Rail, branch: &Branch, ends: Ends) -> [f64; 2
 }
 
 /// Says what is left over or added at the ends.
-pub(crate) fn note_ends(a: &Rail, b: &Rail, branch: &Branch, ends: Ends, notes: &mut Vec<String>) {
+pub(crate) fn note_ends(a: &Rail, b: &Rail, branch: &Branch, ends: Ends, notes: &mut Vec<EndNote>) {
     if branch.closed {
         return;
     }
@@ -205,23 +247,15 @@ pub(crate) fn note_ends(a: &Rail, b: &Rail, branch: &Branch, ends: Ends, notes: 
         let n = rail.pieces.len() as f64;
         let total = if extended { rail.length_to(n - 1.0) - rail.length_to(1.0) } else { rail.length() };
         if before > WHOLE * total || behind > WHOLE * total {
-            notes.push(format!(
-                "{} is extended by {before:.3} mm at its start and {behind:.3} mm at its end",
-                rail.name
-            ));
+            notes.push(EndNote::Extended { rail: rail.name.clone(), before, behind });
         }
         if from > WHOLE * total || total - to > WHOLE * total {
-            let help = if extended && spent {
-                "an extension ends before, at half the length of its rail"
-            } else if extended {
-                "no common tangent planes lead on; ask for fans at the ends"
-            } else {
-                "extend the other rail, or ask for fans or extension at the ends"
+            let leads = match (extended, spent) {
+                (true, true) => Leads::ExtensionEnds,
+                (true, false) => Leads::NoPlanes,
+                (false, _) => Leads::OtherRail,
             };
-            notes.push(format!(
-                "{} is used from {from:.3} mm to {to:.3} mm of its length of {total:.3} mm; {help}",
-                rail.name
-            ));
+            notes.push(EndNote::Used { rail: rail.name.clone(), from, to, total, leads });
         }
     }
 }

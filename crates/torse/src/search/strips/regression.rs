@@ -2,6 +2,7 @@
 
 use crate::certify::claim::{Claim, Subject, What};
 use crate::certify::regression::{clearance_bound, regression, RegressionVerdict};
+use crate::geom::Vec3;
 use crate::torse::strip::Strip;
 use crate::torse::zone::RegressionLimits;
 
@@ -31,25 +32,32 @@ pub(crate) fn fault(limits: &RegressionLimits) -> Option<String> {
     Some(format!("zone {bad} of the regression curve is empty or everything ({} mm)", ranges.join(", ")))
 }
 
-/// Strips that do not keep to the limits, in words.
-pub(crate) fn broken(strips: &[Strip], limits: Option<&RegressionLimits>) -> Vec<String> {
+/// A strip whose regression curve is not known to keep to the limits.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Broken {
+    /// Name of the strip.
+    pub strip: String,
+    /// Where the curve is out of bounds, or near which ruling's middle that is undecided, mm.
+    pub at: Vec3,
+    /// Whether it is out of bounds there; false where it could only not be shown to stay in them.
+    pub proven: bool,
+}
+
+/// Strips that are not shown to keep to the limits.
+pub(crate) fn broken(strips: &[Strip], limits: Option<&RegressionLimits>) -> Vec<Broken> {
     let Some(limits) = limits else { return Vec::new() };
-    let words = |s: &Strip| match regression(s, limits) {
-        RegressionVerdict::Clear => None,
-        RegressionVerdict::Meets { at, .. } => Some(format!(
-            "the regression curve of {} is out of bounds at ({:.3}, {:.3}, {:.3})",
-            s.name, at.x, at.y, at.z
-        )),
-        RegressionVerdict::Undecided { u } => {
-            let [p, q] = s.ruling(u);
-            let c = 0.5 * (p + q);
-            Some(format!(
-                "it could not be shown that the regression curve of {} stays in bounds, around ({:.3}, {:.3}, {:.3})",
-                s.name, c.x, c.y, c.z
-            ))
-        }
+    let found = |s: &Strip| {
+        let (at, proven) = match regression(s, limits) {
+            RegressionVerdict::Clear => return None,
+            RegressionVerdict::Meets { at, .. } => (at, true),
+            RegressionVerdict::Undecided { u } => {
+                let [p, q] = s.ruling(u);
+                (0.5 * (p + q), false)
+            }
+        };
+        Some(Broken { strip: s.name.clone(), at, proven })
     };
-    strips.iter().filter_map(words).collect()
+    strips.iter().filter_map(found).collect()
 }
 
 /// How near developables come that keep to the limits, in words that follow "within so many mm"; infinite if none does.
@@ -62,18 +70,4 @@ pub(crate) fn kept_off(nearest: f64) -> String {
     format!(
         " with its regression curve in bounds ({how}); raise the tolerance, or ask for less of the regression curve"
     )
-}
-
-/// What was asked, as a note.
-pub(crate) fn note(limits: &RegressionLimits) -> String {
-    let mut out = if limits.clearance > 0.0 {
-        format!("Regression curves were to keep {} mm from their strips", limits.clearance)
-    } else {
-        "Regression curves were to stay off their strips".to_string()
-    };
-    if !limits.zones.is_empty() {
-        let count = limits.zones.len();
-        out += &format!(" and out of {count} zone{}", if count == 1 { "" } else { "s" });
-    }
-    out + "; this is proven for every ruling, not only for the given ones."
 }

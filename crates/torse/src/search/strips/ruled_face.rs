@@ -4,18 +4,26 @@ use super::cone_strip::ruled;
 use super::fewest::count;
 use crate::brep::face::Face;
 use crate::certify::regression::{regression as regular, RegressionVerdict};
+use crate::fit::elements::given::NARROW;
 use crate::torse::contact::ContactElement;
 use crate::torse::form::PanelKind;
 use crate::torse::ruled_patch::RuledStrip;
 use crate::torse::strip::Strip;
 use crate::torse::zone::RegressionLimits;
 
-/// Width of the region of a ruling as a share of its length: its tangent plane counts a little beside it.
-pub(crate) const NARROW: f64 = 0.1;
 /// Largest twist of a face that may stay as it is, sine times diagonal as a share of the tolerance.
 const TWIST: f64 = 0.01;
 /// Control points along, and degree, of the simplest strips that fits make; nothing below gets simpler.
 const SIMPLEST: (usize, usize) = (4, 3);
+
+/// How large a spline surface is, in both directions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SplineSize {
+    /// Degrees.
+    pub degree: [usize; 2],
+    /// Control points.
+    pub control: [usize; 2],
+}
 
 /// What a face gives to the fit.
 pub(crate) struct GivenFace {
@@ -24,8 +32,8 @@ pub(crate) struct GivenFace {
     /// The face between its outermost rulings; `None` if it is not developable and regular to the last digit, as fits
     /// are.
     pub strip: Option<Strip>,
-    /// Degrees and control points, in words.
-    pub words: String,
+    /// Degrees and control points.
+    pub size: SplineSize,
 }
 
 impl GivenFace {
@@ -46,13 +54,7 @@ impl GivenFace {
             })
             .collect();
         let (u, v) = (&face.surface.knots_u, &face.surface.knots_v);
-        let words = format!(
-            "{name} was given with degrees {} and {} and {} × {} control points",
-            u.degree(),
-            v.degree(),
-            u.control_count(),
-            v.control_count()
-        );
+        let size = SplineSize { degree: [u.degree(), v.degree()], control: [u.control_count(), v.control_count()] };
         let [lower, upper] = patch.sides();
         let developable = |s: &Strip| {
             s.twist_bound().is_some_and(|t| t * s.patch.bbox().diagonal() <= TWIST * tolerance)
@@ -61,7 +63,7 @@ impl GivenFace {
                     || regular(s, &RegressionLimits::default()) == RegressionVerdict::Clear)
         };
         let strip = Strip::between(name, PanelKind::Torse, lower, upper).ok().filter(developable);
-        Ok(Self { row, strip, words })
+        Ok(Self { row, strip, size })
     }
 }
 
@@ -77,8 +79,8 @@ pub(crate) fn no_simpler(found: &[Strip], given: &Strip) -> bool {
     control >= count(given) && degree >= given.patch.knots_u.degree()
 }
 
-/// Degrees and control points of the strips that took the place of a face, in words.
-pub(crate) fn reached(strips: &[Strip]) -> String {
-    let one = |s: &Strip| format!("{} of degree {} with {} × 2", s.name, s.patch.knots_u.degree(), count(s));
-    strips.iter().map(one).collect::<Vec<_>>().join(", ")
+/// Names, degrees and control points of the strips that took the place of a face.
+pub(crate) fn reached(strips: &[Strip]) -> Vec<(String, SplineSize)> {
+    let size = |s: &Strip| SplineSize { degree: [s.patch.knots_u.degree(), 1], control: [count(s), 2] };
+    strips.iter().map(|s| (s.name.clone(), size(s))).collect()
 }

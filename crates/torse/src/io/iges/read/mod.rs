@@ -25,6 +25,7 @@ use self::faces::{Asked, Lost};
 use self::records::Records;
 use self::sections::{Sections, LETTER, RECORD};
 use self::walk::{Census, Occurrence};
+use crate::answer::note::Note;
 use crate::answer::skipped::Skipped;
 use crate::brep::face::Face;
 use crate::geom::placement::Placement;
@@ -117,6 +118,7 @@ pub fn read_with(bytes: &[u8], options: &ReadOptions) -> Result<Model, ReadError
         let (entity, reason) = first.map_or((0, String::new()), |s| (s.entity.unwrap_or_default(), s.reason.clone()));
         return Err(ReadError::NoUsableFaces { count: census.occurrences.len(), entity, reason });
     }
+    let notes = notes.into_iter().map(Note::Input).collect();
     Ok(Model { faces, skipped, unit: records.global.unit.clone(), notes, products: census.parts })
 }
 

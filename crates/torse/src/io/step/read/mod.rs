@@ -20,6 +20,7 @@ mod walk;
 use self::curves::Geometry;
 use self::records::{Fault, Records};
 use self::walk::{Census, Occurrence};
+use crate::answer::note::Note;
 use crate::answer::skipped::Skipped;
 use crate::brep::face::Face;
 use crate::brep::trim;
@@ -113,6 +114,7 @@ pub fn read_with(bytes: &[u8], options: &ReadOptions) -> Result<Model, ReadError
         let reason = std::iter::once(reason).chain(damage(&records)).collect::<Vec<_>>().join("; ");
         return Err(ReadError::NoUsableFaces { count: census.occurrences.len(), entity, reason });
     }
+    let notes = notes.into_iter().map(Note::Input).collect();
     Ok(Model { faces, skipped, unit, notes, products: census.products })
 }
 

@@ -6,6 +6,7 @@ use super::specimens::*;
 use super::{area, corners, model, near, normal};
 use crate::brep::face::SurfaceKind;
 use crate::geom::Vec3;
+use crate::io::words;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 fn quarter(version: u32, id: u128, mode: u8) -> Item {
@@ -110,7 +111,7 @@ fn what_is_hidden_is_left_out_and_counted() {
     let items = vec![quarter(70, 1, 0), quarter(70, 2, 1), Item { layer: 1, ..quarter(70, 3, 0) }];
     let m = model(&Specimen::new(70, items).bytes());
     assert_eq!((m.faces.len(), m.skipped.len()), (1, 0));
-    assert!(m.notes.iter().any(|n| n.starts_with("2 objects are hidden")), "{:?}", m.notes);
+    assert!(m.notes.iter().any(|n| words::note(n).starts_with("2 objects are hidden")), "{:?}", m.notes);
     assert_eq!(m.products, ["Hull"]);
 }
 
@@ -193,8 +194,9 @@ fn meshes_are_points_and_triangles() {
             Item { id: 13, ..Item::new(0x20, MESH, mesh(version, raw)) },
         ];
         let s = Specimen { unit: (3, 1.0), blocks: vec![(1, "b", vec![11])], ..Specimen::new(version, items) };
-        let (cloud, notes) = meshes::cloud(&s.bytes()).expect("a mesh");
-        assert_eq!((cloud.points.len(), notes.len()), (10, 0));
+        let found = meshes::cloud(&s.bytes()).expect("a mesh");
+        let cloud = found.cloud;
+        assert_eq!((cloud.points.len(), found.notes.len(), found.assumes_unit), (10, 0, false));
         assert_eq!(cloud.points[4], Vec3::new(5., 20., 72.5));
         assert_eq!(cloud.triangles, [[0, 1, 2], [0, 2, 3], [2, 4, 3], [5, 6, 7], [5, 7, 8], [7, 9, 8]]);
         // A mesh is no face.

@@ -1,7 +1,11 @@
-//! Words and units of claims, the same in every file and on the terminal.
+//! Words and units of claims and notes, the same in every file and on the terminal.
+
+pub mod note;
+pub(in crate::io) mod numbers;
 
 use crate::answer::{Answer, Job};
 use crate::certify::claim::{Claim, Counted, Demand, Evidence, NetNumber, What};
+pub use note::note;
 use std::collections::HashSet;
 
 /// Reasons that are told one after the other; more are counted.

@@ -1,0 +1,60 @@
+//! Notes of fits.
+
+use crate::certify::claim::Counted;
+pub use crate::search::strips::ruled_face::SplineSize;
+pub use crate::search::strips::scan::Between;
+pub use crate::search::strips::scan_outline::Outlines;
+
+/// Something that people should know of strips fitted to what was given.
+#[derive(Clone, Debug, PartialEq)]
+pub enum FitNote {
+    /// Flat patterns cut back to the border of the measured points, and the names of parts that are not.
+    Outlined {
+        /// What is known of outlines that follow points; `None` if there are none.
+        outlines: Option<Outlines>,
+        /// Names of parts that are not cut back.
+        whole: Vec<String>,
+    },
+    /// Flat patterns are those of whole strips.
+    WholePatterns,
+    /// Points too far from others to belong to a surface.
+    Lonely {
+        /// How many.
+        count: usize,
+    },
+    /// The file is a coarse mesh, of which the corners are judged.
+    CoarseMesh {
+        /// Its corners.
+        corners: usize,
+        /// Its triangles.
+        triangles: usize,
+        /// What is known between its corners.
+        between: Between,
+    },
+    /// A face that was to become simpler.
+    Face(FaceNote),
+    /// Distances are proven at these, not between them.
+    At(Counted),
+}
+
+/// A face and the strips in its place.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FaceNote {
+    /// Name of the face.
+    pub face: String,
+    /// What it was given with.
+    pub given: SplineSize,
+    /// What it became.
+    pub became: Became,
+}
+
+/// What became of a face.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Became {
+    /// Nothing.
+    Nothing,
+    /// A strip of this name, as it was: nothing simpler was found.
+    Itself(String),
+    /// Strips, by name.
+    Strips(Vec<(String, SplineSize)>),
+}

@@ -1,0 +1,127 @@
+//! What people should know of the input and of a job, as data: numbers and names, no prose. [`crate::io::words::note`]
+//! makes the sentences.
+
+mod fit;
+mod loft;
+mod net;
+mod unroll;
+
+pub use crate::design::composite::Report as SolveReport;
+pub use crate::design::discrete::subdivide::LevelReport;
+pub use crate::patchwork::skins::Skin;
+pub use crate::search::strips::cut::{Crowded, Lines};
+pub use crate::search::strips::regression::Broken;
+use crate::torse::zone::RegressionLimits;
+pub use fit::{Became, Between, FaceNote, FitNote, Outlines, SplineSize};
+pub use loft::{EndNote, ExactError, ExactPiece, Leads, LoftNote};
+pub use net::{NetNote, Quality, Route};
+pub use unroll::UnrollNote;
+
+/// Something that people should know of the input or of the job.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Note {
+    /// What a reader says of its file, in the reader's words: damage, what was assumed, what was not read.
+    Input(String),
+    /// Faces were chosen from a file.
+    Chosen {
+        /// Faces taken.
+        count: usize,
+        /// Faces of the file.
+        all: usize,
+    },
+    /// A sheet drawn as a body is covered on both sides, although one skin could be asked for.
+    BothSkins {
+        /// The body.
+        body: BodyName,
+        /// Thickness, mm, estimated.
+        thickness: f64,
+        /// Faces of the outer skin, of the inner one, and of the sides.
+        faces: [usize; 3],
+    },
+    /// One skin of a sheet drawn as a body was taken.
+    OneSkin {
+        /// The body.
+        body: BodyName,
+        /// Thickness, mm, estimated.
+        thickness: f64,
+        /// Which skin.
+        skin: Skin,
+        /// Faces of the skin.
+        kept: usize,
+        /// Faces of the body.
+        all: usize,
+    },
+    /// No panel along a curve could be certified.
+    NoPanelAlong {
+        /// Name of the curve.
+        curve: String,
+    },
+    /// The file of cones holds exact surfaces.
+    ExactFaces,
+    /// Several strips are fitted one by one.
+    Unjoined,
+    /// What was asked of regression curves.
+    Limits(RegressionLimits),
+    /// A regression curve that does not keep to what was asked.
+    Broken(Broken),
+    /// Lines were asked for nearer to each other than they are drawn.
+    Crowded(Crowded),
+    /// A closed part is cut open along its first ruling.
+    CutOpen {
+        /// Name of the part; `None` where there is only one.
+        part: Option<String>,
+    },
+    /// Of lofts.
+    Loft(LoftNote),
+    /// A curve lies in a plane on which the hull rests, and that planar piece is left open.
+    Lid {
+        /// Name of the curve.
+        curve: String,
+    },
+    /// A curve that lies inside the hull of the others.
+    Inside {
+        /// Name of the curve.
+        curve: String,
+    },
+    /// Tips of hulls are cut off where rulings become too short.
+    Tips {
+        /// How many.
+        count: usize,
+        /// The length of these rulings, mm.
+        tolerance: f64,
+    },
+    /// Of nets.
+    Net(NetNote),
+    /// How a solve of a composite ended.
+    Solved {
+        /// The move and its step, both counted from their job's beginning; `None` for the first shape.
+        step: Option<(usize, usize)>,
+        /// How it ended.
+        report: SolveReport,
+    },
+    /// How exactly conditions of a composite are met.
+    Met {
+        /// Largest residual as a share of the size.
+        residual: f64,
+    },
+    /// What one level of subdivision and planarisation did.
+    Level {
+        /// The level, from 0.
+        level: usize,
+        /// What it did.
+        report: LevelReport,
+    },
+    /// Of flat parts.
+    Unroll(UnrollNote),
+    /// Of strips fitted to points, rulings, planes and faces.
+    Fit(FitNote),
+}
+
+/// What a body is called.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct BodyName {
+    /// Name of its part; empty if it has none.
+    pub part: String,
+    /// Entity number of one of its faces.
+    pub entity: u64,
+}

@@ -1,0 +1,36 @@
+//! Notes of flat parts.
+
+use crate::develop::unfold::allowance::KFactor;
+use crate::develop::unfold::tree::CutReason;
+
+/// Something that people should know of parts laid flat.
+#[derive(Clone, Debug, PartialEq)]
+pub enum UnrollNote {
+    /// Where the neutral fibre of bends lies.
+    NeutralFibre(KFactor),
+    /// A part of sheet.
+    Sheet {
+        /// Name of the part.
+        part: String,
+        /// Thickness, mm.
+        thickness: f64,
+        /// Number of bends.
+        bends: usize,
+    },
+    /// A part is cut along an edge of the file.
+    Cut {
+        /// Name of the part.
+        part: String,
+        /// Entity number of the edge.
+        edge: u64,
+        /// Why.
+        reason: CutReason,
+    },
+    /// Outlines of formed features that are not cut.
+    Formed {
+        /// Name of the part.
+        part: String,
+        /// How many.
+        count: usize,
+    },
+}

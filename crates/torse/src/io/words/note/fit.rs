@@ -1,0 +1,62 @@
+//! Sentences on fits.
+
+use super::super::counted_name;
+use super::super::numbers::length;
+use crate::answer::note::{Became, FaceNote, FitNote, Outlines, SplineSize};
+
+pub(super) fn words(note: &FitNote) -> String {
+    match note {
+        FitNote::Outlined { outlines, whole } => {
+            let apart = (!whole.is_empty())
+                .then(|| format!("Not cut back to the points, which have no single border there: {}.", whole.join(", ")));
+            outlines.iter().map(outlined).chain(apart).collect::<Vec<_>>().join(" ")
+        }
+        FitNote::WholePatterns => {
+            "Flat patterns are those of whole strips, which reach a little beyond what was measured.".into()
+        }
+        FitNote::Lonely { count } => {
+            format!("{count} points lie too far from others to belong to a surface; they are judged all the same.")
+        }
+        FitNote::CoarseMesh { corners, triangles, between } => format!(
+            "The file is a coarse mesh. Judged are the {corners} corners of its {triangles} triangles. The triangles are \
+             chords: between corners strips follow a smooth sheet through these, which is estimated to lie up to {} off the \
+             triangles; triangles lie up to {} from the strips (sampled at {} places).",
+            length(between.bulge_estimate),
+            length(between.off_estimate),
+            between.places
+        ),
+        FitNote::Face(note) => face(note),
+        FitNote::At(what) => format!("Distances are proven at the {}, not between them.", counted_name(*what)),
+    }
+}
+
+fn outlined(found: &Outlines) -> String {
+    format!(
+        "Flat outlines follow the border of the measured points: no place of them is farther than {} from a point \
+         (estimated), and the sheet may go on beyond them by the spacing of the points, about {}. Holes cut out: {}; holes \
+         of a few spacings that are not: {}; points that lie apart: {}. The strips in panels.step, model.glb and the \
+         pictures in space are not trimmed: they reach a little farther.",
+        length(found.off_estimate),
+        length(found.spacing),
+        found.holes,
+        found.closed,
+        found.stray
+    )
+}
+
+fn face(FaceNote { face, given: SplineSize { degree, control }, became }: &FaceNote) -> String {
+    let given = format!(
+        "{face} was given with degrees {} and {} and {} × {} control points",
+        degree[0], degree[1], control[0], control[1]
+    );
+    let one = |(name, size): &(String, SplineSize)| {
+        format!("{name} of degree {} with {} × {}", size.degree[0], size.control[0], size.control[1])
+    };
+    match became {
+        Became::Nothing => format!("{given}."),
+        Became::Itself(name) => format!("{given}; nothing simpler was found, it is {name} as it was."),
+        Became::Strips(strips) => {
+            format!("{given}; now: {} control points.", strips.iter().map(one).collect::<Vec<_>>().join(", "))
+        }
+    }
+}

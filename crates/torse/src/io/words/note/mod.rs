@@ -1,0 +1,198 @@
+//! Sentences of notes, the same in every report and on the terminal.
+
+mod fit;
+mod loft;
+mod net;
+mod unroll;
+
+use super::counted;
+use super::numbers::{length, number, percent, place};
+use crate::answer::note::{BodyName, Broken, Crowded, LevelReport, Lines, Note, Skin, SolveReport};
+use crate::num::gauss_newton::Status;
+use crate::torse::zone::RegressionLimits;
+
+/// A note in words.
+pub fn note(note: &Note) -> String {
+    match note {
+        Note::Input(words) => words.clone(),
+        Note::Chosen { count, all } => format!("{count} of the {all} faces of the file, as chosen"),
+        Note::BothSkins { body, thickness, faces: [outer, inner, sides] } => format!(
+            "{} is a sheet of about {}: its outer skin has {outer} faces, its inner {inner}, its sides {sides}; all are \
+             covered unless one skin is asked for (--outer, --inner)",
+            body_name(body),
+            length(*thickness)
+        ),
+        Note::OneSkin { body, thickness, skin, kept, all } => format!(
+            "of {}, a sheet of about {}, the {} skin is taken: {kept} of {all} faces",
+            body_name(body),
+            length(*thickness),
+            match skin {
+                Skin::Outer => "outer",
+                Skin::Inner => "inner",
+            }
+        ),
+        Note::NoPanelAlong { curve } => format!("no panel along {curve} could be certified; others took its place"),
+        Note::ExactFaces => "Faces of cones.step are exact cones, cylinders and planes.".into(),
+        Note::Unjoined => "Strips are fitted one by one and are not joined to each other.".into(),
+        Note::Limits(limits) => asked_of_regression(limits),
+        Note::Broken(broken) => beyond_limits(broken),
+        Note::Crowded(lines) => crowded(lines),
+        Note::CutOpen { part: None } => "the strip is closed; its flat part is cut open along the first ruling".into(),
+        Note::CutOpen { part: Some(part) } => format!("part {part} is closed; it is cut open along its first ruling"),
+        Note::Loft(note) => loft::words(note),
+        Note::Lid { curve } => {
+            format!("{curve} lies in a plane on which the hull rests; that planar piece is left open")
+        }
+        Note::Inside { curve } => format!("{curve} bounds no developable strip: it lies inside the hull of the others"),
+        Note::Tips { count, tolerance } => {
+            format!("{count} tips are cut off where rulings become shorter than the tolerance of {tolerance} mm")
+        }
+        Note::Net(note) => net::words(note),
+        Note::Solved { step, report } => solved(*step, report),
+        Note::Met { residual } => format!("conditions are met to {} of the size", number(*residual)),
+        Note::Level { level, report } => planarised(*level, report),
+        Note::Unroll(note) => unroll::words(note),
+        Note::Fit(note) => fit::words(note),
+    }
+}
+
+/// What is said of a regression curve that does not keep to what was asked.
+pub fn beyond_limits(broken: &Broken) -> String {
+    let Broken { strip, at, proven } = broken;
+    if *proven {
+        format!("the regression curve of {strip} is out of bounds at {}", place(at))
+    } else {
+        format!("it could not be shown that the regression curve of {strip} stays in bounds, around {}", place(at))
+    }
+}
+
+fn body_name(body: &BodyName) -> String {
+    match body.part.as_str() {
+        "" => format!("the body of face #{}", body.entity),
+        part => format!("'{part}'"),
+    }
+}
+
+fn asked_of_regression(limits: &RegressionLimits) -> String {
+    let mut out = if limits.clearance > 0.0 {
+        format!("Regression curves were to keep {} mm from their strips", limits.clearance)
+    } else {
+        "Regression curves were to stay off their strips".to_string()
+    };
+    if !limits.zones.is_empty() {
+        out += &format!(" and out of {}", counted(limits.zones.len(), "zone"));
+    }
+    out + "; this is proven for every ruling, not only for the given ones."
+}
+
+fn crowded(Crowded { lines, asked, least }: &Crowded) -> String {
+    let what = match lines {
+        Lines::Rulings => "rulings",
+        Lines::Marks => "marks",
+    };
+    format!(
+        "{what} every {asked} mm were asked for; on the longest part they are drawn every {}, which is as many as a part \
+         has",
+        length(*least)
+    )
+}
+
+fn solved(step: Option<(usize, usize)>, report: &SolveReport) -> String {
+    let what = match step {
+        None => "the first shape".to_owned(),
+        Some((index, step)) => format!("move {index}, step {step}"),
+    };
+    let residual = number(report.residual);
+    let how = match (&report.obstacle, report.status) {
+        (_, Status::Converged) => format!("converged in {} iterations", report.iterations),
+        (_, Status::Cancelled) => "was stopped early".into(),
+        (Some((class, item)), Status::Stalled) => {
+            format!("asks for more than there is: {class} keep {residual} of the size, most of it at {item}")
+        }
+        (Some((class, item)), _) => {
+            format!("did not converge in {} iterations: {class}, {residual} of the size at {item}", report.iterations)
+        }
+        (None, _) => format!("did not converge in {} iterations", report.iterations),
+    };
+    format!("{what} {how}")
+}
+
+fn planarised(level: usize, report: &LevelReport) -> String {
+    format!(
+        "level {level}: {} quadrilaterals, warp {} before and {} after {} steps, points moved up to {}, bends jump by {} of \
+         their mean",
+        report.quads,
+        number(report.warp_before),
+        number(report.warp),
+        report.steps,
+        length(report.largest_move),
+        percent(report.bend_jump)
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::answer::note::{Became, FaceNote, FitNote};
+    use crate::answer::note::{EndNote, ExactPiece, Leads, LoftNote, NetNote, Outlines, Quality, SplineSize};
+    use crate::certify::claim::Counted;
+    use crate::torse::net::Shape;
+
+    #[test]
+    fn numbers_have_three_digits_and_a_unit() {
+        let used =
+            EndNote::Used { rail: "long".into(), from: 0.0, to: 120.004_9, total: 190.123_4, leads: Leads::OtherRail };
+        let text = note(&Note::Loft(LoftNote::Ends(used)));
+        assert!(text.starts_with("long is used from 0 mm to 120 mm of its length of 190 mm; extend"), "{text}");
+        let least = LoftNote::LeastTwistPath { number: 2, bends: 0.012_345_6, twist: 1.234_5e-7, area: 1_234_567.0 };
+        let text = note(&Note::Loft(least));
+        assert!(
+            text.contains("0.707°") && text.contains("7.07e\u{2212}6°") && text.ends_with("area 1.23 m²"),
+            "{text}"
+        );
+        let exact = ExactPiece { strip: "A-01".into(), spans: 12, off_bound: 1.230_1e-4 };
+        let text = note(&Note::Loft(LoftNote::Exact(vec![exact])));
+        assert!(text.ends_with("A-01 (12 spans, 0.000124 mm)"), "a bound goes up: {text}");
+        let lines = Crowded { lines: Lines::Marks, asked: 1e-6, least: 0.123_456 };
+        assert!(note(&Note::Crowded(lines)).contains("marks every 0.000001 mm were asked for"));
+    }
+
+    #[test]
+    fn words_of_a_reader_stay_as_they_are() {
+        assert_eq!(note(&Note::Input("the file is truncated".into())), "the file is truncated");
+    }
+
+    #[test]
+    fn fits_and_nets_are_told_in_whole_sentences() {
+        let size = |degree: usize, control: usize| SplineSize { degree: [degree, 1], control: [control, 2] };
+        let face = |became| Note::Fit(FitNote::Face(FaceNote { face: "F01".into(), given: size(6, 57), became }));
+        let strips = Became::Strips(vec![("A-01".into(), size(3, 8)), ("A-02".into(), size(2, 3))]);
+        assert_eq!(
+            note(&face(strips)),
+            "F01 was given with degrees 6 and 1 and 57 × 2 control points; now: A-01 of degree 3 with 8 × 2, A-02 of degree \
+             2 with 3 × 2 control points."
+        );
+        assert!(note(&face(Became::Itself("A-01".into()))).ends_with("simpler was found, it is A-01 as it was."));
+        assert!(note(&face(Became::Nothing)).ends_with("control points."));
+        let at = note(&Note::Fit(FitNote::At(Counted::TangentPlanes)));
+        assert_eq!(at, "Distances are proven at the planes, not between them.");
+        let outlines = Outlines { off_estimate: 0.123_45, spacing: 2.0, holes: 1, closed: 0, stray: 3 };
+        let told = note(&Note::Fit(FitNote::Outlined { outlines: Some(outlines), whole: vec!["A-02".into()] }));
+        assert!(
+            told.contains("than 0.123 mm from a point") && told.ends_with("no single border there: A-02."),
+            "{told}"
+        );
+        let cone = Shape::new((0.0, 1.0), 0.0, 0.25);
+        let net = NetNote::Candidate {
+            number: 1,
+            shape: cone,
+            quality: Quality::Regular,
+            clearance_estimate: f64::INFINITY,
+            last: 200.0,
+        };
+        assert_eq!(
+            note(&Note::Net(net)),
+            "solution 1: m = 0, κ = 0.250000; it is regular; no regression curve, last ruling 200 mm"
+        );
+    }
+}

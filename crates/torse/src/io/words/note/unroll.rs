@@ -1,0 +1,32 @@
+//! Sentences on flat parts.
+
+use super::super::numbers::length;
+use crate::answer::note::UnrollNote;
+use crate::develop::unfold::allowance::KFactor;
+use crate::develop::unfold::tree::CutReason;
+
+pub(super) fn words(note: &UnrollNote) -> String {
+    match note {
+        UnrollNote::NeutralFibre(k) => format!("Bent zones have the length of the neutral fibre: {}.", factor(k)),
+        UnrollNote::Sheet { part, thickness, bends } => {
+            format!("{part}: sheet of {}, {bends} bends.", length(*thickness))
+        }
+        UnrollNote::Cut { part, edge, reason } => {
+            let why = match reason {
+                CutReason::Closes => "the piece closes on itself there",
+                CutReason::Overlap => "faces would lie on each other",
+                CutReason::Differs => "its images on both faces differ",
+            };
+            format!("{part}: cut along edge #{edge}, because {why}.")
+        }
+        UnrollNote::Formed { part, count } => format!("{part}: {count} outlines of formed features are not cut."),
+    }
+}
+
+fn factor(k: &KFactor) -> String {
+    match k {
+        KFactor::Ansi(k) => format!("K = {k} (ANSI: share of the thickness from the inside)"),
+        KFactor::Din => "K by DIN 6935".into(),
+        KFactor::Table(rows) => format!("K from a table of {} rows (ANSI)", rows.len()),
+    }
+}

@@ -1,0 +1,120 @@
+//! Questions that the main job refuses, before any work is done for them.
+
+use super::error::{ApproximateError, MOST_PANELS};
+use super::options::Options;
+use crate::answer::skipped::Skipped;
+use crate::brep::face::Face;
+use crate::geom::coarse::{is_tolerance, Loose};
+use crate::geom::BBox;
+use crate::search::cover::{
+    check_curves, is_developable, panels_needed, CoverOptions, CurveError, Guide, Layout, Limits,
+};
+
+/// Share of the model's size below which no tolerance is accepted (certificate specification, 3).
+const PRECISION: f64 = 1e-10;
+
+/// What can be said of the question at once.
+pub(super) fn checked(faces: &[Face], skipped: &[Skipped], options: &Options) -> Result<(), ApproximateError> {
+    let tolerance = options.tolerance;
+    if !is_tolerance(tolerance) {
+        return Err(ApproximateError::Tolerance(tolerance));
+    }
+    if options.max_panels == Some(0) {
+        return Err(ApproximateError::MaxPanels);
+    }
+    checked_limits(&options.limits)?;
+    if !(0.0..std::f64::consts::FRAC_PI_2).contains(&options.smooth_angle) {
+        return Err(ApproximateError::SmoothAngle(options.smooth_angle.to_degrees()));
+    }
+    if faces.is_empty() {
+        let why = skipped.first().map_or("the file holds none".to_owned(), Skipped::words);
+        return Err(ApproximateError::NoFaces(why));
+    }
+    let mut bbox = BBox::empty();
+    for f in faces {
+        let b = f.surface.bbox();
+        bbox.include(&b.min);
+        bbox.include(&b.max);
+    }
+    Loose::check(bbox.diagonal(), tolerance)?;
+    let size = bbox.diagonal().max(bbox.min.amax().max(bbox.max.amax()));
+    if tolerance < PRECISION * size {
+        return Err(ApproximateError::Precision { tolerance, size, least: PRECISION * size });
+    }
+    checked_layout(&options.layout, &bbox)
+}
+
+/// Limits that ask for more panels than can be laid on one of the faces.
+pub(super) fn checked_number(faces: &[Face], options: &Options) -> Result<(), ApproximateError> {
+    let tolerance = options.tolerance;
+    for f in faces.iter().filter(|f| !is_developable(f, tolerance)) {
+        if let Some((name, count)) = panels_needed(f, &options.limits, tolerance).filter(|n| n.1 > MOST_PANELS) {
+            return Err(ApproximateError::TooMany { name, count, entity: f.entity });
+        }
+    }
+    Ok(())
+}
+
+/// A curve of the layout that is of use on no face: the error of the face that it comes nearest to.
+pub(super) fn checked_curves(faces: &[Face], options: &Options) -> Result<(), ApproximateError> {
+    let curves = &options.layout.curves;
+    let cover_options = CoverOptions {
+        tolerance: options.tolerance,
+        max_panels: usize::MAX,
+        facets: false,
+        limits: options.limits,
+        layout: Layout::default(),
+    };
+    let mut least: Vec<Option<CurveError>> = vec![None; curves.len()];
+    let mut useful = vec![curves.is_empty(); curves.len()];
+    for face in faces.iter().filter(|_| !curves.is_empty()) {
+        // Faces that cannot be triangulated are reported by the cover.
+        let Ok(found) = check_curves(face, curves, &cover_options) else { continue };
+        for (i, r) in found.into_iter().enumerate() {
+            match r {
+                Ok(()) => useful[i] = true,
+                Err(e) if least[i].as_ref().is_none_or(|l| e.remoteness() < l.remoteness()) => least[i] = Some(e),
+                Err(_) => {}
+            }
+        }
+    }
+    match useful.iter().position(|u| !u).and_then(|i| least[i].clone()) {
+        Some(e) => Err(e.into()),
+        None => Ok(()),
+    }
+}
+
+/// Limits that nothing can keep.
+fn checked_limits(limits: &Limits) -> Result<(), ApproximateError> {
+    if let Some((name, value)) = limits.named().into_iter().find(|(_, v)| !v.is_none_or(|v| v > 0.0)) {
+        return Err(ApproximateError::Limit { name, value: value.unwrap_or(f64::NAN) });
+    }
+    match limits.min_width.zip(limits.widest()) {
+        Some((least, greatest)) if least > greatest => Err(ApproximateError::Widths { least, greatest }),
+        _ => Ok(()),
+    }
+}
+
+/// A layout that asks for what cannot be.
+fn checked_layout(layout: &Layout, bbox: &BBox) -> Result<(), ApproximateError> {
+    for (i, seam) in layout.seams.iter().enumerate() {
+        let (middle, half) = (0.5 * (bbox.min + bbox.max), 0.5 * (bbox.max - bbox.min));
+        let (at, reach) = (seam.normal.dot(&middle), seam.normal.abs().dot(&half));
+        let (lo, hi) = (at - reach, at + reach);
+        if !(seam.offset > lo && seam.offset < hi) {
+            return Err(ApproximateError::SeamPlane { index: i + 1, at: seam.offset, lo, hi });
+        }
+    }
+    let sound = match &layout.guide {
+        None => true,
+        Some(Guide::Direction(d)) => d.norm() > 0.0 && d.norm().is_finite(),
+        Some(Guide::Curve(points)) => {
+            points.iter().all(|p| p.iter().all(|x| x.is_finite())) && points.windows(2).any(|w| w[0] != w[1])
+        }
+    };
+    if sound {
+        Ok(())
+    } else {
+        Err(ApproximateError::Guide)
+    }
+}

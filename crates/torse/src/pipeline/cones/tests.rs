@@ -1,0 +1,79 @@
+//! Faces that become exact cones, and those that are none.
+
+use super::*;
+use crate::certify::claim::Status;
+use crate::geom::Vec3;
+use crate::io::words;
+use crate::search::strips::cone_strip::tests::{face_point, slanting};
+use crate::spline::knots::Knots;
+use crate::spline::surface::Surface;
+
+/// A cylinder over a parabola, ruled along y, as a face; `bent` lifts one corner line so that it is no developable.
+fn face(lift: f64) -> Face {
+    let points: Vec<Vec3> = (0..3)
+        .flat_map(|i| {
+            let x = 50.0 * f64::from(i);
+            let z = if i == 1 { 40.0 } else { 0.0 };
+            [Vec3::new(x, 0.0, z), Vec3::new(x, 100.0, z + if i == 2 { lift } else { 0.0 })]
+        })
+        .collect();
+    let knots = |p| Knots::clamped(p, &[0.0, 1.0]).expect("knots");
+    Face::untrimmed(Surface::new(knots(2), knots(1), &points, None).expect("surface"))
+}
+
+#[test]
+fn a_cylinder_becomes_certified_cylinders_and_files_parts_and_patterns_agree() {
+    let options = ConesOptions { tolerance: 0.05, input: "test".into() };
+    let out = of_faces(&[face(0.0)], &[], &options, &Control::default()).expect("an answer");
+    assert_eq!(out.status(), Status::Certified);
+    let bodies = &out.cones.as_ref().expect("cones").bodies;
+    assert_eq!(bodies.len(), 1);
+    let [cones, cylinders, _] = bodies[0].spline.counts();
+    assert!(cones == 0 && cylinders > 1 && out.patchwork.panels.len() == bodies[0].spline.segments.len());
+    let area: f64 = out.patterns.iter().map(|p| p.area).sum();
+    let surface: f64 = out.strips().map(Strip::area_estimate).sum();
+    assert!((area - surface).abs() < 1e-3 * surface, "{area} {surface}");
+}
+
+#[test]
+fn faces_that_are_no_developables_are_named() {
+    let options = ConesOptions { tolerance: 0.05, input: "test".into() };
+    let error = of_faces(&[face(30.0)], &[], &options, &Control::default()).expect_err("hyperbolic");
+    assert!(error.to_string().contains("not developable"), "{error}");
+    let out = of_faces(&[face(30.0), face(0.0)], &[], &options, &Control::default()).expect("one of two");
+    assert_eq!(out.skipped.len(), 1);
+    // One surface of two is no answer that is certified, nor is what a reader left out.
+    assert_eq!(out.status(), Status::Uncertified, "half of it is missing");
+    let reason = words::reason(&out.claims, &[]);
+    assert!(reason.contains("left out") && reason.contains("not developable"), "{reason}");
+    let lost = Skipped::of_file(7, "unreadable", None);
+    let out = of_faces(&[face(0.0)], &[lost], &options, &Control::default()).expect("the other");
+    assert!(words::reason(&out.claims, &[]).contains("#7"), "{:?}", out.claims);
+    let bad = ConesOptions { tolerance: f64::NAN, ..options };
+    assert!(of_faces(&[face(0.0)], &[], &bad, &Control::default()).is_err());
+}
+
+#[test]
+fn slanting_parts_beside_the_regression_curve_are_certified_and_trimmed() {
+    let options = ConesOptions { tolerance: 0.2, input: "test".into() };
+    let out = of_faces(&[slanting()], &[], &options, &Control::default()).expect("an answer");
+    assert_eq!(out.status(), Status::Certified);
+    let bodies = &out.cones.as_ref().expect("cones").bodies;
+    let part = bodies[0].part.as_ref().expect("trimmed");
+    assert!(part.faces.len() > 1 && part.outline_estimate < 0.01, "{}", part.outline_estimate);
+    // The area of the part is that of the region: |c' x (c' + ...)| by the midpoint rule.
+    let area: f64 = out.patterns.iter().map(|p| p.area).sum();
+    let n = 200;
+    let mut expected = 0.0;
+    for i in 0..n {
+        let u = 0.2 + 0.8 * (f64::from(i) + 0.5) / f64::from(n);
+        for j in 0..20 {
+            let v = 0.7 - 0.5 * u + 0.25 * (f64::from(j) + 0.5) / 20.0;
+            let h = 1e-5;
+            let s = |u, v| face_point(u, v);
+            let (du, dv) = (s(u + h, v) - s(u - h, v), s(u, v + h) - s(u, v - h));
+            expected += du.cross(&dv).norm() / (4.0 * h * h) * (0.8 / f64::from(n)) * (0.25 / 20.0);
+        }
+    }
+    assert!((area - expected).abs() < 5e-3 * expected, "{area} {expected}");
+}

@@ -1,0 +1,107 @@
+//! Hulls of curves that are known.
+
+use super::*;
+use crate::brep::space_curve::SpaceCurve;
+use crate::certify::claim::What;
+use crate::certify::claim::{Evidence, Status};
+use crate::geom::{Frame, Vec3};
+use crate::torse::strip::Strip;
+use std::f64::consts::TAU;
+
+fn ellipse(name: &str, origin: Vec3, a: f64, b: f64) -> Rail {
+    let frame = Frame { origin, ..Frame::world() };
+    let (c, _) = SpaceCurve::Ellipse { frame, a, b }.to_spline(0.0, TAU).expect("spline");
+    Rail::new(name, &[c]).expect("rail")
+}
+
+#[test]
+fn circle_and_ellipse_are_joined_and_certified() {
+    let curves = [ellipse("low", Vec3::zeros(), 300.0, 300.0), ellipse("high", Vec3::z() * 400.0, 500.0, 200.0)];
+    let answer = hull(&curves, &Options::new(0.1), &Control::default()).expect("an answer");
+    assert_eq!(answer.status(), Status::Certified, "{:?}", answer.claims);
+    assert_eq!(answer.notes.iter().filter(|n| matches!(n, Note::Lid { .. })).count(), 2);
+    assert!(!answer.patterns.is_empty());
+}
+
+#[test]
+fn three_circles_leave_two_planar_triangles() {
+    let curves = [0.0, 1.0, 2.0].map(|k: f64| {
+        let a = k * TAU / 3.0;
+        // Circles about the middle of a triangle's corners, standing upright, turned towards it.
+        let frame = Frame {
+            origin: Vec3::new(a.cos(), a.sin(), 0.0) * 300.0,
+            x: Vec3::new(-a.sin(), a.cos(), 0.0),
+            y: Vec3::z(),
+            z: Vec3::new(a.cos(), a.sin(), 0.0),
+        };
+        let (c, _) = SpaceCurve::Ellipse { frame, a: 100.0, b: 100.0 }.to_spline(0.0, TAU).expect("spline");
+        Rail::new(&format!("circle {k}"), &[c]).expect("rail")
+    });
+    let answer = hull(&curves, &Options::new(0.1), &Control::default()).expect("an answer");
+    assert_eq!(answer.status(), Status::Certified, "{:?} {:?}", answer.claims, answer.notes);
+    let upright = |s: &&Strip| {
+        let p = s.patch.control.iter().map(|c| c[2] / c[3]).collect::<Vec<_>>();
+        p.iter().all(|z| (z.abs() - 100.0).abs() < 1e-9)
+    };
+    // Planes z = ±100 touch all three circles at their tops and bottoms.
+    assert_eq!(answer.strips().filter(upright).count(), 2);
+}
+
+#[test]
+fn proven_numbers_are_known_and_not_below_measured_ones() {
+    let wave = |t: f64| Vec3::new(300.0 * t.cos(), 200.0 * t.sin(), 60.0 * (2.0 * t).cos());
+    let cap = |t: f64| Vec3::new(150.0 * t.cos(), 150.0 * t.sin(), 400.0 + 20.0 * (3.0 * t).cos());
+    let row = |f: &dyn Fn(f64) -> Vec3| {
+        let points: Vec<Vec3> = (0..=60).map(|k| f(TAU * f64::from(k % 60) / 60.0)).collect();
+        Rail::through("curve", &points).expect("rail")
+    };
+    let options = Options { samples: 48, ..Options::new(0.5) };
+    let answer = hull(&[row(&wave), row(&cap)], &options, &Control::default()).expect("an answer");
+    assert!(answer.claims.iter().all(|c| !c.is_unknown()), "{:?}", answer.claims);
+    let twist = |c: &&Claim| c.what() == What::Twist;
+    for bound in answer.claims.iter().filter(twist).filter(|c| c.evidence() == Evidence::Proven) {
+        let measured = |c: &&Claim| c.evidence() == Evidence::Measured && c.subject() == bound.subject();
+        for c in answer.claims.iter().filter(twist).filter(measured) {
+            assert!(c.value() <= bound.value(), "{c:?} {bound:?}");
+        }
+    }
+    // What is written has bounds; the rest is named.
+    assert!(answer.strips().all(|s| answer.skipped.iter().all(|n| !n.reason.contains(&s.name))));
+}
+
+#[test]
+fn curves_through_many_points_have_as_few_spans_as_their_shape_needs() {
+    let at = |t: f64, a: f64, b: f64, z: f64| Vec3::new(a * t.cos(), b * t.sin(), z);
+    let row = |n: u32, a: f64, b: f64, z: f64| {
+        let points: Vec<Vec3> = (0..=n).map(|k| at(TAU * f64::from(k % n) / f64::from(n), a, b, z)).collect();
+        Rail::through("curve", &points).expect("rail")
+    };
+    let curves = [row(700, 300.0, 300.0, 0.0), row(500, 500.0, 200.0, 400.0)];
+    let options = Options { samples: 64, ..Options::new(0.1) };
+    let answer = hull(&curves, &options, &Control::default()).expect("an answer");
+    assert_eq!(answer.status(), Status::Certified, "{:?} {:?}", answer.claims, answer.skipped);
+    let spans: usize = answer.strips().map(|s| s.patch.knots_u.breaks().len() - 1).sum();
+    assert!(spans < 600, "{spans}");
+    // Fitted to the curves, not laid between them.
+    assert!(answer.claims.iter().any(|c| c.what() == What::Count(Counted::ExactStrips) && c.value() == 0.0));
+}
+
+#[test]
+fn a_stopped_job_ends_at_once_and_says_so() {
+    let curves = [ellipse("low", Vec3::zeros(), 300.0, 300.0), ellipse("high", Vec3::z() * 400.0, 500.0, 200.0)];
+    let control = Control::default();
+    control.cancel();
+    let answer = hull(&curves, &Options::new(0.1), &control).expect("an answer");
+    let told = |c: &Claim| c.what() == What::Objection && c.reason().contains("stopped early");
+    assert!(answer.patchwork.panels.is_empty() && answer.claims.iter().any(told), "{:?}", answer.claims);
+}
+
+#[test]
+fn what_has_no_hull_is_refused() {
+    let control = Control::default();
+    assert_eq!(hull(&[], &Options::new(0.1), &control).err(), Some(HullError::NoCurves));
+    let flat = [ellipse("a", Vec3::zeros(), 1.0, 1.0), ellipse("b", Vec3::x() * 5.0, 1.0, 1.0)];
+    let e = hull(&flat, &Options::new(0.1), &control).expect_err("flat");
+    assert!(e.to_string().contains("a, b"), "{e}");
+    assert!(matches!(hull(&flat, &Options::new(f64::NAN), &control), Err(HullError::Tolerance(_))));
+}

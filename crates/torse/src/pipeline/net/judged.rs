@@ -1,0 +1,113 @@
+//! Strips of nets before their judge, laid flat, as an answer.
+
+use super::options::Options;
+use crate::answer::note::{NetNote, Note};
+use crate::answer::{Answer, Guide, Job};
+use crate::certify::claim::{Claim, Counted, NetNumber, Subject, What};
+use crate::design::loft::build::BuiltStrip;
+use crate::develop::strip::StripOptions;
+use crate::patchwork::panel::Patchwork;
+use crate::patchwork::part::Part;
+use crate::search::strips::cut::laid;
+use crate::search::strips::judgement::{judge, Candidate};
+use crate::torse::net::{NetKind, Regularity, TaperedNet};
+use crate::torse::rail::Rail;
+use crate::torse::strip::Strip;
+use std::time::Instant;
+
+/// What was found.
+#[derive(Default)]
+pub(super) struct Nets {
+    /// The nets, one after the other along the curve.
+    pub nets: Vec<TaperedNet>,
+    /// What is said of them.
+    pub claims: Vec<Claim>,
+    /// What people should know of them.
+    pub notes: Vec<NetNote>,
+    /// Why there are none.
+    pub missing: Vec<String>,
+}
+
+/// Where the regression curve lies against a strip.
+fn tell_regression(name: &str, net: &TaperedNet, notes: &mut Vec<NetNote>) {
+    let (a, b) = net.net.domain();
+    let at = [net.regression(a), net.regression(b)];
+    let strip = name.to_owned();
+    if !(at[0].is_finite() && at[1].is_finite()) {
+        notes.push(NetNote::NoRegression { strip });
+        return;
+    }
+    let apex = matches!(net.net.kind(), NetKind::Cone { .. });
+    notes.push(NetNote::Regression { strip, apex, linear: !apex && net.is_constant(), at });
+}
+
+/// Judges and develops strips.
+pub(super) fn judged(
+    rail: &Rail,
+    given: &Rail,
+    built: Vec<BuiltStrip>,
+    found: Nets,
+    options: &Options,
+    start: Instant,
+) -> Answer {
+    let Nets { nets, mut claims, mut notes, mut missing } = found;
+    let pieces: Vec<Candidate> =
+        built.iter().enumerate().map(|(index, built)| Candidate { index, built, rails: [Some(rail), None] }).collect();
+    let judgement = judge(&pieces, [What::FromCurve(0), What::FromCurve(1)], options.twist_tolerance);
+    let whole = Subject::Whole;
+    for (s, net) in built.iter().zip(&nets) {
+        tell_regression(&s.strip.name, net, &mut notes);
+        match net.regularity() {
+            Regularity::Regular => {}
+            Regularity::Regression { u, v } => missing.push(format!(
+                "strip {} meets its regression curve on ruling u = {u:.4} at {:.0} % of its length; choose other parameters, or a shorter stretch",
+                s.strip.name,
+                100.0 * v
+            )),
+            Regularity::TangentRuling { u } => {
+                missing.push(format!("strip {} has a ruling tangent to {} at u = {u:.4}", s.strip.name, given.name));
+            }
+            Regularity::Weight { index, weight } => {
+                missing.push(format!("strip {} has weight {weight:.3} at control point {index}", s.strip.name));
+            }
+        }
+    }
+    missing.extend(judgement.missing.iter().filter(|_| missing.is_empty()).cloned().collect::<Vec<_>>());
+    let strips: Vec<Strip> = built.into_iter().map(|s| s.strip).collect();
+    let flat = StripOptions::of_job(options.tolerance, [options.ruling_spacing, options.mark_spacing], options.drawn);
+    let chains: Vec<Part> = (!strips.is_empty()).then(|| Part::new("A", 0, strips.len())).into_iter().collect();
+    let laid = laid(&strips, &chains, &flat, options.tolerance);
+    let mut notes: Vec<Note> = notes.into_iter().map(Note::Net).collect();
+    notes.extend(laid.crowded.iter().copied().map(Note::Crowded));
+    if let Some(net) = nets.first() {
+        let shape = net.net.shape();
+        let stars = [(NetNumber::MStar, shape.m_star()), (NetNumber::LambdaStar, shape.lambda_star())];
+        let numbers = if shape.m == 0.0 { [(NetNumber::M, 0.0), (NetNumber::Kappa, shape.kappa)] } else { stars };
+        claims.extend(numbers.map(|(number, x)| Claim::given(What::NetShape(number), whole, x)));
+    }
+    if !strips.is_empty() {
+        let off = judgement.off[0];
+        claims.push(Claim::at_most(What::FromCurve(0), whole, off).within(options.tolerance).because(format!(
+            "the strips stray up to {:.4} mm from {}",
+            off.value(),
+            given.name
+        )));
+        claims.extend(judgement.whole().into_iter().filter(|c| !matches!(c.what(), What::Count(_))));
+    }
+    claims.push(Claim::count(Counted::Strips, whole, strips.len()));
+    if !laid.parts.is_empty() {
+        claims.extend(laid.claims());
+    }
+    claims.extend(missing.into_iter().map(|reason| Claim::objection(whole, reason)));
+    claims.extend(judgement.claims);
+    Answer {
+        claims,
+        patchwork: Patchwork::of_strips(strips),
+        fields: judgement.fields,
+        meaning: judgement.meaning,
+        guides: vec![Guide::of(given)],
+        notes,
+        seconds: start.elapsed().as_secs_f64(),
+        ..Answer::of_flat(Job::Net, &options.input, options.tolerance, laid)
+    }
+}

@@ -1,0 +1,306 @@
+//! Sheets and surfaces whose flat parts are known.
+
+use crate::brep::face::Face;
+use crate::develop::unfold::allowance::KFactor;
+use crate::develop::unfold::bends::BendKind;
+use crate::develop::unfold::part::{flat_parts, BodyParts, FlatPart, PartOptions};
+use crate::develop::unfold::specimens::{quarter, rectangle, round_surface, BentSheet, Stretch};
+use crate::develop::unfold::tree::CutReason;
+use crate::geom::Vec3;
+use crate::patchwork::image::ClosedMap;
+use crate::patchwork::pattern::BendSense;
+use std::f64::consts::{FRAC_PI_2, PI};
+
+const TOLERANCE: f64 = 1e-3;
+
+fn flat(faces: &[Face], k: f64) -> BodyParts {
+    let options = PartOptions { tolerance: TOLERANCE, k: KFactor::Ansi(k), surfaces: false };
+    flat_parts(&faces.iter().collect::<Vec<_>>(), "part", &options)
+}
+
+/// The only part, with nothing left out and its drawing proven.
+fn only(faces: &[Face], made: BodyParts) -> FlatPart {
+    assert!(made.left.is_empty(), "{:?}", made.left);
+    assert_eq!(made.parts.len(), 1);
+    let part = made.parts.into_iter().next().expect("a part");
+    let proof = super::judged(&part, faces, TOLERANCE);
+    assert!(proof.carrier_distance().value() < 1e-9 && proof.drawing_distance().value() <= TOLERANCE, "{proof:?}");
+    assert!(proof.joint_gap().value() < 1e-9 && proof.strain().value() < 1e-12, "{proof:?}");
+    part
+}
+
+fn laid(faces: &[Face], k: f64) -> FlatPart {
+    only(faces, flat(faces, k))
+}
+
+fn near(a: f64, b: f64) {
+    assert!((a - b).abs() < 1e-9 * b.abs().max(1.0), "{a} {b}");
+}
+
+#[test]
+fn a_bracket_is_as_long_as_its_neutral_fibre() {
+    let (t, r, k, angle, w) = (2.0, 3.0, 0.4, 1.2, 30.0);
+    for sign in [1.0, -1.0] {
+        let profile = [Stretch::Line(40.0), Stretch::Bend(sign * angle, r), Stretch::Line(25.0)];
+        let part = laid(&BentSheet::new(t, &profile, &[0.0, w], &[]).faces(), k);
+        let length = 40.0 + (r + k * t) * angle + 25.0;
+        near(part.sheet.thickness, t);
+        near(part.pattern.area, length * w);
+        near(part.pattern.length, length);
+        near(part.pattern.width, w);
+        assert_eq!(part.pattern.contours.len(), 1);
+        assert_eq!(part.pattern.contours[0].vertices.len(), 4, "straight sides are one line each");
+        let [bend] = part.sheet.bends.as_slice() else { panic!("one bend") };
+        assert_eq!((bend.kind, bend.lines.len(), bend.extents.len()), (BendKind::Bend, 1, 2));
+        near(bend.angle, angle);
+        near(bend.inside_radius, r);
+        near(bend.allowance, (r + k * t) * angle);
+        near(bend.length, w);
+        // The bend line lies half way between its extents.
+        let middle = |l: &[crate::geom::Vec2; 2]| (l[0] + l[1]) * 0.5;
+        let between = (middle(&bend.extents[0]) + middle(&bend.extents[1])) * 0.5;
+        assert!((middle(&bend.lines[0]) - between).norm() < 1e-9);
+    }
+}
+
+#[test]
+fn a_channel_bends_one_way_and_a_step_both_ways() {
+    let profile = |second: f64| {
+        [
+            Stretch::Line(20.0),
+            Stretch::Bend(FRAC_PI_2, 2.0),
+            Stretch::Line(50.0),
+            Stretch::Bend(second * FRAC_PI_2, 2.0),
+            Stretch::Line(30.0),
+        ]
+    };
+    let length = 100.0 + 2.0 * (2.0 + 0.44 * 1.5) * FRAC_PI_2;
+    for (second, alike) in [(1.0, true), (-1.0, false)] {
+        let part = laid(&BentSheet::new(1.5, &profile(second), &[0.0, 40.0], &[]).faces(), 0.44);
+        near(part.pattern.length, length);
+        near(part.pattern.area, 40.0 * length);
+        assert_eq!(part.sheet.bends.len(), 2);
+        assert_eq!(part.sheet.bends[0].sense == part.sheet.bends[1].sense, alike);
+        let mut order: Vec<usize> = part.sheet.bends.iter().map(|b| b.order).collect();
+        order.sort_unstable();
+        assert_eq!(order, [1, 2]);
+    }
+}
+
+#[test]
+fn a_window_across_a_bend_stays_open_and_splits_the_bend_line() {
+    let profile = [
+        Stretch::Line(20.0),
+        Stretch::Line(10.0),
+        Stretch::Bend(FRAC_PI_2, 2.0),
+        Stretch::Line(10.0),
+        Stretch::Line(20.0),
+    ];
+    let holes = [[1, 1], [2, 1], [3, 1]];
+    let sheet = BentSheet::new(1.0, &profile, &[0.0, 10.0, 25.0, 40.0], &holes);
+    let part = laid(&sheet.faces(), 0.5);
+    let bent = 2.5 * FRAC_PI_2;
+    near(part.pattern.area, 40.0 * (60.0 + bent) - 15.0 * (20.0 + bent));
+    assert_eq!(part.pattern.contours.len(), 2, "an outer contour and a hole");
+    assert!(part.pattern.contours.iter().all(|c| c.vertices.len() == 4));
+    let [bend] = part.sheet.bends.as_slice() else { panic!("one bend: {:?}", part.sheet.bends) };
+    assert_eq!(bend.lines.len(), 2);
+    near(bend.length, 40.0);
+    assert!(part.cuts.is_empty());
+}
+
+#[test]
+fn a_tray_of_four_flanges_is_a_cross() {
+    let (a, b, r, h) = (60.0, 40.0, 3.0, 15.0);
+    // Seen from below, which is outside.
+    let mut faces = vec![rectangle(Vec3::zeros(), Vec3::y() * b, Vec3::x() * a)];
+    let sides = [
+        (Vec3::zeros(), Vec3::x(), -Vec3::y(), a),
+        (Vec3::new(a, 0.0, 0.0), Vec3::y(), Vec3::x(), b),
+        (Vec3::new(a, b, 0.0), -Vec3::x(), Vec3::y(), a),
+        (Vec3::new(0.0, b, 0.0), -Vec3::y(), -Vec3::x(), b),
+    ];
+    for (corner, along, out, length) in sides {
+        // Up: the axis lies above the edge.
+        let axis = corner + Vec3::z() * r;
+        faces.push(quarter(axis + along * length, -along, -Vec3::z() * r, length));
+        let foot = axis + out * r;
+        faces.push(rectangle(foot, along * length, Vec3::z() * h));
+    }
+    let part = laid(&faces, 0.44);
+    assert_eq!(part.sheet.thickness, 0.0);
+    let flange = h + r * FRAC_PI_2;
+    near(part.pattern.area, a * b + 2.0 * (a + b) * flange);
+    assert_eq!(part.pattern.contours[0].vertices.len(), 12);
+    assert_eq!((part.sheet.bends.len(), part.cuts.len()), (4, 0));
+    assert!(part.sheet.bends.iter().all(|b| b.kind == BendKind::Bend));
+}
+
+#[test]
+fn faces_that_look_different_ways_are_turned_before_they_are_joined() {
+    let (x, y, z) = (Vec3::x() * 10.0, Vec3::y() * 20.0, Vec3::z() * 30.0);
+    let floor = rectangle(Vec3::zeros(), x, y);
+    for wall in [rectangle(Vec3::zeros(), y, z), rectangle(Vec3::zeros(), z, y)] {
+        let part = laid(&[floor.clone(), wall], 0.44);
+        near(part.pattern.area, 800.0);
+        assert_eq!((part.sheet.bends.len(), part.faces.len()), (1, 2));
+    }
+}
+
+#[test]
+fn a_closed_box_is_cut_open_along_seven_edges() {
+    let (x, y, z) = (Vec3::x() * 10.0, Vec3::y() * 20.0, Vec3::z() * 30.0);
+    let o = Vec3::zeros();
+    let faces = [
+        rectangle(o, y, x),
+        rectangle(z, x, y),
+        rectangle(o, x, z),
+        rectangle(y, z, x),
+        rectangle(o, z, y),
+        rectangle(x, y, z),
+    ];
+    let options = PartOptions { tolerance: TOLERANCE, k: KFactor::default(), surfaces: true };
+    let part = only(&faces, flat_parts(&faces.iter().collect::<Vec<_>>(), "box", &options));
+    near(part.pattern.area, 2.0 * (200.0 + 300.0 + 600.0));
+    assert_eq!((part.cuts.len(), part.sheet.bends.len()), (7, 5));
+    assert!(part.cuts.iter().all(|c| c.1 == CutReason::Closes));
+    assert!(part.sheet.bends.iter().all(|b| b.kind == BendKind::Fold && b.sense == BendSense::Down));
+}
+
+#[test]
+fn a_frustum_is_a_sector_and_a_pipe_a_rectangle() {
+    let (radius, slope, h) = (20.0, 0.3_f64, 40.0);
+    let cone = laid(&[round_surface(radius, slope, (0.0, h))], 0.44);
+    let slant = h * (1.0 + slope * slope).sqrt();
+    near(cone.pattern.area, PI * slant * (2.0 * radius + slope * h));
+    assert!(cone.sheet.bends[0].kind == BendKind::Rolled && cone.sheet.bends[0].lines.len() > 60);
+    // Two lines and two arcs of one centre, each in two parts at most.
+    assert!(cone.pattern.contours[0].vertices.len() <= 6, "{}", cone.pattern.contours[0].vertices.len());
+    let pipe = laid(&[round_surface(radius, 0.0, (0.0, h))], 0.44);
+    near(pipe.pattern.area, 2.0 * PI * radius * h);
+    near(pipe.pattern.length, 2.0 * PI * radius);
+    assert_eq!(pipe.pattern.contours[0].vertices.len(), 4);
+}
+
+#[test]
+fn bodies_without_one_thickness_are_refused_with_the_distances_found() {
+    // A block: three distances, none of which is that of most of it.
+    let profile = [Stretch::Line(30.0)];
+    let block = BentSheet::new(28.0, &profile, &[0.0, 29.0], &[]).faces();
+    let made = flat(&block, 0.44);
+    assert!(made.parts.is_empty());
+    let (face, reason) = &made.left[0];
+    assert!(face.is_none() && reason.contains("no constant thickness"), "{reason}");
+    assert!(reason.contains("28.000") && reason.contains("29.000"), "{reason}");
+    // As surfaces they unfold all the same.
+    let options = PartOptions { tolerance: TOLERANCE, k: KFactor::default(), surfaces: true };
+    let part = only(&block, flat_parts(&block.iter().collect::<Vec<_>>(), "block", &options));
+    near(part.pattern.area, 2.0 * (30.0 * 28.0 + 30.0 * 29.0 + 28.0 * 29.0));
+}
+
+/// A face ruled along a direction or to a point over a parabola, without thickness.
+fn over_parabola(to: impl Fn(Vec3) -> Vec3) -> Face {
+    let curve = [Vec3::zeros(), Vec3::new(50.0, 0.0, 40.0), Vec3::new(100.0, 0.0, 0.0)];
+    let points: Vec<Vec3> = curve.iter().flat_map(|p| [*p, to(*p)]).collect();
+    let knots = |degree| crate::spline::knots::Knots::clamped(degree, &[0.0, 1.0]).expect("knots");
+    let surface = crate::spline::surface::Surface::new(knots(2), knots(1), &points, None).expect("a surface");
+    Face::untrimmed(surface)
+}
+
+#[test]
+fn general_developables_keep_their_area_and_the_lengths_of_their_edges() {
+    let apex = Vec3::new(40.0, 130.0, 10.0);
+    let shapes: [(&str, Face); 2] = [
+        ("general cylinder", over_parabola(|p| p + Vec3::new(10.0, 90.0, 5.0))),
+        ("general cone", over_parabola(|p| p + (apex - p) * 0.6)),
+    ];
+    for (name, face) in shapes {
+        assert_eq!(crate::brep::carrier::carrier(&face).name(), name);
+        let made = flat(std::slice::from_ref(&face), 0.44);
+        assert!(made.left.is_empty());
+        let part = &made.parts[0];
+        let area = crate::brep::area::area_estimate(&face);
+        assert!((part.pattern.area - area).abs() < 1e-5 * area, "{name}: {} {area}", part.pattern.area);
+        let length = |a: Vec3, b: Vec3| (a - b).norm();
+        let corner = |k: usize| {
+            let q = face.loops[0].points[k];
+            face.surface.point(q[0], q[1])
+        };
+        let corners: Vec<_> = part.pattern.contours[0].vertices.iter().filter(|v| v.corner).map(|v| v.point).collect();
+        assert_eq!(corners.len(), 4);
+        // Two sides are rulings: their lengths stay, in space and in the plane.
+        let flat_sides: Vec<f64> = (0..4).map(|k| (corners[k] - corners[(k + 1) % 4]).norm()).collect();
+        for (p, q) in [(0, 3), (1, 2)] {
+            let wanted = length(corner(p), corner(q));
+            assert!(flat_sides.iter().any(|s| (s - wanted).abs() < 1e-8 * wanted), "{name}: {flat_sides:?} {wanted}");
+        }
+        assert!(part.sheet.bends[0].kind == BendKind::Rolled && part.sheet.bends[0].lines.len() > 10);
+    }
+}
+
+#[test]
+fn twisted_faces_are_named_with_their_twist() {
+    let twisted = over_parabola(|p| p + Vec3::new(0.0, 90.0, 0.2 * p.x));
+    let made = flat(std::slice::from_ref(&twisted), 0.44);
+    assert!(made.parts.is_empty());
+    let reason = &made.left[0].1;
+    assert!(reason.contains("not developable") && reason.contains("° along a ruling"), "{reason}");
+}
+
+#[test]
+fn a_drawing_that_is_moved_is_refused_by_the_judge() {
+    let profile = [Stretch::Line(40.0), Stretch::Bend(1.0, 3.0), Stretch::Line(25.0)];
+    let faces = BentSheet::new(2.0, &profile, &[0.0, 30.0], &[]).faces();
+    let part = laid(&faces, 0.44);
+    let judged = |change: &dyn Fn(&mut FlatPart)| {
+        let mut forged = part.clone();
+        change(&mut forged);
+        super::judged(&forged, &faces, TOLERANCE)
+    };
+    let drawn = |change: &dyn Fn(&mut FlatPart)| judged(change).drawing_distance().value();
+    assert!(drawn(&|_| {}) <= TOLERANCE);
+    // Contours that are not what was judged.
+    assert!(drawn(&|p| p.pattern.contours[0].vertices[1].point.x += 1e-9).is_infinite());
+    assert!(drawn(&|p| p.pattern.contours[0].vertices[1].bulge = 1e-9).is_infinite());
+    assert!(drawn(&|p| p.pattern.contours.push(p.pattern.contours[0].clone())).is_infinite());
+    // Strokes moved together with the contours.
+    let x = 2.0 * TOLERANCE;
+    assert!(
+        drawn(&|p| {
+            p.pattern.contours[0].vertices[1].point.x += x;
+            p.strokes[0].end.x += x;
+            p.strokes[1].start.x += x;
+        }) > TOLERANCE
+    );
+    assert!(
+        drawn(&|p| {
+            p.pattern.contours[0].vertices[1].bulge = 0.01;
+            p.strokes[1].bulge = 0.01;
+        }) > TOLERANCE
+    );
+    // A line drawn for nothing, although there is no sharp bend.
+    assert!(drawn(&|p| p.strokes[1].images = Some(Vec::new())) > TOLERANCE);
+    // Images of which the judge does not know the map, or that lie elsewhere.
+    assert!(drawn(&|p| p.strokes[1].images = None).is_infinite());
+    assert!(drawn(&|p| p.strokes[1].images.iter_mut().flatten().for_each(|i| i.shift.x += x)) > TOLERANCE);
+    assert!(drawn(&|p| p.strokes[1].images.iter_mut().flatten().for_each(|i| i.face += 1)).is_infinite());
+    // A joint whose other side is elsewhere.
+    let gap = judged(&|p| {
+        for s in &mut p.joints[0][1] {
+            s.start.x += x;
+            s.end.x += x;
+            s.images.iter_mut().flatten().for_each(|i| i.shift.x += x);
+        }
+    });
+    assert!(gap.joint_gap().value() > TOLERANCE);
+    // A bend of another radius, for which everything else would fit.
+    let bend = part.maps.iter().position(|m| matches!(m, Some(ClosedMap::Cylinder { .. }))).expect("a bend");
+    let wider = judged(&|p| {
+        if let Some(ClosedMap::Cylinder { radius, .. }) = &mut p.maps[bend] {
+            *radius += x;
+        }
+    });
+    assert!(wider.carrier_distance().value() > TOLERANCE);
+    // A surface without thickness keeps its own radius.
+    assert!(judged(&|p| p.sheet.thickness = 0.0).strain().value() > 0.01);
+}

@@ -1,0 +1,31 @@
+//! Faces that go on smoothly, joined where one cover of both is better than two.
+//!
+//! *Method*. Faces are joined as [`crate::brep::join`] says \[R89\]; the cover's own estimates decide whether they should be.
+
+use super::cover::{is_developable, is_smoothly_developable, strip_range};
+use crate::brep::face::Face;
+use crate::brep::join::{joined, JoinOptions};
+
+/// Share of the tolerance by which control points of two faces may differ along an edge across which they are joined;
+/// what is used of it is taken from the tolerance of the panels.
+const MISMATCH_SHARE: f64 = 0.01;
+/// Angle through which the normal of a joined face may turn along its parameter lines: half a tube with something to
+/// spare, not a whole tube, whose level functions would have to close.
+const MOST_TURN_DEG: f64 = 200.0;
+
+/// Faces that go on smoothly within an angle (rad) as one, as exactly as a tolerance (mm) asks for.
+pub fn smoothly_joined(faces: Vec<Face>, tolerance: f64, angle: f64) -> Vec<Face> {
+    let options = JoinOptions { angle, mismatch: tolerance * MISMATCH_SHARE, turn: MOST_TURN_DEG.to_radians() };
+    joined(faces, &options, &|whole, a, b| {
+        // What is developable already keeps its edges and stays exact, unless both together are one smooth developable.
+        if is_developable(a, tolerance) || is_developable(b, tolerance) {
+            return is_smoothly_developable(whole, tolerance);
+        }
+        // Strips of one level function across both, or at least no such strips given up.
+        match (strip_range(whole), strip_range(a), strip_range(b)) {
+            (Some(whole), Some(a), Some(b)) => whole <= a + b,
+            (Some(_), _, _) | (None, None, None) => true,
+            (None, _, _) => false,
+        }
+    })
+}

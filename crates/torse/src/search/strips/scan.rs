@@ -1,0 +1,318 @@
+//! From measured points to strips \[PW99, 4.3\]: estimates, regions without creases, torses of their pieces, strips under the
+//! points of each; judged, and made narrower where points are beyond the tolerance.
+
+use super::regression;
+use crate::certify::points::{points as certified, PointCertificate};
+use crate::control::Control;
+use crate::fit::cloud::core;
+use crate::fit::cloud::estimates::{estimates, Estimates};
+use crate::fit::cloud::extent::{assigned, polished, strip, widened};
+use crate::fit::cloud::facets::{facet_points, FacetPoint};
+use crate::fit::cloud::pieces::{is_wide, pieces, PieceOptions};
+use crate::fit::cloud::regions::{regions, Region};
+use crate::fit::cloud::CloudError;
+use crate::fit::near::samples::Fit;
+use crate::geom::cloud::Cloud;
+use crate::geom::Vec3;
+use crate::torse::strip::Strip;
+use crate::torse::zone::RegressionLimits;
+use std::borrow::Cow;
+
+/// What strips under points must be like.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ScanOptions {
+    /// Largest distance of a point from the strips, mm.
+    pub tolerance: f64,
+    /// Places at which the surface is estimated.
+    pub places: usize,
+    /// Strips at most.
+    pub max_strips: usize,
+    /// What is asked of regression curves.
+    pub limits: Option<RegressionLimits>,
+}
+
+/// Strips under measured points, judged.
+#[derive(Clone, Debug)]
+pub struct Scanned {
+    /// The strips.
+    pub strips: Vec<Strip>,
+    /// What is proven of the points.
+    pub certificate: PointCertificate,
+    /// Points without strip, in words.
+    pub skipped: Vec<String>,
+    /// Noise of the measurement, mm.
+    pub noise: f64,
+    /// Points too far from others to belong to a surface.
+    pub lonely: usize,
+    /// What is known between the corners of a coarse mesh; `None` where the points are no corners of one.
+    pub between: Option<Between>,
+}
+
+/// Strips under measured points; those of coarse meshes are guided by points between their corners (see
+/// [`crate::fit::cloud::facets`]), and only the corners are judged.
+///
+/// # Errors
+/// See [`CloudError`].
+pub fn scanned(cloud: &Cloud, options: &ScanOptions, control: &Control) -> Result<Scanned, CloudError> {
+    // 1. What the surface is like, in coordinates that are small where the file's are not.
+    control.report("estimating", 0.0, format!("{} points", cloud.points.len()));
+    let shift = far_off(&cloud.points);
+    let inside = facet_points(cloud, GUIDES);
+    let moved = guided(&cloud.points, &inside, shift);
+    let found = estimates(&moved, options.places)?;
+    // 2. Pieces that one torse follows.
+    control.report("fitting", 0.2, String::new());
+    let slack = GUIDE_SLACK * bulge(&inside);
+    let placed = Placed { points: moved.len(), shift, slack };
+    let regions = regions_of(&found, options.tolerance, slack);
+    // 3. Strips under the points of each piece, 4. with their proof.
+    let given = Given { points: &moved, judged: cloud.points.len() };
+    let attempt = |narrow: bool| {
+        let mut skipped = Vec::new();
+        let fits = torses(&found, &regions, placed, (options, narrow), control, &mut skipped);
+        control.report("trimming", 0.6, format!("{} pieces", fits.len()));
+        let strips = strips(&found, &given, fits, options, &mut skipped);
+        let strips: Vec<Strip> = match shift {
+            Some(c) => strips.into_iter().map(|s| s.moved(&c)).collect(),
+            None => strips,
+        };
+        let certificate = certified(&strips, &cloud.points, control);
+        (certificate, strips, skipped)
+    };
+    // Between the corners of coarse meshes nothing holds torses that turn far.
+    let mut done = attempt(!inside.is_empty());
+    // Where they do not reach all points, less turned ones may.
+    let wide = regions.iter().any(|r| is_wide(r.normals.iter().copied()));
+    let beyond = done.0.beyond(options.tolerance);
+    if inside.is_empty() && wide && beyond > 0 && !control.stopped() {
+        let again = attempt(true);
+        if again.0.beyond(options.tolerance) < beyond {
+            done = again;
+        }
+    }
+    let (certificate, strips, skipped) = done;
+    let lonely = found.of_point.iter().take(cloud.points.len()).filter(|e| e.is_none()).count();
+    let between = (!inside.is_empty()).then(|| between(&strips, &inside, options.tolerance, control));
+    Ok(Scanned { strips, certificate, skipped, noise: found.noise, lonely, between })
+}
+
+/// Points of regions smaller than this share of the cloud are left to the other strips, if these are near.
+const CRUMB: f64 = 0.01;
+
+/// Points between the corners of a coarse mesh, about so many.
+const GUIDES: usize = 24_000;
+/// Share of the bulge of facets by which their guiding points may miss the surface: the fourth order of the turn against
+/// the second, for facets that turn by up to 35°.
+const GUIDE_SLACK: f64 = 0.1;
+
+/// Points and guiding points, in coordinates from `shift`.
+fn guided<'a>(points: &'a [Vec3], inside: &[FacetPoint], shift: Option<Vec3>) -> Cow<'a, [Vec3]> {
+    if shift.is_none() && inside.is_empty() {
+        return Cow::Borrowed(points);
+    }
+    let c = shift.unwrap_or_default();
+    points.iter().chain(inside.iter().map(|p| &p.lifted)).map(|p| p - c).collect()
+}
+
+/// Largest distance of the surface from the facets, as expected from their corners, mm.
+fn bulge(inside: &[FacetPoint]) -> f64 {
+    inside.iter().map(|p| (p.lifted - p.flat).norm()).fold(0.0, f64::max)
+}
+
+/// What is known of strips between the corners of a coarse mesh; all of it is sampled.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Between {
+    /// How far a smooth sheet through the corners may lie off the triangles, mm, estimated.
+    pub bulge_estimate: f64,
+    /// How far triangles lie from the strips at most, mm; parts without strip left out.
+    pub off_estimate: f64,
+    /// Places at which that was sampled.
+    pub places: usize,
+    /// Share of the places without a strip near them, and one of these; `None` if there are none.
+    pub bare: Option<(f64, Vec3)>,
+}
+
+/// What is known between the corners of a coarse mesh with these places.
+fn between(strips: &[Strip], inside: &[FacetPoint], tolerance: f64, control: &Control) -> Between {
+    let places = |of: fn(&FacetPoint) -> Vec3| inside.iter().map(of).collect::<Vec<_>>();
+    let lifted = certified(strips, &places(|p| p.lifted), control);
+    let flat = certified(strips, &places(|p| p.flat), control);
+    let is_bare = |(p, b): &(&FacetPoint, &f64)| **b > tolerance + (p.lifted - p.flat).norm();
+    let bare: Vec<&FacetPoint> = inside.iter().zip(lifted.bounds()).filter(is_bare).map(|(p, _)| p).collect();
+    let near = inside.iter().zip(lifted.bounds()).zip(flat.bounds()).filter(|(l, _)| !is_bare(l)).map(|(_, b)| *b);
+    Between {
+        bulge_estimate: bulge(inside),
+        off_estimate: near.fold(0.0, f64::max),
+        places: inside.len(),
+        bare: bare.get(bare.len() / 2).map(|p| (bare.len() as f64 / inside.len() as f64, p.flat)),
+    }
+}
+
+/// Where coordinates would lose digits to their distance from the origin: the middle of the points, rounded.
+fn far_off(points: &[Vec3]) -> Option<Vec3> {
+    // Distances from the origin in multiples of the extent up to which nothing is lost that matters.
+    const FAR: f64 = 100.0;
+    let b = core(points);
+    let c = b.center();
+    (c.norm() > FAR * b.diagonal() && c.iter().all(|x| x.is_finite())).then(|| c.map(f64::round))
+}
+
+/// Regions without creases, of points that may miss the surface by `slack` (mm).
+fn regions_of(found: &Estimates, tolerance: f64, slack: f64) -> Vec<Region> {
+    // More noise than this many times the usual one, unless it is far below the tolerance, is a crease. Cells that a bent
+    // sheet crosses askew have several times the bias of others.
+    const ROUGH: f64 = 2.5;
+    const UNSEEN: f64 = 0.2;
+    regions(found, (ROUGH * found.noise).max(UNSEEN * tolerance) + slack)
+}
+
+/// What estimates were made of.
+#[derive(Clone, Copy)]
+struct Placed {
+    /// Number of points, guiding ones included.
+    points: usize,
+    /// Origin of their coordinates.
+    shift: Option<Vec3>,
+    /// Distance by which guiding points may miss the surface, mm.
+    slack: f64,
+}
+
+/// Torses with their estimates.
+fn torses(
+    found: &Estimates,
+    regions: &[Region],
+    placed: Placed,
+    (options, narrow): (&ScanOptions, bool),
+    control: &Control,
+    skipped: &mut Vec<String>,
+) -> Vec<(Vec<u32>, Vec<Fit>)> {
+    // Single points reach beyond the noise by this factor even in large clouds.
+    const PEAK: f64 = 4.0;
+    // Estimates are averages over dozens of points; below this share of the noise they are noise themselves.
+    const AVERAGED: f64 = 0.5;
+    let room = (options.tolerance - PEAK * found.noise).clamp(0.4 * options.tolerance, options.tolerance);
+    let Placed { points, shift, slack } = placed;
+    let enough = (AVERAGED * found.noise).clamp(0.01 * options.tolerance, 0.3 * options.tolerance).min(room);
+    let limits = options.limits.as_ref().map(|l| l.moved(&-shift.unwrap_or_default()));
+    let mut out = Vec::new();
+    for region in regions {
+        let weight: f64 = region.members.iter().map(|&i| found.items[i as usize].weight).sum();
+        if weight < CRUMB * points as f64 && !out.is_empty() {
+            continue;
+        }
+        let left = options.max_strips.saturating_sub(out.len());
+        let wanted = PieceOptions {
+            max_pieces: left,
+            limits: limits.clone(),
+            narrow,
+            ..PieceOptions::new(room + slack, enough)
+        };
+        for piece in pieces(found, region, &wanted, control) {
+            if !piece.fits.is_empty() {
+                out.push((piece.members, piece.fits));
+                continue;
+            }
+            let count: f64 = piece.members.iter().map(|&i| found.items[i as usize].weight).sum();
+            let c = piece.members.iter().map(|&i| found.items[i as usize].x).sum::<Vec3>()
+                / piece.members.len().max(1) as f64
+                + shift.unwrap_or_default();
+            skipped.push(format!(
+                "{count:.0} points around ({:.1}, {:.1}, {:.1}): no developable strip follows them within {} mm{}",
+                c.x,
+                c.y,
+                c.z,
+                options.tolerance,
+                piece.kept_off.map_or(String::new(), regression::kept_off)
+            ));
+        }
+    }
+    out
+}
+
+/// Points farther from the torse of their piece than this many tolerances are outliers.
+pub const NEAR: f64 = 3.0;
+
+/// Points under strips.
+struct Given<'a> {
+    /// The points of the file, then those that guide.
+    points: &'a [Vec3],
+    /// Number of the first: these are judged.
+    judged: usize,
+}
+
+/// Strips of torses under the points of their estimates.
+fn strips(
+    found: &Estimates,
+    given: &Given,
+    fits: Vec<(Vec<u32>, Vec<Fit>)>,
+    options: &ScanOptions,
+    skipped: &mut Vec<String>,
+) -> Vec<Strip> {
+    let mut owner: Vec<Option<u32>> = vec![None; found.items.len()];
+    for (k, (members, _)) in fits.iter().enumerate() {
+        members.iter().for_each(|&i| owner[i as usize] = Some(k as u32));
+    }
+    let points = given.points;
+    let mut own: Vec<Vec<Vec3>> = vec![Vec::new(); fits.len()];
+    let mut judged = vec![0; fits.len()];
+    let fits: Vec<Vec<Fit>> =
+        fits.into_iter().map(|(_, f)| f.into_iter().map(|f| widened(&f).unwrap_or(f)).collect()).collect();
+    let torses: Vec<&Fit> = fits.iter().filter_map(|f| f.first()).collect();
+    let assigned = assigned(found, &owner, &torses, points, NEAR * options.tolerance);
+    for (i, (p, k)) in points.iter().zip(assigned).enumerate() {
+        if let Some(k) = k {
+            own[k as usize].push(*p);
+            judged[k as usize] += usize::from(i < given.judged);
+        }
+    }
+    let mut out: Vec<Strip> = Vec::new();
+    for ((fits, own), judged) in fits.iter().zip(&own).zip(judged) {
+        let name = format!("A-{:02}", out.len() + 1);
+        match nearest(&name, fits, &Given { points: own, judged }, options) {
+            Ok(s) => out.push(s),
+            Err(reason) => skipped.push(format!("{} points have no strip: {reason}", own.len())),
+        }
+    }
+    out
+}
+
+/// The strip of the torse with the fewest points beyond the tolerance and the smallest proven distance, among those whose
+/// regression curve keeps to the limits if there are any. Where points are beyond, torses are continued over the points
+/// themselves.
+fn nearest(name: &str, fits: &[Fit], given: &Given, options: &ScanOptions) -> Result<Strip, String> {
+    let own = given.points;
+    // A piece may have no points of its own but those that guide.
+    let judged = if given.judged > 0 { &own[..given.judged] } else { own };
+    // Points judged for the choice; the strip chosen is judged with all of them later.
+    const JUDGED: usize = 20_000;
+    let some: Vec<Vec3> = judged.iter().step_by(judged.len().div_ceil(JUDGED).max(1)).copied().collect();
+    let mut best: Option<(bool, usize, f64, Strip)> = None;
+    let mut reason = String::new();
+    let mut look = |fit: &Fit| match strip(name, fit, own, options.tolerance) {
+        Ok(s) => {
+            let c = certified(std::slice::from_ref(&s), &some, &Control::default());
+            let rank =
+                (!regression::keeps(&s, options.limits.as_ref()), c.beyond(options.tolerance), c.worst_bound().value());
+            if best.as_ref().is_none_or(|b| rank < (b.0, b.1, b.2)) {
+                best = Some((rank.0, rank.1, rank.2, s));
+            }
+            rank.1 == 0
+        }
+        Err(e) => {
+            reason = format!("the {} found gives none: {e}", fit.kind.name());
+            false
+        }
+    };
+    let mut done = false;
+    for fit in fits {
+        done |= look(fit);
+    }
+    if !done {
+        for fit in fits {
+            if let Some(again) = polished(fit, &some, options.tolerance) {
+                look(&widened(&again).unwrap_or(again));
+            }
+        }
+    }
+    best.map(|b| b.3).ok_or(reason)
+}
