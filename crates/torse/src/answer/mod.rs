@@ -3,6 +3,7 @@
 pub mod marks;
 pub mod presentation;
 pub mod shapes;
+pub mod shop;
 pub mod skipped;
 pub mod sweep;
 
@@ -20,6 +21,7 @@ use crate::patchwork::pattern::Pattern;
 use crate::search::build::AlongCurve;
 use crate::torse::cone::part::ConeBody;
 use crate::torse::strip::Strip;
+use shop::Shop;
 use skipped::Skipped;
 
 /// Which job answered.
@@ -148,6 +150,8 @@ pub struct Answer {
     pub skipped: Vec<Skipped>,
     /// What people should know of the input and the job, in plain sentences.
     pub notes: Vec<String>,
+    /// What the shop is told of sheet and work.
+    pub shop: Shop,
     /// How drawings are written.
     pub cut: CutFiles,
     /// Wall time of reading, fitting and proving, seconds.
@@ -178,6 +182,7 @@ impl Answer {
             beyond_limits: Vec::new(),
             skipped: Vec::new(),
             notes: Vec::new(),
+            shop: Shop::default(),
             cut: CutFiles::default(),
             seconds: 0.0,
         }

@@ -247,6 +247,24 @@ pub struct PartRecord {
     pub same_as: String,
     /// Whether one of the two must be turned over.
     pub mirrored: bool,
+    /// Parts that are made from this drawing as it is, this one among them; 0 where `same_as` names another drawing.
+    #[serde(default)]
+    pub quantity: usize,
+    /// Parts that are made from this drawing turned over.
+    #[serde(default)]
+    pub quantity_turned_over: usize,
+    /// Length of all cuts, mm.
+    #[serde(default)]
+    pub cut_length: Option<f64>,
+    /// Closed outlines to be cut: how often the machine pierces the sheet.
+    #[serde(default)]
+    pub pierces: usize,
+    /// What the sheet is made of; empty where nothing was said.
+    #[serde(default)]
+    pub material: String,
+    /// Weight, kg; null without material or thickness.
+    #[serde(default)]
+    pub weight_kg: Option<f64>,
 }
 
 /// A place on a face where the tolerance is exceeded.
@@ -381,6 +399,12 @@ pub(crate) mod tests {
             sheet_bends: Vec::new(),
             same_as: String::new(),
             mirrored: false,
+            quantity: 1,
+            quantity_turned_over: 0,
+            cut_length: Some(2742.9),
+            pierces: 1,
+            material: String::new(),
+            weight_kg: None,
         };
         Report {
             schema: SCHEMA.into(),

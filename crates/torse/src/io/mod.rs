@@ -16,6 +16,7 @@ pub mod iges;
 pub mod json;
 pub mod marks;
 mod markup;
+pub mod materials;
 pub mod model;
 pub mod net;
 pub mod parts;

@@ -7,6 +7,7 @@ use crate::brep::face::Face;
 use crate::certify::claim::UpperBound;
 use crate::certify::claim::{Claim, Subject, What};
 use crate::certify::unfolded::{unfolded, Unfolded, UnfoldedProof};
+use crate::develop::bends::Facets;
 use crate::develop::unfold::allowance::{KFactor, KFactorError};
 use crate::develop::unfold::part::{flat_parts, FlatPart, PartOptions};
 use crate::io::model::Model;
@@ -28,12 +29,14 @@ pub struct UnrollOptions {
     pub surfaces: bool,
     /// Name of the input, for the files; default "model".
     pub input: String,
+    /// How rolled faces are kinked; default none: lines every 5°.
+    pub facets: Option<Facets>,
 }
 
 impl UnrollOptions {
     /// Defaults with a tolerance (mm).
     pub fn new(tolerance: f64) -> Self {
-        Self { tolerance, k: KFactor::default(), surfaces: false, input: "model".into() }
+        Self { tolerance, k: KFactor::default(), surfaces: false, input: "model".into(), facets: None }
     }
 }
 
@@ -76,7 +79,12 @@ pub fn flat_parts_of(faces: &[Face], options: &UnrollOptions) -> Result<(Vec<Fla
     for (k, f) in faces.iter().enumerate() {
         bodies.entry(f.body).or_default().push(k);
     }
-    let asked = PartOptions { tolerance: options.tolerance, k: options.k.clone(), surfaces: options.surfaces };
+    let asked = PartOptions {
+        tolerance: options.tolerance,
+        k: options.k.clone(),
+        surfaces: options.surfaces,
+        facets: options.facets,
+    };
     let names = names(faces, &bodies);
     let bodies: Vec<Vec<usize>> = bodies.into_values().collect();
     let made: Vec<_> = (bodies.par_iter().zip(&names))
@@ -248,7 +256,7 @@ mod tests {
     const TOLERANCE: f64 = 1e-3;
 
     fn flat(faces: &[Face], k: f64) -> BodyParts {
-        let options = PartOptions { tolerance: TOLERANCE, k: KFactor::Ansi(k), surfaces: false };
+        let options = PartOptions { tolerance: TOLERANCE, k: KFactor::Ansi(k), surfaces: false, facets: None };
         flat_parts(&faces.iter().collect::<Vec<_>>(), "part", &options)
     }
 
@@ -393,7 +401,7 @@ mod tests {
             rectangle(o, z, y),
             rectangle(x, y, z),
         ];
-        let options = PartOptions { tolerance: TOLERANCE, k: KFactor::default(), surfaces: true };
+        let options = PartOptions { tolerance: TOLERANCE, k: KFactor::default(), surfaces: true, facets: None };
         let part = only(&faces, flat_parts(&faces.iter().collect::<Vec<_>>(), "box", &options));
         near(part.pattern.area, 2.0 * (200.0 + 300.0 + 600.0));
         assert_eq!((part.cuts.len(), part.sheet.bends.len()), (7, 5));
@@ -427,7 +435,7 @@ mod tests {
         assert!(face.is_none() && reason.contains("no constant thickness"), "{reason}");
         assert!(reason.contains("28.000") && reason.contains("29.000"), "{reason}");
         // As surfaces they unfold all the same.
-        let options = PartOptions { tolerance: TOLERANCE, k: KFactor::default(), surfaces: true };
+        let options = PartOptions { tolerance: TOLERANCE, k: KFactor::default(), surfaces: true, facets: None };
         let part = only(&block, flat_parts(&block.iter().collect::<Vec<_>>(), "block", &options));
         near(part.pattern.area, 2.0 * (30.0 * 28.0 + 30.0 * 29.0 + 28.0 * 29.0));
     }

@@ -135,17 +135,26 @@ pub(super) fn parts(report: &Report) -> String {
         (name, false) => format!("same as {name}"),
         (name, true) => format!("same as {name} turned over"),
     };
+    let quantity = |p: &PartRecord| match (p.quantity, p.quantity_turned_over) {
+        (n, 0) => n.to_string(),
+        (n, m) => format!("{n} + {m} turned over"),
+    };
     let row = |p: &PartRecord| {
         format!(
             "<tr><td>{}</td><td class=\"number\">{}</td><td class=\"number\">{}</td><td class=\"number\">{}</td>\
              <td class=\"number\">{}</td><td class=\"number\">{}</td><td class=\"number\">{}</td>\
-             <td class=\"number\">{}</td><td>{}</td></tr>",
+             <td class=\"number\">{}</td><td class=\"number\">{}</td><td class=\"number\">{}</td>\
+             <td class=\"number\">{}</td><td class=\"number\">{}</td><td>{}</td></tr>",
             escape(&titled(&p.name, !p.certified)),
             p.panels.len(),
+            quantity(p),
             cell(p.length, 1.0),
             cell(p.width, 1.0),
             cell(p.flat_area, 1e-6),
             cell(p.area, 1e-6),
+            cell(p.cut_length, 1.0),
+            p.pierces,
+            cell(p.weight_kg, 1.0),
             error(p.strain_bound, p.isometry_error),
             error(p.drawing_bound, p.contour_error),
             escape(&remark(p)),

@@ -1,0 +1,5 @@
+//! What a shop needs to know of flat parts besides their outlines: material and weight, how parts are kinked or rolled, where
+//! the sheet lies beside the surface that was given (docs/algorithms/shop.md).
+
+pub mod material;
+pub mod order;
