@@ -4,7 +4,7 @@
 //! equal turns, but no nearer and no farther than asked for, and none where the sheet is flat. Where the part is to be kinked
 //! on a press brake, lines are the kinks (docs/algorithms/shop.md, "Facets").
 
-use crate::geom::Vec3;
+use crate::geom::{Vec2, Vec3};
 use crate::patchwork::pattern::{Bend, BendSense};
 use crate::spline::surface::Surface;
 
@@ -53,6 +53,36 @@ impl Default for BendSpacing {
     }
 }
 
+/// Lines drawn and how the sheet bends about each.
+pub type Lines = (Vec<[Vec2; 2]>, Vec<Bend>);
+
+/// Height (mm) of the arc over the facets at a kink, with the greater of its radii.
+pub fn sagitta(bend: &Bend) -> f64 {
+    let radius = bend.radii.iter().copied().filter(|r| r.is_finite()).fold(0.0, f64::max);
+    radius * (1.0 - (0.5 * bend.angle).cos())
+}
+
+/// Draws lines; where kinks are to keep arcs low, again with more of them until they are low at both ends of all rulings: the
+/// first count looks at their middles.
+pub fn kept_low(spacing: &BendSpacing, draw: impl Fn(&BendSpacing) -> Lines) -> Lines {
+    let Some(Facets::Chord(height)) = spacing.facets else { return draw(spacing) };
+    let mut asked = height;
+    let mut out = draw(spacing);
+    for _ in 0..ROUNDS {
+        let worst = out.1.iter().map(sagitta).fold(0.0, f64::max);
+        if worst <= height {
+            break;
+        }
+        asked *= LOWER * height / worst;
+        out = draw(&BendSpacing { facets: Some(Facets::Chord(asked)), ..*spacing });
+    }
+    out
+}
+
+/// Times that kinks are drawn again.
+const ROUNDS: usize = 4;
+/// Share of what is needed that is asked for then, so that few rounds do.
+const LOWER: f64 = 0.98;
 /// Turn (rad) over the length of the whole pattern below which a sheet of that curvature is flat.
 const FLAT: f64 = 1e-3;
 /// Turn (rad) about one line, 0.05°, below which it is no bend.
@@ -94,9 +124,16 @@ impl Plane {
     }
 }
 
-/// Radius of curvature of a ruled patch across its rulings at `(t, r)`, mm.
+/// Share of the speed at the other end of a ruling below which an end stands still: the apex of a cone.
+const APEX: f64 = 1e-9;
+
+/// Radius of curvature of a ruled patch across its rulings at `(t, r)`, mm; 0 in the apex of a cone.
 pub fn radius(patch: &Surface, t: f64, r: f64) -> f64 {
     let j = patch.jet(t, r);
+    // In an apex nothing is left but rounding.
+    if r != 0.5 && j.du.norm() <= APEX * patch.jet(t, 1.0 - r).du.norm() {
+        return 0.0;
+    }
     let (Some(n), Some(along)) = (j.normal().try_normalize(0.0), j.dv.try_normalize(0.0)) else { return 0.0 };
     let across = j.du - along * along.dot(&j.du);
     across.norm_squared() / n.dot(&j.duu).abs()
@@ -327,7 +364,9 @@ mod tests {
             // The first kink stands in the middle of the first stretch.
             assert!((c.length_at(&found[0]) - (50.0 + 5.0 / count as f64)).abs() < 1e-9);
         }
-        assert!(bent(0.0).lines(&BendSpacing { facets: Some(Facets::Count(3)), ..BendSpacing::default() }, 110.0).is_empty());
+        assert!(bent(0.0)
+            .lines(&BendSpacing { facets: Some(Facets::Count(3)), ..BendSpacing::default() }, 110.0)
+            .is_empty());
     }
 
     #[test]

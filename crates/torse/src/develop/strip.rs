@@ -73,6 +73,11 @@ impl Laid<'_> {
         Vec2::new(c * v.x - s * v.y, s * v.x + c * v.y)
     }
 
+    /// Motion of the strip's own image within the chain: cosine and sine of the turn, move.
+    pub(super) fn motion(&self) -> ([f64; 2], Vec2) {
+        ([self.turn.1, self.turn.0], self.offset)
+    }
+
     pub(super) fn map(&self, u: f64, v: f64) -> Vec2 {
         self.vector(&self.development.map(u, v)) + self.offset
     }
@@ -200,6 +205,7 @@ pub fn pattern(strips: &[&Strip], index: usize, name: &str, options: &StripOptio
         bends,
         extents: Vec::new(),
         formed: Vec::new(),
+        sections: Vec::new(),
         marks,
         sides,
         area: area.abs(),
@@ -305,8 +311,10 @@ fn at_length(stations: &[(usize, f64, f64)], length: f64) -> (usize, f64) {
 fn rulings(laid: &[Laid], options: &StripOptions, size: f64, inset: f64) -> (Vec<[Vec2; 2]>, Vec<Bend>) {
     let (course, joints) = course(laid, options.side);
     if options.drawn.bends.facets.is_some() {
-        let lines = course.lines(&options.drawn.bends, size).into_iter().map(|l| (l, true));
-        return drawn_lines(laid, &course, lines, inset);
+        return bends::kept_low(&options.drawn.bends, |asked| {
+            let lines = course.lines(asked, size).into_iter().map(|l| (l, true));
+            drawn_lines(laid, &course, lines, inset)
+        });
     }
     let total = course.length();
     let mut lengths: Vec<f64> = match options.ruling_spacing.filter(|s| *s > 0.0) {

@@ -111,7 +111,8 @@ fn card<'a>(cell: &impl Fn(&str) -> &'a str) -> Result<Material, String> {
     if name.is_empty() {
         return Err("the material has no name".into());
     }
-    let density = positive(cell("density")).ok_or(format!("the density '{}' is no positive number", cell("density")))?;
+    let density =
+        positive(cell("density")).ok_or(format!("the density '{}' is no positive number", cell("density")))?;
     let k = k_factor(cell("k"))?;
     if let Some(k) = &k {
         k.check().map_err(|e| e.to_string())?;
@@ -124,7 +125,8 @@ fn positive(text: &str) -> Option<f64> {
 }
 
 fn least_radius(text: &str) -> Result<Option<LeastRadius>, String> {
-    let fault = || format!("the least radius '{text}' is neither a multiple of the thickness (1.5t) nor a length (4mm)");
+    let fault =
+        || format!("the least radius '{text}' is neither a multiple of the thickness (1.5t) nor a length (4mm)");
     let number = |s: &str| s.trim().parse::<f64>().ok().filter(|x| *x >= 0.0 && x.is_finite()).ok_or_else(fault);
     match text {
         "" => Ok(None),
@@ -137,7 +139,8 @@ fn least_radius(text: &str) -> Result<Option<LeastRadius>, String> {
 }
 
 fn k_factor(text: &str) -> Result<Option<KFactor>, String> {
-    let fault = || format!("k '{text}' is no share of the thickness (0.44), not 'din', and no pairs R/t:k (1:0.38 3:0.44)");
+    let fault =
+        || format!("k '{text}' is no share of the thickness (0.44), not 'din', and no pairs R/t:k (1:0.38 3:0.44)");
     if text.is_empty() {
         return Ok(None);
     }

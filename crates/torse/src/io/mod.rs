@@ -26,6 +26,7 @@ pub mod quads;
 pub mod refold_report;
 pub mod result_folder;
 pub mod shape;
+pub mod shop_tables;
 pub mod step;
 pub mod svg;
 pub mod sweep;

@@ -164,7 +164,13 @@ fn why(body: &Body, face: usize, found: &Sheet) -> String {
 }
 
 /// The drawing of a piece.
-fn part(body: &Body, piece: &Piece, outlines: Vec<Outline>, (found, name): (&Sheet, &str), options: &PartOptions) -> FlatPart {
+fn part(
+    body: &Body,
+    piece: &Piece,
+    outlines: Vec<Outline>,
+    (found, name): (&Sheet, &str),
+    options: &PartOptions,
+) -> FlatPart {
     let tolerance = options.tolerance;
     let others: HashSet<usize> = found.others.iter().copied().collect();
     let formed =

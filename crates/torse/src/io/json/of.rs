@@ -1,8 +1,8 @@
 //! The record of an answer.
 
 use super::{
-    AlongRecord, FaceRecord, FigureRecord, JoinedRecord, PanelRecord, PartRecord, PointRecord, Report, SeamRecord,
-    ShapeRecord, SkippedRecord, WitnessRecord, WrittenRecord, SCHEMA, UNKNOWN,
+    AlongRecord, FaceRecord, FacetsRecord, FigureRecord, JoinedRecord, PanelRecord, PartRecord, PointRecord, Report,
+    SeamRecord, ShapeRecord, SkippedRecord, WitnessRecord, WrittenRecord, SCHEMA, UNKNOWN,
 };
 use crate::answer::presentation::Presentation;
 use crate::answer::shapes::Shape;
@@ -215,6 +215,7 @@ fn part_records(answer: &Answer, shown: &Presentation) -> Vec<PartRecord> {
     let counts = quantities(&equal);
     let count = |part: usize| drawn.get(&part).map_or_else(Quantity::default, |k| counts[*k]);
     let shop = &answer.shop;
+    let work = |part: usize| shop.work.get(*drawn.get(&part)?);
     parts
         .map(|(k, part)| {
             let (pattern, flat) = (answer.pattern_of(k), answer.flat_of(k));
@@ -248,6 +249,13 @@ fn part_records(answer: &Answer, shown: &Presentation) -> Vec<PartRecord> {
                 pierces: pattern.map_or(0, |p| p.contours.len()),
                 material: shop.material.as_ref().map_or_else(String::new, |m| m.name.clone()),
                 weight_kg: weight.and_then(finite),
+                inside_radius: work(k).and_then(|w| w.sheet).and_then(|s| finite(s.inside_radius)),
+                neutral_offset: work(k).and_then(|w| w.sheet).and_then(|s| finite(s.neutral)),
+                facets: work(k).and_then(|w| w.faceted.as_ref()).map(|f| FacetsRecord {
+                    kinks: f.kinks.len(),
+                    displacement_estimate: finite(f.displacement_estimate),
+                    sagitta_estimate: finite(f.sagitta_estimate),
+                }),
             }
         })
         .collect()
