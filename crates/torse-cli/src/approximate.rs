@@ -40,11 +40,11 @@ pub fn run(arguments: &Approximate) -> Result<bool, Failure> {
         input: arguments.files.job_name(file),
         tolerance: if arguments.cones { PANELS_OF_CONES } else { 1.0 } * tolerance.mm,
         max_panels: arguments.max_panels.map(|n| n as usize),
-        limits: limits(arguments),
+        limits: limits(arguments, job.least_panel_radius()),
         layout,
         meet: arguments.seams == Seams::Meet,
         smooth_angle: arguments.smooth_angle.to_radians(),
-        drawn: arguments.drawing.drawn(),
+        drawn: arguments.drawing.drawn(&arguments.files.shop),
     };
     let mut notes = std::mem::take(&mut model.notes);
     if arguments.chosen.selection() == Selection::default() {
@@ -78,11 +78,11 @@ pub fn run(arguments: &Approximate) -> Result<bool, Failure> {
     Ok(job.finish(&answer, &tolerance.text)? && cones_hold)
 }
 
-/// What sheet and material allow, in mm.
-fn limits(arguments: &Approximate) -> Limits {
+/// What sheet and material allow, in mm; `least_radius` is what the material and its thickness say.
+fn limits(arguments: &Approximate, least_radius: Option<f64>) -> Limits {
     let mm = |length: &Option<Length>| length.as_ref().map(|l| l.mm);
     Limits {
-        min_bend_radius: mm(&arguments.min_bend_radius),
+        min_bend_radius: mm(&arguments.min_bend_radius).into_iter().chain(least_radius).reduce(f64::max),
         min_clearance: mm(&arguments.min_clearance),
         max_width: mm(&arguments.max_width),
         max_length: mm(&arguments.max_length),

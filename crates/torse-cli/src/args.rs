@@ -2,6 +2,7 @@
 
 mod back;
 mod flat;
+mod shop;
 
 use crate::input::stem;
 use crate::quantity::{
@@ -11,6 +12,7 @@ use crate::quantity::{
 pub use back::{Info, Map, Refold, To};
 use clap::{Args, Parser, Subcommand};
 pub use flat::{Shape, Unroll, K};
+pub use shop::Shop;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 use torse::answer::CutFiles;
@@ -260,6 +262,9 @@ pub struct Files {
     /// Print nothing but errors
     #[arg(short, long)]
     pub quiet: bool,
+
+    #[command(flatten)]
+    pub shop: Shop,
 }
 
 /// Formats of copies of the panels.
@@ -313,13 +318,13 @@ pub struct Drawing {
 
 impl Drawing {
     /// The same in the library's words.
-    pub fn drawn(&self) -> Drawn {
+    pub fn drawn(&self, shop: &Shop) -> Drawn {
         let view = match self.view {
             View::Outside => ViewSide::Outside,
             View::Inside => ViewSide::Inside,
         };
         let step = self.bend_step.to_radians();
-        Drawn { view, bends: BendSpacing { step, ..BendSpacing::default() } }
+        Drawn { view, bends: BendSpacing { step, facets: shop.facets, ..BendSpacing::default() } }
     }
 }
 
@@ -363,7 +368,8 @@ planes, proven to lie within the tolerance both ways, with the holes and edges o
 developables are left out and named, and the result is then not certified; 'torse approximate' handles those.
 
 Written into the output folder: cones.step (exact conical, cylindrical and plane faces), patterns.dxf and
-patterns.svg (true arcs), model.glb, pictures, report.html and report.json.
+patterns.svg (true arcs), model.glb, pictures, report.html and report.json; with --thickness also inner, neutral and outer
+surfaces: thickness.step, thickness.glb.
 
 Exit status: 0 certified, 2 bad input or usage, 3 finished but not certified (files written and marked).")]
 pub struct Cones {
@@ -388,10 +394,6 @@ pub struct Cones {
     /// Also show how the parts bend into the plane: bending.glb (animation) and bending.png
     #[arg(long)]
     pub bending: bool,
-
-    /// Also write inner, neutral and outer surface of sheets this thick, with its unit: thickness.step, thickness.glb
-    #[arg(long, value_name = "LENGTH", value_parser = positive_length, allow_hyphen_values = true)]
-    pub thickness: Option<Length>,
 }
 
 /// Arguments of `fit`.

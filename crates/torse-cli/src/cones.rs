@@ -24,7 +24,7 @@ pub fn run(arguments: &Cones) -> Result<bool, Failure> {
     if arguments.bending {
         job.write(wiring::bending_files(&answer)?)?;
     }
-    if let Some(thickness) = &arguments.thickness {
+    if let Some(thickness) = &arguments.files.shop.thickness {
         job.write(wiring::thickness_files(&answer, thickness.mm)?)?;
     }
     job.finish(&answer, &arguments.tolerance.text)

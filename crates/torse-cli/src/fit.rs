@@ -51,7 +51,7 @@ fn points(name: &str, bytes: &[u8], arguments: &Fit, control: &Control) -> Resul
     let (cloud, guess) = torse::io::cloud::read_noted(name, bytes, arguments.unit)
         .map_err(|e| Failure::new(format!("{}: {e}", file.display()), "export the scan as PLY, CSV, OBJ or STL"))?;
     let mut options = FitOptions::new(arguments.tolerance.mm, &arguments.files.job_name(file));
-    options.drawn = arguments.drawing.drawn();
+    options.drawn = arguments.drawing.drawn(&arguments.files.shop);
     if let Some(n) = arguments.max_strips {
         options.max_strips = n as usize;
     }
@@ -66,7 +66,7 @@ fn points(name: &str, bytes: &[u8], arguments: &Fit, control: &Control) -> Resul
 /// Fits rulings, planes or faces.
 fn row(name: &str, bytes: &[u8], arguments: &Fit, control: &Control) -> Result<Answer, Failure> {
     let mut options = ElementFitOptions::new(arguments.tolerance.mm, &arguments.files.job_name(&arguments.file));
-    options.drawn = arguments.drawing.drawn();
+    options.drawn = arguments.drawing.drawn(&arguments.files.shop);
     if let Some(n) = arguments.max_strips {
         options.max_strips = n as usize;
     }

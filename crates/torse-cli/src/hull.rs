@@ -22,7 +22,7 @@ pub fn run(arguments: &Hull) -> Result<bool, Failure> {
         input: arguments.files.job_name(&file),
         ruling_spacing: arguments.rulings.as_ref().map(|l| l.mm),
         mark_spacing: arguments.marks.as_ref().map(|l| l.mm),
-        drawn: arguments.drawing.drawn(),
+        drawn: arguments.drawing.drawn(&arguments.files.shop),
         ..Options::new(arguments.tolerance.mm)
     };
     let mut answer = hull(&curves, &options, job.control())

@@ -3,6 +3,7 @@
 use crate::args::Files;
 use crate::failure::Failure;
 use crate::folder::Output;
+use crate::shop;
 use crate::terminal::Terminal;
 use std::io::Write;
 use std::path::Path;
@@ -12,29 +13,44 @@ use torse::answer::skipped::Skipped;
 use torse::answer::Answer;
 use torse::certify::claim::{Claim, Evidence, Status, Subject, What};
 use torse::control::Control;
+use torse::develop::unfold::allowance::KFactor;
 use torse::io::marks::{chosen, do_not_cut, FEW};
 use torse::io::words;
 use torse::pipeline::deliver;
+use torse::pipeline::workshop::{self, WorkshopOptions};
 
 /// The folder that results will be in, and the terminal that tells of the job.
 pub struct Job<'a> {
     output: Output,
     terminal: Terminal,
     files: &'a Files,
+    shop: WorkshopOptions,
 }
 
 impl<'a> Job<'a> {
     /// Prepares the folder and the terminal; `input` is the file that the job reads, `limit` the time that it may take.
     pub fn begin(files: &'a Files, input: &Path, limit: Option<Duration>) -> Result<Self, Failure> {
+        let shop = shop::workshop(&files.shop)?;
         let output = Output::prepare(&files.out, input, files.force)?;
         let terminal = Terminal::new(files.quiet, limit)?;
         terminal.guard(Some(output.workspace().to_path_buf()));
-        Ok(Self { output, terminal, files })
+        Ok(Self { output, terminal, files, shop })
     }
 
     /// The control to hand to the library.
     pub fn control(&self) -> &Control {
         self.terminal.control()
+    }
+
+    /// What sheet and material say of panels: the least radius that they can follow, mm.
+    pub fn least_panel_radius(&self) -> Option<f64> {
+        self.shop.least_panel_radius()
+    }
+
+    /// Where the neutral fibre lies, as asked for or as the material says.
+    pub fn k(&self) -> Option<KFactor> {
+        let of_material = || self.shop.material.as_ref().and_then(|m| m.k.clone());
+        self.shop.k.clone().or_else(of_material)
     }
 
     /// Shows what the program itself is doing.
@@ -51,6 +67,8 @@ impl<'a> Job<'a> {
     pub fn deliver(&self, answer: &mut Answer) -> Result<(), Failure> {
         self.say("writing");
         answer.cut = self.files.cut();
+        workshop::prepare(answer, &self.shop)
+            .map_err(|e| Failure::new(e.to_string(), "'torse info' tells unit and size of the model"))?;
         self.write(deliver::files(answer, &crate::clock::stamp()).map_err(|e| fault(&e))?)
     }
 

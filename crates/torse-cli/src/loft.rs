@@ -37,7 +37,7 @@ pub fn run(arguments: &Loft) -> Result<bool, Failure> {
         fixed: arguments.fixed.clone(),
         ruling_spacing: arguments.rulings.as_ref().map(|l| l.mm),
         mark_spacing: arguments.marks.as_ref().map(|l| l.mm),
-        drawn: arguments.drawing.drawn(),
+        drawn: arguments.drawing.drawn(&arguments.files.shop),
         ..Options::new(arguments.tolerance.mm)
     };
     let mut answer = loft(&a, &b, &options, job.control())

@@ -22,6 +22,7 @@ mod planarise;
 mod quantity;
 mod refold;
 mod shape;
+mod shop;
 mod signals;
 mod terminal;
 mod unroll;

@@ -23,7 +23,7 @@ pub fn run(arguments: &Net) -> Result<bool, Failure> {
         polynomial: arguments.polynomial,
         ruling_spacing: arguments.rulings.as_ref().map(|l| l.mm),
         mark_spacing: arguments.marks.as_ref().map(|l| l.mm),
-        drawn: arguments.drawing.drawn(),
+        drawn: arguments.drawing.drawn(&arguments.files.shop),
         ..Options::new(arguments.tolerance.mm, first_ruling(arguments, &given)?, condition(arguments, &given)?)
     };
     let mut answer = net(curve, &options, job.control())

@@ -28,7 +28,7 @@ pub fn run(arguments: &Planarise) -> Result<bool, Failure> {
             HeldPoints::Ends => Hold::Ends,
         },
         most_move: arguments.max_move.as_ref().map(|l| l.mm),
-        drawn: arguments.drawing.drawn(),
+        drawn: arguments.drawing.drawn(&arguments.files.shop),
         ..Options::new(arguments.tolerance.mm)
     };
     let mut answer = planarise(&strip, &options, job.control())

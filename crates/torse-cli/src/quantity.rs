@@ -3,6 +3,7 @@
 
 use std::time::Duration;
 use torse::geom::Vec3;
+use torse::pipeline::workshop::Stations;
 use torse::torse::zone::Zone;
 
 /// A length given on the command line.
@@ -148,6 +149,25 @@ pub fn section(text: &str) -> Result<Section, String> {
     Ok(Section { axis, at: sign * at })
 }
 
+/// Reads planes: `x=500mm`, `x=0mm..6m/500mm` (from, to, step) or `x=../500mm` (multiples of the step across the model).
+pub fn stations(text: &str) -> Result<Stations, String> {
+    let example = "write x=500mm, x=0mm..6m/500mm or x=../500mm";
+    let (name, places) = text.split_once('=').ok_or_else(|| format!("'{text}': {example}"))?;
+    let normal = axis(name).ok_or_else(|| format!("'{}' is no axis: {example}", name.trim()))?;
+    let name = name.trim().to_lowercase();
+    let Some((range, step)) = places.split_once('/') else {
+        let at = place(places)?;
+        return Ok(Stations { normal, name, from: at, to: at, step: 1.0 });
+    };
+    let (from, to) = range.split_once("..").ok_or_else(|| format!("'{range}' is no range: {example}"))?;
+    let end = |text: &str, open: f64| if text.trim().is_empty() { Ok(open) } else { place(text) };
+    let (from, to) = (end(from, f64::NEG_INFINITY)?, end(to, f64::INFINITY)?);
+    if from > to {
+        return Err(format!("'{range}' runs backwards: {example}"));
+    }
+    Ok(Stations { normal, name, from, to, step: positive_length(step)?.mm })
+}
+
 /// Reads a direction: an axis with or without a sign, or three numbers.
 pub fn direction(text: &str) -> Result<Vec3, String> {
     let text = text.trim();
@@ -267,6 +287,18 @@ pub fn ball(text: &str) -> Result<[f64; 4], String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn planes_are_one_or_many() {
+        let of = |text: &str| stations(text).map(|s| (s.name.clone(), s.from, s.to, s.step));
+        assert_eq!(of("x=500mm"), Ok(("x".into(), 500.0, 500.0, 1.0)));
+        assert_eq!(of("Z=-1m..2m/25cm"), Ok(("z".into(), -1000.0, 2000.0, 250.0)));
+        assert_eq!(of("y=../1in"), Ok(("y".into(), f64::NEG_INFINITY, f64::INFINITY, 25.4)));
+        assert_eq!(of("y=0../1m"), Ok(("y".into(), 0.0, f64::INFINITY, 1000.0)));
+        for bad in ["x", "w=1mm", "x=1", "x=2m..1m/1mm", "x=1mm/1mm", "x=../0mm", "x=../-1mm"] {
+            assert!(stations(bad).is_err(), "{bad}");
+        }
+    }
 
     #[test]
     fn sheets_have_two_sides_and_one_unit_or_two() {

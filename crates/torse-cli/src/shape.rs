@@ -20,7 +20,7 @@ pub fn run(arguments: &Shape) -> Result<bool, Failure> {
         input: arguments.files.job_name(path),
         ruling_spacing: arguments.rulings.as_ref().map(|l| l.mm),
         mark_spacing: arguments.marks.as_ref().map(|l| l.mm),
-        drawn: arguments.drawing.drawn(),
+        drawn: arguments.drawing.drawn(&arguments.files.shop),
         ..Options::new(arguments.tolerance.mm)
     };
     let mut answer = shape(&file, &options, &load, job.control()).map_err(|e| Failure::new(e.to_string(), hint))?;

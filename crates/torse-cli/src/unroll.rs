@@ -1,6 +1,6 @@
 //! `torse unroll`: sheet and developable faces as flat patterns.
 
-use crate::args::{self, Unroll};
+use crate::args::Unroll;
 use crate::failure::Failure;
 use crate::input::contents;
 use crate::job::{refuse_left_out, Job};
@@ -12,12 +12,6 @@ use torse::UnrollOptions;
 pub fn run(arguments: &Unroll) -> Result<bool, Failure> {
     let file = &arguments.file;
     let bytes = contents(file)?;
-    let k = match &arguments.k {
-        None => KFactor::default(),
-        Some(args::K::Share(k)) => KFactor::Ansi(*k),
-        Some(args::K::Din) => KFactor::Din,
-        Some(args::K::Table(file)) => KFactor::Table(wiring::k_table(&file.display().to_string(), &contents(file)?)?),
-    };
     let job = Job::begin(&arguments.files, file, None)?;
 
     job.say("reading");
@@ -27,7 +21,8 @@ pub fn run(arguments: &Unroll) -> Result<bool, Failure> {
         refuse_left_out(file, &model.skipped)?;
     }
     let options = UnrollOptions {
-        k,
+        k: if arguments.surfaces { KFactor::default() } else { job.k().unwrap_or_default() },
+        facets: arguments.files.shop.facets,
         surfaces: arguments.surfaces,
         input: arguments.files.job_name(file),
         ..UnrollOptions::new(arguments.tolerance.mm)

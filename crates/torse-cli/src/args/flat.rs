@@ -37,11 +37,6 @@ pub struct Unroll {
     #[command(flatten)]
     pub chosen: Chosen,
 
-    /// Where the neutral fibre of bends lies: its depth from the inside as a share of the thickness (ANSI, such as 0.44),
-    /// 'din' for the formula of DIN 6935, or a table (.csv) of inside radius over thickness and K [default: 0.44]
-    #[arg(long, value_name = "K", value_parser = k_factor, allow_hyphen_values = true)]
-    pub k: Option<K>,
-
     /// Take all faces as surfaces without thickness
     #[arg(long, conflicts_with = "k")]
     pub surfaces: bool,
@@ -63,7 +58,7 @@ pub enum K {
 }
 
 /// Reads a K-factor; what is no number is a table.
-fn k_factor(text: &str) -> Result<K, String> {
+pub fn k_factor(text: &str) -> Result<K, String> {
     match text.trim() {
         t if t.eq_ignore_ascii_case("din") => Ok(K::Din),
         t => match t.parse::<f64>() {

@@ -22,7 +22,7 @@ const REPORT_SCHEMAS: [&str; 2] = ["torse-report/", "torse-strips/"];
 const SAME_TIME: Duration = Duration::from_secs(2);
 
 /// Every name that a result's file can have; files of cones made beside panels have `cones-` before it.
-const RESULT_NAMES: [&str; 29] = [
+const RESULT_NAMES: [&str; 32] = [
     MANIFEST,
     REPORT,
     "report.html",
@@ -37,6 +37,9 @@ const RESULT_NAMES: [&str; 29] = [
     "bends.csv",
     "bend_table.csv",
     "parts.csv",
+    "roll_table.csv",
+    "facets.csv",
+    "bevels.csv",
     "model.glb",
     "thickness.glb",
     "bending.glb",

@@ -4,6 +4,7 @@ pub mod marks;
 pub mod note;
 pub mod presentation;
 pub mod shapes;
+pub mod shop;
 pub mod skipped;
 pub mod sweep;
 
@@ -24,6 +25,7 @@ use crate::torse::cone::part::ConeBody;
 use crate::torse::rail::Rail;
 use crate::torse::strip::Strip;
 use note::Note;
+use shop::Shop;
 use skipped::Skipped;
 
 /// Which job answered.
@@ -152,6 +154,8 @@ pub struct Answer {
     pub skipped: Vec<Skipped>,
     /// What people should know of the input and the job.
     pub notes: Vec<Note>,
+    /// What the shop is told of sheet and work.
+    pub shop: Shop,
     /// How drawings are written.
     pub cut: CutFiles,
     /// Wall time of reading, fitting and proving, seconds.
@@ -198,6 +202,7 @@ impl Answer {
             beyond_limits: Vec::new(),
             skipped: Vec::new(),
             notes: Vec::new(),
+            shop: Shop::default(),
             cut: CutFiles::default(),
             seconds: 0.0,
         }

@@ -171,6 +171,16 @@ impl Certificate {
     }
 }
 
+impl Certificate {
+    /// The least inside radius of sheets whose inside lies at most `depth` (mm) nearer to the centre of any bend than the
+    /// panels, proven.
+    pub fn inside_radius(&self, depth: f64) -> Claim {
+        let of = |p: &PanelCertificate| LowerBound::shown((p.min_bend_radius - depth).next_down());
+        let least = LowerBound::smallest(self.panels.iter().map(of));
+        Claim::at_least(What::InsideRadius, Subject::Whole, least)
+    }
+}
+
 impl CertificateParts {
     /// Nothing is known yet.
     pub(super) fn nothing(tolerance: f64) -> Self {

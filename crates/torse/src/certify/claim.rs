@@ -130,6 +130,8 @@ pub enum What {
     RegressionClearance,
     /// Radius of curvature, mm.
     BendRadius,
+    /// Radius of curvature of the inside of a sheet, mm.
+    InsideRadius,
     /// Distance between the diagonals of a quadrilateral, mm.
     DiagonalGap,
     /// Way of the given points, mm.

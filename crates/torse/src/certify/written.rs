@@ -299,6 +299,7 @@ fn piece_moved(pattern: &Pattern, piece: &WrittenPiece) -> Result<f64, String> {
     counted("extents of bends", pattern.extents.len(), piece.extents.len())?;
     counted("rulings", pattern.rulings.len(), piece.rulings.len())?;
     counted("marks", pattern.marks.len(), piece.marks.len())?;
+    counted("sections", pattern.sections.len(), piece.sections.len())?;
     let outlines = || {
         let own = pattern.contours.iter().chain(&pattern.formed);
         own.zip(piece.contours.iter().chain(&piece.formed))
@@ -339,6 +340,10 @@ fn piece_moved(pattern: &Pattern, piece: &WrittenPiece) -> Result<f64, String> {
         }
         let a = a.0;
         offs.extend([far(&a[0], &b[0]), far(&a[1], &b[1])]);
+    }
+    for (own, line) in pattern.sections.iter().zip(&piece.sections) {
+        counted("corners of a section", own.points.len(), line.len())?;
+        offs.extend(own.points.iter().zip(line).map(|(a, b)| far(a, b)));
     }
     offs.extend(pattern.marks.iter().zip(&piece.marks).map(|(a, b)| far(&a.point, &b[0])));
     if offs.iter().any(|x| !x.is_finite()) {

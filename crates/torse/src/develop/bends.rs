@@ -1,9 +1,10 @@
 //! Which rulings are drawn on a pattern, and how the sheet bends about each: sense, angle and radius.
 //!
 //! *Method* (docs/algorithms/panels.md, "Bend lines"). The tangent plane is followed across the rulings. Lines lie at
-//! equal turns, but no nearer and no farther than asked for, and none where the sheet is flat.
+//! equal turns, but no nearer and no farther than asked for, and none where the sheet is flat. Where the part is to be kinked
+//! on a press brake, lines are the kinks (docs/algorithms/shop.md, "Facets").
 
-use crate::geom::Vec3;
+use crate::geom::{Vec2, Vec3};
 use crate::patchwork::pattern::{Bend, BendSense};
 use crate::spline::surface::Surface;
 
@@ -16,14 +17,72 @@ pub struct BendSpacing {
     pub least: f64,
     /// And at most; default 1/20.
     pub greatest: f64,
+    /// Kinks in place of evenly drawn lines; default none.
+    pub facets: Option<Facets>,
+}
+
+/// How a curved part is kinked: every kink takes the turn of a stretch of the part in its middle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Facets {
+    /// So many kinks over the turn of the part.
+    Count(usize),
+    /// A kink for every such turn, rad.
+    Turn(f64),
+    /// As many that the arcs rise no higher above the facets than so many mm.
+    Chord(f64),
+    /// A kink for every such length along the curved stretches, mm.
+    Length(f64),
+}
+
+impl Facets {
+    /// Kinks (a fraction) for a stretch of a turn (rad, not negative) and a length (mm) of a part whose whole turn is `whole`.
+    pub fn needed(self, turn: f64, length: f64, whole: f64) -> f64 {
+        match self {
+            Self::Count(n) => n as f64 * turn / whole,
+            Self::Turn(step) => turn / step,
+            // An arc of radius R rises by about R θ²/8 over a chord that it turns by θ on; R is length over turn.
+            Self::Chord(height) => (turn * length / (8.0 * height)).sqrt(),
+            Self::Length(step) => length / step,
+        }
+    }
 }
 
 impl Default for BendSpacing {
     fn default() -> Self {
-        Self { step: 5.0f64.to_radians(), least: 0.01, greatest: 0.05 }
+        Self { step: 5.0f64.to_radians(), least: 0.01, greatest: 0.05, facets: None }
     }
 }
 
+/// Lines drawn and how the sheet bends about each.
+pub type Lines = (Vec<[Vec2; 2]>, Vec<Bend>);
+
+/// Height (mm) of the arc over the facets at a kink, with the greater of its radii.
+pub fn sagitta(bend: &Bend) -> f64 {
+    let radius = bend.radii.iter().copied().filter(|r| r.is_finite()).fold(0.0, f64::max);
+    radius * (1.0 - (0.5 * bend.angle).cos())
+}
+
+/// Draws lines; where kinks are to keep arcs low, again with more of them until they are low at both ends of all rulings: the
+/// first count looks at their middles.
+pub fn kept_low(spacing: &BendSpacing, draw: impl Fn(&BendSpacing) -> Lines) -> Lines {
+    let Some(Facets::Chord(height)) = spacing.facets else { return draw(spacing) };
+    let mut asked = height;
+    let mut out = draw(spacing);
+    for _ in 0..ROUNDS {
+        let worst = out.1.iter().map(sagitta).fold(0.0, f64::max);
+        if worst <= height {
+            break;
+        }
+        asked *= LOWER * height / worst;
+        out = draw(&BendSpacing { facets: Some(Facets::Chord(asked)), ..*spacing });
+    }
+    out
+}
+
+/// Times that kinks are drawn again.
+const ROUNDS: usize = 4;
+/// Share of what is needed that is asked for then, so that few rounds do.
+const LOWER: f64 = 0.98;
 /// Turn (rad) over the length of the whole pattern below which a sheet of that curvature is flat.
 const FLAT: f64 = 1e-3;
 /// Turn (rad) about one line, 0.05°, below which it is no bend.
@@ -65,9 +124,16 @@ impl Plane {
     }
 }
 
-/// Radius of curvature of a ruled patch across its rulings at `(t, r)`, mm.
+/// Share of the speed at the other end of a ruling below which an end stands still: the apex of a cone.
+const APEX: f64 = 1e-9;
+
+/// Radius of curvature of a ruled patch across its rulings at `(t, r)`, mm; 0 in the apex of a cone.
 pub fn radius(patch: &Surface, t: f64, r: f64) -> f64 {
     let j = patch.jet(t, r);
+    // In an apex nothing is left but rounding.
+    if r != 0.5 && j.du.norm() <= APEX * patch.jet(t, 1.0 - r).du.norm() {
+        return 0.0;
+    }
     let (Some(n), Some(along)) = (j.normal().try_normalize(0.0), j.dv.try_normalize(0.0)) else { return 0.0 };
     let across = j.du - along * along.dot(&j.du);
     across.norm_squared() / n.dot(&j.duu).abs()
@@ -137,6 +203,9 @@ impl<K: Copy> Course<K> {
 
     /// Lines at equal turns within the distances asked for; `size` is the length of the pattern (mm).
     pub fn lines(&self, spacing: &BendSpacing, size: f64) -> Vec<Line> {
+        if let Some(facets) = spacing.facets {
+            return self.kinks(facets, size);
+        }
         let mut need = vec![0.0];
         for (t, l) in self.turn.windows(2).zip(self.length.windows(2)) {
             let (turn, length) = ((t[1] - t[0]).abs(), l[1] - l[0]);
@@ -158,6 +227,46 @@ impl<K: Copy> Course<K> {
             k => self.at(&self.turn, between(&need, total * k as f64 / count as f64)),
         };
         places.iter().enumerate().map(|(k, &p)| self.line(p, edge(k + 1) - edge(k), size)).collect()
+    }
+
+    /// Kinks in the middles of stretches of equal need, and in every fold; none where the sheet is flat.
+    fn kinks(&self, facets: Facets, size: f64) -> Vec<Line> {
+        let count = self.turn.len().saturating_sub(1);
+        let step = |i: usize| ((self.turn[i + 1] - self.turn[i]).abs(), self.length[i + 1] - self.length[i]);
+        let fold = |i: usize| step(i).1 <= FOLD * size && step(i).0 > NO_BEND;
+        let curved = |i: usize| !fold(i) && step(i).0 * size > FLAT * step(i).1;
+        let whole: f64 = (0..count).filter(|i| curved(*i)).map(|i| step(i).0).sum();
+        let mut out = Vec::new();
+        let mut from = 0;
+        while from < count {
+            if fold(from) {
+                out.push(self.line((from, 0.5), self.turn[from + 1] - self.turn[from], size));
+                from += 1;
+                continue;
+            }
+            let to = (from..count).find(|i| fold(*i)).unwrap_or(count);
+            let mut need = vec![0.0];
+            for i in from..to {
+                let (turn, length) = step(i);
+                let more = if curved(i) { facets.needed(turn, length, whole) } else { 0.0 };
+                need.push(need[need.len() - 1] + more);
+            }
+            let total = need[need.len() - 1];
+            if total > 0.0 {
+                let kinks = (total - HAIR).ceil().clamp(1.0, MOST) as usize;
+                let place = |share: f64| {
+                    let (after, share) = between(&need, total * share);
+                    (from + after, share)
+                };
+                let turned = |k: usize| self.at(&self.turn, place(k as f64 / kinks as f64));
+                out.extend((0..kinks).map(|k| {
+                    let at = place((k as f64 + 0.5) / kinks as f64);
+                    Line { fold: false, ..self.line(at, turned(k + 1) - turned(k), size) }
+                }));
+            }
+            from = to;
+        }
+        out
     }
 
     /// Lines at given lengths along the course.
@@ -234,6 +343,33 @@ mod tests {
     }
 
     #[test]
+    fn kinks_are_as_many_as_asked_for_and_take_the_whole_turn() {
+        // 90 degrees on 10 mm: the radius is 6.366 mm.
+        let turn = std::f64::consts::FRAC_PI_2;
+        let c = bent(turn);
+        let radius = 10.0 / turn;
+        let kinks = |facets| c.lines(&BendSpacing { facets: Some(facets), ..BendSpacing::default() }, 110.0);
+        let step = (8.0 * 0.05 / radius).sqrt();
+        let many = |x: f64| x.ceil() as usize;
+        for (facets, count) in [
+            (Facets::Count(7), 7),
+            (Facets::Turn(turn / 4.0), 4),
+            (Facets::Chord(0.05), many(turn / step)),
+            (Facets::Length(3.0), 4),
+        ] {
+            let found = kinks(facets);
+            assert_eq!(found.len(), count, "{facets:?}");
+            assert!((found.iter().map(|l| l.turn).sum::<f64>() - turn).abs() < 1e-12);
+            assert!(found.iter().all(|l| (l.turn - turn / count as f64).abs() < 1e-9 && !l.fold));
+            // The first kink stands in the middle of the first stretch.
+            assert!((c.length_at(&found[0]) - (50.0 + 5.0 / count as f64)).abs() < 1e-9);
+        }
+        assert!(bent(0.0)
+            .lines(&BendSpacing { facets: Some(Facets::Count(3)), ..BendSpacing::default() }, 110.0)
+            .is_empty());
+    }
+
+    #[test]
     fn facets_fold_in_their_common_edge() {
         let mut c = Course::new();
         for (x, turn, length) in [(0.0, 0.0, 0.0), (1.0, 0.0, 50.0), (1.0, 0.4, 0.0), (2.0, 0.0, 50.0)] {
@@ -243,5 +379,7 @@ mod tests {
         assert_eq!(lines.len(), 1);
         assert!(lines[0].fold && (lines[0].turn - 0.4).abs() < 1e-15);
         assert_eq!(lines[0].bend([1.0; 2]).radii, [0.0; 2]);
+        let kinks = c.lines(&BendSpacing { facets: Some(Facets::Count(9)), ..BendSpacing::default() }, 100.0);
+        assert_eq!(kinks, lines, "a fold stays one kink");
     }
 }

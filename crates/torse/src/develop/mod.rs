@@ -13,6 +13,7 @@ pub mod pattern;
 pub mod refold;
 pub mod same;
 pub mod scanned;
+pub mod shop;
 pub mod strip;
 pub mod unfold;
 pub mod view;

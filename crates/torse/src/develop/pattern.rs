@@ -150,6 +150,7 @@ pub fn pattern(patchwork: &Patchwork, panel: usize, options: &PatternOptions) ->
         bends,
         extents: Vec::new(),
         formed: Vec::new(),
+        sections: Vec::new(),
         marks,
         sides,
         area: flat_area.abs(),
@@ -289,19 +290,22 @@ fn bend_lines(
             before = Some((plane, x));
         }
     }
-    let (mut rulings, mut bent) = (Vec::new(), Vec::new());
-    for line in course.lines(spacing.0, spacing.1) {
-        let Some([a, b]) = course.around(line.after) else { continue };
-        let t = a + (b - a) * line.share;
-        for (r0, r1) in clipped.at(t) {
-            let (a, b) = (development.map(t, r0), development.map(t, r1));
-            let length = (b - a).norm();
-            if length > insets[1] + 2.0 * insets[0] {
-                let d = (b - a) * (insets[0] / length);
-                rulings.push([a + d, b - d]);
-                bent.push(line.bend([r0, r1].map(|r| bends::radius(&panel.strip.patch, t, r))));
+    let draw = |asked: &BendSpacing| {
+        let (mut rulings, mut bent) = (Vec::new(), Vec::new());
+        for line in course.lines(asked, spacing.1) {
+            let Some([a, b]) = course.around(line.after) else { continue };
+            let t = a + (b - a) * line.share;
+            for (r0, r1) in clipped.at(t) {
+                let (a, b) = (development.map(t, r0), development.map(t, r1));
+                let length = (b - a).norm();
+                if length > insets[1] + 2.0 * insets[0] {
+                    let d = (b - a) * (insets[0] / length);
+                    rulings.push([a + d, b - d]);
+                    bent.push(line.bend([r0, r1].map(|r| bends::radius(&panel.strip.patch, t, r))));
+                }
             }
         }
-    }
-    (rulings, bent)
+        (rulings, bent)
+    };
+    bends::kept_low(spacing.0, draw)
 }

@@ -68,9 +68,9 @@ const SAMPLES: usize = 16;
 const ACROSS: [f64; 5] = [0.0, 0.05, 0.5, 0.95, 1.0];
 
 /// A strip in the plane: its map and where the chain puts it.
-struct Laid<'a> {
-    strip: &'a Strip,
-    development: Development,
+pub(super) struct Laid<'a> {
+    pub(super) strip: &'a Strip,
+    pub(super) development: Development,
     turn: (f64, f64),
     offset: Vec2,
 }
@@ -81,7 +81,12 @@ impl Laid<'_> {
         Vec2::new(c * v.x - s * v.y, s * v.x + c * v.y)
     }
 
-    fn map(&self, u: f64, v: f64) -> Vec2 {
+    /// Motion of the strip's own image within the chain: cosine and sine of the turn, move.
+    pub(super) fn motion(&self) -> ([f64; 2], Vec2) {
+        ([self.turn.1, self.turn.0], self.offset)
+    }
+
+    pub(super) fn map(&self, u: f64, v: f64) -> Vec2 {
         self.vector(&self.development.map(u, v)) + self.offset
     }
 }
@@ -208,6 +213,7 @@ pub fn pattern(strips: &[&Strip], index: usize, name: &str, options: &StripOptio
         bends,
         extents: Vec::new(),
         formed: Vec::new(),
+        sections: Vec::new(),
         marks,
         sides,
         area: area.abs(),
@@ -220,7 +226,7 @@ pub fn pattern(strips: &[&Strip], index: usize, name: &str, options: &StripOptio
 }
 
 /// Develops every strip and joins them along their common rulings.
-fn lay<'a>(strips: &[&'a Strip], index: usize, side: f64) -> Result<Vec<Laid<'a>>, DevelopError> {
+pub(super) fn lay<'a>(strips: &[&'a Strip], index: usize, side: f64) -> Result<Vec<Laid<'a>>, DevelopError> {
     let mut out: Vec<Laid> = Vec::with_capacity(strips.len());
     for strip in strips {
         let development = Development::new(&strip.patch, side)?;
@@ -312,6 +318,12 @@ fn at_length(stations: &[(usize, f64, f64)], length: f64) -> (usize, f64) {
 /// how the sheet bends about each; `size` is the length of the pattern.
 fn rulings(laid: &[Laid], options: &StripOptions, size: f64, inset: f64) -> (Vec<[Vec2; 2]>, Vec<Bend>) {
     let (course, joints) = course(laid, options.side);
+    if options.drawn.bends.facets.is_some() {
+        return bends::kept_low(&options.drawn.bends, |asked| {
+            let lines = course.lines(asked, size).into_iter().map(|l| (l, true));
+            drawn_lines(laid, &course, lines, inset)
+        });
+    }
     let total = course.length();
     let mut lengths: Vec<f64> = match options.ruling_spacing.filter(|s| *s > 0.0) {
         Some(spacing) => {
@@ -325,11 +337,23 @@ fn rulings(laid: &[Laid], options: &StripOptions, size: f64, inset: f64) -> (Vec
     lengths.retain(|l| joints.iter().all(|j| (l - j).abs() > near));
     lengths.extend(&joints);
     lengths.sort_by(f64::total_cmp);
+    let lines = course.lines_at(&lengths, size).into_iter().zip(lengths.iter().map(|l| joints.contains(l)));
+    drawn_lines(laid, &course, lines, inset)
+}
+
+/// Lines as they are drawn, shortened by `inset` at both ends, with how the sheet bends about each; in planes only those that
+/// are to be drawn there too.
+fn drawn_lines(
+    laid: &[Laid],
+    course: &Course<(usize, f64)>,
+    lines: impl Iterator<Item = (bends::Line, bool)>,
+    inset: f64,
+) -> (Vec<[Vec2; 2]>, Vec<Bend>) {
     let mut out = (Vec::new(), Vec::new());
-    for (line, length) in course.lines_at(&lengths, size).iter().zip(&lengths) {
+    for (line, in_planes) in lines {
         let Some([(k, a), (m, b)]) = course.around(line.after) else { continue };
         let (k, u) = if k == m { (k, a + (b - a) * line.share) } else { (m, b) };
-        if laid[k].strip.kind == PanelKind::Plane && !joints.contains(length) {
+        if laid[k].strip.kind == PanelKind::Plane && !in_planes {
             continue;
         }
         let (a, b) = (laid[k].map(u, 0.0), laid[k].map(u, 1.0));

@@ -50,6 +50,8 @@ pub struct Piece {
     pub extents: Vec<[Vec2; 2]>,
     /// Outlines of formed features: do not cut.
     pub formed: Vec<Contour>,
+    /// Lines in which planes cut the part: do not cut.
+    pub sections: Vec<Vec<Vec2>>,
     /// Matching marks: short lines from the outline inwards.
     pub marks: Vec<[Vec2; 2]>,
     /// Strokes of the panel's name and of the marks' labels.
@@ -196,6 +198,7 @@ fn piece(pattern: &Pattern, placement: &Placement, marked: bool, options: &Drawi
         senses: pattern.bends.iter().map(|b| b.sense).collect(),
         extents: pattern.extents.iter().map(line).collect(),
         formed: pattern.formed.iter().map(contour).collect(),
+        sections: pattern.sections.iter().map(|s| s.points.iter().map(|p| placement.apply(p)).collect()).collect(),
         marked,
         ..Piece::default()
     };
@@ -211,15 +214,49 @@ fn piece(pattern: &Pattern, placement: &Placement, marked: bool, options: &Drawi
         piece.marks.push([foot, foot + placement.turn(&mark.inward) * (TICK * height)]);
     }
     let cuts = rough.outlines.iter().flat_map(|o| (0..o.len()).map(|k| [o[k], o[(k + 1) % o.len()]]));
-    let mut labels = Labels::new(cuts.chain(piece.marks.iter().copied()).collect());
+    let drawn = piece.sections.iter().flat_map(|s| s.windows(2).map(|w| [w[0], w[1]]));
+    let mut labels = Labels::new(cuts.chain(piece.marks.iter().copied()).chain(drawn).collect());
     if rough.room > 0.0 {
         words(&mut labels, pattern, (place, room), marked, options);
     }
     for (mark, &[foot, tip]) in pattern.marks.iter().zip(&piece.marks) {
         labels.put(&mark.label, places_behind(&mark.label, foot, tip, height));
     }
+    for (section, line) in pattern.sections.iter().zip(&piece.sections) {
+        labels.put(&section.label, places_beside(&section.label, line, height));
+    }
     piece.text = labels.strokes;
     piece
+}
+
+/// Shares of a line's length at which its label is tried, its middle first.
+const ALONG: [f64; 7] = [0.5, 0.35, 0.65, 0.2, 0.8, 0.1, 0.9];
+/// Distance of a label's middle from its line, against its height.
+const BESIDE: f64 = 0.9;
+
+/// Where the label of a line may stand: along it, on either side, smaller.
+fn places_beside<'a>(label: &'a str, line: &'a [Vec2], height: f64) -> impl Iterator<Item = TextPlace> + 'a {
+    let lengths: Vec<f64> = line.windows(2).map(|w| (w[1] - w[0]).norm()).collect();
+    let total: f64 = lengths.iter().sum();
+    let at = move |share: f64| {
+        let mut rest = share * total;
+        let k = lengths.iter().position(|l| {
+            let here = rest <= *l;
+            rest -= if here { 0.0 } else { *l };
+            here
+        });
+        let (a, b) = k.map_or((line[0], line[line.len() - 1]), |k| (line[k], line[k + 1]));
+        let way = (b - a).try_normalize(0.0).unwrap_or_else(Vec2::x);
+        (a + way * rest, way)
+    };
+    let fits = move |h: f64| stroke_font::width(label, h) < total;
+    let tried = SMALLER.into_iter().flat_map(|s| ALONG.map(|x| (s, x))).flat_map(|(s, x)| [(s, x, 1.0), (s, x, -1.0)]);
+    tried.filter(move |(s, ..)| fits(s * height)).map(move |(s, x, side)| {
+        let (p, way) = at(x);
+        let along = upright(way);
+        let up = Vec2::new(-along.y, along.x);
+        TextPlace { middle: p + up * (side * BESIDE * s * height), along, height: s * height }
+    })
 }
 
 /// Where the label of a mark may stand: behind its tip, farther in, to either side, smaller.

@@ -20,6 +20,8 @@ pub struct FlatPiece {
     pub extents: Vec<[Vec2; 2]>,
     /// Outlines of formed features.
     pub formed: Vec<Vec<Vec2>>,
+    /// Lines in which planes cut the part.
+    pub sections: Vec<Vec<Vec2>>,
     /// Side of the model from which the pattern is seen.
     pub view: ViewSide,
     /// Matching marks: place, unit vector into the panel.
@@ -54,6 +56,7 @@ pub fn pieces(patterns: &[Pattern], placements: &[(f64, Vec2)], chord_error: f64
                 bends: pattern.bends.clone(),
                 extents: pattern.extents.iter().map(|r| r.map(place)).collect(),
                 formed: pattern.formed.iter().map(points).collect(),
+                sections: pattern.sections.iter().map(|s| s.points.iter().map(|p| place(*p)).collect()).collect(),
                 view: pattern.view,
                 marks: pattern.marks.iter().map(|m| [place(m.point), turn(m.inward)]).collect(),
                 label,

@@ -223,6 +223,10 @@ pub fn layout(pieces: &[FlatPiece], caption: &Caption) -> Image {
             let line: Vec<Vec2> = outline.iter().chain(outline.first()).map(place).collect();
             drawing.stroke(&line, 1.4, INK, 0.5);
         }
+        for line in &piece.sections {
+            let line: Vec<Vec2> = line.iter().map(place).collect();
+            drawing.stroke(&line, 1.2, INK, 0.7);
+        }
         for mut outline in loops {
             outline.extend(outline.first().copied());
             drawing.stroke(&outline, 2.2, INK, 1.0);

@@ -127,7 +127,7 @@ mod tests {
     fn every_bend_has_its_line() {
         let profile = [Stretch::Line(40.0), Stretch::Bend(0.5, 3.0), Stretch::Line(25.0)];
         let faces = BentSheet::new(2.0, &profile, &[0.0, 30.0], &[]).faces();
-        let options = PartOptions { tolerance: 0.01, k: KFactor::Ansi(0.5), surfaces: false };
+        let options = PartOptions { tolerance: 0.01, k: KFactor::Ansi(0.5), surfaces: false, facets: None };
         let made = flat_parts(&faces.iter().collect::<Vec<_>>(), "a \"b\"", &options);
         let answer = Answer {
             patterns: made.parts.iter().map(|p| p.pattern.clone()).collect(),

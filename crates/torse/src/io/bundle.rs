@@ -7,7 +7,7 @@ use super::json::{JsonError, Report};
 use super::pictures::Pictures;
 use super::png::{self, PngError};
 use super::step::write::{self as step, Header, Sheet};
-use super::{bend_table, bends, dxf, iges, marks, parts, svg, threedm};
+use super::{bend_table, bends, dxf, iges, marks, parts, shop_tables, svg, threedm};
 use crate::answer::presentation::Presentation;
 use crate::answer::Answer;
 use crate::draw::scene::{titled, Scene};
@@ -137,6 +137,9 @@ pub fn with_reports(answer: &Answer, shown: &Presentation, mut out: Vec<File>) -
     let unit = answer.cut.unit;
     out.extend(bends::csv(&answer.patterns, unit).map(|b| ("bends.csv".into(), b)));
     out.extend(bend_table::csv(answer, unit).map(|b| ("bend_table.csv".into(), b)));
+    out.extend(shop_tables::roll(answer, unit).map(|b| ("roll_table.csv".into(), b)));
+    out.extend(shop_tables::facets(answer, unit).map(|b| ("facets.csv".into(), b)));
+    out.extend(shop_tables::bevels(answer, unit).map(|b| ("bevels.csv".into(), b)));
     out.extend(parts::csv(&report, &answer.patterns, unit).map(|b| ("parts.csv".into(), b)));
     let page = html::write(&Page {
         report: &report,

@@ -77,6 +77,19 @@ fn entity(groups: &[(u32, &str)], out: &mut Vec<WrittenPiece>) -> Result<(), Str
             contours.push(WrittenContour::Joints(joints));
             Ok(())
         }
+        ("LWPOLYLINE", "MARK_SECTION") => {
+            let of = |code: u32| groups.iter().filter(move |g| g.0 == code);
+            let points: Result<Vec<Vec2>, String> =
+                of(10).zip(of(20)).map(|(x, y)| Ok(Vec2::new(number(x.1)?, number(y.1)?))).collect();
+            let points = points?;
+            let whole = points.len() > 1 && text(90) == points.len().to_string();
+            if text(70) != "0" || !whole || groups.iter().any(|g| g.0 == 42) {
+                return Err(fault("the section is closed or bent, or its corners are not counted"));
+            }
+            let piece = out.last_mut().ok_or_else(|| fault("a section comes before its outline"))?;
+            piece.sections.push(points);
+            Ok(())
+        }
         ("LINE", "BEND_UP" | "BEND_DOWN" | "RULING" | "BEND_EXTENT" | "MARK") => {
             let at =
                 |code: u32| -> Result<Vec2, String> { Ok(Vec2::new(number(text(code))?, number(text(code + 10))?)) };
@@ -154,6 +167,13 @@ pub fn svg(bytes: &[u8]) -> Result<Vec<WrittenPiece>, String> {
                         "bend-down" => BendSense::Down,
                         _ => BendSense::Flat,
                     });
+                }
+                "mark-section" => {
+                    let joints = path(d)?;
+                    if joints.len() < 2 || joints.iter().any(|j| j.arc != WrittenArc::Bulge(0.0)) {
+                        return Err(format!("'{}' is not an open line", d.chars().take(30).collect::<String>()));
+                    }
+                    piece.sections.push(joints.into_iter().map(|j| j.point).collect());
                 }
                 "marks" => piece.marks.push(line()?),
                 "text" => {}

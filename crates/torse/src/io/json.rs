@@ -247,6 +247,46 @@ pub struct PartRecord {
     pub same_as: String,
     /// Whether one of the two must be turned over.
     pub mirrored: bool,
+    /// Parts that are made from this drawing as it is, this one among them; 0 where `same_as` names another drawing.
+    #[serde(default)]
+    pub quantity: usize,
+    /// Parts that are made from this drawing turned over.
+    #[serde(default)]
+    pub quantity_turned_over: usize,
+    /// Length of all cuts, mm.
+    #[serde(default)]
+    pub cut_length: Option<f64>,
+    /// Closed outlines to be cut: how often the machine pierces the sheet.
+    #[serde(default)]
+    pub pierces: usize,
+    /// What the sheet is made of; empty where nothing was said.
+    #[serde(default)]
+    pub material: String,
+    /// Weight, kg; null without material or thickness.
+    #[serde(default)]
+    pub weight_kg: Option<f64>,
+    /// Least radius of curvature of the sheet's inside, mm, by the bend lines (measured); null for flat parts and without a
+    /// thickness.
+    #[serde(default)]
+    pub inside_radius: Option<f64>,
+    /// Distance of the neutral fibre, whose flat pattern this is, from the panels, mm; positive outwards; null without a
+    /// thickness.
+    #[serde(default)]
+    pub neutral_offset: Option<f64>,
+    /// How it is kinked; null where it is not.
+    #[serde(default)]
+    pub facets: Option<FacetsRecord>,
+}
+
+/// A part that is kinked on a press brake.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FacetsRecord {
+    /// Number of kinks.
+    pub kinks: usize,
+    /// Greatest distance of a place of the kinked part from where it is on the curved one, after the best rigid motion, mm.
+    pub displacement_estimate: Option<f64>,
+    /// Greatest height of an arc over its facet, mm.
+    pub sagitta_estimate: Option<f64>,
 }
 
 /// A place on a face where the tolerance is exceeded.
@@ -381,6 +421,15 @@ pub(crate) mod tests {
             sheet_bends: Vec::new(),
             same_as: String::new(),
             mirrored: false,
+            quantity: 1,
+            quantity_turned_over: 0,
+            cut_length: Some(2742.9),
+            pierces: 1,
+            material: String::new(),
+            weight_kg: None,
+            inside_radius: None,
+            neutral_offset: None,
+            facets: Some(FacetsRecord { kinks: 3, displacement_estimate: Some(0.2), sagitta_estimate: Some(0.3) }),
         };
         Report {
             schema: SCHEMA.into(),

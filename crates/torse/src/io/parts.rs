@@ -1,21 +1,16 @@
 //! The list of parts: what a shop puts on its order, one line for each.
 
 use super::json::Report;
-use crate::draw::flat::contour_points;
 use crate::geom::unit::LengthUnit;
-use crate::geom::Vec2;
 use crate::patchwork::pattern::Pattern;
 use std::fmt::Write as _;
-
-/// Chord error (mm) with which the lengths of cuts are measured.
-const CHORD: f64 = 1e-3;
 
 /// The parts of an answer as a table: `parts.csv`; lengths in `unit`. `None` where nothing lies flat.
 pub fn csv(report: &Report, patterns: &[Pattern], unit: LengthUnit) -> Option<Vec<u8>> {
     let sign = unit.sign();
     let mut out = format!(
         "part,job,quantity,seen_from,thickness_{sign},length_{sign},width_{sign},strip_width_{sign},area_{sign}2,cut_length_{sign},holes,\
-         bend_lines,least_bend_radius_{sign},panels,certified,same_as,mirrored\n"
+         bend_lines,least_bend_radius_{sign},panels,certified,same_as,mirrored,quantity_turned_over,pierces,material,weight_kg\n"
     );
     let quoted = |s: &str| format!("\"{}\"", s.replace('"', "\"\""));
     for pattern in patterns {
@@ -27,16 +22,17 @@ pub fn csv(report: &Report, patterns: &[Pattern], unit: LengthUnit) -> Option<Ve
         // Writing to a string cannot fail.
         _ = writeln!(
             out,
-            "{},{},1,{},{},{},{},{},{:.4},{},{},{},{},{},{},{},{}",
+            "{},{},{},{},{},{},{},{},{:.4},{},{},{},{},{},{},{},{},{},{},{},{}",
             quoted(&pattern.name),
             quoted(&report.input),
+            part.map_or(1, |p| p.quantity),
             pattern.view.name(),
             part.and_then(|p| p.thickness).map_or_else(String::new, length),
             length(pattern.length),
             length(pattern.width),
             length(pattern.strip_width()),
             pattern.area / (unit.mm() * unit.mm()),
-            length(cut_length(pattern)),
+            part.and_then(|p| p.cut_length).map_or_else(String::new, length),
             pattern.contours.len().saturating_sub(1),
             pattern.rulings.len(),
             least.map_or_else(String::new, length),
@@ -44,15 +40,13 @@ pub fn csv(report: &Report, patterns: &[Pattern], unit: LengthUnit) -> Option<Ve
             yes(part.is_some_and(|p| p.certified)),
             same.map_or_else(String::new, |p| quoted(&p.same_as)),
             same.map_or("", |p| yes(p.mirrored)),
+            part.map_or(0, |p| p.quantity_turned_over),
+            part.map_or(0, |p| p.pierces),
+            part.map_or_else(String::new, |p| quoted(&p.material)),
+            part.and_then(|p| p.weight_kg).map_or_else(String::new, |kg| format!("{kg:.4}")),
         );
     }
     (!patterns.is_empty()).then(|| out.into_bytes())
-}
-
-/// Length of all outlines, mm.
-fn cut_length(pattern: &Pattern) -> f64 {
-    let length = |p: Vec<Vec2>| (0..p.len()).map(|k| (p[(k + 1) % p.len()] - p[k]).norm()).sum::<f64>();
-    pattern.contours.iter().map(|c| length(contour_points(c, CHORD))).sum()
 }
 
 #[cfg(test)]
@@ -60,6 +54,8 @@ mod tests {
     use super::*;
     use crate::answer::presentation::present;
     use crate::answer::{Answer, Job};
+    use crate::geom::Vec2;
+    use crate::io::materials::material;
     use crate::patchwork::part::Part;
     use crate::patchwork::pattern::{Contour, ContourVertex};
 
@@ -82,5 +78,38 @@ mod tests {
         assert!(row.starts_with("\"disc \"\"A\"\"\",\"a,b\",1,outside,,10.000,10.000,10.000,78.5398,31.41"), "{row}");
         assert!(text.starts_with("part,job,quantity,seen_from,thickness_in,length_in,"));
         assert!(csv(&report, &[], LengthUnit::Millimetre).is_none());
+    }
+
+    #[test]
+    fn equal_parts_are_counted_and_weighed() {
+        let corner = |x: f64, y: f64| ContourVertex { point: Vec2::new(x, y), bulge: 0.0, corner: true };
+        let plate = |panel: usize, name: &str| Pattern {
+            panel,
+            name: name.into(),
+            contours: vec![Contour { vertices: vec![corner(0., 0.), corner(1000., 0.), corner(0., 2000.)] }],
+            area: 1e6,
+            length: 2236.0,
+            width: 894.0,
+            ..Pattern::default()
+        };
+        let part = |name: &str, first: usize| Part { name: name.into(), first, count: 1, missing: String::new() };
+        let mut answer = Answer {
+            patterns: vec![plate(0, "A-01"), plate(1, "A-02"), plate(2, "A-03").turned_over()],
+            parts: vec![part("A-01", 0), part("A-02", 1), part("A-03", 2)],
+            ..Answer::new(Job::Approximate, "deck", 1.0)
+        };
+        answer.shop.material = material("mild-steel", None).ok();
+        answer.shop.thickness = Some(3.0);
+        let report = Report::of(&answer, &present(&answer));
+        let text = csv(&report, &answer.patterns, LengthUnit::Millimetre).expect("a table");
+        let rows: Vec<String> = String::from_utf8(text).expect("text").lines().map(str::to_owned).collect();
+        // Without bends a triangle turned over is the same sheet from behind.
+        assert!(rows[0].ends_with(",mirrored,quantity_turned_over,pierces,material,weight_kg"));
+        assert!(rows[1].starts_with("\"A-01\",\"deck\",2,outside,3.000,"), "{}", rows[1]);
+        assert!(rows[1].ends_with(",,,1,1,\"mild-steel\",23.5500"), "{}", rows[1]);
+        assert!(rows[2].starts_with("\"A-02\",\"deck\",0,") && rows[2].contains(",\"A-01\",no,0,1,"), "{}", rows[2]);
+        assert!(rows[3].contains(",\"A-01\",yes,0,1,"), "{}", rows[3]);
+        let total: usize = report.parts.iter().map(|p| p.quantity + p.quantity_turned_over).sum();
+        assert_eq!(total, 3);
     }
 }

@@ -141,6 +141,15 @@ impl Placement {
     }
 }
 
+/// A line in which a plane cuts the part: to be marked, not cut.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SectionLine {
+    /// Label beside it ("FR 12", "x=1200mm").
+    pub label: String,
+    /// Corners of the line, at least two.
+    pub points: Vec<Vec2>,
+}
+
 /// A developed panel.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Pattern {
@@ -160,6 +169,8 @@ pub struct Pattern {
     pub extents: Vec<[Vec2; 2]>,
     /// Outlines of features formed into the sheet: not cut.
     pub formed: Vec<Contour>,
+    /// Lines in which planes cut the part.
+    pub sections: Vec<SectionLine>,
     /// Matching marks.
     pub marks: Vec<Mark>,
     /// Sides of the outer contour in order.
@@ -224,6 +235,7 @@ impl Pattern {
             };
             Bend { sense, ..*b }
         };
+        let section = |s: &SectionLine| SectionLine { points: s.points.iter().map(flip).collect(), ..s.clone() };
         let mark = |m: &Mark| Mark { point: flip(&m.point), inward: flip(&m.inward), ..m.clone() };
         Self {
             contours: self.contours.iter().map(contour).collect(),
@@ -232,6 +244,7 @@ impl Pattern {
             bends: self.bends.iter().map(bend).collect(),
             extents: self.extents.iter().map(|r| r.map(|p| flip(&p))).collect(),
             formed: self.formed.iter().map(contour).collect(),
+            sections: self.sections.iter().map(section).collect(),
             marks: self.marks.iter().map(mark).collect(),
             sides: self.sides.iter().rev().map(|s| Side { middle: flip(&s.middle), ..s.clone() }).collect(),
             ..self.clone()

@@ -166,6 +166,8 @@ pub struct WrittenPiece {
     pub extents: Vec<[Vec2; 2]>,
     /// Outlines of formed features.
     pub formed: Vec<WrittenContour>,
+    /// Lines in which planes cut the part.
+    pub sections: Vec<Vec<Vec2>>,
     /// Matching marks, from the outline inwards.
     pub marks: Vec<[Vec2; 2]>,
 }
@@ -177,7 +179,8 @@ impl WrittenPiece {
             WrittenContour::Joints(joints) => joints.iter().map(|j| &j.point).collect(),
             WrittenContour::Circle { centre, .. } => vec![centre],
         });
-        outlines.chain(self.rulings.iter().chain(&self.extents).chain(&self.marks).flatten())
+        let lines = self.rulings.iter().chain(&self.extents).chain(&self.marks).flatten();
+        outlines.chain(lines).chain(self.sections.iter().flatten())
     }
 }
 

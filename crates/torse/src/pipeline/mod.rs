@@ -18,3 +18,4 @@ pub mod select;
 pub mod shape;
 pub mod sweep;
 pub mod unroll;
+pub mod workshop;

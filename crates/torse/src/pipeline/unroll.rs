@@ -11,6 +11,7 @@ use crate::brep::face::Face;
 use crate::certify::claim::UpperBound;
 use crate::certify::claim::{Claim, Subject, What};
 use crate::certify::unfolded::{unfolded, Unfolded, UnfoldedProof};
+use crate::develop::bends::Facets;
 use crate::develop::unfold::allowance::{KFactor, KFactorError};
 use crate::develop::unfold::part::{flat_parts, FlatPart, PartOptions};
 use crate::geom::coarse::is_tolerance;
@@ -33,12 +34,14 @@ pub struct UnrollOptions {
     pub surfaces: bool,
     /// Name of the input, for the files; default "model".
     pub input: String,
+    /// How rolled faces are kinked; default none: lines every 5°.
+    pub facets: Option<Facets>,
 }
 
 impl UnrollOptions {
     /// Defaults with a tolerance (mm).
     pub fn new(tolerance: f64) -> Self {
-        Self { tolerance, k: KFactor::default(), surfaces: false, input: "model".into() }
+        Self { tolerance, k: KFactor::default(), surfaces: false, input: "model".into(), facets: None }
     }
 }
 
@@ -81,7 +84,12 @@ pub fn flat_parts_of(faces: &[Face], options: &UnrollOptions) -> Result<(Vec<Fla
     for (k, f) in faces.iter().enumerate() {
         bodies.entry(f.body).or_default().push(k);
     }
-    let asked = PartOptions { tolerance: options.tolerance, k: options.k.clone(), surfaces: options.surfaces };
+    let asked = PartOptions {
+        tolerance: options.tolerance,
+        k: options.k.clone(),
+        surfaces: options.surfaces,
+        facets: options.facets,
+    };
     let names = names(faces, &bodies);
     let bodies: Vec<Vec<usize>> = bodies.into_values().collect();
     let made: Vec<_> = (bodies.par_iter().zip(&names))

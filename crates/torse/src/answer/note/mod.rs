@@ -4,6 +4,7 @@
 mod fit;
 mod loft;
 mod net;
+mod shop;
 mod unroll;
 
 pub use crate::design::composite::Report as SolveReport;
@@ -15,6 +16,7 @@ use crate::torse::zone::RegressionLimits;
 pub use fit::{Became, Between, FaceNote, FitNote, Outlines, SplineSize};
 pub use loft::{EndNote, ExactError, ExactPiece, Leads, LoftNote};
 pub use net::{NetNote, Quality, Route};
+pub use shop::{LeastRadius, Material, Sheet, ShopNote, TooTight};
 pub use unroll::UnrollNote;
 
 /// Something that people should know of the input or of the job.
@@ -113,6 +115,8 @@ pub enum Note {
     },
     /// Of flat parts.
     Unroll(UnrollNote),
+    /// Of sheet and work.
+    Shop(ShopNote),
     /// Of strips fitted to points, rulings, planes and faces.
     Fit(FitNote),
 }

@@ -4,6 +4,7 @@ use super::region::Region;
 use super::tree::{Piece, Placed};
 use crate::brep::body::{Body, SMOOTH};
 use crate::brep::carrier::Carrier;
+use crate::develop::bends::Facets;
 use crate::geom::Vec2;
 use crate::patchwork::pattern::BendSense;
 
@@ -67,19 +68,23 @@ const HEM: f64 = 170.0 * std::f64::consts::PI / 180.0;
 const ROLLED: f64 = 12.0;
 /// A rolled face gets a line at every such turn, rad.
 const STEP: f64 = 5.0 * std::f64::consts::PI / 180.0;
+/// Whole numbers of lines may be exceeded by this share of one before another is drawn.
+const HAIR: f64 = 0.01;
 /// Lines of a rolled face at most.
 const MOST_LINES: usize = 400;
 /// Lines that are apart by less than this share of the body are one.
 const ONE_LINE: f64 = 1e-5;
 
 /// The bends of a piece, in the order of its faces.
-pub fn bends(body: &Body, piece: &Piece, thickness: f64) -> Vec<SheetBend> {
+///
+/// Rolled faces are kinked as `facets` says, or have a line at every 5°.
+pub fn bends(body: &Body, piece: &Piece, thickness: f64, facets: Option<Facets>) -> Vec<SheetBend> {
     let mut out: Vec<SheetBend> = Vec::new();
     for placed in &piece.faces {
         if matches!(body.carriers[placed.face], Carrier::Plane(_)) {
             continue;
         }
-        let bend = of_face(body, piece, placed, thickness);
+        let bend = of_face(body, piece, placed, (thickness, facets));
         match out.iter_mut().find(|b| one_line(b, &bend, ONE_LINE * body.size)) {
             Some(b) => {
                 b.lines.extend(bend.lines);
@@ -138,7 +143,7 @@ fn one_line(a: &SheetBend, b: &SheetBend, tolerance: f64) -> bool {
     alike && a.kind != BendKind::Rolled && m.iter().all(|p| way.perp(&(p - l[0])).abs() <= tolerance)
 }
 
-fn of_face(body: &Body, piece: &Piece, placed: &Placed, thickness: f64) -> SheetBend {
+fn of_face(body: &Body, piece: &Piece, placed: &Placed, (thickness, facets): (f64, Option<Facets>)) -> SheetBend {
     let turn = placed.chart.turn();
     let cylinder = matches!(body.carriers[placed.face], Carrier::Cylinder { .. });
     let between = body.of_face(placed.face).filter(|h| piece.inner.contains(h) && is_plane(body, *h)).count();
@@ -148,10 +153,19 @@ fn of_face(body: &Body, piece: &Piece, placed: &Placed, thickness: f64) -> Sheet
         true => BendKind::Bend,
         false => BendKind::Rolled,
     };
-    let count = if kind == BendKind::Rolled { ((turn / STEP).ceil() as usize).clamp(1, MOST_LINES) } else { 1 };
+    let region = Region::of(body, placed.face, &placed.chart);
+    let count = match kind {
+        BendKind::Rolled => {
+            // Breadth across the rulings: area over the length of the middle ruling.
+            let middle = placed.chart.rulings(1).into_iter().flat_map(|r| region.line(&r.at, &r.way));
+            let breadth = region.area().abs() / middle.map(|[a, b]| (b - a).norm()).sum::<f64>();
+            let asked = facets.map_or(turn / STEP, |f| f.needed(turn, breadth, turn));
+            ((asked - HAIR).ceil() as usize).clamp(1, MOST_LINES)
+        }
+        _ => 1,
+    };
     let rulings = placed.chart.rulings(count);
     let hollow = rulings.iter().filter(|r| r.hollow).count() * 2 > rulings.len();
-    let region = Region::of(body, placed.face, &placed.chart);
     let line = |at: Vec2, way: Vec2| region.line(&at, &way).into_iter().map(|l| l.map(|p| placed.motion.apply(&p)));
     let lines: Vec<[Vec2; 2]> = rulings.iter().flat_map(|r| line(r.at, r.way)).collect();
     let extents = body.of_face(placed.face).filter(|h| piece.inner.contains(h));

@@ -8,6 +8,7 @@ use super::{allowance::KFactor, outline::contour_area};
 use crate::brep::body::{oriented, Body};
 use crate::brep::carrier::Carrier;
 use crate::brep::face::Face;
+use crate::develop::bends::Facets;
 use crate::geom::rectangle::smallest_rectangle;
 use crate::geom::Vec2;
 use crate::patchwork::image::{ClosedMap, JointImage, Stroke};
@@ -62,6 +63,8 @@ pub struct PartOptions {
     pub k: KFactor,
     /// Takes all faces as surfaces without thickness; default false.
     pub surfaces: bool,
+    /// How rolled faces are kinked; default none: lines every 5°.
+    pub facets: Option<Facets>,
 }
 
 /// The flat parts of the faces of one body.
@@ -96,7 +99,7 @@ pub fn flat_parts(faces: &[&Face], name: &str, options: &PartOptions) -> BodyPar
     let count = best.pieces.len();
     for (k, (piece, outlines)) in best.pieces.iter().zip(best.outlines).enumerate() {
         let name = if count > 1 { format!("{name}-{}", k + 1) } else { name.to_owned() };
-        out.parts.push(part(&body, piece, outlines, (&found, &name), options.tolerance));
+        out.parts.push(part(&body, piece, outlines, (&found, &name), options));
     }
     out
 }
@@ -161,11 +164,18 @@ fn why(body: &Body, face: usize, found: &Sheet) -> String {
 }
 
 /// The drawing of a piece.
-fn part(body: &Body, piece: &Piece, outlines: Vec<Outline>, (found, name): (&Sheet, &str), tolerance: f64) -> FlatPart {
+fn part(
+    body: &Body,
+    piece: &Piece,
+    outlines: Vec<Outline>,
+    (found, name): (&Sheet, &str),
+    options: &PartOptions,
+) -> FlatPart {
+    let tolerance = options.tolerance;
     let others: HashSet<usize> = found.others.iter().copied().collect();
     let formed =
         |o: &Outline| o.area < 0.0 && o.halves.iter().all(|h| body.beyond(*h).is_some_and(|g| others.contains(&g)));
-    let bends = bends(body, piece, found.thickness);
+    let bends = bends(body, piece, found.thickness, options.facets);
     let (marks, contours): (Vec<Outline>, Vec<Outline>) = outlines.into_iter().partition(formed);
     let mut pattern = Pattern {
         name: name.to_owned(),

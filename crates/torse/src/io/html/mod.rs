@@ -68,7 +68,7 @@ pub fn write(page: &Page) -> Result<String, HtmlError> {
         "figure_heads" => tables::figure_heads(report),
         "panel_rows" => tables::panels(report),
         "shapes" => tables::shapes(report, pictures.shapes.as_deref().map(image)),
-        "layout" => tables::layout(&shown.pieces) + &tables::sheet_bends(report),
+        "layout" => tables::layout(&shown.pieces) + &tables::sheet_bends(report) + &tables::facets(report),
         "part_rows" => tables::parts(report),
         "points" => tables::points(report, pictures.points.as_ref().map(|p| (image(&p.0), p.1)), page.limit),
         "field" => maps(page),

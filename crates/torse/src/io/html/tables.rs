@@ -9,7 +9,7 @@ use crate::geom::Vec2;
 use crate::io::json::{value, FigureRecord, PanelRecord, PartRecord, Report, UNKNOWN};
 use crate::io::markup::escape;
 use crate::io::words::id;
-use crate::io::{bend_table, bends};
+use crate::io::{bend_table, bends, shop_tables};
 use crate::torse::form::PanelKind;
 use std::fmt::Write;
 
@@ -135,17 +135,26 @@ pub(super) fn parts(report: &Report) -> String {
         (name, false) => format!("same as {name}"),
         (name, true) => format!("same as {name} turned over"),
     };
+    let quantity = |p: &PartRecord| match (p.quantity, p.quantity_turned_over) {
+        (n, 0) => n.to_string(),
+        (n, m) => format!("{n} + {m} turned over"),
+    };
     let row = |p: &PartRecord| {
         format!(
             "<tr><td>{}</td><td class=\"number\">{}</td><td class=\"number\">{}</td><td class=\"number\">{}</td>\
              <td class=\"number\">{}</td><td class=\"number\">{}</td><td class=\"number\">{}</td>\
-             <td class=\"number\">{}</td><td>{}</td></tr>",
+             <td class=\"number\">{}</td><td class=\"number\">{}</td><td class=\"number\">{}</td>\
+             <td class=\"number\">{}</td><td class=\"number\">{}</td><td>{}</td></tr>",
             escape(&titled(&p.name, !p.certified)),
             p.panels.len(),
+            quantity(p),
             cell(p.length, 1.0),
             cell(p.width, 1.0),
             cell(p.flat_area, 1e-6),
             cell(p.area, 1e-6),
+            cell(p.cut_length, 1.0),
+            p.pierces,
+            cell(p.weight_kg, 1.0),
             error(p.strain_bound, p.isometry_error),
             error(p.drawing_bound, p.contour_error),
             escape(&remark(p)),
@@ -342,6 +351,11 @@ pub(super) fn sheet_bends(report: &Report) -> String {
     bend_table::table(report.parts.iter().map(|p| (p.name.as_str(), p.sheet_bends.as_slice())))
 }
 
+/// How kinked parts are kinked; empty without kinks.
+pub(super) fn facets(report: &Report) -> String {
+    shop_tables::facets_table(report.parts.iter().filter_map(|p| Some((p.name.as_str(), p.facets.as_ref()?))))
+}
+
 /// The flat patterns as SVG, one group per panel, 1 unit = 1 mm.
 pub(super) fn layout(pieces: &[FlatPiece]) -> String {
     let finite = |p: &&Vec2| p.x.is_finite() && p.y.is_finite();
@@ -377,6 +391,15 @@ pub(super) fn layout(pieces: &[FlatPiece]) -> String {
         for [a, b] in piece.rulings.iter().filter(|r| r.iter().all(|p| finite(&p))) {
             let ((ax, ay), (bx, by)) = (place(a), place(b));
             let _ = write!(out, "M{ax:.2} {ay:.2}L{bx:.2} {by:.2}");
+        }
+        if !piece.sections.is_empty() {
+            out.push_str("\"/><path class=\"section\" d=\"");
+            for line in &piece.sections {
+                for (i, p) in line.iter().filter(finite).enumerate() {
+                    let (x, y) = place(p);
+                    let _ = write!(out, "{}{x:.2} {y:.2}", if i == 0 { "M" } else { "L" });
+                }
+            }
         }
         let (x, y) = place(&piece.label);
         // As large as the place allows, but never so small next to the sheet that it cannot be read.

@@ -1,8 +1,8 @@
 //! The record of an answer.
 
 use super::{
-    AlongRecord, FaceRecord, FigureRecord, JoinedRecord, PanelRecord, PartRecord, PointRecord, Report, SeamRecord,
-    ShapeRecord, SkippedRecord, WitnessRecord, WrittenRecord, SCHEMA, UNKNOWN,
+    AlongRecord, FaceRecord, FacetsRecord, FigureRecord, JoinedRecord, PanelRecord, PartRecord, PointRecord, Report,
+    SeamRecord, ShapeRecord, SkippedRecord, WitnessRecord, WrittenRecord, SCHEMA, UNKNOWN,
 };
 use crate::answer::presentation::Presentation;
 use crate::answer::shapes::Shape;
@@ -12,6 +12,7 @@ use crate::certify::claim::{Claim, Demand, Evidence, Status, Subject, What};
 use crate::certify::flat::FlatCertificate;
 use crate::certify::{SeamCertificate, SeamStatus};
 use crate::develop::same::same_parts;
+use crate::develop::shop::order::{cut_length, quantities, Quantity};
 use crate::io::{bend_table, bends, words};
 use crate::patchwork::panel::Panel;
 use crate::patchwork::pattern::Pattern;
@@ -211,12 +212,18 @@ fn part_records(answer: &Answer, shown: &Presentation) -> Vec<PartRecord> {
     let equal = same_parts(&answer.patterns, &thicknesses);
     let sheet = |part: usize| answer.sheets.get(*drawn.get(&part)?);
     let same = |part: usize| equal[*drawn.get(&part)?];
+    let counts = quantities(&equal);
+    let count = |part: usize| drawn.get(&part).map_or_else(Quantity::default, |k| counts[*k]);
+    let shop = &answer.shop;
+    let work = |part: usize| shop.work.get(*drawn.get(&part)?);
     parts
         .map(|(k, part)| {
             let (pattern, flat) = (answer.pattern_of(k), answer.flat_of(k));
             let drawn = |value: fn(&Pattern) -> f64| pattern.map(value).and_then(finite);
             let proven = |value: fn(&FlatCertificate) -> f64| flat.map(value).and_then(finite);
             let panels = answer.patchwork.panels.iter().skip(part.first).take(part.count);
+            let thickness = sheet(k).map(|s| s.thickness).filter(|t| *t > 0.0).or(shop.thickness);
+            let weight = shop.material.as_ref().zip(thickness).zip(pattern).map(|((m, t), p)| m.weight(p.area, t));
             PartRecord {
                 name: part.name.clone(),
                 panels: panels.map(|p| p.strip.name.clone()).collect(),
@@ -232,10 +239,23 @@ fn part_records(answer: &Answer, shown: &Presentation) -> Vec<PartRecord> {
                 width: drawn(|p| p.width),
                 view: pattern.map_or_else(String::new, |p| p.view.name().into()),
                 bends: pattern.map_or_else(Vec::new, bends::records),
-                thickness: sheet(k).map(|s| s.thickness).filter(|t| *t > 0.0),
+                thickness,
                 same_as: same(k).map_or_else(String::new, |s| answer.patterns[s.pattern].name.clone()),
                 mirrored: same(k).is_some_and(|s| s.mirrored),
                 sheet_bends: sheet(k).map_or_else(Vec::new, |s| bend_table::records(&s.bends)),
+                quantity: count(k).as_drawn,
+                quantity_turned_over: count(k).turned_over,
+                cut_length: pattern.map(cut_length).and_then(finite),
+                pierces: pattern.map_or(0, |p| p.contours.len()),
+                material: shop.material.as_ref().map_or_else(String::new, |m| m.name.clone()),
+                weight_kg: weight.and_then(finite),
+                inside_radius: work(k).and_then(|w| w.sheet).and_then(|s| finite(s.inside_radius)),
+                neutral_offset: work(k).and_then(|w| w.sheet).and_then(|s| finite(s.neutral)),
+                facets: work(k).and_then(|w| w.faceted.as_ref()).map(|f| FacetsRecord {
+                    kinks: f.kinks.len(),
+                    displacement_estimate: finite(f.displacement_estimate),
+                    sagitta_estimate: finite(f.sagitta_estimate),
+                }),
             }
         })
         .collect()

@@ -32,6 +32,7 @@ pub fn name(claim: &Claim, curves: &[String]) -> String {
         What::RegressionClearance if proven => "distance to the regression curve".into(),
         What::RegressionClearance => "regression clearance".into(),
         What::BendRadius => "bend radius".into(),
+        What::InsideRadius => "least inside radius of the sheet".into(),
         What::DiagonalGap => "distance of diagonals".into(),
         What::PointsMoved => "points moved".into(),
         What::BendBefore => "bend before".into(),
@@ -99,6 +100,7 @@ pub fn id(what: What) -> &'static str {
         What::Twist => "twist",
         What::RegressionClearance => "regression_clearance",
         What::BendRadius => "bend_radius",
+        What::InsideRadius => "inside_radius",
         What::DiagonalGap => "diagonal_gap",
         What::PointsMoved => "points_moved",
         What::BendBefore => "bend_before",
@@ -167,6 +169,7 @@ pub fn unit(what: What) -> &'static str {
         | What::JointGap
         | What::RegressionClearance
         | What::BendRadius
+        | What::InsideRadius
         | What::DiagonalGap
         | What::PointsMoved
         | What::Noise

@@ -14,7 +14,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 const TOLERANCE: f64 = 1e-3;
 
 fn flat(faces: &[Face], k: f64) -> BodyParts {
-    let options = PartOptions { tolerance: TOLERANCE, k: KFactor::Ansi(k), surfaces: false };
+    let options = PartOptions { tolerance: TOLERANCE, k: KFactor::Ansi(k), surfaces: false, facets: None };
     flat_parts(&faces.iter().collect::<Vec<_>>(), "part", &options)
 }
 
@@ -159,7 +159,7 @@ fn a_closed_box_is_cut_open_along_seven_edges() {
         rectangle(o, z, y),
         rectangle(x, y, z),
     ];
-    let options = PartOptions { tolerance: TOLERANCE, k: KFactor::default(), surfaces: true };
+    let options = PartOptions { tolerance: TOLERANCE, k: KFactor::default(), surfaces: true, facets: None };
     let part = only(&faces, flat_parts(&faces.iter().collect::<Vec<_>>(), "box", &options));
     near(part.pattern.area, 2.0 * (200.0 + 300.0 + 600.0));
     assert_eq!((part.cuts.len(), part.sheet.bends.len()), (7, 5));
@@ -193,7 +193,7 @@ fn bodies_without_one_thickness_are_refused_with_the_distances_found() {
     assert!(face.is_none() && reason.contains("no constant thickness"), "{reason}");
     assert!(reason.contains("28.000") && reason.contains("29.000"), "{reason}");
     // As surfaces they unfold all the same.
-    let options = PartOptions { tolerance: TOLERANCE, k: KFactor::default(), surfaces: true };
+    let options = PartOptions { tolerance: TOLERANCE, k: KFactor::default(), surfaces: true, facets: None };
     let part = only(&block, flat_parts(&block.iter().collect::<Vec<_>>(), "block", &options));
     near(part.pattern.area, 2.0 * (30.0 * 28.0 + 30.0 * 29.0 + 28.0 * 29.0));
 }

@@ -3,6 +3,7 @@
 mod fit;
 mod loft;
 mod net;
+mod shop;
 mod unroll;
 
 use super::counted;
@@ -52,6 +53,7 @@ pub fn note(note: &Note) -> String {
         Note::Met { residual } => format!("conditions are met to {} of the size", number(*residual)),
         Note::Level { level, report } => planarised(*level, report),
         Note::Unroll(note) => unroll::words(note),
+        Note::Shop(note) => shop::words(note),
         Note::Fit(note) => fit::words(note),
     }
 }

@@ -23,7 +23,7 @@ pub(super) fn words(note: &UnrollNote) -> String {
     }
 }
 
-fn factor(k: &KFactor) -> String {
+pub(super) fn factor(k: &KFactor) -> String {
     match k {
         KFactor::Ansi(k) => format!("K = {k} (ANSI: share of the thickness from the inside)"),
         KFactor::Din => "K by DIN 6935".into(),

@@ -1,0 +1,32 @@
+//! Arguments about sheet and work in the library's words, with the tables that they name.
+
+use crate::args::{Shop, K};
+use crate::failure::Failure;
+use crate::input::contents;
+use crate::wiring::k_table;
+use torse::develop::unfold::allowance::KFactor;
+use torse::io::materials;
+use torse::pipeline::workshop::WorkshopOptions;
+
+/// Sheet and work, with the tables that they name.
+pub fn workshop(shop: &Shop) -> Result<WorkshopOptions, Failure> {
+    let k = match &shop.k {
+        None => None,
+        Some(K::Share(k)) => Some(KFactor::Ansi(*k)),
+        Some(K::Din) => Some(KFactor::Din),
+        Some(K::Table(file)) => Some(KFactor::Table(k_table(&file.display().to_string(), &contents(file)?)?)),
+    };
+    let own = shop.materials.as_ref().map(|f| contents(f).map(|b| (f.display().to_string(), b))).transpose()?;
+    let own = own.map(|(name, bytes)| (name, String::from_utf8_lossy(&bytes).into_owned()));
+    let own = own.as_ref().map(|(name, text)| (name.as_str(), text.as_str()));
+    let material = shop.material.as_ref().map(|name| materials::material(name, own)).transpose();
+    let help = "give one of these names, or a table of your own with --materials";
+    Ok(WorkshopOptions {
+        material: material.map_err(|e| Failure::new(e.to_string(), help))?,
+        thickness: shop.thickness.as_ref().map(|t| t.mm),
+        side: shop.side.of_sheet(),
+        k,
+        kinked: shop.facets.is_some(),
+        stations: shop.mark_sections.clone(),
+    })
+}

@@ -1,0 +1,120 @@
+//! Sheet and work at the command line: materials, thickness, kinks, sections.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+fn data(name: &str) -> String {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../data").join(name).display().to_string()
+}
+
+fn torse(arguments: &[&str], out: &Path) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_torse"));
+    command.args(arguments).arg("--out").arg(out).output().expect("the program runs")
+}
+
+fn said(run: &Output) -> String {
+    String::from_utf8_lossy(&run.stdout).into_owned() + &String::from_utf8_lossy(&run.stderr)
+}
+
+/// Cells of a table by the names of its columns.
+fn column(table: &str, name: &str) -> Vec<String> {
+    let mut lines = table.lines();
+    let names: Vec<&str> = lines.next().expect("names").split(',').collect();
+    let k = names.iter().position(|n| *n == name).unwrap_or_else(|| panic!("no column {name} in {names:?}"));
+    lines.map(|l| l.split(',').nth(k).expect("a cell").to_owned()).collect()
+}
+
+#[test]
+fn a_pipe_of_steel_is_weighed_kinked_marked_and_stays_certified() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let out = dir.path().join("pipe");
+    let options = [
+        "approximate",
+        &data("cylinder_holes.step"),
+        "--tolerance",
+        "0.5mm",
+        "--material",
+        "mild steel",
+        "--thickness",
+        "3mm",
+        "--facets",
+        "angle=10deg",
+        "--mark-sections",
+        "z=../100mm",
+    ];
+    let run = torse(&options, &out);
+    assert_eq!(run.status.code(), Some(0), "{}", said(&run));
+    let read = |name: &str| std::fs::read_to_string(out.join(name)).unwrap_or_else(|e| panic!("{name}: {e}"));
+    let parts = read("parts.csv");
+    let area: f64 = column(&parts, "area_mm2")[0].parse().expect("an area");
+    let weight: f64 = column(&parts, "weight_kg")[0].parse().expect("a weight");
+    assert!((weight - area * 3.0 * 7850e-9).abs() < 1e-3 * weight && column(&parts, "quantity")[0] == "1");
+    let holes: usize = column(&parts, "holes")[0].parse().expect("a number");
+    assert_eq!(column(&parts, "pierces")[0], (holes + 1).to_string());
+    // Kinks take the whole turn of the pipe, and each no more than was asked for.
+    let facets = read("facets.csv");
+    let angles: Vec<f64> = column(&facets, "angle_deg").iter().map(|a| a.parse().expect("an angle")).collect();
+    assert!(angles.iter().all(|a| *a <= 10.1) && angles.len() >= 10, "{angles:?}");
+    assert!(read("patterns.dxf").contains("\nMARK_SECTION\n") && read("patterns.svg").contains("mark-section"));
+    assert!(read("roll_table.csv").lines().count() > 20 && read("report.html").contains("facets.csv"));
+    let report: serde_json::Value = serde_json::from_str(&read("report.json")).expect("JSON");
+    let figure = report["figures"].as_array().expect("figures").iter().find(|f| f["what"] == "inside_radius");
+    assert_eq!(figure.expect("a figure")["basis"], "proven");
+}
+
+#[test]
+fn the_sheet_beside_the_surface_has_another_length() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let length = |side: &str| -> f64 {
+        let out = dir.path().join(side);
+        let loft = [
+            "loft",
+            &data("chine_low.csv"),
+            &data("chine_high.csv"),
+            "--unit",
+            "mm",
+            "--tolerance",
+            "0.05mm",
+            "--thickness",
+            "20mm",
+            "--side",
+            side,
+        ];
+        let run = torse(&loft, &out);
+        assert!(matches!(run.status.code(), Some(0 | 3)), "{}", said(&run));
+        let parts = std::fs::read_to_string(out.join("parts.csv")).expect("parts");
+        column(&parts, "length_mm")[0].parse().expect("a length")
+    };
+    let (inside, middle, outside) = (length("inside"), length("middle"), length("outside"));
+    assert!((inside - middle).abs() > 0.1 && (outside - middle).abs() > 0.1);
+    // Both sides are as far from the middle.
+    assert!(
+        ((inside - middle) + (outside - middle)).abs() < 0.05 * (inside - middle).abs(),
+        "{inside} {middle} {outside}"
+    );
+}
+
+#[test]
+fn what_cannot_be_meant_is_said_before_anything_is_done() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let out = dir.path().join("none");
+    let own = dir.path().join("own.csv");
+    std::fs::write(&own, "material,density\nmud,-1\n").expect("a file");
+    let own = own.display().to_string();
+    let pipe = data("cylinder_holes.step");
+    for (options, words) in [
+        (&["--material", "unobtainium"][..], "birch-plywood"),
+        (&["--material", "mud", "--materials", &own], "line 2, material 'mud'"),
+        (&["--side", "outside"], "--thickness"),
+        (&["--thickness", "3"], "no unit"),
+        (&["--facets", "many"], "chord=0.5mm"),
+        (&["--mark-sections", "x=5"], "no unit"),
+        (&["--mark-sections", "x=90m"], "meets the model"),
+    ] {
+        let mut all = vec!["approximate", &pipe, "--tolerance", "0.5mm"];
+        all.extend(options);
+        let run = torse(&all, &out);
+        assert!(run.status.code() == Some(2) && said(&run).contains(words), "{options:?}: {}", said(&run));
+        assert!(!out.exists());
+    }
+}

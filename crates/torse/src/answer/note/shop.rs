@@ -1,0 +1,35 @@
+//! Notes of sheet and work.
+
+pub use crate::develop::shop::material::{LeastRadius, Material};
+pub use crate::develop::shop::thickness::{Sheet, TooTight};
+
+/// Something that people should know of sheet and work.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ShopNote {
+    /// The material that was asked for.
+    Material(Material),
+    /// The sheet beside the panels.
+    Sheet(Sheet),
+    /// Flat patterns of the neutral fibre.
+    Neutral {
+        /// Names of the parts.
+        parts: Vec<String>,
+    },
+    /// A part that is bent too tightly.
+    TooTight {
+        /// Name of the part.
+        part: String,
+        /// Why.
+        tight: TooTight,
+    },
+    /// Parts that are kinked in place of being rolled.
+    Kinked {
+        /// How far they come to lie from the curved ones, mm, sampled.
+        displacement_estimate: f64,
+    },
+    /// Parts drawn from other surfaces than their panels: their work is not known.
+    Unknown {
+        /// Names of the parts.
+        parts: Vec<String>,
+    },
+}

@@ -1,0 +1,31 @@
+//! What a shop is told besides the flat patterns.
+
+use crate::develop::shop::bevel::SeamBevel;
+use crate::develop::shop::facets::Faceted;
+use crate::develop::shop::material::Material;
+use crate::develop::shop::roll::RollStation;
+use crate::develop::shop::thickness::PartSheet;
+
+/// Sheet and work of an answer.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Shop {
+    /// What the sheet is made of.
+    pub material: Option<Material>,
+    /// Thickness (mm) of parts whose input has none of its own.
+    pub thickness: Option<f64>,
+    /// What is known of the work on each pattern, in their order; empty before anything was asked.
+    pub work: Vec<PartWork>,
+    /// Bevels along seams between panels.
+    pub bevels: Vec<SeamBevel>,
+}
+
+/// The work on one part.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PartWork {
+    /// Radii along the part; empty for flat parts and where the panels' own maps are not those of the pattern.
+    pub roll: Vec<RollStation>,
+    /// Its kinks, if it is to be kinked.
+    pub faceted: Option<Faceted>,
+    /// What the thickness makes of it, if one was given.
+    pub sheet: Option<PartSheet>,
+}

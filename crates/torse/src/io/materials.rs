@@ -1,0 +1,236 @@
+//! Tables of materials (CSV): those that come with the program, and people's own.
+//!
+//! The first line names the columns, in any order: `material` and `density` (kg/m³), and if known `least_radius` (`1.5t` or
+//! `4mm`), `k` (a number, `din`, or pairs `R/t:k`) and `note`. `#` begins a comment line. A table and not TOML, because every
+//! shop has a program for tables, and no reader of another format had to be brought in.
+
+use crate::develop::shop::material::{LeastRadius, Material};
+use crate::develop::unfold::allowance::KFactor;
+
+/// The table that comes with the program.
+const SHIPPED: &str = include_str!("materials.csv");
+/// Name of that table in messages.
+const SHIPPED_NAME: &str = "the table of the program";
+
+/// A table that cannot be used, or a material that is not in it.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum MaterialError {
+    /// A line that says nothing that can be meant.
+    #[error("{file}, line {line}{card}: {reason}")]
+    Line {
+        /// Name of the table.
+        file: String,
+        /// Line, from 1.
+        line: usize,
+        /// The material, with words before it; empty where the line has none.
+        card: String,
+        /// What is wrong.
+        reason: String,
+    },
+    /// No such material.
+    #[error("there is no material '{name}'; {file} has {known}")]
+    Missing {
+        /// Name asked for.
+        name: String,
+        /// Name of the table.
+        file: String,
+        /// Names that there are.
+        known: String,
+    },
+}
+
+/// The materials that come with the program.
+///
+/// # Errors
+/// None: tests read the table.
+pub fn shipped() -> Result<Vec<Material>, MaterialError> {
+    read(SHIPPED_NAME, SHIPPED)
+}
+
+/// The material of a name: in a table of one's own (its name and its text) if there is one, else in that of the program.
+///
+/// # Errors
+/// A table that cannot be read, with its line; a name that is not there, with those that are.
+pub fn material(name: &str, own: Option<(&str, &str)>) -> Result<Material, MaterialError> {
+    let own = own.map(|(file, text)| read(file, text).map(|all| (file, all))).transpose()?;
+    let (file, all) = match own {
+        Some((file, all)) if all.iter().any(|m| m.is_called(name)) => (file, all),
+        Some((file, mut all)) => {
+            all.extend(shipped()?);
+            (file, all)
+        }
+        None => (SHIPPED_NAME, shipped()?),
+    };
+    let known = all.iter().map(|m| m.name.as_str()).collect::<Vec<_>>().join(", ");
+    let missing = MaterialError::Missing { name: name.into(), file: file.into(), known };
+    all.into_iter().find(|m| m.is_called(name)).ok_or(missing)
+}
+
+/// Reads a table; `file` names it in messages.
+///
+/// # Errors
+/// The line, the material and what is wrong with it.
+pub fn read(file: &str, text: &str) -> Result<Vec<Material>, MaterialError> {
+    let mut columns: Option<Vec<String>> = None;
+    let mut out: Vec<Material> = Vec::new();
+    for (k, line) in text.trim_start_matches('\u{feff}').lines().enumerate() {
+        if line.trim().is_empty() || line.trim_start().starts_with('#') {
+            continue;
+        }
+        let cells = cells(line);
+        let fault = |card: &str, reason: String| MaterialError::Line {
+            file: file.into(),
+            line: k + 1,
+            card: if card.is_empty() { String::new() } else { format!(", material '{card}'") },
+            reason,
+        };
+        let Some(names) = &columns else {
+            let names: Vec<String> = cells.iter().map(|c| c.trim().to_ascii_lowercase()).collect();
+            if let Some(missing) = ["material", "density"].iter().find(|n| !names.iter().any(|c| c == *n)) {
+                return Err(fault("", format!("there is no column '{missing}'; the first line names the columns")));
+            }
+            columns = Some(names);
+            continue;
+        };
+        let cell = |name: &str| {
+            let at = names.iter().position(|n| n == name);
+            at.and_then(|i| cells.get(i)).map_or("", |c| c.trim())
+        };
+        let found = card(&cell).map_err(|reason| fault(cell("material"), reason))?;
+        if out.iter().any(|m| m.is_called(&found.name)) {
+            return Err(fault(&found.name, "it is there already".into()));
+        }
+        out.push(found);
+    }
+    Ok(out)
+}
+
+/// A material from the cells of its row.
+fn card<'a>(cell: &impl Fn(&str) -> &'a str) -> Result<Material, String> {
+    let name = cell("material").to_owned();
+    if name.is_empty() {
+        return Err("the material has no name".into());
+    }
+    let density =
+        positive(cell("density")).ok_or(format!("the density '{}' is no positive number", cell("density")))?;
+    let k = k_factor(cell("k"))?;
+    if let Some(k) = &k {
+        k.check().map_err(|e| e.to_string())?;
+    }
+    Ok(Material { name, density, least_radius: least_radius(cell("least_radius"))?, k, note: cell("note").to_owned() })
+}
+
+fn positive(text: &str) -> Option<f64> {
+    text.trim().parse::<f64>().ok().filter(|x| *x > 0.0 && x.is_finite())
+}
+
+fn least_radius(text: &str) -> Result<Option<LeastRadius>, String> {
+    let fault =
+        || format!("the least radius '{text}' is neither a multiple of the thickness (1.5t) nor a length (4mm)");
+    let number = |s: &str| s.trim().parse::<f64>().ok().filter(|x| *x >= 0.0 && x.is_finite()).ok_or_else(fault);
+    match text {
+        "" => Ok(None),
+        t => match (t.strip_suffix('t'), t.strip_suffix("mm")) {
+            (Some(n), _) => Ok(Some(LeastRadius::Thicknesses(number(n)?))),
+            (_, Some(n)) => Ok(Some(LeastRadius::Length(number(n)?))),
+            _ => Err(fault()),
+        },
+    }
+}
+
+fn k_factor(text: &str) -> Result<Option<KFactor>, String> {
+    let fault =
+        || format!("k '{text}' is no share of the thickness (0.44), not 'din', and no pairs R/t:k (1:0.38 3:0.44)");
+    if text.is_empty() {
+        return Ok(None);
+    }
+    if text.eq_ignore_ascii_case("din") {
+        return Ok(Some(KFactor::Din));
+    }
+    if !text.contains(':') {
+        return text.parse().map(KFactor::Ansi).map(Some).map_err(|_| fault());
+    }
+    let pair = |w: &str| {
+        let (a, b) = w.split_once(':')?;
+        Some([a.parse::<f64>().ok()?, b.parse::<f64>().ok()?])
+    };
+    let rows: Option<Vec<[f64; 2]>> = text.split_whitespace().map(pair).collect();
+    rows.map(|rows| Some(KFactor::Table(rows))).ok_or_else(fault)
+}
+
+/// Cells of a row, separated by commas or semicolons; in double quotes these are text.
+fn cells(line: &str) -> Vec<String> {
+    let separator = if outside_quotes(line, ';') { ';' } else { ',' };
+    let (mut out, mut quoted) = (vec![String::new()], false);
+    for c in line.chars() {
+        match out.last_mut() {
+            _ if c == '"' => quoted = !quoted,
+            _ if c == separator && !quoted => out.push(String::new()),
+            Some(cell) => cell.push(c),
+            None => {}
+        }
+    }
+    out
+}
+
+fn outside_quotes(line: &str, wanted: char) -> bool {
+    let mut quoted = false;
+    line.chars().any(|c| {
+        quoted ^= c == '"';
+        !quoted && c == wanted
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_table_of_the_program_is_sound() {
+        let all = shipped().expect("a table");
+        assert!(all.len() >= 12);
+        for m in &all {
+            assert!((500.0..9000.0).contains(&m.density) && !m.note.is_empty(), "{m:?}");
+            let k = m.k.as_ref().expect("a K-factor");
+            // Gentle bends have their neutral fibre in the middle.
+            assert!((k.share(1000.0) - 0.5).abs() < 1e-12 && k.share(0.5) <= 0.5, "{m:?}");
+            assert!(m.least_radius.is_some_and(|r| r.of(1.0) > 0.0));
+        }
+        let steel = material("Mild Steel", None).expect("steel");
+        assert_eq!((steel.density, steel.least_radius), (7850.0, Some(LeastRadius::Thicknesses(1.0))));
+    }
+
+    #[test]
+    fn own_tables_go_first_and_the_others_stay() {
+        let own = "note;Density;material;k\n\"a; b\";7777;mild steel;din\n;640;cork;\n";
+        let steel = material("mild-steel", Some(("own.csv", own))).expect("steel");
+        assert_eq!((steel.density, steel.k, steel.note.as_str()), (7777.0, Some(KFactor::Din), "a; b"));
+        let cork = material("cork", Some(("own.csv", own))).expect("cork");
+        assert_eq!((cork.least_radius, cork.k), (None, None));
+        assert_eq!(material("copper", Some(("own.csv", own))).expect("copper").density, 8940.0);
+    }
+
+    #[test]
+    fn what_is_wrong_is_named_with_file_line_and_material() {
+        let refused = |text: &str| read("own.csv", text).expect_err(text).to_string();
+        assert_eq!(
+            refused("material,density\n\nsteel,heavy\n"),
+            "own.csv, line 3, material 'steel': the density 'heavy' is no positive number"
+        );
+        assert!(refused("name,density\nsteel,1\n").contains("line 1: there is no column 'material'"));
+        for (row, words) in [
+            ("steel,1,2x,", "2x"),
+            ("steel,1,,1:a", "1:a"),
+            ("steel,1,,1.7", "1.7"),
+            ("steel,1,,3:0.4 1:0.3", "row 2"),
+            (",1,,", "no name"),
+            ("steel,nan,,", "nan"),
+            ("a,1,,\nA,2,,", "already"),
+        ] {
+            let found = refused(&format!("material,density,least_radius,k\n{row}\n"));
+            assert!(found.contains(words), "{found}");
+        }
+        let missing = material("unobtainium", None).expect_err("no such material").to_string();
+        assert!(missing.contains("unobtainium") && missing.contains("birch-plywood"), "{missing}");
+    }
+}

@@ -1,0 +1,61 @@
+//! Sentences on sheet and work.
+
+use super::super::numbers::{length, number};
+use super::unroll::factor;
+use crate::answer::note::{LeastRadius, ShopNote, TooTight};
+
+/// Parts that are named in one note; more are counted.
+const NAMED: usize = 4;
+
+pub(super) fn words(note: &ShopNote) -> String {
+    match note {
+        ShopNote::Material(m) => {
+            let least = m.least_radius.map_or_else(String::new, |r| format!(", least inside radius {}", least_radius(r)));
+            format!("Material: {}, {} kg/m³{least}; typical numbers, ask the supplier.", m.name, number(m.density))
+        }
+        ShopNote::Sheet(sheet) => format!(
+            "Sheet of {}; the panels are its {}. {}. Parts hollow both ways have it in the middle.",
+            length(sheet.thickness),
+            sheet.side.words(),
+            factor(&sheet.k)
+        ),
+        ShopNote::Neutral { parts } => format!(
+            "Flat patterns are those of the neutral fibre, not of the panels: {}. They are computed from patterns of the \
+             panels and measured, not proven.",
+            named(parts)
+        ),
+        ShopNote::TooTight { part, tight: TooTight::NoRoom { thickness } } => {
+            format!("{part}: a sheet of {} does not fit inside its tightest bend.", length(*thickness))
+        }
+        ShopNote::TooTight { part, tight: TooTight::BelowLeast { radius, needed, material, least } } => format!(
+            "{part}: its least inside radius of {} is below {}, the least for {material} ({}).",
+            length(*radius),
+            length(*needed),
+            least_radius(*least)
+        ),
+        ShopNote::Kinked { displacement_estimate } => format!(
+            "Kinked parts come to lie up to {} from the curved ones (sampled); kinks, angles and a sequence from both ends \
+             inwards are in facets.csv.",
+            length(*displacement_estimate)
+        ),
+        ShopNote::Unknown { parts } => format!(
+            "Roll radii, kinks, sections and the neutral fibre are not known of {}: patterns drawn from other surfaces than \
+             the panels.",
+            named(parts)
+        ),
+    }
+}
+
+fn least_radius(least: LeastRadius) -> String {
+    match least {
+        LeastRadius::Thicknesses(n) => format!("{} times the thickness", number(n)),
+        LeastRadius::Length(mm) => length(mm),
+    }
+}
+
+fn named(names: &[String]) -> String {
+    match names.len() {
+        n if n > NAMED => format!("{} and {} more", names[..NAMED].join(", "), n - NAMED),
+        _ => names.join(", "),
+    }
+}

@@ -1,0 +1,201 @@
+//! Sheet and work for the answer of any job: material, thickness, the neutral fibre, kinks, roll radii, sections, bevels.
+//!
+//! Comes after the job and before its files. What a job has proven of its panels stays; flat patterns that are changed here are
+//! measured from then on, and say so.
+
+mod options;
+
+use crate::answer::note::{Note, ShopNote};
+use crate::answer::shop::{PartWork, Shop};
+use crate::answer::{Answer, Job};
+use crate::certify::claim::{Claim, Subject, What};
+use crate::develop::shop::bevel::bevels;
+use crate::develop::shop::facets::faceted;
+use crate::develop::shop::laid::Laid;
+use crate::develop::shop::neutral::offset_pattern;
+use crate::develop::shop::roll::roll_table;
+use crate::develop::shop::sections::{sections, SectionPlane};
+use crate::develop::shop::thickness::{too_tight, PartSheet, Sheet};
+use crate::develop::unfold::allowance::KFactor;
+use crate::geom::BBox;
+use crate::patchwork::pattern::Pattern;
+use options::MOST_PLANES;
+pub use options::{Stations, WorkshopError, WorkshopOptions};
+use rayon::prelude::*;
+
+/// Share of the tolerance to which changed outlines and marks are drawn.
+const DRAWN: f64 = 0.05;
+/// Share of the step within which a plane at the end of a range still counts.
+const HAIR: f64 = 1e-9;
+
+/// Prepares sheet and work of an answer: [`Answer::shop`], marks of sections and patterns of the neutral fibre.
+///
+/// # Errors
+/// See [`WorkshopError`].
+pub fn prepare(answer: &mut Answer, options: &WorkshopOptions) -> Result<(), WorkshopError> {
+    if let Some(t) = options.thickness.filter(|t| !(*t > 0.0 && t.is_finite())) {
+        return Err(WorkshopError::Thickness(t));
+    }
+    options.k.as_ref().map_or(Ok(()), KFactor::check)?;
+    let planes = planes(answer, &options.stations)?;
+    answer.shop = Shop { material: options.material.clone(), thickness: options.thickness, ..Shop::default() };
+    let sheet = options.sheet();
+    let tolerance = DRAWN * answer.tolerance;
+    let made: Vec<(PartWork, Option<Pattern>, bool)> = answer
+        .patterns
+        .par_iter()
+        .map(|pattern| {
+            let part = answer.parts.get(pattern.panel);
+            let laid = part.and_then(|p| Laid::of(&answer.patchwork, p, pattern));
+            let Some(laid) = laid else {
+                // Bodies of sheet have their own thickness, and other charts than their panels.
+                let own = answer.sheets.get(pattern.panel).is_some_and(|s| s.thickness > 0.0);
+                let of = |s: &Sheet| PartSheet { neutral: f64::NAN, ..s.of(pattern) };
+                let sheet = sheet.as_ref().filter(|_| !own).map(of);
+                return (PartWork { sheet, ..PartWork::default() }, None, false);
+            };
+            let work = PartWork {
+                roll: roll_table(&laid, pattern),
+                faceted: options.kinked.then(|| faceted(&laid, pattern)).flatten(),
+                sheet: sheet.as_ref().map(|s| s.of(pattern)),
+            };
+            let neutral = work.sheet.map_or(0.0, |s| s.neutral);
+            let marks = sections(&laid, pattern, &planes, tolerance);
+            let changed = (!marks.is_empty() || neutral != 0.0).then(|| {
+                let marked = Pattern { sections: marks, ..pattern.clone() };
+                offset_pattern(&laid, &marked, neutral, tolerance)
+            });
+            (work, changed, true)
+        })
+        .collect();
+    let mut moved: Vec<usize> = Vec::new();
+    let mut unknown: Vec<String> = Vec::new();
+    for (k, (work, changed, known)) in made.into_iter().enumerate() {
+        let curved = answer.patterns[k].bends.iter().any(|b| b.angle > 0.0);
+        let moves = sheet.as_ref().is_some_and(|s| s.of(&answer.patterns[k]).neutral != 0.0) && work.sheet.is_some();
+        // Rolled faces of bodies are kinked where they are laid flat.
+        let kinked = options.kinked && answer.job != Job::Unroll;
+        if !known && (!planes.is_empty() || (curved && (kinked || moves))) {
+            unknown.push(answer.patterns[k].name.clone());
+        }
+        if let Some(pattern) = changed {
+            if work.sheet.is_some_and(|s| s.neutral != 0.0) {
+                moved.push(k);
+            }
+            answer.patterns[k] = pattern;
+        }
+        answer.shop.work.push(work);
+    }
+    if answer.covers_faces() {
+        answer.shop.bevels = bevels(&answer.patchwork);
+    }
+    measured_from_now_on(answer, &moved);
+    let notes = notes(answer, options, &moved, unknown);
+    answer.notes.extend(notes.into_iter().map(Note::Shop));
+    if let Some(depth) = sheet.as_ref().map(Sheet::greatest_depth) {
+        answer.claims.extend(inside_radius(answer, depth));
+    }
+    Ok(())
+}
+
+/// The least inside radius of all parts: proven where panels cover faces, else measured.
+fn inside_radius(answer: &Answer, depth: f64) -> Option<Claim> {
+    if answer.job == Job::Unroll {
+        return None;
+    }
+    if let Some(certificate) = &answer.certificate {
+        return Some(certificate.inside_radius(depth));
+    }
+    let least = answer.shop.work.iter().filter_map(|w| w.sheet).map(|s| s.inside_radius).fold(f64::INFINITY, f64::min);
+    Some(Claim::measured(What::InsideRadius, Subject::Whole, least.max(0.0)))
+}
+
+/// Nothing is proven any more of flat patterns that were changed.
+fn measured_from_now_on(answer: &mut Answer, moved: &[usize]) {
+    if moved.is_empty() {
+        return;
+    }
+    let parts: Vec<usize> = moved.iter().map(|k| answer.patterns[*k].panel).collect();
+    answer.flat.retain(|f| !parts.contains(&f.panel()));
+    let about = [What::LengthError, What::DrawingDistance, What::JointGap];
+    let gone = |c: &Claim| {
+        about.contains(&c.what())
+            && match c.subject() {
+                Subject::Whole => true,
+                Subject::Panel(k) => answer.part_of(k).is_some_and(|p| parts.contains(&p)),
+            }
+    };
+    let kept: Vec<Claim> = answer.claims.iter().filter(|c| !gone(c)).cloned().collect();
+    let worst = |of: fn(&Pattern) -> f64| moved.iter().map(|k| of(&answer.patterns[*k])).fold(0.0, f64::max);
+    let more = [
+        Claim::measured(What::LengthError, Subject::Whole, worst(|p| p.isometry_error)),
+        Claim::measured(What::DrawingDistance, Subject::Whole, worst(|p| p.contour_error)),
+    ];
+    answer.claims = kept;
+    answer.claims.extend(more);
+}
+
+/// All planes of all stations that may meet the model.
+fn planes(answer: &Answer, stations: &[Stations]) -> Result<Vec<SectionPlane>, WorkshopError> {
+    let mut bbox = BBox::empty();
+    for b in answer.strips().map(|s| s.patch.bbox()) {
+        bbox.include(&b.min);
+        bbox.include(&b.max);
+    }
+    let mut out = Vec::new();
+    for s in stations {
+        let (middle, half) = (0.5 * (bbox.min + bbox.max), 0.5 * (bbox.max - bbox.min));
+        let (at, reach) = (s.normal.dot(&middle), s.normal.abs().dot(&half));
+        let (lo, hi) = (at - reach, at + reach);
+        // Stations count from the first one given, else from the origin.
+        let zero = if s.from.is_finite() { s.from } else { 0.0 };
+        let first = ((lo.max(s.from) - zero) / s.step - HAIR).ceil();
+        let last = ((hi.min(s.to) - zero) / s.step + HAIR).floor();
+        let count = last - first + 1.0;
+        if count.is_nan() || count < 1.0 {
+            return Err(WorkshopError::Nowhere { name: s.name.clone(), from: s.from, to: s.to, lo, hi });
+        }
+        if count > MOST_PLANES as f64 {
+            return Err(WorkshopError::TooMany { step: s.step, count });
+        }
+        out.extend((0..count as usize).map(|k| {
+            let offset = zero + (first + k as f64) * s.step;
+            let number = format!("{:.3}", answer.cut.unit.of(offset));
+            let number = number.trim_end_matches('0').trim_end_matches('.');
+            SectionPlane { normal: s.normal, offset, label: format!("{} {number}", s.name.to_uppercase()) }
+        }));
+    }
+    Ok(out)
+}
+
+/// What people should know of sheet and work.
+fn notes(answer: &Answer, options: &WorkshopOptions, moved: &[usize], unknown: Vec<String>) -> Vec<ShopNote> {
+    let mut out: Vec<ShopNote> = options.material.clone().map(ShopNote::Material).into_iter().collect();
+    out.extend(options.sheet().filter(|_| answer.job != Job::Unroll).map(ShopNote::Sheet));
+    if !moved.is_empty() {
+        out.push(ShopNote::Neutral { parts: moved.iter().map(|&k| answer.patterns[k].name.clone()).collect() });
+    }
+    for (k, pattern) in answer.patterns.iter().enumerate() {
+        let own = answer.sheets.get(k);
+        let thickness = own.map(|s| s.thickness).filter(|t| *t > 0.0).or(options.thickness);
+        let bends = own.map(|s| s.bends.iter().map(|b| b.inside_radius).fold(f64::INFINITY, f64::min));
+        let radius = match own.filter(|s| s.thickness > 0.0) {
+            Some(_) => bends,
+            None => answer.shop.work.get(k).and_then(|w| w.sheet).map(|s| s.inside_radius),
+        };
+        let Some((thickness, radius)) = thickness.zip(radius) else { continue };
+        // Sharp bends of a model tell no radius.
+        if own.is_some() && radius == 0.0 {
+            continue;
+        }
+        let tight = too_tight(radius, thickness, options.material.as_ref());
+        out.extend(tight.map(|tight| ShopNote::TooTight { part: pattern.name.clone(), tight }));
+    }
+    let off = |w: &PartWork| w.faceted.as_ref().map_or(0.0, |f| f.displacement_estimate);
+    let worst = answer.shop.work.iter().map(off).max_by(f64::total_cmp).filter(|w| *w > 0.0);
+    out.extend(worst.map(|displacement_estimate| ShopNote::Kinked { displacement_estimate }));
+    if !unknown.is_empty() {
+        out.push(ShopNote::Unknown { parts: unknown });
+    }
+    out
+}
