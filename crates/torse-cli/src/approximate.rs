@@ -61,9 +61,7 @@ pub fn run(arguments: &Approximate) -> Result<bool, Failure> {
     if arguments.strict {
         refuse_left_out(file, &answer.skipped)?;
     }
-    let bare = options.layout.curves.iter().filter(|c| answer.along.iter().all(|a| a.curve != c.name));
-    notes.extend(bare.map(|c| Note::NoPanelAlong { curve: c.name.clone() }));
-    answer.notes = notes;
+    answer.notes.splice(0..0, notes);
     job.deliver(&mut answer)?;
     job.write(swept)?;
     let mut cones_hold = true;

@@ -3,6 +3,7 @@
 //! Reads like the page that describes it: cover every face, build the panels as they will be exported, have them
 //! judged, cut what is refused, develop the rest.
 
+use crate::answer::note::Note;
 use crate::answer::skipped::{left_out, Skipped};
 use crate::answer::{Answer, Job};
 use crate::brep::face::Face;
@@ -50,8 +51,9 @@ const JOINT_REACH: f64 = 2.0;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn approximate(model: &Model, options: &Options) -> Result<Answer, ApproximateError> {
-    let found = of_faces(model.faces.clone(), model.skipped.clone(), options, &Control::default())?;
-    Ok(Answer { notes: model.notes.clone(), ..found })
+    let mut answer = of_faces(model.faces.clone(), model.skipped.clone(), options, &Control::default())?;
+    answer.notes.splice(0..0, model.notes.iter().cloned());
+    Ok(answer)
 }
 
 /// Approximates faces by developable panels within a tolerance.
@@ -113,6 +115,8 @@ pub fn of_faces(
     // What was left out on the way counts, whatever is proven of the rest.
     claims.splice(0..0, left_out(&skipped));
     let parts = one_by_one(&patchwork, &patterns);
+    let bare = options.layout.curves.iter().filter(|c| along.iter().all(|a| a.curve != c.name));
+    let notes = bare.map(|c| Note::NoPanelAlong { curve: c.name.clone() }).collect();
     Ok(Answer {
         claims,
         patchwork,
@@ -122,6 +126,7 @@ pub fn of_faces(
         flat,
         skipped,
         along,
+        notes,
         beyond_limits: missed.panels,
         seconds: start.elapsed().as_secs_f64(),
         ..Answer::new(Job::Approximate, &options.input, tolerance)

@@ -1,0 +1,290 @@
+//! Laws of every verb: what is made of a model that is moved, turned or scaled is what is made of the model, moved, turned
+//! and scaled. Tolerances are lengths and scale with it. Nearly degenerate curves get honest answers.
+
+use torse::answer::Answer;
+use torse::brep::face::Face;
+use torse::certify::claim::{Status, What};
+use torse::control::Control;
+use torse::geom::cloud::Cloud;
+use torse::geom::Vec3;
+use torse::nalgebra::{Rotation3, Unit};
+use torse::pipeline::net::Condition;
+use torse::spline::curve::Curve;
+use torse::spline::knots::Knots;
+use torse::spline::surface::Surface;
+use torse::torse::contact::Given;
+use torse::torse::quad_strip::QuadStrip;
+use torse::torse::rail::{Rail, RailError};
+use torse::Model;
+
+/// A similarity: turned, scaled, then moved.
+#[derive(Clone, Copy)]
+struct Similarity {
+    turn: Rotation3<f64>,
+    scale: f64,
+    shift: Vec3,
+}
+
+impl Similarity {
+    fn direction(&self, v: [f64; 3]) -> Vec3 {
+        self.turn * Vec3::from(v) * self.scale
+    }
+
+    fn point(&self, p: [f64; 3]) -> Vec3 {
+        self.direction(p) + self.shift
+    }
+
+    fn rail(&self, name: &str, degree: usize, points: &[[f64; 3]]) -> Rail {
+        self.maybe_rail(name, degree, points).expect("rail")
+    }
+
+    /// A rail, or why it is none.
+    fn maybe_rail(&self, name: &str, degree: usize, points: &[[f64; 3]]) -> Result<Rail, RailError> {
+        let breaks: Vec<f64> = (0..=points.len() - degree).map(|k| k as f64 / (points.len() - degree) as f64).collect();
+        let knots = Knots::clamped(degree, &breaks).expect("knots");
+        let control = points.iter().map(|p| self.point(*p)).map(|p| [p.x, p.y, p.z, 1.0]).collect();
+        Rail::new(name, &[Curve { knots, control }])
+    }
+
+    /// A face ruled between two curves of the same control points' number.
+    fn ruled(&self, a: &[[f64; 3]], b: &[[f64; 3]]) -> Face {
+        let knots = |degree| Knots::clamped(degree, &[0.0, 1.0]).expect("knots");
+        let points: Vec<Vec3> = a.iter().zip(b).flat_map(|(a, b)| [self.point(*a), self.point(*b)]).collect();
+        Face::untrimmed(Surface::new(knots(a.len() - 1), knots(1), &points, None).expect("surface"))
+    }
+}
+
+/// Nothing at all, a motion, half and eight times the size, and all of it at once.
+fn similarities() -> [Similarity; 5] {
+    let turn = Rotation3::from_axis_angle(&Unit::new_normalize(Vec3::new(0.3, -1.0, 0.7)), 0.8);
+    let still = Similarity { turn: Rotation3::identity(), scale: 1.0, shift: Vec3::zeros() };
+    let shift = Vec3::new(130.0, -70.0, 40.0);
+    [
+        still,
+        Similarity { turn, shift, ..still },
+        Similarity { scale: 0.5, ..still },
+        Similarity { scale: 8.0, ..still },
+        Similarity { turn, shift, scale: 3.0 },
+    ]
+}
+
+/// What must not change but by the scale: status, panels, parts, and the measures of flat patterns.
+fn commutes(share: f64, make: impl Fn(&Similarity) -> Answer) {
+    let [still, others @ ..] = similarities();
+    let first = make(&still);
+    let sum = |a: &Answer, of: fn(&torse::patchwork::pattern::Pattern) -> f64| a.patterns.iter().map(of).sum::<f64>();
+    assert!(!first.patterns.is_empty(), "nothing is compared");
+    for s in others {
+        let made = make(&s);
+        let counts = |a: &Answer| (a.status(), a.patchwork.panels.len(), a.parts.len(), a.patterns.len());
+        assert_eq!(counts(&made), counts(&first), "scale {}: {:?} {:?}", s.scale, made.claims, made.notes);
+        let (area, length) = (sum(&first, |p| p.area), sum(&first, |p| p.length));
+        let off = (sum(&made, |p| p.area) / (s.scale * s.scale) - area).abs();
+        assert!(off < share * area, "scale {}: area {off} of {area}", s.scale);
+        let off = (sum(&made, |p| p.length) / s.scale - length).abs();
+        assert!(off < share * length, "scale {}: length {off} of {length}", s.scale);
+    }
+}
+
+#[test]
+#[should_panic(expected = "scale 0.5: area")]
+fn the_law_can_fail() {
+    commutes(1e-6, |s| {
+        let s = Similarity { scale: 1.0, ..*s };
+        let (low, high) = (s.rail("low", 3, &LOW), s.rail("high", 3, &HIGH));
+        torse::loft(&low, &high, &torse::Loft::new(0.1), &Control::default()).expect("a loft")
+    });
+}
+
+const LOW: [[f64; 3]; 5] = [[0., 0., 0.], [80., -20., 10.], [160., 10., 0.], [240., 30., 5.], [320., 0., 20.]];
+const HIGH: [[f64; 3]; 5] =
+    [[10., 90., 60.], [90., 100., 80.], [150., 120., 70.], [230., 110., 60.], [300., 100., 75.]];
+
+#[test]
+fn lofts_commute_with_similarities() {
+    commutes(1e-6, |s| {
+        let options = torse::Loft::new(0.1 * s.scale);
+        torse::loft(&s.rail("low", 3, &LOW), &s.rail("high", 3, &HIGH), &options, &Control::default()).expect("a loft")
+    });
+}
+
+#[test]
+fn hulls_commute_with_similarities() {
+    let ring = |z: f64, r: f64, bulge: f64| -> Vec<[f64; 3]> {
+        let at = |k: u32| {
+            let t = std::f64::consts::TAU * f64::from(k % 24) / 24.0;
+            [r * t.cos(), (r + bulge) * t.sin(), z]
+        };
+        (0..=24).map(at).collect()
+    };
+    commutes(1e-3, |s| {
+        let rail = |name: &str, points: Vec<[f64; 3]>| {
+            Rail::through(name, &points.iter().map(|p| s.point(*p)).collect::<Vec<_>>()).expect("rail")
+        };
+        let curves = [rail("low", ring(0.0, 200.0, 0.0)), rail("high", ring(250.0, 150.0, 80.0))];
+        let options = torse::Hull { samples: 48, ..torse::Hull::new(0.5 * s.scale) };
+        torse::hull(&curves, &options, &Control::default()).expect("a hull")
+    });
+}
+
+#[test]
+fn nets_commute_with_similarities() {
+    commutes(1e-6, |s| {
+        let curve = [[0., 0., 0.], [250., 125., 75.], [500., 187.5, 150.], [750., 125., 125.], [1000., 0., 31.25]];
+        let last = Condition::LastRuling { direction: s.direction([-0.25, 1.0, 0.125]), width: None };
+        let options = torse::Net::new(0.01 * s.scale, s.direction([62.5, 250.0, 0.0]), last);
+        torse::net(&s.rail("keel", 3, &curve), &options, &Control::default()).expect("a net")
+    });
+}
+
+#[test]
+fn planarisation_commutes_with_similarities() {
+    commutes(1e-6, |s| {
+        let side = |r: f64, z: f64, lag: f64| -> Vec<Vec3> {
+            (0..=8).map(|k| 0.2 * f64::from(k) + lag).map(|t| s.point([r * t.cos(), r * t.sin(), z])).collect()
+        };
+        let strip = QuadStrip::new(side(100.0, 0.0, 0.0), side(150.0, 90.0, 0.1)).expect("a strip");
+        torse::planarise(&strip, &torse::Planarise::new(1e-6 * s.scale), &Control::default()).expect("an answer")
+    });
+}
+
+#[test]
+fn fits_of_rulings_commute_with_similarities() {
+    commutes(1e-3, |s| {
+        // Tangents of a helix: nothing but its regression curve is special.
+        let ruling = |k: u32| {
+            let t = 0.03 * f64::from(k);
+            let at = |v: f64| [100.0 * t.cos() - v * t.sin(), 100.0 * t.sin() + v * t.cos(), 40.0 * t + 0.4 * v];
+            [s.point(at(40.0)), s.point(at(120.0))]
+        };
+        let given = Given::Rulings((0..40).map(ruling).collect());
+        let options = torse::ElementFitOptions::new(0.05 * s.scale, "helix");
+        torse::fit_elements(&given, &options, &Control::default()).expect("a fit")
+    });
+}
+
+#[test]
+fn fits_of_points_commute_with_similarities() {
+    commutes(2e-2, |s| {
+        let at = |k: usize| {
+            let (i, j) = (k % 60, k / 60);
+            let t = 0.02 * i as f64;
+            s.point([150.0 * t.sin(), 3.0 * j as f64 + 0.3 * (i % 7) as f64, 150.0 * t.cos()])
+        };
+        let scan = Cloud { points: (0..60 * 40).map(at).collect(), ..Cloud::default() };
+        torse::fit(&scan, &torse::FitOptions::new(0.2 * s.scale, "scan"), &Control::default()).expect("a fit")
+    });
+}
+
+/// A parabola and where its rulings of a cylinder end.
+const PARABOLA: [[f64; 3]; 3] = [[0., 0., 0.], [50., 0., 40.], [100., 0., 0.]];
+const BEYOND: [[f64; 3]; 3] = [[10., 90., 5.], [60., 90., 45.], [110., 90., 5.]];
+
+#[test]
+fn cones_commute_with_similarities() {
+    commutes(1e-3, |s| {
+        let options = torse::ConesOptions { tolerance: 0.05 * s.scale, input: "face".into() };
+        let face = s.ruled(&PARABOLA, &BEYOND);
+        torse::cones(&[face], &[], &options, &Control::default()).expect("an answer")
+    });
+}
+
+/// A model of one face.
+fn model(face: Face) -> Model {
+    Model { faces: vec![face], skipped: Vec::new(), unit: "millimetre".into(), notes: Vec::new(), products: Vec::new() }
+}
+
+#[test]
+fn unrolling_commutes_with_similarities() {
+    commutes(1e-6, |s| {
+        let options = torse::UnrollOptions { surfaces: true, ..torse::UnrollOptions::new(0.01 * s.scale) };
+        torse::unroll(&model(s.ruled(&PARABOLA, &BEYOND)), &options).expect("an answer")
+    });
+}
+
+#[test]
+fn panels_commute_with_similarities() {
+    commutes(1e-2, |s| {
+        let options = torse::Approximate::new(s.scale);
+        let twisted = [[0., 100., 0.], [50., 100., 60.], [100., 100., 12.]];
+        torse::approximate(&model(s.ruled(&PARABOLA, &twisted)), &options).expect("an answer")
+    });
+}
+
+/// Certified answers whose strips keep to their rails wherever one looks, and whose twist is nowhere above what is proven.
+fn is_honest(answer: &Answer, rails: &[&Rail], tolerance: f64) {
+    const STEPS: usize = 60;
+    const DENSE: usize = 3000;
+    // Rounding of what is measured, degrees.
+    const MEASURED: f64 = 1e-12;
+    if answer.status() != Status::Certified {
+        return;
+    }
+    let proven = answer.claim(What::Twist).expect("a bound").value();
+    for (side, rail) in rails.iter().enumerate() {
+        let points = rail.samples(DENSE);
+        // Half of the way from sample to sample, along the rail.
+        let between = rail.length() / DENSE as f64;
+        for strip in answer.strips() {
+            let (a, b) = strip.domain();
+            for u in (0..=STEPS).map(|k| a + (b - a) * k as f64 / STEPS as f64) {
+                let end = strip.ruling(u)[side];
+                let off = points.iter().map(|p| (p - end).norm()).fold(f64::INFINITY, f64::min);
+                assert!(off <= tolerance + between, "{off} from {}", rail.name);
+                let fan = strip.is_point(0) || strip.is_point(1);
+                assert!(
+                    fan || strip.twist(u).to_degrees() <= proven + MEASURED,
+                    "{} above {proven}",
+                    strip.twist(u).to_degrees()
+                );
+            }
+        }
+    }
+}
+
+/// Smallness from plain to beyond rounding.
+const SMALL: [f64; 5] = [1e-2, 1e-5, 1e-8, 1e-11, 1e-15];
+
+#[test]
+fn lofts_between_nearly_flat_and_nearly_touching_rails_are_honest() {
+    let [still, ..] = similarities();
+    let mut judged = 0;
+    for small in SMALL {
+        let nearly = |points: [[f64; 3]; 5], by: [f64; 3]| points.map(|p| [p[0] * by[0], p[1] * by[1], p[2] * by[2]]);
+        // Nearly in one plane, nearly one point, nearly the same curve.
+        let rail = |name: &str, points: [[f64; 3]; 5]| still.maybe_rail(name, 3, &points);
+        let pairs = [
+            (rail("low", nearly(LOW, [1.0, 1.0, small])), rail("high", nearly(HIGH, [1.0, 1.0, small]))),
+            (rail("low", LOW), rail("point", nearly(HIGH, [small; 3]).map(|p| [p[0] + 100.0, p[1], p[2] + 200.0]))),
+            (rail("low", LOW), rail("same", LOW.map(|p| [p[0], p[1], p[2] + 1000.0 * small]))),
+        ];
+        for (a, b) in pairs {
+            // What is refused is refused by name, which is an answer too.
+            let (Ok(a), Ok(b)) = (a, b) else { continue };
+            if let Ok(answer) = torse::loft(&a, &b, &torse::Loft::new(0.05), &Control::default()) {
+                is_honest(&answer, &[&a, &b], 0.05);
+                judged += usize::from(answer.status() == Status::Certified);
+            }
+        }
+    }
+    assert!(judged > 3, "{judged} certified answers are too few to say anything");
+}
+
+#[test]
+fn nets_between_nearly_parallel_and_nearly_meeting_rulings_are_honest() {
+    let [still, ..] = similarities();
+    let keel = still.rail("keel", 3, &LOW);
+    let mut judged = 0;
+    let first = Vec3::new(10.0, 90.0, 60.0);
+    for small in SMALL {
+        for direction in [first + Vec3::new(small, -small, small) * 50.0, first * -1.0 + Vec3::x() * small] {
+            let last = Condition::LastRuling { direction, width: None };
+            let options = torse::Net::new(0.05, first, last);
+            if let Ok(answer) = torse::net(&keel, &options, &Control::default()) {
+                is_honest(&answer, &[&keel], 0.05);
+                judged += usize::from(answer.status() == Status::Certified);
+            }
+        }
+    }
+    assert!(judged > 3, "{judged} certified answers are too few to say anything");
+}
