@@ -248,6 +248,47 @@ mod tests {
     }
 
     #[test]
+    fn sections_are_read_back_and_moved_or_missing_ones_are_found() {
+        use crate::certify::written::drawing as compared;
+        use crate::draw::drawing::{drawing, DrawingOptions};
+        use crate::io::{dxf as dxf_writer, svg as svg_writer};
+        use crate::patchwork::pattern::{Contour, ContourVertex, Pattern, SectionLine};
+        let corner = |x: f64, y: f64| ContourVertex { point: Vec2::new(x, y), bulge: 0.0, corner: true };
+        let square = vec![corner(0., 0.), corner(200., 0.), corner(200., 90.), corner(0., 90.)];
+        let line = [(50.0, 0.0), (60.0, 40.0), (55.0, 90.0)].map(|(x, y)| Vec2::new(x, y)).to_vec();
+        let pattern = Pattern {
+            name: "A".into(),
+            contours: vec![Contour { vertices: square }],
+            sections: vec![SectionLine { label: "X 500".into(), points: line }],
+            area: 18_000.0,
+            length: 200.0,
+            width: 90.0,
+            ..Pattern::default()
+        };
+        let drawn = drawing(std::slice::from_ref(&pattern), &[], &[], &DrawingOptions::default());
+        let (mut a, mut b) = (Vec::new(), Vec::new());
+        dxf_writer::write(&mut a, &drawn).expect("DXF");
+        svg_writer::write(&mut b, &drawn).expect("SVG");
+        for pieces in [dxf(&a).expect("DXF"), svg(&b).expect("SVG")] {
+            let found = compared(std::slice::from_ref(&pattern), &pieces);
+            assert!(found.reason().is_empty() && found.bound() < 1e-5, "{} {}", found.reason(), found.bound());
+            let mut other = pattern.clone();
+            other.sections[0].points[1].x += 0.5;
+            assert!((compared(&[other.clone()], &pieces).bound() - 0.5).abs() < 1e-5);
+            other.sections.clear();
+            assert!(compared(&[other], &pieces).reason().contains("sections"));
+        }
+        // Without its label the drawing has fewer strokes; a closed section is none.
+        let bare = Pattern { sections: Vec::new(), ..pattern };
+        let bare = drawing(&[bare], &[], &[], &DrawingOptions::default());
+        assert!(bare.pieces[0].text.len() + 4 <= drawn.pieces[0].text.len());
+        let text = String::from_utf8(a).expect("text");
+        let at = text.rfind("MARK_SECTION").expect("a section");
+        let closed = text[..at].to_owned() + &text[at..].replacen(" 70\n     0\n", " 70\n     1\n", 1);
+        assert!(dxf(closed.as_bytes()).expect_err("closed").contains("closed"));
+    }
+
+    #[test]
     fn paths_hold_lines_and_arcs_of_finite_numbers() {
         let drawing = |d: &str| {
             let paths = format!("<g id=\"panel-A\">\n<g class=\"cut-outer\">\n<path d=\"{d}\"/>\n</g>\n</g>\n");

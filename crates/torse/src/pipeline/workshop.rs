@@ -18,6 +18,7 @@ use crate::develop::shop::sections::{sections, SectionPlane};
 use crate::develop::shop::thickness::{too_tight, PartSheet, Sheet};
 use crate::develop::unfold::allowance::KFactor;
 use crate::geom::BBox;
+use crate::patchwork::part::Part;
 use crate::patchwork::pattern::Pattern;
 use options::MOST_PLANES;
 pub use options::{Stations, WorkshopError, WorkshopOptions};
@@ -54,12 +55,19 @@ pub fn prepare(answer: &mut Answer, options: &WorkshopOptions) -> Result<(), Wor
                 let sheet = sheet.as_ref().filter(|_| !own).map(of);
                 return (PartWork { sheet, ..PartWork::default() }, None, false);
             };
+            // The offset of an apex is a curve, which no outline of the panels has.
+            let apex = part.is_some_and(|p| has_apex(answer, p));
+            let of = |s: &Sheet| {
+                let found = s.of(pattern);
+                let neutral = if apex && found.neutral != 0.0 { f64::NAN } else { found.neutral };
+                PartSheet { neutral, ..found }
+            };
             let work = PartWork {
                 roll: roll_table(&laid, pattern),
                 faceted: options.kinked.then(|| faceted(&laid, pattern)).flatten(),
-                sheet: sheet.as_ref().map(|s| s.of(pattern)),
+                sheet: sheet.as_ref().map(of),
             };
-            let neutral = work.sheet.map_or(0.0, |s| s.neutral);
+            let neutral = work.sheet.map(|s| s.neutral).filter(|d| d.is_finite()).unwrap_or(0.0);
             let marks = sections(&laid, pattern, &planes, tolerance);
             let changed = (!marks.is_empty() || neutral != 0.0).then(|| {
                 let marked = Pattern { sections: marks, ..pattern.clone() };
@@ -79,7 +87,7 @@ pub fn prepare(answer: &mut Answer, options: &WorkshopOptions) -> Result<(), Wor
             unknown.push(answer.patterns[k].name.clone());
         }
         if let Some(pattern) = changed {
-            if work.sheet.is_some_and(|s| s.neutral != 0.0) {
+            if work.sheet.is_some_and(|s| s.neutral.is_finite() && s.neutral != 0.0) {
                 moved.push(k);
             }
             answer.patterns[k] = pattern;
@@ -96,6 +104,12 @@ pub fn prepare(answer: &mut Answer, options: &WorkshopOptions) -> Result<(), Wor
         answer.claims.extend(inside_radius(answer, depth));
     }
     Ok(())
+}
+
+/// Whether a strip of a part ends in a point.
+fn has_apex(answer: &Answer, part: &Part) -> bool {
+    let strips = answer.strips().skip(part.first).take(part.count);
+    strips.into_iter().any(|s| s.is_point(0) || s.is_point(1))
 }
 
 /// The least inside radius of all parts: proven where panels cover faces, else measured.
@@ -190,6 +204,13 @@ fn notes(answer: &Answer, options: &WorkshopOptions, moved: &[usize], unknown: V
         }
         let tight = too_tight(radius, thickness, options.material.as_ref());
         out.extend(tight.map(|tight| ShopNote::TooTight { part: pattern.name.clone(), tight }));
+    }
+    let left = |(p, w): (&Pattern, &PartWork)| {
+        (w.sheet.is_some_and(|s| s.neutral.is_nan()) && !unknown.contains(&p.name)).then(|| p.name.clone())
+    };
+    let left: Vec<String> = answer.patterns.iter().zip(&answer.shop.work).filter_map(left).collect();
+    if !left.is_empty() && answer.job != Job::Unroll {
+        out.push(ShopNote::NotNeutral { parts: left });
     }
     let off = |w: &PartWork| w.faceted.as_ref().map_or(0.0, |f| f.displacement_estimate);
     let worst = answer.shop.work.iter().map(off).max_by(f64::total_cmp).filter(|w| *w > 0.0);

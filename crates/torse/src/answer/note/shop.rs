@@ -15,6 +15,11 @@ pub enum ShopNote {
         /// Names of the parts.
         parts: Vec<String>,
     },
+    /// Flat patterns of the panels, not of the neutral fibre, although that lies beside them.
+    NotNeutral {
+        /// Names of the parts.
+        parts: Vec<String>,
+    },
     /// A part that is bent too tightly.
     TooTight {
         /// Name of the part.

@@ -7,7 +7,7 @@
 
 use super::laid::{Laid, Spot};
 use super::roll::outlines;
-use crate::develop::refold::drawn::{distance, inside, sides};
+use crate::develop::refold::drawn::{distance, foot, inside, sides};
 use crate::geom::{Vec2, Vec3};
 use crate::patchwork::pattern::{Pattern, SectionLine};
 
@@ -53,7 +53,8 @@ pub fn sections(laid: &Laid, pattern: &Pattern, planes: &[SectionPlane], toleran
             middles.chain(l.iter().copied()).any(|p| distance(&loops, &p) > edge)
         };
         lines.retain(|l| long(l) && beside(l));
-        out.extend(lines.into_iter().map(|points| SectionLine { label: plane.label.clone(), points }));
+        let line = |l: Vec<Vec2>| SectionLine { label: plane.label.clone(), points: simplified(&l, 0.5 * tolerance) };
+        out.extend(lines.into_iter().map(line));
     }
     out
 }
@@ -64,14 +65,30 @@ fn on_sheet(laid: &Laid, sheet: usize, plane: &SectionPlane, tolerance: f64) -> 
     let ends = |t: f64| laid.ruling_in_space(sheet, t).map(|p| plane.normal.dot(&p) - plane.offset);
     let stations: Vec<f64> = laid.stations(sheet).collect();
     let mut out: Vec<Vec<Vec2>> = Vec::new();
-    for w in stations.windows(2) {
+    // Rulings in the plane, up to rounding: nothing beside them could be followed.
+    let same = SAME * laid.size();
+    let level: Vec<bool> = stations.iter().map(|t| ends(*t).iter().all(|x| x.abs() <= same)).collect();
+    for (k, t) in stations.iter().enumerate().filter(|(k, _)| level[*k]) {
+        // A joint belongs to the panel before it; of a stretch that lies in the plane as a whole nothing is marked.
+        let joint = k == 0 && sheet > 0;
+        let beside = [k.checked_sub(1), Some(k + 1)].into_iter().flatten().any(|j| level.get(j) == Some(&true));
+        if !joint && !beside {
+            out.push(laid.ruling(sheet, *t).to_vec());
+        }
+    }
+    for (w, level) in stations.windows(2).zip(level.windows(2)) {
+        if level[0] || level[1] {
+            continue;
+        }
         let (f, g) = (ends(w[0]), ends(w[1]));
         // Rulings whose one or other end lies in the plane.
         let zero = |k: usize| ((f[k] >= 0.0) != (g[k] >= 0.0)).then(|| root(|t| ends(t)[k], w[0], w[1]));
         let mut at: Vec<f64> = [zero(0), zero(1)].into_iter().flatten().collect();
         at.sort_by(f64::total_cmp);
         if let [a, b] = at[..] {
-            if b - a <= SAME * (w[1] - w[0]) {
+            // Between rulings that are one to rounding nothing could be followed.
+            let (p, q) = (laid.ruling(sheet, a), laid.ruling(sheet, b));
+            if (p[0] - q[0]).norm().max((p[1] - q[1]).norm()) <= same {
                 out.push(laid.ruling(sheet, 0.5 * (a + b)).to_vec());
                 continue;
             }
@@ -90,7 +107,7 @@ fn on_sheet(laid: &Laid, sheet: usize, plane: &SectionPlane, tolerance: f64) -> 
             };
             let mut points = vec![place(p[0])];
             follow(&place, (p[0], p[1]), tolerance, &mut points);
-            join(&mut out, points, SAME * laid.size());
+            join(&mut out, points, same);
         }
     }
     out
@@ -152,6 +169,21 @@ fn join(lines: &mut Vec<Vec<Vec2>>, mut line: Vec<Vec2>, same: f64) {
         }
     }
     lines.push(line);
+}
+
+/// The line with as few of its corners as keep within a distance (mm) of all of them, by halving at the farthest one.
+fn simplified(line: &[Vec2], tolerance: f64) -> Vec<Vec2> {
+    let mut kept = vec![false; line.len()];
+    let mut open = vec![(0, line.len() - 1)];
+    while let Some((a, b)) = open.pop() {
+        (kept[a], kept[b]) = (true, true);
+        let off = |k: &usize| (line[*k] - foot(&line[a], &line[b], &line[*k])).norm();
+        let farthest = (a + 1..b).max_by(|j, k| off(j).total_cmp(&off(k)));
+        if let Some(k) = farthest.filter(|k| off(k) > tolerance) {
+            open.extend([(a, k), (k, b)]);
+        }
+    }
+    line.iter().zip(kept).filter(|(_, kept)| *kept).map(|(p, _)| *p).collect()
 }
 
 /// The stretches of a line inside polygons.
@@ -223,6 +255,14 @@ mod tests {
         let found = sections(&laid, &pattern, &[plane(Vec3::x(), 90.0)], 0.01);
         assert_eq!((found.len(), found[0].points.len(), found[0].label.as_str()), (1, 2, "FR 1"));
         assert!(((found[0].points[1] - found[0].points[0]).norm() - 80.0).abs() < 1e-6);
+        // So does one through the ruling at which two panels are joined.
+        let (two, both) = pattern_of(vec![cylinder("a", -0.7, 0.0), cylinder("b", 0.0, 0.6)], 1.0);
+        let joined = Laid::of(&two, &part_of(2), &both).expect("maps");
+        for tilt in [0.0, 1e-13] {
+            let found = sections(&joined, &both, &[plane(Vec3::new(0.0, 1.0, tilt), 0.0)], 0.01);
+            assert_eq!((found.len(), found[0].points.len()), (1, 2), "{found:?}");
+            assert!(((found[0].points[1] - found[0].points[0]).norm() - 80.0).abs() < 1e-6);
+        }
         // Waterlines of an upright cylinder are straight and as long as the arc.
         assert!(sections(&laid, &pattern, &[plane(Vec3::z(), 80.0), plane(Vec3::z(), 0.0)], 0.01).is_empty());
         let level = sections(&laid, &pattern, &[plane(Vec3::z(), 30.0)], 0.01);
@@ -232,6 +272,15 @@ mod tests {
         let steep = sections(&laid, &pattern, &[plane(Vec3::new(1.0, 0.0, 1e-4), 90.0)], 0.01);
         assert_eq!(steep.len(), 1);
         assert!((steep[0].points.windows(2).map(|w| (w[1] - w[0]).norm()).sum::<f64>() - 80.0).abs() < 1e-3);
+    }
+
+    #[test]
+    fn corners_that_say_nothing_are_left_out() {
+        let line: Vec<Vec2> =
+            (0..=100).map(|k| Vec2::new(f64::from(k), if k < 50 { 0.0 } else { 0.2 * f64::from(k - 50) })).collect();
+        assert_eq!(simplified(&line, 0.01).len(), 3);
+        assert_eq!(simplified(&line, 100.0).len(), 2);
+        assert_eq!(simplified(&line[..2], 0.01).len(), 2);
     }
 
     #[test]

@@ -24,6 +24,11 @@ pub(super) fn words(note: &ShopNote) -> String {
              panels and measured, not proven.",
             named(parts)
         ),
+        ShopNote::NotNeutral { parts } => format!(
+            "Flat patterns are those of the panels, not of the neutral fibre, where cones end in a point or panels are drawn \
+             from other surfaces: {}.",
+            named(parts)
+        ),
         ShopNote::TooTight { part, tight: TooTight::NoRoom { thickness } } => {
             format!("{part}: a sheet of {} does not fit inside its tightest bend.", length(*thickness))
         }
