@@ -41,8 +41,8 @@ pub struct Presentation {
 const RULINGS: f64 = 60.0;
 /// Points on every span of a border line.
 const BORDER_POINTS: usize = 6;
-/// Chord error of the pictures' outlines, as a share of the tolerance.
-const PICTURE_CHORD: f64 = 0.2;
+/// Chord error of the pictures' outlines, as a share of the longest pattern: a tenth of a pixel.
+const PICTURE_CHORD: f64 = 5e-5;
 
 /// Prepares an answer for the writers.
 pub fn present(answer: &Answer) -> Presentation {
@@ -69,12 +69,13 @@ pub fn present_marked(answer: &Answer, marks: Marks) -> Presentation {
     let shapes = shapes(answer);
     let placements = layout(&answer.patterns);
     let places: Vec<(f64, Vec2)> = placements.iter().map(|p| (p.angle, p.offset)).collect();
+    let longest = answer.patterns.iter().map(|p| p.length).fold(0.0, f64::max);
     let options = DrawingOptions { title: answer.input.to_uppercase(), unit: answer.cut.unit, test_square: true };
     Presentation {
         direction: picture::direction(&scene),
         drawing: drawing(&answer.patterns, &placements, &marks.patterns, &options),
         alone: if answer.cut.one_per_part { alone(&answer.patterns, &marks, &options) } else { Vec::new() },
-        pieces: pieces(&answer.patterns, &places, PICTURE_CHORD * answer.tolerance, &marks),
+        pieces: pieces(&answer.patterns, &places, PICTURE_CHORD * longest, &marks),
         shape_patches: shape_patches(answer, &shapes),
         shapes,
         marks,

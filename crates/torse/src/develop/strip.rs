@@ -11,6 +11,7 @@ use super::view::Drawn;
 use super::DevelopError;
 use crate::geom::rectangle::smallest_rectangle;
 use crate::geom::Vec2;
+use crate::num::quadrature::GAUSS_4;
 use crate::patchwork::panel::Border;
 use crate::patchwork::pattern::{Bend, Contour, ContourVertex, Mark, MarkPlace, Pattern, Side, ViewSide};
 use crate::torse::form::PanelKind;
@@ -105,6 +106,22 @@ impl Edge<'_, '_> {
         }
         [0, 1].map(|k| self.from[k] + (self.to[k] - self.from[k]) * s)
     }
+
+    /// Integral over [0, 1]: in 16 parts or more of 4 Gauss points, none of which crosses a knot.
+    fn integral(&self, mut f: impl FnMut(f64) -> f64) -> f64 {
+        const PARTS: usize = 16;
+        let (from, to) = (self.from[0], self.to[0]);
+        let knots = self.laid.strip.patch.knots_u.breaks().into_iter().map(|k| (k - from) / (to - from));
+        let mut breaks: Vec<f64> = knots.filter(|s| *s > 0.0 && *s < 1.0).chain([0.0, 1.0]).collect();
+        breaks.sort_by(f64::total_cmp);
+        let parts = PARTS.div_ceil(breaks.len() - 1).max(2);
+        let mut sum = 0.0;
+        for w in breaks.windows(2) {
+            let at = |k: usize| w[0] + (w[1] - w[0]) * k as f64 / parts as f64;
+            sum += (0..parts).map(|k| GAUSS_4.integrate(at(k), at(k + 1), &mut f)).sum::<f64>();
+        }
+        sum
+    }
 }
 
 impl PlaneCurve for Edge<'_, '_> {
@@ -155,7 +172,7 @@ pub fn pattern(strips: &[&Strip], index: usize, name: &str, options: &StripOptio
         return Err(DevelopError::Overlap { t: 0.5 * (a + b) });
     }
     let origin = flat[0];
-    let area: f64 = edges.iter().map(|(_, e)| integral(|s| 0.5 * (e.place(s) - origin).perp(&e.velocity(s)))).sum();
+    let area: f64 = edges.iter().map(|(_, e)| e.integral(|s| 0.5 * (e.place(s) - origin).perp(&e.velocity(s)))).sum();
     // 2. Contour of lines and arcs.
     let mirrored = area < 0.0;
     let (mut vertices, mut contour_error): (Vec<ContourVertex>, f64) = (Vec::new(), 0.0);
@@ -187,7 +204,7 @@ pub fn pattern(strips: &[&Strip], index: usize, name: &str, options: &StripOptio
     let mut sides: Vec<Side> = Vec::new();
     for side in 0..4u32 {
         let of: Vec<&Edge> = edges.iter().filter(|e| e.0 == side as usize).map(|e| &e.1).collect();
-        let length: f64 = of.iter().map(|e| integral(|s| e.velocity(s).norm())).sum();
+        let length: f64 = of.iter().map(|e| e.integral(|s| e.velocity(s).norm())).sum();
         if let Some(e) = of.get(of.len() / 2) {
             let s = if of.len().is_multiple_of(2) { 0.0 } else { 0.5 };
             sides.push(Side { border: Border::Trim { edge: side }, middle: e.place(s), length });
@@ -272,17 +289,6 @@ fn outline_samples(e: &Edge, strips: &[&Strip]) -> Vec<OutlinePoint> {
             OutlinePoint { flat, space: e.laid.strip.patch.point(u, v), t: number + (u - a) / (b - a) }
         })
         .collect()
-}
-
-/// Integral over [0, 1] in 16 parts of 4 Gauss points.
-fn integral(mut f: impl FnMut(f64) -> f64) -> f64 {
-    const PARTS: usize = 16;
-    (0..PARTS)
-        .map(|k| {
-            let at = |i: usize| i as f64 / PARTS as f64;
-            crate::num::quadrature::GAUSS_4.integrate(at(k), at(k + 1), &mut f)
-        })
-        .sum()
 }
 
 /// Lengths along the line `v` of the chain: strip, parameter and length so far.
@@ -467,6 +473,28 @@ mod tests {
         for (x, y) in on(&p).iter().zip(on(&whole)) {
             assert!((x - y).norm() < 1e-9 * outer, "{x} {y}");
         }
+    }
+
+    #[test]
+    fn areas_of_rails_with_many_waves_are_exact() {
+        let rail = |z: f64| {
+            let points: Vec<Vec3> = (0..=400)
+                .map(|i| {
+                    let x = 0.5 * f64::from(i);
+                    Vec3::new(x, 3.0 * x.sin(), z)
+                })
+                .collect();
+            crate::spline::through::cubic(&points, [None, None], false).expect("spline")
+        };
+        let (a, b) = (rail(0.0), rail(60.0));
+        let (lo, hi) = a.domain();
+        let at = |i: u32| a.point(lo + (hi - lo) * f64::from(i) / 1e5);
+        let chord =
+            |i: u32| (0..3).map(|d| (at(i + 1)[d] / at(i + 1)[3] - at(i)[d] / at(i)[3]).powi(2)).sum::<f64>().sqrt();
+        let length: f64 = (0..100_000).map(chord).sum();
+        let flutes = Strip::between("f", PanelKind::Cylinder, &a, &b).expect("strip");
+        let p = pattern(&[&flutes], 0, "f", &StripOptions::new(0.01)).expect("pattern");
+        assert!((p.area - 60.0 * length).abs() < 1e-6 * p.area, "{} {}", p.area, 60.0 * length);
     }
 
     #[test]

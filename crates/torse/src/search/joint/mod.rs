@@ -34,7 +34,6 @@ use line::Line;
 use network::Network;
 use program::step;
 pub use start::whole_borders;
-use std::collections::BTreeSet;
 
 /// Weights of gaps from step to step; the last one stays.
 const WEIGHTS: [f64; 4] = [1e3, 4e3, 1.6e4, 6e4];
@@ -61,14 +60,6 @@ const ON_BOTH: (f64, f64) = (3e-7, 1e-6);
 const POLISHINGS: usize = 2;
 /// See [`POLISHINGS`].
 const MOST: f64 = 0.97;
-
-/// What the program leaves as it is.
-pub struct Keep<'a> {
-    /// Whether the line between two labels (left, right) must stay where it is.
-    pub line: &'a dyn Fn([u32; 2]) -> bool,
-    /// Labels of strips that must stay about as regular as they are.
-    pub firm: &'a BTreeSet<u32>,
-}
 
 /// What one step led to.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -121,7 +112,8 @@ pub struct Joined {
 /// The strips of a covered face and the lines between them, changed together until neighbours are equally high along their
 /// seams, with as small a largest distance as that allows, and edges on both.
 ///
-/// *Input*: `state` with the partition to which the chains belong and a torse for every label; `keep` says what stays as it is. *Result*: the best that was reached, whether strips meet or not.
+/// *Input*: `state` with the partition to which the chains belong and a torse for every label; `held` says between which
+/// labels (left, right) seams must stay where they are. *Result*: the best that was reached, whether strips meet or not.
 /// `None` where some strip cannot take part (a torse of higher degree, samples without feet), where borders close, or
 /// without any border. *Not guaranteed*: any distance between samples; see `certify`.
 /// *Cost*: about as many factorisations as three programs have iterations, each of one block per strip.
@@ -129,11 +121,11 @@ pub fn joined(
     face: &Face,
     state: &State,
     chains: Vec<SeamChain>,
-    keep: &Keep,
+    held: &dyn Fn([u32; 2]) -> bool,
     tolerance: f64,
     control: &Control,
 ) -> Option<Joined> {
-    let network = start::network(face, state, chains, keep, tolerance)?;
+    let network = start::network(face, state, chains, held, tolerance)?;
     let start = network.measured();
     let (network, steps) = improved(network, control);
     let (network, edges) = edged(network);

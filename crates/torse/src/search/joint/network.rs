@@ -8,10 +8,9 @@ use crate::brep::face::Face;
 use crate::geom::Vec3;
 use rayon::prelude::*;
 
-/// Share of its first value below which the least regularity of a strip may not fall.
-pub(super) const REGULAR: f64 = 0.15;
-/// The same of strips that must be firm.
-pub(super) const FIRM: f64 = 0.9;
+/// Share of its first value below which the least regularity of a strip may not fall: patches need room between their region
+/// and their regression curve. With 0.15 distances became no smaller, and strips were refused.
+const REGULAR: f64 = 0.9;
 /// Lines may slide by this share of the median half width per unit.
 pub(super) const UNIT: f64 = 0.05;
 /// Samples within this share of the median half width of a line may change sides.
@@ -26,7 +25,7 @@ pub(super) struct Member {
     pub strip: Strip,
     /// −1 where the torse's own normals look away from the face's.
     pub side: f64,
-    /// Sign of the regularity, and its least size to begin with; more of it for strips that must be firm.
+    /// Sign of the regularity, and its least size to begin with.
     pub sense: f64,
     pub least: f64,
 }

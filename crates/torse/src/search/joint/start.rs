@@ -4,10 +4,9 @@
 use super::envelope::Envelope;
 use super::form::Foot;
 use super::line::{End, Line};
-use super::network::{median, Member, Network, Sample, FIRM, REGULAR, UNIT};
+use super::network::{median, Member, Network, Sample, UNIT};
 use super::profile::Profile;
 use super::strip::{Rulings, Strip};
-use super::Keep;
 use crate::brep::face::Face;
 use crate::fit::panels::boundary::SeamChain;
 use crate::geom::Vec3;
@@ -31,20 +30,19 @@ pub(super) fn network<'a>(
     face: &'a Face,
     state: &State,
     chains: Vec<SeamChain>,
-    keep: &Keep,
+    held: &dyn Fn([u32; 2]) -> bool,
     tolerance: f64,
 ) -> Option<Network<'a>> {
     let labels: Vec<u32> = state.partition.distinct_labels();
     let index: BTreeMap<u32, usize> = labels.iter().enumerate().map(|(k, &l)| (l, k)).collect();
     let torses: Vec<&Torse> = labels.iter().map(|l| Some(&state.panels.get(l)?.torse)).collect::<Option<_>>()?;
-    let (lines, vertices) = lines(face, state, &whole_borders(chains), &index, keep.line, tolerance)?;
+    let (lines, vertices) = lines(face, state, &whole_borders(chains), &index, held, tolerance)?;
     let given = given(face, state, &index);
     let places: Vec<Vec<Place>> = (0..labels.len()).map(|k| places(k, &given, &lines)).collect();
-    let mut members: Vec<Member> = (0..labels.len())
+    let members: Vec<Member> = (0..labels.len())
         .into_par_iter()
         .map(|k| member(labels[k], torses[k], &places[k], tolerance))
         .collect::<Option<_>>()?;
-    members.iter_mut().filter(|m| keep.firm.contains(&m.label)).for_each(|m| m.least *= FIRM / REGULAR);
     let sample = |&(x, _, strip): &Given| Sample { x, strip, foot: None, lines: Vec::new() };
     let samples = given.iter().map(sample).collect();
     let mut out = Network { face, tolerance, members, lines, vertices, samples, unit: 0.0 };

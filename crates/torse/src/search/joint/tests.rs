@@ -15,9 +15,6 @@ use crate::spline::lsq;
 use crate::torse::form::{DualTorse, PanelKind};
 use std::sync::Arc;
 
-/// Everything may change.
-const FREE: Keep = Keep { line: &|_| false, firm: &BTreeSet::new() };
-
 const RADIUS: f64 = 500.0;
 
 /// Point of the unit sphere with longitude a and latitude b.
@@ -67,20 +64,12 @@ fn unequal_zones_become_even_by_slides() {
     let (face, state) = zones(&[-0.15, -0.02, 0.07, 0.18]);
     let tolerance = half_sagitta(0.11) / 0.9;
     let free = Control::default();
-    let found = joined(&face, &state, chains(&face, &state), &FREE, tolerance, &free).expect("joined");
+    let found = joined(&face, &state, chains(&face, &state), &|_| false, tolerance, &free).expect("joined");
     assert!(found.start[0] > 1.5, "{:?}", found.start);
     let end = found.steps.last().expect("a step").reached;
     assert!(end[0] < 0.97 && end[1] < 0.03 && found.steps.len() <= 6, "{:?}", found.steps);
     // Lines that must stay leave the wide zone as far off as it is alone.
-    let held = joined(
-        &face,
-        &state,
-        chains(&face, &state),
-        &Keep { line: &|_| true, firm: &BTreeSet::new() },
-        tolerance,
-        &free,
-    )
-    .expect("joined");
+    let held = joined(&face, &state, chains(&face, &state), &|_| true, tolerance, &free).expect("joined");
     let end = held.steps.last().expect("a step").reached;
     assert!(end[0] > 0.97 * half_sagitta(0.13) / tolerance, "{:?}", held.steps);
     for (a, b) in held.lines.iter().zip(chains(&face, &state)) {
@@ -93,7 +82,8 @@ fn unequal_zones_become_even_by_slides() {
 fn edges_lie_on_both_strips() {
     let (face, state) = zones(&[-0.15, -0.02, 0.07, 0.18]);
     let tolerance = half_sagitta(0.11) / 0.9;
-    let found = joined(&face, &state, chains(&face, &state), &FREE, tolerance, &Control::default()).expect("joined");
+    let found =
+        joined(&face, &state, chains(&face, &state), &|_| false, tolerance, &Control::default()).expect("joined");
     for l in &found.lines {
         let edge = l.edge.as_ref().expect("an edge");
         let (a, b) = edge.domain();
@@ -111,7 +101,7 @@ fn edges_lie_on_both_strips() {
 #[test]
 fn rows_match_differences() {
     let (face, state) = zones(&[0.0, 0.12, 0.2]);
-    let network = start::network(&face, &state, chains(&face, &state), &FREE, 1.0).expect("a network");
+    let network = start::network(&face, &state, chains(&face, &state), &|_| false, 1.0).expect("a network");
     let cone = tangent_cone(0.06);
     let range = (-0.15, 1.15);
     let strips =
@@ -178,5 +168,5 @@ fn rows_match_differences() {
 #[test]
 fn one_strip_has_nothing_to_be_joined_with() {
     let (face, state) = zones(&[0.0, 0.1]);
-    assert!(joined(&face, &state, Vec::new(), &FREE, 1.0, &Control::default()).is_none());
+    assert!(joined(&face, &state, Vec::new(), &|_| false, 1.0, &Control::default()).is_none());
 }

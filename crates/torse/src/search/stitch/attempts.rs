@@ -15,7 +15,7 @@ use crate::fit::near::samples::Fit;
 use crate::fit::panels::boundary::Borders;
 use crate::search::build::{borders, build, build_on, limits_missed, smooth_borders, too_large, Built};
 use crate::search::cover::{cover, CoverOptions, State};
-use crate::search::joint::{self, Keep};
+use crate::search::joint;
 use crate::torse::form::{PanelKind, Torse};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::Arc;
@@ -24,8 +24,6 @@ use std::sync::Arc;
 const MEETINGS: usize = 4;
 /// Rounds of moving borders to intersections, without those that were refused.
 const INTERSECTIONS: usize = 8;
-/// Programs over all strips, with more of them firm each time.
-const PROGRAMS: usize = 3;
 /// Weights of gaps against distances in turn, each with the gap that needs no more, as a share of the tolerance: one edge,
 /// then seams that are not apart.
 const WEIGHTS: [(f64, f64); 2] = [(50.0, 0.0), (7.0, APART)];
@@ -198,57 +196,40 @@ impl Attempts<'_> {
         let intersections = Intersections::new(self.face, &torses);
         let base = as_built(self.face, state, built)?;
         let wanted: Vec<[u32; 2]> = open(built).into_iter().filter(|p| !self.is_asked_for(built, *p)).collect();
-        self.along(&intersections, &base, wanted, Some(built), true).ok()
+        self.along(&intersections, &base, wanted, Some(built))
     }
 
-    /// Strips of the program over all of them, with their borders under their edges. Strips that are refused then must stay
-    /// as regular as they were; where that does not help, their borders stay.
+    /// Strips of the program over all of them, with their borders under their edges; borders of strips that are refused then
+    /// stay.
     fn joined(&self, state: &State) -> Option<Built> {
         let base = as_built(self.face, state, &self.best)?;
         let chains = borders(self.face, &base.partition).seam_chains();
         let stays = |labels: [u32; 2]| self.is_asked_for(&self.best, pair(labels));
-        let mut firm = BTreeSet::new();
-        for program in 1..=PROGRAMS {
-            let keep = Keep { line: &stays, firm: &firm };
-            let joined = joint::joined(self.face, &base, chains.clone(), &keep, self.tolerance, self.control)?;
-            let mut next = base.clone();
-            for (label, torse) in joined.torses {
-                let fit = next.panels.get(&label)?;
-                let fit = Fit { torse, kind: PanelKind::Torse, ..(**fit).clone() };
-                next.panels.insert(label, Arc::new(fit));
-            }
-            let torses = next.panels.iter().map(|(&l, f)| (l, &f.torse)).collect();
-            let edges: Vec<_> = joined.lines.into_iter().filter_map(|l| Some((pair(l.labels), l.edge?))).collect();
-            let mut wanted: Vec<[u32; 2]> = edges.iter().map(|e| e.0).collect();
-            let vertices = joined.vertices.into_iter().map(|v| (v.labels, v.place)).collect();
-            let intersections = Intersections::new(self.face, &torses).along(edges, vertices);
-            let next = intersections.with_vertices(&next);
-            let refused = match self.along(&intersections, &next, wanted.clone(), None, false) {
-                Ok(built) => return Some(built),
-                Err(refused) => refused,
-            };
-            if program == PROGRAMS || refused.is_subset(&firm) {
-                wanted.retain(|p| !p.iter().any(|l| refused.contains(l)));
-                return self.along(&intersections, &next, wanted, None, true).ok();
-            }
-            firm.extend(refused);
+        let joined = joint::joined(self.face, &base, chains, &stays, self.tolerance, self.control)?;
+        let mut next = base;
+        for (label, torse) in joined.torses {
+            let fit = next.panels.get(&label)?;
+            let fit = Fit { torse, kind: PanelKind::Torse, ..(**fit).clone() };
+            next.panels.insert(label, Arc::new(fit));
         }
-        None
+        let torses = next.panels.iter().map(|(&l, f)| (l, &f.torse)).collect();
+        let edges: Vec<_> = joined.lines.into_iter().filter_map(|l| Some((pair(l.labels), l.edge?))).collect();
+        let wanted = edges.iter().map(|e| e.0).collect();
+        let vertices = joined.vertices.into_iter().map(|v| (v.labels, v.place)).collect();
+        let intersections = Intersections::new(self.face, &torses).along(edges, vertices);
+        let next = intersections.with_vertices(&next);
+        self.along(&intersections, &next, wanted, None)
     }
 
-    /// The panels of a state with borders where strips intersect, and with edges that panels share already. Borders of strips
-    /// that are refused stay if that is allowed.
-    ///
-    /// # Errors
-    /// Labels of the strips that cannot be proven; none where nothing intersects.
+    /// The panels of a state with borders where strips intersect, and the edges that panels share already. `None` where that
+    /// is not possible, or cannot be proven.
     fn along(
         &self,
         intersections: &Intersections,
         base: &State,
         mut wanted: Vec<[u32; 2]>,
         built: Option<&Built>,
-        some_stay: bool,
-    ) -> Result<Built, BTreeSet<u32>> {
+    ) -> Option<Built> {
         for _ in 0..INTERSECTIONS {
             if self.control.stopped() {
                 break;
@@ -281,17 +262,14 @@ impl Attempts<'_> {
             let (next, bad) = build_on(self.index, self.face, &now, self.tolerance, Some((&meeting, &[], &[])));
             let missed = missed(&next);
             if bad.is_empty() && missed.is_empty() {
-                return Ok(next);
-            }
-            if !some_stay {
-                return Err(bad.into_iter().chain(missed.into_iter().flatten()).collect());
+                return Some(next);
             }
             wanted.retain(|p| !missed.contains(p) && !p.iter().any(|l| bad.contains(l)));
             if wanted.len() == before {
                 break;
             }
         }
-        Err(BTreeSet::new())
+        None
     }
 
     /// Whether the border between two labels lies in a plane in which a seam must run: such borders stay.
