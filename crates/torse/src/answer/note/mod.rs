@@ -1,4 +1,4 @@
-//! What people should know of the input and of a job, as data: numbers and names, no prose. [`crate::io::words::note`]
+//! What people should know of the input and of a job, as data: numbers and names, no prose. [`crate::io::words::note()`]
 //! makes the sentences.
 
 mod fit;

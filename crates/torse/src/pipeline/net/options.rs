@@ -13,7 +13,7 @@ pub enum Condition {
         /// Length of the last ruling, mm; none: it follows from the surface.
         width: Option<f64>,
     },
-    /// The free parameters in stable form, see [`Shape`].
+    /// The free parameters in stable form, see [`crate::torse::net::Shape`].
     Shape {
         /// `1/(M* − 1/2)`; 0 for cones.
         m: f64,

@@ -1,8 +1,8 @@
 //! Strips that meet: a covered face is laid anew until neighbours end on common edges, as far as that can be certified.
 //!
-//! Order of the attempts: strips as they are, with their borders where they intersect; strips between seam curves, also
-//! between other levels; strips that agree about the seams that are still open, then about all; the same from covers that
-//! leave room. The best panels are kept, and those of the cover if nothing better can be proven.
+//! Order of the attempts: strips as they are, with their borders where they intersect; all strips in one program; strips
+//! between seam curves, also between other levels; strips that agree about the seams that are still open, then about all;
+//! the same from covers that leave room. The best panels are kept, and those of the cover if nothing better can be proven.
 
 use super::consensus::{agree, Agreement};
 use super::intersection::{pair, Intersections};
