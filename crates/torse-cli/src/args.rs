@@ -2,6 +2,7 @@
 
 mod back;
 mod flat;
+mod ruled;
 mod shop;
 
 use crate::input::stem;
@@ -12,6 +13,7 @@ use crate::quantity::{
 pub use back::{Info, Map, Refold, To};
 use clap::{Args, Parser, Subcommand};
 pub use flat::{Shape, Unroll, K};
+pub use ruled::Ruled;
 pub use shop::Shop;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -61,6 +63,8 @@ pub enum Command {
     Hull(Hull),
     /// Make the quadrilaterals of a strip plane, refine them, and write cut-ready files
     Planarise(Planarise),
+    /// Cover the saddle-shaped faces of a CAD model with ruled strips: formwork, hot wire, straight beams
+    Ruled(Ruled),
     /// Pull strips between curves by handles while they stay developable, and write cut-ready files
     Shape(Shape),
     /// Lay bodies of sheet and developable faces of a CAD model flat, with bend allowance and bend table

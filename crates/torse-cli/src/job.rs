@@ -6,6 +6,7 @@ use crate::folder::Output;
 use crate::shop;
 use crate::terminal::Terminal;
 use std::io::Write;
+use std::ops::Range;
 use std::path::Path;
 use std::time::Duration;
 use torse::answer::marks::Marks;
@@ -124,7 +125,11 @@ fn tell(answer: &Answer, tolerance: &str, folder: &Path, interrupted: bool) -> s
         writeln!(out, "  stopped early by Ctrl-C")?;
     }
     for c in answer.claims_of(Subject::Whole) {
-        writeln!(out, "  {}: {} ({})", words::name(c, &curves), value(c), words::evidence(c.evidence()))?;
+        // Of parts that have panels, the whole is covered.
+        let beside =
+            if c.what() == What::Coverage && !answer.skipped.is_empty() { " beside what is left out" } else { "" };
+        let name = words::name(c, &curves);
+        writeln!(out, "  {name}{beside}: {} ({})", value(c), words::evidence(c.evidence()))?;
     }
     for face in answer.patchwork.faces.iter().filter(|f| !f.parts.is_empty()) {
         let parts: Vec<String> = face.parts.iter().map(|p| format!("#{}", p.entity)).collect();
@@ -173,10 +178,13 @@ fn value(c: &Claim) -> String {
     }
 }
 
+/// Sizes of numbers that are written without powers of ten: below, four decimals say little; beyond, one must count.
+const PLAIN: Range<f64> = 1e-3..1e6;
+
 /// Four digits after the point, or four in all with powers of ten where they are needed. Bounds are rounded to the safe
 /// side: they must not look better than they are.
 fn number(x: f64, round: fn(f64) -> f64) -> String {
-    if x == 0.0 || !x.is_finite() || (1e-3..1e6).contains(&x.abs()) {
+    if x == 0.0 || !x.is_finite() || PLAIN.contains(&x.abs()) {
         let text = format!("{:.4}", round(x * 1e4) / 1e4);
         return text.trim_end_matches('0').trim_end_matches('.').to_owned();
     }

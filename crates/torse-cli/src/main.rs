@@ -21,6 +21,7 @@ mod net;
 mod planarise;
 mod quantity;
 mod refold;
+mod ruled;
 mod shape;
 mod shop;
 mod signals;
@@ -60,6 +61,7 @@ fn run(arguments: &args::Arguments) -> Result<bool, failure::Failure> {
         args::Command::Loft(a) => loft::run(a),
         args::Command::Net(a) => net::run(a),
         args::Command::Planarise(a) => planarise::run(a),
+        args::Command::Ruled(a) => ruled::run(a),
         args::Command::Shape(a) => shape::run(a),
         args::Command::Unroll(a) => unroll::run(a),
         args::Command::Refold(a) => refold::run(a),

@@ -12,7 +12,7 @@ use torse::UnrollOptions;
 pub fn run(arguments: &Unroll) -> Result<bool, Failure> {
     let file = &arguments.file;
     let bytes = contents(file)?;
-    let job = Job::begin(&arguments.files, file, None)?;
+    let job = Job::begin(&arguments.files, file, arguments.time_limit)?;
 
     job.say("reading");
     let model = wiring::selected(wiring::read(&file.display().to_string(), &bytes)?, &arguments.chosen)?;
@@ -24,11 +24,11 @@ pub fn run(arguments: &Unroll) -> Result<bool, Failure> {
         k: if arguments.surfaces { KFactor::default() } else { job.k().unwrap_or_default() },
         facets: arguments.files.shop.facets,
         surfaces: arguments.surfaces,
+        approximate: arguments.approximate.as_ref().map(|l| l.mm),
         input: arguments.files.job_name(file),
         ..UnrollOptions::new(arguments.tolerance.mm)
     };
-    job.say("unfolding");
-    let mut answer = wiring::unroll(&model, &options)?;
+    let mut answer = wiring::unroll(&model, &options, job.control())?;
     if arguments.strict {
         refuse_left_out(file, &answer.skipped)?;
     }

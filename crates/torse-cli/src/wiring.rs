@@ -55,14 +55,16 @@ fn reading_hint(error: &ReadError) -> &'static str {
 }
 
 /// Lays a model flat.
-pub fn unroll(model: &Model, options: &UnrollOptions) -> Result<Answer, Failure> {
-    torse::unroll(model, options).map_err(|e| {
+pub fn unroll(model: &Model, options: &UnrollOptions, control: &Control) -> Result<Answer, Failure> {
+    torse::unroll(model, options, control).map_err(|e| {
         let hint = match e {
             UnrollError::Tolerance(_) => "give a length with its unit, for example --tolerance 0.01mm",
             UnrollError::KFactor(_) => "give a share such as --k 0.44, --k din, or a table of R/t and K",
             UnrollError::KWithoutThickness => "leave out --k or --surfaces",
+            UnrollError::CoversSurfacesOnly => "give --surfaces with --approximate",
+            UnrollError::Approximate(_) => "leave out --approximate, or ask for another distance",
             UnrollError::Nothing { .. } => {
-                "--surfaces takes faces without thickness; 'torse approximate' covers faces that are not developable"
+                "--surfaces takes faces without thickness; with it, --approximate 1mm covers faces that are not developable"
             }
         };
         Failure::new(e.to_string(), hint)

@@ -27,6 +27,7 @@ use torse::torse::strip::Strip;
 
 type Result<T> = std::result::Result<T, Box<dyn std::error::Error>>;
 
+#[expect(clippy::too_many_lines, reason = "one figure after another")]
 fn main() -> Result<()> {
     let folder = std::env::args().nth(1).ok_or("name a folder: gallery_cones -- FOLDER")?;
     let folder = Path::new(&folder);

@@ -14,6 +14,7 @@
 //! | [`net()`] | [`Net`] | one curve and rulings | strips |
 //! | [`shape()`] | [`Shape`] | curves with handles | strips |
 //! | [`planarise()`] | [`Planarise`] | a strip of quadrilaterals | plane ones |
+//! | [`ruled()`] | [`RuledOptions`] | faces of a CAD model | ruled strips, not developable |
 //! | [`unroll()`] | [`UnrollOptions`] | bodies of sheet, developable faces | flat patterns |
 //!
 //! ```no_run
@@ -55,6 +56,7 @@ pub use pipeline::info::measure;
 pub use pipeline::loft::{loft, Options as Loft};
 pub use pipeline::net::{net, Options as Net};
 pub use pipeline::planarise::{planarise, Options as Planarise};
+pub use pipeline::ruled::{of_faces as ruled, RuledOptions};
 pub use pipeline::shape::{shape, Options as Shape};
 pub use pipeline::unroll::{unroll, UnrollOptions};
 

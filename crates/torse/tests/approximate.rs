@@ -15,7 +15,7 @@ use torse::io::bundle;
 use torse::io::model::ReadOptions;
 use torse::io::step::read::{read, read_with};
 use torse::io::words;
-use torse::patchwork::panel::{Panel, Patchwork};
+use torse::patchwork::panel::{Panel, PanelForm, Patchwork};
 use torse::pipeline::approximate::{of_faces, ApproximateError, Options};
 use torse::search::cover::{CurveError, CurveShape, Guide, Layout, LayoutKind, PanelCurve, SeamPlane};
 use torse::spline::knots::Knots;
@@ -203,13 +203,14 @@ fn dense_samples_never_exceed_the_bound_in_either_direction() {
 
 /// The same panel moved by `d`: torse, patch and edges.
 fn moved(panel: &mut Panel, d: &Vec3) {
-    match &mut panel.trim.as_mut().expect("a trim").torse {
-        Torse::Primal(p) => p.frame.origin += d,
-        Torse::Dual(t) => {
+    match &mut panel.trim.as_mut().expect("a trim").form {
+        PanelForm::Torse(Torse::Primal(p)) => p.frame.origin += d,
+        PanelForm::Torse(Torse::Dual(t)) => {
             for c in &mut t.planes.control {
                 c[3] += Vec3::new(c[0], c[1], c[2]).dot(d);
             }
         }
+        PanelForm::Ruled(_) => {}
     }
     for c in &mut panel.strip.patch.control {
         for k in 0..3 {

@@ -189,6 +189,46 @@ fn cones_commute_with_similarities() {
     });
 }
 
+#[test]
+fn fits_of_faces_commute_with_similarities() {
+    commutes(1e-3, |s| {
+        let options = torse::ElementFitOptions::new(0.05 * s.scale, "face");
+        let face = s.ruled(&PARABOLA, &BEYOND);
+        torse::fit_faces(&[face], &[], &options, &Control::default()).expect("a fit")
+    });
+}
+
+#[test]
+fn pulled_strips_commute_with_similarities() {
+    const KEEL: [[f64; 3]; 5] =
+        [[0., 0., 0.], [500., 0., -40.], [1000., 0., -50.], [1500., 0., -20.], [2000., 0., 40.]];
+    const CHINE: [[f64; 3]; 5] =
+        [[0., 300., 150.], [500., 420., 90.], [1000., 460., 70.], [1500., 440., 90.], [2000., 330., 150.]];
+    commutes(1e-3, |s| {
+        let list = |points: &[[f64; 3]]| {
+            let all: Vec<String> =
+                points.iter().map(|p| s.point(*p)).map(|p| format!("[{:?},{:?},{:?}]", p.x, p.y, p.z)).collect();
+            format!("[{}]", all.join(","))
+        };
+        let point = |p: [f64; 3]| list(&[p]).trim_matches(['[', ']']).to_string();
+        let handle = |u: f64, p: [f64; 3]| format!(r#"{{"curve":"keel","u":{u},"point":[{}]}}"#, point(p));
+        let job = format!(
+            r#"{{"unit":"mm","curves":[{{"name":"keel","through":{},"spans":4}},{{"name":"chine","through":{},"spans":4}}],
+            "strips":[{{"name":"bottom","sides":["keel","chine"]}}],"handles":[{},{},{}],
+            "moves":[{{"handle":2,"point":[{}],"steps":3}}]}}"#,
+            list(&KEEL),
+            list(&CHINE),
+            handle(0.0, KEEL[0]),
+            handle(1.0, KEEL[4]),
+            handle(0.5, KEEL[2]),
+            point([1000.0, 0.0, -90.0]),
+        );
+        let job = torse::io::shape::read(job.as_bytes(), "hull", None).expect("a job");
+        let nothing = |name: &str| Err(format!("no file {name}"));
+        torse::shape(&job, &torse::Shape::new(0.5 * s.scale), &nothing, &Control::default()).expect("a shape")
+    });
+}
+
 /// A model of one face.
 fn model(face: Face) -> Model {
     Model { faces: vec![face], skipped: Vec::new(), unit: "millimetre".into(), notes: Vec::new(), products: Vec::new() }
@@ -198,7 +238,7 @@ fn model(face: Face) -> Model {
 fn unrolling_commutes_with_similarities() {
     commutes(1e-6, |s| {
         let options = torse::UnrollOptions { surfaces: true, ..torse::UnrollOptions::new(0.01 * s.scale) };
-        torse::unroll(&model(s.ruled(&PARABOLA, &BEYOND)), &options).expect("an answer")
+        torse::unroll(&model(s.ruled(&PARABOLA, &BEYOND)), &options, &Control::default()).expect("an answer")
     });
 }
 

@@ -81,7 +81,7 @@ fn build(face: Face, partition: Partition, torses: &[(u32, &Torse, PanelKind)]) 
         (bounds(partition.vertices.iter().map(|p| p[0])), bounds(partition.vertices.iter().map(|p| p[1])));
     let assigned: Vec<Assigned> = torses.iter().map(|&(label, torse, kind)| Assigned { label, torse, kind }).collect();
     let trim_edge = side(&partition, (u0, u1), (v0, v1));
-    let out = panels(0, &face, &partition, &assigned, &trim_edge, 0, &FINE).expect("panels");
+    let out = panels((0, &face), &partition, &assigned, &trim_edge, 0, &FINE).expect("panels");
     let (panels, seam_count) = (out.panels, out.seam_count);
     drop(trim_edge);
     Patchwork { faces: vec![face], partitions: vec![partition], panels, seam_count }

@@ -1,4 +1,4 @@
-//! Keeps the house tidy by reading its sources as plain text: floors, circles, file sizes, solver crates, references.
+//! Keeps the house tidy by reading its sources as plain text: floors, circles, sizes, solvers, references, thresholds.
 //!
 //! The table below is the whole of the law; `ARCHITECTURE.md` explains it. A module may name only what its row
 //! lists, and a row lists only earlier rows, so that the floors cannot grow a cycle.
@@ -302,7 +302,10 @@ const CIRCLES: &[&str] = &["brep::face", "brep::project", "fit::panels::boundary
 /// The part of a source before its tests, without comments.
 fn without_tests(text: &str) -> String {
     let code = without_comments(text);
-    code.split("#[cfg(test)]\nmod tests").next().unwrap_or("").to_string()
+    // Modules in files of their own are declared anywhere; tests that are written here end the code.
+    let here = |(at, mark): &(usize, &str)| code[at + mark.len()..].lines().next().is_some_and(|l| l.ends_with('{'));
+    let end = code.match_indices("#[cfg(test)]\n").find(here).map_or(code.len(), |(at, _)| at);
+    code[..end].to_string()
 }
 
 /// Paths in the braces of an import, in full: `a::{b, c::{d}}` gives `a::b` and `a::c::d`.
@@ -507,6 +510,55 @@ fn methods_say_where_they_come_from() {
         }
     }
     assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
+
+/// Files that are read for tests alone, by what their paths contain.
+const TEST_FILES: &[&str] = &["/tests.rs", "/tests/", "/specimens.rs", "/spline/sample.rs", "/derivative_check.rs"];
+
+/// Lines of code with a number like `1e-9` outside strings and definitions of constants.
+fn unnamed_numbers(code: &str) -> Vec<&str> {
+    let defines = |line: &str| {
+        let (before, after) = line.split_once("const ").unwrap_or(("-", ""));
+        (before.is_empty() || before.starts_with("pub")) && !before.contains('<') && !after.starts_with("fn ")
+    };
+    let small = |line: &str| {
+        let line = line.split('"').step_by(2).collect::<String>().to_lowercase();
+        let digit = |c: char| c.is_ascii_digit();
+        line.match_indices("e-").any(|(at, _)| {
+            let before = line[..at].trim_end_matches(|c| digit(c) || c == '.' || c == '_');
+            let number = line[before.len()..at].starts_with(digit) && line[at + 2..].starts_with(digit);
+            number && !before.ends_with(char::is_alphabetic)
+        })
+    };
+    let mut inside = false;
+    let unnamed = |line: &&str| {
+        let constant = inside || defines(line);
+        inside = constant && !line.ends_with(';');
+        !constant && small(line)
+    };
+    code.lines().map(str::trim).filter(unnamed).collect()
+}
+
+#[test]
+fn thresholds_have_names() {
+    let crates = root().join("crates");
+    let mut faults = Vec::new();
+    for file in sources(&crates) {
+        let path = file.strip_prefix(&crates).expect("a file of the workspace").to_string_lossy().replace('\\', "/");
+        if path.contains("/src/") && !TEST_FILES.iter().any(|part| path.contains(part)) {
+            let code = without_tests(&fs::read_to_string(&file).expect("readable source"));
+            faults
+                .extend(unnamed_numbers(&code).iter().map(|line| format!("{path}: a constant and its reason: {line}")));
+        }
+    }
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
+
+#[test]
+fn the_test_of_thresholds_can_fail() {
+    let code = "if x < 1e-9 {\nh = 2.5E-3 * w;\nf(-1_0.e-7)\nconst fn f() -> f64 { 1e-3 }\nconst A: f64 = B;\nA * 1e-3";
+    assert_eq!(unnamed_numbers(code).len(), 5, "{code}");
+    assert!(unnamed_numbers("pub(super) const A: [f64; 2] = [\n1e-3,\n];\nx1e-3 + 0x1e-3\n\"1e-3\"").is_empty());
 }
 
 /// Files below a folder, as paths from there with slashes.

@@ -1,9 +1,10 @@
 //! Arguments of `unroll` and `shape`.
 
 use super::{Chosen, Drawing, Files};
-use crate::quantity::{positive_length, unit_of_length, Length};
+use crate::quantity::{positive_length, positive_time, unit_of_length, Length};
 use clap::Args;
 use std::path::PathBuf;
+use std::time::Duration;
 
 /// Arguments of `unroll`.
 #[derive(Args, Debug)]
@@ -11,12 +12,13 @@ use std::path::PathBuf;
   torse unroll bracket.step --k 0.47 --tolerance 0.01mm --out flat
   torse unroll duct.igs --k din --tolerance 0.05mm --out flat --one-file-per-part
   torse unroll skin.step --surfaces --tolerance 0.05mm --out flat
+  torse unroll hull.3dm --surfaces --tolerance 0.1mm --approximate 2mm --out flat
 
 A body of constant thickness is recognised as sheet: its thickness is measured, the sides are dropped, and one skin is
 unfolded into one part, holes across bends included. It is cut where it would overlap or close up; the report names the edges.
 Bent zones get the length of the neutral fibre. Surfaces without thickness are unfolded as they are.
-Faces that are not developable are left out and named, and the result is then not certified; 'torse approximate'
-handles those.
+Faces that are not developable are left out and named, and the result is then not certified; --approximate 0.5mm covers
+just those by panels within that distance.
 
 Written into the output folder: patterns.dxf and patterns.svg (cutter), bend_table.csv (angle, inside radius, direction,
 allowance, order), parts.csv, panels.step, model.glb, pictures, report.html and report.json.
@@ -40,6 +42,14 @@ pub struct Unroll {
     /// Take all faces as surfaces without thickness
     #[arg(long, conflicts_with = "k")]
     pub surfaces: bool,
+
+    /// Cover faces that are not developable by panels within this distance, with its unit, as 'torse approximate' does
+    #[arg(long, value_name = "LENGTH", value_parser = positive_length, requires = "surfaces", allow_hyphen_values = true)]
+    pub approximate: Option<Length>,
+
+    /// Stop after this time, with its unit: 60s, 5min; bodies that were not begun are named and the rest is written
+    #[arg(long, value_name = "TIME", value_parser = positive_time, allow_hyphen_values = true)]
+    pub time_limit: Option<Duration>,
 
     /// Refuse the whole file if any of its faces cannot be used
     #[arg(long)]

@@ -4,7 +4,7 @@ use crate::random::Random;
 use nalgebra::DMatrix;
 use torse::brep::face::Face;
 use torse::geom::{Frame, Vec3};
-use torse::patchwork::panel::{Border, Coedge, Panel, PanelTrim, Patchwork};
+use torse::patchwork::panel::{Border, Coedge, Panel, PanelForm, PanelTrim, Patchwork};
 use torse::patchwork::partition::Partition;
 use torse::spline::curve::Curve;
 use torse::spline::knots::Knots;
@@ -279,7 +279,7 @@ pub fn specimen(random: &mut Random, kind: usize) -> Option<(Patchwork, f64)> {
     }
     let panel = Panel {
         strip: Strip { name: "A".into(), kind: PanelKind::Torse, patch: ground.patch.clone() },
-        trim: Some(PanelTrim { face: 0, label: 0, torse: ground.torse.clone(), loops: vec![runs] }),
+        trim: Some(PanelTrim { face: 0, label: 0, form: PanelForm::Torse(ground.torse.clone()), loops: vec![runs] }),
     };
     let faces = vec![Face::untrimmed(s)];
     Some((Patchwork { faces, partitions: vec![partition], panels: vec![panel], seam_count: 0 }, size))

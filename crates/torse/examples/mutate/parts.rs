@@ -11,6 +11,7 @@ const Z: [f64; 3] = [0., 0., 1.];
 const SQUARE: [[f64; 3]; 4] = [[0., 0., 0.], [10., 0., 0.], [10., 8., 0.], [0., 8., 0.]];
 
 /// All of them.
+#[expect(clippy::too_many_lines, reason = "one kind of part after another")]
 pub fn all() -> Vec<String> {
     let made: [fn(&mut Step); 26] = [
         |s| {

@@ -5,7 +5,9 @@ use torse::control::Control;
 use torse::design::discrete::planarise::Hold;
 use torse::design::discrete::subdivide::{lane_riesenfeld, subdivide, SubdivideOptions};
 use torse::fit::elements::decompose::{decompose, DecomposeOptions};
+use torse::fit::ruled::directions::{Curvatures, Family};
 use torse::geom::Vec3;
+use torse::spline::surface::SurfaceJet;
 use torse::torse::envelope_point::EnvelopePoint;
 use torse::torse::kind::TangentPlane;
 use torse::torse::quad_strip::QuadStrip;
@@ -23,8 +25,67 @@ pub fn run(case: &Case) -> Option<Result<Checks, String>> {
         "lane_riesenfeld" => refinement(case),
         "pq_subdivision" => subdivision(case),
         "gauss_ruled" => curvature(case),
+        "asymptotic_torus" => asymptotic_torus(case),
+        "asymptotic_saddle" => asymptotic_saddle(case),
         _ => return None,
     })
+}
+
+/// Both straightest directions of a surface, in (u, v).
+fn straightest(jet: &SurfaceJet) -> Result<([[f64; 2]; 2], [f64; 2]), String> {
+    let c = Curvatures::of(jet).ok_or("no tangent plane")?;
+    Ok(([Family::Left, Family::Right].map(|f| c.straightest(f)[0]), c.principal))
+}
+
+fn asymptotic_torus(case: &Case) -> Result<Checks, String> {
+    let given = |key: &str| number(&case.input, key);
+    let (big, small, (s, c)) = (given("R")?, given("r")?, given("v")?.sin_cos());
+    let r = big + small * c;
+    // At u = 0, with v first so that the normal is the inner one.
+    let jet = SurfaceJet {
+        p: Vec3::new(r, 0.0, small * s),
+        du: Vec3::new(0.0, r, 0.0),
+        dv: Vec3::new(-small * s, 0.0, small * c),
+        duu: Vec3::new(-r, 0.0, 0.0),
+        duv: Vec3::new(0.0, -small * s, 0.0),
+        dvv: Vec3::new(-small * c, 0.0, -small * s),
+    };
+    let (directions, principal) = straightest(&jet)?;
+    let out = |key: &str| number(&case.output, key);
+    let allowed = number(&case.tol, "abs")?;
+    let mut checks = Checks::default();
+    let mut wanted = [out("kappa_meridian")?, out("kappa_parallel")?].map(f64::abs);
+    let mut found = principal.map(f64::abs);
+    wanted.sort_by(f64::total_cmp);
+    found.sort_by(f64::total_cmp);
+    (0..2).for_each(|k| checks.close("curvature", found[k], wanted[k], allowed));
+    checks.holds("curvatures of both signs", principal[0] * principal[1] < 0.0);
+    for d in directions {
+        let angle = (d[1] * jet.dv.norm()).abs().atan2((d[0] * jet.du.norm()).abs());
+        checks.close("angle to the parallel", angle.to_degrees(), out("angle_to_parallel_deg")?, allowed);
+    }
+    Ok(checks)
+}
+
+fn asymptotic_saddle(case: &Case) -> Result<Checks, String> {
+    let [x, y] = vector::<2>(&case.input, "point")?;
+    let z = Vec3::z();
+    let jet = SurfaceJet {
+        p: Vec3::new(x, y, x * y),
+        du: Vec3::x() + z * y,
+        dv: Vec3::y() + z * x,
+        duu: Vec3::zeros(),
+        duv: z,
+        dvv: Vec3::zeros(),
+    };
+    let (directions, _) = straightest(&jet)?;
+    let allowed = number(&case.tol, "abs")?;
+    let mut checks = Checks::default();
+    for wanted in vectors::<2>(&case.output, "directions_xy")? {
+        let off = directions.iter().map(|d| (d[0] * wanted[1] - d[1] * wanted[0]).abs() / d[0].hypot(d[1]));
+        checks.close("direction", off.fold(f64::INFINITY, f64::min), 0.0, allowed);
+    }
+    Ok(checks)
 }
 
 fn ruling(case: &Case) -> Result<Checks, String> {

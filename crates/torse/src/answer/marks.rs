@@ -1,6 +1,6 @@
 //! Which parts must not be cut: the one place where that is decided, for every file, picture and report.
 
-use super::Answer;
+use super::{Answer, Job};
 use crate::certify::claim::{Claim, Subject, What};
 use crate::patchwork::part::Part;
 
@@ -29,7 +29,8 @@ impl Marks {
             .map(|k| {
                 let proof = certificate.panels.get(k);
                 let proven = proof.is_some_and(|p| p.certified && p.deviation_bound <= answer.tolerance);
-                let flat = answer.part_of(k).is_some_and(|part| answer.pattern_of(part).is_some());
+                let flat =
+                    answer.job == Job::Ruled || answer.part_of(k).is_some_and(|part| answer.pattern_of(part).is_some());
                 let refused = answer.claims.iter().any(|c| c.subject() == Subject::Panel(k) && c.is_broken());
                 !proven || !flat || refused || answer.beyond_limits.contains(&k)
             })

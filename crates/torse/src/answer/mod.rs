@@ -45,6 +45,8 @@ pub enum Job {
     Net,
     /// Plane quadrilaterals.
     Planarise,
+    /// Ruled strips, not developable.
+    Ruled,
     /// Strips that one can pull on.
     Shape,
     /// Sheet and developable faces laid flat.
@@ -62,6 +64,7 @@ impl Job {
             Self::Loft => "loft",
             Self::Net => "net",
             Self::Planarise => "planarise",
+            Self::Ruled => "ruled",
             Self::Shape => "shape",
             Self::Unroll => "unroll",
         }

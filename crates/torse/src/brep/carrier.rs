@@ -2,7 +2,7 @@
 //! tangent surface, or no developable at all.
 //!
 //! Straight parameter lines along which the tangent plane stays the same are looked for at samples
-//! ([`Rulings`]); nothing is proven here.
+//! (`Rulings`); nothing is proven here.
 
 use crate::brep::face::Face;
 use crate::brep::rulings::Rulings;

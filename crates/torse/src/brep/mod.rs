@@ -6,18 +6,18 @@
 pub mod area;
 pub mod body;
 pub mod carrier;
-pub mod conic;
+pub(crate) mod conic;
 pub mod face;
-pub mod join;
+pub(crate) mod join;
 
-pub mod offset;
-pub mod project;
-pub mod recast;
-pub mod ruled;
-pub mod rulings;
+pub(crate) mod offset;
+pub(crate) mod project;
+pub(crate) mod recast;
+pub(crate) mod ruled;
+pub(crate) mod rulings;
 pub mod run;
 pub mod space_curve;
 pub mod support_surface;
 mod swept;
 pub mod trim;
-pub mod unroll;
+pub(crate) mod unroll;

@@ -3,7 +3,7 @@
 use super::support_surface::{SplineCarrier, SupportSurface};
 use crate::geom::{Frame, Vec3};
 use crate::spline::knots::Knots;
-use crate::spline::surface::Surface;
+use crate::spline::surface::{Surface, NO_NORMAL};
 use crate::spline::SplineError;
 use nalgebra::DMatrix;
 
@@ -75,7 +75,7 @@ fn interpolated(s: &Surface, distance: f64) -> Result<(SupportSurface, f64), Off
         let j = s.jet(u, v);
         let n = j.normal();
         let length = n.norm();
-        if length > 1e-12 * j.du.norm() * j.dv.norm() && length > 0.0 {
+        if length > NO_NORMAL * j.du.norm() * j.dv.norm() && length > 0.0 {
             Ok(j.p + n * (distance / length))
         } else {
             Err(OffsetError::NoNormal)

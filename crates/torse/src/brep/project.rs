@@ -10,6 +10,18 @@ use crate::spline::surface::Surface;
 
 /// Newton steps before giving up; convergence is quadratic and usually takes 5.
 const STEPS: usize = 60;
+/// Steps shorter than this share of the parameter (of one, near zero) no longer move it: a few units in its last place.
+const STILL: f64 = 1e-15;
+/// Halved steps below this share of the domain vanish in the rounding of its parameters.
+const VANISHED: f64 = 1e-16;
+/// Share of the product of both speeds below which the determinant of the full Hessian is that of a fold: near a focal
+/// point the Gauss–Newton matrix leads on.
+const DEFINITE: f64 = 1e-6;
+/// Share of the product of both diagonal terms that is added where the two directions are nearly dependent (poles,
+/// slivers) …
+const DAMPING: f64 = 1e-12;
+/// … and share of it below which the determinant is rounding: then one direction is followed alone.
+const SINGULAR: f64 = 1e-14;
 
 /// A nearest point found.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,12 +55,12 @@ pub fn refine_on_curve(curve: &SpaceCurve, x: &Vec3, t: f64, limits: Option<(f64
             let j = curve.jet(next);
             let d = (j[0] - x).norm_squared();
             if d < best {
-                let small = (next - t).abs() <= 1e-15 * (1.0 + t.abs());
+                let small = (next - t).abs() <= STILL * (1.0 + t.abs());
                 (t, jet, best, moved) = (next, j, d, !small);
                 break;
             }
             step *= 0.5;
-            if step.abs() <= 1e-15 * (1.0 + t.abs()) {
+            if step.abs() <= STILL * (1.0 + t.abs()) {
                 break;
             }
         }
@@ -187,7 +199,7 @@ pub fn refine(surface: &Surface, x: &Vec3, start: [f64; 2]) -> Foot {
         let first = [jet.du.norm_squared(), jet.du.dot(&jet.dv), jet.dv.norm_squared()];
         let full = [first[0] + r.dot(&jet.duu), first[1] + r.dot(&jet.duv), first[2] + r.dot(&jet.dvv)];
         let determinant = full[0] * full[2] - full[1] * full[1];
-        let definite = full[0] > 0.0 && determinant > 1e-6 * first[0] * first[2];
+        let definite = full[0] > 0.0 && determinant > DEFINITE * first[0] * first[2];
         let h = if definite { full } else { first };
         let held = [0, 1].map(|k| (q[k] <= lo[k] && g[k] > 0.0) || (q[k] >= hi[k] && g[k] < 0.0));
         let mut step = newton_step(h, g, held);
@@ -203,7 +215,7 @@ pub fn refine(surface: &Surface, x: &Vec3, start: [f64; 2]) -> Foot {
                 break;
             }
             step = [0.5 * step[0], 0.5 * step[1]];
-            if (0..2).all(|k| step[k].abs() <= 1e-16 * (hi[k] - lo[k])) {
+            if (0..2).all(|k| step[k].abs() <= VANISHED * (hi[k] - lo[k])) {
                 break;
             }
         }
@@ -223,8 +235,8 @@ fn newton_step(h: [f64; 3], g: [f64; 2], held: [bool; 2]) -> [f64; 2] {
         [false, true] => [single(h[0], g[0]), 0.0],
         [false, false] => {
             // A little damping where the two directions are nearly dependent (poles, slivers).
-            let d = h[0] * h[2] * (1.0 + 1e-12) - h[1] * h[1];
-            if d > 1e-14 * h[0] * h[2] {
+            let d = h[0] * h[2] * (1.0 + DAMPING) - h[1] * h[1];
+            if d > SINGULAR * h[0] * h[2] {
                 [(h[1] * g[1] - h[2] * g[0]) / d, (h[1] * g[0] - h[0] * g[1]) / d]
             } else if h[0] >= h[2] {
                 [single(h[0], g[0]), 0.0]

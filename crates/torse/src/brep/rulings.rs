@@ -12,6 +12,9 @@ const ACROSS: usize = 6;
 const ALONG: usize = 7;
 /// Share of the range beside a knot line at which curvatures of its two sides are compared.
 const BESIDE: f64 = 1e-7;
+/// A normal shorter than this share of that in the middle of its line belongs to an apex, where only rounding gives it a
+/// direction: next to an apex normals grow in proportion, and no file has more digits than that for points.
+const VANISHED: f64 = 1e-9;
 /// Relative difference above which they count as different.
 const JUMP: f64 = 1e-3;
 
@@ -129,8 +132,13 @@ impl<'a> Rulings<'a> {
     }
 
     fn normal(&self, s: f64, r: f64) -> Option<Vec3> {
+        self.across_both(s, r).try_normalize(0.0)
+    }
+
+    /// Product of both derivatives: along the normal, as long as the parameters' net is wide.
+    fn across_both(&self, s: f64, r: f64) -> Vec3 {
         let [u, v] = self.place(s, r);
-        self.surface.jet(u, v).normal().try_normalize(0.0)
+        self.surface.jet(u, v).normal()
     }
 
     /// Whether lines are straight and keep their tangent planes.
@@ -141,6 +149,7 @@ impl<'a> Rulings<'a> {
                 // Off the knot lines, where normals have two sides.
                 let s = w[0] + (w[1] - w[0]) * (k as f64 + 0.5) / ACROSS as f64;
                 let Some(line) = self.line(s) else { return false };
+                let least = VANISHED * self.across_both(s, 0.5 * (self.along.0 + self.along.1)).norm();
                 let mut reach = 0.0_f64;
                 let mut turn = 0.0_f64;
                 for i in 0..ALONG {
@@ -153,7 +162,8 @@ impl<'a> Rulings<'a> {
                     }
                     reach = reach.max(along.abs());
                     // At an apex there is no normal.
-                    turn = turn.max(self.normal(s, r).map_or(0.0, |n| n.cross(&line.normal).norm()));
+                    let n = self.across_both(s, r).try_normalize(least);
+                    turn = turn.max(n.map_or(0.0, |n| n.cross(&line.normal).norm()));
                 }
                 turn * reach <= slack
             })
@@ -193,6 +203,20 @@ mod tests {
         }
         let s = SupportSurface::Sphere { frame, radius: 3.0 }.to_spline((0.2, 2.0), (-1.0, 1.0)).expect("a spline").0;
         assert!(Rulings::of(&s, whole(&s), 1e-3).is_none());
+    }
+
+    #[test]
+    fn fans_have_rulings_though_only_rounding_gives_their_apex_a_normal() {
+        use crate::spline::knots::Knots;
+        let (k, l) =
+            (Knots::clamped(3, &[0.0, 0.37, 1.0]).expect("knots"), Knots::clamped(1, &[0.0, 1.0]).expect("knots"));
+        let apex = Vec3::new(1234.5, -77.7, 0.333_333);
+        // Nearly one point, as it comes from files.
+        let rim = |i: u32| Vec3::new(f64::from(i) * 90.1, f64::from(i * i) * 31.3, 700.0 - 55.5 * f64::from(i));
+        let points: Vec<Vec3> =
+            (0..5).flat_map(|i| [apex + Vec3::new(1.0, -1.0, 1.0) * 1e-12 * f64::from(i * i % 3), rim(i)]).collect();
+        let s = Surface::new(k, l, &points, None).expect("surface");
+        assert!(Rulings::of(&s, whole(&s), 1e-6).is_some());
     }
 
     #[test]

@@ -1,11 +1,19 @@
 //! Curves of space as CAD files hold them: lines, conics and splines, with exact conversion to rational splines.
 
 use super::project;
-use super::support_surface::SupportSurface;
+use super::support_surface::{SupportSurface, COINCIDENT};
 use crate::geom::{Frame, Vec3};
 use crate::spline::curve::Curve;
 use crate::spline::SplineError;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+/// Share by which a quarter turn may be exceeded by one piece: rounding of full turns must not add a fifth.
+const QUARTER_ROUNDING: f64 = 1e-9;
+/// Stations nearer than this share of the piece are one: rounding of knots shifted by whole periods, with a margin.
+const SAME_STATION: f64 = 1e-12;
+/// Step of the difference for a second derivative, a share of the parameter (of one, near zero): about the cube root
+/// of the precision, where rounding and the third derivative cost equally much.
+const DIFFERENCE: f64 = 1e-6;
 
 /// A curve of space with its natural parameter.
 #[derive(Clone, Debug, PartialEq)]
@@ -114,8 +122,7 @@ impl ParameterMap {
 
 /// Number of pieces of at most a quarter turn that an angle needs.
 pub(crate) fn quarter_pieces(angle: f64) -> usize {
-    // A hair more than a quarter is still one piece: rounding of full turns must not add a fifth.
-    ((angle / (FRAC_PI_2 * (1.0 + 1e-9))).ceil() as usize).clamp(1, 64)
+    ((angle / (FRAC_PI_2 * (1.0 + QUARTER_ROUNDING))).ceil() as usize).clamp(1, 64)
 }
 
 /// Homogeneous control points and clamped knots of the arc of the unit circle `(cos, sin, weight)` from `start`
@@ -199,7 +206,7 @@ impl SpaceCurve {
                 let (a, b) = c.domain();
                 let (p, q) = (affine_jet(c, a)[0], affine_jet(c, b)[0]);
                 // Ends are one point when they agree to what ten printed digits give.
-                (p - q).norm().le(&(1e-9 * extent(c))).then_some(b - a)
+                (p - q).norm().le(&(COINCIDENT * extent(c))).then_some(b - a)
             }
             Self::Traced(c) => c.plane_curve.period(),
             _ => None,
@@ -239,7 +246,7 @@ impl SpaceCurve {
             }
         }
         out.push(hi);
-        out.dedup_by(|b, a| *b - *a <= 1e-12 * (hi - lo));
+        out.dedup_by(|b, a| *b - *a <= SAME_STATION * (hi - lo));
         if let Some(last) = out.last_mut() {
             *last = hi;
         }
@@ -340,7 +347,7 @@ impl TracedCurve {
             (j.p, j.du * (d.x * self.scale[0]) + j.dv * (d.y * self.scale[1]))
         };
         let (p, d) = first(t);
-        let h = 1e-6 * (1.0 + t.abs());
+        let h = DIFFERENCE * (1.0 + t.abs());
         [p, d, (first(t + h).1 - first(t - h).1) / (2.0 * h)]
     }
 

@@ -8,6 +8,7 @@ use super::space_curve::{ParameterMap, SpaceCurve};
 use super::swept;
 use super::unroll;
 use crate::geom::{Frame, Vec2, Vec3};
+use crate::spline::knots::SAME_PARAMETER;
 use crate::spline::surface::Surface;
 use crate::spline::SplineError;
 use std::f64::consts::{FRAC_PI_2, TAU};
@@ -102,6 +103,9 @@ pub struct TangentJet {
 
 /// Two sides of a patch coincide, or a side is a point, when they agree to this share of the patch: ten printed digits.
 pub(crate) const COINCIDENT: f64 = 1e-9;
+/// The foot from a start nearby is trusted when it ends this near to the surface, as a share of its size; else the
+/// search goes everywhere. Edges of files lie nearer, and other sheets of the surface farther.
+const TRUSTED: f64 = 1e-5;
 
 impl SplineCarrier {
     /// Examines a surface.
@@ -156,7 +160,7 @@ impl SplineCarrier {
         let mut best = project::refine(&self.surface, x, self.wrap(guess));
         let ((u0, u1), (v0, v1)) = self.surface.domain();
         for (k, (a, b)) in [(0, (u0, u1)), (1, (v0, v1))] {
-            let hair = 1e-9 * (b - a);
+            let hair = SAME_PARAMETER * (b - a);
             let low = best.at[k] <= a + hair;
             if self.periods[k].is_some() && (low || best.at[k] >= b - hair) {
                 let mut over = best.at;
@@ -260,9 +264,8 @@ impl SupportSurface {
             Self::Revolution { directrix, frame } => swept::foot_on_revolution(directrix, frame, x, guess),
             Self::Spline(s) => {
                 let started = guess.map(|g| s.near(x, g));
-                // A start nearby is trusted when it ends on the surface to 10⁻⁵ of its size; else search everywhere.
                 match started {
-                    Some(foot) if foot.distance <= 1e-5 * s.surface.bbox().diagonal() => foot.at,
+                    Some(foot) if foot.distance <= TRUSTED * s.surface.bbox().diagonal() => foot.at,
                     Some(foot) => {
                         let best = s.projector.nearest(&s.surface, x);
                         // Only a clearly nearer point is worth a jump.

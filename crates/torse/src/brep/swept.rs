@@ -48,7 +48,7 @@ pub(crate) fn foot_on_revolution(directrix: &SpaceCurve, frame: &Frame, x: &Vec3
         let j = directrix.jet(v);
         let (p, d, e) = (frame.to_local(&j[0]), frame.vector_to_local(&j[1]), frame.vector_to_local(&j[2]));
         let rho = p.x.hypot(p.y);
-        if rho < 1e-300 {
+        if rho < f64::MIN_POSITIVE {
             return (Vec3::new(0.0, 0.0, p.z) - target, Vec3::new(d.x.hypot(d.y), 0.0, d.z), Vec3::zeros());
         }
         let d1 = (p.x * d.x + p.y * d.y) / rho;

@@ -1,7 +1,7 @@
 //! Closed splines, unrolled: copies joined over the seam and cut to a range, so that a region may cross it.
 
 use crate::spline::curve::Curve;
-use crate::spline::knots::Knots;
+use crate::spline::knots::{Knots, SAME_PARAMETER};
 use crate::spline::surface::Surface;
 use crate::spline::SplineError;
 
@@ -47,7 +47,7 @@ fn rows(knots: &Knots, control: &[[f64; 4]], width: usize, range: (f64, f64)) ->
     let (a, b) = knots.domain();
     let period = b - a;
     // Rounding of unwrapped parameters must not call for another copy.
-    let hair = 1e-9 * period;
+    let hair = SAME_PARAMETER * period;
     if range.0 >= a - hair && range.1 <= b + hair {
         return Ok(None);
     }

@@ -45,6 +45,8 @@ const DEPTH: usize = 10;
 /// Halvings before a piece whose ends seem too far away is given up: the enclosure of the foot function's slope over a
 /// long piece makes them seem farther than they are.
 const PATIENCE: usize = 5;
+/// Factor that covers the rounding of a sum of a few positive terms, thousands of times over.
+const ROUNDED_UP: f64 = 1.0 + 1e-12;
 
 /// What keeps a boundary from being proven.
 #[derive(Clone, Debug, PartialEq)]
@@ -158,7 +160,7 @@ impl Boundary<'_> {
             // The corner may stick out of [0, 1] by a rounding error only; its width covers the clamping.
             let reach = |i: usize| y[i].rad() + (y[i].mid() - c[i]).abs();
             let off = place.error + local.norms[1] * reach(0) + local.norms[2] * reach(1);
-            add(&base, &exact(&Vec3::from(place.z))).map(|c| c.widen(off * (1.0 + 1e-12)))
+            add(&base, &exact(&Vec3::from(place.z))).map(|c| c.widen(off * ROUNDED_UP))
         };
         let (xa, xb) = (end(&corners[0]), end(&corners[1]));
         let z = add(&base, &exact(&Vec3::from(local.z)));
@@ -285,7 +287,7 @@ fn slope_over(p: &Plane<Interval>, x: &V3<Interval>) -> Interval {
 }
 
 /// Whether a run has a clamped cubic trimming curve over [0, 1] and increasing parameters from 0 to 1.
-fn well_formed(run: &Coedge) -> bool {
+pub(super) fn well_formed(run: &Coedge) -> bool {
     let n = run.vertices.len();
     let p = &run.parameters;
     let ends = |v: &[f64]| {

@@ -15,7 +15,7 @@ use crate::num::interval::Interval;
 
 /// What one look at a triangle showed.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Look {
+pub(super) enum CellBound {
     /// Everything is proven on the triangle.
     Good(Good),
     /// The distance at a corner or the centre exceeds the tolerance for certain.
@@ -76,6 +76,8 @@ const WAY_SHARE: f64 = 1.0 / 2.0;
 
 /// Sign changes are looked for at this many places when a foot must be found from nothing.
 const SEARCH_PLACES: usize = 48;
+/// Factor by which the size of one value is lowered for the few operations spent on it.
+const ROUNDED_DOWN: f64 = 1.0 - 1e-14;
 
 impl<'a> Bench<'a> {
     pub fn new(family: &'a Family, patch: &'a Patch, tolerance: f64) -> Self {
@@ -102,16 +104,17 @@ impl<'a> Bench<'a> {
     ///
     /// `rim`: whether a corner lies on the boundary of the region (needed where the parametrisation degenerates or the
     /// surface curls up).
-    pub fn look(&self, triangle: &[[f64; 2]; 3], guess: f64, rim: bool) -> Look {
+    #[expect(clippy::too_many_lines, reason = "one chain of enclosures, each of which needs those before it")]
+    pub fn bound_cell(&self, triangle: &[[f64; 2]; 3], guess: f64, rim: bool) -> CellBound {
         let BoxNet { net, corners } = self.patch.over(triangle);
         let c = [0, 1].map(|d| ((corners[0][d] + corners[1][d] + corners[2][d]).mid() / 3.0).clamp(0.0, 1.0));
         let local = Local::new(&net, c);
         let position = add(&self.quick_centre, &local.z);
         let Some(t) = self.family.newton(&position, guess).or_else(|| self.family.search(&position, SEARCH_PLACES))
         else {
-            return Look::Lost;
+            return CellBound::Lost;
         };
-        let large = |reason| Look::Large { reason, foot: t, radius: local.norms[0] };
+        let large = |reason| CellBound::Large { reason, foot: t, radius: local.norms[0] };
 
         // The plane at the centroid's foot, at the reference point z and at the centroid itself.
         let family = self.family;
@@ -209,8 +212,8 @@ impl<'a> Bench<'a> {
             let shrink = 2.0 - family.metric - 16.0 * UNIT;
             for (place, y) in offsets.iter().chain([&[0.0, 0.0]]).enumerate() {
                 let value = quadratic.value(*y);
-                if (value.abs() * (1.0 - 1e-14) - rest(*y)) * shrink > self.tolerance {
-                    return Look::Exceeds { place, distance: value };
+                if (value.abs() * ROUNDED_DOWN - rest(*y)) * shrink > self.tolerance {
+                    return CellBound::Exceeds { place, distance: value };
                 }
             }
             return large(Obstruction::Bound);
@@ -252,7 +255,7 @@ impl<'a> Bench<'a> {
             }
             (0, way)
         };
-        Look::Good(Good { bound, feet, fold, way, bend_radius, clearance })
+        CellBound::Good(Good { bound, feet, fold, way, bend_radius, clearance })
     }
 
     /// Sign of E(·, t) over the box.

@@ -36,6 +36,8 @@ pub struct PanelParts {
     pub min_bend_radius: f64,
     /// Boxes or triangles accepted.
     pub cells: usize,
+    /// Whether the panel is to be developable; of others neither twist nor bending nor regression is stated.
+    pub developable: bool,
 }
 
 /// What was proven about one panel; reads like [`PanelParts`].
@@ -154,12 +156,13 @@ impl Certificate {
         for (k, p) in self.panels.iter().enumerate() {
             let panel = Subject::Panel(k);
             let bound = UpperBound::shown(p.deviation_bound);
-            out.extend([
-                Claim::at_most(What::Deviation, panel, bound).within(self.tolerance),
+            out.push(Claim::at_most(What::Deviation, panel, bound).within(self.tolerance));
+            let developable = [
                 Claim::at_most(What::Twist, panel, UpperBound::shown(p.developability_bound).degrees()),
                 Claim::at_least(What::RegressionClearance, panel, LowerBound::shown(p.regression_clearance)),
                 Claim::at_least(What::BendRadius, panel, LowerBound::shown(p.min_bend_radius)),
-            ]);
+            ];
+            out.extend(developable.into_iter().filter(|_| p.developable));
             if !p.certified {
                 out.push(Claim::objection(panel, p.reason.clone()));
             }
@@ -213,6 +216,7 @@ impl PanelParts {
             regression_clearance: 0.0,
             min_bend_radius: 0.0,
             cells: 0,
+            developable: true,
         }
     }
 }

@@ -140,6 +140,10 @@ pub enum What {
     BendBefore,
     /// Largest angle between neighbouring quadrilaterals, degrees.
     LargestBend,
+    /// Angle between neighbouring strips along their seams, degrees.
+    Kink,
+    /// Length of the longest ruling, mm.
+    LongestRuling,
     /// Noise of a measurement, mm.
     Noise,
     /// Angle between the pieces of a chain at their joint, rad.
@@ -326,6 +330,14 @@ impl Claim {
     /// Says, in words, what is the matter if the demand is not met.
     pub fn because(mut self, reason: impl Into<String>) -> Self {
         self.reason = reason.into();
+        self
+    }
+
+    /// The same about a panel that stands behind so many others now.
+    pub fn after(mut self, panels: usize) -> Self {
+        if let Subject::Panel(k) = self.subject {
+            self.subject = Subject::Panel(k + panels);
+        }
         self
     }
 

@@ -26,6 +26,7 @@ const ROUNDING: f64 = 16.0 * f64::EPSILON;
 ///
 /// # Errors
 /// In plain words, what is wrong.
+#[expect(clippy::too_many_lines, reason = "one walk over all borders, which fills one table")]
 pub(super) fn partition_covers(face: &Face, partition: &Partition) -> Result<[f64; 2], String> {
     let (v, t) = (&partition.vertices, &partition.triangles);
     if partition.labels.len() != t.len() {

@@ -91,12 +91,16 @@ impl Developability {
 
 /// Boxes (t, r) that together contain the trimming curves.
 pub(super) fn trim_boxes<'a>(curves: impl IntoIterator<Item = &'a Curve<2>>) -> Vec<[Interval; 2]> {
+    let boxes = |c: &'a Curve<2>| trim_steps(c).into_iter().map(|[a, b]| trim_piece(c, a, b).map(|b| hull(&b)));
+    curves.into_iter().flat_map(boxes).collect()
+}
+
+/// The stretches of a trimming curve that have a box each.
+pub(super) fn trim_steps(c: &Curve<2>) -> Vec<[f64; 2]> {
     let mut out = Vec::new();
-    for c in curves {
-        for w in c.knots.breaks().windows(2) {
-            let cut = |i: usize| if i == BOXES { w[1] } else { w[0] + (w[1] - w[0]) * i as f64 / BOXES as f64 };
-            out.extend((0..BOXES).map(|i| trim_piece(c, cut(i), cut(i + 1)).map(|b| hull(&b))));
-        }
+    for w in c.knots.breaks().windows(2) {
+        let cut = |i: usize| if i == BOXES { w[1] } else { w[0] + (w[1] - w[0]) * i as f64 / BOXES as f64 };
+        out.extend((0..BOXES).map(|i| [cut(i), cut(i + 1)]));
     }
     out
 }

@@ -18,7 +18,7 @@
 //! from every point of the rim. So the greatest such length is added to the mismatch δ of the trim, and enters with it.
 //! All other points have positive degree as in part (c) of the theorem.
 
-use super::cell::{Bench, Good, Look};
+use super::cell::{Bench, CellBound, Good};
 use super::family::Family;
 use super::prepared::{Patch, Prepared};
 use super::vector::{dot, exact};
@@ -346,34 +346,35 @@ impl Search<'_> {
                 self.fail(Verdict::Undecided { uv, reason });
                 return accepted;
             }
-            let mut look = bench.look(&cell.triangle, cell.guess, false);
-            let doubtful = matches!(look, Look::Large { reason: Obstruction::Degenerate | Obstruction::Fold, .. });
+            let mut found = bench.bound_cell(&cell.triangle, cell.guess, false);
+            let doubtful =
+                matches!(found, CellBound::Large { reason: Obstruction::Degenerate | Obstruction::Fold, .. });
             if doubtful && self.touches_rim(&root, &cell) {
-                look = bench.look(&cell.triangle, cell.guess, true);
+                found = bench.bound_cell(&cell.triangle, cell.guess, true);
             }
-            match look {
-                Look::Good(good) if good.way > FINE_WAY * self.tolerance && cell.depth < DEPTH => {
+            match found {
+                CellBound::Good(good) if good.way > FINE_WAY * self.tolerance && cell.depth < DEPTH => {
                     let whole = Accepted { triangle: cell.triangle, good };
                     fallbacks.push(Fallback { whole, open: open.len(), accepted: accepted.len() });
                     open.extend(cell.halves(patch, good.feet.mid()));
                 }
-                Look::Good(good) => match fallbacks.pop() {
+                CellBound::Good(good) => match fallbacks.pop() {
                     Some(f) if good.fold * self.orientation() < 0 => f.restore(&mut open, &mut accepted),
                     fallback => {
                         fallbacks.extend(fallback);
                         accepted.push(Accepted { triangle: cell.triangle, good });
                     }
                 },
-                Look::Exceeds { place, distance } => {
+                CellBound::Exceeds { place, distance } => {
                     let uv = if place < 3 { cell.triangle[place] } else { uv };
                     self.fail(Verdict::Fails { uv, distance });
                     return accepted;
                 }
-                Look::Lost => {
+                CellBound::Lost => {
                     self.fail(Verdict::Undecided { uv, reason: Obstruction::Foot });
                     return accepted;
                 }
-                Look::Large { reason, foot, radius } => {
+                CellBound::Large { reason, foot, radius } => {
                     let foot_or_fold = matches!(reason, Obstruction::Foot | Obstruction::Fold);
                     let hopeless = foot_or_fold && cell.depth >= PATIENCE && radius < HOPELESS * self.tolerance;
                     if hopeless || cell.depth >= DEPTH {

@@ -371,6 +371,8 @@ impl Family {
         // Steps stop once they are at the level of rounding; quadratic convergence needs few.
         const STEPS: usize = 12;
         const SETTLED: f64 = 1e-13;
+        // Steps below this share of the domain that no longer shrink are rounding too, where feet are ill-conditioned.
+        const STALLED: f64 = 1e-9;
         let (t0, t1) = self.domain();
         let width = t1 - t0;
         let mut t = guess.clamp(t0, t1);
@@ -387,8 +389,8 @@ impl Family {
             }
             t = next.clamp(t0, t1);
             let size = step.abs();
-            if size <= SETTLED * width || (size <= 1e-9 * width && size >= last) {
-                return ((t - next).abs() <= 1e-9 * width).then_some(t);
+            if size <= SETTLED * width || (size <= STALLED * width && size >= last) {
+                return ((t - next).abs() <= STALLED * width).then_some(t);
             }
             last = size;
         }

@@ -5,7 +5,7 @@
 //! patchwork stands among others (the numbers of its faces and seams) does not count. Not a defence against somebody who
 //! looks for collisions: the hash is not cryptographic.
 
-use crate::patchwork::panel::{Border, Coedge, Panel, Patchwork};
+use crate::patchwork::panel::{Border, Coedge, Panel, PanelForm, Patchwork};
 use crate::patchwork::partition::Partition;
 use crate::spline::curve::Curve;
 use crate::spline::knots::Knots;
@@ -78,8 +78,8 @@ fn panel(p: &Panel, first: [usize; 3], h: &mut DefaultHasher) {
     let Some(trim) = &p.trim else { return };
     trim.face.wrapping_sub(first[0]).hash(h);
     trim.label.hash(h);
-    match &trim.torse {
-        Torse::Primal(t) => {
+    match &trim.form {
+        PanelForm::Torse(Torse::Primal(t)) => {
             0u8.hash(h);
             for v in [t.frame.origin, t.frame.x, t.frame.y, t.frame.z] {
                 v.iter().for_each(|x| number(*x, h));
@@ -87,9 +87,15 @@ fn panel(p: &Panel, first: [usize; 3], h: &mut DefaultHasher) {
             curve(t.profile(), h);
             number(t.beta(), h);
         }
-        Torse::Dual(t) => {
+        PanelForm::Torse(Torse::Dual(t)) => {
             1u8.hash(h);
             curve(&t.planes, h);
+        }
+        PanelForm::Ruled(map) => {
+            2u8.hash(h);
+            knots(&map.knots_s, h);
+            knots(&map.knots_t, h);
+            points(&map.control, h);
         }
     }
     for l in &trim.loops {

@@ -36,6 +36,7 @@ pub(super) struct Local<'a> {
 }
 
 impl<'a> Local<'a> {
+    #[expect(clippy::too_many_lines, reason = "one chain of enclosures, each of which needs those before it")]
     pub fn new(net: &'a Net, c: [f64; 2]) -> Self {
         let (p, q) = (net.p, net.q);
         let row = q + 1;

@@ -21,26 +21,28 @@ pub mod flat;
 mod local;
 mod panel;
 pub mod points;
-pub mod prepared;
+pub(crate) mod prepared;
 mod proof;
 mod quadratic;
 pub mod quads;
-pub mod rails;
-pub mod regression;
+pub(crate) mod rails;
+pub(crate) mod regression;
 mod rounding;
 mod ruled;
+mod ruled_panel;
 mod seams;
 mod simple;
 #[cfg(test)]
 mod specimens;
 mod strokes;
+mod tensor;
 pub mod trims;
-pub mod unfolded;
+pub(crate) mod unfolded;
 mod vector;
 mod verdict;
 pub mod written;
-pub mod written_cones;
-pub mod written_strips;
+pub(crate) mod written_cones;
+pub(crate) mod written_strips;
 
 pub use certificate::{
     Certificate, CertificateParts, PanelCertificate, PanelParts, SeamCertificate, SeamParts, SeamStatus,

@@ -56,8 +56,12 @@ pub(super) fn panel_certificate(
         out.reason = "the panel covers no face".into();
         return (out, None);
     };
+    let Some(torse) = trim.form.torse() else {
+        out.reason = "the panel is not developable".into();
+        return (out, None);
+    };
     let triangles = region(partition, trim.label);
-    let (Some(family), Some(ruled)) = (Family::new(&trim.torse), Ruled::new(&panel.strip.patch)) else {
+    let (Some(family), Some(ruled)) = (Family::new(torse), Ruled::new(&panel.strip.patch)) else {
         out.reason =
             "the torse is not a C¹ spline of degree at most 3, or the patch is not ruled with positive weights".into();
         return (out, None);
@@ -84,7 +88,7 @@ pub(super) fn panel_certificate(
     let beside = if out.edge_bound.is_finite() { out.edge_bound } else { 0.0 };
     let eta = (Interval::point(out.rounding_bound) + Interval::point(moved) + Interval::point(beside)).hi;
     let mismatch = Mismatch { delta: edge.delta.unwrap_or(0.0), curvature: edge.curvature, eta };
-    let region = Region { prepared, torse: &trim.torse, triangles: &triangles, tolerance, control };
+    let region = Region { prepared, torse, triangles: &triangles, tolerance, control };
     let (judgement, feet) = region.judged(&mismatch, &mut out, &mut reasons);
     if let Verdict::Holds { bound } = judgement.verdict {
         out.distance_bound = bound;
@@ -109,7 +113,7 @@ pub(super) fn panel_certificate(
 }
 
 /// Bound of the distance between edges in space and trimming curves, over all runs that files have edges for.
-fn edges(panel: &Panel, jets: &RuledJets, tolerance: f64) -> Option<f64> {
+pub(super) fn edges(panel: &Panel, jets: &RuledJets, tolerance: f64) -> Option<f64> {
     let runs: Vec<_> = panel.loops().iter().flatten().filter(|r| !r.is_point()).collect();
     let bound = |run: &&Coedge| edge_bound(SeamSide { jets, trim: &run.trim }, &run.edge, tolerance);
     let bounds: Vec<_> = runs.par_iter().map(bound).collect();

@@ -19,6 +19,12 @@ use rayon::prelude::*;
 const RULINGS: usize = 96;
 /// Gauss–Newton steps; the last ones change nothing any more.
 const STEPS: usize = 5;
+/// Share of the product of both squared speeds below which their determinant is rounding: then one direction is
+/// followed.
+const DEPENDENT: f64 = 1e-12;
+/// Steps end when the squared distance falls by less than this share: the bound of the distance would show no more of
+/// it.
+const LEAST_GAIN: f64 = 1e-9;
 
 /// Proven distances of points from strips.
 #[derive(Clone, Debug)]
@@ -162,7 +168,7 @@ fn place(t: &Target, x: &Vec3) -> (f64, f64) {
         let (p, q) = (w.dot(&j.du), w.dot(&j.dv));
         let det = a * c - b * b;
         let (mut du, dv) =
-            if det > 1e-12 * a * c { ((c * p - b * q) / det, (a * q - b * p) / det) } else { (p / a, 0.0) };
+            if det > DEPENDENT * a * c { ((c * p - b * q) / det, (a * q - b * p) / det) } else { (p / a, 0.0) };
         let next_v = (v + dv).clamp(0.0, 1.0);
         if next_v != v + dv && a > 0.0 {
             du = (p - b * (next_v - v)) / a;
@@ -177,7 +183,7 @@ fn place(t: &Target, x: &Vec3) -> (f64, f64) {
         }
         let gain = here - sq;
         (here, u, v) = (sq, next_u, next_v);
-        if gain <= 1e-9 * here {
+        if gain <= LEAST_GAIN * here {
             break;
         }
     }

@@ -8,10 +8,11 @@ use super::local::way;
 use super::panel::{panel_certificate, Ground};
 use super::prepared::Prepared;
 use super::ruled::RuledJets;
+use super::ruled_panel::ruled_panel;
 use super::seams::{self, SeamSide};
 use crate::control::Control;
 use crate::geom::BBox;
-use crate::patchwork::panel::{Border, Coedge, Patchwork};
+use crate::patchwork::panel::{Border, Coedge, PanelForm, Patchwork};
 use crate::patchwork::seam::Seam;
 use rayon::prelude::*;
 
@@ -146,7 +147,10 @@ fn panels_of(
             let result = match (patchwork.partition_of(panel), panel.face().and_then(|f| grounds.get(f))) {
                 (Some(partition), Some((prepared, moved))) => {
                     let ground = Ground { partition, prepared, moved: *moved };
-                    panel_certificate(panel, &ground, tolerance, control)
+                    match panel.trim.as_ref().map(|t| (t, &t.form)) {
+                        Some((t, PanelForm::Ruled(map))) => ruled_panel(panel, (t, map), &ground, tolerance, control),
+                        _ => panel_certificate(panel, &ground, tolerance, control),
+                    }
                 }
                 _ => (PanelParts::blank(), None),
             };
@@ -356,7 +360,7 @@ mod tests {
         let panel = c.panels.iter().find(|p| p.witness.is_some()).expect("a witness");
         let (uv, distance) = panel.witness.expect("a witness");
         let there = specimens::brute_distance(
-            &p.panels[0].trim.as_ref().expect("a trim").torse,
+            p.panels[0].trim.as_ref().and_then(|t| t.form.torse()).expect("a torse"),
             &p.faces[0].surface.point(uv[0], uv[1]),
         );
         assert!(distance.abs() > 4.9e-4 && (there - distance.abs()).abs() < 1e-5);

@@ -13,6 +13,11 @@ pub(super) struct Quadratic {
 
 /// Rounding errors of the few operations spent on one value, with a wide margin.
 const SLACK: f64 = 64.0 * f64::EPSILON;
+/// Share of a triangle's area by which it is enlarged when candidates are sought: far above the rounding of their
+/// places.
+const HAIR: f64 = 1e-6;
+/// The same for triangles without area, in the square of the unit of their corners.
+const SPECK: f64 = 1e-12;
 
 impl Quadratic {
     /// Value at `y`.
@@ -80,7 +85,7 @@ impl Quadratic {
 fn inside(c: &[[f64; 2]; 3], y: [f64; 2]) -> bool {
     let area = |p: [f64; 2], q: [f64; 2], r: [f64; 2]| (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]);
     let whole = area(c[0], c[1], c[2]);
-    (0..3).all(|k| area(c[k], c[(k + 1) % 3], y) * whole.signum() >= -1e-6 * whole.abs() - 1e-12)
+    (0..3).all(|k| area(c[k], c[(k + 1) % 3], y) * whole.signum() >= -HAIR * whole.abs() - SPECK)
 }
 
 #[cfg(test)]

@@ -9,6 +9,7 @@ use super::developable::developability_until;
 use super::ruled::Ruled;
 use super::vector::length_bound;
 use crate::control::Control;
+use crate::geom::Vec3;
 use crate::num::bernstein::{self, from_spline_over, hull, product};
 use crate::num::interval::Interval;
 use crate::spline::curve::Curve;
@@ -20,6 +21,8 @@ use crate::torse::strip::Strip;
 const HALVINGS: usize = 60;
 /// Parameters by which the map may pass a knot, rounding of [`HALVINGS`]; it is paid for.
 const PAST: f64 = 1e-9;
+/// Parts into which an arc is cut between its knots: control points are then near it.
+const ARC_PARTS: usize = 4;
 /// Stretches of the parameter that are no more than rounding.
 const NOTHING: f64 = 1e-13;
 
@@ -70,6 +73,86 @@ fn enclosed((strip, side): (&Strip, usize), rail: &Rail, part: &RailPart, contro
         }
         worst = worst.max(piece_bound((&patch, side), (given, &spans), map, a, b)?);
         a = b;
+    }
+    worst.is_finite().then_some(worst)
+}
+
+/// Bound on the distance (mm) of every point of an arc of a curve from the first or the last ruling of a strip: what is
+/// left off where the strip is cut before a tip. The arc runs from one parameter to a greater one, on closed curves also beyond the domain. Unknown for
+/// arcs of more than one turn, or where weights are not positive.
+///
+/// *Method*: distances from a segment are convex, so that those of control points \[FR88\] of short parts bound it.
+pub fn tip_bound(strip: &Strip, at_end: bool, rail: &Rail, arc: [f64; 2]) -> UpperBound {
+    let control = &strip.patch.control;
+    let first = if at_end { control.len().saturating_sub(2) } else { 0 };
+    let [Some(p), Some(q)] = [control.get(first), control.get(first + 1)] else { return UpperBound::UNKNOWN };
+    if strip.patch.row() != 2 || p[3] <= 0.0 || q[3] <= 0.0 {
+        return UpperBound::UNKNOWN;
+    }
+    let affine = |c: &[f64; 4]| [0, 1, 2].map(|d: usize| Interval::point(c[d]) / Interval::point(c[3]));
+    // The ruling of numbers is off the true one by rounding.
+    let ends = [affine(p), affine(q)];
+    let about = ends.map(|e| Vec3::from(e.map(Interval::mid)));
+    let off = (0..2)
+        .map(|k| length_bound(&[0, 1, 2].map(|d: usize| ends[k][d] - Interval::point(about[k][d]))))
+        .fold(0.0, f64::max);
+    arc_bound(rail, arc, about).plus(UpperBound::shown(off))
+}
+
+/// Bound on the distance of every point of an arc from a segment.
+fn arc_bound(rail: &Rail, [from, to]: [f64; 2], segment: [Vec3; 2]) -> UpperBound {
+    let n = rail.pieces.len();
+    let (from, to) = (from - PAST, to + PAST);
+    let whole = 0..n as i64;
+    let inside = rail.closed || (from >= -2.0 * PAST && to <= n as f64 + 2.0 * PAST);
+    if !(inside && from < to && to - from < n as f64) {
+        return UpperBound::UNKNOWN;
+    }
+    let mut worst = 0.0_f64;
+    for turn in (from.floor() as i64..=to.floor() as i64).filter(|k| rail.closed || whole.contains(k)) {
+        let piece = &rail.pieces[turn.rem_euclid(n as i64) as usize];
+        let (a, b) = ((from - turn as f64 - PAST).max(0.0), (to - turn as f64 + PAST).min(1.0));
+        for w in piece.knots.breaks().windows(2) {
+            let (a, b): (f64, f64) = (a.max(w[0]), b.min(w[1]));
+            if a < b {
+                match arc_part(piece, (a, b), segment) {
+                    Some(off) => worst = worst.max(off),
+                    None => return UpperBound::UNKNOWN,
+                }
+            }
+        }
+    }
+    UpperBound::shown(worst)
+}
+
+/// Of an arc without knots, in short parts.
+fn arc_part(piece: &Curve<4>, (a, b): (f64, f64), [p, q]: [Vec3; 2]) -> Option<f64> {
+    let mut worst = 0.0_f64;
+    for k in 0..ARC_PARTS {
+        let cut = |k: usize| if k == ARC_PARTS { b } else { a + (b - a) * k as f64 / ARC_PARTS as f64 };
+        let net = [0, 1, 2, 3].map(|d: usize| {
+            let value = |i: usize| {
+                let c = &piece.control[i];
+                match d {
+                    3 => Interval::point(c[3]),
+                    _ => Interval::point(c[d]) - Interval::point(c[3]) * Interval::point(p[d]),
+                }
+            };
+            over(&piece.knots, value, cut(k), cut(k + 1))
+        });
+        for i in 0..net[3].len() {
+            if net[3][i].lo <= 0.0 {
+                return None;
+            }
+            let place = [0, 1, 2].map(|d: usize| net[d][i] / net[3][i]);
+            // Any point of the segment will do.
+            let about = Vec3::from(place.map(Interval::mid));
+            let along = q - p;
+            let share = (about.dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
+            let share = Interval::point(if share.is_nan() { 0.0 } else { share });
+            let foot = [0, 1, 2].map(|d: usize| (Interval::point(q[d]) - Interval::point(p[d])) * share);
+            worst = worst.max(length_bound(&[0, 1, 2].map(|d: usize| place[d] - foot[d])));
+        }
     }
     worst.is_finite().then_some(worst)
 }
@@ -186,9 +269,32 @@ pub fn twist_bound(strip: &Strip, limit: f64, control: &Control) -> TwistBound {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::Vec3;
     use crate::spline::curve::Curve;
     use crate::torse::form::PanelKind;
+
+    #[test]
+    fn arcs_are_as_high_over_their_chords_as_circles_are_and_no_higher_than_bounded() {
+        let at = |k: u32| f64::from(k % 60) * std::f64::consts::TAU / 60.0;
+        let points: Vec<Vec3> = (0..=60).map(at).map(|t| Vec3::new(t.cos(), t.sin(), 0.0) * 100.0).collect();
+        let rail = Rail::through("circle", &points).expect("rail");
+        // Across the seam, too.
+        for arc in [[0.2, 0.23], [-0.02, 0.015], [0.985, 1.02]] {
+            let ends = arc.map(|s: f64| rail.point(s.rem_euclid(1.0)));
+            let height = 100.0 * (1.0 - (std::f64::consts::PI * (arc[1] - arc[0])).cos());
+            let bound = arc_bound(&rail, arc, ends).value();
+            assert!(bound >= height * (1.0 - 1e-4) && bound <= height * 1.1, "{arc:?}: {bound} {height}");
+            let moved = ends.map(|p| p + Vec3::z());
+            assert!(arc_bound(&rail, arc, moved).value() >= 1.0);
+        }
+        // An open curve has nothing beyond its end.
+        let open = Rail::through("half", &points[..=30]).expect("rail");
+        let ends = [0.97, 1.0].map(|s| open.point(s));
+        assert!(arc_bound(&open, [0.97, 1.0], ends).value() < 1.0);
+        assert_eq!(arc_bound(&open, [0.97, 1.01], ends), UpperBound::UNKNOWN);
+        for arc in [[0.3, 0.2], [0.2, 1.3], [0.2, f64::NAN]] {
+            assert_eq!(arc_bound(&rail, arc, [Vec3::zeros(); 2]), UpperBound::UNKNOWN);
+        }
+    }
 
     #[test]
     fn the_bound_exceeds_every_sample_and_sees_what_is_moved() {

@@ -63,6 +63,9 @@ pub(super) fn length_difference(a: SeamSide, b: SeamSide) -> Option<f64> {
 
 /// Pieces between two knots over which lengths are compared.
 const LENGTH_PIECES: usize = 4;
+/// Share of the domain by which the rounded coefficients of a trimming curve may stick out of it; beyond, it has left
+/// it.
+const OVERHANG: f64 = 1e-12;
 
 /// Bounds of the gap over a piece and at its ends.
 fn piece(a: SeamSide, b: SeamSide, shift: &V3<Interval>, s0: f64, s1: f64) -> Option<(f64, f64)> {
@@ -101,8 +104,7 @@ impl SeamSide<'_> {
         let (lo, hi) = self.jets.domain();
         let domain = Interval { lo, hi };
         let (mut t, r) = (Jet::of_bernstein(&theta[0]), Jet::of_bernstein(&theta[1]));
-        // Rounded coefficients may stick out of the domain by a hair.
-        if !domain.widen(1e-12 * (hi - lo)).encloses(t.v) {
+        if !domain.widen(OVERHANG * (hi - lo)).encloses(t.v) {
             return None;
         }
         t.v = t.v.intersect(domain)?;

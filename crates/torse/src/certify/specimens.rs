@@ -2,7 +2,7 @@
 
 use crate::brep::face::Face;
 use crate::geom::{Frame, Vec3};
-use crate::patchwork::panel::{Border, Coedge, Panel, PanelTrim, Patchwork};
+use crate::patchwork::panel::{Border, Coedge, Panel, PanelForm, PanelTrim, Patchwork};
 use crate::patchwork::partition::Partition;
 use crate::spline::curve::Curve;
 use crate::spline::knots::Knots;
@@ -245,6 +245,7 @@ pub fn primal_foot(x: &Vec3) -> [f64; 2] {
 }
 
 /// A patchwork of [`near_primal`] in two panels on either side of v = .5 with a common torse, on an `n`-fold grid.
+#[expect(clippy::too_many_lines, reason = "one patchwork, part by part")]
 pub fn two_panels(bump: f64, n: usize) -> Patchwork {
     let surface = near_primal(bump);
     let lines = |k: &Knots| {
@@ -317,7 +318,7 @@ pub fn two_panels(bump: f64, n: usize) -> Patchwork {
             trim: Some(PanelTrim {
                 face: 0,
                 label,
-                torse: Torse::Primal(primal()),
+                form: PanelForm::Torse(Torse::Primal(primal())),
                 loops: vec![loops.next().expect("two loops")],
             }),
         })

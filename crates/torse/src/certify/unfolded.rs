@@ -1,7 +1,8 @@
 //! A part laid flat: its faces against the carriers that their maps are made for, its drawing and its inner edges
 //! against the images of edges under these maps.
 //!
-//! *Theorem.* Every face lies within `carrier_distance` of the plane, cylinder or cone that its map lays flat. The maps
+//! *Theorem.* Faces without a closed map are laid flat through a panel, see [`UnfoldedProof::through_panel`]. Of the others
+//! holds: Every face lies within `carrier_distance` of the plane, cylinder or cone that its map lays flat. The maps
 //! change no length on their surface, or on the neutral surface of a sheet, by more than the factor `1 ± strain`. Every
 //! line and arc of the contours is drawn for parts of edges, or across a sharp bend, and keeps to their images within
 //! `drawing_distance`, both ways. Both images of every edge inside the part lie within `joint_gap` of each other, across a
@@ -12,7 +13,9 @@
 
 use super::carriers::distance_from_carrier;
 use super::claim::UpperBound;
+use super::flat::FlatCertificate;
 use super::strokes::{strain, strokes};
+use super::Certificate;
 use crate::geom::Vec2;
 use crate::patchwork::image::{ClosedMap, EdgeImage, JointImage, Stroke};
 use crate::patchwork::pattern::Contour;
@@ -48,6 +51,19 @@ pub struct UnfoldedProof {
 }
 
 impl UnfoldedProof {
+    /// That of a part laid flat through one panel: what is proven of the panel against its face, and of the pattern against
+    /// the panel.
+    pub fn through_panel(panel: &Certificate, flat: &FlatCertificate) -> Self {
+        let known = panel.certified && flat.holds();
+        let bound = |d: f64| if known { UpperBound::shown(d) } else { UpperBound::UNKNOWN };
+        Self {
+            carrier_distance: bound(panel.deviation_bound),
+            drawing_distance: bound((flat.drawing_bound() + flat.change_bound()).next_up()),
+            joint_gap: bound(flat.gap_bound()),
+            strain: bound(flat.strain_bound()),
+        }
+    }
+
     /// Distance (mm) of faces from the surfaces that are laid flat.
     pub fn carrier_distance(&self) -> UpperBound {
         self.carrier_distance

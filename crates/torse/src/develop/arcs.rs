@@ -43,6 +43,18 @@ const STEEPEST: f64 = 1.0;
 const FINEST: f64 = 1e-10;
 /// Shortest stretch of the parameter that is still halved.
 const SHORTEST: f64 = 1e-6;
+/// Difference of the angles (rad) between a chord and the tangents at its ends up to which one arc is tried: what it
+/// strays is measured all the same.
+const ONE_ARC: f64 = 1e-7;
+/// `2 (1 − cos)` of the angle between end tangents, about its square, below which they are parallel: the difference
+/// has no more than four digits then.
+const PARALLEL: f64 = 1e-12;
+/// Share of a stretch over which a secant stands for its end tangent.
+const SECANT: f64 = 1e-4;
+/// A curve rests where its speed is below this share of that secant's.
+const RESTS: f64 = 1e-3;
+/// Arcs of a smaller bulge are lines: they leave their chord by half of this share of its length.
+const NO_BULGE: f64 = 1e-9;
 
 /// Lines and arcs within `tolerance` of a curve, and the largest distance measured (mm, with a safety factor).
 ///
@@ -109,7 +121,7 @@ fn fit(curve: &impl PlaneCurve, a: f64, b: f64, tolerance: f64) -> Option<Vec<Ar
     let (t0, t1) = (direction(curve, a, b)?, direction(curve, b, a)?);
     // One arc, if the curve is one.
     let (alpha, omega) = (angle(&t0, &chord), angle(&chord, &t1));
-    if alpha.abs() < STEEPEST && (alpha - omega).abs() < 1e-7 {
+    if alpha.abs() < STEEPEST && (alpha - omega).abs() < ONE_ARC {
         let one = vec![ArcPiece { point: p, bulge: (0.5 * alpha).tan(), s: a }];
         if distance(curve, &one, a, b, SEARCH) <= tolerance {
             return Some(one);
@@ -118,7 +130,7 @@ fn fit(curve: &impl PlaneCurve, a: f64, b: f64, tolerance: f64) -> Option<Vec<Ar
     // |q − p − d (t0 + t1)| = 2 d.
     let t = t0 + t1;
     let (vt, vv, k) = (chord.dot(&t), chord.norm_squared(), 2.0 * (1.0 - t0.dot(&t1)));
-    let d = if k > 1e-12 {
+    let d = if k > PARALLEL {
         // Stable form of the positive root.
         vv / (vt + (vt * vt + k * vv).sqrt())
     } else {
@@ -142,8 +154,8 @@ fn fit(curve: &impl PlaneCurve, a: f64, b: f64, tolerance: f64) -> Option<Vec<Ar
 /// Unit tangent at `at`, in the direction of growing s; from a secant towards `other` where the curve rests.
 fn direction(curve: &impl PlaneCurve, at: f64, other: f64) -> Option<Vec2> {
     let (v, h) = (curve.velocity(at), other - at);
-    let secant = (curve.place(at + 1e-4 * h) - curve.place(at)) / (1e-4 * h);
-    let v = if v.norm() > 1e-3 * secant.norm() { v } else { secant };
+    let secant = (curve.place(at + SECANT * h) - curve.place(at)) / (SECANT * h);
+    let v = if v.norm() > RESTS * secant.norm() { v } else { secant };
     let n = v.norm();
     (n > 0.0 && n.is_finite()).then(|| v / n)
 }
@@ -172,7 +184,7 @@ fn distance(curve: &impl PlaneCurve, pieces: &[ArcPiece], a: f64, b: f64, sample
 pub fn distance_to_arc(x: &Vec2, a: &Vec2, b: &Vec2, bulge: f64) -> f64 {
     let chord = b - a;
     let l = chord.norm();
-    if bulge.abs() < 1e-9 || l <= 0.0 {
+    if bulge.abs() < NO_BULGE || l <= 0.0 {
         let s = if l > 0.0 { ((x - a).dot(&chord) / (l * l)).clamp(0.0, 1.0) } else { 0.0 };
         return (x - a - chord * s).norm();
     }
@@ -201,7 +213,7 @@ pub fn circle(a: &Vec2, b: &Vec2, bulge: f64) -> (Vec2, f64) {
 pub fn points_along(a: &Vec2, b: &Vec2, bulge: f64, least: usize) -> Vec<Vec2> {
     let sweep = 4.0 * bulge.atan();
     let n = least.max((sweep.abs() / 0.1).ceil() as usize).max(1);
-    if bulge.abs() < 1e-9 {
+    if bulge.abs() < NO_BULGE {
         return (0..n).map(|k| a + (b - a) * (k as f64 / n as f64)).collect();
     }
     let (centre, _) = circle(a, b, bulge);

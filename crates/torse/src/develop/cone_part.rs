@@ -123,7 +123,7 @@ pub fn part_pattern(spline: &ConeSpline, part: &ConePart, name: &str, contour_to
     pattern
 }
 
-/// Whether the flat pattern of a trimmed chain overlaps itself (outline sampled; `apart` as in [`overlap`]).
+/// Whether the flat pattern of a trimmed chain overlaps itself (outline sampled; `apart` as in `overlap`).
 pub fn overlaps(spline: &ConeSpline, part: &ConePart, apart: f64) -> bool {
     let flats = develop(spline, Vec2::zeros(), 0.0);
     let loops: Vec<Vec<OutlinePoint>> = part

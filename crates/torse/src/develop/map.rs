@@ -17,6 +17,9 @@ const N: usize = 16;
 const TAIL: f64 = 1e-13;
 /// Halvings of a knot span at most; 2⁻¹² of a span is far below what a cubic torse can need.
 const DEEPEST: usize = 12;
+/// Where the middle of a ruling moves across it by less than this share of all its motion, the patch folds there: the
+/// rest is rounding.
+const ALONG: f64 = 1e-12;
 
 /// Flattening of a ruled developable patch: `(t, r)` to the plane.
 #[derive(Clone, Debug)]
@@ -185,7 +188,7 @@ impl Development {
         let de = (d - e * e.dot(&d)) / length;
         let across = dc - e * e.dot(&dc);
         let norm = across.norm();
-        if !(length > 0.0 && norm > 1e-12 * dc.norm()) {
+        if !(length > 0.0 && norm > ALONG * dc.norm()) {
             return Err(DevelopError::Irregular { t });
         }
         Ok(Moving { c, dc, e, de, b: across * (self.side / norm) })

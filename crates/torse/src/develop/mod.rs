@@ -2,17 +2,17 @@
 
 pub mod arcs;
 pub mod bends;
-pub mod cone_part;
+pub(crate) mod cone_part;
 pub mod cones;
-pub mod joints;
+pub(crate) mod joints;
 pub mod layout;
 pub mod map;
-pub mod outline;
-pub mod overlap;
+pub(crate) mod outline;
+pub(crate) mod overlap;
 pub mod pattern;
 pub mod refold;
-pub mod same;
-pub mod scanned;
+pub(crate) mod same;
+pub(crate) mod scanned;
 pub mod shop;
 pub mod strip;
 pub mod unfold;

@@ -53,6 +53,7 @@ const SHORTEST_RULING: f64 = 0.01;
 ///
 /// # Errors
 /// A patch that is not regular; a pattern that overlaps itself, with the ruling to cut along.
+#[expect(clippy::too_many_lines, reason = "one pattern, part by part")]
 pub fn pattern(patchwork: &Patchwork, panel: usize, options: &PatternOptions) -> Result<Pattern, DevelopError> {
     let missing = DevelopError::Missing(panel);
     let (Some(p), index) = (patchwork.panels.get(panel), panel) else { return Err(missing) };

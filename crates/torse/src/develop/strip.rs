@@ -57,6 +57,8 @@ const CORNER: f64 = 1e-6;
 const MARKS: f64 = 8.0;
 /// Most rulings or marks drawn: more than anybody can use, and no spacing can exhaust the memory.
 const MOST: f64 = 4000.0;
+/// Lines and marks up to this share of the length are drawn; one beyond would be the end itself, rounded.
+const BEFORE_END: f64 = 1.0 - 1e-9;
 
 /// The least distance between rulings or marks on a pattern whose longer side is so long.
 pub fn least_spacing(length: f64) -> f64 {
@@ -146,6 +148,7 @@ impl PlaneCurve for Edge<'_, '_> {
 ///
 /// # Errors
 /// No strip, a patch that is not regular, neighbours whose rulings differ, a pattern that overlaps itself.
+#[expect(clippy::too_many_lines, reason = "one development with its state")]
 pub fn pattern(strips: &[&Strip], index: usize, name: &str, options: &StripOptions) -> Result<Pattern, DevelopError> {
     let laid = lay(strips, index, options.side)?;
     let (Some(first), Some(last)) = (laid.first(), laid.last()) else { return Err(DevelopError::Missing(index)) };
@@ -334,7 +337,7 @@ fn rulings(laid: &[Laid], options: &StripOptions, size: f64, inset: f64) -> (Vec
     let mut lengths: Vec<f64> = match options.ruling_spacing.filter(|s| *s > 0.0) {
         Some(spacing) => {
             let step = spacing.max(total / MOST);
-            (1..).map(|k| step * f64::from(k)).take_while(|l| *l < total * (1.0 - 1e-9) && step > 0.0).collect()
+            (1..).map(|k| step * f64::from(k)).take_while(|l| *l < total * BEFORE_END && step > 0.0).collect()
         }
         None => course.lines(&options.drawn.bends, size).iter().map(|l| course.length_at(l)).collect(),
     };
@@ -403,7 +406,7 @@ fn marks(laid: &[Laid], spacing: Option<f64>, sign: f64) -> Vec<Mark> {
         let total = stations.last().map_or(0.0, |s| s.2);
         let step = spacing.filter(|s| *s > 0.0).unwrap_or(total / MARKS).max(total / MOST);
         let mut k = 1;
-        while step > 0.0 && step * f64::from(k) < total * (1.0 - 1e-9) {
+        while step > 0.0 && step * f64::from(k) < total * BEFORE_END {
             let (i, u) = at_length(&stations, step * f64::from(k));
             let l = &laid[i];
             let t = l.vector(&l.development.tangent(u, v, if v < 0.5 { 1.0 } else { -1.0 }, 0.0)) * sign;

@@ -1,4 +1,4 @@
-//! From which side patterns of strips are seen: outside by the rule of [`outward`], whatever the order of rails was
+//! From which side patterns of strips are seen: outside by the rule of `outward`, whatever the order of rails was
 //! (docs/algorithms/panels.md, "The side that is seen").
 
 use super::bends::BendSpacing;

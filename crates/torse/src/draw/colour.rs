@@ -89,6 +89,7 @@ pub fn kind(kind: PanelKind) -> Rgb {
         PanelKind::Cylinder => oklch(0.80, 0.13, 150.0),
         PanelKind::Cone => oklch(0.72, 0.16, 28.0),
         PanelKind::Torse => oklch(0.68, 0.13, 255.0),
+        PanelKind::Ruled => oklch(0.68, 0.13, 330.0),
     }
 }
 

@@ -3,12 +3,12 @@
 pub mod camera;
 pub mod chart;
 pub mod colour;
-pub mod dots;
+pub(crate) mod dots;
 pub mod drawing;
 pub mod field;
 pub mod flat;
-pub mod label;
-pub mod labels;
+pub(crate) mod label;
+pub(crate) mod labels;
 pub mod picture;
 pub mod raster;
 pub mod scene;

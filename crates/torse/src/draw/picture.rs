@@ -179,6 +179,7 @@ pub fn shapes(scene: &Scene, patches: &[ShapePatch], direction: &Vec3, caption: 
 }
 
 /// The flat patterns on the sheet with rulings, marks and names.
+#[expect(clippy::too_many_lines, reason = "one picture, part by part")]
 pub fn layout(pieces: &[FlatPiece], caption: &Caption) -> Image {
     const HEIGHT: std::ops::RangeInclusive<f64> = 260.0..=2400.0;
     const FOOT: f64 = 46.0;

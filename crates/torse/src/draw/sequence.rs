@@ -13,6 +13,8 @@ const CAPTION: f64 = 60.0;
 const ROW: usize = 3;
 /// Margin around the model in a picture, pixels.
 const MARGIN: f64 = 10.0;
+/// Way (mm) by which borders are lifted towards the eye: their own triangles must not hide them.
+const LIFT: f64 = 1e-3;
 
 /// The stages in rows of three, each with its caption below; `eye` points from the model to the eye.
 pub fn sequence(stages: &[(String, Scene)], eye: &Vec3) -> Image {
@@ -39,7 +41,7 @@ pub fn sequence(stages: &[(String, Scene)], eye: &Vec3) -> Image {
                 picture.triangles.push((Paint::Solid(colour::shown(i, shape.marked)), t.map(corner)));
             }
             for b in &shape.borders {
-                let points = b.iter().map(|p| camera.project_towards_eye(p, 1e-3)).collect();
+                let points = b.iter().map(|p| camera.project_towards_eye(p, LIFT)).collect();
                 picture.lines.push(Line { points, width: 1.6, colour: [0.1, 0.1, 0.12], alpha: 1.0 });
             }
         }

@@ -128,6 +128,7 @@ fn parted(c: char) -> (char, &'static str) {
 }
 
 /// Width on the grid and strokes of a character.
+#[expect(clippy::too_many_lines, reason = "a table of letters")]
 fn glyph(c: char) -> (f64, &'static str) {
     match c {
         ' ' => (1.8, ""),

@@ -6,4 +6,5 @@ pub mod level;
 pub mod near;
 pub mod panels;
 pub mod planes;
-pub mod seams;
+pub mod ruled;
+pub(crate) mod seams;

@@ -4,12 +4,13 @@ use nalgebra as na;
 
 pub mod cloud;
 pub mod coarse;
-pub mod convex_hull;
+pub(crate) mod convex_hull;
 pub mod measure;
 pub mod mesh;
-pub mod outward;
+pub(crate) mod outward;
 pub mod placement;
-pub mod rectangle;
+pub(crate) mod rectangle;
+pub(crate) mod segment;
 pub mod unit;
 
 /// A point or vector of space, in millimetres.

@@ -1,4 +1,7 @@
-//! Units in which drawings are written.
+//! Units in which drawings and figures are written.
+
+/// Square metres in a square millimetre.
+pub(crate) const SQUARE_METRES: f64 = 1e-6;
 
 /// A unit of length.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]

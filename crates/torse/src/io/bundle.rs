@@ -9,7 +9,7 @@ use super::png::{self, PngError};
 use super::step::write::{self as step, Header, Sheet};
 use super::{bend_table, bends, dxf, iges, marks, parts, shop_tables, svg, threedm};
 use crate::answer::presentation::Presentation;
-use crate::answer::Answer;
+use crate::answer::{Answer, Job};
 use crate::draw::scene::{titled, Scene};
 use crate::draw::sequence::sequence;
 use crate::geom::Vec3;
@@ -90,7 +90,8 @@ pub fn geometry(answer: &Answer, shown: &Presentation, time: &str) -> Result<Vec
             || text("patterns.svg", |b| svg::write(b, &shown.drawing)),
         )
     });
-    let mut out = vec![step?, dxf?, svg?];
+    // Nothing of these strips lies flat.
+    let mut out = if answer.job == Job::Ruled { vec![step?] } else { vec![step?, dxf?, svg?] };
     if answer.cones.is_none() {
         out.extend(copies(answer, shown, &header)?);
     }

@@ -5,7 +5,7 @@
 //! they are three scenes: "panels" (shown first) with rulings and borders, "deviation" with vertex colours,
 //! "surface". The signed deviation in mm is also the vertex attribute `_DEVIATION` of the panels.
 
-pub mod moving;
+pub(crate) mod moving;
 
 use crate::draw::colour::{self, Rgb};
 use crate::draw::scene::Scene;
@@ -45,6 +45,8 @@ pub enum GlbError {
 
 /// From millimetres with Z up to metres with Y up, by columns.
 const TO_METRES: [f64; 16] = [1e-3, 0.0, 0.0, 0.0, 0.0, 0.0, -1e-3, 0.0, 0.0, 1e-3, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0];
+/// Normals must have unit length; by this they may differ, several times the rounding to single precision.
+const UNIT_LENGTH: f64 = 1e-6;
 const SURFACE: Rgb = [0.80, 0.82, 0.85];
 const RULING: Rgb = [0.25, 0.27, 0.31];
 const BORDER: Rgb = [0.08, 0.09, 0.12];
@@ -87,7 +89,7 @@ pub fn write(scene: &Scene, tolerance: f64) -> Result<Vec<u8>, GlbError> {
                 values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &v| (a.min(v), b.max(v)));
             extras = json!({ "unit": "mm", "sampled_deviation": [least, most] });
             let bytes: Vec<u8> = values.iter().flat_map(|&v| (v as f32).to_le_bytes()).collect();
-            let accessor = file.accessor(&bytes, values.len(), FLOAT, "SCALAR", Some(ARRAY_BUFFER), json!({}));
+            let accessor = file.accessor(&bytes, values.len(), (FLOAT, "SCALAR"), Some(ARRAY_BUFFER), json!({}));
             attributes.vertex.insert("_DEVIATION".into(), accessor.into());
         }
         let title = panel.title();
@@ -102,7 +104,7 @@ pub fn write(scene: &Scene, tolerance: f64) -> Result<Vec<u8>, GlbError> {
                 })
                 .collect();
             let fixed = json!({ "normalized": true });
-            let accessor = file.accessor(&bytes, values.len(), UNSIGNED_BYTE, "VEC4", Some(ARRAY_BUFFER), fixed);
+            let accessor = file.accessor(&bytes, values.len(), (UNSIGNED_BYTE, "VEC4"), Some(ARRAY_BUFFER), fixed);
             attributes.vertex.insert("COLOR_0".into(), accessor.into());
             deviations.push(file.mesh_node(&title, &attributes, white, extras));
         }
@@ -158,8 +160,7 @@ impl File {
         &mut self,
         data: &[u8],
         count: usize,
-        component: u32,
-        shape: &str,
+        (component, shape): (u32, &str),
         target: Option<u32>,
         mut more: Value,
     ) -> usize {
@@ -194,7 +195,7 @@ impl File {
             }
         }
         let bounds = json!({ "min": least, "max": most });
-        Ok(self.accessor(&data, points.len(), FLOAT, "VEC3", Some(ARRAY_BUFFER), bounds))
+        Ok(self.accessor(&data, points.len(), (FLOAT, "VEC3"), Some(ARRAY_BUFFER), bounds))
     }
 
     /// Positions, normals and triangles; `None` for a mesh without triangles.
@@ -208,16 +209,16 @@ impl File {
         }
         let mut vertex = Map::new();
         vertex.insert("POSITION".into(), self.positions(name, &mesh.positions)?.into());
-        // Normals must have unit length; without normals, viewers draw the triangles flat.
-        let unit = |v: &Vec3| (v.norm() - 1.0).abs() < 1e-6;
+        // Without normals, viewers draw the triangles flat.
+        let unit = |v: &Vec3| (v.norm() - 1.0).abs() < UNIT_LENGTH;
         if mesh.normals.len() == n && mesh.normals.iter().all(unit) {
             let data: Vec<u8> = mesh.normals.iter().flatten().flat_map(|&x| (x as f32).to_le_bytes()).collect();
-            let accessor = self.accessor(&data, n, FLOAT, "VEC3", Some(ARRAY_BUFFER), json!({}));
+            let accessor = self.accessor(&data, n, (FLOAT, "VEC3"), Some(ARRAY_BUFFER), json!({}));
             vertex.insert("NORMAL".into(), accessor.into());
         }
         let data: Vec<u8> = mesh.triangles.iter().flatten().flat_map(|k| k.to_le_bytes()).collect();
         let count = 3 * mesh.triangles.len();
-        let indices = self.accessor(&data, count, UNSIGNED_INT, "SCALAR", Some(ELEMENT_ARRAY_BUFFER), json!({}));
+        let indices = self.accessor(&data, count, (UNSIGNED_INT, "SCALAR"), Some(ELEMENT_ARRAY_BUFFER), json!({}));
         Ok(Some(Attributes { vertex, indices }))
     }
 

@@ -387,6 +387,7 @@ pub(crate) mod tests {
     }
 
     /// A certified report of two panels on one face.
+    #[expect(clippy::too_many_lines, reason = "one record, member by member")]
     pub(crate) fn sample() -> Report {
         let panel = |name: &str, bound: f64| PanelRecord {
             name: name.into(),

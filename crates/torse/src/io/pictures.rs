@@ -4,7 +4,7 @@ use super::json::Report;
 use super::png::{self, PngError};
 use super::{marks, words};
 use crate::answer::presentation::Presentation;
-use crate::answer::Answer;
+use crate::answer::{Answer, Job};
 use crate::certify::claim::{Subject, What};
 use crate::draw::picture::{self, figure, Caption};
 
@@ -12,8 +12,8 @@ use crate::draw::picture::{self, figure, Caption};
 pub struct Pictures {
     /// Panels with rulings.
     pub panels: Vec<u8>,
-    /// Flat patterns.
-    pub layout: Vec<u8>,
+    /// Flat patterns, of jobs that make them.
+    pub layout: Option<Vec<u8>>,
     /// Distance of the panels from the faces, where they cover any.
     pub deviation: Option<Vec<u8>>,
     /// Values of panels, where there are some.
@@ -37,6 +37,7 @@ impl Pictures {
         let what = words::counted(answer.patchwork.panels.len(), words::thing(answer.job));
         let all = caption(format!("{what}, {}", certainty(answer, report)));
         let flat = format!("{}, flat, 1:1 in patterns.dxf", words::counted(answer.patterns.len(), "part"));
+        let lays_flat = answer.job != Job::Ruled;
         let unit = format!("{}, {}", answer.meaning.name, answer.meaning.unit);
         let deviation = || {
             let words = caption("distance of the panels from the surface, mm".to_owned());
@@ -62,14 +63,14 @@ impl Pictures {
             || {
                 rayon::join(
                     || png::write(&picture::panels(scene, eye, &all)),
-                    || png::write(&picture::layout(&shown.pieces, &caption(flat))),
+                    || lays_flat.then(|| png::write(&picture::layout(&shown.pieces, &caption(flat)))),
                 )
             },
             || rayon::join(|| rayon::join(deviation, field), || rayon::join(points, shapes)),
         );
         Ok(Self {
             panels: panels?,
-            layout: layout?,
+            layout: layout.transpose()?,
             deviation: deviation.transpose()?,
             field: field.transpose()?,
             points: points.transpose()?,
@@ -85,7 +86,7 @@ impl Pictures {
             ("field.png", self.field),
             ("points.png", self.points.map(|p| p.0)),
             ("shapes.png", self.shapes),
-            ("layout.png", Some(self.layout)),
+            ("layout.png", self.layout),
         ];
         all.into_iter().filter_map(|(name, png)| Some((name.to_owned(), png?))).collect()
     }

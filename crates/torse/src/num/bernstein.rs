@@ -50,27 +50,8 @@ impl Scalar for Interval {
     }
 }
 
-/// Blossom of the polynomial piece of a B-spline at `args` (as many as the degree p).
-///
-/// `net` holds the p + 1 coefficients of the piece and `knots` the 2p knots around it: piece on
-/// `[knots[p−1], knots[p]]`.
-pub fn blossom<S: Scalar>(net: &[S], knots: &[f64], args: &[f64]) -> S {
-    let p = args.len();
-    let mut d = net.to_vec();
-    for r in 1..=p {
-        for j in (r..=p).rev() {
-            // Knots T_i of the piece: i = span − p + j, and knots[0] is T_{span−p+1}.
-            let (left, right) = (knots[j - 1], knots[j + p - r]);
-            let width = S::sum(right, -left);
-            let a = S::sum(args[r - 1], -left).over(width);
-            let b = S::sum(right, -args[r - 1]).over(width);
-            d[j] = b * d[j - 1] + a * d[j];
-        }
-    }
-    d[p]
-}
-
-/// Bernstein coefficients of a B-spline piece over its own span; see [`blossom`].
+/// Bernstein coefficients of a B-spline piece over its own span. `net` holds the p + 1 coefficients of the piece
+/// and `knots` the 2p knots around it: piece on `[knots[p−1], knots[p]]`.
 pub fn from_spline<S: Scalar>(net: &[S], knots: &[f64]) -> Vec<S> {
     let p = net.len() - 1;
     if p == 0 {
@@ -79,7 +60,7 @@ pub fn from_spline<S: Scalar>(net: &[S], knots: &[f64]) -> Vec<S> {
     from_spline_over(net, knots, knots[p - 1], knots[p])
 }
 
-/// Bernstein coefficients of a B-spline piece over any interval `[a, b]`; see [`blossom`].
+/// Bernstein coefficients of a B-spline piece over any interval `[a, b]`; see [`from_spline`].
 pub fn from_spline_over<S: Scalar>(net: &[S], knots: &[f64], a: f64, b: f64) -> Vec<S> {
     SplinePiece::new(net.len() - 1, knots, a, b).coefficients(net)
 }

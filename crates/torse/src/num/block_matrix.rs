@@ -25,11 +25,6 @@ impl Runs {
         self.ends.len()
     }
 
-    /// Whether there are no rows.
-    pub fn is_empty(&self) -> bool {
-        self.ends.is_empty()
-    }
-
     /// Adds a run to the row that is being written. Runs of one row must not overlap.
     pub fn run(&mut self, first: usize, values: impl IntoIterator<Item = f64>) {
         let before = self.values.len();

@@ -28,11 +28,6 @@ impl Rows {
         self.first.len()
     }
 
-    /// Whether there are no rows.
-    pub fn is_empty(&self) -> bool {
-        self.first.is_empty()
-    }
-
     /// Removes all rows and keeps the memory.
     pub fn clear(&mut self) {
         self.first.clear();

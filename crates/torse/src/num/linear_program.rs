@@ -5,6 +5,12 @@ use clarabel::solver::{DefaultSettingsBuilder, DefaultSolver, IPSolver, SolverSt
 
 /// Iterations after which a program is given up; regular ones need 10 to 25.
 const MAX_ITERATIONS: u32 = 60;
+/// Gap between a program and its dual, as a share of the objective: minimisers are proposals; six digits are plenty.
+const RELATIVE_GAP: f64 = 1e-6;
+/// The same gap where the objective itself is near zero, in its unit: below it the share alone would never be met.
+const ABSOLUTE_GAP: f64 = 1e-8;
+/// Share of the program's data by which rows may be violated: a digit below the gap, which they must not buy.
+const INFEASIBLE: f64 = 1e-7;
 
 /// A linear program under construction.
 #[derive(Clone, Debug, Default)]
@@ -44,9 +50,9 @@ impl LinearProgram {
         let settings = DefaultSettingsBuilder::default()
             .verbose(false)
             .max_iter(MAX_ITERATIONS)
-            .tol_gap_rel(1e-6)
-            .tol_gap_abs(1e-8)
-            .tol_feas(1e-7)
+            .tol_gap_rel(RELATIVE_GAP)
+            .tol_gap_abs(ABSOLUTE_GAP)
+            .tol_feas(INFEASIBLE)
             .build()
             .ok()?;
         let cones = [SupportedConeT::NonnegativeConeT(m)];

@@ -29,6 +29,7 @@ impl LabelGraph {
     }
 
     /// A labelling of least cost: `true` for label 1.
+    #[expect(clippy::too_many_lines, reason = "one algorithm with its state")]
     pub fn labelling(&self) -> Vec<bool> {
         let n = self.unary.len();
         let (source, sink) = (n, n + 1);

@@ -88,8 +88,7 @@ const CENTERING: f64 = 0.15;
 pub fn step(
     jacobian: &Rows,
     residual: &[f64],
-    quadratic: &BandMatrix,
-    linear: &[f64],
+    (quadratic, linear): (&BandMatrix, &[f64]),
     gap: f64,
     work: &mut Workspace,
     out: &mut Vec<f64>,
@@ -193,7 +192,7 @@ mod tests {
         q.add_diagonal(0, 1e-9);
         q.add_diagonal(1, 1e-9);
         let mut d = Vec::new();
-        let e = step(&rows, &r, &q, &[0.0; 2], 1e-6, &mut Workspace::new(), &mut d).expect("solved");
+        let e = step(&rows, &r, (&q, &[0.0; 2]), 1e-6, &mut Workspace::new(), &mut d).expect("solved");
         assert!((e - 0.125).abs() < 1e-6, "{e}");
         assert!((d[0] + 0.125).abs() < 1e-5 && (d[1] - 1.0).abs() < 1e-5);
     }

@@ -1,18 +1,18 @@
 //! Floor 0: numbers. Intervals, Bernstein form, roots, least squares, linear programs; knows no geometry.
 
-pub mod bernstein;
-pub mod binomial;
-pub mod block_matrix;
+pub(crate) mod bernstein;
+pub(crate) mod binomial;
+pub(crate) mod block_matrix;
 pub mod gauss_newton;
-pub mod greatest;
+pub(crate) mod greatest;
 pub mod interval;
-pub mod jet;
-pub mod least_squares;
-pub mod linear_program;
-pub mod max_flow;
-pub mod minimax;
-pub mod minimax_program;
+pub(crate) mod jet;
+pub(crate) mod least_squares;
+pub(crate) mod linear_program;
+pub(crate) mod max_flow;
+pub(crate) mod minimax;
+pub(crate) mod minimax_program;
 pub mod quadratic_program;
 pub mod quadrature;
-pub mod roots;
-pub mod series;
+pub(crate) mod roots;
+pub(crate) mod series;

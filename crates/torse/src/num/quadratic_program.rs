@@ -12,6 +12,9 @@ use nalgebra::{DMatrix, DVector};
 const TINY: usize = 60;
 /// Interior-point iterations after which a program is given up; regular ones need 10 to 25.
 const MAX_ITERATIONS: u32 = 100;
+/// Gap and violation, as shares of the program's data, at which interior-point steps end: the place of a minimum is
+/// known to the square root of its value only, so that this leaves five digits of it.
+const ACCURACY: f64 = 1e-11;
 
 /// Why there is no minimum.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -114,6 +117,7 @@ impl QuadraticProgram {
     ///
     /// # Errors
     /// See [`QuadraticProgramError`].
+    #[expect(clippy::too_many_lines, reason = "the steps of one interior-point iteration")]
     pub fn active_set(&self) -> Result<Minimum, QuadraticProgramError> {
         // A constraint counts as violated beyond this share of the size of its terms; rounding only below it.
         const VIOLATED: f64 = 1e-13;
@@ -236,9 +240,9 @@ impl QuadraticProgram {
         let settings = DefaultSettingsBuilder::default()
             .verbose(false)
             .max_iter(MAX_ITERATIONS)
-            .tol_gap_rel(1e-11)
-            .tol_gap_abs(1e-11)
-            .tol_feas(1e-11)
+            .tol_gap_rel(ACCURACY)
+            .tol_gap_abs(ACCURACY)
+            .tol_feas(ACCURACY)
             .build()
             .map_err(|_| QuadraticProgramError::NoConvergence(0))?;
         let mut solver = DefaultSolver::new(&p, &self.linear, &a, &b, &[SupportedConeT::NonnegativeConeT(m)], settings)

@@ -24,8 +24,6 @@ pub struct Joint<'a> {
     pub sides: [JointSide<'a>; 2],
     /// Parameters of pairs of places, at equal steps of length from one end of the common stretch to the other.
     pub pairs: Vec<[f64; 2]>,
-    /// Length of the stretch, mm.
-    pub length: f64,
 }
 
 /// Samples of a run.
@@ -173,5 +171,5 @@ fn joint<'a>(a: &Course<'a>, b: &Course<'a>, reach: f64, spacing: f64) -> Option
         let s = s / SAMPLES as f64;
         [s, b.foot(&point(a.side.run, s)).0]
     });
-    Some(Joint { sides: [a.side, b.side], pairs: places.collect(), length })
+    Some(Joint { sides: [a.side, b.side], pairs: places.collect() })
 }

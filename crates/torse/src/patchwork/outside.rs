@@ -32,7 +32,7 @@ pub(super) struct Hull {
 /// For each face +1 if S_u × S_v points out of the model, −1 if into it.
 ///
 /// *Rule*. Of a closed body outside is where rays leave it. Faces of an open one look away from the middle of all faces
-/// of their part; where one of them does not clearly do so, the rule of [`crate::geom::outward`] decides for each.
+/// of their part; where one of them does not clearly do so, the rule of `geom::outward` decides for each.
 pub fn outward(patchwork: &Patchwork) -> Vec<f64> {
     let hulls: Vec<Hull> = (0..patchwork.faces.len()).map(|f| Hull::of(patchwork, f)).collect();
     let mut parts: BTreeMap<(u32, &str), Vec<usize>> = BTreeMap::new();

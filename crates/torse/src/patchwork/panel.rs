@@ -1,5 +1,6 @@
 //! Panels: pieces of torses with boundaries, as they are exported; and the patchwork that they make up.
 
+use super::foot_map::FootMap;
 use super::partition::Partition;
 use crate::brep::face::Face;
 use crate::spline::curve::Curve;
@@ -48,6 +49,25 @@ impl Coedge {
     }
 }
 
+/// What a panel is, for the comparison with its face.
+#[derive(Clone, Debug)]
+pub enum PanelForm {
+    /// A developable: the exact surface, equal to the panel's patch up to rounding.
+    Torse(Torse),
+    /// A ruled surface that need not be developable: where it lies on the face.
+    Ruled(FootMap),
+}
+
+impl PanelForm {
+    /// The exact developable surface, of a panel that has one.
+    pub fn torse(&self) -> Option<&Torse> {
+        match self {
+            Self::Torse(torse) => Some(torse),
+            Self::Ruled(_) => None,
+        }
+    }
+}
+
 /// What a panel covers of a face, and where it ends.
 #[derive(Clone, Debug)]
 pub struct PanelTrim {
@@ -55,8 +75,8 @@ pub struct PanelTrim {
     pub face: usize,
     /// Label of the panel's triangles in the face's partition.
     pub label: u32,
-    /// The exact developable surface, equal to the panel's patch up to rounding.
-    pub torse: Torse,
+    /// How the panel is compared with the face.
+    pub form: PanelForm,
     /// Closed boundary loops, outer first; the coedges of a loop follow each other.
     pub loops: Vec<Vec<Coedge>>,
 }

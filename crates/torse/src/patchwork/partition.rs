@@ -9,6 +9,8 @@ pub const UNASSIGNED: u32 = u32::MAX;
 /// A cut that would pass this close to a vertex (share of the edge) goes through the vertex instead; keeps slivers
 /// away, and is far below any drawing accuracy since edges are about a hundredth of the face.
 const SNAP: f64 = 2e-3;
+/// Share of an edge to which the place of a cut on it is found: far below [`SNAP`].
+const NEAR: f64 = 1e-6;
 
 /// A conforming triangulation with labels. Triangles are counter-clockwise and never cross a knot line of the
 /// surface that the plane parametrises.
@@ -192,7 +194,7 @@ impl Partition {
         for _ in 0..8 {
             let s = lo + (hi - lo) * (flo / (flo - fhi)).clamp(0.05, 0.95);
             let f = value([lerp(p[0], q[0], s), lerp(p[1], q[1], s)]);
-            if f == 0.0 || hi - lo < 1e-6 {
+            if f == 0.0 || hi - lo < NEAR {
                 return s;
             }
             if f * flo < 0.0 {

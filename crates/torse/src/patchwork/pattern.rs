@@ -59,7 +59,7 @@ pub struct Side {
 /// Side of the model from which a pattern is seen.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum ViewSide {
-    /// From outside; what that means for open sheets: [`crate::geom::outward`].
+    /// From outside; what that means for open sheets: `geom::outward`.
     #[default]
     Outside,
     /// From inside.

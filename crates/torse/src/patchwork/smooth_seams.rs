@@ -76,6 +76,7 @@ impl Partition {
     /// vertex within its cell of `lines` (knot lines in u and v). Returns the number of new vertices.
     ///
     /// `distance(p, q)` measures from `p` to `q` near both, in any unit; `allowed` is in the same unit.
+    #[expect(clippy::too_many_lines, reason = "one walk over all joints with its state")]
     pub fn smooth_seams(
         &mut self,
         lines: [&[f64]; 2],

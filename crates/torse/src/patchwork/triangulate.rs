@@ -36,6 +36,7 @@ pub enum TriangulateError {
 ///
 /// # Errors
 /// Degenerate, crossing or empty loops.
+#[expect(clippy::too_many_lines, reason = "one sweep with its state")]
 pub fn triangulate(
     loops: &[(Vec<[f64; 2]>, Vec<u32>)],
     lines_u: &[f64],

@@ -28,7 +28,7 @@ mod options;
 /// Fits developable strips to measured points.
 ///
 /// *Input*: finite points in mm, at least 30, not in a line; no order, no normals needed. Of a coarse mesh (see
-/// [`crate::fit::cloud::facets`]) points between its corners guide the fit; judged are the corners, and a part of the
+/// `fit::cloud::facets`) points between its corners guide the fit; judged are the corners, and a part of the
 /// mesh without strip is an objection.
 /// *Result*: certified if every point is proven to lie within the tolerance; otherwise the points that are not are
 /// counted and the worst is named. Strips cover what was measured and are not joined to each other.

@@ -9,7 +9,7 @@ mod tests;
 use crate::answer::note::Note;
 use crate::answer::skipped::Skipped;
 use crate::answer::{Answer, Guide, Job};
-use crate::certify::claim::{Claim, Counted, Subject};
+use crate::certify::claim::{Claim, Counted, Subject, UpperBound};
 use crate::control::Control;
 use crate::design::hull::sparse::sparse;
 use crate::design::hull::strips::{strips, HullPart};
@@ -21,6 +21,7 @@ use crate::geom::coarse::{is_tolerance, Loose};
 use crate::patchwork::panel::Patchwork;
 use crate::search::strips::cut::laid_until;
 use crate::search::strips::hull_kept::{kept, Kept};
+use crate::search::strips::judgement::TWIST_TOLERANCE;
 use crate::torse::rail::Rail;
 use rayon::prelude::*;
 use std::time::Instant;
@@ -53,7 +54,7 @@ impl Options {
             samples: 256,
             ruling_spacing: None,
             mark_spacing: None,
-            twist_tolerance: 1e-5,
+            twist_tolerance: TWIST_TOLERANCE,
             drawn: Drawn::default(),
         }
     }
@@ -63,6 +64,9 @@ impl Options {
 const RAIL_SHARE: f64 = 0.1;
 /// Share of the tolerance by which splines with few knots may stray from curves with many.
 const FOLLOW_SHARE: f64 = 0.1;
+/// Share of the tolerance by which a curve may lie off the last ruling before a tip: shorter rulings say nothing more of
+/// the shape, and less can be proven of them.
+const TIP_SHARE: f64 = 0.1;
 /// Strips of one span each that are written within a second; more are not written once the job was asked to stop.
 const SOON: usize = 2000;
 /// Twist asked of fits, as a share of what counts as developable.
@@ -71,7 +75,8 @@ const TWIST_SHARE: f64 = 0.1;
 /// The developables on the boundary of the convex hull of curves, judged and developed. Planar pieces bounded by a
 /// single planar curve are left open, and named.
 ///
-/// *Guarantee.* `Certified` only if every strip's rails are proven to lie within the tolerance of the curves, its twist
+/// *Guarantee.* `Certified` only if every strip's rails are proven to lie within the tolerance of the curves, and curves
+/// beyond the last rulings before tips within it of these, its twist
 /// is proven to stay below `twist_tolerance`, no ruling meets the regression curve between its ends (proven), and every
 /// part has a pattern. *Not guaranteed*: that features finer than the samples are seen.
 ///
@@ -105,7 +110,7 @@ pub fn hull(curves: &[Rail], options: &Options, control: &Control) -> Result<Ans
     control.report("fitting", 0.4, "");
     let mut build = BuildOptions::new(RAIL_SHARE * tolerance);
     build.twist_tolerance = TWIST_SHARE * options.twist_tolerance;
-    let mut made = strips(&followed, &found, tolerance, &build, control)?;
+    let mut made = strips(&followed, &found, TIP_SHARE * tolerance, &build, control)?;
     let changed: Vec<bool> = curves.iter().zip(&followed).map(|(c, f)| c != f).collect();
     for s in made.iter_mut().flat_map(|p| &mut p.strips) {
         for d in (0..2).filter(|d| changed[s.rails[*d]]) {
@@ -115,8 +120,12 @@ pub fn hull(curves: &[Rail], options: &Options, control: &Control) -> Result<Ans
         }
     }
     control.report("judging", 0.7, "");
-    let mut notes = notes(curves, &found, &made, tolerance);
+    let mut notes = notes(curves, &found, &made);
     let mut kept = kept(curves, made, (options.tolerance, options.twist_tolerance), control);
+    if !kept.tips.is_empty() {
+        let within = UpperBound::largest(kept.tips.iter().copied()).value();
+        notes.push(Note::Tips { count: kept.tips.len(), within });
+    }
     notes.extend(kept.closed.iter().map(|part| Note::CutOpen { part: Some(part.clone()) }));
     // A span costs about a tenth of a strip.
     let spans: usize = kept.strips.iter().map(|s| s.patch.knots_u.breaks().len() - 1).sum();
@@ -149,18 +158,14 @@ pub fn hull(curves: &[Rail], options: &Options, control: &Control) -> Result<Ans
 }
 
 /// What people should know of the search.
-fn notes(curves: &[Rail], found: &Hull, made: &[HullPart], tolerance: f64) -> Vec<Note> {
+fn notes(curves: &[Rail], found: &Hull, made: &[HullPart]) -> Vec<Note> {
     let mut notes: Vec<Note> = Vec::new();
-    for &r in &found.lids {
-        notes.push(Note::Lid { curve: curves[r].name.clone() });
+    for &(r, whole) in &found.lids {
+        notes.push(Note::Lid { curve: curves[r].name.clone(), whole });
     }
     let used = |r: usize| made.iter().flat_map(|p| &p.strips).any(|s| s.rails.contains(&r));
     for (_, c) in curves.iter().enumerate().filter(|(r, _)| !used(*r)) {
         notes.push(Note::Inside { curve: c.name.clone() });
-    }
-    let tips: usize = made.iter().map(|p| p.tips).sum();
-    if tips > 0 {
-        notes.push(Note::Tips { count: tips, tolerance });
     }
     notes
 }

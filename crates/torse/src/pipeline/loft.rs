@@ -37,7 +37,7 @@ const ALTERNATIVES: usize = 5;
 /// The developable between two rails, fitted, judged and developed.
 ///
 /// *Guarantee.* `Certified` only if every strip's rails are proven to lie within the tolerance of the rails given, its
-/// twist is proven (see [`crate::certify::rails::twist_bound`]) to stay below `twist_tolerance`, no ruling meets the
+/// twist is proven (see `certify::rails::twist_bound`) to stay below `twist_tolerance`, no ruling meets the
 /// regression curve between the rails (proven), and every part has a pattern. Everything else is `Uncertified` with the
 /// reason.
 ///

@@ -16,11 +16,11 @@ use crate::develop::strip::StripOptions;
 use crate::develop::view::Drawn;
 use crate::draw::field::{FieldMeaning, PanelField};
 use crate::geom::coarse::{is_tolerance, Loose};
+use crate::geom::unit::SQUARE_METRES;
 use crate::geom::{BBox, Vec3};
 use crate::patchwork::panel::Patchwork;
 use crate::patchwork::part::Part;
 use crate::search::strips::cut::laid;
-use crate::search::strips::judgement::SQUARE_METRES;
 use crate::spline::SplineError;
 use crate::torse::quad_strip::QuadStrip;
 use std::time::Instant;
@@ -83,6 +83,8 @@ pub enum PlanariseError {
 
 /// Most quadrilaterals for which files are written.
 const MOST: usize = 5000;
+/// Bend (degrees) at which the scale of colours ends at least: what flat strips bend by is rounding.
+const LEAST_BEND: f64 = 1e-6;
 
 /// Plane quadrilaterals near a strip, judged and developed.
 ///
@@ -183,7 +185,7 @@ fn judged(given: &QuadStrip, done: Subdivided, options: &Options, start: Instant
         claims,
         patchwork: Patchwork::of_strips(strips),
         fields,
-        meaning: FieldMeaning { name: "bend".into(), unit: "°".into(), limit: largest_bend.max(1e-6) },
+        meaning: FieldMeaning { name: "bend".into(), unit: "°".into(), limit: largest_bend.max(LEAST_BEND) },
         guides: vec![guide("first polyline", given.a()), guide("second polyline", given.b())],
         notes,
         seconds: start.elapsed().as_secs_f64(),

@@ -1,27 +1,35 @@
 //! The job of `torse unroll`: bodies of sheet and other developable faces as flat patterns.
 
+mod bodies;
+mod covered;
 #[cfg(test)]
 mod tests;
 
 use crate::answer::note::{Note, UnrollNote};
-use crate::answer::skipped::{left_out, Skipped};
+use crate::answer::skipped::left_out;
 use crate::answer::{Answer, Job};
-use crate::brep::area::area_estimate;
 use crate::brep::face::Face;
 use crate::certify::claim::UpperBound;
 use crate::certify::claim::{Claim, Subject, What};
 use crate::certify::unfolded::{unfolded, Unfolded, UnfoldedProof};
+use crate::control::Control;
 use crate::develop::bends::Facets;
 use crate::develop::unfold::allowance::{KFactor, KFactorError};
-use crate::develop::unfold::part::{flat_parts, FlatPart, PartOptions};
-use crate::geom::coarse::is_tolerance;
+use crate::develop::unfold::part::FlatPart;
+use crate::develop::view::panels_viewed;
 use crate::io::model::Model;
 use crate::patchwork::panel::Patchwork;
 use crate::patchwork::part::Part;
-use crate::search::strips::face_panel::face_panels;
+use crate::patchwork::pattern::Pattern;
+use crate::pipeline::approximate::ApproximateError;
+use crate::search::strips::face_panel::{face_panels, laid_face, LaidFace};
 use rayon::prelude::*;
-use std::collections::BTreeMap;
+use std::collections::HashSet;
 use std::time::Instant;
+
+/// Shares of the work that are done when all bodies are unfolded, and when their skins are laid out.
+const UNFOLDED: f64 = 0.5;
+const LAID_OUT: f64 = 0.7;
 
 /// What the job is asked.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,12 +44,21 @@ pub struct UnrollOptions {
     pub input: String,
     /// How rolled faces are kinked; default none: lines every 5°.
     pub facets: Option<Facets>,
+    /// Distance (mm) within which surfaces that are not developable are covered by panels; default none: they are left out.
+    pub approximate: Option<f64>,
 }
 
 impl UnrollOptions {
     /// Defaults with a tolerance (mm).
     pub fn new(tolerance: f64) -> Self {
-        Self { tolerance, k: KFactor::default(), surfaces: false, input: "model".into(), facets: None }
+        Self {
+            tolerance,
+            k: KFactor::default(),
+            surfaces: false,
+            input: "model".into(),
+            facets: None,
+            approximate: None,
+        }
     }
 }
 
@@ -57,6 +74,12 @@ pub enum UnrollError {
     /// No thickness, but a K-factor for it.
     #[error("a K-factor is for sheets with thickness; leave it out where faces are surfaces")]
     KWithoutThickness,
+    /// Thickness, but panels for faces without one.
+    #[error("panels cover surfaces without thickness only")]
+    CoversSurfacesOnly,
+    /// Faces that are not developable cannot be covered.
+    #[error("faces that are not developable cannot be covered: {0}")]
+    Approximate(#[from] ApproximateError),
     /// Nothing can be laid flat.
     #[error("none of the {bodies} bodies can be unrolled; the first: {reason}")]
     Nothing {
@@ -67,59 +90,12 @@ pub enum UnrollError {
     },
 }
 
-/// Flat parts of a model, without panels in space; `faces` of the parts are indices into `faces`. The second list says
-/// what is left out.
-///
-/// # Errors
-/// See [`UnrollError`].
-pub fn flat_parts_of(faces: &[Face], options: &UnrollOptions) -> Result<(Vec<FlatPart>, Vec<Skipped>), UnrollError> {
-    if !is_tolerance(options.tolerance) {
-        return Err(UnrollError::Tolerance(options.tolerance));
-    }
-    options.k.check()?;
-    if options.surfaces && options.k != KFactor::default() {
-        return Err(UnrollError::KWithoutThickness);
-    }
-    let mut bodies: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
-    for (k, f) in faces.iter().enumerate() {
-        bodies.entry(f.body).or_default().push(k);
-    }
-    let asked = PartOptions {
-        tolerance: options.tolerance,
-        k: options.k.clone(),
-        surfaces: options.surfaces,
-        facets: options.facets,
-    };
-    let names = names(faces, &bodies);
-    let bodies: Vec<Vec<usize>> = bodies.into_values().collect();
-    let made: Vec<_> = (bodies.par_iter().zip(&names))
-        .map(|(body, name)| flat_parts(&body.iter().map(|k| &faces[*k]).collect::<Vec<_>>(), name, &asked))
-        .collect();
-    let (mut parts, mut left) = (Vec::new(), Vec::new());
-    for ((found, body), name) in made.into_iter().zip(&bodies).zip(&names) {
-        parts.extend(found.parts.into_iter().map(|mut p| {
-            p.faces.iter_mut().for_each(|f| *f = body[*f]);
-            p
-        }));
-        left.extend(found.left.into_iter().map(|(face, reason)| match face.map(|k| &faces[body[k]]) {
-            Some(f) => Skipped::of_file(f.entity, format!("{name}: {reason}"), Some(area_estimate(f))),
-            None => Skipped::from(format!("{name}: {reason}")),
-        }));
-    }
-    for (k, p) in parts.iter_mut().enumerate() {
-        p.pattern.panel = k;
-    }
-    if parts.is_empty() {
-        let reason = left.first().map_or_else(|| "it has no faces".into(), |l: &Skipped| l.reason.clone());
-        return Err(UnrollError::Nothing { bodies: bodies.len(), reason });
-    }
-    Ok((parts, left))
-}
-
 /// Lays every body of a model flat.
 ///
 /// *Guarantee*: [`crate::certify::claim::Status::Certified`] only where every face that is laid flat is proven to lie on its
-/// plane, cylinder or cone, and every outline to be its flat image, within the tolerance, and nothing is left out.
+/// plane, cylinder or cone, or near a developable panel, and every outline to be its flat image, within the tolerance, and
+/// nothing is left out. Of panels that cover faces which are not developable the guarantee of [`crate::pipeline::approximate::of_faces`] holds, within a
+/// tolerance of their own.
 /// *Not guaranteed*: that parts do not overlap themselves between samples.
 ///
 /// # Errors
@@ -129,18 +105,28 @@ pub fn flat_parts_of(faces: &[Face], options: &UnrollOptions) -> Result<(Vec<Fla
 /// ```
 /// let pipe = torse::read(include_bytes!("../../../../data/cylinder_holes.step"))?;
 /// let options = torse::UnrollOptions { surfaces: true, ..torse::UnrollOptions::new(0.05) };
-/// let answer = torse::unroll(&pipe, &options)?;
+/// let answer = torse::unroll(&pipe, &options, &torse::Control::default())?;
 /// assert_eq!((answer.status(), answer.patterns.len()), (torse::Status::Certified, 1));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn unroll(model: &Model, options: &UnrollOptions) -> Result<Answer, UnrollError> {
+pub fn unroll(model: &Model, options: &UnrollOptions, control: &Control) -> Result<Answer, UnrollError> {
     let start = Instant::now();
-    let (parts, left) = flat_parts_of(&model.faces, options)?;
+    let (mut parts, left) = bodies::flat_parts_of(&model.faces, options, control)?;
+    let laid_flat: HashSet<usize> = parts.iter().flat_map(|p| p.faces.iter().copied()).collect();
+    let through_panels: Vec<Option<LaidFace>> =
+        parts.par_iter_mut().map(|p| through_panel(p, &model.faces, options.tolerance, control)).collect();
     // 1. The skins in space: one panel for each face, in the order of the parts.
     let mut patchwork = Patchwork::default();
     let mut made_of: Vec<Part> = Vec::new();
-    for part in &parts {
+    for (done, (part, laid)) in parts.iter().zip(&through_panels).enumerate() {
+        let fraction = UNFOLDED + (LAID_OUT - UNFOLDED) * done as f64 / parts.len() as f64;
+        control.report("laying out the skins", fraction, format!("{done} of {} parts", parts.len()));
         let first = patchwork.panels.len();
+        if let Some(laid) = laid {
+            patchwork.append(laid.patchwork.clone());
+            made_of.push(Part::new(part.pattern.name.clone(), first, 1));
+            continue;
+        }
         let panels: Vec<_> = (part.faces.par_iter().enumerate())
             .map(|(k, f)| {
                 let face = model.faces[*f].clone();
@@ -160,16 +146,24 @@ pub fn unroll(model: &Model, options: &UnrollOptions) -> Result<Answer, UnrollEr
         let name = part.pattern.name.clone();
         made_of.push(Part::new(name, first, patchwork.panels.len() - first));
     }
+    control.report("proving", LAID_OUT, format!("{} parts", parts.len()));
     // 2. What is proven: faces against the surfaces that are laid flat, drawings and inner edges against these.
-    let proofs: Vec<UnfoldedProof> = parts.par_iter().map(|p| judged(p, &model.faces, options.tolerance)).collect();
+    let proof = |(part, laid): (&FlatPart, &Option<LaidFace>)| match laid {
+        Some(l) => UnfoldedProof::through_panel(&l.certificate, &l.flat),
+        None => judged(part, &model.faces, options.tolerance),
+    };
+    let proofs: Vec<UnfoldedProof> = parts.par_iter().zip(&through_panels).map(proof).collect();
     let bound = |of: fn(&UnfoldedProof) -> UpperBound| UpperBound::largest(proofs.iter().map(of));
     let within = |what, bound| Claim::at_most(what, Subject::Whole, bound).within(options.tolerance);
-    let mut claims = vec![
-        within(What::CarrierDistance, bound(UnfoldedProof::carrier_distance)),
-        within(What::DrawingDistance, bound(UnfoldedProof::drawing_distance)),
-        within(What::JointGap, bound(UnfoldedProof::joint_gap)),
-        Claim::at_most(What::LengthError, Subject::Whole, bound(UnfoldedProof::strain)),
-    ];
+    let mut claims = match parts.is_empty() {
+        true => Vec::new(),
+        false => vec![
+            within(What::CarrierDistance, bound(UnfoldedProof::carrier_distance)),
+            within(What::DrawingDistance, bound(UnfoldedProof::drawing_distance)),
+            within(What::JointGap, bound(UnfoldedProof::joint_gap)),
+            Claim::at_most(What::LengthError, Subject::Whole, bound(UnfoldedProof::strain)),
+        ],
+    };
     let mut skipped = model.skipped.clone();
     skipped.extend(left);
     claims.extend(left_out(&skipped));
@@ -184,8 +178,30 @@ pub fn unroll(model: &Model, options: &UnrollOptions) -> Result<Answer, UnrollEr
         ..Answer::new(Job::Unroll, &options.input, options.tolerance)
     };
     answer.notes.extend(notes(&parts, options).into_iter().map(Note::Unroll));
+    if let Some(tolerance) = options.approximate {
+        let rest = (0..model.faces.len()).filter(|k| !laid_flat.contains(k)).map(|k| model.faces[k].clone()).collect();
+        covered::add(&mut answer, rest, tolerance, control)?;
+    }
     answer.seconds = start.elapsed().as_secs_f64();
     Ok(answer)
+}
+
+/// A surface of one face whose map has no closed form, laid flat anew through a panel that is proven; `None` for other parts,
+/// and where that cannot be proven.
+fn through_panel(part: &mut FlatPart, faces: &[Face], tolerance: f64, control: &Control) -> Option<LaidFace> {
+    let ([face], [None]) = (part.faces.as_slice(), part.maps.as_slice()) else { return None };
+    if part.sheet.thickness > 0.0 || control.stopped() {
+        return None;
+    }
+    let laid = laid_face(&faces[*face], &part.pattern.name, tolerance)?;
+    let seen = panels_viewed(&laid.patchwork, vec![laid.pattern.clone()], part.pattern.view).pop()?;
+    part.pattern = Pattern { panel: part.pattern.panel, ..seen };
+    // The bend table names the lines that are drawn.
+    if let [bend] = part.sheet.bends.as_mut_slice() {
+        bend.lines.clone_from(&part.pattern.rulings);
+        bend.rulings = bend.lines.len();
+    }
+    Some(laid)
 }
 
 /// A part before its judge.
@@ -200,28 +216,6 @@ fn judged(part: &FlatPart, faces: &[Face], tolerance: f64) -> UnfoldedProof {
         allowances: &part.allowances,
     };
     unfolded(&asked, tolerance)
-}
-
-/// Names of bodies: that of their part, numbered where several bodies have one.
-fn names(faces: &[Face], bodies: &BTreeMap<u32, Vec<usize>>) -> Vec<String> {
-    let plain = |body: &Vec<usize>| {
-        let name = body.iter().map(|k| faces[*k].part.as_str()).find(|n| !n.is_empty());
-        name.unwrap_or("part").to_owned()
-    };
-    let mut count: BTreeMap<String, usize> = BTreeMap::new();
-    bodies.values().for_each(|b| *count.entry(plain(b)).or_default() += 1);
-    let mut used: BTreeMap<String, usize> = BTreeMap::new();
-    let numbered = |body: &Vec<usize>| {
-        let name = plain(body);
-        let k = used.entry(name.clone()).or_default();
-        *k += 1;
-        if count.get(&name) == Some(&1) {
-            name
-        } else {
-            format!("{name} {k}")
-        }
-    };
-    bodies.values().map(numbered).collect()
 }
 
 /// What people should know of the parts.

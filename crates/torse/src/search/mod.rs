@@ -1,16 +1,17 @@
 //! Floor 7: the loops that propose, have judged, and refine. The only floor that names both those who propose (`fit`,
-//! `design`) and the judge (`certify`): `face` tells the story of one face: [`trims`] says how true its border is, [`smooth`] joins it with its neighbours, [`cover`]
-//! covers it with torses, [`build`] makes panels of them, `sheet` and `slivers` keep to what a shop can cut, [`stitch`]
+//! `design`) and the judge (`certify`): `face` tells the story of one face: [`trims`] says how true its border is, `smooth` joins it with its neighbours, [`cover`]
+//! covers it with torses, [`build`] makes panels of them, `sheet` and `slivers` keep to what a shop can cut, `stitch`
 //! lets neighbouring panels meet; [`strips`] finds the strips of the other jobs.
 
 pub mod build;
 pub mod cover;
 pub(crate) mod face;
-pub mod joint;
+pub(crate) mod joint;
 mod laid;
+pub mod ruled;
 mod sheet;
 mod slivers;
-pub mod smooth;
-pub mod stitch;
+pub(crate) mod smooth;
+pub(crate) mod stitch;
 pub mod strips;
 pub mod trims;

@@ -10,7 +10,7 @@
 //! panels.
 
 use super::build::too_large;
-use super::cover::{cover, cut_large, cut_where, exactly, extents, is_developable, CoverOptions, SeamPlane};
+use super::cover::{axes, cover, cut_large, cut_where, exactly, is_developable, reach, CoverOptions, SeamPlane};
 use super::laid::{Laid, Task};
 use crate::geom::Vec3;
 
@@ -182,30 +182,35 @@ fn cut_until_it_fits(task: &Task, mut laid: Laid) -> Laid {
 fn sections(task: &Task, laid: &Laid) -> Vec<Vec<SeamPlane>> {
     let limits = &task.options.limits;
     let large = too_large(&laid.built, limits);
-    let (mean, reaches) = extents(&laid.state);
+    let axes = axes(&laid.state);
     let mut out = Vec::new();
     for (k, limit) in [limits.longest(), limits.widest()].into_iter().enumerate() {
-        let (axis, reach) = reaches[k];
+        let normal = near_axis(axes[k]);
+        let reach = reach(&laid.state, &normal);
         let Some(limit) = limit.filter(|_| large.iter().any(|l| l.1[k] > 1)) else { continue };
         let least = ((reach[1] - reach[0]) / limit).ceil();
         if least.is_nan() || least > MOST_SECTIONS as f64 {
             continue;
         }
         let least = (least as usize).max(2);
-        out.extend((least..=least + MORE_SECTIONS).map(|n| planes(&mean, &axis, reach, n)));
+        out.extend((least..=least + MORE_SECTIONS).map(|n| planes(normal, reach, n)));
     }
     out.sort_by_key(Vec::len);
     out
 }
 
-/// Planes between equal sections along an axis through the middle, or along the axis of the model that is near to it.
-fn planes(mean: &Vec3, axis: &Vec3, reach: [f64; 2], sections: usize) -> Vec<SeamPlane> {
-    let normal = match axis.iamax() {
-        k if axis[k].abs() > NEAR_AXIS => Vec3::ith(k, axis[k].signum()),
-        _ => *axis,
-    };
+/// An axis, or the axis of the model that is near to it, towards its positive end.
+fn near_axis(axis: Vec3) -> Vec3 {
+    match axis.iamax() {
+        k if axis[k].abs() > NEAR_AXIS => Vec3::ith(k, 1.0),
+        _ => axis,
+    }
+}
+
+/// Planes between equal sections.
+fn planes(normal: Vec3, reach: [f64; 2], sections: usize) -> Vec<SeamPlane> {
     let at = |k: usize| reach[0] + (reach[1] - reach[0]) * k as f64 / sections as f64;
-    (1..sections).map(|k| SeamPlane { normal, offset: normal.dot(&(mean + axis * at(k))) }).collect()
+    (1..sections).map(|k| SeamPlane { normal, offset: at(k) }).collect()
 }
 
 #[cfg(test)]
@@ -214,13 +219,10 @@ mod tests {
 
     #[test]
     fn sections_are_equal_and_square_to_a_near_axis_of_the_model() {
-        let axis = Vec3::new(1.0, 0.1, 0.0).normalize();
-        let found = planes(&Vec3::new(10.0, 0.0, 0.0), &axis, [-30.0, 30.0], 3);
-        assert_eq!(found.len(), 2);
-        assert_eq!(found[0].normal, Vec3::x());
-        assert!((found[0].offset - (10.0 - 10.0 * axis.x)).abs() < 1e-12);
+        assert_eq!(near_axis(Vec3::new(-1.0, 0.1, 0.0).normalize()), Vec3::x());
+        let found = planes(-Vec3::x(), [-30.0, 30.0], 3);
+        assert_eq!(found.iter().map(|p| p.offset).collect::<Vec<_>>(), [-10.0, 10.0]);
         let skew = Vec3::new(1.0, 1.0, 0.0).normalize();
-        let found = planes(&Vec3::zeros(), &skew, [0.0, 2.0], 2);
-        assert!(found.len() == 1 && found[0].normal == skew && (found[0].offset - 1.0).abs() < 1e-12);
+        assert_eq!(near_axis(skew), skew);
     }
 }

@@ -1,6 +1,6 @@
 //! Faces that go on smoothly, joined where one cover of both is better than two.
 //!
-//! *Method*. Faces are joined as [`crate::brep::join`] says \[R89\]; the cover's own estimates decide whether they should be.
+//! *Method*. Faces are joined as `brep::join` says \[R89\]; the cover's own estimates decide whether they should be.
 
 use super::cover::{is_developable, is_smoothly_developable, strip_range};
 use crate::brep::face::Face;

@@ -2,7 +2,7 @@
 //!
 //! *Method.* Products and degree elevation by \[FR88\]; composition by de Casteljau's scheme with a polynomial as the
 //! parameter, every blend being a product. Nothing here is rounded outward; for bounds see
-//! [`bounds`](super::bounds).
+//! `bounds`.
 
 use super::blossom::of_piece;
 use super::surface::Surface;
@@ -179,7 +179,7 @@ impl<const D: usize> Bezier<D> {
     }
 
     /// Smallest and largest coefficient of every component: the values on `[0, 1]` lie between (up to rounding; for
-    /// a rigorous hull see [`bounds`](super::bounds)).
+    /// a rigorous hull see `bounds`).
     pub fn hull(&self) -> [(f64, f64); D] {
         std::array::from_fn(|d| {
             self.control.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), c| (lo.min(c[d]), hi.max(c[d])))

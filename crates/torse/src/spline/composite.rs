@@ -1,6 +1,7 @@
 //! Curves on surfaces: where the composition is smooth.
 
 use super::curve::Curve;
+use super::knots::SAME_PARAMETER;
 use super::surface::Surface;
 
 /// Ends of the smooth pieces of `surface(curve(s))`: knots of the curve and its crossings of the surface's knot lines
@@ -34,7 +35,7 @@ pub fn smooth_breaks(surface: &Surface, curve: &Curve<2>) -> Vec<f64> {
     // Breaks that nearly coincide would make spans without content.
     let mut kept: Vec<f64> = vec![0.0];
     for s in out {
-        if s - kept[kept.len() - 1] > 1e-9 && s < 1.0 - 1e-9 {
+        if s - kept[kept.len() - 1] > SAME_PARAMETER && s < 1.0 - SAME_PARAMETER {
             kept.push(s);
         }
     }

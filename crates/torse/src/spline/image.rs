@@ -5,11 +5,10 @@
 use crate::spline::bezier::Bezier;
 use crate::spline::composite::smooth_breaks;
 use crate::spline::curve::Curve;
+use crate::spline::knots::SAME_PARAMETER;
 use crate::spline::surface::Surface;
 use crate::spline::MAX_DEGREE;
 
-/// Curves that leave the surface by more than this share of its domain have no image.
-const OUTSIDE: f64 = 1e-9;
 /// Pieces at most.
 const MOST_PIECES: usize = 2000;
 
@@ -19,7 +18,8 @@ pub fn on_surface(surface: &Surface, curve: &Curve<2>) -> Option<Curve<4>> {
     let (a, b) = curve.domain();
     let degree = (surface.knots_u.degree() + surface.knots_v.degree()) * curve.knots.degree();
     let (du, dv) = surface.domain();
-    let inside = |x: f64, (lo, hi): (f64, f64)| x >= lo - OUTSIDE * (hi - lo) && x <= hi + OUTSIDE * (hi - lo);
+    let inside =
+        |x: f64, (lo, hi): (f64, f64)| x >= lo - SAME_PARAMETER * (hi - lo) && x <= hi + SAME_PARAMETER * (hi - lo);
     if degree > MAX_DEGREE || !curve.control.iter().all(|p| inside(p[0], du) && inside(p[1], dv)) {
         return None;
     }
@@ -30,7 +30,7 @@ pub fn on_surface(surface: &Surface, curve: &Curve<2>) -> Option<Curve<4>> {
     let mut breaks = smooth_breaks(surface, &unit);
     breaks.extend(smooth_breaks(&surface.transposed(), &turned));
     breaks.sort_by(f64::total_cmp);
-    breaks.dedup_by(|y, x| *y - *x <= OUTSIDE);
+    breaks.dedup_by(|y, x| *y - *x <= SAME_PARAMETER);
     *breaks.last_mut()? = 1.0;
     if breaks.len() > MOST_PIECES {
         return None;

@@ -2,6 +2,10 @@
 
 use super::{SplineError, MAX_DEGREE};
 
+/// Parameters nearer than this share of their domain or period are one: what ten printed digits and shifts by whole
+/// periods lose.
+pub(crate) const SAME_PARAMETER: f64 = 1e-9;
+
 /// A non-decreasing knot vector `T_0 ≤ … ≤ T_{n+p}` for `n` control points of degree `p`
 /// (NURBS-book convention: `p + 1` knots before the domain ends, clamped or not).
 #[derive(Clone, Debug, PartialEq)]

@@ -1,19 +1,19 @@
 //! Floor 2: B-spline calculus. Knots, curves in any dimension, tensor-product surfaces polynomial and rational.
 
 pub mod bezier;
-pub mod blossom;
-pub mod bounds;
-pub mod composite;
+pub(crate) mod blossom;
+pub(crate) mod bounds;
+pub(crate) mod composite;
 pub mod curve;
 pub mod derivative;
 pub mod field;
-pub mod image;
+pub(crate) mod image;
 pub mod knots;
 pub mod lsq;
-pub mod pieces;
-pub mod refine;
+pub(crate) mod pieces;
+pub(crate) mod refine;
 pub mod surface;
-pub mod through;
+pub(crate) mod through;
 
 #[cfg(test)]
 pub(crate) mod sample;

@@ -5,6 +5,10 @@ use super::{SplineError, MAX_DEGREE};
 use crate::geom::placement::Placement;
 use crate::geom::{BBox, Vec3};
 
+/// Sine of the angle between the parameter lines below which they are one line and give no normal: thousands of
+/// rounding errors of their product.
+pub(crate) const NO_NORMAL: f64 = 1e-12;
+
 /// A surface `S(u, v) = Σ w_ij P_ij N_i(u) N_j(v) / Σ w_ij N_i(u) N_j(v)`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Surface {

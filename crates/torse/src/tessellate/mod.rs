@@ -1,5 +1,5 @@
 //! Floor 6: triangles, for pictures and mesh files. Nothing is proven here.
 
-pub mod coverage;
+pub(crate) mod coverage;
 pub mod panel;
 pub mod strip;

@@ -6,7 +6,7 @@ use std::collections::{HashMap, VecDeque};
 use crate::geom::mesh::Mesh;
 use crate::geom::Vec3;
 use crate::patchwork::clip::ClippedRulings;
-use crate::patchwork::panel::{Panel, Patchwork};
+use crate::patchwork::panel::{Panel, PanelForm, Patchwork};
 use crate::torse::form::PanelKind;
 
 /// Mesh of one panel: its partition's triangles with every vertex moved to its foot on the torse.
@@ -38,13 +38,13 @@ pub fn panel_mesh(patchwork: &Patchwork, panel: usize) -> Mesh {
             around[t[k] as usize].push(t[(k + 2) % 3]);
         }
     }
-    let mut foot: Vec<Option<f64>> = vec![None; old.len()];
+    let mut foot: Vec<Option<[f64; 2]>> = vec![None; old.len()];
     let mut queue = VecDeque::new();
     for run in trim.loops.iter().flatten() {
         for (v, s) in run.vertices.iter().zip(&run.parameters) {
             if let Some(&i) = index.get(v) {
                 if foot[i as usize].is_none() {
-                    foot[i as usize] = Some(run.trim.point(*s)[0]);
+                    foot[i as usize] = Some(run.trim.point(*s));
                     queue.push_back(i);
                 }
             }
@@ -57,7 +57,11 @@ pub fn panel_mesh(patchwork: &Patchwork, panel: usize) -> Mesh {
         let guess = foot[i as usize].unwrap_or_default();
         for &n in &around[i as usize] {
             if foot[n as usize].is_none() {
-                foot[n as usize] = Some(trim.torse.foot(&jets[n as usize].p, guess).unwrap_or(guess));
+                let found = match &trim.form {
+                    PanelForm::Torse(torse) => torse.foot(&jets[n as usize].p, guess[0]).map(|t| [t, guess[1]]),
+                    PanelForm::Ruled(map) => map.inverse(partition.vertices[old[n as usize] as usize], guess),
+                };
+                foot[n as usize] = Some(found.unwrap_or(guess));
                 queue.push_back(n);
             }
         }
@@ -65,12 +69,20 @@ pub fn panel_mesh(patchwork: &Patchwork, panel: usize) -> Mesh {
     // 3. Points, normals and deviations.
     let mut mesh = Mesh { triangles, ..Mesh::default() };
     for (i, j) in jets.iter().enumerate() {
-        let t = foot[i].unwrap_or(trim.torse.domain().0);
-        let ruling = trim.torse.ruling(t);
-        let x = j.p - ruling.point;
-        let place = ruling.point + ruling.direction * ruling.direction.dot(&x);
         let outward = if face.reversed { -j.normal() } else { j.normal() };
-        let normal = if ruling.normal.dot(&outward) < 0.0 { -ruling.normal } else { ruling.normal };
+        let (place, normal) = match &trim.form {
+            PanelForm::Torse(torse) => {
+                let ruling = torse.ruling(foot[i].map_or(torse.domain().0, |f| f[0]));
+                let x = j.p - ruling.point;
+                (ruling.point + ruling.direction * ruling.direction.dot(&x), ruling.normal)
+            }
+            PanelForm::Ruled(_) => {
+                let [s, t] = foot[i].unwrap_or_default();
+                let on = p.strip.patch.jet(s, t);
+                (on.p, on.normal().try_normalize(0.0).unwrap_or(outward))
+            }
+        };
+        let normal = if normal.dot(&outward) < 0.0 { -normal } else { normal };
         mesh.values.push((place - j.p).dot(&normal));
         mesh.positions.push(place);
         mesh.normals.push(normal);

@@ -2,6 +2,7 @@
 
 use crate::geom::mesh::Mesh;
 use crate::geom::Vec3;
+use crate::spline::surface::NO_NORMAL;
 use crate::torse::form::PanelKind;
 use crate::torse::strip::Strip;
 
@@ -61,7 +62,7 @@ pub fn mesh(strip: &Strip, u: &[f64], v: &[f64], values: &[f64]) -> Mesh {
             out.positions.push(j.p);
             // At an apex the middle of the ruling knows the tangent plane; what moves there is rounding.
             let own = if j.du.norm() > STANDS_STILL * middle.du.norm() { j } else { middle };
-            let normal = own.normal().try_normalize(1e-12 * own.du.norm() * own.dv.norm());
+            let normal = own.normal().try_normalize(NO_NORMAL * own.du.norm() * own.dv.norm());
             out.normals.push(normal.unwrap_or_else(Vec3::zeros));
         }
     }

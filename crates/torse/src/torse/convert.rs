@@ -7,7 +7,7 @@
 //! Both boundary curves use the same L and planes of the same direction, hence equal weights: r is affine along a ruling.
 
 use super::form::{DualTorse, PrimalTorse, Torse};
-use super::patch_extent::{degree, hug, Bound};
+use super::patch_extent::{degree, patch_extent, Bound};
 pub use super::patch_extent::{ConvertError, Extent};
 use crate::geom::Vec3;
 use crate::spline::curve::{bezier_pieces, Curve};
@@ -17,6 +17,8 @@ use crate::spline::SplineError;
 
 /// Margin beyond the used rulings, share of the used range: as above.
 const MARGIN_ACROSS: f64 = 0.02;
+/// Regions narrower than this share of the torse's domain hold no rulings: rounding of their feet.
+const NO_WIDTH: f64 = 1e-12;
 /// The ruled patch over the used part of a torse with a margin of about 5 % along and 2 % across the rulings.
 ///
 /// *Input*: boundary points of the used region near the torse, in mm, with their foot parameters.
@@ -34,12 +36,12 @@ pub fn patch(torse: &Torse, extent: &Extent) -> Result<Surface, ConvertError> {
         t1 = t1.max(p.0);
     }
     let (d0, d1) = torse.domain();
-    if t0 > t1 || t1 - t0 <= 1e-12 * (d1 - d0) {
+    if t0 > t1 || t1 - t0 <= NO_WIDTH * (d1 - d0) {
         return Err(ConvertError::Empty(extent.points().count()));
     }
     let margin = MARGIN_ACROSS * (t1 - t0);
     let range = ((t0 - margin).max(d0), (t1 + margin).min(d1));
-    let bound = hug(torse, extent, range)?;
+    let bound = patch_extent(torse, extent, range)?;
     match torse {
         Torse::Primal(p) => primal_patch(p, &bound),
         Torse::Dual(d) => dual_patch(d, &bound),

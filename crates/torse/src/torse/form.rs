@@ -3,6 +3,7 @@
 
 use crate::geom::{Frame, Vec3};
 use crate::spline::curve::Curve;
+use crate::spline::knots::SAME_PARAMETER;
 
 /// Torse over a plane profile; planes, cylinders and cones included (mixed-curvature specification, C1).
 ///
@@ -62,6 +63,8 @@ pub enum PanelKind {
     Cone,
     /// General developable.
     Torse,
+    /// Ruled, but in general not developable.
+    Ruled,
 }
 
 impl PanelKind {
@@ -72,6 +75,7 @@ impl PanelKind {
             Self::Cylinder => "cylinder",
             Self::Cone => "cone",
             Self::Torse => "torse",
+            Self::Ruled => "ruled",
         }
     }
 }
@@ -201,6 +205,10 @@ impl Torse {
     /// Foot parameter of `x` by Newton steps from `guess`, inside the domain (up to a hair). `None` if the steps
     /// leave the domain or do not settle.
     pub fn foot(&self, x: &Vec3, guess: f64) -> Option<f64> {
+        // Steps below this share of the domain are rounding, …
+        const STILL: f64 = 1e-14;
+        // … which is larger where the regression curve is near: such feet are as good as they get.
+        const SETTLED: f64 = 1e-12;
         let (t0, t1) = self.domain();
         let width = t1 - t0;
         let mut t = guess.clamp(t0, t1);
@@ -211,16 +219,16 @@ impl Torse {
             }
             let step = (-e / d).clamp(-0.2 * width, 0.2 * width);
             let next = t + step;
-            if !(next >= t0 - 1e-9 * width && next <= t1 + 1e-9 * width) {
+            if !(next >= t0 - SAME_PARAMETER * width && next <= t1 + SAME_PARAMETER * width) {
                 return None;
             }
             t = next;
-            if step.abs() <= 1e-14 * width {
+            if step.abs() <= STILL * width {
                 return Some(t);
             }
         }
         let (e, d) = self.foot_function(x, t);
-        ((e / d).abs() < 1e-12 * width).then_some(t)
+        ((e / d).abs() < SETTLED * width).then_some(t)
     }
 }
 

@@ -24,7 +24,7 @@ impl TangentPlane {
     /// where the ruling has no length or both rails run along it.
     pub fn of(strip: &Strip, u: f64) -> Option<Self> {
         let middle = strip.patch.jet(u, 0.5);
-        let n = middle.normal().try_normalize(1e-300)?;
+        let n = middle.normal().try_normalize(0.0)?;
         Some(Self::through(&middle.p, n))
     }
 }

@@ -123,7 +123,7 @@ struct Room {
 
 /// Finds boundary planes around the extent, in the room that the regression curve leaves: polynomial families of the
 /// lowest degree that fits, else splines on some of the torse's knots.
-pub(crate) fn hug(torse: &Torse, extent: &Extent, range: (f64, f64)) -> Result<Bound, ConvertError> {
+pub(crate) fn patch_extent(torse: &Torse, extent: &Extent, range: (f64, f64)) -> Result<Bound, ConvertError> {
     let count = extent.points().count() as f64;
     let origin = match torse {
         Torse::Primal(p) => p.frame.origin,
@@ -153,7 +153,7 @@ pub(crate) fn hug(torse: &Torse, extent: &Extent, range: (f64, f64)) -> Result<B
         let side = |pick: &dyn Fn(&Room) -> (f64, f64), corners: &[f64]| -> Result<Curve<1>, ConvertError> {
             let mut missed = range.0;
             for excess in EXCESS {
-                let rooms = rooms(torse, extent, &direction, &origin, range, excess, corners)?;
+                let rooms = rooms(torse, extent, (&direction, &origin), range, excess, corners)?;
                 let data: Vec<(f64, (f64, f64))> = rooms.iter().map(|r| (r.t, pick(r))).collect();
                 match band(&data, &all) {
                     Ok(curve) => return Ok(curve),
@@ -240,13 +240,15 @@ fn coordinate(torse: &Torse, direction: &Curve<3>, origin: &Vec3, t: f64, x: &Ve
 const CORNER_ROUNDS: usize = 4;
 /// Equally spaced rulings at which the room is determined; up to twice as many border points have theirs too.
 const RULINGS: usize = 120;
+/// Distance of a border point from a ruling, as a share of the range, within which it lies on it: rounding of both.
+const TOUCHES: f64 = 1e-12;
 
 /// Room on rulings over the range, those of `corners` among them.
+#[expect(clippy::too_many_lines, reason = "one walk over all rulings with its state")]
 fn rooms(
     torse: &Torse,
     extent: &Extent,
-    direction: &Curve<3>,
-    origin: &Vec3,
+    (direction, origin): (&Curve<3>, &Vec3),
     range: (f64, f64),
     excess: f64,
     corners: &[f64],
@@ -279,7 +281,7 @@ fn rooms(
                     include(a.1 + (b.1 - a.1) * (t - a.0) / (b.0 - a.0));
                 }
                 // A ruling that only touches the border.
-                if (a.0 - t).abs() <= 1e-12 * (range.1 - range.0) {
+                if (a.0 - t).abs() <= TOUCHES * (range.1 - range.0) {
                     include(a.1);
                 }
             }
@@ -408,6 +410,8 @@ const HALVINGS: usize = 4;
 /// Spline through intervals by reweighted least squares towards their middles (Lawson), scaled by half widths.
 fn through(data: &[(f64, (f64, f64))], knots: &Knots) -> Result<Curve<1>, f64> {
     const ROUNDS: usize = 40;
+    // Least weight of an interval against the mean of all: one that lies well inside must be able to come back.
+    const LEAST_WEIGHT: f64 = 1e-6;
     let intervals: Vec<(f64, f64)> = data.iter().map(|(_, b)| (0.5 * (b.0 + b.1), 0.5 * (b.1 - b.0))).collect();
     let mut splines = LeastSquares::new(knots, data.iter().map(|d| d.0));
     let mut weight = vec![1.0; data.len()];
@@ -433,7 +437,7 @@ fn through(data: &[(f64, (f64, f64))], knots: &Knots) -> Result<Curve<1>, f64> {
         }
         let total: f64 = weight.iter().sum::<f64>() / weight.len() as f64;
         for w in &mut weight {
-            *w = (*w / total).max(1e-6);
+            *w = (*w / total).max(LEAST_WEIGHT);
         }
     }
     Err(worst)

@@ -2,6 +2,7 @@
 //!
 //! Where three or more points are joined smoothly: cubic splines by averaged knots \[PT97, 9.2.1\].
 
+use crate::geom::segment::segment_distance;
 use crate::geom::{BBox, Vec3};
 use crate::num::quadrature::GAUSS_8;
 use crate::spline::curve::Curve;
@@ -112,7 +113,7 @@ const POINT_CORNER: f64 = 0.53;
 /// Turn (rad) up to which pieces join smoothly.
 const SMOOTH: f64 = 1e-6;
 /// Parameters this near the end of a piece are its end.
-const SEAM: f64 = 1e-9;
+pub(crate) const SEAM: f64 = 1e-9;
 /// Distance (share of the whole) up to which a spline is cut at a knot and not beside it: on a span that is rounding its
 /// tangent would be, too.
 const AT_KNOT: f64 = 1e-9;
@@ -474,7 +475,7 @@ impl Rail {
                 if neighbours || met.is_some_and(|m| m <= (i, j)) || apart(i, j) {
                     continue;
                 }
-                if chord_distance(&points[i], &points[i + 1], &points[j], &points[j + 1]) <= near {
+                if segment_distance([&points[i], &points[i + 1]], [&points[j], &points[j + 1]]) <= near {
                     met = Some((i, j));
                 }
             }
@@ -502,13 +503,16 @@ pub fn jet(c: &Curve<4>, t: f64) -> [Vec3; 3] {
 
 /// Unit tangent of a piece; where the derivative vanishes, that of a secant into the piece.
 pub fn tangent(c: &Curve<4>, t: f64) -> Vec3 {
+    // A derivative below this share of the chord gives no direction; a secant over this parameter does: it is short
+    // against the piece, and where that starts like a parabola its ends still differ by eight digits.
     const STOP: f64 = 1e-6;
+    const SECANT: f64 = 1e-4;
     let d = jet(c, t)[1];
     let chord = (place(&c.control[c.control.len() - 1]) - place(&c.control[0])).norm();
     if d.norm() > STOP * chord {
         return d / d.norm();
     }
-    let other = if t > 0.5 { t - 1e-4 } else { t + 1e-4 };
+    let other = if t > 0.5 { t - SECANT } else { t + SECANT };
     let s = (place(&c.point(other)) - place(&c.point(t))) * (other - t);
     s.try_normalize(0.0).unwrap_or_else(Vec3::x)
 }
@@ -526,10 +530,12 @@ fn end_point(c: &Curve<4>, t: f64) -> Vec3 {
 }
 
 fn is_straight(c: &Curve<4>) -> bool {
+    // Distance of control points from the chord, as a share of it, that is rounding.
+    const STRAIGHT: f64 = 1e-12;
     let (a, b) = (end_point(c, 0.0), end_point(c, 1.0));
     let chord = b - a;
     let l = chord.norm();
-    l > 0.0 && c.control.iter().all(|h| (place(h) - a).cross(&chord).norm() <= 1e-12 * l * l)
+    l > 0.0 && c.control.iter().all(|h| (place(h) - a).cross(&chord).norm() <= STRAIGHT * l * l)
 }
 
 fn finite(name: &str, points: &[Vec3]) -> Result<(), RailError> {
@@ -623,17 +629,6 @@ fn joined(a: &Curve<4>, b: &Curve<4>) -> Result<Option<Curve<4>>, SplineError> {
     let mut control = a.control.clone();
     control.extend(b.control[1..].iter().map(|h| h.map(|x| x * scale)));
     Curve::new(p, values, control).map(Some)
-}
-
-/// Distance between two segments.
-fn chord_distance(a: &Vec3, b: &Vec3, c: &Vec3, d: &Vec3) -> f64 {
-    let (u, v, w) = (b - a, d - c, a - c);
-    let (uu, uv, vv, uw, vw) = (u.dot(&u), u.dot(&v), v.dot(&v), u.dot(&w), v.dot(&w));
-    let det = uu * vv - uv * uv;
-    let s = if det > 1e-14 * uu * vv { ((uv * vw - vv * uw) / det).clamp(0.0, 1.0) } else { 0.0 };
-    let t = if vv > 0.0 { ((uv * s + vw) / vv).clamp(0.0, 1.0) } else { 0.0 };
-    let s = if uu > 0.0 { ((uv * t - uw) / uu).clamp(0.0, 1.0) } else { 0.0 };
-    (w + u * s - v * t).norm()
 }
 
 #[cfg(test)]

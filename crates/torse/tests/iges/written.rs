@@ -4,7 +4,7 @@ use crate::{has_area, model};
 use torse::geom::Vec3;
 use torse::io::iges::{read, write};
 use torse::io::step::write::Header;
-use torse::patchwork::panel::{Border, Coedge, Panel, PanelTrim, Patchwork};
+use torse::patchwork::panel::{Border, Coedge, Panel, PanelForm, PanelTrim, Patchwork};
 use torse::spline::curve::Curve;
 use torse::spline::knots::Knots;
 use torse::spline::surface::Surface;
@@ -58,7 +58,7 @@ fn panel(mirrored: bool) -> Panel {
         trim: Some(PanelTrim {
             face: 0,
             label: 0,
-            torse: Torse::Dual(DualTorse { planes }),
+            form: PanelForm::Torse(Torse::Dual(DualTorse { planes })),
             loops: vec![
                 ring(vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]),
                 ring(vec![[0.3, 0.4], [0.3, 0.7], [0.6, 0.7], [0.6, 0.4]]),

@@ -60,6 +60,8 @@ pub enum Note {
     },
     /// The file of cones holds exact surfaces.
     ExactFaces,
+    /// Strips are ruled, not developable.
+    NotDevelopable,
     /// Several strips are fitted one by one.
     Unjoined,
     /// What was asked of regression curves.
@@ -75,10 +77,12 @@ pub enum Note {
     },
     /// Of lofts.
     Loft(LoftNote),
-    /// A curve lies in a plane on which the hull rests, and that planar piece is left open.
+    /// A curve, or a part of it, lies in a plane on which the hull rests, and that planar piece is left open.
     Lid {
         /// Name of the curve.
         curve: String,
+        /// Whether all of the curve does.
+        whole: bool,
     },
     /// A curve that lies inside the hull of the others.
     Inside {
@@ -89,8 +93,8 @@ pub enum Note {
     Tips {
         /// How many.
         count: usize,
-        /// The length of these rulings, mm.
-        tolerance: f64,
+        /// How far the curves beyond the last rulings are proven to lie from these at most, mm.
+        within: f64,
     },
     /// Of nets.
     Net(NetNote),

@@ -159,7 +159,7 @@ fn matches(faces: &[Option<Face>], options: &JoinOptions) -> Vec<Match> {
     for (k, (x, i, s, p)) in sides.iter().enumerate() {
         for (_, j, t, q) in sides[k + 1..].iter().take_while(|o| o.0 - x <= options.mismatch) {
             let (Some(a), Some(b)) = (&faces[*i], &faces[*j]) else { continue };
-            if i != j && (a.body, &a.part) == (b.body, &b.part) && fits(a, *s, p, b, *t, q, options).is_some() {
+            if i != j && (a.body, &a.part) == (b.body, &b.part) && fits((a, *s, p), (b, *t, q), options).is_some() {
                 out.push(Match { faces: [*i, *j], sides: [*s, *t] });
             }
         }
@@ -168,8 +168,11 @@ fn matches(faces: &[Option<Face>], options: &JoinOptions) -> Vec<Match> {
     out
 }
 
+/// A face, the number of one of its sides, and that side's ends, mm.
+type EndedSide<'a> = (&'a Face, usize, &'a [Vec3; 2]);
+
 /// Two faces joined at given sides with given ends, in one direction or the other.
-fn fits(a: &Face, s: usize, p: &[Vec3; 2], b: &Face, t: usize, q: &[Vec3; 2], options: &JoinOptions) -> Option<Face> {
+fn fits((a, s, p): EndedSide, (b, t, q): EndedSide, options: &JoinOptions) -> Option<Face> {
     let near = |x: &Vec3, y: &Vec3| (x - y).norm() <= options.mismatch;
     let same = near(&p[0], &q[0]) && near(&p[1], &q[1]);
     let opposite = near(&p[0], &q[1]) && near(&p[1], &q[0]);
@@ -260,7 +263,7 @@ fn together(a: &Group, b: &Group, pass: Option<bool>, options: &JoinOptions, wor
         let p = pair::ends(&f.surface, s);
         for t in 0..4 {
             let q = pair::ends(&g.surface, t);
-            if let Some(face) = fits(f, s, &p, g, t, &q, options) {
+            if let Some(face) = fits((f, s, &p), (g, t, &q), options) {
                 if turn(&face) > options.turn || !worthwhile(&face, f, g) {
                     continue;
                 }

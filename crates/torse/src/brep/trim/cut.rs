@@ -6,6 +6,7 @@ use super::polygon::{Polygon, Side};
 use super::TrimError;
 use crate::brep::space_curve::ParameterMap;
 use crate::brep::support_surface::SupportSurface;
+use crate::spline::knots::SAME_PARAMETER;
 
 /// A seam to cut along: the line where the natural parameter `axis` is `at`, up to periods.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -125,7 +126,7 @@ fn into_domain(support: &SupportSurface, chains: &mut [Chain], periods: &[Option
     for (k, start) in [(0, u.0), (1, v.0)] {
         let Some(p) = periods[k] else { continue };
         let lo = chains.iter().flat_map(Chain::nodes).map(|q| q[k]).fold(f64::INFINITY, f64::min);
-        let d = -((lo - start) / p + 1e-9).floor() * p;
+        let d = -((lo - start) / p + SAME_PARAMETER).floor() * p;
         let mut by = [0.0; 2];
         by[k] = d;
         chains.iter_mut().for_each(|c| c.shift(by));
@@ -216,7 +217,7 @@ fn order_across(chains: &mut [Chain], axis: usize, period_across: Option<f64>) -
     };
     let mut by = [0.0; 2];
     let height = (b - a).rem_euclid(p);
-    let height = if height < 1e-9 * p { p } else { height };
+    let height = if height < SAME_PARAMETER * p { p } else { height };
     by[across] = a + height - b;
     chains[high].shift(by);
     for i in (0..chains.len()).filter(|&i| i != low && i != high) {
@@ -243,7 +244,8 @@ fn quiet_line(support: &SupportSurface, chains: &[Chain], axis: usize, period: f
         chains
             .iter()
             .map(|c| {
-                let mut cells: Vec<f64> = c.nodes().map(|q| ((q[axis] - at) / period + 1e-9).floor()).collect();
+                let mut cells: Vec<f64> =
+                    c.nodes().map(|q| ((q[axis] - at) / period + SAME_PARAMETER).floor()).collect();
                 if let Some(&first) = cells.first() {
                     cells.push(first + f64::from(c.winding[axis]));
                 }
@@ -311,7 +313,7 @@ fn split(p: &Polygon, turn: i32, at: f64, period: f64, stretches: &mut Vec<Stret
     let snapped = |x: [f64; 2]| {
         let k = ((x[0] - at) / period).round();
         let line = at + k * period;
-        if (x[0] - line).abs() <= 1e-9 * period {
+        if (x[0] - line).abs() <= SAME_PARAMETER * period {
             [line, x[1]]
         } else {
             x

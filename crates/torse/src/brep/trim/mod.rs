@@ -4,7 +4,7 @@
 //! Knows the geometry of a face as a file gives it ([`RawFace`]), but no file.
 
 mod cut;
-pub mod edge;
+pub(crate) mod edge;
 mod pcurve;
 mod polygon;
 mod sphere;
@@ -15,9 +15,10 @@ use super::space_curve::{Arc, ParameterMap, SpaceCurve};
 use super::support_surface::SupportSurface;
 use crate::geom::placement::Placement;
 use crate::geom::{BBox, Vec3};
+use crate::spline::knots::SAME_PARAMETER;
 use crate::spline::surface::Surface;
 use crate::spline::SplineError;
-use pcurve::Chain;
+use pcurve::{Chain, POINT_SHARE, WHOLE_PERIOD};
 use std::sync::Arc as Shared;
 
 /// A face as files describe it: a support and oriented boundary curves of space.
@@ -173,6 +174,12 @@ const OFF_SURFACE_SHARE: f64 = 5e-2;
 const LOOSEST_SHARE: f64 = 0.2;
 /// Margin around the loops on support surfaces without bounds of their own, as a share of the loops' extent.
 const MARGIN: f64 = 0.02;
+/// Boundaries count as no smaller than this share of their surface: on a smaller one, shares of the extent would be
+/// asked of digits that coordinates of that surface do not have.
+const LEAST_EXTENT: f64 = 1e-6;
+/// Boxes of natural parameters count as no narrower than this (rad or mm): a boundary along a parameter line has no
+/// width to take shares of.
+const LEAST_WIDTH: f64 = 1e-9;
 
 /// Builds the trimmed face (or faces, where the loops bound several separate regions).
 ///
@@ -205,7 +212,7 @@ pub fn faces(raw: &RawFace, chord_tolerance: Option<f64>) -> Result<Vec<Face>, T
     if !raw.same_sense {
         loops = loops.iter().map(RawLoop::reversed).collect();
     }
-    let size = extent(&loops).max(1e-6 * raw.support.size());
+    let size = extent(&loops).max(LEAST_EXTENT * raw.support.size());
     let mut raw = raw.clone();
     if let SupportSurface::Sphere { frame, radius } = raw.support {
         raw.support = SupportSurface::Sphere { frame: sphere::turned(&frame, &loops), radius };
@@ -374,13 +381,13 @@ fn margins(support: &SupportSurface, chains: &[Chain], plan: &cut::Plan) -> [(f6
         for q in chains.iter().flat_map(Chain::nodes) {
             (lo, hi) = (lo.min(q[k]), hi.max(q[k]));
         }
-        let width = (hi - lo).max(1e-9);
-        let full = periods[k].is_some_and(|p| (width - p).abs() <= 1e-7 * p);
+        let width = (hi - lo).max(LEAST_WIDTH);
+        let full = periods[k].is_some_and(|p| (width - p).abs() <= WHOLE_PERIOD * p);
         let pad = if full { 0.0 } else { MARGIN * width };
         let (a, b) = (lo, hi);
         (lo, hi) = (lo - pad, hi + pad);
         for p in poles.iter().filter(|p| p.axis == k) {
-            let hair = 1e-7 * width;
+            let hair = POINT_SHARE * width;
             if a >= p.value - hair && lo < p.value {
                 lo = p.value;
             }
@@ -407,7 +414,7 @@ fn outside<'a>(
     for c in corners {
         for k in 0..2 {
             let (a, b) = domain[k];
-            let hair = 1e-9 * (b - a);
+            let hair = SAME_PARAMETER * (b - a);
             if c[k] < a - hair || c[k] > b + hair {
                 let (t, _) = map[k].inverse(c[k]);
                 let pad = MARGIN * (range[k].1 - range[k].0);

@@ -8,9 +8,16 @@ use crate::brep::support_surface::{Pole, SupportSurface};
 use crate::brep::unroll;
 use crate::geom::Vec3;
 use crate::spline::curve::Curve;
+use crate::spline::knots::SAME_PARAMETER;
 
 /// Curves shorter than this share of the boundary's extent are points, and points nearer than that to a pole are on it.
 pub(super) const POINT_SHARE: f64 = 1e-7;
+/// Ways round that miss a whole period by less than this share of it are one: points on poles are known to
+/// [`POINT_SHARE`].
+pub(super) const WHOLE_PERIOD: f64 = 1e-7;
+/// Share of the last sample step before a pole at which the direction of arrival is seen: near the tangent's, and far
+/// above [`POINT_SHARE`].
+const BEFORE_POLE: f64 = 1e-3;
 /// Gaps between consecutive edges up to this share of the extent are closed by moving both ends to the middle.
 const WELD_SHARE: f64 = 1e-4;
 /// Ends nearer to the surface than this share of the extent lie on it, though the edge between them leaves it.
@@ -191,7 +198,7 @@ fn turn_at_pole(pcurve: &Pcurve, pole: &Pole, difference: f64, period: f64) -> f
     // Counter-clockwise: along v = low upward in u, u = high upward in v, v = high downward in u, u = low downward in v.
     let upward = (pole.axis == 1) != high;
     let rest = difference.rem_euclid(period);
-    let none = rest < 1e-7 * period || rest > (1.0 - 1e-7) * period;
+    let none = rest < WHOLE_PERIOD * period || rest > (1.0 - WHOLE_PERIOD) * period;
     match (upward, none) {
         (true, true) => period,
         (true, false) => rest,
@@ -302,7 +309,7 @@ fn follow(
         qs[end] = match at_poles[k] {
             Some(pole) => {
                 // The direction of arrival: the foot of a point a little before the pole.
-                let t = ts[end] + 1e-3 * (ts[inner] - ts[end]);
+                let t = ts[end] + BEFORE_POLE * (ts[inner] - ts[end]);
                 let mut q = foot_near(support, &arc.curve.point(t), Some(qs[inner]), periods);
                 q[pole.axis] = lifted(pole.value, q[pole.axis], periods[pole.axis]);
                 q
@@ -325,11 +332,13 @@ fn follow(
 const TRACE_SHARE: f64 = 2e-5;
 /// … or so many times the distance of the curve itself from the surface. Coarser traces are worse than feet.
 const TRACE_FACTOR: f64 = 2.0;
+/// Share of the support's domain by which a trace may leave it: what seven printed digits lose.
+const BESIDE: f64 = 1e-6;
 
 /// Whether a curve of the parameter plane runs with its curve in space.
 fn agrees(support: &SupportSurface, arc: &Arc, trace: &PlaneTrace, size: f64) -> bool {
     if let (Some((a, b)), None) = (trace.curve.domain(), trace.curve.period()) {
-        let hair = 1e-9 * (b - a);
+        let hair = SAME_PARAMETER * (b - a);
         if arc.from.min(arc.to) < a - hair || arc.from.max(arc.to) > b + hair {
             return false;
         }
@@ -340,7 +349,7 @@ fn agrees(support: &SupportSurface, arc: &Arc, trace: &PlaneTrace, size: f64) ->
         let (x, q) = (arc.curve.point(t), trace.at(t));
         let inside = (0..2).all(|k| {
             limits[k].is_none_or(|(a, b)| {
-                let hair = 1e-6 * (b - a);
+                let hair = BESIDE * (b - a);
                 q[k] >= a - hair && q[k] <= b + hair
             })
         });

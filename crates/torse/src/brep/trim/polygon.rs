@@ -82,6 +82,8 @@ fn orientation(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
 const LOOP_SHARE: f64 = 1e-5;
 /// Corners closer than this share of the polygon's extent are one.
 const SAME_POINT: f64 = 1e-11;
+/// Polygons of less area than this share of their box have none: the rounding of the sum.
+const NO_AREA: f64 = 1e-15;
 
 /// Removes repeated corners, spikes and small loops; `None` if no area remains. One that crosses itself stays so.
 pub(super) fn cleaned(mut p: Polygon) -> Option<Polygon> {
@@ -109,7 +111,7 @@ pub(super) fn cleaned(mut p: Polygon) -> Option<Polygon> {
         drop_repeated(&mut p, width);
     }
     // One that still crosses itself is kept whatever its area, to be refused by name.
-    (p.points.len() >= 3 && (crossed || p.area().abs() > 1e-15 * width[0] * width[1])).then_some(p)
+    (p.points.len() >= 3 && (crossed || p.area().abs() > NO_AREA * width[0] * width[1])).then_some(p)
 }
 
 fn drop_repeated(p: &mut Polygon, width: [f64; 2]) {

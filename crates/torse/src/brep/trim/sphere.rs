@@ -4,6 +4,12 @@
 use super::RawLoop;
 use crate::geom::{Frame, Vec3};
 
+/// Unit vectors that differ by less are one axis: a normalisation costs a few units in the last place.
+const SAME_AXIS: f64 = 1e-12;
+/// Length of the samples' sum, and share of it square to the axis, below which the boundary has no side: it lies evenly
+/// around the centre or the axis, up to what printed coordinates say.
+const SIDEWAYS: f64 = 1e-6;
+
 /// A frame at the same centre whose axis stays away from the loops.
 pub(super) fn turned(frame: &Frame, loops: &[RawLoop]) -> Frame {
     let mut samples = Vec::new();
@@ -54,12 +60,12 @@ pub(super) fn turned(frame: &Frame, loops: &[RawLoop]) -> Frame {
         }
     }
     let z = best.0;
-    if (z - frame.z).norm() < 1e-12 {
+    if (z - frame.z).norm() < SAME_AXIS {
         return *frame;
     }
     // The seam opposite to the middle of the boundary.
     let lateral = middle - z * z.dot(&middle);
-    let x = if lateral.norm() > 1e-6 * middle.norm() && middle.norm() > 1e-6 {
+    let x = if lateral.norm() > SIDEWAYS * middle.norm() && middle.norm() > SIDEWAYS {
         lateral.normalize()
     } else {
         let helper = if z.x.abs() < 0.6 { Vec3::x() } else { Vec3::y() };

@@ -49,7 +49,7 @@ struct Run {
 /// for [`super::strip_parts`].
 ///
 /// *Guarantee*: the theorem at the head of this file, for whole chains that of [`super::strip_parts`], for the patches that
-/// stand for the pieces; how far these are from the exact cones is bounded by [`crate::certify::written_cones`].
+/// stand for the pieces; how far these are from the exact cones is bounded by `certify::written_cones`.
 pub fn cone_parts(
     (bodies, pieces): (&[ConeBody], &[(usize, usize)]),
     strips: &[Strip],

@@ -36,9 +36,11 @@ pub struct Options {
     pub redundant: bool,
 }
 
+/// Largest row that counts as zero while editing, as a share of the size of all curves: a micrometre over a metre.
+const TOLERANCE: f64 = 1e-6;
 impl Default for Options {
     fn default() -> Self {
-        Self { tolerance: 1e-6, fairness: 1.0, smoothness: 0.0, redundant: false }
+        Self { tolerance: TOLERANCE, fairness: 1.0, smoothness: 0.0, redundant: false }
     }
 }
 

@@ -31,9 +31,11 @@ pub struct PlanariseOptions {
     pub steps: usize,
 }
 
+/// Warp that counts as plane, as a share of the diagonals: hundreds of rounding errors of the coordinates.
+const WARP: f64 = 1e-13;
 impl Default for PlanariseOptions {
     fn default() -> Self {
-        Self { hold: Hold::Nothing, warp: 1e-13, steps: 100 }
+        Self { hold: Hold::Nothing, warp: WARP, steps: 100 }
     }
 }
 

@@ -201,18 +201,18 @@ fn polished(sampled: &Sampled, facets: &[[OnRail; 3]], mut walk: Walk, control: 
         let before = if k > 0 { Some(&found[k - 1]) } else { found.last().filter(|_| closed) };
         let after = found.get(k + 1).or(if closed { found.first() } else { None });
         if k == 0 {
-            unwrap(border(sampled, facets, &walk, run.first, before, Some(run), walk.ends[0]), &mut stations);
+            unwrap(border(sampled, facets, &walk, run.first, [before, Some(run)], walk.ends[0]), &mut stations);
         } else {
             joints.push(stations.len() - 1);
         }
-        let end = border(sampled, facets, &walk, run.last, Some(run), after, walk.ends[1]);
+        let end = border(sampled, facets, &walk, run.last, [Some(run), after], walk.ends[1]);
         if run.kind == Kind::Smooth {
             let first = stations.len() - 1;
             // Each for itself: the order is that of the edges.
-            let found: Vec<[f64; 2]> = walk.edges[run.first + 1..run.last]
-                .par_iter()
+            let found: Vec<[f64; 2]> = (run.first + 1..run.last)
+                .into_par_iter()
                 .filter(|_| !control.stopped())
-                .map(|e| between(sampled, *e))
+                .map(|k| between(sampled, walk.edges[k], walk.moves[k - 1].0))
                 .collect();
             if control.stopped() {
                 return None;
@@ -228,13 +228,16 @@ fn polished(sampled: &Sampled, facets: &[[OnRail; 3]], mut walk: Walk, control: 
     Some(Chain { rails, stations, joints, closed, tips })
 }
 
-/// Keeps the stations after `first` that lie strictly between those before and the last one.
+/// Puts the stations after `first` in order and keeps those that lie strictly between those before and the last one.
 fn monotone(stations: &mut Vec<[f64; 2]>, first: usize) {
     let (start, end) = (stations[first], stations[stations.len() - 1]);
     let sign = [0, 1].map(|d| (end[d] - start[d]).signum());
     let ahead = |p: &[f64; 2], q: &[f64; 2]| (0..2).all(|d| (q[d] - p[d]) * sign[d] > STILL);
     let mut kept = vec![start];
-    for s in stations[first + 1..stations.len() - 1].iter() {
+    let inner = first + 1..stations.len() - 1;
+    let advance = |s: &[f64; 2]| sign[0] * s[0] + sign[1] * s[1];
+    stations[inner.clone()].sort_by(|p, q| advance(p).total_cmp(&advance(q)));
+    for s in stations[inner].iter() {
         if ahead(&kept[kept.len() - 1], s) && ahead(s, &end) {
             kept.push(*s);
         }
@@ -251,9 +254,11 @@ fn place(sampled: &Sampled, i: usize) -> OnRail {
     sampled.at[i]
 }
 
-/// A ruling within a smooth run. Ends of pieces are kept, so that strips can be cut there.
-fn between(sampled: &Sampled, e: [usize; 2]) -> [f64; 2] {
-    let kept = usize::from(place(sampled, e[1]).parameter.fract() == 0.0);
+/// A ruling within a smooth run, with the end on this side kept where it is: the one that moved last, so that no two
+/// rulings have the same end where one end hardly moves. Ends of pieces are kept, so that strips can be cut there.
+fn between(sampled: &Sampled, e: [usize; 2], moved_last: usize) -> [f64; 2] {
+    let whole = e.map(|i| place(sampled, i).parameter.fract() == 0.0);
+    let kept = if whole[1 - moved_last] { 1 - moved_last } else { moved_last };
     let (p, q) = (place(sampled, e[kept]), place(sampled, e[1 - kept]));
     let rails = sampled.rails;
     let t = tangents(&rails[p.rail], p.parameter)[1];
@@ -284,8 +289,7 @@ fn border(
     facets: &[[OnRail; 3]],
     walk: &Walk,
     edge: usize,
-    before: Option<&Run>,
-    after: Option<&Run>,
+    [before, after]: [Option<&Run>; 2],
     end: End,
 ) -> [f64; 2] {
     let rails = sampled.rails;
@@ -307,7 +311,7 @@ fn border(
         return match end {
             End::Facet(f) => [0, 1].map(|d| nearest(sampled, &facets[f], &ends[d])),
             _ if ends.iter().any(|x| is_corner(&rails[x.rail], x.parameter)) => plain,
-            _ => between(sampled, e),
+            _ => between(sampled, e, 0),
         };
     }
     // 3. A fan begins or ends beside a smooth run: the plane of the smooth run's tangent at the corner.
@@ -330,7 +334,7 @@ fn border(
     if ends.iter().any(|x| is_corner(&rails[x.rail], x.parameter)) {
         return plain;
     }
-    between(sampled, e)
+    between(sampled, e, 0)
 }
 
 /// Tangent at a corner on the side on which another place of the curve lies.
@@ -363,14 +367,27 @@ fn nearest(sampled: &Sampled, facet: &[OnRail; 3], sample: &OnRail) -> f64 {
         .map_or(sample.parameter, |c| c.parameter)
 }
 
-/// Length of rulings near a tip, share of the curve's size, below which rounding outweighs coplanarity: the determinant
-/// is of third order in the length.
+/// Length of rulings near a tip, share of the curve's size, below which the samples are too near each other to be told
+/// apart by a change of sign.
 const SHORT: f64 = 0.05;
+/// Steps by which the middle of a ruling near a tip is put right, and the change, share of the half distance, at which
+/// it has arrived.
+const RIGHTINGS: usize = 12;
+/// See [`RIGHTINGS`].
+const RIGHT: f64 = 1e-12;
+/// Length of rulings, share of the curve's size, at which rounding of points turns them by as much as twist may be.
+const ROUNDED: f64 = 1e-6;
+/// Places between the ends of a ruling at which the height of the curve over it is looked at.
+const PLACES: usize = 16;
+/// First step of the middle, share of the half distance.
+const TRIED: f64 = 1e-3;
 
-/// Stations with the rulings between the last one and the chain's tip put in order: those too short to be found by
-/// coplanarity are replaced by halvings of the distance left, down to the length `least`. Their middles are
-/// extrapolated from longer rulings, on which they depend as an even function of the half distance.
-pub(super) fn towards_tip(rail: &Rail, mut stations: Vec<[f64; 2]>, least: f64) -> Vec<[f64; 2]> {
+/// Stations with the rulings between the last one and the chain's tip put in order: short ones are replaced by halvings
+/// of the distance left, until the curve lies within `height` (mm) of the last one. Their middles are extrapolated
+/// from longer rulings, on which they depend as an even function of the half distance, and moved until the ruling is
+/// coplanar with both tangents: rounding of the determinant, which is of third order in the length l, moves the middle by
+/// no more than its share of l⁻², and the tangent planes by its share of l⁻¹.
+pub(super) fn towards_tip(rail: &Rail, mut stations: Vec<[f64; 2]>, height: f64) -> Vec<[f64; 2]> {
     const MOST: usize = 60;
     const KNOWN: usize = 3;
     let n = rail.pieces.len() as f64;
@@ -386,28 +403,75 @@ pub(super) fn towards_tip(rail: &Rail, mut stations: Vec<[f64; 2]>, least: f64) 
     // Both parameters on one turn.
     let last = stations[stations.len() - 1];
     let turns = if rail.closed { ((last[1] - last[0]) / n).round() * n } else { 0.0 };
-    let known: Vec<[f64; 2]> = stations[stations.len() - KNOWN..]
+    let mut known: Vec<[f64; 2]> = stations[stations.len() - KNOWN..]
         .iter()
         .map(|s| [0.5 * (s[1] - turns - s[0]), 0.5 * (s[0] + s[1] - turns)])
         .collect();
-    let middle = |h: f64| -> f64 {
-        // Lagrange in h².
-        let term = |i: usize| {
-            (0..KNOWN).filter(|j| *j != i).fold(known[i][1], |m, j| {
-                let (x, y) = (known[i][0] * known[i][0], known[j][0] * known[j][0]);
-                m * (h * h - y) / (x - y)
-            })
-        };
-        (0..KNOWN).map(term).sum()
-    };
-    let mut half = known[KNOWN - 1][0];
     for _ in 0..MOST {
-        half *= 0.5;
-        let next = [middle(half) - half, middle(half) + half + turns];
-        if !next.iter().all(|x| x.is_finite()) || length(&next) <= least {
+        let half = 0.5 * known[KNOWN - 1][0];
+        let middle = righted(rail, half, extrapolated(&known, half));
+        let next = [middle - half, middle + half + turns];
+        if !next.iter().all(|x| x.is_finite()) || length(&next) <= ROUNDED * size {
             break;
         }
         stations.push(next);
+        if arc_height(rail, next[0], next[1] - turns) <= height {
+            break;
+        }
+        known.remove(0);
+        known.push([half, middle]);
     }
     stations
+}
+
+/// Distance (mm) of the curve between two parameters, which may lie beyond the domain of a closed curve, from the line
+/// through both places, at samples.
+fn arc_height(rail: &Rail, from: f64, to: f64) -> f64 {
+    let at = |s: f64| rail.point(wrap(rail, s));
+    let (p, q) = (at(from), at(to));
+    let along = (q - p).try_normalize(0.0).unwrap_or_else(Vec3::zeros);
+    let off = |k: usize| {
+        let d = at(from + (to - from) * k as f64 / PLACES as f64) - p;
+        (d - along * d.dot(&along)).norm()
+    };
+    (1..PLACES).map(off).fold(0.0, f64::max)
+}
+
+/// The middle at a half distance from three known ones: Lagrange in the square of the half distance.
+fn extrapolated(known: &[[f64; 2]], half: f64) -> f64 {
+    let term = |i: usize| {
+        (0..known.len()).filter(|j| *j != i).fold(known[i][1], |m, j| {
+            let (x, y) = (known[i][0] * known[i][0], known[j][0] * known[j][0]);
+            m * (half * half - y) / (x - y)
+        })
+    };
+    (0..known.len()).map(term).sum()
+}
+
+/// The middle of the ruling with this half distance that is coplanar with both tangents: secants from the one given, which
+/// stays where they lead farther away than the ruling is long.
+fn righted(rail: &Rail, half: f64, given: f64) -> f64 {
+    let value = |m: f64| {
+        let ends = [m - half, m + half].map(|s| (rail.point(wrap(rail, s)), tangents(rail, s)[1]));
+        coplanarity(&ends[0].0, &ends[0].1, &ends[1].0, &ends[1].1)
+    };
+    let (mut x, mut y) = (given, given + TRIED * half);
+    let (mut fx, mut fy) = (value(x), value(y));
+    for _ in 0..RIGHTINGS {
+        let step = fy * (y - x) / (fy - fx);
+        if !step.is_finite() {
+            break;
+        }
+        (x, fx) = (y, fy);
+        y -= step;
+        fy = value(y);
+        if step.abs() <= RIGHT * half.abs() {
+            break;
+        }
+    }
+    if (y - given).abs() <= half.abs() && fy.abs() <= value(given).abs() {
+        y
+    } else {
+        given
+    }
 }

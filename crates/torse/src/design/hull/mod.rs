@@ -5,7 +5,7 @@
 pub mod chains;
 mod contact;
 mod sampled;
-pub mod sparse;
+pub(crate) mod sparse;
 pub mod strips;
 
 use crate::control::Control;
@@ -34,8 +34,8 @@ pub struct Hull {
     pub rulings: Vec<HullRuling>,
     /// Planar triangles that touch the curves at three places far apart.
     pub facets: Vec<[OnRail; 3]>,
-    /// Planar curves that are the boundary of a planar piece.
-    pub lids: Vec<usize>,
+    /// Curves with the boundary of a planar piece of the hull, and whether all of the curve lies in its plane.
+    pub lids: Vec<(usize, bool)>,
     /// Runs of rulings that follow each other; facets along a straight piece of a curve belong to them.
     pub chains: Vec<Chain>,
     /// Facets (indices) that belong to no chain: those with three rulings as sides, or one.

@@ -30,8 +30,8 @@ pub enum HullError {
     Spline(#[from] SplineError),
 }
 
-/// Distance from a plane, as a share of the size, up to which a curve is planar: rounding of the points.
-const PLANAR: f64 = 1e-10;
+/// Distance from a plane, as a share of the size, up to which a curve is planar: rounding of points as tables print them.
+const PLANAR: f64 = 1e-8;
 /// Fewest samples on a piece.
 const LEAST: usize = 4;
 
@@ -43,6 +43,8 @@ pub(super) struct Sampled<'a> {
     pub(super) next: Vec<[usize; 2]>,
     /// Whether a curve is planar.
     pub(super) planar: Vec<bool>,
+    /// Whether the pieces of a curve are planar without being straight.
+    flat: Vec<Vec<bool>>,
     /// Parameter between samples of each curve.
     pub(super) step: Vec<f64>,
     pub(super) triangles: Vec<[usize; 3]>,
@@ -69,6 +71,7 @@ impl<'a> Sampled<'a> {
             at: Vec::new(),
             next: Vec::new(),
             planar: Vec::new(),
+            flat: Vec::new(),
             step: Vec::new(),
             triangles: Vec::new(),
         };
@@ -92,7 +95,13 @@ impl<'a> Sampled<'a> {
                 );
                 [first + next, first + last]
             }));
-            out.planar.push(is_planar(&out.at[first..], rail.bbox().diagonal()));
+            let size = rail.bbox().diagonal();
+            out.planar.push(is_planar(&out.at[first..], size));
+            let is_flat = |k: usize| {
+                let points: Vec<OnRail> = (0..=per).map(|i| on(rails, r, k as f64 + i as f64 / per as f64)).collect();
+                !rail.is_straight(k) && is_planar(&points, size)
+            };
+            out.flat.push((0..rail.pieces.len()).map(is_flat).collect());
             out.step.push(1.0 / per as f64);
         }
         let points: Vec<Vec3> = out.at.iter().map(|a| a.point).collect();
@@ -112,10 +121,22 @@ impl<'a> Sampled<'a> {
         }
     }
 
-    /// The planar curve that a triangle lies within.
-    pub(super) fn lid(&self, f: &[usize; 3]) -> Option<usize> {
+    /// The curve with a triangle within its plane, or within that of one of its pieces, and whether it is the first.
+    pub(super) fn lid(&self, f: &[usize; 3]) -> Option<(usize, bool)> {
         let r = self.at[f[0]].rail;
-        (self.planar[r] && f.iter().all(|&i| self.at[i].rail == r)).then_some(r)
+        if !f.iter().all(|&i| self.at[i].rail == r) {
+            return None;
+        }
+        let n = self.flat[r].len();
+        let on_piece = |k: usize| {
+            let own =
+                |s: f64| (s >= k as f64 && s <= (k + 1) as f64) || (s == 0.0 && k + 1 == n && self.rails[r].closed);
+            self.flat[r][k] && f.iter().all(|&i| own(self.at[i].parameter))
+        };
+        match self.planar[r] {
+            true => Some((r, true)),
+            false => (0..n).any(on_piece).then_some((r, false)),
+        }
     }
 
     /// Bracket of the search about a sample: two steps.

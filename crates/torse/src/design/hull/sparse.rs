@@ -1,4 +1,5 @@
-//! Curves through very many points, followed by splines with few knots: every knot of a curve becomes a span of a strip.
+//! Curves through points, followed by splines with few knots and many continuous derivatives: every knot of a curve
+//! becomes a span of a strip, and near tips rulings depend on derivatives that cubics do not have.
 //!
 //! *Method.* Least squares \[PT97, 9.4.1\] at places of the given curve, with its parameters; closed ones more than once round.
 
@@ -10,20 +11,25 @@ use crate::spline::lsq::fit;
 use crate::torse::rail::{tangent, Rail};
 
 /// Spans from which on a piece is worth following: fewer are no trouble.
-const MANY: usize = 48;
+const MANY: usize = 8;
+/// Degree of the splines. At a tip the torsion vanishes, which has the third derivative; where the middles of short rulings
+/// lie depends on its second derivative, the fifth; these are to have a continuous derivative more.
+const DEGREE: usize = 7;
 /// Spans with which the search begins.
 const FEWEST: usize = 8;
-/// Places per span at which the given curve is met; the cubic has one unknown per span.
+/// Spans that are few, even of a curve with fewer.
+const FEW: usize = 64;
+/// Places per span at which the given curve is met; a spline has one unknown per span.
 const PLACES: usize = 4;
-/// Spans by which a closed piece is gone round on both sides. What happens at the far ends falls to a quarter with every
-/// span, so that the seam is smooth up to rounding.
-const WRAP: usize = 26;
+/// Spans by which a closed piece is gone round on both sides. What happens at the far ends falls with every span to less
+/// than two thirds at this degree, so that the seam is smooth up to rounding.
+const WRAP: usize = 80;
 /// Turn (rad) above which pieces meet at a corner, as for [`Rail::new`]: there tangents may change a little.
 const CORNER: f64 = 1e-4;
 
-/// The rail with its long pieces replaced by cubic splines with equal spans, as few as keep within `tolerance` (mm) at
-/// equal parameters; pieces that would need more than half of their own spans stay as they are, and so do those that join
-/// others smoothly.
+/// The rail with its pieces of many spans replaced by splines of degree 7 with equal spans, as few as keep within
+/// `tolerance` (mm) at equal parameters; pieces that would need more spans than they have, and more than a few, stay as
+/// they are, and so do those that join others smoothly.
 ///
 /// *Measured, not proven*: the distance is looked at twice per span of the given curve.
 pub fn sparse(rail: &Rail, tolerance: f64, control: &Control) -> Rail {
@@ -54,7 +60,7 @@ fn followed(given: &Curve<4>, tolerance: f64, wraps: bool, control: &Control) ->
     let place = |t: f64| Vec3::from_column_slice(&given.point(t)[..3]);
     let places: Vec<f64> = breaks.windows(2).flat_map(|w| [w[0], 0.5 * (w[0] + w[1])]).collect();
     let mut count = FEWEST;
-    while 2 * count <= spans && !control.stopped() {
+    while count <= spans.max(FEW) && !control.stopped() {
         let found = with_spans(&place, count, wraps)?;
         let near = |t: &f64| (Vec3::from_column_slice(&found.point(*t)[..3]) - place(*t)).norm() <= tolerance;
         if places.iter().all(near) {
@@ -65,7 +71,7 @@ fn followed(given: &Curve<4>, tolerance: f64, wraps: bool, control: &Control) ->
     None
 }
 
-/// The cubic with equal spans nearest to a curve over [0, 1].
+/// The spline with equal spans nearest to a curve over [0, 1].
 fn with_spans(place: &dyn Fn(f64) -> Vec3, count: usize, wraps: bool) -> Option<Curve<4>> {
     let beyond = if wraps { WRAP as i64 } else { 0 };
     let (first, last) = (-beyond, count as i64 + beyond);
@@ -74,7 +80,7 @@ fn with_spans(place: &dyn Fn(f64) -> Vec3, count: usize, wraps: bool) -> Option<
     let parameters: Vec<f64> = (parts * first..=parts * last).map(|k| k as f64 / (PLACES * count) as f64).collect();
     let once = |t: f64| if wraps { t.rem_euclid(1.0) } else { t };
     let points: Vec<[f64; 3]> = parameters.iter().map(|t| place(once(*t)).into()).collect();
-    let knots = Knots::clamped(3, &breaks).ok()?;
+    let knots = Knots::clamped(DEGREE, &breaks).ok()?;
     let mut curve = fit(&points, &parameters, &knots).ok()?.curve;
     if wraps {
         curve = curve.restricted(0.0, 1.0).ok()?;
@@ -118,7 +124,8 @@ mod tests {
 
     #[test]
     fn short_pieces_and_a_stopped_job_leave_the_curve_as_it_is() {
-        let few = round(30);
+        let arc = |k: i32| Vec3::new(f64::from(k), (f64::from(k) * 0.2).sin(), f64::from(k * k) * 0.01) * 100.0;
+        let few = Rail::through("arc", &(0..7).map(arc).collect::<Vec<_>>()).expect("rail");
         assert_eq!(sparse(&few, 1.0, &Control::default()), few);
         let stopped = Control::default();
         stopped.cancel();

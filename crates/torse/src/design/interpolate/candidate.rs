@@ -5,6 +5,9 @@ use super::{affine, Problem, Solution};
 use crate::geom::Vec3;
 use crate::torse::net::{Net, Regularity, TaperedNet};
 
+/// Share of a reach by which it may differ from the one wanted: rounding, for which no taper is worth it.
+const SAME_REACH: f64 = 1e-12;
+
 /// The solution with this net, tapered if the last reach is prescribed. `None` if the last ruling points away from
 /// the side given and a reach is prescribed there.
 pub(super) fn measured(problem: &Problem, net: Net) -> Option<Solution> {
@@ -17,7 +20,7 @@ pub(super) fn measured(problem: &Problem, net: Net) -> Option<Solution> {
     let end_error = angle(direction(&c_0, &e_0), &problem.v).max(angle(direction(&c_l, &e_l), &problem.w));
     let mut taper = (1.0, 1.0);
     if let Some(wanted) = problem.options.end_reach {
-        if (end_reach - wanted).abs() > 1e-12 * wanted {
+        if (end_reach - wanted).abs() > SAME_REACH * wanted {
             let factor = factor(&c_l, &e_l, &problem.w, wanted)?;
             if !(factor > 0.0 && factor.is_finite()) {
                 return None;

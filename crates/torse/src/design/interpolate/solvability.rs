@@ -16,6 +16,13 @@ use crate::torse::net::paper_knots;
 /// Distance from a knot, as a share of the domain, within which a root counts as the knot's own: such roots close no
 /// cell.
 const ON_KNOT: f64 = 1e-9;
+/// Undecided parts of [0, 1] narrower than this stand for a double root in their middle; wider ones say nothing of
+/// its place.
+const NARROW: f64 = 1e-3;
+/// Share of the summed sizes of δ below which their sum is rounding: then m = 0, the cone, is a root.
+const ROUNDING: f64 = 1e-14;
+/// Roots, as numbers of (−1, 1), that are nearer to zero than this are then that root.
+const AT_CONE: f64 = 1e-9;
 
 /// Polynomial nets through a curve with two given lines, counted.
 #[derive(Clone, Debug, PartialEq)]
@@ -86,15 +93,15 @@ pub(super) fn of(problem: &Problem, all: bool) -> Solvability {
     // Undecided parts: a double root touches zero without a sign change to hold on to; its place is all there is.
     for part in &regular.undecided {
         let inside = part.0 > 0.0 && part.1 < 1.0;
-        if inside && part.1 - part.0 < 1e-3 {
+        if inside && part.1 - part.0 < NARROW {
             out.regular.push(span(0.5 * (part.0 + part.1)));
         }
     }
     out.regular.sort_by(f64::total_cmp);
     // A root at rounding's distance from the cone is the cone.
     let size = out.delta.iter().map(|d| d.abs()).sum::<f64>();
-    if out.delta.iter().sum::<f64>().abs() <= 1e-14 * size {
-        for m in out.regular.iter_mut().filter(|m| m.abs() * half < 1e-9) {
+    if out.delta.iter().sum::<f64>().abs() <= ROUNDING * size {
+        for m in out.regular.iter_mut().filter(|m| m.abs() * half < AT_CONE) {
             *m = 0.0;
         }
     }
@@ -108,7 +115,7 @@ pub(super) fn of(problem: &Problem, all: bool) -> Solvability {
     let slope = derivative(&numbers);
     let roots = isolate(&inner);
     let simple = roots.simple.iter().map(|r| refine(|t| (value(&numbers, t), value(&slope, t)), r.lo, r.hi, r.rising));
-    let inside = simple.chain(roots.undecided.iter().filter(|p| p.1 - p.0 < 1e-3).map(|p| 0.5 * (p.0 + p.1)));
+    let inside = simple.chain(roots.undecided.iter().filter(|p| p.1 - p.0 < NARROW).map(|p| 0.5 * (p.0 + p.1)));
     out.singular =
         inside.map(|t| a + t * (b - a)).filter(|x| u.iter().all(|k| (x - k).abs() > ON_KNOT * (b - a))).collect();
     out.singular.sort_by(f64::total_cmp);

@@ -13,6 +13,8 @@ const CUTS: [f64; 3] = [0.5, 0.35, 0.65];
 const INCLINATIONS: [f64; 7] = [0.15, 0.35, 0.6, 1.0, 1.7, 3.0, 6.0];
 /// Directions per inclination.
 const ROUND: usize = 18;
+/// Sum of two unit directions below which they are opposite (to 0.06°) and have no mean.
+const OPPOSITE: f64 = 1e-3;
 
 /// The two parts with the most even reaches, at the first cut that has any; polynomial parts before rational ones.
 pub(super) fn best(problem: &Problem) -> Option<Vec<Solution>> {
@@ -56,7 +58,7 @@ fn fan(v: &Vec3, w: &Vec3) -> Vec<Vec3> {
     let (v, w) = (v.normalize(), w.normalize());
     // Opposite directions have no mean; any direction across them serves.
     let sum = v + w;
-    let mean = if sum.norm() > 1e-3 { sum.normalize() } else { across(&v) };
+    let mean = if sum.norm() > OPPOSITE { sum.normalize() } else { across(&v) };
     let p = across(&mean);
     let q = mean.cross(&p);
     let mut out = vec![mean];

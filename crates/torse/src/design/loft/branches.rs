@@ -68,6 +68,10 @@ impl Branch {
 const ZERO: f64 = 1e-13;
 /// Steps of the track's parameter below this are rest.
 const REST: f64 = 1e-10;
+/// Brackets narrower than this share of their ends cannot be halved any more.
+const LAST_DIGIT: f64 = 1e-16;
+/// Sum of the sines of both unit tangents against their ruling, below which these span no plane: rounding.
+const NO_PLANE: f64 = 1e-12;
 
 /// `det(a', b', b − a)` with unit vectors; 0 where rounding is all there is.
 pub fn coplanarity(a: &Contact, b: &Contact) -> f64 {
@@ -160,6 +164,7 @@ impl Grid {
     }
 
     /// Zero lines: crossings polished along grid lines by `f`, joined.
+    #[expect(clippy::too_many_lines, reason = "one march with its state")]
     pub fn chains(&self, f: &dyn Fn(f64, f64) -> f64) -> Vec<Chain> {
         let (na, nb) = (self.x.len(), self.y.len());
         let (ca, cb) =
@@ -277,7 +282,7 @@ pub(crate) fn root(f: &dyn Fn(f64) -> f64, ends: [f64; 2], values: [f64; 2]) -> 
     let mut side = 0;
     for k in 0..100 {
         let width = b - a;
-        if width.abs() <= 1e-16 * (a.abs() + b.abs()) {
+        if width.abs() <= LAST_DIGIT * (a.abs() + b.abs()) {
             break;
         }
         // Illinois: the value of an end that stays is halved.
@@ -397,7 +402,7 @@ pub fn plane_normal(a: &Contact, b: &Contact) -> Option<Vec3> {
     let r = (b.point - a.point).try_normalize(0.0)?;
     let (x, y) = (a.tangent.cross(&r), b.tangent.cross(&r));
     let y = if x.dot(&y) < 0.0 { -y } else { y };
-    (x + y).try_normalize(1e-12)
+    (x + y).try_normalize(NO_PLANE)
 }
 
 #[cfg(test)]

@@ -34,7 +34,7 @@ pub struct BuildOptions {
 impl BuildOptions {
     /// Defaults with a rail tolerance (mm).
     pub fn new(rail_tolerance: f64) -> Self {
-        Self { rail_tolerance, twist_tolerance: 1e-6, exact: true }
+        Self { rail_tolerance, twist_tolerance: TWIST, exact: true }
     }
 }
 
@@ -57,6 +57,8 @@ const MOVES: f64 = 1e-4;
 const LONG: usize = 12;
 /// Deviation from a linear relation of the parameters that is rounding.
 const LINEAR: f64 = 1e-11;
+/// Stations from which on their relation is that of all rulings: any two are related linearly.
+const TELLING: usize = 5;
 /// Distance from a knot, in parameters, that is rounding.
 const KNOT: f64 = 1e-10;
 /// Share of a run within which a knot counts as its end: a shorter span has no direction, for rulings at the end are
@@ -70,6 +72,16 @@ const MOST: usize = 800;
 const PROBES: usize = 8;
 /// Angles and relative lengths below which a strip is called a plane, cylinder or cone.
 const SAME_KIND: f64 = 1e-8;
+/// Twist (rad) that fitted rulings may have: a micrometre over a metre, far below what any bend shows, far above
+/// rounding.
+const TWIST: f64 = 1e-6;
+/// Share of both slopes of f below which their difference is rounding: the path runs along the zero line's own
+/// tangent, and no step across it is known.
+const ALONG: f64 = 1e-9;
+/// Steps across a run, as a share of it, that vanish in the rounding of its parameters.
+const LAST_DIGIT: f64 = 1e-16;
+/// Breaks nearer than this share of a run are one: knots of both rails met at once, as well as bisection finds them.
+const SAME_BREAK: f64 = 1e-7;
 
 /// Strips along a branch, in order; the first rail is `v = 0`.
 ///
@@ -282,7 +294,7 @@ pub(crate) fn between_pieces(
         return Ok(built);
     }
     let off = stations.iter().map(|s| ((s[0] - p[0]) / dx - (s[1] - p[1]) / dy).abs()).fold(0.0, f64::max);
-    if off <= LINEAR {
+    if off <= LINEAR && (stations.len() >= TELLING || is_linear(ca, cb, stations, options.exact)) {
         let strip = Strip::between("", PanelKind::Torse, &ca.restricted(p[0], q[0])?, &cb.restricted(p[1], q[1])?)?;
         let rails = [
             RailPart { piece: i, parameter: linear(p[0], q[0])? },
@@ -323,6 +335,15 @@ pub(crate) fn between_pieces(
         parameter: Curve { knots: knots.clone(), control: joined(&spans, |s| s.parameters[side]) },
     };
     Ok(Some(BuiltStrip { strip: classified(strip), rails: [part(0, i), part(1, j)] }))
+}
+
+/// Whether rulings between few stations are where a linear relation has them.
+fn is_linear(a: &Curve<4>, b: &Curve<4>, stations: &[[f64; 2]], exact: bool) -> bool {
+    let path = Path::new(a, b, stations, exact);
+    [0.25, 0.5, 0.75].into_iter().all(|w| {
+        let share = |d: usize| (path.at(w).0[d] - path.from[d]) / path.extent[d];
+        (share(0) - share(1)).abs() <= LINEAR
+    })
 }
 
 /// A run between two smooth pieces as a function of w ∈ [0, 1].
@@ -378,7 +399,7 @@ impl<'a> Path<'a> {
             let (fx, fy) = (self.extent[0] * a[2].cross(&b[1]).dot(&r), self.extent[1] * a[1].cross(&b[2]).dot(&r));
             // f(x(w + d), y(w − d)) = 0.
             let (along, across) = (fx + fy, fx - fy);
-            if across.abs() <= 1e-9 * (fx.abs() + fy.abs()) || !across.is_finite() {
+            if across.abs() <= ALONG * (fx.abs() + fy.abs()) || !across.is_finite() {
                 break;
             }
             rate = -along / across;
@@ -387,7 +408,7 @@ impl<'a> Path<'a> {
             }
             let step = -f / across;
             d += step;
-            if step.abs() <= 1e-16 {
+            if step.abs() <= LAST_DIGIT {
                 break;
             }
         }
@@ -454,8 +475,7 @@ impl<'a> Path<'a> {
             out.extend(self.stations.iter().map(|s| s[0]));
         }
         out.sort_by(f64::total_cmp);
-        // Knots of both rails met at once are one break.
-        out.dedup_by(|b, a| *b - *a <= 1e-7);
+        out.dedup_by(|b, a| *b - *a <= SAME_BREAK);
         if let Some(last) = out.last_mut() {
             *last = 1.0;
         }

@@ -138,7 +138,7 @@ pub fn least_twist(a: &Rail, b: &Rail, options: &LeastTwistOptions) -> Result<Tw
     for w in cuts.windows(2).filter(|w| w[0] != w[1]) {
         let (i, j) = (w[0][0]..=w[1][0], w[0][1]..=w[1][1]);
         let (moves, cost) = optimum(&p.points[i.clone()], &q.points[j.clone()]);
-        let part = path(&p.x[i.clone()], &p.points[i], &q.x[j.clone()], &q.points[j], &moves, cost, closed);
+        let part = path((&p.x[i.clone()], &p.points[i]), (&q.x[j.clone()], &q.points[j]), &moves, cost, closed);
         whole = Some(match whole {
             None => part,
             Some(mut all) => {
@@ -182,7 +182,7 @@ pub(super) fn least_twist_from(
     let end = q.x[n];
     let x: Vec<f64> = (0..=n).map(|k| if start + k <= n { q.x[start + k] } else { q.x[start + k - n] + end }).collect();
     let (moves, cost) = optimum(&p.points, &turned);
-    Ok(path(&p.x, &p.points, &x, &turned, &moves, cost, true))
+    Ok(path((&p.x, &p.points), (&x, &turned), &moves, cost, true))
 }
 
 /// Closed polyline (last point equal to the first) starting at its point `k`.
@@ -191,7 +191,11 @@ fn turn(points: &[Vec3], k: usize) -> Vec<Vec3> {
     (0..=n).map(|i| points[(i + k) % n]).collect()
 }
 
-fn path(x: &[f64], p: &[Vec3], y: &[f64], q: &[Vec3], moves: &[bool], cost: f64, closed: bool) -> TwistPath {
+/// Stations of a polyline and its points.
+type Stations<'a> = (&'a [f64], &'a [Vec3]);
+
+/// The path that starts at both beginnings and takes the given steps: along the first polyline or the second.
+fn path((x, p): Stations, (y, q): Stations, moves: &[bool], cost: f64, closed: bool) -> TwistPath {
     let (mut i, mut j) = (0, 0);
     let mut out = TwistPath {
         stations: vec![[x[0], y[0]]],

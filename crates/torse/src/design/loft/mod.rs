@@ -1,15 +1,16 @@
 //! Developables between two rails \[W15, 4A, 4B\]: branches of coplanar tangents, strips along them, and the strip of
 //! least twist where there is no branch.
 
-pub mod alternatives;
+pub(crate) mod alternatives;
 pub mod branches;
 pub mod build;
 pub mod least_twist;
-pub mod net_strip;
-pub mod on_torse;
-pub mod orientation;
+pub(crate) mod net_strip;
+pub(crate) mod on_torse;
+pub(crate) mod orientation;
 pub mod track;
 
+use crate::geom::segment::segment_distance;
 use crate::geom::Vec3;
 use crate::spline::SplineError;
 use crate::torse::rail::Rail;
@@ -93,6 +94,10 @@ pub enum LoftError {
 const THIN: f64 = 1e-9;
 /// Share of the size below which rails touch.
 const TOUCH: f64 = 1e-7;
+/// Share of a rail at which the search for a foot on it ends: the rounding of its parameters, with a margin.
+const FOOT: f64 = 1e-12;
+/// Share of both rails at which the search for where they touch ends: a thousandth of [`TOUCH`].
+const PLACE: f64 = 1e-10;
 
 /// Refuses rails that touch, and rails that lie in one line.
 ///
@@ -111,7 +116,7 @@ pub fn apart(a: &Rail, b: &Rail) -> Result<(), LoftError> {
     let mut least = (f64::INFINITY, 0, 0);
     for i in 0..p.len() - 1 {
         for j in 0..q.len() - 1 {
-            let d = segments(&p[i], &p[i + 1], &q[j], &q[j + 1]);
+            let d = segment_distance([&p[i], &p[i + 1]], [&q[j], &q[j + 1]]);
             if d < least.0 {
                 least = (d, i, j);
             }
@@ -146,7 +151,7 @@ fn nearest(rail: &Rail, x: &Vec3) -> f64 {
     let off = |s: f64| (rail.point(s.clamp(0.0, 1.0) * n) - x).norm();
     let first = (0..=SAMPLES).map(|k| k as f64 / SAMPLES as f64).min_by(|s, t| off(*s).total_cmp(&off(*t)));
     let (mut s, mut h) = (first.unwrap_or(0.0), 1.0 / SAMPLES as f64);
-    while h > 1e-12 {
+    while h > FOOT {
         for t in [s - h, s - 0.5 * h, s + 0.5 * h, s + h] {
             if off(t) < off(s) {
                 s = t;
@@ -162,7 +167,7 @@ fn refine(a: &Rail, b: &Rail, s: f64, t: f64) -> (f64, f64, f64) {
     let (na, nb) = (a.pieces.len() as f64, b.pieces.len() as f64);
     let (mut s, mut t, mut h) = (s, t, 0.05);
     let mut best = f64::INFINITY;
-    while h > 1e-10 {
+    while h > PLACE {
         let (s0, t0) = (s, t);
         for i in -4..=4 {
             for j in -4..=4 {
@@ -177,15 +182,4 @@ fn refine(a: &Rail, b: &Rail, s: f64, t: f64) -> (f64, f64, f64) {
         h *= 0.6;
     }
     (best, s, t)
-}
-
-/// Distance between two segments.
-fn segments(a: &Vec3, b: &Vec3, c: &Vec3, d: &Vec3) -> f64 {
-    let (u, v, w) = (b - a, d - c, a - c);
-    let (uu, uv, vv, uw, vw) = (u.dot(&u), u.dot(&v), v.dot(&v), u.dot(&w), v.dot(&w));
-    let det = uu * vv - uv * uv;
-    let s = if det > 1e-14 * uu * vv { ((uv * vw - vv * uw) / det).clamp(0.0, 1.0) } else { 0.0 };
-    let t = if vv > 0.0 { ((uv * s + vw) / vv).clamp(0.0, 1.0) } else { 0.0 };
-    let s = if uu > 0.0 { ((uv * t - uw) / uu).clamp(0.0, 1.0) } else { 0.0 };
-    (w + u * s - v * t).norm()
 }

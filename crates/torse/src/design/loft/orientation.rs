@@ -4,7 +4,7 @@
 use super::branches::{branches, Branch, BranchOptions, BranchType, Direction};
 use super::track::{Segment, Track};
 use super::LoftError;
-use crate::torse::rail::Rail;
+use crate::torse::rail::{Rail, SEAM};
 
 /// Share of a rail that may be left over without a word.
 pub const WHOLE: f64 = 1e-6;
@@ -57,7 +57,7 @@ pub fn seamed(a: &Rail, b: &Rail, branch: &Branch, alternative: usize) -> Result
     };
     let corner = |d: usize, x: f64| {
         let track = if d == 0 { Track::new(a) } else { Track::new(b) };
-        matches!(track.locate(x.rem_euclid(track.end()) + 1e-9).0, Segment::Piece(_)) && (x - x.round()).abs() < 1e-9
+        matches!(track.locate(x.rem_euclid(track.end()) + SEAM).0, Segment::Piece(_)) && (x - x.round()).abs() < SEAM
     };
     // A place where a fan about a corner ends: the corner's rail goes on from the beginning of a piece.
     let changes = |k: &usize| rests(k + n - 1) != rests(*k);

@@ -44,6 +44,13 @@ pub struct Contact {
 
 /// Turns (rad) below which pieces join smoothly.
 const SMOOTH: f64 = 1e-6;
+/// Rails that turn less than this (rad) as a whole are straight: rounding of their turns must not place nodes.
+const LEAST_TURN: f64 = 1e-3;
+/// A derivative below this share of the second one, by the piece's own parameter, has no direction to be trusted: the
+/// piece stops within that share of itself.
+const STOPS: f64 = 1e-6;
+/// Length below which a mixture of two unit tangents has no direction.
+const NO_DIRECTION: f64 = 1e-9;
 
 impl<'a> Track<'a> {
     /// The track of a rail.
@@ -110,7 +117,8 @@ impl<'a> Track<'a> {
             Segment::Piece(k) => self.rail.piece_length(*k, 1.0),
         };
         let (turns, lengths): (Vec<f64>, Vec<f64>) = self.segments.iter().map(|s| (turn(s), length(s))).unzip();
-        let (all_turns, all_lengths) = (turns.iter().sum::<f64>().max(1e-3), lengths.iter().sum::<f64>().max(1e-300));
+        let (all_turns, all_lengths) =
+            (turns.iter().sum::<f64>().max(LEAST_TURN), lengths.iter().sum::<f64>().max(f64::MIN_POSITIVE));
         let mut out = Vec::with_capacity(cells + 8 * self.segments.len());
         for (k, (t, l)) in turns.iter().zip(&lengths).enumerate() {
             let share = 0.5 * (t / all_turns + l / all_lengths);
@@ -131,15 +139,14 @@ pub fn contact(rail: &Rail, segment: &Segment, t: f64) -> Contact {
             let c = &rail.pieces[*k];
             let j = jet(c, t);
             let speed = j[1].norm();
-            // A derivative that nearly vanishes has no direction to be trusted.
-            let slow = speed <= 1e-6 * j[2].norm();
+            let slow = speed <= STOPS * j[2].norm();
             Contact { point: j[0], tangent: if slow { tangent(c, t) } else { j[1] / speed } }
         }
         Segment::Corner { point, from, to, .. } => {
             let angle = from.angle(to);
             let s = angle.sin();
             let mixed = from * (((1.0 - t) * angle).sin() / s) + to * ((t * angle).sin() / s);
-            Contact { point: *point, tangent: mixed.try_normalize(1e-9).unwrap_or(*from) }
+            Contact { point: *point, tangent: mixed.try_normalize(NO_DIRECTION).unwrap_or(*from) }
         }
     }
 }

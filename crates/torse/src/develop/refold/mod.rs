@@ -2,20 +2,20 @@
 //! belongs.
 
 mod align;
-pub mod artwork;
+pub(crate) mod artwork;
 pub mod atlas;
 pub mod compare;
-pub mod course;
-pub mod cut;
+pub(crate) mod course;
+pub(crate) mod cut;
 pub mod drawn;
 mod family;
 pub mod leaf;
 mod lines;
-pub mod mesh;
+pub(crate) mod mesh;
 pub mod pose;
 pub mod ribbon;
-pub mod sheet;
-pub mod smooth;
+pub(crate) mod sheet;
+pub(crate) mod smooth;
 
 /// Why a part cannot be bent back. Messages say what of the part is concerned; the caller names the part.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

@@ -4,11 +4,11 @@
 pub mod bevel;
 pub mod facets;
 pub mod laid;
-pub mod material;
-pub mod neutral;
-pub mod order;
+pub(crate) mod material;
+pub(crate) mod neutral;
+pub(crate) mod order;
 pub mod roll;
-pub mod sections;
+pub(crate) mod sections;
 #[cfg(test)]
 mod specimens;
 pub mod thickness;

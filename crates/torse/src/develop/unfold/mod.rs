@@ -3,10 +3,10 @@
 pub mod allowance;
 pub mod bends;
 pub mod chart;
-pub mod outline;
+pub(crate) mod outline;
 pub mod part;
 pub mod region;
-pub mod sheet;
+pub(crate) mod sheet;
 pub mod tree;
 
 #[cfg(test)]

@@ -19,8 +19,6 @@ pub struct Outline {
     pub area: f64,
     /// Largest distance (mm) between drawn and exact outline, measured.
     pub error: f64,
-    /// Length, mm.
-    pub length: f64,
     /// What every line and arc is drawn for.
     pub strokes: Vec<Stroke>,
 }
@@ -138,8 +136,7 @@ fn outline(body: &Body, piece: &Piece, halves: Vec<usize>, tolerance: f64) -> Ou
     let stations = simpler(stations);
     let strokes = strokes(body, piece, &halves, &stations);
     let contour = Contour { vertices: stations.into_iter().map(|s| s.vertex).collect() };
-    let length = length(&contour.vertices);
-    Outline { area: contour_area(&contour), contour, halves, error, length, strokes }
+    Outline { area: contour_area(&contour), contour, halves, error, strokes }
 }
 
 /// Where the next run begins apart from the end of the last, a line joins them; what is less is part of the error.
@@ -340,20 +337,6 @@ fn simpler(v: Vec<Station>) -> Vec<Station> {
         }
     }
     out
-}
-
-/// Length of a contour, mm.
-fn length(v: &[ContourVertex]) -> f64 {
-    let piece = |k: usize| {
-        let chord = (v[(k + 1) % v.len()].point - v[k].point).norm();
-        let half = 2.0 * v[k].bulge.atan();
-        if half == 0.0 {
-            chord
-        } else {
-            chord * half / half.sin()
-        }
-    };
-    (0..v.len()).map(piece).sum()
 }
 
 /// Area inside a contour with its arcs, mm²; negative clockwise.

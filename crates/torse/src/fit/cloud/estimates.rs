@@ -132,10 +132,16 @@ fn check(points: &[Vec3]) -> Result<(), CloudError> {
 fn estimate(points: &[Vec3], grid: &Grid, key: &[i32; 3]) -> Option<Estimate> {
     // A neighbourhood thicker than this share of its width is a corner or a heap.
     const THICK: f64 = 0.15;
+    // Ratio of the squared spreads, breadth against length, below which it is a row of points: no thousandth as broad.
+    const ROW: f64 = 1e-6;
     const ROUNDS: usize = 6;
     // Points of a cell farther than this many times the noise (at least this share of the cell) are not on the surface.
     const OUTLYING: f64 = 5.0;
     const ROUGH: f64 = 1e-3;
+    // Share of its trace that is added to the matrix of a quadric, which keeps it finite over rows of points …
+    const RIDGE: f64 = 1e-9;
+    // … and the part of that for its value and slopes, which such rows still tell.
+    const LINEAR: f64 = 1e-3;
     let own = grid.cell(key);
     let middle = own.iter().map(|&i| points[i as usize]).sum::<Vec3>() / own.len() as f64;
     let near: Vec<u32> = around(key, 1).flat_map(|k| grid.cell(&k).iter().copied()).collect();
@@ -150,7 +156,7 @@ fn estimate(points: &[Vec3], grid: &Grid, key: &[i32; 3]) -> Option<Estimate> {
     let mut order = [0, 1, 2];
     order.sort_by(|&a, &b| eigen.eigenvalues[a].total_cmp(&eigen.eigenvalues[b]));
     let values = order.map(|k| eigen.eigenvalues[k]);
-    if values[0] > THICK * values[1] || values[1] <= 1e-6 * values[2] {
+    if values[0] > THICK * values[1] || values[1] <= ROW * values[2] {
         return None;
     }
     let z: Vec3 = eigen.eigenvectors.column(order[0]).normalize();
@@ -180,10 +186,9 @@ fn estimate(points: &[Vec3], grid: &Grid, key: &[i32; 3]) -> Option<Estimate> {
             a += t * t.transpose() * *w;
             b += t * (p[2] * w);
         }
-        // A trace of the identity keeps quadrics over rows of points finite.
-        let ridge = 1e-9 * a.trace();
+        let ridge = RIDGE * a.trace();
         for k in 0..6 {
-            a[(k, k)] += if k < 3 { 1e-3 * ridge } else { ridge };
+            a[(k, k)] += if k < 3 { LINEAR * ridge } else { ridge };
         }
         c = a.cholesky()?.solve(&b);
         for (r, p) in residuals.iter_mut().zip(&local) {

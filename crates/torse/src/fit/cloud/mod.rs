@@ -3,10 +3,10 @@
 
 pub mod estimates;
 pub mod extent;
-pub mod facets;
+pub(crate) mod facets;
 mod grid;
-pub mod pieces;
-pub mod regions;
+pub(crate) mod pieces;
+pub(crate) mod regions;
 
 pub use grid::core;
 

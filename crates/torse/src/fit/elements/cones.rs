@@ -239,7 +239,9 @@ fn between(strip: &impl RuledStrip, a: &Station, b: &Station, options: &ConeFitO
 
 /// Where a boundary curve of the strip passes the normal plane of a ruling: its coordinate along the ruling.
 fn crossing(strip: &impl RuledStrip, side: usize, ruling: &G1Element, guess: f64, range: (f64, f64)) -> f64 {
-    // Newton's steps from a guess that is good to second order; four are plenty.
+    // Newton's steps from a guess that is good to second order; four are plenty. After one below this share of the
+    // range the next would be rounding.
+    const SETTLED: f64 = 1e-9;
     let mut u = guess;
     let mut x = strip.jet(u).ends[side];
     for _ in 0..4 {
@@ -251,7 +253,7 @@ fn crossing(strip: &impl RuledStrip, side: usize, ruling: &G1Element, guess: f64
         let moved = (next - u).abs();
         u = next;
         x = strip.jet(u).ends[side];
-        if moved < 1e-9 * (range.1 - range.0) {
+        if moved < SETTLED * (range.1 - range.0) {
             break;
         }
     }

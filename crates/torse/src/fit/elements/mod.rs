@@ -3,8 +3,8 @@
 pub mod cones;
 pub mod decompose;
 pub mod extent;
-pub mod given;
-pub mod outliers;
-pub mod ruling_order;
+pub(crate) mod given;
+pub(crate) mod outliers;
+pub(crate) mod ruling_order;
 pub mod sequence;
 pub mod span_series;

@@ -14,7 +14,7 @@ use crate::fit::near::samples::{error, Fit, Sample};
 use crate::fit::planes::correction::{corrected, joint, JointOptions};
 use crate::fit::planes::frame::{frame_of_normals, slope_frame, STEEPEST};
 use crate::fit::planes::functionals::Freedom;
-use crate::fit::planes::knot_choice::{planes_within, KnotOptions};
+use crate::fit::planes::knot_choice::{planes_within, KnotOptions, FAINT};
 use crate::fit::planes::linear_system::{ruling_condition, PlaneDatum, PlanesOptions};
 use crate::fit::planes::regularity_margin::{controlled, keeps, Reach};
 use crate::fit::planes::rulings::{slope_fit, RulingDatum, SlopeData, SlopeOptions};
@@ -57,9 +57,6 @@ impl RowOptions {
         !self.fix_ends && self.smoothing <= FAINT
     }
 }
-
-/// Smoothing that keeps fits determined where planes are few.
-pub(crate) const FAINT: f64 = 1e-9;
 
 /// A run of the row with its torses.
 #[derive(Clone, Debug)]
@@ -242,7 +239,7 @@ fn controlled_by_slope(elements: &[ContactElement], limits: &RegressionLimits, o
     let places: Vec<(f64, Reach)> =
         elements.iter().zip(&data.planes).flat_map(|(e, d)| places(e, d.parameter)).collect();
     let start = planes_within(&data.planes, &knots_wanted(elements.len(), options)).ok()?;
-    controlled_fit(&data, &frame, places, start.curve.knots().clone(), limits, options, |torse| {
+    controlled_fit((&data, &frame), places, start.curve.knots().clone(), limits, options, |torse| {
         if elements.iter().all(ContactElement::has_ruling) {
             return error(torse, &samples(elements));
         }
@@ -285,8 +282,7 @@ fn least(a: f64, b: f64, value: impl Fn(f64) -> f64) -> f64 {
 
 /// Fits by the convex program over `knots`, then over halved spans, until one is within the tolerance; the nearest.
 fn controlled_fit(
-    data: &SlopeData,
-    frame: &Frame,
+    (data, frame): (&SlopeData, &Frame),
     places: Vec<(f64, Reach)>,
     mut knots: Knots,
     limits: &RegressionLimits,
@@ -356,7 +352,7 @@ pub fn controlled_of_cloud(
     let places = (elements.iter().zip(&data.planes)).map(|(e, d)| (d.parameter, (frame.to_local(&e.centre()), radius)));
     let places: Vec<(f64, Reach)> = places.collect();
     let start = planes_within(&data.planes, &knots_wanted(elements.len(), options)).ok()?;
-    controlled_fit(&data, &frame, places, start.curve.knots().clone(), limits, options, |t| error(t, samples))
+    controlled_fit((&data, &frame), places, start.curve.knots().clone(), limits, options, |t| error(t, samples))
 }
 
 /// Whether the regression curve of a torse keeps to the limits at estimates that reach `radius` (mm) around them.

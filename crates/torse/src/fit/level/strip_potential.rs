@@ -86,6 +86,9 @@ const WATCHED: usize = 120;
 const JOINING: usize = 24;
 /// Ratio below which a condition counts as failed.
 const FAILED: f64 = 0.985;
+/// Share of the median by which conditions must be met for their root to be taken linearly: nearer to zero, and below
+/// it, the root has no slope to be trusted, and the condition itself is taken.
+const NEARLY_MISSED: f64 = 1e-3;
 /// Tangent of the angle by which bands may leave a wanted direction.
 pub const TURN: f64 = 0.18;
 /// Programs without gain after which a start ends.
@@ -427,7 +430,7 @@ impl Problem {
         let penalty = 60.0 * from.range / rows.len() as f64;
         let mut typical: Vec<f64> = rows.iter().map(|r| r.q(r.gradient(c0)).0.abs() / r.need.powi(2)).collect();
         typical.sort_by(f64::total_cmp);
-        let small = 1e-3 * typical[typical.len() / 2];
+        let small = NEARLY_MISSED * typical[typical.len() / 2];
         for (k, r) in rows.iter().enumerate() {
             lp.cost[slack + k] = penalty;
             let (q0, dq) = r.q(r.gradient(c0));

@@ -6,6 +6,7 @@
 //! needs (cubic splines by least squares over the arc length).
 
 use super::dual::CentrePoint;
+use super::tangent_envelope::NO_NORMAL;
 use crate::geom::Vec3;
 use crate::spline::field::Field;
 use crate::spline::knots::Knots;
@@ -78,7 +79,7 @@ fn advance(surface: &Surface, field: &Field, p: [f64; 2], length: f64, at: [f64;
 fn point(surface: &Surface, field: &Field, p: [f64; 2]) -> Option<CentrePoint> {
     let j = surface.extended_jet(p[0], p[1]);
     let n = j.normal();
-    if n.norm() <= 1e-9 * j.du.norm() * j.dv.norm() {
+    if n.norm() <= NO_NORMAL * j.du.norm() * j.dv.norm() {
         return None;
     }
     let n = n.normalize();

@@ -64,6 +64,10 @@ const SHARES: [f64; 4] = [1.0, 0.4, 0.16, 0.064];
 
 /// Damping at first: share of the normal matrix's diagonal that is added to it.
 const DAMPING: f64 = 1e-3;
+/// Damping at its least: what samples determine is then known to a millionth, and what they do not stays finite.
+const LEAST_DAMPING: f64 = 1e-6;
+/// A promise to lower the largest distance by less than this share is none: the gap of the linear problem is larger.
+const NO_GAIN: f64 = 1e-4;
 
 /// A fit under way.
 pub(crate) struct Descent<'a, F: Family> {
@@ -276,13 +280,13 @@ impl<'a, F: Family> Descent<'a, F> {
             let linear = std::mem::take(&mut self.step);
             let mut step = Vec::new();
             let predicted =
-                minimax::step(&self.rows, &self.residual, &self.matrix, &linear, GAP, &mut self.work, &mut step);
+                minimax::step(&self.rows, &self.residual, (&self.matrix, &linear), GAP, &mut self.work, &mut step);
             self.step = step;
             let Some(predicted) = predicted else {
                 self.damping = (self.damping * 10.0).max(DAMPING);
                 continue;
             };
-            if predicted > before * (1.0 - 1e-4) {
+            if predicted > before * (1.0 - NO_GAIN) {
                 return 0.0;
             }
             let limit = self.family.step_share(&self.x, &self.step);
@@ -294,7 +298,7 @@ impl<'a, F: Family> Descent<'a, F> {
                     if now < before {
                         let kept = (before - now) / (before - predicted);
                         if kept > 0.75 {
-                            self.damping = (0.2 * self.damping).max(1e-6);
+                            self.damping = (0.2 * self.damping).max(LEAST_DAMPING);
                             self.stiffness = (0.5 * self.stiffness).max(1.0);
                         } else if kept < 0.25 {
                             self.damping *= 5.0;

@@ -9,6 +9,8 @@ use crate::geom::{Frame, Vec3};
 
 /// The final domain reaches this share of the feet's range beyond them.
 pub(in crate::fit) const MARGIN: f64 = 0.08;
+/// An extent along the profile below this share of all extents leaves no profile.
+const NO_PROFILE: f64 = 1e-6;
 
 /// A ruling direction with the best cone for it.
 pub(crate) struct Candidate {
@@ -32,17 +34,17 @@ pub(crate) fn mean_direction(samples: &[Sample]) -> Option<Vec3> {
     const LEAST: f64 = 0.3;
     const STEPS: usize = 20;
     let normals: Vec<(Vec3, f64)> =
-        samples.iter().filter(|s| s.n.norm_squared() > 0.25).map(|s| (s.n, s.weight.max(1e-300))).collect();
+        samples.iter().filter(|s| s.n.norm_squared() > 0.25).map(|s| (s.n, s.weight)).collect();
     if normals.is_empty() {
         return principal_frame(samples).map(|f| f.z);
     }
-    let mut up = normals.iter().map(|(n, w)| n * *w).sum::<Vec3>().try_normalize(1e-300)?;
+    let mut up = normals.iter().map(|(n, w)| n * *w).sum::<Vec3>().try_normalize(0.0)?;
     for k in 0..=STEPS {
         let far = normals.iter().map(|(n, _)| n).min_by(|a, b| a.dot(&up).total_cmp(&b.dot(&up)))?;
         if far.dot(&up) >= LEAST {
             return Some(up);
         }
-        up = (up + far * (1.0 / (2.0 + k as f64))).try_normalize(1e-300)?;
+        up = (up + far * (1.0 / (2.0 + k as f64))).try_normalize(0.0)?;
     }
     None
 }
@@ -110,8 +112,7 @@ fn placed(samples: &[Sample], axes: Frame, profile_spans: usize) -> Option<Candi
     let (lo, hi) = local
         .fold((Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY)), |(lo, hi), q| (lo.inf(&q), hi.sup(&q)));
     let unit = hi.x - lo.x;
-    // An extent of nothing against the others leaves no profile.
-    if !(unit > 1e-6 * (hi - lo).norm() && unit.is_finite()) {
+    if !(unit > NO_PROFILE * (hi - lo).norm() && unit.is_finite()) {
         return None;
     }
     let frame = Frame { origin: axes.vector_to_world(&((lo + hi) * 0.5)), ..axes };

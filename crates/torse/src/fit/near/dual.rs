@@ -8,7 +8,7 @@ use super::descent::ENOUGH;
 use super::descent::{descended, polished, repaired, Family};
 use super::directions::MARGIN;
 use super::envelope::EnvelopeFamily;
-use super::power_form::{Room, Sheet};
+use super::power_form::{RegularityMargin, Sheet};
 use super::samples::{measure, thin, Fit, Sample};
 use crate::geom::{BBox, Vec3};
 use crate::num::least_squares::{BandMatrix, Rows};
@@ -201,19 +201,19 @@ fn fitted(samples: &[Sample], scale: &Scale, start: Pieces<4>, options: &DualOpt
         return None;
     }
     family.adopt(&all);
-    let wanted = Room { clearance: options.clearance, bend_radius: options.bend_radius }.scaled(scale.unit);
-    family.keep_room(&start, wanted);
+    let wanted = RegularityMargin { clearance: options.clearance, bend_radius: options.bend_radius }.scaled(scale.unit);
+    family.keep_margin(&start, wanted);
     // Least squares, then a domain that suits the feet.
     let (x, _) = descended(&mut family, start.clone(), &few, 3, 0)?;
     let (x, _) = repaired(&mut family, x, &start, &mut few, &all, [3, 0])?;
     let (mut family, start) = family.refitted(&x, options.spans.max(4), MARGIN)?;
-    family.keep_room(&start, wanted);
+    family.keep_margin(&start, wanted);
     let (x, _) = descended(&mut family, start.clone(), &few, 3, 3)?;
     let (mut x, _) = repaired(&mut family, x, &start, &mut few, &all, [3, 3])?;
     let reached = polished(&mut family, &mut x, &few, &all, goal)? * scale.unit;
     // Feet that have strayed to another part of the torse spoil what is measured in the end.
     let fit = finished(samples, scale, &family, &x).filter(|fit| fit.error <= STRAYED * reached)?;
-    let room = Room::least(&family.sheet(&x), &family.points, &family.feet);
+    let room = RegularityMargin::least(&family.sheet(&x), &family.points, &family.feet);
     let roomy = room.bend_radius * scale.unit >= NEARLY[0] * options.bend_radius
         && room.clearance * scale.unit >= NEARLY[1] * options.clearance;
     Some((fit, roomy))
@@ -267,7 +267,10 @@ pub(crate) fn refit(torse: &DualTorse, samples: &[Sample], options: &RefitOption
         return None;
     }
     family.adopt(&all);
-    family.keep_room(&x, Room { clearance: REFIT_CLEARANCE, bend_radius: options.bend_radius / scale.unit });
+    family.keep_margin(
+        &x,
+        RegularityMargin { clearance: REFIT_CLEARANCE, bend_radius: options.bend_radius / scale.unit },
+    );
     let few = thin(samples, options.max_samples.max(12));
     polished(&mut family, &mut x, &few, &all, ENOUGH * options.tolerance / scale.unit)?;
     finished(samples, &scale, &family, &x)

@@ -2,7 +2,7 @@
 
 use super::basis::{cubic, Basis};
 use super::descent::Family;
-use super::power_form::{widened, Room, Sheet};
+use super::power_form::{widened, RegularityMargin, Sheet};
 use super::samples::REGULAR_DUAL;
 use crate::geom::Vec3;
 use crate::num::least_squares::Rows;
@@ -36,12 +36,12 @@ pub(crate) struct EnvelopeFamily {
     gauges: Vec<Gauge>,
     trial: Vec<f64>,
     /// Steps after which a sample has less room are refused.
-    room: Room,
+    room: RegularityMargin,
 }
 
 impl EnvelopeFamily {
     /// From now on the torse keeps the wanted room at the samples, or nearly as much as it has at `x`.
-    pub fn keep_room(&mut self, x: &[f64], wanted: Room) {
+    pub fn keep_margin(&mut self, x: &[f64], wanted: RegularityMargin) {
         self.room = wanted.kept(&self.sheet(x), &self.points, &self.feet);
     }
 
@@ -50,6 +50,8 @@ impl EnvelopeFamily {
     pub fn new(points: Vec<Vec3>, feet: Option<Vec<f64>>, start: Pieces<4>) -> Option<(Self, Vec<f64>)> {
         // Gauges per span: enough to fix each control plane.
         const GAUGES: usize = 2;
+        // Turning of the normal per unit of the parameter below which the plane stands still there: rounding.
+        const STANDS_STILL: f64 = 1e-12;
         let breaks = start.breaks.clone();
         let basis = Basis::spline(&Knots::clamped(3, &breaks).ok()?, &breaks);
         let x = coefficients(&basis, &breaks, &start);
@@ -69,10 +71,10 @@ impl EnvelopeFamily {
                 }
                 // The direction perpendicular to ruling and normal.
                 let turn = j.m - j.n * (j.n.dot(&j.m) / nn);
-                gauges.push(Gauge { t, n0: j.n / nn, e: turn.try_normalize(1e-12).unwrap_or_default() });
+                gauges.push(Gauge { t, n0: j.n / nn, e: turn.try_normalize(STANDS_STILL).unwrap_or_default() });
             }
         }
-        Some((Self { points, feet, breaks, basis, gauges, trial: Vec::new(), room: Room::default() }, x))
+        Some((Self { points, feet, breaks, basis, gauges, trial: Vec::new(), room: RegularityMargin::default() }, x))
     }
 
     /// Planes with the coefficients `x`.
@@ -128,7 +130,7 @@ impl EnvelopeFamily {
             basis,
             gauges: Vec::new(),
             trial: Vec::new(),
-            room: Room::default(),
+            room: RegularityMargin::default(),
         };
         Self::new(self.points.clone(), Some(self.feet.clone()), carrier.planes(&x))
     }
@@ -315,7 +317,7 @@ mod tests {
             basis,
             gauges: vec![],
             trial: vec![],
-            room: Room::default(),
+            room: RegularityMargin::default(),
         };
         let start = carrier.planes(&x);
         let (mut family, x) = EnvelopeFamily::new(points, None, start).expect("family");

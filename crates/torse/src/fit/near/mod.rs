@@ -1,12 +1,12 @@
 //! Torses near samples of a surface: planes, torses over profiles, envelopes of planes; the largest distance counts.
 
 pub(in crate::fit) mod basis;
-pub mod centre_line;
+pub(crate) mod centre_line;
 pub mod descent;
 pub(in crate::fit) mod directions;
 pub mod dual;
 pub(in crate::fit) mod envelope;
-pub mod exact;
+pub(crate) mod exact;
 pub mod plane;
 pub(in crate::fit) mod power_form;
 pub mod primal;

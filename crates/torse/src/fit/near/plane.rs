@@ -67,6 +67,12 @@ fn best_heights(samples: &[Sample], frame: &Frame, extent: f64) -> Option<[f64; 
     const ROUNDS: usize = 12;
     // Accepted excess of a sample outside the support over the optimum of the support.
     const EXCESS: f64 = 1.001;
+    // Gap of the linear problem, as a share of the largest distance: a third of that excess.
+    const GAP: f64 = 3e-4;
+    // Rounding of a height; the extent is 1.
+    const ROUNDING: f64 = 1e-15;
+    // Weight of a step's own size, extent 1: keeps collinear samples solvable, and moves others by less than is seen.
+    const COLLINEAR: f64 = 1e-9;
     let local: Vec<Vec3> = samples.iter().map(|s| frame.to_local(&s.x) / extent).collect();
     // Start: the samples extreme in eight directions of the plane and in height.
     let mut support = Vec::new();
@@ -80,8 +86,7 @@ fn best_heights(samples: &[Sample], frame: &Frame, extent: f64) -> Option<[f64; 
     support.dedup();
     let mut quadratic = BandMatrix::zeros(3, 3);
     for i in 0..3 {
-        // Keeps collinear samples solvable.
-        quadratic.add_diagonal(i, 1e-9);
+        quadratic.add_diagonal(i, COLLINEAR);
     }
     let mut work = minimax::Workspace::new();
     let (mut step, mut rows) = (Vec::new(), Rows::new(3, 3));
@@ -94,7 +99,7 @@ fn best_heights(samples: &[Sample], frame: &Frame, extent: f64) -> Option<[f64; 
             rows.push(0).1.copy_from_slice(&[1.0, q.x, q.y]);
             residual.push(c[0] + c[1] * q.x + c[2] * q.y - q.z);
         }
-        let best = minimax::step(&rows, &residual, &quadratic, &[0.0; 3], 3e-4, &mut work, &mut step)?;
+        let best = minimax::step(&rows, &residual, (&quadratic, &[0.0; 3]), GAP, &mut work, &mut step)?;
         for (a, d) in c.iter_mut().zip(&step) {
             *a += d;
         }
@@ -102,7 +107,7 @@ fn best_heights(samples: &[Sample], frame: &Frame, extent: f64) -> Option<[f64; 
             .iter()
             .enumerate()
             .map(|(i, q)| ((c[0] + c[1] * q.x + c[2] * q.y - q.z).abs(), i))
-            .filter(|(r, _)| *r > EXCESS * best + 1e-15)
+            .filter(|(r, _)| *r > EXCESS * best + ROUNDING)
             .collect();
         if beyond.is_empty() {
             break;

@@ -60,14 +60,14 @@ pub(crate) fn quintic(c: &[f64; 6], x: f64) -> f64 {
 
 /// How far a torse is from being singular, in units of length; infinite where nothing threatens.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Room {
+pub(crate) struct RegularityMargin {
     /// Radius of curvature across the ruling.
     pub bend_radius: f64,
     /// Distance along the ruling to the regression curve.
     pub clearance: f64,
 }
 
-impl Room {
+impl RegularityMargin {
     /// What is kept of the room that the feet `points`, `feet` have: the wanted one, or nearly as much as there is.
     pub fn kept(self, sheet: &Sheet, points: &[Vec3], feet: &[f64]) -> Self {
         // Share of the room at hand that steps may not use up.
@@ -268,7 +268,7 @@ impl Sheet {
     }
 
     /// At the foot `t` of `q`: radius of curvature across the ruling, and distance along it to the regression curve.
-    pub fn room(&self, q: &Vec3, t: f64) -> Room {
+    pub fn room(&self, q: &Vec3, t: f64) -> RegularityMargin {
         let j = self.jet(t);
         let nn = j.n.norm_squared();
         let foot = q - j.n * ((j.n.dot(q) - j.h) / nn);
@@ -276,7 +276,10 @@ impl Sheet {
         let nm = j.n.dot(&j.m);
         let across = j.c.abs() * (j.m.norm_squared() - nm * nm / nn);
         let ruling = j.n.cross(&j.m);
-        Room { bend_radius: nn.sqrt() * regular / across, clearance: regular * ruling.norm() / j.dm.dot(&ruling).abs() }
+        RegularityMargin {
+            bend_radius: nn.sqrt() * regular / across,
+            clearance: regular * ruling.norm() / j.dm.dot(&ruling).abs(),
+        }
     }
 
     /// First guesses of feet.

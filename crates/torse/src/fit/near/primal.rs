@@ -8,7 +8,7 @@ use super::descent::ENOUGH;
 use super::descent::{descended, largest, polished, repaired, Family};
 use super::directions::{candidates, mean_direction, spans, Candidate, MARGIN};
 use super::plane::plane;
-use super::power_form::{Room, Sheet};
+use super::power_form::{RegularityMargin, Sheet};
 use super::profile::{ProfileFamily, Slopes};
 use super::samples::{measure, thin, Fit, Sample};
 use crate::geom::{Frame, Vec3};
@@ -101,7 +101,7 @@ fn curved(samples: &[Sample], options: &PrimalOptions, enough: f64) -> Option<Fi
     found.sort_by(|a, b| a.cone.total_cmp(&b.cone));
     if let Some(c) = found.iter_mut().find_map(|c| c.family.irregular(&c.x, &all).is_empty().then_some(c)) {
         for (slopes, kind) in [(Slopes::Constant, PanelKind::Cylinder), (Slopes::Affine, PanelKind::Cone)] {
-            if let Some(fit) = simple(c, slopes, kind, samples, &few, &all, options.tolerance) {
+            if let Some(fit) = simple(c, slopes, kind, samples, (&few, &all), options.tolerance) {
                 return Some(fit);
             }
         }
@@ -125,7 +125,7 @@ fn curved(samples: &[Sample], options: &PrimalOptions, enough: f64) -> Option<Fi
         return finished(best.frame, best.unit, &best.family, &best.x, PanelKind::Torse, samples);
     }
     let goal = enough / best.unit;
-    best.family.keep_room(&best.x, Room { clearance: 0.0, bend_radius: options.bend_radius / best.unit });
+    best.family.keep_margin(&best.x, RegularityMargin { clearance: 0.0, bend_radius: options.bend_radius / best.unit });
     let few = std::mem::take(&mut best.few);
     let reached = polished(&mut best.family, &mut best.x, &few, &all, goal)? * best.unit;
     if reached > options.tolerance && reached < FINER * options.tolerance {
@@ -209,8 +209,7 @@ fn simple(
     slopes: Slopes,
     kind: PanelKind,
     samples: &[Sample],
-    few: &[usize],
-    all: &[usize],
+    (few, all): (&[usize], &[usize]),
     tolerance: f64,
 ) -> Option<Fit> {
     // Least-squares fits whose largest distance exceeds this many tolerances do not come below it by minimax steps.
@@ -280,7 +279,7 @@ pub(crate) fn scaled(torse: &PrimalTorse, kind: PanelKind, points: &[Vec3]) -> O
     let slopes = match kind {
         PanelKind::Plane | PanelKind::Cylinder => Slopes::Constant,
         PanelKind::Cone => Slopes::Affine,
-        PanelKind::Torse => Slopes::Spline(coarse_breaks(&pieces, &breaks)),
+        PanelKind::Torse | PanelKind::Ruled => Slopes::Spline(coarse_breaks(&pieces, &breaks)),
     };
     let scaled = Pieces {
         breaks: breaks.clone(),
@@ -307,7 +306,7 @@ pub(crate) fn refit(torse: &PrimalTorse, kind: PanelKind, samples: &[Sample], op
     if family.residuals(&x, &all, &mut residual) {
         family.adopt(&all);
     }
-    family.keep_room(&x, Room { clearance: 0.0, bend_radius: options.bend_radius / unit });
+    family.keep_margin(&x, RegularityMargin { clearance: 0.0, bend_radius: options.bend_radius / unit });
     polished(&mut family, &mut x, &few, &all, ENOUGH * options.tolerance / unit)?;
     finished(torse.frame, unit, &family, &x, kind, samples)
 }

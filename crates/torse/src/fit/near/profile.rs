@@ -3,7 +3,7 @@
 
 use super::basis::{cubic, Basis};
 use super::descent::Family;
-use super::power_form::{quintic, slope_integral, widened, Room, Sheet};
+use super::power_form::{quintic, slope_integral, widened, RegularityMargin, Sheet};
 use crate::geom::{Frame, Vec3};
 use crate::num::least_squares::Rows;
 use crate::spline::knots::Knots;
@@ -15,6 +15,12 @@ const REGULAR: f64 = 0.1;
 /// Weight of the third differences of a step of f (and of the second differences of that of a): minimax fits may wiggle
 /// where the samples are far from the largest distance; a wiggle of ten times the error then costs half a percent of it.
 const FAIR: f64 = 0.015;
+/// Samples count as reaching this far from the profile plane, with the extent in x as unit: rulings always weigh
+/// something.
+const LEAST_REACH: f64 = 1e-9;
+/// Share of a span inside which its ends are looked at: there, rounding cannot take the neighbour's polynomial for
+/// its own.
+const INSIDE: f64 = 1e-3;
 
 /// Which functions the ruling slope a may be.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,7 +49,7 @@ pub(crate) struct ProfileFamily {
     /// Largest |y| of the samples.
     reach: f64,
     /// Steps after which a sample has less room are refused.
-    room: Room,
+    room: RegularityMargin,
 }
 
 impl ProfileFamily {
@@ -51,8 +57,8 @@ impl ProfileFamily {
     pub fn new(points: Vec<Vec3>, feet: Vec<f64>, breaks: Vec<f64>, slopes: Slopes) -> Option<Self> {
         let f = Basis::spline(&Knots::clamped(3, &breaks).ok()?, &breaks);
         let a = Self::slope_basis(&breaks, &slopes)?;
-        let reach = points.iter().fold(1e-9_f64, |m, q| m.max(q.y.abs()));
-        Some(Self { points, feet, breaks, f, a, slopes, trial: Vec::new(), reach, room: Room::default() })
+        let reach = points.iter().fold(LEAST_REACH, |m, q| m.max(q.y.abs()));
+        Some(Self { points, feet, breaks, f, a, slopes, trial: Vec::new(), reach, room: RegularityMargin::default() })
     }
 
     fn slope_basis(breaks: &[f64], slopes: &Slopes) -> Option<Basis> {
@@ -111,7 +117,7 @@ impl ProfileFamily {
         let h = (self.breaks[spans] - self.breaks[0]) / (coarse.len() - 1) as f64;
         for w in coarse.windows(2) {
             // The second derivative at both ends of every coarse span.
-            for t in [w[0] + 1e-3 * (w[1] - w[0]), w[1] - 1e-3 * (w[1] - w[0])] {
+            for t in [w[0] + INSIDE * (w[1] - w[0]), w[1] - INSIDE * (w[1] - w[0])] {
                 let s = span_of(&self.breaks, t);
                 let u = t - self.breaks[s];
                 let (_, row) = rows.push(0);
@@ -124,7 +130,7 @@ impl ProfileFamily {
     }
 
     /// From now on the torse keeps the wanted room at the samples, or nearly as much as it has at `x`.
-    pub fn keep_room(&mut self, x: &[f64], wanted: Room) {
+    pub fn keep_margin(&mut self, x: &[f64], wanted: RegularityMargin) {
         self.room = wanted.kept(&self.sheet(x), &self.points, &self.feet);
     }
 

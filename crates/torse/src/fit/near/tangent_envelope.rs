@@ -69,7 +69,7 @@ pub enum AlongError {
 /// Smallest sine between ruling and curve: at 3° a strip is twenty times longer along its rulings than it is wide.
 const LEAST_SINE: f64 = 0.05;
 /// Normals shorter than this share of `|S_u| |S_v|` are none.
-const NO_NORMAL: f64 = 1e-9;
+pub(super) const NO_NORMAL: f64 = 1e-9;
 /// Turning of the normal (rad over a radius of the largest curvature) below which there is none.
 const NO_TURN: f64 = 1e-9;
 
@@ -149,6 +149,9 @@ pub fn beside(surface: &Surface, p: &RulingPoint, r: f64, start: [f64; 2]) -> Op
     // Each step leaves about the square of the turn of the tangent plane.
     const STEPS: usize = 30;
     const SETTLED: f64 = 1e-12;
+    // Share of the distance (of a millimetre, for short ones) by which a point that ran out of steps may miss its
+    // plane.
+    const REACHED: f64 = 1e-6;
     let mut uv = start;
     let e = p.x + p.ruling * r;
     for _ in 0..STEPS {
@@ -171,7 +174,7 @@ pub fn beside(surface: &Surface, p: &RulingPoint, r: f64, start: [f64; 2]) -> Op
     let v = j.p - p.x;
     let distance = (v - p.ruling * v.dot(&p.ruling)).norm();
     let off = (v.dot(&p.ruling) - r).abs();
-    (off <= 1e-6 * (1.0 + r.abs()) && distance.is_finite()).then_some((uv, distance))
+    (off <= REACHED * (1.0 + r.abs()) && distance.is_finite()).then_some((uv, distance))
 }
 
 /// Distances along the ruling, `[backward, forward]` (both positive, mm), up to which the surface stays within

@@ -6,6 +6,7 @@
 mod creases;
 mod feet;
 mod path;
+pub mod ruled;
 
 use std::collections::{HashMap, HashSet};
 
@@ -16,7 +17,7 @@ use super::line_intersection::on_normal;
 use super::trim;
 use crate::brep::face::Face;
 use crate::geom::Vec3;
-use crate::patchwork::panel::{Border, Coedge, Panel, PanelTrim};
+use crate::patchwork::panel::{Border, Coedge, Panel, PanelForm, PanelTrim};
 use crate::patchwork::partition::Partition;
 use crate::spline::curve::Curve;
 use crate::torse::convert::{self, ConvertError, Extent};
@@ -137,8 +138,7 @@ impl BoundaryError {
 /// # Errors
 /// The first label that cannot become a panel, and why.
 pub fn panels(
-    face_index: usize,
-    face: &Face,
+    (face_index, face): (usize, &Face),
     partition: &Partition,
     assigned: &[Assigned],
     trim_edge: &dyn Fn(u32, u32) -> u32,
@@ -328,6 +328,7 @@ impl<'a> Borders<'a> {
     ///
     /// # Errors
     /// As [`panels`].
+    #[expect(clippy::too_many_lines, reason = "one walk round a border with its state")]
     pub fn panel(
         &self,
         face_index: usize,
@@ -444,7 +445,12 @@ impl<'a> Borders<'a> {
         }
         let panel = Panel {
             strip: Strip { name: String::new(), kind: assigned.kind, patch },
-            trim: Some(PanelTrim { face: face_index, label, torse: assigned.torse.clone(), loops: out }),
+            trim: Some(PanelTrim {
+                face: face_index,
+                label,
+                form: PanelForm::Torse(assigned.torse.clone()),
+                loops: out,
+            }),
         };
         Ok((panel, worst))
     }
@@ -691,7 +697,7 @@ mod tests {
             [0, 1, 2].map(|label| Assigned { label, torse: &torse, kind: PanelKind::Cylinder }).to_vec();
         let options = BoundaryOptions { trim_tolerance: 0.01, edge_tolerance: 1e-4 };
         let trim_edge = side(&part);
-        let out = panels(0, &face, &part, &assigned, &trim_edge, 5, &options).expect("panels");
+        let out = panels((0, &face), &part, &assigned, &trim_edge, 5, &options).expect("panels");
         assert_eq!(out.panels.iter().map(|p| p.loops().len()).collect::<Vec<_>>(), vec![2, 1, 1]);
         assert_eq!(out.panels[1].strip.name, "A-02");
         let mut seams: HashMap<u32, Vec<(bool, Coedge)>> = HashMap::new();
@@ -733,7 +739,7 @@ mod tests {
         let trim_edge = side(&part);
         let options = BoundaryOptions { trim_tolerance: 0.005, edge_tolerance: 1e-4 };
         let assigned = [Assigned { label: 0, torse: &torse, kind: PanelKind::Cylinder }];
-        let out = panels(27, &face, &part, &assigned, &trim_edge, 0, &options).expect("a panel");
+        let out = panels((27, &face), &part, &assigned, &trim_edge, 0, &options).expect("a panel");
         let p = &out.panels[0];
         assert_eq!(p.strip.name, "AB-01");
         assert_eq!((p.loops().len(), p.loops()[0].len()), (1, 4));
@@ -757,7 +763,7 @@ mod tests {
         let trim_edge = side(&part);
         let options = BoundaryOptions { trim_tolerance: 0.01, edge_tolerance: 1e-4 };
         let one = |label: u32, torse: &Torse| {
-            panels(0, &face, &part, &[Assigned { label, torse, kind: PanelKind::Cylinder }], &trim_edge, 0, &options)
+            panels((0, &face), &part, &[Assigned { label, torse, kind: PanelKind::Cylinder }], &trim_edge, 0, &options)
                 .map(|p| p.panels.len())
         };
         assert_eq!(one(1, &torse), Err(BoundaryError::Pieces { label: 1, outer: 2 }));

@@ -51,6 +51,7 @@ const POINT: f64 = 1e-10;
 /// the units of u and v; `trim_edge(a, b)`: number of the trimming edge under a directed border edge; `gain(a, b, c)`:
 /// factor by which the length in space per scaled length in the parameter plane jumps at `b` on the way from `a` to `c`,
 /// 1 but on creases of the parametrisation.
+#[expect(clippy::too_many_lines, reason = "one walk along borders with its state")]
 pub fn chains(
     partition: &Partition,
     points: &[Vec3],
@@ -200,10 +201,11 @@ fn polyline_length(p: &[Vec3]) -> f64 {
 
 /// Increasing parameters from 0 to 1 with the given ratios of steps.
 fn increasing(steps: &[f64]) -> Vec<f64> {
+    // Share of the mean step that is added to each: parameters increase over steps without length, too.
+    const HAIR: f64 = 1e-9;
     let n = steps.len();
-    // A hair for steps of no length keeps the parameters increasing.
     let total: f64 = steps.iter().sum();
-    let hair = if total > 0.0 { 1e-9 * total / n as f64 } else { 1.0 };
+    let hair = if total > 0.0 { HAIR * total / n as f64 } else { 1.0 };
     let sum = total + hair * n as f64;
     let mut s = 0.0;
     let mut out = vec![0.0];

@@ -83,6 +83,7 @@ const MOST_LINES: usize = 2000;
 ///
 /// # Errors
 /// See [`ConeTrimError`].
+#[expect(clippy::too_many_lines, reason = "one walk round a border with its state")]
 pub fn cone_part(
     spline: &ConeSpline,
     outlines: &[Vec<OutlinePoint>],

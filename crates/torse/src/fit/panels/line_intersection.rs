@@ -11,6 +11,8 @@ use crate::torse::form::Torse;
 const STEPS: usize = 12;
 /// Steps end below this share of the first distance and of the coordinates' rounding.
 const SETTLED: f64 = 1e-13;
+/// Share of the coordinates that counts as first distance, too: [`SETTLED`] of it is their rounding.
+const COORDINATES: f64 = 1e-3;
 
 /// Ruling and point in which the torse meets the line through `p` along `normal`, near the ruling `guess`. Where the face
 /// has no normal (zero, at a pole), the foot of the perpendicular. `None` without a foot.
@@ -19,7 +21,7 @@ pub(crate) fn on_normal(p: &Vec3, normal: &Vec3, torse: &Torse, guess: f64) -> O
     let first = torse.plane_distance(p, t);
     let foot = p - torse.ruling(t).normal * first;
     let Some(n) = normal.try_normalize(0.0) else { return Some((t, foot)) };
-    let settled = SETTLED * (first.abs() + 1e-3 * p.amax());
+    let settled = SETTLED * (first.abs() + COORDINATES * p.amax());
     let mut x = *p;
     for _ in 0..STEPS {
         let across = n.dot(&torse.ruling(t).normal);

@@ -37,9 +37,11 @@ pub struct JointOptions {
     pub decrease: f64,
 }
 
+/// Relative decrease of `F1` below which the joint iteration ends: distances, its root, then change by half of that.
+const DECREASE: f64 = 1e-6;
 impl Default for JointOptions {
     fn default() -> Self {
-        Self { corrections: 4, evaluations: 40, decrease: 1e-6 }
+        Self { corrections: 4, evaluations: 40, decrease: DECREASE }
     }
 }
 

@@ -118,6 +118,8 @@ pub fn planes_of_smooth_rulings(from: &[Vec3], to: &[Vec3]) -> Result<Vec<Vec3>,
 pub fn planes_of_noisy_rulings(from: &[Vec3], to: &[Vec3], tolerance: f64) -> Result<Vec<Vec3>, EstimateError> {
     const DEGREE: usize = 3;
     const EACH: usize = 4;
+    // Share of the data's own weight that smoothing has: spans without rulings stay determined, and others do not move.
+    const WEAK: f64 = 1e-12;
     let n = from.len();
     if n <= DEGREE || to.len() != n {
         return Err(EstimateError::Count(n.min(to.len())));
@@ -140,7 +142,7 @@ pub fn planes_of_noisy_rulings(from: &[Vec3], to: &[Vec3], tolerance: f64) -> Re
             }
         }
         let root: [[f64; 6]; 6] = std::array::from_fn(|k| std::array::from_fn(|j| if j == k { 1.0 } else { 0.0 }));
-        system.add_smoothing(1e-12, &root);
+        system.add_smoothing(WEAK, &root);
         let control = system.solved(0.0).ok_or(EstimateError::Count(n))?;
         let curve = Curve::<6>::new(DEGREE, knots.values().to_vec(), control).map_err(|_| EstimateError::Count(n))?;
         let off = (0..n).map(|i| {

@@ -9,6 +9,10 @@ use super::linear_system::{planes, PlaneDatum, PlanesError, PlanesFit, PlanesOpt
 use crate::spline::knots::Knots;
 use crate::torse::dual::DualError;
 
+/// Share of the data's own weight that smoothing has: fits stay determined where planes are few, and others do not
+/// move.
+pub(in crate::fit) const FAINT: f64 = 1e-9;
+
 /// Options of [`planes_within`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct KnotOptions {
@@ -43,7 +47,7 @@ impl KnotOptions {
             max_spans: 200,
             removals: 60,
             from_end: Vec::new(),
-            fit: PlanesOptions { smoothing: 1e-9, ..PlanesOptions::default() },
+            fit: PlanesOptions { smoothing: FAINT, ..PlanesOptions::default() },
         }
     }
 }

@@ -177,7 +177,7 @@ impl<'a> Program<'a> {
     /// The nearer of the fits with both sides, for one interval per condition.
     fn solve(&self, zones: &[Option<(f64, f64)>]) -> Result<RegressionFit, RegressionError> {
         let sides = [1.0, -1.0]
-            .map(|side| one_side(&self.data, self.knots, &self.rows, zones, side, self.margin, self.options));
+            .map(|side| one_side(&self.data, self.knots, (&self.rows, zones), side, self.margin, self.options));
         let costs = [0, 1].map(|i| sides[i].as_ref().ok().map(|f| f.cost));
         let [plus, minus] = sides;
         let (fit, side) = match (plus, minus) {
@@ -384,11 +384,14 @@ fn second_derivative_rows(knots: &Knots, refinements: usize) -> Result<Vec<Row>,
     Ok(out)
 }
 
+/// For every row the least and greatest distance of the zone that it must leave; `None` where there is none.
+type Zones = [Option<(f64, f64)>];
+
+/// The fit whose regression curve stays on one side of every zone.
 fn one_side(
     data: &SlopeData,
     knots: &Knots,
-    rows: &[Row],
-    zones: &[Option<(f64, f64)>],
+    (rows, zones): (&[Row], &Zones),
     side: f64,
     margin: f64,
     options: &RegressionOptions,

@@ -77,6 +77,7 @@ pub struct Agreed {
     /// The strip.
     pub torse: Torse,
     /// Largest distance of a sample, mm.
+    #[cfg_attr(not(test), expect(dead_code, reason = "tests hold the fit to it"))]
     pub error: f64,
 }
 

@@ -15,18 +15,17 @@
 //! Not guaranteed here: any distance (see `certify`); that a connecting developable exists. The dual splines that
 //! come out contain the seams up to their fit, see [`Laid::seam_distance`](network::Laid::seam_distance).
 
-pub mod base_line;
-pub mod connecting;
-pub mod consensus;
+pub(crate) mod base_line;
+pub(crate) mod connecting;
+pub(crate) mod consensus;
 mod feet;
 mod form;
-pub mod height;
-pub mod network;
-pub mod seam;
+pub(crate) mod height;
+pub(crate) mod network;
+pub(crate) mod seam;
 
 pub use base_line::{base_line, BaseLine, BasePoint};
-pub use connecting::{connecting, refit, ConnectingRuling};
-pub use consensus::{consensus, Agreed, AgreedLine, Agreeing, ConsensusOptions, Line, LinePoint};
+pub use consensus::{consensus, AgreedLine, Agreeing, ConsensusOptions, Line, LinePoint};
 pub use height::Height;
 pub use network::{network, Laid, NetworkOptions, StripBetween};
 pub use seam::Seam;

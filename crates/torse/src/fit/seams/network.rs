@@ -57,11 +57,10 @@ pub struct Laid {
     pub torse: Torse,
     /// Largest distance of a sample, mm.
     pub error: f64,
-    /// Index of that sample.
-    pub worst: usize,
     /// Largest distance (mm) between the seams and the dual spline, sampled between the rulings of the fit.
     pub seam_distance: f64,
     /// Largest twist of a computed ruling, rad.
+    #[cfg_attr(not(test), expect(dead_code, reason = "tests hold the rulings to it"))]
     pub twist: f64,
 }
 
@@ -201,6 +200,7 @@ fn rows(torse: &Torse, rulings: &[ConnectingRuling], parameters: &[f64], samples
 }
 
 /// Changes of all offsets that make the largest distance smallest, to first order.
+#[expect(clippy::too_many_lines, reason = "one linear system, block by block")]
 fn step(
     seams: &[Seam],
     strips: &[StripBetween],
@@ -325,9 +325,9 @@ fn laid(
         let seam_distance = seam_distance(&torse, &used, &parameters, lower, upper)?;
         let better = best.as_ref().is_none_or(|b| seam_distance < b.seam_distance);
         if better {
-            let (error, worst) = crate::fit::near::samples::error(&torse, &strip.samples)?;
+            let (error, _) = crate::fit::near::samples::error(&torse, &strip.samples)?;
             let twist = used.iter().map(|r| r.twist).fold(0.0, f64::max);
-            best = Some(Laid { torse, error, worst, seam_distance, twist });
+            best = Some(Laid { torse, error, seam_distance, twist });
         }
         if !better || seam_distance <= options.seam_tolerance {
             break;

@@ -14,20 +14,22 @@ use crate::geom::{Frame, Vec3};
 use crate::spline::curve::Curve;
 use crate::spline::{through, SplineError};
 
-/// Millimetres per unit, by `$INSUNITS`; 0 is "unitless".
+/// Units by `$INSUNITS`, where 0 is "unitless": code, millimetres, name.
+const UNITS: [(i64, f64, &str); 9] = [
+    (1, 25.4, "inches"),
+    (2, 304.8, "feet"),
+    (4, 1.0, "millimetres"),
+    (5, 10.0, "centimetres"),
+    (6, 1000.0, "metres"),
+    (9, 0.0254, "thousandths of an inch"),
+    (10, 914.4, "yards"),
+    (13, 1e-3, "micrometres"),
+    (14, 100.0, "decimetres"),
+];
+
+/// Millimetres and name of a unit.
 fn unit_of(code: i64) -> Option<(f64, &'static str)> {
-    Some(match code {
-        1 => (25.4, "inches"),
-        2 => (304.8, "feet"),
-        4 => (1.0, "millimetres"),
-        5 => (10.0, "centimetres"),
-        6 => (1000.0, "metres"),
-        9 => (0.0254, "thousandths of an inch"),
-        10 => (914.4, "yards"),
-        13 => (1e-3, "micrometres"),
-        14 => (100.0, "decimetres"),
-        _ => return None,
-    })
+    UNITS.iter().find(|u| u.0 == code).map(|u| (u.1, u.2))
 }
 
 /// Turns of polylines below this are straight: a bulge is a quarter of the angle's tangent, and files have fewer digits.

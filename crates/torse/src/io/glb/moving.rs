@@ -34,7 +34,7 @@ pub fn write(stages: &[Scene]) -> Result<Vec<u8>, GlbError> {
             let turned = differences(other, &panel.mesh, |m| &m.normals);
             if attributes.vertex.contains_key("NORMAL") && turned.len() == index {
                 let data: Vec<u8> = turned.iter().flatten().flat_map(|&x| (x as f32).to_le_bytes()).collect();
-                target["NORMAL"] = file.accessor(&data, index, FLOAT, "VEC3", Some(ARRAY_BUFFER), json!({})).into();
+                target["NORMAL"] = file.accessor(&data, index, (FLOAT, "VEC3"), Some(ARRAY_BUFFER), json!({})).into();
             }
             changes.push(target);
         }
@@ -68,12 +68,12 @@ fn times_and_weights(file: &mut File, targets: usize) -> [usize; 2] {
     let times: Vec<f64> = (0..frames.len()).map(|k| STEP * k as f64).collect();
     let data: Vec<u8> = times.iter().flat_map(|&t| (t as f32).to_le_bytes()).collect();
     let bounds = json!({ "min": [0.0], "max": [times.last().map_or(0.0, |t| *t as f32)] });
-    let time = file.accessor(&data, times.len(), FLOAT, "SCALAR", None, bounds);
+    let time = file.accessor(&data, times.len(), (FLOAT, "SCALAR"), None, bounds);
     let data: Vec<u8> = frames
         .iter()
         .flat_map(|&f| (1..=targets).flat_map(move |t| (if t == f { 1.0_f32 } else { 0.0 }).to_le_bytes()))
         .collect();
-    let weights = file.accessor(&data, frames.len() * targets, FLOAT, "SCALAR", None, json!({}));
+    let weights = file.accessor(&data, frames.len() * targets, (FLOAT, "SCALAR"), None, json!({}));
     [time, weights]
 }
 

@@ -195,7 +195,7 @@ mod tests {
         };
         let pictures = Pictures {
             panels: vec![1, 2],
-            layout: vec![],
+            layout: Some(vec![]),
             deviation: Some(vec![3]),
             field: None,
             points: Some((vec![4], 1)),

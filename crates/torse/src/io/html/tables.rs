@@ -5,6 +5,7 @@ use crate::certify::claim::What;
 use crate::draw::colour;
 use crate::draw::flat::FlatPiece;
 use crate::draw::scene::{titled, NOT_CERTIFIED};
+use crate::geom::unit::SQUARE_METRES;
 use crate::geom::Vec2;
 use crate::io::json::{value, FigureRecord, PanelRecord, PartRecord, Report, UNKNOWN};
 use crate::io::markup::escape;
@@ -150,8 +151,8 @@ pub(super) fn parts(report: &Report) -> String {
             quantity(p),
             cell(p.length, 1.0),
             cell(p.width, 1.0),
-            cell(p.flat_area, 1e-6),
-            cell(p.area, 1e-6),
+            cell(p.flat_area, SQUARE_METRES),
+            cell(p.area, SQUARE_METRES),
             cell(p.cut_length, 1.0),
             p.pierces,
             cell(p.weight_kg, 1.0),

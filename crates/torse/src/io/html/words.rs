@@ -3,6 +3,7 @@
 use super::numbers::{bound_with_unit, exponent, lower, millimetres, percent, plain, upper, witness};
 use super::tables;
 use crate::certify::claim::What;
+use crate::geom::unit::SQUARE_METRES;
 use crate::io::json::{value, FigureRecord, PanelRecord, PartRecord, Report};
 use crate::io::markup::escape;
 use std::collections::HashMap;
@@ -82,7 +83,7 @@ pub(super) fn cover_figures(report: &Report) -> String {
     let flat: f64 = report.parts.iter().filter_map(|p| p.flat_area).sum();
     item(
         "Sheet",
-        format!("{}&nbsp;m\u{b2}", plain(flat * 1e-6, 4)),
+        format!("{}&nbsp;m\u{b2}", plain(flat * SQUARE_METRES, 4)),
         format!("net; made in {} s", plain(report.seconds, 2)),
     );
     out

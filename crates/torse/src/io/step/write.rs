@@ -184,7 +184,7 @@ fn out_of_range(sheet: &str, what: &str, index: usize) -> io::Error {
 mod tests {
     use super::*;
     use crate::geom::Vec3;
-    use crate::patchwork::panel::{Border, Coedge, Panel, PanelTrim};
+    use crate::patchwork::panel::{Border, Coedge, Panel, PanelForm, PanelTrim};
     use crate::spline::curve::Curve;
     use crate::spline::knots::Knots;
     use crate::spline::surface::Surface;
@@ -225,7 +225,7 @@ mod tests {
             trim: Some(PanelTrim {
                 face: 0,
                 label: 0,
-                torse: Torse::Dual(DualTorse { planes }),
+                form: PanelForm::Torse(Torse::Dual(DualTorse { planes })),
                 loops: vec![
                     ring(vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]),
                     ring(vec![[0.3, 0.4], [0.3, 0.7], [0.6, 0.7], [0.6, 0.4]]),

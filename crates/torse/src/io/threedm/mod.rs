@@ -13,11 +13,11 @@ mod curves;
 mod error;
 mod extrusion;
 mod faces;
-pub mod free_curves;
+pub(crate) mod free_curves;
 pub mod meshes;
 mod records;
 mod surfaces;
-pub mod write;
+pub(crate) mod write;
 
 use self::blocks::{Occurrence, Want};
 pub use self::error::ReadError;

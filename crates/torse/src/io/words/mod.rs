@@ -1,6 +1,6 @@
 //! Words and units of claims and notes, the same in every file and on the terminal.
 
-pub mod note;
+pub(crate) mod note;
 pub(in crate::io) mod numbers;
 
 use crate::answer::{Answer, Job};
@@ -37,6 +37,8 @@ pub fn name(claim: &Claim, curves: &[String]) -> String {
         What::PointsMoved => "points moved".into(),
         What::BendBefore => "bend before".into(),
         What::LargestBend => "largest bend".into(),
+        What::Kink => "largest kink at seams".into(),
+        What::LongestRuling => "longest ruling".into(),
         What::Noise => "noise of the measurement".into(),
         What::JointMismatch => "mismatch at joints".into(),
         What::TrimDistance => "distance of trims from the file's edges".into(),
@@ -105,6 +107,8 @@ pub fn id(what: What) -> &'static str {
         What::PointsMoved => "points_moved",
         What::BendBefore => "bend_before",
         What::LargestBend => "largest_bend",
+        What::Kink => "kink",
+        What::LongestRuling => "longest_ruling",
         What::Noise => "noise",
         What::JointMismatch => "joint_mismatch",
         What::TrimDistance => "trim_distance",
@@ -179,8 +183,9 @@ pub fn unit(what: What) -> &'static str {
         | What::EdgeDistance
         | What::TrimDistance
         | What::FirstRuling
+        | What::LongestRuling
         | What::LastRuling => "mm",
-        What::Twist | What::BendBefore | What::LargestBend | What::Turn | What::EndRulingError => "°",
+        What::Twist | What::BendBefore | What::LargestBend | What::Kink | What::Turn | What::EndRulingError => "°",
         What::JointMismatch => "rad",
         What::UsedOf(_) => "%",
         What::Area | What::FlatArea => "m²",
@@ -274,6 +279,9 @@ pub fn made(answer: &Answer) -> String {
             format!("{} for {}", counted(panels, "strip"), given.unwrap_or_else(|| "nothing".into()))
         }
         Job::Planarise => format!("{} in {}", counted(panels, "quadrilateral"), parts()),
+        Job::Ruled => {
+            format!("{} for {}", counted(panels, "ruled strip"), counted(answer.patchwork.faces.len(), "piece"))
+        }
         Job::Unroll => format!("{} of {}", counted(answer.patterns.len(), "flat part"), counted(panels, "face")),
         Job::Hull | Job::Loft | Job::Net | Job::Shape => format!("{} in {}", counted(panels, "strip"), parts()),
     };
@@ -290,7 +298,7 @@ pub fn thing(job: Job) -> &'static str {
         Job::Planarise => "quadrilateral",
         Job::Cones => "piece",
         Job::Unroll => "face",
-        Job::Fit | Job::Hull | Job::Loft | Job::Net | Job::Shape => "strip",
+        Job::Fit | Job::Hull | Job::Loft | Job::Net | Job::Ruled | Job::Shape => "strip",
     }
 }
 

@@ -27,10 +27,10 @@ pub trait Block: Send + Sync {
     /// Indices of the shared unknowns, each once. They never change.
     fn unknowns(&self) -> &[u32];
 
-    /// Number of rows; at most [`MOST_ROWS`].
+    /// Number of rows; at most `MOST_ROWS`.
     fn rows(&self) -> usize;
 
-    /// Number of unknowns that no other block has; at most [`MOST_PRIVATE`].
+    /// Number of unknowns that no other block has; at most `MOST_PRIVATE`.
     fn private(&self) -> usize {
         0
     }

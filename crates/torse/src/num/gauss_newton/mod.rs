@@ -5,14 +5,14 @@
 //! increment of the unknowns, never for their new values; unknowns that belong to one group of rows only are eliminated
 //! there; the structure of the matrix is found once and kept. See `docs/algorithms/constraint.md`.
 
-pub mod block;
+pub(crate) mod block;
 mod elimination;
 mod normal_matrix;
 mod order;
 mod polish;
 mod solver;
 mod sparse;
-pub mod status;
+pub(crate) mod status;
 pub mod system;
 #[cfg(test)]
 mod tests;

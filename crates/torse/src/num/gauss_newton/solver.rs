@@ -27,22 +27,48 @@ pub struct Schedule {
 impl Schedule {
     /// For unknowns that are far from a solution.
     pub fn cold(tolerance: f64) -> Self {
-        Self { epsilon: 1e-2, factor: 0.3, least: 1e-5, damping: 1e-3, tolerance, iterations: 60 }
+        Self {
+            epsilon: COLD_EPSILON,
+            factor: 0.3,
+            least: LEAST_EPSILON,
+            damping: COLD_DAMPING,
+            tolerance,
+            iterations: 60,
+        }
     }
 
     /// For unknowns that soft rows which fade must lead far, as nearest points on a surface do: ε from 3e-2 by 0.6.
     pub fn gentle(tolerance: f64) -> Self {
-        Self { epsilon: 3e-2, factor: 0.6, ..Self::cold(tolerance) }
+        Self { epsilon: GENTLE_EPSILON, factor: 0.6, ..Self::cold(tolerance) }
     }
 
     /// For unknowns near a solution, as after a small move of a handle.
     pub fn warm(tolerance: f64) -> Self {
-        Self { epsilon: 1e-3, factor: 0.1, least: 1e-5, damping: 1e-6, tolerance, iterations: 20 }
+        Self {
+            epsilon: WARM_EPSILON,
+            factor: 0.1,
+            least: LEAST_EPSILON,
+            damping: WARM_DAMPING,
+            tolerance,
+            iterations: 20,
+        }
     }
 }
 
 /// λ never falls below this: squares of smaller numbers vanish beside one.
 const LEAST_DAMPING: f64 = 1e-14;
+/// ε of the first step far from a solution, beside hard rows of weight one: fairness leads where hard rows say nothing.
+const COLD_EPSILON: f64 = 1e-2;
+/// The same where soft rows must lead far: three times as much, since the unknowns must stay fair on a longer way.
+const GENTLE_EPSILON: f64 = 3e-2;
+/// The same near a solution: what is fair already needs a tenth of the guidance.
+const WARM_EPSILON: f64 = 1e-3;
+/// ε at its least, beside hard rows of weight one: its square is far below them and well above the rounding of sums.
+const LEAST_EPSILON: f64 = 1e-5;
+/// λ of the first step far from a solution, for unknowns of the order of one: its length is not trusted.
+const COLD_DAMPING: f64 = 1e-3;
+/// λ of the first step near a solution, for unknowns of the order of one: nearly a Newton step, regular all the same.
+const WARM_DAMPING: f64 = 1e-6;
 /// Refused steps, each with four times the damping, until the solver gives up.
 const TRIES: usize = 12;
 /// Iterations in which hard rows must fall by [`PROGRESS`].

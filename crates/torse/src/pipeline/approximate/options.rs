@@ -20,7 +20,7 @@ pub struct Options {
     /// they are not.
     pub meet: bool,
     /// Greatest angle (rad) between faces along a common edge across which they are covered as one surface; 0 covers
-    /// each face for itself; default [`SMOOTH_ANGLE_DEG`]. See [`crate::brep::join`].
+    /// each face for itself; default [`SMOOTH_ANGLE_DEG`]. See `brep::join`.
     pub smooth_angle: f64,
     /// How flat patterns are drawn; default seen from outside, lines every 5°.
     pub drawn: Drawn,

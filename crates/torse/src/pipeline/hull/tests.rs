@@ -86,6 +86,36 @@ fn curves_through_many_points_have_as_few_spans_as_their_shape_needs() {
     assert!(answer.claims.iter().any(|c| c.what() == What::Count(Counted::ExactStrips) && c.value() == 0.0));
 }
 
+/// A closed table of `n` points that begins `start` (radians) along the curve, rounded to so many decimals.
+fn table(n: u32, start: f64, decimals: Option<i32>, at: &dyn Fn(f64) -> Vec3) -> Rail {
+    let point = |k: u32| {
+        let p = at(start + TAU * f64::from(k % n) / f64::from(n));
+        decimals.map_or(p, |d| p.map(|x| (x * 10f64.powi(d)).round() / 10f64.powi(d)))
+    };
+    Rail::through("loop", &(0..=n).map(point).collect::<Vec<_>>()).expect("rail")
+}
+
+#[test]
+fn smooth_loops_through_points_are_certified_with_their_tips() {
+    let waves = |t: f64| Vec3::new(100.0 * t.cos(), 100.0 * t.sin(), 35.0 * (3.0 * t).cos());
+    let saddle = |t: f64| Vec3::new(100.0 * t.cos(), 100.0 * t.sin(), 50.0 * (2.0 * t).cos());
+    let cases = [(0.0, None), (0.113, None), (0.608, None), (1.0, Some(6))];
+    for (start, decimals) in cases {
+        for rail in [table(200, start, decimals, &waves), table(200, start, decimals, &saddle)] {
+            let tolerance = 0.3;
+            let answer = hull(&[rail], &Options::new(tolerance), &Control::default()).expect("an answer");
+            assert_eq!(answer.status(), Status::Certified, "{start} {decimals:?} {:?}", answer.claims);
+            // What is cut off at tips counts.
+            let within = answer.notes.iter().find_map(|n| match n {
+                Note::Tips { within, .. } => Some(*within),
+                _ => None,
+            });
+            let off = answer.claims.iter().find(|c| c.what() == What::FromCurves).expect("a distance").value();
+            assert!(within.is_some_and(|w| w > 0.0 && w <= off) && off <= tolerance, "{within:?} {off}");
+        }
+    }
+}
+
 #[test]
 fn a_stopped_job_ends_at_once_and_says_so() {
     let curves = [ellipse("low", Vec3::zeros(), 300.0, 300.0), ellipse("high", Vec3::z() * 400.0, 500.0, 200.0)];

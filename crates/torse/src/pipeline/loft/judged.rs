@@ -109,9 +109,12 @@ fn size(rails: &[&Rail; 2]) -> f64 {
     rails[0].bbox().diagonal().max(rails[1].bbox().diagonal())
 }
 
+/// Lengths (mm) below this need powers of ten: of four decimals, one digit or none would be left.
+const TINY: f64 = 1e-3;
+
 /// A length for people: four decimals, powers of ten where these say nothing.
 fn length(x: f64) -> String {
-    if x >= 1e-3 || x == 0.0 {
+    if x >= TINY || x == 0.0 {
         format!("{x:.4}")
     } else {
         format!("{x:.1e}")

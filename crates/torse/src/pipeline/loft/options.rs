@@ -1,6 +1,7 @@
 //! What a loft is asked for.
 
 use crate::develop::view::Drawn;
+use crate::search::strips::judgement::TWIST_TOLERANCE;
 pub use crate::search::strips::loft_ends::{Ends, Extension};
 
 /// How rulings are chosen.
@@ -56,7 +57,7 @@ impl Options {
             fixed: Vec::new(),
             ruling_spacing: None,
             mark_spacing: None,
-            twist_tolerance: 1e-5,
+            twist_tolerance: TWIST_TOLERANCE,
             drawn: Drawn::default(),
         }
     }

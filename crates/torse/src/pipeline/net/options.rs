@@ -2,6 +2,7 @@
 
 use crate::develop::view::Drawn;
 use crate::geom::Vec3;
+use crate::search::strips::judgement::TWIST_TOLERANCE;
 
 /// What decides the net besides its curve and first ruling. The curve's parameter runs from 0 to 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -72,7 +73,7 @@ impl Options {
             shorten: true,
             ruling_spacing: None,
             mark_spacing: None,
-            twist_tolerance: 1e-5,
+            twist_tolerance: TWIST_TOLERANCE,
             drawn: Drawn::default(),
         }
     }

@@ -3,6 +3,7 @@
 use crate::design::composite::{At, CompositeError};
 use crate::develop::view::Drawn;
 use crate::geom::coarse::Loose;
+use crate::search::strips::judgement::TWIST_TOLERANCE;
 use crate::spline::SplineError;
 
 /// What the job is asked for.
@@ -28,7 +29,7 @@ impl Options {
         Self {
             tolerance,
             input: "shape".into(),
-            twist_tolerance: 1e-5,
+            twist_tolerance: TWIST_TOLERANCE,
             ruling_spacing: None,
             mark_spacing: None,
             drawn: Drawn::default(),

@@ -1,6 +1,7 @@
 //! Sheets and surfaces whose flat parts are known.
 
 use crate::brep::face::Face;
+use crate::certify::claim::Status;
 use crate::develop::unfold::allowance::KFactor;
 use crate::develop::unfold::bends::BendKind;
 use crate::develop::unfold::part::{flat_parts, BodyParts, FlatPart, PartOptions};
@@ -303,4 +304,73 @@ fn a_drawing_that_is_moved_is_refused_by_the_judge() {
     assert!(wider.carrier_distance().value() > TOLERANCE);
     // A surface without thickness keeps its own radius.
     assert!(judged(&|p| p.sheet.thickness = 0.0).strain().value() > 0.01);
+}
+
+#[test]
+fn a_job_that_is_stopped_says_so() {
+    let sheet =
+        BentSheet::new(2.0, &[Stretch::Line(40.0), Stretch::Bend(1.0, 3.0), Stretch::Line(20.0)], &[0.0, 9.0], &[]);
+    let (options, control) = (super::UnrollOptions::new(TOLERANCE), crate::control::Control::default());
+    let (parts, left) = super::bodies::flat_parts_of(&sheet.faces(), &options, &control).expect("parts");
+    assert_eq!((parts.len(), left.len()), (1, 0));
+    control.cancel();
+    let stopped = super::bodies::flat_parts_of(&sheet.faces(), &options, &control);
+    let Err(e) = stopped else { panic!("nothing is unfolded after a stop") };
+    assert!(e.to_string().contains("stopped"), "{e}");
+}
+
+/// What is said of faces without thickness.
+fn answered(faces: Vec<Face>, approximate: Option<f64>) -> crate::answer::Answer {
+    let model = crate::io::model::Model {
+        faces,
+        skipped: Vec::new(),
+        unit: "millimetre".into(),
+        notes: Vec::new(),
+        products: Vec::new(),
+    };
+    let options = super::UnrollOptions { surfaces: true, approximate, ..super::UnrollOptions::new(0.05) };
+    super::unroll(&model, &options, &crate::control::Control::default()).expect("an answer")
+}
+
+#[test]
+fn general_developables_are_proven_through_their_panels() {
+    let apex = Vec3::new(40.0, 130.0, 10.0);
+    for face in [over_parabola(|p| p + Vec3::new(10.0, 90.0, 5.0)), over_parabola(|p| p + (apex - p) * 0.6)] {
+        let area = crate::brep::area::area_estimate(&face);
+        let answer = answered(vec![face], None);
+        assert_eq!(answer.status(), Status::Certified, "{:?}", answer.claims);
+        let [pattern] = answer.patterns.as_slice() else { panic!("one part") };
+        assert!((pattern.area - area).abs() < 1e-4 * area, "{} {area}", pattern.area);
+        let drawn = (answer.patchwork.panels.len(), answer.sheets[0].bends[0].lines.clone());
+        assert_eq!(drawn, (1, pattern.rulings.clone()));
+    }
+}
+
+#[test]
+fn faces_that_are_not_developable_are_covered_on_demand() {
+    let smooth = over_parabola(|p| p + Vec3::new(10.0, 90.0, 5.0));
+    let twisted = {
+        let mut face = over_parabola(|p| p + Vec3::new(0.0, 90.0, 0.2 * p.x));
+        face.body = 1;
+        face
+    };
+    let without = answered(vec![smooth.clone(), twisted.clone()], None);
+    assert_eq!((without.status(), without.parts.len(), without.skipped.len()), (Status::Uncertified, 1, 1));
+    let with = answered(vec![smooth, twisted.clone()], Some(1.0));
+    assert_eq!((with.status(), with.skipped.len()), (Status::Certified, 0), "{:?}", with.claims);
+    let count = with.parts.len();
+    assert!(count > 1 && with.patterns.len() == count && with.sheets.len() == count);
+    assert!(with.patterns.iter().enumerate().all(|(k, p)| p.panel == k && p.name == with.parts[k].name));
+    // Nothing but faces to be covered will do as well.
+    assert_eq!(answered(vec![twisted], Some(1.0)).status(), Status::Certified);
+}
+
+#[test]
+fn what_cannot_be_covered_is_named_and_the_rest_is_laid_flat() {
+    let smooth = over_parabola(|p| p + Vec3::new(10.0, 90.0, 5.0));
+    let mut twisted = over_parabola(|p| p + Vec3::new(0.0, 90.0, 0.2 * p.x));
+    twisted.body = 1;
+    let answer = answered(vec![smooth, twisted], Some(1e4));
+    assert_eq!((answer.status(), answer.parts.len(), answer.skipped.len()), (Status::Uncertified, 1, 1));
+    assert!(answer.skipped[0].reason.contains("tolerance"), "{}", answer.skipped[0].reason);
 }

@@ -108,6 +108,8 @@ impl CurveError {
 const NEAR: f64 = 0.01;
 /// Points along a parameter curve.
 const POINTS: usize = 161;
+/// Normals of sections may differ from unit length by this: six printed digits.
+const UNIT_LENGTH: f64 = 1e-6;
 
 /// The pieces of a curve on a face, as points of the parameter plane. Pieces whose ends coincide are closed.
 ///
@@ -142,7 +144,7 @@ pub(crate) fn lines(
             Ok(vec![steps().map(|t| [at(bounds[0], bounds[1], t), v]).collect()])
         }
         CurveShape::Section { normal, offset } => {
-            if !(offset.is_finite() && (normal.norm() - 1.0).abs() < 1e-6) {
+            if !(offset.is_finite() && (normal.norm() - 1.0).abs() < UNIT_LENGTH) {
                 return Err(CurveError::Empty { name: name() });
             }
             let found = section(face, state, normal, *offset);

@@ -8,7 +8,7 @@
 //! is left to regions where this fails; what it leaves is laid anew in this way where its errors say that this pays.
 
 use super::march::range;
-use super::propose::{Trial, Try};
+use super::propose::{Attempt, AttemptOptions};
 use super::state::Density;
 use super::{Job, State, DISTANCE_SHARE};
 use crate::fit::near::samples::Fit;
@@ -134,6 +134,7 @@ impl Job<'_> {
     }
 
     /// Lays bands of `field` until their errors are even; see [`Job::even`].
+    #[expect(clippy::too_many_lines, reason = "one descent with its state")]
     fn settled(&self, state: &State, label: u32, field: &Field, start: Start, budget: usize) -> Option<(State, f64)> {
         let Start { mut rise, mut levels, mut known, rounds, most } = start;
         let mut count = levels.len() - 1;
@@ -249,7 +250,7 @@ impl Job<'_> {
         bands.push(laid.partition.split_components(label));
         absorb_narrow(&mut laid, &mut bands, field, levels);
         let allowed = self.options.tolerance * DISTANCE_SHARE;
-        let piece = |label: u32, t: Trial| Piece {
+        let piece = |label: u32, t: Attempt| Piece {
             label,
             fit: t.accepted,
             refused: t.refused.map(Arc::new),
@@ -261,8 +262,9 @@ impl Job<'_> {
             self.centre(&laid, label, field, 0.5 * (lo.max(w[0]) + hi.min(w[1])))
         };
         // What most bands needed in the round before, they will need again.
-        let fine = known.iter().flat_map(|k| &k.good).filter(|f| Try::is_fine(&f.0)).count();
-        let how = Try { prove: false, fine_first: 2 * fine > known.len(), density: Density::Band, from: None };
+        let fine = known.iter().flat_map(|k| &k.good).filter(|f| AttemptOptions::is_fine(&f.0)).count();
+        let how =
+            AttemptOptions { prove: false, fine_first: 2 * fine > known.len(), density: Density::Band, from: None };
         let proposed = |label: u32, w: &[f64], alone: bool| {
             let before = known.iter().find(|k| k.ends[..] == *w).map_or(&[][..], |k| &k.good[..]);
             let sampled = || laid.dense_samples(&self.face.surface, label, how.density);
@@ -281,7 +283,7 @@ impl Job<'_> {
                     let near = known.iter().filter(|k| alone && levels.len() <= MANY && k.overlap(w) > OVERLAP);
                     let near = near.max_by(|a, b| a.overlap(w).total_cmp(&b.overlap(w)));
                     let from = near.and_then(|k| k.single.as_deref());
-                    piece(label, self.tried(&laid, label, Some(&centre(label, w)), Try { from, ..how }))
+                    piece(label, self.tried(&laid, label, Some(&centre(label, w)), AttemptOptions { from, ..how }))
                 }
             }
         };
@@ -295,7 +297,7 @@ impl Job<'_> {
                 let Some(fit) = p.fit.as_ref().filter(|_| p.proven.is_none()) else { return };
                 let mut t = self.confirmed(&laid, p.label, fit);
                 if t.accepted.is_none() {
-                    t = self.tried(&laid, p.label, Some(&centre(p.label, w)), Try { prove: true, ..how });
+                    t = self.tried(&laid, p.label, Some(&centre(p.label, w)), AttemptOptions { prove: true, ..how });
                 }
                 *p = piece(p.label, t);
                 p.proven = p.fit.as_ref().map(|_| laid.area(p.label));

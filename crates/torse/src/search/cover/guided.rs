@@ -126,7 +126,7 @@ impl Job<'_> {
             if self.control.stopped() || full || step > MOST_STRIPS || free(&state).is_empty() {
                 break;
             }
-            if let Some((laid, next)) = self.advanced(&state, &border, side, bounds, &name, step) {
+            if let Some((laid, next)) = self.advanced(&state, &border, side, bounds, (&name, step)) {
                 state = laid;
                 fronts.push_back((name, step + 1, Line { points: next, open: border.open }, side));
             }
@@ -141,8 +141,7 @@ impl Job<'_> {
         border: &Line,
         side: f64,
         bounds: [f64; 4],
-        name: &str,
-        step: usize,
+        (name, step): (&str, usize),
     ) -> Option<(State, Vec<[f64; 2]>)> {
         let surface = &self.face.surface;
         let on_border = self.sheet(border, bounds)?;

@@ -1,6 +1,6 @@
 //! Bands of a level function: greedy marching with width control, every component on its own (B3.6, C5).
 
-use super::propose::Try;
+use super::propose::AttemptOptions;
 use super::{Job, State};
 use crate::fit::level::strip_potential::Level;
 use crate::fit::near::centre_line::centre_line;
@@ -185,6 +185,7 @@ impl Job<'_> {
     }
 
     /// The widest acceptable band at the lower end of a region; the components of the rest go on by themselves.
+    #[expect(clippy::too_many_lines, reason = "one march with its state")]
     fn band(&self, state: &State, rest: &Rest, lay: &Lay) -> Option<(State, Vec<Rest>)> {
         let surface = &self.face.surface;
         let (lo, hi) = range(state, rest.label, lay.field);
@@ -231,7 +232,7 @@ impl Job<'_> {
                 let (lo, hi) = range(&trial, b, lay.field);
                 let centre = self.centre(&trial, b, lay.field, 0.5 * (lo + hi));
                 let from = from.as_deref().filter(|_| bands.len() == 1);
-                let t = self.tried(&trial, b, Some(&centre), Try { from, ..Try::USUAL });
+                let t = self.tried(&trial, b, Some(&centre), AttemptOptions { from, ..AttemptOptions::USUAL });
                 match t.accepted {
                     Some(fit) => {
                         error = error.max(t.error);

@@ -147,10 +147,10 @@ impl Job<'_> {
         None
     }
 
-    /// Gives a region without a panel to a neighbour whose torse is good for both: the end of slivers that are too
-    /// thin to be panels.
-    pub(super) fn absorbed(&self, state: &State, label: u32) -> Option<State> {
-        self.around(state, label).into_iter().find_map(|n| {
+    /// Gives a region without a panel to a neighbour whose torse is good for both, but for one that must not have it: the
+    /// end of slivers that are too thin to be panels.
+    pub(super) fn absorbed(&self, state: &State, label: u32, but: Option<u32>) -> Option<State> {
+        self.around(state, label).into_iter().filter(|n| Some(*n) != but).find_map(|n| {
             let mut trial = joined(state, label, n);
             let fit = state.panels.get(&n)?;
             let samples = trial.dense_samples(&self.face.surface, n, Density::Usual);
@@ -158,6 +158,16 @@ impl Job<'_> {
             let fit = crate::fit::near::samples::Fit { error, worst, ..(**fit).clone() };
             let proven = self.proven(&trial, n, fit, samples).accepted?;
             trial.panels.insert(n, proven);
+            Some(trial)
+        })
+    }
+
+    /// A region without a panel and a neighbour covered by one new panel, if that is enough.
+    pub(super) fn as_one(&self, state: &State, label: u32) -> Option<State> {
+        self.around(state, label).into_iter().find_map(|n| {
+            let mut trial = joined(state, label, n);
+            let fit = self.single(&trial, n, None).accepted?;
+            trial.panels.insert(n, fit);
             Some(trial)
         })
     }

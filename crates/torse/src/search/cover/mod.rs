@@ -7,7 +7,7 @@
 //! bands in the directions that are left, where more panels are needed than theory asks for; bisection, which always
 //! ends, at worst with small planar facets. The smallest cover wins; neighbours that fit one torse are merged.
 //!
-//! This file holds the recursion; `judge` proposes and proves single torses, `march` lays bands.
+//! This file holds the recursion; `propose` fits and proves single torses, `march` lays bands.
 
 mod curve_on_face;
 mod equidistribute;
@@ -17,6 +17,7 @@ mod layout;
 mod limits;
 mod march;
 mod merge;
+mod prong;
 mod propose;
 mod signs;
 mod state;
@@ -26,6 +27,7 @@ use crate::brep::face::Face;
 use crate::certify::Prepared;
 use crate::control::Control;
 use crate::fit::level::strip_potential::{level, levels, straight_bands, Level, LevelOptions};
+use crate::geom::Vec3;
 use crate::patchwork::partition::centroid;
 use crate::patchwork::triangulate::TriangulateError;
 use crate::spline::field::Field;
@@ -86,6 +88,8 @@ const SWEEP_DIRECTIONS: usize = 8;
 const FEW_DIRECTIONS: usize = 3;
 /// Two panels are tried when the best single error is below this multiple of the tolerance.
 const TWO_FACTOR: f64 = 8.0;
+/// Curvature (1/mm) that planes count as having: their strips are wider than anything, but not endless.
+const FLATTEST: f64 = 1e-300;
 
 /// Everything that does not change while a face is covered.
 pub(crate) struct Job<'a> {
@@ -180,7 +184,7 @@ fn typical_strip(state: &State, tolerance: f64) -> f64 {
         .collect();
     k.sort_by(f64::total_cmp);
     let high = k.get(k.len() * 9 / 10).copied().unwrap_or(0.0);
-    4.0 * (tolerance / high.max(1e-300)).sqrt()
+    4.0 * (tolerance / high.max(FLATTEST)).sqrt()
 }
 
 impl<'a> Job<'a> {
@@ -197,6 +201,7 @@ impl Job<'_> {
     }
 
     /// Covers the region `label` with at most `budget` panels. `None`: over budget, stopped, or out of depth.
+    #[expect(clippy::too_many_lines, reason = "one story of a face, attempt by attempt")]
     pub(crate) fn region(&self, state: State, label: u32, budget: usize, depth: usize) -> Option<State> {
         if budget == 0 {
             return None;
@@ -518,17 +523,19 @@ pub fn cut_where(face: &Face, state: &State, heights: &[impl Fn([f64; 2]) -> f64
     state
 }
 
-/// Middle and principal axes of a face's vertices, longest first, and how far the face reaches along each from there, mm.
-pub fn extents(state: &State) -> (crate::geom::Vec3, [(crate::geom::Vec3, [f64; 2]); 3]) {
-    let (mean, axes) = merge::axes_of(&state.jets.iter().map(|j| (j.jet.p, 1.0)).collect::<Vec<_>>());
-    let reach = |axis: crate::geom::Vec3| {
-        let along = state.jets.iter().map(|j| axis.dot(&(j.jet.p - mean)));
-        (axis, along.fold([f64::INFINITY, f64::NEG_INFINITY], |[lo, hi], x| [lo.min(x), hi.max(x)]))
-    };
-    (mean, axes.map(reach))
+/// Principal axes of a face's vertices, longest first.
+pub fn axes(state: &State) -> [Vec3; 3] {
+    merge::axes_of(&state.jets.iter().map(|j| (j.jet.p, 1.0)).collect::<Vec<_>>()).1
 }
 
-/// A panel given to a neighbour whose torse is good for both, or shared evenly with one of them by two new panels.
+/// How far a face's vertices reach along an axis, mm.
+pub fn reach(state: &State, axis: &Vec3) -> [f64; 2] {
+    let along = state.jets.iter().map(|j| axis.dot(&j.jet.p));
+    along.fold([f64::INFINITY, f64::NEG_INFINITY], |[lo, hi], x| [lo.min(x), hi.max(x)])
+}
+
+/// A panel given to a neighbour whose torse is good for both, or joined with one of them by a new panel, or shared evenly
+/// by two.
 /// `None` where neither can be proven.
 pub fn without_sliver(
     face: &Face,
@@ -540,7 +547,24 @@ pub fn without_sliver(
     let job = Job::new(face, options, control);
     let mut bare = state.clone();
     bare.panels.remove(&label);
-    job.absorbed(&bare, label).or_else(|| job.shared(&bare, label))
+    job.absorbed(&bare, label, None).or_else(|| job.as_one(&bare, label)).or_else(|| job.shared(&bare, label))
+}
+
+/// Whether a part of a panel that is narrower than `width` (mm) reaches far beyond the rest.
+pub fn has_prong(state: &State, (label, width): (u32, f64)) -> bool {
+    prong::Prong::of(state, label, width).is_some()
+}
+
+/// A panel whose longest part narrower than `width` (mm) is given to a neighbour, if it reaches far beyond the rest. `None` if
+/// there is no such part, or no neighbour is proven to be good for it.
+pub fn without_prong(
+    face: &Face,
+    options: &CoverOptions,
+    control: &Control,
+    state: &State,
+    (label, width): (u32, f64),
+) -> Option<State> {
+    Job::new(face, options, control).without_prong(state, label, width)
 }
 
 /// Gives the regions of refused panels to neighbours that can have them, or cuts them in two and covers the parts
@@ -556,7 +580,7 @@ pub fn cut_refused(
     let mut state = state.clone();
     for &label in refused {
         state.panels.remove(&label);
-        if let Some(next) = job.absorbed(&state, label) {
+        if let Some(next) = job.absorbed(&state, label, None) {
             state = next;
             continue;
         }

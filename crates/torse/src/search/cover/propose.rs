@@ -51,7 +51,7 @@ const PEAK: f64 = 0.95;
 const REFITS: usize = 3;
 
 /// Result of trying one torse on a region.
-pub(crate) struct Trial {
+pub(crate) struct Attempt {
     /// The torse, if proven.
     pub(crate) accepted: Option<Arc<Fit>>,
     /// Error reached, mm; above the tolerance when nothing was accepted; infinite when nothing fits at all.
@@ -64,7 +64,7 @@ pub(crate) struct Trial {
 
 /// How torses are tried on a region.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Try<'a> {
+pub(super) struct AttemptOptions<'a> {
     /// Whether what is accepted must be proven.
     pub(super) prove: bool,
     /// Whether torses with many spans are tried first.
@@ -75,9 +75,10 @@ pub(super) struct Try<'a> {
     pub(super) from: Option<&'a Fit>,
 }
 
-impl Try<'_> {
+impl AttemptOptions<'_> {
     /// With proof, without a torse to start from.
-    pub(super) const USUAL: Self = Try { prove: true, fine_first: false, density: Density::Usual, from: None };
+    pub(super) const USUAL: Self =
+        AttemptOptions { prove: true, fine_first: false, density: Density::Usual, from: None };
 
     /// Whether a torse has more spans than those that are tried first usually.
     pub(super) fn is_fine(fit: &Fit) -> bool {
@@ -86,7 +87,7 @@ impl Try<'_> {
     }
 }
 
-impl Trial {
+impl Attempt {
     /// The accepted one of two, else the one with the smaller error.
     fn or_better(self, other: Self) -> Self {
         let rank = |t: &Self| (t.accepted.is_none(), t.error);
@@ -104,12 +105,12 @@ impl Trial {
 
 impl Job<'_> {
     /// Tries plane, dual torse along the centre line (if there is one) and primal torse on a region.
-    pub(crate) fn single(&self, state: &State, label: u32, centre: Option<&[CentrePoint]>) -> Trial {
-        self.tried(state, label, centre, Try::USUAL)
+    pub(crate) fn single(&self, state: &State, label: u32, centre: Option<&[CentrePoint]>) -> Attempt {
+        self.tried(state, label, centre, AttemptOptions::USUAL)
     }
 
     /// The proof of what was proposed.
-    pub(super) fn confirmed(&self, state: &State, label: u32, fit: &Fit) -> Trial {
+    pub(super) fn confirmed(&self, state: &State, label: u32, fit: &Fit) -> Attempt {
         self.peaks_proven(
             state,
             label,
@@ -120,7 +121,13 @@ impl Job<'_> {
     }
 
     /// As [`Job::single`] in another manner. Without proof, what is accepted here may still be refused.
-    pub(super) fn tried(&self, state: &State, label: u32, centre: Option<&[CentrePoint]>, how: Try) -> Trial {
+    pub(super) fn tried(
+        &self,
+        state: &State,
+        label: u32,
+        centre: Option<&[CentrePoint]>,
+        how: AttemptOptions,
+    ) -> Attempt {
         let allowed = self.options.tolerance * DISTANCE_SHARE;
         let samples = state.dense_samples(&self.face.surface, label, how.density);
         let proven = |fit: Fit| {
@@ -128,7 +135,7 @@ impl Job<'_> {
                 self.proven(state, label, fit, samples.clone())
             } else {
                 let error = fit.error;
-                Trial { accepted: Some(Arc::new(fit)), ..Trial::failed(error) }
+                Attempt { accepted: Some(Arc::new(fit)), ..Attempt::failed(error) }
             }
         };
         if let Some(fit) = plane(&samples) {
@@ -140,17 +147,17 @@ impl Job<'_> {
             }
         }
         if self.options.facets {
-            return Trial::failed(f64::INFINITY);
+            return Attempt::failed(f64::INFINITY);
         }
         let judge = |fit: Fit| {
-            let t = if fit.error <= allowed * HOPEFUL { proven(fit.clone()) } else { Trial::failed(fit.error) };
+            let t = if fit.error <= allowed * HOPEFUL { proven(fit.clone()) } else { Attempt::failed(fit.error) };
             let refused = t.accepted.is_none().then_some(fit);
-            Trial { refused, ..t }
+            Attempt { refused, ..t }
         };
         // Bands are wanted as wide as they can be: the fit must not rest on the first torse that is good enough.
         let keen = if centre.is_some() { allowed * KEEN } else { allowed };
         let bend_radius = self.wanted_bend();
-        let mut best = Trial::failed(f64::INFINITY);
+        let mut best = Attempt::failed(f64::INFINITY);
         if let Some(from) = how.from {
             if let Some(fit) = refit(from, &samples, &RefitOptions { bend_radius, ..RefitOptions::new(keen) }) {
                 best = judge(fit);
@@ -213,13 +220,13 @@ impl Job<'_> {
     }
 
     /// The loop of propose, judge and refine for one torse.
-    pub(crate) fn proven(&self, state: &State, label: u32, first: Fit, samples: Vec<Sample>) -> Trial {
+    pub(crate) fn proven(&self, state: &State, label: u32, first: Fit, samples: Vec<Sample>) -> Attempt {
         self.peaks_proven(state, label, first, samples, false)
     }
 
     /// As [`Job::proven`]; with `peaks` a refused torse learns those between the samples, which is worth its time where
     /// it need only be a little better.
-    fn peaks_proven(&self, state: &State, label: u32, first: Fit, mut samples: Vec<Sample>, peaks: bool) -> Trial {
+    fn peaks_proven(&self, state: &State, label: u32, first: Fit, mut samples: Vec<Sample>, peaks: bool) -> Attempt {
         let allowed = self.options.tolerance * DISTANCE_SHARE;
         let triangles = state.triangles(label);
         let limits = &self.options.limits;
@@ -238,15 +245,15 @@ impl Job<'_> {
                         || judged.regression_clearance < clearance
                         || !has_patch(self.face, &state.partition, label, &fit.torse) =>
                 {
-                    return Trial { misshapen: true, ..Trial::failed(allowed * 1.03) };
+                    return Attempt { misshapen: true, ..Attempt::failed(allowed * 1.03) };
                 }
                 Verdict::Holds { .. } => {
                     let error = fit.error;
-                    return Trial { accepted: Some(Arc::new(fit)), ..Trial::failed(error) };
+                    return Attempt { accepted: Some(Arc::new(fit)), ..Attempt::failed(error) };
                 }
                 Verdict::Fails { uv, distance } => {
                     if round == REFITS || distance.abs() > 1.3 * allowed {
-                        return Trial::failed(distance.abs().max(allowed * 1.0001));
+                        return Attempt::failed(distance.abs().max(allowed * 1.0001));
                     }
                     let j = self.face.surface.jet(uv[0], uv[1]);
                     let weight = samples.iter().map(|s| s.weight).fold(0.0, f64::max);
@@ -259,19 +266,19 @@ impl Job<'_> {
                     samples.push(Sample { x: j.p, n, weight });
                     match refit(&fit, &samples, &options) {
                         // The witness is near another ruling: further samples cannot help.
-                        Some(next) if next.torse == fit.torse => return Trial::failed(distance.abs()),
+                        Some(next) if next.torse == fit.torse => return Attempt::failed(distance.abs()),
                         Some(next) if next.error <= allowed => fit = next,
-                        Some(next) => return Trial::failed(next.error),
-                        None => return Trial::failed(distance.abs()),
+                        Some(next) => return Attempt::failed(next.error),
+                        None => return Attempt::failed(distance.abs()),
                     }
                 }
                 Verdict::Undecided { reason, .. } => {
                     // Near enough at every place looked at, but its regression curve comes into the panel.
                     let misshapen = matches!(reason, Obstruction::Foot | Obstruction::Fold);
-                    return Trial { misshapen, ..Trial::failed(allowed * 1.05) };
+                    return Attempt { misshapen, ..Attempt::failed(allowed * 1.05) };
                 }
             }
         }
-        Trial::failed(allowed * 1.02)
+        Attempt::failed(allowed * 1.02)
     }
 }

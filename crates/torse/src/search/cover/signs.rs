@@ -19,6 +19,8 @@ const FORCED: f64 = 4.0;
 const STAIRS: f64 = 0.8;
 /// Spans per direction of the smooth function whose zero line becomes the cut.
 const SPANS: usize = 7;
+/// Weight of the second differences of that function, in samples per coefficient: they lead where samples are few.
+const SMOOTHNESS: f64 = 1e-2;
 /// A labelling with less than this share of the area on one side is no cut.
 const LEAST_SHARE: f64 = 0.02;
 
@@ -106,7 +108,7 @@ fn smooth(bounds: [f64; 4], values: &[([f64; 2], f64)]) -> Option<Field> {
         }
     }
     // Second differences of neighbouring coefficients.
-    let weight = 1e-2 * values.len() as f64 / n as f64;
+    let weight = SMOOTHNESS * values.len() as f64 / n as f64;
     for i in 0..n {
         for (step, inside) in [(1, i % row + 2 < row), (row, i + 2 * row < n)] {
             if inside {

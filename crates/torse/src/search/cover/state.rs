@@ -335,7 +335,7 @@ fn grid_lines(s: &Surface, b: [f64; 4], strip: f64) -> (Vec<f64>, Vec<f64>) {
     };
     let lu = lengths(&bu, (b[2], b[3]), &|u, v| s.point(u, v));
     let lv = lengths(&bv, (b[0], b[1]), &|v, u| s.point(u, v));
-    let (tu, tv) = (lu.iter().sum::<f64>().max(1e-300), lv.iter().sum::<f64>().max(1e-300));
+    let (tu, tv) = (lu.iter().sum::<f64>().max(f64::MIN_POSITIVE), lv.iter().sum::<f64>().max(f64::MIN_POSITIVE));
     let mut h = (tu.max(tv) / CELLS as f64).min(strip / 6.0).max((tu * tv / MOST_CELLS as f64).sqrt());
     if !(h.is_finite() && h > 0.0) {
         h = 1.0;

@@ -231,7 +231,7 @@ impl Network<'_> {
                 for (i, guess) in guesses.iter_mut().enumerate() {
                     let [y, up, _] = reference.frame(at(i))?;
                     let inside = (0.0..=1.0).contains(&at(i));
-                    match now.height_row(line, &y, &up, guess, &columns, &mut gaps.rows) {
+                    match now.height_row(line, (&y, &up), guess, &columns, &mut gaps.rows) {
                         Some(gap) => gaps.end(1.0, gap),
                         None if inside => return None,
                         None => {}
@@ -266,8 +266,7 @@ impl Network<'_> {
     fn height_row(
         &self,
         line: &Line,
-        place: &Vec3,
-        up: &Vec3,
+        (place, up): (&Vec3, &Vec3),
         guess: &mut [f64; 2],
         columns: &Columns,
         rows: &mut Runs,

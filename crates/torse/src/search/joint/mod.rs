@@ -76,11 +76,10 @@ pub struct JoinedLine {
     /// Labels on the left and on the right.
     pub labels: [u32; 2],
     /// Parameters on the face at equal arc lengths.
+    #[cfg_attr(not(test), expect(dead_code, reason = "tests see by them whether a line stayed"))]
     pub uv: Vec<[f64; 2]>,
     /// The edge of both strips, beyond both ends by about a hundredth.
     pub edge: Option<Curve<3>>,
-    /// Largest difference of both strips' heights, mm. Sampled.
-    pub gap_estimate: f64,
 }
 
 /// The point in which three strips meet.
@@ -101,11 +100,11 @@ pub struct Joined {
     pub vertices: Vec<JoinedVertex>,
     /// Seam lines.
     pub lines: Vec<JoinedLine>,
-    /// Largest distance of a sample, mm. Sampled.
-    pub distance_estimate: f64,
     /// Largest distance and gap to begin with, in tolerances.
+    #[cfg_attr(not(test), expect(dead_code, reason = "tests compare it with the end"))]
     pub start: [f64; 2],
     /// Accepted steps.
+    #[cfg_attr(not(test), expect(dead_code, reason = "tests follow them"))]
     pub steps: Vec<StepReport>,
 }
 
@@ -130,18 +129,16 @@ pub fn joined(
     let (network, steps) = improved(network, control);
     let (network, edges) = edged(network);
     let label = |k: &usize| network.members[*k].label;
-    let line = |((l, gap_estimate), edge): ((&Line, f64), Option<Edge>)| JoinedLine {
+    let line = |(l, edge): (&Line, Option<Edge>)| JoinedLine {
         labels: l.strips.map(|k| label(&k)),
         uv: l.points.iter().map(|p| p.uv).collect(),
         edge: edge.filter(|e| e.missed <= ON_BOTH.1 * l.length).map(|e| e.curve),
-        gap_estimate,
     };
     let vertex = |j: Junction| JoinedVertex { labels: j.strips.iter().map(label).collect(), place: j.place };
     Some(Joined {
         torses: network.members.iter().map(|m| (m.label, m.strip.torse().clone())).collect(),
-        lines: network.lines.iter().zip(network.gaps()).zip(edges).map(line).collect(),
+        lines: network.lines.iter().zip(edges).map(line).collect(),
         vertices: network.junctions().into_iter().map(vertex).collect(),
-        distance_estimate: network.measured()[0] * tolerance,
         start,
         steps,
     })

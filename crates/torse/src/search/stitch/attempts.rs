@@ -191,8 +191,13 @@ impl Attempts<'_> {
     /// The panels with their borders where they intersect, in place of those along which they do not meet. `None` where
     /// that is not possible, or cannot be proven.
     fn intersecting(&self, built: &Built, state: &State) -> Option<Built> {
-        let torses: BTreeMap<u32, &Torse> =
-            built.patchwork.panels.iter().filter_map(|p| p.trim.as_ref()).map(|t| (t.label, &t.torse)).collect();
+        let torses: BTreeMap<u32, &Torse> = built
+            .patchwork
+            .panels
+            .iter()
+            .filter_map(|p| p.trim.as_ref())
+            .filter_map(|t| Some((t.label, t.form.torse()?)))
+            .collect();
         let intersections = Intersections::new(self.face, &torses);
         let base = as_built(self.face, state, built)?;
         let wanted: Vec<[u32; 2]> = open(built).into_iter().filter(|p| !self.is_asked_for(built, *p)).collect();
@@ -422,7 +427,8 @@ fn as_built(face: &Face, state: &State, built: &Built) -> Option<State> {
     let mut out = seams::with_partition(face, state, built.patchwork.partitions.first()?.clone());
     for p in &built.patchwork.panels {
         let trim = p.trim.as_ref()?;
-        let fit = Fit { torse: trim.torse.clone(), kind: p.strip.kind, ..(**out.panels.get(&trim.label)?).clone() };
+        let fit =
+            Fit { torse: trim.form.torse()?.clone(), kind: p.strip.kind, ..(**out.panels.get(&trim.label)?).clone() };
         out.panels.insert(trim.label, Arc::new(fit));
     }
     Some(out)

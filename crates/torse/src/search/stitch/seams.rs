@@ -259,6 +259,7 @@ pub(crate) struct Origin {
     pub level: f64,
 }
 
+#[expect(clippy::too_many_lines, reason = "one story of a seam, attempt by attempt")]
 fn laid_anew(
     face: &Face,
     state: &State,
@@ -418,6 +419,8 @@ fn onto(field: &Field, mut p: [f64; 2], level: f64, fixed: [bool; 2]) -> [f64; 2
 /// point of the seam nearest to it. `None` if these do not follow each other.
 pub(crate) fn stretch(curve: &Curve<3>, base: &BaseLine, places: &[Vec3]) -> Option<(Curve<3>, Vec<f64>)> {
     const STEPS: usize = 20;
+    // Steps below this share of the domain are rounding.
+    const STILL: f64 = 1e-15;
     let (a, b) = curve.domain();
     let nearest = |x: &Vec3| {
         let start = base.points.iter().min_by(|p, q| (p.x - x).norm_squared().total_cmp(&(q.x - x).norm_squared()))?;
@@ -430,7 +433,7 @@ pub(crate) fn stretch(curve: &Curve<3>, base: &BaseLine, places: &[Vec3]) -> Opt
                 return None;
             }
             s = (s + step).clamp(a, b);
-            if step.abs() <= 1e-15 * (b - a) {
+            if step.abs() <= STILL * (b - a) {
                 break;
             }
         }

@@ -25,6 +25,8 @@ const SPAN_CORNERS: usize = 16;
 const SEGMENT_CORNERS: usize = 12;
 /// A boundary that strays from a rectangle by less than this share of it follows it; it is paid for.
 const ASTRAY: f64 = 1e-9;
+/// Share of a side within which a line meets its corner: beside it, it would make a chord without length.
+const AT_CORNER: f64 = 1e-6;
 
 impl PlaneOutline {
     /// The trim of a face on its surface, whose parameters may be exchanged. `None` for a loop without corners.
@@ -124,8 +126,7 @@ impl PlaneOutline {
                     }
                     for u in between {
                         let s = (u - a[0]) / (b[0] - a[0]);
-                        // A line that all but meets a corner would make a chord without length.
-                        if s > 1e-6 && s < 1.0 - 1e-6 {
+                        if s > AT_CORNER && s < 1.0 - AT_CORNER {
                             put([u, a[1] + s * (b[1] - a[1])]);
                         }
                     }

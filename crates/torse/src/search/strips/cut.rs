@@ -1,12 +1,12 @@
 //! Flat parts from chains of strips: develop each chain; a chain that would overlap itself in the plane is cut in two.
 
-use super::judgement::SQUARE_METRES;
 use crate::certify::claim::{Claim, Subject, What};
 use crate::certify::flat::{strip_parts, FlatCertificate};
 use crate::control::Control;
 use crate::develop::strip::{least_spacing, pattern, StripOptions};
 use crate::develop::view::{centre, viewed};
 use crate::develop::DevelopError;
+use crate::geom::unit::SQUARE_METRES;
 use crate::patchwork::part::Part;
 use crate::patchwork::pattern::Pattern;
 use crate::torse::strip::Strip;

@@ -45,6 +45,8 @@ const DIGITS: usize = 52;
 const SAMPLES: usize = 6;
 /// Halvings of a strip whose tangent planes turn too far for one frame.
 const HALVINGS: usize = 3;
+/// Sums of unit vectors shorter than this have no direction to be trusted: they point against each other.
+const NO_MEAN: f64 = 1e-3;
 
 /// An exactly developable piece, and how far it is proven to lie from the rails.
 #[derive(Clone, Debug)]
@@ -297,7 +299,7 @@ impl<'a> Contacts<'a> {
         let j = [0, 1].map(|d: usize| jet(self.piece(d), s[d]));
         let ruling = j[1][0] - j[0][0];
         let n = [0, 1].map(|d: usize| j[d][1].cross(&ruling).try_normalize(0.0));
-        let normal = (n[0]? + n[1]?).try_normalize(1e-3)?;
+        let normal = (n[0]? + n[1]?).try_normalize(NO_MEAN)?;
         Some(Contact { ends: j.map(|j| j[0]), normal })
     }
 }
@@ -351,7 +353,7 @@ fn attempt(
     let options = PlanesOptions { conditions, ..PlanesOptions::default() };
     let torse = planes(&data, &knots, &options).map(|f| f.curve).map_err(ExactError::of)?;
     let direction: Vec3 = all.iter().map(|c| (c.ends[1] - c.ends[0]).normalize()).sum();
-    let direction = direction.try_normalize(1e-3).ok_or(ExactError::RulingsTurn)?;
+    let direction = direction.try_normalize(NO_MEAN).ok_or(ExactError::RulingsTurn)?;
     let pieces = [0, 1].map(|d| contacts.piece(d));
     let guess = |t: f64| contacts.parameters(from + (to - from) * t);
     let found = between_rails(&torse, pieces, guess, &frame, &direction, still).map_err(ExactError::of)?;
@@ -434,9 +436,10 @@ mod tests {
             Rail::through(name, &points).expect("rail")
         };
         let (a, b) = (rail("a", 0.0, 0.0), rail("b", 90.0, -0.3));
-        let one =
-            between_pieces([&a, &b], [0, 0], &[[0.0; 2], [1.0; 2]], &BuildOptions::new(1e-5), &Control::default())
-                .expect("a strip");
+        // One rail is the other one scaled: rulings join equal parameters.
+        let stations: Vec<[f64; 2]> = (0..5).map(|k| [f64::from(k) / 4.0; 2]).collect();
+        let one = between_pieces([&a, &b], [0, 0], &stations, &BuildOptions::new(1e-5), &Control::default())
+            .expect("a strip");
         let one = one.expect("a strip");
         let at = Contacts::new(&one, [&a, &b]).expect("contacts").inflections(0.0, 1.0);
         assert!(at.len() == 1 && (one.strip.ruling(at[0])[0] - a.point(0.5)).norm() < 1e-3, "{at:?}");

@@ -1,11 +1,12 @@
 //! Strips of convex hulls \[W15, 5.4\] before their judge: what is bounded is kept, the rest is named.
 
-use super::judgement::{findings, summed, Candidate, Found, SQUARE_METRES};
-use crate::certify::claim::{Claim, Subject, What};
-use crate::certify::rails::twist_bound;
+use super::judgement::{findings, summed, Candidate, Found};
+use crate::certify::claim::{Claim, Subject, UpperBound, What};
+use crate::certify::rails::{tip_bound, twist_bound};
 use crate::control::Control;
-use crate::design::hull::strips::{HullPart, HullStrip};
+use crate::design::hull::strips::{HullPart, HullStrip, Tip};
 use crate::draw::field::{FieldMeaning, PanelField};
+use crate::geom::unit::SQUARE_METRES;
 use crate::patchwork::part::Part;
 use crate::torse::rail::Rail;
 use crate::torse::strip::Strip;
@@ -34,10 +35,14 @@ pub struct Kept {
     pub of_strips: Vec<Claim>,
     /// What is missing from the whole.
     pub missing: Vec<String>,
+    /// How far (mm) curves lie from the last rulings before tips that are cut off.
+    pub tips: Vec<UpperBound>,
 }
 
-/// Judges parts; `tolerance` is in mm, `twist` (rad) is what counts as developable. A strip of which nothing is proven would be cut from sheet in vain: it is named and not written, and
-/// the strips on both sides of it are parts of their own.
+/// Judges parts; `tolerance` is in mm, `twist` (rad) is what counts as developable. A strip of which nothing is proven
+/// would be cut from sheet in vain: it is named and not written, and the strips on both sides of it are parts of their
+/// own. Towards tips such strips are cut off if the curve is proven to lie within the tolerance of the ruling where the
+/// others end; that distance counts as any other.
 pub fn kept(curves: &[Rail], mut made: Vec<HullPart>, (tolerance, twist): (f64, f64), control: &Control) -> Kept {
     named(&mut made);
     let reversed: Vec<Rail> = curves.iter().map(Rail::reversed).collect();
@@ -52,13 +57,19 @@ pub fn kept(curves: &[Rail], mut made: Vec<HullPart>, (tolerance, twist): (f64, 
     let found = findings(&all, twist, control);
     let mut out = Kept::default();
     let mut written: Vec<(Candidate, &Found)> = Vec::new();
-    let mut judged = all.iter().zip(&found);
+    let judged: Vec<(&Candidate, &Found)> = all.iter().zip(&found).collect();
+    let mut judged = &judged[..];
     let mut facets = Vec::new();
     for (k, part) in made.iter().enumerate() {
         let name = part_name(k);
         let mut runs: Vec<(usize, usize)> = Vec::new();
         let mut joined = false;
-        for (c, f) in judged.by_ref().take(part.strips.len()) {
+        let (own, others) = judged.split_at(part.strips.len());
+        judged = others;
+        let ends = [0, 1].map(|end: usize| tip_cut(part, own, end, curves, (tolerance, twist)));
+        out.tips.extend(ends.iter().flatten().map(|e| e.1));
+        let [before, behind] = ends.map(|e| e.map_or(0, |e| e.0));
+        for &(c, f) in &own[before..own.len() - behind] {
             if !f.is_bounded() {
                 let name = &c.built.strip.name;
                 out.skipped.push(format!(
@@ -97,14 +108,7 @@ pub fn kept(curves: &[Rail], mut made: Vec<HullPart>, (tolerance, twist): (f64, 
     for ((c, _), field) in written.iter().zip(&judgement.fields) {
         out.fields[c.index] = field.clone();
     }
-    if judgement.counts[0] > 0 {
-        let off = judgement.off[0].max(judgement.off[1]);
-        out.claims.push(
-            Claim::at_most(What::FromCurves, Subject::Whole, off)
-                .within(tolerance)
-                .because(format!("the strips stray up to {:.4} mm from the curves", off.value())),
-        );
-    }
+    out.claims.extend((judgement.counts[0] > 0).then(|| from_curves(&out.tips, judgement.off, tolerance)));
     out.claims.extend(judgement.whole());
     out.of_strips = judgement.claims;
     for (index, facet) in facets {
@@ -115,6 +119,69 @@ pub fn kept(curves: &[Rail], mut made: Vec<HullPart>, (tolerance, twist): (f64, 
         out.missing.push("the hull has no developable strips between smooth curves".into());
     }
     out
+}
+
+/// How far the strips are from the curves, tips that are cut off included.
+fn from_curves(tips: &[UpperBound], off: [UpperBound; 2], tolerance: f64) -> Claim {
+    let off = UpperBound::largest(tips.iter().copied().chain(off));
+    Claim::at_most(What::FromCurves, Subject::Whole, off)
+        .within(tolerance)
+        .because(format!("the strips stray up to {:.4} mm from the curves", off.value()))
+}
+
+/// How many strips are cut off before the tip at an end of a part, and how far the curve then lies from the last ruling;
+/// `None` where there is no tip, or no strip is left that is written.
+fn tip_cut(
+    part: &HullPart,
+    own: &[(&Candidate, &Found)],
+    end: usize,
+    curves: &[Rail],
+    (tolerance, twist): (f64, f64),
+) -> Option<(usize, UpperBound)> {
+    let tip = part.tips[end]?;
+    let from_tip = |k: usize| if end == 0 { Some(k) } else { own.len().checked_sub(k + 1) };
+    let off = |cut: usize, arc: [f64; 2]| {
+        let k = from_tip(cut)?;
+        let (c, f) = own.get(k)?;
+        f.is_bounded().then(|| tip_bound(&c.built.strip, end == 1, &curves[tip.rail], arc))
+    };
+    let good = |k: &usize| from_tip(*k).is_some_and(|k| own[k].1.is_within(tolerance, twist));
+    if let Some(cut) = (0..own.len()).find(good).filter(|cut| *cut > 0) {
+        let strip = &part.strips[from_tip(cut)?];
+        let arc = wider(&curves[tip.rail], &tip, ends_of(strip, end == 1, curves));
+        if let Some(bound) = off(cut, arc).filter(|b| b.value() <= tolerance) {
+            return Some((cut, bound));
+        }
+    }
+    Some((0, off(0, tip.arc)?))
+}
+
+/// Parameters on the curves of the first or the last ruling of a strip.
+fn ends_of(strip: &HullStrip, last: bool, curves: &[Rail]) -> [f64; 2] {
+    [0, 1].map(|d: usize| {
+        let part = &strip.built.rails[d];
+        let control = &part.parameter.control;
+        let at = part.piece as f64 + control[if last { control.len() - 1 } else { 0 }][0];
+        if strip.turned[d] {
+            curves[strip.rails[d]].pieces.len() as f64 - at
+        } else {
+            at
+        }
+    })
+}
+
+/// The arc between two places on both sides of a tip.
+fn wider(rail: &Rail, tip: &Tip, [x, y]: [f64; 2]) -> [f64; 2] {
+    let [lo, hi] = tip.arc;
+    if !rail.closed {
+        return [x.min(y).min(lo), x.max(y).max(hi)];
+    }
+    let n = rail.pieces.len() as f64;
+    // Forwards from the one place to the arc, and from the arc to the other.
+    let ways = |x: f64, y: f64| [(lo - x).rem_euclid(n), (y - hi).rem_euclid(n)];
+    let (one, other) = (ways(x, y), ways(y, x));
+    let [before, behind] = if one[0] + one[1] <= other[0] + other[1] { one } else { other };
+    [lo - before, hi + behind]
 }
 
 /// Names strips by part and number.

@@ -5,6 +5,7 @@ use crate::certify::rails::{rail_bound, twist_bound, TwistBound};
 use crate::control::Control;
 use crate::design::loft::build::BuiltStrip;
 use crate::draw::field::{FieldMeaning, PanelField};
+use crate::geom::unit::SQUARE_METRES;
 use crate::torse::form::PanelKind;
 use crate::torse::rail::Rail;
 use crate::torse::strip::Strip;
@@ -12,8 +13,9 @@ use rayon::prelude::*;
 
 /// Stations per strip where twist and clearance are measured.
 const STATIONS: usize = 64;
-/// Square metres in a square millimetre.
-pub(crate) const SQUARE_METRES: f64 = 1e-6;
+/// Twist (rad) that counts as developable where nothing else is asked for: 0.0006°, a hundredth of a millimetre over
+/// a metre.
+pub(crate) const TWIST_TOLERANCE: f64 = 1e-5;
 
 /// A strip to be judged.
 #[derive(Clone, Copy, Debug)]
@@ -92,6 +94,12 @@ impl Found {
     /// Whether its distances and its twist are bounded at all.
     pub fn is_bounded(&self) -> bool {
         self.twist.is_regular() && self.off.iter().flatten().all(|b| *b != UpperBound::UNKNOWN)
+    }
+
+    /// Whether its distances are proven to stay within `tolerance` (mm) and its twist within `limit` (rad).
+    pub fn is_within(&self, tolerance: f64, limit: f64) -> bool {
+        let near = self.off.iter().flatten().all(|b| b.value() <= tolerance);
+        self.is_bounded() && near && self.twist.angle().value() <= limit
     }
 }
 

@@ -1,18 +1,18 @@
 //! Strips that are proposed and judged for lofts, rows of elements, given faces and cone splines.
 
-pub mod cone_body;
-pub mod cone_outline;
-pub mod cone_strip;
+pub(crate) mod cone_body;
+pub(crate) mod cone_outline;
+pub(crate) mod cone_strip;
 pub mod cut;
-pub mod exact_chain;
-pub mod exact_strip;
-pub mod face_panel;
-pub mod fewest;
-pub mod hull_kept;
-pub mod judgement;
-pub mod loft_ends;
-pub mod regression;
-pub mod rows;
-pub mod ruled_face;
-pub mod scan;
-pub mod scan_outline;
+pub(crate) mod exact_chain;
+pub(crate) mod exact_strip;
+pub(crate) mod face_panel;
+pub(crate) mod fewest;
+pub(crate) mod hull_kept;
+pub(crate) mod judgement;
+pub(crate) mod loft_ends;
+pub(crate) mod regression;
+pub(crate) mod rows;
+pub(crate) mod ruled_face;
+pub(crate) mod scan;
+pub(crate) mod scan_outline;

@@ -49,7 +49,7 @@ pub struct Scanned {
 }
 
 /// Strips under measured points; those of coarse meshes are guided by points between their corners (see
-/// [`crate::fit::cloud::facets`]), and only the corners are judged.
+/// `fit::cloud::facets`), and only the corners are judged.
 ///
 /// # Errors
 /// See [`CloudError`].

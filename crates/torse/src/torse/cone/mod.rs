@@ -2,7 +2,7 @@
 //! charts, and parts cut from them.
 
 pub mod chart;
-pub mod distance;
+pub(crate) mod distance;
 pub mod forms;
 pub mod pair;
 pub mod part;

@@ -15,6 +15,9 @@ const ROUNDING: f64 = 1e-13;
 const CROWD: usize = 64;
 /// Share of a span beyond which a cluster of cells is a stretch of still planes and not one ruling.
 const STRETCH: f64 = 1e-2;
+/// Share of the domain within which parameters found on both sides of a knot are one inflection ruling: roots near a
+/// double one are known to the square root of the rounding only.
+const ONE_RULING: f64 = 1e-5;
 
 /// Where planes stand still.
 #[derive(Clone, Debug, PartialEq, Default)]
@@ -32,7 +35,7 @@ impl DualCurve {
     pub fn inflection_rulings(&self) -> Inflections {
         let mut out = Inflections::default();
         let (start, end) = self.domain();
-        let merge = 1e-5 * (end - start);
+        let merge = ONE_RULING * (end - start);
         for (a, b, u) in self.pieces() {
             let c = u.control();
             let k = c.len() - 1;

@@ -7,10 +7,10 @@
 //!
 //! Rulings are `U ∩ U'`, regression points `U ∩ U' ∩ U''`. Nothing here knows where the planes come from.
 
-pub mod assemble;
+pub(crate) mod assemble;
 pub mod inflection;
 pub mod regression_curve;
-pub mod tensor_product;
+pub(crate) mod tensor_product;
 mod wedge;
 
 use super::form::{DualTorse, Ruling};

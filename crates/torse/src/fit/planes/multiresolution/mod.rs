@@ -1,5 +1,4 @@
 //! Coarse and fine: splines and support functions in nested spaces \[PW99, 4.5\].
 
-pub mod closed;
 pub mod trigonometric;
 pub mod wavelets;

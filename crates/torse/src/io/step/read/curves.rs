@@ -307,10 +307,9 @@ impl<'r, 'a> Geometry<'r, 'a> {
         let (from, mut to) = (trim(2)?, trim(3)?);
         if let Some(period) = curve.period() {
             // The way round is that of the sense; equal trims are a full turn.
-            let hair = 1e-12 * period;
             let way = if along { to - from } else { from - to };
             let way = way.rem_euclid(period);
-            let way = if way <= hair { period } else { way };
+            let way = if way <= WHOLE_TURN * period { period } else { way };
             to = if along { from + way } else { from - way };
         }
         Ok(Arc { curve, from, to })
@@ -381,6 +380,8 @@ impl<'r, 'a> Geometry<'r, 'a> {
 
 /// Distance (mm) between a point and a parameter of one trim above which they disagree: more than printing loses.
 const TRIMS_DISAGREE: f64 = 1e-3;
+/// Ways round shorter than this share of the period are whole turns: equal trims, up to rounding.
+const WHOLE_TURN: f64 = 1e-12;
 /// A segment is turned round where that brings it nearer by this factor to the one before.
 const CLEARLY: f64 = 1e-2;
 
@@ -490,13 +491,16 @@ pub(super) fn expanded(id: u64, multiplicities: &[f64], knots: &[f64]) -> Result
     Ok(out)
 }
 
+/// Sine of the angle between given axes below which they are parallel: ten printed digits.
+const PARALLEL: f64 = 1e-9;
+
 /// The frame with the given axes, completed and made square as ISO 10303-42 prescribes.
 fn right_handed(origin: Vec3, z: Option<Vec3>, x: Option<Vec3>) -> Frame {
     let z = z.unwrap_or_else(Vec3::z);
     let start = x.unwrap_or_else(Vec3::x);
     let mut x = start - z * z.dot(&start);
-    // Parallel axes: any direction square to z serves.
-    if x.norm() < 1e-9 {
+    // Any direction square to z serves.
+    if x.norm() < PARALLEL {
         let other = if z.x.abs() < 0.9 { Vec3::x() } else { Vec3::y() };
         x = other - z * z.dot(&other);
     }

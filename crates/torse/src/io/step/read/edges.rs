@@ -9,6 +9,7 @@ use crate::brep::unroll;
 use crate::geom::placement::Placement;
 use crate::geom::Vec3;
 use crate::spline::curve::Curve;
+use crate::spline::knots::SAME_PARAMETER;
 use std::collections::HashMap;
 
 /// A curve of a file.
@@ -170,7 +171,7 @@ fn pieces(id: u64, path: &[Arc]) -> Result<Vec<Curve<4>>, Fault> {
             let spline = match &arc.curve {
                 SpaceCurve::Spline(c) => {
                     let (a, b) = c.domain();
-                    let hair = 1e-9 * (b - a);
+                    let hair = SAME_PARAMETER * (b - a);
                     if lo >= a - hair && hi <= b + hair {
                         c.restricted(lo.max(a), hi.min(b))
                     } else {

@@ -175,6 +175,9 @@ fn remarks(records: &Records) -> Vec<String> {
     notes
 }
 
+/// Share by which units may differ that are one, written in two ways: rounding of their factors.
+const SAME_UNIT: f64 = 1e-12;
+
 /// The unit of the context that most faces use.
 fn main_unit(census: &Census, notes: &mut Vec<String>) -> String {
     let mut counts = vec![0_usize; census.units.len()];
@@ -189,7 +192,7 @@ fn main_unit(census: &Census, notes: &mut Vec<String>) -> String {
         notes.push("the file states no length unit; millimetres are assumed".into());
     }
     let lengths: Vec<f64> = (0..counts.len()).filter(|&i| counts[i] > 0).map(|i| census.units[i].length).collect();
-    if lengths.iter().any(|l| (l - lengths[0]).abs() > 1e-12 * lengths[0]) {
+    if lengths.iter().any(|l| (l - lengths[0]).abs() > SAME_UNIT * lengths[0]) {
         notes.push("the parts of the file have different length units".into());
     }
     unit

@@ -137,7 +137,7 @@ impl From<PanelKind> for SurfaceForm {
             PanelKind::Plane => Self::Plane,
             PanelKind::Cylinder => Self::Extrusion,
             PanelKind::Cone => Self::Cone,
-            PanelKind::Torse => Self::Ruled,
+            PanelKind::Torse | PanelKind::Ruled => Self::Ruled,
         }
     }
 }

@@ -3,9 +3,7 @@
 use super::super::counted;
 use super::super::numbers::{angle, length, length_bound, number as plain_number, percent};
 use crate::answer::note::{EndNote, ExactPiece, Leads, LoftNote};
-
-/// Square metres in a square millimetre.
-const SQUARE_METRES: f64 = 1e-6;
+use crate::geom::unit::SQUARE_METRES;
 
 pub(super) fn words(note: &LoftNote) -> String {
     match note {

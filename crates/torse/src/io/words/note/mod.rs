@@ -34,6 +34,9 @@ pub fn note(note: &Note) -> String {
         ),
         Note::NoPanelAlong { curve } => format!("no panel along {curve} could be certified; others took its place"),
         Note::ExactFaces => "Faces of cones.step are exact cones, cylinders and planes.".into(),
+        Note::NotDevelopable => {
+            "Strips are ruled, not developable: there are no flat patterns. Kinks are measured.".into()
+        }
         Note::Unjoined => "Strips are fitted one by one and are not joined to each other.".into(),
         Note::Limits(limits) => asked_of_regression(limits),
         Note::Broken(broken) => beyond_limits(broken),
@@ -41,13 +44,16 @@ pub fn note(note: &Note) -> String {
         Note::CutOpen { part: None } => "the strip is closed; its flat part is cut open along the first ruling".into(),
         Note::CutOpen { part: Some(part) } => format!("part {part} is closed; it is cut open along its first ruling"),
         Note::Loft(note) => loft::words(note),
-        Note::Lid { curve } => {
-            format!("{curve} lies in a plane on which the hull rests; that planar piece is left open")
+        Note::Lid { curve, whole } => {
+            let what = if *whole { "" } else { "a part of " };
+            format!("{what}{curve} lies in a plane on which the hull rests; that planar piece is left open")
         }
         Note::Inside { curve } => format!("{curve} bounds no developable strip: it lies inside the hull of the others"),
-        Note::Tips { count, tolerance } => {
-            format!("{count} tips are cut off where rulings become shorter than the tolerance of {tolerance} mm")
-        }
+        Note::Tips { count, within } => format!(
+            "{count} tips are cut off where rulings become short; beyond the last ones the curves lie within {} mm of these \
+             (proven, part of the distance from the curves)",
+            number(*within)
+        ),
         Note::Net(note) => net::words(note),
         Note::Solved { step, report } => solved(*step, report),
         Note::Met { residual } => format!("conditions are met to {} of the size", number(*residual)),

@@ -1,0 +1,33 @@
+//! Segments of space.
+
+use super::Vec3;
+
+/// Share of the product of both squared lengths below which the determinant of two directions is rounding: they are
+/// parallel.
+const PARALLEL: f64 = 1e-14;
+
+/// Distance (mm) between the segments from `a` to `b` and from `c` to `d`; either may be a point.
+pub(crate) fn segment_distance([a, b]: [&Vec3; 2], [c, d]: [&Vec3; 2]) -> f64 {
+    let (u, v, w) = (b - a, d - c, a - c);
+    let (uu, uv, vv, uw, vw) = (u.dot(&u), u.dot(&v), v.dot(&v), u.dot(&w), v.dot(&w));
+    let det = uu * vv - uv * uv;
+    let s = if det > PARALLEL * uu * vv { ((uv * vw - vv * uw) / det).clamp(0.0, 1.0) } else { 0.0 };
+    let t = if vv > 0.0 { ((uv * s + vw) / vv).clamp(0.0, 1.0) } else { 0.0 };
+    let s = if uu > 0.0 { ((uv * t - uw) / uu).clamp(0.0, 1.0) } else { 0.0 };
+    (w + u * s - v * t).norm()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn segments_that_cross_over_lie_side_by_side_or_are_points() {
+        let p = |x: f64, y: f64, z: f64| Vec3::new(x, y, z);
+        let along = [&p(-1.0, 0.0, 0.0), &p(1.0, 0.0, 0.0)];
+        assert_eq!(segment_distance(along, [&p(0.5, -1.0, 2.0), &p(0.5, 1.0, 2.0)]), 2.0);
+        assert_eq!(segment_distance(along, [&p(0.0, 3.0, 0.0), &p(4.0, 3.0, 0.0)]), 3.0);
+        assert_eq!(segment_distance(along, [&p(4.0, 4.0, 0.0), &p(4.0, 4.0, 0.0)]), 5.0);
+        assert_eq!(segment_distance([along[0], along[0]], along), 0.0);
+    }
+}

@@ -1,0 +1,42 @@
+//! Faces that are not developable, covered by panels that are, within a tolerance of their own.
+
+use super::UnrollError;
+use crate::answer::skipped::{left_out, Skipped};
+use crate::answer::Answer;
+use crate::brep::face::Face;
+use crate::control::Control;
+use crate::develop::unfold::part::SheetPart;
+use crate::patchwork::part::Part;
+use crate::patchwork::pattern::Pattern;
+use crate::pipeline::approximate::{of_faces, Options};
+
+/// Adds panels for `faces`, each a part of its own, with what is proven of them. Names follow those of `torse approximate`.
+/// Where that job fails, the faces are left out by name, if there are other parts.
+///
+/// # Errors
+/// As of that job, where there is nothing else.
+pub(super) fn add(answer: &mut Answer, faces: Vec<Face>, tolerance: f64, control: &Control) -> Result<(), UnrollError> {
+    if faces.is_empty() {
+        return Ok(());
+    }
+    let made = match of_faces(faces.clone(), Vec::new(), &Options::new(tolerance), control) {
+        Ok(made) => made,
+        Err(e) if answer.parts.is_empty() => return Err(e.into()),
+        Err(e) => {
+            let skipped: Vec<Skipped> = faces.iter().map(|f| Skipped::of_face(f, e.to_string())).collect();
+            answer.claims.extend(left_out(&skipped));
+            answer.skipped.extend(skipped);
+            return Ok(());
+        }
+    };
+    let (panels, parts) = (answer.patchwork.panels.len(), answer.parts.len());
+    answer.claims.extend(made.claims.into_iter().map(|c| c.after(panels)));
+    answer.parts.extend(made.parts.into_iter().map(|p| Part { first: p.first + panels, ..p }));
+    // Panels of covers are parts one by one.
+    answer.patterns.extend(made.patterns.into_iter().map(|p| Pattern { panel: p.panel + parts, ..p }));
+    answer.sheets.resize(answer.patterns.len(), SheetPart::default());
+    answer.skipped.extend(made.skipped);
+    answer.notes.extend(made.notes);
+    answer.patchwork.append(made.patchwork);
+    Ok(())
+}

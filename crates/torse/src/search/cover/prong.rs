@@ -1,0 +1,130 @@
+//! Prongs: narrow parts that reach far beyond the rest of a region. They bend where they should not when a panel is handled,
+//! and are given to a neighbour where that can be proven.
+
+use super::{merge, Job, State};
+use crate::geom::Vec3;
+use crate::patchwork::partition::edges;
+use crate::spline::surface::Surface;
+
+/// How far, in widths, a narrow part reaches beyond the rest to be a prong: ends of wedges of more than about 10° are none.
+const LONG: f64 = 6.0;
+
+/// A narrow part of a region, by places in space.
+pub(super) struct Prong {
+    /// The nearest place that is not narrow.
+    root: Vec3,
+    /// The farthest place.
+    tip: Vec3,
+}
+
+impl Prong {
+    /// The longest part of a region that is narrower than `width` (mm), as fine as its triangles; `None` if none is long, or all
+    /// of the region is narrow.
+    pub(super) fn of(state: &State, label: u32, width: f64) -> Option<Self> {
+        let region = state.partition.region(label);
+        let place = |v: u32| state.jets[v as usize].jet.p;
+        let sides = state.partition.adjacency();
+        let is_own = |t: u32| state.partition.labels[t as usize] == label;
+        let border: Vec<[Vec3; 2]> = region
+            .iter()
+            .flat_map(|&t| edges(state.partition.triangles[t]))
+            .filter(|(a, b)| !sides.get(&(*b, *a)).is_some_and(|t| is_own(*t)))
+            .map(|(a, b)| [place(a), place(b)])
+            .collect();
+        let middle = |t: usize| state.partition.triangles[t].map(place).iter().sum::<Vec3>() / 3.0;
+        let middles: Vec<Vec3> = region.iter().map(|&t| middle(t)).collect();
+        let is_inside = |x: &Vec3| border.iter().all(|s| squared_distance(x, s) >= 0.25 * width * width);
+        let (core, narrow): (Vec<Vec3>, Vec<Vec3>) = middles.iter().partition(|x| is_inside(x));
+        let from_core = |tip: &Vec3| {
+            let apart = core.iter().map(|root| ((root - tip).norm_squared(), *root, *tip));
+            apart.min_by(|a, b| a.0.total_cmp(&b.0))
+        };
+        let (far, root, tip) = narrow.iter().filter_map(from_core).max_by(|a, b| a.0.total_cmp(&b.0))?;
+        (far > (LONG * width).powi(2)).then_some(Self { root, tip })
+    }
+
+    /// Cuts it off beside its root; its label. `None` if that separates nothing.
+    fn cut_off(&self, surface: &Surface, state: &mut State, label: u32, width: f64) -> Option<u32> {
+        let axis = (self.tip - self.root).normalize();
+        let height = |p: [f64; 2]| axis.dot(&(surface.point(p[0], p[1]) - self.root)) - 0.5 * width;
+        let parts = merge::parted(surface, state, label, height)?;
+        let far = |t: usize| {
+            let middle = state.partition.triangles[t].iter().map(|v| state.jets[*v as usize].jet.p).sum::<Vec3>() / 3.0;
+            (middle - self.tip).norm()
+        };
+        let all = 0..state.partition.triangles.len();
+        let there =
+            all.filter(|t| parts.contains(&state.partition.labels[*t])).min_by(|a, b| far(*a).total_cmp(&far(*b)))?;
+        let prong = state.partition.labels[there];
+        // What else lies beyond the cut stays where it was.
+        let fresh = state.partition.fresh_label();
+        let renamed = |l: u32| match l {
+            l if l == prong => fresh,
+            l if parts.contains(&l) => label,
+            l => l,
+        };
+        state.partition.labels.iter_mut().for_each(|l| *l = renamed(*l));
+        (!state.partition.region(label).is_empty()).then_some(fresh)
+    }
+}
+
+/// Squared distance of a point from a segment.
+fn squared_distance(x: &Vec3, [a, b]: &[Vec3; 2]) -> f64 {
+    let along = b - a;
+    let share = ((x - a).dot(&along) / along.norm_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+    (x - a - along * share).norm_squared()
+}
+
+impl Job<'_> {
+    /// The longest prong of a panel given to a neighbour whose torse is good for it. `None` if there is no prong, or none can
+    /// have it.
+    pub(super) fn without_prong(&self, state: &State, label: u32, width: f64) -> Option<State> {
+        let prong = Prong::of(state, label, width)?;
+        let mut cut = state.clone();
+        let part = prong.cut_off(&self.face.surface, &mut cut, label, width)?;
+        self.absorbed(&cut, part, Some(label))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::brep::face::Face;
+    use crate::spline::knots::Knots;
+
+    /// A square of 1 m in cells of 20 mm, a region of which reaches with `height` (mm) along one side below another region.
+    fn state(height: f64) -> (Surface, State) {
+        let line = Knots::clamped(1, &[0.0, 1.0]).expect("knots");
+        let corner = |x: f64, y: f64| Vec3::new(1000.0 * x, 1000.0 * y, 0.0);
+        let corners = [corner(0.0, 0.0), corner(0.0, 1.0), corner(1.0, 0.0), corner(1.0, 1.0)];
+        let surface = Surface::new(line.clone(), line, &corners, None).expect("a surface");
+        let lines: Vec<f64> = (0..=50).map(|k| f64::from(k) / 50.0).collect();
+        let face = Face::untrimmed(surface.clone());
+        let mut state = State::on_lines(&face, lines.clone(), lines).expect("a state");
+        state.cut(&surface, 0, 1, |p| p[0] - 0.4);
+        state.cut(&surface, 1, 2, |p| 0.001 * height - p[1]);
+        state.partition.labels.iter_mut().filter(|l| **l == 2).for_each(|l| *l = 0);
+        (surface, state)
+    }
+
+    #[test]
+    fn a_finger_is_cut_off_where_it_leaves_the_panel() {
+        let (surface, mut state) = state(40.0);
+        let prong = Prong::of(&state, 0, 60.0).expect("a prong");
+        assert!((prong.tip.x - 1000.0).abs() < 20.0 && prong.tip.y < 40.0 && prong.root.x < 400.0, "{}", prong.tip);
+        let part = prong.cut_off(&surface, &mut state, 0, 60.0).expect("a part");
+        let (own, rest) = (state.area(part), state.area(0));
+        assert!((own - 600.0 * 40.0).abs() < 0.1 * own, "{own}");
+        assert!((own + rest - 400.0 * 1000.0 - 600.0 * 40.0).abs() < 1e-6);
+        // What is left, and regions without narrow parts, have none.
+        assert!(Prong::of(&state, 0, 60.0).is_none() && Prong::of(&state, 1, 60.0).is_none());
+    }
+
+    #[test]
+    fn broad_parts_and_whole_slivers_are_no_prongs() {
+        assert!(Prong::of(&state(120.0).1, 0, 60.0).is_none());
+        let (surface, mut sliver) = state(40.0);
+        sliver.cut(&surface, 0, 3, |p| p[0] - 0.4);
+        assert!(Prong::of(&sliver, 3, 60.0).is_none());
+    }
+}
