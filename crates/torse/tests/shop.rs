@@ -2,6 +2,7 @@
 //! for each part.
 
 use std::collections::BTreeMap;
+use std::sync::OnceLock;
 use torse::certify::claim::Status;
 use torse::geom::unit::LengthUnit;
 use torse::patchwork::pattern::MarkPlace;
@@ -15,6 +16,12 @@ const BOWL: &[u8] = include_bytes!("../../../data/half_bowl.step");
 fn answer(bytes: &[u8], tolerance: f64, limits: Limits) -> Answer {
     let model = read_step(bytes).expect("our own model");
     approximate(&model, &Approximate { limits, ..Approximate::new(tolerance) }).expect("an answer")
+}
+
+/// The bowl at 10 mm without limits, which several tests look at.
+pub fn bowl() -> &'static Answer {
+    static ANSWER: OnceLock<Answer> = OnceLock::new();
+    ANSWER.get_or_init(|| answer(BOWL, 10.0, Limits::default()))
 }
 
 /// A pipe is cut into equal fields on its flat pattern: the fewest that fit, not halves of halves.
@@ -32,7 +39,7 @@ fn a_developable_face_is_cut_into_few_fields_that_fit_the_sheet() {
 #[test]
 fn panels_that_are_too_long_are_cut_in_line_or_covered_in_sections() {
     let limits = Limits { max_length: Some(1300.0), ..Limits::default() };
-    let (free, kept) = (answer(BOWL, 10.0, Limits::default()), answer(BOWL, 10.0, limits));
+    let (free, kept) = (bowl(), answer(BOWL, 10.0, limits));
     let long = free.patterns.iter().map(|p| (p.length / 1300.0).ceil() as usize).sum::<usize>();
     assert!(long > free.patterns.len());
     assert_eq!(kept.status(), Status::Certified);
@@ -64,7 +71,7 @@ fn both_sides_of_a_joint_carry_the_same_marks() {
 
 #[test]
 fn panels_are_numbered_along_the_model() {
-    let a = answer(BOWL, 10.0, Limits::default());
+    let a = bowl();
     let middle = |k: usize| {
         let points: Vec<_> = (0..=8)
             .map(|i| {
@@ -91,7 +98,7 @@ fn panels_are_numbered_along_the_model() {
 
 #[test]
 fn drawings_in_inches_and_of_single_parts_hold_what_was_judged() {
-    let mut a = answer(BOWL, 10.0, Limits::default());
+    let mut a = bowl().clone();
     a.cut.unit = LengthUnit::Inch;
     a.cut.one_per_part = true;
     let all: BTreeMap<String, Vec<u8>> = files(&mut a, "2026-01-31T12:00:00").expect("files").into_iter().collect();

@@ -1,6 +1,6 @@
 //! From measured points to proven strips.
 
-use crate::{strips, value, Random};
+use super::{strips, value, Random};
 use torse::certify::claim::{Counted, Status, What};
 use torse::control::Control;
 use torse::fit::cloud::CloudError;

@@ -1,6 +1,6 @@
 //! Nested spaces: wavelets, and strips of cones between parallel planes.
 
-use crate::Random;
+use super::Random;
 use torse::fit::planes::multiresolution::trigonometric::{
     cone_strip, support_spline, ConeStrip, ContourMetric, RadiusSign, StripError, TrigonometricSpline,
 };

@@ -1,6 +1,6 @@
 //! Planes, rulings and points: F1, F2, F3, corrections, knots, frames.
 
-use crate::Random;
+use super::Random;
 use torse::fit::planes::correction::{corrected, joint, JointOptions};
 use torse::fit::planes::estimates::{planes_of_rulings, ruling_direction, Ends, EstimateError};
 use torse::fit::planes::frame::{frame_of_normals, segments, FrameError, STEEPEST};

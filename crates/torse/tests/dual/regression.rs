@@ -1,6 +1,6 @@
 //! Control of the regression curve, and the walk of the paper that is not used.
 
-use crate::Random;
+use super::Random;
 use torse::fit::planes::linear_system::PlaneDatum;
 use torse::fit::planes::regression::{
     regression_free, regression_free_where, ForbiddenZone, RegressionError, RegressionOptions,

@@ -1,6 +1,6 @@
 //! Rulings, tangent planes and faces of high degree, from data to proven strips.
 
-use crate::{strips, value, Random};
+use super::{strips, value, Random};
 use torse::brep::face::Face;
 use torse::certify::claim::{Counted, Status, What};
 use torse::control::Control;

@@ -1,7 +1,7 @@
 //! Strips with few control points, kept ends, smoothing, outliers, and limits that nothing keeps.
 
 use super::rows::{helix, rulings};
-use crate::{strips, value, Random};
+use super::{strips, value, Random};
 use torse::answer::note::{Became, FaceNote, FitNote, Note, SplineSize};
 use torse::answer::Answer;
 use torse::brep::face::Face;

@@ -1,7 +1,7 @@
 //! Parts, copies, groups and names.
 
-use crate::file::{entry, Entry, File};
-use crate::{area, model};
+use super::file::{entry, Entry, File};
+use super::{area, model};
 use torse::io::iges::read;
 use torse::io::words;
 

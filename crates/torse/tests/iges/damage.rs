@@ -1,7 +1,7 @@
 //! Files that are not as they should be.
 
-use crate::area;
-use crate::file::{entry, Entry, File};
+use super::area;
+use super::file::{entry, Entry, File};
 use torse::io::iges::read::{self, ReadError};
 use torse::io::words;
 

@@ -1,7 +1,7 @@
 //! Every sort of surface and curve.
 
-use crate::file::{entry, Entry, File};
-use crate::{area, has_area, model};
+use super::file::{entry, Entry, File};
+use super::{area, has_area, model};
 use std::f64::consts::{PI, TAU};
 use torse::brep::face::SurfaceKind;
 use torse::io::iges::read::{self, free};

@@ -1,7 +1,7 @@
 //! Solids and shells with analytic surfaces.
 
-use crate::file::{entry, Entry, File};
-use crate::{has_area, model};
+use super::file::{entry, Entry, File};
+use super::{has_area, model};
 use std::f64::consts::PI;
 use torse::brep::face::SurfaceKind;
 use torse::geom::Vec3;

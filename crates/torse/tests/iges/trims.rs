@@ -1,7 +1,7 @@
 //! Trimmed and bounded surfaces.
 
-use crate::file::{entry, Entry, File};
-use crate::{area, has_area, model};
+use super::file::{entry, Entry, File};
+use super::{area, has_area, model};
 use std::f64::consts::{FRAC_PI_2, PI};
 use torse::brep::face::SurfaceKind;
 use torse::certify::trims::trim_proof;

@@ -1,6 +1,6 @@
 //! What is written is read back.
 
-use crate::{has_area, model};
+use super::{has_area, model};
 use torse::geom::Vec3;
 use torse::io::iges::{read, write};
 use torse::io::step::write::Header;

@@ -1,6 +1,6 @@
 //! The STEP reader never panics and never hangs, whatever is done to a file.
 
-use crate::text::{Step, Unit};
+use super::text::{Step, Unit};
 use proptest::prelude::*;
 use std::time::{Duration, Instant};
 use torse::io::step::read::read;

@@ -1,7 +1,7 @@
 //! The STEP reader on small files written here: every kind of surface and curve, senses, units, assemblies, damage.
 //! Areas are compared with closed forms.
 
-use crate::text::{Step, Unit};
+use super::text::{Step, Unit};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 use torse::brep::area::area_estimate;
 use torse::brep::face::{Face, SurfaceKind};

@@ -1,7 +1,7 @@
 //! Faces as other exporters write them: names left out, bounded surfaces without topology, extruded faces, and what
 //! accompanies shapes without being one.
 
-use crate::text::{Step, Unit};
+use super::text::{Step, Unit};
 use torse::brep::area::area_estimate;
 use torse::brep::face::Face;
 use torse::certify::trims::trim_proof;

@@ -1,6 +1,6 @@
 //! Sheets that are drawn as bodies: their skins, and what is no sheet.
 
-use crate::text::{Step, Unit, P};
+use super::text::{Step, Unit, P};
 use torse::answer::note::Note;
 use torse::io::model::Model;
 use torse::io::step::read::read;

@@ -1,7 +1,7 @@
 //! What is proven of the distance between the file's edges and the polygons that trims become: never too little, and
 //! little where the file is sound.
 
-use crate::text::{Step, Unit};
+use super::text::{Step, Unit};
 use torse::brep::face::{Face, FilePiece};
 use torse::certify::claim::Status;
 use torse::certify::trims::trim_proof;

@@ -1,4 +1,4 @@
-//! Measured things for the gallery, made up: `cargo run --release --example gallery_inputs -- FOLDER`.
+//! Measured things for the gallery, made up.
 //!
 //! `scan.csv` holds points of a bent sheet with a fold and a hole, scattered as scanners do.
 //! `loop.csv` holds a closed curve that rises and falls three times. All in mm.
@@ -9,10 +9,8 @@ use std::fmt::Write;
 use std::path::Path;
 use torse::geom::{Vec2, Vec3};
 
-fn main() -> Result<(), Box<dyn Error>> {
-    let folder = std::env::args().nth(1).ok_or("name a folder: gallery_inputs -- FOLDER")?;
-    let folder = Path::new(&folder);
-    std::fs::create_dir_all(folder)?;
+/// Writes them into a folder.
+pub fn draw(folder: &Path) -> Result<(), Box<dyn Error>> {
     std::fs::write(folder.join("scan.csv"), table(&scan())?)?;
     let ring = (0..=96).map(|k| TAU * f64::from(k % 96) / 96.0);
     let ring: Vec<Vec3> = ring.map(|t| Vec3::new(100.0 * t.cos(), 100.0 * t.sin(), 35.0 * (3.0 * t).cos())).collect();

@@ -1,6 +1,6 @@
 //! The figures of a paper on B-spline control nets for developable surfaces \[FJ07\], drawn from the library.
 //!
-//! `cargo run --release --example gallery_nets -- FOLDER` writes one PNG per figure.
+//! One PNG per figure.
 
 use std::error::Error;
 use std::path::Path;
@@ -27,10 +27,8 @@ const FACETS: usize = 4;
 
 type Outcome<T> = Result<T, Box<dyn Error>>;
 
-fn main() -> Outcome<()> {
-    let folder = std::env::args().nth(1).ok_or("give a folder to write to")?;
-    let folder = Path::new(&folder);
-    std::fs::create_dir_all(folder)?;
+/// Draws them into a folder.
+pub fn draw(folder: &Path) -> Outcome<()> {
     let figures = [
         ("figure-1", developable()?),
         ("figure-2", cylinder()?),

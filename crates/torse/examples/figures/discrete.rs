@@ -1,4 +1,4 @@
-//! Pictures of ruled surfaces and discrete torses: `cargo run --release --example gallery_discrete -- FOLDER`.
+//! Pictures of ruled surfaces and discrete torses.
 //!
 //! Figures 1.1 to 1.5 of \[W15\]: a ruled surface between two curves, the tangent plane that turns along a ruling, a
 //! tangent surface with its edge of regression, a discrete torse, the envelope of a family of planes. Figures 4.8 and
@@ -26,10 +26,8 @@ use torse::torse::strip::Strip;
 
 type Result<T> = std::result::Result<T, Box<dyn std::error::Error>>;
 
-fn main() -> Result<()> {
-    let folder = std::env::args().nth(1).ok_or("name a folder: gallery_discrete -- FOLDER")?;
-    let folder = Path::new(&folder);
-    std::fs::create_dir_all(folder)?;
+/// Draws them into a folder.
+pub fn draw(folder: &Path) -> Result<()> {
     let save = |name: &str, scene: &Scene, eye: [f64; 3], title: &str| -> Result<()> {
         let caption = Caption { width: 800, title: title.into(), note: "W15".into() };
         let image = panels(scene, &Vec3::from(eye), &caption);

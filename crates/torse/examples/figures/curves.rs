@@ -1,5 +1,4 @@
-//! Figures of the paper on panels along curves \[SE06\], on surfaces of our own of the same kind:
-//! `cargo run --release --example gallery_curves -- FOLDER`.
+//! Figures of the paper on panels along curves \[SE06\], on surfaces of our own of the same kind.
 
 use std::error::Error;
 use std::path::Path;
@@ -21,9 +20,9 @@ use torse::spline::surface::Surface;
 
 type Done<T> = Result<T, Box<dyn Error>>;
 
-const BOWL: &[u8] = include_bytes!("../../../data/half_bowl.step");
-const FUSELAGE: &[u8] = include_bytes!("../../../data/fuselage.step");
-const TORUS: &[u8] = include_bytes!("../../../data/torus_piece.step");
+const BOWL: &[u8] = include_bytes!("../../../../data/half_bowl.step");
+const FUSELAGE: &[u8] = include_bytes!("../../../../data/fuselage.step");
+const TORUS: &[u8] = include_bytes!("../../../../data/torus_piece.step");
 
 const INK: [f64; 3] = [0.1, 0.12, 0.16];
 const GREY: [f64; 3] = [0.6, 0.63, 0.68];
@@ -34,12 +33,9 @@ const AREA: [f64; 3] = [0.62, 0.76, 0.92];
 /// Tolerance of the figures of one panel, mm; the bowl is 1 m wide.
 const TOLERANCE: f64 = 10.0;
 
-fn main() -> Done<()> {
-    let folder = std::env::args().nth(1).ok_or("name a folder")?;
-    std::fs::create_dir_all(&folder)?;
-    let save = |name: &str, image: &Image| -> Done<()> {
-        Ok(std::fs::write(Path::new(&folder).join(name), png::write(image)?)?)
-    };
+/// Draws them into a folder.
+pub fn draw(folder: &Path) -> Done<()> {
+    let save = |name: &str, image: &Image| -> Done<()> { Ok(std::fs::write(folder.join(name), png::write(image)?)?) };
     let bowl = surface(BOWL)?;
     let rich = Study::new(&bowl, 41)?;
     save("figure-1-a.png", &regions(&bowl, &rich, &[20], "The region near one ruling")?)?;

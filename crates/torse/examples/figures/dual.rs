@@ -1,5 +1,4 @@
-//! The nine figures of Pottmann and Wallner's paper on developables as curves of planes, made with the library:
-//! `cargo run --release --example gallery_dual -- FOLDER`.
+//! The nine figures of Pottmann and Wallner's paper on developables as curves of planes, made with the library.
 
 use std::error::Error;
 use std::path::Path;
@@ -31,12 +30,9 @@ const RED: [f64; 3] = [0.78, 0.16, 0.12];
 const BLUE: [f64; 3] = [0.15, 0.35, 0.7];
 const ZONE: [f64; 3] = [0.9, 0.9, 0.78];
 
-fn main() -> Done<()> {
-    let folder = std::env::args().nth(1).ok_or("name a folder")?;
-    std::fs::create_dir_all(&folder)?;
-    let save = |name: &str, image: &Image| -> Done<()> {
-        Ok(std::fs::write(Path::new(&folder).join(name), png::write(image)?)?)
-    };
+/// Draws them into a folder.
+pub fn draw(folder: &Path) -> Done<()> {
+    let save = |name: &str, image: &Image| -> Done<()> { Ok(std::fs::write(folder.join(name), png::write(image)?)?) };
     save("figure-1.png", &figure_1()?)?;
     let (before, after) = figure_2()?;
     save("figure-2-left.png", &before)?;

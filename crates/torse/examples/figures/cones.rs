@@ -1,4 +1,4 @@
-//! Pictures of cone splines: `cargo run --release --example gallery_cones -- FOLDER`.
+//! Pictures of cone splines.
 //!
 //! Figures 3 to 17 of \[LP98\]: the inscribed sphere and its biarc (3, 4), which side of the vertex is used (5, 6), the
 //! family of junction rulings (7) and its vertex distances (8), constant slope (9, 10, 12), a tangent surface with three
@@ -27,11 +27,9 @@ use torse::torse::strip::Strip;
 
 type Result<T> = std::result::Result<T, Box<dyn std::error::Error>>;
 
+/// Draws them into a folder.
 #[expect(clippy::too_many_lines, reason = "one figure after another")]
-fn main() -> Result<()> {
-    let folder = std::env::args().nth(1).ok_or("name a folder: gallery_cones -- FOLDER")?;
-    let folder = Path::new(&folder);
-    std::fs::create_dir_all(folder)?;
+pub fn draw(folder: &Path) -> Result<()> {
     let eye = Vec3::new(0.5, -1.0, 0.7);
 
     // Figure 11: a tangent surface and three pairs.

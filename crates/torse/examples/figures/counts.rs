@@ -1,5 +1,5 @@
 //! Panels over the tolerance: ours, the estimate of theory, and the counts published with the method of \[SE06\] for a bowl
-//! of the same kind. `cargo run --release --example gallery_counts -- FOLDER` writes `counts.png` and prints the table.
+//! of the same kind. Writes `counts.png` and prints the table.
 
 use std::io::Write;
 use torse::control::Control;
@@ -9,7 +9,7 @@ use torse::io::step::read::read;
 use torse::pipeline::approximate::Options;
 use torse::pipeline::sweep::sweep;
 
-const BOWL: &[u8] = include_bytes!("../../../data/half_bowl.step");
+const BOWL: &[u8] = include_bytes!("../../../../data/half_bowl.step");
 
 /// Tolerances in mm; the bowl is 1 m wide.
 const TOLERANCES: [f64; 5] = [10.0, 3.0, 1.0, 0.3, 0.1];
@@ -17,8 +17,8 @@ const TOLERANCES: [f64; 5] = [10.0, 3.0, 1.0, 0.3, 0.1];
 /// Published: tolerance over size in thousandths, and panels. The control points of that bowl are not published.
 const PUBLISHED: [[f64; 2]; 2] = [[10.0, 11.0], [1.0, 27.0]];
 
-fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let folder = std::env::args().nth(1).ok_or("give a folder for the picture")?;
+/// Draws them into a folder.
+pub fn draw(folder: &std::path::Path) -> Result<(), Box<dyn std::error::Error>> {
     let options = Options { input: "half bowl".into(), smooth_angle: 0.0, ..Options::new(TOLERANCES[0]) };
     let rows = sweep(&read(BOWL)?.faces, &[], &TOLERANCES, &options, &Control::default())?;
     let mut out = std::io::stdout().lock();
@@ -42,7 +42,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         ],
     })
     .ok_or("nothing to draw")?;
-    std::fs::create_dir_all(&folder)?;
-    std::fs::write(std::path::Path::new(&folder).join("counts.png"), png::write(&picture)?)?;
+    std::fs::write(folder.join("counts.png"), png::write(&picture)?)?;
     Ok(())
 }

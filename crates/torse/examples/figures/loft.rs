@@ -1,7 +1,7 @@
 //! Figures of lecture notes on ruled surfaces and developables \[W15\], section 4, drawn from the library: developables
 //! from boundary curves.
 //!
-//! `cargo run --release --example gallery_loft -- FOLDER` writes one PNG per figure.
+//! One PNG per figure.
 
 use std::error::Error;
 use std::f64::consts::TAU;
@@ -25,10 +25,8 @@ use torse::torse::strip::Strip;
 
 type Outcome<T> = Result<T, Box<dyn Error>>;
 
-fn main() -> Outcome<()> {
-    let folder = std::env::args().nth(1).ok_or("give a folder to write to")?;
-    let folder = Path::new(&folder);
-    std::fs::create_dir_all(folder)?;
+/// Draws them into a folder.
+pub fn draw(folder: &Path) -> Outcome<()> {
     let control = Control::default();
     let save = |name: &str, answer: &Answer, title: &str, eye: Vec3| -> Outcome<()> {
         let caption = Caption { width: 800, title: title.into(), note: "W15".into() };

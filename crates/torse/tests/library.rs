@@ -1,0 +1,19 @@
+//! The library as its users meet it: every job from what is read to what is written, laws, readers, proofs.
+
+mod approximate;
+mod cones;
+mod discrete;
+mod dual;
+mod exact;
+mod fit;
+mod flat_parts;
+mod iges;
+mod laws;
+mod panels;
+mod refold;
+mod ruled;
+mod seams;
+mod shop;
+mod step;
+mod view;
+mod written;
