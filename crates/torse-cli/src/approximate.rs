@@ -3,7 +3,7 @@
 use crate::args::{self, Approximate, Seams};
 use crate::failure::Failure;
 use crate::input::contents;
-use crate::job::{fault, refuse_left_out, Job};
+use crate::job::{refuse_left_out, Job};
 use crate::loft::{rail, rails};
 use crate::quantity::{section, Length};
 use crate::wiring;
@@ -68,7 +68,7 @@ pub fn run(arguments: &Approximate) -> Result<bool, Failure> {
     if arguments.cones {
         job.say("cones");
         let mut cones = wiring::cones_of_panels(&answer, tolerance.mm, job.control())?;
-        let files = deliver::files(&mut cones, &crate::clock::stamp()).map_err(|e| fault(&e))?;
+        let files = deliver::files(&mut cones, &crate::clock::stamp()).map_err(|e| Failure::fault(&e))?;
         let named = |name: String| if name == bundle::CONES { name } else { format!("cones-{name}") };
         job.write(files.into_iter().map(|(name, bytes)| (named(name), bytes)).collect())?;
         cones_hold = cones.status() == Status::Certified;

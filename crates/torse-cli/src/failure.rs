@@ -16,6 +16,11 @@ impl Failure {
     pub fn new(message: impl Into<String>, help: impl Into<String>) -> Self {
         Self { message: message.into(), help: help.into() }
     }
+
+    /// A fault of the program.
+    pub fn fault(e: &dyn std::error::Error) -> Self {
+        Self::new(e.to_string(), "this is a fault of the program; please report it with the input")
+    }
 }
 
 impl fmt::Display for Failure {

@@ -70,7 +70,7 @@ impl<'a> Job<'a> {
         answer.cut = self.files.cut();
         workshop::prepare(answer, &self.shop)
             .map_err(|e| Failure::new(e.to_string(), "'torse info' tells unit and size of the model"))?;
-        self.write(deliver::files(answer, &crate::clock::stamp()).map_err(|e| fault(&e))?)
+        self.write(deliver::files(answer, &crate::clock::stamp()).map_err(|e| Failure::fault(&e))?)
     }
 
     /// Moves the folder into place and tells the result; `Ok(true)` means certified.
@@ -85,11 +85,6 @@ impl<'a> Job<'a> {
         }
         Ok(answer.status() == Status::Certified)
     }
-}
-
-/// A fault of the program.
-pub fn fault(e: &dyn std::error::Error) -> Failure {
-    Failure::new(e.to_string(), "this is a fault of the program; please report it with the input")
 }
 
 /// `--strict`: anything that is left out, by the reader or by the job, is an error.

@@ -3,7 +3,6 @@
 use crate::args::Refold;
 use crate::failure::Failure;
 use crate::folder::Output;
-use crate::job::fault;
 use crate::terminal::Terminal;
 use std::io::Write as _;
 use std::path::Path;
@@ -35,7 +34,7 @@ pub fn run(arguments: &Refold) -> Result<bool, Failure> {
         )
     })?;
     terminal.say("writing");
-    for (name, bytes) in answer.files().map_err(|e| fault(&std::io::Error::other(e)))? {
+    for (name, bytes) in answer.files().map_err(|e| Failure::fault(&std::io::Error::other(e)))? {
         output.write(&name, &bytes)?;
     }
     terminal.guard(None);

@@ -3,7 +3,7 @@
 use crate::args::{Files, Ruled};
 use crate::failure::Failure;
 use crate::input::contents;
-use crate::job::{fault, refuse_left_out, Job};
+use crate::job::{refuse_left_out, Job};
 use crate::wiring;
 use torse::io::{png, rulings};
 use torse::pipeline::ruled::{curvature_picture, of_faces, RuledError, RuledOptions, Strips};
@@ -48,7 +48,7 @@ pub fn run(arguments: &Ruled) -> Result<bool, Failure> {
     }
     job.deliver(&mut found.answer)?;
     let unit = arguments.files.cut().unit;
-    let picture = png::write(&curvature_picture(&found)).map_err(|e| fault(&e))?;
+    let picture = png::write(&curvature_picture(&found)).map_err(|e| Failure::fault(&e))?;
     job.write(vec![
         ("rulings.csv".into(), rulings::csv(&found.rulings, unit)),
         ("rulings.dxf".into(), rulings::dxf(&found.rulings, unit)),

@@ -3,7 +3,6 @@
 
 use crate::args::Chosen;
 use crate::failure::Failure;
-use crate::job::fault;
 use torse::answer::marks::Marks;
 use torse::answer::presentation::present;
 use torse::answer::Answer;
@@ -108,7 +107,7 @@ pub fn sweep(
     let rows = sweep::sweep(&model.faces, &model.skipped, tolerances, options, control)
         .map_err(|e| Failure::new(e.to_string(), hint(&e)))?;
     torse::io::sweep::files(&options.input, &rows, sweep::picture(&options.input, &rows).as_ref())
-        .map_err(|e| fault(&e))
+        .map_err(|e| Failure::fault(&e))
 }
 
 /// Runs the job of cone splines on faces.
@@ -145,7 +144,7 @@ pub fn bending_files(answer: &Answer) -> Result<Vec<(String, Vec<u8>)>, Failure>
     let shown = present(answer);
     let stages = cone_shapes::bending(cones, &shown, STAGES);
     let eye = cone_shapes::bending_direction(cones, &shown);
-    bundle::bending(&stages, &eye).map_err(|e| fault(&e))
+    bundle::bending(&stages, &eye).map_err(|e| Failure::fault(&e))
 }
 
 /// Inner, neutral and outer surfaces of sheets with a thickness (mm).
@@ -154,7 +153,7 @@ pub fn thickness_files(answer: &Answer, thickness: f64) -> Result<Vec<(String, V
     let surfaces = cone_shapes::thick(&cones.bodies, thickness)
         .map_err(|e| Failure::new(e.to_string(), "give a smaller --thickness, or leave it out"))?;
     let scene = cone_shapes::scene(&surfaces, Marks::of(answer).any());
-    bundle::thickness(&answer.input, &surfaces, &scene, &crate::clock::stamp()).map_err(|e| fault(&e))
+    bundle::thickness(&answer.input, &surfaces, &scene, &crate::clock::stamp()).map_err(|e| Failure::fault(&e))
 }
 
 /// What would help against a refusal of the main job.

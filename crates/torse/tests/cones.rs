@@ -77,7 +77,7 @@ fn ruled_patches_are_approximated_and_certified() {
 
 #[test]
 fn exact_faces_are_written_and_read_back() {
-    use torse::brep::face::SurfaceKind;
+    use torse::brep::raw::SurfaceKind;
     use torse::io::bundle::exact;
     use torse::torse::cone::part::ConeBody;
     use torse::torse::cone::spline::ConeSpline;

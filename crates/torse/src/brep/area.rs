@@ -1,7 +1,7 @@
 //! Area of a trimmed face by quadrature.
 
 use super::face::Face;
-use super::trim::RawLoop;
+use super::raw::RawLoop;
 use crate::geom::Vec3;
 use crate::num::quadrature::GAUSS_8;
 use crate::spline::knots::Knots;

@@ -1,50 +1,10 @@
 //! A trimmed face of the input model, ready for approximation.
 
-use super::trim::RawFace;
+use super::raw::{RawFace, SurfaceKind};
 use crate::geom::placement::Placement;
 use crate::spline::curve::Curve;
 use crate::spline::surface::Surface;
 use std::sync::Arc;
-
-/// What the face's surface was called in the file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum SurfaceKind {
-    /// Plane.
-    Plane,
-    /// Right circular cylinder.
-    Cylinder,
-    /// Right circular cone.
-    Cone,
-    /// Sphere.
-    Sphere,
-    /// Torus.
-    Torus,
-    /// Linear extrusion of a curve.
-    Extrusion,
-    /// Surface of revolution.
-    Revolution,
-    /// Offset of another surface.
-    Offset,
-    /// Polynomial or rational B-spline or Bézier surface.
-    Spline,
-}
-
-impl SurfaceKind {
-    /// Lower-case name used in reports and files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Plane => "plane",
-            Self::Cylinder => "cylinder",
-            Self::Cone => "cone",
-            Self::Sphere => "sphere",
-            Self::Torus => "torus",
-            Self::Extrusion => "extrusion",
-            Self::Revolution => "revolution",
-            Self::Offset => "offset",
-            Self::Spline => "spline",
-        }
-    }
-}
 
 /// A face: a surface in B-spline form and a trimmed region of its parameter plane.
 ///

@@ -9,9 +9,11 @@ pub mod carrier;
 pub(crate) mod conic;
 pub mod face;
 pub(crate) mod join;
-
+pub(crate) mod nearest_on_curve;
 pub(crate) mod offset;
+pub(crate) mod parameter_map;
 pub(crate) mod project;
+pub mod raw;
 pub(crate) mod recast;
 pub(crate) mod ruled;
 pub(crate) mod rulings;

@@ -5,7 +5,7 @@
 //! run is a smooth stretch of one such curve, with the polygon as the guide that tells copies on closed surfaces apart.
 
 use crate::brep::face::Face;
-use crate::brep::project;
+use crate::brep::nearest_on_curve::refine;
 use crate::brep::space_curve::SpaceCurve;
 use crate::geom::Vec3;
 use crate::spline::curve::Curve;
@@ -70,7 +70,7 @@ impl Run {
             let (first, last) = (self.nodes[0].0, self.nodes[self.nodes.len() - 1].0);
             let limits = (first.min(last), first.max(last));
             let curve = SpaceCurve::Spline(c.clone());
-            let (t, _) = project::refine_on_curve(&curve, x, first + (last - first) * s, Some(limits));
+            let (t, _) = refine(|t| curve.jet(t), x, first + (last - first) * s, Some(limits));
             s = ((t - first) / (last - first)).clamp(0.0, 1.0);
         } else {
             let mut step = 1.0 / STARTS as f64;

@@ -1,14 +1,15 @@
 //! Curves of space as CAD files hold them: lines, conics and splines, with exact conversion to rational splines.
 
-use super::project;
-use super::support_surface::{SupportSurface, COINCIDENT};
+use super::nearest_on_curve::{nearest, refine};
+use super::parameter_map::{quarter_pieces, unit_arc, ParameterMap};
 use crate::geom::{Frame, Vec3};
 use crate::spline::curve::Curve;
 use crate::spline::SplineError;
-use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::f64::consts::{PI, TAU};
 
-/// Share by which a quarter turn may be exceeded by one piece: rounding of full turns must not add a fifth.
-const QUARTER_ROUNDING: f64 = 1e-9;
+/// Ends of curves and sides of patches coincide, or a side is a point, when they agree to this share of the whole: ten
+/// printed digits.
+pub(crate) const COINCIDENT: f64 = 1e-9;
 /// Stations nearer than this share of the piece are one: rounding of knots shifted by whole periods, with a margin.
 const SAME_STATION: f64 = 1e-12;
 /// Step of the difference for a second derivative, a share of the parameter (of one, near zero): about the cube root
@@ -56,88 +57,21 @@ pub enum SpaceCurve {
     Traced(Box<TracedCurve>),
 }
 
+/// A surface that carries curves given in its parameter plane.
+pub trait Support: std::fmt::Debug + Send + Sync {
+    /// Point and derivatives along u and v at natural parameters.
+    fn tangent_jet(&self, at: [f64; 2]) -> [Vec3; 3];
+
+    /// Natural parameters of a nearest point.
+    fn nearest(&self, x: &Vec3) -> [f64; 2];
+}
+
 /// The image of a parameter-plane curve (third coordinate 0) on a support.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct TracedCurve {
     plane_curve: SpaceCurve,
-    support: SupportSurface,
+    support: std::sync::Arc<dyn Support>,
     scale: [f64; 2],
-}
-
-/// How a natural parameter becomes the parameter of the spline made from the curve. Increasing.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum ParameterMap {
-    /// The same number.
-    Same,
-    /// Pieces of angle `sweep` from `start` on, each parametrised by the tangent of the half angle; the ends of
-    /// pieces keep their angle as parameter. Continued periodically.
-    Angle {
-        /// Angle at which a piece begins.
-        start: f64,
-        /// Angle of one piece, below π.
-        sweep: f64,
-    },
-    /// One piece of a hyperbola around `middle`, `half` to each side.
-    Hyperbolic {
-        /// Middle of the natural parameter.
-        middle: f64,
-        /// Half the width of the natural parameter.
-        half: f64,
-    },
-}
-
-impl ParameterMap {
-    /// The spline parameter of the natural parameter `t`.
-    pub fn forward(self, t: f64) -> f64 {
-        match self {
-            Self::Same => t,
-            Self::Angle { start, sweep } => {
-                let middle = start + ((t - start) / sweep).floor() * sweep + 0.5 * sweep;
-                let h = (0.5 * (t - middle)).tan() / (0.25 * sweep).tan();
-                middle + 0.5 * sweep * h
-            }
-            Self::Hyperbolic { middle, half } => middle + half * (0.5 * (t - middle)).tanh() / (0.5 * half).tanh(),
-        }
-    }
-
-    /// The natural parameter of the spline parameter `u`, and its derivative there.
-    pub fn inverse(self, u: f64) -> (f64, f64) {
-        match self {
-            Self::Same => (u, 1.0),
-            Self::Angle { start, sweep } => {
-                let middle = start + ((u - start) / sweep).floor() * sweep + 0.5 * sweep;
-                let k = (0.25 * sweep).tan();
-                let h = (u - middle) / (0.5 * sweep) * k;
-                (middle + 2.0 * h.atan(), 2.0 * k / (0.5 * sweep) / (1.0 + h * h))
-            }
-            Self::Hyperbolic { middle, half } => {
-                let k = (0.5 * half).tanh();
-                // Beyond the piece the map ends; stay just inside.
-                let h = ((u - middle) / half * k).clamp(-0.999_999, 0.999_999);
-                (middle + 2.0 * h.atanh(), 2.0 * k / half / (1.0 - h * h))
-            }
-        }
-    }
-}
-
-/// Number of pieces of at most a quarter turn that an angle needs.
-pub(crate) fn quarter_pieces(angle: f64) -> usize {
-    ((angle / (FRAC_PI_2 * (1.0 + QUARTER_ROUNDING))).ceil() as usize).clamp(1, 64)
-}
-
-/// Homogeneous control points and clamped knots of the arc of the unit circle `(cos, sin, weight)` from `start`
-/// over `pieces` pieces of angle `sweep`.
-pub(crate) fn unit_arc(start: f64, sweep: f64, pieces: usize) -> (Vec<f64>, Vec<[f64; 3]>) {
-    let mut knots = vec![start; 3];
-    let mut control = vec![[start.cos(), start.sin(), 1.0]];
-    for i in 0..pieces {
-        let (m, e) = (start + (i as f64 + 0.5) * sweep, start + (i as f64 + 1.0) * sweep);
-        control.push([m.cos(), m.sin(), (0.5 * sweep).cos()]);
-        control.push([e.cos(), e.sin(), 1.0]);
-        knots.extend([e, e]);
-    }
-    knots.push(start + pieces as f64 * sweep);
-    (knots, control)
 }
 
 impl SpaceCurve {
@@ -170,8 +104,8 @@ impl SpaceCurve {
     }
 
     /// The curve `scale · plane_curve(t)` in the natural parameters of a support.
-    pub fn traced(plane_curve: SpaceCurve, support: SupportSurface, scale: [f64; 2]) -> Self {
-        Self::Traced(Box::new(TracedCurve { plane_curve, support, scale }))
+    pub fn traced(plane_curve: SpaceCurve, support: impl Support + 'static, scale: [f64; 2]) -> Self {
+        Self::Traced(Box::new(TracedCurve { plane_curve, support: std::sync::Arc::new(support), scale }))
     }
 
     /// The parameter inside the domain of a closed spline; `t` itself for everything else.
@@ -267,23 +201,23 @@ impl SpaceCurve {
                 }
                 let guess = (q.y / b).atan2(q.x / a);
                 let best = [guess, q.y.atan2(q.x), guess + 0.5 * PI, guess - 0.5 * PI]
-                    .map(|g| project::refine_on_curve(self, x, g, None))
+                    .map(|g| refine(|t| self.jet(t), x, g, None))
                     .into_iter()
                     .min_by(|p, q| p.1.total_cmp(&q.1));
                 best.map_or(guess, |b| b.0).rem_euclid(TAU)
             }
             Self::Parabola { frame, focal } => {
                 let q = frame.to_local(x);
-                project::refine_on_curve(self, x, 0.5 * q.y / focal, None).0
+                refine(|t| self.jet(t), x, 0.5 * q.y / focal, None).0
             }
             Self::Hyperbola { frame, b, .. } => {
                 let q = frame.to_local(x);
-                project::refine_on_curve(self, x, (q.y / b).asinh(), None).0
+                refine(|t| self.jet(t), x, (q.y / b).asinh(), None).0
             }
-            Self::Spline(c) => project::nearest_on_spline(self, c, x),
+            Self::Spline(c) => nearest(|t| self.jet(t), &c.knots, x),
             Self::Traced(c) => {
                 let flat = c.flat_foot(x);
-                project::refine_on_curve(self, x, c.plane_curve.nearest(&flat), None).0
+                refine(|t| self.jet(t), x, c.plane_curve.nearest(&flat), None).0
             }
         }
     }
@@ -333,6 +267,15 @@ impl SpaceCurve {
     }
 }
 
+/// Curves are the same where they are the same in the plane and on one and the same support.
+impl PartialEq for TracedCurve {
+    fn eq(&self, other: &Self) -> bool {
+        std::sync::Arc::ptr_eq(&self.support, &other.support)
+            && self.plane_curve == other.plane_curve
+            && self.scale == other.scale
+    }
+}
+
 impl TracedCurve {
     fn plane_point(&self, t: f64) -> [f64; 2] {
         let q = self.plane_curve.point(t);
@@ -343,8 +286,8 @@ impl TracedCurve {
     fn jet(&self, t: f64) -> [Vec3; 3] {
         let first = |t: f64| {
             let d = self.plane_curve.jet(t)[1];
-            let j = self.support.jet(self.plane_point(t));
-            (j.p, j.du * (d.x * self.scale[0]) + j.dv * (d.y * self.scale[1]))
+            let [p, du, dv] = self.support.tangent_jet(self.plane_point(t));
+            (p, du * (d.x * self.scale[0]) + dv * (d.y * self.scale[1]))
         };
         let (p, d) = first(t);
         let h = DIFFERENCE * (1.0 + t.abs());
@@ -353,7 +296,7 @@ impl TracedCurve {
 
     /// The foot of `x` in the coordinates of the plane curve.
     fn flat_foot(&self, x: &Vec3) -> Vec3 {
-        let q = self.support.foot(x, None);
+        let q = self.support.nearest(x);
         Vec3::new(q[0] / self.scale[0], q[1] / self.scale[1], 0.0)
     }
 }

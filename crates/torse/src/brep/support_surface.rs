@@ -3,9 +3,10 @@
 //! Natural parameters follow ISO 10303-42: lengths in mm, angles in radians, and every support is oriented so that
 //! `S_u × S_v` is the normal of that standard.
 
+use super::parameter_map::ParameterMap;
 use super::project::{self, SurfaceProjector};
-use super::space_curve::{ParameterMap, SpaceCurve};
-use super::swept;
+use super::space_curve::{SpaceCurve, Support, COINCIDENT};
+use super::swept::{self, Pole};
 use super::unroll;
 use crate::geom::{Frame, Vec2, Vec3};
 use crate::spline::knots::SAME_PARAMETER;
@@ -79,17 +80,6 @@ pub struct SplineCarrier {
     projector: SurfaceProjector,
 }
 
-/// A parameter line `u = value` (axis 0) or `v = value` (axis 1) that is one point.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pole {
-    /// The parameter that is constant: 0 for u, 1 for v.
-    pub axis: usize,
-    /// Its value.
-    pub value: f64,
-    /// The point.
-    pub point: Vec3,
-}
-
 /// Point and first derivatives.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TangentJet {
@@ -101,8 +91,6 @@ pub struct TangentJet {
     pub dv: Vec3,
 }
 
-/// Two sides of a patch coincide, or a side is a point, when they agree to this share of the patch: ten printed digits.
-pub(crate) const COINCIDENT: f64 = 1e-9;
 /// The foot from a start nearby is trusted when it ends this near to the surface, as a share of its size; else the
 /// search goes everywhere. Edges of files lie nearer, and other sheets of the surface farther.
 const TRUSTED: f64 = 1e-5;
@@ -172,6 +160,17 @@ impl SplineCarrier {
             }
         }
         best
+    }
+}
+
+impl Support for SupportSurface {
+    fn tangent_jet(&self, at: [f64; 2]) -> [Vec3; 3] {
+        let j = self.jet(at);
+        [j.p, j.du, j.dv]
+    }
+
+    fn nearest(&self, x: &Vec3) -> [f64; 2] {
+        self.foot(x, None)
     }
 }
 

@@ -1,8 +1,8 @@
 //! Swept surfaces, of which extrusions, surfaces of revolution and with them the quadrics and tori are made: nearest
 //! points through the directrix, and the exact rational B-splines (Piegl & Tiller, The NURBS Book (1997), section 8.5).
 
-use super::space_curve::{quarter_pieces, unit_arc, ParameterMap, SpaceCurve};
-use super::support_surface::{Pole, COINCIDENT};
+use super::parameter_map::{quarter_pieces, unit_arc, ParameterMap};
+use super::space_curve::{SpaceCurve, COINCIDENT};
 use super::unroll;
 use crate::geom::{Frame, Vec3};
 use crate::spline::curve::Curve;
@@ -10,6 +10,17 @@ use crate::spline::knots::Knots;
 use crate::spline::surface::Surface;
 use crate::spline::SplineError;
 use std::f64::consts::{PI, TAU};
+
+/// A parameter line `u = value` (axis 0) or `v = value` (axis 1) that is one point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pole {
+    /// The parameter that is constant: 0 for u, 1 for v.
+    pub axis: usize,
+    /// Its value.
+    pub value: f64,
+    /// The point.
+    pub point: Vec3,
+}
 
 /// Nearest point on an extrusion: nearest point of the directrix seen along the direction.
 pub(crate) fn foot_on_extrusion(

@@ -3,7 +3,7 @@
 use super::file::{entry, Entry, File};
 use super::{area, has_area, model};
 use std::f64::consts::{PI, TAU};
-use torse::brep::face::SurfaceKind;
+use torse::brep::raw::SurfaceKind;
 use torse::io::iges::read::{self, free};
 
 const PART: &str = "00010000";

@@ -3,7 +3,7 @@
 use super::file::{entry, Entry, File};
 use super::{has_area, model};
 use std::f64::consts::PI;
-use torse::brep::face::SurfaceKind;
+use torse::brep::raw::SurfaceKind;
 use torse::geom::Vec3;
 
 const PART: &str = "00010000";

@@ -3,7 +3,7 @@
 use super::file::{entry, Entry, File};
 use super::{area, has_area, model};
 use std::f64::consts::{FRAC_PI_2, PI};
-use torse::brep::face::SurfaceKind;
+use torse::brep::raw::SurfaceKind;
 use torse::certify::trims::trim_proof;
 use torse::io::iges::read;
 

@@ -4,7 +4,8 @@
 use super::text::{Step, Unit};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 use torse::brep::area::area_estimate;
-use torse::brep::face::{Face, SurfaceKind};
+use torse::brep::face::Face;
+use torse::brep::raw::SurfaceKind;
 use torse::geom::Vec3;
 use torse::io::model::Model;
 use torse::io::step::read::{read, ReadError};

@@ -11,7 +11,8 @@
 mod pair;
 mod turn;
 
-use super::face::{Face, FacePart, SurfaceKind};
+use super::face::{Face, FacePart};
+use super::raw::SurfaceKind;
 use crate::geom::Vec3;
 use crate::spline::surface::Surface;
 use std::collections::HashSet;

@@ -1,10 +1,10 @@
 //! Loops on closed surfaces: brought together in the unwrapped plane, closed at poles, and cut along a seam
 //! (a parameter line) where they wind around the surface.
 
+use super::error::TrimError;
 use super::pcurve::Chain;
 use super::polygon::{Polygon, Side};
-use super::TrimError;
-use crate::brep::space_curve::ParameterMap;
+use crate::brep::parameter_map::ParameterMap;
 use crate::brep::support_surface::SupportSurface;
 use crate::spline::knots::SAME_PARAMETER;
 

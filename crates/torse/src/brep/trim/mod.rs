@@ -5,173 +5,28 @@
 
 mod cut;
 pub(crate) mod edge;
+mod error;
 mod pcurve;
 mod polygon;
 mod sphere;
 
+pub use self::error::TrimError;
 use self::polygon::Polygon;
-use super::face::{Face, FileBoundary, FileEdge, SurfaceKind, TrimLoop};
-use super::space_curve::{Arc, ParameterMap, SpaceCurve};
+use super::face::{Face, FileBoundary, FileEdge, TrimLoop};
+use super::parameter_map::ParameterMap;
+use super::raw::{RawFace, RawLoop, Region};
 use super::support_surface::SupportSurface;
 use crate::geom::placement::Placement;
-use crate::geom::{BBox, Vec3};
+use crate::geom::BBox;
 use crate::spline::knots::SAME_PARAMETER;
 use crate::spline::surface::Surface;
-use crate::spline::SplineError;
 use pcurve::{Chain, POINT_SHARE, WHOLE_PERIOD};
 use std::sync::Arc as Shared;
-
-/// A face as files describe it: a support and oriented boundary curves of space.
-#[derive(Clone, Debug)]
-pub struct RawFace {
-    /// Number of the entity in the file.
-    pub entity: u64,
-    /// Name in the file.
-    pub name: String,
-    /// Name of the part.
-    pub part: String,
-    /// What the file calls the surface.
-    pub kind: SurfaceKind,
-    /// The surface.
-    pub support: SupportSurface,
-    /// Whether the face's normal is that of the support.
-    pub same_sense: bool,
-    /// The part of the support that is the face.
-    pub region: Region,
-    /// Distance (mm) between the file's surface and `support`.
-    pub surface_deviation_estimate: f64,
-    /// Distance (mm) below which the file calls points the same; 0 if it does not say.
-    pub uncertainty: f64,
-}
-
-/// Which part of a support belongs to a face.
-#[derive(Clone, Debug)]
-pub enum Region {
-    /// All of a bounded or closed surface.
-    Whole,
-    /// A rectangle of natural parameters, each from low to high.
-    Rectangle([(f64, f64); 2]),
-    /// Inside boundary loops.
-    Loops(Vec<RawLoop>),
-}
-
-/// A closed chain of edges, material on the left seen against the face's normal.
-#[derive(Clone, Debug, Default)]
-pub struct RawLoop {
-    /// Edges in order.
-    pub edges: Vec<RawEdge>,
-    /// Whether the file calls it the outer one.
-    pub outer: bool,
-}
-
-/// One edge in the direction of its loop.
-#[derive(Clone, Debug)]
-pub struct RawEdge {
-    /// Number of the edge in the file.
-    pub entity: u64,
-    /// Whether the loop uses the edge in its own direction.
-    pub forward: bool,
-    /// The pieces of its curve in the direction of the loop.
-    pub path: Vec<Arc>,
-    /// Where the file's vertices put its ends, in the direction of the loop; `None` if it has none.
-    pub vertices: Option<[Vec3; 2]>,
-    /// The same curve in the parameter plane of the support, if the file gives it and the path is one piece. It is
-    /// used where it proves to agree with the curve in space.
-    pub trace: Option<PlaneTrace>,
-}
-
-/// A curve in the parameter plane, with the parameter of the curve in space that it belongs to.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PlaneTrace {
-    /// The curve; third coordinate 0.
-    pub curve: SpaceCurve,
-    /// Factors from its coordinates to natural parameters of the support.
-    pub scale: [f64; 2],
-}
-
-impl PlaneTrace {
-    /// Natural parameters at `t`.
-    fn at(&self, t: f64) -> [f64; 2] {
-        let q = self.curve.point(t);
-        [q.x * self.scale[0], q.y * self.scale[1]]
-    }
-}
-
-impl RawEdge {
-    /// The edge run the other way.
-    pub fn reversed(&self) -> Self {
-        Self {
-            entity: self.entity,
-            forward: !self.forward,
-            path: self.path.iter().rev().map(Arc::reversed).collect(),
-            vertices: self.vertices.map(|[p, q]| [q, p]),
-            trace: self.trace.clone(),
-        }
-    }
-}
-
-impl RawLoop {
-    /// The loop run the other way.
-    pub fn reversed(&self) -> Self {
-        Self { edges: self.edges.iter().rev().map(RawEdge::reversed).collect(), outer: self.outer }
-    }
-}
-
-/// Why loops do not bound a region of their surface.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum TrimError {
-    /// The surface is endless and no loop bounds the region.
-    #[error("the face has no boundary, and its surface does not end by itself")]
-    Unbounded,
-    /// Loops wind around a closed surface without bounding a region.
-    #[error("the boundary winds around the closed surface but does not enclose a region: a boundary loop is missing")]
-    OpenWinding,
-    /// A loop is shorter than can be told from a point.
-    #[error("every boundary loop is shorter than {0:.3e} mm: the face has no area")]
-    Vanishing(f64),
-    /// Consecutive edges do not meet.
-    #[error("the boundary is open: edges #{before} and #{after} end {gap:.3e} mm apart")]
-    Gap {
-        /// Edge before the gap.
-        before: u64,
-        /// Edge after the gap.
-        after: u64,
-        /// Width of the gap, mm.
-        gap: f64,
-    },
-    /// Boundary curves far from the surface.
-    #[error("edge #{edge} runs {distance:.3e} mm away from the surface of its face")]
-    OffSurface {
-        /// The edge.
-        edge: u64,
-        /// Distance, mm.
-        distance: f64,
-    },
-    /// The boundary crosses or touches itself.
-    #[error("the boundary crosses or touches itself near ({:.6}, {:.6}, {:.6}) mm", .0.x, .0.y, .0.z)]
-    SelfTouching(Vec3),
-    /// The region has no area.
-    #[error("the boundary encloses no area")]
-    NoArea,
-    /// The boundary needs too many chords.
-    #[error("the boundary would need more than {0} chords; a coarser chord tolerance would help")]
-    TooFine(usize),
-    /// The support is not usable.
-    #[error("the surface is not usable: {0}")]
-    Surface(#[from] SplineError),
-}
 
 /// Share of the boundary's extent below which chords are no closer, whatever is asked for.
 const FINEST_SHARE: f64 = 1e-9;
 /// Share of the boundary's extent that chords may deviate at most.
 pub const CHORD_SHARE: f64 = 1e-5;
-/// Gaps between edges above this share of the boundary's extent are an open boundary.
-const GAP_SHARE: f64 = 2e-2;
-/// Edges farther from the surface than this share of the boundary's extent do not belong to it.
-const OFF_SURFACE_SHARE: f64 = 5e-2;
-/// Where vertices of the file, or the uncertainty that it states, say that edges meet or lie on their surface, this share
-/// of the boundary's extent is allowed instead. What is moved is part of the bound of the trim.
-const LOOSEST_SHARE: f64 = 0.2;
 /// Margin around the loops on support surfaces without bounds of their own, as a share of the loops' extent.
 const MARGIN: f64 = 0.02;
 /// Boundaries count as no smaller than this share of their surface: on a smaller one, shares of the extent would be

@@ -1,15 +1,25 @@
 //! Boundary curves traced on a surface: feet of samples, unwrapped over periods, held together at poles; then chords.
 
+use super::error::TrimError;
 use super::polygon::{Polygon, Side};
-use super::{PlaneTrace, RawLoop, TrimError, GAP_SHARE, LOOSEST_SHARE, OFF_SURFACE_SHARE};
 use crate::brep::face::{FileEdge, FilePiece};
-use crate::brep::space_curve::{Arc, ParameterMap, SpaceCurve};
-use crate::brep::support_surface::{Pole, SupportSurface};
+use crate::brep::parameter_map::ParameterMap;
+use crate::brep::raw::{PlaneTrace, RawEdge, RawLoop};
+use crate::brep::space_curve::{Arc, SpaceCurve};
+use crate::brep::support_surface::SupportSurface;
+use crate::brep::swept::Pole;
 use crate::brep::unroll;
 use crate::geom::Vec3;
 use crate::spline::curve::Curve;
 use crate::spline::knots::SAME_PARAMETER;
 
+/// Gaps between edges above this share of the boundary's extent are an open boundary.
+const GAP_SHARE: f64 = 2e-2;
+/// Edges farther from the surface than this share of the boundary's extent do not belong to it.
+const OFF_SURFACE_SHARE: f64 = 5e-2;
+/// Where vertices of the file, or the uncertainty that it states, say that edges meet or lie on their surface, this share
+/// of the boundary's extent is allowed instead. What is moved is part of the bound of the trim.
+const LOOSEST_SHARE: f64 = 0.2;
 /// Curves shorter than this share of the boundary's extent are points, and points nearer than that to a pole are on it.
 pub(super) const POINT_SHARE: f64 = 1e-7;
 /// Ways round that miss a whole period by less than this share of it are one: points on poles are known to
@@ -225,7 +235,7 @@ impl Pcurve {
 /// The edges of a loop that is shorter than a point.
 pub(super) fn vanished(l: &RawLoop) -> Vec<FileEdge> {
     // No side has this label.
-    let edge = |e: &super::RawEdge| FileEdge { entity: e.entity, label: u32::MAX, pieces: pieces_of(&e.path) };
+    let edge = |e: &RawEdge| FileEdge { entity: e.entity, label: u32::MAX, pieces: pieces_of(&e.path) };
     l.edges.iter().map(edge).collect()
 }
 

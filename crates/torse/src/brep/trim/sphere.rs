@@ -1,7 +1,7 @@
 //! The axis of a sphere is free: it is turned so that the poles keep away from the boundary, and where the face is
 //! small, from the face.
 
-use super::RawLoop;
+use crate::brep::raw::RawLoop;
 use crate::geom::{Frame, Vec3};
 
 /// Unit vectors that differ by less are one axis: a normalisation costs a few units in the last place.

@@ -1,9 +1,11 @@
 //! Parts for tests: bent sheets as solids, cell by cell, and faces without thickness.
 
-use crate::brep::face::{Face, SurfaceKind};
+use crate::brep::face::Face;
+use crate::brep::raw::SurfaceKind;
+use crate::brep::raw::{RawEdge, RawFace, RawLoop, Region};
 use crate::brep::space_curve::{Arc, SpaceCurve};
 use crate::brep::support_surface::SupportSurface;
-use crate::brep::trim::{faces, RawEdge, RawFace, RawLoop, Region};
+use crate::brep::trim::faces;
 use crate::geom::{Frame, Vec3};
 use std::f64::consts::PI;
 

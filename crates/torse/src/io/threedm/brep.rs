@@ -6,9 +6,9 @@ use super::bytes::{fault, Cursor, Fault, Reading};
 use super::curves::{self, FileCurve};
 use super::records;
 use super::surfaces::{self, Patch};
+use crate::brep::raw::{PlaneTrace, RawEdge, RawFace, RawLoop, Region};
 use crate::brep::space_curve::Arc;
 use crate::brep::support_surface::SupportSurface;
-use crate::brep::trim::{PlaneTrace, RawEdge, RawFace, RawLoop, Region};
 use crate::geom::Vec3;
 use std::collections::HashMap;
 

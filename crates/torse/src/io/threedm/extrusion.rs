@@ -3,11 +3,11 @@
 use super::bytes::{fault, Cursor, Reading};
 use super::curves;
 use super::records;
-use crate::brep::face::SurfaceKind;
+use crate::brep::raw::SurfaceKind;
+use crate::brep::raw::{RawEdge, RawFace, RawLoop, Region};
 use crate::brep::recast;
 use crate::brep::space_curve::{Arc, SpaceCurve};
 use crate::brep::support_surface::SupportSurface;
-use crate::brep::trim::{RawEdge, RawFace, RawLoop, Region};
 use crate::geom::placement::Placement;
 use crate::geom::{BBox, Frame, Vec3};
 use nalgebra::Matrix3;

@@ -9,7 +9,7 @@ use super::extrusion;
 use super::records::{Object, Unit};
 use super::surfaces;
 use crate::answer::skipped::Skipped;
-use crate::brep::trim::{RawFace, Region};
+use crate::brep::raw::{RawFace, Region};
 use std::collections::BTreeSet;
 
 /// The faces of one object before they are trimmed.

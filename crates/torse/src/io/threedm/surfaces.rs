@@ -4,7 +4,7 @@ use super::bytes::{fault, Cursor, Fault, Reading};
 use super::classes::Class;
 use super::curves::{self, FileCurve};
 use super::records::{self, Object};
-use crate::brep::face::SurfaceKind;
+use crate::brep::raw::SurfaceKind;
 use crate::brep::recast;
 use crate::brep::space_curve::SpaceCurve;
 use crate::brep::support_surface::{SplineCarrier, SupportSurface};

@@ -3,7 +3,7 @@
 //! Parameter curves need nothing; sections with planes are followed through the triangles of the face, every crossing of
 //! a triangle's side solved for; points of curves in space are projected onto the surface.
 
-use super::State;
+use super::state::State;
 use crate::brep::face::Face;
 use crate::brep::project::SurfaceProjector;
 use crate::geom::Vec3;

@@ -7,7 +7,7 @@
 //! narrower than their band join the band beside them. Marching, which needs some trials per band one after the other,
 //! is left to regions where this fails; what it leaves is laid anew in this way where its errors say that this pays.
 
-use super::march::range;
+use super::halve::range;
 use super::propose::{Attempt, AttemptOptions};
 use super::state::Density;
 use super::{Job, State, DISTANCE_SHARE};

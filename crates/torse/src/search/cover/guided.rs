@@ -13,7 +13,7 @@
 //! face; closed curves become two halves.
 
 use super::curve_on_face::{lines, CurveError, PanelCurve};
-use super::state::Density;
+use super::state::{Density, Origin};
 use super::{Job, State, DISTANCE_SHARE};
 use crate::fit::near::dual::envelope;
 use crate::fit::near::samples::{error, Fit};
@@ -45,17 +45,6 @@ const LEAST_SHARE: f64 = 0.2;
 const MOST_STRIPS: usize = 2000;
 /// A strip that covers less than this share of a strip's typical area ends its front.
 const LEAST_AREA: f64 = 1e-9;
-
-/// Where a panel along a curve comes from.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Origin {
-    /// Name of the curve.
-    pub curve: String,
-    /// Strips between the curve and the panel: 0 for the panel along the curve itself.
-    pub step: usize,
-    /// Distance found by the comparison of the paper, mm. Sampled.
-    pub paper_estimate: f64,
-}
 
 /// A line for a strip.
 struct Line {

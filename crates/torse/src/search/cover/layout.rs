@@ -9,11 +9,8 @@
 //! usual means (cuts, facets) take over: the tolerance comes first.
 
 use super::curve_on_face::PanelCurve;
-use super::merge::axes;
-use super::{Job, State};
-use crate::fit::level::strip_potential::{levels_along, Level, LevelOptions};
+use super::state::State;
 use crate::geom::Vec3;
-use crate::patchwork::partition::edges;
 use crate::spline::surface::Surface;
 
 /// Kinds of layouts.
@@ -78,7 +75,7 @@ pub(super) enum Course<'a> {
 
 impl Course<'_> {
     /// The direction wanted at a point with a normal; not of unit length.
-    fn at(&self, x: &Vec3, normal: &Vec3) -> Option<Vec3> {
+    pub(super) fn at(&self, x: &Vec3, normal: &Vec3) -> Option<Vec3> {
         match self {
             Self::Free => None,
             Self::Along(Guide::Direction(d)) => Some(*d),
@@ -106,35 +103,6 @@ fn tangent(points: &[Vec3], x: &Vec3) -> Option<Vec3> {
     best.map(|b| b.1)
 }
 
-/// Directions that are nearly square to the surface say nothing about strips: below this sine they are left out.
-const STEEP: f64 = 0.1;
-
-/// Parameter direction of the part of `d` that is tangent to the surface; zero where that says nothing.
-fn pulled_back(surface: &Surface, uv: [f64; 2], course: &Course) -> [f64; 2] {
-    let jet = surface.jet(uv[0], uv[1]);
-    let normal = jet.normal();
-    let area = normal.norm_squared();
-    let Some(d) = course.at(&jet.p, &(normal / area.sqrt())) else { return [0.0; 2] };
-    let (a, b) = (d.dot(&jet.du), d.dot(&jet.dv));
-    let (e, f, g) = (jet.du.norm_squared(), jet.du.dot(&jet.dv), jet.dv.norm_squared());
-    let along = [(g * a - f * b) / area, (e * b - f * a) / area];
-    let tangent = jet.du * along[0] + jet.dv * along[1];
-    if tangent.norm() > STEEP * d.norm() && along.iter().all(|x| x.is_finite()) {
-        along
-    } else {
-        [0.0; 2]
-    }
-}
-
-impl Job<'_> {
-    /// Level functions whose bands follow the region's course.
-    pub(super) fn levels_on_course(&self, state: &State, label: u32, samples: usize, spans: usize) -> Vec<Level> {
-        let forms = state.forms(label, samples);
-        let along: Vec<[f64; 2]> = forms.iter().map(|f| pulled_back(&self.face.surface, f.uv, &self.course)).collect();
-        levels_along(&forms, &along, &state.places(label), &LevelOptions { spans, ..LevelOptions::default() })
-    }
-}
-
 /// Cuts every region along the planes of user seams.
 pub(super) fn cut_along_seams(surface: &Surface, state: &mut State, seams: &[SeamPlane]) {
     for seam in seams {
@@ -159,48 +127,6 @@ pub(super) fn same_side(state: &State, seams: &[SeamPlane], a: u32, b: u32) -> b
         heights.fold(0.0, |m: f64, h| if h.abs() > m.abs() { h } else { m }) > 0.0
     };
     seams.iter().all(|s| side(a, s) == side(b, s))
-}
-
-/// Cuts a region through the point that rings run around; the point, and all parts. `None` where one panel is enough.
-pub(super) fn rings(job: &Job, state: &mut State, label: u32) -> Option<(Vec3, Vec<u32>)> {
-    if job.single(state, label, None).accepted.is_some() {
-        return None;
-    }
-    let centre = middle(state, label)?;
-    let (_, axes) = axes(state, label);
-    let surface = &job.face.surface;
-    let fresh = state.partition.fresh_label();
-    state.cut(surface, label, fresh, |p| axes[0].dot(&(surface.point(p[0], p[1]) - centre)));
-    let mut parts = state.partition.split_components(label);
-    parts.extend(state.partition.split_components(fresh));
-    parts.retain(|p| state.partition.labels.contains(p));
-    Some((centre, parts))
-}
-
-/// Vertices that are compared with the border for [`middle`].
-const TRIED: usize = 400;
-
-/// The vertex that is farthest from the region's border.
-fn middle(state: &State, label: u32) -> Option<Vec3> {
-    let around = state.partition.adjacency();
-    let border: Vec<Vec3> = state
-        .partition
-        .region(label)
-        .into_iter()
-        .flat_map(|t| edges(state.partition.triangles[t]))
-        .filter(|&(a, b)| around.get(&(b, a)).is_none_or(|&t| state.partition.labels[t as usize] != label))
-        .map(|(a, _)| state.jets[a as usize].jet.p)
-        .collect();
-    let vertices = state.partition.region_vertices(label);
-    let step = vertices.len().div_ceil(TRIED).max(1);
-    let distance = |x: &Vec3| border.iter().map(|b| (b - x).norm_squared()).fold(f64::INFINITY, f64::min);
-    vertices
-        .into_iter()
-        .step_by(step)
-        .map(|v| state.jets[v as usize].jet.p)
-        .map(|x: Vec3| (distance(&x), x))
-        .max_by(|a, b| a.0.total_cmp(&b.0))
-        .map(|m| m.1)
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! Bands of a level function: greedy marching with width control, every component on its own (B3.6, C5).
 
+use super::halve::range;
 use super::propose::AttemptOptions;
 use super::{Job, State};
 use crate::fit::level::strip_potential::Level;
@@ -180,7 +181,7 @@ impl Job<'_> {
 
     /// Bisection of a region on which bands fail.
     fn halves(&self, mut state: State, label: u32, budget: usize, depth: usize) -> Option<State> {
-        let parts = super::merge::halve(&self.face.surface, &mut state, label, 0)?;
+        let parts = super::halve::halve(&self.face.surface, &mut state, label, 0)?;
         self.parts(state, &parts, budget, depth)
     }
 
@@ -306,14 +307,4 @@ impl Job<'_> {
         let size = state.bbox(label).diagonal();
         centre_line(&self.face.surface, field, state.partition.bounds(label), seed, size)
     }
-}
-
-/// Smallest and largest value of a field over a region's vertices.
-pub(super) fn range(state: &State, label: u32, field: &Field) -> (f64, f64) {
-    state
-        .partition
-        .region_vertices(label)
-        .into_iter()
-        .map(|v| field.value(state.partition.vertices[v as usize]))
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)))
 }

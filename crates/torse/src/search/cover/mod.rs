@@ -9,10 +9,13 @@
 //!
 //! This file holds the recursion; `propose` fits and proves single torses, `march` lays bands.
 
+mod course;
 mod curve_on_face;
 mod equidistribute;
 mod exact;
 mod guided;
+mod halve;
+mod job;
 mod layout;
 mod limits;
 mod march;
@@ -24,7 +27,6 @@ mod state;
 mod umbilic;
 
 use crate::brep::face::Face;
-use crate::certify::Prepared;
 use crate::control::Control;
 use crate::fit::level::strip_potential::{level, levels, straight_bands, Level, LevelOptions};
 use crate::geom::Vec3;
@@ -34,33 +36,17 @@ use crate::spline::field::Field;
 pub use curve_on_face::{CurveError, CurveShape, PanelCurve};
 pub(in crate::search) use equidistribute::Rise;
 pub use exact::{exactly, is_developable, is_smoothly_developable};
-pub use guided::Origin;
+pub use job::CoverOptions;
+pub(crate) use job::{Job, DISTANCE_SHARE};
 use layout::Course;
 pub use layout::{Guide, Layout, LayoutKind, SeamPlane};
 pub use limits::{panels_needed, Limits};
 use rayon::prelude::*;
-pub use state::{Density, State};
+pub use state::{Density, Origin, State};
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use umbilic::Star;
 
-/// What a cover is asked for.
-#[derive(Clone, Debug)]
-pub struct CoverOptions {
-    /// Deviation bound to reach, mm.
-    pub tolerance: f64,
-    /// Largest number of panels on one face; `usize::MAX` for no limit.
-    pub max_panels: usize,
-    /// Plane facets only; default false.
-    pub facets: bool,
-    /// What sheet and material allow.
-    pub limits: Limits,
-    /// Where strips and seams run.
-    pub layout: Layout,
-}
-
-/// Share of the tolerance that the distance part may use; the rest is for trim curves and rounding.
-pub(crate) const DISTANCE_SHARE: f64 = 0.985;
 /// Level functions of a face along which bands are laid.
 const CANDIDATES: usize = 2;
 /// Depth of the recursion at which only facets are tried.
@@ -90,16 +76,6 @@ const FEW_DIRECTIONS: usize = 3;
 const TWO_FACTOR: f64 = 8.0;
 /// Curvature (1/mm) that planes count as having: their strips are wider than anything, but not endless.
 const FLATTEST: f64 = 1e-300;
-
-/// Everything that does not change while a face is covered.
-pub(crate) struct Job<'a> {
-    pub(crate) face: &'a Face,
-    pub(crate) prepared: Prepared<'a>,
-    pub(crate) options: CoverOptions,
-    pub(crate) control: &'a Control,
-    pub(crate) proofs: AtomicUsize,
-    course: Course<'a>,
-}
 
 /// A linear function of the parameters, whose levels bound straight bands.
 struct Straight {
@@ -142,7 +118,7 @@ pub fn cover(face: &Face, options: &CoverOptions, control: &Control) -> Result<C
             continue;
         }
         let around = match options.layout.kind {
-            LayoutKind::Rings => layout::rings(&job, &mut state, label),
+            LayoutKind::Rings => course::rings(&job, &mut state, label),
             LayoutKind::Auto | LayoutKind::Strips => None,
         };
         let (course, parts) = match around {
@@ -185,13 +161,6 @@ fn typical_strip(state: &State, tolerance: f64) -> f64 {
     k.sort_by(f64::total_cmp);
     let high = k.get(k.len() * 9 / 10).copied().unwrap_or(0.0);
     4.0 * (tolerance / high.max(FLATTEST)).sqrt()
-}
-
-impl<'a> Job<'a> {
-    fn new(face: &'a Face, options: &'a CoverOptions, control: &'a Control) -> Self {
-        let (prepared, proofs) = (Prepared::new(&face.surface), AtomicUsize::new(0));
-        Self { face, prepared, options: options.clone(), control, proofs, course: Course::Free }
-    }
 }
 
 impl Job<'_> {
@@ -426,7 +395,7 @@ impl Job<'_> {
                 let mut s = state.clone();
                 let parts = match k {
                     0 => self.cut_by_sign(&mut s, label)?,
-                    1..4 => merge::halve(surface, &mut s, label, k - 1)?,
+                    1..4 => halve::halve(surface, &mut s, label, k - 1)?,
                     _ => stars[k - 4].cut(surface, &mut s, label)?,
                 };
                 let merit: f64 = parts.iter().map(|&p| rate(&s, p).map_or(0.0, |l| l.merit) + four).sum();
@@ -453,7 +422,7 @@ impl Job<'_> {
 
     /// Cuts a region in the middle of its principal axis in space and covers the parts (C6).
     fn bisect(&self, mut state: State, label: u32, budget: usize, depth: usize) -> Option<State> {
-        let parts = merge::halve(&self.face.surface, &mut state, label, 0)?;
+        let parts = halve::halve(&self.face.surface, &mut state, label, 0)?;
         self.parts(state, &parts, budget, depth)
     }
 }
@@ -499,7 +468,7 @@ pub fn cut_large(face: &Face, state: &State, large: &[(u32, [usize; 2])]) -> Sta
         let mut trial = state.clone();
         let Some(fit) = trial.panels.remove(&label) else { continue };
         let axis = usize::from(parts[0] < 2);
-        if let Some(cut) = merge::divide(&face.surface, &mut trial, label, axis, parts[axis]) {
+        if let Some(cut) = halve::divide(&face.surface, &mut trial, label, axis, parts[axis]) {
             trial.panels.extend(cut.into_iter().map(|p| (p, std::sync::Arc::clone(&fit))));
             state = trial;
         }
@@ -514,7 +483,7 @@ pub fn cut_where(face: &Face, state: &State, heights: &[impl Fn([f64; 2]) -> f64
         for label in state.partition.distinct_labels() {
             let mut trial = state.clone();
             let Some(fit) = trial.panels.remove(&label) else { continue };
-            if let Some(cut) = merge::parted(&face.surface, &mut trial, label, height) {
+            if let Some(cut) = halve::parted(&face.surface, &mut trial, label, height) {
                 trial.panels.extend(cut.into_iter().map(|p| (p, std::sync::Arc::clone(&fit))));
                 state = trial;
             }
@@ -525,7 +494,7 @@ pub fn cut_where(face: &Face, state: &State, heights: &[impl Fn([f64; 2]) -> f64
 
 /// Principal axes of a face's vertices, longest first.
 pub fn axes(state: &State) -> [Vec3; 3] {
-    merge::axes_of(&state.jets.iter().map(|j| (j.jet.p, 1.0)).collect::<Vec<_>>()).1
+    halve::axes_of(&state.jets.iter().map(|j| (j.jet.p, 1.0)).collect::<Vec<_>>()).1
 }
 
 /// How far a face's vertices reach along an axis, mm.

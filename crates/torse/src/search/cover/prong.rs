@@ -1,7 +1,7 @@
 //! Prongs: narrow parts that reach far beyond the rest of a region. They bend where they should not when a panel is handled,
 //! and are given to a neighbour where that can be proven.
 
-use super::{merge, Job, State};
+use super::{halve, Job, State};
 use crate::geom::Vec3;
 use crate::patchwork::partition::edges;
 use crate::spline::surface::Surface;
@@ -47,7 +47,7 @@ impl Prong {
     fn cut_off(&self, surface: &Surface, state: &mut State, label: u32, width: f64) -> Option<u32> {
         let axis = (self.tip - self.root).normalize();
         let height = |p: [f64; 2]| axis.dot(&(surface.point(p[0], p[1]) - self.root)) - 0.5 * width;
-        let parts = merge::parted(surface, state, label, height)?;
+        let parts = halve::parted(surface, state, label, height)?;
         let far = |t: usize| {
             let middle = state.partition.triangles[t].iter().map(|v| state.jets[*v as usize].jet.p).sum::<Vec3>() / 3.0;
             (middle - self.tip).norm()

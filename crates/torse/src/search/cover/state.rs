@@ -20,6 +20,17 @@ pub struct VertexJet {
     pub normal: Vec3,
 }
 
+/// Where a panel along a curve comes from.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Origin {
+    /// Name of the curve.
+    pub curve: String,
+    /// Strips between the curve and the panel: 0 for the panel along the curve itself.
+    pub step: usize,
+    /// Distance found by the comparison of the paper, mm. Sampled.
+    pub paper_estimate: f64,
+}
+
 /// How dense a region is sampled.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Density {
@@ -43,7 +54,7 @@ pub struct State {
     /// Level function of each label that was laid as a band of one.
     pub bands: BTreeMap<u32, Arc<Field>>,
     /// Curve along which each label was laid, for labels that follow one.
-    pub origins: BTreeMap<u32, Arc<super::guided::Origin>>,
+    pub origins: BTreeMap<u32, Arc<Origin>>,
 }
 
 /// Share of the median speed below which a parametrisation counts as collapsed (pole).

@@ -8,7 +8,7 @@
 //! Cuts are straight in the parameters, in the directions that lines of curvature have near the flat point; farther out
 //! they only come near these. Of several flat points the flattest is served; the others are found in the parts.
 
-use super::State;
+use super::state::State;
 use crate::spline::surface::Surface;
 use std::f64::consts::{PI, TAU};
 

@@ -1,8 +1,7 @@
 //! The places that the trimming curve of a run passes: feet of the border, points on common lines, or a shared edge
 //! (certificate specification, section 5).
 
-use super::Borders;
-use super::BoundaryOptions;
+use super::borders::{Borders, BoundaryOptions};
 use crate::fit::panels::line_intersection::on_normal;
 use crate::fit::panels::trim::Waypoint;
 use crate::geom::Vec3;

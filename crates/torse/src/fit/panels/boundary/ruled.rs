@@ -1,7 +1,7 @@
 //! Trimming curves of ruled strips: the border of a label carried over by the strip's map; strips of one row share the
 //! curves between them (certificate specification, section 5).
 
-use super::{Borders, BoundaryError, BoundaryOptions, Stretch};
+use super::borders::{Borders, BoundaryError, BoundaryOptions, Stretch};
 use crate::fit::panels::chains::{Chain, Right};
 use crate::fit::panels::trim::{self, Waypoint};
 use crate::fit::ruled::strip_map::RuledStrip;

@@ -1,6 +1,6 @@
 //! Surfaces with what their entities say of them.
 
-use crate::brep::face::SurfaceKind;
+use crate::brep::raw::SurfaceKind;
 use crate::brep::recast;
 use crate::brep::space_curve::SpaceCurve;
 use crate::brep::support_surface::SupportSurface;

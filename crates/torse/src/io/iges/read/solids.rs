@@ -6,8 +6,9 @@ use super::faces::{Asked, Lost};
 use super::placing;
 use super::records::{Entry, Fault};
 use crate::brep::face::Face;
+use crate::brep::raw::{RawEdge, RawLoop, Region};
 use crate::brep::space_curve::Arc;
-use crate::brep::trim::{self, edge, RawEdge, RawLoop, Region};
+use crate::brep::trim::{self, edge};
 use crate::geom::placement::Placement;
 use crate::geom::Vec3;
 

@@ -3,7 +3,7 @@
 use super::curves::{bernstein, evened, power_degree, range, without_excess};
 use super::patch::Patch;
 use super::records::{Entry, Fault};
-use crate::brep::face::SurfaceKind;
+use crate::brep::raw::SurfaceKind;
 use crate::brep::support_surface::{SplineCarrier, SupportSurface};
 use crate::geom::{BBox, Vec3};
 use crate::spline::knots::Knots;

@@ -3,10 +3,10 @@
 use super::curves::Geometry;
 use super::records::Fault;
 use super::topology::turn;
-use crate::brep::face::SurfaceKind;
+use crate::brep::raw::SurfaceKind;
+use crate::brep::raw::{RawEdge, RawFace, RawLoop, Region};
 use crate::brep::space_curve::{Arc, SpaceCurve};
 use crate::brep::support_surface::{SplineCarrier, SupportSurface};
-use crate::brep::trim::{RawEdge, RawFace, RawLoop, Region};
 use crate::geom::placement::Placement;
 use crate::geom::Vec3;
 

@@ -23,6 +23,7 @@ use self::walk::{Census, Occurrence};
 use crate::answer::note::Note;
 use crate::answer::skipped::Skipped;
 use crate::brep::face::Face;
+use crate::brep::raw::RawFace;
 use crate::brep::trim;
 use crate::io::model::{first_of, Model, ReadOptions};
 use rayon::prelude::*;
@@ -212,9 +213,8 @@ fn placed(records: &Records, census: &Census, options: &ReadOptions, skipped: &m
         .map(|job| {
             let (id, flipped, units) = job;
             let geometry = Geometry { records, units: &census.units[units] };
-            let trimmed = |raw: &trim::RawFace| {
-                trim::faces(raw, options.chord_tolerance).map_err(|e| Fault::new(id, e.to_string()))
-            };
+            let trimmed =
+                |raw: &RawFace| trim::faces(raw, options.chord_tolerance).map_err(|e| Fault::new(id, e.to_string()));
             let faces = geometry.faces(id, flipped).and_then(|raw| {
                 let all: Result<Vec<Vec<Face>>, Fault> = raw.iter().map(trimmed).collect();
                 all.map(|f| f.into_iter().flatten().collect())

@@ -4,8 +4,8 @@ use super::curves::{expanded, implied_knots, kind_of_knots, too_deep, Course, Ge
 use super::records::{as_number, as_reference, Args, Fault};
 use super::token::Value;
 use super::units::Units;
-use crate::brep::face::SurfaceKind;
 use crate::brep::offset;
+use crate::brep::raw::SurfaceKind;
 use crate::brep::recast;
 use crate::brep::space_curve::{Arc, SpaceCurve};
 use crate::brep::support_surface::{SplineCarrier, SupportSurface};

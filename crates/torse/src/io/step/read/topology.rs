@@ -5,8 +5,9 @@ use super::records::{as_reference, Args, Fault};
 use super::surfaces::Patch;
 use super::token::Value;
 use crate::brep::area::spanned_area_estimate;
+use crate::brep::raw::{PlaneTrace, RawEdge, RawFace, RawLoop, Region};
 use crate::brep::space_curve::{Arc, SpaceCurve};
-use crate::brep::trim::{edge, PlaneTrace, RawEdge, RawFace, RawLoop, Region};
+use crate::brep::trim::edge;
 use crate::geom::Vec3;
 
 /// The parameter plane of the face being read.

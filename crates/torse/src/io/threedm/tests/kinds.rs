@@ -2,7 +2,7 @@
 
 use super::specimens::*;
 use super::{area, corners, model, near, normal};
-use crate::brep::face::SurfaceKind;
+use crate::brep::raw::SurfaceKind;
 use crate::geom::Vec3;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 

@@ -4,7 +4,7 @@ use super::super::bytes::checksum;
 use super::super::{free_curves, meshes, read, ReadError};
 use super::specimens::*;
 use super::{area, corners, model, near, normal};
-use crate::brep::face::SurfaceKind;
+use crate::brep::raw::SurfaceKind;
 use crate::geom::Vec3;
 use crate::io::words;
 use std::f64::consts::{FRAC_PI_2, PI};

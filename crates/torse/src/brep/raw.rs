@@ -1,0 +1,141 @@
+//! Faces as files describe them: a support surface and oriented boundary curves of space, before they are trimmed.
+
+use super::space_curve::{Arc, SpaceCurve};
+use super::support_surface::SupportSurface;
+use crate::geom::Vec3;
+
+/// A face as files describe it: a support and oriented boundary curves of space.
+#[derive(Clone, Debug)]
+pub struct RawFace {
+    /// Number of the entity in the file.
+    pub entity: u64,
+    /// Name in the file.
+    pub name: String,
+    /// Name of the part.
+    pub part: String,
+    /// What the file calls the surface.
+    pub kind: SurfaceKind,
+    /// The surface.
+    pub support: SupportSurface,
+    /// Whether the face's normal is that of the support.
+    pub same_sense: bool,
+    /// The part of the support that is the face.
+    pub region: Region,
+    /// Distance (mm) between the file's surface and `support`.
+    pub surface_deviation_estimate: f64,
+    /// Distance (mm) below which the file calls points the same; 0 if it does not say.
+    pub uncertainty: f64,
+}
+
+/// Which part of a support belongs to a face.
+#[derive(Clone, Debug)]
+pub enum Region {
+    /// All of a bounded or closed surface.
+    Whole,
+    /// A rectangle of natural parameters, each from low to high.
+    Rectangle([(f64, f64); 2]),
+    /// Inside boundary loops.
+    Loops(Vec<RawLoop>),
+}
+
+/// A closed chain of edges, material on the left seen against the face's normal.
+#[derive(Clone, Debug, Default)]
+pub struct RawLoop {
+    /// Edges in order.
+    pub edges: Vec<RawEdge>,
+    /// Whether the file calls it the outer one.
+    pub outer: bool,
+}
+
+/// One edge in the direction of its loop.
+#[derive(Clone, Debug)]
+pub struct RawEdge {
+    /// Number of the edge in the file.
+    pub entity: u64,
+    /// Whether the loop uses the edge in its own direction.
+    pub forward: bool,
+    /// The pieces of its curve in the direction of the loop.
+    pub path: Vec<Arc>,
+    /// Where the file's vertices put its ends, in the direction of the loop; `None` if it has none.
+    pub vertices: Option<[Vec3; 2]>,
+    /// The same curve in the parameter plane of the support, if the file gives it and the path is one piece. It is
+    /// used where it proves to agree with the curve in space.
+    pub trace: Option<PlaneTrace>,
+}
+
+/// A curve in the parameter plane, with the parameter of the curve in space that it belongs to.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlaneTrace {
+    /// The curve; third coordinate 0.
+    pub curve: SpaceCurve,
+    /// Factors from its coordinates to natural parameters of the support.
+    pub scale: [f64; 2],
+}
+
+impl PlaneTrace {
+    /// Natural parameters at `t`.
+    pub(super) fn at(&self, t: f64) -> [f64; 2] {
+        let q = self.curve.point(t);
+        [q.x * self.scale[0], q.y * self.scale[1]]
+    }
+}
+
+impl RawEdge {
+    /// The edge run the other way.
+    pub fn reversed(&self) -> Self {
+        Self {
+            entity: self.entity,
+            forward: !self.forward,
+            path: self.path.iter().rev().map(Arc::reversed).collect(),
+            vertices: self.vertices.map(|[p, q]| [q, p]),
+            trace: self.trace.clone(),
+        }
+    }
+}
+
+impl RawLoop {
+    /// The loop run the other way.
+    pub fn reversed(&self) -> Self {
+        Self { edges: self.edges.iter().rev().map(RawEdge::reversed).collect(), outer: self.outer }
+    }
+}
+
+/// What the face's surface was called in the file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum SurfaceKind {
+    /// Plane.
+    Plane,
+    /// Right circular cylinder.
+    Cylinder,
+    /// Right circular cone.
+    Cone,
+    /// Sphere.
+    Sphere,
+    /// Torus.
+    Torus,
+    /// Linear extrusion of a curve.
+    Extrusion,
+    /// Surface of revolution.
+    Revolution,
+    /// Offset of another surface.
+    Offset,
+    /// Polynomial or rational B-spline or Bézier surface.
+    Spline,
+}
+
+impl SurfaceKind {
+    /// Lower-case name used in reports and files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Plane => "plane",
+            Self::Cylinder => "cylinder",
+            Self::Cone => "cone",
+            Self::Sphere => "sphere",
+            Self::Torus => "torus",
+            Self::Extrusion => "extrusion",
+            Self::Revolution => "revolution",
+            Self::Offset => "offset",
+            Self::Spline => "spline",
+        }
+    }
+}
