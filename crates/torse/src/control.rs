@@ -16,7 +16,7 @@ pub struct Progress {
 }
 
 /// Receiver of progress.
-pub type ProgressFn = dyn Fn(&Progress) + Send + Sync;
+pub(crate) type ProgressFn = dyn Fn(&Progress) + Send + Sync;
 
 /// Progress callback, cancellation flag and deadline. Cloning shares them.
 #[derive(Clone, Default)]

@@ -50,7 +50,7 @@ pub fn present(answer: &Answer) -> Presentation {
 }
 
 /// Prepares an answer for the writers with given marks.
-pub fn present_marked(answer: &Answer, marks: Marks) -> Presentation {
+pub(crate) fn present_marked(answer: &Answer, marks: Marks) -> Presentation {
     let patchwork = &answer.patchwork;
     let surfaces = (0..patchwork.faces.len()).into_par_iter().map(|f| surface_mesh(patchwork, f)).collect();
     let mut scene = Scene { surfaces, ..Scene::default() };

@@ -40,7 +40,7 @@ const FLAT_SHARE: f64 = 1e-3;
 
 /// Area (mm²) that oriented boundary loops span: the length of their vector area `½ ∮ x × dx`, exact for plane faces, too
 /// small for curved ones. `None` where it says nothing.
-pub fn spanned_area_estimate(loops: &[RawLoop]) -> Option<f64> {
+pub(crate) fn spanned_area_estimate(loops: &[RawLoop]) -> Option<f64> {
     let mut points: Vec<Vec<Vec3>> = Vec::new();
     for l in loops {
         let mut own = Vec::new();

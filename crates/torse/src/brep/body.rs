@@ -50,7 +50,7 @@ const SAME_PLACE: f64 = 1e-6;
 /// The same for edges that the file gives one number.
 const SAME_EDGE: f64 = 1e-4;
 /// Faces that meet at less than this (rad) go on smoothly: half a degree, more than what rounded files lose.
-pub const SMOOTH: f64 = 0.5 * std::f64::consts::PI / 180.0;
+pub(crate) const SMOOTH: f64 = 0.5 * std::f64::consts::PI / 180.0;
 
 impl<'a> Body<'a> {
     /// Finds runs, carriers and neighbours of faces.
@@ -173,7 +173,7 @@ impl<'a> Body<'a> {
 
 /// The faces of a sheet with their outsides on one side, where the file turns some of them round; `None` if all agree
 /// already, or no agreement is possible (one-sided surfaces keep what they have).
-pub fn oriented(body: &Body) -> Option<Vec<Face>> {
+pub(crate) fn oriented(body: &Body) -> Option<Vec<Face>> {
     let open: Vec<usize> = (0..body.halves.len()).filter(|h| body.halves[*h].twin.is_none()).collect();
     let tolerance = SAME_PLACE * body.size;
     // Neighbours whose common edge runs the same way in both.

@@ -118,7 +118,7 @@ pub fn outward(face: &Face, uv: [f64; 2]) -> Option<Vec3> {
 ///
 /// *Guarantee*: at all samples points keep to the carrier within [`EXACT`] of the face's extent. *Not guaranteed*: what
 /// happens between samples, and developable faces whose rulings are no parameter lines are not found.
-pub fn carrier(face: &Face) -> Carrier {
+pub(crate) fn carrier(face: &Face) -> Carrier {
     let b = bounds(face);
     let places = grid(b);
     let points: Vec<Vec3> = places.iter().map(|q| face.surface.point(q[0], q[1])).collect();

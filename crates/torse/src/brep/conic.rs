@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 /// Eigenvalues below this share of the larger one are zero: the equation is that of a parabola.
 const PARABOLIC: f64 = 1e-9;
 /// Arcs below this angle are whole ellipses whose ends were rounded apart.
-pub const WHOLE_TURN: f64 = 1e-6;
+pub(crate) const WHOLE_TURN: f64 = 1e-6;
 
 /// The arc from `start` to `end` on `A x² + B x y + C y² + D x + E y + F = 0` at the height `z`; `None` if the equation
 /// is that of no conic.

@@ -9,7 +9,7 @@ use nalgebra::DMatrix;
 
 /// Why an offset cannot be formed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum OffsetError {
+pub(crate) enum OffsetError {
     /// The offset passes the centre of curvature.
     #[error("an offset of {0} mm passes the axis or centre of the surface")]
     Vanishes(f64),
@@ -38,7 +38,7 @@ const ROUNDS: usize = 4;
 ///
 /// # Errors
 /// See [`OffsetError`].
-pub fn of_carrier(base: &SupportSurface, distance: f64) -> Result<(SupportSurface, f64), OffsetError> {
+pub(crate) fn of_carrier(base: &SupportSurface, distance: f64) -> Result<(SupportSurface, f64), OffsetError> {
     let positive = |x: f64| if x > 0.0 { Ok(x) } else { Err(OffsetError::Vanishes(distance)) };
     let exact = |c: SupportSurface| Ok((c, 0.0));
     match base {

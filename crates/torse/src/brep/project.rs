@@ -30,7 +30,7 @@ pub struct Foot {
 
 /// Nearest points on one surface: holds the samples from which searches start.
 #[derive(Clone, Debug, PartialEq)]
-pub struct SurfaceProjector {
+pub(crate) struct SurfaceProjector {
     us: Vec<f64>,
     vs: Vec<f64>,
     points: Vec<Vec3>,

@@ -12,7 +12,7 @@ const PROBE: [f64; 2] = [0.3, 0.1];
 
 /// The elementary surface that a swept surface is, up to rounding of the file's numbers; `false` if its normal is turned
 /// round. `None` for surfaces that are no such sweep. Natural parameters are those of the answer.
-pub fn elementary(support: &SupportSurface) -> Option<(SupportSurface, bool)> {
+pub(crate) fn elementary(support: &SupportSurface) -> Option<(SupportSurface, bool)> {
     let out = match support {
         SupportSurface::Revolution { directrix: SpaceCurve::Line { origin, direction }, frame } => {
             turned_line(&frame.to_local(origin), &frame.vector_to_local(direction).normalize(), frame)

@@ -72,7 +72,7 @@ impl Ruled {
 ///
 /// # Errors
 /// An empty or endless piece.
-pub fn spline_of(arc: &Arc) -> Result<Curve<4>, SplineError> {
+pub(crate) fn spline_of(arc: &Arc) -> Result<Curve<4>, SplineError> {
     let (lo, hi) = (arc.from.min(arc.to), arc.from.max(arc.to));
     let spline = match &arc.curve {
         SpaceCurve::Spline(c) => {

@@ -20,7 +20,7 @@ const JUMP: f64 = 1e-3;
 
 /// A parameter line that is straight.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct StraightLine {
+pub(crate) struct StraightLine {
     /// A point of it, mm.
     pub point: Vec3,
     /// Unit direction, towards growing parameter along the line.

@@ -21,7 +21,7 @@ pub fn curve(c: &Curve<4>, range: (f64, f64)) -> Result<Curve<4>, SplineError> {
 ///
 /// # Errors
 /// A range of many turns.
-pub fn in_u(s: &Surface, range: (f64, f64)) -> Result<Surface, SplineError> {
+pub(crate) fn in_u(s: &Surface, range: (f64, f64)) -> Result<Surface, SplineError> {
     let Some((knots_u, control)) = rows(&s.knots_u, &s.control, s.row(), range)? else { return Ok(s.clone()) };
     Ok(Surface { knots_u, knots_v: s.knots_v.clone(), control, rational: s.rational })
 }
@@ -30,7 +30,7 @@ pub fn in_u(s: &Surface, range: (f64, f64)) -> Result<Surface, SplineError> {
 ///
 /// # Errors
 /// A range of many turns.
-pub fn in_v(s: &Surface, range: (f64, f64)) -> Result<Surface, SplineError> {
+pub(crate) fn in_v(s: &Surface, range: (f64, f64)) -> Result<Surface, SplineError> {
     let (n, m) = (s.knots_u.control_count(), s.row());
     let turned: Vec<[f64; 4]> = (0..m).flat_map(|j| (0..n).map(move |i| i * m + j)).map(|k| s.control[k]).collect();
     let Some((knots_v, control)) = rows(&s.knots_v, &turned, n, range)? else { return Ok(s.clone()) };

@@ -20,7 +20,7 @@ const ROUNDING: f64 = 1e-12;
 
 /// Bound of the distance (mm) of all points of a surface from the carrier of the map by which it is laid flat; unknown
 /// where a weight is not positive.
-pub fn distance_from_carrier(surface: &Surface, map: &ClosedMap) -> UpperBound {
+pub(crate) fn distance_from_carrier(surface: &Surface, map: &ClosedMap) -> UpperBound {
     let size = surface.bbox().diagonal();
     let patches = surface.bezier_patches();
     let of = |p: &BezierPatch| -> Option<f64> {

@@ -114,7 +114,7 @@ pub struct CertificateParts {
     pub missing: Vec<String>,
 }
 
-/// What was proven about a whole patchwork; reads like [`CertificateParts`].
+/// What was proven about a whole patchwork; reads like `CertificateParts`.
 #[derive(Clone, Debug)]
 pub struct Certificate {
     pub(super) parts: CertificateParts,

@@ -44,10 +44,10 @@ pub mod written;
 pub(crate) mod written_cones;
 pub(crate) mod written_strips;
 
-pub use certificate::{
-    Certificate, CertificateParts, PanelCertificate, PanelParts, SeamCertificate, SeamParts, SeamStatus,
-};
-pub use distance::{distance, DistanceOptions, Judgement, JudgementParts};
+pub use certificate::{Certificate, SeamStatus};
+pub(crate) use certificate::{PanelCertificate, SeamCertificate};
+pub use distance::{distance, DistanceOptions};
 pub use prepared::Prepared;
-pub use proof::{join, patchwork, SMALLEST_RELATIVE_TOLERANCE};
-pub use verdict::{Obstruction, Verdict};
+pub use proof::{join, patchwork};
+pub(crate) use verdict::Obstruction;
+pub use verdict::Verdict;

@@ -18,7 +18,7 @@ use rayon::prelude::*;
 
 /// Tolerances below this share of the model's size cannot be certified in double precision: rounding of the control
 /// points alone comes near.
-pub const SMALLEST_RELATIVE_TOLERANCE: f64 = 1e-10;
+pub(crate) const SMALLEST_RELATIVE_TOLERANCE: f64 = 1e-10;
 
 /// Parameters of a vertex on both sides of a seam must add up to 1 within this.
 const MIRROR: f64 = 1e-9;

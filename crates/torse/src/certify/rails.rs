@@ -31,7 +31,7 @@ const NOTHING: f64 = 1e-13;
 /// not belong together (a piece that does not exist, weights that are not positive), or the control says stop.
 ///
 /// *Guarantee*: the bound holds at every parameter, rounding included.
-pub fn rail_bound(strip: &Strip, side: usize, rail: &Rail, part: &RailPart, control: &Control) -> UpperBound {
+pub(crate) fn rail_bound(strip: &Strip, side: usize, rail: &Rail, part: &RailPart, control: &Control) -> UpperBound {
     enclosed((strip, side), rail, part, control).map_or(UpperBound::UNKNOWN, UpperBound::shown)
 }
 
@@ -82,7 +82,7 @@ fn enclosed((strip, side): (&Strip, usize), rail: &Rail, part: &RailPart, contro
 /// arcs of more than one turn, or where weights are not positive.
 ///
 /// *Method*: distances from a segment are convex, so that those of control points \[FR88\] of short parts bound it.
-pub fn tip_bound(strip: &Strip, at_end: bool, rail: &Rail, arc: [f64; 2]) -> UpperBound {
+pub(crate) fn tip_bound(strip: &Strip, at_end: bool, rail: &Rail, arc: [f64; 2]) -> UpperBound {
     let control = &strip.patch.control;
     let first = if at_end { control.len().saturating_sub(2) } else { 0 };
     let [Some(p), Some(q)] = [control.get(first), control.get(first + 1)] else { return UpperBound::UNKNOWN };
@@ -228,7 +228,7 @@ fn compose(c: &[Interval], x: &[Interval]) -> Vec<Interval> {
 
 /// What is proven about the rulings of a strip.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TwistBound {
+pub(crate) struct TwistBound {
     /// Bound (rad) of the angle between the tangent planes at both ends of any ruling.
     angle: UpperBound,
     /// Whether no ruling meets the regression curve between the rails. False too where nothing could be shown.

@@ -17,7 +17,7 @@ use crate::torse::zone::{RegressionLimits, Zone};
 
 /// The answer of [`regression`].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum RegressionVerdict {
+pub(crate) enum RegressionVerdict {
     /// Proven: no regression point is out of bounds.
     Clear,
     /// The regression point of the ruling at `u` is out of bounds.
@@ -78,7 +78,7 @@ pub fn regression(strip: &Strip, limits: &RegressionLimits) -> RegressionVerdict
 
 /// A distance (mm) along the rulings that the regression curve of a strip provably keeps, close to the largest there is
 /// but no more than some ten diagonals of the strip; 0 if none could be shown.
-pub fn clearance_bound(strip: &Strip) -> LowerBound {
+pub(crate) fn clearance_bound(strip: &Strip) -> LowerBound {
     // What remains of the sampled distance for the proof, in turn.
     const SHARES: [f64; 4] = [0.99, 0.95, 0.75, 0.4];
     // More than this many diagonals says no more than that rulings are as good as parallel, and takes long to prove.

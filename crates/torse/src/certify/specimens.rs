@@ -28,7 +28,7 @@ fn collocation(k: &Knots, at: &[f64]) -> DMatrix<f64> {
 }
 
 /// The spline surface through `f` at the Greville points.
-pub fn interpolant(ku: &Knots, kv: &Knots, f: &dyn Fn(f64, f64) -> Vec3) -> Surface {
+pub(crate) fn interpolant(ku: &Knots, kv: &Knots, f: &dyn Fn(f64, f64) -> Vec3) -> Surface {
     let (gu, gv) = (greville(ku), greville(kv));
     let iu = collocation(ku, &gu).try_inverse().expect("regular");
     let iv = collocation(kv, &gv).try_inverse().expect("regular");
@@ -60,7 +60,7 @@ pub fn curve<const D: usize>(k: &Knots, f: &dyn Fn(f64) -> [f64; D]) -> Curve<D>
 }
 
 /// A frame that is not axis-parallel.
-pub fn tilted_frame() -> Frame {
+pub(crate) fn tilted_frame() -> Frame {
     let z = Vec3::new(0.3, -0.2, 0.9).normalize();
     let x = Vec3::new(1.0, 0.5, 0.0).cross(&z).cross(&z).normalize() * -1.0;
     let x = (x - z * x.dot(&z)).normalize();
@@ -75,7 +75,7 @@ pub fn primal() -> PrimalTorse {
 }
 
 /// Point of [`primal`] in world coordinates, from the closed form.
-pub fn primal_point(t: f64, y: f64) -> Vec3 {
+pub(crate) fn primal_point(t: f64, y: f64) -> Vec3 {
     let f = 0.3 * t * t - 0.1 * t * t * t;
     let a = 0.1 + 0.2 * t;
     let integral = |t: f64| 0.2 * (0.3 * t * t - 0.1 * t * t * t);
@@ -84,7 +84,7 @@ pub fn primal_point(t: f64, y: f64) -> Vec3 {
 }
 
 /// A surface within `bump` of [`primal`]: the torse over t ∈ [0, 1.3], y ∈ [−.4, .4], plus a wave along the frame's z.
-pub fn near_primal(bump: f64) -> Surface {
+pub(crate) fn near_primal(bump: f64) -> Surface {
     let knots = Knots::clamped(3, &[0.0, 0.3, 0.6, 1.0]).expect("knots");
     interpolant(&knots, &knots, &|u, v| {
         primal_point(1.3 * u, 0.8 * v - 0.4) + tilted_frame().z * (bump * (7.0 * u + 2.0 * v).sin() * (3.0 * v).cos())
@@ -103,7 +103,7 @@ pub fn dual() -> DualTorse {
 }
 
 /// The sphere of radius 5 as a rational biquadratic: longitude 0 to 1, latitude .9 ± `half`.
-pub fn sphere_strip(half: f64) -> Surface {
+pub(crate) fn sphere_strip(half: f64) -> Surface {
     // Circular arcs as rational quadratics; control points of an arc of half-angle b about the middle direction.
     let arc = |middle: f64, b: f64| {
         let w = b.cos();
@@ -144,7 +144,7 @@ pub fn grid(s: &Surface, nu: usize, nv: usize) -> Vec<[[f64; 2]; 3]> {
 }
 
 /// Distance from `x` to the nearest of densely sampled rulings, refined by golden section.
-pub fn brute_distance(torse: &Torse, x: &Vec3) -> f64 {
+pub(crate) fn brute_distance(torse: &Torse, x: &Vec3) -> f64 {
     let (t0, t1) = torse.domain();
     let to_line = |t: f64| {
         let r = torse.ruling(t);
@@ -166,7 +166,7 @@ pub fn brute_distance(torse: &Torse, x: &Vec3) -> f64 {
 }
 
 /// Largest [`brute_distance`] over points spread on triangles.
-pub fn brute_sup(s: &Surface, torse: &Torse, triangles: &[[[f64; 2]; 3]], per_triangle: usize) -> f64 {
+pub(crate) fn brute_sup(s: &Surface, torse: &Torse, triangles: &[[[f64; 2]; 3]], per_triangle: usize) -> f64 {
     let mut sup = 0.0f64;
     let n = per_triangle;
     for t in triangles {
@@ -209,10 +209,10 @@ pub fn ruled_patch(degree: usize, breaks: &[f64], end: &dyn Fn(f64, usize) -> [f
 }
 
 /// Range of the ruling coordinate y covered by the patches of [`primal_patch`].
-pub const PATCH_Y: [f64; 2] = [-0.6, 0.6];
+pub(crate) const PATCH_Y: [f64; 2] = [-0.6, 0.6];
 
 /// The exported patch of [`primal`] over t ∈ [−.2, 1.5].
-pub fn primal_patch() -> Surface {
+pub(crate) fn primal_patch() -> Surface {
     ruled_patch(5, &[-0.2, 0.2, 0.8, 1.5], &|t, e| {
         let p = primal_point(t, PATCH_Y[e]);
         [p.x, p.y, p.z, 1.0]
@@ -220,7 +220,7 @@ pub fn primal_patch() -> Surface {
 }
 
 /// The exported patch of [`dual`] over t ∈ [0, 1], between the planes z = 3 and z = 4.5.
-pub fn dual_patch() -> Surface {
+pub(crate) fn dual_patch() -> Surface {
     let d = dual();
     let breaks: Vec<f64> = d.planes.knots.breaks().into_iter().filter(|t| (-1e-9..=1.0 + 1e-9).contains(t)).collect();
     ruled_patch(4, &breaks, &|t, e| {
@@ -235,7 +235,7 @@ pub fn dual_patch() -> Surface {
 }
 
 /// Foot of a point of [`near_primal`] as (t, r) on [`primal_patch`].
-pub fn primal_foot(x: &Vec3) -> [f64; 2] {
+pub(crate) fn primal_foot(x: &Vec3) -> [f64; 2] {
     let torse = Torse::Primal(primal());
     let q = tilted_frame().to_local(x);
     let t = torse.foot(x, q.x).expect("a foot");
@@ -246,7 +246,7 @@ pub fn primal_foot(x: &Vec3) -> [f64; 2] {
 
 /// A patchwork of [`near_primal`] in two panels on either side of v = .5 with a common torse, on an `n`-fold grid.
 #[expect(clippy::too_many_lines, reason = "one patchwork, part by part")]
-pub fn two_panels(bump: f64, n: usize) -> Patchwork {
+pub(crate) fn two_panels(bump: f64, n: usize) -> Patchwork {
     let surface = near_primal(bump);
     let lines = |k: &Knots| {
         let b = k.breaks();

@@ -24,7 +24,7 @@ use rayon::prelude::*;
 
 /// What is judged.
 #[derive(Clone, Debug)]
-pub struct Unfolded<'a> {
+pub(crate) struct Unfolded<'a> {
     /// Surfaces of the faces, as they were read.
     pub surfaces: Vec<&'a Surface>,
     /// The map of every face; `None` where it has no closed form, of which nothing is shown.
@@ -43,7 +43,7 @@ pub struct Unfolded<'a> {
 
 /// What is proven.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct UnfoldedProof {
+pub(crate) struct UnfoldedProof {
     carrier_distance: UpperBound,
     drawing_distance: UpperBound,
     joint_gap: UpperBound,

@@ -4,7 +4,7 @@ use super::stencil::{Stencil, Support};
 use crate::num::gauss_newton::Block;
 
 /// `v·w/(|v||w|) − cos φ = 0` for two combinations of points. For angles near 0 and π the row has no slope: ask for
-/// parallel directions with a [`super::handle::Parallel`].
+/// parallel directions with a `super::handle::Parallel`.
 #[derive(Clone, Debug)]
 pub struct Angle {
     support: Support,

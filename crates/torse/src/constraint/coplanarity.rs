@@ -7,7 +7,7 @@ use crate::num::gauss_newton::Block;
 /// `det(u, v, w) = 0` for three combinations of points, divided by a product of lengths that is renewed with every step:
 /// the row is the height of `w` over the plane of `u` and `v`, as long as these are not parallel.
 #[derive(Clone, Debug)]
-pub struct Coplanarity {
+pub(crate) struct Coplanarity {
     support: Support,
     scale: f64,
 }
@@ -20,12 +20,6 @@ impl Coplanarity {
     /// Three vectors: combinations whose coefficients sum to zero, or derivatives.
     pub fn new(u: &Stencil, v: &Stencil, w: &Stencil) -> Self {
         Self { support: Support::new(&[u, v, w]), scale: 1.0 }
-    }
-
-    /// Four points, named by their first unknowns.
-    pub fn of_points(p: [u32; 4]) -> Self {
-        let from = |k: usize| Stencil::point(p[k]).minus(&Stencil::point(p[0]));
-        Self::new(&from(1), &from(2), &from(3))
     }
 
     fn vectors(&self, x: &[f64]) -> [Vec3; 3] {
@@ -64,7 +58,7 @@ impl Block for Coplanarity {
 
 /// `n·p + h = 0` for a point `p` and an unknown plane: its normal is a point of the system, `h` an unknown.
 #[derive(Clone, Debug)]
-pub struct InPlane {
+pub(crate) struct InPlane {
     support: Support,
     unknowns: Vec<u32>,
 }
@@ -133,11 +127,17 @@ impl Block for Unit {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Four points, named by their first unknowns.
+    fn of_points(p: [u32; 4]) -> Coplanarity {
+        let from = |k: usize| Stencil::point(p[k]).minus(&Stencil::point(p[0]));
+        Coplanarity::new(&from(1), &from(2), &from(3))
+    }
     use crate::constraint::derivative_check::{check, check_at, noise};
 
     #[test]
     fn derivatives_are_right() {
-        let mut block = Coplanarity::of_points([0, 3, 6, 9]);
+        let mut block = of_points([0, 3, 6, 9]);
         // The scale belongs to the step, so it is kept.
         block.refresh(&noise(12, 1.0));
         check_at(&block, &noise(12, 2.0), &[]);
@@ -147,7 +147,7 @@ mod tests {
 
     #[test]
     fn the_row_is_the_height_over_the_plane() {
-        let mut block = Coplanarity::of_points([0, 3, 6, 9]);
+        let mut block = of_points([0, 3, 6, 9]);
         let x = [0.0, 0.0, 0.0, 2.0, 0.0, 0.0, 0.5, 3.0, 0.0, 0.3, 0.4, 0.25];
         block.refresh(&x);
         let mut out = [0.0];

@@ -23,7 +23,7 @@ pub fn check(block: &mut dyn Block, seed: f64) {
 }
 
 /// As [`check`], at given unknowns.
-pub fn check_at(block: &dyn Block, x: &[f64], own: &[f64]) {
+pub(crate) fn check_at(block: &dyn Block, x: &[f64], own: &[f64]) {
     let (n, rows, width) = (x.len(), block.rows(), x.len() + own.len());
     let mut jacobian = vec![0.0; rows * width];
     let mut residual = vec![0.0; rows];

@@ -9,7 +9,7 @@ use crate::num::gauss_newton::Block;
 
 /// `nᵢ·c' = nᵢ·rᵢ = 0`, `|nᵢ| = 1` and `(n₁ + n₂)·c'' = 0` at one point of a crease. Private unknowns n₁, n₂.
 #[derive(Clone, Debug)]
-pub struct Fold {
+pub(crate) struct Fold {
     support: Support,
 }
 

@@ -8,7 +8,7 @@ use crate::num::gauss_newton::Block;
 
 /// `c Σ cᵢ pᵢ = 0`, three linear rows: two places that coincide, differences that vanish.
 #[derive(Clone, Debug)]
-pub struct Vanish {
+pub(crate) struct Vanish {
     support: Support,
     factor: f64,
 }
@@ -50,7 +50,7 @@ impl Block for Vanish {
 
 /// `d × t/|t| = 0`: a derivative in the direction of a vector of the system, forwards or backwards.
 #[derive(Clone, Debug)]
-pub struct Parallel {
+pub(crate) struct Parallel {
     support: Support,
 }
 
@@ -89,7 +89,7 @@ impl Block for Parallel {
 
 /// `n·(p − o) = 0`: a place in the plane through `o` with normal `n`, both vectors of the system.
 #[derive(Clone, Debug)]
-pub struct OnPlane {
+pub(crate) struct OnPlane {
     support: Support,
 }
 
@@ -98,11 +98,6 @@ impl OnPlane {
     pub fn new(place: &Stencil, origin: u32, normal: u32) -> Self {
         let offset = place.clone().minus(&Stencil::point(origin));
         Self { support: Support::new(&[&offset, &Stencil::point(normal)]) }
-    }
-
-    /// A direction across a normal: `n·d = 0` for a derivative.
-    pub fn across(derivative: &Stencil, normal: u32) -> Self {
-        Self { support: Support::new(&[derivative, &Stencil::point(normal)]) }
     }
 }
 
@@ -138,7 +133,6 @@ mod tests {
         check(&mut Vanish::new(&place, 2.5), 2.0);
         check(&mut Parallel::new(&place, 9), 3.0);
         check(&mut OnPlane::new(&place, 9, 12), 4.0);
-        check(&mut OnPlane::across(&place, 9), 5.0);
     }
 
     #[test]

@@ -12,7 +12,7 @@ use crate::num::gauss_newton::Block;
 
 /// `d₂ − e^w d₁ = 0`: a curve goes on in its direction. Private unknown w.
 #[derive(Clone, Debug)]
-pub struct SameDirection {
+pub(crate) struct SameDirection {
     support: Support,
 }
 
@@ -64,7 +64,7 @@ impl Block for SameDirection {
 /// Equal normal curvature of a curve before and after a ruling: `n·(|d₁|² e₂ − |d₂|² e₁) = 0` over a product of lengths that
 /// is renewed with every step, with `n·d₁ = n·d₂ = n·r = 0`, `|n| = 1`. Private unknown n.
 #[derive(Clone, Debug)]
-pub struct SameCurvature {
+pub(crate) struct SameCurvature {
     support: Support,
     scale: f64,
 }

@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 /// From the lengths of a system to those of a reference: `origin + size · x`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Scale {
+pub(crate) struct Scale {
     /// Place of the system's origin, mm.
     pub origin: Vec3,
     /// Length of the system's unit, mm.
@@ -21,7 +21,7 @@ pub struct Scale {
 
 /// A place held near a reference.
 #[derive(Clone)]
-pub struct Proximity {
+pub(crate) struct Proximity {
     support: Support,
     reference: Arc<dyn Reference>,
     scale: Scale,
@@ -32,7 +32,7 @@ pub struct Proximity {
 }
 
 /// Factors of the squared offsets in both principal directions at the signed height `d`, for curvatures `k`.
-pub fn tangential(d: f64, k: [f64; 2]) -> [f64; 2] {
+pub(crate) fn tangential(d: f64, k: [f64; 2]) -> [f64; 2] {
     k.map(|k| {
         let x = d * k;
         if x >= 1.0 {
@@ -48,11 +48,6 @@ impl Proximity {
     pub fn new(place: &Stencil, reference: Arc<dyn Reference>, scale: Scale) -> Self {
         let rows = [Vec3::zeros(); 3];
         Self { support: Support::new(&[place]), reference, scale, foot: None, rows, at: Vec3::zeros() }
-    }
-
-    /// The foot as last found, in the reference's lengths.
-    pub fn foot(&self) -> Option<&Foot> {
-        self.foot.as_ref()
     }
 }
 

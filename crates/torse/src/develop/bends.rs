@@ -57,14 +57,14 @@ impl Default for BendSpacing {
 pub type Lines = (Vec<[Vec2; 2]>, Vec<Bend>);
 
 /// Height (mm) of the arc over the facets at a kink, with the greater of its radii.
-pub fn sagitta(bend: &Bend) -> f64 {
+pub(crate) fn sagitta(bend: &Bend) -> f64 {
     let radius = bend.radii.iter().copied().filter(|r| r.is_finite()).fold(0.0, f64::max);
     radius * (1.0 - (0.5 * bend.angle).cos())
 }
 
 /// Draws lines; where kinks are to keep arcs low, again with more of them until they are low at both ends of all rulings: the
 /// first count looks at their middles.
-pub fn kept_low(spacing: &BendSpacing, draw: impl Fn(&BendSpacing) -> Lines) -> Lines {
+pub(crate) fn kept_low(spacing: &BendSpacing, draw: impl Fn(&BendSpacing) -> Lines) -> Lines {
     let Some(Facets::Chord(height)) = spacing.facets else { return draw(spacing) };
     let mut asked = height;
     let mut out = draw(spacing);
@@ -141,7 +141,7 @@ pub fn radius(patch: &Surface, t: f64, r: f64) -> f64 {
 
 /// Places across the rulings with what lies between: turn and length since the place before.
 #[derive(Clone, Debug, Default)]
-pub struct Course<K> {
+pub(crate) struct Course<K> {
     places: Vec<K>,
     turn: Vec<f64>,
     length: Vec<f64>,

@@ -47,7 +47,7 @@ const SMOOTH: f64 = 0.05;
 ///
 /// *Guarantee*: exact isometry of every piece. *Not guaranteed*: that the pattern does not overlap itself, see
 /// [`overlaps`].
-pub fn part_pattern(spline: &ConeSpline, part: &ConePart, name: &str, contour_tolerance: f64) -> Pattern {
+pub(crate) fn part_pattern(spline: &ConeSpline, part: &ConePart, name: &str, contour_tolerance: f64) -> Pattern {
     let flats = develop(spline, Vec2::zeros(), 0.0);
     let place = |v: usize| {
         let (i, [f, r]) = part.places[v];
@@ -124,7 +124,7 @@ pub fn part_pattern(spline: &ConeSpline, part: &ConePart, name: &str, contour_to
 }
 
 /// Whether the flat pattern of a trimmed chain overlaps itself (outline sampled; `apart` as in `overlap`).
-pub fn overlaps(spline: &ConeSpline, part: &ConePart, apart: f64) -> bool {
+pub(crate) fn overlaps(spline: &ConeSpline, part: &ConePart, apart: f64) -> bool {
     let flats = develop(spline, Vec2::zeros(), 0.0);
     let loops: Vec<Vec<OutlinePoint>> = part
         .outline()

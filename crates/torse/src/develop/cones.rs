@@ -258,7 +258,7 @@ pub(super) fn joint_bend(spline: &ConeSpline, joint: usize) -> Bend {
 const OVERLAP_SAMPLES: usize = 8;
 
 /// Whether the flat pattern of a chain overlaps itself (outline sampled; `apart` as in `overlap`).
-pub fn overlaps(spline: &ConeSpline, apart: f64) -> bool {
+pub(crate) fn overlaps(spline: &ConeSpline, apart: f64) -> bool {
     let flats = develop(spline, Vec2::zeros(), 0.0);
     let mut outline = Vec::new();
     for side in [1, 0] {

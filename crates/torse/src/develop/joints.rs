@@ -12,7 +12,7 @@ use std::collections::HashMap;
 
 /// Patterns with marks on joints, "J3.1" on both sides; `reach` (mm) is how far from each other the borders of panels may
 /// be that are joined: each is within its deviation of the file's edge. Panels that cannot be developed get none.
-pub fn with_joint_marks(patchwork: &Patchwork, mut patterns: Vec<Pattern>, reach: f64) -> Vec<Pattern> {
+pub(crate) fn with_joint_marks(patchwork: &Patchwork, mut patterns: Vec<Pattern>, reach: f64) -> Vec<Pattern> {
     let diagonal = patchwork.faces.iter().map(|f| f.surface.bbox().diagonal()).fold(0.0, f64::max);
     let found = joints(patchwork, reach, MARK_SPACING * diagonal);
     let of_panel: HashMap<usize, usize> = patterns.iter().enumerate().map(|(k, p)| (p.panel, k)).collect();

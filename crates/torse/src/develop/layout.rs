@@ -52,25 +52,6 @@ pub fn layout(patterns: &[Pattern]) -> Vec<Placement> {
     boxes.iter().zip(corners).map(|(b, c)| Placement { angle: -b.angle, offset: c - b.corner }).collect()
 }
 
-/// Share of the sheet that the patterns fill: their area by that of the rectangle around all of them, holes counted
-/// as cut away. 0 without patterns.
-pub fn filled(patterns: &[Pattern], placements: &[Placement]) -> f64 {
-    let (mut lo, mut hi) = (Vec2::repeat(f64::INFINITY), Vec2::repeat(f64::NEG_INFINITY));
-    let mut area = 0.0;
-    for (pattern, place) in patterns.iter().zip(placements) {
-        area += pattern.area;
-        for p in outline(pattern).iter().map(|p| place.apply(p)) {
-            (lo, hi) = (lo.inf(&p), hi.sup(&p));
-        }
-    }
-    let sheet = (hi - lo).product();
-    if sheet > 0.0 && sheet.is_finite() {
-        area / sheet
-    } else {
-        0.0
-    }
-}
-
 /// Largest first; equals in their own order.
 fn order(boxes: &[Rectangle], size: impl Fn(&Rectangle) -> f64) -> Vec<usize> {
     let mut order: Vec<usize> = (0..boxes.len()).collect();
@@ -138,6 +119,26 @@ fn outline(pattern: &Pattern) -> Vec<Vec2> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Share of the sheet that the patterns fill: their area by that of the rectangle around all of them, holes counted
+    /// as cut away. 0 without patterns.
+    fn filled(patterns: &[Pattern], placements: &[Placement]) -> f64 {
+        let (mut lo, mut hi) = (Vec2::repeat(f64::INFINITY), Vec2::repeat(f64::NEG_INFINITY));
+        let mut area = 0.0;
+        for (pattern, place) in patterns.iter().zip(placements) {
+            area += pattern.area;
+            for p in outline(pattern).iter().map(|p| place.apply(p)) {
+                (lo, hi) = (lo.inf(&p), hi.sup(&p));
+            }
+        }
+        let sheet = (hi - lo).product();
+        if sheet > 0.0 && sheet.is_finite() {
+            area / sheet
+        } else {
+            0.0
+        }
+    }
+
     use crate::patchwork::pattern::{Contour, ContourVertex};
 
     fn bar(length: f64, width: f64, angle: f64) -> Pattern {

@@ -10,7 +10,7 @@ use crate::spline::composite::smooth_breaks;
 use crate::spline::surface::Surface;
 
 /// One run in the plane.
-pub struct FlatRun<'a> {
+pub(crate) struct FlatRun<'a> {
     development: &'a Development,
     /// The run in space.
     pub run: &'a Coedge,

@@ -184,7 +184,7 @@ pub(super) fn developed(patchwork: &Patchwork, panel: &Panel) -> Result<(Develop
 }
 
 /// Patterns of [`pattern`] with rulings drawn at the distances that are wanted.
-pub fn with_bends(patchwork: &Patchwork, patterns: Vec<Pattern>, spacing: &BendSpacing) -> Vec<Pattern> {
+pub(crate) fn with_bends(patchwork: &Patchwork, patterns: Vec<Pattern>, spacing: &BendSpacing) -> Vec<Pattern> {
     if *spacing == BendSpacing::default() {
         return patterns;
     }

@@ -8,7 +8,7 @@ use crate::patchwork::pattern::{BendSense, Contour, Pattern};
 
 /// An earlier part that a part equals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct SamePart {
+pub(crate) struct SamePart {
     /// Index of the earlier pattern.
     pub pattern: usize,
     /// Whether one of them must be turned over.
@@ -21,7 +21,7 @@ const SAME: f64 = 1e-5;
 const SAME_TURN: f64 = 1e-5;
 
 /// For every pattern the first one before it that it equals; `thicknesses` (mm) may be empty.
-pub fn same_parts(patterns: &[Pattern], thicknesses: &[f64]) -> Vec<Option<SamePart>> {
+pub(crate) fn same_parts(patterns: &[Pattern], thicknesses: &[f64]) -> Vec<Option<SamePart>> {
     let mut out = vec![None; patterns.len()];
     let mut order: Vec<usize> = (0..patterns.len()).filter(|k| !patterns[*k].contours.is_empty()).collect();
     order.sort_by(|a, b| patterns[*a].area.total_cmp(&patterns[*b].area).then(a.cmp(b)));

@@ -26,7 +26,7 @@ const FEWEST: usize = 30;
 
 /// The outline of points.
 #[derive(Clone, Debug)]
-pub struct ScanOutline {
+pub(crate) struct ScanOutline {
     /// Closed polygons: the outer one counter-clockwise, then holes clockwise.
     pub loops: Vec<Vec<Vec2>>,
     /// Typical distance between neighbouring points, mm.
@@ -222,7 +222,7 @@ const CORNER: f64 = 0.5;
 
 /// A pattern cut back to the outline: its contours are those of the outline, its rulings what lies inside; marks and sides,
 /// which belong to the border that was cut away, are left out.
-pub fn cut_back(pattern: &Pattern, outline: &ScanOutline) -> Pattern {
+pub(crate) fn cut_back(pattern: &Pattern, outline: &ScanOutline) -> Pattern {
     let loops: Vec<&Vec<Vec2>> = outline.loops.iter().collect();
     let contour = |l: &&Vec<Vec2>| {
         let n = l.len();

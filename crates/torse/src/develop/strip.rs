@@ -29,7 +29,7 @@ pub struct StripOptions {
     pub mark_spacing: Option<f64>,
     /// +1 to see the pattern from the side to which ruling × rail points, −1 from the other; default 1.
     pub side: f64,
-    /// How patterns are drawn; their side of the model is that of [`super::view::viewed`].
+    /// How patterns are drawn; their side of the model is that of `super::view::viewed`.
     pub drawn: Drawn,
 }
 
@@ -61,7 +61,7 @@ const MOST: f64 = 4000.0;
 const BEFORE_END: f64 = 1.0 - 1e-9;
 
 /// The least distance between rulings or marks on a pattern whose longer side is so long.
-pub fn least_spacing(length: f64) -> f64 {
+pub(crate) fn least_spacing(length: f64) -> f64 {
     length / MOST
 }
 

@@ -37,7 +37,7 @@ pub fn sides(strip: &Strip) -> Vec<(Vec3, Vec3)> {
 }
 
 /// As [`sides`] for a chain of cones, on the side of its normals.
-pub fn cone_sides(spline: &ConeSpline) -> Vec<(Vec3, Vec3)> {
+pub(crate) fn cone_sides(spline: &ConeSpline) -> Vec<(Vec3, Vec3)> {
     let mut out = Vec::new();
     for s in &spline.segments {
         for k in 0..PLACES.0 {
@@ -54,7 +54,7 @@ pub fn cone_sides(spline: &ConeSpline) -> Vec<(Vec3, Vec3)> {
 
 /// A pattern of a chain of cones, developed on the side of its normals, as it is seen from outside, away from
 /// its own middle.
-pub fn cones_viewed(pattern: Pattern, spline: &ConeSpline) -> Pattern {
+pub(crate) fn cones_viewed(pattern: Pattern, spline: &ConeSpline) -> Pattern {
     let all = cone_sides(spline);
     let seen = if outward(&all, &middle(&all)) > 0.0 { ViewSide::Outside } else { ViewSide::Inside };
     seen_from(Pattern { view: seen, ..pattern }, ViewSide::Outside)
@@ -68,7 +68,7 @@ pub fn centre(strips: &[Strip]) -> Vec3 {
 
 /// A pattern of a chain of strips, developed with `side`, as it is seen from the side of the model that is wanted;
 /// `centre` is the middle of all strips.
-pub fn viewed(pattern: Pattern, chain: &[&Strip], side: f64, centre: &Vec3, view: ViewSide) -> Pattern {
+pub(crate) fn viewed(pattern: Pattern, chain: &[&Strip], side: f64, centre: &Vec3, view: ViewSide) -> Pattern {
     let all: Vec<(Vec3, Vec3)> = chain.iter().flat_map(|s| sides(s)).map(|(x, n)| (x, n * side)).collect();
     let seen = if outward(&all, centre) > 0.0 { ViewSide::Outside } else { ViewSide::Inside };
     seen_from(Pattern { view: seen, ..pattern }, view)
@@ -76,7 +76,7 @@ pub fn viewed(pattern: Pattern, chain: &[&Strip], side: f64, centre: &Vec3, view
 
 /// Patterns of panels on faces seen from the side that is wanted. They come as seen from the side to which the file says
 /// that a face looks.
-pub fn panels_viewed(patchwork: &Patchwork, patterns: Vec<Pattern>, view: ViewSide) -> Vec<Pattern> {
+pub(crate) fn panels_viewed(patchwork: &Patchwork, patterns: Vec<Pattern>, view: ViewSide) -> Vec<Pattern> {
     let outward = faces_outward(patchwork);
     let wanted = |pattern: Pattern| {
         let face = patchwork.panels[pattern.panel].face();

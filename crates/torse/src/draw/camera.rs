@@ -96,7 +96,7 @@ fn axes(direction: &Vec3) -> [Vec3; 3] {
 
 /// The direction (from the model to the eye) from which most of the meshes is seen, among some forty views from
 /// slightly above. What hides behind other parts does not count; grazing views of large areas count less.
-pub fn telling_direction<'a>(meshes: impl Iterator<Item = &'a Mesh> + Clone) -> Vec3 {
+pub(crate) fn telling_direction<'a>(meshes: impl Iterator<Item = &'a Mesh> + Clone) -> Vec3 {
     // A view from between the axes looks better than one along them, and one from 30° better than others.
     const VIEWS: [(f64, f64); 4] = [(20.0, 0.94), (32.0, 1.0), (46.0, 0.95), (62.0, 0.80)];
     const AZIMUTH_STEP_DEG: usize = 15;

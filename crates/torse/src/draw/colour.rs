@@ -9,7 +9,7 @@ use std::sync::LazyLock;
 pub type Rgb = [f64; 3];
 
 /// A colour of OKLab given by lightness, chroma and hue (degrees), clipped to sRGB.
-pub fn oklch(lightness: f64, chroma: f64, hue_deg: f64) -> Rgb {
+pub(crate) fn oklch(lightness: f64, chroma: f64, hue_deg: f64) -> Rgb {
     let h = hue_deg.to_radians();
     from_oklab([lightness, chroma * h.cos(), chroma * h.sin()])
 }
@@ -99,7 +99,7 @@ pub fn mix(a: Rgb, b: Rgb, f: f64) -> Rgb {
 }
 
 /// `#rrggbb`.
-pub fn hex(c: Rgb) -> String {
+pub(crate) fn hex(c: Rgb) -> String {
     let [r, g, b] = bytes(c);
     format!("#{r:02x}{g:02x}{b:02x}")
 }

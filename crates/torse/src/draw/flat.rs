@@ -68,7 +68,7 @@ pub fn pieces(patterns: &[Pattern], placements: &[(f64, Vec2)], chord_error: f64
 }
 
 /// Points of a contour, arcs cut into chords at most `chord_error` (mm) from them.
-pub fn contour_points(contour: &Contour, chord_error: f64) -> Vec<Vec2> {
+pub(crate) fn contour_points(contour: &Contour, chord_error: f64) -> Vec<Vec2> {
     // Finer than this no picture shows, and tiny errors asked for must not make millions of points.
     const MOST_CHORDS: f64 = 200.0;
     let n = contour.vertices.len();

@@ -21,7 +21,7 @@ pub struct Place {
 
 /// A coarse map of what is in sight.
 #[derive(Clone, Debug)]
-pub struct SightMap {
+pub(crate) struct SightMap {
     columns: usize,
     rows: usize,
     owner: Vec<u32>,

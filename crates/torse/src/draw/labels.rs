@@ -8,7 +8,7 @@ use crate::geom::Vec2;
 
 /// Place for a text: its middle, its direction of reading (unit vector) and the height of its capitals.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TextPlace {
+pub(crate) struct TextPlace {
     /// Middle of the box.
     pub middle: Vec2,
     /// Direction of reading.
@@ -19,7 +19,7 @@ pub struct TextPlace {
 
 /// What is taken on one part.
 #[derive(Clone, Debug, Default)]
-pub struct Labels {
+pub(crate) struct Labels {
     lines: Vec<[Vec2; 2]>,
     boxes: Vec<[Vec2; 4]>,
     /// Strokes of all texts that were put.
@@ -36,7 +36,7 @@ const UNDERLINE: f64 = 0.22;
 const LEVEL: f64 = 1e-9;
 
 /// A direction of reading along a line: from left to right, and upwards where the line stands upright.
-pub fn upright(along: Vec2) -> Vec2 {
+pub(crate) fn upright(along: Vec2) -> Vec2 {
     if along.x < -LEVEL || (along.x <= LEVEL && along.y < 0.0) {
         -along
     } else {

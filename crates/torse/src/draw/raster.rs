@@ -1,7 +1,7 @@
 //! A small software rasteriser: shaded triangles and thick lines with a depth buffer, plane fills and strokes.
 //!
 //! Pictures need no GPU and no display, and are the same on every machine. Each pixel is the mean of
-//! [`SAMPLES`]² samples; bands of rows are drawn in parallel, so memory stays small. Knows no units: x to the
+//! `SAMPLES`² samples; bands of rows are drawn in parallel, so memory stays small. Knows no units: x to the
 //! right and y downwards in pixels, depth as the inverse distance from the eye (greater is nearer).
 
 use super::colour::{self, Rgb};
@@ -9,7 +9,7 @@ use crate::geom::{Vec2, Vec3};
 use rayon::prelude::*;
 
 /// Samples per pixel and direction.
-pub const SAMPLES: usize = 3;
+pub(crate) const SAMPLES: usize = 3;
 /// Rows of pixels per band: small enough that a band's buffers stay in the cache's reach.
 const BAND: usize = 16;
 

@@ -30,7 +30,7 @@ impl PanelShape {
 pub const NOT_CERTIFIED: &str = "NOT CERTIFIED";
 
 /// A name, followed by [`NOT_CERTIFIED`] where that holds.
-pub fn titled(name: &str, marked: bool) -> String {
+pub(crate) fn titled(name: &str, marked: bool) -> String {
     if marked {
         format!("{name} {NOT_CERTIFIED}")
     } else {

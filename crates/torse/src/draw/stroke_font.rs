@@ -17,7 +17,7 @@ const PIECES: usize = 6;
 
 /// Strokes of `text` as polylines: x to the right from 0, y upwards from the baseline, capitals `height` tall.
 /// Characters outside the alphabet appear as a box.
-pub fn strokes(text: &str, height: f64) -> Vec<Vec<Vec2>> {
+pub(crate) fn strokes(text: &str, height: f64) -> Vec<Vec<Vec2>> {
     let scale = height / CAP;
     let mut pen = 0.0;
     let mut all = Vec::new();
@@ -43,7 +43,7 @@ pub fn width(text: &str, height: f64) -> f64 {
 }
 
 /// Every character with where it begins and ends along the line.
-pub fn extents(text: &str, height: f64) -> Vec<(char, [f64; 2])> {
+pub(crate) fn extents(text: &str, height: f64) -> Vec<(char, [f64; 2])> {
     let mut pen = 0.0;
     let extent = |c: char| {
         let from = pen;

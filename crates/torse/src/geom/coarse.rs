@@ -28,7 +28,7 @@ impl Coarse {
 }
 
 /// Whether a number can be a tolerance: a positive length.
-pub fn is_tolerance(x: f64) -> bool {
+pub(crate) fn is_tolerance(x: f64) -> bool {
     x > 0.0 && x.is_finite()
 }
 

@@ -20,7 +20,7 @@ const MANY: usize = 2048;
 /// `stopped` is asked between points: what was added until then is the answer.
 ///
 /// *Cost.* Number of points times number of triangles of the hull, on all cores.
-pub fn convex_hull(points: &[Vec3], stopped: &dyn Fn() -> bool) -> Option<Vec<[usize; 3]>> {
+pub(crate) fn convex_hull(points: &[Vec3], stopped: &dyn Fn() -> bool) -> Option<Vec<[usize; 3]>> {
     if points.iter().any(|p| p.iter().any(|x| !x.is_finite())) {
         return None;
     }

@@ -7,7 +7,7 @@
 use super::Vec2;
 
 /// Symmetric 3×3 matrix of the integrals of products of 1, x and y.
-pub type Gram = [[f64; 3]; 3];
+pub(crate) type Gram = [[f64; 3]; 3];
 
 /// Smallest ratio of the principal second moments for which a measure counts as not concentrated in a line: below it,
 /// distances along one tilt of a plane are seen only at the level of rounding.

@@ -105,7 +105,7 @@ impl BBox {
 }
 
 /// A place in words, with as many digits as tell it from its surroundings: (1203.4, −20.0, 88.1) mm.
-pub fn place_in_words(x: &Vec3) -> String {
+pub(crate) fn place_in_words(x: &Vec3) -> String {
     let digits = match x.amax() {
         m if m >= 10.0 => 1,
         m if m >= 0.1 => 3,

@@ -4,7 +4,7 @@ use super::Vec2;
 
 /// A rectangle around points.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Rectangle {
+pub(crate) struct Rectangle {
     /// Angle (rad) from the x-axis to the long side.
     pub angle: f64,
     /// Length of the long side, mm.
@@ -17,7 +17,7 @@ pub struct Rectangle {
 
 /// Rectangle of least area around `points`: one of its sides lies on an edge of the convex hull, so all edges are
 /// tried. `None` without points.
-pub fn smallest_rectangle(points: &[Vec2]) -> Option<Rectangle> {
+pub(crate) fn smallest_rectangle(points: &[Vec2]) -> Option<Rectangle> {
     let hull = convex_hull(points);
     let first = *hull.first()?;
     let mut best: Option<Rectangle> = None;
@@ -88,7 +88,7 @@ fn least_edge(hull: &[Vec2]) -> usize {
 }
 
 /// Convex hull, counter-clockwise, by Andrew's monotone chain.
-pub fn convex_hull(points: &[Vec2]) -> Vec<Vec2> {
+pub(crate) fn convex_hull(points: &[Vec2]) -> Vec<Vec2> {
     let mut p = points.to_vec();
     p.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
     p.dedup();

@@ -1,6 +1,6 @@
 //! Artwork: points in tables and curves in drawings, read, and written in the same kind after they were carried over.
 
-pub use crate::develop::refold::artwork::PointRow;
+pub(crate) use crate::develop::refold::artwork::PointRow;
 use crate::geom::Vec3;
 use crate::io::curves::{read_all, CurveError, CurveOptions};
 use crate::torse::rail::Rail;

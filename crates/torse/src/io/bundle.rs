@@ -44,11 +44,11 @@ pub enum BundleError {
 }
 
 /// Name of the file of panels for CAD.
-pub const PANELS: &str = "panels.step";
+pub(crate) const PANELS: &str = "panels.step";
 /// Names of copies of the panels in other formats.
 pub const IGES: &str = "panels.igs";
 /// See [`IGES`].
-pub const THREEDM: &str = "panels.3dm";
+pub(crate) const THREEDM: &str = "panels.3dm";
 /// How names of drawings of single parts begin.
 pub const PART_FILE: &str = "part-";
 /// Name of the file of exact cones, cylinders and planes for CAD.
@@ -57,7 +57,7 @@ pub const CONES: &str = "cones.step";
 /// Least uncertainty written into STEP headers, mm: below it CAD systems take edges for open.
 const LEAST_UNCERTAINTY: f64 = 1e-6;
 
-/// Makes every file, on all cores: those of [`geometry`] and of [`with_reports`].
+/// Makes every file, on all cores: those of [`geometry`] and of `with_reports`.
 ///
 /// # Errors
 /// Data that a format cannot hold.
@@ -117,7 +117,7 @@ fn copies(answer: &Answer, shown: &Presentation, header: &Header) -> Result<Vec<
 }
 
 /// Name of the drawing of one part: what names of files cannot hold is replaced.
-pub fn part_file(name: &str) -> String {
+pub(crate) fn part_file(name: &str) -> String {
     let plain = |c: char| if c.is_alphanumeric() || "-_.+".contains(c) { c } else { '_' };
     format!("{PART_FILE}{}.dxf", name.chars().map(plain).collect::<String>())
 }
@@ -126,7 +126,11 @@ pub fn part_file(name: &str) -> String {
 ///
 /// # Errors
 /// As [`files`].
-pub fn with_reports(answer: &Answer, shown: &Presentation, mut out: Vec<File>) -> Result<Vec<File>, BundleError> {
+pub(crate) fn with_reports(
+    answer: &Answer,
+    shown: &Presentation,
+    mut out: Vec<File>,
+) -> Result<Vec<File>, BundleError> {
     let report = Report::of(answer, shown);
     let pictures = Pictures::of(answer, shown, &report)?;
     let limit = answer.colour_limit();

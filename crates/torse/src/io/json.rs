@@ -13,7 +13,7 @@ mod of;
 /// Name and version of the format.
 pub const SCHEMA: &str = "torse-report/2";
 /// Basis of a bound that was looked for and could not be shown.
-pub const UNKNOWN: &str = "unknown";
+pub(crate) const UNKNOWN: &str = "unknown";
 
 /// The report could not be written or read.
 #[derive(Debug, thiserror::Error)]

@@ -43,7 +43,7 @@ pub enum MaterialError {
 ///
 /// # Errors
 /// None: tests read the table.
-pub fn shipped() -> Result<Vec<Material>, MaterialError> {
+pub(crate) fn shipped() -> Result<Vec<Material>, MaterialError> {
     read(SHIPPED_NAME, SHIPPED)
 }
 

@@ -7,7 +7,7 @@ use crate::geom::unit::LengthUnit;
 use std::fmt::Write as _;
 
 /// Radii along every curved part: `roll_table.csv`; lengths in `unit`. `None` where nothing is known.
-pub fn roll(answer: &Answer, unit: LengthUnit) -> Option<Vec<u8>> {
+pub(crate) fn roll(answer: &Answer, unit: LengthUnit) -> Option<Vec<u8>> {
     let sign = unit.sign();
     let mut out = format!("part,seen_from,station,position_{sign},radius_start_{sign},radius_end_{sign},turn_deg\n");
     let mut any = false;

@@ -9,7 +9,7 @@ use super::interval::Interval;
 use std::ops::{Add, Mul, Neg, Sub};
 
 /// A number or an interval.
-pub trait Scalar:
+pub(crate) trait Scalar:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self> + From<f64> + Send + Sync
 {
     /// Quotient `a / b` of two numbers, rounded or enclosed.
@@ -52,7 +52,7 @@ impl Scalar for Interval {
 
 /// Bernstein coefficients of a B-spline piece over its own span. `net` holds the p + 1 coefficients of the piece
 /// and `knots` the 2p knots around it: piece on `[knots[p−1], knots[p]]`.
-pub fn from_spline<S: Scalar>(net: &[S], knots: &[f64]) -> Vec<S> {
+pub(crate) fn from_spline<S: Scalar>(net: &[S], knots: &[f64]) -> Vec<S> {
     let p = net.len() - 1;
     if p == 0 {
         return net.to_vec();
@@ -61,13 +61,13 @@ pub fn from_spline<S: Scalar>(net: &[S], knots: &[f64]) -> Vec<S> {
 }
 
 /// Bernstein coefficients of a B-spline piece over any interval `[a, b]`; see [`from_spline`].
-pub fn from_spline_over<S: Scalar>(net: &[S], knots: &[f64], a: f64, b: f64) -> Vec<S> {
+pub(crate) fn from_spline_over<S: Scalar>(net: &[S], knots: &[f64], a: f64, b: f64) -> Vec<S> {
     SplinePiece::new(net.len() - 1, knots, a, b).coefficients(net)
 }
 
 /// The change from the net of a B-spline piece to its Bernstein coefficients over an interval `[a, b]`: the same for all
 /// components of a curve. See [`blossom`]; coefficient k is that of p − k times a and k times b.
-pub struct SplinePiece<S> {
+pub(crate) struct SplinePiece<S> {
     degree: usize,
     /// Shares of the left and right neighbour for the arguments a and b, step by step.
     shares: [Vec<[S; 2]>; 2],
@@ -119,7 +119,7 @@ impl<S: Scalar> SplinePiece<S> {
 }
 
 /// Bernstein coefficients on `[a, b]` of a polynomial in powers of `x`.
-pub fn from_powers<S: Scalar>(powers: &[S], a: S, b: S) -> Vec<S> {
+pub(crate) fn from_powers<S: Scalar>(powers: &[S], a: S, b: S) -> Vec<S> {
     let n = powers.len();
     // Taylor shift to a (Horner's scheme repeated), then scaling by b − a.
     let mut c = powers.to_vec();
@@ -145,7 +145,7 @@ pub fn from_powers<S: Scalar>(powers: &[S], a: S, b: S) -> Vec<S> {
 }
 
 /// The polynomial written with `degree ≥` its own.
-pub fn with_degree<S: Scalar>(b: &[S], degree: usize) -> Vec<S> {
+pub(crate) fn with_degree<S: Scalar>(b: &[S], degree: usize) -> Vec<S> {
     let mut out = b.to_vec();
     while out.len() <= degree {
         out = elevated(&out);
@@ -247,7 +247,7 @@ pub fn split<S: Scalar>(b: &[S], x: S) -> (Vec<S>, Vec<S>) {
 }
 
 /// Coefficients in powers of `x − ½`: `c_k = C(p, k) (Δᵏ b)(½)`.
-pub fn powers_about_half(b: &[Interval]) -> Vec<Interval> {
+pub(crate) fn powers_about_half(b: &[Interval]) -> Vec<Interval> {
     let p = b.len() - 1;
     let mut differences = b.to_vec();
     (0..=p)

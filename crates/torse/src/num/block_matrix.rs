@@ -65,7 +65,7 @@ impl Runs {
 
 /// Where blocks lie, and in which order they are eliminated.
 #[derive(Clone, Debug)]
-pub struct Structure {
+pub(crate) struct Structure {
     /// First column of every group; the number of columns at the end.
     starts: Vec<usize>,
     /// Group of every column.
@@ -145,7 +145,7 @@ impl Structure {
 
 /// A symmetric matrix in blocks; of diagonal blocks only the lower half counts. After factorisation it is its factor.
 #[derive(Clone, Debug)]
-pub struct BlockMatrix<'a> {
+pub(crate) struct BlockMatrix<'a> {
     structure: &'a Structure,
     blocks: Vec<DMatrix<f64>>,
 }

@@ -10,7 +10,7 @@ use std::ops::{Add, Mul, Neg, Sub};
 
 /// Enclosures of a function and its first two derivatives over an interval of its variable.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Jet {
+pub(crate) struct Jet {
     /// Values.
     pub v: Interval,
     /// First derivatives.

@@ -91,7 +91,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 
 /// Symmetric banded matrix; only the lower half is stored, row by row.
 #[derive(Clone, Debug)]
-pub struct BandMatrix {
+pub(crate) struct BandMatrix {
     size: usize,
     width: usize,
     values: Vec<f64>,

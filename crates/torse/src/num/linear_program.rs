@@ -14,7 +14,7 @@ const INFEASIBLE: f64 = 1e-7;
 
 /// A linear program under construction.
 #[derive(Clone, Debug, Default)]
-pub struct LinearProgram {
+pub(crate) struct LinearProgram {
     /// Objective coefficients, one per variable.
     pub cost: Vec<f64>,
     rows: Vec<usize>,

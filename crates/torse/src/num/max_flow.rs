@@ -7,7 +7,7 @@ const NEGLIGIBLE: f64 = 1e-9;
 
 /// A two-label energy `Σ unary + Σ pairwise` with non-negative costs.
 #[derive(Clone, Debug, Default)]
-pub struct LabelGraph {
+pub(crate) struct LabelGraph {
     unary: Vec<[f64; 2]>,
     pairs: Vec<(usize, usize, f64)>,
 }

@@ -8,7 +8,7 @@ use super::block_matrix::{BlockMatrix, Runs, Structure};
 
 /// A program; lengths in units of the distance that matters.
 #[derive(Clone, Debug, Default)]
-pub struct MinimaxProgram {
+pub(crate) struct MinimaxProgram {
     /// Sizes of groups of neighbouring unknowns of which few occur together.
     pub groups: Vec<usize>,
     /// Rows D.
@@ -31,7 +31,7 @@ pub struct MinimaxProgram {
 
 /// The minimum of a program.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Minimum {
+pub(crate) struct Minimum {
     /// Unknowns.
     pub x: Vec<f64>,
     /// Largest distance.

@@ -2,19 +2,19 @@
 
 /// Nodes and weights of a rule on `[-1, 1]`, the non-negative half (the rule is symmetric and has no node 0).
 #[derive(Clone, Copy, Debug)]
-pub struct Rule<const HALF: usize> {
+pub(crate) struct Rule<const HALF: usize> {
     nodes: [f64; HALF],
     weights: [f64; HALF],
 }
 
 /// Four nodes: exact for polynomials of degree 7.
-pub const GAUSS_4: Rule<2> = Rule {
+pub(crate) const GAUSS_4: Rule<2> = Rule {
     nodes: [0.339_981_043_584_856_26, 0.861_136_311_594_052_6],
     weights: [0.652_145_154_862_546_1, 0.347_854_845_137_453_85],
 };
 
 /// Eight nodes: exact for polynomials of degree 15.
-pub const GAUSS_8: Rule<4> = Rule {
+pub(crate) const GAUSS_8: Rule<4> = Rule {
     nodes: [0.183_434_642_495_649_8, 0.525_532_409_916_329, 0.796_666_477_413_626_7, 0.960_289_856_497_536_2],
     weights: [0.362_683_783_378_362, 0.313_706_645_877_887_3, 0.222_381_034_453_374_48, 0.101_228_536_290_376_26],
 };

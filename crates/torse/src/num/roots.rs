@@ -17,7 +17,7 @@ const CUTS: [f64; 3] = [0.5, 0.4375, 0.578_125];
 
 /// A part of `[0, 1]` with exactly one root, a simple one, in its interior.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SimpleRoot {
+pub(crate) struct SimpleRoot {
     /// Lower end of the part.
     pub lo: f64,
     /// Upper end of the part.
@@ -28,7 +28,7 @@ pub struct SimpleRoot {
 
 /// All roots of a polynomial in `(0, 1)`.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Roots {
+pub(crate) struct Roots {
     /// Parts with exactly one root each, in increasing order.
     pub simple: Vec<SimpleRoot>,
     /// Parts `(lo, hi)` for which nothing could be proven: multiple roots, and roots at an end. Increasing order.
@@ -47,7 +47,7 @@ impl Roots {
 /// *Guarantee*: every root lies in exactly one of the parts; a part called simple holds exactly one root.
 /// *Not guaranteed*: that multiple or nearly multiple roots are told apart.
 /// *Cost*: the square of the degree for each of about 5 to 50 cuts per root.
-pub fn isolate(b: &[Interval]) -> Roots {
+pub(crate) fn isolate(b: &[Interval]) -> Roots {
     let mut roots = Roots::default();
     let mut parts = vec![(0.0, 1.0, b.to_vec())];
     let mut seen = 0;

@@ -53,7 +53,7 @@ impl<const N: usize> Series<N> {
 /// *Method*: the cubic through values and first derivatives at both ends (`first`, `last`) is evaluated at nine places,
 /// between which it deviates from its chords by its second derivative; the function deviates from the cubic by 1/384
 /// of its fourth derivative at most (`all`). *Guarantee*: both bounds.
-pub fn hermite_range(first: &Series<2>, last: &Series<2>, all: &Series<5>) -> (Interval, f64) {
+pub(crate) fn hermite_range(first: &Series<2>, last: &Series<2>, all: &Series<5>) -> (Interval, f64) {
     const PARTS: usize = 8;
     // c₄ = f''''/24.
     let off = all.0[4].mag() / 16.0;

@@ -6,7 +6,7 @@ use crate::geom::Vec3;
 use crate::spline::surface::Surface;
 
 /// The trimming curves of a panel, sampled for questions about rulings.
-pub struct ClippedRulings<'a> {
+pub(crate) struct ClippedRulings<'a> {
     patch: &'a Surface,
     sides: Vec<Step<'a>>,
     range: (f64, f64),
@@ -23,7 +23,7 @@ struct Step<'a> {
 const STEPS: (usize, usize) = (8, 32);
 
 /// Place (t, r) on a trimming curve; at its ends exactly those shared with the neighbouring runs.
-pub fn trim_place(run: &Coedge, s: f64) -> [f64; 2] {
+pub(crate) fn trim_place(run: &Coedge, s: f64) -> [f64; 2] {
     let c = &run.trim.control;
     if s <= 0.0 {
         c[0]

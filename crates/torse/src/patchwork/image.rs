@@ -80,4 +80,4 @@ impl Stroke {
 }
 
 /// Both images of an edge inside a part: as many lines and arcs on either side, the second side's the other way round.
-pub type JointImage = [Vec<Stroke>; 2];
+pub(crate) type JointImage = [Vec<Stroke>; 2];

@@ -10,7 +10,7 @@ use std::collections::{HashMap, HashSet};
 
 /// One side of a joint.
 #[derive(Clone, Copy, Debug)]
-pub struct JointSide<'a> {
+pub(crate) struct JointSide<'a> {
     /// Index of the panel.
     pub panel: usize,
     /// Its run, a part of which lies along the joint.

@@ -4,7 +4,7 @@
 use std::collections::HashMap;
 
 /// Label of triangles that belong to no panel yet.
-pub const UNASSIGNED: u32 = u32::MAX;
+pub(crate) const UNASSIGNED: u32 = u32::MAX;
 
 /// A cut that would pass this close to a vertex (share of the edge) goes through the vertex instead; keeps slivers
 /// away, and is far below any drawing accuracy since edges are about a hundredth of the face.
@@ -328,7 +328,7 @@ fn lerp(a: f64, b: f64, s: f64) -> f64 {
 
 /// Mean of three corners.
 #[inline]
-pub fn centroid(c: [[f64; 2]; 3]) -> [f64; 2] {
+pub(crate) fn centroid(c: [[f64; 2]; 3]) -> [f64; 2] {
     [(c[0][0] + c[1][0] + c[2][0]) / 3.0, (c[0][1] + c[1][1] + c[2][1]) / 3.0]
 }
 

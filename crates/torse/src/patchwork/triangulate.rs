@@ -37,7 +37,7 @@ pub enum TriangulateError {
 /// # Errors
 /// Degenerate, crossing or empty loops.
 #[expect(clippy::too_many_lines, reason = "one sweep with its state")]
-pub fn triangulate(
+pub(crate) fn triangulate(
     loops: &[(Vec<[f64; 2]>, Vec<u32>)],
     lines_u: &[f64],
     lines_v: &[f64],

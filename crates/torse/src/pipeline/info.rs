@@ -106,7 +106,7 @@ pub fn measure(faces: &[Face]) -> Vec<FaceInfo> {
 /// Measures one face.
 ///
 /// *Cost*: some hundred surface evaluations per side of the trim, and `GRID²`.
-pub fn measure_face(face: &Face) -> FaceInfo {
+pub(crate) fn measure_face(face: &Face) -> FaceInfo {
     let s = &face.surface;
     let mut bbox_estimate = BBox::empty();
     let mut low = [f64::INFINITY; 2];

@@ -2,7 +2,8 @@
 
 use super::part_atlas::{atlases, flat_part, panels, refolded};
 use super::refold::best;
-pub use crate::develop::refold::artwork::{ArtworkMap, CurvePieces, MapPart, Side};
+pub(crate) use crate::develop::refold::artwork::MapPart;
+pub use crate::develop::refold::artwork::{ArtworkMap, Side};
 use crate::geom::BBox;
 use crate::io::result_folder::{read, FolderError};
 use rayon::prelude::*;

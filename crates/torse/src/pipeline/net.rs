@@ -20,7 +20,7 @@ use crate::geom::Vec3;
 use crate::spline::curve::Curve;
 use crate::torse::net::{Net, NetError, Shape, TaperedNet};
 use crate::torse::rail::Rail;
-pub use error::NetJobError;
+pub(crate) use error::NetJobError;
 use judged::{judged, Nets};
 pub use options::{Condition, Options};
 use std::time::Instant;
@@ -33,7 +33,7 @@ use std::time::Instant;
 /// every part has a pattern.
 ///
 /// # Errors
-/// See [`NetJobError`].
+/// See `NetJobError`.
 ///
 /// # Example
 /// ```

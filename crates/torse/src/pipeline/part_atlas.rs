@@ -17,7 +17,7 @@ use crate::spline::surface::Surface;
 use std::collections::HashMap;
 
 /// The part as its drawing and its table have it: `exact` takes the unrounded numbers of the report where they are there.
-pub fn flat_part(part: &ResultPart, exact: bool) -> FlatPart {
+pub(crate) fn flat_part(part: &ResultPart, exact: bool) -> FlatPart {
     let joints: Vec<Vec<_>> = part.contours.iter().map(|c| c.iter().map(|j| j.0).collect()).collect();
     let whole = FlatPart { loops: joints.clone(), ..FlatPart::default() };
     let size = whole.size();
@@ -146,7 +146,7 @@ fn plane_panel(name: &str, point: Vec3, normal: Vec3, vertices: &[Vec3]) -> Opti
 ///
 /// # Errors
 /// In plain words: panels that are missing or cannot be laid flat, outlines that differ.
-pub fn atlases(
+pub(crate) fn atlases(
     folder: &ResultFolder,
     panels: &Panels,
     part: &ResultPart,

@@ -27,7 +27,8 @@ use crate::torse::rail::{Rail, RailPart};
 use crate::torse::strip::{homogeneous, Strip};
 use crate::Control;
 use composite::{between, composite, held};
-pub use options::{Options, ShapeError};
+pub use options::Options;
+pub(crate) use options::ShapeError;
 use std::time::Instant;
 
 /// Residual of the polish, as a share of the size: some digits beyond what twist is asked for.

@@ -20,8 +20,9 @@ use crate::develop::unfold::allowance::KFactor;
 use crate::geom::BBox;
 use crate::patchwork::part::Part;
 use crate::patchwork::pattern::Pattern;
+pub(crate) use options::WorkshopError;
 use options::MOST_PLANES;
-pub use options::{Stations, WorkshopError, WorkshopOptions};
+pub use options::{Stations, WorkshopOptions};
 use rayon::prelude::*;
 
 /// Share of the tolerance to which changed outlines and marks are drawn.
@@ -32,7 +33,7 @@ const HAIR: f64 = 1e-9;
 /// Prepares sheet and work of an answer: [`Answer::shop`], marks of sections and patterns of the neutral fibre.
 ///
 /// # Errors
-/// See [`WorkshopError`].
+/// See `WorkshopError`.
 pub fn prepare(answer: &mut Answer, options: &WorkshopOptions) -> Result<(), WorkshopError> {
     if let Some(t) = options.thickness.filter(|t| !(*t > 0.0 && t.is_finite())) {
         return Err(WorkshopError::Thickness(t));

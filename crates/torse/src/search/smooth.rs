@@ -14,7 +14,7 @@ const MISMATCH_SHARE: f64 = 0.01;
 const MOST_TURN_DEG: f64 = 200.0;
 
 /// Faces that go on smoothly within an angle (rad) as one, as exactly as a tolerance (mm) asks for.
-pub fn smoothly_joined(faces: Vec<Face>, tolerance: f64, angle: f64) -> Vec<Face> {
+pub(crate) fn smoothly_joined(faces: Vec<Face>, tolerance: f64, angle: f64) -> Vec<Face> {
     let options = JoinOptions { angle, mismatch: tolerance * MISMATCH_SHARE, turn: MOST_TURN_DEG.to_radians() };
     joined(faces, &options, &|whole, a, b| {
         // What is developable already keeps its edges and stays exact, unless both together are one smooth developable.

@@ -8,7 +8,7 @@ use crate::num::interval::Interval;
 use std::ops::{Add, Div, Mul, Sub};
 
 /// Numbers in which a blossom can be evaluated: f64, or [`Interval`] where a bound is wanted.
-pub trait Scalar:
+pub(crate) trait Scalar:
     Copy + From<f64> + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
 {
     /// `(1 − a) x + a y` for the share `a`.
@@ -38,7 +38,12 @@ impl Scalar for Interval {
 
 /// Blossom at `args` (as many as the degree) of the polynomial piece on `span`, whose control points
 /// `span − degree ..= span` are in `net`; `net` is used up. Symmetric and multi-affine in `args`.
-pub fn of_piece<S: Scalar, const D: usize>(knots: &Knots, span: usize, net: &mut [[S; D]], args: &[S]) -> [S; D] {
+pub(crate) fn of_piece<S: Scalar, const D: usize>(
+    knots: &Knots,
+    span: usize,
+    net: &mut [[S; D]],
+    args: &[S],
+) -> [S; D] {
     let (p, v) = (knots.degree(), knots.values());
     for r in 1..=p {
         for j in (r..=p).rev() {

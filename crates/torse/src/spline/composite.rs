@@ -6,7 +6,7 @@ use super::surface::Surface;
 
 /// Ends of the smooth pieces of `surface(curve(s))`: knots of the curve and its crossings of the surface's knot lines
 /// u = const, found between four samples per span; from the start of the curve's domain [0, 1] to its end.
-pub fn smooth_breaks(surface: &Surface, curve: &Curve<2>) -> Vec<f64> {
+pub(crate) fn smooth_breaks(surface: &Surface, curve: &Curve<2>) -> Vec<f64> {
     let own = curve.knots.breaks();
     let lines = surface.knots_u.breaks();
     let mut out = own.clone();

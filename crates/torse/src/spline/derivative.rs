@@ -95,19 +95,6 @@ impl<const D: usize> Curve<D> {
     }
 }
 
-/// Derivatives of the space curve from those of its homogeneous form (weight last).
-pub fn of_quotient(homogeneous: &[[f64; 4]]) -> Vec<Vec3> {
-    let mut out: Vec<Vec3> = Vec::with_capacity(homogeneous.len());
-    for (k, h) in homogeneous.iter().enumerate() {
-        let mut sum = Vec3::new(h[0], h[1], h[2]);
-        for i in 1..=k {
-            sum -= out[k - i] * (binomial(k, i) * homogeneous[i][3]);
-        }
-        out.push(sum / homogeneous[0][3]);
-    }
-    out
-}
-
 /// Partial derivatives of a surface up to some total order.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Partials {
@@ -236,18 +223,5 @@ mod tests {
         }
         let corner = Curve::<1>::new(2, vec![0., 0., 0., 0.5, 0.5, 1., 1., 1.], vec![[0.], [1.], [0.], [1.], [0.]]);
         assert!(corner.expect("curve").derivative().is_err());
-    }
-
-    #[test]
-    fn the_circle_turns() {
-        // Quarter circle: |c| = 1 and c · c' = 0 to all orders that follow from it.
-        let w = std::f64::consts::FRAC_1_SQRT_2;
-        let c =
-            Curve::<4>::new(2, vec![0., 0., 0., 1., 1., 1.], vec![[1., 0., 0., 1.], [w, w, 0., w], [0., 1., 0., 1.]])
-                .expect("arc");
-        let d = of_quotient(&c.derivatives(0.3, 4));
-        assert!((d[0].norm() - 1.0).abs() < 1e-15 && d[0].dot(&d[1]).abs() < 1e-14);
-        assert!((d[1].norm_squared() + d[0].dot(&d[2])).abs() < 1e-13);
-        assert!((3.0 * d[1].dot(&d[2]) + d[0].dot(&d[3])).abs() < 1e-12);
     }
 }

@@ -14,7 +14,7 @@ const MOST_PIECES: usize = 2000;
 
 /// `surface(curve(t))` as a rational spline with the parameter of the curve. *Exact* up to rounding and to where knot
 /// lines are crossed. `None` where the degree would exceed what the kernel evaluates, or the curve leaves the surface.
-pub fn on_surface(surface: &Surface, curve: &Curve<2>) -> Option<Curve<4>> {
+pub(crate) fn on_surface(surface: &Surface, curve: &Curve<2>) -> Option<Curve<4>> {
     let (a, b) = curve.domain();
     let degree = (surface.knots_u.degree() + surface.knots_v.degree()) * curve.knots.degree();
     let (du, dv) = surface.domain();

@@ -56,7 +56,7 @@ pub struct Fit<const D: usize> {
 }
 
 /// Parameters proportional to chord length on `[0, 1]`; equally spaced if all points coincide.
-pub fn chord_parameters<const D: usize>(points: &[[f64; D]]) -> Vec<f64> {
+pub(crate) fn chord_parameters<const D: usize>(points: &[[f64; D]]) -> Vec<f64> {
     let mut sums = vec![0.0];
     for w in points.windows(2) {
         let step = (0..D).map(|d| (w[1][d] - w[0][d]).powi(2)).sum::<f64>().sqrt();

@@ -19,12 +19,12 @@ pub(crate) mod through;
 pub(crate) mod sample;
 
 /// Largest polynomial degree that the kernel evaluates (workspace lives on the stack).
-pub const MAX_DEGREE: usize = 25;
+pub(crate) const MAX_DEGREE: usize = 25;
 
 /// Data that do not define a spline.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SplineError {
-    /// Degree zero or above [`MAX_DEGREE`].
+    /// Degree zero or above `MAX_DEGREE`.
     #[error("degree {0} is outside 1..={MAX_DEGREE}")]
     Degree(usize),
     /// Number of knots does not fit number of control points and degree.

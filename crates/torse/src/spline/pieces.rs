@@ -7,7 +7,7 @@ use super::SplineError;
 
 /// A piecewise cubic function with values in `R^D`, continued outside its domain by its outermost polynomials.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Pieces<const D: usize> {
+pub(crate) struct Pieces<const D: usize> {
     /// Ends of the spans, increasing; one more than there are spans.
     pub breaks: Vec<f64>,
     /// `power[s][k]`: coefficient of `(t − breaks[s])^k` on span `s`.
@@ -16,7 +16,7 @@ pub struct Pieces<const D: usize> {
 
 /// Index of the span that contains `t`; the outermost spans reach to infinity.
 #[inline]
-pub fn span_of(breaks: &[f64], t: f64) -> usize {
+pub(crate) fn span_of(breaks: &[f64], t: f64) -> usize {
     let spans = breaks.len() - 1;
     // Most splines here are uniform: guess, then walk.
     let guess = (t - breaks[0]) / (breaks[spans] - breaks[0]) * spans as f64;

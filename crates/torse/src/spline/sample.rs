@@ -7,7 +7,7 @@ use crate::geom::Vec3;
 use proptest::prelude::*;
 
 /// Clamped knots on [0, 1] with up to four interior values of any allowed multiplicity, not closer than 0.02.
-pub fn any_knots(degrees: std::ops::RangeInclusive<usize>) -> impl Strategy<Value = Knots> {
+pub(crate) fn any_knots(degrees: std::ops::RangeInclusive<usize>) -> impl Strategy<Value = Knots> {
     (degrees, prop::collection::vec((0.02..0.98f64, 1usize..=6), 0..4)).prop_map(|(degree, inner)| {
         let mut inner = inner;
         inner.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -23,7 +23,7 @@ pub fn any_knots(degrees: std::ops::RangeInclusive<usize>) -> impl Strategy<Valu
 }
 
 /// Curves of space with control points in a cube of half side 10.
-pub fn any_curve() -> impl Strategy<Value = Curve<3>> {
+pub(crate) fn any_curve() -> impl Strategy<Value = Curve<3>> {
     any_knots(1..=5).prop_flat_map(|knots| {
         let n = knots.control_count();
         prop::collection::vec(prop::array::uniform3(-10.0..10.0f64), n)
@@ -32,7 +32,7 @@ pub fn any_curve() -> impl Strategy<Value = Curve<3>> {
 }
 
 /// Rational surfaces with weights between 1/4 and 4.
-pub fn any_surface() -> impl Strategy<Value = Surface> {
+pub(crate) fn any_surface() -> impl Strategy<Value = Surface> {
     (any_knots(1..=4), any_knots(1..=4)).prop_flat_map(|(ku, kv)| {
         let n = ku.control_count() * kv.control_count();
         prop::collection::vec((prop::array::uniform3(-10.0..10.0f64), -2.0..2.0f64), n).prop_map(move |net| {

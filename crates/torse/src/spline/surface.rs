@@ -254,7 +254,7 @@ impl Surface {
         (lines(&self.knots_u), lines(&self.knots_v))
     }
 
-    /// Largest supported degree; see [`MAX_DEGREE`].
+    /// Largest supported degree; see `MAX_DEGREE`.
     pub const MAX_DEGREE: usize = MAX_DEGREE;
 }
 

@@ -36,7 +36,7 @@ impl ContactElement {
 }
 
 /// Turns normals so that neighbours are oriented alike.
-pub fn orient(row: &mut [ContactElement]) {
+pub(crate) fn orient(row: &mut [ContactElement]) {
     for i in 1..row.len() {
         if row[i].normal.dot(&row[i - 1].normal) < 0.0 {
             row[i].normal = -row[i].normal;

@@ -7,8 +7,9 @@
 //! Both boundary curves use the same L and planes of the same direction, hence equal weights: r is affine along a ruling.
 
 use super::form::{DualTorse, PrimalTorse, Torse};
+pub(crate) use super::patch_extent::ConvertError;
+pub use super::patch_extent::Extent;
 use super::patch_extent::{degree, patch_extent, Bound};
-pub use super::patch_extent::{ConvertError, Extent};
 use crate::geom::Vec3;
 use crate::spline::curve::{bezier_pieces, Curve};
 use crate::spline::knots::Knots;

@@ -11,7 +11,7 @@ use crate::spline::knots::Knots;
 use crate::spline::surface::Surface;
 
 /// A boundary curve with its first four derivatives, in intervals.
-pub type EnclosedCurve = [[Interval; 3]; 5];
+pub(crate) type EnclosedCurve = [[Interval; 3]; 5];
 
 /// A strip of a developable surface: ruling `u` is the segment between two boundary points.
 pub trait RuledStrip {

@@ -3,7 +3,7 @@
 use crate::certify::claim::Counted;
 pub use crate::search::strips::ruled_face::SplineSize;
 pub use crate::search::strips::scan::Between;
-pub use crate::search::strips::scan_outline::Outlines;
+pub(crate) use crate::search::strips::scan_outline::Outlines;
 
 /// Something that people should know of strips fitted to what was given.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,8 +1,8 @@
 //! Notes of lofts.
 
-pub use crate::search::strips::exact_chain::ExactPiece;
-pub use crate::search::strips::exact_strip::ExactError;
-pub use crate::search::strips::loft_ends::{EndNote, Leads};
+pub(crate) use crate::search::strips::exact_chain::ExactPiece;
+pub(crate) use crate::search::strips::exact_strip::ExactError;
+pub(crate) use crate::search::strips::loft_ends::{EndNote, Leads};
 
 /// Something that people should know of a loft.
 #[derive(Clone, Debug, PartialEq)]

@@ -8,16 +8,19 @@ mod shop;
 mod unroll;
 
 pub use crate::design::composite::Report as SolveReport;
-pub use crate::design::discrete::subdivide::LevelReport;
+pub(crate) use crate::design::discrete::subdivide::LevelReport;
 pub use crate::patchwork::skins::Skin;
-pub use crate::search::strips::cut::{Crowded, Lines};
-pub use crate::search::strips::regression::Broken;
+pub(crate) use crate::search::strips::cut::Crowded;
+pub use crate::search::strips::cut::Lines;
+pub(crate) use crate::search::strips::regression::Broken;
 use crate::torse::zone::RegressionLimits;
-pub use fit::{Became, Between, FaceNote, FitNote, Outlines, SplineSize};
-pub use loft::{EndNote, ExactError, ExactPiece, Leads, LoftNote};
+pub(crate) use fit::Outlines;
+pub use fit::{Became, Between, FaceNote, FitNote, SplineSize};
+pub(crate) use loft::{EndNote, ExactPiece, Leads, LoftNote};
 pub use net::{NetNote, Quality, Route};
-pub use shop::{LeastRadius, Material, Sheet, ShopNote, TooTight};
-pub use unroll::UnrollNote;
+pub(crate) use shop::{LeastRadius, ShopNote, TooTight};
+pub use shop::{Material, Sheet};
+pub(crate) use unroll::UnrollNote;
 
 /// Something that people should know of the input or of the job.
 #[derive(Clone, Debug, PartialEq)]

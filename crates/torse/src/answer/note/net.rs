@@ -1,6 +1,7 @@
 //! Notes of nets.
 
-pub use crate::design::interpolate::{Quality, Route};
+pub use crate::design::interpolate::Quality;
+pub use crate::design::interpolate::Route;
 use crate::torse::net::Shape;
 
 /// Something that people should know of a developable through one curve.

@@ -1,7 +1,9 @@
 //! Notes of sheet and work.
 
-pub use crate::develop::shop::material::{LeastRadius, Material};
-pub use crate::develop::shop::thickness::{Sheet, TooTight};
+pub(crate) use crate::develop::shop::material::LeastRadius;
+pub use crate::develop::shop::material::Material;
+pub use crate::develop::shop::thickness::Sheet;
+pub(crate) use crate::develop::shop::thickness::TooTight;
 
 /// Something that people should know of sheet and work.
 #[derive(Clone, Debug, PartialEq)]

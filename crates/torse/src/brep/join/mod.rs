@@ -18,11 +18,11 @@ use crate::spline::surface::Surface;
 use std::collections::HashSet;
 
 /// Whether a joined face (first) is better than its two parts.
-pub type Worthwhile<'a> = &'a (dyn Fn(&Face, &Face, &Face) -> bool + Sync);
+pub(crate) type Worthwhile<'a> = &'a (dyn Fn(&Face, &Face, &Face) -> bool + Sync);
 
 /// What may be joined.
 #[derive(Clone, Copy, Debug)]
-pub struct JoinOptions {
+pub(crate) struct JoinOptions {
     /// Greatest angle between the faces along a common edge, rad; 0 joins nothing.
     pub angle: f64,
     /// Greatest distance between control points of the two sides of a common edge, mm.

@@ -47,7 +47,7 @@ pub fn between(curve: &SpaceCurve, start: &Vec3, end: &Vec3, closed: bool, along
 }
 
 /// A path whose ends lie nearest to `start` and `end`: as given, or turned round.
-pub fn oriented(path: Vec<Arc>, start: &Vec3, end: &Vec3) -> Vec<Arc> {
+pub(crate) fn oriented(path: Vec<Arc>, start: &Vec3, end: &Vec3) -> Vec<Arc> {
     let (Some(first), Some(last)) = (path.first(), path.last()) else { return path };
     let (p, q) = (first.ends().0, last.ends().1);
     if (p - start).norm() + (q - end).norm() <= (q - start).norm() + (p - end).norm() {

@@ -10,7 +10,7 @@ mod pcurve;
 mod polygon;
 mod sphere;
 
-pub use self::error::TrimError;
+pub(crate) use self::error::TrimError;
 use self::polygon::Polygon;
 use super::face::{Face, FileBoundary, FileEdge, TrimLoop};
 use super::parameter_map::ParameterMap;
@@ -26,7 +26,7 @@ use std::sync::Arc as Shared;
 /// Share of the boundary's extent below which chords are no closer, whatever is asked for.
 const FINEST_SHARE: f64 = 1e-9;
 /// Share of the boundary's extent that chords may deviate at most.
-pub const CHORD_SHARE: f64 = 1e-5;
+pub(crate) const CHORD_SHARE: f64 = 1e-5;
 /// Margin around the loops on support surfaces without bounds of their own, as a share of the loops' extent.
 const MARGIN: f64 = 0.02;
 /// Boundaries count as no smaller than this share of their surface: on a smaller one, shares of the extent would be
@@ -39,13 +39,13 @@ const LEAST_WIDTH: f64 = 1e-9;
 /// Builds the trimmed face (or faces, where the loops bound several separate regions).
 ///
 /// *Input*: boundary curves near the support, in loops whose ends meet; `chord_tolerance` in mm, at most
-/// [`CHORD_SHARE`] of the boundary's extent, which is the default. *Guarantee*: every answer's loops are simple polygons that do not touch
+/// `CHORD_SHARE` of the boundary's extent, which is the default. *Guarantee*: every answer's loops are simple polygons that do not touch
 /// each other, outer first and counter-clockwise, all corners inside the surface's domain. *Not guaranteed*: the
 /// deviation of the polygons from the curves is measured at samples only ([`Face::trim_deviation_estimate`]); the curves go
 /// with the face ([`Face::boundary`]), so that a judge can prove it.
 ///
 /// # Errors
-/// Loops that do not bound a region; see [`TrimError`].
+/// Loops that do not bound a region; see `TrimError`.
 pub fn faces(raw: &RawFace, chord_tolerance: Option<f64>) -> Result<Vec<Face>, TrimError> {
     let loops = match &raw.region {
         Region::Whole => return natural(raw, None).map(|f| vec![f]),
@@ -307,7 +307,7 @@ fn share_edges(faces: &mut [Face], edges: &[Vec<FileEdge>], chords: f64) {
 
 /// The face with chords that keep to the file's edges within `tolerance` (mm), if those that it has do not and it can be
 /// had: the trim as a job asks for it.
-pub fn with_chords(face: &Face, tolerance: f64) -> Option<Face> {
+pub(crate) fn with_chords(face: &Face, tolerance: f64) -> Option<Face> {
     let b = face.boundary.as_ref().filter(|b| b.chords > tolerance)?;
     let made = faces(&b.source, Some(tolerance / b.placement.scale())).ok()?;
     let [index, count] = b.index;

@@ -164,7 +164,7 @@ pub fn outline(
 }
 
 /// Distance (mm) that a boundary which strays from that of a rectangle by a share of its parameters may be off in space.
-pub fn astray_bound(patch: &Surface, share: f64) -> UpperBound {
+pub(crate) fn astray_bound(patch: &Surface, share: f64) -> UpperBound {
     let breaks = patch.knots_u.breaks();
     let whole = breaks[breaks.len() - 1] - breaks[0];
     let span = |w: &[f64]| speed(patch, patch.knots_u.span(0.5 * (w[0] + w[1]))) * (1.0 + whole / (w[1] - w[0]));

@@ -12,7 +12,7 @@ use crate::num::gauss_newton::Block;
 
 /// Developability of one ruling; private unknowns κ, ν, w.
 #[derive(Clone, Debug)]
-pub struct KForm {
+pub(crate) struct KForm {
     support: Support,
     largest: f64,
 }

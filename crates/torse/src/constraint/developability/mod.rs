@@ -3,8 +3,8 @@
 mod k_form;
 mod n_form;
 
-pub use k_form::KForm;
-pub use n_form::NForm;
+pub(crate) use k_form::KForm;
+pub(crate) use n_form::NForm;
 
 use super::stencil::{Stencil, Support};
 use crate::geom::Vec3;
@@ -12,7 +12,7 @@ use crate::spline::knots::Knots;
 
 /// Two boundary curves over the same knots: their control points as first unknowns.
 #[derive(Clone, Copy, Debug)]
-pub struct StripPoints<'a> {
+pub(crate) struct StripPoints<'a> {
     /// Common knots.
     pub knots: &'a Knots,
     /// Control points of the curve `v = 0`.
@@ -32,7 +32,7 @@ impl StripPoints<'_> {
 
 /// Number of rulings in one polynomial piece of degree `d` whose developability makes the piece developable: the
 /// determinant of `a'`, `b'` and `b − a` has degree `3d − 3`, for its leading term cancels.
-pub fn samples_per_interval(degree: usize) -> usize {
+pub(crate) fn samples_per_interval(degree: usize) -> usize {
     (3 * degree).saturating_sub(2)
 }
 
@@ -58,7 +58,7 @@ fn vectors(support: &Support, x: &[f64]) -> [Vec3; 3] {
 
 /// Free numbers that a strip of the given degree gains per polynomial piece: six per new pair of control points, less the
 /// conditions. Negative where developability asks for more than there is (degree 3 with simple knots).
-pub fn freedom_per_interval(degree: usize, multiplicity: usize) -> isize {
+pub(crate) fn freedom_per_interval(degree: usize, multiplicity: usize) -> isize {
     6 * multiplicity as isize - samples_per_interval(degree) as isize
 }
 

@@ -10,7 +10,7 @@ use crate::num::gauss_newton::Block;
 
 /// Developability of one ruling; private unknown: its normal.
 #[derive(Clone, Debug)]
-pub struct NForm {
+pub(crate) struct NForm {
     support: Support,
 }
 

@@ -6,7 +6,7 @@ use crate::geom::Vec3;
 use crate::spline::surface::Surface;
 
 /// Some surfaces taken together.
-pub struct FaceReference {
+pub(crate) struct FaceReference {
     surfaces: Vec<(Surface, SurfaceProjector)>,
 }
 

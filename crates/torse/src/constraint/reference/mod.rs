@@ -4,8 +4,8 @@ mod face;
 mod points;
 mod tree;
 
-pub use face::FaceReference;
-pub use points::PointReference;
+pub(crate) use face::FaceReference;
+pub(crate) use points::PointReference;
 
 use crate::geom::Vec3;
 

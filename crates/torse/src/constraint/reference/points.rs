@@ -24,7 +24,7 @@ struct Local {
 }
 
 /// A mesh, or a cloud where there are no triangles.
-pub struct PointReference {
+pub(crate) struct PointReference {
     cloud: Cloud,
     local: Vec<Local>,
     tree: Tree,

@@ -12,10 +12,10 @@ use crate::control::Control;
 use crate::geom::convex_hull::sides;
 use crate::torse::rail::Rail;
 use chains::Chain;
-pub use contact::OnRail;
+pub(crate) use contact::OnRail;
 use contact::{coplanarity, is_corner, opposite, tangent_plane, tangents};
 use rayon::prelude::*;
-pub use sampled::HullError;
+pub(crate) use sampled::HullError;
 use sampled::{Sampled, SideKind};
 
 /// A ruling of the hull's boundary, or the edge of a facet.

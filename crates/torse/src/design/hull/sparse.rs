@@ -32,7 +32,7 @@ const CORNER: f64 = 1e-4;
 /// they are, and so do those that join others smoothly.
 ///
 /// *Measured, not proven*: the distance is looked at twice per span of the given curve.
-pub fn sparse(rail: &Rail, tolerance: f64, control: &Control) -> Rail {
+pub(crate) fn sparse(rail: &Rail, tolerance: f64, control: &Control) -> Rail {
     let count = rail.pieces.len();
     let turn = |k: usize| tangent(&rail.pieces[k % count], 1.0).angle(&tangent(&rail.pieces[(k + 1) % count], 0.0));
     let wraps = count == 1 && rail.closed && turn(0) <= CORNER;

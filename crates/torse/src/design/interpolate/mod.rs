@@ -3,7 +3,7 @@
 //! *Method.* \[FJ07\], section 4, with the existence question closed. A polynomial net exists exactly for the roots of
 //! the solvability polynomial ([`solvability`]); those with a regular surface are isolated with certainty, and the best
 //! is chosen. Where there is none: a rational net, which meets the two lines for every M* (`rational`); then two nets
-//! that share a ruling in between (`split`); then the reasons ([`Reasons`]).
+//! that share a ruling in between (`split`); then the reasons (`Reasons`).
 
 mod candidate;
 mod polynomial;
@@ -15,8 +15,11 @@ mod split;
 #[cfg(test)]
 mod tests;
 
-pub use reasons::{Quality, Reasons, Turn};
-pub use solvability::{solvability, Solvability};
+pub use reasons::Quality;
+pub(crate) use reasons::Reasons;
+pub use reasons::Turn;
+pub use solvability::solvability;
+pub(crate) use solvability::Solvability;
 
 use crate::geom::Vec3;
 use crate::num::interval::Interval;
@@ -179,7 +182,7 @@ pub enum InterpolateError {
 /// Developable strips through `curve` whose first and last rulings lie on the given lines.
 ///
 /// *Input*: the curve, homogeneous with positive weights (all equal for a polynomial one), mm; directions in mm.
-/// *Guarantee*: strips of a solved answer are regular (see [`Regularity`]), hold both lines to 1e-9 rad, and both
+/// *Guarantee*: strips of a solved answer are regular (see `Regularity`), hold both lines to 1e-9 rad, and both
 /// first and last ruling point to the sides given. That no polynomial net exists is proven for the clamped control
 /// points: also none of the same curve with more knots. *Not guaranteed*: that rational nets and splits, which are
 /// searched on grids, are found whenever they exist, or are best.

@@ -56,7 +56,7 @@ pub enum Quality {
     Sides,
     /// It has no width at one end.
     NoWidth,
-    /// It is not regular; never [`Regularity::Regular`].
+    /// It is not regular; never `Regularity::Regular`.
     Faulty(Regularity),
 }
 

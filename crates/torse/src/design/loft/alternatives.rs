@@ -31,7 +31,7 @@ const COSTLY: f64 = 100.0;
 ///
 /// # Errors
 /// As [`least_twist`].
-pub fn alternatives(
+pub(crate) fn alternatives(
     a: &Rail,
     b: &Rail,
     options: &LeastTwistOptions,
@@ -72,7 +72,7 @@ pub fn alternatives(
 }
 
 /// Greatest oriented twist along a path, rad.
-pub fn greatest_twist(a: &Rail, b: &Rail, path: &TwistPath) -> f64 {
+pub(crate) fn greatest_twist(a: &Rail, b: &Rail, path: &TwistPath) -> f64 {
     let (ta, tb) = (Track::new(a), Track::new(b));
     path.stations.iter().filter_map(|s| twist(&ta.at(s[0]), &tb.at(s[1]))).fold(0.0, f64::max)
 }

@@ -5,7 +5,6 @@
 //! followed monotonically and the type does not change.
 
 use super::track::{Contact, Track};
-use crate::geom::Vec3;
 use crate::torse::rail::Rail;
 use std::f64::consts::FRAC_PI_2;
 
@@ -70,8 +69,6 @@ const ZERO: f64 = 1e-13;
 const REST: f64 = 1e-10;
 /// Brackets narrower than this share of their ends cannot be halved any more.
 const LAST_DIGIT: f64 = 1e-16;
-/// Sum of the sines of both unit tangents against their ruling, below which these span no plane: rounding.
-const NO_PLANE: f64 = 1e-12;
 
 /// `det(a', b', b − a)` with unit vectors; 0 where rounding is all there is.
 pub fn coplanarity(a: &Contact, b: &Contact) -> f64 {
@@ -397,19 +394,11 @@ pub(crate) fn used_share(t: &Track, x0: f64, x1: f64) -> f64 {
     ((at(x1) - at(x0)) / total).clamp(0.0, 1.0)
 }
 
-/// Unit normal of the plane through a ruling and the tangents of its ends.
-pub fn plane_normal(a: &Contact, b: &Contact) -> Option<Vec3> {
-    let r = (b.point - a.point).try_normalize(0.0)?;
-    let (x, y) = (a.tangent.cross(&r), b.tangent.cross(&r));
-    let y = if x.dot(&y) < 0.0 { -y } else { y };
-    (x + y).try_normalize(NO_PLANE)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::brep::space_curve::SpaceCurve;
-    use crate::geom::Frame;
+    use crate::geom::{Frame, Vec3};
     use std::f64::consts::TAU;
 
     fn ellipse(origin: Vec3, a: f64, b: f64) -> Rail {

@@ -28,7 +28,7 @@ const CUBIC: usize = 3;
 
 /// Two boundaries over the same knots, equal parameters on one ruling, and the parameters of the rails they follow.
 #[derive(Clone, Debug)]
-pub struct BetweenRails {
+pub(crate) struct BetweenRails {
     /// Homogeneous, positive weights, equal on both.
     pub boundaries: [Curve<4>; 2],
     /// The rails' parameters as cubic functions of the boundaries'.
@@ -37,7 +37,7 @@ pub struct BetweenRails {
 
 /// Why a surface has no strip between two rails.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum OnTorseError {
+pub(crate) enum OnTorseError {
     /// A rail leaves the rulings.
     #[error("the ruling at t = {t:.4} passes no point of rail {side}")]
     Astray {
@@ -67,7 +67,7 @@ pub enum OnTorseError {
 ///
 /// # Errors
 /// See [`OnTorseError`].
-pub fn between_rails(
+pub(crate) fn between_rails(
     torse: &DualCurve,
     rails: [&Curve<4>; 2],
     guess: impl Fn(f64) -> [f64; 2],

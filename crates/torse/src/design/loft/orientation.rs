@@ -13,7 +13,7 @@ const TELLING: f64 = 0.1;
 
 /// The second rail, turned round where the best branch runs against it, or, unless `by_branches`, where its ends are nearer
 /// then; with its branches, and whether it was turned.
-pub fn oriented(a: &Rail, b: Rail, by_branches: bool) -> (Rail, Vec<Branch>, bool) {
+pub(crate) fn oriented(a: &Rail, b: Rail, by_branches: bool) -> (Rail, Vec<Branch>, bool) {
     let found = branches(a, &b, &BranchOptions::default());
     let merit = |d: Direction| {
         found
@@ -44,7 +44,12 @@ pub fn oriented(a: &Rail, b: Rail, by_branches: bool) -> (Rail, Vec<Branch>, boo
 ///
 /// # Errors
 /// A rail that cannot begin there.
-pub fn seamed(a: &Rail, b: &Rail, branch: &Branch, alternative: usize) -> Result<([Rail; 2], Branch), LoftError> {
+pub(crate) fn seamed(
+    a: &Rail,
+    b: &Rail,
+    branch: &Branch,
+    alternative: usize,
+) -> Result<([Rail; 2], Branch), LoftError> {
     const STILL: f64 = 1e-11;
     const MOVES: f64 = 1e-4;
     let as_it_is = || Ok(([a.clone(), b.clone()], branch.clone()));
@@ -93,6 +98,6 @@ pub fn seamed(a: &Rail, b: &Rail, branch: &Branch, alternative: usize) -> Result
 }
 
 /// Whether a branch may be used.
-pub fn is_candidate(f: &Branch) -> bool {
+pub(crate) fn is_candidate(f: &Branch) -> bool {
     f.kind == BranchType::Regular && f.direction == Direction::Same && f.coverage[0].max(f.coverage[1]) > WHOLE
 }

@@ -97,7 +97,7 @@ fn to_refolded(refolded: &Refolded, q: &Vec2, x: &Vec3) -> f64 {
 
 /// The rotation and move that bring the first points of pairs nearest to the second in the mean square. `None` without
 /// pairs.
-pub fn best_motion(pairs: &[(Vec3, Vec3)]) -> Option<Placement> {
+pub(crate) fn best_motion(pairs: &[(Vec3, Vec3)]) -> Option<Placement> {
     if pairs.is_empty() {
         return None;
     }

@@ -116,7 +116,7 @@ pub fn bounds(loops: &[Vec<Vec2>]) -> (Vec2, Vec2) {
 }
 
 /// Where a line crosses polygons: ways along it from `at`, rising; neighbours in pairs bound the stretches inside.
-pub fn crossings(loops: &[Vec<Vec2>], at: &Vec2, way: &Vec2) -> Vec<f64> {
+pub(crate) fn crossings(loops: &[Vec<Vec2>], at: &Vec2, way: &Vec2) -> Vec<f64> {
     let mut out: Vec<f64> = sides(loops)
         .filter_map(|(p, q)| {
             let (a, b) = (way.perp(&(p - at)), way.perp(&(q - at)));

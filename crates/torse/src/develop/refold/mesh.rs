@@ -70,7 +70,7 @@ fn add(leaf: &Leaf, motion: &Placement, out: &mut Mesh, borders: &mut Vec<Vec<Ve
 const GRID: usize = 120;
 
 /// The outlines of a region in the coordinates of its ribbon.
-pub fn spots(leaf: &Leaf) -> Vec<Vec<[f64; 2]>> {
+pub(crate) fn spots(leaf: &Leaf) -> Vec<Vec<[f64; 2]>> {
     let spot = |q: &Vec2| leaf.ribbon.locate(q).map(|s| [s.t, s.v]);
     leaf.loops.iter().map(|l| l.iter().filter_map(spot).collect()).collect()
 }

@@ -47,7 +47,7 @@ pub struct Faceted {
 const ONE_LINE: f64 = 1e-7;
 
 /// The kinks of a part, from the lines of its pattern. `None` for parts without any.
-pub fn faceted(laid: &Laid, pattern: &Pattern) -> Option<Faceted> {
+pub(crate) fn faceted(laid: &Laid, pattern: &Pattern) -> Option<Faceted> {
     let mut kinks = kinks(laid, pattern);
     if kinks.is_empty() {
         return None;

@@ -181,7 +181,7 @@ fn on_piece(a: &Vec2, b: &Vec2, bulge: f64, s: f64) -> Vec2 {
 /// *Guarantee*: corners and rulings are moved by the quadrature above, to rounding where panels are exactly developable.
 /// *Measured, not proven*: `contour_error`, which is that of the outline as it was and that of the new arcs. Folds without
 /// radius move nothing. Lengths of sides are not known any more.
-pub fn offset_pattern(laid: &Laid, pattern: &Pattern, distance: f64, tolerance: f64) -> Pattern {
+pub(crate) fn offset_pattern(laid: &Laid, pattern: &Pattern, distance: f64, tolerance: f64) -> Pattern {
     if distance == 0.0 {
         return pattern.clone();
     }

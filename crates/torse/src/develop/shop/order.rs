@@ -6,7 +6,7 @@ use crate::patchwork::pattern::{Contour, Pattern};
 
 /// How many parts one drawing stands for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Quantity {
+pub(crate) struct Quantity {
     /// Parts that are cut and bent as drawn; 0 for a part that an earlier one stands for.
     pub as_drawn: usize,
     /// Parts that are cut from the same drawing and are turned over.
@@ -15,7 +15,7 @@ pub struct Quantity {
 
 /// How many parts each drawing stands for, given which earlier one every part equals. All of them together are as many as
 /// there are parts.
-pub fn quantities(same: &[Option<SamePart>]) -> Vec<Quantity> {
+pub(crate) fn quantities(same: &[Option<SamePart>]) -> Vec<Quantity> {
     let mut out: Vec<Quantity> = vec![Quantity::default(); same.len()];
     for (k, of) in same.iter().enumerate() {
         match of {
@@ -28,7 +28,7 @@ pub fn quantities(same: &[Option<SamePart>]) -> Vec<Quantity> {
 }
 
 /// Length of all cuts of a part, mm: exact for lines and arcs.
-pub fn cut_length(pattern: &Pattern) -> f64 {
+pub(crate) fn cut_length(pattern: &Pattern) -> f64 {
     pattern.contours.iter().map(contour_length).sum()
 }
 

@@ -13,7 +13,7 @@ use crate::patchwork::pattern::{Pattern, SectionLine};
 
 /// A plane that marks panels.
 #[derive(Clone, Debug, PartialEq)]
-pub struct SectionPlane {
+pub(crate) struct SectionPlane {
     /// Unit normal.
     pub normal: Vec3,
     /// Distance from the origin along it, mm.

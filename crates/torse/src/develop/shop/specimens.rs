@@ -30,17 +30,17 @@ pub fn cylinder(name: &str, from: f64, to: f64) -> Strip {
 }
 
 /// The only part of so many strips.
-pub fn part_of(count: usize) -> Part {
+pub(crate) fn part_of(count: usize) -> Part {
     Part { name: "A".into(), first: 0, count, missing: String::new() }
 }
 
 /// Strips as a patchwork with the pattern of the chain, seen from a side.
-pub fn pattern_of(strips: Vec<Strip>, side: f64) -> (Patchwork, Pattern) {
+pub(crate) fn pattern_of(strips: Vec<Strip>, side: f64) -> (Patchwork, Pattern) {
     faceted_pattern(strips, side, None)
 }
 
 /// The same with kinks.
-pub fn faceted_pattern(strips: Vec<Strip>, side: f64, facets: Option<Facets>) -> (Patchwork, Pattern) {
+pub(crate) fn faceted_pattern(strips: Vec<Strip>, side: f64, facets: Option<Facets>) -> (Patchwork, Pattern) {
     let drawn = Drawn { bends: BendSpacing { facets, ..BendSpacing::default() }, ..Drawn::default() };
     let options = StripOptions { side, drawn, ..StripOptions::new(1e-3) };
     let all: Vec<&Strip> = strips.iter().collect();

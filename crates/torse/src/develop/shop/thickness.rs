@@ -144,7 +144,7 @@ pub enum TooTight {
 }
 
 /// What stands against bending a part to an inside radius (mm); `None` if nothing does.
-pub fn too_tight(inside_radius: f64, thickness: f64, material: Option<&Material>) -> Option<TooTight> {
+pub(crate) fn too_tight(inside_radius: f64, thickness: f64, material: Option<&Material>) -> Option<TooTight> {
     if inside_radius <= 0.0 {
         return Some(TooTight::NoRoom { thickness });
     }

@@ -31,7 +31,7 @@ pub struct Sheet {
 
 /// Why a body is no sheet.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum SheetError {
+pub(crate) enum SheetError {
     /// No distance is that of most of the body.
     #[error("the body has no constant thickness: {}; unroll its faces as open surfaces instead if that is what they are", distances(.0))]
     NoThickness(Vec<[f64; 2]>),

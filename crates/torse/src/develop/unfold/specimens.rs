@@ -28,7 +28,7 @@ struct Station {
 
 /// A sheet of constant thickness with a profile in the xz plane, extruded along y in strips.
 #[derive(Clone, Debug)]
-pub struct BentSheet {
+pub(crate) struct BentSheet {
     thickness: f64,
     stretches: Vec<Stretch>,
     stations: Vec<Station>,
@@ -225,7 +225,7 @@ impl BentSheet {
 }
 
 /// A whole cylinder or cone about z without thickness between two heights; `slope` is the tangent of the half angle.
-pub fn round_surface(radius: f64, slope: f64, heights: (f64, f64)) -> Face {
+pub(crate) fn round_surface(radius: f64, slope: f64, heights: (f64, f64)) -> Face {
     let frame = Frame::world();
     let support = match slope == 0.0 {
         true => SupportSurface::Cylinder { frame, radius },

@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use std::collections::HashMap;
 
 /// Points without which no surface is looked for.
-pub const FEWEST: usize = 30;
+pub(crate) const FEWEST: usize = 30;
 /// Points of a neighbourhood that take part.
 const CROWD: usize = 240;
 /// Points that a quadric needs to be more than an interpolation.

@@ -34,7 +34,7 @@ pub enum ExtentError {
 
 /// A fit on a longer domain: torses end a little beyond the estimates, which lie inside the measured part and keep off
 /// creases, so that points at its borders would have no feet. `None` if its splines cannot go on.
-pub fn widened(fit: &Fit) -> Option<Fit> {
+pub(crate) fn widened(fit: &Fit) -> Option<Fit> {
     // Share of the range on both sides: a few cells of a coarse grid.
     const BEYOND: f64 = 0.25;
     let (a, b) = fit.torse.domain();
@@ -58,7 +58,7 @@ pub fn widened(fit: &Fit) -> Option<Fit> {
 /// to extrapolation. `None` where the iteration does not go on.
 ///
 /// *Not guaranteed*: that it is nearer to all points; outliers among them pull.
-pub fn polished(fit: &Fit, points: &[Vec3], tolerance: f64) -> Option<Fit> {
+pub(crate) fn polished(fit: &Fit, points: &[Vec3], tolerance: f64) -> Option<Fit> {
     // Points taken evenly, and the farthest ones.
     const EVEN: usize = 1500;
     const FAR: usize = 300;

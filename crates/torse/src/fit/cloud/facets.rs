@@ -13,7 +13,7 @@ use std::collections::HashMap;
 
 /// A point on a facet and the one that the surface is expected to have near it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FacetPoint {
+pub(crate) struct FacetPoint {
     /// On the flat facet, mm.
     pub flat: Vec3,
     /// On the surface through the corners, mm.
@@ -33,7 +33,7 @@ const OF_MESH: f64 = 0.9;
 
 /// Points spread over the facets that are too large for their corners to describe the surface, about `count` on all of
 /// the mesh. None if the cloud is no mesh, or its corners lie densely enough.
-pub fn facet_points(cloud: &Cloud, count: usize) -> Vec<FacetPoint> {
+pub(crate) fn facet_points(cloud: &Cloud, count: usize) -> Vec<FacetPoint> {
     let points = &cloud.points;
     let mut used = vec![false; points.len()];
     cloud.triangles.iter().flatten().for_each(|&i| used[i as usize] = true);

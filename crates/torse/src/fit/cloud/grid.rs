@@ -65,7 +65,7 @@ impl Grid {
 }
 
 /// The box around nearly all points: a few that lie far away, as scanners write them, do not count.
-pub fn core(points: &[Vec3]) -> BBox {
+pub(crate) fn core(points: &[Vec3]) -> BBox {
     // Points looked at, and the share of them left out on each side.
     const SOME: usize = 60_000;
     const SHARE: f64 = 0.01;

@@ -8,7 +8,7 @@ mod grid;
 pub(crate) mod pieces;
 pub(crate) mod regions;
 
-pub use grid::core;
+pub(crate) use grid::core;
 
 use crate::geom::coarse::{Coarse, Loose};
 

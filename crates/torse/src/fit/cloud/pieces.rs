@@ -18,7 +18,7 @@ use nalgebra::{Matrix3, SymmetricEigen};
 
 /// Options of [`pieces`].
 #[derive(Clone, Debug, PartialEq)]
-pub struct PieceOptions {
+pub(crate) struct PieceOptions {
     /// Largest distance of an estimate from its torse, mm.
     pub tolerance: f64,
     /// Distance below which a fit need not be improved, mm.
@@ -42,7 +42,7 @@ impl PieceOptions {
 
 /// Part of a region with its torse.
 #[derive(Clone, Debug)]
-pub struct Piece {
+pub(crate) struct Piece {
     /// Estimates that belong to it.
     pub members: Vec<u32>,
     /// Torses that follow it, the nearest to its estimates first; empty where nothing fits.
@@ -187,7 +187,7 @@ fn hopeless(row: &[(u32, Sample)], cell: f64, options: &PieceOptions) -> bool {
 const TURNED: f64 = 0.422_618_261_740_699_4;
 
 /// Whether unit normals, oriented alike, turn by more than 65° from their mean.
-pub fn is_wide(normals: impl Iterator<Item = Vec3> + Clone) -> bool {
+pub(crate) fn is_wide(normals: impl Iterator<Item = Vec3> + Clone) -> bool {
     let mean: Vec3 = normals.clone().sum();
     let mut normals = normals;
     mean.norm() <= 0.0 || normals.any(|n| n.dot(&mean) < TURNED * mean.norm())

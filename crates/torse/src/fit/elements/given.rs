@@ -10,9 +10,9 @@ use crate::geom::Vec3;
 use crate::torse::contact::{orient, ContactElement, Given};
 
 /// Elements without which no surface is looked for.
-pub const FEWEST: usize = 4;
+pub(crate) const FEWEST: usize = 4;
 /// Width of the region of a ruling as a share of its length: its tangent plane counts a little beside it.
-pub const NARROW: f64 = 0.1;
+pub(crate) const NARROW: f64 = 0.1;
 /// Smallest region of a ruling as a share of its length; without extent planes are not compared at all.
 const THIN: f64 = 1e-4;
 
@@ -21,7 +21,7 @@ const THIN: f64 = 1e-4;
 ///
 /// # Errors
 /// A ruling of no length, or one that is not finite; tangent planes that cannot be estimated.
-pub fn of_rulings(rulings: &[[Vec3; 2]], tolerance: f64) -> Result<Vec<Vec<ContactElement>>, EstimateError> {
+pub(crate) fn of_rulings(rulings: &[[Vec3; 2]], tolerance: f64) -> Result<Vec<Vec<ContactElement>>, EstimateError> {
     for (index, r) in rulings.iter().enumerate() {
         if !r.iter().flat_map(|p| p.iter()).all(|x| x.is_finite()) || r[0] == r[1] {
             return Err(EstimateError::Ruling { index });
@@ -62,7 +62,7 @@ pub fn square(elements: &mut [ContactElement]) {
 }
 
 /// What is given without its outliers, and these with their indices.
-pub fn agreeing(given: &Given, tolerance: f64) -> (Given, Vec<(usize, ContactElement)>) {
+pub(crate) fn agreeing(given: &Given, tolerance: f64) -> (Given, Vec<(usize, ContactElement)>) {
     // Outliers taken out in turn; what is left then has more of them than agreement.
     const ROUNDS: usize = 64;
     let mut left: Vec<usize> = (0..given.len()).collect();

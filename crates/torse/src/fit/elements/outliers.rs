@@ -20,7 +20,7 @@ const REACH: usize = 2;
 /// Share of the largest distance up to which others may come from the same outlier.
 const RINGING: f64 = 0.6;
 /// Share of a row that can be outliers; beyond, there is nothing to agree on.
-pub const MOST: f64 = 0.25;
+pub(crate) const MOST: f64 = 0.25;
 
 /// Indices of the outliers of a row that show at once, in order; look again without them. Empty where they are more than
 /// [`MOST`] of the row.

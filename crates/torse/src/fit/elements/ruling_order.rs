@@ -9,7 +9,7 @@ use crate::geom::Vec3;
 ///
 /// *Input*: finite ends. *Cost*: quadratic. *Not guaranteed*: the order of rulings that are as near across a gap as along
 /// the surface.
-pub fn ordered(rulings: &[[Vec3; 2]]) -> Vec<[Vec3; 2]> {
+pub(crate) fn ordered(rulings: &[[Vec3; 2]]) -> Vec<[Vec3; 2]> {
     let given = aligned(rulings.to_vec());
     let Some(start) = outermost(rulings) else { return given };
     let mut rest: Vec<[Vec3; 2]> = rulings.to_vec();

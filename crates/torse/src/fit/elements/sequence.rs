@@ -339,7 +339,7 @@ pub(crate) fn distance(e: &ContactElement, n: &Vec3, h: f64) -> f64 {
 }
 
 /// As [`dual_of_cloud`], with a regression curve that keeps to the limits: planes by their slopes, by the convex program.
-pub fn controlled_of_cloud(
+pub(crate) fn controlled_of_cloud(
     samples: &[Sample],
     radius: f64,
     limits: &RegressionLimits,
@@ -356,7 +356,7 @@ pub fn controlled_of_cloud(
 }
 
 /// Whether the regression curve of a torse keeps to the limits at estimates that reach `radius` (mm) around them.
-pub fn keeps_limits(torse: &Torse, samples: &[Sample], radius: f64, limits: &RegressionLimits) -> bool {
+pub(crate) fn keeps_limits(torse: &Torse, samples: &[Sample], radius: f64, limits: &RegressionLimits) -> bool {
     let reaches: Vec<Reach> = samples.iter().map(|s| (s.x, radius)).collect();
     keeps(torse, &reaches, limits)
 }
@@ -379,7 +379,7 @@ fn sloped(samples: &[Sample], radius: f64) -> Option<(Vec<(f64, ContactElement)>
 /// A dual torse near surface elements in no order, as estimated from measured points: planes are sorted by their slope
 /// in the direction in which normals spread most, corrected in turn, and polished with distances at exact feet. `radius`
 /// (mm) is the reach of an estimate. `None` where the planes are no graphs over one plane, or no regular torse is found.
-pub fn dual_of_cloud(samples: &[Sample], radius: f64, options: &RowOptions) -> Option<Fit> {
+pub(crate) fn dual_of_cloud(samples: &[Sample], radius: f64, options: &RowOptions) -> Option<Fit> {
     // Corrections gain little after these; feet are exact afterwards.
     const CORRECTIONS: usize = 3;
     let (sloped, frame) = sloped(samples, radius)?;
@@ -442,7 +442,7 @@ impl KnotOptions {
 
 /// A cubic dual torse near a row by `F1` with joint correction, on a domain that reaches beyond its ends, with the
 /// distances of all elements. `None` where the planes are no graphs over one plane, or turn back.
-pub fn dual_of_row(elements: &[ContactElement], options: &RowOptions) -> Option<(Torse, Vec<f64>)> {
+pub(crate) fn dual_of_row(elements: &[ContactElement], options: &RowOptions) -> Option<(Torse, Vec<f64>)> {
     let normals: Vec<Vec3> = elements.iter().map(|e| e.normal).collect();
     let parameters = parameters(elements)?;
     let axes = axes(&normals, elements.iter().map(ContactElement::centre))?;

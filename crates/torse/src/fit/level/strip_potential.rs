@@ -90,7 +90,7 @@ const FAILED: f64 = 0.985;
 /// it, the root has no slope to be trusted, and the condition itself is taken.
 const NEARLY_MISSED: f64 = 1e-3;
 /// Tangent of the angle by which bands may leave a wanted direction.
-pub const TURN: f64 = 0.18;
+pub(crate) const TURN: f64 = 0.18;
 /// Programs without gain after which a start ends.
 const STALLED: usize = 3;
 
@@ -135,7 +135,7 @@ pub fn levels(samples: &[Forms], border: &[[f64; 2]], options: &LevelOptions) ->
 
 /// What straight bands need whose levels rise along one direction of the parameters.
 #[derive(Clone, Debug)]
-pub struct StraightBands {
+pub(crate) struct StraightBands {
     /// √mm: divided by the width `4√ε` it is about their number, their widths varying as the surface allows. Infinite
     /// where nothing can be said.
     pub range: f64,
@@ -149,7 +149,7 @@ pub struct StraightBands {
 /// *Method*: the density of levels that the condition on φ asks for (approximation specification B2, B3.2), the largest
 /// across each level, summed over the range. *Not guaranteed*: a bound; bands across which the sign of the condition
 /// changes are only guessed.
-pub fn straight_bands(samples: &[Forms], gradient: [f64; 2]) -> StraightBands {
+pub(crate) fn straight_bands(samples: &[Forms], gradient: [f64; 2]) -> StraightBands {
     // Divisions of the range, and the smallest share of the usual slope that counts: bands with inflections exist.
     const BINS: usize = 24;
     const LEAST: f64 = 0.15;
@@ -193,7 +193,12 @@ pub fn straight_bands(samples: &[Forms], gradient: [f64; 2]) -> StraightBands {
 /// As [`levels`], for bands that run along given directions: `along[i]` is the one wanted at `samples[i]`, in
 /// parameters; zero where there is none. Fields turn from it by at most [`TURN`], or by as much as the least-squares
 /// start already does.
-pub fn levels_along(samples: &[Forms], along: &[[f64; 2]], border: &[[f64; 2]], options: &LevelOptions) -> Vec<Level> {
+pub(crate) fn levels_along(
+    samples: &[Forms],
+    along: &[[f64; 2]],
+    border: &[[f64; 2]],
+    options: &LevelOptions,
+) -> Vec<Level> {
     let Some((mut problem, field, _)) = problem(samples, border, options) else { return Vec::new() };
     let wanted: Vec<Wanted> =
         samples.iter().zip(along).filter_map(|(s, &a)| Wanted::new(s, a, field.basis(s.uv[0], s.uv[1]))).collect();

@@ -21,7 +21,13 @@ const BEYOND: f64 = 0.25;
 /// Traces the level curve of `field` through `seed` in both directions until it leaves the box
 /// `[u0, u1, v0, v1]` enlarged by a quarter, or turns back. `size` is the diagonal of the region in mm.
 /// Points where the normal curvature along the curve vanishes are left out. Fewer than four points: empty.
-pub fn centre_line(surface: &Surface, field: &Field, bounds: [f64; 4], seed: [f64; 2], size: f64) -> Vec<CentrePoint> {
+pub(crate) fn centre_line(
+    surface: &Surface,
+    field: &Field,
+    bounds: [f64; 4],
+    seed: [f64; 2],
+    size: f64,
+) -> Vec<CentrePoint> {
     let level = field.value(seed);
     let (mu, mv) = (BEYOND * (bounds[1] - bounds[0]), BEYOND * (bounds[3] - bounds[2]));
     let outside =
@@ -95,7 +101,7 @@ fn point(surface: &Surface, field: &Field, p: [f64; 2]) -> Option<CentrePoint> {
 /// Number of equal spans of a cubic spline that follows a centre line within a distance (mm), on a stretch of it as long
 /// as `extent` (mm); at most 80. *Not guaranteed*: the fewest; numbers rise by a quarter, and only the points of the line
 /// are looked at.
-pub fn spans_along(line: &[CentrePoint], distance: f64, extent: f64) -> usize {
+pub(crate) fn spans_along(line: &[CentrePoint], distance: f64, extent: f64) -> usize {
     const FIRST: usize = 4;
     const MOST: usize = 80;
     let points: Vec<[f64; 3]> = line.iter().map(|p| p.x.into()).collect();
@@ -117,7 +123,7 @@ pub fn spans_along(line: &[CentrePoint], distance: f64, extent: f64) -> usize {
 
 /// Whether the normal curvature of a centre line changes its sign, its points being about equally spaced; curvatures below
 /// a tenth of the largest do not count.
-pub fn has_inflection(line: &[CentrePoint]) -> bool {
+pub(crate) fn has_inflection(line: &[CentrePoint]) -> bool {
     const LEAST: f64 = 0.1;
     let bend = |w: &[CentrePoint]| w[1].n.dot(&(w[0].x - w[1].x * 2.0 + w[2].x));
     let (lo, hi) = line.windows(3).map(bend).fold((0.0_f64, 0.0_f64), |(lo, hi), b| (lo.min(b), hi.max(b)));

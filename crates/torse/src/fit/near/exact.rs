@@ -16,7 +16,7 @@ use crate::torse::form::{DualTorse, PanelKind, PrimalTorse, Torse};
 
 /// What is asked of [`exact`].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ExactOptions {
+pub(crate) struct ExactOptions {
     /// Distance (mm) below which more spans are of no use.
     pub goal: f64,
     /// Distance (mm) up to which the torse counts as that of the surface.

@@ -30,10 +30,10 @@ pub struct Fit {
 
 /// Smallest accepted `1 + y a'` of a primal torse over the samples: the distance to the regression curve along a
 /// ruling is then at least a twentieth of the ruling's distance from the profile plane.
-pub const REGULAR_PRIMAL: f64 = 0.05;
+pub(crate) const REGULAR_PRIMAL: f64 = 0.05;
 
 /// Smallest accepted ratio of `|N''·X − H''|` over the samples of a dual torse to its largest value.
-pub const REGULAR_DUAL: f64 = 1e-6;
+pub(crate) const REGULAR_DUAL: f64 = 1e-6;
 
 /// Largest distance from the samples to the torse (mm), measured at the feet of the perpendiculars, and the index of
 /// the sample with it. `None` if there is no sample, a foot is missing (it would leave the domain), or the torse is not

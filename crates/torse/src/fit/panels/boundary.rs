@@ -23,7 +23,8 @@ use crate::patchwork::partition::Partition;
 use crate::torse::convert::{self, Extent};
 use crate::torse::form::Torse;
 use crate::torse::strip::Strip;
-pub use borders::{Assigned, Borders, BoundaryError, BoundaryOptions, SeamChain};
+pub use borders::{Assigned, Borders, BoundaryOptions};
+pub(crate) use borders::{BoundaryError, SeamChain};
 use borders::{Foot, Stretch};
 use feet::feet_along;
 use path::{Aim, Path};
@@ -68,7 +69,7 @@ pub fn panels(
 }
 
 /// Name of a panel: the face's letter and the panel's number from one, "A-01".
-pub fn panel_name(face_index: usize, panel: usize) -> String {
+pub(crate) fn panel_name(face_index: usize, panel: usize) -> String {
     format!("{}-{:02}", letters(face_index), panel + 1)
 }
 
@@ -240,7 +241,7 @@ fn ends_on_shared_edges(runs: &mut [Coedge], stretches: &[Stretch], shared: &dyn
 
 /// Whether a patch can be laid around the part of a torse that a region uses: rulings and regression curve leave room
 /// for it. A quick look at what [`Borders::panel`] does first, on the border as it is.
-pub fn has_patch(face: &Face, partition: &Partition, label: u32, torse: &Torse) -> bool {
+pub(crate) fn has_patch(face: &Face, partition: &Partition, label: u32, torse: &Torse) -> bool {
     let point = |v: u32| face.surface.point(partition.vertices[v as usize][0], partition.vertices[v as usize][1]);
     let feet = |cycle: Vec<u32>| {
         let points: Vec<Vec3> = cycle.into_iter().map(point).collect();

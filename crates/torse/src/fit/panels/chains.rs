@@ -21,7 +21,7 @@ pub enum Right {
 
 /// A smooth stretch of border.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Chain {
+pub(crate) struct Chain {
     /// Vertices in order, label `left` on their left.
     pub vertices: Vec<u32>,
     /// Parameter of every vertex, from 0 to 1, increasing: chord length in the scaled parameter plane, so that a
@@ -148,7 +148,7 @@ pub fn chains(
 }
 
 /// Label of the triangle on the left of every directed edge.
-pub fn label_map(partition: &Partition) -> HashMap<(u32, u32), u32> {
+pub(crate) fn label_map(partition: &Partition) -> HashMap<(u32, u32), u32> {
     let mut map = HashMap::with_capacity(3 * partition.triangles.len());
     for (t, &l) in partition.triangles.iter().zip(&partition.labels) {
         for k in 0..3 {

@@ -10,7 +10,7 @@ use crate::spline::SplineError;
 
 /// A point that the trimming curve should pass.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Waypoint {
+pub(crate) struct Waypoint {
     /// Parameter of the curve, from 0 to 1.
     pub s: f64,
     /// Parameters (t, r) on the patch.

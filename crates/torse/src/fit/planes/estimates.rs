@@ -82,7 +82,7 @@ pub fn planes_of_rulings(from: &[Vec3], to: &[Vec3], ends: Ends) -> Result<Vec<V
 ///
 /// # Errors
 /// See [`EstimateError`].
-pub fn planes_of_smooth_rulings(from: &[Vec3], to: &[Vec3]) -> Result<Vec<Vec3>, EstimateError> {
+pub(crate) fn planes_of_smooth_rulings(from: &[Vec3], to: &[Vec3]) -> Result<Vec<Vec3>, EstimateError> {
     const NEIGHBOURS: usize = 5;
     let n = from.len();
     if n < 2 || to.len() != n {
@@ -115,7 +115,7 @@ pub fn planes_of_smooth_rulings(from: &[Vec3], to: &[Vec3]) -> Result<Vec<Vec3>,
 ///
 /// # Errors
 /// See [`EstimateError`].
-pub fn planes_of_noisy_rulings(from: &[Vec3], to: &[Vec3], tolerance: f64) -> Result<Vec<Vec3>, EstimateError> {
+pub(crate) fn planes_of_noisy_rulings(from: &[Vec3], to: &[Vec3], tolerance: f64) -> Result<Vec<Vec3>, EstimateError> {
     const DEGREE: usize = 3;
     const EACH: usize = 4;
     // Share of the data's own weight that smoothing has: spans without rulings stay determined, and others do not move.

@@ -173,7 +173,7 @@ pub fn segments(planes: &[Plane], by_slope: bool) -> Result<Vec<PlaneSegment>, F
 
 /// The axes turned about the third one so that the least increment of the slope u2 along the row is as large as can
 /// be in angle; `None` if no turn makes all increments positive.
-pub fn slope_frame(normals: &[Vec3], frame: &Frame) -> Option<Frame> {
+pub(crate) fn slope_frame(normals: &[Vec3], frame: &Frame) -> Option<Frame> {
     // Steps shorter than this share of the longest have no direction worth keeping.
     const STILL: f64 = 1e-9;
     let slopes: Vec<[f64; 2]> = normals

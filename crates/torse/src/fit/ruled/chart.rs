@@ -30,7 +30,7 @@ const BACK_FAIR: f64 = 1e-7;
 
 /// What strip boundaries follow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Boundaries {
+pub(crate) enum Boundaries {
     /// Lines of constant u.
     AlongV,
     /// Lines of constant v.
@@ -41,7 +41,7 @@ pub enum Boundaries {
 
 /// What is constant along rulings.
 #[derive(Clone, Debug)]
-pub enum Across {
+pub(crate) enum Across {
     /// A function, about the distance across rulings in mm.
     Level(Field),
     /// The height over a plane with this unit normal, mm: rulings are parallel to the plane.

@@ -16,7 +16,7 @@ use crate::spline::surface::Surface;
 
 /// What is asked for.
 #[derive(Clone, Debug)]
-pub struct SolveOptions {
+pub(crate) struct SolveOptions {
     /// Values of `along` at the boundary curves, increasing.
     pub levels: Vec<f64>,
     /// Spans of the boundary curves.

@@ -5,7 +5,7 @@ use crate::spline::knots::Knots;
 
 /// A value to be met at parameters (s, t).
 #[derive(Clone, Copy, Debug)]
-pub struct Target<const D: usize> {
+pub(crate) struct Target<const D: usize> {
     /// Parameters.
     pub at: [f64; 2],
     /// Value.
@@ -16,7 +16,11 @@ pub struct Target<const D: usize> {
 
 /// Control points (row-major) of the spline with least squares of distances to targets and of changes of slope between
 /// control points, the latter with the weight `fair` per target; `None` if that leaves something open.
-pub fn tensor_fit<const D: usize>(knots: [&Knots; 2], targets: &[Target<D>], fair: f64) -> Option<Vec<[f64; D]>> {
+pub(crate) fn tensor_fit<const D: usize>(
+    knots: [&Knots; 2],
+    targets: &[Target<D>],
+    fair: f64,
+) -> Option<Vec<[f64; D]>> {
     let [ks, kt] = knots;
     let (n, row) = (ks.control_count(), kt.control_count());
     let (p, q) = (ks.degree(), kt.degree());
@@ -74,7 +78,7 @@ pub fn tensor_fit<const D: usize>(knots: [&Knots; 2], targets: &[Target<D>], fai
 
 /// For every three neighbouring control points their shares in the change of slope, times the mean distance of their
 /// Greville abscissae: zero for linear functions.
-pub fn slope_changes(knots: &Knots) -> Vec<[(usize, f64); 3]> {
+pub(crate) fn slope_changes(knots: &Knots) -> Vec<[(usize, f64); 3]> {
     let (p, n) = (knots.degree(), knots.control_count());
     let g: Vec<f64> = (0..n).map(|i| knots.values()[i + 1..=i + p].iter().sum::<f64>() / p.max(1) as f64).collect();
     (1..n.max(1) - 1)

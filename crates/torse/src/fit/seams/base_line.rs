@@ -10,7 +10,7 @@ use crate::spline::surface::Surface;
 
 /// A point of a base line.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BasePoint {
+pub(crate) struct BasePoint {
     /// Arc length from the seed, mm.
     pub s: f64,
     /// Position, mm.
@@ -29,7 +29,7 @@ pub struct BasePoint {
 
 /// A level line with points in order.
 #[derive(Clone, Debug, PartialEq)]
-pub struct BaseLine {
+pub(crate) struct BaseLine {
     /// Points with increasing `s`.
     pub points: Vec<BasePoint>,
     /// Range of `s` inside the region.
@@ -65,7 +65,7 @@ const BACK: usize = 4;
 /// Traces the level line of `field` through `seed`: `inside` lengths (backwards, forwards; mm) in the region, and
 /// `beyond` (mm) more on each side. Forwards is where higher levels lie on the right in the (u, v) plane. `None` where
 /// surface or level function degenerate, or the line is its own conjugate (asymptotic).
-pub fn base_line(
+pub(crate) fn base_line(
     surface: &Surface,
     field: &Field,
     seed: [f64; 2],

@@ -13,7 +13,7 @@ use crate::torse::form::DualTorse;
 
 /// A ruling between two seams.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ConnectingRuling {
+pub(crate) struct ConnectingRuling {
     /// Parameter on the lower seam.
     pub u: f64,
     /// Parameter on the upper seam.
@@ -45,7 +45,7 @@ fn jet(c: &Curve<3>, t: f64) -> [Vec3; 3] {
 /// Rulings of the developable that connects two curves, with increasing parameters on both: as many of `count` equally
 /// spaced ones on the lower curve as form one regular stretch around the ruling that leaves `lower(u0)` in about the
 /// direction `ruling`. `None` where there is no such ruling, or the stretch has fewer than eight.
-pub fn connecting(
+pub(crate) fn connecting(
     lower: &Curve<3>,
     upper: &Curve<3>,
     u0: f64,

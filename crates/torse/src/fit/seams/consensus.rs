@@ -22,7 +22,7 @@ use rayon::prelude::*;
 
 /// A point of the line under a seam.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LinePoint {
+pub(crate) struct LinePoint {
     /// Parameter along the line, mm.
     pub s: f64,
     /// Position on the surface, mm.
@@ -42,7 +42,7 @@ pub struct Line {
 
 /// A strip that is to agree with its neighbours.
 #[derive(Clone, Debug)]
-pub struct Agreeing<'a> {
+pub(crate) struct Agreeing<'a> {
     /// Where it starts from.
     pub torse: &'a Torse,
     /// Points of the surface that it is for.
@@ -53,7 +53,7 @@ pub struct Agreeing<'a> {
 
 /// Knobs of [`consensus`].
 #[derive(Clone, Debug, PartialEq)]
-pub struct ConsensusOptions {
+pub(crate) struct ConsensusOptions {
     /// Wanted distance of the surface from the strips, mm.
     pub tolerance: f64,
     /// Spans of the strips' planes; 60. Profiles have half as many, slopes of rulings a quarter.
@@ -73,7 +73,7 @@ impl ConsensusOptions {
 
 /// A strip after consensus.
 #[derive(Clone, Debug)]
-pub struct Agreed {
+pub(crate) struct Agreed {
     /// The strip.
     pub torse: Torse,
     /// Largest distance of a sample, mm.
@@ -83,7 +83,7 @@ pub struct Agreed {
 
 /// A seam after consensus.
 #[derive(Clone, Debug)]
-pub struct AgreedLine {
+pub(crate) struct AgreedLine {
     knots: Knots,
     offset: Vec<f64>,
     /// Largest sum of its points' distances from both strips, mm.
@@ -225,7 +225,7 @@ struct Linear {
 ///
 /// *Input*: strips as they were fitted, lines between them. *Result*: strips and lines in the same order; no strip where
 /// one is not regular at its own samples and seams. `None` for lines without length.
-pub fn consensus(
+pub(crate) fn consensus(
     strips: &[Agreeing],
     lines: &[Line],
     options: &ConsensusOptions,

@@ -24,8 +24,9 @@ pub(crate) mod height;
 pub(crate) mod network;
 pub(crate) mod seam;
 
-pub use base_line::{base_line, BaseLine, BasePoint};
-pub use consensus::{consensus, AgreedLine, Agreeing, ConsensusOptions, Line, LinePoint};
+pub(crate) use base_line::{base_line, BaseLine, BasePoint};
+pub use consensus::Line;
+pub(crate) use consensus::{consensus, AgreedLine, Agreeing, ConsensusOptions, LinePoint};
 pub use height::Height;
-pub use network::{network, Laid, NetworkOptions, StripBetween};
+pub(crate) use network::{network, Laid, NetworkOptions, StripBetween};
 pub use seam::Seam;

@@ -21,7 +21,7 @@ use rayon::prelude::*;
 
 /// A strip between two seams.
 #[derive(Clone, Debug)]
-pub struct StripBetween {
+pub(crate) struct StripBetween {
     /// Index of the seam at lower levels.
     pub lower: usize,
     /// Index of the seam at higher levels.
@@ -32,7 +32,7 @@ pub struct StripBetween {
 
 /// Knobs of [`network`].
 #[derive(Clone, Debug, PartialEq)]
-pub struct NetworkOptions {
+pub(crate) struct NetworkOptions {
     /// Wanted distance of the surface from the strips, mm.
     pub tolerance: f64,
     /// Wanted distance of the seams from the strips' dual splines, mm.
@@ -52,7 +52,7 @@ impl NetworkOptions {
 
 /// A strip that connects its seams.
 #[derive(Clone, Debug)]
-pub struct Laid {
+pub(crate) struct Laid {
     /// The strip as a dual spline.
     pub torse: Torse,
     /// Largest distance of a sample, mm.
@@ -103,7 +103,7 @@ struct Draft {
 
 /// Lays strips between seams, and moves the seams' offsets so that the largest distance of all strips gets small.
 /// `None` for strips that do not exist: their seams have no regular connecting developable over all their samples.
-pub fn network(seams: &mut [Seam], strips: &[StripBetween], options: &NetworkOptions) -> Vec<Option<Laid>> {
+pub(crate) fn network(seams: &mut [Seam], strips: &[StripBetween], options: &NetworkOptions) -> Vec<Option<Laid>> {
     let mut best = drafts(seams, strips);
     let mut trust = TRUST;
     let mut failures = 0;

@@ -14,7 +14,7 @@ const MOST_COPIED: usize = 5_000_000;
 
 /// A curve of a file with the name by which it can be selected.
 #[derive(Clone, Debug, PartialEq)]
-pub struct NamedCurve {
+pub(crate) struct NamedCurve {
     /// Name of the object, or its number in the file, counted from 1; with the number of the edge behind a point for edges
     /// (`3.12`). Further places of one object, which blocks make, are counted behind a slash (`3/2`).
     pub label: String,

@@ -203,7 +203,7 @@ pub fn evidence(evidence: Evidence) -> &'static str {
 }
 
 /// All that stands against a status, once each: what broken claims have to say; empty if none is broken.
-pub fn objections(claims: &[Claim], curves: &[String]) -> Vec<String> {
+pub(crate) fn objections(claims: &[Claim], curves: &[String]) -> Vec<String> {
     let mut seen = HashSet::new();
     let mut out: Vec<String> = claims
         .iter()
@@ -292,7 +292,7 @@ pub fn made(answer: &Answer) -> String {
 }
 
 /// The panels of a job in its own word, for headings: "panel" or "strip".
-pub fn thing(job: Job) -> &'static str {
+pub(crate) fn thing(job: Job) -> &'static str {
     match job {
         Job::Approximate => "panel",
         Job::Planarise => "quadrilateral",

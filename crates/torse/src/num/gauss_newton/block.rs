@@ -2,7 +2,7 @@
 
 /// What the rows of a block are for.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Role {
+pub(crate) enum Role {
     /// They must vanish.
     Hard,
     /// They pull. Their square enters with `weight²`; if `fades`, the weight falls with the regulariser.
@@ -23,7 +23,7 @@ pub enum Role {
 ///
 /// A block is asked again and again, so none of its methods should allocate. `x` are the values of
 /// [`Block::unknowns`] in their order, `own` those of the private unknowns.
-pub trait Block: Send + Sync {
+pub(crate) trait Block: Send + Sync {
     /// Indices of the shared unknowns, each once. They never change.
     fn unknowns(&self) -> &[u32];
 
@@ -52,6 +52,6 @@ pub trait Block: Send + Sync {
 }
 
 /// Most rows of a block.
-pub const MOST_ROWS: usize = 32;
+pub(crate) const MOST_ROWS: usize = 32;
 /// Most private unknowns of a block.
-pub const MOST_PRIVATE: usize = 12;
+pub(crate) const MOST_PRIVATE: usize = 12;

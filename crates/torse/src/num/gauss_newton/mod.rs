@@ -17,7 +17,7 @@ pub mod system;
 #[cfg(test)]
 mod tests;
 
-pub use block::{Block, Role};
-pub use solver::{Schedule, Solver};
-pub use status::{Outcome, Residual, Status};
-pub use system::System;
+pub(crate) use block::{Block, Role};
+pub(crate) use solver::{Schedule, Solver};
+pub use status::{Outcome, Status};
+pub(crate) use system::System;

@@ -94,7 +94,7 @@ pub(super) struct Slot {
 }
 
 /// A system with values of its unknowns and all memory that steps need.
-pub struct Solver {
+pub(crate) struct Solver {
     pub(super) slots: Vec<Slot>,
     pub(super) classes: Vec<String>,
     pub(super) free: Vec<u32>,
@@ -221,13 +221,6 @@ impl Solver {
     /// Name of a class of rows.
     pub fn class_name(&self, class: usize) -> &str {
         self.classes.get(class).map_or("", |c| c)
-    }
-
-    /// Sets the weight of a soft block.
-    pub fn weigh(&mut self, block: usize, weight: f64) {
-        if let Some(Role::Soft { weight: w, .. }) = self.slots.get_mut(block).map(|s| &mut s.placed.role) {
-            *w = weight;
-        }
     }
 
     /// Gives private unknowns their starting values.
@@ -454,22 +447,6 @@ impl Solver {
             }
         }
         None
-    }
-
-    /// Largest absolute values of the hard rows of every class that has any, as last evaluated.
-    pub fn residuals(&self) -> Vec<Residual> {
-        let mut out: Vec<Residual> = Vec::new();
-        for (k, slot) in self.slots.iter().enumerate().filter(|(_, s)| s.placed.role == Role::Hard) {
-            let rows = &self.residual[slot.row..slot.row + slot.placed.block.rows()];
-            let max = rows.iter().fold(0.0, |m: f64, r| m.max(r.abs()));
-            let class = slot.placed.class;
-            match out.iter_mut().find(|r| r.class == class) {
-                Some(r) if max > r.max => (r.max, r.block) = (max, k),
-                Some(_) => {}
-                None => out.push(Residual { class, max, block: k }),
-            }
-        }
-        out
     }
 
     /// What is reported at the present unknowns.

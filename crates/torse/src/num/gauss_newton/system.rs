@@ -10,7 +10,7 @@ pub(super) struct Placed {
 }
 
 /// Unknowns, rows, and what counts as a small displacement.
-pub struct System {
+pub(crate) struct System {
     pub(super) frozen: Vec<bool>,
     pub(super) blocks: Vec<Placed>,
     pub(super) classes: Vec<String>,
@@ -67,11 +67,6 @@ impl System {
     /// Number of shared unknowns, frozen ones included.
     pub fn len(&self) -> usize {
         self.frozen.len()
-    }
-
-    /// Whether there are no unknowns.
-    pub fn is_empty(&self) -> bool {
-        self.frozen.is_empty()
     }
 
     /// Adds an unknown; answers its index.

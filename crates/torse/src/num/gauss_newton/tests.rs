@@ -99,7 +99,7 @@ fn a_plane_beside_the_sphere_stalls_and_says_so() {
     assert_eq!(done.status, Status::Stalled);
     let worst = done.worst.expect("rows");
     assert_eq!(solver.class_name(worst.class), "circle");
-    assert!(worst.max > 0.1 && solver.residuals().len() == 2);
+    assert!(worst.max > 0.1);
 }
 
 #[test]

@@ -36,7 +36,7 @@ const MOST_CELLS: f64 = 30_000.0;
 
 /// Whether a face is developable as it is, within a small share of the tolerance (mm), in a form of its own: measured,
 /// not proven.
-pub fn is_developable(face: &Face, tolerance: f64) -> bool {
+pub(crate) fn is_developable(face: &Face, tolerance: f64) -> bool {
     // Most faces have no rulings among their parameter lines, which is seen at once.
     let Some(rulings) = Rulings::of(&face.surface, bounds(face), SLACK * tolerance) else { return false };
     let Ok(state) = State::of_face(face, f64::INFINITY) else { return false };
@@ -44,7 +44,7 @@ pub fn is_developable(face: &Face, tolerance: f64) -> bool {
 }
 
 /// Whether a face is developable and bends without jumps of its curvature: planes and bends of a plate are not one.
-pub fn is_smoothly_developable(face: &Face, tolerance: f64) -> bool {
+pub(crate) fn is_smoothly_developable(face: &Face, tolerance: f64) -> bool {
     let Some(rulings) = Rulings::of(&face.surface, bounds(face), SLACK * tolerance) else { return false };
     let breaks = rulings.breaks();
     let smooth = breaks[1..breaks.len() - 1].iter().all(|&s| !rulings.bends_anew(s));

@@ -69,7 +69,7 @@ const SAMPLES: usize = 400;
 /// *Method.* A panel within ε of a surface with curvature κ bends with at most 1/R; across a direction it may be
 /// `4 √(ε/(|κ| − 1/R))` wide. It may bend in one of the principal directions, so that the product of the widths in both
 /// is its area (\[SE06\], carried on to limited bending). Sheets count by their area. Not proven, an estimate.
-pub fn panels_needed(face: &Face, limits: &Limits, tolerance: f64) -> Option<(&'static str, f64)> {
+pub(crate) fn panels_needed(face: &Face, limits: &Limits, tolerance: f64) -> Option<(&'static str, f64)> {
     let area = area_estimate(face);
     let by_radius = limits.min_bend_radius.and_then(|radius| {
         let forms = State::of_face(face, f64::INFINITY).ok()?.forms(0, SAMPLES);

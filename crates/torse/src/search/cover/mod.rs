@@ -35,14 +35,17 @@ use crate::patchwork::triangulate::TriangulateError;
 use crate::spline::field::Field;
 pub use curve_on_face::{CurveError, CurveShape, PanelCurve};
 pub(in crate::search) use equidistribute::Rise;
-pub use exact::{exactly, is_developable, is_smoothly_developable};
+pub use exact::exactly;
+pub(crate) use exact::{is_developable, is_smoothly_developable};
 pub use job::CoverOptions;
 pub(crate) use job::{Job, DISTANCE_SHARE};
 use layout::Course;
 pub use layout::{Guide, Layout, LayoutKind, SeamPlane};
-pub use limits::{panels_needed, Limits};
+pub(crate) use limits::panels_needed;
+pub use limits::Limits;
 use rayon::prelude::*;
-pub use state::{Density, Origin, State};
+pub(crate) use state::Density;
+pub use state::{Origin, State};
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use umbilic::Star;
@@ -140,7 +143,7 @@ pub fn cover(face: &Face, options: &CoverOptions, control: &Control) -> Result<C
 ///
 /// # Errors
 /// Trim loops that cannot be triangulated.
-pub fn check_curves(
+pub(crate) fn check_curves(
     face: &Face,
     curves: &[PanelCurve],
     options: &CoverOptions,
@@ -444,7 +447,7 @@ pub fn fill(state: &mut State) {
 /// Range of the best level function over a whole face (√mm), its shortfall added: bands of the width `4√ε` then number
 /// `range/(4√ε)`, the fewest that theory allows (approximation specification B2) as far as the level function is
 /// the best. `None` where no level function covers the face: planes, mixed curvature.
-pub fn band_range(face: &Face) -> Option<f64> {
+pub(crate) fn band_range(face: &Face) -> Option<f64> {
     let state = State::of_face(face, f64::INFINITY).ok()?;
     let places = state.places(0);
     let options = LevelOptions { spans: 3, ..LevelOptions::default() };
@@ -453,7 +456,7 @@ pub fn band_range(face: &Face) -> Option<f64> {
 }
 
 /// As [`band_range`], from few samples and in little time: for comparing faces.
-pub fn strip_range(face: &Face) -> Option<f64> {
+pub(crate) fn strip_range(face: &Face) -> Option<f64> {
     let state = State::of_face(face, f64::INFINITY).ok()?;
     let options = LevelOptions { rounds: 3, ..LevelOptions::default() };
     let best = level(&state.forms(0, 160), &state.places(0), &options)?;
@@ -462,7 +465,7 @@ pub fn strip_range(face: &Face) -> Option<f64> {
 
 /// Cuts panels into equal parts: `[along, across]` of each label; all parts keep the torse, which is good for each of
 /// them. A panel that a cut does not separate stays as it is.
-pub fn cut_large(face: &Face, state: &State, large: &[(u32, [usize; 2])]) -> State {
+pub(crate) fn cut_large(face: &Face, state: &State, large: &[(u32, [usize; 2])]) -> State {
     let mut state = state.clone();
     for &(label, parts) in large {
         let mut trial = state.clone();
@@ -477,7 +480,7 @@ pub fn cut_large(face: &Face, state: &State, large: &[(u32, [usize; 2])]) -> Sta
 }
 
 /// The same panels cut where functions of the parameters are zero; all parts keep their torses.
-pub fn cut_where(face: &Face, state: &State, heights: &[impl Fn([f64; 2]) -> f64]) -> State {
+pub(crate) fn cut_where(face: &Face, state: &State, heights: &[impl Fn([f64; 2]) -> f64]) -> State {
     let mut state = state.clone();
     for height in heights {
         for label in state.partition.distinct_labels() {
@@ -506,7 +509,7 @@ pub fn reach(state: &State, axis: &Vec3) -> [f64; 2] {
 /// A panel given to a neighbour whose torse is good for both, or joined with one of them by a new panel, or shared evenly
 /// by two.
 /// `None` where neither can be proven.
-pub fn without_sliver(
+pub(crate) fn without_sliver(
     face: &Face,
     options: &CoverOptions,
     control: &Control,
@@ -520,13 +523,13 @@ pub fn without_sliver(
 }
 
 /// Whether a part of a panel that is narrower than `width` (mm) reaches far beyond the rest.
-pub fn has_prong(state: &State, (label, width): (u32, f64)) -> bool {
+pub(crate) fn has_prong(state: &State, (label, width): (u32, f64)) -> bool {
     prong::Prong::of(state, label, width).is_some()
 }
 
 /// A panel whose longest part narrower than `width` (mm) is given to a neighbour, if it reaches far beyond the rest. `None` if
 /// there is no such part, or no neighbour is proven to be good for it.
-pub fn without_prong(
+pub(crate) fn without_prong(
     face: &Face,
     options: &CoverOptions,
     control: &Control,
@@ -538,7 +541,7 @@ pub fn without_prong(
 
 /// Gives the regions of refused panels to neighbours that can have them, or cuts them in two and covers the parts
 /// anew.
-pub fn cut_refused(
+pub(crate) fn cut_refused(
     face: &Face,
     options: &CoverOptions,
     control: &Control,

@@ -33,7 +33,7 @@ use edge::{Edge, Junction};
 use line::Line;
 use network::Network;
 use program::step;
-pub use start::whole_borders;
+pub(crate) use start::whole_borders;
 
 /// Weights of gaps from step to step; the last one stays.
 const WEIGHTS: [f64; 4] = [1e3, 4e3, 1.6e4, 6e4];
@@ -63,7 +63,7 @@ const MOST: f64 = 0.97;
 
 /// What one step led to.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct StepReport {
+pub(crate) struct StepReport {
     /// Largest distance of a sample and largest gap, in tolerances.
     pub reached: [f64; 2],
     /// Programs solved and their Newton matrices.
@@ -72,7 +72,7 @@ pub struct StepReport {
 
 /// A seam line after the program.
 #[derive(Clone, Debug)]
-pub struct JoinedLine {
+pub(crate) struct JoinedLine {
     /// Labels on the left and on the right.
     pub labels: [u32; 2],
     /// Parameters on the face at equal arc lengths.
@@ -84,7 +84,7 @@ pub struct JoinedLine {
 
 /// The point in which three strips meet.
 #[derive(Clone, Debug)]
-pub struct JoinedVertex {
+pub(crate) struct JoinedVertex {
     /// Their labels, in order.
     pub labels: Vec<u32>,
     /// The point, mm.
@@ -93,7 +93,7 @@ pub struct JoinedVertex {
 
 /// Strips after the program.
 #[derive(Clone, Debug)]
-pub struct Joined {
+pub(crate) struct Joined {
     /// New torse of every label.
     pub torses: Vec<(u32, Torse)>,
     /// Points inside the face in which three strips meet.

@@ -184,7 +184,7 @@ fn given(face: &Face, state: &State, index: &BTreeMap<u32, usize>) -> Vec<Given>
 }
 
 /// Borders between two labels from end to end: chains that follow each other, and nothing else, are one.
-pub fn whole_borders(chains: Vec<SeamChain>) -> Vec<SeamChain> {
+pub(crate) fn whole_borders(chains: Vec<SeamChain>) -> Vec<SeamChain> {
     let mut count: BTreeMap<u32, usize> = BTreeMap::new();
     for c in &chains {
         c.vertices.first().into_iter().chain(c.vertices.last()).for_each(|&v| *count.entry(v).or_insert(0) += 1);

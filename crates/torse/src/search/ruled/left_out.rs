@@ -5,7 +5,7 @@ use crate::geom::{place_in_words, Vec3};
 
 /// A part of a face, by a place in it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Around {
+pub(crate) struct Around {
     /// Entity number of the face.
     pub entity: u64,
     /// A place in the middle, mm.
@@ -20,7 +20,7 @@ impl std::fmt::Display for Around {
 
 /// Why a part of a face has no strips.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum LeftOut {
+pub(crate) enum LeftOut {
     /// It bends to one side.
     #[error(
         "{percent:.1} % of face #{entity} bend to one side (positive curvature; red in curvature.png), where no straight \

@@ -24,7 +24,7 @@ use strips::{Found, Region};
 pub use strips::RuledOptions;
 
 /// A face with its strips.
-pub struct RuledFace {
+pub(crate) struct RuledFace {
     /// The parts of the face that have strips, and the strips.
     pub patchwork: Patchwork,
     /// Their proof; `None` where there are no strips.
@@ -51,7 +51,7 @@ const ANY: usize = 3;
 ///
 /// # Errors
 /// Trim loops that cannot be triangulated.
-pub fn ruled_face(
+pub(crate) fn ruled_face(
     first: usize,
     face: &Face,
     options: &RuledOptions,

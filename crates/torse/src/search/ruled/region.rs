@@ -12,7 +12,7 @@ use crate::spline::surface::SurfaceJet;
 use std::collections::HashMap;
 
 /// A piece of a face.
-pub struct Piece {
+pub(crate) struct Piece {
     /// The face, bounded by the piece.
     pub face: Face,
     /// Its triangles, all with the label 0.

@@ -17,14 +17,14 @@ const SHARES: [f64; 5] = [0.76, 0.6, 0.45, 0.3, 0.15];
 const EDGES: f64 = 0.25;
 /// Distance (mm) asked for between trimmed edges and the exact surfaces: CAD systems take less for none. What is reached
 /// is proven.
-pub const EDGE_ROUNDING: f64 = 5e-7;
+pub(crate) const EDGE_ROUNDING: f64 = 5e-7;
 /// Distance allowed between the outline and trimmed edges, as a share of the tolerance.
 const OUTLINE_SHARE: f64 = 0.02;
 /// Largest turn of a segment in files, rad.
 const LARGEST_TURN: f64 = 2.0 * std::f64::consts::FRAC_PI_3;
 
 /// Something to be approximated.
-pub struct Target {
+pub(crate) struct Target {
     /// Name.
     pub name: String,
     /// The strip that the chain is fitted to.

@@ -8,7 +8,7 @@ use crate::spline::curve::{bezier_pieces, Curve};
 use crate::spline::surface::Surface;
 
 /// A boundary in the parameter plane of a ruled patch.
-pub struct PlaneOutline {
+pub(crate) struct PlaneOutline {
     /// The ruled patch, u selecting the ruling.
     pub surface: Surface,
     /// Closed loops of corners on it, each with the number of the edge behind it.

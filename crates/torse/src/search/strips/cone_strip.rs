@@ -30,7 +30,7 @@ const CHORD: usize = 4;
 
 /// The strip of the region within an outline: between its least and greatest v if the regression curve stays outside,
 /// else between polynomials of u near the outline. `None` if the outline leaves the patch.
-pub fn strip_of(outline: &PlaneOutline) -> Option<RuledPatch> {
+pub(crate) fn strip_of(outline: &PlaneOutline) -> Option<RuledPatch> {
     let whole = between(&outline.surface, outline.bounds())?;
     if outline.is_rectangle() || clear(&whole) {
         return Some(whole);

@@ -19,7 +19,7 @@ pub fn cut(strips: &[Strip], chains: &[Part], options: &StripOptions) -> (Vec<Pa
 }
 
 /// As [`cut`]; parts whose turn comes after a control said stop have no pattern.
-pub fn cut_until(
+pub(crate) fn cut_until(
     strips: &[Strip],
     chains: &[Part],
     options: &StripOptions,
@@ -83,7 +83,7 @@ pub fn laid(strips: &[Strip], chains: &[Part], options: &StripOptions, tolerance
 }
 
 /// As [`laid`]; parts whose turn comes after a control said stop have no pattern.
-pub fn laid_until(
+pub(crate) fn laid_until(
     strips: &[Strip],
     chains: &[Part],
     options: &StripOptions,

@@ -22,7 +22,7 @@ pub struct ExactPiece {
 
 /// A chain of strips, and which of them are exactly developable.
 #[derive(Clone, Debug, Default)]
-pub struct ExactChain {
+pub(crate) struct ExactChain {
     /// The strips, named and so on.
     pub strips: Vec<BuiltStrip>,
     /// Those that are exactly developable by construction.
@@ -33,7 +33,7 @@ pub struct ExactChain {
 
 /// Fitted strips replaced by exactly developable ones where these come near enough to the rails; `tolerance` (mm) is that
 /// of the job. What a stopped control leaves is told.
-pub fn exact_chain(built: Vec<BuiltStrip>, rails: [&Rail; 2], tolerance: f64, control: &Control) -> ExactChain {
+pub(crate) fn exact_chain(built: Vec<BuiltStrip>, rails: [&Rail; 2], tolerance: f64, control: &Control) -> ExactChain {
     let mut out = ExactChain::default();
     for mut one in built {
         let number = out.strips.len() + 1;

@@ -50,7 +50,7 @@ const NO_MEAN: f64 = 1e-3;
 
 /// An exactly developable piece, and how far it is proven to lie from the rails.
 #[derive(Clone, Debug)]
-pub struct ExactStrip {
+pub(crate) struct ExactStrip {
     /// The strip with its stretches of the rails.
     pub built: BuiltStrip,
     /// Spans of the spline of planes.
@@ -102,7 +102,7 @@ impl ExactError {
 ///
 /// # Errors
 /// Why there is none.
-pub fn exact_strips(
+pub(crate) fn exact_strips(
     built: &BuiltStrip,
     rails: [&Rail; 2],
     tolerance: f64,

@@ -35,7 +35,7 @@ const CLOSE: (f64, f64) = (0.01, 0.5);
 
 /// Triangles of a face and its panels: one, or several where it turns far. `None` where the face has no straight parameter
 /// lines or no triangles; panels are missing where their border cannot be carried over.
-pub fn face_panels(face: &Face, name: &str) -> Option<(Partition, Vec<Panel>)> {
+pub(crate) fn face_panels(face: &Face, name: &str) -> Option<(Partition, Vec<Panel>)> {
     let extent = face.surface.bbox().diagonal();
     let asked = ExactOptions { goal: NEAR.0 * extent, accepted: NEAR.1 * extent };
     let (state, fits) = fitted(face, &asked)?;
@@ -53,7 +53,7 @@ pub fn face_panels(face: &Face, name: &str) -> Option<(Partition, Vec<Panel>)> {
 }
 
 /// A face laid flat through its panel.
-pub struct LaidFace {
+pub(crate) struct LaidFace {
     /// The face with its one panel.
     pub patchwork: Patchwork,
     /// The panel against the face, proven.
@@ -66,7 +66,7 @@ pub struct LaidFace {
 
 /// A developable face laid flat through one panel, both proven within `tolerance` (mm). `None` where it is not ruled by
 /// parameter lines, turns too far for one panel, or one of the proofs fails.
-pub fn laid_face(face: &Face, name: &str, tolerance: f64) -> Option<LaidFace> {
+pub(crate) fn laid_face(face: &Face, name: &str, tolerance: f64) -> Option<LaidFace> {
     let asked = ExactOptions { goal: CLOSE.0 * tolerance, accepted: CLOSE.1 * tolerance };
     let (mut state, fits) = fitted(face, &asked)?;
     if fits.len() != 1 {

@@ -19,7 +19,7 @@ pub(crate) const TWIST_TOLERANCE: f64 = 1e-5;
 
 /// A strip to be judged.
 #[derive(Clone, Copy, Debug)]
-pub struct Candidate<'a> {
+pub(crate) struct Candidate<'a> {
     /// Index of the strip among all strips of the job.
     pub index: usize,
     /// The strip with the parts of the rails that it stands for.
@@ -30,7 +30,7 @@ pub struct Candidate<'a> {
 
 /// Bounds, claims and colours of strips.
 #[derive(Clone, Debug)]
-pub struct Judgement {
+pub(crate) struct Judgement {
     /// Greatest distance (mm) from the rails on the first and the second side; unknown for sides not asked for.
     pub off: [UpperBound; 2],
     /// Greatest twist, rad.
@@ -81,7 +81,7 @@ impl Judgement {
 
 /// What was found of one strip.
 #[derive(Clone, Debug)]
-pub struct Found {
+pub(crate) struct Found {
     /// Distances from the rails that were asked for.
     off: [Option<UpperBound>; 2],
     twist: TwistBound,
@@ -128,7 +128,7 @@ fn found_of(candidate: &Candidate, limit: f64, control: &Control) -> Found {
 
 /// What is found of strips; `limit` (rad) is the twist that counts as developable. Each strip for itself, on all cores;
 /// what a control stops is not proven.
-pub fn findings(strips: &[Candidate], limit: f64, control: &Control) -> Vec<Found> {
+pub(crate) fn findings(strips: &[Candidate], limit: f64, control: &Control) -> Vec<Found> {
     strips.par_iter().map(|s| found_of(s, limit, control)).collect()
 }
 
@@ -150,7 +150,7 @@ fn field(strip: &Strip, found: &Found) -> PanelField {
 }
 
 /// Sums up what was found of strips: see [`judge`].
-pub fn summed(strips: &[(Candidate, &Found)], sides: [What; 2], limit: f64) -> Judgement {
+pub(crate) fn summed(strips: &[(Candidate, &Found)], sides: [What; 2], limit: f64) -> Judgement {
     let mut off: [Vec<UpperBound>; 2] = Default::default();
     let mut twists_shown = Vec::new();
     let mut out = Judgement {

@@ -20,7 +20,7 @@ use std::borrow::Cow;
 
 /// What strips under points must be like.
 #[derive(Clone, Debug, PartialEq)]
-pub struct ScanOptions {
+pub(crate) struct ScanOptions {
     /// Largest distance of a point from the strips, mm.
     pub tolerance: f64,
     /// Places at which the surface is estimated.
@@ -33,7 +33,7 @@ pub struct ScanOptions {
 
 /// Strips under measured points, judged.
 #[derive(Clone, Debug)]
-pub struct Scanned {
+pub(crate) struct Scanned {
     /// The strips.
     pub strips: Vec<Strip>,
     /// What is proven of the points.
@@ -53,7 +53,7 @@ pub struct Scanned {
 ///
 /// # Errors
 /// See [`CloudError`].
-pub fn scanned(cloud: &Cloud, options: &ScanOptions, control: &Control) -> Result<Scanned, CloudError> {
+pub(crate) fn scanned(cloud: &Cloud, options: &ScanOptions, control: &Control) -> Result<Scanned, CloudError> {
     // 1. What the surface is like, in coordinates that are small where the file's are not.
     control.report("estimating", 0.0, format!("{} points", cloud.points.len()));
     let shift = far_off(&cloud.points);
@@ -230,7 +230,7 @@ fn torses(
 }
 
 /// Points farther from the torse of their piece than this many tolerances are outliers.
-pub const NEAR: f64 = 3.0;
+pub(crate) const NEAR: f64 = 3.0;
 
 /// Points under strips.
 struct Given<'a> {

@@ -25,7 +25,7 @@ pub struct Outlines {
 
 /// Cuts flat patterns back to the border of the points within `near` (mm) of their strips. Answers what is known of the
 /// new outlines, if there are any, and the names of the parts that keep theirs.
-pub fn outlined(
+pub(crate) fn outlined(
     strips: &[Strip],
     parts: &[Part],
     patterns: &mut [Pattern],

@@ -12,7 +12,7 @@ use crate::spline::SplineError;
 
 /// A chain with what its coordinates need.
 #[derive(Clone, Debug)]
-pub struct ConeChart<'a> {
+pub(crate) struct ConeChart<'a> {
     spline: &'a ConeSpline,
     /// `y − r` on every segment.
     slides: Vec<f64>,

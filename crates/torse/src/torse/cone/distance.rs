@@ -9,7 +9,7 @@ use crate::torse::g1_element::G1Element;
 ///
 /// Vertices at any distance, cylinders (`rise = 0`) and planes (`tilt = 0`) included.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Round {
+pub(crate) struct Round {
     /// Point of the axis nearest to the first element's point (that point itself for planes).
     pub center: Vec3,
     /// Unit direction of the axis.
@@ -86,7 +86,7 @@ impl Round {
 
 /// On which side of the normal plane along a ruling a point lies: positive forward. Both neighbours of a junction
 /// share this plane, so it parts their wedges.
-pub fn forward_of(ruling: &G1Element, x: &Vec3) -> f64 {
+pub(crate) fn forward_of(ruling: &G1Element, x: &Vec3) -> f64 {
     (x - ruling.point).dot(&ruling.forward)
 }
 

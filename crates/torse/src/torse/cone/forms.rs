@@ -86,7 +86,7 @@ fn patch(s: &Segment) -> Result<Surface, SplineError> {
 
 /// Control points and weights of an edge. The three points of either edge lie on the same three lines through the
 /// vertex and belong to the same parameter, so that lines of constant u are rulings.
-pub fn edge_conic(s: &Segment, side: usize) -> [(Vec3, f64); 3] {
+pub(crate) fn edge_conic(s: &Segment, side: usize) -> [(Vec3, f64); 3] {
     let [a, m, b] = s.edges[side];
     let (first, last) = (s.start.at(a), s.end().at(b));
     let local = |e: f64, p: f64| s.start.point + s.start.direction * e + s.start.forward * p;

@@ -11,7 +11,7 @@ use crate::geom::Vec3;
 use crate::torse::g1_element::G1Element;
 
 /// Rotations between elements beyond this lead to pieces that are useless in practice, rad.
-pub const ROTATION_LIMIT: f64 = 2.5;
+pub(crate) const ROTATION_LIMIT: f64 = 2.5;
 /// Rulings that enclose less than this angle count as parallel, rad: rounding of the frames is 1e-16, and the cone
 /// between them would have its vertex ten orders of magnitude away.
 const PARALLEL: f64 = 1e-10;

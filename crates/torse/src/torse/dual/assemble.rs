@@ -10,7 +10,10 @@ use crate::spline::SplineError;
 ///
 /// # Errors
 /// A number of pieces or a degree that does not fit.
-pub fn from_pieces<const D: usize>(knots: Knots, pieces: &[(f64, f64, Bezier<D>)]) -> Result<Curve<D>, SplineError> {
+pub(crate) fn from_pieces<const D: usize>(
+    knots: Knots,
+    pieces: &[(f64, f64, Bezier<D>)],
+) -> Result<Curve<D>, SplineError> {
     let p = knots.degree();
     if pieces.len() + 1 != knots.breaks().len() {
         return Err(SplineError::KnotCount { knots: knots.values().len(), control: pieces.len(), degree: p });

@@ -11,13 +11,14 @@ mod regular;
 mod shape;
 mod taper;
 
-pub use control_net::{from_paper_knots, homogeneous, paper_knots, Net, NetError, NetKind};
+pub(crate) use control_net::NetError;
+pub use control_net::{from_paper_knots, homogeneous, paper_knots, Net, NetKind};
 pub use first_cell::{aumann, from_first_cell};
 pub use forms::{to_dual, to_primal, Converted};
-pub use recognise::{recognise, Recognised};
-pub use regular::Regularity;
+pub use recognise::recognise;
+pub(crate) use regular::Regularity;
 pub use shape::Shape;
-pub use taper::TaperedNet;
+pub(crate) use taper::TaperedNet;
 
 #[cfg(test)]
 mod tests;

@@ -24,7 +24,7 @@ pub struct Assigned<'a> {
     pub kind: PanelKind,
 }
 
-/// Knobs of [`panels`].
+/// Knobs of [`panels`](super::panels).
 #[derive(Clone, Copy, Debug)]
 pub struct BoundaryOptions {
     /// Distance allowed between trimming curves and foot points of the border, mm; no default (about a two

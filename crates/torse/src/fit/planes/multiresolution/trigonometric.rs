@@ -17,7 +17,7 @@ pub(super) const NODES: usize = 12;
 pub(super) const PARTS: usize = 2;
 
 /// Pieces of a closed contour at least: three neighbours must not meet behind their backs.
-pub const FEWEST_CLOSED: usize = 4;
+pub(crate) const FEWEST_CLOSED: usize = 4;
 
 /// Why a strip cannot be approximated.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

@@ -59,7 +59,7 @@ fn affine_point(r: &mut Records, h: &[f64; 4]) -> u64 {
 }
 
 /// The curve of an edge between two points.
-pub fn edge_curve(r: &mut Records, c: &SheetCurve, start: &Vec3, end: &Vec3) -> u64 {
+pub(crate) fn edge_curve(r: &mut Records, c: &SheetCurve, start: &Vec3, end: &Vec3) -> u64 {
     match c {
         SheetCurve::Line => {
             let chord = end - start;

@@ -7,7 +7,7 @@ const LINE_WIDTH: usize = 76;
 
 /// The data section while it grows. Records are numbered from 1 in order of writing, referents first.
 #[derive(Debug, Default)]
-pub struct Records {
+pub(crate) struct Records {
     text: String,
     count: u64,
 }
@@ -28,7 +28,7 @@ impl Records {
 }
 
 /// Appends `record` in lines, broken after commas and blanks outside strings.
-pub fn wrap(record: &str, out: &mut String) {
+pub(crate) fn wrap(record: &str, out: &mut String) {
     let (mut start, mut last_break, mut quoted) = (0, 0, false);
     for (i, c) in record.char_indices() {
         if c == '\'' {
@@ -89,7 +89,7 @@ pub fn references(ids: impl IntoIterator<Item = u64>) -> String {
 }
 
 /// `.T.` or `.F.`.
-pub fn boolean(b: bool) -> &'static str {
+pub(crate) fn boolean(b: bool) -> &'static str {
     if b {
         ".T."
     } else {

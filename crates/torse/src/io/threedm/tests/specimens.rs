@@ -4,31 +4,31 @@ use super::super::bytes::{summed, ANONYMOUS, SHORT, SUMMED};
 
 /// Identifiers of classes.
 pub const LINE: u128 = 0x4ED7_D4DB_E947_11D3_BFE5_0010_8301_22F0;
-pub const ARC: u128 = 0xCF33_BE2A_09B4_11D4_BFFB_0010_8301_22F0;
+pub(crate) const ARC: u128 = 0xCF33_BE2A_09B4_11D4_BFFB_0010_8301_22F0;
 pub const POLYLINE: u128 = 0x4ED7_D4E6_E947_11D3_BFE5_0010_8301_22F0;
-pub const POLYCURVE: u128 = 0x4ED7_D4E0_E947_11D3_BFE5_0010_8301_22F0;
-pub const NURBS_SURFACE: u128 = 0x4ED7_D4DE_E947_11D3_BFE5_0010_8301_22F0;
-pub const NURBS_CURVE: u128 = 0x4ED7_D4DD_E947_11D3_BFE5_0010_8301_22F0;
+pub(crate) const POLYCURVE: u128 = 0x4ED7_D4E0_E947_11D3_BFE5_0010_8301_22F0;
+pub(crate) const NURBS_SURFACE: u128 = 0x4ED7_D4DE_E947_11D3_BFE5_0010_8301_22F0;
+pub(crate) const NURBS_CURVE: u128 = 0x4ED7_D4DD_E947_11D3_BFE5_0010_8301_22F0;
 pub const PLANE: u128 = 0x4ED7_D4DF_E947_11D3_BFE5_0010_8301_22F0;
-pub const REVOLUTION: u128 = 0xA162_20D3_163B_11D4_8000_0010_8301_22F0;
-pub const SUM: u128 = 0xC4CD_5359_446D_4690_9FF5_2905_9732_472B;
+pub(crate) const REVOLUTION: u128 = 0xA162_20D3_163B_11D4_8000_0010_8301_22F0;
+pub(crate) const SUM: u128 = 0xC4CD_5359_446D_4690_9FF5_2905_9732_472B;
 /// The polysurface by the identifier that Rhino itself writes.
-pub const BREP: u128 = 0xF06F_C243_A32A_4608_9DD8_A7D2_C4CE_2A36;
-pub const EXTRUSION: u128 = 0x36F5_3175_72B8_4D47_BF1F_B4E6_FC24_F4B9;
-pub const MESH: u128 = 0x4ED7_D4E4_E947_11D3_BFE5_0010_8301_22F0;
-pub const SUBD: u128 = 0xF09B_A4D9_455B_42C3_BA3B_E6CC_ACEF_853B;
-pub const REFERENCE: u128 = 0xF9CF_B638_B9D4_4340_87E3_C56E_7865_D96A;
+pub(crate) const BREP: u128 = 0xF06F_C243_A32A_4608_9DD8_A7D2_C4CE_2A36;
+pub(crate) const EXTRUSION: u128 = 0x36F5_3175_72B8_4D47_BF1F_B4E6_FC24_F4B9;
+pub(crate) const MESH: u128 = 0x4ED7_D4E4_E947_11D3_BFE5_0010_8301_22F0;
+pub(crate) const SUBD: u128 = 0xF09B_A4D9_455B_42C3_BA3B_E6CC_ACEF_853B;
+pub(crate) const REFERENCE: u128 = 0xF9CF_B638_B9D4_4340_87E3_C56E_7865_D96A;
 const LAYER: u128 = 0x9580_9813_E985_11D3_BFE5_0010_8301_22F0;
 const DEFINITION: u128 = 0x26F8_BFF6_2618_417F_A158_153D_64A9_4989;
 
 /// Types of objects in their table.
-pub const SURFACE_TYPE: u64 = 8;
-pub const BREP_TYPE: u64 = 0x10;
-pub const CURVE_TYPE: u64 = 4;
+pub(crate) const SURFACE_TYPE: u64 = 8;
+pub(crate) const BREP_TYPE: u64 = 0x10;
+pub(crate) const CURVE_TYPE: u64 = 4;
 
 /// Bytes of a body, and the state of its checksum.
 #[derive(Clone)]
-pub struct Out {
+pub(crate) struct Out {
     pub bytes: Vec<u8>,
     sum: u32,
     version: u32,
@@ -172,7 +172,7 @@ impl Item {
 }
 
 /// What an archive holds.
-pub struct Specimen {
+pub(crate) struct Specimen {
     pub version: u32,
     /// Number of the unit and metres of a custom one.
     pub unit: (i32, f64),
@@ -283,7 +283,7 @@ fn record(t: &mut Out, i: &Item) {
 }
 
 /// The data of a bare rational surface: a quarter of a cylinder of radius `r` and height `h` about z.
-pub fn quarter_cylinder(version: u32, r: f64, h: f64) -> Out {
+pub(crate) fn quarter_cylinder(version: u32, r: f64, h: f64) -> Out {
     let mut c = Out::new(version);
     let w = 0.5f64.sqrt();
     // Knots without the first and the last; coordinates times weights.
@@ -295,14 +295,14 @@ pub fn quarter_cylinder(version: u32, r: f64, h: f64) -> Out {
 }
 
 /// A loop of a specimen: corners in the plane z = 0 as indices of vertices.
-pub struct Ring<'a> {
+pub(crate) struct Ring<'a> {
     pub corners: &'a [usize],
     pub outer: bool,
 }
 
 /// The data of a plane polysurface of one face: edges are lines between vertices, each the part from 1 to 3 of a line over
 /// 0 to 4, run backwards where `backwards`; loops run about +z, whether the face is reversed or not.
-pub fn plane_face(version: u32, vertices: &[[f64; 2]], rings: &[Ring], reversed: bool, backwards: bool) -> Out {
+pub(crate) fn plane_face(version: u32, vertices: &[[f64; 2]], rings: &[Ring], reversed: bool, backwards: bool) -> Out {
     let sides: Vec<(usize, usize, usize)> = rings
         .iter()
         .enumerate()
@@ -373,7 +373,7 @@ pub fn plane_face(version: u32, vertices: &[[f64; 2]], rings: &[Ring], reversed:
 }
 
 /// The data of a plane triangle as version 2 of the program wrote it: (0, 0), (4, 0), (0, 3) on a bilinear surface.
-pub fn old_triangle(version: u32) -> Out {
+pub(crate) fn old_triangle(version: u32) -> Out {
     let corners = [[0., 0.], [4., 0.], [0., 3.]];
     let mut c = Out::new(version);
     c.u8(0x21).ints(&[1, 3, 1, 3, 0]).nums(&[0.0; 6]);
