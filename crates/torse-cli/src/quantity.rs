@@ -2,7 +2,7 @@
 //! the wrong unit costs material.
 
 use std::time::Duration;
-use torse::geom::Vec3;
+use torse::geom::{unit, Vec3};
 use torse::pipeline::workshop::Stations;
 use torse::torse::zone::Zone;
 
@@ -15,19 +15,15 @@ pub struct Length {
     pub text: String,
 }
 
-/// Unit names and their size in millimetres.
-const LENGTH_UNITS: &[(&str, f64)] = &[
-    ("mm", 1.0),
-    ("cm", 10.0),
-    ("m", 1000.0),
-    ("in", 25.4),
-    ("inch", 25.4),
-    ("\"", 25.4),
-    ("ft", 304.8),
-    ("foot", 304.8),
-    ("feet", 304.8),
-    ("'", 304.8),
-];
+/// The length of a unit, mm; inches and feet have signs of their own on a command line.
+fn size_of_unit(name: &str) -> Result<f64, String> {
+    match name.trim() {
+        "\"" => unit::millimetres("in"),
+        "'" => unit::millimetres("ft"),
+        name => unit::millimetres(name),
+    }
+    .ok_or_else(|| format!("unknown unit '{name}': use mm, cm, m, in or ft"))
+}
 
 /// Unit names and their length in seconds.
 const TIME_UNITS: &[(&str, f64)] = &[("ms", 1e-3), ("s", 1.0), ("sec", 1.0), ("min", 60.0), ("h", 3600.0)];
@@ -72,10 +68,7 @@ pub fn positive_length(text: &str) -> Result<Length, String> {
             "it must be greater than zero, and have a unit".to_string()
         });
     }
-    let Some(&(_, size)) = LENGTH_UNITS.iter().find(|(name, _)| unit.eq_ignore_ascii_case(name)) else {
-        return Err(format!("unknown unit '{unit}': use mm, cm, m, in or ft"));
-    };
-    let mm = value * size;
+    let mm = value * size_of_unit(unit)?;
     if mm <= 0.0 || !mm.is_finite() {
         return Err("it must be greater than zero".to_string());
     }
@@ -195,11 +188,7 @@ fn axis(name: &str) -> Option<Vec3> {
 
 /// Reads the name of a unit of length; the answer is its size in mm.
 pub fn unit_of_length(text: &str) -> Result<f64, String> {
-    LENGTH_UNITS
-        .iter()
-        .find(|(name, _)| text.trim().eq_ignore_ascii_case(name))
-        .map(|u| u.1)
-        .ok_or_else(|| format!("unknown unit '{text}': use mm, cm, m, in or ft"))
+    size_of_unit(text)
 }
 
 /// Reads two numbers, separated by a comma.

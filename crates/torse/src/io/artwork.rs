@@ -3,6 +3,7 @@
 pub(crate) use crate::develop::refold::artwork::PointRow;
 use crate::geom::Vec3;
 use crate::io::curves::{read_all, CurveError, CurveOptions};
+use crate::io::table::{self, Fault};
 use crate::torse::rail::Rail;
 use std::fmt::Write as _;
 
@@ -53,52 +54,23 @@ pub fn read(name: &str, bytes: &[u8], unit: f64) -> Result<Artwork, ArtworkError
         };
         return Ok(Artwork::Curves(all.rails, all.notes));
     }
-    points(name, &text, unit)
+    points(name, bytes, unit)
 }
 
-// INTEGRATION: `io::table` reads such tables with more forms of numbers; it is private to `io`.
-fn points(name: &str, text: &str, unit: f64) -> Result<Artwork, ArtworkError> {
-    let (mut columns, mut factor) = ([0, 1, 2], unit);
-    let mut out = Vec::new();
-    let mut headed = false;
-    for (k, line) in text.lines().enumerate() {
-        let fault = |reason: String| ArtworkError::Line { name: name.into(), line: k + 1, reason };
-        let line = line.split('#').next().unwrap_or("").trim().trim_start_matches('\u{feff}');
-        if line.is_empty() {
-            continue;
+fn points(name: &str, bytes: &[u8], unit: f64) -> Result<Artwork, ArtworkError> {
+    let named = |f: Fault| ArtworkError::Line { name: name.into(), line: f.line, reason: f.reason };
+    let text = table::text(bytes).map_err(named)?;
+    let table = table::table(&text).map_err(named)?;
+    let in_space = table.width() != 2 && (!table.is_named() || table.column("z").map_err(named)?.is_some());
+    let columns = table.needed(if in_space { &["x", "y", "z"] } else { &["x", "y"] }).map_err(named)?;
+    let unit = table.unit(&columns).map_err(named)?.unwrap_or(unit);
+    let (mut out, mut values) = (Vec::with_capacity(table.rows.len()), Vec::new());
+    for row in &table.rows {
+        table.numbers(row, &columns, &mut values).map_err(named)?;
+        if values.iter().any(|x| !x.is_finite()) {
+            return Err(named(Fault { line: row.line, reason: "a coordinate is not a finite number".into() }));
         }
-        let cells: Vec<&str> = line.split([',', ';', '\t']).map(|c| c.trim().trim_matches('"')).collect();
-        let numbers: Vec<Option<f64>> = cells.iter().map(|c| c.parse().ok().filter(|x: &f64| x.is_finite())).collect();
-        if !headed && out.is_empty() && !numbers.iter().any(Option::is_some) {
-            let at = |axis: &str| {
-                cells.iter().position(|c| {
-                    let c = c.to_ascii_lowercase();
-                    c == axis || c.starts_with(&format!("{axis}_")) || c.starts_with(&format!("{axis} "))
-                })
-            };
-            let (Some(x), Some(y)) = (at("x"), at("y")) else {
-                return Err(fault("the table needs columns named x and y, and z for places in space".into()));
-            };
-            columns = [x, y, at("z").unwrap_or(usize::MAX)];
-            let head = cells[x].to_ascii_lowercase();
-            let units = [("mm", 1.0), ("cm", 10.0), ("m", 1000.0), ("in", 25.4), ("ft", 304.8)];
-            let named = |u: &str| head.ends_with(&format!("_{u}")) || head.contains(&format!("[{u}]"));
-            factor = units.iter().find(|u| named(u.0)).map_or(unit, |u| u.1);
-            headed = true;
-            continue;
-        }
-        let mut p = [0.0; 3];
-        for (d, c) in columns.iter().enumerate() {
-            p[d] = match (numbers.get(*c), d) {
-                (Some(Some(x)), _) => x * factor,
-                (None, 2) => 0.0,
-                (found, _) => {
-                    let what = if found.is_some() { "is no number" } else { "is missing" };
-                    return Err(fault(format!("coordinate {} {what}", ["x", "y", "z"][d])));
-                }
-            };
-        }
-        out.push((k + 1, Vec3::from(p)));
+        out.push((row.line, Vec3::new(values[0], values[1], values.get(2).copied().unwrap_or(0.0)) * unit));
     }
     match out.is_empty() {
         true => Err(ArtworkError::Empty(name.into())),
@@ -155,11 +127,9 @@ mod tests {
         assert_eq!(p, vec![(2, Vec3::new(25.4, 50.8, 0.0))]);
         let Ok(Artwork::Points(p)) = read("a.csv", b"1;2;3\n", 10.0) else { panic!("points") };
         assert_eq!(p[0].1, Vec3::new(10.0, 20.0, 30.0));
-        for (text, what) in [
-            ("x,z\n1,2\n", "named x and y"),
-            ("x,y\n1,a\n", "line 2: coordinate y is no number"),
-            ("x,y\n", "no points"),
-        ] {
+        for (text, what) in
+            [("x,z\n1,2\n", "must be x, y"), ("x,y\n1,a\n", "line 2: 'a' is not a number"), ("x,y\n", "no points")]
+        {
             let e = read("a.csv", text.as_bytes(), 1.0).expect_err(text).to_string();
             assert!(e.contains(what), "{e}");
         }

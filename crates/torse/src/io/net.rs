@@ -10,7 +10,7 @@
 //! \[FJ07\] counts them. Instead of `last_ruling`, `m_star` and `lambda_star` (numbers on the scale of the knots), or `m`
 //! and `kappa` (for the parameter from 0 to 1).
 
-use crate::geom::Vec3;
+use crate::geom::{unit, Vec3};
 use crate::spline::curve::Curve;
 use crate::spline::knots::Knots;
 use crate::spline::SplineError;
@@ -113,30 +113,23 @@ struct Record {
     kappa: Option<f64>,
 }
 
-/// Units and their length in mm.
-const UNITS: [(&str, f64); 5] = [("mm", 1.0), ("cm", 10.0), ("m", 1000.0), ("in", 25.4), ("ft", 304.8)];
-
 /// Whether a file begins like one of these.
 pub fn is_net(bytes: &[u8]) -> bool {
     let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     text.iter().find(|b| !b.is_ascii_whitespace()) == Some(&b'{')
 }
 
-/// Reads a net. `unit` is the length of the file's unit (mm) where the file does not say.
+/// Reads a net. `given` is the length of the file's unit (mm) where the file does not say.
 ///
 /// # Errors
 /// See [`NetFileError`].
-pub fn read(bytes: &[u8], name: &str, unit: Option<f64>) -> Result<NetFile, NetFileError> {
+pub fn read(bytes: &[u8], name: &str, given: Option<f64>) -> Result<NetFile, NetFileError> {
     let named = || name.to_owned();
     let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     let r: Record = serde_json::from_slice(text)
         .map_err(|e| NetFileError::Json { name: named(), reason: format!("it is no control net: {e}") })?;
-    let said = r.unit.as_deref().map(|u| UNITS.iter().find(|(n, _)| u.eq_ignore_ascii_case(n)).map(|u| u.1));
-    let scale = match (said, unit) {
-        (Some(Some(x)), None) => x,
-        (Some(Some(x)), Some(y)) if x == y => x,
-        (None, Some(y)) => y,
-        _ => return Err(NetFileError::Unit { name: named(), unit: r.unit.unwrap_or_default() }),
+    let Some(scale) = unit::agreed(r.unit.as_deref(), given) else {
+        return Err(NetFileError::Unit { name: named(), unit: r.unit.unwrap_or_default() });
     };
     let mut control = Vec::with_capacity(r.points.len());
     for (index, p) in r.points.iter().enumerate() {

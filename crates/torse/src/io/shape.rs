@@ -3,7 +3,7 @@
 //! The schema is described in `docs/shape.md`. Lengths become mm here; names and indices are not looked up: that is for who
 //! sets up the strips. Errors name the place in the file: `$.handles[2].plane`.
 
-use crate::geom::Vec3;
+use crate::geom::{unit, Vec3};
 use crate::spline::curve::Curve;
 use crate::spline::knots::Knots;
 use crate::spline::lsq;
@@ -221,8 +221,6 @@ pub struct ShapeFileError {
     pub reason: String,
 }
 
-/// Units and their length in mm.
-const UNITS: [(&str, f64); 5] = [("mm", 1.0), ("cm", 10.0), ("m", 1000.0), ("in", 25.4), ("ft", 304.8)];
 /// Degrees of curves through points, with the multiplicity of their inner knots: enough control points for developability.
 const DEGREES: [(usize, usize); 3] = [(2, 1), (3, 2), (5, 3)];
 /// Most spans of a curve through points.
@@ -232,21 +230,17 @@ const SAMPLES: usize = 12;
 /// Most steps of a move: more than an hour of dragging.
 const MOST_STEPS: usize = 10_000;
 
-/// Reads a job. `unit` is the length of the file's unit (mm) where the file does not say.
+/// Reads a job. `given` is the length of the file's unit (mm) where the file does not say.
 ///
 /// # Errors
 /// See [`ShapeFileError`].
-pub fn read(bytes: &[u8], name: &str, unit: Option<f64>) -> Result<ShapeFile, ShapeFileError> {
+pub fn read(bytes: &[u8], name: &str, given: Option<f64>) -> Result<ShapeFile, ShapeFileError> {
     let fail = |path: &str, reason: String| ShapeFileError { name: name.into(), path: path.into(), reason };
     let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     let record: Record =
         serde_json::from_slice(text).map_err(|e| fail("$", format!("it is no job for shapes: {e}")))?;
-    let said = record.unit.as_deref().map(|u| UNITS.iter().find(|(n, _)| u.eq_ignore_ascii_case(n)).map(|u| u.1));
-    let scale = match (said, unit) {
-        (Some(Some(x)), None) => x,
-        (Some(Some(x)), Some(y)) if x == y => x,
-        (None, Some(y)) => y,
-        _ => return Err(fail("$.unit", "it must be mm, cm, m, in or ft, and agree with the unit given".into())),
+    let Some(scale) = unit::agreed(record.unit.as_deref(), given) else {
+        return Err(fail("$.unit", "it must be mm, cm, m, in or ft, and agree with the unit given".into()));
     };
     let mut out = ShapeFile::default();
     for (k, c) in items::<CurveRecord>(record.curves, "curves").map_err(|(p, r)| fail(&p, r))?.into_iter().enumerate() {

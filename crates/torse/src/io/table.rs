@@ -8,6 +8,7 @@
 //! - A first row without any number names the columns, as does a comment above the first row that names `x`, `y` and `z`
 //!   and as many columns as there are. Names may carry a unit: `x [m]`, `y (mm)`, `z_in`.
 
+use crate::geom::unit;
 use std::borrow::Cow;
 use std::cell::Cell;
 
@@ -103,10 +104,6 @@ pub(super) struct Table<'a> {
     width: usize,
     decimal: Cell<Option<char>>,
 }
-
-/// Units that headings may name, and their length in mm.
-const UNITS: [(&str, f64); 7] =
-    [("mm", 1.0), ("cm", 10.0), ("m", 1000.0), ("in", 25.4), ("inch", 25.4), ("ft", 304.8), ("feet", 304.8)];
 
 /// The text of a file, without the mark of its byte order; bytes that are no UTF-8 are replaced.
 ///
@@ -437,14 +434,13 @@ fn mixed(own: Option<Separator>, before: Option<Separator>) -> String {
 /// The heading in a cell: `X [mm]`, `"y (m)"`, `z_in`.
 fn heading(cell: &str) -> Heading {
     let small = cell.to_ascii_lowercase();
-    let known = |u: &str| UNITS.iter().find(|(n, _)| *n == u).map(|u| u.1);
     let marked = small.split_once(['[', '(']).and_then(|(name, rest)| {
-        let unit = known(rest.trim_end_matches([']', ')']).trim())?;
+        let unit = unit::millimetres(rest.trim_end_matches([']', ')']).trim())?;
         Some((name.trim().to_owned(), unit))
     });
     let joined = || {
         let (name, unit) = small.rsplit_once(['_', ' '])?;
-        Some((name.trim().to_owned(), known(unit)?))
+        Some((name.trim().to_owned(), unit::millimetres(unit)?))
     };
     match marked.or_else(joined) {
         Some((name, unit)) => Heading { name, text: cell.to_owned(), unit: Some(unit) },

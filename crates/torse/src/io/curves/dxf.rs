@@ -10,26 +10,27 @@
 
 use super::{CurveError, CurveOptions, Found};
 use crate::brep::space_curve::SpaceCurve;
+use crate::geom::unit::{self, NamedUnit};
 use crate::geom::{Frame, Vec3};
 use crate::spline::curve::Curve;
 use crate::spline::{through, SplineError};
 
-/// Units by `$INSUNITS`, where 0 is "unitless": code, millimetres, name.
-const UNITS: [(i64, f64, &str); 9] = [
-    (1, 25.4, "inches"),
-    (2, 304.8, "feet"),
-    (4, 1.0, "millimetres"),
-    (5, 10.0, "centimetres"),
-    (6, 1000.0, "metres"),
-    (9, 0.0254, "thousandths of an inch"),
-    (10, 914.4, "yards"),
-    (13, 1e-3, "micrometres"),
-    (14, 100.0, "decimetres"),
+/// Units by `$INSUNITS`, where 0 is "unitless".
+const UNITS: [(i64, &str); 9] = [
+    (1, "inch"),
+    (2, "foot"),
+    (4, "millimetre"),
+    (5, "centimetre"),
+    (6, "metre"),
+    (9, "mil"),
+    (10, "yard"),
+    (13, "micrometre"),
+    (14, "decimetre"),
 ];
 
-/// Millimetres and name of a unit.
-fn unit_of(code: i64) -> Option<(f64, &'static str)> {
-    UNITS.iter().find(|u| u.0 == code).map(|u| (u.1, u.2))
+/// The unit of a code.
+fn unit_of(code: i64) -> Option<&'static NamedUnit> {
+    unit::named(UNITS.iter().find(|u| u.0 == code)?.1)
 }
 
 /// Turns of polylines below this are straight: a bulge is a quarter of the angle's tangent, and files have fewer digits.
@@ -143,7 +144,7 @@ pub(super) fn read(text: &str, options: &CurveOptions) -> Result<Drawing, CurveE
             code.parse().map_err(|_| damaged(format!("'{code}' is not a group code; is this an ASCII DXF file?")))?;
         groups.push((code, value.trim()));
     }
-    let unit = unit(&groups, options)?;
+    let unit = drawn_unit(&groups, options)?;
     let by_layer = |e: &Entity| options.select.eq_ignore_ascii_case(e.text(8)) && !options.select.is_empty();
     let mut out = Drawing { found: Vec::new(), unread: Vec::new() };
     let all =
@@ -162,7 +163,7 @@ pub(super) fn read(text: &str, options: &CurveOptions) -> Result<Drawing, CurveE
 }
 
 /// Length of a unit of the drawing, mm.
-fn unit(groups: &[(i32, &str)], options: &CurveOptions) -> Result<f64, CurveError> {
+fn drawn_unit(groups: &[(i32, &str)], options: &CurveOptions) -> Result<f64, CurveError> {
     let file_unit = groups
         .iter()
         .position(|g| *g == (9, "$INSUNITS"))
@@ -170,9 +171,9 @@ fn unit(groups: &[(i32, &str)], options: &CurveOptions) -> Result<f64, CurveErro
         .and_then(|g| g.1.parse::<i64>().ok())
         .and_then(unit_of);
     match (file_unit, options.unit) {
-        (Some((u, _)), None) => Ok(u),
-        (Some((u, name)), Some(given)) if (u - given).abs() > SAME_UNIT * u => {
-            Err(CurveError::Unit { name: options.name.clone(), file: name.into() })
+        (Some(u), None) => Ok(u.mm),
+        (Some(u), Some(given)) if (u.mm - given).abs() > SAME_UNIT * u.mm => {
+            Err(CurveError::Unit { name: options.name.clone(), file: u.name.into() })
         }
         (_, Some(given)) => Ok(given),
         (None, None) => Err(CurveError::NoUnit(options.name.clone())),

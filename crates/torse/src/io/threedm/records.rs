@@ -2,6 +2,7 @@
 
 use super::bytes::{fault, Cursor, Reading, Uuid};
 use super::classes::Class;
+use crate::geom::unit as lengths;
 
 const CLASS: u32 = 0x0002_7FFA;
 const CLASS_UUID: u32 = 0x0002_FFFB;
@@ -238,34 +239,34 @@ impl Default for Unit {
     }
 }
 
-/// Millimetres and name of each unit, by its number in files.
-const UNITS: [(f64, &str); 26] = [
-    (1.0, ""),
-    (1e-3, "micrometre"),
-    (1.0, "millimetre"),
-    (10.0, "centimetre"),
-    (1e3, "metre"),
-    (1e6, "kilometre"),
-    (25.4e-6, "microinch"),
-    (25.4e-3, "mil"),
-    (25.4, "inch"),
-    (304.8, "foot"),
-    (1_609_344.0, "mile"),
-    (1.0, "custom unit"),
-    (1e-7, "angstrom"),
-    (1e-6, "nanometre"),
-    (100.0, "decimetre"),
-    (1e4, "dekametre"),
-    (1e5, "hectometre"),
-    (1e9, "megametre"),
-    (1e12, "gigametre"),
-    (914.4, "yard"),
-    (25.4 / 72.0, "printer point"),
-    (25.4 / 6.0, "printer pica"),
-    (1_852_000.0, "nautical mile"),
-    (1.495_978_707e14, "astronomical unit"),
-    (9.460_730_472_580_8e18, "light year"),
-    (3.085_677_58e19, "parsec"),
+/// Name of each unit, by its number in files; the first is none.
+const UNITS: [&str; 26] = [
+    "",
+    "micrometre",
+    "millimetre",
+    "centimetre",
+    "metre",
+    "kilometre",
+    "microinch",
+    "mil",
+    "inch",
+    "foot",
+    "mile",
+    "custom unit",
+    "angstrom",
+    "nanometre",
+    "decimetre",
+    "dekametre",
+    "hectometre",
+    "megametre",
+    "gigametre",
+    "yard",
+    "printer point",
+    "printer pica",
+    "nautical mile",
+    "astronomical unit",
+    "light year",
+    "parsec",
 ];
 /// Millimetres of a metre.
 const MILLIMETRES: f64 = 1e3;
@@ -280,9 +281,10 @@ pub(super) fn unit(mut c: Cursor) -> Reading<Unit> {
     let number = c.i32()?;
     let tolerance = c.f64()?;
     let known = usize::try_from(number).ok().map(|n| if n == UNSET { 0 } else { n });
-    let Some((n, &(mut length, name))) = known.and_then(|n| Some((n, UNITS.get(n)?))) else {
+    let Some((n, name)) = known.and_then(|n| Some((n, *UNITS.get(n)?))) else {
         return fault(format!("the unit of length has the unknown number {number}"));
     };
+    let mut length = lengths::millimetres(name).unwrap_or(1.0);
     let mut name = name.to_string();
     if n == CUSTOM {
         if version < 102 {

@@ -1,6 +1,7 @@
 //! The global section: delimiters, units, names.
 
 use super::fields::{Delimiters, Field, Reader};
+use crate::geom::unit;
 
 /// What the global section says.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,18 +20,18 @@ pub(super) struct Global {
     pub notes: Vec<String>,
 }
 
-/// Length units: flag, names in upper case, name for people, millimetres.
-const UNITS: [(i64, &[&str], &str, f64); 10] = [
-    (1, &["IN", "INCH", "INCHES"], "inch", 25.4),
-    (2, &["MM", "MILLIMETER", "MILLIMETRE"], "millimetre", 1.0),
-    (4, &["FT", "FOOT", "FEET"], "foot", 304.8),
-    (5, &["MI", "MILE", "MILES"], "mile", 1_609_344.0),
-    (6, &["M", "METER", "METRE"], "metre", 1e3),
-    (7, &["KM", "KILOMETER", "KILOMETRE"], "kilometre", 1e6),
-    (8, &["MIL", "MILS"], "mil", 0.0254),
-    (9, &["UM", "MICRON", "MICROMETER", "MICROMETRE"], "micrometre", 1e-3),
-    (10, &["CM", "CENTIMETER", "CENTIMETRE"], "centimetre", 10.0),
-    (11, &["UIN", "MICROINCH"], "microinch", 2.54e-5),
+/// Length units by their flag.
+const UNITS: [(i64, &str); 10] = [
+    (1, "inch"),
+    (2, "millimetre"),
+    (4, "foot"),
+    (5, "mile"),
+    (6, "metre"),
+    (7, "kilometre"),
+    (8, "mil"),
+    (9, "micrometre"),
+    (10, "centimetre"),
+    (11, "microinch"),
 ];
 /// The flag that leaves the unit to its name.
 const NAMED: i64 = 3;
@@ -76,25 +77,24 @@ impl Global {
     }
 
     fn set_unit(&mut self, flag: Option<f64>, name: &str) {
-        let upper = name.to_ascii_uppercase();
-        let by_flag = |f: i64| UNITS.iter().find(|u| u.0 == f);
-        let by_name = || UNITS.iter().find(|u| u.1.contains(&upper.as_str()));
+        let by_flag = |f: i64| unit::named(UNITS.iter().find(|u| u.0 == f)?.1);
+        let by_name = || unit::named(name);
         let stated = flag.map(|f| f as i64);
         let found = match stated {
             Some(NAMED) => by_name(),
             Some(f) => by_flag(f).or_else(by_name),
-            None if !upper.is_empty() => by_name(),
+            None if !name.is_empty() => by_name(),
             None => None,
         };
         match found {
             Some(u) => {
-                (self.millimetres, self.unit) = (u.3, u.2.to_string());
-                if by_name().is_some_and(|n| n.0 != u.0) {
-                    self.notes.push(format!("the unit's flag says {}, its name {name:?}; the flag is used", u.2));
+                (self.millimetres, self.unit) = (u.mm, u.name.to_string());
+                if by_name().is_some_and(|n| n.name != u.name) {
+                    self.notes.push(format!("the unit's flag says {}, its name {name:?}; the flag is used", u.name));
                 }
             }
             None if name.is_empty() => {
-                self.millimetres = by_flag(DEFAULT).map_or(1.0, |u| u.3);
+                self.millimetres = by_flag(DEFAULT).map_or(1.0, |u| u.mm);
                 self.notes.push("the file states no length unit, which means inches by the standard".into());
             }
             None => self.notes.push(format!("the length unit {name:?} is not known; millimetres are assumed")),
