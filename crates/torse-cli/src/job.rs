@@ -112,8 +112,9 @@ fn tell(answer: &Answer, tolerance: &str, folder: &Path, interrupted: bool) -> s
     match answer.status() {
         Status::Certified => writeln!(out, "certified: {made}")?,
         Status::Uncertified => {
-            writeln!(out, "NOT certified, {}: {made}", warning(answer))?;
-            writeln!(out, "  reason: {}", words::reason(&answer.claims, &curves))?;
+            let [head, why] = uncertified(&made, &words::reason(&answer.claims, &curves), &warning(answer));
+            writeln!(out, "{head}")?;
+            writeln!(out, "  {why}")?;
         }
     }
     if interrupted {
@@ -130,14 +131,32 @@ fn tell(answer: &Answer, tolerance: &str, folder: &Path, interrupted: bool) -> s
         let parts: Vec<String> = face.parts.iter().map(|p| format!("#{}", p.entity)).collect();
         writeln!(out, "  covered as one: {}", parts.join(" + "))?;
     }
-    for skipped in &answer.skipped {
+    for skipped in answer.skipped.iter().take(MOST_LEFT_OUT) {
         writeln!(out, "  left out: {}", skipped.words())?;
+    }
+    if answer.skipped.len() > MOST_LEFT_OUT {
+        writeln!(out, "  left out: {} more, all named in the report", answer.skipped.len() - MOST_LEFT_OUT)?;
     }
     for note in &answer.notes {
         writeln!(out, "  note: {}", words::note(note))?;
     }
     writeln!(out, "  open {}", folder.join("report.html").display())
 }
+
+/// The first lines of a result that is not certified: what must not be cut, and why; where a part is certified, how much of
+/// the whole that is comes first.
+fn uncertified(made: &str, reason: &str, warning: &str) -> [String; 2] {
+    if reason.starts_with(IN_PART) {
+        return [format!("{reason}: {made}"), format!("NOT certified as a whole, {warning}")];
+    }
+    [format!("NOT certified, {warning}: {made}"), format!("reason: {reason}")]
+}
+
+/// Lines about what is left out, at most: the report has all.
+const MOST_LEFT_OUT: usize = 40;
+
+/// How reasons begin that say how much is certified.
+const IN_PART: &str = "certified in part";
 
 /// What must not be cut of a result that is not certified, in words.
 fn warning(answer: &Answer) -> String {
@@ -191,6 +210,14 @@ fn number(x: f64, round: fn(f64) -> f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_is_certified_in_part_is_told_with_its_share_first() {
+        let told = uncertified("1 strip", "certified in part: 62.55 % of low.csv", "do not cut A");
+        assert_eq!(told[0], "certified in part: 62.55 % of low.csv: 1 strip");
+        assert_eq!(told[1], "NOT certified as a whole, do not cut A");
+        assert_eq!(uncertified("1 strip", "no proof", "do not cut A")[0], "NOT certified, do not cut A: 1 strip");
+    }
 
     #[test]
     fn bounds_are_rounded_to_the_safe_side() {

@@ -58,6 +58,7 @@ pub fn unroll(model: &Model, options: &UnrollOptions, control: &Control) -> Resu
     torse::unroll(model, options, control).map_err(|e| {
         let hint = match e {
             UnrollError::Tolerance(_) => "give a length with its unit, for example --tolerance 0.01mm",
+            UnrollError::Loose(_) => "'torse info' tells unit and size of the model",
             UnrollError::KFactor(_) => "give a share such as --k 0.44, --k din, or a table of R/t and K",
             UnrollError::KWithoutThickness => "leave out --k or --surfaces",
             UnrollError::CoversSurfacesOnly => "give --surfaces with --approximate",
@@ -175,6 +176,8 @@ fn hint(error: &ApproximateError) -> &'static str {
         }
         ApproximateError::Guide => "give a direction such as x or 1,0,0.5, or a curve of at least two different points",
         ApproximateError::TooMany { .. } => "'torse info' tells the radii of curvature and sizes of the faces",
+        ApproximateError::WiderThanLong { .. } => "give a smaller --min-width, or a larger --max-length or --sheet",
+        ApproximateError::TooNarrow { .. } => "give a smaller --min-width; 'torse info' tells the sizes of the faces",
         ApproximateError::Widths { .. } => "give a smaller --min-width, or a larger --max-width or --sheet",
         ApproximateError::MaxPanels => "give --max-panels 1 or more, or leave it out",
     }

@@ -26,6 +26,15 @@ pub struct Control {
     progress: Option<Arc<ProgressFn>>,
 }
 
+impl std::fmt::Debug for Control {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Control")
+            .field("stopped", &self.stopped())
+            .field("deadline", &self.deadline)
+            .finish_non_exhaustive()
+    }
+}
+
 impl Control {
     /// A control that reports to `progress`.
     pub fn with_progress(progress: Arc<ProgressFn>) -> Self {

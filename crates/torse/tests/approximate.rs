@@ -311,6 +311,17 @@ fn cancelled_work_answers_with_what_it_has() {
     assert!(face_to_panels(face, &o.patchwork.panels) <= bound);
 }
 
+/// A cylinder, a cone: no search is cut short, and half a proof is none.
+#[test]
+fn what_is_developable_is_covered_and_proven_though_time_is_up() {
+    let control = Control::default();
+    control.cancel();
+    let model = read(CONE).expect("a model");
+    let o = of_faces(model.faces, model.skipped, &options(0.5), &control).expect("an answer");
+    let certificate = o.certificate.as_ref().expect("a certificate");
+    assert!(certificate.certified && o.patchwork.panels.len() == 1, "{:?}", certificate.panels[0].reason);
+}
+
 /// Time that runs out at some moment: whatever was reached covers the whole face and has a bound.
 #[test]
 fn limited_time_gives_a_whole_cover_with_its_bound() {

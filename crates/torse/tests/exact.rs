@@ -78,6 +78,18 @@ fn a_wavy_extrusion_is_one_panel() {
     }
 }
 
+/// A wave that is steep to one side for longer than to the other: the mean of its normals is not their middle.
+#[test]
+fn an_uneven_wave_is_one_panel() {
+    let k = torse::spline::knots::Knots::clamped(5, &[0.0, 1.0]).expect("knots");
+    let net = [[0.0, 0.0], [109.0, 443.0], [219.0, -932.0], [254.0, 873.0], [396.0, -323.0], [500.0, 25.0]];
+    let line = torse::spline::knots::Knots::clamped(1, &[0.0, 1.0]).expect("knots");
+    let both: Vec<Vec3> =
+        net.iter().map(|p| Vec3::new(p[0], 0.0, p[1])).flat_map(|p| [p, p + Vec3::new(30.0, 250.0, 20.0)]).collect();
+    let out = panels(vec![Face::untrimmed(Surface::new(k, line, &both, None).expect("a surface"))], 0.05);
+    assert_eq!(out.patchwork.panels.len(), 1);
+}
+
 #[test]
 fn a_tangent_surface_of_a_curve_is_one_panel() {
     // Tangents of a cubic, from one to two times its derivative away.

@@ -1,6 +1,7 @@
 //! Fitted torses against the theory of narrow strips, against exact torses, and against bad data.
 
 use proptest::prelude::*;
+use torse::control::Control;
 use torse::fit::near::dual::{CentrePoint, DualOptions};
 use torse::fit::near::primal::PrimalOptions;
 use torse::fit::near::samples::{error, thin, Fit, Sample};
@@ -138,6 +139,23 @@ fn best_fit_error_is_half_the_tangent_strip_s() {
         let d = dual(&samples, &strip.centre(), &DualOptions::new(0.0)).expect("dual fit");
         assert!((0.9..1.1).contains(&d.error), "{name}, dual: {}", d.error);
         assert_margin(&d, &samples);
+    }
+}
+
+#[test]
+fn a_fit_that_is_stopped_ends_with_what_it_has() {
+    let control = Control::default();
+    control.cancel();
+    for (name, strip) in strips() {
+        let samples = strip.samples(1.0, 61, 13);
+        let options = PrimalOptions::new(0.0);
+        let whole = primal(&samples, &options).expect("primal fit");
+        let cut = primal(&samples, &PrimalOptions { control: control.clone(), ..options }).expect("primal fit");
+        assert!(cut.error > whole.error && cut.error.is_finite(), "{name}: {} {}", cut.error, whole.error);
+        let options = DualOptions::new(0.0);
+        let whole = dual(&samples, &strip.centre(), &options).expect("dual fit");
+        let cut = dual(&samples, &strip.centre(), &DualOptions { control: control.clone(), ..options });
+        assert!(cut.is_none_or(|cut| cut.error > whole.error), "{name}");
     }
 }
 

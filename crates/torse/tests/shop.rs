@@ -55,6 +55,10 @@ fn limits_that_nothing_can_keep_are_named_at_once() {
     assert!(matches!(e, ApproximateError::TooMany { name: "size of the sheet", .. }), "{e}");
     let e = refused(Limits { min_width: Some(500.0), max_width: Some(100.0), ..Limits::default() });
     assert!(matches!(e, ApproximateError::Widths { .. }), "{e}");
+    let e = refused(Limits { min_width: Some(500.0), max_length: Some(500.0), ..Limits::default() });
+    assert!(matches!(e, ApproximateError::WiderThanLong { .. }), "{e}");
+    let e = refused(Limits { min_width: Some(5000.0), ..Limits::default() });
+    assert!(matches!(e, ApproximateError::TooNarrow { .. }), "{e}");
 }
 
 /// The panel of a pipe meets itself: both ends carry the same marks, at the same places in space.

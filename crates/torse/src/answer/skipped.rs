@@ -30,6 +30,11 @@ impl Skipped {
         Self::of_file(face.entity, reason, area_estimate)
     }
 
+    /// As [`Skipped::of_face`], at once: the face's area is not looked at.
+    pub(crate) fn in_haste(face: &Face, reason: &str) -> Self {
+        Self::of_file(face.entity, reason, None)
+    }
+
     /// Name of the item in front of the reason.
     pub fn words(&self) -> String {
         match self.entity {

@@ -7,6 +7,8 @@ use crate::geom::Vec2;
 const CELL: f64 = 4.0;
 /// No thing in this cell.
 const NONE: u32 = u32::MAX;
+/// A name beside the things in this cell.
+const NAME: u32 = u32::MAX - 1;
 
 /// A place for a name, in pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -92,6 +94,33 @@ impl SightMap {
             .collect()
     }
 
+    /// The place nearest to `from` where a name of half the size `half` (pixels) lies on paper, below `top`, and its cells
+    /// taken; `None` where nothing is free.
+    pub fn beside(&mut self, from: Vec2, half: Vec2, top: f64) -> Option<Vec2> {
+        let reach = [half.x, half.y].map(|h| (h / CELL).ceil() as usize + 1);
+        let centre = |c: usize, r: usize| Vec2::new(c as f64 + 0.5, r as f64 + 0.5) * CELL;
+        let block =
+            |c: usize, r: usize| (r - reach[1]..=r + reach[1]).map(move |row| (row, c - reach[0], c + reach[0]));
+        let mut best: Option<(f64, usize, usize)> = None;
+        for r in reach[1] + (top / CELL).ceil() as usize..self.rows.saturating_sub(reach[1]) {
+            for c in reach[0]..self.columns.saturating_sub(reach[0]) {
+                let far = (centre(c, r) - from).norm();
+                let nearer = best.is_none_or(|b| far < b.0);
+                let free = |(row, a, b): (usize, usize, usize)| {
+                    self.owner[row * self.columns + a..=row * self.columns + b].iter().all(|&o| o == NONE)
+                };
+                if nearer && block(c, r).all(free) {
+                    best = Some((far, c, r));
+                }
+            }
+        }
+        let (_, c, r) = best?;
+        for (row, a, b) in block(c, r) {
+            self.owner[row * self.columns + a..=row * self.columns + b].fill(NAME);
+        }
+        Some(centre(c, r))
+    }
+
     /// Width (pixels) of the widest level line centred at a place that stays on the same thing.
     fn breadth(&self, middle: Vec2) -> f64 {
         let (column, row) = ((middle.x / CELL) as usize, (middle.y / CELL) as usize);
@@ -142,6 +171,25 @@ impl SightMap {
 mod tests {
     use super::*;
     use crate::geom::Vec3;
+
+    #[test]
+    fn names_beside_things_lie_on_paper_and_apart() {
+        let mut map = SightMap::new(400, 200);
+        rectangle(&mut map, 0, [100.0, 300.0], [80.0, 120.0], 1.0);
+        let (from, half) = (Vec2::new(200.0, 100.0), Vec2::new(20.0, 8.0));
+        let places = [0; 3].map(|_| map.beside(from, half, 20.0).expect("room"));
+        for (k, p) in places.iter().enumerate() {
+            assert!(
+                (p.y + half.y <= 80.0 && p.y - half.y >= 20.0)
+                    || p.y - half.y >= 120.0
+                    || !(80.0..=320.0).contains(&p.x)
+            );
+            for q in &places[..k] {
+                assert!((p.x - q.x).abs() >= 2.0 * half.x || (p.y - q.y).abs() >= 2.0 * half.y);
+            }
+        }
+        assert_eq!(map.beside(from, Vec2::new(190.0, 90.0), 0.0), None);
+    }
 
     fn rectangle(map: &mut SightMap, owner: u32, x: [f64; 2], y: [f64; 2], depth: f64) {
         let v = |x: f64, y: f64| Vertex { place: [x, y, depth], normal: Vec3::z(), value: 0.0 };

@@ -63,6 +63,7 @@ pub fn direction(scene: &Scene) -> Vec3 {
 /// `direction` points from the model to the eye, see [`direction`].
 pub fn panels(scene: &Scene, direction: &Vec3, caption: &Caption) -> Image {
     let (mut drawing, camera) = stage(scene, direction, caption, 0.0);
+    let top = MARGIN + head(caption);
     let lift = LIFT * scene.bbox().diagonal();
     for (i, panel) in scene.panels.iter().enumerate() {
         let base = colour::shown(i, panel.marked);
@@ -80,7 +81,7 @@ pub fn panels(scene: &Scene, direction: &Vec3, caption: &Caption) -> Image {
     }
     borders(&mut drawing, &camera, scene, 2.6);
     if scene.panels.len() <= MOST_NAMES {
-        names(&mut drawing, &camera, scene);
+        names(&mut drawing, &camera, scene, top);
     }
     drawing.render()
 }
@@ -394,12 +395,17 @@ fn borders(drawing: &mut Drawing, camera: &Camera, scene: &Scene, width: f64) {
     }
 }
 
-/// Names where most of the panel is in sight, if there is room.
-fn names(drawing: &mut Drawing, camera: &Camera, scene: &Scene) {
-    // A name takes this share of the room around its place, within limits; narrower panels get none.
+/// Names where most of the panel is in sight, if there is room; else beside the model, below `top` (pixels), with a line to
+/// the panel.
+fn names(drawing: &mut Drawing, camera: &Camera, scene: &Scene, top: f64) {
+    // A name takes this share of the room around its place, within limits; narrower panels have theirs beside the model.
     const SHARE: f64 = 0.85;
     const SIZES: std::ops::RangeInclusive<f64> = 9.0..=22.0;
     const NARROWEST: f64 = 8.0;
+    // Height of names beside the model, and names there at most: more would hide what they name.
+    const BESIDE: f64 = 13.0;
+    const MOST_BESIDE: usize = 24;
+    let mut narrow = Vec::new();
     let mut map = SightMap::new(drawing.width, drawing.height);
     for (i, panel) in scene.panels.iter().enumerate() {
         for corners in projected(camera, &panel.mesh, 1.0) {
@@ -416,7 +422,22 @@ fn names(drawing: &mut Drawing, camera: &Camera, scene: &Scene) {
             if panel.marked {
                 words_below(drawing, place.middle + Vec2::new(0.0, 0.5 * size), size);
             }
+        } else {
+            narrow.push((panel, place.middle));
         }
+    }
+    if narrow.len() > MOST_BESIDE {
+        return;
+    }
+    for (panel, at) in narrow {
+        let width = stroke_font::width(&panel.name, BESIDE);
+        let half = Vec2::new(0.5 * width, 0.5 * BESIDE);
+        let Some(place) = map.beside(at, half, top) else { continue };
+        // From the panel to the nearest point of the name's box.
+        let end = place + (at - place).inf(&(half + Vec2::repeat(3.0))).sup(&-(half + Vec2::repeat(3.0)));
+        drawing.stroke(&[at, end], 1.2, INK, 1.0);
+        drawing.stroke(&[at, at], 5.0, INK, 1.0);
+        drawing.rimmed_text(&panel.name, place + Vec2::new(-0.5 * width, 0.5 * BESIDE), BESIDE, INK);
     }
 }
 
@@ -524,6 +545,24 @@ mod tests {
         assert!(red(&panels(&scene, &Vec3::z(), &caption)) > 0.03);
         let after = layout(&[piece], &caption);
         assert!(after.pixels != before.1.pixels);
+    }
+
+    #[test]
+    fn narrow_panels_are_named_beside_the_model() {
+        let mut scene = scene();
+        // A third panel of 1.5 mm beside squares of 100 mm.
+        let mut slim = scene.panels[0].clone();
+        slim.name = "A-03".into();
+        for p in slim.mesh.positions.iter_mut().chain(slim.borders.iter_mut().flatten()) {
+            *p = Vec3::new(200.0 + 0.015 * p.x, p.y, p.z);
+        }
+        slim.rulings.clear();
+        scene.panels.push(slim);
+        let caption = Caption { width: 600, ..Caption::default() };
+        let with = panels(&scene, &Vec3::z(), &caption);
+        scene.panels[2].name.clear();
+        let without = panels(&scene, &Vec3::z(), &caption);
+        assert!(with.pixels != without.pixels);
     }
 
     #[test]

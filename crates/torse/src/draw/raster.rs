@@ -223,6 +223,8 @@ impl Band {
                 .filter(|(p, q)| (p.y <= y) != (q.y <= y))
                 .map(|(p, q)| p.x + (y - p.y) / (q.y - p.y) * (q.x - p.x));
             let (left, right) = crossings.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, r), x| (x.min(l), x.max(r)));
+            // Samples of a pixel beside each other share their shade: it costs more than all the rest.
+            let mut shaded: Option<(usize, [f32; 3])> = None;
             for column in self.columns_within((left - 1.0).max(low.x), (right + 1.0).min(high.x)) {
                 let p = Vec2::new(column as f64 + 0.5, y);
                 let weight = [cross(c - b, p - b), cross(a - c, p - c), cross(b - a, p - a)].map(|w| w / twice_area);
@@ -234,6 +236,10 @@ impl Band {
                 if depth as f32 <= self.depth[index] {
                     continue;
                 }
+                if let Some((_, shade)) = shaded.filter(|s| s.0 == column / SAMPLES) {
+                    (self.depth[index], self.colour[index]) = (depth as f32, shade);
+                    continue;
+                }
                 // Depth is the inverse distance, so weights over distance make attributes right in perspective.
                 let weight = [0, 1, 2].map(|k| weight[k] * corners[k].place[2] / depth);
                 let normal = (0..3).map(|k| corners[k].normal * weight[k]).sum::<Vec3>();
@@ -242,7 +248,9 @@ impl Band {
                     Paint::Deviation => colour::deviation((0..3).map(|k| weight[k] * corners[k].value).sum()),
                 };
                 self.depth[index] = depth as f32;
-                self.colour[index] = shade(base, &normal, matches!(paint, Paint::Deviation)).map(|c| c as f32);
+                let shade = shade(base, &normal, matches!(paint, Paint::Deviation)).map(|c| c as f32);
+                shaded = Some((column / SAMPLES, shade));
+                self.colour[index] = shade;
             }
         }
     }

@@ -35,7 +35,7 @@ pub(crate) fn is_tolerance(x: f64) -> bool {
 /// A tolerance that is as large as the model, so that nothing would have to look like it.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error(
-    "the tolerance of {tolerance} mm is more than half the diagonal of all that is read, which is {diagonal:.6} mm: check \
+    "the tolerance of {tolerance} mm is more than half the diagonal of all that is read, which is {diagonal:.3} mm: check \
      the unit of the file and the tolerance"
 )]
 pub struct Loose {

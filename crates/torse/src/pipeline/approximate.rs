@@ -14,12 +14,13 @@ use crate::develop::joints::with_joint_marks;
 use crate::develop::pattern::with_bends;
 use crate::develop::view::panels_viewed;
 use crate::io::model::Model;
+use crate::io::words::length_bound;
 use crate::patchwork::panel::Patchwork;
 use crate::patchwork::part::Part;
 use crate::patchwork::pattern::Pattern;
 use crate::search::build::{limits_missed, AlongCurve, Built};
 use crate::search::cover::CoverOptions;
-use crate::search::face::{one_face, Wanted};
+use crate::search::face::{first_covers, one_face, Wanted};
 use crate::search::smooth::smoothly_joined;
 use crate::search::trims::{trims_judged, TrimsJudged};
 use checks::{checked, checked_curves, checked_number};
@@ -29,12 +30,16 @@ use rayon::prelude::*;
 use std::collections::BTreeSet;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::OnceLock;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 mod checks;
 mod error;
 mod options;
 
+/// Why a face has no panels where a job was asked to stop.
+const OUT_OF_TIME: &str = "time was up before it was covered";
+/// Time for the proof of flat patterns where a job was asked to stop: these wait until they are proven or not cut.
+const FLAT_GRACE: Duration = Duration::from_millis(500);
 /// Borders of panels that are joined are each within a tolerance of the file's edge.
 const JOINT_REACH: f64 = 2.0;
 
@@ -92,7 +97,11 @@ pub fn of_faces(
     let missed = limits_missed(&patchwork, &certificate, &patterns, &options.limits);
     missing.extend(missed.reasons);
     // As the proof of the panels, this has its own clock.
-    let flat = certify::flat::flat(&patchwork, &patterns, tolerance, &Control::default());
+    let clock = match control.stopped() {
+        true => Control::default().until(Instant::now() + FLAT_GRACE),
+        false => Control::default(),
+    };
+    let flat = certify::flat::flat(&patchwork, &patterns, tolerance, &clock);
     // Turned over exactly: what was proven holds for either side.
     let patterns = panels_viewed(&patchwork, patterns, options.drawn.view);
     let bad = patterns.iter().zip(&flat).filter(|(_, f)| !f.holds());
@@ -107,7 +116,7 @@ pub fn of_faces(
     if control.stopped() && Status::of(&claims) == Status::Uncertified {
         let bound = certificate.deviation_bound;
         let reached = match bound > tolerance && bound.is_finite() {
-            true => format!("ended early; the panels found so far are proven within {bound:.4} mm only"),
+            true => format!("ended early; the panels found so far are proven within {} only", length_bound(bound)),
             false => "ended early".into(),
         };
         claims.insert(0, Claim::objection(Subject::Whole, reached));
@@ -149,11 +158,17 @@ fn covered(faces: Vec<Face>, options: &Options, control: &Control) -> Vec<Result
         control,
         deadline: OnceLock::new(),
     };
+    let first = first_covers(&faces, &wanted);
     faces
         .into_par_iter()
+        .zip(first)
         .enumerate()
-        .map(|(index, face)| {
-            let built = one_face(index, &face, &wanted).map_err(|e| Skipped::of_face(&face, e.to_string()));
+        .map(|(index, (face, first))| {
+            let built = if first.is_none() && wanted.is_over() {
+                Err(Skipped::in_haste(&face, OUT_OF_TIME))
+            } else {
+                one_face(index, &face, first, &wanted).map_err(|e| Skipped::of_face(&face, e.to_string()))
+            };
             let n = finished.fetch_add(1, Ordering::Relaxed) + 1;
             control.report("covering faces", n as f64 / total as f64, format!("{n} of {total}"));
             built

@@ -17,6 +17,8 @@ use crate::develop::bends::Facets;
 use crate::develop::unfold::allowance::{KFactor, KFactorError};
 use crate::develop::unfold::part::FlatPart;
 use crate::develop::view::panels_viewed;
+use crate::geom::coarse::Loose;
+use crate::geom::BBox;
 use crate::io::model::Model;
 use crate::patchwork::panel::Patchwork;
 use crate::patchwork::part::Part;
@@ -68,6 +70,9 @@ pub enum UnrollError {
     /// A tolerance that is not positive.
     #[error("the tolerance {0} is not a positive number of mm")]
     Tolerance(f64),
+    /// A tolerance larger than the model.
+    #[error(transparent)]
+    Loose(#[from] Loose),
     /// A K-factor that cannot be meant.
     #[error(transparent)]
     KFactor(#[from] KFactorError),
@@ -111,6 +116,8 @@ pub enum UnrollError {
 /// ```
 pub fn unroll(model: &Model, options: &UnrollOptions, control: &Control) -> Result<Answer, UnrollError> {
     let start = Instant::now();
+    let boxes: Vec<BBox> = model.faces.iter().map(|f| f.surface.bbox()).collect();
+    Loose::check(BBox::of(boxes.iter().flat_map(|b| [&b.min, &b.max])).diagonal(), options.tolerance)?;
     let (mut parts, left) = bodies::flat_parts_of(&model.faces, options, control)?;
     let laid_flat: HashSet<usize> = parts.iter().flat_map(|p| p.faces.iter().copied()).collect();
     let through_panels: Vec<Option<LaidFace>> =

@@ -133,8 +133,20 @@ pub(crate) fn borders<'a>(face: &'a Face, partition: &'a Partition) -> Borders<'
 
 /// Panels, proof and patterns of a covered face; second result: labels of the regions that must be cut.
 pub(crate) fn build(index: usize, face: &Face, state: &State, tolerance: f64) -> (Built, Vec<u32>) {
+    // The proof has its own clock: what was found is judged even when time is up.
+    build_until(index, face, state, tolerance, &Control::default())
+}
+
+/// As [`build`], with a proof that ends, and then says nothing, when `control` stops it.
+pub(crate) fn build_until(
+    index: usize,
+    face: &Face,
+    state: &State,
+    tolerance: f64,
+    control: &Control,
+) -> (Built, Vec<u32>) {
     let partition = smooth_borders(face, state.partition.clone(), tolerance);
-    build_on(index, face, &seams::with_partition(face, state, partition), tolerance, None)
+    judged(index, face, &seams::with_partition(face, state, partition), (tolerance, control), None)
 }
 
 /// What is used of strips that meet: all but those of refused labels, and but edges between pairs of labels.
@@ -146,6 +158,17 @@ pub(crate) fn build_on(
     face: &Face,
     state: &State,
     tolerance: f64,
+    meeting: Option<Kept>,
+) -> (Built, Vec<u32>) {
+    judged(index, face, state, (tolerance, &Control::default()), meeting)
+}
+
+/// See [`build_on`] and [`build_until`].
+fn judged(
+    index: usize,
+    face: &Face,
+    state: &State,
+    (tolerance, control): (f64, &Control),
     meeting: Option<Kept>,
 ) -> (Built, Vec<u32>) {
     let partition = &state.partition;
@@ -192,8 +215,7 @@ pub(crate) fn build_on(
         }
     }
     let patchwork = Patchwork { faces: vec![face.clone()], partitions: vec![partition.clone()], panels, seam_count };
-    // The proof has its own clock: what was found is judged even when time is up.
-    let certificate = certify::patchwork(&patchwork, tolerance, &Control::default());
+    let certificate = certify::patchwork(&patchwork, tolerance, control);
     let pattern_options = PatternOptions::new(tolerance * CONTOUR_SHARE);
     let developed: Vec<Result<Pattern, DevelopError>> =
         (0..patchwork.panels.len()).into_par_iter().map(|k| pattern(&patchwork, k, &pattern_options)).collect();

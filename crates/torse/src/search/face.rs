@@ -1,8 +1,8 @@
 //! One face from its surface to panels that are proven and lie flat: cover, build, judge, develop; what is refused is cut
 //! and goes round again.
 
-use super::build::{build, too_large, Built};
-use super::cover::{cover, fill, Cover, CoverOptions, Layout, Limits};
+use super::build::{build, build_until, too_large, Built};
+use super::cover::{cover, exactly_covered, fill, Cover, CoverOptions, Layout, Limits, State};
 use super::laid::{Laid, Task};
 use super::stitch::attempts::{met, with_room};
 use super::trims::{corners_on_knot_lines, TRIM_SHARE};
@@ -11,6 +11,7 @@ use crate::brep::face::Face;
 use crate::certify;
 use crate::control::Control;
 use crate::patchwork::triangulate::TriangulateError;
+use rayon::prelude::*;
 use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
@@ -22,12 +23,16 @@ const COARSEST: f64 = 1.0 / 16.0;
 /// Tolerance of each stopgap against that of the next one, and of the last against what was asked for: four times finer
 /// takes about twice the panels.
 const STOPGAP_STEP: f64 = 4.0;
-/// Share of a limited time that goes into stopgaps.
-const STOPGAP_SHARE: f64 = 0.2;
-/// See [`grace`]: people who asked to stop wait for it.
-const GRACE: Duration = Duration::from_millis(1500);
-/// See [`grace`].
-const LEAST_GRACE: Duration = Duration::from_millis(200);
+/// Share of a limited time that goes into the first stopgaps of all faces.
+const FIRST_SHARE: f64 = 0.2;
+/// Share of the time left that goes into finer stopgaps of a face.
+const STOPGAP_SHARE: f64 = 0.3;
+/// See [`Wanted::grace`]: people who asked to stop wait for it.
+const GRACE: Duration = Duration::from_millis(1000);
+/// Time, after a job was asked to stop, for fits of regions that no cover has reached, and for proofs of what has none.
+const FILLING: Duration = Duration::from_millis(250);
+/// Fits are judged with this multiple of the distance at their samples, so that the report can state a bound.
+const LOOSE: f64 = 1.2;
 
 /// What becomes of faces, and when it must end.
 pub(crate) struct Wanted<'a> {
@@ -41,49 +46,102 @@ pub(crate) struct Wanted<'a> {
     pub deadline: OnceLock<Instant>,
 }
 
+impl Wanted<'_> {
+    /// When a job that was asked to stop must end: soon, for all faces together.
+    fn end(&self) -> Instant {
+        *self.deadline.get_or_init(|| Instant::now() + GRACE)
+    }
+
+    /// Time for stopgaps after a job was asked to stop.
+    fn grace(&self) -> Control {
+        Control::default().until(self.end())
+    }
+
+    /// Whether a job was asked to stop and its time for stopgaps is up: no face should be begun.
+    pub(crate) fn is_over(&self) -> bool {
+        self.control.stopped() && Instant::now() >= self.end()
+    }
+}
+
+/// Where time is limited, a coarse cover of a face, for want of a better one: before any face gets a fine one.
+pub(crate) fn first_covers(faces: &[Face], wanted: &Wanted) -> Vec<Option<Built>> {
+    let Some(left) = wanted.control.remaining() else { return faces.iter().map(|_| None).collect() };
+    let control = wanted.control.clone().until(Instant::now() + left.mul_f64(FIRST_SHARE));
+    let whole = wanted.options.tolerance;
+    let first = |(index, face): (usize, &Face)| {
+        let mut face = face.clone();
+        if control.stopped() || face.trim_bound() > TRIM_SHARE * whole {
+            return None;
+        }
+        corners_on_knot_lines(&mut face);
+        let tolerance = whole - face.joint_bound() - face.trim_bound();
+        let options = CoverOptions { tolerance, ..wanted.options.clone() };
+        stopgap(index, &face, &options, (COARSEST * face.surface.bbox().diagonal(), &control))
+    };
+    faces.par_iter().enumerate().map(first).collect()
+}
+
 /// One face covered. Where its trim takes too much of the tolerance it is covered as it was read, for the eye, and judged
 /// with the whole distance.
 ///
 /// # Errors
 /// Trim loops that cannot be triangulated.
-pub(crate) fn one_face(index: usize, face: &Face, wanted: &Wanted) -> Result<Built, TriangulateError> {
+pub(crate) fn one_face(
+    index: usize,
+    face: &Face,
+    first: Option<Built>,
+    wanted: &Wanted,
+) -> Result<Built, TriangulateError> {
     let mut face = face.clone();
     let (missed, tolerance) = (face.trim_bound(), wanted.options.tolerance);
     if missed <= TRIM_SHARE * tolerance {
-        return covered(index, face, wanted);
+        return covered(index, face, first, wanted);
     }
     face.set_trim_bound(0.0);
-    let mut found = covered(index, face, wanted)?;
+    let mut found = covered(index, face, None, wanted)?;
     found.patchwork.faces.iter_mut().for_each(|f| f.set_trim_bound(missed));
-    found.certificate = certify::patchwork(&found.patchwork, tolerance, &Control::default());
+    let clock = match wanted.control.stopped() {
+        true => Control::default().until(Instant::now() + FILLING),
+        false => Control::default(),
+    };
+    found.certificate = certify::patchwork(&found.patchwork, tolerance, &clock);
     Ok(found)
 }
 
 /// The loop over one face: cover, build, judge, develop; then what limits and seams ask for.
-fn covered(index: usize, mut face: Face, wanted: &Wanted) -> Result<Built, TriangulateError> {
+fn covered(index: usize, mut face: Face, first: Option<Built>, wanted: &Wanted) -> Result<Built, TriangulateError> {
     corners_on_knot_lines(&mut face);
     let (control, whole) = (wanted.control, wanted.options.tolerance);
     // What trimming missed and joining moved belongs to the distance from the file's faces: the rest is left for the
     // search.
     let tolerance = whole - face.joint_bound() - face.trim_bound();
     let mut options = CoverOptions { tolerance, ..wanted.options.clone() };
-    let share = control.remaining().map(|left| Instant::now() + left.mul_f64(STOPGAP_SHARE));
-    let mut stopgap = share.and_then(|end| stopgaps(index, &face, &options, &control.clone().until(end)));
-    let mut found = cover(&face, &options, control)?;
+    let mut stopgap = first;
+    // What is developable already needs no search: it is covered even when time is up.
+    let exact = exactly_covered(&face, &options, &Control::default());
+    let is_exact = exact.is_some();
+    let mut found = match exact {
+        Some(state) => Cover { state, complete: true },
+        None => {
+            if let Some(left) = control.remaining() {
+                let end = Instant::now() + left.mul_f64(STOPGAP_SHARE);
+                stopgap = stopgaps(index, &face, &options, (stopgap, &control.clone().until(end)));
+            }
+            cover(&face, &options, control)?
+        }
+    };
     while !found.complete && !control.stopped() {
         // Too many panels: the fewest that were asked for, as near as they can be.
         options.tolerance *= COARSER;
         found = cover(&face, &options, control)?;
     }
-    let Cover { mut state, complete } = found;
+    let Cover { state, complete } = found;
     if !complete {
         // Time is up: a coarse cover of all of it says more than a fine one of a part.
-        if let Some(built) = stopgap.take().or_else(|| stopgaps(index, &face, &options, &grace(&wanted.deadline))) {
-            return Ok(built);
-        }
-        fill(&mut state);
+        let found = stopgap.take().or_else(|| stopgaps(index, &face, &options, (None, &wanted.grace())));
+        return Ok(found.unwrap_or_else(|| filled(index, &face, state, whole)));
     }
-    if control.stopped() || options.tolerance > tolerance {
+    if (control.stopped() && !is_exact) || options.tolerance > tolerance {
         let built = build(index, &face, &state, whole).0;
         let unknown = !built.certificate.deviation_bound.is_finite();
         return Ok(stopgap.filter(|_| unknown && control.stopped()).unwrap_or(built));
@@ -108,28 +166,39 @@ fn covered(index: usize, mut face: Face, wanted: &Wanted) -> Result<Built, Trian
     Ok(with_room(index, &face, best, &options, control))
 }
 
-/// Covers of a whole face from coarse to fine, each proven, until time is up: the finest.
-fn stopgaps(index: usize, face: &Face, wanted: &CoverOptions, control: &Control) -> Option<Built> {
-    let mut best = None;
+/// Covers of a whole face from coarse to fine, each proven, until time is up: the finest. One may be at hand.
+fn stopgaps(
+    index: usize,
+    face: &Face,
+    wanted: &CoverOptions,
+    (mut best, control): (Option<Built>, &Control),
+) -> Option<Built> {
     let mut tolerance = COARSEST * face.surface.bbox().diagonal();
+    if best.is_some() {
+        tolerance /= STOPGAP_STEP;
+    }
     while tolerance > STOPGAP_STEP * wanted.tolerance && !control.stopped() {
-        // What was asked for besides the tolerance would only take time here; what is missed is marked.
-        let options =
-            CoverOptions { tolerance, limits: Limits::default(), layout: Layout::default(), ..wanted.clone() };
-        let found = cover(face, &options, control).ok()?;
-        if found.complete {
-            let built = build(index, face, &found.state, tolerance).0;
-            if built.certificate.deviation_bound.is_finite() {
-                best = Some(built);
-            }
-        }
+        best = stopgap(index, face, wanted, (tolerance, control)).or(best);
         tolerance /= STOPGAP_STEP;
     }
     best
 }
 
-/// Time for stopgaps after a job was asked to stop: a little for all faces together, at least a moment for each.
-fn grace(deadline: &OnceLock<Instant>) -> Control {
-    let now = Instant::now();
-    Control::default().until((now + LEAST_GRACE).max(*deadline.get_or_init(|| now + GRACE)))
+/// A cover of a whole face that is proven to keep to a tolerance (mm), or to a bound near it; `None` where time is up
+/// before.
+fn stopgap(index: usize, face: &Face, wanted: &CoverOptions, (tolerance, control): (f64, &Control)) -> Option<Built> {
+    // What was asked for besides the tolerance would only take time here; what is missed is marked.
+    let options = CoverOptions { tolerance, limits: Limits::default(), layout: Layout::default(), ..wanted.clone() };
+    let found = cover(face, &options, control).ok().filter(|f| f.complete)?;
+    let built = build_until(index, face, &found.state, tolerance, control).0;
+    built.certificate.deviation_bound.is_finite().then_some(built)
+}
+
+/// A cover that time has cut short, its gaps filled with what is near; judged with the distance of what was found, so that
+/// it has a bound where one can be shown in a moment.
+fn filled(index: usize, face: &Face, mut state: State, whole: f64) -> Built {
+    fill(&mut state, &Control::default().until(Instant::now() + FILLING));
+    let worst = state.panels.values().map(|fit| fit.error).fold(0.0, f64::max);
+    let tolerance = if worst.is_finite() { whole.max(LOOSE * worst) } else { whole };
+    build_until(index, face, &state, tolerance, &Control::default().until(Instant::now() + FILLING)).0
 }

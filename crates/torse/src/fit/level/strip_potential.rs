@@ -8,6 +8,7 @@
 //!
 //! Not guaranteed: a global minimum, or a field without shortfall (the caller looks at `merit`).
 
+use crate::control::Control;
 use crate::num::least_squares::BandMatrix;
 use crate::num::linear_program::LinearProgram;
 use crate::spline::field::Field;
@@ -51,7 +52,7 @@ pub struct Level {
 }
 
 /// Knobs of [`level`].
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct LevelOptions {
     /// Linear starts, evenly spread over the half circle; default 8.
     pub starts: usize,
@@ -61,11 +62,13 @@ pub struct LevelOptions {
     pub rounds: usize,
     /// Spans of φ per direction; default 2 (5 × 5 coefficients).
     pub spans: usize,
+    /// Ends the search early with what was found; default: never.
+    pub control: Control,
 }
 
 impl Default for LevelOptions {
     fn default() -> Self {
-        Self { starts: 8, keep: 2, rounds: 10, spans: 2 }
+        Self { starts: 8, keep: 2, rounds: 10, spans: 2, control: Control::default() }
     }
 }
 
@@ -122,6 +125,9 @@ pub fn levels(samples: &[Forms], border: &[[f64; 2]], options: &LevelOptions) ->
             let mut f = field.clone();
             f.set_linear(angle.cos(), angle.sin() * aspect);
             let start = problem.rated(f, sign)?;
+            if problem.control.stopped() {
+                return Some(start);
+            }
             let next = problem.improve(&start, 0.3, &problem.active);
             Some(next.unwrap_or(start))
         })
@@ -307,7 +313,8 @@ fn problem(samples: &[Forms], border: &[[f64; 2]], options: &LevelOptions) -> Op
     let value = |p: &[f64; 2]| field.basis(p[0], p[1]).into_iter().map(|(i, n, _, _)| (i, n)).collect();
     let places: Vec<Vec<(usize, f64)>> = samples.iter().map(|s| &s.uv).chain(border).map(value).collect();
     let active = Active { rows: every(rows.len(), ROWS), places: every(places.len(), WATCHED) };
-    Some((Problem { rows, places, active, wanted: Vec::new() }, field, (speed[1] / speed[0]).sqrt()))
+    let control = options.control.clone();
+    Some((Problem { rows, places, active, wanted: Vec::new(), control }, field, (speed[1] / speed[0]).sqrt()))
 }
 
 struct Problem {
@@ -318,6 +325,8 @@ struct Problem {
     active: Active,
     /// Directions that the bands must follow.
     wanted: Vec<Wanted>,
+    /// Programs are given up when it says so: what was found stands.
+    control: Control,
 }
 
 /// Conditions and places that a program looks at; more join where its answer fails the others.
@@ -370,6 +379,9 @@ impl Problem {
         let mut active = self.active.clone();
         let mut stalled = 0;
         for _ in 0..rounds {
+            if self.control.stopped() {
+                break;
+            }
             self.join(&best, &mut active);
             let next = self.improve(&best, trust, &active);
             if let Some(next) = &next {

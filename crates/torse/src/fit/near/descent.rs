@@ -5,6 +5,7 @@
 //! minimax problem is solved by an interior-point method, which costs about ten Lawson steps and ends within a
 //! percent of the optimum, where Lawson's weights need dozens.
 
+use crate::control::Control;
 use crate::num::least_squares::{BandMatrix, Rows};
 use crate::num::minimax;
 
@@ -12,7 +13,7 @@ use crate::num::minimax;
 pub(crate) const ENOUGH: f64 = 0.9;
 
 /// Options of [`refit`](super::refit::refit).
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct RefitOptions {
     /// Wanted distance, mm: the iteration ends early below it.
     pub tolerance: f64,
@@ -20,12 +21,14 @@ pub struct RefitOptions {
     pub max_samples: usize,
     /// Wanted radius of curvature at the samples, mm; 0. Kept as far as it is at hand.
     pub bend_radius: f64,
+    /// Ends the iteration early with the best torse so far; never.
+    pub control: Control,
 }
 
 impl RefitOptions {
     /// The defaults with a tolerance in mm.
     pub fn new(tolerance: f64) -> Self {
-        Self { tolerance, max_samples: 220, bend_radius: 0.0 }
+        Self { tolerance, max_samples: 220, bend_radius: 0.0, control: Control::default() }
     }
 }
 
@@ -57,6 +60,10 @@ pub(crate) trait Family {
     fn firmness(&self) -> f64;
     /// Share of the step `d` that is short enough for the linearisation, in (0, 1].
     fn step_share(&self, x: &[f64], d: &[f64]) -> f64;
+    /// Whether to end early with the best torse so far.
+    fn stopped(&self) -> bool {
+        false
+    }
 }
 
 /// Trial lengths of a Gauss–Newton step.
@@ -262,6 +269,9 @@ impl<'a, F: Family> Descent<'a, F> {
             return 0.0;
         }
         for _ in 0..TRIALS {
+            if self.family.stopped() {
+                return 0.0;
+            }
             // Lawson's optimum is that of ½ Σ w r² / e with Σ w = 1, which gives the scale of the soft conditions.
             let scale = 1.0 / (self.active.len() as f64 * before);
             self.linearise(scale, 1.0);
@@ -322,7 +332,7 @@ impl<'a, F: Family> Descent<'a, F> {
         // A step that gains less ends the fit: the optimum is then within about the same share.
         const SMALL: f64 = 4e-3;
         for _ in 0..steps {
-            if self.worst <= enough {
+            if self.worst <= enough || self.family.stopped() {
                 break;
             }
             if self.minimax() < SMALL {
@@ -374,7 +384,7 @@ impl<'a, F: Family> Descent<'a, F> {
                 let stride = bad.len().div_ceil(ADDED).max(1);
                 self.include(bad.into_iter().step_by(stride));
             }
-            if round == rounds || worst <= enough || worst <= EXCESS * self.worst {
+            if round == rounds || worst <= enough || worst <= EXCESS * self.worst || self.family.stopped() {
                 break;
             }
             let mut beyond: Vec<(f64, usize)> =
@@ -421,6 +431,9 @@ pub(crate) fn descended<F: Family>(
     let mut d = Descent::new(family, x, few.to_vec())?;
     let mut failures = 0;
     for _ in 0..steps {
+        if d.family.stopped() {
+            break;
+        }
         let before = d.rms();
         if !d.gauss_newton() {
             // The next step is stiffer.
@@ -435,7 +448,7 @@ pub(crate) fn descended<F: Family>(
     let mut best = (d.x.clone(), d.worst);
     for _ in 0..weighted {
         d.reweight();
-        if !d.gauss_newton() {
+        if d.family.stopped() || !d.gauss_newton() {
             break;
         }
         if d.worst < best.1 {

@@ -5,6 +5,7 @@ use super::descent::{Descent, Family};
 use super::plane::principal_frame;
 use super::profile::{ProfileFamily, Slopes};
 use super::samples::Sample;
+use crate::control::Control;
 use crate::geom::{Frame, Vec3};
 
 /// The final domain reaches this share of the feet's range beyond them.
@@ -49,15 +50,22 @@ pub(crate) fn mean_direction(samples: &[Sample]) -> Option<Vec3> {
     None
 }
 
-/// All directions, each with its best cone and the promise of a general torse; in no particular order. The cones are
+/// How many directions are looked at, and how many spans the splines have in each.
+#[derive(Clone, Copy)]
+pub(crate) struct Counts {
+    pub directions: usize,
+    pub profile_spans: usize,
+    pub ruling_spans: usize,
+}
+
+/// All directions, or the first good ones if `control` ends the search, each with its best cone and the promise of a general torse; in no particular order. The cones are
 /// regular at the samples `few`.
 pub(crate) fn candidates(
     samples: &[Sample],
     few: &[usize],
     up: Vec3,
-    directions: usize,
-    profile_spans: usize,
-    ruling_spans: usize,
+    Counts { directions, profile_spans, ruling_spans }: Counts,
+    control: &Control,
 ) -> Vec<Candidate> {
     // Samples and steps that suffice to rank directions.
     const RANKING: usize = 100;
@@ -69,10 +77,14 @@ pub(crate) fn candidates(
     let active: Vec<usize> = few.iter().step_by(few.len().div_ceil(RANKING).max(1)).copied().collect();
     let mut out = Vec::new();
     for k in 0..directions {
+        if control.stopped() && !out.is_empty() {
+            break;
+        }
         let (sin, cos) = (std::f64::consts::PI * k as f64 / directions as f64).sin_cos();
         let y = e1 * cos + e2 * sin;
         let axes = Frame { origin: Vec3::zeros(), x: y.cross(&up), y, z: up };
         let Some(mut c) = placed(samples, axes, profile_spans) else { continue };
+        c.family.control = control.clone();
         let start = vec![0.0; c.family.unknowns()];
         let Some((x, rms)) = improved(&mut c.family, start, &active, CONE_STEPS) else { continue };
         (c.x, c.cone) = (x, rms * c.unit);

@@ -10,6 +10,7 @@ use super::directions::MARGIN;
 use super::envelope::EnvelopeFamily;
 use super::power_form::{RegularityMargin, Sheet};
 use super::samples::{measure, thin, Fit, Sample};
+use crate::control::Control;
 use crate::geom::{BBox, Vec3};
 use crate::num::least_squares::{BandMatrix, Rows};
 use crate::spline::knots::Knots;
@@ -28,7 +29,7 @@ pub struct CentrePoint {
 }
 
 /// Options of [`dual`].
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct DualOptions {
     /// Wanted distance, mm: the fit ends early below it.
     pub tolerance: f64,
@@ -40,12 +41,14 @@ pub struct DualOptions {
     pub clearance: f64,
     /// Wanted radius of curvature at the samples, mm; 0. Kept as far as the start allows.
     pub bend_radius: f64,
+    /// Ends the fit early with the best torse so far; never.
+    pub control: Control,
 }
 
 impl DualOptions {
     /// The defaults with a tolerance in mm.
     pub fn new(tolerance: f64) -> Self {
-        Self { tolerance, spans: 26, max_samples: 300, clearance: 0.0, bend_radius: 0.0 }
+        Self { tolerance, spans: 26, max_samples: 300, clearance: 0.0, bend_radius: 0.0, control: Control::default() }
     }
 }
 
@@ -100,6 +103,9 @@ pub fn dual(samples: &[Sample], centre: &[CentrePoint], options: &DualOptions) -
     // The first fit that has nearly the room wanted; else the first.
     let mut first = None;
     for (reach, smooth) in STARTS {
+        if first.is_some() && options.control.stopped() {
+            break;
+        }
         let start = start_planes(centre, &parameters, &scale, options.spans.max(4), reach, smooth);
         match start.and_then(|start| fitted(samples, &scale, start, options)) {
             Some((fit, true)) => return Some(fit),
@@ -196,6 +202,7 @@ fn fitted(samples: &[Sample], scale: &Scale, start: Pieces<4>, options: &DualOpt
     let all: Vec<usize> = (0..samples.len()).collect();
     let goal = ENOUGH * options.tolerance / scale.unit;
     let (mut family, start) = EnvelopeFamily::new(points, None, start)?;
+    family.control = options.control.clone();
     let mut residual = Vec::new();
     if !family.residuals(&start, &all, &mut residual) {
         return None;
@@ -261,6 +268,7 @@ pub(crate) fn refit(torse: &DualTorse, samples: &[Sample], options: &RefitOption
     }
     let points: Vec<Vec3> = samples.iter().map(|s| scale.point(&s.x)).collect();
     let (mut family, mut x) = EnvelopeFamily::new(points, None, Pieces::of(&planes)?)?;
+    family.control = options.control.clone();
     let all: Vec<usize> = (0..samples.len()).collect();
     let mut residual = Vec::new();
     if !family.residuals(&x, &all, &mut residual) {

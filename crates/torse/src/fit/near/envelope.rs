@@ -4,6 +4,7 @@ use super::basis::{cubic, Basis};
 use super::descent::Family;
 use super::power_form::{widened, RegularityMargin, Sheet};
 use super::samples::REGULAR_DUAL;
+use crate::control::Control;
 use crate::geom::Vec3;
 use crate::num::least_squares::Rows;
 use crate::spline::knots::Knots;
@@ -37,6 +38,8 @@ pub(crate) struct EnvelopeFamily {
     trial: Vec<f64>,
     /// Steps after which a sample has less room are refused.
     room: RegularityMargin,
+    /// Ends fits early.
+    pub control: Control,
 }
 
 impl EnvelopeFamily {
@@ -74,7 +77,8 @@ impl EnvelopeFamily {
                 gauges.push(Gauge { t, n0: j.n / nn, e: turn.try_normalize(STANDS_STILL).unwrap_or_default() });
             }
         }
-        Some((Self { points, feet, breaks, basis, gauges, trial: Vec::new(), room: RegularityMargin::default() }, x))
+        let (room, control) = (RegularityMargin::default(), Control::default());
+        Some((Self { points, feet, breaks, basis, gauges, trial: Vec::new(), room, control }, x))
     }
 
     /// Planes with the coefficients `x`.
@@ -131,8 +135,10 @@ impl EnvelopeFamily {
             gauges: Vec::new(),
             trial: Vec::new(),
             room: RegularityMargin::default(),
+            control: Control::default(),
         };
-        Self::new(self.points.clone(), Some(self.feet.clone()), carrier.planes(&x))
+        let (family, x) = Self::new(self.points.clone(), Some(self.feet.clone()), carrier.planes(&x))?;
+        Some((Self { control: self.control.clone(), ..family }, x))
     }
 }
 
@@ -148,6 +154,10 @@ fn coefficients(basis: &Basis, breaks: &[f64], planes: &Pieces<4>) -> Vec<f64> {
 }
 
 impl Family for EnvelopeFamily {
+    fn stopped(&self) -> bool {
+        self.control.stopped()
+    }
+
     fn unknowns(&self) -> usize {
         4 * self.basis.count
     }
@@ -318,6 +328,7 @@ mod tests {
             gauges: vec![],
             trial: vec![],
             room: RegularityMargin::default(),
+            control: Control::default(),
         };
         let start = carrier.planes(&x);
         let (mut family, x) = EnvelopeFamily::new(points, None, start).expect("family");

@@ -36,7 +36,7 @@ const COARSE: usize = 32;
 /// Angle (rad) between the normals and their mean up to which a plane profile serves best, and up to which it does at all.
 const GENTLE: f64 = 0.9;
 /// See [`GENTLE`].
-const STEEPEST: f64 = 1.3;
+const STEEPEST: f64 = 1.35;
 /// Least cosine between rulings and the normal of the profile's plane.
 const LEAST_SLANT: f64 = 0.4;
 /// The domain reaches this share of its range beyond the outermost rulings.
@@ -60,10 +60,9 @@ pub fn exact(rulings: &Rulings, samples: &[Sample], options: &ExactOptions) -> O
     }
     let stretches = stretches(rulings)?;
     let lines: Vec<StraightLine> = stretches.iter().flat_map(|s| s.lines.iter().copied()).collect();
-    let up = lines.iter().map(|l| l.normal).sum::<Vec3>().try_normalize(0.0);
-    let steep = |up: Vec3| lines.iter().map(|l| l.normal.angle(&up)).fold(0.0, f64::max);
-    let steepest = up.map_or(f64::INFINITY, steep);
-    let profile = |s: &Sampled| over_profile(s, up?);
+    let facing = facing(&lines);
+    let steepest = facing.map_or(f64::INFINITY, |f| f.1);
+    let profile = |s: &Sampled| over_profile(s, facing?.0);
     let forms: [(Form, bool); 3] =
         [(&profile, steepest <= GENTLE), (&of_planes, true), (&profile, steepest > GENTLE && steepest <= STEEPEST)];
     let kind = kind(&lines);
@@ -84,6 +83,21 @@ pub fn exact(rulings: &Rulings, samples: &[Sample], options: &ExactOptions) -> O
         best.filter(|b| b.error <= options.accepted)
     };
     forms.iter().filter(|f| f.1).find_map(|f| reached(f.0))
+}
+
+/// A direction from which the normals turn away little, and by how much (rad) they do at most: their mean where that is
+/// little, else the middle between the two that are farthest from each other, if it is less. A wave that is steep to one
+/// side for longer than to the other has its mean off the middle.
+fn facing(lines: &[StraightLine]) -> Option<(Vec3, f64)> {
+    let steep = |up: Vec3| (up, lines.iter().map(|l| l.normal.angle(&up)).fold(0.0, f64::max));
+    let farthest = |from: &Vec3| lines.iter().map(|l| l.normal).max_by(|a, b| a.angle(from).total_cmp(&b.angle(from)));
+    let mean = lines.iter().map(|l| l.normal).sum::<Vec3>().try_normalize(0.0).map(steep);
+    if mean.is_some_and(|m| m.1 <= GENTLE) {
+        return mean;
+    }
+    let one = farthest(&mean.map_or(lines.first()?.normal, |m| m.0))?;
+    let middle = (one + farthest(&one)?).try_normalize(0.0).map(steep);
+    [mean, middle].into_iter().flatten().min_by(|a, b| a.1.total_cmp(&b.1))
 }
 
 /// A way to make a torse of rulings.

@@ -6,17 +6,18 @@
 use super::descent::RefitOptions;
 use super::descent::ENOUGH;
 use super::descent::{descended, largest, polished, repaired, Family};
-use super::directions::{candidates, mean_direction, spans, Candidate, MARGIN};
+use super::directions::{candidates, mean_direction, spans, Candidate, Counts, MARGIN};
 use super::plane::plane;
 use super::power_form::{RegularityMargin, Sheet};
 use super::profile::{ProfileFamily, Slopes};
 use super::samples::{measure, thin, Fit, Sample};
+use crate::control::Control;
 use crate::geom::{Frame, Vec3};
 use crate::spline::pieces::Pieces;
 use crate::torse::form::{PanelKind, PrimalTorse, Torse};
 
 /// Options of [`primal`].
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct PrimalOptions {
     /// Wanted distance, mm: the fit ends early below it, and simple kinds are preferred when they reach it.
     pub tolerance: f64,
@@ -32,6 +33,8 @@ pub struct PrimalOptions {
     pub max_samples: usize,
     /// Wanted radius of curvature at the samples, mm; 0. Kept as far as the start allows.
     pub bend_radius: f64,
+    /// Ends the fit early with the best torse so far; never.
+    pub control: Control,
 }
 
 impl PrimalOptions {
@@ -45,6 +48,7 @@ impl PrimalOptions {
             ruling_spans: 2,
             max_samples: 220,
             bend_radius: 0.0,
+            control: Control::default(),
         }
     }
 
@@ -95,7 +99,8 @@ fn curved(samples: &[Sample], options: &PrimalOptions, enough: f64) -> Option<Fi
     let ruling_spans = options.ruling_spans.max(1);
     let profile_spans = options.profile_spans.max(2).div_ceil(ruling_spans) * ruling_spans;
 
-    let mut found = candidates(samples, &few, up, options.directions.max(1), profile_spans, ruling_spans);
+    let counts = Counts { directions: options.directions.max(1), profile_spans, ruling_spans };
+    let mut found = candidates(samples, &few, up, counts, &options.control);
 
     // Simple kinds from the best direction whose cone is regular everywhere.
     found.sort_by(|a, b| a.cone.total_cmp(&b.cone));
@@ -115,7 +120,8 @@ fn curved(samples: &[Sample], options: &PrimalOptions, enough: f64) -> Option<Fi
             freed.extend(self::freed(c, &few, profile_spans, ruling_spans));
         }
         // The first good one will do.
-        if freed.len() >= options.keep.max(1) || freed.last().is_some_and(|f| f.worst <= enough) {
+        let stopped = !freed.is_empty() && options.control.stopped();
+        if stopped || freed.len() >= options.keep.max(1) || freed.last().is_some_and(|f| f.worst <= enough) {
             break;
         }
     }
@@ -300,6 +306,7 @@ pub(crate) fn scaled(torse: &PrimalTorse, kind: PanelKind, points: &[Vec3]) -> O
 pub(crate) fn refit(torse: &PrimalTorse, kind: PanelKind, samples: &[Sample], options: &RefitOptions) -> Option<Fit> {
     let points: Vec<Vec3> = samples.iter().map(|s| s.x).collect();
     let (mut family, mut x, unit) = scaled(torse, kind, &points)?;
+    family.control = options.control.clone();
     let all: Vec<usize> = (0..samples.len()).collect();
     let few = thin(samples, options.max_samples.max(12));
     let mut residual = Vec::new();

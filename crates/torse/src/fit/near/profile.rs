@@ -4,6 +4,7 @@
 use super::basis::{cubic, Basis};
 use super::descent::Family;
 use super::power_form::{quintic, slope_integral, widened, RegularityMargin, Sheet};
+use crate::control::Control;
 use crate::geom::{Frame, Vec3};
 use crate::num::least_squares::Rows;
 use crate::spline::knots::Knots;
@@ -50,6 +51,8 @@ pub(crate) struct ProfileFamily {
     reach: f64,
     /// Steps after which a sample has less room are refused.
     room: RegularityMargin,
+    /// Ends fits early.
+    pub control: Control,
 }
 
 impl ProfileFamily {
@@ -58,7 +61,9 @@ impl ProfileFamily {
         let f = Basis::spline(&Knots::clamped(3, &breaks).ok()?, &breaks);
         let a = Self::slope_basis(&breaks, &slopes)?;
         let reach = points.iter().fold(LEAST_REACH, |m, q| m.max(q.y.abs()));
-        Some(Self { points, feet, breaks, f, a, slopes, trial: Vec::new(), reach, room: RegularityMargin::default() })
+        let room = RegularityMargin::default();
+        let control = Control::default();
+        Some(Self { points, feet, breaks, f, a, slopes, trial: Vec::new(), reach, room, control })
     }
 
     fn slope_basis(breaks: &[f64], slopes: &Slopes) -> Option<Basis> {
@@ -141,6 +146,10 @@ impl ProfileFamily {
 }
 
 impl Family for ProfileFamily {
+    fn stopped(&self) -> bool {
+        self.control.stopped()
+    }
+
     fn unknowns(&self) -> usize {
         self.f.count + self.a.count + 1
     }

@@ -6,6 +6,7 @@ pub(in crate::io) mod numbers;
 use crate::answer::{Answer, Job};
 use crate::certify::claim::{Claim, Counted, Demand, Evidence, NetNumber, What};
 pub use note::note;
+pub(crate) use numbers::length_bound;
 use std::collections::HashSet;
 
 /// Reasons that are told one after the other; more are counted.

@@ -33,7 +33,7 @@ pub(super) fn length(x: f64) -> String {
 }
 
 /// A proven bound (mm), rounded up.
-pub(super) fn length_bound(x: f64) -> String {
+pub(crate) fn length_bound(x: f64) -> String {
     if x == 0.0 || !x.is_finite() {
         return length(x);
     }

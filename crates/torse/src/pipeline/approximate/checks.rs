@@ -3,6 +3,7 @@
 use super::error::{ApproximateError, MOST_PANELS};
 use super::options::Options;
 use crate::answer::skipped::Skipped;
+use crate::brep::area::area_estimate;
 use crate::brep::face::Face;
 use crate::geom::coarse::{is_tolerance, Loose};
 use crate::geom::BBox;
@@ -10,6 +11,8 @@ use crate::search::cover::{
     check_curves, is_developable, panels_needed, CoverOptions, CurveError, Guide, Layout, Limits,
 };
 
+/// Share of what a face has by which panels may be wider: they need not follow it exactly.
+const ROOMY: f64 = 1.05;
 /// Share of the model's size below which no tolerance is accepted (certificate specification, 3).
 const PRECISION: f64 = 1e-10;
 
@@ -46,7 +49,18 @@ pub(super) fn checked(faces: &[Face], skipped: &[Skipped], options: &Options) ->
 
 /// Limits that ask for more panels than can be laid on one of the faces.
 pub(super) fn checked_number(faces: &[Face], options: &Options) -> Result<(), ApproximateError> {
-    let tolerance = options.tolerance;
+    let (tolerance, limits) = (options.tolerance, &options.limits);
+    if let Some(least) = limits.min_width {
+        let area = faces.iter().map(area_estimate).filter(|a| a.is_finite()).fold(0.0, f64::max);
+        // The area of a pattern over its length, which is no less than its width, is at most the root of its area.
+        let widest = area.sqrt();
+        if least > ROOMY * widest {
+            return Err(ApproximateError::TooNarrow { least, widest });
+        }
+    }
+    if limits.min_bend_radius.is_none() && limits.widest().zip(limits.longest()).is_none() {
+        return Ok(());
+    }
     for f in faces.iter().filter(|f| !is_developable(f, tolerance)) {
         if let Some((name, count)) = panels_needed(f, &options.limits, tolerance).filter(|n| n.1 > MOST_PANELS) {
             return Err(ApproximateError::TooMany { name, count, entity: f.entity });
@@ -91,7 +105,11 @@ fn checked_limits(limits: &Limits) -> Result<(), ApproximateError> {
     }
     match limits.min_width.zip(limits.widest()) {
         Some((least, greatest)) if least > greatest => Err(ApproximateError::Widths { least, greatest }),
-        _ => Ok(()),
+        _ => match limits.min_width.zip(limits.longest()) {
+            // No pattern is wider than long.
+            Some((least, longest)) if least >= longest => Err(ApproximateError::WiderThanLong { least, longest }),
+            _ => Ok(()),
+        },
     }
 }
 

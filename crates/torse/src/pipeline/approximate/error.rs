@@ -60,6 +60,26 @@ pub enum ApproximateError {
         /// Greatest, mm.
         greatest: f64,
     },
+    /// A least width that no pattern can have that is short enough.
+    #[error(
+        "the least width, {least} mm, is no less than the greatest length, {longest} mm: no pattern is wider than it is long"
+    )]
+    WiderThanLong {
+        /// Least width, mm.
+        least: f64,
+        /// Greatest length, mm.
+        longest: f64,
+    },
+    /// A least width that no face has.
+    #[error(
+        "the least width, {least} mm, is more than any face allows: the largest is a panel of {widest:.0} mm at most"
+    )]
+    TooNarrow {
+        /// Least width, mm.
+        least: f64,
+        /// Greatest mean width of a panel on the largest face, mm.
+        widest: f64,
+    },
     /// Angle of smooth edges that is none.
     #[error("the angle of smooth edges must lie between 0 and 90 degrees, not at {0}")]
     SmoothAngle(f64),

@@ -333,6 +333,21 @@ fn answered(faces: Vec<Face>, approximate: Option<f64>) -> crate::answer::Answer
 }
 
 #[test]
+fn tolerances_larger_than_the_model_are_refused() {
+    let faces = vec![over_parabola(|p| p + Vec3::new(10.0, 90.0, 5.0))];
+    let model = crate::io::model::Model {
+        faces,
+        skipped: Vec::new(),
+        unit: "millimetre".into(),
+        notes: Vec::new(),
+        products: Vec::new(),
+    };
+    let options = super::UnrollOptions { surfaces: true, ..super::UnrollOptions::new(900.0) };
+    let e = super::unroll(&model, &options, &crate::control::Control::default()).expect_err("too large a tolerance");
+    assert!(matches!(e, super::UnrollError::Loose(_)), "{e}");
+}
+
+#[test]
 fn general_developables_are_proven_through_their_panels() {
     let apex = Vec3::new(40.0, 130.0, 10.0);
     for face in [over_parabola(|p| p + Vec3::new(10.0, 90.0, 5.0)), over_parabola(|p| p + (apex - p) * 0.6)] {

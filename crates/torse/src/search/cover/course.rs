@@ -33,7 +33,8 @@ impl Job<'_> {
     pub(super) fn levels_on_course(&self, state: &State, label: u32, samples: usize, spans: usize) -> Vec<Level> {
         let forms = state.forms(label, samples);
         let along: Vec<[f64; 2]> = forms.iter().map(|f| pulled_back(&self.face.surface, f.uv, &self.course)).collect();
-        levels_along(&forms, &along, &state.places(label), &LevelOptions { spans, ..LevelOptions::default() })
+        let options = LevelOptions { spans, control: self.control.clone(), ..LevelOptions::default() };
+        levels_along(&forms, &along, &state.places(label), &options)
     }
 }
 

@@ -64,7 +64,7 @@ fn asked(tolerance: f64) -> ExactOptions {
 
 /// A developable face as one panel, or one for each part into which seams asked for cut it, proven. `None` where it is
 /// not developable along its parameter lines, where limits forbid its torse, or where panels shall follow curves.
-pub(super) fn covered(face: &Face, options: &CoverOptions, control: &Control) -> Option<State> {
+pub(in crate::search) fn exactly_covered(face: &Face, options: &CoverOptions, control: &Control) -> Option<State> {
     if options.facets || !options.layout.curves.is_empty() {
         return None;
     }

@@ -29,6 +29,7 @@ mod umbilic;
 use crate::brep::face::Face;
 use crate::control::Control;
 use crate::fit::level::strip_potential::{level, levels, straight_bands, Level, LevelOptions};
+use crate::fit::near::primal::{primal, PrimalOptions};
 use crate::geom::Vec3;
 use crate::patchwork::partition::centroid;
 use crate::patchwork::triangulate::TriangulateError;
@@ -36,6 +37,7 @@ use crate::spline::field::Field;
 pub use curve_on_face::{CurveError, CurveShape, PanelCurve};
 pub(in crate::search) use equidistribute::Rise;
 pub use exact::exactly;
+pub(in crate::search) use exact::exactly_covered;
 pub(crate) use exact::{is_developable, is_smoothly_developable};
 pub use job::CoverOptions;
 pub(crate) use job::{Job, DISTANCE_SHARE};
@@ -101,7 +103,7 @@ pub struct Cover {
 /// # Errors
 /// Trim loops that cannot be triangulated.
 pub fn cover(face: &Face, options: &CoverOptions, control: &Control) -> Result<Cover, TriangulateError> {
-    if let Some(state) = exact::covered(face, options, control) {
+    if let Some(state) = exactly_covered(face, options, control) {
         return Ok(Cover { state, complete: true });
     }
     let mut state = State::of_face(face, f64::INFINITY)?;
@@ -186,6 +188,9 @@ impl Job<'_> {
         if let Some(fit) = trial.accepted {
             let mut state = state;
             state.panels.insert(label, fit);
+            return Some(state);
+        }
+        if self.control.stopped() {
             return Some(state);
         }
         if depth >= FACET_DEPTH || self.options.facets {
@@ -301,7 +306,8 @@ impl Job<'_> {
             return self.levels_on_course(state, label, samples, spans);
         }
         let attempt = |samples: usize, spans: usize, keep: usize| {
-            levels(&state.forms(label, samples), &places, &LevelOptions { spans, keep, ..LevelOptions::default() })
+            let options = LevelOptions { spans, keep, control: self.control.clone(), ..LevelOptions::default() };
+            levels(&state.forms(label, samples), &places, &options)
         };
         if depth > 0 {
             let mut found = attempt(700, 2, 2);
@@ -389,7 +395,8 @@ impl Job<'_> {
     fn divided(&self, state: &State, label: u32, budget: usize, depth: usize, stars: &[Star]) -> Option<State> {
         let four = 4.0 * self.options.tolerance.sqrt();
         let rate = |s: &State, l: u32| {
-            level(&s.forms(l, 160), &s.places(l), &LevelOptions { rounds: 3, ..LevelOptions::default() })
+            let options = LevelOptions { rounds: 3, control: self.control.clone(), ..LevelOptions::default() };
+            level(&s.forms(l, 160), &s.places(l), &options)
         };
         let surface = &self.face.surface;
         let candidates: Vec<(f64, State, Vec<u32>)> = (0..4 + stars.len())
@@ -430,13 +437,14 @@ impl Job<'_> {
     }
 }
 
-/// Gives every region without a torse the nearest one at hand, unproven: the best that a job cut short can offer.
-pub fn fill(state: &mut State) {
+/// Gives every region without a torse the nearest one at hand, unproven: the best that a job cut short can offer. The
+/// fits are as good as `control` leaves time for.
+pub fn fill(state: &mut State, control: &Control) {
     for label in state.partition.distinct_labels() {
         if !state.panels.contains_key(&label) {
             let samples = state.samples(label);
-            let fit = crate::fit::near::primal::primal(&samples, &crate::fit::near::primal::PrimalOptions::new(0.0))
-                .or_else(|| crate::fit::near::plane::plane(&samples));
+            let options = PrimalOptions { control: control.clone(), ..PrimalOptions::new(0.0) };
+            let fit = primal(&samples, &options).or_else(|| crate::fit::near::plane::plane(&samples));
             if let Some(fit) = fit {
                 state.panels.insert(label, std::sync::Arc::new(fit));
             }

@@ -129,7 +129,11 @@ impl Job<'_> {
         how: AttemptOptions,
     ) -> Attempt {
         let allowed = self.options.tolerance * DISTANCE_SHARE;
+        if self.control.stopped() {
+            return Attempt::failed(f64::INFINITY);
+        }
         let samples = state.dense_samples(&self.face.surface, label, how.density);
+        let control = || self.control.clone();
         let proven = |fit: Fit| {
             if how.prove {
                 self.proven(state, label, fit, samples.clone())
@@ -159,7 +163,9 @@ impl Job<'_> {
         let bend_radius = self.wanted_bend();
         let mut best = Attempt::failed(f64::INFINITY);
         if let Some(from) = how.from {
-            if let Some(fit) = refit(from, &samples, &RefitOptions { bend_radius, ..RefitOptions::new(keen) }) {
+            if let Some(fit) =
+                refit(from, &samples, &RefitOptions { bend_radius, control: control(), ..RefitOptions::new(keen) })
+            {
                 best = judge(fit);
                 if best.accepted.is_some() {
                     return best;
@@ -171,7 +177,7 @@ impl Job<'_> {
             let slender = length * length / state.area(label).max(f64::MIN_POSITIVE);
             let fine = ((SPANS * slender) as usize).min(MOST_SPANS);
             let clearance = WANTED_CLEARANCE * state.width(label);
-            let usual = DualOptions { clearance, bend_radius, ..DualOptions::new(allowed * KEEN) };
+            let usual = DualOptions { clearance, bend_radius, control: control(), ..DualOptions::new(allowed * KEEN) };
             // Slender bands need more spans; many spans on short ones come too near the regression curve.
             let mut counts = vec![usual.spans];
             if fine > usual.spans * 5 / 4 {
@@ -189,7 +195,7 @@ impl Job<'_> {
                 }
             }
         }
-        let usual = PrimalOptions { bend_radius, ..PrimalOptions::new(keen) };
+        let usual = PrimalOptions { bend_radius, control: control(), ..PrimalOptions::new(keen) };
         let wanted = centre
             .filter(|line| has_inflection(line))
             .map_or(0, |line| spans_along(line, LINE_SHARE * allowed, state.bbox(label).diagonal()));
@@ -232,8 +238,8 @@ impl Job<'_> {
         let limits = &self.options.limits;
         let clearance = (LEAST_CLEARANCE * state.width(label)).max(limits.min_clearance.unwrap_or(0.0));
         let bend = self.least_bend();
-        let options =
-            RefitOptions { bend_radius: self.wanted_bend(), ..RefitOptions::new(allowed * HOPEFUL * HOPEFUL) };
+        let (bend_radius, control) = (self.wanted_bend(), self.control.clone());
+        let options = RefitOptions { bend_radius, control, ..RefitOptions::new(allowed * HOPEFUL * HOPEFUL) };
         let mut fit = first;
         for round in 0..=REFITS {
             self.proofs.fetch_add(1, Ordering::Relaxed);
