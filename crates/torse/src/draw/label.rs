@@ -109,16 +109,33 @@ impl SightMap {
                 let free = |(row, a, b): (usize, usize, usize)| {
                     self.owner[row * self.columns + a..=row * self.columns + b].iter().all(|&o| o == NONE)
                 };
-                if nearer && block(c, r).all(free) {
+                if nearer && block(c, r).all(free) && self.way(from, centre(c, r)).all(|k| self.owner[k] != NAME) {
                     best = Some((far, c, r));
                 }
             }
         }
         let (_, c, r) = best?;
+        // Later names keep off the line to this one.
+        let line: Vec<usize> = self.way(from, centre(c, r)).collect();
+        for k in line {
+            if self.owner[k] == NONE {
+                self.owner[k] = NAME;
+            }
+        }
         for (row, a, b) in block(c, r) {
             self.owner[row * self.columns + a..=row * self.columns + b].fill(NAME);
         }
         Some(centre(c, r))
+    }
+
+    /// The cells on the way from one place to another.
+    fn way(&self, from: Vec2, to: Vec2) -> impl Iterator<Item = usize> + '_ {
+        let steps = ((to - from).norm() / CELL).ceil().max(1.0) as usize;
+        (0..=steps).map(move |k| {
+            let p = from + (to - from) * (k as f64 / steps as f64);
+            let cell = |x: f64, most: usize| ((x / CELL).max(0.0) as usize).min(most - 1);
+            cell(p.y, self.rows) * self.columns + cell(p.x, self.columns)
+        })
     }
 
     /// Width (pixels) of the widest level line centred at a place that stays on the same thing.
@@ -189,6 +206,13 @@ mod tests {
             }
         }
         assert_eq!(map.beside(from, Vec2::new(190.0, 90.0), 0.0), None);
+        // No line to a name runs through another name.
+        for (k, p) in places.iter().enumerate() {
+            for q in &places[..k] {
+                let within = |x: Vec2| (x.x - q.x).abs() < half.x && (x.y - q.y).abs() < half.y;
+                assert!((0..=100).all(|s| !within(from + (p - from) * (f64::from(s) / 100.0))), "{p} {q}");
+            }
+        }
     }
 
     fn rectangle(map: &mut SightMap, owner: u32, x: [f64; 2], y: [f64; 2], depth: f64) {
