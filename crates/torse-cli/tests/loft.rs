@@ -92,7 +92,7 @@ fn curves_that_cannot_be_joined_are_refused_by_name_and_place() {
         (&["loft", "a.csv", "huge.csv"], &["huge.csv: point 1", "check the unit"]),
         (&["loft", "a.csv", "eight.csv", "--polyline"], &["eight.csv meets itself", "0.18", "0.81"]),
         (&["loft", "line.csv", "on.csv"], &["line.csv and on.csv lie in one line"]),
-        (&["loft", "a.csv", "cm.dxf"], &["cm.dxf is in centimetres"]),
+        (&["loft", "a.csv", "cm.dxf"], &["the unit of cm.dxf is the centimetre"]),
         (&["loft", "a.csv"], &["<RAIL_B>"]),
         (&["loft", "a.csv", "b.csv", "--ruling", "0.5,0.5", "--ruling", "0.4,0.6"], &["ruling 1 (0.4, 0.6)"]),
         (&["loft", "a.csv", "b.csv", "--ruling", "2,0"], &["between 0 and 1"]),

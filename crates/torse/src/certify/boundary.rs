@@ -45,6 +45,8 @@ const DEPTH: usize = 10;
 /// Halvings before a piece whose ends seem too far away is given up: the enclosure of the foot function's slope over a
 /// long piece makes them seem farther than they are.
 const PATIENCE: usize = 5;
+/// Parts of an interval of parameters where enclosures over all of it say too little.
+const PARTS: usize = 8;
 /// Factor that covers the rounding of a sum of a few positive terms, thousands of times over.
 const ROUNDED_UP: f64 = 1.0 + 1e-12;
 
@@ -87,7 +89,7 @@ impl Boundary<'_> {
             );
         }
         let knots = run.trim.knots.breaks();
-        let (mut bound, mut curvature) = (0.0f64, 0.0f64);
+        let mut sides = Vec::with_capacity(run.vertices.len() - 1);
         let mut start = None;
         for k in 0..run.vertices.len() - 1 {
             let (Some(a), Some(b)) = (place(k), place(k + 1)) else {
@@ -96,6 +98,7 @@ impl Boundary<'_> {
             let Some(patch) = self.prepared.patch_of(&[a, b, b]) else {
                 return refuse(a, "a side of the region crosses a knot line of the surface");
             };
+            let (mut bound, mut curvature) = (0.0f64, 0.0f64);
             let (s0, s1) = (run.parameters[k], run.parameters[k + 1]);
             let mut cuts = vec![(0.0, s0)];
             cuts.extend(
@@ -134,10 +137,9 @@ impl Boundary<'_> {
                 bound = bound.max(found.bound);
                 curvature = curvature.max(found.curvature);
             }
+            sides.push(Side { ends: [a, b], bound, curvature });
         }
-        start
-            .map(|start| RunBound { bound, curvature, start })
-            .ok_or(Obstacle { uv: first, reason: "a trimming curve is empty" })
+        start.map(|start| RunBound { sides, start }).ok_or(Obstacle { uv: first, reason: "a trimming curve is empty" })
     }
 
     fn piece_bound(&self, patch: &Patch, ga: [f64; 2], gb: [f64; 2], trim: &Curve<2>, s: (f64, f64)) -> Option<Found> {
@@ -197,37 +199,50 @@ impl Boundary<'_> {
 
         // The path: t between the foot and θ₁, X fixed.
         let (roots, slope_e) = self.foot_between(t, &x, q, slope_e)?;
-        let plane = family.over(roots);
+        let way = self.way_over(roots, &x, q)?;
+        let path = |q: f64, p: f64| {
+            let across = Interval::point(q) / slope_e.abs() * way.speed;
+            let straight = Interval::point(p) / way.ruling + Interval::point(self.skew()) * length(&w);
+            ((across + straight) * Interval::point(1.0 + self.skew())).hi
+        };
+        let bound = path(q, p);
+        bound.is_finite().then(|| Found { bound, at_ends: path(q_ends, p_ends), curvature: way.curvature, roots })
+    }
+
+    /// Bound of how much the local metric differs from that of space, by rounding of the frame only.
+    fn skew(&self) -> f64 {
+        (self.family.metric - 1.0) * 16.0
+    }
+
+    /// The torse along a path over an interval of parameters, at most at the foot function `q` from its foot; over parts of it
+    /// where the enclosure over all says nothing.
+    fn way_over(&self, t: Interval, x: &V3<Interval>, q: f64) -> Option<Way> {
+        self.way_on(t, x, q).or_else(|| {
+            let mut parts = parts(t).map(|t| self.way_on(t, x, q));
+            let first = parts.next()??;
+            parts.try_fold(first, |all, w| w.map(|w| all.with(&w)))
+        })
+    }
+
+    fn way_on(&self, t: Interval, x: &V3<Interval>, q: f64) -> Option<Way> {
+        let plane = self.family.over(t);
         let e_length = length(&Family::direction(&plane));
         let n_length = plane.nn.sqrt();
         let m_across = e_length / n_length;
         let gradient = plane.gradient();
         let g_length = n_length * e_length; // |M| = |n|² |m⊥| = |n| |e|
         let foot = Interval::symmetric(q);
-        // The local metric differs from that of space by rounding of the frame only.
-        let skew = (family.metric - 1.0) * 16.0;
+        let skew = self.skew();
         let turn = dot(&plane.dm, &gradient).widen(skew * length_bound(&plane.dm) * length_bound(&gradient));
-        let g = dot(&plane.dm, &x) - plane.dk - plane.f(&x) * plane.ndm / plane.nn - foot * turn / g_length.sqr();
+        let g = dot(&plane.dm, x) - plane.dk - plane.f(x) * plane.ndm / plane.nn - foot * turn / g_length.sqr();
         let q_across = Interval::point(q) / g_length;
         let speed = g.abs() / m_across + q_across * length(&cross(&plane.n, &plane.dm)) / e_length;
-        let path = |q: f64, p: f64| {
-            let across = Interval::point(q) / slope_e.abs() * speed;
-            let straight = Interval::point(p) / e_length + Interval::point(skew) * length(&w);
-            ((across + straight) * Interval::point(1.0 + skew)).hi
-        };
-        let bound = path(q, p);
         // κ = |σ| |m⊥|² / (|n| |G|).
         let curvature = (plane.sigma.abs() * m_across.sqr() / (n_length * g.abs())).hi * (1.0 + skew);
-        (bound.is_finite() && curvature.is_finite()).then(|| Found {
-            bound,
-            at_ends: path(q_ends, p_ends),
-            curvature,
-            roots,
-        })
+        let finite = speed.hi.is_finite() && curvature.is_finite();
+        finite.then_some(Way { speed, ruling: e_length, curvature })
     }
-}
 
-impl Boundary<'_> {
     /// An interval around `t` that provably holds a foot for every point of `x`, and E_t over it: with `|E| ≤ q` on t,
     /// E changes its sign within `q/|E_t|` of it, provided that this bounds E_t on the interval that it leads to.
     fn foot_between(&self, t: Interval, x: &V3<Interval>, q: f64, slope: Interval) -> Option<(Interval, Interval)> {
@@ -241,27 +256,68 @@ impl Boundary<'_> {
             if !(roots.lo >= lo && roots.hi <= hi) {
                 return None;
             }
-            let slope = slope_over(&self.family.over(roots), x);
-            if slope.sign() == 0 {
-                return None;
+            let needed = |slope: &Interval| (Interval::point(q) / slope.abs()).hi;
+            let whole = slope_over(&self.family.over(roots), x);
+            if whole.sign() != 0 && needed(&whole) <= reach {
+                return Some((roots, whole));
             }
-            let needed = (Interval::point(q) / slope.abs()).hi;
-            if needed <= reach {
+            let parts = parts(roots).map(|t| slope_over(&self.family.over(t), x));
+            let slope = parts.reduce(Interval::hull).filter(|s| s.sign() != 0)?;
+            if needed(&slope) <= reach {
                 return Some((roots, slope));
             }
-            reach = needed * MORE;
+            reach = needed(&slope) * MORE;
         }
         None
     }
 }
 
-/// What was shown about a run.
+/// The parts into which an interval of parameters is cut.
+fn parts(t: Interval) -> impl Iterator<Item = Interval> {
+    let cut = move |k: usize| match k {
+        0 => t.lo,
+        PARTS => t.hi,
+        k => t.lo + (t.hi - t.lo) * (k as f64 / PARTS as f64),
+    };
+    (0..PARTS).map(move |k| Interval { lo: cut(k), hi: cut(k + 1) })
+}
+
+/// A torse along a path.
+struct Way {
+    /// Length of the path for a unit of the parameter, mm.
+    speed: Interval,
+    /// Length of the ruling's direction.
+    ruling: Interval,
+    /// Bound of the curvature, 1/mm.
+    curvature: f64,
+}
+
+impl Way {
+    fn with(self, other: &Self) -> Self {
+        Self {
+            speed: self.speed.hull(other.speed),
+            ruling: self.ruling.hull(other.ruling),
+            curvature: self.curvature.max(other.curvature),
+        }
+    }
+}
+
+/// What was shown about a side of the region's boundary.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct RunBound {
+pub(super) struct Side {
+    /// Its ends on the face.
+    pub ends: [[f64; 2]; 2],
     /// Bound of the paths' length, mm.
     pub bound: f64,
     /// Bound of the torse's curvature along the paths, 1/mm.
     pub curvature: f64,
+}
+
+/// What was shown about a run.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct RunBound {
+    /// Its sides, in order.
+    pub sides: Vec<Side>,
     /// First vertex, and an interval with exactly one foot of it, from which the paths start.
     pub start: ([f64; 2], Interval),
 }

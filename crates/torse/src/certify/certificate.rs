@@ -16,6 +16,9 @@ pub struct PanelParts {
     pub reason: String,
     /// Witness: parameters on the face, and the distance there, when the tolerance is exceeded.
     pub witness: Option<([f64; 2], f64)>,
+    /// Place on the face that is farther than boundary, edges and rounding leave of the tolerance, and what they leave there,
+    /// mm.
+    pub too_far: Option<([f64; 2], f64)>,
     /// Two-sided bound between the panel as exported and its part of the face; infinite if none was shown.
     pub deviation_bound: f64,
     /// Part of the bound: face to (untrimmed) torse along normals.
@@ -207,6 +210,7 @@ impl PanelParts {
             certified: false,
             reason: String::new(),
             witness: None,
+            too_far: None,
             deviation_bound: f64::INFINITY,
             distance_bound: f64::INFINITY,
             boundary_bound: f64::INFINITY,

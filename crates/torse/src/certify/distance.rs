@@ -168,6 +168,8 @@ impl Fallback {
 struct Accepted {
     triangle: [[f64; 2]; 3],
     good: Good,
+    /// Number of the given triangle that it is a part of.
+    of: usize,
 }
 
 /// Bounds the distance from a region of a face to a torse along the torse's normals.
@@ -191,7 +193,7 @@ pub fn distance(
     options: &DistanceOptions,
     control: &Control,
 ) -> Judgement {
-    let mut judgement = judge(prepared, torse, triangles, tolerance, options, control).0;
+    let mut judgement = judge(prepared, torse, triangles, &vec![tolerance; triangles.len()], options, control).parts;
     if let Verdict::Holds { bound } = judgement.verdict {
         let bound = judgement.curl.with(bound);
         judgement.verdict = match triangles.first() {
@@ -205,23 +207,33 @@ pub fn distance(
 /// Foot intervals proven at the corners of triangles.
 pub(super) type Feet = HashMap<Key, (f64, f64)>;
 
-/// As [`distance`], with the feet at the corners, and with a bound that does not know of [`Judgement::curl`].
+/// A judgement with what lies behind it.
+pub(super) struct Judged {
+    /// The judgement; its bound does not know of [`JudgementParts::curl`].
+    pub parts: JudgementParts,
+    /// Feet at the corners.
+    pub feet: Feet,
+    /// Bound of the distance over each given triangle; empty unless it holds.
+    pub bounds: Vec<f64>,
+}
+
+/// As [`distance`], with a tolerance for every triangle.
 pub(super) fn judge(
     prepared: &Prepared,
     torse: &Torse,
     triangles: &[[[f64; 2]; 3]],
-    tolerance: f64,
+    tolerances: &[f64],
     options: &DistanceOptions,
     control: &Control,
-) -> (JudgementParts, Feet) {
+) -> Judged {
+    let tolerance = tolerances.iter().copied().fold(f64::INFINITY, f64::min);
     let blank = |verdict: Verdict| {
         // Of no points at all anything is true; of points that were not looked at nothing is known.
         let least = if matches!(verdict, Verdict::Holds { .. }) { f64::INFINITY } else { 0.0 };
         let (min_bend_radius, regression_clearance) = (least, least);
-        (
-            JudgementParts { verdict, min_bend_radius, regression_clearance, cells: 0, looks: 0, curl: Curl::NONE },
-            Feet::new(),
-        )
+        let parts =
+            JudgementParts { verdict, min_bend_radius, regression_clearance, cells: 0, looks: 0, curl: Curl::NONE };
+        Judged { parts, feet: Feet::new(), bounds: Vec::new() }
     };
     let undecided = |uv: [f64; 2], reason| blank(Verdict::Undecided { uv, reason });
     let Some(any) = triangles.first() else {
@@ -252,6 +264,7 @@ pub(super) fn judge(
         prepared,
         family: &family,
         triangles,
+        tolerances,
         tolerance,
         control,
         budget: options.budget + 2 * triangles.len(),
@@ -282,7 +295,12 @@ pub(super) fn judge(
             0.0
         }
     };
-    let judgement = JudgementParts {
+    let mut bounds = Vec::new();
+    if all {
+        bounds.resize(triangles.len(), 0.0f64);
+        accepted.iter().for_each(|a| bounds[a.of] = bounds[a.of].max(a.good.bound));
+    }
+    let parts = JudgementParts {
         verdict,
         min_bend_radius: least(&|g| g.bend_radius),
         regression_clearance: least(&|g| g.clearance),
@@ -290,7 +308,7 @@ pub(super) fn judge(
         looks,
         curl: Curl::of(&accepted),
     };
-    (judgement, feet)
+    Judged { parts, feet, bounds }
 }
 
 /// What the threads share.
@@ -298,6 +316,9 @@ struct Search<'a> {
     prepared: &'a Prepared<'a>,
     family: &'a Family,
     triangles: &'a [[[f64; 2]; 3]],
+    /// Of each triangle, mm.
+    tolerances: &'a [f64],
+    /// The least of them.
     tolerance: f64,
     control: &'a Control,
     budget: usize,
@@ -325,7 +346,8 @@ impl Search<'_> {
 
     /// Halves one given triangle until everything is proven, or reports the failure.
     fn examine(&self, index: usize, patch: &Patch, guess: f64) -> Vec<Accepted> {
-        let bench = Bench::new(self.family, patch, self.tolerance);
+        let tolerance = self.tolerances[index];
+        let bench = Bench::new(self.family, patch, tolerance);
         let root = self.triangles[index];
         let marks = [0b001_101, 0b010_011, 0b100_110];
         let mut accepted = Vec::new();
@@ -353,8 +375,8 @@ impl Search<'_> {
                 found = bench.bound_cell(&cell.triangle, cell.guess, true);
             }
             match found {
-                CellBound::Good(good) if good.way > FINE_WAY * self.tolerance && cell.depth < DEPTH => {
-                    let whole = Accepted { triangle: cell.triangle, good };
+                CellBound::Good(good) if good.way > FINE_WAY * tolerance && cell.depth < DEPTH => {
+                    let whole = Accepted { triangle: cell.triangle, good, of: index };
                     fallbacks.push(Fallback { whole, open: open.len(), accepted: accepted.len() });
                     open.extend(cell.halves(patch, good.feet.mid()));
                 }
@@ -362,7 +384,7 @@ impl Search<'_> {
                     Some(f) if good.fold * self.orientation() < 0 => f.restore(&mut open, &mut accepted),
                     fallback => {
                         fallbacks.extend(fallback);
-                        accepted.push(Accepted { triangle: cell.triangle, good });
+                        accepted.push(Accepted { triangle: cell.triangle, good, of: index });
                     }
                 },
                 CellBound::Exceeds { place, distance } => {
@@ -376,7 +398,7 @@ impl Search<'_> {
                 }
                 CellBound::Large { reason, foot, radius } => {
                     let foot_or_fold = matches!(reason, Obstruction::Foot | Obstruction::Fold);
-                    let hopeless = foot_or_fold && cell.depth >= PATIENCE && radius < HOPELESS * self.tolerance;
+                    let hopeless = foot_or_fold && cell.depth >= PATIENCE && radius < HOPELESS * tolerance;
                     if hopeless || cell.depth >= DEPTH {
                         if let Some(f) = fallbacks.pop().filter(|_| foot_or_fold || reason == Obstruction::Degenerate) {
                             f.restore(&mut open, &mut accepted);

@@ -19,6 +19,7 @@ mod family;
 mod fingerprint;
 pub mod flat;
 mod local;
+mod mismatch;
 mod panel;
 pub mod points;
 pub(crate) mod prepared;

@@ -7,13 +7,14 @@
 //! one to the faces of the file. So is the bound of [`edges`](super::edges): a panel bounded by its edges in space
 //! instead of its trimming curves is as near.
 
-use super::boundary::{Boundary, RunBound};
+use super::boundary::{Boundary, RunBound, Side};
 use super::certificate::PanelParts;
 use super::coverage::loops_bound_triangles;
 use super::developable::{developability, trim_boxes, Developability, ANGLE_LIMIT};
-use super::distance::{judge, way_total, Curl, DistanceOptions, Feet, JudgementParts};
+use super::distance::{judge, DistanceOptions, Judged};
 use super::edges::edge_bound;
 use super::family::Family;
+use super::mismatch::Mismatch;
 use super::prepared::Prepared;
 use super::rounding::rounding_bound;
 use super::ruled::{Ruled, RuledJets};
@@ -88,18 +89,19 @@ pub(super) fn panel_certificate(
     let beside = if out.edge_bound.is_finite() { out.edge_bound } else { 0.0 };
     let eta = (Interval::point(out.rounding_bound) + Interval::point(moved) + Interval::point(beside)).hi;
     let mismatch = Mismatch { delta: edge.delta.unwrap_or(0.0), curvature: edge.curvature, eta };
-    let region = Region { prepared, torse, triangles: &triangles, tolerance, control };
-    let (judgement, feet) = region.judged(&mismatch, &mut out, &mut reasons);
-    if let Verdict::Holds { bound } = judgement.verdict {
+    let sides: Vec<Side> = edge.runs.iter().flat_map(|r| r.sides.iter().copied()).collect();
+    let region = Region { prepared, torse, triangles: &triangles, sides: &sides, tolerance, control };
+    let (judged, total) = region.judged(&mismatch, &mut out, &mut reasons);
+    if let Verdict::Holds { bound } = judged.parts.verdict {
         out.distance_bound = bound;
         // Of the torse at the feet and of the patch within its trimming curves, whichever is less.
-        out.min_bend_radius = judgement.min_bend_radius.min(shape.bend_radius);
-        let clearance = judgement.regression_clearance.min(shape.clearance);
-        if let Some(b) = edge.runs.iter().find(|b| !b.agrees_with(&feet)) {
+        out.min_bend_radius = judged.parts.min_bend_radius.min(shape.bend_radius);
+        let clearance = judged.parts.regression_clearance.min(shape.clearance);
+        if let Some(b) = edge.runs.iter().find(|b| !b.agrees_with(&judged.feet)) {
             let uv = b.start.0;
             reasons.push(format!("a trimming curve belongs to another foot at {}", at(prepared.surface, uv)));
         } else if edge.delta.is_some() && out.edge_bound.is_finite() {
-            out.deviation_bound = mismatch.with(&judgement.curl).total(bound);
+            out.deviation_bound = total;
             out.regression_clearance = clearance;
         }
     }
@@ -174,8 +176,8 @@ fn boundary_bounds(
     for b in bounds {
         match b {
             Ok(b) => {
-                edge.delta = edge.delta.map(|d| d.max(b.bound));
-                edge.curvature = edge.curvature.max(b.curvature);
+                edge.delta = edge.delta.map(|d| b.sides.iter().fold(d, |d, s| d.max(s.bound)));
+                edge.curvature = b.sides.iter().fold(edge.curvature, |c, s| c.max(s.curvature));
                 edge.runs.push(b);
             }
             Err(obstacle) => {
@@ -204,97 +206,91 @@ struct Region<'a> {
     prepared: &'a Prepared<'a>,
     torse: &'a Torse,
     triangles: &'a [[[f64; 2]; 3]],
+    /// Of its boundary; none if one could not be bounded.
+    sides: &'a [Side],
     tolerance: f64,
     control: &'a Control,
 }
 
 impl Region<'_> {
-    fn judge(&self, tolerance: f64) -> (JudgementParts, Feet) {
+    fn judge(&self, budgets: &[f64]) -> Judged {
         let options = DistanceOptions::default();
-        judge(self.prepared, self.torse, self.triangles, tolerance, &options, self.control)
+        judge(self.prepared, self.torse, self.triangles, budgets, &options, self.control)
     }
 
-    /// The distance, within what boundary and rounding have left of the tolerance; if that cannot be shown, within a
-    /// multiple of it, with the reason.
-    fn judged(&self, mismatch: &Mismatch, out: &mut PanelParts, reasons: &mut Vec<String>) -> (JudgementParts, Feet) {
-        let mut budget = mismatch.budget(self.tolerance);
+    /// The distance, on every triangle within what boundary and rounding have left of the tolerance; if that cannot be shown,
+    /// within a multiple of it, with the reason. Second result: the bound of both together.
+    fn judged(&self, mismatch: &Mismatch, out: &mut PanelParts, reasons: &mut Vec<String>) -> (Judged, f64) {
+        let local = mismatch.on_triangles(self.prepared, self.triangles, self.sides, self.tolerance);
+        let mut budgets: Vec<f64> = local.iter().map(|m| m.budget(self.tolerance)).collect();
         // What joining or trimming moved may be unknown: neither is a budget then.
-        if budget.is_nan() || budget <= 0.0 {
+        let none = |b: &f64| b.is_nan() || *b <= 0.0;
+        if budgets.iter().any(none) {
             reasons.push("rounding and trimming curves use up the tolerance".into());
-            budget = self.tolerance;
+            budgets.iter_mut().filter(|b| none(b)).for_each(|b| *b = self.tolerance);
         }
-        let (mut judgement, mut feet) = self.judge(budget);
-        if let Verdict::Holds { bound } = judgement.verdict {
+        let mut judged = self.judge(&budgets);
+        let together = |m: f64, (b, own): (&f64, &Mismatch)| m.max(own.total(*b));
+        let mut total = judged.bounds.iter().zip(&local).fold(0.0, together);
+        if let Verdict::Holds { bound } = judged.parts.verdict {
             // Where the region folds at its rim, ways are longer: less is left.
-            let longer = mismatch.with(&judgement.curl);
-            let less = longer.budget(self.tolerance);
-            if judgement.curl.way > 0.0 && longer.total(bound) > self.tolerance && less > 0.0 {
-                budget = less;
-                (judgement, feet) = self.judge(budget);
+            if judged.parts.curl.way > 0.0 {
+                let longer = mismatch.with(&judged.parts.curl);
+                let less = longer.budget(self.tolerance);
+                total = longer.total(bound);
+                if total > self.tolerance && less > 0.0 {
+                    budgets.fill(less);
+                    judged = self.judge(&budgets);
+                    total = self.whole(mismatch, &judged);
+                }
             }
         }
-        match &judgement.verdict {
+        match &judged.parts.verdict {
             Verdict::Holds { .. } => {}
             Verdict::Fails { uv, distance } => {
                 let place = format!("{} mm away at {}", short(distance.abs()), at(self.prepared.surface, *uv));
+                let left = self.triangles.iter().zip(&budgets).filter(|(t, _)| holds(t, uv));
+                let left = left.fold(self.tolerance, |m, (_, b)| m.min(*b));
+                out.too_far = Some((*uv, left));
                 if distance.abs() > self.tolerance {
                     out.witness = Some((*uv, *distance));
                     reasons.push(format!("the face is {place}"));
                 } else {
-                    reasons
-                        .push(format!("the face is {place}; rounding and trimming curves leave {} mm", short(budget)));
+                    reasons.push(format!("the face is {place}; rounding and trimming curves leave {} mm", short(left)));
                 }
             }
             Verdict::Undecided { uv, reason } => {
                 reasons.push(format!("{} at {}", words(*reason), at(self.prepared.surface, *uv)));
             }
         }
-        out.cells = judgement.cells;
+        out.cells = judged.parts.cells;
         for factor in SECOND_LOOKS {
-            if matches!(judgement.verdict, Verdict::Holds { .. }) || self.control.stopped() {
+            if matches!(judged.parts.verdict, Verdict::Holds { .. }) || self.control.stopped() {
                 break;
             }
-            (judgement, feet) = self.judge(factor * budget);
+            let wider: Vec<f64> = budgets.iter().map(|b| factor * b).collect();
+            judged = self.judge(&wider);
+            // Distances may be larger than the mismatch of near sides allows for.
+            total = self.whole(mismatch, &judged);
         }
-        out.cells = out.cells.max(judgement.cells);
-        (judgement, feet)
+        out.cells = out.cells.max(judged.parts.cells);
+        (judged, total)
+    }
+
+    /// The bound of distance and mismatch together, wherever either is.
+    fn whole(&self, mismatch: &Mismatch, judged: &Judged) -> f64 {
+        match judged.parts.verdict {
+            Verdict::Holds { bound } => mismatch.with(&judged.parts.curl).total(bound),
+            _ => f64::INFINITY,
+        }
     }
 }
 
-/// What boundary, edges and rounding add to the distance.
-#[derive(Clone, Copy, Debug)]
-struct Mismatch {
-    delta: f64,
-    curvature: f64,
-    eta: f64,
-}
-
-impl Mismatch {
-    /// `√((D + κδ²/2)² + δ²) + η`, rounded up.
-    fn total(&self, distance: f64) -> f64 {
-        way_total(distance, self.delta, self.curvature, self.eta)
-    }
-
-    /// The mismatch where a region folds at its rim: ways to the trimming curves are longer by the ways to the rim.
-    fn with(&self, curl: &Curl) -> Self {
-        Self {
-            delta: (Interval::point(self.delta) + Interval::point(curl.way)).hi,
-            curvature: self.curvature.max(curl.curvature),
-            ..*self
-        }
-    }
-
-    /// A distance for which [`Mismatch::total`] stays within the tolerance; not positive when there is none.
-    fn budget(&self, tolerance: f64) -> f64 {
-        // A few roundings, each of a unit in the last place of the tolerance.
-        const ROUNDING: f64 = 16.0 * f64::EPSILON;
-        let rest = tolerance * (1.0 - ROUNDING) - self.eta;
-        if rest <= self.delta || rest.is_nan() {
-            return 0.0;
-        }
-        let square = self.delta * self.delta;
-        (rest * rest - square).sqrt() - 0.5 * self.curvature * square - ROUNDING * tolerance
-    }
+/// Whether a place lies in a triangle, about.
+fn holds(t: &[[f64; 2]; 3], p: &[f64; 2]) -> bool {
+    let side = |a: &[f64; 2], b: &[f64; 2]| (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]);
+    let sides = [side(&t[0], &t[1]), side(&t[1], &t[2]), side(&t[2], &t[0])];
+    sides.iter().all(|s| *s >= 0.0) || sides.iter().all(|s| *s <= 0.0)
 }
 
 /// Triangles of a label.
@@ -318,21 +314,5 @@ fn words(reason: Obstruction) -> &'static str {
         Obstruction::Bound => "the bound stays above the tolerance",
         Obstruction::Budget => "too many triangles were needed",
         Obstruction::Stopped => "the proof was stopped",
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_budget_keeps_the_total_within_the_tolerance() {
-        for (delta, curvature, eta) in [(0.0, 0.0, 0.0), (0.07, 0.5, 1e-9), (0.5, 0.1, 1e-3), (0.9, 0.0, 0.05)] {
-            let m = Mismatch { delta, curvature, eta };
-            let d = m.budget(1.0);
-            assert!(d > 0.0 && m.total(d) <= 1.0 && m.total(d) > 1.0 - 1e-12, "{m:?} {d}");
-        }
-        assert!(Mismatch { delta: 1.0, curvature: 0.0, eta: 0.0 }.budget(1.0) <= 0.0);
-        assert!(Mismatch { delta: 0.0, curvature: 0.0, eta: f64::INFINITY }.budget(1.0) <= 0.0);
     }
 }

@@ -160,6 +160,22 @@ pub(super) struct BoxNet {
     pub corners: [[Interval; 2]; 3],
 }
 
+impl BoxNet {
+    /// A box around the surface over the triangle's bounding box; `centre` is that of the patch.
+    pub fn around(&self, centre: &Vec3) -> [Interval; 3] {
+        let net = &self.net;
+        let weight = |i: usize| match net.rational() {
+            true => Interval::point(net.component(3)[i]).widen(net.weight_error),
+            false => Interval::ONE,
+        };
+        [0, 1, 2].map(|d: usize| {
+            let point = |i: usize| Interval::point(net.component(d)[i]).widen(net.error) / weight(i);
+            let first = point(0);
+            (1..net.count()).map(point).fold(first, Interval::hull) + Interval::point(centre[d])
+        })
+    }
+}
+
 /// A surface ready for [`distance`](super::distance::distance).
 #[derive(Clone, Debug)]
 pub struct Prepared<'a> {

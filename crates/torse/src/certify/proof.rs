@@ -317,6 +317,57 @@ mod tests {
         assert!(tried > 700, "{tried}");
     }
 
+    /// Nearest distance (mm) from a point to the whole surface.
+    fn off_surface(surface: &crate::spline::surface::Surface, x: &crate::geom::Vec3) -> f64 {
+        let grid = (0..=40).flat_map(|i| (0..=40).map(move |j| [i as f64 / 40.0, j as f64 / 40.0]));
+        let far = |p: &[f64; 2]| (surface.point(p[0], p[1]) - x).norm_squared();
+        let mut p = grid.fold([0.0; 2], |best, p| if far(&p) < far(&best) { p } else { best });
+        let mut step = 1.0 / 40.0;
+        for _ in 0..60 {
+            let around = [[step, 0.0], [-step, 0.0], [0.0, step], [0.0, -step]];
+            let near = around.map(|d| [0, 1].map(|k: usize| (p[k] + d[k]).clamp(0.0, 1.0)));
+            match near.into_iter().min_by(|a, b| far(a).total_cmp(&far(b))).filter(|q| far(q) < far(&p)) {
+                Some(q) => p = q,
+                None => step *= 0.5,
+            }
+        }
+        far(&p).sqrt()
+    }
+
+    #[test]
+    fn a_trim_that_strays_at_one_place_counts_there_and_samples_stay_below() {
+        const TOLERANCE: f64 = 1.6e-3;
+        let plain = prove(&two_panels(1e-3, 6), TOLERANCE);
+        // The outer border of the second panel bulges beyond the face, and so does its edge.
+        let mut p = two_panels(1e-3, 6);
+        let patch = p.panels[1].strip.patch.clone();
+        let run = &mut p.panels[1].loops_mut()[0][3];
+        for (k, way) in [(8, 0.6), (9, 1.0), (10, 1.0), (11, 0.6)] {
+            let t = run.trim.control[k][0];
+            let ruling = patch.point(t, 1.0) - patch.point(t, 0.0);
+            let more = way * 1e-3 / ruling.norm();
+            run.trim.control[k][1] += more;
+            (0..3).for_each(|d| run.edge.control[k][d] += more * ruling[d]);
+        }
+        let run = run.clone();
+        let found = prove(&p, TOLERANCE);
+        assert!(found.certified, "{:?}", found.missing);
+        let panel = &found.panels[1];
+        assert!(panel.boundary_bound > 0.8e-3 && panel.deviation_bound > plain.panels[1].deviation_bound);
+        // Less than if the largest distance stood where the largest mismatch is.
+        let both = panel.distance_bound.hypot(panel.boundary_bound);
+        assert!(panel.deviation_bound < both, "{} {both}", panel.deviation_bound);
+        let surface = &p.faces[0].surface;
+        let mut most = 0.0f64;
+        for i in 0..=300 {
+            let q = run.trim.point(f64::from(i) / 300.0);
+            let off = off_surface(surface, &patch.point(q[0], q[1]));
+            assert!(off <= panel.deviation_bound, "{off} {}", panel.deviation_bound);
+            most = most.max(off);
+        }
+        assert!(most > 0.8e-3, "{most}");
+    }
+
     #[test]
     fn what_is_wrong_is_said() {
         let good = two_panels(1e-3, 4);

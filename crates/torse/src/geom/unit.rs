@@ -81,9 +81,9 @@ pub(crate) fn named(name: &str) -> Option<&'static NamedUnit> {
     NAMED.iter().find(|u| u.name == small || u.short.contains(&small.as_str()))
 }
 
-/// The length of a unit by its name, mm: `mm`, `cm`, `m`, `in`, `ft` and their names in full.
+/// The length of a unit by its name, mm: `mm`, `cm`, `m`, `in`, `ft` and others that have a short name, or their names in full.
 pub fn millimetres(name: &str) -> Option<f64> {
-    named(name).map(|u| u.mm)
+    named(name).filter(|u| !u.short.is_empty()).map(|u| u.mm)
 }
 
 /// The length (mm) of the unit of a file that may name one, where the user may name one: the one that is named, `None` where
@@ -103,9 +103,9 @@ mod tests {
     fn every_name_is_one_unit() {
         let all = NAMED.iter().flat_map(|u| u.short.iter().chain([&u.name]).map(move |n| (*n, u.mm)));
         for (name, mm) in all {
-            assert_eq!(millimetres(&name.to_ascii_uppercase()), Some(mm), "{name}");
+            assert_eq!(named(&name.to_ascii_uppercase()).map(|u| u.mm), Some(mm), "{name}");
         }
-        assert_eq!(millimetres("furlong"), None);
+        assert_eq!((millimetres("MM"), millimetres("furlong"), millimetres("parsec")), (Some(1.0), None, None));
         assert_eq!(agreed(Some("in"), Some(1.0)), None);
         assert_eq!((agreed(Some("in"), None), agreed(None, Some(1.0))), (Some(25.4), Some(1.0)));
     }

@@ -137,6 +137,14 @@ impl Torse {
         }
     }
 
+    /// The part over `[a, b]`, inside the domain; `None` where there is none.
+    pub(crate) fn restricted(&self, a: f64, b: f64) -> Option<Self> {
+        Some(match self {
+            Self::Primal(p) => Self::Primal(PrimalTorse::new(p.frame, p.profile.restricted(a, b).ok()?, p.slope(a))),
+            Self::Dual(d) => Self::Dual(DualTorse { planes: d.planes.restricted(a, b).ok()? }),
+        })
+    }
+
     /// Ends of the polynomial pieces.
     pub fn breaks(&self) -> Vec<f64> {
         match self {

@@ -38,7 +38,7 @@ pub enum CurveError {
     #[error("{0} does not say its unit; give it with --unit mm (or cm, m, in, ft)")]
     NoUnit(String),
     /// The file says another unit than the one given.
-    #[error("{name} is in {file} but --unit says otherwise; leave --unit out")]
+    #[error("the unit of {name} is the {file}, but --unit says otherwise; leave --unit out")]
     Unit {
         /// Name.
         name: String,

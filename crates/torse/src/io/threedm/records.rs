@@ -284,7 +284,7 @@ pub(super) fn unit(mut c: Cursor) -> Reading<Unit> {
     let Some((n, name)) = known.and_then(|n| Some((n, *UNITS.get(n)?))) else {
         return fault(format!("the unit of length has the unknown number {number}"));
     };
-    let mut length = lengths::millimetres(name).unwrap_or(1.0);
+    let mut length = lengths::named(name).map_or(1.0, |u| u.mm);
     let mut name = name.to_string();
     if n == CUSTOM {
         if version < 102 {

@@ -12,8 +12,22 @@ pub(super) struct Foot {
     pub distance: f64,
     /// Unit normal of the strip, on the side of the face's normal.
     pub normal: Vec3,
-    /// What must keep its sign: `n''·X − h''` of planes, `1 + y a'` of profiles, at the foot.
+    /// What must keep its sign: `n''·X − h''` of planes, `1 + y a'` of profiles, at the foot or at the point, where feet fold;
+    /// whichever is nearer to losing it.
     pub regular: f64,
+    /// Whether that is the point.
+    pub above: bool,
+}
+
+impl Foot {
+    /// Where it is least regular, for a point.
+    pub fn least_regular(&self, x: &Vec3) -> Vec3 {
+        if self.above {
+            *x
+        } else {
+            x - self.normal * self.distance
+        }
+    }
 }
 
 /// What a form of strips offers.

@@ -42,7 +42,7 @@ const STEPS: usize = 8;
 /// Trials of a step.
 const TRIALS: usize = 5;
 /// Largest distance and gap (tolerances) with which nothing more is tried, after so many steps.
-const ENOUGH: (f64, f64, usize) = (0.96, 0.03, 2);
+const ENOUGH: (f64, f64, usize) = (0.93, 0.03, 2);
 /// Steps that gain less end the program once gaps are small enough.
 const STALLED: f64 = 2e-3;
 /// Gaps below the first of these count no less than it, times the second, beside the largest distance.
@@ -60,6 +60,28 @@ const ON_BOTH: (f64, f64) = (3e-7, 1e-6);
 const POLISHINGS: usize = 2;
 /// See [`POLISHINGS`].
 const MOST: f64 = 0.97;
+
+/// A place on the face where a panel was too far away.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Further {
+    /// Label of the panel.
+    pub label: u32,
+    /// Parameters on the face.
+    pub uv: [f64; 2],
+    /// What its distance counts: the tolerance over what is left of it there.
+    pub counts: f64,
+}
+
+/// What is asked of strips that are to meet.
+#[derive(Clone, Copy)]
+pub(crate) struct Asked<'a> {
+    /// Between which labels (left, right) seams must stay where they are.
+    pub held: &'a dyn Fn([u32; 2]) -> bool,
+    /// Places that count besides those of the partition.
+    pub further: &'a [Further],
+    /// mm.
+    pub tolerance: f64,
+}
 
 /// What one step led to.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -111,20 +133,12 @@ pub(crate) struct Joined {
 /// The strips of a covered face and the lines between them, changed together until neighbours are equally high along their
 /// seams, with as small a largest distance as that allows, and edges on both.
 ///
-/// *Input*: `state` with the partition to which the chains belong and a torse for every label; `held` says between which
-/// labels (left, right) seams must stay where they are. *Result*: the best that was reached, whether strips meet or not.
+/// *Input*: `state` with the partition to which the chains belong and a torse for every label; *Result*: the best that was reached, whether strips meet or not.
 /// `None` where some strip cannot take part (a torse of higher degree, samples without feet), where borders close, or
 /// without any border. *Not guaranteed*: any distance between samples; see `certify`.
 /// *Cost*: about as many factorisations as three programs have iterations, each of one block per strip.
-pub fn joined(
-    face: &Face,
-    state: &State,
-    chains: Vec<SeamChain>,
-    held: &dyn Fn([u32; 2]) -> bool,
-    tolerance: f64,
-    control: &Control,
-) -> Option<Joined> {
-    let network = start::network(face, state, chains, held, tolerance)?;
+pub fn joined(face: &Face, state: &State, chains: Vec<SeamChain>, asked: &Asked, control: &Control) -> Option<Joined> {
+    let network = start::network(face, state, chains, asked)?;
     let start = network.measured();
     let (network, steps) = improved(network, control);
     let (network, edges) = edged(network);
@@ -136,7 +150,7 @@ pub fn joined(
     };
     let vertex = |j: Junction| JoinedVertex { labels: j.strips.iter().map(label).collect(), place: j.place };
     Some(Joined {
-        torses: network.members.iter().map(|m| (m.label, m.strip.torse().clone())).collect(),
+        torses: (0..network.members.len()).map(|k| Some((label(&k), network.used(k)?))).collect::<Option<_>>()?,
         lines: network.lines.iter().zip(edges).map(line).collect(),
         vertices: network.junctions().into_iter().map(vertex).collect(),
         start,

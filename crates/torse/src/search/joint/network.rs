@@ -6,6 +6,7 @@ use super::line::{slide_functions, slide_knots, Line, LinePoint, Middle, POINTS,
 use super::strip::Strip;
 use crate::brep::face::Face;
 use crate::geom::Vec3;
+use crate::torse::form::Torse;
 use rayon::prelude::*;
 
 /// Share of its first value below which the least regularity of a strip may not fall: patches need room between their region
@@ -15,8 +16,12 @@ const REGULAR: f64 = 0.9;
 pub(super) const UNIT: f64 = 0.05;
 /// Samples within this share of the median half width of a line may change sides.
 const BESIDE: f64 = 0.8;
+/// Share of the rulings that strips use by which they go on beyond.
+const USED: f64 = 0.02;
 /// Corrections of the middle of two strips.
 const MIDDLE: usize = 3;
+/// Least cosine between the normals of a face and of a strip with which its heights over the face are counted.
+const LEAST_LEAN: f64 = 0.5;
 
 /// A strip with what belongs to it.
 #[derive(Clone, Debug)]
@@ -38,6 +43,23 @@ pub(super) struct Sample {
     pub foot: Option<Foot>,
     /// Lines beside it.
     pub lines: Vec<u32>,
+    /// Normal of the face, on its border: panels end there on it.
+    pub up: Option<Vec3>,
+    /// What its distance counts besides.
+    pub counts: f64,
+}
+
+impl Sample {
+    /// What its distance counts.
+    pub fn lean(&self, foot: &Foot) -> f64 {
+        self.counts * self.up.map_or(1.0, |up| lean(&up, foot))
+    }
+}
+
+/// What a distance from a strip counts, at least, where the strip's panel ends on a normal of the face: its height over the
+/// face as a multiple of it.
+pub(super) fn lean(up: &Vec3, foot: &Foot) -> f64 {
+    foot.normal.dot(up).abs().max(LEAST_LEAN).recip()
 }
 
 /// Strips, lines and samples.
@@ -78,6 +100,20 @@ impl Network<'_> {
     pub fn columns(&self) -> Columns {
         let unknowns: Vec<usize> = self.members.iter().map(|m| m.strip.unknowns()).collect();
         Columns::of(&unknowns, &self.lines, self.vertices)
+    }
+
+    /// The torse of a strip over the rulings on which its points have their feet, and a little beyond: nothing holds it
+    /// farther out.
+    pub fn used(&self, k: usize) -> Option<Torse> {
+        let of_lines = self.lines.iter().flat_map(|l| {
+            let sides = (0..2).filter(move |&e| l.strips[e] == k);
+            sides.flat_map(|e| l.points.iter().filter_map(move |p| p.feet[e]))
+        });
+        let feet = self.samples.iter().filter(|s| s.strip == k).filter_map(|s| s.foot).chain(of_lines);
+        let (lo, hi) = feet.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), f| (a.min(f.t), b.max(f.t)));
+        let (torse, more) = (self.members[k].strip.torse(), USED * (hi - lo));
+        let (a, b) = torse.domain();
+        torse.restricted((lo - more).max(a), (hi + more).min(b))
     }
 
     /// Tells strips where they lie on their rulings; their half widths, mm.
@@ -150,11 +186,14 @@ impl Network<'_> {
     pub fn largest_of_strips(&self) -> Vec<f64> {
         let mut out = vec![0.0_f64; self.members.len()];
         for s in &self.samples {
-            out[s.strip] = s.foot.map_or(f64::INFINITY, |f| f.distance.abs()).max(out[s.strip]);
+            out[s.strip] = s.foot.map_or(f64::INFINITY, |f| s.lean(&f) * f.distance.abs()).max(out[s.strip]);
         }
         for l in &self.lines {
             for (&k, e) in l.strips.iter().zip(0..2) {
-                let far = l.points.iter().map(|p| p.feet[e].map_or(f64::INFINITY, |f| f.distance.abs()));
+                let far = l
+                    .points
+                    .iter()
+                    .map(|p| p.feet[e].map_or(f64::INFINITY, |f| lean(&p.normal, &f) * f.distance.abs()));
                 out[k] = far.fold(out[k], f64::max);
             }
         }

@@ -3,7 +3,7 @@
 use super::columns::Columns;
 use super::form::Tie;
 use super::line::{slide_functions, slide_knots, SLIDES};
-use super::network::Network;
+use super::network::{lean, Network};
 use crate::geom::Vec3;
 use crate::num::block_matrix::Runs;
 use crate::num::minimax_program::{MinimaxProgram, Minimum};
@@ -14,7 +14,7 @@ const COUNTS: f64 = 0.3;
 /// take, and what is left at least.
 const ROOM: (f64, f64, f64) = (4.0, 0.8, 0.02);
 /// Prices of uneven changes of strips and of slides, and of every unknown.
-const EVEN: (f64, f64) = (1e-4, 1e-2);
+const EVEN: (f64, f64) = (1e-2, 1e-2);
 /// See [`EVEN`].
 const RIDGE: f64 = 1e-4;
 
@@ -60,10 +60,11 @@ pub(super) fn distances(network: &Network, columns: &Columns, weight: f64, tie: 
     let largest = network.largest_of_strips();
     for s in &network.samples {
         let (Some(foot), m, column) = (s.foot, &network.members[s.strip], columns.strips[s.strip]) else { continue };
-        if foot.distance.abs() > COUNTS * largest[s.strip] {
-            m.strip.row(column, &s.x, &foot, 1.0, &mut program.hard);
+        let lean = s.lean(&foot);
+        if lean * foot.distance.abs() > COUNTS * largest[s.strip] {
+            m.strip.row(column, &s.x, &foot, lean, &mut program.hard);
             program.hard.end();
-            program.distances.push(foot.distance / tolerance);
+            program.distances.push(lean * foot.distance / tolerance);
         }
         let (room, sign) = m.room(&foot);
         if room < ROOM.0 {
@@ -86,10 +87,11 @@ pub(super) fn distances(network: &Network, columns: &Columns, weight: f64, tie: 
             };
             for (&k, foot) in line.strips.iter().zip(&p.feet) {
                 let Some(foot) = foot else { continue };
-                network.members[k].strip.row(columns.strips[k], &p.x, foot, 1.0, &mut program.hard);
-                ways(&foot.normal, &mut program.hard);
+                let lean = lean(&p.normal, foot);
+                network.members[k].strip.row(columns.strips[k], &p.x, foot, lean, &mut program.hard);
+                ways(&(foot.normal * lean), &mut program.hard);
                 program.hard.end();
-                program.distances.push(foot.distance / tolerance);
+                program.distances.push(lean * foot.distance / tolerance);
             }
             let Some(middle) = &p.middle else { continue };
             let mut direction = Vec3::zeros();

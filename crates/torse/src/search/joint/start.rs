@@ -7,6 +7,7 @@ use super::line::{End, Line};
 use super::network::{median, Member, Network, Sample, UNIT};
 use super::profile::Profile;
 use super::strip::{Rulings, Strip};
+use super::{Asked, Further};
 use crate::brep::face::Face;
 use crate::fit::panels::boundary::SeamChain;
 use crate::geom::Vec3;
@@ -26,24 +27,22 @@ const BEYOND: f64 = 0.03;
 const INFLECTED: f64 = 0.1;
 
 /// The network of a covered face. `None` where some strip cannot take part, or lines close.
-pub(super) fn network<'a>(
-    face: &'a Face,
-    state: &State,
-    chains: Vec<SeamChain>,
-    held: &dyn Fn([u32; 2]) -> bool,
-    tolerance: f64,
-) -> Option<Network<'a>> {
+pub(super) fn network<'a>(face: &'a Face, state: &State, chains: Vec<SeamChain>, asked: &Asked) -> Option<Network<'a>> {
+    let &Asked { held, further, tolerance } = asked;
     let labels: Vec<u32> = state.partition.distinct_labels();
     let index: BTreeMap<u32, usize> = labels.iter().enumerate().map(|(k, &l)| (l, k)).collect();
     let torses: Vec<&Torse> = labels.iter().map(|l| Some(&state.panels.get(l)?.torse)).collect::<Option<_>>()?;
     let (lines, vertices) = lines(face, state, &whole_borders(chains), &index, held, tolerance)?;
-    let given = given(face, state, &index);
+    let given = given(face, state, &index, further);
     let places: Vec<Vec<Place>> = (0..labels.len()).map(|k| places(k, &given, &lines)).collect();
     let members: Vec<Member> = (0..labels.len())
         .into_par_iter()
         .map(|k| member(labels[k], torses[k], &places[k], tolerance))
         .collect::<Option<_>>()?;
-    let sample = |&(x, _, strip): &Given| Sample { x, strip, foot: None, lines: Vec::new() };
+    let sample = |g: &Given| {
+        let up = Some(g.normal).filter(|n| g.on_border && *n != Vec3::zeros());
+        Sample { x: g.x, strip: g.strip, foot: None, lines: Vec::new(), up, counts: g.counts }
+    };
     let samples = given.iter().map(sample).collect();
     let mut out = Network { face, tolerance, members, lines, vertices, samples, unit: 0.0 };
     // Feet from nothing.
@@ -72,7 +71,7 @@ type Place = (Vec3, Vec3);
 
 /// Points that a strip is for.
 fn places(k: usize, samples: &[Given], lines: &[Line]) -> Vec<Place> {
-    let of_samples = samples.iter().filter(|s| s.2 == k).map(|s| (s.0, s.1));
+    let of_samples = samples.iter().filter(|s| s.strip == k).map(|s| (s.x, s.normal));
     let of_lines = lines.iter().filter(|l| l.strips.contains(&k)).flat_map(|l| &l.points).map(|p| (p.x, p.normal));
     of_samples.chain(of_lines).collect()
 }
@@ -157,11 +156,20 @@ fn feet_on(torse: &Torse, places: &[Place]) -> Option<((f64, f64), Vec<f64>)> {
     Some((range, found.into_iter().map(|f| f.1).collect()))
 }
 
-/// A point of the face, the face's normal, and the strip in whose region it lies.
-type Given = (Vec3, Vec3, usize);
+/// A point of the face.
+struct Given {
+    x: Vec3,
+    /// Of the face, zero where it has none.
+    normal: Vec3,
+    /// In whose region it lies.
+    strip: usize,
+    on_border: bool,
+    /// See [`Further`].
+    counts: f64,
+}
 
-/// Vertices of a partition and middles of its edges.
-fn given(face: &Face, state: &State, index: &BTreeMap<u32, usize>) -> Vec<Given> {
+/// Vertices of a partition and middles of its edges, and further places.
+fn given(face: &Face, state: &State, index: &BTreeMap<u32, usize>, further: &[Further]) -> Vec<Given> {
     let partition = &state.partition;
     let mut of_vertex = vec![None; partition.vertices.len()];
     let mut of_edge: BTreeMap<(u32, u32), usize> = BTreeMap::new();
@@ -172,14 +180,26 @@ fn given(face: &Face, state: &State, index: &BTreeMap<u32, usize>) -> Vec<Given>
             of_edge.insert((a.min(b), a.max(b)), k);
         }
     }
-    let of_vertex = state.jets.iter().zip(of_vertex);
-    let mut out: Vec<Given> = of_vertex.filter_map(|(j, k)| Some((j.jet.p, j.normal, k?))).collect();
+    let border = |a: u32, b: u32| [(a, b), (b, a)].iter().any(|e| partition.trim_edges.contains_key(e));
+    let on_border: HashSet<u32> = partition.trim_edges.keys().flat_map(|&(a, b)| [a, b]).collect();
+    let of_vertex = state.jets.iter().zip(of_vertex).zip(0u32..);
+    let mut out: Vec<Given> = of_vertex
+        .filter_map(|((j, k), v)| {
+            Some(Given { x: j.jet.p, normal: j.normal, strip: k?, on_border: on_border.contains(&v), counts: 1.0 })
+        })
+        .collect();
+    let at = |[u, v]: [f64; 2], strip: usize, on_border: bool| {
+        let j = face.surface.jet(u, v);
+        let normal = j.normal().try_normalize(0.0).unwrap_or_else(Vec3::zeros);
+        Given { x: j.p, normal, strip, on_border, counts: 1.0 }
+    };
     let of_edge: Vec<_> = of_edge.into_iter().collect();
     out.par_extend(of_edge.into_par_iter().map(|((a, b), k)| {
         let [p, q] = [a, b].map(|v| partition.vertices[v as usize]);
-        let j = face.surface.jet(0.5 * (p[0] + q[0]), 0.5 * (p[1] + q[1]));
-        (j.p, j.normal().try_normalize(0.0).unwrap_or_else(Vec3::zeros), k)
+        at([0.5 * (p[0] + q[0]), 0.5 * (p[1] + q[1])], k, border(a, b))
     }));
+    let of_panels = further.iter().filter_map(|f| Some((f, *index.get(&f.label)?)));
+    out.extend(of_panels.map(|(f, k)| Given { counts: f.counts, ..at(f.uv, k, false) }));
     out
 }
 

@@ -41,7 +41,7 @@ impl Strip {
     }
 
     pub fn regular_row(&self, column: usize, x: &Vec3, foot: &Foot, scale: f64, out: &mut Runs) {
-        self.form().regular_row(column, &(x - foot.normal * foot.distance), foot.t, scale, out);
+        self.form().regular_row(column, &foot.least_regular(x), foot.t, scale, out);
     }
 
     pub fn damping(&self, column: usize, tolerance: f64, tie: &mut Tie) {
@@ -59,8 +59,10 @@ impl Strip {
         let ruling = torse.ruling(t);
         let normal = ruling.normal * side;
         let distance = normal.dot(&(x - ruling.point));
-        let regular = self.form().regular(&(x - normal * distance), t);
-        (distance.is_finite() && regular.is_finite()).then_some(Foot { t, distance, normal, regular })
+        let [below, here] = [x - normal * distance, *x].map(|x| self.form().regular(&x, t));
+        let above = here * below.signum() < below.abs();
+        let regular = if above { here } else { below };
+        (distance.is_finite() && regular.is_finite()).then_some(Foot { t, distance, normal, regular, above })
     }
 
     /// The strip after a change of its unknowns (mm), with middles and widths of its band. `None` where it degenerates.

@@ -49,6 +49,10 @@ fn zones(levels: &[f64]) -> (Face, State) {
     (face, state)
 }
 
+fn asked(held: &dyn Fn([u32; 2]) -> bool, tolerance: f64) -> Asked<'_> {
+    Asked { held, further: &[], tolerance }
+}
+
 fn chains(face: &Face, state: &State) -> Vec<SeamChain> {
     Borders::new(face, &state.partition, &|_, _| 0, 0).seam_chains()
 }
@@ -64,12 +68,12 @@ fn unequal_zones_become_even_by_slides() {
     let (face, state) = zones(&[-0.15, -0.02, 0.07, 0.18]);
     let tolerance = half_sagitta(0.11) / 0.9;
     let free = Control::default();
-    let found = joined(&face, &state, chains(&face, &state), &|_| false, tolerance, &free).expect("joined");
+    let found = joined(&face, &state, chains(&face, &state), &asked(&|_| false, tolerance), &free).expect("joined");
     assert!(found.start[0] > 1.5, "{:?}", found.start);
     let end = found.steps.last().expect("a step").reached;
     assert!(end[0] < 0.97 && end[1] < 0.03 && found.steps.len() <= 6, "{:?}", found.steps);
     // Lines that must stay leave the wide zone as far off as it is alone.
-    let held = joined(&face, &state, chains(&face, &state), &|_| true, tolerance, &free).expect("joined");
+    let held = joined(&face, &state, chains(&face, &state), &asked(&|_| true, tolerance), &free).expect("joined");
     let end = held.steps.last().expect("a step").reached;
     assert!(end[0] > 0.97 * half_sagitta(0.13) / tolerance, "{:?}", held.steps);
     for (a, b) in held.lines.iter().zip(chains(&face, &state)) {
@@ -82,8 +86,8 @@ fn unequal_zones_become_even_by_slides() {
 fn edges_lie_on_both_strips() {
     let (face, state) = zones(&[-0.15, -0.02, 0.07, 0.18]);
     let tolerance = half_sagitta(0.11) / 0.9;
-    let found =
-        joined(&face, &state, chains(&face, &state), &|_| false, tolerance, &Control::default()).expect("joined");
+    let found = joined(&face, &state, chains(&face, &state), &asked(&|_| false, tolerance), &Control::default())
+        .expect("joined");
     for l in &found.lines {
         let edge = l.edge.as_ref().expect("an edge");
         let (a, b) = edge.domain();
@@ -101,7 +105,7 @@ fn edges_lie_on_both_strips() {
 #[test]
 fn rows_match_differences() {
     let (face, state) = zones(&[0.0, 0.12, 0.2]);
-    let network = start::network(&face, &state, chains(&face, &state), &|_| false, 1.0).expect("a network");
+    let network = start::network(&face, &state, chains(&face, &state), &asked(&|_| false, 1.0)).expect("a network");
     let cone = tangent_cone(0.06);
     let range = (-0.15, 1.15);
     let strips =
@@ -168,5 +172,5 @@ fn rows_match_differences() {
 #[test]
 fn one_strip_has_nothing_to_be_joined_with() {
     let (face, state) = zones(&[0.0, 0.1]);
-    assert!(joined(&face, &state, Vec::new(), &|_| false, 1.0, &Control::default()).is_none());
+    assert!(joined(&face, &state, Vec::new(), &asked(&|_| false, 1.0), &Control::default()).is_none());
 }

@@ -1,6 +1,6 @@
 //! Strips that meet: a covered face is laid anew until neighbours end on common edges, as far as that can be certified.
 //!
-//! Order of the attempts: strips as they are, with their borders where they intersect; all strips in one program; strips
+//! Order of the attempts: all strips in one program; strips as they are, with their borders where they intersect; strips
 //! between seam curves, also between other levels; strips that agree about the seams that are still open, then about all;
 //! the same from covers that leave room. The best panels are kept, and those of the cover if nothing better can be proven.
 
@@ -13,15 +13,20 @@ use crate::certify::{PanelCertificate, SeamCertificate, SeamStatus};
 use crate::control::Control;
 use crate::fit::near::samples::Fit;
 use crate::fit::panels::boundary::Borders;
+use crate::patchwork::panel::Panel;
 use crate::search::build::{borders, build, build_on, limits_missed, smooth_borders, too_large, Built};
 use crate::search::cover::{cover, CoverOptions, State};
-use crate::search::joint;
+use crate::search::joint::{self, Further};
 use crate::torse::form::{PanelKind, Torse};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::Arc;
 
 /// Rounds of laying strips that meet, without those that were refused.
 const MEETINGS: usize = 4;
+/// Times that the program over all strips is solved again with places where panels were too far away.
+const REFINEMENTS: usize = 2;
+/// Places where less than the reciprocal of this share of the tolerance is left are lost to trimming curves, not to distance.
+const MOST_COUNTED: f64 = 1.5;
 /// Rounds of moving borders to intersections, without those that were refused.
 const INTERSECTIONS: usize = 8;
 /// Weights of gaps against distances in turn, each with the gap that needs no more, as a share of the tolerance: one edge,
@@ -76,13 +81,13 @@ pub(crate) fn met(
 impl Attempts<'_> {
     fn all(&mut self, state: &State) {
         let tolerance = self.tolerance;
-        if let Some(next) = self.intersecting(&self.best, state) {
+        if let Some(next) = self.joined(state) {
             self.keep(next);
         }
         if self.is_done() {
             return;
         }
-        if let Some(next) = self.joined(state) {
+        if let Some(next) = self.intersecting(&self.best, state) {
             self.keep(next);
         }
         if self.is_done() {
@@ -201,39 +206,52 @@ impl Attempts<'_> {
         let intersections = Intersections::new(self.face, &torses);
         let base = as_built(self.face, state, built)?;
         let wanted: Vec<[u32; 2]> = open(built).into_iter().filter(|p| !self.is_asked_for(built, *p)).collect();
-        self.along(&intersections, &base, wanted, Some(built))
+        self.along(&intersections, &base, wanted, Some(built), None)
     }
 
-    /// Strips of the program over all of them, with their borders under their edges; borders of strips that are refused then
-    /// stay.
+    /// Strips of the program over all of them, with their borders under their edges. Places where their panels are too far
+    /// away count in it the next time; borders of strips that are refused in the end stay.
     fn joined(&self, state: &State) -> Option<Built> {
         let base = as_built(self.face, state, &self.best)?;
-        let chains = borders(self.face, &base.partition).seam_chains();
         let stays = |labels: [u32; 2]| self.is_asked_for(&self.best, pair(labels));
-        let joined = joint::joined(self.face, &base, chains, &stays, self.tolerance, self.control)?;
-        let mut next = base;
-        for (label, torse) in joined.torses {
-            let fit = next.panels.get(&label)?;
-            let fit = Fit { torse, kind: PanelKind::Torse, ..(**fit).clone() };
-            next.panels.insert(label, Arc::new(fit));
+        let mut further = Vec::new();
+        for round in 0..=REFINEMENTS {
+            let asked = joint::Asked { held: &stays, further: &further, tolerance: self.tolerance };
+            let chains = borders(self.face, &base.partition).seam_chains();
+            let joined = joint::joined(self.face, &base, chains, &asked, self.control)?;
+            let mut next = base.clone();
+            for (label, torse) in joined.torses {
+                let fit = next.panels.get(&label)?;
+                let fit = Fit { torse, kind: PanelKind::Torse, ..(**fit).clone() };
+                next.panels.insert(label, Arc::new(fit));
+            }
+            let torses = next.panels.iter().map(|(&l, f)| (l, &f.torse)).collect();
+            let edges: Vec<_> = joined.lines.into_iter().filter_map(|l| Some((pair(l.labels), l.edge?))).collect();
+            let wanted = edges.iter().map(|e| e.0).collect();
+            let vertices = joined.vertices.into_iter().map(|v| (v.labels, v.place)).collect();
+            let intersections = Intersections::new(self.face, &torses).along(edges, vertices);
+            let next = intersections.with_vertices(&next);
+            let mut too_far = Vec::new();
+            let first = (round < REFINEMENTS).then_some(&mut too_far);
+            let found = self.along(&intersections, &next, wanted, None, first);
+            if found.is_some() || too_far.is_empty() {
+                return found;
+            }
+            further.extend(too_far);
         }
-        let torses = next.panels.iter().map(|(&l, f)| (l, &f.torse)).collect();
-        let edges: Vec<_> = joined.lines.into_iter().filter_map(|l| Some((pair(l.labels), l.edge?))).collect();
-        let wanted = edges.iter().map(|e| e.0).collect();
-        let vertices = joined.vertices.into_iter().map(|v| (v.labels, v.place)).collect();
-        let intersections = Intersections::new(self.face, &torses).along(edges, vertices);
-        let next = intersections.with_vertices(&next);
-        self.along(&intersections, &next, wanted, None)
+        None
     }
 
     /// The panels of a state with borders where strips intersect, and the edges that panels share already. `None` where that
-    /// is not possible, or cannot be proven.
+    /// is not possible, or cannot be proven. With `too_far`, nothing more is tried once panels are too far from the face
+    /// somewhere: the places are the result.
     fn along(
         &self,
         intersections: &Intersections,
         base: &State,
         mut wanted: Vec<[u32; 2]>,
         built: Option<&Built>,
+        mut too_far: Option<&mut Vec<Further>>,
     ) -> Option<Built> {
         for _ in 0..INTERSECTIONS {
             if self.control.stopped() {
@@ -268,6 +286,12 @@ impl Attempts<'_> {
             let missed = missed(&next);
             if bad.is_empty() && missed.is_empty() {
                 return Some(next);
+            }
+            if let Some(places) = too_far.take() {
+                places.extend(places_too_far(&next));
+                if !places.is_empty() {
+                    break;
+                }
             }
             wanted.retain(|p| !missed.contains(p) && !p.iter().any(|l| bad.contains(l)));
             if wanted.len() == before {
@@ -404,6 +428,17 @@ fn clashing(edges: &[SharedSeam], borders: &Borders) -> Vec<[u32; 2]> {
     }
     let differ = ends.into_values().filter(|e| e.iter().any(|x| x.0 != e[0].0));
     differ.flatten().map(|e| e.1).collect()
+}
+
+/// Where panels are farther from the face than the proof leaves room for.
+fn places_too_far(built: &Built) -> Vec<Further> {
+    let panels = built.patchwork.panels.iter().zip(&built.certificate.panels);
+    let place = |(panel, proof): (&Panel, &PanelCertificate)| {
+        let (uv, left) = proof.too_far?;
+        let counts = built.certificate.tolerance / left;
+        (counts < MOST_COUNTED).then_some(Further { label: panel.label()?, uv, counts })
+    };
+    panels.filter_map(place).collect()
 }
 
 /// Labels on both sides of edges that their panels miss.

@@ -1,0 +1,148 @@
+//! What boundary, edges and rounding add to the distance, on every triangle of a panel's region \[certificate, 1\].
+//!
+//! *Theorem*. With paths as in [`boundary`](super::boundary), a point y of the panel that is on no path is the foot of some
+//! point X of the region, and D(X) away from it: nothing is added there. A point on a path from the foot of X′ on the
+//! boundary is at most `√((D(X′) + κδ²/2)² + δ²)` from X′, with δ and κ of the side of the boundary on which X′ lies.
+//! Conversely, the foot P of a point X of the region is on the panel, or on such a path, and then at most δ along the torse
+//! from a point of the panel's boundary: X is at most `√((D(X) + κδ²/2)² + δ²)` from that. In this case
+//! `|X − X′| ≤ |X − P| + |P − P′| + |P′ − X′| ≤ D(X) + δ + D(X′)`. So a side adds its mismatch to those triangles only that
+//! are nearer to it than 2D + δ, and to those that it bounds. Nearness is judged by boxes in space.
+
+use super::boundary::Side;
+use super::distance::{way_total, Curl};
+use super::prepared::Prepared;
+use crate::num::interval::Interval;
+use rayon::prelude::*;
+
+/// Mismatch, as a share of the tolerance, below which it is the same everywhere: it takes less than a five-thousandth of
+/// the tolerance, as it enters in quadrature.
+const ALIKE: f64 = 0.02;
+
+/// What boundary, edges and rounding add to the distance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Mismatch {
+    /// Bound of the length of the paths, mm.
+    pub delta: f64,
+    /// Bound of the torse's curvature along them, 1/mm.
+    pub curvature: f64,
+    /// What is added to all, mm.
+    pub eta: f64,
+}
+
+impl Mismatch {
+    /// `√((D + κδ²/2)² + δ²) + η`, rounded up.
+    pub fn total(&self, distance: f64) -> f64 {
+        way_total(distance, self.delta, self.curvature, self.eta)
+    }
+
+    /// The mismatch where a region folds at its rim: ways to the trimming curves are longer by the ways to the rim.
+    pub fn with(&self, curl: &Curl) -> Self {
+        Self {
+            delta: (Interval::point(self.delta) + Interval::point(curl.way)).hi,
+            curvature: self.curvature.max(curl.curvature),
+            ..*self
+        }
+    }
+
+    /// A distance for which [`Mismatch::total`] stays within the tolerance; not positive when there is none.
+    pub fn budget(&self, tolerance: f64) -> f64 {
+        // A few roundings, each of a unit in the last place of the tolerance.
+        const ROUNDING: f64 = 16.0 * f64::EPSILON;
+        let rest = tolerance * (1.0 - ROUNDING) - self.eta;
+        if rest <= self.delta || rest.is_nan() {
+            return 0.0;
+        }
+        let square = self.delta * self.delta;
+        (rest * rest - square).sqrt() - 0.5 * self.curvature * square - ROUNDING * tolerance
+    }
+
+    /// What each triangle adds, where no distance is above the tolerance: `self`, but of the sides that are near alone.
+    pub fn on_triangles(
+        &self,
+        prepared: &Prepared,
+        triangles: &[[[f64; 2]; 3]],
+        sides: &[Side],
+        tolerance: f64,
+    ) -> Vec<Self> {
+        if self.delta <= ALIKE * tolerance || !self.delta.is_finite() {
+            return vec![*self; triangles.len()];
+        }
+        let reach = (Interval::point(tolerance) * Interval::point(2.0) + Interval::point(self.delta)).hi;
+        let around = |t: &[[f64; 2]; 3]| {
+            let patch = prepared.patch_of(t)?;
+            Some(patch.over(t).around(&patch.centre))
+        };
+        // A side whose box is not known is near to all.
+        let boxes: Vec<(Option<[Interval; 3]>, &Side)> = sides
+            .par_iter()
+            .map(|s| (around(&[s.ends[0], s.ends[1], s.ends[1]]).map(|b| b.map(|x| x.widen(reach))), s))
+            .collect();
+        let near = |a: &Option<[Interval; 3]>, b: &Option<[Interval; 3]>| match (a, b) {
+            (Some(a), Some(b)) => (0..3).all(|d| a[d].lo <= b[d].hi && b[d].lo <= a[d].hi),
+            _ => true,
+        };
+        let of = |t: &[[f64; 2]; 3]| {
+            let here = around(t);
+            let sides = boxes.iter().filter(|(b, _)| near(&here, b));
+            sides.fold(Self { delta: 0.0, curvature: 0.0, ..*self }, |m, (_, s)| Self {
+                delta: m.delta.max(s.bound),
+                curvature: m.curvature.max(s.curvature),
+                ..m
+            })
+        };
+        triangles.par_iter().map(of).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geom::Vec3;
+    use crate::spline::knots::Knots;
+    use crate::spline::surface::Surface;
+
+    #[test]
+    fn the_budget_keeps_the_total_within_the_tolerance() {
+        for (delta, curvature, eta) in [(0.0, 0.0, 0.0), (0.07, 0.5, 1e-9), (0.5, 0.1, 1e-3), (0.9, 0.0, 0.05)] {
+            let m = Mismatch { delta, curvature, eta };
+            let d = m.budget(1.0);
+            assert!(d > 0.0 && m.total(d) <= 1.0 && m.total(d) > 1.0 - 1e-12, "{m:?} {d}");
+        }
+        assert!(Mismatch { delta: 1.0, curvature: 0.0, eta: 0.0 }.budget(1.0) <= 0.0);
+        assert!(Mismatch { delta: 0.0, curvature: 0.0, eta: f64::INFINITY }.budget(1.0) <= 0.0);
+    }
+
+    #[test]
+    fn sides_count_near_by_alone() {
+        // A plane of 100 × 100 mm in squares of 10 mm, cut in halves.
+        let knots = || Knots::new(1, vec![0.0, 0.0, 1.0, 1.0], 2).expect("knots");
+        let corners = [0, 1, 2, 3].map(|k| Vec3::new(100.0 * (k / 2) as f64, 100.0 * (k % 2) as f64, 0.0));
+        let surface = Surface::new(knots(), knots(), &corners, None).expect("plane");
+        let prepared = Prepared::new(&surface);
+        let at = |i: usize, j: usize| [i as f64 / 10.0, j as f64 / 10.0];
+        let squares = (0..100).map(|k| (k / 10, k % 10));
+        let triangles: Vec<[[f64; 2]; 3]> = squares
+            .flat_map(|(i, j)| [[at(i, j), at(i + 1, j), at(i + 1, j + 1)], [at(i, j), at(i + 1, j + 1), at(i, j + 1)]])
+            .collect();
+        let side = |i: usize, bound: f64| Side { ends: [at(i, 0), at(i + 1, 0)], bound, curvature: bound };
+        let sides: Vec<Side> = (0..10).map(|i| side(i, if i == 4 { 0.5 } else { 0.1 })).collect();
+        let whole = Mismatch { delta: 0.5, curvature: 0.5, eta: 1e-3 };
+        let found = whole.on_triangles(&prepared, &triangles, &sides, 1.0);
+        // Within 2.5 mm of the wide side, of the others, of none.
+        for (t, m) in triangles.iter().zip(&found) {
+            let (low, high) = (t.iter().map(|c| c[0]).fold(1.0, f64::min), t.iter().map(|c| c[0]).fold(0.0, f64::max));
+            let first_row = t.iter().any(|c| c[1] <= 0.0);
+            let delta = match (first_row, low <= 0.5 + 0.025 && high >= 0.4 - 0.025) {
+                (true, true) => 0.5,
+                (true, false) => 0.1,
+                (false, _) => m.delta,
+            };
+            assert_eq!((m.delta, m.curvature, m.eta), (delta, delta, 1e-3), "{t:?}");
+            let far = t.iter().all(|c| c[1] >= 0.15);
+            assert!(!far || m.delta <= 0.0, "{t:?}");
+        }
+        // What is nothing much is alike everywhere.
+        let little = Mismatch { delta: 0.01, ..whole };
+        assert!(little.on_triangles(&prepared, &triangles, &sides, 1.0).iter().all(|m| *m == little));
+    }
+}
