@@ -85,6 +85,11 @@ fn strips_follow_their_handles_and_stay_developable() {
     let report: serde_json::Value =
         serde_json::from_str(&std::fs::read_to_string(out.join("report.json")).expect("a report")).expect("JSON");
     assert_eq!((report["job"].as_str(), report["panels"].as_array().map(Vec::len)), (Some("shape"), Some(2)));
+    // The moves are an animation and a row of pictures; the join of both strips is among the proven figures.
+    assert!(out.join("moves.glb").is_file() && out.join("moves.png").is_file());
+    let figures = report["figures"].as_array().expect("figures");
+    let angle = figures.iter().find(|f| f["what"] == "join_angle").expect("an angle");
+    assert_eq!(angle["basis"], "proven");
     // A job that names what is not there says where.
     let bad = dir.path().join("bad.json");
     let text = std::fs::read_to_string(data("pulled_hull.json"))

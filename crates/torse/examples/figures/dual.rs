@@ -51,6 +51,33 @@ pub fn draw(folder: &Path) -> Done<()> {
     for (name, count) in [("figure-9-fine.png", 16), ("figure-9-coarse.png", 4)] {
         save(name, &figure_9_strip(count)?)?;
     }
+    notes(&save)
+}
+
+/// Figures 4.9 and 4.10 of \[W15\]: four planes as control elements, and where the regression curve goes when one of them
+/// moves a little.
+fn notes(save: &dyn Fn(&str, &Image) -> Done<()>) -> Done<()> {
+    // The third coordinate is the parameter itself.
+    let third = 1.0 / 3.0;
+    let control = |last: f64| [[0.5, -0.3, -1.0], [-0.25, 0.15, -third], [-0.2, -0.1, third], [0.55, last, 1.0]];
+    let bezier = |last: f64| DualCurve::graph(3, [[-1.0; 4], [1.0; 4]].concat(), &control(last));
+    let curve = bezier(0.3)?;
+    let mut shapes = vec![shape(&between("4.9", &curve)?, 0.08)];
+    for (k, plane) in control(0.3).iter().enumerate() {
+        // A line of the plane beside the ruling that it is nearest to.
+        let r = curve.ruling(2.0 * k as f64 * third - 1.0)?;
+        let z = |x: f64| plane[0] + plane[1] * x + plane[2] * r.point.y;
+        let (p, d) = (Vec3::new(0.0, r.point.y, z(0.0)), Vec3::new(1.0, 0.0, plane[1]));
+        shapes.push(plane_piece(plane, (&p, &d)));
+    }
+    save(
+        "notes-4-09.png",
+        &perspective(shapes, Vec::new(), "Four planes as control elements", "a dual Bézier curve of degree 3"),
+    )?;
+    for (letter, last) in [("a", 0.3), ("b", 0.1), ("c", -0.2)] {
+        let title = format!("Rulings and regression curve, last plane at {last}");
+        save(&format!("notes-4-10-{letter}.png"), &figure_5(&bezier(last)?, &title)?)?;
+    }
     Ok(())
 }
 

@@ -1,5 +1,6 @@
 //! Figures of the papers, drawn with the library: `cargo run --release --example figures -- NAME FOLDER`.
 
+mod composite;
 mod cones;
 mod counts;
 mod curves;
@@ -8,6 +9,8 @@ mod dual;
 mod inputs;
 mod loft;
 mod nets;
+mod ruled;
+mod stripes;
 
 use std::error::Error;
 use std::path::Path;
@@ -16,6 +19,7 @@ type Draw = fn(&Path) -> Result<(), Box<dyn Error>>;
 
 /// What can be drawn, by name.
 const FIGURES: &[(&str, Draw)] = &[
+    ("composite", composite::draw),
     ("cones", cones::draw),
     ("counts", counts::draw),
     ("curves", curves::draw),
@@ -24,6 +28,7 @@ const FIGURES: &[(&str, Draw)] = &[
     ("inputs", inputs::draw),
     ("loft", loft::draw),
     ("nets", nets::draw),
+    ("ruled", ruled::draw),
 ];
 
 fn main() -> Result<(), Box<dyn Error>> {

@@ -47,7 +47,8 @@ fn turn(p: &Vec3, a: f64, b: f64) -> f64 {
 
 fn circle_ellipse(case: &Case) -> Result<Checks, String> {
     let mut checks = Checks::default();
-    let (a, b) = (ellipse(Vec3::zeros(), 1.0, 1.0)?, ellipse(Vec3::z(), 1.5, 0.6)?);
+    let ([x, y], height) = (vector::<2>(&case.input, "axes_b")?, number(&case.input, "height_b")?);
+    let (a, b) = (ellipse(Vec3::zeros(), 1.0, 1.0)?, ellipse(Vec3::z() * height, x, y)?);
     let found = branches(&a, &b, &BranchOptions::default());
     let closed = found.iter().filter(|f| f.closed).count();
     checks.close("closed branches", closed as f64, number(&case.output, "n_closed_branches")?, 0.0);
@@ -57,12 +58,12 @@ fn circle_ellipse(case: &Case) -> Result<Checks, String> {
     let (ta, tb) = (Track::new(&a), Track::new(&b));
     let allowed = number(&case.tol, "abs")?;
     // Stations against the closed form, which the table is checked against too.
-    let exact = |s: f64| ((TAU * s).sin() * 0.6).atan2((TAU * s).cos() * 1.5).rem_euclid(TAU) / TAU;
+    let exact = |s: f64| ((TAU * s).sin() * y).atan2((TAU * s).cos() * x).rem_euclid(TAU) / TAU;
     for (s, t) in numbers(&case.input, "s")?.iter().zip(numbers(&case.output, "t_convex_branch")?) {
         checks.close("closed form", exact(*s), t, allowed);
     }
     for p in &best.stations {
-        let (s, t) = (turn(&ta.at(p[0]).point, 1.0, 1.0), turn(&tb.at(p[1]).point, 1.5, 0.6));
+        let (s, t) = (turn(&ta.at(p[0]).point, 1.0, 1.0), turn(&tb.at(p[1]).point, x, y));
         let off = (t - exact(s)).rem_euclid(1.0);
         checks.at_most("t of a station", off.min(1.0 - off), allowed);
     }

@@ -4,6 +4,7 @@
 //! kind is known here is run; for each kind the program prints how many passed, failed and were unknown, and the
 //! worst error as a share of what the case allows. Exit status 1 if a case failed, 2 if the file cannot be used.
 
+mod composite;
 mod cones;
 mod curves;
 mod discrete;
@@ -20,7 +21,7 @@ use value::{Case, Checks};
 type Room = fn(&Case) -> Option<Result<Checks, String>>;
 
 /// One room per capability: the first that knows a kind runs the case; `None` where it knows nothing of it.
-const ROOMS: &[Room] = &[nets::run, curves::run, dual::run, cones::run, discrete::run];
+const ROOMS: &[Room] = &[nets::run, composite::run, curves::run, dual::run, cones::run, discrete::run];
 
 /// What became of the cases of one kind.
 #[derive(Default)]

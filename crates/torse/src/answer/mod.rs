@@ -80,6 +80,15 @@ pub struct Guide {
     pub points: Vec<Vec3>,
 }
 
+/// A shape on the way to the answer, for an animation.
+#[derive(Clone, Debug)]
+pub struct Stage {
+    /// What it is, in a few words.
+    pub caption: String,
+    /// Its strips; as many as the answer has panels, in the same order.
+    pub strips: Vec<Strip>,
+}
+
 /// Measured points with a value each, for a map of all of them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PointMap {
@@ -149,6 +158,8 @@ pub struct Answer {
     pub points: PointMap,
     /// Rails and other given curves.
     pub guides: Vec<Guide>,
+    /// Shapes on the way to the answer, of jobs that move.
+    pub stages: Vec<Stage>,
     /// Panels that were laid along curves, in order of the panels.
     pub along: Vec<AlongCurve>,
     /// Panels that do not keep the limits of sheet and material, in order.
@@ -201,6 +212,7 @@ impl Answer {
             meaning: FieldMeaning::default(),
             points: PointMap::default(),
             guides: Vec::new(),
+            stages: Vec::new(),
             along: Vec::new(),
             beyond_limits: Vec::new(),
             skipped: Vec::new(),
@@ -251,6 +263,15 @@ impl Answer {
     /// Whether the panels are a cover of faces, judged against these. Those of parts that were only laid flat are not.
     pub fn covers_faces(&self) -> bool {
         !self.patchwork.faces.is_empty() && self.job != Job::Unroll
+    }
+
+    /// Whether anything of it is laid flat.
+    pub fn lays_flat(&self) -> bool {
+        match self.job {
+            Job::Ruled => false,
+            Job::Shape => self.parts.is_empty() || !self.patterns.is_empty(),
+            _ => true,
+        }
     }
 
     /// End of the colour scale.

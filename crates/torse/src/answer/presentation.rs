@@ -2,18 +2,21 @@
 
 use super::marks::Marks;
 use super::shapes::{shapes, Shape};
-use super::Answer;
+use super::{Answer, Stage};
 use crate::develop::layout::layout;
 use crate::draw::drawing::{drawing, Drawing, DrawingOptions};
 use crate::draw::flat::{self, FlatPiece};
 use crate::draw::picture;
 use crate::draw::scene::{PanelShape, Scene, ShapePatch};
+use crate::geom::mesh::Mesh;
 use crate::geom::{Vec2, Vec3};
 use crate::patchwork::panel::Panel;
 use crate::patchwork::pattern::Pattern;
-use crate::tessellate::panel::{border_lines, panel_mesh, ruling_lines, surface_mesh};
+use crate::tessellate::diagnostics::{joints, strip_curvature};
+use crate::tessellate::panel::{border_lines, panel_mesh, ruling_lines, surface_curvature, surface_mesh};
 use crate::tessellate::strip;
 use crate::torse::cone::part::{ConePart, PartFace};
+use crate::torse::strip::Strip;
 use rayon::prelude::*;
 
 /// Everything drawn, in mm.
@@ -23,6 +26,8 @@ pub struct Presentation {
     pub marks: Marks,
     /// Triangles and lines in space.
     pub scene: Scene,
+    /// The strips at the stages of the answer, with captions.
+    pub stages: Vec<(String, Scene)>,
     /// Direction from which the model shows best.
     pub direction: Vec3,
     /// The cutter's drawing of all patterns side by side.
@@ -57,6 +62,12 @@ pub(crate) fn present_marked(answer: &Answer, marks: Marks) -> Presentation {
     let panels = patchwork.panels.par_iter().enumerate();
     scene.panels = panels.map(|(k, panel)| shape(answer, k, panel, marks.panels[k])).collect();
     scene.guides = answer.guides.iter().map(|g| g.points.clone()).collect();
+    let meshes: Vec<&Mesh> = scene.panels.iter().map(|p| &p.mesh).collect();
+    scene.joints = joints(&meshes, apart(answer));
+    scene.curvature = [
+        patchwork.panels.par_iter().enumerate().map(|(k, p)| curvature_of(answer, k, p)).collect(),
+        (0..patchwork.faces.len()).into_par_iter().map(|f| surface_curvature(patchwork, f)).collect(),
+    ];
     let spacing = scene.bbox().diagonal() / RULINGS;
     for (k, (shown, panel)) in scene.panels.iter_mut().zip(&patchwork.panels).enumerate() {
         if trimmed_cone(answer, k).is_none() {
@@ -73,6 +84,7 @@ pub(crate) fn present_marked(answer: &Answer, marks: Marks) -> Presentation {
     let options = DrawingOptions { title: answer.input.to_uppercase(), unit: answer.cut.unit, test_square: true };
     Presentation {
         direction: picture::direction(&scene),
+        stages: answer.stages.par_iter().map(|s| (s.caption.clone(), stage(answer, s, &marks.panels))).collect(),
         drawing: drawing(&answer.patterns, &placements, &marks.patterns, &options),
         alone: if answer.cut.one_per_part { alone(&answer.patterns, &marks, &options) } else { Vec::new() },
         pieces: pieces(&answer.patterns, &places, PICTURE_CHORD * longest, &marks),
@@ -81,6 +93,40 @@ pub(crate) fn present_marked(answer: &Answer, marks: Marks) -> Presentation {
         marks,
         scene,
     }
+}
+
+/// How far apart the borders of panels that meet may be, mm.
+fn apart(answer: &Answer) -> f64 {
+    let gap = answer.certificate.as_ref().map(|c| c.seam_gap_bound).filter(|g| g.is_finite());
+    gap.unwrap_or(0.0).max(2.0 * answer.tolerance)
+}
+
+/// Gauss curvature at the vertices that [`shape`] makes; none where only the judge's own map knows them.
+fn curvature_of(answer: &Answer, k: usize, panel: &Panel) -> Vec<f64> {
+    match (trimmed_cone(answer, k), &panel.trim, answer.fields.get(k)) {
+        (Some(_), ..) | (_, Some(_), _) => Vec::new(),
+        (.., Some(f)) if f.u.len() > 1 && f.v.len() > 1 => strip_curvature(&panel.strip, &f.u, &f.v),
+        _ => {
+            let (u, v) = strip::grid(&panel.strip);
+            strip_curvature(&panel.strip, &u, &v)
+        }
+    }
+}
+
+/// The strips of a stage over the grids of the final ones, so that all stages have the same triangles.
+fn stage(answer: &Answer, stage: &Stage, marks: &[bool]) -> Scene {
+    let panel = |(k, s): (usize, &Strip)| {
+        let last = answer.patchwork.panels.get(k).map_or(s, |p| &p.strip);
+        let (u, v) = strip::grid(last);
+        PanelShape {
+            name: s.name.clone(),
+            mesh: strip::mesh(s, &u, &v, &[]),
+            borders: vec![strip::border_line(s)],
+            marked: marks.get(k).copied().unwrap_or(false),
+            ..PanelShape::default()
+        }
+    };
+    Scene { panels: stage.strips.iter().enumerate().map(panel).collect(), ..Scene::default() }
 }
 
 /// Triangles and borders of a panel.

@@ -118,6 +118,12 @@ pub enum What {
     MeanPointDistance,
     /// Distance of a given ruling or plane from the strips, mm.
     ElementDistance,
+    /// Two-sided distance from a target, by its number, mm.
+    TargetDistance(usize),
+    /// Gap between both sides of a join, by its number, mm.
+    JoinGap(usize),
+    /// Angle between the tangent planes along a join, by its number, degrees.
+    JoinAngle(usize),
     /// Gap between the two sides of a seam, mm.
     SeamGap,
     /// Distance of faces from the planes, cylinders and cones that are laid flat for them, mm.

@@ -2,24 +2,36 @@
 //!
 //! The control points of the ruling are shared. With derivatives taken away from the first strip and into the second:
 //!
-//! - G1: the boundary curves go on in their direction, `a₂' = e^w a₁'`, and likewise `b`. Both strips being torsal along the
-//!   ruling, they have one tangent plane there.
+//! - G1: the boundary curves go on in their direction, `a₂' = e^w a₁'`, and likewise `b`. Where both strips are torsal along the
+//!   ruling, they have one tangent plane there; where they are skew, they need one ratio e^w for both sides: the tangent plane
+//!   at `(1 − v) a + v b` is spanned by the ruling and `(1 − v) a' + v b'`.
 //! - G2: with the common normal n, `n·a''/|a'|²` is equal on both sides, and likewise for `b`.
 
 use super::stencil::{Stencil, Support};
 use crate::geom::Vec3;
 use crate::num::gauss_newton::Block;
 
-/// `d₂ − e^w d₁ = 0`: a curve goes on in its direction. Private unknown w.
+/// `d₂ − e^w d₁ = 0`: curves go on in their directions, all at the same ratio of speeds. Private unknown w.
 #[derive(Clone, Debug)]
 pub(crate) struct SameDirection {
     support: Support,
+    pairs: usize,
 }
 
 impl SameDirection {
     /// First derivatives where the first curve ends and where the second begins.
     pub fn new(first: &Stencil, second: &Stencil) -> Self {
-        Self { support: Support::new(&[first, second]) }
+        Self { support: Support::new(&[first, second]), pairs: 1 }
+    }
+
+    /// The same for both sides of a strip with one ratio: strips that are skew there have equal tangent planes all along the
+    /// ruling, too.
+    pub fn both(first: [&Stencil; 2], second: [&Stencil; 2]) -> Self {
+        Self { support: Support::new(&[first[0], second[0], first[1], second[1]]), pairs: 2 }
+    }
+
+    fn vectors(&self, pair: usize, x: &[f64]) -> [Vec3; 2] {
+        [0, 1].map(|k| self.support.vector(2 * pair + k, x))
     }
 }
 
@@ -32,7 +44,7 @@ impl Block for SameDirection {
     }
 
     fn rows(&self) -> usize {
-        3
+        3 * self.pairs
     }
 
     fn private(&self) -> usize {
@@ -40,23 +52,29 @@ impl Block for SameDirection {
     }
 
     fn begin(&self, x: &[f64], own: &mut [f64]) {
-        let (p, q) = (self.support.vector(0, x).norm(), self.support.vector(1, x).norm());
-        let w = (q / p).ln();
+        let sums = (0..self.pairs).fold([0.0; 2], |s, k| {
+            let [p, q] = self.vectors(k, x).map(|v| v.norm());
+            [s[0] + p, s[1] + q]
+        });
+        let w = (sums[1] / sums[0]).ln();
         own[0] = if w.is_finite() { w.clamp(-LARGEST_LOG, LARGEST_LOG) } else { 0.0 };
     }
 
-    fn evaluate(&self, x: &[f64], own: &[f64], residual: &mut [f64], jacobian: Option<&mut [f64]>) {
-        let (p, q) = (self.support.vector(0, x), self.support.vector(1, x));
+    fn evaluate(&self, x: &[f64], own: &[f64], residual: &mut [f64], mut jacobian: Option<&mut [f64]>) {
         let factor = own[0].clamp(-LARGEST_LOG, LARGEST_LOG).exp();
-        residual.copy_from_slice((q - p * factor).as_slice());
-        let Some(jacobian) = jacobian else { return };
         let width = x.len() + 1;
-        for d in 0..3 {
-            let row = &mut jacobian[d * width..(d + 1) * width];
-            for (j, (p, q)) in self.support.coefficients(0).iter().zip(self.support.coefficients(1)).enumerate() {
-                row[3 * j + d] = q - factor * p;
+        for k in 0..self.pairs {
+            let [p, q] = self.vectors(k, x);
+            residual[3 * k..3 * k + 3].copy_from_slice((q - p * factor).as_slice());
+            let Some(jacobian) = jacobian.as_deref_mut() else { continue };
+            let c = [0, 1].map(|i| self.support.coefficients(2 * k + i));
+            for d in 0..3 {
+                let row = &mut jacobian[(3 * k + d) * width..(3 * k + d + 1) * width];
+                for (j, (p, q)) in c[0].iter().zip(c[1]).enumerate() {
+                    row[3 * j + d] = q - factor * p;
+                }
+                row[x.len()] = -factor * p[d];
             }
-            row[x.len()] = -factor * p[d];
         }
     }
 }
@@ -146,6 +164,7 @@ mod tests {
     fn derivatives_are_right() {
         let s = |k: u32| Stencil(vec![(3 * k, 1.0), (3 * k + 3, -0.6), (3 * k + 6, 0.3)]);
         check(&mut SameDirection::new(&s(0), &s(1)), 1.0);
+        check(&mut SameDirection::both([&s(0), &s(1)], [&s(2), &s(3)]), 1.5);
         let mut block = SameCurvature::new([&s(0), &s(1)], [&s(2), &s(3)], &s(4));
         block.refresh(&noise(21, 2.0));
         check_at(&block, &noise(21, 3.0), &noise(3, 4.0));

@@ -31,16 +31,18 @@ pub(crate) struct Proximity {
     at: Vec3,
 }
 
-/// Factors of the squared offsets in both principal directions at the signed height `d`, for curvatures `k`.
+/// Coefficients of the squared offsets in both principal directions and along the normal, for curvatures `k` (1/mm) at the
+/// signed height `d` (mm): lemma 2.8, as it is below both centres of curvature.
+pub fn squared_distance(d: f64, k: [f64; 2]) -> [f64; 3] {
+    let [a, b] = k.map(|k| d * k / (d * k - 1.0));
+    [a, b, 1.0]
+}
+
+/// The same for both principal directions as rows use them: none below zero, and one beyond a centre of curvature.
 pub(crate) fn tangential(d: f64, k: [f64; 2]) -> [f64; 2] {
-    k.map(|k| {
-        let x = d * k;
-        if x >= 1.0 {
-            1.0
-        } else {
-            (x / (x - 1.0)).max(0.0)
-        }
-    })
+    let [a, b, _] = squared_distance(d, k);
+    let kept = |k: f64, a: f64| if d * k >= 1.0 { 1.0 } else { a.max(0.0) };
+    [kept(k[0], a), kept(k[1], b)]
 }
 
 impl Proximity {

@@ -11,6 +11,7 @@ pub(crate) mod label;
 pub(crate) mod labels;
 pub mod picture;
 pub mod raster;
+pub mod reflection;
 pub mod scene;
 pub mod sequence;
 pub mod stroke_font;

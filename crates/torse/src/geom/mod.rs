@@ -2,6 +2,7 @@
 
 use nalgebra as na;
 
+pub(crate) mod box_tree;
 pub mod cloud;
 pub mod coarse;
 pub(crate) mod convex_hull;

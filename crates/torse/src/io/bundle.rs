@@ -9,7 +9,7 @@ use super::png::{self, PngError};
 use super::step::write::{self as step, Header, Sheet};
 use super::{bend_table, bends, dxf, iges, marks, parts, shop_tables, svg, threedm};
 use crate::answer::presentation::Presentation;
-use crate::answer::{Answer, Job};
+use crate::answer::Answer;
 use crate::draw::scene::{titled, Scene};
 use crate::draw::sequence::sequence;
 use crate::geom::Vec3;
@@ -91,7 +91,7 @@ pub fn geometry(answer: &Answer, shown: &Presentation, time: &str) -> Result<Vec
         )
     });
     // Nothing of these strips lies flat.
-    let mut out = if answer.job == Job::Ruled { vec![step?] } else { vec![step?, dxf?, svg?] };
+    let mut out = if answer.lays_flat() { vec![step?, dxf?, svg?] } else { vec![step?] };
     if answer.cones.is_none() {
         out.extend(copies(answer, shown, &header)?);
     }
@@ -135,6 +135,9 @@ pub(crate) fn with_reports(
     let pictures = Pictures::of(answer, shown, &report)?;
     let limit = answer.colour_limit();
     out.push(("model.glb".into(), glb::write(&shown.scene, limit)?));
+    if shown.stages.len() > 1 {
+        out.extend(motion("moves", &shown.stages, &shown.direction)?);
+    }
     if !answer.points.places.is_empty() {
         let (places, values) = (&answer.points.places, &answer.points.values);
         out.push(("deviation.ply".into(), ply::with_values(places, values, &answer.meaning.name)));
@@ -166,6 +169,11 @@ pub(crate) fn with_reports(
 /// # Errors
 /// Data that a format cannot hold.
 pub fn bending(stages: &[(String, Scene)], eye: &Vec3) -> Result<Vec<File>, BundleError> {
+    motion("bending", stages, eye)
+}
+
+/// An animation and a strip of pictures of one name.
+fn motion(name: &str, stages: &[(String, Scene)], eye: &Vec3) -> Result<Vec<File>, BundleError> {
     /// Pictures in the strip.
     const PICTURES: usize = 6;
     let scenes: Vec<Scene> = stages.iter().map(|s| s.1.clone()).collect();
@@ -173,8 +181,8 @@ pub fn bending(stages: &[(String, Scene)], eye: &Vec3) -> Result<Vec<File>, Bund
     let chosen: Vec<(String, Scene)> =
         (0..PICTURES).filter_map(|k| stages.get(last * k / (PICTURES - 1)).cloned()).collect();
     Ok(vec![
-        ("bending.glb".into(), glb::moving::write(&scenes)?),
-        ("bending.png".into(), png::write(&sequence(&chosen, eye))?),
+        (format!("{name}.glb"), glb::moving::write(name, &scenes)?),
+        (format!("{name}.png"), png::write(&sequence(&chosen, eye))?),
     ])
 }
 

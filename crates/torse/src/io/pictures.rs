@@ -4,7 +4,7 @@ use super::json::Report;
 use super::png::{self, PngError};
 use super::{marks, words};
 use crate::answer::presentation::Presentation;
-use crate::answer::{Answer, Job};
+use crate::answer::Answer;
 use crate::certify::claim::{Subject, What};
 use crate::draw::picture::{self, figure, Caption};
 
@@ -37,7 +37,7 @@ impl Pictures {
         let what = words::counted(answer.patchwork.panels.len(), words::thing(answer.job));
         let all = caption(format!("{what}, {}", certainty(answer, report)));
         let flat = format!("{}, flat, 1:1 in patterns.dxf", words::counted(answer.patterns.len(), "part"));
-        let lays_flat = answer.job != Job::Ruled;
+        let lays_flat = answer.lays_flat();
         let unit = format!("{}, {}", answer.meaning.name, answer.meaning.unit);
         let deviation = || {
             let words = caption("distance of the panels from the surface, mm".to_owned());

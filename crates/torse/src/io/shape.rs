@@ -14,10 +14,16 @@ use serde_json::Value;
 /// A job as written, lengths in mm.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ShapeFile {
+    /// Length of the job's unit, mm, which is that of files beside it that do not say theirs.
+    pub unit: f64,
     /// Boundary curves: name, curve, whether it stays.
     pub curves: Vec<(String, Curve<3>, bool)>,
     /// Strips.
     pub strips: Vec<StripRecord>,
+    /// Strips that other files hold or bound.
+    pub from: Vec<FromRecord>,
+    /// Planar pieces between ends of curves.
+    pub facets: Vec<FacetRecord>,
     /// Joins.
     pub joins: Vec<JoinRecord>,
     /// Handles.
@@ -41,6 +47,9 @@ pub struct StripRecord {
     /// Part of a plane instead of a developable; default false.
     #[serde(default)]
     pub planar: bool,
+    /// Ruled, whatever its rulings do; default false.
+    #[serde(default)]
+    pub ruled: bool,
     /// Distance of the regression curve, as a share of the ruling; default 0.05.
     #[serde(default = "default_margin")]
     pub margin: f64,
@@ -50,14 +59,57 @@ fn default_margin() -> f64 {
     0.05
 }
 
-/// How strips meet.
+/// Strips taken over from an earlier result, or made between two curves by a loft.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FromRecord {
+    /// `panels.step` of an earlier result, beside the job.
+    pub panels: Option<String>,
+    /// Names of the panels to take; default all.
+    #[serde(default)]
+    pub names: Vec<String>,
+    /// Two files of curves (`name.step#12`), beside the job.
+    pub loft: Option<[String; 2]>,
+    /// Pieces of the splines that a strip is laid on; default 6.
+    #[serde(default = "default_spans")]
+    pub spans: usize,
+    /// Degree of these, 2, 3 or 5; default 3.
+    #[serde(default = "default_degree")]
+    pub degree: usize,
+}
+
+fn default_spans() -> usize {
+    6
+}
+
+fn default_degree() -> usize {
+    3
+}
+
+/// A planar piece.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FacetRecord {
+    /// Name.
+    pub name: String,
+    /// Three or four corners in order, ends of curves.
+    pub corners: Vec<PlaceRecord>,
+    /// For triangles: how far curves leave a corner parallel to the opposite side, in lengths of it.
+    pub alpha: Option<f64>,
+}
+
+/// How strips, or curves, meet.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct JoinRecord {
     /// The strip that ends and the one that begins at a common ruling.
     pub ruling: Option<[String; 2]>,
-    /// "G0", "G1" or "G2" along the ruling; default G1.
+    /// Ends of two curves that meet.
+    pub ends: Option<[PlaceRecord; 2]>,
+    /// "G0", "G1", "G2" or "C1" there; default G1.
     pub smoothness: Option<Smooth>,
+    /// For C1: length of the first leg after the join in lengths of the last leg before it; default 1.
+    pub ratio: Option<f64>,
     /// A curve that two strips share.
     pub curve: Option<String>,
     /// "fold" or "smooth" along the curve.
@@ -73,6 +125,8 @@ pub enum Smooth {
     G1,
     /// Curvature.
     G2,
+    /// Direction of the control polygons' legs at a given ratio: linear.
+    C1,
 }
 
 /// What a common curve is.
@@ -151,6 +205,15 @@ pub struct TargetRecord {
     /// Weight; default 0.3.
     #[serde(default = "default_weight")]
     pub weight: f64,
+    /// Distance allowed between strips and target; default the tolerance of the job.
+    pub within: Option<f64>,
+    /// Whether all of the target must be near the strips, too; default true.
+    #[serde(default = "default_covered")]
+    pub covered: bool,
+}
+
+fn default_covered() -> bool {
+    true
 }
 
 fn default_weight() -> f64 {
@@ -195,8 +258,14 @@ struct CurveRecord {
 #[serde(deny_unknown_fields)]
 struct Record {
     unit: Option<String>,
+    #[serde(default)]
     curves: Vec<Value>,
+    #[serde(default)]
     strips: Vec<Value>,
+    #[serde(default)]
+    from: Vec<Value>,
+    #[serde(default)]
+    facets: Vec<Value>,
     #[serde(default)]
     joins: Vec<Value>,
     #[serde(default)]
@@ -242,13 +311,15 @@ pub fn read(bytes: &[u8], name: &str, given: Option<f64>) -> Result<ShapeFile, S
     let Some(scale) = unit::agreed(record.unit.as_deref(), given) else {
         return Err(fail("$.unit", "it must be mm, cm, m, in or ft, and agree with the unit given".into()));
     };
-    let mut out = ShapeFile::default();
+    let mut out = ShapeFile { unit: scale, ..ShapeFile::default() };
     for (k, c) in items::<CurveRecord>(record.curves, "curves").map_err(|(p, r)| fail(&p, r))?.into_iter().enumerate() {
         let curve = curve(&c, scale).map_err(|(field, reason)| fail(&format!("$.curves[{k}].{field}"), reason))?;
         out.curves.push((c.name, curve, c.fixed));
     }
     let at = |(p, r): (String, String)| fail(&p, r);
     out.strips = items(record.strips, "strips").map_err(at)?;
+    out.from = items(record.from, "from").map_err(at)?;
+    out.facets = items(record.facets, "facets").map_err(at)?;
     out.joins = items(record.joins, "joins").map_err(at)?;
     out.handles = items(record.handles, "handles").map_err(at)?;
     out.lengths = items(record.lengths, "lengths").map_err(at)?;
@@ -275,7 +346,10 @@ fn scaled(file: &mut ShapeFile, scale: f64) {
         m.point.iter_mut().for_each(vector);
         m.plane.iter_mut().for_each(|p| vector(&mut p.point));
     }
-    file.targets.iter_mut().for_each(|t| t.points.iter_mut().for_each(vector));
+    for t in &mut file.targets {
+        t.points.iter_mut().for_each(vector);
+        t.within.iter_mut().for_each(|w| *w *= scale);
+    }
     file.lengths.iter_mut().for_each(|l| l.length *= scale);
 }
 
@@ -299,21 +373,42 @@ fn said_once(file: &ShapeFile) -> Result<(), (String, String)> {
             return Err((format!("$.moves[{k}].steps"), format!("it must be 1 to {MOST_STEPS}, not {}", m.steps)));
         }
     }
+    strips_said_once(file)?;
     for (k, j) in file.joins.iter().enumerate() {
-        let right = match (&j.ruling, &j.curve) {
-            (Some(_), None) => j.edge.is_none(),
-            (None, Some(_)) => j.edge.is_some() && j.smoothness.is_none(),
+        let right = match (&j.ruling, &j.ends, &j.curve) {
+            (Some(_), None, None) | (None, Some(_), None) => j.edge.is_none(),
+            (None, None, Some(_)) => j.edge.is_some() && j.smoothness.is_none(),
             _ => false,
         };
         if !right {
-            let reason = "give \"ruling\" with \"smoothness\", or \"curve\" with \"edge\"".into();
+            let reason = "give \"ruling\" or \"ends\" with \"smoothness\", or \"curve\" with \"edge\"".into();
             return Err((format!("$.joins[{k}]"), reason));
+        }
+        if j.ratio.is_some() && j.smoothness != Some(Smooth::C1) {
+            return Err((format!("$.joins[{k}].ratio"), "only \"smoothness\": \"C1\" has a ratio".into()));
         }
     }
     for (k, t) in file.targets.iter().enumerate() {
         if t.file.is_some() != t.points.is_empty() {
             return Err((format!("$.targets[{k}]"), "give \"file\" or \"points\"".into()));
         }
+        if let Some(w) = t.within.filter(|w| !(*w > 0.0 && w.is_finite())) {
+            return Err((format!("$.targets[{k}].within"), format!("it must be a positive length, not {w}")));
+        }
+    }
+    Ok(())
+}
+
+/// The same of strips, whether described or taken from files.
+fn strips_said_once(file: &ShapeFile) -> Result<(), (String, String)> {
+    if let Some(k) = file.strips.iter().position(|s| s.planar && s.ruled) {
+        return Err((format!("$.strips[{k}]"), "a strip is \"planar\" or \"ruled\", not both".into()));
+    }
+    for (k, f) in file.from.iter().enumerate() {
+        if f.panels.is_some() == f.loft.is_some() {
+            return Err((format!("$.from[{k}]"), "give \"panels\" or \"loft\"".into()));
+        }
+        knots(f.degree, f.spans).map_err(|(field, reason)| (format!("$.from[{k}].{field}"), reason))?;
     }
     Ok(())
 }
@@ -328,26 +423,35 @@ fn curve(c: &CurveRecord, scale: f64) -> Result<Curve<3>, (&'static str, String)
             Curve::new(degree, knots.clone(), points.iter().map(place).collect()).map_err(|e| ("points", e.to_string()))
         }
         (None, Some(points)) => {
-            let degree = c.degree.unwrap_or(3);
-            let Some((_, multiplicity)) = DEGREES.iter().find(|d| d.0 == degree) else {
-                return Err(("degree", format!("curves through points have degree 2, 3 or 5, not {degree}")));
-            };
-            let spans = c.spans.unwrap_or(6);
-            if spans == 0 || spans > MOST_SPANS {
-                return Err(("spans", format!("it must be 1 to {MOST_SPANS}, not {spans}")));
-            }
+            let spans = c.spans.unwrap_or_else(default_spans);
+            let knots = knots(c.degree.unwrap_or_else(default_degree), spans)?;
             if c.knots.is_some() {
                 return Err(("knots", "curves through points have knots of their own".into()));
             }
-            on_knots(&points.iter().map(place).collect::<Vec<_>>(), degree, spans, *multiplicity)
-                .map_err(|e| ("through", e))
+            on_knots(&points.iter().map(place).collect::<Vec<_>>(), spans, &knots).map_err(|e| ("through", e))
         }
         _ => Err(("points", "give \"points\" with \"knots\", or \"through\"".into())),
     }
 }
 
-/// A spline near the cubic through points, with inner knots repeated as often as asked.
-fn on_knots(points: &[[f64; 3]], degree: usize, spans: usize, multiplicity: usize) -> Result<Curve<3>, String> {
+/// Clamped knots over [0, 1] with so many equal pieces and inner knots repeated as often as developability needs; or the
+/// field that is wrong and why.
+pub(crate) fn knots(degree: usize, spans: usize) -> Result<Knots, (&'static str, String)> {
+    let Some((_, multiplicity)) = DEGREES.iter().find(|d| d.0 == degree) else {
+        return Err(("degree", format!("curves through points have degree 2, 3 or 5, not {degree}")));
+    };
+    if spans == 0 || spans > MOST_SPANS {
+        return Err(("spans", format!("it must be 1 to {MOST_SPANS}, not {spans}")));
+    }
+    let mut values = vec![0.0; degree + 1];
+    (1..spans).for_each(|i| values.extend(std::iter::repeat_n(i as f64 / spans as f64, *multiplicity)));
+    values.extend(vec![1.0; degree + 1]);
+    let control = values.len() - degree - 1;
+    Knots::new(degree, values, control).map_err(|e| ("spans", e.to_string()))
+}
+
+/// A spline near the cubic through points.
+fn on_knots(points: &[[f64; 3]], spans: usize, knots: &Knots) -> Result<Curve<3>, String> {
     let given: Vec<Vec3> = points.iter().map(|p| Vec3::from(*p)).collect();
     if given.len() < 2 {
         return Err("give at least two points".into());
@@ -361,12 +465,7 @@ fn on_knots(points: &[[f64; 3]], degree: usize, spans: usize, multiplicity: usiz
         [h[0] / h[3], h[1] / h[3], h[2] / h[3]]
     };
     let samples: Vec<[f64; 3]> = parameters.iter().map(at).collect();
-    let mut values = vec![0.0; degree + 1];
-    (1..spans).for_each(|i| values.extend(std::iter::repeat_n(i as f64 / spans as f64, multiplicity)));
-    values.extend(vec![1.0; degree + 1]);
-    let control = values.len() - degree - 1;
-    let knots = Knots::new(degree, values, control).map_err(|e| e.to_string())?;
-    lsq::fit(&samples, &parameters, &knots).map(|f| f.curve).map_err(|e| e.to_string())
+    lsq::fit(&samples, &parameters, knots).map(|f| f.curve).map_err(|e| e.to_string())
 }
 
 #[cfg(test)]
@@ -391,6 +490,7 @@ mod tests {
         assert!((Vec3::from(a.point(0.5)) - Vec3::new(50.0, 0.0, 10.0)).norm() < 0.01);
         assert_eq!(job.curves[1].1.control, [[0.0, 50.0, 0.0], [100.0, 50.0, 0.0]]);
         assert_eq!((job.handles[0].point, job.moves[0].point), (Some([50.0, 0.0, 20.0]), Some([50.0, 0.0, 30.0])));
+        assert_eq!(job.unit, 10.0);
         assert_eq!((job.lengths[0].length, job.moves[0].steps), (110.0, 8));
     }
 
@@ -409,6 +509,15 @@ mod tests {
         assert!(told("\"handle\": 0", "\"handle\": 3").starts_with("job: $.moves[0].handle: there is no handle 3"));
         assert!(told("\"point\": [5, 0, 2]", "\"pull\": 1").starts_with("job: $.handles[0]: give one of"));
         assert!(told("\"smoothness\": \"G2\"", "\"edge\": \"fold\"").starts_with("job: $.joins[0]: give "));
+        assert!(told("\"G2\"", "\"G2\", \"ratio\": 2").starts_with("job: $.joins[0].ratio: only "));
+        let both = "\"b\"], \"ruled\": true, \"planar\": true } ]";
+        assert!(told("\"b\"] } ]", both).starts_with("job: $.strips[0]: a strip is "));
+        let from = |x: &str| format!("\"from\": [ {{ {x} }} ], \"moves\"");
+        assert!(told("\"moves\"", &from("\"spans\": 3")).starts_with("job: $.from[0]: give \"panels\" or"));
+        let m = told("\"moves\"", &from("\"panels\": \"p.step\", \"degree\": 4"));
+        assert!(m.starts_with("job: $.from[0].degree: "), "{m}");
+        let target = "\"targets\": [ { \"file\": \"a.ply\", \"within\": 0 } ], \"moves\"";
+        assert!(told("\"moves\"", target).starts_with("job: $.targets[0].within: "));
         assert!(
             told("\"through\": [[0, 0, 0], [5, 0, 1], [10, 0, 0]]", "\"through\": []").contains("at least two points")
         );

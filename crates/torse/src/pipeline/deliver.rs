@@ -96,12 +96,20 @@ fn panels(answer: &Answer, bytes: &[u8]) -> WrittenCertificate {
 fn breaks(claim: &Claim, off: f64, cones: bool) -> bool {
     let distance = match claim.what() {
         What::FromCurve(_) | What::FromSide(_) | What::FromCurves | What::PointDistance | What::ElementDistance => true,
+        What::TargetDistance(_) => true,
+        // Both sides may move.
+        What::JoinGap(_) => return moved_beyond(claim, 2.0 * off),
         // Panels that cover faces have what writing moves among their bounds.
         What::Deviation => cones,
         _ => false,
     };
+    distance && moved_beyond(claim, off)
+}
+
+/// Whether a proven distance that keeps to its limit would not if it grew by `off` (mm).
+fn moved_beyond(claim: &Claim, off: f64) -> bool {
     match claim.demand() {
-        Demand::AtMost(limit) if distance && claim.evidence() == Evidence::Proven && !claim.is_broken() => {
+        Demand::AtMost(limit) if claim.evidence() == Evidence::Proven && !claim.is_broken() => {
             claim.value() + off > limit
         }
         _ => false,

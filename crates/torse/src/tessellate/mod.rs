@@ -1,5 +1,6 @@
 //! Floor 6: triangles, for pictures and mesh files. Nothing is proven here.
 
 pub(crate) mod coverage;
+pub mod diagnostics;
 pub mod panel;
 pub mod strip;

@@ -3,6 +3,7 @@
 
 use std::collections::{HashMap, VecDeque};
 
+use super::diagnostics::curvature;
 use crate::geom::mesh::Mesh;
 use crate::geom::Vec3;
 use crate::patchwork::clip::ClippedRulings;
@@ -103,6 +104,14 @@ pub fn surface_mesh(patchwork: &Patchwork, face: usize) -> Mesh {
         mesh.normals.push(n.try_normalize(0.0).unwrap_or_else(Vec3::zeros));
     }
     mesh
+}
+
+/// Gauss curvature (1/mm²) of one face at the vertices of its [`surface_mesh`].
+pub fn surface_curvature(patchwork: &Patchwork, face: usize) -> Vec<f64> {
+    let (Some(f), Some(partition)) = (patchwork.faces.get(face), patchwork.partitions.get(face)) else {
+        return Vec::new();
+    };
+    partition.vertices.iter().map(|q| curvature(&f.surface.jet(q[0], q[1]))).collect()
 }
 
 /// Rulings of a panel in space, clipped to its borders, about `spacing` (mm) apart; none for planes.

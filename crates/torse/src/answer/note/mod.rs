@@ -7,6 +7,7 @@ mod net;
 mod shop;
 mod unroll;
 
+use crate::certify::claim::UpperBound;
 pub use crate::design::composite::Report as SolveReport;
 pub(crate) use crate::design::discrete::subdivide::LevelReport;
 pub use crate::patchwork::skins::Skin;
@@ -112,6 +113,35 @@ pub enum Note {
     Met {
         /// Largest residual as a share of the size.
         residual: f64,
+    },
+    /// Some strips of a composite are ruled and have no flat patterns.
+    RuledStrips {
+        /// How many.
+        count: usize,
+    },
+    /// Two pieces of a composite that meet.
+    Joint {
+        /// Its number, from 0.
+        index: usize,
+        /// Names of the pieces.
+        between: [String; 2],
+        /// Distance of both sides, mm.
+        gap: UpperBound,
+        /// Angle between the tangent planes along it, rad.
+        angle: UpperBound,
+        /// Whether they should go on smoothly.
+        smooth: bool,
+    },
+    /// How near strips are to a target.
+    Target {
+        /// Its index.
+        index: usize,
+        /// Distance of the strips from it, mm.
+        there: UpperBound,
+        /// Distance of all of it from the strips, mm.
+        back: UpperBound,
+        /// Whether it consists of points, so that only the second is known.
+        points: bool,
     },
     /// What one level of subdivision and planarisation did.
     Level {

@@ -2,7 +2,6 @@
 
 mod face;
 mod points;
-mod tree;
 
 pub(crate) use face::FaceReference;
 pub(crate) use points::PointReference;

@@ -4,8 +4,8 @@
 //! squares, the curvatures \[CP05\]. Between the corners of a triangle normals are interpolated, and the curvatures of the
 //! nearest corner are used.
 
-use super::tree::{nearest_on_triangle, Tree};
 use super::{principal, Foot, Reference};
+use crate::geom::box_tree::{nearest_on_triangle, BoxTree};
 use crate::geom::cloud::Cloud;
 use crate::geom::{BBox, Vec3};
 use nalgebra as na;
@@ -27,7 +27,7 @@ struct Local {
 pub(crate) struct PointReference {
     cloud: Cloud,
     local: Vec<Local>,
-    tree: Tree,
+    tree: BoxTree,
 }
 
 impl PointReference {
@@ -40,7 +40,7 @@ impl PointReference {
             return None;
         }
         let points = &cloud.points;
-        let near = Tree::new(n, &|i| BBox { min: points[i], max: points[i] });
+        let near = BoxTree::new(n, &|i| BBox { min: points[i], max: points[i] });
         let mut given = vec![Vec3::zeros(); n];
         for t in &cloud.triangles {
             let [a, b, c] = t.map(|i| points[i as usize]);
@@ -56,9 +56,9 @@ impl PointReference {
             .collect();
         let tree = match cloud.triangles.is_empty() {
             true => near,
-            false => {
-                Tree::new(cloud.triangles.len(), &|k| BBox::of(cloud.triangles[k].map(|i| points[i as usize]).iter()))
-            }
+            false => BoxTree::new(cloud.triangles.len(), &|k| {
+                BBox::of(cloud.triangles[k].map(|i| points[i as usize]).iter())
+            }),
         };
         Some(Self { cloud, local, tree })
     }

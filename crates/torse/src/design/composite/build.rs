@@ -1,17 +1,17 @@
 //! From a composite to unknowns and rows.
 
-use super::check::{check, curve_item, handle_item, strip_item, CompositeError, SAME};
+use super::built::{Built, HandleAt, Item};
+use super::check::{check, curve_item, handle_item, CompositeError, SAME};
+use super::freedom::too_much;
 use super::handle::{Handle, Hold, Strength};
 use super::identify::{identified, Identified};
-use super::{Composite, Edge, Join, Options, Smoothness, StripShape};
-use crate::constraint::coplanarity::{Coplanarity, InPlane, Unit};
-use crate::constraint::developability::{freedom_per_interval, samples, KForm, NForm, StripPoints};
+use super::{Composite, Options, StripShape};
+use crate::constraint::coplanarity::{InPlane, Unit};
+use crate::constraint::developability::{samples, KForm, NForm, StripPoints};
 use crate::constraint::distance::Distance;
 use crate::constraint::fairness::{across, along, greville};
-use crate::constraint::fold::Fold;
 use crate::constraint::handle::{OnPlane, Parallel, Vanish};
-use crate::constraint::join::{SameCurvature, SameDirection};
-use crate::constraint::proximity::{Proximity, Scale};
+use crate::constraint::proximity::Proximity;
 use crate::constraint::stencil::Stencil;
 use crate::geom::Vec3;
 use crate::num::gauss_newton::{Role, System};
@@ -25,47 +25,16 @@ pub(super) enum Form {
     N,
 }
 
-/// What a block is about.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Item {
-    Ruling { strip: usize, u: f64 },
-    Plane { strip: usize },
-    Join(usize),
-    Handle(usize),
-    Length(usize),
-    Target(usize),
-    Fairness,
-}
+/// Weight of places as they were given beside differences of control points.
+const STAY: f64 = 2.0;
 
-/// Where a handle's numbers are among the unknowns.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum HandleAt {
-    /// A control point that is the handle's place itself.
-    Control(u32),
-    /// A frozen point or direction.
-    Vector(u32),
-    /// A frozen point and a normal.
-    Plane(u32, u32),
-}
-
-/// A system with the meaning of its unknowns and blocks.
-pub(super) struct Built {
-    pub system: System,
-    pub start: Vec<f64>,
-    /// First unknown of every control point, by curve.
-    pub points: Vec<Vec<u32>>,
-    pub handles: Vec<HandleAt>,
-    pub items: Vec<Item>,
-    pub scale: Scale,
-}
-
-struct Builder<'a> {
-    composite: &'a Composite,
+pub(super) struct Builder<'a> {
+    pub composite: &'a Composite,
     options: &'a Options,
     form: Form,
     /// Curves of both sides, by strip.
-    sides: Vec<[usize; 2]>,
-    built: Built,
+    pub sides: Vec<[usize; 2]>,
+    pub built: Built,
 }
 
 /// Sets up a composite.
@@ -80,20 +49,22 @@ pub(super) fn build(composite: &Composite, options: &Options, form: Form) -> Res
     b.fixed_curves()?;
     (0..composite.handles.len()).try_for_each(|k| b.handle(k))?;
     (0..composite.strips.len()).for_each(|k| b.strip(k));
+    (0..composite.facets.len()).for_each(|k| b.facet(k));
     (0..composite.joins.len()).for_each(|k| b.join(k));
     (0..composite.lengths.len()).for_each(|k| b.length(k));
     (0..composite.targets.len()).for_each(|k| b.target(k));
     b.fairness();
-    let (conditions, free) = (b.built.system.conditions(), b.built.system.free());
+    let (conditions, free) = (b.built.system.conditions().sum(), b.built.system.free());
     if conditions > free && !options.redundant {
-        return Err(CompositeError::OverDetermined { conditions, free });
+        let (item, help) = too_much(composite, &b.built);
+        return Err(CompositeError::OverDetermined { item, conditions, free, help });
     }
     Ok(b.built)
 }
 
 impl Builder<'_> {
     /// Value and derivatives of a curve; those with respect to the length of the piece at `u`.
-    fn jet(&self, curve: usize, u: f64) -> [Stencil; 3] {
+    pub(super) fn jet(&self, curve: usize, u: f64) -> [Stencil; 3] {
         let knots = &self.composite.curves[curve].curve.knots;
         let span = knots.span(u);
         let unit = knots.values()[span + 1] - knots.values()[span];
@@ -115,13 +86,19 @@ impl Builder<'_> {
         first
     }
 
-    fn add(&mut self, block: impl crate::num::gauss_newton::Block + 'static, role: Role, class: &str, item: Item) {
+    pub(super) fn add(
+        &mut self,
+        block: impl crate::num::gauss_newton::Block + 'static,
+        role: Role,
+        class: &str,
+        item: Item,
+    ) {
         let class = self.built.system.class(class);
         self.built.system.add(block, role, class);
         self.built.items.push(item);
     }
 
-    fn at(&self, p: u32) -> Vec3 {
+    pub(super) fn at(&self, p: u32) -> Vec3 {
         Vec3::from_column_slice(&self.built.start[p as usize..p as usize + 3])
     }
 
@@ -236,7 +213,8 @@ impl Builder<'_> {
         let composite = self.composite;
         let knots = &composite.curves[a].curve.knots;
         let margin = match composite.strips[k].shape {
-            StripShape::Planar => return self.plane(k, a, b),
+            StripShape::Planar => return self.planar(k, a, b),
+            StripShape::Ruled => return,
             StripShape::Developable { margin } => margin,
         };
         let (pa, pb) = (self.built.points[a].clone(), self.built.points[b].clone());
@@ -251,8 +229,13 @@ impl Builder<'_> {
     }
 
     /// A planar strip: an unknown plane with all control points in it.
-    fn plane(&mut self, k: usize, a: usize, b: usize) {
-        let mut points: Vec<u32> = self.built.points[a].iter().chain(&self.built.points[b]).copied().collect();
+    fn planar(&mut self, k: usize, a: usize, b: usize) {
+        let points: Vec<u32> = self.built.points[a].iter().chain(&self.built.points[b]).copied().collect();
+        self.plane(points, Item::Plane { strip: k });
+    }
+
+    /// An unknown plane with these points in it.
+    pub(super) fn plane(&mut self, mut points: Vec<u32>, item: Item) {
         points.sort_unstable();
         points.dedup();
         let places: Vec<Vec3> = points.iter().map(|&p| self.at(p)).collect();
@@ -266,87 +249,9 @@ impl Builder<'_> {
         });
         self.built.start.extend_from_slice(normal.as_slice());
         self.built.start.push(-normal.dot(&middle));
-        self.add(Unit::new(first), Role::Hard, "planarity", Item::Plane { strip: k });
+        self.add(Unit::new(first), Role::Hard, "planarity", item);
         for p in points {
-            let block = InPlane::new(&Stencil::point(p), first, first + 3);
-            self.add(block, Role::Hard, "planarity", Item::Plane { strip: k });
-        }
-    }
-
-    fn join(&mut self, k: usize) {
-        match &self.composite.joins[k] {
-            Join::Ruling { first, second, smoothness } => {
-                let strips = (self.composite.strip(first), self.composite.strip(second));
-                if let (Some(first), Some(second)) = strips {
-                    self.ruling(k, first, second, *smoothness);
-                }
-            }
-            Join::Curve { curve, edge } => {
-                if let Some(curve) = self.composite.curve(curve) {
-                    self.edge(k, curve, *edge);
-                }
-            }
-        }
-    }
-
-    fn ruling(&mut self, k: usize, first: usize, second: usize, smoothness: Smoothness) {
-        if smoothness == Smoothness::G0 {
-            return;
-        }
-        let ([p, q], [r, s]) = (self.sides[first], self.sides[second]);
-        let end = self.composite.curves[p].curve.domain().1;
-        let begin = self.composite.curves[r].curve.domain().0;
-        let ruling = self.jet(s, begin)[0].clone().minus(&self.jet(r, begin)[0]);
-        for (p, q) in [(p, r), (q, s)] {
-            let [_, d, e] = self.jet(p, end);
-            let [_, f, g] = self.jet(q, begin);
-            self.add(SameDirection::new(&d, &f), Role::Hard, "smooth joins", Item::Join(k));
-            if smoothness == Smoothness::G2 {
-                let block = SameCurvature::new([&d, &e], [&f, &g], &ruling);
-                self.add(block, Role::Hard, "joins of equal curvature", Item::Join(k));
-            }
-        }
-    }
-
-    fn edge(&mut self, k: usize, curve: usize, edge: Edge) {
-        let name = &self.composite.curves[curve].name;
-        let others: Vec<usize> = (0..self.composite.strips.len())
-            .filter(|&s| self.composite.strips[s].sides.contains(name))
-            .map(|s| {
-                let [a, b] = self.sides[s];
-                if a == curve {
-                    b
-                } else {
-                    a
-                }
-            })
-            .collect();
-        let &[one, two] = &others[..] else { return };
-        let knots = &self.composite.curves[curve].curve.knots;
-        let degree = knots.degree();
-        let inner = knots.distinct();
-        let multiplicity = inner.iter().skip(1).rev().skip(1).map(|k| k.1).min().unwrap_or(degree);
-        // Two strips and their edge gain three control points where one strip gains two.
-        let free = 2 * freedom_per_interval(degree, multiplicity) - 3 * multiplicity as isize;
-        let count = match edge {
-            Edge::Fold => (free / 2).clamp(1, 2) as usize,
-            Edge::Smooth => degree,
-        };
-        for w in knots.breaks().windows(2) {
-            for i in 0..count {
-                let u = w[0] + (w[1] - w[0]) * (i as f64 + 0.5) / count as f64;
-                let [c, d, e] = self.jet(curve, u);
-                let r = [one, two].map(|o| self.jet(o, u)[0].clone().minus(&c));
-                match edge {
-                    Edge::Fold => {
-                        self.add(Fold::new(&d, &e, [&r[0], &r[1]]), Role::Hard, "folds", Item::Join(k));
-                    }
-                    Edge::Smooth => {
-                        let block = Coplanarity::new(&r[0], &d, &r[1]);
-                        self.add(block, Role::Hard, "smooth joins", Item::Join(k));
-                    }
-                }
-            }
+            self.add(InPlane::new(&Stencil::point(p), first, first + 3), Role::Hard, "planarity", item);
         }
     }
 
@@ -400,6 +305,25 @@ impl Builder<'_> {
                 }
             }
         }
+        // Targets say nothing of places along them: there, what is ruled stays where it was given.
+        if self.composite.is_ruled() && !self.composite.targets.is_empty() {
+            let points: std::collections::BTreeSet<u32> = self.built.points.iter().flatten().copied().collect();
+            for p in points {
+                let given = self.given(self.at(p));
+                let row = Vanish::at(&Stencil::point(p), given);
+                self.add(row, Role::Fair { weight: STAY }, "fairness", Item::Fairness);
+            }
+        }
+        for (k, strip) in self.composite.strips.iter().enumerate() {
+            // Ruled strips: rulings that follow each other differ little.
+            if strip.shape == StripShape::Ruled {
+                let [a, b] = self.sides[k].map(|c| self.built.points[c].clone());
+                for i in 1..a.len() {
+                    let row = Stencil(vec![(b[i], 1.0), (a[i], -1.0), (b[i - 1], -1.0), (a[i - 1], 1.0)]);
+                    self.add(Vanish::new(&row, self.options.fairness), role, "fairness", Item::Fairness);
+                }
+            }
+        }
         for s in 0..self.composite.strips.len() {
             for t in 0..self.composite.strips.len() {
                 let ([a, b], [c, d]) = (self.sides[s], self.sides[t]);
@@ -413,18 +337,5 @@ impl Builder<'_> {
                 }
             }
         }
-    }
-}
-
-/// What an item is called.
-pub(super) fn describe(c: &Composite, item: Item) -> String {
-    match item {
-        Item::Ruling { strip, u } => format!("{}, ruling u = {u:.4}", strip_item(c, strip)),
-        Item::Plane { strip } => strip_item(c, strip).to_string(),
-        Item::Join(k) => format!("join {k}"),
-        Item::Handle(k) => c.handles.get(k).map_or(String::new(), |h| handle_item(k, h).to_string()),
-        Item::Length(k) => format!("length {k}"),
-        Item::Target(k) => format!("target {k}"),
-        Item::Fairness => "fairness".into(),
     }
 }

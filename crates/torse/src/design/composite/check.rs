@@ -1,7 +1,7 @@
 //! What is wrong with a composite, by name of the item.
 
 use super::handle::{Handle, Hold, Place, Strength};
-use super::{Composite, Join, StripShape};
+use super::{Composite, Join, Smoothness, StripShape};
 use crate::constraint::developability::freedom_per_interval;
 use crate::geom::{BBox, Vec3};
 use crate::num::gauss_newton::system::SystemError;
@@ -11,7 +11,7 @@ use std::fmt;
 /// An item of a composite: words for people, and the place for whoever must find it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct At {
-    /// Name of the list that holds it: curves, strips, joins, handles, lengths, targets.
+    /// Name of the list that holds it: curves, strips, facets, joins, handles, lengths, targets.
     pub list: &'static str,
     /// Index in the list, from 0.
     pub index: usize,
@@ -45,8 +45,8 @@ pub enum CompositeError {
     /// There are no strips.
     #[error("there are no strips")]
     Empty,
-    /// Two items with one name.
-    #[error("two {kind}s are called '{name}'")]
+    /// Two items with one name; planar pieces count as strips.
+    #[error("two {kind}s are called '{name}'; every name must be used once")]
     TwoOfAName {
         /// Curve or strip.
         kind: &'static str,
@@ -138,12 +138,44 @@ pub enum CompositeError {
         count: usize,
     },
     /// More equations than unknowns.
-    #[error("{conditions} conditions for {free} free coordinates: hold less, or add knots")]
+    #[error("{item} asks for more than there is, {conditions} conditions for {free} free coordinates in all: {help}")]
     OverDetermined {
+        /// The item with which it becomes too much.
+        item: Box<At>,
         /// Conditions.
         conditions: usize,
         /// Free coordinates.
         free: usize,
+        /// What would help.
+        help: &'static str,
+    },
+    /// A planar piece with the wrong number of corners.
+    #[error("{item} has {count} corners; give 3 or 4, and a distance only to one with 3")]
+    Corners {
+        /// The piece.
+        item: Box<At>,
+        /// Number of corners.
+        count: usize,
+    },
+    /// Equal curvature of strips of which nothing is asked.
+    #[error("{item}: equal curvature (G2) is for developables, not for '{strip}'; ask for G1 or C1")]
+    Skew {
+        /// The join.
+        item: Box<At>,
+        /// The ruled strip, or the curve that ends.
+        strip: String,
+    },
+    /// A place that must be an end of its curve.
+    #[error("{item}: u = {u} of '{curve}' is no end of it; its ends are {} and {}", .ends.0, .ends.1)]
+    NoEnd {
+        /// The item.
+        item: Box<At>,
+        /// The curve.
+        curve: String,
+        /// The parameter.
+        u: f64,
+        /// Parameters of both ends.
+        ends: (f64, f64),
     },
     /// A handle index that does not exist, or another kind of hold than at the beginning.
     #[error("there is no handle {index} that holds a {kind}")]
@@ -178,6 +210,11 @@ impl CompositeError {
             | Self::Coinciding { item, .. }
             | Self::Nothing { item, .. }
             | Self::Contradiction { first: item, .. }
+            | Self::OverDetermined { item, .. }
+            | Self::Corners { item, .. }
+            | Self::Skew { item, .. }
+            | Self::NoEnd { item, .. }
+            | Self::Spline { item, .. }
             | Self::NotShared { item, .. } => Some(item),
             _ => None,
         }
@@ -197,8 +234,13 @@ pub(super) fn curve_item(c: &Composite, k: usize, kind: &str) -> Box<At> {
     Box::new(At { list: "curves", index: k, field: "", words: format!("{kind} {k} '{}'", c.curves[k].name) })
 }
 
+/// A planar piece for messages.
+pub(super) fn facet_item(c: &Composite, k: usize) -> Box<At> {
+    Box::new(At { list: "facets", index: k, field: "", words: format!("planar piece {k} '{}'", c.facets[k].name) })
+}
+
 /// An item without a name for messages.
-fn other_item(list: &'static str, word: &str, index: usize) -> Box<At> {
+pub(super) fn other_item(list: &'static str, word: &str, index: usize) -> Box<At> {
     Box::new(At { list, index, field: "", words: format!("{word} {index}") })
 }
 
@@ -236,7 +278,7 @@ pub(super) fn check(c: &Composite) -> Result<(), CompositeError> {
         return Err(CompositeError::Empty);
     }
     unique("curve", c.curves.iter().map(|c| &c.name))?;
-    unique("strip", c.strips.iter().map(|s| &s.name))?;
+    unique("strip", c.strips.iter().map(|s| &s.name).chain(c.facets.iter().map(|f| &f.name)))?;
     let size = size(c);
     for (k, b) in c.curves.iter().enumerate() {
         let item = || curve_item(c, k, "curve");
@@ -261,23 +303,8 @@ pub(super) fn check(c: &Composite) -> Result<(), CompositeError> {
     for k in 0..c.strips.len() {
         strip(c, k, size)?;
     }
-    for (k, join) in c.joins.iter().enumerate() {
-        let item = |field| move || other_item("joins", "join", k).of(field);
-        match join {
-            Join::Ruling { first, second, .. } => {
-                for name in [first, second] {
-                    found(&item("ruling"), "strip", name, c.strips.iter().map(|s| &s.name[..]))?;
-                }
-            }
-            Join::Curve { curve, .. } => {
-                found(&item("curve"), "curve", curve, c.curves.iter().map(|s| &s.name[..]))?;
-                let count = c.strips.iter().filter(|s| s.sides.contains(curve)).count();
-                if count != 2 {
-                    return Err(CompositeError::NotShared { item: item("curve")(), curve: curve.clone(), count });
-                }
-            }
-        }
-    }
+    (0..c.facets.len()).try_for_each(|k| facet(c, k))?;
+    (0..c.joins.len()).try_for_each(|k| join(c, k))?;
     c.handles.iter().enumerate().try_for_each(|(k, h)| handle(c, k, h))?;
     for (k, l) in c.lengths.iter().enumerate() {
         let item = other_item("lengths", "length", k);
@@ -346,6 +373,70 @@ fn strip(c: &Composite, k: usize, size: f64) -> Result<(), CompositeError> {
         }
     }
     Ok(())
+}
+
+fn join(c: &Composite, k: usize) -> Result<(), CompositeError> {
+    let item = |field| move || other_item("joins", "join", k).of(field);
+    let ratio = |s: &Smoothness| match s {
+        Smoothness::C1 { ratio } if !(*ratio > 0.0 && ratio.is_finite()) => {
+            let needed = "it must be positive";
+            Err(CompositeError::Number { item: item("ratio")(), what: "the ratio", value: *ratio, needed })
+        }
+        _ => Ok(()),
+    };
+    match &c.joins[k] {
+        Join::Ruling { first, second, smoothness } => {
+            for name in [first, second] {
+                let k = found(&item("ruling"), "strip", name, c.strips.iter().map(|s| &s.name[..]))?;
+                if *smoothness == Smoothness::G2 && c.strips[k].shape == StripShape::Ruled {
+                    return Err(CompositeError::Skew { item: item("smoothness")(), strip: name.clone() });
+                }
+            }
+            ratio(smoothness)
+        }
+        Join::Curve { curve, .. } => {
+            found(&item("curve"), "curve", curve, c.curves.iter().map(|s| &s.name[..]))?;
+            let count = c.strips.iter().filter(|s| s.sides.contains(curve)).count();
+            match count {
+                2 => Ok(()),
+                _ => Err(CompositeError::NotShared { item: item("curve")(), curve: curve.clone(), count }),
+            }
+        }
+        Join::Ends { smoothness: Smoothness::G2, ends } => {
+            Err(CompositeError::Skew { item: item("smoothness")(), strip: ends[0].curve.clone() })
+        }
+        Join::Ends { ends, smoothness } => {
+            ends.iter().try_for_each(|p| at_end(c, &item("ends")(), p))?;
+            ratio(smoothness)
+        }
+    }
+}
+
+fn facet(c: &Composite, k: usize) -> Result<(), CompositeError> {
+    let f = &c.facets[k];
+    let item = facet_item(c, k);
+    let count = f.corners.len();
+    if !(3..=4).contains(&count) || (f.alpha.is_some() && count != 3) {
+        return Err(CompositeError::Corners { item: item.of("corners"), count });
+    }
+    f.corners.iter().try_for_each(|p| at_end(c, &item.clone().of("corners"), p))?;
+    match f.alpha {
+        Some(value) if !(value > 0.0 && value.is_finite()) => {
+            let needed = "it must be positive";
+            Err(CompositeError::Number { item: item.of("alpha"), what: "the distance", value, needed })
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Checks that a place is an end of a curve of a strip.
+fn at_end(c: &Composite, item: &At, p: &Place) -> Result<(), CompositeError> {
+    place(c, item, p)?;
+    let ends = c.curve(&p.curve).map_or((0.0, 0.0), |k| c.curves[k].curve.domain());
+    if p.u == ends.0 || p.u == ends.1 {
+        return Ok(());
+    }
+    Err(CompositeError::NoEnd { item: Box::new(item.clone()), curve: p.curve.clone(), u: p.u, ends })
 }
 
 fn place(c: &Composite, item: &At, p: &Place) -> Result<(), CompositeError> {

@@ -5,7 +5,7 @@
 //! equations are a band.
 
 use super::check::size;
-use super::{Composite, Join};
+use super::{Composite, Join, Place};
 use crate::constraint::fairness::greville;
 use crate::constraint::proximity::Scale;
 use crate::geom::Vec3;
@@ -28,9 +28,30 @@ fn rulings(c: &Composite) -> Vec<[[usize; 2]; 2]> {
     };
     let pair = |j: &Join| match j {
         Join::Ruling { first, second, .. } => Some([sides(first)?, sides(second)?]),
-        Join::Curve { .. } => None,
+        Join::Curve { .. } | Join::Ends { .. } => None,
     };
     c.joins.iter().filter_map(pair).collect()
+}
+
+/// Indices of curves and control points of both ends, for every pair of curves that meet at an end.
+fn ends(c: &Composite) -> Vec<[(usize, usize); 2]> {
+    let of = |j: &Join| match j {
+        Join::Ends { ends: [p, q], .. } => Some([end(c, p)?, end(c, q)?]),
+        _ => None,
+    };
+    c.joins.iter().filter_map(of).collect()
+}
+
+/// Curve and control point of a place that is an end of its curve.
+pub(super) fn end(c: &Composite, place: &Place) -> Option<(usize, usize)> {
+    let k = c.curve(&place.curve)?;
+    let curve = &c.curves[k].curve;
+    let (a, b) = curve.domain();
+    if place.u <= a {
+        Some((k, 0))
+    } else {
+        (place.u >= b).then(|| (k, curve.control.len() - 1))
+    }
 }
 
 /// The representative of an item of a partition.
@@ -74,6 +95,10 @@ pub(super) fn identified(c: &Composite) -> Identified {
             let (i, j) = (find(&mut root, first[p] + c.curves[p].curve.control.len() - 1), find(&mut root, first[q]));
             root[i.max(j)] = i.min(j);
         }
+    }
+    for [p, q] in ends(c) {
+        let (i, j) = (find(&mut root, first[p.0] + p.1), find(&mut root, first[q.0] + q.1));
+        root[i.max(j)] = i.min(j);
     }
     let all: Vec<Vec3> = c.curves.iter().flat_map(|b| b.curve.control.iter().map(|p| Vec3::from(*p))).collect();
     let places = places(c, &all, &mut root);

@@ -1,14 +1,18 @@
-//! Spline developables and their composites: strips between boundary curves, joined along curves and rulings, that one
-//! can pull on \[W15, TBWP16\].
+//! Spline developables, ruled strips and their composites: strips between boundary curves, joined along curves and rulings,
+//! that one can pull on \[W15, TBWP16\].
 //!
 //! A [`Composite`] says what belongs together; a [`Session`] holds it while handles move. Common boundary curves are common
 //! unknowns, and so are common rulings. Strips are developable at as many rulings as make them exactly so; that the regression
 //! curve keeps off is an equation, too. See `docs/algorithms/constraint.md`.
 
 mod build;
+mod built;
 mod check;
+mod facet;
+mod freedom;
 mod handle;
 mod identify;
+mod join;
 mod session;
 #[cfg(test)]
 mod tests;
@@ -66,6 +70,8 @@ pub enum StripShape {
     },
     /// Part of a plane.
     Planar,
+    /// Ruled, whatever its rulings do: nothing is asked of them.
+    Ruled,
 }
 
 /// A ruled strip between two boundary curves over the same knots.
@@ -79,15 +85,21 @@ pub struct RuledStrip {
     pub shape: StripShape,
 }
 
-/// How smoothly two strips meet along a ruling.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// How smoothly two strips meet along a ruling, or two curves at their ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Smoothness {
     /// They meet.
     G0,
-    /// They have one tangent plane, and the boundary curves go on in their direction.
+    /// The boundary curves go on in their direction, and there is one tangent plane at every place of the ruling.
     G1,
-    /// Their normal curvatures are equal, too.
+    /// Normal curvatures of developables are equal, too.
     G2,
+    /// The first leg of the control polygon goes on in the direction of the last one, so many times as long: linear, and
+    /// with one ratio for both sides of a strip, the tangent planes of ruled strips agree all along the ruling.
+    C1 {
+        /// Length of the first leg after the join, in lengths of the last leg before it.
+        ratio: f64,
+    },
 }
 
 /// How two strips that share a boundary curve meet there. Without any of these they meet at an edge.
@@ -118,6 +130,26 @@ pub enum Join {
         /// How they meet.
         edge: Edge,
     },
+    /// Two curves meet at their ends.
+    Ends {
+        /// An end of one curve and an end of the other.
+        ends: [Place; 2],
+        /// How smoothly; not G2.
+        smoothness: Smoothness,
+    },
+}
+
+/// A planar piece, straight from corner to corner; all curves that end at a corner leave it within the plane, so that
+/// strips whose last ruling is a side of it go on smoothly \[W15, figure 2.4\].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Facet {
+    /// Name, unique among strips and facets.
+    pub name: String,
+    /// Three or four corners in order, each an end of a curve.
+    pub corners: Vec<Place>,
+    /// For triangles: curves leave a corner parallel to the opposite side, so many times as far as it is long, in the way
+    /// that they do at the start. Linear, but nothing else is left to choose. Default none: any direction within the plane.
+    pub alpha: Option<f64>,
 }
 
 /// A surface that strips should be near.
@@ -147,6 +179,8 @@ pub struct Composite {
     pub curves: Vec<BoundaryCurve>,
     /// Strips between them.
     pub strips: Vec<RuledStrip>,
+    /// Planar pieces between ends of curves.
+    pub facets: Vec<Facet>,
     /// Conditions where strips meet.
     pub joins: Vec<Join>,
     /// What is held.
@@ -166,5 +200,10 @@ impl Composite {
     /// Index of a strip.
     pub fn strip(&self, name: &str) -> Option<usize> {
         self.strips.iter().position(|s| s.name == name)
+    }
+
+    /// Whether nothing has to be developable: then rows are linear, or nearly so, and weighted least squares solve them.
+    pub fn is_ruled(&self) -> bool {
+        !self.strips.iter().any(|s| matches!(s.shape, StripShape::Developable { .. }))
     }
 }

@@ -1,12 +1,14 @@
 //! A composite while somebody pulls on it.
 
-use super::build::{build, describe, Built, Form, HandleAt, Item};
-use super::check::{handle_item, hold, strip_item, CompositeError};
+use super::build::{build, Form};
+use super::built::{describe, Built, HandleAt, Item};
+use super::check::{facet_item, handle_item, hold, strip_item, CompositeError};
+use super::facet::places;
 use super::handle::Hold;
-use super::{Composite, Options};
+use super::{Composite, Options, StripShape};
 use crate::constraint::proximity::Scale;
 use crate::geom::Vec3;
-use crate::num::gauss_newton::{Outcome, Schedule, Solver, Status};
+use crate::num::gauss_newton::{Kept, Outcome, Schedule, Solver, Status};
 use crate::spline::curve::Curve;
 use crate::torse::form::PanelKind;
 use crate::torse::strip::Strip;
@@ -42,6 +44,17 @@ pub struct Session {
     handles: Vec<HandleAt>,
     scale: Scale,
     polisher: Option<(Solver, Vec<Item>)>,
+    good: Good,
+}
+
+/// The last state that met all conditions.
+#[derive(Default)]
+struct Good {
+    /// Whether there is one.
+    known: bool,
+    values: Kept,
+    /// What handles held to.
+    holds: Vec<Hold>,
 }
 
 impl Session {
@@ -52,7 +65,8 @@ impl Session {
     pub fn new(composite: Composite, options: Options) -> Result<Self, CompositeError> {
         let Built { system, start, points, handles, items, scale } = build(&composite, &options, Form::K)?;
         let solver = Solver::new(system, start)?;
-        Ok(Self { composite, options, solver, items, points, handles, scale, polisher: None })
+        let good = Good::default();
+        Ok(Self { composite, options, solver, items, points, handles, scale, polisher: None, good })
     }
 
     /// The composite as it was given.
@@ -106,11 +120,13 @@ impl Session {
         Ok(())
     }
 
-    /// Solves from far away: the first step, or after a large change.
+    /// Solves from far away: the first step, or after a large change. Composites in which nothing has to be developable are
+    /// solved by weighted least squares, and then moved by the least way to where hard conditions are met.
     pub fn settle(&mut self, control: &Control) -> Report {
-        let schedule = match self.composite.targets.is_empty() {
-            true => Schedule::cold(self.options.tolerance),
-            false => Schedule::gentle(self.options.tolerance),
+        let schedule = match (self.composite.is_ruled(), self.composite.targets.is_empty()) {
+            (true, _) => Schedule::steady(self.options.tolerance),
+            (false, true) => Schedule::cold(self.options.tolerance),
+            (false, false) => Schedule::gentle(self.options.tolerance),
         };
         self.settle_by(&schedule, control)
     }
@@ -118,14 +134,43 @@ impl Session {
     /// Solves by a schedule of the caller's.
     pub fn settle_by(&mut self, schedule: &Schedule, control: &Control) -> Report {
         self.solver.begin();
-        let outcome = self.solver.solve(schedule, control);
-        self.report(&outcome, &self.solver, &self.items)
+        self.solved(schedule, control)
     }
 
     /// Solves after handles have moved a little.
     pub fn step(&mut self, control: &Control) -> Report {
-        let outcome = self.solver.solve(&Schedule::warm(self.options.tolerance), control);
+        let schedule = match self.composite.is_ruled() {
+            true => Schedule::steady(self.options.tolerance),
+            false => Schedule::warm(self.options.tolerance),
+        };
+        self.solved(&schedule, control)
+    }
+
+    fn solved(&mut self, schedule: &Schedule, control: &Control) -> Report {
+        let mut outcome = self.solver.solve(schedule, control);
+        if self.composite.is_ruled() && outcome.status != Status::Cancelled {
+            let iterations = outcome.iterations;
+            outcome = self.solver.polish(self.options.tolerance, POLISH_STEPS, control);
+            outcome.iterations += iterations;
+        }
+        if outcome.status == Status::Converged {
+            self.good.known = true;
+            self.solver.keep(&mut self.good.values);
+            self.good.holds.clear();
+            self.good.holds.extend(self.composite.handles.iter().map(|h| h.hold));
+        }
         self.report(&outcome, &self.solver, &self.items)
+    }
+
+    /// Goes back to the state after the last solve that converged, handles included; answers whether there was one.
+    pub fn back(&mut self) -> bool {
+        if self.good.known {
+            self.solver.restore(&self.good.values);
+            for (h, hold) in self.composite.handles.iter_mut().zip(&self.good.holds) {
+                h.hold = *hold;
+            }
+        }
+        self.good.known
     }
 
     /// More digits: all conditions to `tolerance`, a share of the size of all curves, by shortest Newton steps. Soft handles
@@ -188,7 +233,7 @@ impl Session {
         Some(Curve { knots: given.knots.clone(), control: self.control_points(curve).map(|p| p.into()).collect() })
     }
 
-    /// All strips as they are now, called torses whatever they are.
+    /// All strips as they are now, called by what is asked of them: planes, torses, ruled.
     ///
     /// # Errors
     /// Control points that are not finite.
@@ -196,10 +241,32 @@ impl Session {
         let made = |(k, s): (usize, &super::RuledStrip)| {
             let side = |k: usize| self.composite.curve(&s.sides[k]).and_then(|c| self.curve(c));
             let (Some(a), Some(b)) = (side(0), side(1)) else { return Err(CompositeError::Empty) };
-            Strip::polynomial(&s.name, PanelKind::Torse, &a, &b)
+            let kind = match s.shape {
+                StripShape::Planar => PanelKind::Plane,
+                StripShape::Developable { .. } => PanelKind::Torse,
+                StripShape::Ruled => PanelKind::Ruled,
+            };
+            Strip::polynomial(&s.name, kind, &a, &b)
                 .map_err(|source| CompositeError::Spline { item: strip_item(&self.composite, k), source })
         };
         self.composite.strips.iter().enumerate().map(made).collect()
+    }
+
+    /// All planar pieces as they are now, called planes: from the first corner to the second, and beside it from the last
+    /// to the third.
+    ///
+    /// # Errors
+    /// Control points that are not finite.
+    pub fn facets(&self) -> Result<Vec<Strip>, CompositeError> {
+        let made = |(k, f): (usize, &super::Facet)| {
+            let point = |curve: usize, at: usize| self.control_points(curve).nth(at).unwrap_or_else(Vec3::zeros);
+            let corners = places(&self.composite, f, point);
+            let [a, b, c] = [0, 1, 2].map(|i: usize| corners.get(i).copied().unwrap_or_else(Vec3::zeros));
+            let d = corners.get(3).copied().unwrap_or(c);
+            Strip::quad(&f.name, PanelKind::Plane, [a, d], [b, c])
+                .map_err(|source| CompositeError::Spline { item: facet_item(&self.composite, k), source })
+        };
+        self.composite.facets.iter().enumerate().map(made).collect()
     }
 }
 

@@ -11,12 +11,12 @@ use serde_json::{json, Value};
 /// Seconds from one stage to the next.
 const STEP: f64 = 0.25;
 
-/// The bytes of a GLB file whose panels move through the stages and back; all stages have the same panels with the
+/// The bytes of a GLB file, with a name for its animation, whose panels move through the stages and back; all stages have the same panels with the
 /// same triangles. The model stands in the first stage where animations are not shown.
 ///
 /// # Errors
 /// Vertices that are not finite; stages that do not fit the first one; more than 4 GB.
-pub fn write(stages: &[Scene]) -> Result<Vec<u8>, GlbError> {
+pub fn write(name: &str, stages: &[Scene]) -> Result<Vec<u8>, GlbError> {
     let mut file = File::default();
     let mut nodes = Vec::new();
     let mut moving = Vec::new();
@@ -52,10 +52,10 @@ pub fn write(stages: &[Scene]) -> Result<Vec<u8>, GlbError> {
     }
     if !moving.is_empty() {
         let accessors = times_and_weights(&mut file, targets);
-        file.animations.push(animation(accessors, &moving));
+        file.animations.push(animation(name, accessors, &moving));
     }
-    let root = file.root("bending", &nodes, None);
-    file.finish(&json!([{ "name": "bending", "nodes": [root] }]), 0.0)
+    let root = file.root(name, &nodes, None);
+    file.finish(&json!([{ "name": name, "nodes": [root] }]), 0.0)
 }
 
 fn differences(a: &Mesh, b: &Mesh, of: impl Fn(&Mesh) -> &Vec<Vec3>) -> Vec<Vec3> {
@@ -77,11 +77,11 @@ fn times_and_weights(file: &mut File, targets: usize) -> [usize; 2] {
     [time, weights]
 }
 
-fn animation(accessors: [usize; 2], nodes: &[usize]) -> Value {
+fn animation(name: &str, accessors: [usize; 2], nodes: &[usize]) -> Value {
     let channels: Vec<Value> =
         nodes.iter().map(|n| json!({ "sampler": 0, "target": { "node": n, "path": "weights" } })).collect();
     json!({
-        "name": "bending",
+        "name": name,
         "samplers": [{ "input": accessors[0], "output": accessors[1], "interpolation": "LINEAR" }],
         "channels": channels,
     })
@@ -105,7 +105,7 @@ mod tests {
 
     #[test]
     fn stages_become_targets_and_weights_select_them_in_turn() {
-        let bytes = write(&[stage(0.0), stage(0.5), stage(2.0)]).expect("a file");
+        let bytes = write("moves", &[stage(0.0), stage(0.5), stage(2.0)]).expect("a file");
         let (document, data) = open(&bytes);
         let mesh = &document["meshes"][0];
         assert_eq!(mesh["primitives"][0]["targets"].as_array().map(Vec::len), Some(2));
@@ -126,7 +126,7 @@ mod tests {
         assert!((number(start(&target) + 4 * 8) - 2.0).abs() < 1e-6);
         assert!(document["animations"][0]["channels"][0]["target"]["node"].is_u64());
         // Stages that do not fit are refused, a single one does not move.
-        assert!(write(&[stage(0.0), Scene::default()]).is_err());
-        assert!(open(&write(&[stage(0.0)]).expect("a file")).0["animations"].is_null());
+        assert!(write("moves", &[stage(0.0), Scene::default()]).is_err());
+        assert!(open(&write("moves", &[stage(0.0)]).expect("a file")).0["animations"].is_null());
     }
 }

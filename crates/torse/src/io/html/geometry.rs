@@ -34,6 +34,12 @@ pub(super) struct Header {
     pub rulings: LinePart,
     /// Borders of the panels.
     pub borders: LinePart,
+    /// Lines along which panels meet, coloured by their angle.
+    pub joints: LinePart,
+    /// End of the scale of Gauss curvatures, 1/mm².
+    pub curvature: f64,
+    /// End of the scale of angles, degrees.
+    pub angle: f64,
 }
 
 /// Byte offsets of a mesh.
@@ -53,6 +59,8 @@ pub(super) struct MeshPart {
     pub colour: usize,
     /// u32 per vertex: index of the panel.
     pub panel: usize,
+    /// f32 per vertex: Gauss curvature, 1/mm².
+    pub curvature: usize,
     /// u32 per index.
     pub index: usize,
 }
@@ -66,6 +74,8 @@ pub(super) struct LinePart {
     pub ends: usize,
     /// u32 per segment: index of the panel.
     pub panel: usize,
+    /// f32 per segment: what it is coloured by.
+    pub value: usize,
 }
 
 /// Description and bytes (little-endian, every array at a multiple of four) of a scene.
@@ -76,13 +86,19 @@ pub(super) fn pack(scene: &Scene, direction: &Vec3, tolerance: f64) -> (Header, 
     let mut block = Block { bytes: Vec::new(), centre };
     let colours: Vec<colour::Rgb> = scene.panels.iter().enumerate().map(|(i, p)| colour::shown(i, p.marked)).collect();
     let panels = scene.panels.iter().zip(&colours).enumerate();
-    let meshes: Vec<_> = panels.map(|(i, (p, c))| (&p.mesh, i as u32, colour::bytes(*c))).collect();
-    let surfaces: Vec<_> = scene.surfaces.iter().map(|m| (m, u32::MAX, [205, 209, 214])).collect();
-    let rulings = || scene.panels.iter().enumerate().flat_map(|(i, p)| p.rulings.iter().map(move |r| (*r, i as u32)));
+    let none: &[f64] = &[];
+    let bent = |kind: usize, i: usize| scene.curvature[kind].get(i).map_or(none, Vec::as_slice);
+    let meshes: Vec<_> = panels.map(|(i, (p, c))| (&p.mesh, bent(0, i), i as u32, colour::bytes(*c))).collect();
+    let surfaces: Vec<_> =
+        scene.surfaces.iter().enumerate().map(|(i, m)| (m, bent(1, i), u32::MAX, [205, 209, 214])).collect();
+    let rulings =
+        || scene.panels.iter().enumerate().flat_map(|(i, p)| p.rulings.iter().map(move |r| (*r, i as u32, 0.0)));
+    let joints = || scene.joints.iter().map(|(ends, angle)| (*ends, u32::MAX, angle.to_degrees()));
+    let angle = scene.joints.iter().map(|j| j.1.to_degrees()).fold(LEAST_ANGLE, f64::max);
     let borders = || {
         let polylines = scene.panels.iter().enumerate().flat_map(|(i, p)| p.borders.iter().map(move |b| (b, i)));
         let guides = scene.guides.iter().map(|g| (g, u32::MAX as usize));
-        polylines.chain(guides).flat_map(|(b, i)| b.windows(2).map(move |w| ([w[0], w[1]], i as u32)))
+        polylines.chain(guides).flat_map(|(b, i)| b.windows(2).map(move |w| ([w[0], w[1]], i as u32, 0.0)))
     };
     let share = |i: usize| 2.0 * i as f64 / (SCALE_STEPS - 1) as f64 - 1.0;
     let mut scale: Vec<[u8; 3]> = (0..SCALE_STEPS).map(|i| colour::bytes(colour::deviation(share(i)))).collect();
@@ -99,8 +115,27 @@ pub(super) fn pack(scene: &Scene, direction: &Vec3, tolerance: f64) -> (Header, 
         surface: block.mesh(&surfaces),
         rulings: block.lines(rulings),
         borders: block.lines(borders),
+        joints: block.lines(joints),
+        curvature: curvature_limit(scene, diagonal),
+        angle,
     };
     (header, block.bytes)
+}
+
+/// Angle (degrees) that ends the scale at least: smaller ones are no edges.
+const LEAST_ANGLE: f64 = 0.1;
+/// Share of the vertices whose Gauss curvature is on the scale: near singular points it has no bounds.
+const ON_SCALE: f64 = 0.95;
+/// Gauss curvature that ends the scale at least, in terms of the size of the model: less is flat.
+const LEAST_CURVATURE: f64 = 1e-3;
+
+/// End of the scale of Gauss curvatures, 1/mm².
+fn curvature_limit(scene: &Scene, diagonal: f64) -> f64 {
+    let mut all: Vec<f64> = scene.curvature.iter().flatten().flatten().map(|k| k.abs()).collect();
+    all.sort_by(f64::total_cmp);
+    let at = (ON_SCALE * all.len().saturating_sub(1) as f64) as usize;
+    let least = if diagonal > 0.0 { LEAST_CURVATURE / (diagonal * diagonal) } else { 1.0 };
+    all.get(at).copied().unwrap_or(0.0).max(least)
 }
 
 struct Block {
@@ -127,7 +162,7 @@ impl Block {
         self.array(words.into_iter())
     }
 
-    fn mesh(&mut self, meshes: &[(&Mesh, u32, [u8; 3])]) -> MeshPart {
+    fn mesh(&mut self, meshes: &[(&Mesh, &[f64], u32, [u8; 3])]) -> MeshPart {
         let component = |x: f64| ((x * f64::from(i16::MAX)).round() as i16).to_le_bytes();
         let normal = |mesh: &Mesh, i: usize| match mesh.normals.get(i) {
             Some(n) if n.iter().all(|x| x.is_finite()) => {
@@ -142,8 +177,10 @@ impl Block {
         part.position = self.points(meshes.iter().flat_map(|m| &m.0.positions));
         part.normal = self.array(each().flat_map(|(m, i)| normal(m.0, i)));
         part.value = self.array(each().map(|(m, i)| value(m.0, i)));
-        part.colour = self.array(each().map(|(m, _)| [m.2[0], m.2[1], m.2[2], 255]));
-        part.panel = self.array(each().map(|(m, _)| m.1.to_le_bytes()));
+        part.colour = self.array(each().map(|(m, _)| [m.3[0], m.3[1], m.3[2], 255]));
+        part.panel = self.array(each().map(|(m, _)| m.2.to_le_bytes()));
+        let bent = |m: &(&Mesh, &[f64], u32, [u8; 3]), i: usize| m.1.get(i).copied().unwrap_or(0.0) as f32;
+        part.curvature = self.array(each().map(|(m, i)| bent(m, i).to_le_bytes()));
         let mut first = 0;
         let mut indices = Vec::new();
         for (mesh, ..) in meshes {
@@ -157,12 +194,13 @@ impl Block {
         part
     }
 
-    fn lines<I: Iterator<Item = ([Vec3; 2], u32)>>(&mut self, segments: impl Fn() -> I) -> LinePart {
-        let ends: Vec<Vec3> = segments().flat_map(|(s, _)| s).collect();
+    fn lines<I: Iterator<Item = ([Vec3; 2], u32, f64)>>(&mut self, segments: impl Fn() -> I) -> LinePart {
+        let ends: Vec<Vec3> = segments().flat_map(|(s, ..)| s).collect();
         LinePart {
             segments: ends.len() / 2,
             ends: self.points(ends.iter()),
-            panel: self.array(segments().map(|(_, panel)| panel.to_le_bytes())),
+            panel: self.array(segments().map(|(_, panel, _)| panel.to_le_bytes())),
+            value: self.array(segments().map(|(.., value)| (value as f32).to_le_bytes())),
         }
     }
 }
@@ -198,6 +236,18 @@ mod tests {
         assert_eq!(u32_at(header.panels.index + 3 * 4), 3);
         let z = header.panels.normal + 4;
         assert_eq!(i16::from_le_bytes([bytes[z], bytes[z + 1]]), i16::MAX);
-        assert_eq!(header.borders.panel + 4 * 4, bytes.len());
+        assert_eq!(header.borders.value + 4 * 4, header.joints.ends);
+        // A curvature and a joint are where the header says, on scales that reach them.
+        let scene = Scene {
+            curvature: [vec![vec![0.25; 3], vec![-0.5; 3]], vec![]],
+            joints: vec![([Vec3::zeros(), Vec3::x()], std::f64::consts::FRAC_PI_6)],
+            ..scene
+        };
+        let (header, bytes) = pack(&scene, &Vec3::z(), 1.0);
+        let f32_at = |at: usize| f32::from_le_bytes([bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]]);
+        assert_eq!((f32_at(header.panels.curvature), f32_at(header.panels.curvature + 4 * 5)), (0.25, -0.5));
+        assert!((f64::from(f32_at(header.joints.value)) - 30.0).abs() < 1e-5 && (header.angle - 30.0).abs() < 1e-9);
+        assert_eq!(header.curvature, 0.5);
+        assert_eq!(header.joints.value + 4, bytes.len());
     }
 }

@@ -103,6 +103,8 @@ pub fn write(page: &Page) -> Result<String, HtmlError> {
         "surface_hidden" => hidden(covers).into(),
         "borders" => if covers { "Seams" } else { "Borders" }.into(),
         "field_hidden" => hidden(coloured).into(),
+        "curvature_hidden" => hidden(shown.scene.curvature.iter().flatten().any(|c| !c.is_empty())).into(),
+        "joints_hidden" => hidden(!shown.scene.joints.is_empty()).into(),
         "field_name" => escape(field),
         "limit" => format!("{}&nbsp;{}", numbers::plain(page.limit, 4), escape(unit)),
         "main" => main.clone(),
@@ -186,6 +188,7 @@ mod tests {
         let shown = Presentation {
             marks: Marks::default(),
             scene,
+            stages: Vec::new(),
             direction: Vec3::new(1.0, -1.0, 1.0),
             drawing: Drawing::default(),
             alone: Vec::new(),

@@ -89,12 +89,14 @@ layout(location = 1) in vec3 normal;
 layout(location = 2) in float value;
 layout(location = 3) in vec3 colour;
 layout(location = 4) in uint panel;
+layout(location = 5) in float curvature;
 uniform mat4 camera;
+uniform bool bent;
 out vec3 place, direction, base;
 out float deviation;
 flat out uint owner;
 void main() {
-  place = position; direction = normal; base = colour; deviation = value; owner = panel;
+  place = position; direction = normal; base = colour; deviation = bent ? curvature : value; owner = panel;
   gl_Position = camera * vec4(position, 1.0);
 }`;
 
@@ -107,7 +109,7 @@ flat in uint owner;
 uniform vec3 eye, right, up;
 uniform float tolerance, alpha;
 uniform int selected;
-uniform bool coloured, picking, striped;
+uniform bool coloured, picking, striped, bent;
 uniform sampler2D scale;
 out vec4 pixel;
 void main() {
@@ -122,6 +124,7 @@ void main() {
   vec3 c = base;
   if (coloured) {
     float share = deviation / tolerance;
+    if (bent) share = clamp(share, -1.0, 1.0);
     int last = textureSize(scale, 0).x - 1;
     c = abs(share) > 1.000001
       ? texelFetch(scale, ivec2(last, 0), 0).rgb
@@ -152,12 +155,14 @@ layout(location = 0) in vec2 corner;
 layout(location = 1) in vec3 a;
 layout(location = 2) in vec3 b;
 layout(location = 3) in uint panel;
+layout(location = 4) in float value;
 uniform mat4 camera;
 uniform vec2 size;
 uniform float pen, lift;
 uniform int selected;
-out float strength;
+out float strength, measure;
 void main() {
+  measure = value;
   vec4 p = camera * vec4(a, 1.0), q = camera * vec4(b, 1.0);
   const float near = 1e-4;
   if (p.w < near && q.w < near) { gl_Position = vec4(2.0, 2.0, 2.0, 1.0); return; }
@@ -177,10 +182,20 @@ void main() {
 
 const LINE_FRAGMENT = `#version 300 es
 precision highp float;
-in float strength;
+in float strength, measure;
 uniform vec4 ink;
+uniform float end;
+uniform sampler2D scale;
 out vec4 pixel;
-void main() { float a = ink.a * strength; pixel = vec4(ink.rgb * a, a); }`;
+void main() {
+  float a = ink.a * strength;
+  vec3 c = ink.rgb;
+  if (end > 0.0) {
+    int last = textureSize(scale, 0).x - 1;
+    c = texelFetch(scale, ivec2(int(clamp(measure / end, 0.0, 1.0) * float(last - 1) + 0.5), 0), 0).rgb;
+  }
+  pixel = vec4(c * a, a);
+}`;
 
 function program(gl, vertex, fragment) {
   const p = gl.createProgram();
@@ -212,7 +227,7 @@ function open_view(canvas, gl) {
   const shading = program(gl, MESH_VERTEX, MESH_FRAGMENT);
   const drawing = program(gl, LINE_VERTEX, LINE_FRAGMENT);
   const FOV = 24 * Math.PI / 180;
-  const shown = { panels: true, surface: false, rulings: true, borders: true, deviation: false, reflections: false };
+  const shown = { panels: true, surface: false, rulings: true, borders: true, deviation: false, curvature: false, joints: false, reflections: false };
   let eye_at;
 
   const upload = (from, length, target = gl.ARRAY_BUFFER) => {
@@ -237,6 +252,7 @@ function open_view(canvas, gl) {
     upload(part.panel, part.vertices * 4);
     gl.enableVertexAttribArray(4);
     gl.vertexAttribIPointer(4, 1, gl.UNSIGNED_INT, 4, 0);
+    float(5, part.curvature, 1, gl.FLOAT, 4, false);
     upload(part.index, part.indices * 4, gl.ELEMENT_ARRAY_BUFFER);
     gl.bindVertexArray(null);
     return { array, count: part.indices };
@@ -259,11 +275,15 @@ function open_view(canvas, gl) {
     gl.enableVertexAttribArray(3);
     gl.vertexAttribIPointer(3, 1, gl.UNSIGNED_INT, 4, 0);
     gl.vertexAttribDivisor(3, 1);
+    upload(part.value, part.segments * 4);
+    gl.enableVertexAttribArray(4);
+    gl.vertexAttribPointer(4, 1, gl.FLOAT, false, 4, 0);
+    gl.vertexAttribDivisor(4, 1);
     gl.bindVertexArray(null);
     return { array, count: part.segments };
   };
 
-  const parts = { panels: mesh(scene.panels), surface: mesh(scene.surface), rulings: lines(scene.rulings), borders: lines(scene.borders) };
+  const parts = { panels: mesh(scene.panels), surface: mesh(scene.surface), rulings: lines(scene.rulings), borders: lines(scene.borders), joints: lines(scene.joints) };
   // Without panels there is still the surface to look at.
   const whole = scene.panels.indices > 0 ? scene.panels : scene.surface;
   const positions = new Float32Array(bytes.buffer, whole.position, 3 * whole.vertices);
@@ -340,7 +360,9 @@ function open_view(canvas, gl) {
     gl.uniform3fv(at.eye, see.eye);
     gl.uniform3fv(at.right, see.right);
     gl.uniform3fv(at.up, see.up);
-    gl.uniform1f(at.tolerance, scene.tolerance);
+    const coloured = shown.deviation || shown.curvature;
+    gl.uniform1f(at.tolerance, shown.curvature ? scene.curvature : scene.tolerance);
+    gl.uniform1i(at.bent, shown.curvature ? 1 : 0);
     gl.uniform1i(at.selected, picking ? -1 : report.selected);
     gl.uniform1i(at.picking, picking ? 1 : 0);
     const triangles = (part, alpha, coloured) => {
@@ -353,7 +375,7 @@ function open_view(canvas, gl) {
     // Pushed back a little, so that lines on the surface lie in front.
     gl.enable(gl.POLYGON_OFFSET_FILL);
     gl.polygonOffset(1.5, 2);
-    if (shown.panels || picking) triangles(parts.panels, 1, shown.deviation);
+    if (shown.panels || picking) triangles(parts.panels, 1, coloured);
     if (picking) return;
     if (shown.surface) {
       gl.uniform1i(at.selected, -1);
@@ -366,7 +388,7 @@ function open_view(canvas, gl) {
         triangles(parts.surface, 0.45, false);
         gl.depthMask(true);
       } else {
-        triangles(parts.surface, 1, false);
+        triangles(parts.surface, 1, shown.curvature);
       }
     }
     gl.disable(gl.POLYGON_OFFSET_FILL);
@@ -379,14 +401,16 @@ function open_view(canvas, gl) {
     gl.uniform1i(drawing.at.selected, report.selected);
     gl.uniform1f(drawing.at.lift, 4e-4);
     const dots = canvas.width / Math.max(canvas.clientWidth, 1);
-    const segments = (part, pen, ink) => {
+    const segments = (part, pen, ink, end = 0) => {
       gl.uniform1f(drawing.at.pen, pen * dots);
+      gl.uniform1f(drawing.at.end, end);
       gl.uniform4fv(drawing.at.ink, ink);
       gl.bindVertexArray(part.array);
       gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, part.count);
     };
     if (shown.rulings) segments(parts.rulings, 1, [0.1, 0.12, 0.16, 0.42]);
     if (shown.borders) segments(parts.borders, 1.9, [0.08, 0.1, 0.14, 0.95]);
+    if (shown.joints) segments(parts.joints, 4.5, [0, 0, 0, 1], scene.angle);
     gl.depthMask(true);
     gl.bindVertexArray(null);
   };
@@ -491,12 +515,25 @@ function open_view(canvas, gl) {
     };
     if (acts[e.key]) { e.preventDefault(); acts[e.key](); }
   });
+  // Ends of the scale that is shown; those of distances come with the page.
+  const ends = findAll("#legend span");
+  const given = ends.map((e) => e.textContent);
+  const figures = (x) => Number(x.toPrecision(3)).toString();
+  const legend = () => {
+    find("#legend").hidden = !(shown.deviation || shown.curvature || shown.joints);
+    const per_metre = figures(scene.curvature * 1e6) + "\u00a0/m\u00b2";
+    const words = shown.curvature ? ["+" + per_metre, "\u2212" + per_metre] : shown.joints ? [figures(scene.angle) + "\u00b0", "0\u00b0"] : given;
+    ends.forEach((e, k) => { e.textContent = words[k]; });
+  };
   for (const button of findAll("[data-toggle]")) {
     button.addEventListener("click", () => {
       const name = button.dataset.toggle;
       shown[name] = !shown[name];
-      button.setAttribute("aria-pressed", String(shown[name]));
-      find("#legend").hidden = !shown.deviation;
+      // One scale of colours at a time.
+      const scales = ["deviation", "curvature", "joints"];
+      for (const other of scales) if (scales.includes(name) && other !== name) shown[other] = false;
+      for (const b of findAll("[data-toggle]")) b.setAttribute("aria-pressed", String(shown[b.dataset.toggle]));
+      legend();
       redraw();
     });
   }

@@ -25,6 +25,9 @@ pub fn name(claim: &Claim, curves: &[String]) -> String {
         What::PointDistance => "largest distance of a point".into(),
         What::MeanPointDistance => "root mean square distance".into(),
         What::ElementDistance => "largest distance".into(),
+        What::TargetDistance(k) => format!("from target {k}"),
+        What::JoinGap(k) => format!("gap of join {k}"),
+        What::JoinAngle(k) => format!("angle along join {k}"),
         What::SeamGap => "seam gap".into(),
         What::CarrierDistance => "distance of faces from the planes, cylinders and cones laid flat".into(),
         What::JointGap => "gap of joints inside flat parts".into(),
@@ -97,6 +100,9 @@ pub fn id(what: What) -> &'static str {
         What::PointDistance => "point_distance",
         What::MeanPointDistance => "mean_point_distance",
         What::ElementDistance => "element_distance",
+        What::TargetDistance(_) => "target_distance",
+        What::JoinGap(_) => "join_gap",
+        What::JoinAngle(_) => "join_angle",
         What::SeamGap => "seam_gap",
         What::CarrierDistance => "carrier_distance",
         What::JointGap => "joint_gap",
@@ -169,6 +175,8 @@ pub fn unit(what: What) -> &'static str {
         | What::PointDistance
         | What::MeanPointDistance
         | What::ElementDistance
+        | What::TargetDistance(_)
+        | What::JoinGap(_)
         | What::SeamGap
         | What::CarrierDistance
         | What::JointGap
@@ -186,7 +194,13 @@ pub fn unit(what: What) -> &'static str {
         | What::FirstRuling
         | What::LongestRuling
         | What::LastRuling => "mm",
-        What::Twist | What::BendBefore | What::LargestBend | What::Kink | What::Turn | What::EndRulingError => "°",
+        What::Twist
+        | What::BendBefore
+        | What::LargestBend
+        | What::Kink
+        | What::JoinAngle(_)
+        | What::Turn
+        | What::EndRulingError => "°",
         What::JointMismatch => "rad",
         What::UsedOf(_) => "%",
         What::Area | What::FlatArea => "m²",
@@ -284,7 +298,10 @@ pub fn made(answer: &Answer) -> String {
             format!("{} for {}", counted(panels, "ruled strip"), counted(answer.patchwork.faces.len(), "piece"))
         }
         Job::Unroll => format!("{} of {}", counted(answer.patterns.len(), "flat part"), counted(panels, "face")),
-        Job::Hull | Job::Loft | Job::Net | Job::Shape => format!("{} in {}", counted(panels, "strip"), parts()),
+        Job::Shape => {
+            format!("{} in {}", counted(panels, "strip"), counted(answer.patterns.len(), "flat part"))
+        }
+        Job::Hull | Job::Loft | Job::Net => format!("{} in {}", counted(panels, "strip"), parts()),
     };
     match answer.skipped.len() {
         0 => what,

@@ -32,13 +32,18 @@ pub(super) fn length(x: f64) -> String {
     format!("{} mm", number(x))
 }
 
-/// A proven bound (mm), rounded up.
-pub(crate) fn length_bound(x: f64) -> String {
+/// A proven bound, rounded up.
+pub(super) fn number_bound(x: f64) -> String {
     if x == 0.0 || !x.is_finite() {
-        return length(x);
+        return number(x);
     }
     let unit = 10f64.powf(x.abs().log10().floor() - (DIGITS as f64 - 1.0));
-    length((x / unit).ceil() * unit)
+    number((x / unit).ceil() * unit)
+}
+
+/// A proven bound (mm), rounded up.
+pub(crate) fn length_bound(x: f64) -> String {
+    format!("{} mm", number_bound(x))
 }
 
 /// An angle (rad), in degrees.

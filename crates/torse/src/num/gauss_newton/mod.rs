@@ -18,6 +18,6 @@ pub mod system;
 mod tests;
 
 pub(crate) use block::{Block, Role};
-pub(crate) use solver::{Schedule, Solver};
+pub(crate) use solver::{Kept, Schedule, Solver};
 pub use status::{Outcome, Status};
 pub(crate) use system::System;

@@ -20,7 +20,9 @@ pub struct Schedule {
     pub damping: f64,
     /// Largest absolute value of a hard row that counts as zero; no default.
     pub tolerance: f64,
-    /// Iterations at most; default 60 cold and gentle, 20 warm.
+    /// Largest change of an unknown that counts as settled once ε is at its least; default 1e-3, steady 1e-6.
+    pub still: f64,
+    /// Iterations at most; default 60 cold and gentle, 20 warm, 50 steady.
     pub iterations: usize,
 }
 
@@ -33,6 +35,7 @@ impl Schedule {
             least: LEAST_EPSILON,
             damping: COLD_DAMPING,
             tolerance,
+            still: FREE_STEP,
             iterations: 60,
         }
     }
@@ -50,13 +53,34 @@ impl Schedule {
             least: LEAST_EPSILON,
             damping: WARM_DAMPING,
             tolerance,
+            still: FREE_STEP,
             iterations: 20,
+        }
+    }
+
+    /// For rows that are linear but for nearest points: weighted least squares with weights that stay as they are \[W15\],
+    /// until nothing moves any more. Soft rows weigh a twentieth of what they say, so that hard ones are nearly kept.
+    pub fn steady(tolerance: f64) -> Self {
+        Self {
+            epsilon: STEADY_EPSILON,
+            factor: 1.0,
+            least: STEADY_EPSILON,
+            damping: WARM_DAMPING,
+            tolerance,
+            still: STILL,
+            iterations: 50,
         }
     }
 }
 
 /// λ never falls below this: squares of smaller numbers vanish beside one.
 const LEAST_DAMPING: f64 = 1e-14;
+/// ε of weighted least squares, beside soft rows of weight 0.05 · 0.3: fairness decides where these say nothing.
+const STEADY_EPSILON: f64 = 1e-4;
+/// Factor of soft rows that fade in weighted least squares, beside hard rows of weight one.
+const STEADY_FADE: f64 = 0.05;
+/// Change of an unknown that weighted least squares take for none, for unknowns of the order of one.
+const STILL: f64 = 1e-6;
 /// ε of the first step far from a solution, beside hard rows of weight one: fairness leads where hard rows say nothing.
 const COLD_EPSILON: f64 = 1e-2;
 /// The same where soft rows must lead far: three times as much, since the unknowns must stay fair on a longer way.
@@ -91,6 +115,13 @@ pub(super) struct Slot {
     pub own: usize,
     pub entry: usize,
     pub triangle: usize,
+}
+
+/// Values of all unknowns at some time.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Kept {
+    shared: Vec<f64>,
+    private: Vec<f64>,
 }
 
 /// A system with values of its unknowns and all memory that steps need.
@@ -208,6 +239,20 @@ impl Solver {
         }
     }
 
+    /// Copies all unknowns, shared and private, into memory that is used again.
+    pub fn keep(&self, kept: &mut Kept) {
+        kept.shared.clone_from(&self.x);
+        kept.private.clone_from(&self.own);
+    }
+
+    /// Goes back to unknowns that were kept; nothing happens where they are of another system.
+    pub fn restore(&mut self, kept: &Kept) {
+        if kept.shared.len() == self.x.len() && kept.private.len() == self.own.len() {
+            self.x.copy_from_slice(&kept.shared);
+            self.own.copy_from_slice(&kept.private);
+        }
+    }
+
     /// Number of free shared unknowns.
     pub fn free(&self) -> usize {
         self.free.len()
@@ -248,7 +293,7 @@ impl Solver {
         let mut epsilon = schedule.epsilon;
         let mut last_step = f64::INFINITY;
         let mut history = [[f64::INFINITY; 2]; PATIENCE];
-        let mut fade = 1.0;
+        let mut fade = if schedule.factor < 1.0 { 1.0 } else { STEADY_FADE };
         let small = SMALL_STEP * schedule.tolerance.sqrt();
         for iteration in 0..=schedule.iterations {
             if control.stopped() {
@@ -262,7 +307,7 @@ impl Solver {
                 return Outcome { flipped: Some(k), ..self.outcome(Status::Flipped, iteration, last_step) };
             }
             let settled = epsilon <= schedule.least || self.slots.iter().all(|s| matches!(s.placed.role, Role::Hard));
-            if hard <= schedule.tolerance && last_step <= if settled { FREE_STEP } else { small } {
+            if hard <= schedule.tolerance && last_step <= if settled { schedule.still } else { small } {
                 return self.outcome(Status::Converged, iteration, last_step);
             }
             let earlier = &mut history[iteration % PATIENCE];

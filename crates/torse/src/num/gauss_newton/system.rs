@@ -112,11 +112,13 @@ impl System {
         self.metric.push((weight, combination));
     }
 
-    /// Number of hard rows less the private unknowns of their blocks: what they take from the free unknowns if they are
-    /// independent.
-    pub fn conditions(&self) -> usize {
-        let hard = self.blocks.iter().filter(|p| p.role == Role::Hard);
-        hard.map(|p| p.block.rows().saturating_sub(p.block.private())).sum()
+    /// For every block the number of its hard rows less its private unknowns: what it takes from the free unknowns if rows
+    /// are independent.
+    pub fn conditions(&self) -> impl Iterator<Item = usize> + '_ {
+        self.blocks.iter().map(|p| match p.role {
+            Role::Hard => p.block.rows().saturating_sub(p.block.private()),
+            _ => 0,
+        })
     }
 
     /// Checks indices and sizes.

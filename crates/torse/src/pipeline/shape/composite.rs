@@ -1,62 +1,88 @@
 //! The composite that a job's file describes.
 
+use super::given::given;
+use super::goal::Goal;
 use super::options::ShapeError;
-use crate::constraint::reference::{FaceReference, PointReference, Reference};
 use crate::design::composite::{
-    BoundaryCurve, Composite, Edge, Handle, Hold, Join, Length, Place, RuledStrip, Smoothness, Strength, StripShape,
-    Target,
+    BoundaryCurve, Composite, Edge, Facet, Handle, Hold, Join, Length, Place, RuledStrip, Smoothness, Strength,
+    StripShape, Target,
 };
-use crate::geom::cloud::Cloud;
 use crate::geom::Vec3;
-use crate::io::shape::{EdgeKind, HandleRecord, JoinRecord, PlaneRecord, ShapeFile, Smooth, TargetRecord};
-use crate::io::{cloud, step};
+use crate::io::shape::{
+    EdgeKind, HandleRecord, JoinRecord, PlaceRecord, PlaneRecord, ShapeFile, Smooth, StripRecord, TargetRecord,
+};
 use crate::spline::curve::Curve;
-use std::sync::Arc;
 
-/// The composite that a file describes.
+/// The composite that a file describes, with what its targets are; `tolerance` (mm) is that of the job.
 pub(super) fn composite(
     job: &ShapeFile,
     load: &dyn Fn(&str) -> Result<Vec<u8>, String>,
-) -> Result<Composite, ShapeError> {
-    let place = |p: &crate::io::shape::PlaceRecord| Place { curve: p.curve.clone(), u: p.u };
-    let strip = |s: &crate::io::shape::StripRecord| RuledStrip {
+    tolerance: f64,
+) -> Result<(Composite, Vec<Goal>), ShapeError> {
+    let strip = |s: &StripRecord| RuledStrip {
         name: s.name.clone(),
         sides: s.sides.clone(),
-        shape: if s.planar { StripShape::Planar } else { StripShape::Developable { margin: s.margin } },
+        shape: match (s.planar, s.ruled) {
+            (true, _) => StripShape::Planar,
+            (_, true) => StripShape::Ruled,
+            _ => StripShape::Developable { margin: s.margin },
+        },
     };
     let curve = |(name, curve, fixed): &(String, Curve<3>, bool)| BoundaryCurve {
         name: name.clone(),
         curve: curve.clone(),
         fixed: *fixed,
     };
-    let target = |(index, t): (usize, &TargetRecord)| {
-        let reference = reference(t, load).map_err(|reason| ShapeError::Target { index, reason })?;
-        Ok(Target { strips: t.strips.clone(), reference, weight: t.weight })
+    let facet = |f: &crate::io::shape::FacetRecord| Facet {
+        name: f.name.clone(),
+        corners: f.corners.iter().map(place).collect(),
+        alpha: f.alpha,
     };
-    Ok(Composite {
-        curves: job.curves.iter().map(curve).collect(),
-        strips: job.strips.iter().map(strip).collect(),
-        joins: job.joins.iter().filter_map(join).collect(),
+    let (mut goals, mut targets) = (Vec::new(), Vec::new());
+    for (index, t) in job.targets.iter().enumerate() {
+        let wrong = |reason| ShapeError::Target { index, reason };
+        let goal = Goal::read(t, job.unit, load, tolerance).map_err(wrong)?;
+        targets.push(target(t, &goal).map_err(wrong)?);
+        goals.push(goal);
+    }
+    // Items of the file itself come first: errors name them by their indices.
+    let given = given(job, load, tolerance)?;
+    let composite = Composite {
+        curves: job.curves.iter().map(curve).chain(given.curves).collect(),
+        strips: job.strips.iter().map(strip).chain(given.strips).collect(),
+        facets: job.facets.iter().map(facet).collect(),
+        joins: job.joins.iter().filter_map(join).chain(given.joins).collect(),
         handles: job.handles.iter().filter_map(handle).collect(),
         lengths: job
             .lengths
             .iter()
             .map(|l| Length { between: [place(&l.between[0]), place(&l.between[1])], length: l.length })
             .collect(),
-        targets: job.targets.iter().enumerate().map(target).collect::<Result<_, ShapeError>>()?,
-    })
+        targets,
+    };
+    Ok((composite, goals))
+}
+
+fn place(p: &PlaceRecord) -> Place {
+    Place { curve: p.curve.clone(), u: p.u }
+}
+
+fn target(t: &TargetRecord, goal: &Goal) -> Result<Target, String> {
+    Ok(Target { strips: t.strips.clone(), reference: goal.reference()?, weight: t.weight })
 }
 
 fn join(j: &JoinRecord) -> Option<Join> {
+    let smoothness = match j.smoothness {
+        Some(Smooth::G0) => Smoothness::G0,
+        Some(Smooth::G2) => Smoothness::G2,
+        Some(Smooth::C1) => Smoothness::C1 { ratio: j.ratio.unwrap_or(1.0) },
+        Some(Smooth::G1) | None => Smoothness::G1,
+    };
+    if let Some([p, q]) = &j.ends {
+        return Some(Join::Ends { ends: [place(p), place(q)], smoothness });
+    }
     match (&j.ruling, &j.curve, j.edge) {
-        (Some([first, second]), ..) => {
-            let smoothness = match j.smoothness {
-                Some(Smooth::G0) => Smoothness::G0,
-                Some(Smooth::G2) => Smoothness::G2,
-                Some(Smooth::G1) | None => Smoothness::G1,
-            };
-            Some(Join::Ruling { first: first.clone(), second: second.clone(), smoothness })
-        }
+        (Some([first, second]), ..) => Some(Join::Ruling { first: first.clone(), second: second.clone(), smoothness }),
         (None, Some(curve), Some(edge)) => {
             let edge = if edge == EdgeKind::Fold { Edge::Fold } else { Edge::Smooth };
             Some(Join::Curve { curve: curve.clone(), edge })
@@ -90,28 +116,4 @@ pub(super) fn between(from: &Hold, to: &Hold, share: f64) -> Hold {
         }
         _ => *to,
     }
-}
-
-/// The surface that a target names.
-fn reference(t: &TargetRecord, load: &dyn Fn(&str) -> Result<Vec<u8>, String>) -> Result<Arc<dyn Reference>, String> {
-    let points = |cloud: Cloud| -> Result<Arc<dyn Reference>, String> {
-        match PointReference::new(cloud) {
-            Some(p) => Ok(Arc::new(p)),
-            None => Err("it has no points, or triangles between points that are not there".into()),
-        }
-    };
-    let Some(file) = &t.file else {
-        let places = t.points.iter().map(|p| Vec3::from(*p)).collect();
-        return points(Cloud { points: places, triangles: t.triangles.clone() });
-    };
-    let bytes = load(file)?;
-    let lower = file.to_ascii_lowercase();
-    if lower.ends_with(".step") || lower.ends_with(".stp") {
-        let model = step::read::read(&bytes).map_err(|e| e.to_string())?;
-        if model.faces.is_empty() {
-            return Err(format!("{file} holds no face that can be read"));
-        }
-        return Ok(Arc::new(FaceReference::new(model.faces.into_iter().map(|f| f.surface).collect())));
-    }
-    points(cloud::read(file, &bytes, None).map_err(|e| e.to_string())?)
 }

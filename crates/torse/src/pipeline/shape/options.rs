@@ -15,6 +15,8 @@ pub struct Options {
     pub input: String,
     /// Twist that counts as developable, rad; default 1e-5 (0.0006°).
     pub twist_tolerance: f64,
+    /// Angle between tangent planes that counts as none where strips should go on smoothly, rad; default 0.1°.
+    pub smooth_angle: f64,
     /// Distance between drawn rulings, mm; default none: 20 over the length.
     pub ruling_spacing: Option<f64>,
     /// Distance between marks on the rails, mm; default none: 8 over the length.
@@ -23,6 +25,9 @@ pub struct Options {
     pub drawn: Drawn,
 }
 
+/// Angle (rad) that counts as none at smooth joins: 0.1°, what car makers allow between patches of their visible surfaces.
+const SMOOTH_ANGLE: f64 = 0.1 * std::f64::consts::PI / 180.0;
+
 impl Options {
     /// Defaults with a tolerance (mm).
     pub fn new(tolerance: f64) -> Self {
@@ -30,6 +35,7 @@ impl Options {
             tolerance,
             input: "shape".into(),
             twist_tolerance: TWIST_TOLERANCE,
+            smooth_angle: SMOOTH_ANGLE,
             ruling_spacing: None,
             mark_spacing: None,
             drawn: Drawn::default(),
@@ -51,6 +57,14 @@ pub enum ShapeError {
     Composite {
         /// Why.
         source: CompositeError,
+    },
+    /// Strips of another file that cannot be taken.
+    #[error("$.from[{index}]: {reason}")]
+    From {
+        /// Its index.
+        index: usize,
+        /// Why, and what would help.
+        reason: String,
     },
     /// A target that cannot be read.
     #[error("$.targets[{index}]: {reason}")]

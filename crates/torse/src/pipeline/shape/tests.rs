@@ -2,7 +2,9 @@
 
 use super::*;
 use crate::answer::note::SolveReport;
+use crate::certify::claim::{Evidence, Subject, What};
 use crate::io::shape::read;
+use crate::num::gauss_newton::Status;
 use crate::Status as Certified;
 
 const JOB: &str = r#"{ "unit": "mm",
@@ -17,20 +19,175 @@ const JOB: &str = r#"{ "unit": "mm",
     "moves": [ { "handle": 4, "point": [470, -40, 120], "steps": 4 } ] }"#;
 
 fn run(text: &str) -> Result<Answer, ShapeError> {
+    run_with(text, &|name| Err(format!("{name} is not there")))
+}
+
+fn run_with(text: &str, load: &dyn Fn(&str) -> Result<Vec<u8>, String>) -> Result<Answer, ShapeError> {
     let job = read(text.as_bytes(), "job", None).expect("a job");
-    shape(&job, &Options::new(0.05), &|name| Err(format!("{name} is not there")), &Control::default())
+    shape(&job, &Options::new(0.05), load, &Control::default())
+}
+
+fn broken(answer: &Answer) -> Vec<String> {
+    crate::io::words::objections(&answer.claims, &[])
 }
 
 #[test]
 fn a_job_is_certified_and_has_its_files() {
     let mut answer = run(JOB).expect("an answer");
-    let reasons: Vec<_> = answer.claims.iter().filter(|c| c.is_broken()).map(|c| c.reason().to_string()).collect();
-    assert_eq!(answer.status(), Certified::Certified, "{reasons:?} {:?}", answer.notes);
+    assert_eq!(answer.status(), Certified::Certified, "{:?} {:?}", broken(&answer), answer.notes);
     let p = answer.patchwork.panels[0].strip.ruling(0.5)[0];
     assert!((p - Vec3::new(470.0, -40.0, 120.0)).norm() < 1e-3, "{p}");
     let files = crate::files(&mut answer, "2026-01-31T12:00:00").expect("files");
     assert!(files.iter().any(|(name, bytes)| name == "panels.step" && bytes.len() > 1000));
     assert_eq!(answer.status(), Certified::Certified);
+    // The first shape and four steps, as an animation and as pictures.
+    assert_eq!(answer.stages.len(), 5);
+    let glb = &files.iter().find(|f| f.0 == "moves.glb").expect("an animation").1;
+    let text = String::from_utf8_lossy(glb);
+    assert!(text.contains("\"name\":\"moves\"") && text.contains("\"targets\"") && text.contains("A-01"));
+    assert!(files.iter().any(|f| f.0 == "moves.png"));
+    // The panels of this result begin the next job.
+    let panels = files.iter().find(|f| f.0 == "panels.step").expect("panels").1.clone();
+    let next = r#"{ "unit": "mm", "from": [ { "panels": "first/panels.step", "spans": 5 } ],
+        "handles": [ { "curve": "A-01/0", "u": 0.5, "point": [470, -40, 130] } ] }"#;
+    let load = |name: &str| if name == "first/panels.step" { Ok(panels.clone()) } else { Err("another".into()) };
+    let again = run_with(next, &load).expect("an answer");
+    assert_eq!(again.status(), Certified::Certified, "{:?} {:?}", broken(&again), again.notes);
+    let p = again.patchwork.panels[0].strip.ruling(0.5)[0];
+    assert!((p - Vec3::new(470.0, -40.0, 130.0)).norm() < 1e-3, "{p}");
+    let wrong = run_with(&next.replace("\"spans\"", "\"names\": [\"B\"], \"spans\""), &load).expect_err("no B");
+    assert_eq!(wrong.to_string(), "$.from[0]: first/panels.step has no panel 'B'; it has A-01");
+    assert!(run(next).expect_err("no file").to_string().starts_with("$.from[0]: first/panels.step is not there"));
+}
+
+#[test]
+fn a_loft_is_where_one_begins() {
+    let low = b"x,y,z\n0,0,0\n300,-60,40\n600,-80,50\n1000,0,0\n".to_vec();
+    let high = b"x,y,z\n20,300,200\n320,260,230\n620,250,230\n980,300,190\n".to_vec();
+    let load = |name: &str| match name {
+        "low.csv" => Ok(low.clone()),
+        "high.csv" => Ok(high.clone()),
+        _ => Err("another".into()),
+    };
+    let job = r#"{ "unit": "mm", "from": [ { "loft": ["low.csv", "high.csv"], "spans": 8 } ] }"#;
+    let answer = run_with(job, &load).expect("an answer");
+    assert!(answer.patchwork.panels.iter().all(|p| p.strip.name.starts_with("L1-")));
+    assert_eq!(answer.status(), Certified::Certified, "{:?} {:?}", broken(&answer), answer.notes);
+    let wrong = run_with(&job.replace("high.csv", "none.csv"), &load).expect_err("no file");
+    assert_eq!(wrong.to_string(), "$.from[0]: another");
+}
+
+/// Three ruled arms about a planar triangle.
+fn arms(more: &str) -> String {
+    let mut curves = Vec::new();
+    let (mut strips, mut joins, mut handles) = (Vec::new(), Vec::new(), Vec::new());
+    let corner = |i: usize| {
+        let a = std::f64::consts::TAU * i as f64 / 3.0;
+        Vec3::new(300.0 * a.cos(), 300.0 * a.sin(), 30.0 * (i as f64 - 1.0))
+    };
+    for i in 0..3 {
+        let out = (corner(i) + corner((i + 1) % 3)).normalize();
+        for (k, side) in ["a", "b"].iter().enumerate() {
+            let end = corner((i + k) % 3);
+            let far = end + out * 700.0 + Vec3::new(0.0, 0.0, 270.0 - 180.0 * k as f64);
+            let middle = (end + far) * 0.5 + Vec3::z() * 60.0;
+            let list: Vec<[f64; 3]> = vec![far.into(), middle.into(), end.into()];
+            curves.push(format!(r#"{{ "name": "s{i}{side}", "through": {list:?}, "spans": 4 }}"#));
+            let first: [f64; 3] = far.into();
+            handles.push(format!(r#"{{ "curve": "s{i}{side}", "u": 0, "point": {first:?} }}"#));
+        }
+        strips.push(format!(r#"{{ "name": "s{i}", "sides": ["s{i}a", "s{i}b"], "ruled": true }}"#));
+        joins.push(format!(
+            r#"{{ "ends": [ {{ "curve": "s{i}b", "u": 1 }}, {{ "curve": "s{}a", "u": 1 }} ], "smoothness": "G0" }}"#,
+            (i + 1) % 3
+        ));
+    }
+    let corners: Vec<String> = (0..3).map(|i| format!(r#"{{ "curve": "s{i}a", "u": 1 }}"#)).collect();
+    format!(
+        r#"{{ "unit": "mm", "curves": [{}], "strips": [{}], "joins": [{}], "handles": [{}],
+        "facets": [ {{ "name": "middle", "corners": [{}] }} ]{more} }}"#,
+        curves.join(", "),
+        strips.join(", "),
+        joins.join(", "),
+        handles.join(", "),
+        corners.join(", ")
+    )
+}
+
+#[test]
+fn ruled_strips_about_a_planar_piece_are_certified_with_their_joins() {
+    let mut answer = run(&arms("")).expect("an answer");
+    assert_eq!(answer.status(), Certified::Certified, "{:?} {:?}", broken(&answer), answer.notes);
+    let angles: Vec<_> = answer.claims.iter().filter(|c| matches!(c.what(), What::JoinAngle(_))).collect();
+    assert_eq!(angles.len(), 3, "one along every side of the triangle");
+    assert!(angles.iter().all(|c| c.value() < 1e-4 && c.evidence() == Evidence::Proven));
+    // The triangle is laid flat, the ruled strips are not.
+    assert_eq!((answer.patterns.len(), answer.parts.len(), answer.patchwork.panels.len()), (1, 4, 4));
+    let files = crate::files(&mut answer, "2026-01-31T12:00:00").expect("files");
+    assert_eq!(answer.status(), Certified::Certified, "{:?}", broken(&answer));
+    assert!(files.iter().any(|f| f.0 == "report.html") && !files.iter().any(|f| f.0 == "moves.glb"));
+    // Corners of a planar piece must be ends.
+    let wrong =
+        arms("").replace(r#""corners": [{ "curve": "s0a", "u": 1 }"#, r#""corners": [{ "curve": "s0a", "u": 0.5 }"#);
+    let m = run(&wrong).expect_err("no end").to_string();
+    assert!(m.starts_with("$.facets[0].corners: "), "{m}");
+}
+
+#[test]
+fn ruled_strips_keep_to_a_target_both_ways() {
+    // z = x y / 400 as triangles, and two strips above it whose rulings can be those of the saddle.
+    let n = 40;
+    let at = |i: usize, j: usize| {
+        let (x, y) = (200.0 * i as f64 / n as f64, 120.0 * j as f64 / n as f64);
+        [x, y, x * y / 400.0]
+    };
+    let points: Vec<[f64; 3]> = (0..=n).flat_map(|i| (0..=n).map(move |j| at(i, j))).collect();
+    let corner = |i: usize, j: usize| (i * (n + 1) + j) as u32;
+    let cell = |i: usize, j: usize| {
+        let [a, b, c, d] = [corner(i, j), corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1)];
+        [[a, b, c], [a, c, d]]
+    };
+    let triangles: Vec<[u32; 3]> = (0..n).flat_map(|i| (0..n).flat_map(move |j| cell(i, j))).collect();
+    let curve = |k: usize| {
+        let y = 60.0 * k as f64;
+        let place = |x: f64| [x, y, x * y / 400.0 + 0.4 + 0.2 * (0.05 * x).sin()];
+        let list: Vec<[f64; 3]> = [0.0, 50.0, 100.0, 150.0, 200.0].map(place).to_vec();
+        format!(r#"{{ "name": "c{k}", "through": {list:?}, "spans": 4 }}"#)
+    };
+    let job = |within: f64| {
+        format!(
+            r#"{{ "unit": "mm", "curves": [{}, {}, {}],
+            "strips": [ {{ "name": "s0", "sides": ["c0", "c1"], "ruled": true }},
+                        {{ "name": "s1", "sides": ["c1", "c2"], "ruled": true }} ],
+            "targets": [ {{ "points": {points:?}, "triangles": {triangles:?}, "within": {within} }} ] }}"#,
+            curve(0),
+            curve(1),
+            curve(2)
+        )
+    };
+    let answer = run(&job(0.6)).expect("an answer");
+    let distance = answer.claim(What::TargetDistance(0)).expect("a claim");
+    assert_eq!(answer.status(), Certified::Certified, "{distance:?} {:?} {:?}", broken(&answer), answer.notes);
+    assert!(answer.patterns.is_empty() && !answer.lays_flat());
+    // What is out of reach is named, with the place and with what would help.
+    let answer = run(&job(1e-4)).expect("an answer");
+    let told = broken(&answer).join("; ");
+    assert!(
+        answer.status() == Certified::Uncertified && told.contains("target 0: ") && told.contains("spans"),
+        "{told}"
+    );
+}
+
+#[test]
+fn a_move_that_goes_too_far_keeps_the_last_good_shape() {
+    let far = JOB.replace("[470, -40, 120], \"steps\": 4", "[470, -40, 90000], \"steps\": 3");
+    let answer = run(&far).expect("an answer");
+    assert_eq!(answer.status(), Certified::Uncertified);
+    let told = broken(&answer).join("; ");
+    assert!(told.contains("move 0 was made to step") && told.contains("more steps"), "{told}");
+    // The shape that is kept is a good one.
+    let twist = answer.claims_of(Subject::Whole).find(|c| c.what() == What::Twist).expect("a claim");
+    assert!(twist.value() < 6e-4 && twist.evidence() == Evidence::Proven, "{twist:?}");
 }
 
 #[test]

@@ -20,7 +20,7 @@ fn names_that_do_not_exist() {
     let join = Join::Curve { curve: "c0".into(), edge: Edge::Fold };
     let m = refused(|c| c.joins.push(join));
     assert_eq!(m, "join 0 needs a curve between two strips, but 'c0' belongs to 1");
-    assert_eq!(refused(|c| c.curves[2].name = "c0".into()), "two curves are called 'c0'");
+    assert_eq!(refused(|c| c.curves[2].name = "c0".into()), "two curves are called 'c0'; every name must be used once");
     assert_eq!(Session::new(Composite::default(), Options::default()).err(), Some(CompositeError::Empty));
 }
 
@@ -119,7 +119,18 @@ fn more_conditions_than_unknowns() {
         c.curves.iter_mut().for_each(|b| b.fixed = true);
         c.handles.clear();
     });
-    assert_eq!(m, "56 conditions for 0 free coordinates: hold less, or add knots");
+    assert!(m.starts_with("fixed curve 1 'c1' asks for more than there is, 56 conditions for 0 free"), "{m}");
+    // Many quadratic strips side by side: the strips themselves.
+    let m = Session::new(waves(6, &knots(2, 20, 1)), Options::default()).err().expect("an error").to_string();
+    assert!(m.starts_with("strip 5 's5' asks for more than there is") && m.contains("higher degree"), "{m}");
+    // Points that hold more than a planar strip has.
+    let m = refused(|c| {
+        c.strips.iter_mut().for_each(|s| s.shape = StripShape::Planar);
+        for k in 0..60 {
+            c.handles.push(Handle::point("c1", 0.01 + f64::from(k) / 70.0, Vec3::new(f64::from(k), 1.0, 2.0)));
+        }
+    });
+    assert!(m.starts_with("handle ") && m.contains("pull instead"), "{m}");
 }
 
 #[test]

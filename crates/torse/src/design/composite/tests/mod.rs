@@ -2,6 +2,7 @@
 
 mod bad_input;
 mod joins;
+mod ruled;
 
 use super::*;
 use crate::constraint::fairness::greville;

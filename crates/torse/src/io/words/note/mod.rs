@@ -7,7 +7,7 @@ mod shop;
 mod unroll;
 
 use super::counted;
-use super::numbers::{length, number, percent, place};
+use super::numbers::{length, number, number_bound, percent, place};
 use crate::answer::note::{BodyName, Broken, Crowded, LevelReport, Lines, Note, Skin, SolveReport};
 use crate::num::gauss_newton::Status;
 use crate::torse::zone::RegressionLimits;
@@ -57,6 +57,26 @@ pub fn note(note: &Note) -> String {
         Note::Net(note) => net::words(note),
         Note::Solved { step, report } => solved(*step, report),
         Note::Met { residual } => format!("conditions are met to {} of the size", number(*residual)),
+        Note::RuledStrips { count } => {
+            format!("{} not developable: no flat patterns of them", match count {
+                1 => "one strip is ruled,".to_owned(),
+                n => format!("{n} strips are ruled,"),
+            })
+        }
+        Note::Joint { index, between: [a, b], gap, angle, smooth } => format!(
+            "join {index}: {a} and {b}, {} gap, {}{}",
+            bounded(gap.value(), "mm"),
+            bounded(angle.degrees().value(), "°"),
+            if *smooth { " where they should go on smoothly" } else { " between them" }
+        ),
+        Note::Target { index, back, points: true, .. } => {
+            format!("target {index}: points, {} from the strips", bounded(back.value(), "mm"))
+        }
+        Note::Target { index, there, back, .. } => format!(
+            "target {index}: strips {} from it, all of it {} from the strips",
+            bounded(there.value(), "mm"),
+            bounded(back.value(), "mm")
+        ),
         Note::Level { level, report } => planarised(*level, report),
         Note::Unroll(note) => unroll::words(note),
         Note::Shop(note) => shop::words(note),
@@ -71,6 +91,15 @@ pub fn beyond_limits(broken: &Broken) -> String {
         format!("the regression curve of {strip} is out of bounds at {}", place(at))
     } else {
         format!("it could not be shown that the regression curve of {strip} stays in bounds, around {}", place(at))
+    }
+}
+
+/// A proven bound with its unit, or that there is none.
+fn bounded(bound: f64, unit: &str) -> String {
+    let space = if unit == "°" { "" } else { " " };
+    match bound {
+        b if b.is_finite() => format!("at most {}{space}{unit}", number_bound(b)),
+        _ => format!("by no proven number of {}", if unit == "°" { "degrees" } else { unit }),
     }
 }
 

@@ -1,6 +1,6 @@
 //! A tree of boxes about triangles, for nearest points; a point is a triangle with one corner.
 
-use crate::geom::{BBox, Vec3};
+use super::{BBox, Vec3};
 
 /// Triangles in a leaf at most.
 const LEAF: usize = 4;
@@ -14,13 +14,13 @@ struct Node {
 }
 
 /// The tree. Triangles are handed in with every question, so that the tree does not own them.
-pub(super) struct Tree {
+pub(crate) struct BoxTree {
     nodes: Vec<Node>,
     order: Vec<u32>,
 }
 
 /// The nearest point of a triangle `(a, b, c)` with its barycentric coordinates.
-pub(super) fn nearest_on_triangle(x: &Vec3, [a, b, c]: [Vec3; 3]) -> [f64; 3] {
+pub(crate) fn nearest_on_triangle(x: &Vec3, [a, b, c]: [Vec3; 3]) -> [f64; 3] {
     let (u, v, w) = (b - a, c - a, x - a);
     let (uu, uv, vv, uw, vw) = (u.dot(&u), u.dot(&v), v.dot(&v), u.dot(&w), v.dot(&w));
     let det = uu * vv - uv * uv;
@@ -53,7 +53,7 @@ fn off(b: &BBox, x: &Vec3) -> f64 {
     (b.min - x).sup(&(x - b.max)).sup(&Vec3::zeros()).norm_squared()
 }
 
-impl Tree {
+impl BoxTree {
     /// A tree over `count` items with these boxes.
     pub fn new(count: usize, bounds: &dyn Fn(usize) -> BBox) -> Self {
         let mut tree = Self { nodes: Vec::new(), order: (0..count as u32).collect() };
@@ -88,8 +88,13 @@ impl Tree {
 
     /// The item with the least squared distance, as `distance` says, and that distance.
     pub fn nearest(&self, x: &Vec3, distance: &dyn Fn(usize) -> f64) -> Option<(usize, f64)> {
+        self.nearest_within(x, f64::INFINITY, distance)
+    }
+
+    /// The same among items whose squared distance is below `within`.
+    pub fn nearest_within(&self, x: &Vec3, within: f64, distance: &dyn Fn(usize) -> f64) -> Option<(usize, f64)> {
         let mut best = None;
-        self.visit(x, &mut |limit, i| {
+        self.visit(x, within, &mut |limit, i| {
             let d = distance(i);
             if d < limit {
                 best = Some((i, d));
@@ -103,7 +108,7 @@ impl Tree {
     /// The items with the least squared distances, nearest first.
     pub fn several(&self, x: &Vec3, wanted: usize, distance: &dyn Fn(usize) -> f64) -> Vec<usize> {
         let mut found: Vec<(f64, usize)> = Vec::with_capacity(wanted + 1);
-        self.visit(x, &mut |limit, i| {
+        self.visit(x, f64::INFINITY, &mut |limit, i| {
             let d = distance(i);
             if d >= limit {
                 return limit;
@@ -121,8 +126,7 @@ impl Tree {
     }
 
     /// Shows items in boxes nearer than a limit, which the visitor lowers.
-    fn visit(&self, x: &Vec3, see: &mut dyn FnMut(f64, usize) -> f64) {
-        let mut limit = f64::INFINITY;
+    fn visit(&self, x: &Vec3, mut limit: f64, see: &mut dyn FnMut(f64, usize) -> f64) {
         let mut open: Vec<(f64, usize)> = Vec::with_capacity(64);
         if let Some(root) = self.nodes.first() {
             open.push((off(&root.bounds, x), 0));
@@ -155,7 +159,7 @@ mod tests {
     fn the_tree_finds_what_a_list_finds() {
         let points: Vec<Vec3> =
             (0..500).map(|i| Vec3::new((i as f64).sin(), (1.7 * i as f64).cos(), (0.3 * i as f64).sin())).collect();
-        let tree = Tree::new(points.len(), &|i| BBox { min: points[i], max: points[i] });
+        let tree = BoxTree::new(points.len(), &|i| BBox { min: points[i], max: points[i] });
         for k in 0..50 {
             let x = Vec3::new((0.9 * k as f64).cos(), (0.4 * k as f64).sin(), 0.2);
             let far = |i: usize| (points[i] - x).norm_squared();
@@ -163,6 +167,9 @@ mod tests {
             list.sort_by(|&a, &b| far(a).total_cmp(&far(b)));
             assert_eq!(tree.nearest(&x, &far).map(|f| f.0), Some(list[0]));
             assert_eq!(tree.several(&x, 9, &far), list[..9]);
+            let least = far(list[0]);
+            assert_eq!(tree.nearest_within(&x, 1.01 * least, &far).map(|f| f.0), Some(list[0]));
+            assert!(tree.nearest_within(&x, least, &far).is_none());
         }
     }
 

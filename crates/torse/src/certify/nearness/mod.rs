@@ -1,0 +1,297 @@
+//! How far pieces of surface reach from others: no point of them is farther from the others than the bound.
+//!
+//! *Method.* Pieces are cut into cells. For every cell a linear map ψ of its parameters into those of one of the other pieces
+//! is guessed from nearest points; nothing is assumed of it. Then `|S(ψ(y)) − R(y)|` is bounded over the cell by a Taylor
+//! polynomial of degree 2 about its middle whose rest is enclosed by intervals \[MKC09\]. Since ψ(y) is a point of the other
+//! piece, this bounds the distance. Cells are halved until the bound exceeds the greatest distance seen by little, the worst
+//! cells first; if these become too many, or a control says stop, what is known of the rest is the bound.
+//! *Guaranteed*: the bound holds for every point, rounding included. *Not guaranteed*: that it is sharp.
+
+mod ground;
+mod piece;
+mod target;
+
+pub(crate) use target::{distance_from, Open, Target, TargetDistance};
+
+use ground::Ground;
+use piece::Piece;
+
+use super::claim::UpperBound;
+use super::tensor::Jet2;
+use super::vector::{length_bound, V3};
+use crate::control::Control;
+use crate::geom::Vec3;
+use crate::num::interval::Interval;
+use ground::{Affine, Foot};
+use rayon::prelude::*;
+
+/// The bound may exceed the greatest distance seen by this share of it, or by this share of the tolerance.
+const EXCESS: (f64, f64) = (0.03, 0.01);
+/// Cells looked at beyond those that every piece begins with, at most.
+const MOST_CELLS: usize = 150_000;
+/// Halvings of a cell at most.
+const DEPTH: usize = 48;
+
+/// What is known of a distance between pieces.
+#[derive(Clone, Copy, Debug)]
+struct Nearness {
+    /// No point is farther, mm.
+    bound: UpperBound,
+    /// The greatest distance that was seen, mm.
+    seen: f64,
+    /// Where it was.
+    place: Vec3,
+}
+
+/// A part of a piece.
+#[derive(Clone, Copy)]
+struct Cell {
+    piece: usize,
+    box_: [Interval; 2],
+    depth: usize,
+    /// The foot of the middle of the cell that this one is a half of.
+    near: Option<Foot>,
+    /// What is known already.
+    bound: f64,
+}
+
+/// What was found of a cell.
+struct Look {
+    bound: f64,
+    seen: f64,
+    place: Vec3,
+    foot: Option<Foot>,
+    /// How much of the bound comes from either direction.
+    share: [f64; 2],
+}
+
+/// Bounds the distance of every point of the pieces from the ground; `tolerance` (mm) says how sharp the bound should be.
+fn farthest(pieces: &[Piece], ground: &Ground, tolerance: f64, control: &Control) -> Nearness {
+    let whole = |(k, p): (usize, &Piece)| {
+        p.cells().into_iter().map(move |box_| Cell { piece: k, box_, depth: 0, near: None, bound: f64::INFINITY })
+    };
+    let mut open: Vec<Cell> = pieces.iter().enumerate().flat_map(whole).collect();
+    let most = open.len() + MOST_CELLS;
+    let (mut bound, mut cells) = (0.0f64, 0);
+    let mut out = Nearness { bound: UpperBound::UNKNOWN, seen: 0.0, place: Vec3::zeros() };
+    while !open.is_empty() {
+        cells += open.len();
+        if cells > most || control.stopped() {
+            bound = open.iter().fold(bound, |m, c| m.max(c.bound));
+            break;
+        }
+        let far = out.seen;
+        let looks: Vec<(Cell, Option<Look>)> = open
+            .par_iter()
+            .map(|c| (*c, pieces[c.piece].is_used(&c.box_).then(|| look(c, pieces, ground, far))))
+            .collect();
+        for look in looks.iter().filter_map(|l| l.1.as_ref()) {
+            if look.seen > out.seen {
+                (out.seen, out.place) = (look.seen, look.place);
+            }
+        }
+        let goal = out.seen * (1.0 + EXCESS.0) + EXCESS.1 * tolerance;
+        open = Vec::new();
+        for (cell, look) in looks {
+            let Some(look) = look else { continue };
+            let known = look.bound.min(cell.bound);
+            if known <= goal || cell.depth == DEPTH {
+                bound = bound.max(known);
+                continue;
+            }
+            let d = usize::from(look.share[1] > look.share[0]);
+            let m = cell.box_[d].mid();
+            for k in 0..2 {
+                let mut box_ = cell.box_;
+                box_[d] = if k == 0 { Interval { hi: m, ..box_[d] } } else { Interval { lo: m, ..box_[d] } };
+                open.push(Cell { box_, depth: cell.depth + 1, near: look.foot, bound: known, ..cell });
+            }
+        }
+    }
+    if !pieces.is_empty() {
+        out.bound = UpperBound::shown(bound);
+    }
+    out
+}
+
+fn look(cell: &Cell, pieces: &[Piece], ground: &Ground, far: f64) -> Look {
+    let piece = &pieces[cell.piece];
+    let middle = cell.box_.map(Interval::mid);
+    let place = piece.point(middle);
+    let nothing = Look { bound: f64::INFINITY, seen: 0.0, place, foot: None, share: [1.0, 0.0] };
+    let Some(foot) = ground.foot(&place, cell.near.as_ref().or(piece.hint()), far) else { return nothing };
+    let half = cell.box_.map(|x| 0.5 * (x.hi - x.lo));
+    // Slopes of the map from the feet of the sides' middles.
+    let side = |d: usize, sign: f64| {
+        let mut at = middle;
+        at[d] += sign * half[d];
+        ground.on(foot.of, &piece.point(at), foot.at)
+    };
+    let slope = |d: usize| {
+        let (p, q) = (side(d, -1.0), side(d, 1.0));
+        let width = 2.0 * half[d];
+        if width > 0.0 {
+            [(q[0] - p[0]) / width, (q[1] - p[1]) / width]
+        } else {
+            [0.0; 2]
+        }
+    };
+    let map = ground.kept(foot.of, Affine { at: foot.at, slopes: [slope(0), slope(1)], half });
+    let (x, y) = (cell.box_[0] - Interval::point(middle[0]), cell.box_[1] - Interval::point(middle[1]));
+    let image = map.image([x, y]);
+    let over = ground.over(foot.of, &image);
+    let at = ground.at(foot.of, &map.at);
+    let gap = Gap::of(&over, &map, &piece.over(&cell.box_));
+    let first = Gap::of(&at, &map, &piece.at(middle));
+    let step = |du: &V3<Interval>, dv: &V3<Interval>, d: usize| du[d] * x + dv[d] * y;
+    let linear: V3<Interval> = [0, 1, 2].map(|d: usize| first.value[d] + step(&gap.ds, &gap.dt, d));
+    let mut bound = length_bound(&linear);
+    if !ground.creased(foot.of, &image) {
+        let bend = |d: usize| (gap.dss[d] * x.sqr()) + (gap.dst[d] * x * y).scale_exact(2.0) + (gap.dtt[d] * y.sqr());
+        let second =
+            [0, 1, 2].map(|d: usize| first.value[d] + step(&first.ds, &first.dt, d) + bend(d).scale_exact(0.5));
+        bound = bound.min(length_bound(&second));
+    }
+    bound += ground.beyond(foot.of, &map, [x, y], &over);
+    let reach =
+        |a: &V3<Interval>, b: &V3<Interval>, h: Interval| h.mag() * (length_bound(a) + 0.5 * h.mag() * length_bound(b));
+    let share = [reach(&first.ds, &gap.dss, x), reach(&first.dt, &gap.dtt, y)];
+    let seen = if piece.holds(middle) { foot.distance } else { 0.0 };
+    // What is no number is no bound.
+    let bound = if bound >= 0.0 { bound } else { f64::INFINITY };
+    Look { bound, seen, place, foot: Some(foot), share }
+}
+
+/// `S(ψ(y)) − R(y)` with derivatives.
+struct Gap {
+    value: V3<Interval>,
+    ds: V3<Interval>,
+    dt: V3<Interval>,
+    dss: V3<Interval>,
+    dst: V3<Interval>,
+    dtt: V3<Interval>,
+}
+
+impl Gap {
+    /// Chain rule for a linear map.
+    fn of(face: &Jet2<3>, map: &Affine, patch: &Jet2<3>) -> Self {
+        let [a, b] = map.slopes.map(|s| s.map(Interval::point));
+        let first = |a: &[Interval; 2], d: usize| face.du[d] * a[0] + face.dv[d] * a[1];
+        let second = |a: &[Interval; 2], b: &[Interval; 2], d: usize| {
+            face.duu[d] * (a[0] * b[0]) + face.duv[d] * (a[0] * b[1] + a[1] * b[0]) + face.dvv[d] * (a[1] * b[1])
+        };
+        let of = |f: &dyn Fn(usize) -> Interval| -> V3<Interval> { [f(0), f(1), f(2)] };
+        Self {
+            value: of(&|d| face.p[d] - patch.p[d]),
+            ds: of(&|d| first(&a, d) - patch.du[d]),
+            dt: of(&|d| first(&b, d) - patch.dv[d]),
+            dss: of(&|d| second(&a, &a, d) - patch.duu[d]),
+            dst: of(&|d| second(&a, &b, d) - patch.duv[d]),
+            dtt: of(&|d| second(&b, &b, d) - patch.dvv[d]),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::brep::support_surface::SupportSurface;
+    use crate::geom::cloud::Cloud;
+    use crate::geom::Frame;
+    use crate::spline::knots::Knots;
+    use crate::spline::surface::Surface;
+    use std::slice;
+
+    fn cylinder(radius: f64, turn: f64, height: f64) -> Surface {
+        SupportSurface::Cylinder { frame: Frame::world(), radius }.to_spline((0.0, turn), (0.0, height)).expect("one").0
+    }
+
+    fn plane(corner: [f64; 3], x: [f64; 3], y: [f64; 3]) -> Surface {
+        let knots = || Knots::clamped(1, &[0.0, 1.0]).expect("knots");
+        let [o, x, y] = [corner, x, y].map(Vec3::from);
+        Surface::new(knots(), knots(), &[o, o + y, o + x, o + x + y], None).expect("a plane")
+    }
+
+    fn from(pieces: &[Surface], ground: &[&Surface]) -> Nearness {
+        let pieces: Vec<Piece> = pieces.iter().map(|s| Piece::surface(s, [0.0; 3], &[])).collect();
+        let ground = Ground::surfaces(ground.to_vec(), [0.0; 3]);
+        farthest(&pieces, &ground, 1.0, &Control::default())
+    }
+
+    fn is_near(n: &Nearness, distance: f64) {
+        let bound = n.bound.value();
+        assert!(bound >= distance * (1.0 - 1e-12) && bound <= 1.04 * distance + 0.011, "{n:?} {distance}");
+    }
+
+    #[test]
+    fn cylinders_are_as_far_apart_as_their_radii() {
+        let (inner, outer) = (cylinder(100.0, 2.0, 80.0), cylinder(103.0, 2.0, 80.0));
+        is_near(&from(slice::from_ref(&inner), &[&outer]), 3.0);
+        is_near(&from(&[outer], &[&inner]), 3.0);
+        is_near(&from(slice::from_ref(&inner), &[&inner]), 0.0);
+    }
+
+    #[test]
+    fn what_reaches_beyond_counts() {
+        // A plane 50 wide, 2 above another that ends 10 before it.
+        let above = plane([0.0, 0.0, 2.0], [50.0, 0.0, 0.0], [0.0, 30.0, 0.0]);
+        let below = plane([0.0, 0.0, 0.0], [40.0, 0.0, 0.0], [0.0, 30.0, 0.0]);
+        is_near(&from(slice::from_ref(&above), &[&below]), 104f64.sqrt());
+        is_near(&from(slice::from_ref(&below), &[&above]), 2.0);
+        // Another piece goes on there.
+        let rest = plane([40.0, 0.0, 0.0], [10.0, 0.0, 0.0], [0.0, 30.0, 0.0]);
+        is_near(&from(&[above], &[&below, &rest]), 2.0);
+    }
+
+    #[test]
+    fn only_what_is_inside_the_trim_counts() {
+        let above = plane([0.0, 0.0, 2.0], [50.0, 0.0, 0.0], [0.0, 30.0, 0.0]);
+        let below = plane([0.0, 0.0, 0.0], [40.0, 0.0, 0.0], [0.0, 30.0, 0.0]);
+        let trim = vec![vec![[0.0, 0.0], [0.8, 0.0], [0.8, 1.0], [0.0, 1.0]]];
+        let piece = [Piece::surface(&above, [0.0; 3], &trim)];
+        let ground = Ground::surfaces(vec![&below], [0.0; 3]);
+        is_near(&farthest(&piece, &ground, 1.0, &Control::default()), 2.0);
+    }
+
+    #[test]
+    fn meshes_are_bounded_both_ways() {
+        // A fine mesh of a cylinder of radius 100.
+        let (n, m) = (40u32, 6u32);
+        let mut cloud = Cloud::default();
+        for i in 0..=n {
+            for j in 0..=m {
+                let a = 0.05 * f64::from(i);
+                cloud.points.push(Vec3::new(100.0 * a.cos(), 100.0 * a.sin(), 12.0 * f64::from(j)));
+                if i < n && j < m {
+                    let k = i * (m + 1) + j;
+                    cloud.triangles.extend([[k, k + m + 1, k + 1], [k + m + 1, k + m + 2, k + 1]]);
+                }
+            }
+        }
+        let outer = cylinder(103.0, 2.0, 72.0);
+        let mesh = Ground::mesh(&cloud, [0.0; 3]).expect("triangles");
+        let pieces = [Piece::surface(&outer, [0.0; 3], &[])];
+        let sagitta = 100.0 * (1.0 - 0.025f64.cos());
+        let there = farthest(&pieces, &mesh, 1.0, &Control::default());
+        let bound = there.bound.value();
+        assert!(bound >= 3.0 && bound <= 1.05 * (3.0 + sagitta) + 0.011, "{there:?}");
+        let triangles: Vec<Piece> = cloud
+            .triangles
+            .iter()
+            .map(|t| Piece::triangle(t.map(|i| cloud.points[i as usize]), [0.0; 3], None))
+            .collect();
+        let ground = Ground::surfaces(vec![&outer], [0.0; 3]);
+        is_near(&farthest(&triangles, &ground, 1.0, &Control::default()), 3.0 + sagitta);
+    }
+
+    #[test]
+    fn stopped_early_it_knows_what_it_has_seen_and_nothing_of_nothing() {
+        let (inner, outer) = (cylinder(100.0, 2.0, 80.0), cylinder(103.0, 2.0, 80.0));
+        let pieces = [Piece::surface(&inner, [0.0; 3], &[])];
+        let ground = Ground::surfaces(vec![&outer], [0.0; 3]);
+        let control = Control::default();
+        control.cancel();
+        assert_eq!(farthest(&pieces, &ground, 1.0, &control).bound, UpperBound::UNKNOWN);
+        assert_eq!(farthest(&[], &ground, 1.0, &Control::default()).bound, UpperBound::UNKNOWN);
+    }
+}

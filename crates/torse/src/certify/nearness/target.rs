@@ -1,0 +1,184 @@
+//! The distance between strips and a target, both ways \[MKC09\].
+
+use super::ground::Ground;
+use super::piece::Piece;
+use super::{farthest, Nearness};
+use crate::brep::face::Face;
+use crate::certify::claim::UpperBound;
+use crate::certify::points::points;
+use crate::control::Control;
+use crate::geom::cloud::Cloud;
+use crate::geom::{BBox, Vec3};
+use crate::torse::strip::Strip;
+
+/// What strips should be near.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Target<'a> {
+    /// Faces inside their trims.
+    Faces(&'a [Face]),
+    /// Triangles; or points, where there are none.
+    Cloud(&'a Cloud),
+}
+
+/// What is known of the distance between strips and a target.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct TargetDistance {
+    /// No point of the strips is farther from the target, mm.
+    pub there: UpperBound,
+    /// No point of the target is farther from the strips, mm.
+    pub back: UpperBound,
+    /// The greatest distance that was seen, mm, either way.
+    pub seen: f64,
+    /// Where it was.
+    pub place: Vec3,
+    /// Why nothing is known of the way there, if that is not for want of time.
+    pub open: Option<Open>,
+}
+
+/// Why the distance of strips from a target has no bound.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Open {
+    /// A face, by its entity number, ends within its surface: what of the surface is near may be cut away.
+    Trimmed(u64),
+    /// Between points without triangles there is nothing to be near.
+    Points,
+}
+
+/// Bounds the distance between strips and a target; `tolerance` (mm) says how sharp the bounds should be.
+///
+/// *Guaranteed*: for every point of the strips as they are given, and for every point of the faces inside their trims (with
+/// what these are proven to keep from the file's edges), of the triangles, or of the points. *Not guaranteed*: anything about
+/// the way to faces that end within their surfaces, or to points without triangles; it stays unknown.
+pub(crate) fn distance_from(strips: &[&Strip], target: Target, tolerance: f64, control: &Control) -> TargetDistance {
+    let bbox =
+        BBox::of(strips.iter().flat_map(|s| [s.patch.bbox().min, s.patch.bbox().max]).collect::<Vec<_>>().iter());
+    let origin: [f64; 3] = bbox.center().into();
+    let own: Vec<Piece> = strips.iter().map(|s| Piece::surface(&s.patch, origin, &[])).collect();
+    let ground = || Ground::surfaces(strips.iter().map(|s| &s.patch).collect(), origin);
+    match target {
+        Target::Faces(faces) => {
+            let cut = faces.iter().find(|f| !is_whole(f));
+            let mut there = cut.is_none().then(|| {
+                let on = Ground::surfaces(faces.iter().map(|f| &f.surface).collect(), origin);
+                farthest(&own, &on, tolerance, control)
+            });
+            let polygons: Vec<Vec<Vec<[f64; 2]>>> = faces
+                .iter()
+                .map(|f| if is_whole(f) { Vec::new() } else { f.loops.iter().map(|l| l.points.clone()).collect() })
+                .collect();
+            let pieces: Vec<Piece> =
+                faces.iter().zip(&polygons).map(|(f, p)| Piece::surface(&f.surface, origin, p)).collect();
+            let mut back = farthest(&pieces, &ground(), tolerance, control);
+            let trims = faces.iter().map(|f| f.trim_bound() + f.joint_bound()).fold(0.0, f64::max);
+            let trims = UpperBound::shown(trims);
+            back.bound = back.bound.plus(trims);
+            there.iter_mut().for_each(|t| t.bound = t.bound.plus(trims));
+            both(there, back, cut.map(|f| Open::Trimmed(f.entity)))
+        }
+        Target::Cloud(cloud) => match Ground::mesh(cloud, origin) {
+            Some(mesh) => {
+                let corner = |i: u32| cloud.points[i as usize];
+                let pieces: Vec<Piece> =
+                    cloud.triangles.iter().map(|t| Piece::triangle(t.map(corner), origin, None)).collect();
+                let there = farthest(&own, &mesh, tolerance, control);
+                both(Some(there), farthest(&pieces, &ground(), tolerance, control), None)
+            }
+            None => {
+                let strips: Vec<Strip> = strips.iter().map(|s| (*s).clone()).collect();
+                let found = points(&strips, &cloud.points, control);
+                let worst = found.worst();
+                let seen = worst.map_or(0.0, |i| found.bounds()[i]);
+                let place = worst.map_or_else(Vec3::zeros, |i| cloud.points[i]);
+                both(None, Nearness { bound: found.worst_bound(), seen, place }, Some(Open::Points))
+            }
+        },
+    }
+}
+
+fn both(there: Option<Nearness>, back: Nearness, open: Option<Open>) -> TargetDistance {
+    let farther = there.filter(|t| t.seen > back.seen).unwrap_or(back);
+    TargetDistance {
+        there: there.map_or(UpperBound::UNKNOWN, |t| t.bound),
+        back: back.bound,
+        seen: farther.seen,
+        place: farther.place,
+        open,
+    }
+}
+
+/// Whether a face is all of its surface: one loop along the border of the domain, around its corners.
+fn is_whole(face: &Face) -> bool {
+    let ((u0, u1), (v0, v1)) = face.surface.domain();
+    let [outer] = &face.loops[..] else { return false };
+    let has = |u: f64, v: f64| outer.points.iter().any(|p| p[0] == u && p[1] == v);
+    let n = outer.points.len();
+    // A side is on the border if both of its ends are on one line of it.
+    let along = |k: usize| {
+        let (p, q) = (outer.points[k], outer.points[(k + 1) % n]);
+        [(0, u0), (0, u1), (1, v0), (1, v1)].iter().any(|&(d, x)| p[d] == x && q[d] == x)
+    };
+    (0..n).all(along) && has(u0, v0) && has(u1, v0) && has(u1, v1) && has(u0, v1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::spline::curve::Curve;
+    use crate::spline::knots::Knots;
+    use crate::spline::surface::Surface;
+    use crate::torse::form::PanelKind;
+
+    fn face(height: f64, width: f64) -> Face {
+        let knots = || Knots::clamped(1, &[0.0, 1.0]).expect("knots");
+        let at = |x: f64, y: f64| Vec3::new(width * x, 30.0 * y, height);
+        let corners = [at(0.0, 0.0), at(0.0, 1.0), at(1.0, 0.0), at(1.0, 1.0)];
+        Face::untrimmed(Surface::new(knots(), knots(), &corners, None).expect("a plane"))
+    }
+
+    /// A plane strip of 50 by 30 that rises by `rise`.
+    fn strip(rise: f64) -> Strip {
+        let side = |y: f64| {
+            let ends = vec![[0.0, y, 0.0], [50.0, y, rise]];
+            Curve::new(1, vec![0.0, 0.0, 1.0, 1.0], ends).expect("a curve")
+        };
+        Strip::polynomial("s", PanelKind::Plane, &side(0.0), &side(30.0)).expect("a strip")
+    }
+
+    fn found(strip: &Strip, target: Target) -> TargetDistance {
+        distance_from(&[strip], target, 0.1, &Control::default())
+    }
+
+    #[test]
+    fn both_ways_are_bounded_and_differ_where_one_goes_on() {
+        let faces = [face(2.0, 80.0)];
+        let flat = found(&strip(0.0), Target::Faces(&faces));
+        assert!(flat.there.value() >= 2.0 && flat.there.value() < 2.07, "{flat:?}");
+        // The face goes on by 30 beyond the strip.
+        let far = 904f64.sqrt();
+        assert!(flat.back.value() >= far && flat.back.value() < 1.04 * far && flat.open.is_none(), "{flat:?}");
+        assert!((flat.place.x - 80.0).abs() < 2.0, "{flat:?}");
+    }
+
+    #[test]
+    fn what_is_cut_away_is_not_near() {
+        let mut cut = [face(2.0, 50.0)];
+        cut[0].loops[0].points = vec![[0.0, 0.0], [0.5, 0.0], [0.5, 1.0], [0.0, 1.0]];
+        let found = found(&strip(8.0), Target::Faces(&cut));
+        assert_eq!((found.there, found.open), (UpperBound::UNKNOWN, Some(Open::Trimmed(0))));
+        // Up to the middle the strip is at most 2 away; at the far end it is 6.
+        assert!(found.back.value() >= 1.9 && found.back.value() < 2.2, "{found:?}");
+    }
+
+    #[test]
+    fn meshes_count_both_ways_and_points_one_way() {
+        let corners = [[0.0, 0.0], [50.0, 0.0], [50.0, 30.0], [0.0, 30.0]];
+        let points = corners.map(|[x, y]| Vec3::new(x, y, -3.0)).to_vec();
+        let mut cloud = Cloud { points, triangles: vec![[0, 1, 2], [0, 2, 3]] };
+        let mesh = found(&strip(0.0), Target::Cloud(&cloud));
+        assert!(mesh.there.value() >= 3.0 && mesh.there.value() < 3.1 && mesh.back.value() < 3.1, "{mesh:?}");
+        cloud.triangles.clear();
+        let only = found(&strip(0.0), Target::Cloud(&cloud));
+        assert_eq!((only.there, only.open), (UpperBound::UNKNOWN, Some(Open::Points)));
+        assert!(only.back.value() >= 3.0 && only.back.value() < 3.001, "{only:?}");
+    }
+}

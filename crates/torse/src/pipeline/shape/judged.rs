@@ -1,0 +1,246 @@
+//! The result of a shape: judged, laid flat, put together.
+
+use super::goal::Goal;
+use super::joined::joins;
+use super::moved::Moved;
+use super::options::{Options, ShapeError};
+use crate::answer::note::Note;
+use crate::answer::{Answer, Guide, Job};
+use crate::certify::claim::{Claim, Counted, Demand, Evidence, Subject, What};
+use crate::certify::nearness::{distance_from, Open, Target, TargetDistance};
+use crate::control::Control;
+use crate::design::composite::{Composite, Hold, Join, Session, Smoothness};
+use crate::design::loft::build::{classified, BuiltStrip};
+use crate::develop::strip::StripOptions;
+use crate::draw::field::PanelField;
+use crate::geom::Vec3;
+use crate::io::shape::TargetRecord;
+use crate::patchwork::panel::Patchwork;
+use crate::patchwork::part::Part;
+use crate::search::strips::cut::laid;
+use crate::search::strips::judgement::{judge, Candidate, Judgement};
+use crate::spline::curve::Curve;
+use crate::spline::SplineError;
+use crate::torse::form::PanelKind;
+use crate::torse::rail::{Rail, RailPart};
+use crate::torse::strip::{homogeneous, Strip};
+
+/// Points of a guide.
+const GUIDE_POINTS: usize = 200;
+/// Stations per ruled strip where its twist is measured for colours.
+const STATIONS: usize = 64;
+
+/// Distance of every held place from what it is held to, with the handle's words.
+fn off(session: &Session) -> Vec<(String, f64)> {
+    let mut out = Vec::new();
+    for (k, h) in session.composite().handles.iter().enumerate() {
+        let Some(curve) = session.composite().curve(&h.place.curve).and_then(|c| session.curve(c)) else { continue };
+        let [p, d, _] = curve.jet(h.place.u).map(Vec3::from);
+        let what = format!("handle {k} on {}", h.place.curve);
+        match h.hold {
+            Hold::Point(target) => out.push((what, (p - target).norm())),
+            Hold::Plane { point, normal } => out.push((what, normal.normalize().dot(&(p - point)).abs())),
+            // Over the length of the control polygon's side there, a direction is off by so much.
+            Hold::Tangent(t) => out.push((what, d.cross(&t.normalize()).norm() / curve.knots.degree() as f64)),
+        }
+    }
+    out
+}
+
+/// A strip as the judge takes it, with the fixed curves that it must keep.
+struct Made {
+    built: BuiltStrip,
+    rails: [Option<Rail>; 2],
+}
+
+fn made(composite: &Composite, strip: Strip, index: usize) -> Result<Made, SplineError> {
+    let linear = Curve::new(1, vec![0.0, 0.0, 1.0, 1.0], vec![[0.0], [1.0]])?;
+    let part = RailPart { piece: 0, parameter: linear };
+    let rails = [0, 1].map(|side: usize| {
+        // Planar pieces between corners have no curves of their own.
+        let name = &composite.strips.get(index)?.sides[side];
+        let given = &composite.curves[composite.curve(name)?];
+        let rail = given.fixed.then(|| Rail::new(name, &[homogeneous(&given.curve)]).ok()).flatten()?;
+        // A fixed curve with corners is no single piece; its control points are kept all the same.
+        (rail.pieces.len() == 1).then_some(rail)
+    });
+    let strip = if strip.kind == PanelKind::Torse { classified(strip) } else { strip };
+    Ok(Made { built: BuiltStrip { strip, rails: [part.clone(), part] }, rails })
+}
+
+/// Chains of strips that go on smoothly, as parts that are cut from one sheet; ruled strips are not.
+fn chains(composite: &Composite, strips: &[Strip]) -> Vec<Part> {
+    let mut out: Vec<Part> = Vec::new();
+    for (k, s) in strips.iter().enumerate().filter(|(_, s)| s.kind != PanelKind::Ruled) {
+        let goes_on = k > 0
+            && composite.joins.iter().any(|j| {
+                matches!(j, Join::Ruling { first, second, smoothness }
+                    if *smoothness != Smoothness::G0 && *first == strips[k - 1].name && *second == s.name)
+            });
+        match out.last_mut() {
+            Some(last) if goes_on && last.first + last.count == k => last.count += 1,
+            _ => out.push(Part::new(&s.name, k, 1)),
+        }
+    }
+    out
+}
+
+/// Measured twist of a ruled strip, degrees, for colours.
+fn twists(strip: &Strip) -> PanelField {
+    let (a, b) = strip.domain();
+    let u: Vec<f64> = (0..=STATIONS).map(|k| a + (b - a) * k as f64 / STATIONS as f64).collect();
+    let values = u.iter().flat_map(|&u| [strip.twist(u).to_degrees(); 2]).collect();
+    PanelField { u, v: vec![0.0, 1.0], values }
+}
+
+/// Fields of all strips in order: those of the judged ones, and those of ruled ones.
+fn fields(all: &[Made], judgement: &Judgement) -> Vec<PanelField> {
+    let mut judged = judgement.fields.iter();
+    let of = |m: &Made| match m.built.strip.kind {
+        PanelKind::Ruled => Some(twists(&m.built.strip)),
+        _ => judged.next().cloned(),
+    };
+    all.iter().filter_map(of).collect()
+}
+
+/// Claims about the distance from targets, and notes where one way stays open.
+fn targets(strips: &[Strip], asked: &Asked, control: &Control) -> (Vec<Claim>, Vec<Note>) {
+    let (mut claims, mut notes) = (Vec::new(), Vec::new());
+    for (index, (record, goal)) in asked.records.iter().zip(asked.goals).enumerate() {
+        let wanted = |s: &&Strip| record.strips.is_empty() || record.strips.contains(&s.name);
+        let near: Vec<&Strip> = strips.iter().filter(wanted).collect();
+        let target = match goal {
+            Goal::Faces(faces) => Target::Faces(faces),
+            Goal::Cloud(cloud) => Target::Cloud(cloud),
+        };
+        let within = record.within.unwrap_or(asked.options.tolerance);
+        let found = distance_from(&near, target, within, control);
+        let bound = match (found.open, record.covered) {
+            (Some(Open::Points), _) => found.back,
+            (_, true) => found.there.max(found.back),
+            (_, false) => found.there,
+        };
+        claims.push(
+            Claim::at_most(What::TargetDistance(index), Subject::Whole, bound)
+                .within(within)
+                .because(beyond(index, record, &found, within)),
+        );
+        notes.push(Note::Target {
+            index,
+            there: found.there,
+            back: found.back,
+            points: found.open == Some(Open::Points),
+        });
+    }
+    (claims, notes)
+}
+
+/// Why a target is not met, and what would help.
+fn beyond(index: usize, record: &TargetRecord, found: &TargetDistance, within: f64) -> String {
+    let name = record.file.as_deref().map_or(String::new(), |f| format!(" ({f})"));
+    if let Some(Open::Trimmed(entity)) = found.open {
+        return format!(
+            "target {index}{name}: face #{entity} ends within its surface, so that no distance of the strips from it is \
+             proven; give the surface untrimmed, or as triangles"
+        );
+    }
+    let [x, y, z] = <[f64; 3]>::from(found.place);
+    format!(
+        "target {index}{name}: {:.4} mm apart at ({x:.1}, {y:.1}, {z:.1}), where {within} mm are allowed; give the curves \
+         more spans, take more or narrower strips, hold less, or allow more by \"within\"{}",
+        found.seen,
+        if record.covered { "; if the target goes on beyond the strips, say \"covered\": false" } else { "" }
+    )
+}
+
+/// What a job was, for its result.
+pub(super) struct Asked<'a> {
+    pub records: &'a [TargetRecord],
+    pub goals: &'a [Goal],
+    pub options: &'a Options,
+}
+
+/// Judges and develops what a session has come to.
+pub(super) fn judged(session: &Session, asked: &Asked, moved: Moved, control: &Control) -> Result<Answer, ShapeError> {
+    let (composite, options) = (session.composite(), asked.options);
+    let Moved { mut notes, stages, missing: mut missing_moves } = moved;
+    let mut strips = session.strips()?;
+    strips.extend(session.facets()?);
+    let each = strips.into_iter().enumerate().map(|(k, s)| made(composite, s, k));
+    let all = each.collect::<Result<Vec<_>, _>>()?;
+    let developable = all.iter().enumerate().filter(|(_, m)| m.built.strip.kind != PanelKind::Ruled);
+    let pieces: Vec<Candidate> = developable
+        .map(|(index, m)| Candidate { index, built: &m.built, rails: m.rails.each_ref().map(Option::as_ref) })
+        .collect();
+    let judgement = judge(&pieces, [What::FromSide(0), What::FromSide(1)], options.twist_tolerance);
+    let ruled = all.len() - pieces.len();
+    let whole = Subject::Whole;
+    let mut claims = Vec::new();
+    for side in 0..2 {
+        if pieces.iter().any(|p| p.rails[side].is_some()) {
+            let reason = format!("the strips stray up to {:.1e} mm from fixed curves", judgement.off[side].value());
+            let kept = Claim::at_most(What::FromSide(side), whole, judgement.off[side]);
+            claims.push(kept.within(options.tolerance).because(reason));
+        }
+    }
+    let mut missing = judgement.missing.clone();
+    missing.append(&mut missing_moves);
+    for (what, off) in off(session).into_iter().filter(|h| h.1.is_nan() || h.1 > options.tolerance) {
+        missing.push(format!("{what} is {off:.4} mm from where it should be; hold less, or move it in steps"));
+    }
+    let fields = fields(&all, &judgement);
+    let mut meaning = judgement.meaning.clone();
+    meaning.limit = fields.iter().flat_map(|f| &f.values).fold(meaning.limit, |m, x| m.max(*x));
+    let strips: Vec<Strip> = all.into_iter().map(|m| m.built.strip).collect();
+    let (joints, told) = joins(composite, &strips, options);
+    notes.extend(told);
+    claims.extend(joints);
+    let (near, told) = targets(&strips, asked, control);
+    notes.extend(told);
+    claims.extend(near);
+    let flat = StripOptions::of_job(options.tolerance, [options.ruling_spacing, options.mark_spacing], options.drawn);
+    let laid = laid(&strips, &chains(composite, &strips), &flat, options.tolerance);
+    notes.extend(laid.crowded.iter().copied().map(Note::Crowded));
+    if ruled < strips.len() {
+        claims.extend(judgement.whole().into_iter().filter(|c| !matches!(c.what(), What::Count(_))));
+        claims.extend(laid.claims());
+    }
+    claims.push(Claim::count(Counted::Strips, whole, strips.len()));
+    if ruled > 0 {
+        notes.push(Note::RuledStrips { count: ruled });
+    }
+    claims.extend(missing.into_iter().map(|reason| Claim::objection(whole, reason)));
+    if !claims.iter().any(asks_for_proof) {
+        let reason = "nothing is asked of the ruled strips that could be proven: join them, or give a target";
+        claims.push(Claim::objection(whole, reason));
+    }
+    claims.extend(judgement.claims);
+    let guides = composite.curves.iter().map(|c| {
+        let (a, b) = c.curve.domain();
+        let at = |k: usize| Vec3::from(c.curve.point(a + (b - a) * k as f64 / GUIDE_POINTS as f64));
+        Guide { name: format!("{} as given", c.name), points: (0..=GUIDE_POINTS).map(at).collect() }
+    });
+    let mut answer = Answer {
+        claims,
+        guides: guides.collect(),
+        fields,
+        meaning,
+        notes,
+        stages,
+        ..Answer::of_flat(Job::Shape, &options.input, options.tolerance, laid)
+    };
+    // Ruled strips are parts that are not laid flat.
+    for (k, s) in strips.iter().enumerate().filter(|(_, s)| s.kind == PanelKind::Ruled) {
+        answer.parts.push(Part { missing: NOT_FLAT.into(), ..Part::new(&s.name, k, 1) });
+    }
+    answer.patchwork = Patchwork::of_strips(strips);
+    Ok(answer)
+}
+
+/// Why a ruled strip has no pattern.
+const NOT_FLAT: &str = "ruled, not developable: it has no flat pattern";
+
+/// Whether a claim could certify something.
+fn asks_for_proof(c: &Claim) -> bool {
+    c.evidence() == Evidence::Proven && c.demand() != Demand::None
+}
