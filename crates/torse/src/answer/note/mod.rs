@@ -114,6 +114,13 @@ pub enum Note {
         /// Largest residual as a share of the size.
         residual: f64,
     },
+    /// A handle that pulls is not where it pulls to.
+    GaveWay {
+        /// Its number and curve.
+        handle: String,
+        /// How far it is off, mm.
+        off: f64,
+    },
     /// Some strips of a composite are ruled and have no flat patterns.
     RuledStrips {
         /// How many.

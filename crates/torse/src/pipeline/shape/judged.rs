@@ -9,7 +9,7 @@ use crate::answer::{Answer, Guide, Job};
 use crate::certify::claim::{Claim, Counted, Demand, Evidence, Subject, What};
 use crate::certify::nearness::{distance_from, Open, Target, TargetDistance};
 use crate::control::Control;
-use crate::design::composite::{Composite, Hold, Join, Session, Smoothness};
+use crate::design::composite::{Composite, Hold, Join, Session, Smoothness, Strength};
 use crate::design::loft::build::{classified, BuiltStrip};
 use crate::develop::strip::StripOptions;
 use crate::draw::field::PanelField;
@@ -30,19 +30,19 @@ const GUIDE_POINTS: usize = 200;
 /// Stations per ruled strip where its twist is measured for colours.
 const STATIONS: usize = 64;
 
-/// Distance of every held place from what it is held to, with the handle's words.
-fn off(session: &Session) -> Vec<(String, f64)> {
+/// Distance of every held place from what it is held to, with the handle's words and whether it may give way.
+fn off(session: &Session) -> Vec<(String, f64, bool)> {
     let mut out = Vec::new();
     for (k, h) in session.composite().handles.iter().enumerate() {
         let Some(curve) = session.composite().curve(&h.place.curve).and_then(|c| session.curve(c)) else { continue };
         let [p, d, _] = curve.jet(h.place.u).map(Vec3::from);
-        let what = format!("handle {k} on {}", h.place.curve);
-        match h.hold {
-            Hold::Point(target) => out.push((what, (p - target).norm())),
-            Hold::Plane { point, normal } => out.push((what, normal.normalize().dot(&(p - point)).abs())),
+        let far = match h.hold {
+            Hold::Point(target) => (p - target).norm(),
+            Hold::Plane { point, normal } => normal.normalize().dot(&(p - point)).abs(),
             // Over the length of the control polygon's side there, a direction is off by so much.
-            Hold::Tangent(t) => out.push((what, d.cross(&t.normalize()).norm() / curve.knots.degree() as f64)),
-        }
+            Hold::Tangent(t) => d.cross(&t.normalize()).norm() / curve.knots.degree() as f64,
+        };
+        out.push((format!("handle {k} on {}", h.place.curve), far, h.strength != Strength::Exact));
     }
     out
 }
@@ -185,8 +185,12 @@ pub(super) fn judged(session: &Session, asked: &Asked, moved: Moved, control: &C
     }
     let mut missing = judgement.missing.clone();
     missing.append(&mut missing_moves);
-    for (what, off) in off(session).into_iter().filter(|h| h.1.is_nan() || h.1 > options.tolerance) {
-        missing.push(format!("{what} is {off:.4} mm from where it should be; hold less, or move it in steps"));
+    for (what, off, gives_way) in off(session).into_iter().filter(|h| h.1.is_nan() || h.1 > options.tolerance) {
+        if gives_way {
+            notes.push(Note::GaveWay { handle: what, off });
+        } else {
+            missing.push(format!("{what} is {off:.4} mm from where it should be; hold less, or move it in steps"));
+        }
     }
     let fields = fields(&all, &judgement);
     let mut meaning = judgement.meaning.clone();

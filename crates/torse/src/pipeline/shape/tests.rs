@@ -179,6 +179,17 @@ fn ruled_strips_keep_to_a_target_both_ways() {
 }
 
 #[test]
+fn a_handle_that_pulls_may_give_way() {
+    let pulled =
+        JOB.replace("\"u\": 0.5, \"point\": [470, -20, 60]", "\"u\": 0.5, \"point\": [470, -20, 600], \"pull\": 0.05");
+    let pulled =
+        pulled.replace(r#""moves": [ { "handle": 4, "point": [470, -40, 120], "steps": 4 } ]"#, r#""moves": []"#);
+    let answer = run(&pulled).expect("an answer");
+    assert_eq!(answer.status(), Certified::Certified, "{:?} {:?}", broken(&answer), answer.notes);
+    assert!(answer.notes.iter().any(|n| matches!(n, Note::GaveWay { off, .. } if *off > 1.0)), "{:?}", answer.notes);
+}
+
+#[test]
 fn a_move_that_goes_too_far_keeps_the_last_good_shape() {
     let far = JOB.replace("[470, -40, 120], \"steps\": 4", "[470, -40, 90000], \"steps\": 3");
     let answer = run(&far).expect("an answer");

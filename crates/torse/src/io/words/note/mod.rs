@@ -57,6 +57,7 @@ pub fn note(note: &Note) -> String {
         Note::Net(note) => net::words(note),
         Note::Solved { step, report } => solved(*step, report),
         Note::Met { residual } => format!("conditions are met to {} of the size", number(*residual)),
+        Note::GaveWay { handle, off } => format!("{handle} gave way: it is {} from where it pulls to", length(*off)),
         Note::RuledStrips { count } => {
             format!("{} not developable: no flat patterns of them", match count {
                 1 => "one strip is ruled,".to_owned(),
