@@ -8,6 +8,7 @@ use crate::terminal::Terminal;
 use std::io::Write;
 use std::ops::Range;
 use std::path::Path;
+use std::rc::Rc;
 use std::time::Duration;
 use torse::answer::marks::Marks;
 use torse::answer::skipped::Skipped;
@@ -23,7 +24,7 @@ use torse::pipeline::workshop::{self, WorkshopOptions};
 /// The folder that results will be in, and the terminal that tells of the job.
 pub struct Job<'a> {
     output: Output,
-    terminal: Terminal,
+    terminal: Rc<Terminal>,
     files: &'a Files,
     shop: WorkshopOptions,
 }
@@ -31,9 +32,15 @@ pub struct Job<'a> {
 impl<'a> Job<'a> {
     /// Prepares the folder and the terminal; `input` is the file that the job reads, `limit` the time that it may take.
     pub fn begin(files: &'a Files, input: &Path, limit: Option<Duration>) -> Result<Self, Failure> {
+        let terminal = Rc::new(Terminal::new(files.quiet, limit)?);
+        Self::within(files, input, &terminal)
+    }
+
+    /// One of several jobs that share a terminal.
+    pub fn within(files: &'a Files, input: &Path, terminal: &Rc<Terminal>) -> Result<Self, Failure> {
         let shop = shop::workshop(&files.shop)?;
         let output = Output::prepare(&files.out, input, files.force)?;
-        let terminal = Terminal::new(files.quiet, limit)?;
+        let terminal = Rc::clone(terminal);
         terminal.guard(Some(output.workspace().to_path_buf()));
         Ok(Self { output, terminal, files, shop })
     }

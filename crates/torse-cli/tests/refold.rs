@@ -36,6 +36,8 @@ fn a_result_is_bent_back_and_carries_points() {
         serde_json::from_slice(&std::fs::read(back.join("refold.json")).expect("a report")).expect("JSON");
     let part = &report["parts"][0];
     assert!(part["matched_estimate"].as_f64().is_some_and(|x| x < 0.01), "{part}");
+    assert!(part["distance_bound"].as_f64().is_some_and(|x| x < 1.0), "{part}");
+    assert!(text(&run.stdout).contains("(proven;"), "{}", text(&run.stdout));
     assert!(back.join("refolded.glb").is_file());
 
     let points = folder.join("points.csv");

@@ -50,6 +50,36 @@ fn a_pipe_is_unrolled_with_its_proof_and_its_tables() {
 }
 
 #[test]
+fn a_cone_laid_flat_is_bent_back_with_a_proof() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let (out, back) = (dir.path().join("flat"), dir.path().join("back"));
+    let run = torse(&["unroll", "--surfaces", "--tolerance", "0.05mm"], &data("cone_holes.step"), &out);
+    assert_eq!(run.status.code(), Some(0), "{}", said(&run));
+    let run = torse(&["refold"], &out, &back);
+    assert_eq!(run.status.code(), Some(0), "{}", said(&run));
+    let report = std::fs::read_to_string(back.join("refold.json")).expect("a report");
+    let report: serde_json::Value = serde_json::from_str(&report).expect("JSON");
+    assert!(report["parts"][0]["matched_estimate"].as_f64().is_some_and(|x| x < 0.01), "{report}");
+}
+
+#[test]
+fn bodies_are_written_so_many_at_a_time() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let out = dir.path().join("flat");
+    let options = ["unroll", "--tolerance", "0.05mm", "--split", "1"];
+    let run = torse(&options, &data("bracket.step"), &out);
+    assert_eq!(run.status.code(), Some(0), "{}", said(&run));
+    assert!(out.join("001/patterns.dxf").is_file() && out.join("001/report.json").is_file());
+    // A second time nothing is overwritten, and with --force it is.
+    let run = torse(&options, &data("bracket.step"), &out);
+    assert_eq!(run.status.code(), Some(2), "{}", said(&run));
+    let run = torse(&[&options[..], &["--force"]].concat(), &data("bracket.step"), &out);
+    assert_eq!(run.status.code(), Some(0), "{}", said(&run));
+    let run = torse(&["unroll", "--tolerance", "0.05mm", "--split", "0"], &data("bracket.step"), &out);
+    assert_eq!(run.status.code(), Some(2), "{}", said(&run));
+}
+
+#[test]
 fn faces_that_are_not_developable_are_named_with_the_command_that_would_help() {
     let dir = tempfile::tempdir().expect("a folder");
     let out = dir.path().join("flat");

@@ -40,10 +40,12 @@ fn a_cone_is_bent_back_onto_itself_and_written() {
     assert_eq!((report.parts.len(), report.left.len()), (1, 0), "{report:?}");
     let p = &report.parts[0];
     assert!(p.distance_estimate <= p.matched_estimate && p.matched_estimate < 0.05, "{p:?}");
+    let (bound, printed) = (p.distance_bound.expect("proven"), p.printed_bound.expect("proven"));
+    assert!(p.distance_estimate <= bound && bound < 0.2 && printed < 0.3, "{p:?}");
     let made = answer.files().expect("files");
     assert!(made.iter().any(|f| f.0 == "refolded.glb" && f.1.starts_with(b"glTF")));
     let json: serde_json::Value = serde_json::from_slice(&made[0].1).expect("a report");
-    assert_eq!(json["schema"], "torse-refold/1");
+    assert_eq!(json["schema"], "torse-refold/2");
 }
 
 #[test]
@@ -57,7 +59,7 @@ fn a_table_that_bends_otherwise_is_found_out() {
         .map(|(k, l)| {
             let mut c: Vec<String> = l.split(',').map(String::from).collect();
             if k > 0 {
-                for (i, f) in [(4, 0.9), (5, 1.0 / 0.9), (6, 1.0 / 0.9)] {
+                for (i, f) in [(4, 0.9), (5, 1.0 / 0.9), (6, 1.0 / 0.9), (8, 0.9)] {
                     c[i] = format!("{:.4}", c[i].parse::<f64>().expect("a number") * f);
                 }
             }
@@ -66,6 +68,9 @@ fn a_table_that_bends_otherwise_is_found_out() {
         .collect();
     files.insert("bends.csv".into(), (rows.join("\n") + "\n").into_bytes());
     assert!(matched(&files) > right + 1.0);
+    // What is proven says so too.
+    let answer = refold(&|n| files.get(n).cloned()).expect("an answer");
+    assert!(answer.report().parts.iter().all(|p| p.distance_bound.is_none_or(|b| b > 1.0)));
 }
 
 #[test]

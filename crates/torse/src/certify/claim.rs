@@ -16,6 +16,11 @@ impl UpperBound {
     /// Nothing is known.
     pub const UNKNOWN: Self = Self(f64::INFINITY);
 
+    /// The distance of a thing from itself.
+    pub(crate) fn nothing() -> Self {
+        Self(0.0)
+    }
+
     /// What has been shown by enclosing it; not a number and negative numbers show nothing.
     pub(super) fn shown(value: f64) -> Self {
         if value >= 0.0 {

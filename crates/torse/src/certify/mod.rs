@@ -29,6 +29,7 @@ mod proof;
 mod quadratic;
 pub mod quads;
 pub(crate) mod rails;
+pub(crate) mod refolded;
 pub(crate) mod regression;
 mod rounding;
 mod ruled;

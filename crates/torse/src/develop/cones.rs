@@ -251,7 +251,7 @@ pub(super) fn joint_bend(spline: &ConeSpline, joint: usize) -> Bend {
     let across = ends.map(|d| d - along * d.dot(&along));
     let angle = a.normal.angle(&b.normal);
     let turn = if (b.normal - a.normal).dot(&(across[0] + across[1])) > 0.0 { -angle } else { angle };
-    Line { after: 0, share: 0.0, turn, fold: false }.bend(across.map(|d| d.norm() / angle))
+    Line { after: 0, share: 0.0, turn, turned: 0.0, fold: false }.bend([across.map(|d| d.norm() / angle); 2])
 }
 
 /// Points of each edge of a segment at which overlaps are sought.

@@ -4,7 +4,7 @@
 //! 3.1 (closed contours, arcs instead of many points, seams marked on both neighbours at equal places).
 
 use super::arcs::{self, PlaneCurve};
-use super::bends::{self, BendSpacing, Course, Plane};
+use super::bends::{self, BendSpacing, Course, Line, Plane, Ruling};
 use super::map::Development;
 use super::outline::{outside, FlatRun};
 use super::overlap::{overlap, OutlinePoint};
@@ -15,6 +15,7 @@ use crate::patchwork::clip::ClippedRulings;
 use crate::patchwork::panel::{Border, Coedge, Panel, Patchwork};
 use crate::patchwork::pattern::{Bend, Contour, ContourVertex, Mark, MarkPlace, Pattern, Side, ViewSide};
 use crate::patchwork::seam::Seam;
+use crate::spline::surface::Surface;
 use crate::torse::form::PanelKind;
 use rayon::prelude::*;
 
@@ -185,9 +186,6 @@ pub(super) fn developed(patchwork: &Patchwork, panel: &Panel) -> Result<(Develop
 
 /// Patterns of [`pattern`] with rulings drawn at the distances that are wanted.
 pub(crate) fn with_bends(patchwork: &Patchwork, patterns: Vec<Pattern>, spacing: &BendSpacing) -> Vec<Pattern> {
-    if *spacing == BendSpacing::default() {
-        return patterns;
-    }
     patterns.into_par_iter().map(|pattern| bends_anew(patchwork, pattern, spacing)).collect()
 }
 
@@ -279,34 +277,51 @@ fn bend_lines(
     ends.extend(panel.strip.patch.knots_u.breaks().into_iter().filter(|&t| t > t0 && t < t1));
     ends.push(t1);
     let parts = PLACES.0.max(PLACES.1.div_ceil(ends.len()));
+    let patch = &panel.strip.patch;
     let mut course = Course::new();
-    let mut before: Option<(Plane, Vec3)> = None;
+    let mut before: Option<(f64, Plane, Vec3)> = None;
     for w in ends.windows(2) {
         for k in usize::from(before.is_some())..=parts {
             let t = w[0] + (w[1] - w[0]) * k as f64 / parts as f64;
-            let Some(plane) = Plane::of(&panel.strip.patch, t, 0.5, side) else { continue };
-            let x = panel.strip.patch.point(t, 0.5);
-            let (turn, length) = before.map_or((0.0, 0.0), |(p, y)| (p.turn(&plane), (x - y).dot(&plane.across).abs()));
+            let Some(plane) = Plane::of(patch, t, 0.5, side) else { continue };
+            let x = patch.point(t, 0.5);
+            let (turn, length) = before.map_or(((0.0, None), 0.0), |(s, p, y)| {
+                let turn = bends::turn_between(patch, [s, t], side, p.turn(&plane));
+                (turn, (x - y).dot(&plane.across).abs())
+            });
             course.push(t, turn, length);
-            before = Some((plane, x));
+            before = Some((t, plane, x));
         }
     }
+    let place = |line: &Line| course.around(line.after).map(|[a, b]| a + (b - a) * line.share);
+    let exact = |line: &Line, _| ruling(development, patch, place(line)?, side);
     let draw = |asked: &BendSpacing| {
         let (mut rulings, mut bent) = (Vec::new(), Vec::new());
-        for line in course.lines(asked, spacing.1) {
-            let Some([a, b]) = course.around(line.after) else { continue };
-            let t = a + (b - a) * line.share;
+        for line in bends::dense(&course, course.lines(asked, spacing.1), asked, spacing.1, &exact) {
+            let Some(t) = place(&line) else { continue };
             for (r0, r1) in clipped.at(t) {
                 let (a, b) = (development.map(t, r0), development.map(t, r1));
                 let length = (b - a).norm();
                 if length > insets[1] + 2.0 * insets[0] {
                     let d = (b - a) * (insets[0] / length);
                     rulings.push([a + d, b - d]);
-                    bent.push(line.bend([r0, r1].map(|r| bends::radius(&panel.strip.patch, t, r))));
+                    bent.push(line.bend([[r0, r1].map(|r| bends::radius(patch, t, r)); 2]));
                 }
             }
         }
         (rulings, bent)
     };
     bends::kept_low(spacing.0, draw)
+}
+
+/// A ruling of a patch with its image; `side` is that of the development.
+pub(super) fn ruling(development: &Development, patch: &Surface, t: f64, side: f64) -> Option<Ruling> {
+    let Plane { normal, across } = Plane::of(patch, t, 0.5, side)?;
+    Some(Ruling {
+        flat: [0.0, 1.0].map(|r| development.map(t, r)),
+        space: [0.0, 1.0].map(|r| patch.point(t, r)),
+        across,
+        normal,
+        radii: [0.0, 1.0].map(|r| bends::radius(patch, t, r)),
+    })
 }

@@ -157,7 +157,7 @@ mod tests {
         Pattern {
             contours: vec![Contour { vertices: outer }, Contour { vertices: hole }],
             rulings: vec![[at(0.0, 25.0), at(20.0, 25.0)]],
-            bends: vec![Bend { sense, angle: 1.0, radii: [2.0; 2] }],
+            bends: vec![Bend::of(sense, 1.0, [2.0; 2])],
             area: 1800.0,
             length: 65.0,
             width: 45.0,

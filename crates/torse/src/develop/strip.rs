@@ -4,7 +4,7 @@
 //! before. Outline as lines and arcs, rulings, marks at equal lengths along both rails.
 
 use super::arcs::{self, PlaneCurve};
-use super::bends::{self, Course, Plane};
+use super::bends::{self, Course, Line, Plane, Ruling};
 use super::map::Development;
 use super::overlap::{overlap, OutlinePoint};
 use super::view::Drawn;
@@ -41,6 +41,7 @@ impl StripOptions {
 
     /// Options of a job with a tolerance (mm) and the distances that were asked for between rulings and between marks (mm).
     pub fn of_job(tolerance: f64, [ruling_spacing, mark_spacing]: [Option<f64>; 2], drawn: Drawn) -> Self {
+        let drawn = Drawn { bends: drawn.bends.of_job(tolerance), ..drawn };
         Self { ruling_spacing, mark_spacing, drawn, ..Self::new(CONTOUR_SHARE * tolerance) }
     }
 }
@@ -333,21 +334,45 @@ fn rulings(laid: &[Laid], options: &StripOptions, size: f64, inset: f64) -> (Vec
             drawn_lines(laid, &course, lines, inset)
         });
     }
+    let spacing = &options.drawn.bends;
     let total = course.length();
-    let mut lengths: Vec<f64> = match options.ruling_spacing.filter(|s| *s > 0.0) {
+    let mut lines: Vec<Line> = match options.ruling_spacing.filter(|s| *s > 0.0) {
         Some(spacing) => {
             let step = spacing.max(total / MOST);
-            (1..).map(|k| step * f64::from(k)).take_while(|l| *l < total * BEFORE_END && step > 0.0).collect()
+            let lengths = (1..).map(|k| step * f64::from(k)).take_while(|l| *l < total * BEFORE_END && step > 0.0);
+            course.lines_at(&lengths.collect::<Vec<_>>(), size)
         }
-        None => course.lines(&options.drawn.bends, size).iter().map(|l| course.length_at(l)).collect(),
+        None => course.lines(spacing, size),
     };
     // Lines beside a joint are left out; the joint itself is drawn.
-    let near = 0.5 * options.drawn.bends.least * size;
-    lengths.retain(|l| joints.iter().all(|j| (l - j).abs() > near));
-    lengths.extend(&joints);
-    lengths.sort_by(f64::total_cmp);
-    let lines = course.lines_at(&lengths, size).into_iter().zip(lengths.iter().map(|l| joints.contains(l)));
-    drawn_lines(laid, &course, lines, inset)
+    let near = 0.5 * spacing.least * size;
+    let joined: Vec<Line> = joints.iter().map(|step| course.within(*step)).collect();
+    let apart = |a: &Line, b: &Line| (course.length_at(a) - course.length_at(b)).abs() > near;
+    lines.retain(|l| joined.iter().all(|j| apart(l, j)));
+    lines.extend(&joined);
+    lines.sort_by(|a, b| a.place().total_cmp(&b.place()));
+    lines = course.parted(lines, size);
+    if options.ruling_spacing.is_none() {
+        let exact = |line: &Line, behind| exact(laid, &course, line, (behind, options.side));
+        lines = bends::dense(&course, lines, spacing, size, &exact);
+    }
+    let in_planes: Vec<bool> = lines.iter().map(|l| joints.contains(&l.after)).collect();
+    drawn_lines(laid, &course, lines.into_iter().zip(in_planes), inset)
+}
+
+/// The ruling of a line, in the plane and in space; of a joint, on the strip behind it or before it.
+fn exact(laid: &[Laid], course: &Course<(usize, f64)>, line: &Line, (behind, side): (bool, f64)) -> Option<Ruling> {
+    let [(k, a), (m, b)] = course.around(line.after)?;
+    let (k, u) = match (k == m, behind) {
+        (true, _) => (k, a + (b - a) * line.share),
+        (false, true) => (m, b),
+        (false, false) => (k, a),
+    };
+    let l = &laid[k];
+    let own = super::pattern::ruling(&l.development, &l.strip.patch, u, side)?;
+    let flat = [0.0, 1.0].map(|v| l.map(u, v));
+    let radii = if l.strip.kind == PanelKind::Plane { [f64::INFINITY; 2] } else { own.radii };
+    Some(Ruling { flat, radii, ..own })
 }
 
 /// Lines as they are drawn, shortened by `inset` at both ends, with how the sheet bends about each; in planes only those that
@@ -355,13 +380,13 @@ fn rulings(laid: &[Laid], options: &StripOptions, size: f64, inset: f64) -> (Vec
 fn drawn_lines(
     laid: &[Laid],
     course: &Course<(usize, f64)>,
-    lines: impl Iterator<Item = (bends::Line, bool)>,
+    lines: impl Iterator<Item = (Line, bool)>,
     inset: f64,
 ) -> (Vec<[Vec2; 2]>, Vec<Bend>) {
     let mut out = (Vec::new(), Vec::new());
     for (line, in_planes) in lines {
         let Some([(k, a), (m, b)]) = course.around(line.after) else { continue };
-        let (k, u) = if k == m { (k, a + (b - a) * line.share) } else { (m, b) };
+        let [before, (k, u)] = if k == m { [(k, a + (b - a) * line.share); 2] } else { [(k, a), (m, b)] };
         if laid[k].strip.kind == PanelKind::Plane && !in_planes {
             continue;
         }
@@ -370,27 +395,35 @@ fn drawn_lines(
         if length > 4.0 * inset {
             let d = (b - a) * (inset / length);
             out.0.push([a + d, b - d]);
-            out.1.push(line.bend([0.0, 1.0].map(|v| bends::radius(&laid[k].strip.patch, u, v))));
+            let radii = |(k, u): (usize, f64)| match laid[k].strip.kind {
+                PanelKind::Plane => [f64::INFINITY; 2],
+                _ => [0.0, 1.0].map(|v| bends::radius(&laid[k].strip.patch, u, v)),
+            };
+            out.1.push(line.bend([radii(before), radii((k, u))]));
         }
     }
     out
 }
 
-/// The tangent planes along the middle of the chain, and the lengths at which its strips are joined.
-fn course(laid: &[Laid], side: f64) -> (Course<(usize, f64)>, Vec<f64>) {
+/// The tangent planes along the middle of the chain, and the steps from strip to strip.
+fn course(laid: &[Laid], side: f64) -> (Course<(usize, f64)>, Vec<usize>) {
     let mut course = Course::new();
     let mut joints = Vec::new();
-    let mut before: Option<(Plane, Vec2, usize)> = None;
+    let mut before: Option<(Plane, Vec2, (usize, f64))> = None;
     for (k, u, _) in stations(laid, 0.5) {
         let l = &laid[k];
         let Some(plane) = Plane::of(&l.strip.patch, u, 0.5, side) else { continue };
         let x = l.map(u, 0.5);
-        let (turn, length) = before.map_or((0.0, 0.0), |(p, y, _)| (p.turn(&plane), (x - y).norm()));
-        if before.is_some_and(|(_, _, j)| j != k) {
-            joints.push(course.length());
+        let (turn, length) = before.map_or(((0.0, None), 0.0), |(p, y, (j, t))| {
+            let seen = p.turn(&plane);
+            let turn = if j == k { bends::turn_between(&l.strip.patch, [t, u], side, seen) } else { (seen, None) };
+            (turn, (x - y).norm())
+        });
+        if before.is_some_and(|(_, _, (j, _))| j != k) {
+            joints.push(course.len() - 1);
         }
         course.push((k, u), turn, length);
-        before = Some((plane, x, k));
+        before = Some((plane, x, (k, u)));
     }
     (course, joints)
 }

@@ -18,8 +18,8 @@ pub struct SheetBendRecord {
     pub angle_deg: f64,
     /// Inside radius; 0 for a fold.
     pub inside_radius: Option<f64>,
-    /// Length along the bend line, holes included.
-    pub length: f64,
+    /// Length along the bend line, holes included; null for a rolled cone, whose lines differ.
+    pub length: Option<f64>,
     /// Breadth of the bent zone in the flat: length of the neutral fibre.
     pub allowance: Option<f64>,
     /// Depth of the neutral fibre as a share of the thickness, from the inside.
@@ -38,7 +38,7 @@ pub fn records(bends: &[SheetBend]) -> Vec<SheetBendRecord> {
         sense: b.sense.name().into(),
         angle_deg: b.angle.to_degrees(),
         inside_radius: number(b.inside_radius),
-        length: b.length,
+        length: number(b.length),
         allowance: number(b.allowance),
         k: number(b.k),
         lines: b.lines.len(),
@@ -70,7 +70,7 @@ pub fn csv(answer: &Answer, unit: LengthUnit) -> Option<Vec<u8>> {
                 b.sense,
                 b.angle_deg,
                 length(b.inside_radius, 4),
-                length(Some(b.length), 3),
+                length(b.length, 3),
                 length(b.allowance, 4),
                 number(b.k, 4),
                 b.lines,
@@ -89,7 +89,7 @@ pub(super) fn table<'a>(parts: impl Iterator<Item = (&'a str, &'a [SheetBendReco
         for (k, b) in bends.iter().enumerate() {
             _ = write!(
                 rows,
-                "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{:.2}°</td><td>{}</td><td>{:.2}</td><td>{}</td><td>{}</td>\
+                "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{:.2}°</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td>\
                  <td>{}</td></tr>",
                 escape(name),
                 k + 1,
@@ -97,7 +97,7 @@ pub(super) fn table<'a>(parts: impl Iterator<Item = (&'a str, &'a [SheetBendReco
                 escape(&b.sense),
                 b.angle_deg,
                 mm(b.inside_radius, 3),
-                b.length,
+                mm(b.length, 2),
                 mm(b.allowance, 3),
                 mm(b.k, 3),
                 b.sequence

@@ -18,6 +18,10 @@ pub struct BendRecord {
     pub radii: [Option<f64>; 2],
     /// Length of the line, mm.
     pub length: f64,
+    /// Turn of the sheet from the first ruling of the part to the line (to half of its fold), positive up, degrees.
+    pub turned_deg: f64,
+    /// `radii` just before the line, where two pieces join in it and they are others; null where they are not.
+    pub radii_before: Option<[Option<f64>; 2]>,
 }
 
 /// The bend lines of a pattern in the order in which they are drawn.
@@ -31,29 +35,44 @@ pub fn records(pattern: &Pattern) -> Vec<BendRecord> {
             angle_deg: bend.angle.to_degrees(),
             radii: bend.radii.map(|r| r.is_finite().then_some(r)),
             length: (b - a).norm(),
+            turned_deg: bend.turned.to_degrees(),
+            radii_before: (bend.before != bend.radii).then(|| bend.before.map(|r| r.is_finite().then_some(r))),
         })
         .collect()
 }
 
+/// What stands in the table for the radius of a flat sheet just before a line.
+pub(super) const FLAT: &str = "flat";
+
 /// The bend lines of all patterns as a table: `bends.csv`, lengths in `unit`. `None` where there are none.
 pub fn csv(patterns: &[Pattern], unit: LengthUnit) -> Option<Vec<u8>> {
     let sign = unit.sign();
-    let mut out = format!("part,seen_from,line,sense,angle_deg,radius_start_{sign},radius_end_{sign},length_{sign}\n");
+    let mut out = format!(
+        "part,seen_from,line,sense,angle_deg,radius_start_{sign},radius_end_{sign},length_{sign},turned_deg,\
+         before_start_{sign},before_end_{sign}\n"
+    );
     let mut any = false;
     for p in patterns {
         for (k, r) in records(p).iter().enumerate() {
             any = true;
-            let [a, b] = r.radii.map(|r| r.map_or(String::new(), |r| format!("{:.3}", unit.of(r))));
+            let radius = |r: f64| format!("{:.3}", unit.of(r));
+            let [a, b] = r.radii.map(|r| r.map_or(String::new(), radius));
+            // Nothing: as behind the line.
+            let [c, d] = match r.radii_before {
+                None => [String::new(), String::new()],
+                Some(radii) => radii.map(|r| r.map_or_else(|| FLAT.into(), radius)),
+            };
             let name = p.name.replace('"', "\"\"");
             // Writing to a string cannot fail.
             _ = writeln!(
                 out,
-                "\"{name}\",{},{},{},{:.4},{a},{b},{:.3}",
+                "\"{name}\",{},{},{},{:.4},{a},{b},{:.3},{:.4},{c},{d}",
                 p.view.name(),
                 k + 1,
                 r.sense,
                 r.angle_deg,
-                unit.of(r.length)
+                unit.of(r.length),
+                r.turned_deg
             );
         }
     }
@@ -100,16 +119,20 @@ mod tests {
             name: "A-01".into(),
             rulings: vec![[Vec2::zeros(), Vec2::new(3.0, 4.0)], [Vec2::zeros(), Vec2::x()]],
             bends: vec![
-                Bend { sense: BendSense::Down, angle: 0.5f64.to_radians(), radii: [10.0, 20.0] },
-                Bend { sense: BendSense::Flat, angle: 0.0, radii: [f64::INFINITY; 2] },
+                Bend {
+                    before: [f64::INFINITY, 15.0],
+                    turned: -0.25f64.to_radians(),
+                    ..Bend::of(BendSense::Down, 0.5f64.to_radians(), [10.0, 20.0])
+                },
+                Bend::of(BendSense::Flat, 0.0, [f64::INFINITY; 2]),
             ],
             ..Pattern::default()
         };
         let text =
             String::from_utf8(csv(std::slice::from_ref(&p), LengthUnit::Millimetre).expect("lines")).expect("text");
         let lines: Vec<&str> = text.lines().collect();
-        assert_eq!(lines[1], "\"A-01\",outside,1,down,0.5000,10.000,20.000,5.000");
-        assert_eq!(lines[2], "\"A-01\",outside,2,flat,0.0000,,,1.000");
+        assert_eq!(lines[1], "\"A-01\",outside,1,down,0.5000,10.000,20.000,5.000,-0.2500,flat,15.000");
+        assert_eq!(lines[2], "\"A-01\",outside,2,flat,0.0000,,,1.000,0.0000,,");
         assert!(csv(&[Pattern::default()], LengthUnit::Millimetre).is_none());
         assert_eq!(records(&p)[1].radii, [None, None]);
     }

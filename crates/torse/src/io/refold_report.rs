@@ -4,9 +4,10 @@ use serde::{Deserialize, Serialize};
 use std::fmt::Write as _;
 
 /// Name and version of the format.
-pub const SCHEMA: &str = "torse-refold/1";
+pub const SCHEMA: &str = "torse-refold/2";
 
-/// The whole answer. Lengths in mm, angles in degrees. Everything is measured at samples; nothing is proven.
+/// The whole answer. Lengths in mm, angles in degrees. What is called a bound is proven, what is
+/// called an estimate is measured at samples.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RefoldReport {
     /// [`SCHEMA`].
@@ -40,6 +41,13 @@ pub struct RefoldPart {
     pub matched_mean_estimate: f64,
     /// Largest distance of a sample of either surface from the other surface.
     pub distance_estimate: f64,
+    /// Bound of the distance between the part bent back and the part in space, both ways and with their edges, proven; null if
+    /// none was shown.
+    pub distance_bound: Option<f64>,
+    /// Why not; empty where there is one.
+    pub not_proven: String,
+    /// `distance_bound` with the digits that the tables print, without the numbers of `report.json`; null if none was shown.
+    pub printed_bound: Option<f64>,
     /// `matched_estimate` with the digits that the tables print, without the numbers of `report.json`; null if not known.
     pub printed_estimate: Option<f64>,
     /// Largest difference between the angles of the table and what its radii give.
@@ -68,21 +76,30 @@ impl RefoldReport {
 
     /// A few lines for the terminal.
     pub fn words(&self) -> String {
-        let mut out = format!(
-            "{} of {} parts bent back (measured at samples, not proven)\n",
-            self.parts.len(),
-            self.parts.len() + self.left.len()
-        );
+        let mut out = format!("{} of {} parts bent back\n", self.parts.len(), self.parts.len() + self.left.len());
         for p in &self.parts {
+            let printed = |x: Option<f64>| x.map_or_else(|| "unknown".into(), number);
             // Writing to a string cannot fail.
-            _ = writeln!(
-                out,
-                "  {}: within {} mm of the part, every point within {} mm of where it belongs ({} mm by the printed digits)",
-                p.name,
-                number(p.distance_estimate),
-                number(p.matched_estimate),
-                p.printed_estimate.map_or_else(|| "unknown".into(), number),
-            );
+            _ = match p.distance_bound {
+                Some(bound) => writeln!(
+                    out,
+                    "  {}: part and panels within {} mm of each other, edges too (proven; {} mm by the printed digits); measured {} mm",
+                    p.name,
+                    number(bound),
+                    printed(p.printed_bound),
+                    number(p.distance_estimate),
+                ),
+                None => writeln!(
+                    out,
+                    "  {}: within {} mm of the part, every point within {} mm of where it belongs ({} mm by the printed digits); \
+                     measured at samples, not proven: {}",
+                    p.name,
+                    number(p.distance_estimate),
+                    number(p.matched_estimate),
+                    printed(p.printed_estimate),
+                    p.not_proven,
+                ),
+            };
         }
         if self.parts.iter().any(|p| p.matched_estimate > self.tolerance) {
             out.push_str(

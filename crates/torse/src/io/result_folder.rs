@@ -3,6 +3,7 @@
 
 use crate::geom::unit::LengthUnit;
 use crate::geom::Vec2;
+use crate::io::bends::FLAT;
 use crate::io::drawings;
 use crate::io::json::{PartRecord, Report, SCHEMA};
 use crate::patchwork::pattern::{Bend, BendSense};
@@ -255,7 +256,12 @@ fn exact(record: &PartRecord, table: &[TableLine], mm: f64) -> Option<Vec<Bend>>
         let same = (r.angle_deg - t.bend.angle.to_degrees()).abs() <= PRINTED_ANGLE
             && r.sense == t.bend.sense.name()
             && (0..2).all(|k| near(radii[k], t.bend.radii[k]));
-        same.then(|| Bend { sense: t.bend.sense, angle: r.angle_deg.to_radians(), radii })
+        let before = r.radii_before.map_or(radii, |b| b.map(|r| r.unwrap_or(f64::INFINITY)));
+        let same = same
+            && (r.turned_deg - t.bend.turned.to_degrees()).abs() <= PRINTED_ANGLE
+            && (0..2).all(|k| near(before[k], t.bend.before[k]));
+        let turned = r.turned_deg.to_radians();
+        same.then(|| Bend { before, turned, ..Bend::of(t.bend.sense, r.angle_deg.to_radians(), radii) })
     });
     pairs.collect()
 }
@@ -357,13 +363,21 @@ fn rows<T>(text: &str, row: impl Fn(&Columns, &[String]) -> Result<T, String>) -
 fn bend_lines(text: &str) -> Result<Vec<(String, TableLine)>, String> {
     rows(text, |c, row| {
         let radius = |name: &str| Ok::<f64, String>(c.number(row, name, f64::INFINITY)? * c.mm);
-        let bend = Bend {
-            sense: c.sense(row)?,
-            angle: c.number(row, "angle_deg", f64::NAN)?.to_radians(),
-            radii: [radius("radius_start")?, radius("radius_end")?],
-        };
-        if bend.angle.is_nan() || bend.angle < 0.0 {
+        let radii = [radius("radius_start")?, radius("radius_end")?];
+        let angle = c.number(row, "angle_deg", f64::NAN)?.to_radians();
+        if angle.is_nan() || angle < 0.0 {
             return Err("the angle is missing or negative".into());
+        }
+        let mut bend = Bend::of(c.sense(row)?, angle, radii);
+        bend.turned = c.number(row, "turned_deg", f64::NAN)?.to_radians();
+        if bend.turned.is_nan() {
+            return Err("turned_deg, the turn up to the line, is missing".into());
+        }
+        for (k, name) in ["before_start", "before_end"].into_iter().enumerate() {
+            bend.before[k] = match c.text(row, name)? {
+                FLAT => f64::INFINITY,
+                _ => c.number(row, name, radii[k] / c.mm)? * c.mm,
+            };
         }
         Ok(TableLine { bend, length: c.number(row, "length", f64::NAN)? * c.mm })
     })
@@ -393,13 +407,17 @@ mod tests {
 
     #[test]
     fn tables_are_read_by_the_names_of_their_columns() {
-        let text = "part,seen_from,line,sense,angle_deg,radius_start_in,radius_end_in,length_in\n\
-                    \"a \"\"b\"\", c\",outside,1,down,0.5000,10.000,,2.000\n";
+        let text =
+            "part,seen_from,line,sense,angle_deg,radius_start_in,radius_end_in,length_in,turned_deg,before_start_in,\
+                    before_end_in\n\"a \"\"b\"\", c\",outside,1,down,0.5000,10.000,,2.000,-0.7500,flat,\n";
         let rows = bend_lines(text).expect("a row");
         assert_eq!(rows[0].0, "a \"b\", c");
         let line = &rows[0].1;
         assert_eq!((line.bend.sense, line.length), (BendSense::Down, 50.8));
         assert!(line.bend.radii[0] == 254.0 && line.bend.radii[1].is_infinite());
+        assert!(line.bend.before[0].is_infinite() && line.bend.before[1].is_infinite());
+        assert_eq!(line.bend.turned, -0.75f64.to_radians());
+        assert!(bend_lines(&text.replace("-0.7500", "")).expect_err("no turn").contains("turned_deg"));
         let fault = bend_lines(&text.replace("0.5000", "x")).expect_err("no number");
         assert!(fault.contains("line 2") && fault.contains("'x'"), "{fault}");
         assert!(bend_lines(&text.replace("down", "left")).is_err());

@@ -117,6 +117,17 @@ pub struct Bend {
     pub angle: f64,
     /// Radius of curvature (mm) at both ends of the ruling; infinite where the sheet is flat, 0 for a fold.
     pub radii: [f64; 2],
+    /// The same just before the ruling: other numbers where two pieces of a part join in it.
+    pub before: [f64; 2],
+    /// Turn of the sheet (rad, positive up) from the first ruling of the part to this one; of a fold, to half of it.
+    pub turned: f64,
+}
+
+impl Bend {
+    /// A bend with the same radii on both sides of its ruling, where the sheet has not turned yet.
+    pub fn of(sense: BendSense, angle: f64, radii: [f64; 2]) -> Self {
+        Self { sense, angle, radii, before: radii, turned: 0.0 }
+    }
 }
 
 /// Where a pattern goes in a drawing: turned about the origin, then moved.
@@ -233,7 +244,7 @@ impl Pattern {
                 BendSense::Down => BendSense::Up,
                 BendSense::Flat => BendSense::Flat,
             };
-            Bend { sense, ..*b }
+            Bend { sense, turned: -b.turned, ..*b }
         };
         let section = |s: &SectionLine| SectionLine { points: s.points.iter().map(flip).collect(), ..s.clone() };
         let mark = |m: &Mark| Mark { point: flip(&m.point), inward: flip(&m.inward), ..m.clone() };
@@ -330,7 +341,7 @@ mod tests {
         let p = Pattern {
             contours: vec![Contour { vertices: vec![v(1.0, 0.0, 0.0), v(5.0, 0.0, 0.3), v(3.0, 4.0, -0.1)] }],
             rulings: vec![[Vec2::new(2.0, 0.0), Vec2::new(3.0, 3.0)]],
-            bends: vec![Bend { sense: BendSense::Up, angle: 0.1, radii: [3.0, 4.0] }],
+            bends: vec![Bend { turned: 0.3, ..Bend::of(BendSense::Up, 0.1, [3.0, 4.0]) }],
             ..Pattern::default()
         };
         let q = p.turned_over();

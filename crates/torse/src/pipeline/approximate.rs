@@ -92,7 +92,7 @@ pub fn of_faces(
     }
     control.report("judging flat patterns", 1.0, format!("{} panels", patchwork.panels.len()));
     let certificate = certify::join(&patchwork, certificates, tolerance);
-    let patterns = with_bends(&patchwork, patterns, &options.drawn.bends);
+    let patterns = with_bends(&patchwork, patterns, &options.drawn.bends.of_job(tolerance));
     let patterns = with_joint_marks(&patchwork, patterns, JOINT_REACH * tolerance);
     let missed = limits_missed(&patchwork, &certificate, &patterns, &options.limits);
     missing.extend(missed.reasons);

@@ -7,6 +7,7 @@ use crate::certify::claim::{Claim, Counted, Subject, What};
 use crate::certify::points::PointCertificate;
 use crate::control::Control;
 use crate::develop::strip::StripOptions;
+use crate::develop::view::Drawn;
 use crate::draw::field::{means, FieldMeaning, PanelField, Sample};
 use crate::fit::cloud::core;
 use crate::fit::cloud::CloudError;
@@ -59,7 +60,8 @@ pub fn fit(cloud: &Cloud, options: &FitOptions, control: &Control) -> Result<Ans
     // 2. Flat parts.
     control.report("developing", 0.9, String::new());
     let chains = Part::of_each(&strips);
-    let flat = StripOptions { drawn: options.drawn, ..StripOptions::new(0.1 * options.tolerance) };
+    let drawn = Drawn { bends: options.drawn.bends.of_job(options.tolerance), ..options.drawn };
+    let flat = StripOptions { drawn, ..StripOptions::new(0.1 * options.tolerance) };
     let mut laid = laid(&strips, &chains, &flat, options.tolerance);
     let stretched = laid.refused();
     let mut notes = vec![Note::Fit(if between.is_none() && !control.stopped() {

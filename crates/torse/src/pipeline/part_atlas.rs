@@ -1,8 +1,10 @@
 //! Parts of a result with their panels in space and their flat patterns: what refolding and carrying artwork begin with.
 
 use crate::brep::face::Face;
+use crate::certify::claim::UpperBound;
+use crate::certify::trims::trim_proof;
 use crate::develop::refold::atlas::{of_face, Atlas, PanelPatch};
-use crate::develop::refold::drawn::{polygon, BendLine, FlatPart, SheetRow};
+use crate::develop::refold::drawn::{chord_height, polygon, BendLine, FlatPart, SheetRow};
 use crate::develop::refold::leaf::Refolded;
 use crate::develop::refold::{course, sheet, RefoldError};
 use crate::develop::unfold::allowance::KFactor;
@@ -44,6 +46,7 @@ pub(crate) fn flat_part(part: &ResultPart, exact: bool) -> FlatPart {
         bends: part.bends.iter().map(bend).collect(),
         inset,
         printed: part.printed,
+        chords: part.contours.iter().map(|c| chord_height(c, size)).fold(0.0, f64::max),
     }
 }
 
@@ -84,6 +87,19 @@ pub fn panels(file: &dyn Fn(&str) -> Option<Vec<u8>>, job: &str) -> Result<Panel
     let strips = step::own::strips(&bytes).map_err(fault)?;
     let named = strips.iter().map(|s| panel_of(s).map(|p| (plain(&s.name), p)));
     named.collect::<Result<_, String>>().map(Panels::Strips).map_err(fault)
+}
+
+/// Bound (mm) of the distance between the panels of a part as their file has them and as they are compared; `aim` (mm) is
+/// fine enough.
+pub(crate) fn read_bound(panels: &Panels, part: &ResultPart, aim: f64) -> UpperBound {
+    match panels {
+        // Strips are bounded by lines of their parameters.
+        Panels::Strips(_) => UpperBound::nothing(),
+        Panels::Faces(all) => UpperBound::largest(part.record.panels.iter().map(|name| match all.get(name) {
+            Some(face) if face.surface_deviation_estimate == 0.0 => trim_proof(face, aim).bound(),
+            _ => UpperBound::UNKNOWN,
+        })),
+    }
 }
 
 /// A name without the words that warn of cutting.

@@ -1,6 +1,8 @@
-//! The job of `torse refold`: a result read back, bent back, and compared with the part in space.
+//! The job of `torse refold`: a result read back, bent back, and compared with the part in space; how far it is from
+//! that is proven where it can be.
 
-use super::part_atlas::{atlases, flat_part, panels, refolded};
+use super::part_atlas::{atlases, flat_part, panels, read_bound, refolded};
+use crate::certify::claim::UpperBound;
 use crate::develop::refold::atlas::Atlas;
 use crate::develop::refold::compare::{compare, Comparison};
 use crate::develop::refold::drawn::FlatPart;
@@ -11,6 +13,7 @@ use crate::geom::placement::Placement;
 use crate::io::glb;
 use crate::io::refold_report::{RefoldPart, RefoldReport, SCHEMA};
 use crate::io::result_folder::{read, FolderError, ResultFolder, ResultPart};
+use crate::search::refolded::distance_bound;
 use rayon::prelude::*;
 
 /// Names of the files of the job.
@@ -29,6 +32,10 @@ pub struct PartAnswer {
     pub compared: Result<Comparison, String>,
     /// The same from the printed digits of the tables alone.
     pub printed: Option<Comparison>,
+    /// Proven distance (mm) from the panels, both ways and with the edges; the reason where none was shown.
+    pub proven: Result<f64, String>,
+    /// The same from the printed digits of the tables alone.
+    pub printed_proven: Option<f64>,
     /// Distance of the panels' corners from the outline drawn, mm.
     pub alignment: f64,
 }
@@ -63,7 +70,9 @@ pub fn refold(file: &(dyn Fn(&str) -> Option<Vec<u8>> + Sync)) -> Result<RefoldA
                 Ok(all) => atlases(&folder, all, p, &flat),
                 Err(e) => Err(e.clone()),
             };
-            Ok(answer(p, flat, back, found))
+            let aim = AIM * folder.report.tolerance;
+            let read = in_space.as_ref().map_or(UpperBound::UNKNOWN, |all| read_bound(all, p, aim));
+            Ok(answer(p, (flat, back), found, read))
         })
         .collect();
     let mut left = folder.left.clone();
@@ -77,26 +86,46 @@ pub fn refold(file: &(dyn Fn(&str) -> Option<Vec<u8>> + Sync)) -> Result<RefoldA
     Ok(RefoldAnswer { notes: folder.notes.clone(), folder, parts, left })
 }
 
-fn answer(part: &ResultPart, flat: FlatPart, refolded: Refolded, found: Result<Vec<Atlas>, String>) -> PartAnswer {
+/// Share of a result's tolerance below which distances of trims are not told apart.
+const AIM: f64 = 1e-4;
+
+fn answer(
+    part: &ResultPart,
+    (flat, refolded): (FlatPart, Refolded),
+    found: Result<Vec<Atlas>, String>,
+    read: UpperBound,
+) -> PartAnswer {
     let mut out = PartAnswer {
         name: part.record.name.clone(),
         compared: Err("no sample is on both".into()),
         printed: None,
+        proven: Err("it was not compared".into()),
+        printed_proven: None,
         alignment: f64::NAN,
         flat,
         refolded,
     };
-    match found {
-        Err(e) => out.compared = Err(e),
-        Ok(all) => {
-            if let Some((atlas, c)) = best(&out.flat, &out.refolded, &all) {
-                out.alignment = atlas.alignment;
-                let printed = flat_part(part, false);
-                out.printed = super::part_atlas::refolded(&printed).ok().and_then(|r| compare(&printed, &r, atlas));
-                out.compared = Ok(c);
-            }
+    let all = match found {
+        Err(e) => {
+            out.compared = Err(e);
+            return out;
         }
+        Ok(all) => all,
+    };
+    let Some((atlas, c)) = best(&out.flat, &out.refolded, &all) else { return out };
+    let bound = |flat: &FlatPart, back: &Refolded, c: &Comparison| {
+        let found = distance_bound(flat, back, atlas, &c.motion)?.plus(read).value();
+        let known = found.is_finite();
+        known.then_some(found).ok_or_else(|| "its panels were not read exactly".to_owned())
+    };
+    out.alignment = atlas.alignment;
+    out.proven = bound(&out.flat, &out.refolded, &c);
+    let printed = flat_part(part, false);
+    if let Ok(back) = super::part_atlas::refolded(&printed) {
+        out.printed = compare(&printed, &back, atlas);
+        out.printed_proven = out.printed.as_ref().and_then(|c| bound(&printed, &back, c).ok());
     }
+    out.compared = Ok(c);
     out
 }
 
@@ -129,6 +158,9 @@ impl RefoldAnswer {
                     matched_estimate: c.matched_estimate,
                     matched_mean_estimate: c.matched_mean_estimate,
                     distance_estimate: c.distance_estimate,
+                    distance_bound: p.proven.as_ref().ok().copied(),
+                    not_proven: p.proven.as_ref().err().cloned().unwrap_or_default(),
+                    printed_bound: p.printed_proven,
                     printed_estimate: p.printed.as_ref().map(|c| c.matched_estimate),
                     disagreement_deg: p.refolded.disagreement.to_degrees(),
                     alignment: p.alignment,

@@ -5,6 +5,8 @@ mod covered;
 #[cfg(test)]
 mod tests;
 
+pub use bodies::groups;
+
 use crate::answer::note::{Note, UnrollNote};
 use crate::answer::skipped::left_out;
 use crate::answer::{Answer, Job};

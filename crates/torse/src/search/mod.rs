@@ -8,6 +8,7 @@ pub mod cover;
 pub(crate) mod face;
 pub(crate) mod joint;
 mod laid;
+pub(crate) mod refolded;
 pub mod ruled;
 mod sheet;
 mod slivers;

@@ -16,6 +16,7 @@ pub mod net;
 mod patch_extent;
 pub mod quad_strip;
 pub mod rail;
+pub mod ribbon;
 pub mod ruled_patch;
 pub mod ruled_point;
 pub mod strip;

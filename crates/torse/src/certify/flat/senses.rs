@@ -104,7 +104,7 @@ mod tests {
         let above = j.dv.cross(&j.du).z.signum();
         let drawn = |sense| Pattern {
             rulings: vec![[Vec2::zeros(), Vec2::y()]],
-            bends: vec![Bend { sense, angle: 0.8, radii: [60.0; 2] }],
+            bends: vec![Bend::of(sense, 0.8, [60.0; 2])],
             ..Pattern::default()
         };
         let told = |side: f64, sense| against(std::iter::once(&patch), side, &drawn(sense));

@@ -314,6 +314,11 @@ impl Atlas {
         Some(OnPanel { sheet, uv, off })
     }
 
+    /// Parameters on a panel of a point of the drawing, beyond its edges too.
+    pub(crate) fn on_sheet(&self, sheet: usize, q: &Vec2) -> [f64; 2] {
+        self.sheets[sheet].inverse(&self.moved_back(q), self.size()).0
+    }
+
     /// The nearest place on the panels of a point in space, within their edges.
     pub fn from_space(&self, x: &Vec3) -> Option<OnPanel> {
         let mut best: Option<OnPanel> = None;

@@ -47,6 +47,8 @@ pub struct FlatPart {
     pub inset: f64,
     /// The last digit of lengths in the bend table, mm.
     pub printed: f64,
+    /// Distance of the polygons from the lines and arcs of the file, mm.
+    pub chords: f64,
 }
 
 /// Chords of arcs keep so near to them (share of the size of the part): far below what drawings are drawn to.
@@ -54,20 +56,36 @@ const CHORD: f64 = 1e-6;
 /// Least turn of an arc that one chord may stand for, rad, so that no arc needs more memory than a file that draws it.
 const LEAST_TURN: f64 = 5e-3;
 
+/// Radius of an arc over a chord and the number of chords that stand for it; `None` for a line.
+fn chords((bulge, chord): (f64, f64), size: f64) -> Option<(f64, usize)> {
+    let sweep = 4.0 * bulge.atan();
+    if sweep == 0.0 {
+        return None;
+    }
+    let radius = chord / (2.0 * (0.5 * sweep).sin().abs());
+    let step = (8.0 * CHORD * size / radius.max(f64::MIN_POSITIVE)).sqrt().clamp(LEAST_TURN, 0.5);
+    Some((radius, (sweep.abs() / step).ceil().max(1.0) as usize))
+}
+
+/// Greatest height (mm) of an arc of an outline over the chords of [`polygon`].
+pub fn chord_height(joints: &[(Vec2, f64)], size: f64) -> f64 {
+    let height = |k: usize| {
+        let ((a, bulge), b) = (joints[k], joints[(k + 1) % joints.len()].0);
+        let Some((radius, n)) = chords((bulge, (b - a).norm()), size) else { return 0.0 };
+        // r (1 − cos x) without cancellation.
+        2.0 * radius * (bulge.atan() / n as f64).sin().powi(2)
+    };
+    (0..joints.len()).map(height).fold(0.0, f64::max)
+}
+
 /// A closed outline of lines and arcs (place and bulge of every piece) as a polygon.
 pub fn polygon(joints: &[(Vec2, f64)], size: f64) -> Vec<Vec2> {
     let mut out = Vec::new();
     for (k, (a, bulge)) in joints.iter().enumerate() {
         let b = joints[(k + 1) % joints.len()].0;
         out.push(*a);
-        let sweep = 4.0 * bulge.atan();
-        if sweep == 0.0 {
-            continue;
-        }
-        let chord = b - a;
-        let radius = chord.norm() / (2.0 * (0.5 * sweep).sin().abs());
-        let step = (8.0 * CHORD * size / radius.max(f64::MIN_POSITIVE)).sqrt().clamp(LEAST_TURN, 0.5);
-        let n = (sweep.abs() / step).ceil().max(1.0) as usize;
+        let (sweep, chord) = (4.0 * bulge.atan(), b - a);
+        let Some((_, n)) = chords((*bulge, chord.norm()), size) else { continue };
         let left = Vec2::new(-chord.y, chord.x);
         let centre = (a + b) * 0.5 + left * (0.25 * (1.0 / bulge - bulge));
         let v = a - centre;
@@ -203,6 +221,9 @@ mod tests {
         // A disc of two half circles.
         let disc = polygon(&[(Vec2::new(-5.0, 0.0), 1.0), (Vec2::new(5.0, 0.0), 1.0)], 10.0);
         assert!(disc.iter().all(|p| (p.norm() - 5.0).abs() < 1e-12));
+        let height = chord_height(&[(Vec2::new(-5.0, 0.0), 1.0), (Vec2::new(5.0, 0.0), 1.0)], 10.0);
+        let middle = |k: usize| (disc[k] + disc[(k + 1) % disc.len()]).norm() * 0.5;
+        assert!((0..disc.len()).all(|k| (5.0 - middle(k) - height).abs() < 1e-9));
         let loops = vec![disc];
         assert!((area(&loops[0]) - 25.0 * std::f64::consts::PI).abs() < 1e-3);
         assert!(inside(&loops, &Vec2::new(0.0, 4.99)) && !inside(&loops, &Vec2::new(0.0, 5.01)));

@@ -1,26 +1,25 @@
 //! The family of rulings through the lines that are drawn.
 //!
-//! *Method*. Cubics with given ends in the coordinates of lines, and the changes at the lines turned so that neighbouring
-//! rulings meet where the radii of the table say: the page on refolding in `docs/algorithms`.
+//! *Method*. From line to line the cubics of `develop::between`; beyond the first and last line as the page on refolding in
+//! `docs/algorithms` says.
 
 use super::cut::cut;
 use super::drawn::{bounds, crossings, FlatPart};
 use super::lines::Whole;
-use super::pose::Pose;
-use super::smooth::Smooth;
+use crate::develop::between::{moving, Between};
 use crate::geom::Vec2;
+use crate::num::quadrature::GAUSS_4;
+use crate::torse::ribbon::pose::{Pose, Rates};
 
 /// Shares of the turn of rulings that are tried beyond the last line.
 const LESS: [f64; 4] = [1.0, 0.7, 0.4, 0.2];
 /// Least distance of neighbouring rulings there, as a share of that in the middle.
 const LEAST_SPEED: f64 = 0.15;
 
-/// The family of rulings between and beyond the lines drawn.
+/// The family of rulings between and beyond the lines drawn: line k has the place k.
 pub(super) struct Family {
-    /// Places of the lines, rising.
-    pub at: Vec<f64>,
-    /// Normal and distance from `origin` at every line, and how they change.
-    lines: Vec<([f64; 3], [f64; 3])>,
+    /// Stretches from line to line.
+    pub stretches: Vec<Between>,
     /// Way by which the outermost cubics go on beyond the first and last line.
     beyond: [f64; 2],
     /// How coordinates change from there on, where rulings run through one point or are parallel.
@@ -32,32 +31,16 @@ pub(super) struct Family {
 }
 
 impl Family {
-    /// The family through lines; `even` if they lie at equal steps.
-    pub fn through(part: &FlatPart, lines: &[Whole], even: bool) -> Self {
+    /// The family through lines, at least two.
+    pub fn through(part: &FlatPart, lines: &[Whole]) -> Self {
         let (lo, hi) = bounds(&part.loops);
         let origin = (lo + hi) * 0.5;
-        let mut at = vec![0.0];
-        for w in lines.windows(2) {
-            // Lines at equal turns have equal steps whatever trims leave of them.
-            let step = if even { 1.0 } else { (w[1].point(0.5) - w[0].point(0.5)).norm().max(f64::MIN_POSITIVE) };
-            at.push(at[at.len() - 1] + step);
-        }
-        let coordinates = |l: &Whole| {
-            let n = Vec2::new(-l.way.y, l.way.x);
-            [n.x, n.y, n.dot(&(l.at - origin))]
+        let between = |w: &[Whole]| {
+            let [a, b] = [w[0].side(true), w[1].side(false)];
+            Between::new(&a, &b, w[1].turned[0] - w[0].turned[1], origin)
         };
-        let mut values: Vec<[f64; 3]> = lines.iter().map(coordinates).collect();
-        if let [n] = values[..] {
-            // One line: the others are parallel to it.
-            at.push(1.0);
-            values.push([n[0], n[1], n[2] + 1.0]);
-        }
-        let spline = Smooth::through(&at, &values);
-        let jets = at.iter().map(|t| spline.jet(*t)).collect();
-        let mut out = Self { at, lines: jets, beyond: [0.0; 2], tail: [[0.0; 3]; 2], reach: [[0.0; 2]; 2], origin };
-        for (k, l) in lines.iter().enumerate() {
-            out.aim(k, l);
-        }
+        let stretches = lines.windows(2).map(between).collect();
+        let mut out = Self { stretches, beyond: [0.0; 2], tail: [[0.0; 3]; 2], reach: [[0.0; 2]; 2], origin };
         let foot = |l: &Whole| l.way.dot(&(l.at - origin));
         let reach = |l: &Whole| l.reach.map(|v| v + foot(l));
         if let (Some(first), Some(last)) = (lines.first(), lines.last()) {
@@ -67,39 +50,12 @@ impl Family {
         out
     }
 
-    /// Turns the change at a line so that neighbouring rulings meet it where its radii say: they are as far apart at both
-    /// ends as the radii are large.
-    fn aim(&mut self, k: usize, line: &Whole) {
-        let t = self.at[k];
-        let (pose, spin, across) = self.ruling(t);
-        let v = [0.0, 1.0].map(|share| (line.point(share) - pose.at.xy()).dot(&pose.ruling().xy()));
-        let apart = v.map(|v| across + v * spin);
-        let middle = 0.5 * (apart[0] + apart[1]);
-        let [r, q] = line.radii;
-        if !(r > 0.0 && q > 0.0 && (r + q).is_finite() && middle > 0.0 && v[1] > v[0]) {
-            return;
-        }
-        let [x, y] = [2.0 * middle * r / (r + q), 2.0 * middle * q / (r + q)];
-        let spin = (y - x) / (v[1] - v[0]);
-        let across = x - v[0] * spin;
-        // The change of normal and distance with this spin, for a normal of the length that it has.
-        let ([nx, ny, p], _) = self.lines[k];
-        let norm = nx.hypot(ny);
-        let way = pose.ruling();
-        let slope = [-spin * norm * way.x, -spin * norm * way.y, across * norm];
-        self.lines[k] = ([nx, ny, p], slope);
-    }
-
     /// How far the outermost cubics go on: half an interval, or not at all where rulings would cross in the part.
     fn settle_ends(&mut self, part: &FlatPart) {
-        let n = self.at.len();
         for (end, sign) in [(0, -1.0), (1, 1.0)] {
-            let (from, h) = match end {
-                0 => (self.at[0], self.at[1] - self.at[0]),
-                _ => (self.at[n - 1], self.at[n - 1] - self.at[n - 2]),
-            };
-            self.beyond[end] = 0.5 * h;
-            let fine = (1..=8).all(|k| self.is_regular(part, from + sign * 0.0625 * h * f64::from(k), self.reach[end]));
+            let from = if end == 0 { 0.0 } else { self.last() };
+            self.beyond[end] = 0.5;
+            let fine = (1..=8).all(|k| self.is_regular(part, from + sign * 0.0625 * f64::from(k), self.reach[end]));
             if !fine {
                 self.beyond[end] = 0.0;
             }
@@ -142,27 +98,22 @@ impl Family {
         reach.is_none_or(|r| r.iter().all(|v| across + v * spin > 0.0))
     }
 
+    /// Place of the last line, or of the end of the only stretch.
+    pub fn last(&self) -> f64 {
+        self.stretches.len() as f64
+    }
+
+    /// The stretch of a place, and the place within it.
+    fn stretch(&self, t: f64) -> (&Between, f64) {
+        let k = (t.max(0.0) as usize).min(self.stretches.len() - 1);
+        (&self.stretches[k], t - k as f64)
+    }
+
     /// Coordinates of a ruling and how they change; beyond what the cubics can tell, rulings run through one point.
     fn coordinates(&self, t: f64) -> ([f64; 3], [f64; 3]) {
-        let n = self.at.len();
-        let (lo, hi) = (self.at[0] - self.beyond[0], self.at[n - 1] + self.beyond[1]);
-        let inner = t.clamp(lo, hi);
-        let k = self.at.partition_point(|x| *x <= inner).clamp(1, n - 1);
-        let h = self.at[k] - self.at[k - 1];
-        let x = (inner - self.at[k - 1]) / h;
-        let ((p, dp), (q, dq)) = (&self.lines[k - 1], &self.lines[k]);
-        let value = |d: usize| {
-            let (y, z) = (x * x, x * x * x);
-            (2.0 * z - 3.0 * y + 1.0) * p[d]
-                + (z - 2.0 * y + x) * h * dp[d]
-                + (3.0 * y - 2.0 * z) * q[d]
-                + (z - y) * h * dq[d]
-        };
-        let slope = |d: usize| {
-            let y = x * x;
-            (6.0 * y - 6.0 * x) * (p[d] - q[d]) / h + (3.0 * y - 4.0 * x + 1.0) * dp[d] + (3.0 * y - 2.0 * x) * dq[d]
-        };
-        let (value, slope): ([f64; 3], [f64; 3]) = (std::array::from_fn(value), std::array::from_fn(slope));
+        let inner = t.clamp(-self.beyond[0], self.last() + self.beyond[1]);
+        let (stretch, x) = self.stretch(inner);
+        let (value, slope) = stretch.coordinates(x);
         if t == inner {
             return (value, slope);
         }
@@ -172,15 +123,16 @@ impl Family {
 
     /// The ruling at a place, and how fast it moves: spin, and way across at the frame's own point.
     pub fn ruling(&self, t: f64) -> (Pose, f64, f64) {
-        let ([x, y, p], [dx, dy, dp]) = self.coordinates(t);
-        let norm = x.hypot(y);
-        let n = Vec2::new(x, y) / norm;
-        let way = Vec2::new(n.y, -n.x);
-        let dn = Vec2::new(dx, dy) / norm;
-        let spin = way.perp(&Vec2::new(dn.y, -dn.x));
-        // The foot of the origin moves square to the ruling by the change of the normed distance.
-        let across = dp / norm - p / norm * n.dot(&dn);
-        (Pose::flat(self.origin + n * (p / norm), way), spin, across)
+        let (value, slope) = self.coordinates(t);
+        moving(&self.origin, &value, &slope)
+    }
+
+    /// The motion in space from one place to another, between which no line lies; `flat` are the rulings there.
+    pub fn motion(&self, [a, b]: [f64; 2], flat: [&Pose; 2]) -> Rates {
+        let (stretch, _) = self.stretch(0.5 * (a + b));
+        let from = (0.5 * (a + b)).clamp(0.0, self.last() - 0.5).floor();
+        let rate = |t: f64| stretch.rate(t - from, &self.ruling(t));
+        Rates { turn: GAUSS_4.integrate(a, b, rate), ..flat[0].flat_rates_to(flat[1]) }
     }
 }
 

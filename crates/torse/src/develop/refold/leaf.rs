@@ -1,9 +1,9 @@
 //! A flat part bent back: regions of the drawing with their places in space.
 
 use super::drawn;
-use super::pose::Pose;
-use super::ribbon::{Ribbon, Spot};
 use crate::geom::{Vec2, Vec3};
+use crate::torse::ribbon::pose::Pose;
+use crate::torse::ribbon::{Ribbon, Spot};
 
 /// A part of the flat sheet with its place in space: a region of a ribbon.
 #[derive(Clone, Debug, Default)]

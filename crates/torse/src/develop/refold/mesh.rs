@@ -2,12 +2,12 @@
 
 use super::drawn::bounds;
 use super::leaf::{Leaf, Refolded};
-use super::ribbon::Spot;
 use super::RefoldError;
 use crate::geom::mesh::Mesh;
 use crate::geom::placement::Placement;
 use crate::geom::{Vec2, Vec3};
 use crate::patchwork::triangulate::triangulate;
+use crate::torse::ribbon::Spot;
 
 /// Turn (rad) from line to line of triangles, about 2°.
 const TURN: f64 = 0.035;

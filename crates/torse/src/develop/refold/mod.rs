@@ -12,10 +12,8 @@ mod family;
 pub mod leaf;
 mod lines;
 pub(crate) mod mesh;
-pub mod pose;
-pub mod ribbon;
+mod ribbon;
 pub(crate) mod sheet;
-pub(crate) mod smooth;
 
 /// Why a part cannot be bent back. Messages say what of the part is concerned; the caller names the part.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

@@ -9,11 +9,11 @@ use super::course::plane_ribbon;
 use super::cut::{cut, Region};
 use super::drawn::{area, crossings, inside, FlatPart, SheetRow};
 use super::leaf::{Leaf, Refolded};
-use super::pose::{Pose, Rates};
-use super::ribbon::{Ribbon, Span};
 use super::RefoldError;
 use crate::geom::Vec2;
 use crate::patchwork::pattern::BendSense;
+use crate::torse::ribbon::pose::{Pose, Rates};
+use crate::torse::ribbon::{Ribbon, Span};
 use std::collections::VecDeque;
 
 /// Share of a zone's breadth by which its edges lie inside: edges of the outline may lie on them.
@@ -293,7 +293,7 @@ mod tests {
         let outline =
             [(0.0, 0.0), (100.0 + breadth, 0.0), (100.0 + breadth, 30.0), (0.0, 30.0)].map(|(x, y)| Vec2::new(x, y));
         let ends = [Vec2::new(x, 0.0), Vec2::new(x, 30.0)];
-        let line = BendLine { ends, bend: Bend { sense, angle, radii: [radius; 2] } };
+        let line = BendLine { ends, bend: Bend::of(sense, angle, [radius; 2]) };
         let row = SheetRow { lines: 0..1, rolled: false, sense, angle, inside_radius: radius, allowance: breadth, k };
         let loops = vec![outline.to_vec()];
         (FlatPart { joints: loops.clone(), loops, lines: vec![line], bends: vec![row], ..FlatPart::default() }, breadth)

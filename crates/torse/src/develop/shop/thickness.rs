@@ -166,7 +166,7 @@ mod tests {
     }
 
     fn part(senses: &[(BendSense, f64)], view: ViewSide) -> Pattern {
-        let bends = senses.iter().map(|(sense, r)| Bend { sense: *sense, angle: 0.1, radii: [*r, 2.0 * r] }).collect();
+        let bends = senses.iter().map(|(sense, r)| Bend::of(*sense, 0.1, [*r, 2.0 * r])).collect();
         Pattern { bends, view, ..Pattern::default() }
     }
 

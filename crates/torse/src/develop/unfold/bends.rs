@@ -6,7 +6,7 @@ use crate::brep::body::{Body, SMOOTH};
 use crate::brep::carrier::Carrier;
 use crate::develop::bends::Facets;
 use crate::geom::Vec2;
-use crate::patchwork::pattern::BendSense;
+use crate::patchwork::pattern::{Bend, BendSense};
 
 /// How the sheet is bent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -40,6 +40,8 @@ pub struct SheetBend {
     pub kind: BendKind,
     /// Centre lines, in parts where holes lie between: one line of a bend, several of a rolled face.
     pub lines: Vec<[Vec2; 2]>,
+    /// How the sheet bends about each of the lines.
+    pub bends: Vec<Bend>,
     /// Rulings that the lines stand for, holes or not, which share the turn of a rolled face.
     pub rulings: usize,
     /// Lines where the bent zone begins and ends; none for folds.
@@ -88,6 +90,7 @@ pub fn bends(body: &Body, piece: &Piece, thickness: f64, facets: Option<Facets>)
         match out.iter_mut().find(|b| one_line(b, &bend, ONE_LINE * body.size)) {
             Some(b) => {
                 b.lines.extend(bend.lines);
+                b.bends.extend(bend.bends);
                 b.extents.extend(bend.extents);
                 b.level = b.level.min(bend.level);
             }
@@ -98,12 +101,14 @@ pub fn bends(body: &Body, piece: &Piece, thickness: f64, facets: Option<Facets>)
         let (h, twin) = (fold.half, body.halves[fold.half].twin.unwrap_or(fold.half));
         let [a, b] = [0.0, 1.0].map(|s| (piece.place(body, h, s) + piece.place(body, twin, 1.0 - s)) * 0.5);
         let level = [h, twin].iter().filter_map(|h| piece.placed(body.halves[*h].face)).map(|p| p.level).max();
+        let sense = if fold.meeting.convex { BendSense::Down } else { BendSense::Up };
         let bend = SheetBend {
             kind: BendKind::Fold,
             lines: vec![[a, b]],
+            bends: vec![Bend::of(sense, fold.meeting.angle, [0.0; 2])],
             rulings: 1,
             extents: Vec::new(),
-            sense: if fold.meeting.convex { BendSense::Down } else { BendSense::Up },
+            sense,
             angle: fold.meeting.angle,
             inside_radius: 0.0,
             k: fold.k,
@@ -113,7 +118,10 @@ pub fn bends(body: &Body, piece: &Piece, thickness: f64, facets: Option<Facets>)
             level: level.unwrap_or(0),
         };
         match out.iter_mut().find(|b| one_line(b, &bend, ONE_LINE * body.size)) {
-            Some(b) => b.lines.extend(bend.lines),
+            Some(b) => {
+                b.lines.extend(bend.lines);
+                b.bends.extend(bend.bends);
+            }
             None => out.push(bend),
         }
     }
@@ -166,8 +174,19 @@ fn of_face(body: &Body, piece: &Piece, placed: &Placed, (thickness, facets): (f6
     };
     let rulings = placed.chart.rulings(count);
     let hollow = rulings.iter().filter(|r| r.hollow).count() * 2 > rulings.len();
-    let line = |at: Vec2, way: Vec2| region.line(&at, &way).into_iter().map(|l| l.map(|p| placed.motion.apply(&p)));
-    let lines: Vec<[Vec2; 2]> = rulings.iter().flat_map(|r| line(r.at, r.way)).collect();
+    let sense = |hollow: bool| if hollow { BendSense::Up } else { BendSense::Down };
+    let inside_radius = if cylinder { placed.inside_radius } else { f64::INFINITY };
+    let (mut lines, mut bends, mut turned) = (Vec::new(), Vec::new(), 0.0);
+    for r in &rulings {
+        let half = if r.hollow { 0.5 * r.angle } else { -0.5 * r.angle };
+        turned += half;
+        for l in region.line(&r.at, &r.way) {
+            let radii = if cylinder { [inside_radius; 2] } else { l.map(|p| r.radius_at(&p)) };
+            bends.push(Bend { turned, ..Bend::of(sense(r.hollow), r.angle, radii) });
+            lines.push(l.map(|p| placed.motion.apply(&p)));
+        }
+        turned += half;
+    }
     let extents = body.of_face(placed.face).filter(|h| piece.inner.contains(h));
     let extents = extents.map(|h| [piece.place(body, h, 0.0), piece.place(body, h, 1.0)]).collect();
     let allowance = if cylinder { turn * placed.chart.neutral_radius() } else { f64::NAN };
@@ -175,11 +194,12 @@ fn of_face(body: &Body, piece: &Piece, placed: &Placed, (thickness, facets): (f6
     SheetBend {
         kind,
         lines,
+        bends,
         rulings: rulings.len(),
         extents,
-        sense: if hollow { BendSense::Up } else { BendSense::Down },
+        sense: sense(hollow),
         angle: turn,
-        inside_radius: if cylinder { placed.inside_radius } else { f64::INFINITY },
+        inside_radius,
         k: placed.k,
         allowance,
         length: if cylinder { length } else { f64::NAN },

@@ -79,8 +79,17 @@ pub struct FlatRuling {
     pub angle: f64,
     /// Whether the face is hollow there, seen from outside: the sheet comes up.
     pub hollow: bool,
-    /// Radius of curvature of the face at the point, mm.
+    /// Radius of curvature of the neutral surface at the point (mm), and by how much it grows per mm along the ruling.
     pub radius: f64,
+    /// See `radius`.
+    pub rise: f64,
+}
+
+impl FlatRuling {
+    /// Radius of curvature at a point of the ruling, mm.
+    pub fn radius_at(&self, p: &Vec2) -> f64 {
+        (self.radius + self.rise * self.way.dot(&(p - self.at))).abs()
+    }
 }
 
 /// Places in the table of angles, enough that turns cannot be mistaken.
@@ -196,7 +205,8 @@ impl Chart {
                         (Vec2::zeros(), Vec2::new(c, s))
                     }
                 };
-                let ruling = |(at, way)| FlatRuling { at, way, angle, hollow: *sign < 0.0, radius: f64::NAN };
+                let (radius, rise) = if *half_angle == 0.0 { (*neutral, 0.0) } else { (0.0, half_angle.tan()) };
+                let ruling = |(at, way)| FlatRuling { at, way, angle, hollow: *sign < 0.0, radius, rise };
                 shares.map(place).map(ruling).collect()
             }
             Kind::Ruled(r) => shares.filter_map(|s| r.ruling(s, angle)).collect(),
@@ -351,8 +361,9 @@ impl Ruled {
         let (state, l) = (self.step(p, a, s)?, self.line(s)?);
         let (e, way) = (l.n.cross(&l.w), Vec2::new(state.turn.cos(), state.turn.sin()));
         let hollow = l.dn.dot(&e) * l.dp.dot(&e) < 0.0;
-        let radius = (l.dp.dot(&e) / l.dn.norm()).abs();
-        Some(FlatRuling { at: state.base, way, angle, hollow, radius })
+        let bent = l.dn.norm();
+        let (radius, rise) = ((l.dp - l.dn * self.depth).dot(&e) / bent, l.dw.dot(&e) / bent);
+        Some(FlatRuling { at: state.base, way, angle, hollow, radius, rise })
     }
 
     fn flat(&self, x: &Vec3, uv: Option<[f64; 2]>) -> Vec2 {

@@ -1,6 +1,6 @@
 //! A body as flat parts: sheet recognised, the better skin unfolded, drawn.
 
-use super::bends::{bends, BendKind, SheetBend};
+use super::bends::{bends, SheetBend};
 use super::outline::{joint, outlines, Outline, POINT};
 use super::sheet::{open, sheet, Sheet};
 use super::tree::{unfold, Cut, CutReason, Piece, UnfoldOptions};
@@ -12,7 +12,7 @@ use crate::develop::bends::Facets;
 use crate::geom::rectangle::smallest_rectangle;
 use crate::geom::Vec2;
 use crate::patchwork::image::{ClosedMap, JointImage, Stroke};
-use crate::patchwork::pattern::{Bend, Pattern, ViewSide};
+use crate::patchwork::pattern::{Pattern, ViewSide};
 use std::collections::HashSet;
 
 /// What is known of the sheet that a part is made of.
@@ -195,11 +195,8 @@ fn part(
     pattern.formed = marks.into_iter().map(|o| o.contour).collect();
     pattern.extents = bends.iter().flat_map(|b| b.extents.iter().copied()).collect();
     for b in &bends {
-        let each = if b.kind == BendKind::Rolled { b.angle / b.rulings as f64 } else { b.angle };
-        for l in &b.lines {
-            pattern.rulings.push(*l);
-            pattern.bends.push(Bend { sense: b.sense, angle: each, radii: [b.inside_radius; 2] });
-        }
+        pattern.rulings.extend(&b.lines);
+        pattern.bends.extend(&b.bends);
     }
     let twins = piece.inner.iter().filter_map(|h| Some([*h, body.halves[*h].twin?]));
     let mut pairs: Vec<[usize; 2]> =

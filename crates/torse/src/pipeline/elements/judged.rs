@@ -8,6 +8,7 @@ use crate::certify::claim::{Claim, Counted, Subject, What};
 use crate::certify::elements::{elements as certified, ElementCertificate};
 use crate::control::Control;
 use crate::develop::strip::StripOptions;
+use crate::develop::view::Drawn;
 use crate::draw::field::{FieldMeaning, PanelField};
 use crate::io::words::note::beyond_limits;
 use crate::patchwork::panel::Patchwork;
@@ -68,7 +69,8 @@ pub(super) fn judged(made: Made, sort: Sort, options: &ElementFitOptions, contro
     control.report("proving", 0.7, format!("{} {what}", all.len()));
     let certificate = certified(&strips, &all, control);
     let chains = Part::of_each(&strips);
-    let flat = StripOptions { drawn: options.drawn, ..StripOptions::new(0.1 * options.tolerance) };
+    let drawn = Drawn { bends: options.drawn.bends.of_job(options.tolerance), ..options.drawn };
+    let flat = StripOptions { drawn, ..StripOptions::new(0.1 * options.tolerance) };
     let laid = laid(&strips, &chains, &flat, options.tolerance);
     let beyond = certificate.beyond(options.tolerance);
     let broken = regression::broken(&strips, options.limits.as_ref());

@@ -8,6 +8,7 @@ use crate::control::Control;
 use crate::develop::unfold::allowance::KFactor;
 use crate::develop::unfold::part::{flat_parts, BodyParts, FlatPart, PartOptions};
 use crate::geom::coarse::is_tolerance;
+use crate::io::model::Model;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -40,10 +41,7 @@ pub(super) fn flat_parts_of(
             return Err(UnrollError::Tolerance(approximate));
         }
     }
-    let mut bodies: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
-    for (k, f) in faces.iter().enumerate() {
-        bodies.entry(f.body).or_default().push(k);
-    }
+    let bodies = bodies_of(faces);
     let asked = PartOptions {
         tolerance: options.tolerance,
         k: options.k.clone(),
@@ -89,6 +87,48 @@ pub(super) fn flat_parts_of(
         return Err(UnrollError::Nothing { bodies: bodies.len(), reason });
     }
     Ok((parts, left))
+}
+
+/// A model in groups of bodies, at most `count` of them in each, every body under the name that it has in the whole; what was
+/// not read and what was noticed goes with the first group. Unrolling one after the other needs memory for one group only.
+pub fn groups(model: Model, count: usize) -> Vec<Model> {
+    let bodies = bodies_of(&model.faces);
+    let names = names(&model.faces, &bodies);
+    let mut group: Vec<(usize, &String)> = vec![(0, &model.unit); model.faces.len()];
+    for ((k, body), name) in bodies.values().enumerate().zip(&names) {
+        body.iter().for_each(|f| group[*f] = (k / count.max(1), name));
+    }
+    let number = bodies.len().div_ceil(count.max(1));
+    let mut out: Vec<Model> = (0..number).map(|_| like(&model)).collect();
+    let put: Vec<(usize, String)> = group.into_iter().map(|(k, name)| (k, name.clone())).collect();
+    if let Some(first) = out.first_mut() {
+        (first.skipped, first.notes) = (model.skipped, model.notes);
+    }
+    for (mut face, (k, name)) in model.faces.into_iter().zip(put) {
+        face.part = name;
+        out[k].faces.push(face);
+    }
+    out
+}
+
+/// A model with the names of another one and nothing in it.
+fn like(model: &Model) -> Model {
+    Model {
+        faces: Vec::new(),
+        skipped: Vec::new(),
+        unit: model.unit.clone(),
+        notes: Vec::new(),
+        products: model.products.clone(),
+    }
+}
+
+/// The faces of every body.
+fn bodies_of(faces: &[Face]) -> BTreeMap<u32, Vec<usize>> {
+    let mut bodies: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
+    for (k, f) in faces.iter().enumerate() {
+        bodies.entry(f.body).or_default().push(k);
+    }
+    bodies
 }
 
 /// Names of bodies: that of their part, numbered where several bodies have one.

@@ -389,3 +389,21 @@ fn what_cannot_be_covered_is_named_and_the_rest_is_laid_flat() {
     assert_eq!((answer.status(), answer.parts.len(), answer.skipped.len()), (Status::Uncertified, 1, 1));
     assert!(answer.skipped[0].reason.contains("tolerance"), "{}", answer.skipped[0].reason);
 }
+
+#[test]
+fn groups_of_bodies_keep_every_face_and_the_names_of_the_whole() {
+    let face = |part: &str, body| {
+        let mut face = rectangle(Vec3::zeros(), 10.0 * Vec3::x(), 20.0 * Vec3::y());
+        (face.part, face.body) = (part.into(), body);
+        face
+    };
+    let faces = vec![face("a", 1), face("b", 2), face("a", 3), face("a", 1), face("c", 4)];
+    let (skipped, notes) = (Vec::new(), Vec::new());
+    let model = crate::io::model::Model { faces, skipped, notes, unit: String::new(), products: vec!["whole".into()] };
+    let made = super::groups(model, 2);
+    let named = |k: usize| made[k].faces.iter().map(|f| (f.part.as_str(), f.body)).collect::<Vec<_>>();
+    assert_eq!(made.len(), 2);
+    assert_eq!(named(0), [("a 1", 1), ("b", 2), ("a 1", 1)]);
+    assert_eq!(named(1), [("a 2", 3), ("c", 4)]);
+    assert_eq!(made[1].products, ["whole"]);
+}

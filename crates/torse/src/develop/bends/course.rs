@@ -1,88 +1,8 @@
-//! Which rulings are drawn on a pattern, and how the sheet bends about each: sense, angle and radius.
-//!
-//! *Method* (docs/algorithms/panels.md, "Bend lines"). The tangent plane is followed across the rulings. Lines lie at
-//! equal turns, but no nearer and no farther than asked for, and none where the sheet is flat. Where the part is to be kinked
-//! on a press brake, lines are the kinks (docs/algorithms/shop.md, "Facets").
+//! The tangent planes of a part from one end to the other, and the lines that are drawn along it.
 
-use crate::geom::{Vec2, Vec3};
+use super::{BendSpacing, Facets};
 use crate::patchwork::pattern::{Bend, BendSense};
-use crate::spline::surface::Surface;
 
-/// How far apart rulings are drawn.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BendSpacing {
-    /// Turn of the sheet from one line to the next, rad; default 5°.
-    pub step: f64,
-    /// Distance between lines at least, as a share of the pattern's length; default 1/100.
-    pub least: f64,
-    /// And at most; default 1/20.
-    pub greatest: f64,
-    /// Kinks in place of evenly drawn lines; default none.
-    pub facets: Option<Facets>,
-}
-
-/// How a curved part is kinked: every kink takes the turn of a stretch of the part in its middle.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Facets {
-    /// So many kinks over the turn of the part.
-    Count(usize),
-    /// A kink for every such turn, rad.
-    Turn(f64),
-    /// As many that the arcs rise no higher above the facets than so many mm.
-    Chord(f64),
-    /// A kink for every such length along the curved stretches, mm.
-    Length(f64),
-}
-
-impl Facets {
-    /// Kinks (a fraction) for a stretch of a turn (rad, not negative) and a length (mm) of a part whose whole turn is `whole`.
-    pub fn needed(self, turn: f64, length: f64, whole: f64) -> f64 {
-        match self {
-            Self::Count(n) => n as f64 * turn / whole,
-            Self::Turn(step) => turn / step,
-            // An arc of radius R rises by about R θ²/8 over a chord that it turns by θ on; R is length over turn.
-            Self::Chord(height) => (turn * length / (8.0 * height)).sqrt(),
-            Self::Length(step) => length / step,
-        }
-    }
-}
-
-impl Default for BendSpacing {
-    fn default() -> Self {
-        Self { step: 5.0f64.to_radians(), least: 0.01, greatest: 0.05, facets: None }
-    }
-}
-
-/// Lines drawn and how the sheet bends about each.
-pub type Lines = (Vec<[Vec2; 2]>, Vec<Bend>);
-
-/// Height (mm) of the arc over the facets at a kink, with the greater of its radii.
-pub(crate) fn sagitta(bend: &Bend) -> f64 {
-    let radius = bend.radii.iter().copied().filter(|r| r.is_finite()).fold(0.0, f64::max);
-    radius * (1.0 - (0.5 * bend.angle).cos())
-}
-
-/// Draws lines; where kinks are to keep arcs low, again with more of them until they are low at both ends of all rulings: the
-/// first count looks at their middles.
-pub(crate) fn kept_low(spacing: &BendSpacing, draw: impl Fn(&BendSpacing) -> Lines) -> Lines {
-    let Some(Facets::Chord(height)) = spacing.facets else { return draw(spacing) };
-    let mut asked = height;
-    let mut out = draw(spacing);
-    for _ in 0..ROUNDS {
-        let worst = out.1.iter().map(sagitta).fold(0.0, f64::max);
-        if worst <= height {
-            break;
-        }
-        asked *= LOWER * height / worst;
-        out = draw(&BendSpacing { facets: Some(Facets::Chord(asked)), ..*spacing });
-    }
-    out
-}
-
-/// Times that kinks are drawn again.
-const ROUNDS: usize = 4;
-/// Share of what is needed that is asked for then, so that few rounds do.
-const LOWER: f64 = 0.98;
 /// Turn (rad) over the length of the whole pattern below which a sheet of that curvature is flat.
 const FLAT: f64 = 1e-3;
 /// Turn (rad) about one line, 0.05°, below which it is no bend.
@@ -93,51 +13,8 @@ const FOLD: f64 = 1e-6;
 const HAIR: f64 = 0.01;
 /// Most lines drawn.
 const MOST: f64 = 2000.0;
-
-/// The tangent plane in a place of the sheet, as seen from the side of the eye.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Plane {
-    /// Unit normal towards the eye.
-    pub normal: Vec3,
-    /// Unit vector square to the ruling, onwards.
-    pub across: Vec3,
-}
-
-impl Plane {
-    /// The plane of a ruled patch at `(t, r)`; `side` as in [`super::map::Development::new`]. `None` where it is not
-    /// regular.
-    pub fn of(patch: &Surface, t: f64, r: f64, side: f64) -> Option<Self> {
-        let j = patch.jet(t, r);
-        let normal = (j.dv.cross(&j.du) * side).try_normalize(0.0)?;
-        let along = j.dv.try_normalize(0.0)?;
-        Some(Self { normal, across: (j.du - along * along.dot(&j.du)).try_normalize(0.0)? })
-    }
-
-    /// Turn of the sheet (rad) on the way to another plane; positive towards the eye.
-    pub fn turn(&self, other: &Self) -> f64 {
-        let angle = self.normal.angle(&other.normal);
-        if (other.normal - self.normal).dot(&(self.across + other.across)) > 0.0 {
-            -angle
-        } else {
-            angle
-        }
-    }
-}
-
-/// Share of the speed at the other end of a ruling below which an end stands still: the apex of a cone.
-const APEX: f64 = 1e-9;
-
-/// Radius of curvature of a ruled patch across its rulings at `(t, r)`, mm; 0 in the apex of a cone.
-pub fn radius(patch: &Surface, t: f64, r: f64) -> f64 {
-    let j = patch.jet(t, r);
-    // In an apex nothing is left but rounding.
-    if r != 0.5 && j.du.norm() <= APEX * patch.jet(t, 1.0 - r).du.norm() {
-        return 0.0;
-    }
-    let (Some(n), Some(along)) = (j.normal().try_normalize(0.0), j.dv.try_normalize(0.0)) else { return 0.0 };
-    let across = j.du - along * along.dot(&j.du);
-    across.norm_squared() / n.dot(&j.duu).abs()
-}
+/// Halvings after which a place is known to the last bit.
+const HALVINGS: usize = 53;
 
 /// Places across the rulings with what lies between: turn and length since the place before.
 #[derive(Clone, Debug, Default)]
@@ -145,6 +22,8 @@ pub(crate) struct Course<K> {
     places: Vec<K>,
     turn: Vec<f64>,
     length: Vec<f64>,
+    /// Rates of turn at both ends of every step, times the way; where they are known.
+    rates: Vec<Option<[f64; 2]>>,
 }
 
 /// A line that is drawn.
@@ -154,36 +33,79 @@ pub struct Line {
     pub after: usize,
     /// See `after`.
     pub share: f64,
-    /// Turn of the sheet between the middles to its neighbours, rad; positive towards the eye.
+    /// Turn of the sheet between the middles to its neighbours (rad, positive towards the eye); of a fold, its own.
     pub turn: f64,
+    /// Turn of the sheet from the first ruling on, rad; of a fold, to half of it.
+    pub turned: f64,
     /// Whether the turn is a fold in this place.
     pub fold: bool,
 }
 
 impl Line {
-    /// How the sheet bends, with the radii at both ends of the ruling where it is no fold.
-    pub fn bend(&self, radii: [f64; 2]) -> Bend {
-        let angle = self.turn.abs();
+    /// Place on the course: index and share.
+    pub(crate) fn place(&self) -> f64 {
+        self.after as f64 + self.share
+    }
+
+    /// How the sheet bends, with the radii at both ends of the ruling, just before it and behind it, where it is no fold.
+    pub fn bend(&self, [before, radii]: [[f64; 2]; 2]) -> Bend {
+        let (angle, turned) = (self.turn.abs(), self.turned);
         if angle < NO_BEND {
-            return Bend { sense: BendSense::Flat, angle, radii: [f64::INFINITY; 2] };
+            return Bend { turned, ..Bend::of(BendSense::Flat, angle, [f64::INFINITY; 2]) };
         }
         let sense = if self.turn > 0.0 { BendSense::Up } else { BendSense::Down };
-        Bend { sense, angle, radii: if self.fold { [0.0; 2] } else { radii } }
+        if self.fold {
+            return Bend { turned, ..Bend::of(sense, angle, [0.0; 2]) };
+        }
+        Bend { before, turned, ..Bend::of(sense, angle, radii) }
     }
 }
 
 impl<K: Copy> Course<K> {
     /// Nothing yet.
     pub fn new() -> Self {
-        Self { places: Vec::new(), turn: Vec::new(), length: Vec::new() }
+        Self { places: Vec::new(), turn: Vec::new(), length: Vec::new(), rates: Vec::new() }
     }
 
-    /// Goes on to a place; turn (rad, signed) and length (mm) since the place before.
-    pub fn push(&mut self, place: K, turn: f64, length: f64) {
+    /// Goes on to a place; turn (rad, signed) and length (mm) since the place before, with the rates of turn at both ends
+    /// times the way where they are known.
+    pub fn push(&mut self, place: K, (turn, rates): (f64, Option<[f64; 2]>), length: f64) {
         let (t, l) = (self.turn.last().copied(), self.length.last().copied());
+        self.rates.extend((!self.places.is_empty()).then_some(rates));
         self.places.push(place);
         self.turn.push(t.map_or(0.0, |t| t + turn));
         self.length.push(l.map_or(0.0, |l| l + length));
+    }
+
+    /// Turn of the sheet up to a place.
+    fn turned(&self, (after, share): (usize, f64)) -> f64 {
+        let (a, b) = (self.turn[after], self.turn[after + 1]);
+        let Some([p, q]) = self.rates[after] else { return a + (b - a) * share };
+        let (x, y) = (share, 1.0 - share);
+        a * y * y * (1.0 + 2.0 * x) + b * x * x * (3.0 - 2.0 * x) + x * y * (p * y - q * x)
+    }
+
+    /// The place on a step up to which the sheet has turned by a share of the step's turn.
+    fn level(&self, (after, share): (usize, f64)) -> (usize, f64) {
+        let (a, b) = (self.turn[after], self.turn[after + 1]);
+        if self.rates[after].is_none() || a == b {
+            return (after, share);
+        }
+        let (mut low, mut high) = (0.0, 1.0);
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (low + high);
+            if (self.turned((after, middle)) - a) / (b - a) < share {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        (after, 0.5 * (low + high))
+    }
+
+    /// Number of places.
+    pub fn len(&self) -> usize {
+        self.places.len()
     }
 
     /// The place before an index and the one after it.
@@ -220,11 +142,11 @@ impl<K: Copy> Course<K> {
         }
         let count = (total - HAIR).ceil().clamp(1.0, MOST) as usize;
         let places: Vec<(usize, f64)> =
-            (0..count).map(|k| between(&need, total * (k as f64 + 0.5) / count as f64)).collect();
+            (0..count).map(|k| self.level(between(&need, total * (k as f64 + 0.5) / count as f64))).collect();
         let edge = |k: usize| match k {
             0 => self.turn[0],
             k if k == count => self.turn[self.turn.len() - 1],
-            k => self.at(&self.turn, between(&need, total * k as f64 / count as f64)),
+            k => self.turned(self.level(between(&need, total * k as f64 / count as f64))),
         };
         places.iter().enumerate().map(|(k, &p)| self.line(p, edge(k + 1) - edge(k), size)).collect()
     }
@@ -256,9 +178,9 @@ impl<K: Copy> Course<K> {
                 let kinks = (total - HAIR).ceil().clamp(1.0, MOST) as usize;
                 let place = |share: f64| {
                     let (after, share) = between(&need, total * share);
-                    (from + after, share)
+                    self.level((from + after, share))
                 };
-                let turned = |k: usize| self.at(&self.turn, place(k as f64 / kinks as f64));
+                let turned = |k: usize| self.turned(place(k as f64 / kinks as f64));
                 out.extend((0..kinks).map(|k| {
                     let at = place((k as f64 + 0.5) / kinks as f64);
                     Line { fold: false, ..self.line(at, turned(k + 1) - turned(k), size) }
@@ -275,7 +197,7 @@ impl<K: Copy> Course<K> {
         let turn = |k: usize| match k {
             0 => self.turn[0],
             k if k == lengths.len() => self.turn[self.turn.len() - 1],
-            k => self.at(&self.turn, between(&self.length, middle(k))),
+            k => self.turned(between(&self.length, middle(k))),
         };
         let place = |l: f64| {
             let (after, share) = between(&self.length, l);
@@ -290,11 +212,64 @@ impl<K: Copy> Course<K> {
         lengths.iter().enumerate().map(|(k, &l)| self.line(place(l), turn(k + 1) - turn(k), size)).collect()
     }
 
+    /// Length between two places of the course.
+    pub(super) fn length_between(&self, ends: [f64; 2]) -> f64 {
+        let [a, b] = ends.map(|x| self.at(&self.length, self.split(x)));
+        (b - a).abs()
+    }
+
+    /// Turn of the sheet between two lines, without their folds.
+    pub(super) fn turn_between(&self, a: &Line, b: &Line) -> f64 {
+        let half = |l: &Line| if l.fold { 0.5 * l.turn } else { 0.0 };
+        b.turned - a.turned - half(a) - half(b)
+    }
+
+    /// An end of the course as if there were a line.
+    pub(super) fn end(&self, last: bool) -> Line {
+        self.bare(if last { (self.places.len() - 2, 1.0) } else { (0, 0.0) })
+    }
+
+    /// A line half way between two places; its turn is found by [`Course::parted`].
+    pub(super) fn halfway(&self, [a, b]: [f64; 2]) -> Line {
+        self.bare(self.split(0.5 * (a + b)))
+    }
+
+    /// A line within a step, such as one from a piece of the part to the next; its turn is found by [`Course::parted`].
+    pub(crate) fn within(&self, step: usize) -> Line {
+        self.bare((step, 0.5))
+    }
+
+    fn bare(&self, (after, share): (usize, f64)) -> Line {
+        Line { after, share, turn: 0.0, turned: self.turned((after, share)), fold: false }
+    }
+
+    /// A place as the index before it and a share.
+    fn split(&self, x: f64) -> (usize, f64) {
+        let after = (x as usize).min(self.places.len() - 2);
+        (after, x - after as f64)
+    }
+
+    /// Lines in their order that share the turn: each has that from half way after the line before to half way to the next.
+    pub(crate) fn parted(&self, lines: Vec<Line>, size: f64) -> Vec<Line> {
+        let lengths: Vec<f64> = lines.iter().map(|l| self.length_at(l)).collect();
+        let edge = |k: usize| match k {
+            0 => self.turn[0],
+            k if k == lengths.len() => self.turn[self.turn.len() - 1],
+            // Between lines that lie in one step without length, half way is there.
+            k if lines[k].after == lines[k - 1].after => 0.5 * (lines[k].turned + lines[k - 1].turned),
+            k => self.turned(between(&self.length, 0.5 * (lengths[k - 1] + lengths[k]))),
+        };
+        lines.iter().enumerate().map(|(k, l)| self.line((l.after, l.share), edge(k + 1) - edge(k), size)).collect()
+    }
+
     fn line(&self, (after, share): (usize, f64), turn: f64, size: f64) -> Line {
         let own = self.turn[after + 1] - self.turn[after];
         // Most of the turn at once: an edge between facets.
         let at_once = self.length[after + 1] - self.length[after] <= FOLD * size;
-        Line { after, share, turn, fold: at_once && own.abs() > 0.5 * turn.abs() }
+        if at_once && own.abs() > 0.5 * turn.abs() {
+            return Line { after, share, turn: own, turned: self.turn[after] + 0.5 * own, fold: true };
+        }
+        Line { after, share, turn, turned: self.turned((after, share)), fold: false }
     }
 
     fn at(&self, values: &[f64], (after, share): (usize, f64)) -> f64 {
@@ -316,11 +291,11 @@ mod tests {
     /// A flat stretch, a bend through `turn` on 10 mm, a flat stretch; 110 mm long.
     fn bent(turn: f64) -> Course<f64> {
         let mut c = Course::new();
-        c.push(0.0, 0.0, 0.0);
+        c.push(0.0, (0.0, None), 0.0);
         for k in 1..=220 {
             let x = 0.5 * k as f64;
             let inside = x > 50.0 && x <= 60.0;
-            c.push(x, if inside { turn / 20.0 } else { 0.0 }, 0.5);
+            c.push(x, (if inside { turn / 20.0 } else { 0.0 }, None), 0.5);
         }
         c
     }
@@ -334,7 +309,7 @@ mod tests {
             assert!(lines.iter().all(|l| (100..120).contains(&l.after)));
             let sum: f64 = lines.iter().map(|l| l.turn).sum();
             assert!((sum - turn).abs() < 1e-12);
-            let up = lines.iter().all(|l| l.bend([6.0; 2]).sense == BendSense::Up);
+            let up = lines.iter().all(|l| l.bend([[6.0; 2]; 2]).sense == BendSense::Up);
             assert_eq!(up, turn > 0.0);
             // No nearer than 1/100 of 110 mm: nine or ten lines on 10 mm.
             assert!((9..=10).contains(&c.lines(&BendSpacing::default(), 110.0).len()));
@@ -373,12 +348,12 @@ mod tests {
     fn facets_fold_in_their_common_edge() {
         let mut c = Course::new();
         for (x, turn, length) in [(0.0, 0.0, 0.0), (1.0, 0.0, 50.0), (1.0, 0.4, 0.0), (2.0, 0.0, 50.0)] {
-            c.push(x, turn, length);
+            c.push(x, (turn, None), length);
         }
         let lines = c.lines_at(&[50.0], 100.0);
         assert_eq!(lines.len(), 1);
         assert!(lines[0].fold && (lines[0].turn - 0.4).abs() < 1e-15);
-        assert_eq!(lines[0].bend([1.0; 2]).radii, [0.0; 2]);
+        assert_eq!(lines[0].bend([[1.0; 2]; 2]).radii, [0.0; 2]);
         let kinks = c.lines(&BendSpacing { facets: Some(Facets::Count(9)), ..BendSpacing::default() }, 100.0);
         assert_eq!(kinks, lines, "a fold stays one kink");
     }

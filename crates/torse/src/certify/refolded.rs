@@ -1,0 +1,521 @@
+//! A part bent back from its drawing against its panel in space, both ways and with its edges.
+//!
+//! *Theorem.* Let a strip of rulings be laid in the plane, `F(s, v)`, and in space, `X(s, v)`, and let `T` be what closed lines
+//! of its parameters enclose. Where [`distance`] answers a bound `D`: F is regular on T and maps these lines within D of the
+//! outline as drawn, and `X(T)` and the panel within its border are within D of each other, in both directions.
+//!
+//! *Proof.* Φ takes places of the strip to parameters of the panel's patch S. It is bilinear on every span, so it is continuous,
+//! and its Jacobian has one sign at the corners of all cells and therefore everywhere: it does not fold. 1. `|X − S∘Φ| ≤ δ`: on
+//! a cell the difference is within `(|D_ss| + |D_vv|)/8` of the bilinear function through its corners, whose norm is
+//! greatest in a corner. `X` moves evenly, so that `X_ss = A (ω × V)` in the frame A that turns by `|ω|` at most
+//! \[DC76\]; derivatives of S are enclosed over boxes \[MKC09\]. 2. The lines Φ∘γ and the panel's border are joined by
+//! segments of the parameter plane, whose images are no longer than β. A place of the panel off these segments is enclosed by
+//! Φ∘γ as often as by the border: it is Φ of a place of T. A place `y` of T whose Φ(y) is off them is, because Φ does not
+//! fold, enclosed by the border too. Everything on the segments is within β of both edges. 3. In the plane the same is asked of
+//! F∘γ and the outline as drawn: ε, which is a distance in space too, because the strip keeps lengths.
+//! `D = δ + β + ε` and what rounding leaves between spans.
+//!
+//! How lines, places and borders are matched does not matter for the proof: any numbers will do, near ones make D small.
+
+use super::claim::UpperBound;
+use super::tensor::{about, Jet2, Tensor};
+use super::vector::{add, length_bound, scale, sub, V3};
+use crate::geom::{Vec2, Vec3};
+use crate::num::interval::Interval;
+use crate::spline::surface::Surface;
+use crate::torse::ribbon::pose::Pose;
+use crate::torse::ribbon::Span;
+
+/// Parameters of the patch along a ruling: `at + slope v` at the way v.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Along {
+    /// Parameters at the frame's own point.
+    pub at: [f64; 2],
+    /// Their change per mm.
+    pub slope: [f64; 2],
+}
+
+/// A piece of a closed line, straight in the parameters of one span.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Piece {
+    /// The span.
+    pub span: usize,
+    /// First and last place: share of the span and way along the ruling, mm.
+    pub ends: [[f64; 2]; 2],
+    /// Places on the panel's border that belong to these: number of a corner and share of the way to the next; goes on
+    /// beyond the number of corners.
+    pub border: [f64; 2],
+    /// The segment drawn for it; `None` where the part goes on, on the next panel.
+    pub drawn: Option<[Vec2; 2]>,
+}
+
+/// A strip of rulings and the panel that belongs to it.
+#[derive(Clone, Debug)]
+pub(crate) struct Stretch<'a> {
+    /// The rulings, where the part is in space.
+    pub spans: &'a [Span],
+    /// Where the rulings are on the patch, one more than spans.
+    pub places: Vec<Along>,
+    /// Closed lines with the number of the border that belongs to each.
+    pub lines: Vec<(usize, Vec<Piece>)>,
+    /// The patch.
+    pub surface: &'a Surface,
+    /// Closed polygons of its parameters that bound the panel.
+    pub borders: &'a [Vec<[f64; 2]>],
+    /// Distance (mm) of what pieces are drawn for from the lines and arcs of the file, by the closed form of arcs.
+    pub chords: f64,
+}
+
+/// Why no bound was shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub(crate) enum Unshown {
+    /// Lines with gaps, or that do not run once around each border.
+    #[error("its outline could not be followed along the border of its panel")]
+    Lines,
+    /// Rulings that cross.
+    #[error("its rulings cross in the part, or fold over on the panel")]
+    Folds,
+    /// Nothing finite.
+    #[error("its panel has no bounded derivatives")]
+    Unbounded,
+}
+
+/// Share of the size that rounding may move what plain arithmetic computes here from spans: a thousand times what some
+/// fifty operations on doubles do.
+const ROUNDING: f64 = 1e-12;
+/// Cells across a span along its rulings.
+const CELLS: usize = 4;
+/// Places on a border that are one, in corners.
+const ONE_PLACE: f64 = 1e-6;
+
+/// Bound (mm) of the distance between a stretch bent back and its panel.
+pub(crate) fn distance(stretch: &Stretch) -> Result<UpperBound, Unshown> {
+    let judge = Judge::new(stretch)?;
+    judge.check_lines()?;
+    let (mut bent, mut sign) = (0.0_f64, 0);
+    for k in 0..stretch.spans.len() {
+        let Some(reach) = judge.reach[k] else { continue };
+        let here = judge.orientation(k, reach).filter(|s| sign == 0 || *s == sign).ok_or(Unshown::Folds)?;
+        sign = here;
+        bent = bent.max(judge.span(k, reach));
+    }
+    let (mut edge, mut outline) = (0.0_f64, 0.0_f64);
+    for (border, line) in &stretch.lines {
+        for piece in line {
+            edge = edge.max(judge.to_border(piece, &stretch.borders[*border]));
+            outline = outline.max(judge.to_drawing(piece));
+        }
+    }
+    let sum = [bent, edge, outline, judge.gap, stretch.chords]
+        .into_iter()
+        .map(Interval::point)
+        .fold(Interval::ZERO, |s, x| s + x);
+    let bound = UpperBound::shown(sum.hi);
+    // Any infinite or undefined term shows nothing.
+    if bound.value().is_finite() {
+        Ok(bound)
+    } else {
+        Err(Unshown::Unbounded)
+    }
+}
+
+struct Judge<'a> {
+    asked: &'a Stretch<'a>,
+    tensor: Tensor<'a, 4>,
+    origin: Vec3,
+    /// Ways along the rulings that lines reach on every span.
+    reach: Vec<Option<[f64; 2]>>,
+    /// What coordinates are rounded to, mm.
+    rough: f64,
+    /// Greatest step from span to span, mm.
+    gap: f64,
+}
+
+impl<'a> Judge<'a> {
+    fn new(asked: &'a Stretch<'a>) -> Result<Self, Unshown> {
+        let n = asked.spans.len();
+        if n == 0 || asked.places.len() != n + 1 {
+            return Err(Unshown::Lines);
+        }
+        let mut reach: Vec<Option<[f64; 2]>> = vec![None; n];
+        for piece in asked.lines.iter().flat_map(|l| &l.1) {
+            let ways = piece.ends.map(|e| e[1]);
+            let slot = reach.get_mut(piece.span).ok_or(Unshown::Lines)?;
+            let old = slot.unwrap_or([f64::INFINITY, f64::NEG_INFINITY]);
+            *slot = Some([old[0].min(ways[0]).min(ways[1]), old[1].max(ways[0]).max(ways[1])]);
+        }
+        let far = |s: &Span| s.space.at.amax().max(s.flat.at.amax()) + s.in_space.along.hypot(s.in_space.across);
+        let ways = reach.iter().flatten().flatten().fold(0.0_f64, |m, v| m.max(v.abs()));
+        let patch = asked.surface.control.iter().flatten().fold(0.0_f64, |m, x| m.max(x.abs()));
+        let rough = ROUNDING * (asked.spans.iter().map(far).fold(0.0, f64::max) + ways + patch);
+        let origin = asked.spans[n / 2].space.at;
+        let surface = asked.surface;
+        let control = about(&surface.control, [origin.x, origin.y, origin.z]);
+        let tensor = Tensor::new([&surface.knots_u, &surface.knots_v], control);
+        let mut out = Self { asked, tensor, origin, reach, rough, gap: 0.0 };
+        out.gap = out.gaps();
+        Ok(out)
+    }
+
+    /// Greatest distance between the last ruling of a span and the first one of the next, in the plane and in space.
+    fn gaps(&self) -> f64 {
+        let apart = |a: &Pose, b: &Pose, v: f64| (a.point(v, 0.0) - b.point(v, 0.0)).norm();
+        let mut out = 0.0_f64;
+        for (k, w) in self.asked.spans.windows(2).enumerate() {
+            let (flat, space) = (w[0].flat.moved(&w[0].in_plane, 1.0), w[0].space.moved(&w[0].in_space, 1.0));
+            // Segments are farthest apart at their ends.
+            for v in [self.reach[k], self.reach[k + 1]].into_iter().flatten().flatten() {
+                out = out.max(apart(&flat, &w[1].flat, v)).max(apart(&space, &w[1].space, v));
+            }
+        }
+        out + 2.0 * self.rough
+    }
+
+    /// Lines are closed, and run once around the border that belongs to each.
+    fn check_lines(&self) -> Result<(), Unshown> {
+        let mut used = vec![false; self.asked.borders.len()];
+        for (border, line) in &self.asked.lines {
+            let fresh = used.get_mut(*border).filter(|u| !**u).ok_or(Unshown::Lines)?;
+            *fresh = true;
+            let corners = self.asked.borders[*border].len() as f64;
+            let (Some(first), Some(last)) = (line.first(), line.last()) else { return Err(Unshown::Lines) };
+            let around = (last.border[1] - first.border[0]).abs();
+            let follows = |a: &Piece, b: &Piece, turn: f64| {
+                let ([_, [s, v]], [[t, w], _]) = (a.ends, b.ends);
+                let same = a.span == b.span && s == t
+                    || a.span + 1 == b.span && s == 1.0 && t == 0.0
+                    || b.span + 1 == a.span && t == 1.0 && s == 0.0;
+                same && v == w && (a.border[1] - b.border[0] - turn).abs() <= ONE_PLACE
+            };
+            let turn = last.border[1] - first.border[0];
+            let closed = line.windows(2).all(|w| follows(&w[0], &w[1], 0.0)) && follows(last, first, turn);
+            let inside = |p: &Piece| p.ends.iter().all(|e| (0.0..=1.0).contains(&e[0]));
+            if !closed || (around - corners).abs() > ONE_PLACE || !line.iter().all(inside) {
+                return Err(Unshown::Lines);
+            }
+        }
+        if used.iter().all(|u| *u) {
+            Ok(())
+        } else {
+            Err(Unshown::Lines)
+        }
+    }
+
+    /// Parameters at a ruling, 0 the first of a span and 1 its last.
+    fn place(&self, k: usize, end: usize, v: Interval) -> [Interval; 2] {
+        let p = &self.asked.places[k + end];
+        [0, 1].map(|d| Interval::point(p.at[d]) + Interval::point(p.slope[d]) * v)
+    }
+
+    /// Derivative of the parameters over a span, at a way.
+    fn along_span(&self, k: usize, v: Interval) -> [Interval; 2] {
+        let [a, b] = [self.place(k, 0, v), self.place(k, 1, v)];
+        [b[0] - a[0], b[1] - a[1]]
+    }
+
+    /// Sign of the Jacobian of Φ on a span; `None` where it has none, or the rulings cross in the plane.
+    fn orientation(&self, k: usize, reach: [f64; 2]) -> Option<i32> {
+        let rates = &self.asked.spans[k].in_plane;
+        let speed = |v: f64| Interval::point(rates.across) + Interval::point(v) * Interval::point(rates.spin);
+        let mut sign = None;
+        for v in reach {
+            if speed(v).sign() <= 0 {
+                return None;
+            }
+            let [us, rs] = self.along_span(k, Interval::point(v));
+            for end in [0, 1] {
+                let slope = self.asked.places[k + end].slope.map(Interval::point);
+                let here = (us * slope[1] - rs * slope[0]).sign();
+                if here == 0 || sign.is_some_and(|s| s != here) {
+                    return None;
+                }
+                sign = Some(here);
+            }
+        }
+        sign
+    }
+
+    /// Bound of `|X − S∘Φ|` on a span.
+    fn span(&self, k: usize, [lo, hi]: [f64; 2]) -> f64 {
+        let at = |i: usize| if i == CELLS { hi } else { lo + (hi - lo) * i as f64 / CELLS as f64 };
+        let corners: Vec<f64> = (0..=CELLS).map(|i| self.corner(k, 0, at(i)).max(self.corner(k, 1, at(i)))).collect();
+        let cell = |i: usize| {
+            let v = Interval::new(at(i), at(i + 1));
+            let [a, b] = [self.place(k, 0, v), self.place(k, 1, v)];
+            let jet = self.tensor.over([a[0].hull(b[0]), a[1].hull(b[1])]).affine();
+            let bends = sub(&self.turning(k, v), &second(&jet, self.along_span(k, v)));
+            let slopes = [0, 1].map(|d: usize| {
+                let p = &self.asked.places;
+                Interval::new(p[k].slope[d], p[k + 1].slope[d])
+            });
+            let wide = Interval::point(at(i + 1)) - Interval::point(at(i));
+            let rest = length_bound(&scale(&second(&jet, slopes), wide.sqr()));
+            let eighth = (Interval::point(length_bound(&bends)) + Interval::point(rest)).scale_exact(0.125);
+            (Interval::point(corners[i].max(corners[i + 1])) + eighth).hi
+        };
+        (0..CELLS).map(cell).fold(0.0, worse)
+    }
+
+    /// `X_ss` over a span for ways along its rulings.
+    fn turning(&self, k: usize, v: Interval) -> V3<Interval> {
+        let s = &self.asked.spans[k];
+        let [turn, spin, along, across] =
+            [s.in_space.turn, s.in_space.spin, s.in_space.along, s.in_space.across].map(Interval::point);
+        let speed = across + v * spin;
+        // ω = (turn, 0, spin) and V = (along, speed, 0) in the frame itself.
+        let own = [-(spin * speed), spin * along, turn * speed];
+        let axes = s.space.moved(&s.in_space, 0.5).axes;
+        let spread = (turn.sqr() + spin.sqr()).sqrt().scale_exact(0.5) * Interval::point(length_bound(&own));
+        [0, 1, 2].map(|d: usize| {
+            let row = [0, 1, 2].map(|e: usize| Interval::point(axes[(d, e)]) * own[e]);
+            (row[0] + row[1] + row[2]).widen(spread.hi + self.rough)
+        })
+    }
+
+    /// Bound of the distance at an end of a ruling of a span.
+    fn corner(&self, k: usize, end: usize, v: f64) -> f64 {
+        let s = &self.asked.spans[k];
+        let pose = if end == 0 { s.space } else { s.space.moved(&s.in_space, 1.0) };
+        let x = pose.point(v, 0.0) - self.origin;
+        let on = self.tensor.at(self.place(k, end, Interval::point(v))).affine().p;
+        let x = [x.x, x.y, x.z].map(|c| Interval::point(c).widen(self.rough));
+        length_bound(&sub(&x, &on))
+    }
+
+    /// Φ at a place of a span.
+    fn phi(&self, k: usize, [s, v]: [f64; 2]) -> [Interval; 2] {
+        let [a, b] = [0, 1].map(|end| self.place(k, end, Interval::point(v)));
+        let (s, t) = (Interval::point(s), Interval::ONE - Interval::point(s));
+        [0, 1].map(|d| a[d] * t + b[d] * s)
+    }
+
+    /// Bound of the images of the segments between a piece and its stretch of the border.
+    fn to_border(&self, piece: &Piece, border: &[[f64; 2]]) -> f64 {
+        let [from, to] = piece.border;
+        // Where the border turns, and both ends.
+        let (low, high) = (from.min(to), from.max(to));
+        let first = low.floor() as i64 + 1;
+        let mut cuts: Vec<f64> = vec![from];
+        let mut inner: Vec<f64> = (first..).map(|k| k as f64).take_while(|x| *x < high).collect();
+        if to < from {
+            inner.reverse();
+        }
+        cuts.extend(inner);
+        cuts.push(to);
+        let n = border.len() as i64;
+        let on_border = |x: f64| {
+            let k = x.floor();
+            let share = Interval::point(x - k);
+            let (a, b) = (&border[(k as i64).rem_euclid(n) as usize], &border[(k as i64 + 1).rem_euclid(n) as usize]);
+            [0, 1].map(|d| Interval::point(a[d]) * (Interval::ONE - share) + Interval::point(b[d]) * share)
+        };
+        let [p, q] = piece.ends;
+        let on_line = |x: f64| {
+            let share = if to == from { 0.0 } else { (x - from) / (to - from) };
+            let at = [0, 1].map(|d: usize| if share == 1.0 { q[d] } else { p[d] + (q[d] - p[d]) * share });
+            self.phi(piece.span, at)
+        };
+        // The line is a parabola beside its chord.
+        let places = &self.asked.places;
+        let change = [0, 1].map(|d: usize| {
+            let slope = Interval::point(places[piece.span + 1].slope[d]) - Interval::point(places[piece.span].slope[d]);
+            let [ds, dv] = [0, 1].map(|e: usize| Interval::point(q[e]) - Interval::point(p[e]));
+            (slope * ds * dv).scale_exact(0.25).mag()
+        });
+        let mut out = 0.0;
+        for w in cuts.windows(2) {
+            let ends = [w[0], w[1]].map(|x| (on_line(x), on_border(x)));
+            let box_of = |d: usize| {
+                let hull = |e: &([Interval; 2], [Interval; 2])| e.0[d].hull(e.1[d]);
+                hull(&ends[0]).hull(hull(&ends[1])).widen(change[d])
+            };
+            let off = |d: usize| {
+                let of = |e: &([Interval; 2], [Interval; 2])| e.0[d] - e.1[d];
+                of(&ends[0]).hull(of(&ends[1])).widen(change[d])
+            };
+            let jet = self.tensor.over([box_of(0), box_of(1)]).affine();
+            out = worse(out, length_bound(&add(&scale(&jet.du, off(0)), &scale(&jet.dv, off(1)))));
+        }
+        out
+    }
+
+    /// Bound of the distance between a piece laid in the plane and what is drawn for it.
+    fn to_drawing(&self, piece: &Piece) -> f64 {
+        let Some(drawn) = piece.drawn else { return 0.0 };
+        let s = &self.asked.spans[piece.span];
+        let off = |k: usize| {
+            let [share, v] = piece.ends[k];
+            (s.flat.moved(&s.in_plane, share).point(v, 0.0).xy() - drawn[k]).norm()
+        };
+        let [[s0, v0], [s1, v1]] = piece.ends;
+        let (ds, dv, spin) = ((s1 - s0).abs(), (v1 - v0).abs(), s.in_plane.spin.abs());
+        let speed = s.in_plane.along.hypot(s.in_plane.across) + v0.abs().max(v1.abs()) * spin;
+        let beside = 0.125 * (ds * ds * spin * speed + 2.0 * ds * dv * spin);
+        off(0).max(off(1)) + beside * (1.0 + ROUNDING) + self.rough
+    }
+}
+
+/// Second derivative of the patch along a direction of its parameters.
+fn second(jet: &Jet2<3>, [u, v]: [Interval; 2]) -> V3<Interval> {
+    let mixed = (u * v).scale_exact(2.0);
+    add(&add(&scale(&jet.duu, u.sqr()), &scale(&jet.duv, mixed)), &scale(&jet.dvv, v.sqr()))
+}
+
+/// The greater of both; what is no number is worst.
+fn worse(a: f64, b: f64) -> f64 {
+    if b.is_nan() || a.is_nan() {
+        f64::INFINITY
+    } else {
+        a.max(b)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::spline::knots::Knots;
+    use crate::torse::ribbon::pose::Rates;
+
+    const RADIUS: f64 = 100.0;
+    const HEIGHT: f64 = 50.0;
+    const TURN: f64 = 0.5;
+
+    /// A piece of a circular cylinder of the radius 100: its rail in the parameter 0 to 1.
+    fn patch() -> Surface {
+        let (s, c) = (0.5 * TURN).sin_cos();
+        let rail = [Vec2::new(-s, c), Vec2::new(0.0, 1.0 / c), Vec2::new(s, c)];
+        let points: Vec<Vec3> =
+            rail.iter().flat_map(|p| [0.0, HEIGHT].map(|z| Vec3::new(RADIUS * p.x, RADIUS * p.y, z))).collect();
+        let weights = [1.0, 1.0, c, c, 1.0, 1.0];
+        let knots = |p: usize| Knots::clamped(p, &[0.0, 1.0]).expect("knots");
+        Surface::new(knots(2), knots(1), &points, Some(&weights)).expect("a surface")
+    }
+
+    /// The parameter of an angle from the middle.
+    fn parameter(angle: f64) -> f64 {
+        let s = patch();
+        let (mut a, mut b) = (0.0, 1.0);
+        for _ in 0..60 {
+            let m = 0.5 * (a + b);
+            let p = s.point(m, 0.0);
+            if p.x.atan2(p.y) < angle {
+                a = m;
+            } else {
+                b = m;
+            }
+        }
+        0.5 * (a + b)
+    }
+
+    /// A rectangle bent to a cylinder of a radius in `n` spans, with its outline.
+    fn strip(n: usize, radius: f64) -> (Vec<Span>, Vec<Along>, Vec<Piece>) {
+        let angle = |k: usize| -0.5 * TURN + TURN * k as f64 / n as f64;
+        let step = RADIUS * TURN / n as f64;
+        let rates = Rates { turn: step / radius, across: step, ..Rates::default() };
+        let flat = |k: usize| Pose::flat(Vec2::new(step * k as f64, 0.0), -Vec2::y());
+        // The first ruling as it lies on the patch, then on and on.
+        let a = angle(0);
+        let (e, b) = (-Vec3::z(), Vec3::new(a.cos(), -a.sin(), 0.0));
+        let axes = nalgebra::Matrix3::from_columns(&[e, b, e.cross(&b)]);
+        let mut space = Pose { axes, at: Vec3::new(RADIUS * a.sin(), RADIUS * a.cos(), 0.0) };
+        let mut spans = Vec::new();
+        for k in 0..n {
+            let in_plane = Rates { turn: 0.0, ..rates };
+            let in_space = Rates { turn: -rates.turn, ..rates };
+            let reach = [-HEIGHT, 0.0];
+            // Inwards, to the axis, is where the sheet turns.
+            let in_space =
+                if space.normal().dot(&space.at) < 0.0 { Rates { turn: rates.turn, ..in_space } } else { in_space };
+            spans.push(Span { flat: flat(k), space, in_plane, in_space, reach });
+            space = space.moved(&in_space, 1.0);
+        }
+        let places = (0..=n).map(|k| Along { at: [parameter(angle(k)), 0.0], slope: [0.0, -1.0 / HEIGHT] }).collect();
+        let drawn = |k: usize, v: f64| Vec2::new(step * k as f64, -v);
+        let low = (0..n).map(|k| Piece {
+            span: k,
+            ends: [[0.0, 0.0], [1.0, 0.0]],
+            border: [k, k + 1].map(|k| parameter(angle(k))),
+            drawn: Some([drawn(k, 0.0), drawn(k + 1, 0.0)]),
+        });
+        let high = (0..n).rev().map(|k| Piece {
+            span: k,
+            ends: [[1.0, -HEIGHT], [0.0, -HEIGHT]],
+            border: [k + 1, k].map(|k| 3.0 - parameter(angle(k))),
+            drawn: Some([drawn(k + 1, -HEIGHT), drawn(k, -HEIGHT)]),
+        });
+        let side = |span: usize, s: f64, ways: [f64; 2], border: [f64; 2], k: usize| Piece {
+            span,
+            ends: ways.map(|v| [s, v]),
+            border,
+            drawn: Some(ways.map(|v| drawn(k, v))),
+        };
+        let mut line: Vec<Piece> = low.collect();
+        line[0].border[0] = 0.0;
+        line[n - 1].border[1] = 1.0;
+        line.push(side(n - 1, 1.0, [0.0, -HEIGHT], [1.0, 2.0], n));
+        line.extend(high);
+        line[n + 1].border[0] = 2.0;
+        line[2 * n].border[1] = 3.0;
+        line.push(side(0, 0.0, [-HEIGHT, 0.0], [3.0, 4.0], 0));
+        (spans, places, line)
+    }
+
+    const BORDER: [[f64; 2]; 4] = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+
+    fn bound(n: usize, radius: f64, change: impl Fn(&mut Vec<Span>, &mut Vec<Piece>)) -> Result<f64, Unshown> {
+        let (mut spans, places, mut line) = strip(n, radius);
+        change(&mut spans, &mut line);
+        let (surface, borders) = (patch(), [BORDER.to_vec()]);
+        let stretch = Stretch {
+            spans: &spans,
+            places,
+            lines: vec![(0, line)],
+            surface: &surface,
+            borders: &borders,
+            chords: 0.0,
+        };
+        distance(&stretch).map(UpperBound::value)
+    }
+
+    #[test]
+    fn a_cylinder_bent_back_rightly_is_on_its_panel() {
+        for n in [20, 100] {
+            let found = bound(n, RADIUS, |_, _| {}).expect("a bound");
+            assert!(found < 1.0 / (n * n) as f64, "{n}: {found:e}");
+        }
+    }
+
+    #[test]
+    fn another_radius_is_as_far_off_as_its_last_ruling() {
+        for radius in [99.0, 101.0] {
+            let found = bound(50, radius, |_, _| {}).expect("a bound");
+            let (spans, ..) = strip(50, radius);
+            let last = spans[49].space.moved(&spans[49].in_space, 1.0).at;
+            let there = Vec3::new(RADIUS * (0.5 * TURN).sin(), RADIUS * (0.5 * TURN).cos(), 0.0);
+            let off = (last - there).norm();
+            assert!(found >= off && found < 1.2 * off + 1e-3, "{found} {off}");
+        }
+    }
+
+    #[test]
+    fn places_moved_anywhere_are_noticed() {
+        let right = bound(50, RADIUS, |_, _| {}).expect("a bound");
+        // A ruling in the middle that is off, a drawing that is, and an outline that ends before the panel does.
+        let off = bound(50, RADIUS, |s, _| s[25].space.at.x += 0.5).expect("a bound");
+        assert!(off >= 0.5 && off > right, "{off}");
+        let drawn = bound(50, RADIUS, |_, l| l[7].drawn = l[7].drawn.map(|d| [d[0], d[1] + Vec2::new(0.0, 0.3)]));
+        assert!(drawn.expect("a bound") >= 0.3);
+        let short = bound(50, RADIUS, |_, l| {
+            let near = |v: f64| if v < -0.5 * HEIGHT { v + 1.0 } else { v };
+            l.iter_mut().for_each(|p| p.ends = p.ends.map(|[s, v]| [s, near(v)]));
+        });
+        assert!(short.expect("a bound") >= 1.0);
+    }
+
+    #[test]
+    fn open_lines_and_folds_show_nothing() {
+        assert_eq!(bound(50, RADIUS, |_, l| l.truncate(60)), Err(Unshown::Lines));
+        let turned = bound(50, RADIUS, |s, _| s[10].in_plane.across = -1.0);
+        assert_eq!(turned, Err(Unshown::Folds));
+    }
+}

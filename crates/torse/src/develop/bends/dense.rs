@@ -1,0 +1,201 @@
+//! More lines where the sheet bends so unevenly that the part could not be bent back from those that there are.
+//!
+//! *Method*. Between two lines the sheet is laid as who bends it back will lay it (`develop::between`), from the one ruling to
+//! the other, whose true places in space are known. What is left there, as a turn and a move, is carried on to all that
+//! follows: the turn by half the size of the part. Where all of this is more than asked for, the stretches that leave most
+//! get a line in their middle, again and again; a line more leaves about a sixteenth of a smooth stretch \[deB78\].
+//! *Not guaranteed*: any distance. What comes of the lines is proven when the part is bent back.
+
+use super::course::{Course, Line};
+use super::BendSpacing;
+use crate::develop::between::{Between, LineSide};
+use crate::geom::{Vec2, Vec3};
+use crate::torse::ribbon::pose::{Pose, Rates};
+use nalgebra::Matrix3;
+
+/// A ruling of a part, in the plane and in space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Ruling {
+    /// Ends in the plane.
+    pub flat: [Vec2; 2],
+    /// Ends in space.
+    pub space: [Vec3; 2],
+    /// Unit vector across it in the sheet, onwards.
+    pub across: Vec3,
+    /// Unit normal towards the eye.
+    pub normal: Vec3,
+    /// Radii of the sheet at both ends, mm.
+    pub radii: [f64; 2],
+}
+
+/// A ruling at a place of a course; `true` for what lies behind it where two pieces join.
+pub(crate) type Exact<'a> = dyn Fn(&Line, bool) -> Option<Ruling> + 'a;
+
+/// Rounds of new lines at most: each halves stretches.
+const ROUNDS: usize = 8;
+/// Lines are no nearer than this share of the least distance for evenly drawn ones.
+const NEARER: f64 = 0.2;
+/// Lines of a part at most.
+const MOST: usize = 400;
+/// Steps in which a stretch is laid.
+const STEPS: usize = 12;
+/// Stretches that leave less than this share of an even part of what is allowed stay as they are.
+const EVEN: f64 = 0.5;
+/// Steps towards the place beyond the last line at which a part ends.
+const NEWTON: usize = 6;
+/// How many stretches beyond the last line a part may end.
+const BEYOND: f64 = 4.0;
+
+/// Lines with those that are needed between them.
+pub(crate) fn dense<K: Copy>(
+    course: &Course<K>,
+    mut lines: Vec<Line>,
+    spacing: &BendSpacing,
+    size: f64,
+    exact: &Exact,
+) -> Vec<Line> {
+    if !spacing.within.is_finite() || spacing.facets.is_some() || lines.is_empty() {
+        return lines;
+    }
+    let near = NEARER * spacing.least * size;
+    for _ in 0..ROUNDS {
+        let gaps = gaps(course, &lines, size, exact);
+        let whole: f64 = gaps.iter().map(|g| g.left).sum();
+        if whole <= spacing.within || lines.len() >= MOST {
+            break;
+        }
+        let even = EVEN * spacing.within / gaps.len() as f64;
+        let more: Vec<Line> = gaps
+            .iter()
+            .filter(|g| g.left > even && course.length_between(g.ends) > 2.0 * near)
+            .map(|g| course.halfway(g.ends))
+            .collect();
+        if more.is_empty() {
+            break;
+        }
+        lines.extend(more);
+        lines.sort_by(|a, b| a.place().total_cmp(&b.place()));
+    }
+    course.parted(lines, size)
+}
+
+/// What lies between two lines, or between one and an end of the part.
+struct Gap {
+    /// Places on the course.
+    ends: [f64; 2],
+    /// By how much it moves the rest of the part, mm.
+    left: f64,
+}
+
+fn gaps<K: Copy>(course: &Course<K>, lines: &[Line], size: f64, exact: &Exact) -> Vec<Gap> {
+    let mut out = Vec::with_capacity(lines.len() + 1);
+    let rulings: Vec<[Option<Ruling>; 2]> = lines.iter().map(|l| [false, true].map(|b| exact(l, b))).collect();
+    let stretch = |k: usize| -> Option<Stretch> {
+        let (a, b) = (rulings.get(k)?[1].as_ref()?, rulings.get(k + 1)?[0].as_ref()?);
+        Stretch::new(a, b, course.turn_between(&lines[k], &lines[k + 1]))
+    };
+    let [first, last] = [course.end(false), course.end(true)];
+    let tip = |end: &Line, k: usize, behind: bool| -> f64 {
+        let Some(ruling) = exact(end, !behind) else { return 0.0 };
+        // A single line tells of no change.
+        stretch(k).and_then(|s| s.beyond(&ruling, behind)).unwrap_or(f64::INFINITY)
+    };
+    let count = lines.len();
+    out.push(Gap { ends: [first.place(), lines[0].place()], left: tip(&first, 0, false) });
+    for k in 0..count - 1 {
+        let left = stretch(k).map_or(0.0, |s| s.left(0.5 * size));
+        out.push(Gap { ends: [lines[k].place(), lines[k + 1].place()], left });
+    }
+    let left = tip(&last, count.saturating_sub(2), true);
+    out.push(Gap { ends: [lines[count - 1].place(), last.place()], left });
+    out
+}
+
+/// The stretch between two rulings, laid from lines and turn alone, beside where both are.
+struct Stretch {
+    between: Between,
+    /// Poses in space of both rulings.
+    poses: [Pose; 2],
+    origin: Vec2,
+    /// Whether rulings were turned over so that the family goes on to their left.
+    turned_over: bool,
+    /// Middle of the second ruling, along it from the foot of the origin.
+    middle: f64,
+    turn: f64,
+}
+
+impl Stretch {
+    fn new(first: &Ruling, last: &Ruling, turn: f64) -> Option<Self> {
+        let middle = |r: &Ruling| (r.flat[0] + r.flat[1]) * 0.5;
+        let ahead = middle(last) - middle(first);
+        let turned_over = (first.flat[1] - first.flat[0]).perp(&ahead) < 0.0;
+        let origin = middle(first);
+        let side = |r: &Ruling| line(r, turned_over, turn);
+        let poses = [pose(first, turned_over, &origin)?, pose(last, turned_over, &origin)?];
+        let sides = [side(first)?, side(last)?];
+        let between = Between::new(&sides[0], &sides[1], turn, origin);
+        let foot = sides[1].way.dot(&(sides[1].at - origin));
+        let middle = foot + 0.5 * (sides[1].reach[0] + sides[1].reach[1]);
+        Some(Self { between, poses, origin, turned_over, middle, turn })
+    }
+
+    /// By how much the rest of the part is moved, mm; turns count by the lever.
+    fn left(&self, lever: f64) -> f64 {
+        let end = self.between.steps(STEPS).iter().fold(self.poses[0], |p, r| p.moved(r, 1.0));
+        off(&end, &self.poses[1], self.middle, lever)
+    }
+
+    /// By how much an end of the part is off that lies before the first ruling or behind the second one, mm; `None` where the
+    /// rulings laid do not reach it.
+    fn beyond(&self, end: &Ruling, behind: bool) -> Option<f64> {
+        let target = pose(end, self.turned_over, &self.origin)?;
+        let side = line(end, self.turned_over, self.turn)?;
+        let foot = side.way.dot(&(side.at - self.origin));
+        let reach = side.reach.map(|v| v + foot);
+        let middle = side.at + side.way * (0.5 * (side.reach[0] + side.reach[1]));
+        let from = if behind { 1.0 } else { 0.0 };
+        let mut x = from;
+        for _ in 0..NEWTON {
+            let (p, spin, across) = self.between.ruling(x);
+            let away = middle - p.at.xy();
+            x += away.dot(&p.across().xy()) / (across + away.dot(&p.ruling().xy()) * spin);
+            if !x.is_finite() || (x - from).abs() > BEYOND {
+                return None;
+            }
+        }
+        let at = |k: usize| from + (x - from) * k as f64 / STEPS as f64;
+        let mut here = self.poses[usize::from(behind)];
+        for k in 0..STEPS {
+            let [a, b] = [k, k + 1].map(|k| self.between.ruling(at(k)));
+            let turn = 0.5 * (self.between.rate(at(k), &a) + self.between.rate(at(k + 1), &b));
+            let rates = Rates { turn: turn * (at(k + 1) - at(k)), ..a.0.flat_rates_to(&b.0) };
+            here = here.moved(&rates, 1.0);
+        }
+        Some(reach.map(|v| (here.point(v, 0.0) - target.point(v, 0.0)).norm()).into_iter().fold(0.0, f64::max))
+    }
+}
+
+/// Difference of two poses as a move: where rulings have their middle, and the turn by a lever.
+fn off(a: &Pose, b: &Pose, middle: f64, lever: f64) -> f64 {
+    let turn = (a.axes.transpose() * b.axes - Matrix3::identity()).norm() / std::f64::consts::SQRT_2;
+    (a.point(middle, 0.0) - b.point(middle, 0.0)).norm() + turn * lever
+}
+
+/// A ruling as a line that is drawn.
+fn line(r: &Ruling, turned_over: bool, turn: f64) -> Option<LineSide> {
+    let ([a, b], radii) =
+        if turned_over { ([r.flat[1], r.flat[0]], [r.radii[1], r.radii[0]]) } else { (r.flat, r.radii) };
+    let way = (b - a).try_normalize(0.0)?;
+    Some(LineSide { at: a, way, reach: [0.0, (b - a).norm()], radii, sign: turn.signum() })
+}
+
+/// The pose in space of a ruling, at the foot of a point.
+fn pose(r: &Ruling, turned_over: bool, origin: &Vec2) -> Option<Pose> {
+    let ([a, b], [p, q]) =
+        if turned_over { ([r.space[1], r.space[0]], [r.flat[1], r.flat[0]]) } else { (r.space, r.flat) };
+    let (e, way) = ((b - a).try_normalize(0.0)?, (q - p).try_normalize(0.0)?);
+    let foot = way.dot(&(origin - p));
+    // Seen by the eye, the family goes on to the left of rulings.
+    let across = r.normal.cross(&e);
+    Some(Pose { axes: Matrix3::from_columns(&[e, across, r.normal]), at: a + e * foot })
+}

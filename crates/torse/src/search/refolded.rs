@@ -1,0 +1,333 @@
+//! A part that was bent back beside its panels: which rulings belong on which panel, and where; judged by
+//! [`crate::certify::refolded`], which relies on nothing that is found here.
+//!
+//! *Method* (docs/algorithms/refold.md, "What is proven"; the maps are isometric, \[DC76\]). The outline is followed from ruling
+//! to ruling of the strip that was laid. Every ruling gets the parameters of its panel by the panel's own flat image. Where a
+//! strip runs over several panels, the outline of each is closed along the ruling between them. Borders of panels are
+//! matched by their nearest places.
+
+use crate::certify::claim::UpperBound;
+use crate::certify::refolded::{distance, Along, Piece, Stretch, Unshown};
+use crate::develop::refold::atlas::{Atlas, OnPanel};
+use crate::develop::refold::compare::samples;
+use crate::develop::refold::drawn::{inside, FlatPart};
+use crate::develop::refold::leaf::{Leaf, Refolded};
+use crate::geom::placement::Placement;
+use crate::geom::Vec2;
+use crate::torse::ribbon::pose::{Pose, Rates};
+use crate::torse::ribbon::{Ribbon, Span};
+
+/// Turn (rad) over a span that is judged at most.
+const FINE: f64 = 4e-3;
+/// How far (in spans) an outline may lie beyond the rulings that were laid: rounding of tables.
+const BEYOND: f64 = 1e-3;
+/// Rulings with so little of the part on them (share of its size) are looked at as if it were so much.
+const SHORT: f64 = 1e-3;
+
+/// Bound (mm) of the distance between a part bent back and moved and its panels, both ways.
+///
+/// # Errors
+/// In plain words: why none was shown.
+pub(crate) fn distance_bound(
+    part: &FlatPart,
+    refolded: &Refolded,
+    atlas: &Atlas,
+    motion: &Placement,
+) -> Result<UpperBound, String> {
+    let said = |e: Unshown| e.to_string();
+    let mut bound: Option<UpperBound> = None;
+    let mut used = vec![false; atlas.sheets.len()];
+    for leaf in &refolded.leaves {
+        let ribbon = fine(&leaf.ribbon, motion, &joints(&leaf.ribbon, atlas));
+        let lines = leaf.loops.iter().map(|l| lifted(&ribbon, l)).collect::<Option<Vec<_>>>();
+        let lines = lines.ok_or_else(|| said(Unshown::Lines))?;
+        for (range, sheet) in stretches(part, leaf, &ribbon, atlas) {
+            // A panel in two places has no one border.
+            if std::mem::replace(&mut used[sheet], true) {
+                return Err(format!("panel {} belongs to several bends", atlas.sheets[sheet].panel.name));
+            }
+            let found = judged(&ribbon, &lines, range, (part, atlas, sheet)).map_err(said)?;
+            bound = Some(bound.map_or(found, |b| b.max(found)));
+        }
+    }
+    if let Some(k) = used.iter().position(|u| !u) {
+        return Err(format!("no bend belongs to panel {}", atlas.sheets[k].panel.name));
+    }
+    bound.ok_or_else(|| said(Unshown::Lines))
+}
+
+/// Places on the rulings at which panels begin and end, where there are several.
+fn joints(ribbon: &Ribbon, atlas: &Atlas) -> Vec<f64> {
+    if atlas.sheets.len() == 1 || ribbon.spans.len() == 1 {
+        return Vec::new();
+    }
+    let corners = (atlas.sheets.iter().enumerate())
+        .flat_map(|(sheet, s)| s.panel.corners.iter().map(move |uv| OnPanel { sheet, uv: *uv, off: 0.0 }));
+    corners.filter_map(|on| ribbon.locate(&atlas.flat(&on))).map(|spot| spot.t).collect()
+}
+
+/// The rulings laid closer, where the part is in space, and cut at given places.
+fn fine(ribbon: &Ribbon, motion: &Placement, cuts: &[f64]) -> Ribbon {
+    let moved = |p: &Pose| Pose { axes: motion.linear * p.axes, at: motion.point(&p.at) };
+    let mut spans = Vec::with_capacity(ribbon.spans.len());
+    for (k, s) in ribbon.spans.iter().enumerate() {
+        let turn = s.in_space.turn.hypot(s.in_space.spin);
+        let n = (turn / FINE).ceil().clamp(1.0, MOST) as usize;
+        let mut shares: Vec<f64> = (0..=n).map(|i| i as f64 / n as f64).collect();
+        let inner = |c: &f64| shares.iter().all(|x| (x - c).abs() > APART);
+        let more: Vec<f64> = cuts.iter().map(|t| t - k as f64).filter(|c| *c > 0.0 && *c < 1.0).filter(inner).collect();
+        shares.extend(more);
+        shares.sort_by(f64::total_cmp);
+        // Corners of neighbours are one place.
+        shares.dedup_by(|b, a| *b - *a <= APART);
+        spans.extend(shares.windows(2).map(|w| {
+            let part = |r: &Rates| {
+                let x = w[1] - w[0];
+                Rates { turn: r.turn * x, spin: r.spin * x, along: r.along * x, across: r.across * x }
+            };
+            Span {
+                flat: s.flat.moved(&s.in_plane, w[0]),
+                space: moved(&s.space.moved(&s.in_space, w[0])),
+                in_plane: part(&s.in_plane),
+                in_space: part(&s.in_space),
+                reach: s.reach,
+            }
+        }));
+    }
+    Ribbon { spans }
+}
+
+/// Share of a span within which places are one.
+const APART: f64 = 1e-6;
+/// Parts of one span at most.
+const MOST: f64 = 4096.0;
+
+/// A closed polygon of the plane on the rulings: pieces from ruling to ruling, without their borders.
+fn lifted(ribbon: &Ribbon, polygon: &[Vec2]) -> Option<Vec<Piece>> {
+    let end = ribbon.end();
+    let spots: Vec<(f64, f64)> = polygon
+        .iter()
+        .map(|q| {
+            let spot = ribbon.locate(q)?;
+            let near = (-BEYOND..=end + BEYOND).contains(&spot.t);
+            near.then_some((spot.t.clamp(0.0, end), spot.v))
+        })
+        .collect::<Option<_>>()?;
+    let mut out = Vec::with_capacity(2 * polygon.len());
+    for k in 0..polygon.len() {
+        let (a, b) = (k, (k + 1) % polygon.len());
+        let (from, to) = (polygon[a], polygon[b]);
+        let ((t, v), (u, w)) = (spots[a], spots[b]);
+        // Places where the side crosses rulings.
+        let (low, high) = (t.min(u), t.max(u));
+        let mut crossed: Vec<f64> = (low.floor() as usize + 1..).map(|k| k as f64).take_while(|x| *x < high).collect();
+        if u < t {
+            crossed.reverse();
+        }
+        let mut places = vec![(t, v, from)];
+        for x in crossed {
+            let pose = ribbon.flat(x);
+            let side = |q: &Vec2| (q - pose.at.xy()).dot(&pose.across().xy());
+            let (p, q) = (side(&from), side(&to));
+            let at = from + (to - from) * (p / (p - q)).clamp(0.0, 1.0);
+            places.push((x, (at - pose.at.xy()).dot(&pose.ruling().xy()), at));
+        }
+        places.push((u, w, to));
+        for pair in places.windows(2) {
+            let ((t, v, p), (u, w, q)) = (pair[0], pair[1]);
+            let span = (0.5 * (t + u)).floor().clamp(0.0, end - 1.0);
+            let ends = [[(t - span).clamp(0.0, 1.0), v], [(u - span).clamp(0.0, 1.0), w]];
+            out.push(Piece { span: span as usize, ends, border: [0.0; 2], drawn: Some([p, q]) });
+        }
+    }
+    Some(out)
+}
+
+/// Ranges of spans with the panel that each belongs to.
+fn stretches(part: &FlatPart, leaf: &Leaf, ribbon: &Ribbon, atlas: &Atlas) -> Vec<(std::ops::Range<usize>, usize)> {
+    let n = ribbon.spans.len();
+    let of = |q: &Vec2| atlas.from_flat(q).map(|on| on.sheet);
+    let turns = ribbon.spans.iter().any(|s| s.in_space.turn != 0.0);
+    if atlas.sheets.len() == 1 {
+        return vec![(0..n, 0)];
+    }
+    if !turns || n == 1 {
+        // A plane: what most of it lies on.
+        let mut votes = vec![0usize; atlas.sheets.len()];
+        let own = samples(&FlatPart { loops: leaf.loops.clone(), ..part.clone() });
+        for q in own.iter().filter(|q| inside(&leaf.loops, q)) {
+            of(q).into_iter().for_each(|k| votes[k] += 1);
+        }
+        let best = (0..votes.len()).max_by_key(|k| votes[*k]).unwrap_or(0);
+        return vec![(0..n, best)];
+    }
+    let mut out: Vec<(std::ops::Range<usize>, usize)> = Vec::new();
+    for (k, s) in ribbon.spans.iter().enumerate() {
+        let middle = s.flat.moved(&s.in_plane, 0.5).point(0.5 * (s.reach[0] + s.reach[1]), 0.0).xy();
+        let sheet = of(&middle).or(out.last().map(|o| o.1)).unwrap_or(0);
+        match out.last_mut() {
+            Some(last) if last.1 == sheet => last.0.end = k + 1,
+            _ => out.push((k..k + 1, sheet)),
+        }
+    }
+    out
+}
+
+/// Judges the spans of one panel.
+fn judged(
+    ribbon: &Ribbon,
+    lines: &[Vec<Piece>],
+    range: std::ops::Range<usize>,
+    (part, atlas, sheet): (&FlatPart, &Atlas, usize),
+) -> Result<UpperBound, Unshown> {
+    let panel = &atlas.sheets[sheet].panel;
+    let mut own = cut(lines, &range)?;
+    own.iter_mut().flatten().for_each(|p| p.span -= range.start);
+    let spans = &ribbon.spans[range];
+    let places = places(spans, &own, (atlas, sheet));
+    // Borders are compared where both directions of the patch are about as long as in space.
+    let ((u0, u1), (v0, v1)) = panel.surface.domain();
+    let jet = panel.surface.jet(0.5 * (u0 + u1), 0.5 * (v0 + v1));
+    let scale = [jet.du.norm(), jet.dv.norm()];
+    let borders: Vec<Vec<Vec2>> =
+        (panel.loops.iter()).map(|l| l.iter().map(|p| Vec2::new(p[0] * scale[0], p[1] * scale[1])).collect()).collect();
+    let on_patch = |p: &Piece, end: usize| {
+        let [s, v] = p.ends[end];
+        let at = |k: usize, d: usize| places[p.span + k].at[d] + places[p.span + k].slope[d] * v;
+        let of = |d: usize| ((1.0 - s) * at(0, d) + s * at(1, d)) * scale[d];
+        Vec2::new(of(0), of(1))
+    };
+    let mut matched = Vec::new();
+    for mut line in own {
+        let first = on_patch(&line[0], 0);
+        let border = (0..borders.len())
+            .min_by(|a, b| nearest(&borders[*a], &first).1.total_cmp(&nearest(&borders[*b], &first).1))
+            .ok_or(Unshown::Lines)?;
+        let corners = borders[border].len() as f64;
+        let mut at = nearest(&borders[border], &first).0;
+        for p in &mut line {
+            let there = nearest(&borders[border], &on_patch(p, 1)).0;
+            // The shorter way.
+            let step = (there - at).rem_euclid(corners);
+            let step = if step > 0.5 * corners { step - corners } else { step };
+            p.border = [at, at + step];
+            at += step;
+        }
+        matched.push((border, line));
+    }
+    let (surface, borders, chords) = (&panel.surface, &panel.loops[..], part.chords);
+    distance(&Stretch { spans, places, lines: matched, surface, borders, chords })
+}
+
+/// Place on a closed polygon nearest to a point (number of a corner and share of the way to the next), and its distance.
+fn nearest(polygon: &[Vec2], q: &Vec2) -> (f64, f64) {
+    let mut best = (0.0, f64::INFINITY);
+    for (k, p) in polygon.iter().enumerate() {
+        let d = polygon[(k + 1) % polygon.len()] - p;
+        let share = d.dot(&(q - p)) / d.norm_squared();
+        let share = if share.is_finite() { share.clamp(0.0, 1.0) } else { 0.0 };
+        let off = (q - p - d * share).norm();
+        if off < best.1 {
+            best = (k as f64 + share, off);
+        }
+    }
+    best
+}
+
+/// Where the rulings of spans are on their panel: by the flat image of two of their points.
+fn places(spans: &[Span], lines: &[Vec<Piece>], (atlas, sheet): (&Atlas, usize)) -> Vec<Along> {
+    let n = spans.len();
+    let mut reach = vec![[f64::INFINITY, f64::NEG_INFINITY]; n + 1];
+    for p in lines.iter().flatten() {
+        for k in [p.span, p.span + 1] {
+            for e in p.ends {
+                reach[k] = [reach[k][0].min(e[1]), reach[k][1].max(e[1])];
+            }
+        }
+    }
+    let size = reach.iter().map(|r| r[1] - r[0]).filter(|l| l.is_finite()).fold(0.0, f64::max);
+    let place = |k: usize| {
+        let pose = if k < n { spans[k].flat } else { spans[n - 1].flat.moved(&spans[n - 1].in_plane, 1.0) };
+        let [mut a, mut b] = reach[k];
+        if b.is_nan() || a.is_nan() || b - a < SHORT * size {
+            let middle = if a.is_finite() { 0.5 * (a + b) } else { 0.0 };
+            (a, b) = (middle - 0.5 * SHORT * size, middle + 0.5 * SHORT * size);
+        }
+        let [p, q] = [a, b].map(|v| atlas.on_sheet(sheet, &pose.point(v, 0.0).xy()));
+        let slope = [0, 1].map(|d: usize| (q[d] - p[d]) / (b - a));
+        Along { at: [0, 1].map(|d: usize| p[d] - slope[d] * a), slope }
+    };
+    (0..=n).map(place).collect()
+}
+
+/// An end of a chain of pieces on one of the rulings that bound a range.
+struct End {
+    chain: usize,
+    last: bool,
+    way: f64,
+    behind: bool,
+}
+
+/// The part of closed lines that lies on a range of spans, closed along its first and last ruling.
+fn cut(lines: &[Vec<Piece>], range: &std::ops::Range<usize>) -> Result<Vec<Vec<Piece>>, Unshown> {
+    let within = |p: &Piece| range.contains(&p.span);
+    let (mut closed, mut chains): (Vec<Vec<Piece>>, Vec<Vec<Piece>>) = (Vec::new(), Vec::new());
+    for line in lines {
+        let Some(start) =
+            (0..line.len()).find(|k| within(&line[*k]) && !within(&line[(k + line.len() - 1) % line.len()]))
+        else {
+            if line.first().is_some_and(within) {
+                closed.push(line.clone());
+            }
+            continue;
+        };
+        let mut open = false;
+        for k in 0..line.len() {
+            let p = line[(start + k) % line.len()];
+            match (within(&p), open) {
+                (true, true) => chains.last_mut().into_iter().for_each(|c| c.push(p)),
+                (true, false) => chains.push(vec![p]),
+                _ => {}
+            }
+            open = within(&p);
+        }
+    }
+    let mut ends: Vec<End> = Vec::new();
+    for (chain, c) in chains.iter().enumerate() {
+        for last in [false, true] {
+            let (p, e) = if last { (&c[c.len() - 1], 1) } else { (&c[0], 0) };
+            let behind = p.span + 1 == range.end && p.ends[e][0] == 1.0;
+            let ahead = p.span == range.start && p.ends[e][0] == 0.0;
+            if !(behind || ahead) {
+                return Err(Unshown::Lines);
+            }
+            ends.push(End { chain, last, way: p.ends[e][1], behind });
+        }
+    }
+    ends.sort_by(|a, b| a.behind.cmp(&b.behind).then(a.way.total_cmp(&b.way)));
+    let mut next = vec![None; chains.len()];
+    for pair in ends.chunks(2) {
+        let [a, b] = pair else { return Err(Unshown::Lines) };
+        if a.behind != b.behind || a.last == b.last {
+            return Err(Unshown::Lines);
+        }
+        let (from, to) = if a.last { (a, b) } else { (b, a) };
+        let (span, share) = if a.behind { (range.end - 1, 1.0) } else { (range.start, 0.0) };
+        let ends = [[share, from.way], [share, to.way]];
+        next[from.chain] = Some((to.chain, Piece { span, ends, border: [0.0; 2], drawn: None }));
+    }
+    let mut used = vec![false; chains.len()];
+    for first in 0..chains.len() {
+        let (mut k, mut line) = (first, Vec::new());
+        while !std::mem::replace(&mut used[k], true) {
+            line.extend(chains[k].iter().copied());
+            let Some((to, piece)) = next[k] else { return Err(Unshown::Lines) };
+            line.push(piece);
+            k = to;
+        }
+        if !line.is_empty() {
+            closed.push(line);
+        }
+    }
+    Ok(closed)
+}
