@@ -3,8 +3,8 @@
 //! *Method*. Between two lines the sheet is laid as who bends it back will lay it (`develop::between`), from the one ruling to
 //! the other, whose true places in space are known. What is left there, as a turn and a move, is carried on to all that
 //! follows: the turn by half the size of the part. Where all of this is more than asked for, the stretches that leave most
-//! get a line in their middle, again and again; the error of the cubic between
-//! two lines falls with the fourth power of their distance (docs/algorithms/refold.md).
+//! get a line in their middle, again and again; the error of the cubic between two lines falls with the fourth power of
+//! their distance (docs/algorithms/refold.md).
 //! *Not guaranteed*: any distance. What comes of the lines is proven when the part is bent back.
 
 use super::course::{Course, Line};
