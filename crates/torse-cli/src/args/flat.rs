@@ -13,7 +13,7 @@ use std::time::Duration;
   torse unroll duct.igs --k din --tolerance 0.05mm --out flat --one-file-per-part
   torse unroll skin.step --surfaces --tolerance 0.05mm --out flat
   torse unroll hull.3dm --surfaces --tolerance 0.1mm --approximate 2mm --out flat
-  torse unroll facade.step --surfaces --tolerance 0.5mm --split 250 --out flat
+  torse unroll assembly.step --tolerance 0.1mm --split 250 --out flat
 
 A body of constant thickness is recognised as sheet: its thickness is measured, the sides are dropped, and one skin is
 unfolded into one part, holes across bends included. It is cut where it would overlap or close up; the report names the edges.
@@ -56,8 +56,8 @@ pub struct Unroll {
     #[arg(long)]
     pub strict: bool,
 
-    /// Write so many bodies at a time into folders of their own, 001, 002 and on, each a whole result: for thousands of parts,
-    /// which then need no more memory than one folder
+    /// Write so many bodies at a time into folders of their own, 001, 002 and on, each a whole result: many bodies then need no
+    /// more memory than one folder. Sheets of one part of the file count as one body
     #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u32).range(1..))]
     pub split: Option<u32>,
 }
