@@ -65,7 +65,7 @@ fn curves_that_cannot_be_used_are_refused_by_name() {
     assert!(refused(room.path(), &["loft", "a.csv", "b.csv", "-t", "0.1mm", "-o", "o"]).contains("--unit"));
     let duct = format!("{DATA}/duct_round.dxf");
     let message = refused(room.path(), &["loft", &duct, "b.csv", "--unit", "in", "-t", "0.1mm", "-o", "o"]);
-    assert!(message.contains("duct_round.dxf is in"), "{message}");
+    assert!(message.contains("the unit of duct_round.dxf is the millimetre"), "{message}");
     assert!(refused(room.path(), &["loft", "a.csv", "-t", "0.1mm", "-o", "o"]).contains("RAIL_B"));
     let fixed = ["loft", "a.csv", "b.csv", "--unit", "mm", "-t", "0.1mm", "-o", "o", "--ruling", "0.5,0.5"];
     let message = refused(room.path(), &[&fixed[..], &["--ruling", "0.4,0.6"]].concat());
