@@ -22,11 +22,13 @@
 use super::boundary::trim_piece;
 use super::certificate::PanelParts;
 use super::coverage::loops_bound_triangles;
+use super::gap::{Bounded, Gap};
 use super::panel::{edges, Ground};
+use super::polygon::winding;
 use super::ruled::{Ruled, RuledJets};
 use super::simple::{loops_are_simple, stays_within};
-use super::tensor::{about, Jet2, Tensor};
-use super::vector::{length, length_bound, V3};
+use super::tensor::{about, Tensor};
+use super::vector::length;
 use super::written::reserve;
 use crate::control::Control;
 use crate::geom::place_in_words;
@@ -280,20 +282,8 @@ impl<'a> Judge<'a> {
         let (map_m, patch_m) = (self.map.at(m), self.patch.at(m).affine());
         let at = Gap::of(&self.face.at(map_m.p).affine(), &map_m, &patch_m);
         let (x, y) = (cell[0] - m[0], cell[1] - m[1]);
-        let step = |du: &V3<Interval>, dv: &V3<Interval>, d: usize| du[d] * x + dv[d] * y;
-        let first: V3<Interval> = [0, 1, 2].map(|d: usize| at.value[d] + step(&gap.ds, &gap.dt, d));
-        let mut bound = length_bound(&first);
-        let bend = |d: usize| (gap.dss[d] * x.sqr()) + (gap.dst[d] * x * y).scale_exact(2.0) + (gap.dtt[d] * y.sqr());
-        if !self.face.creased(map.p) {
-            let second = [0, 1, 2].map(|d: usize| at.value[d] + step(&at.ds, &at.dt, d) + bend(d).scale_exact(0.5));
-            bound = bound.min(length_bound(&second));
-        }
+        let Bounded { bound, share } = gap.bounded(&at, [x, y], self.face.creased(map.p));
         let det = map.du[0] * map.dv[1] - map.du[1] * map.dv[0];
-        // Distance unknown where the second derivatives are: what the cell does in either direction decides.
-        let reach = |a: &V3<Interval>, b: &V3<Interval>, h: Interval| {
-            h.mag() * (length_bound(a) + 0.5 * h.mag() * length_bound(b))
-        };
-        let share = [reach(&at.ds, &gap.dss, x), reach(&at.dt, &gap.dtt, y)];
         // Beyond the trim the distance does not matter.
         let inside = self.polygons.iter().map(|p| winding(p, middle(cell))).sum::<i32>() != 0;
         let seen = if inside { length(&at.value).lo } else { 0.0 };
@@ -392,39 +382,6 @@ impl<'a> Judge<'a> {
     }
 }
 
-/// `S(φ(y)) − R(y)` with derivatives.
-struct Gap {
-    value: V3<Interval>,
-    ds: V3<Interval>,
-    dt: V3<Interval>,
-    dss: V3<Interval>,
-    dst: V3<Interval>,
-    dtt: V3<Interval>,
-}
-
-impl Gap {
-    /// Chain rule.
-    fn of(face: &Jet2<3>, map: &Jet2<2>, patch: &Jet2<3>) -> Self {
-        let of = |f: &dyn Fn(usize) -> Interval| -> V3<Interval> { [f(0), f(1), f(2)] };
-        let first = |a: &[Interval; 2], d: usize| face.du[d] * a[0] + face.dv[d] * a[1];
-        let second = |a: &[Interval; 2], b: &[Interval; 2], c: &[Interval; 2], d: usize| {
-            face.duu[d] * (a[0] * b[0])
-                + face.duv[d] * (a[0] * b[1] + a[1] * b[0])
-                + face.dvv[d] * (a[1] * b[1])
-                + first(c, d)
-        };
-        let (a, b) = (&map.du, &map.dv);
-        Self {
-            value: of(&|d| face.p[d] - patch.p[d]),
-            ds: of(&|d| first(a, d) - patch.du[d]),
-            dt: of(&|d| first(b, d) - patch.dv[d]),
-            dss: of(&|d| second(a, a, &map.duu, d) - patch.duu[d]),
-            dst: of(&|d| second(a, b, &map.duv, d) - patch.duv[d]),
-            dtt: of(&|d| second(b, b, &map.dvv, d) - patch.dvv[d]),
-        }
-    }
-}
-
 fn middle(cell: &[Interval; 2]) -> [f64; 2] {
     [cell[0].mid(), cell[1].mid()]
 }
@@ -454,32 +411,14 @@ fn signed_area(polygon: &[[f64; 2]]) -> f64 {
     (0..polygon.len()).map(|k| polygon[k][0] * next(k)[1] - polygon[k][1] * next(k)[0]).sum()
 }
 
-/// Winding number of a closed polygon about a point that is not on it.
-fn winding(polygon: &[[f64; 2]], at: [f64; 2]) -> i32 {
-    let coord = |p: [f64; 2]| robust::Coord { x: p[0], y: p[1] };
-    (0..polygon.len())
-        .map(|k| {
-            let (a, b) = (polygon[k], polygon[(k + 1) % polygon.len()]);
-            let side = || robust::orient2d(coord(a), coord(b), coord(at));
-            match (a[1] <= at[1], b[1] <= at[1]) {
-                (true, false) if side() > 0.0 => 1,
-                (false, true) if side() < 0.0 => -1,
-                _ => 0,
-            }
-        })
-        .sum()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn polygons_wind_about_what_is_in_them() {
+    fn areas_have_the_sign_of_their_sense() {
         let square = [[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]];
         let back: Vec<_> = square.iter().rev().copied().collect();
-        assert_eq!((winding(&square, [1.0, 1.0]), winding(&back, [1.0, 1.0])), (1, -1));
-        assert_eq!((winding(&square, [3.0, 1.0]), winding(&square, [-1.0, 0.0])), (0, 0));
         assert!(signed_area(&square) > 0.0 && signed_area(&back) < 0.0);
     }
 }

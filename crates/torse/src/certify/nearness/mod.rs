@@ -17,8 +17,7 @@ use ground::Ground;
 use piece::Piece;
 
 use super::claim::UpperBound;
-use super::tensor::Jet2;
-use super::vector::{length_bound, V3};
+use super::gap::{Bounded, Gap};
 use crate::control::Control;
 use crate::geom::Vec3;
 use crate::num::interval::Interval;
@@ -141,55 +140,16 @@ fn look(cell: &Cell, pieces: &[Piece], ground: &Ground, far: f64) -> Look {
     let image = map.image([x, y]);
     let over = ground.over(foot.of, &image);
     let at = ground.at(foot.of, &map.at);
-    let gap = Gap::of(&over, &map, &piece.over(&cell.box_));
-    let first = Gap::of(&at, &map, &piece.at(middle));
-    let step = |du: &V3<Interval>, dv: &V3<Interval>, d: usize| du[d] * x + dv[d] * y;
-    let linear: V3<Interval> = [0, 1, 2].map(|d: usize| first.value[d] + step(&gap.ds, &gap.dt, d));
-    let mut bound = length_bound(&linear);
-    if !ground.creased(foot.of, &image) {
-        let bend = |d: usize| (gap.dss[d] * x.sqr()) + (gap.dst[d] * x * y).scale_exact(2.0) + (gap.dtt[d] * y.sqr());
-        let second =
-            [0, 1, 2].map(|d: usize| first.value[d] + step(&first.ds, &first.dt, d) + bend(d).scale_exact(0.5));
-        bound = bound.min(length_bound(&second));
-    }
-    bound += ground.beyond(foot.of, &map, [x, y], &over);
-    let reach =
-        |a: &V3<Interval>, b: &V3<Interval>, h: Interval| h.mag() * (length_bound(a) + 0.5 * h.mag() * length_bound(b));
-    let share = [reach(&first.ds, &gap.dss, x), reach(&first.dt, &gap.dtt, y)];
+    let [du, dv] = map.slopes.map(|s| s.map(Interval::point));
+    let gap = Gap::linear(&over, [&du, &dv], &piece.over(&cell.box_));
+    let first = Gap::linear(&at, [&du, &dv], &piece.at(middle));
+    let creased = ground.creased(foot.of, &image);
+    let Bounded { bound, share } = gap.bounded(&first, [x, y], creased);
+    let bound = (Interval::point(bound) + Interval::point(ground.beyond(foot.of, &map, [x, y], &over))).hi;
     let seen = if piece.holds(middle) { foot.distance } else { 0.0 };
     // What is no number is no bound.
     let bound = if bound >= 0.0 { bound } else { f64::INFINITY };
     Look { bound, seen, place, foot: Some(foot), share }
-}
-
-/// `S(ψ(y)) − R(y)` with derivatives.
-struct Gap {
-    value: V3<Interval>,
-    ds: V3<Interval>,
-    dt: V3<Interval>,
-    dss: V3<Interval>,
-    dst: V3<Interval>,
-    dtt: V3<Interval>,
-}
-
-impl Gap {
-    /// Chain rule for a linear map.
-    fn of(face: &Jet2<3>, map: &Affine, patch: &Jet2<3>) -> Self {
-        let [a, b] = map.slopes.map(|s| s.map(Interval::point));
-        let first = |a: &[Interval; 2], d: usize| face.du[d] * a[0] + face.dv[d] * a[1];
-        let second = |a: &[Interval; 2], b: &[Interval; 2], d: usize| {
-            face.duu[d] * (a[0] * b[0]) + face.duv[d] * (a[0] * b[1] + a[1] * b[0]) + face.dvv[d] * (a[1] * b[1])
-        };
-        let of = |f: &dyn Fn(usize) -> Interval| -> V3<Interval> { [f(0), f(1), f(2)] };
-        Self {
-            value: of(&|d| face.p[d] - patch.p[d]),
-            ds: of(&|d| first(&a, d) - patch.du[d]),
-            dt: of(&|d| first(&b, d) - patch.dv[d]),
-            dss: of(&|d| second(&a, &a, d) - patch.duu[d]),
-            dst: of(&|d| second(&a, &b, d) - patch.duv[d]),
-            dtt: of(&|d| second(&b, &b, d) - patch.dvv[d]),
-        }
-    }
 }
 
 #[cfg(test)]

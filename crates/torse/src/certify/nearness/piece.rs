@@ -1,6 +1,7 @@
 //! What is near or far: surfaces inside their trims, and triangles \[MKC09\].
 
 use super::ground::Foot;
+use crate::certify::polygon::{meets, winding};
 use crate::certify::tensor::{about, Jet2, Tensor};
 use crate::geom::Vec3;
 use crate::num::interval::Interval;
@@ -117,34 +118,4 @@ fn triangle([a, b, c]: &[Vec3; 3], origin: &[f64; 3], [u, v]: &[Interval; 2]) ->
         out.p[d] = (a - Interval::point(origin[d])) + *u * out.du[d];
     }
     out
-}
-
-/// Whether a segment may meet a box: not on one side of it, and not with the box on one side of itself.
-fn meets(p: [f64; 2], q: [f64; 2], box_: &[Interval; 2]) -> bool {
-    for d in 0..2 {
-        if p[d].max(q[d]) < box_[d].lo || p[d].min(q[d]) > box_[d].hi {
-            return false;
-        }
-    }
-    let coord = |x: f64, y: f64| robust::Coord { x, y };
-    let side = |x: f64, y: f64| robust::orient2d(coord(p[0], p[1]), coord(q[0], q[1]), coord(x, y));
-    let [x, y] = box_;
-    let sides = [side(x.lo, y.lo), side(x.lo, y.hi), side(x.hi, y.lo), side(x.hi, y.hi)];
-    !(sides.iter().all(|s| *s > 0.0) || sides.iter().all(|s| *s < 0.0))
-}
-
-/// Winding number of a closed polygon about a point that is not on it.
-fn winding(polygon: &[[f64; 2]], at: [f64; 2]) -> i32 {
-    let coord = |p: [f64; 2]| robust::Coord { x: p[0], y: p[1] };
-    (0..polygon.len())
-        .map(|k| {
-            let (a, b) = (polygon[k], polygon[(k + 1) % polygon.len()]);
-            let side = || robust::orient2d(coord(a), coord(b), coord(at));
-            match (a[1] <= at[1], b[1] <= at[1]) {
-                (true, false) if side() > 0.0 => 1,
-                (false, true) if side() < 0.0 => -1,
-                _ => 0,
-            }
-        })
-        .sum()
 }

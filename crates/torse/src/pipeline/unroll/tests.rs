@@ -319,15 +319,20 @@ fn a_job_that_is_stopped_says_so() {
     assert!(e.to_string().contains("stopped"), "{e}");
 }
 
-/// What is said of faces without thickness.
-fn answered(faces: Vec<Face>, approximate: Option<f64>) -> crate::answer::Answer {
-    let model = crate::io::model::Model {
+/// Faces as a file holds them.
+fn model_of(faces: Vec<Face>) -> crate::io::model::Model {
+    crate::io::model::Model {
         faces,
         skipped: Vec::new(),
         unit: "millimetre".into(),
         notes: Vec::new(),
         products: Vec::new(),
-    };
+    }
+}
+
+/// What is said of faces without thickness.
+fn answered(faces: Vec<Face>, approximate: Option<f64>) -> crate::answer::Answer {
+    let model = model_of(faces);
     let options = super::UnrollOptions { surfaces: true, approximate, ..super::UnrollOptions::new(0.05) };
     super::unroll(&model, &options, &crate::control::Control::default()).expect("an answer")
 }
@@ -335,13 +340,7 @@ fn answered(faces: Vec<Face>, approximate: Option<f64>) -> crate::answer::Answer
 #[test]
 fn tolerances_larger_than_the_model_are_refused() {
     let faces = vec![over_parabola(|p| p + Vec3::new(10.0, 90.0, 5.0))];
-    let model = crate::io::model::Model {
-        faces,
-        skipped: Vec::new(),
-        unit: "millimetre".into(),
-        notes: Vec::new(),
-        products: Vec::new(),
-    };
+    let model = model_of(faces);
     let options = super::UnrollOptions { surfaces: true, ..super::UnrollOptions::new(900.0) };
     let e = super::unroll(&model, &options, &crate::control::Control::default()).expect_err("too large a tolerance");
     assert!(matches!(e, super::UnrollError::Loose(_)), "{e}");
