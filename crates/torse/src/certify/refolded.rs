@@ -1,13 +1,13 @@
 //! A part bent back from its drawing against its panel in space, both ways and with its edges.
 //!
 //! *Theorem.* Let a strip of rulings be laid in the plane, `F(s, v)`, and in space, `X(s, v)`, and let `T` be what closed lines
-//! of its parameters enclose. Where [`distance`] answers a bound `D`: F is regular on T and maps these lines within D of the
+//! of its parameters enclose, simple, disjoint, and each other's holes. Where [`distance`] answers a bound `D`: F is regular on T and maps these lines within D of the
 //! outline as drawn, and `X(T)` and the panel within its border are within D of each other, in both directions.
 //!
 //! *Proof.* Φ takes places of the strip to parameters of the panel's patch S. It is bilinear on every span, so it is continuous,
 //! and its Jacobian has one sign at the corners of all cells and therefore everywhere: it does not fold. 1. `|X − S∘Φ| ≤ δ`: on
 //! a cell the difference is within `(|D_ss| + |D_vv|)/8` of the bilinear function through its corners, whose norm is
-//! greatest in a corner. `X` moves evenly, so that `X_ss = A (ω × V)` in the frame A that turns by `|ω|` at most
+//! greatest in a corner; where a knot line of S is less than C¹, within a quarter of what its first derivatives range over. `X` moves evenly, so that `X_ss = A (ω × V)` in the frame A that turns by `|ω|` at most
 //! \[DC76\]; derivatives of S are enclosed over boxes \[MKC09\]. 2. The lines Φ∘γ and the panel's border are joined by
 //! segments of the parameter plane, whose images are no longer than β. A place of the panel off these segments is enclosed by
 //! Φ∘γ as often as by the border: it is Φ of a place of T. A place `y` of T whose Φ(y) is off them is, because Φ does not
@@ -18,6 +18,7 @@
 //! How lines, places and borders are matched does not matter for the proof: any numbers will do, near ones make D small.
 
 use super::claim::UpperBound;
+use super::simple::polygons_are_simple;
 use super::tensor::{about, Jet2, Tensor};
 use super::vector::{add, length_bound, scale, sub, V3};
 use crate::geom::{Vec2, Vec3};
@@ -174,6 +175,7 @@ impl<'a> Judge<'a> {
     /// Lines are closed, and run once around the border that belongs to each.
     fn check_lines(&self) -> Result<(), Unshown> {
         let mut used = vec![false; self.asked.borders.len()];
+        let mut sense = None;
         for (border, line) in &self.asked.lines {
             let fresh = used.get_mut(*border).filter(|u| !**u).ok_or(Unshown::Lines)?;
             *fresh = true;
@@ -190,11 +192,17 @@ impl<'a> Judge<'a> {
             let turn = last.border[1] - first.border[0];
             let closed = line.windows(2).all(|w| follows(&w[0], &w[1], 0.0)) && follows(last, first, turn);
             let inside = |p: &Piece| p.ends.iter().all(|e| (0.0..=1.0).contains(&e[0]));
-            if !closed || (around - corners).abs() > ONE_PLACE || !line.iter().all(inside) {
+            // All lines run with their borders, or all against them.
+            let alike = *sense.get_or_insert(turn > 0.0) == (turn > 0.0);
+            if !closed || !alike || (around - corners).abs() > ONE_PLACE || !line.iter().all(inside) {
                 return Err(Unshown::Lines);
             }
         }
-        if used.iter().all(|u| *u) {
+        let mut lines: Vec<&(usize, Vec<Piece>)> = self.asked.lines.iter().collect();
+        lines.sort_by_key(|l| l.0);
+        let corner = |p: &Piece| [p.span as f64 + p.ends[0][0], p.ends[0][1]];
+        let polygons: Vec<Vec<[f64; 2]>> = lines.iter().map(|l| l.1.iter().map(corner).collect()).collect();
+        if used.iter().all(|u| *u) && polygons_are_simple(&polygons).is_ok() {
             Ok(())
         } else {
             Err(Unshown::Lines)
@@ -242,16 +250,28 @@ impl<'a> Judge<'a> {
         let cell = |i: usize| {
             let v = Interval::new(at(i), at(i + 1));
             let [a, b] = [self.place(k, 0, v), self.place(k, 1, v)];
-            let jet = self.tensor.over([a[0].hull(b[0]), a[1].hull(b[1])]).affine();
+            let box_ = [a[0].hull(b[0]), a[1].hull(b[1])];
+            let jet = self.tensor.over(box_).affine();
             let bends = sub(&self.turning(k, v), &second(&jet, self.along_span(k, v)));
             let slopes = [0, 1].map(|d: usize| {
                 let p = &self.asked.places;
                 Interval::new(p[k].slope[d], p[k + 1].slope[d])
             });
             let wide = Interval::point(at(i + 1)) - Interval::point(at(i));
+            let ends = Interval::point(corners[i].max(corners[i + 1]));
+            if self.tensor.creased(box_) {
+                // A function is within a quarter of what its derivative ranges over of its chord.
+                let range = |along: [Interval; 2]| {
+                    let first = add(&scale(&jet.du, along[0]), &scale(&jet.dv, along[1]));
+                    Interval::point(length_bound(&first.map(|x| Interval::point(x.width()))))
+                };
+                let turning = Interval::point(length_bound(&self.turning(k, v)));
+                let quarter = range(self.along_span(k, v)) + turning + range(slopes) * wide;
+                return (ends + quarter.scale_exact(0.25)).hi;
+            }
             let rest = length_bound(&scale(&second(&jet, slopes), wide.sqr()));
             let eighth = (Interval::point(length_bound(&bends)) + Interval::point(rest)).scale_exact(0.125);
-            (Interval::point(corners[i].max(corners[i + 1])) + eighth).hi
+            (ends + eighth).hi
         };
         (0..CELLS).map(cell).fold(0.0, worse)
     }
@@ -515,6 +535,15 @@ mod tests {
     #[test]
     fn open_lines_and_folds_show_nothing() {
         assert_eq!(bound(50, RADIUS, |_, l| l.truncate(60)), Err(Unshown::Lines));
+        // An outline that crosses itself: both sides of two spans change places.
+        let crossed = bound(50, RADIUS, |_, l| {
+            let other = |v: f64| -HEIGHT - v;
+            l.iter_mut().filter(|p| p.span < 2).for_each(|p| {
+                let share = |s: f64| (p.span as f64 + s) / 2.0;
+                p.ends = p.ends.map(|[s, v]| [s, other(v) + (v - other(v)) * share(s)]);
+            });
+        });
+        assert_eq!(crossed, Err(Unshown::Lines));
         let turned = bound(50, RADIUS, |s, _| s[10].in_plane.across = -1.0);
         assert_eq!(turned, Err(Unshown::Folds));
     }

@@ -42,12 +42,41 @@ struct Piece {
 /// # Errors
 /// In plain words, what could not be shown.
 pub(super) fn loops_are_simple(loops: &[Vec<&Curve<2>>]) -> Result<(), &'static str> {
-    let mut rings = gather(loops)?;
+    rings_are_simple(gather(loops)?, loops.len())
+}
+
+/// The same of closed polygons (outer first); corners that coincide with the one before are none.
+///
+/// # Errors
+/// In plain words, what could not be shown.
+pub(super) fn polygons_are_simple(polygons: &[Vec<[f64; 2]>]) -> Result<(), &'static str> {
+    let place = scaled(polygons.iter().flatten());
+    let mut rings = Vec::new();
+    for (group, polygon) in polygons.iter().enumerate() {
+        for (k, p) in polygon.iter().enumerate() {
+            let (a, b) = (place(p), place(&polygon[(k + 1) % polygon.len()]));
+            let at = |s: f64| [0, 1].map(|d: usize| a[d] + (b[d] - a[d]) * s);
+            let c = [a, at(1.0 / 3.0), at(2.0 / 3.0), b];
+            if c.iter().flatten().any(|x| !x.is_finite()) {
+                return Err("a polygon has no extent");
+            }
+            if (0..2).any(|d| (a[d] - b[d]).abs() > MARGIN) {
+                rings.push(Piece { c, group: group as u32 });
+            }
+        }
+    }
+    if (0..polygons.len()).any(|g| !rings.iter().any(|r: &Piece| r.group as usize == g)) {
+        return Err("a polygon has no sides");
+    }
+    rings_are_simple(rings, polygons.len())
+}
+
+fn rings_are_simple(mut rings: Vec<Piece>, loops: usize) -> Result<(), &'static str> {
     let most = PIECES + 10 * rings.len();
     for _ in 0..ROUNDS {
         let marks = conflicts(&rings);
         if marks.iter().all(|m| !m) {
-            return nested(&rings, loops.len());
+            return nested(&rings, loops);
         }
         if marks.len() > most {
             break;
@@ -94,16 +123,21 @@ pub(super) fn stays_within(curve: &Curve<2>, low: [f64; 2], high: [f64; 2]) -> b
     true
 }
 
-/// All pieces in order, scaled; checks that the curves join bit by bit.
-fn gather(loops: &[Vec<&Curve<2>>]) -> Result<Vec<Piece>, &'static str> {
+/// The map that takes points to the unit square.
+fn scaled<'a>(points: impl Iterator<Item = &'a [f64; 2]>) -> impl Fn(&[f64; 2]) -> [f64; 2] {
     let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-    for c in loops.iter().flatten().flat_map(|c| &c.control) {
+    for c in points {
         for d in 0..2 {
             low[d] = low[d].min(c[d]);
             high[d] = high[d].max(c[d]);
         }
     }
-    let place = |p: &[f64; 2]| [0, 1].map(|d: usize| (p[d] - low[d]) / (high[d] - low[d]));
+    move |p| [0, 1].map(|d: usize| (p[d] - low[d]) / (high[d] - low[d]))
+}
+
+/// All pieces in order, scaled; checks that the curves join bit by bit.
+fn gather(loops: &[Vec<&Curve<2>>]) -> Result<Vec<Piece>, &'static str> {
+    let place = scaled(loops.iter().flatten().flat_map(|c| &c.control));
     let mut out = Vec::new();
     for (group, l) in loops.iter().enumerate() {
         for (i, c) in l.iter().enumerate() {
@@ -116,7 +150,7 @@ fn gather(loops: &[Vec<&Curve<2>>]) -> Result<Vec<Piece>, &'static str> {
                 return Err("a trimming curve is not a clamped cubic");
             }
             let start = place(&c.control[0]);
-            if c.control.iter().map(place).all(|p| (0..2).all(|d| (p[d] - start[d]).abs() <= MARGIN)) {
+            if c.control.iter().map(&place).all(|p| (0..2).all(|d| (p[d] - start[d]).abs() <= MARGIN)) {
                 continue;
             }
             for (_, _, b) in bezier_pieces(c) {
@@ -333,6 +367,26 @@ mod tests {
 
     fn refs(loops: &[Vec<Curve<2>>]) -> Vec<Vec<&Curve<2>>> {
         loops.iter().map(|l| l.iter().collect()).collect()
+    }
+
+    #[test]
+    fn polygons_are_simple_or_not() {
+        let square = |a: f64, b: f64| vec![[a, a], [b, a], [b, b], [a, b]];
+        let back = |mut p: Vec<[f64; 2]>| {
+            p.reverse();
+            p
+        };
+        assert_eq!(polygons_are_simple(&[square(0.0, 4.0), back(square(1.0, 2.0))]), Ok(()));
+        let twice = vec![[0.0, 0.0], [4.0, 0.0], [4.0, 0.0], [4.0, 4.0]];
+        assert_eq!(polygons_are_simple(&[twice]), Ok(()));
+        for wrong in [
+            vec![square(0.0, 4.0), square(1.0, 2.0)],
+            vec![square(0.0, 4.0), back(square(3.0, 5.0))],
+            vec![vec![[0.0, 0.0], [4.0, 4.0], [4.0, 0.0], [0.0, 4.0]]],
+            vec![vec![[1.0, 1.0]; 3]],
+        ] {
+            assert!(polygons_are_simple(&wrong).is_err(), "{wrong:?}");
+        }
     }
 
     #[test]
