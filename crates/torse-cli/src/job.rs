@@ -119,7 +119,9 @@ fn tell(answer: &Answer, tolerance: &str, folder: &Path, interrupted: bool) -> s
     match answer.status() {
         Status::Certified => writeln!(out, "certified: {made}")?,
         Status::Uncertified => {
-            let [head, why] = uncertified(&made, &words::reason(&answer.claims, &curves), &warning(answer));
+            let in_part = answer.claims.iter().any(|c| c.what() == What::InPart);
+            let reason = words::reason(&answer.claims, &curves);
+            let [head, why] = uncertified(&made, (&reason, in_part), &warning(answer));
             writeln!(out, "{head}")?;
             writeln!(out, "  {why}")?;
         }
@@ -132,7 +134,8 @@ fn tell(answer: &Answer, tolerance: &str, folder: &Path, interrupted: bool) -> s
         let beside =
             if c.what() == What::Coverage && !answer.skipped.is_empty() { " beside what is left out" } else { "" };
         let name = words::name(c, &curves);
-        writeln!(out, "  {name}{beside}: {} ({})", value(c), words::evidence(c.evidence()))?;
+        let how = if c.is_unknown() { String::new() } else { format!(" ({})", words::evidence(c.evidence())) };
+        writeln!(out, "  {name}{beside}: {}{how}", value(c))?;
     }
     for face in answer.patchwork.faces.iter().filter(|f| !f.parts.is_empty()) {
         let parts: Vec<String> = face.parts.iter().map(|p| format!("#{}", p.entity)).collect();
@@ -152,8 +155,8 @@ fn tell(answer: &Answer, tolerance: &str, folder: &Path, interrupted: bool) -> s
 
 /// The first lines of a result that is not certified: what must not be cut, and why; where a part is certified, how much of
 /// the whole that is comes first.
-fn uncertified(made: &str, reason: &str, warning: &str) -> [String; 2] {
-    if reason.starts_with(IN_PART) {
+fn uncertified(made: &str, (reason, in_part): (&str, bool), warning: &str) -> [String; 2] {
+    if in_part {
         return [format!("{reason}: {made}"), format!("NOT certified as a whole, {warning}")];
     }
     [format!("NOT certified, {warning}: {made}"), format!("reason: {reason}")]
@@ -161,9 +164,6 @@ fn uncertified(made: &str, reason: &str, warning: &str) -> [String; 2] {
 
 /// Lines about what is left out, at most: the report has all.
 const MOST_LEFT_OUT: usize = 40;
-
-/// How reasons begin that say how much is certified.
-const IN_PART: &str = "certified in part";
 
 /// What must not be cut of a result that is not certified, in words.
 fn warning(answer: &Answer) -> String {
@@ -220,10 +220,13 @@ mod tests {
 
     #[test]
     fn what_is_certified_in_part_is_told_with_its_share_first() {
-        let told = uncertified("1 strip", "certified in part: 62.55 % of low.csv", "do not cut A");
+        let told = uncertified("1 strip", ("certified in part: 62.55 % of low.csv", true), "do not cut A");
         assert_eq!(told[0], "certified in part: 62.55 % of low.csv: 1 strip");
         assert_eq!(told[1], "NOT certified as a whole, do not cut A");
-        assert_eq!(uncertified("1 strip", "no proof", "do not cut A")[0], "NOT certified, do not cut A: 1 strip");
+        assert_eq!(
+            uncertified("1 strip", ("no proof", false), "do not cut A")[0],
+            "NOT certified, do not cut A: 1 strip"
+        );
     }
 
     #[test]

@@ -230,9 +230,9 @@ impl Answer {
 
     /// What is said of the whole or of a panel, without objections.
     pub fn claims_of(&self, subject: Subject) -> impl Iterator<Item = &Claim> {
-        self.claims
-            .iter()
-            .filter(move |c| c.subject() == subject && !matches!(c.what(), What::Objection | What::LeftOut))
+        self.claims.iter().filter(move |c| {
+            c.subject() == subject && !matches!(c.what(), What::Objection | What::InPart | What::LeftOut)
+        })
     }
 
     /// The claim about something of the whole, if there is one.

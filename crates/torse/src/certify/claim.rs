@@ -195,6 +195,8 @@ pub enum What {
     LeftOut,
     /// Something that stands against the status; [`Claim::reason`] says what.
     Objection,
+    /// Something that stands against the status of the whole and says how much of it is certified, in words.
+    InPart,
 }
 
 /// What is counted.
@@ -319,6 +321,11 @@ impl Claim {
     /// Something that stands against the status, in words.
     pub fn objection(subject: Subject, reason: impl Into<String>) -> Self {
         Self::new(What::Objection, subject, 1.0, Evidence::Given).within(0.0).because(reason)
+    }
+
+    /// An objection that says how much of the whole is certified.
+    pub fn in_part(reason: impl Into<String>) -> Self {
+        Self { what: What::InPart, ..Self::objection(Subject::Whole, reason) }
     }
 
     /// Something that was asked for and is missing from the answer, in words; what was made is as good as it is.

@@ -163,7 +163,7 @@ fn face_records(answer: &Answer, coverages: &[coverage::Coverage]) -> Vec<FaceRe
 
 fn panel_records(answer: &Answer, shown: &Presentation, curves: &[String]) -> Vec<PanelRecord> {
     let mut figures: Vec<Vec<FigureRecord>> = vec![Vec::new(); answer.patchwork.panels.len()];
-    for c in answer.claims.iter().filter(|c| !matches!(c.what(), What::Objection | What::LeftOut)) {
+    for c in answer.claims.iter().filter(|c| !matches!(c.what(), What::Objection | What::InPart | What::LeftOut)) {
         if let Subject::Panel(k) = c.subject() {
             figures.get_mut(k).into_iter().for_each(|f| f.push(FigureRecord::of(c, curves)));
         }

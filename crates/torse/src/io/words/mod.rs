@@ -64,7 +64,7 @@ pub fn name(claim: &Claim, curves: &[String]) -> String {
         What::DrawingDistance => "distance of the drawing from the flat panel".into(),
         What::WrittenDistance => "distance of the written file from what was judged".into(),
         What::Count(counted) => counted_name(counted).into(),
-        What::LeftOut | What::Objection => claim.reason().into(),
+        What::LeftOut | What::Objection | What::InPart => claim.reason().into(),
     }
 }
 
@@ -139,6 +139,7 @@ pub fn id(what: What) -> &'static str {
         What::Count(counted) => counted_id(counted),
         What::LeftOut => "left_out",
         What::Objection => "objection",
+        What::InPart => "in_part",
     }
 }
 
@@ -204,7 +205,13 @@ pub fn unit(what: What) -> &'static str {
         What::JointMismatch => "rad",
         What::UsedOf(_) => "%",
         What::Area | What::FlatArea => "m²",
-        What::NetShape(_) | What::Coverage | What::LengthError | What::Count(_) | What::LeftOut | What::Objection => "",
+        What::NetShape(_)
+        | What::Coverage
+        | What::LengthError
+        | What::Count(_)
+        | What::LeftOut
+        | What::Objection
+        | What::InPart => "",
     }
 }
 

@@ -71,7 +71,7 @@ pub(super) fn judged(
     let shares = [0, 1].map(|d: usize| used(&built, d, rails[d], options.ends == Ends::Extend));
     // What is covered comes first.
     let part = covered_in_part(&built, [rails, given], shares, options);
-    claims.splice(0..0, part.map(|reason| Claim::objection(whole, reason)));
+    claims.splice(0..0, part.map(Claim::in_part));
     let strips: Vec<Strip> = built.into_iter().map(|s| s.strip).collect();
     if strips.is_empty() {
         missing.push("no strip could be made".into());
