@@ -9,6 +9,7 @@ use crate::patchwork::panel::{Border, Coedge, Panel, PanelForm, Patchwork};
 use crate::patchwork::partition::Partition;
 use crate::spline::curve::Curve;
 use crate::spline::knots::Knots;
+use crate::spline::surface::Surface;
 use crate::torse::form::Torse;
 use std::collections::hash_map::DefaultHasher;
 use std::hash::{Hash, Hasher};
@@ -43,13 +44,63 @@ impl Fingerprint {
     }
 }
 
+/// Of a surface as it is.
+pub(super) fn of_surface(surface: &Surface) -> u64 {
+    let mut h = DefaultHasher::new();
+    knots(&surface.knots_u, &mut h);
+    knots(&surface.knots_v, &mut h);
+    points(&surface.control, &mut h);
+    h.finish()
+}
+
+/// Of all that the proof of a panel is about, given the fingerprint of its surface, whether a bound is stated however far it
+/// is, and lengths (what was moved, the tolerance), without any numbers of vertices, panels
+/// and seams: which triangles its loops go around is not part of it.
+pub(super) fn of_panel(
+    panel: &Panel,
+    partition: &Partition,
+    (surface, far): (u64, bool),
+    lengths: [f64; 2],
+) -> Option<u64> {
+    let trim = panel.trim.as_ref()?;
+    let mut h = DefaultHasher::new();
+    surface.hash(&mut h);
+    far.hash(&mut h);
+    lengths.iter().for_each(|x| number(*x, &mut h));
+    let vertex = |v: &u32, h: &mut DefaultHasher| match partition.vertices.get(*v as usize) {
+        Some(p) => p.iter().for_each(|x| number(*x, h)),
+        None => h.write_u8(0),
+    };
+    let triangles = partition.triangles.iter().zip(&partition.labels);
+    triangles.filter(|(_, &l)| l == trim.label).for_each(|(t, _)| t.iter().for_each(|v| vertex(v, &mut h)));
+    shape(panel, &trim.form, &mut h);
+    for l in &trim.loops {
+        l.len().hash(&mut h);
+        for r in l {
+            r.vertices.len().hash(&mut h);
+            r.vertices.iter().for_each(|v| vertex(v, &mut h));
+            course(r, &mut h);
+        }
+    }
+    Some(h.finish())
+}
+
+/// Of all that the proof of a seam is about.
+pub(super) fn of_seam(sides: [(&Panel, &Coedge); 2], tolerance: f64) -> u64 {
+    let mut h = DefaultHasher::new();
+    number(tolerance, &mut h);
+    for (panel, run) in sides {
+        patch(panel, &mut h);
+        curve(&run.trim, &mut h);
+    }
+    h.finish()
+}
+
 fn value(patchwork: &Patchwork, first: [usize; 3], counts: [usize; 3]) -> u64 {
     let mut h = DefaultHasher::new();
     counts.hash(&mut h);
     for face in patchwork.faces.iter().skip(first[0]).take(counts[0]) {
-        knots(&face.surface.knots_u, &mut h);
-        knots(&face.surface.knots_v, &mut h);
-        points(&face.surface.control, &mut h);
+        of_surface(&face.surface).hash(&mut h);
         face.loops.len().hash(&mut h);
         for l in &face.loops {
             points(&l.points, &mut h);
@@ -72,13 +123,26 @@ fn partition(p: &Partition, h: &mut DefaultHasher) {
 }
 
 fn panel(p: &Panel, first: [usize; 3], h: &mut DefaultHasher) {
+    let Some(trim) = &p.trim else { return patch(p, h) };
+    shape(p, &trim.form, h);
+    trim.face.wrapping_sub(first[0]).hash(h);
+    trim.label.hash(h);
+    for l in &trim.loops {
+        l.len().hash(h);
+        l.iter().for_each(|r| run(r, first[2], h));
+    }
+}
+
+fn patch(p: &Panel, h: &mut DefaultHasher) {
     knots(&p.strip.patch.knots_u, h);
     knots(&p.strip.patch.knots_v, h);
     points(&p.strip.patch.control, h);
-    let Some(trim) = &p.trim else { return };
-    trim.face.wrapping_sub(first[0]).hash(h);
-    trim.label.hash(h);
-    match &trim.form {
+}
+
+/// The patch and what it is for the comparison with its face.
+fn shape(p: &Panel, form: &PanelForm, h: &mut DefaultHasher) {
+    patch(p, h);
+    match form {
         PanelForm::Torse(Torse::Primal(t)) => {
             0u8.hash(h);
             for v in [t.frame.origin, t.frame.x, t.frame.y, t.frame.z] {
@@ -98,10 +162,6 @@ fn panel(p: &Panel, first: [usize; 3], h: &mut DefaultHasher) {
             points(&map.control, h);
         }
     }
-    for l in &trim.loops {
-        l.len().hash(h);
-        l.iter().for_each(|r| run(r, first[2], h));
-    }
 }
 
 fn run(r: &Coedge, first_seam: usize, h: &mut DefaultHasher) {
@@ -110,6 +170,11 @@ fn run(r: &Coedge, first_seam: usize, h: &mut DefaultHasher) {
         Border::Trim { edge } => (1u8, edge).hash(h),
     }
     r.vertices.hash(h);
+    course(r, h);
+}
+
+/// Where a run goes.
+fn course(r: &Coedge, h: &mut DefaultHasher) {
     r.parameters.iter().for_each(|x| number(*x, h));
     curve(&r.trim, h);
     curve(&r.edge, h);

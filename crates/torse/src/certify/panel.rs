@@ -9,7 +9,6 @@
 
 use super::boundary::{Boundary, RunBound, Side};
 use super::certificate::PanelParts;
-use super::coverage::loops_bound_triangles;
 use super::developable::{developability, trim_boxes, Developability, ANGLE_LIMIT};
 use super::distance::{judge, DistanceOptions, Judged};
 use super::edges::edge_bound;
@@ -42,25 +41,20 @@ pub(super) struct Ground<'a> {
     pub prepared: &'a Prepared<'a>,
     /// Bound (mm) of what joining faces moved, and of how far the partition's border lies off the trimming polygons.
     pub moved: f64,
+    /// Whether a bound is stated however far the panel is away, and not only if it is near the tolerance.
+    pub far: bool,
 }
 
 /// Everything proven about a panel, and its patch ready for the seams.
 pub(super) fn panel_certificate(
     panel: &Panel,
+    (trim, torse): (&PanelTrim, &Torse),
     ground: &Ground,
     tolerance: f64,
     control: &Control,
 ) -> (PanelParts, Option<RuledJets>) {
-    let &Ground { partition, prepared, moved } = ground;
+    let &Ground { partition, prepared, moved, far } = ground;
     let mut out = PanelParts::blank();
-    let Some(trim) = &panel.trim else {
-        out.reason = "the panel covers no face".into();
-        return (out, None);
-    };
-    let Some(torse) = trim.form.torse() else {
-        out.reason = "the panel is not developable".into();
-        return (out, None);
-    };
     let triangles = region(partition, trim.label);
     let (Some(family), Some(ruled)) = (Family::new(torse), Ruled::new(&panel.strip.patch)) else {
         out.reason =
@@ -90,7 +84,8 @@ pub(super) fn panel_certificate(
     let eta = (Interval::point(out.rounding_bound) + Interval::point(moved) + Interval::point(beside)).hi;
     let mismatch = Mismatch { delta: edge.delta.unwrap_or(0.0), curvature: edge.curvature, eta };
     let sides: Vec<Side> = edge.runs.iter().flat_map(|r| r.sides.iter().copied()).collect();
-    let region = Region { prepared, torse, triangles: &triangles, sides: &sides, tolerance, control };
+    let looks = if far { &SECOND_LOOKS[..] } else { &SECOND_LOOKS[..1] };
+    let region = Region { prepared, torse, triangles: &triangles, sides: &sides, tolerance, looks, control };
     let (judged, total) = region.judged(&mismatch, &mut out, &mut reasons);
     if let Verdict::Holds { bound } = judged.parts.verdict {
         out.distance_bound = bound;
@@ -187,9 +182,6 @@ fn boundary_bounds(
             }
         }
     }
-    if let Err(reason) = loops_bound_triangles(partition, trim) {
-        reasons.push(reason);
-    }
     let curves: Vec<Vec<_>> = trim.loops.iter().map(|l| l.iter().map(|r| &r.trim).collect()).collect();
     if let Err(reason) = loops_are_simple(&curves) {
         reasons.push(reason.into());
@@ -209,6 +201,8 @@ struct Region<'a> {
     /// Of its boundary; none if one could not be bounded.
     sides: &'a [Side],
     tolerance: f64,
+    /// See [`SECOND_LOOKS`].
+    looks: &'a [f64],
     control: &'a Control,
 }
 
@@ -264,7 +258,7 @@ impl Region<'_> {
             }
         }
         out.cells = judged.parts.cells;
-        for factor in SECOND_LOOKS {
+        for factor in self.looks {
             if matches!(judged.parts.verdict, Verdict::Holds { .. }) || self.control.stopped() {
                 break;
             }

@@ -2,8 +2,9 @@
 
 use super::certificate::{Certificate, CertificateParts, PanelCertificate, PanelParts};
 use super::certificate::{SeamCertificate, SeamParts, SeamStatus};
-use super::coverage;
-use super::fingerprint::Fingerprint;
+use super::coverage::{self, loops_bound_triangles};
+use super::fingerprint::{self, Fingerprint};
+use super::known::{Known, ProvenPanel};
 use super::local::way;
 use super::panel::{panel_certificate, Ground};
 use super::prepared::Prepared;
@@ -12,9 +13,10 @@ use super::ruled_panel::ruled_panel;
 use super::seams::{self, SeamSide};
 use crate::control::Control;
 use crate::geom::BBox;
-use crate::patchwork::panel::{Border, Coedge, PanelForm, Patchwork};
+use crate::patchwork::panel::{Border, Coedge, Panel, PanelForm, Patchwork};
 use crate::patchwork::seam::Seam;
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// Tolerances below this share of the model's size cannot be certified in double precision: rounding of the control
 /// points alone comes near.
@@ -34,6 +36,16 @@ const MIRROR: f64 = 1e-9;
 ///
 /// *Cost*: some 10 µs per triangle and 20 µs per side of a boundary; all in parallel.
 pub fn patchwork(patchwork: &Patchwork, tolerance: f64, control: &Control) -> Certificate {
+    judged(patchwork, tolerance, control, None)
+}
+
+/// As [`patchwork()`], after others of the same face: what has not changed is not proven again. Of panels that are not near
+/// the tolerance no bound is stated.
+pub(crate) fn patchwork_after(known: &Known, patchwork: &Patchwork, tolerance: f64, control: &Control) -> Certificate {
+    judged(patchwork, tolerance, control, Some(known))
+}
+
+fn judged(patchwork: &Patchwork, tolerance: f64, control: &Control, known: Option<&Known>) -> Certificate {
     let panels = vec![PanelCertificate(PanelParts::blank()); patchwork.panels.len()];
     let mut out = CertificateParts { panels, ..CertificateParts::nothing(tolerance) };
     let of = vec![Fingerprint::of(patchwork)];
@@ -63,8 +75,8 @@ pub fn patchwork(patchwork: &Patchwork, tolerance: f64, control: &Control) -> Ce
         }
     }
     let sides = coverage_of(patchwork, &mut out);
-    let jets = panels_of(patchwork, &sides, control, &mut out);
-    match seam_gaps(patchwork, &jets, tolerance) {
+    let jets = panels_of(patchwork, &sides, (control, known), &mut out);
+    match seam_gaps(patchwork, &jets, tolerance, known) {
         Ok(gaps) => {
             out.seam_gap_bound = gaps.iter().map(|g| g.0).fold(0.0, f64::max);
             let record = |s: &Seam| {
@@ -123,9 +135,13 @@ fn coverage_of(patchwork: &Patchwork, out: &mut CertificateParts) -> Vec<[f64; 2
 fn panels_of(
     patchwork: &Patchwork,
     sides: &[[f64; 2]],
-    control: &Control,
+    (control, known): (&Control, Option<&Known>),
     out: &mut CertificateParts,
-) -> Vec<Option<RuledJets>> {
+) -> Vec<Option<Arc<RuledJets>>> {
+    let surfaces: Vec<u64> = match known {
+        Some(_) => patchwork.faces.iter().map(|f| fingerprint::of_surface(&f.surface)).collect(),
+        None => Vec::new(),
+    };
     let grounds: Vec<(Prepared, f64)> = patchwork
         .faces
         .par_iter()
@@ -140,20 +156,41 @@ fn panels_of(
     let done = std::sync::atomic::AtomicUsize::new(0);
     let total = patchwork.panels.len();
     let tolerance = out.tolerance;
-    let found: Vec<(PanelParts, Option<RuledJets>)> = patchwork
+    let one = |panel: &Panel| -> ProvenPanel {
+        let of = panel.trim.as_ref().zip(patchwork.partition_of(panel)).and_then(|(trim, partition)| {
+            let (prepared, moved) = grounds.get(trim.face)?;
+            Some((trim, Ground { partition, prepared, moved: *moved, far: known.is_none() }))
+        });
+        let Some((trim, ground)) = of else {
+            return (PanelParts { reason: "the panel covers no face".into(), ..PanelParts::blank() }, None);
+        };
+        let prove = || {
+            let (parts, jets) = match &trim.form {
+                PanelForm::Ruled(map) => ruled_panel(panel, (trim, map), &ground, tolerance, control),
+                PanelForm::Torse(torse) => panel_certificate(panel, (trim, torse), &ground, tolerance, control),
+            };
+            (parts, jets.map(Arc::new))
+        };
+        let lengths = [ground.moved, tolerance];
+        let key = surfaces
+            .get(trim.face)
+            .and_then(|s| fingerprint::of_panel(panel, ground.partition, (*s, ground.far), lengths));
+        let (mut parts, jets) = match (known, key) {
+            (Some(known), Some(key)) if !control.stopped() => known.panel(key, prove),
+            _ => prove(),
+        };
+        // What is around the region is never taken over.
+        if let Err(reason) = loops_bound_triangles(ground.partition, trim) {
+            parts.certified = false;
+            parts.reason = [parts.reason, reason].into_iter().filter(|r| !r.is_empty()).collect::<Vec<_>>().join("; ");
+        }
+        (parts, jets)
+    };
+    let found: Vec<ProvenPanel> = patchwork
         .panels
         .par_iter()
         .map(|panel| {
-            let result = match (patchwork.partition_of(panel), panel.face().and_then(|f| grounds.get(f))) {
-                (Some(partition), Some((prepared, moved))) => {
-                    let ground = Ground { partition, prepared, moved: *moved };
-                    match panel.trim.as_ref().map(|t| (t, &t.form)) {
-                        Some((t, PanelForm::Ruled(map))) => ruled_panel(panel, (t, map), &ground, tolerance, control),
-                        _ => panel_certificate(panel, &ground, tolerance, control),
-                    }
-                }
-                _ => (PanelParts::blank(), None),
-            };
+            let result = one(panel);
             let n = done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1;
             control.report("certify", n as f64 / total as f64, panel.strip.name.clone());
             result
@@ -214,7 +251,12 @@ impl Certificate {
 }
 
 /// Bounds of gap and of difference in length of both sides, for all seams.
-fn seam_gaps(patchwork: &Patchwork, jets: &[Option<RuledJets>], tolerance: f64) -> Result<Vec<(f64, f64)>, String> {
+fn seam_gaps(
+    patchwork: &Patchwork,
+    jets: &[Option<Arc<RuledJets>>],
+    tolerance: f64,
+    known: Option<&Known>,
+) -> Result<Vec<(f64, f64)>, String> {
     let mut sides: Vec<Vec<(usize, bool, &Coedge)>> = vec![Vec::new(); patchwork.seam_count];
     for (i, panel) in patchwork.panels.iter().enumerate() {
         for run in panel.loops().iter().flatten() {
@@ -243,9 +285,17 @@ fn seam_gaps(patchwork: &Patchwork, jets: &[Option<RuledJets>], tolerance: f64) 
             let (Some(Some(p)), Some(Some(q))) = (jets.get(*i), jets.get(*j)) else {
                 return Err(format!("seam {seam} has a side without a patch"));
             };
-            let (a, b) = (SeamSide { jets: p, trim: &a.trim }, SeamSide { jets: q, trim: &b.trim });
-            let gap = seams::gap_bound(a, b, tolerance).ok_or_else(|| format!("seam {seam} leaves a patch"))?;
-            Ok((gap, seams::length_difference(a, b).unwrap_or(f64::INFINITY)))
+            let prove = || {
+                let (a, b) = (SeamSide { jets: p, trim: &a.trim }, SeamSide { jets: q, trim: &b.trim });
+                let gap = seams::gap_bound(a, b, tolerance)?;
+                Some((gap, seams::length_difference(a, b).unwrap_or(f64::INFINITY)))
+            };
+            let of = [(*i, a), (*j, b)].map(|(k, run)| (&patchwork.panels[k], *run));
+            let found = match known {
+                Some(known) => known.seam(fingerprint::of_seam(of, tolerance), prove),
+                None => prove(),
+            };
+            found.ok_or_else(|| format!("seam {seam} leaves a patch"))
         })
         .collect()
 }
@@ -371,10 +421,14 @@ mod tests {
     #[test]
     fn what_is_wrong_is_said() {
         let good = two_panels(1e-3, 4);
+        let known = Known::default();
+        assert!(patchwork_after(&known, &good, 1.05e-3, &Control::default()).certified);
         let refused = |name: &str, word: &str, change: &dyn Fn(&mut Patchwork)| {
             let mut p = good.clone();
             change(&mut p);
             let c = prove(&p, 1.05e-3);
+            // Proofs of what was good are not taken over.
+            assert!(!patchwork_after(&known, &p, 1.05e-3, &Control::default()).certified, "{name}");
             assert!(!c.certified && c.missing.iter().any(|m| m.contains(word)), "{name}: {:?}", c.missing);
         };
         refused("a vertex of the patch off by 1e-8", "rad", &|p| p.panels[0].strip.patch.control[10][2] += 1e-5);
@@ -401,6 +455,21 @@ mod tests {
         refused("a seam of one side only", "seam", &|p| {
             p.panels[1].loops_mut()[0][1].border = Border::Trim { edge: 7 }
         });
+    }
+
+    #[test]
+    fn a_proof_that_is_taken_over_is_the_same_proof() {
+        let (first, mut next) = (two_panels(1e-3, 4), two_panels(1e-3, 4));
+        let known = Known::default();
+        let again = |p: &Patchwork| patchwork_after(&known, p, 1.05e-3, &Control::default());
+        again(&first);
+        let bounds = |c: &Certificate| c.panels.iter().map(|p| p.deviation_bound).collect::<Vec<_>>();
+        // One panel of two is another, and its neighbour and their seam keep what they have.
+        next.panels[1].strip.patch.control[10][2] += 1e-9;
+        let (taken, fresh) = (again(&next), prove(&next, 1.05e-3));
+        assert_eq!(bounds(&taken), bounds(&fresh));
+        assert_eq!(taken.seams, fresh.seams);
+        assert_ne!(bounds(&taken)[1], bounds(&prove(&first, 1.05e-3))[1]);
     }
 
     #[test]

@@ -21,7 +21,6 @@
 
 use super::boundary::trim_piece;
 use super::certificate::PanelParts;
-use super::coverage::loops_bound_triangles;
 use super::gap::{Bounded, Gap};
 use super::panel::{edges, Ground};
 use super::polygon::winding;
@@ -75,9 +74,6 @@ pub(super) fn ruled_panel(
     let jets = RuledJets::new(&ruled, &origin);
     let mut reasons = Vec::new();
     let judge = Judge::new(panel, trim, map, ground, origin, tolerance);
-    if let Err(reason) = loops_bound_triangles(ground.partition, trim) {
-        reasons.push(reason);
-    }
     let curves: Vec<Vec<_>> = trim.loops.iter().map(|l| l.iter().map(|r| &r.trim).collect()).collect();
     if let Err(reason) = loops_are_simple(&curves) {
         reasons.push(reason.into());

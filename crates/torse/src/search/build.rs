@@ -3,7 +3,7 @@
 use super::cover::{Limits, State};
 use super::stitch::seams::{self, Meeting};
 use crate::brep::face::Face;
-use crate::certify::{self, Certificate};
+use crate::certify::{self, Certificate, Known};
 use crate::control::Control;
 use crate::develop::pattern::{pattern, PatternOptions};
 use crate::develop::DevelopError;
@@ -152,15 +152,16 @@ pub(crate) fn build_until(
 /// What is used of strips that meet: all but those of refused labels, and but edges between pairs of labels.
 pub(crate) type Kept<'a> = (&'a Meeting, &'a [u32], &'a [[u32; 2]]);
 
-/// As [`build`], on smooth borders, with strips that meet but for those of refused labels.
-pub(crate) fn build_on(
-    index: usize,
-    face: &Face,
-    state: &State,
-    tolerance: f64,
-    meeting: Option<Kept>,
-) -> (Built, Vec<u32>) {
-    judged(index, face, state, (tolerance, &Control::default()), meeting)
+/// Strips that are to meet.
+pub(crate) struct Joined<'a> {
+    pub kept: Kept<'a>,
+    /// What was proven about others of the same face.
+    pub known: &'a Known,
+}
+
+/// As [`build`], on smooth borders, with strips that meet. Where a panel cannot be proven, none has a pattern.
+pub(crate) fn build_on(index: usize, face: &Face, state: &State, tolerance: f64, joined: Joined) -> (Built, Vec<u32>) {
+    judged(index, face, state, (tolerance, &Control::default()), Some(joined))
 }
 
 /// See [`build_on`] and [`build_until`].
@@ -169,7 +170,7 @@ fn judged(
     face: &Face,
     state: &State,
     (tolerance, control): (f64, &Control),
-    meeting: Option<Kept>,
+    joined: Option<Joined>,
 ) -> (Built, Vec<u32>) {
     let partition = &state.partition;
     let mut borders = borders(face, partition);
@@ -178,7 +179,7 @@ fn judged(
     let order = along_the_model(state);
     assigned.sort_by_key(|a| order.get(&a.label).copied());
     let mut together = BTreeSet::new();
-    if let Some((meeting, refused, dropped)) = meeting {
+    if let Some(Joined { kept: (meeting, refused, dropped), .. }) = joined {
         let mut met = HashSet::new();
         for e in seams::apply(meeting, refused, dropped) {
             borders.share(e.chain, e.edge.clone(), e.parameters.clone());
@@ -215,24 +216,30 @@ fn judged(
         }
     }
     let patchwork = Patchwork { faces: vec![face.clone()], partitions: vec![partition.clone()], panels, seam_count };
-    let certificate = certify::patchwork(&patchwork, tolerance, control);
+    let certificate = match &joined {
+        Some(Joined { known, .. }) => certify::patchwork_after(known, &patchwork, tolerance, control),
+        None => certify::patchwork(&patchwork, tolerance, control),
+    };
+    let bad = |k: &usize| !certificate.panels[*k].certified;
+    // Attempts that fail are not developed.
+    let count =
+        if joined.is_some() && (0..patchwork.panels.len()).any(|k| bad(&k)) { 0 } else { patchwork.panels.len() };
     let pattern_options = PatternOptions::new(tolerance * CONTOUR_SHARE);
     let developed: Vec<Result<Pattern, DevelopError>> =
-        (0..patchwork.panels.len()).into_par_iter().map(|k| pattern(&patchwork, k, &pattern_options)).collect();
+        (0..count).into_par_iter().map(|k| pattern(&patchwork, k, &pattern_options)).collect();
     let mut patterns = Vec::new();
-    for ((panel, proof), flat) in patchwork.panels.iter().zip(&certificate.panels).zip(developed) {
-        let mut bad = !proof.certified;
-        match flat {
+    let mut without = BTreeSet::new();
+    for (k, developed) in developed.into_iter().enumerate() {
+        match developed {
             Ok(p) => patterns.push(p),
             Err(e) => {
-                bad = true;
-                missing.push(format!("panel {} has no flat pattern: {e}", panel.strip.name));
+                without.insert(k);
+                missing.push(format!("panel {} has no flat pattern: {e}", patchwork.panels[k].strip.name));
             }
         }
-        if bad {
-            refused.extend(panel.label());
-        }
     }
+    let of = (0..patchwork.panels.len()).filter(|k| bad(k) || without.contains(k));
+    refused.extend(of.filter_map(|k| patchwork.panels[k].label()));
     let panels = patchwork.panels.iter().enumerate();
     let along = panels.filter_map(|(panel, p)| {
         let o = state.origins.get(&p.label()?)?;

@@ -79,6 +79,9 @@ pub(crate) struct Asked<'a> {
     pub held: &'a dyn Fn([u32; 2]) -> bool,
     /// Places that count besides those of the partition.
     pub further: &'a [Further],
+    /// Whether distances count more near lines and borders of the face, for what the proof takes of the tolerance where
+    /// panels do not end on their own normals. Where panels are thin against that, too little is left for all of it.
+    pub ends_count: bool,
     /// mm.
     pub tolerance: f64,
 }
@@ -188,6 +191,7 @@ fn improved<'a>(mut now: Network<'a>, control: &Control) -> (Network<'a>, Vec<St
                 damping *= DAMPING.1;
             }
             next.lie_on_bands();
+            next.find_taken();
             now = next;
             steps.push(StepReport { reached, effort });
             if steps.len() >= ENOUGH.2 && reached[1] < ENOUGH.1 && merit(at) - merit(reached) < STALLED {

@@ -20,6 +20,10 @@ const BESIDE: f64 = 0.8;
 const USED: f64 = 0.02;
 /// Corrections of the middle of two strips.
 const MIDDLE: usize = 3;
+/// Factor on distances for what lines and borders take of the tolerance, at most.
+const MOST_TAKEN: f64 = 1.3;
+/// Ways up to this share of the tolerance take nothing.
+const LEAST_WAY: f64 = 0.05;
 /// Least cosine between the normals of a face and of a strip with which its heights over the face are counted.
 const LEAST_LEAN: f64 = 0.5;
 
@@ -47,12 +51,15 @@ pub(super) struct Sample {
     pub up: Option<Vec3>,
     /// What its distance counts besides.
     pub counts: f64,
+    /// What lines and borders beside it take of the tolerance, as a factor on its distance: panels end on normals of the
+    /// face there and not on their own, and the proof counts both near by.
+    pub taken: f64,
 }
 
 impl Sample {
     /// What its distance counts.
     pub fn lean(&self, foot: &Foot) -> f64 {
-        self.counts * self.up.map_or(1.0, |up| lean(&up, foot))
+        self.counts.max(self.taken) * self.up.map_or(1.0, |up| lean(&up, foot))
     }
 }
 
@@ -74,6 +81,8 @@ pub(super) struct Network<'a> {
     pub samples: Vec<Sample>,
     /// What a slide of one means, mm.
     pub unit: f64,
+    /// Whether it counts what the ends of panels take of the tolerance beside them.
+    pub ends_count: bool,
 }
 
 impl Member {
@@ -81,6 +90,16 @@ impl Member {
     /// which it counts.
     pub fn room(&self, foot: &Foot) -> (f64, f64) {
         (foot.regular * self.sense / self.least - REGULAR, self.sense / self.least)
+    }
+
+    /// The way (mm) along the strip from the foot of a point, in whose direction `up` the panel ends, to that end: along the
+    /// ruling and across it, as the proof goes.
+    fn way(&self, foot: &Foot, up: &Vec3) -> f64 {
+        let cosine = foot.normal.dot(up);
+        let side = if cosine < 0.0 { -1.0 } else { 1.0 };
+        let off = (up - foot.normal * cosine) * (foot.distance / (cosine * side).max(LEAST_LEAN));
+        let along = off.dot(&self.strip.torse().ruling(foot.t).direction).abs();
+        along + (off.norm_squared() - along * along).max(0.0).sqrt()
     }
 
     pub fn foot(&self, x: &Vec3, guess: f64) -> Option<Foot> {
@@ -167,6 +186,38 @@ impl Network<'_> {
         self.samples.par_iter_mut().for_each(|s| {
             let near = |l: &Line| l.points.iter().any(|p| (p.x - s.x).norm_squared() < reach * reach);
             s.lines = (0..lines.len()).filter(|&l| near(&lines[l])).map(|l| l as u32).collect();
+        });
+    }
+
+    /// What lines, and borders of the face, take of the tolerance of the samples beside them. It stays for the length of a
+    /// step.
+    pub fn find_taken(&mut self) {
+        if !self.ends_count {
+            return;
+        }
+        let (members, tolerance) = (&self.members, self.tolerance);
+        // By strip: places on lines and borders, and the way there.
+        let mut ends: Vec<Vec<(Vec3, f64)>> = vec![Vec::new(); members.len()];
+        let mut end = |k: usize, x: &Vec3, up: &Vec3, foot: Option<Foot>| {
+            let Some(foot) = foot else { return };
+            let way = members[k].way(&foot, up);
+            if way > LEAST_WAY * tolerance {
+                ends[k].push((*x, way));
+            }
+        };
+        for l in &self.lines {
+            l.points.iter().for_each(|p| (0..2).for_each(|e| end(l.strips[e], &p.x, &p.normal, p.feet[e])));
+        }
+        for s in &self.samples {
+            s.up.iter().for_each(|up| end(s.strip, &s.x, up, s.foot));
+        }
+        self.samples.par_iter_mut().for_each(|s| {
+            let near = ends[s.strip].iter().filter(|(x, way)| {
+                let reach = 2.0 * tolerance + way;
+                (x - s.x).norm_squared() <= reach * reach
+            });
+            let most = near.fold(0.0_f64, |m, (_, way)| m.max(*way)) / tolerance;
+            s.taken = (1.0 - most * most).max(MOST_TAKEN.powi(-2)).sqrt().recip();
         });
     }
 

@@ -28,7 +28,7 @@ const INFLECTED: f64 = 0.1;
 
 /// The network of a covered face. `None` where some strip cannot take part, or lines close.
 pub(super) fn network<'a>(face: &'a Face, state: &State, chains: Vec<SeamChain>, asked: &Asked) -> Option<Network<'a>> {
-    let &Asked { held, further, tolerance } = asked;
+    let &Asked { held, further, ends_count, tolerance } = asked;
     let labels: Vec<u32> = state.partition.distinct_labels();
     let index: BTreeMap<u32, usize> = labels.iter().enumerate().map(|(k, &l)| (l, k)).collect();
     let torses: Vec<&Torse> = labels.iter().map(|l| Some(&state.panels.get(l)?.torse)).collect::<Option<_>>()?;
@@ -41,10 +41,10 @@ pub(super) fn network<'a>(face: &'a Face, state: &State, chains: Vec<SeamChain>,
         .collect::<Option<_>>()?;
     let sample = |g: &Given| {
         let up = Some(g.normal).filter(|n| g.on_border && *n != Vec3::zeros());
-        Sample { x: g.x, strip: g.strip, foot: None, lines: Vec::new(), up, counts: g.counts }
+        Sample { x: g.x, strip: g.strip, foot: None, lines: Vec::new(), up, counts: g.counts, taken: 1.0 }
     };
     let samples = given.iter().map(sample).collect();
-    let mut out = Network { face, tolerance, members, lines, vertices, samples, unit: 0.0 };
+    let mut out = Network { face, tolerance, members, lines, vertices, samples, unit: 0.0, ends_count };
     // Feet from nothing.
     let rulings: Vec<Rulings> = out.members.iter().map(|m| Rulings::of(m.strip.torse())).collect();
     let anywhere = |m: &Member, r: &Rulings, x: &Vec3| r.near(x).into_iter().find_map(|t| m.foot(x, t));
@@ -62,6 +62,7 @@ pub(super) fn network<'a>(face: &'a Face, state: &State, chains: Vec<SeamChain>,
     let widths = out.lie_on_bands();
     out.unit = UNIT * median(widths);
     out.find_neighbours();
+    out.find_taken();
     out.find_middles()?;
     Some(out)
 }

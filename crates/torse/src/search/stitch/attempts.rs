@@ -9,12 +9,12 @@ use super::intersection::{pair, Intersections};
 use super::relevel;
 use super::seams::{self, Meeting, SharedSeam};
 use crate::brep::face::Face;
-use crate::certify::{PanelCertificate, SeamCertificate, SeamStatus};
+use crate::certify::{Known, PanelCertificate, SeamCertificate, SeamStatus};
 use crate::control::Control;
 use crate::fit::near::samples::Fit;
 use crate::fit::panels::boundary::Borders;
 use crate::patchwork::panel::Panel;
-use crate::search::build::{borders, build, build_on, limits_missed, smooth_borders, too_large, Built};
+use crate::search::build::{borders, build, build_on, limits_missed, smooth_borders, too_large, Built, Joined};
 use crate::search::cover::{cover, CoverOptions, State};
 use crate::search::joint::{self, Further};
 use crate::torse::form::{PanelKind, Torse};
@@ -27,6 +27,8 @@ const MEETINGS: usize = 4;
 const REFINEMENTS: usize = 2;
 /// Places where less than the reciprocal of this share of the tolerance is left are lost to trimming curves, not to distance.
 const MOST_COUNTED: f64 = 1.5;
+/// Places that count more than this have lost part of the tolerance to ends of panels.
+const ENDS: f64 = 1.02;
 /// Rounds of moving borders to intersections, without those that were refused.
 const INTERSECTIONS: usize = 8;
 /// Weights of gaps against distances in turn, each with the gap that needs no more, as a share of the tolerance: one edge,
@@ -59,6 +61,8 @@ struct Attempts<'a> {
     /// Limits of sheet and material, seams that must stay.
     wanted: &'a CoverOptions,
     control: &'a Control,
+    /// What was proven on the way.
+    known: Known,
     /// The best so far.
     best: Built,
 }
@@ -73,7 +77,7 @@ pub(crate) fn met(
     control: &Control,
 ) -> Built {
     let tolerance = built.certificate.tolerance;
-    let mut attempts = Attempts { index, face, tolerance, wanted, control, best: built };
+    let mut attempts = Attempts { index, face, tolerance, wanted, control, known: Known::default(), best: built };
     attempts.all(state);
     attempts.best
 }
@@ -214,9 +218,9 @@ impl Attempts<'_> {
     fn joined(&self, state: &State) -> Option<Built> {
         let base = as_built(self.face, state, &self.best)?;
         let stays = |labels: [u32; 2]| self.is_asked_for(&self.best, pair(labels));
-        let mut further = Vec::new();
+        let (mut further, mut ends_count) = (Vec::new(), false);
         for round in 0..=REFINEMENTS {
-            let asked = joint::Asked { held: &stays, further: &further, tolerance: self.tolerance };
+            let asked = joint::Asked { held: &stays, further: &further, ends_count, tolerance: self.tolerance };
             let chains = borders(self.face, &base.partition).seam_chains();
             let joined = joint::joined(self.face, &base, chains, &asked, self.control)?;
             let mut next = base.clone();
@@ -237,7 +241,13 @@ impl Attempts<'_> {
             if found.is_some() || too_far.is_empty() {
                 return found;
             }
-            further.extend(too_far);
+            // Where too little is left at ends of panels, they count everywhere, and single places are found anew.
+            if !ends_count && too_far.iter().any(|f| f.counts > ENDS) {
+                ends_count = true;
+                further.clear();
+            } else {
+                further.extend(too_far);
+            }
         }
         None
     }
@@ -282,7 +292,13 @@ impl Attempts<'_> {
                 together: built.map_or_else(BTreeSet::new, |b| b.together.clone()),
                 ..Meeting::default()
             };
-            let (next, bad) = build_on(self.index, self.face, &now, self.tolerance, Some((&meeting, &[], &[])));
+            let (next, bad) = build_on(
+                self.index,
+                self.face,
+                &now,
+                self.tolerance,
+                Joined { kept: (&meeting, &[], &[]), known: &self.known },
+            );
             let missed = missed(&next);
             if bad.is_empty() && missed.is_empty() {
                 return Some(next);
@@ -321,7 +337,13 @@ impl Attempts<'_> {
         let (count, tolerance) = (self.best.patchwork.panels.len(), self.tolerance);
         let (mut refused, mut dropped, mut ill_shaped) = (Vec::new(), Vec::new(), Vec::new());
         for _ in 0..MEETINGS {
-            let (next, bad) = build_on(self.index, self.face, state, tolerance, Some((meeting, &refused, &dropped)));
+            let (next, bad) = build_on(
+                self.index,
+                self.face,
+                state,
+                tolerance,
+                Joined { kept: (meeting, &refused, &dropped), known: &self.known },
+            );
             let whole = next.patchwork.panels.len() == count;
             // An edge that its panels miss is no edge of theirs.
             let label = |k: usize| next.patchwork.panels[k].label();

@@ -211,7 +211,8 @@ impl<'a> Intersections<'a> {
         (now, moved)
     }
 
-    /// The state with the vertices of these borders where the strips intersect.
+    /// The state with the vertices of these borders where the strips intersect. A corner of a border that cannot go there,
+    /// since its triangle lies between its neighbours, is left to the other side.
     pub fn settled(&self, state: &State, pairs: &[[u32; 2]]) -> State {
         let borders = borders_of(self.face, &state.partition);
         let chains = borders.seam_chains();
@@ -221,7 +222,15 @@ impl<'a> Intersections<'a> {
             .filter_map(|c| Some((c, self.pair(&borders, c.labels)?)))
             .unzip();
         let mut partition = state.partition.clone();
-        settle(self.face, &mut partition, &along, |k, p, fixed| strips[k].onto(p, fixed));
+        let staying = settle(self.face, &mut partition, &along, |k, p, fixed| strips[k].onto(p, fixed));
+        for chain in along {
+            for corner in chain.vertices.windows(3).filter(|w| staying.contains(&w[1])) {
+                let is_cut_off = |t: &[u32; 3]| corner.iter().all(|v| t.contains(v));
+                let Some(t) = partition.triangles.iter().position(is_cut_off) else { continue };
+                let [a, b] = chain.labels;
+                partition.labels[t] = if partition.labels[t] == a { b } else { a };
+            }
+        }
         with_partition(self.face, state, partition)
     }
 

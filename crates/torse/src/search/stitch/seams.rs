@@ -102,13 +102,13 @@ pub(crate) fn on_levels(face: &Face, state: &State, borders: &Borders, tolerance
 
 /// Moves the vertices of borders to places given by border, vertex, and for whether its parameters must stay: vertices on
 /// knot lines move along these, ends on a trimming curve that is no knot line stay. Where triangles would turn over, the
-/// vertices around are moved out of the way; vertices for which that is not enough stay too.
+/// vertices around are moved out of the way; vertices for which that is not enough stay too, and are the result.
 pub(crate) fn settle(
     face: &Face,
     partition: &mut Partition,
     along: &[&SeamChain],
     place: impl Fn(usize, [f64; 2], [bool; 2]) -> Option<[f64; 2]> + Sync,
-) {
+) -> BTreeSet<u32> {
     let lines = [face.surface.knots_u.breaks(), face.surface.knots_v.breaks()];
     let mut all: Vec<(usize, u32, bool)> = Vec::new();
     for (k, chain) in along.iter().enumerate() {
@@ -144,22 +144,29 @@ pub(crate) fn settle(
         waiting.retain(|&(v, new)| {
             let old = partition.vertices[v as usize];
             let before: Vec<f64> = around[&v].iter().map(|&t| area(partition, t)).collect();
-            partition.vertices[v as usize] = new;
-            let turned = around[&v].iter().zip(before).any(|(&t, b)| area(partition, t) <= LEAST_TRIANGLE * b);
-            if turned {
-                partition.vertices[v as usize] = old;
+            for share in SETTLING_SHARES {
+                let to = |d: usize| if share < 1.0 { old[d] + (new[d] - old[d]) * share } else { new[d] };
+                // Coordinates on knot lines are the same in both.
+                partition.vertices[v as usize] = [to(0), to(1)];
+                if around[&v].iter().zip(&before).all(|(&t, b)| area(partition, t) > LEAST_TRIANGLE * b) {
+                    return share < 1.0;
+                }
             }
-            turned
+            partition.vertices[v as usize] = old;
+            true
         });
         if waiting.is_empty() {
             break;
         }
         partition.relax([&lines[0], &lines[1]]);
     }
+    waiting.into_iter().map(|w| w.0).collect()
 }
 
 /// Times that vertices try to settle.
-const SETTLINGS: usize = 4;
+const SETTLINGS: usize = 8;
+/// Shares of the way that they try each time.
+const SETTLING_SHARES: [f64; 3] = [1.0, 0.5, 0.2];
 /// Triangles keep this share of their area when vertices move.
 const LEAST_TRIANGLE: f64 = 0.05;
 
