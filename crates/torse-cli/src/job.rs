@@ -13,7 +13,7 @@ use std::time::Duration;
 use torse::answer::marks::Marks;
 use torse::answer::skipped::Skipped;
 use torse::answer::Answer;
-use torse::certify::claim::{Claim, Evidence, Status, Subject, What};
+use torse::certify::claim::{Claim, Evidence, Status, What};
 use torse::control::Control;
 use torse::develop::unfold::allowance::KFactor;
 use torse::io::marks::{chosen, do_not_cut, FEW};
@@ -129,11 +129,10 @@ fn tell(answer: &Answer, tolerance: &str, folder: &Path, interrupted: bool) -> s
     if interrupted {
         writeln!(out, "  stopped early by Ctrl-C")?;
     }
-    for c in answer.claims_of(Subject::Whole) {
+    for (c, name) in words::whole(answer) {
         // Of parts that have panels, the whole is covered.
         let beside =
             if c.what() == What::Coverage && !answer.skipped.is_empty() { " beside what is left out" } else { "" };
-        let name = words::name(c, &curves);
         let how = if c.is_unknown() { String::new() } else { format!(" ({})", words::evidence(c.evidence())) };
         writeln!(out, "  {name}{beside}: {}{how}", value(c))?;
     }
@@ -147,8 +146,8 @@ fn tell(answer: &Answer, tolerance: &str, folder: &Path, interrupted: bool) -> s
     if answer.skipped.len() > MOST_LEFT_OUT {
         writeln!(out, "  left out: {} more, all named in the report", answer.skipped.len() - MOST_LEFT_OUT)?;
     }
-    for note in &answer.notes {
-        writeln!(out, "  note: {}", words::note(note))?;
+    for note in words::notes(&answer.notes) {
+        writeln!(out, "  note: {note}")?;
     }
     writeln!(out, "  open {}", folder.join("report.html").display())
 }

@@ -181,20 +181,11 @@ fn conjugate(save: &dyn Fn(&str, &Image) -> Result<()>) -> Result<()> {
         .collect();
     let strips: Vec<String> =
         (0..6).map(|k| format!(r#"{{ "name": "s{k}", "sides": ["c{k}", "c{}"] }}"#, k + 1)).collect();
-    // A surface says nothing of places along it: the ends of curves are pulled to where they are.
-    let ends = |k: usize| {
-        [0.0, 1.6].map(|a| {
-            let (u, p) = (a / 1.6, list(at(k as f64 / 6.0, a)));
-            format!(r#"{{ "curve": "c{k}", "u": {u}, "point": {p}, "pull": 0.3 }}"#)
-        })
-    };
-    let handles: Vec<String> = (0..=6).flat_map(ends).collect();
     let job = format!(
-        r#"{{ "unit": "mm", "curves": [{}], "strips": [{}], "handles": [{}],
-        "targets": [ {{ "points": [{}], "triangles": [{}], "within": 12 }} ] }}"#,
+        r#"{{ "unit": "mm", "curves": [{}], "strips": [{}],
+        "targets": [ {{ "points": [{}], "triangles": [{}], "within": 5 }} ] }}"#,
         curves.join(", "),
         strips.join(", "),
-        handles.join(", "),
         points.join(", "),
         triangles.join(", ")
     );

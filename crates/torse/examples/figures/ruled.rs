@@ -50,7 +50,7 @@ pub fn draw(folder: &Path) -> Result<()> {
     from_asymptotic_curves(&saddle, &save)?;
     save("2-08", &tangent_plane())?;
     save("2-09", &asymptotic(&saddle))?;
-    conoidal(&saddle, &save)?;
+    conoidal(&waist()?, &save)?;
     save("2-11", &books())
 }
 
@@ -206,6 +206,20 @@ fn saddle() -> Result<Surface> {
     Ok(Surface::new(knots.clone(), knots, &points, None)?)
 }
 
+/// A surface with a waist, saddle-shaped all over, whose straightest lines turn about its axis; mm.
+fn waist() -> Result<Surface> {
+    let knots = Knots::uniform(3, 4, 0.0, 1.0)?;
+    let n = knots.control_count();
+    let point = |k: usize| {
+        let (a, z) = (1.6 * ((k / n) as f64 / (n - 1) as f64 - 0.5), (k % n) as f64 / (n - 1) as f64 - 0.5);
+        let r = 700.0 + 1100.0 * z * z;
+        // About the axis that points upwards, bulging towards the eye.
+        Vec3::new(r * a.sin(), -r * a.cos(), 1300.0 * z)
+    };
+    let points: Vec<Vec3> = (0..n * n).map(point).collect();
+    Ok(Surface::new(knots.clone(), knots, &points, None)?)
+}
+
 const EYE: Vec3 = Vec3::new(0.5, -1.0, 0.8);
 
 /// Figures 2.6 and 2.7: ruled strips near the saddle, and reflections in them.
@@ -220,11 +234,62 @@ fn from_asymptotic_curves(surface: &Surface, save: &dyn Fn(&str, &Image) -> Resu
         Scene { panels: vec![PanelShape { mesh: whole(surface), ..PanelShape::default() }], ..Scene::default() };
     save("2-06-left", &picture(given, &EYE, "The surface given", ""))?;
     save("2-06-right", &picture(shown.scene.clone(), &EYE, "Ruled strips near it", &note))?;
-    let meshes: Vec<Mesh> = shown.scene.panels.iter().map(|p| p.mesh.clone()).collect();
+    let strips = found.answer.strips();
+    let meshes: Vec<Mesh> = shown.scene.panels.iter().zip(strips).map(|(p, s)| finer(&p.mesh, s)).collect();
     let borders = shown.scene.panels.into_iter().map(|p| PanelShape { borders: p.borders, ..PanelShape::default() });
     let mut scene = striped(&meshes, &EYE);
     scene.panels.extend(borders);
     save("2-07", &picture(scene, &EYE, "Reflections go on from strip to strip", "rulings of neighbours meet at angles"))
+}
+
+/// A mesh of a strip with every triangle cut into many, whose corners and normals are those of the strip.
+fn finer(mesh: &Mesh, s: &Strip) -> Mesh {
+    const CUTS: u32 = 12;
+    const STARTS: u32 = 40;
+    const STEPS: usize = 10;
+    let (a, b) = s.domain();
+    let starts: Vec<[f64; 2]> = (0..=STARTS)
+        .flat_map(|i| [0.0, 0.5, 1.0].map(|v| [a + (b - a) * f64::from(i) / f64::from(STARTS), v]))
+        .collect();
+    let off = |p: &Vec3, at: &[f64; 2]| (s.patch.point(at[0], at[1]) - p).norm();
+    let foot = |p: &Vec3| {
+        let start = starts.iter().min_by(|x, y| off(p, x).total_cmp(&off(p, y))).copied().unwrap_or([a, 0.0]);
+        // Gauss and Newton's steps to the nearest place.
+        (0..STEPS).fold(start, |[u, v], _| {
+            let j = s.patch.jet(u, v);
+            let off = p - j.p;
+            let (xx, xy, yy) = (j.du.norm_squared(), j.du.dot(&j.dv), j.dv.norm_squared());
+            let (x, y, det) = (j.du.dot(&off), j.dv.dot(&off), xx * yy - xy * xy);
+            if det > 0.0 {
+                [(u + (yy * x - xy * y) / det).clamp(a, b), (v + (xx * y - xy * x) / det).clamp(0.0, 1.0)]
+            } else {
+                [u, v]
+            }
+        })
+    };
+    let feet: Vec<[f64; 2]> = mesh.positions.iter().map(foot).collect();
+    let mut out = Mesh::default();
+    for t in &mesh.triangles {
+        let f = t.map(|k| feet[k as usize]);
+        let n: Vec3 = t.map(|k| mesh.normals[k as usize]).iter().sum();
+        let first = out.positions.len() as u32;
+        for (i, j) in (0..=CUTS).flat_map(|i| (0..=i).map(move |j| (i, j))) {
+            let (x, y) = (f64::from(i) / f64::from(CUTS), f64::from(j) / f64::from(CUTS));
+            let [u, v] = [0, 1].map(|d: usize| f[0][d] * (1.0 - x) + f[1][d] * (x - y) + f[2][d] * y);
+            let jet = s.patch.jet(u, v);
+            let normal = jet.normal().normalize();
+            out.positions.push(jet.p);
+            out.normals.push(if normal.dot(&n) < 0.0 { -normal } else { normal });
+        }
+        let at = |i: u32, j: u32| first + i * (i + 1) / 2 + j;
+        for (i, j) in (0..CUTS).flat_map(|i| (0..=i).map(move |j| (i, j))) {
+            out.triangles.push([at(i, j), at(i + 1, j), at(i + 1, j + 1)]);
+            if j < i {
+                out.triangles.push([at(i, j), at(i + 1, j + 1), at(i, j + 1)]);
+            }
+        }
+    }
+    out
 }
 
 fn whole(surface: &Surface) -> Mesh {
@@ -343,25 +408,24 @@ fn asymptotic(surface: &Surface) -> Image {
 /// circle.
 fn conoidal(surface: &Surface, save: &dyn Fn(&str, &Image) -> Result<()>) -> Result<()> {
     let strips = Strips { tolerance: 25.0, width: Some(260.0), conoidal: true };
-    let options = RuledOptions { strips, input: "saddle".into(), spacing: None };
+    let options = RuledOptions { strips, input: "waist".into(), spacing: None };
     let found = of_faces(vec![Face::untrimmed(surface.clone())], Vec::new(), &options, &Control::default())?;
     let shown = present(&found.answer);
     let count = found.directing.iter().flatten().count();
     let note = format!("{count} of {} strips have a directing plane", found.directing.len());
     save("2-10-a", &picture(shown.scene, &EYE, "Conoidal strips", &note))?;
-    let mut guides: Vec<Vec<Vec3>> = Vec::new();
-    for panel in &found.answer.patchwork.panels {
+    let (mut arcs, mut circles) = (Vec::new(), Vec::new());
+    for (panel, normal) in found.answer.patchwork.panels.iter().zip(&found.directing) {
+        let Some(normal) = normal else { continue };
         let name = &panel.strip.name;
         let own = found.rulings.iter().filter(|r| r.strip == *name);
-        let mut line: Vec<Vec3> = own.filter_map(|r| (r.ends[1] - r.ends[0]).try_normalize(0.0)).collect();
-        for k in 1..line.len() {
-            if line[k].dot(&line[k - 1]) < 0.0 {
-                line[k] = -line[k];
-            }
-        }
         // All on one half of the sphere.
-        let up = line.first().is_some_and(|p| p.dot(&EYE) < 0.0);
-        guides.push(line.into_iter().map(|p| if up { -p } else { p }).collect());
+        let turned = |p: Vec3| if p.dot(&RULING_SIDE) < 0.0 { -p } else { p };
+        arcs.push(arc(own.filter_map(|r| (r.ends[1] - r.ends[0]).try_normalize(0.0)).map(turned), normal));
+        let x = normal.cross(&EYE).normalize();
+        let y = normal.cross(&x);
+        let at = |k: u32| f64::from(k) * std::f64::consts::TAU / 200.0;
+        circles.push((0..=200).map(|k| (x * at(k).cos() + y * at(k).sin()) * 1.004).collect());
     }
     let mut ball = Mesh::default();
     const N: u32 = 48;
@@ -376,17 +440,30 @@ fn conoidal(surface: &Surface, save: &dyn Fn(&str, &Image) -> Result<()>) -> Res
             ball.triangles.extend([[k - N - 2, k - 1, k], [k - N - 2, k, k - N - 1]]);
         }
     }
-    let scene = Scene { panels: vec![PanelShape { mesh: ball, ..PanelShape::default() }], guides, ..Scene::default() };
-    let middle: Vec3 = scene.guides.iter().flatten().sum();
-    save(
-        "2-10-b",
-        &picture(
-            scene,
-            &(middle.normalize() + Vec3::z() * 0.2),
-            "Their rulings as directions",
-            "every strip lies on a great circle",
-        ),
-    )
+    let middle: Vec3 = arcs.iter().flat_map(|a: &Mesh| &a.positions).sum();
+    let across: Vec3 = found.directing.iter().flatten().map(|m| if m.z < 0.0 { -m } else { *m }).sum();
+    let shapes = std::iter::once(ball).chain(arcs).map(|mesh| PanelShape { mesh, ..PanelShape::default() });
+    let scene = Scene { panels: shapes.collect(), guides: circles, ..Scene::default() };
+    // From beside the great circles, which would look like straight lines from within their planes.
+    let eye = middle.normalize() + across.normalize() * 0.9;
+    save("2-10-b", &picture(scene, &eye, "Their rulings as directions", "every strip lies on a great circle"))
+}
+
+/// A side of the sphere on which directions of rulings are shown.
+const RULING_SIDE: Vec3 = Vec3::new(1.0, -0.4, 0.2);
+
+/// A narrow band over directions that lie on the great circle about a normal.
+fn arc(directions: impl Iterator<Item = Vec3>, normal: &Vec3) -> Mesh {
+    let mut mesh = Mesh::default();
+    for (k, p) in directions.enumerate() {
+        mesh.positions.extend([-0.02, 0.02].map(|h| (p + normal * h).normalize() * 1.008));
+        mesh.normals.extend([p; 2]);
+        if k > 0 {
+            let n = 2 * k as u32;
+            mesh.triangles.extend([[n - 2, n - 1, n + 1], [n - 2, n + 1, n]]);
+        }
+    }
+    mesh
 }
 
 /// Figure 2.11: a stack of books, each turned a little against the one below; its sides are near conoidal surfaces.

@@ -139,6 +139,8 @@ pub enum What {
     Twist,
     /// Distance along rulings to the regression curve, mm.
     RegressionClearance,
+    /// Distance along rulings to the regression curve, in lengths of the ruling.
+    RegressionMargin,
     /// Radius of curvature, mm.
     BendRadius,
     /// Radius of curvature of the inside of a sheet, mm.

@@ -47,26 +47,35 @@ const LOOKS: usize = 256;
 
 /// Whether the regression curve of a strip keeps to its limits.
 pub fn regression(strip: &Strip, limits: &RegressionLimits) -> RegressionVerdict {
+    let far = FAR * strip.patch.bbox().diagonal();
+    looked_through(strip, &|c| c.is_clear(limits, far), &|u| meeting(strip, u, limits))
+}
+
+/// Whether every cell is clear; `meets` finds the regression point of a ruling that is out of bounds.
+fn looked_through(
+    strip: &Strip,
+    is_clear: &dyn Fn(&Cell) -> bool,
+    meets: &dyn Fn(f64) -> Option<Vec3>,
+) -> RegressionVerdict {
     let (from, to) = strip.domain();
     for k in 0..=LOOKS {
         let u = from + (to - from) * k as f64 / LOOKS as f64;
-        if let Some(at) = meeting(strip, u, limits) {
+        if let Some(at) = meets(u) {
             return RegressionVerdict::Meets { u, at };
         }
     }
     let Some(ruled) = Ruled::new(&strip.patch) else { return RegressionVerdict::Undecided { u: from } };
-    let far = FAR * strip.patch.bbox().diagonal();
     let breaks = ruled.breaks();
     let mut waiting: Vec<(f64, f64, usize)> = breaks.windows(2).map(|w| (w[0], w[1], 0)).collect();
     let mut cells = 0;
     while let Some((a, b, depth)) = waiting.pop() {
         cells += 1;
-        if Cell::over(strip, &ruled, a, b).is_some_and(|c| c.is_clear(limits, far)) {
+        if Cell::over(strip, &ruled, a, b).is_some_and(|c| is_clear(&c)) {
             continue;
         }
         let u = 0.5 * (a + b);
         if depth >= DEEPEST || cells >= MOST_CELLS || u <= a || u >= b {
-            return match meeting(strip, u, limits) {
+            return match meets(u) {
                 Some(at) => RegressionVerdict::Meets { u, at },
                 None => RegressionVerdict::Undecided { u },
             };
@@ -76,11 +85,34 @@ pub fn regression(strip: &Strip, limits: &RegressionLimits) -> RegressionVerdict
     RegressionVerdict::Clear
 }
 
+/// What remains of a sampled distance for the proof, in turn.
+const SHARES: [f64; 4] = [0.99, 0.95, 0.75, 0.4];
+/// Lengths of the rulings beyond which a margin says no more than that they are as good as parallel.
+const MOST_MARGIN: f64 = 10.0;
+
+/// How many lengths of its ruling the regression curve of a strip provably keeps off on every ruling, close to the most
+/// there is but no more than ten or twice what is `asked`, which is tried, too. 0 if nothing could be shown.
+pub(crate) fn margin_bound(strip: &Strip, asked: f64) -> LowerBound {
+    let (from, to) = strip.domain();
+    let share = |u: f64| {
+        let [p, q] = strip.ruling(u);
+        strip.regression_clearance(u) / (q - p).norm()
+    };
+    let sampled = (0..=LOOKS)
+        .map(|k| share(from + (to - from) * k as f64 / LOOKS as f64))
+        .fold(MOST_MARGIN.max(2.0 * asked), f64::min);
+    let proven = |m: f64| {
+        let clear = |c: &Cell| c.is_clear_on(-Interval::point(m), Interval::ONE + Interval::point(m));
+        looked_through(strip, &clear, &|_| None) == RegressionVerdict::Clear
+    };
+    let mut tried: Vec<f64> = SHARES.iter().map(|s| s * sampled).chain([asked]).filter(|m| *m <= sampled).collect();
+    tried.sort_by(|a, b| b.total_cmp(a));
+    tried.into_iter().find(|&m| m > 0.0 && proven(m)).map_or(LowerBound::UNKNOWN, LowerBound::shown)
+}
+
 /// A distance (mm) along the rulings that the regression curve of a strip provably keeps, close to the largest there is
 /// but no more than some ten diagonals of the strip; 0 if none could be shown.
 pub(crate) fn clearance_bound(strip: &Strip) -> LowerBound {
-    // What remains of the sampled distance for the proof, in turn.
-    const SHARES: [f64; 4] = [0.99, 0.95, 0.75, 0.4];
     // More than this many diagonals says no more than that rulings are as good as parallel, and takes long to prove.
     const MOST: f64 = 10.0;
     let (from, to) = strip.domain();
@@ -235,6 +267,16 @@ mod tests {
         let ask = |clearance: f64| regression(&cone(), &RegressionLimits { clearance, zones: Vec::new() });
         assert_eq!(ask(0.97 * far), RegressionVerdict::Clear);
         assert!(matches!(ask(1.01 * far), RegressionVerdict::Meets { at, .. } if at.norm() < 1e-9));
+    }
+
+    #[test]
+    fn margins_are_counted_in_lengths_of_the_ruling() {
+        // The apex is two lengths of every ruling before its nearer end.
+        let bound = margin_bound(&cone(), 0.05).value();
+        assert!((1.96..=2.0).contains(&bound), "{bound}");
+        // What is asked for is shown where it is nearly all there is.
+        assert_eq!(margin_bound(&cone(), 1.99).value(), 1.99);
+        assert!(margin_bound(&cone(), 2.001).value() < 2.0);
     }
 
     #[test]

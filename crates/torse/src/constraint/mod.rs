@@ -5,6 +5,7 @@
 //! control points, see [`stencil::Stencil`]. Lengths are of the order of one: who sets up a system normalises them.
 
 pub mod angle;
+pub mod border;
 pub mod coplanarity;
 pub mod developability;
 pub mod distance;

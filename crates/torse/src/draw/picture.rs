@@ -413,7 +413,7 @@ fn names(drawing: &mut Drawing, camera: &Camera, scene: &Scene, top: f64) {
         }
     }
     for (panel, place) in scene.panels.iter().zip(map.places(scene.panels.len())) {
-        let Some(place) = place else { continue };
+        let Some(place) = place.filter(|_| !panel.name.is_empty()) else { continue };
         let fitting = place.breadth / stroke_font::width(&panel.name, 1.0);
         let size = (SHARE * place.room.min(fitting)).clamp(*SIZES.start(), *SIZES.end());
         if place.room >= NARROWEST && fitting >= *SIZES.start() {

@@ -60,6 +60,9 @@ pub struct Report {
     pub parts: Vec<PartRecord>,
     /// Seams between panels.
     pub seams: Vec<SeamRecord>,
+    /// Lines along which pieces of a composite meet, the worst first.
+    #[serde(default)]
+    pub joins: Vec<JoinRecord>,
     /// Panels that were laid along curves.
     pub along: Vec<AlongRecord>,
     /// Planes, cylinders, cones and tangent surfaces along the parts.
@@ -135,6 +138,23 @@ pub struct SeamRecord {
     pub length_difference_bound: Option<f64>,
     /// Smallest and largest angle between the panels along the seam, degrees, sampled.
     pub kink_deg: [f64; 2],
+}
+
+/// A line along which two pieces of a composite meet.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct JoinRecord {
+    /// Its number, from 0.
+    pub number: usize,
+    /// Names of the pieces.
+    pub between: [String; 2],
+    /// Proven bound on the gap, mm; null if none was shown.
+    pub gap_bound: Option<f64>,
+    /// Proven bound on the angle between the tangent planes, degrees; null if none was shown.
+    pub angle_bound_deg: Option<f64>,
+    /// Whether the pieces should go on smoothly.
+    pub smooth: bool,
+    /// Whether what is asked of it is proven.
+    pub certified: bool,
 }
 
 /// An item of the input that could not be used.
@@ -471,6 +491,7 @@ pub(crate) mod tests {
                 step: 0,
                 paper_deviation_estimate: Some(0.5),
             }],
+            joins: vec![],
             seams: vec![SeamRecord {
                 number: Some(1),
                 between: [0, 1],

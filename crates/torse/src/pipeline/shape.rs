@@ -9,6 +9,7 @@ mod joined;
 mod judged;
 mod moved;
 mod options;
+mod targets;
 #[cfg(test)]
 mod tests;
 
@@ -20,11 +21,12 @@ use crate::geom::{BBox, Vec3};
 use crate::io::shape::ShapeFile;
 use crate::Control;
 use composite::composite;
-use judged::{judged, Asked};
+use judged::judged;
 use moved::{moved, Moved};
 pub use options::Options;
 pub(crate) use options::ShapeError;
 use std::time::Instant;
+use targets::Asked;
 
 /// Residual of the polish, as a share of the size: some digits beyond what twist is asked for.
 const POLISHED: f64 = 1e-11;
@@ -77,6 +79,13 @@ pub fn shape(
     control.report("polishing", 0.6, "");
     let polished = session.polish(POLISHED, control)?;
     out.notes.push(Note::Met { residual: polished.residual });
+    let unmet = polished.residual.is_nan() || polished.residual * session.size() > options.tolerance;
+    if let Some((class, item)) = polished.obstacle.filter(|_| unmet) {
+        out.missing.push(format!(
+            "{class} ask for more than there is: {:.3} mm are left, most of it at {item}; hold less, or give the curves more spans",
+            polished.residual * session.size()
+        ));
+    }
     control.report("judging", 0.7, "");
     // The proof has its own clock: what was made is judged even when time is up.
     let asked = Asked { records: &job.targets, goals: &goals, options };

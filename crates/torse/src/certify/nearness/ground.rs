@@ -1,6 +1,7 @@
 //! What distances are taken from: surfaces, or a mesh of triangles
 //! \[MKC09\].
 
+use super::region::{BorderPlace, Region};
 use crate::brep::project::{refine, SurfaceProjector};
 use crate::certify::tensor::{about, Jet2, Tensor};
 use crate::certify::vector::length;
@@ -19,6 +20,8 @@ pub(super) struct Foot {
     pub at: [f64; 2],
     /// Distance, mm.
     pub distance: f64,
+    /// The place of the border that it is, where what counts of the surface ends there.
+    pub border: Option<BorderPlace>,
 }
 
 /// A linear map from a cell, about its middle, into the parameters of a piece of the ground.
@@ -60,6 +63,8 @@ struct GroundFace<'a> {
     bbox: BBox,
     /// Least and greatest parameters.
     domain: [[f64; 2]; 2],
+    /// What of it counts; none: all of it.
+    region: Option<Region<'a>>,
 }
 
 /// The ground.
@@ -94,7 +99,12 @@ const PASSES: usize = 8;
 impl<'a> Ground<'a> {
     /// Surfaces with their whole domains; in proofs positions are relative to `origin`.
     pub fn surfaces(all: Vec<&'a Surface>, origin: [f64; 3]) -> Self {
-        let face = |surface: &'a Surface| {
+        Self::faces(all.into_iter().map(|s| (s, &[][..])), origin)
+    }
+
+    /// Surfaces, and what closed polygons of their parameter planes wind about; without polygons all of them.
+    pub fn faces(all: impl Iterator<Item = (&'a Surface, &'a [Vec<[f64; 2]>])>, origin: [f64; 3]) -> Self {
+        let face = |(surface, polygons): (&'a Surface, &'a [Vec<[f64; 2]>])| {
             let (u, v) = surface.domain();
             GroundFace {
                 surface,
@@ -102,9 +112,10 @@ impl<'a> Ground<'a> {
                 projector: SurfaceProjector::new(surface),
                 bbox: surface.bbox(),
                 domain: [[u.0, u.1], [v.0, v.1]],
+                region: Region::new(surface, polygons),
             }
         };
-        Self(Kind::Surfaces(all.into_iter().map(face).collect()))
+        Self(Kind::Surfaces(all.map(face).collect()))
     }
 
     /// Triangles; `None` where there are none, or one names a point that is not there.
@@ -121,7 +132,7 @@ impl<'a> Ground<'a> {
     pub(super) fn foot(&self, x: &Vec3, near: Option<&Foot>, far: f64) -> Option<Foot> {
         match &self.0 {
             Kind::Surfaces(faces) => {
-                let local = near.filter(|n| n.of < faces.len()).map(|n| faces[n.of].refined(n.of, x, n.at));
+                let local = near.filter(|n| n.of < faces.len()).map(|n| faces[n.of].counted(n.of, x, n.at));
                 if let Some(local) = local.filter(|l| l.distance <= far) {
                     return Some(local);
                 }
@@ -134,7 +145,7 @@ impl<'a> Ground<'a> {
                         break;
                     }
                     let found = faces[of].projector.nearest(faces[of].surface, x);
-                    let found = faces[of].refined(of, x, found.at);
+                    let found = faces[of].counted(of, x, found.at);
                     if best.is_none_or(|b| found.distance < b.distance) {
                         best = Some(found);
                     }
@@ -149,7 +160,7 @@ impl<'a> Ground<'a> {
                 };
                 let (of, sq) = tree.nearest(x, &|k| (place(k).1 - x).norm_squared())?;
                 let (s, _) = place(of);
-                Some(Foot { of, at: [s[1], s[2]], distance: sq.sqrt() })
+                Some(Foot { of, at: [s[1], s[2]], distance: sq.sqrt(), border: None })
             }
         }
     }
@@ -207,6 +218,27 @@ impl<'a> Ground<'a> {
         map
     }
 
+    /// Whether all places of a box count.
+    pub(super) fn contains(&self, of: usize, image: &[Interval; 2]) -> bool {
+        match &self.0 {
+            Kind::Surfaces(faces) => faces[of].region.as_ref().is_none_or(|r| r.contains(image)),
+            Kind::Mesh { .. } => true,
+        }
+    }
+
+    /// Encloses the parameters of a foot, which counts, and what is to be paid (mm) where they are beyond the surface; `None`
+    /// if it does not count surely.
+    pub(super) fn alone(&self, foot: &Foot) -> Option<([Interval; 2], f64)> {
+        let Kind::Surfaces(faces) = &self.0 else { return None };
+        let face = &faces[foot.of];
+        let region = face.region.as_ref()?;
+        let place = match foot.border {
+            Some(place) => region.enclosure(place),
+            None => Some(foot.at.map(Interval::point)).filter(|p| region.contains(p))?,
+        };
+        Some((place, face.beyond(place, &face.tensor.over(place).affine())))
+    }
+
     /// Over a box of parameters.
     pub(super) fn over(&self, of: usize, image: &[Interval; 2]) -> Jet2<3> {
         match &self.0 {
@@ -235,22 +267,10 @@ impl<'a> Ground<'a> {
     /// What is to be paid (mm) for places of the image of a box that are beyond the piece; infinite where that is no
     /// rounding.
     pub(super) fn beyond(&self, of: usize, map: &Affine, box_: [Interval; 2], over: &Jet2<3>) -> f64 {
-        let paid = |way: f64, speed: f64, size: f64| match way {
-            w if w <= 0.0 => 0.0,
-            w if w <= ROUNDING * size => (2.0 * w * speed).next_up(),
-            _ => f64::INFINITY,
-        };
-        let speeds = [length(&over.du).hi, length(&over.dv).hi];
         match &self.0 {
-            Kind::Surfaces(faces) => {
-                let way = |d: usize| {
-                    let [lo, hi] = faces[of].domain[d];
-                    let range = map.form(if d == 0 { [1.0, 0.0] } else { [0.0, 1.0] }, box_);
-                    paid((lo - range.lo).max(range.hi - hi), speeds[d], (hi - lo).max(lo.abs().max(hi.abs())))
-                };
-                way(0) + way(1)
-            }
+            Kind::Surfaces(faces) => faces[of].beyond(map.image(box_), over),
             Kind::Mesh { .. } => {
+                let speeds = [length(&over.du).hi, length(&over.dv).hi];
                 let way = |(number, form, _): (f64, [f64; 2], [f64; 2])| {
                     let range = map.form(form, box_) + Interval::point(number);
                     paid(-range.lo, speeds[0] + speeds[1], 1.0)
@@ -267,7 +287,38 @@ impl GroundFace<'_> {
         for (d, [lo, hi]) in self.domain.into_iter().enumerate() {
             at[d] = at[d].clamp(lo, hi);
         }
-        Foot { of, at, distance: (self.surface.point(at[0], at[1]) - x).norm() }
+        Foot { of, at, distance: (self.surface.point(at[0], at[1]) - x).norm(), border: None }
+    }
+
+    /// The same, on the border if it is not inside what counts of the surface.
+    fn counted(&self, of: usize, x: &Vec3, start: [f64; 2]) -> Foot {
+        let found = self.refined(of, x, start);
+        match &self.region {
+            Some(region) if !region.contains(&found.at.map(Interval::point)) => match region.nearest(self.surface, x) {
+                Some((place, at, distance)) => Foot { of, at, distance, border: Some(place) },
+                None => found,
+            },
+            _ => found,
+        }
+    }
+
+    /// What is to be paid (mm) for places of a box that are beyond the domain; infinite where that is no rounding.
+    fn beyond(&self, ranges: [Interval; 2], over: &Jet2<3>) -> f64 {
+        let speeds = [length(&over.du).hi, length(&over.dv).hi];
+        let way = |d: usize| {
+            let [lo, hi] = self.domain[d];
+            paid((lo - ranges[d].lo).max(ranges[d].hi - hi), speeds[d], (hi - lo).max(lo.abs().max(hi.abs())))
+        };
+        way(0) + way(1)
+    }
+}
+
+/// What is to be paid (mm) for being beyond a limit by some `way` of parameters that are `size` large.
+fn paid(way: f64, speed: f64, size: f64) -> f64 {
+    match way {
+        w if w <= 0.0 => 0.0,
+        w if w <= ROUNDING * size => (2.0 * w * speed).next_up(),
+        _ => f64::INFINITY,
     }
 }
 

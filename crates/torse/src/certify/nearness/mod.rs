@@ -4,11 +4,14 @@
 //! is guessed from nearest points; nothing is assumed of it. Then `|S(ψ(y)) − R(y)|` is bounded over the cell by a Taylor
 //! polynomial of degree 2 about its middle whose rest is enclosed by intervals \[MKC09\]. Since ψ(y) is a point of the other
 //! piece, this bounds the distance. Cells are halved until the bound exceeds the greatest distance seen by little, the worst
-//! cells first; if these become too many, or a control says stop, what is known of the rest is the bound.
+//! cells first; if these become too many, or a control says stop, what is known of the rest is the bound. Where the other
+//! piece is trimmed, images that are not surely inside its polygons show nothing: then one place inside or on the polygons is
+//! taken for the whole cell.
 //! *Guaranteed*: the bound holds for every point, rounding included. *Not guaranteed*: that it is sharp.
 
 mod ground;
 mod piece;
+mod region;
 mod target;
 
 pub(crate) use target::{distance_from, Open, Target, TargetDistance};
@@ -18,6 +21,7 @@ use piece::Piece;
 
 use super::claim::UpperBound;
 use super::gap::{Bounded, Gap};
+use super::tensor::Jet2;
 use crate::control::Control;
 use crate::geom::Vec3;
 use crate::num::interval::Interval;
@@ -26,6 +30,9 @@ use rayon::prelude::*;
 
 /// The bound may exceed the greatest distance seen by this share of it, or by this share of the tolerance.
 const EXCESS: (f64, f64) = (0.03, 0.01);
+/// Where one place stands for a cell, as along the border of trimmed faces, a bound below this share of the tolerance will do:
+/// it is as large as the cell, and there are as many cells as it is sharp.
+const ALONE: f64 = 0.25;
 /// Cells looked at beyond those that every piece begins with, at most.
 const MOST_CELLS: usize = 150_000;
 /// Halvings of a cell at most.
@@ -62,6 +69,8 @@ struct Look {
     foot: Option<Foot>,
     /// How much of the bound comes from either direction.
     share: [f64; 2],
+    /// Whether one place stands for the whole cell.
+    alone: bool,
 }
 
 /// Bounds the distance of every point of the pieces from the ground; `tolerance` (mm) says how sharp the bound should be.
@@ -94,7 +103,8 @@ fn farthest(pieces: &[Piece], ground: &Ground, tolerance: f64, control: &Control
         for (cell, look) in looks {
             let Some(look) = look else { continue };
             let known = look.bound.min(cell.bound);
-            if known <= goal || cell.depth == DEPTH {
+            let enough = if look.alone { goal.max(ALONE * tolerance) } else { goal };
+            if known <= enough || cell.depth == DEPTH {
                 bound = bound.max(known);
                 continue;
             }
@@ -117,8 +127,34 @@ fn look(cell: &Cell, pieces: &[Piece], ground: &Ground, far: f64) -> Look {
     let piece = &pieces[cell.piece];
     let middle = cell.box_.map(Interval::mid);
     let place = piece.point(middle);
-    let nothing = Look { bound: f64::INFINITY, seen: 0.0, place, foot: None, share: [1.0, 0.0] };
+    let nothing = Look { bound: f64::INFINITY, seen: 0.0, place, foot: None, share: [1.0, 0.0], alone: false };
     let Some(foot) = ground.foot(&place, cell.near.as_ref().or(piece.hint()), far) else { return nothing };
+    let (x, y) = (cell.box_[0] - Interval::point(middle[0]), cell.box_[1] - Interval::point(middle[1]));
+    let (over, middle_of) = (piece.over(&cell.box_), piece.at(middle));
+    let (bounded, alone) = match mapped(cell, &foot, piece, ground, [&over, &middle_of]) {
+        Some(bounded) => (bounded, false),
+        None => {
+            let Some((there, paid)) = ground.alone(&foot) else {
+                return Look { foot: Some(foot), alone: true, ..nothing };
+            };
+            let (none, face) = ([Interval::ZERO; 2], ground.over(foot.of, &there));
+            let gap = |piece: &Jet2<3>| Gap::linear(&face, [&none, &none], piece);
+            let found = gap(&over).bounded(&gap(&middle_of), [x, y], false);
+            (Bounded { bound: (Interval::point(found.bound) + Interval::point(paid)).hi, ..found }, true)
+        }
+    };
+    let seen = if piece.holds(middle) { foot.distance } else { 0.0 };
+    // What is no number is no bound.
+    let bound = if bounded.bound >= 0.0 { bounded.bound } else { f64::INFINITY };
+    Look { bound, seen, place, foot: Some(foot), share: bounded.share, alone }
+}
+
+/// The bound by a linear map from the cell about a foot; `None` where its image does not surely count.
+fn mapped(cell: &Cell, foot: &Foot, piece: &Piece, ground: &Ground, [over, at]: [&Jet2<3>; 2]) -> Option<Bounded> {
+    if foot.border.is_some() {
+        return None;
+    }
+    let middle = cell.box_.map(Interval::mid);
     let half = cell.box_.map(|x| 0.5 * (x.hi - x.lo));
     // Slopes of the map from the feet of the sides' middles.
     let side = |d: usize, sign: f64| {
@@ -138,18 +174,16 @@ fn look(cell: &Cell, pieces: &[Piece], ground: &Ground, far: f64) -> Look {
     let map = ground.kept(foot.of, Affine { at: foot.at, slopes: [slope(0), slope(1)], half });
     let (x, y) = (cell.box_[0] - Interval::point(middle[0]), cell.box_[1] - Interval::point(middle[1]));
     let image = map.image([x, y]);
-    let over = ground.over(foot.of, &image);
-    let at = ground.at(foot.of, &map.at);
+    if !ground.contains(foot.of, &image) {
+        return None;
+    }
+    let there = ground.over(foot.of, &image);
     let [du, dv] = map.slopes.map(|s| s.map(Interval::point));
-    let gap = Gap::linear(&over, [&du, &dv], &piece.over(&cell.box_));
-    let first = Gap::linear(&at, [&du, &dv], &piece.at(middle));
-    let creased = ground.creased(foot.of, &image);
-    let Bounded { bound, share } = gap.bounded(&first, [x, y], creased);
-    let bound = (Interval::point(bound) + Interval::point(ground.beyond(foot.of, &map, [x, y], &over))).hi;
-    let seen = if piece.holds(middle) { foot.distance } else { 0.0 };
-    // What is no number is no bound.
-    let bound = if bound >= 0.0 { bound } else { f64::INFINITY };
-    Look { bound, seen, place, foot: Some(foot), share }
+    let gap = Gap::linear(&there, [&du, &dv], over);
+    let first = Gap::linear(&ground.at(foot.of, &map.at), [&du, &dv], at);
+    let found = gap.bounded(&first, [x, y], ground.creased(foot.of, &image));
+    let paid = ground.beyond(foot.of, &map, [x, y], &there);
+    Some(Bounded { bound: (Interval::point(found.bound) + Interval::point(paid)).hi, ..found })
 }
 
 #[cfg(test)]

@@ -40,7 +40,7 @@ impl<'a> Piece<'a> {
 
     /// A triangle, with the piece of the ground and the parameters on it where nearest points may be.
     pub fn triangle(corners: [Vec3; 3], origin: [f64; 3], hint: Option<(usize, [f64; 2])>) -> Self {
-        let hint = hint.map(|(of, at)| Foot { of, at, distance: f64::INFINITY });
+        let hint = hint.map(|(of, at)| Foot { of, at, distance: f64::INFINITY, border: None });
         Self(Kind::Triangle { corners, origin, hint })
     }
 

@@ -38,8 +38,6 @@ pub(crate) struct TargetDistance {
 /// Why the distance of strips from a target has no bound.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Open {
-    /// A face, by its entity number, ends within its surface: what of the surface is near may be cut away.
-    Trimmed(u64),
     /// Between points without triangles there is nothing to be near.
     Points,
 }
@@ -47,8 +45,8 @@ pub(crate) enum Open {
 /// Bounds the distance between strips and a target; `tolerance` (mm) says how sharp the bounds should be.
 ///
 /// *Guaranteed*: for every point of the strips as they are given, and for every point of the faces inside their trims (with
-/// what these are proven to keep from the file's edges), of the triangles, or of the points. *Not guaranteed*: anything about
-/// the way to faces that end within their surfaces, or to points without triangles; it stays unknown.
+/// what these are proven to keep from the file's edges), of the triangles, or of the points. Nothing that is cut away counts as
+/// near. *Not guaranteed*: anything about the way to points without triangles; it stays unknown.
 pub(crate) fn distance_from(strips: &[&Strip], target: Target, tolerance: f64, control: &Control) -> TargetDistance {
     let bbox =
         BBox::of(strips.iter().flat_map(|s| [s.patch.bbox().min, s.patch.bbox().max]).collect::<Vec<_>>().iter());
@@ -57,23 +55,19 @@ pub(crate) fn distance_from(strips: &[&Strip], target: Target, tolerance: f64, c
     let ground = || Ground::surfaces(strips.iter().map(|s| &s.patch).collect(), origin);
     match target {
         Target::Faces(faces) => {
-            let cut = faces.iter().find(|f| !is_whole(f));
-            let mut there = cut.is_none().then(|| {
-                let on = Ground::surfaces(faces.iter().map(|f| &f.surface).collect(), origin);
-                farthest(&own, &on, tolerance, control)
-            });
             let polygons: Vec<Vec<Vec<[f64; 2]>>> = faces
                 .iter()
                 .map(|f| if is_whole(f) { Vec::new() } else { f.loops.iter().map(|l| l.points.clone()).collect() })
                 .collect();
-            let pieces: Vec<Piece> =
-                faces.iter().zip(&polygons).map(|(f, p)| Piece::surface(&f.surface, origin, p)).collect();
+            let each = || faces.iter().zip(&polygons).map(|(f, p)| (&f.surface, &p[..]));
+            let mut there = farthest(&own, &Ground::faces(each(), origin), tolerance, control);
+            let pieces: Vec<Piece> = each().map(|(s, p)| Piece::surface(s, origin, p)).collect();
             let mut back = farthest(&pieces, &ground(), tolerance, control);
             let trims = faces.iter().map(|f| f.trim_bound() + f.joint_bound()).fold(0.0, f64::max);
             let trims = UpperBound::shown(trims);
             back.bound = back.bound.plus(trims);
-            there.iter_mut().for_each(|t| t.bound = t.bound.plus(trims));
-            both(there, back, cut.map(|f| Open::Trimmed(f.entity)))
+            there.bound = there.bound.plus(trims);
+            both(Some(there), back, None)
         }
         Target::Cloud(cloud) => match Ground::mesh(cloud, origin) {
             Some(mesh) => {
@@ -164,9 +158,38 @@ mod tests {
         let mut cut = [face(2.0, 50.0)];
         cut[0].loops[0].points = vec![[0.0, 0.0], [0.5, 0.0], [0.5, 1.0], [0.0, 1.0]];
         let found = found(&strip(8.0), Target::Faces(&cut));
-        assert_eq!((found.there, found.open), (UpperBound::UNKNOWN, Some(Open::Trimmed(0))));
+        // The end of the strip is 25 beyond the border, and 6 above the face.
+        let far = 661f64.sqrt();
+        assert!(found.there.value() >= far && found.there.value() < 1.04 * far, "{found:?}");
         // Up to the middle the strip is at most 2 away; at the far end it is 6.
         assert!(found.back.value() >= 1.9 && found.back.value() < 2.2, "{found:?}");
+    }
+
+    #[test]
+    fn a_hole_is_as_far_as_its_middle_from_its_rim() {
+        let mut holed = [face(0.25, 50.0)];
+        let hole = |k: usize| {
+            let a = -f64::from(k as u32) * std::f64::consts::TAU / 32.0;
+            [0.4 + 6.0 * a.cos() / 50.0, 0.5 + 6.0 * a.sin() / 30.0]
+        };
+        let mut rim = holed[0].loops[0].clone();
+        rim.points = (0..32).map(hole).collect();
+        holed[0].loops.push(rim);
+        let found = found(&strip(0.0), Target::Faces(&holed));
+        // The rim's sides are a little inside its circle.
+        let far = (36.0 * (std::f64::consts::PI / 32.0).cos().powi(2) + 0.0625).sqrt();
+        assert!(found.there.value() >= far && found.there.value() < 1.04 * far, "{found:?} {far}");
+        assert!(found.back.value() >= 0.25 && found.back.value() < 0.27, "{found:?}");
+    }
+
+    #[test]
+    fn a_face_cut_to_the_strip_is_near_all_along_its_border() {
+        // A larger face, cut along slanting lines that the strip's border follows nearly.
+        let mut cut = [face(0.05, 200.0)];
+        cut[0].loops[0].points = vec![[0.001, 0.002], [0.249, 0.001], [0.2495, 0.998], [0.0005, 0.999]];
+        let found = found(&strip(0.0), Target::Faces(&cut));
+        assert!(found.there.value() >= 0.2 && found.there.value() < 0.5, "{found:?}");
+        assert!(found.back.value() >= 0.05 && found.back.value() < 0.06, "{found:?}");
     }
 
     #[test]

@@ -5,7 +5,8 @@ use super::check::{check, curve_item, handle_item, CompositeError, SAME};
 use super::freedom::too_much;
 use super::handle::{Handle, Hold, Strength};
 use super::identify::{identified, Identified};
-use super::{Composite, Options, StripShape};
+use super::{Composite, Join, Options, StripShape};
+use crate::constraint::border::AtBorder;
 use crate::constraint::coplanarity::{InPlane, Unit};
 use crate::constraint::developability::{samples, KForm, NForm, StripPoints};
 use crate::constraint::distance::Distance;
@@ -15,6 +16,17 @@ use crate::constraint::proximity::Proximity;
 use crate::constraint::stencil::Stencil;
 use crate::geom::Vec3;
 use crate::num::gauss_newton::{Role, System};
+
+/// Share of the margin that rulings keep beyond it where they are asked: between them the regression curve comes nearer, and
+/// a proof needs room.
+const ROOM: f64 = 0.1;
+
+/// Places on a ruling that is a border, as shares of it.
+const ON_RULING: [f64; 3] = [0.25, 0.5, 0.75];
+
+/// Places begin no farther than this share of the size from the border that they are drawn to: what is farther away is not
+/// meant to be that border.
+const REACH: f64 = 0.25;
 
 /// Which equations say that a ruling is torsal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -215,7 +227,7 @@ impl Builder<'_> {
         let margin = match composite.strips[k].shape {
             StripShape::Planar => return self.planar(k, a, b),
             StripShape::Ruled => return,
-            StripShape::Developable { margin } => margin,
+            StripShape::Developable { margin } => margin * (1.0 + ROOM),
         };
         let (pa, pb) = (self.built.points[a].clone(), self.built.points[b].clone());
         let strip = StripPoints { knots, a: &pa, b: &pb };
@@ -285,6 +297,56 @@ impl Builder<'_> {
                 }
             }
         }
+        if let Some(border) = &t.border {
+            for place in self.border_places(&t.strips) {
+                let begins = scale.origin + place.value(&self.built.start) * scale.size;
+                if border.distance(&begins) > REACH * scale.size {
+                    continue;
+                }
+                let block = AtBorder::new(&place, border.clone(), scale);
+                self.add(block, Role::Soft { weight, fades: true }, "targets", Item::Target(k));
+            }
+        }
+    }
+
+    /// Places on the border of the strips with these names, or of all: on curves that one of them has for a side, and on
+    /// first and last rulings at which none goes on.
+    fn border_places(&self, names: &[String]) -> Vec<Stencil> {
+        let composite = self.composite;
+        let chosen = |s: &usize| names.is_empty() || names.contains(&composite.strips[*s].name);
+        let strips: Vec<usize> = (0..composite.strips.len()).filter(chosen).collect();
+        let uses = |c: usize| strips.iter().flat_map(|s| self.sides[*s]).filter(|o| *o == c).count();
+        let goes_on = |s: usize, last: bool| {
+            let name = &composite.strips[s].name;
+            composite.joins.iter().any(|j| match j {
+                Join::Ruling { first, second, .. } => {
+                    if last {
+                        first == name
+                    } else {
+                        second == name
+                    }
+                }
+                _ => false,
+            })
+        };
+        let mut out = Vec::new();
+        for &s in &strips {
+            let [a, b] = self.sides[s];
+            let knots = &composite.curves[a].curve.knots;
+            let per_piece = knots.degree() + 1;
+            for c in [a, b].into_iter().filter(|c| uses(*c) == 1) {
+                for w in knots.breaks().windows(2) {
+                    let at = |i: usize| w[0] + (w[1] - w[0]) * i as f64 / per_piece as f64;
+                    out.extend((0..per_piece).map(|i| self.jet(c, at(i))[0].clone()));
+                }
+            }
+            let (first, last) = composite.curves[a].curve.domain();
+            for u in [(first, false), (last, true)].into_iter().filter(|e| !goes_on(s, e.1)).map(|e| e.0) {
+                let (p, q) = (self.jet(a, u)[0].clone(), self.jet(b, u)[0].clone());
+                out.extend(ON_RULING.map(|v| p.clone().times(1.0 - v).plus(&q.clone().times(v))));
+            }
+        }
+        out
     }
 
     /// Differences along curves and across strips, and a metric in which smooth displacements are short.

@@ -43,7 +43,7 @@ impl fmt::Display for At {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum CompositeError {
     /// There are no strips.
-    #[error("there are no strips")]
+    #[error("there are no strips; name two curves for the sides of one, or take strips over from an earlier result")]
     Empty,
     /// Two items with one name; planar pieces count as strips.
     #[error("two {kind}s are called '{name}'; every name must be used once")]
@@ -125,6 +125,16 @@ pub enum CompositeError {
         /// The other.
         second: String,
         /// Distance of the places, mm.
+        distance: f64,
+    },
+    /// A length between places that are held at another distance.
+    #[error("{item} asks for {length} mm between two places that are held {distance:.6} mm apart; let one of them go, or change the length")]
+    HeldApart {
+        /// The length.
+        item: Box<At>,
+        /// What it asks for, mm.
+        length: f64,
+        /// What is held, mm.
         distance: f64,
     },
     /// A curve that is not shared by two strips.
@@ -210,6 +220,7 @@ impl CompositeError {
             | Self::Coinciding { item, .. }
             | Self::Nothing { item, .. }
             | Self::Contradiction { first: item, .. }
+            | Self::HeldApart { item, .. }
             | Self::OverDetermined { item, .. }
             | Self::Corners { item, .. }
             | Self::Skew { item, .. }
@@ -317,6 +328,11 @@ pub(super) fn check(c: &Composite) -> Result<(), CompositeError> {
                 needed: "it must be positive",
             });
         }
+        let [a, b] = l.between.each_ref().map(|p| held(c, p));
+        let distance = a.zip(b).map(|(a, b)| (a - b).norm());
+        if let Some(distance) = distance.filter(|d| (d - l.length).abs() > SAME * size) {
+            return Err(CompositeError::HeldApart { item: item.of("length"), length: l.length, distance });
+        }
     }
     for (k, t) in c.targets.iter().enumerate() {
         let item = |field| move || other_item("targets", "target", k).of(field);
@@ -329,6 +345,17 @@ pub(super) fn check(c: &Composite) -> Result<(), CompositeError> {
         }
     }
     Ok(())
+}
+
+/// Where a place is held: by a handle that holds it exactly, or on a fixed curve.
+fn held(c: &Composite, place: &Place) -> Option<Vec3> {
+    let exact = |h: &&Handle| h.place == *place && h.strength == Strength::Exact;
+    let by_handle = c.handles.iter().filter(exact).find_map(|h| match h.hold {
+        Hold::Point(p) => Some(p),
+        _ => None,
+    });
+    let curve = &c.curves[c.curve(&place.curve)?];
+    by_handle.or_else(|| curve.fixed.then(|| Vec3::from(curve.curve.point(place.u))))
 }
 
 fn unique<'a>(kind: &'static str, names: impl Iterator<Item = &'a String>) -> Result<(), CompositeError> {

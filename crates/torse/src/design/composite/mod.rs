@@ -21,6 +21,7 @@ pub use check::{At, CompositeError};
 pub use handle::{Handle, Hold, Place, Strength};
 pub use session::{Report, Session};
 
+use crate::constraint::border::Border;
 use crate::constraint::reference::Reference;
 use crate::spline::curve::Curve;
 use std::sync::Arc;
@@ -159,6 +160,8 @@ pub struct Target {
     pub strips: Vec<String>,
     /// The surface, mm.
     pub reference: Arc<dyn Reference>,
+    /// Its border, if all of it must be near the strips: their border is drawn to it. Default none.
+    pub border: Option<Arc<Border>>,
     /// Weight at the beginning of a solve, from which it falls.
     pub weight: f64,
 }

@@ -217,6 +217,11 @@ impl Session {
         Report { status: outcome.status, iterations: outcome.iterations, residual: outcome.residual, obstacle }
     }
 
+    /// The length (mm) that residuals are shares of.
+    pub(crate) fn size(&self) -> f64 {
+        self.scale.size
+    }
+
     /// Control points of a curve, mm.
     pub fn control_points(&self, curve: usize) -> impl Iterator<Item = Vec3> + '_ {
         let x = self.solver.values();

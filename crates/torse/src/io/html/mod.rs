@@ -67,6 +67,7 @@ pub fn write(page: &Page) -> Result<String, HtmlError> {
         "face_head" if covers => "<th><button type=\"button\">Face</button></th>".into(),
         "figure_heads" => tables::figure_heads(report),
         "panel_rows" => tables::panels(report),
+        "joins" => tables::joins(report),
         "shapes" => tables::shapes(report, pictures.shapes.as_deref().map(image)),
         "layout" => tables::layout(&shown.pieces) + &tables::sheet_bends(report) + &tables::facets(report),
         "part_rows" => tables::parts(report),
@@ -221,7 +222,7 @@ mod tests {
         // An unknown name in the template would leave an empty place.
         fill(PAGE, |name| {
             let known = "result certificate warnings panel_count panel_words thing Things face_head figure_heads \
-                         panel_rows shapes layout part_rows points field faces";
+                         panel_rows joins shapes layout part_rows points field faces";
             assert!(known.split_whitespace().any(|k| k == name), "{name}");
             String::new()
         });

@@ -9,7 +9,7 @@ use crate::geom::unit::SQUARE_METRES;
 use crate::geom::Vec2;
 use crate::io::json::{value, FigureRecord, PanelRecord, PartRecord, Report, UNKNOWN};
 use crate::io::markup::escape;
-use crate::io::words::id;
+use crate::io::words::{counted, id};
 use crate::io::{bend_table, bends, shop_tables};
 use crate::torse::form::PanelKind;
 use std::fmt::Write;
@@ -290,6 +290,35 @@ pub(super) fn seams(report: &Report) -> String {
         );
     }
     out + "</tbody></table></div></details>"
+}
+
+/// The table of joins, if there are any.
+pub(super) fn joins(report: &Report) -> String {
+    if report.joins.is_empty() {
+        return String::new();
+    }
+    let mut out = format!(
+        "<section class=\"card\" id=\"joins\"><h2>{}</h2><p class=\"quiet\">Proven, the worst first.</p><div class=\"scroll\">\
+         <table><thead><tr><th>Join</th><th>Between</th><th class=\"number\">Gap \u{2264}, mm</th>\
+         <th class=\"number\">Angle \u{2264}, degrees</th><th>Smooth</th><th>Certified</th></tr></thead><tbody>",
+        counted(report.joins.len(), "join"),
+    );
+    for j in &report.joins {
+        let certified =
+            if j.certified { "<span class=\"yes\">\u{2713} yes</span>" } else { "<span class=\"no\">no</span>" };
+        let _ = write!(
+            out,
+            "<tr><td>{}</td><td>{} \u{2013} {}</td><td class=\"number\">{}</td><td class=\"number\">{}</td><td>{}</td>\
+             <td class=\"verdict\">{certified}</td></tr>",
+            j.number,
+            escape(&j.between[0]),
+            escape(&j.between[1]),
+            upper(j.gap_bound),
+            upper(j.angle_bound_deg),
+            if j.smooth { "should be" } else { "" },
+        );
+    }
+    out + "</tbody></table></div></section>"
 }
 
 /// The table of panels along curves, if there are any.

@@ -6,7 +6,8 @@ use crate::certify::claim::What;
 use crate::geom::unit::SQUARE_METRES;
 use crate::io::json::{value, FigureRecord, PanelRecord, PartRecord, Report};
 use crate::io::markup::escape;
-use std::collections::HashMap;
+use crate::io::words;
+use std::collections::{HashMap, HashSet};
 use std::fmt::Write;
 
 /// Bends tighter than this share of the panel's width deserve a look: the sheet turns by more than a radian or so
@@ -40,11 +41,24 @@ pub(super) fn badge(report: &Report) -> String {
 
 /// The figures of the whole, one by one.
 pub(super) fn figures(report: &Report) -> String {
+    let group = |f: &FigureRecord| words::join_group(&f.what, f.limit.is_some());
+    let mut told = HashSet::new();
     let tile = |f: &FigureRecord| {
+        // Of several joins, the worst stand for all.
+        let (f, name) = match group(f) {
+            None => (f, f.name.clone()),
+            Some(like) if !told.insert(like) => return String::new(),
+            Some(like) => {
+                let all: Vec<&FigureRecord> = report.figures.iter().filter(|o| group(o) == Some(like)).collect();
+                let value = |f: &FigureRecord| f.value.unwrap_or(f64::INFINITY);
+                let worst = all.iter().copied().max_by(|a, b| value(a).total_cmp(&value(b))).unwrap_or(f);
+                (worst, words::joins_name(like, all.len(), &worst.name))
+            }
+        };
         let unit =
             if f.unit.is_empty() || f.value.is_none() { String::new() } else { format!("&nbsp;{}", escape(&f.unit)) };
         let note = if f.basis == "given" { "" } else { f.basis.as_str() };
-        format!("<div><dt>{}</dt><dd>{}{unit}<small>{note}</small></dd></div>", escape(&f.name), tables::number(f))
+        format!("<div><dt>{}</dt><dd>{}{unit}<small>{note}</small></dd></div>", escape(&name), tables::number(f))
     };
     report.figures.iter().map(tile).collect()
 }
@@ -344,6 +358,28 @@ fn bullets(items: &[String]) -> String {
 mod tests {
     use super::*;
     use crate::io::json::tests::{sample, set};
+
+    #[test]
+    fn of_several_joins_the_worst_stand_for_all() {
+        let mut report = sample();
+        let figure = report.figures[0].clone();
+        let join = |what: &str, k: usize, value: Option<f64>, limit: Option<f64>| FigureRecord {
+            what: what.into(),
+            name: format!("{what} {k}"),
+            value,
+            limit,
+            ..figure.clone()
+        };
+        report.figures = (0..3).map(|k| join("join_gap", k, Some(0.25 * k as f64), Some(1.0))).collect();
+        report.figures.push(join("join_angle", 0, Some(2.5), None));
+        report.figures.push(join("join_angle", 1, Some(0.01), Some(0.1)));
+        let shown = figures(&report);
+        assert_eq!(shown.matches("<dt>").count(), 3, "{shown}");
+        assert!(shown.contains("largest gap, 3 joins</dt><dd>0.5") && shown.contains("join_angle 1"), "{shown}");
+        // What is not known is the worst.
+        report.figures[0].value = None;
+        assert!(!figures(&report).contains("0.5"));
+    }
 
     #[test]
     fn warnings_name_the_panels_concerned_and_only_those() {

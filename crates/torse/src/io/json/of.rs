@@ -1,9 +1,10 @@
 //! The record of an answer.
 
 use super::{
-    AlongRecord, FaceRecord, FacetsRecord, FigureRecord, JoinedRecord, PanelRecord, PartRecord, PointRecord, Report,
-    SeamRecord, ShapeRecord, SkippedRecord, WitnessRecord, WrittenRecord, SCHEMA, UNKNOWN,
+    AlongRecord, FaceRecord, FacetsRecord, FigureRecord, JoinRecord, JoinedRecord, PanelRecord, PartRecord,
+    PointRecord, Report, SeamRecord, ShapeRecord, SkippedRecord, WitnessRecord, WrittenRecord, SCHEMA, UNKNOWN,
 };
+use crate::answer::note::Note;
 use crate::answer::presentation::Presentation;
 use crate::answer::shapes::Shape;
 use crate::answer::Answer;
@@ -54,12 +55,13 @@ impl Report {
             seconds: answer.seconds,
             figures: answer.claims_of(Subject::Whole).map(|c| FigureRecord::of(c, &curves)).collect(),
             coverage: answer.covers_faces().then(|| covered_share(answer, &coverages)),
-            notes: answer.notes.iter().map(words::note).collect(),
+            notes: words::notes(&answer.notes),
             skipped: skipped.collect(),
             faces: if answer.covers_faces() { face_records(answer, &coverages) } else { Vec::new() },
             panels: panel_records(answer, shown, &curves),
             parts: part_records(answer, shown),
             seams: seam_records(answer),
+            joins: join_records(answer),
             along: along.collect(),
             shapes: shown.shapes.iter().map(|s| shape_record(s, answer)).collect(),
             worst_point: worst_point(answer),
@@ -68,6 +70,31 @@ impl Report {
                 .collect(),
         }
     }
+}
+
+/// The joins of a composite, those first that come nearest to what is asked of them.
+fn join_records(answer: &Answer) -> Vec<JoinRecord> {
+    let told = |n: &Note| match n {
+        Note::Joint { index, between, smooth, .. } => Some((*index, between.clone(), *smooth)),
+        _ => None,
+    };
+    let record = |(number, between, smooth): (usize, [String; 2], bool)| {
+        let claim = |what: What| answer.claim(what);
+        let (gap, angle) = (claim(What::JoinGap(number)), claim(What::JoinAngle(number)));
+        let broken = |c: &Option<&Claim>| c.is_some_and(Claim::is_broken);
+        JoinRecord {
+            number,
+            between,
+            gap_bound: gap.and_then(|c| finite(c.value())),
+            angle_bound_deg: angle.and_then(|c| finite(c.value())),
+            smooth,
+            certified: !broken(&gap) && !broken(&angle),
+        }
+    };
+    let mut out: Vec<JoinRecord> = answer.notes.iter().filter_map(told).map(record).collect();
+    let angle = |j: &JoinRecord| j.angle_bound_deg.unwrap_or(f64::INFINITY);
+    out.sort_by(|a, b| a.certified.cmp(&b.certified).then(b.smooth.cmp(&a.smooth)).then(angle(b).total_cmp(&angle(a))));
+    out
 }
 
 impl FigureRecord {

@@ -4,8 +4,8 @@ pub(crate) mod note;
 pub(in crate::io) mod numbers;
 
 use crate::answer::{Answer, Job};
-use crate::certify::claim::{Claim, Counted, Demand, Evidence, NetNumber, What};
-pub use note::note;
+use crate::certify::claim::{Claim, Counted, Demand, Evidence, NetNumber, Subject, What};
+pub use note::{note, notes};
 pub(crate) use numbers::length_bound;
 use std::collections::HashSet;
 
@@ -35,6 +35,7 @@ pub fn name(claim: &Claim, curves: &[String]) -> String {
         What::Twist => "twist".into(),
         What::RegressionClearance if proven => "distance to the regression curve".into(),
         What::RegressionClearance => "regression clearance".into(),
+        What::RegressionMargin => "distance to the regression curve in lengths of the ruling".into(),
         What::BendRadius => "bend radius".into(),
         What::InsideRadius => "least inside radius of the sheet".into(),
         What::DiagonalGap => "distance of diagonals".into(),
@@ -108,6 +109,7 @@ pub fn id(what: What) -> &'static str {
         What::JointGap => "joint_gap",
         What::Twist => "twist",
         What::RegressionClearance => "regression_clearance",
+        What::RegressionMargin => "regression_margin",
         What::BendRadius => "bend_radius",
         What::InsideRadius => "inside_radius",
         What::DiagonalGap => "diagonal_gap",
@@ -206,12 +208,54 @@ pub fn unit(what: What) -> &'static str {
         What::UsedOf(_) => "%",
         What::Area | What::FlatArea => "m²",
         What::NetShape(_)
+        | What::RegressionMargin
         | What::Coverage
         | What::LengthError
         | What::Count(_)
         | What::LeftOut
         | What::Objection
         | What::InPart => "",
+    }
+}
+
+/// The claims of the whole with their names, for a few lines: of several joins, the worst in every respect stand for all.
+pub fn whole(answer: &Answer) -> Vec<(&Claim, String)> {
+    let curves: Vec<String> = answer.guides.iter().map(|g| g.name.clone()).collect();
+    let all: Vec<&Claim> = answer.claims_of(Subject::Whole).collect();
+    let group = |c: &Claim| join_group(id(c.what()), c.demand() != Demand::None);
+    let mut out: Vec<(&Claim, String)> = Vec::new();
+    let mut told = HashSet::new();
+    for c in &all {
+        let Some(words) = group(c) else {
+            out.push((c, name(c, &curves)));
+            continue;
+        };
+        let like: Vec<&Claim> = all.iter().copied().filter(|o| group(o) == Some(words)).collect();
+        let worst = like.iter().max_by(|a, b| a.value().total_cmp(&b.value()));
+        if let (true, Some(worst)) = (told.insert(words), worst) {
+            out.push((worst, joins_name(words, like.len(), &name(worst, &curves))));
+        }
+    }
+    out
+}
+
+/// Of what several joins have a largest one, by the name of a figure for programs, and whether something is asked of it; `None`
+/// for other figures.
+pub(crate) fn join_group(what: &str, asked: bool) -> Option<&'static str> {
+    match (what, asked) {
+        ("join_gap", _) => Some("gap"),
+        ("join_angle", true) => Some("angle of smooth joins"),
+        ("join_angle", false) => Some("angle of joins that need not be smooth"),
+        _ => None,
+    }
+}
+
+/// The name of the largest of so many figures of joins, and of the only one.
+pub(crate) fn joins_name(group: &str, count: usize, only: &str) -> String {
+    if count == 1 {
+        only.to_owned()
+    } else {
+        format!("largest {group}, {count} joins")
     }
 }
 

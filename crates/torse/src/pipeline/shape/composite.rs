@@ -3,6 +3,7 @@
 use super::given::given;
 use super::goal::Goal;
 use super::options::ShapeError;
+use crate::constraint::border::Border;
 use crate::design::composite::{
     BoundaryCurve, Composite, Edge, Facet, Handle, Hold, Join, Length, Place, RuledStrip, Smoothness, Strength,
     StripShape, Target,
@@ -12,6 +13,7 @@ use crate::io::shape::{
     EdgeKind, HandleRecord, JoinRecord, PlaceRecord, PlaneRecord, ShapeFile, Smooth, StripRecord, TargetRecord,
 };
 use crate::spline::curve::Curve;
+use std::sync::Arc;
 
 /// The composite that a file describes, with what its targets are; `tolerance` (mm) is that of the job.
 pub(super) fn composite(
@@ -42,7 +44,7 @@ pub(super) fn composite(
     for (index, t) in job.targets.iter().enumerate() {
         let wrong = |reason| ShapeError::Target { index, reason };
         let goal = Goal::read(t, job.unit, load, tolerance).map_err(wrong)?;
-        targets.push(target(t, &goal).map_err(wrong)?);
+        targets.push(target(t, &goal, tolerance).map_err(wrong)?);
         goals.push(goal);
     }
     // Items of the file itself come first: errors name them by their indices.
@@ -67,8 +69,9 @@ fn place(p: &PlaceRecord) -> Place {
     Place { curve: p.curve.clone(), u: p.u }
 }
 
-fn target(t: &TargetRecord, goal: &Goal) -> Result<Target, String> {
-    Ok(Target { strips: t.strips.clone(), reference: goal.reference()?, weight: t.weight })
+fn target(t: &TargetRecord, goal: &Goal, tolerance: f64) -> Result<Target, String> {
+    let border = t.covered.then(|| Border::new(goal.border(tolerance)).map(Arc::new)).flatten();
+    Ok(Target { strips: t.strips.clone(), reference: goal.reference()?, border, weight: t.weight })
 }
 
 fn join(j: &JoinRecord) -> Option<Join> {

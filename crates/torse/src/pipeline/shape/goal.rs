@@ -1,12 +1,14 @@
 //! Surfaces that strips should be near, for solving and for the proof.
 
-use crate::brep::face::Face;
+use crate::brep::face::{Face, TrimLoop};
+use crate::constraint::border::Border;
 use crate::constraint::reference::{FaceReference, PointReference, Reference};
 use crate::geom::cloud::Cloud;
 use crate::geom::Vec3;
 use crate::io::shape::TargetRecord;
 use crate::io::{cloud, step};
 use crate::search::trims::trims_judged;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// What a target is.
@@ -45,6 +47,32 @@ impl Goal {
         }))
     }
 
+    /// The lines at which it ends, in straight pieces: sides of one triangle, outer loops of faces where no other face goes on
+    /// within `tolerance` (mm). Points without triangles have none.
+    pub fn border(&self, tolerance: f64) -> Vec<[Vec3; 2]> {
+        match self {
+            Self::Cloud(cloud) => {
+                let sides = cloud.triangles.iter().flat_map(|t| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]]);
+                let mut uses: BTreeMap<[u32; 2], usize> = BTreeMap::new();
+                sides.for_each(|[a, b]| *uses.entry([a.min(b), a.max(b)]).or_default() += 1);
+                let place = |i: u32| cloud.points.get(i as usize).copied();
+                let once = uses.into_iter().filter(|u| u.1 == 1);
+                once.filter_map(|([a, b], _)| Some([place(a)?, place(b)?])).collect()
+            }
+            Self::Faces(faces) => {
+                let each: Vec<Vec<[Vec3; 2]>> = faces.iter().map(outline).collect();
+                let lines: Vec<Option<Border>> = each.iter().map(|e| Border::new(e.clone())).collect();
+                let alone = |k: usize, [p, q]: &[Vec3; 2]| {
+                    let middle = 0.5 * (p + q);
+                    let near = |b: &Option<Border>| b.as_ref().is_some_and(|b| b.distance(&middle) <= tolerance);
+                    !lines.iter().enumerate().any(|(j, b)| j != k && near(b))
+                };
+                let kept = |(k, e): (usize, Vec<[Vec3; 2]>)| e.into_iter().filter(move |s| alone(k, s));
+                each.into_iter().enumerate().flat_map(kept).collect()
+            }
+        }
+    }
+
     /// For solving: nearest points with their curvatures.
     pub fn reference(&self) -> Result<Arc<dyn Reference>, String> {
         match self {
@@ -56,3 +84,29 @@ impl Goal {
         }
     }
 }
+
+/// The outer loop of a face in space, in straight pieces.
+fn outline(face: &Face) -> Vec<[Vec3; 2]> {
+    let twice_area = |l: &TrimLoop| -> f64 {
+        let n = l.points.len();
+        (0..n).map(|k| l.points[k][0] * l.points[(k + 1) % n][1] - l.points[(k + 1) % n][0] * l.points[k][1]).sum()
+    };
+    let outer = face.loops.iter().max_by(|a, b| twice_area(a).abs().total_cmp(&twice_area(b).abs()));
+    let Some(outer) = outer else { return Vec::new() };
+    let ((u0, u1), (v0, v1)) = face.surface.domain();
+    let n = outer.points.len();
+    let side = |k: usize| {
+        let (a, b) = (outer.points[k], outer.points[(k + 1) % n]);
+        let share = ((b[0] - a[0]) / (u1 - u0)).abs().max(((b[1] - a[1]) / (v1 - v0)).abs());
+        let parts = ((share * PIECES).ceil() as usize).clamp(1, PIECES as usize);
+        let at = move |i: usize| {
+            let t = i as f64 / parts as f64;
+            face.surface.point(a[0] + (b[0] - a[0]) * t, a[1] + (b[1] - a[1]) * t)
+        };
+        (0..parts).map(move |i| [at(i), at(i + 1)])
+    };
+    (0..n).flat_map(side).collect()
+}
+
+/// Straight pieces over the whole domain of a face.
+const PIECES: f64 = 64.0;

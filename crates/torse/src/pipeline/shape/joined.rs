@@ -9,9 +9,6 @@ use crate::torse::form::PanelKind;
 use crate::torse::strip::Strip;
 use std::collections::BTreeMap;
 
-/// Joins that are told of one by one.
-const TOLD: usize = 100;
-
 /// Which side of a strip.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Which {
@@ -50,10 +47,8 @@ pub(super) fn joins(composite: &Composite, strips: &[Strip], options: &Options) 
             found.seen.iter().map(|s| s.1).fold(0.0, f64::max).to_degrees()
         );
         claims.push(if smooth { angle.within(limit).because(reason) } else { angle });
-        if index < TOLD {
-            let between = [first.clone(), second.clone()];
-            notes.push(Note::Joint { index, between, gap: found.gap, angle: found.angle, smooth });
-        }
+        let between = [first.clone(), second.clone()];
+        notes.push(Note::Joint { index, between, gap: found.gap, angle: found.angle, smooth });
     }
     (claims, notes)
 }

@@ -1,24 +1,23 @@
 //! The result of a shape: judged, laid flat, put together.
 
-use super::goal::Goal;
 use super::joined::joins;
 use super::moved::Moved;
-use super::options::{Options, ShapeError};
+use super::options::ShapeError;
+use super::targets::{targets, Asked};
 use crate::answer::note::Note;
 use crate::answer::{Answer, Guide, Job};
 use crate::certify::claim::{Claim, Counted, Demand, Evidence, Subject, What};
-use crate::certify::nearness::{distance_from, Open, Target, TargetDistance};
 use crate::control::Control;
-use crate::design::composite::{Composite, Hold, Join, Session, Smoothness, Strength};
+use crate::design::composite::{Composite, Hold, Join, Place, Session, Smoothness, Strength, StripShape};
 use crate::design::loft::build::{classified, BuiltStrip};
 use crate::develop::strip::StripOptions;
 use crate::draw::field::PanelField;
 use crate::geom::Vec3;
-use crate::io::shape::TargetRecord;
 use crate::patchwork::panel::Patchwork;
 use crate::patchwork::part::Part;
 use crate::search::strips::cut::laid;
 use crate::search::strips::judgement::{judge, Candidate, Judgement};
+use crate::search::strips::regression;
 use crate::spline::curve::Curve;
 use crate::spline::SplineError;
 use crate::torse::form::PanelKind;
@@ -30,7 +29,7 @@ const GUIDE_POINTS: usize = 200;
 /// Stations per ruled strip where its twist is measured for colours.
 const STATIONS: usize = 64;
 
-/// Distance of every held place from what it is held to, with the handle's words and whether it may give way.
+/// How far (mm) handles and lengths are from what they ask for, with their words and whether they may give way.
 fn off(session: &Session) -> Vec<(String, f64, bool)> {
     let mut out = Vec::new();
     for (k, h) in session.composite().handles.iter().enumerate() {
@@ -43,6 +42,14 @@ fn off(session: &Session) -> Vec<(String, f64, bool)> {
             Hold::Tangent(t) => d.cross(&t.normalize()).norm() / curve.knots.degree() as f64,
         };
         out.push((format!("handle {k} on {}", h.place.curve), far, h.strength != Strength::Exact));
+    }
+    for (k, l) in session.composite().lengths.iter().enumerate() {
+        let place = |p: &Place| {
+            let curve = session.composite().curve(&p.curve).and_then(|c| session.curve(c))?;
+            Some(Vec3::from(curve.point(p.u)))
+        };
+        let [Some(a), Some(b)] = l.between.each_ref().map(place) else { continue };
+        out.push((format!("length {k}"), ((b - a).norm() - l.length).abs(), false));
     }
     out
 }
@@ -103,61 +110,12 @@ fn fields(all: &[Made], judgement: &Judgement) -> Vec<PanelField> {
     all.iter().filter_map(of).collect()
 }
 
-/// Claims about the distance from targets, and notes where one way stays open.
-fn targets(strips: &[Strip], asked: &Asked, control: &Control) -> (Vec<Claim>, Vec<Note>) {
-    let (mut claims, mut notes) = (Vec::new(), Vec::new());
-    for (index, (record, goal)) in asked.records.iter().zip(asked.goals).enumerate() {
-        let wanted = |s: &&Strip| record.strips.is_empty() || record.strips.contains(&s.name);
-        let near: Vec<&Strip> = strips.iter().filter(wanted).collect();
-        let target = match goal {
-            Goal::Faces(faces) => Target::Faces(faces),
-            Goal::Cloud(cloud) => Target::Cloud(cloud),
-        };
-        let within = record.within.unwrap_or(asked.options.tolerance);
-        let found = distance_from(&near, target, within, control);
-        let bound = match (found.open, record.covered) {
-            (Some(Open::Points), _) => found.back,
-            (_, true) => found.there.max(found.back),
-            (_, false) => found.there,
-        };
-        claims.push(
-            Claim::at_most(What::TargetDistance(index), Subject::Whole, bound)
-                .within(within)
-                .because(beyond(index, record, &found, within)),
-        );
-        notes.push(Note::Target {
-            index,
-            there: found.there,
-            back: found.back,
-            points: found.open == Some(Open::Points),
-        });
+/// Lengths of the ruling that the regression curve of a strip should keep off.
+fn margin(composite: &Composite, strip: usize) -> f64 {
+    match composite.strips.get(strip).map(|s| s.shape) {
+        Some(StripShape::Developable { margin }) => margin,
+        _ => 0.0,
     }
-    (claims, notes)
-}
-
-/// Why a target is not met, and what would help.
-fn beyond(index: usize, record: &TargetRecord, found: &TargetDistance, within: f64) -> String {
-    let name = record.file.as_deref().map_or(String::new(), |f| format!(" ({f})"));
-    if let Some(Open::Trimmed(entity)) = found.open {
-        return format!(
-            "target {index}{name}: face #{entity} ends within its surface, so that no distance of the strips from it is \
-             proven; give the surface untrimmed, or as triangles"
-        );
-    }
-    let [x, y, z] = <[f64; 3]>::from(found.place);
-    format!(
-        "target {index}{name}: {:.4} mm apart at ({x:.1}, {y:.1}, {z:.1}), where {within} mm are allowed; give the curves \
-         more spans, take more or narrower strips, hold less, or allow more by \"within\"{}",
-        found.seen,
-        if record.covered { "; if the target goes on beyond the strips, say \"covered\": false" } else { "" }
-    )
-}
-
-/// What a job was, for its result.
-pub(super) struct Asked<'a> {
-    pub records: &'a [TargetRecord],
-    pub goals: &'a [Goal],
-    pub options: &'a Options,
 }
 
 /// Judges and develops what a session has come to.
@@ -189,7 +147,7 @@ pub(super) fn judged(session: &Session, asked: &Asked, moved: Moved, control: &C
         if gives_way {
             notes.push(Note::GaveWay { handle: what, off });
         } else {
-            missing.push(format!("{what} is {off:.4} mm from where it should be; hold less, or move it in steps"));
+            missing.push(format!("{what} is {off:.4} mm from what it should be; hold less, or move it in steps"));
         }
     }
     let fields = fields(&all, &judgement);
@@ -206,7 +164,8 @@ pub(super) fn judged(session: &Session, asked: &Asked, moved: Moved, control: &C
     let laid = laid(&strips, &chains(composite, &strips), &flat, options.tolerance);
     notes.extend(laid.crowded.iter().copied().map(Note::Crowded));
     if ruled < strips.len() {
-        claims.extend(judgement.whole().into_iter().filter(|c| !matches!(c.what(), What::Count(_))));
+        let proven = |c: &Claim| matches!(c.what(), What::Count(_) | What::RegressionClearance);
+        claims.extend(judgement.whole().into_iter().filter(|c| !proven(c)));
         claims.extend(laid.claims());
     }
     claims.push(Claim::count(Counted::Strips, whole, strips.len()));
@@ -218,7 +177,8 @@ pub(super) fn judged(session: &Session, asked: &Asked, moved: Moved, control: &C
         let reason = "nothing is asked of the ruled strips that could be proven: join them, or give a target";
         claims.push(Claim::objection(whole, reason));
     }
-    claims.extend(judgement.claims);
+    claims.extend(judgement.claims.into_iter().filter(|c| c.what() != What::RegressionClearance));
+    claims.extend(regression::claims(&strips, &|k| margin(composite, k)));
     let guides = composite.curves.iter().map(|c| {
         let (a, b) = c.curve.domain();
         let at = |k: usize| Vec3::from(c.curve.point(a + (b - a) * k as f64 / GUIDE_POINTS as f64));

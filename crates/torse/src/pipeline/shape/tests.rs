@@ -61,6 +61,74 @@ fn a_job_is_certified_and_has_its_files() {
 }
 
 #[test]
+fn the_regression_curve_is_proven_to_keep_its_margin() {
+    let answer = run(JOB).expect("an answer");
+    let of = |what: What| answer.claims.iter().find(|c| c.what() == what && c.subject() == Subject::Panel(0));
+    let clearance = of(What::RegressionClearance).expect("a claim");
+    let margin = of(What::RegressionMargin).expect("a claim");
+    assert!(clearance.evidence() == Evidence::Proven && margin.evidence() == Evidence::Proven);
+    // No ruling comes nearer than was proven, and the proof is not far from the nearest.
+    let strip = &answer.patchwork.panels[0].strip;
+    let (mut least, mut share) = (f64::INFINITY, f64::INFINITY);
+    for k in 0..=5000 {
+        let [a, b] = strip.ruling(f64::from(k) / 5000.0);
+        let c = strip.regression_clearance(f64::from(k) / 5000.0);
+        (least, share) = (least.min(c), share.min(c / (b - a).norm()));
+    }
+    assert!(clearance.value() <= least && clearance.value() >= 0.9 * least, "{clearance:?} {least}");
+    assert!(margin.value() <= share && margin.value() >= 0.9 * share.min(10.0), "{margin:?} {share}");
+    assert!(margin.value() >= 0.05, "{margin:?}");
+    let whole = answer.claim(What::RegressionClearance).expect("a claim");
+    assert_eq!(whole.value(), clearance.value());
+    // A margin that this shape has not got is no certificate.
+    let strips = [strip.clone()];
+    let claims = crate::search::strips::regression::claims(&strips, &|_| 2.0 * share);
+    let told = crate::io::words::objections(&claims, &[]).join("; ");
+    assert!(
+        told.contains("strip A-01: the regression curve is shown to keep off by ") && told.contains("margin"),
+        "{told}"
+    );
+}
+
+#[test]
+fn strips_are_drawn_to_the_border_of_a_target() {
+    // A sheet of 1000 by 400 that bends about the y-axis; the curves begin 30 and 25 short of its borders.
+    let at = |x: f64, y: f64| [x, y, 0.0003 * (x - 500.0) * (x - 500.0)];
+    let n = 20;
+    let points: Vec<[f64; 3]> = (0..=n)
+        .flat_map(|i| (0..=4).map(move |j| at(1000.0 * f64::from(i) / f64::from(n), 100.0 * f64::from(j))))
+        .collect();
+    let cell = |i: u32, j: u32| [[5 * i + j, 5 * i + j + 5, 5 * i + j + 6], [5 * i + j, 5 * i + j + 6, 5 * i + j + 1]];
+    let triangles: Vec<[u32; 3]> = (0..n).flat_map(|i| (0..4).flat_map(move |j| cell(i, j))).collect();
+    let curve = |name: &str, y: f64| {
+        let list: Vec<[f64; 3]> = (0..=8).map(|k| at(30.0 + 940.0 * f64::from(k) / 8.0, y)).collect();
+        format!(r#"{{ "name": "{name}", "through": {list:?}, "spans": 4 }}"#)
+    };
+    let job = |covered: bool| {
+        format!(
+            r#"{{ "unit": "mm", "curves": [{}, {}, {}],
+            "strips": [ {{ "name": "s0", "sides": ["a", "b"] }}, {{ "name": "s1", "sides": ["b", "c"] }} ],
+            "targets": [ {{ "points": {points:?}, "triangles": {triangles:?}, "within": 4, "covered": {covered} }} ] }}"#,
+            curve("a", 25.0),
+            curve("b", 200.0),
+            curve("c", 375.0)
+        )
+    };
+    let back = |answer: &Answer| {
+        let found = answer.notes.iter().find_map(|n| match n {
+            Note::Target { back, .. } => Some(back.value()),
+            _ => None,
+        });
+        found.expect("a note")
+    };
+    let answer = run(&job(true)).expect("an answer");
+    assert_eq!(answer.status(), Certified::Certified, "{:?} {:?}", broken(&answer), answer.notes);
+    assert!(back(&answer) < 4.0);
+    // Where it need not be covered, nothing draws the strips to its border.
+    assert!(back(&run(&job(false)).expect("an answer")) > 20.0);
+}
+
+#[test]
 fn a_loft_is_where_one_begins() {
     let low = b"x,y,z\n0,0,0\n300,-60,40\n600,-80,50\n1000,0,0\n".to_vec();
     let high = b"x,y,z\n20,300,200\n320,260,230\n620,250,230\n980,300,190\n".to_vec();
@@ -212,6 +280,24 @@ fn what_is_wrong_is_named_by_its_path() {
     assert_eq!(m, "$.targets[0]: scan.ply is not there");
     let m = told("\"handle\": 4, \"point\"", "\"handle\": 4, \"tangent\"");
     assert_eq!(m, "$.moves[0]: there is no handle 4 that holds a tangent");
+}
+
+#[test]
+fn lengths_that_cannot_be_are_named() {
+    let apart = r#""lengths": [
+        { "between": [{ "curve": "low", "u": 0 }, { "curve": "high", "u": 0 }], "length": 10 } ], "moves""#;
+    let wrong = run(&JOB.replace("\"moves\"", apart)).expect_err("two held places").to_string();
+    assert!(
+        wrong.starts_with("$.lengths[0].length: length 0 asks for 10 mm between two places that are held 420.59"),
+        "{wrong}"
+    );
+    // Two short ways between places that are held far apart.
+    let two = r#""lengths": [
+        { "between": [{ "curve": "low", "u": 0 }, { "curve": "low", "u": 0.25 }], "length": 100 },
+        { "between": [{ "curve": "low", "u": 0.25 }, { "curve": "low", "u": 0.5 }], "length": 100 } ], "moves""#;
+    let answer = run(&JOB.replace("\"moves\"", two)).expect("an answer");
+    let told = broken(&answer).join("; ");
+    assert!(answer.status() == Certified::Uncertified && told.contains("length "), "{told}");
 }
 
 #[test]

@@ -1,14 +1,52 @@
 //! What the fits say about regression curves: a proven distance for each strip, and limits that are not kept.
 
-use crate::certify::claim::{Claim, Subject, What};
-use crate::certify::regression::{clearance_bound, regression, RegressionVerdict};
+use crate::certify::claim::{Claim, LowerBound, Subject, What};
+use crate::certify::regression::{clearance_bound, margin_bound, regression, RegressionVerdict};
 use crate::geom::Vec3;
+use crate::torse::form::PanelKind;
 use crate::torse::strip::Strip;
 use crate::torse::zone::RegressionLimits;
+use rayon::prelude::*;
 
 /// The proven distance between the strip of a number and its regression curve.
 pub(crate) fn claim(index: usize, strip: &Strip) -> Claim {
     Claim::at_least(What::RegressionClearance, Subject::Panel(index), clearance_bound(strip))
+}
+
+/// The proven distance between the strip of a number and its regression curve, in lengths of the ruling; no less than `asked`
+/// of them are demanded.
+fn margin_claim(index: usize, strip: &Strip, asked: f64) -> Claim {
+    let bound = margin_bound(strip, asked);
+    let claim = Claim::at_least(What::RegressionMargin, Subject::Panel(index), bound);
+    if asked > 0.0 {
+        let reason = format!(
+            "strip {}: the regression curve is shown to keep off by {:.4} lengths of the ruling, where {asked} are asked for; \
+             give the curves more spans, hold less, make the strip narrower, or ask for less by \"margin\"",
+            strip.name,
+            bound.value()
+        );
+        return claim.not_below(asked).because(reason);
+    }
+    claim
+}
+
+/// Proven distances between strips that bend and their regression curves, in mm and in lengths of the ruling, of which
+/// `asked` says how many are demanded: of the strips one by one, and the least of all. Planes have no regression curve, fans
+/// have theirs at their tip, ruled strips have no say in it.
+pub(crate) fn claims(strips: &[Strip], asked: &(dyn Fn(usize) -> f64 + Sync)) -> Vec<Claim> {
+    let bends = |s: &Strip| !matches!(s.kind, PanelKind::Ruled | PanelKind::Plane) && !s.is_point(0) && !s.is_point(1);
+    let of = |(k, s): (usize, &Strip)| {
+        let clearance = clearance_bound(s);
+        let claim = Claim::at_least(What::RegressionClearance, Subject::Panel(k), clearance);
+        (clearance, [claim, margin_claim(k, s, asked(k))])
+    };
+    let each: Vec<_> = strips.par_iter().enumerate().filter(|(_, s)| bends(s)).map(of).collect();
+    if each.is_empty() {
+        return Vec::new();
+    }
+    let least = LowerBound::smallest(each.iter().map(|e| e.0));
+    let whole = Claim::at_least(What::RegressionClearance, Subject::Whole, least);
+    each.into_iter().flat_map(|e| e.1).chain([whole]).collect()
 }
 
 /// Whether a strip provably keeps to the limits.

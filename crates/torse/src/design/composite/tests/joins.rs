@@ -208,7 +208,7 @@ fn strips_are_drawn_to_a_scanned_surface() {
         c.curves.push(curve(name, &k, side(-4.0 + 2.0 * i as f64)));
     }
     c.strips = (0..4).map(|i| strip(&format!("s{i}"), names[i], names[i + 1])).collect();
-    c.targets.push(Target { strips: Vec::new(), reference: Arc::new(reference), weight: 0.3 });
+    c.targets.push(Target { strips: Vec::new(), reference: Arc::new(reference), border: None, weight: 0.3 });
     let far = |session: &Session| {
         let mut worst = 0.0_f64;
         for s in session.strips().expect("strips") {

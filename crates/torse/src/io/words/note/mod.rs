@@ -12,6 +12,55 @@ use crate::answer::note::{BodyName, Broken, Crowded, LevelReport, Lines, Note, S
 use crate::num::gauss_newton::Status;
 use crate::torse::zone::RegressionLimits;
 
+/// Joins that are told of one by one; of more, the worst are.
+const FEW_JOINS: usize = 3;
+
+/// All notes in words, in their order.
+pub fn notes(all: &[Note]) -> Vec<String> {
+    let joints = all.iter().filter(|n| matches!(n, Note::Joint { .. })).count();
+    let mut told = joints <= FEW_JOINS;
+    let mut out = Vec::new();
+    for n in all {
+        match n {
+            Note::Joint { .. } if joints > FEW_JOINS => {
+                if !std::mem::replace(&mut told, true) {
+                    out.push(worst_joints(all, joints));
+                }
+            }
+            n => out.push(note(n)),
+        }
+    }
+    out
+}
+
+/// The largest gap and the largest angles of joins.
+fn worst_joints(all: &[Note], count: usize) -> String {
+    type Worst = Option<(f64, String)>;
+    let (mut gap, mut angles): (Worst, [Worst; 2]) = Default::default();
+    let larger = |worst: &mut Worst, value: f64, of: String| {
+        if worst.as_ref().is_none_or(|w| value > w.0) {
+            *worst = Some((value, of));
+        }
+    };
+    for n in all {
+        let Note::Joint { index, between: [a, b], gap: g, angle, smooth } = n else { continue };
+        let of = || format!(" (join {index}, {a} and {b})");
+        larger(&mut gap, g.value(), of());
+        larger(&mut angles[usize::from(!smooth)], angle.degrees().value(), of());
+    }
+    let mut out = format!("{count} joins, all in the report");
+    for (worst, unit, words) in [
+        (&gap, "mm", " gap"),
+        (&angles[0], "°", " where pieces should go on smoothly"),
+        (&angles[1], "°", " where they need not"),
+    ] {
+        if let Some((value, of)) = worst {
+            out += &format!("; {}{words}{of}", bounded(*value, unit));
+        }
+    }
+    out
+}
+
 /// A note in words.
 pub fn note(note: &Note) -> String {
     match note {
@@ -173,7 +222,7 @@ mod tests {
     use super::*;
     use crate::answer::note::{Became, FaceNote, FitNote};
     use crate::answer::note::{EndNote, ExactPiece, Leads, LoftNote, NetNote, Outlines, Quality, SplineSize};
-    use crate::certify::claim::Counted;
+    use crate::certify::claim::{Counted, UpperBound};
     use crate::torse::net::Shape;
 
     #[test]
@@ -193,6 +242,27 @@ mod tests {
         assert!(text.ends_with("A-01 (12 spans, 0.000124 mm)"), "a bound goes up: {text}");
         let lines = Crowded { lines: Lines::Marks, asked: 1e-6, least: 0.123_456 };
         assert!(note(&Note::Crowded(lines)).contains("marks every 0.000001 mm were asked for"));
+    }
+
+    #[test]
+    fn of_many_joins_the_worst_are_told() {
+        let joint = |index: usize, bound: UpperBound, smooth: bool| {
+            let between = ["a".to_owned(), format!("b{index}")];
+            Note::Joint { index, between, gap: bound, angle: bound, smooth }
+        };
+        let few = [joint(0, UpperBound::nothing(), false), joint(1, UpperBound::nothing(), true)];
+        assert_eq!(notes(&few).len(), 2);
+        let mut many = vec![Note::Input("first".into())];
+        let bound = |k: usize| if k == 4 { UpperBound::UNKNOWN } else { UpperBound::nothing() };
+        many.extend((0..5).map(|k| joint(k, bound(k), k == 1)));
+        many.push(Note::Input("last".into()));
+        let told = notes(&many);
+        assert!(told.len() == 3 && told[0] == "first" && told[2] == "last", "{told:?}");
+        assert!(
+            told[1].starts_with("5 joins, all in the report; ") && told[1].contains("(join 4, a and b4)"),
+            "{told:?}"
+        );
+        assert!(told[1].contains("where pieces should go on smoothly (join 1, a and b1)"), "{told:?}");
     }
 
     #[test]
