@@ -219,3 +219,37 @@ fn a_tolerance_larger_than_the_model_is_refused_by_every_job() {
         assert!(message.contains("90000 mm") && message.contains("half the diagonal"), "{message}");
     }
 }
+
+#[test]
+fn files_of_another_kind_behind_a_right_name_are_named() {
+    for (content, words) in [
+        (&b"  0\r\nSECTION\r\n  2\r\nHEADER\r\n"[..], "DXF drawing"),
+        (b"\x1f\x8b\x08\x00\x01\x02\xff\xfe", "gzip"),
+        (b"\x89PNG\r\n\x1a\n\x00\xff", "picture"),
+        (b"{\"format\": 1}", "JSON"),
+        (b"PK\x03\x04\x14", "ZIP archive"),
+        (b"%PDF-1.4", "PDF"),
+    ] {
+        for name in ["a.step", "a.igs", "a.3dm"] {
+            let room = room(name, content);
+            let message = refused(room.path(), &["unroll", name, "--surfaces", "--tolerance", "0.1mm", "--out", "o"]);
+            assert!(message.contains(words) && message.contains(name), "{name} {words}: {message}");
+        }
+    }
+}
+
+#[test]
+fn archives_that_are_damaged_or_of_a_version_to_come_are_refused() {
+    let begun = |version: &str| [b"3D Geometry File Format ", version.as_bytes()].concat();
+    for (content, words) in [
+        (begun("       8"), "damaged"),
+        (begun("      99"), "version 99"),
+        (begun("        "), "is no number"),
+        (begun(""), "3DM"),
+        ([begun("       7"), (0..=255).cycle().take(4000).collect()].concat(), "damaged at byte"),
+    ] {
+        let room = room("a.3dm", &content);
+        let message = refused(room.path(), &["unroll", "a.3dm", "--surfaces", "--tolerance", "0.1mm", "--out", "o"]);
+        assert!(message.contains(words), "{words}: {message}");
+    }
+}

@@ -121,3 +121,54 @@ fn what_cannot_be_meant_is_said_before_anything_is_done() {
         assert!(!out.exists());
     }
 }
+
+/// Lines of a bend table as turn up to the line and turn about the line, degrees with their sense, without doubles: a line
+/// beside a hole is in pieces.
+fn turns(table: &str) -> Vec<(f64, f64)> {
+    let number =
+        |name: &str| column(table, name).iter().map(|t| t.parse::<f64>().expect("a number")).collect::<Vec<_>>();
+    let signed = |(sense, angle): (String, f64)| if sense == "down" { -angle } else { angle };
+    let about = column(table, "sense").into_iter().zip(number("angle_deg")).map(signed);
+    let mut all: Vec<(f64, f64)> = number("turned_deg").into_iter().zip(about).collect();
+    all.sort_by(|a, b| a.0.total_cmp(&b.0));
+    all.dedup_by(|a, b| (a.0 - b.0).abs() < 1e-3);
+    all
+}
+
+#[test]
+fn the_turn_up_to_a_line_grows_by_what_the_sheet_turns_about_the_lines() {
+    let dir = tempfile::tempdir().expect("a folder");
+    for (job, file) in
+        [("unroll", "cylinder_holes.step"), ("unroll", "cone_holes.step"), ("approximate", "cone_holes.step")]
+    {
+        let out = dir.path().join(format!("{job}-{file}"));
+        let input = data(file);
+        let more: &[&str] = if job == "unroll" { &["--surfaces"] } else { &[] };
+        let run = torse(&[&[job, &input, "--tolerance", "0.5mm"][..], more].concat(), &out);
+        assert_eq!(run.status.code(), Some(0), "{}", said(&run));
+        let table = std::fs::read_to_string(out.join("bends.csv")).expect("bends.csv");
+        let parts = std::collections::BTreeSet::from_iter(column(&table, "part"));
+        for part in parts {
+            let head = table.lines().next().expect("names");
+            let of_part = table.lines().filter(|l| l.starts_with(&part) || *l == head).collect::<Vec<_>>().join("\n");
+            let lines = turns(&of_part);
+            assert!(lines.len() > 5, "{job} {file} {part}: {lines:?}");
+            for w in lines.windows(3) {
+                // About a line the sheet turns from half way to the one before to half way to the one behind.
+                let [(before, _), (_, about), (behind, _)] = w else { continue };
+                let wanted = 0.5 * (behind - before);
+                let said = about.abs();
+                // Both have four digits.
+                assert!((said - wanted).abs() < 2e-4 + 0.02 * wanted, "{job} {file} {part}: {w:?}");
+            }
+            let sum: f64 = lines.iter().map(|l| l.1.abs()).sum();
+            let (first, last) = (lines[0], lines[lines.len() - 1]);
+            let between = last.0 - first.0;
+            // The ends of the part lie no farther out than a whole line's turn.
+            assert!(
+                sum >= between - 1e-2 && sum <= between + first.1.abs() + last.1.abs() + 1e-2,
+                "{job} {file} {part}: {sum} {between}"
+            );
+        }
+    }
+}

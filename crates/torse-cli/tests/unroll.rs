@@ -129,3 +129,22 @@ fn strips_follow_their_handles_and_stay_developable() {
     let run = torse(&["shape", "--tolerance", "0.5mm"], &bad, &dir.path().join("none"));
     assert!(run.status.code() == Some(2) && said(&run).contains("$.strips[1]"), "{}", said(&run));
 }
+
+#[test]
+fn a_thickness_that_cannot_be_is_no_proof() {
+    let dir = tempfile::tempdir().expect("a folder");
+    for (file, options, words) in [
+        ("cylinder_holes.step", &["--surfaces", "--thickness", "600mm"][..], "no room inside"),
+        ("bracket.step", &["--thickness", "5mm"], "sheet of 2 mm, not of 5 mm"),
+    ] {
+        let out = dir.path().join(file);
+        let run = torse(&[&["unroll", "--tolerance", "0.05mm"][..], options].concat(), &data(file), &out);
+        assert!(run.status.code() == Some(3) && said(&run).contains(words), "{}", said(&run));
+        // Nothing is on the layer for cutting, which the table of layers names all the same.
+        let drawing = std::fs::read_to_string(out.join("patterns.dxf")).expect("a drawing");
+        assert_eq!(drawing.matches("\nCUT_OUTER\n").count(), 1);
+    }
+    let out = dir.path().join("right");
+    let run = torse(&["unroll", "--tolerance", "0.05mm", "--thickness", "2mm"], &data("bracket.step"), &out);
+    assert_eq!(run.status.code(), Some(0), "{}", said(&run));
+}

@@ -1,7 +1,7 @@
 //! Which parts must not be cut: the one place where that is decided, for every file, picture and report.
 
 use super::{Answer, Job};
-use crate::certify::claim::{Claim, Subject, What};
+use crate::certify::claim::{Claim, Status, Subject, What};
 use crate::patchwork::part::Part;
 
 /// What is marked as not certified.
@@ -17,13 +17,14 @@ pub struct Marks {
 
 impl Marks {
     /// Marks of an answer. Where panels cover faces, one whose own proof holds is good to cut even where another one fails
-    /// or something is left out; where the whole fails and no panel is to blame, none of them is good. Panels without such
-    /// proofs have one status for all: marked are all or none, and none where all that was made is proven and something is
-    /// only left out.
+    /// or something is left out; where the whole fails and no panel is to blame, none of them is good. Of parts of which
+    /// something is claimed one by one, those are good of which all of it is proven, unless something else stands against the
+    /// whole. Panels without either have one status for all: marked are all or none, and none where all that was made is proven
+    /// and something is only left out.
     pub fn of(answer: &Answer) -> Self {
         let count = answer.patchwork.panels.len();
         let Some(certificate) = &answer.certificate else {
-            return Self::all(answer, is_refused(&answer.claims));
+            return Self::of_parts(answer).unwrap_or_else(|| Self::all(answer, is_refused(&answer.claims)));
         };
         let mut panels: Vec<bool> = (0..count)
             .map(|k| {
@@ -41,6 +42,49 @@ impl Marks {
             panels.fill(true);
         }
         Self::from_panels(answer, panels)
+    }
+
+    /// Marks of parts that have claims of their own; `None` if none has.
+    fn of_parts(answer: &Answer) -> Option<Self> {
+        let mut own: Vec<Vec<&Claim>> = vec![Vec::new(); answer.parts.len()];
+        let mut whole = Vec::new();
+        let mut claimed = false;
+        let mut part_of = vec![None; answer.patchwork.panels.len()];
+        for (k, part) in answer.parts.iter().enumerate() {
+            part_of.iter_mut().skip(part.first).take(part.count).for_each(|p| *p = Some(k));
+        }
+        for c in &answer.claims {
+            let part = match c.subject() {
+                Subject::Part(k) => {
+                    claimed = true;
+                    Some(k)
+                }
+                Subject::Panel(k) => part_of.get(k).copied().flatten(),
+                Subject::Whole => None,
+            };
+            match part.and_then(|k| own.get_mut(k)) {
+                Some(claims) => claims.push(c),
+                // What is said of something that is no part might be said of all of them.
+                None => whole.push(c),
+            }
+        }
+        if !claimed {
+            return None;
+        }
+        let beyond =
+            |part: &Part| answer.beyond_limits.iter().any(|k| (part.first..part.first + part.count).contains(k));
+        let marked = |(claims, part): (&Vec<&Claim>, &Part)| {
+            Status::of(claims.iter().copied()) != Status::Certified || beyond(part)
+        };
+        let parts: Vec<bool> = own.iter().zip(&answer.parts).map(marked).collect();
+        let blamed = parts.contains(&true);
+        let against = |c: &&Claim| c.is_broken() && c.what() != What::LeftOut && !(c.is_told_of_parts() && blamed);
+        if whole.iter().any(against) {
+            return Some(Self::all(answer, true));
+        }
+        let panels = part_of.iter().map(|part| part.is_none_or(|k| parts[k])).collect();
+        let patterns = answer.patterns.iter().map(|p| parts.get(p.panel).copied().unwrap_or(true)).collect();
+        Some(Self { panels, patterns, parts })
     }
 
     /// Nothing is marked.
@@ -79,6 +123,7 @@ fn is_refused(claims: &[Claim]) -> bool {
 mod tests {
     use super::*;
     use crate::answer::Job;
+    use crate::certify::claim::UpperBound;
     use crate::patchwork::pattern::Pattern;
 
     #[test]
@@ -93,5 +138,47 @@ mod tests {
         answer.claims.push(Claim::objection(Subject::Whole, "too far"));
         let marks = Marks::of(&answer);
         assert_eq!((marks.patterns, marks.parts), (vec![true], vec![true]));
+    }
+
+    /// Two parts of which the first is proven and the second is not, and the whole for that reason is not.
+    fn one_of_two() -> Answer {
+        let mut answer = Answer::new(Job::Unroll, "ducts", 0.1);
+        answer.parts =
+            ["A", "B"].map(|name| Part { name: name.into(), first: 0, count: 0, missing: String::new() }).into();
+        answer.patterns = (0..2).map(|panel| Pattern { panel, ..Pattern::default() }).collect();
+        let proven = |subject, bound| Claim::at_most(What::CarrierDistance, subject, bound).within(0.1);
+        answer.claims = vec![
+            proven(Subject::Whole, UpperBound::UNKNOWN).told_of_parts(),
+            proven(Subject::Part(0), UpperBound::largest([])).within(f64::INFINITY),
+            proven(Subject::Part(1), UpperBound::UNKNOWN),
+        ];
+        answer
+    }
+
+    #[test]
+    fn a_part_that_is_proven_is_good_beside_one_that_is_not() {
+        let answer = one_of_two();
+        let marks = Marks::of(&answer);
+        assert_eq!((marks.patterns, marks.parts), (vec![false, true], vec![false, true]));
+        assert_eq!(Status::of(&answer.claims), Status::Uncertified);
+    }
+
+    #[test]
+    fn what_may_concern_every_part_marks_every_part() {
+        let all = |change: &dyn Fn(&mut Answer)| {
+            let mut answer = one_of_two();
+            change(&mut answer);
+            Marks::of(&answer).parts
+        };
+        assert_eq!(all(&|_| {}), [false, true]);
+        // A file that is not what was judged; a claim about a panel that is in no part; a bound that no part is to blame for.
+        assert_eq!(all(&|a| a.claims.push(Claim::objection(Subject::Whole, "patterns.dxf"))), [true, true]);
+        assert_eq!(all(&|a| a.claims.push(Claim::objection(Subject::Panel(7), "twisted"))), [true, true]);
+        assert_eq!(all(&|a| a.claims[2] = a.claims[2].clone().within(f64::INFINITY)), [true, true]);
+        // What was only measured of a part, and nothing at all, is no proof.
+        assert_eq!(all(&|a| a.claims[1] = Claim::measured(What::CarrierDistance, Subject::Part(0), 0.0)), [true, true]);
+        assert_eq!(all(&|a| drop(a.claims.remove(1))), [true, true]);
+        // What is only left out, nobody can cut.
+        assert_eq!(all(&|a| a.claims.push(Claim::left_out("a sphere"))), [false, true]);
     }
 }

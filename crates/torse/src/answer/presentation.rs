@@ -69,14 +69,13 @@ pub(crate) fn present_marked(answer: &Answer, marks: Marks) -> Presentation {
         (0..patchwork.faces.len()).into_par_iter().map(|f| surface_curvature(patchwork, f)).collect(),
     ];
     let spacing = scene.bbox().diagonal() / RULINGS;
-    for (k, (shown, panel)) in scene.panels.iter_mut().zip(&patchwork.panels).enumerate() {
-        if trimmed_cone(answer, k).is_none() {
-            shown.rulings = match panel.trim {
-                Some(_) => ruling_lines(panel, spacing),
-                None => strip::ruling_lines(&panel.strip, spacing),
-            };
-        }
-    }
+    let ruled = scene.panels.par_iter_mut().zip(&patchwork.panels).enumerate();
+    ruled.filter(|(k, _)| trimmed_cone(answer, *k).is_none()).for_each(|(_, (shown, panel))| {
+        shown.rulings = match panel.trim {
+            Some(_) => ruling_lines(panel, spacing),
+            None => strip::ruling_lines(&panel.strip, spacing),
+        };
+    });
     let shapes = shapes(answer);
     let placements = layout(&answer.patterns);
     let places: Vec<(f64, Vec2)> = placements.iter().map(|p| (p.angle, p.offset)).collect();

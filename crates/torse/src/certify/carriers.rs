@@ -10,7 +10,7 @@ use super::claim::UpperBound;
 use crate::geom::{Frame, Vec3};
 use crate::num::bernstein::binomial;
 use crate::num::interval::Interval;
-use crate::patchwork::image::ClosedMap;
+use crate::patchwork::image::{ClosedMap, MapStrip};
 use crate::spline::bezier::BezierPatch;
 use crate::spline::surface::Surface;
 
@@ -21,8 +21,46 @@ const ROUNDING: f64 = 1e-12;
 /// Bound of the distance (mm) of all points of a surface from the carrier of the map by which it is laid flat; unknown
 /// where a weight is not positive.
 pub(crate) fn distance_from_carrier(surface: &Surface, map: &ClosedMap) -> UpperBound {
-    let size = surface.bbox().diagonal();
-    let patches = surface.bezier_patches();
+    distance_of_patches(&surface.bezier_patches(), surface.bbox().diagonal(), map)
+}
+
+/// Pieces along rulings between knots.
+const ALONG: usize = 4;
+
+/// The same for the part of a surface between two rulings.
+pub(crate) fn distance_of_strip(surface: &Surface, strip: &MapStrip) -> UpperBound {
+    let [a, b] = strip.span;
+    let (us, vs) = (surface.knots_u.breaks(), surface.knots_v.breaks());
+    let within = |all: &[f64]| {
+        let inside = all.iter().copied().filter(|t| *t > a && *t < b);
+        std::iter::once(a).chain(inside).chain(std::iter::once(b)).collect::<Vec<f64>>()
+    };
+    let domain = if strip.swapped { &vs } else { &us };
+    let known = a < b && domain.first().is_some_and(|t| *t <= a) && domain.last().is_some_and(|t| *t >= b);
+    if !known {
+        return UpperBound::UNKNOWN;
+    }
+    // Along the rulings of a cone, which is less and less curved, in pieces.
+    let pieces = |all: &[f64]| {
+        let of = |w: &[f64]| (1..=ALONG).map(|k| w[0] + (w[1] - w[0]) * k as f64 / ALONG as f64).collect::<Vec<f64>>();
+        let mut out = vec![all[0]];
+        for w in all.windows(2) {
+            out.extend(of(w));
+            // To the bit, the knot.
+            out.pop();
+            out.push(w[1]);
+        }
+        out
+    };
+    let patches = match strip.swapped {
+        true => surface.bezier_patches_on(&pieces(&us), &within(&vs)),
+        false => surface.bezier_patches_on(&within(&us), &pieces(&vs)),
+    };
+    distance_of_patches(&patches, surface.bbox().diagonal(), &strip.map)
+}
+
+/// Distance of patches of a surface of this size from the carrier of a map.
+fn distance_of_patches(patches: &[BezierPatch], size: f64, map: &ClosedMap) -> UpperBound {
     let of = |p: &BezierPatch| -> Option<f64> {
         match map {
             ClosedMap::Plane(frame) => {

@@ -104,6 +104,8 @@ pub enum Subject {
     Whole,
     /// A panel or strip, by its index.
     Panel(usize),
+    /// A part as it is cut, by its index.
+    Part(usize),
 }
 
 /// What is claimed. The unit belongs to it; words are made by the writers.
@@ -277,6 +279,7 @@ pub struct Claim {
     reason: String,
     unknown: bool,
     lower: bool,
+    in_parts: bool,
 }
 
 impl Claim {
@@ -290,6 +293,7 @@ impl Claim {
             reason: String::new(),
             unknown: false,
             lower: false,
+            in_parts: false,
         }
     }
 
@@ -353,6 +357,13 @@ impl Claim {
         self
     }
 
+    /// Says that what is claimed of the whole is no more than what is claimed of single parts: where it is broken, only those of
+    /// which something of their own is broken are to blame.
+    pub(crate) fn told_of_parts(mut self) -> Self {
+        self.in_parts = true;
+        self
+    }
+
     /// The same about a panel that stands behind so many others now.
     pub fn after(mut self, panels: usize) -> Self {
         if let Subject::Panel(k) = self.subject {
@@ -385,6 +396,11 @@ impl Claim {
     /// Whether it is a lower bound; else what is proven is an upper one.
     pub fn is_lower_bound(&self) -> bool {
         self.lower
+    }
+
+    /// Whether a claim about the whole is no more than claims about single parts.
+    pub(crate) fn is_told_of_parts(&self) -> bool {
+        self.in_parts
     }
 
     /// How it is known.
@@ -424,9 +440,14 @@ pub enum Status {
 
 impl Status {
     /// The status that claims give: certified if no demand is broken and at least one is met by proof.
-    pub fn of(claims: &[Claim]) -> Self {
+    pub fn of<'a>(claims: impl IntoIterator<Item = &'a Claim>) -> Self {
         let proven = |c: &Claim| c.evidence == Evidence::Proven && c.demand != Demand::None;
-        if claims.iter().any(proven) && !claims.iter().any(Claim::is_broken) {
+        let (mut any, mut broken) = (false, false);
+        for c in claims {
+            any |= proven(c);
+            broken |= c.is_broken();
+        }
+        if any && !broken {
             Self::Certified
         } else {
             Self::Uncertified

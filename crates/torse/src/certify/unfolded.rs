@@ -1,8 +1,9 @@
 //! A part laid flat: its faces against the carriers that their maps are made for, its drawing and its inner edges
 //! against the images of edges under these maps.
 //!
-//! *Theorem.* Faces without a closed map are laid flat through a panel, see [`UnfoldedProof::through_panel`]. Of the others
-//! holds: Every face lies within `carrier_distance` of the plane, cylinder or cone that its map lays flat. The maps
+//! *Theorem.* Faces without a closed map are laid flat through a panel, see [`UnfoldedProof::through_panel`], or in strips
+//! between rulings, each a part of a circular cylinder or cone; both images of the ruling between two strips are then among
+//! the inner edges. So holds: Every face, or strip of one, lies within `carrier_distance` of the plane, cylinder or cone that its map lays flat. The maps
 //! change no length on their surface, or on the neutral surface of a sheet, by more than the factor `1 ± strain`. Every
 //! line and arc of the contours is drawn for parts of edges, or across a sharp bend, and keeps to their images within
 //! `drawing_distance`, both ways. Both images of every edge inside the part lie within `joint_gap` of each other, across a
@@ -11,24 +12,30 @@
 //! *Not shown*: that the contours name every edge of the file that bounds the part, and that parts of one edge follow each
 //! other; the developing code takes all of them in order.
 
-use super::carriers::distance_from_carrier;
+use super::carriers::{distance_from_carrier, distance_of_strip};
 use super::claim::UpperBound;
 use super::flat::FlatCertificate;
 use super::strokes::{strain, strokes};
 use super::Certificate;
 use crate::geom::Vec2;
-use crate::patchwork::image::{ClosedMap, EdgeImage, JointImage, Stroke};
+use crate::geom::Vec3;
+use crate::patchwork::image::{ClosedMap, EdgeImage, JointImage, MapStrip, Stroke};
 use crate::patchwork::pattern::Contour;
 use crate::spline::surface::Surface;
 use rayon::prelude::*;
+use std::collections::HashMap;
 
 /// What is judged.
 #[derive(Clone, Debug)]
 pub(crate) struct Unfolded<'a> {
     /// Surfaces of the faces, as they were read.
     pub surfaces: Vec<&'a Surface>,
-    /// The map of every face; `None` where it has no closed form, of which nothing is shown.
+    /// Least and greatest parameters `[u0, u1, v0, v1]` of every face.
+    pub bounds: Vec<[f64; 4]>,
+    /// The map of every face; `None` where it has no closed form.
     pub maps: &'a [Option<ClosedMap>],
+    /// Of these faces the strips that have one; of a face without any nothing is shown.
+    pub strips: &'a [Vec<MapStrip>],
     /// Thickness of the sheet, mm; 0 for surfaces.
     pub thickness: f64,
     /// Everything that is drawn, in the order of the strokes.
@@ -64,6 +71,12 @@ impl UnfoldedProof {
         }
     }
 
+    /// Whether everything is shown, distances within a tolerance (mm).
+    pub fn is_within(&self, tolerance: f64) -> bool {
+        let distances = [self.carrier_distance, self.drawing_distance, self.joint_gap];
+        distances.iter().all(|d| d.value() <= tolerance) && self.strain != UpperBound::UNKNOWN
+    }
+
     /// Distance (mm) of faces from the surfaces that are laid flat.
     pub fn carrier_distance(&self) -> UpperBound {
         self.carrier_distance
@@ -93,18 +106,36 @@ const ROUNDING: f64 = 1e-12;
 
 /// Judges a part; `tolerance` (mm) says how fine is fine enough.
 pub fn unfolded(part: &Unfolded, tolerance: f64) -> UnfoldedProof {
-    let off = |(surface, map): (&&Surface, &Option<ClosedMap>)| {
-        map.as_ref().map_or(UpperBound::UNKNOWN, |m| distance_from_carrier(surface, m))
+    let off = |face: usize| match &part.maps[face] {
+        Some(m) => distance_from_carrier(part.surfaces[face], m),
+        None if are_whole(&part.strips[face], &part.bounds[face]) => {
+            UpperBound::largest(part.strips[face].iter().map(|s| distance_of_strip(part.surfaces[face], s)))
+        }
+        None => UpperBound::UNKNOWN,
     };
-    let carrier_distance = match part.surfaces.len() == part.maps.len() {
-        true => UpperBound::largest(part.surfaces.par_iter().zip(part.maps).map(off).collect::<Vec<_>>()),
+    let count = part.surfaces.len();
+    let carrier_distance = match [part.maps.len(), part.strips.len(), part.bounds.len()] == [count; 3] {
+        true => UpperBound::largest((0..count).into_par_iter().map(off).collect::<Vec<_>>()),
         false => UpperBound::UNKNOWN,
     };
     let sides = || part.joints.iter().flatten().flatten();
     let images = || part.strokes.iter().chain(sides()).flat_map(|s| s.images.iter().flatten());
-    let known = images().all(|i| part.maps.get(i.face).is_some_and(|m| m.as_ref() == Some(&i.map)));
+    // Every image uses its face's map, or that of the strip it lies in, and all of a face lie in one place.
+    let mut places: HashMap<usize, ([f64; 2], Vec2)> = HashMap::new();
+    let known = images().all(|i| match part.maps.get(i.face) {
+        Some(Some(m)) => *m == i.map && *places.entry(i.face).or_insert((i.turn, i.shift)) == (i.turn, i.shift),
+        Some(None) => part.strips.get(i.face).is_some_and(|all| all.iter().any(|s| is_of_strip(i, s))),
+        None => false,
+    });
+    let joined = part
+        .strips
+        .iter()
+        .enumerate()
+        .all(|(k, all)| all.windows(2).all(|w| has_joint(part.joints, k, [&w[0], &w[1]])));
+    let known = known && joined;
     let bound = |d: f64, holds: bool| if holds && d.is_finite() { UpperBound::shown(d) } else { UpperBound::UNKNOWN };
-    let depths = part.maps.iter().flatten().map(|m| depth_strain(m, part.thickness));
+    let maps = part.maps.iter().flatten().chain(part.strips.iter().flatten().map(|s| &s.map));
+    let depths = maps.map(|m| depth_strain(m, part.thickness));
     let strained = images().map(strain).chain(depths).fold(0.0, f64::max);
     let drawn = strokes(part.strokes, part.allowances, tolerance);
     let joint = |j: &JointImage| joint_gap(j, part.allowances, tolerance);
@@ -116,6 +147,45 @@ pub fn unfolded(part: &Unfolded, tolerance: f64) -> UnfoldedProof {
         strain: bound(strained, known),
     }
 }
+
+/// Whether strips follow each other over all of a face between its least and greatest parameters.
+fn are_whole(strips: &[MapStrip], bounds: &[f64; 4]) -> bool {
+    let (Some(first), Some(last)) = (strips.first(), strips.last()) else { return false };
+    let [lo, hi] = if first.swapped { [bounds[2], bounds[3]] } else { [bounds[0], bounds[1]] };
+    let follow = |w: &[MapStrip]| w[0].span[1] == w[1].span[0] && w[0].swapped == w[1].swapped;
+    first.span[0] <= lo && last.span[1] >= hi && strips.windows(2).all(follow)
+}
+
+/// Whether an image is that of an edge in a strip: with its map in its place, and at all places looked at between its two
+/// rulings.
+fn is_of_strip(image: &EdgeImage, strip: &MapStrip) -> bool {
+    if (image.map, image.turn, image.shift) != (strip.map, strip.turn, strip.shift) {
+        return false;
+    }
+    let (lo, hi) = (strip.angles[0].min(strip.angles[1]), strip.angles[0].max(strip.angles[1]));
+    let slack = BESIDE * (hi - lo);
+    let [a, b] = image.part;
+    (0..=LOOKED_AT).all(|k| {
+        let h = image.curve.point(a + (b - a) * k as f64 / LOOKED_AT as f64);
+        let q = strip.map.frame().to_local(&(Vec3::new(h[0], h[1], h[2]) / h[3]));
+        let angle = q.y.atan2(q.x);
+        (lo - slack..=hi + slack).contains(&angle)
+    })
+}
+
+/// Whether an inner edge joins two strips of a face.
+fn has_joint(joints: &[JointImage], face: usize, strips: [&MapStrip; 2]) -> bool {
+    let uses = |side: &[Stroke], strip: &MapStrip| {
+        let mut images = side.iter().flat_map(|s| s.images.iter().flatten()).peekable();
+        images.peek().is_some()
+            && images.all(|i| i.face == face && (i.map, i.turn, i.shift) == (strip.map, strip.turn, strip.shift))
+    };
+    joints.iter().any(|[here, there]| uses(here, strips[0]) && uses(there, strips[1]))
+}
+
+/// Places of an edge that are looked at, and the share of a strip's breadth by which they may lie beside it.
+const LOOKED_AT: usize = 8;
+const BESIDE: f64 = 0.02;
 
 /// Whether the lines and arcs of the contours are the strokes, bit by bit.
 fn follows(part: &Unfolded) -> bool {

@@ -40,6 +40,23 @@ impl ClosedMap {
     }
 }
 
+/// A face, or a strip of it between two rulings, with its map and its place in the part.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MapStrip {
+    /// The map.
+    pub map: ClosedMap,
+    /// Turn of the plane after the map (cosine and sine).
+    pub turn: [f64; 2],
+    /// Move after that, mm.
+    pub shift: Vec2,
+    /// Parameters of the two rulings.
+    pub span: [f64; 2],
+    /// Whether rulings run along the first parameter of the surface.
+    pub swapped: bool,
+    /// Angles (rad) about the map's axis of the two rulings.
+    pub angles: [f64; 2],
+}
+
 /// A part of an edge and its map.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EdgeImage {

@@ -2,6 +2,7 @@
 
 mod bodies;
 mod covered;
+mod proofs;
 #[cfg(test)]
 mod tests;
 
@@ -10,30 +11,28 @@ pub use bodies::groups;
 use crate::answer::note::{Note, UnrollNote};
 use crate::answer::skipped::left_out;
 use crate::answer::{Answer, Job};
-use crate::brep::face::Face;
-use crate::certify::claim::UpperBound;
-use crate::certify::claim::{Claim, Subject, What};
-use crate::certify::unfolded::{unfolded, Unfolded, UnfoldedProof};
+use crate::certify::unfolded::UnfoldedProof;
 use crate::control::Control;
 use crate::develop::bends::Facets;
 use crate::develop::unfold::allowance::{KFactor, KFactorError};
 use crate::develop::unfold::part::FlatPart;
-use crate::develop::view::panels_viewed;
 use crate::geom::coarse::Loose;
 use crate::geom::BBox;
 use crate::io::model::Model;
 use crate::patchwork::panel::Patchwork;
 use crate::patchwork::part::Part;
-use crate::patchwork::pattern::Pattern;
 use crate::pipeline::approximate::ApproximateError;
-use crate::search::strips::face_panel::{face_panels, laid_face, LaidFace};
+use crate::search::strips::face_panel::{face_panels, LaidFace};
+#[cfg(test)]
+use proofs::judged;
+use proofs::proven;
 use rayon::prelude::*;
 use std::collections::HashSet;
 use std::time::Instant;
 
-/// Shares of the work that are done when all bodies are unfolded, and when their skins are laid out.
+/// Shares of the work that are done when all bodies are unfolded, and when they are proven.
 const UNFOLDED: f64 = 0.5;
-const LAID_OUT: f64 = 0.7;
+const PROVEN: f64 = 0.7;
 
 /// What the job is asked.
 #[derive(Clone, Debug, PartialEq)]
@@ -122,27 +121,31 @@ pub fn unroll(model: &Model, options: &UnrollOptions, control: &Control) -> Resu
     Loose::check(BBox::of(boxes.iter().flat_map(|b| [&b.min, &b.max])).diagonal(), options.tolerance)?;
     let (mut parts, left) = bodies::flat_parts_of(&model.faces, options, control)?;
     let laid_flat: HashSet<usize> = parts.iter().flat_map(|p| p.faces.iter().copied()).collect();
-    let through_panels: Vec<Option<LaidFace>> =
-        parts.par_iter_mut().map(|p| through_panel(p, &model.faces, options.tolerance, control)).collect();
-    // 1. The skins in space: one panel for each face, in the order of the parts.
+    // 1. What is proven: faces against the surfaces that are laid flat, drawings and inner edges against these.
+    control.report("proving", UNFOLDED, format!("{} parts", parts.len()));
+    let (through_panels, proofs): (Vec<Option<LaidFace>>, Vec<UnfoldedProof>) =
+        parts.par_iter_mut().map(|p| proven(p, &model.faces, options.tolerance, control)).unzip();
+    // 2. The skins in space: one panel for each face, in the order of the parts.
     let mut patchwork = Patchwork::default();
     let mut made_of: Vec<Part> = Vec::new();
-    for (done, (part, laid)) in parts.iter().zip(&through_panels).enumerate() {
-        let fraction = UNFOLDED + (LAID_OUT - UNFOLDED) * done as f64 / parts.len() as f64;
-        control.report("laying out the skins", fraction, format!("{done} of {} parts", parts.len()));
+    control.report("laying out the skins", PROVEN, format!("{} parts", parts.len()));
+    let skin = |(part, laid): (&FlatPart, &Option<LaidFace>)| -> Vec<_> {
+        let faces = if laid.is_some() { &[][..] } else { &part.faces[..] };
+        let of = |(k, f): (usize, &usize)| {
+            let face = model.faces[*f].clone();
+            let name = format!("{}-{:02}", part.pattern.name, k + 1);
+            face_panels(&face, &name).map(|(partition, panels)| (face, partition, panels))
+        };
+        faces.par_iter().enumerate().map(of).collect()
+    };
+    let skins: Vec<_> = parts.par_iter().zip(&through_panels).map(skin).collect();
+    for ((part, laid), panels) in parts.iter().zip(&through_panels).zip(skins) {
         let first = patchwork.panels.len();
         if let Some(laid) = laid {
             patchwork.append(laid.patchwork.clone());
             made_of.push(Part::new(part.pattern.name.clone(), first, 1));
             continue;
         }
-        let panels: Vec<_> = (part.faces.par_iter().enumerate())
-            .map(|(k, f)| {
-                let face = model.faces[*f].clone();
-                let name = format!("{}-{:02}", part.pattern.name, k + 1);
-                face_panels(&face, &name).map(|(partition, panels)| (face, partition, panels))
-            })
-            .collect();
         for (face, partition, made) in panels.into_iter().flatten() {
             let index = patchwork.faces.len();
             patchwork.panels.extend(made.into_iter().map(|mut p| {
@@ -155,24 +158,7 @@ pub fn unroll(model: &Model, options: &UnrollOptions, control: &Control) -> Resu
         let name = part.pattern.name.clone();
         made_of.push(Part::new(name, first, patchwork.panels.len() - first));
     }
-    control.report("proving", LAID_OUT, format!("{} parts", parts.len()));
-    // 2. What is proven: faces against the surfaces that are laid flat, drawings and inner edges against these.
-    let proof = |(part, laid): (&FlatPart, &Option<LaidFace>)| match laid {
-        Some(l) => UnfoldedProof::through_panel(&l.certificate, &l.flat),
-        None => judged(part, &model.faces, options.tolerance),
-    };
-    let proofs: Vec<UnfoldedProof> = parts.par_iter().zip(&through_panels).map(proof).collect();
-    let bound = |of: fn(&UnfoldedProof) -> UpperBound| UpperBound::largest(proofs.iter().map(of));
-    let within = |what, bound| Claim::at_most(what, Subject::Whole, bound).within(options.tolerance);
-    let mut claims = match parts.is_empty() {
-        true => Vec::new(),
-        false => vec![
-            within(What::CarrierDistance, bound(UnfoldedProof::carrier_distance)),
-            within(What::DrawingDistance, bound(UnfoldedProof::drawing_distance)),
-            within(What::JointGap, bound(UnfoldedProof::joint_gap)),
-            Claim::at_most(What::LengthError, Subject::Whole, bound(UnfoldedProof::strain)),
-        ],
-    };
+    let mut claims = self::proofs::claims(&parts, &proofs, options.tolerance);
     let mut skipped = model.skipped.clone();
     skipped.extend(left);
     claims.extend(left_out(&skipped));
@@ -193,38 +179,6 @@ pub fn unroll(model: &Model, options: &UnrollOptions, control: &Control) -> Resu
     }
     answer.seconds = start.elapsed().as_secs_f64();
     Ok(answer)
-}
-
-/// A surface of one face whose map has no closed form, laid flat anew through a panel that is proven; `None` for other parts,
-/// and where that cannot be proven.
-fn through_panel(part: &mut FlatPart, faces: &[Face], tolerance: f64, control: &Control) -> Option<LaidFace> {
-    let ([face], [None]) = (part.faces.as_slice(), part.maps.as_slice()) else { return None };
-    if part.sheet.thickness > 0.0 || control.stopped() {
-        return None;
-    }
-    let laid = laid_face(&faces[*face], &part.pattern.name, tolerance)?;
-    let seen = panels_viewed(&laid.patchwork, vec![laid.pattern.clone()], part.pattern.view).pop()?;
-    part.pattern = Pattern { panel: part.pattern.panel, ..seen };
-    // The bend table names the lines that are drawn.
-    if let [bend] = part.sheet.bends.as_mut_slice() {
-        bend.lines.clone_from(&part.pattern.rulings);
-        bend.rulings = bend.lines.len();
-    }
-    Some(laid)
-}
-
-/// A part before its judge.
-fn judged(part: &FlatPart, faces: &[Face], tolerance: f64) -> UnfoldedProof {
-    let asked = Unfolded {
-        surfaces: part.faces.iter().map(|f| &faces[*f].surface).collect(),
-        maps: &part.maps,
-        thickness: part.sheet.thickness,
-        contours: part.pattern.contours.iter().chain(&part.pattern.formed).collect(),
-        strokes: &part.strokes,
-        joints: &part.joints,
-        allowances: &part.allowances,
-    };
-    unfolded(&asked, tolerance)
 }
 
 /// What people should know of the parts.

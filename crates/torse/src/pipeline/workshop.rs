@@ -4,6 +4,7 @@
 //! measured from then on, and say so.
 
 mod options;
+mod refusals;
 
 use crate::answer::note::{Note, ShopNote};
 use crate::answer::shop::{PartWork, Shop};
@@ -99,6 +100,7 @@ pub fn prepare(answer: &mut Answer, options: &WorkshopOptions) -> Result<(), Wor
         answer.shop.bevels = bevels(&answer.patchwork);
     }
     measured_from_now_on(answer, &moved);
+    answer.claims.extend(refusals::refusals(answer, options));
     let notes = notes(answer, options, &moved, unknown);
     answer.notes.extend(notes.into_iter().map(Note::Shop));
     if let Some(depth) = sheet.as_ref().map(Sheet::greatest_depth) {
@@ -138,6 +140,7 @@ fn measured_from_now_on(answer: &mut Answer, moved: &[usize]) {
             && match c.subject() {
                 Subject::Whole => true,
                 Subject::Panel(k) => answer.part_of(k).is_some_and(|p| parts.contains(&p)),
+                Subject::Part(k) => parts.contains(&k),
             }
     };
     let kept: Vec<Claim> = answer.claims.iter().filter(|c| !gone(c)).cloned().collect();

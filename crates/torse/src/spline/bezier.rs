@@ -247,12 +247,17 @@ impl BezierPatch {
 impl Surface {
     /// The Bézier patches of the surface, row by row in u.
     pub fn bezier_patches(&self) -> Vec<BezierPatch> {
+        self.bezier_patches_on(&self.knots_u.breaks(), &self.knots_v.breaks())
+    }
+
+    /// Bézier patches between parameters in order, row by row in u; between two neighbours there must be no knot.
+    pub(crate) fn bezier_patches_on(&self, us: &[f64], vs: &[f64]) -> Vec<BezierPatch> {
         let (p, q, row) = (self.knots_u.degree(), self.knots_v.degree(), self.row());
         let corners = |a: f64, b: f64, n: usize, k: usize| -> Vec<f64> {
             (0..n).map(|i| if i < n - k { a } else { b }).collect()
         };
         let mut patches = Vec::new();
-        for u in self.knots_u.breaks().windows(2) {
+        for u in us.windows(2) {
             let su = self.knots_u.span(0.5 * (u[0] + u[1]));
             // Along u first: p + 1 rows that still span all of v.
             let rows: Vec<Vec<[f64; 4]>> = (0..=p)
@@ -266,7 +271,7 @@ impl Surface {
                         .collect()
                 })
                 .collect();
-            for v in self.knots_v.breaks().windows(2) {
+            for v in vs.windows(2) {
                 let sv = self.knots_v.span(0.5 * (v[0] + v[1]));
                 let mut control = Vec::with_capacity((p + 1) * (q + 1));
                 for line in &rows {

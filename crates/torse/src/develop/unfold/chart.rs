@@ -6,12 +6,14 @@
 //! at depth δ below the face. Both are integrated by Runge–Kutta steps of fourth order, knots of the surface among
 //! their ends.
 
+mod strips;
+
 use crate::brep::carrier::{bounds, outward, Carrier};
 use crate::brep::face::Face;
 use crate::brep::project::SurfaceProjector;
 use crate::brep::rulings::Rulings;
 use crate::geom::{Frame, Vec2, Vec3};
-use crate::patchwork::image::ClosedMap;
+use crate::patchwork::image::{ClosedMap, MapStrip};
 use crate::spline::surface::Surface;
 use std::f64::consts::{PI, TAU};
 
@@ -57,6 +59,7 @@ struct Ruled {
     depth: f64,
     nodes: Vec<(f64, State)>,
     projector: SurfaceProjector,
+    strips: Vec<MapStrip>,
 }
 
 /// Turn and base point of a flat ruling.
@@ -119,7 +122,9 @@ impl Chart {
                 Kind::Round { frame: *frame, sign, angles, half_angle: *half_angle, radius: 0.0, neutral }
             }
             Carrier::GeneralCylinder { .. } | Carrier::GeneralCone { .. } | Carrier::TangentSurface => {
-                Kind::Ruled(Box::new(Ruled::new(face, depth)?))
+                let mut ruled = Ruled::new(face, depth)?;
+                ruled.strips = strips::strips(&ruled, carrier);
+                Kind::Ruled(Box::new(ruled))
             }
             Carrier::Curved(_) => return None,
         };
@@ -162,6 +167,30 @@ impl Chart {
                 turn: -sign * half_angle.sin(),
             }),
             Kind::Ruled(_) => None,
+        }
+    }
+
+    /// Strips in closed form that stand for a face which has none as a whole, in the plane of this map.
+    pub fn strips(&self) -> &[MapStrip] {
+        match &self.kind {
+            Kind::Ruled(r) => &r.strips,
+            Kind::Plane(_) | Kind::Round { .. } => &[],
+        }
+    }
+
+    /// Parameter of the ruling on which a point of a face without closed form lies; `uv` as of `Self::flat`.
+    pub fn ruling_at(&self, x: &Vec3, uv: [f64; 2]) -> f64 {
+        match &self.kind {
+            Kind::Ruled(r) => r.parameter(x, uv),
+            Kind::Plane(_) | Kind::Round { .. } => 0.0,
+        }
+    }
+
+    /// Both ends of a ruling of a face without closed form, by its parameter.
+    pub fn ruling_ends(&self, s: f64) -> Option<[Vec3; 2]> {
+        match &self.kind {
+            Kind::Ruled(r) => r.ruling_ends(s),
+            Kind::Plane(_) | Kind::Round { .. } => None,
         }
     }
 
@@ -289,6 +318,7 @@ impl Ruled {
             depth,
             nodes: Vec::new(),
             projector: SurfaceProjector::new(&face.surface),
+            strips: Vec::new(),
         };
         let mut state = State::default();
         out.nodes.push((breaks[0], state));
@@ -366,8 +396,15 @@ impl Ruled {
         Some(FlatRuling { at: state.base, way, angle, hollow, radius, rise })
     }
 
-    fn flat(&self, x: &Vec3, uv: Option<[f64; 2]>) -> Vec2 {
-        let uv = uv.unwrap_or_else(|| self.projector.nearest(&self.surface, x).at);
+    /// Both ends of a ruling.
+    fn ruling_ends(&self, s: f64) -> Option<[Vec3; 2]> {
+        let at = |r: f64| if self.swapped { self.surface.point(r, s) } else { self.surface.point(s, r) };
+        let ends = [at(self.along.0), at(self.along.1)];
+        ends.iter().all(|p| p.iter().all(|x| x.is_finite())).then_some(ends)
+    }
+
+    /// Parameter of the ruling on which a point lies.
+    fn parameter(&self, x: &Vec3, uv: [f64; 2]) -> f64 {
         let (first, last) = (self.nodes[0].0, self.nodes[self.nodes.len() - 1].0);
         let mut s = if self.swapped { uv[1] } else { uv[0] };
         // The guide keeps near the edge; Newton's steps bring it to the point's own ruling.
@@ -385,6 +422,11 @@ impl Ruled {
                 break;
             }
         }
+        s
+    }
+
+    fn flat(&self, x: &Vec3, uv: Option<[f64; 2]>) -> Vec2 {
+        let s = self.parameter(x, uv.unwrap_or_else(|| self.projector.nearest(&self.surface, x).at));
         let k = self.nodes.partition_point(|n| n.0 <= s).clamp(1, self.nodes.len() - 1) - 1;
         let (at, before) = self.nodes[k];
         let state = if s > at { self.step(before, at, s).unwrap_or(before) } else { before };

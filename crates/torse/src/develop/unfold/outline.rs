@@ -4,8 +4,10 @@ use super::tree::{Piece, Placed};
 use crate::brep::body::Body;
 use crate::develop::arcs::{arcs, circle, PlaneCurve};
 use crate::geom::Vec2;
-use crate::patchwork::image::{EdgeImage, JointImage, Stroke};
+use crate::patchwork::image::{EdgeImage, JointImage, MapStrip, Stroke};
 use crate::patchwork::pattern::{Contour, ContourVertex};
+use crate::spline::curve::Curve;
+use crate::spline::knots::Knots;
 use std::collections::HashSet;
 
 /// A contour with what it follows.
@@ -182,26 +184,48 @@ fn strokes(body: &Body, piece: &Piece, halves: &[usize], stations: &[Station]) -
             false => (a.run..=last.0)
                 .filter_map(|r| {
                     let ends = [if r == a.run { a.share } else { 0.0 }, if r == last.0 { last.1 } else { 1.0 }];
-                    (ends[0] < ends[1]).then(|| halves.get(r).map(|h| image(body, piece, *h, ends)))?
+                    (ends[0] < ends[1]).then(|| halves.get(r).map(|h| images(body, piece, *h, ends)))?
                 })
-                .collect(),
+                .collect::<Option<Vec<_>>>()
+                .map(|runs| runs.concat()),
         };
         Stroke { start: a.vertex.point, end: b.vertex.point, bulge: a.vertex.bulge, images }
     };
     (0..n).map(stroke).collect()
 }
 
-/// A part of a run for the judge; `None` where its map has no closed form.
-fn image(body: &Body, piece: &Piece, half: usize, ends: [f64; 2]) -> Option<EdgeImage> {
+/// A part of a run for the judge: one image, or one for each strip of its face; `None` where its map has no closed form.
+fn images(body: &Body, piece: &Piece, half: usize, ends: [f64; 2]) -> Option<Vec<EdgeImage>> {
     let h = &body.halves[half];
     let face = piece.faces.iter().position(|p| p.face == h.face)?;
     let placed = &piece.faces[face];
     let (curve, [from, to]) = h.run.curve()?;
+    let strips = placed_strips(placed);
+    if !strips.is_empty() {
+        let at = |share: f64| {
+            let (x, uv) = h.run.at(body.faces[h.face], share);
+            placed.chart.ruling_at(&x, uv)
+        };
+        let image = |(k, ends): (usize, [f64; 2])| {
+            let s = strips[k];
+            EdgeImage {
+                face,
+                curve: curve.clone(),
+                map: s.map,
+                turn: s.turn,
+                shift: s.shift,
+                part: ends.map(|s| from + (to - from) * s),
+                // Strips are narrow, and their frames look at their middle.
+                angles: [0.0; 2],
+            }
+        };
+        return Some(strip_parts(&strips, &at, ends)?.into_iter().map(image).collect());
+    }
     let angle = |s: f64| {
         let (x, uv) = h.run.at(body.faces[h.face], s);
         placed.chart.angle(&x, Some(uv)).unwrap_or(0.0)
     };
-    Some(EdgeImage {
+    let image = EdgeImage {
         face,
         curve: curve.clone(),
         map: placed.chart.closed()?,
@@ -209,7 +233,83 @@ fn image(body: &Body, piece: &Piece, half: usize, ends: [f64; 2]) -> Option<Edge
         shift: placed.motion.shift,
         part: ends.map(|s| from + (to - from) * s),
         angles: ends.map(angle),
-    })
+    };
+    Some(vec![image])
+}
+
+/// The strips that a face is laid flat in, where it lies in the piece.
+pub(super) fn placed_strips(placed: &Placed) -> Vec<MapStrip> {
+    let [c, s] = placed.motion.turn;
+    let place = |own: &MapStrip| {
+        let [a, b] = own.turn;
+        MapStrip { turn: [c * a - s * b, s * a + c * b], shift: placed.motion.apply(&own.shift), ..*own }
+    };
+    placed.chart.strips().iter().map(place).collect()
+}
+
+/// Numbers of the strips that a part of a run passes through, with the shares between which it does; `at` tells the
+/// parameter of the ruling at a share.
+fn strip_parts(strips: &[MapStrip], at: &dyn Fn(f64) -> f64, ends: [f64; 2]) -> Option<Vec<(usize, [f64; 2])>> {
+    /// Places looked at first.
+    const PLACES: usize = 32;
+    /// Share of all rulings within which a run keeps to one.
+    const ONE_RULING: f64 = 1e-9;
+    let (first, last) = (strips.first()?.span[0], strips.last()?.span[1]);
+    let strip = |s: f64| strips.partition_point(|k| k.span[1] < s).min(strips.len() - 1);
+    let share = |k: usize| ends[0] + (ends[1] - ends[0]) * k as f64 / PLACES as f64;
+    let seen: Vec<f64> = (0..=PLACES).map(|k| at(share(k))).collect();
+    let (lo, hi) = seen.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |b, s| (b.0.min(*s), b.1.max(*s)));
+    if hi - lo <= ONE_RULING * (last - first) {
+        return Some(vec![(strip(0.5 * (lo + hi)), ends)]);
+    }
+    let mut cuts = vec![(ends[0], strip(seen[0]))];
+    for k in 0..PLACES {
+        let of = [strip(seen[k]), strip(seen[k + 1])];
+        changes(&|t| strip(at(t)), [share(k), share(k + 1)], of, &mut cuts);
+    }
+    let to = |k: usize| cuts.get(k + 1).map_or(ends[1], |c| c.0);
+    Some((0..cuts.len()).map(|k| (cuts[k].1, [cuts[k].0, to(k)])).filter(|(_, [a, b])| a < b).collect())
+}
+
+/// Where the strip changes between two shares, by halving.
+fn changes(strip: &dyn Fn(f64) -> usize, [a, b]: [f64; 2], [i, j]: [usize; 2], out: &mut Vec<(f64, usize)>) {
+    /// Shares closer than this are one.
+    const SAME_SHARE: f64 = 1e-12;
+    if i == j {
+        return;
+    }
+    let m = 0.5 * (a + b);
+    if b - a <= SAME_SHARE {
+        out.push((m, j));
+        return;
+    }
+    let k = strip(m);
+    changes(strip, [a, m], [i, k], out);
+    changes(strip, [m, b], [k, j], out);
+}
+
+/// Both images of the rulings between the strips of a face.
+pub(super) fn strip_joints(piece: &Piece, face: usize) -> Vec<JointImage> {
+    let placed = &piece.faces[face];
+    let strips = placed_strips(placed);
+    let joint = |w: &[MapStrip]| -> Option<JointImage> {
+        let ends = placed.chart.ruling_ends(w[0].span[1])?;
+        let curve = Curve {
+            knots: Knots::clamped(1, &[0.0, 1.0]).ok()?,
+            control: ends.iter().map(|p| [p.x, p.y, p.z, 1.0]).collect(),
+        };
+        let flat = ends.map(|p| placed.motion.apply(&placed.chart.flat(&p, None)));
+        let side = |s: &MapStrip, part: [f64; 2]| {
+            let [start, end] = part.map(|t| if t == 0.0 { flat[0] } else { flat[1] });
+            let (map, turn, shift) = (s.map, s.turn, s.shift);
+            let image = EdgeImage { face, curve: curve.clone(), map, turn, shift, part, angles: [0.0; 2] };
+            vec![Stroke { start, end, bulge: 0.0, images: Some(vec![image]) }]
+        };
+        Some([side(&w[0], [0.0, 1.0]), side(&w[1], [1.0, 0.0])])
+    };
+    // A joint that cannot be made is one of which nothing is known.
+    let unknown = || [vec![Stroke::unknown(Vec2::zeros(), Vec2::x())], vec![Stroke::unknown(Vec2::x(), Vec2::zeros())]];
+    strips.windows(2).map(|w| joint(w).unwrap_or_else(unknown)).collect()
 }
 
 /// Both images of an inner edge: lines and arcs for one, and the same, after the move `gap` of a sharp bend, for the other.
@@ -238,7 +338,7 @@ pub(super) fn joint(body: &Body, piece: &Piece, [half, twin]: [usize; 2], tolera
     let side = |half: usize, shares: &[f64], at: &dyn Fn(usize) -> (Vec2, Vec2, f64)| -> Vec<Stroke> {
         let stroke = |k: usize| {
             let (start, end, bulge) = at(k);
-            Stroke { start, end, bulge, images: image(body, piece, half, [shares[k], shares[k + 1]]).map(|i| vec![i]) }
+            Stroke { start, end, bulge, images: images(body, piece, half, [shares[k], shares[k + 1]]) }
         };
         (0..last).map(stroke).collect()
     };

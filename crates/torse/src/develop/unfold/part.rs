@@ -1,7 +1,7 @@
 //! A body as flat parts: sheet recognised, the better skin unfolded, drawn.
 
 use super::bends::{bends, SheetBend};
-use super::outline::{joint, outlines, Outline, POINT};
+use super::outline::{joint, outlines, placed_strips, strip_joints, Outline, POINT};
 use super::sheet::{open, sheet, Sheet};
 use super::tree::{unfold, Cut, CutReason, Piece, UnfoldOptions};
 use super::{allowance::KFactor, outline::contour_area};
@@ -11,7 +11,7 @@ use crate::brep::face::Face;
 use crate::develop::bends::Facets;
 use crate::geom::rectangle::smallest_rectangle;
 use crate::geom::Vec2;
-use crate::patchwork::image::{ClosedMap, JointImage, Stroke};
+use crate::patchwork::image::{ClosedMap, JointImage, MapStrip, Stroke};
 use crate::patchwork::pattern::{Pattern, ViewSide};
 use std::collections::HashSet;
 
@@ -41,6 +41,8 @@ pub struct FlatPart {
     pub joints: Vec<JointImage>,
     /// The map of every face; `None` where it has no closed form.
     pub maps: Vec<Option<ClosedMap>>,
+    /// Strips of every face that has no closed form but is laid flat in strips that have; else none.
+    pub strips: Vec<Vec<MapStrip>>,
     /// Ways (mm) by which faces are apart in the plane along sharp bends.
     pub allowances: Vec<f64>,
 }
@@ -205,7 +207,8 @@ fn part(
     let unknown =
         |edge: [usize; 2]| edge.map(|h| vec![Stroke::unknown(piece.place(body, h, 0.0), piece.place(body, h, 1.0))]);
     let joints = pairs.into_iter().map(|edge| joint(body, piece, edge, tolerance).unwrap_or_else(|| unknown(edge)));
-    let joints = joints.collect();
+    let between = (0..piece.faces.len()).flat_map(|face| strip_joints(piece, face));
+    let joints = joints.chain(between).collect();
     let number = |c: &Cut| (body.halves[c.half].run.entity, c.reason);
     FlatPart {
         pattern,
@@ -215,6 +218,7 @@ fn part(
         strokes,
         joints,
         maps: piece.faces.iter().map(|p| p.chart.closed()).collect(),
+        strips: piece.faces.iter().map(placed_strips).collect(),
         allowances: piece.folds.iter().map(|f| f.allowance).filter(|a| *a != 0.0).collect(),
     }
 }

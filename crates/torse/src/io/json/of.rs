@@ -217,7 +217,12 @@ fn panel_records(answer: &Answer, shown: &Presentation, curves: &[String]) -> Ve
 /// Why a panel is not certified: its own proof, else what the whole asks of it.
 fn reason(answer: &Answer, panel: usize, curves: &[String]) -> String {
     let whole = || format!("the whole is not certified: {}", words::reason(&answer.claims, curves));
-    let Some(certificate) = &answer.certificate else { return whole() };
+    let Some(certificate) = &answer.certificate else {
+        let part = answer.part_of(panel).map(Subject::Part);
+        let own = |c: &&Claim| c.subject() == Subject::Panel(panel) || Some(c.subject()) == part;
+        let own: Vec<Claim> = answer.claims.iter().filter(own).cloned().collect();
+        return Some(words::reason(&own, curves)).filter(|r| !r.is_empty()).unwrap_or_else(whole);
+    };
     match certificate.panels.get(panel) {
         None => "not examined".into(),
         Some(p) if !p.certified => p.reason.clone(),

@@ -8,6 +8,7 @@ use crate::control::Control;
 use crate::develop::unfold::allowance::KFactor;
 use crate::develop::unfold::part::{flat_parts, BodyParts, FlatPart, PartOptions};
 use crate::geom::coarse::is_tolerance;
+use crate::geom::BBox;
 use crate::io::model::Model;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -41,7 +42,7 @@ pub(super) fn flat_parts_of(
             return Err(UnrollError::Tolerance(approximate));
         }
     }
-    let bodies = bodies_of(faces);
+    let bodies = bodies_of(faces, options.surfaces.then_some(options.tolerance));
     let asked = PartOptions {
         tolerance: options.tolerance,
         k: options.k.clone(),
@@ -49,7 +50,6 @@ pub(super) fn flat_parts_of(
         facets: options.facets,
     };
     let names = names(faces, &bodies);
-    let bodies: Vec<Vec<usize>> = bodies.into_values().collect();
     let count = AtomicUsize::new(0);
     let one = |(body, name): (&Vec<usize>, &String)| {
         if control.stopped() {
@@ -91,11 +91,12 @@ pub(super) fn flat_parts_of(
 
 /// A model in groups of bodies, at most `count` of them in each, every body under the name that it has in the whole; what was
 /// not read and what was noticed goes with the first group. Unrolling one after the other needs memory for one group only.
-pub fn groups(model: Model, count: usize) -> Vec<Model> {
-    let bodies = bodies_of(&model.faces);
+/// With the tolerance `surfaces` (mm), for faces without thickness, sheets that are apart count as bodies.
+pub fn groups(model: Model, count: usize, surfaces: Option<f64>) -> Vec<Model> {
+    let bodies = bodies_of(&model.faces, surfaces);
     let names = names(&model.faces, &bodies);
     let mut group: Vec<(usize, &String)> = vec![(0, &model.unit); model.faces.len()];
-    for ((k, body), name) in bodies.values().enumerate().zip(&names) {
+    for ((k, body), name) in bodies.iter().enumerate().zip(&names) {
         body.iter().for_each(|f| group[*f] = (k / count.max(1), name));
     }
     let number = bodies.len().div_ceil(count.max(1));
@@ -122,33 +123,76 @@ fn like(model: &Model) -> Model {
     }
 }
 
-/// The faces of every body.
-fn bodies_of(faces: &[Face]) -> BTreeMap<u32, Vec<usize>> {
+/// The faces of every body. With the tolerance `surfaces` (mm), a body falls into what can hang together: faces whose boxes are
+/// nearer than that.
+fn bodies_of(faces: &[Face], surfaces: Option<f64>) -> Vec<Vec<usize>> {
     let mut bodies: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
     for (k, f) in faces.iter().enumerate() {
         bodies.entry(f.body).or_default().push(k);
     }
-    bodies
+    match surfaces {
+        None => bodies.into_values().collect(),
+        Some(near) => bodies.into_values().flat_map(|body| sheets(faces, body, near)).collect(),
+    }
 }
 
-/// Names of bodies: that of their part, numbered where several bodies have one.
-fn names(faces: &[Face], bodies: &BTreeMap<u32, Vec<usize>>) -> Vec<String> {
+/// Faces in groups whose boxes touch, in the order of their first faces.
+fn sheets(faces: &[Face], body: Vec<usize>, near: f64) -> Vec<Vec<usize>> {
+    let mut boxes: Vec<(usize, BBox)> = body.iter().map(|k| faces[*k].surface.bbox()).enumerate().collect();
+    boxes.sort_by(|a, b| a.1.min.x.total_cmp(&b.1.min.x));
+    let mut first: Vec<usize> = (0..body.len()).collect();
+    for (n, (i, a)) in boxes.iter().enumerate() {
+        let rest = boxes[n + 1..].iter().take_while(|(_, b)| b.min.x <= a.max.x + near);
+        for (j, _) in rest.filter(|(_, b)| (0..3).all(|d| b.min[d] <= a.max[d] + near && a.min[d] <= b.max[d] + near)) {
+            let (p, q) = (root(&mut first, *i), root(&mut first, *j));
+            first[p.max(q)] = p.min(q);
+        }
+    }
+    let mut out: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+    for (n, face) in body.into_iter().enumerate() {
+        out.entry(root(&mut first, n)).or_default().push(face);
+    }
+    out.into_values().collect()
+}
+
+/// The first of a group, ways to it shortened.
+fn root(first: &mut [usize], mut k: usize) -> usize {
+    while first[k] != k {
+        first[k] = first[first[k]];
+        k = first[k];
+    }
+    k
+}
+
+/// Names of bodies: that of their part, numbered where several bodies have one, and where a body is in several sheets.
+fn names(faces: &[Face], bodies: &[Vec<usize>]) -> Vec<String> {
     let plain = |body: &Vec<usize>| {
         let name = body.iter().map(|k| faces[*k].part.as_str()).find(|n| !n.is_empty());
         name.unwrap_or("part").to_owned()
     };
-    let mut count: BTreeMap<String, usize> = BTreeMap::new();
-    bodies.values().for_each(|b| *count.entry(plain(b)).or_default() += 1);
-    let mut used: BTreeMap<String, usize> = BTreeMap::new();
+    // Bodies of every name, in order, with the number of their sheets.
+    let mut all: BTreeMap<String, Vec<(u32, usize)>> = BTreeMap::new();
+    for body in bodies {
+        let number = faces[body[0]].body;
+        let of_name = all.entry(plain(body)).or_default();
+        match of_name.last_mut().filter(|last| last.0 == number) {
+            Some(last) => last.1 += 1,
+            None => of_name.push((number, 1)),
+        }
+    }
+    let mut used: BTreeMap<(String, u32), usize> = BTreeMap::new();
     let numbered = |body: &Vec<usize>| {
-        let name = plain(body);
-        let k = used.entry(name.clone()).or_default();
-        *k += 1;
-        if count.get(&name) == Some(&1) {
-            name
+        let (name, number) = (plain(body), faces[body[0]].body);
+        let of_name = &all[&name];
+        let k = of_name.iter().position(|b| b.0 == number).unwrap_or_default();
+        let count = used.entry((name.clone(), number)).or_default();
+        *count += 1;
+        let whole = if of_name.len() == 1 { name.clone() } else { format!("{name} {}", k + 1) };
+        if of_name[k].1 == 1 {
+            whole
         } else {
-            format!("{name} {k}")
+            format!("{whole}-{count}")
         }
     };
-    bodies.values().map(numbered).collect()
+    bodies.iter().map(numbered).collect()
 }

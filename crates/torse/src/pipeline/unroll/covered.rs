@@ -1,9 +1,11 @@
 //! Faces that are not developable, covered by panels that are, within a tolerance of their own.
 
 use super::UnrollError;
+use crate::answer::marks::Marks;
 use crate::answer::skipped::{left_out, Skipped};
 use crate::answer::Answer;
 use crate::brep::face::Face;
+use crate::certify::claim::{Claim, Subject, What};
 use crate::control::Control;
 use crate::develop::unfold::part::SheetPart;
 use crate::patchwork::part::Part;
@@ -30,7 +32,18 @@ pub(super) fn add(answer: &mut Answer, faces: Vec<Face>, tolerance: f64, control
         }
     };
     let (panels, parts) = (answer.patchwork.panels.len(), answer.parts.len());
-    answer.claims.extend(made.claims.into_iter().map(|c| c.after(panels)));
+    // What stands against the whole cover concerns the parts that it marks, and no other one if it marks any.
+    let marked = Marks::of(&made).parts;
+    let blamed = marked.contains(&true);
+    let against = |c: &Claim| blamed && c.subject() == Subject::Whole && c.is_broken() && c.what() != What::LeftOut;
+    answer.claims.extend(made.claims.into_iter().map(|c| match against(&c) {
+        true => c.told_of_parts(),
+        false => c.after(panels),
+    }));
+    let refused = made.parts.iter().enumerate().filter(|(k, _)| marked.get(*k) != Some(&false));
+    answer.claims.extend(refused.map(|(k, part)| {
+        Claim::objection(Subject::Part(parts + k), format!("part {} is not proven as a cover of its face", part.name))
+    }));
     answer.parts.extend(made.parts.into_iter().map(|p| Part { first: p.first + panels, ..p }));
     // Panels of covers are parts one by one.
     answer.patterns.extend(made.patterns.into_iter().map(|p| Pattern { panel: p.panel + parts, ..p }));

@@ -127,13 +127,26 @@ fn decoded(bytes: &[u8]) -> Cow<'_, str> {
     }
 }
 
+/// How files compressed by gzip and pictures begin, as text of one byte a letter.
+const GZIP: &str = "\u{1f}\u{8b}";
+const PNG: &str = "\u{89}PNG";
+
 /// What a text without a data section is.
 fn foreign(text: &str) -> ReadError {
     let start = text.trim_start_matches(|c: char| c.is_control() || c.is_whitespace() || c == '\u{feff}');
     if text.contains("ISO-10303-21") || start.starts_with("HEADER") {
         return ReadError::Truncated("it has no DATA section".into());
     }
-    let guess = if start.starts_with("PK") {
+    let mut lines = start.lines().map(str::trim);
+    let guess = if text.starts_with(GZIP) {
+        "it is compressed with gzip (unpack it first)"
+    } else if start.starts_with("AutoCAD Binary DXF") || lines.next() == Some("0") && lines.next() == Some("SECTION") {
+        "it is a DXF drawing, which has curves and no faces"
+    } else if text.starts_with(PNG) {
+        "it is a picture"
+    } else if start.starts_with('{') || start.starts_with('[') {
+        "it is JSON"
+    } else if start.starts_with("PK") {
         "it is a ZIP archive (unpack it first, if it is a compressed STEP file)"
     } else if start.starts_with("solid") {
         "it looks like an STL mesh"

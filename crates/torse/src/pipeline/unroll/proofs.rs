@@ -1,0 +1,108 @@
+//! What is proven of parts that are laid flat, through panels or by their maps, and the claims that come of it.
+
+use crate::brep::carrier::bounds;
+use crate::brep::face::Face;
+use crate::certify::claim::{Claim, Subject, UpperBound, What};
+use crate::certify::unfolded::{unfolded, Unfolded, UnfoldedProof};
+use crate::control::Control;
+use crate::develop::unfold::part::FlatPart;
+use crate::develop::view::panels_viewed;
+use crate::patchwork::pattern::Pattern;
+use crate::search::strips::face_panel::{laid_face, LaidFace};
+
+/// What is proven of a part: distance of its faces, of its drawing, gaps inside, change of lengths.
+const BOUNDS: [fn(&UnfoldedProof) -> UpperBound; 4] =
+    [UnfoldedProof::carrier_distance, UnfoldedProof::drawing_distance, UnfoldedProof::joint_gap, UnfoldedProof::strain];
+/// Why a part is not proven.
+const NOT_SHOWN: &str = "not all of its faces have a flat image that could be proven";
+
+/// The claims that [`BOUNDS`] are.
+fn claims_of(subject: Subject, [carrier, drawing, gap, strain]: [UpperBound; 4], tolerance: f64) -> Vec<Claim> {
+    let within = |what, bound| Claim::at_most(what, subject, bound).within(tolerance);
+    vec![
+        within(What::CarrierDistance, carrier),
+        within(What::DrawingDistance, drawing),
+        within(What::JointGap, gap),
+        Claim::at_most(What::LengthError, subject, strain),
+    ]
+}
+
+/// What is claimed of the whole, which is the largest of what is claimed of its parts, and of every part.
+pub(super) fn claims(parts: &[FlatPart], proofs: &[UnfoldedProof], tolerance: f64) -> Vec<Claim> {
+    let bound = |of: fn(&UnfoldedProof) -> UpperBound| UpperBound::largest(proofs.iter().map(of));
+    let whole = match parts.is_empty() {
+        true => Vec::new(),
+        false => claims_of(Subject::Whole, [0, 1, 2, 3].map(|k| bound(BOUNDS[k])), tolerance),
+    };
+    let mut claims: Vec<Claim> = whole.into_iter().map(Claim::told_of_parts).collect();
+    claims.extend(parts.iter().zip(proofs).enumerate().flat_map(|(k, (part, proof))| {
+        let mut of_part = claims_of(Subject::Part(k), BOUNDS.map(|of| of(proof)), tolerance);
+        // How far lengths change must be known, however little is asked of it.
+        if proof.strain() == UpperBound::UNKNOWN {
+            of_part.push(Claim::objection(Subject::Part(k), format!("part {}: {NOT_SHOWN}", part.pattern.name)));
+        }
+        of_part.into_iter().map(move |c| {
+            let name = &part.pattern.name;
+            match c.is_unknown() {
+                true => c.because(format!("part {name}: {NOT_SHOWN}")),
+                false if c.what() == What::Objection => c,
+                false => c.because(format!("part {name} is proven, but not within the tolerance")),
+            }
+        })
+    }));
+    claims
+}
+
+/// What is proven of a part; where that is not enough, and a panel helps, the part is laid flat anew through it.
+pub(super) fn proven(
+    part: &mut FlatPart,
+    faces: &[Face],
+    tolerance: f64,
+    control: &Control,
+) -> (Option<LaidFace>, UnfoldedProof) {
+    let own = judged(part, faces, tolerance);
+    if own.is_within(tolerance) {
+        return (None, own);
+    }
+    match through_panel(part, faces, tolerance, control) {
+        Some(laid) => {
+            let proof = UnfoldedProof::through_panel(&laid.certificate, &laid.flat);
+            (Some(laid), proof)
+        }
+        None => (None, own),
+    }
+}
+
+/// A surface of one face whose map has no closed form, laid flat anew through a panel that is proven; `None` for other parts,
+/// and where that cannot be proven.
+fn through_panel(part: &mut FlatPart, faces: &[Face], tolerance: f64, control: &Control) -> Option<LaidFace> {
+    let ([face], [None]) = (part.faces.as_slice(), part.maps.as_slice()) else { return None };
+    if part.sheet.thickness > 0.0 || control.stopped() {
+        return None;
+    }
+    let laid = laid_face(&faces[*face], &part.pattern.name, tolerance)?;
+    let seen = panels_viewed(&laid.patchwork, vec![laid.pattern.clone()], part.pattern.view).pop()?;
+    part.pattern = Pattern { panel: part.pattern.panel, ..seen };
+    // The bend table names the lines that are drawn.
+    if let [bend] = part.sheet.bends.as_mut_slice() {
+        bend.lines.clone_from(&part.pattern.rulings);
+        bend.rulings = bend.lines.len();
+    }
+    Some(laid)
+}
+
+/// A part before its judge.
+pub(super) fn judged(part: &FlatPart, faces: &[Face], tolerance: f64) -> UnfoldedProof {
+    let asked = Unfolded {
+        surfaces: part.faces.iter().map(|f| &faces[*f].surface).collect(),
+        bounds: part.faces.iter().map(|f| bounds(&faces[*f])).collect(),
+        maps: &part.maps,
+        strips: &part.strips,
+        thickness: part.sheet.thickness,
+        contours: part.pattern.contours.iter().chain(&part.pattern.formed).collect(),
+        strokes: &part.strokes,
+        joints: &part.joints,
+        allowances: &part.allowances,
+    };
+    unfolded(&asked, tolerance)
+}

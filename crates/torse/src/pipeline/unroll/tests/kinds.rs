@@ -1,0 +1,153 @@
+//! Which surfaces are taken for developable, whatever file, unit and hand they come in.
+
+use crate::brep::carrier::{carrier, Carrier};
+use crate::geom::Vec3;
+use crate::io::step::write::{self as step, Header, Sheet};
+use crate::io::{cad, iges, threedm};
+use crate::patchwork::panel::Patchwork;
+use crate::spline::knots::Knots;
+use crate::spline::surface::Surface;
+use crate::torse::form::PanelKind;
+use crate::torse::strip::Strip;
+
+/// A surface of rulings between two Bézier curves.
+fn ruled(rails: [Vec<Vec3>; 2], weights: Option<&[f64]>) -> Surface {
+    let points: Vec<Vec3> = rails[0].iter().zip(&rails[1]).flat_map(|(a, b)| [*a, *b]).collect();
+    let weights: Option<Vec<f64>> = weights.map(|w| w.iter().flat_map(|w| [*w, *w]).collect());
+    let knots = |p| Knots::clamped(p, &[0.0, 1.0]).expect("knots");
+    Surface::new(knots(rails[0].len() - 1), knots(1), &points, weights.as_deref()).expect("a surface")
+}
+
+/// Surfaces of some 100 mm with what they are.
+fn specimens() -> Vec<(&'static str, Surface)> {
+    let (x, y, z) = (Vec3::x(), Vec3::y(), Vec3::z());
+    let arc = |r: f64, up: Vec3| vec![r * x + up, r * (x + y) + up, r * y + up];
+    let quarter = [1.0, std::f64::consts::FRAC_1_SQRT_2, 1.0];
+    let wave = || vec![Vec3::zeros(), 40.0 * x + 50.0 * z, 70.0 * x - 30.0 * z, 100.0 * x];
+    let moved = |all: Vec<Vec3>, by: Vec3| all.into_iter().map(|p| p + by).collect::<Vec<_>>();
+    let towards = |all: Vec<Vec3>, apex: Vec3| all.into_iter().map(|p| p + 0.6 * (apex - p)).collect::<Vec<_>>();
+    // Along the derivative of (100 t, 60 t², 40 t³).
+    let tangent = |k: f64| {
+        let at = |a: [f64; 3], d: [f64; 3]| Vec3::from(a) + k * Vec3::from(d);
+        vec![
+            at([0.0; 3], [100.0, 0.0, 0.0]),
+            at([100.0 / 3.0, 0.0, 0.0], [100.0, 40.0, 0.0]),
+            at([200.0 / 3.0, 20.0, 0.0], [100.0, 80.0, 40.0]),
+            at([100.0, 60.0, 40.0], [100.0, 120.0, 120.0]),
+        ]
+    };
+    // A quarter turn of a screw, as near as a cubic is, and its axis.
+    let k = 0.5523;
+    let screw =
+        vec![50.0 * x, 50.0 * x + 50.0 * k * y + 20.0 * z, 50.0 * k * x + 50.0 * y + 40.0 * z, 50.0 * y + 60.0 * z];
+    let axis = vec![Vec3::zeros(), 20.0 * z, 40.0 * z, 60.0 * z];
+    vec![
+        ("plane", ruled([vec![Vec3::zeros(), 100.0 * x], vec![80.0 * y, 110.0 * x + 90.0 * y]], None)),
+        ("cylinder", ruled([arc(60.0, Vec3::zeros()), arc(60.0, 90.0 * z)], Some(&quarter))),
+        ("cone", ruled([arc(60.0, Vec3::zeros()), arc(30.0, 90.0 * z)], Some(&quarter))),
+        ("general cylinder", ruled([wave(), moved(wave(), 90.0 * y + 5.0 * z)], None)),
+        ("general cone", ruled([wave(), towards(wave(), Vec3::new(40.0, 130.0, 10.0))], None)),
+        ("tangent surface", ruled([tangent(0.5), tangent(1.5)], None)),
+        ("helicoid", ruled([axis, screw], None)),
+    ]
+}
+
+/// A strip whose tangent plane turns by an angle (rad) along its rulings.
+fn twisted(angle: f64) -> Surface {
+    let (a, b) = (Vec3::new(-50.0, 0.0, 0.0), Vec3::new(50.0, 0.0, 0.0));
+    let turned = |x: f64| Vec3::new(x * angle.cos(), 90.0, x * angle.sin());
+    ruled([vec![a, b], vec![turned(-50.0), turned(50.0)]], None)
+}
+
+/// A file in bytes: its format and unit, and the surface in it.
+type Written = (String, Vec<u8>);
+
+/// A surface, and its mirror image, in files of three formats and in more than one unit.
+fn files(surface: &Surface) -> Vec<Written> {
+    let header = Header { name: "specimen".into(), time: "2026-01-31T12:00:00".into(), uncertainty: 1e-6 };
+    let mut out = Vec::new();
+    for hand in [1.0, -1.0] {
+        // In mm, and so large in numbers of a metre or an inch that it is as large.
+        for (unit, mm) in [("mm", 1.0), ("m", 1e3), ("in", 25.4)] {
+            let mut s = surface.clone();
+            for h in &mut s.control {
+                h[0] *= hand / mm;
+                h[1] /= mm;
+                h[2] /= mm;
+            }
+            let strip = Strip { name: "A".into(), kind: PanelKind::Cylinder, patch: s.clone() };
+            let flags = match unit {
+                "mm" => "2,2HMM",
+                "m" => "6,1HM,",
+                _ => "1,2HIN",
+            };
+            let text =
+                String::from_utf8(iges::write::panels(&header, &Patchwork::of_strips(vec![strip]), &[])).expect("text");
+            let global = text.replacen("2,2HMM,", &format!("{flags}{}", if unit == "m" { " " } else { "," }), 1);
+            assert!(unit == "mm" || global != text);
+            out.push((format!("IGES {unit} {hand}"), global.into_bytes()));
+            let sheets = [Sheet::untrimmed("A", &s)];
+            let mut bytes = Vec::new();
+            step::sheets(&mut bytes, &header, &sheets).expect("a file");
+            let text = String::from_utf8(bytes).expect("text");
+            match unit {
+                "mm" => {
+                    out.push((format!("STEP {unit} {hand}"), text.into_bytes()));
+                    out.push((format!("3DM {unit} {hand}"), threedm::write::sheets(&header, &sheets).expect("a file")));
+                }
+                "m" => {
+                    assert!(text.contains("SI_UNIT(.MILLI.,.METRE.)"));
+                    out.push((
+                        format!("STEP {unit} {hand}"),
+                        text.replace("SI_UNIT(.MILLI.,.METRE.)", "SI_UNIT($,.METRE.)").into_bytes(),
+                    ));
+                }
+                _ => {}
+            }
+        }
+    }
+    out
+}
+
+/// What the only face of a file lies on.
+fn found((name, bytes): &Written) -> Carrier {
+    let model = cad::read(bytes).unwrap_or_else(|e| panic!("{name}: {e}"));
+    assert_eq!((model.faces.len(), model.skipped.len()), (1, 0), "{name}");
+    let size = model.faces[0].surface.bbox().diagonal();
+    assert!((50.0..500.0).contains(&size), "{name}: {size} mm");
+    carrier(&model.faces[0])
+}
+
+#[test]
+fn every_kind_is_known_in_every_format_unit_and_hand() {
+    for (kind, surface) in specimens() {
+        for file in files(&surface) {
+            match found(&file) {
+                Carrier::Curved(defect) => {
+                    assert_eq!(kind, "helicoid", "{}", file.0);
+                    assert!(defect.twist_estimate > 0.1, "{}: {defect:?}", file.0);
+                }
+                carrier => assert_eq!(carrier.name(), kind, "{}", file.0),
+            }
+        }
+    }
+}
+
+#[test]
+fn the_least_twist_is_seen_and_told_as_it_is() {
+    let mut last: Vec<f64> = Vec::new();
+    for angle in [1e-3, 2e-3, 5e-3, 1e-2, 3e-2, 1e-1] {
+        let twists: Vec<f64> = files(&twisted(angle))
+            .iter()
+            .map(|file| match found(file) {
+                Carrier::Curved(defect) => defect.twist_estimate,
+                carrier => panic!("{}: twisted by {angle} and taken for a {}", file.0, carrier.name()),
+            })
+            .collect();
+        for (k, twist) in twists.iter().enumerate() {
+            assert!((twist - angle).abs() < 0.01 * angle, "{angle}: {twist}");
+            assert!(last.get(k).is_none_or(|l| twist > l));
+        }
+        last = twists;
+    }
+}
