@@ -288,7 +288,7 @@ fn seam_gaps(
             let prove = || {
                 let (a, b) = (SeamSide { jets: p, trim: &a.trim }, SeamSide { jets: q, trim: &b.trim });
                 let gap = seams::gap_bound(a, b, tolerance)?;
-                Some((gap, seams::length_difference(a, b).unwrap_or(f64::INFINITY)))
+                Some((gap, seams::length_difference(a, b, tolerance).unwrap_or(f64::INFINITY)))
             };
             let of = [(*i, a), (*j, b)].map(|(k, run)| (&patchwork.panels[k], *run));
             let found = match known {
@@ -307,6 +307,30 @@ mod tests {
 
     fn prove(p: &Patchwork, tolerance: f64) -> Certificate {
         patchwork(p, tolerance, &Control::default())
+    }
+
+    /// What one side of a seam is longer than the other: never less than measured, and not much more.
+    #[test]
+    fn lengths_of_both_sides_of_a_seam_are_bounded_sharply() {
+        let p = two_panels(1e-3, 4);
+        let tolerance = 1.05e-3;
+        let c = prove(&p, tolerance);
+        let lengths: Vec<f64> = p
+            .panels
+            .iter()
+            .flat_map(|panel| panel.loops().iter().flatten().map(move |run| (panel, run)))
+            .filter(|(_, run)| matches!(run.border, Border::Seam { .. }))
+            .map(|(panel, run)| {
+                let at = |k: u32| {
+                    let [u, v] = run.trim.point(f64::from(k) / 4000.0);
+                    panel.strip.patch.point(u, v)
+                };
+                (0..4000).map(|k| (at(k + 1) - at(k)).norm()).sum()
+            })
+            .collect();
+        let off = (lengths[0] - lengths[1]).abs();
+        let bound = c.seams[0].length_difference_bound;
+        assert!(lengths.len() == 2 && off <= bound + 1e-7 && bound < off + 0.06 * tolerance, "{off:e} {bound:e}");
     }
 
     #[test]

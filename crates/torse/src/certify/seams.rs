@@ -37,32 +37,45 @@ pub(super) fn gap_bound(a: SeamSide, b: SeamSide, tolerance: f64) -> Option<f64>
 ///
 /// `|p'| − |q'| = (p' − q')·m`, `m = (p' + q')/(|p'| + |q'|)`; over a piece the integral of `p' − q'` is known from the
 /// ends, and m is nearly constant.
-pub(super) fn length_difference(a: SeamSide, b: SeamSide) -> Option<f64> {
+pub(super) fn length_difference(a: SeamSide, b: SeamSide, tolerance: f64) -> Option<f64> {
     let mut cuts: Vec<f64> = a.trim.knots.breaks();
     cuts.extend(b.trim.knots.breaks().into_iter().map(|t| 1.0 - t));
     cuts.sort_by(f64::total_cmp);
     cuts.dedup_by(|x, y| x.to_bits() == y.to_bits());
     let mut sum = Interval::ZERO;
-    for w in cuts.windows(2) {
-        let at = |k: usize| w[0] + (w[1] - w[0]) * k as f64 / LENGTH_PIECES as f64;
-        for k in 0..LENGTH_PIECES {
-            let end = if k + 1 == LENGTH_PIECES { w[1] } else { at(k + 1) };
-            let (p, q) = (a.over(at(k), end, false)?, b.over(at(k), end, true)?);
-            let whole = sub(&sub(&p.ends[1], &p.ends[0]), &sub(&q.ends[1], &q.ends[0]));
-            let (dp, dq) = (p.curve.map(|x| x.d), q.curve.map(|x| x.d));
-            let both = length(&dp) + length(&dq);
-            let m = add(&dp, &dq).map(|x| x / both).map(|x| x.intersect(Interval::symmetric(1.0)).unwrap_or(x));
-            let middle = mid(&m).map(Interval::point);
-            let rest = Interval::point(length_bound(&sub(&dp, &dq))) * Interval::point(length_bound(&sub(&m, &middle)));
-            sum = sum + dot(&whole, &middle) + Interval::symmetric(rest.hi);
+    let mut open: Vec<(f64, f64, usize)> = cuts.windows(2).rev().map(|w| (w[0], w[1], 0)).collect();
+    while let Some((s0, s1, depth)) = open.pop() {
+        let (known, spread) = length_difference_over(a, b, s0, s1)?;
+        // Each piece may be off by its share of the whole.
+        let fine = spread <= LENGTH_EXCESS * tolerance * (s1 - s0);
+        let middle = 0.5 * (s0 + s1);
+        if !fine && depth < LENGTH_DEPTH && s0 < middle && middle < s1 {
+            open.extend([(middle, s1, depth + 1), (s0, middle, depth + 1)]);
+            continue;
         }
+        sum = sum + known + Interval::symmetric(spread);
     }
     let bound = sum.mag();
     bound.is_finite().then_some(bound)
 }
 
-/// Pieces between two knots over which lengths are compared.
-const LENGTH_PIECES: usize = 4;
+/// What one side is longer than the other over a piece: what the ends tell, and by how much it may be off.
+fn length_difference_over(a: SeamSide, b: SeamSide, s0: f64, s1: f64) -> Option<(Interval, f64)> {
+    let (p, q) = (a.over(s0, s1, false)?, b.over(s0, s1, true)?);
+    let whole = sub(&sub(&p.ends[1], &p.ends[0]), &sub(&q.ends[1], &q.ends[0]));
+    let (dp, dq) = (p.curve.map(|x| x.d), q.curve.map(|x| x.d));
+    let both = length(&dp) + length(&dq);
+    let m = add(&dp, &dq).map(|x| x / both).map(|x| x.intersect(Interval::symmetric(1.0)).unwrap_or(x));
+    let middle = mid(&m).map(Interval::point);
+    let rest = Interval::point(length_bound(&sub(&dp, &dq))) * Interval::point(length_bound(&sub(&m, &middle)));
+    Some((dot(&whole, &middle), rest.hi))
+}
+
+/// Pieces over which lengths are compared are halved until what the enclosures leave open is less than this share of the
+/// tolerance along the whole seam, or so often.
+const LENGTH_EXCESS: f64 = 0.05;
+/// See [`LENGTH_EXCESS`].
+const LENGTH_DEPTH: usize = 9;
 /// Share of the domain by which the rounded coefficients of a trimming curve may stick out of it; beyond, it has left
 /// it.
 const OVERHANG: f64 = 1e-12;
