@@ -175,3 +175,13 @@ fn corners_in_line_but_for_rounding_are_in_line() {
     face.loops = vec![trim(outer), trim(hole)];
     assert_eq!(panels(vec![face], 0.5).patterns.len(), 1);
 }
+
+/// A whole cone is slit along one ruling; its ends are one line in space, and points there have two feet.
+#[test]
+fn a_frustum_of_a_full_turn_is_one_panel() {
+    let cone = SupportSurface::Cone { frame: Frame::world(), radius: 200.0, slope: -1.0 / 3.0 };
+    for tolerance in [1.0, 0.05] {
+        let out = panels(vec![Face::untrimmed(part(&cone, (0.0, 2.0 * PI), (0.0, 300.0)))], tolerance);
+        assert_eq!(out.patchwork.panels.len(), 1, "{tolerance} mm");
+    }
+}

@@ -22,6 +22,9 @@ const MOST_PARTS: f64 = 64.0;
 const TRIM_SHARE: f64 = 1.0 / 250.0;
 /// Share of that by which the edge in space may stray from the trim curve on its patch.
 const EDGE_SHARE: f64 = 0.1;
+/// Distance (mm) of edges in space from trimming curves on cylinders and cones: CAD systems take less for none. Programs that
+/// take more for a fault find the trimming curve anew, and at the slit of a pipe they may find it on the other side.
+const EXACT_EDGE: f64 = 5e-7;
 /// Share of the tolerance that lines and arcs of a flat pattern may stray from the exact outline.
 const CONTOUR_SHARE: f64 = 0.05;
 /// Bend of a border (share of the tolerance) above which it gets finer; each round leaves about a quarter of it.
@@ -197,9 +200,13 @@ fn judged(
         borders.end_together(&last);
     }
     let trim_tolerance = tolerance * TRIM_SHARE;
-    let boundary = BoundaryOptions { trim_tolerance, edge_tolerance: trim_tolerance * EDGE_SHARE };
+    let boundary = |a: &Assigned| {
+        let usual = trim_tolerance * EDGE_SHARE;
+        let exact = matches!(a.kind, PanelKind::Cylinder | PanelKind::Cone);
+        BoundaryOptions { trim_tolerance, edge_tolerance: if exact { usual.min(EXACT_EDGE) } else { usual } }
+    };
     let made: Vec<Result<Panel, BoundaryError>> =
-        assigned.par_iter().map(|a| borders.panel(0, a, &boundary).map(|(p, _)| p)).collect();
+        assigned.par_iter().map(|a| borders.panel(0, a, &boundary(a)).map(|(p, _)| p)).collect();
     let seam_count = borders.seam_count;
     let (mut panels, mut missing, mut refused) = (Vec::new(), Vec::new(), Vec::new());
     for (panel, a) in made.into_iter().zip(&assigned) {

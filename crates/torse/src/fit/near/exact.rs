@@ -41,6 +41,8 @@ const STEEPEST: f64 = 1.35;
 const LEAST_SLANT: f64 = 0.4;
 /// The domain reaches this share of its range beyond the outermost rulings.
 const MARGIN: f64 = 0.06;
+/// Share of the width below which the distance between the first and the last ruling is that of a pipe, nearly closed.
+const NEAR: f64 = 0.25;
 /// Turn of the normal (rad) below which a stretch is flat.
 const FLAT: f64 = 1e-9;
 /// Relative deviation below which rulings count as parallel, or as meeting in a point.
@@ -179,8 +181,17 @@ impl Sampled {
         let control = knots.len() - 4;
         let knots = Knots::new(3, knots, control).ok()?;
         let curve = lsq::fit(values, t, &knots).ok()?.curve;
-        let margin = MARGIN * (b - a);
+        let margin = if self.closes() { (b - a) / (self.breaks.len() + 1) as f64 } else { MARGIN * (b - a) };
+        let margin = margin.min(MARGIN * (b - a));
         curve.extended(a - margin, b + margin).ok()
+    }
+
+    /// Whether the last ruling comes back near the first: the continuation beyond one end would lie beside the other, less
+    /// exact, and be taken for the surface there.
+    fn closes(&self) -> bool {
+        let (Some(first), Some(last)) = (self.lines.first(), self.lines.last()) else { return false };
+        let wide = self.lines.iter().map(|l| (l.point - first.point).norm()).fold(0.0, f64::max);
+        (last.point - first.point).norm() < NEAR * wide
     }
 
     /// The same rulings in the opposite order.

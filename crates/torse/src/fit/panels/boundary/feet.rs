@@ -27,7 +27,11 @@ pub(super) fn feet_along(torse: &Torse, border: &[Vec3]) -> Result<Vec<f64>, usi
         })
         .collect();
     let side = votes.iter().map(|v| v.2).sum::<f64>() > 0.0;
-    let &(first, start, _) = votes.iter().find(|v| (v.2 > 0.0) == side).ok_or(0_usize)?;
+    // Where a torse closes, points at its ends have two feet: the border is followed from one that has not.
+    let (a, b) = torse.domain();
+    let inside = |v: &&(usize, f64, f64)| (v.1 - a).min(b - v.1);
+    let own = votes.iter().filter(|v| (v.2 > 0.0) == side);
+    let &(first, start, _) = own.max_by(|v, w| inside(v).total_cmp(&inside(w))).ok_or(0_usize)?;
     let mut feet = vec![start; n];
     let mut guess = start;
     for i in (first + 1..first + n).map(|i| i % n) {
