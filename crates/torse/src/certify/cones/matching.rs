@@ -20,6 +20,10 @@ pub(super) struct Ring<'a> {
 /// Places to a span at least, and to the whole ring about.
 const SPAN_STATIONS: usize = 4;
 const RING_STATIONS: usize = 600;
+/// Places as near as this to the nearest one, as a share of the whole ring, are as near: both sides of the seam of a pipe.
+const AS_NEAR: f64 = 1e-9;
+/// Ends of edges that lie this near to their places, as a share of the whole ring, are where they belong.
+const CLOSE: f64 = 1e-3;
 /// Steps of searches for the nearest place, each to two thirds of the interval.
 const STEPS: usize = 60;
 /// A station lies this far from where the lengths say, as a share of the way from the last one and of the whole ring.
@@ -38,7 +42,9 @@ impl<'a> Ring<'a> {
     }
 
     fn measure(&mut self) {
-        let chord = |k: usize| (self.point(k as f64 + 1.0) - self.point(k as f64)).norm();
+        // A span may be a whole rim, which ends where it begins.
+        let place = |k: usize, j: usize| self.point(k as f64 + j as f64 / SPAN_STATIONS as f64);
+        let chord = |k: usize| (0..SPAN_STATIONS).map(|j| (place(k, j + 1) - place(k, j)).norm()).sum();
         let chords: Vec<f64> = (0..self.spans.len()).map(chord).collect();
         let whole: f64 = chords.iter().sum::<f64>().max(f64::MIN_POSITIVE);
         let mut stations: Vec<(f64, Vec3, f64)> = Vec::new();
@@ -107,6 +113,15 @@ impl<'a> Ring<'a> {
     fn nearest(&self, x: &Vec3) -> f64 {
         let best = self.stations.iter().min_by(|a, b| (a.1 - x).norm_squared().total_cmp(&(b.1 - x).norm_squared()));
         best.map_or(0.0, |s| s.2)
+    }
+
+    /// Lengths up to all stations that are nearest to a point: where a ring passes a place twice there are two.
+    fn all_nearest(&self, x: &Vec3) -> Vec<f64> {
+        let far = |k: usize| (self.stations[k].1 - x).norm();
+        let n = self.stations.len() - 1;
+        let best = (0..n).map(far).fold(f64::INFINITY, f64::min);
+        let near = best + AS_NEAR * self.length();
+        (0..n).filter(|k| far(*k) <= near).map(|k| self.stations[k].2).collect()
     }
 
     /// Runs the same way as a sequence of points of it, which is closed.
@@ -215,34 +230,19 @@ pub(super) struct Matched {
     pub tau: [f64; 2],
 }
 
-/// Pieces of a closed loop of edges beside a ring, each within one span of either; `None` where they do not run along
-/// each other.
-pub(super) fn matched(ring: &Ring, loop_: &[Passed]) -> Option<Vec<Matched>> {
-    // 1. Stations: ends and knots of the edges.
-    let mut stations: Vec<(usize, f64, f64, f64)> = Vec::new();
-    for (k, e) in loop_.iter().enumerate() {
-        let mut breaks = e.curve.breaks();
-        if !e.forward {
-            breaks.reverse();
-        }
-        for w in breaks.windows(2) {
-            /// Chords by which the length of a stretch is measured.
-            const CHORDS: usize = 8;
-            let at = |i: usize| e.curve.point(w[0] + (w[1] - w[0]) * i as f64 / CHORDS as f64);
-            let length: f64 = (0..CHORDS).map(|i| (at(i + 1) - at(i)).norm()).sum();
-            stations.push((k, w[0], w[1], length));
-        }
-    }
+/// A stretch of an edge: its number, parameters at both ends, length.
+type Station = (usize, f64, f64, f64);
+
+/// Places (τ) on a ring of the ends of stretches, the first at `origin` near a length along the ring, and how far the farthest
+/// of them is from its place.
+fn places(ring: &Ring, loop_: &[Passed], stations: &[Station], (origin, guess): (&Vec3, f64)) -> (Vec<f64>, f64) {
     let total: f64 = stations.iter().map(|s| s.3).sum();
     let scale = ring.length() / total;
-    // 2. Their places on the ring.
-    let start = loop_.first()?;
-    let origin = start.curve.point(if start.forward { 0.0 } else { 1.0 });
-    let guess = ring.nearest(&origin);
-    let mut taus = vec![ring.near(&origin, guess, WINDOW[1] * ring.length())];
-    let mut way = guess;
+    let first = ring.near(origin, guess, WINDOW[1] * ring.length());
+    let mut off = (ring.point(first) - origin).norm();
+    let mut taus = vec![first];
+    let (mut way, mut last) = (guess, first);
     for (i, (k, _, s1, length)) in stations.iter().enumerate() {
-        let first = taus[0];
         if i + 1 == stations.len() {
             taus.push(first + ring.turn());
             break;
@@ -256,13 +256,58 @@ pub(super) fn matched(ring: &Ring, loop_: &[Passed]) -> Option<Vec<Matched>> {
         if let Some(plane) = e.joint.as_ref().filter(|_| at_end) {
             /// Spans within which the joint's plane is looked for.
             const NEAR: f64 = 0.5;
-            let off = |tau: f64| before(plane, &ring.point(tau));
-            let crossing = root(tau - NEAR, tau, &off).into_iter().chain(root(tau, tau + NEAR, &off));
+            let ahead = |tau: f64| before(plane, &ring.point(tau));
+            let crossing = root(tau - NEAR, tau, &ahead).into_iter().chain(root(tau, tau + NEAR, &ahead));
             tau = crossing.min_by(|a, b| (a - tau).abs().total_cmp(&(b - tau).abs())).unwrap_or(tau);
         }
-        let last = *taus.last()?;
-        taus.push(tau.clamp(last, first + ring.turn()));
+        last = tau.clamp(last, first + ring.turn());
+        off = off.max((ring.point(last) - x).norm());
+        taus.push(last);
     }
+    (taus, off)
+}
+
+/// Pieces of a closed loop of edges beside a ring, each within one span of either; `None` where they do not run along
+/// each other.
+pub(super) fn matched(ring: &mut Ring, loop_: &[Passed]) -> Option<Vec<Matched>> {
+    // 1. Stations: ends and knots of the edges.
+    let mut stations: Vec<Station> = Vec::new();
+    for (k, e) in loop_.iter().enumerate() {
+        let mut breaks = e.curve.breaks();
+        if !e.forward {
+            breaks.reverse();
+        }
+        for w in breaks.windows(2) {
+            /// Chords by which the length of a stretch is measured.
+            const CHORDS: usize = 8;
+            let at = |i: usize| e.curve.point(w[0] + (w[1] - w[0]) * i as f64 / CHORDS as f64);
+            let length: f64 = (0..CHORDS).map(|i| (at(i + 1) - at(i)).norm()).sum();
+            stations.push((k, w[0], w[1], length));
+        }
+    }
+    // 2. Their places on the ring; one that passes the beginning twice, or back and forth along a seam, is tried from either
+    // place and in either direction.
+    let start = loop_.first()?;
+    let origin = start.curve.point(if start.forward { 0.0 } else { 1.0 });
+    let mut best: Option<(f64, bool, Vec<f64>)> = None;
+    for reversed in [false, true] {
+        if reversed {
+            ring.reverse();
+        }
+        for guess in ring.all_nearest(&origin) {
+            let (taus, off) = places(ring, loop_, &stations, (&origin, guess));
+            if best.as_ref().is_none_or(|b| off < b.0) {
+                best = Some((off, reversed, taus));
+            }
+        }
+        if best.as_ref().is_some_and(|b| b.0 <= CLOSE * ring.length()) {
+            break;
+        }
+        if reversed && best.as_ref().is_some_and(|b| !b.1) {
+            ring.reverse();
+        }
+    }
+    let taus = best?.2;
     // 3. Cut where spans end.
     let mut out = Vec::new();
     for ((k, s0, s1, _), t) in stations.iter().zip(taus.windows(2)) {

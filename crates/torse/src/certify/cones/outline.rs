@@ -133,7 +133,7 @@ pub fn outline(
         let mut ring = rings.swap_remove(nearest.unwrap_or(0));
         ring.follow(points);
         out.edges = out.edges.max(UpperBound::shown(gaps(part, uses, &passed)));
-        let pieces = matched(&ring, &passed).ok_or(OutlineFault::Open { piece: piece_of(0) })?;
+        let pieces = matched(&mut ring, &passed).ok_or(OutlineFault::Open { piece: piece_of(0) })?;
         let mut waiting: Vec<_> = pieces.into_iter().rev().map(|m| (m, 0)).collect();
         while let Some((m, depth)) = waiting.pop() {
             let piece = piece_of(m.edge);

@@ -97,7 +97,9 @@ pub fn cone_part(
     for l in outlines {
         let (mut corners, mut edges) = (Vec::with_capacity(l.len()), Vec::with_capacity(l.len()));
         let mut guess = None;
-        for (k, p) in l.iter().enumerate() {
+        let first = beginning(&chart, l, count);
+        for k in (first..l.len()).chain(0..first) {
+            let p = &l[k];
             let q = match guess {
                 None => chart.nearest(&p.point),
                 // Corners are close to each other.
@@ -184,6 +186,17 @@ pub fn cone_part(
         part.faces[k].loops = loops_of(&partition, label, &all).ok_or(ConeTrimError::Pinch { segment })?;
     }
     Ok(part)
+}
+
+/// The corner from which an outline is followed: the one farthest from both ends of the chain, of a few. Where a chain closes,
+/// those on its first ruling lie on the last one too.
+fn beginning(chart: &ConeChart, corners: &[OutlinePoint], count: usize) -> usize {
+    /// Corners looked at.
+    const TRIED: usize = 16;
+    let tried = (0..TRIED.min(corners.len())).map(|k| k * corners.len() / TRIED.min(corners.len()));
+    let inside = |k: usize| chart.nearest(&corners[k].point).map(|q| q[0].min(count as f64 - q[0]));
+    let all = tried.filter_map(|k| Some((k, inside(k)?)));
+    all.fold((0, f64::NEG_INFINITY), |best, here| if here.1 > best.1 { here } else { best }).0
 }
 
 /// Places where the chord of two corners crosses joints, in its order: chords in coordinates have a kink there, as shares

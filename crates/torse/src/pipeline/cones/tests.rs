@@ -1,12 +1,14 @@
 //! Faces that become exact cones, and those that are none.
 
 use super::*;
+use crate::brep::face::TrimLoop;
 use crate::certify::claim::Status;
 use crate::geom::Vec3;
 use crate::io::words;
 use crate::search::strips::cone_strip::tests::{face_point, slanting};
 use crate::spline::knots::Knots;
 use crate::spline::surface::Surface;
+use crate::torse::cone::spline::Shape;
 
 /// A cylinder over a parabola, ruled along y, as a face; `bent` lifts one corner line so that it is no developable.
 fn face(lift: f64) -> Face {
@@ -76,4 +78,36 @@ fn slanting_parts_beside_the_regression_curve_are_certified_and_trimmed() {
         }
     }
     assert!((area - expected).abs() < 5e-3 * expected, "{area} {expected}");
+}
+
+/// A full turn: the pipe of the examples with its holes, slit along one ruling, whose rims end where they begin.
+#[test]
+fn a_pipe_with_holes_is_its_cylinder_in_a_few_faces() {
+    let pipe = crate::read(include_bytes!("../../../../../data/cylinder_holes.step")).expect("a model");
+    let options = ConesOptions { tolerance: 0.1, input: "pipe".into() };
+    let out = of_faces(&pipe.faces, &pipe.skipped, &options, &Control::default()).expect("an answer");
+    assert_eq!(out.status(), Status::Certified, "{}", words::reason(&out.claims, &[]));
+    let part = out.cones.as_ref().expect("cones").bodies[0].part.as_ref().expect("trimmed");
+    assert!(part.faces.len() <= 5, "{}", part.faces.len());
+    for f in &part.faces {
+        let Shape::Cylinder { radius, .. } = f.blank.segment.shape else { panic!("{:?}", f.blank.segment.shape) };
+        assert!((radius.abs() - 250.0).abs() < 1e-6, "{radius}");
+    }
+}
+
+/// A disc touches the rulings at its ends in one point each.
+#[test]
+fn a_disc_is_a_certified_plane() {
+    let knots = |p| Knots::clamped(p, &[-110.0, 110.0]).expect("knots");
+    let at = |u: f64, v: f64| Vec3::new(u, v, 0.0);
+    let corners = [at(-110.0, -110.0), at(-110.0, 110.0), at(110.0, -110.0), at(110.0, 110.0)];
+    let mut face = Face::untrimmed(Surface::new(knots(1), knots(1), &corners, None).expect("surface"));
+    let count = 240;
+    let turn = |k: u32| std::f64::consts::TAU * f64::from(k) / f64::from(count);
+    let points = (0..count).map(|k| [100.0 * turn(k).cos(), 100.0 * turn(k).sin()]).collect();
+    face.loops = vec![TrimLoop { points, edge: vec![0; count as usize] }];
+    let options = ConesOptions { tolerance: 0.1, input: "disc".into() };
+    let out = of_faces(&[face], &[], &options, &Control::default()).expect("an answer");
+    assert_eq!(out.status(), Status::Certified, "{}", words::reason(&out.claims, &[]));
+    assert_eq!(counts(&out.cones.as_ref().expect("cones").bodies), [0, 0, 1]);
 }

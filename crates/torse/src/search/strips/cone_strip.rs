@@ -23,6 +23,10 @@ const TESTED: usize = 257;
 /// Space between the outline and the ends of the rulings, as shares of the height of the region in v: a wide one first,
 /// because rulings need some length where the region has a corner.
 const MARGINS: [f64; 3] = [0.05, 0.02, 0.005];
+/// Room beyond a ruling that an outline only touches, as a share of its extent across the rulings.
+const END_ROOM: f64 = 0.01;
+/// Share of the extent within which an edge of the outline runs along its last ruling.
+const ALONG: f64 = 1e-9;
 /// Greatest degree of the ends in u.
 const MOST_DEGREE: usize = 5;
 /// Places on a chord of the outline at which the ends are kept outside.
@@ -31,7 +35,7 @@ const CHORD: usize = 4;
 /// The strip of the region within an outline: between its least and greatest v if the regression curve stays outside,
 /// else between polynomials of u near the outline. `None` if the outline leaves the patch.
 pub(crate) fn strip_of(outline: &PlaneOutline) -> Option<RuledPatch> {
-    let whole = between(&outline.surface, outline.bounds())?;
+    let whole = between(&outline.surface, with_ends(outline))?;
     if outline.is_rectangle() || clear(&whole) {
         return Some(whole);
     }
@@ -40,6 +44,19 @@ pub(crate) fn strip_of(outline: &PlaneOutline) -> Option<RuledPatch> {
         .iter()
         .find_map(|margin| (1..=MOST_DEGREE).find_map(|degree| following(outline, degree, *margin).filter(clear)));
     Some(followed.unwrap_or(whole))
+}
+
+/// Least and greatest parameters of an outline, wider where it only touches a ruling at its end, as a disc does: edges that
+/// are fitted to it may pass that ruling by a little.
+fn with_ends(outline: &PlaneOutline) -> [f64; 4] {
+    let [u0, u1, v0, v1] = outline.bounds();
+    let room = END_ROOM * (u1 - u0);
+    let along = |u: f64| {
+        let on = |p: &[f64; 2]| (p[0] - u).abs() <= ALONG * (u1 - u0);
+        outline.loops.iter().any(|l| (0..l.len()).any(|i| on(&l[i].0) && on(&l[(i + 1) % l.len()].0)))
+    };
+    let open = |u: f64| if along(u) { 0.0 } else { room };
+    [u0 - open(u0), u1 + open(u1), v0, v1]
 }
 
 /// The strip of a patch of degree 1 in v between parameters.
