@@ -12,6 +12,7 @@ use super::matching::{directed, laid_on, motion_of, Walk};
 use super::outline::{chain_bound, Image, Motion};
 use super::rails::{FlatRails, Start};
 use super::senses::{against, seen, OTHER_WAY};
+use super::simple_outline::outline_is_simple;
 use super::{DrawnRulings, FlatCertificate, NO_MAP};
 use crate::certify::ruled::Ruled;
 use crate::certify::vector::length_bound;
@@ -57,8 +58,7 @@ struct Laid {
 /// of its part. `tolerance` (mm): the drawing may be off by that much, strain over the length of the pattern and gaps of
 /// joints included.
 ///
-/// *Guarantee*: the theorem at the head of this file. *Not* guaranteed: that a pattern does not overlap itself, that marks
-/// are equally far apart, which side of the sheet is called its outside.
+/// *Guarantee*: the theorem at the head of this file. *Not* guaranteed: that marks are equally far apart, which side of the sheet is called its outside.
 ///
 /// *Cost*: about 0.1 ms per span, 20 µs per line or arc.
 pub fn strip_parts(
@@ -75,7 +75,8 @@ pub fn strip_parts(
             if control.stopped() {
                 return Err("the proof was stopped");
             }
-            judged(out, chain, pattern, tolerance)
+            judged(out, chain, pattern, tolerance)?;
+            outline_is_simple(pattern, tolerance)
         })
     };
     patterns.par_iter().map(one).collect()

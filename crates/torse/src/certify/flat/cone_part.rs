@@ -11,6 +11,7 @@ use super::matching::{backwards, directed, laid_on, motion_of, Walk};
 use super::outline::{chain_bound, Image, Motion};
 use super::rails::{Change, FlatRails};
 use super::senses::{seen, OTHER_WAY};
+use super::simple_outline::outline_is_simple;
 use super::{DrawnRulings, FlatCertificate, NO_MAP};
 use crate::certify::edges::edge_bound;
 use crate::certify::ruled::{Ruled, RuledJets};
@@ -63,7 +64,8 @@ pub fn cone_parts(
             let own = pieces.get(range.clone()).filter(|p| !p.is_empty()).ok_or("the part has no pieces")?;
             let body = bodies.get(own[0].0).filter(|_| own.iter().all(|p| p.0 == own[0].0));
             let Some(part) = body.ok_or("the pieces belong to several chains")?.part.as_ref() else {
-                return chain::judged(out, strips.get(range).unwrap_or_default(), pattern, tolerance);
+                chain::judged(out, strips.get(range).unwrap_or_default(), pattern, tolerance)?;
+                return outline_is_simple(pattern, tolerance);
             };
             let segments = || own.iter().filter_map(|p| part.faces.get(p.1)).map(|f| f.segment);
             let (from, to) = (segments().min().unwrap_or(0), segments().max().map_or(0, |m| m + 1));
@@ -71,7 +73,8 @@ pub fn cone_parts(
             if part.faces.len() != own.len() {
                 return Err("the part does not have all its pieces");
             }
-            judged(out, &part, pattern, tolerance)
+            judged(out, &part, pattern, tolerance)?;
+            outline_is_simple(pattern, tolerance)
         })
     };
     patterns.par_iter().map(one).collect()
