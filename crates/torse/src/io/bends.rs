@@ -89,10 +89,8 @@ pub(super) fn table(pieces: &[FlatPiece]) -> String {
     );
     for p in pieces {
         let of = |sense: BendSense| p.bends.iter().filter(move |b| b.sense == sense);
-        let turn = |sense| of(sense).map(|b| b.angle.to_degrees()).sum::<f64>();
-        let least = |b: &Bend| b.radii[0].min(b.radii[1]);
-        let radius = p.bends.iter().map(least).fold(f64::INFINITY, f64::min);
-        let radius = if radius.is_finite() { format!("{radius:.1}&nbsp;mm") } else { "none".into() };
+        let turn = |sense| turn(&p.bends, sense);
+        let radius = radius(&p.bends);
         _ = write!(
             out,
             "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{:.1}°, {:.1}°</td><td>{radius}</td></tr>",
@@ -106,6 +104,42 @@ pub(super) fn table(pieces: &[FlatPiece]) -> String {
     }
     out.push_str("</tbody></table></div>");
     out
+}
+
+/// The whole turn (degrees) one way. Holes cut a line into pieces, which follow each other and bend as one.
+fn turn(bends: &[Bend], sense: BendSense) -> f64 {
+    let same = |k: usize| {
+        let [a, b] = [k - 1, k].map(|k| (bends[k].sense, bends[k].angle.to_bits(), bends[k].turned.to_bits()));
+        a == b && bends[k].turned != 0.0
+    };
+    let counted = |k: &usize| bends[*k].sense == sense && (*k == 0 || !same(*k));
+    // The sum of nothing is −0.
+    (0..bends.len()).filter(counted).map(|k| bends[k].angle.to_degrees()).sum::<f64>() + 0.0
+}
+
+/// Radius (mm) below which a line has come to a tip, or is a fold.
+const POINTED: f64 = 0.05;
+
+/// The smallest radius of bend lines in words: those that run to a tip bend there to a point, folds have none.
+fn radius(bends: &[Bend]) -> String {
+    let least = |radii: &mut dyn Iterator<Item = f64>| radii.filter(|r| *r > POINTED).fold(f64::INFINITY, f64::min);
+    let pointed = |b: &&Bend| b.radii.iter().any(|r| *r <= POINTED);
+    let folded = bends.iter().any(|b| b.radii.iter().all(|r| *r <= POINTED));
+    let radius = least(&mut bends.iter().flat_map(|b| b.radii));
+    let mut words = Vec::new();
+    if bends.iter().filter(pointed).any(|b| b.radii.iter().any(|r| *r > POINTED)) {
+        words.push("0 at the tip".to_owned());
+    }
+    if folded {
+        words.push("folds".to_owned());
+    }
+    if radius.is_finite() {
+        words.push(format!("{radius:.1}&nbsp;mm{}", if words.is_empty() { "" } else { " elsewhere on its lines" }));
+    }
+    if words.is_empty() {
+        return "none".into();
+    }
+    words.join(", ")
 }
 
 #[cfg(test)]
@@ -135,5 +169,22 @@ mod tests {
         assert_eq!(lines[2], "\"A-01\",outside,2,flat,0.0000,,,1.000,0.0000,,");
         assert!(csv(&[Pattern::default()], LengthUnit::Millimetre).is_none());
         assert_eq!(records(&p)[1].radii, [None, None]);
+    }
+
+    #[test]
+    fn pieces_of_one_line_turn_once() {
+        let bend = |turned: f64| Bend { turned, ..Bend::of(BendSense::Up, 5.0f64.to_radians(), [9.0; 2]) };
+        let bends = [bend(0.1), bend(0.1), bend(0.2), bend(0.3), bend(0.3)];
+        assert!((turn(&bends, BendSense::Up) - 15.0).abs() < 1e-9);
+        assert!(turn(&bends, BendSense::Down).is_sign_positive());
+    }
+
+    #[test]
+    fn radii_at_tips_and_in_folds_are_told_in_words() {
+        let bend = |radii| Bend::of(BendSense::Up, 0.1, radii);
+        assert_eq!(radius(&[bend([30.0, 20.0]), bend([f64::INFINITY; 2])]), "20.0&nbsp;mm");
+        assert_eq!(radius(&[bend([0.0, 20.0])]), "0 at the tip, 20.0&nbsp;mm elsewhere on its lines");
+        assert_eq!(radius(&[bend([0.0; 2])]), "folds");
+        assert_eq!(radius(&[]), "none");
     }
 }

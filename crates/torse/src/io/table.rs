@@ -239,8 +239,8 @@ impl Table<'_> {
         })
     }
 
-    /// Places of the columns that are needed: by their names, or, in a table of just as many columns whose names say
-    /// nothing or that has none, in their order.
+    /// Places of the columns that are needed: by their names, or, in a table of just as many columns without names, or
+    /// whose names are those of geodesy for the same, in their order.
     ///
     /// # Errors
     /// Columns that cannot be told.
@@ -253,14 +253,28 @@ impl Table<'_> {
             return Err(self.unnamed(names));
         }
         let found = names.iter().map(|n| self.column(n)).collect::<Result<Vec<_>, _>>()?;
-        if found.iter().all(Option::is_none) && self.width == names.len() {
+        if found.iter().all(Option::is_none) && self.width == names.len() && self.is_surveyed() {
             return Ok((0..self.width).collect());
         }
         let all: Option<Vec<usize>> = found.into_iter().collect();
         all.ok_or_else(|| Fault {
             line: self.head,
-            reason: format!("the columns are named {}; {} of them must be {list}", self.names(), names.len()),
+            reason: format!(
+                "the columns are named {}; {} of them must be {list}: rename them, or leave the names out if they come in \
+                 this order",
+                self.names(),
+                names.len()
+            ),
         })
+    }
+
+    /// Whether the columns are those of surveyors for x, y and z, in this order: easting, northing, height.
+    fn is_surveyed(&self) -> bool {
+        let begins = |k: usize, starts: &[&str]| starts.iter().any(|s| self.headings[k].name.starts_with(s));
+        self.width == 3
+            && begins(0, &["east", "x"])
+            && begins(1, &["north", "y"])
+            && begins(2, &["height", "elev", "alt", "up", "z"])
     }
 
     /// Rows of a number of columns that no line names.
@@ -522,6 +536,8 @@ mod tests {
     fn what_could_be_read_in_two_ways_is_refused() {
         for (text, reason) in [
             ("a,b,c,d\n1,2,3,4\n", "named a, b, c, d; 3 of them must be x, y, z"),
+            ("a,b,c\n1,2,3\n", "named a, b, c; 3 of them must be x, y, z: rename them"),
+            ("North,East,Height\n1,2,3\n", "named North, East, Height"),
             ("z,north,east\n1,2,3\n", "named z, north, east"),
             ("x,y,z,x\n1,2,3,4\n", "two columns are named x"),
             ("1,2,3,4\n", "4 columns, and no first line"),
