@@ -212,15 +212,21 @@ fn changes(step: &str) -> Vec<(String, String)> {
             out.push((entity.into(), format!("{}{:?}{}", &step[..number], value * 1.0001, &step[end - 1..])));
         }
     }
+    // The axis of the first surface and a vertex by 9 mm: whatever digits stand there.
+    for after in [point_of_first_surface(step), "VERTEX_POINT".into()] {
+        const POINT: &str = "CARTESIAN_POINT('',(";
+        let at = step.find(&after).expect("a record");
+        let from = at + step[at..].find(POINT).expect("a point") + POINT.len();
+        let end = from + step[from..].find(',').expect("numbers");
+        let x: f64 = step[from..end].trim().parse().expect("a number");
+        out.push((format!("the point of {after}"), format!("{}{:?}{}", &step[..from], x + 9.0, &step[end..])));
+    }
     let mut swap = |after: &str, from: &str, to: &str| {
         let (head, tail) = step.split_at(step.find(after).expect(after));
         assert!(tail.contains(from), "{from}");
         out.push((from.into(), head.to_owned() + &tail.replacen(from, to, 1)));
     };
-    // The axis of the first surface, a vertex, an edge of a loop, a name, the unit, a bound, the side of the normal.
-    let placed = point_of_first_surface(step);
-    swap(&placed, "CARTESIAN_POINT('',(", "CARTESIAN_POINT('',(9");
-    swap("VERTEX_POINT", "CARTESIAN_POINT('',(", "CARTESIAN_POINT('',(9");
+    // An edge of a loop, a name, the unit, a bound, the side of the normal.
     swap("DATA", "ORIENTED_EDGE('',*,*,#", "ORIENTED_EDGE('',*,*,#1");
     swap("DATA", "ADVANCED_FACE('", "ADVANCED_FACE('X");
     swap("DATA", ".MILLI.", ".CENTI.");
