@@ -17,10 +17,10 @@ use super::claim::UpperBound;
 use super::flat::FlatCertificate;
 use super::strokes::{strain, strokes};
 use super::Certificate;
-use crate::geom::Vec2;
-use crate::geom::Vec3;
+use crate::geom::{Frame, Vec2, Vec3};
 use crate::patchwork::image::{ClosedMap, EdgeImage, JointImage, MapStrip, Stroke};
 use crate::patchwork::pattern::Contour;
+use crate::spline::curve::Curve;
 use crate::spline::surface::Surface;
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -156,21 +156,38 @@ fn are_whole(strips: &[MapStrip], bounds: &[f64; 4]) -> bool {
     first.span[0] <= lo && last.span[1] >= hi && strips.windows(2).all(follow)
 }
 
-/// Whether an image is that of an edge in a strip: with its map in its place, and at all places looked at between its two
-/// rulings.
+/// Whether an image is that of an edge in a strip: with its map in its place, and all of it between the strip's two rulings.
 fn is_of_strip(image: &EdgeImage, strip: &MapStrip) -> bool {
     if (image.map, image.turn, image.shift) != (strip.map, strip.turn, strip.shift) {
         return false;
     }
     let (lo, hi) = (strip.angles[0].min(strip.angles[1]), strip.angles[0].max(strip.angles[1]));
     let slack = BESIDE * (hi - lo);
-    let [a, b] = image.part;
-    (0..=LOOKED_AT).all(|k| {
-        let h = image.curve.point(a + (b - a) * k as f64 / LOOKED_AT as f64);
-        let q = strip.map.frame().to_local(&(Vec3::new(h[0], h[1], h[2]) / h[3]));
-        let angle = q.y.atan2(q.x);
-        (lo - slack..=hi + slack).contains(&angle)
-    })
+    let (a, b) = (image.part[0].min(image.part[1]), image.part[0].max(image.part[1]));
+    // Two half planes have a wedge in common where they turn by less than half a turn.
+    hi - lo + 2.0 * slack < std::f64::consts::PI
+        && image.curve.restricted(a, b).is_ok_and(|c| {
+            let (from, to) = ((lo - slack).sin_cos(), (hi + slack).sin_cos());
+            lies_between(&c, strip.map.frame(), [from, to], HALVINGS)
+        })
+}
+
+/// Whether a curve (homogeneous, positive weights) lies in the wedge about the axis of a frame between two directions (sine,
+/// cosine): its control points do, or those of its halves.
+fn lies_between(curve: &Curve<4>, frame: &Frame, [from, to]: [(f64, f64); 2], depth: usize) -> bool {
+    let is_inside = |p: &[f64; 4]| {
+        let at = Vec3::new(p[0], p[1], p[2]);
+        let q = frame.vector_to_local(&(at - frame.origin * p[3]));
+        let rounding = ROUNDING * (at.norm() + frame.origin.norm() * p[3]);
+        p[3] > 0.0 && from.1 * q.y - from.0 * q.x >= -rounding && to.0 * q.x - to.1 * q.y >= -rounding
+    };
+    if curve.control.iter().all(is_inside) {
+        return true;
+    }
+    let (a, b) = curve.domain();
+    let m = 0.5 * (a + b);
+    let half = |a: f64, b: f64| curve.restricted(a, b).is_ok_and(|c| lies_between(&c, frame, [from, to], depth - 1));
+    depth > 0 && a < m && m < b && half(a, m) && half(m, b)
 }
 
 /// Whether an inner edge joins two strips of a face.
@@ -183,9 +200,10 @@ fn has_joint(joints: &[JointImage], face: usize, strips: [&MapStrip; 2]) -> bool
     joints.iter().any(|[here, there]| uses(here, strips[0]) && uses(there, strips[1]))
 }
 
-/// Places of an edge that are looked at, and the share of a strip's breadth by which they may lie beside it.
-const LOOKED_AT: usize = 8;
-const BESIDE: f64 = 0.02;
+/// Share of a strip's breadth by which edges may lie beside it: what rounding makes of a place on its ruling.
+const BESIDE: f64 = 1e-6;
+/// Halvings of an edge until its control points lie in its strip, at most.
+const HALVINGS: usize = 8;
 
 /// Whether the lines and arcs of the contours are the strokes, bit by bit.
 fn follows(part: &Unfolded) -> bool {
