@@ -42,21 +42,36 @@ pub(super) fn length_difference(a: SeamSide, b: SeamSide, tolerance: f64) -> Opt
     cuts.extend(b.trim.knots.breaks().into_iter().map(|t| 1.0 - t));
     cuts.sort_by(f64::total_cmp);
     cuts.dedup_by(|x, y| x.to_bits() == y.to_bits());
-    let mut sum = Interval::ZERO;
-    let mut open: Vec<(f64, f64, usize)> = cuts.windows(2).rev().map(|w| (w[0], w[1], 0)).collect();
-    while let Some((s0, s1, depth)) = open.pop() {
-        let (known, spread) = length_difference_over(a, b, s0, s1)?;
-        // Each piece may be off by its share of the whole.
-        let fine = spread <= LENGTH_EXCESS * tolerance * (s1 - s0);
-        let middle = 0.5 * (s0 + s1);
-        if !fine && depth < LENGTH_DEPTH && s0 < middle && middle < s1 {
-            open.extend([(middle, s1, depth + 1), (s0, middle, depth + 1)]);
-            continue;
+    let over =
+        |s0: f64, s1: f64| length_difference_over(a, b, s0, s1).map(|(known, spread)| Piece { s0, s1, known, spread });
+    let mut pieces: Vec<Piece> = cuts.windows(2).map(|w| over(w[0], w[1])).collect::<Option<_>>()?;
+    let most = LENGTH_LOOKS * pieces.len();
+    let mut looks = pieces.len();
+    // The worst first: enclosures that do not narrow would be halved everywhere.
+    while looks < most && pieces.iter().map(|p| p.spread).sum::<f64>() > LENGTH_EXCESS * tolerance {
+        pieces.sort_by(|p, q| q.spread.total_cmp(&p.spread));
+        let worst = pieces.len().div_ceil(LENGTH_WORST);
+        let halved = pieces.drain(..worst).collect::<Vec<_>>();
+        looks += 2 * halved.len();
+        for p in halved {
+            let middle = 0.5 * (p.s0 + p.s1);
+            if !(p.s0 < middle && middle < p.s1) {
+                return None;
+            }
+            pieces.extend([over(p.s0, middle)?, over(middle, p.s1)?]);
         }
-        sum = sum + known + Interval::symmetric(spread);
     }
-    let bound = sum.mag();
+    let bound = pieces.iter().fold(Interval::ZERO, |sum, p| sum + p.known + Interval::symmetric(p.spread)).mag();
     bound.is_finite().then_some(bound)
+}
+
+/// A piece of both sides of a seam.
+struct Piece {
+    s0: f64,
+    s1: f64,
+    /// What the ends tell of the difference of lengths, and by how much it may be off, mm.
+    known: Interval,
+    spread: f64,
 }
 
 /// What one side is longer than the other over a piece: what the ends tell, and by how much it may be off.
@@ -72,10 +87,12 @@ fn length_difference_over(a: SeamSide, b: SeamSide, s0: f64, s1: f64) -> Option<
 }
 
 /// Pieces over which lengths are compared are halved until what the enclosures leave open is less than this share of the
-/// tolerance along the whole seam, or so often.
+/// tolerance along the whole seam, or so many are looked at for each that there was to begin with.
 const LENGTH_EXCESS: f64 = 0.05;
 /// See [`LENGTH_EXCESS`].
-const LENGTH_DEPTH: usize = 9;
+const LENGTH_LOOKS: usize = 16;
+/// One of so many pieces is halved at a time.
+const LENGTH_WORST: usize = 4;
 /// Share of the domain by which the rounded coefficients of a trimming curve may stick out of it; beyond, it has left
 /// it.
 const OVERHANG: f64 = 1e-12;
