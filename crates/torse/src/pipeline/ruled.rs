@@ -148,8 +148,7 @@ pub fn of_faces(
     if patchwork.panels.is_empty() {
         let why =
             first.or_else(|| skipped.first().map(Skipped::words)).unwrap_or_else(|| "the file holds no face".into());
-        // Without strips there are no pictures.
-        return Err(RuledError::Nothing(why.replace(PICTURED, "")));
+        return Err(RuledError::Nothing(why));
     }
     let certificate = certify::join(&patchwork, certificates, tolerance);
     let spacing = options.spacing.unwrap_or(bbox.diagonal() / RULINGS.0);
@@ -181,9 +180,6 @@ pub fn of_faces(
     };
     Ok(RuledAnswer { answer, rulings, directing, map })
 }
-
-/// Words of a reason that send to a picture.
-const PICTURED: &str = "; red in curvature.png";
 
 /// Rulings of a panel between its borders, about `spacing` (mm) apart.
 fn rulings_of(panel: &Panel, spacing: f64, parallel_to: Option<Vec3>) -> Vec<Ruling> {

@@ -23,8 +23,8 @@ impl std::fmt::Display for Around {
 pub(crate) enum LeftOut {
     /// It bends to one side.
     #[error(
-        "{percent:.1} % of face #{entity} bend to one side (positive curvature; red in curvature.png), where no straight \
-         lines lie near: cover it with developable panels (torse approximate), or allow a larger tolerance"
+        "{percent:.1} % of face #{entity} bend to one side (positive curvature), where no straight lines lie \
+         near: cover it with developable panels (torse approximate), or allow a larger tolerance"
     )]
     Domed {
         /// Entity number of the face.
