@@ -24,10 +24,57 @@ pub(crate) fn distance_from_carrier(surface: &Surface, map: &ClosedMap) -> Upper
     distance_of_patches(&surface.bezier_patches(), surface.bbox().diagonal(), map)
 }
 
+/// Share of a strip's breadth by which places on its rulings may lie beside them: what rounding makes of them.
+pub(super) const BESIDE: f64 = 1e-6;
+
+/// The wedge about the axis of a frame between two angles (rad) that differ by less than half a turn.
+pub(super) struct Wedge<'a> {
+    frame: &'a Frame,
+    /// Sine and cosine of both.
+    ends: [(f64, f64); 2],
+}
+
+impl<'a> Wedge<'a> {
+    /// `None` for half a turn and more, which no two half planes have in common.
+    pub fn new(frame: &'a Frame, [lo, hi]: [f64; 2]) -> Option<Self> {
+        (hi - lo < std::f64::consts::PI).then(|| Self { frame, ends: [lo.sin_cos(), hi.sin_cos()] })
+    }
+
+    /// Whether a point (homogeneous) of positive weight lies in it, but for rounding.
+    pub fn contains(&self, p: &[f64; 4]) -> bool {
+        let at = Vec3::new(p[0], p[1], p[2]);
+        let q = self.frame.vector_to_local(&(at - self.frame.origin * p[3]));
+        let rounding = ROUNDING * (at.norm() + self.frame.origin.norm() * p[3]);
+        let [from, to] = self.ends;
+        p[3] > 0.0 && from.1 * q.y - from.0 * q.x >= -rounding && to.0 * q.x - to.1 * q.y >= -rounding
+    }
+}
+
+/// Whether the outer curves of the patches of a strip are its two rulings.
+fn ends_are_rulings(patches: &[BezierPatch], strip: &MapStrip) -> bool {
+    let slack = BESIDE * (strip.angles[1] - strip.angles[0]).abs();
+    (0..2).all(|end: usize| {
+        let angle = strip.angles[end];
+        let Some(wedge) = Wedge::new(strip.map.frame(), [angle - slack, angle + slack]) else { return false };
+        let at = strip.span[end];
+        let outer = |p: &BezierPatch| {
+            let [(own, n), (_, m)] = match strip.swapped {
+                true => [(p.v, p.degree.1), (p.u, p.degree.0)],
+                false => [(p.u, p.degree.0), (p.v, p.degree.1)],
+            };
+            let k = if end == 0 { 0 } else { n };
+            let is_outer = if end == 0 { own.0 == at } else { own.1 == at };
+            let index = |l: usize| if strip.swapped { l * (n + 1) + k } else { k * (m + 1) + l };
+            !is_outer || (0..=m).all(|l| wedge.contains(&p.control[index(l)]))
+        };
+        patches.iter().all(outer)
+    })
+}
+
 /// Pieces along rulings between knots.
 const ALONG: usize = 4;
 
-/// The same for the part of a surface between two rulings.
+/// The same for the part of a surface between two rulings; unknown if these are not at the angles that the strip says.
 pub(crate) fn distance_of_strip(surface: &Surface, strip: &MapStrip) -> UpperBound {
     let [a, b] = strip.span;
     let (us, vs) = (surface.knots_u.breaks(), surface.knots_v.breaks());
@@ -56,7 +103,10 @@ pub(crate) fn distance_of_strip(surface: &Surface, strip: &MapStrip) -> UpperBou
         true => surface.bezier_patches_on(&pieces(&us), &within(&vs)),
         false => surface.bezier_patches_on(&within(&us), &pieces(&vs)),
     };
-    distance_of_patches(&patches, surface.bbox().diagonal(), &strip.map)
+    match ends_are_rulings(&patches, strip) {
+        true => distance_of_patches(&patches, surface.bbox().diagonal(), &strip.map),
+        false => UpperBound::UNKNOWN,
+    }
 }
 
 /// Distance of patches of a surface of this size from the carrier of a map.

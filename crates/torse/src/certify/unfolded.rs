@@ -12,12 +12,12 @@
 //! *Not shown*: that the contours name every edge of the file that bounds the part, and that parts of one edge follow each
 //! other; the developing code takes all of them in order.
 
-use super::carriers::{distance_from_carrier, distance_of_strip};
+use super::carriers::{distance_from_carrier, distance_of_strip, Wedge, BESIDE};
 use super::claim::UpperBound;
 use super::flat::FlatCertificate;
 use super::strokes::{strain, strokes};
 use super::Certificate;
-use crate::geom::{Frame, Vec2, Vec3};
+use crate::geom::Vec2;
 use crate::patchwork::image::{ClosedMap, EdgeImage, JointImage, MapStrip, Stroke};
 use crate::patchwork::pattern::Contour;
 use crate::spline::curve::Curve;
@@ -163,30 +163,19 @@ fn is_of_strip(image: &EdgeImage, strip: &MapStrip) -> bool {
     }
     let (lo, hi) = (strip.angles[0].min(strip.angles[1]), strip.angles[0].max(strip.angles[1]));
     let slack = BESIDE * (hi - lo);
+    let Some(wedge) = Wedge::new(strip.map.frame(), [lo - slack, hi + slack]) else { return false };
     let (a, b) = (image.part[0].min(image.part[1]), image.part[0].max(image.part[1]));
-    // Two half planes have a wedge in common where they turn by less than half a turn.
-    hi - lo + 2.0 * slack < std::f64::consts::PI
-        && image.curve.restricted(a, b).is_ok_and(|c| {
-            let (from, to) = ((lo - slack).sin_cos(), (hi + slack).sin_cos());
-            lies_between(&c, strip.map.frame(), [from, to], HALVINGS)
-        })
+    image.curve.restricted(a, b).is_ok_and(|c| lies_in(&c, &wedge, HALVINGS))
 }
 
-/// Whether a curve (homogeneous, positive weights) lies in the wedge about the axis of a frame between two directions (sine,
-/// cosine): its control points do, or those of its halves.
-fn lies_between(curve: &Curve<4>, frame: &Frame, [from, to]: [(f64, f64); 2], depth: usize) -> bool {
-    let is_inside = |p: &[f64; 4]| {
-        let at = Vec3::new(p[0], p[1], p[2]);
-        let q = frame.vector_to_local(&(at - frame.origin * p[3]));
-        let rounding = ROUNDING * (at.norm() + frame.origin.norm() * p[3]);
-        p[3] > 0.0 && from.1 * q.y - from.0 * q.x >= -rounding && to.0 * q.x - to.1 * q.y >= -rounding
-    };
-    if curve.control.iter().all(is_inside) {
+/// Whether a curve (homogeneous) lies in a wedge: its control points do, or those of its halves.
+fn lies_in(curve: &Curve<4>, wedge: &Wedge, depth: usize) -> bool {
+    if curve.control.iter().all(|p| wedge.contains(p)) {
         return true;
     }
     let (a, b) = curve.domain();
     let m = 0.5 * (a + b);
-    let half = |a: f64, b: f64| curve.restricted(a, b).is_ok_and(|c| lies_between(&c, frame, [from, to], depth - 1));
+    let half = |a: f64, b: f64| curve.restricted(a, b).is_ok_and(|c| lies_in(&c, wedge, depth - 1));
     depth > 0 && a < m && m < b && half(a, m) && half(m, b)
 }
 
@@ -200,8 +189,6 @@ fn has_joint(joints: &[JointImage], face: usize, strips: [&MapStrip; 2]) -> bool
     joints.iter().any(|[here, there]| uses(here, strips[0]) && uses(there, strips[1]))
 }
 
-/// Share of a strip's breadth by which edges may lie beside it: what rounding makes of a place on its ruling.
-const BESIDE: f64 = 1e-6;
 /// Halvings of an edge until its control points lie in its strip, at most.
 const HALVINGS: usize = 8;
 
