@@ -137,11 +137,11 @@ impl Torse {
         }
     }
 
-    /// The part over `[a, b]`, inside the domain; `None` where there is none.
+    /// The part over `[a, b]`; beyond the domain the outermost polynomials go on. `None` where there is none.
     pub(crate) fn restricted(&self, a: f64, b: f64) -> Option<Self> {
         Some(match self {
-            Self::Primal(p) => Self::Primal(PrimalTorse::new(p.frame, p.profile.restricted(a, b).ok()?, p.slope(a))),
-            Self::Dual(d) => Self::Dual(DualTorse { planes: d.planes.restricted(a, b).ok()? }),
+            Self::Primal(p) => Self::Primal(PrimalTorse::new(p.frame, p.profile.extended(a, b).ok()?, p.slope(a))),
+            Self::Dual(d) => Self::Dual(DualTorse { planes: d.planes.extended(a, b).ok()? }),
         })
     }
 
@@ -213,13 +213,19 @@ impl Torse {
     /// Foot parameter of `x` by Newton steps from `guess`, inside the domain (up to a hair). `None` if the steps
     /// leave the domain or do not settle.
     pub fn foot(&self, x: &Vec3, guess: f64) -> Option<f64> {
+        self.foot_within(x, guess, SAME_PARAMETER)
+    }
+
+    /// As [`Torse::foot`], on polynomials that go on beyond both ends of the domain by a share of it.
+    pub(crate) fn foot_within(&self, x: &Vec3, guess: f64, beyond: f64) -> Option<f64> {
         // Steps below this share of the domain are rounding, …
         const STILL: f64 = 1e-14;
         // … which is larger where the regression curve is near: such feet are as good as they get.
         const SETTLED: f64 = 1e-12;
         let (t0, t1) = self.domain();
         let width = t1 - t0;
-        let mut t = guess.clamp(t0, t1);
+        let (lo, hi) = (t0 - beyond * width, t1 + beyond * width);
+        let mut t = guess.clamp(lo, hi);
         for _ in 0..30 {
             let (e, d) = self.foot_function(x, t);
             if d == 0.0 || !d.is_finite() {
@@ -227,7 +233,7 @@ impl Torse {
             }
             let step = (-e / d).clamp(-0.2 * width, 0.2 * width);
             let next = t + step;
-            if !(next >= t0 - SAME_PARAMETER * width && next <= t1 + SAME_PARAMETER * width) {
+            if !(next >= lo && next <= hi) {
                 return None;
             }
             t = next;

@@ -118,7 +118,7 @@ impl Form for Envelope {
     }
 
     /// With the foot, which moves by −c/g' where `n'·X − h'` changes by c.
-    fn regular_row(&self, column: usize, foot: &Vec3, t: f64, scale: f64, out: &mut Runs) {
+    fn regular_row(&self, column: usize, foot: &Vec3, t: f64, scale: f64, out: &mut Runs) -> Vec3 {
         let planes = self.planes();
         let span = planes.knots.span(t);
         let (a, b) = (planes.knots.values()[span], planes.knots.values()[span + 1]);
@@ -128,14 +128,16 @@ impl Form for Envelope {
             let slope = (ends[1].rows[2][j] - ends[0].rows[2][j]) / (b - a);
             (0..4).for_each(|d| third[d] += slope * planes.control[ends[0].first + j][d]);
         }
-        let [n, _, second] = planes.jet(t);
-        let value = |c: [f64; 4]| Vec3::new(c[0], c[1], c[2]).dot(foot) - c[3];
-        let scale = scale / Vec3::new(n[0], n[1], n[2]).norm();
-        let (first, mut values) = self.lifts(foot, t, 2, scale);
+        let [n, first, second] = planes.jet(t);
+        let vector = |c: [f64; 4]| Vec3::new(c[0], c[1], c[2]);
+        let value = |c: [f64; 4]| vector(c).dot(foot) - c[3];
+        let scale = scale / vector(n).norm();
+        let (start, mut values) = self.lifts(foot, t, 2, scale);
         let (_, slopes) = self.lifts(foot, t, 1, scale);
         let moved = value(third) / value(second);
         values.iter_mut().zip(slopes).for_each(|(v, s)| *v -= moved * s);
-        out.run(column + first, values);
+        out.run(column + start, values);
+        (vector(second) - vector(first) * moved) * scale
     }
 
     fn regular(&self, x: &Vec3, t: f64) -> f64 {

@@ -42,8 +42,8 @@ pub(super) trait Form {
     fn sequences(&self) -> Vec<Vec<usize>>;
     /// What must keep its sign, see [`Foot::regular`], at a point of the strip.
     fn regular(&self, x: &Vec3, t: f64) -> f64;
-    /// Its change with each unknown (per mm) at a foot.
-    fn regular_row(&self, column: usize, foot: &Vec3, t: f64, scale: f64, out: &mut Runs);
+    /// Its change with each unknown (per mm) at a foot; the result: with the way of the point.
+    fn regular_row(&self, column: usize, foot: &Vec3, t: f64, scale: f64, out: &mut Runs) -> Vec3;
 }
 
 /// Where a strip lies on its rulings: for Greville parameters its middle and, for all, its half width, mm.

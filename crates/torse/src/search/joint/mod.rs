@@ -47,6 +47,8 @@ const ENOUGH: (f64, f64, usize) = (0.93, 0.03, 2);
 const STALLED: f64 = 2e-3;
 /// Gaps below the first of these count no less than it, times the second, beside the largest distance.
 const GAP: (f64, f64) = (0.01, 3.0);
+/// Parts of a step that are tried, the largest with which no foot is lost is taken.
+const PARTS: [f64; 4] = [1.0, 0.5, 0.25, 0.1];
 /// Shares of the expected gain: accepted above, damped more below, damped less above.
 const GAIN: (f64, f64, f64) = (0.1, 0.3, 0.7);
 /// Growth of the merit that is nothing.
@@ -56,6 +58,8 @@ const DAMPING: (f64, f64, f64) = (0.25, 2.0, 6.0);
 
 /// Largest distance of an edge from its strips, as a share of its length: wanted, allowed.
 const ON_BOTH: (f64, f64) = (3e-7, 1e-6);
+/// Share of the least regularity of samples that strips keep between these.
+const BETWEEN: f64 = 0.8;
 /// Times that strips get finer for that, and the largest distance of a sample that this may lead to, in tolerances.
 const POLISHINGS: usize = 2;
 /// See [`POLISHINGS`].
@@ -177,15 +181,21 @@ fn improved<'a>(mut now: Network<'a>, control: &Control) -> (Network<'a>, Vec<St
         for _ in 0..TRIALS {
             let Some(found) = step(&now, &columns, weight, damping) else { break 'steps };
             effort = [effort[0] + 1, effort[1] + found.iterations];
-            let next = now.stepped(&columns, &found.x);
+            // Where feet would be lost a part of the step is as good as can be had: what it keeps is linear in it.
+            let of_step = |part: &f64| {
+                let x: Vec<f64> = found.x.iter().map(|x| part * x).collect();
+                Some((*part, now.stepped(&columns, &x)?))
+            };
+            let (part, next) = PARTS.iter().find_map(of_step).map_or((1.0, None), |(part, next)| (part, Some(next)));
             let reached = next.as_ref().map_or([f64::INFINITY; 2], Network::measured);
-            let share = (merit(at) - merit(reached)) / (merit(at) - merit(found.expected)).max(f64::MIN_POSITIVE);
+            let hoped = part * (merit(at) - merit(found.expected));
+            let share = (merit(at) - merit(reached)) / hoped.max(f64::MIN_POSITIVE);
             let accepted = share > GAIN.0 || merit(reached) < merit(at) + NOTHING;
             let Some(mut next) = next.filter(|_| accepted) else {
                 damping *= DAMPING.2;
                 continue;
             };
-            if share > GAIN.2 {
+            if share > GAIN.2 && part == 1.0 {
                 damping *= DAMPING.0;
             } else if share < GAIN.1 {
                 damping *= DAMPING.1;
@@ -204,8 +214,10 @@ fn improved<'a>(mut now: Network<'a>, control: &Control) -> (Network<'a>, Vec<St
     (now, steps)
 }
 
-/// Edges along all lines, on finer strips where they would miss these.
+/// Edges along all lines, on finer strips where they would miss these. Strips may be a little less regular between their
+/// samples than at these.
 fn edged(mut now: Network) -> (Network, Vec<Option<Edge>>) {
+    now.members.iter_mut().for_each(|m| m.least *= BETWEEN);
     let most = now.measured()[0].max(MOST);
     let mut edges = now.edges();
     for _ in 0..POLISHINGS {

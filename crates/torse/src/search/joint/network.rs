@@ -130,9 +130,8 @@ impl Network<'_> {
         });
         let feet = self.samples.iter().filter(|s| s.strip == k).filter_map(|s| s.foot).chain(of_lines);
         let (lo, hi) = feet.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), f| (a.min(f.t), b.max(f.t)));
-        let (torse, more) = (self.members[k].strip.torse(), USED * (hi - lo));
-        let (a, b) = torse.domain();
-        torse.restricted((lo - more).max(a), (hi + more).min(b))
+        let more = USED * (hi - lo);
+        self.members[k].strip.torse().restricted(lo - more, hi + more)
     }
 
     /// Tells strips where they lie on their rulings; their half widths, mm.

@@ -260,11 +260,18 @@ impl Form for Profile {
         vec![(0..nf).collect(), (nf..nf + na).collect()]
     }
 
-    fn regular_row(&self, column: usize, foot: &Vec3, t: f64, scale: f64, out: &mut Runs) {
-        let y = self.primal().frame.to_local(foot).y;
+    /// `y A' − A y² a''/(1 + y a')` for functions A of the slope: the ruling through the foot, at `t + y a` in the profile's
+    /// coordinates, is another one after the change.
+    fn regular_row(&self, column: usize, foot: &Vec3, t: f64, scale: f64, out: &mut Runs) -> Vec3 {
+        let p = self.primal();
+        let y = p.frame.to_local(foot).y;
+        let [_, first, second] = p.profile().jet(t).map(|j| j[1]);
+        let value = p.profile().point(t)[1];
+        let moved = y * second / (1.0 + y * first);
         let c = self.slopes.basis(t, 1);
-        let scale = scale * y / self.half_width;
-        out.run(column + self.counts().0 + c.first, (0..4).map(|j| scale * c.rows[1][j]));
+        let row = scale * y / self.half_width;
+        out.run(column + self.counts().0 + c.first, (0..4).map(|j| row * (c.rows[1][j] - moved * c.rows[0][j])));
+        (p.frame.y * (first - moved * value) + p.frame.x * moved) * scale
     }
 
     fn regular(&self, x: &Vec3, t: f64) -> f64 {

@@ -1,9 +1,9 @@
 //! One step: the linear changes of all distances and gaps, and the program that chooses it.
 
 use super::columns::Columns;
-use super::form::Tie;
+use super::form::{Foot, Tie};
 use super::line::{slide_functions, slide_knots, SLIDES};
-use super::network::{lean, Network};
+use super::network::{lean, Member, Network};
 use crate::geom::Vec3;
 use crate::num::block_matrix::Runs;
 use crate::num::minimax_program::{MinimaxProgram, Minimum};
@@ -46,6 +46,23 @@ pub(super) fn step(network: &Network, columns: &Columns, weight: f64, damping: f
     Some(Step { x, expected: [largest, gap], iterations })
 }
 
+/// Begins the row that keeps a strip regular at the foot of a point, where little is left; how it changes with the way of the
+/// point.
+fn keep_regular(
+    member: &Member,
+    column: usize,
+    (x, foot): (&Vec3, &Foot),
+    tolerance: f64,
+    program: &mut MinimaxProgram,
+) -> Option<Vec3> {
+    let (room, sign) = member.room(foot);
+    if room >= ROOM.0 {
+        return None;
+    }
+    program.room.push(ROOM.1 * room.max(ROOM.2));
+    Some(member.strip.regular_row(column, x, foot, -sign * tolerance, &mut program.bounded))
+}
+
 /// The program of distances and of what strips must keep; the rows of gaps go to `tie`.
 pub(super) fn distances(network: &Network, columns: &Columns, weight: f64, tie: &mut Tie) -> Option<MinimaxProgram> {
     let tolerance = network.tolerance;
@@ -66,11 +83,8 @@ pub(super) fn distances(network: &Network, columns: &Columns, weight: f64, tie: 
             program.hard.end();
             program.distances.push(lean * foot.distance / tolerance);
         }
-        let (room, sign) = m.room(&foot);
-        if room < ROOM.0 {
-            m.strip.regular_row(column, &s.x, &foot, -sign * tolerance, &mut program.bounded);
+        if keep_regular(m, column, (&s.x, &foot), tolerance, &mut program).is_some() {
             program.bounded.end();
-            program.room.push(ROOM.1 * room.max(ROOM.2));
         }
     }
     // 2. Lines: distances of both strips, gaps.
@@ -87,8 +101,12 @@ pub(super) fn distances(network: &Network, columns: &Columns, weight: f64, tie: 
             };
             for (&k, foot) in line.strips.iter().zip(&p.feet) {
                 let Some(foot) = foot else { continue };
-                let lean = lean(&p.normal, foot);
-                network.members[k].strip.row(columns.strips[k], &p.x, foot, lean, &mut program.hard);
+                let (m, lean) = (&network.members[k], lean(&p.normal, foot));
+                if let Some(way) = keep_regular(m, columns.strips[k], (&p.x, foot), tolerance, &mut program) {
+                    ways(&way, &mut program.bounded);
+                    program.bounded.end();
+                }
+                m.strip.row(columns.strips[k], &p.x, foot, lean, &mut program.hard);
                 ways(&(foot.normal * lean), &mut program.hard);
                 program.hard.end();
                 program.distances.push(lean * foot.distance / tolerance);

@@ -13,6 +13,9 @@ use crate::geom::Vec3;
 use crate::num::block_matrix::Runs;
 use crate::torse::form::Torse;
 
+/// Share of its domain by which a strip goes on beyond both ends, where a step turns the rulings that were its last.
+const GO_ON: f64 = 0.1;
+
 /// A strip under way.
 #[derive(Clone, Debug)]
 pub(super) enum Strip {
@@ -40,8 +43,8 @@ impl Strip {
         self.form().row(column, x, foot, scale, out);
     }
 
-    pub fn regular_row(&self, column: usize, x: &Vec3, foot: &Foot, scale: f64, out: &mut Runs) {
-        self.form().regular_row(column, &foot.least_regular(x), foot.t, scale, out);
+    pub fn regular_row(&self, column: usize, x: &Vec3, foot: &Foot, scale: f64, out: &mut Runs) -> Vec3 {
+        self.form().regular_row(column, &foot.least_regular(x), foot.t, scale, out)
     }
 
     pub fn damping(&self, column: usize, tolerance: f64, tie: &mut Tie) {
@@ -55,7 +58,7 @@ impl Strip {
     /// The foot of a point near a guess; `side` is −1 where the torse's own normals look away from the face's.
     pub fn foot(&self, x: &Vec3, guess: f64, side: f64) -> Option<Foot> {
         let torse = self.torse();
-        let t = torse.foot(x, guess)?;
+        let t = torse.foot_within(x, guess, GO_ON)?;
         let ruling = torse.ruling(t);
         let normal = ruling.normal * side;
         let distance = normal.dot(&(x - ruling.point));

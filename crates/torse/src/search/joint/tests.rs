@@ -129,9 +129,16 @@ fn rows_match_differences() {
             let foot = strip.foot(&x, t, 1.0).expect("a foot");
             let (mut rows, mut regular) = (Runs::default(), Runs::default());
             strip.row(0, &x, &foot, 1.0, &mut rows);
-            strip.regular_row(0, &x, &foot, 1.0, &mut regular);
+            let way = strip.regular_row(0, &x, &foot, 1.0, &mut regular);
             rows.end();
             regular.end();
+            let ruling = strip.torse().ruling(foot.t).direction;
+            for axis in [ruling, ruling.cross(&foot.normal)] {
+                let at = |h: f64| strip.foot(&(x + axis * h), foot.t, 1.0).expect("a foot").regular;
+                let change = (at(1e-3) - at(-1e-3)) / 2e-3;
+                let size = foot.regular.abs() / RADIUS;
+                assert!((change - way.dot(&axis)).abs() < 0.05 * (change.abs() + size), "{change} {}", way.dot(&axis));
+            }
             for j in 0..strip.unknowns() {
                 let h = 1e-3;
                 let moved = |h: f64| {

@@ -20,8 +20,9 @@ use crate::torse::form::Torse;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
-/// Borders move by at most this share of the width of the region that they move into.
-const REACH: f64 = 0.4;
+/// Borders move by at most this share of the width of the region that they move into: to where strips of their own intersect;
+/// under edges that are known, as the borders on the other sides go along.
+const REACH: (f64, f64) = (0.4, 1.0);
 /// Vertices are asked on which side they are within this multiple of the way that the border is expected to move.
 const ASKED: f64 = 2.0;
 /// Vertices of the border on both sides whose ways count for a place.
@@ -195,17 +196,25 @@ impl<'a> Intersections<'a> {
     /// The state with the borders between pairs of labels about where their strips intersect; second result: the pairs
     /// whose borders were moved.
     pub fn cut(&self, state: &State, pairs: &[[u32; 2]]) -> (State, Vec<[u32; 2]>) {
-        let borders = borders_of(self.face, &state.partition);
-        let chains = whole_borders(borders.seam_chains());
         let mut now = state.clone();
-        let mut moved = Vec::new();
-        for &p in pairs {
-            let mut of = chains.iter().filter(|c| pair(c.labels) == p);
-            let (Some(chain), None) = (of.next(), of.next()) else { continue };
-            let next = self.pair(&borders, chain.labels).and_then(|strips| strips.cut(&now, chain));
-            if let Some(next) = next {
+        let (mut moved, mut left) = (Vec::new(), pairs.to_vec());
+        // Where a border must wait until the next one has made room it is tried again.
+        loop {
+            let partition = now.partition.clone();
+            let borders = borders_of(self.face, &partition);
+            let chains = whole_borders(borders.seam_chains());
+            let before = left.len();
+            left.retain(|&p| {
+                let mut of = chains.iter().filter(|c| pair(c.labels) == p);
+                let (Some(chain), None) = (of.next(), of.next()) else { return true };
+                let next = self.pair(&borders, chain.labels).and_then(|strips| strips.cut(&now, chain));
+                let Some(next) = next else { return true };
                 now = next;
                 moved.push(p);
+                false
+            });
+            if left.is_empty() || left.len() == before {
+                break;
             }
         }
         (now, moved)
@@ -363,7 +372,8 @@ impl Pair<'_> {
             .collect::<Option<_>>()?;
         let sign = across[last / 2][1].signum();
         let ways: Vec<f64> = across.iter().map(|[difference, slope]| -difference / slope).collect();
-        let most = labels.map(|l| REACH * state.area(l) / chain.length);
+        let reach = if self.known.is_some() { REACH.1 } else { REACH.0 };
+        let most = labels.map(|l| reach * state.area(l) / chain.length);
         let crossing = across.iter().all(|[_, slope]| slope * sign > LEAST_ANGLE);
         if !crossing || ways.iter().any(|w| w.abs() > most[usize::from(*w < 0.0)]) {
             return None;
