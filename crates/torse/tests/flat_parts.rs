@@ -15,7 +15,7 @@ use torse::pipeline::deliver;
 use torse::spline::knots::Knots;
 use torse::spline::surface::Surface;
 use torse::torse::strip::Strip;
-use torse::{ConesOptions, Control, Hull, Loft, Status};
+use torse::{ConesOptions, Control, Hull, Loft, Status, UnrollOptions};
 
 const TOLERANCE: f64 = 0.01;
 
@@ -93,6 +93,21 @@ fn patterns_are_proven_from_either_side() {
         let bent = answer.patterns.iter().zip(judged(&answer, &turned)).filter(|(p, _)| !p.bends.is_empty());
         assert!(bent.clone().count() > 0 && bent.clone().all(|(_, f)| !f.holds()), "{:?}", bent.collect::<Vec<_>>());
     }
+}
+
+/// Four planes and four oblique cones up to their apexes, from the file.
+#[test]
+fn a_duct_from_square_to_round_is_proven_from_its_file() {
+    let duct = duct();
+    let area: f64 = duct.patterns.iter().map(|p| p.area).sum();
+    let files = written(&duct);
+    let step = files.iter().find(|f| f.name == "panels.step").expect("panels");
+    let model = torse::read(&step.bytes).expect("a model");
+    let options = UnrollOptions { surfaces: true, ..UnrollOptions::new(TOLERANCE) };
+    let flat = torse::unroll(&model, &options, &Control::default()).expect("parts");
+    assert_eq!((model.faces.len(), flat.status()), (8, Status::Certified), "{:?}", flat.claims);
+    let laid: f64 = flat.patterns.iter().map(|p| p.area).sum();
+    assert!((laid - area).abs() < 1e-5 * area, "{laid} {area}");
 }
 
 #[test]

@@ -4,7 +4,9 @@
 //! carrier is the zero set of a function of degree 1 or 2 in homogeneous coordinates; put into it, a patch becomes a
 //! polynomial whose Bernstein coefficients enclose it, and so does the weight. Divided by the gradient of the function,
 //! which is bounded from below on the carrier's own side, that is a distance. Patches come from knot insertion, whose
-//! rounding is added.
+//! rounding is added. Where a side of a patch lies in the apex of a cone, the gradient has no bound from below; but patch,
+//! function and gradient then have the way from that side as a factor, once, twice and once, and what is left when it is
+//! divided out bounds the distance.
 
 use super::claim::UpperBound;
 use crate::geom::{Frame, Vec3};
@@ -109,6 +111,10 @@ pub(crate) fn distance_of_strip(surface: &Surface, strip: &MapStrip) -> UpperBou
     }
 }
 
+/// Sides of a patch within this share of the surface's size of an apex are moved into it: far above rounding, and the way
+/// counts.
+const POINT: f64 = 1e-9;
+
 /// Distance of patches of a surface of this size from the carrier of a map.
 fn distance_of_patches(patches: &[BezierPatch], size: f64, map: &ClosedMap) -> UpperBound {
     let of = |p: &BezierPatch| -> Option<f64> {
@@ -126,12 +132,12 @@ fn distance_of_patches(patches: &[BezierPatch], size: f64, map: &ClosedMap) -> U
             }
             ClosedMap::Cone { frame, half_angle, .. } => {
                 let net = Net::of(p, frame)?;
-                let (s, c) = half_angle.sin_cos();
-                let (s, c) = (Interval::point(s), Interval::point(c));
-                let off = net.quadratic(|a, b| (a[0] * b[0] + a[1] * b[1]) * c.sqr() - a[2] * b[2] * s.sqr());
-                // |ρ cos − z sin| (ρ cos + z sin), on the nappe of positive z.
-                let far = net.hull(|q| q[2])?.lo / net.heaviest;
-                (far > 0.0).then(|| off.mag() / (net.weight * net.weight * far * s.lo))
+                let whole = net.distance_from_cone(*half_angle);
+                let from_side = |k: usize| {
+                    let (rest, moved) = net.without_apex(k, POINT * size)?;
+                    Some(rest.distance_from_cone(*half_angle)? + moved)
+                };
+                (0..4).filter_map(from_side).chain(whole).min_by(f64::total_cmp)
             }
         }
     };
@@ -147,9 +153,8 @@ fn distance_of_patches(patches: &[BezierPatch], size: f64, map: &ClosedMap) -> U
 struct Net {
     points: Vec<[Interval; 4]>,
     degree: (usize, usize),
-    /// Least and greatest weight.
+    /// Least weight.
     weight: f64,
-    heaviest: f64,
 }
 
 impl Net {
@@ -169,7 +174,35 @@ impl Net {
             points: patch.control.iter().map(local).collect(),
             degree: patch.degree,
             weight,
-            heaviest,
+        })
+    }
+
+    /// Distance from the cone of this half angle about z; `None` beyond the nappe of positive z.
+    fn distance_from_cone(&self, half_angle: f64) -> Option<f64> {
+        let (s, c) = half_angle.sin_cos();
+        let (s, c) = (Interval::point(s), Interval::point(c));
+        let off = self.quadratic(|a, b| (a[0] * b[0] + a[1] * b[1]) * c.sqr() - a[2] * b[2] * s.sqr());
+        // |ρ cos − z sin| (ρ cos + z sin), of which the second is at least z sin.
+        let far = self.hull(|q| q[2])?.lo;
+        (far > 0.0).then(|| off.mag() / (self.weight * far * s.lo))
+    }
+
+    /// The patch with one of its four sides moved into the origin, over the way from that side, without weights of its own;
+    /// and by how much points were moved at most. `None` if that is more than `most`.
+    fn without_apex(&self, side: usize, most: f64) -> Option<(Self, f64)> {
+        let (p, q) = self.degree;
+        let (n, m) = if side < 2 { (p, q) } else { (q, p) };
+        // Points in rows along the side, which is the first.
+        let at = |i: usize, j: usize| {
+            let i = if side.is_multiple_of(2) { i } else { n - i };
+            &self.points[if side < 2 { i * (q + 1) + j } else { j * (q + 1) + i }]
+        };
+        let away = |h: &[Interval; 4]| (h[0].sqr() + h[1].sqr() + h[2].sqr()).sqrt().hi;
+        let moved = (0..=m).map(|j| away(at(0, j))).fold(0.0, f64::max) / self.weight;
+        let reduced = |i: usize, j: usize| at(i, j).map(|x| x * Interval::point(n as f64) / Interval::point(i as f64));
+        (moved <= most).then(|| {
+            let points = (1..=n).flat_map(|i| (0..=m).map(move |j| reduced(i, j))).collect();
+            (Self { points, degree: (n - 1, m), weight: self.weight }, moved)
         })
     }
 

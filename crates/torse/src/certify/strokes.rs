@@ -4,9 +4,12 @@
 //! image. *Proof.* Distance and progress along the stroke are
 //! enclosed over parts of the edge by their value in the middle and their derivative over the part. Progress is
 //! continuous and takes the values at both ends, which are compared with the ends of the stroke: so it takes all values
-//! between, and the stroke is covered too.
+//! between, and the stroke is covered too. Along rulings of a cone and about its apex, which has no derivative, images are
+//! enclosed by sectors (`strokes/sector.rs`).
 //!
 //! Knows edges, maps and strokes; how they were found is not looked at.
+
+mod sector;
 
 use crate::geom::{Frame, Vec2, Vec3};
 use crate::num::bernstein::binomial;
@@ -23,8 +26,12 @@ const SLACK: f64 = 1e-12;
 const TRIGONOMETRIC: f64 = 1e-14;
 /// Halvings of a part of an edge at most.
 const DEEPEST: usize = 14;
+/// The same about the apex of a cone.
+const DEEPEST_AT_APEX: usize = 48;
 /// Share of the tolerance below which a bound needs no better one.
 const ENOUGH: f64 = 0.25;
+/// The same about the apex of a cone, where it takes few parts.
+const NOTHING: f64 = 1e-6;
 /// Else parts are halved until bounds exceed what is seen in their middle by no more than this share of the tolerance.
 const EXCESS: f64 = 0.05;
 
@@ -50,7 +57,7 @@ fn stroke(s: &Stroke, images: &[EdgeImage], tolerance: f64) -> f64 {
     let mut bound = 0.0_f64;
     for image in images {
         for [a, b] in smooth_parts(image) {
-            bound = bound.max(part(&guide, image, [a, b], (tolerance, DEEPEST)));
+            bound = bound.max(part(&guide, image, [a, b], (tolerance, [DEEPEST, DEEPEST_AT_APEX])));
         }
     }
     // Ends of images that follow each other, and both ends of the stroke.
@@ -132,34 +139,44 @@ impl Guide {
 }
 
 /// Distance from the stroke over a part of an edge, halved where that helps.
-fn part(guide: &Guide, image: &EdgeImage, [a, b]: [f64; 2], (tolerance, depth): (f64, usize)) -> f64 {
+fn part(guide: &Guide, image: &EdgeImage, [a, b]: [f64; 2], (tolerance, depths): (f64, [usize; 2])) -> f64 {
     let seen = || {
         let p = point(image, 0.5 * (a + b))?;
         let m = guide.measure(p, [Interval::ZERO; 2])?;
         Some(m[0].mag())
     };
-    let bound = over(guide, image, [a, b]).unwrap_or(f64::INFINITY);
-    if bound <= ENOUGH * tolerance || depth == 0 || bound <= seen().unwrap_or(f64::INFINITY) + EXCESS * tolerance {
+    let net = net(&image.curve, image.map.frame(), [a, b]);
+    let ruling = sector::ruling(guide, image, &net, 0.5 * (a + b)).unwrap_or(f64::INFINITY);
+    let known = ruling.min(over(guide, image, [a, b], &net).unwrap_or(f64::INFINITY));
+    let apex = sector::apex(guide, image, &net).filter(|a| a.is_inside);
+    let bound = known.min(apex.map_or(f64::INFINITY, |a| a.bound));
+    // About an apex parts are halved towards it.
+    let [depth, at_apex] = depths;
+    let (left, next) = match apex {
+        Some(_) => (at_apex, [depth, at_apex.saturating_sub(1)]),
+        None => (depth, [depth.saturating_sub(1), at_apex]),
+    };
+    let enough = if apex.is_some() { NOTHING } else { ENOUGH } * tolerance;
+    if bound <= enough || left == 0 || bound <= seen().unwrap_or(f64::INFINITY) + EXCESS * tolerance {
         return bound;
     }
     let m = 0.5 * (a + b);
-    let next = (tolerance, depth - 1);
+    let next = (tolerance, next);
     part(guide, image, [a, m], next).max(part(guide, image, [m, b], next))
 }
 
 /// Distance from the stroke over a part of an edge, by values in the middle and derivatives over the part.
-fn over(guide: &Guide, image: &EdgeImage, [a, b]: [f64; 2]) -> Option<f64> {
+fn over(guide: &Guide, image: &EdgeImage, [a, b]: [f64; 2], net: &[[Interval; 4]]) -> Option<f64> {
     let m = 0.5 * (a + b);
     let reach = Interval::new(a - m, b - m).hull(Interval::point(m - a)).hull(Interval::point(m - b));
-    let net = net(&image.curve, image.map.frame(), [a, b]);
-    let (v, dv) = enclosed(&net, Interval::point(b) - Interval::point(a))?;
+    let (v, dv) = enclosed(net, Interval::point(b) - Interval::point(a))?;
     let (_, slope) = mapped(image, v, dv, m)?;
     let middle = point(image, m)?;
     // Where the image is, by its own derivative: narrower than the map of a box.
     let place = [middle[0] + slope[0] * reach, middle[1] + slope[1] * reach];
     let [_, d_off, _, d_ahead] = guide.measure(place, slope)?;
     let [off, _, ahead, _] = guide.measure(middle, [Interval::ZERO; 2])?;
-    let off = flat_off(guide, image, &net).unwrap_or(off + d_off * reach);
+    let off = flat_off(guide, image, net).unwrap_or(off + d_off * reach);
     let ahead = match d_ahead.lo > 0.0 || d_ahead.hi < 0.0 {
         // Progress that does not turn round is greatest at the ends.
         true => {
@@ -177,7 +194,7 @@ fn over(guide: &Guide, image: &EdgeImage, [a, b]: [f64; 2]) -> Option<f64> {
 fn point(image: &EdgeImage, t: f64) -> Option<[Interval; 2]> {
     let h = from_origin(image.curve.bounds(t, t), image.map.frame());
     let v = [h[0] / h[3], h[1] / h[3], h[2] / h[3]];
-    Some(mapped(image, v, [Interval::ZERO; 3], t)?.0)
+    mapped(image, v, [Interval::ZERO; 3], t).map(|m| m.0).or_else(|| sector::about_apex(image, &[h]))
 }
 
 /// Homogeneous coordinates from the origin of a frame: where radii are small against coordinates, quotients of the
@@ -198,11 +215,8 @@ fn mapped(image: &EdgeImage, v: [Interval; 3], dv: [Interval; 3], t: f64) -> Opt
             return None;
         }
         let slope = (q[0] * dq[1] - q[1] * dq[0]) / away;
-        let share = (t - image.part[0]) / (image.part[1] - image.part[0]);
-        let near = image.angles[0] + (image.angles[1] - image.angles[0]) * share;
         let angle = arc_tangent(q[1], q[0])?;
-        let turns = ((near - angle.mid()) / TAU).round();
-        Some((angle + Interval::point(turns) * widened(TAU), slope))
+        Some((angle + Interval::point(turns(image, angle.mid(), t)) * widened(TAU), slope))
     };
     let (p, d) = match &image.map {
         ClosedMap::Plane(_) => ([q[0], q[1]], [dq[0], dq[1]]),
@@ -224,8 +238,20 @@ fn mapped(image: &EdgeImage, v: [Interval; 3], dv: [Interval; 3], t: f64) -> Opt
     };
     let [c, s] = image.turn.map(Interval::point);
     let turned = |v: [Interval; 2]| [c * v[0] - s * v[1], s * v[0] + c * v[1]];
-    let r = turned(p);
-    Some(([r[0] + Interval::point(image.shift.x), r[1] + Interval::point(image.shift.y)], turned(d)))
+    Some((placed(image, p), turned(d)))
+}
+
+/// Whole turns by which an angle about the axis is short of that of the point at `t`.
+fn turns(image: &EdgeImage, angle: f64, t: f64) -> f64 {
+    let share = (t - image.part[0]) / (image.part[1] - image.part[0]);
+    let near = image.angles[0] + (image.angles[1] - image.angles[0]) * share;
+    ((near - angle) / TAU).round()
+}
+
+/// A place in the plane of a map after its motion.
+fn placed(image: &EdgeImage, p: [Interval; 2]) -> [Interval; 2] {
+    let [c, s] = image.turn.map(Interval::point);
+    [c * p[0] - s * p[1] + Interval::point(image.shift.x), s * p[0] + c * p[1] + Interval::point(image.shift.y)]
 }
 
 fn local(f: &Frame, v: [Interval; 3]) -> [Interval; 3] {

@@ -325,7 +325,8 @@ impl Ruled {
         for w in breaks.windows(2) {
             let hair = HAIR * (w[1] - w[0]);
             for k in 0..STEPS {
-                let at = |k: usize| w[0] + (w[1] - w[0]) * k as f64 / STEPS as f64;
+                // To the bit, the knot.
+                let at = |k: usize| if k == STEPS { w[1] } else { w[0] + (w[1] - w[0]) * k as f64 / STEPS as f64 };
                 let (a, b) = (at(k), at(k + 1));
                 state = out.step(state, a.max(w[0] + hair), b.min(w[1] - hair))?;
                 out.nodes.push((b, state));

@@ -416,13 +416,14 @@ fn tangent_flap() -> [Face; 2] {
     flap(face, [50.0 * Vec3::x(), 100.0 * Vec3::x()])
 }
 
-/// General cylinder and general cone, each with a flap.
-fn general_flaps() -> [[Face; 2]; 2] {
+/// General cylinder, general cone and one up to its apex, each with a flap.
+fn general_flaps() -> [[Face; 2]; 3] {
     let (start, apex) = (100.0 * Vec3::x(), Vec3::new(40.0, 130.0, 10.0));
     let way = Vec3::new(10.0, 90.0, 5.0);
     [
         flap(over_parabola(|p| p + way), [start, way]),
         flap(over_parabola(|p| p + (apex - p) * 0.6), [start, (apex - start) * 0.6]),
+        flap(over_parabola(|_| apex), [start, apex - start]),
     ]
 }
 
