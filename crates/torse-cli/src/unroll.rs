@@ -45,6 +45,7 @@ fn one(arguments: &Unroll, model: &Model, job: Job) -> Result<bool, Failure> {
         k: if arguments.surfaces { KFactor::default() } else { job.k().unwrap_or_default() },
         facets: arguments.files.shop.facets,
         surfaces: arguments.surfaces,
+        joins: arguments.bends.clone(),
         approximate: arguments.approximate.as_ref().map(|l| l.mm),
         input: arguments.files.job_name(file),
         ..UnrollOptions::new(arguments.tolerance.mm)

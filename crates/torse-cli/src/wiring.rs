@@ -61,6 +61,7 @@ pub fn unroll(model: &Model, options: &UnrollOptions, control: &Control) -> Resu
             UnrollError::Loose(_) => "'torse info' tells unit and size of the model",
             UnrollError::KFactor(_) => "give a share such as --k 0.44, --k din, or a table of R/t and K",
             UnrollError::KWithoutThickness => "leave out --k or --surfaces",
+            UnrollError::Edge(_) => "bend_table.csv of a run without --bends names the edges of sharp bends",
             UnrollError::CoversSurfacesOnly => "give --surfaces with --approximate",
             UnrollError::Approximate(_) => "leave out --approximate, or ask for another distance",
             UnrollError::Nothing { .. } => {

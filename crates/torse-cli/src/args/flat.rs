@@ -5,6 +5,7 @@ use crate::quantity::{positive_length, positive_time, unit_of_length, Length};
 use clap::Args;
 use std::path::PathBuf;
 use std::time::Duration;
+use torse::develop::unfold::tree::Joins;
 
 /// Arguments of `unroll`.
 #[derive(Args, Debug)]
@@ -13,6 +14,7 @@ use std::time::Duration;
   torse unroll duct.igs --k din --tolerance 0.05mm --out flat --one-file-per-part
   torse unroll skin.step --surfaces --tolerance 0.05mm --out flat
   torse unroll hull.3dm --surfaces --tolerance 0.1mm --approximate 2mm --out flat
+  torse unroll box.step --surfaces --bends '#17,#23' --tolerance 0.05mm --out flat
   torse unroll assembly.step --tolerance 0.1mm --split 250 --out flat
 
 A body of constant thickness is recognised as sheet: its thickness is measured, the sides are dropped, and one skin is
@@ -48,6 +50,12 @@ pub struct Unroll {
     #[arg(long, value_name = "LENGTH", value_parser = positive_length, requires = "surfaces", allow_hyphen_values = true)]
     pub approximate: Option<Length>,
 
+    /// Over which edges faces are laid beside each other: all (in sharp bends where they meet at an angle), smooth (where they go
+    /// on smoothly), none (every face is a part), or smooth and the sharp edges named: '#17,#23'. bend_table.csv names the edges
+    /// of sharp bends, the report those that are cut
+    #[arg(long, value_name = "WHICH", value_parser = joins, default_value = "all")]
+    pub bends: Joins,
+
     /// Stop after this time, with its unit: 60s, 5min; bodies that were not begun are named and the rest is written
     #[arg(long, value_name = "TIME", value_parser = positive_time, allow_hyphen_values = true)]
     pub time_limit: Option<Duration>,
@@ -60,6 +68,20 @@ pub struct Unroll {
     /// more memory than one folder. With --surfaces, sheets of one part that are apart count as bodies
     #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u32).range(1..))]
     pub split: Option<u32>,
+}
+
+/// Reads over which edges faces are laid beside each other.
+fn joins(text: &str) -> Result<Joins, String> {
+    match text.trim() {
+        "all" => Ok(Joins::All),
+        "smooth" => Ok(Joins::Smooth),
+        "none" => Ok(Joins::None),
+        named => {
+            let number = |t: &str| t.trim().trim_start_matches('#').parse::<u64>().ok().filter(|e| *e > 0);
+            let all: Option<Vec<u64>> = named.split(',').map(number).collect();
+            all.map(Joins::Named).ok_or_else(|| "give all, smooth, none, or numbers of edges such as '#17,#23'".into())
+        }
+    }
 }
 
 /// Where the neutral fibre lies.

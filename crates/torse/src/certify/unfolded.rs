@@ -7,19 +7,22 @@
 //! change no length on their surface, or on the neutral surface of a sheet, by more than the factor `1 ± strain`. Every
 //! line and arc of the contours is drawn for parts of edges, or across a sharp bend, and keeps to their images within
 //! `drawing_distance`, both ways. Both images of every edge inside the part lie within `joint_gap` of each other, across a
-//! sharp bend after a move by its allowance.
+//! sharp bend after a move by its allowance. Where `layers` holds, the part lies in one layer but, at most, within these
+//! distances of its cut and of the edges inside it: every face covers a place as often as the image of its border winds about
+//! it, and windings along inner edges cancel (`flat/simple_outline.rs`).
 //!
 //! *Not shown*: that the contours name every edge of the file that bounds the part, and that parts of one edge follow each
 //! other; the developing code takes all of them in order.
 
 use super::carriers::{distance_from_carrier, distance_of_strip, Wedge, BESIDE};
 use super::claim::UpperBound;
+use super::flat::simple_outline::outline_is_simple;
 use super::flat::FlatCertificate;
 use super::strokes::{strain, strokes};
 use super::Certificate;
 use crate::geom::Vec2;
 use crate::patchwork::image::{ClosedMap, EdgeImage, JointImage, MapStrip, Stroke};
-use crate::patchwork::pattern::Contour;
+use crate::patchwork::pattern::Pattern;
 use crate::spline::curve::Curve;
 use crate::spline::surface::Surface;
 use rayon::prelude::*;
@@ -38,8 +41,8 @@ pub(crate) struct Unfolded<'a> {
     pub strips: &'a [Vec<MapStrip>],
     /// Thickness of the sheet, mm; 0 for surfaces.
     pub thickness: f64,
-    /// Everything that is drawn, in the order of the strokes.
-    pub contours: Vec<&'a Contour>,
+    /// The drawing.
+    pub pattern: &'a Pattern,
     /// What each of their lines and arcs is drawn for.
     pub strokes: &'a [Stroke],
     /// Edges inside the part.
@@ -55,6 +58,7 @@ pub(crate) struct UnfoldedProof {
     drawing_distance: UpperBound,
     joint_gap: UpperBound,
     strain: UpperBound,
+    layers: Result<(), &'static str>,
 }
 
 impl UnfoldedProof {
@@ -68,13 +72,15 @@ impl UnfoldedProof {
             drawing_distance: bound((flat.drawing_bound() + flat.change_bound()).next_up()),
             joint_gap: bound(flat.gap_bound()),
             strain: bound(flat.strain_bound()),
+            // A pattern that holds is simple.
+            layers: Ok(()),
         }
     }
 
     /// Whether everything is shown, distances within a tolerance (mm).
     pub fn is_within(&self, tolerance: f64) -> bool {
         let distances = [self.carrier_distance, self.drawing_distance, self.joint_gap];
-        distances.iter().all(|d| d.value() <= tolerance) && self.strain != UpperBound::UNKNOWN
+        distances.iter().all(|d| d.value() <= tolerance) && self.strain != UpperBound::UNKNOWN && self.layers.is_ok()
     }
 
     /// Distance (mm) of faces from the surfaces that are laid flat.
@@ -90,6 +96,11 @@ impl UnfoldedProof {
     /// Distance (mm) of both images of inner edges.
     pub fn joint_gap(&self) -> UpperBound {
         self.joint_gap
+    }
+
+    /// Whether the part is shown to lie in one layer; else, in plain words, what could not be shown.
+    pub fn layers(&self) -> Result<(), &'static str> {
+        self.layers
     }
 
     /// Relative change of lengths.
@@ -145,6 +156,7 @@ pub fn unfolded(part: &Unfolded, tolerance: f64) -> UnfoldedProof {
         drawing_distance: bound(drawn, known && follows(part)),
         joint_gap: bound(gap, known),
         strain: bound(strained, known),
+        layers: outline_is_simple(part.pattern, tolerance),
     }
 }
 
@@ -195,7 +207,7 @@ const HALVINGS: usize = 8;
 /// Whether the lines and arcs of the contours are the strokes, bit by bit.
 fn follows(part: &Unfolded) -> bool {
     let mut left = part.strokes.iter();
-    let drawn = part.contours.iter().all(|c| {
+    let drawn = part.pattern.contours.iter().chain(&part.pattern.formed).all(|c| {
         let v = &c.vertices;
         (0..v.len()).all(|k| {
             let (from, to) = (&v[k], &v[(k + 1) % v.len()]);

@@ -28,6 +28,9 @@ pub struct SheetBendRecord {
     pub lines: usize,
     /// Proposed place in the sequence, from 1: outer bends first.
     pub sequence: usize,
+    /// Entity numbers of the edges that a fold is about, as far as the file has them.
+    #[serde(default)]
+    pub edges: Vec<u64>,
 }
 
 /// The bends of a part.
@@ -43,16 +46,17 @@ pub fn records(bends: &[SheetBend]) -> Vec<SheetBendRecord> {
         k: number(b.k),
         lines: b.lines.len(),
         sequence: b.order,
+        edges: b.edges.clone(),
     };
     bends.iter().map(record).collect()
 }
 
-/// The table as CSV: part, bend, way, angle, inside radius, length, allowance, K, proposed place in the sequence; lengths in
-/// `unit`. `None` where there are no bends.
+/// The table as CSV: part, bend, way, angle, inside radius, length, allowance, K, proposed place in the sequence, edges of
+/// folds; lengths in `unit`. `None` where there are no bends.
 pub fn csv(answer: &Answer, unit: LengthUnit) -> Option<Vec<u8>> {
     let sign = unit.sign();
     let mut out = format!(
-        "part,bend,kind,sense,angle_deg,inside_radius_{sign},length_{sign},allowance_{sign},k_ansi,lines,sequence\n"
+        "part,bend,kind,sense,angle_deg,inside_radius_{sign},length_{sign},allowance_{sign},k_ansi,lines,sequence,edges\n"
     );
     let number = |x: Option<f64>, digits: usize| x.map_or_else(String::new, |x| format!("{x:.digits$}"));
     let length = |mm: Option<f64>, digits: usize| number(mm.map(|x| unit.of(x)), digits);
@@ -64,7 +68,7 @@ pub fn csv(answer: &Answer, unit: LengthUnit) -> Option<Vec<u8>> {
             // Writing to a string cannot fail.
             _ = writeln!(
                 out,
-                "\"{name}\",{},{},{},{:.4},{},{},{},{},{},{}",
+                "\"{name}\",{},{},{},{:.4},{},{},{},{},{},{},{}",
                 k + 1,
                 b.kind,
                 b.sense,
@@ -74,11 +78,17 @@ pub fn csv(answer: &Answer, unit: LengthUnit) -> Option<Vec<u8>> {
                 length(b.allowance, 4),
                 number(b.k, 4),
                 b.lines,
-                b.sequence
+                b.sequence,
+                edges(b)
             );
         }
     }
     any.then(|| out.into_bytes())
+}
+
+/// Edges as they are named everywhere: #17 #23.
+fn edges(bend: &SheetBendRecord) -> String {
+    bend.edges.iter().map(|e| format!("#{e}")).collect::<Vec<_>>().join(" ")
 }
 
 /// The table for a report; empty where there are no bends.
@@ -90,7 +100,7 @@ pub(super) fn table<'a>(parts: impl Iterator<Item = (&'a str, &'a [SheetBendReco
             _ = write!(
                 rows,
                 "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{:.2}°</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td>\
-                 <td>{}</td></tr>",
+                 <td>{}</td><td>{}</td></tr>",
                 escape(name),
                 k + 1,
                 escape(&b.kind),
@@ -100,7 +110,8 @@ pub(super) fn table<'a>(parts: impl Iterator<Item = (&'a str, &'a [SheetBendReco
                 mm(b.length, 2),
                 mm(b.allowance, 3),
                 mm(b.k, 3),
-                b.sequence
+                b.sequence,
+                edges(b)
             );
         }
     }
@@ -111,7 +122,7 @@ pub(super) fn table<'a>(parts: impl Iterator<Item = (&'a str, &'a [SheetBendReco
         "<p class=\"quiet\">Bend table: radius inside, length along the bend line and allowance (breadth of the bent zone in the \
          flat) in mm; K is the depth of the neutral fibre as a share of the thickness; the sequence is a proposal. Computed, not \
          proven.</p><div class=\"scroll\"><table><thead><tr><th>Part</th><th>Bend</th><th>Kind</th><th>Way</th><th>Angle</th>\
-         <th>Radius</th><th>Length</th><th>Allowance</th><th>K</th><th>Sequence</th></tr></thead><tbody>{rows}</tbody></table></div>"
+         <th>Radius</th><th>Length</th><th>Allowance</th><th>K</th><th>Sequence</th><th>Edges</th></tr></thead><tbody>{rows}</tbody></table></div>"
     )
 }
 
@@ -127,7 +138,7 @@ mod tests {
     fn every_bend_has_its_line() {
         let profile = [Stretch::Line(40.0), Stretch::Bend(0.5, 3.0), Stretch::Line(25.0)];
         let faces = BentSheet::new(2.0, &profile, &[0.0, 30.0], &[]).faces();
-        let options = PartOptions { tolerance: 0.01, k: KFactor::Ansi(0.5), surfaces: false, facets: None };
+        let options = PartOptions { k: KFactor::Ansi(0.5), ..PartOptions::new(0.01) };
         let made = flat_parts(&faces.iter().collect::<Vec<_>>(), "a \"b\"", &options);
         let answer = Answer {
             patterns: made.parts.iter().map(|p| p.pattern.clone()).collect(),
@@ -138,7 +149,7 @@ mod tests {
         let lines: Vec<&str> = text.lines().collect();
         assert_eq!(lines.len(), 2);
         assert!(lines[1].starts_with("\"a \"\"b\"\"\",1,bend,"), "{text}");
-        assert!(lines[1].ends_with(",28.6479,3.0000,30.000,2.0000,0.5000,1,1"), "{text}");
+        assert!(lines[1].ends_with(",28.6479,3.0000,30.000,2.0000,0.5000,1,1,"), "{text}");
         let records = records(&answer.sheets[0].bends);
         let page = table([("a \"b\"", &records[..])].into_iter());
         assert!(page.contains("<td>28.65°</td><td>3.000</td><td>30.00</td><td>2.000</td>"), "{page}");

@@ -16,6 +16,7 @@ use crate::control::Control;
 use crate::develop::bends::Facets;
 use crate::develop::unfold::allowance::{KFactor, KFactorError};
 use crate::develop::unfold::part::FlatPart;
+use crate::develop::unfold::tree::{CutReason, Joins};
 use crate::geom::coarse::Loose;
 use crate::geom::BBox;
 use crate::io::model::Model;
@@ -49,6 +50,8 @@ pub struct UnrollOptions {
     pub facets: Option<Facets>,
     /// Distance (mm) within which surfaces that are not developable are covered by panels; default none: they are left out.
     pub approximate: Option<f64>,
+    /// Over which edges faces are laid beside each other; default all.
+    pub joins: Joins,
 }
 
 impl UnrollOptions {
@@ -61,6 +64,7 @@ impl UnrollOptions {
             input: "model".into(),
             facets: None,
             approximate: None,
+            joins: Joins::All,
         }
     }
 }
@@ -80,6 +84,9 @@ pub enum UnrollError {
     /// No thickness, but a K-factor for it.
     #[error("a K-factor is for sheets with thickness; leave it out where faces are surfaces")]
     KWithoutThickness,
+    /// A bend is asked for about an edge that is not there.
+    #[error("no face has an edge #{0} to bend about")]
+    Edge(u64),
     /// Thickness, but panels for faces without one.
     #[error("panels cover surfaces without thickness only")]
     CoversSurfacesOnly,
@@ -193,7 +200,11 @@ fn notes(parts: &[FlatPart], options: &UnrollOptions) -> Vec<UnrollNote> {
             let (thickness, bends) = (p.sheet.thickness, p.sheet.bends.len());
             out.push(UnrollNote::Sheet { part: part(), thickness, bends });
         }
-        out.extend(p.cuts.iter().map(|&(edge, reason)| UnrollNote::Cut { part: part(), edge, reason }));
+        let (asked, own): (Vec<_>, Vec<_>) = p.cuts.iter().partition(|c| c.1 == CutReason::Asked);
+        out.extend(own.into_iter().map(|&(edge, reason)| UnrollNote::Cut { part: part(), edge, reason }));
+        if !asked.is_empty() {
+            out.push(UnrollNote::NotBent { part: part(), edges: asked.into_iter().map(|c| c.0).collect() });
+        }
         if !p.pattern.formed.is_empty() {
             out.push(UnrollNote::Formed { part: part(), count: p.pattern.formed.len() });
         }

@@ -26,6 +26,13 @@ pub enum UnrollNote {
         /// Why.
         reason: CutReason,
     },
+    /// A part is cut along edges of the file where faces meet at an angle and no bend was asked for.
+    NotBent {
+        /// Name of the part.
+        part: String,
+        /// Entity numbers of the edges.
+        edges: Vec<u64>,
+    },
     /// Outlines of formed features that are not cut.
     Formed {
         /// Name of the part.

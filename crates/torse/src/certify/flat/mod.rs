@@ -14,7 +14,7 @@ mod matching;
 mod outline;
 mod rails;
 mod senses;
-mod simple_outline;
+pub(super) mod simple_outline;
 
 use super::claim::{Claim, Subject, UpperBound, What};
 use super::developable::trim_boxes;

@@ -15,12 +15,16 @@ use crate::patchwork::pattern::{Contour, Pattern};
 /// Share of the tolerance by which an arc may rise over the chords that stand for it.
 const RISE: f64 = 0.01;
 
+/// Sine of the angle by which a spike may not be closed: what rounding of places makes of none.
+const SPIKE: f64 = 1e-9;
+
 /// Shows that the outline of a pattern does not meet itself; `tolerance` in mm.
 ///
 /// # Errors
 /// That it does, or comes too near to tell.
-pub(super) fn outline_is_simple(pattern: &Pattern, tolerance: f64) -> Result<(), &'static str> {
-    let rings: Vec<Vec<[f64; 2]>> = pattern.contours.iter().map(|c| chords(c, RISE * tolerance)).collect();
+pub(in crate::certify) fn outline_is_simple(pattern: &Pattern, tolerance: f64) -> Result<(), &'static str> {
+    let ring = |c: &Contour| without_spikes(chords(c, RISE * tolerance));
+    let rings: Vec<Vec<[f64; 2]>> = pattern.contours.iter().map(ring).collect();
     // The greatest first, holes the other way round.
     let mut rings: Vec<(f64, Vec<[f64; 2]>)> = rings.into_iter().map(|r| (doubled_area(&r), r)).collect();
     rings.sort_by(|a, b| b.0.abs().total_cmp(&a.0.abs()));
@@ -31,6 +35,32 @@ pub(super) fn outline_is_simple(pattern: &Pattern, tolerance: f64) -> Result<(),
     }
     let rings: Vec<Vec<[f64; 2]>> = rings.into_iter().map(|r| r.1).collect();
     polygons_are_simple(&rings).map_err(|_| "the outline drawn could not be shown not to meet itself")
+}
+
+/// A polygon without the places where it runs back on itself, as beside a sharp bend that takes more from the outside than
+/// it needs; no place lies inside such a spike.
+fn without_spikes(ring: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
+    let sub = |p: [f64; 2], q: [f64; 2]| Vec2::new(p[0] - q[0], p[1] - q[1]);
+    let is_spike = |a: [f64; 2], b: [f64; 2], c: [f64; 2]| {
+        let (to, back) = (sub(b, a), sub(c, b));
+        to.dot(&back) < 0.0 && to.perp(&back).abs() <= SPIKE * to.norm() * back.norm()
+    };
+    let mut out: Vec<[f64; 2]> = Vec::with_capacity(ring.len());
+    // Once more over the first places, for a spike where the ring begins.
+    let begin: Vec<[f64; 2]> = ring.iter().take(3).copied().collect();
+    for p in ring.into_iter().chain(begin) {
+        while out.len() > 1 && is_spike(out[out.len() - 2], out[out.len() - 1], p) {
+            out.pop();
+        }
+        if out.last() != Some(&p) {
+            out.push(p);
+        }
+    }
+    // From the last time that the ring comes to where it will have been.
+    let last = out.last().copied();
+    let from = out.iter().position(|p| Some(*p) == last).map_or(0, |k| k + 1);
+    out.drain(..from);
+    out
 }
 
 /// A contour as a polygon: arcs as chords over which they rise less than `rise` (mm).
@@ -81,6 +111,20 @@ mod tests {
 
     fn judged(contours: Vec<Contour>) -> Result<(), &'static str> {
         outline_is_simple(&Pattern { contours, ..Pattern::default() }, 0.1)
+    }
+
+    #[test]
+    fn spikes_without_breadth_are_none() {
+        let corners =
+            [[0.0, 0.0], [10.0, 0.0], [9.0, 0.0], [20.0, 0.0], [20.0, 5.0], [9.0, 5.0], [10.0, 5.0], [0.0, 5.0]];
+        for first in 0..corners.len() {
+            let turned: Vec<([f64; 2], f64)> =
+                (0..corners.len()).map(|k| (corners[(first + k) % corners.len()], 0.0)).collect();
+            assert_eq!(judged(vec![contour(&turned)]), Ok(()), "from {first}");
+        }
+        // One with breadth is an overlap.
+        let broad = [[0.0, 0.0], [10.0, 0.0], [9.0, 0.1], [9.0, -1.0], [20.0, 0.0], [20.0, 5.0], [0.0, 5.0]];
+        assert!(judged(vec![contour(&broad.map(|p| (p, 0.0)))]).is_err());
     }
 
     #[test]

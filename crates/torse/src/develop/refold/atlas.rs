@@ -14,7 +14,7 @@ use crate::develop::map::Development;
 use crate::develop::unfold::allowance::KFactor;
 use crate::develop::unfold::chart::Chart;
 use crate::develop::unfold::region::Motion;
-use crate::develop::unfold::tree::{unfold, UnfoldOptions};
+use crate::develop::unfold::tree::{unfold, Joins, UnfoldOptions};
 use crate::geom::{Vec2, Vec3};
 use crate::spline::surface::Surface;
 use nalgebra::Matrix2;
@@ -253,6 +253,7 @@ impl Atlas {
             k: k.clone(),
             tolerance: FOUND.sqrt() * body.size,
             thickness: vec![thickness; faces.len()],
+            joins: Joins::All,
         };
         let (pieces, left) = unfold(&body, &skin, &asked);
         if let Some(f) = left.first().map(|k| &faces[*k]) {

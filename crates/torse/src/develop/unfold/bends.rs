@@ -60,6 +60,8 @@ pub struct SheetBend {
     pub length: f64,
     /// Place in a sequence that begins with the outermost bends, counted from 1.
     pub order: usize,
+    /// Entity numbers of the edges that a fold is about, as far as the file has them.
+    pub edges: Vec<u64>,
     /// Steps of the outer face from the root.
     level: usize,
 }
@@ -115,12 +117,14 @@ pub fn bends(body: &Body, piece: &Piece, thickness: f64, facets: Option<Facets>)
             allowance: fold.allowance,
             length: 0.0,
             order: 0,
+            edges: vec![body.halves[h].run.entity].into_iter().filter(|e| *e > 0).collect(),
             level: level.unwrap_or(0),
         };
         match out.iter_mut().find(|b| one_line(b, &bend, ONE_LINE * body.size)) {
             Some(b) => {
                 b.lines.extend(bend.lines);
                 b.bends.extend(bend.bends);
+                b.edges.extend(bend.edges);
             }
             None => out.push(bend),
         }
@@ -204,6 +208,7 @@ fn of_face(body: &Body, piece: &Piece, placed: &Placed, (thickness, facets): (f6
         allowance,
         length: if cylinder { length } else { f64::NAN },
         order: 0,
+        edges: Vec::new(),
         level: placed.level,
     }
 }

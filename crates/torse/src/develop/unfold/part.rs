@@ -3,7 +3,7 @@
 use super::bends::{bends, SheetBend};
 use super::outline::{joint, outlines, placed_strips, strip_joints, Outline, POINT};
 use super::sheet::{open, sheet, Sheet};
-use super::tree::{unfold, Cut, CutReason, Piece, UnfoldOptions};
+use super::tree::{unfold, Cut, CutReason, Joins, Piece, UnfoldOptions};
 use super::{allowance::KFactor, outline::contour_area};
 use crate::brep::body::{oriented, Body};
 use crate::brep::carrier::Carrier;
@@ -67,6 +67,15 @@ pub struct PartOptions {
     pub surfaces: bool,
     /// How rolled faces are kinked; default none: lines every 5°.
     pub facets: Option<Facets>,
+    /// Over which edges faces are laid beside each other; default all.
+    pub joins: Joins,
+}
+
+impl PartOptions {
+    /// Defaults with a tolerance (mm).
+    pub fn new(tolerance: f64) -> Self {
+        Self { tolerance, k: KFactor::default(), surfaces: false, facets: None, joins: Joins::All }
+    }
 }
 
 /// The flat parts of the faces of one body.
@@ -89,7 +98,12 @@ pub fn flat_parts(faces: &[&Face], name: &str, options: &PartOptions) -> BodyPar
             }
         },
     };
-    let asked = UnfoldOptions { k: options.k.clone(), tolerance: options.tolerance, thickness: found.local.clone() };
+    let asked = UnfoldOptions {
+        k: options.k.clone(),
+        tolerance: options.tolerance,
+        thickness: found.local.clone(),
+        joins: options.joins.clone(),
+    };
     let sides = found.skins.iter().filter(|s| !s.is_empty()).map(|skin| Side::of(&body, skin, &asked));
     let best = sides.min_by(|a, b| a.rank().partial_cmp(&b.rank()).unwrap_or(std::cmp::Ordering::Equal));
     let left: Vec<usize> = best.iter().flat_map(|b| &b.left).chain(&found.others).copied().collect();

@@ -9,6 +9,37 @@ use crate::brep::carrier::Carrier;
 use crate::geom::Vec2;
 use std::collections::{BTreeMap, HashSet};
 
+/// Over which edges faces are laid beside each other.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub enum Joins {
+    /// All, in sharp bends where faces meet at an angle.
+    #[default]
+    All,
+    /// Those where faces go on smoothly.
+    Smooth,
+    /// None: every face is a part.
+    None,
+    /// Those where faces go on smoothly, and in sharp bends those with these entity numbers.
+    Named(Vec<u64>),
+}
+
+impl Joins {
+    /// Whether the faces on both sides of a run may be laid beside each other.
+    fn allow(&self, body: &Body, half: usize) -> bool {
+        let is_named = |all: &[u64]| {
+            let twin = body.halves[half].twin.unwrap_or(half);
+            [half, twin].iter().any(|h| all.contains(&body.halves[*h].run.entity))
+        };
+        let smooth = || body.meeting(half).is_some_and(|m| m.angle < SMOOTH);
+        match self {
+            Self::All => true,
+            Self::Smooth => smooth(),
+            Self::None => false,
+            Self::Named(all) => is_named(all) || smooth(),
+        }
+    }
+}
+
 /// What unfolding is asked.
 #[derive(Clone, Debug, PartialEq)]
 pub struct UnfoldOptions {
@@ -18,6 +49,8 @@ pub struct UnfoldOptions {
     pub tolerance: f64,
     /// Thickness at every face of the body, mm; 0 for open surfaces.
     pub thickness: Vec<f64>,
+    /// Over which edges faces are laid beside each other; default all.
+    pub joins: Joins,
 }
 
 /// A face in the plane.
@@ -63,6 +96,8 @@ pub enum CutReason {
     Overlap,
     /// The images of the edge on both faces differ, as along curved creases.
     Differs,
+    /// No bend was asked for there.
+    Asked,
 }
 
 /// An edge between two skin faces that is cut.
@@ -138,6 +173,12 @@ pub fn unfold(body: &Body, skin: &[usize], options: &UnfoldOptions) -> (Vec<Piec
         close(body, &mut piece, &mut cuts, options);
         pieces.push(piece);
     }
+    if options.joins != Joins::None {
+        let laid = pieces.iter().flat_map(|p| &p.faces).flat_map(|p| body.of_face(p.face));
+        let asked =
+            laid.filter(|h| body.beyond(*h).is_some_and(|g| skin.contains(&g)) && !options.joins.allow(body, *h));
+        cuts.extend(asked.map(|half| Cut { half, reason: CutReason::Asked }));
+    }
     // Each cut is told once, with the first piece that it bounds.
     let mut told: HashSet<usize> = HashSet::new();
     for piece in &mut pieces {
@@ -210,7 +251,8 @@ fn grow(
             .faces
             .iter()
             .flat_map(|p| body.of_face(p.face))
-            .filter(|h| !refused.contains(h) && body.beyond(*h).is_some_and(|g| ready.contains_key(&g)));
+            .filter(|h| !refused.contains(h) && body.beyond(*h).is_some_and(|g| ready.contains_key(&g)))
+            .filter(|h| options.joins.allow(body, *h));
         let Some(h) = open.max_by(|a, b| body.halves[*a].length.total_cmp(&body.halves[*b].length)) else { return };
         let Some((g, twin)) = body.beyond(h).zip(body.halves[h].twin) else { return };
         let Some(there) = ready.get(&g) else { return };
@@ -281,7 +323,7 @@ fn close(body: &Body, piece: &mut Piece, cuts: &mut Vec<Cut>, options: &UnfoldOp
     let halves: Vec<usize> = piece.faces.iter().flat_map(|p| body.of_face(p.face)).collect();
     for h in halves {
         let Some((g, twin)) = body.beyond(h).zip(body.halves[h].twin) else { continue };
-        if piece.inner.contains(&h) || piece.placed(g).is_none() {
+        if piece.inner.contains(&h) || piece.placed(g).is_none() || !options.joins.allow(body, h) {
             continue;
         }
         let (allowance, k) = fold_allowance(body, h, options);

@@ -348,7 +348,13 @@ pub fn made(answer: &Answer) -> String {
         Job::Ruled => {
             format!("{} for {}", counted(panels, "ruled strip"), counted(answer.patchwork.faces.len(), "piece"))
         }
-        Job::Unroll => format!("{} of {}", counted(answer.patterns.len(), "flat part"), counted(panels, "face")),
+        Job::Unroll => {
+            format!(
+                "{} of {}",
+                counted(answer.patterns.len(), "flat part"),
+                counted(answer.patchwork.faces.len(), "face")
+            )
+        }
         Job::Shape => {
             format!("{} in {}", counted(panels, "strip"), counted(answer.patterns.len(), "flat part"))
         }

@@ -4,14 +4,16 @@ use super::{UnrollError, UnrollOptions, UNFOLDED};
 use crate::answer::skipped::Skipped;
 use crate::brep::area::area_estimate;
 use crate::brep::face::Face;
+use crate::brep::run::runs;
 use crate::control::Control;
 use crate::develop::unfold::allowance::KFactor;
 use crate::develop::unfold::part::{flat_parts, BodyParts, FlatPart, PartOptions};
+use crate::develop::unfold::tree::Joins;
 use crate::geom::coarse::is_tolerance;
 use crate::geom::BBox;
 use crate::io::model::Model;
 use rayon::prelude::*;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Why a body is left out of a job that was stopped.
@@ -42,12 +44,19 @@ pub(super) fn flat_parts_of(
             return Err(UnrollError::Tolerance(approximate));
         }
     }
+    if let Joins::Named(edges) = &options.joins {
+        let known: HashSet<u64> = faces.iter().flat_map(runs).flatten().map(|r| r.entity).collect();
+        if let Some(edge) = edges.iter().find(|e| !known.contains(e)) {
+            return Err(UnrollError::Edge(*edge));
+        }
+    }
     let bodies = bodies_of(faces, options.surfaces.then_some(options.tolerance));
     let asked = PartOptions {
         tolerance: options.tolerance,
         k: options.k.clone(),
         surfaces: options.surfaces,
         facets: options.facets,
+        joins: options.joins.clone(),
     };
     let names = names(faces, &bodies);
     let count = AtomicUsize::new(0);

@@ -41,6 +41,9 @@ pub(super) fn claims(parts: &[FlatPart], proofs: &[UnfoldedProof], tolerance: f6
         if proof.strain() == UpperBound::UNKNOWN {
             of_part.push(Claim::objection(Subject::Part(k), format!("part {}: {NOT_SHOWN}", part.pattern.name)));
         }
+        if let Err(reason) = proof.layers() {
+            of_part.push(Claim::objection(Subject::Part(k), format!("part {}: {reason}", part.pattern.name)));
+        }
         of_part.into_iter().map(move |c| {
             let name = &part.pattern.name;
             match c.is_unknown() {
@@ -99,7 +102,7 @@ pub(super) fn judged(part: &FlatPart, faces: &[Face], tolerance: f64) -> Unfolde
         maps: &part.maps,
         strips: &part.strips,
         thickness: part.sheet.thickness,
-        contours: part.pattern.contours.iter().chain(&part.pattern.formed).collect(),
+        pattern: &part.pattern,
         strokes: &part.strokes,
         joints: &part.joints,
         allowances: &part.allowances,

@@ -8,7 +8,7 @@ use crate::develop::unfold::allowance::KFactor;
 use crate::develop::unfold::bends::BendKind;
 use crate::develop::unfold::part::{flat_parts, BodyParts, FlatPart, PartOptions};
 use crate::develop::unfold::specimens::{quarter, rectangle, round_surface, BentSheet, Stretch};
-use crate::develop::unfold::tree::CutReason;
+use crate::develop::unfold::tree::{CutReason, Joins};
 use crate::geom::Vec3;
 use crate::patchwork::image::ClosedMap;
 use crate::patchwork::pattern::BendSense;
@@ -17,7 +17,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 const TOLERANCE: f64 = 1e-3;
 
 fn flat(faces: &[Face], k: f64) -> BodyParts {
-    let options = PartOptions { tolerance: TOLERANCE, k: KFactor::Ansi(k), surfaces: false, facets: None };
+    let options = PartOptions { k: KFactor::Ansi(k), ..PartOptions::new(TOLERANCE) };
     flat_parts(&faces.iter().collect::<Vec<_>>(), "part", &options)
 }
 
@@ -150,19 +150,71 @@ fn faces_that_look_different_ways_are_turned_before_they_are_joined() {
     }
 }
 
-#[test]
-fn a_closed_box_is_cut_open_along_seven_edges() {
+/// The faces of a box, looking outwards.
+fn box_faces() -> [Face; 6] {
     let (x, y, z) = (Vec3::x() * 10.0, Vec3::y() * 20.0, Vec3::z() * 30.0);
     let o = Vec3::zeros();
-    let faces = [
+    [
         rectangle(o, y, x),
         rectangle(z, x, y),
         rectangle(o, x, z),
         rectangle(y, z, x),
         rectangle(o, z, y),
         rectangle(x, y, z),
-    ];
-    let options = PartOptions { tolerance: TOLERANCE, k: KFactor::default(), surfaces: true, facets: None };
+    ]
+}
+
+/// Bodies are laid beside each other over the edges that are asked for, and no others.
+#[test]
+fn bends_are_where_they_are_asked_for() {
+    let mut faces = box_faces().to_vec();
+    // One edge of the first face and the same of its neighbour get a number.
+    let at = |p: Vec3, q: Vec3| p.norm() < 1e-9 && (q - Vec3::y() * 20.0).norm() < 1e-9;
+    let mut named = 0;
+    for edge in faces.iter_mut().flat_map(|f| &mut f.edges) {
+        let end = |c: &crate::spline::curve::Curve<4>, t: f64| {
+            let [x, y, z, w] = c.point(t);
+            Vec3::new(x, y, z) / w
+        };
+        let ends = edge.pieces.as_ref().and_then(|p| {
+            let (first, last) = (p.first()?, p.last()?);
+            Some((end(&first.curve, first.from), end(&last.curve, last.to)))
+        });
+        if ends.is_some_and(|(a, b)| at(a, b) || at(b, a)) {
+            (edge.entity, named) = (17, named + 1);
+        }
+    }
+    assert_eq!(named, 2);
+    let laid = |joins: Joins| {
+        let options = super::UnrollOptions { surfaces: true, joins, ..super::UnrollOptions::new(TOLERANCE) };
+        super::unroll(&model_of(faces.clone()), &options, &crate::control::Control::default())
+    };
+    let count = |joins: Joins| {
+        let answer = laid(joins).expect("parts");
+        assert_eq!(answer.status(), Status::Certified, "{:?}", answer.claims);
+        let area: f64 = answer.patterns.iter().map(|p| p.area).sum();
+        near(area, 2200.0);
+        let bends: Vec<Vec<u64>> = answer.sheets.iter().flat_map(|s| &s.bends).map(|b| b.edges.clone()).collect();
+        (answer.parts.len(), bends)
+    };
+    assert_eq!(count(Joins::All).0, 1);
+    assert_eq!(count(Joins::Smooth), (6, vec![]));
+    assert_eq!(count(Joins::None), (6, vec![]));
+    assert_eq!(count(Joins::Named(vec![17])), (5, vec![vec![17]]));
+    assert_eq!(laid(Joins::Named(vec![17, 18])).err(), Some(super::UnrollError::Edge(18)));
+    // What goes on smoothly is one part unless every face is to be one.
+    let halves = [0.0, 10.0].map(|x| rectangle(Vec3::x() * x, 10.0 * Vec3::x(), 20.0 * Vec3::y()));
+    let parts = |joins| {
+        let options = PartOptions { surfaces: true, joins, ..PartOptions::new(TOLERANCE) };
+        flat_parts(&halves.iter().collect::<Vec<_>>(), "halves", &options).parts.len()
+    };
+    assert_eq!([Joins::All, Joins::Smooth, Joins::None].map(parts), [1, 1, 2]);
+}
+
+#[test]
+fn a_closed_box_is_cut_open_along_seven_edges() {
+    let faces = box_faces();
+    let options = PartOptions { surfaces: true, ..PartOptions::new(TOLERANCE) };
     let part = only(&faces, flat_parts(&faces.iter().collect::<Vec<_>>(), "box", &options));
     near(part.pattern.area, 2.0 * (200.0 + 300.0 + 600.0));
     assert_eq!((part.cuts.len(), part.sheet.bends.len()), (7, 5));
@@ -196,7 +248,7 @@ fn bodies_without_one_thickness_are_refused_with_the_distances_found() {
     assert!(face.is_none() && reason.contains("no constant thickness"), "{reason}");
     assert!(reason.contains("28.000") && reason.contains("29.000"), "{reason}");
     // As surfaces they unfold all the same.
-    let options = PartOptions { tolerance: TOLERANCE, k: KFactor::default(), surfaces: true, facets: None };
+    let options = PartOptions { surfaces: true, ..PartOptions::new(TOLERANCE) };
     let part = only(&block, flat_parts(&block.iter().collect::<Vec<_>>(), "block", &options));
     near(part.pattern.area, 2.0 * (30.0 * 28.0 + 30.0 * 29.0 + 28.0 * 29.0));
 }
@@ -440,7 +492,7 @@ fn general_cylinders_and_cones_are_proven_in_strips_beside_other_faces() {
 #[test]
 fn strips_that_lie_elsewhere_are_refused_by_the_judge() {
     for faces in general_flaps() {
-        let options = PartOptions { tolerance: TOLERANCE, k: KFactor::default(), surfaces: true, facets: None };
+        let options = PartOptions { surfaces: true, ..PartOptions::new(TOLERANCE) };
         let part = only_near(&faces, &options);
         let strip = part.strips.iter().position(|s| s.len() > 2).expect("strips");
         let judged = |change: &dyn Fn(&mut FlatPart)| {

@@ -5,6 +5,9 @@ use crate::answer::note::UnrollNote;
 use crate::develop::unfold::allowance::KFactor;
 use crate::develop::unfold::tree::CutReason;
 
+/// Edges named in one sentence at most.
+const NAMED: usize = 20;
+
 pub(super) fn words(note: &UnrollNote) -> String {
     match note {
         UnrollNote::NeutralFibre(k) => format!("Bent zones have the length of the neutral fibre: {}.", factor(k)),
@@ -16,8 +19,16 @@ pub(super) fn words(note: &UnrollNote) -> String {
                 CutReason::Closes => "the piece closes on itself there",
                 CutReason::Overlap => "faces would lie on each other",
                 CutReason::Differs => "its images on both faces differ",
+                CutReason::Asked => "no bend was asked for there",
             };
             format!("{part}: cut along edge #{edge}, because {why}.")
+        }
+        UnrollNote::NotBent { part, edges } => {
+            let mut named: Vec<String> = edges.iter().take(NAMED).map(|e| format!("#{e}")).collect();
+            if edges.len() > NAMED {
+                named.push(format!("and {} more", edges.len() - NAMED));
+            }
+            format!("{part}: cut along edges where faces meet at an angle, as asked: {}.", named.join(", "))
         }
         UnrollNote::Formed { part, count } => format!("{part}: {count} outlines of formed features are not cut."),
     }
