@@ -7,7 +7,7 @@
 //! change no length on their surface, or on the neutral surface of a sheet, by more than the factor `1 ± strain`. Every
 //! line and arc of the contours is drawn for parts of edges, or across a sharp bend, and keeps to their images within
 //! `drawing_distance`, both ways. Both images of every edge inside the part lie within `joint_gap` of each other, across a
-//! sharp bend after a move by its allowance. Where `layers` holds, the part lies in one layer but, at most, within these
+//! sharp bend after a move by its allowance. Where `in_one_layer`, the part lies in one layer but, at most, within these
 //! distances of its cut and of the edges inside it: every face covers a place as often as the image of its border winds about
 //! it, and windings along inner edges cancel (`flat/simple_outline.rs`).
 //!
@@ -58,7 +58,7 @@ pub(crate) struct UnfoldedProof {
     drawing_distance: UpperBound,
     joint_gap: UpperBound,
     strain: UpperBound,
-    layers: Result<(), &'static str>,
+    in_one_layer: bool,
 }
 
 impl UnfoldedProof {
@@ -73,14 +73,14 @@ impl UnfoldedProof {
             joint_gap: bound(flat.gap_bound()),
             strain: bound(flat.strain_bound()),
             // A pattern that holds is simple.
-            layers: Ok(()),
+            in_one_layer: true,
         }
     }
 
     /// Whether everything is shown, distances within a tolerance (mm).
     pub fn is_within(&self, tolerance: f64) -> bool {
         let distances = [self.carrier_distance, self.drawing_distance, self.joint_gap];
-        distances.iter().all(|d| d.value() <= tolerance) && self.strain != UpperBound::UNKNOWN && self.layers.is_ok()
+        distances.iter().all(|d| d.value() <= tolerance) && self.strain != UpperBound::UNKNOWN
     }
 
     /// Distance (mm) of faces from the surfaces that are laid flat.
@@ -98,9 +98,9 @@ impl UnfoldedProof {
         self.joint_gap
     }
 
-    /// Whether the part is shown to lie in one layer; else, in plain words, what could not be shown.
-    pub fn layers(&self) -> Result<(), &'static str> {
-        self.layers
+    /// Whether the part is shown to lie in one layer.
+    pub fn is_in_one_layer(&self) -> bool {
+        self.in_one_layer
     }
 
     /// Relative change of lengths.
@@ -156,7 +156,7 @@ pub fn unfolded(part: &Unfolded, tolerance: f64) -> UnfoldedProof {
         drawing_distance: bound(drawn, known && follows(part)),
         joint_gap: bound(gap, known),
         strain: bound(strained, known),
-        layers: outline_is_simple(part.pattern, tolerance),
+        in_one_layer: outline_is_simple(part.pattern, tolerance).is_ok(),
     }
 }
 

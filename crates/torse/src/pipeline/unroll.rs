@@ -109,7 +109,7 @@ pub enum UnrollError {
 /// plane, cylinder or cone, or near a developable panel, and every outline to be its flat image, within the tolerance, and
 /// nothing is left out. Of panels that cover faces which are not developable the guarantee of [`crate::pipeline::approximate::of_faces`] holds, within a
 /// tolerance of their own.
-/// *Not guaranteed*: that parts do not overlap themselves between samples.
+/// *Not guaranteed*: that parts do not overlap themselves, between samples, where a note says that their outlines touch themselves.
 ///
 /// # Errors
 /// See [`UnrollError`].
@@ -179,6 +179,11 @@ pub fn unroll(model: &Model, options: &UnrollOptions, control: &Control) -> Resu
         sheets: parts.iter().map(|p| p.sheet.clone()).collect(),
         ..Answer::new(Job::Unroll, &options.input, options.tolerance)
     };
+    let touching = parts.iter().zip(&proofs).filter(|p| !p.1.is_in_one_layer()).map(|p| p.0.pattern.name.clone());
+    let touching: Vec<String> = touching.collect();
+    if !touching.is_empty() {
+        answer.notes.push(Note::Unroll(UnrollNote::Touching { parts: touching }));
+    }
     answer.notes.extend(notes(&parts, options).into_iter().map(Note::Unroll));
     if let Some(tolerance) = options.approximate {
         let rest = (0..model.faces.len()).filter(|k| !laid_flat.contains(k)).map(|k| model.faces[k].clone()).collect();

@@ -33,6 +33,11 @@ pub enum UnrollNote {
         /// Entity numbers of the edges.
         edges: Vec<u64>,
     },
+    /// Parts of which it is not proven that they do not lie over themselves.
+    Touching {
+        /// Names of the parts.
+        parts: Vec<String>,
+    },
     /// Outlines of formed features that are not cut.
     Formed {
         /// Name of the part.

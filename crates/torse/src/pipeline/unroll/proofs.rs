@@ -41,9 +41,6 @@ pub(super) fn claims(parts: &[FlatPart], proofs: &[UnfoldedProof], tolerance: f6
         if proof.strain() == UpperBound::UNKNOWN {
             of_part.push(Claim::objection(Subject::Part(k), format!("part {}: {NOT_SHOWN}", part.pattern.name)));
         }
-        if let Err(reason) = proof.layers() {
-            of_part.push(Claim::objection(Subject::Part(k), format!("part {}: {reason}", part.pattern.name)));
-        }
         of_part.into_iter().map(move |c| {
             let name = &part.pattern.name;
             match c.is_unknown() {

@@ -5,7 +5,7 @@ use crate::answer::note::UnrollNote;
 use crate::develop::unfold::allowance::KFactor;
 use crate::develop::unfold::tree::CutReason;
 
-/// Edges named in one sentence at most.
+/// Edges or parts named in one sentence at most.
 const NAMED: usize = 20;
 
 pub(super) fn words(note: &UnrollNote) -> String {
@@ -24,14 +24,26 @@ pub(super) fn words(note: &UnrollNote) -> String {
             format!("{part}: cut along edge #{edge}, because {why}.")
         }
         UnrollNote::NotBent { part, edges } => {
-            let mut named: Vec<String> = edges.iter().take(NAMED).map(|e| format!("#{e}")).collect();
-            if edges.len() > NAMED {
-                named.push(format!("and {} more", edges.len() - NAMED));
-            }
-            format!("{part}: cut along edges where faces meet at an angle, as asked: {}.", named.join(", "))
+            let named = listed(edges.iter().map(|e| format!("#{e}")));
+            format!("{part}: cut along edges where faces meet at an angle, as asked: {named}.")
         }
+        UnrollNote::Touching { parts } => format!(
+            "Outlines touch themselves, or come too near to tell: that these parts do not lie over themselves is measured, not \
+             proven: {}.",
+            listed(parts.iter().cloned())
+        ),
         UnrollNote::Formed { part, count } => format!("{part}: {count} outlines of formed features are not cut."),
     }
+}
+
+/// Names, of many the first.
+fn listed(all: impl ExactSizeIterator<Item = String>) -> String {
+    let more = all.len().saturating_sub(NAMED);
+    let mut named: Vec<String> = all.take(NAMED).collect();
+    if more > 0 {
+        named.push(format!("and {more} more"));
+    }
+    named.join(", ")
 }
 
 pub(super) fn factor(k: &KFactor) -> String {
