@@ -3,12 +3,13 @@
 //! *Theorem*. Every point of the face's surface within its Bézier patches is within the bound of the carrier. *Proof.* The
 //! carrier is the zero set of a function of degree 1 or 2 in homogeneous coordinates; put into it, a patch becomes a
 //! polynomial whose Bernstein coefficients enclose it, and so does the weight. Divided by the gradient of the function,
-//! which is bounded from below on the carrier's own side, that is a distance. Patches come from knot insertion, whose
+//! which is bounded from below, that is a distance. Patches come from knot insertion, whose
 //! rounding is added. Where a side of a patch lies in the apex of a cone, the gradient has no bound from below; but patch,
 //! function and gradient then have the way from that side as a factor, once, twice and once, and what is left when it is
 //! divided out bounds the distance.
 
 use super::claim::UpperBound;
+use super::strokes::root_between;
 use crate::geom::{Frame, Vec3};
 use crate::num::bernstein::binomial;
 use crate::num::interval::Interval;
@@ -126,9 +127,9 @@ fn distance_of_patches(patches: &[BezierPatch], size: f64, map: &ClosedMap) -> U
             ClosedMap::Cylinder { frame, radius, .. } => {
                 let net = Net::of(p, frame)?;
                 let r = Interval::point(*radius);
-                let off = net.quadratic(|a, b| a[0] * b[0] + a[1] * b[1] - r.sqr() * a[3] * b[3]);
+                let off = net.quadratic(|a, b| a[0] * b[0] + a[1] * b[1] - r.sqr() * a[3] * b[3]).mag();
                 // |ρ² − R²| = |ρ − R| (ρ + R).
-                Some(off.mag() / (net.weight * net.weight * radius.abs()))
+                Some(off / (net.weight * root_between(r.abs() * net.weight, off).lo))
             }
             ClosedMap::Cone { frame, half_angle, .. } => {
                 let net = Net::of(p, frame)?;
@@ -181,10 +182,10 @@ impl Net {
     fn distance_from_cone(&self, half_angle: f64) -> Option<f64> {
         let (s, c) = half_angle.sin_cos();
         let (s, c) = (Interval::point(s), Interval::point(c));
-        let off = self.quadratic(|a, b| (a[0] * b[0] + a[1] * b[1]) * c.sqr() - a[2] * b[2] * s.sqr());
-        // |ρ cos − z sin| (ρ cos + z sin), of which the second is at least z sin.
+        let off = self.quadratic(|a, b| (a[0] * b[0] + a[1] * b[1]) * c.sqr() - a[2] * b[2] * s.sqr()).mag();
+        // |ρ cos − z sin| (ρ cos + z sin).
         let far = self.hull(|q| q[2])?.lo;
-        (far > 0.0).then(|| off.mag() / (self.weight * far * s.lo))
+        (far > 0.0).then(|| off / (self.weight * root_between(s * far, off).lo))
     }
 
     /// The patch with one of its four sides moved into the origin, over the way from that side, without weights of its own;

@@ -319,7 +319,7 @@ fn flat_off(guide: &Guide, image: &EdgeImage, net: &[[Interval; 4]]) -> Option<I
         let away = hull(flat.iter().map(|p| guide.way[0] * p[1] - guide.way[1] * p[0]));
         return Some(away / weight);
     };
-    // |v|² − r² = (|v| − r)(|v| + r), and the second factor is at least r.
+    // |v|² − r² = (|v| − r)(|v| + r).
     let p = flat.len() - 1;
     let form = |a: &[Interval; 3], b: &[Interval; 3]| a[0] * b[0] + a[1] * b[1] - radius.sqr() * a[2] * b[2];
     let coefficient = |k: usize| {
@@ -329,7 +329,8 @@ fn flat_off(guide: &Guide, image: &EdgeImage, net: &[[Interval; 4]]) -> Option<I
         terms.fold(Interval::ZERO, |sum, x| sum + x)
     };
     let most = hull((0..=2 * p).map(coefficient)).mag();
-    (radius.lo > 0.0).then(|| Interval::new(-most, most) / (Interval::point(weight.lo).sqr() * radius.lo))
+    let least = root_between(Interval::point(weight.lo) * radius.lo, most);
+    (radius.lo > 0.0).then(|| Interval::new(-most, most) / (Interval::point(weight.lo) * least))
 }
 
 /// Boxes around ways from a frame's origin to a curve of these Bézier points, and around its derivative by a parameter that
@@ -344,6 +345,13 @@ fn enclosed(points: &[[Interval; 4]], width: Interval) -> Option<([Interval; 3],
     }
     let x: [Interval; 3] = std::array::from_fn(|d| h[d] / h[3]);
     Some((x, std::array::from_fn(|d| (dh[d] - x[d] * dh[3]) / h[3])))
+}
+
+/// The least of |a| + |b| where a is at least `least`, and b² off a² by `off` at most: a difference of squares over it is
+/// one of roots.
+pub(super) fn root_between(least: Interval, off: f64) -> Interval {
+    let square = (least.sqr() - Interval::point(off)).lo.max(0.0);
+    Interval::point((least + Interval::point(square).sqrt()).lo)
 }
 
 fn hull(all: impl Iterator<Item = Interval>) -> Interval {
