@@ -101,13 +101,61 @@ fn a_duct_from_square_to_round_is_proven_from_its_file() {
     let duct = duct();
     let area: f64 = duct.patterns.iter().map(|p| p.area).sum();
     let files = written(&duct);
-    let step = files.iter().find(|f| f.name == "panels.step").expect("panels");
-    let model = torse::read(&step.bytes).expect("a model");
+    let step = files.iter().find(|f| f.0 == "panels.step").expect("panels");
+    let model = torse::read(&step.1).expect("a model");
     let options = UnrollOptions { surfaces: true, ..UnrollOptions::new(TOLERANCE) };
     let flat = torse::unroll(&model, &options, &Control::default()).expect("parts");
     assert_eq!((model.faces.len(), flat.status()), (8, Status::Certified), "{:?}", flat.claims);
     let laid: f64 = flat.patterns.iter().map(|p| p.area).sum();
     assert!((laid - area).abs() < 1e-5 * area, "{laid} {area}");
+}
+
+/// A free edge of three metres that bends with radii from 5 m to 0.2 m: few arcs, proven near it.
+#[test]
+fn a_long_free_edge_is_drawn_in_few_arcs() {
+    /// Control points along the edge, and steps between them.
+    const POINTS: usize = 60;
+    const STEPS: usize = 50;
+    let length = 3040.0;
+    let (mut angle, mut at) = (0.0_f64, Vec3::zeros());
+    let mut points = vec![at];
+    for k in 0..POINTS * STEPS {
+        let ds = length / (POINTS * STEPS) as f64;
+        let s = (k as f64 + 0.5) * ds;
+        angle += ds * (1.0 / 5000.0 + (1.0 / 200.0 - 1.0 / 5000.0) * (-((s - 1500.0) / 300.0).powi(2)).exp());
+        at += Vec3::new(angle.cos(), angle.sin(), 0.0) * ds;
+        if (k + 1) % STEPS == 0 {
+            points.push(at);
+        }
+    }
+    // A plane band between the edge and its image drawn together by a tenth towards the middle of its chord.
+    let middle = at * 0.5;
+    let net: Vec<Vec3> = points.iter().flat_map(|p| [*p, *p + (middle - *p) * 0.1]).collect();
+    let breaks: Vec<f64> = (0..=points.len() - 3).map(|k| k as f64).collect();
+    let knots = |degree, breaks: &[f64]| Knots::clamped(degree, breaks).expect("knots");
+    let surface = Surface::new(knots(3, &breaks), knots(1, &[0.0, 1.0]), &net, None).expect("a surface");
+    let model = torse::Model {
+        faces: vec![Face::untrimmed(surface)],
+        skipped: Vec::new(),
+        notes: Vec::new(),
+        unit: String::new(),
+        products: Vec::new(),
+    };
+    let options = UnrollOptions { surfaces: true, ..UnrollOptions::new(0.05) };
+    let flat = torse::unroll(&model, &options, &Control::default()).expect("a part");
+    assert_eq!(flat.status(), Status::Certified, "{:?}", flat.claims);
+    let contour = &flat.patterns[0].contours[0].vertices;
+    // Corners begin the four sides.
+    let corners: Vec<usize> = (0..contour.len()).filter(|k| contour[*k].corner).collect();
+    assert_eq!(corners.len(), 4);
+    let sides = (0..4).map(|k| {
+        let count = (corners[(k + 1) % 4] + contour.len() - corners[k]) % contour.len();
+        let place = |i: usize| &contour[(corners[k] + i) % contour.len()];
+        let chords = (0..count).map(|i| (place(i + 1).point - place(i).point).norm()).sum::<f64>();
+        (chords, count)
+    });
+    let (chords, arcs) = sides.max_by(|a, b| a.0.total_cmp(&b.0)).expect("sides");
+    assert!(chords > 2990.0 && arcs <= 40, "{arcs} arcs over {chords} mm");
 }
 
 #[test]
