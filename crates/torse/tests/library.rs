@@ -11,6 +11,7 @@ mod iges;
 mod laws;
 mod panels;
 mod refold;
+mod round_trip;
 mod ruled;
 mod seams;
 mod shop;
