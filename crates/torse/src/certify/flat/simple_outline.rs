@@ -39,28 +39,21 @@ pub(in crate::certify) fn outline_is_simple(pattern: &Pattern, tolerance: f64) -
 
 /// A polygon without the places where it runs back on itself, as beside a sharp bend that takes more from the outside than
 /// it needs; no place lies inside such a spike.
-fn without_spikes(ring: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
+fn without_spikes(mut ring: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     let sub = |p: [f64; 2], q: [f64; 2]| Vec2::new(p[0] - q[0], p[1] - q[1]);
+    // Places that are doubled are tips of spikes without length.
     let is_spike = |a: [f64; 2], b: [f64; 2], c: [f64; 2]| {
         let (to, back) = (sub(b, a), sub(c, b));
-        to.dot(&back) < 0.0 && to.perp(&back).abs() <= SPIKE * to.norm() * back.norm()
+        b == c || to.dot(&back) < 0.0 && to.perp(&back).abs() <= SPIKE * to.norm() * back.norm()
     };
-    let mut out: Vec<[f64; 2]> = Vec::with_capacity(ring.len());
-    // Once more over the first places, for a spike where the ring begins.
-    let begin: Vec<[f64; 2]> = ring.iter().take(3).copied().collect();
-    for p in ring.into_iter().chain(begin) {
-        while out.len() > 1 && is_spike(out[out.len() - 2], out[out.len() - 1], p) {
-            out.pop();
-        }
-        if out.last() != Some(&p) {
-            out.push(p);
-        }
+    let tip = |ring: &[[f64; 2]]| {
+        let n = ring.len();
+        (0..n).find(|k| is_spike(ring[(k + n - 1) % n], ring[*k], ring[(k + 1) % n]))
+    };
+    while let Some(k) = tip(&ring) {
+        ring.remove(k);
     }
-    // From the last time that the ring comes to where it will have been.
-    let last = out.last().copied();
-    let from = out.iter().position(|p| Some(*p) == last).map_or(0, |k| k + 1);
-    out.drain(..from);
-    out
+    ring
 }
 
 /// A contour as a polygon: arcs as chords over which they rise less than `rise` (mm).

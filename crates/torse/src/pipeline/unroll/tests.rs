@@ -167,41 +167,32 @@ fn box_faces() -> [Face; 6] {
 /// Bodies are laid beside each other over the edges that are asked for, and no others.
 #[test]
 fn bends_are_where_they_are_asked_for() {
-    let mut faces = box_faces().to_vec();
-    // One edge of the first face and the same of its neighbour get a number.
-    let at = |p: Vec3, q: Vec3| p.norm() < 1e-9 && (q - Vec3::y() * 20.0).norm() < 1e-9;
-    let mut named = 0;
-    for edge in faces.iter_mut().flat_map(|f| &mut f.edges) {
-        let end = |c: &crate::spline::curve::Curve<4>, t: f64| {
-            let [x, y, z, w] = c.point(t);
-            Vec3::new(x, y, z) / w
-        };
-        let ends = edge.pieces.as_ref().and_then(|p| {
-            let (first, last) = (p.first()?, p.last()?);
-            Some((end(&first.curve, first.from), end(&last.curve, last.to)))
-        });
-        if ends.is_some_and(|(a, b)| at(a, b) || at(b, a)) {
-            (edge.entity, named) = (17, named + 1);
-        }
-    }
-    assert_eq!(named, 2);
-    let laid = |joins: Joins| {
+    let bracket: Vec<Face> = crate::read(include_bytes!("../../../../../data/bracket.step")).expect("a bracket").faces;
+    let laid = |faces: &[Face], joins: Joins| {
         let options = super::UnrollOptions { surfaces: true, joins, ..super::UnrollOptions::new(TOLERANCE) };
-        super::unroll(&model_of(faces.clone()), &options, &crate::control::Control::default())
+        super::unroll(&model_of(faces.to_vec()), &options, &crate::control::Control::default())
     };
-    let count = |joins: Joins| {
-        let answer = laid(joins).expect("parts");
+    let count = |faces: &[Face], joins: Joins| {
+        let answer = laid(faces, joins).expect("parts");
         assert_eq!(answer.status(), Status::Certified, "{:?}", answer.claims);
         let area: f64 = answer.patterns.iter().map(|p| p.area).sum();
-        near(area, 2200.0);
-        let bends: Vec<Vec<u64>> = answer.sheets.iter().flat_map(|s| &s.bends).map(|b| b.edges.clone()).collect();
-        (answer.parts.len(), bends)
+        let folds = answer.sheets.iter().flat_map(|s| &s.bends).filter(|b| b.kind == BendKind::Fold);
+        (answer.parts.len(), folds.map(|b| b.edges.clone()).collect::<Vec<Vec<u64>>>(), area)
     };
-    assert_eq!(count(Joins::All).0, 1);
-    assert_eq!(count(Joins::Smooth), (6, vec![]));
-    assert_eq!(count(Joins::None), (6, vec![]));
-    assert_eq!(count(Joins::Named(vec![17])), (5, vec![vec![17]]));
-    assert_eq!(laid(Joins::Named(vec![17, 18])).err(), Some(super::UnrollError::Edge(18)));
+    for (joins, parts) in [(Joins::All, 1), (Joins::Smooth, 6), (Joins::None, 6)] {
+        let (made, folds, area) = count(&box_faces(), joins);
+        assert_eq!((made, folds.len()), (parts, 6 - parts));
+        near(area, 2200.0);
+    }
+    // Edges are those that the table names.
+    let (smooth, none, area) = count(&bracket, Joins::Smooth);
+    assert!(none.is_empty());
+    let (whole, folds, _) = count(&bracket, Joins::All);
+    let edge = *folds.iter().flatten().next().expect("a sharp bend");
+    let (named, one, same) = count(&bracket, Joins::Named(vec![edge]));
+    assert!(whole < named && named + 1 == smooth && one == [vec![edge]], "{whole} {named} {smooth} {one:?}");
+    assert!((area - same).abs() < 1e-6 * area, "{area} {same}");
+    assert_eq!(laid(&bracket, Joins::Named(vec![edge, 1])).err(), Some(super::UnrollError::Edge(1)));
     // What goes on smoothly is one part unless every face is to be one.
     let halves = [0.0, 10.0].map(|x| rectangle(Vec3::x() * x, 10.0 * Vec3::x(), 20.0 * Vec3::y()));
     let parts = |joins| {
