@@ -91,6 +91,11 @@ fn flat_outlines_follow_the_border_of_the_scan_and_its_hole() {
     let exact = std::f64::consts::PI * (radius * radius - hole * hole) * 1e-6;
     let flat = figure(&report, "flat area");
     assert!((flat / exact - 1.0).abs() < 0.03, "{flat} {exact} {said}");
+    // Both ways, beside a spacing of about 3 mm.
+    let ends =
+        ["distance of points from the strips with their outlines", "distance of the strips from what was measured"]
+            .map(|name| figure(&report, name));
+    assert!(ends[0] < 1.0 && ends[1] > 2.0 && ends[1] < 9.0, "{ends:?} {said}");
     assert!(said.contains("Holes cut out: 1;") && said.contains("does not say its unit"), "{said}");
 }
 

@@ -280,6 +280,7 @@ pub fn specimen(random: &mut Random, kind: usize) -> Option<(Patchwork, f64)> {
     let panel = Panel {
         strip: Strip { name: "A".into(), kind: PanelKind::Torse, patch: ground.patch.clone() },
         trim: Some(PanelTrim { face: 0, label: 0, form: PanelForm::Torse(ground.torse.clone()), loops: vec![runs] }),
+        outline: Vec::new(),
     };
     let faces = vec![Face::untrimmed(s)];
     Some((Patchwork { faces, partitions: vec![partition], panels: vec![panel], seam_count: 0 }, size))

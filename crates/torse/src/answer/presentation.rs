@@ -71,9 +71,10 @@ pub(crate) fn present_marked(answer: &Answer, marks: Marks) -> Presentation {
     let spacing = scene.bbox().diagonal() / RULINGS;
     let ruled = scene.panels.par_iter_mut().zip(&patchwork.panels).enumerate();
     ruled.filter(|(k, _)| trimmed_cone(answer, *k).is_none()).for_each(|(_, (shown, panel))| {
-        shown.rulings = match panel.trim {
-            Some(_) => ruling_lines(panel, spacing),
-            None => strip::ruling_lines(&panel.strip, spacing),
+        shown.rulings = if panel.loops().is_empty() {
+            strip::ruling_lines(&panel.strip, spacing)
+        } else {
+            ruling_lines(panel, spacing)
         };
     });
     let shapes = shapes(answer);
@@ -104,6 +105,7 @@ fn apart(answer: &Answer) -> f64 {
 fn curvature_of(answer: &Answer, k: usize, panel: &Panel) -> Vec<f64> {
     match (trimmed_cone(answer, k), &panel.trim, answer.fields.get(k)) {
         (Some(_), ..) | (_, Some(_), _) => Vec::new(),
+        _ if !panel.outline.is_empty() => Vec::new(),
         (.., Some(f)) if f.u.len() > 1 && f.v.len() > 1 => strip_curvature(&panel.strip, &f.u, &f.v),
         _ => {
             let (u, v) = strip::grid(&panel.strip);
@@ -134,6 +136,12 @@ fn shape(answer: &Answer, k: usize, panel: &Panel, marked: bool) -> PanelShape {
     let (mesh, borders) = match (trimmed_cone(answer, k), &panel.trim, answer.fields.get(k)) {
         (Some((part, face)), ..) => (face.mesh.clone(), face.loops.iter().map(|l| part.polyline(l)).collect()),
         (_, Some(_), _) => (panel_mesh(&answer.patchwork, k), border_lines(panel, BORDER_POINTS)),
+        (.., field) if !panel.outline.is_empty() => {
+            let grid = field.filter(|f| f.u.len() > 1 && f.v.len() > 1).map(|f| (&f.u[..], &f.v[..], &f.values[..]));
+            let (u, v) = strip::grid(&panel.strip);
+            let (u, v, values) = grid.unwrap_or((&u, &v, &[]));
+            (strip::trimmed_mesh(panel, u, v, values), border_lines(panel, 1))
+        }
         (.., Some(f)) if f.u.len() > 1 && f.v.len() > 1 => {
             (strip::mesh(&panel.strip, &f.u, &f.v, &f.values), vec![strip::border_line(&panel.strip)])
         }

@@ -121,6 +121,10 @@ pub enum What {
     FromCurves,
     /// Distance of a measured point from the strips, mm.
     PointDistance,
+    /// Distance of a measured point from the strips as they are cut back to their outlines, mm.
+    BeyondOutline,
+    /// Distance of a place of the strips from what was measured, mm.
+    FromMeasured,
     /// Root mean square of the distances of points, mm.
     MeanPointDistance,
     /// Distance of a given ruling or plane from the strips, mm.

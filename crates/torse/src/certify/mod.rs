@@ -43,6 +43,7 @@ mod simple;
 mod specimens;
 mod strokes;
 mod tensor;
+pub(crate) mod trimmed;
 pub mod trims;
 pub(crate) mod unfolded;
 mod vector;

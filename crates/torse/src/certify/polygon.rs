@@ -18,18 +18,18 @@ pub(super) fn meets(p: [f64; 2], q: [f64; 2], box_: &[Interval; 2]) -> bool {
 
 /// Winding number of a closed polygon about a point that is not on it.
 pub(super) fn winding(polygon: &[[f64; 2]], at: [f64; 2]) -> i32 {
+    (0..polygon.len()).map(|k| crossing(polygon[k], polygon[(k + 1) % polygon.len()], at)).sum()
+}
+
+/// What a side of a polygon adds to its winding number about a point.
+pub(super) fn crossing(a: [f64; 2], b: [f64; 2], at: [f64; 2]) -> i32 {
     let coord = |p: [f64; 2]| robust::Coord { x: p[0], y: p[1] };
-    (0..polygon.len())
-        .map(|k| {
-            let (a, b) = (polygon[k], polygon[(k + 1) % polygon.len()]);
-            let side = || robust::orient2d(coord(a), coord(b), coord(at));
-            match (a[1] <= at[1], b[1] <= at[1]) {
-                (true, false) if side() > 0.0 => 1,
-                (false, true) if side() < 0.0 => -1,
-                _ => 0,
-            }
-        })
-        .sum()
+    let side = || robust::orient2d(coord(a), coord(b), coord(at));
+    match (a[1] <= at[1], b[1] <= at[1]) {
+        (true, false) if side() > 0.0 => 1,
+        (false, true) if side() < 0.0 => -1,
+        _ => 0,
+    }
 }
 
 #[cfg(test)]

@@ -321,6 +321,7 @@ pub(crate) fn two_panels(bump: f64, n: usize) -> Patchwork {
                 form: PanelForm::Torse(Torse::Primal(primal())),
                 loops: vec![loops.next().expect("two loops")],
             }),
+            outline: Vec::new(),
         })
         .collect();
     Patchwork {

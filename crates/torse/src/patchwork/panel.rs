@@ -30,12 +30,13 @@ pub enum Border {
 pub struct Coedge {
     /// What lies beyond.
     pub border: Border,
-    /// Vertices of the partition along the run, in the panel's direction (material on the left in the (u, v) plane).
+    /// Vertices of the partition along the run, in the panel's direction (material on the left in the (u, v) plane); none
+    /// where the panel covers no face.
     pub vertices: Vec<u32>,
     /// Parameter `s` of each vertex on `trim` and `edge`: increasing, from 0 to 1.
     pub parameters: Vec<f64>,
-    /// The trimming curve `(t, r)(s)` in the parameter plane of the exported patch; cubic, at least C¹, domain [0, 1];
-    /// its end points are bitwise those of the neighbouring runs of the loop.
+    /// The trimming curve `(t, r)(s)` in the parameter plane of the exported patch, domain [0, 1]: cubic and at least C¹, of
+    /// panels that cover no face a polyline; its end points are bitwise those of the neighbouring runs of the loop.
     pub trim: Curve<2>,
     /// The same curve in space, mm, same parameter.
     pub edge: Curve<3>,
@@ -87,14 +88,17 @@ pub struct Panel {
     /// Name, unique within the patchwork ("A-03"), kind and patch: u = t (the torse's parameter), v = r ∈ [0, 1] along the
     /// ruling, degree 1 in v; equal to the torse up to rounding.
     pub strip: Strip,
-    /// What it covers of a face; a panel without it ends where its patch does, at two rails and two rulings.
+    /// What it covers of a face.
     pub trim: Option<PanelTrim>,
+    /// Closed boundary loops of a panel that covers no face, outer first; a panel with neither ends where its patch does, at
+    /// two rails and two rulings.
+    pub outline: Vec<Vec<Coedge>>,
 }
 
 impl From<Strip> for Panel {
     /// The whole strip.
     fn from(strip: Strip) -> Self {
-        Self { strip, trim: None }
+        Self { strip, trim: None, outline: Vec::new() }
     }
 }
 
@@ -111,12 +115,12 @@ impl Panel {
 
     /// Closed boundary loops, outer first; none of a panel that ends where its patch does.
     pub fn loops(&self) -> &[Vec<Coedge>] {
-        self.trim.as_ref().map_or(&[], |t| &t.loops)
+        self.trim.as_ref().map_or(&self.outline, |t| &t.loops)
     }
 
     /// As [`Panel::loops`], to be changed.
     pub fn loops_mut(&mut self) -> &mut [Vec<Coedge>] {
-        self.trim.as_mut().map_or(&mut [], |t| &mut t.loops)
+        self.trim.as_mut().map_or(&mut self.outline, |t| &mut t.loops)
     }
 
     /// Whether the outer loop runs clockwise in the parameter plane (t, r) of the patch: then the patch's normal

@@ -85,7 +85,7 @@ fn panels(answer: &Answer, bytes: &[u8]) -> WrittenCertificate {
     if let Some(cones) = &answer.cones {
         return written::of(step::read::own::exact(bytes), |faces| written_cones::cones(&cones.bodies, faces));
     }
-    if !answer.patchwork.faces.is_empty() {
+    if answer.patchwork.panels.iter().any(|p| !p.loops().is_empty()) {
         return written::of(step::read::own::faces(bytes), |faces| written::panels(&answer.patchwork, faces));
     }
     let strips: Vec<&Strip> = answer.patchwork.panels.iter().map(|p| &p.strip).collect();
@@ -96,7 +96,7 @@ fn panels(answer: &Answer, bytes: &[u8]) -> WrittenCertificate {
 fn breaks(claim: &Claim, off: f64, cones: bool) -> bool {
     let distance = match claim.what() {
         What::FromCurve(_) | What::FromSide(_) | What::FromCurves | What::PointDistance | What::ElementDistance => true,
-        What::TargetDistance(_) => true,
+        What::TargetDistance(_) | What::BeyondOutline | What::FromMeasured => true,
         // Both sides may move.
         What::JoinGap(_) => return moved_beyond(claim, 2.0 * off),
         // Panels that cover faces have what writing moves among their bounds.

@@ -20,7 +20,7 @@ use crate::patchwork::part::Part;
 use crate::search::strips::cut::laid;
 use crate::search::strips::regression;
 use crate::search::strips::scan::{scanned, ScanOptions, Scanned, NEAR};
-use crate::search::strips::scan_outline::outlined;
+use crate::search::strips::scan_outline::{claims_of_ends, outlined, Ended};
 use crate::torse::strip::Strip;
 pub use options::FitOptions;
 
@@ -63,14 +63,18 @@ pub fn fit(cloud: &Cloud, options: &FitOptions, control: &Control) -> Result<Ans
     let drawn = Drawn { bends: options.drawn.bends.of_job(options.tolerance), ..options.drawn };
     let flat = StripOptions { drawn, ..StripOptions::new(0.1 * options.tolerance) };
     let mut laid = laid(&strips, &chains, &flat, options.tolerance);
-    let stretched = laid.refused();
-    let mut notes = vec![Note::Fit(if between.is_none() && !control.stopped() {
+    // 3. Strips and patterns cut back to the border of the points, judged both ways.
+    let ended = if between.is_none() && !control.stopped() {
         let near = (&certificate, NEAR * options.tolerance);
-        let (outlines, whole) = outlined(&strips, &laid.parts, &mut laid.patterns, near, flat.side);
-        laid.unprove_outlines();
-        FitNote::Outlined { outlines, whole }
+        outlined(strips.clone(), &mut laid, near, flat.side, options.tolerance, control)
     } else {
-        FitNote::WholePatterns
+        Ended::whole(strips.clone())
+    };
+    let stretched = laid.refused();
+    let mut notes = vec![Note::Fit(FitNote::Ends {
+        outlines: ended.outlines,
+        whole: ended.whole.clone(),
+        mesh: between.is_some(),
     })];
     if strips.len() > 1 {
         notes.push(Note::Unjoined);
@@ -108,11 +112,12 @@ pub fn fit(cloud: &Cloud, options: &FitOptions, control: &Control) -> Result<Ans
     if worst.value() <= options.tolerance {
         claims.extend(broken.iter().map(|b| Claim::objection(whole, beyond_limits(b))));
     }
+    claims.extend(claims_of_ends(&ended, cloud, &certificate, between.is_some(), options.tolerance, control));
     claims.extend(claims_of_strips(&strips, &certificate, options.tolerance));
     Ok(Answer {
         claims,
         fields: fields(&strips, &certificate, options.tolerance),
-        patchwork: Patchwork::of_strips(strips),
+        patchwork: Patchwork { panels: ended.panels, ..Patchwork::default() },
         points: PointMap {
             places: cloud.points.clone(),
             values: certificate.signed_estimates().to_vec(),

@@ -79,7 +79,9 @@ pub fn panels(file: &dyn Fn(&str) -> Option<Vec<u8>>, job: &str) -> Result<Panel
     let name = if job == "cones" { CONES } else { PANELS };
     let bytes = file(name).ok_or(format!("{name} is missing"))?;
     let fault = |e: String| format!("{name}: {e}");
-    if matches!(job, "approximate" | "unroll" | "cones") {
+    // Of a fit either all strips are trimmed or none.
+    let trimmed = job == "fit" && step::own::faces(&bytes).is_ok();
+    if trimmed || matches!(job, "approximate" | "unroll" | "cones") {
         let model = step::read(&bytes).map_err(|e| fault(e.to_string()))?;
         let named = model.faces.into_iter().map(|f| (plain(&f.name), f));
         return Ok(Panels::Faces(named.collect()));
@@ -180,7 +182,7 @@ pub(crate) fn atlases(
                 part.record.panels.iter().map(|n| all.get(n).cloned().ok_or_else(|| missing(n))).collect();
             let own = own?;
             match folder.report.job.as_str() {
-                "approximate" => Atlas::developed(own.iter().map(of_face).collect()),
+                "approximate" | "fit" => Atlas::developed(own.iter().map(of_face).collect()),
                 _ => {
                     let thickness = sheet::thickness(&flat.bends);
                     Atlas::unfolded(&own, &neutral(flat, thickness), thickness)

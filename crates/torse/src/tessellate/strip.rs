@@ -2,6 +2,8 @@
 
 use crate::geom::mesh::Mesh;
 use crate::geom::Vec3;
+use crate::patchwork::panel::{Coedge, Panel};
+use crate::patchwork::triangulate::triangulate;
 use crate::spline::surface::NO_NORMAL;
 use crate::torse::form::PanelKind;
 use crate::torse::strip::Strip;
@@ -85,6 +87,43 @@ pub fn mesh(strip: &Strip, u: &[f64], v: &[f64], values: &[f64]) -> Mesh {
         out.values = values.to_vec();
     }
     out
+}
+
+/// The mesh of a panel that covers no face but ends at an outline, over a grid as [`mesh`]; `values` are interpolated. The
+/// whole strip where its outline cannot be filled.
+pub fn trimmed_mesh(panel: &Panel, u: &[f64], v: &[f64], values: &[f64]) -> Mesh {
+    let strip = &panel.strip;
+    let corners = |runs: &Vec<Coedge>| -> Vec<[f64; 2]> {
+        runs.iter().flat_map(|r| r.trim.control.iter().take(r.trim.control.len() - 1).copied()).collect()
+    };
+    let loops: Vec<(Vec<[f64; 2]>, Vec<u32>)> =
+        panel.outline.iter().map(corners).map(|l| (l.clone(), vec![0; l.len()])).collect();
+    let Ok(found) = triangulate(&loops, u, v) else { return mesh(strip, u, v, values) };
+    let mut out = Mesh::default();
+    for &[s, t] in &found.vertices {
+        let (j, middle) = (strip.patch.jet(s, t), strip.patch.jet(s, 0.5));
+        let own = if j.du.norm() > STANDS_STILL * middle.du.norm() { j } else { middle };
+        let normal = own.normal().try_normalize(NO_NORMAL * own.du.norm() * own.dv.norm());
+        out.positions.push(j.p);
+        out.normals.push(normal.unwrap_or_else(Vec3::zeros));
+        if values.len() == u.len() * v.len() {
+            out.values.push(value(u, v, values, [s, t]));
+        }
+    }
+    out.triangles = found.triangles;
+    out
+}
+
+/// A value between those of a grid.
+fn value(u: &[f64], v: &[f64], values: &[f64], at: [f64; 2]) -> f64 {
+    let cell = |g: &[f64], x: f64| {
+        let k = g.partition_point(|y| *y <= x).clamp(1, g.len() - 1);
+        (k - 1, ((x - g[k - 1]) / (g[k] - g[k - 1])).clamp(0.0, 1.0))
+    };
+    let ((i, s), (j, t)) = (cell(u, at[0]), cell(v, at[1]));
+    let m = v.len();
+    let along = |i: usize| values[i * m + j] * (1.0 - t) + values[i * m + j + 1] * t;
+    along(i) * (1.0 - s) + along(i + 1) * s
 }
 
 /// Rulings about `spacing` (mm) apart in the middle; none inside planes.

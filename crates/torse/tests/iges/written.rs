@@ -64,6 +64,7 @@ fn panel(mirrored: bool) -> Panel {
                 ring(vec![[0.3, 0.4], [0.3, 0.7], [0.6, 0.7], [0.6, 0.4]]),
             ],
         }),
+        outline: Vec::new(),
     }
 }
 

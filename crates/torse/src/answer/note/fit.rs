@@ -8,15 +8,15 @@ pub(crate) use crate::search::strips::scan_outline::Outlines;
 /// Something that people should know of strips fitted to what was given.
 #[derive(Clone, Debug, PartialEq)]
 pub enum FitNote {
-    /// Flat patterns cut back to the border of the measured points, and the names of parts that are not.
-    Outlined {
+    /// Strips and flat patterns cut back to the border of the measured points.
+    Ends {
         /// What is known of outlines that follow points; `None` if there are none.
         outlines: Option<Outlines>,
         /// Names of parts that are not cut back.
         whole: Vec<String>,
+        /// Whether a coarse mesh was measured, of which no part is cut back.
+        mesh: bool,
     },
-    /// Flat patterns are those of whole strips.
-    WholePatterns,
     /// Points too far from others to belong to a surface.
     Lonely {
         /// How many.

@@ -72,11 +72,6 @@ impl FlatCertificate {
         ]
     }
 
-    /// The same for a pattern whose outline was replaced: nothing is said of that, nor of the drawing as a whole.
-    pub fn without_outline(self) -> Self {
-        Self { outline_bound: f64::INFINITY, ..self }
-    }
-
     /// Index of the panel; of chains, of the part.
     pub fn panel(&self) -> usize {
         self.panel
@@ -196,6 +191,17 @@ impl Flat<'_> {
 ///
 /// *Cost*: about 0.1 ms per piece of a span, 20 µs per line or arc.
 pub fn flat(patchwork: &Patchwork, patterns: &[Pattern], tolerance: f64, control: &Control) -> Vec<FlatCertificate> {
+    proven(patchwork, patterns, tolerance, false, control)
+}
+
+/// See [`flat`]; with `apart`, how lengths change is told apart from what is drawn.
+fn proven(
+    patchwork: &Patchwork,
+    patterns: &[Pattern],
+    tolerance: f64,
+    apart: bool,
+    control: &Control,
+) -> Vec<FlatCertificate> {
     let found: Vec<(FlatCertificate, Option<Flat>)> =
         patterns.par_iter().map(|p| one(patchwork, p, tolerance, control)).collect();
     let (mut out, flats): (Vec<_>, Vec<_>) = found.into_iter().unzip();
@@ -213,13 +219,33 @@ pub fn flat(patchwork: &Patchwork, patterns: &[Pattern], tolerance: f64, control
             certificate.change_bound = flat.rails.length_change(flat.pattern.length);
             let change = Interval::point(certificate.change_bound);
             let total = (Interval::point(certificate.drawing_bound()) + change).hi;
-            if missing.is_empty() && (total > tolerance || total.is_nan()) {
-                missing.push(format!("the drawing is only proven to be within {total:.6} mm"));
+            let far = |x: f64| x > tolerance || x.is_nan();
+            if missing.is_empty() && far(total) {
+                if apart && !far(certificate.drawing_bound()) {
+                    let change = certificate.change_bound;
+                    certificate.open = format!("lengths are only proven to change by less than {change:.6} mm");
+                } else {
+                    missing.push(format!("the drawing is only proven to be within {total:.6} mm"));
+                }
             }
         }
         certificate.reason = missing.join("; ");
+        if apart && certificate.reason == NO_MAP {
+            certificate.open = std::mem::take(&mut certificate.reason);
+        }
     }
     out
+}
+
+/// Proves what is claimed about flat patterns of panels that cover no faces but end at outlines: one certificate per
+/// pattern, in order, with the number of its part, which is that of its panel.
+pub(crate) fn outlined_parts(
+    panels: Vec<Panel>,
+    patterns: &[Pattern],
+    tolerance: f64,
+    control: &Control,
+) -> Vec<FlatCertificate> {
+    proven(&Patchwork { panels, ..Patchwork::default() }, patterns, tolerance, true, control)
 }
 
 fn one<'a>(

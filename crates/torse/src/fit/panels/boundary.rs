@@ -215,6 +215,7 @@ impl Borders<'_> {
                 form: PanelForm::Torse(assigned.torse.clone()),
                 loops: out,
             }),
+            outline: Vec::new(),
         };
         Ok((panel, worst))
     }

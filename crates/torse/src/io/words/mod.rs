@@ -47,6 +47,8 @@ pub fn name(claim: &Claim, curves: &[String]) -> String {
         What::Noise => "noise of the measurement".into(),
         What::JointMismatch => "mismatch at joints".into(),
         What::TrimDistance => "distance of trims from the file's edges".into(),
+        What::BeyondOutline => "distance of points from the strips with their outlines".into(),
+        What::FromMeasured => "distance of the strips from what was measured".into(),
         What::EdgeDistance => "distance of trimmed edges from the exact surfaces".into(),
         What::OutlineDistance => "distance of trimmed edges from the outline carried over".into(),
         What::Turn => "turn about the axis".into(),
@@ -121,6 +123,8 @@ pub fn id(what: What) -> &'static str {
         What::Noise => "noise",
         What::JointMismatch => "joint_mismatch",
         What::TrimDistance => "trim_distance",
+        What::BeyondOutline => "beyond_outline",
+        What::FromMeasured => "from_measured",
         What::EdgeDistance => "edge_distance",
         What::OutlineDistance => "outline_distance",
         What::Turn => "turn",
@@ -193,6 +197,8 @@ pub fn unit(what: What) -> &'static str {
         | What::DrawingDistance
         | What::WrittenDistance
         | What::EdgeDistance
+        | What::BeyondOutline
+        | What::FromMeasured
         | What::TrimDistance
         | What::FirstRuling
         | What::LongestRuling

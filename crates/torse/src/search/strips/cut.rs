@@ -109,11 +109,11 @@ impl Laid {
         out
     }
 
-    /// Takes the proofs of outlines away where these were drawn anew without one.
-    pub(crate) fn unprove_outlines(&mut self) {
-        let (patterns, proofs) = (&self.patterns, std::mem::take(&mut self.proofs));
-        let anew = |f: &FlatCertificate| patterns.iter().any(|p| p.panel == f.panel() && p.contour_error.is_nan());
-        self.proofs = proofs.into_iter().map(|f| if anew(&f) { f.without_outline() } else { f }).collect();
+    /// Puts other proofs in the place of those of the same parts.
+    pub(crate) fn prove_anew(&mut self, proofs: Vec<FlatCertificate>) {
+        for proof in proofs {
+            self.proofs.iter_mut().filter(|p| p.panel() == proof.panel()).for_each(|p| *p = proof.clone());
+        }
     }
 
     /// Area of all patterns.

@@ -1,18 +1,24 @@
-//! Flat patterns of scanned strips cut back to the border of the points \[EKS83\], where these lie on the judged strips.
+//! Scanned strips, and their flat patterns, cut back to the border of the points \[EKS83\], where these lie on the judged
+//! strips; and what the judge says of that.
 
+use crate::certify::claim::{Claim, Subject, UpperBound, What};
+use crate::certify::flat::outlined_parts;
 use crate::certify::points::PointCertificate;
+use crate::certify::trimmed::{trimmed, Measured, TrimmedCertificate};
+use crate::control::Control;
 use crate::develop::map::Development;
-use crate::develop::scanned::{cut_back, outline};
+use crate::develop::scanned::{cut_back, outline, sharp, CarriedLoop, ScanOutline, Shown};
+use crate::geom::cloud::Cloud;
 use crate::geom::Vec2;
-use crate::patchwork::part::Part;
-use crate::patchwork::pattern::Pattern;
+use crate::patchwork::panel::Panel;
+use crate::patchwork::pattern::{Contour, Pattern};
+use crate::search::strips::cut::Laid;
 use crate::torse::strip::Strip;
+use std::collections::HashMap;
 
 /// Outlines that follow measured points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outlines {
-    /// Largest distance of a place on them from a point, mm.
-    pub off_estimate: f64,
     /// Spacing of the points, mm.
     pub spacing: f64,
     /// Holes that are cut out.
@@ -23,41 +29,178 @@ pub struct Outlines {
     pub stray: usize,
 }
 
-/// Cuts flat patterns back to the border of the points within `near` (mm) of their strips. Answers what is known of the
-/// new outlines, if there are any, and the names of the parts that keep theirs.
+/// Strips as panels, and what is known of where they end.
+#[derive(Clone, Debug)]
+pub(crate) struct Ended {
+    /// The panels.
+    pub panels: Vec<Panel>,
+    /// Of each what its outline keeps to: no point farther outside, no place inside farther from the points, mm; none of
+    /// panels that are whole strips.
+    pub keeps: Vec<Option<[f64; 2]>>,
+    /// What is known of outlines that follow points; `None` if there are none.
+    pub outlines: Option<Outlines>,
+    /// Names of the parts that are whole.
+    pub whole: Vec<String>,
+}
+
+impl Ended {
+    /// Whole strips.
+    pub fn whole(strips: Vec<Strip>) -> Self {
+        let (keeps, whole) = (vec![None; strips.len()], strips.iter().map(|s| s.name.clone()).collect());
+        Self { panels: strips.into_iter().map(Panel::from).collect(), keeps, outlines: None, whole }
+    }
+}
+
+/// Share of the tolerance by which chords of outlines may lie beside the strips.
+const CHORD: f64 = 0.02;
+
+/// Cuts strips and their flat patterns back to the border of the points within `near` (mm) of them, and has the patterns
+/// proven anew. `laid` has one part for each strip; `side` and `tolerance` (mm) are those it was made with.
 pub(crate) fn outlined(
-    strips: &[Strip],
-    parts: &[Part],
-    patterns: &mut [Pattern],
+    strips: Vec<Strip>,
+    laid: &mut Laid,
     (certificate, near): (&PointCertificate, f64),
     side: f64,
-) -> (Option<Outlines>, Vec<String>) {
-    let mut whole: Vec<String> = Vec::new();
-    let (mut off, mut spacing, mut closed, mut stray, mut holes) = (0.0_f64, 0.0_f64, 0, 0, 0);
-    for pattern in patterns.iter_mut() {
-        let Some(part) = parts.get(pattern.panel) else { continue };
-        let development = strips.get(part.first).and_then(|s| Development::new(&s.patch, side).ok());
-        // Patterns are seen from outside or from inside: mirrored where that is the other side.
-        let found = development.and_then(|d| {
-            let of = |((k, u, v), b): (&(u32, f32, f32), &f64)| {
-                (*k as usize == part.first && *b <= near).then(|| d.map(f64::from(*u), f64::from(*v)))
-            };
-            let mut points: Vec<Vec2> = certificate.places().iter().zip(certificate.bounds()).filter_map(of).collect();
-            let is_mirrored = mirrored(pattern, &d)?;
-            points.iter_mut().filter(|_| is_mirrored).for_each(|p| p.x = -p.x);
-            outline(&points)
-        });
-        let Some(found) = found else {
-            whole.push(part.name.clone());
+    tolerance: f64,
+    control: &Control,
+) -> Ended {
+    let chord = CHORD * tolerance;
+    let mut loops: Vec<Option<Vec<CarriedLoop>>> = vec![None; strips.len()];
+    let mut found: Vec<Option<ScanOutline>> = vec![None; strips.len()];
+    for pattern in &laid.patterns {
+        let k = laid.parts.get(pattern.panel).map_or(usize::MAX, |p| p.first);
+        let Some((strip, development)) = strips.get(k).and_then(|s| Some((s, Development::new(&s.patch, side).ok()?)))
+        else {
             continue;
         };
-        *pattern = cut_back(pattern, &found);
-        (off, spacing) = (off.max(found.distance_estimate), spacing.max(found.spacing));
-        (closed, stray, holes) = (closed + found.closed, stray + found.stray, holes + found.loops.len() - 1);
+        // Patterns are seen from outside or from inside: mirrored where that is the other side.
+        let Some(mirrored) = mirrored(pattern, &development) else { continue };
+        let shown = Shown { development: &development, patch: &strip.patch, mirrored, chord };
+        if let Some((outline, carried)) = cut(&shown, k as u32, certificate, near) {
+            (found[k], loops[k]) = (Some(outline), Some(carried));
+        } else {
+            // A file holds trimmed panels or whole strips: beside trimmed ones these end where their patches do.
+            loops[k] = border(&shown, strip);
+        }
     }
-    let outlines =
-        (whole.len() < patterns.len()).then_some(Outlines { off_estimate: off, spacing, holes, closed, stray });
-    (outlines, whole)
+    if found.iter().all(Option::is_none) || loops.iter().any(Option::is_none) {
+        return Ended::whole(strips);
+    }
+    let mut panels: Vec<Panel> = strips.into_iter().map(Panel::from).collect();
+    let mut drawn: Vec<Vec<Contour>> = Vec::new();
+    for (panel, carried) in panels.iter_mut().zip(loops) {
+        let carried = carried.unwrap_or_default();
+        panel.outline = carried.iter().map(|l| l.runs.clone()).collect();
+        drawn.push(carried.into_iter().map(|l| Contour { vertices: l.contour }).collect());
+    }
+    let mut anew = Vec::new();
+    for pattern in &mut laid.patterns {
+        let k = laid.parts.get(pattern.panel).map_or(usize::MAX, |p| p.first);
+        if found.get(k).is_some_and(Option::is_some) {
+            *pattern = cut_back(pattern, std::mem::take(&mut drawn[k]), chord);
+            anew.push(pattern.clone());
+        }
+    }
+    laid.prove_anew(outlined_parts(panels.clone(), &anew, tolerance, control));
+    let all = || found.iter().flatten();
+    Ended {
+        outlines: Some(Outlines {
+            spacing: all().map(|f| f.spacing).fold(0.0, f64::max),
+            holes: all().map(|f| f.loops.len() - 1).sum(),
+            closed: all().map(|f| f.closed).sum(),
+            stray: all().map(|f| f.stray).sum(),
+        }),
+        whole: panels.iter().zip(&found).filter(|p| p.1.is_none()).map(|p| p.0.strip.name.clone()).collect(),
+        keeps: found.iter().map(|f| f.as_ref().map(|f| f.keeps)).collect(),
+        panels,
+    }
+}
+
+/// The outline of the points that lie on a strip, in the plane and on its patch.
+fn cut(
+    shown: &Shown,
+    strip: u32,
+    certificate: &PointCertificate,
+    near: f64,
+) -> Option<(ScanOutline, Vec<CarriedLoop>)> {
+    let own = certificate.places().iter().zip(certificate.bounds()).filter(|(p, b)| p.0 == strip && **b <= near);
+    let places: Vec<[f64; 2]> = own.map(|((_, u, v), _)| [f64::from(*u), f64::from(*v)]).collect();
+    let points: Vec<Vec2> = places.iter().map(|q| shown.flat(q)).collect();
+    let found = outline(&points)?;
+    let key = |p: &Vec2| [p.x, p.y].map(|x| (x + 0.0).to_bits());
+    let at: HashMap<[u64; 2], [f64; 2]> = points.iter().map(key).zip(places).collect();
+    let carried = found.loops.iter().map(|l| {
+        let places = l.iter().map(|p| at.get(&key(p)).copied()).collect::<Option<Vec<_>>>()?;
+        shown.carried(&places.into_iter().zip(sharp(l)).collect::<Vec<_>>(), true)
+    });
+    let carried = carried.collect::<Option<Vec<_>>>()?;
+    Some((found, carried))
+}
+
+/// The border of a whole strip; `None` where a rail is a point.
+fn border(shown: &Shown, strip: &Strip) -> Option<Vec<CarriedLoop>> {
+    if strip.is_point(0) || strip.is_point(1) {
+        return None;
+    }
+    let (a, b) = strip.domain();
+    let corners = [[a, 0.0], [b, 0.0], [b, 1.0], [a, 1.0]].map(|q| (q, true));
+    Some(vec![shown.carried(&corners, false)?])
+}
+
+/// What the judge says of where panels end.
+pub(crate) fn claims_of_ends(
+    ended: &Ended,
+    cloud: &Cloud,
+    certificate: &PointCertificate,
+    mesh: bool,
+    tolerance: f64,
+    control: &Control,
+) -> Vec<Claim> {
+    let measured =
+        Measured { points: &cloud.points, triangles: if mesh { &cloud.triangles } else { &[] }, places: certificate };
+    let proofs = trimmed(&ended.panels, &measured, tolerance, control);
+    let mut out = Vec::new();
+    if proofs.is_empty() {
+        return out;
+    }
+    let whole = Subject::Whole;
+    let most = |bound: fn(&TrimmedCertificate) -> UpperBound| UpperBound::largest(proofs.iter().map(bound));
+    if ended.outlines.is_some() {
+        out.push(Claim::at_most(What::BeyondOutline, whole, most(TrimmedCertificate::beyond_bound)));
+        out.push(Claim::at_most(What::EdgeDistance, whole, most(TrimmedCertificate::edge_bound)).within(tolerance));
+    }
+    out.push(Claim::at_most(What::FromMeasured, whole, most(TrimmedCertificate::reach_bound)));
+    for (k, proof) in proofs.iter().enumerate() {
+        let (subject, name) = (Subject::Panel(k), &ended.panels[k].strip.name);
+        if !proof.reason().is_empty() {
+            out.push(Claim::objection(subject, format!("{name}: {}", proof.reason())));
+        }
+        let beyond = Claim::at_most(What::BeyondOutline, subject, proof.beyond_bound());
+        let reach = Claim::at_most(What::FromMeasured, subject, proof.reach_bound());
+        let Some([outside, inside]) = ended.keeps[k] else {
+            out.push(reach);
+            continue;
+        };
+        let worst = proof.worst().and_then(|i| Some((i, cloud.points.get(i)?)));
+        let worst =
+            worst.map_or_else(String::new, |(i, p)| format!(": point {i} at ({:.3}, {:.3}, {:.3})", p.x, p.y, p.z));
+        out.push(beyond.within(outside + near_points(tolerance)).because(format!(
+            "{name}: a point is not shown to lie within {outside:.3} mm of what its outline leaves of it{worst}"
+        )));
+        let place =
+            proof.farthest().map_or_else(String::new, |p| format!(", around ({:.3}, {:.3}, {:.3})", p.x, p.y, p.z));
+        out.push(
+            reach.within(inside + near_points(tolerance)).because(format!(
+                "{name}: its outline is not shown to keep within {inside:.3} mm of the points{place}"
+            )),
+        );
+    }
+    out
+}
+
+/// How far points may lie off a strip and still be on it, mm.
+fn near_points(tolerance: f64) -> f64 {
+    super::scan::NEAR * tolerance
 }
 
 /// Whether a pattern is mirrored against the development that it was drawn from: told by the marks along both rails,

@@ -153,6 +153,7 @@ impl Borders<'_> {
         Ok(Panel {
             strip: Strip { name: String::new(), kind: PanelKind::Ruled, patch: cut.patch },
             trim: Some(PanelTrim { face: face_index, label, form: PanelForm::Ruled(cut.map), loops: out }),
+            outline: Vec::new(),
         })
     }
 

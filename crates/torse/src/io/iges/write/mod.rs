@@ -92,7 +92,7 @@ fn global(header: &Header, largest: f64) -> Vec<String> {
 /// Surface and loops of a panel, outer first and counter-clockwise, with the surface's normal that of the input face.
 fn bounded(panel: &Panel, reversed: bool) -> (Surface, Vec<Vec<Edge>>) {
     let patch = &panel.strip.patch;
-    if panel.trim.is_none() {
+    if panel.loops().is_empty() {
         return (patch.clone(), vec![sides(patch)]);
     }
     let homogeneous = |c: &Curve<3>| Curve {

@@ -26,9 +26,10 @@ pub(crate) fn sheets(patchwork: &Patchwork, marked: &[bool]) -> Vec<Sheet> {
         .into_values()
         .map(|panels| match panels[..] {
             [(one, marked)] => {
-                let sheet = match one.trim {
-                    Some(_) => Sheet::of_panel(one, reversed(one)),
-                    None => Sheet::of_strip(&one.strip),
+                let sheet = if one.loops().is_empty() {
+                    Sheet::of_strip(&one.strip)
+                } else {
+                    Sheet::of_panel(one, reversed(one))
                 };
                 if marked {
                     sheet.marked()

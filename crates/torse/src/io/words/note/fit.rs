@@ -6,13 +6,13 @@ use crate::answer::note::{Became, FaceNote, FitNote, Outlines, SplineSize};
 
 pub(super) fn words(note: &FitNote) -> String {
     match note {
-        FitNote::Outlined { outlines, whole } => {
-            let apart = (!whole.is_empty())
-                .then(|| format!("Not cut back to the points, which have no single border there: {}.", whole.join(", ")));
+        FitNote::Ends { outlines, whole, mesh } => {
+            let why = if *mesh { "as of every coarse mesh" } else { "the points have no single border there" };
+            let apart = (!whole.is_empty()).then(|| {
+                let names = whole.join(", ");
+                format!("Whole strips, not cut back to what was measured ({why}), are {names}: how far they reach is proven.")
+            });
             outlines.iter().map(outlined).chain(apart).collect::<Vec<_>>().join(" ")
-        }
-        FitNote::WholePatterns => {
-            "Flat patterns are those of whole strips, which reach a little beyond what was measured.".into()
         }
         FitNote::Lonely { count } => {
             format!("{count} points lie too far from others to belong to a surface; they are judged all the same.")
@@ -32,11 +32,10 @@ pub(super) fn words(note: &FitNote) -> String {
 
 fn outlined(found: &Outlines) -> String {
     format!(
-        "Flat outlines follow the border of the measured points: no place of them is farther than {} from a point \
-         (estimated), and the sheet may go on beyond them by the spacing of the points, about {}. Holes cut out: {}; holes \
-         of a few spacings that are not: {}; points that lie apart: {}. The strips in panels.step, model.glb and the \
-         pictures in space are not trimmed: they reach a little farther.",
-        length(found.off_estimate),
+        "Strips and flat patterns end at the border of the measured points, and the sheet may go on beyond by their spacing, \
+         about {}. Proven are the distance of every point from the strips with these outlines, and that of every place of \
+         the strips from the nearest point. Holes cut out: {}; holes of a few spacings that are not: {}; points that lie \
+         apart: {}.",
         length(found.spacing),
         found.holes,
         found.closed,

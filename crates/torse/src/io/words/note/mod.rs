@@ -284,10 +284,12 @@ mod tests {
         assert!(note(&face(Became::Nothing)).ends_with("control points."));
         let at = note(&Note::Fit(FitNote::At(Counted::TangentPlanes)));
         assert_eq!(at, "Distances are proven at the planes, not between them.");
-        let outlines = Outlines { off_estimate: 0.123_45, spacing: 2.0, holes: 1, closed: 0, stray: 3 };
-        let told = note(&Note::Fit(FitNote::Outlined { outlines: Some(outlines), whole: vec!["A-02".into()] }));
+        let outlines = Outlines { spacing: 2.0, holes: 1, closed: 0, stray: 3 };
+        let told =
+            note(&Note::Fit(FitNote::Ends { outlines: Some(outlines), whole: vec!["A-02".into()], mesh: false }));
         assert!(
-            told.contains("than 0.123 mm from a point") && told.ends_with("no single border there: A-02."),
+            told.contains("about 2 mm. Proven")
+                && told.ends_with("(the points have no single border there), are A-02: how far they reach is proven."),
             "{told}"
         );
         let cone = Shape::new((0.0, 1.0), 0.0, 0.25);

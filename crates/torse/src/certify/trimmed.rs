@@ -1,0 +1,588 @@
+//! Strips cut back to an outline, against what was measured: no point far from the strips, no place of them far from what
+//! was measured.
+//!
+//! *Theorem* \[certificate, 9\]. The loops of a panel are polygons of the parameter plane of its patch, and bound a region of
+//! it. No point that a point certificate places on the panel is farther from the image of the region than `beyond`; no
+//! place of that image is farther than `reach` from a measured point, or from a triangle between such points; the edges
+//! in space are within `edge` of the images of the loops.
+//! *Method*. A point inside the loops has its own place on the patch; one outside, a place on the nearest side. The region
+//! is covered by cells of the parameter plane, halved until the convex hull of a cell's control points lies in a ball about
+//! one measured place. Predicates are exact \[S97\], values are intervals. Nothing here knows how outlines were found.
+
+use super::claim::UpperBound;
+use super::edges::edge_bound;
+use super::points::{distance_bound, PointCertificate, Target};
+use super::polygon::{crossing, meets};
+use super::ruled::{Ruled, RuledJets};
+use super::seams::SeamSide;
+use super::simple::polygons_are_simple;
+use super::vector::{exact, length_bound, sub};
+use crate::control::Control;
+use crate::geom::box_tree::{nearest_on_triangle, BoxTree};
+use crate::geom::{BBox, Vec3};
+use crate::num::interval::Interval;
+use crate::patchwork::panel::{Coedge, Panel};
+use rayon::prelude::*;
+
+/// What was measured.
+#[derive(Clone, Copy, Debug)]
+pub struct Measured<'a> {
+    /// Points, mm.
+    pub points: &'a [Vec3],
+    /// Corners of triangles that were measured as a whole; empty where points alone count.
+    pub triangles: &'a [[u32; 3]],
+    /// Where the points lie on the strips.
+    pub places: &'a PointCertificate,
+}
+
+/// What is proven of a panel and its outline. Lengths in mm.
+#[derive(Clone, Debug)]
+pub struct TrimmedCertificate {
+    beyond: UpperBound,
+    reach: UpperBound,
+    edge: UpperBound,
+    worst: Option<usize>,
+    farthest: Option<Vec3>,
+    reason: String,
+}
+
+impl TrimmedCertificate {
+    /// Bound of the distance of points placed on the panel from what its outline leaves of it; none is farther.
+    pub fn beyond_bound(&self) -> UpperBound {
+        self.beyond
+    }
+
+    /// Bound of the distance of places inside the outline from what was measured.
+    pub fn reach_bound(&self) -> UpperBound {
+        self.reach
+    }
+
+    /// Bound of the distance of the edges in space from the outline on the patch.
+    pub fn edge_bound(&self) -> UpperBound {
+        self.edge
+    }
+
+    /// The point that is farthest from the panel.
+    pub fn worst(&self) -> Option<usize> {
+        self.worst
+    }
+
+    /// About where the panel is farthest from what was measured.
+    pub fn farthest(&self) -> Option<Vec3> {
+        self.farthest
+    }
+
+    /// What could not be shown, in plain words; empty if all could.
+    pub fn reason(&self) -> &str {
+        &self.reason
+    }
+}
+
+/// Rounding of a place on a triangle, as a share of its coordinates: some sums and products of numbers.
+const PLACED: f64 = 16.0 * f64::EPSILON;
+/// Halvings of the region's extent, at most, in both directions together.
+const DEEPEST: usize = 28;
+/// What bounds may exceed the greatest distance that was seen by, as a factor.
+const EXCESS: f64 = 1.1;
+/// Cells of a span that are looked at; what is left then keeps the bound that it has.
+const MOST_CELLS: usize = 100_000;
+/// Places in each direction at which distances are looked at first.
+const LOOKS: [usize; 2] = [64, 16];
+
+/// Proves what is claimed of panels that end at outlines: one certificate for each, in order. Panels without loops are whole
+/// patches. `tolerance` (mm) is that of edges.
+///
+/// *Cost*: a microsecond for each point and some for every cell; cells are as large as the measured places are apart.
+pub fn trimmed(panels: &[Panel], measured: &Measured, tolerance: f64, control: &Control) -> Vec<TrimmedCertificate> {
+    let sites = Sites::new(measured);
+    let mut own: Vec<Vec<usize>> = vec![Vec::new(); panels.len()];
+    for (i, place) in measured.places.places().iter().enumerate().take(measured.points.len()) {
+        own.get_mut(place.0 as usize).into_iter().for_each(|o| o.push(i));
+    }
+    panels
+        .par_iter()
+        .zip(own)
+        .map(|(panel, own)| {
+            let blank = TrimmedCertificate {
+                beyond: UpperBound::UNKNOWN,
+                reach: UpperBound::UNKNOWN,
+                edge: UpperBound::UNKNOWN,
+                worst: None,
+                farthest: None,
+                reason: String::new(),
+            };
+            one(panel, &own, measured, &sites, tolerance, control)
+                .unwrap_or_else(|reason| TrimmedCertificate { reason: reason.into(), ..blank })
+        })
+        .collect()
+}
+
+fn one(
+    panel: &Panel,
+    own: &[usize],
+    measured: &Measured,
+    sites: &Sites,
+    tolerance: f64,
+    control: &Control,
+) -> Result<TrimmedCertificate, &'static str> {
+    let ruled = Ruled::new(&panel.strip.patch).ok_or("the patch is not ruled")?;
+    let region = Region::of(panel, &ruled)?;
+    let jets = RuledJets::new(&ruled, &ruled.middle(panel.strip.domain().0));
+    let mut edge = UpperBound::nothing();
+    for run in panel.outline.iter().flatten() {
+        let side = SeamSide { jets: &jets, trim: &run.trim };
+        let bound = edge_bound(side, &run.edge, tolerance).ok_or("an edge could not be compared with its outline")?;
+        edge = edge.max(UpperBound::shown(bound));
+    }
+    let target = Target::of(&panel.strip);
+    let sides = region.sides_in_space(panel);
+    let bounds: Vec<f64> = own
+        .par_iter()
+        .map(|&i| {
+            if control.stopped() {
+                return f64::INFINITY;
+            }
+            let (_, u, v) = measured.places.places()[i];
+            let (from, to) = panel.strip.domain();
+            let at = [f64::from(u).clamp(from, to), f64::from(v).clamp(0.0, 1.0)];
+            let x = &measured.points[i];
+            if region.holds(at) {
+                return distance_bound(&target, at[0], at[1], x);
+            }
+            region.beside(&jets, &sides, x)
+        })
+        .collect();
+    let worst = (0..own.len()).max_by(|&a, &b| bounds[a].total_cmp(&bounds[b]));
+    let (reach, farthest) = region.reach(panel, &ruled, sites, tolerance, control).ok_or("the proof was stopped")?;
+    Ok(TrimmedCertificate {
+        // Of a panel without points nothing is far.
+        beyond: worst.map_or(UpperBound::nothing(), |k| UpperBound::shown(bounds[k])),
+        reach: UpperBound::shown(reach),
+        edge,
+        worst: worst.map(|k| own[k]),
+        farthest,
+        reason: String::new(),
+    })
+}
+
+/// Points and triangles, found by place.
+struct Sites<'a> {
+    measured: Measured<'a>,
+    tree: BoxTree,
+}
+
+impl<'a> Sites<'a> {
+    fn new(measured: &Measured<'a>) -> Self {
+        let (points, triangles) = (measured.points, measured.triangles);
+        let corner = |k: u32| points.get(k as usize).copied().unwrap_or_else(|| Vec3::repeat(f64::NAN));
+        let bounds = |i: usize| {
+            let mut b = BBox::empty();
+            match i.checked_sub(points.len()) {
+                None => b.include(&points[i]),
+                Some(k) => triangles[k].iter().for_each(|c| b.include(&corner(*c))),
+            }
+            b
+        };
+        Self { measured: *measured, tree: BoxTree::new(points.len() + triangles.len(), &bounds) }
+    }
+
+    /// A measured place near `x`, and how far rounding may have moved it, mm.
+    fn near(&self, x: &Vec3) -> Option<(Vec3, f64)> {
+        let points = self.measured.points;
+        let place = |i: usize| match i.checked_sub(points.len()) {
+            None => points[i],
+            Some(k) => {
+                let all = self.measured.triangles[k].map(|c| points.get(c as usize).copied());
+                let [Some(a), Some(b), Some(c)] = all else { return Vec3::repeat(f64::NAN) };
+                let s = nearest_on_triangle(x, [a, b, c]);
+                a * s[0] + b * s[1] + c * s[2]
+            }
+        };
+        let far = |i: usize| (place(i) - x).norm_squared();
+        let (i, _) = self.tree.nearest(x, &far)?;
+        let found = place(i);
+        let moved = if i < points.len() { 0.0 } else { PLACED * (found.amax() + points_size(self.measured, i)) };
+        Some((found, moved))
+    }
+}
+
+/// Largest coordinate of a triangle, mm.
+fn points_size(measured: Measured, i: usize) -> f64 {
+    let corners = i.checked_sub(measured.points.len()).and_then(|k| measured.triangles.get(k));
+    let sizes = corners.into_iter().flatten().filter_map(|c| measured.points.get(*c as usize)).map(Vec3::amax);
+    3.0 * sizes.fold(0.0, f64::max)
+}
+
+/// The region inside the loops.
+struct Region {
+    loops: Vec<Vec<[f64; 2]>>,
+    /// Sides that a line of constant r may cross, by rows of r.
+    rows: Vec<Vec<(u32, u32)>>,
+    /// Whether it is the whole patch.
+    whole: bool,
+}
+
+/// Rows of r in which sides are looked up.
+const ROWS: usize = 512;
+
+fn row(r: f64) -> usize {
+    ((r * ROWS as f64) as usize).min(ROWS - 1)
+}
+
+impl Region {
+    fn of(panel: &Panel, ruled: &Ruled) -> Result<Self, &'static str> {
+        let (from, to) = panel.strip.domain();
+        let loops: Vec<Vec<[f64; 2]>> = if panel.outline.is_empty() {
+            let breaks = ruled.breaks();
+            let back = breaks.iter().rev().map(|t| [*t, 1.0]);
+            vec![breaks.iter().map(|t| [*t, 0.0]).chain(back).collect()]
+        } else {
+            panel
+                .outline
+                .iter()
+                .map(|runs| polygon(runs))
+                .collect::<Option<_>>()
+                .ok_or("an outline is no closed polygon")?
+        };
+        let inside = |p: &[f64; 2]| p[0] >= from && p[0] <= to && p[1] >= 0.0 && p[1] <= 1.0;
+        if !loops.iter().flatten().all(inside) {
+            return Err("an outline leaves its patch");
+        }
+        // Those who prove it want the first polygon counter-clockwise.
+        let turned = if doubled_area(&loops[0]) < 0.0 {
+            loops.iter().map(|l| l.iter().rev().copied().collect()).collect()
+        } else {
+            loops.clone()
+        };
+        polygons_are_simple(&turned).map_err(|_| "an outline could not be shown not to meet itself")?;
+        let mut rows = vec![Vec::new(); ROWS];
+        for (l, polygon) in loops.iter().enumerate() {
+            for k in 0..polygon.len() {
+                let (a, b) = (row(polygon[k][1]), row(polygon[(k + 1) % polygon.len()][1]));
+                (a.min(b)..=a.max(b)).for_each(|r| rows[r].push((l as u32, k as u32)));
+            }
+        }
+        Ok(Self { loops, rows, whole: panel.outline.is_empty() })
+    }
+
+    fn side(&self, (l, k): (u32, u32)) -> [[f64; 2]; 2] {
+        let polygon = &self.loops[l as usize];
+        [polygon[k as usize], polygon[(k as usize + 1) % polygon.len()]]
+    }
+
+    /// Whether a place is inside; on a side either answer is right.
+    fn holds(&self, at: [f64; 2]) -> bool {
+        if self.whole {
+            return true;
+        }
+        let around = |s: &(u32, u32)| {
+            let [a, b] = self.side(*s);
+            crossing(a, b, at)
+        };
+        self.rows[row(at[1])].iter().map(around).sum::<i32>() != 0
+    }
+
+    /// Every side with the places of its ends in space.
+    fn sides_in_space(&self, panel: &Panel) -> Vec<([[f64; 2]; 2], [Vec3; 2])> {
+        let all = self.loops.iter().enumerate().flat_map(|(l, p)| (0..p.len()).map(move |k| (l as u32, k as u32)));
+        all.map(|s| {
+            let ends = self.side(s);
+            (ends, ends.map(|q| panel.strip.patch.point(q[0], q[1])))
+        })
+        .collect()
+    }
+
+    /// Bound of the distance of a point from a place on the side whose chord is nearest.
+    fn beside(&self, jets: &RuledJets, sides: &[([[f64; 2]; 2], [Vec3; 2])], x: &Vec3) -> f64 {
+        let mut best = (f64::INFINITY, [[0.0; 2]; 2], 0.0);
+        for (ends, [p, q]) in sides {
+            let d = q - p;
+            let dd = d.norm_squared();
+            let s = if dd > 0.0 { (d.dot(&(x - p)) / dd).clamp(0.0, 1.0) } else { 0.0 };
+            let far = (p + d * s - x).norm_squared();
+            if far < best.0 {
+                best = (far, *ends, s);
+            }
+        }
+        let (_, [a, b], s) = best;
+        let s = Interval::point(s);
+        let at = [0, 1].map(|d: usize| Interval::point(a[d]) + (Interval::point(b[d]) - Interval::point(a[d])) * s);
+        let (lo, hi) = jets.domain();
+        let (Some(t), Some(r)) = (at[0].intersect(Interval { lo, hi }), at[1].intersect(Interval::new(0.0, 1.0)))
+        else {
+            return f64::INFINITY;
+        };
+        let relative = sub(&exact(x), &jets.origin.map(Interval::point));
+        length_bound(&sub(&jets.at(t, r), &relative))
+    }
+
+    /// Bound of the distance of places of the region from the nearest site, and about where it is greatest; `None` if it was
+    /// stopped.
+    fn reach(
+        &self,
+        panel: &Panel,
+        ruled: &Ruled,
+        sites: &Sites,
+        tolerance: f64,
+        control: &Control,
+    ) -> Option<(f64, Option<Vec3>)> {
+        let all: Vec<[[f64; 2]; 2]> = self.sides_in_space(panel).into_iter().map(|s| s.0).collect();
+        let seen = self.seen(panel, sites).max(tolerance);
+        let breaks = ruled.breaks();
+        let span = |w: &[f64]| {
+            let t = Interval::new(w[0], w[1]);
+            let sides = (0..all.len()).filter(|k| meets(all[*k][0], all[*k][1], &[t, UNIT])).collect();
+            let mut open = vec![Cell { t, r: UNIT, sides, depth: 0 }];
+            let (mut worst, mut seen, mut looks) = ((0.0f64, Vec3::zeros()), seen, 0);
+            while let Some(cell) = open.pop() {
+                if control.stopped() {
+                    return None;
+                }
+                let middle = [cell.t.mid(), cell.r.mid()];
+                let held = self.holds(middle);
+                if cell.sides.is_empty() && !held {
+                    continue;
+                }
+                looks += 1;
+                let look = cell.reach(panel, ruled, sites);
+                if held {
+                    seen = seen.max(look.at_middle);
+                }
+                let done = look.bound <= worst.0.max(EXCESS * seen) || cell.depth >= DEEPEST || looks > MOST_CELLS;
+                if done {
+                    if look.bound > worst.0 || look.bound.is_nan() {
+                        worst = (look.bound, look.middle);
+                    }
+                    continue;
+                }
+                open.extend(cell.halves(look.extents[0] >= look.extents[1], &all));
+            }
+            Some(worst)
+        };
+        let found: Vec<Option<(f64, Vec3)>> = breaks.par_windows(2).map(span).collect();
+        let mut worst = (0.0, None);
+        for (bound, place) in found.into_iter().collect::<Option<Vec<_>>>()? {
+            if bound > worst.0 || bound.is_nan() {
+                worst = (bound, Some(place));
+            }
+        }
+        Some(worst)
+    }
+
+    /// Greatest distance of some places of the region from the nearest site.
+    fn seen(&self, panel: &Panel, sites: &Sites) -> f64 {
+        let (from, to) = panel.strip.domain();
+        let share = |k: usize, d: usize| (k as f64 + 0.5) / LOOKS[d] as f64;
+        let far = |k: usize| {
+            let at = [from + (to - from) * share(k / LOOKS[1], 0), share(k % LOOKS[1], 1)];
+            let x = panel.strip.patch.point(at[0], at[1]);
+            if self.holds(at) {
+                sites.near(&x).map_or(0.0, |(site, _)| (site - x).norm())
+            } else {
+                0.0
+            }
+        };
+        (0..LOOKS[0] * LOOKS[1]).into_par_iter().map(far).reduce(|| 0.0, f64::max)
+    }
+}
+
+const UNIT: Interval = Interval { lo: 0.0, hi: 1.0 };
+
+/// A cell of the parameter plane inside one span, with the sides that may meet it.
+struct Cell {
+    t: Interval,
+    r: Interval,
+    sides: Vec<usize>,
+    depth: usize,
+}
+
+/// What is known of a cell, mm.
+struct Look {
+    /// Bound of the distance of its places from one site.
+    bound: f64,
+    /// Its middle, and how far about that is from the site.
+    middle: Vec3,
+    at_middle: f64,
+    /// Its extents along both parameters.
+    extents: [f64; 2],
+}
+
+impl Cell {
+    fn reach(&self, panel: &Panel, ruled: &Ruled, sites: &Sites) -> Look {
+        let middle = panel.strip.patch.point(self.t.mid(), self.r.mid());
+        let Some((site, moved)) = sites.near(&middle) else {
+            return Look { bound: f64::INFINITY, middle, at_middle: 0.0, extents: [0.0; 2] };
+        };
+        // Coefficients relative to the site: the longest of their hull bounds the distance of every place.
+        let origin = [site.x, site.y, site.z];
+        let rails = [0, 1].map(|end: usize| ruled.end(end, self.t.lo, self.t.hi, &origin));
+        let mut most = 0.0f64;
+        let mut corners = [[Vec3::zeros(); 2]; 2];
+        let last = rails[0][0].len() - 1;
+        for (j, r) in [self.r.lo, self.r.hi].into_iter().enumerate() {
+            let (s, r) = (Interval::ONE - Interval::point(r), Interval::point(r));
+            for i in 0..=last {
+                let h = [0, 1, 2, 3].map(|d: usize| s * rails[0][d][i] + r * rails[1][d][i]);
+                let p = if ruled.rational { [0, 1, 2].map(|d: usize| h[d] / h[3]) } else { [h[0], h[1], h[2]] };
+                let far = length_bound(&p);
+                most = if far.is_nan() { f64::INFINITY } else { most.max(far) };
+                if i == 0 || i == last {
+                    corners[usize::from(i > 0)][j] = Vec3::from(p.map(Interval::mid));
+                }
+            }
+        }
+        let [[a, b], [c, d]] = corners;
+        let extents = [(c - a).norm().max((d - b).norm()), (b - a).norm().max((d - c).norm())];
+        let bound = (Interval::point(most) + Interval::point(moved)).hi;
+        Look { bound, middle, at_middle: (site - middle).norm(), extents }
+    }
+
+    fn halves(&self, along: bool, all: &[[[f64; 2]; 2]]) -> [Self; 2] {
+        let cut = |i: Interval| [Interval::new(i.lo, i.mid()), Interval::new(i.mid(), i.hi)];
+        let (t, r) = if along { (cut(self.t), [self.r; 2]) } else { ([self.t; 2], cut(self.r)) };
+        [0, 1].map(|k: usize| {
+            let sides = self.sides.iter().copied().filter(|s| meets(all[*s][0], all[*s][1], &[t[k], r[k]])).collect();
+            Self { t: t[k], r: r[k], sides, depth: self.depth + 1 }
+        })
+    }
+}
+
+/// The corners of a closed loop of polylines of the parameter plane; `None` if it is none.
+fn polygon(runs: &[Coedge]) -> Option<Vec<[f64; 2]>> {
+    let mut out = Vec::new();
+    for (k, run) in runs.iter().enumerate() {
+        let (c, before) = (&run.trim.control, &runs[(k + runs.len() - 1) % runs.len()].trim.control);
+        let straight = run.trim.knots.degree() == 1 && run.trim.knots.breaks().len() == c.len();
+        let joined = c.first()?.map(f64::to_bits) == before.last()?.map(f64::to_bits);
+        if !straight || !joined || c.iter().flatten().any(|x| !x.is_finite()) {
+            return None;
+        }
+        out.extend_from_slice(&c[..c.len() - 1]);
+    }
+    (out.len() > 2).then_some(out)
+}
+
+fn doubled_area(p: &[[f64; 2]]) -> f64 {
+    (0..p.len()).map(|k| (p[k], p[(k + 1) % p.len()])).map(|(a, b)| a[0] * b[1] - a[1] * b[0]).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::certify::points::points;
+    use crate::patchwork::panel::Border;
+    use crate::spline::curve::Curve;
+    use crate::spline::knots::Knots;
+    use crate::torse::form::PanelKind;
+    use crate::torse::strip::Strip;
+
+    /// A quarter of a parabolic cylinder of 100 by 60, points 2 apart over its middle, and a panel that ends at the border of
+    /// these: `shift` (in parameters) pulls one corner of the outline.
+    fn scan(shift: [f64; 2]) -> (Panel, Vec<Vec3>) {
+        let rail = |y: f64| {
+            let control = vec![[0.0, y, 0.0], [50.0, y, 0.0], [100.0, y, 30.0]];
+            Curve::new(2, vec![0.0, 0.0, 0.0, 1.0, 1.0, 1.0], control).expect("a rail")
+        };
+        let strip = Strip::polynomial("A", PanelKind::Cylinder, &rail(0.0), &rail(60.0)).expect("a strip");
+        let grid = (5..=45).flat_map(|i| (3..=27).map(move |j| [f64::from(i) / 50.0, f64::from(j) / 30.0]));
+        let places = grid.filter(|q| (q[0] - 0.5).hypot(0.6 * (q[1] - 0.5)) >= 0.12);
+        let x = places.map(|q| strip.patch.point(q[0], q[1])).collect();
+        let mut corners = [[0.1, 0.1], [0.9, 0.1], [0.9, 0.9], [0.1, 0.9]];
+        corners[2] = [corners[2][0] + shift[0], corners[2][1] + shift[1]];
+        let hole: Vec<[f64; 2]> = (0..24)
+            .map(|k| (f64::from(k) * -std::f64::consts::TAU / 24.0).sin_cos())
+            .map(|(s, c)| [0.5 + 0.12 * c, 0.5 + 0.2 * s])
+            .collect();
+        let outline = [corners.to_vec(), hole].iter().map(|l| vec![run(&strip, l)]).collect();
+        (Panel { outline, ..Panel::from(strip) }, x)
+    }
+
+    /// A closed polygon as one run.
+    fn run(strip: &Strip, corners: &[[f64; 2]]) -> Coedge {
+        const PARTS: usize = 40;
+        let n = corners.len();
+        let all = (0..=n * PARTS).map(|k| {
+            let (a, b, s) = (corners[k / PARTS % n], corners[(k / PARTS + 1) % n], (k % PARTS) as f64 / PARTS as f64);
+            [0, 1].map(|d: usize| a[d] + (b[d] - a[d]) * s)
+        });
+        let control: Vec<[f64; 2]> = all.collect();
+        let at: Vec<f64> = (0..control.len()).map(|k| k as f64 / (control.len() - 1) as f64).collect();
+        let knots = Knots::clamped(1, &at).expect("knots");
+        let edge = control.iter().map(|q| strip.patch.point(q[0], q[1])).map(|p| [p.x, p.y, p.z]).collect();
+        Coedge {
+            border: Border::Trim { edge: 0 },
+            vertices: Vec::new(),
+            parameters: Vec::new(),
+            edge: Curve { knots: knots.clone(), control: edge },
+            trim: Curve { knots, control },
+        }
+    }
+
+    fn judged(panel: &Panel, x: &[Vec3]) -> TrimmedCertificate {
+        let places = points(std::slice::from_ref(&panel.strip), x, &Control::default());
+        let measured = Measured { points: x, triangles: &[], places: &places };
+        trimmed(std::slice::from_ref(panel), &measured, 0.01, &Control::default()).remove(0)
+    }
+
+    #[test]
+    fn an_outline_along_the_points_keeps_to_them_both_ways() {
+        let (panel, x) = scan([0.0; 2]);
+        let c = judged(&panel, &x);
+        assert_eq!(c.reason(), "");
+        assert!(c.beyond_bound().value() < 1e-3 && c.edge_bound().value() < 0.01, "{c:?}");
+        // Cells of points 2 to 2.4 apart, and the straight sides of the hole.
+        let reach = c.reach_bound().value();
+        assert!((1.5..2.6).contains(&reach), "{reach}");
+        // No place that is looked at is farther than the bound.
+        let near = |p: &Vec3| x.iter().map(|q| (p - q).norm()).fold(f64::INFINITY, f64::min);
+        let outside = |q: &[f64; 2]| ((q[0] - 0.5) / 0.12).hypot((q[1] - 0.5) / 0.2) > 1.0;
+        let looks = (0..4000).map(|k| [0.1 + 0.8 * f64::from(k % 80) / 79.0, 0.1 + 0.8 * f64::from(k / 80) / 49.0]);
+        let seen = looks.filter(outside).map(|q| near(&panel.strip.patch.point(q[0], q[1]))).fold(0.0, f64::max);
+        assert!(seen <= reach && seen > 0.7 * reach, "{seen} {reach}");
+    }
+
+    #[test]
+    fn outlines_pulled_out_or_in_are_seen() {
+        let (panel, x) = scan([0.1, 0.1]);
+        let out = judged(&panel, &x);
+        assert!(out.beyond_bound().value() < 1e-3 && out.reach_bound().value() > 8.0, "{out:?}");
+        let (panel, x) = scan([-0.1, -0.1]);
+        let within = judged(&panel, &x);
+        assert!(within.reach_bound().value() < 2.6 && within.beyond_bound().value() > 5.0, "{within:?}");
+        assert!(within.worst().is_some_and(|i| (x[i] - panel.strip.patch.point(0.9, 0.9)).norm() < 1e-6));
+    }
+
+    #[test]
+    fn outlines_that_are_none_are_refused() {
+        let (good, x) = scan([0.0; 2]);
+        let mut panel = good.clone();
+        panel.outline[0][0].trim.control[7][1] = -0.01;
+        assert_eq!(judged(&panel, &x).reason(), "an outline leaves its patch");
+        assert!(judged(&panel, &x).reach_bound() == UpperBound::UNKNOWN);
+        let mut panel = good.clone();
+        panel.outline[0][0].trim.control[0][1] += 0.01;
+        assert_eq!(judged(&panel, &x).reason(), "an outline is no closed polygon");
+        let (crossed, _) = scan([-0.85, -0.4]);
+        assert!(judged(&crossed, &x).reason().contains("meet itself"));
+        // An edge in space beside its outline.
+        let mut panel = good;
+        panel.outline[0][0].edge.control[9][2] += 1.0;
+        assert!(judged(&panel, &x).edge_bound().value() >= 1.0);
+    }
+
+    #[test]
+    fn a_whole_strip_is_judged_against_points_and_triangles() {
+        let (panel, x) = scan([0.0; 2]);
+        let whole = Panel::from(panel.strip);
+        let c = judged(&whole, &x);
+        // From a corner of the strip to the outermost point.
+        let off = (whole.strip.patch.point(1.0, 1.0) - whole.strip.patch.point(0.9, 0.9)).norm();
+        assert!(c.reach_bound().value() >= off && c.reach_bound().value() < 1.2 * off, "{c:?}");
+        let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(|q| whole.strip.patch.point(q[0], q[1]));
+        let places = points(std::slice::from_ref(&whole.strip), &corners, &Control::default());
+        let measured = Measured { points: &corners, triangles: &[[0, 1, 2], [0, 2, 3]], places: &places };
+        let c = trimmed(&[whole], &measured, 0.01, &Control::default()).remove(0);
+        // The chord of the parabola lies 7.5 beside it in z.
+        assert!((6.5..8.6).contains(&c.reach_bound().value()), "{c:?}");
+    }
+}
