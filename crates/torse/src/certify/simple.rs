@@ -73,8 +73,9 @@ pub(super) fn polygons_are_simple(polygons: &[Vec<[f64; 2]>]) -> Result<(), &'st
 
 fn rings_are_simple(mut rings: Vec<Piece>, loops: usize) -> Result<(), &'static str> {
     let most = PIECES + 10 * rings.len();
+    let mut fresh = vec![true; rings.len()];
     for _ in 0..ROUNDS {
-        let marks = conflicts(&rings);
+        let Some(marks) = conflicts(&rings, &fresh) else { break };
         if marks.iter().all(|m| !m) {
             return nested(&rings, loops);
         }
@@ -82,11 +83,14 @@ fn rings_are_simple(mut rings: Vec<Piece>, loops: usize) -> Result<(), &'static 
             break;
         }
         let mut next = Vec::with_capacity(2 * rings.len());
+        fresh.clear();
         for (p, &m) in rings.iter().zip(&marks) {
             if m {
                 next.extend(p.halves());
+                fresh.extend([true; 2]);
             } else {
                 next.push(*p);
+                fresh.push(false);
             }
         }
         rings = next;
@@ -195,6 +199,18 @@ impl Piece {
         self.advance(w) >= -0.25 * MARGIN && chord[0] * w[0] + chord[1] * w[1] > MARGIN
     }
 
+    /// Whether two pieces surely cross: both ends of each lie on either side of the other's chord, farther than that strays.
+    fn crosses(&self, o: &Self) -> bool {
+        let parted = |p: &Self, q: &Self| {
+            let d = unit(p.chord());
+            let off = |x: [f64; 2]| d[0] * (x[1] - p.c[0][1]) - d[1] * (x[0] - p.c[0][0]);
+            let strays = p.c.iter().map(|x| off(*x).abs()).fold(MARGIN, f64::max);
+            let (a, b) = (off(q.c[0]), off(q.c[3]));
+            a.abs() > strays && b.abs() > strays && (a > 0.0) != (b > 0.0)
+        };
+        parted(self, o) && parted(o, self)
+    }
+
     fn range(&self, w: [f64; 2]) -> (f64, f64) {
         let v = self.c.map(|p| p[0] * w[0] + p[1] * w[1]);
         (v.iter().copied().fold(f64::INFINITY, f64::min), v.iter().copied().fold(f64::NEG_INFINITY, f64::max))
@@ -233,8 +249,9 @@ fn unit(v: [f64; 2]) -> [f64; 2] {
     }
 }
 
-/// Pieces that are not yet shown to be clear of the others.
-fn conflicts(rings: &[Piece]) -> Vec<bool> {
+/// Pieces that are not yet shown to be clear of the others; those that are not `fresh` are clear of each other. `None` where two
+/// cross.
+fn conflicts(rings: &[Piece], fresh: &[bool]) -> Option<Vec<bool>> {
     let n = rings.len();
     let mut marks = vec![false; n];
     // Successors along each loop.
@@ -266,7 +283,10 @@ fn conflicts(rings: &[Piece]) -> Vec<bool> {
         for &j in &active {
             let overlap = boxes[i][1].0 <= boxes[j][1].1 + MARGIN && boxes[j][1].0 <= boxes[i][1].1 + MARGIN;
             let neighbours = next[i] == j || next[j] == i;
-            if overlap && !neighbours && !rings[i].apart(&rings[j]) {
+            if (fresh[i] || fresh[j]) && overlap && !neighbours && !rings[i].apart(&rings[j]) {
+                if rings[i].crosses(&rings[j]) {
+                    return None;
+                }
                 marks[i] = true;
                 marks[j] = true;
             }
@@ -279,7 +299,7 @@ fn conflicts(rings: &[Piece]) -> Vec<bool> {
             marks[i] = true;
         }
     }
-    marks
+    Some(marks)
 }
 
 /// Outer loop and holes turn in opposite senses, and the holes are inside.

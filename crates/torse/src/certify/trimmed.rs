@@ -23,6 +23,7 @@ use crate::geom::{BBox, Vec3};
 use crate::num::interval::Interval;
 use crate::patchwork::panel::{Coedge, Panel};
 use rayon::prelude::*;
+use std::collections::VecDeque;
 
 /// What was measured.
 #[derive(Clone, Copy, Debug)]
@@ -84,8 +85,8 @@ const PLACED: f64 = 16.0 * f64::EPSILON;
 const DEEPEST: usize = 28;
 /// What bounds may exceed the greatest distance that was seen by, as a factor.
 const EXCESS: f64 = 1.1;
-/// Cells of a span that are looked at; what is left then keeps the bound that it has.
-const MOST_CELLS: usize = 100_000;
+/// Cells of a panel that are looked at, the largest first; what is left then keeps the bound that it has.
+const MOST_CELLS: usize = 400_000;
 /// Places in each direction at which distances are looked at first.
 const LOOKS: [usize; 2] = [64, 16];
 
@@ -329,12 +330,13 @@ impl Region {
         let all: Vec<[[f64; 2]; 2]> = self.sides_in_space(panel).into_iter().map(|s| s.0).collect();
         let seen = self.seen(panel, sites).max(tolerance);
         let breaks = ruled.breaks();
+        let most = MOST_CELLS / breaks.len();
         let span = |w: &[f64]| {
             let t = Interval::new(w[0], w[1]);
             let sides = (0..all.len()).filter(|k| meets(all[*k][0], all[*k][1], &[t, UNIT])).collect();
-            let mut open = vec![Cell { t, r: UNIT, sides, depth: 0 }];
+            let mut open = VecDeque::from([Cell { t, r: UNIT, sides, depth: 0 }]);
             let (mut worst, mut seen, mut looks) = ((0.0f64, Vec3::zeros()), seen, 0);
-            while let Some(cell) = open.pop() {
+            while let Some(cell) = open.pop_front() {
                 if control.stopped() {
                     return None;
                 }
@@ -348,7 +350,7 @@ impl Region {
                 if held {
                     seen = seen.max(look.at_middle);
                 }
-                let done = look.bound <= worst.0.max(EXCESS * seen) || cell.depth >= DEEPEST || looks > MOST_CELLS;
+                let done = look.bound <= worst.0.max(EXCESS * seen) || cell.depth >= DEEPEST || looks > most;
                 if done {
                     if look.bound > worst.0 || look.bound.is_nan() {
                         worst = (look.bound, look.middle);

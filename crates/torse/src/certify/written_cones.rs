@@ -76,21 +76,27 @@ impl<'a> Piece<'a> {
     fn moved(&self, face: &WrittenExact) -> Result<f64, Fault> {
         let here = |what: &str| (face.entity, what.to_owned());
         let list = patches(&self.segment).map_err(|e| here(&e.to_string()))?;
-        let [patch] = &list[..] else { return Err(here("the piece turns too far")) };
-        let own = Carrier::of_round(&Round::of(&self.segment)).off(patch);
+        let [patch, others @ ..] = &list[..] else { return Err(here("the piece is none")) };
+        // Only between circles pieces turn farther than one patch does.
+        if !others.is_empty() && !(self.part.is_none() && self.segment.is_between_circles(0.0)) {
+            return Err(here("the piece turns too far"));
+        }
+        let all = |carrier: &Carrier| worst(list.iter().map(|p| carrier.off(p).unwrap_or(f64::NAN)));
+        let own = all(&Carrier::of_round(&Round::of(&self.segment)));
         let own = own.ok_or_else(|| here("the piece does not lie on its own carrier"))?;
         let (off, outwards) = match &face.surface {
             WrittenBase::Spline(_) => return Err(here("the surface is a spline")),
-            WrittenBase::Plane { point, normal } => {
-                (off_plane(patch, point, normal), dot(&unit(normal), &exact(&self.segment.start.normal)))
-            }
+            WrittenBase::Plane { point, normal } => (
+                off_plane(patch, point, normal).filter(|_| others.is_empty()),
+                dot(&unit(normal), &exact(&self.segment.start.normal)),
+            ),
             WrittenBase::Cylinder { point, axis, radius } => {
                 let c = Carrier::new(point, axis, *radius, [Interval::ZERO, Interval::ONE]);
-                (c.off(patch), c.outwards(&self.segment))
+                (all(&c), c.outwards(&self.segment))
             }
             WrittenBase::Cone { point, axis, radius, half_angle } => {
                 let c = Carrier::new(point, axis, *radius, sine_and_cosine(*half_angle));
-                (c.off(patch), c.outwards(&self.segment))
+                (all(&c), c.outwards(&self.segment))
             }
         };
         let off = off.ok_or_else(|| here("the surface is another one"))?;
@@ -99,14 +105,14 @@ impl<'a> Piece<'a> {
             return Err(here("the normal is on the wrong side"));
         }
         let moved = (Interval::point(own) + Interval::point(off)).hi;
-        let b = patch.bbox();
-        let reach = b.min.amax().max(b.max.amax()).max(Round::of(&self.segment).radius);
+        let sizes = list.iter().map(Surface::bbox).map(|b| b.min.amax().max(b.max.amax()));
+        let reach = sizes.fold(Round::of(&self.segment).radius, f64::max);
         if moved.is_nan() || moved > ROUNDING * reach {
             return Err(here(&format!("the surface is {moved:.3e} mm from what was judged")));
         }
         let edges = match self.part {
             Some((part, k)) => trimmed_moved(part, k, face)?,
-            None => whole_moved(patch, face)?,
+            None => whole_moved(&list, face)?,
         };
         if edges > ROUNDING * reach {
             return Err(here(&format!("its edges are {edges:.3e} mm from what was judged")));
@@ -115,40 +121,53 @@ impl<'a> Piece<'a> {
     }
 }
 
-/// The edges of a whole segment against the border of its patch.
-fn whole_moved(patch: &Surface, face: &WrittenExact) -> Result<f64, Fault> {
+/// The edges of a whole segment against the borders of its patches, which follow each other.
+fn whole_moved(list: &[Surface], face: &WrittenExact) -> Result<f64, Fault> {
     let [sides] = &face.loops[..] else { return Err((face.entity, "the face has several loops".into())) };
-    let (net, n) = (&patch.control, patch.knots_u.control_count());
-    let across = |first: usize| Curve { knots: patch.knots_v.clone(), control: net[first..first + 2].to_vec() };
-    let along = |side: usize| {
-        let control = net.iter().skip(side).step_by(2).copied().collect();
-        Curve { knots: patch.knots_u.clone(), control }
+    let across = |patch: &Surface, last: bool| {
+        let first = if last { patch.control.len() - 2 } else { 0 };
+        vec![Curve { knots: patch.knots_v.clone(), control: patch.control[first..first + 2].to_vec() }]
     };
-    let wanted = [(across(0), true), (along(1), true), (across(2 * n - 2), false), (along(0), false)];
+    let along = |side: usize| -> Vec<Curve<4>> {
+        let of = |p: &Surface| {
+            let control = p.control.iter().skip(side).step_by(2).copied().collect();
+            Curve { knots: p.knots_u.clone(), control }
+        };
+        list.iter().map(of).collect()
+    };
+    let (first, last) = (&list[0], &list[list.len() - 1]);
+    let wanted = [(across(first, false), true), (along(1), true), (across(last, true), false), (along(0), false)];
     if sides.len() != wanted.len() {
         return Err((face.entity, "edges are missing".into()));
     }
     let mut moved = 0.0f64;
-    for (k, ((curve, forward), side)) in wanted.iter().zip(sides).enumerate() {
+    for (k, ((curves, forward), side)) in wanted.iter().zip(sides).enumerate() {
         let fault = |what: &str| (side.entity, what.to_owned());
         if side.forward != *forward {
             return Err(fault("the edge runs the other way"));
         }
         follows(sides, k)?;
-        let off = match &side.course {
-            WrittenCourse::Circle { centre, axis, radius } => {
-                ends_moved(curve, side).zip(off_circle(curve, centre, axis, *radius)).map(|(a, b)| a.max(b))
+        let off = match (&side.course, &curves[..]) {
+            (WrittenCourse::Circle { centre, axis, radius }, _) => {
+                let arcs = curves.iter().map(|c| off_circle(c, centre, axis, *radius).unwrap_or(f64::NAN));
+                whole_ends(curves).and_then(|c| ends_moved(&c, side)).zip(worst(arcs)).map(|(a, b)| a.max(b))
             }
             // Edges of planes may be lines where the patch has three control points in a row.
-            WrittenCourse::Line { .. } => {
+            (WrittenCourse::Line { .. }, [curve]) => {
                 let chord = ends_of(curve).and_then(|line| side_moved(&line, side));
                 chord.zip(off_chord(curve)).map(|(a, b)| a.max(b))
             }
-            WrittenCourse::Spline { .. } => side_moved(curve, side),
+            (WrittenCourse::Spline { .. }, [curve]) => side_moved(curve, side),
+            _ => None,
         };
         moved = moved.max(off.ok_or_else(|| fault("the edge is another one"))?);
     }
     Ok(moved)
+}
+
+/// The line between the ends of curves that follow each other.
+fn whole_ends(curves: &[Curve<4>]) -> Option<Curve<4>> {
+    line([*curves.first()?.control.first()?, *curves.last()?.control.last()?])
 }
 
 /// The edges of a trimmed piece: the very numbers that were judged.

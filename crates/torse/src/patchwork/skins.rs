@@ -66,7 +66,11 @@ pub fn sheet(faces: &[&Face]) -> Option<Sheet> {
     }
     // Small faces that cannot be triangulated so coarsely are no skins.
     let hulls: Vec<Hull> = faces.par_iter().map(|f| hull(f).unwrap_or_else(Hull::none)).collect();
-    let areas: Vec<f64> = faces.par_iter().map(|f| area_estimate(f)).collect();
+    // The area of the triangles will do: exact ones would take their time at outlines of many corners.
+    let triangles = |h: &Hull| h.sides.iter().map(|s| s.1.norm()).sum::<f64>();
+    let area =
+        |(face, hull): (&&Face, &Hull)| if hull.sides.is_empty() { area_estimate(face) } else { triangles(hull) };
+    let areas: Vec<f64> = faces.par_iter().zip(&hulls).map(area).collect();
     let seen: Vec<Option<Seen>> = (0..faces.len()).into_par_iter().map(|k| seen(k, faces, &hulls)).collect();
     let thickness = thickness(&seen, &areas)?;
     let is_skin = |k: usize| seen[k].as_ref().is_some_and(|s| (s.distance - thickness).abs() <= SAME * thickness);

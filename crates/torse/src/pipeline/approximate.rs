@@ -81,7 +81,7 @@ pub fn of_faces(
     let tolerance = options.tolerance;
     checked(&faces, &skipped, options)?;
     let TrimsJudged { faces, missed: untrue, .. } = trims_judged(faces, tolerance);
-    let faces = smoothly_joined(faces, tolerance, options.smooth_angle);
+    let faces = smoothly_joined(faces, tolerance, options.smooth_angle, control);
     checked_number(&faces, options)?;
     checked_curves(&faces, options)?;
     let built = covered(faces, options, control);
@@ -157,6 +157,7 @@ fn covered(faces: Vec<Face>, options: &Options, control: &Control) -> Vec<Result
         meet: options.meet,
         control,
         deadline: OnceLock::new(),
+        limited: OnceLock::new(),
     };
     let first = first_covers(&faces, &wanted);
     faces

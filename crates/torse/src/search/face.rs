@@ -1,8 +1,8 @@
 //! One face from its surface to panels that are proven and lie flat: cover, build, judge, develop; what is refused is cut
 //! and goes round again.
 
-use super::build::{build, build_until, too_large, Built};
-use super::cover::{cover, exactly_covered, fill, Cover, CoverOptions, Layout, Limits, State};
+use super::build::{build_until, too_large, Built};
+use super::cover::{cover, exactly_covered, fill, panels_needed, Cover, CoverOptions, Layout, Limits, State};
 use super::laid::{Laid, Task};
 use super::stitch::attempts::{met, with_room};
 use super::trims::{corners_on_knot_lines, TRIM_SHARE};
@@ -29,8 +29,13 @@ const FIRST_SHARE: f64 = 0.2;
 const STOPGAP_SHARE: f64 = 0.3;
 /// See [`Wanted::grace`]: people who asked to stop wait for it.
 const GRACE: Duration = Duration::from_millis(1000);
+/// Panels that a limit asks for on a face from which on they may not be found at all.
+const MANY: f64 = 4.0;
 /// Time, after a job was asked to stop, for fits of regions that no cover has reached, and for proofs of what has none.
 const FILLING: Duration = Duration::from_millis(250);
+/// Time for covers of faces that limits of bending ask to be cut, for all of them together: what is found at all is found in less.
+/// Users who want to wait longer say so.
+const LIMITED: Duration = Duration::from_secs(30);
 /// Fits are judged with this multiple of the distance at their samples, so that the report can state a bound.
 const LOOSE: f64 = 1.2;
 
@@ -44,6 +49,8 @@ pub(crate) struct Wanted<'a> {
     pub control: &'a Control,
     /// When stopgaps of all faces together must end: set by the first that needs one.
     pub deadline: OnceLock<Instant>,
+    /// When covers must end that a limit of bending makes hard to find: set by the first such face.
+    pub limited: OnceLock<Instant>,
 }
 
 impl Wanted<'_> {
@@ -55,6 +62,29 @@ impl Wanted<'_> {
     /// Time for stopgaps after a job was asked to stop.
     fn grace(&self) -> Control {
         Control::default().until(self.end())
+    }
+
+    /// Until when a cover of a face is looked for, and why that is no longer, in words: where the user has set no time, but
+    /// limits that hardly any panel of the face keeps to.
+    fn search(&self, face: &Face, options: &CoverOptions) -> (Control, Option<String>) {
+        let radius = options.limits.min_bend_radius.filter(|_| self.control.remaining().is_none());
+        let Some((radius, needed)) =
+            radius.and_then(|r| Some((r, panels_needed(face, &options.limits, options.tolerance)?)))
+        else {
+            return (self.control.clone(), None);
+        };
+        if needed.1 < MANY {
+            return (self.control.clone(), None);
+        }
+        let end = *self.limited.get_or_init(|| Instant::now() + LIMITED);
+        let why = format!(
+            "face #{}: no cover was found in {} s whose panels bend with a radius of {radius} mm or more: the face asks for about \
+             {:.0} panels then; a smaller radius or a larger tolerance would help, or more time (--time-limit)",
+            face.entity,
+            LIMITED.as_secs(),
+            needed.1
+        );
+        (self.control.clone().until(end), Some(why))
     }
 
     /// Whether a job was asked to stop and its time for stopgaps is up: no face should be begun.
@@ -120,6 +150,7 @@ fn covered(index: usize, mut face: Face, first: Option<Built>, wanted: &Wanted) 
     // What is developable already needs no search: it is covered even when time is up.
     let exact = exactly_covered(&face, &options, &Control::default());
     let is_exact = exact.is_some();
+    let (mut search, mut why) = (control.clone(), None);
     let mut found = match exact {
         Some(state) => Cover { state, complete: true },
         None => {
@@ -127,9 +158,11 @@ fn covered(index: usize, mut face: Face, first: Option<Built>, wanted: &Wanted) 
                 let end = Instant::now() + left.mul_f64(STOPGAP_SHARE);
                 stopgap = stopgaps(index, &face, &options, (stopgap, &control.clone().until(end)));
             }
-            cover(&face, &options, control)?
+            (search, why) = wanted.search(&face, &options);
+            cover(&face, &options, &search)?
         }
     };
+    let control = &search;
     while !found.complete && !control.stopped() {
         // Too many panels: the fewest that were asked for, as near as they can be.
         options.tolerance *= COARSER;
@@ -139,10 +172,14 @@ fn covered(index: usize, mut face: Face, first: Option<Built>, wanted: &Wanted) 
     if !complete {
         // Time is up: a coarse cover of all of it says more than a fine one of a part.
         let found = stopgap.take().or_else(|| stopgaps(index, &face, &options, (None, &wanted.grace())));
-        return Ok(found.unwrap_or_else(|| filled(index, &face, state, whole)));
+        let mut built = found.unwrap_or_else(|| filled(index, &face, state, whole));
+        built.missing.splice(0..0, why.filter(|_| !wanted.control.stopped()));
+        return Ok(built);
     }
     if (control.stopped() && !is_exact) || options.tolerance > tolerance {
-        let built = build(index, &face, &state, whole).0;
+        // What is found as time runs out is judged in a moment, or not at all.
+        let clock = if control.stopped() { wanted.grace() } else { Control::default() };
+        let built = build_until(index, &face, &state, whole, &clock).0;
         let unknown = !built.certificate.deviation_bound.is_finite();
         return Ok(stopgap.filter(|_| unknown && control.stopped()).unwrap_or(built));
     }

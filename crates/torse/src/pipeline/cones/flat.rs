@@ -8,7 +8,7 @@ use crate::develop::view::cones_viewed;
 use crate::patchwork::part::Part;
 use crate::patchwork::pattern::Pattern;
 use crate::search::strips::cone_body::Proven;
-use crate::torse::cone::forms::patches;
+use crate::torse::cone::forms::whole_patch;
 use crate::torse::cone::part::ConeBody;
 use crate::torse::cone::spline::{ConeSpline, Segment};
 use crate::torse::form::PanelKind;
@@ -47,7 +47,7 @@ pub(super) fn strips_of(answer: &mut Answer, body: &ConeBody, proven: &Proven) -
             _ => PanelKind::Plane,
         };
         let name = format!("{}-{:02}", body.name, k + 1);
-        let Some(patch) = patches(s).ok().and_then(|p| p.into_iter().next()) else {
+        let Ok(patch) = whole_patch(s) else {
             answer.skipped.push(format!("{name}: its edges run through its vertex").into());
             continue;
         };

@@ -2,8 +2,9 @@
 
 use super::*;
 use crate::brep::face::TrimLoop;
+use crate::brep::support_surface::SupportSurface;
 use crate::certify::claim::Status;
-use crate::geom::Vec3;
+use crate::geom::{Frame, Vec3};
 use crate::io::words;
 use crate::search::strips::cone_strip::tests::{face_point, slanting};
 use crate::spline::knots::Knots;
@@ -110,4 +111,36 @@ fn a_disc_is_a_certified_plane() {
     let out = of_faces(&[face], &[], &options, &Control::default()).expect("an answer");
     assert_eq!(out.status(), Status::Certified, "{}", words::reason(&out.claims, &[]));
     assert_eq!(counts(&out.cones.as_ref().expect("cones").bodies), [0, 0, 1]);
+}
+
+#[test]
+fn a_cylinder_of_a_full_turn_is_that_cylinder() {
+    let tube = SupportSurface::Cylinder { frame: Frame::world(), radius: 100.0 };
+    let (surface, _) = tube.to_spline((0.0, std::f64::consts::TAU), (0.0, 300.0)).expect("a cylinder");
+    let options = ConesOptions { tolerance: 0.1, input: "test".into() };
+    let mut out = of_faces(&[Face::untrimmed(surface)], &[], &options, &Control::default()).expect("an answer");
+    assert_eq!((out.patchwork.panels.len(), out.parts.len()), (1, 1));
+    let files = crate::files(&mut out, "2026-01-31T12:00:00").expect("files");
+    assert_eq!(out.status(), Status::Certified, "{}", words::reason(&out.claims, &[]));
+    let step = files.iter().find(|f| f.0 == "cones.step").map(|f| String::from_utf8_lossy(&f.1).into_owned());
+    let step = step.expect("cones.step");
+    let count = |word: &str| step.matches(word).count();
+    assert_eq!(["ADVANCED_FACE(", "CYLINDRICAL_SURFACE(", "EDGE_CURVE(", "VERTEX_POINT("].map(count), [1, 1, 3, 2]);
+    // A cylinder that is wider, or a circle, is another one.
+    let at = step.find("CYLINDRICAL_SURFACE(").expect("a cylinder");
+    let end = at + step[at..].find(')').expect("its end");
+    let radius = step[..end].rfind(',').expect("its radius");
+    let moved = format!("{},100.001{}", &step[..radius], &step[end..]);
+    let panels = crate::io::bundle::CONES.to_owned();
+    crate::pipeline::deliver::judge(&mut out, &[(panels, moved.into_bytes())]);
+    assert_eq!(out.status(), Status::Uncertified);
+}
+
+#[test]
+fn a_cone_that_reaches_its_tip_is_named_with_the_tip() {
+    let cone = SupportSurface::Cone { frame: Frame::world(), radius: 100.0, slope: -0.5 };
+    let (surface, _) = cone.to_spline((0.0, 3.0), (0.0, 200.0)).expect("a cone");
+    let options = ConesOptions { tolerance: 0.1, input: "test".into() };
+    let error = of_faces(&[Face::untrimmed(surface)], &[], &options, &Control::default()).expect_err("a tip");
+    assert!(error.to_string().contains("its tip at (0.000, 0.000, 200.000)"), "{error}");
 }

@@ -8,7 +8,7 @@ use crate::certify::cones::{cones as judge, ConeJudgeOptions, ConeProof};
 use crate::fit::elements::cones::{cones as fit, ConeFit, ConeFitOptions};
 use crate::fit::panels::cone_trim::{cone_part, ConeTrimOptions};
 use crate::torse::cone::part::ConeBody;
-use crate::torse::cone::spline::ConeSpline;
+use crate::torse::cone::spline::{ConeSpline, ONCE_AROUND};
 use crate::torse::ruled_patch::{RuledPatch, RuledStrip};
 
 /// The tolerance of the fit against that of the job: the proof of the way back adds to the distance fitted.
@@ -53,7 +53,7 @@ pub struct Proven {
 pub fn body(target: &Target, tolerance: f64) -> Result<(ConeBody, Proven), String> {
     let (found, proof) = approximated(target, tolerance)?;
     let name = target.name.clone();
-    let unmerged = found.spline.with_turns_below(LARGEST_TURN);
+    let unmerged = found.spline.with_turns_below(LARGEST_TURN, LARGEST_TURN);
     let joint = proof.mismatch();
     let whole = |spline: ConeSpline, bound: UpperBound, missing: Option<String>| {
         let proven = Proven { bound, joint, trimmed: None, missing };
@@ -61,13 +61,13 @@ pub fn body(target: &Target, tolerance: f64) -> Result<(ConeBody, Proven), Strin
     };
     if let Some(share) = target.outline.strays_from_rectangle() {
         let (spline, proof) = match unmerged.has_circular_edges() {
-            true => merged(target, &found, proof, tolerance),
+            true => merged(target, &found, proof, tolerance, ONCE_AROUND),
             false => (unmerged, proof),
         };
         return Ok(whole(spline, proof.bound().plus(astray_bound(&target.outline.surface, share)), None));
     }
     // Trimmed edges replace those of the chain, so that its bounds hold for what lies between them.
-    let (spline, proof) = merged(target, &found, proof, tolerance);
+    let (spline, proof) = merged(target, &found, proof, tolerance, LARGEST_TURN);
     let outline = target.outline.in_space(&found.nodes);
     let wanted = ConeTrimOptions { outline: OUTLINE_SHARE * tolerance, edge: EDGE_ROUNDING };
     let part = match cone_part(&spline, &outline, &wanted) {
@@ -113,17 +113,17 @@ fn approximated(target: &Target, tolerance: f64) -> Result<(ConeFit, ConeProof),
 }
 
 /// The chain with segments on one carrier made one. These carriers are not those that were judged, to the last digit:
-/// they are judged again, and stay apart where they do not hold.
-fn merged(target: &Target, found: &ConeFit, proof: ConeProof, tolerance: f64) -> (ConeSpline, ConeProof) {
+/// they are judged again, and stay apart where they do not hold. Between circles one turns by no more than `circles` (rad).
+fn merged(target: &Target, found: &ConeFit, proof: ConeProof, tolerance: f64, circles: f64) -> (ConeSpline, ConeProof) {
     let size = target.strip.jet(target.strip.domain().0).length();
-    let merged = found.spline.merged(size, LARGEST_TURN);
+    let merged = found.spline.merged(size, LARGEST_TURN, circles);
     let again = (merged.segments.len() < found.spline.segments.len())
         .then(|| merged.cut_like(&found.spline))
         .flatten()
         .and_then(|cut| judge(&target.strip, &found.nodes, &cut, &ConeJudgeOptions::new(tolerance)).ok())
         .filter(|again| again.holds(tolerance.max(proof.bound().value())));
     match again {
-        Some(again) => (merged.with_turns_below(LARGEST_TURN), again),
-        None => (found.spline.with_turns_below(LARGEST_TURN), proof),
+        Some(again) => (merged.with_turns_below(LARGEST_TURN, circles), again),
+        None => (found.spline.with_turns_below(LARGEST_TURN, LARGEST_TURN), proof),
     }
 }

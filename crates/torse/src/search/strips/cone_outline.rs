@@ -2,6 +2,7 @@
 
 use crate::brep::face::Face;
 use crate::fit::panels::cone_trim::OutlinePoint;
+use crate::geom::Vec3;
 use crate::patchwork::panel::Panel;
 use crate::spline::bezier::Bezier;
 use crate::spline::curve::{bezier_pieces, Curve};
@@ -28,6 +29,10 @@ const ASTRAY: f64 = 1e-9;
 /// Share of a side within which a line meets its corner: beside it, it would make a chord without length.
 const AT_CORNER: f64 = 1e-6;
 
+/// Places along a border at which it is looked whether that is a point.
+const TIP_PLACES: usize = 16;
+/// Extent of a border, as a share of the rulings, below which it is a point.
+const TIP: f64 = 1e-9;
 impl PlaneOutline {
     /// The trim of a face on its surface, whose parameters may be exchanged. `None` for a loop without corners.
     pub fn of_face(face: &Face, surface: Surface, transposed: bool) -> Option<Self> {
@@ -75,6 +80,15 @@ impl PlaneOutline {
             .fold([f64::INFINITY, f64::NEG_INFINITY, f64::INFINITY, f64::NEG_INFINITY], |b, [u, v]| {
                 [b[0].min(*u), b[1].max(*u), b[2].min(*v), b[3].max(*v)]
             })
+    }
+
+    /// Where all rulings meet at an end of the region, as at the tip of a cone.
+    pub fn tip(&self) -> Option<Vec3> {
+        let [u0, u1, v0, v1] = self.bounds();
+        let at = |k: usize, v: f64| self.surface.point(u0 + (u1 - u0) * k as f64 / TIP_PLACES as f64, v);
+        let length = (0..=TIP_PLACES).map(|k| (at(k, v1) - at(k, v0)).norm()).fold(0.0, f64::max);
+        let wide = |v: f64| (1..=TIP_PLACES).map(|k| (at(k, v) - at(0, v)).norm()).fold(0.0, f64::max);
+        [v0, v1].into_iter().find(|v| wide(*v) <= TIP * length).map(|v| at(0, v))
     }
 
     /// How far the boundary strays from that of the rectangle between its least and greatest parameters, as a share of

@@ -126,6 +126,13 @@ pub(crate) fn ruled(face: &Face, tolerance: f64) -> Result<(RuledPatch, PlaneOut
     for (k, surface) in candidates.into_iter().flatten().enumerate() {
         let Some(outline) = PlaneOutline::of_face(face, surface, k == 1) else { continue };
         let Some(strip) = strip_of(&outline) else { continue };
+        if let Some(p) = outline.tip() {
+            return Err(format!(
+                "it reaches its tip at ({:.3}, {:.3}, {:.3}), where all rulings meet and no sheet bends; cut a hundredth of its \
+                 length off at the tip in CAD",
+                p.x, p.y, p.z
+            ));
+        }
         match faulty(&strip, tolerance) {
             None => return Ok((strip, outline)),
             Some(fault) => reason = fault,

@@ -57,6 +57,33 @@ pub fn patches(segment: &Segment) -> Result<Vec<Surface>, SplineError> {
         .collect()
 }
 
+/// A segment as one patch, as [`patches`], with a knot where that cuts.
+///
+/// # Errors
+/// Those of [`patches`]; pieces whose weights do not agree where they meet, which are those of edges that are no circles.
+pub fn whole_patch(segment: &Segment) -> Result<Surface, SplineError> {
+    let pieces = patches(segment)?;
+    let [first, others @ ..] = &pieces[..] else { return patch(segment) };
+    if others.is_empty() {
+        return Ok(first.clone());
+    }
+    let mut control = first.control.clone();
+    for piece in others {
+        let joint = control.len() - 2;
+        if (0..2).any(|side| control[joint + side][3].total_cmp(&piece.control[side][3]).is_ne()) {
+            return Err(SplineError::Control { index: joint, reason: "the pieces have other weights here".into() });
+        }
+        control.extend_from_slice(&piece.control[2..]);
+    }
+    let count = pieces.len();
+    let mut knots = vec![0.0; 3];
+    (1..count).for_each(|k| knots.extend([k as f64 / count as f64; 2]));
+    knots.extend([1.0; 3]);
+    let points: Vec<Vec3> = control.iter().map(|c| Vec3::new(c[0], c[1], c[2]) / c[3]).collect();
+    let weights: Vec<f64> = control.iter().map(|c| c[3]).collect();
+    Surface::new(Knots::new(2, knots, control.len() / 2)?, Knots::clamped(1, &[0.0, 1.0])?, &points, Some(&weights))
+}
+
 /// All patches of a chain in order.
 ///
 /// # Errors

@@ -240,6 +240,12 @@ impl Segment {
         Self { start, shape, edges }
     }
 
+    /// Whether both edges are circles about the axis, up to a share of the ruling.
+    pub fn is_between_circles(&self, share: f64) -> bool {
+        let length = (self.edges[1][0] - self.edges[0][0]).abs();
+        self.edges.iter().all(|[a, m, b]| (a - m).abs().max((b - m).abs()) <= share * length)
+    }
+
     /// The parallel surface at the signed distance `delta` along the normal (sheet thickness), rulings to rulings.
     ///
     /// *Guarantee*: exact; the same angles and frames. *Not guaranteed*: that the offset strip stays clear of its
@@ -290,6 +296,11 @@ pub enum SegmentFault {
     },
 }
 
+/// Coordinates of edges that differ by less than this share of the ruling are equal.
+const EQUAL: f64 = 1e-12;
+/// Turn (rad) of a piece between circles, at most: once about its axis, up to rounding.
+pub const ONCE_AROUND: f64 = std::f64::consts::TAU * (1.0 + 1e-9);
+
 impl ConeSpline {
     /// Number of segments of each kind: cones, cylinders, planes.
     pub fn counts(&self) -> [usize; 3] {
@@ -315,12 +326,14 @@ impl ConeSpline {
         }
     }
 
-    /// The same surface with segments cut so that none turns by more than `limit` (rad) about its axis.
-    pub fn with_turns_below(&self, limit: f64) -> Self {
+    /// The same surface with segments cut so that none turns by more than `limit` (rad) about its axis; those between circles
+    /// by no more than `circles`.
+    pub fn with_turns_below(&self, limit: f64, circles: f64) -> Self {
         // A full turn at the most makes this many pieces; more would be no limit but a mistake.
         const MOST: f64 = 64.0;
         let mut segments = Vec::with_capacity(self.segments.len());
         for s in &self.segments {
+            let limit = if s.is_between_circles(0.0) { circles } else { limit };
             let pieces = (s.shape.angle().abs() / limit).ceil().clamp(1.0, MOST) as usize;
             if pieces == 1 {
                 segments.push(*s);
@@ -333,9 +346,9 @@ impl ConeSpline {
     }
 
     /// The same surface with neighbours on one support made one segment, as long as it turns by no more than `limit`
-    /// (rad); `length` is the size of the strip, mm. Edges of merged segments are plane sections through the ends and
-    /// the joint: those of circles stay as they are, others change.
-    pub fn merged(&self, length: f64, limit: f64) -> Self {
+    /// (rad), between circles by no more than `circles`; `length` is the size of the strip, mm. Edges of merged segments are
+    /// plane sections through the ends and the joint: those of circles stay as they are, others change.
+    pub fn merged(&self, length: f64, limit: f64, circles: f64) -> Self {
         /// Carriers that differ by less than this (rad, share of the length) are one.
         const SAME: f64 = 1e-9;
         let mut segments: Vec<Segment> = Vec::with_capacity(self.segments.len());
@@ -359,12 +372,18 @@ impl ConeSpline {
                     (Shape::Flat { width }, Shape::Flat { width: more }) => width / (width + more),
                     _ => a / (a + b),
                 };
-                let fits = (a + b).abs() <= limit
+                let slide = (s.start.point - middle.point).dot(&s.start.direction);
+                let one_circle =
+                    |k: usize| s.edges[k].iter().all(|r| (r + slide - last.edges[k][0]).abs() <= EQUAL * length);
+                let round = last.is_between_circles(EQUAL) && one_circle(0) && one_circle(1);
+                let fits = (a + b).abs() <= if round { circles } else { limit }
                     && whole.end().mismatch(&s.end(), length) <= SAME
                     && whole.element(share).mismatch(&middle, length) <= SAME
                     && whole.element(0.5 * (1.0 + share)).mismatch(&s.element(0.5), length) <= SAME;
-                let slide = (s.start.point - middle.point).dot(&s.start.direction);
-                let edges = [0, 1].map(|k| [last.edges[k][0], last.edges[k][2], s.edges[k][2] + slide]);
+                let edges = [0, 1].map(|k| match round {
+                    true => [last.edges[k][0]; 3],
+                    false => [last.edges[k][0], last.edges[k][2], s.edges[k][2] + slide],
+                });
                 fits.then_some(Segment { edges, ..whole })
             });
             match (joined, segments.last_mut()) {
@@ -401,12 +420,7 @@ impl ConeSpline {
 
     /// Whether all edges are circles about the axes, up to rounding of their coordinates.
     pub fn has_circular_edges(&self) -> bool {
-        /// Coordinates that differ by less than this share of the ruling are equal.
-        const EQUAL: f64 = 1e-12;
-        self.segments.iter().all(|s| {
-            let length = (s.edges[1][0] - s.edges[0][0]).abs();
-            s.edges.iter().all(|[a, m, b]| (a - m).abs().max((b - m).abs()) <= EQUAL * length)
-        })
+        self.segments.iter().all(|s| s.is_between_circles(EQUAL))
     }
 
     /// The chain between two circular arc splines: those that start at the coordinates `lower` and `upper` (mm) of
@@ -461,11 +475,11 @@ mod tests {
             let mut whole = Segment::new(start(), shape);
             whole.edges = [[-1.0; 3], [0.5; 3]];
             let parts = ConeSpline { segments: vec![whole.part(0.0, 0.3), whole.part(0.3, 1.0)] };
-            let merged = parts.merged(2.0, 2.0);
+            let merged = parts.merged(2.0, 2.0, 2.0);
             assert_eq!(merged.segments.len(), 1);
             assert!(merged.segments[0].end().mismatch(&whole.end(), 2.0) < 1e-14);
             assert!((merged.segments[0].edge(1, 0.4) - 0.5).abs() < 1e-14);
-            assert_eq!(parts.merged(2.0, 0.5).segments.len(), if shape.angle() == 0.0 { 1 } else { 2 });
+            assert_eq!(parts.merged(2.0, 0.5, 0.5).segments.len(), if shape.angle() == 0.0 { 1 } else { 2 });
             let mut other = parts.clone();
             other.segments[1].shape = match shape {
                 Shape::Cone { distance, cos_gamma, sin_gamma, angle } => {
@@ -474,7 +488,7 @@ mod tests {
                 Shape::Cylinder { radius, angle } => Shape::Cylinder { radius: radius * 1.001, angle },
                 Shape::Flat { .. } => Shape::Cylinder { radius: -5.0, angle: 0.1 },
             };
-            assert_eq!(other.merged(2.0, 2.0).segments.len(), 2);
+            assert_eq!(other.merged(2.0, 2.0, 2.0).segments.len(), 2);
         }
     }
 

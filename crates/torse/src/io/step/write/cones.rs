@@ -6,24 +6,29 @@ use crate::spline::curve::Curve;
 use crate::torse::cone::distance::Round;
 use crate::torse::cone::forms::edge_conic;
 use crate::torse::cone::part::{ConePart, PartCurve};
-use crate::torse::cone::spline::{ConeSpline, Segment, Shape};
+use crate::torse::cone::spline::{ConeSpline, Segment, Shape, ONCE_AROUND};
+use std::f64::consts::TAU;
 
-/// Turns beyond this are written as several faces, rad: conic edges keep weights above 1/2.
+/// Turns beyond this are written as several faces, rad, unless edges are circles: conic edges keep weights above 1/2.
 const LARGEST_TURN: f64 = 2.0 * std::f64::consts::FRAC_PI_3;
 
 impl Sheet {
     /// A chain: one face for each segment (CONICAL_SURFACE, CYLINDRICAL_SURFACE, PLANE), named `name-01 cone` and so
     /// on, normals on the side of the segments' normals. Lateral edges are circles or conics, the others lines.
     pub fn of_cones(name: &str, spline: &ConeSpline) -> Self {
-        let spline = spline.with_turns_below(LARGEST_TURN);
+        let spline = spline.with_turns_below(LARGEST_TURN, ONCE_AROUND);
         let mut sheet = Self { name: name.into(), ..Self::default() };
         let Some(first) = spline.segments.first() else { return sheet };
         let mut ends = |s: &Segment, f: f64, k: usize| {
             sheet.vertices.extend([0, 1].map(|side| s.point(f, s.edges[side][k])));
         };
         ends(first, 0.0, 0);
-        for s in &spline.segments {
-            ends(s, 1.0, 2);
+        // A full turn ends where it begins: one slit, used there and back.
+        let closed = spline.segments.len() == 1 && first.shape.angle().abs() >= 2.0 * TAU - ONCE_AROUND;
+        if !closed {
+            for s in &spline.segments {
+                ends(s, 1.0, 2);
+            }
         }
         // Edges 3i: ruling i; 3i + 1 and 3i + 2: lower and upper edge of segment i.
         let ruling = |i: usize| SheetEdge { start: 2 * i, end: 2 * i + 1, curve: SheetCurve::Line };
@@ -32,7 +37,8 @@ impl Sheet {
             sheet.edges.push(ruling(i));
             for side in 0..2 {
                 let curve = lateral(s, side);
-                sheet.edges.push(SheetEdge { start: 2 * i + side, end: 2 * i + 2 + side, curve });
+                let end = if closed { side } else { 2 * i + 2 + side };
+                sheet.edges.push(SheetEdge { start: 2 * i + side, end, curve });
             }
             let (surface, reversed) = support(s);
             sheet.faces.push(SheetFace {
@@ -42,12 +48,14 @@ impl Sheet {
                 loops: vec![vec![
                     edge_use(3 * i, true),
                     edge_use(3 * i + 2, true),
-                    edge_use(3 * i + 3, false),
+                    edge_use(if closed { 0 } else { 3 * i + 3 }, false),
                     edge_use(3 * i + 1, false),
                 ]],
             });
         }
-        sheet.edges.push(ruling(spline.segments.len()));
+        if !closed {
+            sheet.edges.push(ruling(spline.segments.len()));
+        }
         sheet
     }
 }
