@@ -78,7 +78,8 @@ impl<'a> Piece<'a> {
         let list = patches(&self.segment).map_err(|e| here(&e.to_string()))?;
         let [patch, others @ ..] = &list[..] else { return Err(here("the piece is none")) };
         // Only between circles pieces turn farther than one patch does.
-        if !others.is_empty() && !(self.part.is_none() && self.segment.is_between_circles(0.0)) {
+        let round = self.part.is_none() && self.segment.is_between_circles(0.0);
+        if !(others.is_empty() || round) {
             return Err(here("the piece turns too far"));
         }
         let all = |carrier: &Carrier| worst(list.iter().map(|p| carrier.off(p).unwrap_or(f64::NAN)));
