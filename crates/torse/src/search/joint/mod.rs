@@ -32,12 +32,21 @@ use crate::torse::form::Torse;
 use edge::{Edge, Junction};
 use line::Line;
 use network::Network;
-use program::step;
+use program::{step, Prices};
 pub(crate) use start::whole_borders;
 
+/// Largest distance (tolerances) above which strips have far to go after so many steps: unevenness is then paid once for all
+/// strips, slides grow, and there are more steps.
+const FAR: (f64, usize) = (1.05, 2);
+/// See [`FAR`].
+const FAR_STEPS: usize = 12;
+/// There, factors on how far lines may slide in a step, after refused and good ones, and the most.
+const SLIDES: (f64, f64, f64) = (0.5, 2.0, 4.0);
+/// There, gaps below this count no less than it, in place of the first of [`GAP`]: what the polish closes.
+const FAR_GAP: f64 = 0.02;
 /// Weights of gaps from step to step; the last one stays.
 const WEIGHTS: [f64; 4] = [1e3, 4e3, 1.6e4, 6e4];
-/// Steps at most.
+/// Steps at most; of those with far to go, see [`FAR`], [`FAR_STEPS`].
 const STEPS: usize = 8;
 /// Trials of a step.
 const TRIALS: usize = 5;
@@ -55,6 +64,8 @@ const GAIN: (f64, f64, f64) = (0.1, 0.3, 0.7);
 const NOTHING: f64 = 1e-3;
 /// Factors on the damping after good, poor and refused steps.
 const DAMPING: (f64, f64, f64) = (0.25, 2.0, 6.0);
+/// See [`DAMPING`]: less changes nothing, and takes trials to be left again.
+const LEAST_DAMPING: f64 = 0.1;
 
 /// Largest distance of an edge from its strips, as a share of its length: wanted, allowed.
 const ON_BOTH: (f64, f64) = (3e-7, 1e-6);
@@ -167,11 +178,13 @@ pub fn joined(face: &Face, state: &State, chains: Vec<SeamChain>, asked: &Asked,
 
 /// Steps as long as they make the network better.
 fn improved<'a>(mut now: Network<'a>, control: &Control) -> (Network<'a>, Vec<StepReport>) {
-    let merit = |[distance, gap]: [f64; 2]| distance + GAP.1 * gap.max(GAP.0);
-    let mut damping = 1.0;
+    let (mut damping, mut reach, mut far) = (1.0, 1.0, false);
     let mut steps: Vec<StepReport> = Vec::new();
-    'steps: while steps.len() < STEPS && !control.stopped() {
+    'steps: while steps.len() < (if far { FAR_STEPS } else { STEPS }) && !control.stopped() {
         let at = now.measured();
+        far |= steps.len() == FAR.1 && at[0] > FAR.0;
+        let least = if far { FAR_GAP } else { GAP.0 };
+        let merit = |[distance, gap]: [f64; 2]| distance + GAP.1 * gap.max(least);
         if steps.len() >= ENOUGH.2 && at[0] < ENOUGH.0 && at[1] < ENOUGH.1 {
             break;
         }
@@ -179,7 +192,7 @@ fn improved<'a>(mut now: Network<'a>, control: &Control) -> (Network<'a>, Vec<St
         let weight = WEIGHTS[steps.len().min(WEIGHTS.len() - 1)];
         let mut effort = [0, 0];
         for _ in 0..TRIALS {
-            let Some(found) = step(&now, &columns, weight, damping) else { break 'steps };
+            let Some(found) = step(&now, &columns, &Prices { gaps: weight, damping, reach, far }) else { break 'steps };
             effort = [effort[0] + 1, effort[1] + found.iterations];
             // Where feet would be lost a part of the step is as good as can be had: what it keeps is linear in it.
             let of_step = |part: &f64| {
@@ -193,10 +206,14 @@ fn improved<'a>(mut now: Network<'a>, control: &Control) -> (Network<'a>, Vec<St
             let accepted = share > GAIN.0 || merit(reached) < merit(at) + NOTHING;
             let Some(mut next) = next.filter(|_| accepted) else {
                 damping *= DAMPING.2;
+                reach = (reach * SLIDES.0).max(1.0);
                 continue;
             };
             if share > GAIN.2 && part == 1.0 {
-                damping *= DAMPING.0;
+                damping = (damping * DAMPING.0).max(LEAST_DAMPING);
+                if far {
+                    reach = (reach * SLIDES.1).min(SLIDES.2);
+                }
             } else if share < GAIN.1 {
                 damping *= DAMPING.1;
             }

@@ -13,10 +13,24 @@ const COUNTS: f64 = 0.3;
 /// Samples whose regularity is below this multiple of the least must keep it; the share of what is left that a step may
 /// take, and what is left at least.
 const ROOM: (f64, f64, f64) = (4.0, 0.8, 0.02);
-/// Prices of uneven changes of strips and of slides, and of every unknown.
+/// Prices of uneven changes of strips and of slides, and of every unknown; with more strips than [`FEW`] their sum stays.
 const EVEN: (f64, f64) = (1e-2, 1e-2);
 /// See [`EVEN`].
+const FEW: f64 = 5.0;
+/// See [`EVEN`].
 const RIDGE: f64 = 1e-4;
+
+/// What a step pays, and how far it goes.
+pub(super) struct Prices {
+    /// Of gaps along lines.
+    pub gaps: f64,
+    /// Factor on what damps strips.
+    pub damping: f64,
+    /// How far lines may slide, as a multiple of their unit's limit.
+    pub reach: f64,
+    /// Whether strips have far to go.
+    pub far: bool,
+}
 
 /// A step and what it should lead to.
 pub(super) struct Step {
@@ -28,17 +42,20 @@ pub(super) struct Step {
     pub iterations: usize,
 }
 
-/// The step for a weight of gaps and a damping.
-pub(super) fn step(network: &Network, columns: &Columns, weight: f64, damping: f64) -> Option<Step> {
-    let mut tie = Tie { rows: Runs::default(), price: Vec::new(), damping };
-    let mut program = distances(network, columns, weight, &mut tie)?;
+/// The step for prices and limits.
+pub(super) fn step(network: &Network, columns: &Columns, prices: &Prices) -> Option<Step> {
+    let mut tie = Tie { rows: Runs::default(), price: Vec::new(), damping: prices.damping };
+    let mut program = distances(network, columns, prices.gaps, &mut tie)?;
+    columns.slide_limits(prices.reach, &mut program.limits);
     let gaps = tie.price.len();
+    // One largest distance stands against the unevenness of all strips.
+    let share = if prices.far { (FEW / network.members.len() as f64).min(1.0) } else { 1.0 };
     for (m, &column) in network.members.iter().zip(&columns.strips) {
         m.strip.damping(column, network.tolerance, &mut tie);
-        m.strip.sequences().iter().for_each(|s| tie.uneven(column, s, EVEN.0));
+        m.strip.sequences().iter().for_each(|s| tie.uneven(column, s, share * EVEN.0));
     }
     let all: Vec<usize> = (0..SLIDES).collect();
-    columns.slides.iter().for_each(|&column| tie.uneven(column, &all, EVEN.1));
+    columns.slides.iter().for_each(|&column| tie.uneven(column, &all, share * EVEN.1));
     (program.soft, program.price) = (tie.rows, tie.price);
     let Minimum { x, largest, iterations } = program.solve()?;
     let gap = |i: usize| (program.price[i].1 + program.soft.dot(i, &x)).abs();
