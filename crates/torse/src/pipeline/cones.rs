@@ -17,7 +17,7 @@ use crate::geom::BBox;
 use crate::patchwork::panel::Patchwork;
 use crate::search::strips::cone_body::{body, Proven, Target};
 use crate::search::strips::cone_outline::PlaneOutline;
-use crate::search::strips::cone_strip::{ruled, strip_of};
+use crate::search::strips::cone_strip::{bent_tip, ruled, strip_of};
 use crate::search::strips::cut::{lengths, refused};
 use crate::search::trims::{trims_judged, TrimsJudged};
 use crate::torse::cone::part::ConeBody;
@@ -84,7 +84,8 @@ pub fn of_faces(
     let before = left.len();
     for (i, face) in faces.iter().enumerate() {
         let name = if face.name.is_empty() { format!("F{:02}", i + 1) } else { face.name.clone() };
-        match ruled(face, options.tolerance) {
+        let found = ruled(face, options.tolerance);
+        match found.and_then(|f| bent_tip(&f.0, &f.1).map_or(Ok(f), Err)) {
             Ok((strip, outline)) => targets.push(Target { name, strip, outline }),
             Err(reason) => left.push(Skipped::of_face(face, format!("{name}: {reason}"))),
         }

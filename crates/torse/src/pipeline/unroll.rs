@@ -135,13 +135,14 @@ pub fn unroll(model: &Model, options: &UnrollOptions, control: &Control) -> Resu
     // 2. The skins in space: one panel for each face, in the order of the parts.
     let mut patchwork = Patchwork::default();
     let mut made_of: Vec<Part> = Vec::new();
+    let mut absent: Vec<UnrollNote> = Vec::new();
     control.report("laying out the skins", PROVEN, format!("{} parts", parts.len()));
     let skin = |(part, laid): (&FlatPart, &Option<LaidFace>)| -> Vec<_> {
         let faces = if laid.is_some() { &[][..] } else { &part.faces[..] };
         let of = |(k, f): (usize, &usize)| {
             let face = model.faces[*f].clone();
             let name = format!("{}-{:02}", part.pattern.name, k + 1);
-            face_panels(&face, &name).map(|(partition, panels)| (face, partition, panels))
+            (face.entity, face_panels(&face, &name).filter(|f| !f.1.is_empty()).map(|(p, panels)| (face, p, panels)))
         };
         faces.par_iter().enumerate().map(of).collect()
     };
@@ -153,7 +154,11 @@ pub fn unroll(model: &Model, options: &UnrollOptions, control: &Control) -> Resu
             made_of.push(Part::new(part.pattern.name.clone(), first, 1));
             continue;
         }
-        for (face, partition, made) in panels.into_iter().flatten() {
+        let missing: Vec<u64> = panels.iter().filter(|f| f.1.is_none()).map(|f| f.0).collect();
+        if !missing.is_empty() {
+            absent.push(UnrollNote::NotInSpace { part: part.pattern.name.clone(), faces: missing });
+        }
+        for (face, partition, made) in panels.into_iter().filter_map(|f| f.1) {
             let index = patchwork.faces.len();
             patchwork.panels.extend(made.into_iter().map(|mut p| {
                 p.trim.iter_mut().for_each(|t| t.face = index);
@@ -184,7 +189,7 @@ pub fn unroll(model: &Model, options: &UnrollOptions, control: &Control) -> Resu
     if !touching.is_empty() {
         answer.notes.push(Note::Unroll(UnrollNote::Touching { parts: touching }));
     }
-    answer.notes.extend(notes(&parts, options).into_iter().map(Note::Unroll));
+    answer.notes.extend(notes(&parts, options).into_iter().chain(absent).map(Note::Unroll));
     if let Some(tolerance) = options.approximate {
         let rest = (0..model.faces.len()).filter(|k| !laid_flat.contains(k)).map(|k| model.faces[k].clone()).collect();
         covered::add(&mut answer, rest, tolerance, control)?;

@@ -38,6 +38,13 @@ pub enum UnrollNote {
         /// Names of the parts.
         parts: Vec<String>,
     },
+    /// Faces of a part that lie flat in its pattern, but are missing from models and pictures.
+    NotInSpace {
+        /// Name of the part.
+        part: String,
+        /// Entity numbers of the faces.
+        faces: Vec<u64>,
+    },
     /// Outlines of formed features that are not cut.
     Formed {
         /// Name of the part.

@@ -2,6 +2,7 @@
 
 mod kinds;
 
+use crate::answer::note::{Note, UnrollNote};
 use crate::brep::face::Face;
 use crate::certify::claim::Status;
 use crate::develop::unfold::allowance::KFactor;
@@ -477,6 +478,12 @@ fn general_cylinders_and_cones_are_proven_in_strips_beside_other_faces() {
         let answer = answered(faces.to_vec(), None);
         assert_eq!((answer.status(), answer.parts.len()), (Status::Certified, 1), "{:?}", answer.claims);
         assert!((answer.patterns[0].area - area).abs() < 1e-4 * area, "{} {area}", answer.patterns[0].area);
+        // Faces without a panel in space are told of.
+        let absent = answer.notes.iter().map(|n| match n {
+            Note::Unroll(UnrollNote::NotInSpace { faces, .. }) => faces.len(),
+            _ => 0,
+        });
+        assert_eq!(answer.patchwork.faces.len() + absent.sum::<usize>(), 2);
     }
 }
 

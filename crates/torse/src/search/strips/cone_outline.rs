@@ -33,6 +33,7 @@ const AT_CORNER: f64 = 1e-6;
 const TIP_PLACES: usize = 16;
 /// Extent of a border, as a share of the rulings, below which it is a point.
 const TIP: f64 = 1e-9;
+
 impl PlaneOutline {
     /// The trim of a face on its surface, whose parameters may be exchanged. `None` for a loop without corners.
     pub fn of_face(face: &Face, surface: Surface, transposed: bool) -> Option<Self> {

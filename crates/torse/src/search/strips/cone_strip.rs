@@ -6,6 +6,7 @@
 
 use super::cone_outline::PlaneOutline;
 use crate::brep::face::Face;
+use crate::geom::Vec3;
 use crate::num::linear_program::LinearProgram;
 use crate::spline::bezier::Bezier;
 use crate::spline::surface::Surface;
@@ -13,6 +14,8 @@ use crate::torse::ruled_patch::{RuledPatch, RuledStrip};
 
 /// Rulings at which a face is tested for developability.
 const TWIST_TESTED: usize = 33;
+/// Sine of the turn of its normals up to which a strip is plane.
+const PLANE: f64 = 1e-9;
 /// Largest deviation of a ruled face from a developable one that still counts as none, as a share of the tolerance:
 /// the sine of the twist times the length of the ruling. It only decides what is tried: the proof takes the face as it
 /// is, with its twist, at every ruling.
@@ -126,19 +129,30 @@ pub(crate) fn ruled(face: &Face, tolerance: f64) -> Result<(RuledPatch, PlaneOut
     for (k, surface) in candidates.into_iter().flatten().enumerate() {
         let Some(outline) = PlaneOutline::of_face(face, surface, k == 1) else { continue };
         let Some(strip) = strip_of(&outline) else { continue };
-        if let Some(p) = outline.tip() {
-            return Err(format!(
-                "it reaches its tip at ({:.3}, {:.3}, {:.3}), where all rulings meet and no sheet bends; cut a hundredth of its \
-                 length off at the tip in CAD",
-                p.x, p.y, p.z
-            ));
-        }
         match faulty(&strip, tolerance) {
             None => return Ok((strip, outline)),
             Some(fault) => reason = fault,
         }
     }
     Err(reason)
+}
+
+/// Why a strip that bends cannot be made of cones up to the end of its outline: all rulings meet there. Plane faces may end
+/// in a corner.
+pub(crate) fn bent_tip(strip: &RuledPatch, outline: &PlaneOutline) -> Option<String> {
+    let p = outline.tip()?;
+    let (a, b) = strip.domain();
+    let at = |k: usize| a + (b - a) * k as f64 / (TWIST_TESTED - 1) as f64;
+    let normals: Vec<Vec3> =
+        (0..TWIST_TESTED).filter_map(|k| strip.jet(at(k)).element().ok()).map(|e| e.normal).collect();
+    let bends = |n: &Vec3| n.cross(&normals[0]).norm() > PLANE;
+    normals.iter().any(bends).then(|| {
+        format!(
+            "it reaches its tip at ({:.3}, {:.3}, {:.3}), where all rulings meet and no sheet bends; cut a hundredth of its \
+             length off at the tip in CAD",
+            p.x, p.y, p.z
+        )
+    })
 }
 
 /// What keeps a ruled strip from being developable.

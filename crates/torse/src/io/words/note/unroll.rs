@@ -32,6 +32,11 @@ pub(super) fn words(note: &UnrollNote) -> String {
              proven: {}.",
             listed(parts.iter().cloned())
         ),
+        UnrollNote::NotInSpace { part, faces } => format!(
+            "{part}: faces are in the flat pattern, but not in the models and pictures, as no panel could be laid to their border: \
+             {}.",
+            listed(faces.iter().map(|f| format!("#{f}")))
+        ),
         UnrollNote::Formed { part, count } => format!("{part}: {count} outlines of formed features are not cut."),
     }
 }
