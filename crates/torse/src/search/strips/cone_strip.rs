@@ -131,7 +131,7 @@ pub(crate) fn ruled(face: &Face, tolerance: f64) -> Result<(RuledPatch, PlaneOut
         let Some(strip) = strip_of(&outline) else { continue };
         match faulty(&strip, tolerance) {
             None => return Ok((strip, outline)),
-            Some(fault) => reason = fault,
+            Some(fault) => reason = bent_tip(&strip, &outline).unwrap_or(fault),
         }
     }
     Err(reason)
