@@ -2,7 +2,7 @@
 //! and goes round again.
 
 use super::build::{build_until, too_large, Built};
-use super::cover::{cover, exactly_covered, fill, panels_needed, Cover, CoverOptions, Layout, Limits, State};
+use super::cover::{bent_panels, cover, exactly_covered, fill, Cover, CoverOptions, Layout, Limits, State};
 use super::laid::{Laid, Task};
 use super::stitch::attempts::{met, with_room};
 use super::trims::{corners_on_knot_lines, TRIM_SHARE};
@@ -29,8 +29,9 @@ const FIRST_SHARE: f64 = 0.2;
 const STOPGAP_SHARE: f64 = 0.3;
 /// See [`Wanted::grace`]: people who asked to stop wait for it.
 const GRACE: Duration = Duration::from_millis(1000);
-/// Panels that a limit asks for on a face from which on they may not be found at all.
-const MANY: f64 = 4.0;
+/// Panels one after the other, where one would do but for the radius to which it may bend, from which on they may not be found
+/// at all.
+const MANY: f64 = 2.0;
 /// Time, after a job was asked to stop, for fits of regions that no cover has reached, and for proofs of what has none.
 const FILLING: Duration = Duration::from_millis(250);
 /// Time for covers of faces that limits of bending ask to be cut, for all of them together: what is found at all is found in less.
@@ -68,21 +69,17 @@ impl Wanted<'_> {
     /// limits that hardly any panel of the face keeps to.
     fn search(&self, face: &Face, options: &CoverOptions) -> (Control, Option<String>) {
         let radius = options.limits.min_bend_radius.filter(|_| self.control.remaining().is_none());
-        let Some((radius, needed)) =
-            radius.and_then(|r| Some((r, panels_needed(face, &options.limits, options.tolerance)?)))
-        else {
+        let needed = radius.and_then(|r| Some((r, bent_panels(face, r, options.tolerance)?)));
+        let Some((radius, [along, across])) = needed.filter(|(_, n)| n[0] >= MANY) else {
             return (self.control.clone(), None);
         };
-        if needed.1 < MANY {
-            return (self.control.clone(), None);
-        }
         let end = *self.limited.get_or_init(|| Instant::now() + LIMITED);
         let why = format!(
             "face #{}: no cover was found in {} s whose panels bend with a radius of {radius} mm or more: the face asks for about \
              {:.0} panels then; a smaller radius or a larger tolerance would help, or more time (--time-limit)",
             face.entity,
             LIMITED.as_secs(),
-            needed.1
+            along * across
         );
         (self.control.clone().until(end), Some(why))
     }
@@ -150,6 +147,7 @@ fn covered(index: usize, mut face: Face, first: Option<Built>, wanted: &Wanted) 
     // What is developable already needs no search: it is covered even when time is up.
     let exact = exactly_covered(&face, &options, &Control::default());
     let is_exact = exact.is_some();
+    // Where covers end before the job does, the panels say why.
     let (mut search, mut why) = (control.clone(), None);
     let mut found = match exact {
         Some(state) => Cover { state, complete: true },
@@ -163,6 +161,10 @@ fn covered(index: usize, mut face: Face, first: Option<Built>, wanted: &Wanted) 
         }
     };
     let control = &search;
+    let told = |mut built: Built| {
+        built.missing.splice(0..0, why.filter(|_| search.stopped() && !wanted.control.stopped()));
+        built
+    };
     while !found.complete && !control.stopped() {
         // Too many panels: the fewest that were asked for, as near as they can be.
         options.tolerance *= COARSER;
@@ -172,16 +174,14 @@ fn covered(index: usize, mut face: Face, first: Option<Built>, wanted: &Wanted) 
     if !complete {
         // Time is up: a coarse cover of all of it says more than a fine one of a part.
         let found = stopgap.take().or_else(|| stopgaps(index, &face, &options, (None, &wanted.grace())));
-        let mut built = found.unwrap_or_else(|| filled(index, &face, state, whole));
-        built.missing.splice(0..0, why.filter(|_| !wanted.control.stopped()));
-        return Ok(built);
+        return Ok(told(found.unwrap_or_else(|| filled(index, &face, state, whole))));
     }
     if (control.stopped() && !is_exact) || options.tolerance > tolerance {
         // What is found as time runs out is judged in a moment, or not at all.
         let clock = if control.stopped() { wanted.grace() } else { Control::default() };
         let built = build_until(index, &face, &state, whole, &clock).0;
         let unknown = !built.certificate.deviation_bound.is_finite();
-        return Ok(stopgap.filter(|_| unknown && control.stopped()).unwrap_or(built));
+        return Ok(told(stopgap.filter(|_| unknown && control.stopped()).unwrap_or(built)));
     }
     let task = Task { index, face: &face, whole, options, control };
     let mut laid = task.laid(state, Vec::new());
@@ -193,7 +193,10 @@ fn covered(index: usize, mut face: Face, first: Option<Built>, wanted: &Wanted) 
     }
     let Laid { state, built, accepted, seams } = laid;
     if control.stopped() && !built.certificate.deviation_bound.is_finite() {
-        return Ok(stopgap.unwrap_or(built));
+        return Ok(told(stopgap.unwrap_or(built)));
+    }
+    if !accepted && control.stopped() {
+        return Ok(told(built));
     }
     if !accepted || !wanted.meet || control.stopped() {
         return Ok(built);

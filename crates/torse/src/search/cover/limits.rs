@@ -71,16 +71,55 @@ const SAMPLES: usize = 400;
 /// is its area (\[SE06\], carried on to limited bending). Sheets count by their area. Not proven, an estimate.
 pub(crate) fn panels_needed(face: &Face, limits: &Limits, tolerance: f64) -> Option<(&'static str, f64)> {
     let area = area_estimate(face);
-    let by_radius = limits.min_bend_radius.and_then(|radius| {
-        let forms = State::of_face(face, f64::INFINITY).ok()?.forms(0, SAMPLES);
-        let rate = |k: f64| (k.max(0.0) / tolerance).sqrt() / 4.0;
-        let sum = forms
-            .iter()
-            .map(|f| f.principal().map(f64::abs))
-            .fold([0.0; 2], |[along, across], [a, b]| [along + rate(a.max(b) - 1.0 / radius), across + rate(a.min(b))]);
-        let counts = sum.map(|s| (s / forms.len().max(1) as f64 * area.sqrt()).max(1.0));
-        Some(("smallest bending radius", counts[0] * counts[1]))
-    });
+    let of_radius = |radius| Some(("smallest bending radius", bent_panels(face, radius, tolerance)?.iter().product()));
+    let by_radius = limits.min_bend_radius.and_then(of_radius);
     let by_sheet = limits.widest().zip(limits.longest()).map(|(w, l)| ("size of the sheet", area / (w * l)));
     [by_radius, by_sheet].into_iter().flatten().filter(|n| n.1.is_finite()).max_by(|a, b| a.1.total_cmp(&b.1))
+}
+
+/// About how many panels a face asks for one after the other where they bend, and beside each other: the first is one where
+/// panels that bend with a radius (mm) or more follow the face within the tolerance (mm). See [`panels_needed`].
+pub(crate) fn bent_panels(face: &Face, radius: f64, tolerance: f64) -> Option<[f64; 2]> {
+    let forms = State::of_face(face, f64::INFINITY).ok()?.forms(0, SAMPLES);
+    let rate = |k: f64| (k.max(0.0) / tolerance).sqrt() / 4.0;
+    let sum = forms
+        .iter()
+        .map(|f| f.principal().map(f64::abs))
+        .fold([0.0; 2], |[along, across], [a, b]| [along + rate(a.max(b) - 1.0 / radius), across + rate(a.min(b))]);
+    Some(sum.map(|s| (s / forms.len().max(1) as f64 * area_estimate(face).sqrt()).max(1.0)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geom::Vec3;
+    use crate::spline::{knots::Knots, surface::Surface};
+
+    /// A quarter of a cylinder of radius 100 mm and of 300 mm height.
+    fn quarter() -> Face {
+        let (arc, line) =
+            (Knots::clamped(2, &[0.0, 1.0]).expect("knots"), Knots::clamped(1, &[0.0, 1.0]).expect("knots"));
+        let points: Vec<Vec3> = [[100.0, 0.0], [100.0, 100.0], [0.0, 100.0]]
+            .iter()
+            .flat_map(|&[x, y]| [Vec3::new(x, y, 0.0), Vec3::new(x, y, 300.0)])
+            .collect();
+        let half = 0.5_f64.sqrt();
+        let weights = [1.0, 1.0, half, half, 1.0, 1.0];
+        Face::untrimmed(Surface::new(arc, line, &points, Some(&weights)).expect("a surface"))
+    }
+
+    #[test]
+    fn bends_ask_for_several_panels_only_where_the_radius_is_larger_than_the_surface_has() {
+        let face = quarter();
+        let counts = |radius| bent_panels(&face, radius, 0.1).expect("an estimate");
+        assert_eq!(counts(50.0), [1.0, 1.0]);
+        // Flat panels of a cylinder may be 4√(εr) wide for bending on both sides of a plane.
+        let [along, across] = counts(1e6);
+        let width = 4.0 * (0.1_f64 * 100.0).sqrt();
+        let root = (std::f64::consts::FRAC_PI_2 * 100.0 * 300.0).sqrt();
+        assert!((along - root / width).abs() < 0.01 * along, "{along}");
+        assert_eq!(across, 1.0);
+        // Neither cuts a radius a little above the surface's own at a coarse tolerance.
+        assert!(bent_panels(&face, 101.0, 10.0).expect("an estimate")[0] < 2.0);
+    }
 }
