@@ -9,12 +9,13 @@ use super::intersection::{pair, Intersections};
 use super::relevel;
 use super::seams::{self, Meeting, SharedSeam};
 use crate::brep::face::Face;
+use crate::certify::flat::flat;
 use crate::certify::{Known, PanelCertificate, SeamCertificate, SeamStatus};
 use crate::control::Control;
 use crate::fit::near::samples::Fit;
 use crate::fit::panels::boundary::Borders;
 use crate::patchwork::panel::Panel;
-use crate::search::build::{borders, build, build_on, limits_missed, smooth_borders, too_large, Built, Joined};
+use crate::search::build::{borders, build, build_on, limits_missed, smooth_borders, too_large, Built, Joined, Kept};
 use crate::search::cover::{cover, CoverOptions, State};
 use crate::search::joint::{self, Further};
 use crate::torse::form::{PanelKind, Torse};
@@ -63,6 +64,8 @@ struct Attempts<'a> {
     control: &'a Control,
     /// What was proven on the way.
     known: Known,
+    /// Labels whose flat patterns are not proven without common edges either.
+    unproven: BTreeSet<u32>,
     /// The best so far.
     best: Built,
 }
@@ -77,7 +80,9 @@ pub(crate) fn met(
     control: &Control,
 ) -> Built {
     let tolerance = built.certificate.tolerance;
-    let mut attempts = Attempts { index, face, tolerance, wanted, control, known: Known::default(), best: built };
+    let unproven = unproven(&built, control).into_iter().collect();
+    let mut attempts =
+        Attempts { index, face, tolerance, wanted, control, known: Known::default(), unproven, best: built };
     attempts.all(state);
     attempts.best
 }
@@ -292,13 +297,7 @@ impl Attempts<'_> {
                 together: built.map_or_else(BTreeSet::new, |b| b.together.clone()),
                 ..Meeting::default()
             };
-            let (next, bad) = build_on(
-                self.index,
-                self.face,
-                &now,
-                self.tolerance,
-                Joined { kept: (&meeting, &[], &[]), known: &self.known },
-            );
+            let (next, bad) = self.built_on(&now, (&meeting, &[], &[]));
             let missed = missed(&next);
             if bad.is_empty() && missed.is_empty() {
                 return Some(next);
@@ -315,6 +314,18 @@ impl Attempts<'_> {
             }
         }
         None
+    }
+
+    /// Panels with common edges, and the labels of those that are refused: also for a flat pattern that is not proven, but is
+    /// without these edges.
+    fn built_on(&self, state: &State, kept: Kept) -> (Built, Vec<u32>) {
+        let joined = Joined { kept, known: &self.known };
+        let (next, mut bad) = build_on(self.index, self.face, state, self.tolerance, joined);
+        if bad.is_empty() {
+            bad = unproven(&next, self.control);
+            bad.retain(|l| !self.unproven.contains(l));
+        }
+        (next, bad)
     }
 
     /// Whether the border between two labels lies in a plane in which a seam must run: such borders stay.
@@ -337,13 +348,7 @@ impl Attempts<'_> {
         let (count, tolerance) = (self.best.patchwork.panels.len(), self.tolerance);
         let (mut refused, mut dropped, mut ill_shaped) = (Vec::new(), Vec::new(), Vec::new());
         for _ in 0..MEETINGS {
-            let (next, bad) = build_on(
-                self.index,
-                self.face,
-                state,
-                tolerance,
-                Joined { kept: (meeting, &refused, &dropped), known: &self.known },
-            );
+            let (next, bad) = self.built_on(state, (meeting, &refused, &dropped));
             let whole = next.patchwork.panels.len() == count;
             // An edge that its panels miss is no edge of theirs.
             let label = |k: usize| next.patchwork.panels[k].label();
@@ -412,6 +417,13 @@ pub(crate) fn with_room(
         }
     }
     best
+}
+
+/// Labels of panels whose flat patterns are not proven.
+fn unproven(built: &Built, control: &Control) -> Vec<u32> {
+    let proofs = flat(&built.patchwork, &built.patterns, built.certificate.tolerance, control);
+    let open = proofs.iter().filter(|p| !p.holds());
+    open.filter_map(|p| built.patchwork.panels.get(p.panel())?.label()).collect()
 }
 
 /// How far panels are from meeting: a gap of the tolerance counts one, every seam that is not exact a little besides.
