@@ -10,6 +10,7 @@ pub mod panel;
 pub mod part;
 pub mod partition;
 pub mod pattern;
+pub(crate) mod redraw;
 pub mod seam;
 pub(crate) mod skins;
 pub(crate) mod smooth_seams;

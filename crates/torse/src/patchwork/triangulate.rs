@@ -6,7 +6,7 @@ use std::collections::{HashMap, HashSet, VecDeque};
 
 /// Polygon corners this close to a grid line (share of the grid's extent) are moved onto it. Far below the accuracy
 /// of any trim, and it keeps triangles from crossing knot lines by a hair.
-const SNAP: f64 = 1e-10;
+pub(super) const SNAP: f64 = 1e-10;
 
 /// Why a region could not be triangulated.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -184,13 +184,13 @@ pub(crate) fn triangulate(
 
 /// Distinct points by their bits.
 #[derive(Default)]
-struct Points {
-    list: Vec<[f64; 2]>,
+pub(super) struct Points {
+    pub list: Vec<[f64; 2]>,
     of: HashMap<(u64, u64), u32>,
 }
 
 impl Points {
-    fn index(&mut self, p: [f64; 2]) -> u32 {
+    pub fn index(&mut self, p: [f64; 2]) -> u32 {
         // Adding zero turns −0 into +0.
         let p = [p[0] + 0.0, p[1] + 0.0];
         *self.of.entry((p[0].to_bits(), p[1].to_bits())).or_insert_with(|| {
@@ -200,7 +200,7 @@ impl Points {
     }
 
     /// For each line of one axis the points exactly on it, ordered along it.
-    fn on_lines(&self, lines: &[f64], axis: usize) -> Vec<Vec<u32>> {
+    pub fn on_lines(&self, lines: &[f64], axis: usize) -> Vec<Vec<u32>> {
         let of: HashMap<u64, usize> = lines.iter().enumerate().map(|(i, l)| ((l + 0.0).to_bits(), i)).collect();
         let mut out = vec![Vec::new(); lines.len()];
         for (i, p) in self.list.iter().enumerate() {
@@ -215,7 +215,7 @@ impl Points {
     }
 }
 
-fn snap(x: f64, lines: &[f64], tolerance: f64) -> f64 {
+pub(super) fn snap(x: f64, lines: &[f64], tolerance: f64) -> f64 {
     let i = lines.partition_point(|&l| l < x);
     for k in [i.wrapping_sub(1), i] {
         if let Some(&l) = lines.get(k) {
@@ -228,7 +228,7 @@ fn snap(x: f64, lines: &[f64], tolerance: f64) -> f64 {
 }
 
 /// Places `(s, line)` strictly inside a side from `a` to `b` at which it meets grid lines.
-fn crossings(a: f64, b: f64, lines: &[f64], tolerance: f64) -> Vec<(f64, f64)> {
+pub(super) fn crossings(a: f64, b: f64, lines: &[f64], tolerance: f64) -> Vec<(f64, f64)> {
     let (lo, hi) = (a.min(b) + tolerance, a.max(b) - tolerance);
     lines.iter().filter(|&&l| l > lo && l < hi).map(|&l| ((l - a) / (b - a), l)).collect()
 }

@@ -1,7 +1,7 @@
 //! Panels of a covered face as they are exported, their proof and their flat patterns.
 
 use super::cover::{Limits, State};
-use super::stitch::seams::{self, Meeting};
+use super::stitch::seams::{self, SharedSeam};
 use crate::brep::face::Face;
 use crate::certify::{self, Certificate, Known};
 use crate::control::Control;
@@ -14,7 +14,7 @@ use crate::patchwork::partition::Partition;
 use crate::patchwork::pattern::Pattern;
 use crate::torse::form::PanelKind;
 use rayon::prelude::*;
-use std::collections::{BTreeMap, BTreeSet, HashSet};
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Parts into which a panel is cut at once, at most.
 const MOST_PARTS: f64 = 64.0;
@@ -43,8 +43,6 @@ pub(crate) struct Built {
     pub missing: Vec<String>,
     /// Panels along curves.
     pub along: Vec<AlongCurve>,
-    /// Labels whose panels end together with their neighbours', see [`Borders::end_together`].
-    pub together: BTreeSet<u32>,
 }
 
 /// A panel that was laid along a curve of the user, or on the front that set out from it.
@@ -152,12 +150,10 @@ pub(crate) fn build_until(
     judged(index, face, &seams::with_partition(face, state, partition), (tolerance, control), None)
 }
 
-/// What is used of strips that meet: all but those of refused labels, and but edges between pairs of labels.
-pub(crate) type Kept<'a> = (&'a Meeting, &'a [u32], &'a [[u32; 2]]);
-
 /// Strips that are to meet.
 pub(crate) struct Joined<'a> {
-    pub kept: Kept<'a>,
+    /// Their common edges.
+    pub edges: &'a [SharedSeam],
     /// What was proven about others of the same face.
     pub known: &'a Known,
 }
@@ -181,23 +177,8 @@ fn judged(
         state.panels.iter().map(|(&label, fit)| Assigned { label, torse: &fit.torse, kind: fit.kind }).collect();
     let order = along_the_model(state);
     assigned.sort_by_key(|a| order.get(&a.label).copied());
-    let mut together = BTreeSet::new();
-    if let Some(Joined { kept: (meeting, refused, dropped), .. }) = joined {
-        let mut met = HashSet::new();
-        for e in seams::apply(meeting, refused, dropped) {
-            borders.share(e.chain, e.edge.clone(), e.parameters.clone());
-            met.extend(e.labels);
-        }
-        let ends_together = |l: &u32| meeting.together.contains(l) && !refused.contains(l);
-        let new = |l: &u32| met.contains(l) || ends_together(l);
-        for a in assigned.iter_mut().filter(|a| new(&a.label)) {
-            if let Some(torse) = meeting.torses.get(&a.label) {
-                (a.torse, a.kind) = (torse, PanelKind::Torse);
-            }
-        }
-        let last: Vec<Assigned> = assigned.iter().filter(|a| ends_together(&a.label)).copied().collect();
-        together.extend(last.iter().map(|a| a.label));
-        borders.end_together(&last);
+    for e in joined.iter().flat_map(|j| j.edges) {
+        borders.share(e.chain, e.edge.clone(), e.parameters.clone());
     }
     let trim_tolerance = tolerance * TRIM_SHARE;
     let boundary = |a: &Assigned| {
@@ -253,7 +234,7 @@ fn judged(
         Some(AlongCurve { panel, curve: o.curve.clone(), step: o.step, paper_estimate: o.paper_estimate })
     });
     let along = along.collect();
-    (Built { patchwork, certificate, patterns, missing, along, together }, refused)
+    (Built { patchwork, certificate, patterns, missing, along }, refused)
 }
 
 /// Middles of panels within this share of their spread count as side by side.

@@ -4,7 +4,7 @@
 use super::build::{build_until, too_large, Built};
 use super::cover::{bent_panels, cover, exactly_covered, fill, Cover, CoverOptions, Layout, Limits, State};
 use super::laid::{Laid, Task};
-use super::stitch::attempts::{met, with_room};
+use super::stitch::attempts::met;
 use super::trims::{corners_on_knot_lines, TRIM_SHARE};
 use super::{sheet, slivers};
 use crate::brep::face::Face;
@@ -202,8 +202,7 @@ fn covered(index: usize, mut face: Face, first: Option<Built>, wanted: &Wanted) 
         return Ok(built);
     }
     let options = task.options_with(&seams);
-    let best = met(index, &face, &state, built, &options, control);
-    Ok(with_room(index, &face, best, &options, control))
+    Ok(met(index, &face, &state, built, &options, control))
 }
 
 /// Covers of a whole face from coarse to fine, each proven, until time is up: the finest. One may be at hand.

@@ -122,8 +122,7 @@ impl Borders<'_> {
         let place = |f: &Foot, x: &Vec3| [f.t, convert::parameters(&patch, f.t, x)];
         let mut places: HashMap<u32, [f64; 2]> =
             feet.iter().map(|(&v, f)| (v, place(f, &self.points[f.vertex as usize]))).collect();
-        let walled =
-            self.together.contains(&label) || loops.iter().flatten().any(|s| self.shared.contains_key(&s.chain));
+        let walled = loops.iter().flatten().any(|s| self.shared.contains_key(&s.chain));
         let mut walls = HashMap::new();
         if walled {
             let at = |v: u32| self.partition.vertices[v as usize];

@@ -458,7 +458,7 @@ fn repaired(levels: &[f64], shares: &[f64]) -> Option<Vec<f64>> {
 
 /// How dense levels must lie: the rise of `√error` over the range of the field, as the rounds so far have measured it.
 /// Single fits miss their best by some percent, which the mean of several rounds evens out.
-pub(in crate::search) struct Rise {
+pub(super) struct Rise {
     lo: f64,
     hi: f64,
     /// Rise in every cell of an even division of the range.

@@ -19,7 +19,9 @@ impl Columns {
     /// Limits of slides and vertices, a multiple of those that they start with.
     pub fn slide_limits(&self, reach: f64, limits: &mut [f64]) {
         self.slides.iter().for_each(|&c| limits[c..c + SLIDES].fill(reach * LIMITS.1));
-        self.vertices.iter().for_each(|&c| limits[c..c + 2].fill(reach * LIMITS.1));
+        // Where all lines at a vertex stay it has no columns.
+        let vertices = self.vertices.iter().filter(|c| **c != usize::MAX);
+        vertices.for_each(|&c| limits[c..c + 2].fill(reach * LIMITS.1));
     }
 
     /// Columns for strips with so many unknowns each, lines between them, and so many vertices.

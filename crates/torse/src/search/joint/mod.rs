@@ -34,9 +34,10 @@ use line::Line;
 use network::Network;
 use program::{step, Prices};
 pub(crate) use start::whole_borders;
+use std::collections::BTreeSet;
 
-/// Largest distance (tolerances) above which strips have far to go after so many steps: unevenness is then paid once for all
-/// strips, slides grow, and there are more steps.
+/// Largest distance (tolerances) above which strips have far to go after so many steps: slides then grow, and there are more
+/// steps.
 const FAR: (f64, usize) = (1.05, 2);
 /// See [`FAR`].
 const FAR_STEPS: usize = 12;
@@ -45,7 +46,7 @@ const SLIDES: (f64, f64, f64) = (0.5, 2.0, 4.0);
 /// There, gaps below this count no less than it, in place of the first of [`GAP`]: what the polish closes.
 const FAR_GAP: f64 = 0.02;
 /// Weights of gaps from step to step; the last one stays.
-const WEIGHTS: [f64; 4] = [1e3, 4e3, 1.6e4, 6e4];
+const WEIGHTS: [f64; 4] = [20.0, 80.0, 320.0, 1200.0];
 /// Steps at most; of those with far to go, see [`FAR`], [`FAR_STEPS`].
 const STEPS: usize = 8;
 /// Trials of a step.
@@ -92,6 +93,8 @@ pub(crate) struct Further {
 pub(crate) struct Asked<'a> {
     /// Between which labels (left, right) seams must stay where they are.
     pub held: &'a dyn Fn([u32; 2]) -> bool,
+    /// Labels whose strips stay as they are, and their borders too.
+    pub without: &'a BTreeSet<u32>,
     /// Places that count besides those of the partition.
     pub further: &'a [Further],
     /// Whether distances count more near lines and borders of the face, for what the proof takes of the tolerance where
@@ -115,8 +118,7 @@ pub(crate) struct StepReport {
 pub(crate) struct JoinedLine {
     /// Labels on the left and on the right.
     pub labels: [u32; 2],
-    /// Parameters on the face at equal arc lengths.
-    #[cfg_attr(not(test), expect(dead_code, reason = "tests see by them whether a line stayed"))]
+    /// Parameters on the face in order, close to each other near the ends.
     pub uv: Vec<[f64; 2]>,
     /// The edge of both strips, beyond both ends by about a hundredth.
     pub edge: Option<Curve<3>>,
@@ -134,8 +136,10 @@ pub(crate) struct JoinedVertex {
 /// Strips after the program.
 #[derive(Clone, Debug)]
 pub(crate) struct Joined {
-    /// New torse of every label.
+    /// New torse of every label that takes part.
     pub torses: Vec<(u32, Torse)>,
+    /// Largest distance of a sample or line from each of them, in tolerances.
+    pub distances: Vec<f64>,
     /// Points inside the face in which three strips meet.
     pub vertices: Vec<JoinedVertex>,
     /// Seam lines.
@@ -151,9 +155,9 @@ pub(crate) struct Joined {
 /// The strips of a covered face and the lines between them, changed together until neighbours are equally high along their
 /// seams, with as small a largest distance as that allows, and edges on both.
 ///
-/// *Input*: `state` with the partition to which the chains belong and a torse for every label; *Result*: the best that was reached, whether strips meet or not.
-/// `None` where some strip cannot take part (a torse of higher degree, samples without feet), where borders close, or
-/// without any border. *Not guaranteed*: any distance between samples; see `certify`.
+/// *Input*: `state` with the partition to which the chains belong. Strips that cannot take part (without a torse, with a torse
+/// of higher degree, with samples without feet) stay as they are, and borders that close. *Result*: the best that was reached,
+/// whether strips meet or not; `None` without any border left. *Not guaranteed*: any distance between samples; see `certify`.
 /// *Cost*: about as many factorisations as three programs have iterations, each of one block per strip.
 pub fn joined(face: &Face, state: &State, chains: Vec<SeamChain>, asked: &Asked, control: &Control) -> Option<Joined> {
     let network = start::network(face, state, chains, asked)?;
@@ -163,12 +167,13 @@ pub fn joined(face: &Face, state: &State, chains: Vec<SeamChain>, asked: &Asked,
     let label = |k: &usize| network.members[*k].label;
     let line = |(l, edge): (&Line, Option<Edge>)| JoinedLine {
         labels: l.strips.map(|k| label(&k)),
-        uv: l.points.iter().map(|p| p.uv).collect(),
+        uv: l.dense(),
         edge: edge.filter(|e| e.missed <= ON_BOTH.1 * l.length).map(|e| e.curve),
     };
     let vertex = |j: Junction| JoinedVertex { labels: j.strips.iter().map(label).collect(), place: j.place };
     Some(Joined {
         torses: (0..network.members.len()).map(|k| Some((label(&k), network.used(k)?))).collect::<Option<_>>()?,
+        distances: network.largest_of_strips().into_iter().map(|d| d / network.tolerance).collect(),
         lines: network.lines.iter().zip(edges).map(line).collect(),
         vertices: network.junctions().into_iter().map(vertex).collect(),
         start,
@@ -192,7 +197,7 @@ fn improved<'a>(mut now: Network<'a>, control: &Control) -> (Network<'a>, Vec<St
         let weight = WEIGHTS[steps.len().min(WEIGHTS.len() - 1)];
         let mut effort = [0, 0];
         for _ in 0..TRIALS {
-            let Some(found) = step(&now, &columns, &Prices { gaps: weight, damping, reach, far }) else { break 'steps };
+            let Some(found) = step(&now, &columns, &Prices { gaps: weight, damping, reach }) else { break 'steps };
             effort = [effort[0] + 1, effort[1] + found.iterations];
             // Where feet would be lost a part of the step is as good as can be had: what it keeps is linear in it.
             let of_step = |part: &f64| {

@@ -2,12 +2,13 @@
 
 use super::columns::Columns;
 use super::form::{Band, Foot};
-use super::line::{slide_functions, slide_knots, Line, LinePoint, Middle, POINTS, SLIDES};
+use super::line::{slide_functions, slide_knots, End, Line, LinePoint, Middle, POINTS, SLIDES};
 use super::strip::Strip;
 use crate::brep::face::Face;
 use crate::geom::Vec3;
 use crate::torse::form::Torse;
 use rayon::prelude::*;
+use std::collections::BTreeSet;
 
 /// Share of its first value below which the least regularity of a strip may not fall: patches need room between their region
 /// and their regression curve. With 0.15 distances became no smaller, and strips were refused.
@@ -81,6 +82,8 @@ pub(super) struct Network<'a> {
     pub samples: Vec<Sample>,
     /// What a slide of one means, mm.
     pub unit: f64,
+    /// Whether all strips of the face take part: else the nearest line is not always one of the sample's own strip.
+    pub is_whole: bool,
     /// Whether it counts what the ends of panels take of the tolerance beside them.
     pub ends_count: bool,
 }
@@ -109,10 +112,15 @@ impl Member {
 }
 
 impl Network<'_> {
-    /// Whether all feet are known.
-    pub fn is_whole(&self) -> bool {
-        self.samples.iter().all(|s| s.foot.is_some())
-            && self.lines.iter().flat_map(|l| &l.points).all(|p| p.feet.iter().all(Option::is_some))
+    /// Strips some foot of which is not known, in order.
+    pub fn without_feet(&self) -> BTreeSet<usize> {
+        let of_samples = self.samples.iter().filter(|s| s.foot.is_none()).map(|s| s.strip);
+        let of_line = |l: &Line| {
+            let strips = l.strips;
+            let lost = move |e: usize| l.points.iter().any(|p| p.feet[e].is_none());
+            [0, 1].into_iter().filter(move |&e| lost(e)).map(move |e| strips[e]).collect::<Vec<_>>()
+        };
+        of_samples.chain(self.lines.iter().flat_map(of_line)).collect()
     }
 
     /// Columns of its unknowns.
@@ -220,16 +228,16 @@ impl Network<'_> {
         });
     }
 
-    /// Middles of strips over all lines.
-    pub fn find_middles(&mut self) -> Option<()> {
+    /// Middles of strips over all lines; the error is a line that has none.
+    pub fn find_middles(&mut self) -> Result<(), usize> {
         let members = &self.members;
-        for l in &mut self.lines {
+        for (k, l) in self.lines.iter_mut().enumerate() {
             let strips = l.strips;
             let found: Option<Vec<Middle>> =
                 l.points.par_iter().map(|p| middle(strips.map(|k| &members[k]), p)).collect();
-            l.points.iter_mut().zip(found?).for_each(|(p, m)| p.middle = Some(m));
+            l.points.iter_mut().zip(found.ok_or(k)?).for_each(|(p, m)| p.middle = Some(m));
         }
-        Some(())
+        Ok(())
     }
 
     /// Largest distance of a sample or line from each strip, mm.
@@ -301,23 +309,23 @@ impl Network<'_> {
                 p.feet = [0, 1].map(|e: usize| members[strips[e]].foot(&p.x, p.feet[e]?.t));
             });
         }
-        let lines = &out.lines;
+        let (lines, is_whole) = (&out.lines, out.is_whole);
         out.samples.par_iter_mut().for_each(|s| {
             let before = s.foot.map(|f| f.t);
-            let (strip, guess) = placed(lines, s).unwrap_or((s.strip, before));
+            let (strip, guess) = placed(lines, s, is_whole).unwrap_or((s.strip, before));
             s.foot = guess.and_then(|t| members[strip].foot(&s.x, t));
             s.strip = strip;
         });
-        if !out.is_whole() {
+        if !out.without_feet().is_empty() {
             return None;
         }
-        out.find_middles()?;
+        out.find_middles().ok()?;
         Some(out)
     }
 }
 
 /// The strip on whose side of the nearest line a sample lies, and the foot of the line there.
-fn placed(lines: &[Line], s: &Sample) -> Option<(usize, Option<f64>)> {
+fn placed(lines: &[Line], s: &Sample, is_whole: bool) -> Option<(usize, Option<f64>)> {
     // Of lines that meet in one point the one that leaves it most nearly towards the sample.
     const TIE: f64 = 1e-6;
     let mut best: Option<(f64, usize, usize)> = None;
@@ -344,6 +352,14 @@ fn placed(lines: &[Line], s: &Sample) -> Option<(usize, Option<f64>)> {
     }
     let (_, l, k) = best?;
     let (line, p) = (&lines[l], &lines[l].points[k]);
+    if !is_whole && !line.strips.contains(&s.strip) {
+        return None;
+    }
+    // Beyond an end that stays other borders go on that stay.
+    let beyond = |end: usize, sign: f64| line.ends[end] == End::Fixed && sign * p.tangent.dot(&(s.x - p.x)) < 0.0;
+    if !is_whole && ((k == 0 && beyond(0, 1.0)) || (k + 1 == POINTS && beyond(1, -1.0))) {
+        return None;
+    }
     let left = p.normal.cross(&p.tangent).dot(&(s.x - p.x)) >= 0.0;
     let side = usize::from(!left);
     let strip = line.strips[side];

@@ -13,10 +13,9 @@ const COUNTS: f64 = 0.3;
 /// Samples whose regularity is below this multiple of the least must keep it; the share of what is left that a step may
 /// take, and what is left at least.
 const ROOM: (f64, f64, f64) = (4.0, 0.8, 0.02);
-/// Prices of uneven changes of strips and of slides, and of every unknown; with more strips than [`FEW`] their sum stays.
-const EVEN: (f64, f64) = (1e-2, 1e-2);
-/// See [`EVEN`].
-const FEW: f64 = 5.0;
+/// Prices of uneven changes of strips and of slides, and of every unknown: one largest distance stands against the first two of
+/// all strips, so these are shares of their sum.
+const EVEN: (f64, f64) = (5e-3, 5e-3);
 /// See [`EVEN`].
 const RIDGE: f64 = 1e-4;
 
@@ -28,8 +27,6 @@ pub(super) struct Prices {
     pub damping: f64,
     /// How far lines may slide, as a multiple of their unit's limit.
     pub reach: f64,
-    /// Whether strips have far to go.
-    pub far: bool,
 }
 
 /// A step and what it should lead to.
@@ -48,8 +45,7 @@ pub(super) fn step(network: &Network, columns: &Columns, prices: &Prices) -> Opt
     let mut program = distances(network, columns, prices.gaps, &mut tie)?;
     columns.slide_limits(prices.reach, &mut program.limits);
     let gaps = tie.price.len();
-    // One largest distance stands against the unevenness of all strips.
-    let share = if prices.far { (FEW / network.members.len() as f64).min(1.0) } else { 1.0 };
+    let share = (network.members.len() as f64).recip();
     for (m, &column) in network.members.iter().zip(&columns.strips) {
         m.strip.damping(column, network.tolerance, &mut tie);
         m.strip.sequences().iter().for_each(|s| tie.uneven(column, s, share * EVEN.0));

@@ -15,7 +15,7 @@ use crate::patchwork::partition::edges;
 use crate::search::cover::State;
 use crate::torse::form::Torse;
 use rayon::prelude::*;
-use std::collections::{BTreeMap, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashSet};
 
 /// Spans of strips to begin with, and at most.
 const SPANS: (usize, usize) = (30, 120);
@@ -26,25 +26,48 @@ const BEYOND: f64 = 0.03;
 /// Envelopes whose regularity falls below this share of its largest value are near an inflection.
 const INFLECTED: f64 = 0.1;
 
-/// The network of a covered face. `None` where some strip cannot take part, or lines close.
+/// The network of the strips of a covered face that can take part. `None` without any line between these.
 pub(super) fn network<'a>(face: &'a Face, state: &State, chains: Vec<SeamChain>, asked: &Asked) -> Option<Network<'a>> {
-    let &Asked { held, further, ends_count, tolerance } = asked;
-    let labels: Vec<u32> = state.partition.distinct_labels();
+    let chains = whole_borders(chains);
+    let mut without = asked.without.clone();
+    loop {
+        match network_of_others(face, state, &chains, asked, &without) {
+            Ok(network) => return Some(network),
+            Err(labels) if labels.is_empty() => return None,
+            Err(labels) => without.extend(labels),
+        }
+    }
+}
+
+/// See [`network`]; without strips that were named. Errors are the labels of those that cannot take part, if there are any.
+fn network_of_others<'a>(
+    face: &'a Face,
+    state: &State,
+    chains: &[SeamChain],
+    asked: &Asked,
+    without: &BTreeSet<u32>,
+) -> Result<Network<'a>, Vec<u32>> {
+    let &Asked { held, further, ends_count, tolerance, .. } = asked;
+    let mut labels: Vec<u32> = state.partition.distinct_labels();
+    labels.retain(|l| !without.contains(l));
     let index: BTreeMap<u32, usize> = labels.iter().enumerate().map(|(k, &l)| (l, k)).collect();
-    let torses: Vec<&Torse> = labels.iter().map(|l| Some(&state.panels.get(l)?.torse)).collect::<Option<_>>()?;
-    let (lines, vertices) = lines(face, state, &whole_borders(chains), &index, held, tolerance)?;
+    let (lines, vertices) = lines(face, state, chains, &index, held, tolerance).ok_or_else(Vec::new)?;
     let given = given(face, state, &index, further);
     let places: Vec<Vec<Place>> = (0..labels.len()).map(|k| places(k, &given, &lines)).collect();
-    let members: Vec<Member> = (0..labels.len())
-        .into_par_iter()
-        .map(|k| member(labels[k], torses[k], &places[k], tolerance))
-        .collect::<Option<_>>()?;
+    let of_label = |k: usize| member(labels[k], &state.panels.get(&labels[k])?.torse, &places[k], tolerance);
+    let members: Vec<Option<Member>> = (0..labels.len()).into_par_iter().map(of_label).collect();
+    let lost: Vec<u32> = members.iter().zip(&labels).filter(|m| m.0.is_none()).map(|m| *m.1).collect();
+    if !lost.is_empty() {
+        return Err(lost);
+    }
+    let members: Vec<Member> = members.into_iter().flatten().collect();
     let sample = |g: &Given| {
         let up = Some(g.normal).filter(|n| g.on_border && *n != Vec3::zeros());
         Sample { x: g.x, strip: g.strip, foot: None, lines: Vec::new(), up, counts: g.counts, taken: 1.0 }
     };
     let samples = given.iter().map(sample).collect();
-    let mut out = Network { face, tolerance, members, lines, vertices, samples, unit: 0.0, ends_count };
+    let is_whole = state.partition.distinct_labels().len() == labels.len();
+    let mut out = Network { face, tolerance, members, lines, vertices, samples, unit: 0.0, is_whole, ends_count };
     // Feet from nothing.
     let rulings: Vec<Rulings> = out.members.iter().map(|m| Rulings::of(m.strip.torse())).collect();
     let anywhere = |m: &Member, r: &Rulings, x: &Vec3| r.near(x).into_iter().find_map(|t| m.foot(x, t));
@@ -56,15 +79,16 @@ pub(super) fn network<'a>(face: &'a Face, state: &State, chains: Vec<SeamChain>,
             p.feet = strips.map(|k| anywhere(&members[k], &rulings[k], &p.x));
         });
     }
-    if !out.is_whole() {
-        return None;
+    let lost = out.without_feet();
+    if !lost.is_empty() {
+        return Err(lost.into_iter().map(|k| labels[k]).collect());
     }
     let widths = out.lie_on_bands();
     out.unit = UNIT * median(widths);
     out.find_neighbours();
     out.find_taken();
-    out.find_middles()?;
-    Some(out)
+    out.find_middles().map_err(|l| out.lines[l].strips.map(|k| labels[k]).to_vec())?;
+    Ok(out)
 }
 
 /// A point with the normal of the face where it is known.
@@ -235,7 +259,8 @@ pub(crate) fn whole_borders(chains: Vec<SeamChain>) -> Vec<SeamChain> {
     out
 }
 
-/// Lines along borders between regions, and the number of vertices in which they end inside the face.
+/// Lines along borders between regions of strips, and the number of vertices in which they end inside the face. Borders that
+/// close, and those beside other regions, stay as they are, and so do vertices on these.
 fn lines(
     face: &Face,
     state: &State,
@@ -252,11 +277,17 @@ fn lines(
     }
     let inner: BTreeMap<u32, usize> =
         count.keys().filter(|v| !on_border.contains(v)).enumerate().map(|(k, &v)| (v, k)).collect();
+    let takes_part = |c: &SeamChain| {
+        let differ = c.labels[0] != c.labels[1] && c.vertices.first() != c.vertices.last();
+        differ && c.length > 0.0 && c.labels.iter().all(|l| index.contains_key(l))
+    };
+    let mut stays: HashSet<usize> = HashSet::new();
     let mut out = Vec::new();
     for c in chains {
         let [first, last] = ends(c)?;
-        if first == last || c.labels[0] == c.labels[1] || c.length <= 0.0 {
-            return None;
+        if !takes_part(c) {
+            stays.extend([first, last].iter().filter_map(|v| inner.get(v)));
+            continue;
         }
         let end = |v: u32| match inner.get(&v) {
             Some(&k) => End::Vertex(k),
@@ -270,7 +301,7 @@ fn lines(
         out.push(bare.through(face, &uv, tolerance)?);
     }
     // Vertices of lines that stay must stay.
-    let stays: HashSet<usize> = out.iter().filter(|l| l.held).flat_map(|l| l.ends).filter_map(vertex).collect();
+    stays.extend(out.iter().filter(|l| l.held).flat_map(|l| l.ends).filter_map(vertex));
     for l in &mut out {
         for e in 0..2 {
             if vertex(l.ends[e]).is_some_and(|v| stays.contains(&v)) {

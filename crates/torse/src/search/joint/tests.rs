@@ -50,7 +50,8 @@ fn zones(levels: &[f64]) -> (Face, State) {
 }
 
 fn asked(held: &dyn Fn([u32; 2]) -> bool, tolerance: f64) -> Asked<'_> {
-    Asked { held, further: &[], ends_count: false, tolerance }
+    static ALL: BTreeSet<u32> = BTreeSet::new();
+    Asked { held, without: &ALL, further: &[], ends_count: false, tolerance }
 }
 
 fn chains(face: &Face, state: &State) -> Vec<SeamChain> {

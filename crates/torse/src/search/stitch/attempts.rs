@@ -1,13 +1,11 @@
-//! Strips that meet: a covered face is laid anew until neighbours end on common edges, as far as that can be certified.
+//! Strips that meet: the strips of a covered face are changed, and their borders moved, until neighbours end on common edges, as
+//! far as that can be certified.
 //!
-//! Order of the attempts: all strips in one program; strips as they are, with their borders where they intersect; strips
-//! between seam curves, also between other levels; strips that agree about the seams that are still open, then about all;
-//! the same from covers that leave room. The best panels are kept, and those of the cover if nothing better can be proven.
+//! First all strips in one program, without those that are refused; then strips as they are, with the borders that are still
+//! open where they intersect. The best panels are kept, and those of the cover if nothing better can be proven.
 
-use super::consensus::{agree, Agreement};
 use super::intersection::{pair, Intersections};
-use super::relevel;
-use super::seams::{self, Meeting, SharedSeam};
+use super::seams::{self, SharedSeam};
 use crate::brep::face::Face;
 use crate::certify::flat::flat;
 use crate::certify::{Known, PanelCertificate, SeamCertificate, SeamStatus};
@@ -15,44 +13,26 @@ use crate::control::Control;
 use crate::fit::near::samples::Fit;
 use crate::fit::panels::boundary::Borders;
 use crate::patchwork::panel::Panel;
-use crate::search::build::{borders, build, build_on, limits_missed, smooth_borders, too_large, Built, Joined, Kept};
-use crate::search::cover::{cover, CoverOptions, State};
-use crate::search::joint::{self, Further};
+use crate::patchwork::redraw::Line;
+use crate::search::build::{borders, build_on, limits_missed, smooth_borders, Built, Joined};
+use crate::search::cover::{CoverOptions, State};
+use crate::search::joint::{self, Further, JoinedLine};
 use crate::torse::form::{PanelKind, Torse};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::Arc;
 
-/// Rounds of laying strips that meet, without those that were refused.
-const MEETINGS: usize = 4;
-/// Times that the program over all strips is solved again with places where panels were too far away.
+/// Times that the program over all strips is solved with other places where panels were too far away, at most.
 const REFINEMENTS: usize = 2;
+/// Times that it is solved without strips that were refused, at most.
+const EXCLUSIONS: usize = 4;
+/// Where a larger share of the strips is refused, only the worst is left out.
+const FEW: f64 = 1.0 / 3.0;
 /// Places where less than the reciprocal of this share of the tolerance is left are lost to trimming curves, not to distance.
 const MOST_COUNTED: f64 = 1.5;
 /// Places that count more than this have lost part of the tolerance to ends of panels.
 const ENDS: f64 = 1.02;
-/// Rounds of moving borders to intersections, without those that were refused.
+/// Rounds of moving borders to edges, without those that were refused.
 const INTERSECTIONS: usize = 8;
-/// Weights of gaps against distances in turn, each with the gap that needs no more, as a share of the tolerance: one edge,
-/// then seams that are not apart.
-const WEIGHTS: [(f64, f64); 2] = [(50.0, 0.0), (7.0, APART)];
-/// Times that bands between seams get other levels.
-const LEVELLINGS: usize = 3;
-/// Times that strips agree, each with firmer ones in place of those that were ill shaped.
-const AGREEMENTS: usize = 3;
-/// Factor on the firmness of strips from one time to the next.
-const FIRMER: f64 = 10.0;
-/// Seams with a larger gap, as a share of the tolerance, do not meet.
-const APART: f64 = 0.25;
-/// Panels that are refused and stay within this multiple of the tolerance are too far away, not ill shaped.
-const NEAR: f64 = 1.1;
-/// Shares of the tolerance of covers that leave room for joining.
-const ROOM: [f64; 4] = [0.94, 0.8, 0.65, 0.5];
-/// Share of the panels by which these may become more, at least one, where seams stay apart.
-const MORE: f64 = 1.0 / 3.0;
-/// Openness with which nothing more is tried.
-const SETTLED: f64 = 0.3;
-/// Openness that every further panel must save.
-const WORTH: f64 = 0.5;
 
 /// A face whose strips are to meet.
 struct Attempts<'a> {
@@ -70,6 +50,25 @@ struct Attempts<'a> {
     best: Built,
 }
 
+/// Panels that cannot be proven.
+#[derive(Default)]
+struct Refused {
+    labels: Vec<u32>,
+    /// Where they are too far from the face, if that is why.
+    too_far: Vec<Further>,
+}
+
+/// How borders come under edges.
+#[derive(Clone, Copy)]
+enum Moving<'a> {
+    /// They are there.
+    Done,
+    /// Regions are cut along edges.
+    Cut,
+    /// Regions of strips that were accepted are cut where these intersect.
+    Accepted(&'a Built),
+}
+
 /// The same panels laid anew so that neighbours meet, as far as that can be certified; as they are where it cannot.
 pub(crate) fn met(
     index: usize,
@@ -83,105 +82,18 @@ pub(crate) fn met(
     let unproven = unproven(&built, control).into_iter().collect();
     let mut attempts =
         Attempts { index, face, tolerance, wanted, control, known: Known::default(), unproven, best: built };
-    attempts.all(state);
+    if let Some(next) = attempts.joined(state) {
+        attempts.keep(next);
+    }
+    if openness(&attempts.best) > 0.0 && !control.stopped() {
+        if let Some(next) = attempts.intersecting(&attempts.best, state) {
+            attempts.keep(next);
+        }
+    }
     attempts.best
 }
 
 impl Attempts<'_> {
-    fn all(&mut self, state: &State) {
-        let tolerance = self.tolerance;
-        if let Some(next) = self.joined(state) {
-            self.keep(next);
-        }
-        if self.is_done() {
-            return;
-        }
-        if let Some(next) = self.intersecting(&self.best, state) {
-            self.keep(next);
-        }
-        if self.is_done() {
-            return;
-        }
-        let state = self.on_levels(state);
-        let meeting = seams::meet(self.face, &state, &borders(self.face, &state.partition), tolerance);
-        self.between_levels(&state, &meeting);
-        if self.is_done() {
-            return;
-        }
-        if !meeting.edges.is_empty() {
-            self.attempt(&state, &meeting);
-        }
-        // What follows takes long and would leave more open.
-        if openness(&self.best) <= SETTLED {
-            return;
-        }
-        let open = open(&self.best);
-        self.agreements(&state, &BTreeMap::new(), WEIGHTS, &|labels| open.contains(&pair(labels)));
-        // Where no seam could be made of curves, none will become one edge.
-        let first = usize::from(meeting.edges.is_empty());
-        self.agreements(&state, &meeting.drafts, WEIGHTS[first..].iter().copied(), &|_| true);
-    }
-
-    /// Bands between other levels, where these make strips between seams even.
-    fn between_levels(&mut self, state: &State, meeting: &Meeting) {
-        let tolerance = self.tolerance;
-        let mut rows = meeting.rows.clone();
-        let mut levelled = None;
-        for _ in 0..LEVELLINGS {
-            let from = levelled.as_ref().unwrap_or(state);
-            let Some(next) = relevel::evened(self.face, from, &rows).map(|s| self.on_levels(&s)) else { break };
-            let meeting = seams::meet(self.face, &next, &borders(self.face, &next.partition), tolerance);
-            rows.clone_from(&meeting.rows);
-            if rows.iter().all(|r| r.worst() <= 1.0) {
-                self.attempt(&next, &meeting);
-            }
-            if self.is_done() {
-                break;
-            }
-            levelled = Some(next);
-        }
-    }
-
-    /// Strips that agree about the seams that are wanted. Those that become ill shaped, or do not meet, are made firmer.
-    fn agreements(
-        &mut self,
-        state: &State,
-        drafts: &BTreeMap<u32, Torse>,
-        weights: impl IntoIterator<Item = (f64, f64)>,
-        wanted: &(dyn Fn([u32; 2]) -> bool + Sync),
-    ) {
-        let tolerance = self.tolerance;
-        for (weight, enough) in weights {
-            let mut firmness: BTreeMap<u32, f64> = BTreeMap::new();
-            for time in 0..AGREEMENTS {
-                let before = openness(&self.best);
-                if self.is_done() || widest(&self.best) <= enough {
-                    return;
-                }
-                let how = Agreement { drafts, firmness: &firmness, weight, wanted };
-                let borders = borders(self.face, &state.partition);
-                let Some(agreed) = agree(self.face, state, &borders, &how, tolerance) else { break };
-                let ill_shaped = self.attempt(state, &agreed);
-                if ill_shaped.is_empty() || (time > 0 && openness(&self.best) >= before) {
-                    break;
-                }
-                ill_shaped.into_iter().for_each(|label| *firmness.entry(label).or_insert(1.0) *= FIRMER);
-            }
-        }
-    }
-
-    /// Builds new strips, and once more with their borders where they intersect. The result: labels of those that should
-    /// be firmer.
-    fn attempt(&mut self, state: &State, meeting: &Meeting) -> Vec<u32> {
-        let (next, ill_shaped) = self.judged(state, meeting);
-        if let Some(next) = next {
-            let crossed = self.intersecting(&next, state);
-            self.keep(next);
-            crossed.into_iter().for_each(|c| self.keep(c));
-        }
-        ill_shaped
-    }
-
     /// Takes panels that are nearer to meeting and miss no more limits.
     fn keep(&mut self, next: Built) {
         let missed =
@@ -189,17 +101,6 @@ impl Attempts<'_> {
         if openness(&next) < openness(&self.best) && missed(&next) <= missed(&self.best) {
             self.best = next;
         }
-    }
-
-    fn is_done(&self) -> bool {
-        openness(&self.best) <= 0.0 || self.control.stopped()
-    }
-
-    /// A state with smooth borders, those between bands on their levels.
-    fn on_levels(&self, state: &State) -> State {
-        let partition = smooth_borders(self.face, state.partition.clone(), self.tolerance);
-        let state = seams::with_partition(self.face, state, partition);
-        seams::on_levels(self.face, &state, &borders(self.face, &state.partition), self.tolerance)
     }
 
     /// The panels with their borders where they intersect, in place of those along which they do not meet. `None` where
@@ -215,64 +116,112 @@ impl Attempts<'_> {
         let intersections = Intersections::new(self.face, &torses);
         let base = as_built(self.face, state, built)?;
         let wanted: Vec<[u32; 2]> = open(built).into_iter().filter(|p| !self.is_asked_for(built, *p)).collect();
-        self.along(&intersections, &base, wanted, Some(built), None)
+        self.along(&intersections, &base, wanted, Moving::Accepted(built)).ok()
     }
 
     /// Strips of the program over all of them, with their borders under their edges. Places where their panels are too far
-    /// away count in it the next time; borders of strips that are refused in the end stay.
+    /// away count in it the next time; strips that are refused all the same stay as they are, with their borders.
     fn joined(&self, state: &State) -> Option<Built> {
         let base = as_built(self.face, state, &self.best)?;
         let stays = |labels: [u32; 2]| self.is_asked_for(&self.best, pair(labels));
-        let (mut further, mut ends_count) = (Vec::new(), false);
-        for round in 0..=REFINEMENTS {
-            let asked = joint::Asked { held: &stays, further: &further, ends_count, tolerance: self.tolerance };
+        let (mut further, mut ends_count, mut without) = (Vec::new(), false, BTreeSet::new());
+        let (mut refinements, mut exclusions) = (0, 0);
+        while refinements <= REFINEMENTS && exclusions <= EXCLUSIONS && !self.control.stopped() {
+            let asked = joint::Asked {
+                held: &stays,
+                without: &without,
+                further: &further,
+                ends_count,
+                tolerance: self.tolerance,
+            };
             let chains = borders(self.face, &base.partition).seam_chains();
             let joined = joint::joined(self.face, &base, chains, &asked, self.control)?;
+            let worst = joined.torses.iter().zip(&joined.distances).max_by(|a, b| a.1.total_cmp(b.1)).map(|w| w.0 .0);
             let mut next = base.clone();
             for (label, torse) in joined.torses {
                 let fit = next.panels.get(&label)?;
                 let fit = Fit { torse, kind: PanelKind::Torse, ..(**fit).clone() };
                 next.panels.insert(label, Arc::new(fit));
             }
+            let along_lines = match redrawn(self.face, &next, &joined.lines) {
+                Ok(along_lines) => along_lines,
+                // Lines cross where a strip has become nothing: the smaller of both.
+                Err(crossing) => {
+                    let smaller = |[a, b]: [u32; 2]| if base.area(a) < base.area(b) { a } else { b };
+                    without.extend(crossing.iter().copied().map(smaller));
+                    if crossing.is_empty() {
+                        return None;
+                    }
+                    exclusions += 1;
+                    continue;
+                }
+            };
             let torses = next.panels.iter().map(|(&l, f)| (l, &f.torse)).collect();
             let edges: Vec<_> = joined.lines.into_iter().filter_map(|l| Some((pair(l.labels), l.edge?))).collect();
-            let wanted = edges.iter().map(|e| e.0).collect();
+            let wanted: Vec<[u32; 2]> = edges.iter().map(|e| e.0).collect();
             let vertices = joined.vertices.into_iter().map(|v| (v.labels, v.place)).collect();
             let intersections = Intersections::new(self.face, &torses).along(edges, vertices);
-            let next = intersections.with_vertices(&next);
-            let mut too_far = Vec::new();
-            let first = (round < REFINEMENTS).then_some(&mut too_far);
-            let found = self.along(&intersections, &next, wanted, None, first);
-            if found.is_some() || too_far.is_empty() {
-                return found;
+            let moved = |state: &State, how: Moving| {
+                self.along(&intersections, &intersections.with_vertices(state), wanted.clone(), how)
+            };
+            let mut refused = match moved(&along_lines, Moving::Done) {
+                Ok(found) => return Some(found),
+                Err(refused) => refused,
+            };
+            if refused.too_far.is_empty() {
+                // Borders may be at fault; cut out of the old ones they are others.
+                match moved(&next, Moving::Cut) {
+                    Ok(found) => return Some(found),
+                    Err(other) if refused.labels.is_empty() || !other.too_far.is_empty() => refused = other,
+                    Err(_) => {}
+                }
             }
-            // Where too little is left at ends of panels, they count everywhere, and single places are found anew.
-            if !ends_count && too_far.iter().any(|f| f.counts > ENDS) {
-                ends_count = true;
-                further.clear();
+            if refused.labels.is_empty() {
+                return None;
+            }
+            if refinements < REFINEMENTS && !refused.too_far.is_empty() {
+                refinements += 1;
+                // Where too little is left at ends of panels, they count everywhere, and single places are found anew.
+                if !ends_count && refused.too_far.iter().any(|f| f.counts > ENDS) {
+                    ends_count = true;
+                    further.clear();
+                } else {
+                    further.extend(refused.too_far);
+                }
+                continue;
+            }
+            exclusions += 1;
+            if refused.labels.len() as f64 <= FEW * next.panels.len() as f64 {
+                without.extend(refused.labels);
             } else {
-                further.extend(too_far);
+                without.extend(worst);
             }
         }
         None
     }
 
-    /// The panels of a state with borders where strips intersect, and the edges that panels share already. `None` where that
-    /// is not possible, or cannot be proven. With `too_far`, nothing more is tried once panels are too far from the face
-    /// somewhere: the places are the result.
+    /// The panels of a state with borders where strips intersect, and the edges that panels share already. Errors where that
+    /// is not possible, or cannot be proven. Panels that are refused keep their borders if they were accepted before; else
+    /// nothing more is tried.
     fn along(
         &self,
         intersections: &Intersections,
         base: &State,
         mut wanted: Vec<[u32; 2]>,
-        built: Option<&Built>,
-        mut too_far: Option<&mut Vec<Further>>,
-    ) -> Option<Built> {
+        how: Moving,
+    ) -> Result<Built, Refused> {
+        let built = match how {
+            Moving::Accepted(built) => Some(built),
+            _ => None,
+        };
         for _ in 0..INTERSECTIONS {
             if self.control.stopped() {
                 break;
             }
-            let (now, moved) = intersections.cut(base, &wanted);
+            let (now, moved) = match how {
+                Moving::Done => (base.clone(), wanted),
+                _ => intersections.cut(base, &wanted),
+            };
             if moved.is_empty() {
                 break;
             }
@@ -292,34 +241,26 @@ impl Attempts<'_> {
             if wanted.len() < before {
                 continue;
             }
-            let meeting = Meeting {
-                edges,
-                together: built.map_or_else(BTreeSet::new, |b| b.together.clone()),
-                ..Meeting::default()
-            };
-            let (next, bad) = self.built_on(&now, (&meeting, &[], &[]));
+            let (next, bad) = self.built_on(&now, &edges);
             let missed = missed(&next);
             if bad.is_empty() && missed.is_empty() {
-                return Some(next);
+                return Ok(next);
             }
-            if let Some(places) = too_far.take() {
-                places.extend(places_too_far(&next));
-                if !places.is_empty() {
-                    break;
-                }
+            if built.is_none() && !bad.is_empty() {
+                return Err(Refused { labels: bad, too_far: places_too_far(&next) });
             }
             wanted.retain(|p| !missed.contains(p) && !p.iter().any(|l| bad.contains(l)));
             if wanted.len() == before {
                 break;
             }
         }
-        None
+        Err(Refused::default())
     }
 
     /// Panels with common edges, and the labels of those that are refused: also for a flat pattern that is not proven, but is
     /// without these edges.
-    fn built_on(&self, state: &State, kept: Kept) -> (Built, Vec<u32>) {
-        let joined = Joined { kept, known: &self.known };
+    fn built_on(&self, state: &State, edges: &[SharedSeam]) -> (Built, Vec<u32>) {
+        let joined = Joined { edges, known: &self.known };
         let (next, mut bad) = build_on(self.index, self.face, state, self.tolerance, joined);
         if bad.is_empty() {
             bad = unproven(&next, self.control);
@@ -341,82 +282,6 @@ impl Attempts<'_> {
         };
         runs.any(|r| planes.iter().any(|p| r.vertices.iter().all(|v| p.height(&place(v)).abs() <= self.tolerance)))
     }
-
-    /// Panels that meet, but for those that are refused; no panels if not all the others can be proven. Second result: the
-    /// labels of those that were ill shaped, else of those that do not meet.
-    fn judged(&self, state: &State, meeting: &Meeting) -> (Option<Built>, Vec<u32>) {
-        let (count, tolerance) = (self.best.patchwork.panels.len(), self.tolerance);
-        let (mut refused, mut dropped, mut ill_shaped) = (Vec::new(), Vec::new(), Vec::new());
-        for _ in 0..MEETINGS {
-            let (next, bad) = self.built_on(state, (meeting, &refused, &dropped));
-            let whole = next.patchwork.panels.len() == count;
-            // An edge that its panels miss is no edge of theirs.
-            let label = |k: usize| next.patchwork.panels[k].label();
-            let missed = missed(&next);
-            if bad.is_empty() && whole && missed.is_empty() && too_large(&next, &self.wanted.limits).is_empty() {
-                if ill_shaped.is_empty() {
-                    // Strips that came out well and still do not meet.
-                    let apart = next.certificate.seams.iter().filter(|s| s.gap_bound > APART * tolerance);
-                    ill_shaped.extend(apart.flat_map(|s| s.panels.map(label)).flatten());
-                    ill_shaped.sort_unstable();
-                    ill_shaped.dedup();
-                }
-                return (Some(next), ill_shaped);
-            }
-            // Neighbours of a strip that failed keep their other seams.
-            let before = refused.len() + dropped.len();
-            let proofs: HashMap<u32, &PanelCertificate> =
-                next.patchwork.panels.iter().filter_map(|p| p.label()).zip(&next.certificate.panels).collect();
-            for l in bad.into_iter().filter(|l| !refused.contains(l)).collect::<Vec<_>>() {
-                refused.push(l);
-                if proofs.get(&l).is_none_or(|p| p.deviation_bound > NEAR * tolerance) {
-                    ill_shaped.push(l);
-                }
-            }
-            dropped.extend(missed);
-            if refused.len() + dropped.len() == before {
-                break;
-            }
-        }
-        (None, ill_shaped)
-    }
-}
-
-/// As [`met`], from covers made for less than the tolerance: what they leave is room for joining. They may have more
-/// panels where seams would stay apart, if each of these saves enough.
-pub(crate) fn with_room(
-    index: usize,
-    face: &Face,
-    mut best: Built,
-    cover_options: &CoverOptions,
-    control: &Control,
-) -> Built {
-    let tolerance = best.certificate.tolerance;
-    let count = best.patchwork.panels.len();
-    for share in ROOM {
-        if openness(&best) <= SETTLED || control.stopped() {
-            break;
-        }
-        let narrow = CoverOptions { tolerance: cover_options.tolerance * share, ..cover_options.clone() };
-        let Ok(found) = cover(face, &narrow, control) else { break };
-        let (built, refused) = build(index, face, &found.state, tolerance);
-        let allowed = if widest(&best) > APART { ((count as f64 * MORE) as usize).max(1) } else { 0 };
-        if built.patchwork.panels.len() > count + allowed {
-            break;
-        }
-        if !found.complete || !refused.is_empty() {
-            continue;
-        }
-        if !too_large(&built, &cover_options.limits).is_empty() {
-            continue;
-        }
-        let next = met(index, face, &found.state, built, cover_options, control);
-        let further = next.patchwork.panels.len().saturating_sub(best.patchwork.panels.len());
-        if openness(&best) > openness(&next) + WORTH * further as f64 {
-            best = next;
-        }
-    }
-    best
 }
 
 /// Labels of panels whose flat patterns are not proven.
@@ -431,12 +296,6 @@ fn openness(built: &Built) -> f64 {
     const EACH: f64 = 0.1;
     let open = built.certificate.seams.iter().filter(|s| s.status != SeamStatus::Exact);
     open.map(|s| EACH + s.gap_bound / built.certificate.tolerance).sum()
-}
-
-/// The largest gap of seams that are not one edge, as a share of the tolerance; 0 where all are.
-fn widest(built: &Built) -> f64 {
-    let open = built.certificate.seams.iter().filter(|s| s.status != SeamStatus::Exact);
-    open.fold(0.0, |m, s| s.gap_bound.max(m)) / built.certificate.tolerance
 }
 
 /// Labels on both sides of seams that are not one edge.
@@ -489,6 +348,13 @@ fn labels(built: &Built, seam: &SeamCertificate) -> Option<[u32; 2]> {
 /// Two labels in order, if both panels have one.
 fn both(labels: [Option<u32>; 2]) -> Option<[u32; 2]> {
     Some(pair([labels[0]?, labels[1]?]))
+}
+
+/// The state with its borders along lines. The errors of [`Partition::redrawn`](crate::patchwork::partition::Partition::redrawn).
+fn redrawn(face: &Face, state: &State, lines: &[JoinedLine]) -> Result<State, Vec<[u32; 2]>> {
+    let lines: Vec<Line> = lines.iter().map(|l| Line { labels: l.labels, uv: &l.uv }).collect();
+    let (u, v) = (face.surface.knots_u.breaks(), face.surface.knots_v.breaks());
+    Ok(seams::with_partition(face, state, state.partition.redrawn(&lines, [&u, &v])?))
 }
 
 /// The state with the torses and the partition of panels.

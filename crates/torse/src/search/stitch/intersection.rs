@@ -7,8 +7,8 @@
 
 use super::seams::{settle, with_partition, SharedSeam};
 use crate::brep::face::Face;
+use crate::fit::height::Height;
 use crate::fit::panels::boundary::{Borders, SeamChain};
-use crate::fit::seams::Height;
 use crate::geom::Vec3;
 use crate::patchwork::partition::Partition;
 use crate::search::build::borders as borders_of;

@@ -1,8 +1,5 @@
-//! Neighbouring panels that meet: seams between strips, strips that agree about them, and borders where strips
-//! intersect.
+//! Neighbouring panels that meet: all strips changed together, and borders under their edges or where strips intersect.
 
 pub(crate) mod attempts;
-pub(crate) mod consensus;
 pub(crate) mod intersection;
-pub(crate) mod relevel;
 pub(crate) mod seams;

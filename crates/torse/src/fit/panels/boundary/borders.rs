@@ -10,8 +10,7 @@ use crate::patchwork::partition::Partition;
 use crate::spline::curve::Curve;
 use crate::torse::convert::ConvertError;
 use crate::torse::form::{PanelKind, Torse};
-use rayon::prelude::*;
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 
 /// A torse for a label.
 #[derive(Clone, Copy, Debug)]
@@ -113,10 +112,6 @@ pub struct Borders<'a> {
     /// Edges that both sides of a chain take as they are.
     pub(super) shared: HashMap<usize, SharedEdge>,
     pub(super) creases: Creases<'a>,
-    /// Labels that end together with their neighbours without any shared edge.
-    pub(super) together: HashSet<u32>,
-    /// Directions in which panels end at vertices of these labels' borders.
-    pub(super) leans: HashMap<u32, Vec3>,
     /// Number of seams.
     pub seam_count: usize,
 }
@@ -175,19 +170,7 @@ impl<'a> Borders<'a> {
                 bend.insert(w[1], off.norm());
             }
         }
-        Self {
-            face,
-            partition,
-            points,
-            chains,
-            seams,
-            bend,
-            shared: HashMap::new(),
-            creases,
-            together: HashSet::new(),
-            leans: HashMap::new(),
-            seam_count,
-        }
+        Self { face, partition, points, chains, seams, bend, shared: HashMap::new(), creases, seam_count }
     }
 
     /// Direction in which panels end on the face's normals at parameters of the face: the sum of its unit normals on all
@@ -218,38 +201,15 @@ impl<'a> Borders<'a> {
         self.shared.insert(chain, SharedEdge { edge, parameters });
     }
 
-    /// Makes the panels of labels end on common lines, not in the feet of their borders: neighbours among them are then
-    /// as far apart as their distances from the face differ. The lines run between the normals of both panels, so that
-    /// they are hardly longer than the distances. Labels without feet are left out. *Not guaranteed*: that the lines are
-    /// within the tolerance where both normals differ much.
-    pub fn end_together(&mut self, assigned: &[Assigned]) {
-        let found: Vec<(u32, HashMap<u32, Foot>)> = assigned
-            .par_iter()
-            .filter_map(|a| Some((a.label, self.feet(a.label, a.torse, &self.loops(a.label).ok()?).ok()?)))
-            .collect();
-        for (label, feet) in found {
-            self.together.insert(label);
-            for (v, foot) in feet {
-                let outward = self.creases.normal(self.partition.vertices[v as usize]);
-                let n = if outward.dot(&foot.normal) < 0.0 { -foot.normal } else { foot.normal };
-                *self.leans.entry(v).or_insert_with(Vec3::zeros) += n;
-            }
-        }
-    }
-
     /// Direction in which panels end at a vertex.
     pub(super) fn lean(&self, v: u32) -> Vec3 {
-        self.leans.get(&v).copied().unwrap_or_else(|| self.creases.normal(self.partition.vertices[v as usize]))
+        self.creases.normal(self.partition.vertices[v as usize])
     }
 
     /// The same at the fraction `l` of an edge of a border, steady along it.
     pub(super) fn lean_between(&self, a: u32, b: u32, l: f64) -> Vec3 {
         let [p, q] = [a, b].map(|v| self.partition.vertices[v as usize]);
-        if !self.leans.contains_key(&a) && !self.leans.contains_key(&b) {
-            return self.creases.normal_between(p, q, l);
-        }
-        let [m, n] = [a, b].map(|v| self.lean(v).try_normalize(0.0).unwrap_or_else(Vec3::zeros));
-        m * (1.0 - l) + n * l
+        self.creases.normal_between(p, q, l)
     }
 
     /// Vertices of a chain that is a point in space; none of others.

@@ -31,12 +31,4 @@ impl<'a> Height<'a> {
         let along = |guess: f64| on_normal(x, n, self.torse, guess).map(|(_, y)| n.dot(&(y - x)));
         along(guess).or_else(|| along(self.sheet.nearest_foot(&q)?)).filter(|h| h.is_finite())
     }
-
-    /// Unit normal of the torse at the foot of `x` (mm), on the side of `n`; `None` where there is none near. *Not
-    /// guaranteed*: as for [`Height::at`].
-    pub fn normal(&self, x: &Vec3, n: &Vec3) -> Option<Vec3> {
-        let guess = self.guesses.guess(&self.sheet.local(x));
-        let m = self.torse.ruling(self.torse.foot(x, guess)?).normal;
-        Some(if m.dot(n) < 0.0 { -m } else { m })
-    }
 }
