@@ -76,7 +76,7 @@ fn report(name: &str, model: &Model, faces: &[FaceInfo]) -> String {
     if !model.skipped.is_empty() {
         let _ = writeln!(text, "\nnot read    {}", model.skipped.len());
         for skipped in &model.skipped {
-            let _ = writeln!(text, "  {}", skipped.words());
+            let _ = writeln!(text, "  {}", words::left_out(skipped));
         }
     }
     for note in &model.notes {

@@ -102,8 +102,8 @@ pub fn refuse_left_out(file: &Path, left_out: &[Skipped]) -> Result<(), Failure>
         n => format!(" (and {} more)", n - 1),
     };
     let first = match first.entity {
-        Some(entity) => format!("#{entity} cannot be used: {}", first.reason),
-        None => first.reason.clone(),
+        Some(entity) => format!("#{entity} cannot be used: {}", words::why(&first.reason)),
+        None => words::why(&first.reason),
     };
     Err(Failure::new(
         format!("{}: {first}{more}", file.display()),
@@ -141,7 +141,7 @@ fn tell(answer: &Answer, tolerance: &str, folder: &Path, interrupted: bool) -> s
         writeln!(out, "  covered as one: {}", parts.join(" + "))?;
     }
     for skipped in answer.skipped.iter().take(MOST_LEFT_OUT) {
-        writeln!(out, "  left out: {}", skipped.words())?;
+        writeln!(out, "  left out: {}", words::left_out(skipped))?;
     }
     if answer.skipped.len() > MOST_LEFT_OUT {
         writeln!(out, "  left out: {} more, all named in the report", answer.skipped.len() - MOST_LEFT_OUT)?;

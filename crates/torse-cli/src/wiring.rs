@@ -12,13 +12,13 @@ use torse::io::cad::ReadError;
 use torse::io::iges::read as iges;
 use torse::io::step::read as step;
 use torse::io::threedm;
-use torse::io::words;
 use torse::pipeline::approximate::{self as pipeline, ApproximateError};
 use torse::pipeline::cone_shapes;
 use torse::pipeline::cones::{self as cone_pipeline, ConesOptions};
 use torse::pipeline::select;
 use torse::pipeline::sweep;
 use torse::pipeline::unroll::UnrollError;
+use torse::reason::JobReason;
 use torse::{Approximate, Control, Model, UnrollOptions};
 
 /// Reads a CAD file. `name` is for messages.
@@ -133,8 +133,8 @@ pub fn cones_of_panels(answer: &Answer, whole: f64, control: &Control) -> Result
         .map_err(|e| Failure::new(e.to_string(), "leave out --cones to keep the panels"))?;
     // Cones near panels are no nearer to the surface than these.
     if answer.status() == Status::Uncertified {
-        let reason = format!("the panels are not certified: {}", words::reason(&answer.claims, &[]));
-        cones.claims.push(Claim::objection(Subject::Whole, reason));
+        let why = answer.claims.iter().filter(|c| c.is_broken()).filter_map(|c| c.reason().cloned());
+        cones.claims.push(Claim::objection(Subject::Whole, JobReason::Panels(why.collect())));
     }
     Ok(cones)
 }

@@ -12,7 +12,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         println!("#{}: {}, {}, {:.0} mm²", face.entity, info.kind, info.character(), info.area_estimate);
     }
     for item in &model.skipped {
-        println!("not read: {}", item.words());
+        println!("not read: {}", torse::io::words::left_out(item));
     }
     Ok(())
 }

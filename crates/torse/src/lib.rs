@@ -65,6 +65,7 @@ pub mod num;
 
 pub mod geom;
 
+pub mod reason;
 pub mod spline;
 
 pub mod brep;

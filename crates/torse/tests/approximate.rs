@@ -2,6 +2,7 @@
 //! measured again here by other means: dense samples in both directions with feet of our own.
 
 use std::sync::OnceLock;
+use torse::reason::{FaceReason, JobReason, Limit};
 
 use torse::answer::marks::Marks;
 use torse::answer::presentation::present;
@@ -346,13 +347,16 @@ fn what_must_not_be_cut_is_marked_in_every_file() {
     let count = o.patchwork.panels.len();
     assert!(count > 1 && !Marks::of(&o).any());
     let good = o.claims.clone();
-    o.claims.push(Claim::left_out("a face is missing"));
+    o.claims.push(Claim::left_out(FaceReason::NotRuled));
     assert!(!Marks::of(&o).any());
     o.claims = good.clone();
-    o.claims.push(Claim::objection(Subject::Whole, "nobody is to blame"));
+    o.claims.push(Claim::objection(Subject::Whole, JobReason::Stopped));
     assert_eq!(Marks::of(&o).panels, vec![true; count]);
     o.claims = good;
-    o.claims.push(Claim::objection(Subject::Whole, "panel A-02: the width of the pattern is 9 mm"));
+    o.claims.push(Claim::objection(
+        Subject::Whole,
+        FaceReason::Limit { panel: "A-02".into(), limit: Limit::SheetWidth, value: 9.0 },
+    ));
     o.beyond_limits = vec![1];
     let marks = Marks::of(&o);
     assert!(marks.panels.iter().enumerate().all(|(k, m)| *m == (k == 1)) && marks.patterns == marks.panels);

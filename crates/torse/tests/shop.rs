@@ -111,7 +111,7 @@ fn drawings_in_inches_and_of_single_parts_hold_what_was_judged() {
     for name in drawings {
         assert!(all.contains_key(name), "{name}");
         let written = a.written.iter().find(|w| w.0 == name).expect("read back");
-        assert!(written.1.reason().is_empty() && written.1.bound() < 1e-6, "{name} {}", written.1.bound());
+        assert!(written.1.reason().is_none() && written.1.bound() < 1e-6, "{name} {}", written.1.bound());
     }
     let dxf = String::from_utf8_lossy(&all["part-A-01.dxf"]).into_owned();
     assert!(dxf.contains("$INSUNITS\n 70\n     1\n") && !dxf.contains("SCALE_CHECK\n 90"));

@@ -13,16 +13,17 @@ const FLOORS: &[(&str, &[&str])] = &[
     ("num", &["control"]),
     ("geom", &["num"]),
     ("spline", &["num", "geom"]),
+    ("reason", &["num", "geom"]),
     ("brep", &["num", "geom", "spline"]),
     ("torse", &["num", "geom", "spline"]),
-    ("patchwork", &["num", "geom", "spline", "brep", "torse"]),
-    ("constraint", &["control", "num", "geom", "spline", "brep", "torse", "patchwork"]),
-    ("fit", &["control", "num", "geom", "spline", "brep", "torse", "patchwork"]),
-    ("design", &["control", "num", "geom", "spline", "brep", "torse", "patchwork", "constraint"]),
-    ("certify", &["control", "num", "geom", "spline", "brep", "torse", "patchwork"]),
-    ("develop", &["control", "num", "geom", "spline", "brep", "torse", "patchwork"]),
-    ("tessellate", &["control", "num", "geom", "spline", "brep", "torse", "patchwork"]),
-    ("draw", &["control", "num", "geom", "spline", "brep", "torse", "patchwork"]),
+    ("patchwork", &["num", "geom", "spline", "brep", "torse", "reason"]),
+    ("constraint", &["control", "num", "geom", "spline", "brep", "torse", "reason", "patchwork"]),
+    ("fit", &["control", "num", "geom", "spline", "brep", "torse", "reason", "patchwork"]),
+    ("design", &["control", "num", "geom", "spline", "brep", "torse", "reason", "patchwork", "constraint"]),
+    ("certify", &["control", "num", "geom", "spline", "brep", "torse", "reason", "patchwork"]),
+    ("develop", &["control", "num", "geom", "spline", "brep", "torse", "reason", "patchwork"]),
+    ("tessellate", &["control", "num", "geom", "spline", "brep", "torse", "reason", "patchwork"]),
+    ("draw", &["control", "num", "geom", "spline", "brep", "torse", "reason", "patchwork"]),
     (
         "search",
         &[
@@ -32,6 +33,7 @@ const FLOORS: &[(&str, &[&str])] = &[
             "spline",
             "brep",
             "torse",
+            "reason",
             "patchwork",
             "constraint",
             "fit",
@@ -50,6 +52,7 @@ const FLOORS: &[(&str, &[&str])] = &[
             "spline",
             "brep",
             "torse",
+            "reason",
             "patchwork",
             "fit",
             "design",
@@ -69,6 +72,7 @@ const FLOORS: &[(&str, &[&str])] = &[
             "spline",
             "brep",
             "torse",
+            "reason",
             "patchwork",
             "certify",
             "develop",
@@ -86,6 +90,7 @@ const FLOORS: &[(&str, &[&str])] = &[
             "spline",
             "brep",
             "torse",
+            "reason",
             "patchwork",
             "constraint",
             "fit",
@@ -222,6 +227,10 @@ fn floor_faults(module: &str, code: &str) -> Vec<String> {
         match row(&named) {
             Some(other) if other != own && !allowed.contains(&other) => {
                 faults.push(format!("{module} names crate::{named}; {own} may name only {allowed:?}"));
+            }
+            // The root hands types on to users; within the house they are named where they are.
+            None if named.starts_with(|c: char| c.is_ascii_uppercase()) => {
+                faults.push(format!("{module} takes {named} from the root; name its own module"));
             }
             _ => {}
         }
@@ -434,8 +443,15 @@ fn jobs_are_pages() {
     }
 }
 
-/// Ways in which prose could get among the notes of an answer.
-const PROSE: &[&str] = &["Note::Input", "notes.push(format!", "notes.push(\""];
+/// Ways in which prose could get among the notes of an answer, or what stands against it.
+const PROSE: &[&str] = &[
+    "Note::Input",
+    "notes.push(format!",
+    "notes.push(\"",
+    "Reason::Input",
+    "Reason::Error(",
+    "WrittenFault::Unreadable(",
+];
 
 /// Floors that name facts; the sentences are made in `io`.
 const WORDLESS: &[&str] = &["search", "answer", "pipeline"];
@@ -588,6 +604,7 @@ fn the_test_itself_can_fail() {
     assert!(!floor_faults("certify::distance", "use crate::{num::interval, fit::plane};").is_empty());
     assert!(!floor_faults("io::dxf", "let x = crate::fit::plane(1);").is_empty());
     assert!(!floor_faults("num::roots", "use super::super::geom;").is_empty());
+    assert!(!floor_faults("num::roots", "use crate::Control;").is_empty());
     assert!(!floor_faults("attic", "").is_empty());
     assert!(floor_faults("pipeline::approximate", "use crate::{io::step, fit::plane}; crate::certify::x()").is_empty());
     assert!(floor_faults("io::json", "use crate::answer::marks::Marks;").is_empty());

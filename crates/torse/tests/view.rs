@@ -148,7 +148,7 @@ fn strips_look_the_same_whichever_rail_comes_first() {
     let mut seen = Vec::new();
     for (a, b) in [(&low, &high), (&high, &low), (&low.reversed(), &high.reversed())] {
         let strip = Strip::between("s", PanelKind::Cylinder, a, b).expect("a strip");
-        let whole = Part { name: "s".into(), first: 0, count: 1, missing: String::new() };
+        let whole = Part { name: "s".into(), first: 0, count: 1, missing: None };
         seen.extend(cut(&[strip], &[whole], &StripOptions::new(0.01)).1);
     }
     assert_eq!(seen.len(), 3);

@@ -40,7 +40,7 @@ fn patterns_of_a_certified_result_are_proven_closely() {
     let o = answer();
     assert_eq!(o.status(), Status::Certified);
     for (f, p) in o.flat.iter().zip(&o.patterns) {
-        assert!(f.holds(), "{}", f.reason());
+        assert!(f.holds(), "{:?}", f.reason());
         assert!(f.strain_bound() < 1e-8, "{:e}", f.strain_bound());
         assert!(f.outline_bound() < 1.1 * p.contour_error, "{} {}", f.outline_bound(), p.contour_error);
         assert!(f.ruling_bound() < 1e-6 && f.mark_bound() < 1e-6, "{f:?}");

@@ -303,7 +303,7 @@ fn mixed() -> Result<Answer> {
     let chain: Vec<&Strip> = strips.iter().collect();
     let patterns = pattern(&chain, 0, "A", &StripOptions::new(0.01)).into_iter().collect();
     Ok(Answer {
-        parts: vec![Part { name: "A".into(), first: 0, count: strips.len(), missing: String::new() }],
+        parts: vec![Part { name: "A".into(), first: 0, count: strips.len(), missing: None }],
         patchwork: Patchwork::of_strips(strips),
         patterns,
         ..Answer::new(Job::Planarise, "mixed", 1e-3)

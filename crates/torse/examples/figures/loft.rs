@@ -93,7 +93,7 @@ fn only(all: &Answer, wanted: impl Fn(&Vec3) -> bool) -> Answer {
     let strips: Vec<Strip> = all.strips().zip(&keep).filter(|s| *s.1).map(|s| s.0.clone()).collect();
     out.fields = all.fields.iter().zip(&keep).filter(|s| *s.1).map(|s| s.0.clone()).collect();
     out.claims = all.claims_of(Subject::Whole).cloned().collect();
-    out.parts = vec![Part { name: "A".into(), first: 0, count: strips.len(), missing: String::new() }];
+    out.parts = vec![Part { name: "A".into(), first: 0, count: strips.len(), missing: None }];
     out.patchwork = Patchwork::of_strips(strips);
     out.patterns.clear();
     out

@@ -125,17 +125,18 @@ mod tests {
     use crate::answer::Job;
     use crate::certify::claim::UpperBound;
     use crate::patchwork::pattern::Pattern;
+    use crate::reason::{JobReason, PanelFault, StripReason, WrittenFault};
 
     #[test]
     fn every_pattern_of_a_refused_answer_is_marked() {
         let mut answer = Answer::new(Job::Cones, "chute", 0.1);
         // A part whose panels are not there has a pattern all the same.
-        answer.parts = vec![Part { name: "A".into(), first: 7, count: 0, missing: String::new() }];
+        answer.parts = vec![Part { name: "A".into(), first: 7, count: 0, missing: None }];
         answer.patterns = vec![Pattern::default()];
         assert!(!Marks::of(&answer).any());
-        answer.claims.push(Claim::left_out("a rail is missing"));
+        answer.claims.push(Claim::left_out(StripReason::NoHull));
         assert!(!Marks::of(&answer).any());
-        answer.claims.push(Claim::objection(Subject::Whole, "too far"));
+        answer.claims.push(Claim::objection(Subject::Whole, JobReason::Stopped));
         let marks = Marks::of(&answer);
         assert_eq!((marks.patterns, marks.parts), (vec![true], vec![true]));
     }
@@ -143,8 +144,7 @@ mod tests {
     /// Two parts of which the first is proven and the second is not, and the whole for that reason is not.
     fn one_of_two() -> Answer {
         let mut answer = Answer::new(Job::Unroll, "ducts", 0.1);
-        answer.parts =
-            ["A", "B"].map(|name| Part { name: name.into(), first: 0, count: 0, missing: String::new() }).into();
+        answer.parts = ["A", "B"].map(|name| Part { name: name.into(), first: 0, count: 0, missing: None }).into();
         answer.patterns = (0..2).map(|panel| Pattern { panel, ..Pattern::default() }).collect();
         let proven = |subject, bound| Claim::at_most(What::CarrierDistance, subject, bound).within(0.1);
         answer.claims = vec![
@@ -172,13 +172,16 @@ mod tests {
         };
         assert_eq!(all(&|_| {}), [false, true]);
         // A file that is not what was judged; a claim about a panel that is in no part; a bound that no part is to blame for.
-        assert_eq!(all(&|a| a.claims.push(Claim::objection(Subject::Whole, "patterns.dxf"))), [true, true]);
-        assert_eq!(all(&|a| a.claims.push(Claim::objection(Subject::Panel(7), "twisted"))), [true, true]);
+        assert_eq!(all(&|a| a.claims.push(Claim::objection(Subject::Whole, WrittenFault::Moved(1.0)))), [true, true]);
+        assert_eq!(
+            all(&|a| a.claims.push(Claim::objection(Subject::Panel(7), PanelFault::Twisted(0.1)))),
+            [true, true]
+        );
         assert_eq!(all(&|a| a.claims[2] = a.claims[2].clone().within(f64::INFINITY)), [true, true]);
         // What was only measured of a part, and nothing at all, is no proof.
         assert_eq!(all(&|a| a.claims[1] = Claim::measured(What::CarrierDistance, Subject::Part(0), 0.0)), [true, true]);
         assert_eq!(all(&|a| drop(a.claims.remove(1))), [true, true]);
         // What is only left out, nobody can cut.
-        assert_eq!(all(&|a| a.claims.push(Claim::left_out("a sphere"))), [false, true]);
+        assert_eq!(all(&|a| a.claims.push(Claim::left_out(StripReason::NoHull))), [false, true]);
     }
 }

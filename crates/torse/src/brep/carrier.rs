@@ -57,21 +57,6 @@ pub struct Defect {
     pub strain_estimate: f64,
 }
 
-impl Defect {
-    /// Words for reports.
-    pub fn words(&self) -> String {
-        let twist = match self.twist_estimate.is_finite() {
-            true => format!("its tangent plane turns by {:.3}° along a ruling", self.twist_estimate.to_degrees()),
-            false => "it has no straight parameter lines".into(),
-        };
-        format!(
-            "the face is not developable: {twist}, its Gaussian curvature is up to {:.3e} per mm², and flattening it would \
-             need a strain of about {:.2e}",
-            self.curvature_estimate, self.strain_estimate
-        )
-    }
-}
-
 impl Carrier {
     /// Lower-case name used in reports.
     pub fn name(&self) -> &'static str {

@@ -33,6 +33,7 @@ use crate::num::bernstein::SplinePiece;
 use crate::num::interval::Interval;
 use crate::num::jet::Jet;
 use crate::patchwork::panel::Coedge;
+use crate::reason::LoopFault;
 use crate::spline::curve::Curve;
 
 /// Pieces are halved until their enclosures exceed their end values by less than this share of the tolerance, or count
@@ -55,8 +56,8 @@ const ROUNDED_UP: f64 = 1.0 + 1e-12;
 pub(super) struct Obstacle {
     /// Place on the face.
     pub uv: [f64; 2],
-    /// In plain words.
-    pub reason: &'static str,
+    /// What it is.
+    pub fault: LoopFault,
 }
 
 /// A panel's torse and patch, ready for its boundary.
@@ -81,22 +82,19 @@ impl Boundary<'_> {
     pub fn run_bound(&self, run: &Coedge, vertices: &[[f64; 2]]) -> Result<RunBound, Obstacle> {
         let place = |i: usize| run.vertices.get(i).and_then(|&v| vertices.get(v as usize)).copied();
         let first = place(0).unwrap_or([f64::NAN; 2]);
-        let refuse = |uv: [f64; 2], reason: &'static str| Err(Obstacle { uv, reason });
+        let refuse = |uv: [f64; 2], fault: LoopFault| Err(Obstacle { uv, fault });
         if !well_formed(run) {
-            return refuse(
-                first,
-                "a trimming curve is not a clamped cubic over [0, 1] with increasing vertex parameters",
-            );
+            return refuse(first, LoopFault::Malformed);
         }
         let knots = run.trim.knots.breaks();
         let mut sides = Vec::with_capacity(run.vertices.len() - 1);
         let mut start = None;
         for k in 0..run.vertices.len() - 1 {
             let (Some(a), Some(b)) = (place(k), place(k + 1)) else {
-                return refuse(first, "a run names a vertex that does not exist");
+                return refuse(first, LoopFault::NoVertex);
             };
             let Some(patch) = self.prepared.patch_of(&[a, b, b]) else {
-                return refuse(a, "a side of the region crosses a knot line of the surface");
+                return refuse(a, LoopFault::KnotLine);
             };
             let (mut bound, mut curvature) = (0.0f64, 0.0f64);
             let (s0, s1) = (run.parameters[k], run.parameters[k + 1]);
@@ -116,7 +114,7 @@ impl Boundary<'_> {
                     (if piece.f.0 > 0.0 { at(piece.f.0) } else { a }, if piece.f.1 < 1.0 { at(piece.f.1) } else { b });
                 let found = self.piece_bound(patch, ga, gb, &run.trim, piece.s);
                 if piece.depth >= PATIENCE && found.as_ref().is_some_and(|f| f.at_ends > self.tolerance) {
-                    return refuse(ga, "a trimming curve is farther than the tolerance from the region's boundary");
+                    return refuse(ga, LoopFault::TooFar);
                 }
                 let good = found.as_ref().is_some_and(|f| f.bound <= bound.max(f.at_ends + EXCESS * self.tolerance));
                 if !good && piece.depth < DEPTH {
@@ -129,7 +127,7 @@ impl Boundary<'_> {
                     }
                 }
                 let Some(found) = found else {
-                    return refuse(ga, "a trimming curve strays from the region's boundary");
+                    return refuse(ga, LoopFault::Strays);
                 };
                 if k == 0 && piece.f.0 <= 0.0 {
                     start = Some((a, found.roots));
@@ -139,7 +137,7 @@ impl Boundary<'_> {
             }
             sides.push(Side { ends: [a, b], bound, curvature });
         }
-        start.map(|start| RunBound { sides, start }).ok_or(Obstacle { uv: first, reason: "a trimming curve is empty" })
+        start.map(|start| RunBound { sides, start }).ok_or(Obstacle { uv: first, fault: LoopFault::Empty })
     }
 
     fn piece_bound(&self, patch: &Patch, ga: [f64; 2], gb: [f64; 2], trim: &Curve<2>, s: (f64, f64)) -> Option<Found> {

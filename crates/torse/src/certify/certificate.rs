@@ -5,6 +5,7 @@
 
 use super::claim::{Claim, LowerBound, Subject, UpperBound, What};
 use super::fingerprint::Fingerprint;
+use crate::reason::{ProofFault, Reason};
 use std::ops::Deref;
 
 /// What is stated about one panel. Lengths in mm.
@@ -12,8 +13,8 @@ use std::ops::Deref;
 pub struct PanelParts {
     /// Whether everything below is proven and within the tolerance.
     pub certified: bool,
-    /// Why not, and where; empty when certified.
-    pub reason: String,
+    /// Why not, and where; none when certified.
+    pub reason: Option<Reason>,
     /// Witness: parameters on the face, and the distance there, when the tolerance is exceeded.
     pub witness: Option<([f64; 2], f64)>,
     /// Place on the face that is farther than boundary, edges and rounding leave of the tolerance, and what they leave there,
@@ -113,8 +114,8 @@ pub struct CertificateParts {
     pub covered: bool,
     /// One record per panel, in order.
     pub panels: Vec<PanelCertificate>,
-    /// Parts of the proof that are missing, in plain words; empty when certified.
-    pub missing: Vec<String>,
+    /// Parts of the proof that are missing; empty when certified.
+    pub missing: Vec<Reason>,
 }
 
 /// What was proven about a whole patchwork; reads like `CertificateParts`.
@@ -167,11 +168,11 @@ impl Certificate {
             ];
             out.extend(developable.into_iter().filter(|_| p.developable));
             if !p.certified {
-                out.push(Claim::objection(panel, p.reason.clone()));
+                out.push(Claim::objection(panel, p.reason.clone().unwrap_or(ProofFault::SomePanel.into())));
             }
         }
         if !self.certified && !out.iter().any(Claim::is_broken) {
-            out.push(Claim::objection(whole, "not every panel could be proven"));
+            out.push(Claim::objection(whole, ProofFault::SomePanel));
         }
         out
     }
@@ -208,7 +209,7 @@ impl PanelParts {
     pub(super) fn blank() -> Self {
         Self {
             certified: false,
-            reason: String::new(),
+            reason: None,
             witness: None,
             too_far: None,
             deviation_bound: f64::INFINITY,

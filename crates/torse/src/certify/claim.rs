@@ -4,6 +4,8 @@
 //! Only this floor can make an [`UpperBound`] or a [`LowerBound`] that says more than "nothing is known", and a claim
 //! is [`Evidence::Proven`] only if it was made of one. Bounds can be joined and weakened anywhere, never strengthened.
 
+use crate::reason::Reason;
+
 /// A proven upper bound; infinite where nothing is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct UpperBound(f64);
@@ -203,7 +205,7 @@ pub enum What {
     LeftOut,
     /// Something that stands against the status; [`Claim::reason`] says what.
     Objection,
-    /// Something that stands against the status of the whole and says how much of it is certified, in words.
+    /// Something that stands against the status of the whole and says how much of it is certified.
     InPart,
 }
 
@@ -280,7 +282,7 @@ pub struct Claim {
     value: f64,
     evidence: Evidence,
     demand: Demand,
-    reason: String,
+    reason: Option<Reason>,
     unknown: bool,
     lower: bool,
     in_parts: bool,
@@ -294,7 +296,7 @@ impl Claim {
             value,
             evidence,
             demand: Demand::None,
-            reason: String::new(),
+            reason: None,
             unknown: false,
             lower: false,
             in_parts: false,
@@ -328,18 +330,18 @@ impl Claim {
         Self::new(What::Count(what), subject, number as f64, Evidence::Given)
     }
 
-    /// Something that stands against the status, in words.
-    pub fn objection(subject: Subject, reason: impl Into<String>) -> Self {
-        Self::new(What::Objection, subject, 1.0, Evidence::Given).within(0.0).because(reason)
+    /// Something that stands against the status.
+    pub fn objection(subject: Subject, reason: impl Into<Reason>) -> Self {
+        Self::new(What::Objection, subject, 1.0, Evidence::Given).within(0.0).because(reason.into())
     }
 
     /// An objection that says how much of the whole is certified.
-    pub fn in_part(reason: impl Into<String>) -> Self {
+    pub fn in_part(reason: impl Into<Reason>) -> Self {
         Self { what: What::InPart, ..Self::objection(Subject::Whole, reason) }
     }
 
-    /// Something that was asked for and is missing from the answer, in words; what was made is as good as it is.
-    pub fn left_out(reason: impl Into<String>) -> Self {
+    /// Something that was asked for and is missing from the answer; what was made is as good as it is.
+    pub fn left_out(reason: impl Into<Reason>) -> Self {
         Self { what: What::LeftOut, ..Self::objection(Subject::Whole, reason) }
     }
 
@@ -355,8 +357,8 @@ impl Claim {
         self
     }
 
-    /// Says, in words, what is the matter if the demand is not met.
-    pub fn because(mut self, reason: impl Into<String>) -> Self {
+    /// Says what is the matter if the demand is not met.
+    pub fn because(mut self, reason: impl Into<Option<Reason>>) -> Self {
         self.reason = reason.into();
         self
     }
@@ -417,9 +419,9 @@ impl Claim {
         self.demand
     }
 
-    /// What is the matter if the demand is not met; may be empty.
-    pub fn reason(&self) -> &str {
-        &self.reason
+    /// What is the matter if the demand is not met, where more is known than the number.
+    pub fn reason(&self) -> Option<&Reason> {
+        self.reason.as_ref()
     }
 
     /// Whether what was asked of it is not shown: the value is beyond the limit, is no number, or was only measured.
@@ -462,6 +464,7 @@ impl Status {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::reason::Unlaid;
 
     fn within(value: f64, limit: f64) -> Claim {
         Claim::at_most(What::Deviation, Subject::Whole, UpperBound::shown(value)).within(limit)
@@ -484,9 +487,9 @@ mod tests {
 
     #[test]
     fn one_objection_is_enough() {
-        let claims = [within(0.9, 1.0), Claim::objection(Subject::Panel(3), "it has no pattern")];
+        let claims = [within(0.9, 1.0), Claim::objection(Subject::Panel(3), Unlaid::Panel)];
         assert_eq!(Status::of(&claims), Status::Uncertified);
-        assert!(claims[1].is_broken() && claims[1].reason() == "it has no pattern");
+        assert!(claims[1].is_broken() && claims[1].reason() == Some(&Unlaid::Panel.into()));
         assert_eq!(
             Status::of(&[within(0.9, 1.0), Claim::count(Counted::Beyond, Subject::Whole, 0).within(0.0)]),
             Status::Certified

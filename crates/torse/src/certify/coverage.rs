@@ -11,6 +11,7 @@ use super::distance::key;
 use crate::brep::face::Face;
 use crate::patchwork::panel::{Border, Coedge, Panel, PanelTrim};
 use crate::patchwork::partition::Partition;
+use crate::reason::CoverFault;
 use robust::{orient2d, Coord};
 use std::collections::{HashMap, HashSet};
 
@@ -25,27 +26,27 @@ const ROUNDING: f64 = 16.0 * f64::EPSILON;
 /// lies off the trimming polygons.
 ///
 /// # Errors
-/// In plain words, what is wrong.
+/// What is wrong.
 #[expect(clippy::too_many_lines, reason = "one walk over all borders, which fills one table")]
-pub(super) fn partition_covers(face: &Face, partition: &Partition) -> Result<[f64; 2], String> {
+pub(super) fn partition_covers(face: &Face, partition: &Partition) -> Result<[f64; 2], CoverFault> {
     let (v, t) = (&partition.vertices, &partition.triangles);
     if partition.labels.len() != t.len() {
-        return Err("triangles and labels differ in number".into());
+        return Err(CoverFault::Labels);
     }
     let mut edges: HashMap<(u32, u32), bool> = HashMap::with_capacity(3 * t.len());
     for (i, triangle) in t.iter().enumerate() {
         let [Some(a), Some(b), Some(c)] = triangle.map(|k| v.get(k as usize)) else {
-            return Err(format!("triangle {i} names a vertex that does not exist"));
+            return Err(CoverFault::NoVertex(i));
         };
         let at = |p: &[f64; 2]| Coord { x: p[0], y: p[1] };
         // Written so that it is refused too where a corner is not a number.
         let positive = orient2d(at(a), at(b), at(c)) > 0.0;
         if !positive {
-            return Err(format!("triangle {i} at ({}, {}) is not positively oriented", a[0], a[1]));
+            return Err(CoverFault::Orientation(i, *a));
         }
         for k in 0..3 {
             if edges.insert((triangle[k], triangle[(k + 1) % 3]), true).is_some() {
-                return Err(format!("triangle {i} repeats an edge of another"));
+                return Err(CoverFault::Repeats(i));
             }
         }
     }
@@ -61,7 +62,7 @@ pub(super) fn partition_covers(face: &Face, partition: &Partition) -> Result<[f6
     // Walk every trimming polygon along these edges and use them up.
     let by_place: HashMap<(u64, u64), u32> = v.iter().enumerate().map(|(i, p)| (key(p), i as u32)).collect();
     if by_place.len() != v.len() {
-        return Err("two vertices of the partition are at the same place".into());
+        return Err(CoverFault::SamePlace);
     }
     let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
     for p in face.loops.iter().flat_map(|l| &l.points) {
@@ -80,7 +81,7 @@ pub(super) fn partition_covers(face: &Face, partition: &Partition) -> Result<[f6
                 continue;
             }
             let (Some(&start), Some(&end)) = (by_place.get(&key(&p)), by_place.get(&key(&q))) else {
-                return Err(format!("corner {i} of loop {l} is not a vertex of the partition"));
+                return Err(CoverFault::NoCorner(i, l));
             };
             let side = [(q[0] - p[0]) / scale[0], (q[1] - p[1]) / scale[1]];
             let squared = side[0] * side[0] + side[1] * side[1];
@@ -89,7 +90,7 @@ pub(super) fn partition_covers(face: &Face, partition: &Partition) -> Result<[f6
                 // Of several ways on (where the boundary touches itself) the one along the side.
                 let options = next.get_mut(&here).filter(|o| !o.is_empty());
                 let Some(options) = options else {
-                    return Err(format!("the partition's boundary ends at side {i} of loop {l}"));
+                    return Err(CoverFault::Ends(i, l));
                 };
                 let offset = |k: u32| {
                     let x = v[k as usize];
@@ -104,7 +105,7 @@ pub(super) fn partition_covers(face: &Face, partition: &Partition) -> Result<[f6
                     })
                     .min_by(|&a, &b| offset(options[a]).1.total_cmp(&offset(options[b]).1));
                 let Some(best) = best else {
-                    return Err(format!("the partition's boundary leaves side {i} of loop {l}"));
+                    return Err(CoverFault::Leaves(i, l));
                 };
                 here = options.swap_remove(best);
                 let (off, along) = offset(here);
@@ -115,7 +116,7 @@ pub(super) fn partition_covers(face: &Face, partition: &Partition) -> Result<[f6
         }
     }
     if open > 0 {
-        return Err(format!("{open} boundary edges of the partition lie on no trimming loop"));
+        return Err(CoverFault::Open(open));
     }
     // What was measured is rounded by a few units in the last place.
     Ok(scale.map(|s| (farthest + ROUNDING) * s))
@@ -124,20 +125,20 @@ pub(super) fn partition_covers(face: &Face, partition: &Partition) -> Result<[f6
 /// Whether every triangle of every partition belongs to exactly one panel.
 ///
 /// # Errors
-/// In plain words, what is wrong.
-pub(super) fn labels_have_panels(partitions: &[Partition], panels: &[Panel]) -> Result<(), String> {
+/// What is wrong.
+pub(super) fn labels_have_panels(partitions: &[Partition], panels: &[Panel]) -> Result<(), CoverFault> {
     let mut owners = HashSet::new();
     for p in panels {
         let Some(trim) = p.trim.as_ref().filter(|t| t.face < partitions.len()) else {
-            return Err(format!("panel {} belongs to a face that does not exist", p.strip.name));
+            return Err(CoverFault::NoFace(p.strip.name.clone()));
         };
         if !owners.insert((trim.face, trim.label)) {
-            return Err(format!("panel {} shares its region with another", p.strip.name));
+            return Err(CoverFault::Shared(p.strip.name.clone()));
         }
     }
     for (face, partition) in partitions.iter().enumerate() {
         if let Some(i) = partition.labels.iter().position(|&l| !owners.contains(&(face, l))) {
-            return Err(format!("triangle {i} of face {face} belongs to no panel"));
+            return Err(CoverFault::NoPanel(i, face));
         }
     }
     Ok(())
@@ -146,8 +147,8 @@ pub(super) fn labels_have_panels(partitions: &[Partition], panels: &[Panel]) -> 
 /// Whether a panel's loops are exactly the boundary of its triangles.
 ///
 /// # Errors
-/// In plain words, what is wrong.
-pub(super) fn loops_bound_triangles(partition: &Partition, trim: &PanelTrim) -> Result<(), String> {
+/// What is wrong.
+pub(super) fn loops_bound_triangles(partition: &Partition, trim: &PanelTrim) -> Result<(), CoverFault> {
     let mut edges = HashSet::new();
     let mut others = HashSet::new();
     for (t, &label) in partition.triangles.iter().zip(&partition.labels) {
@@ -161,24 +162,22 @@ pub(super) fn loops_bound_triangles(partition: &Partition, trim: &PanelTrim) -> 
         }
     }
     if edges.is_empty() {
-        return Err("the panel has no triangles".into());
+        return Err(CoverFault::NoTriangles);
     }
     for (l, runs) in trim.loops.iter().enumerate() {
         for (i, run) in runs.iter().enumerate() {
             let following: &Coedge = &runs[(i + 1) % runs.len()];
             if run.vertices.last() != following.vertices.first() {
-                return Err(format!("loop {l} is not closed after run {i}"));
+                return Err(CoverFault::NotClosed { of: l, run: i });
             }
             for w in run.vertices.windows(2) {
                 if !edges.remove(&(w[0], w[1])) {
-                    return Err(format!("run {i} of loop {l} leaves the boundary of the panel's triangles"));
+                    return Err(CoverFault::RunLeaves { of: l, run: i });
                 }
                 // Seams are where there is a neighbour, and nowhere else.
                 let seam = matches!(run.border, Border::Seam { .. });
                 if seam != others.contains(&(w[1], w[0])) {
-                    let (said, is) =
-                        if seam { ("a seam", "the face's border") } else { ("the face's border", "another panel") };
-                    return Err(format!("run {i} of loop {l} is called {said}, but {is} is beyond"));
+                    return Err(CoverFault::Miscalled { of: l, run: i, seam });
                 }
             }
         }
@@ -186,7 +185,7 @@ pub(super) fn loops_bound_triangles(partition: &Partition, trim: &PanelTrim) -> 
     if edges.is_empty() {
         Ok(())
     } else {
-        Err(format!("{} boundary edges of the panel's triangles belong to no run", edges.len()))
+        Err(CoverFault::NoRun(edges.len()))
     }
 }
 

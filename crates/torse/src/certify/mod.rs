@@ -1,4 +1,4 @@
-//! Floor 5: the independent judge. Imports nothing from `fit`; only this module can make a [`Certificate`].
+//! Floor 6: the independent judge. Imports nothing from `fit`; only this module can make a [`Certificate`].
 //!
 //! [`distance()`] judges one torse on one region and is what a covering loop calls; [`patchwork()`] proves everything
 //! about what will be exported. Theory: certificate \[certificate\]; the primal torse \[mixed, C1.4\]; plane families

@@ -19,13 +19,14 @@ use super::rounding::rounding_bound;
 use super::ruled::{Ruled, RuledJets};
 use super::seams::SeamSide;
 use super::simple::{loops_are_simple, stays_within};
-use super::verdict::{Obstruction, Verdict};
+use super::verdict::Verdict;
 use super::written::reserve;
 use crate::control::Control;
-use crate::geom::place_in_words;
+use crate::geom::Vec3;
 use crate::num::interval::Interval;
 use crate::patchwork::panel::{Coedge, Panel, PanelTrim};
 use crate::patchwork::partition::Partition;
+use crate::reason::{LoopFault, PanelFault, Reason};
 use crate::spline::surface::Surface;
 use crate::torse::form::Torse;
 use rayon::prelude::*;
@@ -57,12 +58,11 @@ pub(super) fn panel_certificate(
     let mut out = PanelParts::blank();
     let triangles = region(partition, trim.label);
     let (Some(family), Some(ruled)) = (Family::new(torse), Ruled::new(&panel.strip.patch)) else {
-        out.reason =
-            "the torse is not a C¹ spline of degree at most 3, or the patch is not ruled with positive weights".into();
+        out.reason = Some(PanelFault::NoTorse.into());
         return (out, None);
     };
     if triangles.is_empty() {
-        out.reason = "the panel has no region".into();
+        out.reason = Some(PanelFault::NoRegion.into());
         return (out, None);
     }
     let mut reasons = Vec::new();
@@ -76,7 +76,7 @@ pub(super) fn panel_certificate(
     // The edges in space that go with the trimming curves.
     match edges(panel, &jets, tolerance) {
         Some(bound) => out.edge_bound = bound,
-        None => reasons.push("an edge in space cannot be compared with its trimming curve".into()),
+        None => reasons.push(PanelFault::Edge),
     }
 
     // Distance, within what boundary, edges and rounding have left of the tolerance.
@@ -94,7 +94,7 @@ pub(super) fn panel_certificate(
         let clearance = judged.parts.regression_clearance.min(shape.clearance);
         if let Some(b) = edge.runs.iter().find(|b| !b.agrees_with(&judged.feet)) {
             let uv = b.start.0;
-            reasons.push(format!("a trimming curve belongs to another foot at {}", at(prepared.surface, uv)));
+            reasons.push(PanelFault::OtherFoot(at(prepared.surface, uv)));
         } else if edge.delta.is_some() && out.edge_bound.is_finite() {
             out.deviation_bound = total;
             out.regression_clearance = clearance;
@@ -103,9 +103,9 @@ pub(super) fn panel_certificate(
     if reasons.is_empty() && out.deviation_bound <= tolerance {
         out.certified = true;
     } else if reasons.is_empty() {
-        reasons.push(format!("the bound {:.6} mm exceeds the tolerance", out.deviation_bound));
+        reasons.push(PanelFault::TooLarge(out.deviation_bound));
     }
-    out.reason = reasons.join("; ");
+    out.reason = Reason::all(reasons.into_iter().map(Reason::from).collect());
     (out, Some(jets))
 }
 
@@ -123,18 +123,18 @@ fn patch_bounds(
     panel: &Panel,
     family: &Family,
     ruled: &Ruled,
-    reasons: &mut Vec<String>,
+    reasons: &mut Vec<PanelFault>,
 ) -> Developability {
     match rounding_bound(family, ruled) {
         Some(bound) => out.rounding_bound = (bound + reserve(&panel.strip.patch)) * (1.0 + 4.0 * f64::EPSILON),
-        None => reasons.push("the patch cannot be compared with the exact torse".into()),
+        None => reasons.push(PanelFault::OffTorse),
     }
     let shape = developability(ruled, &trim_boxes(panel.loops().iter().flatten().map(|r| &r.trim)));
     out.developability_bound = shape.angle;
     if shape.angle > ANGLE_LIMIT {
-        reasons.push(format!("tangent planes along a ruling may differ by {:.1e} rad", shape.angle));
+        reasons.push(PanelFault::Twisted(shape.angle));
     } else if !shape.regular {
-        reasons.push("the regression curve may lie inside the patch".into());
+        reasons.push(PanelFault::Regression);
     }
     shape
 }
@@ -147,15 +147,9 @@ struct Edge {
     curvature: f64,
 }
 
-/// A place on a surface in words.
-fn at(surface: &Surface, uv: [f64; 2]) -> String {
-    place_in_words(&surface.point(uv[0], uv[1]))
-}
-
-/// A length with three digits.
-fn short(x: f64) -> String {
-    let digits = if x > 0.0 && x.is_finite() { (2 - x.log10().floor() as i32).clamp(0, 12) } else { 3 };
-    format!("{x:.*}", digits as usize)
+/// A place on a surface.
+fn at(surface: &Surface, uv: [f64; 2]) -> Vec3 {
+    surface.point(uv[0], uv[1])
 }
 
 /// The trimming curves: near the images of the region's boundary, all around the region, simple, and on the patch.
@@ -163,7 +157,7 @@ fn boundary_bounds(
     trim: &PanelTrim,
     (partition, surface): (&Partition, &Surface),
     boundary: &Boundary,
-    reasons: &mut Vec<String>,
+    reasons: &mut Vec<PanelFault>,
 ) -> Edge {
     let runs: Vec<_> = trim.loops.iter().flatten().collect();
     let bounds: Vec<_> = runs.par_iter().map(|run| boundary.run_bound(run, &partition.vertices)).collect();
@@ -176,19 +170,17 @@ fn boundary_bounds(
                 edge.runs.push(b);
             }
             Err(obstacle) => {
-                reasons.push(format!("{} at {}", obstacle.reason, at(surface, obstacle.uv)));
+                reasons.push(PanelFault::TrimAt(obstacle.fault, at(surface, obstacle.uv)));
                 edge.delta = None;
                 break;
             }
         }
     }
     let curves: Vec<Vec<_>> = trim.loops.iter().map(|l| l.iter().map(|r| &r.trim).collect()).collect();
-    if let Err(reason) = loops_are_simple(&curves) {
-        reasons.push(reason.into());
-    }
+    reasons.extend(loops_are_simple(&curves).err().map(PanelFault::Trim));
     let (t0, t1) = boundary.jets.domain();
     if !curves.iter().flatten().all(|c| stays_within(c, [t0, 0.0], [t1, 1.0])) {
-        reasons.push("a trimming curve leaves the patch".into());
+        reasons.push(PanelFault::Trim(LoopFault::Leaves));
     }
     edge
 }
@@ -214,13 +206,13 @@ impl Region<'_> {
 
     /// The distance, on every triangle within what boundary and rounding have left of the tolerance; if that cannot be shown,
     /// within a multiple of it, with the reason. Second result: the bound of both together.
-    fn judged(&self, mismatch: &Mismatch, out: &mut PanelParts, reasons: &mut Vec<String>) -> (Judged, f64) {
+    fn judged(&self, mismatch: &Mismatch, out: &mut PanelParts, reasons: &mut Vec<PanelFault>) -> (Judged, f64) {
         let local = mismatch.on_triangles(self.prepared, self.triangles, self.sides, self.tolerance);
         let mut budgets: Vec<f64> = local.iter().map(|m| m.budget(self.tolerance)).collect();
         // What joining or trimming moved may be unknown: neither is a budget then.
         let none = |b: &f64| b.is_nan() || *b <= 0.0;
         if budgets.iter().any(none) {
-            reasons.push("rounding and trimming curves use up the tolerance".into());
+            reasons.push(PanelFault::UsedUp);
             budgets.iter_mut().filter(|b| none(b)).for_each(|b| *b = self.tolerance);
         }
         let mut judged = self.judge(&budgets);
@@ -242,19 +234,18 @@ impl Region<'_> {
         match &judged.parts.verdict {
             Verdict::Holds { .. } => {}
             Verdict::Fails { uv, distance } => {
-                let place = format!("{} mm away at {}", short(distance.abs()), at(self.prepared.surface, *uv));
                 let left = self.triangles.iter().zip(&budgets).filter(|(t, _)| holds(t, uv));
                 let left = left.fold(self.tolerance, |m, (_, b)| m.min(*b));
                 out.too_far = Some((*uv, left));
-                if distance.abs() > self.tolerance {
+                let (away, at) = (distance.abs(), at(self.prepared.surface, *uv));
+                let far = away > self.tolerance;
+                if far {
                     out.witness = Some((*uv, *distance));
-                    reasons.push(format!("the face is {place}"));
-                } else {
-                    reasons.push(format!("the face is {place}; rounding and trimming curves leave {} mm", short(left)));
                 }
+                reasons.push(PanelFault::TooFar { away, at, left: (!far).then_some(left) });
             }
             Verdict::Undecided { uv, reason } => {
-                reasons.push(format!("{} at {}", words(*reason), at(self.prepared.surface, *uv)));
+                reasons.push(PanelFault::Resists(*reason, at(self.prepared.surface, *uv)));
             }
         }
         out.cells = judged.parts.cells;
@@ -297,16 +288,4 @@ fn region(partition: &Partition, label: u32) -> Vec<[[f64; 2]; 3]> {
         .filter(|(_, &l)| l == label)
         .filter_map(|(t, _)| Some([corner(&t[0])?, corner(&t[1])?, corner(&t[2])?]))
         .collect()
-}
-
-/// What a resistance means.
-fn words(reason: Obstruction) -> &'static str {
-    match reason {
-        Obstruction::Foot => "no unique regular foot on the torse could be shown",
-        Obstruction::Fold => "the foot map may fold over",
-        Obstruction::Degenerate => "the surface's parametrisation degenerates, or a triangle crosses a knot line",
-        Obstruction::Bound => "the bound stays above the tolerance",
-        Obstruction::Budget => "too many triangles were needed",
-        Obstruction::Stopped => "the proof was stopped",
-    }
 }

@@ -15,6 +15,7 @@ use crate::control::Control;
 use crate::geom::BBox;
 use crate::patchwork::panel::{Border, Coedge, Panel, PanelForm, Patchwork};
 use crate::patchwork::seam::Seam;
+use crate::reason::{CoverFault, Item, PanelFault, ProofFault, Reason, SeamFault};
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -57,21 +58,15 @@ fn judged(patchwork: &Patchwork, tolerance: f64, control: &Control, known: Optio
     });
     let least = SMALLEST_RELATIVE_TOLERANCE * size.diagonal();
     if !(tolerance >= least && tolerance.is_finite()) {
-        out.missing.push(format!(
-            "everything: a tolerance of {tolerance:e} mm cannot be certified in double precision at this size; \
-             at least {least:.1e} mm is needed"
-        ));
+        out.missing.push(ProofFault::Precision { tolerance, least }.into());
         return Certificate { parts: out, of };
     }
     for (i, face) in patchwork.faces.iter().enumerate() {
         if !(face.joint_bound() >= 0.0 && face.joint_bound().is_finite()) {
-            out.missing.push(format!("face {i}: joining moved it by {} mm, which is no bound", face.joint_bound()));
+            out.missing.push(ProofFault::Joined { face: i, by: face.joint_bound() }.into());
         }
         if !(face.trim_bound() >= 0.0 && face.trim_bound().is_finite()) {
-            out.missing.push(format!(
-                "face {i}: its trim is {} mm from the file's edges, which is no bound",
-                face.trim_bound()
-            ));
+            out.missing.push(ProofFault::Trimmed { face: i, by: face.trim_bound() }.into());
         }
     }
     let sides = coverage_of(patchwork, &mut out);
@@ -93,7 +88,7 @@ fn judged(patchwork: &Patchwork, tolerance: f64, control: &Control, known: Optio
             };
             out.seams = patchwork.seams().iter().map(record).collect();
         }
-        Err(reason) => out.missing.push(format!("seams: {reason}")),
+        Err((seam, fault)) => out.missing.push(ProofFault::Seams { seam, fault }.into()),
     }
     out.certified = out.covered && out.missing.is_empty() && out.deviation_bound <= tolerance;
     Certificate { parts: out, of }
@@ -114,19 +109,19 @@ fn coverage_of(patchwork: &Patchwork, out: &mut CertificateParts) -> Vec<[f64; 2
         for (i, found) in found.into_iter().enumerate() {
             match found {
                 Ok(off) => sides[i] = off,
-                Err(reason) => {
+                Err(fault) => {
                     out.covered = false;
-                    out.missing.push(format!("coverage of face {i}: {reason}"));
+                    out.missing.push(ProofFault::Cover { face: Some(i), fault }.into());
                 }
             }
         }
     } else {
         out.covered = false;
-        out.missing.push("coverage: faces and partitions differ in number".into());
+        out.missing.push(ProofFault::Cover { face: None, fault: CoverFault::Partitions }.into());
     }
-    if let Err(reason) = coverage::labels_have_panels(&patchwork.partitions, &patchwork.panels) {
+    if let Err(fault) = coverage::labels_have_panels(&patchwork.partitions, &patchwork.panels) {
         out.covered = false;
-        out.missing.push(format!("coverage: {reason}"));
+        out.missing.push(ProofFault::Cover { face: None, fault }.into());
     }
     sides
 }
@@ -162,7 +157,7 @@ fn panels_of(
             Some((trim, Ground { partition, prepared, moved: *moved, far: known.is_none() }))
         });
         let Some((trim, ground)) = of else {
-            return (PanelParts { reason: "the panel covers no face".into(), ..PanelParts::blank() }, None);
+            return (PanelParts { reason: Some(PanelFault::NoFace.into()), ..PanelParts::blank() }, None);
         };
         let prove = || {
             let (parts, jets) = match &trim.form {
@@ -180,9 +175,9 @@ fn panels_of(
             _ => prove(),
         };
         // What is around the region is never taken over.
-        if let Err(reason) = loops_bound_triangles(ground.partition, trim) {
+        if let Err(fault) = loops_bound_triangles(ground.partition, trim) {
             parts.certified = false;
-            parts.reason = [parts.reason, reason].into_iter().filter(|r| !r.is_empty()).collect::<Vec<_>>().join("; ");
+            parts.reason = Reason::all(parts.reason.into_iter().chain([PanelFault::Cover(fault).into()]).collect());
         }
         (parts, jets)
     };
@@ -201,10 +196,12 @@ fn panels_of(
     out.deviation_bound = out.panels.iter().fold(0.0, |m, p| p.deviation_bound.max(m));
     let failing: Vec<usize> = (0..total).filter(|&i| !out.panels[i].certified).collect();
     for &i in failing.iter().take(3) {
-        out.missing.push(format!("panel {}: {}", patchwork.panels[i].strip.name, out.panels[i].reason));
+        let reason = out.panels[i].reason.clone();
+        let name = Item::Panel(patchwork.panels[i].strip.name.clone());
+        out.missing.push(Reason::of(name, reason.unwrap_or(ProofFault::SomePanel.into())));
     }
     if failing.len() > 3 {
-        out.missing.push(format!("{} more panels", failing.len() - 3));
+        out.missing.push(ProofFault::MorePanels(failing.len() - 3).into());
     }
     jets
 }
@@ -235,10 +232,10 @@ pub fn join(whole: &Patchwork, parts: Vec<Certificate>, tolerance: f64) -> Certi
     }
     if !Fingerprint::make_up(&of, whole) {
         (out.certified, out.covered) = (false, false);
-        out.missing.push("the patchwork is not what was proven".into());
+        out.missing.push(ProofFault::Another.into());
     }
     if !out.certified && out.missing.is_empty() {
-        out.missing.push("a part was proven for a larger tolerance only".into());
+        out.missing.push(ProofFault::Larger.into());
     }
     Certificate { parts: out, of }
 }
@@ -256,12 +253,12 @@ fn seam_gaps(
     jets: &[Option<Arc<RuledJets>>],
     tolerance: f64,
     known: Option<&Known>,
-) -> Result<Vec<(f64, f64)>, String> {
+) -> Result<Vec<(f64, f64)>, (usize, SeamFault)> {
     let mut sides: Vec<Vec<(usize, bool, &Coedge)>> = vec![Vec::new(); patchwork.seam_count];
     for (i, panel) in patchwork.panels.iter().enumerate() {
         for run in panel.loops().iter().flatten() {
             if let Border::Seam { seam, forward } = run.border {
-                let slot = sides.get_mut(seam as usize).ok_or_else(|| format!("seam {seam} is not counted"))?;
+                let slot = sides.get_mut(seam as usize).ok_or((seam as usize, SeamFault::Uncounted))?;
                 slot.push((i, forward, run));
             }
         }
@@ -271,19 +268,19 @@ fn seam_gaps(
         .enumerate()
         .map(|(seam, sides)| {
             let [(i, f, a), (j, g, b)] = sides.as_slice() else {
-                return Err(format!("seam {seam} has {} sides", sides.len()));
+                return Err((seam, SeamFault::Sides(sides.len())));
             };
             let mirrored = f != g
                 && a.vertices.iter().eq(b.vertices.iter().rev())
                 && a.parameters.iter().zip(b.parameters.iter().rev()).all(|(s, r)| (s + r - 1.0).abs() <= MIRROR);
             if !mirrored {
-                return Err(format!("the two sides of seam {seam} do not mirror each other"));
+                return Err((seam, SeamFault::NotMirrored));
             }
             if patchwork.panels[*i].face() != patchwork.panels[*j].face() {
-                return Err(format!("seam {seam} lies between different faces"));
+                return Err((seam, SeamFault::Faces));
             }
             let (Some(Some(p)), Some(Some(q))) = (jets.get(*i), jets.get(*j)) else {
-                return Err(format!("seam {seam} has a side without a patch"));
+                return Err((seam, SeamFault::NoPatch));
             };
             let prove = || {
                 let (a, b) = (SeamSide { jets: p, trim: &a.trim }, SeamSide { jets: q, trim: &b.trim });
@@ -295,7 +292,7 @@ fn seam_gaps(
                 Some(known) => known.seam(fingerprint::of_seam(of, tolerance), prove),
                 None => prove(),
             };
-            found.ok_or_else(|| format!("seam {seam} leaves a patch"))
+            found.ok_or((seam, SeamFault::Leaves))
         })
         .collect()
 }
@@ -304,6 +301,7 @@ fn seam_gaps(
 mod tests {
     use super::*;
     use crate::certify::specimens::{self, two_panels};
+    use crate::reason::LoopFault;
 
     fn prove(p: &Patchwork, tolerance: f64) -> Certificate {
         patchwork(p, tolerance, &Control::default())
@@ -442,43 +440,62 @@ mod tests {
         assert!(most > 0.8e-3, "{most}");
     }
 
+    /// Whether a fault is among what is said.
+    fn says(reason: &Reason, fault: fn(&ProofFault) -> bool) -> bool {
+        match reason {
+            Reason::Of(_, reason) => says(reason, fault),
+            Reason::Several(all) => all.iter().any(|r| says(r, fault)),
+            Reason::Proof(found) => fault(found),
+            _ => false,
+        }
+    }
+
     #[test]
     fn what_is_wrong_is_said() {
+        let of_panel = |f: &ProofFault| matches!(f, ProofFault::Panel(_));
         let good = two_panels(1e-3, 4);
         let known = Known::default();
         assert!(patchwork_after(&known, &good, 1.05e-3, &Control::default()).certified);
-        let refused = |name: &str, word: &str, change: &dyn Fn(&mut Patchwork)| {
+        let refused = |name: &str, said: fn(&ProofFault) -> bool, change: &dyn Fn(&mut Patchwork)| {
             let mut p = good.clone();
             change(&mut p);
             let c = prove(&p, 1.05e-3);
             // Proofs of what was good are not taken over.
             assert!(!patchwork_after(&known, &p, 1.05e-3, &Control::default()).certified, "{name}");
-            assert!(!c.certified && c.missing.iter().any(|m| m.contains(word)), "{name}: {:?}", c.missing);
+            assert!(!c.certified && c.missing.iter().any(|m| says(m, said)), "{name}: {:?}", c.missing);
         };
-        refused("a vertex of the patch off by 1e-8", "rad", &|p| p.panels[0].strip.patch.control[10][2] += 1e-5);
-        refused("a piece of the region gone", "coverage", &|p| {
+        refused(
+            "a vertex of the patch off by 1e-8",
+            |f| matches!(f, ProofFault::Panel(PanelFault::Twisted(_))),
+            &|p| p.panels[0].strip.patch.control[10][2] += 1e-5,
+        );
+        refused("a piece of the region gone", |f| matches!(f, ProofFault::Cover { .. }), &|p| {
             p.partitions[0].triangles.pop();
             p.partitions[0].labels.pop();
         });
-        refused("a loop reversed", "region", &|p| {
+        refused("a loop reversed", of_panel, &|p| {
             for run in p.panels[0].loops_mut()[0].iter_mut() {
                 run.vertices.reverse();
             }
             p.panels[0].loops_mut()[0].reverse();
         });
-        refused("a corner of the trim dropped", "panel A-0", &|p| {
+        refused("a corner of the trim dropped", of_panel, &|p| {
             let n = p.panels[0].loops()[0][0].trim.control.len();
             p.panels[0].loops_mut()[0][0].trim.control[n / 2][1] += 0.1;
         });
-        refused("a panel gone", "belongs to no panel", &|p| {
+        refused("a panel gone", |f| matches!(f, ProofFault::Cover { fault: CoverFault::NoPanel(..), .. }), &|p| {
             p.panels.pop();
         });
-        refused("trimming curves that do not join", "join", &|p| {
-            p.panels[1].loops_mut()[0][0].trim.control[0][0] += 1e-12
-        });
-        refused("a seam of one side only", "seam", &|p| {
-            p.panels[1].loops_mut()[0][1].border = Border::Trim { edge: 7 }
-        });
+        refused(
+            "trimming curves that do not join",
+            |f| matches!(f, ProofFault::Panel(PanelFault::Trim(LoopFault::Apart))),
+            &|p| p.panels[1].loops_mut()[0][0].trim.control[0][0] += 1e-12,
+        );
+        refused(
+            "a seam of one side only",
+            |f| matches!(f, ProofFault::Seams { fault: SeamFault::Sides(1), .. }),
+            &|p| p.panels[1].loops_mut()[0][1].border = Border::Trim { edge: 7 },
+        );
     }
 
     #[test]
@@ -571,7 +588,10 @@ mod tests {
         }
         p.seam_count = 0;
         let c = prove(&p, 1.05e-3);
-        assert!(!c.certified && c.missing.iter().any(|m| m.contains("another panel")), "{:?}", c.missing);
+        let miscalled = |f: &ProofFault| {
+            matches!(f, ProofFault::Panel(PanelFault::Cover(CoverFault::Miscalled { seam: false, .. })))
+        };
+        assert!(!c.certified && c.missing.iter().any(|m| says(m, miscalled)), "{:?}", c.missing);
     }
 
     #[test]

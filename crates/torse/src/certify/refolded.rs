@@ -69,7 +69,7 @@ pub(crate) struct Stretch<'a> {
 
 /// Why no bound was shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub(crate) enum Unshown {
+pub enum Unshown {
     /// Lines with gaps, or that do not run once around each border.
     #[error("its outline could not be followed along the border of its panel")]
     Lines,

@@ -30,11 +30,11 @@ use super::tensor::{about, Tensor};
 use super::vector::length;
 use super::written::reserve;
 use crate::control::Control;
-use crate::geom::place_in_words;
 use crate::num::interval::Interval;
 use crate::num::jet::Jet;
 use crate::patchwork::foot_map::FootMap;
 use crate::patchwork::panel::{Coedge, Panel, PanelTrim};
+use crate::reason::{LoopFault, PanelFault, Reason};
 use crate::spline::curve::Curve;
 use rayon::prelude::*;
 
@@ -62,12 +62,12 @@ pub(super) fn ruled_panel(
 ) -> (PanelParts, Option<RuledJets>) {
     let mut out = PanelParts { developable: false, ..PanelParts::blank() };
     let Some(ruled) = Ruled::new(&panel.strip.patch) else {
-        out.reason = "the patch is not ruled with positive weights".into();
+        out.reason = Some(PanelFault::NotRuled.into());
         return (out, None);
     };
     let whole = map.control.len() == map.knots_s.control_count() * map.knots_t.control_count();
     if !(whole && map.control.iter().flatten().all(|x| x.is_finite())) {
-        out.reason = "the map to the face is no spline of finite numbers".into();
+        out.reason = Some(PanelFault::NoMap.into());
         return (out, None);
     }
     let origin = ruled.middle(ruled.breaks()[0]);
@@ -75,20 +75,18 @@ pub(super) fn ruled_panel(
     let mut reasons = Vec::new();
     let judge = Judge::new(panel, trim, map, ground, origin, tolerance);
     let curves: Vec<Vec<_>> = trim.loops.iter().map(|l| l.iter().map(|r| &r.trim).collect()).collect();
-    if let Err(reason) = loops_are_simple(&curves) {
-        reasons.push(reason.into());
-    }
+    reasons.extend(loops_are_simple(&curves).err().map(PanelFault::Trim));
     let (t0, t1) = jets.domain();
     if !curves.iter().flatten().all(|c| stays_within(c, [t0, 0.0], [t1, 1.0])) {
-        reasons.push("a trimming curve leaves the patch".into());
+        reasons.push(PanelFault::Trim(LoopFault::Leaves));
     }
     match judge.border() {
         Ok(bound) => out.boundary_bound = bound,
-        Err(reason) => reasons.push(reason),
+        Err(fault) => reasons.push(fault),
     }
     match edges(panel, &jets, tolerance) {
         Some(bound) => out.edge_bound = bound,
-        None => reasons.push("an edge in space cannot be compared with its trimming curve".into()),
+        None => reasons.push(PanelFault::Edge),
     }
     out.rounding_bound = reserve(&panel.strip.patch);
     // Without a sound border the distance shows nothing.
@@ -98,7 +96,7 @@ pub(super) fn ruled_panel(
                 (out.distance_bound, out.cells) = (found.bound, found.cells);
                 out.witness = Some(found.farthest);
             }
-            Err(reason) => reasons.push(reason),
+            Err(fault) => reasons.push(fault),
         }
     }
     if reasons.is_empty() {
@@ -109,12 +107,12 @@ pub(super) fn ruled_panel(
         out.certified = out.deviation_bound <= tolerance;
         let witness = out.witness.take().filter(|_| !out.certified);
         if let Some((uv, _)) = witness {
-            let place = place_in_words(&ground.prepared.surface.point(uv[0], uv[1]));
-            reasons.push(format!("{:.6} mm is all that is proven; farthest at {place}", out.deviation_bound));
+            let place = ground.prepared.surface.point(uv[0], uv[1]);
+            reasons.push(PanelFault::Only(out.deviation_bound, place));
         }
         out.witness = witness.filter(|w| w.1 > tolerance);
     }
-    out.reason = reasons.join("; ");
+    out.reason = Reason::all(reasons.into_iter().map(Reason::from).collect());
     (out, Some(jets))
 }
 
@@ -187,7 +185,7 @@ impl<'a> Judge<'a> {
     }
 
     /// D: sharp, unless cells become too many or a control says stop; a bound in any case.
-    fn distance(&self, control: &Control) -> Result<Distance, String> {
+    fn distance(&self, control: &Control) -> Result<Distance, PanelFault> {
         let mut open = self.cells();
         let fine = [0, 1].map(|d: usize| {
             let breaks = self.patch.breaks()[d];
@@ -212,12 +210,12 @@ impl<'a> Judge<'a> {
                 let small = (0..2).all(|d| cell.box_[d].width() <= fine[d]);
                 if look.sign != 0 && (look.bound <= goal || small || last) {
                     if sign != 0 && sign != look.sign {
-                        return Err("the map to the face folds over".into());
+                        return Err(PanelFault::Folds);
                     }
                     sign = look.sign;
                     out.bound = out.bound.max(look.bound);
                 } else if last || cell.depth == DEPTH {
-                    return Err("it could not be shown that the map to the face does not fold over".into());
+                    return Err(PanelFault::MayFold);
                 } else {
                     open.extend(self.halves(&cell, &look));
                 }
@@ -225,7 +223,7 @@ impl<'a> Judge<'a> {
         }
         let area: f64 = self.polygons.first().map_or(0.0, |p| signed_area(p));
         if (area > 0.0) != (sign > 0) || sign == 0 {
-            return Err("the trimming loops run about the wrong side".into());
+            return Err(PanelFault::WrongSide);
         }
         Ok(out)
     }
@@ -299,19 +297,19 @@ impl<'a> Judge<'a> {
     }
 
     /// δ: the greatest over all runs.
-    fn border(&self) -> Result<f64, String> {
+    fn border(&self) -> Result<f64, PanelFault> {
         let runs: Vec<&Coedge> = self.trim.loops.iter().flatten().collect();
-        let found: Result<Vec<f64>, String> = runs.par_iter().map(|r| self.run(r)).collect();
+        let found: Result<Vec<f64>, PanelFault> = runs.par_iter().map(|r| self.run(r)).collect();
         Ok(found?.into_iter().fold(0.0, f64::max))
     }
 
-    fn run(&self, run: &Coedge) -> Result<f64, String> {
+    fn run(&self, run: &Coedge) -> Result<f64, PanelFault> {
         let place = |i: usize| {
             let v = run.vertices.get(i).and_then(|&v| self.ground.partition.vertices.get(v as usize));
-            v.copied().ok_or_else(|| "a run names a vertex that does not exist".to_owned())
+            v.copied().ok_or(PanelFault::Trim(LoopFault::NoVertex))
         };
         if !super::boundary::well_formed(run) {
-            return Err("a trimming curve is not a clamped cubic over [0, 1] with increasing vertex parameters".into());
+            return Err(PanelFault::Trim(LoopFault::Malformed));
         }
         let knots = run.trim.knots.breaks();
         let mut bound = 0.0f64;
@@ -334,10 +332,7 @@ impl<'a> Judge<'a> {
                 let (fm, sm) = (0.5 * (f[0] + f[1]), 0.5 * (s[0] + s[1]));
                 if depth == BORDER_DEPTH || !(sm > s[0] && sm < s[1]) {
                     let p = self.ground.prepared.surface.point(side[0][0], side[0][1]);
-                    return Err(format!(
-                        "a trimming curve strays from the region's boundary at {}",
-                        place_in_words(&p)
-                    ));
+                    return Err(PanelFault::TrimAt(LoopFault::Strays, p));
                 }
                 open.extend([([f[0], fm], [s[0], sm], depth + 1), ([fm, f[1]], [sm, s[1]], depth + 1)]);
             }

@@ -10,6 +10,7 @@
 //!
 //! Control points are computed in f64; all separations are required with a margin far above their rounding.
 
+use crate::reason::LoopFault;
 use crate::spline::curve::{bezier_pieces, Curve};
 use robust::{orient2d, Coord};
 
@@ -40,16 +41,16 @@ struct Piece {
 /// Whether loops (outer first) of trimming curves are simple, disjoint, and the others lie inside the first.
 ///
 /// # Errors
-/// In plain words, what could not be shown.
-pub(super) fn loops_are_simple(loops: &[Vec<&Curve<2>>]) -> Result<(), &'static str> {
+/// What could not be shown.
+pub(super) fn loops_are_simple(loops: &[Vec<&Curve<2>>]) -> Result<(), LoopFault> {
     rings_are_simple(gather(loops)?, loops.len())
 }
 
 /// The same of closed polygons (outer first); corners that coincide with the one before are none.
 ///
 /// # Errors
-/// In plain words, what could not be shown.
-pub(super) fn polygons_are_simple(polygons: &[Vec<[f64; 2]>]) -> Result<(), &'static str> {
+/// What could not be shown.
+pub(super) fn polygons_are_simple(polygons: &[Vec<[f64; 2]>]) -> Result<(), LoopFault> {
     let place = scaled(polygons.iter().flatten());
     let mut rings = Vec::new();
     for (group, polygon) in polygons.iter().enumerate() {
@@ -58,7 +59,7 @@ pub(super) fn polygons_are_simple(polygons: &[Vec<[f64; 2]>]) -> Result<(), &'st
             let at = |s: f64| [0, 1].map(|d: usize| a[d] + (b[d] - a[d]) * s);
             let c = [a, at(1.0 / 3.0), at(2.0 / 3.0), b];
             if c.iter().flatten().any(|x| !x.is_finite()) {
-                return Err("a polygon has no extent");
+                return Err(LoopFault::PolygonNoExtent);
             }
             if (0..2).any(|d| (a[d] - b[d]).abs() > MARGIN) {
                 rings.push(Piece { c, group: group as u32 });
@@ -66,12 +67,12 @@ pub(super) fn polygons_are_simple(polygons: &[Vec<[f64; 2]>]) -> Result<(), &'st
         }
     }
     if (0..polygons.len()).any(|g| !rings.iter().any(|r: &Piece| r.group as usize == g)) {
-        return Err("a polygon has no sides");
+        return Err(LoopFault::NoSides);
     }
     rings_are_simple(rings, polygons.len())
 }
 
-fn rings_are_simple(mut rings: Vec<Piece>, loops: usize) -> Result<(), &'static str> {
+fn rings_are_simple(mut rings: Vec<Piece>, loops: usize) -> Result<(), LoopFault> {
     let most = PIECES + 10 * rings.len();
     let mut fresh = vec![true; rings.len()];
     for _ in 0..ROUNDS {
@@ -95,7 +96,7 @@ fn rings_are_simple(mut rings: Vec<Piece>, loops: usize) -> Result<(), &'static 
         }
         rings = next;
     }
-    Err("a trimming loop meets itself or another, or comes too close to tell")
+    Err(LoopFault::Meets)
 }
 
 /// Whether a trimming curve stays in a box: its control points do, or those of its pieces once they are short enough.
@@ -140,7 +141,7 @@ fn scaled<'a>(points: impl Iterator<Item = &'a [f64; 2]>) -> impl Fn(&[f64; 2]) 
 }
 
 /// All pieces in order, scaled; checks that the curves join bit by bit.
-fn gather(loops: &[Vec<&Curve<2>>]) -> Result<Vec<Piece>, &'static str> {
+fn gather(loops: &[Vec<&Curve<2>>]) -> Result<Vec<Piece>, LoopFault> {
     let place = scaled(loops.iter().flatten().flat_map(|c| &c.control));
     let mut out = Vec::new();
     for (group, l) in loops.iter().enumerate() {
@@ -148,10 +149,10 @@ fn gather(loops: &[Vec<&Curve<2>>]) -> Result<Vec<Piece>, &'static str> {
             let next = l[(i + 1) % l.len()];
             let bits = |p: Option<&[f64; 2]>| p.map(|p| p.map(f64::to_bits));
             if bits(c.control.last()) != bits(next.control.first()) {
-                return Err("trimming curves of a loop do not join");
+                return Err(LoopFault::Apart);
             }
             if c.knots.degree() != 3 || !super::boundary::clamped(c) {
-                return Err("a trimming curve is not a clamped cubic");
+                return Err(LoopFault::NotCubic);
             }
             let start = place(&c.control[0]);
             if c.control.iter().map(&place).all(|p| (0..2).all(|d| (p[d] - start[d]).abs() <= MARGIN)) {
@@ -160,14 +161,14 @@ fn gather(loops: &[Vec<&Curve<2>>]) -> Result<Vec<Piece>, &'static str> {
             for (_, _, b) in bezier_pieces(c) {
                 let c = [place(&b[0]), place(&b[1]), place(&b[2]), place(&b[3])];
                 if c.iter().flatten().any(|x| !x.is_finite()) {
-                    return Err("a trimming loop has no extent");
+                    return Err(LoopFault::NoExtent);
                 }
                 out.push(Piece { c, group: group as u32 });
             }
         }
     }
     if out.is_empty() {
-        return Err("the panel has no trimming curves");
+        return Err(LoopFault::None);
     }
     Ok(out)
 }
@@ -303,7 +304,7 @@ fn conflicts(rings: &[Piece], fresh: &[bool]) -> Option<Vec<bool>> {
 }
 
 /// Outer loop and holes turn in opposite senses, and the holes are inside.
-fn nested(rings: &[Piece], loops: usize) -> Result<(), &'static str> {
+fn nested(rings: &[Piece], loops: usize) -> Result<(), LoopFault> {
     let polygon =
         |g: usize| -> Vec<[f64; 2]> { rings.iter().filter(|p| p.group as usize == g).map(|p| p.c[0]).collect() };
     let outer = polygon(0);
@@ -311,14 +312,14 @@ fn nested(rings: &[Piece], loops: usize) -> Result<(), &'static str> {
     let holes: Vec<Vec<[f64; 2]>> = (1..loops).map(polygon).collect();
     for (i, hole) in holes.iter().enumerate() {
         if turning(hole) != -sense {
-            return Err("a hole turns in the same sense as the outer loop");
+            return Err(LoopFault::HoleSense);
         }
         let p = hole[0];
         if !inside(&outer, p) {
-            return Err("a hole lies outside the outer loop");
+            return Err(LoopFault::HoleOutside);
         }
         if holes.iter().enumerate().any(|(j, h)| j != i && inside(h, p)) {
-            return Err("a hole lies inside another");
+            return Err(LoopFault::HoleInHole);
         }
     }
     Ok(())

@@ -22,6 +22,7 @@ use crate::geom::box_tree::{nearest_on_triangle, BoxTree};
 use crate::geom::{BBox, Vec3};
 use crate::num::interval::Interval;
 use crate::patchwork::panel::{Coedge, Panel};
+use crate::reason::LoopFault;
 use rayon::prelude::*;
 use std::collections::VecDeque;
 
@@ -44,7 +45,7 @@ pub struct TrimmedCertificate {
     edge: UpperBound,
     worst: Option<usize>,
     farthest: Option<Vec3>,
-    reason: String,
+    fault: Option<LoopFault>,
 }
 
 impl TrimmedCertificate {
@@ -73,9 +74,9 @@ impl TrimmedCertificate {
         self.farthest
     }
 
-    /// What could not be shown, in plain words; empty if all could.
-    pub fn reason(&self) -> &str {
-        &self.reason
+    /// What could not be shown; nothing if all could.
+    pub fn fault(&self) -> Option<LoopFault> {
+        self.fault
     }
 }
 
@@ -110,10 +111,10 @@ pub fn trimmed(panels: &[Panel], measured: &Measured, tolerance: f64, control: &
                 edge: UpperBound::UNKNOWN,
                 worst: None,
                 farthest: None,
-                reason: String::new(),
+                fault: None,
             };
             one(panel, &own, measured, &sites, tolerance, control)
-                .unwrap_or_else(|reason| TrimmedCertificate { reason: reason.into(), ..blank })
+                .unwrap_or_else(|fault| TrimmedCertificate { fault: Some(fault), ..blank })
         })
         .collect()
 }
@@ -125,14 +126,14 @@ fn one(
     sites: &Sites,
     tolerance: f64,
     control: &Control,
-) -> Result<TrimmedCertificate, &'static str> {
-    let ruled = Ruled::new(&panel.strip.patch).ok_or("the patch is not ruled")?;
+) -> Result<TrimmedCertificate, LoopFault> {
+    let ruled = Ruled::new(&panel.strip.patch).ok_or(LoopFault::NotRuled)?;
     let region = Region::of(panel, &ruled)?;
     let jets = RuledJets::new(&ruled, &ruled.middle(panel.strip.domain().0));
     let mut edge = UpperBound::nothing();
     for run in panel.outline.iter().flatten() {
         let side = SeamSide { jets: &jets, trim: &run.trim };
-        let bound = edge_bound(side, &run.edge, tolerance).ok_or("an edge could not be compared with its outline")?;
+        let bound = edge_bound(side, &run.edge, tolerance).ok_or(LoopFault::OutlineEdge)?;
         edge = edge.max(UpperBound::shown(bound));
     }
     let target = Target::of(&panel.strip);
@@ -154,7 +155,7 @@ fn one(
         })
         .collect();
     let worst = (0..own.len()).max_by(|&a, &b| bounds[a].total_cmp(&bounds[b]));
-    let (reach, farthest) = region.reach(panel, &ruled, sites, tolerance, control).ok_or("the proof was stopped")?;
+    let (reach, farthest) = region.reach(panel, &ruled, sites, tolerance, control).ok_or(LoopFault::Stopped)?;
     Ok(TrimmedCertificate {
         // Of a panel without points nothing is far.
         beyond: worst.map_or(UpperBound::nothing(), |k| UpperBound::shown(bounds[k])),
@@ -162,7 +163,7 @@ fn one(
         edge,
         worst: worst.map(|k| own[k]),
         farthest,
-        reason: String::new(),
+        fault: None,
     })
 }
 
@@ -231,23 +232,18 @@ fn row(r: f64) -> usize {
 }
 
 impl Region {
-    fn of(panel: &Panel, ruled: &Ruled) -> Result<Self, &'static str> {
+    fn of(panel: &Panel, ruled: &Ruled) -> Result<Self, LoopFault> {
         let (from, to) = panel.strip.domain();
         let loops: Vec<Vec<[f64; 2]>> = if panel.outline.is_empty() {
             let breaks = ruled.breaks();
             let back = breaks.iter().rev().map(|t| [*t, 1.0]);
             vec![breaks.iter().map(|t| [*t, 0.0]).chain(back).collect()]
         } else {
-            panel
-                .outline
-                .iter()
-                .map(|runs| polygon(runs))
-                .collect::<Option<_>>()
-                .ok_or("an outline is no closed polygon")?
+            panel.outline.iter().map(|runs| polygon(runs)).collect::<Option<_>>().ok_or(LoopFault::OutlineOpen)?
         };
         let inside = |p: &[f64; 2]| p[0] >= from && p[0] <= to && p[1] >= 0.0 && p[1] <= 1.0;
         if !loops.iter().flatten().all(inside) {
-            return Err("an outline leaves its patch");
+            return Err(LoopFault::OutlineLeaves);
         }
         // Those who prove it want the first polygon counter-clockwise.
         let turned = if doubled_area(&loops[0]) < 0.0 {
@@ -255,7 +251,7 @@ impl Region {
         } else {
             loops.clone()
         };
-        polygons_are_simple(&turned).map_err(|_| "an outline could not be shown not to meet itself")?;
+        polygons_are_simple(&turned).map_err(|_| LoopFault::OutlineMeets)?;
         let mut rows = vec![Vec::new(); ROWS];
         for (l, polygon) in loops.iter().enumerate() {
             for k in 0..polygon.len() {
@@ -530,7 +526,7 @@ mod tests {
     fn an_outline_along_the_points_keeps_to_them_both_ways() {
         let (panel, x) = scan([0.0; 2]);
         let c = judged(&panel, &x);
-        assert_eq!(c.reason(), "");
+        assert_eq!(c.fault(), None);
         assert!(c.beyond_bound().value() < 1e-3 && c.edge_bound().value() < 0.01, "{c:?}");
         // Cells of points 2 to 2.4 apart, and the straight sides of the hole.
         let reach = c.reach_bound().value();
@@ -559,13 +555,13 @@ mod tests {
         let (good, x) = scan([0.0; 2]);
         let mut panel = good.clone();
         panel.outline[0][0].trim.control[7][1] = -0.01;
-        assert_eq!(judged(&panel, &x).reason(), "an outline leaves its patch");
+        assert_eq!(judged(&panel, &x).fault(), Some(LoopFault::OutlineLeaves));
         assert!(judged(&panel, &x).reach_bound() == UpperBound::UNKNOWN);
         let mut panel = good.clone();
         panel.outline[0][0].trim.control[0][1] += 0.01;
-        assert_eq!(judged(&panel, &x).reason(), "an outline is no closed polygon");
+        assert_eq!(judged(&panel, &x).fault(), Some(LoopFault::OutlineOpen));
         let (crossed, _) = scan([-0.85, -0.4]);
-        assert!(judged(&crossed, &x).reason().contains("meet itself"));
+        assert_eq!(judged(&crossed, &x).fault(), Some(LoopFault::OutlineMeets));
         // An edge in space beside its outline.
         let mut panel = good;
         panel.outline[0][0].edge.control[9][2] += 1.0;

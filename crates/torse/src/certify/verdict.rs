@@ -1,5 +1,7 @@
 //! How a question about a region ends: the words that all proofs share \[certificate\].
 
+pub use crate::reason::Obstruction;
+
 /// Whether a statement was proven, or how it failed.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Verdict {
@@ -22,21 +24,4 @@ pub enum Verdict {
         /// Why.
         reason: Obstruction,
     },
-}
-
-/// Why a box could not be decided.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Obstruction {
-    /// No unique foot point could be shown: the regression curve is near, or rulings leave the patch.
-    Foot,
-    /// The foot map may fold over.
-    Fold,
-    /// The surface's parametrisation degenerates.
-    Degenerate,
-    /// The bound stays above the tolerance down to the smallest box.
-    Bound,
-    /// Too many boxes.
-    Budget,
-    /// Cancelled or out of time.
-    Stopped,
 }

@@ -24,6 +24,7 @@ use crate::patchwork::pattern::{BendSense, Contour, Pattern};
 use crate::patchwork::written::{
     WrittenArc, WrittenContour, WrittenEdge, WrittenFace, WrittenJoint, WrittenPiece, WrittenSurface,
 };
+use crate::reason::{Differs, Drawn, Item, Near, Reason, WrittenFault};
 use crate::spline::curve::Curve;
 use crate::spline::knots::Knots;
 use crate::spline::surface::Surface;
@@ -37,7 +38,7 @@ pub(super) const RESERVE: f64 = 1024.0 * f64::EPSILON;
 #[derive(Clone, Debug)]
 pub struct WrittenCertificate {
     bound: f64,
-    reason: String,
+    reason: Option<Reason>,
 }
 
 impl WrittenCertificate {
@@ -57,15 +58,15 @@ impl WrittenCertificate {
         self.bound
     }
 
-    /// What does not agree, with the entity of the file; empty if all does.
-    pub fn reason(&self) -> &str {
-        &self.reason
+    /// What does not agree, with the entity of the file; nothing if all does.
+    pub fn reason(&self) -> Option<&Reason> {
+        self.reason.as_ref()
     }
 
-    pub(super) fn of(found: Result<f64, String>) -> Self {
+    pub(super) fn of(found: Result<f64, Reason>) -> Self {
         match found {
-            Ok(bound) => Self { bound, reason: String::new() },
-            Err(reason) => Self { bound: f64::INFINITY, reason },
+            Ok(bound) => Self { bound, reason: None },
+            Err(reason) => Self { bound: f64::INFINITY, reason: Some(reason) },
         }
     }
 }
@@ -74,24 +75,25 @@ impl WrittenCertificate {
 pub fn of<T>(read: Result<T, String>, compare: impl FnOnce(&T) -> WrittenCertificate) -> WrittenCertificate {
     match read {
         Ok(found) => compare(&found),
-        Err(reason) => WrittenCertificate::of(Err(reason)),
+        Err(words) => WrittenCertificate::of(Err(WrittenFault::Unreadable(words).into())),
     }
 }
 
 /// Compares the faces of a STEP file with the panels that were judged.
 pub fn panels(patchwork: &Patchwork, faces: &[WrittenFace]) -> WrittenCertificate {
     if faces.len() != patchwork.panels.len() {
-        return WrittenCertificate::of(Err(format!("{} faces for {} panels", faces.len(), patchwork.panels.len())));
+        let (found, wanted) = (faces.len(), patchwork.panels.len());
+        return WrittenCertificate::of(Err(WrittenFault::Number { found, wanted, of: Near::Panels }.into()));
     }
-    let found: Vec<Result<f64, String>> = patchwork
+    let found: Vec<Result<f64, Reason>> = patchwork
         .panels
         .par_iter()
         .map(|panel| {
             let own: Vec<&WrittenFace> = faces.iter().filter(|f| f.name == panel.strip.name).collect();
-            let [face] = own[..] else { return Err(format!("panel {} has {} faces", panel.strip.name, own.len())) };
+            let item = || Item::Panel(panel.strip.name.clone());
+            let [face] = own[..] else { return Err(Reason::of(item(), WrittenFault::Faces(own.len()))) };
             let turned = patchwork.face_of(panel).is_some_and(|f| f.reversed);
-            panel_moved(panel, face, turned)
-                .map_err(|(entity, what)| format!("#{entity}, panel {}: {what}", panel.strip.name))
+            panel_moved(panel, face, turned).map_err(|fault| recorded(fault, item()))
         })
         .collect();
     WrittenCertificate::of(found.into_iter().try_fold(0.0f64, |m, b| b.map(|b| m.max(b))))
@@ -103,18 +105,24 @@ pub(super) fn reserve(patch: &Surface) -> f64 {
     RESERVE * b.min.amax().max(b.max.amax())
 }
 
-type Fault = (u64, String);
+/// What is wrong, and the entity where it is.
+pub(super) type Fault = (u64, WrittenFault);
+
+/// A fault with the name of what it concerns.
+pub(super) fn recorded((entity, fault): Fault, item: Item) -> Reason {
+    Reason::of(Item::Record(entity, Box::new(item)), fault)
+}
 
 fn panel_moved(panel: &Panel, face: &WrittenFace, turned: bool) -> Result<f64, Fault> {
-    let here = |what: &str| (face.entity, what.to_owned());
+    let here = |what: Differs| (face.entity, what.into());
     if face.reversed == (panel.mirrored() == turned) {
-        return Err(here("the normal is on the wrong side"));
+        return Err(here(Differs::Normal));
     }
-    let mut moved = surface_moved(&panel.strip.patch, &face.surface).map_err(|what| here(&what))?;
+    let mut moved = surface_moved(&panel.strip.patch, &face.surface).map_err(here)?;
     if face.loops.len() != panel.loops().len() {
-        return Err(here("loops are missing"));
+        return Err(here(Differs::Loops));
     }
-    let ruled = Ruled::new(&panel.strip.patch).ok_or_else(|| here("the patch is not ruled"))?;
+    let ruled = Ruled::new(&panel.strip.patch).ok_or_else(|| here(Differs::NotRuled))?;
     let mut jets = None;
     for (runs, uses) in panel.loops().iter().zip(&face.loops) {
         let runs: Vec<&Coedge> = runs.iter().filter(|r| !r.is_point()).collect();
@@ -123,14 +131,14 @@ fn panel_moved(panel: &Panel, face: &WrittenFace, turned: bool) -> Result<f64, F
             uses.reverse();
         }
         if runs.len() != uses.len() {
-            return Err(here("edges are missing"));
+            return Err(here(Differs::Edges));
         }
         for (k, (run, &(edge, forward))) in runs.iter().zip(&uses).enumerate() {
-            let fault = |what: &str| (edge.entity, what.to_owned());
+            let fault = |what: Differs| (edge.entity, what.into());
             let before = &uses[(k + uses.len() - 1) % uses.len()];
             let meet = |u: &(&WrittenEdge, bool), first: bool| u.0.vertices[usize::from(u.1 != first)];
             if meet(&uses[k], true) != meet(before, false) {
-                return Err(fault("the edge does not begin where the one before ends"));
+                return Err(fault(Differs::Follows));
             }
             let (first, last) = (edge.curve.control.first(), edge.curve.control.last());
             let own = [first, last];
@@ -141,7 +149,7 @@ fn panel_moved(panel: &Panel, face: &WrittenFace, turned: bool) -> Result<f64, F
                 let there = neighbours[i].0;
                 let ends = [there.curve.control.first(), there.curve.control.last()];
                 if own[i] != Some(place) && !ends.contains(&Some(place)) {
-                    return Err(fault("a vertex is not at the end of its edges"));
+                    return Err(fault(Differs::VertexOff));
                 }
             }
             if same_course(&run.trim, &edge.trim, forward) && same_course(&run.edge, &edge.curve, forward) {
@@ -150,20 +158,20 @@ fn panel_moved(panel: &Panel, face: &WrittenFace, turned: bool) -> Result<f64, F
             let jets =
                 jets.get_or_insert_with(|| RuledJets::new(&ruled, &ruled.middle(panel.strip.patch.domain().0 .0)));
             let by = curves_moved(run, edge, forward, jets);
-            moved = moved.max(by.ok_or_else(|| fault("the edge or its trimming curve is another one"))?);
+            moved = moved.max(by.ok_or_else(|| fault(Differs::EdgeOrTrim))?);
         }
     }
     if moved <= reserve(&panel.strip.patch) {
         Ok(moved)
     } else {
-        Err(here(&format!("it is {moved:.3e} mm from what was judged")))
+        Err((face.entity, WrittenFault::Moved(moved)))
     }
 }
 
 /// Bound of the distance between a patch and the surface written for it.
-pub(super) fn surface_moved(patch: &Surface, written: &WrittenSurface) -> Result<f64, String> {
+pub(super) fn surface_moved(patch: &Surface, written: &WrittenSurface) -> Result<f64, Differs> {
     if !(same_knots(&patch.knots_u, &written.knots[0]) && same_knots(&patch.knots_v, &written.knots[1])) {
-        return Err("the knots of the surface are others".into());
+        return Err(Differs::Knots);
     }
     let rational = patch.control.iter().any(|c| c[3].total_cmp(&1.0).is_ne());
     let weights = &written.weights;
@@ -173,7 +181,7 @@ pub(super) fn surface_moved(patch: &Surface, written: &WrittenSurface) -> Result
         weights.len() == patch.control.len() && patch.control.iter().zip(weights).all(|(c, w)| c[3] == *w && *w > 0.0)
     };
     if !same || written.points.len() != patch.control.len() {
-        return Err("the weights of the surface are others".into());
+        return Err(Differs::Weights);
     }
     // A point of the surface is a mean of control points with the same weights: it moves no more than they do.
     let mut most = 0.0f64;
@@ -184,7 +192,7 @@ pub(super) fn surface_moved(patch: &Surface, written: &WrittenSurface) -> Result
         });
         let far = length_bound(&off);
         if !(far <= f64::MAX && p.iter().all(|x| x.is_finite())) {
-            return Err("a control point is not a finite number".into());
+            return Err(Differs::ControlPoint);
         }
         most = most.max(far);
     }
@@ -276,45 +284,48 @@ fn differences<const D: usize>(own: &Curve<D>, written: &Curve<D>, forward: bool
 pub fn drawing(patterns: &[Pattern], pieces: &[WrittenPiece]) -> WrittenCertificate {
     let drawn: Vec<&Pattern> = patterns.iter().filter(|p| !p.contours.is_empty()).collect();
     if drawn.len() != pieces.len() {
-        return WrittenCertificate::of(Err(format!("{} pieces for {} patterns", pieces.len(), drawn.len())));
+        let (found, wanted) = (pieces.len(), drawn.len());
+        return WrittenCertificate::of(Err(WrittenFault::Number { found, wanted, of: Near::Patterns }.into()));
     }
-    let found: Vec<Result<f64, String>> = drawn
+    let found: Vec<Result<f64, Reason>> = drawn
         .par_iter()
         .zip(pieces)
-        .map(|(pattern, piece)| piece_moved(pattern, piece).map_err(|what| format!("pattern {}: {what}", pattern.name)))
+        .map(|(pattern, piece)| {
+            piece_moved(pattern, piece).map_err(|fault| Reason::of(Item::Pattern(pattern.name.clone()), fault))
+        })
         .collect();
     WrittenCertificate::of(found.into_iter().try_fold(0.0f64, |m, b| b.map(|b| m.max(b))))
 }
 
-fn piece_moved(pattern: &Pattern, piece: &WrittenPiece) -> Result<f64, String> {
-    let counted = |what: &str, a: usize, b: usize| {
-        if a == b {
+fn piece_moved(pattern: &Pattern, piece: &WrittenPiece) -> Result<f64, WrittenFault> {
+    let counted = |what: Drawn, wanted: usize, found: usize| {
+        if wanted == found {
             Ok(())
         } else {
-            Err(format!("{b} {what} instead of {a}"))
+            Err(WrittenFault::Counted { what, found, wanted })
         }
     };
-    counted("contours", pattern.contours.len(), piece.contours.len())?;
-    counted("outlines of formed features", pattern.formed.len(), piece.formed.len())?;
-    counted("extents of bends", pattern.extents.len(), piece.extents.len())?;
-    counted("rulings", pattern.rulings.len(), piece.rulings.len())?;
-    counted("marks", pattern.marks.len(), piece.marks.len())?;
-    counted("sections", pattern.sections.len(), piece.sections.len())?;
+    counted(Drawn::Contours, pattern.contours.len(), piece.contours.len())?;
+    counted(Drawn::Formed, pattern.formed.len(), piece.formed.len())?;
+    counted(Drawn::Extents, pattern.extents.len(), piece.extents.len())?;
+    counted(Drawn::Rulings, pattern.rulings.len(), piece.rulings.len())?;
+    counted(Drawn::Marks, pattern.marks.len(), piece.marks.len())?;
+    counted(Drawn::Sections, pattern.sections.len(), piece.sections.len())?;
     let outlines = || {
         let own = pattern.contours.iter().chain(&pattern.formed);
         own.zip(piece.contours.iter().chain(&piece.formed))
     };
     if piece.points().any(|p| !(p.x.is_finite() && p.y.is_finite())) {
-        return Err("a coordinate is not a finite number".into());
+        return Err(Differs::Coordinate.into());
     }
     let mut pairs = Vec::new();
     for (own, written) in outlines() {
         let WrittenContour::Joints(joints) = written else { continue };
-        counted("joints of an outline", own.vertices.len(), joints.len())?;
+        counted(Drawn::Joints, own.vertices.len(), joints.len())?;
         let mm = |p: &Vec2| place(&(p * piece.unit.mm()));
         pairs.extend(own.vertices.iter().zip(joints).map(|(a, b)| (place(&a.point), mm(&b.point))));
     }
-    let motion = Motion::between(&pairs).ok_or("the outline has no extent")?;
+    let motion = Motion::between(&pairs).ok_or(Differs::NoExtent)?;
     let unit = length_of(piece.unit);
     let far = |a: &Vec2, b: &Vec2| {
         let p = motion.point(&place(a).map(Interval::point));
@@ -327,7 +338,7 @@ fn piece_moved(pattern: &Pattern, piece: &WrittenPiece) -> Result<f64, String> {
             WrittenContour::Joints(joints) => offs.extend(contour_moved(own, joints, unit, &far)),
             WrittenContour::Circle { centre, radius } => {
                 let radius = Interval::point(*radius) * unit;
-                offs.push(circle_moved(own, radius, |p| far(p, centre)).ok_or("a hole is no circle")?);
+                offs.push(circle_moved(own, radius, |p| far(p, centre)).ok_or(Differs::NoCircle)?);
             }
         }
     }
@@ -336,18 +347,18 @@ fn piece_moved(pattern: &Pattern, piece: &WrittenPiece) -> Result<f64, String> {
     }
     for ((a, b), sense) in in_order(pattern).into_iter().zip(&piece.rulings).zip(&piece.senses) {
         if a.1 != *sense {
-            return Err("a bend line goes the other way".into());
+            return Err(Differs::BendSense.into());
         }
         let a = a.0;
         offs.extend([far(&a[0], &b[0]), far(&a[1], &b[1])]);
     }
     for (own, line) in pattern.sections.iter().zip(&piece.sections) {
-        counted("corners of a section", own.points.len(), line.len())?;
+        counted(Drawn::Corners, own.points.len(), line.len())?;
         offs.extend(own.points.iter().zip(line).map(|(a, b)| far(a, b)));
     }
     offs.extend(pattern.marks.iter().zip(&piece.marks).map(|(a, b)| far(&a.point, &b[0])));
     if offs.iter().any(|x| !x.is_finite()) {
-        return Err("an arc is none".into());
+        return Err(Differs::NoArc.into());
     }
     Ok(offs.into_iter().fold(0.0, f64::max))
 }
@@ -483,7 +494,7 @@ mod tests {
     fn the_same_numbers_agree_and_any_other_is_seen() {
         let p = two_panels(1e-3, 4);
         let good = faces(&p);
-        assert!(panels(&p, &good).reason().is_empty(), "{}", panels(&p, &good).reason());
+        assert_eq!(panels(&p, &good).reason(), None);
         type Damage = fn(&mut WrittenFace);
         let damages: [Damage; 8] = [
             |f| f.surface.points[3][1] += 1e-9,
@@ -501,9 +512,9 @@ mod tests {
             let mut bad = good.clone();
             damage(&mut bad[1]);
             let found = panels(&p, &bad);
-            assert!(!found.reason().is_empty() && found.bound().is_infinite(), "damage {k}");
+            assert!(found.reason().is_some() && found.bound().is_infinite(), "damage {k}");
         }
-        assert!(!panels(&p, &good[..1]).reason().is_empty());
+        assert!(panels(&p, &good[..1]).reason().is_some());
     }
 
     #[test]
@@ -519,7 +530,7 @@ mod tests {
             }
         }
         let found = panels(&p, &backwards);
-        assert!(found.reason().is_empty() && found.bound() < 1e-12, "{} {:e}", found.reason(), found.bound());
+        assert!(found.reason().is_none() && found.bound() < 1e-12, "{:?} {:e}", found.reason(), found.bound());
     }
 
     #[test]
@@ -554,7 +565,7 @@ mod tests {
         let all = [pattern.clone()];
         for arc in [WrittenArc::Bulge(0.4), radius] {
             let found = drawing(&all, &[piece(arc)]);
-            assert!(found.bound() < 1e-11, "{} {:e}", found.reason(), found.bound());
+            assert!(found.bound() < 1e-11, "{:?} {:e}", found.reason(), found.bound());
         }
         // The height of the arc changes by half the chord times the bulge.
         let off = drawing(&all, &[piece(WrittenArc::Bulge(0.41))]).bound();
@@ -563,8 +574,8 @@ mod tests {
         wrong.rulings[0][1].x += 0.5;
         assert!(drawing(&all, &[wrong.clone()]).bound() > 0.49);
         wrong.rulings[0][1].x = f64::NAN;
-        assert!(!drawing(&all, &[wrong]).reason().is_empty());
-        assert!(!drawing(&all, &[]).reason().is_empty());
+        assert!(drawing(&all, &[wrong]).reason().is_some());
+        assert!(drawing(&all, &[]).reason().is_some());
         // A hole of three arcs is a circle, and only that circle.
         let third = (TAU / 12.0).tan();
         let at = |k: usize| {
@@ -594,6 +605,6 @@ mod tests {
                 p
             }],
         );
-        assert!(!turned.reason().is_empty());
+        assert!(turned.reason().is_some());
     }
 }

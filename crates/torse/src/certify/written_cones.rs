@@ -7,12 +7,13 @@
 //! borders of these patches; those of trimmed ones must be the numbers that were judged.
 
 use super::vector::{cross, dot, length, sub, V3};
-use super::written::WrittenCertificate;
-use super::written_strips::{affine, difference, ends_moved, off_plane, side_moved, worst, Fault};
+use super::written::{recorded, Fault, WrittenCertificate};
+use super::written_strips::{affine, difference, ends_moved, misnamed, off_plane, side_moved, worst};
 use crate::geom::Vec3;
 use crate::num::bernstein::binomial;
 use crate::num::interval::Interval;
 use crate::patchwork::written::{WrittenBase, WrittenCourse, WrittenExact, WrittenSide};
+use crate::reason::{Differs, Item, Near, Reason, WrittenFault};
 use crate::spline::curve::Curve;
 use crate::spline::knots::Knots;
 use crate::spline::surface::Surface;
@@ -34,15 +35,16 @@ const ROUNDING: f64 = 1e-11;
 pub fn cones(bodies: &[ConeBody], faces: &[WrittenExact]) -> WrittenCertificate {
     let all: Vec<Piece> = bodies.iter().flat_map(Piece::of_body).collect();
     if all.len() != faces.len() {
-        return WrittenCertificate::of(Err(format!("{} faces for {} pieces", faces.len(), all.len())));
+        let (found, wanted) = (faces.len(), all.len());
+        return WrittenCertificate::of(Err(WrittenFault::Number { found, wanted, of: Near::Pieces }.into()));
     }
     let one = |(piece, face): (&Piece, &WrittenExact)| {
         if face.name != piece.name {
-            return Err(format!("#{} is called {} instead of {}", face.entity, face.name, piece.name));
+            return Err(misnamed(face.entity, &face.name, &piece.name));
         }
-        piece.moved(face).map_err(|(entity, what)| format!("#{entity}, {}: {what}", piece.name))
+        piece.moved(face).map_err(|fault| recorded(fault, Item::Named(piece.name.clone())))
     };
-    let found: Vec<Result<f64, String>> = all.par_iter().zip(faces).map(one).collect();
+    let found: Vec<Result<f64, Reason>> = all.par_iter().zip(faces).map(one).collect();
     WrittenCertificate::of(found.into_iter().try_fold(0.0f64, |m, b| b.map(|b| m.max(b))))
 }
 
@@ -74,19 +76,19 @@ impl<'a> Piece<'a> {
 
     /// Bound of the distance of a written face from the piece.
     fn moved(&self, face: &WrittenExact) -> Result<f64, Fault> {
-        let here = |what: &str| (face.entity, what.to_owned());
-        let list = patches(&self.segment).map_err(|e| here(&e.to_string()))?;
-        let [patch, others @ ..] = &list[..] else { return Err(here("the piece is none")) };
+        let here = |what: Differs| (face.entity, what.into());
+        let list = patches(&self.segment).map_err(|e| (face.entity, WrittenFault::Piece(e.to_string())))?;
+        let [patch, others @ ..] = &list[..] else { return Err(here(Differs::NoPiece)) };
         // Only between circles pieces turn farther than one patch does.
         let round = self.part.is_none() && self.segment.is_between_circles(0.0);
         if !(others.is_empty() || round) {
-            return Err(here("the piece turns too far"));
+            return Err(here(Differs::Turns));
         }
         let all = |carrier: &Carrier| worst(list.iter().map(|p| carrier.off(p).unwrap_or(f64::NAN)));
         let own = all(&Carrier::of_round(&Round::of(&self.segment)));
-        let own = own.ok_or_else(|| here("the piece does not lie on its own carrier"))?;
+        let own = own.ok_or_else(|| here(Differs::OffCarrier))?;
         let (off, outwards) = match &face.surface {
-            WrittenBase::Spline(_) => return Err(here("the surface is a spline")),
+            WrittenBase::Spline(_) => return Err(here(Differs::Spline)),
             WrittenBase::Plane { point, normal } => (
                 off_plane(patch, point, normal).filter(|_| others.is_empty()),
                 dot(&unit(normal), &exact(&self.segment.start.normal)),
@@ -100,23 +102,23 @@ impl<'a> Piece<'a> {
                 (all(&c), c.outwards(&self.segment))
             }
         };
-        let off = off.ok_or_else(|| here("the surface is another one"))?;
+        let off = off.ok_or_else(|| here(Differs::Surface))?;
         let wanted = if face.reversed { -1 } else { 1 };
         if outwards.sign() != wanted {
-            return Err(here("the normal is on the wrong side"));
+            return Err(here(Differs::Normal));
         }
         let moved = (Interval::point(own) + Interval::point(off)).hi;
         let sizes = list.iter().map(Surface::bbox).map(|b| b.min.amax().max(b.max.amax()));
         let reach = sizes.fold(Round::of(&self.segment).radius, f64::max);
         if moved.is_nan() || moved > ROUNDING * reach {
-            return Err(here(&format!("the surface is {moved:.3e} mm from what was judged")));
+            return Err((face.entity, WrittenFault::SurfaceMoved(moved)));
         }
         let edges = match self.part {
             Some((part, k)) => trimmed_moved(part, k, face)?,
             None => whole_moved(&list, face)?,
         };
         if edges > ROUNDING * reach {
-            return Err(here(&format!("its edges are {edges:.3e} mm from what was judged")));
+            return Err((face.entity, WrittenFault::EdgesMoved(edges)));
         }
         Ok(moved.max(edges))
     }
@@ -124,7 +126,7 @@ impl<'a> Piece<'a> {
 
 /// The edges of a whole segment against the borders of its patches, which follow each other.
 fn whole_moved(list: &[Surface], face: &WrittenExact) -> Result<f64, Fault> {
-    let [sides] = &face.loops[..] else { return Err((face.entity, "the face has several loops".into())) };
+    let [sides] = &face.loops[..] else { return Err((face.entity, Differs::SeveralLoops.into())) };
     let across = |patch: &Surface, last: bool| {
         let first = if last { patch.control.len() - 2 } else { 0 };
         vec![Curve { knots: patch.knots_v.clone(), control: patch.control[first..first + 2].to_vec() }]
@@ -139,13 +141,13 @@ fn whole_moved(list: &[Surface], face: &WrittenExact) -> Result<f64, Fault> {
     let (first, last) = (&list[0], &list[list.len() - 1]);
     let wanted = [(across(first, false), true), (along(1), true), (across(last, true), false), (along(0), false)];
     if sides.len() != wanted.len() {
-        return Err((face.entity, "edges are missing".into()));
+        return Err((face.entity, Differs::Edges.into()));
     }
     let mut moved = 0.0f64;
     for (k, ((curves, forward), side)) in wanted.iter().zip(sides).enumerate() {
-        let fault = |what: &str| (side.entity, what.to_owned());
+        let fault = |what: Differs| (side.entity, what.into());
         if side.forward != *forward {
-            return Err(fault("the edge runs the other way"));
+            return Err(fault(Differs::EdgeSense));
         }
         follows(sides, k)?;
         let off = match (&side.course, &curves[..]) {
@@ -161,7 +163,7 @@ fn whole_moved(list: &[Surface], face: &WrittenExact) -> Result<f64, Fault> {
             (WrittenCourse::Spline { .. }, [curve]) => side_moved(curve, side),
             _ => None,
         };
-        moved = moved.max(off.ok_or_else(|| fault("the edge is another one"))?);
+        moved = moved.max(off.ok_or_else(|| fault(Differs::Edge))?);
     }
     Ok(moved)
 }
@@ -175,36 +177,36 @@ fn whole_ends(curves: &[Curve<4>]) -> Option<Curve<4>> {
 fn trimmed_moved(part: &ConePart, piece: usize, face: &WrittenExact) -> Result<f64, Fault> {
     let loops = &part.faces[piece].loops;
     if loops.len() != face.loops.len() {
-        return Err((face.entity, "loops are missing".into()));
+        return Err((face.entity, Differs::Loops.into()));
     }
     let mut moved = 0.0f64;
     for (uses, sides) in loops.iter().zip(&face.loops) {
         if uses.len() != sides.len() {
-            return Err((face.entity, "edges are missing".into()));
+            return Err((face.entity, Differs::Edges.into()));
         }
         for (k, (&(e, forward), side)) in uses.iter().zip(sides).enumerate() {
-            let fault = |what: &str| (side.entity, what.to_owned());
+            let fault = |what: Differs| (side.entity, what.into());
             if side.forward != forward {
-                return Err(fault("the edge runs the other way"));
+                return Err(fault(Differs::EdgeSense));
             }
             follows(sides, k)?;
-            let edge = part.edges.get(e).ok_or_else(|| fault("the edge is none"))?;
+            let edge = part.edges.get(e).ok_or_else(|| fault(Differs::NoEdge))?;
             let own = [edge.start, edge.end].map(|v| part.vertices.get(v).copied().unwrap_or(Vec3::repeat(f64::NAN)));
             if side.vertices != own.map(<[f64; 3]>::from) {
-                return Err(fault("a vertex is another one"));
+                return Err(fault(Differs::Vertex));
             }
             match (&edge.curve, &side.course) {
                 (PartCurve::Ruling, WrittenCourse::Line { .. }) => {
                     let line = line(own.map(|p| [p.x, p.y, p.z, 1.0]));
                     let off = line.and_then(|line| side_moved(&line, side));
-                    moved = moved.max(off.ok_or_else(|| fault("the edge is another one"))?);
+                    moved = moved.max(off.ok_or_else(|| fault(Differs::Edge))?);
                 }
                 (PartCurve::Free { space, .. }, WrittenCourse::Spline { curve, weights }) => {
                     if !weights.is_empty() || curve != space {
-                        return Err(fault("the edge is another one"));
+                        return Err(fault(Differs::Edge));
                     }
                 }
-                _ => return Err(fault("the edge is of another kind")),
+                _ => return Err(fault(Differs::EdgeKind)),
             }
         }
     }
@@ -217,7 +219,7 @@ fn follows(sides: &[WrittenSide], k: usize) -> Result<(), Fault> {
     if side.vertices[usize::from(!side.forward)] == before.vertices[usize::from(before.forward)] {
         Ok(())
     } else {
-        Err((side.entity, "the edge does not begin where the one before ends".into()))
+        Err((side.entity, Differs::Follows.into()))
     }
 }
 

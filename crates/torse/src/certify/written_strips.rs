@@ -6,9 +6,10 @@
 //! between their vertices \[certificate, 7\].
 
 use super::vector::{cross, dot, length, length_bound, V3};
-use super::written::{surface_moved, WrittenCertificate};
+use super::written::{recorded, surface_moved, Fault, WrittenCertificate};
 use crate::num::interval::Interval;
 use crate::patchwork::written::{WrittenBase, WrittenCourse, WrittenSide, WrittenStrip};
+use crate::reason::{Differs, Item, Near, Reason, WrittenFault};
 use crate::spline::curve::Curve;
 use crate::spline::surface::Surface;
 use crate::torse::strip::Strip;
@@ -17,27 +18,31 @@ use crate::torse::strip::Strip;
 /// edges and vertices from the strips.
 pub fn strips(strips: &[&Strip], faces: &[WrittenStrip]) -> WrittenCertificate {
     if faces.len() != strips.len() {
-        return WrittenCertificate::of(Err(format!("{} faces for {} strips", faces.len(), strips.len())));
+        let (found, wanted) = (faces.len(), strips.len());
+        return WrittenCertificate::of(Err(WrittenFault::Number { found, wanted, of: Near::Strips }.into()));
     }
     let found = strips.iter().zip(faces).map(|(strip, face)| {
         if face.name != strip.name {
-            return Err(format!("#{} is called {} instead of {}", face.entity, face.name, strip.name));
+            return Err(misnamed(face.entity, &face.name, &strip.name));
         }
-        strip_moved(strip, face).map_err(|(entity, what)| format!("#{entity}, strip {}: {what}", strip.name))
+        strip_moved(strip, face).map_err(|fault| recorded(fault, Item::Strip(strip.name.clone())))
     });
     WrittenCertificate::of(found.into_iter().try_fold(0.0f64, |m, b| b.map(|b| m.max(b))))
 }
 
-pub(super) type Fault = (u64, String);
+/// A face with the name of another thing.
+pub(super) fn misnamed(entity: u64, found: &str, wanted: &str) -> Reason {
+    WrittenFault::Name { entity, found: found.into(), wanted: wanted.into() }.into()
+}
 
 fn strip_moved(strip: &Strip, face: &WrittenStrip) -> Result<f64, Fault> {
-    let here = |what: &str| (face.entity, what.to_owned());
+    let here = |what: Differs| (face.entity, what.into());
     let mut moved = match &face.surface {
-        WrittenBase::Spline(s) => surface_moved(&strip.patch, s).map_err(|what| here(&what))?,
+        WrittenBase::Spline(s) => surface_moved(&strip.patch, s).map_err(here)?,
         WrittenBase::Plane { point, normal } => {
-            off_plane(&strip.patch, point, normal).ok_or_else(|| here("the plane is none"))?
+            off_plane(&strip.patch, point, normal).ok_or_else(|| here(Differs::NoPlane))?
         }
-        _ => return Err(here("the surface is neither a spline nor a plane")),
+        _ => return Err(here(Differs::SurfaceKind)),
     };
     // Rail, last ruling, and both others backwards; a rail that is a point has no edge.
     let (net, row) = (&strip.patch.control, strip.patch.row());
@@ -53,19 +58,19 @@ fn strip_moved(strip: &Strip, face: &WrittenStrip) -> Result<f64, Fault> {
     ];
     let wanted: Vec<_> = sides.into_iter().filter(|s| !s.2).collect();
     if wanted.len() != face.sides.len() {
-        return Err(here("edges are missing"));
+        return Err(here(Differs::Edges));
     }
     for (k, ((curve, forward, _), side)) in wanted.iter().zip(&face.sides).enumerate() {
-        let fault = |what: &str| (side.entity, what.to_owned());
+        let fault = |what: Differs| (side.entity, what.into());
         if side.forward != *forward {
-            return Err(fault("the edge runs the other way"));
+            return Err(fault(Differs::EdgeSense));
         }
         let before = &face.sides[(k + face.sides.len() - 1) % face.sides.len()];
         if side.vertices[usize::from(!side.forward)] != before.vertices[usize::from(before.forward)] {
-            return Err(fault("the edge does not begin where the one before ends"));
+            return Err(fault(Differs::Follows));
         }
-        let curve = curve.as_ref().ok_or_else(|| fault("the ruling is none"))?;
-        moved = moved.max(side_moved(curve, side).ok_or_else(|| fault("the edge is another one"))?);
+        let curve = curve.as_ref().ok_or_else(|| fault(Differs::NoRuling))?;
+        moved = moved.max(side_moved(curve, side).ok_or_else(|| fault(Differs::Edge))?);
     }
     Ok(moved)
 }

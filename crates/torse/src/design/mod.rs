@@ -1,4 +1,4 @@
-//! Floor 5: developables from a designer's conditions (curves, rulings, control nets). A sibling of `fit`: neither
+//! Floor 6: developables from a designer's conditions (curves, rulings, control nets). A sibling of `fit`: neither
 //! knows the other, and what both want lies below in `surface`.
 
 pub mod composite;

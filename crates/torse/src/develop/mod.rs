@@ -1,4 +1,4 @@
-//! Floor 5: development, the isometric map of a panel to the plane.
+//! Floor 6: development, the isometric map of a panel to the plane.
 
 pub mod arcs;
 pub mod bends;

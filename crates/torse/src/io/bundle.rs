@@ -238,6 +238,7 @@ pub(crate) mod tests {
     use crate::geom::Vec3;
     use crate::patchwork::panel::Patchwork;
     use crate::patchwork::part::Part;
+    use crate::reason::{JobReason, StripReason};
     use crate::torse::form::PanelKind;
     use crate::torse::strip::Strip;
 
@@ -269,7 +270,7 @@ pub(crate) mod tests {
                 worst: Some(1),
             },
             meaning: FieldMeaning { name: "deviation".into(), unit: "mm".into(), limit: 0.2 },
-            parts: vec![Part { name: "A".into(), first: 0, count: 2, missing: String::new() }],
+            parts: vec![Part { name: "A".into(), first: 0, count: 2, missing: None }],
             patterns,
             guides: vec![Guide { name: "rail".into(), points: vec![x(0., 0., 0.), x(90., 0., 0.)] }],
             notes: vec![Note::Input("a & b".into())],
@@ -318,13 +319,13 @@ pub(crate) mod tests {
         };
         let mut answer = sample();
         let made = |s: &Answer| files(s, &present(s), "2026-11-21T14:30:00").expect("files");
-        answer.claims.push(Claim::left_out("a rail is missing"));
+        answer.claims.push(Claim::left_out(StripReason::NoHull));
         let good = made(&answer);
         for name in ["panels.step", "patterns.svg", "model.glb"] {
             assert_eq!(count(&good, name, "NOT CERTIFIED"), 0, "{name}");
         }
         assert_eq!(count(&good, "report.html", "class=\"stop\""), 1);
-        answer.claims.push(Claim::objection(Subject::Whole, "too far"));
+        answer.claims.push(Claim::objection(Subject::Whole, JobReason::Stopped));
         let bad = made(&answer);
         // Product, its representations and shapes carry it, and so do nodes.
         assert!(count(&bad, "panels.step", "A-01 NOT CERTIFIED") >= 3);

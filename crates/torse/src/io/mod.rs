@@ -1,4 +1,4 @@
-//! Floor 6: files in and out; computes nothing.
+//! Floor 9: files in and out; computes nothing.
 
 pub mod artwork;
 pub mod bend_table;

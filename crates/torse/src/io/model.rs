@@ -3,6 +3,7 @@
 use crate::answer::note::Note;
 use crate::answer::skipped::Skipped;
 use crate::brep::face::Face;
+use crate::reason::Reason;
 
 /// The faces of a CAD file.
 #[derive(Clone, Debug)]
@@ -34,4 +35,9 @@ pub(super) fn first_of(reason: &str) -> String {
     } else {
         format!("; {reason}")
     }
+}
+
+/// A face or item of a file that its reader leaves out, with what the reader says of it.
+pub(crate) fn unread(entity: u64, words: impl Into<String>, area_estimate: Option<f64>) -> Skipped {
+    Skipped::of_file(entity, Reason::Input(words.into()), area_estimate)
 }

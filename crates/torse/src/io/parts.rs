@@ -70,7 +70,7 @@ mod tests {
             width: 254.0,
             ..Pattern::default()
         };
-        let part = Part { name: "disc".into(), first: 0, count: 1, missing: String::new() };
+        let part = Part { name: "disc".into(), first: 0, count: 1, missing: None };
         let answer = Answer { patterns: vec![pattern], parts: vec![part], ..Answer::new(Job::Approximate, "a,b", 1.0) };
         let report = Report::of(&answer, &present(&answer));
         let text = String::from_utf8(csv(&report, &answer.patterns, LengthUnit::Inch).expect("a table")).expect("text");
@@ -92,7 +92,7 @@ mod tests {
             width: 894.0,
             ..Pattern::default()
         };
-        let part = |name: &str, first: usize| Part { name: name.into(), first, count: 1, missing: String::new() };
+        let part = |name: &str, first: usize| Part { name: name.into(), first, count: 1, missing: None };
         let mut answer = Answer {
             patterns: vec![plate(0, "A-01"), plate(1, "A-02"), plate(2, "A-03").turned_over()],
             parts: vec![part("A-01", 0), part("A-02", 1), part("A-03", 2)],

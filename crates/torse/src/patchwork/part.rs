@@ -1,5 +1,6 @@
 //! Parts: what is cut in one piece.
 
+use crate::reason::Unlaid;
 use crate::torse::strip::Strip;
 
 /// Consecutive panels that share rulings and are cut as one piece, or one panel alone.
@@ -11,14 +12,14 @@ pub struct Part {
     pub first: usize,
     /// Number of panels.
     pub count: usize,
-    /// Why the part has no pattern; empty if it has one.
-    pub missing: String,
+    /// Why the part has no pattern; nothing if it has one.
+    pub missing: Option<Unlaid>,
 }
 
 impl Part {
     /// A part of `count` panels from the panel `first` on.
     pub fn new(name: impl Into<String>, first: usize, count: usize) -> Self {
-        Self { name: name.into(), first, count, missing: String::new() }
+        Self { name: name.into(), first, count, missing: None }
     }
 
     /// Every strip as a part of its own.

@@ -14,10 +14,11 @@ use crate::develop::joints::with_joint_marks;
 use crate::develop::pattern::with_bends;
 use crate::develop::view::panels_viewed;
 use crate::io::model::Model;
-use crate::io::words::length_bound;
+use crate::io::words;
 use crate::patchwork::panel::Patchwork;
 use crate::patchwork::part::Part;
 use crate::patchwork::pattern::Pattern;
+use crate::reason::{FaceReason, Item, JobReason, Reason, Unlaid};
 use crate::search::build::{limits_missed, AlongCurve, Built};
 use crate::search::cover::CoverOptions;
 use crate::search::face::{first_covers, one_face, Wanted};
@@ -36,8 +37,6 @@ mod checks;
 mod error;
 mod options;
 
-/// Why a face has no panels where a job was asked to stop.
-const OUT_OF_TIME: &str = "time was up before it was covered";
 /// Time for the proof of flat patterns where a job was asked to stop: these wait until they are proven or not cut.
 const FLAT_GRACE: Duration = Duration::from_millis(500);
 /// Borders of panels that are joined are each within a tolerance of the file's edge.
@@ -87,7 +86,7 @@ pub fn of_faces(
     let built = covered(faces, options, control);
     let Whole { patchwork, certificates, patterns, along, mut missing } = whole(built, &mut skipped);
     if patchwork.faces.is_empty() {
-        let why = skipped.first().map_or(String::new(), Skipped::words);
+        let why = skipped.first().map_or(String::new(), words::left_out);
         return Err(ApproximateError::NoFaces(why));
     }
     control.report("judging flat patterns", 1.0, format!("{} panels", patchwork.panels.len()));
@@ -104,10 +103,11 @@ pub fn of_faces(
     let flat = certify::flat::flat(&patchwork, &patterns, tolerance, &clock);
     // Turned over exactly: what was proven holds for either side.
     let patterns = panels_viewed(&patchwork, patterns, options.drawn.view);
-    let bad = patterns.iter().zip(&flat).filter(|(_, f)| !f.holds());
-    let refused: Vec<Claim> = bad
-        .map(|(p, f)| Claim::objection(Subject::Panel(p.panel), format!("pattern {}: {}", p.name, f.reason())))
-        .collect();
+    let bad = patterns.iter().zip(&flat).filter_map(|(p, f)| {
+        let reason = f.reason().or(f.open().map(Reason::from))?;
+        Some(Claim::objection(Subject::Panel(p.panel), Reason::of(Item::Pattern(p.name.clone()), reason)))
+    });
+    let refused: Vec<Claim> = bad.collect();
     let mut claims: Vec<Claim> = untrue.into_iter().map(|reason| Claim::objection(Subject::Whole, reason)).collect();
     claims.extend(certificate.claims());
     claims.extend(flat.iter().flat_map(|f| f.claims()));
@@ -115,11 +115,8 @@ pub fn of_faces(
     claims.extend(missing.into_iter().map(|reason| Claim::objection(Subject::Whole, reason)));
     if control.stopped() && Status::of(&claims) == Status::Uncertified {
         let bound = certificate.deviation_bound;
-        let reached = match bound > tolerance && bound.is_finite() {
-            true => format!("ended early; the panels found so far are proven within {} only", length_bound(bound)),
-            false => "ended early".into(),
-        };
-        claims.insert(0, Claim::objection(Subject::Whole, reached));
+        let reached = Some(bound).filter(|b| *b > tolerance && b.is_finite());
+        claims.insert(0, Claim::objection(Subject::Whole, JobReason::EndedEarly(reached)));
     }
     // What was left out on the way counts, whatever is proven of the rest.
     claims.splice(0..0, left_out(&skipped));
@@ -166,9 +163,9 @@ fn covered(faces: Vec<Face>, options: &Options, control: &Control) -> Vec<Result
         .enumerate()
         .map(|(index, (face, first))| {
             let built = if first.is_none() && wanted.is_over() {
-                Err(Skipped::in_haste(&face, OUT_OF_TIME))
+                Err(Skipped::in_haste(&face, FaceReason::OutOfTime))
             } else {
-                one_face(index, &face, first, &wanted).map_err(|e| Skipped::of_face(&face, e.to_string()))
+                one_face(index, &face, first, &wanted).map_err(|e| Skipped::of_face(&face, Reason::error(&e)))
             };
             let n = finished.fetch_add(1, Ordering::Relaxed) + 1;
             control.report("covering faces", n as f64 / total as f64, format!("{n} of {total}"));
@@ -184,7 +181,7 @@ struct Whole {
     certificates: Vec<certify::Certificate>,
     patterns: Vec<Pattern>,
     along: Vec<AlongCurve>,
-    missing: Vec<String>,
+    missing: Vec<Reason>,
 }
 
 /// What was built on faces as one whole; faces without panels are added to `skipped`.
@@ -209,7 +206,7 @@ fn whole(built: Vec<Result<Built, Skipped>>, skipped: &mut Vec<Skipped>) -> Whol
 /// Every panel as a part of its own.
 fn one_by_one(patchwork: &Patchwork, patterns: &[Pattern]) -> Vec<Part> {
     let flat: BTreeSet<usize> = patterns.iter().map(|p| p.panel).collect();
-    let missing = |k: usize| if flat.contains(&k) { String::new() } else { "it could not be laid flat".into() };
+    let missing = |k: usize| (!flat.contains(&k)).then_some(Unlaid::Panel);
     let panels = patchwork.panels.iter().enumerate();
     panels.map(|(k, p)| Part { name: p.strip.name.clone(), first: k, count: 1, missing: missing(k) }).collect()
 }

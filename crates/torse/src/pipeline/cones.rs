@@ -14,7 +14,9 @@ use crate::certify::flat::cone_parts;
 use crate::control::Control;
 use crate::geom::coarse::{is_tolerance, Loose};
 use crate::geom::BBox;
+use crate::io::words;
 use crate::patchwork::panel::Patchwork;
+use crate::reason::{FaceReason, Item, JobReason, Reason, StripReason};
 use crate::search::strips::cone_body::{body, Proven, Target};
 use crate::search::strips::cone_outline::PlaneOutline;
 use crate::search::strips::cone_strip::{bent_tip, ruled, strip_of};
@@ -87,14 +89,14 @@ pub fn of_faces(
         let found = ruled(face, options.tolerance);
         match found.and_then(|f| bent_tip(&f.0, &f.1).map_or(Ok(f), Err)) {
             Ok((strip, outline)) => targets.push(Target { name, strip, outline }),
-            Err(reason) => left.push(Skipped::of_face(face, format!("{name}: {reason}"))),
+            Err(reason) => left.push(Skipped::of_face(face, Reason::of(Item::Named(name), reason))),
         }
     }
     if !is_tolerance(options.tolerance) {
         return Err(ConesJobError::Tolerance(options.tolerance));
     }
     if targets.is_empty() {
-        let reason = left.get(before).map_or("no faces".into(), Skipped::words);
+        let reason = left.get(before).map_or_else(|| "no faces".into(), words::left_out);
         return Err(ConesJobError::Nothing { count: faces.len(), reason });
     }
     // What trims miss of the file's edges is part of the tolerance where it fits in, and named where it does not.
@@ -122,14 +124,17 @@ pub fn of_panels(
         let outline = PlaneOutline::of_panel(panel);
         match strip_of(&outline) {
             Some(strip) => targets.push(Target { name: panel.strip.name.clone(), strip, outline }),
-            None => left.push(Skipped::from(format!("{}: its outline leaves the patch", panel.strip.name))),
+            None => {
+                left.push(Reason::of(Item::Named(panel.strip.name.clone()), FaceReason::OutlineLeaves).into());
+            }
         }
     }
     if targets.is_empty() {
-        let reason = left.first().map_or_else(|| "no panels".into(), Skipped::words);
+        let reason = left.first().map_or_else(|| "no panels".into(), words::left_out);
         return Err(ConesJobError::Nothing { count: patchwork.panels.len(), reason });
     }
-    let missing = left.first().map(|l| format!("{} panels are left out, the first {}", left.len(), l.words()));
+    let missing =
+        left.first().map(|l| FaceReason::PanelsLeftOut { count: left.len(), first: Box::new(l.reason.clone()) });
     let mut out = run(&targets, left, options, control, None)?;
     out.claims.extend(missing.map(Claim::left_out));
     out.claims.extend(left_out(skipped));
@@ -162,35 +167,32 @@ fn run(
     let mut all: Vec<Proven> = Vec::new();
     let mut failures = Vec::new();
     for (i, target) in targets.iter().enumerate() {
+        let told = |reason: Reason| Reason::of(Item::Named(target.name.clone()), reason);
         control.report("cones", i as f64 / targets.len() as f64, target.name.clone());
         if control.stopped() {
-            failures.push("stopped before all surfaces were done".to_owned());
+            failures.push(JobReason::StoppedCones.into());
             break;
         }
         let (body, proven) = match body(target, rest) {
             Ok(made) => made,
             Err(reason) => {
-                answer.skipped.push(format!("{}: {reason}", target.name).into());
-                failures.push(format!("{} has no cone spline", target.name));
+                answer.skipped.push(told(reason).into());
+                failures.push(told(StripReason::NoCones.into()));
                 continue;
             }
         };
         if let Some(reason) = &proven.missing {
-            answer.skipped.push(format!("{}: {reason}", target.name).into());
-            failures.push(format!("{} has no proof for its outline", target.name));
+            answer.skipped.push(told(reason.clone().into()).into());
+            failures.push(told(StripReason::NoProof.into()));
         } else if proven.bound.value() > rest {
-            failures.push(format!(
-                "{} is not proven to stay within the tolerance (bound {:.3e} mm)",
-                target.name,
-                proven.bound.value()
-            ));
+            failures.push(told(StripReason::Beyond(proven.bound.value()).into()));
         }
         let before = answer.skipped.len();
         for piece in strips_of(&mut answer, &body, &proven) {
             pieces.push((bodies.len(), piece));
         }
         if answer.skipped.len() > before {
-            failures.push(format!("{} is not complete", target.name));
+            failures.push(told(StripReason::NotComplete.into()));
         }
         all.push(proven);
         bodies.push(body);

@@ -10,6 +10,7 @@ use crate::certify::{written_cones, written_strips};
 use crate::io::bundle::{self, part_file, BundleError, File, CONES, PANELS};
 use crate::io::{drawings, step};
 use crate::patchwork::pattern::Pattern;
+use crate::reason::{Item, Reason, WrittenFault};
 use crate::torse::strip::Strip;
 use rayon::prelude::*;
 
@@ -65,15 +66,16 @@ pub fn judge(answer: &mut Answer, files: &[File]) {
     let left = drawn.map_or(DRAWN_SHARE * answer.tolerance, |d| answer.tolerance - d);
     let mut objections = Vec::new();
     for (name, found) in &answer.written {
-        let off = format!("{name} is {:.3e} mm from what was judged", found.bound());
-        let reason = if !found.reason().is_empty() {
-            Some(format!("{name}: {}", found.reason()))
+        let off = Reason::from(WrittenFault::Moved(found.bound()));
+        let reason = if let Some(reason) = found.reason() {
+            Some(reason.clone())
         } else if name == PANELS || name == CONES {
             answer.claims.iter().any(|c| breaks(c, found.bound(), answer.cones.is_some())).then_some(off)
         } else {
             (found.bound() > left).then_some(off)
         };
-        objections.extend(reason.map(|r| Claim::objection(Subject::Whole, r)));
+        let file = || Item::Named(name.clone());
+        objections.extend(reason.map(|r| Claim::objection(Subject::Whole, Reason::of(file(), r))));
     }
     let worst = UpperBound::largest(answer.written.iter().map(|(_, found)| found.proven()));
     answer.claims.push(Claim::at_most(What::WrittenDistance, Subject::Whole, worst));

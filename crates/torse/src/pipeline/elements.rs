@@ -10,11 +10,13 @@ use crate::control::Control;
 use crate::fit::elements::given::{agreeing, of_rulings, repeated, square, FEWEST};
 use crate::geom::coarse::{is_tolerance, Coarse, Loose};
 use crate::geom::BBox;
-use crate::search::strips::regression;
+use crate::io::words;
+use crate::reason::{Item, JobReason, Reason};
 use crate::search::strips::rows::{strips_of_row, Row};
 use crate::search::strips::ruled_face::{reached, GivenFace};
 use crate::torse::contact::{orient, Given};
 use crate::torse::strip::Strip;
+use crate::torse::zone::RegressionLimits;
 use judged::{judged, Made, Sort};
 pub use options::{ElementFitError, ElementFitOptions};
 use std::time::Instant;
@@ -67,13 +69,12 @@ pub fn fit_elements(given: &Given, options: &ElementFitOptions, control: &Contro
     if !out.is_empty() {
         let strips: Vec<Strip> = answer.strips().cloned().collect();
         let left = certified(&strips, &out.iter().map(|o| o.1).collect::<Vec<_>>(), control);
-        let one = sort.one();
-        let words = out.iter().zip(left.bounds()).map(|((i, _), b)| {
-            let why =
-                format!("{one} {i}: the others agree on a surface without it, {b:.3} mm away; nothing is proven of it");
-            Skipped::from(why)
+        let why = out.iter().zip(left.bounds()).map(|((index, _), away)| JobReason::Outlier {
+            sort: sort.given(),
+            index: *index,
+            away: *away,
         });
-        answer.skipped.extend(words);
+        answer.skipped.extend(why.map(Skipped::from));
         let claims = &mut answer.claims;
         claims.insert(claims.len().min(1), Claim::count(Counted::Outliers, Subject::Whole, out.len()));
     }
@@ -101,11 +102,11 @@ pub fn fit_faces(
                 let estimates = vec![std::mem::take(&mut given.row)];
                 rows.push(Row { name, estimates, face: Some(given) });
             }
-            Err(reason) => left.push(Skipped::of_face(face, format!("{name}: {reason}"))),
+            Err(reason) => left.push(Skipped::of_face(face, Reason::of(Item::Named(name), reason))),
         }
     }
     if rows.is_empty() {
-        let reason = left.get(before).map_or("no faces".into(), Skipped::words);
+        let reason = left.get(before).map_or_else(|| "no faces".into(), words::left_out);
         return Err(ElementFitError::NoFace { count: faces.len(), reason });
     }
     let mut out = run(rows, left.clone(), Sort::Rulings, options, control)?;
@@ -126,9 +127,7 @@ fn run(
     if !is_tolerance(options.tolerance) {
         return Err(ElementFitError::Tolerance(options.tolerance));
     }
-    if let Some(fault) = options.limits.as_ref().and_then(regression::fault) {
-        return Err(ElementFitError::Limits(fault));
-    }
+    options.limits.as_ref().map_or(Ok(()), RegressionLimits::check)?;
     Loose::check(extent(&rows), options.tolerance)?;
     let asked = options.asked();
     let mut made = Made { skipped, ..Made::default() };
@@ -140,7 +139,7 @@ fn run(
         for (i, strip) in found.strips.iter_mut().enumerate() {
             strip.name = format!("A-{:02}", made.strips.len() + i + 1);
         }
-        let of = if row.name == what { String::new() } else { format!("{}: ", row.name) };
+        let of = (row.name != what).then(|| row.name.clone());
         made.became.extend(row.face.map(|face| {
             let became = match found.strips.first() {
                 Some(only) if found.is_face => Became::Itself(only.name.clone()),
@@ -151,7 +150,8 @@ fn run(
         }));
         let missed = found.missed.into_iter();
         made.skipped.extend(missed.map(|(range, reason)| {
-            Skipped::from(format!("{of}{what} {} to {}: {reason}", range.start, range.end - 1))
+            let item = Item::Elements { row: of.clone(), sort: sort.given(), range };
+            Skipped::from(Reason::of(item, reason))
         }));
         made.strips.append(&mut found.strips);
         made.all.append(&mut found.elements);

@@ -14,14 +14,15 @@ use crate::fit::cloud::CloudError;
 use crate::geom::cloud::Cloud;
 use crate::geom::coarse::{is_tolerance, Coarse, Loose};
 use crate::geom::Vec3;
-use crate::io::words::note::beyond_limits;
 use crate::patchwork::panel::Patchwork;
 use crate::patchwork::part::Part;
+use crate::reason::{JobReason, Reason, Sort};
 use crate::search::strips::cut::laid;
 use crate::search::strips::regression;
 use crate::search::strips::scan::{scanned, ScanOptions, Scanned, NEAR};
 use crate::search::strips::scan_outline::{claims_of_ends, outlined, Ended};
 use crate::torse::strip::Strip;
+use crate::torse::zone::RegressionLimits;
 pub use options::FitOptions;
 
 mod options;
@@ -103,14 +104,14 @@ pub fn fit(cloud: &Cloud, options: &FitOptions, control: &Control) -> Result<Ans
         Some(between) => {
             let (corners, triangles) = (cloud.points.len(), cloud.triangles.len());
             notes.push(Note::Fit(FitNote::CoarseMesh { corners, triangles, between }));
-            claims.extend(between.bare.map(|(share, at)| Claim::objection(whole, bare(share, &at))));
+            claims.extend(between.bare.map(|(share, at)| Claim::objection(whole, JobReason::Bare(share, at))));
         }
     }
     let broken = regression::broken(&strips, options.limits.as_ref());
     notes.extend(options.limits.iter().cloned().map(Note::Limits));
     notes.extend(broken.iter().cloned().map(Note::Broken));
     if worst.value() <= options.tolerance {
-        claims.extend(broken.iter().map(|b| Claim::objection(whole, beyond_limits(b))));
+        claims.extend(broken.iter().map(|b| Claim::objection(whole, b)));
     }
     claims.extend(claims_of_ends(&ended, cloud, &certificate, between.is_some(), options.tolerance, control));
     claims.extend(claims_of_strips(&strips, &certificate, options.tolerance));
@@ -136,9 +137,7 @@ fn checked(cloud: &Cloud, options: &FitOptions) -> Result<(), CloudError> {
     if !is_tolerance(options.tolerance) {
         return Err(CloudError::Tolerance(options.tolerance));
     }
-    if let Some(fault) = options.limits.as_ref().and_then(regression::fault) {
-        return Err(CloudError::Limits(fault));
-    }
+    options.limits.as_ref().map_or(Ok(()), RegressionLimits::check)?;
     // A few points that lie far away do not count.
     let extent = core(&cloud.points);
     if let Some(fault) = Coarse::of(extent.min.amax().max(extent.max.amax()), options.tolerance) {
@@ -147,35 +146,25 @@ fn checked(cloud: &Cloud, options: &FitOptions) -> Result<(), CloudError> {
     Ok(Loose::check(extent.diagonal(), options.tolerance)?)
 }
 
-/// What is the matter if parts of a coarse mesh have no strip near them.
-fn bare(share: f64, at: &Vec3) -> String {
-    format!(
-        "{:.2} % of the places on the mesh have no strip near them, for example around ({:.3}, {:.3}, {:.3})",
-        100.0 * share,
-        at.x,
-        at.y,
-        at.z
-    )
-}
-
 /// What is the matter if points are not shown to lie within the tolerance.
-fn too_far(strips: &[Strip], c: &PointCertificate, points: &[Vec3], tolerance: f64, control: &Control) -> String {
-    if strips.is_empty() {
-        return "no developable strip follows the points within the tolerance".into();
-    }
-    if control.stopped() {
-        return "stopped before all points were judged".into();
-    }
-    let Some((i, p)) = c.worst().and_then(|i| Some((i, points.get(i)?))) else { return String::new() };
-    format!(
-        "{} of {} points are not within {tolerance} mm; the worst is point {i} at ({:.3}, {:.3}, {:.3}), {:.3} mm away",
-        c.beyond(tolerance),
-        points.len(),
-        p.x,
-        p.y,
-        p.z,
-        c.worst_bound().value()
-    )
+fn too_far(
+    strips: &[Strip],
+    c: &PointCertificate,
+    points: &[Vec3],
+    tolerance: f64,
+    control: &Control,
+) -> Option<Reason> {
+    let sort = Sort::Points;
+    let reason = match c.worst().and_then(|i| Some((i, points.get(i)?))) {
+        _ if strips.is_empty() => JobReason::Unfollowed(sort),
+        _ if control.stopped() => JobReason::NotAllJudged(sort),
+        found => {
+            let (worst, at) = found?;
+            let (beyond, all, away) = (c.beyond(tolerance), points.len(), c.worst_bound().value());
+            JobReason::Beyond { sort, beyond, all, tolerance, worst, at: *at, away }
+        }
+    };
+    Some(reason.into())
 }
 
 /// Points farther than this many tolerances belong to no strip and are counted for the whole only.

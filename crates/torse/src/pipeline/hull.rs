@@ -19,6 +19,7 @@ use crate::develop::strip::StripOptions;
 use crate::develop::view::Drawn;
 use crate::geom::coarse::{is_tolerance, Loose};
 use crate::patchwork::panel::Patchwork;
+use crate::reason::{JobReason, StripReason};
 use crate::search::strips::cut::laid_until;
 use crate::search::strips::hull_kept::{kept, Kept};
 use crate::search::strips::judgement::TWIST_TOLERANCE;
@@ -132,7 +133,7 @@ pub fn hull(curves: &[Rail], options: &Options, control: &Control) -> Result<Ans
     if control.stopped() && kept.strips.len() + spans / 10 > SOON {
         let found = kept.strips.len();
         kept = Kept { skipped: kept.skipped, ..Kept::default() };
-        kept.missing.push(format!("{found} strips were found, too many to be laid flat and written after a stop"));
+        kept.missing.push(StripReason::TooMany(found).into());
     }
     let flat = StripOptions::of_job(options.tolerance, [options.ruling_spacing, options.mark_spacing], options.drawn);
     let laid = laid_until(&kept.strips, &kept.parts, &flat, tolerance, control);
@@ -141,7 +142,7 @@ pub fn hull(curves: &[Rail], options: &Options, control: &Control) -> Result<Ans
     let mut claims = kept.claims;
     claims.push(Claim::count(Counted::Strips, whole, kept.strips.len()));
     claims.extend(laid.claims());
-    let stopped = control.stopped().then(|| "the job was stopped early".to_owned());
+    let stopped = control.stopped().then(|| JobReason::Stopped.into());
     claims.extend(kept.missing.into_iter().chain(stopped).map(|reason| Claim::objection(whole, reason)));
     claims.extend(kept.of_strips);
     Ok(Answer {

@@ -17,6 +17,7 @@ use crate::design::interpolate::{self, interpolate, EndRulings, InterpolateError
 use crate::design::loft::net_strip::strip;
 use crate::geom::coarse::{is_tolerance, Loose};
 use crate::geom::Vec3;
+use crate::reason::Reason;
 use crate::spline::curve::Curve;
 use crate::torse::net::{Net, NetError, Shape, TaperedNet};
 use crate::torse::rail::Rail;
@@ -152,7 +153,7 @@ fn tell_route(found: &Interpolation, good: usize, out: &mut Nets) {
     match &found.status {
         Found::Solved(route) => out.notes.push(NetNote::Route { route: *route, good }),
         Found::Shortened(route) => out.notes.extend([NetNote::Route { route: *route, good }, NetNote::Narrower]),
-        Found::Unsolved(reasons) => out.missing.push(reasons.to_string()),
+        Found::Unsolved(reasons) => out.missing.push(Reason::error(reasons.as_ref())),
     }
 }
 

@@ -20,6 +20,7 @@ use crate::geom::unit::SQUARE_METRES;
 use crate::geom::{BBox, Vec3};
 use crate::patchwork::panel::Patchwork;
 use crate::patchwork::part::Part;
+use crate::reason::{JobReason, Reason, Stalled};
 use crate::search::strips::cut::laid;
 use crate::spline::SplineError;
 use crate::torse::quad_strip::QuadStrip;
@@ -145,18 +146,14 @@ fn judged(given: &QuadStrip, done: Subdivided, options: &Options, start: Instant
         fields.push(PanelField { u: vec![0.0, 1.0], v: vec![0.0, 1.0], values: vec![before, before, after, after] });
     }
     if let Some(i) = result.crossing() {
-        missing.push(format!(
-            "rulings {} and {} (counted from 1) cross on the strip: regression point inside; give rulings that fan out less there",
-            i + 1,
-            i + 2
-        ));
+        missing.push(JobReason::Crossing(i + 1));
     }
     let moved = done.levels.first().map_or(0.0, |l| l.largest_move);
     if let Some(most) = options.most_move.filter(|m| moved > *m) {
-        missing.push(format!("points moved up to {moved:.4} mm where {most} mm are allowed"));
+        missing.push(JobReason::Moved(moved, most));
     }
     if done.levels.len() <= options.levels {
-        missing.push(format!("stopped after {} of {} levels", done.levels.len() - 1, options.levels));
+        missing.push(JobReason::Levels(done.levels.len() - 1, options.levels));
     }
     let notes = done.levels.iter().enumerate().map(|(level, l)| Note::Level { level, report: *l }).collect();
     let flat = StripOptions::of_job(options.tolerance, [None; 2], options.drawn);
@@ -167,11 +164,9 @@ fn judged(given: &QuadStrip, done: Subdivided, options: &Options, start: Instant
     let whole = Subject::Whole;
     let gap = UpperBound::largest(gaps);
     let mut claims = vec![
-        Claim::at_most(What::DiagonalGap, whole, gap).within(options.tolerance).because(format!(
-            "diagonals up to {:.4} mm apart{}",
-            gap.value(),
-            stalled(&done, options.hold)
-        )),
+        Claim::at_most(What::DiagonalGap, whole, gap)
+            .within(options.tolerance)
+            .because(Reason::from(JobReason::Diagonals(gap.value(), stalled(&done, options.hold)))),
         Claim::measured(What::PointsMoved, whole, moved),
         Claim::measured(What::RegressionClearance, whole, clearance),
         Claim::measured(What::LargestBend, whole, largest_bend),
@@ -193,14 +188,12 @@ fn judged(given: &QuadStrip, done: Subdivided, options: &Options, start: Instant
     })
 }
 
-/// Why planarisation did not end with plane quadrilaterals, as the end of a sentence.
-fn stalled(done: &Subdivided, hold: Hold) -> &'static str {
+/// Why planarisation did not end with plane quadrilaterals.
+fn stalled(done: &Subdivided, hold: Hold) -> Option<Stalled> {
     match (done.levels.iter().find(|l| l.status != PlanariseStatus::Plane).map(|l| l.status), hold) {
-        (Some(PlanariseStatus::Stalled), Hold::Nothing) => {
-            ": no displacement makes them plane; look for rulings that cross"
-        }
-        (Some(PlanariseStatus::Stalled), _) => ": the held points leave no room; hold fewer",
-        (Some(PlanariseStatus::StepLimit), _) => ": the steps are used up",
-        _ => "",
+        (Some(PlanariseStatus::Stalled), Hold::Nothing) => Some(Stalled::Rulings),
+        (Some(PlanariseStatus::Stalled), _) => Some(Stalled::Held),
+        (Some(PlanariseStatus::StepLimit), _) => Some(Stalled::Steps),
+        _ => None,
     }
 }

@@ -13,7 +13,7 @@ use crate::geom::placement::Placement;
 use crate::io::glb;
 use crate::io::refold_report::{RefoldPart, RefoldReport, SCHEMA};
 use crate::io::result_folder::{read, FolderError, ResultFolder, ResultPart};
-use crate::search::refolded::distance_bound;
+use crate::search::refolded::{distance_bound, NotRefolded};
 use rayon::prelude::*;
 
 /// Names of the files of the job.
@@ -29,11 +29,11 @@ pub struct PartAnswer {
     /// The part bent back, where the drawing has its origin.
     pub refolded: Refolded,
     /// Against the panels; the reason where that could not be.
-    pub compared: Result<Comparison, String>,
+    pub compared: Result<Comparison, NotRefolded>,
     /// The same from the printed digits of the tables alone.
     pub printed: Option<Comparison>,
     /// Proven distance (mm) from the panels, both ways and with the edges; the reason where none was shown.
-    pub proven: Result<f64, String>,
+    pub proven: Result<f64, NotRefolded>,
     /// The same from the printed digits of the tables alone.
     pub printed_proven: Option<f64>,
     /// Distance of the panels' corners from the outline drawn, mm.
@@ -97,9 +97,9 @@ fn answer(
 ) -> PartAnswer {
     let mut out = PartAnswer {
         name: part.record.name.clone(),
-        compared: Err("no sample is on both".into()),
+        compared: Err(NotRefolded::NoSample),
         printed: None,
-        proven: Err("it was not compared".into()),
+        proven: Err(NotRefolded::NotCompared),
         printed_proven: None,
         alignment: f64::NAN,
         flat,
@@ -107,7 +107,7 @@ fn answer(
     };
     let all = match found {
         Err(e) => {
-            out.compared = Err(e);
+            out.compared = Err(NotRefolded::Panels(e));
             return out;
         }
         Ok(all) => all,
@@ -116,7 +116,7 @@ fn answer(
     let bound = |flat: &FlatPart, back: &Refolded, c: &Comparison| {
         let found = distance_bound(flat, back, atlas, &c.motion)?.plus(read).value();
         let known = found.is_finite();
-        known.then_some(found).ok_or_else(|| "its panels were not read exactly".to_owned())
+        known.then_some(found).ok_or(NotRefolded::NotExact)
     };
     out.alignment = atlas.alignment;
     out.proven = bound(&out.flat, &out.refolded, &c);
@@ -159,7 +159,7 @@ impl RefoldAnswer {
                     matched_mean_estimate: c.matched_mean_estimate,
                     distance_estimate: c.distance_estimate,
                     distance_bound: p.proven.as_ref().ok().copied(),
-                    not_proven: p.proven.as_ref().err().cloned().unwrap_or_default(),
+                    not_proven: p.proven.as_ref().err().map_or_else(String::new, |e| e.to_string()),
                     printed_bound: p.printed_proven,
                     printed_estimate: p.printed.as_ref().map(|c| c.matched_estimate),
                     disagreement_deg: p.refolded.disagreement.to_degrees(),

@@ -16,9 +16,11 @@ use crate::geom::coarse::Loose;
 use crate::geom::mesh::Mesh;
 use crate::geom::{BBox, Vec3};
 use crate::io::rulings::Ruling;
+use crate::io::words;
 use crate::patchwork::clip::ClippedRulings;
 use crate::patchwork::panel::{Panel, Patchwork};
 use crate::patchwork::part::Part;
+use crate::reason::{FaceReason, Reason};
 use crate::search::ruled::ruled_face;
 use crate::search::trims::{trims_judged, TrimsJudged};
 use std::time::Instant;
@@ -125,14 +127,14 @@ pub fn of_faces(
     for (k, face) in faces.iter().enumerate() {
         control.report("ruled strips", k as f64 / faces.len() as f64, format!("face {} of {}", k + 1, faces.len()));
         if control.stopped() && k > 0 {
-            missing.push(format!("ended early, before face #{}", face.entity));
+            missing.push(FaceReason::EndedBefore { entity: face.entity }.into());
             break;
         }
         match ruled_face(patchwork.faces.len(), face, &options.strips, control) {
             Ok(found) => {
                 for (reason, area) in found.left {
-                    let reason = reason.to_string();
-                    first.get_or_insert_with(|| reason.clone());
+                    first.get_or_insert_with(|| reason.to_string());
+                    let reason = Reason::error(&reason);
                     skipped.push(Skipped::of_file(face.entity, reason, Some(area)));
                 }
                 kink = kink.max(found.kink_estimate);
@@ -142,12 +144,12 @@ pub fn of_faces(
                 // A face that was left out altogether has nothing to prove.
                 certificates.extend(found.certificate);
             }
-            Err(e) => skipped.push(Skipped::of_face(face, e.to_string())),
+            Err(e) => skipped.push(Skipped::of_face(face, Reason::error(&e))),
         }
     }
     if patchwork.panels.is_empty() {
         let why =
-            first.or_else(|| skipped.first().map(Skipped::words)).unwrap_or_else(|| "the file holds no face".into());
+            first.or_else(|| skipped.first().map(words::left_out)).unwrap_or_else(|| "the file holds no face".into());
         return Err(RuledError::Nothing(why));
     }
     let certificate = certify::join(&patchwork, certificates, tolerance);
@@ -165,8 +167,7 @@ pub fn of_faces(
         Claim::measured(What::Kink, whole, kink),
         Claim::measured(What::LongestRuling, whole, longest),
     ]);
-    let part =
-        |(k, p): (usize, &Panel)| Part { name: p.strip.name.clone(), first: k, count: 1, missing: String::new() };
+    let part = |(k, p): (usize, &Panel)| Part { name: p.strip.name.clone(), first: k, count: 1, missing: None };
     let parts = patchwork.panels.iter().enumerate().map(part).collect();
     let answer = Answer {
         claims,

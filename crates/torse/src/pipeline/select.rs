@@ -3,6 +3,7 @@
 use crate::answer::note::{BodyName, Note};
 use crate::brep::face::Face;
 use crate::io::model::Model;
+use crate::io::words;
 pub use crate::patchwork::skins::Skin;
 use crate::patchwork::skins::{sheet, Sheet};
 use std::collections::{BTreeMap, BTreeSet};
@@ -91,7 +92,7 @@ pub fn selected(model: Model, selection: &Selection) -> Result<Model, SelectErro
             continue;
         }
         if let Some(lost) = skipped.iter().find(|s| s.entity == Some(entity)) {
-            return Err(SelectError::Lost { entity, reason: lost.reason.clone() });
+            return Err(SelectError::Lost { entity, reason: words::why(&lost.reason) });
         }
         let there = some_of(&faces.iter().map(|f| format!("#{}", f.entity)).collect());
         return Err(SelectError::Face { entity, there });

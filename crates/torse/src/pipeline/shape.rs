@@ -15,11 +15,12 @@ mod tests;
 
 use crate::answer::note::Note;
 use crate::answer::Answer;
+use crate::control::Control;
 use crate::design::composite::{Options as SessionOptions, Session};
 use crate::geom::coarse::{is_tolerance, Loose};
 use crate::geom::{BBox, Vec3};
 use crate::io::shape::ShapeFile;
-use crate::Control;
+use crate::reason::JobReason;
 use composite::composite;
 use judged::judged;
 use moved::{moved, Moved};
@@ -81,10 +82,8 @@ pub fn shape(
     out.notes.push(Note::Met { residual: polished.residual });
     let unmet = polished.residual.is_nan() || polished.residual * session.size() > options.tolerance;
     if let Some((class, item)) = polished.obstacle.filter(|_| unmet) {
-        out.missing.push(format!(
-            "{class} ask for more than there is: {:.3} mm are left, most of it at {item}; hold less, or give the curves more spans",
-            polished.residual * session.size()
-        ));
+        let left = polished.residual * session.size();
+        out.missing.push(JobReason::Unmet { class, left, item }.into());
     }
     control.report("judging", 0.7, "");
     // The proof has its own clock: what was made is judged even when time is up.

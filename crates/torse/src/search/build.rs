@@ -8,10 +8,11 @@ use crate::control::Control;
 use crate::develop::pattern::{pattern, PatternOptions};
 use crate::develop::DevelopError;
 use crate::fit::panels::boundary::{self, Assigned, Borders, BoundaryError, BoundaryOptions};
-use crate::geom::{place_in_words, Vec3};
+use crate::geom::Vec3;
 use crate::patchwork::panel::{Panel, Patchwork};
 use crate::patchwork::partition::Partition;
 use crate::patchwork::pattern::Pattern;
+use crate::reason::{FaceReason, Limit, Reason};
 use crate::torse::form::PanelKind;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
@@ -40,7 +41,7 @@ pub(crate) struct Built {
     pub certificate: Certificate,
     pub patterns: Vec<Pattern>,
     /// What is missing besides the proof.
-    pub missing: Vec<String>,
+    pub missing: Vec<Reason>,
     /// Panels along curves.
     pub along: Vec<AlongCurve>,
 }
@@ -72,8 +73,8 @@ pub(crate) fn too_large(built: &Built, limits: &Limits) -> Vec<(u32, [usize; 2])
 /// What panels miss of the limits of sheet and material.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct LimitsMissed {
-    /// In plain words, the first panel of each limit.
-    pub reasons: Vec<String>,
+    /// The first panel of each limit.
+    pub reasons: Vec<Reason>,
     /// Panels that do not keep some limit, in order.
     pub panels: Vec<usize>,
 }
@@ -86,34 +87,35 @@ pub(crate) fn limits_missed(
     limits: &Limits,
 ) -> LimitsMissed {
     let mut panels = BTreeSet::new();
-    let name = |k: usize| patchwork.panels.get(k).map_or("", |p| p.strip.name.as_str());
-    let below = |missed: &mut BTreeSet<usize>, what: &str, limit: Option<f64>, value: Proven| {
+    let name = |k: usize| patchwork.panels.get(k).map_or_else(String::new, |p| p.strip.name.clone());
+    let reason = |panel: String, limit: Limit, value: f64| Reason::from(FaceReason::Limit { panel, limit, value });
+    let below = |missed: &mut BTreeSet<usize>, what: Limit, limit: Option<f64>, value: Proven| {
         let short = |p: &certify::PanelCertificate| limit.is_some_and(|l| value(p) < l);
         let found: Vec<usize> = (0..certificate.panels.len()).filter(|&k| short(&certificate.panels[k])).collect();
         missed.extend(&found);
         let &k = found.first()?;
-        Some(format!("panel {}: {what} is only proven to be {:.3} mm", name(k), value(&certificate.panels[k])))
+        Some(reason(name(k), what, value(&certificate.panels[k])))
     };
-    let above = |missed: &mut BTreeSet<usize>, what: &str, limit: Option<f64>, value: Drawn| {
+    let above = |missed: &mut BTreeSet<usize>, what: Limit, limit: Option<f64>, value: Drawn| {
         let found: Vec<&Pattern> = patterns.iter().filter(|p| limit.is_some_and(|l| value(p) > l)).collect();
         missed.extend(found.iter().map(|p| p.panel));
         let p = found.first()?;
-        Some(format!("panel {}: {what} is {:.1} mm", p.name, value(p)))
+        Some(reason(p.name.clone(), what, value(p)))
     };
     let narrow = |missed: &mut BTreeSet<usize>| {
         let found: Vec<&Pattern> =
             patterns.iter().filter(|p| limits.min_width.is_some_and(|l| p.mean_width() < l)).collect();
         missed.extend(found.iter().map(|p| p.panel));
         let p = found.first()?;
-        Some(format!("panel {}: its mean width is {:.1} mm", p.name, p.mean_width()))
+        Some(reason(p.name.clone(), Limit::MeanWidth, p.mean_width()))
     };
     let reasons = [
-        below(&mut panels, "the bending radius", limits.min_bend_radius, |p| p.min_bend_radius),
-        below(&mut panels, "the distance to the regression curve", limits.min_clearance, |p| p.regression_clearance),
-        above(&mut panels, "the width of the strip", limits.max_width, Pattern::strip_width),
-        above(&mut panels, "the length of the pattern", limits.max_length, |p| p.length),
-        above(&mut panels, "the width of the rectangle around the pattern", limits.sheet_width(), |p| p.width),
-        above(&mut panels, "the length of the rectangle around the pattern", limits.sheet_length(), |p| p.length),
+        below(&mut panels, Limit::BendRadius, limits.min_bend_radius, |p| p.min_bend_radius),
+        below(&mut panels, Limit::Clearance, limits.min_clearance, |p| p.regression_clearance),
+        above(&mut panels, Limit::StripWidth, limits.max_width, Pattern::strip_width),
+        above(&mut panels, Limit::Length, limits.max_length, |p| p.length),
+        above(&mut panels, Limit::SheetWidth, limits.sheet_width(), |p| p.width),
+        above(&mut panels, Limit::SheetLength, limits.sheet_length(), |p| p.length),
         narrow(&mut panels),
     ]
     .into_iter()
@@ -198,8 +200,8 @@ fn judged(
             }
             Err(e) => {
                 refused.push(a.label);
-                let place = e.uv().map(|[u, v]| format!(" at {}", place_in_words(&face.surface.point(u, v))));
-                missing.push(format!("a region has no panel: {e}{}", place.unwrap_or_default()));
+                let at = e.uv().map(|[u, v]| face.surface.point(u, v));
+                missing.push(FaceReason::NoPanel { error: Box::new(Reason::error(&e)), at }.into());
             }
         }
     }
@@ -222,7 +224,8 @@ fn judged(
             Ok(p) => patterns.push(p),
             Err(e) => {
                 without.insert(k);
-                missing.push(format!("panel {} has no flat pattern: {e}", patchwork.panels[k].strip.name));
+                let (panel, error) = (patchwork.panels[k].strip.name.clone(), Box::new(Reason::error(&e)));
+                missing.push(FaceReason::NoPattern { panel, error }.into());
             }
         }
     }

@@ -11,6 +11,7 @@ use crate::brep::face::Face;
 use crate::certify;
 use crate::control::Control;
 use crate::patchwork::triangulate::TriangulateError;
+use crate::reason::{FaceReason, Reason};
 use rayon::prelude::*;
 use std::sync::OnceLock;
 use std::time::{Duration, Instant};
@@ -65,23 +66,17 @@ impl Wanted<'_> {
         Control::default().until(self.end())
     }
 
-    /// Until when a cover of a face is looked for, and why that is no longer, in words: where the user has set no time, but
+    /// Until when a cover of a face is looked for, and why that is no longer: where the user has set no time, but
     /// limits that hardly any panel of the face keeps to.
-    fn search(&self, face: &Face, options: &CoverOptions) -> (Control, Option<String>) {
+    fn search(&self, face: &Face, options: &CoverOptions) -> (Control, Option<Reason>) {
         let radius = options.limits.min_bend_radius.filter(|_| self.control.remaining().is_none());
         let needed = radius.and_then(|r| Some((r, bent_panels(face, r, options.tolerance)?)));
         let Some((radius, [along, across])) = needed.filter(|(_, n)| n[0] >= MANY) else {
             return (self.control.clone(), None);
         };
         let end = *self.limited.get_or_init(|| Instant::now() + LIMITED);
-        let why = format!(
-            "face #{}: no cover was found in {} s whose panels bend with a radius of {radius} mm or more: the face asks for about \
-             {:.0} panels then; a smaller radius or a larger tolerance would help, or more time (--time-limit)",
-            face.entity,
-            LIMITED.as_secs(),
-            along * across
-        );
-        (self.control.clone().until(end), Some(why))
+        let (entity, seconds, panels) = (face.entity, LIMITED.as_secs(), along * across);
+        (self.control.clone().until(end), Some(FaceReason::TooTight { entity, seconds, radius, panels }.into()))
     }
 
     /// Whether a job was asked to stop and its time for stopgaps is up: no face should be begun.

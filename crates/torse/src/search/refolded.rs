@@ -24,36 +24,61 @@ const BEYOND: f64 = 1e-3;
 /// Rulings with so little of the part on them (share of its size) are looked at as if it were so much.
 const SHORT: f64 = 1e-3;
 
+/// Why a part bent back was not compared with its panels, or no bound was shown.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum NotRefolded {
+    /// Its panels cannot be laid beside its drawing, for a reason that an error gave.
+    #[error("{0}")]
+    Panels(String),
+    /// No sample is on both.
+    #[error("no sample is on both")]
+    NoSample,
+    /// It was not compared at all.
+    #[error("it was not compared")]
+    NotCompared,
+    /// Its panels were not read exactly.
+    #[error("its panels were not read exactly")]
+    NotExact,
+    /// A panel, by its name, that belongs to several bends.
+    #[error("panel {0} belongs to several bends")]
+    Several(String),
+    /// A panel, by its name, that belongs to no bend.
+    #[error("no bend belongs to panel {0}")]
+    None(String),
+    /// What the judge could not show.
+    #[error(transparent)]
+    Unshown(#[from] Unshown),
+}
+
 /// Bound (mm) of the distance between a part bent back and moved and its panels, both ways.
 ///
 /// # Errors
-/// In plain words: why none was shown.
+/// Why none was shown.
 pub(crate) fn distance_bound(
     part: &FlatPart,
     refolded: &Refolded,
     atlas: &Atlas,
     motion: &Placement,
-) -> Result<UpperBound, String> {
-    let said = |e: Unshown| e.to_string();
+) -> Result<UpperBound, NotRefolded> {
     let mut bound: Option<UpperBound> = None;
     let mut used = vec![false; atlas.sheets.len()];
     for leaf in &refolded.leaves {
         let ribbon = fine(&leaf.ribbon, motion, &joints(&leaf.ribbon, atlas));
         let lines = leaf.loops.iter().map(|l| lifted(&ribbon, l)).collect::<Option<Vec<_>>>();
-        let lines = lines.ok_or_else(|| said(Unshown::Lines))?;
+        let lines = lines.ok_or(Unshown::Lines)?;
         for (range, sheet) in stretches(part, leaf, &ribbon, atlas) {
             // A panel in two places has no one border.
             if std::mem::replace(&mut used[sheet], true) {
-                return Err(format!("panel {} belongs to several bends", atlas.sheets[sheet].panel.name));
+                return Err(NotRefolded::Several(atlas.sheets[sheet].panel.name.clone()));
             }
-            let found = judged(&ribbon, &lines, range, (part, atlas, sheet)).map_err(said)?;
+            let found = judged(&ribbon, &lines, range, (part, atlas, sheet))?;
             bound = Some(bound.map_or(found, |b| b.max(found)));
         }
     }
     if let Some(k) = used.iter().position(|u| !u) {
-        return Err(format!("no bend belongs to panel {}", atlas.sheets[k].panel.name));
+        return Err(NotRefolded::None(atlas.sheets[k].panel.name.clone()));
     }
-    bound.ok_or_else(|| said(Unshown::Lines))
+    bound.ok_or(Unshown::Lines.into())
 }
 
 /// Places on the rulings at which panels begin and end, where there are several.

@@ -4,6 +4,7 @@ use crate::brep::face::Face;
 use crate::brep::trim::with_chords;
 use crate::certify::claim::UpperBound;
 use crate::certify::trims::trim_proof;
+use crate::reason::{FaceReason, Reason};
 use rayon::prelude::*;
 
 /// Share of the tolerance that the proven distance of trims from the file's edges may take.
@@ -19,12 +20,12 @@ pub struct TrimsJudged {
     pub faces: Vec<Face>,
     /// Greatest distance of a trim from the file's edges, mm.
     pub bound: UpperBound,
-    /// In words, trims that take too much of the tolerance.
-    pub missed: Vec<String>,
+    /// Trims that take too much of the tolerance.
+    pub missed: Vec<Reason>,
 }
 
-/// Faces with trims as fine as the tolerance asks for and the proven distance of these from the file's edges, and in
-/// words where that takes too much of the tolerance.
+/// Faces with trims as fine as the tolerance asks for and the proven distance of these from the file's edges, and where
+/// that takes too much of the tolerance.
 pub fn trims_judged(faces: Vec<Face>, tolerance: f64) -> TrimsJudged {
     let judged = faces.into_par_iter().map(|mut face| {
         if face.boundary.is_none() {
@@ -38,17 +39,11 @@ pub fn trims_judged(faces: Vec<Face>, tolerance: f64) -> TrimsJudged {
         let proof = trim_proof(&face, TRIM_AIM * tolerance);
         let bound = proof.bound();
         face.set_trim_bound(bound.value());
-        let words = (bound.value() > TRIM_SHARE * tolerance).then(|| {
-            let far = if bound.value().is_finite() { format!("{:.3e} mm", bound.value()) } else { "no bound".into() };
-            format!(
-                "face #{}: the trim is only proven to keep to the file's edges within {far} (edge #{})",
-                face.entity,
-                proof.edge()
-            )
-        });
-        (face, (bound, words))
+        let missed = (bound.value() > TRIM_SHARE * tolerance)
+            .then(|| FaceReason::Trim { entity: face.entity, edge: proof.edge(), bound: bound.value() }.into());
+        (face, (bound, missed))
     });
-    let (faces, found): (Vec<Face>, Vec<(UpperBound, Option<String>)>) = judged.unzip();
+    let (faces, found): (Vec<Face>, Vec<(UpperBound, Option<Reason>)>) = judged.unzip();
     let bound = UpperBound::largest(found.iter().map(|f| f.0));
     TrimsJudged { faces, bound, missed: found.into_iter().filter_map(|f| f.1).collect() }
 }

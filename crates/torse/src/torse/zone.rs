@@ -55,7 +55,37 @@ pub struct RegressionLimits {
     pub zones: Vec<Zone>,
 }
 
+/// Limits that are not usable.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum LimitsError {
+    /// A clearance that is no length.
+    #[error("the clearance {0} of the regression curve is not a length")]
+    Clearance(f64),
+    /// A zone, by its index, without inside or outside.
+    #[error(
+        "zone {index} of the regression curve is empty or everything (x from {} to {}, y from {} to {}, z from {} to {} mm)",
+        ranges[0].0, ranges[0].1, ranges[1].0, ranges[1].1, ranges[2].0, ranges[2].1
+    )]
+    Zone {
+        /// Its index.
+        index: usize,
+        /// From and to, for each coordinate, mm.
+        ranges: [(f64, f64); 3],
+    },
+}
+
 impl RegressionLimits {
+    /// Refuses limits that nothing can keep.
+    pub(crate) fn check(&self) -> Result<(), LimitsError> {
+        if !(self.clearance >= 0.0 && self.clearance.is_finite()) {
+            return Err(LimitsError::Clearance(self.clearance));
+        }
+        match self.zones.iter().position(|z| !z.is_usable()) {
+            Some(index) => Err(LimitsError::Zone { index, ranges: self.zones[index].ranges }),
+            None => Ok(()),
+        }
+    }
+
     /// The same with zones moved by a vector, mm.
     pub fn moved(&self, by: &Vec3) -> Self {
         let moved = |z: &Zone| Zone { ranges: [0, 1, 2].map(|k| (z.ranges[k].0 + by[k], z.ranges[k].1 + by[k])) };

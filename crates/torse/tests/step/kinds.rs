@@ -10,6 +10,7 @@ use torse::geom::Vec3;
 use torse::io::model::Model;
 use torse::io::step::read::{read, ReadError};
 use torse::io::words;
+use torse::io::words::why;
 
 /// Chords of 10⁻⁵ of the extent inside a circle cost less area than this share.
 const AREA: f64 = 5e-5;
@@ -457,7 +458,7 @@ fn bad_faces_are_named_and_the_rest_goes_on() {
         (off, "away from the surface"),
         (nan, "finite"),
     ] {
-        let reason = m.skipped.iter().find(|k| k.entity == Some(id)).map(|k| k.reason.clone()).unwrap_or_default();
+        let reason = m.skipped.iter().find(|k| k.entity == Some(id)).map(|k| why(&k.reason)).unwrap_or_default();
         assert!(reason.contains(word), "#{id}: {reason}");
     }
 }

@@ -11,6 +11,7 @@ use crate::certify::claim::UpperBound;
 pub use crate::design::composite::Report as SolveReport;
 pub(crate) use crate::design::discrete::subdivide::LevelReport;
 pub use crate::patchwork::skins::Skin;
+use crate::reason::Item;
 pub(crate) use crate::search::strips::cut::Crowded;
 pub use crate::search::strips::cut::Lines;
 pub(crate) use crate::search::strips::regression::Broken;
@@ -116,8 +117,8 @@ pub enum Note {
     },
     /// A handle that pulls is not where it pulls to.
     GaveWay {
-        /// Its number and curve.
-        handle: String,
+        /// Which.
+        handle: Item,
         /// How far it is off, mm.
         off: f64,
     },

@@ -11,15 +11,16 @@
 use super::matching::{directed, laid_on, motion_of, Walk};
 use super::outline::{chain_bound, Image, Motion};
 use super::rails::{FlatRails, Start};
-use super::senses::{against, seen, OTHER_WAY};
+use super::senses::{against, seen};
 use super::simple_outline::outline_is_simple;
-use super::{DrawnRulings, FlatCertificate, NO_MAP};
+use super::{DrawnRulings, FlatCertificate};
 use crate::certify::ruled::Ruled;
 use crate::certify::vector::length_bound;
 use crate::control::Control;
 use crate::num::interval::Interval;
 use crate::patchwork::part::Part;
 use crate::patchwork::pattern::{Contour, Pattern};
+use crate::reason::{FlatFault, Of};
 use crate::spline::curve::Curve;
 use crate::spline::knots::Knots;
 use crate::spline::surface::Surface;
@@ -73,7 +74,7 @@ pub fn strip_parts(
         let chain = part.and_then(|p| strips.get(p.first..p.first.checked_add(p.count)?)).unwrap_or_default();
         FlatCertificate::judged(pattern.panel, tolerance, |out| {
             if control.stopped() {
-                return Err("the proof was stopped");
+                return Err(FlatFault::Stopped);
             }
             judged(out, chain, pattern, tolerance)?;
             outline_is_simple(pattern, tolerance)
@@ -88,17 +89,17 @@ pub(super) fn judged(
     chain: &[Strip],
     pattern: &Pattern,
     tolerance: f64,
-) -> Result<(), &'static str> {
-    let [contour] = &pattern.contours[..] else { return Err("the outline drawn is not one closed line") };
+) -> Result<(), FlatFault> {
+    let [contour] = &pattern.contours[..] else { return Err(FlatFault::NotOneLine) };
     if contour.vertices.len() < 2 {
-        return Err("the outline drawn has no sides");
+        return Err(FlatFault::NoSides);
     }
-    let lay = |side: f64| Laid::new(chain, side).ok_or(NO_MAP);
+    let lay = |side: f64| Laid::new(chain, side).ok_or(FlatFault::NoMap);
     let laid = lay(1.0)?;
     let walk = laid.walk().ok_or(NOWHERE)?;
     let off = |side: f64| fit(&walk, contour, side).map_or(f64::INFINITY, |m| m.1);
     let patches = || chain.iter().map(|s| &s.patch);
-    let side = seen(patches(), pattern, tolerance, &off).ok_or(OTHER_WAY)?;
+    let side = seen(patches(), pattern, tolerance, &off).ok_or(FlatFault::OtherWay)?;
     let laid = if side < 0.0 { lay(side)? } else { laid };
     let blank = out.clone();
     let found = drawn(out, &laid, pattern, tolerance);
@@ -117,7 +118,7 @@ pub(super) fn judged(
 }
 
 /// Why nothing is shown of a drawing.
-const NOWHERE: &str = "the outline drawn cannot be laid on the strips";
+const NOWHERE: FlatFault = FlatFault::Nowhere(Of::Strips);
 
 /// Where a contour shows a border seen from a side; outlines are drawn counter-clockwise.
 fn fit(walk: &Walk, contour: &Contour, flip: f64) -> Option<(Motion, f64)> {
@@ -125,7 +126,7 @@ fn fit(walk: &Walk, contour: &Contour, flip: f64) -> Option<(Motion, f64)> {
 }
 
 /// What is shown of a drawing of a chain seen from one side.
-fn drawn(out: &mut FlatCertificate, laid: &Laid, pattern: &Pattern, tolerance: f64) -> Result<(), &'static str> {
+fn drawn(out: &mut FlatCertificate, laid: &Laid, pattern: &Pattern, tolerance: f64) -> Result<(), FlatFault> {
     let contour = &pattern.contours[0];
     let walk = laid.walk().ok_or(NOWHERE)?;
     let motion = fit(&walk, contour, 1.0).ok_or(NOWHERE)?.0;
@@ -139,20 +140,20 @@ fn drawn(out: &mut FlatCertificate, laid: &Laid, pattern: &Pattern, tolerance: f
     let mut missing = Ok(());
     match worst(bounds) {
         Some(bound) => out.outline_bound = bound,
-        None => missing = Err("the outline drawn could not be shown to be near the strips' border"),
+        None => missing = Err(FlatFault::Outline(Of::Strips)),
     }
     let enough = ENOUGH * tolerance;
     let lines: Vec<DrawnRulings> = laid.links.iter().map(|l| DrawnRulings::new(&l.rails, motion)).collect();
     let rulings = pattern.rulings.par_iter().map(|r| ruling_bound(&lines, &r.map(|p| [p.x, p.y]), enough)).collect();
     match worst(rulings) {
         Some(bound) => out.ruling_bound = bound,
-        None => missing = missing.and(Err("a ruling drawn is none of the strips'")),
+        None => missing = missing.and(Err(FlatFault::Ruling(Of::Strips))),
     }
     let marks =
         pattern.marks.par_iter().map(|m| laid.mark_bound(&[m.point.x, m.point.y], &walk, motion, enough)).collect();
     match worst(marks) {
         Some(bound) => out.mark_bound = bound,
-        None => missing = missing.and(Err("a mark is not on a rail")),
+        None => missing = missing.and(Err(FlatFault::MarkOffRail)),
     }
     missing?;
     let change = laid.links.iter().map(|l| l.rails.change()).reduce(|a, b| a.and(&b));
@@ -357,7 +358,7 @@ mod tests {
     }
 
     fn judge(strips: &[Strip], pattern: &Pattern) -> FlatCertificate {
-        let part = Part { name: "A".into(), first: 0, count: strips.len(), missing: String::new() };
+        let part = Part { name: "A".into(), first: 0, count: strips.len(), missing: None };
         strip_parts(strips, &[part], std::slice::from_ref(pattern), TOLERANCE, &Control::default()).swap_remove(0)
     }
 
@@ -365,7 +366,7 @@ mod tests {
     fn an_unfolded_polygon_is_proven_to_rounding() {
         let (strips, pattern) = folded();
         let found = judge(&strips, &pattern);
-        assert!(found.holds(), "{}", found.reason());
+        assert!(found.holds(), "{:?}", found.reason());
         assert!(found.outline_bound() < 1e-9 && found.ruling_bound() < 1e-9, "{found:?}");
         assert!(found.strain_bound() < 1e-9 && found.gap_bound() < 1e-9 && found.change_bound() < 1e-6, "{found:?}");
         assert!(judge(&strips, &pattern.turned_over()).holds());

@@ -10,9 +10,9 @@ use super::chain::{self, ruling_bound, ENOUGH, STILL};
 use super::matching::{backwards, directed, laid_on, motion_of, Walk};
 use super::outline::{chain_bound, Image, Motion};
 use super::rails::{Change, FlatRails};
-use super::senses::{seen, OTHER_WAY};
+use super::senses::seen;
 use super::simple_outline::outline_is_simple;
-use super::{DrawnRulings, FlatCertificate, NO_MAP};
+use super::{DrawnRulings, FlatCertificate};
 use crate::certify::edges::edge_bound;
 use crate::certify::ruled::{Ruled, RuledJets};
 use crate::certify::seams::SeamSide;
@@ -21,6 +21,7 @@ use crate::num::interval::Interval;
 use crate::num::jet::Jet;
 use crate::patchwork::part::Part;
 use crate::patchwork::pattern::Pattern;
+use crate::reason::{FlatFault, Of};
 use crate::spline::curve::Curve;
 use crate::spline::knots::Knots;
 use crate::spline::surface::Surface;
@@ -61,9 +62,9 @@ pub fn cone_parts(
     let one = |pattern: &Pattern| {
         FlatCertificate::judged(pattern.panel, tolerance, |out| {
             let range = parts.get(pattern.panel).map_or(0..0, |p| p.first..p.first.saturating_add(p.count));
-            let own = pieces.get(range.clone()).filter(|p| !p.is_empty()).ok_or("the part has no pieces")?;
+            let own = pieces.get(range.clone()).filter(|p| !p.is_empty()).ok_or(FlatFault::NoPieces)?;
             let body = bodies.get(own[0].0).filter(|_| own.iter().all(|p| p.0 == own[0].0));
-            let Some(part) = body.ok_or("the pieces belong to several chains")?.part.as_ref() else {
+            let Some(part) = body.ok_or(FlatFault::SeveralChains)?.part.as_ref() else {
                 chain::judged(out, strips.get(range).unwrap_or_default(), pattern, tolerance)?;
                 return outline_is_simple(pattern, tolerance);
             };
@@ -71,7 +72,7 @@ pub fn cone_parts(
             let (from, to) = (segments().min().unwrap_or(0), segments().max().map_or(0, |m| m + 1));
             let part = part.between(from, to);
             if part.faces.len() != own.len() {
-                return Err("the part does not have all its pieces");
+                return Err(FlatFault::Incomplete);
             }
             judged(out, &part, pattern, tolerance)?;
             outline_is_simple(pattern, tolerance)
@@ -81,9 +82,9 @@ pub fn cone_parts(
 }
 
 /// Proves what is claimed about the pattern of a trimmed chain: see the head of this file.
-fn judged(out: &mut FlatCertificate, part: &ConePart, pattern: &Pattern, tolerance: f64) -> Result<(), &'static str> {
+fn judged(out: &mut FlatCertificate, part: &ConePart, pattern: &Pattern, tolerance: f64) -> Result<(), FlatFault> {
     let lay = |side: f64| Laid::new(part, side, tolerance);
-    let outer = pattern.contours.first().ok_or("nothing is drawn")?;
+    let outer = pattern.contours.first().ok_or(FlatFault::Nothing)?;
     let fit = |laid: &Laid, flip: f64| -> Option<(Motion, f64)> {
         let walk = &laid.walks.first()?.1;
         motion_of(walk, &directed(outer, walk.turn() * flip < 0.0), flip)
@@ -91,19 +92,19 @@ fn judged(out: &mut FlatCertificate, part: &ConePart, pattern: &Pattern, toleran
     let mut laid = lay(1.0)?;
     let off = |side: f64| fit(&laid, side).map_or(f64::INFINITY, |m| m.1);
     let patches = part.faces.iter().map(|f| &f.blank.patch);
-    let side = seen(patches, pattern, tolerance, &off).ok_or(OTHER_WAY)?;
+    let side = seen(patches, pattern, tolerance, &off).ok_or(FlatFault::OtherWay)?;
     if side < 0.0 {
         laid = lay(side)?;
     }
-    let (motion, _) = fit(&laid, 1.0).ok_or("the outline drawn cannot be laid on the pieces")?;
+    let (motion, _) = fit(&laid, 1.0).ok_or(FlatFault::Nowhere(Of::Pieces))?;
     out.strain_bound = laid.pieces.iter().map(|p| p.rails.strain).fold(0.0, f64::max);
     for p in &mut laid.pieces {
-        p.motion = p.motion.then(&motion).ok_or("a piece cannot be laid beside the others")?;
+        p.motion = p.motion.then(&motion).ok_or(FlatFault::Beside)?;
     }
-    let gaps = laid.gaps(part).ok_or("a joint is none of the pieces'")?;
+    let gaps = laid.gaps(part).ok_or(FlatFault::Joint)?;
     out.gap_bound = gaps.iter().copied().fold(0.0, f64::max);
     if pattern.contours.len() != laid.walks.len() {
-        return Err("the outline drawn does not have the loops of the part");
+        return Err(FlatFault::OtherLoops);
     }
     let mut worst = laid.edges;
     let reversed = laid.walks[0].1.turn() < 0.0;
@@ -112,14 +113,14 @@ fn judged(out: &mut FlatCertificate, part: &ConePart, pattern: &Pattern, toleran
         let vertices = directed(contour, reversed);
         // Of loops that are left, the one on which it lies.
         let fits = left.iter().filter_map(|&k| Some((k, laid_on(&laid.walks[k].1, &vertices, &motion)?)));
-        let (k, fit) = fits.min_by(|a, b| a.1.off.total_cmp(&b.1.off)).ok_or("a loop drawn is none of the part's")?;
+        let (k, fit) = fits.min_by(|a, b| a.1.off.total_cmp(&b.1.off)).ok_or(FlatFault::StrangeLoop)?;
         left.retain(|x| *x != k);
         for (run, chain) in laid.walks[k].0.iter().zip(&fit.chains) {
             let piece = &laid.pieces[run.piece];
             let image = Image { flat: &piece.rails, trim: &run.trim, motion: piece.motion };
             let chain = if run.forward { chain.clone() } else { backwards(chain) };
             let off = chain_bound(&image, &chain, tolerance);
-            worst = worst.max(off.ok_or("the outline drawn could not be shown to be near the part's border")?);
+            worst = worst.max(off.ok_or(FlatFault::Outline(Of::Pieces))?);
         }
     }
     out.outline_bound = worst;
@@ -127,12 +128,12 @@ fn judged(out: &mut FlatCertificate, part: &ConePart, pattern: &Pattern, toleran
     let mut rulings = 0.0f64;
     for r in &pattern.rulings {
         let off = ruling_bound(&drawn, &r.map(|p| [p.x, p.y]), ENOUGH * tolerance);
-        rulings = rulings.max(off.ok_or("a ruling drawn is none of the part's")?);
+        rulings = rulings.max(off.ok_or(FlatFault::Ruling(Of::Pieces))?);
     }
     out.ruling_bound = rulings;
     out.mark_bound = 0.0;
     if !pattern.marks.is_empty() {
-        return Err("marks on trimmed chains are not expected");
+        return Err(FlatFault::Marks);
     }
     let change = laid.pieces.iter().map(|p| p.rails.change()).reduce(|a: Change, b| a.and(&b));
     let change = change.map_or(f64::INFINITY, |c| c.of(pattern.length));
@@ -150,7 +151,7 @@ struct Laid<'a> {
 }
 
 impl<'a> Laid<'a> {
-    fn new(part: &'a ConePart, side: f64, tolerance: f64) -> Result<Self, &'static str> {
+    fn new(part: &'a ConePart, side: f64, tolerance: f64) -> Result<Self, FlatFault> {
         let flat = |patch: &'a Surface| -> Option<Piece<'a>> {
             let ruled = Ruled::new(patch)?;
             let rails = FlatRails::new(&ruled, &|_, _| Some(Interval::new(0.0, 1.0)), side)?;
@@ -158,10 +159,10 @@ impl<'a> Laid<'a> {
             Some(Piece { patch, rails, jets, motion: STILL })
         };
         let pieces: Option<Vec<Piece>> = part.faces.iter().map(|f| flat(&f.blank.patch)).collect();
-        let pieces = pieces.ok_or(NO_MAP)?;
+        let pieces = pieces.ok_or(FlatFault::NoMap)?;
         let mut out = Self { pieces, walks: Vec::new(), edges: 0.0 };
-        out.join(part).ok_or("the pieces do not hang together")?;
-        out.border(part, tolerance).ok_or("the edges of the pieces do not bound them")?;
+        out.join(part).ok_or(FlatFault::Apart)?;
+        out.border(part, tolerance).ok_or(FlatFault::Edges)?;
         Ok(out)
     }
 

@@ -23,6 +23,7 @@ use crate::control::Control;
 use crate::num::interval::Interval;
 use crate::patchwork::panel::{Border, Coedge, Panel, Patchwork};
 use crate::patchwork::pattern::{Contour, ContourVertex, Mark, MarkPlace, Pattern};
+use crate::reason::{FlatFault, Of, Reason};
 pub use chain::strip_parts;
 pub use cone_part::cone_parts;
 use matching::backwards;
@@ -42,12 +43,9 @@ pub struct FlatCertificate {
     mark_bound: f64,
     gap_bound: f64,
     change_bound: f64,
-    open: String,
-    reason: String,
+    open: Option<FlatFault>,
+    faults: Vec<FlatFault>,
 }
-
-/// Why nothing can be shown of lengths, nor of what is drawn.
-const NO_MAP: &str = "no map to the plane could be shown to keep lengths";
 
 impl FlatCertificate {
     /// What is proven of all parts of a job, as claims about the whole: lengths, drawings, joints inside parts.
@@ -113,33 +111,33 @@ impl FlatCertificate {
         self.outline_bound.max(self.ruling_bound).max(self.mark_bound)
     }
 
-    /// Why something is not proven or exceeds the tolerance, in plain words; empty if all is well.
-    pub fn reason(&self) -> &str {
-        &self.reason
+    /// Why something is not proven or exceeds the tolerance; nothing if all is well.
+    pub fn reason(&self) -> Option<Reason> {
+        Reason::all(self.faults.iter().copied().map(Reason::from).collect())
     }
 
     /// Of parts of strips, what could not be shown of their own map to the plane, whatever is drawn: lengths are only
-    /// measured then; empty if all is well.
-    pub fn open(&self) -> &str {
-        &self.open
+    /// measured then; nothing if all is well.
+    pub fn open(&self) -> Option<FlatFault> {
+        self.open
     }
 
     /// Whether everything is proven and within the tolerance.
     pub fn holds(&self) -> bool {
-        self.reason.is_empty() && self.open.is_empty()
+        self.faults.is_empty() && self.open.is_none()
     }
 
     /// What is shown by `proof`, and whether drawing and gaps are within the tolerance (mm); how lengths change is told
     /// apart.
-    fn judged(panel: usize, tolerance: f64, proof: impl FnOnce(&mut Self) -> Result<(), &'static str>) -> Self {
+    fn judged(panel: usize, tolerance: f64, proof: impl FnOnce(&mut Self) -> Result<(), FlatFault>) -> Self {
         let mut out = Self::blank(panel);
         match proof(&mut out) {
-            Err(NO_MAP) => {
-                out.open = NO_MAP.into();
+            Err(FlatFault::NoMap) => {
+                out.open = Some(FlatFault::NoMap);
                 return out;
             }
-            Err(reason) => {
-                out.reason = reason.into();
+            Err(fault) => {
+                out.faults = vec![fault];
                 return out;
             }
             Ok(()) => {}
@@ -147,9 +145,9 @@ impl FlatCertificate {
         let drawn = Interval::point(out.drawing_bound()) + Interval::point(out.gap_bound);
         let total = (drawn + Interval::point(out.change_bound)).hi;
         if drawn.hi > tolerance || drawn.hi.is_nan() {
-            out.reason = format!("the drawing is only proven to be within {:.6} mm", drawn.hi);
+            out.faults = vec![FlatFault::Drawing(drawn.hi)];
         } else if total > tolerance || total.is_nan() {
-            out.open = format!("lengths are only proven to change by less than {:.6} mm", out.change_bound);
+            out.open = Some(FlatFault::Lengths(out.change_bound));
         }
         out
     }
@@ -163,8 +161,8 @@ impl FlatCertificate {
             mark_bound: f64::INFINITY,
             gap_bound: f64::INFINITY,
             change_bound: f64::INFINITY,
-            open: String::new(),
-            reason: String::new(),
+            open: None,
+            faults: Vec::new(),
         }
     }
 }
@@ -206,14 +204,11 @@ fn proven(
         patterns.par_iter().map(|p| one(patchwork, p, tolerance, control)).collect();
     let (mut out, flats): (Vec<_>, Vec<_>) = found.into_iter().unzip();
     for (k, certificate) in out.iter_mut().enumerate() {
-        let mut missing: Vec<String> = Vec::new();
-        if !certificate.reason.is_empty() {
-            missing.push(std::mem::take(&mut certificate.reason));
-        }
+        let mut missing = std::mem::take(&mut certificate.faults);
         if let Some(flat) = &flats[k] {
             match marks(flat, &flats) {
                 Some(bound) => certificate.mark_bound = bound,
-                None => missing.push("a mark has no partner on the neighbour, or is not on a seam".into()),
+                None => missing.push(FlatFault::Mark),
             }
             certificate.gap_bound = 0.0;
             certificate.change_bound = flat.rails.length_change(flat.pattern.length);
@@ -222,17 +217,16 @@ fn proven(
             let far = |x: f64| x > tolerance || x.is_nan();
             if missing.is_empty() && far(total) {
                 if apart && !far(certificate.drawing_bound()) {
-                    let change = certificate.change_bound;
-                    certificate.open = format!("lengths are only proven to change by less than {change:.6} mm");
+                    certificate.open = Some(FlatFault::Lengths(certificate.change_bound));
                 } else {
-                    missing.push(format!("the drawing is only proven to be within {total:.6} mm"));
+                    missing.push(FlatFault::Drawing(total));
                 }
             }
         }
-        certificate.reason = missing.join("; ");
-        if apart && certificate.reason == NO_MAP {
-            certificate.open = std::mem::take(&mut certificate.reason);
+        if apart && missing == [FlatFault::NoMap] {
+            certificate.open = missing.pop();
         }
+        certificate.faults = missing;
     }
     out
 }
@@ -255,15 +249,15 @@ fn one<'a>(
     control: &Control,
 ) -> (FlatCertificate, Option<Flat<'a>>) {
     let mut out = FlatCertificate::blank(pattern.panel);
-    let refuse = |mut out: FlatCertificate, reason: &str| {
-        out.reason = reason.into();
+    let refuse = |mut out: FlatCertificate, fault: FlatFault| {
+        out.faults = vec![fault];
         (out, None)
     };
     if control.stopped() {
-        return refuse(out, "the proof was stopped");
+        return refuse(out, FlatFault::Stopped);
     }
-    let Some(panel) = patchwork.panels.get(pattern.panel) else { return refuse(out, "there is no such panel") };
-    let Some(ruled) = Ruled::new(&panel.strip.patch) else { return refuse(out, "the patch is not ruled") };
+    let Some(panel) = patchwork.panels.get(pattern.panel) else { return refuse(out, FlatFault::NoPanel) };
+    let Some(ruled) = Ruled::new(&panel.strip.patch) else { return refuse(out, FlatFault::NotRuled) };
     let reversed = patchwork.face_of(panel).is_some_and(|f| f.reversed);
     let side = if panel.mirrored() == reversed { -1.0 } else { 1.0 };
     let boxes = trim_boxes(panel.loops().iter().flatten().map(|r| &r.trim));
@@ -272,29 +266,29 @@ fn one<'a>(
         range.intersect(Interval { lo: 0.0, hi: 1.0 })
     };
     let Some(rails) = FlatRails::new(&ruled, &used, side) else {
-        return refuse(out, NO_MAP);
+        return refuse(out, FlatFault::NoMap);
     };
     out.strain_bound = rails.strain;
     let Some(chains) = chains(panel, pattern, reversed) else {
-        return refuse(out, "the outline drawn does not have the sides of the panel");
+        return refuse(out, FlatFault::OtherSides);
     };
     let Some(motion) = motion(&rails, &chains) else {
-        return refuse(out, "the outline drawn cannot be laid on the panel");
+        return refuse(out, FlatFault::Nowhere(Of::Panel));
     };
     let flat = Flat { pattern, rails, motion, marks: Vec::new() };
     let bounds: Vec<_> = chains.iter().map(|(run, chain)| chain_bound(&flat.image(run), chain, tolerance)).collect();
     match bounds.into_iter().try_fold(0.0f64, |m, b| b.map(|b| m.max(b))) {
         Some(bound) => out.outline_bound = bound,
-        None => out.reason = "the outline drawn could not be shown to be near the panel's border".into(),
+        None => out.faults = vec![FlatFault::Outline(Of::Panel)],
     }
-    if let Err(reason) = outline_is_simple(pattern, tolerance) {
-        out.reason = reason.into();
+    if let Err(fault) = outline_is_simple(pattern, tolerance) {
+        out.faults = vec![fault];
     }
     let drawn = DrawnRulings::new(&flat.rails, motion);
     let rulings = pattern.rulings.iter().map(|r| drawn.bound(&r.map(|p| [p.x, p.y])));
     match rulings.into_iter().try_fold(0.0f64, |m, b| b.map(|b| m.max(b))) {
         Some(bound) => out.ruling_bound = bound,
-        None => out.reason = "a ruling drawn is none of the panel's".into(),
+        None => out.faults = vec![FlatFault::Ruling(Of::Panel)],
     }
     let runs = || panel.loops().iter().flatten().filter(|r| !r.is_point());
     let (seams, borders): (Vec<&Coedge>, Vec<&Coedge>) = runs().partition(|r| matches!(r.border, Border::Seam { .. }));

@@ -17,9 +17,6 @@ const ONE_WAY: f64 = 0.2;
 /// Turn (rad) below which a sheet is as good as flat: about 3°.
 const FLAT: f64 = 0.05;
 
-/// What is said of patterns whose bends go against the side that fits.
-pub(super) const OTHER_WAY: &str = "the bends drawn go the other way on the side that the outline shows";
-
 /// Whether the bends drawn go against those of patches that follow each other, seen with `side` as flat rails are.
 pub(super) fn against<'a>(patches: impl Iterator<Item = &'a Surface>, side: f64, pattern: &Pattern) -> bool {
     let signed = |(k, _)| {

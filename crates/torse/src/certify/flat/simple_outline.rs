@@ -11,6 +11,7 @@
 use crate::certify::simple::polygons_are_simple;
 use crate::geom::Vec2;
 use crate::patchwork::pattern::{Contour, Pattern};
+use crate::reason::FlatFault;
 
 /// Share of the tolerance by which an arc may rise over the chords that stand for it.
 const RISE: f64 = 0.01;
@@ -22,7 +23,7 @@ const SPIKE: f64 = 1e-9;
 ///
 /// # Errors
 /// That it does, or comes too near to tell.
-pub(in crate::certify) fn outline_is_simple(pattern: &Pattern, tolerance: f64) -> Result<(), &'static str> {
+pub(in crate::certify) fn outline_is_simple(pattern: &Pattern, tolerance: f64) -> Result<(), FlatFault> {
     let ring = |c: &Contour| without_spikes(chords(c, RISE * tolerance));
     let rings: Vec<Vec<[f64; 2]>> = pattern.contours.iter().map(ring).collect();
     // The greatest first, holes the other way round.
@@ -34,7 +35,7 @@ pub(in crate::certify) fn outline_is_simple(pattern: &Pattern, tolerance: f64) -
         }
     }
     let rings: Vec<Vec<[f64; 2]>> = rings.into_iter().map(|r| r.1).collect();
-    polygons_are_simple(&rings).map_err(|_| "the outline drawn could not be shown not to meet itself")
+    polygons_are_simple(&rings).map_err(|_| FlatFault::Meets)
 }
 
 /// A polygon without the places where it runs back on itself, as beside a sharp bend that takes more from the outside than
@@ -102,7 +103,7 @@ mod tests {
         Contour { vertices: corners.iter().map(vertex).collect() }
     }
 
-    fn judged(contours: Vec<Contour>) -> Result<(), &'static str> {
+    fn judged(contours: Vec<Contour>) -> Result<(), FlatFault> {
         outline_is_simple(&Pattern { contours, ..Pattern::default() }, 0.1)
     }
 

@@ -47,7 +47,7 @@ fn a_true_drawing_is_proven_as_closely_as_its_lines_follow_the_border() {
     let p = two_panels(1e-3, 4);
     let patterns = [drawn(&p, 0), drawn(&p, 1)];
     for f in judged(&p, &patterns) {
-        assert!(f.holds(), "{}", f.reason());
+        assert!(f.holds(), "{:?}", f.reason());
         assert!(f.strain_bound() < 1e-8, "{:e}", f.strain_bound());
         assert!(f.outline_bound() < 1e-3 && f.ruling_bound() < 1e-9 && f.mark_bound() < 1e-6, "{f:?}");
     }

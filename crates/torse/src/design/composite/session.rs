@@ -7,12 +7,12 @@ use super::facet::places;
 use super::handle::Hold;
 use super::{Composite, Options, StripShape};
 use crate::constraint::proximity::Scale;
+use crate::control::Control;
 use crate::geom::Vec3;
 use crate::num::gauss_newton::{Kept, Outcome, Schedule, Solver, Status};
 use crate::spline::curve::Curve;
 use crate::torse::form::PanelKind;
 use crate::torse::strip::Strip;
-use crate::Control;
 
 /// How a step ended.
 #[derive(Clone, Debug, PartialEq)]

@@ -115,6 +115,8 @@ fn turn(problem: &Problem, last: bool) -> Option<Turn> {
     })
 }
 
+impl std::error::Error for Reasons {}
+
 impl fmt::Display for Reasons {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "no regular developable holds both end rulings")?;

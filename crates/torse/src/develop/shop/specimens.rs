@@ -31,7 +31,7 @@ pub fn cylinder(name: &str, from: f64, to: f64) -> Strip {
 
 /// The only part of so many strips.
 pub(crate) fn part_of(count: usize) -> Part {
-    Part { name: "A".into(), first: 0, count, missing: String::new() }
+    Part { name: "A".into(), first: 0, count, missing: None }
 }
 
 /// Strips as a patchwork with the pattern of the chain, seen from a side.

@@ -13,6 +13,7 @@ use crate::geom::rectangle::smallest_rectangle;
 use crate::geom::Vec2;
 use crate::patchwork::image::{ClosedMap, JointImage, MapStrip, Stroke};
 use crate::patchwork::pattern::{Pattern, ViewSide};
+use crate::reason::Unlaid;
 use std::collections::HashSet;
 
 /// What is known of the sheet that a part is made of.
@@ -53,7 +54,7 @@ pub struct BodyParts {
     /// The parts; empty if there are none, then `left` says why.
     pub parts: Vec<FlatPart>,
     /// Faces left out with the reason: index among the faces given, `None` for the body as a whole.
-    pub left: Vec<(Option<usize>, String)>,
+    pub left: Vec<(Option<usize>, Unlaid)>,
 }
 
 /// How bodies are laid flat.
@@ -93,7 +94,7 @@ pub fn flat_parts(faces: &[&Face], name: &str, options: &PartOptions) -> BodyPar
         false => match sheet(&body) {
             Ok(found) => found,
             Err(e) => {
-                out.left.push((None, e.to_string()));
+                out.left.push((None, Unlaid::NoSheet(e.to_string())));
                 return out;
             }
         },
@@ -108,8 +109,7 @@ pub fn flat_parts(faces: &[&Face], name: &str, options: &PartOptions) -> BodyPar
     let best = sides.min_by(|a, b| a.rank().partial_cmp(&b.rank()).unwrap_or(std::cmp::Ordering::Equal));
     let left: Vec<usize> = best.iter().flat_map(|b| &b.left).chain(&found.others).copied().collect();
     for group in groups(&body, &left) {
-        let more = if group.len() > 1 { format!(" ({} faces that hang together)", group.len()) } else { String::new() };
-        out.left.push((Some(group[0]), format!("{}{more}", why(&body, group[0], &found))));
+        out.left.push((Some(group[0]), Unlaid::Group(group.len(), Box::new(why(&body, group[0], &found)))));
     }
     let Some(best) = best else { return out };
     let count = best.pieces.len();
@@ -166,16 +166,15 @@ fn groups(body: &Body, faces: &[usize]) -> Vec<Vec<usize>> {
 }
 
 /// Why a face is not part of a flat pattern.
-fn why(body: &Body, face: usize, found: &Sheet) -> String {
+fn why(body: &Body, face: usize, found: &Sheet) -> Unlaid {
     match &body.carriers[face] {
-        Carrier::Curved(d) => d.words(),
-        c if found.thickness > 0.0 => format!(
-            "the {} is neither a skin nor an edge of the sheet of {:.3} mm: a feature formed or milled into it, or a bend \
-             of a radius below the thickness",
-            c.name(),
-            found.thickness
-        ),
-        c => format!("the {} could not be laid flat", c.name()),
+        Carrier::Curved(d) => Unlaid::Curved {
+            twist_estimate: d.twist_estimate,
+            curvature_estimate: d.curvature_estimate,
+            strain_estimate: d.strain_estimate,
+        },
+        c if found.thickness > 0.0 => Unlaid::Feature { carrier: c.name(), thickness: found.thickness },
+        c => Unlaid::Face { carrier: c.name() },
     }
 }
 

@@ -11,6 +11,7 @@ pub(crate) mod regions;
 pub(crate) use grid::core;
 
 use crate::geom::coarse::{Coarse, Loose};
+use crate::torse::zone::LimitsError;
 
 /// Why points cannot be fitted at all.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -53,8 +54,8 @@ pub enum CloudError {
     #[error(transparent)]
     Coarse(#[from] Coarse),
     /// Limits of the regression curve that cannot be kept by anything.
-    #[error("{0}")]
-    Limits(String),
+    #[error(transparent)]
+    Limits(#[from] LimitsError),
     /// A tolerance that is not a positive number.
     #[error("the tolerance {0} is not a positive length")]
     Tolerance(f64),

@@ -32,7 +32,7 @@ impl Report {
         let coverages = if answer.covers_faces() { coverage::faces(&answer.patchwork) } else { Vec::new() };
         let skipped = answer.skipped.iter().map(|s| SkippedRecord {
             entity: s.entity,
-            reason: s.reason.clone(),
+            reason: words::why(&s.reason),
             area_estimate: s.area_estimate.and_then(finite),
         });
         let along = answer.along.iter().map(|a| AlongRecord {
@@ -225,7 +225,7 @@ fn reason(answer: &Answer, panel: usize, curves: &[String]) -> String {
     };
     match certificate.panels.get(panel) {
         None => "not examined".into(),
-        Some(p) if !p.certified => p.reason.clone(),
+        Some(p) if !p.certified => p.reason.as_ref().map_or_else(String::new, words::why),
         Some(p) if p.deviation_bound > answer.tolerance => {
             format!("proven for {:.6} mm only, which exceeds the tolerance", p.deviation_bound)
         }
@@ -260,7 +260,7 @@ fn part_records(answer: &Answer, shown: &Presentation) -> Vec<PartRecord> {
                 name: part.name.clone(),
                 panels: panels.map(|p| p.strip.name.clone()).collect(),
                 certified: !shown.marks.parts.get(k).copied().unwrap_or(true),
-                missing: part.missing.clone(),
+                missing: part.missing.clone().map_or_else(String::new, |m| words::why(&m.into())),
                 area: drawn(|p| p.area_in_space),
                 flat_area: drawn(|p| p.area),
                 isometry_error: drawn(|p| p.isometry_error),

@@ -7,6 +7,7 @@ use super::records::{self, Attributes, Definition, Record};
 use crate::answer::skipped::Skipped;
 use crate::geom::placement::Placement;
 use crate::geom::Vec3;
+use crate::reason::Reason;
 use nalgebra::Matrix3;
 use std::collections::{HashMap, HashSet};
 
@@ -118,7 +119,7 @@ struct Walk<'w, 'a> {
 impl Walk<'_, '_> {
     fn lost(&mut self, object: usize, words: String) {
         if self.named.insert(object) {
-            self.out.skipped.push(words.into());
+            self.out.skipped.push(Reason::Input(words).into());
         }
     }
 

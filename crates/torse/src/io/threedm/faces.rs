@@ -10,6 +10,7 @@ use super::records::{Object, Unit};
 use super::surfaces;
 use crate::answer::skipped::Skipped;
 use crate::brep::raw::{RawFace, Region};
+use crate::io::model::unread;
 use std::collections::BTreeSet;
 
 /// The faces of one object before they are trimmed.
@@ -50,7 +51,7 @@ pub(super) fn shapes(archive: &Archive, occurrences: &[Occurrence]) -> Shapes {
                         Err(f) => {
                             let which = if several { format!("face {} of ", k + 1) } else { String::new() };
                             let reason = format!("{which}{}: {}", label(index, record), f.0);
-                            Err(Skipped::of_file(entity, reason, None))
+                            Err(unread(entity, reason, None))
                         }
                     }
                 };
@@ -60,7 +61,7 @@ pub(super) fn shapes(archive: &Archive, occurrences: &[Occurrence]) -> Shapes {
             Err(f) => {
                 out.count += 1;
                 let reason = format!("{}: {}", label(index, record), f.0);
-                out.lost.push(Skipped::of_file(first, reason, None));
+                out.lost.push(unread(first, reason, None));
             }
         }
     }

@@ -6,6 +6,7 @@ use super::classes::Class;
 use super::error::ReadError;
 use super::{archive, brep, curves};
 use crate::geom::placement::Placement;
+use crate::io::words::left_out;
 use crate::spline::curve::Curve;
 use std::collections::{HashMap, HashSet};
 
@@ -37,7 +38,7 @@ pub fn curves(bytes: &[u8]) -> Result<(Vec<NamedCurve>, Vec<String>), ReadError>
         let uses = blocks::uses(&archive, want);
         if want == Want::Curves {
             notes.extend(uses.notes);
-            notes.extend(uses.skipped.iter().map(|s| s.words()));
+            notes.extend(uses.skipped.iter().map(left_out));
         }
         let (mut seen, mut held) = (HashSet::new(), 0);
         for o in &uses.occurrences {

@@ -6,6 +6,7 @@ use super::bytes::{checksum, fault, Cursor, Fault, Reading};
 use super::error::ReadError;
 use crate::geom::cloud::Cloud;
 use crate::geom::Vec3;
+use crate::io::words::left_out;
 use std::collections::HashSet;
 
 /// Coordinates above this many mm (a million kilometres) are damage.
@@ -40,7 +41,7 @@ pub fn cloud(bytes: &[u8]) -> Result<MeshCloud, ReadError> {
     let uses = blocks::uses(&archive, Want::Meshes);
     let mut notes = archive.notes.clone();
     notes.extend(uses.notes);
-    notes.extend(uses.skipped.iter().map(|s| s.words()));
+    notes.extend(uses.skipped.iter().map(left_out));
     let mut out = Cloud::default();
     let (mut seen, mut copied) = (HashSet::new(), 0);
     for o in &uses.occurrences {

@@ -29,7 +29,9 @@ use crate::brep::face::Face;
 use crate::brep::raw::SurfaceKind;
 use crate::brep::raw::{RawFace, Region};
 use crate::brep::trim;
+use crate::io::model::unread;
 use crate::io::model::{Model, ReadOptions};
+use crate::io::words::left_out;
 use rayon::prelude::*;
 use std::collections::{HashMap, HashSet};
 
@@ -72,13 +74,13 @@ pub fn read_with(bytes: &[u8], options: &ReadOptions) -> Result<Model, ReadError
     let objects = archive.objects.len();
     if shapes.count == 0 {
         skipped.extend(shapes.lost);
-        let reason = skipped.first().map_or(String::new(), Skipped::words);
+        let reason = skipped.first().map_or(String::new(), left_out);
         return Err(ReadError::NoFaces { objects, reason });
     }
     let count = shapes.count;
     let faces = placed(shapes, &uses.occurrences, options, &mut skipped);
     if faces.is_empty() {
-        let reason = skipped.first().map_or(String::new(), Skipped::words);
+        let reason = skipped.first().map_or(String::new(), left_out);
         return Err(ReadError::NoUsableFaces { count, reason });
     }
     let products = parts(&faces);
@@ -136,7 +138,7 @@ fn placed(shapes: Shapes, uses: &[Occurrence], options: &ReadOptions, skipped: &
                             // Named once, however often it is used.
                             None if named.insert(f.entity, skipped.len()).is_none() => {
                                 let reason = "its placement is not finite, or the blocks of the file hold too much";
-                                skipped.push(Skipped::of_file(f.entity, reason, None));
+                                skipped.push(unread(f.entity, reason, None));
                             }
                             None => {}
                         }
@@ -146,7 +148,7 @@ fn placed(shapes: Shapes, uses: &[Occurrence], options: &ReadOptions, skipped: &
                     // Named once, with the area of all its occurrences.
                     let area = lost.area.map(|a| a * grown).filter(|a| a.is_finite());
                     let at = *named.entry(lost.entity).or_insert_with(|| {
-                        skipped.push(Skipped::of_file(lost.entity, lost.reason.clone(), area.map(|_| 0.0)));
+                        skipped.push(unread(lost.entity, lost.reason.clone(), area.map(|_| 0.0)));
                         skipped.len() - 1
                     });
                     skipped[at].area_estimate = skipped[at].area_estimate.zip(area).map(|(sum, a)| sum + a);

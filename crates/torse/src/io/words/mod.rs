@@ -2,11 +2,12 @@
 
 pub(crate) mod note;
 pub(in crate::io) mod numbers;
+pub(crate) mod reason;
 
 use crate::answer::{Answer, Job};
 use crate::certify::claim::{Claim, Counted, Demand, Evidence, NetNumber, Subject, What};
 pub use note::{note, notes};
-pub(crate) use numbers::length_bound;
+pub use reason::{left_out, why};
 use std::collections::HashSet;
 
 /// Reasons that are told one after the other; more are counted.
@@ -67,7 +68,7 @@ pub fn name(claim: &Claim, curves: &[String]) -> String {
         What::DrawingDistance => "distance of the drawing from the flat panel".into(),
         What::WrittenDistance => "distance of the written file from what was judged".into(),
         What::Count(counted) => counted_name(counted).into(),
-        What::LeftOut | What::Objection | What::InPart => claim.reason().into(),
+        What::LeftOut | What::Objection | What::InPart => said(claim).unwrap_or_default(),
     }
 }
 
@@ -277,11 +278,8 @@ pub fn evidence(evidence: Evidence) -> &'static str {
 /// All that stands against a status, once each: what broken claims have to say; empty if none is broken.
 pub(crate) fn objections(claims: &[Claim], curves: &[String]) -> Vec<String> {
     let mut seen = HashSet::new();
-    let mut out: Vec<String> = claims
-        .iter()
-        .filter(|c| c.is_broken())
-        .map(|c| if c.reason().is_empty() { beyond(c, curves) } else { c.reason().to_owned() })
-        .collect();
+    let mut out: Vec<String> =
+        claims.iter().filter(|c| c.is_broken()).map(|c| said(c).unwrap_or_else(|| beyond(c, curves))).collect();
     out.retain(|r| seen.insert(r.clone()));
     out
 }
@@ -289,15 +287,25 @@ pub(crate) fn objections(claims: &[Claim], curves: &[String]) -> Vec<String> {
 /// Why a result is not certified: what broken claims have to say; empty if none is broken.
 pub fn reason(claims: &[Claim], curves: &[String]) -> String {
     let broken = || claims.iter().filter(|c| c.is_broken());
-    let mut told: Vec<&str> = broken().map(Claim::reason).filter(|r| !r.is_empty()).collect();
+    let all: Vec<String> = broken().filter_map(said).collect();
+    match all.is_empty() {
+        true => broken().next().map(|c| beyond(c, curves)).unwrap_or_default(),
+        false => told(all),
+    }
+}
+
+/// What a claim says of itself where it is broken.
+fn said(claim: &Claim) -> Option<String> {
+    claim.reason().map(why)
+}
+
+/// Sentences one after the other, once each; those beyond [`TOLD`] are counted.
+fn told(mut all: Vec<String>) -> String {
     // What is said of the whole comes first and often names the panel; what a panel says of itself is repeated.
     let mut seen = HashSet::new();
-    told.retain(|r| seen.insert(*r));
-    if told.is_empty() {
-        return broken().next().map(|c| beyond(c, curves)).unwrap_or_default();
-    }
-    let rest = told.len().saturating_sub(TOLD);
-    let mut out = told[..told.len() - rest].join("; ");
+    all.retain(|r| seen.insert(r.clone()));
+    let rest = all.len().saturating_sub(TOLD);
+    let mut out = all[..all.len() - rest].join("; ");
     if rest > 0 {
         out += &format!("; and {rest} more");
     }
@@ -387,12 +395,13 @@ pub(crate) fn thing(job: Job) -> &'static str {
 mod tests {
     use super::*;
     use crate::certify::claim::Subject;
+    use crate::reason::Reason;
 
     #[test]
     fn reasons_are_told_once_and_counted_when_there_are_many() {
         let mut claims: Vec<Claim> =
-            (0..6).map(|k| Claim::objection(Subject::Panel(k), format!("reason {k}"))).collect();
-        claims.push(Claim::objection(Subject::Whole, "reason 0"));
+            (0..6).map(|k| Claim::objection(Subject::Panel(k), Reason::Input(format!("reason {k}")))).collect();
+        claims.push(Claim::objection(Subject::Whole, Reason::Input("reason 0".into())));
         let text = reason(&claims, &[]);
         assert!(text.starts_with("reason 0; reason 1") && text.ends_with("and 2 more"), "{text}");
         assert_eq!(text.matches("reason 0").count(), 1);

@@ -10,7 +10,7 @@ use super::normal_matrix::FROZEN;
 use super::solver::Solver;
 use super::sparse::SparseRows;
 use super::status::{Outcome, Status};
-use crate::Control;
+use crate::control::Control;
 
 /// Multiple of the unit matrix at first, as a share of the largest row, and at most.
 const SHIFT: f64 = 1e-9;

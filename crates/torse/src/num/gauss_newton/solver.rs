@@ -5,7 +5,7 @@ use super::elimination::{substitute, Workspace};
 use super::normal_matrix::{NormalMatrix, FROZEN};
 use super::status::{Outcome, Residual, Status};
 use super::system::{Placed, System, SystemError};
-use crate::Control;
+use crate::control::Control;
 
 /// How a solve goes on from step to step. Unknowns are expected to be of the order of one.
 #[derive(Clone, Copy, Debug, PartialEq)]

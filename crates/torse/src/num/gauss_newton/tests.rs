@@ -1,7 +1,7 @@
 //! Closed forms and small systems with known answers.
 
 use super::*;
-use crate::Control;
+use crate::control::Control;
 
 /// A row `c·x + d` and a row `|x|² − r²`, in three unknowns.
 struct Sphere {

@@ -7,6 +7,7 @@ use crate::brep::area::area_estimate;
 use crate::brep::face::Face;
 use crate::geom::coarse::{is_tolerance, Loose};
 use crate::geom::BBox;
+use crate::io::words;
 use crate::search::cover::{
     check_curves, is_developable, panels_needed, CoverOptions, CurveError, Guide, Layout, Limits,
 };
@@ -30,7 +31,7 @@ pub(super) fn checked(faces: &[Face], skipped: &[Skipped], options: &Options) ->
         return Err(ApproximateError::SmoothAngle(options.smooth_angle.to_degrees()));
     }
     if faces.is_empty() {
-        let why = skipped.first().map_or("the file holds none".to_owned(), Skipped::words);
+        let why = skipped.first().map_or_else(|| "the file holds none".into(), words::left_out);
         return Err(ApproximateError::NoFaces(why));
     }
     let mut bbox = BBox::empty();

@@ -7,6 +7,7 @@ use crate::develop::cones::{cone_pattern, overlaps};
 use crate::develop::view::cones_viewed;
 use crate::patchwork::part::Part;
 use crate::patchwork::pattern::Pattern;
+use crate::reason::{Item, Reason, StripReason};
 use crate::search::strips::cone_body::Proven;
 use crate::torse::cone::forms::whole_patch;
 use crate::torse::cone::part::ConeBody;
@@ -48,7 +49,7 @@ pub(super) fn strips_of(answer: &mut Answer, body: &ConeBody, proven: &Proven) -
         };
         let name = format!("{}-{:02}", body.name, k + 1);
         let Ok(patch) = whole_patch(s) else {
-            answer.skipped.push(format!("{name}: its edges run through its vertex").into());
+            answer.skipped.push(Reason::of(Item::Named(name), StripReason::Vertex).into());
             continue;
         };
         shown.push(k);

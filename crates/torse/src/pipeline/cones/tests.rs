@@ -5,6 +5,7 @@ use crate::brep::face::TrimLoop;
 use crate::brep::support_surface::SupportSurface;
 use crate::certify::claim::Status;
 use crate::geom::{Frame, Vec3};
+use crate::io::model::unread;
 use crate::io::words;
 use crate::search::strips::cone_strip::tests::{face_point, slanting};
 use crate::spline::knots::Knots;
@@ -49,7 +50,7 @@ fn faces_that_are_no_developables_are_named() {
     assert_eq!(out.status(), Status::Uncertified, "half of it is missing");
     let reason = words::reason(&out.claims, &[]);
     assert!(reason.contains("left out") && reason.contains("not developable"), "{reason}");
-    let lost = Skipped::of_file(7, "unreadable", None);
+    let lost = unread(7, "unreadable", None);
     let out = of_faces(&[face(0.0)], &[lost], &options, &Control::default()).expect("the other");
     assert!(words::reason(&out.claims, &[]).contains("#7"), "{:?}", out.claims);
     let bad = ConesOptions { tolerance: f64::NAN, ..options };

@@ -10,9 +10,9 @@ use crate::control::Control;
 use crate::develop::strip::StripOptions;
 use crate::develop::view::Drawn;
 use crate::draw::field::{FieldMeaning, PanelField};
-use crate::io::words::note::beyond_limits;
 use crate::patchwork::panel::Patchwork;
 use crate::patchwork::part::Part;
+use crate::reason::{self, JobReason, Reason};
 use crate::search::strips::cut::laid;
 use crate::search::strips::regression;
 use crate::torse::contact::ContactElement;
@@ -38,6 +38,13 @@ impl Sort {
         match self {
             Self::Rulings => "rulings",
             Self::Planes => "planes",
+        }
+    }
+
+    pub(super) fn given(self) -> reason::Sort {
+        match self {
+            Self::Rulings => reason::Sort::Rulings,
+            Self::Planes => reason::Sort::Planes,
         }
     }
 
@@ -76,33 +83,29 @@ pub(super) fn judged(made: Made, sort: Sort, options: &ElementFitOptions, contro
     let broken = regression::broken(&strips, options.limits.as_ref());
     let worst = certificate.worst_bound();
     let reason = match certificate.worst() {
-        _ if strips.is_empty() => format!("no developable strip follows the {what}"),
-        _ if control.stopped() => format!("stopped before all {what} were judged"),
-        None => String::new(),
-        Some(i) => {
-            let c = all[i].centre();
-            format!(
-                "{beyond} of {} {what} are not within {} mm; the worst is number {i} around ({:.3}, {:.3}, {:.3}), {:.3} mm away",
-                all.len(),
-                options.tolerance,
-                c.x,
-                c.y,
-                c.z,
-                worst.value()
-            )
-        }
+        _ if strips.is_empty() => Some(JobReason::Unfollowed(sort.given())),
+        _ if control.stopped() => Some(JobReason::NotAllJudged(sort.given())),
+        found => found.map(|i| JobReason::Beyond {
+            sort: sort.given(),
+            beyond,
+            all: all.len(),
+            tolerance: options.tolerance,
+            worst: i,
+            at: all[i].centre(),
+            away: worst.value(),
+        }),
     };
     let whole = Subject::Whole;
     let mut claims = vec![
         Claim::count(sort.counted(), whole, all.len()),
-        Claim::at_most(What::ElementDistance, whole, worst).within(options.tolerance).because(reason),
+        Claim::at_most(What::ElementDistance, whole, worst).within(options.tolerance).because(reason.map(Reason::from)),
         Claim::count(Counted::Beyond, whole, beyond),
     ];
     if control.stopped() {
-        claims.push(Claim::objection(whole, format!("stopped before all {what} were judged")));
+        claims.push(Claim::objection(whole, JobReason::NotAllJudged(sort.given())));
     }
     if worst.value() <= options.tolerance {
-        claims.extend(broken.iter().map(|b| Claim::objection(whole, beyond_limits(b))));
+        claims.extend(broken.iter().map(|b| Claim::objection(whole, b)));
     }
     claims.extend(laid.lengths());
     claims.extend(laid.refused().into_iter().map(|reason| Claim::objection(whole, reason)));

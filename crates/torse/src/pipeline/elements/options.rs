@@ -5,7 +5,7 @@ use crate::fit::elements::given::FEWEST;
 use crate::fit::planes::estimates::EstimateError;
 use crate::geom::coarse::{Coarse, Loose};
 use crate::search::strips::rows::RowsAsked;
-use crate::torse::zone::RegressionLimits;
+use crate::torse::zone::{LimitsError, RegressionLimits};
 
 /// What the job is asked.
 #[derive(Clone, Debug, PartialEq)]
@@ -63,8 +63,8 @@ pub enum ElementFitError {
     #[error("the tolerance {0} is not a positive length")]
     Tolerance(f64),
     /// Limits of the regression curve that cannot be kept by anything.
-    #[error("{0}")]
-    Limits(String),
+    #[error(transparent)]
+    Limits(#[from] LimitsError),
     /// Too few elements.
     #[error("{0} {1}: at least {FEWEST} are needed")]
     Few(usize, &'static str),

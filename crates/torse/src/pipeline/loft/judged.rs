@@ -8,6 +8,7 @@ use crate::design::loft::build::BuiltStrip;
 use crate::develop::strip::StripOptions;
 use crate::patchwork::panel::Patchwork;
 use crate::patchwork::part::Part;
+use crate::reason::{Covered, Reason, StripReason};
 use crate::search::strips::cut::laid;
 use crate::search::strips::judgement::{judge, Candidate};
 use crate::search::strips::loft_ends::{past_ends, used};
@@ -28,19 +29,19 @@ fn covered_in_part(
     [rails, given]: [&[&Rail; 2]; 2],
     shares: [f64; 2],
     options: &Options,
-) -> Option<String> {
-    let mut words = Vec::new();
+) -> Option<StripReason> {
+    let mut parts = Vec::new();
     for side in 0..2 {
         let (name, whole) = (&rails[side].name, given[side].length());
         if (1.0 - shares[side]) * whole > options.tolerance {
-            words.push(format!("{:.2} % of {name}", 100.0 * shares[side]));
+            parts.push((name.clone(), Covered::Share(shares[side])));
         }
         let past = past_ends(built, side, rails[side], options.ends == Ends::Extend);
         if past > options.tolerance {
-            words.push(format!("{} mm past the ends of {name}", length(past)));
+            parts.push((name.clone(), Covered::Past(past)));
         }
     }
-    (!words.is_empty()).then(|| format!("certified in part: {}", words.join(", ")))
+    (!parts.is_empty()).then_some(StripReason::InPart(parts))
 }
 
 /// Judges and develops strips.
@@ -59,12 +60,9 @@ pub(super) fn judged(
     let mut claims: Vec<Claim> = (0..2)
         .map(|side| {
             let off = judgement.off[side];
-            Claim::at_most(What::FromCurve(side), whole, off).within(options.tolerance).because(format!(
-                "the strips stray up to {} mm from {}; a tolerance of {} mm is met",
-                length(off.value()),
-                rails[side].name,
-                length(reached(off.value()))
-            ))
+            let reason = StripReason::OffRail { by: off.value(), rail: rails[side].name.clone() };
+            let kept = Claim::at_most(What::FromCurve(side), whole, off).within(options.tolerance);
+            kept.because(Reason::from(reason))
         })
         .collect();
     let mut missing = judgement.missing.clone();
@@ -74,7 +72,7 @@ pub(super) fn judged(
     claims.splice(0..0, part.map(Claim::in_part));
     let strips: Vec<Strip> = built.into_iter().map(|s| s.strip).collect();
     if strips.is_empty() {
-        missing.push("no strip could be made".into());
+        missing.push(StripReason::None.into());
     }
     let mut flat =
         StripOptions::of_job(options.tolerance, [options.ruling_spacing, options.mark_spacing], options.drawn);
@@ -107,27 +105,6 @@ pub(super) fn judged(
 /// Size of both rails, mm.
 fn size(rails: &[&Rail; 2]) -> f64 {
     rails[0].bbox().diagonal().max(rails[1].bbox().diagonal())
-}
-
-/// Lengths (mm) below this need powers of ten: of four decimals, one digit or none would be left.
-const TINY: f64 = 1e-3;
-
-/// A length for people: four decimals, powers of ten where these say nothing.
-fn length(x: f64) -> String {
-    if x >= TINY || x == 0.0 {
-        format!("{x:.4}")
-    } else {
-        format!("{x:.1e}")
-    }
-}
-
-/// The tolerance that a distance meets, rounded up to two digits.
-fn reached(x: f64) -> f64 {
-    if !(x > 0.0 && x.is_finite()) {
-        return x;
-    }
-    let unit = 10f64.powf(x.log10().floor() - 1.0);
-    (x / unit).ceil() * unit
 }
 
 /// Says where neighbouring strips meet at an angle: developable each by itself, but not smooth together.

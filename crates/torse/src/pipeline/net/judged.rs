@@ -8,6 +8,7 @@ use crate::design::loft::build::BuiltStrip;
 use crate::develop::strip::StripOptions;
 use crate::patchwork::panel::Patchwork;
 use crate::patchwork::part::Part;
+use crate::reason::{Curves, Reason, StripReason};
 use crate::search::strips::cut::laid;
 use crate::search::strips::judgement::{judge, Candidate};
 use crate::torse::net::{NetKind, Regularity, TaperedNet};
@@ -25,7 +26,7 @@ pub(super) struct Nets {
     /// What people should know of them.
     pub notes: Vec<NetNote>,
     /// Why there are none.
-    pub missing: Vec<String>,
+    pub missing: Vec<Reason>,
 }
 
 /// Where the regression curve lies against a strip.
@@ -57,20 +58,14 @@ pub(super) fn judged(
     let whole = Subject::Whole;
     for (s, net) in built.iter().zip(&nets) {
         tell_regression(&s.strip.name, net, &mut notes);
-        match net.regularity() {
-            Regularity::Regular => {}
-            Regularity::Regression { u, v } => missing.push(format!(
-                "strip {} meets its regression curve on ruling u = {u:.4} at {:.0} % of its length; choose other parameters, or a shorter stretch",
-                s.strip.name,
-                100.0 * v
-            )),
-            Regularity::TangentRuling { u } => {
-                missing.push(format!("strip {} has a ruling tangent to {} at u = {u:.4}", s.strip.name, given.name));
-            }
-            Regularity::Weight { index, weight } => {
-                missing.push(format!("strip {} has weight {weight:.3} at control point {index}", s.strip.name));
-            }
-        }
+        let strip = s.strip.name.clone();
+        let reason = match net.regularity() {
+            Regularity::Regular => continue,
+            Regularity::Regression { u, v } => StripReason::NetRegression { strip, u, v },
+            Regularity::TangentRuling { u } => StripReason::TangentRuling { strip, curve: given.name.clone(), u },
+            Regularity::Weight { index, weight } => StripReason::Weight { strip, weight, index },
+        };
+        missing.push(reason.into());
     }
     missing.extend(judgement.missing.iter().filter(|_| missing.is_empty()).cloned().collect::<Vec<_>>());
     let strips: Vec<Strip> = built.into_iter().map(|s| s.strip).collect();
@@ -87,11 +82,9 @@ pub(super) fn judged(
     }
     if !strips.is_empty() {
         let off = judgement.off[0];
-        claims.push(Claim::at_most(What::FromCurve(0), whole, off).within(options.tolerance).because(format!(
-            "the strips stray up to {:.4} mm from {}",
-            off.value(),
-            given.name
-        )));
+        let reason = StripReason::Stray { by: off.value(), from: Curves::One(given.name.clone()) };
+        let kept = Claim::at_most(What::FromCurve(0), whole, off).within(options.tolerance);
+        claims.push(kept.because(Reason::from(reason)));
         claims.extend(judgement.whole().into_iter().filter(|c| !matches!(c.what(), What::Count(_))));
     }
     claims.push(Claim::count(Counted::Strips, whole, strips.len()));

@@ -5,6 +5,7 @@ use crate::answer::note::Note;
 use crate::certify::claim::{Claim, Subject, What};
 use crate::certify::joints::{joint, Side};
 use crate::design::composite::{Composite, Edge, Join, Smoothness};
+use crate::reason::{JobReason, Reason};
 use crate::torse::form::PanelKind;
 use crate::torse::strip::Strip;
 use std::collections::BTreeMap;
@@ -35,19 +36,14 @@ pub(super) fn joins(composite: &Composite, strips: &[Strip], options: &Options) 
         let found = joint(&side(strips, a), &side(strips, b), reversed);
         let (first, second) = (&strips[a.0].name, &strips[b.0].name);
         let smooth = is_smooth(composite, strips, a, b);
-        let gap = format!("join {index}, {first} and {second}: the gap is not shown to keep within the tolerance");
-        claims.push(
-            Claim::at_most(What::JoinGap(index), Subject::Whole, found.gap).within(options.tolerance).because(gap),
-        );
-        let angle = Claim::at_most(What::JoinAngle(index), Subject::Whole, found.angle.degrees());
-        let limit = options.smooth_angle.to_degrees();
-        let reason = format!(
-            "join {index}, {first} and {second}: they should go on smoothly, but meet at up to {:.4}° where {limit:.2}° count \
-             as none; give the curves more spans, or ask for less",
-            found.seen.iter().map(|s| s.1).fold(0.0, f64::max).to_degrees()
-        );
-        claims.push(if smooth { angle.within(limit).because(reason) } else { angle });
         let between = [first.clone(), second.clone()];
+        let gap = Claim::at_most(What::JoinGap(index), Subject::Whole, found.gap).within(options.tolerance);
+        claims.push(gap.because(Reason::from(JobReason::JoinGap { index, between: between.clone() })));
+        let angle = Claim::at_most(What::JoinAngle(index), Subject::Whole, found.angle.degrees());
+        let limit = options.smooth_angle;
+        let seen = found.seen.iter().map(|s| s.1).fold(0.0, f64::max);
+        let reason = Reason::from(JobReason::JoinAngle { index, between: between.clone(), seen, limit });
+        claims.push(if smooth { angle.within(limit.to_degrees()).because(reason) } else { angle });
         notes.push(Note::Joint { index, between, gap: found.gap, angle: found.angle, smooth });
     }
     (claims, notes)

@@ -15,6 +15,7 @@ use crate::draw::field::PanelField;
 use crate::geom::Vec3;
 use crate::patchwork::panel::Patchwork;
 use crate::patchwork::part::Part;
+use crate::reason::{Curves, Item, JobReason, Reason, StripReason, Unlaid};
 use crate::search::strips::cut::laid;
 use crate::search::strips::judgement::{judge, Candidate, Judgement};
 use crate::search::strips::regression;
@@ -29,8 +30,8 @@ const GUIDE_POINTS: usize = 200;
 /// Stations per ruled strip where its twist is measured for colours.
 const STATIONS: usize = 64;
 
-/// How far (mm) handles and lengths are from what they ask for, with their words and whether they may give way.
-fn off(session: &Session) -> Vec<(String, f64, bool)> {
+/// How far (mm) handles and lengths are from what they ask for, with their names and whether they may give way.
+fn off(session: &Session) -> Vec<(Item, f64, bool)> {
     let mut out = Vec::new();
     for (k, h) in session.composite().handles.iter().enumerate() {
         let Some(curve) = session.composite().curve(&h.place.curve).and_then(|c| session.curve(c)) else { continue };
@@ -41,7 +42,7 @@ fn off(session: &Session) -> Vec<(String, f64, bool)> {
             // Over the length of the control polygon's side there, a direction is off by so much.
             Hold::Tangent(t) => d.cross(&t.normalize()).norm() / curve.knots.degree() as f64,
         };
-        out.push((format!("handle {k} on {}", h.place.curve), far, h.strength != Strength::Exact));
+        out.push((Item::Handle(k, h.place.curve.clone()), far, h.strength != Strength::Exact));
     }
     for (k, l) in session.composite().lengths.iter().enumerate() {
         let place = |p: &Place| {
@@ -49,7 +50,7 @@ fn off(session: &Session) -> Vec<(String, f64, bool)> {
             Some(Vec3::from(curve.point(p.u)))
         };
         let [Some(a), Some(b)] = l.between.each_ref().map(place) else { continue };
-        out.push((format!("length {k}"), ((b - a).norm() - l.length).abs(), false));
+        out.push((Item::Length(k), ((b - a).norm() - l.length).abs(), false));
     }
     out
 }
@@ -136,9 +137,9 @@ pub(super) fn judged(session: &Session, asked: &Asked, moved: Moved, control: &C
     let mut claims = Vec::new();
     for side in 0..2 {
         if pieces.iter().any(|p| p.rails[side].is_some()) {
-            let reason = format!("the strips stray up to {:.1e} mm from fixed curves", judgement.off[side].value());
+            let reason = StripReason::Stray { by: judgement.off[side].value(), from: Curves::Fixed };
             let kept = Claim::at_most(What::FromSide(side), whole, judgement.off[side]);
-            claims.push(kept.within(options.tolerance).because(reason));
+            claims.push(kept.within(options.tolerance).because(Reason::from(reason)));
         }
     }
     let mut missing = judgement.missing.clone();
@@ -147,7 +148,7 @@ pub(super) fn judged(session: &Session, asked: &Asked, moved: Moved, control: &C
         if gives_way {
             notes.push(Note::GaveWay { handle: what, off });
         } else {
-            missing.push(format!("{what} is {off:.4} mm from what it should be; hold less, or move it in steps"));
+            missing.push(JobReason::Off(what, off).into());
         }
     }
     let fields = fields(&all, &judgement);
@@ -174,8 +175,7 @@ pub(super) fn judged(session: &Session, asked: &Asked, moved: Moved, control: &C
     }
     claims.extend(missing.into_iter().map(|reason| Claim::objection(whole, reason)));
     if !claims.iter().any(asks_for_proof) {
-        let reason = "nothing is asked of the ruled strips that could be proven: join them, or give a target";
-        claims.push(Claim::objection(whole, reason));
+        claims.push(Claim::objection(whole, JobReason::NothingAsked));
     }
     claims.extend(judgement.claims.into_iter().filter(|c| c.what() != What::RegressionClearance));
     claims.extend(regression::claims(&strips, &|k| margin(composite, k)));
@@ -195,14 +195,11 @@ pub(super) fn judged(session: &Session, asked: &Asked, moved: Moved, control: &C
     };
     // Ruled strips are parts that are not laid flat.
     for (k, s) in strips.iter().enumerate().filter(|(_, s)| s.kind == PanelKind::Ruled) {
-        answer.parts.push(Part { missing: NOT_FLAT.into(), ..Part::new(&s.name, k, 1) });
+        answer.parts.push(Part { missing: Some(Unlaid::Ruled), ..Part::new(&s.name, k, 1) });
     }
     answer.patchwork = Patchwork::of_strips(strips);
     Ok(answer)
 }
-
-/// Why a ruled strip has no pattern.
-const NOT_FLAT: &str = "ruled, not developable: it has no flat pattern";
 
 /// Whether a claim could certify something.
 fn asks_for_proof(c: &Claim) -> bool {

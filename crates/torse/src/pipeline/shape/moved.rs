@@ -8,6 +8,7 @@ use crate::control::Control;
 use crate::design::composite::Session;
 use crate::io::shape::MoveRecord;
 use crate::num::gauss_newton::Status;
+use crate::reason::{JobReason, Reason};
 
 /// Stages of the animation at most.
 const MOST_STAGES: usize = 60;
@@ -18,7 +19,7 @@ pub(super) struct Moved {
     pub notes: Vec<Note>,
     pub stages: Vec<Stage>,
     /// Moves that could not be made to their end.
-    pub missing: Vec<String>,
+    pub missing: Vec<Reason>,
 }
 
 impl Moved {
@@ -60,12 +61,7 @@ pub(super) fn moved(
                 out.notes.push(Note::Solved { step: Some((index, k)), report });
             }
             if failed && session.back() {
-                out.missing.push(format!(
-                    "move {index} was made to step {} of {}, the last shape that meets all conditions; make it in more \
-                     steps, move less far, or hold less",
-                    k - 1,
-                    m.steps
-                ));
+                out.missing.push(JobReason::Move { index, made: k - 1, steps: m.steps }.into());
                 break;
             }
             made += 1;

@@ -7,6 +7,7 @@ use crate::certify::claim::{Claim, Subject, What};
 use crate::certify::nearness::{distance_from, Open, Target, TargetDistance};
 use crate::control::Control;
 use crate::io::shape::TargetRecord;
+use crate::reason::{JobReason, Reason};
 use crate::torse::strip::Strip;
 
 /// What a job was, for its result.
@@ -49,13 +50,7 @@ pub(super) fn targets(strips: &[Strip], asked: &Asked, control: &Control) -> (Ve
 }
 
 /// Why a target is not met, and what would help.
-fn beyond(index: usize, record: &TargetRecord, found: &TargetDistance, within: f64) -> String {
-    let name = record.file.as_deref().map_or(String::new(), |f| format!(" ({f})"));
-    let [x, y, z] = <[f64; 3]>::from(found.place);
-    format!(
-        "target {index}{name}: {:.4} mm apart at ({x:.1}, {y:.1}, {z:.1}), where {within} mm are allowed; give the curves \
-         more spans, take more or narrower strips, hold less, or allow more by \"within\"{}",
-        found.seen,
-        if record.covered { "; if the target goes on beyond the strips, say \"covered\": false" } else { "" }
-    )
+fn beyond(index: usize, record: &TargetRecord, found: &TargetDistance, within: f64) -> Reason {
+    let (file, covered) = (record.file.clone(), record.covered);
+    JobReason::Target { index, file, apart: found.seen, at: found.place, within, covered }.into()
 }

@@ -2,10 +2,10 @@
 
 use super::*;
 use crate::answer::note::SolveReport;
+use crate::certify::claim::Status as Certified;
 use crate::certify::claim::{Evidence, Subject, What};
 use crate::io::shape::read;
 use crate::num::gauss_newton::Status;
-use crate::Status as Certified;
 
 const JOB: &str = r#"{ "unit": "mm",
     "curves": [

@@ -12,12 +12,11 @@ use crate::develop::unfold::tree::Joins;
 use crate::geom::coarse::is_tolerance;
 use crate::geom::BBox;
 use crate::io::model::Model;
+use crate::io::words;
+use crate::reason::{Item, Reason, Unlaid};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, HashSet};
 use std::sync::atomic::{AtomicUsize, Ordering};
-
-/// Why a body is left out of a job that was stopped.
-const STOPPED: &str = "the job was stopped before it was unfolded";
 
 /// Flat parts of a model, without panels in space; `faces` of the parts are indices into `faces`. The second list says
 /// what is left out: where the job is stopped, bodies that were not begun; not faces that are to be covered.
@@ -62,7 +61,7 @@ pub(super) fn flat_parts_of(
     let count = AtomicUsize::new(0);
     let one = |(body, name): (&Vec<usize>, &String)| {
         if control.stopped() {
-            return BodyParts { parts: Vec::new(), left: vec![(None, STOPPED.into())] };
+            return BodyParts { parts: Vec::new(), left: vec![(None, Unlaid::Stopped)] };
         }
         let made = flat_parts(&body.iter().map(|k| &faces[*k]).collect::<Vec<_>>(), name, &asked);
         let done = 1 + count.fetch_add(1, Ordering::Relaxed);
@@ -80,19 +79,20 @@ pub(super) fn flat_parts_of(
             p.faces.iter_mut().for_each(|f| *f = body[*f]);
             p
         }));
-        let uncovered = |l: &(Option<usize>, String)| options.approximate.is_none() || l.0.is_none();
-        left.extend(found.left.into_iter().filter(uncovered).map(
-            |(face, reason)| match face.map(|k| &faces[body[k]]) {
-                Some(f) => Skipped::of_file(f.entity, format!("{name}: {reason}"), Some(area_estimate(f))),
-                None => Skipped::from(format!("{name}: {reason}")),
-            },
-        ));
+        let uncovered = |l: &(Option<usize>, Unlaid)| options.approximate.is_none() || l.0.is_none();
+        left.extend(found.left.into_iter().filter(uncovered).map(|(face, reason)| {
+            let reason = Reason::of(Item::Named(name.clone()), reason);
+            match face.map(|k| &faces[body[k]]) {
+                Some(f) => Skipped::of_file(f.entity, reason, Some(area_estimate(f))),
+                None => Skipped::from(reason),
+            }
+        }));
     }
     for (k, p) in parts.iter_mut().enumerate() {
         p.pattern.panel = k;
     }
     if parts.is_empty() && (options.approximate.is_none() || !left.is_empty()) {
-        let reason = left.first().map_or_else(|| "it has no faces".into(), |l: &Skipped| l.reason.clone());
+        let reason = left.first().map_or_else(|| "it has no faces".into(), |l: &Skipped| words::why(&l.reason));
         return Err(UnrollError::Nothing { bodies: bodies.len(), reason });
     }
     Ok((parts, left))

@@ -11,6 +11,7 @@ use crate::develop::unfold::part::SheetPart;
 use crate::patchwork::part::Part;
 use crate::patchwork::pattern::Pattern;
 use crate::pipeline::approximate::{of_faces, Options};
+use crate::reason::{FaceReason, Reason};
 
 /// Adds panels for `faces`, each a part of its own, with what is proven of them. Names follow those of `torse approximate`.
 /// Where that job fails, the faces are left out by name, if there are other parts.
@@ -25,7 +26,7 @@ pub(super) fn add(answer: &mut Answer, faces: Vec<Face>, tolerance: f64, control
         Ok(made) => made,
         Err(e) if answer.parts.is_empty() => return Err(e.into()),
         Err(e) => {
-            let skipped: Vec<Skipped> = faces.iter().map(|f| Skipped::of_face(f, e.to_string())).collect();
+            let skipped: Vec<Skipped> = faces.iter().map(|f| Skipped::of_face(f, Reason::error(&e))).collect();
             answer.claims.extend(left_out(&skipped));
             answer.skipped.extend(skipped);
             return Ok(());
@@ -41,9 +42,11 @@ pub(super) fn add(answer: &mut Answer, faces: Vec<Face>, tolerance: f64, control
         false => c.after(panels),
     }));
     let refused = made.parts.iter().enumerate().filter(|(k, _)| marked.get(*k) != Some(&false));
-    answer.claims.extend(refused.map(|(k, part)| {
-        Claim::objection(Subject::Part(parts + k), format!("part {} is not proven as a cover of its face", part.name))
-    }));
+    answer.claims.extend(
+        refused.map(|(k, part)| {
+            Claim::objection(Subject::Part(parts + k), FaceReason::NoCover { part: part.name.clone() })
+        }),
+    );
     answer.parts.extend(made.parts.into_iter().map(|p| Part { first: p.first + panels, ..p }));
     // Panels of covers are parts one by one.
     answer.patterns.extend(made.patterns.into_iter().map(|p| Pattern { panel: p.panel + parts, ..p }));

@@ -8,13 +8,12 @@ use crate::control::Control;
 use crate::develop::unfold::part::FlatPart;
 use crate::develop::view::panels_viewed;
 use crate::patchwork::pattern::Pattern;
+use crate::reason::{FaceReason, Item, Reason};
 use crate::search::strips::face_panel::{laid_face, LaidFace};
 
 /// What is proven of a part: distance of its faces, of its drawing, gaps inside, change of lengths.
 const BOUNDS: [fn(&UnfoldedProof) -> UpperBound; 4] =
     [UnfoldedProof::carrier_distance, UnfoldedProof::drawing_distance, UnfoldedProof::joint_gap, UnfoldedProof::strain];
-/// Why a part is not proven.
-const NOT_SHOWN: &str = "not all of its faces have a flat image that could be proven";
 
 /// The claims that [`BOUNDS`] are.
 fn claims_of(subject: Subject, [carrier, drawing, gap, strain]: [UpperBound; 4], tolerance: f64) -> Vec<Claim> {
@@ -39,18 +38,20 @@ pub(super) fn claims(parts: &[FlatPart], proofs: &[UnfoldedProof], tolerance: f6
         let mut of_part = claims_of(Subject::Part(k), BOUNDS.map(|of| of(proof)), tolerance);
         // How far lengths change must be known, however little is asked of it.
         if proof.strain() == UpperBound::UNKNOWN {
-            of_part.push(Claim::objection(Subject::Part(k), format!("part {}: {NOT_SHOWN}", part.pattern.name)));
+            of_part.push(Claim::objection(Subject::Part(k), not_shown(part)));
         }
-        of_part.into_iter().map(move |c| {
-            let name = &part.pattern.name;
-            match c.is_unknown() {
-                true => c.because(format!("part {name}: {NOT_SHOWN}")),
-                false if c.what() == What::Objection => c,
-                false => c.because(format!("part {name} is proven, but not within the tolerance")),
-            }
+        of_part.into_iter().map(move |c| match c.is_unknown() {
+            true => c.because(not_shown(part)),
+            false if c.what() == What::Objection => c,
+            false => c.because(Reason::from(FaceReason::BeyondTolerance { part: part.pattern.name.clone() })),
         })
     }));
     claims
+}
+
+/// Why a part is not proven.
+fn not_shown(part: &FlatPart) -> Reason {
+    Reason::of(Item::Part(part.pattern.name.clone()), FaceReason::NoImage)
 }
 
 /// What is proven of a part; where that is not enough, and a panel helps, the part is laid flat anew through it.

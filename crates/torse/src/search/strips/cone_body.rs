@@ -7,6 +7,7 @@ use crate::certify::cones::outline::{astray_bound, outline as certified, Region}
 use crate::certify::cones::{cones as judge, ConeJudgeOptions, ConeProof};
 use crate::fit::elements::cones::{cones as fit, ConeFit, ConeFitOptions};
 use crate::fit::panels::cone_trim::{cone_part, ConeTrimOptions};
+use crate::reason::{Reason, StripReason};
 use crate::torse::cone::part::ConeBody;
 use crate::torse::cone::spline::{ConeSpline, ONCE_AROUND};
 use crate::torse::ruled_patch::{RuledPatch, RuledStrip};
@@ -43,19 +44,19 @@ pub struct Proven {
     /// Trimmed edges: way from the outline carried over, and distance from the exact surfaces; none for whole chains.
     pub trimmed: Option<[UpperBound; 2]>,
     /// Why the outline is not proven.
-    pub missing: Option<String>,
+    pub missing: Option<StripReason>,
 }
 
 /// The chain of one surface, cut along its outline, and its proof; `tolerance` in mm.
 ///
 /// # Errors
 /// Why no chain can be fitted, or judged.
-pub fn body(target: &Target, tolerance: f64) -> Result<(ConeBody, Proven), String> {
+pub fn body(target: &Target, tolerance: f64) -> Result<(ConeBody, Proven), Reason> {
     let (found, proof) = approximated(target, tolerance)?;
     let name = target.name.clone();
     let unmerged = found.spline.with_turns_below(LARGEST_TURN, LARGEST_TURN);
     let joint = proof.mismatch();
-    let whole = |spline: ConeSpline, bound: UpperBound, missing: Option<String>| {
+    let whole = |spline: ConeSpline, bound: UpperBound, missing: Option<StripReason>| {
         let proven = Proven { bound, joint, trimmed: None, missing };
         (ConeBody { name: name.clone(), spline, part: None }, proven)
     };
@@ -72,7 +73,7 @@ pub fn body(target: &Target, tolerance: f64) -> Result<(ConeBody, Proven), Strin
     let wanted = ConeTrimOptions { outline: OUTLINE_SHARE * tolerance, edge: EDGE_ROUNDING };
     let part = match cone_part(&spline, &outline, &wanted) {
         Ok(part) => part,
-        Err(e) => return Ok(whole(spline, proof.bound(), Some(format!("its outline is not cut, it is a blank: {e}")))),
+        Err(e) => return Ok(whole(spline, proof.bound(), Some(StripReason::Blank(Box::new(Reason::error(&e)))))),
     };
     let region = Region { patch: &target.outline.surface, strip: &target.strip, loops: &target.outline.curves };
     let proven = match certified(&region, &part, &spline, &proof, tolerance) {
@@ -83,7 +84,7 @@ pub fn body(target: &Target, tolerance: f64) -> Result<(ConeBody, Proven), Strin
             missing: None,
         },
         Err(fault) => {
-            let missing = Some(format!("nothing is proven of its outline: {fault}"));
+            let missing = Some(StripReason::NoOutline(Box::new(Reason::error(&fault))));
             Proven { bound: UpperBound::UNKNOWN, joint: proof.mismatch(), trimmed: None, missing }
         }
     };
@@ -91,25 +92,25 @@ pub fn body(target: &Target, tolerance: f64) -> Result<(ConeBody, Proven), Strin
 }
 
 /// Fit and proof; the fit aims lower until the proof of both directions holds.
-fn approximated(target: &Target, tolerance: f64) -> Result<(ConeFit, ConeProof), String> {
+fn approximated(target: &Target, tolerance: f64) -> Result<(ConeFit, ConeProof), Reason> {
     let mut best: Option<(ConeFit, ConeProof)> = None;
     for share in SHARES {
         let wanted = ConeFitOptions { edges: EDGES * share * tolerance, ..ConeFitOptions::new(share * tolerance) };
-        let found = fit(&target.strip, &wanted).map_err(|e| e.to_string());
+        let found = fit(&target.strip, &wanted).map_err(|e| Reason::error(&e));
         let found = match (found, best.take()) {
             (Ok(found), _) => found,
             (Err(_), Some(earlier)) => return Ok(earlier),
             (Err(reason), None) => return Err(reason),
         };
         let proof = judge(&target.strip, &found.nodes, &found.spline, &ConeJudgeOptions::new(tolerance))
-            .map_err(|e| e.to_string())?;
+            .map_err(|e| Reason::error(&e))?;
         let done = proof.holds(tolerance);
         best = Some((found, proof));
         if done {
             break;
         }
     }
-    best.ok_or_else(|| "nothing was tried".into())
+    best.ok_or(StripReason::Nothing.into())
 }
 
 /// The chain with segments on one carrier made one. These carriers are not those that were judged, to the last digit:

@@ -8,6 +8,7 @@ use super::cone_outline::PlaneOutline;
 use crate::brep::face::Face;
 use crate::geom::Vec3;
 use crate::num::linear_program::LinearProgram;
+use crate::reason::{FaceReason, Reason};
 use crate::spline::bezier::Bezier;
 use crate::spline::surface::Surface;
 use crate::torse::ruled_patch::{RuledPatch, RuledStrip};
@@ -123,9 +124,9 @@ fn below(places: &[[f64; 2]], degree: usize, margin: f64) -> Option<Vec<f64>> {
 }
 
 /// The strip of a ruled developable face.
-pub(crate) fn ruled(face: &Face, tolerance: f64) -> Result<(RuledPatch, PlaneOutline), String> {
+pub(crate) fn ruled(face: &Face, tolerance: f64) -> Result<(RuledPatch, PlaneOutline), FaceReason> {
     let candidates = [Some(face.surface.clone()), Some(face.surface.transposed())];
-    let mut reason = "it is not ruled (of degree 1 in one direction)".to_owned();
+    let mut reason = FaceReason::NotRuled;
     for (k, surface) in candidates.into_iter().flatten().enumerate() {
         let Some(outline) = PlaneOutline::of_face(face, surface, k == 1) else { continue };
         let Some(strip) = strip_of(&outline) else { continue };
@@ -139,35 +140,29 @@ pub(crate) fn ruled(face: &Face, tolerance: f64) -> Result<(RuledPatch, PlaneOut
 
 /// Why a strip that bends cannot be made of cones up to the end of its outline: all rulings meet there. Plane faces may end
 /// in a corner.
-pub(crate) fn bent_tip(strip: &RuledPatch, outline: &PlaneOutline) -> Option<String> {
+pub(crate) fn bent_tip(strip: &RuledPatch, outline: &PlaneOutline) -> Option<FaceReason> {
     let p = outline.tip()?;
     let (a, b) = strip.domain();
     let at = |k: usize| a + (b - a) * k as f64 / (TWIST_TESTED - 1) as f64;
     let normals: Vec<Vec3> =
         (0..TWIST_TESTED).filter_map(|k| strip.jet(at(k)).element().ok()).map(|e| e.normal).collect();
     let bends = |n: &Vec3| n.cross(&normals[0]).norm() > PLANE;
-    normals.iter().any(bends).then(|| {
-        format!(
-            "it reaches its tip at ({:.3}, {:.3}, {:.3}), where all rulings meet and no sheet bends; cut a hundredth of its \
-             length off at the tip in CAD",
-            p.x, p.y, p.z
-        )
-    })
+    normals.iter().any(bends).then_some(FaceReason::Tip(p))
 }
 
 /// What keeps a ruled strip from being developable.
-fn faulty(strip: &RuledPatch, tolerance: f64) -> Option<String> {
+fn faulty(strip: &RuledPatch, tolerance: f64) -> Option<FaceReason> {
     let (a, b) = strip.domain();
     for k in 0..TWIST_TESTED {
         let u = a + (b - a) * k as f64 / (TWIST_TESTED - 1) as f64;
         let jet = strip.jet(u);
         let element = match jet.element() {
             Ok(e) => e,
-            Err(e) => return Some(format!("its ruling u = {u:.4} is not usable: {e}")),
+            Err(e) => return Some(FaceReason::Unusable { u, error: Box::new(Reason::error(&e)) }),
         };
         let off = jet.twist(&element) * jet.length();
         if off > TWISTED * tolerance || off.is_nan() {
-            return Some(format!("it is not developable (twist of {off:.2e} mm along ruling u = {u:.4})"));
+            return Some(FaceReason::Twisted { u, off });
         }
     }
     None

@@ -9,6 +9,7 @@ use crate::develop::DevelopError;
 use crate::geom::unit::SQUARE_METRES;
 use crate::patchwork::part::Part;
 use crate::patchwork::pattern::Pattern;
+use crate::reason::{Item, Reason, Unlaid};
 use crate::torse::strip::Strip;
 
 /// Develops parts. `chains` name their first strip and the number of strips; strips of a chain share rulings.
@@ -30,12 +31,12 @@ pub(crate) fn cut_until(
     let mut waiting: Vec<Part> = chains.iter().rev().cloned().collect();
     while let Some(mut part) = waiting.pop() {
         let Some(chain) = strips.get(part.first..part.first + part.count) else {
-            part.missing = "it names strips that do not exist".into();
+            part.missing = Some(Unlaid::NoStrips);
             parts.push(part);
             continue;
         };
         if control.stopped() {
-            part.missing = "the job was stopped before it was laid flat".into();
+            part.missing = Some(Unlaid::NotBegun);
             parts.push(part);
             continue;
         }
@@ -54,7 +55,7 @@ pub(crate) fn cut_until(
                 waiting.push(piece('a', part.first, half));
             }
             Err(e) => {
-                part.missing = e.to_string();
+                part.missing = Some(Unlaid::Undeveloped(e.to_string()));
                 parts.push(part);
             }
         }
@@ -102,7 +103,7 @@ impl Laid {
     pub fn claims(&self) -> Vec<Claim> {
         let whole = Subject::Whole;
         let missing =
-            self.parts.iter().filter(|p| !p.missing.is_empty()).map(|p| format!("part {}: {}", p.name, p.missing));
+            self.parts.iter().filter_map(|p| Some(Reason::of(Item::Part(p.name.clone()), p.missing.clone()?)));
         let mut out = vec![self.area()];
         out.extend(self.lengths());
         out.extend(missing.chain(self.refused()).map(|r| Claim::objection(whole, r)));
@@ -129,7 +130,7 @@ impl Laid {
     }
 
     /// See [`refused`].
-    pub fn refused(&self) -> Vec<String> {
+    pub fn refused(&self) -> Vec<Reason> {
         refused(&self.parts, &self.patterns, &self.proofs, self.tolerance)
     }
 }
@@ -179,17 +180,17 @@ pub fn lengths(patterns: &[Pattern], flat: &[FlatCertificate]) -> Vec<Claim> {
 
 /// Parts whose drawings are not proven within the tolerance (mm), and parts without a proof of their map whose lengths are
 /// measured to be wrong by more than it, as reasons.
-pub fn refused(parts: &[Part], patterns: &[Pattern], flat: &[FlatCertificate], tolerance: f64) -> Vec<String> {
-    let name = |f: &FlatCertificate| parts.get(f.panel()).map_or("", |part| part.name.as_str()).to_owned();
+pub fn refused(parts: &[Part], patterns: &[Pattern], flat: &[FlatCertificate], tolerance: f64) -> Vec<Reason> {
+    let item = |f: &FlatCertificate| Item::Part(parts.get(f.panel()).map_or_else(String::new, |p| p.name.clone()));
     let stretched = |f: &FlatCertificate| {
         let own = patterns.iter().find(|p| p.panel == f.panel());
         let off = own.map_or(f64::NAN, |p| p.isometry_error * p.length);
         off.is_nan() || off > tolerance
     };
     let reason = |f: &FlatCertificate| match (f.reason(), f.open()) {
-        ("", "") => None,
-        ("", open) => stretched(f).then(|| format!("part {}: {open}", name(f))),
-        (reason, _) => Some(format!("part {}: {reason}", name(f))),
+        (None, None) => None,
+        (None, Some(open)) => stretched(f).then(|| Reason::of(item(f), open)),
+        (Some(reason), _) => Some(Reason::of(item(f), reason)),
     };
     flat.iter().filter_map(reason).collect()
 }
@@ -229,7 +230,7 @@ mod tests {
         let whole = Part::new("fan", 0, 8);
         let (parts, patterns) = cut(&strips, &[whole], &StripOptions::new(0.01));
         assert_eq!((parts.len(), patterns.len()), (2, 2));
-        assert!(parts.iter().all(|p| p.missing.is_empty()) && parts[1].name == "fanb" && patterns[1].panel == 1);
+        assert!(parts.iter().all(|p| p.missing.is_none()) && parts[1].name == "fanb" && patterns[1].panel == 1);
     }
 
     #[test]
@@ -261,6 +262,6 @@ mod tests {
         assert!(told(&patterns).is_empty(), "{:?}", told(&patterns));
         patterns[0].contours[0].vertices.iter_mut().for_each(|v| v.point.x *= 1.001);
         let told = told(&patterns);
-        assert!(told.len() == 1 && told[0].starts_with("part A: the outline"), "{told:?}");
+        assert!(matches!(&told[..], [Reason::Of(Item::Part(name), _)] if name == "A"), "{told:?}");
     }
 }

@@ -8,6 +8,7 @@ use crate::design::hull::strips::{HullPart, HullStrip, Tip};
 use crate::draw::field::{FieldMeaning, PanelField};
 use crate::geom::unit::SQUARE_METRES;
 use crate::patchwork::part::Part;
+use crate::reason::{Curves, Item, Reason, StripReason};
 use crate::torse::rail::Rail;
 use crate::torse::strip::Strip;
 
@@ -28,13 +29,13 @@ pub struct Kept {
     /// Names of closed parts, which are cut open along their first ruling.
     pub closed: Vec<String>,
     /// Strips that are left out, with the reason.
-    pub skipped: Vec<String>,
+    pub skipped: Vec<Reason>,
     /// What is said of the whole.
     pub claims: Vec<Claim>,
     /// What is said of strips one by one.
     pub of_strips: Vec<Claim>,
     /// What is missing from the whole.
-    pub missing: Vec<String>,
+    pub missing: Vec<Reason>,
     /// How far (mm) curves lie from the last rulings before tips that are cut off.
     pub tips: Vec<UpperBound>,
 }
@@ -71,10 +72,8 @@ pub fn kept(curves: &[Rail], mut made: Vec<HullPart>, (tolerance, twist): (f64, 
         let [before, behind] = ends.map(|e| e.map_or(0, |e| e.0));
         for &(c, f) in &own[before..own.len() - behind] {
             if !f.is_bounded() {
-                let name = &c.built.strip.name;
-                out.skipped.push(format!(
-                    "strip {name}: nothing bounds its distance from the curves or its twist; not written"
-                ));
+                let name = Item::Strip(c.built.strip.name.clone());
+                out.skipped.push(Reason::of(name, StripReason::Unbounded));
                 joined = false;
                 continue;
             }
@@ -116,7 +115,7 @@ pub fn kept(curves: &[Rail], mut made: Vec<HullPart>, (tolerance, twist): (f64, 
     }
     out.meaning = judgement.meaning;
     if out.strips.is_empty() {
-        out.missing.push("the hull has no developable strips between smooth curves".into());
+        out.missing.push(StripReason::NoHull.into());
     }
     out
 }
@@ -126,7 +125,7 @@ fn from_curves(tips: &[UpperBound], off: [UpperBound; 2], tolerance: f64) -> Cla
     let off = UpperBound::largest(tips.iter().copied().chain(off));
     Claim::at_most(What::FromCurves, Subject::Whole, off)
         .within(tolerance)
-        .because(format!("the strips stray up to {:.4} mm from the curves", off.value()))
+        .because(Reason::from(StripReason::Stray { by: off.value(), from: Curves::All }))
 }
 
 /// How many strips are cut off before the tip at an end of a part, and how far the curve then lies from the last ruling;
@@ -202,13 +201,10 @@ impl Kept {
         let skipped = self.skipped.len();
         if skipped > NAMED {
             self.skipped.truncate(NAMED);
-            self.skipped.push(format!("{} more strips: nothing bounds them either", skipped - NAMED));
+            self.skipped.push(StripReason::MoreUnbounded(skipped - NAMED).into());
         }
         if skipped > 0 {
-            self.missing.push(match skipped {
-                1 => "1 strip has no proof and is not written".to_owned(),
-                n => format!("{n} strips have no proof and are not written"),
-            });
+            self.missing.push(StripReason::NotWritten(skipped).into());
         }
     }
 }

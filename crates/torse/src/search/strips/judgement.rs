@@ -6,6 +6,7 @@ use crate::control::Control;
 use crate::design::loft::build::BuiltStrip;
 use crate::draw::field::{FieldMeaning, PanelField};
 use crate::geom::unit::SQUARE_METRES;
+use crate::reason::{Reason, StripReason};
 use crate::torse::form::PanelKind;
 use crate::torse::rail::Rail;
 use crate::torse::strip::Strip;
@@ -49,7 +50,7 @@ pub(crate) struct Judgement {
     /// themselves.
     pub counts: [usize; 2],
     /// What keeps the whole from being developable.
-    pub missing: Vec<String>,
+    pub missing: Vec<Reason>,
     /// Twist (rad) that counts as developable.
     pub limit: f64,
 }
@@ -64,14 +65,10 @@ impl Judgement {
             Claim::count(Counted::FittedStrips, whole, judged - exact),
         ];
         if judged > 0 {
-            out.push(Claim::at_most(What::Twist, whole, self.twist.degrees()).within(self.limit.to_degrees()).because(
-                format!(
-                    "twist up to {:.3e}° (measured), proven bound {:.3e}°, where {:.3e}° count as developable",
-                    self.measured.to_degrees(),
-                    self.twist.value().to_degrees(),
-                    self.limit.to_degrees()
-                ),
-            ));
+            let Self { measured, limit, .. } = *self;
+            let reason = StripReason::Twist { measured, bound: self.twist.value(), limit };
+            let twist = Claim::at_most(What::Twist, whole, self.twist.degrees());
+            out.push(twist.within(limit.to_degrees()).because(Reason::from(reason)));
         }
         out.push(Claim::measured(What::Twist, whole, self.measured.to_degrees()));
         out.push(Claim::measured(What::RegressionClearance, whole, self.clearance));
@@ -176,9 +173,9 @@ pub(crate) fn summed(strips: &[(Candidate, &Found)], sides: [What; 2], limit: f6
         out.measured = out.measured.max(twist);
         out.clearance = out.clearance.min(found.clearance);
         if found.clearance <= 0.0 {
-            out.missing.push(format!("strip {} has regression points between its rails", strip.name));
+            out.missing.push(StripReason::Regression { strip: strip.name.clone() }.into());
         } else if !found.twist.is_regular() {
-            out.missing.push(format!("strip {} was not shown to keep off its regression curve", strip.name));
+            out.missing.push(StripReason::MayRegress { strip: strip.name.clone() }.into());
         }
         for side in 0..2 {
             let Some(bound) = found.off[side] else { continue };

@@ -3,6 +3,7 @@
 use crate::certify::claim::{Claim, LowerBound, Subject, What};
 use crate::certify::regression::{clearance_bound, margin_bound, regression, RegressionVerdict};
 use crate::geom::Vec3;
+use crate::reason::{Reason, StripReason};
 use crate::torse::form::PanelKind;
 use crate::torse::strip::Strip;
 use crate::torse::zone::RegressionLimits;
@@ -19,13 +20,8 @@ fn margin_claim(index: usize, strip: &Strip, asked: f64) -> Claim {
     let bound = margin_bound(strip, asked);
     let claim = Claim::at_least(What::RegressionMargin, Subject::Panel(index), bound);
     if asked > 0.0 {
-        let reason = format!(
-            "strip {}: the regression curve is shown to keep off by {:.4} lengths of the ruling, where {asked} are asked for; \
-             give the curves more spans, hold less, make the strip narrower, or ask for less by \"margin\"",
-            strip.name,
-            bound.value()
-        );
-        return claim.not_below(asked).because(reason);
+        let reason = StripReason::Margin { strip: strip.name.clone(), shown: bound.value(), asked };
+        return claim.not_below(asked).because(Reason::from(reason));
     }
     claim
 }
@@ -54,22 +50,6 @@ pub(crate) fn keeps(strip: &Strip, limits: Option<&RegressionLimits>) -> bool {
     limits.is_none_or(|l| regression(strip, l) == RegressionVerdict::Clear)
 }
 
-/// Why a limit is not usable; `None` if all are.
-pub(crate) fn fault(limits: &RegressionLimits) -> Option<String> {
-    if !(limits.clearance >= 0.0 && limits.clearance.is_finite()) {
-        return Some(format!("the clearance {} of the regression curve is not a length", limits.clearance));
-    }
-    let bad = limits.zones.iter().position(|z| !z.is_usable())?;
-    let name = |k: usize| ["x", "y", "z"][k];
-    let ranges: Vec<String> = limits.zones[bad]
-        .ranges
-        .iter()
-        .enumerate()
-        .map(|(k, r)| format!("{} from {} to {}", name(k), r.0, r.1))
-        .collect();
-    Some(format!("zone {bad} of the regression curve is empty or everything ({} mm)", ranges.join(", ")))
-}
-
 /// A strip whose regression curve is not known to keep to the limits.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Broken {
@@ -79,6 +59,12 @@ pub struct Broken {
     pub at: Vec3,
     /// Whether it is out of bounds there; false where it could only not be shown to stay in them.
     pub proven: bool,
+}
+
+impl From<&Broken> for Reason {
+    fn from(b: &Broken) -> Self {
+        StripReason::OutOfBounds { strip: b.strip.clone(), at: b.at, proven: b.proven }.into()
+    }
 }
 
 /// Strips that are not shown to keep to the limits.
@@ -96,16 +82,4 @@ pub(crate) fn broken(strips: &[Strip], limits: Option<&RegressionLimits>) -> Vec
         Some(Broken { strip: s.name.clone(), at, proven })
     };
     strips.iter().filter_map(found).collect()
-}
-
-/// How near developables come that keep to the limits, in words that follow "within so many mm"; infinite if none does.
-pub(crate) fn kept_off(nearest: f64) -> String {
-    let how = if nearest.is_finite() {
-        format!("the nearest found is {nearest:.3} mm away")
-    } else {
-        "none was found that is".to_string()
-    };
-    format!(
-        " with its regression curve in bounds ({how}); raise the tolerance, or ask for less of the regression curve"
-    )
 }

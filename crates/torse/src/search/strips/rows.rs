@@ -7,6 +7,7 @@ use crate::certify::elements::{elements as certified, ElementCertificate};
 use crate::control::Control;
 use crate::fit::elements::extent::strip;
 use crate::fit::elements::sequence::{row, torses, RowOptions, RowPiece};
+use crate::reason::{Reason, StripReason};
 use crate::torse::contact::ContactElement;
 use crate::torse::strip::Strip;
 use crate::torse::zone::RegressionLimits;
@@ -54,7 +55,7 @@ pub(crate) struct RowStrips {
     /// The elements that they were fitted to: one of the estimates.
     pub elements: Vec<ContactElement>,
     /// Elements without a strip, and why.
-    pub missed: Vec<(Range<usize>, String)>,
+    pub missed: Vec<(Range<usize>, StripReason)>,
     /// Whether the strip is the face as it was.
     pub is_face: bool,
 }
@@ -106,7 +107,7 @@ struct Attempt {
     /// The elements that each strip was fitted to.
     ranges: Vec<Range<usize>>,
     /// Stretches without a strip: the elements, and why torses that were found give none.
-    missed: Vec<(Range<usize>, Option<String>)>,
+    missed: Vec<(Range<usize>, Option<StripReason>)>,
     /// Whether there is nothing because of what is asked of the regression curve.
     kept_off: bool,
     certificate: ElementCertificate,
@@ -209,7 +210,12 @@ fn best(
 ///
 /// # Errors
 /// Why torses give no strip; nothing where there are none.
-fn nearest(name: &str, piece: &RowPiece, own: &[ContactElement], options: &RowsAsked) -> Result<Strip, Option<String>> {
+fn nearest(
+    name: &str,
+    piece: &RowPiece,
+    own: &[ContactElement],
+    options: &RowsAsked,
+) -> Result<Strip, Option<StripReason>> {
     let mut best: Option<(bool, f64, Strip)> = None;
     let mut reason = None;
     for fit in &piece.fits {
@@ -221,30 +227,27 @@ fn nearest(name: &str, piece: &RowPiece, own: &[ContactElement], options: &RowsA
                     best = Some((broken, worst, s));
                 }
             }
-            Err(e) => reason = Some(format!("the {} found gives no strip ({e})", fit.kind.name())),
+            Err(e) => {
+                reason = Some(StripReason::NoStrip { kind: fit.kind.name(), error: Box::new(Reason::error(&e)) });
+            }
         }
     }
     best.map(|b| b.2).ok_or(reason)
 }
 
 /// Why no developable follows elements: too far from any, or none keeps to the limits and then how near one comes.
-fn unfollowed(own: &[ContactElement], options: &RowsAsked) -> String {
+fn unfollowed(own: &[ContactElement], options: &RowsAsked) -> StripReason {
     // Tolerances looked at for the reason, in multiples of the one asked for.
     const WIDER: [f64; 4] = [3.0, 10.0, 100.0, 1e4];
-    let mut plain = format!("no developable strip follows them within {} mm", options.tolerance);
-    if options.fix_ends {
-        plain += " and keeps the first and the last as they are";
-    }
-    if let Some(weight) = options.smoothing {
-        plain += &format!(", smoothed with the weight {weight}; a smaller one comes nearer");
-    }
-    let Some(limits) = &options.limits else { return plain };
+    let RowsAsked { tolerance, fix_ends: fixed_ends, smoothing, .. } = *options;
+    let reason = |kept_off| StripReason::NotFollowed { tolerance, fixed_ends, smoothing, kept_off };
+    let Some(limits) = &options.limits else { return reason(None) };
     let one = |tolerance: f64, limits: Option<RegressionLimits>| {
         torses(own, &options.fits(tolerance, 1, limits)).into_iter().next().map(|f| f.error)
     };
     if one(options.tolerance, None).is_none() {
-        return plain;
+        return reason(None);
     }
     let wider = WIDER.iter().find_map(|w| one(w * options.tolerance, Some(limits.clone())));
-    plain + &regression::kept_off(wider.unwrap_or(f64::INFINITY))
+    reason(Some(wider.unwrap_or(f64::INFINITY)))
 }

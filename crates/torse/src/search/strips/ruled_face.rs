@@ -5,6 +5,7 @@ use super::fewest::count;
 use crate::brep::face::Face;
 use crate::certify::regression::{regression as regular, RegressionVerdict};
 use crate::fit::elements::given::NARROW;
+use crate::reason::FaceReason;
 use crate::torse::contact::ContactElement;
 use crate::torse::form::PanelKind;
 use crate::torse::ruled_patch::RuledStrip;
@@ -41,7 +42,7 @@ impl GivenFace {
     ///
     /// # Errors
     /// Why it is not a ruled developable.
-    pub fn of(face: &Face, name: &str, rulings: usize, tolerance: f64) -> Result<Self, String> {
+    pub fn of(face: &Face, name: &str, rulings: usize, tolerance: f64) -> Result<Self, FaceReason> {
         let (patch, _) = ruled(face, tolerance)?;
         let (a, b) = patch.domain();
         let last = rulings.max(2) - 1;

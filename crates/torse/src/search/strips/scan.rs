@@ -14,6 +14,7 @@ use crate::fit::cloud::CloudError;
 use crate::fit::near::samples::Fit;
 use crate::geom::cloud::Cloud;
 use crate::geom::Vec3;
+use crate::reason::{Reason, StripReason};
 use crate::torse::strip::Strip;
 use crate::torse::zone::RegressionLimits;
 use std::borrow::Cow;
@@ -39,7 +40,7 @@ pub(crate) struct Scanned {
     /// What is proven of the points.
     pub certificate: PointCertificate,
     /// Points without strip, in words.
-    pub skipped: Vec<String>,
+    pub skipped: Vec<StripReason>,
     /// Noise of the measurement, mm.
     pub noise: f64,
     /// Points too far from others to belong to a surface.
@@ -184,7 +185,7 @@ fn torses(
     placed: Placed,
     (options, narrow): (&ScanOptions, bool),
     control: &Control,
-    skipped: &mut Vec<String>,
+    skipped: &mut Vec<StripReason>,
 ) -> Vec<(Vec<u32>, Vec<Fit>)> {
     // Single points reach beyond the noise by this factor even in large clouds.
     const PEAK: f64 = 4.0;
@@ -216,14 +217,9 @@ fn torses(
             let c = piece.members.iter().map(|&i| found.items[i as usize].x).sum::<Vec3>()
                 / piece.members.len().max(1) as f64
                 + shift.unwrap_or_default();
-            skipped.push(format!(
-                "{count:.0} points around ({:.1}, {:.1}, {:.1}): no developable strip follows them within {} mm{}",
-                c.x,
-                c.y,
-                c.z,
-                options.tolerance,
-                piece.kept_off.map_or(String::new(), regression::kept_off)
-            ));
+            let (tolerance, kept_off) = (options.tolerance, piece.kept_off);
+            let why = StripReason::NotFollowed { tolerance, fixed_ends: false, smoothing: None, kept_off };
+            skipped.push(StripReason::PointsAround { count, at: c, why: Box::new(why.into()) });
         }
     }
     out
@@ -246,7 +242,7 @@ fn strips(
     given: &Given,
     fits: Vec<(Vec<u32>, Vec<Fit>)>,
     options: &ScanOptions,
-    skipped: &mut Vec<String>,
+    skipped: &mut Vec<StripReason>,
 ) -> Vec<Strip> {
     let mut owner: Vec<Option<u32>> = vec![None; found.items.len()];
     for (k, (members, _)) in fits.iter().enumerate() {
@@ -270,7 +266,7 @@ fn strips(
         let name = format!("A-{:02}", out.len() + 1);
         match nearest(&name, fits, &Given { points: own, judged }, options) {
             Ok(s) => out.push(s),
-            Err(reason) => skipped.push(format!("{} points have no strip: {reason}", own.len())),
+            Err(why) => skipped.push(StripReason::Points(own.len(), why.map(|why| Box::new(why.into())))),
         }
     }
     out
@@ -279,7 +275,7 @@ fn strips(
 /// The strip of the torse with the fewest points beyond the tolerance and the smallest proven distance, among those whose
 /// regression curve keeps to the limits if there are any. Where points are beyond, torses are continued over the points
 /// themselves.
-fn nearest(name: &str, fits: &[Fit], given: &Given, options: &ScanOptions) -> Result<Strip, String> {
+fn nearest(name: &str, fits: &[Fit], given: &Given, options: &ScanOptions) -> Result<Strip, Option<StripReason>> {
     let own = given.points;
     // A piece may have no points of its own but those that guide.
     let judged = if given.judged > 0 { &own[..given.judged] } else { own };
@@ -287,7 +283,7 @@ fn nearest(name: &str, fits: &[Fit], given: &Given, options: &ScanOptions) -> Re
     const JUDGED: usize = 20_000;
     let some: Vec<Vec3> = judged.iter().step_by(judged.len().div_ceil(JUDGED).max(1)).copied().collect();
     let mut best: Option<(bool, usize, f64, Strip)> = None;
-    let mut reason = String::new();
+    let mut reason = None;
     let mut look = |fit: &Fit| match strip(name, fit, own, options.tolerance) {
         Ok(s) => {
             let c = certified(std::slice::from_ref(&s), &some, &Control::default());
@@ -299,7 +295,7 @@ fn nearest(name: &str, fits: &[Fit], given: &Given, options: &ScanOptions) -> Re
             rank.1 == 0
         }
         Err(e) => {
-            reason = format!("the {} found gives none: {e}", fit.kind.name());
+            reason = Some(StripReason::NoStrip { kind: fit.kind.name(), error: Box::new(Reason::error(&e)) });
             false
         }
     };

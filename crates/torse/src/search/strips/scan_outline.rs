@@ -12,6 +12,7 @@ use crate::geom::cloud::Cloud;
 use crate::geom::Vec2;
 use crate::patchwork::panel::Panel;
 use crate::patchwork::pattern::{Contour, Pattern};
+use crate::reason::{Item, Reason, StripReason};
 use crate::search::strips::cut::Laid;
 use crate::torse::strip::Strip;
 use std::collections::HashMap;
@@ -172,8 +173,9 @@ pub(crate) fn claims_of_ends(
     out.push(Claim::at_most(What::FromMeasured, whole, most(TrimmedCertificate::reach_bound)));
     for (k, proof) in proofs.iter().enumerate() {
         let (subject, name) = (Subject::Panel(k), &ended.panels[k].strip.name);
-        if !proof.reason().is_empty() {
-            out.push(Claim::objection(subject, format!("{name}: {}", proof.reason())));
+        let told = |reason: StripReason| Reason::of(Item::Named(name.clone()), reason);
+        if let Some(fault) = proof.fault() {
+            out.push(Claim::objection(subject, told(StripReason::Outline(fault))));
         }
         let beyond = Claim::at_most(What::BeyondOutline, subject, proof.beyond_bound());
         let reach = Claim::at_most(What::FromMeasured, subject, proof.reach_bound());
@@ -181,19 +183,11 @@ pub(crate) fn claims_of_ends(
             out.push(reach);
             continue;
         };
-        let worst = proof.worst().and_then(|i| Some((i, cloud.points.get(i)?)));
-        let worst =
-            worst.map_or_else(String::new, |(i, p)| format!(": point {i} at ({:.3}, {:.3}, {:.3})", p.x, p.y, p.z));
-        out.push(beyond.within(outside + near_points(tolerance)).because(format!(
-            "{name}: a point is not shown to lie within {outside:.3} mm of what its outline leaves of it{worst}"
-        )));
-        let place =
-            proof.farthest().map_or_else(String::new, |p| format!(", around ({:.3}, {:.3}, {:.3})", p.x, p.y, p.z));
-        out.push(
-            reach.within(inside + near_points(tolerance)).because(format!(
-                "{name}: its outline is not shown to keep within {inside:.3} mm of the points{place}"
-            )),
-        );
+        let worst = proof.worst().and_then(|i| Some((i, *cloud.points.get(i)?)));
+        let far = told(StripReason::PointOutside { within: outside, worst });
+        out.push(beyond.within(outside + near_points(tolerance)).because(far));
+        let far = told(StripReason::OutlineOutside { within: inside, at: proof.farthest() });
+        out.push(reach.within(inside + near_points(tolerance)).because(far));
     }
     out
 }

@@ -6,10 +6,10 @@ mod ruled;
 
 use super::*;
 use crate::constraint::fairness::greville;
+use crate::control::Control;
 use crate::geom::Vec3;
 use crate::num::gauss_newton::Status;
 use crate::spline::knots::Knots;
-use crate::Control;
 use std::f64::consts::PI;
 
 /// Clamped knots on [0, 1] with inner knots repeated.

@@ -30,7 +30,9 @@ use crate::answer::skipped::Skipped;
 use crate::brep::face::Face;
 use crate::geom::placement::Placement;
 use crate::geom::Vec3;
+use crate::io::model::unread;
 use crate::io::model::{first_of, Model, ReadOptions};
+use crate::io::words::why;
 use nalgebra::Matrix3;
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -104,10 +106,9 @@ pub fn read_with(bytes: &[u8], options: &ReadOptions) -> Result<Model, ReadError
     let mut notes = records.notes.clone();
     notes.extend(damage(&sections));
     notes.extend(census.notes.iter().cloned());
-    let mut skipped: Vec<Skipped> =
-        census.faults.iter().map(|f| Skipped::of_file(f.entity, f.reason.clone(), None)).collect();
+    let mut skipped: Vec<Skipped> = census.faults.iter().map(|f| unread(f.entity, f.reason.clone(), None)).collect();
     if census.occurrences.is_empty() {
-        let reason = skipped.first().map(|s| s.reason.clone()).into_iter().chain(damage(&sections));
+        let reason = skipped.first().map(|s| why(&s.reason)).into_iter().chain(damage(&sections));
         let reason = reason.collect::<Vec<_>>().join("; ");
         return Err(ReadError::NoFaces { entities: records.order.len(), reason });
     }
@@ -115,7 +116,7 @@ pub fn read_with(bytes: &[u8], options: &ReadOptions) -> Result<Model, ReadError
     let faces = placed(&records, &census, options, &mut skipped);
     if faces.is_empty() {
         let first = skipped.get(before).or(skipped.first());
-        let (entity, reason) = first.map_or((0, String::new()), |s| (s.entity.unwrap_or_default(), s.reason.clone()));
+        let (entity, reason) = first.map_or((0, String::new()), |s| (s.entity.unwrap_or_default(), why(&s.reason)));
         return Err(ReadError::NoUsableFaces { count: census.occurrences.len(), entity, reason });
     }
     let notes = notes.into_iter().map(Note::Input).collect();
@@ -216,14 +217,14 @@ fn placed(records: &Records, census: &Census, options: &ReadOptions, skipped: &m
                 let before = out.len();
                 out.extend(there.filter(is_finite));
                 if out.len() < before + faces.len() {
-                    skipped.push(Skipped::of_file(o.face, "its placement is not finite", None));
+                    skipped.push(unread(o.face, "its placement is not finite", None));
                 }
             }
             Some(Err(lost)) => {
                 // Named once, with the area of all its occurrences.
                 let area = lost.area.map(|a| a * placement.scale().powi(2)).filter(|a| a.is_finite());
                 let at = *named.entry(key(o)).or_insert_with(|| {
-                    skipped.push(Skipped::of_file(o.face, lost.fault.reason.clone(), area.map(|_| 0.0)));
+                    skipped.push(unread(o.face, lost.fault.reason.clone(), area.map(|_| 0.0)));
                     skipped.len() - 1
                 });
                 skipped[at].area_estimate = skipped[at].area_estimate.zip(area).map(|(sum, a)| sum + a);

@@ -25,7 +25,9 @@ use crate::answer::skipped::Skipped;
 use crate::brep::face::Face;
 use crate::brep::raw::RawFace;
 use crate::brep::trim;
+use crate::io::model::unread;
 use crate::io::model::{first_of, Model, ReadOptions};
+use crate::io::words::why;
 use rayon::prelude::*;
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -111,7 +113,7 @@ pub fn read_with(bytes: &[u8], options: &ReadOptions) -> Result<Model, ReadError
     let faces = placed(&records, &census, options, &mut skipped);
     if faces.is_empty() {
         let (entity, reason) =
-            skipped.last().map_or((0, String::new()), |s| (s.entity.unwrap_or_default(), s.reason.clone()));
+            skipped.last().map_or((0, String::new()), |s| (s.entity.unwrap_or_default(), why(&s.reason)));
         let reason = std::iter::once(reason).chain(damage(&records)).collect::<Vec<_>>().join("; ");
         return Err(ReadError::NoUsableFaces { count: census.occurrences.len(), entity, reason });
     }
@@ -213,7 +215,7 @@ fn main_unit(census: &Census, notes: &mut Vec<String>) -> String {
 }
 
 fn as_skipped(f: &Fault) -> Skipped {
-    Skipped::of_file(f.entity, f.reason.clone(), None)
+    unread(f.entity, f.reason.clone(), None)
 }
 
 /// Builds every face once and places its occurrences.
@@ -249,7 +251,7 @@ fn placed(records: &Records, census: &Census, options: &ReadOptions, skipped: &m
                 out.extend(there.filter(is_finite));
                 if out.len() < before + faces.len() {
                     let reason = "its placement is not finite".to_string();
-                    skipped.push(Skipped::of_file(o.face, reason, None));
+                    skipped.push(unread(o.face, reason, None));
                 }
             }
             Some(Err(lost)) => {
@@ -258,7 +260,7 @@ fn placed(records: &Records, census: &Census, options: &ReadOptions, skipped: &m
                 let at = *named.entry(key(o)).or_insert_with(|| {
                     // The face is what the user looks for; the record at fault is named in the reason.
                     let reason = lost.fault.reason.clone();
-                    skipped.push(Skipped::of_file(o.face, reason, area.map(|_| 0.0)));
+                    skipped.push(unread(o.face, reason, area.map(|_| 0.0)));
                     skipped.len() - 1
                 });
                 skipped[at].area_estimate = skipped[at].area_estimate.zip(area).map(|(sum, a)| sum + a);

@@ -7,7 +7,8 @@ mod shop;
 mod unroll;
 
 use super::counted;
-use super::numbers::{length, number, number_bound, percent, place};
+use super::numbers::{length, number, number_bound, percent};
+use super::reason::{name as item_name, out_of_bounds};
 use crate::answer::note::{BodyName, Broken, Crowded, LevelReport, Lines, Note, Skin, SolveReport};
 use crate::num::gauss_newton::Status;
 use crate::torse::zone::RegressionLimits;
@@ -88,7 +89,7 @@ pub fn note(note: &Note) -> String {
         }
         Note::Unjoined => "Strips are fitted one by one and are not joined to each other.".into(),
         Note::Limits(limits) => asked_of_regression(limits),
-        Note::Broken(broken) => beyond_limits(broken),
+        Note::Broken(Broken { strip, at, proven }) => out_of_bounds(strip, at, *proven),
         Note::Crowded(lines) => crowded(lines),
         Note::CutOpen { part: None } => "the strip is closed; its flat part is cut open along the first ruling".into(),
         Note::CutOpen { part: Some(part) } => format!("part {part} is closed; it is cut open along its first ruling"),
@@ -106,7 +107,9 @@ pub fn note(note: &Note) -> String {
         Note::Net(note) => net::words(note),
         Note::Solved { step, report } => solved(*step, report),
         Note::Met { residual } => format!("conditions are met to {} of the size", number(*residual)),
-        Note::GaveWay { handle, off } => format!("{handle} gave way: it is {} from where it pulls to", length(*off)),
+        Note::GaveWay { handle, off } => {
+            format!("{} gave way: it is {} from where it pulls to", item_name(handle), length(*off))
+        },
         Note::RuledStrips { count } => {
             format!("{} not developable: no flat patterns of them", match count {
                 1 => "one strip is ruled,".to_owned(),
@@ -131,16 +134,6 @@ pub fn note(note: &Note) -> String {
         Note::Unroll(note) => unroll::words(note),
         Note::Shop(note) => shop::words(note),
         Note::Fit(note) => fit::words(note),
-    }
-}
-
-/// What is said of a regression curve that does not keep to what was asked.
-pub fn beyond_limits(broken: &Broken) -> String {
-    let Broken { strip, at, proven } = broken;
-    if *proven {
-        format!("the regression curve of {strip} is out of bounds at {}", place(at))
-    } else {
-        format!("it could not be shown that the regression curve of {strip} stays in bounds, around {}", place(at))
     }
 }
 

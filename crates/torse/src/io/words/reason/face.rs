@@ -1,0 +1,109 @@
+//! Why faces, bodies and panels are left out, in words.
+
+use super::{numbered, why};
+use crate::geom::place_in_words;
+use crate::io::words::numbers::length_bound;
+use crate::reason::{FaceReason, Limit, Unlaid};
+
+pub(super) fn words(reason: &FaceReason) -> String {
+    match reason {
+        FaceReason::OutOfTime => "time was up before it was covered".into(),
+        FaceReason::EndedBefore { entity } => format!("ended early, before face #{entity}"),
+        FaceReason::Joined(reason, with) => {
+            let with: Vec<String> = with.iter().map(|e| format!("#{e}")).collect();
+            format!("{} (joined with {})", why(reason), with.join(", "))
+        }
+        FaceReason::LeftOut { count, area_estimate, unknown, entity, first } => {
+            let (what, more) = match count {
+                1 => ("1 face or item of the file is".to_string(), ""),
+                n => (format!("{n} faces or items of the file are"), ", the first"),
+            };
+            format!(
+                "{what} left out ({}){more} {}",
+                area(*area_estimate, *unknown, *count),
+                numbered(*entity, first)
+            )
+        }
+        FaceReason::PanelsLeftOut { count, first } => format!("{count} panels are left out, the first {}", why(first)),
+        FaceReason::TooTight { entity, seconds, radius, panels } => format!(
+            "face #{entity}: no cover was found in {seconds} s whose panels bend with a radius of {radius} mm or more: the \
+             face asks for about {panels:.0} panels then; a smaller radius or a larger tolerance would help, or more time \
+             (--time-limit)"
+        ),
+        FaceReason::Trim { entity, edge, bound } => {
+            let far = if bound.is_finite() { length_bound(*bound) } else { "no bound".into() };
+            format!("face #{entity}: the trim is only proven to keep to the file's edges within {far} (edge #{edge})")
+        }
+        FaceReason::NoPanel { error, at } => {
+            let place = at.map_or(String::new(), |at| format!(" at {}", place_in_words(&at)));
+            format!("a region has no panel: {}{place}", why(error))
+        }
+        FaceReason::NoPattern { panel, error } => format!("panel {panel} has no flat pattern: {}", why(error)),
+        FaceReason::Limit { panel, limit, value } => format!("panel {panel}: {}", limited(*limit, *value)),
+        FaceReason::NoCover { part } => format!("part {part} is not proven as a cover of its face"),
+        FaceReason::NoImage => "not all of its faces have a flat image that could be proven".into(),
+        FaceReason::BeyondTolerance { part } => format!("part {part} is proven, but not within the tolerance"),
+        FaceReason::OutlineLeaves => "its outline leaves the patch".into(),
+        FaceReason::NotRuled => "it is not ruled (of degree 1 in one direction)".into(),
+        FaceReason::Tip(p) => format!(
+            "it reaches its tip at ({:.3}, {:.3}, {:.3}), where all rulings meet and no sheet bends; cut a hundredth of its \
+             length off at the tip in CAD",
+            p.x, p.y, p.z
+        ),
+        FaceReason::Unusable { u, error } => format!("its ruling u = {u:.4} is not usable: {}", why(error)),
+        FaceReason::Twisted { u, off } => {
+            format!("it is not developable (twist of {off:.2e} mm along ruling u = {u:.4})")
+        }
+    }
+}
+
+/// The area of what is left out, some or all of it of unknown area.
+fn area(known: f64, unknown: usize, count: usize) -> String {
+    let known = if known < 100.0 { format!("{known:.4}") } else { format!("{known:.0}") };
+    match unknown {
+        0 => format!("about {known} mm²"),
+        n if n == count => "of unknown area".to_string(),
+        n => format!("about {known} mm², {n} of them of unknown area"),
+    }
+}
+
+fn limited(limit: Limit, value: f64) -> String {
+    match limit {
+        Limit::BendRadius => format!("the bending radius is only proven to be {value:.3} mm"),
+        Limit::Clearance => format!("the distance to the regression curve is only proven to be {value:.3} mm"),
+        Limit::StripWidth => format!("the width of the strip is {value:.1} mm"),
+        Limit::Length => format!("the length of the pattern is {value:.1} mm"),
+        Limit::SheetWidth => format!("the width of the rectangle around the pattern is {value:.1} mm"),
+        Limit::SheetLength => format!("the length of the rectangle around the pattern is {value:.1} mm"),
+        Limit::MeanWidth => format!("its mean width is {value:.1} mm"),
+    }
+}
+
+/// Why a face or a body is in no flat part.
+pub(super) fn unlaid(reason: &Unlaid) -> String {
+    match reason {
+        Unlaid::Stopped => "the job was stopped before it was unfolded".into(),
+        Unlaid::NoSheet(words) | Unlaid::Undeveloped(words) => words.clone(),
+        Unlaid::Curved { twist_estimate, curvature_estimate, strain_estimate } => {
+            let twist = match twist_estimate.is_finite() {
+                true => format!("its tangent plane turns by {:.3}° along a ruling", twist_estimate.to_degrees()),
+                false => "it has no straight parameter lines".into(),
+            };
+            format!(
+                "the face is not developable: {twist}, its Gaussian curvature is up to {curvature_estimate:.3e} per mm², and \
+                 flattening it would need a strain of about {strain_estimate:.2e}"
+            )
+        }
+        Unlaid::Feature { carrier, thickness } => format!(
+            "the {carrier} is neither a skin nor an edge of the sheet of {thickness:.3} mm: a feature formed or milled into \
+             it, or a bend of a radius below the thickness"
+        ),
+        Unlaid::Face { carrier } => format!("the {carrier} could not be laid flat"),
+        Unlaid::Group(1, reason) => unlaid(reason),
+        Unlaid::Group(count, reason) => format!("{} ({count} faces that hang together)", unlaid(reason)),
+        Unlaid::Panel => "it could not be laid flat".into(),
+        Unlaid::NoStrips => "it names strips that do not exist".into(),
+        Unlaid::NotBegun => "the job was stopped before it was laid flat".into(),
+        Unlaid::Ruled => "ruled, not developable: it has no flat pattern".into(),
+    }
+}

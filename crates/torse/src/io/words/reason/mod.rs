@@ -1,0 +1,115 @@
+//! Sentences of reasons, the same in every report and on the terminal.
+
+mod face;
+mod flat;
+mod proof;
+mod strip;
+
+pub(super) use strip::out_of_bounds;
+
+use crate::answer::skipped::Skipped;
+use crate::reason::{Item, Reason, Sort};
+
+/// A reason in words.
+pub fn why(reason: &Reason) -> String {
+    match reason {
+        Reason::Input(words) | Reason::Error(words) => words.clone(),
+        Reason::Of(item, reason) => format!("{}: {}", name(item), why(reason)),
+        Reason::Several(all) => all.iter().map(why).collect::<Vec<_>>().join("; "),
+        Reason::Proof(fault) => proof::words(fault),
+        Reason::Flat(fault) => flat::words(*fault),
+        Reason::Written(fault) => flat::written(fault),
+        Reason::Face(reason) => face::words(reason),
+        Reason::Strip(reason) => strip::words(reason),
+        Reason::Job(reason) => strip::of_job(reason),
+        Reason::Unlaid(reason) => face::unlaid(reason),
+    }
+}
+
+/// What is left out, with its number in front of the reason where it has one.
+pub fn left_out(skipped: &Skipped) -> String {
+    numbered(skipped.entity, &skipped.reason)
+}
+
+fn numbered(entity: Option<u64>, reason: &Reason) -> String {
+    match entity {
+        Some(entity) => format!("#{entity}: {}", why(reason)),
+        None => why(reason),
+    }
+}
+
+/// What a thing is called.
+pub(super) fn name(item: &Item) -> String {
+    match item {
+        Item::Named(name) => name.clone(),
+        Item::Panel(name) => format!("panel {name}"),
+        Item::Strip(name) => format!("strip {name}"),
+        Item::Pattern(name) => format!("pattern {name}"),
+        Item::Part(name) => format!("part {name}"),
+        Item::Record(entity, of) => format!("#{entity}, {}", name(of)),
+        Item::Handle(k, curve) => format!("handle {k} on {curve}"),
+        Item::Length(k) => format!("length {k}"),
+        Item::Elements { row, sort, range } => {
+            let of = row.as_ref().map_or(String::new(), |row| format!("{row}: "));
+            format!("{of}{} {} to {}", many(*sort), range.start, range.end.saturating_sub(1))
+        }
+    }
+}
+
+fn one(sort: Sort) -> &'static str {
+    match sort {
+        Sort::Points => "point",
+        Sort::Rulings => "ruling",
+        Sort::Planes => "plane",
+    }
+}
+
+fn many(sort: Sort) -> &'static str {
+    match sort {
+        Sort::Points => "points",
+        Sort::Rulings => "rulings",
+        Sort::Planes => "planes",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::reason::{FaceReason, FlatFault, JobReason, StripReason};
+
+    #[test]
+    fn reasons_of_things_name_them_and_several_follow_each_other() {
+        let both = Reason::all(vec![FlatFault::Mark.into(), FlatFault::Drawing(0.012_345_678).into()]).expect("two");
+        assert_eq!(
+            why(&Reason::of(Item::Part("A-03".into()), both)),
+            "part A-03: a mark has no partner on the neighbour, or is not on a seam; the drawing is only proven to be within \
+             0.012346 mm"
+        );
+        let rows = Item::Elements { row: Some("keel".into()), sort: Sort::Rulings, range: 3..9 };
+        let near = StripReason::NotFollowed { tolerance: 0.5, fixed_ends: true, smoothing: None, kept_off: Some(2.0) };
+        assert_eq!(
+            why(&Reason::of(rows, near)),
+            "keel: rulings 3 to 8: no developable strip follows them within 0.5 mm and keeps the first and the last as they \
+             are with its regression curve in bounds (the nearest found is 2.000 mm away); raise the tolerance, or ask for \
+             less of the regression curve"
+        );
+        let off = JobReason::Off(Item::Handle(2, "rail".into()), 0.25);
+        assert!(why(&off.into()).starts_with("handle 2 on rail is 0.2500 mm from what it should be"));
+    }
+
+    #[test]
+    fn what_is_left_out_is_told_with_its_area_and_the_first_of_it() {
+        let first = Box::new(Reason::from(FaceReason::OutOfTime));
+        let told = |count: usize, area_estimate: f64, unknown: usize| {
+            let entity = Some(17);
+            why(&FaceReason::LeftOut { count, area_estimate, unknown, entity, first: first.clone() }.into())
+        };
+        let rest = "#17: time was up before it was covered";
+        assert_eq!(told(1, 12.5, 0), format!("1 face or item of the file is left out (about 12.5000 mm²) {rest}"));
+        assert_eq!(
+            told(3, 1e6, 1),
+            format!("3 faces or items of the file are left out (about 1000000 mm², 1 of them of unknown area), the first {rest}")
+        );
+        assert!(told(2, 0.0, 2).contains("(of unknown area)"));
+    }
+}

@@ -1,0 +1,250 @@
+//! Why strips and jobs are not what was asked for, in words.
+
+use super::{many, name, one, proof, why};
+use crate::geom::unit::LengthUnit;
+use crate::geom::Vec3;
+use crate::io::words::numbers::{length_bound, place};
+use crate::io::words::told;
+use crate::reason::{Covered, Curves, JobReason, Sort, Stalled, StripReason};
+
+#[expect(clippy::too_many_lines, reason = "one sentence after another")]
+pub(super) fn words(reason: &StripReason) -> String {
+    match reason {
+        StripReason::None => "no strip could be made".into(),
+        StripReason::Unbounded => "nothing bounds its distance from the curves or its twist; not written".into(),
+        StripReason::MoreUnbounded(count) => format!("{count} more strips: nothing bounds them either"),
+        StripReason::NotWritten(1) => "1 strip has no proof and is not written".into(),
+        StripReason::NotWritten(count) => format!("{count} strips have no proof and are not written"),
+        StripReason::NoHull => "the hull has no developable strips between smooth curves".into(),
+        StripReason::TooMany(count) => {
+            format!("{count} strips were found, too many to be laid flat and written after a stop")
+        }
+        StripReason::Stray { by, from: Curves::All } => format!("the strips stray up to {by:.4} mm from the curves"),
+        StripReason::Stray { by, from: Curves::Fixed } => {
+            format!("the strips stray up to {by:.1e} mm from fixed curves")
+        }
+        StripReason::Stray { by, from: Curves::One(curve) } => {
+            format!("the strips stray up to {by:.4} mm from {curve}")
+        }
+        StripReason::OffRail { by, rail } => format!(
+            "the strips stray up to {} mm from {rail}; a tolerance of {} mm is met",
+            length(*by),
+            length(reached(*by))
+        ),
+        StripReason::InPart(rails) => {
+            let told = rails.iter().map(|(rail, covered)| match covered {
+                Covered::Share(share) => format!("{:.2} % of {rail}", 100.0 * share),
+                Covered::Past(past) => format!("{} mm past the ends of {rail}", length(*past)),
+            });
+            format!("certified in part: {}", told.collect::<Vec<_>>().join(", "))
+        }
+        StripReason::Twist { measured, bound, limit } => format!(
+            "twist up to {:.3e}° (measured), proven bound {:.3e}°, where {:.3e}° count as developable",
+            measured.to_degrees(),
+            bound.to_degrees(),
+            limit.to_degrees()
+        ),
+        StripReason::Regression { strip } => format!("strip {strip} has regression points between its rails"),
+        StripReason::MayRegress { strip } => {
+            format!("strip {strip} was not shown to keep off its regression curve")
+        }
+        StripReason::OutOfBounds { strip, at, proven } => out_of_bounds(strip, at, *proven),
+        StripReason::Margin { strip, shown, asked } => format!(
+            "strip {strip}: the regression curve is shown to keep off by {shown:.4} lengths of the ruling, where {asked} are \
+             asked for; give the curves more spans, hold less, make the strip narrower, or ask for less by \"margin\""
+        ),
+        StripReason::NetRegression { strip, u, v } => format!(
+            "strip {strip} meets its regression curve on ruling u = {u:.4} at {:.0} % of its length; choose other parameters, \
+             or a shorter stretch",
+            100.0 * v
+        ),
+        StripReason::TangentRuling { strip, curve, u } => {
+            format!("strip {strip} has a ruling tangent to {curve} at u = {u:.4}")
+        }
+        StripReason::Weight { strip, weight, index } => {
+            format!("strip {strip} has weight {weight:.3} at control point {index}")
+        }
+        StripReason::NotFollowed { tolerance, fixed_ends, smoothing, kept_off } => {
+            not_followed(*tolerance, *fixed_ends, *smoothing, *kept_off)
+        }
+        StripReason::PointsAround { count, at, why: reason } => {
+            format!("{count:.0} points around ({:.1}, {:.1}, {:.1}): {}", at.x, at.y, at.z, why(reason))
+        }
+        StripReason::Points(count, reason) => {
+            let reason = reason.as_ref().map_or(String::new(), |r| format!(": {}", why(r)));
+            format!("{count} points have no strip{reason}")
+        }
+        StripReason::NoStrip { kind, error } => format!("the {kind} found gives no strip ({})", why(error)),
+        StripReason::Blank(error) => format!("its outline is not cut, it is a blank: {}", why(error)),
+        StripReason::NoOutline(error) => format!("nothing is proven of its outline: {}", why(error)),
+        StripReason::Vertex => "its edges run through its vertex".into(),
+        StripReason::Nothing => "nothing was tried".into(),
+        StripReason::NoCones => "it has no cone spline".into(),
+        StripReason::NoProof => "it has no proof for its outline".into(),
+        StripReason::Beyond(bound) => format!("not proven to stay within the tolerance (bound {})", length_bound(*bound)),
+        StripReason::NotComplete => "it is not complete".into(),
+        StripReason::PointOutside { within, worst } => {
+            let worst = worst.map_or(String::new(), |(i, p)| format!(": point {i} at {}", coordinates(&p)));
+            format!("a point is not shown to lie within {within:.3} mm of what its outline leaves of it{worst}")
+        }
+        StripReason::OutlineOutside { within, at } => {
+            let place = at.map_or(String::new(), |p| format!(", around {}", coordinates(&p)));
+            format!("its outline is not shown to keep within {within:.3} mm of the points{place}")
+        }
+        StripReason::Outline(fault) => proof::of_loops(*fault).into(),
+    }
+}
+
+/// What is said of a regression curve that does not keep to what was asked.
+pub(in crate::io::words) fn out_of_bounds(strip: &str, at: &Vec3, proven: bool) -> String {
+    if proven {
+        format!("the regression curve of {strip} is out of bounds at {}", place(at))
+    } else {
+        format!("it could not be shown that the regression curve of {strip} stays in bounds, around {}", place(at))
+    }
+}
+
+fn coordinates(p: &Vec3) -> String {
+    format!("({:.3}, {:.3}, {:.3})", p.x, p.y, p.z)
+}
+
+fn not_followed(tolerance: f64, fixed_ends: bool, smoothing: Option<f64>, kept_off: Option<f64>) -> String {
+    let mut out = format!("no developable strip follows them within {tolerance} mm");
+    if fixed_ends {
+        out += " and keeps the first and the last as they are";
+    }
+    if let Some(weight) = smoothing {
+        out += &format!(", smoothed with the weight {weight}; a smaller one comes nearer");
+    }
+    let Some(nearest) = kept_off else { return out };
+    let how = if nearest.is_finite() {
+        format!("the nearest found is {nearest:.3} mm away")
+    } else {
+        "none was found that is".to_string()
+    };
+    out + &format!(
+        " with its regression curve in bounds ({how}); raise the tolerance, or ask for less of the regression curve"
+    )
+}
+
+/// Lengths (mm) below this need powers of ten: of four decimals, one digit or none would be left.
+const TINY: f64 = 1e-3;
+
+/// A length for people: four decimals, powers of ten where these say nothing.
+fn length(x: f64) -> String {
+    if x >= TINY || x == 0.0 {
+        format!("{x:.4}")
+    } else {
+        format!("{x:.1e}")
+    }
+}
+
+/// The tolerance that a distance meets, rounded up to two digits.
+fn reached(x: f64) -> f64 {
+    if !(x > 0.0 && x.is_finite()) {
+        return x;
+    }
+    let unit = 10f64.powf(x.log10().floor() - 1.0);
+    (x / unit).ceil() * unit
+}
+
+#[expect(clippy::too_many_lines, reason = "one sentence after another")]
+pub(super) fn of_job(reason: &JobReason) -> String {
+    match reason {
+        JobReason::EndedEarly(None) => "ended early".into(),
+        JobReason::EndedEarly(Some(bound)) => {
+            format!("ended early; the panels found so far are proven within {} only", length_bound(*bound))
+        }
+        JobReason::Stopped => "the job was stopped early".into(),
+        JobReason::StoppedCones => "stopped before all surfaces were done".into(),
+        JobReason::Levels(done, all) => format!("stopped after {done} of {all} levels"),
+        JobReason::NotAllJudged(sort) => format!("stopped before all {} were judged", many(*sort)),
+        JobReason::Unfollowed(Sort::Points) => "no developable strip follows the points within the tolerance".into(),
+        JobReason::Unfollowed(sort) => format!("no developable strip follows the {}", many(*sort)),
+        JobReason::Beyond { sort, beyond, all, tolerance, worst, at, away } => {
+            let worst = match sort {
+                Sort::Points => format!("point {worst} at"),
+                _ => format!("number {worst} around"),
+            };
+            format!(
+                "{beyond} of {all} {} are not within {tolerance} mm; the worst is {worst} {}, {away:.3} mm away",
+                many(*sort),
+                coordinates(at)
+            )
+        }
+        JobReason::Outlier { sort, index, away } => format!(
+            "{} {index}: the others agree on a surface without it, {away:.3} mm away; nothing is proven of it",
+            one(*sort)
+        ),
+        JobReason::Bare(share, at) => format!(
+            "{:.2} % of the places on the mesh have no strip near them, for example around {}",
+            100.0 * share,
+            coordinates(at)
+        ),
+        JobReason::Unmet { class, left, item } => format!(
+            "{class} ask for more than there is: {left:.3} mm are left, most of it at {item}; hold less, or give the curves \
+             more spans"
+        ),
+        JobReason::Move { index, made, steps } => format!(
+            "move {index} was made to step {made} of {steps}, the last shape that meets all conditions; make it in more \
+             steps, move less far, or hold less"
+        ),
+        JobReason::Off(item, off) => {
+            format!("{} is {off:.4} mm from what it should be; hold less, or move it in steps", name(item))
+        }
+        JobReason::NothingAsked => {
+            "nothing is asked of the ruled strips that could be proven: join them, or give a target".into()
+        }
+        JobReason::JoinGap { index, between: [a, b] } => {
+            format!("join {index}, {a} and {b}: the gap is not shown to keep within the tolerance")
+        }
+        JobReason::JoinAngle { index, between: [a, b], seen, limit } => format!(
+            "join {index}, {a} and {b}: they should go on smoothly, but meet at up to {:.4}° where {:.2}° count as none; give \
+             the curves more spans, or ask for less",
+            seen.to_degrees(),
+            limit.to_degrees()
+        ),
+        JobReason::Target { index, file, apart, at, within, covered } => format!(
+            "target {index}{}: {apart:.4} mm apart at ({:.1}, {:.1}, {:.1}), where {within} mm are allowed; give the curves \
+             more spans, take more or narrower strips, hold less, or allow more by \"within\"{}",
+            file.as_ref().map_or(String::new(), |f| format!(" ({f})")),
+            at.x,
+            at.y,
+            at.z,
+            if *covered { "; if the target goes on beyond the strips, say \"covered\": false" } else { "" }
+        ),
+        JobReason::Crossing(ruling) => format!(
+            "rulings {ruling} and {} (counted from 1) cross on the strip: regression point inside; give rulings that fan out \
+             less there",
+            ruling + 1
+        ),
+        JobReason::Moved(moved, most) => format!("points moved up to {moved:.4} mm where {most} mm are allowed"),
+        JobReason::Diagonals(gap, stalled) => {
+            let stalled = match stalled {
+                None => "",
+                Some(Stalled::Rulings) => ": no displacement makes them plane; look for rulings that cross",
+                Some(Stalled::Held) => ": the held points leave no room; hold fewer",
+                Some(Stalled::Steps) => ": the steps are used up",
+            };
+            format!("diagonals up to {gap:.4} mm apart{stalled}")
+        }
+        JobReason::Thickness { part, own, asked, unit } => format!(
+            "part {part} is sheet of {}, not of {}: leave out --thickness",
+            sheet(*own, *unit),
+            sheet(*asked, *unit)
+        ),
+        JobReason::NoRoom { part, asked, unit } => {
+            format!("part {part} bends so tightly that a sheet of {} has no room inside", sheet(*asked, *unit))
+        }
+        JobReason::Panels(reasons) => {
+            let told = told(reasons.iter().map(why).collect());
+            format!("the panels are not certified: {told}")
+        }
+    }
+}
+
+/// A thickness, with the digits that a message needs.
+fn sheet(mm: f64, unit: LengthUnit) -> String {
+    let number = format!("{:.3}", unit.of(mm));
+    format!("{} {}", number.trim_end_matches('0').trim_end_matches('.'), unit.sign())
+}
