@@ -102,6 +102,25 @@ fn edges_lie_on_both_strips() {
     }
 }
 
+#[test]
+fn strips_that_are_left_out_keep_their_borders() {
+    let (face, mut state) = zones(&[-0.15, -0.04, 0.07, 0.18]);
+    let tolerance = half_sagitta(0.11) / 0.9;
+    let free = Control::default();
+    let last = BTreeSet::from([2]);
+    let all = asked(&|_| false, tolerance);
+    let found = joined(&face, &state, chains(&face, &state), &Asked { without: &last, ..all }, &free).expect("joined");
+    assert_eq!(found.torses.iter().map(|t| t.0).collect::<Vec<_>>(), [0, 1]);
+    assert_eq!((found.lines.len(), found.lines[0].edge.is_some()), (1, true));
+    assert!(found.distances.iter().all(|d| *d < 0.97), "{:?}", found.distances);
+    // A strip without a torse cannot take part, and is left out without being asked.
+    state.panels.remove(&2);
+    let found = joined(&face, &state, chains(&face, &state), &all, &free).expect("joined");
+    assert_eq!((found.torses.len(), found.lines.len()), (2, 1));
+    let none = BTreeSet::from([0, 2]);
+    assert!(joined(&face, &state, chains(&face, &state), &Asked { without: &none, ..all }, &free).is_none());
+}
+
 /// Distances, what must keep its sign, and gaps against small changes of every unknown in turn.
 #[test]
 fn rows_match_differences() {
