@@ -45,7 +45,28 @@ fn a_cone_is_bent_back_onto_itself_and_written() {
     let made = answer.files().expect("files");
     assert!(made.iter().any(|f| f.0 == "refolded.glb" && f.1.starts_with(b"glTF")));
     let json: serde_json::Value = serde_json::from_slice(&made[0].1).expect("a report");
-    assert_eq!(json["schema"], "torse-refold/2");
+    assert_eq!(json["schema"], "torse-refold/3");
+}
+
+/// A bracket has several panels: each has a bound of its own.
+#[test]
+fn panels_are_proven_one_by_one() {
+    let model = torse::read(include_bytes!("../../../data/bracket.step")).expect("a bracket");
+    let mut answer = torse::unroll(&model, &torse::UnrollOptions::new(0.05), &Control::default()).expect("a flat part");
+    let files: Files = torse::files(&mut answer, "2026-01-31T12:00:00").expect("files").into_iter().collect();
+    let answer = refold(&|n| files.get(n).cloned()).expect("an answer");
+    let report = answer.report();
+    let part = &report.parts[0];
+    assert_eq!(part.panels.len(), 5, "{part:?}");
+    let bounds: Vec<f64> = part.panels.iter().filter_map(|p| p.distance_bound).collect();
+    // Outlines are drawn to the tolerance of the result.
+    assert!(bounds.len() == 5 && bounds.iter().all(|b| *b < 0.05), "{part:?}");
+    assert_eq!(part.distance_bound, bounds.iter().copied().reduce(f64::max));
+    let told = report.words();
+    assert!(
+        told.contains("5 of 5 panels within a proven distance") && told.contains("panel bracket-03: within"),
+        "{told}"
+    );
 }
 
 #[test]

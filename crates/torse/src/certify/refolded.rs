@@ -215,10 +215,12 @@ impl<'a> Judge<'a> {
         [0, 1].map(|d| Interval::point(p.at[d]) + Interval::point(p.slope[d]) * v)
     }
 
-    /// Derivative of the parameters over a span, at a way.
+    /// Derivative of the parameters over a span, at a way: what is the same at both ends is taken off before the way comes in,
+    /// else an interval of ways would count twice.
     fn along_span(&self, k: usize, v: Interval) -> [Interval; 2] {
-        let [a, b] = [self.place(k, 0, v), self.place(k, 1, v)];
-        [b[0] - a[0], b[1] - a[1]]
+        let [p, q] = [&self.asked.places[k], &self.asked.places[k + 1]];
+        let less = |a: f64, b: f64| Interval::point(b) - Interval::point(a);
+        [0, 1].map(|d: usize| less(p.at[d], q.at[d]) + less(p.slope[d], q.slope[d]) * v)
     }
 
     /// Sign of the Jacobian of Φ on a span; `None` where it has none, or the rulings cross in the plane.
@@ -251,7 +253,7 @@ impl<'a> Judge<'a> {
             let v = Interval::new(at(i), at(i + 1));
             let [a, b] = [self.place(k, 0, v), self.place(k, 1, v)];
             let box_ = [a[0].hull(b[0]), a[1].hull(b[1])];
-            let jet = self.tensor.over(box_).affine();
+            let jet = self.tensor.affine_over(box_);
             let bends = sub(&self.turning(k, v), &second(&jet, self.along_span(k, v)));
             let slopes = [0, 1].map(|d: usize| {
                 let p = &self.asked.places;
@@ -297,7 +299,7 @@ impl<'a> Judge<'a> {
         let s = &self.asked.spans[k];
         let pose = if end == 0 { s.space } else { s.space.moved(&s.in_space, 1.0) };
         let x = pose.point(v, 0.0) - self.origin;
-        let on = self.tensor.at(self.place(k, end, Interval::point(v))).affine().p;
+        let on = self.tensor.affine_at(self.place(k, end, Interval::point(v))).p;
         let x = [x.x, x.y, x.z].map(|c| Interval::point(c).widen(self.rough));
         length_bound(&sub(&x, &on))
     }
@@ -353,7 +355,7 @@ impl<'a> Judge<'a> {
                 let of = |e: &([Interval; 2], [Interval; 2])| e.0[d] - e.1[d];
                 of(&ends[0]).hull(of(&ends[1])).widen(change[d])
             };
-            let jet = self.tensor.over([box_of(0), box_of(1)]).affine();
+            let jet = self.tensor.affine_over([box_of(0), box_of(1)]);
             out = worse(out, length_bound(&add(&scale(&jet.du, off(0)), &scale(&jet.dv, off(1)))));
         }
         out

@@ -69,6 +69,19 @@ pub(super) struct Tensor<'a, const N: usize> {
     control: Vec<[Interval; N]>,
 }
 
+impl Tensor<'_, 4> {
+    /// Affine values and derivatives over a box: each piece for itself, as homogeneous derivatives jump at creases even where
+    /// the surface goes on smoothly.
+    pub fn affine_over(&self, [u, v]: [Interval; 2]) -> Jet2<3> {
+        self.pieces([u, v], &|net, a, b| net.over([a, b]).affine())
+    }
+
+    /// The same at a place, known up to the rounding of a narrow box.
+    pub fn affine_at(&self, [u, v]: [Interval; 2]) -> Jet2<3> {
+        self.pieces([u, v], &|net, a, b| net.at([a.local(u), b.local(v)], [a, b]).affine())
+    }
+}
+
 /// One direction of a spline.
 struct Axis<'a> {
     knots: &'a Knots,
@@ -161,8 +174,12 @@ impl<'a, const N: usize> Tensor<'a, N> {
         self.pieces([u, v], &|net, a, b| net.at([a.local(u), b.local(v)], [a, b]))
     }
 
-    fn pieces(&self, [u, v]: [Interval; 2], look: &dyn Fn(&Net<N>, &Part, &Part) -> Jet2<N>) -> Jet2<N> {
-        let mut out: Option<Jet2<N>> = None;
+    fn pieces<const M: usize>(
+        &self,
+        [u, v]: [Interval; 2],
+        look: &dyn Fn(&Net<N>, &Part, &Part) -> Jet2<M>,
+    ) -> Jet2<M> {
+        let mut out: Option<Jet2<M>> = None;
         for i in self.u.pieces(u) {
             let a = self.u.part(i, u);
             for j in self.v.pieces(v) {

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use std::fmt::Write as _;
 
 /// Name and version of the format.
-pub const SCHEMA: &str = "torse-refold/2";
+pub const SCHEMA: &str = "torse-refold/3";
 
 /// The whole answer. Lengths in mm, angles in degrees. What is called a bound is proven, what is
 /// called an estimate is measured at samples.
@@ -41,11 +41,13 @@ pub struct RefoldPart {
     pub matched_mean_estimate: f64,
     /// Largest distance of a sample of either surface from the other surface.
     pub distance_estimate: f64,
-    /// Bound of the distance between the part bent back and the part in space, both ways and with their edges, proven; null if
-    /// none was shown.
+    /// Bound of the distance between the part bent back and the part in space, both ways and with their edges, proven: the
+    /// largest of its panels; null if it was not shown for all of them.
     pub distance_bound: Option<f64>,
     /// Why not; empty where there is one.
     pub not_proven: String,
+    /// What is proven of its panels, one by one.
+    pub panels: Vec<RefoldPanel>,
     /// `distance_bound` with the digits that the tables print, without the numbers of `report.json`; null if none was shown.
     pub printed_bound: Option<f64>,
     /// `matched_estimate` with the digits that the tables print, without the numbers of `report.json`; null if not known.
@@ -58,6 +60,26 @@ pub struct RefoldPart {
     pub worst: [f64; 2],
     /// Samples compared.
     pub samples: usize,
+}
+
+/// What is proven of one panel.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RefoldPanel {
+    /// Name.
+    pub name: String,
+    /// Bound of the distance between it and what belongs to it of the part bent back, both ways and with the edges, proven; null
+    /// if none was shown.
+    pub distance_bound: Option<f64>,
+    /// Why not; empty where there is one.
+    pub not_proven: String,
+}
+
+impl RefoldPanel {
+    /// A panel with its bound (mm), or why there is none.
+    pub fn new(name: &str, found: &Result<f64, impl std::fmt::Display>) -> Self {
+        let not_proven = found.as_ref().err().map_or_else(String::new, |e| e.to_string());
+        Self { name: name.to_owned(), distance_bound: found.as_ref().ok().copied(), not_proven }
+    }
 }
 
 impl RefoldReport {
@@ -76,7 +98,14 @@ impl RefoldReport {
 
     /// A few lines for the terminal.
     pub fn words(&self) -> String {
-        let mut out = format!("{} of {} parts bent back\n", self.parts.len(), self.parts.len() + self.left.len());
+        let panels = || self.parts.iter().flat_map(|p| &p.panels);
+        let proven = panels().filter(|p| p.distance_bound.is_some()).count();
+        let mut out = format!(
+            "{} of {} parts bent back; {proven} of {} panels within a proven distance, the others measured\n",
+            self.parts.len(),
+            self.parts.len() + self.left.len(),
+            panels().count(),
+        );
         for p in &self.parts {
             let printed = |x: Option<f64>| x.map_or_else(|| "unknown".into(), number);
             // Writing to a string cannot fail.
@@ -100,6 +129,12 @@ impl RefoldReport {
                     p.not_proven,
                 ),
             };
+            for panel in p.panels.iter().filter(|_| p.panels.len() > 1) {
+                _ = match panel.distance_bound {
+                    Some(bound) => writeln!(out, "    panel {}: within {} mm (proven)", panel.name, number(bound)),
+                    None => writeln!(out, "    panel {}: not proven: {}", panel.name, panel.not_proven),
+                };
+            }
         }
         if self.parts.iter().any(|p| p.matched_estimate > self.tolerance) {
             out.push_str(

@@ -11,9 +11,9 @@ use crate::develop::refold::mesh::mesh;
 use crate::draw::scene::{PanelShape, Scene};
 use crate::geom::placement::Placement;
 use crate::io::glb;
-use crate::io::refold_report::{RefoldPart, RefoldReport, SCHEMA};
+use crate::io::refold_report::{RefoldPanel, RefoldPart, RefoldReport, SCHEMA};
 use crate::io::result_folder::{read, FolderError, ResultFolder, ResultPart};
-use crate::search::refolded::{distance_bound, NotRefolded};
+use crate::search::refolded::{distance_bounds, NotRefolded, PanelBound};
 use rayon::prelude::*;
 
 /// Names of the files of the job.
@@ -32,8 +32,9 @@ pub struct PartAnswer {
     pub compared: Result<Comparison, NotRefolded>,
     /// The same from the printed digits of the tables alone.
     pub printed: Option<Comparison>,
-    /// Proven distance (mm) from the panels, both ways and with the edges; the reason where none was shown.
-    pub proven: Result<f64, NotRefolded>,
+    /// For every panel its name, and the proven distance (mm) between it and what belongs to it, both ways and with the edges;
+    /// the reason where none was shown.
+    pub proven: Vec<(String, Result<f64, NotRefolded>)>,
     /// The same from the printed digits of the tables alone.
     pub printed_proven: Option<f64>,
     /// Distance of the panels' corners from the outline drawn, mm.
@@ -99,7 +100,7 @@ fn answer(
         name: part.record.name.clone(),
         compared: Err(NotRefolded::NoSample),
         printed: None,
-        proven: Err(NotRefolded::NotCompared),
+        proven: Vec::new(),
         printed_proven: None,
         alignment: f64::NAN,
         flat,
@@ -113,20 +114,33 @@ fn answer(
         Ok(all) => all,
     };
     let Some((atlas, c)) = best(&out.flat, &out.refolded, &all) else { return out };
-    let bound = |flat: &FlatPart, back: &Refolded, c: &Comparison| {
-        let found = distance_bound(flat, back, atlas, &c.motion)?.plus(read).value();
-        let known = found.is_finite();
-        known.then_some(found).ok_or(NotRefolded::NotExact)
+    let bounds = |flat: &FlatPart, back: &Refolded, c: &Comparison| -> Vec<(String, Result<f64, NotRefolded>)> {
+        let of = |p: PanelBound| {
+            let found = p.found.map(|b| b.plus(read).value());
+            (p.name, found.and_then(|b| if b.is_finite() { Ok(b) } else { Err(NotRefolded::NotExact) }))
+        };
+        distance_bounds(flat, back, atlas, &c.motion).into_iter().map(of).collect()
     };
     out.alignment = atlas.alignment;
-    out.proven = bound(&out.flat, &out.refolded, &c);
+    out.proven = bounds(&out.flat, &out.refolded, &c);
     let printed = flat_part(part, false);
     if let Ok(back) = super::part_atlas::refolded(&printed) {
         out.printed = compare(&printed, &back, atlas);
-        out.printed_proven = out.printed.as_ref().and_then(|c| bound(&printed, &back, c).ok());
+        out.printed_proven = out.printed.as_ref().and_then(|c| largest(&bounds(&printed, &back, c)).ok());
     }
     out.compared = Ok(c);
     out
+}
+
+/// The largest of what is proven of the panels of a part; the reason where that is not known of all.
+fn largest(panels: &[(String, Result<f64, NotRefolded>)]) -> Result<f64, NotRefolded> {
+    let open: Vec<&NotRefolded> = panels.iter().filter_map(|p| p.1.as_ref().err()).collect();
+    match (open.first(), panels.len()) {
+        (None, 0) => Err(NotRefolded::NotCompared),
+        (None, _) => Ok(panels.iter().filter_map(|p| p.1.as_ref().ok()).copied().fold(0.0, f64::max)),
+        (Some(why), 1) => Err((*why).clone()),
+        (Some(_), of) => Err(NotRefolded::Open { open: open.len(), of }),
+    }
 }
 
 /// Of several ways to lay the panels onto an outline the one that the bends agree with.
@@ -158,8 +172,9 @@ impl RefoldAnswer {
                     matched_estimate: c.matched_estimate,
                     matched_mean_estimate: c.matched_mean_estimate,
                     distance_estimate: c.distance_estimate,
-                    distance_bound: p.proven.as_ref().ok().copied(),
-                    not_proven: p.proven.as_ref().err().map_or_else(String::new, |e| e.to_string()),
+                    distance_bound: largest(&p.proven).ok(),
+                    not_proven: largest(&p.proven).err().map_or_else(String::new, |e| e.to_string()),
+                    panels: p.proven.iter().map(|(name, found)| RefoldPanel::new(name, found)).collect(),
                     printed_bound: p.printed_proven,
                     printed_estimate: p.printed.as_ref().map(|c| c.matched_estimate),
                     disagreement_deg: p.refolded.disagreement.to_degrees(),

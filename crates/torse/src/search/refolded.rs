@@ -8,7 +8,7 @@
 
 use crate::certify::claim::UpperBound;
 use crate::certify::refolded::{distance, Along, Piece, Stretch, Unshown};
-use crate::develop::refold::atlas::{Atlas, OnPanel};
+use crate::develop::refold::atlas::{Atlas, OnPanel, Sheet};
 use crate::develop::refold::compare::samples;
 use crate::develop::refold::drawn::{inside, FlatPart};
 use crate::develop::refold::leaf::{Leaf, Refolded};
@@ -36,49 +36,65 @@ pub enum NotRefolded {
     /// It was not compared at all.
     #[error("it was not compared")]
     NotCompared,
-    /// Its panels were not read exactly.
-    #[error("its panels were not read exactly")]
+    /// A panel that was not read exactly.
+    #[error("it was not read exactly")]
     NotExact,
-    /// A panel, by its name, that belongs to several bends.
-    #[error("panel {0} belongs to several bends")]
-    Several(String),
-    /// A panel, by its name, that belongs to no bend.
-    #[error("no bend belongs to panel {0}")]
-    None(String),
+    /// A panel that belongs to several bends.
+    #[error("it belongs to several bends")]
+    Several,
+    /// A panel that belongs to no bend.
+    #[error("no bend belongs to it")]
+    None,
+    /// Panels of which some could not be proven.
+    #[error("{open} of its {of} panels could not be proven")]
+    Open {
+        /// How many.
+        open: usize,
+        /// Of how many.
+        of: usize,
+    },
     /// What the judge could not show.
     #[error(transparent)]
     Unshown(#[from] Unshown),
 }
 
-/// Bound (mm) of the distance between a part bent back and moved and its panels, both ways.
-///
-/// # Errors
-/// Why none was shown.
-pub(crate) fn distance_bound(
+/// What is proven of one panel.
+#[derive(Clone, Debug)]
+pub(crate) struct PanelBound {
+    /// Its name.
+    pub name: String,
+    /// Bound (mm) of the distance between it and what belongs to it of the part bent back, both ways and with the edges; why
+    /// none was shown.
+    pub found: Result<UpperBound, NotRefolded>,
+}
+
+/// What is proven of a part bent back and moved: for each of its panels, in their order. Each is judged for itself with its own
+/// stretch of the part, so that one that cannot be proven costs no other its proof.
+pub(crate) fn distance_bounds(
     part: &FlatPart,
     refolded: &Refolded,
     atlas: &Atlas,
     motion: &Placement,
-) -> Result<UpperBound, NotRefolded> {
-    let mut bound: Option<UpperBound> = None;
-    let mut used = vec![false; atlas.sheets.len()];
+) -> Vec<PanelBound> {
+    let mut found: Vec<Option<Result<UpperBound, NotRefolded>>> = vec![None; atlas.sheets.len()];
     for leaf in &refolded.leaves {
         let ribbon = fine(&leaf.ribbon, motion, &joints(&leaf.ribbon, atlas));
         let lines = leaf.loops.iter().map(|l| lifted(&ribbon, l)).collect::<Option<Vec<_>>>();
-        let lines = lines.ok_or(Unshown::Lines)?;
         for (range, sheet) in stretches(part, leaf, &ribbon, atlas) {
-            // A panel in two places has no one border.
-            if std::mem::replace(&mut used[sheet], true) {
-                return Err(NotRefolded::Several(atlas.sheets[sheet].panel.name.clone()));
-            }
-            let found = judged(&ribbon, &lines, range, (part, atlas, sheet))?;
-            bound = Some(bound.map_or(found, |b| b.max(found)));
+            let one = match &lines {
+                // A panel in two places has no one border.
+                Some(_) if found[sheet].is_some() => Err(NotRefolded::Several),
+                Some(lines) => judged(&ribbon, lines, range, (part, atlas, sheet)).map_err(NotRefolded::from),
+                None => Err(Unshown::Lines.into()),
+            };
+            found[sheet] = Some(one);
         }
     }
-    if let Some(k) = used.iter().position(|u| !u) {
-        return Err(NotRefolded::None(atlas.sheets[k].panel.name.clone()));
-    }
-    bound.ok_or(Unshown::Lines.into())
+    let named = |(found, sheet): (Option<_>, &Sheet)| PanelBound {
+        name: sheet.panel.name.clone(),
+        found: found.unwrap_or_else(|| Err(NotRefolded::None)),
+    };
+    found.into_iter().zip(&atlas.sheets).map(named).collect()
 }
 
 /// Places on the rulings at which panels begin and end, where there are several.
@@ -216,32 +232,99 @@ fn judged(
     let scale = [jet.du.norm(), jet.dv.norm()];
     let borders: Vec<Vec<Vec2>> =
         (panel.loops.iter()).map(|l| l.iter().map(|p| Vec2::new(p[0] * scale[0], p[1] * scale[1])).collect()).collect();
-    let on_patch = |p: &Piece, end: usize| {
-        let [s, v] = p.ends[end];
+    let on_patch = |p: &Piece, [s, v]: [f64; 2]| {
         let at = |k: usize, d: usize| places[p.span + k].at[d] + places[p.span + k].slope[d] * v;
         let of = |d: usize| ((1.0 - s) * at(0, d) + s * at(1, d)) * scale[d];
         Vec2::new(of(0), of(1))
     };
     let mut matched = Vec::new();
-    for mut line in own {
-        let first = on_patch(&line[0], 0);
+    for line in own {
+        let first = on_patch(&line[0], line[0].ends[0]);
         let border = (0..borders.len())
             .min_by(|a, b| nearest(&borders[*a], &first).1.total_cmp(&nearest(&borders[*b], &first).1))
             .ok_or(Unshown::Lines)?;
-        let corners = borders[border].len() as f64;
-        let mut at = nearest(&borders[border], &first).0;
-        for p in &mut line {
-            let there = nearest(&borders[border], &on_patch(p, 1)).0;
-            // The shorter way.
-            let step = (there - at).rem_euclid(corners);
-            let step = if step > 0.5 * corners { step - corners } else { step };
-            p.border = [at, at + step];
-            at += step;
-        }
-        matched.push((border, line));
+        matched.push((border, beside(line, &borders[border], &on_patch)));
     }
     let (surface, borders, chords) = (&panel.surface, &panel.loops[..], part.chords);
     distance(&Stretch { spans, places, lines: matched, surface, borders, chords })
+}
+
+/// Share of a piece within which a corner of the border is at its end.
+const AT_END: f64 = 1e-6;
+
+/// A closed line with its places on the border of its panel, a polygon: cut where the border turns, because sides of the border
+/// are as long as they are, and pieces that went around a corner would be compared with the wrong side of it.
+fn beside(line: Vec<Piece>, border: &[Vec2], on_patch: &impl Fn(&Piece, [f64; 2]) -> Vec2) -> Vec<Piece> {
+    let (n, corners) = (line.len(), border.len() as f64);
+    let mut at = vec![nearest(border, &on_patch(&line[0], line[0].ends[0])).0];
+    for p in &line {
+        let last = at[at.len() - 1];
+        // The shorter way.
+        let step = (nearest(border, &on_patch(p, p.ends[1])).0 - last).rem_euclid(corners);
+        at.push(last + if step > 0.5 * corners { step - corners } else { step });
+    }
+    let share = |p: &Piece, corner: f64| {
+        let [a, b] = p.ends.map(|e| on_patch(p, e));
+        let x = border[(corner as i64).rem_euclid(border.len() as i64) as usize];
+        (b - a).dot(&(x - a)) / (b - a).norm_squared()
+    };
+    // Corners between the places of both ends, in the direction of the piece.
+    let between = |a: f64, b: f64| {
+        let mut all: Vec<f64> =
+            (a.min(b).floor() as i64 + 1..).map(|k| k as f64).take_while(|x| *x < a.max(b)).collect();
+        if b < a {
+            all.reverse();
+        }
+        all
+    };
+    for (k, p) in line.iter().enumerate() {
+        for c in between(at[k], at[k + 1]) {
+            let x = share(p, c);
+            if x <= AT_END {
+                // The first place is the last one too.
+                if k == 0 {
+                    at[n] += c - at[0];
+                }
+                at[k] = c;
+            } else if x >= 1.0 - AT_END {
+                if k + 1 == n {
+                    at[0] += c - at[n];
+                }
+                at[k + 1] = c;
+                break;
+            }
+        }
+    }
+    let mut out = Vec::with_capacity(n);
+    for (k, p) in line.into_iter().enumerate() {
+        let mut rest = Piece { border: [at[k], at[k + 1]], ..p };
+        let mut done = 0.0;
+        for c in between(at[k], at[k + 1]) {
+            let x = share(&p, c);
+            if !(x > done + AT_END && x < 1.0 - AT_END) {
+                continue;
+            }
+            let part = |a: f64, b: f64| a + (b - a) * (x - done) / (1.0 - done);
+            let [[s, v], [t, w]] = rest.ends;
+            let place = [part(s, t), part(v, w)];
+            let drawn = rest.drawn.map(|[a, b]| (a, a + (b - a) * ((x - done) / (1.0 - done)), b));
+            out.push(Piece {
+                ends: [rest.ends[0], place],
+                border: [rest.border[0], c],
+                drawn: drawn.map(|(a, m, _)| [a, m]),
+                ..rest
+            });
+            rest = Piece {
+                ends: [place, rest.ends[1]],
+                border: [c, rest.border[1]],
+                drawn: drawn.map(|(_, m, b)| [m, b]),
+                ..rest
+            };
+            done = x;
+        }
+        out.push(rest);
+    }
+    out
 }
 
 /// Place on a closed polygon nearest to a point (number of a corner and share of the way to the next), and its distance.
