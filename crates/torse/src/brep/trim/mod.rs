@@ -326,6 +326,9 @@ fn regions(
     let mut out = Vec::new();
     let cleaned: Vec<Polygon> = polygons.into_iter().filter_map(polygon::cleaned).collect();
     let groups = polygon::nested(cleaned, sense_matters);
+    if let Some(at) = polygon::first_overlap(&groups) {
+        return Err(TrimError::SelfTouching(surface.point(at[0], at[1])));
+    }
     let source = Shared::new(raw.clone());
     for group in groups {
         if let Some(at) = polygon::first_contact(&group) {

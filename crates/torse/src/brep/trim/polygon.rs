@@ -214,6 +214,33 @@ fn holds(outer: &Polygon, inner: &Polygon) -> bool {
     2 * tests.iter().filter(|&&b| b).count() > tests.len()
 }
 
+/// Way by which places on sides are moved inwards, as a share of the side, to be clear of a common border.
+const INWARDS: f64 = 1e-6;
+
+/// A place that two regions have in common; they may touch.
+pub(super) fn first_overlap(groups: &[Vec<Polygon>]) -> Option<[f64; 2]> {
+    let outer: Vec<Polygon> = groups.iter().filter_map(|g| g.first().cloned()).collect();
+    if outer.len() < 2 {
+        return None;
+    }
+    first_contact(&outer)?;
+    let within = |group: &[Polygon], x: [f64; 2]| {
+        let (outer, holes) = (&group[0], &group[1..]);
+        outer.contains(x) && !holes.iter().any(|h| h.contains(x))
+    };
+    outer.iter().enumerate().find_map(|(k, p)| {
+        let n = p.points.len();
+        (0..n).find_map(|i| {
+            let (a, b) = (p.points[i], p.points[(i + 1) % n]);
+            let d = [b[0] - a[0], b[1] - a[1]];
+            // Outer polygons run counter-clockwise: inside is on the left.
+            let x = [0.5 * (a[0] + b[0]) - INWARDS * d[1], 0.5 * (a[1] + b[1]) + INWARDS * d[0]];
+            let twice = groups.iter().enumerate().any(|(j, g)| j != k && within(g, x));
+            (twice && within(&groups[k], x)).then_some(x)
+        })
+    })
+}
+
 /// A place where two sides of the polygons cross or touch that are not neighbours.
 pub(super) fn first_contact(group: &[Polygon]) -> Option<[f64; 2]> {
     let refs: Vec<&Polygon> = group.iter().collect();

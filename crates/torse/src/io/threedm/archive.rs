@@ -11,8 +11,8 @@ pub(super) const MAGIC: &[u8; 24] = b"3D Geometry File Format ";
 const HEADER: usize = 32;
 /// The oldest version whose objects have classes throughout.
 const OLDEST: u32 = 2;
-/// The newest version that is known.
-const NEWEST: u32 = 80;
+/// Versions that are known.
+const KNOWN: [u32; 8] = [2, 3, 4, 5, 50, 60, 70, 80];
 
 /// Levels of layers at most; a deeper nesting is a circle.
 const DEEPEST_LAYER: usize = 32;
@@ -132,7 +132,7 @@ fn version(bytes: &[u8]) -> Result<u32, ReadError> {
     let text = String::from_utf8_lossy(&head[MAGIC.len()..]);
     match text.trim().parse::<u32>() {
         Ok(v) if v < OLDEST => Err(ReadError::TooOld(v)),
-        Ok(v) if v <= NEWEST => Ok(v),
+        Ok(v) if KNOWN.contains(&v) => Ok(v),
         Ok(v) => Err(ReadError::TooNew(v)),
         Err(_) => Err(ReadError::NotThreeDm(format!("its version '{}' is no number", text.trim()))),
     }

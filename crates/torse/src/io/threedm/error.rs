@@ -14,7 +14,7 @@ pub enum ReadError {
     /// An archive of the first version.
     #[error("this is a 3DM file of version {0}; open it in Rhino and save it as version 4 or later")]
     TooOld(u32),
-    /// An archive of a version that did not exist when this was written.
+    /// An archive of a version that is not known, or did not exist when this was written.
     #[error("this is a 3DM file of version {0}, which is not known; save it as version 8 in Rhino")]
     TooNew(u32),
     /// The tables of the archive are damaged or cut off.
