@@ -7,7 +7,7 @@
 use crate::brep::face::Face;
 use crate::brep::rulings::Rulings;
 use crate::geom::{Frame, Vec3};
-use crate::spline::surface::Surface;
+use crate::spline::surface::{Surface, SurfaceJet};
 use nalgebra::Matrix3;
 
 /// The surface of a face.
@@ -53,7 +53,8 @@ pub struct Defect {
     /// Absolute Gaussian curvature, 1/mm².
     pub curvature_estimate: f64,
     /// Share by which lengths have to change to make it flat: a sixteenth of curvature times the square of the face's
-    /// smaller extent (the strain at the rim of a flattened cap of that width).
+    /// smaller breadth, measured on it (the strain at the rim of a flattened cap of that width); half or more where the face
+    /// closes on itself.
     pub strain_estimate: f64,
 }
 
@@ -83,6 +84,10 @@ pub const EXACT: f64 = 1e-7;
 const PLACES: usize = 9;
 /// Rulings looked at on each span between knots.
 const LINES: usize = 8;
+/// Share of the greatest squared measure of the parameters' net below which a place is a pole, without curvature of its own.
+const POLE: f64 = 1e-12;
+/// Chords by which the breadth of a face is measured.
+const LENGTHS: usize = 64;
 /// Directions that turn by less (rad) count as one.
 const PARALLEL: f64 = 1e-7;
 
@@ -214,21 +219,23 @@ fn cone(apex: &Vec3, lines: &[(Vec3, Vec3, Vec3)], slack: f64) -> Option<Carrier
 
 /// How far a surface is from developable, at places.
 fn defect(face: &Face, places: &[[f64; 2]]) -> Defect {
+    let jets: Vec<_> = places.iter().map(|q| face.surface.jet(q[0], q[1])).collect();
+    let measure = |j: &SurfaceJet| j.du.norm_squared() * j.dv.norm_squared() - j.du.dot(&j.dv).powi(2);
+    let least = POLE * jets.iter().map(measure).fold(0.0, f64::max);
     let mut curvature = 0.0_f64;
-    for q in places {
-        let j = face.surface.jet(q[0], q[1]);
+    for j in jets.iter().filter(|j| measure(j) > least) {
         let n = j.normal();
-        let (e, f, g) = (j.du.norm_squared(), j.du.dot(&j.dv), j.dv.norm_squared());
-        let area = e * g - f * f;
-        if area > 0.0 {
-            let k = (n.dot(&j.duu) * n.dot(&j.dvv) - n.dot(&j.duv).powi(2)) / n.norm_squared() / area;
-            curvature = curvature.max(k.abs());
-        }
+        let k = (n.dot(&j.duu) * n.dot(&j.dvv) - n.dot(&j.duv).powi(2)) / n.norm_squared() / measure(j);
+        curvature = curvature.max(k.abs());
     }
     let b = bounds(face);
-    let point = |u: f64, v: f64| face.surface.point(u, v);
+    let at = |k: usize, lo: f64, hi: f64| lo + (hi - lo) * k as f64 / LENGTHS as f64;
+    let length =
+        |point: &dyn Fn(usize) -> Vec3| -> f64 { (0..LENGTHS).map(|k| (point(k + 1) - point(k)).norm()).sum() };
     let (u, v) = (0.5 * (b[0] + b[1]), 0.5 * (b[2] + b[3]));
-    let width = (point(b[0], v) - point(b[1], v)).norm().min((point(u, b[2]) - point(u, b[3])).norm());
+    let along_u = length(&|k| face.surface.point(at(k, b[0], b[1]), v));
+    let along_v = length(&|k| face.surface.point(u, at(k, b[2], b[3])));
+    let width = along_u.min(along_v);
     Defect {
         twist_estimate: twist(&face.surface, b),
         curvature_estimate: curvature,
@@ -248,7 +255,9 @@ fn twist(surface: &Surface, b: [f64; 4]) -> f64 {
                 (0..PLACES).map(|i| place(at(k, across), at(i, along))).map(|(u, v)| surface.jet(u, v)).collect();
             let chord = jets[PLACES - 1].p - jets[0].p;
             let off = |p: Vec3| (p - jets[0].p).cross(&chord).norm();
-            if jets.iter().any(|j| off(j.p) > EXACT * chord.norm_squared()) {
+            // Lines that come back to where they began are not straight either.
+            let length = chord.norm() * (1.0 + EXACT);
+            if jets.iter().any(|j| off(j.p) > EXACT * chord.norm_squared() || (j.p - jets[0].p).norm() > length) {
                 return f64::NAN;
             }
             for w in [[0, PLACES - 1], [0, PLACES / 2], [PLACES / 2, PLACES - 1]] {
@@ -300,6 +309,25 @@ mod tests {
         let Carrier::Curved(d) = on(&torus, (0.0, 1.0), (-0.5, 0.5)) else { panic!("a torus") };
         // Greatest where the ring is outermost: cos 0 / (4 · 24).
         assert!((d.curvature_estimate - 1.0 / 96.0).abs() < 2e-3 && d.twist_estimate.is_nan());
+    }
+
+    #[test]
+    fn what_closes_on_itself_is_told_with_its_true_defect() {
+        let frame = frame(Vec3::new(5.0, -3.0, 8.0), Vec3::z());
+        let turn = std::f64::consts::TAU;
+        let torus = SupportSurface::Torus { frame, major: 100.0, minor: 20.0 };
+        let sphere = SupportSurface::Sphere { frame, radius: 100.0 };
+        for (support, v, curvature) in
+            [(torus, (0.0, turn), 1.0 / (20.0 * 80.0)), (sphere.clone(), (-0.25 * turn, 0.25 * turn), 1e-4)]
+        {
+            let Carrier::Curved(d) = on(&support, (0.0, turn), v) else { panic!("{support:?}") };
+            assert!((d.curvature_estimate / curvature - 1.0).abs() < 1e-3, "{d:?}");
+            assert!((0.5..1.0).contains(&d.strain_estimate), "{d:?}");
+            assert!(d.twist_estimate.is_nan(), "circles are no rulings: {d:?}");
+        }
+        // A cap of small breadth: what its rim is too short by.
+        let Carrier::Curved(d) = on(&sphere, (0.0, 0.2), (-0.1, 0.1)) else { panic!("a sphere") };
+        assert!((d.strain_estimate / (0.2_f64.powi(2) / 16.0) - 1.0).abs() < 0.01, "{d:?}");
     }
 
     #[test]
