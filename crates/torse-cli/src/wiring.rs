@@ -64,6 +64,10 @@ pub fn unroll(model: &Model, options: &UnrollOptions, control: &Control) -> Resu
             UnrollError::Edge(_) => "bend_table.csv of a run without --bends names the edges of sharp bends",
             UnrollError::CoversSurfacesOnly => "give --surfaces with --approximate",
             UnrollError::Approximate(_) => "leave out --approximate, or ask for another distance",
+            UnrollError::Nothing { .. } if options.surfaces && options.approximate.is_none() => {
+                "--approximate 1mm covers faces that are not developable by panels within that distance"
+            }
+            UnrollError::Nothing { .. } if options.surfaces => "give it longer with --time-limit, or leave that out",
             UnrollError::Nothing { .. } => {
                 "--surfaces takes faces without thickness; with it, --approximate 1mm covers faces that are not developable"
             }

@@ -53,6 +53,11 @@ impl<'a> Rulings<'a> {
         [one, other].into_iter().find(|r| r.hold(slack))
     }
 
+    /// Whether v selects the line.
+    pub fn is_swapped(&self) -> bool {
+        self.swapped
+    }
+
     /// Range of the parameter that selects a line.
     pub fn range(&self) -> (f64, f64) {
         self.across

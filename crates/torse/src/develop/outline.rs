@@ -3,7 +3,8 @@
 use super::arcs::PlaneCurve;
 use super::map::Development;
 use super::overlap::OutlinePoint;
-use crate::geom::{Vec2, Vec3};
+use crate::brep::face::Face;
+use crate::geom::Vec2;
 use crate::patchwork::clip::trim_place;
 use crate::patchwork::panel::{Coedge, Panel};
 use crate::spline::composite::smooth_breaks;
@@ -115,21 +116,10 @@ impl<'a> FlatRun<'a> {
     }
 }
 
-/// +1 or −1: the side from which the panel looks as the face looks from its outside, for [`Development::new`].
-/// `outward` gives the face's outward normal at a vertex of the partition.
-pub fn outside(panel: &Panel, outward: &dyn Fn(u32) -> Vec3) -> f64 {
-    let mut sum = 0.0;
-    for run in panel.loops().iter().flatten() {
-        let middle = run.vertices.len() / 2;
-        let q = run.trim.point(run.parameters[middle]);
-        let j = panel.strip.patch.jet(q[0], q[1]);
-        let (n, m) = (j.dv.cross(&j.du), outward(run.vertices[middle]));
-        let size = n.norm() * m.norm();
-        if size > 0.0 {
-            sum += n.dot(&m) / size;
-        }
-    }
-    if sum < 0.0 {
+/// +1 or −1: the side from which the panel looks as the face looks from its outside, for [`Development::new`]: loops run as
+/// those of the face in its parameter plane.
+pub fn outside(panel: &Panel, face: &Face) -> f64 {
+    if panel.mirrored() == face.reversed {
         -1.0
     } else {
         1.0

@@ -167,20 +167,8 @@ pub fn pattern(patchwork: &Patchwork, panel: usize, options: &PatternOptions) ->
 /// The map of a panel to the plane, seen from the side to which its face looks, and what that side is for
 /// [`Development::new`].
 pub(super) fn developed(patchwork: &Patchwork, panel: &Panel) -> Result<(Development, f64), DevelopError> {
-    let missing = DevelopError::Missing(panel.face().unwrap_or_default());
-    let (Some(face), Some(partition)) = (patchwork.face_of(panel), patchwork.partition_of(panel)) else {
-        return Err(missing);
-    };
-    let outward = |v: u32| {
-        let [u, v] = partition.vertices[v as usize];
-        let n = face.surface.jet(u, v).normal();
-        if face.reversed {
-            -n
-        } else {
-            n
-        }
-    };
-    let side = outside(panel, &outward);
+    let face = patchwork.face_of(panel).ok_or(DevelopError::Missing(panel.face().unwrap_or_default()))?;
+    let side = outside(panel, face);
     Ok((Development::new(&panel.strip.patch, side)?, side))
 }
 

@@ -23,7 +23,7 @@ use crate::io::model::Model;
 use crate::patchwork::panel::Patchwork;
 use crate::patchwork::part::Part;
 use crate::pipeline::approximate::ApproximateError;
-use crate::search::strips::face_panel::{face_panels, LaidFace};
+use crate::search::strips::face_panel::{face_panel, LaidFace};
 #[cfg(test)]
 use proofs::judged;
 use proofs::proven;
@@ -140,9 +140,8 @@ pub fn unroll(model: &Model, options: &UnrollOptions, control: &Control) -> Resu
     let skin = |(part, laid): (&FlatPart, &Option<LaidFace>)| -> Vec<_> {
         let faces = if laid.is_some() { &[][..] } else { &part.faces[..] };
         let of = |(k, f): (usize, &usize)| {
-            let face = model.faces[*f].clone();
-            let name = format!("{}-{:02}", part.pattern.name, k + 1);
-            (face.entity, face_panels(&face, &name).filter(|f| !f.1.is_empty()).map(|(p, panels)| (face, p, panels)))
+            let (face, name) = (&model.faces[*f], format!("{}-{:02}", part.pattern.name, k + 1));
+            (face.entity, face_panel(face, &name))
         };
         faces.par_iter().enumerate().map(of).collect()
     };
@@ -158,15 +157,7 @@ pub fn unroll(model: &Model, options: &UnrollOptions, control: &Control) -> Resu
         if !missing.is_empty() {
             absent.push(UnrollNote::NotInSpace { part: part.pattern.name.clone(), faces: missing });
         }
-        for (face, partition, made) in panels.into_iter().filter_map(|f| f.1) {
-            let index = patchwork.faces.len();
-            patchwork.panels.extend(made.into_iter().map(|mut p| {
-                p.trim.iter_mut().for_each(|t| t.face = index);
-                p
-            }));
-            patchwork.faces.push(face);
-            patchwork.partitions.push(partition);
-        }
+        panels.into_iter().filter_map(|f| f.1).for_each(|p| patchwork.append(p));
         let name = part.pattern.name.clone();
         made_of.push(Part::new(name, first, patchwork.panels.len() - first));
     }

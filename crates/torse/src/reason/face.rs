@@ -159,6 +159,11 @@ pub enum Unlaid {
         /// What it lies on.
         carrier: &'static str,
     },
+    /// The face is so narrow that nothing is left of its outline.
+    Narrow {
+        /// Tolerance of the drawing, mm.
+        tolerance: f64,
+    },
     /// So many faces that hang together, and why the first of them is.
     Group(usize, Box<Unlaid>),
     /// A strip could not be developed, as an error says.

@@ -92,7 +92,7 @@ pub(crate) fn distance_bounds(
     }
     let named = |(found, sheet): (Option<_>, &Sheet)| PanelBound {
         name: sheet.panel.name.clone(),
-        found: found.unwrap_or_else(|| Err(NotRefolded::None)),
+        found: found.unwrap_or(Err(NotRefolded::None)),
     };
     found.into_iter().zip(&atlas.sheets).map(named).collect()
 }

@@ -51,6 +51,13 @@ pub fn panel_mesh(patchwork: &Patchwork, panel: usize) -> Mesh {
             }
         }
     }
+    // A border that knows no vertices leaves the first one to be looked for.
+    if let (PanelForm::Ruled(map), None, Some(v)) = (&trim.form, queue.front(), old.first()) {
+        let ((s0, s1), (t0, t1)) = (map.knots_s.domain(), map.knots_t.domain());
+        let middle = [0.5 * (s0 + s1), 0.5 * (t0 + t1)];
+        foot[0] = Some(map.nearest(partition.vertices[*v as usize], middle).0);
+        queue.push_back(0);
+    }
     // 2. Feet, from the border inwards, each from a neighbour's.
     let jets: Vec<_> =
         old.iter().map(|&v| partition.vertices[v as usize]).map(|q| face.surface.jet(q[0], q[1])).collect();

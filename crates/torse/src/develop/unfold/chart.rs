@@ -122,13 +122,19 @@ impl Chart {
                 Kind::Round { frame: *frame, sign, angles, half_angle: *half_angle, radius: 0.0, neutral }
             }
             Carrier::GeneralCylinder { .. } | Carrier::GeneralCone { .. } | Carrier::TangentSurface => {
-                let mut ruled = Ruled::new(face, depth)?;
-                ruled.strips = strips::strips(&ruled, carrier);
-                Kind::Ruled(Box::new(ruled))
+                Kind::Ruled(Box::new(Ruled::new(face, depth)?))
             }
             Carrier::Curved(_) => return None,
         };
         Some(Self { kind })
+    }
+
+    /// The map with strips in closed form where it has none as a whole, near the face by a small share of `tolerance` (mm).
+    pub fn in_strips(mut self, carrier: &Carrier, tolerance: f64) -> Self {
+        if let Kind::Ruled(r) = &mut self.kind {
+            r.strips = strips::strips(r, carrier, tolerance);
+        }
+        self
     }
 
     /// Place in the plane of a point of the face; `uv` is its place in the parameter plane, which tells copies on closed
@@ -309,10 +315,9 @@ impl Ruled {
         let extent = face.surface.bbox().diagonal();
         let rulings = Rulings::of(&face.surface, b, crate::brep::carrier::EXACT * extent)?;
         let breaks = rulings.breaks();
-        let [u, _] = rulings.lines(vec![0.0], vec![1.0]);
         let mut out = Self {
             surface: face.surface.clone(),
-            swapped: u[0] == 1.0,
+            swapped: rulings.is_swapped(),
             reversed: face.reversed,
             along: rulings.reach(),
             depth,

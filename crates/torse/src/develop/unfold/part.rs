@@ -112,8 +112,13 @@ pub fn flat_parts(faces: &[&Face], name: &str, options: &PartOptions) -> BodyPar
         out.left.push((Some(group[0]), Unlaid::Group(group.len(), Box::new(why(&body, group[0], &found)))));
     }
     let Some(best) = best else { return out };
-    let count = best.pieces.len();
-    for (k, (piece, outlines)) in best.pieces.iter().zip(best.outlines).enumerate() {
+    let (drawn, empty): (Vec<_>, Vec<_>) =
+        best.pieces.iter().zip(best.outlines).partition(|(_, o)| o.iter().any(|o| o.contour.vertices.len() > 1));
+    for face in empty.iter().flat_map(|(piece, _)| &piece.faces) {
+        out.left.push((Some(face.face), Unlaid::Narrow { tolerance: options.tolerance }));
+    }
+    let count = drawn.len();
+    for (k, (piece, outlines)) in drawn.into_iter().enumerate() {
         let name = if count > 1 { format!("{name}-{}", k + 1) } else { name.to_owned() };
         out.parts.push(part(&body, piece, outlines, (&found, &name), options));
     }

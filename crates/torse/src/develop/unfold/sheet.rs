@@ -46,12 +46,20 @@ fn distances(found: &[[f64; 2]]) -> String {
         [] => "no two of its faces lie opposite each other".into(),
         [one] => format!("the only distance between opposite faces, {:.3} mm, holds for {:.0} % of it", one[0], one[1]),
         [a, b, ..] => format!(
-            "the most frequent distances between opposite faces are {:.3} mm ({:.0} % of its area) and {:.3} mm ({:.0} %)",
-            a[0], a[1], b[0], b[1]
+            "the most frequent distances between opposite faces are {:.3} mm ({:.0} % of its area) and {:.3} mm ({:.0} %){}",
+            a[0],
+            a[1],
+            b[0],
+            b[1],
+            if a[1] < 100.0 * ENOUGH_AREA { "" } else { TORN }
         ),
     }
 }
 
+/// What is the matter with a body most of which has one thickness.
+const TORN: &str =
+    "; where it has the first, its sides do not hang together: a bend whose radii differ by something else than \
+                    the thickness, or have no common axis, breaks the sheet";
 /// Distances that differ by less than this share of themselves are one thickness.
 const SAME_THICKNESS: f64 = 1e-3;
 /// Directions that differ by less (rad) are parallel.

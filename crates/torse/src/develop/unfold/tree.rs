@@ -220,6 +220,7 @@ fn prepared(body: &Body, face: usize, options: &UnfoldOptions) -> Option<Ready> 
     let k = if t > 0.0 { options.k.share(inside_radius / t) } else { 0.0 };
     let depth = if hollow { k * t } else { (1.0 - k) * t };
     let chart = Chart::of(f, carrier, if matches!(carrier, Carrier::Plane(_)) { 0.0 } else { depth })?;
+    let chart = chart.in_strips(carrier, options.tolerance);
     let region = Region::of(body, face, &chart);
     (region.area() > 0.0).then_some(Ready { chart, region, k, inside_radius })
 }

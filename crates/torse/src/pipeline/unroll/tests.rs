@@ -1,6 +1,8 @@
 //! Sheets and surfaces whose flat parts are known.
 
+mod bad;
 mod kinds;
+mod skins;
 
 use crate::answer::note::{Note, UnrollNote};
 use crate::brep::face::Face;

@@ -1,19 +1,19 @@
-//! A developable face as panels: to be seen in space and written for CAD, and, where its map to the plane has no closed
-//! form, to be laid flat through its panel with a proof of both steps.
+//! A developable face as a panel: on its own rulings, to be seen in space and written for CAD; and, where its map to the plane
+//! has no closed form, as a torse near it, to be laid flat through that with a proof of both steps.
 
 use super::super::build::build;
+use crate::brep::carrier::{bounds, carrier, Carrier};
 use crate::brep::face::Face;
 use crate::brep::rulings::Rulings;
 use crate::certify::flat::{flat, FlatCertificate};
 use crate::certify::Certificate;
 use crate::control::Control;
 use crate::fit::near::exact::{exact, ExactOptions};
-use crate::fit::near::samples::Fit;
-use crate::fit::panels::boundary::{panels, Assigned, BoundaryOptions};
-use crate::patchwork::panel::{Panel, Patchwork};
-use crate::patchwork::partition::Partition;
+use crate::fit::panels::on_rulings::OnRulings;
+use crate::patchwork::panel::Patchwork;
 use crate::patchwork::pattern::Pattern;
 use crate::search::cover::State;
+use crate::torse::form::PanelKind;
 use std::sync::Arc;
 
 /// Turn of the normal (rad) from line to line of the triangles, about 3°.
@@ -22,10 +22,8 @@ const TURN: f64 = 0.05;
 const MOST_LINES: usize = 128;
 /// Share of the face's extent within which parameter lines must be straight.
 const STRAIGHT: f64 = 1e-6;
-/// Shares of the face's extent: below the first a finer panel is of no use, up to the second it is one.
-const NEAR: (f64, f64) = (1e-7, 1e-3);
-/// Shares of the face's extent that trims may be off on the panel and in space.
-const TRIM: (f64, f64) = (1e-5, 1e-7);
+/// Share of the face's extent that trims may be off on the panel and in space.
+const TRIM: f64 = 5e-8;
 
 /// Turn of the normal (rad) of one panel at most: a little below half a turn.
 const MOST_TURN: f64 = 2.5;
@@ -33,23 +31,18 @@ const MOST_TURN: f64 = 2.5;
 /// be; trims and the proof's own slack need the rest.
 const CLOSE: (f64, f64) = (0.01, 0.5);
 
-/// Triangles of a face and its panels: one, or several where it turns far. `None` where the face has no straight parameter
-/// lines or no triangles; panels are missing where their border cannot be carried over.
-pub(crate) fn face_panels(face: &Face, name: &str) -> Option<(Partition, Vec<Panel>)> {
-    let extent = face.surface.bbox().diagonal();
-    let asked = ExactOptions { goal: NEAR.0 * extent, accepted: NEAR.1 * extent };
-    let (state, fits) = fitted(face, &asked)?;
-    let assigned: Vec<Assigned> =
-        fits.iter().map(|(label, fit)| Assigned { label: *label, torse: &fit.torse, kind: fit.kind }).collect();
-    let options = BoundaryOptions { trim_tolerance: TRIM.0 * extent, edge_tolerance: TRIM.1 * extent };
-    let trim_edge = |a: u32, b: u32| state.partition.trim_edges.get(&(a, b)).copied().unwrap_or(0);
-    let made = panels((0, face), &state.partition, &assigned, &trim_edge, 0, &options);
-    let mut made = made.map_or_else(|_| Vec::new(), |p| p.panels);
-    let several = made.len() > 1;
-    for (k, p) in made.iter_mut().enumerate() {
-        p.strip.name = if several { format!("{name}.{}", k + 1) } else { name.to_owned() };
-    }
-    Some((state.partition, made))
+/// A face with its panel. `None` where the face has no straight parameter lines or no triangles, and where its border cannot be
+/// carried over.
+pub(crate) fn face_panel(face: &Face, name: &str) -> Option<Patchwork> {
+    let (state, rulings, _) = triangles(face)?;
+    let kind = match carrier(face) {
+        Carrier::Plane(_) => PanelKind::Plane,
+        Carrier::Cylinder { .. } | Carrier::GeneralCylinder { .. } => PanelKind::Cylinder,
+        Carrier::Cone { .. } | Carrier::GeneralCone { .. } => PanelKind::Cone,
+        Carrier::TangentSurface | Carrier::Curved(_) => PanelKind::Torse,
+    };
+    let panel = OnRulings::new(face, &rulings)?.panel(name, kind, TRIM * face.surface.bbox().diagonal())?;
+    Some(Patchwork { faces: vec![face.clone()], partitions: vec![state.partition], panels: vec![panel], seam_count: 0 })
 }
 
 /// A face laid flat through its panel.
@@ -68,11 +61,9 @@ pub(crate) struct LaidFace {
 /// parameter lines, turns too far for one panel, or one of the proofs fails.
 pub(crate) fn laid_face(face: &Face, name: &str, tolerance: f64) -> Option<LaidFace> {
     let asked = ExactOptions { goal: CLOSE.0 * tolerance, accepted: CLOSE.1 * tolerance };
-    let (mut state, fits) = fitted(face, &asked)?;
-    if fits.len() != 1 {
-        return None;
-    }
-    state.panels.extend(fits.into_iter().map(|(label, fit)| (label, Arc::new(fit))));
+    let (mut state, rulings, turn) = triangles(face)?;
+    let fit = (turn <= MOST_TURN).then(|| exact(&rulings, &state.samples(0), &asked))??;
+    state.panels.insert(0, Arc::new(fit));
     let mut built = build(0, face, &state, tolerance).0;
     let [pattern] = <[Pattern; 1]>::try_from(built.patterns).ok()?;
     let pattern = Pattern { name: name.to_owned(), ..pattern };
@@ -82,10 +73,10 @@ pub(crate) fn laid_face(face: &Face, name: &str, tolerance: f64) -> Option<LaidF
     proven.then_some(LaidFace { patchwork: built.patchwork, certificate: built.certificate, pattern, flat })
 }
 
-/// Triangles of a face and the torse of every region.
-fn fitted(face: &Face, asked: &ExactOptions) -> Option<(State, Vec<(u32, Fit)>)> {
+/// Triangles of a face along its rulings, these, and by how much the normal turns over them (rad).
+fn triangles(face: &Face) -> Option<(State, Rulings<'_>, f64)> {
     let extent = face.surface.bbox().diagonal();
-    let rulings = Rulings::of(&face.surface, crate::brep::carrier::bounds(face), STRAIGHT * extent)?;
+    let rulings = Rulings::of(&face.surface, bounds(face), STRAIGHT * extent)?;
     let (mut across, mut whole): (Vec<f64>, f64) = (Vec::new(), 0.0);
     for w in rulings.breaks().windows(2) {
         let hair = STRAIGHT * (w[1] - w[0]);
@@ -97,21 +88,9 @@ fn fitted(face: &Face, asked: &ExactOptions) -> Option<(State, Vec<(u32, Fit)>)>
         let count = ((turn / TURN).ceil() as usize).clamp(1, MOST_LINES);
         across.extend((0..count).map(|k| w[0] + (w[1] - w[0]) * k as f64 / count as f64));
     }
-    let ((first, last), (lo, hi)) = (rulings.range(), rulings.reach());
-    across.push(last);
-    let swapped = rulings.lines(vec![0.0], vec![1.0])[0][0] == 1.0;
+    across.push(rulings.range().1);
+    let (lo, hi) = rulings.reach();
     let [u, v] = rulings.lines(across, vec![lo, hi]);
-    let mut state = State::on_lines(face, u, v).ok()?;
-    let count = (whole / MOST_TURN).ceil().max(1.0) as u32;
-    for k in 1..count {
-        let at = first + (last - first) * f64::from(k) / f64::from(count);
-        state.cut(&face.surface, k - 1, k, |q| q[usize::from(swapped)] - at);
-    }
-    let fits: Vec<_> = (0..count)
-        .filter_map(|label| {
-            let rulings = Rulings::of(&face.surface, state.partition.bounds(label), STRAIGHT * extent)?;
-            exact(&rulings, &state.samples(label), asked).map(|fit| (label, fit))
-        })
-        .collect();
-    Some((state, fits))
+    let state = State::on_lines(face, u, v).ok()?;
+    Some((state, rulings, whole))
 }

@@ -10,25 +10,32 @@ use crate::geom::{Frame, Vec2, Vec3};
 use crate::patchwork::image::{ClosedMap, MapStrip};
 use std::f64::consts::PI;
 
-/// Share of the face's extent within which a strip keeps to its rulings.
+/// Share of the face's extent within which a strip keeps to its rulings, at most.
 const NEAR: f64 = 2e-7;
-/// The same for what bulges so little that a strip of it would have no axis: it is taken to bulge by this.
-const LEAST_BULGE: f64 = 1e-7;
+/// The same at least: no file has more digits, and nearer strips would not be any better.
+const NEAREST: f64 = 1e-10;
+/// Share of the tolerance within which it does.
+const OF_TOLERANCE: f64 = 0.1;
+/// Share of that by which a strip is taken to bulge that bulges so little that it would have no axis.
+const LEAST_BULGE: f64 = 0.5;
 /// Halvings of a strip at most.
-const DEEPEST: usize = 8;
+const DEEPEST: usize = 10;
 /// Rulings looked at in a strip.
 const LOOKED_AT: [f64; 4] = [0.125, 0.375, 0.625, 0.875];
 
 /// The strips of a face in the plane of its own map, in order of the rulings; none for other carriers, for cones that are
-/// laid flat below their face, and where a sheet is thicker than the radius.
-pub(super) fn strips(ruled: &Ruled, carrier: &Carrier) -> Vec<MapStrip> {
+/// laid flat below their face, and where a sheet is thicker than the radius. They keep to their rulings within a share of
+/// `tolerance` (mm).
+pub(super) fn strips(ruled: &Ruled, carrier: &Carrier, tolerance: f64) -> Vec<MapStrip> {
     let apex = match carrier {
         Carrier::GeneralCylinder { .. } => None,
         Carrier::GeneralCone { apex } if ruled.depth == 0.0 => Some(*apex),
         _ => return Vec::new(),
     };
     let breaks: Vec<f64> = ruled.nodes.iter().step_by(super::STEPS).map(|n| n.0).collect();
-    let mut cutter = Cutter { ruled, apex, extent: ruled.surface.bbox().diagonal(), out: Vec::new(), flat: 0.0 };
+    let extent = ruled.surface.bbox().diagonal();
+    let near = (OF_TOLERANCE * tolerance / extent).clamp(NEAREST, NEAR);
+    let mut cutter = Cutter { ruled, apex, extent, near, out: Vec::new(), flat: 0.0 };
     let whole = cutter.begin().and_then(|()| breaks.windows(2).try_for_each(|w| cutter.divide([w[0], w[1]], DEEPEST)));
     whole.map_or_else(Vec::new, |()| cutter.out)
 }
@@ -38,6 +45,8 @@ struct Cutter<'a> {
     ruled: &'a Ruled,
     apex: Option<Vec3>,
     extent: f64,
+    /// Share of the extent within which strips keep to their rulings.
+    near: f64,
     out: Vec<MapStrip>,
     /// Where the last ruling lies in the plane: of cylinders minus the way from the first (mm), of cones its angle (rad).
     flat: f64,
@@ -61,7 +70,7 @@ impl Cutter<'_> {
         };
         let off =
             LOOKED_AT.iter().map(|t| self.distance(&map, a + (b - a) * t)).try_fold(0.0_f64, |m, d| Some(m.max(d?)))?;
-        if off > NEAR * self.extent && depth > 0 {
+        if off > self.near * self.extent && depth > 0 {
             let m = 0.5 * (a + b);
             self.divide([a, m], depth - 1)?;
             return self.divide([m, b], depth - 1);
@@ -101,7 +110,7 @@ impl Cutter<'_> {
         // The point of the arc above the middle of the chord, from the three points: the circle through (±half, 0).
         let m = flat(q - mid);
         let below = if m.y == 0.0 { f64::INFINITY } else { (half * half - m.norm_squared()) / (2.0 * m.y) };
-        let least = LEAST_BULGE * self.extent;
+        let least = LEAST_BULGE * self.near * self.extent;
         let farthest = 0.5 * half * half / least;
         let below = if below.abs() < farthest { below } else { farthest.copysign(if m.y < 0.0 { -1.0 } else { 1.0 }) };
         let centre = mid - up * below;
@@ -124,10 +133,11 @@ impl Cutter<'_> {
             let z = (q - p).cross(&(r - p)).try_normalize(0.0)?;
             Some(if z.dot(&p) < 0.0 { -z } else { z })
         };
-        let flatter = |q: Vec3| (q + n * LEAST_BULGE).try_normalize(0.0);
+        let least = LEAST_BULGE * self.near;
+        let flatter = |q: Vec3| (q + n * least).try_normalize(0.0);
         // What is plane has its apex in the plane of the three.
         let bulge = p.cross(&r).try_normalize(0.0)?.dot(&q).abs();
-        let z = axis(if bulge < LEAST_BULGE { flatter(q)? } else { q })?;
+        let z = axis(if bulge < least { flatter(q)? } else { q })?;
         let x = (q - z * z.dot(&q)).try_normalize(0.0)?;
         let frame = Frame { origin: *apex, x, y: z.cross(&x), z };
         let half_angle = (p - z * z.dot(&p)).norm().atan2(z.dot(&p));

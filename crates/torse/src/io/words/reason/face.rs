@@ -91,13 +91,17 @@ pub(super) fn unlaid(reason: &Unlaid) -> String {
             };
             format!(
                 "the face is not developable: {twist}, its Gaussian curvature is up to {curvature_estimate:.3e} per mm², and \
-                 flattening it would need a strain of about {strain_estimate:.2e}"
+                 flattening it would need a strain of about {strain_estimate:.2e}; panels within a distance of it can take its \
+                 place (--surfaces --approximate 1mm)"
             )
         }
         Unlaid::Feature { carrier, thickness } => format!(
             "the {carrier} is neither a skin nor an edge of the sheet of {thickness:.3} mm: a feature formed or milled into \
              it, or a bend of a radius below the thickness"
         ),
+        Unlaid::Narrow { tolerance } => {
+            format!("nothing is left of its outline within the tolerance of {tolerance} mm")
+        }
         Unlaid::Face { carrier } => format!("the {carrier} could not be laid flat"),
         Unlaid::Group(1, reason) => unlaid(reason),
         Unlaid::Group(count, reason) => format!("{} ({count} faces that hang together)", unlaid(reason)),
