@@ -242,11 +242,12 @@ fn files_of_another_kind_behind_a_right_name_are_named() {
 fn archives_that_are_damaged_or_of_a_version_to_come_are_refused() {
     let begun = |version: &str| [b"3D Geometry File Format ", version.as_bytes()].concat();
     for (content, words) in [
-        (begun("       8"), "damaged"),
+        (begun("      80"), "damaged"),
+        (begun("       8"), "version 8, which is not known"),
         (begun("      99"), "version 99"),
         (begun("        "), "is no number"),
         (begun(""), "3DM"),
-        ([begun("       7"), (0..=255).cycle().take(4000).collect()].concat(), "damaged at byte"),
+        ([begun("      70"), (0..=255).cycle().take(4000).collect()].concat(), "damaged at byte"),
     ] {
         let room = room("a.3dm", &content);
         let message = refused(room.path(), &["unroll", "a.3dm", "--surfaces", "--tolerance", "0.1mm", "--out", "o"]);
