@@ -112,7 +112,10 @@ fn entity(groups: &[(u32, &str)], out: &mut Vec<WrittenPiece>) -> Result<(), Str
             piece.senses.push(sense);
             Ok(())
         }
-        _ => Err(fault("there is no such entity in a cutting drawing")),
+        _ => Err(fault(
+            "there is no such entity in a cutting drawing; parts that are not certified lie on one layer, where outlines and \
+             bend lines cannot be told apart",
+        )),
     }
 }
 

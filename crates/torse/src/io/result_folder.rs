@@ -163,13 +163,6 @@ pub fn read(file: &dyn Fn(&str) -> Option<Vec<u8>>) -> Result<ResultFolder, Fold
 
 /// The cutting drawing: DXF, else SVG.
 fn drawing(file: &dyn Fn(&str) -> Option<Vec<u8>>, notes: &mut Vec<String>) -> Result<Vec<WrittenPiece>, FolderError> {
-    let hint = |reason: String| {
-        if reason.contains("no such entity") {
-            format!("{reason}; parts that are not certified lie on one layer, where outlines and bend lines cannot be told apart")
-        } else {
-            reason
-        }
-    };
     match (file("patterns.dxf"), file("patterns.svg")) {
         (Some(dxf), svg) => match (drawings::dxf(&dxf), svg.map(|s| drawings::svg(&s))) {
             (Ok(pieces), _) => Ok(pieces),
@@ -177,11 +170,9 @@ fn drawing(file: &dyn Fn(&str) -> Option<Vec<u8>>, notes: &mut Vec<String>) -> R
                 notes.push(format!("patterns.dxf is damaged ({reason}); patterns.svg is used"));
                 Ok(pieces)
             }
-            (Err(reason), _) => Err(FolderError::File { file: "patterns.dxf", reason: hint(reason) }),
+            (Err(reason), _) => Err(FolderError::File { file: "patterns.dxf", reason }),
         },
-        (None, Some(svg)) => {
-            drawings::svg(&svg).map_err(|reason| FolderError::File { file: "patterns.svg", reason: hint(reason) })
-        }
+        (None, Some(svg)) => drawings::svg(&svg).map_err(|reason| FolderError::File { file: "patterns.svg", reason }),
         (None, None) => Err(FolderError::NoDrawing),
     }
 }
