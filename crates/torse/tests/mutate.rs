@@ -6,7 +6,7 @@ mod case;
 mod mutation;
 #[path = "../examples/mutate/parts.rs"]
 mod parts;
-#[allow(dead_code, reason = "the adversary asks for more sorts of numbers")]
+#[expect(dead_code, reason = "the adversary asks for more sorts of numbers")]
 #[path = "../examples/attack/random.rs"]
 mod random;
 #[path = "../examples/mutate/readers.rs"]

@@ -9,7 +9,7 @@
 mod case;
 mod mutation;
 mod parts;
-#[allow(dead_code, reason = "the adversary asks for more sorts of numbers")]
+#[expect(dead_code, reason = "the adversary asks for more sorts of numbers")]
 #[path = "../attack/random.rs"]
 mod random;
 mod readers;

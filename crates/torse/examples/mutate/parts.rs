@@ -1,6 +1,6 @@
 //! Small STEP files, each with one sort of surface, boundary or assembly, by the writer of the reader's own tests.
 
-#[allow(dead_code, reason = "the reader's own tests write more sorts of records")]
+#[expect(dead_code, reason = "the reader's own tests write more sorts of records")]
 #[path = "../../tests/step/text.rs"]
 mod text;
 
