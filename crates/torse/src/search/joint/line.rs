@@ -25,8 +25,6 @@ const CORNER: f64 = 0.95;
 /// Spans of the spline of a line at most, points for each at least, and points of a line to begin with.
 const SPANS: (usize, usize, usize) = (12, 4, 16);
 
-/// Intervals at both ends of a line that get further points, and the parts into which they are cut.
-const DENSE: (usize, usize) = (4, 4);
 /// Spans at most of a line that must stay where it is: others slide, and may begin smoother than borders are.
 const HELD: usize = 48;
 
@@ -186,26 +184,6 @@ impl Line {
         if self.held {
             self.points.iter_mut().for_each(|p| p.slide = Vec3::zeros());
         }
-    }
-
-    /// Parameters of its points, and between those near its ends, where lines turn, of more on cubics through them.
-    pub fn dense(&self) -> Vec<[f64; 2]> {
-        let mut out = vec![self.points[0].uv];
-        for i in 0..POINTS - 1 {
-            let parts = if i < DENSE.0 || i + DENSE.0 >= POINTS - 1 { DENSE.1 } else { 1 };
-            let first = i.saturating_sub(1).min(POINTS - 4);
-            let through: [[f64; 2]; 4] = std::array::from_fn(|k| self.points[first + k].uv);
-            for part in 1..parts {
-                let x = (i - first) as f64 + part as f64 / parts as f64;
-                let weight = |k: usize| -> f64 {
-                    (0..4).filter(|j| *j != k).map(|j| (x - j as f64) / (k as f64 - j as f64)).product()
-                };
-                let sum = |d: usize| (0..4).map(|k| weight(k) * through[k][d]).sum();
-                out.push([sum(0), sum(1)]);
-            }
-            out.push(self.points[i + 1].uv);
-        }
-        out
     }
 
     /// Ways in which a point goes with the line's unknowns: `(vertex, axis or slide)`; mm per mm.

@@ -118,7 +118,7 @@ pub(crate) struct StepReport {
 pub(crate) struct JoinedLine {
     /// Labels on the left and on the right.
     pub labels: [u32; 2],
-    /// Parameters on the face in order, close to each other near the ends.
+    /// Parameters on the face at equal arc lengths.
     pub uv: Vec<[f64; 2]>,
     /// The edge of both strips, beyond both ends by about a hundredth.
     pub edge: Option<Curve<3>>,
@@ -167,7 +167,7 @@ pub fn joined(face: &Face, state: &State, chains: Vec<SeamChain>, asked: &Asked,
     let label = |k: &usize| network.members[*k].label;
     let line = |(l, edge): (&Line, Option<Edge>)| JoinedLine {
         labels: l.strips.map(|k| label(&k)),
-        uv: l.dense(),
+        uv: l.points.iter().map(|p| p.uv).collect(),
         edge: edge.filter(|e| e.missed <= ON_BOTH.1 * l.length).map(|e| e.curve),
     };
     let vertex = |j: Junction| JoinedVertex { labels: j.strips.iter().map(label).collect(), place: j.place };

@@ -126,7 +126,7 @@ impl Attempts<'_> {
         let stays = |labels: [u32; 2]| self.is_asked_for(&self.best, pair(labels));
         let (mut further, mut ends_count, mut without) = (Vec::new(), false, BTreeSet::new());
         let (mut refinements, mut exclusions) = (0, 0);
-        while refinements <= REFINEMENTS && exclusions <= EXCLUSIONS && !self.control.stopped() {
+        while exclusions <= EXCLUSIONS && !self.control.stopped() {
             let asked = joint::Asked {
                 held: &stays,
                 without: &without,
@@ -143,19 +143,14 @@ impl Attempts<'_> {
                 let fit = Fit { torse, kind: PanelKind::Torse, ..(**fit).clone() };
                 next.panels.insert(label, Arc::new(fit));
             }
-            let along_lines = match redrawn(self.face, &next, &joined.lines) {
-                Ok(along_lines) => along_lines,
+            let along_lines = redrawn(self.face, &next, &joined.lines);
+            if let Some(crossing) = along_lines.as_ref().err().filter(|c| !c.is_empty()) {
                 // Lines cross where a strip has become nothing: the smaller of both.
-                Err(crossing) => {
-                    let smaller = |[a, b]: [u32; 2]| if base.area(a) < base.area(b) { a } else { b };
-                    without.extend(crossing.iter().copied().map(smaller));
-                    if crossing.is_empty() {
-                        return None;
-                    }
-                    exclusions += 1;
-                    continue;
-                }
-            };
+                let smaller = |[a, b]: &[u32; 2]| if base.area(*a) < base.area(*b) { *a } else { *b };
+                without.extend(crossing.iter().map(smaller));
+                exclusions += 1;
+                continue;
+            }
             let torses = next.panels.iter().map(|(&l, f)| (l, &f.torse)).collect();
             let edges: Vec<_> = joined.lines.into_iter().filter_map(|l| Some((pair(l.labels), l.edge?))).collect();
             let wanted: Vec<[u32; 2]> = edges.iter().map(|e| e.0).collect();
@@ -164,9 +159,10 @@ impl Attempts<'_> {
             let moved = |state: &State, how: Moving| {
                 self.along(&intersections, &intersections.with_vertices(state), wanted.clone(), how)
             };
-            let mut refused = match moved(&along_lines, Moving::Done) {
-                Ok(found) => return Some(found),
-                Err(refused) => refused,
+            let mut refused = match along_lines.map(|s| moved(&s, Moving::Done)) {
+                Ok(Ok(found)) => return Some(found),
+                Ok(Err(refused)) => refused,
+                Err(_) => Refused::default(),
             };
             if refused.too_far.is_empty() {
                 // Borders may be at fault; cut out of the old ones they are others.
