@@ -35,6 +35,9 @@ pub struct Report {
     pub reason: String,
     /// All that stands against the status, in plain words; empty when certified.
     pub objections: Vec<String>,
+    /// Those of them that no panel says of itself; not part of the file.
+    #[serde(skip)]
+    pub beside_panels: Vec<String>,
     /// Unit of all lengths: `mm`.
     pub unit: String,
     /// Name of the input, without folder.
@@ -459,6 +462,7 @@ pub(crate) mod tests {
             status: "certified".into(),
             reason: String::new(),
             objections: vec![],
+            beside_panels: vec![],
             unit: "mm".into(),
             input: "sample.step".into(),
             tolerance: 1.0,

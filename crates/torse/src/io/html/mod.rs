@@ -246,6 +246,7 @@ mod tests {
         report.status = "uncertified".into();
         report.reason = "the tolerance is exceeded".into();
         report.objections = vec!["the tolerance is exceeded".into(), "panel A-01: distance 1.7 mm".into()];
+        report.beside_panels = vec!["the tolerance is exceeded".into()];
         (report.panels[0].certified, report.parts[0].certified) = (false, false);
         report.panels[0].reason = "distance 1.7 mm".into();
         set(&mut report.panels[0].figures, What::Deviation, None);

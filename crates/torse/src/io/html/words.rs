@@ -226,8 +226,7 @@ fn coverage(report: &Report) -> f64 {
 /// What is missing, and what was only measured.
 fn unproven(report: &Report) -> String {
     // What panels say of themselves follows one by one.
-    let of_a_panel = |o: &str| report.panels.iter().any(|p| !p.reason.is_empty() && o.contains(&p.reason));
-    let mut missing: Vec<String> = report.objections.iter().filter(|o| !of_a_panel(o)).map(|o| escape(o)).collect();
+    let mut missing: Vec<String> = report.beside_panels.iter().map(|o| escape(o)).collect();
     for panel in report.panels.iter().filter(|p| !p.certified) {
         missing.push(format!("Panel {}: {}{}", link(panel, report), escape(&panel.reason), witness(panel)));
     }

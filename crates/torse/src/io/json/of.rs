@@ -49,6 +49,7 @@ impl Report {
             status: status.into(),
             reason: words::reason(&answer.claims, &curves),
             objections: words::objections(&answer.claims, &curves),
+            beside_panels: words::objections_beside_panels(&answer.claims, &curves),
             unit: "mm".into(),
             input: answer.input.clone(),
             tolerance: answer.tolerance,

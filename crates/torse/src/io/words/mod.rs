@@ -6,6 +6,7 @@ pub(crate) mod reason;
 
 use crate::answer::{Answer, Job};
 use crate::certify::claim::{Claim, Counted, Demand, Evidence, NetNumber, Subject, What};
+use crate::reason::{Item, Reason};
 pub use note::{note, notes};
 pub use reason::{left_out, why};
 use std::collections::HashSet;
@@ -282,6 +283,14 @@ pub(crate) fn objections(claims: &[Claim], curves: &[String]) -> Vec<String> {
         claims.iter().filter(|c| c.is_broken()).map(|c| said(c).unwrap_or_else(|| beyond(c, curves))).collect();
     out.retain(|r| seen.insert(r.clone()));
     out
+}
+
+/// Those [`objections`] that no panel says of itself: neither those about a panel nor those that name one.
+pub(crate) fn objections_beside_panels(claims: &[Claim], curves: &[String]) -> Vec<String> {
+    let names_a_panel = |c: &Claim| matches!(c.reason(), Some(Reason::Of(Item::Panel(_), _)));
+    let beside = |c: &&Claim| !matches!(c.subject(), Subject::Panel(_)) && !names_a_panel(c);
+    let left: Vec<Claim> = claims.iter().filter(beside).cloned().collect();
+    objections(&left, curves)
 }
 
 /// Why a result is not certified: what broken claims have to say; empty if none is broken.
