@@ -215,8 +215,13 @@ impl Band {
             return;
         }
         let (low, high) = (a.inf(&b).inf(&c), a.sup(&b).sup(&c));
+        // Weights of the corners are linear over the picture, the depth too.
+        let per_area = 1.0 / twice_area;
+        let sides = [(b, c), (c, a), (a, b)].map(|(p, q)| (p, (q - p) * per_area));
+        let deep = corners.map(|v| v.place[2]);
         for row in self.rows_within(low.y, high.y) {
             let y = (self.first + row) as f64 + 0.5;
+            let in_row = sides.map(|(p, d)| d.x * (y - p.y) + d.y * p.x);
             // What the sides cut out of this row, a sample wider: slanting slivers would else cost their whole box.
             let crossings = [(a, b), (b, c), (c, a)]
                 .into_iter()
@@ -226,12 +231,12 @@ impl Band {
             // Samples of a pixel beside each other share their shade: it costs more than all the rest.
             let mut shaded: Option<(usize, [f32; 3])> = None;
             for column in self.columns_within((left - 1.0).max(low.x), (right + 1.0).min(high.x)) {
-                let p = Vec2::new(column as f64 + 0.5, y);
-                let weight = [cross(c - b, p - b), cross(a - c, p - c), cross(b - a, p - a)].map(|w| w / twice_area);
+                let x = column as f64 + 0.5;
+                let weight = [0, 1, 2].map(|k| in_row[k] - sides[k].1.y * x);
                 if weight.iter().any(|&w| w < 0.0) {
                     continue;
                 }
-                let depth = (0..3).map(|k| weight[k] * corners[k].place[2]).sum::<f64>();
+                let depth = weight[0] * deep[0] + weight[1] * deep[1] + weight[2] * deep[2];
                 let index = row * self.columns + column;
                 if depth as f32 <= self.depth[index] {
                     continue;
@@ -241,7 +246,7 @@ impl Band {
                     continue;
                 }
                 // Depth is the inverse distance, so weights over distance make attributes right in perspective.
-                let weight = [0, 1, 2].map(|k| weight[k] * corners[k].place[2] / depth);
+                let weight = [0, 1, 2].map(|k| weight[k] * deep[k] / depth);
                 let normal = (0..3).map(|k| corners[k].normal * weight[k]).sum::<Vec3>();
                 let base = match paint {
                     Paint::Solid(rgb) => rgb,

@@ -25,6 +25,8 @@ pub fn write(image: &Image) -> Result<Vec<u8>, PngError> {
     let mut encoder = ::png::Encoder::new(&mut bytes, size(image.width)?, size(image.height)?);
     encoder.set_color(::png::ColorType::Rgb);
     encoder.set_depth(::png::BitDepth::Eight);
+    // Fast: a third of the size more, a tenth of the time.
+    encoder.set_compression(::png::Compression::Fast);
     encoder.set_source_srgb(::png::SrgbRenderingIntent::Perceptual);
     let mut writer = encoder.write_header().map_err(|e| fail(e.to_string()))?;
     writer.write_image_data(image.pixels.as_flattened()).map_err(|e| fail(e.to_string()))?;
