@@ -30,6 +30,8 @@ const REFERENCE: usize = 24;
 const DEGREE: usize = 5;
 /// Places of an edge on its line, and share of the line by which it goes on beyond both ends.
 const PLACES: (usize, f64) = (1600, 0.01);
+/// Share of a line over which its edge turns to the point in which it ends together with others.
+const TURNING: f64 = 0.1;
 /// Distance of an edge's spline from its places as a share of its length, and spans at most.
 const FIT: (f64, usize) = (1e-8, 480);
 /// Reference points per span of a strip.
@@ -78,6 +80,8 @@ impl Reference {
 /// A point of an edge with its feet.
 struct Place {
     x: Vec3,
+    /// Share of the line.
+    share: f64,
     feet: [f64; 2],
     /// Whether it is over the line.
     inside: bool,
@@ -111,9 +115,32 @@ fn point(members: [&Member; 2], reference: &Reference, s: f64, feet: &mut [f64; 
     None
 }
 
+/// Moves places near the first or the last end of their line to the side, so that they lead through a point there. Where strips
+/// hardly cross, places of edges lie anywhere between them, and edges of three strips would end beside each other.
+fn turned_to(places: &mut [Place], last: bool, point: &Vec3) {
+    let way = |p: &Place| if last { 1.0 - p.share } else { p.share };
+    let Some(k) = (1..places.len().saturating_sub(1))
+        .min_by(|&i, &j| (places[i].x - point).norm_squared().total_cmp(&(places[j].x - point).norm_squared()))
+    else {
+        return;
+    };
+    let along = places[k + 1].x - places[k - 1].x;
+    let off = point - places[k].x;
+    let aside = off - along * (off.dot(&along) / along.norm_squared());
+    if aside.iter().all(|x| x.is_finite()) {
+        for p in places {
+            // Smooth to second order at both ends.
+            let t = (way(p) / TURNING).clamp(0.0, 1.0);
+            p.x += aside * (1.0 - t * t * t * (10.0 - 15.0 * t + 6.0 * t * t));
+        }
+    }
+}
+
 /// The point in which strips meet near the ends of their lines.
 #[derive(Clone, Debug)]
 pub(super) struct Junction {
+    /// The vertex of the lines.
+    vertex: usize,
     /// Indices of the strips, in order.
     pub strips: Vec<usize>,
     pub place: Vec3,
@@ -156,15 +183,20 @@ impl Network<'_> {
                 break;
             }
         }
-        z.iter().all(|x| x.is_finite()).then(|| Junction { strips: around.iter().map(|a| a.0).collect(), place: z })
+        z.iter().all(|x| x.is_finite()).then(|| Junction {
+            vertex,
+            strips: around.iter().map(|a| a.0).collect(),
+            place: z,
+        })
     }
 
     /// Edges along all lines; `None` for lines along which there is none.
     pub fn edges(&self) -> Vec<Option<Edge>> {
-        self.lines.par_iter().map(|l| self.edge(l)).collect()
+        let junctions = self.junctions();
+        self.lines.par_iter().map(|l| self.edge(l, &junctions)).collect()
     }
 
-    fn edge(&self, line: &Line) -> Option<Edge> {
+    fn edge(&self, line: &Line, junctions: &[Junction]) -> Option<Edge> {
         let reference = Reference::of(line)?;
         let members = line.strips.map(|k| &self.members[k]);
         let at = |i: usize| (1.0 + 2.0 * PLACES.1) * i as f64 / PLACES.0 as f64 - PLACES.1;
@@ -178,7 +210,7 @@ impl Network<'_> {
             for i in range {
                 let found = point(members, &reference, at(i), &mut feet, self.tolerance);
                 match found {
-                    Some(x) => places.push(Place { x, feet, inside: (0.0..=1.0).contains(&at(i)) }),
+                    Some(x) => places.push(Place { x, share: at(i), feet, inside: (0.0..=1.0).contains(&at(i)) }),
                     // Beyond the line strips may end; on it they may not.
                     None if (0.0..=1.0).contains(&at(i)) => return None,
                     None => break,
@@ -186,6 +218,11 @@ impl Network<'_> {
             }
             if backwards {
                 places.reverse();
+            }
+        }
+        for (end, last) in line.ends.iter().zip([false, true]) {
+            if let Some(common) = junctions.iter().find(|j| *end == End::Vertex(j.vertex)) {
+                turned_to(&mut places, last, &common.place);
             }
         }
         let points: Vec<[f64; 3]> = places.iter().map(|p| p.x.into()).collect();
@@ -288,5 +325,31 @@ impl Network<'_> {
             z -= up * (0.5 * (heights[0] + heights[1]));
         }
         None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Places along x lead through a point beside their end after they are turned to it; those beyond the turn stay.
+    #[test]
+    fn edges_turn_to_a_point_beside_their_end() {
+        let count = 400;
+        let place = |i: usize| {
+            let share = 1.02 * i as f64 / count as f64 - 0.01;
+            Place { x: Vec3::new(100.0 * share, 0.0, 0.0), share, feet: [0.0; 2], inside: true }
+        };
+        for (last, point) in [(false, Vec3::new(0.1, 0.02, -0.01)), (true, Vec3::new(99.8, -0.03, 0.0))] {
+            let mut places: Vec<Place> = (0..=count).map(place).collect();
+            turned_to(&mut places, last, &point);
+            let near = places.windows(2).map(|w| {
+                let (a, d) = (w[0].x, w[1].x - w[0].x);
+                (a + d * ((point - a).dot(&d) / d.norm_squared()).clamp(0.0, 1.0) - point).norm()
+            });
+            assert!(near.fold(f64::INFINITY, f64::min) < 1e-4 * (point.y.abs() + point.z.abs()));
+            let stay = |p: &&Place| if last { p.share < 1.0 - TURNING } else { p.share > TURNING };
+            assert!(places.iter().filter(stay).all(|p| p.x.y == 0.0 && p.x.z == 0.0));
+        }
     }
 }

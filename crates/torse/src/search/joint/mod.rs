@@ -32,7 +32,7 @@ use crate::torse::form::Torse;
 use edge::{Edge, Junction};
 use line::Line;
 use network::Network;
-use program::{step, Prices};
+use program::{step, Prices, Step};
 pub(crate) use start::whole_borders;
 use std::collections::BTreeSet;
 
@@ -195,7 +195,7 @@ fn improved<'a>(mut now: Network<'a>, control: &Control) -> (Network<'a>, Vec<St
         }
         let columns = now.columns();
         let weight = WEIGHTS[steps.len().min(WEIGHTS.len() - 1)];
-        let mut effort = [0, 0];
+        let (mut effort, mut refused) = ([0, 0], Vec::new());
         for _ in 0..TRIALS {
             let Some(found) = step(&now, &columns, &Prices { gaps: weight, damping, reach }) else { break 'steps };
             effort = [effort[0] + 1, effort[1] + found.iterations];
@@ -210,6 +210,7 @@ fn improved<'a>(mut now: Network<'a>, control: &Control) -> (Network<'a>, Vec<St
             let share = (merit(at) - merit(reached)) / hoped.max(f64::MIN_POSITIVE);
             let accepted = share > GAIN.0 || merit(reached) < merit(at) + NOTHING;
             let Some(mut next) = next.filter(|_| accepted) else {
+                refused.push(found);
                 damping *= DAMPING.2;
                 reach = (reach * SLIDES.0).max(1.0);
                 continue;
@@ -231,7 +232,21 @@ fn improved<'a>(mut now: Network<'a>, control: &Control) -> (Network<'a>, Vec<St
             }
             continue 'steps;
         }
-        break;
+        // Whole steps go too far, however much they are damped: a part of one goes the same way.
+        let part_of = |(found, part): (&Step, f64)| {
+            let x: Vec<f64> = found.x.iter().map(|x| part * x).collect();
+            let next = now.stepped(&columns, &x)?;
+            let reached = next.measured();
+            let gained = merit(at) - merit(reached);
+            (gained > GAIN.0 * part * (merit(at) - merit(found.expected))).then_some((next, reached))
+        };
+        let parts = PARTS[1..].iter().flat_map(|&part| refused.iter().rev().map(move |found| (found, part)));
+        let Some((mut next, reached)) = { parts }.find_map(part_of) else { break };
+        damping = 1.0;
+        next.lie_on_bands();
+        next.find_taken();
+        now = next;
+        steps.push(StepReport { reached, effort });
     }
     (now, steps)
 }
