@@ -192,8 +192,8 @@ pub struct Approximate {
     #[arg(long, value_name = "LENGTH,...", value_delimiter = ',', value_parser = positive_length)]
     pub sweep: Vec<Length>,
 
-    /// Whether neighbouring strips meet in common edges where that can be certified, or are laid one by one
-    #[arg(long, value_name = "HOW", value_enum, default_value_t = Seams::Independent)]
+    /// Whether neighbouring strips meet in common edges where that can be certified, or are laid one by one, in half the time
+    #[arg(long, value_name = "HOW", value_enum, default_value_t = Seams::Meet)]
     pub seams: Seams,
 
     /// Cover faces as one where they meet at no more than this angle, in degrees; 0 covers each face for itself

@@ -16,9 +16,8 @@ use torse::pipeline::approximate::{of_faces, Options};
 const TORUS: &[u8] = include_bytes!("../../../data/torus_piece.step");
 const TOLERANCE: f64 = 2.0;
 
-fn run(meet: bool) -> Answer {
+fn run(options: Options) -> Answer {
     let model = read(TORUS).expect("a model");
-    let options = Options { meet, smooth_angle: 0.0, ..Options::new(TOLERANCE) };
     of_faces(model.faces, model.skipped, &options, &Control::default()).expect("an answer")
 }
 
@@ -26,14 +25,15 @@ fn proof(answer: &Answer) -> &Certificate {
     answer.certificate.as_ref().expect("a certificate")
 }
 
+/// As strips are unless something else is asked for.
 fn met() -> &'static Answer {
     static DONE: OnceLock<Answer> = OnceLock::new();
-    DONE.get_or_init(|| run(true))
+    DONE.get_or_init(|| run(Options::new(TOLERANCE)))
 }
 
 fn alone() -> &'static Answer {
     static DONE: OnceLock<Answer> = OnceLock::new();
-    DONE.get_or_init(|| run(false))
+    DONE.get_or_init(|| run(Options { meet: false, ..Options::new(TOLERANCE) }))
 }
 
 #[test]

@@ -21,7 +21,7 @@ use crate::patchwork::pattern::Pattern;
 use crate::reason::{FaceReason, Item, JobReason, Reason, Unlaid};
 use crate::search::build::{limits_missed, AlongCurve, Built};
 use crate::search::cover::CoverOptions;
-use crate::search::face::{first_covers, one_face, Wanted};
+use crate::search::face::{first_covers, one_face, Covered, Wanted};
 use crate::search::smooth::smoothly_joined;
 use crate::search::trims::{trims_judged, TrimsJudged};
 use checks::{checked, checked_curves, checked_number};
@@ -157,7 +157,7 @@ fn covered(faces: Vec<Face>, options: &Options, control: &Control) -> Vec<Result
         limited: OnceLock::new(),
     };
     let first = first_covers(&faces, &wanted);
-    faces
+    let found: Vec<Result<Covered, Skipped>> = faces
         .into_par_iter()
         .zip(first)
         .enumerate()
@@ -170,6 +170,28 @@ fn covered(faces: Vec<Face>, options: &Options, control: &Control) -> Vec<Result
             let n = finished.fetch_add(1, Ordering::Relaxed) + 1;
             control.report("covering faces", n as f64 / total as f64, format!("{n} of {total}"));
             built
+        })
+        .collect();
+    all_met(found, control)
+}
+
+/// The panels of faces, laid anew where neighbours are to meet: after all faces have panels, so that time that is short goes
+/// to covers.
+fn all_met(found: Vec<Result<Covered, Skipped>>, control: &Control) -> Vec<Result<Built, Skipped>> {
+    let total = found.iter().flatten().filter(|c| c.is_apart()).count();
+    let finished = AtomicUsize::new(0);
+    found
+        .into_par_iter()
+        .enumerate()
+        .map(|(index, covered)| {
+            let covered = covered?;
+            let counts = covered.is_apart();
+            let built = covered.met(index, control);
+            if counts {
+                let n = finished.fetch_add(1, Ordering::Relaxed) + 1;
+                control.report("joining strips", n as f64 / total as f64, format!("{n} of {total}"));
+            }
+            Ok(built)
         })
         .collect()
 }

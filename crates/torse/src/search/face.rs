@@ -8,7 +8,7 @@ use super::stitch::attempts::met;
 use super::trims::{corners_on_knot_lines, TRIM_SHARE};
 use super::{sheet, slivers};
 use crate::brep::face::Face;
-use crate::certify;
+use crate::certify::{self, SeamStatus};
 use crate::control::Control;
 use crate::patchwork::triangulate::TriangulateError;
 use crate::reason::{FaceReason, Reason};
@@ -103,6 +103,42 @@ pub(crate) fn first_covers(faces: &[Face], wanted: &Wanted) -> Vec<Option<Built>
     faces.par_iter().enumerate().map(first).collect()
 }
 
+/// A face as it is covered.
+pub(crate) struct Covered {
+    /// Its panels.
+    pub built: Built,
+    /// What they need to meet, where they are to and do not yet.
+    apart: Option<Apart>,
+}
+
+/// A cover whose strips have been laid one by one.
+struct Apart {
+    face: Face,
+    state: State,
+    options: CoverOptions,
+}
+
+impl Covered {
+    /// Whether strips are to meet that do not yet.
+    pub(crate) fn is_apart(&self) -> bool {
+        self.apart.is_some()
+    }
+
+    /// The panels, laid anew where neighbours are to meet, as far as that can be certified before time is up.
+    pub(crate) fn met(self, index: usize, control: &Control) -> Built {
+        match self.apart.filter(|_| !control.stopped()) {
+            Some(Apart { face, state, options }) => met(index, &face, &state, self.built, &options, control),
+            None => self.built,
+        }
+    }
+}
+
+impl From<Built> for Covered {
+    fn from(built: Built) -> Self {
+        Self { built, apart: None }
+    }
+}
+
 /// One face covered. Where its trim takes too much of the tolerance it is covered as it was read, for the eye, and judged
 /// with the whole distance.
 ///
@@ -113,25 +149,25 @@ pub(crate) fn one_face(
     face: &Face,
     first: Option<Built>,
     wanted: &Wanted,
-) -> Result<Built, TriangulateError> {
+) -> Result<Covered, TriangulateError> {
     let mut face = face.clone();
     let (missed, tolerance) = (face.trim_bound(), wanted.options.tolerance);
     if missed <= TRIM_SHARE * tolerance {
         return covered(index, face, first, wanted);
     }
     face.set_trim_bound(0.0);
-    let mut found = covered(index, face, None, wanted)?;
+    let mut found = covered(index, face, None, wanted)?.built;
     found.patchwork.faces.iter_mut().for_each(|f| f.set_trim_bound(missed));
     let clock = match wanted.control.stopped() {
         true => Control::default().until(Instant::now() + FILLING),
         false => Control::default(),
     };
     found.certificate = certify::patchwork(&found.patchwork, tolerance, &clock);
-    Ok(found)
+    Ok(found.into())
 }
 
-/// The loop over one face: cover, build, judge, develop; then what limits and seams ask for.
-fn covered(index: usize, mut face: Face, first: Option<Built>, wanted: &Wanted) -> Result<Built, TriangulateError> {
+/// The loop over one face: cover, build, judge, develop; then what limits ask for.
+fn covered(index: usize, mut face: Face, first: Option<Built>, wanted: &Wanted) -> Result<Covered, TriangulateError> {
     corners_on_knot_lines(&mut face);
     let (control, whole) = (wanted.control, wanted.options.tolerance);
     // What trimming missed and joining moved belongs to the distance from the file's faces: the rest is left for the
@@ -158,7 +194,7 @@ fn covered(index: usize, mut face: Face, first: Option<Built>, wanted: &Wanted) 
     let control = &search;
     let told = |mut built: Built| {
         built.missing.splice(0..0, why.filter(|_| search.stopped() && !wanted.control.stopped()));
-        built
+        Covered::from(built)
     };
     while !found.complete && !control.stopped() {
         // Too many panels: the fewest that were asked for, as near as they can be.
@@ -193,11 +229,12 @@ fn covered(index: usize, mut face: Face, first: Option<Built>, wanted: &Wanted) 
     if !accepted && control.stopped() {
         return Ok(told(built));
     }
-    if !accepted || !wanted.meet || control.stopped() {
-        return Ok(built);
+    let meets = built.certificate.seams.iter().all(|s| s.status == SeamStatus::Exact);
+    if !accepted || !wanted.meet || meets || control.stopped() {
+        return Ok(built.into());
     }
     let options = task.options_with(&seams);
-    Ok(met(index, &face, &state, built, &options, control))
+    Ok(Covered { built, apart: Some(Apart { face, state, options }) })
 }
 
 /// Covers of a whole face from coarse to fine, each proven, until time is up: the finest. One may be at hand.

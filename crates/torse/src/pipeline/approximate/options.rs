@@ -16,8 +16,7 @@ pub struct Options {
     pub limits: Limits,
     /// Where strips and seams run; default where fewest are needed.
     pub layout: Layout,
-    /// Whether neighbouring strips are to meet in common seams where that can be certified; default
-    /// they are not.
+    /// Whether neighbouring strips are to meet in common edges where that can be certified; default they are.
     pub meet: bool,
     /// Greatest angle (rad) between faces along a common edge across which they are covered as one surface; 0 covers
     /// each face for itself; default [`SMOOTH_ANGLE_DEG`]. See `brep::join`.
@@ -35,7 +34,7 @@ impl Options {
             input: "model".into(),
             limits: Limits::default(),
             layout: Layout::default(),
-            meet: false,
+            meet: true,
             smooth_angle: SMOOTH_ANGLE_DEG.to_radians(),
             drawn: Drawn::default(),
         }
