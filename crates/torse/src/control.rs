@@ -1,6 +1,6 @@
 //! Progress and cancellation: the one value through which long work talks to its caller.
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -18,12 +18,25 @@ pub struct Progress {
 /// Receiver of progress.
 pub(crate) type ProgressFn = dyn Fn(&Progress) + Send + Sync;
 
-/// Progress callback, cancellation flag and deadline. Cloning shares them.
+/// Progress callback, cancellation flag, deadline and effort. Cloning shares them.
 #[derive(Clone, Default)]
 pub struct Control {
     cancelled: Arc<AtomicBool>,
     deadline: Option<Instant>,
+    effort: Option<Arc<Effort>>,
     progress: Option<Arc<ProgressFn>>,
+}
+
+/// Work that may be spent, counted in attempts: unlike time it is the same on every machine.
+struct Effort {
+    spent: AtomicUsize,
+    most: usize,
+}
+
+impl Effort {
+    fn is_spent(&self) -> bool {
+        self.spent.load(Ordering::Relaxed) > self.most
+    }
 }
 
 impl std::fmt::Debug for Control {
@@ -47,6 +60,19 @@ impl Control {
         self
     }
 
+    /// The same control for a search that ends when it needs more than so many attempts.
+    pub fn within(mut self, attempts: usize) -> Self {
+        self.effort = Some(Arc::new(Effort { spent: AtomicUsize::new(0), most: attempts }));
+        self
+    }
+
+    /// Counts an attempt.
+    pub fn attempt(&self) {
+        if let Some(effort) = &self.effort {
+            effort.spent.fetch_add(1, Ordering::Relaxed);
+        }
+    }
+
     /// Asks the computation to end early; it answers with the best it has.
     pub fn cancel(&self) {
         self.cancelled.store(true, Ordering::Relaxed);
@@ -54,7 +80,9 @@ impl Control {
 
     /// Whether the computation should end early.
     pub fn stopped(&self) -> bool {
-        self.cancelled.load(Ordering::Relaxed) || self.deadline.is_some_and(|d| Instant::now() >= d)
+        self.cancelled.load(Ordering::Relaxed)
+            || self.effort.as_ref().is_some_and(|e| e.is_spent())
+            || self.deadline.is_some_and(|d| Instant::now() >= d)
     }
 
     /// Time that is left until the deadline; `None` without a deadline.
@@ -67,5 +95,27 @@ impl Control {
         if let Some(f) = &self.progress {
             f(&Progress { stage, fraction, detail: detail.into() });
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn efforts_end_after_so_many_attempts_and_no_sooner() {
+        let whole = Control::default();
+        let part = whole.clone().within(2);
+        let counted: Vec<bool> = (0..3)
+            .map(|_| {
+                part.clone().attempt();
+                whole.attempt();
+                part.stopped()
+            })
+            .collect();
+        assert_eq!(counted, [false, false, true]);
+        assert!(!whole.stopped());
+        whole.cancel();
+        assert!(whole.clone().within(2).stopped());
     }
 }

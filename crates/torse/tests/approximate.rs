@@ -569,3 +569,24 @@ fn bands_run_over_waves_as_far_as_the_face_goes() {
     // 300 √(1/1000) / (4 √0.5) = 3.4.
     assert!(answer.patchwork.panels.len() <= 4, "{}", answer.patchwork.panels.len());
 }
+
+#[test]
+fn a_bending_radius_that_no_cover_keeps_is_named_and_the_face_is_covered_all_the_same() {
+    let mut o = options(TOLERANCE);
+    o.limits.min_bend_radius = Some(20_000.0);
+    let out = run(TORUS, &o).expect("an answer");
+    assert_eq!(out.status(), Status::Uncertified);
+    let why = words::reason(&out.claims, &[]);
+    assert!(why.contains("attempts whose panels bend with a radius of 20000 mm"), "{why}");
+    // Deviation and cover are proven; only the bends are sharper than asked for.
+    let certificate = out.certificate.as_ref().expect("a certificate");
+    assert!(certificate.covered && certificate.deviation_bound <= TOLERANCE, "{}", certificate.deviation_bound);
+    assert!(!out.beyond_limits.is_empty());
+}
+
+#[test]
+fn a_width_that_asks_for_thousands_of_strips_is_refused_at_once() {
+    let mut o = options(TOLERANCE);
+    o.limits.max_width = Some(0.1);
+    assert!(matches!(run(TORUS, &o), Err(ApproximateError::TooMany { .. })));
+}

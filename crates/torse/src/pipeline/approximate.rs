@@ -154,7 +154,6 @@ fn covered(faces: Vec<Face>, options: &Options, control: &Control) -> Vec<Result
         meet: options.meet,
         control,
         deadline: OnceLock::new(),
-        limited: OnceLock::new(),
     };
     let first = first_covers(&faces, &wanted);
     let found: Vec<Result<Covered, Skipped>> = faces

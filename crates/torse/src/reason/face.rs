@@ -39,8 +39,8 @@ pub enum FaceReason {
     TooTight {
         /// Entity number of the face.
         entity: u64,
-        /// Time given to it, seconds.
-        seconds: u64,
+        /// Attempts given to it.
+        attempts: usize,
         /// Radius asked for, mm.
         radius: f64,
         /// Panels that it asks for, about.

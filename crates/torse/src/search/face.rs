@@ -35,9 +35,9 @@ const GRACE: Duration = Duration::from_millis(1000);
 const MANY: f64 = 2.0;
 /// Time, after a job was asked to stop, for fits of regions that no cover has reached, and for proofs of what has none.
 const FILLING: Duration = Duration::from_millis(250);
-/// Time for covers of faces that limits of bending ask to be cut, for all of them together: what is found at all is found in less.
-/// Users who want to wait longer say so.
-const LIMITED: Duration = Duration::from_secs(30);
+/// Attempts at covers of a face that limits of bending ask to be cut: what is found at all is found in fewer. Users who want more
+/// of them give a time.
+const LIMITED: usize = 250;
 /// Fits are judged with this multiple of the distance at their samples, so that the report can state a bound.
 const LOOSE: f64 = 1.2;
 
@@ -51,8 +51,6 @@ pub(crate) struct Wanted<'a> {
     pub control: &'a Control,
     /// When stopgaps of all faces together must end: set by the first that needs one.
     pub deadline: OnceLock<Instant>,
-    /// When covers must end that a limit of bending makes hard to find: set by the first such face.
-    pub limited: OnceLock<Instant>,
 }
 
 impl Wanted<'_> {
@@ -66,17 +64,17 @@ impl Wanted<'_> {
         Control::default().until(self.end())
     }
 
-    /// Until when a cover of a face is looked for, and why that is no longer: where the user has set no time, but
-    /// limits that hardly any panel of the face keeps to.
+    /// How long a cover of a face is looked for, and why that is no longer: where the user has set no time, but limits that
+    /// hardly any panel of the face keeps to.
     fn search(&self, face: &Face, options: &CoverOptions) -> (Control, Option<Reason>) {
         let radius = options.limits.min_bend_radius.filter(|_| self.control.remaining().is_none());
         let needed = radius.and_then(|r| Some((r, bent_panels(face, r, options.tolerance)?)));
         let Some((radius, [along, across])) = needed.filter(|(_, n)| n[0] >= MANY) else {
             return (self.control.clone(), None);
         };
-        let end = *self.limited.get_or_init(|| Instant::now() + LIMITED);
-        let (entity, seconds, panels) = (face.entity, LIMITED.as_secs(), along * across);
-        (self.control.clone().until(end), Some(FaceReason::TooTight { entity, seconds, radius, panels }.into()))
+        let (entity, panels) = (face.entity, along * across);
+        let reason = FaceReason::TooTight { entity, attempts: LIMITED, radius, panels };
+        (self.control.clone().within(LIMITED), Some(reason.into()))
     }
 
     /// Whether a job was asked to stop and its time for stopgaps is up: no face should be begun.
@@ -106,7 +104,9 @@ pub(crate) fn first_covers(faces: &[Face], wanted: &Wanted) -> Vec<Option<Built>
 /// A face as it is covered.
 pub(crate) struct Covered {
     /// Its panels.
-    pub built: Built,
+    built: Built,
+    /// Why they miss what was asked for.
+    why: Option<Reason>,
     /// What they need to meet, where they are to and do not yet.
     apart: Option<Apart>,
 }
@@ -126,16 +126,12 @@ impl Covered {
 
     /// The panels, laid anew where neighbours are to meet, as far as that can be certified before time is up.
     pub(crate) fn met(self, index: usize, control: &Control) -> Built {
-        match self.apart.filter(|_| !control.stopped()) {
+        let mut built = match self.apart.filter(|_| !control.stopped()) {
             Some(Apart { face, state, options }) => met(index, &face, &state, self.built, &options, control),
             None => self.built,
-        }
-    }
-}
-
-impl From<Built> for Covered {
-    fn from(built: Built) -> Self {
-        Self { built, apart: None }
+        };
+        built.missing.splice(0..0, self.why);
+        built
     }
 }
 
@@ -156,14 +152,16 @@ pub(crate) fn one_face(
         return covered(index, face, first, wanted);
     }
     face.set_trim_bound(0.0);
-    let mut found = covered(index, face, None, wanted)?.built;
-    found.patchwork.faces.iter_mut().for_each(|f| f.set_trim_bound(missed));
+    let found = covered(index, face, None, wanted)?;
+    let mut found = Covered { apart: None, ..found };
+    let built = &mut found.built;
+    built.patchwork.faces.iter_mut().for_each(|f| f.set_trim_bound(missed));
     let clock = match wanted.control.stopped() {
         true => Control::default().until(Instant::now() + FILLING),
         false => Control::default(),
     };
-    found.certificate = certify::patchwork(&found.patchwork, tolerance, &clock);
-    Ok(found.into())
+    built.certificate = certify::patchwork(&built.patchwork, tolerance, &clock);
+    Ok(found)
 }
 
 /// The loop over one face: cover, build, judge, develop; then what limits ask for.
@@ -178,8 +176,8 @@ fn covered(index: usize, mut face: Face, first: Option<Built>, wanted: &Wanted) 
     // What is developable already needs no search: it is covered even when time is up.
     let exact = exactly_covered(&face, &options, &Control::default());
     let is_exact = exact.is_some();
-    // Where covers end before the job does, the panels say why.
-    let (mut search, mut why) = (control.clone(), None);
+    // Where a limit is given up, the panels say why.
+    let mut why = None;
     let mut found = match exact {
         Some(state) => Cover { state, complete: true },
         None => {
@@ -187,15 +185,19 @@ fn covered(index: usize, mut face: Face, first: Option<Built>, wanted: &Wanted) 
                 let end = Instant::now() + left.mul_f64(STOPGAP_SHARE);
                 stopgap = stopgaps(index, &face, &options, (stopgap, &control.clone().until(end)));
             }
-            (search, why) = wanted.search(&face, &options);
-            cover(&face, &options, &search)?
+            let (search, reason) = wanted.search(&face, &options);
+            let found = cover(&face, &options, &search)?;
+            if found.complete || control.stopped() || !search.stopped() {
+                found
+            } else {
+                // Without the limit of bending: panels that miss it are marked, and the rest is good.
+                why = reason;
+                options.limits.min_bend_radius = None;
+                cover(&face, &options, control)?
+            }
         }
     };
-    let control = &search;
-    let told = |mut built: Built| {
-        built.missing.splice(0..0, why.filter(|_| search.stopped() && !wanted.control.stopped()));
-        Covered::from(built)
-    };
+    let told = |built: Built| Covered { built, why, apart: None };
     while !found.complete && !control.stopped() {
         // Too many panels: the fewest that were asked for, as near as they can be.
         options.tolerance *= COARSER;
@@ -231,10 +233,10 @@ fn covered(index: usize, mut face: Face, first: Option<Built>, wanted: &Wanted) 
     }
     let meets = built.certificate.seams.iter().all(|s| s.status == SeamStatus::Exact);
     if !accepted || !wanted.meet || meets || control.stopped() {
-        return Ok(built.into());
+        return Ok(told(built));
     }
     let options = task.options_with(&seams);
-    Ok(Covered { built, apart: Some(Apart { face, state, options }) })
+    Ok(Covered { apart: Some(Apart { face, state, options }), ..told(built) })
 }
 
 /// Covers of a whole face from coarse to fine, each proven, until time is up: the finest. One may be at hand.

@@ -59,7 +59,7 @@ pub(super) fn checked_number(faces: &[Face], options: &Options) -> Result<(), Ap
             return Err(ApproximateError::TooNarrow { least, widest });
         }
     }
-    if limits.min_bend_radius.is_none() && limits.widest().zip(limits.longest()).is_none() {
+    if [limits.min_bend_radius, limits.widest(), limits.longest()].iter().all(Option::is_none) {
         return Ok(());
     }
     for f in faces.iter().filter(|f| !is_developable(f, tolerance)) {

@@ -73,7 +73,11 @@ pub(crate) fn panels_needed(face: &Face, limits: &Limits, tolerance: f64) -> Opt
     let area = area_estimate(face);
     let of_radius = |radius| Some(("smallest bending radius", bent_panels(face, radius, tolerance)?.iter().product()));
     let by_radius = limits.min_bend_radius.and_then(of_radius);
-    let by_sheet = limits.widest().zip(limits.longest()).map(|(w, l)| ("size of the sheet", area / (w * l)));
+    // Where only one side is limited, the other is at most as long as the face is large.
+    let size = face.surface.bbox().diagonal();
+    let sides = [limits.widest(), limits.longest()];
+    let sheet = sides.map(|s| s.unwrap_or(size).min(size));
+    let by_sheet = sides.iter().any(Option::is_some).then(|| ("size of the sheet", area / (sheet[0] * sheet[1])));
     [by_radius, by_sheet].into_iter().flatten().filter(|n| n.1.is_finite()).max_by(|a, b| a.1.total_cmp(&b.1))
 }
 

@@ -132,6 +132,7 @@ impl Job<'_> {
         if self.control.stopped() {
             return Attempt::failed(f64::INFINITY);
         }
+        self.control.attempt();
         let samples = state.dense_samples(&self.face.surface, label, how.density);
         let control = || self.control.clone();
         let proven = |fit: Fit| {

@@ -25,10 +25,10 @@ pub(super) fn words(reason: &FaceReason) -> String {
             )
         }
         FaceReason::PanelsLeftOut { count, first } => format!("{count} panels are left out, the first {}", why(first)),
-        FaceReason::TooTight { entity, seconds, radius, panels } => format!(
-            "face #{entity}: no cover was found in {seconds} s whose panels bend with a radius of {radius} mm or more: the \
-             face asks for about {panels:.0} panels then; a smaller radius or a larger tolerance would help, or more time \
-             (--time-limit)"
+        FaceReason::TooTight { entity, attempts, radius, panels } => format!(
+            "face #{entity}: no cover was found in {attempts} attempts whose panels bend with a radius of {radius} mm or more: the \
+             face asks for about {panels:.0} panels then; it is covered with panels that bend more sharply; a smaller radius or a \
+             larger tolerance would help, or more attempts (--time-limit 10min)"
         ),
         FaceReason::Trim { entity, edge, bound } => {
             let far = if bound.is_finite() { length_bound(*bound) } else { "no bound".into() };
