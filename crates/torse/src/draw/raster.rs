@@ -146,6 +146,32 @@ impl Drawing {
                 }
             }
         }
+        // Lines by their segments: a band sees a few of those of long ones, in the order in which they are drawn.
+        let segments = |line: &Line, number: usize, out: &mut [Vec<(u32, u32)>]| {
+            if !line.points.iter().flatten().all(|x| x.is_finite()) {
+                return;
+            }
+            let beside = 0.5 * line.width + 1.0;
+            for (i, ends) in line.points.windows(2).enumerate() {
+                let (a, b) = (ends[0][1], ends[1][1]);
+                for band in rows_of(a.min(b) - beside, a.max(b) + beside) {
+                    out[band].push((number as u32, i as u32));
+                }
+            }
+        };
+        let mut lines: Vec<Vec<(u32, u32)>> = vec![Vec::new(); bands];
+        self.lines.iter().enumerate().for_each(|(k, line)| segments(line, k, &mut lines));
+        let mut overlays: Vec<Vec<(u32, u32)>> = vec![Vec::new(); bands];
+        for (k, item) in self.overlays.iter().enumerate() {
+            match item {
+                Overlay::Line(line) => segments(line, k, &mut overlays),
+                Overlay::Fill(fill) => {
+                    let y = || fill.loops.iter().flatten().map(|p| p.y);
+                    let (low, high) = (y().fold(f64::INFINITY, f64::min), y().fold(f64::NEG_INFINITY, f64::max));
+                    rows_of(low, high).for_each(|band| overlays[band].push((k as u32, 0)));
+                }
+            }
+        }
         let rows: Vec<Vec<[u8; 3]>> = bins
             .par_iter()
             .enumerate()
@@ -156,12 +182,12 @@ impl Drawing {
                     let (paint, corners) = &self.triangles[k as usize];
                     band.triangle(*paint, corners);
                 }
-                for line in &self.lines {
-                    band.line(line, true);
+                for &(k, segment) in &lines[i] {
+                    band.segment(&self.lines[k as usize], segment as usize, true);
                 }
-                for item in &self.overlays {
-                    match item {
-                        Overlay::Line(line) => band.line(line, false),
+                for &(k, segment) in &overlays[i] {
+                    match &self.overlays[k as usize] {
+                        Overlay::Line(line) => band.segment(line, segment as usize, false),
                         Overlay::Fill(fill) => band.fill(fill),
                     }
                 }
@@ -260,38 +286,34 @@ impl Band {
         }
     }
 
-    fn line(&mut self, line: &Line, tested: bool) {
+    fn segment(&mut self, line: &Line, number: usize, tested: bool) {
         let s = SAMPLES as f64;
-        if !line.points.iter().flatten().all(|x| x.is_finite()) {
-            return;
-        }
         let half = (0.5 * line.width * s).max(0.5);
-        for (i, ends) in line.points.windows(2).enumerate() {
-            let [a, b] = [0, 1].map(|k| Vec2::new(ends[k][0] * s, ends[k][1] * s));
-            let d = b - a;
-            let length_sq = d.norm_squared();
-            for row in self.rows_within(a.y.min(b.y) - half, a.y.max(b.y) + half) {
-                let y = (self.first + row) as f64 + 0.5;
-                // The stretch of the segment that can reach this row, then its extent in x.
-                let (mut t0, mut t1) = (0.0f64, 1.0f64);
-                if d.y.abs() > f64::EPSILON * length_sq.sqrt() {
-                    let (p, q) = ((y - half - a.y) / d.y, (y + half - a.y) / d.y);
-                    (t0, t1) = (p.min(q).clamp(0.0, 1.0), p.max(q).clamp(0.0, 1.0));
+        let ends = [line.points[number], line.points[number + 1]];
+        let [a, b] = [0, 1].map(|k: usize| Vec2::new(ends[k][0] * s, ends[k][1] * s));
+        let d = b - a;
+        let length_sq = d.norm_squared();
+        for row in self.rows_within(a.y.min(b.y) - half, a.y.max(b.y) + half) {
+            let y = (self.first + row) as f64 + 0.5;
+            // The stretch of the segment that can reach this row, then its extent in x.
+            let (mut t0, mut t1) = (0.0f64, 1.0f64);
+            if d.y.abs() > f64::EPSILON * length_sq.sqrt() {
+                let (p, q) = ((y - half - a.y) / d.y, (y + half - a.y) / d.y);
+                (t0, t1) = (p.min(q).clamp(0.0, 1.0), p.max(q).clamp(0.0, 1.0));
+            }
+            let (x0, x1) = (a.x + t0 * d.x, a.x + t1 * d.x);
+            for column in self.columns_within(x0.min(x1) - half, x0.max(x1) + half) {
+                let p = Vec2::new(column as f64 + 0.5, y);
+                let t = if length_sq > 0.0 { ((p - a).dot(&d) / length_sq).clamp(0.0, 1.0) } else { 0.0 };
+                let near = |q: Vec2| (p - q).norm_squared() <= half * half;
+                // The joint belongs to the segment before, or half-transparent lines would show it twice.
+                if !near(a + d * t) || (number > 0 && near(a)) {
+                    continue;
                 }
-                let (x0, x1) = (a.x + t0 * d.x, a.x + t1 * d.x);
-                for column in self.columns_within(x0.min(x1) - half, x0.max(x1) + half) {
-                    let p = Vec2::new(column as f64 + 0.5, y);
-                    let t = if length_sq > 0.0 { ((p - a).dot(&d) / length_sq).clamp(0.0, 1.0) } else { 0.0 };
-                    let near = |q: Vec2| (p - q).norm_squared() <= half * half;
-                    // The joint belongs to the segment before, or half-transparent lines would show it twice.
-                    if !near(a + d * t) || (i > 0 && near(a)) {
-                        continue;
-                    }
-                    let index = row * self.columns + column;
-                    let depth = ends[0][2] + t * (ends[1][2] - ends[0][2]);
-                    if !tested || depth as f32 >= self.depth[index] {
-                        self.blend(index, line.colour, line.alpha);
-                    }
+                let index = row * self.columns + column;
+                let depth = ends[0][2] + t * (ends[1][2] - ends[0][2]);
+                if !tested || depth as f32 >= self.depth[index] {
+                    self.blend(index, line.colour, line.alpha);
                 }
             }
         }
@@ -302,12 +324,16 @@ impl Band {
         if !fill.loops.iter().flatten().all(|p| p.x.is_finite() && p.y.is_finite()) {
             return;
         }
-        let sides = || fill.loops.iter().flat_map(|l| (0..l.len()).map(move |i| (l[i] * s, l[(i + 1) % l.len()] * s)));
-        let low = sides().map(|(a, _)| a.y).fold(f64::INFINITY, f64::min);
-        let high = sides().map(|(a, _)| a.y).fold(f64::NEG_INFINITY, f64::max);
+        let all = fill.loops.iter().flat_map(|l| (0..l.len()).map(move |i| (l[i] * s, l[(i + 1) % l.len()] * s)));
+        // Those that cross the band.
+        let (top, bottom) = (self.first as f64, (self.first + self.rows) as f64);
+        let sides: Vec<(Vec2, Vec2)> = all.filter(|(a, b)| a.y.min(b.y) <= bottom && a.y.max(b.y) >= top).collect();
+        let low = sides.iter().map(|(a, b)| a.y.min(b.y)).fold(f64::INFINITY, f64::min);
+        let high = sides.iter().map(|(a, b)| a.y.max(b.y)).fold(f64::NEG_INFINITY, f64::max);
         for row in self.rows_within(low, high) {
             let y = (self.first + row) as f64 + 0.5;
-            let mut crossings: Vec<f64> = sides()
+            let mut crossings: Vec<f64> = sides
+                .iter()
                 .filter(|(a, b)| (a.y <= y) != (b.y <= y))
                 .map(|(a, b)| a.x + (y - a.y) / (b.y - a.y) * (b.x - a.x))
                 .collect();
