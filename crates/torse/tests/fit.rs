@@ -339,3 +339,64 @@ proptest! {
         prop_assert!(chosen.len() <= 20 && chosen.iter().all(|&i| i < samples.len()));
     }
 }
+
+/// Facets between two rows of corners, two to a field.
+fn facets(low: &[Vec3], high: &[Vec3]) -> torse::geom::cloud::Cloud {
+    let n = low.len() as u32;
+    let field = |i: u32| [[i, i + 1, n + i], [n + i, i + 1, n + i + 1]];
+    torse::geom::cloud::Cloud {
+        points: low.iter().chain(high).copied().collect(),
+        triangles: (0..n - 1).flat_map(field).collect(),
+    }
+}
+
+/// Area of facets.
+fn flat_area(mesh: &torse::geom::cloud::Cloud) -> f64 {
+    let corner = |i: u32| mesh.points[i as usize];
+    mesh.triangles
+        .iter()
+        .map(|t| 0.5 * (corner(t[1]) - corner(t[0])).cross(&(corner(t[2]) - corner(t[0]))).norm())
+        .sum()
+}
+
+/// The greatest proven distance of the strips from what was measured, mm.
+fn reach(answer: &torse::Answer) -> f64 {
+    answer.claim(torse::certify::claim::What::FromMeasured).expect("a distance").value()
+}
+
+#[test]
+fn strips_under_coarse_meshes_end_where_the_mesh_does() {
+    // Half a pipe cut off askew above and half a cone: what hugs their corners is a tenth larger.
+    let turn = |i: usize| std::f64::consts::PI * i as f64 / 20.0;
+    let round = |r: f64, i: usize| Vec3::new(r * turn(i).cos(), r * turn(i).sin(), 0.0);
+    let pipe: [Vec<Vec3>; 2] = [
+        (0..=20).map(|i| round(100.0, i)).collect(),
+        (0..=20).map(|i| round(100.0, i) + Vec3::z() * (200.0 + 80.0 * turn(i).cos())).collect(),
+    ];
+    let cone: [Vec<Vec3>; 2] =
+        [(0..=20).map(|i| round(200.0, i)).collect(), (0..=20).map(|i| round(80.0, i) + Vec3::z() * 250.0).collect()];
+    for [low, high] in [pipe, cone] {
+        let mesh = facets(&low, &high);
+        let answer = torse::fit(&mesh, &torse::FitOptions::new(0.5, "mesh"), &Control::default()).expect("an answer");
+        assert_eq!(answer.status(), torse::Status::Certified);
+        let area: f64 = answer.patterns.iter().map(|p| p.area).sum();
+        let wanted = flat_area(&mesh);
+        assert!((area / wanted - 1.0).abs() < 0.006, "{area} {wanted}");
+        assert!(reach(&answer) < 2.0, "{}", reach(&answer));
+    }
+}
+
+#[test]
+fn parts_of_a_mesh_that_are_apart_are_parts() {
+    let line = |x: f64, y: f64| (0..=20).map(|i| Vec3::new(x + 5.0 * f64::from(i), y, 0.0)).collect::<Vec<_>>();
+    let mut mesh = facets(&line(0.0, 0.0), &line(0.0, 100.0));
+    let other = facets(&line(300.0, 20.0), &line(300.0, 70.0));
+    let first = mesh.points.len() as u32;
+    mesh.points.extend(other.points);
+    mesh.triangles.extend(other.triangles.into_iter().map(|t| t.map(|c| c + first)));
+    let answer = torse::fit(&mesh, &torse::FitOptions::new(0.5, "two"), &Control::default()).expect("an answer");
+    assert_eq!(answer.status(), torse::Status::Certified);
+    let mut areas: Vec<f64> = answer.patterns.iter().map(|p| p.area).collect();
+    areas.sort_by(f64::total_cmp);
+    assert!(areas.len() == 2 && (areas[0] - 5000.0).abs() < 1.0 && (areas[1] - 10_000.0).abs() < 1.0, "{areas:?}");
+}

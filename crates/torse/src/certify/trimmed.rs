@@ -6,8 +6,8 @@
 //! place of that image is farther than `reach` from a measured point, or from a triangle between such points; the edges
 //! in space are within `edge` of the images of the loops.
 //! *Method*. A point inside the loops has its own place on the patch; one outside, a place on the nearest side. The region
-//! is covered by cells of the parameter plane, halved until the convex hull of a cell's control points lies in a ball about
-//! one measured place. Predicates are exact \[S97\], values are intervals. Nothing here knows how outlines were found.
+//! is covered by cells of the parameter plane, halved until the convex hull of a cell's control points lies near
+//! one measured point or triangle, from which distances are convex. Predicates are exact \[S97\], values are intervals. Nothing here knows how outlines were found.
 
 use super::claim::UpperBound;
 use super::edges::edge_bound;
@@ -188,23 +188,21 @@ impl<'a> Sites<'a> {
         Self { measured: *measured, tree: BoxTree::new(points.len() + triangles.len(), &bounds) }
     }
 
-    /// A measured place near `x`, and how far rounding may have moved it, mm.
-    fn near(&self, x: &Vec3) -> Option<(Vec3, f64)> {
+    /// The nearest point or triangle.
+    fn near(&self, x: &Vec3) -> Option<usize> {
+        let far = |i: usize| (self.on(i, x).0 - x).norm_squared();
+        self.tree.nearest(x, &far).map(|n| n.0)
+    }
+
+    /// The place of a point or triangle that is nearest to `x`, and how far rounding may have moved it, mm.
+    fn on(&self, i: usize, x: &Vec3) -> (Vec3, f64) {
         let points = self.measured.points;
-        let place = |i: usize| match i.checked_sub(points.len()) {
-            None => points[i],
-            Some(k) => {
-                let all = self.measured.triangles[k].map(|c| points.get(c as usize).copied());
-                let [Some(a), Some(b), Some(c)] = all else { return Vec3::repeat(f64::NAN) };
-                let s = nearest_on_triangle(x, [a, b, c]);
-                a * s[0] + b * s[1] + c * s[2]
-            }
-        };
-        let far = |i: usize| (place(i) - x).norm_squared();
-        let (i, _) = self.tree.nearest(x, &far)?;
-        let found = place(i);
-        let moved = if i < points.len() { 0.0 } else { PLACED * (found.amax() + points_size(self.measured, i)) };
-        Some((found, moved))
+        let Some(k) = i.checked_sub(points.len()) else { return (points[i], 0.0) };
+        let all = self.measured.triangles[k].map(|c| points.get(c as usize).copied());
+        let [Some(a), Some(b), Some(c)] = all else { return (Vec3::repeat(f64::NAN), 0.0) };
+        let s = nearest_on_triangle(x, [a, b, c]);
+        let place = a * s[0] + b * s[1] + c * s[2];
+        (place, PLACED * (place.amax() + points_size(self.measured, i)))
     }
 }
 
@@ -375,7 +373,7 @@ impl Region {
             let at = [from + (to - from) * share(k / LOOKS[1], 0), share(k % LOOKS[1], 1)];
             let x = panel.strip.patch.point(at[0], at[1]);
             if self.holds(at) {
-                sites.near(&x).map_or(0.0, |(site, _)| (site - x).norm())
+                sites.near(&x).map_or(0.0, |i| (sites.on(i, &x).0 - x).norm())
             } else {
                 0.0
             }
@@ -408,10 +406,11 @@ struct Look {
 impl Cell {
     fn reach(&self, panel: &Panel, ruled: &Ruled, sites: &Sites) -> Look {
         let middle = panel.strip.patch.point(self.t.mid(), self.r.mid());
-        let Some((site, moved)) = sites.near(&middle) else {
+        let Some(nearest) = sites.near(&middle) else {
             return Look { bound: f64::INFINITY, middle, at_middle: 0.0, extents: [0.0; 2] };
         };
-        // Coefficients relative to the site: the longest of their hull bounds the distance of every place.
+        let site = sites.on(nearest, &middle).0;
+        // The distance from a point or a triangle is convex: the greatest of the coefficients' own bounds that of every place.
         let origin = [site.x, site.y, site.z];
         let rails = [0, 1].map(|end: usize| ruled.end(end, self.t.lo, self.t.hi, &origin));
         let mut most = 0.0f64;
@@ -422,7 +421,9 @@ impl Cell {
             for i in 0..=last {
                 let h = [0, 1, 2, 3].map(|d: usize| s * rails[0][d][i] + r * rails[1][d][i]);
                 let p = if ruled.rational { [0, 1, 2].map(|d: usize| h[d] / h[3]) } else { [h[0], h[1], h[2]] };
-                let far = length_bound(&p);
+                let (own, moved) = sites.on(nearest, &(site + Vec3::from(p.map(Interval::mid))));
+                let off = [0, 1, 2].map(|d: usize| p[d] - (Interval::point(own[d]) - Interval::point(site[d])));
+                let far = (Interval::point(length_bound(&off)) + Interval::point(moved)).hi;
                 most = if far.is_nan() { f64::INFINITY } else { most.max(far) };
                 if i == 0 || i == last {
                     corners[usize::from(i > 0)][j] = Vec3::from(p.map(Interval::mid));
@@ -431,8 +432,7 @@ impl Cell {
         }
         let [[a, b], [c, d]] = corners;
         let extents = [(c - a).norm().max((d - b).norm()), (b - a).norm().max((d - c).norm())];
-        let bound = (Interval::point(most) + Interval::point(moved)).hi;
-        Look { bound, middle, at_middle: (site - middle).norm(), extents }
+        Look { bound: most, middle, at_middle: (site - middle).norm(), extents }
     }
 
     fn halves(&self, along: bool, all: &[[[f64; 2]; 2]]) -> [Self; 2] {

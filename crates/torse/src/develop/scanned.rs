@@ -151,7 +151,7 @@ fn thinned(points: &[Vec2]) -> (Vec<Vec2>, f64) {
 }
 
 /// Closed walks along directed edges; where one comes to a corner again, what lies between is a walk of its own.
-fn closed_walks(mut next: HashMap<usize, Vec<usize>>) -> Vec<Vec<usize>> {
+pub(super) fn closed_walks(mut next: HashMap<usize, Vec<usize>>) -> Vec<Vec<usize>> {
     let mut starts: Vec<usize> = next.keys().copied().collect();
     starts.sort_unstable();
     let mut out = Vec::new();

@@ -20,7 +20,7 @@ use crate::reason::{JobReason, Reason, Sort};
 use crate::search::strips::cut::laid;
 use crate::search::strips::regression;
 use crate::search::strips::scan::{scanned, ScanOptions, Scanned, NEAR};
-use crate::search::strips::scan_outline::{claims_of_ends, outlined, Ended};
+use crate::search::strips::scan_outline::{claims_of_ends, outlined, Ended, Followed};
 use crate::torse::strip::Strip;
 use crate::torse::zone::RegressionLimits;
 pub use options::FitOptions;
@@ -57,19 +57,20 @@ pub fn fit(cloud: &Cloud, options: &FitOptions, control: &Control) -> Result<Ans
         max_strips: options.max_strips,
         limits: options.limits.clone(),
     };
-    let Scanned { strips, certificate, skipped, noise, lonely, between } = scanned(cloud, &wanted, control)?;
+    let Scanned { strips, certificate, skipped, noise, lonely, between, facets } = scanned(cloud, &wanted, control)?;
     // 2. Flat parts.
     control.report("developing", 0.9, String::new());
-    let chains = Part::of_each(&strips);
     let drawn = Drawn { bends: options.drawn.bends.of_job(options.tolerance), ..options.drawn };
     let flat = StripOptions { drawn, ..StripOptions::new(0.1 * options.tolerance) };
-    let mut laid = laid(&strips, &chains, &flat, options.tolerance);
-    // 3. Strips and patterns cut back to the border of the points, judged both ways.
-    let ended = if between.is_none() && !control.stopped() {
-        let near = (&certificate, NEAR * options.tolerance);
-        outlined(strips.clone(), &mut laid, near, flat.side, options.tolerance, control)
-    } else {
-        Ended::whole(strips.clone())
+    let mut laid = laid(&strips, &Part::of_each(&strips), &flat, options.tolerance);
+    // 3. Strips and patterns cut back to the border of the points or of the mesh, judged both ways.
+    let followed = match &between {
+        None => Followed::Points(&certificate, NEAR * options.tolerance),
+        Some(between) => Followed::Facets(cloud, &facets, between.bulge_estimate),
+    };
+    let ended = match control.stopped() {
+        true => Ended::whole(strips.clone()),
+        false => outlined(strips.clone(), &mut laid, followed, flat.side, options.tolerance, control),
     };
     let stretched = laid.refused();
     let mut notes = vec![Note::Fit(FitNote::Ends {

@@ -23,7 +23,7 @@ pub enum LoftError {
     Loose(#[from] crate::geom::coarse::Loose),
     /// The rails meet, or are one and the same.
     #[error(
-        "{a} at {at_a:.4} of its length and {b} at {at_b:.4} of its length are only {gap:.3e} mm apart; \
+        "{a} at {at_a:.4} of its length and {b} at {at_b:.4} of its length are only {gap:.6} mm apart; \
          trim the rails so that they do not touch"
     )]
     Touch {

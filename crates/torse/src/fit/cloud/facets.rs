@@ -18,6 +18,8 @@ pub(crate) struct FacetPoint {
     pub flat: Vec3,
     /// On the surface through the corners, mm.
     pub lifted: Vec3,
+    /// Index of the facet.
+    pub facet: u32,
 }
 
 /// Cosine of the angle between facets at an edge beyond which it is a crease: 35°, as between estimates.
@@ -51,18 +53,18 @@ pub(crate) fn facet_points(cloud: &Cloud, count: usize) -> Vec<FacetPoint> {
     let step = (total / count.max(1) as f64).sqrt();
     let normals = normals(cloud);
     let mut out = Vec::new();
-    for (t, n) in cloud.triangles.iter().zip(&normals) {
+    for ((t, n), facet) in cloud.triangles.iter().zip(&normals).zip(0..) {
         let [a, b, c] = corner(t);
         let longest = (b - a).norm().max((c - b).norm()).max((a - c).norm());
         if longest > long && n.iter().all(|n| n.norm() > 0.0) {
-            spread(&[a, b, c], n, step, &mut out);
+            spread((facet, &[a, b, c]), n, step, &mut out);
         }
     }
     out
 }
 
 /// Points of one facet at distances of about `step`.
-fn spread(corners: &[Vec3; 3], normals: &[Vec3; 3], step: f64, out: &mut Vec<FacetPoint>) {
+fn spread((facet, corners): (u32, &[Vec3; 3]), normals: &[Vec3; 3], step: f64, out: &mut Vec<FacetPoint>) {
     // Rows of one facet at most.
     const MOST: f64 = 400.0;
     // Rows run along the edge that leaves the fewest of them: the facet is long and thin as a rule.
@@ -83,7 +85,7 @@ fn spread(corners: &[Vec3; 3], normals: &[Vec3; 3], step: f64, out: &mut Vec<Fac
             let flat = corners[0] * w[0] + corners[1] * w[1] + corners[2] * w[2];
             let lift: Vec3 =
                 (0..3).map(|k| normals[k] * (normals[k].dot(&(corners[k] - flat)) * w[k])).sum::<Vec3>() * LIFT;
-            out.push(FacetPoint { flat, lifted: flat + lift });
+            out.push(FacetPoint { flat, lifted: flat + lift, facet });
         }
     }
 }

@@ -4,6 +4,7 @@
 use super::regression;
 use crate::certify::points::{points as certified, PointCertificate};
 use crate::control::Control;
+use crate::develop::mesh_border;
 use crate::fit::cloud::core;
 use crate::fit::cloud::estimates::{estimates, Estimates};
 use crate::fit::cloud::extent::{assigned, polished, strip, widened};
@@ -18,6 +19,7 @@ use crate::reason::{Reason, StripReason};
 use crate::torse::strip::Strip;
 use crate::torse::zone::RegressionLimits;
 use std::borrow::Cow;
+use std::collections::{BTreeSet, HashMap};
 
 /// What strips under points must be like.
 #[derive(Clone, Debug, PartialEq)]
@@ -47,6 +49,8 @@ pub(crate) struct Scanned {
     pub lonely: usize,
     /// What is known between the corners of a coarse mesh; `None` where the points are no corners of one.
     pub between: Option<Between>,
+    /// Of a coarse mesh the facets of each strip.
+    pub facets: Vec<Vec<u32>>,
 }
 
 /// Strips under measured points; those of coarse meshes are guided by points between their corners (see
@@ -67,18 +71,18 @@ pub(crate) fn scanned(cloud: &Cloud, options: &ScanOptions, control: &Control) -
     let placed = Placed { points: moved.len(), shift, slack };
     let regions = regions_of(&found, options.tolerance, slack);
     // 3. Strips under the points of each piece, 4. with their proof.
-    let given = Given { points: &moved, judged: cloud.points.len() };
+    let given = Given { points: &moved, judged: cloud.points.len(), facets: &cloud.triangles, inside: &inside };
     let attempt = |narrow: bool| {
         let mut skipped = Vec::new();
         let fits = torses(&found, &regions, placed, (options, narrow), control, &mut skipped);
         control.report("trimming", 0.6, format!("{} pieces", fits.len()));
-        let strips = strips(&found, &given, fits, options, &mut skipped);
+        let (strips, facets) = strips(&found, &given, fits, options, &mut skipped);
         let strips: Vec<Strip> = match shift {
             Some(c) => strips.into_iter().map(|s| s.moved(&c)).collect(),
             None => strips,
         };
         let certificate = certified(&strips, &cloud.points, control);
-        (certificate, strips, skipped)
+        (certificate, strips, skipped, facets)
     };
     // Between the corners of coarse meshes nothing holds torses that turn far.
     let mut done = attempt(!inside.is_empty());
@@ -91,10 +95,10 @@ pub(crate) fn scanned(cloud: &Cloud, options: &ScanOptions, control: &Control) -
             done = again;
         }
     }
-    let (certificate, strips, skipped) = done;
+    let (certificate, strips, skipped, facets) = done;
     let lonely = found.of_point.iter().take(cloud.points.len()).filter(|e| e.is_none()).count();
     let between = (!inside.is_empty()).then(|| between(&strips, &inside, options.tolerance, control));
-    Ok(Scanned { strips, certificate, skipped, noise: found.noise, lonely, between })
+    Ok(Scanned { strips, certificate, skipped, noise: found.noise, lonely, between, facets })
 }
 
 /// Points of regions smaller than this share of the cloud are left to the other strips, if these are near.
@@ -234,51 +238,143 @@ struct Given<'a> {
     points: &'a [Vec3],
     /// Number of the first: these are judged.
     judged: usize,
+    /// Facets between the first.
+    facets: &'a [[u32; 3]],
+    /// What the others are.
+    inside: &'a [FacetPoint],
 }
 
-/// Strips of torses under the points of their estimates.
+/// Strips of torses under the points of their estimates, and the facets of each.
 fn strips(
     found: &Estimates,
     given: &Given,
     fits: Vec<(Vec<u32>, Vec<Fit>)>,
     options: &ScanOptions,
     skipped: &mut Vec<StripReason>,
-) -> Vec<Strip> {
+) -> (Vec<Strip>, Vec<Vec<u32>>) {
     let mut owner: Vec<Option<u32>> = vec![None; found.items.len()];
     for (k, (members, _)) in fits.iter().enumerate() {
         members.iter().for_each(|&i| owner[i as usize] = Some(k as u32));
     }
-    let points = given.points;
-    let mut own: Vec<Vec<Vec3>> = vec![Vec::new(); fits.len()];
-    let mut judged = vec![0; fits.len()];
     let fits: Vec<Vec<Fit>> =
         fits.into_iter().map(|(_, f)| f.into_iter().map(|f| widened(&f).unwrap_or(f)).collect()).collect();
     let torses: Vec<&Fit> = fits.iter().filter_map(|f| f.first()).collect();
-    let assigned = assigned(found, &owner, &torses, points, NEAR * options.tolerance);
-    for (i, (p, k)) in points.iter().zip(assigned).enumerate() {
-        if let Some(k) = k {
-            own[k as usize].push(*p);
-            judged[k as usize] += usize::from(i < given.judged);
+    let assigned = assigned(found, &owner, &torses, given.points, NEAR * options.tolerance);
+    let (mut out, mut facets): (Vec<Strip>, Vec<Vec<u32>>) = (Vec::new(), Vec::new());
+    for (fits, parts) in fits.iter().zip(owned(given, &assigned, fits.len())) {
+        for Owned { points, judged, facets: own } in parts {
+            let name = format!("A-{:02}", out.len() + 1);
+            match nearest(&name, fits, (&points[..], judged), options) {
+                Ok(s) => {
+                    out.push(s);
+                    facets.push(own);
+                }
+                Err(why) => skipped.push(StripReason::Points(points.len(), why.map(|why| Box::new(why.into())))),
+            }
         }
     }
-    let mut out: Vec<Strip> = Vec::new();
-    for ((fits, own), judged) in fits.iter().zip(&own).zip(judged) {
-        let name = format!("A-{:02}", out.len() + 1);
-        match nearest(&name, fits, &Given { points: own, judged }, options) {
-            Ok(s) => out.push(s),
-            Err(why) => skipped.push(StripReason::Points(own.len(), why.map(|why| Box::new(why.into())))),
+    (out, facets)
+}
+
+/// What one strip lies under.
+#[derive(Default)]
+struct Owned {
+    /// Points, those that are judged first.
+    points: Vec<Vec3>,
+    /// Number of these.
+    judged: usize,
+    /// Facets of a coarse mesh.
+    facets: Vec<u32>,
+}
+
+/// What each of `count` torses lies under, given the torse of every point. Of coarse meshes a torse has whole facets, in parts that
+/// hang together: the strips of neighbours reach to the same sides of facets.
+fn owned(given: &Given, assigned: &[Option<u32>], count: usize) -> Vec<Vec<Owned>> {
+    let mut loose: Vec<Owned> = (0..count).map(|_| Owned::default()).collect();
+    if given.inside.is_empty() {
+        for (p, k) in given.points.iter().zip(assigned) {
+            if let Some(own) = k.and_then(|k| loose.get_mut(k as usize)) {
+                own.points.push(*p);
+            }
+        }
+        loose.iter_mut().for_each(|own| own.judged = own.points.len());
+        return loose.into_iter().map(|own| vec![own]).collect();
+    }
+    // A facet belongs to the torse of most of the points inside it, or of its corners where it has none.
+    let mut votes: Vec<Vec<u32>> = vec![Vec::new(); given.facets.len()];
+    for (p, k) in given.inside.iter().zip(&assigned[given.judged..]) {
+        votes[p.facet as usize].extend(k);
+    }
+    let mut of_torse: Vec<Vec<u32>> = vec![Vec::new(); count];
+    for ((facet, votes), n) in given.facets.iter().zip(&mut votes).zip(0..) {
+        if votes.is_empty() {
+            votes.extend(facet.iter().filter_map(|&c| assigned[c as usize]));
+        }
+        votes.sort_unstable();
+        if let Some(most) = votes.chunk_by(|a, b| a == b).max_by_key(|c| c.len()) {
+            of_torse[most[0] as usize].push(n);
         }
     }
-    out
+    with_crumbs(given, &mut of_torse);
+    let mut beside: HashMap<u32, Vec<Vec3>> = HashMap::new();
+    for (p, place) in given.inside.iter().zip(&given.points[given.judged..]) {
+        beside.entry(p.facet).or_default().push(*place);
+    }
+    let part = |facets: Vec<u32>| {
+        let corners: BTreeSet<u32> = facets.iter().flat_map(|&f| given.facets[f as usize]).collect();
+        let mut points: Vec<Vec3> = corners.iter().map(|&c| given.points[c as usize]).collect();
+        let judged = points.len();
+        points.extend(facets.iter().filter_map(|f| beside.get(f)).flatten());
+        Owned { points, judged, facets }
+    };
+    of_torse.into_iter().map(|f| mesh_border::parts(given.facets, &f).into_iter().map(&part).collect()).collect()
+}
+
+/// Gives parts of a hundredth of the mesh to the torse beside them, if there is one: near creases a facet is easily mistaken.
+fn with_crumbs(given: &Given, of_torse: &mut [Vec<u32>]) {
+    let area = |f: &u32| {
+        let [a, b, c] = given.facets[*f as usize].map(|c| given.points[c as usize]);
+        (b - a).cross(&(c - a)).norm()
+    };
+    let sides = |f: u32| {
+        let t = given.facets[f as usize];
+        [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]].map(|[a, b]| [a.min(b), a.max(b)])
+    };
+    let whole: f64 = of_torse.iter().flatten().map(area).sum();
+    let all: Vec<(usize, Vec<u32>)> = of_torse
+        .iter()
+        .enumerate()
+        .flat_map(|(k, f)| mesh_border::parts(given.facets, f).into_iter().map(move |p| (k, p)))
+        .collect();
+    let (crumbs, parts): (Vec<_>, Vec<_>) =
+        all.into_iter().partition(|(_, p)| p.iter().map(area).sum::<f64>() < CRUMB * whole);
+    let mut owner: HashMap<[u32; 2], usize> = HashMap::new();
+    of_torse.iter_mut().for_each(Vec::clear);
+    for (k, part) in parts {
+        part.iter().flat_map(|&f| sides(f)).for_each(|s| {
+            owner.insert(s, k);
+        });
+        of_torse[k].extend(part);
+    }
+    for (k, part) in crumbs {
+        let mut beside: Vec<usize> =
+            part.iter().flat_map(|&f| sides(f)).filter_map(|s| owner.get(&s)).copied().collect();
+        beside.sort_unstable();
+        let most = beside.chunk_by(|a, b| a == b).max_by_key(|c| c.len()).map_or(k, |c| c[0]);
+        of_torse[most].extend(part);
+    }
 }
 
 /// The strip of the torse with the fewest points beyond the tolerance and the smallest proven distance, among those whose
 /// regression curve keeps to the limits if there are any. Where points are beyond, torses are continued over the points
 /// themselves.
-fn nearest(name: &str, fits: &[Fit], given: &Given, options: &ScanOptions) -> Result<Strip, Option<StripReason>> {
-    let own = given.points;
-    // A piece may have no points of its own but those that guide.
-    let judged = if given.judged > 0 { &own[..given.judged] } else { own };
+fn nearest(
+    name: &str,
+    fits: &[Fit],
+    (own, judged): (&[Vec3], usize),
+    options: &ScanOptions,
+) -> Result<Strip, Option<StripReason>> {
+    let judged = &own[..judged];
     // Points judged for the choice; the strip chosen is judged with all of them later.
     const JUDGED: usize = 20_000;
     let some: Vec<Vec3> = judged.iter().step_by(judged.len().div_ceil(JUDGED).max(1)).copied().collect();

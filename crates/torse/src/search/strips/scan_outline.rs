@@ -1,21 +1,23 @@
 //! Scanned strips, and their flat patterns, cut back to the border of the points \[EKS83\], where these lie on the judged
 //! strips; and what the judge says of that.
 
+use crate::certify;
 use crate::certify::claim::{Claim, Subject, UpperBound, What};
 use crate::certify::flat::outlined_parts;
 use crate::certify::points::PointCertificate;
 use crate::certify::trimmed::{trimmed, Measured, TrimmedCertificate};
 use crate::control::Control;
 use crate::develop::map::Development;
+use crate::develop::mesh_border;
 use crate::develop::scanned::{cut_back, outline, sharp, CarriedLoop, ScanOutline, Shown};
 use crate::geom::cloud::Cloud;
-use crate::geom::Vec2;
+use crate::geom::{Vec2, Vec3};
 use crate::patchwork::panel::Panel;
 use crate::patchwork::pattern::{Contour, Pattern};
 use crate::reason::{Item, Reason, StripReason};
 use crate::search::strips::cut::Laid;
 use crate::torse::strip::Strip;
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 
 /// Outlines that follow measured points.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,12 +57,21 @@ impl Ended {
 /// Share of the tolerance by which chords of outlines may lie beside the strips.
 const CHORD: f64 = 0.02;
 
-/// Cuts strips and their flat patterns back to the border of the points within `near` (mm) of them, and has the patterns
+/// What outlines follow.
+#[derive(Clone, Copy)]
+pub(crate) enum Followed<'a> {
+    /// Points within a distance (mm) of strips, where these were judged.
+    Points(&'a PointCertificate, f64),
+    /// Facets of a coarse mesh, for each strip, with the distance (mm) that these may lie off a smooth sheet through their corners.
+    Facets(&'a Cloud, &'a [Vec<u32>], f64),
+}
+
+/// Cuts strips and their flat patterns back to the border of what they follow, and has the patterns
 /// proven anew. `laid` has one part for each strip; `side` and `tolerance` (mm) are those it was made with.
 pub(crate) fn outlined(
     strips: Vec<Strip>,
     laid: &mut Laid,
-    (certificate, near): (&PointCertificate, f64),
+    followed: Followed,
     side: f64,
     tolerance: f64,
     control: &Control,
@@ -77,7 +88,13 @@ pub(crate) fn outlined(
         // Patterns are seen from outside or from inside: mirrored where that is the other side.
         let Some(mirrored) = mirrored(pattern, &development) else { continue };
         let shown = Shown { development: &development, patch: &strip.patch, mirrored, chord };
-        if let Some((outline, carried)) = cut(&shown, k as u32, certificate, near) {
+        let outline = match followed {
+            Followed::Points(certificate, near) => cut(&shown, k as u32, certificate, near),
+            Followed::Facets(cloud, facets, bulge) => {
+                facets.get(k).and_then(|f| cut_mesh(&shown, strip, (cloud, &f[..]), bulge, control))
+            }
+        };
+        if let Some((outline, carried)) = outline {
             (found[k], loops[k]) = (Some(outline), Some(carried));
         } else {
             // A file holds trimmed panels or whole strips: beside trimmed ones these end where their patches do.
@@ -136,6 +153,32 @@ fn cut(
     });
     let carried = carried.collect::<Option<Vec<_>>>()?;
     Some((found, carried))
+}
+
+/// The border of facets, in the plane and on the patch of their strip. `None` where they are no sheet with one border there.
+fn cut_mesh(
+    shown: &Shown,
+    strip: &Strip,
+    (cloud, facets): (&Cloud, &[u32]),
+    bulge: f64,
+    control: &Control,
+) -> Option<(ScanOutline, Vec<CarriedLoop>)> {
+    let triangles: Vec<[u32; 3]> = facets.iter().map(|&f| cloud.triangles[f as usize]).collect();
+    let corners: Vec<u32> = triangles.iter().flatten().copied().collect::<BTreeSet<u32>>().into_iter().collect();
+    let points: Vec<Vec3> = corners.iter().map(|&c| cloud.points[c as usize]).collect();
+    let on = certify::points::points(std::slice::from_ref(strip), &points, control);
+    let place = |(_, u, v): &(u32, f32, f32)| [f64::from(*u), f64::from(*v)];
+    let places: HashMap<u32, [f64; 2]> = corners.iter().copied().zip(on.places().iter().map(place)).collect();
+    let flat: HashMap<u32, Vec2> = places.iter().map(|(c, q)| (*c, shown.flat(q))).collect();
+    let loops = mesh_border::border(&triangles, &flat)?;
+    let drawn: Vec<Vec<Vec2>> = loops.iter().map(|l| l.iter().map(|c| flat[c]).collect()).collect();
+    let carried = loops
+        .iter()
+        .zip(&drawn)
+        .map(|(l, drawn)| shown.carried(&l.iter().map(|c| places[c]).zip(sharp(drawn)).collect::<Vec<_>>(), true));
+    let carried = carried.collect::<Option<Vec<_>>>()?;
+    let outline = ScanOutline { loops: drawn, spacing: 0.0, keeps: [0.0, bulge], closed: 0, stray: 0 };
+    Some((outline, carried))
 }
 
 /// The border of a whole strip; `None` where a rail is a point.

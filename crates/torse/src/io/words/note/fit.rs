@@ -7,12 +7,13 @@ use crate::answer::note::{Became, FaceNote, FitNote, Outlines, SplineSize};
 pub(super) fn words(note: &FitNote) -> String {
     match note {
         FitNote::Ends { outlines, whole, mesh } => {
-            let why = if *mesh { "as of every coarse mesh" } else { "the points have no single border there" };
+            let why = if *mesh { "the mesh has no single border there" } else { "the points have no single border there" };
             let apart = (!whole.is_empty()).then(|| {
                 let names = whole.join(", ");
                 format!("Whole strips, not cut back to what was measured ({why}), are {names}: how far they reach is proven.")
             });
-            outlines.iter().map(outlined).chain(apart).collect::<Vec<_>>().join(" ")
+            let told: fn(&Outlines) -> String = if *mesh { of_mesh } else { outlined };
+            outlines.iter().map(told).chain(apart).collect::<Vec<_>>().join(" ")
         }
         FitNote::Lonely { count } => {
             format!("{count} points lie too far from others to belong to a surface; they are judged all the same.")
@@ -28,6 +29,15 @@ pub(super) fn words(note: &FitNote) -> String {
         FitNote::Face(note) => face(note),
         FitNote::At(what) => format!("Distances are proven at the {}, not between them.", counted_name(*what)),
     }
+}
+
+fn of_mesh(found: &Outlines) -> String {
+    format!(
+        "Strips and flat patterns end at the border of the mesh, straight from corner to corner of its facets when laid flat. \
+         Proven are the distance of every corner from the strips with these outlines, and that of every place of the strips \
+         from the mesh. Holes cut out: {}.",
+        found.holes
+    )
 }
 
 fn outlined(found: &Outlines) -> String {
