@@ -185,3 +185,44 @@ fn a_frustum_of_a_full_turn_is_one_panel() {
         assert_eq!(out.patchwork.panels.len(), 1, "{tolerance} mm");
     }
 }
+
+/// A cone of half angle 0.54 about z, its base of radius 300 mm in the plane z = 0, up to its tip; over a turn.
+fn to_the_tip(turn: f64) -> Face {
+    let cone = SupportSurface::Cone { frame: Frame::world(), radius: 300.0, slope: -0.6 };
+    Face::untrimmed(part(&cone, (0.0, turn), (0.0, 500.0)))
+}
+
+#[test]
+fn a_cone_up_to_its_tip_is_one_panel_with_its_slant_at_any_tolerance() {
+    for (turn, tolerance) in [(0.5 * PI, 1.0), (0.5 * PI, 0.01), (2.0 * PI, 1.0), (2.0 * PI, 0.01)] {
+        let out = panels(vec![to_the_tip(turn)], tolerance);
+        assert_eq!(out.patchwork.panels.len(), 1, "{turn} {tolerance}");
+        // A sector: every corner of the outline is at the tip or as far from it as the cone is slant.
+        let (slant, sine) = (500.0 * 1.36f64.sqrt(), 0.6 / 1.36f64.sqrt());
+        let flat = &out.patterns[0];
+        let corners: Vec<_> = flat.contours[0].vertices.iter().map(|v| v.point).collect();
+        let gap = |p: &torse::geom::Vec2| corners.iter().map(|q| (q - p).norm()).fold(0.0, f64::max);
+        let middle = |p: &&torse::geom::Vec2| {
+            let far: Vec<f64> = corners.iter().map(|q| (q - **p).norm()).filter(|d| *d > 0.1 * slant).collect();
+            far.iter().map(|d| (d - slant).abs()).fold(0.0, f64::max)
+        };
+        let tip = corners.iter().min_by(|p, q| middle(p).total_cmp(&middle(q))).expect("a corner");
+        assert!(middle(&tip) < 0.1 * tolerance, "{turn} {tolerance} {} {}", middle(&tip), gap(tip));
+        assert!((flat.area - 0.5 * slant * slant * turn * sine).abs() < tolerance * slant, "{}", flat.area);
+    }
+}
+
+#[test]
+fn a_solid_cone_is_its_sector_and_its_disc() {
+    let k = Knots::clamped(1, &[0.0, 1.0]).expect("knots");
+    let corners = [[-400.0, -400.0], [-400.0, 400.0], [400.0, -400.0], [400.0, 400.0]];
+    let plane = Surface::new(k.clone(), k, &corners.map(|[x, y]| Vec3::new(x, y, 0.0)), None).expect("a plane");
+    let mut base = Face::untrimmed(plane);
+    let around = |i: i32| 2.0 * PI * f64::from(i) / 720.0;
+    base.loops = vec![TrimLoop {
+        points: (0..720).map(|i| [0.5 + 0.375 * around(i).cos(), 0.5 + 0.375 * around(i).sin()]).collect(),
+        edge: vec![0; 720],
+    }];
+    let out = panels(vec![to_the_tip(2.0 * PI), base], 0.1);
+    assert_eq!(out.patchwork.panels.len(), 2);
+}

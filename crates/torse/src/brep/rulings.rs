@@ -15,6 +15,10 @@ const BESIDE: f64 = 1e-7;
 /// A normal shorter than this share of that in the middle of its line belongs to an apex, where only rounding gives it a
 /// direction: next to an apex normals grow in proportion, and no file has more digits than that for points.
 const VANISHED: f64 = 1e-9;
+/// Extent of an end of the lines, as a share of them, below which it is a point.
+const POINT: f64 = 1e-9;
+/// Lines looked at for that.
+const LOOKED_AT: usize = 33;
 /// Relative difference above which they count as different.
 const JUMP: f64 = 1e-3;
 
@@ -92,6 +96,18 @@ impl<'a> Rulings<'a> {
             let across = if self.swapped { j.dv } else { j.du };
             (across - direction * across.dot(&direction)).norm()
         }))
+    }
+
+    /// Whether the lines meet in a point at either end, for all that a file can tell.
+    pub fn meet(&self) -> [bool; 2] {
+        let (a, b) = self.across;
+        let (lo, hi) = self.along;
+        let point = |k: usize, r: f64| {
+            let [u, v] = self.place(a + (b - a) * (k as f64 + 0.5) / LOOKED_AT as f64, r);
+            self.surface.point(u, v)
+        };
+        let length = (0..LOOKED_AT).map(|k| (point(k, hi) - point(k, lo)).norm()).fold(0.0, f64::max);
+        [lo, hi].map(|r| (0..LOOKED_AT).all(|k| (point(k, r) - point(0, r)).norm() <= POINT * length))
     }
 
     /// Values of u and of v from values of the parameter across the lines and of that along them.

@@ -149,7 +149,9 @@ impl<'a> Bench<'a> {
         let n = add(&plane.n, &turn);
         let (nn, nm, mm, ndm) = (self.square(&n), self.product(&n, &m), self.square(&m), self.product(&n, &ranges.dm));
         let m_x = (along.x + plane.nm * up.x) / plane.nn;
-        let mu_t = ranges.dmu + Interval::symmetric(length_bound(&ranges.dm) * local.norms[0]);
+        // As a form of the control points it keeps its sign however long the triangle is along the rulings of a cone.
+        let coarse = Interval::symmetric(length_bound(&ranges.dm) * local.norms[0]);
+        let mu_t = ranges.dmu + local.value_form(&ranges.dm).intersect(coarse).unwrap_or(coarse);
         let mu = mu_z + m_x + delta * mu_t;
         let f = f_z + up.x + delta * sigma * mu;
         let slope = sigma * nm * mu + nn * mu_t - f * (sigma * mm + ndm);

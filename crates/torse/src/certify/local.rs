@@ -6,6 +6,7 @@
 use super::prepared::{bernstein_weights, contract, Net, Patch, Prepared, UNIT};
 use super::vector::{mid, rad, V3};
 use crate::num::interval::Interval;
+use crate::spline::surface::Surface;
 
 /// Hulls over the box of a linear form `ω` of `X − z` and the surface's derivatives.
 pub(super) struct Forms {
@@ -203,6 +204,11 @@ pub(super) fn way(prepared: &Prepared, off: [f64; 2]) -> f64 {
     };
     // A short way may lead over knot lines: each patch has no more than its share.
     prepared.patches().iter().map(of).fold(0.0, f64::max)
+}
+
+/// Bound of the distance in space, mm, between points of a surface whose parameters differ by at most `off`.
+pub fn parameters_moved(surface: &Surface, off: [f64; 2]) -> f64 {
+    way(&Prepared::new(surface), off)
 }
 
 /// Relative error of a contraction with Bernstein weights, in relation to the largest coefficient.

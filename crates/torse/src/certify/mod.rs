@@ -56,6 +56,7 @@ pub use certificate::{Certificate, SeamStatus};
 pub(crate) use certificate::{PanelCertificate, SeamCertificate};
 pub use distance::{distance, DistanceOptions};
 pub(crate) use known::Known;
+pub(crate) use local::parameters_moved;
 pub use prepared::Prepared;
 pub(crate) use proof::patchwork_after;
 pub use proof::{join, patchwork};

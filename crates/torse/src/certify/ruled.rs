@@ -61,13 +61,33 @@ impl<'a> Ruled<'a> {
         })
     }
 
-    /// A control point near the middle of the span holding `t`, in space: a good origin.
-    pub fn middle(&self, t: f64) -> [f64; 3] {
+    /// Control points of both rails near the middle of the span holding `t`, in space: good origins for each.
+    pub fn middles(&self, t: f64) -> [[f64; 3]; 2] {
         let i = self.surface.knots_u.span(t) - self.surface.knots_u.degree() / 2;
-        let (c, d) = (&self.surface.control[2 * i], &self.surface.control[2 * i + 1]);
-        [0, 1, 2].map(|k: usize| 0.5 * (c[k] / c[3] + d[k] / d[3]))
+        [0, 1].map(|end: usize| {
+            let c = &self.surface.control[2 * i + end];
+            [0, 1, 2].map(|k: usize| c[k] / c[3])
+        })
+    }
+
+    /// A point near the middle of the span holding `t`, in space: a good origin. Where one rail is far shorter than the other, as
+    /// beside the tip of a cone, it is on that, where coordinates would else be large against everything.
+    pub fn middle(&self, t: f64) -> [f64; 3] {
+        let [p, q] = self.middles(t);
+        let breadth = |end: usize| {
+            let i = self.surface.knots_u.span(t) - self.surface.knots_u.degree();
+            let (c, d) = (&self.surface.control[2 * i + end], &self.surface.control[2 * (i + 1) + end]);
+            (0..3).map(|k| (d[k] / d[3] - c[k] / c[3]).powi(2)).sum::<f64>().sqrt()
+        };
+        let (a, b) = (breadth(0), breadth(1));
+        let share = if a < NARROW * b { 0.0 } else { 0.5 };
+        let share = if b < NARROW * a { 1.0 } else { share };
+        [0, 1, 2].map(|k: usize| p[k] * (1.0 - share) + q[k] * share)
     }
 }
+
+/// Length of a rail against that of the other below which origins lie on it.
+const NARROW: f64 = 0.05;
 
 /// The boundary curves in powers of `x = (t − a)/(b − a) − ½` on every span: quick values and derivatives over intervals.
 pub(super) struct RuledJets {

@@ -273,6 +273,44 @@ fn sine_and_cosine(angle: f64) -> [Interval; 2] {
     [s, c].map(|x| Interval::point(x).widen(x.abs() * TRIGONOMETRIC))
 }
 
+/// A control point as a surface of revolution sees it, homogeneous: off the axis, the linear form L, and its weight.
+#[derive(Clone, Copy)]
+struct Seen {
+    out: V3<Interval>,
+    form: Interval,
+    weight: Interval,
+}
+
+/// Cuts at most: L changes by no more than numbers have digits.
+const MOST_CUTS: i32 = 40;
+
+/// A net of degree `q` along the rulings in pieces, each half as far from the tip as the one before, until L is what it is at the
+/// narrow end: what rounding does to large values at the wide end would be too much there.
+fn towards_tip(seen: Vec<Seen>, q: usize) -> Vec<Vec<Seen>> {
+    if q != 1 {
+        return vec![seen];
+    }
+    let least = |j: usize| seen.iter().skip(j).step_by(2).map(|s| (s.form / s.weight).lo).fold(f64::INFINITY, f64::min);
+    let ends = [least(0), least(1)];
+    let narrow = usize::from(ends[1] < ends[0]);
+    let cuts = (ends[1 - narrow] / ends[narrow]).log2();
+    let cuts = if cuts > 1.0 { (cuts.ceil() as i32).min(MOST_CUTS) } else { 0 };
+    // Shares of the way from the narrow end to the wide one; they and their rests are exact.
+    let mut at: Vec<f64> = (0..=cuts).map(|k| 0.5_f64.powi(k)).collect();
+    at.push(0.0);
+    let between = |pair: &[Seen], x: f64| {
+        let (a, b) = (&pair[narrow], &pair[1 - narrow]);
+        let mix = |p: Interval, q: Interval| p * Interval::point(1.0 - x) + q * Interval::point(x);
+        Seen {
+            out: std::array::from_fn(|d| mix(a.out[d], b.out[d])),
+            form: mix(a.form, b.form),
+            weight: mix(a.weight, b.weight),
+        }
+    };
+    let piece = |w: &[f64]| seen.chunks_exact(2).flat_map(|pair| [w[1], w[0]].map(|x| between(pair, x))).collect();
+    at.windows(2).map(piece).collect()
+}
+
 /// A surface of revolution: `tilt ρ = rise z + tilt R`, z and ρ along and from the axis through a point.
 struct Carrier {
     point: [f64; 3],
@@ -305,25 +343,31 @@ impl Carrier {
         if net.len() != (p + 1) * (q + 1) || net.iter().any(|c| !(c[3] > 0.0 && c.iter().all(|x| x.is_finite()))) {
             return None;
         }
-        // Homogeneous vectors from the point on the axis; along the axis, and the linear form L.
-        let seen: Vec<(V3<Interval>, Interval, Interval)> = net
+        let seen: Vec<Seen> = net
             .iter()
             .map(|c| {
                 let w = Interval::point(c[3]);
                 let y: V3<Interval> =
                     std::array::from_fn(|d| Interval::point(c[d]) - w * Interval::point(self.point[d]));
                 let z = dot(&self.axis, &y);
-                (y, z, self.rise * z + self.tilt * (w * Interval::point(self.radius)))
+                let out = std::array::from_fn(|d| y[d] - z * self.axis[d]);
+                Seen { out, form: self.rise * z + self.tilt * (w * Interval::point(self.radius)), weight: w }
             })
             .collect();
-        let least = net.iter().map(|c| c[3]).fold(f64::INFINITY, f64::min);
         if self.tilt.mag() <= 0.0 {
-            return worst(seen.iter().map(|s| (s.2.abs() / Interval::point(least)).hi));
+            let least = net.iter().map(|c| c[3]).fold(f64::INFINITY, f64::min);
+            return worst(seen.iter().map(|s| (s.form.abs() / Interval::point(least)).hi));
         }
-        let floor = seen.iter().zip(net).map(|(s, c)| (s.2 / Interval::point(c[3])).lo).fold(f64::INFINITY, f64::min);
+        worst(towards_tip(seen, q).iter().map(|piece| self.off_piece(piece, (p, q)).unwrap_or(f64::NAN)))
+    }
+
+    /// As [`Carrier::off_net`], of a net over which L does not change by much.
+    fn off_piece(&self, seen: &[Seen], (p, q): (usize, usize)) -> Option<f64> {
+        let least = Interval::point(seen.iter().map(|s| s.weight.lo).fold(f64::INFINITY, f64::min));
+        let floor = seen.iter().map(|s| (s.form / s.weight).lo).fold(f64::INFINITY, f64::min);
         let form = |a: usize, b: usize| {
             let (a, b) = (&seen[a], &seen[b]);
-            a.2 * b.2 - self.tilt.sqr() * (dot(&a.0, &b.0) - a.1 * b.1)
+            a.form * b.form - self.tilt.sqr() * dot(&a.out, &b.out)
         };
         let share = |n: usize, i: usize, k: usize| {
             Interval::point(binomial(n, i) * binomial(n, k - i)) / Interval::point(binomial(2 * n, k))
@@ -341,7 +385,7 @@ impl Carrier {
             }
         }
         // d (L + tilt ρ) is at most this, and L + tilt ρ at least 2 L − d: once with d below L, then with what that gives.
-        let most = Interval::point(most) / Interval::point(least).sqr();
+        let most = Interval::point(most) / least.sqr();
         let crude = (most / Interval::point(floor)).hi;
         if !(floor > 0.0 && crude < floor) {
             return None;
@@ -390,6 +434,18 @@ mod tests {
                 let (off, least) = (wide.off(&list[0]).expect("a bound"), 0.1 * wide.tilt.lo);
                 assert!(off >= least && off < 2.2 * least, "{shape:?} {off} {least}");
             }
+        }
+    }
+
+    #[test]
+    fn cones_that_end_beside_their_tip_are_followed_as_closely_as_others() {
+        for beside in [1e-2, 1e-4, 1e-6] {
+            let s = segment(Shape::Cone { distance: 300.0, cos_gamma: 0.8, sin_gamma: 0.6, angle: 0.7 });
+            let s = Segment { edges: [[300.0 * (beside - 1.0); 3], [30.0; 3]], ..s };
+            let list = patches(&s).expect("patches");
+            let own = Carrier::of_round(&Round::of(&s));
+            let off = own.off(&list[0]).expect("a bound");
+            assert!(off < 1e-10, "{beside} {off:e}");
         }
     }
 

@@ -19,6 +19,7 @@ use crate::patchwork::panel::Patchwork;
 use crate::patchwork::part::Part;
 use crate::patchwork::pattern::Pattern;
 use crate::reason::{FaceReason, Item, JobReason, Reason, Unlaid};
+use crate::search::apex::{beside_apexes, Hair};
 use crate::search::build::{limits_missed, AlongCurve, Built};
 use crate::search::cover::CoverOptions;
 use crate::search::face::{first_covers, one_face, Covered, Wanted};
@@ -81,6 +82,7 @@ pub fn of_faces(
     checked(&faces, &skipped, options)?;
     let TrimsJudged { faces, missed: untrue, .. } = trims_judged(faces, tolerance);
     let faces = smoothly_joined(faces, tolerance, options.smooth_angle, control);
+    let faces = beside_apexes(faces, Hair::FINE, tolerance);
     checked_number(&faces, options)?;
     checked_curves(&faces, options)?;
     let built = covered(faces, options, control);

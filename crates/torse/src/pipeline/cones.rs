@@ -11,17 +11,19 @@ use crate::answer::{Answer, Cones, Job};
 use crate::brep::face::Face;
 use crate::certify::claim::{Claim, Counted, Subject, UpperBound, What};
 use crate::certify::flat::cone_parts;
+use crate::certify::trims::trim_proof;
 use crate::control::Control;
 use crate::geom::coarse::{is_tolerance, Loose};
 use crate::geom::BBox;
 use crate::io::words;
 use crate::patchwork::panel::Patchwork;
 use crate::reason::{FaceReason, Item, JobReason, Reason, StripReason};
+use crate::search::apex::{beside_apexes, Hair};
 use crate::search::strips::cone_body::{body, Proven, Target};
 use crate::search::strips::cone_outline::PlaneOutline;
 use crate::search::strips::cone_strip::{bent_tip, ruled, strip_of};
 use crate::search::strips::cut::{lengths, refused};
-use crate::search::trims::{trims_judged, TrimsJudged};
+use crate::search::trims::{trims_judged, TrimsJudged, TRIM_AIM};
 use crate::torse::cone::part::ConeBody;
 use crate::torse::strip::Strip;
 pub use flat::counts;
@@ -82,6 +84,9 @@ pub fn of_faces(
     Loose::check(BBox::of(boxes.iter().flat_map(|b| [&b.min, &b.max])).diagonal(), options.tolerance)?;
     let mut targets = Vec::new();
     let TrimsJudged { faces, bound, missed } = trims_judged(faces.to_vec(), options.tolerance);
+    let faces = beside_apexes(faces, Hair::OF_CONES, options.tolerance);
+    // Where a tip was cut off, more is missed than the trims are off.
+    let bound = faces.iter().map(|f| trim_proof(f, TRIM_AIM * options.tolerance).bound()).fold(bound, UpperBound::max);
     let mut left = skipped.to_vec();
     let before = left.len();
     for (i, face) in faces.iter().enumerate() {

@@ -3,6 +3,7 @@
 //! covers it with torses, [`build`] makes panels of them, `sheet` and `slivers` keep to what a shop can cut, `stitch`
 //! lets neighbouring panels meet; [`strips`] finds the strips of the other jobs.
 
+pub(crate) mod apex;
 pub mod build;
 pub mod cover;
 pub(crate) mod face;

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 /// Share of the tolerance that the proven distance of trims from the file's edges may take.
 pub(super) const TRIM_SHARE: f64 = 0.5;
 /// Distances of trims from edges below this share of the tolerance are not told apart.
-const TRIM_AIM: f64 = 0.002;
+pub(crate) const TRIM_AIM: f64 = 0.002;
 /// Share of the tolerance that chords of trims may keep from the file's edges.
 const CHORDS_SHARE: f64 = 0.05;
 

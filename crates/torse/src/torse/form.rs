@@ -220,8 +220,10 @@ impl Torse {
     pub(crate) fn foot_within(&self, x: &Vec3, guess: f64, beyond: f64) -> Option<f64> {
         // Steps below this share of the domain are rounding, …
         const STILL: f64 = 1e-14;
-        // … which is larger where the regression curve is near: such feet are as good as they get.
+        // … which is larger where the regression curve is near: such feet are as good as they get …
         const SETTLED: f64 = 1e-12;
+        // … and so are those whose foot function is only what its own terms leave when they are rounded, as beside the tip of a cone.
+        const ROUNDING: f64 = 32.0 * f64::EPSILON;
         let (t0, t1) = self.domain();
         let width = t1 - t0;
         let (lo, hi) = (t0 - beyond * width, t1 + beyond * width);
@@ -242,7 +244,23 @@ impl Torse {
             }
         }
         let (e, d) = self.foot_function(x, t);
-        ((e / d).abs() < SETTLED * width).then_some(t)
+        ((e / d).abs() < SETTLED * width || e.abs() <= ROUNDING * self.foot_size(x, t)).then_some(t)
+    }
+
+    /// Size of the products of which the foot function is a sum.
+    fn foot_size(&self, x: &Vec3, t: f64) -> f64 {
+        match self {
+            Self::Primal(p) => {
+                let [_, f1, _, a, _, g] = p.functions(t);
+                let (n, m) = (Vec3::new(-f1, a * f1 - g, 1.0), Vec3::new(-1.0, a, 0.0));
+                n.norm_squared() * m.norm() * (p.frame.to_local(x).norm() + t.abs())
+            }
+            Self::Dual(d) => {
+                let j = d.planes.jet(t);
+                let v = [0, 1].map(|k: usize| Vec3::new(j[k][0], j[k][1], j[k][2]));
+                v[0].norm_squared() * v[1].norm() * x.norm() + v[0].norm_squared() * j[1][3].abs()
+            }
+        }
     }
 }
 

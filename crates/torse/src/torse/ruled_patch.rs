@@ -349,9 +349,17 @@ impl EnclosedStrip for RuledPatch {
         let k = breaks[1..breaks.len() - 1].partition_point(|t| *t <= inside);
         let (from, to) = (Interval::point(breaks[k]), Interval::point(breaks[k + 1]));
         self.spans[k].each_ref().map(|side| {
+            // About a point near by: what the weights vary would count with the distance from the origin, which near the tip of a
+            // cone is large against everything there.
+            let last = side[3].len() - 1;
+            let end = |d: usize, i: usize| side[d][i].mid() / side[3][i].mid();
+            let centre = [0, 1, 2].map(|d| 0.5 * (end(d, 0) + end(d, last)));
             let mut rows = [[Interval::ZERO; 4]; 5];
             for (d, net) in side.iter().enumerate() {
-                let mut net = net.clone();
+                let mut net = match centre.get(d) {
+                    Some(&c) => net.iter().zip(&side[3]).map(|(x, w)| *x - *w * c).collect(),
+                    None => net.clone(),
+                };
                 for row in &mut rows {
                     let degree = net.len() - 1;
                     let ends = [vec![from.lo; degree], vec![to.lo; degree]].concat();
@@ -362,7 +370,9 @@ impl EnclosedStrip for RuledPatch {
                     net = bernstein::derivative(&net).into_iter().map(|x| x / (to - from)).collect();
                 }
             }
-            affine(&rows)
+            let mut out = affine(&rows);
+            (0..3).for_each(|d| out[0][d] += Interval::point(centre[d]));
+            out
         })
     }
 }

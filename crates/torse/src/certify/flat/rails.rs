@@ -236,10 +236,12 @@ fn developed(
     side: f64,
     start: &Start,
 ) -> (FlatPiece, [[f64; 2]; 2], Option<Strain>) {
-    let origin = patch.middle(0.5 * (a + b));
-    let ends = [0, 1].map(|end: usize| patch.end(end, a, b, &origin).map(|c| powers_about_half(&c)));
+    // Each rail about a point of its own: beside the tip of a cone weights that vary would count with the distance from there.
+    let origins = patch.middles(0.5 * (a + b));
+    let apart = [0, 1, 2].map(|d: usize| Interval::point(origins[1][d]) - Interval::point(origins[0][d]));
+    let ends = [0, 1].map(|end: usize| patch.end(end, a, b, &origins[end]).map(|c| powers_about_half(&c)));
     let weights = if patch.rational { [ends[0][3].clone(), ends[1][3].clone()] } else { [Vec::new(), Vec::new()] };
-    let (middle, all) = (rails(&ends, Interval::ZERO, patch.rational), rails(&ends, HALF, patch.rational));
+    let [middle, all] = [Interval::ZERO, HALF].map(|x| rails(&ends, apart, x, patch.rational));
     let shares = shares(&weights, r);
     let mut flat = solved(&middle, 0.5 * (shares.lo + shares.hi), side, start.places);
     for (rail, _) in flat.iter_mut().zip(start.points).filter(|(_, is_point)| *is_point) {
@@ -321,7 +323,8 @@ fn cut(s: &Series<M>) -> Series<N> {
     Series(std::array::from_fn(|k| s.0[k]))
 }
 
-fn rails(ends: &[[Vec<Interval>; 4]; 2], x: Interval, rational: bool) -> Rails {
+/// Rails over `x`, of which those at hand begin `apart` from each other.
+fn rails(ends: &[[Vec<Interval>; 4]; 2], apart: V3<Interval>, x: Interval, rational: bool) -> Rails {
     let curve = |c: &[Vec<Interval>; 4]| -> V3<Series<M>> {
         let w = taylor::<M>(&c[3], x);
         [0, 1, 2].map(|d: usize| {
@@ -334,7 +337,8 @@ fn rails(ends: &[[Vec<Interval>; 4]; 2], x: Interval, rational: bool) -> Rails {
         })
     };
     let (a, b) = (curve(&ends[0]), curve(&ends[1]));
-    let e = [0, 1, 2].map(|d: usize| b[d] - a[d]);
+    let mut e = [0, 1, 2].map(|d: usize| b[d] - a[d]);
+    (0..3).for_each(|d| e[d].0[0] += apart[d]);
     Rails { da: a.map(|s| derived(&s)), e: e.map(|s| cut(&s)), de: e.map(|s| derived(&s)) }
 }
 
@@ -411,6 +415,18 @@ struct Strain {
     crossing: Interval,
 }
 
+impl Strain {
+    /// On both parts of the rulings.
+    fn and(&self, o: &Self) -> Self {
+        Self {
+            bound: self.bound.max(o.bound),
+            norm: self.norm.hull(o.norm),
+            along: self.along.hull(o.along),
+            crossing: self.crossing.hull(o.crossing),
+        }
+    }
+}
+
 /// How lengths change over all pieces.
 ///
 /// Of a path with the components dx along and dy across rulings, ds'² − ds² is at most `f dx² + 2 s |dx dy| + t dy²` with
@@ -449,8 +465,46 @@ impl Change {
     }
 }
 
-/// How lengths change, from bounds of the six coefficients.
+/// Breadth of a part of the rulings at its narrow end, as a share of that at the other, from which on it is taken in two: what
+/// is off at the wide end would else count at the narrow one.
+const NARROW: f64 = 0.25;
+/// Parts of the rulings are taken in two so often at most.
+const PARTS: usize = 6;
+
+/// How lengths change, from bounds of the six coefficients, on all parts of the rulings.
 fn strain(most: &[f64; 6], middle: &Rails, all: &Rails, share: Interval) -> Option<Strain> {
+    let mut open = vec![(share, 0)];
+    let mut out: Option<Strain> = None;
+    while let Some((part, depth)) = open.pop() {
+        match narrowed(middle, &part).filter(|_| depth < PARTS) {
+            Some(cut) => {
+                open.extend([(Interval { hi: cut, ..part }, depth + 1), (Interval { lo: cut, ..part }, depth + 1)]);
+            }
+            None => {
+                let here = strain_on(most, middle, all, part)?;
+                out = Some(out.map_or(here, |o| o.and(&here)));
+            }
+        }
+    }
+    out
+}
+
+/// Where a part of the rulings that is much narrower at one end than at the other should be cut: where it is as wide as both
+/// ends in the geometric mean.
+fn narrowed(middle: &Rails, share: &Interval) -> Option<f64> {
+    let at = |v: &V3<Series<N>>| [0, 1, 2].map(|d: usize| v[d].0[0].mid());
+    let (e, de, da) = (at(&middle.e), at(&middle.de), at(&middle.da));
+    let breadth = |l: f64| {
+        let n = cross(&e, &[0, 1, 2].map(|d: usize| da[d] + l * de[d]));
+        dot(&n, &n).sqrt()
+    };
+    let [a, b] = [breadth(share.lo), breadth(share.hi)];
+    let cut = share.lo + (share.hi - share.lo) * ((a * b).sqrt() - a) / (b - a);
+    (a.min(b) < NARROW * a.max(b) && share.lo < cut && cut < share.hi).then_some(cut)
+}
+
+/// As [`strain`], of a part of the rulings over which they do not become much narrower.
+fn strain_on(most: &[f64; 6], middle: &Rails, all: &Rails, share: Interval) -> Option<Strain> {
     let value = |v: &V3<Series<N>>| [0, 1, 2].map(|d: usize| v[d].0[0]);
     let (e, de, da) = (value(&all.e), value(&all.de), value(&all.da));
     let square = e[0].sqr() + e[1].sqr() + e[2].sqr();

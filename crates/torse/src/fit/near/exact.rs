@@ -37,6 +37,10 @@ const COARSE: usize = 32;
 const GENTLE: f64 = 0.9;
 /// See [`GENTLE`].
 const STEEPEST: f64 = 1.35;
+/// Breadth of a piece of a cone at its narrow end, as a share of that at the other, below which it is pointed.
+const POINTED: f64 = 0.02;
+/// Share of the rulings beside an apex where nothing is measured: rulings through it are the nearer, the nearer they come to it.
+const NEAR_TIP: f64 = 1e-3;
 /// Least cosine between rulings and the normal of the profile's plane.
 const LEAST_SLANT: f64 = 0.4;
 /// The domain reaches this share of its range beyond the outermost rulings.
@@ -65,18 +69,27 @@ pub fn exact(rulings: &Rulings, samples: &[Sample], options: &ExactOptions) -> O
     let facing = facing(&lines);
     let steepest = facing.map_or(f64::INFINITY, |f| f.1);
     let profile = |s: &Sampled| over_profile(s, facing?.0);
-    let forms: [(Form, bool); 3] =
-        [(&profile, steepest <= GENTLE), (&of_planes, true), (&profile, steepest > GENTLE && steepest <= STEEPEST)];
     let kind = kind(&lines);
+    // Planes through one point stay planes through it: near an apex other forms lose it, and feet are lost in rounding.
+    let tip = apex(&lines).filter(|_| kind == PanelKind::Cone && is_pointed(rulings));
+    let pointed = tip.is_some();
+    let near = |s: &Sample, tip: Vec3| (s.x - tip).norm() < NEAR_TIP * lines[0].length;
+    let (places, measured): (Vec<usize>, Vec<Sample>) =
+        samples.iter().copied().enumerate().filter(|s| !tip.is_some_and(|tip| near(&s.1, tip))).unzip();
+    let forms: [(Form, bool); 3] = [
+        (&profile, steepest <= GENTLE && !pointed),
+        (&of_planes, true),
+        (&profile, pointed || steepest > GENTLE && steepest <= STEEPEST),
+    ];
     let reached = |form: Form| {
         let mut best: Option<Fit> = None;
         for halving in 0..=HALVINGS {
             let Some(sampled) = Sampled::new(rulings, &stretches, halving) else { break };
             let Some(torse) = form(&sampled) else { break };
-            let Some((error, worst)) = error(&torse, samples) else { break };
+            let Some((error, worst)) = error(&torse, &measured) else { break };
             let before = best.as_ref().map_or(f64::INFINITY, |b| b.error);
             if error < before {
-                best = Some(Fit { torse, kind, error, worst });
+                best = Some(Fit { torse, kind, error, worst: places[worst] });
             }
             if error <= options.goal || error > BETTER * before {
                 break;
@@ -85,6 +98,12 @@ pub fn exact(rulings: &Rulings, samples: &[Sample], options: &ExactOptions) -> O
         best.filter(|b| b.error <= options.accepted)
     };
     forms.iter().filter(|f| f.1).find_map(|f| reached(f.0))
+}
+
+/// Whether rulings come near the point where they meet.
+fn is_pointed(rulings: &Rulings) -> bool {
+    let (a, b) = rulings.range();
+    rulings.breadths(0.5 * (a + b)).is_some_and(|[p, q]| p.min(q) < POINTED * p.max(q))
 }
 
 /// A direction from which the normals turn away little, and by how much (rad) they do at most: their mean where that is
@@ -269,6 +288,11 @@ fn kind(lines: &[StraightLine]) -> PanelKind {
     if lines.iter().all(|l| l.direction.cross(&mean).norm() <= SAME * mean.norm()) {
         return PanelKind::Cylinder;
     }
+    apex(lines).map_or(PanelKind::Torse, |_| PanelKind::Cone)
+}
+
+/// The point where all lines meet.
+fn apex(lines: &[StraightLine]) -> Option<Vec3> {
     // The point nearest to all lines: Σ(1 − d dᵀ)(x − p) = 0.
     let mut matrix = nalgebra::Matrix3::zeros();
     let mut right = Vec3::zeros();
@@ -277,11 +301,7 @@ fn kind(lines: &[StraightLine]) -> PanelKind {
         matrix += square;
         right += square * l.point;
     }
-    let Some(apex) = matrix.lu().solve(&right) else { return PanelKind::Torse };
+    let apex = matrix.lu().solve(&right)?;
     let off = |l: &StraightLine| ((apex - l.point).cross(&l.direction).norm(), (apex - l.point).norm());
-    if lines.iter().map(off).all(|(off, reach)| off <= SAME * reach) {
-        PanelKind::Cone
-    } else {
-        PanelKind::Torse
-    }
+    lines.iter().map(off).all(|(off, reach)| off <= SAME * reach).then_some(apex)
 }

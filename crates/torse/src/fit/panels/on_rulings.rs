@@ -24,8 +24,6 @@ const ROOM: f64 = 0.01;
 /// Way from an apex to the end of the patch, as a share of the rulings: what is missing is a ten-thousandth of a millionth of
 /// the area, and its edge is long enough for files.
 const BESIDE_APEX: f64 = 1e-5;
-/// Extent of an end of the rulings, as a share of them, below which it is a point.
-const POINT: f64 = 1e-9;
 /// Rulings looked at.
 const LOOKED_AT: usize = 33;
 /// Points of a side at first.
@@ -65,7 +63,7 @@ impl<'a> OnRulings<'a> {
         let surface = if swapped { face.surface.transposed() } else { face.surface.clone() };
         let ((a, b), (lo, hi)) = (rulings.range(), rulings.reach());
         let ends = [lo, hi].map(|v| surface.curve_at_v(v));
-        let room = rooms(&surface, (a, b), &ends)?;
+        let room = rooms((a, b), &ends, rulings.meet())?;
         let (first, last) = surface.knots_u.domain();
         let beside = ROOM * (b - a);
         let (from, to) = ((a - beside).max(first), (b + beside).min(last));
@@ -237,7 +235,10 @@ fn area(line: &[Side], on: &impl Fn(usize, f64) -> [f64; 2]) -> f64 {
 
 /// How far the patch goes on beyond both ends of the rulings, as a share of them: less than nothing beside an apex, not at all
 /// where the surface would fold back. `None` where both ends are points.
-fn rooms(surface: &Surface, (a, b): (f64, f64), ends: &[Curve<4>; 2]) -> Option<[f64; 2]> {
+fn rooms((a, b): (f64, f64), ends: &[Curve<4>; 2], apex: [bool; 2]) -> Option<[f64; 2]> {
+    if apex == [true, true] {
+        return None;
+    }
     let jets: Vec<[[Vec3; 2]; 2]> = (0..LOOKED_AT)
         .map(|k| a + (b - a) * (k as f64 + 0.5) / LOOKED_AT as f64)
         .map(|u| {
@@ -248,12 +249,6 @@ fn rooms(surface: &Surface, (a, b): (f64, f64), ends: &[Curve<4>; 2]) -> Option<
             })
         })
         .collect();
-    let length = jets.iter().map(|j| (j[1][0] - j[0][0]).norm()).fold(0.0, f64::max);
-    let wide = |side: usize| jets.iter().map(|j| (j[side][0] - jets[0][side][0]).norm()).fold(0.0, f64::max);
-    let apex = [0, 1].map(|side| wide(side) <= POINT * length);
-    if apex == [true, true] || surface.control.is_empty() {
-        return None;
-    }
     let room = |side: usize| {
         let folds = jets.iter().any(|j| {
             let w = (j[1][0] - j[0][0]).normalize();

@@ -138,10 +138,19 @@ fn a_cylinder_of_a_full_turn_is_that_cylinder() {
 }
 
 #[test]
-fn a_cone_that_reaches_its_tip_is_named_with_the_tip() {
-    let cone = SupportSurface::Cone { frame: Frame::world(), radius: 100.0, slope: -0.5 };
-    let (surface, _) = cone.to_spline((0.0, 3.0), (0.0, 200.0)).expect("a cone");
-    let options = ConesOptions { tolerance: 0.1, input: "test".into() };
-    let error = of_faces(&[Face::untrimmed(surface)], &[], &options, &Control::default()).expect_err("a tip");
-    assert!(error.to_string().contains("its tip at (0.000, 0.000, 200.000)"), "{error}");
+fn a_cone_that_reaches_its_tip_is_that_cone() {
+    for turn in [3.0, std::f64::consts::TAU] {
+        let cone = SupportSurface::Cone { frame: Frame::world(), radius: 100.0, slope: -0.5 };
+        let (surface, _) = cone.to_spline((0.0, turn), (0.0, 200.0)).expect("a cone");
+        let options = ConesOptions { tolerance: 0.1, input: "test".into() };
+        let mut out = of_faces(&[Face::untrimmed(surface)], &[], &options, &Control::default()).expect("an answer");
+        let files = crate::files(&mut out, "2026-01-31T12:00:00").expect("files");
+        assert_eq!(out.status(), Status::Certified, "{}", words::reason(&out.claims, &[]));
+        let step = files.iter().find(|f| f.0 == "cones.step").map(|f| String::from_utf8_lossy(&f.1).into_owned());
+        assert_eq!(step.expect("cones.step").matches("CONICAL_SURFACE(").count(), 1);
+        let slant = 200.0 * 1.25f64.sqrt();
+        let area = 0.5 * slant * slant * turn * (0.5 / 1.25f64.sqrt());
+        let flat: f64 = out.patterns.iter().map(|p| p.area).sum();
+        assert!((flat - area).abs() < 0.1 * slant, "{flat} {area}");
+    }
 }

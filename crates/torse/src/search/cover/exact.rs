@@ -17,7 +17,7 @@ use std::sync::Arc;
 /// through them near: files round.
 const SLACK: f64 = 0.05;
 /// Share of the tolerance below which the torse is not made finer.
-const GOAL: f64 = 1e-3;
+const GOAL: f64 = 5e-3;
 
 /// Share of the tolerance at which the proof is aimed: the rest of what it bounds is left for trims and rounding.
 const AIM: f64 = 0.3;
@@ -26,13 +26,15 @@ const AIM: f64 = 0.3;
 const LOSS: f64 = 1.5;
 /// Turn of the normal (rad) from line to line of the triangulation at least and at most.
 const TURN: (f64, f64) = (0.003, 0.04);
-/// Length of cells along the rulings as a share of the smallest radius of curvature: where they are long against it, the
-/// proof loses the foot of their points.
-const LENGTH: f64 = 0.15;
+/// Length of cells along the rulings as a share of these, at most: longer ones would ask for more of them across.
+const LENGTH: f64 = 1.0 / 8.0;
+/// Factor by which the radius of curvature grows over a cell along the rulings, at most: from about 4 on folds
+/// cannot be excluded.
+const GROWTH: f64 = 2.0;
 /// Places between knots where curvatures are looked at.
 const PLACES: usize = 32;
-/// Cells of the triangulation at most.
-const MOST_CELLS: f64 = 30_000.0;
+/// Cells along a ruling at most.
+const MOST_ROWS: usize = 100;
 
 /// Whether a face is developable as it is, within a small share of the tolerance (mm), in a form of its own: measured,
 /// not proven.
@@ -91,10 +93,10 @@ pub fn exactly(face: &Face, options: &CoverOptions, control: &Control, mut state
 type Turns = (Vec<f64>, Vec<f64>);
 
 /// Lines of constant u and v of a triangulation on which the proof loses little: at equal turns of the normal across the
-/// rulings, and along them at lengths that are short against the radius of curvature.
+/// rulings, and along them at lengths that are short against the radius of curvature there.
 fn lines(rulings: &Rulings, tolerance: f64) -> Option<[Vec<f64>; 2]> {
     let breaks = rulings.breaks();
-    let (mut radius, mut length) = (f64::INFINITY, 0.0_f64);
+    let (mut radius, mut length) = ([f64::INFINITY; 2], 0.0_f64);
     let mut turns: Vec<Turns> = Vec::new();
     for w in breaks.windows(2) {
         let at: Vec<f64> = (0..=PLACES).map(|k| w[0] + (w[1] - w[0]) * k as f64 / PLACES as f64).collect();
@@ -103,9 +105,9 @@ fn lines(rulings: &Rulings, tolerance: f64) -> Option<[Vec<f64>; 2]> {
         for s in at.windows(2) {
             let here = rulings.line(s[1])?;
             let angle = before.normal.angle(&here.normal);
-            let [a, b] = rulings.breadths(0.5 * (s[0] + s[1]))?;
+            let breadths = rulings.breadths(0.5 * (s[0] + s[1]))?;
             if angle > f64::EPSILON.sqrt() {
-                radius = radius.min(a.min(b) * (s[1] - s[0]) / angle);
+                radius = [0, 1].map(|k: usize| radius[k].min(breadths[k] * (s[1] - s[0]) / angle));
             }
             length = length.max(here.length);
             turn.push(turn[turn.len() - 1] + angle);
@@ -113,14 +115,33 @@ fn lines(rulings: &Rulings, tolerance: f64) -> Option<[Vec<f64>; 2]> {
         }
         turns.push((at, turn));
     }
-    let wanted = (AIM * tolerance / (LOSS * LENGTH * radius)).sqrt();
+    let along = along(radius, length, (LENGTH * length).min(AIM * tolerance / (LOSS * TURN.0.powi(2))));
+    let longest = along.windows(2).map(|w| w[1] - w[0]).fold(0.0, f64::max) * length;
+    let wanted = (AIM * tolerance / (LOSS * longest)).sqrt();
     let step = if wanted.is_finite() { wanted.clamp(TURN.0, TURN.1) } else { TURN.1 };
-    let across = across(&turns, step);
     let (lo, hi) = rulings.reach();
-    let most = (MOST_CELLS / across.len() as f64).max(1.0);
-    let parts = (length / (LENGTH * radius)).ceil().clamp(1.0, most) as usize;
-    let along = (0..=parts).map(|k| if k == parts { hi } else { lo + (hi - lo) * k as f64 / parts as f64 }).collect();
-    Some(rulings.lines(across, along))
+    let place = |x: &f64| if *x >= 1.0 { hi } else { lo + (hi - lo) * x };
+    Some(rulings.lines(across(&turns, step), along.iter().map(place).collect()))
+}
+
+/// Shares of the way along rulings of this `length` (mm) at which cells begin and end, each no longer than `most` (mm). Radii of
+/// curvature grow evenly from one end to the other; towards the sharp one cells become shorter.
+fn along(radius: [f64; 2], length: f64, most: f64) -> Vec<f64> {
+    let sharp = usize::from(radius[1] < radius[0]);
+    let (least, rise) = (radius[sharp], (radius[1 - sharp] - radius[sharp]) / length);
+    let mut at = vec![0.0];
+    let mut here = 0.0;
+    while here < length && at.len() <= MOST_ROWS {
+        let grown = (GROWTH - 1.0) * (least + rise * here) / rise;
+        here += if grown > 0.0 { most.min(grown) } else { most };
+        at.push(here);
+    }
+    // The last of them ends where the rulings do; a sharp end at their end is seen from there.
+    let shares = at.iter().map(|x| if *x == here { 1.0 } else { x / here });
+    match sharp {
+        0 => shares.collect(),
+        _ => shares.rev().map(|x| 1.0 - x).collect(),
+    }
 }
 
 /// Places at equal turns of about `step` (rad), all knots among them.
