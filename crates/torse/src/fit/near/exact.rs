@@ -76,9 +76,20 @@ pub fn exact(rulings: &Rulings, samples: &[Sample], options: &ExactOptions) -> O
     let near = |s: &Sample, tip: Vec3| (s.x - tip).norm() < NEAR_TIP * lines[0].length;
     let (places, measured): (Vec<usize>, Vec<Sample>) =
         samples.iter().copied().enumerate().filter(|s| !tip.is_some_and(|tip| near(&s.1, tip))).unzip();
+    // The way to a tip is against the rulings: patches then begin beside it, and what is close to it is reckoned from there.
+    let planes = |s: &Sampled| {
+        let torse = of_planes(s)?;
+        let first = s.lines.first()?;
+        let towards = |tip: Vec3| torse.ruling(torse.domain().0).direction.dot(&(tip - first.point)) > 0.0;
+        if tip.is_some_and(towards) {
+            of_planes(&s.reversed())
+        } else {
+            Some(torse)
+        }
+    };
     let forms: [(Form, bool); 3] = [
         (&profile, steepest <= GENTLE && !pointed),
-        (&of_planes, true),
+        (&planes, true),
         (&profile, pointed || steepest > GENTLE && steepest <= STEEPEST),
     ];
     let reached = |form: Form| {
