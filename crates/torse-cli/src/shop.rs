@@ -14,9 +14,13 @@ pub fn workshop(shop: &Shop) -> Result<WorkshopOptions, Failure> {
         None => None,
         Some(K::Share(k)) => Some(KFactor::Ansi(*k)),
         Some(K::Din) => Some(KFactor::Din),
-        Some(K::Table(file)) => Some(KFactor::Table(k_table(&file.display().to_string(), &contents(file)?)?)),
+        Some(K::Table(file)) => {
+            let bytes = contents(file).map_err(|e| Failure { message: format!("--k: {}", e.message), ..of_k() })?;
+            Some(KFactor::Table(k_table(&file.display().to_string(), &bytes)?))
+        }
     };
-    let own = shop.materials.as_ref().map(|f| contents(f).map(|b| (f.display().to_string(), b))).transpose()?;
+    let read = |f| contents(f).map_err(|e| Failure { message: format!("--materials: {}", e.message), ..e });
+    let own = shop.materials.as_ref().map(|f| read(f).map(|b| (f.display().to_string(), b))).transpose()?;
     let own = own.map(|(name, bytes)| (name, String::from_utf8_lossy(&bytes).into_owned()));
     let own = own.as_ref().map(|(name, text)| (name.as_str(), text.as_str()));
     let material = shop.material.as_ref().map(|name| materials::material(name, own)).transpose();
@@ -29,4 +33,9 @@ pub fn workshop(shop: &Shop) -> Result<WorkshopOptions, Failure> {
         kinked: shop.facets.is_some(),
         stations: shop.mark_sections.clone(),
     })
+}
+
+/// What helps where `--k` is no number and no file.
+fn of_k() -> Failure {
+    Failure::new("", "give a share such as --k 0.44, --k din, or a table of R/t and K")
 }

@@ -1,7 +1,9 @@
 //! Wrong usage told like every other refusal: one message and one line of help.
 
+use crate::args::Arguments;
 use crate::failure::Failure;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
+use clap::CommandFactory;
 
 /// The refusal for arguments that cannot be understood. Help and version are printed at once and end the program.
 pub fn refusal(error: clap::Error) -> Failure {
@@ -16,43 +18,70 @@ pub fn refusal(error: clap::Error) -> Failure {
     let text = error.to_string();
     let first = text.split("\n\n").next().unwrap_or_default();
     let message = first.strip_prefix("error: ").unwrap_or(first).split_whitespace().collect::<Vec<_>>().join(" ");
-    let argument = match error.get(ContextKind::InvalidArg) {
-        Some(ContextValue::String(name)) => name.as_str(),
-        _ => "",
+    let told = |what: ContextKind| match error.get(what) {
+        Some(ContextValue::String(name)) => name.clone(),
+        Some(ContextValue::Strings(names)) => names.join(" "),
+        _ => String::new(),
     };
-    let help = if kind == ErrorKind::MissingRequiredArgument {
-        match message.as_str() {
-            m if m.contains("<RAIL_") => {
-                "for example: torse loft chine.csv sheer.csv --unit m --tolerance 0.5mm --out plate"
-            }
-            m if m.contains("<CURVE>") && command() == "net" => {
-                "for example: torse net keel.csv --unit mm --start-ruling y --width 400mm --end-ruling 0.2,1,0 -t 0.05mm -o plate"
-            }
-            m if m.contains("<CURVE>") => "for example: torse hull inlet.dxf outlet.dxf --tolerance 0.1mm --out hopper",
-            m if m.contains("<STRIP>") => "for example: torse planarise strip.csv --tolerance 0.01mm --out strip",
-            _ => "for example: torse approximate hull.step --tolerance 2mm --out hull-panels",
+    let argument = told(ContextKind::InvalidArg);
+    let help = match kind {
+        // Only options that others need have names without being needed always.
+        ErrorKind::MissingRequiredArgument if needed_by_others(&argument) => {
+            format!("give {argument} too: another option that was given needs it; {}", general())
         }
-    } else if argument.starts_with("--tolerance") {
-        "give a positive length with its unit, for example --tolerance 2mm"
-    } else if argument.starts_with("--time-limit") {
-        "give a positive time with its unit, for example --time-limit 5min"
-    } else if argument.starts_with("--max-panels") {
-        "give a whole number of at least 1, for example --max-panels 40, or leave it out"
-    } else {
-        return Failure::new(message, general());
+        ErrorKind::MissingRequiredArgument => format!("for example: {}", example()),
+        ErrorKind::ArgumentConflict => format!("leave one of both out; {}", general()),
+        ErrorKind::UnknownArgument => others_with(&argument),
+        _ if argument.starts_with("--tolerance") => {
+            "give a positive length with its unit, for example --tolerance 2mm".into()
+        }
+        _ if argument.starts_with("--time-limit") => {
+            "give a positive time with its unit, for example --time-limit 5min".into()
+        }
+        _ if argument.starts_with("--max-panels") => {
+            "give a whole number of at least 1, for example --max-panels 40, or leave it out".into()
+        }
+        _ => general(),
     };
     Failure::new(message, help)
 }
 
-/// The first word after the program's name.
-fn command() -> String {
-    std::env::args().nth(1).unwrap_or_default()
+/// The command that was called, the main one where it is none.
+fn command() -> clap::Command {
+    let name = std::env::args().nth(1).unwrap_or_default();
+    let all = Arguments::command();
+    let of = |name: &str| all.find_subcommand(name).cloned();
+    of(&name).or_else(|| of("approximate")).unwrap_or_default()
+}
+
+/// Whether an argument that is missing may as well be left out.
+fn needed_by_others(argument: &str) -> bool {
+    let long =
+        |a: &clap::Arg| a.get_long().is_some_and(|l| argument.split_whitespace().next() == Some(&format!("--{l}")));
+    command().get_arguments().any(|a| long(a) && !a.is_required_set())
+}
+
+/// The first example of the command's own help.
+fn example() -> String {
+    let command = command();
+    let help = command.get_after_help().map(ToString::to_string).unwrap_or_default();
+    let line = help.lines().map(str::trim).find(|l| l.starts_with("torse "));
+    line.map_or_else(general, ToString::to_string)
+}
+
+/// Which commands have an option that this one has not.
+fn others_with(argument: &str) -> String {
+    let long = |a: &clap::Arg| a.get_long().is_some_and(|l| argument.split('=').next() == Some(&format!("--{l}")));
+    let all = Arguments::command();
+    let names: Vec<&str> =
+        all.get_subcommands().filter(|c| c.get_arguments().any(long)).map(clap::Command::get_name).collect();
+    match &names[..] {
+        [] => general(),
+        some => format!("{argument} is an option of torse {}; {}", some.join(", "), general()),
+    }
 }
 
 /// Where options are listed.
 fn general() -> String {
-    let known = ["approximate", "cones", "fit", "loft", "net", "hull", "planarise", "info"];
-    let command = command();
-    let command = if known.contains(&command.as_str()) { command.as_str() } else { "approximate" };
-    format!("'torse --help' and 'torse {command} --help' list commands and options, with examples")
+    format!("'torse --help' and 'torse {} --help' list commands and options, with examples", command().get_name())
 }

@@ -148,3 +148,58 @@ fn a_thickness_that_cannot_be_is_no_proof() {
     let run = torse(&["unroll", "--tolerance", "0.05mm", "--thickness", "2mm"], &data("bracket.step"), &out);
     assert_eq!(run.status.code(), Some(0), "{}", said(&run));
 }
+
+/// Options that contradict each other or the model: each refusal names what it is about and says what would help.
+#[test]
+fn options_that_contradict_are_refused_by_name() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let out = dir.path().join("flat");
+    let bracket = data("bracket.step");
+    let cases: [(&[&str], &str, &str); 27] = [
+        (&["--thickness", "0mm"], "--thickness", "greater than zero"),
+        (&["--thickness=-2mm"], "--thickness", "greater than zero"),
+        (&["--thickness", "3"], "--thickness", "write 3mm"),
+        (&["--k", "1.5"], "--k", "between 0 and 1"),
+        (&["--k=-0.1"], "--k", "between 0 and 1"),
+        (&["--k", "nan"], "--k", "between 0 and 1"),
+        (&["--k", "soft"], "--k: cannot read 'soft'", "--k 0.44"),
+        (&["--k", "0.4", "--surfaces"], "--k", "leave one of both out"),
+        (&["--outer", "--inner"], "--inner", "leave one of both out"),
+        (&["--bends", "none,#17"], "--bends", "'#17,#23'"),
+        (&["--bends", "#99999"], "#99999", "names the edges of sharp bends"),
+        (&["--bends", ""], "--bends", "give all, smooth, none"),
+        (&["--facets", "0"], "--facets", "at least 1"),
+        (&["--facets", "angle=0deg"], "--facets", "greater"),
+        (&["--approximate", "1mm"], "--surfaces", "another option that was given needs it"),
+        (&["--approximate", "0mm", "--surfaces"], "--approximate", "greater than zero"),
+        (&["--split", "0"], "--split", "1.."),
+        (&["--side", "inside"], "--thickness", "another option that was given needs it"),
+        (&["--side", "top", "--thickness", "2mm"], "--side", "outside"),
+        (&["--material", "adamantium"], "adamantium", "--materials"),
+        (&["--material", "x", "--materials", "none.csv"], "--materials", "check the name"),
+        (&["--mark-sections", "q=3mm"], "--mark-sections", "x=500mm"),
+        (&["--mark-sections", "x=0mm..6m/0mm"], "--mark-sections", "greater than zero"),
+        (&["--sheet", "10x10"], "--sheet", "is an option of torse approximate"),
+        (&["--min-bend-radius", "0mm"], "--min-bend-radius", "is an option of torse approximate"),
+        (&["--face", "#999999"], "#999999", "torse info"),
+        (&["--time-limit", "0s"], "--time-limit", "--time-limit 5min"),
+    ];
+    for (options, names, helps) in cases {
+        let run = torse(&[&["unroll", "--tolerance", "0.05mm"][..], options].concat(), &bracket, &out);
+        let text = said(&run);
+        assert_eq!(run.status.code(), Some(2), "{options:?}: {text}");
+        assert!(text.contains(names) && text.contains(helps), "{options:?}: {text}");
+        assert!(text.matches("  help: ").count() == 1 && !out.exists(), "{options:?}: {text}");
+    }
+    // A thickness that the body has not costs the proof, not the drawing.
+    let run = torse(&["unroll", "--tolerance", "0.05mm", "--thickness", "5mm"], &bracket, &out);
+    assert_eq!(run.status.code(), Some(3), "{}", said(&run));
+    assert!(said(&run).contains("sheet of 2 mm, not of 5 mm: leave out --thickness"), "{}", said(&run));
+    // What another command needs is told with an example of that command.
+    for (command, example) in [("unroll", "torse unroll bracket.step"), ("ruled", "torse ruled roof.step")] {
+        let run = Command::new(env!("CARGO_BIN_EXE_torse")).args([command, "x.step"]).output().expect("torse runs");
+        assert!(said(&run).contains(&format!("for example: {example}")), "{}", said(&run));
+    }
+    let run = torse(&["refold", "--bend-step", "5deg"], &bracket, &out);
+    assert!(said(&run).contains("--bend-step is an option of torse approximate"), "{}", said(&run));
+}
