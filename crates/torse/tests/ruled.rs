@@ -102,6 +102,17 @@ fn the_inner_part_of_a_torus_is_smooth_and_within_a_hundredth_of_its_radius() {
     }
 }
 
+/// Faces whose own lines are straight and which bend to no side are taken as they are: one strip each, at once.
+#[test]
+fn developable_faces_are_one_strip_each() {
+    let model = torse::read(include_bytes!("../../../data/bracket.step")).expect("a bracket");
+    let count = model.faces.len();
+    let found = of_faces(model.faces, Vec::new(), &RuledOptions::new(0.1), &Control::default()).expect("an answer");
+    assert_eq!(found.answer.status(), Status::Certified, "{:?}", found.answer.claims);
+    assert_eq!(found.answer.patchwork.panels.len(), count);
+    assert!(found.answer.seconds < 20.0, "{}", found.answer.seconds);
+}
+
 #[test]
 fn what_is_too_far_is_told_with_its_bound() {
     let found = made(torus(), &with_width(10.0, 600.0)).expect("an answer");

@@ -2,8 +2,8 @@
 //! squares.
 //!
 //! *Method* \[W15, 2, 2C\]: unknown are the control points of the boundary curves. Rows: distances of samples from the
-//! tangent planes at their feet, which are found anew in every round; the same rulings of neighbouring strips in one
-//! tangent plane at their common point, which makes the union smooth as a set; a little of the places where the curves
+//! tangent planes at their feet, which are found anew in every round; the same rulings of neighbouring strips and their common
+//! boundary in one plane, which makes the union smooth as a set; a little of the places where the curves
 //! began, so that they do not slide; fairness.
 
 use super::chart::{Across, Chart};
@@ -23,6 +23,8 @@ pub(crate) struct SolveOptions {
     pub spans: usize,
     /// Places of the region that must be near the strips besides those on a grid: its border.
     pub border: Vec<[f64; 2]>,
+    /// Weight of the rulings' lying in one plane: of half of what the next point of a ruling is off the last one continued.
+    pub smooth: f64,
 }
 
 /// Boundary curves over common knots in the values of `across`: strip k lies between curves k and k + 1.
@@ -44,8 +46,6 @@ const PER_SPAN: usize = 4;
 const SHARES: [f64; 6] = [0.0, 0.2, 0.4, 0.6, 0.8, 1.0];
 /// Weight of the places where samples began, along the face.
 const HOLD: f64 = 0.03;
-/// Weight of the rulings' lying in one plane: half of what the next point of a ruling is off the last one continued.
-const SMOOTH: f64 = 2.0;
 /// Weight of changes of slope of the boundary curves.
 const FAIR: f64 = 1e-3;
 /// Weight of boundary curves beyond the region, and how far beyond the face, share of its parameters.
@@ -157,7 +157,8 @@ pub fn solve(
                 p.uv = foot(surface, &x, p.uv);
             }
         }
-        curves = Some(round(surface, &knots, levels.len(), &probes, height)?);
+        let asked = (levels.len(), options.smooth, height);
+        curves = Some(round(surface, &knots, asked, (&probes, curves.as_deref()))?);
     }
     let mut curves = curves?;
     if let Some(m) = &height {
@@ -192,9 +193,8 @@ fn at_heights(curve: &mut Curve<3>, m: &Vec3) {
 fn round(
     surface: &Surface,
     knots: &Knots,
-    curves: usize,
-    probes: &[Probe],
-    height: Option<Vec3>,
+    (curves, smooth, height): (usize, f64, Option<Vec3>),
+    (probes, before): (&[Probe], Option<&[Curve<3>]>),
 ) -> Option<Vec<Curve<3>>> {
     let n = knots.control_count();
     let block = 3 * curves;
@@ -222,10 +222,11 @@ fn round(
         if let Some(axis) = &p.off_line {
             system.row(b, &shares, axis, axis.dot(&p.start), 1.0);
         }
-        // A boundary between two strips: its ruling on either side in one plane.
+        // A boundary between two strips: its ruling on either side in one plane with it, that of the strips where it is known.
         if p.t == 0.0 && p.strip > 0 {
             let third = [(p.strip - 1, 1.0), (p.strip, -2.0), (p.strip + 1, 1.0)];
-            system.row(b, &third, &normal, 0.0, SMOOTH * SMOOTH * 0.25);
+            let plane = before.and_then(|c| common_normal(c, p.strip, p.s)).unwrap_or(normal);
+            system.row(b, &third, &plane, 0.0, smooth * smooth * 0.25);
         }
         // Heights over the plane that rulings are parallel to.
         if let Some(m) = height {
@@ -246,6 +247,13 @@ fn round(
     let control =
         |k: usize| (0..n).map(|i| [0, 1, 2].map(|d: usize| solution[i * block + 3 * k + d])).collect::<Vec<[f64; 3]>>();
     Some((0..curves).map(|k| Curve { knots: knots.clone(), control: control(k) }).collect())
+}
+
+/// Normal of the plane of a boundary curve and the mean of the rulings on both sides.
+fn common_normal(curves: &[Curve<3>], k: usize, s: f64) -> Option<Vec3> {
+    let at = |k: usize| Vec3::from(curves[k].point(s));
+    let along = Vec3::from(curves[k].jet(s)[1]);
+    along.cross(&(at(k + 1) - at(k - 1))).try_normalize(0.0)
 }
 
 /// Linear equations for control points: index `3 (curves · i + k) + d`.

@@ -7,7 +7,8 @@ pub(crate) mod left_out;
 pub(crate) mod region;
 mod strips;
 
-use super::cover::State;
+use super::build::{build, Built};
+use super::cover::{exactly_covered, CoverOptions, Layout, Limits, State};
 use crate::brep::face::Face;
 use crate::certify::{self, Certificate};
 use crate::control::Control;
@@ -15,7 +16,9 @@ use crate::fit::panels::boundary::panel_name;
 use crate::fit::ruled::directions::Curvatures;
 use crate::geom::mesh::Mesh;
 use crate::geom::Vec3;
-use crate::patchwork::panel::Patchwork;
+use crate::patchwork::clip::ClippedRulings;
+use crate::patchwork::panel::{Panel, Patchwork};
+use crate::patchwork::partition::Partition;
 use crate::patchwork::triangulate::TriangulateError;
 use left_out::LeftOut;
 use region::{pieces, Piece};
@@ -57,11 +60,14 @@ pub(crate) fn ruled_face(
     options: &RuledOptions,
     control: &Control,
 ) -> Result<RuledFace, TriangulateError> {
+    if let Some(done) = straight(first, face, options, control) {
+        return Ok(done);
+    }
     let rest = options.tolerance - face.joint_bound() - face.trim_bound();
     // What trims miss may be all of the tolerance, or unknown: then strips are for the eye.
     let aim = if rest > 0.5 * options.tolerance { rest } else { options.tolerance };
     let state = State::on_lines(face, region::lines(face, 0, aim), region::lines(face, 1, aim))?;
-    let map = curvature_map(face, &state);
+    let map = curvature_map(face, &state.partition);
     let (pieces, mut left) = pieces(face, state, aim);
     let whole: f64 = pieces.iter().map(|p| p.area).sum();
     let mut done = 0.0;
@@ -137,15 +143,53 @@ fn judged(
     Ok((found, certificate))
 }
 
+/// A developable face as strips on its own rulings, proven as in the main job; `None` for other faces, where a ruling is longer
+/// than asked for or the proof fails, and for conoidal strips.
+fn straight(first: usize, face: &Face, options: &RuledOptions, control: &Control) -> Option<RuledFace> {
+    /// Rulings that are looked at for their length.
+    const LOOKS: usize = 64;
+    if options.conoidal {
+        return None;
+    }
+    let cover = CoverOptions {
+        tolerance: options.tolerance,
+        max_panels: usize::MAX,
+        facets: false,
+        limits: Limits::default(),
+        layout: Layout::default(),
+    };
+    let state = exactly_covered(face, &cover, control)?;
+    let Built { patchwork, certificate, .. } = build(first, face, &state, options.tolerance).0;
+    let longest = |panel: &Panel| {
+        let clipped = ClippedRulings::new(panel);
+        let (a, b) = clipped.range();
+        let at = |k: usize| a + (b - a) * (k as f64 + 0.5) / LOOKS as f64;
+        let ends = (0..LOOKS).flat_map(|k| clipped.at(at(k)).into_iter().map(move |r| (at(k), r)));
+        let length =
+            |(s, (t, r)): (f64, (f64, f64))| (panel.strip.patch.point(s, r) - panel.strip.patch.point(s, t)).norm();
+        ends.map(length).fold(0.0, f64::max)
+    };
+    let narrow = options.width.is_none_or(|w| patchwork.panels.iter().all(|p| longest(p) <= w));
+    (certificate.certified && narrow).then(|| RuledFace {
+        map: curvature_map(face, &patchwork.partitions[0]),
+        directing: vec![None; patchwork.panels.len()],
+        patchwork,
+        certificate: Some(certificate),
+        left: Vec::new(),
+        kink_estimate: 0.0,
+    })
+}
+
 /// The sign of the Gauss curvature all over a face, steep near its change.
-fn curvature_map(face: &Face, state: &State) -> Mesh {
+fn curvature_map(face: &Face, partition: &Partition) -> Mesh {
     let size = face.surface.bbox().diagonal();
-    let mut mesh = Mesh { triangles: state.partition.triangles.clone(), ..Mesh::default() };
-    for j in &state.jets {
-        let n = if face.reversed { -j.normal } else { j.normal };
-        mesh.positions.push(j.jet.p);
-        mesh.normals.push(n);
-        let value = Curvatures::of(&j.jet).map_or(0.0, |c| region::shade(&c, size));
+    let mut mesh = Mesh { triangles: partition.triangles.clone(), ..Mesh::default() };
+    for [u, v] in &partition.vertices {
+        let j = face.surface.jet(*u, *v);
+        let n = j.normal().try_normalize(0.0).unwrap_or_default();
+        mesh.positions.push(j.p);
+        mesh.normals.push(if face.reversed { -n } else { n });
+        let value = Curvatures::of(&j).map_or(0.0, |c| region::shade(&c, size));
         mesh.values.push(value);
     }
     mesh

@@ -56,6 +56,10 @@ const GROWTH: f64 = 1.1;
 const SPANS: [usize; 4] = [6, 12, 24, 48];
 /// Spans times strips at most: systems of more take seconds.
 const MOST_SPANS: usize = 480;
+/// Weight of smooth joins, and those that are tried where strips keep to the tolerance, the greatest first.
+const SMOOTH: f64 = 2.0;
+/// See [`SMOOTH`].
+const SMOOTHER: [f64; 2] = [64.0, 16.0];
 /// More spans are tried while they leave less than this share of the distance.
 const BETTER: f64 = 0.85;
 /// Charts whose rulings keep less than this angle (sine) to strip boundaries are not tried.
@@ -245,13 +249,30 @@ impl<'a> Region<'a> {
         Err(count)
     }
 
-    /// Strips between levels, with as few spans as do.
+    /// Strips between levels, with as few spans as do, and among these the smoothest that keep to the goal.
     fn smoothest(&self, chart: &Chart, levels: &[f64], goal: f64) -> Option<Strips> {
+        let found = self.nearest(chart, levels, goal)?;
+        if levels.len() < 3 || found.distance_estimate > goal {
+            return Some(found);
+        }
+        let inside = |p: [f64; 2]| self.outline.contains(p);
+        let spans = found.curves[0].knots.breaks().len() - 1;
+        let smoother = |smooth: f64| {
+            let border = self.outline.points().collect();
+            let asked = SolveOptions { levels: levels.to_vec(), spans, border, smooth };
+            solve(&self.piece.face.surface, chart, &inside, &asked).filter(|s| s.distance_estimate <= goal)
+        };
+        Some(SMOOTHER.into_iter().find_map(smoother).unwrap_or(found))
+    }
+
+    /// Strips between levels, with as few spans as do.
+    fn nearest(&self, chart: &Chart, levels: &[f64], goal: f64) -> Option<Strips> {
         let inside = |p: [f64; 2]| self.outline.contains(p);
         let mut best: Option<Strips> = None;
         let count = levels.len() - 1;
         for spans in SPANS.into_iter().filter(|s| *s == SPANS[0] || s * count <= MOST_SPANS) {
-            let asked = SolveOptions { levels: levels.to_vec(), spans, border: self.outline.points().collect() };
+            let border = self.outline.points().collect();
+            let asked = SolveOptions { levels: levels.to_vec(), spans, border, smooth: SMOOTH };
             let Some(found) = solve(&self.piece.face.surface, chart, &inside, &asked) else { break };
             let better = best.as_ref().is_none_or(|b| found.distance_estimate < BETTER * b.distance_estimate);
             let good = found.distance_estimate <= goal;
