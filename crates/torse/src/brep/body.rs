@@ -55,6 +55,11 @@ pub(crate) const SMOOTH: f64 = 0.5 * std::f64::consts::PI / 180.0;
 impl<'a> Body<'a> {
     /// Finds runs, carriers and neighbours of faces.
     pub fn new(faces: Vec<&'a Face>) -> Self {
+        Self::joined(faces, SAME_PLACE)
+    }
+
+    /// The same, where ends of edges without common number are one point within a share of the body.
+    pub fn joined(faces: Vec<&'a Face>, same_place: f64) -> Self {
         let carriers = faces.iter().map(|f| carrier(f)).collect();
         let mut bounds = BBox::empty();
         for b in faces.iter().map(|f| f.surface.bbox()) {
@@ -77,7 +82,7 @@ impl<'a> Body<'a> {
         }
         let mut body = Self { faces, carriers, halves, size };
         body.pair_by_number();
-        body.pair_by_place();
+        body.pair_by_place(same_place * size);
         body
     }
 
@@ -120,11 +125,10 @@ impl<'a> Body<'a> {
     }
 
     /// Runs that have no neighbour by number: sheets whose faces are not sewn.
-    fn pair_by_place(&mut self) {
+    fn pair_by_place(&mut self, tolerance: f64) {
         let mut open: Vec<(f64, usize)> =
             (0..self.halves.len()).filter(|k| self.halves[*k].twin.is_none()).map(|k| (self.middle(k).x, k)).collect();
         open.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        let tolerance = SAME_PLACE * self.size;
         for i in 0..open.len() {
             let near: Vec<usize> = open[i..].iter().take_while(|o| o.0 <= open[i].0 + tolerance).map(|o| o.1).collect();
             if self.halves[open[i].1].twin.is_none() {
@@ -153,6 +157,7 @@ impl<'a> Body<'a> {
             (a - q).norm().max((b - p).norm()).max(beside)
         };
         let free = others.iter().copied().filter(|o| self.halves[*o].twin.is_none());
+        let free = free.filter(|o| self.along(k, *o, tolerance) != Some(true));
         let best = free.map(|o| (apart(o), o)).min_by(|x, y| x.0.total_cmp(&y.0)).filter(|b| b.0 <= tolerance);
         if let Some((_, o)) = best {
             self.halves[k].twin = Some(o);
@@ -160,12 +165,25 @@ impl<'a> Body<'a> {
         }
     }
 
+    /// Whether a run that ends where it begins is run through the same way by another one of the same place; `None` for runs with
+    /// two ends, which tell it.
+    fn along(&self, k: usize, other: usize, tolerance: f64) -> Option<bool> {
+        let [h, o] = [k, other].map(|i| &self.halves[i]);
+        let [a, b] = self.ends(k);
+        if (a - b).norm() > tolerance || h.length.min(o.length) <= tolerance {
+            return None;
+        }
+        let share = |s: f64| o.run.nearest(self.faces[o.face], &h.run.at(self.faces[h.face], s).0).0;
+        Some(share(0.25) < share(0.75))
+    }
+
     fn ends(&self, k: usize) -> [Vec3; 2] {
         let h = &self.halves[k];
         h.run.ends(self.faces[h.face])
     }
 
-    fn middle(&self, k: usize) -> Vec3 {
+    /// The point half way along a run.
+    pub(crate) fn middle(&self, k: usize) -> Vec3 {
         let h = &self.halves[k];
         h.run.at(self.faces[h.face], 0.5).0
     }
@@ -183,7 +201,8 @@ pub(crate) fn oriented(body: &Body) -> Option<Vec<Face>> {
         let alike = open[i + 1..].iter().find(|&&g| {
             let [p, q] = body.ends(g);
             let near = (a - p).norm().max((b - q).norm()) <= tolerance;
-            near && body.halves[g].run.nearest(body.faces[body.halves[g].face], &middle).1 <= tolerance
+            let beside = || body.halves[g].run.nearest(body.faces[body.halves[g].face], &middle).1 <= tolerance;
+            near && beside() && body.along(h, g, tolerance) != Some(false)
         });
         against.extend(alike.map(|g| (body.halves[h].face, body.halves[*g].face)));
     }
@@ -249,4 +268,28 @@ fn split_alike(faces: &[&Face], laps: Vec<(usize, usize, Vec<Run>)>, tolerance: 
         out
     };
     laps.into_iter().map(|(f, l, runs)| (f, l, runs.into_iter().flat_map(|r| split(f, r)).collect())).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::brep::support_surface::SupportSurface;
+    use crate::geom::Frame;
+
+    /// A pipe in two lengths: the circle between them ends where it begins, so that only its direction tells that one of both
+    /// looks inwards.
+    #[test]
+    fn closed_edges_tell_which_faces_are_turned() {
+        let support = SupportSurface::Cylinder { frame: Frame::world(), radius: 10.0 };
+        let length = |lo: f64, hi: f64| {
+            Face::untrimmed(support.to_spline((0.0, std::f64::consts::TAU), (lo, hi)).expect("a spline").0)
+        };
+        let (low, mut high) = (length(0.0, 5.0), length(5.0, 9.0));
+        let body = Body::new(vec![&low, &high]);
+        assert!(oriented(&body).is_none() && (0..body.halves.len()).any(|h| body.beyond(h) == Some(1)));
+        high.reversed = true;
+        let body = Body::new(vec![&low, &high]);
+        let turned = oriented(&body).expect("one is turned");
+        assert_eq!(turned.iter().map(|f| f.reversed).collect::<Vec<_>>(), [false, false]);
+    }
 }

@@ -21,6 +21,9 @@ const MARGIN: f64 = 1e-12;
 /// Rounds of halving at most.
 const ROUNDS: usize = 36;
 
+/// The same for straight sides: where two are not apart whole, halves that touch are not either.
+const STRAIGHT_ROUNDS: usize = 4;
+
 /// Pieces at most, beyond ten times the number given: loops that need more come too close to themselves.
 const PIECES: usize = 4_000;
 
@@ -43,7 +46,7 @@ struct Piece {
 /// # Errors
 /// What could not be shown.
 pub(super) fn loops_are_simple(loops: &[Vec<&Curve<2>>]) -> Result<(), LoopFault> {
-    rings_are_simple(gather(loops)?, loops.len())
+    rings_are_simple(gather(loops)?, loops.len(), ROUNDS)
 }
 
 /// The same of closed polygons (outer first); corners that coincide with the one before are none.
@@ -69,13 +72,13 @@ pub(super) fn polygons_are_simple(polygons: &[Vec<[f64; 2]>]) -> Result<(), Loop
     if (0..polygons.len()).any(|g| !rings.iter().any(|r: &Piece| r.group as usize == g)) {
         return Err(LoopFault::NoSides);
     }
-    rings_are_simple(rings, polygons.len())
+    rings_are_simple(rings, polygons.len(), STRAIGHT_ROUNDS)
 }
 
-fn rings_are_simple(mut rings: Vec<Piece>, loops: usize) -> Result<(), LoopFault> {
+fn rings_are_simple(mut rings: Vec<Piece>, loops: usize, rounds: usize) -> Result<(), LoopFault> {
     let most = PIECES + 10 * rings.len();
     let mut fresh = vec![true; rings.len()];
-    for _ in 0..ROUNDS {
+    for _ in 0..rounds {
         let Some(marks) = conflicts(&rings, &fresh) else { break };
         if marks.iter().all(|m| !m) {
             return nested(&rings, loops);

@@ -164,6 +164,20 @@ impl<'a, const N: usize> Tensor<'a, N> {
         self.u.creased(u) || self.v.creased(v)
     }
 
+    /// How far (in the first parameter) a box that one crease runs through reaches beyond it, to the side where it reaches less;
+    /// `None` where there are more creases, or any in the second parameter.
+    pub fn beside_crease(&self, [u, v]: [Interval; 2]) -> Option<f64> {
+        if self.v.creased(v) {
+            return None;
+        }
+        let p = self.u.knots.degree();
+        let inside = self.u.knots.distinct().into_iter().filter(|&(t, m)| m >= p && t > u.lo && t < u.hi);
+        let all: Vec<f64> = inside.map(|k| k.0).filter(|t| self.u.is_inner(*t)).collect();
+        let [t] = all[..] else { return None };
+        let t = Interval::point(t);
+        Some((Interval::point(u.hi) - t).hi.min((t - Interval::point(u.lo)).hi))
+    }
+
     /// Over a box.
     pub fn over(&self, [u, v]: [Interval; 2]) -> Jet2<N> {
         self.pieces([u, v], &|net, a, b| net.over([a, b]))

@@ -221,3 +221,6 @@ impl RefoldAnswer {
         Ok(vec![(report, json.into_bytes()), (model, glb)])
     }
 }
+
+#[cfg(test)]
+mod tests;

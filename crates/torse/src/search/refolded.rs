@@ -42,6 +42,9 @@ pub enum NotRefolded {
     /// A panel that belongs to several bends.
     #[error("it belongs to several bends")]
     Several,
+    /// An outline that leaves the rulings that were laid.
+    #[error("its outline reaches beyond the rulings that its bend lines tell of")]
+    Beyond,
     /// A panel that belongs to no bend.
     #[error("no bend belongs to it")]
     None,
@@ -85,7 +88,7 @@ pub(crate) fn distance_bounds(
                 // A panel in two places has no one border.
                 Some(_) if found[sheet].is_some() => Err(NotRefolded::Several),
                 Some(lines) => judged(&ribbon, lines, range, (part, atlas, sheet)).map_err(NotRefolded::from),
-                None => Err(Unshown::Lines.into()),
+                None => Err(NotRefolded::Beyond),
             };
             found[sheet] = Some(one);
         }
@@ -97,14 +100,25 @@ pub(crate) fn distance_bounds(
     found.into_iter().zip(&atlas.sheets).map(named).collect()
 }
 
-/// Places on the rulings at which panels begin and end, where there are several.
+/// Places on the rulings at which panels begin and end, where there are several, and at which their patches are less than C¹.
 fn joints(ribbon: &Ribbon, atlas: &Atlas) -> Vec<f64> {
-    if atlas.sheets.len() == 1 || ribbon.spans.len() == 1 {
-        return Vec::new();
+    let turns = ribbon.spans.iter().any(|s| s.in_space.turn != 0.0);
+    let several = atlas.sheets.len() > 1 && ribbon.spans.len() > 1;
+    let mut places = Vec::new();
+    for (sheet, s) in atlas.sheets.iter().enumerate() {
+        let on = |uv: [f64; 2]| OnPanel { sheet, uv, off: 0.0 };
+        if several {
+            places.extend(s.panel.corners.iter().map(|uv| on(*uv)));
+        }
+        let knots = &s.panel.surface.knots_u;
+        let ways = || s.panel.loops.iter().flatten().map(|p| p[1]);
+        let middle = 0.5 * (ways().fold(f64::INFINITY, f64::min) + ways().fold(f64::NEG_INFINITY, f64::max));
+        let (first, last) = knots.domain();
+        let creases =
+            knots.distinct().into_iter().filter(|(t, m)| turns && *m >= knots.degree() && *t > first && *t < last);
+        places.extend(creases.map(|(t, _)| on([t, middle])));
     }
-    let corners = (atlas.sheets.iter().enumerate())
-        .flat_map(|(sheet, s)| s.panel.corners.iter().map(move |uv| OnPanel { sheet, uv: *uv, off: 0.0 }));
-    corners.filter_map(|on| ribbon.locate(&atlas.flat(&on))).map(|spot| spot.t).collect()
+    places.iter().filter_map(|on| ribbon.locate(&atlas.flat(on))).map(|spot| spot.t).collect()
 }
 
 /// The rulings laid closer, where the part is in space, and cut at given places.
@@ -347,13 +361,16 @@ fn places(spans: &[Span], lines: &[Vec<Piece>], (atlas, sheet): (&Atlas, usize))
     let n = spans.len();
     let mut reach = vec![[f64::INFINITY, f64::NEG_INFINITY]; n + 1];
     for p in lines.iter().flatten() {
-        for k in [p.span, p.span + 1] {
-            for e in p.ends {
+        // A plane is one wide span: what the part has on its first and last ruling is all that is surely on the panel.
+        let plane = spans[p.span].in_space.turn == 0.0;
+        for (end, k) in [p.span, p.span + 1].into_iter().enumerate() {
+            for e in p.ends.iter().filter(|e| !plane || (e[0] - end as f64).abs() <= BEYOND) {
                 reach[k] = [reach[k][0].min(e[1]), reach[k][1].max(e[1])];
             }
         }
     }
-    let size = reach.iter().map(|r| r[1] - r[0]).filter(|l| l.is_finite()).fold(0.0, f64::max);
+    let ways = || lines.iter().flatten().flat_map(|p| p.ends).map(|e| e[1]);
+    let size = ways().fold(f64::NEG_INFINITY, f64::max) - ways().fold(f64::INFINITY, f64::min);
     let place = |k: usize| {
         let pose = if k < n { spans[k].flat } else { spans[n - 1].flat.moved(&spans[n - 1].in_plane, 1.0) };
         let [mut a, mut b] = reach[k];

@@ -89,7 +89,10 @@ pub enum AtlasError {
     #[error("panel {0} has no ruling in common with those before it")]
     Apart(String),
     /// Outlines that differ.
-    #[error("the outline drawn is {0:.4} mm from that of the panels; drawing and panels do not belong together")]
+    #[error(
+        "the outline drawn is {0:.4} mm from that of the panels laid side by side: one of both was changed, or the drawing has \
+         them beside each other in another way"
+    )]
     Differs(f64),
     /// No panel at all.
     #[error("it has no panels")]
@@ -98,8 +101,14 @@ pub enum AtlasError {
 
 /// Share of the size within which rulings of neighbours are one.
 const JOINT: f64 = 1e-6;
+/// Share of the size within which edges of panels are one: a panel ends a little before an apex.
+const BESIDE: f64 = 2e-5;
 /// Outlines that are farther from those of the panels (share of the size) do not belong to them.
 const BELONGS: f64 = 2e-3;
+/// Points on the image of a line over all rulings of a panel, if it is an arc.
+const PARTS: f64 = 96.0;
+/// Share of a line at which its image is compared with a chord: not in the middle, where waves may cross it.
+const BETWEEN: f64 = 0.37;
 /// Samples over a panel from which searches start.
 const SEEDS: (usize, usize) = (40, 8);
 /// Steps of Newton's method.
@@ -109,7 +118,11 @@ const DIFFERENCE: f64 = 1e-6;
 /// Share of the size below which places have been found.
 const FOUND: f64 = 1e-13;
 /// Ratio of the moments of inertia from which on a part has a direction.
-const LONG: f64 = 1.02;
+const LONG: f64 = 1.2;
+/// Corners that tell how an outline lies, and points of it at most where there are fewer.
+const ENOUGH_JOINTS: usize = 12;
+/// See [`ENOUGH_JOINTS`].
+const MOST_POINTS: usize = 300;
 /// Directions that are tried for parts without one.
 const DIRECTIONS: usize = 48;
 /// Steps that bring an outline onto another, for a first look and at most.
@@ -144,8 +157,19 @@ impl Sheet {
         out
     }
 
+    /// Images of the loops, with points on sides that run over many rulings: these are arcs in the plane.
     fn images(&self) -> Vec<Vec<Vec2>> {
-        self.panel.loops.iter().map(|l| l.iter().map(|p| self.own_flat(*p)).collect()).collect()
+        let ((u0, u1), _) = self.panel.surface.domain();
+        let side = |a: [f64; 2], b: [f64; 2]| {
+            let place = move |x: f64| self.own_flat([0, 1].map(|d| a[d] + (b[d] - a[d]) * x));
+            let [p, q, r] = [0.0, BETWEEN, 1.0].map(place);
+            let straight = (r - p).perp(&(q - p)).abs() <= BESIDE * (r - p).norm_squared();
+            let share = if straight { 0.0 } else { ((b[0] - a[0]) / (u1 - u0)).abs() };
+            let parts = (PARTS * share).ceil().max(1.0) as usize;
+            (0..parts).map(move |i| place(i as f64 / parts as f64))
+        };
+        let image = |l: &Vec<[f64; 2]>| (0..l.len()).flat_map(|k| side(l[k], l[(k + 1) % l.len()])).collect();
+        self.panel.loops.iter().map(image).collect()
     }
 
     /// Image before the whole is moved.
@@ -247,7 +271,7 @@ impl Atlas {
     /// # Errors
     /// Faces that cannot be laid beside each other.
     pub fn unfolded(faces: &[Face], k: &KFactor, thickness: f64) -> Result<Self, AtlasError> {
-        let body = Body::new(faces.iter().collect());
+        let body = Body::joined(faces.iter().collect(), BESIDE);
         let skin: Vec<usize> = (0..faces.len()).collect();
         let asked = UnfoldOptions {
             k: k.clone(),
@@ -372,6 +396,13 @@ impl Atlas {
     pub fn aligned(&self, part: &FlatPart) -> Result<Vec<Self>, AtlasError> {
         let size = part.size();
         let own: Vec<Vec<Vec2>> = self.sheets.iter().flat_map(|s| s.flat.clone()).collect();
+        // Few corners fit in many ways: then points of the outline count.
+        let few = part.joints.iter().map(Vec::len).sum::<usize>() < ENOUGH_JOINTS;
+        let every = part.loops.iter().map(Vec::len).sum::<usize>() / MOST_POINTS + 1;
+        let points: Vec<Vec<Vec2>> = match few {
+            true => part.loops.iter().map(|l| l.iter().copied().step_by(every).collect()).collect(),
+            false => part.joints.clone(),
+        };
         let mut found: Vec<(f64, Self)> = Vec::new();
         for mirrored in [false, true] {
             let flip = |p: &Vec2| if mirrored { Vec2::new(-p.x, p.y) } else { *p };
@@ -399,12 +430,16 @@ impl Atlas {
             // A few steps tell the ways that are worth more.
             let mut tried: Vec<(f64, Motion)> = turns
                 .into_iter()
-                .map(|turn| settled(&loops, start(turn), &part.joints, GLANCE))
+                .map(|turn| settled(&loops, start(turn), &points, GLANCE))
                 .map(|(motion, off)| (off, motion))
                 .collect();
             tried.sort_by(|a, b| a.0.total_cmp(&b.0));
             for (_, start) in tried.into_iter().take(MOST_WAYS) {
-                let (motion, off) = settled(&loops, start, &part.joints, ROUNDS);
+                let (mut motion, mut off) = settled(&loops, start, &points, ROUNDS);
+                if few {
+                    // Corners are exact, other points are on chords.
+                    (motion, off) = settled(&loops, motion, &part.joints, ROUNDS);
+                }
                 found.push((off, Self { mirrored, motion, alignment: off, ..self.clone() }));
             }
         }

@@ -1,7 +1,10 @@
 //! Polygons with holes cut along chords.
 
-use super::drawn::{area, distance, foot, inside};
+use super::drawn::{area, bounds, distance, foot, inside};
 use crate::geom::Vec2;
+
+/// Share of the size within which ends of chords and corners are one place: what files print.
+const ONE_PLACE: f64 = 1e-9;
 
 /// A region that is left between chords.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -21,28 +24,38 @@ struct Node {
 }
 
 /// The regions into which chords cut the inside of polygons (the outer one counter-clockwise, holes clockwise). The ends of
-/// every chord lie on sides of the polygons, up to rounding, and chords do not cross.
+/// every chord lie on sides of the polygons, up to rounding, and chords do not cross; several may end in one corner.
 ///
 /// *Method*: a chord is run through in both directions; at both of its ends the border turns into it, so that borders come
 /// apart or together as they must, holes included.
 pub fn cut(loops: &[Vec<Vec2>], chords: &[[Vec2; 2]]) -> Vec<Region> {
-    // Ends of chords on the sides that they lie on.
-    let mut on: Vec<Vec<Vec<(f64, usize, usize)>>> = loops.iter().map(|l| vec![Vec::new(); l.len()]).collect();
-    for (c, chord) in chords.iter().enumerate() {
-        for (end, x) in chord.iter().enumerate() {
+    let (lo, hi) = bounds(loops);
+    let one = ONE_PLACE * (hi - lo).norm();
+    let mut chords = chords.to_vec();
+    // Ends of chords on the sides that they lie on: how far along, how far they turn from the side, and which they are.
+    let mut on: Vec<Vec<Vec<(i64, f64, usize, usize)>>> = loops.iter().map(|l| vec![Vec::new(); l.len()]).collect();
+    for (c, chord) in chords.iter_mut().enumerate() {
+        for end in 0..2 {
             let mut best = (f64::INFINITY, 0, 0, 0.0);
             for (i, l) in loops.iter().enumerate() {
                 for k in 0..l.len() {
                     let (p, q) = (l[k], l[(k + 1) % l.len()]);
-                    let f = foot(&p, &q, x);
-                    if (f - x).norm() < best.0 {
-                        best = ((f - x).norm(), i, k, (f - p).norm());
+                    let f = foot(&p, &q, &chord[end]);
+                    // A corner belongs to the side that begins in it.
+                    if (f - chord[end]).norm() < best.0 && (f - q).norm() > one {
+                        best = ((f - chord[end]).norm(), i, k, (f - p).norm());
                     }
                 }
             }
-            if let Some(side) = on.get_mut(best.1).and_then(|l| l.get_mut(best.2)) {
-                side.push((best.3, c, end));
+            let Some(side) = on.get_mut(best.1).and_then(|l| l.get_mut(best.2)) else { continue };
+            let l = &loops[best.1];
+            let (p, q) = (l[best.2], l[(best.2 + 1) % l.len()]);
+            if best.3 <= one {
+                chord[end] = p;
             }
+            let (way, out) = (chord[1 - end] - chord[end], q - p);
+            let turn = out.perp(&way).atan2(out.dot(&way)).rem_euclid(std::f64::consts::TAU);
+            side.push(((best.3 / one).round() as i64, -turn, c, end));
         }
     }
     let mut nodes: Vec<Node> = Vec::new();
@@ -51,8 +64,9 @@ pub fn cut(loops: &[Vec<Vec2>], chords: &[[Vec2; 2]]) -> Vec<Region> {
         let first = nodes.len();
         for (p, side) in l.iter().zip(sides) {
             nodes.push(Node { at: *p, next: nodes.len() + 1, chord: None });
-            side.sort_by(|a, b| a.0.total_cmp(&b.0));
-            for (_, c, end) in side.iter() {
+            // Of several ends in one place the border comes first to that which turns farthest back.
+            side.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+            for (_, _, c, end) in side.iter() {
                 ends[*c][*end] = nodes.len();
                 nodes.push(Node { at: chords[*c][*end], next: nodes.len() + 1, chord: None });
             }
@@ -128,6 +142,21 @@ mod tests {
 
     fn total(r: &Region) -> f64 {
         r.loops.iter().map(|l| area(l)).sum()
+    }
+
+    /// The net of a box: chords of neighbouring flaps end in one corner of the base, whatever rounding says of their ends.
+    #[test]
+    fn chords_may_end_in_one_corner() {
+        let cross = [(0, 0), (1, 0), (1, -1), (2, -1), (2, 0), (3, 0), (3, 1), (2, 1), (2, 2), (1, 2), (1, 1), (0, 1)];
+        let outline: Vec<Vec2> = cross.iter().map(|(x, y)| Vec2::new(f64::from(*x), f64::from(*y))).collect();
+        let corners = [(1.0, 0.0), (2.0, 0.0), (2.0, 1.0), (1.0, 1.0)].map(|(x, y)| Vec2::new(x, y));
+        for hair in [0.0, 1e-9, -1e-9] {
+            let chord = |k: usize| [corners[k] + Vec2::new(hair, -hair), corners[(k + 1) % 4] + Vec2::new(-hair, hair)];
+            let regions = cut(&[outline.clone()], &[chord(0), chord(1), chord(2), chord(3)]);
+            assert_eq!(regions.len(), 5, "{hair}");
+            assert!(regions.iter().all(|r| (total(r) - 1.0).abs() < 1e-8), "{hair}");
+            assert_eq!(regions.iter().filter(|r| r.chords.len() == 4).count(), 1, "{hair}");
+        }
     }
 
     #[test]

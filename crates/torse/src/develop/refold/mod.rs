@@ -18,6 +18,14 @@ pub(crate) mod sheet;
 /// Why a part cannot be bent back. Messages say what of the part is concerned; the caller names the part.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum RefoldError {
+    /// Rulings that meet in a corner between other bends.
+    #[error(
+        "the bend lines from {line} on meet in a point of its outline, beside other bends: such fans are not bent back"
+    )]
+    Fan {
+        /// Number of the first line, from 1.
+        line: usize,
+    },
     /// An outline that crosses or touches itself.
     #[error("its outline {contour} crosses or touches itself near ({x:.4}, {y:.4}) mm; draw it again without")]
     Outline {

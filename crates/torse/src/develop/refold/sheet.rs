@@ -7,7 +7,7 @@
 
 use super::course::plane_ribbon;
 use super::cut::{cut, Region};
-use super::drawn::{area, crossings, inside, FlatPart, SheetRow};
+use super::drawn::{area, crossings, distance, inside, FlatPart, SheetRow};
 use super::leaf::{Leaf, Refolded};
 use super::RefoldError;
 use crate::geom::Vec2;
@@ -16,21 +16,24 @@ use crate::torse::ribbon::pose::{Pose, Rates};
 use crate::torse::ribbon::{Ribbon, Span};
 use std::collections::VecDeque;
 
-/// Share of a zone's breadth by which its edges lie inside: edges of the outline may lie on them.
-const INSIDE: f64 = 1e-7;
 /// Share of the size within which lines are one.
 const ON_ONE_LINE: f64 = 1e-6;
+/// Share of the size within which lines of a fan meet on the outline.
+const BESIDE_APEX: f64 = 1e-3;
 /// Share of the shorter one by which a stretch of an edge and the centre line are beside each other.
 const BESIDE: f64 = 0.5;
-/// Regions below this share of the part's area are the seams between neighbouring zones.
+/// Regions below this share of the part's area, or as slim as two last digits of the table, are the seams between neighbouring
+/// zones.
 const SEAM: f64 = 1e-6;
 
-/// A bent zone: the strip between two lines that do not cross in it.
-#[derive(Clone, Copy, Debug)]
+/// A bent zone: strips between lines that do not cross in it, each turning alike; one for a bend, several for a rolled face.
+#[derive(Clone, Debug)]
 struct Zone {
-    /// Its first and last line: a point and a unit direction; the zone lies to the left of the first.
-    edges: [(Vec2, Vec2); 2],
-    /// Turn towards the eye, rad.
+    /// Its lines: a point and a unit direction; the zone lies to the left of the first and between that and the last.
+    edges: Vec<(Vec2, Vec2)>,
+    /// Places on the centre lines; none of a zone without breadth.
+    inner: Vec<Vec2>,
+    /// Turn of every strip towards the eye, rad.
     turn: f64,
     /// Length of the skin over that of the drawing, across.
     stretch: f64,
@@ -53,22 +56,26 @@ pub fn refold(part: &FlatPart) -> Result<Refolded, RefoldError> {
     let (mut zones, mut edges, mut chords) = (Vec::new(), Vec::new(), Vec::new());
     let thickness = thickness(&part.bends);
     for row in &part.bends {
-        for (zone, lines) in zones_of(part, row, thickness)? {
-            let index = zones.len();
-            zones.push(zone);
-            let sharp = (zone.edges[1].0 - zone.edges[0].0).norm() <= ON_ONE_LINE * part.size();
-            let both: &[(usize, Option<bool>)] =
-                if sharp { &[(0, None)] } else { &[(0, Some(false)), (1, Some(true))] };
-            for (k, last) in both {
-                for chord in stretches(part, &zone.edges[*k], &lines) {
-                    edges.push(Edge { zone: index, last: *last });
-                    chords.push(chord);
-                }
+        let Some((mut zone, lines)) = zone_of(part, row, thickness)? else { continue };
+        let last = zone.edges.len() - 1;
+        if !row.allowance.is_finite() && part.bends.len() > 1 && is_fan(part, &zone) {
+            return Err(RefoldError::Fan { line: row.lines.start + 1 });
+        }
+        let sharp = last == 1 && (zone.edges[1].0 - zone.edges[0].0).norm() <= ON_ONE_LINE * part.size();
+        let both = [(0, (!sharp).then_some(false), 0), (last, Some(true), lines.len() - 1)];
+        for (k, last, beside) in &both[..if sharp { 1 } else { 2 }] {
+            for chord in stretches(part, &zone.edges[*k], (&lines[*beside], sharp)) {
+                edges.push(Edge { zone: zones.len(), last: *last });
+                chords.push(chord);
             }
         }
+        if !sharp {
+            zone.inner = lines.iter().flatten().map(|l| (l[0] + l[1]) * 0.5).collect();
+        }
+        zones.push(zone);
     }
     let regions = cut(&part.loops, &chords);
-    let leaves = placed(&zones, &edges, &regions)?;
+    let leaves = placed((&zones, &edges, &regions), part.printed)?;
     Ok(Refolded { leaves, disagreement: 0.0, method: "bends of sheet metal" })
 }
 
@@ -80,11 +87,11 @@ pub fn thickness(bends: &[SheetRow]) -> f64 {
     known.max_by(|a, b| (a.angle * a.k).total_cmp(&(b.angle * b.k))).map_or(0.0, |b| of(b).max(0.0))
 }
 
-/// A zone with its centre lines.
-type Lined = (Zone, Vec<[Vec2; 2]>);
+/// A zone with its centre lines, in parts where holes lie between.
+type Lined = (Zone, Vec<Vec<[Vec2; 2]>>);
 
-/// The zones of a bend, each with its centre lines.
-fn zones_of(part: &FlatPart, row: &SheetRow, thickness: f64) -> Result<Vec<Lined>, RefoldError> {
+/// The zone of a bend with its centre lines.
+fn zone_of(part: &FlatPart, row: &SheetRow, thickness: f64) -> Result<Option<Lined>, RefoldError> {
     let mut lines: Vec<Vec<[Vec2; 2]>> = Vec::new();
     for k in row.lines.clone() {
         let l = part.lines.get(k).ok_or_else(|| {
@@ -110,7 +117,7 @@ fn zones_of(part: &FlatPart, row: &SheetRow, thickness: f64) -> Result<Vec<Lined
         let way = (l[1] - l[0]).normalize();
         (l[0], if way.dot(&like) < 0.0 { -way } else { way })
     };
-    let Some(first) = lines.first().map(|l| l[0][1] - l[0][0]) else { return Ok(Vec::new()) };
+    let Some(first) = lines.first().map(|l| l[0][1] - l[0][0]) else { return Ok(None) };
     let mut all: Vec<(Vec2, Vec2)> = lines.iter().map(|l| directed(&l[0], first)).collect();
     // Neighbours follow each other to the left.
     if n > 1 && all[0].1.perp(&(all[1].0 - all[0].0)) < 0.0 {
@@ -119,42 +126,41 @@ fn zones_of(part: &FlatPart, row: &SheetRow, thickness: f64) -> Result<Vec<Lined
     let breadth = if row.allowance.is_finite() { row.allowance / n as f64 } else { 0.0 };
     let skin = row.inside_radius + if sign < 0.0 { thickness } else { 0.0 };
     // Edges of the outline may lie on the edges of a zone, which are only known as far as the table is printed.
-    let hair = if n == 1 { part.printed.min(0.25 * breadth) } else { 0.5 * INSIDE * breadth };
-    let narrow = breadth - 2.0 * hair;
-    let stretch = if narrow > 0.0 && skin.is_finite() && thickness > 0.0 {
-        (skin * row.angle / n as f64 - 2.0 * hair).max(0.0) / narrow
+    let hair = part.printed.min(0.25 * breadth);
+    let stretch = if breadth > 0.0 && skin.is_finite() && thickness > 0.0 {
+        let narrow = row.allowance - 2.0 * hair;
+        (skin * row.angle - 2.0 * hair).max(0.0) / narrow
     } else {
         1.0
     };
-    let zone = |k: usize| {
-        let (at, way) = all[k];
-        let left = Vec2::new(-way.y, way.x);
-        let parallel = n == 1 || row.allowance.is_finite();
-        let edges = if parallel {
-            let half = left * (0.5 * narrow);
-            [(at - half, way), (at + half, way)]
-        } else {
-            [k.checked_sub(1), Some(k + 1).filter(|m| *m < n)].map(|m| match m {
-                Some(m) => between(&all[k], &all[m]),
-                // Beyond the last line, as far as before it.
-                None => {
-                    let other = if k == 0 { 1 } else { k - 1 };
-                    mirrored(&all[k], &between(&all[k], &all[other]))
-                }
-            })
-        };
-        Zone { edges, turn, stretch }
+    let beside = |(at, way): (Vec2, Vec2), by: f64| (at + Vec2::new(-way.y, way.x) * by, way);
+    let half = 0.5 * breadth - hair;
+    let edges: Vec<(Vec2, Vec2)> = if n == 1 || row.allowance.is_finite() {
+        let inner = (1..n).map(|k| beside(all[k], -0.5 * breadth));
+        std::iter::once(beside(all[0], -half)).chain(inner).chain([beside(all[n - 1], half)]).collect()
+    } else {
+        // Half way between lines; beyond the outermost ones as far as before them.
+        let inner: Vec<(Vec2, Vec2)> = all.windows(2).map(|w| between(&w[0], &w[1])).collect();
+        let outer = [mirrored(&all[0], &inner[0]), mirrored(&all[n - 1], &inner[n - 2])];
+        std::iter::once(outer[0]).chain(inner).chain([outer[1]]).collect()
     };
-    Ok((0..n).map(|k| (zone(k), lines[k].clone())).collect())
+    Ok(Some((Zone { edges, inner: Vec::new(), turn, stretch }, lines)))
 }
 
-/// The line half way between two lines of one direction, a hair nearer to the first.
+/// Whether the first and last line of a zone meet on the outline.
+fn is_fan(part: &FlatPart, zone: &Zone) -> bool {
+    let ((p, e), (q, f)) = (zone.edges[0], zone.edges[zone.edges.len() - 1]);
+    let meet = p + e * ((q - p).perp(&f) / e.perp(&f));
+    meet.iter().all(|x| x.is_finite()) && distance(&part.loops, &meet) <= BESIDE_APEX * part.size()
+}
+
+/// The line half way between two lines of one direction.
 fn between(a: &(Vec2, Vec2), b: &(Vec2, Vec2)) -> (Vec2, Vec2) {
-    let way = (a.1 * (1.0 + INSIDE) + b.1 * (1.0 - INSIDE)).normalize();
+    let way = (a.1 + b.1).normalize();
     // Through the meeting point of both, or half way where they are parallel: the mean of their equations.
     let (n, m) = (Vec2::new(-a.1.y, a.1.x), Vec2::new(-b.1.y, b.1.x));
-    let sum = n * (1.0 + INSIDE) + m * (1.0 - INSIDE);
-    let p = n.dot(&a.0) * (1.0 + INSIDE) + m.dot(&b.0) * (1.0 - INSIDE);
+    let sum = n + m;
+    let p = n.dot(&a.0) + m.dot(&b.0);
     // The point of it nearest to the first line's own.
     let at = a.0 + sum * ((p - sum.dot(&a.0)) / sum.norm_squared());
     (at, way)
@@ -166,8 +172,13 @@ fn mirrored(on: &(Vec2, Vec2), line: &(Vec2, Vec2)) -> (Vec2, Vec2) {
     (on.0 + flip(line.0 - on.0), flip(line.1))
 }
 
-/// The stretches of a zone's edge inside the part that lie beside its centre lines.
-fn stretches(part: &FlatPart, (at, way): &(Vec2, Vec2), lines: &[[Vec2; 2]]) -> Vec<[Vec2; 2]> {
+/// The stretches of a zone's edge inside the part that lie beside its centre lines; of a sharp one these themselves.
+fn stretches(part: &FlatPart, (at, way): &(Vec2, Vec2), (lines, sharp): (&[[Vec2; 2]], bool)) -> Vec<[Vec2; 2]> {
+    // Sides of neighbouring regions may go on along a fold, so that crossings do not tell where it ends.
+    let near = ON_ONE_LINE * part.size() + part.printed;
+    if sharp && lines.iter().flatten().all(|p| distance(&part.loops, p) <= near) {
+        return lines.iter().map(|l| if way.dot(&(l[1] - l[0])) < 0.0 { [l[1], l[0]] } else { *l }).collect();
+    }
     let cuts = crossings(&part.loops, at, way);
     let beside = |a: f64, b: f64| {
         lines.iter().any(|l| {
@@ -188,9 +199,12 @@ enum Put {
 }
 
 /// Regions in space, from the largest plane one on.
-fn placed(zones: &[Zone], edges: &[Edge], regions: &[Region]) -> Result<Vec<Leaf>, RefoldError> {
+fn placed((zones, edges, regions): (&[Zone], &[Edge], &[Region]), printed: f64) -> Result<Vec<Leaf>, RefoldError> {
     let zone_of = |r: &Region| {
-        r.chords.iter().find_map(|(c, left)| edges[*c].last.filter(|last| last != left).map(|_| edges[*c].zone))
+        let by_chord = |(c, left): &(usize, bool)| edges[*c].last.filter(|last| last != left).map(|_| edges[*c].zone);
+        // A part that is bent from end to end has no chord at all.
+        let holds = |z: &Zone| z.inner.iter().any(|q| inside(&r.loops, q));
+        r.chords.iter().find_map(by_chord).or_else(|| zones.iter().position(holds))
     };
     let size = |r: &Region| r.loops.iter().map(|l| area(l)).sum::<f64>();
     let root = (0..regions.len())
@@ -233,7 +247,9 @@ fn placed(zones: &[Zone], edges: &[Edge], regions: &[Region]) -> Result<Vec<Leaf
     let whole: f64 = regions.iter().map(size).sum();
     let mut out = Vec::new();
     for (r, p) in regions.iter().zip(put) {
-        let small = size(r) <= SEAM * whole;
+        let around: f64 =
+            r.loops.iter().flat_map(|l| l.iter().zip(l.iter().cycle().skip(1))).map(|(p, q)| (q - p).norm()).sum();
+        let small = size(r) <= (SEAM * whole).max(printed * around);
         match p {
             _ if small => {}
             None => {
@@ -242,9 +258,11 @@ fn placed(zones: &[Zone], edges: &[Edge], regions: &[Region]) -> Result<Vec<Leaf
             }
             Some(Put::Plane(frame)) => out.push(Leaf { ribbon: plane_ribbon(&r.loops, frame), loops: r.loops.clone() }),
             Some(Put::Bent(mut ribbon, _)) => {
-                if let Some(s) = ribbon.spans.first_mut() {
-                    let along: Vec<f64> =
-                        r.loops.iter().flatten().map(|p| s.flat.ruling().xy().dot(&(p - s.flat.at.xy()))).collect();
+                for s in &mut ribbon.spans {
+                    let middle = s.flat.moved(&s.in_plane, 0.5);
+                    let cuts = crossings(&r.loops, &middle.at.xy(), &middle.ruling().xy());
+                    let far = |p: &Vec2| s.flat.ruling().xy().dot(&(p - s.flat.at.xy()));
+                    let along = if cuts.is_empty() { r.loops.iter().flatten().map(far).collect() } else { cuts };
                     s.reach =
                         along.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |b, x| [b[0].min(*x), b[1].max(*x)]);
                 }
@@ -268,16 +286,30 @@ fn frame_of(space: &Pose, flat: &Pose) -> Pose {
 
 /// A zone beside a plane whose frame is known, entered by its first or last edge.
 fn bent(zone: &Zone, frame: Pose, by_last: bool) -> Put {
-    let [(at, way), (to, other)] = zone.edges;
-    let first = Pose::flat(at, way);
-    // The point across, so that parallel edges need no way along.
-    let last = Pose::flat(to + other * other.dot(&(at - to)), other);
-    let in_plane = first.flat_rates_to(&last);
-    let in_space = Rates { turn: zone.turn, across: in_plane.across * zone.stretch, ..in_plane };
-    let start = if by_last { on(&frame, &last).moved(&in_space, -1.0) } else { on(&frame, &first) };
-    let end = start.moved(&in_space, 1.0);
-    let ribbon = Ribbon { spans: vec![Span { flat: first, space: start, in_plane, in_space, reach: [0.0; 2] }] };
-    Put::Bent(ribbon, [frame_of(&start, &first), frame_of(&end, &last)])
+    let mut flat = vec![Pose::flat(zone.edges[0].0, zone.edges[0].1)];
+    for (to, way) in &zone.edges[1..] {
+        // The point across, so that parallel edges need no way along.
+        let at = flat[flat.len() - 1].at.xy();
+        flat.push(Pose::flat(to + way * way.dot(&(at - to)), *way));
+    }
+    let rates: Vec<[Rates; 2]> = (flat.windows(2))
+        .map(|w| {
+            let in_plane = w[0].flat_rates_to(&w[1]);
+            [in_plane, Rates { turn: zone.turn, across: in_plane.across * zone.stretch, ..in_plane }]
+        })
+        .collect();
+    let last = &flat[flat.len() - 1];
+    let start = if by_last {
+        rates.iter().rev().fold(on(&frame, last), |pose, [_, r]| pose.moved(r, -1.0))
+    } else {
+        on(&frame, &flat[0])
+    };
+    let (mut spans, mut space) = (Vec::with_capacity(rates.len()), start);
+    for (flat, [in_plane, in_space]) in flat.iter().zip(rates) {
+        spans.push(Span { flat: *flat, space, in_plane, in_space, reach: [0.0; 2] });
+        space = space.moved(&in_space, 1.0);
+    }
+    Put::Bent(Ribbon { spans }, [frame_of(&start, &flat[0]), frame_of(&space, last)])
 }
 
 #[cfg(test)]

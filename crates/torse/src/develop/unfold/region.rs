@@ -54,6 +54,8 @@ impl Motion {
 
 /// Points on every run of a boundary.
 const POINTS: usize = 48;
+/// Stretches of lines below this share of a region are none: sides without length, as at an apex, are met by chance.
+const SHORT: f64 = 1e-6;
 
 impl Region {
     /// The region of a face of a body under its chart.
@@ -113,7 +115,9 @@ impl Region {
             }
         }
         cuts.sort_by(f64::total_cmp);
-        cuts.chunks_exact(2).map(|c| [at + way * c[0], at + way * c[1]]).collect()
+        let short = SHORT * (self.max - self.min).norm();
+        let long = cuts.chunks_exact(2).filter(|c| c[1] - c[0] > short);
+        long.map(|c| [at + way * c[0], at + way * c[1]]).collect()
     }
 
     /// Points inside, spread over the region: at least one unless it has no area.

@@ -6,7 +6,7 @@ use super::chart::Chart;
 use super::region::{Motion, Region};
 use crate::brep::body::{Body, Meeting, SMOOTH};
 use crate::brep::carrier::Carrier;
-use crate::geom::Vec2;
+use crate::geom::{BBox, Vec2, Vec3};
 use std::collections::{BTreeMap, HashSet};
 
 /// Over which edges faces are laid beside each other.
@@ -140,6 +140,9 @@ impl Piece {
 const CONGRUENT: f64 = 1e-5;
 /// Faces may lie on each other by this share of the piece, and by so many tolerances.
 const OVERLAP: (f64, f64) = (1e-5, 2.0);
+/// Amounts and places whose difference is a smaller share of the body are the same: what is written is rounded, and panels end
+/// beside their faces' edges.
+const SAME_AMOUNT: f64 = 1e-4;
 /// Points along an edge where its images are compared.
 const PLACES: usize = 7;
 
@@ -164,7 +167,11 @@ pub fn unfold(body: &Body, skin: &[usize], options: &UnfoldOptions) -> (Vec<Piec
     }
     let mut pieces = Vec::new();
     let mut cuts: Vec<Cut> = Vec::new();
-    while let Some(root) = ready.iter().max_by(|a, b| a.1.region.area().total_cmp(&b.1.region.area())).map(|r| *r.0) {
+    let areas = |ready: &BTreeMap<usize, Ready>| {
+        let each = ready.iter().map(|(f, r)| (r.region.area(), middle(body, *f), *f));
+        foremost(each, None, (body.size * body.size, body.size))
+    };
+    while let Some(root) = areas(&ready) {
         let mut piece = Piece::default();
         if let Some(r) = ready.remove(&root) {
             piece.faces.push(r.placed(root, Motion::identity(), 0, None));
@@ -193,6 +200,34 @@ pub fn unfold(body: &Body, skin: &[usize], options: &UnfoldOptions) -> (Vec<Piec
         }
     }
     (pieces, left)
+}
+
+/// Of what is longest, or largest, that which is nearest to `root`, and of that the foremost in space, so that a body that was
+/// written and read again is unfolded in the same way. `whole` is an amount to compare with.
+fn foremost<T: Copy>(
+    all: impl Iterator<Item = (f64, Vec3, T)>,
+    root: Option<Vec3>,
+    (whole, size): (f64, f64),
+) -> Option<T> {
+    let rank = |amount: f64, at: Vec3| {
+        let off = root.map_or(0.0, |r| (at - r).norm());
+        [amount / whole, -off / size, at.x / size, at.y / size, at.z / size]
+    };
+    let mut rest: Vec<([f64; 5], T)> = all.map(|(amount, at, x)| (rank(amount, at), x)).collect();
+    for k in 0..5 {
+        let most = rest.iter().map(|r| r.0[k]).fold(f64::NEG_INFINITY, f64::max);
+        rest.retain(|r| r.0[k] >= most - SAME_AMOUNT);
+    }
+    rest.first().map(|r| r.1)
+}
+
+/// Middle of the box around the border of a face.
+fn middle(body: &Body, face: usize) -> Vec3 {
+    let mut around = BBox::empty();
+    for h in body.of_face(face) {
+        [0.0, 0.5].iter().for_each(|s| around.include(&body.halves[h].run.at(body.faces[face], *s).0));
+    }
+    (around.min + around.max) * 0.5
 }
 
 impl Ready {
@@ -253,8 +288,10 @@ fn grow(
             .iter()
             .flat_map(|p| body.of_face(p.face))
             .filter(|h| !refused.contains(h) && body.beyond(*h).is_some_and(|g| ready.contains_key(&g)))
-            .filter(|h| options.joins.allow(body, *h));
-        let Some(h) = open.max_by(|a, b| body.halves[*a].length.total_cmp(&body.halves[*b].length)) else { return };
+            .filter(|h| body.halves[*h].length > CONGRUENT * body.size && options.joins.allow(body, *h));
+        let lengths = open.map(|h| (body.halves[h].length, body.middle(h), h));
+        let root = piece.faces.first().map(|p| middle(body, p.face));
+        let Some(h) = foremost(lengths, root, (body.size, body.size)) else { return };
         let Some((g, twin)) = body.beyond(h).zip(body.halves[h].twin) else { return };
         let Some(there) = ready.get(&g) else { return };
         refused.insert(h);
@@ -340,7 +377,9 @@ fn close(body: &Body, piece: &mut Piece, cuts: &mut Vec<Cut>, options: &UnfoldOp
         });
         if apart.fold(0.0, f64::max) <= CONGRUENT * body.size {
             piece.inner.extend([h, twin]);
-            if let Some(meeting) = body.meeting(h).filter(|m| m.angle >= SMOOTH) {
+            // About an apex nothing is bent.
+            let long = near.length > CONGRUENT * body.size;
+            if let Some(meeting) = body.meeting(h).filter(|m| long && m.angle >= SMOOTH) {
                 piece.folds.push(Fold { half: h, meeting, allowance, k });
             }
         } else if !cuts.iter().any(|c| c.half == h || c.half == twin) {

@@ -1,0 +1,74 @@
+//! Parts of surfaces without thickness bent back, and what is proven of them.
+
+use super::{refold, RefoldReport};
+use crate::brep::face::{Face, TrimLoop};
+use crate::control::Control;
+use crate::develop::unfold::specimens::{rectangle, round_surface};
+use crate::geom::Vec3;
+use crate::io::model::Model;
+use crate::pipeline::deliver::files;
+use crate::pipeline::unroll::{unroll, UnrollOptions};
+use std::collections::HashMap;
+
+const TOLERANCE: f64 = 0.05;
+
+/// Faces laid flat, written, read and bent back.
+fn back(faces: Vec<Face>) -> RefoldReport {
+    let model = Model { faces, skipped: vec![], unit: "millimetre".into(), notes: vec![], products: vec![] };
+    let options = UnrollOptions { surfaces: true, ..UnrollOptions::new(TOLERANCE) };
+    let mut answer = unroll(&model, &options, &Control::default()).expect("parts");
+    let made: HashMap<String, Vec<u8>> =
+        files(&mut answer, "2026-01-31T12:00:00").expect("files").into_iter().collect();
+    refold(&|name| made.get(name).cloned()).expect("an answer").report()
+}
+
+/// Every panel is proven within a bound (mm).
+fn all_within(report: &RefoldReport, panels: usize, bound: f64) {
+    assert!(report.left.is_empty(), "{:?}", report.left);
+    let of = report.parts.iter().flat_map(|p| &p.panels).collect::<Vec<_>>();
+    assert_eq!(of.len(), panels, "{:?}", report.parts);
+    assert!(of.iter().all(|p| p.distance_bound.is_some_and(|b| b < bound)), "{of:?}");
+    assert!(report.parts.iter().all(|p| p.matched_estimate < 0.1 * bound), "{:?}", report.parts);
+}
+
+/// Rolled over a full turn: one region with all its rulings, not one for every line.
+#[test]
+fn a_pipe_is_proven_as_a_whole() {
+    all_within(&back(vec![round_surface(50.0, 0.0, (0.0, 100.0))]), 1, 0.1);
+}
+
+/// Lines at an apex are none, and nothing is folded there. Where all rulings meet nothing is proven, and the reason says so.
+#[test]
+fn a_cone_up_to_its_apex_is_compared() {
+    let report = back(vec![round_surface(50.0, -0.5, (0.0, 100.0))]);
+    assert!(report.left.is_empty(), "{:?}", report.left);
+    let part = &report.parts[0];
+    assert!(part.matched_estimate < 0.1, "{part:?}");
+    assert!(part.distance_bound.is_some() || part.not_proven.contains("rulings"), "{part:?}");
+}
+
+/// What lies askew on its patch is compared where both are, not at the corners of a box around it.
+#[test]
+fn a_disc_is_on_its_panel() {
+    let plate = rectangle(Vec3::zeros(), Vec3::x() * 100.0, Vec3::y() * 100.0);
+    let n = 96;
+    let ((u0, u1), (v0, v1)) = plate.surface.domain();
+    let at = |k: usize| (std::f64::consts::TAU * (k as f64 + 0.3) / n as f64).sin_cos();
+    let place = |(s, c): (f64, f64)| [0.5 * (u0 + u1) + 0.4 * (u1 - u0) * c, 0.5 * (v0 + v1) + 0.4 * (v1 - v0) * s];
+    let points: Vec<[f64; 2]> = (0..n).map(|k| place(at(k))).collect();
+    let mut disc = plate;
+    disc.loops = vec![TrimLoop { points, edge: vec![1; n] }];
+    disc.boundary = None;
+    all_within(&back(vec![disc]), 1, 0.1);
+}
+
+/// All edges of a cube are alike: it is unfolded in the same way again, and its folds end in corners.
+#[test]
+fn a_box_is_folded_up_again() {
+    let o = Vec3::zeros();
+    for [a, b, c] in [[10.0, 20.0, 30.0], [20.0, 20.0, 20.0]] {
+        let (x, y, z) = (Vec3::x() * a, Vec3::y() * b, Vec3::z() * c);
+        let faces = [(o, y, x), (z, x, y), (o, x, z), (y, z, x), (o, z, y), (x, y, z)];
+        all_within(&back(faces.map(|(o, a, b)| rectangle(o, a, b)).to_vec()), 6, 0.01);
+    }
+}
