@@ -169,7 +169,7 @@ fn options_that_contradict_are_refused_by_name() {
         (&["--bends", "#99999"], "#99999", "names the edges of sharp bends"),
         (&["--bends", ""], "--bends", "give all, smooth, none"),
         (&["--facets", "0"], "--facets", "at least 1"),
-        (&["--facets", "angle=0deg"], "--facets", "greater"),
+        (&["--facets", "angle=0deg"], "--facets", "from 0.01deg to 90deg"),
         (&["--approximate", "1mm"], "--surfaces", "another option that was given needs it"),
         (&["--approximate", "0mm", "--surfaces"], "--approximate", "greater than zero"),
         (&["--split", "0"], "--split", "1.."),

@@ -59,8 +59,8 @@ fn panels_are_proven_one_by_one() {
     let part = &report.parts[0];
     assert_eq!(part.panels.len(), 5, "{part:?}");
     let bounds: Vec<f64> = part.panels.iter().filter_map(|p| p.distance_bound).collect();
-    // Round holes are chords on the panels.
-    assert!(bounds.len() == 5 && bounds.iter().all(|b| *b < 0.003), "{part:?}");
+    // Spans end at the creases of the patches.
+    assert!(bounds.len() == 5 && bounds.iter().all(|b| *b < 0.007), "{part:?}");
     assert_eq!(part.distance_bound, bounds.iter().copied().reduce(f64::max));
     let told = report.words();
     assert!(

@@ -1,7 +1,7 @@
 //! Parts of surfaces without thickness bent back, and what is proven of them.
 
 use super::{refold, RefoldReport};
-use crate::brep::face::{Face, TrimLoop};
+use crate::brep::face::Face;
 use crate::control::Control;
 use crate::develop::unfold::specimens::{rectangle, round_surface};
 use crate::geom::Vec3;
@@ -43,23 +43,8 @@ fn a_cone_up_to_its_apex_is_compared() {
     let report = back(vec![round_surface(50.0, -0.5, (0.0, 100.0))]);
     assert!(report.left.is_empty(), "{:?}", report.left);
     let part = &report.parts[0];
-    assert!(part.matched_estimate < 0.1, "{part:?}");
-    assert!(part.distance_bound.is_some() || part.not_proven.contains("rulings"), "{part:?}");
-}
-
-/// What lies askew on its patch is compared where both are, not at the corners of a box around it.
-#[test]
-fn a_disc_is_on_its_panel() {
-    let plate = rectangle(Vec3::zeros(), Vec3::x() * 100.0, Vec3::y() * 100.0);
-    let n = 96;
-    let ((u0, u1), (v0, v1)) = plate.surface.domain();
-    let at = |k: usize| (std::f64::consts::TAU * (k as f64 + 0.3) / n as f64).sin_cos();
-    let place = |(s, c): (f64, f64)| [0.5 * (u0 + u1) + 0.4 * (u1 - u0) * c, 0.5 * (v0 + v1) + 0.4 * (v1 - v0) * s];
-    let points: Vec<[f64; 2]> = (0..n).map(|k| place(at(k))).collect();
-    let mut disc = plate;
-    disc.loops = vec![TrimLoop { points, edge: vec![1; n] }];
-    disc.boundary = None;
-    all_within(&back(vec![disc]), 1, 0.1);
+    assert!(part.distance_estimate < 0.1, "{part:?}");
+    assert!(part.distance_bound.is_some() || !part.not_proven.is_empty(), "{part:?}");
 }
 
 /// All edges of a cube are alike: it is unfolded in the same way again, and its folds end in corners.
