@@ -23,6 +23,9 @@ struct Node {
     chord: Option<(usize, bool)>,
 }
 
+/// Where a chord ends on a side: steps along it, minus the turn from it, the chord, and which of its ends.
+type Crossing = (i64, f64, usize, usize);
+
 /// The regions into which chords cut the inside of polygons (the outer one counter-clockwise, holes clockwise). The ends of
 /// every chord lie on sides of the polygons, up to rounding, and chords do not cross; several may end in one corner.
 ///
@@ -33,7 +36,7 @@ pub fn cut(loops: &[Vec<Vec2>], chords: &[[Vec2; 2]]) -> Vec<Region> {
     let one = ONE_PLACE * (hi - lo).norm();
     let mut chords = chords.to_vec();
     // Ends of chords on the sides that they lie on: how far along, how far they turn from the side, and which they are.
-    let mut on: Vec<Vec<Vec<(i64, f64, usize, usize)>>> = loops.iter().map(|l| vec![Vec::new(); l.len()]).collect();
+    let mut on: Vec<Vec<Vec<Crossing>>> = loops.iter().map(|l| vec![Vec::new(); l.len()]).collect();
     for (c, chord) in chords.iter_mut().enumerate() {
         for end in 0..2 {
             let mut best = (f64::INFINITY, 0, 0, 0.0);
@@ -152,7 +155,7 @@ mod tests {
         let corners = [(1.0, 0.0), (2.0, 0.0), (2.0, 1.0), (1.0, 1.0)].map(|(x, y)| Vec2::new(x, y));
         for hair in [0.0, 1e-9, -1e-9] {
             let chord = |k: usize| [corners[k] + Vec2::new(hair, -hair), corners[(k + 1) % 4] + Vec2::new(-hair, hair)];
-            let regions = cut(&[outline.clone()], &[chord(0), chord(1), chord(2), chord(3)]);
+            let regions = cut(std::slice::from_ref(&outline), &[chord(0), chord(1), chord(2), chord(3)]);
             assert_eq!(regions.len(), 5, "{hair}");
             assert!(regions.iter().all(|r| (total(r) - 1.0).abs() < 1e-8), "{hair}");
             assert_eq!(regions.iter().filter(|r| r.chords.len() == 4).count(), 1, "{hair}");
