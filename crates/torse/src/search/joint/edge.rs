@@ -340,7 +340,7 @@ mod tests {
             let share = 1.02 * i as f64 / count as f64 - 0.01;
             Place { x: Vec3::new(100.0 * share, 0.0, 0.0), share, feet: [0.0; 2], inside: true }
         };
-        for (last, point) in [(false, Vec3::new(0.1, 0.02, -0.01)), (true, Vec3::new(99.8, -0.03, 0.0))] {
+        for (last, point) in [(false, Vec3::new(0.02, 0.02, -0.01)), (true, Vec3::new(99.98, -0.03, 0.0))] {
             let mut places: Vec<Place> = (0..=count).map(place).collect();
             turned_to(&mut places, last, &point);
             let near = places.windows(2).map(|w| {

@@ -263,6 +263,10 @@ fn strips(
     let (mut out, mut facets): (Vec<Strip>, Vec<Vec<u32>>) = (Vec::new(), Vec::new());
     for (fits, parts) in fits.iter().zip(owned(given, &assigned, fits.len())) {
         for Owned { points, judged, facets: own } in parts {
+            if out.len() >= options.max_strips {
+                skipped.push(StripReason::Points(points.len(), None));
+                continue;
+            }
             let name = format!("A-{:02}", out.len() + 1);
             match nearest(&name, fits, (&points[..], judged), options) {
                 Ok(s) => {
