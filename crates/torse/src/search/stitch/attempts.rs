@@ -125,7 +125,7 @@ impl Attempts<'_> {
         let base = as_built(self.face, state, &self.best)?;
         let stays = |labels: [u32; 2]| self.is_asked_for(&self.best, pair(labels));
         let (mut further, mut ends_count, mut without) = (Vec::new(), false, BTreeSet::new());
-        let (mut refinements, mut exclusions, mut at_fault) = (0, 0, false);
+        let (mut refinements, mut exclusions) = (0, 0);
         while exclusions <= EXCLUSIONS && !self.control.stopped() {
             let asked = joint::Asked {
                 held: &stays,
@@ -159,16 +159,13 @@ impl Attempts<'_> {
             let moved = |state: &State, how: Moving| {
                 self.along(&intersections, &intersections.with_vertices(state), wanted.clone(), how)
             };
-            let mut refused = match along_lines {
-                Ok(state) if !at_fault => match moved(&state, Moving::Done) {
-                    Ok(found) => return Some(found),
-                    Err(refused) => refused,
-                },
-                _ => Refused::default(),
+            let mut refused = match along_lines.map(|s| moved(&s, Moving::Done)) {
+                Ok(Ok(found)) => return Some(found),
+                Ok(Err(refused)) => refused,
+                Err(_) => Refused::default(),
             };
             if refused.too_far.is_empty() {
-                // Borders may be at fault, and are again the next time; cut out of the old ones they are others.
-                at_fault = true;
+                // Borders may be at fault; cut out of the old ones they are others.
                 match moved(&next, Moving::Cut) {
                     Ok(found) => return Some(found),
                     Err(other) if refused.labels.is_empty() || !other.too_far.is_empty() => refused = other,
@@ -189,7 +186,7 @@ impl Attempts<'_> {
                 }
                 continue;
             }
-            (exclusions, at_fault) = (exclusions + 1, false);
+            exclusions += 1;
             if refused.labels.len() as f64 <= FEW * next.panels.len() as f64 {
                 without.extend(refused.labels);
             } else {
