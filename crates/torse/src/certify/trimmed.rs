@@ -7,7 +7,8 @@
 //! in space are within `edge` of the images of the loops.
 //! *Method*. A point inside the loops has its own place on the patch; one outside, a place on the nearest side. The region
 //! is covered by cells of the parameter plane, halved until the convex hull of a cell's control points lies near
-//! one measured point or triangle, from which distances are convex. Predicates are exact \[S97\], values are intervals. Nothing here knows how outlines were found.
+//! one measured point or triangle, from which distances are convex. Predicates are exact \[S97\], values are intervals. Nothing
+//! here knows how outlines were found.
 
 use super::claim::UpperBound;
 use super::edges::edge_bound;

@@ -240,8 +240,8 @@ fn improved<'a>(mut now: Network<'a>, control: &Control) -> (Network<'a>, Vec<St
             let gained = merit(at) - merit(reached);
             (gained > GAIN.0 * part * (merit(at) - merit(found.expected))).then_some((next, reached))
         };
-        let parts = PARTS[1..].iter().flat_map(|&part| refused.iter().rev().map(move |found| (found, part)));
-        let Some((mut next, reached)) = { parts }.find_map(part_of) else { break };
+        let mut parts = PARTS[1..].iter().flat_map(|&part| refused.iter().rev().map(move |found| (found, part)));
+        let Some((mut next, reached)) = parts.find_map(part_of) else { break };
         damping = 1.0;
         next.lie_on_bands();
         next.find_taken();
