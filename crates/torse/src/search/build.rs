@@ -148,7 +148,7 @@ pub(crate) fn build_until(
     tolerance: f64,
     control: &Control,
 ) -> (Built, Vec<u32>) {
-    let partition = smooth_borders(face, state.partition.clone(), tolerance);
+    let partition = smooth_borders(face, state.partition.clone(), tolerance, |_| true);
     judged(index, face, &seams::with_partition(face, state, partition), (tolerance, control), None)
 }
 
@@ -272,8 +272,13 @@ fn along_the_model(state: &State) -> BTreeMap<u32, usize> {
     keys.into_iter().enumerate().map(|(k, key)| (key.2, k)).collect()
 }
 
-/// Makes the borders between panels as smooth as the tolerance asks for.
-pub(crate) fn smooth_borders(face: &Face, mut partition: Partition, tolerance: f64) -> Partition {
+/// Makes the borders between panels as smooth as the tolerance asks for, those between labels (in order) that `among` names.
+pub(crate) fn smooth_borders(
+    face: &Face,
+    mut partition: Partition,
+    tolerance: f64,
+    among: impl Fn([u32; 2]) -> bool,
+) -> Partition {
     let s = &face.surface;
     let (u, v) = (s.knots_u.breaks(), s.knots_v.breaks());
     let distance = |p: [f64; 2], q: [f64; 2]| {
@@ -284,7 +289,7 @@ pub(crate) fn smooth_borders(face: &Face, mut partition: Partition, tolerance: f
         for _ in 0..RELAXATIONS {
             partition.relax([&u, &v]);
         }
-        if partition.smooth_seams([&u, &v], tolerance * BEND_SHARE, distance) == 0 {
+        if partition.smooth_seams([&u, &v], tolerance * BEND_SHARE, distance, &among) == 0 {
             break;
         }
     }

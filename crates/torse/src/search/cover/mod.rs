@@ -30,6 +30,7 @@ use crate::brep::face::Face;
 use crate::control::Control;
 use crate::fit::level::strip_potential::{level, levels, straight_bands, Level, LevelOptions};
 use crate::fit::near::primal::{primal, PrimalOptions};
+use crate::fit::near::samples::Fit;
 use crate::geom::Vec3;
 use crate::patchwork::partition::centroid;
 use crate::patchwork::triangulate::TriangulateError;
@@ -45,9 +46,11 @@ pub use layout::{Guide, Layout, LayoutKind, SeamPlane};
 pub use limits::Limits;
 pub(crate) use limits::{bent_panels, panels_needed};
 use rayon::prelude::*;
+use state::Density;
 pub use state::{Origin, State};
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::Arc;
 use umbilic::Star;
 
 /// Level functions of a face along which bands are laid.
@@ -510,6 +513,20 @@ pub fn axes(state: &State) -> [Vec3; 3] {
 pub fn reach(state: &State, axis: &Vec3) -> [f64; 2] {
     let along = state.jets.iter().map(|j| axis.dot(&j.jet.p));
     along.fold([f64::INFINITY, f64::NEG_INFINITY], |[lo, hi], x| [lo.min(x), hi.max(x)])
+}
+
+/// A torse that is proven on a region, from those that were tried on about the same, else without.
+pub(crate) fn laid_anew<'a>(
+    face: &Face,
+    options: &CoverOptions,
+    control: &Control,
+    (state, label): (&State, u32),
+    from: impl Iterator<Item = &'a Arc<Fit>>,
+) -> Option<Arc<Fit>> {
+    let job = Job::new(face, options, control);
+    let samples = state.dense_samples(&face.surface, label, Density::Band);
+    let mut tried = from.map(|fit| job.proven(state, label, (**fit).clone(), samples.clone()));
+    tried.find_map(|t| t.accepted).or_else(|| job.single(state, label, None).accepted)
 }
 
 /// A panel given to a neighbour whose torse is good for both, or joined with one of them by a new panel, or shared evenly

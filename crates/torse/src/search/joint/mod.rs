@@ -21,6 +21,7 @@ mod start;
 mod strip;
 #[cfg(test)]
 mod tests;
+mod width;
 
 use crate::brep::face::Face;
 use crate::control::Control;

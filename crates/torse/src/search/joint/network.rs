@@ -4,6 +4,7 @@ use super::columns::Columns;
 use super::form::{Band, Foot};
 use super::line::{slide_functions, slide_knots, End, Line, LinePoint, Middle, POINTS, SLIDES};
 use super::strip::Strip;
+use super::width::Width;
 use crate::brep::face::Face;
 use crate::geom::Vec3;
 use crate::torse::form::Torse;
@@ -13,6 +14,8 @@ use std::collections::BTreeSet;
 /// Share of its first value below which the least regularity of a strip may not fall: patches need room between their region
 /// and their regression curve. With 0.15 distances became no smaller, and strips were refused.
 const REGULAR: f64 = 0.9;
+/// The share below which feet are lost: what steps lead to differs a little from what they expect.
+const LOST: f64 = 0.85;
 /// Lines may slide by this share of the median half width per unit.
 pub(super) const UNIT: f64 = 0.05;
 /// Samples within this share of the median half width of a line may change sides.
@@ -86,6 +89,8 @@ pub(super) struct Network<'a> {
     pub is_whole: bool,
     /// Whether it counts what the ends of panels take of the tolerance beside them.
     pub ends_count: bool,
+    /// How wide strips should be.
+    pub widths: Vec<Width>,
 }
 
 impl Member {
@@ -107,7 +112,7 @@ impl Member {
 
     pub fn foot(&self, x: &Vec3, guess: f64) -> Option<Foot> {
         let foot = self.strip.foot(x, guess, self.side)?;
-        (foot.regular * self.sense >= REGULAR * self.least).then_some(foot)
+        (foot.regular * self.sense >= LOST * self.least).then_some(foot)
     }
 }
 

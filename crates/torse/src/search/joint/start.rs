@@ -67,7 +67,18 @@ fn network_of_others<'a>(
     };
     let samples = given.iter().map(sample).collect();
     let is_whole = state.partition.distinct_labels().len() == labels.len();
-    let mut out = Network { face, tolerance, members, lines, vertices, samples, unit: 0.0, is_whole, ends_count };
+    let mut out = Network {
+        face,
+        tolerance,
+        members,
+        lines,
+        vertices,
+        samples,
+        unit: 0.0,
+        is_whole,
+        ends_count,
+        widths: Vec::new(),
+    };
     // Feet from nothing.
     let rulings: Vec<Rulings> = out.members.iter().map(|m| Rulings::of(m.strip.torse())).collect();
     let anywhere = |m: &Member, r: &Rulings, x: &Vec3| r.near(x).into_iter().find_map(|t| m.foot(x, t));
@@ -88,6 +99,7 @@ fn network_of_others<'a>(
     out.find_neighbours();
     out.find_taken();
     out.find_middles().map_err(|l| out.lines[l].strips.map(|k| labels[k]).to_vec())?;
+    out.widths = out.wanted_widths();
     Ok(out)
 }
 

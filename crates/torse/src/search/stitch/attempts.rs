@@ -15,7 +15,7 @@ use crate::fit::panels::boundary::Borders;
 use crate::patchwork::panel::Panel;
 use crate::patchwork::redraw::Line;
 use crate::search::build::{borders, build_on, limits_missed, smooth_borders, Built, Joined};
-use crate::search::cover::{CoverOptions, State};
+use crate::search::cover::{laid_anew, CoverOptions, State};
 use crate::search::joint::{self, Further, JoinedLine};
 use crate::torse::form::{PanelKind, Torse};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
@@ -98,7 +98,9 @@ impl Attempts<'_> {
     fn keep(&mut self, next: Built) {
         let missed =
             |b: &Built| limits_missed(&b.patchwork, &b.certificate, &b.patterns, &self.wanted.limits).reasons.len();
-        if openness(&next) < openness(&self.best) && missed(&next) <= missed(&self.best) {
+        let exact = |b: &Built| b.certificate.seams.iter().filter(|s| s.status == SeamStatus::Exact).count();
+        let is_nearer = openness(&next) < openness(&self.best) && exact(&next) >= exact(&self.best);
+        if is_nearer && missed(&next) <= missed(&self.best) {
             self.best = next;
         }
     }
@@ -156,19 +158,23 @@ impl Attempts<'_> {
             let wanted: Vec<[u32; 2]> = edges.iter().map(|e| e.0).collect();
             let vertices = joined.vertices.into_iter().map(|v| (v.labels, v.place)).collect();
             let intersections = Intersections::new(self.face, &torses).along(edges, vertices);
-            let moved = |state: &State, how: Moving| {
-                self.along(&intersections, &intersections.with_vertices(state), wanted.clone(), how)
+            let moved = |state: &State, wanted: &[[u32; 2]], how: Moving| {
+                self.along(&intersections, &intersections.with_vertices(state), wanted.to_vec(), how)
             };
-            let mut refused = match along_lines.map(|s| moved(&s, Moving::Done)) {
-                Ok(Ok(found)) => return Some(found),
-                Ok(Err(refused)) => refused,
-                Err(_) => Refused::default(),
+            let along_lines = along_lines.ok();
+            let mut refused = match along_lines.as_ref().map(|s| moved(s, &wanted, Moving::Done)) {
+                Some(Ok(found)) => return Some(found),
+                Some(Err(refused)) => refused,
+                None => Refused::default(),
             };
+            let at_first = refused.labels.clone();
             if refused.too_far.is_empty() {
                 // Borders may be at fault; cut out of the old ones they are others.
-                match moved(&next, Moving::Cut) {
+                match moved(&next, &wanted, Moving::Cut) {
                     Ok(found) => return Some(found),
-                    Err(other) if refused.labels.is_empty() || !other.too_far.is_empty() => refused = other,
+                    Err(other) if refused.labels.is_empty() || other.labels.len() < refused.labels.len() => {
+                        refused = other
+                    }
                     Err(_) => {}
                 }
             }
@@ -186,7 +192,17 @@ impl Attempts<'_> {
                 }
                 continue;
             }
+            if let Some(mended) = along_lines.and_then(|s| self.mended(s, &base, &at_first)) {
+                let others = |p: &[u32; 2]| !p.iter().any(|l| at_first.contains(l));
+                let wanted: Vec<_> = wanted.into_iter().filter(others).collect();
+                if let Ok(found) = moved(&mended, &wanted, Moving::Done) {
+                    return Some(found);
+                }
+            }
             exclusions += 1;
+            if refused.labels.iter().all(|l| without.contains(l)) {
+                return None;
+            }
             if refused.labels.len() as f64 <= FEW * next.panels.len() as f64 {
                 without.extend(refused.labels);
             } else {
@@ -194,6 +210,19 @@ impl Attempts<'_> {
             }
         }
         None
+    }
+
+    /// The state with a few strips that were refused laid anew on their regions, each for itself.
+    fn mended(&self, mut state: State, base: &State, labels: &[u32]) -> Option<State> {
+        if labels.is_empty() || labels.len() as f64 > FEW * state.panels.len() as f64 {
+            return None;
+        }
+        for label in labels {
+            let fits = [base, &state].map(|s| s.panels.get(label).cloned());
+            let found = laid_anew(self.face, self.wanted, self.control, (&state, *label), fits.iter().flatten())?;
+            state.panels.insert(*label, found);
+        }
+        Some(state)
     }
 
     /// The panels of a state with borders where strips intersect, and the edges that panels share already. Errors where that
@@ -222,7 +251,9 @@ impl Attempts<'_> {
                 break;
             }
             wanted = moved;
-            let partition = smooth_borders(self.face, now.partition.clone(), self.tolerance);
+            // Borders with edges that are kept stay as they are.
+            let moves = |p: [u32; 2]| built.is_none() || wanted.contains(&p);
+            let partition = smooth_borders(self.face, now.partition.clone(), self.tolerance, moves);
             let now = intersections.settled(&seams::with_partition(self.face, &now, partition), &wanted);
             let borders = borders(self.face, &now.partition);
             let (mut edges, spoilt) = intersections.edges(&now, &borders, &wanted);
