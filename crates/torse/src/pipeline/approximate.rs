@@ -40,6 +40,9 @@ mod options;
 
 /// Time for the proof of flat patterns where a job was asked to stop: these wait until they are proven or not cut.
 const FLAT_GRACE: Duration = Duration::from_millis(500);
+/// Where they have been proven before strips are to meet: of the time that this took, what is left for them then too, and the
+/// most.
+const FLAT_AGAIN: (f64, Duration) = (2.0, Duration::from_secs(10));
 /// Borders of panels that are joined are each within a tolerance of the file's edge.
 const JOINT_REACH: f64 = 2.0;
 
@@ -85,7 +88,7 @@ pub fn of_faces(
     let faces = beside_apexes(faces, Hair::FINE, tolerance);
     checked_number(&faces, options)?;
     checked_curves(&faces, options)?;
-    let built = covered(faces, options, control);
+    let (built, flat_time) = covered(faces, options, control);
     let Whole { patchwork, certificates, patterns, along, mut missing } = whole(built, &mut skipped);
     if patchwork.faces.is_empty() {
         let why = skipped.first().map_or(String::new(), words::left_out);
@@ -99,7 +102,7 @@ pub fn of_faces(
     missing.extend(missed.reasons);
     // As the proof of the panels, this has its own clock.
     let clock = match control.stopped() {
-        true => Control::default().until(Instant::now() + FLAT_GRACE),
+        true => Control::default().until(Instant::now() + FLAT_GRACE.max(flat_time)),
         false => Control::default(),
     };
     let flat = certify::flat::flat(&patchwork, &patterns, tolerance, &clock);
@@ -141,8 +144,8 @@ pub fn of_faces(
     })
 }
 
-/// Panels for every face, on all cores.
-fn covered(faces: Vec<Face>, options: &Options, control: &Control) -> Vec<Result<Built, Skipped>> {
+/// Panels for every face, on all cores, and what to leave for the proof of their flat patterns.
+fn covered(faces: Vec<Face>, options: &Options, control: &Control) -> (Vec<Result<Built, Skipped>>, Duration) {
     let total = faces.len();
     let finished = AtomicUsize::new(0);
     let wanted = Wanted {
@@ -177,24 +180,30 @@ fn covered(faces: Vec<Face>, options: &Options, control: &Control) -> Vec<Result
 }
 
 /// The panels of faces, laid anew where neighbours are to meet: after all faces have panels, so that time that is short goes
-/// to covers.
-fn all_met(found: Vec<Result<Covered, Skipped>>, control: &Control) -> Vec<Result<Built, Skipped>> {
+/// to covers. Second result: what to leave for the proof of flat patterns.
+fn all_met(mut found: Vec<Result<Covered, Skipped>>, control: &Control) -> (Vec<Result<Built, Skipped>>, Duration) {
     let total = found.iter().flatten().filter(|c| c.is_apart()).count();
     let finished = AtomicUsize::new(0);
-    found
+    let start = Instant::now();
+    found.par_iter_mut().flatten().for_each(|c| c.judge_flat(control));
+    let flat_time = start.elapsed().mul_f64(FLAT_AGAIN.0).min(FLAT_AGAIN.1);
+    let until = control.remaining().map(|left| Instant::now() + left.saturating_sub(flat_time));
+    let control = until.map_or_else(|| control.clone(), |end| control.clone().until(end));
+    let met = found
         .into_par_iter()
         .enumerate()
         .map(|(index, covered)| {
             let covered = covered?;
             let counts = covered.is_apart();
-            let built = covered.met(index, control);
+            let built = covered.met(index, &control);
             if counts {
                 let n = finished.fetch_add(1, Ordering::Relaxed) + 1;
                 control.report("joining strips", n as f64 / total as f64, format!("{n} of {total}"));
             }
             Ok(built)
         })
-        .collect()
+        .collect();
+    (met, flat_time)
 }
 
 /// The panels of all faces.

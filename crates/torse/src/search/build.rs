@@ -161,8 +161,14 @@ pub(crate) struct Joined<'a> {
 }
 
 /// As [`build`], on smooth borders, with strips that meet. Where a panel cannot be proven, none has a pattern.
-pub(crate) fn build_on(index: usize, face: &Face, state: &State, tolerance: f64, joined: Joined) -> (Built, Vec<u32>) {
-    judged(index, face, state, (tolerance, &Control::default()), Some(joined))
+pub(crate) fn build_on(
+    index: usize,
+    face: &Face,
+    state: &State,
+    judgement: (f64, &Control),
+    joined: Joined,
+) -> (Built, Vec<u32>) {
+    judged(index, face, state, judgement, Some(joined))
 }
 
 /// See [`build_on`] and [`build_until`].

@@ -4,7 +4,7 @@
 use super::build::{build_until, too_large, Built};
 use super::cover::{bent_panels, cover, exactly_covered, fill, Cover, CoverOptions, Layout, Limits, State};
 use super::laid::{Laid, Task};
-use super::stitch::attempts::met;
+use super::stitch::attempts::{met, unproven};
 use super::trims::{corners_on_knot_lines, TRIM_SHARE};
 use super::{sheet, slivers};
 use crate::brep::face::Face;
@@ -13,6 +13,7 @@ use crate::control::Control;
 use crate::patchwork::triangulate::TriangulateError;
 use crate::reason::{FaceReason, Reason};
 use rayon::prelude::*;
+use std::collections::BTreeSet;
 use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
@@ -116,6 +117,8 @@ struct Apart {
     face: Face,
     state: State,
     options: CoverOptions,
+    /// Labels of panels whose flat patterns are not proven.
+    unproven: BTreeSet<u32>,
 }
 
 impl Covered {
@@ -124,10 +127,19 @@ impl Covered {
         self.apart.is_some()
     }
 
+    /// Proves the flat patterns of strips that are to meet: what meeting must not lose.
+    pub(crate) fn judge_flat(&mut self, control: &Control) {
+        if let Some(apart) = &mut self.apart {
+            apart.unproven = unproven(&self.built, control).into_iter().collect();
+        }
+    }
+
     /// The panels, laid anew where neighbours are to meet, as far as that can be certified before time is up.
     pub(crate) fn met(self, index: usize, control: &Control) -> Built {
         let mut built = match self.apart.filter(|_| !control.stopped()) {
-            Some(Apart { face, state, options }) => met(index, &face, &state, self.built, &options, control),
+            Some(Apart { face, state, options, unproven }) => {
+                met(index, (&face, &state), (self.built, unproven), &options, control)
+            }
             None => self.built,
         };
         built.missing.splice(0..0, self.why);
@@ -236,7 +248,7 @@ fn covered(index: usize, mut face: Face, first: Option<Built>, wanted: &Wanted) 
         return Ok(told(built));
     }
     let options = task.options_with(&seams);
-    Ok(Covered { apart: Some(Apart { face, state, options }), ..told(built) })
+    Ok(Covered { apart: Some(Apart { face, state, options, unproven: BTreeSet::new() }), ..told(built) })
 }
 
 /// Covers of a whole face from coarse to fine, each proven, until time is up: the finest. One may be at hand.

@@ -18,6 +18,7 @@ mod network;
 mod profile;
 mod program;
 mod start;
+mod steps;
 mod strip;
 #[cfg(test)]
 mod tests;
@@ -33,41 +34,8 @@ use crate::torse::form::Torse;
 use edge::{Edge, Junction};
 use line::Line;
 use network::Network;
-use program::{step, Prices, Step};
 pub(crate) use start::whole_borders;
 use std::collections::BTreeSet;
-
-/// Largest distance (tolerances) above which strips have far to go after so many steps: slides then grow, and there are more
-/// steps.
-const FAR: (f64, usize) = (1.05, 2);
-/// See [`FAR`].
-const FAR_STEPS: usize = 12;
-/// There, factors on how far lines may slide in a step, after refused and good ones, and the most.
-const SLIDES: (f64, f64, f64) = (0.5, 2.0, 4.0);
-/// There, gaps below this count no less than it, in place of the first of [`GAP`]: what the polish closes.
-const FAR_GAP: f64 = 0.02;
-/// Weights of gaps from step to step; the last one stays.
-const WEIGHTS: [f64; 4] = [20.0, 80.0, 320.0, 1200.0];
-/// Steps at most; of those with far to go, see [`FAR`], [`FAR_STEPS`].
-const STEPS: usize = 8;
-/// Trials of a step.
-const TRIALS: usize = 5;
-/// Largest distance and gap (tolerances) with which nothing more is tried, after so many steps.
-const ENOUGH: (f64, f64, usize) = (0.93, 0.03, 2);
-/// Steps that gain less end the program once gaps are small enough.
-const STALLED: f64 = 2e-3;
-/// Gaps below the first of these count no less than it, times the second, beside the largest distance.
-const GAP: (f64, f64) = (0.01, 3.0);
-/// Parts of a step that are tried, the largest with which no foot is lost is taken.
-const PARTS: [f64; 4] = [1.0, 0.5, 0.25, 0.1];
-/// Shares of the expected gain: accepted above, damped more below, damped less above.
-const GAIN: (f64, f64, f64) = (0.1, 0.3, 0.7);
-/// Growth of the merit that is nothing.
-const NOTHING: f64 = 1e-3;
-/// Factors on the damping after good, poor and refused steps.
-const DAMPING: (f64, f64, f64) = (0.25, 2.0, 6.0);
-/// See [`DAMPING`]: less changes nothing, and takes trials to be left again.
-const LEAST_DAMPING: f64 = 0.1;
 
 /// Largest distance of an edge from its strips, as a share of its length: wanted, allowed.
 const ON_BOTH: (f64, f64) = (3e-7, 1e-6);
@@ -96,11 +64,6 @@ pub(crate) struct Asked<'a> {
     pub held: &'a dyn Fn([u32; 2]) -> bool,
     /// Labels whose strips stay as they are, and their borders too.
     pub without: &'a BTreeSet<u32>,
-    /// Places that count besides those of the partition.
-    pub further: &'a [Further],
-    /// Whether distances count more near lines and borders of the face, for what the proof takes of the tolerance where
-    /// panels do not end on their own normals. Where panels are thin against that, too little is left for all of it.
-    pub ends_count: bool,
     /// mm.
     pub tolerance: f64,
 }
@@ -153,103 +116,60 @@ pub(crate) struct Joined {
     pub steps: Vec<StepReport>,
 }
 
-/// The strips of a covered face and the lines between them, changed together until neighbours are equally high along their
-/// seams, with as small a largest distance as that allows, and edges on both.
-///
-/// *Input*: `state` with the partition to which the chains belong. Strips that cannot take part (without a torse, with a torse
-/// of higher degree, with samples without feet) stay as they are, and borders that close. *Result*: the best that was reached,
-/// whether strips meet or not; `None` without any border left. *Not guaranteed*: any distance between samples; see `certify`.
-/// *Cost*: about as many factorisations as three programs have iterations, each of one block per strip.
-pub fn joined(face: &Face, state: &State, chains: Vec<SeamChain>, asked: &Asked, control: &Control) -> Option<Joined> {
-    let network = start::network(face, state, chains, asked)?;
-    let start = network.measured();
-    let (network, steps) = improved(network, control);
-    let (network, edges) = edged(network);
-    let label = |k: &usize| network.members[*k].label;
-    let line = |(l, edge): (&Line, Option<Edge>)| JoinedLine {
-        labels: l.strips.map(|k| label(&k)),
-        uv: l.points.iter().map(|p| p.uv).collect(),
-        edge: edge.filter(|e| e.missed <= ON_BOTH.1 * l.length).map(|e| e.curve),
-    };
-    let vertex = |j: Junction| JoinedVertex { labels: j.strips.iter().map(label).collect(), place: j.place };
-    Some(Joined {
-        torses: (0..network.members.len()).map(|k| Some((label(&k), network.used(k)?))).collect::<Option<_>>()?,
-        distances: network.largest_of_strips().into_iter().map(|d| d / network.tolerance).collect(),
-        lines: network.lines.iter().zip(edges).map(line).collect(),
-        vertices: network.junctions().into_iter().map(vertex).collect(),
-        start,
-        steps,
-    })
+/// The strips of a covered face and the lines between them, as far as they have been changed together.
+pub(crate) struct Joint<'a> {
+    network: Network<'a>,
+    /// Largest distance and gap to begin with, in tolerances.
+    start: [f64; 2],
+    steps: Vec<StepReport>,
 }
 
-/// Steps as long as they make the network better.
-fn improved<'a>(mut now: Network<'a>, control: &Control) -> (Network<'a>, Vec<StepReport>) {
-    let (mut damping, mut reach, mut far) = (1.0, 1.0, false);
-    let mut steps: Vec<StepReport> = Vec::new();
-    'steps: while steps.len() < (if far { FAR_STEPS } else { STEPS }) && !control.stopped() {
-        let at = now.measured();
-        far |= steps.len() == FAR.1 && at[0] > FAR.0;
-        let least = if far { FAR_GAP } else { GAP.0 };
-        let merit = |[distance, gap]: [f64; 2]| distance + GAP.1 * gap.max(least);
-        if steps.len() >= ENOUGH.2 && at[0] < ENOUGH.0 && at[1] < ENOUGH.1 {
-            break;
-        }
-        let columns = now.columns();
-        let weight = WEIGHTS[steps.len().min(WEIGHTS.len() - 1)];
-        let (mut effort, mut refused) = ([0, 0], Vec::new());
-        for _ in 0..TRIALS {
-            let Some(found) = step(&now, &columns, &Prices { gaps: weight, damping, reach }) else { break 'steps };
-            effort = [effort[0] + 1, effort[1] + found.iterations];
-            // Where feet would be lost a part of the step is as good as can be had: what it keeps is linear in it.
-            let of_step = |part: &f64| {
-                let x: Vec<f64> = found.x.iter().map(|x| part * x).collect();
-                Some((*part, now.stepped(&columns, &x)?))
-            };
-            let (part, next) = PARTS.iter().find_map(of_step).map_or((1.0, None), |(part, next)| (part, Some(next)));
-            let reached = next.as_ref().map_or([f64::INFINITY; 2], Network::measured);
-            let hoped = part * (merit(at) - merit(found.expected));
-            let share = (merit(at) - merit(reached)) / hoped.max(f64::MIN_POSITIVE);
-            let accepted = share > GAIN.0 || merit(reached) < merit(at) + NOTHING;
-            let Some(mut next) = next.filter(|_| accepted) else {
-                refused.push(found);
-                damping *= DAMPING.2;
-                reach = (reach * SLIDES.0).max(1.0);
-                continue;
-            };
-            if share > GAIN.2 && part == 1.0 {
-                damping = (damping * DAMPING.0).max(LEAST_DAMPING);
-                if far {
-                    reach = (reach * SLIDES.1).min(SLIDES.2);
-                }
-            } else if share < GAIN.1 {
-                damping *= DAMPING.1;
-            }
-            next.lie_on_bands();
-            next.find_taken();
-            now = next;
-            steps.push(StepReport { reached, effort });
-            if steps.len() >= ENOUGH.2 && reached[1] < ENOUGH.1 && merit(at) - merit(reached) < STALLED {
-                break 'steps;
-            }
-            continue 'steps;
-        }
-        // Whole steps go too far, however much they are damped: a part of one goes the same way.
-        let part_of = |(found, part): (&Step, f64)| {
-            let x: Vec<f64> = found.x.iter().map(|x| part * x).collect();
-            let next = now.stepped(&columns, &x)?;
-            let reached = next.measured();
-            let gained = merit(at) - merit(reached);
-            (gained > GAIN.0 * part * (merit(at) - merit(found.expected))).then_some((next, reached))
-        };
-        let mut parts = PARTS[1..].iter().flat_map(|&part| refused.iter().rev().map(move |found| (found, part)));
-        let Some((mut next, reached)) = parts.find_map(part_of) else { break };
-        damping = 1.0;
-        next.lie_on_bands();
-        next.find_taken();
-        now = next;
-        steps.push(StepReport { reached, effort });
+impl<'a> Joint<'a> {
+    /// *Input*: `state` with the partition to which the chains belong. Strips that cannot take part (without a torse, with a
+    /// torse of higher degree, with samples without feet) stay as they are, and borders that close. `None` without any border
+    /// left.
+    pub fn new(face: &'a Face, state: &State, chains: Vec<SeamChain>, asked: &Asked) -> Option<Self> {
+        let network = start::network(face, state, chains, asked)?;
+        Some(Self { start: network.measured(), network, steps: Vec::new() })
     }
-    (now, steps)
+
+    /// Places that count from now on.
+    pub fn count(&mut self, places: &[Further]) {
+        self.network.add(places);
+    }
+
+    /// From now on distances count more near lines and borders of the face, for what the proof takes of the tolerance where
+    /// panels do not end on their own normals. Where panels are thin against that, too little is left for all of it.
+    pub fn count_ends(&mut self) {
+        self.network.ends_count = true;
+        self.network.find_taken();
+    }
+
+    /// Strips and lines changed together until neighbours are equally high along their seams, with as small a largest
+    /// distance as that allows, and edges on both. Asked again, it goes on from there with what counts since.
+    ///
+    /// *Result*: the best that was reached, whether strips meet or not; `None` where a strip has become nothing. *Not
+    /// guaranteed*: any distance between samples; see `certify`. *Cost*: about as many factorisations as three programs have
+    /// iterations, each of one block per strip.
+    pub fn joined(&mut self, control: &Control) -> Option<Joined> {
+        self.improve(control);
+        let (network, edges) = edged(self.network.clone());
+        let label = |k: &usize| network.members[*k].label;
+        let line = |(l, edge): (&Line, Option<Edge>)| JoinedLine {
+            labels: l.strips.map(|k| label(&k)),
+            uv: l.points.iter().map(|p| p.uv).collect(),
+            edge: edge.filter(|e| e.missed <= ON_BOTH.1 * l.length).map(|e| e.curve),
+        };
+        let vertex = |j: Junction| JoinedVertex { labels: j.strips.iter().map(label).collect(), place: j.place };
+        Some(Joined {
+            torses: (0..network.members.len()).map(|k| Some((label(&k), network.used(k)?))).collect::<Option<_>>()?,
+            distances: network.largest_of_strips().into_iter().map(|d| d / network.tolerance).collect(),
+            lines: network.lines.iter().zip(edges).map(line).collect(),
+            vertices: network.junctions().into_iter().map(vertex).collect(),
+            start: self.start,
+            steps: self.steps.clone(),
+        })
+    }
 }
 
 /// Edges along all lines, on finer strips where they would miss these. Strips may be a little less regular between their

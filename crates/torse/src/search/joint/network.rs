@@ -3,17 +3,19 @@
 use super::columns::Columns;
 use super::form::{Band, Foot};
 use super::line::{slide_functions, slide_knots, End, Line, LinePoint, Middle, POINTS, SLIDES};
-use super::strip::Strip;
+use super::strip::{Rulings, Strip};
 use super::width::Width;
+use super::Further;
 use crate::brep::face::Face;
 use crate::geom::Vec3;
 use crate::torse::form::Torse;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 
-/// Share of its first value below which the least regularity of a strip may not fall: patches need room between their region
-/// and their regression curve. With 0.15 distances became no smaller, and strips were refused.
-const REGULAR: f64 = 0.9;
+/// Share of its first value below which steps may not expect the least regularity of a strip to fall: patches need room between
+/// their region and their regression curve. With 0.15 distances became no smaller, and strips were refused; with 0.9 the hull
+/// at 5 mm loses a strip, with none lower than what it leads to (see [`LOST`]) the hull at 2 mm finds no step.
+const REGULAR: f64 = 1.0;
 /// The share below which feet are lost: what steps lead to differs a little from what they expect.
 const LOST: f64 = 0.85;
 /// Lines may slide by this share of the median half width per unit.
@@ -110,6 +112,11 @@ impl Member {
         along + (off.norm_squared() - along * along).max(0.0).sqrt()
     }
 
+    /// The foot of a point on the nearest rulings on which it has one.
+    pub fn foot_anywhere(&self, rulings: &Rulings, x: &Vec3) -> Option<Foot> {
+        rulings.near(x).into_iter().find_map(|t| self.foot(x, t))
+    }
+
     pub fn foot(&self, x: &Vec3, guess: f64) -> Option<Foot> {
         let foot = self.strip.foot(x, guess, self.side)?;
         (foot.regular * self.sense >= LOST * self.least).then_some(foot)
@@ -189,6 +196,21 @@ impl Network<'_> {
             (at[k], [point(0.5 * (lo + hi)), point(lo), point(hi)])
         };
         Band { rulings: (0..at.len()).map(ruling).collect(), half_width }
+    }
+
+    /// Adds samples where panels were too far away; places without a foot count for nothing.
+    pub fn add(&mut self, places: &[Further]) {
+        let rulings: Vec<Rulings> = self.members.iter().map(|m| Rulings::of(m.strip.torse())).collect();
+        let sample = |f: &Further| {
+            let strip = self.members.iter().position(|m| m.label == f.label)?;
+            let x = self.face.surface.point(f.uv[0], f.uv[1]);
+            let foot = Some(self.members[strip].foot_anywhere(&rulings[strip], &x)?);
+            Some(Sample { x, strip, foot, lines: Vec::new(), up: None, counts: f.counts, taken: 1.0 })
+        };
+        let added: Vec<Sample> = places.iter().filter_map(sample).collect();
+        self.samples.extend(added);
+        self.find_neighbours();
+        self.find_taken();
     }
 
     /// Lines near samples.

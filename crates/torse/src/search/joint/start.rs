@@ -7,11 +7,11 @@ use super::line::{End, Line};
 use super::network::{median, Member, Network, Sample, UNIT};
 use super::profile::Profile;
 use super::strip::{Rulings, Strip};
-use super::{Asked, Further};
+use super::Asked;
 use crate::brep::face::Face;
 use crate::fit::panels::boundary::SeamChain;
 use crate::geom::Vec3;
-use crate::patchwork::partition::edges;
+use crate::patchwork::partition::{centroid, edges};
 use crate::search::cover::State;
 use crate::torse::form::Torse;
 use rayon::prelude::*;
@@ -47,12 +47,12 @@ fn network_of_others<'a>(
     asked: &Asked,
     without: &BTreeSet<u32>,
 ) -> Result<Network<'a>, Vec<u32>> {
-    let &Asked { held, further, ends_count, tolerance, .. } = asked;
+    let &Asked { held, tolerance, .. } = asked;
     let mut labels: Vec<u32> = state.partition.distinct_labels();
     labels.retain(|l| !without.contains(l));
     let index: BTreeMap<u32, usize> = labels.iter().enumerate().map(|(k, &l)| (l, k)).collect();
     let (lines, vertices) = lines(face, state, chains, &index, held, tolerance).ok_or_else(Vec::new)?;
-    let given = given(face, state, &index, further);
+    let given = given(face, state, &index);
     let places: Vec<Vec<Place>> = (0..labels.len()).map(|k| places(k, &given, &lines)).collect();
     let of_label = |k: usize| member(labels[k], &state.panels.get(&labels[k])?.torse, &places[k], tolerance);
     let members: Vec<Option<Member>> = (0..labels.len()).into_par_iter().map(of_label).collect();
@@ -63,7 +63,7 @@ fn network_of_others<'a>(
     let members: Vec<Member> = members.into_iter().flatten().collect();
     let sample = |g: &Given| {
         let up = Some(g.normal).filter(|n| g.on_border && *n != Vec3::zeros());
-        Sample { x: g.x, strip: g.strip, foot: None, lines: Vec::new(), up, counts: g.counts, taken: 1.0 }
+        Sample { x: g.x, strip: g.strip, foot: None, lines: Vec::new(), up, counts: 1.0, taken: 1.0 }
     };
     let samples = given.iter().map(sample).collect();
     let is_whole = state.partition.distinct_labels().len() == labels.len();
@@ -76,18 +76,17 @@ fn network_of_others<'a>(
         samples,
         unit: 0.0,
         is_whole,
-        ends_count,
+        ends_count: false,
         widths: Vec::new(),
     };
     // Feet from nothing.
     let rulings: Vec<Rulings> = out.members.iter().map(|m| Rulings::of(m.strip.torse())).collect();
-    let anywhere = |m: &Member, r: &Rulings, x: &Vec3| r.near(x).into_iter().find_map(|t| m.foot(x, t));
     let members = &out.members;
-    out.samples.par_iter_mut().for_each(|s| s.foot = anywhere(&members[s.strip], &rulings[s.strip], &s.x));
+    out.samples.par_iter_mut().for_each(|s| s.foot = members[s.strip].foot_anywhere(&rulings[s.strip], &s.x));
     for l in &mut out.lines {
         let strips = l.strips;
         l.points.par_iter_mut().for_each(|p| {
-            p.feet = strips.map(|k| anywhere(&members[k], &rulings[k], &p.x));
+            p.feet = strips.map(|k| members[k].foot_anywhere(&rulings[k], &p.x));
         });
     }
     let lost = out.without_feet();
@@ -193,6 +192,10 @@ fn feet_on(torse: &Torse, places: &[Place]) -> Option<((f64, f64), Vec<f64>)> {
     Some((range, found.into_iter().map(|f| f.1).collect()))
 }
 
+/// Shares of an edge on the border of the face at which it is sampled besides its ends: distances peak there, and few edges
+/// cross a strip.
+const ON_BORDER: [f64; 5] = [0.125, 0.25, 0.5, 0.75, 0.875];
+
 /// A point of the face.
 struct Given {
     x: Vec3,
@@ -201,12 +204,10 @@ struct Given {
     /// In whose region it lies.
     strip: usize,
     on_border: bool,
-    /// See [`Further`].
-    counts: f64,
 }
 
-/// Vertices of a partition and middles of its edges, and further places.
-fn given(face: &Face, state: &State, index: &BTreeMap<u32, usize>, further: &[Further]) -> Vec<Given> {
+/// Vertices of a partition and middles of its edges and triangles.
+fn given(face: &Face, state: &State, index: &BTreeMap<u32, usize>) -> Vec<Given> {
     let partition = &state.partition;
     let mut of_vertex = vec![None; partition.vertices.len()];
     let mut of_edge: BTreeMap<(u32, u32), usize> = BTreeMap::new();
@@ -222,21 +223,26 @@ fn given(face: &Face, state: &State, index: &BTreeMap<u32, usize>, further: &[Fu
     let of_vertex = state.jets.iter().zip(of_vertex).zip(0u32..);
     let mut out: Vec<Given> = of_vertex
         .filter_map(|((j, k), v)| {
-            Some(Given { x: j.jet.p, normal: j.normal, strip: k?, on_border: on_border.contains(&v), counts: 1.0 })
+            Some(Given { x: j.jet.p, normal: j.normal, strip: k?, on_border: on_border.contains(&v) })
         })
         .collect();
     let at = |[u, v]: [f64; 2], strip: usize, on_border: bool| {
         let j = face.surface.jet(u, v);
         let normal = j.normal().try_normalize(0.0).unwrap_or_else(Vec3::zeros);
-        Given { x: j.p, normal, strip, on_border, counts: 1.0 }
+        Given { x: j.p, normal, strip, on_border }
     };
     let of_edge: Vec<_> = of_edge.into_iter().collect();
-    out.par_extend(of_edge.into_par_iter().map(|((a, b), k)| {
+    out.par_extend(of_edge.into_par_iter().flat_map_iter(|((a, b), k)| {
         let [p, q] = [a, b].map(|v| partition.vertices[v as usize]);
-        at([0.5 * (p[0] + q[0]), 0.5 * (p[1] + q[1])], k, border(a, b))
+        let is_border = border(a, b);
+        let shares: &[f64] = if is_border { &ON_BORDER } else { &[0.5] };
+        shares.iter().map(move |s| at([p[0] + s * (q[0] - p[0]), p[1] + s * (q[1] - p[1])], k, is_border))
     }));
-    let of_panels = further.iter().filter_map(|f| Some((f, *index.get(&f.label)?)));
-    out.extend(of_panels.map(|(f, k)| Given { counts: f.counts, ..at(f.uv, k, false) }));
+    let triangles = (0..partition.triangles.len()).into_par_iter();
+    out.par_extend(triangles.filter_map(|t| {
+        let k = *index.get(&partition.labels[t])?;
+        Some(at(centroid(partition.corners(t)), k, false))
+    }));
     out
 }
 

@@ -51,11 +51,16 @@ fn zones(levels: &[f64]) -> (Face, State) {
 
 fn asked(held: &dyn Fn([u32; 2]) -> bool, tolerance: f64) -> Asked<'_> {
     static ALL: BTreeSet<u32> = BTreeSet::new();
-    Asked { held, without: &ALL, further: &[], ends_count: false, tolerance }
+    Asked { held, without: &ALL, tolerance }
 }
 
 fn chains(face: &Face, state: &State) -> Vec<SeamChain> {
     Borders::new(face, &state.partition, &|_, _| 0, 0).seam_chains()
+}
+
+/// Strips as far as one program takes them.
+fn joined(face: &Face, state: &State, chains: Vec<SeamChain>, asked: &Asked, control: &Control) -> Option<Joined> {
+    Joint::new(face, state, chains, asked)?.joined(control)
 }
 
 /// What half the sagitta of a zone is.

@@ -43,9 +43,12 @@ pub(super) struct Width {
 impl Network<'_> {
     /// Widths as they should be, from those as they are: none where nothing is across, or the strip runs out.
     pub fn wanted_widths(&self) -> Vec<Width> {
+        let borders = self.borders();
         let points = || (0..POINTS).step_by(EVERY);
         let all = (0..self.lines.len()).flat_map(|l| points().flat_map(move |i| [(l, i, 0), (l, i, 1)]));
-        let of = |(line, point, side)| Some(Width { line, point, side, wanted: self.across(line, point, side)?.width });
+        let of = |(line, point, side)| {
+            Some(Width { line, point, side, wanted: self.across(&borders, line, point, side)?.width })
+        };
         let mut out: Vec<Width> = all.filter_map(of).collect();
         let least = RUN_OUT * median(out.iter().map(|w| w.wanted).collect());
         out.retain(|w| w.wanted > least);
@@ -58,14 +61,21 @@ impl Network<'_> {
         out
     }
 
+    /// Places on the border of the face, by strip.
+    fn borders(&self) -> Vec<Vec<Vec3>> {
+        let mut out = vec![Vec::new(); self.members.len()];
+        self.samples.iter().filter(|s| s.up.is_some()).for_each(|s| out[s.strip].push(s.x));
+        out
+    }
+
     /// What lies across the strip on one side of a point of a line: the nearest point of another line or of the border.
-    fn across(&self, l: usize, i: usize, side: usize) -> Option<Across> {
+    fn across(&self, borders: &[Vec<Vec3>], l: usize, i: usize, side: usize) -> Option<Across> {
         let (line, p) = (&self.lines[l], &self.lines[l].points[i]);
         let strip = line.strips[side];
         let conormal = p.normal.cross(&p.tangent) * [1.0, -1.0][side];
         let of_lines = self.lines.iter().enumerate().filter(|(m, o)| *m != l && o.strips.contains(&strip));
         let of_lines = of_lines.flat_map(|(m, o)| o.points.iter().enumerate().map(move |(j, q)| (q.x, Some([m, j]))));
-        let of_border = self.samples.iter().filter(|s| s.strip == strip && s.up.is_some()).map(|s| (s.x, None));
+        let of_border = borders[strip].iter().map(|x| (*x, None));
         let found = of_lines.chain(of_border).filter_map(|(x, on)| {
             let width = (x - p.x).norm();
             let way = (x - p.x) / width;
@@ -77,8 +87,9 @@ impl Network<'_> {
     /// Rows that pay for widths that are not those wanted, by the logarithms of their ratios.
     pub fn pay_widths(&self, columns: &Columns, knots: &Knots, price: f64, tie: &mut Tie) {
         let weight = price / self.widths.len().max(1) as f64;
+        let borders = self.borders();
         for w in &self.widths {
-            let Some(across) = self.across(w.line, w.point, w.side) else { continue };
+            let Some(across) = self.across(&borders, w.line, w.point, w.side) else { continue };
             let scale = self.unit / across.width;
             let mut vertices: BTreeMap<usize, [f64; 2]> = BTreeMap::new();
             let mut ways = |l: usize, p: &LinePoint, sign: f64| {

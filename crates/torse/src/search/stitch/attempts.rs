@@ -16,7 +16,7 @@ use crate::patchwork::panel::Panel;
 use crate::patchwork::redraw::Line;
 use crate::search::build::{borders, build_on, limits_missed, smooth_borders, Built, Joined};
 use crate::search::cover::{laid_anew, CoverOptions, State};
-use crate::search::joint::{self, Further, JoinedLine};
+use crate::search::joint::{Asked, Further, JoinedLine, Joint};
 use crate::torse::form::{PanelKind, Torse};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::Arc;
@@ -69,17 +69,15 @@ enum Moving<'a> {
     Accepted(&'a Built),
 }
 
-/// The same panels laid anew so that neighbours meet, as far as that can be certified; as they are where it cannot.
+/// The same panels, with the labels of those whose flat patterns are not proven, laid anew so that neighbours meet, as far as that can be certified; as they are where it cannot.
 pub(crate) fn met(
     index: usize,
-    face: &Face,
-    state: &State,
-    built: Built,
+    (face, state): (&Face, &State),
+    (built, unproven): (Built, BTreeSet<u32>),
     wanted: &CoverOptions,
     control: &Control,
 ) -> Built {
     let tolerance = built.certificate.tolerance;
-    let unproven = unproven(&built, control).into_iter().collect();
     let mut attempts =
         Attempts { index, face, tolerance, wanted, control, known: Known::default(), unproven, best: built };
     if let Some(next) = attempts.joined(state) {
@@ -121,27 +119,34 @@ impl Attempts<'_> {
         self.along(&intersections, &base, wanted, Moving::Accepted(built)).ok()
     }
 
-    /// Strips of the program over all of them, with their borders under their edges. Places where their panels are too far
-    /// away count in it the next time; strips that are refused all the same stay as they are, with their borders.
+    /// Strips of the program over all of them, with their borders under their edges; strips that are refused all the same
+    /// stay as they are, with their borders.
     fn joined(&self, state: &State) -> Option<Built> {
         let base = as_built(self.face, state, &self.best)?;
         let stays = |labels: [u32; 2]| self.is_asked_for(&self.best, pair(labels));
-        let (mut further, mut ends_count, mut without) = (Vec::new(), false, BTreeSet::new());
-        let (mut refinements, mut exclusions) = (0, 0);
-        while exclusions <= EXCLUSIONS && !self.control.stopped() {
-            let asked = joint::Asked {
-                held: &stays,
-                without: &without,
-                further: &further,
-                ends_count,
-                tolerance: self.tolerance,
-            };
+        let mut without = BTreeSet::new();
+        for _ in 0..=EXCLUSIONS {
+            let asked = Asked { held: &stays, without: &without, tolerance: self.tolerance };
             let chains = borders(self.face, &base.partition).seam_chains();
-            let joined = joint::joined(self.face, &base, chains, &asked, self.control)?;
+            let mut joint = Joint::new(self.face, &base, chains, &asked)?;
+            match self.refined(&base, &mut joint) {
+                Ok(found) => return Some(found),
+                Err(labels) if labels.iter().all(|l| without.contains(l)) => return None,
+                Err(labels) => without.extend(labels),
+            }
+        }
+        None
+    }
+
+    /// Panels of strips that were changed together. Places where they are too far away count the next time; a few strips that
+    /// are refused in the end are laid anew each for itself. Errors are the labels to do without.
+    fn refined(&self, base: &State, joint: &mut Joint) -> Result<Built, Vec<u32>> {
+        for refinement in 0..=REFINEMENTS {
+            let joined = joint.joined(self.control).filter(|_| !self.control.stopped()).ok_or_else(Vec::new)?;
             let worst = joined.torses.iter().zip(&joined.distances).max_by(|a, b| a.1.total_cmp(b.1)).map(|w| w.0 .0);
             let mut next = base.clone();
             for (label, torse) in joined.torses {
-                let fit = next.panels.get(&label)?;
+                let fit = next.panels.get(&label).ok_or_else(Vec::new)?;
                 let fit = Fit { torse, kind: PanelKind::Torse, ..(**fit).clone() };
                 next.panels.insert(label, Arc::new(fit));
             }
@@ -149,10 +154,9 @@ impl Attempts<'_> {
             if let Some(crossing) = along_lines.as_ref().err().filter(|c| !c.is_empty()) {
                 // Lines cross where a strip has become nothing: the smaller of both.
                 let smaller = |[a, b]: &[u32; 2]| if base.area(*a) < base.area(*b) { *a } else { *b };
-                without.extend(crossing.iter().map(smaller));
-                exclusions += 1;
-                continue;
+                return Err(crossing.iter().map(smaller).collect());
             }
+            let along_lines = along_lines.ok();
             let torses = next.panels.iter().map(|(&l, f)| (l, &f.torse)).collect();
             let edges: Vec<_> = joined.lines.into_iter().filter_map(|l| Some((pair(l.labels), l.edge?))).collect();
             let wanted: Vec<[u32; 2]> = edges.iter().map(|e| e.0).collect();
@@ -161,9 +165,8 @@ impl Attempts<'_> {
             let moved = |state: &State, wanted: &[[u32; 2]], how: Moving| {
                 self.along(&intersections, &intersections.with_vertices(state), wanted.to_vec(), how)
             };
-            let along_lines = along_lines.ok();
             let mut refused = match along_lines.as_ref().map(|s| moved(s, &wanted, Moving::Done)) {
-                Some(Ok(found)) => return Some(found),
+                Some(Ok(found)) => return Ok(found),
                 Some(Err(refused)) => refused,
                 None => Refused::default(),
             };
@@ -171,45 +174,32 @@ impl Attempts<'_> {
             if refused.too_far.is_empty() {
                 // Borders may be at fault; cut out of the old ones they are others.
                 match moved(&next, &wanted, Moving::Cut) {
-                    Ok(found) => return Some(found),
+                    Ok(found) => return Ok(found),
                     Err(other) if refused.labels.is_empty() || other.labels.len() < refused.labels.len() => {
                         refused = other
                     }
                     Err(_) => {}
                 }
             }
-            if refused.labels.is_empty() {
-                return None;
-            }
-            if refinements < REFINEMENTS && !refused.too_far.is_empty() {
-                refinements += 1;
-                // Where too little is left at ends of panels, they count everywhere, and single places are found anew.
-                if !ends_count && refused.too_far.iter().any(|f| f.counts > ENDS) {
-                    ends_count = true;
-                    further.clear();
-                } else {
-                    further.extend(refused.too_far);
+            if refinement < REFINEMENTS && !refused.too_far.is_empty() {
+                // Where too little is left at ends of panels, they count everywhere.
+                if refused.too_far.iter().any(|f| f.counts > ENDS) {
+                    joint.count_ends();
                 }
+                joint.count(&refused.too_far);
                 continue;
             }
-            if let Some(mended) = along_lines.and_then(|s| self.mended(s, &base, &at_first)) {
+            if let Some(mended) = along_lines.and_then(|s| self.mended(s, base, &at_first)) {
                 let others = |p: &[u32; 2]| !p.iter().any(|l| at_first.contains(l));
                 let wanted: Vec<_> = wanted.into_iter().filter(others).collect();
                 if let Ok(found) = moved(&mended, &wanted, Moving::Done) {
-                    return Some(found);
+                    return Ok(found);
                 }
             }
-            exclusions += 1;
-            if refused.labels.iter().all(|l| without.contains(l)) {
-                return None;
-            }
-            if refused.labels.len() as f64 <= FEW * next.panels.len() as f64 {
-                without.extend(refused.labels);
-            } else {
-                without.extend(worst);
-            }
+            let few = refused.labels.len() as f64 <= FEW * next.panels.len() as f64;
+            return Err(if few || refused.labels.is_empty() { refused.labels } else { worst.into_iter().collect() });
         }
-        None
+        Err(Vec::new())
     }
 
     /// The state with a few strips that were refused laid anew on their regions, each for itself.
@@ -288,7 +278,7 @@ impl Attempts<'_> {
     /// without these edges.
     fn built_on(&self, state: &State, edges: &[SharedSeam]) -> (Built, Vec<u32>) {
         let joined = Joined { edges, known: &self.known };
-        let (next, mut bad) = build_on(self.index, self.face, state, self.tolerance, joined);
+        let (next, mut bad) = build_on(self.index, self.face, state, (self.tolerance, self.control), joined);
         if bad.is_empty() {
             bad = unproven(&next, self.control);
             bad.retain(|l| !self.unproven.contains(l));
@@ -312,7 +302,7 @@ impl Attempts<'_> {
 }
 
 /// Labels of panels whose flat patterns are not proven.
-fn unproven(built: &Built, control: &Control) -> Vec<u32> {
+pub(crate) fn unproven(built: &Built, control: &Control) -> Vec<u32> {
     let proofs = flat(&built.patchwork, &built.patterns, built.certificate.tolerance, control);
     let open = proofs.iter().filter(|p| !p.holds());
     open.filter_map(|p| built.patchwork.panels.get(p.panel())?.label()).collect()

@@ -1,0 +1,117 @@
+//! Steps of the program as long as they make the network better.
+
+use super::network::Network;
+use super::program::{step, Prices, Step};
+use super::{Joint, StepReport};
+use crate::control::Control;
+
+/// Largest distance (tolerances) above which strips have far to go after so many steps: slides then grow, and there are more
+/// steps.
+const FAR: (f64, usize) = (1.05, 2);
+/// See [`FAR`].
+const FAR_STEPS: usize = 12;
+/// There, factors on how far lines may slide in a step, after refused and good ones, and the most.
+const SLIDES: (f64, f64, f64) = (0.5, 2.0, 4.0);
+/// Weights of gaps from step to step; the last one stays.
+const WEIGHTS: [f64; 4] = [20.0, 80.0, 320.0, 1200.0];
+/// Steps at most; of those with far to go, see [`FAR`], [`FAR_STEPS`].
+const STEPS: usize = 8;
+/// Trials of a step.
+const TRIALS: usize = 5;
+/// Largest distance and gap (tolerances) with which nothing more is tried, after so many steps.
+const ENOUGH: (f64, f64, usize) = (0.93, 0.02, 2);
+/// Steps that gain less end the program once gaps are small enough.
+const STALLED: f64 = 2e-3;
+/// Gaps below the first of these count no less than it, times the second, beside the largest distance.
+const GAP: (f64, f64) = (0.02, 3.0);
+/// Parts of a step that are tried, the largest with which no foot is lost is taken.
+const PARTS: [f64; 4] = [1.0, 0.5, 0.25, 0.1];
+/// Shares of the expected gain: accepted above, damped more below, damped less above.
+const GAIN: (f64, f64, f64) = (0.1, 0.3, 0.7);
+/// Growth of the merit that is nothing.
+const NOTHING: f64 = 1e-3;
+/// Factors on the damping after good, poor and refused steps.
+const DAMPING: (f64, f64, f64) = (0.25, 2.0, 6.0);
+/// See [`DAMPING`]: less changes nothing, and takes trials to be left again.
+const LEAST_DAMPING: f64 = 0.1;
+
+/// A network after a part of a step.
+struct Attempt<'a> {
+    network: Network<'a>,
+    /// Largest distance and gap, in tolerances.
+    reached: [f64; 2],
+    /// Share of the gain that was expected.
+    share: f64,
+    part: f64,
+}
+
+impl<'a> Joint<'a> {
+    /// Steps as long as they make the network better.
+    pub(super) fn improve(&mut self, control: &Control) {
+        let begun = !self.steps.is_empty();
+        let (mut damping, mut reach, mut far, mut count) = (1.0, 1.0, false, 0);
+        while count < (if far { FAR_STEPS } else { STEPS }) && !control.stopped() {
+            let now = &self.network;
+            let at = now.measured();
+            far |= count == FAR.1 && at[0] > FAR.0;
+            let merit = |[distance, gap]: [f64; 2]| distance + GAP.1 * gap.max(GAP.0);
+            let is_settled = begun || count >= ENOUGH.2;
+            if is_settled && at[0] < ENOUGH.0 && at[1] < ENOUGH.1 {
+                break;
+            }
+            let columns = now.columns();
+            let weight = WEIGHTS[self.steps.len().min(WEIGHTS.len() - 1)];
+            let attempt = |found: &Step, part: f64| -> Option<Attempt<'a>> {
+                let x: Vec<f64> = found.x.iter().map(|x| part * x).collect();
+                let network = now.stepped(&columns, &x)?;
+                let reached = network.measured();
+                let hoped = part * (merit(at) - merit(found.expected));
+                let share = (merit(at) - merit(reached)) / hoped.max(f64::MIN_POSITIVE);
+                Some(Attempt { network, reached, share, part })
+            };
+            let (mut effort, mut refused, mut accepted) = ([0, 0], Vec::new(), None);
+            while accepted.is_none() && refused.len() < TRIALS {
+                let Some(found) = step(now, &columns, &Prices { gaps: weight, damping, reach }) else { return };
+                effort = [effort[0] + 1, effort[1] + found.iterations];
+                if is_settled && at[1] < ENOUGH.1 && merit(at) - merit(found.expected) < STALLED {
+                    return;
+                }
+                // Where feet would be lost a part of the step is as good as can be had: what it keeps is linear in it.
+                let first = PARTS.iter().find_map(|&part| attempt(&found, part));
+                accepted = first.filter(|a| a.share > GAIN.0 || merit(a.reached) < merit(at) + NOTHING);
+                match &accepted {
+                    Some(a) if a.share > GAIN.2 && a.part == 1.0 => {
+                        damping = (damping * DAMPING.0).max(LEAST_DAMPING);
+                        if far {
+                            reach = (reach * SLIDES.1).min(SLIDES.2);
+                        }
+                    }
+                    Some(a) if a.share < GAIN.1 => damping *= DAMPING.1,
+                    Some(_) => {}
+                    None => {
+                        refused.push(found);
+                        damping *= DAMPING.2;
+                        reach = (reach * SLIDES.0).max(1.0);
+                    }
+                }
+            }
+            if accepted.is_none() {
+                // Whole steps go too far, however much they are damped: a part of one goes the same way.
+                let parts = PARTS[1..].iter().flat_map(|&part| refused.iter().rev().map(move |found| (found, part)));
+                accepted = parts.filter_map(|(found, part)| attempt(found, part)).find(|a| a.share > GAIN.0);
+                damping = 1.0;
+            }
+            let Some(Attempt { mut network, reached, .. }) = accepted else { return };
+            let gained = merit(at) - merit(reached);
+            let is_part = refused.len() == TRIALS;
+            network.lie_on_bands();
+            network.find_taken();
+            self.network = network;
+            self.steps.push(StepReport { reached, effort });
+            count += 1;
+            if !is_part && (begun || count >= ENOUGH.2) && reached[1] < ENOUGH.1 && gained < STALLED {
+                return;
+            }
+        }
+    }
+}
