@@ -137,6 +137,8 @@ pub enum What {
     JoinGap(usize),
     /// Angle between the tangent planes along a join, by its number, degrees.
     JoinAngle(usize),
+    /// Distance between both flat images of a fold, by the number of the join, mm.
+    FoldGap(usize),
     /// Gap between the two sides of a seam, mm.
     SeamGap,
     /// Distance of faces from the planes, cylinders and cones that are laid flat for them, mm.

@@ -7,7 +7,10 @@ use super::stencil::{Stencil, Support};
 use crate::geom::Vec3;
 use crate::num::gauss_newton::Block;
 
-/// `nᵢ·c' = nᵢ·rᵢ = 0`, `|nᵢ| = 1` and `(n₁ + n₂)·c'' = 0` at one point of a crease. Private unknowns n₁, n₂.
+/// `(n₁ + n₂)·c'' = 0` at one point of a crease with the unit normals `n₁ ∥ c' × r₁` and `n₂ ∥ r₂ × c'`.
+///
+/// Departure from the source, where the normals are unknowns with equations of their own: such a normal can turn over on the way,
+/// and then the equation is that of a sheet folded upon itself.
 #[derive(Clone, Debug)]
 pub(crate) struct Fold {
     support: Support,
@@ -18,10 +21,6 @@ impl Fold {
     pub fn new(first: &Stencil, second: &Stencil, rulings: [&Stencil; 2]) -> Self {
         Self { support: Support::new(&[first, second, rulings[0], rulings[1]]) }
     }
-
-    fn vectors(&self, x: &[f64]) -> [Vec3; 4] {
-        [0, 1, 2, 3].map(|k| self.support.vector(k, x))
-    }
 }
 
 impl Block for Fold {
@@ -30,51 +29,30 @@ impl Block for Fold {
     }
 
     fn rows(&self) -> usize {
-        7
+        1
     }
 
-    fn private(&self) -> usize {
-        6
-    }
-
-    fn begin(&self, x: &[f64], own: &mut [f64]) {
-        let [d, _, r, s] = self.vectors(x);
-        let n = d.cross(&r).try_normalize(0.0).unwrap_or(Vec3::z());
-        let m = s.cross(&d).try_normalize(0.0).unwrap_or(Vec3::z());
-        own[..3].copy_from_slice(n.as_slice());
-        own[3..].copy_from_slice(m.as_slice());
-    }
-
-    fn evaluate(&self, x: &[f64], own: &[f64], residual: &mut [f64], jacobian: Option<&mut [f64]>) {
-        let v = self.vectors(x);
-        let n = [Vec3::from_column_slice(&own[..3]), Vec3::from_column_slice(&own[3..])];
-        for k in 0..2 {
-            residual[3 * k] = n[k].dot(&v[0]);
-            residual[3 * k + 1] = n[k].dot(&v[2 + k]);
-            residual[3 * k + 2] = 0.5 * (n[k].norm_squared() - 1.0);
-        }
-        let sum = n[0] + n[1];
-        residual[6] = sum.dot(&v[1]);
+    fn evaluate(&self, x: &[f64], _: &[f64], residual: &mut [f64], jacobian: Option<&mut [f64]>) {
+        let [d, e, r, s] = [0, 1, 2, 3].map(|k| self.support.vector(k, x));
+        // A crease or a ruling that vanishes has no normal; it asks for nothing then.
+        let unit = |n: Vec3| {
+            let size = n.norm();
+            if size > 0.0 {
+                (n / size, 1.0 / size)
+            } else {
+                (Vec3::zeros(), 0.0)
+            }
+        };
+        let ((n, per_n), (m, per_m)) = (unit(d.cross(&r)), unit(s.cross(&d)));
+        residual[0] = (n + m).dot(&e);
         let Some(jacobian) = jacobian else { return };
         jacobian.fill(0.0);
-        let width = x.len() + 6;
-        for k in 0..2 {
-            let at = x.len() + 3 * k;
-            let mut put = |i: usize, stencil: Option<usize>, other: &Vec3| {
-                let row = &mut jacobian[(3 * k + i) * width..(3 * k + i + 1) * width];
-                if let Some(s) = stencil {
-                    self.support.spread(s, &n[k], row);
-                }
-                row[at..at + 3].copy_from_slice(other.as_slice());
-            };
-            put(0, Some(0), &v[0]);
-            put(1, Some(2 + k), &v[2 + k]);
-            put(2, None, &n[k]);
-        }
-        let row = &mut jacobian[6 * width..];
-        self.support.spread(1, &sum, row);
-        row[x.len()..x.len() + 3].copy_from_slice(v[1].as_slice());
-        row[x.len() + 3..].copy_from_slice(v[1].as_slice());
+        // How n·c'' and m·c'' change with the products before they have unit length.
+        let (p, q) = ((e - n * n.dot(&e)) * per_n, (e - m * m.dot(&e)) * per_m);
+        self.support.spread(0, &(r.cross(&p) + q.cross(&s)), jacobian);
+        self.support.spread(1, &(n + m), jacobian);
+        self.support.spread(2, &p.cross(&d), jacobian);
+        self.support.spread(3, &d.cross(&q), jacobian);
     }
 }
 
@@ -97,10 +75,9 @@ mod tests {
         let residual = |inner: [f64; 3], outer: [f64; 3]| {
             // At (1, 0, 0) of the unit circle: c' = (0, 1, 0), c'' = (−1, 0, 0).
             let x = [[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], inner, outer].concat();
-            let (mut own, mut out) = ([0.0; 6], [0.0; 7]);
-            block.begin(&x, &mut own);
-            block.evaluate(&x, &own, &mut out, None);
-            out.iter().fold(0.0, |m: f64, r| m.max(r.abs()))
+            let mut out = [0.0];
+            block.evaluate(&x, &[], &mut out, None);
+            out[0].abs()
         };
         assert!(residual([-0.8, 0.0, 0.6], [0.8, 0.0, 0.6]) < 1e-15);
         // Another slope outside would need another length of the crease there.

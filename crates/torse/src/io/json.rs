@@ -154,6 +154,9 @@ pub struct JoinRecord {
     pub gap_bound: Option<f64>,
     /// Proven bound on the angle between the tangent planes, degrees; null if none was shown.
     pub angle_bound_deg: Option<f64>,
+    /// Proven bound on how far both sides of a fold are apart in the plane, mm; null if it is no fold or none was shown.
+    #[serde(default)]
+    pub fold_bound: Option<f64>,
     /// Whether the pieces should go on smoothly.
     pub smooth: bool,
     /// Whether what is asked of it is proven.

@@ -277,6 +277,15 @@ pub enum JobReason {
         /// What counts as none, rad.
         limit: f64,
     },
+    /// Both sides of a fold do not fit together in the plane.
+    Fold {
+        /// Number of the join.
+        index: usize,
+        /// Names of both pieces.
+        between: [String; 2],
+        /// How far the edges are shown to be apart at most, mm.
+        apart: f64,
+    },
     /// A target is not met.
     Target {
         /// Its number.

@@ -10,6 +10,7 @@
 
 mod chain;
 mod cone_part;
+pub(crate) mod fold;
 mod matching;
 mod outline;
 mod rails;

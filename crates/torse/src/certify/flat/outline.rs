@@ -89,7 +89,7 @@ impl Motion {
     }
 
     /// Image of a moving point.
-    fn jet(&self, p: &[Jet; 2]) -> [Jet; 2] {
+    pub(super) fn jet(&self, p: &[Jet; 2]) -> [Jet; 2] {
         let [c, s] = self.rotation().map(Jet::constant);
         let p = [0, 1].map(|d: usize| p[d] - Jet::from(self.from[d]));
         [c * p[0] - s * p[1] + Jet::from(self.to[0]), s * p[0] + c * p[1] + Jet::from(self.to[1])]

@@ -5,7 +5,7 @@ use super::check::{check, curve_item, handle_item, CompositeError, SAME};
 use super::freedom::too_much;
 use super::handle::{Handle, Hold, Strength};
 use super::identify::{identified, Identified};
-use super::{Composite, Join, Options, StripShape};
+use super::{Composite, Edge, Join, Options, StripShape};
 use crate::constraint::border::AtBorder;
 use crate::constraint::coplanarity::{InPlane, Unit};
 use crate::constraint::developability::{samples, KForm, NForm, StripPoints};
@@ -376,9 +376,14 @@ impl Builder<'_> {
                 self.add(row, Role::Fair { weight: STAY }, "fairness", Item::Fairness);
             }
         }
+        let folds = |name: &String| {
+            let of = |j: &Join| matches!(j, Join::Curve { curve, edge: Edge::Fold } if curve == name);
+            self.composite.joins.iter().any(of)
+        };
+        let folded: Vec<bool> = self.composite.curves.iter().map(|c| folds(&c.name)).collect();
         for (k, strip) in self.composite.strips.iter().enumerate() {
-            // Ruled strips: rulings that follow each other differ little.
-            if strip.shape == StripShape::Ruled {
+            // Ruled strips, and those beside folds: rulings that follow each other differ little.
+            if strip.shape == StripShape::Ruled || self.sides[k].iter().any(|&c| folded[c]) {
                 let [a, b] = self.sides[k].map(|c| self.built.points[c].clone());
                 for i in 1..a.len() {
                     let row = Stencil(vec![(b[i], 1.0), (a[i], -1.0), (b[i - 1], -1.0), (a[i - 1], 1.0)]);
@@ -389,7 +394,8 @@ impl Builder<'_> {
         for s in 0..self.composite.strips.len() {
             for t in 0..self.composite.strips.len() {
                 let ([a, b], [c, d]) = (self.sides[s], self.sides[t]);
-                if b != c || s == t {
+                // Across a fold nothing goes on.
+                if b != c || s == t || folded[b] {
                     continue;
                 }
                 let rows = self.built.points[a].iter().zip(&self.built.points[b]).zip(&self.built.points[d]);

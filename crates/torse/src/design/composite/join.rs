@@ -14,6 +14,10 @@ use crate::num::gauss_newton::Role;
 
 /// What smooth joins are called where they stand in the way.
 const SMOOTH: &str = "smooth joins";
+/// The same for folds.
+const FOLDS: &str = "folds";
+/// Weight of the condition of a fold at places between those where it is held, beside rows of weight one.
+const BETWEEN: f64 = 0.3;
 
 impl Builder<'_> {
     pub(super) fn join(&mut self, k: usize) {
@@ -91,14 +95,26 @@ impl Builder<'_> {
             Edge::Fold => (free / 2).clamp(1, 2) as usize,
             Edge::Smooth => degree,
         };
+        let between = match edge {
+            Edge::Fold => 2 * degree,
+            Edge::Smooth => 0,
+        };
         for w in knots.breaks().windows(2) {
-            for i in 0..count {
-                let u = w[0] + (w[1] - w[0]) * (i as f64 + 0.5) / count as f64;
-                let [c, d, e] = self.jet(curve, u);
+            let places = |count: usize| {
+                let at = move |i: usize| w[0] + (w[1] - w[0]) * (i as f64 + 0.5) / count as f64;
+                (0..count).map(at)
+            };
+            for u in places(between) {
+                let block = self.fold(curve, [one, two], u);
+                self.add(block, Role::Soft { weight: BETWEEN, fades: false }, FOLDS, Item::Join(k));
+            }
+            for u in places(count) {
+                let [c, d, _] = self.jet(curve, u);
                 let r = [one, two].map(|o| self.jet(o, u)[0].clone().minus(&c));
                 match edge {
                     Edge::Fold => {
-                        self.add(Fold::new(&d, &e, [&r[0], &r[1]]), Role::Hard, "folds", Item::Join(k));
+                        let block = self.fold(curve, [one, two], u);
+                        self.add(block, Role::Hard, FOLDS, Item::Join(k));
                     }
                     Edge::Smooth => {
                         let block = Coplanarity::new(&r[0], &d, &r[1]);
@@ -107,6 +123,13 @@ impl Builder<'_> {
                 }
             }
         }
+    }
+
+    /// The condition of a fold at a place of its curve, with the other sides of both strips.
+    fn fold(&self, curve: usize, others: [usize; 2], u: f64) -> Fold {
+        let [c, d, e] = self.jet(curve, u);
+        let [r, s] = others.map(|o| self.jet(o, u)[0].clone().minus(&c));
+        Fold::new(&d, &e, [&r, &s])
     }
 
     /// Two curves that meet at their ends.

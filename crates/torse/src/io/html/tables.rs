@@ -300,7 +300,8 @@ pub(super) fn joins(report: &Report) -> String {
     let mut out = format!(
         "<section class=\"card\" id=\"joins\"><h2>{}</h2><p class=\"quiet\">Proven, the worst first.</p><div class=\"scroll\">\
          <table><thead><tr><th>Join</th><th>Between</th><th class=\"number\">Gap \u{2264}, mm</th>\
-         <th class=\"number\">Angle \u{2264}, degrees</th><th>Smooth</th><th>Certified</th></tr></thead><tbody>",
+         <th class=\"number\">Angle \u{2264}, degrees</th><th class=\"number\">Flat sides of a fold apart \u{2264}, mm</th>\
+         <th>Smooth</th><th>Certified</th></tr></thead><tbody>",
         counted(report.joins.len(), "join"),
     );
     for j in &report.joins {
@@ -308,13 +309,14 @@ pub(super) fn joins(report: &Report) -> String {
             if j.certified { "<span class=\"yes\">\u{2713} yes</span>" } else { "<span class=\"no\">no</span>" };
         let _ = write!(
             out,
-            "<tr><td>{}</td><td>{} \u{2013} {}</td><td class=\"number\">{}</td><td class=\"number\">{}</td><td>{}</td>\
-             <td class=\"verdict\">{certified}</td></tr>",
+            "<tr><td>{}</td><td>{} \u{2013} {}</td><td class=\"number\">{}</td><td class=\"number\">{}</td>\
+             <td class=\"number\">{}</td><td>{}</td><td class=\"verdict\">{certified}</td></tr>",
             j.number,
             escape(&j.between[0]),
             escape(&j.between[1]),
             upper(j.gap_bound),
             upper(j.angle_bound_deg),
+            j.fold_bound.map_or(String::new(), |b| upper(Some(b))),
             if j.smooth { "should be" } else { "" },
         );
     }

@@ -81,15 +81,16 @@ fn join_records(answer: &Answer) -> Vec<JoinRecord> {
     };
     let record = |(number, between, smooth): (usize, [String; 2], bool)| {
         let claim = |what: What| answer.claim(what);
-        let (gap, angle) = (claim(What::JoinGap(number)), claim(What::JoinAngle(number)));
+        let [gap, angle, fold] = [What::JoinGap, What::JoinAngle, What::FoldGap].map(|what| claim(what(number)));
         let broken = |c: &Option<&Claim>| c.is_some_and(Claim::is_broken);
         JoinRecord {
             number,
             between,
             gap_bound: gap.and_then(|c| finite(c.value())),
             angle_bound_deg: angle.and_then(|c| finite(c.value())),
+            fold_bound: fold.and_then(|c| finite(c.value())),
             smooth,
-            certified: !broken(&gap) && !broken(&angle),
+            certified: ![gap, angle, fold].iter().any(broken),
         }
     };
     let mut out: Vec<JoinRecord> = answer.notes.iter().filter_map(told).map(record).collect();

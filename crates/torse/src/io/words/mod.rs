@@ -30,6 +30,7 @@ pub fn name(claim: &Claim, curves: &[String]) -> String {
         What::TargetDistance(k) => format!("from target {k}"),
         What::JoinGap(k) => format!("gap of join {k}"),
         What::JoinAngle(k) => format!("angle along join {k}"),
+        What::FoldGap(k) => format!("distance of both sides of fold {k} laid flat"),
         What::SeamGap => "seam gap".into(),
         What::CarrierDistance => "distance of faces from the planes, cylinders and cones laid flat".into(),
         What::JointGap => "gap of joints inside flat parts".into(),
@@ -108,6 +109,7 @@ pub fn id(what: What) -> &'static str {
         What::TargetDistance(_) => "target_distance",
         What::JoinGap(_) => "join_gap",
         What::JoinAngle(_) => "join_angle",
+        What::FoldGap(_) => "fold_gap",
         What::SeamGap => "seam_gap",
         What::CarrierDistance => "carrier_distance",
         What::JointGap => "joint_gap",
@@ -201,6 +203,7 @@ pub fn unit(what: What) -> &'static str {
         | What::EdgeDistance
         | What::BeyondOutline
         | What::FromMeasured
+        | What::FoldGap(_)
         | What::TrimDistance
         | What::FirstRuling
         | What::LongestRuling

@@ -3,6 +3,7 @@
 use super::options::Options;
 use crate::answer::note::Note;
 use crate::certify::claim::{Claim, Subject, What};
+use crate::certify::flat::fold::fold_apart;
 use crate::certify::joints::{joint, Side};
 use crate::design::composite::{Composite, Edge, Join, Smoothness};
 use crate::reason::{JobReason, Reason};
@@ -29,7 +30,7 @@ struct Meeting {
 }
 
 /// Claims about gap and angle along every line that two pieces share, and notes that name them. Smooth joins are asked for
-/// their angle, all for their gap.
+/// their angle, folds for how far both sides are apart in the plane, all for their gap.
 pub(super) fn joins(composite: &Composite, strips: &[Strip], options: &Options) -> (Vec<Claim>, Vec<Note>) {
     let (mut claims, mut notes) = (Vec::new(), Vec::new());
     for (index, Meeting { places: [a, b], reversed }) in meetings(strips).into_iter().enumerate() {
@@ -44,6 +45,13 @@ pub(super) fn joins(composite: &Composite, strips: &[Strip], options: &Options) 
         let seen = found.seen.iter().map(|s| s.1).fold(0.0, f64::max);
         let reason = Reason::from(JobReason::JoinAngle { index, between: between.clone(), seen, limit });
         claims.push(if smooth { angle.within(limit.to_degrees()).because(reason) } else { angle });
+        if let Some(sides) = folds(composite, [a, b]) {
+            let [p, q] = [(a, sides[0]), (b, sides[1])].map(|(place, side)| (&strips[place.0], side));
+            let apart = fold_apart(p, q, options.tolerance);
+            let reason = JobReason::Fold { index, between: between.clone(), apart: apart.value() };
+            let claim = Claim::at_most(What::FoldGap(index), Subject::Whole, apart);
+            claims.push(claim.within(options.tolerance).because(Reason::from(reason)));
+        }
         notes.push(Note::Joint { index, between, gap: found.gap, angle: found.angle, smooth });
     }
     (claims, notes)
@@ -89,6 +97,14 @@ fn meetings(strips: &[Strip]) -> Vec<Meeting> {
         }
     }
     out
+}
+
+/// The rails of two pieces of which it is asked that they unfold to one sheet along them.
+fn folds(composite: &Composite, places: [Place; 2]) -> Option<[usize; 2]> {
+    let [(k, Which::Rail(side)), (_, Which::Rail(other))] = places else { return None };
+    let curve = composite.strips.get(k)?.sides.get(side)?;
+    let fold = |j: &Join| matches!(j, Join::Curve { curve: c, edge: Edge::Fold } if c == curve);
+    composite.joins.iter().any(fold).then_some([side, other])
 }
 
 /// Whether two pieces are asked to go on smoothly where they meet.

@@ -314,3 +314,55 @@ fn what_cannot_be_held_is_not_certified() {
     let told = answer.notes.iter().filter(stalled).count();
     assert_eq!(told, 2, "the first shape and the move, each once: {:?}", answer.notes);
 }
+
+/// Two strips beside a curve that is a crease; `fold` says that they unfold to one sheet.
+fn creased(far: [f64; 3], fold: bool) -> String {
+    let join = if fold { r#""joins": [ { "curve": "crease", "edge": "fold" } ],"# } else { "" };
+    let [y, z, rise] = far;
+    format!(
+        r#"{{ "unit": "mm",
+        "curves": [
+            {{ "name": "a", "through": [[0, -300, -120], [500, -330, -60], [1000, -300, -120]], "spans": 6 }},
+            {{ "name": "crease", "through": [[0, 0, 0], [500, -60, 60], [1000, 0, 0]], "spans": 6 }},
+            {{ "name": "b", "through": [[0, {y}, {z}], [500, {y}, {}], [1000, {y}, {z}]], "spans": 6 }} ],
+        "strips": [ {{ "name": "left", "sides": ["a", "crease"] }}, {{ "name": "right", "sides": ["crease", "b"] }} ],
+        {join}
+        "handles": [ {{ "curve": "a", "u": 0, "point": [0, -300, -120] }}, {{ "curve": "a", "u": 1, "point": [1000, -300, -120] }} ] }}"#,
+        z + rise
+    )
+}
+
+#[test]
+fn strips_along_a_fold_are_proven_to_unfold_to_one_sheet() {
+    let far = [300.0, -120.0, 30.0];
+    let answer = run(&creased(far, true)).expect("an answer");
+    assert_eq!(answer.status(), Certified::Certified, "{:?} {:?}", broken(&answer), answer.notes);
+    let apart = answer.claim(What::FoldGap(0)).expect("a claim");
+    assert!(apart.evidence() == Evidence::Proven && apart.value() < 0.05, "{apart:?}");
+    // It is folded, each strip has its own flat part, and the edges of these along the fold have one length.
+    let angle = answer.claim(What::JoinAngle(0)).expect("a claim").value();
+    assert!(angle > 5.0 && angle < 175.0, "{angle}");
+    assert_eq!((answer.patterns.len(), answer.parts.len()), (2, 2));
+    // The same strips without a fold need not fit together in the plane, and nobody asks.
+    let free = run(&creased(far, false)).expect("an answer");
+    assert!(free.claim(What::FoldGap(0)).is_none());
+    let strips: Vec<&crate::torse::strip::Strip> = free.patchwork.panels.iter().map(|p| &p.strip).collect();
+    let apart = crate::certify::flat::fold::fold_apart((strips[0], 1), (strips[1], 0), 0.05);
+    assert!(apart.value() > 1.0, "{apart:?}");
+}
+
+#[test]
+fn a_fold_that_cannot_be_is_named() {
+    // A roof: both slopes fall from a ridge that is held where it rises, so that the sheet would have to stretch there.
+    let ridge = creased([300.0, -127.0, 80.0], true).replace("[500, -60, 60]", "[500, 0, 80]");
+    let roof = ridge.replace("[500, -330, -60]", "[500, -300, -47]").replace("-120]", "-127]");
+    let held = roof.replace(
+        r#""handles": ["#,
+        r#""handles": [ { "curve": "crease", "u": 0, "point": [0, 0, 0] }, { "curve": "crease", "u": 1, "point": [1000, 0, 0] },
+            { "curve": "crease", "u": 0.5, "point": [500, 0, 80] }, { "curve": "b", "u": 0, "point": [0, 300, -127] },
+            { "curve": "b", "u": 1, "point": [1000, 300, -127] }, "#,
+    );
+    let answer = run(&held).expect("an answer");
+    let told = broken(&answer).join("; ");
+    assert!(answer.status() == Certified::Uncertified && told.contains("unfold to one sheet"), "{told}");
+}

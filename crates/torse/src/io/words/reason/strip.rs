@@ -204,6 +204,16 @@ pub(super) fn of_job(reason: &JobReason) -> String {
             seen.to_degrees(),
             limit.to_degrees()
         ),
+        JobReason::Fold { index, between: [a, b], apart } => {
+            let what = match apart.is_finite() {
+                true => format!("laid flat, both sides of the fold are up to {apart:.4} mm apart"),
+                false => "nothing is shown of how both sides of the fold lie in the plane".to_owned(),
+            };
+            format!(
+                "join {index}, {a} and {b}: {what}, so they do not unfold to one sheet; begin with curves nearer to such a \
+                 fold, give them more spans, or leave the fold out"
+            )
+        }
         JobReason::Target { index, file, apart, at, within, covered } => format!(
             "target {index}{}: {apart:.4} mm apart at ({:.1}, {:.1}, {:.1}), where {within} mm are allowed; give the curves \
              more spans, take more or narrower strips, hold less, or allow more by \"within\"{}",
