@@ -1,10 +1,11 @@
 //! Ruled strips over saddles, tori and surfaces of mixed curvature: from faces to what is proven, and what must be refused.
 
 use torse::brep::face::Face;
+use torse::brep::support_surface::SupportSurface;
 use torse::certify;
 use torse::certify::claim::{Evidence, Subject, What};
 use torse::control::Control;
-use torse::geom::Vec3;
+use torse::geom::{Frame, Vec3};
 use torse::io::words;
 use torse::patchwork::panel::{PanelForm, Patchwork};
 use torse::pipeline::ruled::{of_faces, RuledAnswer, RuledError};
@@ -207,4 +208,14 @@ fn lengths_that_are_none_are_refused() {
     for (tolerance, width) in [(-1.0, 100.0), (f64::NAN, 100.0), (1.0, 0.0)] {
         assert!(matches!(made(torus(), &with_width(tolerance, width)), Err(RuledError::Length { .. })));
     }
+}
+
+/// A cone up to its tip is developable: one strip on its own rulings, at coarse tolerances too.
+#[test]
+fn a_cone_up_to_its_tip_is_one_strip() {
+    let cone = SupportSurface::Cone { frame: Frame::world(), radius: 300.0, slope: -0.6 };
+    let whole = cone.to_spline((0.0, std::f64::consts::TAU), (0.0, 500.0)).expect("a surface").0;
+    let found = made(whole, &RuledOptions::new(10.0)).expect("an answer");
+    assert_eq!((found.answer.status(), found.answer.parts.len()), (Status::Certified, 1));
+    assert!(proven(&found) < 10.0);
 }

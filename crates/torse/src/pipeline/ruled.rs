@@ -21,6 +21,7 @@ use crate::patchwork::clip::ClippedRulings;
 use crate::patchwork::panel::{Panel, Patchwork};
 use crate::patchwork::part::Part;
 use crate::reason::{FaceReason, Reason};
+use crate::search::apex::{beside_apexes, Hair};
 use crate::search::ruled::ruled_face;
 use crate::search::trims::{trims_judged, TrimsJudged};
 use std::time::Instant;
@@ -121,6 +122,7 @@ pub fn of_faces(
     let bbox = BBox::of(boxes.iter().flat_map(|b| [&b.min, &b.max]));
     Loose::check(bbox.diagonal(), tolerance)?;
     let TrimsJudged { faces, missed, .. } = trims_judged(faces, tolerance);
+    let faces = beside_apexes(faces, Hair::FINE, tolerance);
     let (mut patchwork, mut certificates) = (Patchwork::default(), Vec::new());
     let (mut missing, mut map, mut directing, mut first) = (missed, Vec::new(), Vec::new(), None);
     let mut kink = 0.0f64;

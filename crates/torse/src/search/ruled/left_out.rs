@@ -66,6 +66,15 @@ pub(crate) enum LeftOut {
         /// Why.
         source: BoundaryError,
     },
+    /// Strips of which nothing is known.
+    #[error(
+        "{around}: strips were found, but nothing bounds how far they are from the face; cut it there into several faces, or \
+         allow a larger tolerance"
+    )]
+    Unbounded {
+        /// Which piece.
+        around: Around,
+    },
     /// Time ran out.
     #[error("{around}: ended early, before it had strips")]
     Stopped {

@@ -90,6 +90,10 @@ pub(crate) fn ruled_face(
         };
         done += piece.area;
         match result {
+            // Strips of which nothing is known take the bound of all others away. Where nothing is known of the trims, none has one.
+            Ok((_, certificate)) if rest.is_finite() && !certificate.deviation_bound.is_finite() => {
+                left.push((LeftOut::Unbounded { around: piece.around() }, piece.area));
+            }
             Ok((found, certificate)) => {
                 directing.extend(found.directing);
                 out.append(found.patchwork);
