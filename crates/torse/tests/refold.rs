@@ -1,9 +1,13 @@
 //! Results of the library's own jobs bent back and used to carry artwork.
 
 use std::collections::HashMap;
-use torse::geom::Vec3;
+use std::f64::consts::TAU;
+use torse::brep::face::Face;
+use torse::brep::support_surface::SupportSurface;
+use torse::geom::{Frame, Vec3};
 use torse::io::artwork::{read, Artwork};
 use torse::io::result_folder::FolderError;
+use torse::pipeline::approximate::of_faces;
 use torse::pipeline::map_artwork::{read_map, MapError, Side};
 use torse::pipeline::refold::refold;
 use torse::torse::rail::Rail;
@@ -46,6 +50,23 @@ fn a_cone_is_bent_back_onto_itself_and_written() {
     assert!(made.iter().any(|f| f.0 == "refolded.glb" && f.1.starts_with(b"glTF")));
     let json: serde_json::Value = serde_json::from_slice(&made[0].1).expect("a report");
     assert_eq!(json["schema"], "torse-refold/3");
+}
+
+/// Cones up to their tips, a quarter, three quarters and all of them: the tip is a corner of the flat part, about which the
+/// sheet turns, and of the whole one it points into the part.
+#[test]
+fn cones_up_to_their_tips_are_proven() {
+    let cone = SupportSurface::Cone { frame: Frame::world(), radius: 300.0, slope: -0.6 };
+    for turn in [0.25, 0.75, 1.0] {
+        let face = Face::untrimmed(cone.to_spline((0.0, TAU * turn), (0.0, 500.0)).expect("a surface").0);
+        let options = torse::Approximate::new(0.5);
+        let mut answer = of_faces(vec![face], Vec::new(), &options, &Control::default()).expect("a panel");
+        let files: Files = torse::files(&mut answer, "2026-01-31T12:00:00").expect("files").into_iter().collect();
+        let answer = refold(&|n| files.get(n).cloned()).expect("an answer");
+        let p = &answer.report().parts[0];
+        assert!(p.matched_estimate < 0.02, "{turn} {p:?}");
+        assert!(p.distance_bound.is_some_and(|b| b >= p.distance_estimate && b < 0.1), "{turn} {p:?}");
+    }
 }
 
 /// A bracket has several panels: each has a bound of its own.

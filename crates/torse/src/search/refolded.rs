@@ -82,12 +82,15 @@ pub(crate) fn distance_bounds(
     let mut found: Vec<Option<Result<UpperBound, NotRefolded>>> = vec![None; atlas.sheets.len()];
     for leaf in &refolded.leaves {
         let ribbon = fine(&leaf.ribbon, motion, &joints(&leaf.ribbon, atlas));
-        let lines = leaf.loops.iter().map(|l| lifted(&ribbon, l)).collect::<Option<Vec<_>>>();
+        let tip = Tip::of(part, &ribbon, atlas);
+        let lines = leaf.loops.iter().map(|l| lifted(&ribbon, l, tip.as_ref())).collect::<Option<Vec<_>>>();
         for (range, sheet) in stretches(part, leaf, &ribbon, atlas) {
             let one = match &lines {
                 // A panel in two places has no one border.
                 Some(_) if found[sheet].is_some() => Err(NotRefolded::Several),
-                Some(lines) => judged(&ribbon, lines, range, (part, atlas, sheet)).map_err(NotRefolded::from),
+                Some(lines) => {
+                    judged(&ribbon, lines, range, (part, atlas, sheet), tip.as_ref()).map_err(NotRefolded::from)
+                }
                 None => Err(NotRefolded::Beyond),
             };
             found[sheet] = Some(one);
@@ -157,43 +160,124 @@ const APART: f64 = 1e-6;
 /// Parts of one span at most.
 const MOST: f64 = 4096.0;
 
-/// A closed polygon of the plane on the rulings: pieces from ruling to ruling, without their borders.
-fn lifted(ribbon: &Ribbon, polygon: &[Vec2]) -> Option<Vec<Piece>> {
+/// The tip of a cone in the plane, where rulings have no places: outlines go around it.
+struct Tip {
+    at: Vec2,
+    /// How far from it they keep, mm.
+    around: f64,
+}
+
+impl Tip {
+    /// Where all rulings of a part on one panel meet.
+    fn of(part: &FlatPart, ribbon: &Ribbon, atlas: &Atlas) -> Option<Self> {
+        let [sheet] = &atlas.sheets[..] else { return None };
+        let size = part.size();
+        let meet = |s: &Span| {
+            let (pose, rates) = (&s.flat, &s.in_plane);
+            pose.at.xy() - pose.ruling().xy() * (rates.across / rates.spin)
+        };
+        let at = meet(ribbon.spans.get(ribbon.spans.len() / 2)?);
+        let all = ribbon.spans.iter().all(|s| (meet(s) - at).norm() <= ONE_POINT * size);
+        let corners = sheet.panel.loops.iter().flatten();
+        // Panels end a hair before their tips.
+        let hair = corners.map(|uv| (atlas.flat(&OnPanel { sheet: 0, uv: *uv, off: 0.0 }) - at).norm());
+        let around = (ROOM * hair.fold(f64::INFINITY, f64::min)).max(ONE_POINT * size);
+        (all && around < SHORT * size).then_some(Self { at, around })
+    }
+
+    /// The way on the ruling at a place that is as far from the tip as outlines keep, on the side of another way.
+    fn way(&self, ribbon: &Ribbon, t: f64, like: f64) -> f64 {
+        let pose = ribbon.flat(t);
+        let tip = (self.at - pose.at.xy()).dot(&pose.ruling().xy());
+        tip + self.around * (like - tip).signum()
+    }
+
+    /// The corners of a polygon from the first one behind the tip to the last one before it, and those between these beside the
+    /// tip; `None` where there are not one run of each.
+    fn split(&self, polygon: &[Vec2]) -> Option<(Vec<Vec2>, Vec<Vec2>)> {
+        let near = |q: &Vec2| (q - self.at).norm() <= self.around;
+        let n = polygon.len();
+        let first = (0..n).find(|&k| near(&polygon[(k + n - 1) % n]) && !near(&polygon[k]))?;
+        let turned: Vec<Vec2> = (0..n).map(|k| polygon[(first + k) % n]).collect();
+        let count = turned.iter().take_while(|q| !near(q)).count();
+        turned[count..].iter().all(near).then(|| (turned[..count].to_vec(), turned[count..].to_vec()))
+    }
+}
+
+/// Share of the size of a part within which rulings meet in one point, and least way around it.
+const ONE_POINT: f64 = 1e-6;
+/// Way around a tip, in lengths of what a panel leaves of it.
+const ROOM: f64 = 1.5;
+
+/// A place on a ribbon, and on the drawing.
+type Seen = (f64, f64, Vec2);
+
+/// Pieces from ruling to ruling through places that follow each other.
+fn pieces(places: &[Seen], end: f64) -> impl Iterator<Item = Piece> + '_ {
+    places.windows(2).map(move |pair| {
+        let ((t, v, p), (u, w, q)) = (pair[0], pair[1]);
+        let span = (0.5 * (t + u)).floor().clamp(0.0, end - 1.0);
+        let ends = [[(t - span).clamp(0.0, 1.0), v], [(u - span).clamp(0.0, 1.0), w]];
+        Piece { span: span as usize, ends, border: [0.0; 2], drawn: Some([p, q]) }
+    })
+}
+
+/// Rulings between two places, in the order from one to the other.
+fn crossed(t: f64, u: f64) -> Vec<f64> {
+    let (low, high) = (t.min(u), t.max(u));
+    let mut out: Vec<f64> = (low.floor() as usize + 1..).map(|k| k as f64).take_while(|x| *x < high).collect();
+    if u < t {
+        out.reverse();
+    }
+    out
+}
+
+/// A closed polygon of the plane on the rulings: pieces from ruling to ruling, without their borders; around the tip of a
+/// cone, if it has one.
+fn lifted(ribbon: &Ribbon, polygon: &[Vec2], tip: Option<&Tip>) -> Option<Vec<Piece>> {
     let end = ribbon.end();
-    let spots: Vec<(f64, f64)> = polygon
+    let split = tip.and_then(|tip| Some((tip, tip.split(polygon)?)));
+    let corners = split.as_ref().map_or(polygon, |s| &s.1 .0);
+    let spots: Vec<Seen> = corners
         .iter()
         .map(|q| {
             let spot = ribbon.locate(q)?;
             let near = (-BEYOND..=end + BEYOND).contains(&spot.t);
-            near.then_some((spot.t.clamp(0.0, end), spot.v))
+            near.then_some((spot.t.clamp(0.0, end), spot.v, *q))
         })
         .collect::<Option<_>>()?;
     let mut out = Vec::with_capacity(2 * polygon.len());
-    for k in 0..polygon.len() {
-        let (a, b) = (k, (k + 1) % polygon.len());
-        let (from, to) = (polygon[a], polygon[b]);
-        let ((t, v), (u, w)) = (spots[a], spots[b]);
-        // Places where the side crosses rulings.
-        let (low, high) = (t.min(u), t.max(u));
-        let mut crossed: Vec<f64> = (low.floor() as usize + 1..).map(|k| k as f64).take_while(|x| *x < high).collect();
-        if u < t {
-            crossed.reverse();
-        }
-        let mut places = vec![(t, v, from)];
-        for x in crossed {
+    let sides = if split.is_some() { spots.len() - 1 } else { spots.len() };
+    for k in 0..sides {
+        let (first, last) = (spots[k], spots[(k + 1) % spots.len()]);
+        let ((t, _, from), (u, _, to)) = (first, last);
+        let mut places = vec![first];
+        for x in crossed(t, u) {
             let pose = ribbon.flat(x);
             let side = |q: &Vec2| (q - pose.at.xy()).dot(&pose.across().xy());
             let (p, q) = (side(&from), side(&to));
             let at = from + (to - from) * (p / (p - q)).clamp(0.0, 1.0);
             places.push((x, (at - pose.at.xy()).dot(&pose.ruling().xy()), at));
         }
-        places.push((u, w, to));
-        for pair in places.windows(2) {
-            let ((t, v, p), (u, w, q)) = (pair[0], pair[1]);
-            let span = (0.5 * (t + u)).floor().clamp(0.0, end - 1.0);
-            let ends = [[(t - span).clamp(0.0, 1.0), v], [(u - span).clamp(0.0, 1.0), w]];
-            out.push(Piece { span: span as usize, ends, border: [0.0; 2], drawn: Some([p, q]) });
+        places.push(last);
+        out.extend(pieces(&places, end));
+    }
+    if let Some((tip, (_, beside))) = split {
+        // To the tip, from ruling to ruling beside it, and back.
+        let (before, behind) = (*spots.last()?, *spots.first()?);
+        let way = |t: f64| tip.way(ribbon, t, before.1);
+        let mut drawn = beside.iter().copied();
+        let mut at = drawn.next()?;
+        let mut places = vec![before, (before.0, way(before.0), at)];
+        for x in crossed(before.0, behind.0) {
+            at = drawn.next().unwrap_or(at);
+            places.push((x, way(x), at));
         }
+        // What is left of the corners beside the tip lies at its last ruling.
+        places.extend(drawn.map(|q| (behind.0, way(behind.0), q)));
+        places.push((behind.0, way(behind.0), *beside.last()?));
+        places.push(behind);
+        out.extend(pieces(&places, end));
     }
     Some(out)
 }
@@ -234,12 +318,13 @@ fn judged(
     lines: &[Vec<Piece>],
     range: std::ops::Range<usize>,
     (part, atlas, sheet): (&FlatPart, &Atlas, usize),
+    tip: Option<&Tip>,
 ) -> Result<UpperBound, Unshown> {
     let panel = &atlas.sheets[sheet].panel;
     let mut own = cut(lines, &range)?;
     own.iter_mut().flatten().for_each(|p| p.span -= range.start);
     let spans = &ribbon.spans[range];
-    let places = places(spans, &own, (atlas, sheet));
+    let places = places(spans, &own, (atlas, sheet), tip);
     // Borders are compared where both directions of the patch are about as long as in space.
     let ((u0, u1), (v0, v1)) = panel.surface.domain();
     let jet = panel.surface.jet(0.5 * (u0 + u1), 0.5 * (v0 + v1));
@@ -357,7 +442,7 @@ fn nearest(polygon: &[Vec2], q: &Vec2) -> (f64, f64) {
 }
 
 /// Where the rulings of spans are on their panel: by the flat image of two of their points.
-fn places(spans: &[Span], lines: &[Vec<Piece>], (atlas, sheet): (&Atlas, usize)) -> Vec<Along> {
+fn places(spans: &[Span], lines: &[Vec<Piece>], (atlas, sheet): (&Atlas, usize), tip: Option<&Tip>) -> Vec<Along> {
     let n = spans.len();
     let mut reach = vec![[f64::INFINITY, f64::NEG_INFINITY]; n + 1];
     for p in lines.iter().flatten() {
@@ -377,6 +462,11 @@ fn places(spans: &[Span], lines: &[Vec<Piece>], (atlas, sheet): (&Atlas, usize))
         if b.is_nan() || a.is_nan() || b - a < SHORT * size {
             let middle = if a.is_finite() { 0.5 * (a + b) } else { 0.0 };
             (a, b) = (middle - 0.5 * SHORT * size, middle + 0.5 * SHORT * size);
+        }
+        // Beside a tip the least shift of the drawing is another ruling.
+        if let Some(t) = tip.map(|tip| (tip.at - pose.at.xy()).dot(&pose.ruling().xy())) {
+            let far = if (a - t).abs() > (b - t).abs() { a } else { b };
+            (a, b) = (far, 0.5 * (far + t));
         }
         let [p, q] = [a, b].map(|v| atlas.on_sheet(sheet, &pose.point(v, 0.0).xy()));
         let slope = [0, 1].map(|d: usize| (q[d] - p[d]) / (b - a));

@@ -115,6 +115,10 @@ const SEEDS: (usize, usize) = (40, 8);
 const STEPS: usize = 30;
 /// Share of a panel's parameters by which differences for derivatives are taken: the root of rounding's share.
 const DIFFERENCE: f64 = 1e-6;
+/// Share of a patch by which places may lie beyond it.
+const MARGIN: f64 = 0.05;
+/// Seeds from which places on a patch are looked for where the nearest leads beyond it.
+const STARTS: usize = 8;
 /// Share of the size below which places have been found.
 const FOUND: f64 = 1e-13;
 /// Ratio of the moments of inertia from which on a part has a direction.
@@ -181,14 +185,32 @@ impl Sheet {
         self.own.apply(&p)
     }
 
-    /// Parameters whose image is nearest to a point, and how far it is.
+    /// Parameters whose image is nearest to a point, and how far it is; those on the patch where there are some: beside an apex
+    /// places beyond the patch have the same images.
     fn inverse(&self, q: &Vec2, size: f64) -> ([f64; 2], f64) {
-        let near = self.seeds.iter().min_by(|a, b| (a.1 - q).norm_squared().total_cmp(&(b.1 - q).norm_squared()));
-        let Some(&(mut uv, _)) = near else { return ([0.0; 2], f64::INFINITY) };
+        let far = |s: &([f64; 2], Vec2)| (s.1 - q).norm_squared();
+        let ((u0, u1), (v0, v1)) = self.panel.surface.domain();
+        let on_patch = |uv: [f64; 2]| uv[0] >= u0 && uv[0] <= u1 && uv[1] >= v0 && uv[1] <= v1;
+        let found = |(uv, off): ([f64; 2], f64)| on_patch(uv) && off <= FOUND * size;
+        let Some(&(near, _)) = self.seeds.iter().min_by(|a, b| far(a).total_cmp(&far(b))) else {
+            return ([0.0; 2], f64::INFINITY);
+        };
+        // A little beyond the patch its last pieces go on; far beyond they mean nothing.
+        let first = self.followed(q, near, (size, MARGIN));
+        if found(first) {
+            return first;
+        }
+        let mut seeds: Vec<_> = self.seeds.iter().collect();
+        seeds.sort_by(|a, b| far(a).total_cmp(&far(b)));
+        let on = seeds.iter().take(STARTS).map(|s| self.followed(q, s.0, (size, 0.0))).find(|f| found(*f));
+        on.unwrap_or(first)
+    }
+
+    /// Newton's method towards a point from given parameters, which keep to the patch and a share of it beyond.
+    fn followed(&self, q: &Vec2, mut uv: [f64; 2], (size, margin): (f64, f64)) -> ([f64; 2], f64) {
         let ((u0, u1), (v0, v1)) = self.panel.surface.domain();
         let h = [DIFFERENCE * (u1 - u0), DIFFERENCE * (v1 - v0)];
-        // A little beyond the patch its last pieces go on; far beyond they mean nothing.
-        let (du, dv) = (0.05 * (u1 - u0), 0.05 * (v1 - v0));
+        let (du, dv) = (margin * (u1 - u0), margin * (v1 - v0));
         let mut best = (uv, f64::INFINITY);
         for _ in 0..STEPS {
             let off = q - self.own_flat(uv);

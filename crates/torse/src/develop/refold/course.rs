@@ -6,7 +6,7 @@
 //! circular cone. More: the page on refolding in `docs/algorithms`.
 
 use super::drawn::FlatPart;
-use super::family::{reach_near, Family};
+use super::family::Family;
 use super::leaf::{Leaf, Refolded};
 use super::lines::{check, order, whole_lines, Whole};
 use super::RefoldError;
@@ -89,7 +89,7 @@ impl Family {
             let n = counts[k] as usize;
             for i in 0..n {
                 let t = k as f64 + i as f64 / n as f64;
-                like = reach_near(part, &self.ruling(t).0, like).unwrap_or(like);
+                like = self.reach_at(part, t, like).unwrap_or(like);
                 places.push((t, like));
             }
         }
@@ -116,7 +116,7 @@ impl Family {
         let mut out = Vec::new();
         for k in 1..=most {
             let t = from + step * k as f64;
-            let found = reach_near(part, &self.ruling(t).0, like);
+            let found = self.reach_at(part, t, like);
             let regular = self.is_regular(part, t, like);
             like = found.unwrap_or(like);
             out.push((t, like));

@@ -15,6 +15,10 @@ use crate::torse::ribbon::pose::{Pose, Rates};
 const LESS: [f64; 4] = [1.0, 0.7, 0.4, 0.2];
 /// Least distance of neighbouring rulings there, as a share of that in the middle.
 const LEAST_SPEED: f64 = 0.15;
+/// Share of the part's size within which a corner of the outline is the point where rulings meet.
+const TIP: f64 = 1e-4;
+/// Share of the part's size below which a ruling only touches the part.
+const TOUCHES: f64 = 1e-6;
 
 /// The family of rulings between and beyond the lines drawn: line k has the place k.
 pub(super) struct Family {
@@ -26,28 +30,62 @@ pub(super) struct Family {
     tail: [[f64; 3]; 2],
     /// Where the first and last line are, along themselves, from the foot of the origin.
     pub reach: [[f64; 2]; 2],
-    /// Middle of the part.
+    /// A point from which rulings are told: the tip of a cone, else the middle of the part.
     pub origin: Vec2,
+    /// Where the rulings beside the first and last line meet in a corner of the outline, if they do: the tip of a cone or fan.
+    tips: [Option<Vec2>; 2],
 }
 
 impl Family {
-    /// The family through lines, at least two.
+    /// The family through lines, at least two: about the tip in which they all meet, if they do, else about the middle of the part.
     pub fn through(part: &FlatPart, lines: &[Whole]) -> Self {
         let (lo, hi) = bounds(&part.loops);
-        let origin = (lo + hi) * 0.5;
+        let out = Self::about(part, lines, (lo + hi) * 0.5);
+        match out.tips {
+            [Some(p), Some(q)] if (q - p).norm() <= TOUCHES * part.size() => Self::about(part, lines, (p + q) * 0.5),
+            _ => out,
+        }
+    }
+
+    fn about(part: &FlatPart, lines: &[Whole], origin: Vec2) -> Self {
         let between = |w: &[Whole]| {
             let [a, b] = [w[0].side(true), w[1].side(false)];
             Between::new(&a, &b, w[1].turned[0] - w[0].turned[1], origin)
         };
         let stretches = lines.windows(2).map(between).collect();
-        let mut out = Self { stretches, beyond: [0.0; 2], tail: [[0.0; 3]; 2], reach: [[0.0; 2]; 2], origin };
+        let mut out =
+            Self { stretches, beyond: [0.0; 2], tail: [[0.0; 3]; 2], reach: [[0.0; 2]; 2], origin, tips: [None; 2] };
         let foot = |l: &Whole| l.way.dot(&(l.at - origin));
         let reach = |l: &Whole| l.reach.map(|v| v + foot(l));
         if let (Some(first), Some(last)) = (lines.first(), lines.last()) {
             out.reach = [reach(first), reach(last)];
         }
+        out.tips = [0.0, out.last()].map(|t| out.tip(part, t));
         out.settle_ends(part);
         out
+    }
+
+    /// Where the ruling at a place meets its neighbours, if a corner of the outline lies there.
+    fn tip(&self, part: &FlatPart, t: f64) -> Option<Vec2> {
+        let (pose, spin, across) = self.ruling(t);
+        let meet = pose.at.xy() - pose.ruling().xy() * (across / spin);
+        let near = part.loops.iter().flatten().min_by(|p, q| (*p - meet).norm().total_cmp(&(*q - meet).norm()))?;
+        ((near - meet).norm() <= TIP * part.size()).then_some(meet)
+    }
+
+    /// The stretch inside the part of the ruling at a place, on its own side of the tip if there is one, that goes on from
+    /// the stretch of a ruling beside it; `None` where it only touches the part.
+    pub fn reach_at(&self, part: &FlatPart, t: f64, like: [f64; 2]) -> Option<[f64; 2]> {
+        let (pose, spin, _) = self.ruling(t);
+        let tip = self.tips[usize::from(2.0 * t > self.last())];
+        let end = tip.map(|tip| pose.ruling().xy().dot(&(tip - pose.at.xy())));
+        let side = |[a, b]: [f64; 2]| match end {
+            Some(v) if spin > 0.0 => [a.max(v), b],
+            Some(v) if spin < 0.0 => [a, b.min(v)],
+            _ => [a, b],
+        };
+        let found = side(reach_near(part, &pose, side(like))?);
+        (found[1] - found[0] > TOUCHES * part.size()).then_some(found)
     }
 
     /// How far the outermost cubics go on: half an interval, or not at all where rulings would cross in the part.
@@ -69,7 +107,7 @@ impl Family {
         let (value, slope) = self.coordinates(t);
         let norm = value[0].hypot(value[1]);
         let (pose, spin, across) = self.ruling(t);
-        let Some(reach) = reach_near(part, &pose, self.reach[usize::from(sign > 0.0)]) else { return slope };
+        let Some(reach) = self.reach_at(part, t, self.reach[usize::from(sign > 0.0)]) else { return slope };
         // What is left of the part beyond the ruling.
         let chord = reach.map(|v| pose.point(v, 0.0).xy());
         let rest = cut(&part.loops, &[chord]).into_iter().filter(|r| r.chords.contains(&(0, sign > 0.0)));
@@ -80,12 +118,15 @@ impl Family {
         if speed.is_nan() || speed <= 0.0 || left.is_empty() {
             return if left.is_empty() { slope } else { [0.0, 0.0, norm * across.abs().max(spin.abs())] };
         }
+        let tip = self.tips[usize::from(sign > 0.0)];
+        if tip.is_some() {
+            return slope_through(&pose, spin, speed - middle * spin, norm);
+        }
         for share in LESS {
             let turn = spin * share;
             let here = speed - middle * turn;
             if left.iter().all(|v| here + v * turn >= LEAST_SPEED * speed) {
-                let way = pose.ruling();
-                return [-turn * norm * way.x, -turn * norm * way.y, here * norm];
+                return slope_through(&pose, turn, here, norm);
             }
         }
         [0.0, 0.0, speed * norm]
@@ -93,9 +134,14 @@ impl Family {
 
     /// Whether rulings beside a place do not cross in the part.
     pub fn is_regular(&self, part: &FlatPart, t: f64, like: [f64; 2]) -> bool {
-        let (pose, spin, across) = self.ruling(t);
-        let reach = reach_near(part, &pose, like);
-        reach.is_none_or(|r| r.iter().all(|v| across + v * spin > 0.0))
+        let (_, spin, across) = self.ruling(t);
+        let reach = self.reach_at(part, t, like);
+        // At a tip neighbours meet, up to rounding.
+        let slack = match self.tips[usize::from(2.0 * t > self.last())] {
+            Some(_) => TIP * part.size() * spin.abs(),
+            None => 0.0,
+        };
+        reach.is_none_or(|r| r.iter().all(|v| across + v * spin > -slack))
     }
 
     /// Place of the last line, or of the end of the only stretch.
@@ -136,8 +182,14 @@ impl Family {
     }
 }
 
+/// How coordinates of this `norm` change where a ruling spins, and its own point moves across.
+fn slope_through(pose: &Pose, spin: f64, across: f64, norm: f64) -> [f64; 3] {
+    let way = pose.ruling();
+    [-spin * norm * way.x, -spin * norm * way.y, across * norm]
+}
+
 /// The stretches inside the part of a ruling that go on from those of a ruling beside it, as one.
-pub(super) fn reach_near(part: &FlatPart, pose: &Pose, like: [f64; 2]) -> Option<[f64; 2]> {
+fn reach_near(part: &FlatPart, pose: &Pose, like: [f64; 2]) -> Option<[f64; 2]> {
     let cuts = crossings(&part.loops, &pose.at.xy(), &pose.ruling().xy());
     let near = cuts.chunks_exact(2).filter(|c| c[0].max(like[0]) <= c[1].min(like[1]));
     near.map(|c| [c[0], c[1]]).reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])

@@ -169,7 +169,10 @@ fn of_face(body: &Body, piece: &Piece, placed: &Placed, (thickness, facets): (f6
     let count = match kind {
         BendKind::Rolled => {
             // Breadth across the rulings: area over the length of the middle ruling.
-            let middle = placed.chart.rulings(1).into_iter().flat_map(|r| region.line(&r.at, &r.way));
+            let middle = placed.chart.rulings(1).into_iter().flat_map(|r| {
+                let own = move |l| r.on_own_side(l);
+                region.line(&r.at, &r.way).into_iter().filter_map(own)
+            });
             let breadth = region.area().abs() / middle.map(|[a, b]| (b - a).norm()).sum::<f64>();
             let asked = facets.map_or(turn / STEP, |f| f.needed(turn, breadth, turn));
             ((asked - HAIR).ceil() as usize).clamp(1, MOST_LINES)
@@ -184,7 +187,7 @@ fn of_face(body: &Body, piece: &Piece, placed: &Placed, (thickness, facets): (f6
     for r in &rulings {
         let half = if r.hollow { 0.5 * r.angle } else { -0.5 * r.angle };
         turned += half;
-        for l in region.line(&r.at, &r.way) {
+        for l in region.line(&r.at, &r.way).into_iter().filter_map(|l| r.on_own_side(l)) {
             let radii = if cylinder { [inside_radius; 2] } else { l.map(|p| r.radius_at(&p)) };
             bends.push(Bend { turned, ..Bend::of(sense(r.hollow), r.angle, radii) });
             lines.push(l.map(|p| placed.motion.apply(&p)));

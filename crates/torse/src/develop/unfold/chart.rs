@@ -91,9 +91,31 @@ pub struct FlatRuling {
 impl FlatRuling {
     /// Radius of curvature at a point of the ruling, mm.
     pub fn radius_at(&self, p: &Vec2) -> f64 {
-        (self.radius + self.rise * self.way.dot(&(p - self.at))).abs()
+        self.signed_radius(p).abs()
+    }
+
+    fn signed_radius(&self, p: &Vec2) -> f64 {
+        self.radius + self.rise * self.way.dot(&(p - self.at))
+    }
+
+    /// The part of a stretch of the ruling that is on the ruling's own side of the point where neighbours meet: a line through
+    /// the apex of a fan of more than half a turn comes out on its other side. `None` where nothing is left.
+    pub fn on_own_side(&self, stretch: [Vec2; 2]) -> Option<[Vec2; 2]> {
+        let own = if self.radius == 0.0 { self.rise.signum() } else { self.radius.signum() };
+        let radii = stretch.map(|p| own * self.signed_radius(&p));
+        let [a, b] = radii;
+        let reach = a.abs().max(b.abs());
+        if a.max(b) <= AT_APEX * reach {
+            return None;
+        }
+        let meet = stretch[0] + (stretch[1] - stretch[0]) * (a / (a - b));
+        let kept = |k: usize| if radii[k] < -AT_APEX * reach { meet } else { stretch[k] };
+        Some([kept(0), kept(1)])
     }
 }
+
+/// Radius at an apex, as a share of the greatest along a ruling: rounding.
+const AT_APEX: f64 = 1e-9;
 
 /// Places in the table of angles, enough that turns cannot be mistaken.
 const PLACES: usize = 96;
@@ -438,5 +460,28 @@ impl Ruled {
         let state = if s > at { self.step(before, at, s).unwrap_or(before) } else { before };
         let reach = self.line(s).map_or(0.0, |l| (x - l.p).dot(&l.w));
         state.base + Vec2::new(state.turn.cos(), state.turn.sin()) * reach
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rulings_end_where_neighbours_meet() {
+        let ruling = |at: f64, radius: f64| FlatRuling {
+            at: Vec2::new(at, 0.0),
+            way: Vec2::x(),
+            angle: 0.1,
+            hollow: false,
+            radius,
+            rise: 0.6,
+        };
+        let stretch = |a: f64, b: f64| [Vec2::new(a, 0.0), Vec2::new(b, 0.0)];
+        // Of a cone about the origin that is wider than half a turn, both ends of the line are in the part.
+        assert_eq!(ruling(0.0, 0.0).on_own_side(stretch(-90.0, 100.0)), Some(stretch(0.0, 100.0)));
+        assert_eq!(ruling(0.0, 0.0).on_own_side(stretch(100.0, -90.0)), Some(stretch(100.0, 0.0)));
+        assert_eq!(ruling(0.0, 0.0).on_own_side(stretch(-90.0, -20.0)), None);
+        assert_eq!(ruling(50.0, 30.0).on_own_side(stretch(20.0, 80.0)), Some(stretch(20.0, 80.0)));
     }
 }
