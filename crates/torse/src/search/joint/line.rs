@@ -88,6 +88,17 @@ pub(super) struct Line {
     pub length: f64,
 }
 
+/// How wide a strip should be at a point of one of its lines.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Width {
+    pub line: usize,
+    pub point: usize,
+    /// 0 on the left of the line, 1 on its right.
+    pub side: usize,
+    /// mm.
+    pub wanted: f64,
+}
+
 /// Knots of slides over [0, 1].
 pub(super) fn slide_knots() -> Option<Knots> {
     Knots::uniform(3, SLIDES - 3, 0.0, 1.0).ok()

@@ -33,6 +33,7 @@ use crate::spline::curve::Curve;
 use crate::torse::form::Torse;
 use edge::{Edge, Junction};
 use line::Line;
+pub(crate) use network::Further;
 use network::Network;
 pub(crate) use start::whole_borders;
 use std::collections::BTreeSet;
@@ -46,17 +47,6 @@ const POLISHINGS: usize = 2;
 /// See [`POLISHINGS`].
 const MOST: f64 = 0.97;
 
-/// A place on the face where a panel was too far away.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Further {
-    /// Label of the panel.
-    pub label: u32,
-    /// Parameters on the face.
-    pub uv: [f64; 2],
-    /// What its distance counts: the tolerance over what is left of it there.
-    pub counts: f64,
-}
-
 /// What is asked of strips that are to meet.
 #[derive(Clone, Copy)]
 pub(crate) struct Asked<'a> {
@@ -64,6 +54,9 @@ pub(crate) struct Asked<'a> {
     pub held: &'a dyn Fn([u32; 2]) -> bool,
     /// Labels whose strips stay as they are, and their borders too.
     pub without: &'a BTreeSet<u32>,
+    /// Share of what keeps a strip away from its regression curve that steps may expect to be left: patches need room between
+    /// their region and that curve.
+    pub regular: f64,
     /// mm.
     pub tolerance: f64,
 }

@@ -2,21 +2,16 @@
 
 use super::columns::Columns;
 use super::form::{Band, Foot};
-use super::line::{slide_functions, slide_knots, End, Line, LinePoint, Middle, POINTS, SLIDES};
+use super::line::{slide_functions, slide_knots, End, Line, LinePoint, Middle, Width, POINTS, SLIDES};
 use super::strip::{Rulings, Strip};
-use super::width::Width;
-use super::Further;
 use crate::brep::face::Face;
 use crate::geom::Vec3;
 use crate::torse::form::Torse;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 
-/// Share of its first value below which steps may not expect the least regularity of a strip to fall: patches need room between
-/// their region and their regression curve. With 0.15 distances became no smaller, and strips were refused; with 0.9 the hull
-/// at 5 mm loses a strip, with none lower than what it leads to (see [`LOST`]) the hull at 2 mm finds no step.
-const REGULAR: f64 = 1.0;
-/// The share below which feet are lost: what steps lead to differs a little from what they expect.
+/// Share of the least regularity of a strip to begin with below which feet are lost: what steps lead to differs a little from
+/// what they expect. With 0.93 the hull at 2 mm finds no step, with 0.15 distances became no smaller.
 const LOST: f64 = 0.85;
 /// Lines may slide by this share of the median half width per unit.
 pub(super) const UNIT: f64 = 0.05;
@@ -43,6 +38,19 @@ pub(super) struct Member {
     /// Sign of the regularity, and its least size to begin with.
     pub sense: f64,
     pub least: f64,
+    /// Share of that which steps may expect to be left.
+    pub regular: f64,
+}
+
+/// A place on the face where a panel was too far away.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Further {
+    /// Label of the panel.
+    pub label: u32,
+    /// Parameters on the face.
+    pub uv: [f64; 2],
+    /// What its distance counts: the tolerance over what is left of it there.
+    pub counts: f64,
 }
 
 /// A point of the face.
@@ -99,7 +107,7 @@ impl Member {
     /// What is left of the least regularity of the strip at a foot, as a share of that to begin with, and the sign with
     /// which it counts.
     pub fn room(&self, foot: &Foot) -> (f64, f64) {
-        (foot.regular * self.sense / self.least - REGULAR, self.sense / self.least)
+        (foot.regular * self.sense / self.least - self.regular, self.sense / self.least)
     }
 
     /// The way (mm) along the strip from the foot of a point, in whose direction `up` the panel ends, to that end: along the

@@ -47,14 +47,17 @@ fn network_of_others<'a>(
     asked: &Asked,
     without: &BTreeSet<u32>,
 ) -> Result<Network<'a>, Vec<u32>> {
-    let &Asked { held, tolerance, .. } = asked;
+    let &Asked { held, tolerance, regular, .. } = asked;
     let mut labels: Vec<u32> = state.partition.distinct_labels();
     labels.retain(|l| !without.contains(l));
     let index: BTreeMap<u32, usize> = labels.iter().enumerate().map(|(k, &l)| (l, k)).collect();
     let (lines, vertices) = lines(face, state, chains, &index, held, tolerance).ok_or_else(Vec::new)?;
     let given = given(face, state, &index);
     let places: Vec<Vec<Place>> = (0..labels.len()).map(|k| places(k, &given, &lines)).collect();
-    let of_label = |k: usize| member(labels[k], &state.panels.get(&labels[k])?.torse, &places[k], tolerance);
+    let of_label = |k: usize| {
+        let torse = &state.panels.get(&labels[k])?.torse;
+        Some(Member { regular, ..member(labels[k], torse, &places[k], tolerance)? })
+    };
     let members: Vec<Option<Member>> = (0..labels.len()).into_par_iter().map(of_label).collect();
     let lost: Vec<u32> = members.iter().zip(&labels).filter(|m| m.0.is_none()).map(|m| *m.1).collect();
     if !lost.is_empty() {
@@ -169,7 +172,7 @@ impl Start {
         let sizes = feet.iter().map(|f| f.regular.abs());
         let (least, most) = sizes.fold((f64::INFINITY, 0.0_f64), |(a, b), r| (a.min(r), b.max(r)));
         let is_inflected = matches!(strip, Strip::Planes(_)) && least < INFLECTED * most;
-        Some(Self { member: Member { label, strip, side, sense, least }, feet, is_inflected })
+        Some(Self { member: Member { label, strip, side, sense, least, regular: 1.0 }, feet, is_inflected })
     }
 }
 

@@ -3,7 +3,7 @@
 
 use super::columns::Columns;
 use super::form::Tie;
-use super::line::{slide_functions, LinePoint, POINTS};
+use super::line::{slide_functions, LinePoint, Width, POINTS};
 use super::network::{median, Network};
 use crate::geom::Vec3;
 use crate::spline::knots::Knots;
@@ -27,17 +27,6 @@ struct Across {
     way: Vec3,
     /// The line there and its point; none on the border of the face.
     on: Option<[usize; 2]>,
-}
-
-/// How wide a strip should be at a point of one of its lines.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Width {
-    line: usize,
-    point: usize,
-    /// 0 on the left of the line, 1 on its right.
-    side: usize,
-    /// mm.
-    wanted: f64,
 }
 
 impl Network<'_> {
