@@ -1,6 +1,6 @@
 //! Strips that meet, through the public interface on a piece of a torus.
 
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use torse::answer::Answer;
 use torse::certify::claim::Status;
@@ -46,6 +46,25 @@ fn strips_that_meet_are_certified_and_as_many_as_before() {
     assert!(proof(met).seams.iter().all(|s| s.status == SeamStatus::Exact), "{:?}", proof(met).seams);
     assert!(proof(alone).seams.iter().all(|s| s.status != SeamStatus::Exact));
     assert!(proof(met).seam_gap_bound < 0.01 * TOLERANCE && proof(alone).seam_gap_bound > 0.02 * TOLERANCE);
+}
+
+/// Whoever stops the work while strips are joined keeps the cover, proven as it was.
+#[test]
+fn what_was_certified_stays_so_when_joining_is_stopped() {
+    let shared: Arc<OnceLock<Control>> = Arc::default();
+    let stop = Arc::clone(&shared);
+    let control = Control::with_progress(Arc::new(move |p| {
+        if p.stage == "joining strips" {
+            stop.get().expect("the control").cancel();
+        }
+    }));
+    assert!(shared.set(control.clone()).is_ok());
+    let model = read(TORUS).expect("a model");
+    let found = of_faces(model.faces, model.skipped, &Options::new(TOLERANCE), &control).expect("an answer");
+    assert!(control.stopped());
+    assert_eq!(found.status(), Status::Certified);
+    assert_eq!(found.patchwork.panels.len(), alone().patchwork.panels.len());
+    assert!(proof(&found).seams.iter().all(|s| s.status != SeamStatus::Exact));
 }
 
 /// No point of a seam is farther apart than its bound, which exceeds the greatest distance by little.

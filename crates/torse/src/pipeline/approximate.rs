@@ -187,6 +187,9 @@ fn all_met(mut found: Vec<Result<Covered, Skipped>>, control: &Control) -> (Vec<
     let start = Instant::now();
     found.par_iter_mut().flatten().for_each(|c| c.judge_flat(control));
     let flat_time = start.elapsed().mul_f64(FLAT_AGAIN.0).min(FLAT_AGAIN.1);
+    if total > 0 {
+        control.report("joining strips", 0.0, format!("0 of {total}"));
+    }
     let until = control.remaining().map(|left| Instant::now() + left.saturating_sub(flat_time));
     let control = until.map_or_else(|| control.clone(), |end| control.clone().until(end));
     let met = found
