@@ -305,14 +305,6 @@ impl Network<'_> {
         [most(self.largest_of_strips()), most(self.gaps())]
     }
 
-    /// Whether samples lie so near a line that slides of `most` units may take it past them. Their strips do not answer for
-    /// them in that step: the line has rows of its own, which go with it.
-    pub fn may_be_passed(&self, most: f64) -> Vec<bool> {
-        let reach = most * self.unit;
-        let near = |s: &Sample| nearest_line(&self.lines, s).is_some_and(|n| n.0 < reach && !self.lines[n.1].held);
-        self.samples.par_iter().map(|s| s.counts <= 1.0 && near(s)).collect()
-    }
-
     /// The network after a step; `None` where a foot is lost or a strip comes near its regression curve.
     pub fn stepped(&self, columns: &Columns, x: &[f64]) -> Option<Self> {
         let mut out = self.clone();
@@ -367,8 +359,8 @@ impl Network<'_> {
     }
 }
 
-/// The line nearest to a sample of those beside it, with its point there and how far away (mm) it is.
-fn nearest_line(lines: &[Line], s: &Sample) -> Option<(f64, usize, usize)> {
+/// The strip on whose side of the nearest line a sample lies, and the foot of the line there.
+fn placed(lines: &[Line], s: &Sample, is_whole: bool) -> Option<(usize, Option<f64>)> {
     // Of lines that meet in one point the one that leaves it most nearly towards the sample.
     const TIE: f64 = 1e-6;
     let mut best: Option<(f64, usize, usize)> = None;
@@ -393,12 +385,7 @@ fn nearest_line(lines: &[Line], s: &Sample) -> Option<(f64, usize, usize)> {
             best = Some((key, l as usize, k));
         }
     }
-    best
-}
-
-/// The strip on whose side of the nearest line a sample lies, and the foot of the line there.
-fn placed(lines: &[Line], s: &Sample, is_whole: bool) -> Option<(usize, Option<f64>)> {
-    let (_, l, k) = nearest_line(lines, s)?;
+    let (_, l, k) = best?;
     let (line, p) = (&lines[l], &lines[l].points[k]);
     if !is_whole && !line.strips.contains(&s.strip) {
         return None;

@@ -10,9 +10,6 @@ use crate::num::minimax_program::{MinimaxProgram, Minimum};
 
 /// Samples count where their distance is above this share of their strip's largest.
 const COUNTS: f64 = 0.3;
-/// Samples nearer to a line than so many units of its slides do not hold it back: with samples close to the lines unequal zones
-/// stayed unequal.
-const SLID: f64 = 2.0;
 /// Samples whose regularity is below this multiple of the least must keep it; the share of what is left that a step may
 /// take, and what is left at least.
 const ROOM: (f64, f64, f64) = (4.0, 0.8, 0.002);
@@ -95,11 +92,10 @@ pub(super) fn distances(network: &Network, columns: &Columns, weight: f64, tie: 
     };
     // 1. Samples.
     let largest = network.largest_of_strips();
-    let passed = network.may_be_passed(SLID);
-    for (s, passed) in network.samples.iter().zip(passed) {
+    for s in &network.samples {
         let (Some(foot), m, column) = (s.foot, &network.members[s.strip], columns.strips[s.strip]) else { continue };
         let lean = s.lean(&foot);
-        if !passed && lean * foot.distance.abs() > COUNTS * largest[s.strip] {
+        if lean * foot.distance.abs() > COUNTS * largest[s.strip] {
             m.strip.row(column, &s.x, &foot, lean, &mut program.hard);
             program.hard.end();
             program.distances.push(lean * foot.distance / tolerance);

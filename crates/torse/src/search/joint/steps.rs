@@ -73,7 +73,8 @@ impl<'a> Joint<'a> {
             while accepted.is_none() && refused.len() < TRIALS {
                 let Some(found) = step(now, &columns, &Prices { gaps: weight, damping, reach }) else { return };
                 effort = [effort[0] + 1, effort[1] + found.iterations];
-                if is_settled && at[1] < ENOUGH.1 && merit(at) - merit(found.expected) < STALLED {
+                // Farther away a step may lead to more than it expects, since samples change sides.
+                if is_settled && at[0] < 1.0 && at[1] < ENOUGH.1 && merit(at) - merit(found.expected) < STALLED {
                     return;
                 }
                 // Where feet would be lost a part of the step is as good as can be had: what it keeps is linear in it.
