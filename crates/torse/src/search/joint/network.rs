@@ -17,6 +17,8 @@ const LOST: f64 = 0.85;
 pub(super) const UNIT: f64 = 0.05;
 /// Samples within this share of the median half width of a line may change sides.
 const BESIDE: f64 = 0.8;
+/// Samples nearer to a line than so many units, and than this share of the way to the next line, go with it.
+const CARRIED: (f64, f64) = (6.0, 0.5);
 /// Share of the rulings that strips use by which they go on beyond.
 const USED: f64 = 0.02;
 /// Corrections of the middle of two strips.
@@ -229,6 +231,22 @@ impl Network<'_> {
             let near = |l: &Line| l.points.iter().any(|p| (p.x - s.x).norm_squared() < reach * reach);
             s.lines = (0..lines.len()).filter(|&l| near(&lines[l])).map(|l| l as u32).collect();
         });
+    }
+
+    /// The line, and its point, with which a sample goes in the program, and by which share of its ways: what is linear in
+    /// slides is the largest distance over all that lies between lines, and not at places which lines may pass.
+    pub fn carried(&self, s: &Sample) -> Option<(usize, &LinePoint, f64)> {
+        let of_strip = s.lines.iter().map(|&l| l as usize).filter(|&l| self.lines[l].strips.contains(&s.strip));
+        let near = |l: usize| {
+            let away = self.lines[l].points.iter().map(|p| ((p.x - s.x).norm_squared(), p));
+            away.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(d, p)| (d.sqrt(), l, p))
+        };
+        let mut all: Vec<(f64, usize, &LinePoint)> = of_strip.filter_map(near).collect();
+        all.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let &(away, l, p) = all.first()?;
+        let next = all.get(1).map_or(f64::INFINITY, |n| n.0);
+        let reach = (CARRIED.0 * self.unit).min(CARRIED.1 * (away + next));
+        (away < reach).then(|| (l, p, 1.0 - away / reach))
     }
 
     /// What lines, and borders of the face, take of the tolerance of the samples beside them. It stays for the length of a

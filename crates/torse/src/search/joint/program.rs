@@ -2,7 +2,7 @@
 
 use super::columns::Columns;
 use super::form::{Foot, Tie};
-use super::line::{slide_functions, slide_knots, SLIDES};
+use super::line::{slide_functions, slide_knots, LinePoint, SLIDES};
 use super::network::{lean, Member, Network};
 use crate::geom::Vec3;
 use crate::num::block_matrix::Runs;
@@ -90,6 +90,15 @@ pub(super) fn distances(network: &Network, columns: &Columns, weight: f64, tie: 
         ridge: RIDGE,
         ..MinimaxProgram::default()
     };
+    let unit = network.unit / tolerance;
+    let ways = |l: usize, p: &LinePoint, direction: &Vec3, out: &mut Runs| {
+        let (first, slide) = slide_functions(&knots, p.share);
+        let along = unit * direction.dot(&p.slide);
+        out.run(columns.slides[l] + first, slide.map(|s| s * along));
+        for (v, axes) in network.lines[l].vertex_ways(p) {
+            out.run(columns.vertices[v], axes.map(|a| unit * direction.dot(&a)));
+        }
+    };
     // 1. Samples.
     let largest = network.largest_of_strips();
     for s in &network.samples {
@@ -97,6 +106,9 @@ pub(super) fn distances(network: &Network, columns: &Columns, weight: f64, tie: 
         let lean = s.lean(&foot);
         if lean * foot.distance.abs() > COUNTS * largest[s.strip] {
             m.strip.row(column, &s.x, &foot, lean, &mut program.hard);
+            if let Some((l, p, share)) = network.carried(s) {
+                ways(l, p, &(foot.normal * (lean * share)), &mut program.hard);
+            }
             program.hard.end();
             program.distances.push(lean * foot.distance / tolerance);
         }
@@ -105,26 +117,17 @@ pub(super) fn distances(network: &Network, columns: &Columns, weight: f64, tie: 
         }
     }
     // 2. Lines: distances of both strips, gaps.
-    let unit = network.unit / tolerance;
     for (l, line) in network.lines.iter().enumerate() {
         for p in &line.points {
-            let (first, slide) = slide_functions(&knots, p.share);
-            let ways = |direction: &Vec3, out: &mut Runs| {
-                let along = unit * direction.dot(&p.slide);
-                out.run(columns.slides[l] + first, slide.map(|s| s * along));
-                for (v, axes) in line.vertex_ways(p) {
-                    out.run(columns.vertices[v], axes.map(|a| unit * direction.dot(&a)));
-                }
-            };
             for (&k, foot) in line.strips.iter().zip(&p.feet) {
                 let Some(foot) = foot else { continue };
                 let (m, lean) = (&network.members[k], lean(&p.normal, foot));
                 if let Some(way) = keep_regular(m, columns.strips[k], (&p.x, foot), tolerance, &mut program) {
-                    ways(&way, &mut program.bounded);
+                    ways(l, p, &way, &mut program.bounded);
                     program.bounded.end();
                 }
                 m.strip.row(columns.strips[k], &p.x, foot, lean, &mut program.hard);
-                ways(&(foot.normal * lean), &mut program.hard);
+                ways(l, p, &(foot.normal * lean), &mut program.hard);
                 program.hard.end();
                 program.distances.push(lean * foot.distance / tolerance);
             }
@@ -136,7 +139,7 @@ pub(super) fn distances(network: &Network, columns: &Columns, weight: f64, tie: 
                 network.members[k].strip.row(columns.strips[k], &middle.z, foot, scale, &mut tie.rows);
                 direction += foot.normal * scale;
             }
-            ways(&direction, &mut tie.rows);
+            ways(l, p, &direction, &mut tie.rows);
             tie.end(weight / line.points.len() as f64, middle.gap() / tolerance);
         }
     }
