@@ -17,6 +17,9 @@ const LOST: f64 = 0.85;
 pub(super) const UNIT: f64 = 0.05;
 /// Samples within this share of the median half width of a line may change sides.
 const BESIDE: f64 = 0.8;
+/// Lines pass no sample that is farther away than so many units, or higher over the tangent plane than this share of the way:
+/// a face that bends round has lines behind it.
+const PASSED: (f64, f64) = (9.0, 0.7);
 /// Samples nearer to a line than so many units, and than this share of the way to the next line, go with it.
 const CARRIED: (f64, f64) = (6.0, 0.5);
 /// Share of the rulings that strips use by which they go on beyond.
@@ -362,10 +365,10 @@ impl Network<'_> {
                 p.feet = [0, 1].map(|e: usize| members[strips[e]].foot(&p.x, p.feet[e]?.t));
             });
         }
-        let (lines, is_whole) = (&out.lines, out.is_whole);
+        let (lines, is_whole, most) = (&out.lines, out.is_whole, PASSED.0 * out.unit);
         out.samples.par_iter_mut().for_each(|s| {
             let before = s.foot.map(|f| f.t);
-            let (strip, guess) = placed(lines, s, is_whole).unwrap_or((s.strip, before));
+            let (strip, guess) = placed(lines, s, is_whole, most).unwrap_or((s.strip, before));
             s.foot = guess.and_then(|t| members[strip].foot(&s.x, t));
             s.strip = strip;
         });
@@ -377,8 +380,9 @@ impl Network<'_> {
     }
 }
 
-/// The strip on whose side of the nearest line a sample lies, and the foot of the line there.
-fn placed(lines: &[Line], s: &Sample, is_whole: bool) -> Option<(usize, Option<f64>)> {
+/// The strip on whose side of the nearest line a sample lies, and the foot of the line there; not for samples that are
+/// farther away than `most` (mm).
+fn placed(lines: &[Line], s: &Sample, is_whole: bool, most: f64) -> Option<(usize, Option<f64>)> {
     // Of lines that meet in one point the one that leaves it most nearly towards the sample.
     const TIE: f64 = 1e-6;
     let mut best: Option<(f64, usize, usize)> = None;
@@ -403,17 +407,24 @@ fn placed(lines: &[Line], s: &Sample, is_whole: bool) -> Option<(usize, Option<f
             best = Some((key, l as usize, k));
         }
     }
-    let (_, l, k) = best?;
+    let (_, l, k) = best.filter(|b| b.0 <= most)?;
     let (line, p) = (&lines[l], &lines[l].points[k]);
+    let way = s.x - p.x;
+    if p.normal.dot(&way).abs() > PASSED.1 * way.norm() {
+        return None;
+    }
     if !is_whole && !line.strips.contains(&s.strip) {
         return None;
     }
     // Beyond an end that stays other borders go on that stay.
-    let beyond = |end: usize, sign: f64| line.ends[end] == End::Fixed && sign * p.tangent.dot(&(s.x - p.x)) < 0.0;
+    let beyond = |end: usize, sign: f64| line.ends[end] == End::Fixed && sign * p.tangent.dot(&way) < 0.0;
     if !is_whole && ((k == 0 && beyond(0, 1.0)) || (k + 1 == POINTS && beyond(1, -1.0))) {
         return None;
     }
-    let left = p.normal.cross(&p.tangent).dot(&(s.x - p.x)) >= 0.0;
+    // At an end on the border, which slides along it, all that lies beyond is on one side: the border's way tells which.
+    let is_end = (k == 0 || k + 1 == POINTS) && p.slide != Vec3::zeros();
+    let to_left = if is_end { p.slide } else { p.normal.cross(&p.tangent) };
+    let left = to_left.dot(&way) >= 0.0;
     let side = usize::from(!left);
     let strip = line.strips[side];
     (strip != s.strip).then(|| (strip, p.feet[side].map(|f| f.t)))
