@@ -16,8 +16,9 @@ pub(crate) struct Hair {
 }
 
 impl Hair {
-    /// Nothing that anybody sees: a ten-thousandth of a millionth of the area.
-    pub const FINE: Self = Self { rulings: 1e-5, tolerance: 0.1 };
+    /// As long as the tolerance allows, which is seen by nobody: nearer to the tip the torse through a shallow cone, whose
+    /// regression curve is a point for none but exact cones, has no room.
+    pub const FINE: Self = Self { rulings: 1.0, tolerance: 0.1 };
     /// For what is to be written as exact cones, whose proof loses accuracy beside the tip.
     pub const OF_CONES: Self = Self { rulings: 1e-3, tolerance: 0.2 };
 }

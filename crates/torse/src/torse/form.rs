@@ -247,7 +247,7 @@ impl Torse {
         ((e / d).abs() < SETTLED * width || e.abs() <= ROUNDING * self.foot_size(x, t)).then_some(t)
     }
 
-    /// Size of the products of which the foot function is a sum.
+    /// Size of the products of which the foot function is a sum; derivatives are differences of coefficients over spans.
     fn foot_size(&self, x: &Vec3, t: f64) -> f64 {
         match self {
             Self::Primal(p) => {
@@ -257,8 +257,11 @@ impl Torse {
             }
             Self::Dual(d) => {
                 let j = d.planes.jet(t);
-                let v = [0, 1].map(|k: usize| Vec3::new(j[k][0], j[k][1], j[k][2]));
-                v[0].norm_squared() * v[1].norm() * x.norm() + v[0].norm_squared() * j[1][3].abs()
+                let n = Vec3::new(j[0][0], j[0][1], j[0][2]).norm();
+                let (knots, (a, b)) = (&d.planes.knots, self.domain());
+                let spans = (knots.breaks().len() - 1) as f64;
+                let rate = knots.degree() as f64 * spans / (b - a);
+                n.powi(2) * rate * (n * x.norm() + j[0][3].abs())
             }
         }
     }

@@ -4,12 +4,13 @@
 //! they stay clear of the regression curve. Source: certificate specification, section 4 (planes that hug the
 //! region, weights positive).
 
-use super::form::Torse;
+use super::form::{DualTorse, Torse};
 use crate::geom::Vec3;
 use crate::num::least_squares::{BandMatrix, Rows};
 use crate::spline::curve::Curve;
 use crate::spline::knots::Knots;
 use crate::spline::SplineError;
+use nalgebra::Matrix3;
 
 /// Why a torse cannot be written as a patch.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -69,6 +70,8 @@ const REGULARITY_KEPT: f64 = 0.3;
 const EXCESS: [f64; 3] = [0.3, 1.0, 4.0];
 /// Reach of a neighbourhood of rulings, share of the range.
 const NEIGHBOURHOOD: f64 = 0.04;
+/// Shares of the reach of the used part: how far its apex may be, and how near all planes must pass by it.
+const APEX: (f64, f64) = (2.0, 1e-9);
 /// Smallest cosine between rulings and the direction of the planes that cut them.
 const MIN_COSINE: f64 = 0.6;
 
@@ -127,7 +130,11 @@ pub(crate) fn patch_extent(torse: &Torse, extent: &Extent, range: (f64, f64)) ->
     let count = extent.points().count() as f64;
     let origin = match torse {
         Torse::Primal(p) => p.frame.origin,
-        Torse::Dual(_) => extent.points().map(|p| p.1).sum::<Vec3>() / count,
+        Torse::Dual(d) => {
+            let middle = extent.points().map(|p| p.1).sum::<Vec3>() / count;
+            let reach = extent.points().map(|p| (p.1 - middle).norm()).fold(0.0, f64::max);
+            apex(d, &middle, reach).unwrap_or(middle)
+        }
     };
     if let Some(bound) = flat(torse, extent, &origin, range)? {
         return Ok(bound);
@@ -185,6 +192,21 @@ pub(crate) fn patch_extent(torse: &Torse, extent: &Extent, range: (f64, f64)) ->
         }
     }
     Err(trouble)
+}
+
+/// The point that all planes pass through, if it is nearer to the `middle` of the used part than twice its `reach` (mm): seen
+/// from there a border that runs around it is at one distance on all rulings, from elsewhere it is to be followed to
+/// hundredths of the way.
+fn apex(torse: &DualTorse, middle: &Vec3, reach: f64) -> Option<Vec3> {
+    let planes = torse.planes.control.iter().map(|p| {
+        let n = Vec3::new(p[0], p[1], p[2]);
+        (n, p[3] - n.dot(middle))
+    });
+    let none = (Matrix3::zeros(), Vec3::zeros());
+    let (normal, side) = planes.clone().fold(none, |(m, r), (n, h)| (m + n * n.transpose(), r + n * h));
+    let off = normal.try_inverse()? * side;
+    let miss = planes.map(|(n, h)| (n.dot(&off) - h).abs() / n.norm()).fold(0.0, f64::max);
+    (off.norm() < APEX.0 * reach && miss < APEX.1 * reach).then(|| middle + off)
 }
 
 /// Wide bounds parallel to the profile for a plane: it has no regression curve to stay clear of, and its regions may

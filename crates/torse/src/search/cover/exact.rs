@@ -31,6 +31,12 @@ const LENGTH: f64 = 1.0 / 8.0;
 /// Factor by which the radius of curvature grows over a cell along the rulings, at most: from about 4 on folds
 /// cannot be excluded.
 const GROWTH: f64 = 2.0;
+/// Cells along the rulings of cones are at most so many radii of curvature long: what bounds how normals of rational surfaces turn
+/// is coarse where rulings are long against that.
+const LONG: f64 = 2.0;
+/// Share of the angle between rulings, laid flat, that counts as a turn of the normal: shallow cones bend little, but cells of
+/// them that span an eighth of the way round are no good.
+const SPREAD: f64 = 0.3;
 /// Places between knots where curvatures are looked at.
 const PLACES: usize = 32;
 /// Cells along a ruling at most.
@@ -110,7 +116,8 @@ fn lines(rulings: &Rulings, tolerance: f64) -> Option<[Vec<f64>; 2]> {
                 radius = [0, 1].map(|k: usize| radius[k].min(breadths[k] * (s[1] - s[0]) / angle));
             }
             length = length.max(here.length);
-            turn.push(turn[turn.len() - 1] + angle);
+            let spread = SPREAD * before.direction.angle(&here.direction);
+            turn.push(turn[turn.len() - 1] + angle.max(spread));
             before = here;
         }
         turns.push((at, turn));
@@ -133,7 +140,7 @@ fn along(radius: [f64; 2], length: f64, most: f64) -> Vec<f64> {
     let mut here = 0.0;
     while here < length && at.len() <= MOST_ROWS {
         let grown = (GROWTH - 1.0) * (least + rise * here) / rise;
-        here += if grown > 0.0 { most.min(grown) } else { most };
+        here += if grown > 0.0 { most.min(grown).min(LONG * (least + rise * here)) } else { most };
         at.push(here);
     }
     // The last of them ends where the rulings do; a sharp end at their end is seen from there.
