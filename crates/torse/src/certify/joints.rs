@@ -227,15 +227,8 @@ fn along_ruling(ends: &[[Poly; 3]; 2], first: bool) -> Stretch {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::spline::curve::Curve;
+    use crate::certify::specimens::strip;
     use crate::torse::form::PanelKind;
-
-    fn strip(a: &[[f64; 3]], b: &[[f64; 3]]) -> Strip {
-        let n = a.len();
-        let knots = [vec![0.0; n], vec![1.0; n]].concat();
-        let side = |p: &[[f64; 3]]| Curve::new(n - 1, knots.clone(), p.to_vec()).expect("a curve");
-        Strip::polynomial("s", PanelKind::Torse, &side(a), &side(b)).expect("a strip")
-    }
 
     /// Half a roof at a slope (rad) beside the ridge `y = 0`, on the side of negative or positive y.
     fn roof(side: f64, slope: f64) -> Strip {

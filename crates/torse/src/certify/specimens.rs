@@ -27,6 +27,14 @@ fn collocation(k: &Knots, at: &[f64]) -> DMatrix<f64> {
     m
 }
 
+/// The strip between two rails without inner knots, from their control points.
+pub fn strip(a: &[[f64; 3]], b: &[[f64; 3]]) -> Strip {
+    let n = a.len();
+    let knots = [vec![0.0; n], vec![1.0; n]].concat();
+    let side = |p: &[[f64; 3]]| Curve::new(n - 1, knots.clone(), p.to_vec()).expect("a curve");
+    Strip::polynomial("s", PanelKind::Torse, &side(a), &side(b)).expect("a strip")
+}
+
 /// The spline surface through `f` at the Greville points.
 pub(crate) fn interpolant(ku: &Knots, kv: &Knots, f: &dyn Fn(f64, f64) -> Vec3) -> Surface {
     let (gu, gv) = (greville(ku), greville(kv));

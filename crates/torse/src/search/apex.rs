@@ -16,9 +16,9 @@ pub(crate) struct Hair {
 }
 
 impl Hair {
-    /// As long as the tolerance allows, which is seen by nobody: nearer to the tip the torse through a shallow cone, whose
-    /// regression curve is a point for none but exact cones, has no room.
-    pub const FINE: Self = Self { rulings: 1.0, tolerance: 0.08 };
+    /// Nothing that anybody sees. With less the torse through a shallow cone has no room beside its tip, with more what is proven of
+    /// flat parts that are bent back suffers.
+    pub const FINE: Self = Self { rulings: 2e-5, tolerance: 0.08 };
     /// For what is to be written as exact cones, whose proof loses accuracy beside the tip.
     pub const OF_CONES: Self = Self { rulings: 1e-3, tolerance: 0.2 };
 }

@@ -79,16 +79,8 @@ fn laid(strip: &Strip, side: f64) -> Option<FlatRails> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::certify::specimens::strip;
     use crate::geom::Vec3;
-    use crate::spline::curve::Curve;
-    use crate::torse::form::PanelKind;
-
-    fn strip(a: &[[f64; 3]], b: &[[f64; 3]]) -> Strip {
-        let n = a.len();
-        let knots = [vec![0.0; n], vec![1.0; n]].concat();
-        let side = |p: &[[f64; 3]]| Curve::new(n - 1, knots.clone(), p.to_vec()).expect("a curve");
-        Strip::polynomial("s", PanelKind::Torse, &side(a), &side(b)).expect("a strip")
-    }
 
     const CREASE: [[f64; 3]; 4] = [[0.0, 0.0, 0.0], [40.0, 0.0, 25.0], [70.0, 0.0, 30.0], [120.0, 0.0, 0.0]];
 
