@@ -194,9 +194,9 @@ pub(crate) fn patch_extent(torse: &Torse, extent: &Extent, range: (f64, f64)) ->
     Err(trouble)
 }
 
-/// The point that all planes pass through, if it is nearer to the `middle` of the used part than twice its `reach` (mm): seen
-/// from there a border that runs around it is at one distance on all rulings, from elsewhere it is to be followed to
-/// hundredths of the way.
+/// The point that all planes pass through, if it is nearer to the `middle` of the used part than twice its `reach` (mm). A border
+/// close around it has coordinates along the rulings of one small size, reckoned from there; from elsewhere they change by as much
+/// as the part is long, and would have to be followed to a share of that small size.
 fn apex(torse: &DualTorse, middle: &Vec3, reach: f64) -> Option<Vec3> {
     let planes = torse.planes.control.iter().map(|p| {
         let n = Vec3::new(p[0], p[1], p[2]);

@@ -6,7 +6,7 @@
 //! Nothing is optimised; what comes out is measured at samples, and judged elsewhere.
 
 use super::plane::plane;
-use super::samples::{nearest_error, Fit, Sample};
+use super::samples::{error, nearest_error, Fit, Sample};
 use crate::brep::rulings::{Rulings, StraightLine};
 use crate::geom::{Frame, Vec3};
 use crate::spline::curve::Curve;
@@ -97,7 +97,8 @@ pub fn exact(rulings: &Rulings, samples: &[Sample], options: &ExactOptions) -> O
         for halving in 0..=HALVINGS {
             let Some(sampled) = Sampled::new(rulings, &stretches, halving) else { break };
             let Some(torse) = form(&sampled) else { break };
-            let Some((error, worst)) = nearest_error(&torse, &measured, options.goal) else { break };
+            let measure = if sampled.closes() { nearest_error } else { error };
+            let Some((error, worst)) = measure(&torse, &measured) else { break };
             let before = best.as_ref().map_or(f64::INFINITY, |b| b.error);
             if error < before {
                 best = Some(Fit { torse, kind, error, worst: places[worst] });

@@ -55,22 +55,12 @@ pub fn error(torse: &Torse, samples: &[Sample]) -> Option<(f64, usize)> {
     })
 }
 
-/// As [`error`], where a torse comes round again: samples farther than `bound` (mm) from it count with the nearest of their feet,
-/// since a guess may lead to what goes on beyond its other end.
-pub fn nearest_error(torse: &Torse, samples: &[Sample], bound: f64) -> Option<(f64, usize)> {
-    let first = error(torse, samples);
-    if first.is_some_and(|e| e.0 <= bound) {
-        return first;
-    }
+/// As [`error`], where a torse comes round again: samples count with the nearest of their feet, since a guess may lead to what goes
+/// on beyond its other end.
+pub fn nearest_error(torse: &Torse, samples: &[Sample]) -> Option<(f64, usize)> {
     let sheet = Sheet::of(torse)?;
-    let (guesses, domain) = (sheet.guesses(), sheet.domain());
-    let foot = |s: &Sample| {
-        let q = sheet.local(&s.x);
-        let near = sheet.foot(&q, guesses.guess(&q), domain).filter(|&t| sheet.distance(&q, t).0.abs() <= bound);
-        near.or_else(|| sheet.nearest_foot(&q))
-    };
-    let mut feet: Vec<f64> = samples.iter().map(foot).collect::<Option<_>>()?;
-    measure(&sheet, samples, &mut feet)
+    let feet: Option<Vec<f64>> = samples.iter().map(|s| sheet.nearest_foot(&sheet.local(&s.x))).collect();
+    measure(&sheet, samples, &mut feet?)
 }
 
 /// The samples farther than `bound` (mm) from the torse; those without a foot are left out.

@@ -380,8 +380,8 @@ impl Network<'_> {
     }
 }
 
-/// The strip on whose side of the nearest line a sample lies, and the foot of the line there; not for samples that are
-/// farther away than `most` (mm).
+/// The strip on whose side of the nearest line a sample lies, and the foot of the line there, if it is another one; not for samples
+/// that are farther away than `most` (mm), or that the face bends away from, see [`PASSED`].
 fn placed(lines: &[Line], s: &Sample, is_whole: bool, most: f64) -> Option<(usize, Option<f64>)> {
     // Of lines that meet in one point the one that leaves it most nearly towards the sample.
     const TIE: f64 = 1e-6;
@@ -421,10 +421,7 @@ fn placed(lines: &[Line], s: &Sample, is_whole: bool, most: f64) -> Option<(usiz
     if !is_whole && ((k == 0 && beyond(0, 1.0)) || (k + 1 == POINTS && beyond(1, -1.0))) {
         return None;
     }
-    // At an end on the border, which slides along it, all that lies beyond is on one side: the border's way tells which.
-    let is_end = (k == 0 || k + 1 == POINTS) && p.slide != Vec3::zeros();
-    let to_left = if is_end { p.slide } else { p.normal.cross(&p.tangent) };
-    let left = to_left.dot(&way) >= 0.0;
+    let left = p.normal.cross(&p.tangent).dot(&way) >= 0.0;
     let side = usize::from(!left);
     let strip = line.strips[side];
     (strip != s.strip).then(|| (strip, p.feet[side].map(|f| f.t)))

@@ -9,7 +9,7 @@ use crate::num::block_matrix::Runs;
 use crate::num::minimax_program::{MinimaxProgram, Minimum};
 
 /// Samples count where their distance is above this share of their strip's largest.
-const COUNTS: f64 = 0.3;
+pub(super) const COUNTS: f64 = 0.3;
 /// Samples whose regularity is below this multiple of the least must keep it; the share of what is left that a step may
 /// take, and what is left at least.
 const ROOM: (f64, f64, f64) = (4.0, 0.8, 0.002);

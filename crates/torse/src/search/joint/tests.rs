@@ -2,7 +2,7 @@ use super::envelope::Envelope;
 use super::form::{Band, Tie};
 use super::line::POINTS;
 use super::profile::Profile;
-use super::program::distances;
+use super::program::{distances, COUNTS};
 use super::strip::Strip;
 use super::*;
 use crate::brep::support_surface::SupportSurface;
@@ -189,6 +189,26 @@ fn rows_match_differences() {
     x[columns.slides[0]..columns.slides[0] + 12].fill(1e-3);
     let next = network.stepped(&columns, &x).expect("a step");
     let first = program.hard.len() - 2 * POINTS;
+    // Samples beside the line, which go with it.
+    let largest = network.largest_of_strips();
+    let counts = |s: &&super::network::Sample| {
+        s.lean(&s.foot.expect("a foot")) * s.foot.expect("a foot").distance.abs() > COUNTS * largest[s.strip]
+    };
+    let mut carried = 0;
+    for (k, s) in network.samples.iter().filter(counts).enumerate() {
+        let foot = s.foot.expect("a foot");
+        let expected = program.hard.dot(k, &x);
+        let Some((_, p, share)) = network.carried(s) else {
+            assert!(expected == 0.0);
+            continue;
+        };
+        carried += 1;
+        let gone = s.x + p.slide * (share * network.unit * 1e-3);
+        let moved = network.members[s.strip].foot(&gone, foot.t).expect("a foot");
+        let change = s.lean(&foot) * (moved.distance - foot.distance);
+        assert!((change - expected).abs() < 0.02 * expected.abs() + 1e-6, "{k}: {change} {expected}");
+    }
+    assert!(carried > 20, "{carried}");
     for (k, (p, q)) in next.lines[0].points.iter().zip(&network.lines[0].points).enumerate() {
         for e in 0..2 {
             let change = p.feet[e].expect("a foot").distance - q.feet[e].expect("a foot").distance;
