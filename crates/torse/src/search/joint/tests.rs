@@ -126,11 +126,9 @@ fn strips_that_are_left_out_keep_their_borders() {
     assert!(joined(&face, &state, chains(&face, &state), &Asked { without: &none, ..all }, &free).is_none());
 }
 
-/// Distances, what must keep its sign, and gaps against small changes of every unknown in turn.
+/// Distances and what must keep its sign against small changes of every unknown of a strip in turn.
 #[test]
-fn rows_match_differences() {
-    let (face, state) = zones(&[0.0, 0.12, 0.2]);
-    let network = start::network(&face, &state, chains(&face, &state), &asked(&|_| false, 1.0)).expect("a network");
+fn rows_of_strips_match_differences() {
     let cone = tangent_cone(0.06);
     let range = (-0.15, 1.15);
     let strips =
@@ -181,7 +179,13 @@ fn rows_match_differences() {
             }
         }
     }
-    // A slide of the line, alike all along it.
+}
+
+/// Distances and gaps against a slide of a line, alike all along it.
+#[test]
+fn rows_of_a_line_match_differences() {
+    let (face, state) = zones(&[0.0, 0.12, 0.2]);
+    let network = start::network(&face, &state, chains(&face, &state), &asked(&|_| false, 1.0)).expect("a network");
     let columns = network.columns();
     let mut tie = Tie { rows: Runs::default(), price: Vec::new(), damping: 1.0 };
     let program = distances(&network, &columns, 1.0, &mut tie).expect("rows");
