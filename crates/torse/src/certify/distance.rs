@@ -35,13 +35,13 @@ use std::sync::{Mutex, OnceLock};
 /// Effort allowed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DistanceOptions {
-    /// Looks at triangles beyond two per triangle given; default 20 000.
+    /// Looks at triangles beyond two per triangle given; default 60 000.
     pub budget: usize,
 }
 
 impl Default for DistanceOptions {
     fn default() -> Self {
-        Self { budget: 20_000 }
+        Self { budget: 60_000 }
     }
 }
 

@@ -1,7 +1,7 @@
 //! Steps of the program as long as they make the network better.
 
 use super::network::Network;
-use super::program::{step, Prices, Step};
+use super::program::{step, Prices, Step, LOW_ENOUGH};
 use super::{Joint, StepReport};
 use crate::control::Control;
 
@@ -54,7 +54,7 @@ impl<'a> Joint<'a> {
             let now = &self.network;
             let at = now.measured();
             far |= count == FAR.1 && at[0] > FAR.0;
-            let merit = |[distance, gap]: [f64; 2]| distance + GAP.1 * gap.max(GAP.0);
+            let merit = |[distance, gap]: [f64; 2]| distance.max(LOW_ENOUGH) + GAP.1 * gap.max(GAP.0);
             let is_settled = begun || count >= ENOUGH.2;
             if is_settled && at[0] < ENOUGH.0 && at[1] < ENOUGH.1 {
                 break;
