@@ -32,6 +32,8 @@ const DEGREE: usize = 5;
 const PLACES: (usize, f64) = (1600, 0.01);
 /// Share of a line over which its edge turns to the point in which it ends together with others.
 const TURNING: f64 = 0.1;
+/// Vertices go under the common points of strips that are nearer than this share of the shortest line there.
+const NEAR: f64 = 0.25;
 /// Distance of an edge's spline from its places as a share of its length, and spans at most.
 const FIT: (f64, usize) = (1e-8, 480);
 /// Reference points per span of a strip.
@@ -188,6 +190,30 @@ impl Network<'_> {
             strips: around.iter().map(|a| a.0).collect(),
             place: z,
         })
+    }
+
+    /// The network with its vertices under the common points of the strips around them, as far as these are near: neighbours that
+    /// hardly cross may be equally high along their lines, and meet the third some way off. `None` where none moves, or a foot is
+    /// lost.
+    pub fn under_junctions(&self) -> Option<Self> {
+        let columns = self.columns();
+        let mut x = vec![0.0; columns.limits.len()];
+        for j in self.junctions() {
+            let column = columns.vertices[j.vertex];
+            let ends = |l: &&Line| l.ends.contains(&End::Vertex(j.vertex));
+            let shortest = self.lines.iter().filter(ends).fold(f64::INFINITY, |m, l| m.min(l.length));
+            let line = self.lines.iter().find(ends)?;
+            let end = &line.points[if line.ends[0] == End::Vertex(j.vertex) { 0 } else { line.points.len() - 1 }];
+            let off = j.place - end.x;
+            let along = end.axes.map(|a| a.dot(&off));
+            if column != usize::MAX && along[0].hypot(along[1]) < NEAR * shortest {
+                (x[column], x[column + 1]) = (along[0] / self.unit, along[1] / self.unit);
+            }
+        }
+        if x.iter().all(|x| *x == 0.0) {
+            return None;
+        }
+        self.stepped(&columns, &x)
     }
 
     /// Edges along all lines; `None` for lines along which there is none.

@@ -165,11 +165,12 @@ impl<'a> Joint<'a> {
     }
 }
 
-/// Edges along all lines, on finer strips where they would miss these. Strips may be a little less regular between their
-/// samples than at these.
-fn edged(mut now: Network) -> (Network, Vec<Option<Edge>>) {
+/// Edges along all lines, on finer strips where they would miss these, and with vertices where edges meet. Strips may be a little
+/// less regular between their samples than at these.
+fn edged(mut now: Network<'_>) -> (Network<'_>, Vec<Option<Edge>>) {
     now.members.iter_mut().for_each(|m| m.least *= BETWEEN);
     let most = now.measured()[0].max(MOST);
+    now = settled(now, most);
     let mut edges = now.edges();
     for _ in 0..POLISHINGS {
         let good = |(l, e): (&Line, &Option<Edge>)| e.as_ref().is_some_and(|e| e.missed <= ON_BOTH.0 * l.length);
@@ -181,4 +182,9 @@ fn edged(mut now: Network) -> (Network, Vec<Option<Edge>>) {
         edges = now.edges();
     }
     (now, edges)
+}
+
+/// The network with vertices where edges meet, if distances (tolerances) stay below `most`.
+fn settled(network: Network<'_>, most: f64) -> Network<'_> {
+    network.under_junctions().filter(|n| n.measured()[0] <= most).unwrap_or(network)
 }

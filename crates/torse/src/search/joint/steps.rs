@@ -82,7 +82,10 @@ impl<'a> Joint<'a> {
                 accepted = first.filter(|a| a.share > GAIN.0 || merit(a.reached) < merit(at) + NOTHING);
                 match &accepted {
                     Some(a) if a.share > GAIN.2 && a.part == 1.0 => {
-                        damping = (damping * DAMPING.0).max(LEAST_DAMPING);
+                        // Where less was refused just now, it would be the next time.
+                        if refused.is_empty() {
+                            damping = (damping * DAMPING.0).max(LEAST_DAMPING);
+                        }
                         if far {
                             reach = (reach * SLIDES.1).min(SLIDES.2);
                         }

@@ -84,31 +84,46 @@ pub(crate) fn met(
     let base = as_built(face, state, &built);
     let mut attempts =
         Attempts { index, face, tolerance, wanted, control, known: Known::default(), unproven, best: built };
+    // Strips as they are are asked where the program has changed something, else at last.
+    let mut asked = false;
     for (base, regular) in base.iter().flat_map(|b| REGULAR.map(|r| (b, r))) {
-        if openness(&attempts.best) > 0.0 && !control.stopped() {
-            if let Some(next) = attempts.joined(base, regular) {
-                attempts.keep(next);
-            }
+        if attempts.is_open() && attempts.joined(base, regular).is_some_and(|next| attempts.keep(next)) {
+            attempts.intersect(state);
+            asked = true;
         }
     }
-    if openness(&attempts.best) > 0.0 && !control.stopped() {
-        if let Some(next) = attempts.intersecting(&attempts.best, state) {
-            attempts.keep(next);
-        }
+    if !asked {
+        attempts.intersect(state);
     }
     attempts.best
 }
 
 impl Attempts<'_> {
-    /// Takes panels that are nearer to meeting and miss no more limits.
-    fn keep(&mut self, next: Built) {
+    /// Whether something is left to be done, and time for it.
+    fn is_open(&self) -> bool {
+        openness(&self.best) > 0.0 && !self.control.stopped()
+    }
+
+    /// Moves borders that are still open to where the strips of the best panels intersect.
+    fn intersect(&mut self, state: &State) {
+        if self.is_open() {
+            if let Some(next) = self.intersecting(&self.best, state) {
+                self.keep(next);
+            }
+        }
+    }
+
+    /// Takes panels that are nearer to meeting and miss no more limits; whether it did.
+    fn keep(&mut self, next: Built) -> bool {
         let missed =
             |b: &Built| limits_missed(&b.patchwork, &b.certificate, &b.patterns, &self.wanted.limits).reasons.len();
         let exact = |b: &Built| b.certificate.seams.iter().filter(|s| s.status == SeamStatus::Exact).count();
         let is_nearer = openness(&next) < openness(&self.best) && exact(&next) >= exact(&self.best);
-        if is_nearer && missed(&next) <= missed(&self.best) {
+        let is_better = is_nearer && missed(&next) <= missed(&self.best);
+        if is_better {
             self.best = next;
         }
+        is_better
     }
 
     /// The panels with their borders where they intersect, in place of those along which they do not meet. `None` where
