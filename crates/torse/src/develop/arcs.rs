@@ -41,6 +41,9 @@ const NEARLY_STRAIGHT: f64 = 0.5;
 const STEEPEST: f64 = 1.0;
 /// Least tolerance, as a share of the curve's extent: finer ones would follow rounding, with arcs without end.
 const FINEST: f64 = 1e-10;
+/// Most that arcs may stray, as a share of the curve's extent: what is small beside the tolerance, as the border about a cone's tip,
+/// has arcs of its own shape, and the proof can follow them.
+const OWN_SHAPE: f64 = 1.0 / 16.0;
 /// Shortest stretch of the parameter that is still halved.
 const SHORTEST: f64 = 1e-6;
 /// Difference of the angles (rad) between a chord and the tangents at its ends up to which one arc is tried: what it
@@ -56,7 +59,7 @@ const RESTS: f64 = 1e-3;
 /// Arcs of a smaller bulge are lines: they leave their chord by half of this share of its length.
 const NO_BULGE: f64 = 1e-9;
 
-/// Lines and arcs within `tolerance` of a curve, and the largest distance measured (mm, with a safety factor).
+/// Lines and arcs within `tolerance` of a curve, or a sixteenth of its extent if that is less, and the largest distance measured (mm, with a safety factor).
 ///
 /// *Guarantee*: first and last point are those of the curve; tangents agree at inner joints to rounding. Tolerances
 /// below 1e-10 of the curve's extent are taken for that: the error returned is what was reached.
@@ -71,6 +74,7 @@ pub fn arcs(curve: &impl PlaneCurve, tolerance: f64) -> (Vec<ArcPiece>, f64) {
     if SAFETY * off <= NEARLY_STRAIGHT * tolerance {
         return (line, SAFETY * off);
     }
+    let tolerance = tolerance.min(OWN_SHAPE * extent);
     let mut out = Vec::new();
     let mut error = 0.0_f64;
     let mut s = 0.0;

@@ -166,6 +166,11 @@ impl Attempts<'_> {
         for refinement in 0..=REFINEMENTS {
             let joined = joint.joined(self.control).filter(|_| !self.control.stopped()).ok_or_else(Vec::new)?;
             let worst = joined.torses.iter().zip(&joined.distances).max_by(|a, b| a.1.total_cmp(b.1)).map(|w| w.0 .0);
+            // Where many are too far away all are as near as they get: no proof will find them nearer.
+            let far = joined.distances.iter().filter(|d| **d > 1.0).count();
+            if refinement == 0 && far as f64 > FEW * joined.distances.len() as f64 {
+                return Err(Vec::new());
+            }
             let mut next = base.clone();
             for (label, torse) in joined.torses {
                 let fit = next.panels.get(&label).ok_or_else(Vec::new)?;
