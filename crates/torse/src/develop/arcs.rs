@@ -59,7 +59,8 @@ const RESTS: f64 = 1e-3;
 /// Arcs of a smaller bulge are lines: they leave their chord by half of this share of its length.
 const NO_BULGE: f64 = 1e-9;
 
-/// Lines and arcs within `tolerance` of a curve, or a sixteenth of its extent if that is less, and the largest distance measured (mm, with a safety factor).
+/// Lines and arcs within `tolerance` of a curve, or a sixteenth of its extent if that is less, and the largest distance measured
+/// (mm, with a safety factor).
 ///
 /// *Guarantee*: first and last point are those of the curve; tangents agree at inner joints to rounding. Tolerances
 /// below 1e-10 of the curve's extent are taken for that: the error returned is what was reached.
