@@ -117,8 +117,8 @@ const STEPS: usize = 30;
 const DIFFERENCE: f64 = 1e-6;
 /// Share of a patch by which places may lie beyond it.
 const MARGIN: f64 = 0.05;
-/// Seeds from which places on a patch are looked for where the nearest leads beyond it.
-const STARTS: usize = 8;
+/// Seeds from which places on a patch are looked for where the nearest leads beyond it: at an apex all of one row are one point.
+const STARTS: usize = 2 * (SEEDS.0 + 1);
 /// Share of the size below which places have been found.
 const FOUND: f64 = 1e-13;
 /// Ratio of the moments of inertia from which on a part has a direction.
