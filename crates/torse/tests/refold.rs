@@ -69,6 +69,29 @@ fn cones_up_to_their_tips_are_proven() {
     }
 }
 
+/// About the tip of a shallow cone places beyond its patch have the same images as those on it.
+#[test]
+fn points_beside_the_tip_of_a_shallow_cone_go_there_and_back() {
+    let cone = SupportSurface::Cone { frame: Frame::world(), radius: 600.0, slope: -3.0 };
+    let face = Face::untrimmed(cone.to_spline((0.0, TAU), (0.0, 200.0)).expect("a surface").0);
+    let options = torse::Approximate::new(0.1);
+    let mut answer = of_faces(vec![face], Vec::new(), &options, &Control::default()).expect("a panel");
+    let files: Files = torse::files(&mut answer, "2026-01-31T12:00:00").expect("files").into_iter().collect();
+    let map = read_map(&|n| files.get(n).cloned(), None, None).expect("a map");
+    let around = |r: f64| {
+        (0..24)
+            .map(f64::from)
+            .map(|k| 0.1 + 0.25 * k)
+            .map(move |a| Vec3::new(r * a.cos(), r * a.sin(), 200.0 - r / 3.0))
+    };
+    let space: Vec<(usize, Vec3)> = [5.0, 40.0, 300.0].into_iter().flat_map(around).enumerate().collect();
+    let flat: Vec<(usize, Vec3)> =
+        map.points(&space, Side::Flat).iter().map(|r| (r.line, r.place.expect("a place"))).collect();
+    for (r, x) in map.points(&flat, Side::Space).iter().zip(&space) {
+        assert!((r.place.expect("a place") - x.1).norm() < 0.1, "{r:?} {x:?}");
+    }
+}
+
 /// A bracket has several panels: each has a bound of its own.
 #[test]
 fn panels_are_proven_one_by_one() {

@@ -418,8 +418,10 @@ impl Atlas {
     pub fn aligned(&self, part: &FlatPart) -> Result<Vec<Self>, AtlasError> {
         let size = part.size();
         let own: Vec<Vec<Vec2>> = self.sheets.iter().flat_map(|s| s.flat.clone()).collect();
-        // Few corners fit in many ways: then points of the outline count.
-        let few = part.joints.iter().map(Vec::len).sum::<usize>() < ENOUGH_JOINTS;
+        let there = Moments::of(&part.loops, &vec![1.0; part.loops.len()]);
+        // Few corners fit in many ways, and those of parts without a direction too, as on the rim of a cone laid flat: then points of
+        // the outline count.
+        let few = part.joints.iter().map(Vec::len).sum::<usize>() < ENOUGH_JOINTS || there.ratio <= LONG;
         let every = part.loops.iter().map(Vec::len).sum::<usize>() / MOST_POINTS + 1;
         let points: Vec<Vec<Vec2>> = match few {
             true => part.loops.iter().map(|l| l.iter().copied().step_by(every).collect()).collect(),
@@ -438,7 +440,6 @@ impl Atlas {
                 })
                 .collect();
             let here = Moments::of(&loops, &weights);
-            let there = Moments::of(&part.loops, &vec![1.0; part.loops.len()]);
             let turns: Vec<f64> = if there.ratio > LONG {
                 vec![there.angle - here.angle, there.angle - here.angle + std::f64::consts::PI]
             } else {
