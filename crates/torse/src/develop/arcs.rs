@@ -270,6 +270,14 @@ mod tests {
     }
 
     #[test]
+    fn what_is_smaller_than_the_tolerance_keeps_its_shape() {
+        let (pieces, error) = arcs(&circle_arc(5.8), 20.0);
+        assert!(pieces.len() > 1 && error < 2.0 * 30.0 * OWN_SHAPE * SAFETY, "{} pieces, error {error}", pieces.len());
+        // What is flat beside it is a line all the same.
+        assert_eq!(arcs(&circle_arc(0.5), 20.0).0.len(), 1);
+    }
+
+    #[test]
     fn no_tolerance_is_so_fine_that_arcs_have_no_end() {
         struct Parabola;
         impl PlaneCurve for Parabola {

@@ -102,6 +102,15 @@ mod tests {
     }
 
     #[test]
+    fn many_pieces_at_first_get_as_many_looks_each() {
+        let cuts = (0..=1500).map(|i| f64::from(i) / 1500.0).collect();
+        // Every piece is to be halved three times.
+        let wide = |a: f64, b: f64| Some((1.0 + 1500.0 * (b - a), 1.0));
+        let bound = greatest(cuts, 0.13, wide).expect("a bound");
+        assert!(bound <= 1.13, "{bound}");
+    }
+
+    #[test]
     fn what_cannot_be_bounded_has_no_bound() {
         assert_eq!(greatest(vec![0.0, 1.0], 1e-3, |a, _| (a > 0.0).then_some((1.0, 1.0))), None);
         assert_eq!(greatest(vec![0.0, 1.0], 1e-3, |_, _| Some((f64::NAN, 0.0))), None);

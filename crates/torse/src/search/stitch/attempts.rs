@@ -84,15 +84,16 @@ pub(crate) fn met(
     let base = as_built(face, state, &built);
     let mut attempts =
         Attempts { index, face, tolerance, wanted, control, known: Known::default(), unproven, best: built };
-    // Strips as they are are asked where the program has changed something, else at last.
-    let mut asked = false;
+    // Borders that the program has left open are moved at once, which may spare its next solution; those of the cover only where
+    // it has brought nothing.
+    let mut moved = false;
     for (base, regular) in base.iter().flat_map(|b| REGULAR.map(|r| (b, r))) {
         if attempts.is_open() && attempts.joined(base, regular).is_some_and(|next| attempts.keep(next)) {
             attempts.intersect(state);
-            asked = true;
+            moved = true;
         }
     }
-    if !asked {
+    if !moved {
         attempts.intersect(state);
     }
     attempts.best
