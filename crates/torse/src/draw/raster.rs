@@ -10,6 +10,8 @@ use rayon::prelude::*;
 
 /// Samples per pixel and direction.
 pub(crate) const SAMPLES: usize = 3;
+/// Room (samples) for rounding beside what sides cut out of a row.
+const ROUNDING: f64 = 0.01;
 /// Rows of pixels per band: small enough that a band's buffers stay in the cache's reach.
 const BAND: usize = 16;
 
@@ -245,18 +247,25 @@ impl Band {
         let per_area = 1.0 / twice_area;
         let sides = [(b, c), (c, a), (a, b)].map(|(p, q)| (p, (q - p) * per_area));
         let deep = corners.map(|v| v.place[2]);
+        let edges = [(a, b), (b, c), (c, a)].map(|(p, q)| (p, q.y, (q.x - p.x) / (q.y - p.y)));
         for row in self.rows_within(low.y, high.y) {
             let y = (self.first + row) as f64 + 0.5;
+            // What the sides cut out of this row, a little wider for rounding: slanting slivers would else cost their whole box.
+            let (mut left, mut right) = (f64::INFINITY, f64::NEG_INFINITY);
+            for (p, end, slope) in edges {
+                if (p.y <= y) != (end <= y) {
+                    let x = p.x + (y - p.y) * slope;
+                    (left, right) = (left.min(x), right.max(x));
+                }
+            }
+            let columns = self.columns_within((left - ROUNDING).max(low.x), (right + ROUNDING).min(high.x));
+            if columns.is_empty() {
+                continue;
+            }
             let in_row = sides.map(|(p, d)| d.x * (y - p.y) + d.y * p.x);
-            // What the sides cut out of this row, a sample wider: slanting slivers would else cost their whole box.
-            let crossings = [(a, b), (b, c), (c, a)]
-                .into_iter()
-                .filter(|(p, q)| (p.y <= y) != (q.y <= y))
-                .map(|(p, q)| p.x + (y - p.y) / (q.y - p.y) * (q.x - p.x));
-            let (left, right) = crossings.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, r), x| (x.min(l), x.max(r)));
             // Samples of a pixel beside each other share their shade: it costs more than all the rest.
             let mut shaded: Option<(usize, [f32; 3])> = None;
-            for column in self.columns_within((left - 1.0).max(low.x), (right + 1.0).min(high.x)) {
+            for column in columns {
                 let x = column as f64 + 0.5;
                 let weight = [0, 1, 2].map(|k| in_row[k] - sides[k].1.y * x);
                 if weight.iter().any(|&w| w < 0.0) {

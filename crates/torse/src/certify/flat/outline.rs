@@ -30,8 +30,15 @@ const MIDDLE: f64 = 32.0 * f64::EPSILON;
 /// Halvings of an arc at most: a full circle has no bulge.
 const SPLITS: usize = 8;
 
-/// Newton steps towards the place nearest to a joint.
-const STEPS: usize = 4;
+/// Newton steps towards the place nearest to a joint, at most.
+const STEPS: usize = 8;
+
+/// Steps shorter than this, mm, are the last.
+const STILL: f64 = 1e-9;
+
+/// A step that leads farther away is tried again shortened by this factor, and so many times in all.
+const SHORTER: f64 = 0.25;
+const TRIES: usize = 6;
 
 /// A rigid motion of the plane: turn, then move. The turn need not be of unit length: its direction counts.
 #[derive(Clone, Copy, Debug)]
@@ -152,6 +159,7 @@ impl Image<'_> {
 
     /// The place nearest to a point, from a place near it; inside `[low, 1]`.
     pub fn nearest(&self, to: &[f64; 2], from: f64, low: f64) -> f64 {
+        let far = |s: f64| self.place(s).map_or(f64::INFINITY, |p| (p[0] - to[0]).hypot(p[1] - to[1]));
         let mut s = from.clamp(low, 1.0);
         for _ in 0..STEPS {
             let Some(p) = self.at(s) else { return s };
@@ -165,7 +173,15 @@ impl Image<'_> {
             if !step.is_finite() {
                 return s;
             }
-            s = (s - step).clamp(low, 1.0);
+            // Behind a knot the image may be many times faster: shorter steps then.
+            let here = w[0].hypot(w[1]);
+            let shares = std::iter::successors(Some(1.0), |x| Some(SHORTER * x)).take(TRIES);
+            let next = shares.map(|x| (s - x * step).clamp(low, 1.0)).find(|&t| far(t) < here);
+            let Some(next) = next else { return s };
+            s = next;
+            if step * step * speed < STILL * STILL {
+                return s;
+            }
         }
         s
     }

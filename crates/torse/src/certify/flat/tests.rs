@@ -2,6 +2,8 @@ use super::*;
 use crate::certify::specimens::two_panels;
 use crate::geom::Vec2;
 use crate::patchwork::pattern::Mark;
+use crate::spline::curve::Curve;
+use crate::spline::knots::Knots;
 
 const TOLERANCE: f64 = 0.01;
 
@@ -50,6 +52,28 @@ fn a_true_drawing_is_proven_as_closely_as_its_lines_follow_the_border() {
         assert!(f.holds(), "{:?}", f.reason());
         assert!(f.strain_bound() < 1e-8, "{:e}", f.strain_bound());
         assert!(f.outline_bound() < 1e-3 && f.ruling_bound() < 1e-9 && f.mark_bound() < 1e-6, "{f:?}");
+    }
+}
+
+#[test]
+fn places_are_found_where_the_speed_jumps() {
+    let p = two_panels(1e-3, 4);
+    let all = |_: f64, _: f64| Some(Interval::new(0.0, 1.0));
+    let flat = FlatRails::new(&Ruled::new(&p.panels[0].strip.patch).expect("ruled"), &all, 1.0).expect("flat rails");
+    let [a, b] = [flat.breaks()[0], flat.breaks()[flat.breaks().len() - 1]];
+    let shares = [0.0, 0.01, 0.4, 0.41, 0.8, 0.81, 1.0];
+    let knots = Knots::clamped(1, &[0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0].map(|k| k / 6.0)).expect("knots");
+    let trim = Curve { knots, control: shares.map(|x| [a + (b - a) * x, 0.0]).to_vec() };
+    let motion = Motion { turn: [1.0, 0.0], from: [0.0; 2], to: [0.0; 2] };
+    let image = Image { flat: &flat, trim: &trim, motion };
+    for k in 0..=60 {
+        let s = f64::from(k) / 60.0;
+        let to = image.place(s).expect("a place");
+        for from in [0.0, 0.17, 0.49, 0.51, 0.83, 1.0] {
+            let found = image.nearest(&to, from, 0.0);
+            let at = image.place(found).expect("a place");
+            assert!((at[0] - to[0]).hypot(at[1] - to[1]) < 1e-6, "{s} from {from}: {found}");
+        }
     }
 }
 

@@ -20,17 +20,24 @@ const CONTOUR_SHARE: f64 = 0.1;
 /// Parts that fall together in the plane are apart in space by more than this share of the size.
 const APART: f64 = 1e-3;
 
-/// Segments of each kind in bodies: cones, cylinders, planes; of trimmed ones, pieces.
+/// Cones, cylinders and planes in bodies: pieces of one count once.
 pub fn counts(bodies: &[ConeBody]) -> [usize; 3] {
     let mut out = [0; 3];
     for b in bodies {
         let n = match &b.part {
-            Some(p) => ConeSpline { segments: p.faces.iter().map(|f| f.blank.segment).collect() }.counts(),
-            None => b.spline.counts(),
+            Some(p) => {
+                ConeSpline { segments: p.faces.iter().map(|f| f.blank.segment).collect() }.counts(size(&b.spline))
+            }
+            None => b.spline.counts(size(&b.spline)),
         };
         out.iter_mut().zip(n).for_each(|(o, n)| *o += n);
     }
     out
+}
+
+/// Length of the rulings of a chain, mm.
+fn size(spline: &ConeSpline) -> f64 {
+    spline.segments.first().map_or(1.0, |s| (s.edges[1][0] - s.edges[0][0]).abs())
 }
 
 /// Strips, figures, parts and patterns of one chain; the pieces that the strips show.
@@ -62,7 +69,7 @@ pub(super) fn strips_of(answer: &mut Answer, body: &ConeBody, proven: &Proven) -
     }
     // One part for the chain, halved while it overlaps itself in the plane.
     let spline = &body.spline;
-    let size = spline.segments.first().map_or(1.0, |s| (s.edges[1][0] - s.edges[0][0]).abs());
+    let size = size(spline);
     let mut waiting = vec![(body.name.clone(), 0, spline.segments.len())];
     while let Some((name, from, count)) = waiting.pop() {
         let chain = ConeSpline { segments: spline.segments[from..from + count].to_vec() };

@@ -32,7 +32,7 @@ fn a_cylinder_becomes_certified_cylinders_and_files_parts_and_patterns_agree() {
     assert_eq!(out.status(), Status::Certified);
     let bodies = &out.cones.as_ref().expect("cones").bodies;
     assert_eq!(bodies.len(), 1);
-    let [cones, cylinders, _] = bodies[0].spline.counts();
+    let [cones, cylinders, _] = bodies[0].spline.counts(100.0);
     assert!(cones == 0 && cylinders > 1 && out.patchwork.panels.len() == bodies[0].spline.segments.len());
     let area: f64 = out.patterns.iter().map(|p| p.area).sum();
     let surface: f64 = out.strips().map(Strip::area_estimate).sum();

@@ -114,10 +114,11 @@ fn approximated(target: &Target, tolerance: f64) -> Result<(ConeFit, ConeProof),
 }
 
 /// The chain with segments on one carrier made one. These carriers are not those that were judged, to the last digit:
-/// they are judged again, and stay apart where they do not hold. Between circles one turns by no more than `circles` (rad).
+/// they are judged again, and stay apart where they do not hold. Between circles one is then cut to turn by no more than `circles`
+/// (rad).
 fn merged(target: &Target, found: &ConeFit, proof: ConeProof, tolerance: f64, circles: f64) -> (ConeSpline, ConeProof) {
     let size = target.strip.jet(target.strip.domain().0).length();
-    let merged = found.spline.merged(size, LARGEST_TURN, circles);
+    let merged = found.spline.merged(size, LARGEST_TURN, ONCE_AROUND);
     let again = (merged.segments.len() < found.spline.segments.len())
         .then(|| merged.cut_like(&found.spline))
         .flatten()

@@ -263,6 +263,34 @@ impl Segment {
         Self { start, shape, edges: self.edges }
     }
 
+    /// This segment and the next one as one, where both are on one support, with the edges of this one; and how far coordinates
+    /// of the next slide on it. `length` is the size of the strip, mm.
+    fn joined(&self, next: &Self, length: f64) -> Option<(Self, f64)> {
+        /// Supports that differ by less than this (rad, share of the length) are one.
+        const SAME: f64 = 1e-9;
+        let (a, b) = (self.shape.angle(), next.shape.angle());
+        let (shape, share) = match (self.shape, next.shape) {
+            (Shape::Cone { distance, cos_gamma, sin_gamma, .. }, Shape::Cone { .. }) => {
+                (Shape::Cone { distance, cos_gamma, sin_gamma, angle: a + b }, a / (a + b))
+            }
+            (Shape::Cylinder { radius, .. }, Shape::Cylinder { .. }) => {
+                (Shape::Cylinder { radius, angle: a + b }, a / (a + b))
+            }
+            (Shape::Flat { width }, Shape::Flat { width: more }) => {
+                (Shape::Flat { width: width + more }, width / (width + more))
+            }
+            _ => return None,
+        };
+        let whole = Self { start: self.start, shape, edges: self.edges };
+        // The longer one ends and passes its joint where the two did.
+        let middle = self.end();
+        let slide = (next.start.point - middle.point).dot(&next.start.direction);
+        let same = whole.end().mismatch(&next.end(), length) <= SAME
+            && whole.element(share).mismatch(&middle, length) <= SAME
+            && whole.element(0.5 * (1.0 + share)).mismatch(&next.element(0.5), length) <= SAME;
+        same.then_some((whole, slide))
+    }
+
     /// The part between the shares `a` and `b` of the turn. Its edges pass through the same points.
     pub fn part(&self, a: f64, b: f64) -> Self {
         let m = 0.5 * (a + b);
@@ -302,10 +330,18 @@ const EQUAL: f64 = 1e-12;
 pub const ONCE_AROUND: f64 = std::f64::consts::TAU * (1.0 + 1e-9);
 
 impl ConeSpline {
-    /// Number of segments of each kind: cones, cylinders, planes.
-    pub fn counts(&self) -> [usize; 3] {
-        let count = |name| self.segments.iter().filter(|s| s.shape.name() == name).count();
-        [count("cone"), count("cylinder"), count("plane")]
+    /// Number of supports of each kind: cones, cylinders, planes. Neighbours on one support count once; `length` is the size of
+    /// the strip, mm.
+    pub fn counts(&self, length: f64) -> [usize; 3] {
+        let mut out = [0; 3];
+        let mut before: Option<&Segment> = None;
+        for s in &self.segments {
+            if before.and_then(|b| b.joined(s, length)).is_none() {
+                out[["cone", "cylinder", "plane"].iter().position(|n| *n == s.shape.name()).unwrap_or(2)] += 1;
+            }
+            before = Some(s);
+        }
+        out
     }
 
     /// Largest mismatch (rad, or distance of lines over `length`) between the end of a segment and the start of the
@@ -349,41 +385,18 @@ impl ConeSpline {
     /// (rad), between circles by no more than `circles`; `length` is the size of the strip, mm. Edges of merged segments are
     /// plane sections through the ends and the joint: those of circles stay as they are, others change.
     pub fn merged(&self, length: f64, limit: f64, circles: f64) -> Self {
-        /// Carriers that differ by less than this (rad, share of the length) are one.
-        const SAME: f64 = 1e-9;
         let mut segments: Vec<Segment> = Vec::with_capacity(self.segments.len());
         for s in &self.segments {
             let joined = segments.last().and_then(|last: &Segment| {
-                let (a, b) = (last.shape.angle(), s.shape.angle());
-                let shape = match (last.shape, s.shape) {
-                    (Shape::Cone { distance, cos_gamma, sin_gamma, .. }, Shape::Cone { .. }) => {
-                        Shape::Cone { distance, cos_gamma, sin_gamma, angle: a + b }
-                    }
-                    (Shape::Cylinder { radius, .. }, Shape::Cylinder { .. }) => {
-                        Shape::Cylinder { radius, angle: a + b }
-                    }
-                    (Shape::Flat { width }, Shape::Flat { width: more }) => Shape::Flat { width: width + more },
-                    _ => return None,
-                };
-                let whole = Segment { start: last.start, shape, edges: last.edges };
-                // The longer one ends and passes its joint where the two did.
-                let middle = last.end();
-                let share = match (last.shape, s.shape) {
-                    (Shape::Flat { width }, Shape::Flat { width: more }) => width / (width + more),
-                    _ => a / (a + b),
-                };
-                let slide = (s.start.point - middle.point).dot(&s.start.direction);
+                let (whole, slide) = last.joined(s, length)?;
                 let one_circle =
                     |k: usize| s.edges[k].iter().all(|r| (r + slide - last.edges[k][0]).abs() <= EQUAL * length);
                 let round = last.is_between_circles(EQUAL) && one_circle(0) && one_circle(1);
-                let fits = (a + b).abs() <= if round { circles } else { limit }
-                    && whole.end().mismatch(&s.end(), length) <= SAME
-                    && whole.element(share).mismatch(&middle, length) <= SAME
-                    && whole.element(0.5 * (1.0 + share)).mismatch(&s.element(0.5), length) <= SAME;
                 let edges = [0, 1].map(|k| match round {
                     true => [last.edges[k][0]; 3],
                     false => [last.edges[k][0], last.edges[k][2], s.edges[k][2] + slide],
                 });
+                let fits = whole.shape.angle().abs() <= if round { circles } else { limit };
                 fits.then_some(Segment { edges, ..whole })
             });
             match (joined, segments.last_mut()) {
