@@ -6,14 +6,13 @@ use crate::folder::Output;
 use crate::shop;
 use crate::terminal::Terminal;
 use std::io::Write;
-use std::ops::Range;
 use std::path::Path;
 use std::rc::Rc;
 use std::time::Duration;
 use torse::answer::marks::Marks;
 use torse::answer::skipped::Skipped;
 use torse::answer::Answer;
-use torse::certify::claim::{Claim, Evidence, Status, What};
+use torse::certify::claim::{Status, What};
 use torse::control::Control;
 use torse::develop::unfold::allowance::KFactor;
 use torse::io::marks::{chosen, do_not_cut, FEW};
@@ -134,7 +133,7 @@ fn tell(answer: &Answer, tolerance: &str, folder: &Path, interrupted: bool) -> s
         let beside =
             if c.what() == What::Coverage && !answer.skipped.is_empty() { " beside what is left out" } else { "" };
         let how = if c.is_unknown() { String::new() } else { format!(" ({})", words::evidence(c.evidence())) };
-        writeln!(out, "  {name}{beside}: {}{how}", value(c))?;
+        writeln!(out, "  {name}{beside}: {}{how}", words::value(c))?;
     }
     for face in answer.patchwork.faces.iter().filter(|f| !f.parts.is_empty()) {
         let parts: Vec<String> = face.parts.iter().map(|p| format!("#{}", p.entity)).collect();
@@ -173,68 +172,18 @@ fn warning(answer: &Answer) -> String {
     do_not_cut(&chosen(names, &Marks::of(answer).parts), answer.parts.len(), FEW)
 }
 
-/// What a claim says, with its unit: "unknown" where nothing is known, "none" of what does not exist.
-fn value(c: &Claim) -> String {
-    let unit = words::unit(c.what());
-    match c.value() {
-        _ if c.is_unknown() => "unknown".into(),
-        x if x.is_infinite() => match c.what() {
-            // Of planes, or of cylinders.
-            What::RegressionClearance | What::BendRadius => "none".into(),
-            _ => "unknown".into(),
-        },
-        x => {
-            let shown = match c.evidence() {
-                Evidence::Proven if c.is_lower_bound() => number(x, f64::floor),
-                Evidence::Proven => number(x, f64::ceil),
-                Evidence::Measured | Evidence::Given => number(x, f64::round),
-            };
-            if unit.is_empty() {
-                shown
-            } else {
-                format!("{shown} {unit}")
-            }
-        }
-    }
-}
-
-/// Sizes of numbers that are written without powers of ten: below, four decimals say little; beyond, one must count.
-const PLAIN: Range<f64> = 1e-3..1e6;
-
-/// Four digits after the point, or four in all with powers of ten where they are needed. Bounds are rounded to the safe
-/// side: they must not look better than they are.
-fn number(x: f64, round: fn(f64) -> f64) -> String {
-    if x == 0.0 || !x.is_finite() || PLAIN.contains(&x.abs()) {
-        let text = format!("{:.4}", round(x * 1e4) / 1e4);
-        return text.trim_end_matches('0').trim_end_matches('.').to_owned();
-    }
-    let power = x.abs().log10().floor();
-    let unit = 10f64.powf(power - 3.0);
-    format!("{:.3e}", round(x / unit) * unit)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn what_is_certified_in_part_is_told_with_its_share_first() {
-        let told = uncertified("1 strip", ("certified in part: 62.55 % of low.csv", true), "do not cut A");
-        assert_eq!(told[0], "certified in part: 62.55 % of low.csv: 1 strip");
+        let told = uncertified("1 strip", ("certified in part: 62.5 % of low.csv", true), "do not cut A");
+        assert_eq!(told[0], "certified in part: 62.5 % of low.csv: 1 strip");
         assert_eq!(told[1], "NOT certified as a whole, do not cut A");
         assert_eq!(
             uncertified("1 strip", ("no proof", false), "do not cut A")[0],
             "NOT certified, do not cut A: 1 strip"
         );
-    }
-
-    #[test]
-    fn bounds_are_rounded_to_the_safe_side() {
-        assert_eq!(number(0.999_71, f64::ceil), "0.9998");
-        assert_eq!(number(412.799_99, f64::floor), "412.7999");
-        assert_eq!(number(1.900_1e-4, f64::ceil), "1.901e-4");
-        assert_eq!(number(1.000_01e-9, f64::ceil), "1.001e-9");
-        assert_eq!(number(1.999_9e-9, f64::floor), "1.999e-9");
-        assert_eq!((number(0.0, f64::ceil), number(2.0, f64::ceil)), ("0".into(), "2".into()));
     }
 }

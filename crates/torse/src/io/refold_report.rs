@@ -1,5 +1,6 @@
 //! The answer of `torse refold` for people and as data: `refold.json`.
 
+use super::words::numbers::{length, length_bound};
 use serde::{Deserialize, Serialize};
 use std::fmt::Write as _;
 
@@ -107,31 +108,33 @@ impl RefoldReport {
             panels().count(),
         );
         for p in &self.parts {
-            let printed = |x: Option<f64>| x.map_or_else(|| "unknown".into(), number);
+            let printed = |x: Option<f64>, told: fn(f64) -> String| x.map_or_else(|| "unknown".into(), told);
             // Writing to a string cannot fail.
             _ = match p.distance_bound {
                 Some(bound) => writeln!(
                     out,
-                    "  {}: part and panels within {} mm of each other, edges too (proven; {} mm by the printed digits); measured {} mm",
+                    "  {}: part and panels within {} of each other, edges too (proven; {} by the printed digits); measured {}",
                     p.name,
-                    number(bound),
-                    printed(p.printed_bound),
-                    number(p.distance_estimate),
+                    length_bound(bound),
+                    printed(p.printed_bound, length_bound),
+                    length(p.distance_estimate),
                 ),
                 None => writeln!(
                     out,
-                    "  {}: within {} mm of the part, every point within {} mm of where it belongs ({} mm by the printed digits); \
+                    "  {}: within {} of the part, every point within {} of where it belongs ({} by the printed digits); \
                      measured at samples, not proven: {}",
                     p.name,
-                    number(p.distance_estimate),
-                    number(p.matched_estimate),
-                    printed(p.printed_estimate),
+                    length(p.distance_estimate),
+                    length(p.matched_estimate),
+                    printed(p.printed_estimate, length),
                     p.not_proven,
                 ),
             };
             for panel in p.panels.iter().filter(|_| p.panels.len() > 1) {
                 _ = match panel.distance_bound {
-                    Some(bound) => writeln!(out, "    panel {}: within {} mm (proven)", panel.name, number(bound)),
+                    Some(bound) => {
+                        writeln!(out, "    panel {}: within {} (proven)", panel.name, length_bound(bound))
+                    }
                     None => writeln!(out, "    panel {}: not proven: {}", panel.name, panel.not_proven),
                 };
             }
@@ -151,15 +154,3 @@ impl RefoldReport {
         out
     }
 }
-
-/// Four digits.
-fn number(x: f64) -> String {
-    if x == 0.0 || !x.is_finite() || (PLAIN.0..PLAIN.1).contains(&x.abs()) {
-        format!("{x:.4}")
-    } else {
-        format!("{x:.1e}")
-    }
-}
-
-/// Numbers in this range are written without powers of ten.
-const PLAIN: (f64, f64) = (1e-3, 1e6);

@@ -229,7 +229,7 @@ fn reason(answer: &Answer, panel: usize, curves: &[String]) -> String {
         None => "not examined".into(),
         Some(p) if !p.certified => p.reason.as_ref().map_or_else(String::new, words::why),
         Some(p) if p.deviation_bound > answer.tolerance => {
-            format!("proven for {:.6} mm only, which exceeds the tolerance", p.deviation_bound)
+            format!("proven for {} only, which exceeds the tolerance", words::numbers::length_bound(p.deviation_bound))
         }
         Some(_) if answer.beyond_limits.contains(&panel) => "it does not keep the limits of sheet and material".into(),
         Some(_) if answer.part_of(panel).is_none_or(|part| answer.pattern_of(part).is_none()) => {

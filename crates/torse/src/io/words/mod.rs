@@ -270,6 +270,33 @@ pub(crate) fn joins_name(group: &str, count: usize, only: &str) -> String {
     }
 }
 
+/// What a claim says, with its unit, bounds rounded to the safe side: "unknown" where nothing is known, "none" of what does not
+/// exist.
+pub fn value(c: &Claim) -> String {
+    let x = c.value();
+    match c.what() {
+        _ if c.is_unknown() => return "unknown".into(),
+        // Of planes, or of cylinders.
+        What::RegressionClearance | What::BendRadius if x.is_infinite() => return "none".into(),
+        _ if x.is_infinite() => return "unknown".into(),
+        What::Coverage => return numbers::percent_least(x),
+        _ => {}
+    }
+    let shown = match c.evidence() {
+        Evidence::Proven if c.is_lower_bound() => numbers::number_least(x),
+        Evidence::Proven => numbers::number_bound(x),
+        Evidence::Measured => numbers::number(x),
+        Evidence::Given => numbers::plain(x, GIVEN_DIGITS),
+    };
+    match unit(c.what()) {
+        "" => shown,
+        unit => format!("{shown} {unit}"),
+    }
+}
+
+/// Digits of what is counted or given.
+const GIVEN_DIGITS: usize = 9;
+
 /// How a value is known, in one word.
 pub fn evidence(evidence: Evidence) -> &'static str {
     match evidence {

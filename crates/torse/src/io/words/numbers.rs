@@ -1,10 +1,14 @@
 //! Numbers in sentences: no more digits than people read.
 
 use crate::draw::picture::figure;
+use crate::geom::unit::SQUARE_METRES;
 use crate::geom::Vec3;
 
-/// Digits of numbers in notes.
+/// Digits of numbers in sentences.
 const DIGITS: usize = 3;
+
+/// Areas (mm²) from which square metres are told.
+const SMALL: f64 = 1e4;
 
 /// A number without superfluous zeros.
 pub(in crate::io) fn plain(x: f64, digits: usize) -> String {
@@ -28,17 +32,32 @@ pub(super) fn number(x: f64) -> String {
 }
 
 /// A length (mm).
-pub(super) fn length(x: f64) -> String {
+pub(in crate::io) fn length(x: f64) -> String {
     format!("{} mm", number(x))
 }
 
 /// A proven bound, rounded up.
 pub(super) fn number_bound(x: f64) -> String {
+    number(rounded_up(x))
+}
+
+/// The next number of few digits that is not below.
+fn rounded_up(x: f64) -> f64 {
     if x == 0.0 || !x.is_finite() {
-        return number(x);
+        return x;
     }
     let unit = 10f64.powf(x.abs().log10().floor() - (DIGITS as f64 - 1.0));
-    number((x / unit).ceil() * unit)
+    (x / unit).ceil() * unit
+}
+
+/// A proven bound from below, rounded down.
+pub(super) fn number_least(x: f64) -> String {
+    number(-rounded_up(-x))
+}
+
+/// A proven bound from below (mm), rounded down.
+pub(super) fn length_least(x: f64) -> String {
+    format!("{} mm", number_least(x))
 }
 
 /// A proven bound (mm), rounded up.
@@ -51,12 +70,51 @@ pub(super) fn angle(x: f64) -> String {
     format!("{}°", number(x.to_degrees()))
 }
 
+/// A proven bound of an angle (rad), in degrees.
+pub(super) fn angle_bound(x: f64) -> String {
+    format!("{}°", number_bound(x.to_degrees()))
+}
+
+/// An area (mm²), in the unit in which it is neither tiny nor huge.
+pub(super) fn area(x: f64) -> String {
+    if x < SMALL {
+        return format!("{} mm²", number(x));
+    }
+    format!("{} m²", number(x * SQUARE_METRES))
+}
+
 /// A share, in per cent.
 pub(super) fn percent(share: f64) -> String {
     format!("{} %", number(100.0 * share))
 }
 
+/// A share that there is at least, in per cent.
+pub(super) fn percent_least(share: f64) -> String {
+    format!("{} %", number_least(100.0 * share))
+}
+
 /// A place in space (mm): coordinates to a micrometre, for they are looked up.
 pub(super) fn place(p: &Vec3) -> String {
     format!("({:.3}, {:.3}, {:.3}) mm", p.x, p.y, p.z)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bounds_are_rounded_to_the_safe_side() {
+        assert_eq!(number_bound(0.999_71), "1");
+        assert_eq!(number_bound(4.978_01), "4.98");
+        assert_eq!(number_least(412.799_99), "412");
+        assert_eq!(number_bound(1.900_1e-4), "0.000191");
+        assert_eq!(number_bound(1.000_01e-9), "1.01e\u{2212}9");
+        assert_eq!(number_least(1.999_9e-9), "1.99e\u{2212}9");
+        assert_eq!((number_bound(0.0), number_bound(2.0)), ("0".into(), "2".into()));
+    }
+
+    #[test]
+    fn areas_have_the_unit_of_their_size() {
+        assert_eq!((area(12.5), area(6.591e6)), ("12.5 mm²".into(), "6.59 m²".into()));
+    }
 }

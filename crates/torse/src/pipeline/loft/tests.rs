@@ -94,7 +94,7 @@ fn ends_are_trimmed_fanned_or_extended() {
     let trimmed = with(Ends::Trim);
     assert_eq!(trimmed.status(), Status::Uncertified);
     let reason = words::reason(&trimmed.claims, &[]);
-    assert!(reason.starts_with("certified in part: 63.16 % of long"), "{reason}");
+    assert!(reason.starts_with("certified in part: 63.1 % of long"), "{reason}");
     // Both edges, 200 mm long in all, may lie up to the tolerance off.
     assert!((area(&trimmed) - ring(100.0, 80.0, 60.0, 1.2)).abs() < 0.01 * 200.0);
     let cut_short = |n: &Note| matches!(n, Note::Loft(LoftNote::Ends(EndNote::Used { rail, .. })) if rail == "long");

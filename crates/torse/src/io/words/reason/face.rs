@@ -2,7 +2,7 @@
 
 use super::{numbered, why};
 use crate::geom::place_in_words;
-use crate::io::words::numbers::length_bound;
+use crate::io::words::numbers::{angle, area, length, length_bound, length_least, number, place};
 use crate::reason::{FaceReason, Limit, Unlaid};
 
 pub(super) fn words(reason: &FaceReason) -> String {
@@ -19,8 +19,8 @@ pub(super) fn words(reason: &FaceReason) -> String {
                 n => (format!("{n} faces or items of the file are"), ", the first"),
             };
             format!(
-                "{what} left out ({}){more} {}",
-                area(*area_estimate, *unknown, *count),
+                "{what} left out ({}){more}: {}",
+                areas(*area_estimate, *unknown, *count),
                 numbered(*entity, first)
             )
         }
@@ -46,36 +46,38 @@ pub(super) fn words(reason: &FaceReason) -> String {
         FaceReason::OutlineLeaves => "its outline leaves the patch".into(),
         FaceReason::NotRuled => "it is not ruled (of degree 1 in one direction)".into(),
         FaceReason::Tip(p) => format!(
-            "it reaches its tip at ({:.3}, {:.3}, {:.3}), where all rulings meet and no sheet bends; cut a hundredth of its \
-             length off at the tip in CAD",
-            p.x, p.y, p.z
+            "it reaches its tip at {}, where all rulings meet and no sheet bends; cut a hundredth of its length off at the tip \
+             in CAD",
+            place(p)
         ),
         FaceReason::Unusable { u, error } => format!("its ruling u = {u:.4} is not usable: {}", why(error)),
         FaceReason::Twisted { u, off } => {
-            format!("it is not developable (twist of {off:.2e} mm along ruling u = {u:.4})")
+            format!("it is not developable (twist of {} along ruling u = {u:.4})", length(*off))
         }
     }
 }
 
 /// The area of what is left out, some or all of it of unknown area.
-fn area(known: f64, unknown: usize, count: usize) -> String {
-    let known = if known < 100.0 { format!("{known:.4}") } else { format!("{known:.0}") };
+fn areas(known: f64, unknown: usize, count: usize) -> String {
+    let known = area(known);
     match unknown {
-        0 => format!("about {known} mm²"),
+        0 => format!("about {known}"),
         n if n == count => "of unknown area".to_string(),
-        n => format!("about {known} mm², {n} of them of unknown area"),
+        n => format!("about {known}, {n} of them of unknown area"),
     }
 }
 
 fn limited(limit: Limit, value: f64) -> String {
     match limit {
-        Limit::BendRadius => format!("the bending radius is only proven to be {value:.3} mm"),
-        Limit::Clearance => format!("the distance to the regression curve is only proven to be {value:.3} mm"),
-        Limit::StripWidth => format!("the width of the strip is {value:.1} mm"),
-        Limit::Length => format!("the length of the pattern is {value:.1} mm"),
-        Limit::SheetWidth => format!("the width of the rectangle around the pattern is {value:.1} mm"),
-        Limit::SheetLength => format!("the length of the rectangle around the pattern is {value:.1} mm"),
-        Limit::MeanWidth => format!("its mean width is {value:.1} mm"),
+        Limit::BendRadius => format!("the bending radius is only proven to be {}", length_least(value)),
+        Limit::Clearance => {
+            format!("the distance to the regression curve is only proven to be {}", length_least(value))
+        }
+        Limit::StripWidth => format!("the width of the strip is {}", length(value)),
+        Limit::Length => format!("the length of the pattern is {}", length(value)),
+        Limit::SheetWidth => format!("the width of the rectangle around the pattern is {}", length(value)),
+        Limit::SheetLength => format!("the length of the rectangle around the pattern is {}", length(value)),
+        Limit::MeanWidth => format!("its mean width is {}", length(value)),
     }
 }
 
@@ -86,18 +88,21 @@ pub(super) fn unlaid(reason: &Unlaid) -> String {
         Unlaid::NoSheet(words) | Unlaid::Undeveloped(words) => words.clone(),
         Unlaid::Curved { twist_estimate, curvature_estimate, strain_estimate } => {
             let twist = match twist_estimate.is_finite() {
-                true => format!("its tangent plane turns by {:.3}° along a ruling", twist_estimate.to_degrees()),
+                true => format!("its tangent plane turns by {} along a ruling", angle(*twist_estimate)),
                 false => "it has no straight parameter lines".into(),
             };
             format!(
-                "the face is not developable: {twist}, its Gaussian curvature is up to {curvature_estimate:.3e} per mm², and \
-                 flattening it would need a strain of about {strain_estimate:.2e}; panels within a distance of it can take its \
-                 place (--surfaces --approximate 1mm)"
+                "the face is not developable: {twist}, its Gaussian curvature is up to {} per mm², and \
+                 flattening it would need a strain of about {}; panels within a distance of it can take its \
+                 place (--surfaces --approximate 1mm)",
+                number(*curvature_estimate),
+                number(*strain_estimate)
             )
         }
         Unlaid::Feature { carrier, thickness } => format!(
-            "the {carrier} is neither a skin nor an edge of the sheet of {thickness:.3} mm: a feature formed or milled into \
-             it, or a bend of a radius below the thickness"
+            "the {carrier} is neither a skin nor an edge of the sheet of {}: a feature formed or milled into it, or \
+             a bend of a radius below the thickness",
+            length(*thickness)
         ),
         Unlaid::Narrow { tolerance } => {
             format!("nothing is left of its outline within the tolerance of {tolerance} mm")

@@ -1,12 +1,13 @@
 //! What proofs of flat patterns, and of files that were read back, miss, in words.
 
+use crate::io::words::numbers::length_bound;
 use crate::reason::{Differs, Drawn, FlatFault, Near, Of, WrittenFault};
 
 pub(super) fn words(fault: FlatFault) -> String {
     match fault {
         FlatFault::NoMap => "no map to the plane could be shown to keep lengths".into(),
-        FlatFault::Drawing(bound) => format!("the drawing is only proven to be within {bound:.6} mm"),
-        FlatFault::Lengths(bound) => format!("lengths are only proven to change by less than {bound:.6} mm"),
+        FlatFault::Drawing(bound) => format!("the drawing is only proven to be within {}", length_bound(bound)),
+        FlatFault::Lengths(bound) => format!("lengths are only proven to change by less than {}", length_bound(bound)),
         FlatFault::Stopped => "the proof was stopped".into(),
         FlatFault::NoPanel => "there is no such panel".into(),
         FlatFault::NotRuled => "the patch is not ruled".into(),
@@ -60,9 +61,9 @@ pub(super) fn written(fault: &WrittenFault) -> String {
         WrittenFault::Name { entity, found, wanted } => format!("#{entity} is called {found} instead of {wanted}"),
         WrittenFault::Counted { what, found, wanted } => format!("{found} {} instead of {wanted}", drawn(*what)),
         WrittenFault::Differs(what) => differs(*what).into(),
-        WrittenFault::Moved(by) => format!("it is {by:.3e} mm from what was judged"),
-        WrittenFault::SurfaceMoved(by) => format!("the surface is {by:.3e} mm from what was judged"),
-        WrittenFault::EdgesMoved(by) => format!("its edges are {by:.3e} mm from what was judged"),
+        WrittenFault::Moved(by) => format!("it is {} from what was judged", length_bound(*by)),
+        WrittenFault::SurfaceMoved(by) => format!("the surface is {} from what was judged", length_bound(*by)),
+        WrittenFault::EdgesMoved(by) => format!("its edges are {} from what was judged", length_bound(*by)),
     }
 }
 

@@ -83,18 +83,18 @@ mod tests {
         assert_eq!(
             why(&Reason::of(Item::Part("A-03".into()), both)),
             "part A-03: a mark has no partner on the neighbour, or is not on a seam; the drawing is only proven to be within \
-             0.012346 mm"
+             0.0124 mm"
         );
         let rows = Item::Elements { row: Some("keel".into()), sort: Sort::Rulings, range: 3..9 };
         let near = StripReason::NotFollowed { tolerance: 0.5, fixed_ends: true, smoothing: None, kept_off: Some(2.0) };
         assert_eq!(
             why(&Reason::of(rows, near)),
             "keel: rulings 3 to 8: no developable strip follows them within 0.5 mm and keeps the first and the last as they \
-             are with its regression curve in bounds (the nearest found is 2.000 mm away); raise the tolerance, or ask for \
+             are with its regression curve in bounds (the nearest found is 2 mm away); raise the tolerance, or ask for \
              less of the regression curve"
         );
         let off = JobReason::Off(Item::Handle(2, "rail".into()), 0.25);
-        assert!(why(&off.into()).starts_with("handle 2 on rail is 0.2500 mm from what it should be"));
+        assert!(why(&off.into()).starts_with("handle 2 on rail is 0.25 mm from what it should be"));
     }
 
     #[test]
@@ -105,10 +105,12 @@ mod tests {
             why(&FaceReason::LeftOut { count, area_estimate, unknown, entity, first: first.clone() }.into())
         };
         let rest = "#17: time was up before it was covered";
-        assert_eq!(told(1, 12.5, 0), format!("1 face or item of the file is left out (about 12.5000 mm²) {rest}"));
+        assert_eq!(told(1, 12.5, 0), format!("1 face or item of the file is left out (about 12.5 mm²): {rest}"));
         assert_eq!(
             told(3, 1e6, 1),
-            format!("3 faces or items of the file are left out (about 1000000 mm², 1 of them of unknown area), the first {rest}")
+            format!(
+                "3 faces or items of the file are left out (about 1 m², 1 of them of unknown area), the first: {rest}"
+            )
         );
         assert!(told(2, 0.0, 2).contains("(of unknown area)"));
     }

@@ -1,13 +1,15 @@
 //! What proofs of panels that cover faces miss, in words.
 
 use crate::geom::{place_in_words, Vec3};
+use crate::io::words::numbers::{angle_bound, length, length_bound};
 use crate::reason::{CoverFault, LoopFault, Obstruction, PanelFault, ProofFault, SeamFault};
 
 pub(super) fn words(fault: &ProofFault) -> String {
     match fault {
         ProofFault::Precision { tolerance, least } => format!(
             "everything: a tolerance of {tolerance:e} mm cannot be certified in double precision at this size; \
-             at least {least:.1e} mm is needed"
+             at least {} is needed",
+            length_bound(*least)
         ),
         ProofFault::Joined { face, by } => format!("face {face}: joining moved it by {by} mm, which is no bound"),
         ProofFault::Trimmed { face, by } => {
@@ -36,9 +38,9 @@ fn panel(fault: &PanelFault) -> String {
         PanelFault::Cover(fault) => cover(fault),
         PanelFault::Edge => "an edge in space cannot be compared with its trimming curve".into(),
         PanelFault::OtherFoot(at) => format!("a trimming curve belongs to another foot at {}", place_in_words(at)),
-        PanelFault::TooLarge(bound) => format!("the bound {bound:.6} mm exceeds the tolerance"),
+        PanelFault::TooLarge(bound) => format!("the bound {} exceeds the tolerance", length_bound(*bound)),
         PanelFault::OffTorse => "the patch cannot be compared with the exact torse".into(),
-        PanelFault::Twisted(angle) => format!("tangent planes along a ruling may differ by {angle:.1e} rad"),
+        PanelFault::Twisted(angle) => format!("tangent planes along a ruling may differ by {}", angle_bound(*angle)),
         PanelFault::Regression => "the regression curve may lie inside the patch".into(),
         PanelFault::Trim(fault) => of_loops(*fault).into(),
         PanelFault::TrimAt(fault, at) => format!("{} at {}", of_loops(*fault), place_in_words(at)),
@@ -49,23 +51,17 @@ fn panel(fault: &PanelFault) -> String {
         PanelFault::MayFold => "it could not be shown that the map to the face does not fold over".into(),
         PanelFault::WrongSide => "the trimming loops run about the wrong side".into(),
         PanelFault::Only(bound, at) => {
-            format!("{bound:.6} mm is all that is proven; farthest at {}", place_in_words(at))
+            format!("{} is all that is proven; farthest at {}", length_bound(*bound), place_in_words(at))
         }
     }
 }
 
 fn too_far(away: f64, at: &Vec3, left: Option<f64>) -> String {
-    let place = format!("the face is {} mm away at {}", short(away), place_in_words(at));
+    let place = format!("the face is {} away at {}", length(away), place_in_words(at));
     match left {
         None => place,
-        Some(left) => format!("{place}; rounding and trimming curves leave {} mm", short(left)),
+        Some(left) => format!("{place}; rounding and trimming curves leave {}", length(left)),
     }
-}
-
-/// A length with three digits.
-fn short(x: f64) -> String {
-    let digits = if x > 0.0 && x.is_finite() { (2 - x.log10().floor() as i32).clamp(0, 12) } else { 3 };
-    format!("{x:.*}", digits as usize)
 }
 
 /// What a resistance means.

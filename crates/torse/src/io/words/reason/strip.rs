@@ -3,7 +3,7 @@
 use super::{many, name, one, proof, why};
 use crate::geom::unit::LengthUnit;
 use crate::geom::Vec3;
-use crate::io::words::numbers::{length_bound, place};
+use crate::io::words::numbers::{angle, angle_bound, length, length_bound, number, percent, percent_least, place};
 use crate::io::words::told;
 use crate::reason::{Covered, Curves, JobReason, Sort, Stalled, StripReason};
 
@@ -19,30 +19,32 @@ pub(super) fn words(reason: &StripReason) -> String {
         StripReason::TooMany(count) => {
             format!("{count} strips were found, too many to be laid flat and written after a stop")
         }
-        StripReason::Stray { by, from: Curves::All } => format!("the strips stray up to {by:.4} mm from the curves"),
+        StripReason::Stray { by, from: Curves::All } => {
+            format!("the strips stray up to {} from the curves", length_bound(*by))
+        }
         StripReason::Stray { by, from: Curves::Fixed } => {
-            format!("the strips stray up to {by:.1e} mm from fixed curves")
+            format!("the strips stray up to {} from fixed curves", length_bound(*by))
         }
         StripReason::Stray { by, from: Curves::One(curve) } => {
-            format!("the strips stray up to {by:.4} mm from {curve}")
+            format!("the strips stray up to {} from {curve}", length_bound(*by))
         }
         StripReason::OffRail { by, rail } => format!(
-            "the strips stray up to {} mm from {rail}; a tolerance of {} mm is met",
-            length(*by),
+            "the strips stray up to {} from {rail}; a tolerance of {} is met",
+            length_bound(*by),
             length(reached(*by))
         ),
         StripReason::InPart(rails) => {
             let told = rails.iter().map(|(rail, covered)| match covered {
-                Covered::Share(share) => format!("{:.2} % of {rail}", 100.0 * share),
-                Covered::Past(past) => format!("{} mm past the ends of {rail}", length(*past)),
+                Covered::Share(share) => format!("{} of {rail}", percent_least(*share)),
+                Covered::Past(past) => format!("{} past the ends of {rail}", length_bound(*past)),
             });
             format!("certified in part: {}", told.collect::<Vec<_>>().join(", "))
         }
         StripReason::Twist { measured, bound, limit } => format!(
-            "twist up to {:.3e}° (measured), proven bound {:.3e}°, where {:.3e}° count as developable",
-            measured.to_degrees(),
-            bound.to_degrees(),
-            limit.to_degrees()
+            "twist up to {} (measured), proven bound {}, where {} count as developable",
+            angle(*measured),
+            angle_bound(*bound),
+            angle(*limit)
         ),
         StripReason::Regression { strip } => format!("strip {strip} has regression points between its rails"),
         StripReason::MayRegress { strip } => {
@@ -50,8 +52,9 @@ pub(super) fn words(reason: &StripReason) -> String {
         }
         StripReason::OutOfBounds { strip, at, proven } => out_of_bounds(strip, at, *proven),
         StripReason::Margin { strip, shown, asked } => format!(
-            "strip {strip}: the regression curve is shown to keep off by {shown:.4} lengths of the ruling, where {asked} are \
-             asked for; give the curves more spans, hold less, make the strip narrower, or ask for less by \"margin\""
+            "strip {strip}: the regression curve is shown to keep off by {} lengths of the ruling, where {asked} are \
+             asked for; give the curves more spans, hold less, make the strip narrower, or ask for less by \"margin\"",
+            number(*shown)
         ),
         StripReason::NetRegression { strip, u, v } => format!(
             "strip {strip} meets its regression curve on ruling u = {u:.4} at {:.0} % of its length; choose other parameters, \
@@ -62,13 +65,13 @@ pub(super) fn words(reason: &StripReason) -> String {
             format!("strip {strip} has a ruling tangent to {curve} at u = {u:.4}")
         }
         StripReason::Weight { strip, weight, index } => {
-            format!("strip {strip} has weight {weight:.3} at control point {index}")
+            format!("strip {strip} has weight {} at control point {index}", number(*weight))
         }
         StripReason::NotFollowed { tolerance, fixed_ends, smoothing, kept_off } => {
             not_followed(*tolerance, *fixed_ends, *smoothing, *kept_off)
         }
         StripReason::PointsAround { count, at, why: reason } => {
-            format!("{count:.0} points around ({:.1}, {:.1}, {:.1}): {}", at.x, at.y, at.z, why(reason))
+            format!("{count:.0} points around {}: {}", place(at), why(reason))
         }
         StripReason::Points(count, reason) => {
             let reason = reason.as_ref().map_or(String::new(), |r| format!(": {}", why(r)));
@@ -84,12 +87,12 @@ pub(super) fn words(reason: &StripReason) -> String {
         StripReason::Beyond(bound) => format!("not proven to stay within the tolerance (bound {})", length_bound(*bound)),
         StripReason::NotComplete => "it is not complete".into(),
         StripReason::PointOutside { within, worst } => {
-            let worst = worst.map_or(String::new(), |(i, p)| format!(": point {i} at {}", coordinates(&p)));
-            format!("a point is not shown to lie within {within:.3} mm of what its outline leaves of it{worst}")
+            let worst = worst.map_or(String::new(), |(i, p)| format!(": point {i} at {}", place(&p)));
+            format!("a point is not shown to lie within {} of what its outline leaves of it{worst}", length(*within))
         }
         StripReason::OutlineOutside { within, at } => {
-            let place = at.map_or(String::new(), |p| format!(", around {}", coordinates(&p)));
-            format!("its outline is not shown to keep within {within:.3} mm of the points{place}")
+            let around = at.map_or(String::new(), |p| format!(", around {}", place(&p)));
+            format!("its outline is not shown to keep within {} of the points{around}", length(*within))
         }
         StripReason::Outline(fault) => proof::of_loops(*fault).into(),
     }
@@ -104,10 +107,6 @@ pub(in crate::io::words) fn out_of_bounds(strip: &str, at: &Vec3, proven: bool) 
     }
 }
 
-fn coordinates(p: &Vec3) -> String {
-    format!("({:.3}, {:.3}, {:.3})", p.x, p.y, p.z)
-}
-
 fn not_followed(tolerance: f64, fixed_ends: bool, smoothing: Option<f64>, kept_off: Option<f64>) -> String {
     let mut out = format!("no developable strip follows them within {tolerance} mm");
     if fixed_ends {
@@ -118,25 +117,13 @@ fn not_followed(tolerance: f64, fixed_ends: bool, smoothing: Option<f64>, kept_o
     }
     let Some(nearest) = kept_off else { return out };
     let how = if nearest.is_finite() {
-        format!("the nearest found is {nearest:.3} mm away")
+        format!("the nearest found is {} away", length(nearest))
     } else {
         "none was found that is".to_string()
     };
     out + &format!(
         " with its regression curve in bounds ({how}); raise the tolerance, or ask for less of the regression curve"
     )
-}
-
-/// Lengths (mm) below this need powers of ten: of four decimals, one digit or none would be left.
-const TINY: f64 = 1e-3;
-
-/// A length for people: four decimals, powers of ten where these say nothing.
-fn length(x: f64) -> String {
-    if x >= TINY || x == 0.0 {
-        format!("{x:.4}")
-    } else {
-        format!("{x:.1e}")
-    }
 }
 
 /// The tolerance that a distance meets, rounded up to two digits.
@@ -167,30 +154,33 @@ pub(super) fn of_job(reason: &JobReason) -> String {
                 _ => format!("number {worst} around"),
             };
             format!(
-                "{beyond} of {all} {} are not within {tolerance} mm; the worst is {worst} {}, {away:.3} mm away",
+                "{beyond} of {all} {} are not within {tolerance} mm; the worst is {worst} {}, {} away",
                 many(*sort),
-                coordinates(at)
+                place(at),
+                length(*away)
             )
         }
         JobReason::Outlier { sort, index, away } => format!(
-            "{} {index}: the others agree on a surface without it, {away:.3} mm away; nothing is proven of it",
-            one(*sort)
+            "{} {index}: the others agree on a surface without it, {} away; nothing is proven of it",
+            one(*sort),
+            length(*away)
         ),
         JobReason::Bare(share, at) => format!(
-            "{:.2} % of the places on the mesh have no strip near them, for example around {}",
-            100.0 * share,
-            coordinates(at)
+            "{} of the places on the mesh have no strip near them, for example around {}",
+            percent(*share),
+            place(at)
         ),
         JobReason::Unmet { class, left, item } => format!(
-            "{class} ask for more than there is: {left:.3} mm are left, most of it at {item}; hold less, or give the curves \
-             more spans"
+            "{class} ask for more than there is: {} are left, most of it at {item}; hold less, or give the curves more \
+             spans",
+            length(*left)
         ),
         JobReason::Move { index, made, steps } => format!(
             "move {index} was made to step {made} of {steps}, the last shape that meets all conditions; make it in more \
              steps, move less far, or hold less"
         ),
         JobReason::Off(item, off) => {
-            format!("{} is {off:.4} mm from what it should be; hold less, or move it in steps", name(item))
+            format!("{} is {} from what it should be; hold less, or move it in steps", name(item), length(*off))
         }
         JobReason::NothingAsked => {
             "nothing is asked of the ruled strips that could be proven: join them, or give a target".into()
@@ -199,14 +189,14 @@ pub(super) fn of_job(reason: &JobReason) -> String {
             format!("join {index}, {a} and {b}: the gap is not shown to keep within the tolerance")
         }
         JobReason::JoinAngle { index, between: [a, b], seen, limit } => format!(
-            "join {index}, {a} and {b}: they should go on smoothly, but meet at up to {:.4}° where {:.2}° count as none; give \
-             the curves more spans, or ask for less",
-            seen.to_degrees(),
-            limit.to_degrees()
+            "join {index}, {a} and {b}: they should go on smoothly, but meet at up to {} where {} count as none; give the \
+             curves more spans, or ask for less",
+            angle(*seen),
+            angle(*limit)
         ),
         JobReason::Fold { index, between: [a, b], apart } => {
             let what = match apart.is_finite() {
-                true => format!("laid flat, both sides of the fold are up to {apart:.4} mm apart"),
+                true => format!("laid flat, both sides of the fold are up to {} apart", length_bound(*apart)),
                 false => "nothing is shown of how both sides of the fold lie in the plane".to_owned(),
             };
             format!(
@@ -215,12 +205,11 @@ pub(super) fn of_job(reason: &JobReason) -> String {
             )
         }
         JobReason::Target { index, file, apart, at, within, covered } => format!(
-            "target {index}{}: {apart:.4} mm apart at ({:.1}, {:.1}, {:.1}), where {within} mm are allowed; give the curves \
+            "target {index}{}: {} apart at {}, where {within} mm are allowed; give the curves \
              more spans, take more or narrower strips, hold less, or allow more by \"within\"{}",
             file.as_ref().map_or(String::new(), |f| format!(" ({f})")),
-            at.x,
-            at.y,
-            at.z,
+            length(*apart),
+            place(at),
             if *covered { "; if the target goes on beyond the strips, say \"covered\": false" } else { "" }
         ),
         JobReason::Crossing(ruling) => format!(
@@ -228,7 +217,7 @@ pub(super) fn of_job(reason: &JobReason) -> String {
              less there",
             ruling + 1
         ),
-        JobReason::Moved(moved, most) => format!("points moved up to {moved:.4} mm where {most} mm are allowed"),
+        JobReason::Moved(moved, most) => format!("points moved up to {} where {most} mm are allowed", length(*moved)),
         JobReason::Diagonals(gap, stalled) => {
             let stalled = match stalled {
                 None => "",
@@ -236,7 +225,7 @@ pub(super) fn of_job(reason: &JobReason) -> String {
                 Some(Stalled::Held) => ": the held points leave no room; hold fewer",
                 Some(Stalled::Steps) => ": the steps are used up",
             };
-            format!("diagonals up to {gap:.4} mm apart{stalled}")
+            format!("diagonals up to {} apart{stalled}", length(*gap))
         }
         JobReason::Thickness { part, own, asked, unit } => format!(
             "part {part} is sheet of {}, not of {}: leave out --thickness",
