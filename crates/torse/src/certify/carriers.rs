@@ -11,7 +11,7 @@
 use super::claim::UpperBound;
 use super::strokes::root_between;
 use crate::geom::{Frame, Vec3};
-use crate::num::bernstein::binomial;
+use crate::num::binomial::binomial;
 use crate::num::interval::Interval;
 use crate::patchwork::image::{ClosedMap, MapStrip};
 use crate::spline::bezier::BezierPatch;

@@ -12,7 +12,7 @@
 mod sector;
 
 use crate::geom::{Frame, Vec2, Vec3};
-use crate::num::bernstein::binomial;
+use crate::num::binomial::binomial;
 use crate::num::interval::Interval;
 use crate::patchwork::image::{ClosedMap, EdgeImage, Stroke};
 use crate::spline::blossom::of_piece;

@@ -10,7 +10,7 @@ use super::vector::{cross, dot, length, sub, V3};
 use super::written::{recorded, Fault, WrittenCertificate};
 use super::written_strips::{affine, difference, ends_moved, misnamed, off_plane, side_moved, worst};
 use crate::geom::Vec3;
-use crate::num::bernstein::binomial;
+use crate::num::binomial::binomial;
 use crate::num::interval::Interval;
 use crate::patchwork::written::{WrittenBase, WrittenCourse, WrittenExact, WrittenSide};
 use crate::reason::{Differs, Item, Near, Reason, WrittenFault};

@@ -5,6 +5,7 @@
 //! Surfaces for CAGD*, ch. 4–5 (de Casteljau, blossoms, degree elevation), \[PW99\] section 4 for products of planes
 //! and points.
 
+use super::binomial::binomial;
 use super::interval::Interval;
 use std::ops::{Add, Mul, Neg, Sub};
 
@@ -191,25 +192,16 @@ pub fn elevated<S: Scalar>(b: &[S]) -> Vec<S> {
     out
 }
 
-/// Binomial coefficient, exact up to `n = 57`.
-pub fn binomial(n: usize, k: usize) -> f64 {
-    let mut c = 1.0f64;
-    for i in 0..k.min(n - k) {
-        c = (c * (n - i) as f64 / (i + 1) as f64).round();
-    }
-    c
-}
-
 /// Product of two polynomials; degrees add.
 pub fn product<S: Scalar>(a: &[S], b: &[S]) -> Vec<S> {
+    let scaled =
+        |c: &[S]| -> Vec<S> { c.iter().enumerate().map(|(i, &x)| x * S::from(binomial(c.len() - 1, i))).collect() };
+    let (a, b) = (scaled(a), scaled(b));
     let (p, q) = (a.len() - 1, b.len() - 1);
     (0..=p + q)
         .map(|k| {
-            let mut sum = S::from(0.0);
-            for i in k.saturating_sub(q)..=k.min(p) {
-                sum = sum + S::from(binomial(p, i) * binomial(q, k - i)) * (a[i] * b[k - i]);
-            }
-            sum * S::ratio(1.0, binomial(p + q, k))
+            let terms = (k.saturating_sub(q)..=k.min(p)).map(|i| a[i] * b[k - i]);
+            terms.fold(S::from(0.0), |sum, term| sum + term) * S::ratio(1.0, binomial(p + q, k))
         })
         .collect()
 }

@@ -3,65 +3,18 @@
 //!
 //! *Method*: block Cholesky factorisation \[GL13, 4.2\] in an order of least degree; which blocks fill up is found once.
 
-use nalgebra::{DMatrix, DVector};
+use super::least_squares::dot;
+use super::runs::{Bundle, Bundles, Runs};
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::cholesky::llt::factor::{cholesky_in_place, cholesky_in_place_scratch};
+use faer::linalg::matmul::matmul;
+use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
+use faer::{Accum, MatMut, MatRef, Par};
+use rayon::prelude::*;
 use std::collections::BTreeSet;
 
 /// No block.
 const NONE: usize = usize::MAX;
-
-/// Sparse rows whose entries come in runs of neighbouring columns.
-#[derive(Clone, Debug, Default)]
-pub struct Runs {
-    /// First column and length of each run.
-    runs: Vec<(usize, usize)>,
-    values: Vec<f64>,
-    /// For each row the ends of its runs and of its values.
-    ends: Vec<(usize, usize)>,
-}
-
-impl Runs {
-    /// Number of rows.
-    pub fn len(&self) -> usize {
-        self.ends.len()
-    }
-
-    /// Adds a run to the row that is being written. Runs of one row must not overlap.
-    pub fn run(&mut self, first: usize, values: impl IntoIterator<Item = f64>) {
-        let before = self.values.len();
-        self.values.extend(values);
-        let count = self.values.len() - before;
-        if count > 0 {
-            self.runs.push((first, count));
-        }
-    }
-
-    /// Ends the row.
-    pub fn end(&mut self) {
-        self.ends.push((self.runs.len(), self.values.len()));
-    }
-
-    /// First column and values of every run of a row.
-    pub fn row(&self, i: usize) -> impl Iterator<Item = (usize, &[f64])> + Clone {
-        let (from, mut at) = if i == 0 { (0, 0) } else { self.ends[i - 1] };
-        self.runs[from..self.ends[i].0].iter().map(move |&(first, count)| {
-            at += count;
-            (first, &self.values[at - count..at])
-        })
-    }
-
-    /// Product of row `i` with a vector.
-    pub fn dot(&self, i: usize, x: &[f64]) -> f64 {
-        let of = |(first, v): (usize, &[f64])| v.iter().zip(&x[first..]).map(|(a, b)| a * b).sum::<f64>();
-        self.row(i).map(of).sum()
-    }
-
-    /// Adds `scale` times row `i` to a vector.
-    pub fn scatter(&self, i: usize, scale: f64, out: &mut [f64]) {
-        for (first, v) in self.row(i) {
-            out[first..].iter_mut().zip(v).for_each(|(o, a)| *o += scale * a);
-        }
-    }
-}
 
 /// Where blocks lie, and in which order they are eliminated.
 #[derive(Clone, Debug)]
@@ -147,16 +100,17 @@ impl Structure {
 #[derive(Clone, Debug)]
 pub(crate) struct BlockMatrix<'a> {
     structure: &'a Structure,
-    blocks: Vec<DMatrix<f64>>,
+    /// Column after column.
+    blocks: Vec<Vec<f64>>,
 }
 
 impl<'a> BlockMatrix<'a> {
     /// The zero matrix.
     pub fn zeros(structure: &'a Structure) -> Self {
-        let mut blocks = vec![DMatrix::zeros(0, 0); structure.count];
+        let mut blocks = vec![Vec::new(); structure.count];
         for k in 0..structure.order.len() {
             for &p in std::iter::once(&k).chain(&structure.later[k]) {
-                blocks[structure.at(k, p)] = DMatrix::zeros(structure.size(k), structure.size(p));
+                blocks[structure.at(k, p)] = vec![0.0; structure.size(k) * structure.size(p)];
             }
         }
         Self { structure, blocks }
@@ -164,30 +118,43 @@ impl<'a> BlockMatrix<'a> {
 
     /// Becomes a copy of a matrix of the same structure.
     pub fn assign(&mut self, other: &Self) {
-        self.blocks.iter_mut().zip(&other.blocks).for_each(|(a, b)| a.copy_from(b));
+        self.blocks.iter_mut().zip(&other.blocks).for_each(|(a, b)| a.copy_from_slice(b));
     }
 
-    /// Adds `weight · rᵀr` for row `i` of `rows`.
-    pub fn add_row(&mut self, rows: &Runs, i: usize, weight: f64) {
+    /// Adds `Σ wᵢ rᵢᵀ rᵢ` for all rows; weights in the order of the bundles.
+    pub fn add(&mut self, rows: &Bundles, weights: &[f64]) {
+        for (bundle, square) in rows.squares(weights) {
+            self.add_square(bundle, &square);
+        }
+    }
+
+    fn add_square(&mut self, bundle: &Bundle, square: &[f64]) {
         let s = self.structure;
-        for (p, (first, u)) in rows.row(i).enumerate() {
+        let w = bundle.width;
+        let mut below = 0;
+        for (p, &(first, height)) in bundle.runs.iter().enumerate() {
             let (a, row) = (s.place[s.group[first]], first - s.starts[s.group[first]]);
-            for (second, v) in rows.row(i).take(p + 1) {
+            let mut before = 0;
+            for &(second, breadth) in &bundle.runs[..=p] {
                 let (b, column) = (s.place[s.group[second]], second - s.starts[s.group[second]]);
                 // Rows of a block are those of the earlier place; on the diagonal those of the later column.
-                let swap = if a == b { second > first } else { b < a };
-                let (k, r, c, u, v) =
-                    if swap { (s.at(b, a), column, row, v, u) } else { (s.at(a, b), row, column, u, v) };
-                let block = &mut self.blocks[k];
-                for (j, y) in v.iter().enumerate() {
-                    let scale = weight * y;
+                let turned = if a == b { second > first } else { b < a };
+                let block = &mut self.blocks[if turned { s.at(b, a) } else { s.at(a, b) }];
+                let rows = s.size(if turned { b } else { a });
+                for j in 0..breadth {
                     // Only the lower half of the diagonal.
-                    let from = if a == b && first == second { j } else { 0 };
-                    let mut target = block.column_mut(c + j);
-                    let target = &mut target.as_mut_slice()[r + from..r + u.len()];
-                    target.iter_mut().zip(&u[from..]).for_each(|(t, x)| *t += scale * x);
+                    let from = if first == second { j } else { 0 };
+                    let own = &square[(before + j) * w + below..][from..height];
+                    if turned {
+                        own.iter().enumerate().for_each(|(i, v)| block[(row + from + i) * rows + column + j] += v);
+                    } else {
+                        let target = &mut block[(column + j) * rows + row + from..];
+                        target.iter_mut().zip(own).for_each(|(t, v)| *t += v);
+                    }
                 }
+                before += breadth;
             }
+            below += height;
         }
     }
 
@@ -195,30 +162,47 @@ impl<'a> BlockMatrix<'a> {
     pub fn add_diagonal(&mut self, column: usize, value: f64) {
         let s = self.structure;
         let g = s.group[column];
-        let (k, i) = (s.at(s.place[g], s.place[g]), column - s.starts[g]);
-        self.blocks[k][(i, i)] += value;
+        let (place, i) = (s.place[g], column - s.starts[g]);
+        self.blocks[s.at(place, place)][i * (s.size(place) + 1)] += value;
+    }
+
+    /// A block as a matrix.
+    fn block(&self, a: usize, b: usize) -> MatRef<'_, f64> {
+        let s = self.structure;
+        MatRef::from_column_major_slice(&self.blocks[s.at(a, b)], s.size(a), s.size(b))
     }
 
     /// Replaces the matrix by its factor; `false` if it is not positive definite.
     pub fn factorise(&mut self) -> bool {
         let s = self.structure;
+        let largest = (0..s.order.len()).map(|k| s.size(k)).max().unwrap_or(0);
+        let mut memory = MemBuffer::new(cholesky_in_place_scratch::<f64>(largest, Par::Seq, Default::default()));
         for k in 0..s.order.len() {
-            let at = s.at(k, k);
-            let diagonal = std::mem::replace(&mut self.blocks[at], DMatrix::zeros(0, 0));
-            let Some(factor) = diagonal.cholesky() else { return false };
-            let lower = factor.unpack();
-            for &p in &s.later[k] {
-                if !lower.solve_lower_triangular_mut(&mut self.blocks[s.at(k, p)]) {
-                    return false;
-                }
+            let n = s.size(k);
+            let own = MatMut::from_column_major_slice_mut(&mut self.blocks[s.at(k, k)], n, n);
+            let stack = MemStack::new(&mut memory);
+            if cholesky_in_place(own, Default::default(), Par::Seq, stack, Default::default()).is_err() {
+                return false;
             }
-            self.blocks[at] = lower;
-            for (i, &p) in s.later[k].iter().enumerate() {
-                for &q in &s.later[k][i..] {
-                    let mut target = std::mem::replace(&mut self.blocks[s.at(p, q)], DMatrix::zeros(0, 0));
-                    target.gemm_tr(-1.0, &self.blocks[s.at(k, p)], &self.blocks[s.at(k, q)], 1.0);
-                    self.blocks[s.at(p, q)] = target;
-                }
+            let mut beside: Vec<Vec<f64>> =
+                s.later[k].iter().map(|&p| std::mem::take(&mut self.blocks[s.at(k, p)])).collect();
+            let lower = self.block(k, k);
+            beside.par_iter_mut().for_each(|b| {
+                let columns = b.len() / n;
+                solve_lower_triangular_in_place(lower, MatMut::from_column_major_slice_mut(b, n, columns), Par::Seq);
+            });
+            for (&p, b) in s.later[k].iter().zip(beside) {
+                self.blocks[s.at(k, p)] = b;
+            }
+            let pairs = s.later[k].iter().enumerate().flat_map(|(i, &p)| s.later[k][i..].iter().map(move |&q| (p, q)));
+            let mut targets: Vec<(usize, usize, Vec<f64>)> =
+                pairs.map(|(p, q)| (p, q, std::mem::take(&mut self.blocks[s.at(p, q)]))).collect();
+            targets.par_iter_mut().for_each(|(p, q, b)| {
+                let target = MatMut::from_column_major_slice_mut(b, s.size(*p), s.size(*q));
+                matmul(target, Accum::Add, self.block(k, *p).transpose(), self.block(k, *q), -1.0, Par::Seq);
+            });
+            for (p, q, b) in targets {
+                self.blocks[s.at(p, q)] = b;
             }
         }
         true
@@ -228,23 +212,32 @@ impl<'a> BlockMatrix<'a> {
     pub fn solve(&self, x: &mut [f64]) {
         let s = self.structure;
         let range = |place: usize| s.starts[s.order[place]]..s.starts[s.order[place] + 1];
-        let mut parts: Vec<DVector<f64>> =
-            (0..s.order.len()).map(|k| DVector::from_column_slice(&x[range(k)])).collect();
+        let columns = |a: usize, b: usize| self.blocks[s.at(a, b)].chunks_exact(s.size(a).max(1));
+        let mut parts: Vec<Vec<f64>> = (0..s.order.len()).map(|k| x[range(k)].to_vec()).collect();
         for k in 0..s.order.len() {
-            self.blocks[s.at(k, k)].solve_lower_triangular_mut(&mut parts[k]);
-            let own = parts[k].clone();
-            for &p in &s.later[k] {
-                parts[p].gemv_tr(-1.0, &self.blocks[s.at(k, p)], &own, 1.0);
+            let mut own = std::mem::take(&mut parts[k]);
+            for (j, column) in columns(k, k).enumerate() {
+                own[j] /= column[j];
+                let share = own[j];
+                own[j + 1..].iter_mut().zip(&column[j + 1..]).for_each(|(o, c)| *o -= share * c);
             }
+            for &p in &s.later[k] {
+                parts[p].iter_mut().zip(columns(k, p)).for_each(|(o, c)| *o -= dot(&own, c));
+            }
+            parts[k] = own;
         }
         for k in (0..s.order.len()).rev() {
-            let mut own = std::mem::replace(&mut parts[k], DVector::zeros(0));
+            let mut own = std::mem::take(&mut parts[k]);
             for &p in &s.later[k] {
-                own.gemv(-1.0, &self.blocks[s.at(k, p)], &parts[p], 1.0);
+                for (share, column) in parts[p].iter().zip(columns(k, p)) {
+                    own.iter_mut().zip(column).for_each(|(o, c)| *o -= share * c);
+                }
             }
-            self.blocks[s.at(k, k)].tr_solve_lower_triangular_mut(&mut own);
+            for (j, column) in columns(k, k).enumerate().rev() {
+                own[j] = (own[j] - dot(&own[j + 1..], &column[j + 1..])) / column[j];
+            }
+            x[range(k)].copy_from_slice(&own);
             parts[k] = own;
-            x[range(k)].copy_from_slice(parts[k].as_slice());
         }
     }
 }
@@ -252,6 +245,7 @@ impl<'a> BlockMatrix<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use nalgebra::{DMatrix, DVector};
 
     /// Rows over a ring of groups, each with its neighbour, and the dense matrix.
     fn ring(groups: usize, size: usize) -> (Vec<usize>, Runs, DMatrix<f64>) {
@@ -281,7 +275,7 @@ mod tests {
             let (sizes, rows, dense) = ring(groups, 4);
             let structure = Structure::new(&sizes, &[&rows]);
             let mut m = BlockMatrix::zeros(&structure);
-            (0..rows.len()).for_each(|i| m.add_row(&rows, i, 2.0));
+            m.add(&Bundles::new(&rows), &vec![2.0; rows.len()]);
             (0..structure.columns()).for_each(|i| m.add_diagonal(i, 0.1));
             let right = DVector::from_fn(dense.nrows(), |i, _| (i as f64).cos());
             let wanted = dense.cholesky().expect("positive").solve(&right);

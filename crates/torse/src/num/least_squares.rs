@@ -76,7 +76,7 @@ impl Rows {
 
 /// Scalar product of two vectors of the same length, in four sums that do not wait for each other.
 #[inline]
-fn dot(a: &[f64], b: &[f64]) -> f64 {
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     const LANES: usize = 4;
     let (fours_a, fours_b) = (a.chunks_exact(LANES), b.chunks_exact(LANES));
     let rest: f64 = fours_a.remainder().iter().zip(fours_b.remainder()).map(|(x, y)| x * y).sum();

@@ -15,4 +15,5 @@ pub(crate) mod minimax_program;
 pub mod quadratic_program;
 pub mod quadrature;
 pub(crate) mod roots;
+pub(crate) mod runs;
 pub(crate) mod series;

@@ -17,7 +17,8 @@
 
 use crate::certify::ruled::{rough, Ruled};
 use crate::certify::vector::{cross, dot, length, V3};
-use crate::num::bernstein::{binomial, from_powers, powers_about_half, Scalar};
+use crate::num::bernstein::{from_powers, powers_about_half, Scalar};
+use crate::num::binomial::binomial;
 use crate::num::interval::Interval;
 use crate::num::jet::Jet;
 use crate::num::series::Series;

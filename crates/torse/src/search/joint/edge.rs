@@ -12,7 +12,8 @@ use super::line::{End, Line};
 use super::network::{Member, Network};
 
 use crate::geom::Vec3;
-use crate::num::block_matrix::{BlockMatrix, Runs, Structure};
+use crate::num::block_matrix::{BlockMatrix, Structure};
+use crate::num::runs::{Bundles, Runs};
 use crate::spline::curve::Curve;
 use crate::spline::knots::Knots;
 use crate::spline::lsq;
@@ -316,10 +317,11 @@ impl Network<'_> {
         let structure = Structure::new(&columns.groups, &[&tie.rows]);
         let mut matrix = BlockMatrix::zeros(&structure);
         let mut x = vec![0.0; structure.columns()];
-        for (i, &(w, g)) in tie.price.iter().enumerate() {
-            matrix.add_row(&tie.rows, i, w);
-            tie.rows.scatter(i, -w * g, &mut x);
-        }
+        let rows = Bundles::new(&tie.rows);
+        let (weights, right): (Vec<f64>, Vec<f64>) =
+            rows.ordered(&tie.price).into_iter().map(|(w, g)| (w, -w * g)).unzip();
+        matrix.add(&rows, &weights);
+        rows.scatter(&right, &mut x);
         (0..x.len()).for_each(|j| matrix.add_diagonal(j, price));
         matrix.factorise().then(|| matrix.solve(&mut x))?;
         Some(x)

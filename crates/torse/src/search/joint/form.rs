@@ -1,7 +1,7 @@
 //! What the forms of strips have in common: feet, places on rulings, rows.
 
 use crate::geom::Vec3;
-use crate::num::block_matrix::Runs;
+use crate::num::runs::Runs;
 use crate::torse::form::Torse;
 
 /// Foot of a point on a strip.

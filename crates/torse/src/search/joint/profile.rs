@@ -2,7 +2,7 @@
 
 use super::form::{Band, Foot, Form, Tie};
 use crate::geom::{Frame, Vec3};
-use crate::num::block_matrix::Runs;
+use crate::num::runs::Runs;
 use crate::spline::curve::Curve;
 use crate::spline::knots::Knots;
 use crate::spline::lsq;

@@ -5,8 +5,8 @@ use super::form::{Foot, Tie};
 use super::line::{slide_functions, slide_knots, LinePoint, SLIDES};
 use super::network::{lean, Member, Network};
 use crate::geom::Vec3;
-use crate::num::block_matrix::Runs;
 use crate::num::minimax_program::{MinimaxProgram, Minimum};
+use crate::num::runs::Runs;
 
 /// Samples count where their distance is above this share of their strip's largest.
 pub(super) const COUNTS: f64 = 0.3;

@@ -10,7 +10,7 @@ use super::envelope::Envelope;
 use super::form::{Band, Foot, Form, Tie};
 use super::profile::Profile;
 use crate::geom::Vec3;
-use crate::num::block_matrix::Runs;
+use crate::num::runs::Runs;
 use crate::torse::form::Torse;
 
 /// Share of its domain by which a strip goes on beyond both ends, where a step turns the rulings that were its last.

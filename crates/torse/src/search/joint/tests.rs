@@ -9,7 +9,7 @@ use crate::brep::support_surface::SupportSurface;
 use crate::fit::near::samples::Fit;
 use crate::fit::panels::boundary::Borders;
 use crate::geom::Frame;
-use crate::num::block_matrix::Runs;
+use crate::num::runs::Runs;
 use crate::spline::knots::Knots;
 use crate::spline::lsq;
 use crate::torse::form::{DualTorse, PanelKind};

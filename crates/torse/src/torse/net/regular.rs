@@ -7,7 +7,8 @@
 
 use super::control_net::{affine, plus, Net};
 use crate::geom::Vec3;
-use crate::num::bernstein::{binomial, derivative, difference, elevated, from_spline, halves, product, sum, value};
+use crate::num::bernstein::{derivative, difference, elevated, from_spline, halves, product, sum, value};
+use crate::num::binomial::binomial;
 use crate::num::interval::Interval;
 use crate::spline::blossom::of_piece;
 
