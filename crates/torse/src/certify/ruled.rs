@@ -145,7 +145,8 @@ impl RuledJets {
         let (first, last) = (self.span(t.lo), self.span(t.hi));
         let piece = |i: usize| {
             let x = (self.clip(i, t) - Interval::point(self.breaks[i])) * self.spans[i].inverse - Interval::point(0.5);
-            self.spans[i].point(r, |c| c.iter().rev().fold(Interval::ZERO, |v, &a| v * x + a))
+            let value = |c: &[Interval]| c.iter().copied().rev().reduce(|v, a| v * x + a).unwrap_or(Interval::ZERO);
+            self.spans[i].point(r, value)
         };
         (first + 1..=last).fold(piece(first), |p, i| hull(&p, &piece(i)))
     }

@@ -59,12 +59,20 @@ impl Jet {
     /// A polynomial of a function: coefficients of the powers, from the constant up.
     #[inline]
     pub fn polynomial(self, powers: &[Interval]) -> Self {
-        // Value, first and half the second derivative by Horner's scheme repeated, then the chain rule.
-        let zero = Interval::ZERO;
-        let (v, d, half) = powers
-            .iter()
-            .rev()
-            .fold((zero, zero, zero), |(v, d, half), &c| (v * self.v + c, d * self.v + v, half * self.v + d));
+        // Value, first and half the second derivative by Horner's scheme repeated, then the chain rule. What is still zero is
+        // not multiplied: of a cubic that is half of all.
+        let mut downwards = powers.iter().rev();
+        let mut v = downwards.next().copied().unwrap_or(Interval::ZERO);
+        let (mut d, mut half) = (Interval::ZERO, Interval::ZERO);
+        for (k, &c) in downwards.enumerate() {
+            half = match k {
+                0 => half,
+                1 => d,
+                _ => half * self.v + d,
+            };
+            d = if k == 0 { v } else { d * self.v + v };
+            v = v * self.v + c;
+        }
         let dd = half.scale_exact(2.0) * self.d.sqr() + d * self.dd;
         Self { v, d: d * self.d, dd }
     }
@@ -155,6 +163,21 @@ mod tests {
             assert!(y.dd.contains((f(x + h) - 2.0 * f(x) + f(x - h)) / (h * h)));
         }
         assert!(y.d.width() < 1.5 && y.dd.width() < 6.0, "{y:?}");
+    }
+
+    #[test]
+    fn polynomials_of_any_degree_are_enclosed() {
+        let powers = [0.7, -1.3, 0.4, 2.0, -0.6];
+        for n in 0..=powers.len() {
+            let p = &powers[..n];
+            let of = |x: f64| p.iter().rev().fold([0.0; 3], |[v, d, h], c| [v * x + c, d * x + v, h * x + d]);
+            // The variable is 0.1 + 3 s for s about 0.1.
+            let x = Jet { v: Interval::new(0.4, 0.401), d: Interval::point(3.0), dd: Interval::ZERO };
+            let y = x.polynomial(&p.iter().map(|c| Interval::point(*c)).collect::<Vec<_>>());
+            let [v, d, h] = of(0.4005);
+            assert!(y.v.contains(v) && y.d.contains(3.0 * d) && y.dd.contains(18.0 * h), "{n}: {y:?}");
+            assert!(y.v.width() < 0.01 && y.d.width() < 0.1 && y.dd.width() < 0.2, "{n}: {y:?}");
+        }
     }
 
     #[test]
