@@ -1,10 +1,12 @@
 //! Hulls of curves that are known.
 
 use super::*;
+use crate::answer::marks::Marks;
 use crate::brep::space_curve::SpaceCurve;
 use crate::certify::claim::What;
 use crate::certify::claim::{Evidence, Status};
 use crate::geom::{Frame, Vec3};
+use crate::io::curves::CurveOptions;
 use crate::io::words;
 use crate::reason::JobReason;
 use crate::torse::strip::Strip;
@@ -116,6 +118,19 @@ fn smooth_loops_through_points_are_certified_with_their_tips() {
             assert!(within.is_some_and(|w| w > 0.0 && w <= off) && off <= tolerance, "{within:?} {off}");
         }
     }
+}
+
+#[test]
+fn strips_beside_those_that_are_not_written_are_good_to_cut() {
+    let curve = |name: &str, table: &[u8]| {
+        let options = CurveOptions { unit: Some(1.0), ..CurveOptions::new(name) };
+        crate::io::curves::read(table, &options).expect("a curve").0
+    };
+    let low = curve("low", include_bytes!("../../../../../data/chine_low.csv"));
+    let high = curve("high", include_bytes!("../../../../../data/chine_high.csv"));
+    let answer = hull(&[low, high], &Options::new(0.1), &Control::default()).expect("an answer");
+    assert!(answer.status() == Status::Uncertified && !answer.skipped.is_empty());
+    assert!(!answer.patterns.is_empty() && !Marks::of(&answer).any(), "{:?}", answer.claims);
 }
 
 #[test]

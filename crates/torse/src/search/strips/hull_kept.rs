@@ -204,7 +204,8 @@ impl Kept {
             self.skipped.push(StripReason::MoreUnbounded(skipped - NAMED).into());
         }
         if skipped > 0 {
-            self.missing.push(StripReason::NotWritten(skipped).into());
+            // Those that are written are proven all the same.
+            self.claims.push(Claim::left_out(StripReason::NotWritten(skipped)));
         }
     }
 }
