@@ -22,7 +22,7 @@ const RESULTS: &str = "target/gallery";
 /// Where small pictures go.
 const PICTURES: &str = "docs/images/gallery";
 /// Bytes of one picture, and of all.
-const MOST_BYTES: usize = 35_000;
+const MOST_BYTES: usize = 25_000;
 const MOST_OF_ALL: usize = 1_500_000;
 
 fn main() -> Done<()> {

@@ -60,9 +60,13 @@ pub(super) fn length_least(x: f64) -> String {
     format!("{} mm", number_least(x))
 }
 
-/// A proven bound (mm), rounded up.
+/// A proven bound (mm), rounded up; what nothing bounds is unknown, not infinite.
 pub(crate) fn length_bound(x: f64) -> String {
-    format!("{} mm", number_bound(x))
+    if x.is_finite() {
+        format!("{} mm", number_bound(x))
+    } else {
+        "an unknown distance".into()
+    }
 }
 
 /// An angle (rad), in degrees.
@@ -111,6 +115,12 @@ mod tests {
         assert_eq!(number_bound(1.000_01e-9), "1.01e\u{2212}9");
         assert_eq!(number_least(1.999_9e-9), "1.99e\u{2212}9");
         assert_eq!((number_bound(0.0), number_bound(2.0)), ("0".into(), "2".into()));
+    }
+
+    #[test]
+    fn what_nothing_bounds_is_unknown() {
+        assert_eq!(length_bound(f64::INFINITY), "an unknown distance");
+        assert_eq!(length_bound(f64::NAN), "an unknown distance");
     }
 
     #[test]

@@ -154,3 +154,14 @@ fn a_cone_that_reaches_its_tip_is_that_cone() {
         assert!((flat - area).abs() < 0.1 * slant, "{flat} {area}");
     }
 }
+
+#[test]
+fn a_whole_cylinder_with_holes_is_one_cylinder_in_few_faces() {
+    let pipe = crate::read(include_bytes!("../../../../../data/cylinder_holes.step")).expect("a model");
+    let options = ConesOptions { tolerance: 0.1, input: "pipe".into() };
+    let out = of_faces(&pipe.faces, &pipe.skipped, &options, &Control::default()).expect("an answer");
+    assert_eq!(out.status(), Status::Certified);
+    assert_eq!(counts(&out.cones.as_ref().expect("cones").bodies), [0, 1, 0]);
+    // Blanks turn by less than 120 degrees, or by as much.
+    assert!((3..=4).contains(&out.patchwork.panels.len()), "{}", out.patchwork.panels.len());
+}

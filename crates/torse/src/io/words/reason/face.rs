@@ -31,7 +31,7 @@ pub(super) fn words(reason: &FaceReason) -> String {
              larger tolerance would help, or more attempts (--time-limit 10min)"
         ),
         FaceReason::Trim { entity, edge, bound } => {
-            let far = if bound.is_finite() { length_bound(*bound) } else { "no bound".into() };
+            let far = length_bound(*bound);
             format!("face #{entity}: the trim is only proven to keep to the file's edges within {far} (edge #{edge})")
         }
         FaceReason::NoPanel { error, at } => {
