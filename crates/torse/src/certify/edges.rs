@@ -5,6 +5,7 @@
 //! panel's boundary from the one instead of the other moves it by no more than that.
 
 use super::boundary::{clamped, trim_piece};
+use super::curve_model::CurveModel;
 use super::seams::SeamSide;
 use super::vector::{length_bound, V3};
 use crate::num::greatest::greatest;
@@ -23,15 +24,18 @@ pub(super) fn edge_bound(side: SeamSide, edge: &Curve<3>, tolerance: f64) -> Opt
     if !(whole && clamped(edge) && edge.control.iter().flatten().all(|x| x.is_finite())) {
         return None;
     }
-    let mut cuts = side.trim.knots.breaks();
+    let mut cuts = side.cuts();
     cuts.extend(edge.knots.breaks());
     greatest(cuts, EXCESS * tolerance, |s0, s1| {
-        let on_patch = side.over(s0, s1, false)?;
         let in_space: V3<Vec<Interval>> = trim_piece(edge, s0, s1);
         let relative = [0, 1, 2].map(|d: usize| {
             let origin = Interval::point(side.jets.origin[d]);
             in_space[d].iter().map(|&c| c - origin).collect::<Vec<_>>()
         });
+        if let (Some(in_space), Some(on_patch)) = (CurveModel::of_bernstein(&relative), side.model(s0, s1, false)) {
+            return Some(in_space.minus(&on_patch).size());
+        }
+        let on_patch = side.over(s0, s1, false)?;
         let last = relative[0].len() - 1;
         let ends = [(0, 0), (1, last)].map(|(k, i)| [0, 1, 2].map(|d: usize| relative[d][i] - on_patch.ends[k][d]));
         let spread = [0, 1, 2].map(|d: usize| {

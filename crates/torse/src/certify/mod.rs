@@ -11,6 +11,7 @@ mod certificate;
 pub mod claim;
 pub mod cones;
 mod coverage;
+mod curve_model;
 mod developable;
 pub mod distance;
 mod edges;

@@ -1,9 +1,11 @@
 //! The exported ruled patch: its two boundary curves A (v = 0) and B (v = 1) as enclosed Bernstein polynomials.
 
+use super::curve_model::{span_of, within, CurveModel};
 use super::vector::{hull, V3};
 use crate::num::bernstein::{powers_about_half, Scalar, SplinePiece};
 use crate::num::interval::Interval;
 use crate::num::jet::Jet;
+use crate::num::taylor_model::TaylorModel;
 use crate::spline::surface::Surface;
 use std::ops::RangeInclusive;
 
@@ -14,6 +16,8 @@ pub(super) struct Ruled<'a> {
     pub surface: &'a Surface,
     /// Whether any weight differs from 1.
     pub rational: bool,
+    /// Whether the rails have the same weights, number for number.
+    pub alike: bool,
 }
 
 impl<'a> Ruled<'a> {
@@ -26,7 +30,8 @@ impl<'a> Ruled<'a> {
             && v.iter().map(|x| x.to_bits()).eq([0.0f64, 0.0, 1.0, 1.0].map(f64::to_bits));
         let positive = surface.control.iter().all(|c| c[3] > 0.0);
         let rational = surface.control.iter().any(|c| c[3].total_cmp(&1.0).is_ne());
-        (form && positive).then_some(Self { surface, rational })
+        let alike = surface.control.chunks_exact(2).all(|c| c[0][3].to_bits() == c[1][3].to_bits());
+        (form && positive).then_some(Self { surface, rational, alike })
     }
 
     /// Knots in u, ends of the domain included.
@@ -138,6 +143,25 @@ impl RuledJets {
             [0, 1, 2].map(|d: usize| p[d].hull(q[d]))
         };
         ((first + 1..=last).fold(piece(first), hull), rough(&self.breaks, first..=last, t))
+    }
+
+    /// The curve `R(t(s), r(s))` of Bernstein coefficients of t and r: closer than [`RuledJets::along`], but only within one
+    /// span.
+    pub fn model(&self, theta: &[Vec<Interval>; 2]) -> Option<CurveModel> {
+        let i = span_of(&theta[0], &self.breaks)?;
+        let span = &self.spans[i];
+        let powers = within(&theta[0], self.breaks[i], span.inverse).powers(span.ends[0][0].len() - 1);
+        let r = TaylorModel::of_bernstein(&theta[1]);
+        let component = |d: usize| {
+            let [a, b] = [0, 1].map(|end: usize| TaylorModel::combination(&span.ends[end][d], &powers));
+            a + r * (b - a)
+        };
+        CurveModel::new([0, 1, 2].map(component), span.rational.then(|| component(3)))
+    }
+
+    /// Knots in t.
+    pub fn breaks(&self) -> &[f64] {
+        &self.breaks
     }
 
     /// Points `R(t, r)`, `t` inside the domain: for narrow intervals.

@@ -2,9 +2,11 @@
 //!
 //! `gap(s) = |R_i(θ_i(s)) − R_j(θ_j(1 − s))|` \[certificate, 5\]: chord between enclosed end values plus the deviation
 //! that the enclosed derivatives allow, component by component, on pieces between the knots of both curves. Only
-//! pieces that may hold the greatest gap are halved.
+//! pieces that may hold the greatest gap are halved. Where both curves are polynomials over a piece their difference is one,
+//! and what is large in both cancels before it is enclosed.
 
 use super::boundary::trim_piece;
+use super::curve_model::{cuts, CurveModel};
 use super::ruled::RuledJets;
 use super::vector::{add, dot, exact, length, length_bound, mid, sub, V3};
 use crate::geom::Vec3;
@@ -26,9 +28,9 @@ pub(super) struct SeamSide<'a> {
 /// Bound (mm) of the gap along a seam whose sides run against each other. `None` if a curve leaves its patch.
 pub(super) fn gap_bound(a: SeamSide, b: SeamSide, tolerance: f64) -> Option<f64> {
     let shift = sub(&exact(&Vec3::from(a.jets.origin)), &exact(&Vec3::from(b.jets.origin)));
-    let mut cuts: Vec<f64> = a.trim.knots.breaks();
+    let mut cuts: Vec<f64> = a.cuts();
     // 1 − s is rounded; the pieces of the other curve are cut at the rounded places, see `SeamSide::over`.
-    cuts.extend(b.trim.knots.breaks().into_iter().map(|t| 1.0 - t));
+    cuts.extend(b.cuts().into_iter().map(|t| 1.0 - t));
     greatest(cuts, EXCESS * tolerance, |s0, s1| piece(a, b, &shift, s0, s1))
 }
 
@@ -38,8 +40,8 @@ pub(super) fn gap_bound(a: SeamSide, b: SeamSide, tolerance: f64) -> Option<f64>
 /// `|p'| − |q'| = (p' − q')·m`, `m = (p' + q')/(|p'| + |q'|)`; over a piece the integral of `p' − q'` is known from the
 /// ends, and m is nearly constant.
 pub(super) fn length_difference(a: SeamSide, b: SeamSide, tolerance: f64) -> Option<f64> {
-    let mut cuts: Vec<f64> = a.trim.knots.breaks();
-    cuts.extend(b.trim.knots.breaks().into_iter().map(|t| 1.0 - t));
+    let mut cuts: Vec<f64> = a.cuts();
+    cuts.extend(b.cuts().into_iter().map(|t| 1.0 - t));
     cuts.sort_by(f64::total_cmp);
     cuts.dedup_by(|x, y| x.to_bits() == y.to_bits());
     let over =
@@ -76,14 +78,25 @@ struct Piece {
 
 /// What one side is longer than the other over a piece: what the ends tell, and by how much it may be off.
 fn length_difference_over(a: SeamSide, b: SeamSide, s0: f64, s1: f64) -> Option<(Interval, f64)> {
+    if let (Some(p), Some(q)) = (a.model(s0, s1, false), b.model(s0, s1, true)) {
+        let off = p.minus(&q);
+        let [first, last] = off.ends();
+        return Some(difference_of([p.velocity(), q.velocity()], &sub(&last, &first), &off.velocity()));
+    }
     let (p, q) = (a.over(s0, s1, false)?, b.over(s0, s1, true)?);
     let whole = sub(&sub(&p.ends[1], &p.ends[0]), &sub(&q.ends[1], &q.ends[0]));
-    let (dp, dq) = (p.curve.map(|x| x.d), q.curve.map(|x| x.d));
+    let velocities = [p.curve.map(|x| x.d), q.curve.map(|x| x.d)];
+    Some(difference_of(velocities, &whole, &sub(&velocities[0], &velocities[1])))
+}
+
+/// Difference of the lengths of two curves of these velocities, by how much their ends' difference changes and by the
+/// difference of the velocities.
+fn difference_of([dp, dq]: [V3<Interval>; 2], whole: &V3<Interval>, off: &V3<Interval>) -> (Interval, f64) {
     let both = length(&dp) + length(&dq);
     let m = add(&dp, &dq).map(|x| x / both).map(|x| x.intersect(Interval::symmetric(1.0)).unwrap_or(x));
     let middle = mid(&m).map(Interval::point);
-    let rest = Interval::point(length_bound(&sub(&dp, &dq))) * Interval::point(length_bound(&sub(&m, &middle)));
-    Some((dot(&whole, &middle), rest.hi))
+    let rest = Interval::point(length_bound(off)) * Interval::point(length_bound(&sub(&m, &middle)));
+    (dot(whole, &middle), rest.hi)
 }
 
 /// Pieces over which lengths are compared are halved until what the enclosures leave open is less than this share of the
@@ -99,6 +112,9 @@ const OVERHANG: f64 = 1e-12;
 
 /// Bounds of the gap over a piece and at its ends.
 fn piece(a: SeamSide, b: SeamSide, shift: &V3<Interval>, s0: f64, s1: f64) -> Option<(f64, f64)> {
+    if let (Some(p), Some(q)) = (a.model(s0, s1, false), b.model(s0, s1, true)) {
+        return Some(p.moved(shift).minus(&q).size());
+    }
     let p = a.over(s0, s1, false)?;
     let q = b.over(s0, s1, true)?;
     let rough = (Interval::point(p.rough) + Interval::point(q.rough)).hi;
@@ -121,16 +137,32 @@ pub(super) struct EdgePiece {
 }
 
 impl SeamSide<'_> {
-    /// The edge over `[s0, s1]`, or over `[1 − s1, 1 − s0]` backwards.
-    ///
-    /// Rounding of `1 − s` shifts the correspondence by less than a unit in the last place and never leaves a gap, since
-    /// neighbouring pieces round alike.
-    pub(super) fn over(&self, s0: f64, s1: f64, backwards: bool) -> Option<EdgePiece> {
+    /// See [`cuts`].
+    pub(super) fn cuts(&self) -> Vec<f64> {
+        cuts(self.trim, self.jets.breaks())
+    }
+
+    /// As [`SeamSide::over`], closer where it can be.
+    pub(super) fn model(&self, s0: f64, s1: f64, backwards: bool) -> Option<CurveModel> {
+        self.jets.model(&self.parameters(s0, s1, backwards))
+    }
+
+    /// Bernstein coefficients of the trimming curve over a piece.
+    fn parameters(&self, s0: f64, s1: f64, backwards: bool) -> [Vec<Interval>; 2] {
         let (from, to) = if backwards { (1.0 - s1, 1.0 - s0) } else { (s0, s1) };
         let mut theta = trim_piece(self.trim, from, to);
         if backwards {
             theta.iter_mut().for_each(|c| c.reverse());
         }
+        theta
+    }
+
+    /// The edge over `[s0, s1]`, or over `[1 − s1, 1 − s0]` backwards.
+    ///
+    /// Rounding of `1 − s` shifts the correspondence by less than a unit in the last place and never leaves a gap, since
+    /// neighbouring pieces round alike.
+    pub(super) fn over(&self, s0: f64, s1: f64, backwards: bool) -> Option<EdgePiece> {
+        let theta = self.parameters(s0, s1, backwards);
         let (lo, hi) = self.jets.domain();
         let domain = Interval { lo, hi };
         let (mut t, r) = (Jet::of_bernstein(&theta[0]), Jet::of_bernstein(&theta[1]));

@@ -17,3 +17,4 @@ pub mod quadrature;
 pub(crate) mod roots;
 pub(crate) mod runs;
 pub(crate) mod series;
+pub(crate) mod taylor_model;

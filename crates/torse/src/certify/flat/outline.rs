@@ -11,12 +11,15 @@
 
 use super::super::boundary::trim_piece;
 use super::rails::FlatRails;
+use crate::certify::curve_model::cuts;
 use crate::num::bernstein::Scalar;
 use crate::num::greatest::greatest;
 use crate::num::interval::Interval;
 use crate::num::jet::Jet;
+use crate::num::taylor_model::TaylorModel;
 use crate::patchwork::pattern::ContourVertex;
 use crate::spline::curve::Curve;
+use std::ops::{Add, Mul, Sub};
 
 /// Enclosures end within this share of the tolerance of the greatest distance.
 const EXCESS: f64 = 5e-4;
@@ -90,16 +93,22 @@ impl Motion {
 
     /// Image of a point.
     pub fn point(&self, p: &[Interval; 2]) -> [Interval; 2] {
-        let [c, s] = self.rotation();
-        let p = [0, 1].map(|d: usize| p[d] - Interval::point(self.from[d]));
-        [c * p[0] - s * p[1] + Interval::point(self.to[0]), s * p[0] + c * p[1] + Interval::point(self.to[1])]
+        self.image(p, |x| x)
     }
 
     /// Image of a moving point.
     pub(super) fn jet(&self, p: &[Jet; 2]) -> [Jet; 2] {
-        let [c, s] = self.rotation().map(Jet::constant);
-        let p = [0, 1].map(|d: usize| p[d] - Jet::from(self.from[d]));
-        [c * p[0] - s * p[1] + Jet::from(self.to[0]), s * p[0] + c * p[1] + Jet::from(self.to[1])]
+        self.image(p, Jet::constant)
+    }
+
+    fn image<S>(&self, p: &[S; 2], constant: impl Fn(Interval) -> S) -> [S; 2]
+    where
+        S: Copy + Add<Output = S> + Sub<Output = S> + Mul<Output = S>,
+    {
+        let [c, s] = self.rotation().map(&constant);
+        let [from, to] = [self.from, self.to].map(|x| x.map(|x| constant(Interval::point(x))));
+        let p = [p[0] - from[0], p[1] - from[1]];
+        [c * p[0] - s * p[1] + to[0], s * p[0] + c * p[1] + to[1]]
     }
 }
 
@@ -111,12 +120,58 @@ pub(super) struct Image<'a> {
     pub motion: Motion,
 }
 
-/// A stretch of an image: with derivatives by the share of the stretch, and its ends.
-struct Stretch {
-    curve: [Jet; 2],
-    ends: [[Interval; 2]; 2],
-    /// See [`Jet::chord_deviation`].
-    rough: f64,
+/// A stretch of an image, by the share of the stretch.
+enum Stretch {
+    /// As polynomials.
+    Close([TaylorModel; 2]),
+    /// With enclosed derivatives, and its ends.
+    Wide {
+        curve: [Jet; 2],
+        ends: [[Interval; 2]; 2],
+        /// See [`Jet::chord_deviation`].
+        rough: f64,
+    },
+}
+
+impl Stretch {
+    /// Points, and first and last one.
+    fn points(&self) -> ([Interval; 2], [[Interval; 2]; 2]) {
+        match self {
+            Self::Close(p) => {
+                let ends = p.map(|x| x.ends());
+                (p.map(|x| x.range()), [0, 1].map(|k: usize| ends.map(|e| e[k])))
+            }
+            Self::Wide { curve, ends, .. } => (curve.map(|j| j.v), *ends),
+        }
+    }
+
+    /// `w·direction` for the ways w from a point: at both ends, and the least of all.
+    fn least_along(&self, from: &[Interval; 2], direction: &[Interval; 2]) -> f64 {
+        let (ends, rises, stray) = match self {
+            Self::Close(p) => {
+                let way = way_along(p, from, direction, TaylorModel::constant);
+                (way.ends(), way.derivative().range().sign() != 0, way.chord_deviation())
+            }
+            Self::Wide { curve, ends, rough } => {
+                let way = way_along(curve, from, direction, Jet::constant);
+                let ends = ends.map(|e| way_along(&e, from, direction, |x| x));
+                (ends, way.d.sign() != 0, way.chord_deviation(*rough))
+            }
+        };
+        if rises {
+            ends[0].lo.min(ends[1].lo)
+        } else {
+            ends[0].hull(ends[1]).widen(stray).lo
+        }
+    }
+}
+
+fn way_along<S>(p: &[S; 2], from: &[Interval; 2], direction: &[Interval; 2], constant: impl Fn(Interval) -> S) -> S
+where
+    S: Copy + Add<Output = S> + Sub<Output = S> + Mul<Output = S>,
+{
+    let [x, y] = [0, 1].map(|d: usize| (p[d] - constant(from[d])) * constant(direction[d]));
+    x + y
 }
 
 impl Image<'_> {
@@ -146,15 +201,23 @@ impl Image<'_> {
         Some(self.motion.point(&[p[0].v, p[1].v]))
     }
 
+    /// Where to cut it: see [`cuts`].
+    fn cuts(&self) -> Vec<f64> {
+        cuts(self.trim, self.flat.breaks())
+    }
+
     fn over(&self, s0: f64, s1: f64) -> Option<Stretch> {
         let theta = trim_piece(self.trim, s0, s1);
+        if let Some(p) = self.flat.model(&theta) {
+            return Some(Stretch::Close(self.motion.image(&p, TaylorModel::constant)));
+        }
         let (curve, rough) = self.flat.along(Jet::of_bernstein(&theta[0]), Jet::of_bernstein(&theta[1]))?;
         let last = theta[0].len() - 1;
         let end = |k: usize| {
             let p = self.flat.along(Jet::constant(theta[0][k]), Jet::constant(theta[1][k]))?.0;
             Some(self.motion.point(&[p[0].v, p[1].v]))
         };
-        Some(Stretch { curve: self.motion.jet(&curve), ends: [end(0)?, end(last)?], rough })
+        Some(Stretch::Wide { curve: self.motion.jet(&curve), ends: [end(0)?, end(last)?], rough })
     }
 
     /// The place nearest to a point, from a place near it; inside `[low, 1]`.
@@ -195,13 +258,13 @@ pub(super) fn chain_bound(image: &Image, vertices: &[ContourVertex], tolerance: 
     if pieces.is_empty() {
         // Nothing is drawn but a point.
         let bound = greatest(image.trim.knots.breaks(), EXCESS * tolerance, |a, b| {
-            let stretch = image.over(a, b)?;
-            let all = distance(&stretch.curve.map(|j| j.v), &last.point).hi;
-            Some((all, distance(&stretch.ends[0], &last.point).lo))
+            let (all, [first, _]) = image.over(a, b)?.points();
+            Some((distance(&all, &last.point).hi, distance(&first, &last.point).lo))
         })?;
         return bound.is_finite().then_some(bound);
     }
     let places = joints(image, &pieces, &last)?;
+    let all_cuts = image.cuts();
     let mut bound = 0.0f64;
     for (k, piece) in pieces.iter().enumerate() {
         let next = pieces.get(k + 1).unwrap_or(&last);
@@ -221,7 +284,7 @@ pub(super) fn chain_bound(image: &Image, vertices: &[ContourVertex], tolerance: 
             continue;
         }
         let mut cuts = vec![s0, s1];
-        cuts.extend(image.trim.knots.breaks().into_iter().filter(|&t| t > s0 && t < s1));
+        cuts.extend(all_cuts.iter().copied().filter(|&t| t > s0 && t < s1));
         let off = greatest(cuts, EXCESS * tolerance, |a, b| arc.off(&image.over(a, b)?))?;
         bound = bound.max(off);
     }
@@ -375,35 +438,17 @@ impl ArcFrame {
     /// Bound of the distance of a stretch's points from the arc, and at the ends of the stretch.
     fn off(&self, stretch: &Stretch) -> Option<(f64, f64)> {
         let k = self.curvature;
-        let constant = |p: &[Interval; 2]| p.map(Jet::constant);
-        let signed = |p: &[Jet; 2]| -> Jet {
-            let w = [0, 1].map(|d: usize| p[d] - Jet::constant(self.ends[0][d]));
-            let t = self.tangents[0].map(Jet::constant);
-            let y = t[0] * w[1] - t[1] * w[0];
-            let power = Jet::constant(k) * (square(w[0]) + square(w[1])) - y * Jet::from(2.0);
-            power.over(Jet::from(1.0) + (Jet::from(1.0) + Jet::constant(k) * power).sqrt())
-        };
-        let ends = [0, 1].map(|i: usize| signed(&constant(&stretch.ends[i])).v);
-        let all = signed(&stretch.curve);
-        let off = ends[0].hull(ends[1]).widen(all.chord_deviation(stretch.rough)).mag();
+        let (all, at_ends) = self.signed(stretch);
+        let off = all.mag();
         let mut bound = off;
         for (end, forward) in [(0, true), (1, false)] {
-            let along = |p: &[Jet; 2]| -> Jet {
-                let w = [0, 1].map(|d: usize| p[d] - Jet::constant(self.ends[end][d]));
-                let t = self.tangents[end].map(|t| Jet::constant(if forward { t } else { -t }));
-                w[0] * t[0] + w[1] * t[1]
-            };
-            let (first, last) = (along(&constant(&stretch.ends[0])).v, along(&constant(&stretch.ends[1])).v);
-            let jet = along(&stretch.curve);
-            let least = if jet.d.sign() != 0 {
-                first.lo.min(last.lo)
-            } else {
-                first.hull(last).widen(jet.chord_deviation(stretch.rough)).lo
-            };
+            let direction = self.tangents[end].map(|t| if forward { t } else { -t });
+            let least = stretch.least_along(&self.ends[end], &direction);
             if least >= 0.0 {
                 continue;
             }
-            let w = [0, 1].map(|d: usize| stretch.curve[d].v - self.ends[end][d]);
+            let points = stretch.points().0;
+            let w = [0, 1].map(|d: usize| points[d] - self.ends[end][d]);
             let far = (w[0].sqr() + w[1].sqr()).sqrt();
             if (far * k.abs()).hi > 1.0 {
                 return None;
@@ -416,7 +461,37 @@ impl ArcFrame {
                 return None;
             }
         }
-        (bound.is_finite()).then_some((bound, ends[0].mag().max(ends[1].mag())))
+        (bound.is_finite()).then_some((bound, at_ends))
+    }
+
+    /// Signed distances of a stretch's points from the circle, and a bound of those at its ends.
+    fn signed(&self, stretch: &Stretch) -> (Interval, f64) {
+        let k = self.curvature;
+        let distance = |power: Interval| power / (Interval::ONE + (Interval::ONE + k * power).sqrt());
+        match stretch {
+            Stretch::Close(p) => {
+                let power = self.power(p, TaylorModel::constant, |x| x * x);
+                let [first, last] = power.ends().map(distance);
+                (distance(power.range()), first.mag().max(last.mag()))
+            }
+            Stretch::Wide { curve, ends, rough } => {
+                let power = self.power(curve, Jet::constant, square);
+                let all = power.over(Jet::from(1.0) + (Jet::from(1.0) + Jet::constant(k) * power).sqrt());
+                let [first, last] = ends.map(|e| distance(self.power(&e, |x| x, Interval::sqr)));
+                (first.hull(last).widen(all.chord_deviation(*rough)), first.mag().max(last.mag()))
+            }
+        }
+    }
+
+    /// `k |w|² − 2 y` of points.
+    fn power<S>(&self, p: &[S; 2], constant: impl Fn(Interval) -> S, square: impl Fn(S) -> S) -> S
+    where
+        S: Copy + Add<Output = S> + Sub<Output = S> + Mul<Output = S>,
+    {
+        let w = [0, 1].map(|d: usize| p[d] - constant(self.ends[0][d]));
+        let t = self.tangents[0].map(&constant);
+        let y = t[0] * w[1] - t[1] * w[0];
+        constant(self.curvature) * (square(w[0]) + square(w[1])) - (y + y)
     }
 }
 

@@ -15,6 +15,7 @@
 //! the part of every ruling that the trimming curves reach. Nothing is assumed of the patch but that it is ruled: a
 //! twist shows as a strain.
 
+use crate::certify::curve_model::{span_of, within};
 use crate::certify::ruled::{rough, Ruled};
 use crate::certify::vector::{cross, dot, length, V3};
 use crate::num::bernstein::{from_powers, powers_about_half, Scalar};
@@ -22,6 +23,7 @@ use crate::num::binomial::binomial;
 use crate::num::interval::Interval;
 use crate::num::jet::Jet;
 use crate::num::series::Series;
+use crate::num::taylor_model::TaylorModel;
 
 /// Taylor coefficients kept of rails, and of their derivatives.
 const M: usize = 11;
@@ -65,7 +67,7 @@ struct FlatPiece {
     /// Components of the first rail, then of the vector to the second.
     rail: [Vec<Interval>; 2],
     vector: [Vec<Interval>; 2],
-    /// Weights of both rails in space; empty for polynomial patches.
+    /// Weights of both rails in space; empty where they are the same, as those of polynomial patches: r is the share then.
     weights: [Vec<Interval>; 2],
 }
 
@@ -165,6 +167,20 @@ impl FlatRails {
         Some(((first + 1..=last).fold(on(first), hull), rough(&self.breaks, first..=last, t)))
     }
 
+    /// The map along Bernstein coefficients of t and r: closer than [`FlatRails::along`], but only within one piece, and where
+    /// both rails have the same weights.
+    pub fn model(&self, theta: &[Vec<Interval>; 2]) -> Option<[TaylorModel; 2]> {
+        let p = &self.pieces[span_of(&theta[0], &self.breaks)?];
+        if !p.weights[0].is_empty() {
+            return None;
+        }
+        let powers = within(&theta[0], p.a, p.inverse).powers(p.rail[0].len() - 1);
+        let r = TaylorModel::of_bernstein(&theta[1]);
+        let of = |c: &[Interval]| TaylorModel::combination(c, &powers);
+        let point = [0, 1].map(|d: usize| of(&p.rail[d]) + r * of(&p.vector[d]));
+        point.iter().all(TaylorModel::is_finite).then_some(point)
+    }
+
     /// About where the map takes a point.
     pub fn place(&self, t: f64, r: f64) -> Option<[f64; 2]> {
         let p = &self.pieces[self.piece(t)?];
@@ -241,7 +257,7 @@ fn developed(
     let origins = patch.middles(0.5 * (a + b));
     let apart = [0, 1, 2].map(|d: usize| Interval::point(origins[1][d]) - Interval::point(origins[0][d]));
     let ends = [0, 1].map(|end: usize| patch.end(end, a, b, &origins[end]).map(|c| powers_about_half(&c)));
-    let weights = if patch.rational { [ends[0][3].clone(), ends[1][3].clone()] } else { [Vec::new(), Vec::new()] };
+    let weights = if patch.alike { [Vec::new(), Vec::new()] } else { [ends[0][3].clone(), ends[1][3].clone()] };
     let [middle, all] = [Interval::ZERO, HALF].map(|x| rails(&ends, apart, x, patch.rational));
     let shares = shares(&weights, r);
     let mut flat = solved(&middle, 0.5 * (shares.lo + shares.hi), side, start.places);
