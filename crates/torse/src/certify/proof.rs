@@ -95,9 +95,9 @@ fn judged(patchwork: &Patchwork, tolerance: f64, control: &Control, known: Optio
 }
 
 /// Coverage, by counting. For every face how far, in each parameter, the partition's vertices lie off the trimming
-/// polygons' sides.
-fn coverage_of(patchwork: &Patchwork, out: &mut CertificateParts) -> Vec<[f64; 2]> {
-    let mut sides = vec![[0.0; 2]; patchwork.faces.len()];
+/// polygons' sides; `None` where the partition is not that of the face: its regions may lie anywhere.
+fn coverage_of(patchwork: &Patchwork, out: &mut CertificateParts) -> Vec<Option<[f64; 2]>> {
+    let mut sides = vec![None; patchwork.faces.len()];
     out.covered = true;
     if patchwork.partitions.len() == patchwork.faces.len() {
         let found: Vec<_> = patchwork
@@ -108,7 +108,7 @@ fn coverage_of(patchwork: &Patchwork, out: &mut CertificateParts) -> Vec<[f64; 2
             .collect();
         for (i, found) in found.into_iter().enumerate() {
             match found {
-                Ok(off) => sides[i] = off,
+                Ok(off) => sides[i] = Some(off),
                 Err(fault) => {
                     out.covered = false;
                     out.missing.push(ProofFault::Cover { face: Some(i), fault }.into());
@@ -129,7 +129,7 @@ fn coverage_of(patchwork: &Patchwork, out: &mut CertificateParts) -> Vec<[f64; 2
 /// The proofs of all panels; result: their patches, ready for the seams.
 fn panels_of(
     patchwork: &Patchwork,
-    sides: &[[f64; 2]],
+    sides: &[Option<[f64; 2]>],
     (control, known): (&Control, Option<&Known>),
     out: &mut CertificateParts,
 ) -> Vec<Option<Arc<RuledJets>>> {
@@ -143,7 +143,7 @@ fn panels_of(
         .zip(sides)
         .map(|(f, off)| {
             let prepared = Prepared::new(&f.surface);
-            let moved = way(&prepared, *off) + f.joint_bound() + f.trim_bound();
+            let moved = way(&prepared, off.unwrap_or([0.0; 2])) + f.joint_bound() + f.trim_bound();
             // Rounded up, and no bound at all if one of both is none.
             (prepared, if moved >= f.joint_bound() { moved.next_up().next_up() } else { f64::INFINITY })
         })
@@ -178,6 +178,12 @@ fn panels_of(
         if let Err(fault) = loops_bound_triangles(ground.partition, trim) {
             parts.certified = false;
             parts.reason = Reason::all(parts.reason.into_iter().chain([PanelFault::Cover(fault).into()]).collect());
+        }
+        // However near a panel is to its region: where that is no part of the face nothing is known of the distance from it.
+        if sides.get(trim.face).is_none_or(Option::is_none) {
+            parts.certified = false;
+            parts.deviation_bound = f64::INFINITY;
+            parts.reason = Reason::all(parts.reason.into_iter().chain([PanelFault::OffFace.into()]).collect());
         }
         (parts, jets)
     };

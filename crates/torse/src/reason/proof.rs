@@ -67,6 +67,8 @@ pub enum PanelFault {
     NoRegion,
     /// Its region and its loops do not go together.
     Cover(CoverFault),
+    /// The regions of its face are not known to make up the face.
+    OffFace,
     /// An edge in space cannot be compared with its trimming curve.
     Edge,
     /// A trimming curve belongs to another foot.

@@ -19,7 +19,7 @@ pub fn name(claim: &Claim, curves: &[String]) -> String {
     let curve = |k: usize| curves.get(k).map_or_else(|| format!("curve {}", k + 1), Clone::clone);
     let proven = claim.evidence() == Evidence::Proven;
     match claim.what() {
-        What::Deviation => "distance between surface and panels, both ways".into(),
+        What::Deviation => "distance between panels and the surface they cover, both ways".into(),
         What::FromCurve(k) => format!("from {}", curve(k)),
         What::FromSide(0) => "from first curve".into(),
         What::FromSide(_) => "from second curve".into(),

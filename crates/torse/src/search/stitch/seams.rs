@@ -7,7 +7,7 @@ use crate::patchwork::partition::Partition;
 use crate::search::cover::State;
 use crate::spline::curve::Curve;
 use rayon::prelude::*;
-use std::collections::{BTreeSet, HashMap};
+use std::collections::{BTreeSet, HashMap, HashSet};
 
 /// An edge in space for a chain of the borders.
 #[derive(Clone, Debug)]
@@ -19,8 +19,9 @@ pub(crate) struct SharedSeam {
 }
 
 /// Moves the vertices of borders to places given by border, vertex, and for whether its parameters must stay: vertices on
-/// knot lines move along these, ends on a trimming curve that is no knot line stay. Where triangles would turn over, the
-/// vertices around are moved out of the way; vertices for which that is not enough stay too, and are the result.
+/// knot lines move along these, ends on a trimming curve only where that runs along a parameter line, and along it. Where
+/// triangles would turn over, the vertices around are moved out of the way; vertices for which that is not enough stay too,
+/// and are the result.
 pub(crate) fn settle(
     face: &Face,
     partition: &mut Partition,
@@ -33,11 +34,19 @@ pub(crate) fn settle(
         let last = chain.vertices.len() - 1;
         all.extend(chain.vertices.iter().enumerate().map(|(i, &v)| (k, v, i == 0 || i == last)));
     }
+    let ends = all.iter().filter(|e| e.2).map(|e| e.1).collect();
+    let held = held_by_border(face, partition, &ends);
     let mut waiting: Vec<(u32, [f64; 2])> = all
         .par_iter()
         .filter_map(|&(k, v, is_end)| {
             let old = partition.vertices[v as usize];
-            let fixed = [0, 1].map(|d: usize| lines[d].contains(&old[d]));
+            let mut fixed = [0, 1].map(|d: usize| lines[d].contains(&old[d]));
+            if let Some(held) = held.get(&v) {
+                if *held == [false; 2] {
+                    return None;
+                }
+                fixed = [0, 1].map(|d: usize| fixed[d] || held[d]);
+            }
             let stays = fixed == [true; 2] || (is_end && fixed == [false; 2]);
             if stays {
                 None
@@ -81,6 +90,24 @@ pub(crate) fn settle(
     waiting.into_iter().map(|w| w.0).collect()
 }
 
+/// The parameters that vertices on the border of the face must keep in order to stay on it: where it runs along parameter lines
+/// on both sides of them the one that is the same there; both at the corners of the trimming polygons; none of both elsewhere,
+/// where there is no way along the border.
+fn held_by_border(face: &Face, partition: &Partition, of: &BTreeSet<u32>) -> HashMap<u32, [bool; 2]> {
+    let corners: HashSet<[u64; 2]> = face.loops.iter().flat_map(|l| &l.points).map(|p| p.map(f64::to_bits)).collect();
+    let left = partition.adjacency();
+    let mut out = HashMap::new();
+    for &(a, b) in left.keys().filter(|(a, b)| !left.contains_key(&(*b, *a))) {
+        for (v, beside) in [(a, b), (b, a)].into_iter().filter(|(v, _)| of.contains(v)) {
+            let [p, q] = [v, beside].map(|v| partition.vertices[v as usize]);
+            let is_corner = corners.contains(&p.map(f64::to_bits));
+            let held: &mut [bool; 2] = out.entry(v).or_insert([true; 2]);
+            (0..2).for_each(|d| held[d] &= is_corner || p[d].to_bits() == q[d].to_bits());
+        }
+    }
+    out
+}
+
 /// Times that vertices try to settle.
 const SETTLINGS: usize = 8;
 /// Shares of the way that they try each time.
@@ -111,4 +138,63 @@ pub(crate) fn with_partition(face: &Face, state: &State, partition: Partition) -
     };
     out.update(&face.surface);
     out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::brep::face::TrimLoop;
+    use crate::geom::Vec3;
+    use crate::search::build::borders as borders_of;
+    use crate::spline::knots::Knots;
+    use crate::spline::surface::Surface;
+
+    /// A plane with a knot line at u = 0.5, trimmed at v = 0.8, or aslant from there, and a border of two labels up to that
+    /// side at the given u.
+    fn halved(end: f64, slope: f64) -> (Face, Partition) {
+        let (u, v) =
+            (Knots::clamped(1, &[0.0, 0.5, 1.0]).expect("knots"), Knots::clamped(1, &[0.0, 1.0]).expect("knots"));
+        let points: Vec<Vec3> =
+            [0.0, 0.5, 1.0].iter().flat_map(|&x| [0.0, 1.0].map(|y| Vec3::new(x, y, 0.0))).collect();
+        let mut face = Face::untrimmed(Surface::new(u, v, &points, None).expect("surface"));
+        let top = |u: f64| [u, 0.8 + slope * u];
+        let corners = vec![[0.0, 0.0], [1.0, 0.0], top(1.0), top(0.0)];
+        face.loops = vec![TrimLoop { points: corners.clone(), edge: vec![0, 1, 2, 3] }];
+        let mut vertices = corners;
+        vertices.extend([[end, 0.0], top(end)]);
+        let triangles = vec![[0, 4, 5], [0, 5, 3], [4, 1, 2], [4, 2, 5]];
+        (face, Partition { vertices, labels: vec![0, 0, 1, 1], triangles, ..Partition::default() })
+    }
+
+    /// Where the upper end of the border gets to that wants to go up and to the right, as far as its parameters may.
+    fn settled(face: &Face, mut partition: Partition) -> [f64; 2] {
+        let borders = borders_of(face, &partition);
+        let chains = borders.seam_chains();
+        let along: Vec<&SeamChain> = chains.iter().collect();
+        settle(face, &mut partition, &along, |_, p, fixed| {
+            let step = |d: usize| if fixed[d] { p[d] } else { p[d] + 0.1 };
+            Some([step(0), step(1)])
+        });
+        partition.vertices[5]
+    }
+
+    #[test]
+    fn ends_of_borders_stay_on_the_border_of_the_face() {
+        // Where a knot line meets a side that is none it is no way on.
+        let (face, partition) = halved(0.5, 0.0);
+        assert_eq!(settled(&face, partition), [0.5, 0.8]);
+        // Along a side of constant parameter there is one; across any other there is none.
+        let (face, partition) = halved(0.25, 0.0);
+        assert_eq!(settled(&face, partition), [0.35, 0.8]);
+        for end in [0.25, 0.5] {
+            let (face, partition) = halved(end, 0.1);
+            let before = partition.vertices[5];
+            assert_eq!(settled(&face, partition), before);
+        }
+        // Corners of the trimming polygon stay.
+        let (mut face, partition) = halved(0.25, 0.0);
+        face.loops[0].points.insert(3, [0.25, 0.8]);
+        face.loops[0].edge.push(4);
+        assert_eq!(settled(&face, partition), [0.25, 0.8]);
+    }
 }

@@ -36,6 +36,9 @@ fn panel(fault: &PanelFault) -> String {
         PanelFault::NoFace => "the panel covers no face".into(),
         PanelFault::NoRegion => "the panel has no region".into(),
         PanelFault::Cover(fault) => cover(fault),
+        PanelFault::OffFace => {
+            "the regions of its face do not make up that face, so how far it is from the face is not known".into()
+        }
         PanelFault::Edge => "an edge in space cannot be compared with its trimming curve".into(),
         PanelFault::OtherFoot(at) => format!("a trimming curve belongs to another foot at {}", place_in_words(at)),
         PanelFault::TooLarge(bound) => format!("the bound {} exceeds the tolerance", length_bound(*bound)),
