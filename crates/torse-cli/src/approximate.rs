@@ -67,7 +67,7 @@ pub fn run(arguments: &Approximate) -> Result<bool, Failure> {
     let mut cones_hold = true;
     if arguments.cones {
         job.say("cones");
-        let mut cones = wiring::cones_of_panels(&answer, tolerance.mm, job.control())?;
+        let mut cones = wiring::cones_of_panels(&answer, tolerance.mm, options.drawn, job.control())?;
         let files = deliver::files(&mut cones, &crate::clock::stamp()).map_err(|e| Failure::fault(&e))?;
         let named = |name: String| if name == bundle::CONES { name } else { format!("cones-{name}") };
         job.write(files.into_iter().map(|(name, bytes)| (named(name), bytes)).collect())?;

@@ -386,6 +386,9 @@ pub struct Cones {
     pub tolerance: Length,
 
     #[command(flatten)]
+    pub drawing: Drawing,
+
+    #[command(flatten)]
     pub files: Files,
 
     #[command(flatten)]

@@ -5,6 +5,7 @@ use crate::failure::Failure;
 use crate::input::contents;
 use crate::job::{refuse_left_out, Job};
 use crate::wiring;
+use torse::ConesOptions;
 
 /// Runs the job; `Ok(true)` means certified.
 pub fn run(arguments: &Cones) -> Result<bool, Failure> {
@@ -16,7 +17,11 @@ pub fn run(arguments: &Cones) -> Result<bool, Failure> {
     let model = wiring::selected(wiring::read(&file.display().to_string(), &bytes)?, &arguments.chosen)?;
     drop(bytes);
     let name = arguments.files.job_name(file);
-    let mut answer = wiring::cones(&model, &name, arguments.tolerance.mm, job.control())?;
+    let options = ConesOptions {
+        drawn: arguments.drawing.drawn(&arguments.files.shop),
+        ..ConesOptions::new(arguments.tolerance.mm, name)
+    };
+    let mut answer = wiring::cones(&model, &options, job.control())?;
     if arguments.strict {
         refuse_left_out(file, &answer.skipped)?;
     }

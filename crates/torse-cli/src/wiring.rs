@@ -7,6 +7,7 @@ use torse::answer::marks::Marks;
 use torse::answer::presentation::present;
 use torse::answer::Answer;
 use torse::certify::claim::{Claim, Status, Subject};
+use torse::develop::view::Drawn;
 use torse::io::bundle;
 use torse::io::cad::ReadError;
 use torse::io::iges::read as iges;
@@ -117,9 +118,8 @@ pub fn sweep(
 }
 
 /// Runs the job of cone splines on faces.
-pub fn cones(model: &Model, name: &str, tolerance: f64, control: &Control) -> Result<Answer, Failure> {
-    let options = ConesOptions { tolerance, input: name.to_owned() };
-    cone_pipeline::of_faces(&model.faces, &model.skipped, &options, control).map_err(|e| {
+pub fn cones(model: &Model, options: &ConesOptions, control: &Control) -> Result<Answer, Failure> {
+    cone_pipeline::of_faces(&model.faces, &model.skipped, options, control).map_err(|e| {
         Failure::new(
             e.to_string(),
             "see 'torse info' on the file; 'torse approximate' covers other surfaces with panels",
@@ -129,10 +129,10 @@ pub fn cones(model: &Model, name: &str, tolerance: f64, control: &Control) -> Re
 
 /// Runs the job of cone splines on the panels of the main job: what the panels leave of the whole tolerance (mm) is
 /// theirs, so that cones keep the whole tolerance to the surface.
-pub fn cones_of_panels(answer: &Answer, whole: f64, control: &Control) -> Result<Answer, Failure> {
+pub fn cones_of_panels(answer: &Answer, whole: f64, drawn: Drawn, control: &Control) -> Result<Answer, Failure> {
     let used = answer.certificate.as_ref().map_or(f64::INFINITY, |c| c.deviation_bound);
     let tolerance = if used < whole { whole - used } else { whole - answer.tolerance };
-    let options = ConesOptions { tolerance, input: answer.input.clone() };
+    let options = ConesOptions { drawn, ..ConesOptions::new(tolerance, answer.input.clone()) };
     let mut cones = cone_pipeline::of_panels(&answer.patchwork, &answer.skipped, &options, control)
         .map_err(|e| Failure::new(e.to_string(), "leave out --cones to keep the panels"))?;
     // Cones near panels are no nearer to the surface than these.

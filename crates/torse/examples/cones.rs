@@ -10,7 +10,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let [file, tolerance, folder] = &arguments[..] else { return Err("give FILE TOLERANCE FOLDER".into()) };
     let model = read(&std::fs::read(file)?)?;
-    let options = ConesOptions { tolerance: tolerance.parse()?, input: "chute".into() };
+    let options = ConesOptions::new(tolerance.parse()?, "chute");
     let mut answer = cones(&model.faces, &model.skipped, &options, &Control::default())?;
     std::fs::create_dir_all(folder)?;
     for (name, bytes) in files(&mut answer, "2026-01-31T12:00:00")? {

@@ -33,7 +33,7 @@ fn duct() -> Answer {
 
 fn cones(tolerance: f64, bytes: &[u8]) -> Answer {
     let model = torse::read(bytes).expect("a model");
-    let options = ConesOptions { tolerance, input: "model".into() };
+    let options = ConesOptions::new(tolerance, "model");
     torse::cones(&model.faces, &model.skipped, &options, &Control::default()).expect("cones")
 }
 
@@ -49,7 +49,7 @@ fn over_a_parabola(upper: f64) -> Answer {
         .collect();
     let knots = |p| Knots::clamped(p, &[0.0, 1.0]).expect("knots");
     let face = Face::untrimmed(Surface::new(knots(2), knots(1), &points, None).expect("surface"));
-    let options = ConesOptions { tolerance: 0.05, input: "parabola".into() };
+    let options = ConesOptions::new(0.05, "parabola");
     torse::cones(&[face], &[], &options, &Control::default()).expect("cones")
 }
 

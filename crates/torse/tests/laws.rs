@@ -183,7 +183,7 @@ const BEYOND: [[f64; 3]; 3] = [[10., 90., 5.], [60., 90., 45.], [110., 90., 5.]]
 #[test]
 fn cones_commute_with_similarities() {
     commutes(1e-3, |s| {
-        let options = torse::ConesOptions { tolerance: 0.05 * s.scale, input: "face".into() };
+        let options = torse::ConesOptions::new(0.05 * s.scale, "face");
         let face = s.ruled(&PARABOLA, &BEYOND);
         torse::cones(&[face], &[], &options, &Control::default()).expect("an answer")
     });

@@ -2,7 +2,9 @@
 //! true arcs.
 
 use super::arcs::{arcs, PlaneCurve};
-use super::cones::{develop, joint_bend, FlatSegment};
+use super::bends::BendSpacing;
+use super::cone_bends;
+use super::cones::{develop, FlatSegment};
 use super::overlap::{overlap, OutlinePoint};
 use crate::geom::rectangle::smallest_rectangle;
 use crate::geom::Vec2;
@@ -43,11 +45,17 @@ const SAMPLES: usize = 12;
 const SMOOTH: f64 = 0.05;
 
 /// The cutting pattern of a trimmed chain: outer contour and holes of lines and true arcs within `contour_tolerance`
-/// (mm) of the exact image, joints as fold lines. The plane is seen from the side of the normals.
+/// (mm) of the exact image, bend lines spaced as asked for. The plane is seen from the side of the normals.
 ///
 /// *Guarantee*: exact isometry of every piece. *Not guaranteed*: that the pattern does not overlap itself, see
 /// [`overlaps`].
-pub(crate) fn part_pattern(spline: &ConeSpline, part: &ConePart, name: &str, contour_tolerance: f64) -> Pattern {
+pub(crate) fn part_pattern(
+    spline: &ConeSpline,
+    part: &ConePart,
+    name: &str,
+    contour_tolerance: f64,
+    spacing: &BendSpacing,
+) -> Pattern {
     let flats = develop(spline, Vec2::zeros(), 0.0);
     let place = |v: usize| {
         let (i, [f, r]) = part.places[v];
@@ -104,12 +112,6 @@ pub(crate) fn part_pattern(spline: &ConeSpline, part: &ConePart, name: &str, con
     contours.sort_by(|a, b| b.0.total_cmp(&a.0));
     pattern.area = contours.iter().map(|c| c.0).sum();
     pattern.area_in_space = pattern.area;
-    for e in part.joints().into_iter().map(|k| &part.edges[k]) {
-        pattern.rulings.push([place(e.start), place(e.end)]);
-        // Joints lie at one end of their segment or the other.
-        let (segment, [f, _]) = part.places[e.start];
-        pattern.bends.push(joint_bend(spline, segment + usize::from(f > 0.5)));
-    }
     for (i, (_, contour, sides)) in contours.into_iter().enumerate() {
         if i == 0 {
             let points: Vec<Vec2> = contour.vertices.iter().map(|v| v.point).collect();
@@ -120,6 +122,9 @@ pub(crate) fn part_pattern(spline: &ConeSpline, part: &ConePart, name: &str, con
         }
         pattern.contours.push(contour);
     }
+    let segments = || part.faces.iter().map(|f| f.segment);
+    let range = segments().min().unwrap_or(0)..segments().max().map_or(0, |m| m + 1);
+    cone_bends::draw(&mut pattern, spline, &flats, range, spacing);
     pattern
 }
 

@@ -4,11 +4,12 @@
 //! plane is seen from the side of the normals: rulings and the forward direction are right-handed.
 
 use super::arcs::{arcs, PlaneCurve};
-use super::bends::Line;
+use super::bends::BendSpacing;
+use super::cone_bends;
 use super::overlap::{overlap, OutlinePoint};
 use crate::geom::Vec2;
 use crate::patchwork::panel::Border;
-use crate::patchwork::pattern::{Bend, Contour, ContourVertex, Pattern, Side};
+use crate::patchwork::pattern::{Contour, ContourVertex, Pattern, Side};
 use crate::torse::cone::spline::{ConeSpline, Segment, Shape};
 
 /// One segment in the plane.
@@ -177,11 +178,11 @@ impl PlaneCurve for FlatEdge<'_> {
     }
 }
 
-/// The cutting pattern of a chain: a closed contour of lines and true arcs, with the junction rulings as fold lines.
+/// The cutting pattern of a chain: a closed contour of lines and true arcs, with bend lines spaced as asked for.
 ///
 /// Circular edges (constant r) become exactly one arc for a segment; other edges (plane sections, whose images are no
 /// circles) become arcs within `contour_tolerance` (mm).
-pub fn cone_pattern(spline: &ConeSpline, name: &str, contour_tolerance: f64) -> Pattern {
+pub fn cone_pattern(spline: &ConeSpline, name: &str, contour_tolerance: f64, spacing: &BendSpacing) -> Pattern {
     let flats = develop(spline, Vec2::zeros(), 0.0);
     let mut pattern = Pattern { name: name.to_owned(), ..Pattern::default() };
     let (Some(first), Some(last)) = (flats.first(), flats.last()) else { return pattern };
@@ -218,10 +219,6 @@ pub fn cone_pattern(spline: &ConeSpline, name: &str, contour_tolerance: f64) -> 
     pattern.contour_error = upper.max(lower);
     pattern.area = area(&vertices);
     pattern.area_in_space = pattern.area;
-    for f in &flats[1..] {
-        pattern.rulings.push([corner(f, 0.0, 0), corner(f, 0.0, 1)]);
-        pattern.bends.push(joint_bend(spline, pattern.bends.len() + 1));
-    }
     let ends = [(first, 0.0), (last, 1.0)];
     for (edge, (f, share)) in ends.into_iter().enumerate() {
         let (a, b) = (corner(f, share, 0), corner(f, share, 1));
@@ -236,22 +233,8 @@ pub fn cone_pattern(spline: &ConeSpline, name: &str, contour_tolerance: f64) -> 
         (pattern.width, pattern.length) = (r.width, r.length);
     }
     pattern.contours.push(Contour { vertices });
+    cone_bends::draw(&mut pattern, spline, &flats, 0..flats.len(), spacing);
     pattern
-}
-
-/// How the sheet bends about the ruling with which the segment `joint` begins: the turn between the middles of its
-/// neighbours, seen from the side of the normals.
-pub(super) fn joint_bend(spline: &ConeSpline, joint: usize) -> Bend {
-    let (Some(before), Some(after)) = (spline.segments.get(joint.wrapping_sub(1)), spline.segments.get(joint)) else {
-        return Bend::default();
-    };
-    let (a, b) = (before.element(0.5), after.element(0.5));
-    let ends = [0, 1].map(|side| after.point(0.5, after.edge(side, 0.5)) - before.point(0.5, before.edge(side, 0.5)));
-    let along = (a.direction + b.direction).normalize();
-    let across = ends.map(|d| d - along * d.dot(&along));
-    let angle = a.normal.angle(&b.normal);
-    let turn = if (b.normal - a.normal).dot(&(across[0] + across[1])) > 0.0 { -angle } else { angle };
-    Line { after: 0, share: 0.0, turn, turned: 0.0, fold: false }.bend([across.map(|d| d.norm() / angle); 2])
 }
 
 /// Points of each edge of a segment at which overlaps are sought.
@@ -382,7 +365,7 @@ mod tests {
     #[test]
     fn circles_become_single_arcs_and_the_contour_has_the_right_area() {
         let spline = chain(0.4);
-        let p = cone_pattern(&spline, "A", 1e-6);
+        let p = cone_pattern(&spline, "A", 1e-6, &BendSpacing::default());
         assert_eq!(p.contour_error, 0.0);
         // One arc per segment and edge, four corners of which two begin an edge.
         assert_eq!(p.contours[0].vertices.len(), 2 * spline.segments.len() + 2);

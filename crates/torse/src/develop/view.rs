@@ -52,12 +52,12 @@ pub(crate) fn cone_sides(spline: &ConeSpline) -> Vec<(Vec3, Vec3)> {
     out
 }
 
-/// A pattern of a chain of cones, developed on the side of its normals, as it is seen from outside, away from
-/// its own middle.
-pub(crate) fn cones_viewed(pattern: Pattern, spline: &ConeSpline) -> Pattern {
+/// A pattern of a chain of cones, developed on the side of its normals, as it is seen from the side that is wanted; outside
+/// is away from its own middle.
+pub(crate) fn cones_viewed(pattern: Pattern, spline: &ConeSpline, view: ViewSide) -> Pattern {
     let all = cone_sides(spline);
     let seen = if outward(&all, &middle(&all)) > 0.0 { ViewSide::Outside } else { ViewSide::Inside };
-    seen_from(Pattern { view: seen, ..pattern }, ViewSide::Outside)
+    seen_from(Pattern { view: seen, ..pattern }, view)
 }
 
 /// Middle of all strips of a job.

@@ -13,6 +13,7 @@ use crate::certify::claim::{Claim, Counted, Subject, UpperBound, What};
 use crate::certify::flat::cone_parts;
 use crate::certify::trims::trim_proof;
 use crate::control::Control;
+use crate::develop::view::Drawn;
 use crate::geom::coarse::{is_tolerance, Loose};
 use crate::geom::BBox;
 use crate::io::words;
@@ -37,6 +38,15 @@ pub struct ConesOptions {
     pub tolerance: f64,
     /// Name of the input, for the files.
     pub input: String,
+    /// How flat patterns are drawn; default seen from outside, lines every 5°.
+    pub drawn: Drawn,
+}
+
+impl ConesOptions {
+    /// A tolerance (mm) and the name of the input; the rest as by default.
+    pub fn new(tolerance: f64, input: impl Into<String>) -> Self {
+        Self { tolerance, input: input.into(), drawn: Drawn::default() }
+    }
 }
 
 /// Why there is no answer at all.
@@ -69,7 +79,7 @@ pub enum ConesJobError {
 /// # Example
 /// ```
 /// let chute = torse::read(include_bytes!("../../../../data/cone_holes.step"))?;
-/// let options = torse::ConesOptions { tolerance: 0.5, input: "chute".into() };
+/// let options = torse::ConesOptions::new(0.5, "chute");
 /// let answer = torse::cones(&chute.faces, &chute.skipped, &options, &torse::Control::default())?;
 /// assert_eq!(answer.status(), torse::Status::Certified);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -193,7 +203,7 @@ fn run(
             failures.push(told(StripReason::Beyond(proven.bound.value()).into()));
         }
         let before = answer.skipped.len();
-        for piece in strips_of(&mut answer, &body, &proven) {
+        for piece in strips_of(&mut answer, &body, &proven, &options.drawn) {
             pieces.push((bodies.len(), piece));
         }
         if answer.skipped.len() > before {

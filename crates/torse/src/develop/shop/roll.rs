@@ -25,7 +25,7 @@ const PARTS: usize = 24;
 const FLAT: f64 = 1e-3;
 
 /// The outlines of a pattern as polygons.
-pub(super) fn outlines(pattern: &Pattern, size: f64) -> Vec<Vec<Vec2>> {
+pub(in crate::develop) fn outlines(pattern: &Pattern, size: f64) -> Vec<Vec<Vec2>> {
     let contour = |c: &crate::patchwork::pattern::Contour| {
         let joints: Vec<(Vec2, f64)> = c.vertices.iter().map(|v| (v.point, v.bulge)).collect();
         polygon(&joints, size)

@@ -187,7 +187,7 @@ fn simplified(line: &[Vec2], tolerance: f64) -> Vec<Vec2> {
 }
 
 /// The stretches of a line inside polygons.
-fn clipped(line: &[Vec2], loops: &[Vec<Vec2>]) -> Vec<Vec<Vec2>> {
+pub(in crate::develop) fn clipped(line: &[Vec2], loops: &[Vec<Vec2>]) -> Vec<Vec<Vec2>> {
     let mut out: Vec<Vec<Vec2>> = Vec::new();
     let mut open: Vec<Vec2> = Vec::new();
     for w in line.windows(2) {

@@ -4,7 +4,7 @@ use crate::answer::Answer;
 use crate::certify::claim::{Claim, Subject, What};
 use crate::develop::cone_part::{overlaps as part_overlaps, part_pattern};
 use crate::develop::cones::{cone_pattern, overlaps};
-use crate::develop::view::cones_viewed;
+use crate::develop::view::{cones_viewed, Drawn};
 use crate::patchwork::part::Part;
 use crate::patchwork::pattern::Pattern;
 use crate::reason::{Item, Reason, StripReason};
@@ -41,7 +41,7 @@ fn size(spline: &ConeSpline) -> f64 {
 }
 
 /// Strips, figures, parts and patterns of one chain; the pieces that the strips show.
-pub(super) fn strips_of(answer: &mut Answer, body: &ConeBody, proven: &Proven) -> Vec<usize> {
+pub(super) fn strips_of(answer: &mut Answer, body: &ConeBody, proven: &Proven, drawn: &Drawn) -> Vec<usize> {
     let first = answer.patchwork.panels.len();
     let mut shown = Vec::new();
     let pieces: Vec<Segment> = match &body.part {
@@ -84,19 +84,19 @@ pub(super) fn strips_of(answer: &mut Answer, body: &ConeBody, proven: &Proven) -
             waiting.push((format!("{name}a"), from, half));
             continue;
         }
-        let contour = CONTOUR_SHARE * answer.tolerance;
+        let (contour, bends) = (CONTOUR_SHARE * answer.tolerance, drawn.bends.of_job(answer.tolerance));
         let (mut pattern, strips): (Pattern, (usize, usize)) = match &part {
             Some(part) => {
                 let before = body.part.iter().flat_map(|p| &p.faces).take_while(|f| f.segment < from).count();
-                (part_pattern(spline, part, &name, contour), (before, part.faces.len()))
+                (part_pattern(spline, part, &name, contour, &bends), (before, part.faces.len()))
             }
-            None => (cone_pattern(&chain, &name, contour), (from, count)),
+            None => (cone_pattern(&chain, &name, contour, &bends), (from, count)),
         };
         if pattern.contours.is_empty() {
             continue;
         }
         pattern.panel = answer.parts.len();
-        answer.patterns.push(cones_viewed(pattern, if part.is_some() { spline } else { &chain }));
+        answer.patterns.push(cones_viewed(pattern, if part.is_some() { spline } else { &chain }, drawn.view));
         answer.parts.push(Part::new(name, first + strips.0, strips.1));
     }
     shown

@@ -27,7 +27,7 @@ fn face(lift: f64) -> Face {
 
 #[test]
 fn a_cylinder_becomes_certified_cylinders_and_files_parts_and_patterns_agree() {
-    let options = ConesOptions { tolerance: 0.05, input: "test".into() };
+    let options = ConesOptions::new(0.05, "test");
     let out = of_faces(&[face(0.0)], &[], &options, &Control::default()).expect("an answer");
     assert_eq!(out.status(), Status::Certified);
     let bodies = &out.cones.as_ref().expect("cones").bodies;
@@ -41,7 +41,7 @@ fn a_cylinder_becomes_certified_cylinders_and_files_parts_and_patterns_agree() {
 
 #[test]
 fn faces_that_are_no_developables_are_named() {
-    let options = ConesOptions { tolerance: 0.05, input: "test".into() };
+    let options = ConesOptions::new(0.05, "test");
     let error = of_faces(&[face(30.0)], &[], &options, &Control::default()).expect_err("hyperbolic");
     assert!(error.to_string().contains("not developable"), "{error}");
     let out = of_faces(&[face(30.0), face(0.0)], &[], &options, &Control::default()).expect("one of two");
@@ -59,7 +59,7 @@ fn faces_that_are_no_developables_are_named() {
 
 #[test]
 fn slanting_parts_beside_the_regression_curve_are_certified_and_trimmed() {
-    let options = ConesOptions { tolerance: 0.2, input: "test".into() };
+    let options = ConesOptions::new(0.2, "test");
     let out = of_faces(&[slanting()], &[], &options, &Control::default()).expect("an answer");
     assert_eq!(out.status(), Status::Certified);
     let bodies = &out.cones.as_ref().expect("cones").bodies;
@@ -86,7 +86,7 @@ fn slanting_parts_beside_the_regression_curve_are_certified_and_trimmed() {
 #[test]
 fn a_pipe_with_holes_is_its_cylinder_in_a_few_faces() {
     let pipe = crate::read(include_bytes!("../../../../../data/cylinder_holes.step")).expect("a model");
-    let options = ConesOptions { tolerance: 0.1, input: "pipe".into() };
+    let options = ConesOptions::new(0.1, "pipe");
     let out = of_faces(&pipe.faces, &pipe.skipped, &options, &Control::default()).expect("an answer");
     assert_eq!(out.status(), Status::Certified, "{}", words::reason(&out.claims, &[]));
     let part = out.cones.as_ref().expect("cones").bodies[0].part.as_ref().expect("trimmed");
@@ -108,7 +108,7 @@ fn a_disc_is_a_certified_plane() {
     let turn = |k: u32| std::f64::consts::TAU * f64::from(k) / f64::from(count);
     let points = (0..count).map(|k| [100.0 * turn(k).cos(), 100.0 * turn(k).sin()]).collect();
     face.loops = vec![TrimLoop { points, edge: vec![0; count as usize] }];
-    let options = ConesOptions { tolerance: 0.1, input: "disc".into() };
+    let options = ConesOptions::new(0.1, "disc");
     let out = of_faces(&[face], &[], &options, &Control::default()).expect("an answer");
     assert_eq!(out.status(), Status::Certified, "{}", words::reason(&out.claims, &[]));
     assert_eq!(counts(&out.cones.as_ref().expect("cones").bodies), [0, 0, 1]);
@@ -118,7 +118,7 @@ fn a_disc_is_a_certified_plane() {
 fn a_cylinder_of_a_full_turn_is_that_cylinder() {
     let tube = SupportSurface::Cylinder { frame: Frame::world(), radius: 100.0 };
     let (surface, _) = tube.to_spline((0.0, std::f64::consts::TAU), (0.0, 300.0)).expect("a cylinder");
-    let options = ConesOptions { tolerance: 0.1, input: "test".into() };
+    let options = ConesOptions::new(0.1, "test");
     let mut out = of_faces(&[Face::untrimmed(surface)], &[], &options, &Control::default()).expect("an answer");
     assert_eq!((out.patchwork.panels.len(), out.parts.len()), (1, 1));
     let files = crate::files(&mut out, "2026-01-31T12:00:00").expect("files");
@@ -142,7 +142,7 @@ fn a_cone_that_reaches_its_tip_is_that_cone() {
     for turn in [3.0, std::f64::consts::TAU] {
         let cone = SupportSurface::Cone { frame: Frame::world(), radius: 100.0, slope: -0.5 };
         let (surface, _) = cone.to_spline((0.0, turn), (0.0, 200.0)).expect("a cone");
-        let options = ConesOptions { tolerance: 0.1, input: "test".into() };
+        let options = ConesOptions::new(0.1, "test");
         let mut out = of_faces(&[Face::untrimmed(surface)], &[], &options, &Control::default()).expect("an answer");
         let files = crate::files(&mut out, "2026-01-31T12:00:00").expect("files");
         assert_eq!(out.status(), Status::Certified, "{}", words::reason(&out.claims, &[]));
@@ -158,7 +158,7 @@ fn a_cone_that_reaches_its_tip_is_that_cone() {
 #[test]
 fn a_whole_cylinder_with_holes_is_one_cylinder_in_few_faces() {
     let pipe = crate::read(include_bytes!("../../../../../data/cylinder_holes.step")).expect("a model");
-    let options = ConesOptions { tolerance: 0.1, input: "pipe".into() };
+    let options = ConesOptions::new(0.1, "pipe");
     let out = of_faces(&pipe.faces, &pipe.skipped, &options, &Control::default()).expect("an answer");
     assert_eq!(out.status(), Status::Certified);
     assert_eq!(counts(&out.cones.as_ref().expect("cones").bodies), [0, 1, 0]);
