@@ -227,6 +227,23 @@ fn shallow_and_steep_cones_up_to_their_tips_are_one_panel() {
     }
 }
 
+/// Whole files lie about in space, not with a tip near the origin.
+#[test]
+fn a_cone_up_to_its_tip_is_one_panel_wherever_it_lies() {
+    let z = Vec3::new(1.0, 2.0, 3.0).normalize();
+    let x = Vec3::new(0.0, 3.0, -2.0).normalize();
+    let aslant = Frame { origin: Vec3::new(0.0, -100.0, 0.0), x, y: z.cross(&x), z };
+    let beside = Frame { origin: Vec3::new(0.0, -100.0, 0.0), ..Frame::world() };
+    let afar = Frame { origin: Vec3::new(1e4, 500.0, 30.0), ..Frame::world() };
+    for (frame, turn) in [(aslant, PI), (beside, PI), (afar, PI), (beside, 2.0 * PI)] {
+        let cone = SupportSurface::Cone { frame, radius: 50.0, slope: -0.5 };
+        for tolerance in [1.0, 0.02] {
+            let out = panels(vec![Face::untrimmed(part(&cone, (0.0, turn), (0.0, 100.0)))], tolerance);
+            assert_eq!(out.patchwork.panels.len(), 1, "{:?} {turn} {tolerance}", frame.origin);
+        }
+    }
+}
+
 #[test]
 fn a_solid_cone_is_its_sector_and_its_disc() {
     let k = Knots::clamped(1, &[0.0, 1.0]).expect("knots");

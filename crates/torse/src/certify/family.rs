@@ -174,6 +174,12 @@ pub(super) struct Family {
 impl Family {
     /// Prepares a torse. `None` when it is not a C¹ spline of degree at most three or its frame is not orthonormal.
     pub fn new(torse: &Torse) -> Option<Self> {
+        Self::about(torse, &Vec3::zeros())
+    }
+
+    /// As [`Family::new`], with positions relative to a given place where the torse has no frame of its own. Enclosures over
+    /// intervals of parameters widen with the distance from it: beside the tip of a cone they say nothing from afar.
+    pub fn about(torse: &Torse, place: &Vec3) -> Option<Self> {
         let knots = match torse {
             Torse::Primal(p) => &p.profile().knots,
             Torse::Dual(d) => &d.planes.knots,
@@ -186,12 +192,14 @@ impl Family {
         }
         let breaks = knots.breaks();
         let mut spans = Vec::with_capacity(breaks.len());
-        let (mut axes, mut origin, mut metric) = ([[Interval::ZERO; 3]; 3], Vec3::zeros(), 1.0f64);
+        let (mut axes, mut metric) = ([[Interval::ZERO; 3]; 3], 1.0f64);
+        let origin;
         match torse {
             Torse::Primal(p) => {
                 let mut g = Interval::point(p.beta());
+                let profile: Vec<[Interval; 2]> = p.profile().control.iter().map(|c| c.map(Interval::point)).collect();
                 for w in breaks.windows(2) {
-                    let [f, a] = pieces(knots, &p.profile().control, w[0], w[1]);
+                    let [f, a] = pieces(knots, &profile, w[0], w[1]);
                     let inverse = Interval::ONE / (Interval::point(w[1]) - Interval::point(w[0]));
                     let (span, end) = primal_span(f, a, g, inverse);
                     spans.push(span);
@@ -201,9 +209,12 @@ impl Family {
                 (axes, metric) = frame_forms(&[p.frame.x, p.frame.y, p.frame.z])?;
             }
             Torse::Dual(d) => {
+                origin = *place;
+                let moved = exact::<Interval>(place);
+                let planes: Vec<[Interval; 4]> = d.planes.control.iter().map(|c| about(c, &moved)).collect();
                 for w in breaks.windows(2) {
                     let inverse = Interval::ONE / (Interval::point(w[1]) - Interval::point(w[0]));
-                    let c = pieces(knots, &d.planes.control, w[0], w[1]);
+                    let c = pieces(knots, &planes, w[0], w[1]);
                     spans.push(Span { inverse, functions: Functions::Dual { c } });
                 }
             }
@@ -538,11 +549,11 @@ impl<S: Scalar> Span<S> {
 }
 
 /// The cubic pieces of each component on the span `[a, b]`.
-fn pieces<const D: usize>(knots: &Knots, control: &[[f64; D]], a: f64, b: f64) -> [Cubic<Interval>; D] {
+fn pieces<const D: usize>(knots: &Knots, control: &[[Interval; D]], a: f64, b: f64) -> [Cubic<Interval>; D] {
     let (p, v) = (knots.degree(), knots.values());
     let span = knots.span(0.5 * (a + b));
     std::array::from_fn(|d| {
-        let mut net: Vec<Interval> = control[span - p..=span].iter().map(|c| Interval::point(c[d])).collect();
+        let mut net: Vec<Interval> = control[span - p..=span].iter().map(|c| c[d]).collect();
         let mut local = &v[span + 1 - p..=span + p];
         let mut powers = Vec::with_capacity(3);
         for order in 0..3 {
@@ -565,6 +576,13 @@ fn pieces<const D: usize>(knots: &Knots, control: &[[f64; D]], a: f64, b: f64) -
             second: [0, 1].map(|k: usize| powers[2][k]),
         }
     })
+}
+
+/// A plane `n·x = h` for positions relative to a place.
+fn about(plane: &[f64; 4], place: &V3<Interval>) -> [Interval; 4] {
+    let [x, y, z, h] = plane.map(Interval::point);
+    let moved = (0..3).any(|d| place[d] != Interval::ZERO);
+    [x, y, z, if moved { h - dot(&[x, y, z], place) } else { h }]
 }
 
 /// Powers of `x` of a spline piece, as a polynomial of the given degree.

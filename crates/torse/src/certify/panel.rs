@@ -57,7 +57,9 @@ pub(super) fn panel_certificate(
     let &Ground { partition, prepared, moved, far } = ground;
     let mut out = PanelParts::blank();
     let triangles = region(partition, trim.label);
-    let (Some(family), Some(ruled)) = (Family::new(torse), Ruled::new(&panel.strip.patch)) else {
+    let ruled = Ruled::new(&panel.strip.patch);
+    let place = ruled.as_ref().and_then(Ruled::tip).map_or_else(Vec3::zeros, Vec3::from);
+    let (Some(family), Some(ruled)) = (Family::about(torse, &place), ruled) else {
         out.reason = Some(PanelFault::NoTorse.into());
         return (out, None);
     };

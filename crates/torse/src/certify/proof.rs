@@ -611,6 +611,20 @@ mod tests {
     }
 
     #[test]
+    fn panels_on_more_than_the_face_have_no_distance_from_it() {
+        let mut p = two_panels(1e-3, 4);
+        let good = prove(&p, 1.05e-3);
+        assert!(good.certified && good.deviation_bound <= 1.05e-3);
+        // The face ends before its triangles do: both panels are as near to these as before.
+        let points = &mut p.faces[0].loops[0].points;
+        let last = points.iter().map(|q| q[1]).fold(f64::NEG_INFINITY, f64::max);
+        points.iter_mut().filter(|q| q[1] >= last).for_each(|q| q[1] *= 0.9);
+        let c = prove(&p, 1.05e-3);
+        assert!(!c.certified && !c.covered && c.deviation_bound.is_infinite());
+        assert!(c.panels.iter().all(|p| !p.certified && p.deviation_bound.is_infinite()));
+    }
+
+    #[test]
     fn an_edge_with_other_knots_is_not_the_same_edge() {
         let mut p = two_panels(1e-4, 4);
         let edge = p.panels[0].loops()[0][3].edge.clone();

@@ -75,6 +75,27 @@ impl<'a> Ruled<'a> {
         })
     }
 
+    /// A point of the rail that is far shorter than the other one, as beside the tip of a cone, if there is one.
+    pub fn tip(&self) -> Option<[f64; 3]> {
+        let rail = |end: usize| -> Vec<[f64; 3]> {
+            let own = self.surface.control.iter().skip(end).step_by(2);
+            own.map(|c| [0, 1, 2].map(|k: usize| c[k] / c[3])).collect()
+        };
+        let rails = [rail(0), rail(1)];
+        let [a, b] = [0, 1].map(|end: usize| -> f64 {
+            let way = |w: &[[f64; 3]]| (0..3).map(|k| (w[1][k] - w[0][k]).powi(2)).sum::<f64>().sqrt();
+            rails[end].windows(2).map(way).sum()
+        });
+        let of = |end: usize| rails[end][rails[end].len() / 2];
+        if a < NARROW * b {
+            Some(of(0))
+        } else if b < NARROW * a {
+            Some(of(1))
+        } else {
+            None
+        }
+    }
+
     /// A point near the middle of the span holding `t`, in space: a good origin. Where one rail is far shorter than the other, as
     /// beside the tip of a cone, it is on that, where coordinates would else be large against everything.
     pub fn middle(&self, t: f64) -> [f64; 3] {

@@ -13,22 +13,26 @@ const PLACES: usize = 64;
 /// Share of the pattern's length below which pieces of lines are not drawn.
 const SHORTEST: f64 = 0.002;
 
-/// Draws the bend lines of some segments of a chain, laid out as `flats`, into a pattern that has its contours and sizes. It is
-/// seen from the side of the normals.
+/// A place on a chain: segment and share of its turn.
+pub(super) type ChainPlace = (usize, f64);
+
+/// Draws the bend lines between two places of a chain, laid out as `flats`, into a pattern that has its contours and sizes. It
+/// is seen from the side of the normals.
 pub(super) fn draw(
     pattern: &mut Pattern,
     spline: &ConeSpline,
     flats: &[FlatSegment],
-    segments: std::ops::Range<usize>,
+    [first, last]: [ChainPlace; 2],
     spacing: &BendSpacing,
 ) {
-    let mut course: Course<(usize, f64)> = Course::new();
+    let mut course: Course<ChainPlace> = Course::new();
     let mut before: Option<Plane> = None;
-    for k in segments {
+    for k in first.0..=last.0 {
         let Some(segment) = spline.segments.get(k) else { continue };
+        let (from, to) = (if k == first.0 { first.1 } else { 0.0 }, if k == last.0 { last.1 } else { 1.0 });
         let middle = |f: f64| 0.5 * (segment.edge(0, f) + segment.edge(1, f));
         for i in usize::from(before.is_some())..=PLACES {
-            let at = |i: usize| i as f64 / PLACES as f64;
+            let at = |i: usize| from + (to - from) * i as f64 / PLACES as f64;
             let (plane, step) = (plane(segment, at(i)), i.saturating_sub(1));
             let length = segment.point(at(i), middle(at(i))) - segment.point(at(step), middle(at(step)));
             let turn = before.map_or(0.0, |b| b.turn(&plane));

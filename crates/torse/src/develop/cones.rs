@@ -233,7 +233,7 @@ pub fn cone_pattern(spline: &ConeSpline, name: &str, contour_tolerance: f64, spa
         (pattern.width, pattern.length) = (r.width, r.length);
     }
     pattern.contours.push(Contour { vertices });
-    cone_bends::draw(&mut pattern, spline, &flats, 0..flats.len(), spacing);
+    cone_bends::draw(&mut pattern, spline, &flats, [(0, 0.0), (flats.len() - 1, 1.0)], spacing);
     pattern
 }
 

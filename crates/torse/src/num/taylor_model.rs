@@ -1,9 +1,9 @@
 //! Polynomials over [−1, 1] kept as a few coefficients and a bound of all that these leave out: what cancels between two of
 //! them cancels, where enclosures by intervals would remember both.
 //!
-//! Arithmetic of Taylor models (Makino and Berz, *Int. J. Pure Appl. Math.* 4, 2003), with one difference: the rest, too, is a
-//! polynomial, of known degree, and what is bounded is the sum of the sizes of its coefficients. So derivatives have bounds
-//! as well: the rest of a derivative is at most the degree times as large.
+//! Arithmetic of Taylor models \[MB03\], with one difference: the rest, too, is a polynomial, of known degree, and what is
+//! bounded is the sum of the sizes of its coefficients. So derivatives have bounds as well: the rest of a derivative is at most
+//! the degree times as large.
 
 use super::bernstein::powers_about_half;
 use super::interval::Interval;

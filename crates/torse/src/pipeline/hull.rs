@@ -128,15 +128,17 @@ pub fn hull(curves: &[Rail], options: &Options, control: &Control) -> Result<Ans
         notes.push(Note::Tips { count: kept.tips.len(), within });
     }
     notes.extend(kept.closed.iter().map(|part| Note::CutOpen { part: Some(part.clone()) }));
-    // A span costs about a tenth of a strip.
-    let spans: usize = kept.strips.iter().map(|s| s.patch.knots_u.breaks().len() - 1).sum();
-    if control.stopped() && kept.strips.len() + spans / 10 > SOON {
+    let flat = StripOptions::of_job(options.tolerance, [options.ruling_spacing, options.mark_spacing], options.drawn);
+    let lay = |kept: &Kept| laid_until(&kept.strips, &kept.parts, &flat, tolerance, control);
+    let mut laid = if is_too_long(&kept, control) { None } else { Some(lay(&kept)) };
+    // Asked to stop before parts are laid flat, or meanwhile.
+    if laid.is_none() || is_too_long(&kept, control) {
         let found = kept.strips.len();
         kept = Kept { skipped: kept.skipped, ..Kept::default() };
         kept.missing.push(StripReason::TooMany(found).into());
+        laid = None;
     }
-    let flat = StripOptions::of_job(options.tolerance, [options.ruling_spacing, options.mark_spacing], options.drawn);
-    let laid = laid_until(&kept.strips, &kept.parts, &flat, tolerance, control);
+    let laid = laid.unwrap_or_else(|| lay(&kept));
     notes.extend(laid.crowded.iter().copied().map(Note::Crowded));
     let whole = Subject::Whole;
     let mut claims = kept.claims;
@@ -156,6 +158,13 @@ pub fn hull(curves: &[Rail], options: &Options, control: &Control) -> Result<Ans
         seconds: start.elapsed().as_secs_f64(),
         ..Answer::of_flat(Job::Hull, &options.input, options.tolerance, laid)
     })
+}
+
+/// Whether the job was asked to stop and has more strips than are written soon.
+fn is_too_long(kept: &Kept, control: &Control) -> bool {
+    // A span costs about a tenth of a strip.
+    let spans: usize = kept.strips.iter().map(|s| s.patch.knots_u.breaks().len() - 1).sum();
+    control.stopped() && kept.strips.len() + spans / 10 > SOON
 }
 
 /// What people should know of the search.
