@@ -35,6 +35,15 @@ pub(crate) struct PlaneJet {
     pub c: f64,
 }
 
+impl PlaneJet {
+    /// Foot function `|n|²(m·q − k) − (n·q − h)(n·m)`.
+    #[inline]
+    pub fn foot_function(&self, q: &Vec3) -> f64 {
+        let (mu, phi) = (self.m.dot(q) - self.k, self.n.dot(q) - self.h);
+        self.n.norm_squared() * mu - phi * self.n.dot(&self.m)
+    }
+}
+
 /// Antiderivative of `f' a'` on a span, as coefficients of degree 0..=5 (constant term 0), from the powers of f and a.
 #[inline]
 pub(crate) fn slope_integral(f: &[f64; 4], a: &[f64; 4]) -> [f64; 6] {
@@ -219,14 +228,24 @@ impl Sheet {
     /// The foot of `q` with the smallest distance among all that a table of the foot function shows; for the rare
     /// points for which the nearby guess fails.
     pub fn nearest_foot(&self, q: &Vec3) -> Option<f64> {
+        self.nearest_foot_of(q, &self.plane_table())
+    }
+
+    /// The planes of the table that [`Sheet::nearest_foot`] looks at: made once for many points.
+    pub fn plane_table(&self) -> Vec<(f64, PlaneJet)> {
         let breaks = match self {
             Self::Primal { profile, .. } => &profile.breaks,
             Self::Dual { planes } => &planes.breaks,
         };
+        table(breaks).map(|t| (t, self.jet(t))).collect()
+    }
+
+    /// See [`Sheet::nearest_foot`].
+    pub fn nearest_foot_of(&self, q: &Vec3, planes: &[(f64, PlaneJet)]) -> Option<f64> {
         let mut best: Option<(f64, f64)> = None;
         let mut before: Option<(f64, f64)> = None;
-        for t in table(breaks) {
-            let e = self.foot_function(q, t).0;
+        for &(t, ref plane) in planes {
+            let e = plane.foot_function(q);
             if let Some((s, f)) = before {
                 if f * e <= 0.0 {
                     let middle = if f == e { t } else { s + (t - s) * f / (f - e) };
@@ -250,7 +269,7 @@ impl Sheet {
         let (mu, dmu) = (j.m.dot(q) - j.k, j.dm.dot(q) - j.dk);
         let phi = j.n.dot(q) - j.h;
         let (nn, nm) = (j.n.norm_squared(), j.n.dot(&j.m));
-        let value = nn * mu - phi * nm;
+        let value = j.foot_function(q);
         let slope = j.c * nm * mu + nn * dmu - phi * (j.c * j.m.norm_squared() + j.n.dot(&j.dm));
         (value, slope)
     }

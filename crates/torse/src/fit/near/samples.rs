@@ -3,6 +3,7 @@
 use super::power_form::Sheet;
 use crate::geom::{BBox, Vec3};
 use crate::torse::form::{PanelKind, Torse};
+use rayon::prelude::*;
 
 /// A point of the surface to be approximated.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,7 +60,9 @@ pub fn error(torse: &Torse, samples: &[Sample]) -> Option<(f64, usize)> {
 /// on beyond its other end.
 pub fn nearest_error(torse: &Torse, samples: &[Sample]) -> Option<(f64, usize)> {
     let sheet = Sheet::of(torse)?;
-    let feet: Option<Vec<f64>> = samples.iter().map(|s| sheet.nearest_foot(&sheet.local(&s.x))).collect();
+    let planes = sheet.plane_table();
+    let nearest = |s: &Sample| sheet.nearest_foot_of(&sheet.local(&s.x), &planes);
+    let feet: Option<Vec<f64>> = samples.par_iter().map(nearest).collect();
     measure(&sheet, samples, &mut feet?)
 }
 
