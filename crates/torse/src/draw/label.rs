@@ -66,6 +66,54 @@ impl SightMap {
         }
     }
 
+    /// Enters closed outlines, even-odd, that belong to thing `owner`; however narrow it is, its border is entered.
+    pub fn outlines(&mut self, owner: u32, outlines: &[Vec<Vec2>]) {
+        let edges = || outlines.iter().flat_map(|o| (0..o.len()).map(|k| (o[k], o[(k + 1) % o.len()])));
+        let finite = |(a, b): &(Vec2, Vec2)| a.iter().chain(b.iter()).all(|x| x.is_finite());
+        let height = |(a, _): (Vec2, Vec2)| a.y;
+        let low = edges().filter(finite).map(height).fold(f64::INFINITY, f64::min);
+        let high = edges().filter(finite).map(height).fold(f64::NEG_INFINITY, f64::max);
+        let row = |y: f64| ((y / CELL).max(0.0) as usize).min(self.rows);
+        for row in row(low)..row(high + CELL) {
+            let y = (row as f64 + 0.5) * CELL;
+            let crossing =
+                |(a, b): (Vec2, Vec2)| ((a.y <= y) != (b.y <= y)).then(|| a.x + (y - a.y) / (b.y - a.y) * (b.x - a.x));
+            let mut x: Vec<f64> = edges().filter(finite).filter_map(crossing).collect();
+            x.sort_by(f64::total_cmp);
+            for pair in x.chunks_exact(2) {
+                let [from, to] =
+                    [pair[0], pair[1]].map(|x| ((x / CELL - 0.5).ceil().max(0.0) as usize).min(self.columns));
+                self.owner[row * self.columns + from..row * self.columns + to].fill(owner);
+            }
+        }
+        for (a, b) in edges().filter(finite) {
+            let cells: Vec<usize> = self.way(a, b).collect();
+            cells.into_iter().for_each(|k| self.owner[k] = owner);
+        }
+    }
+
+    /// Keeps names out of everything below a height (pixels).
+    pub fn close_below(&mut self, y: f64) {
+        let first = ((y / CELL).floor().max(0.0) as usize).min(self.rows);
+        for owner in &mut self.owner[first * self.columns..] {
+            if *owner == NONE {
+                *owner = NAME;
+            }
+        }
+    }
+
+    /// Whether a box (middle and half its size, pixels) lies on the thing of `owner` alone.
+    pub fn is_on(&self, owner: u32, middle: Vec2, half: Vec2) -> bool {
+        let (low, high) = (middle - half, middle + half);
+        let size = Vec2::new(self.columns as f64, self.rows as f64) * CELL;
+        if !(low.x >= 0.0 && low.y >= 0.0 && high.x < size.x && high.y < size.y) {
+            return false;
+        }
+        let cells = |from: f64, to: f64| (from / CELL) as usize..=(to / CELL) as usize;
+        cells(low.y, high.y)
+            .all(|row| cells(low.x, high.x).all(|column| self.owner[row * self.columns + column] == owner))
+    }
+
     /// For each of `count` things: the place with the most room, preferring the middle of the thing. `None` for
     /// things out of sight.
     pub fn places(&self, count: usize) -> Vec<Option<Place>> {
@@ -188,6 +236,26 @@ impl SightMap {
 mod tests {
     use super::*;
     use crate::geom::Vec3;
+
+    #[test]
+    fn boxes_lie_on_what_outlines_bound() {
+        let mut map = SightMap::new(400, 200);
+        let ring = |x: [f64; 2], y: [f64; 2]| {
+            [[0, 0], [1, 0], [1, 1], [0, 1]].map(|[i, j]: [usize; 2]| Vec2::new(x[i], y[j])).to_vec()
+        };
+        map.outlines(3, &[ring([40.0, 360.0], [40.0, 160.0]), ring([180.0, 220.0], [80.0, 120.0])]);
+        map.outlines(4, &[ring([10.0, 10.5], [20.0, 180.0])]);
+        let at = |x: f64, y: f64| Vec2::new(x, y);
+        assert!(map.is_on(3, at(100.0, 100.0), at(40.0, 40.0)) && !map.is_on(4, at(100.0, 100.0), at(4.0, 4.0)));
+        // Across the hole, across the border, and beyond the picture.
+        assert!(!map.is_on(3, at(180.0, 100.0), at(40.0, 10.0)) && !map.is_on(3, at(60.0, 100.0), at(40.0, 10.0)));
+        assert!(!map.is_on(3, at(395.0, 100.0), at(40.0, 10.0)));
+        // Narrower than a cell, and there all the same.
+        let places = map.places(5);
+        assert!(places[4].is_some() && places[0].is_none());
+        map.close_below(100.0);
+        assert!(map.beside(at(200.0, 150.0), at(10.0, 6.0), 0.0).is_none_or(|p| p.y < 100.0));
+    }
 
     #[test]
     fn names_beside_things_lie_on_paper_and_apart() {

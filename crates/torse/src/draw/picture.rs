@@ -3,7 +3,7 @@
 use super::camera::{telling_direction, Camera, Rect};
 use super::colour::{self, Rgb};
 use super::flat::FlatPiece;
-use super::label::SightMap;
+use super::label::{Place, SightMap};
 use super::raster::{Drawing, Image, Line, Paint, Vertex};
 use super::scene::{Scene, ShapePatch, NOT_CERTIFIED};
 use super::stroke_font;
@@ -180,7 +180,6 @@ pub fn shapes(scene: &Scene, patches: &[ShapePatch], direction: &Vec3, caption: 
 }
 
 /// The flat patterns on the sheet with rulings, marks and names.
-#[expect(clippy::too_many_lines, reason = "one picture, part by part")]
 pub fn layout(pieces: &[FlatPiece], caption: &Caption) -> Image {
     const HEIGHT: std::ops::RangeInclusive<f64> = 260.0..=2400.0;
     const FOOT: f64 = 46.0;
@@ -238,23 +237,7 @@ pub fn layout(pieces: &[FlatPiece], caption: &Caption) -> Image {
             drawing.stroke(&[p, p + d * 9.0], 1.6, INK, 1.0);
         }
     }
-    for piece in pieces {
-        let room = piece.room * scale;
-        let size = (room * 0.75).clamp(9.0, 26.0);
-        let wide = stroke_font::width(&piece.name, size);
-        // A name may be wider than the inscribed circle, but should not leave a piece that is only a sliver.
-        if room >= 5.0 {
-            let at = place(&piece.label) + Vec2::new(-0.5 * wide, 0.5 * size);
-            drawing.rimmed_text(&piece.name, at, size, INK);
-            if piece.marked {
-                words_below(&mut drawing, at + Vec2::new(0.5 * wide, 0.0), size);
-            }
-        } else if pieces.len() <= MOST_NAMES {
-            // Beside a piece that is too small for its name.
-            let corner = piece.outlines.iter().flatten().fold(Vec2::repeat(f64::INFINITY), |m, p| m.inf(p));
-            drawing.rimmed_text(&piece.name, place(&corner) + Vec2::new(0.0, size + 3.0), size, INK);
-        }
-    }
+    piece_names(&mut drawing, pieces, place, [head + 0.5 * MARGIN, height - FOOT]);
     let right = scale_bar(&mut drawing, scale);
     if pieces.iter().any(|p| !p.extents.is_empty()) {
         let base = height - 34.0 + 0.5 * SMALL;
@@ -268,11 +251,36 @@ pub fn layout(pieces: &[FlatPiece], caption: &Caption) -> Image {
     drawing.render()
 }
 
+/// Names of flat parts on them, or beside those that are too small, within a range of heights.
+fn piece_names(drawing: &mut Drawing, pieces: &[FlatPiece], place: impl Fn(&Vec2) -> Vec2, [top, bottom]: [f64; 2]) {
+    let mut map = SightMap::new(drawing.width, drawing.height);
+    for (k, piece) in pieces.iter().enumerate() {
+        let outlines: Vec<Vec<Vec2>> = piece.outlines.iter().map(|o| o.iter().map(&place).collect()).collect();
+        map.outlines(k as u32, &outlines);
+    }
+    map.close_below(bottom);
+    let named = pieces.iter().zip(map.places(pieces.len())).enumerate();
+    let named = named
+        .filter_map(|(k, (p, there))| Some(Named { owner: k as u32, name: &p.name, marked: p.marked, place: there? }));
+    let named: Vec<Named> = named.collect();
+    // Of too many parts, those have names that have room for them.
+    let beside = if pieces.len() > MOST_NAMES { 0 } else { MOST_NAMES };
+    write_names(drawing, &mut map, &named, (top, beside));
+}
+
+/// Size of the words below a name.
+fn words_size(name: f64) -> f64 {
+    (0.6 * name).max(*NAMES.start())
+}
+
+/// Distance of the base line of these words from that of the name, against their size.
+const WORDS_BELOW: f64 = 1.7;
+
 /// Says below a name, the middle of whose base line is given, that the part must not be cut.
 fn words_below(drawing: &mut Drawing, base: Vec2, name: f64) {
-    let size = (0.6 * name).max(9.0);
+    let size = words_size(name);
     let wide = stroke_font::width(NOT_CERTIFIED, size);
-    drawing.rimmed_text(NOT_CERTIFIED, base + Vec2::new(-0.5 * wide, 1.7 * size), size, INK);
+    drawing.rimmed_text(NOT_CERTIFIED, base + Vec2::new(-0.5 * wide, WORDS_BELOW * size), size, INK);
 }
 
 /// A number with so many significant digits, without exponent between 1e-4 and 1e7.
@@ -398,47 +406,113 @@ fn borders(drawing: &mut Drawing, camera: &Camera, scene: &Scene, width: f64) {
 /// Names where most of the panel is in sight, if there is room; else beside the model, below `top` (pixels), with a line to
 /// the panel.
 fn names(drawing: &mut Drawing, camera: &Camera, scene: &Scene, top: f64) {
-    // A name takes this share of the room around its place, within limits; narrower panels have theirs beside the model.
-    const SHARE: f64 = 0.85;
-    const SIZES: std::ops::RangeInclusive<f64> = 9.0..=22.0;
-    const NARROWEST: f64 = 8.0;
-    // Height of names beside the model, and names there at most: more would hide what they name.
-    const BESIDE: f64 = 13.0;
+    // Names beside the model at most: more would hide what they name.
     const MOST_BESIDE: usize = 24;
-    let mut narrow = Vec::new();
     let mut map = SightMap::new(drawing.width, drawing.height);
     for (i, panel) in scene.panels.iter().enumerate() {
         for corners in projected(camera, &panel.mesh, 1.0) {
             map.triangle(i as u32, &corners);
         }
     }
-    for (panel, place) in scene.panels.iter().zip(map.places(scene.panels.len())) {
-        let Some(place) = place.filter(|_| !panel.name.is_empty()) else { continue };
-        let fitting = place.breadth / stroke_font::width(&panel.name, 1.0);
-        let size = (SHARE * place.room.min(fitting)).clamp(*SIZES.start(), *SIZES.end());
-        if place.room >= NARROWEST && fitting >= *SIZES.start() {
-            let width = stroke_font::width(&panel.name, size);
-            drawing.rimmed_text(&panel.name, place.middle + Vec2::new(-0.5 * width, 0.5 * size), size, INK);
-            if panel.marked {
-                words_below(drawing, place.middle + Vec2::new(0.0, 0.5 * size), size);
-            }
-        } else {
-            narrow.push((panel, place.middle));
+    let places = map.places(scene.panels.len());
+    let panels = scene.panels.iter().zip(places).enumerate();
+    let named = panels
+        .filter_map(|(i, (p, place))| Some(Named { owner: i as u32, name: &p.name, marked: p.marked, place: place? }));
+    let named: Vec<Named> = named.collect();
+    write_names(drawing, &mut map, &named, (top, MOST_BESIDE));
+}
+
+/// A thing with a name, in a picture.
+struct Named<'a> {
+    owner: u32,
+    name: &'a str,
+    /// Whether it must not be cut.
+    marked: bool,
+    /// Where there is most room on it.
+    place: Place,
+}
+
+/// Sizes of names, px.
+const NAMES: std::ops::RangeInclusive<f64> = 9.0..=22.0;
+/// Size of names beside what they name, px.
+const BESIDE: f64 = 13.0;
+/// Space about names beside what they name, px.
+const CLEAR: f64 = 3.0;
+
+/// Writes names on what they name, else beside it, below `top` (pixels), with a line to it; beside it at most `most`. What must not
+/// be cut is called so, wherever its name is.
+fn write_names(drawing: &mut Drawing, map: &mut SightMap, named: &[Named], (top, most): (f64, usize)) {
+    let mut narrow = Vec::new();
+    for n in named.iter().filter(|n| !n.name.is_empty()) {
+        match fitting(map, n, n.marked) {
+            Some(size) => write_name(drawing, n, n.place.middle, size, n.marked),
+            None => narrow.push(n),
         }
     }
-    if narrow.len() > MOST_BESIDE {
-        return;
+    let crowded = narrow.len() > most;
+    for n in narrow {
+        if !crowded && write_beside(drawing, map, n, top) {
+            continue;
+        }
+        // Its colour says that it must not be cut.
+        if let Some(size) = fitting(map, n, false) {
+            write_name(drawing, n, n.place.middle, size, false);
+        }
     }
-    for (panel, at) in narrow {
-        let width = stroke_font::width(&panel.name, BESIDE);
-        let half = Vec2::new(0.5 * width, 0.5 * BESIDE);
-        let Some(place) = map.beside(at, half, top) else { continue };
-        // From the panel to the nearest point of the name's box.
-        let end = place + (at - place).inf(&(half + Vec2::repeat(3.0))).sup(&-(half + Vec2::repeat(3.0)));
-        drawing.stroke(&[at, end], 1.2, INK, 1.0);
-        drawing.stroke(&[at, at], 5.0, INK, 1.0);
-        drawing.rimmed_text(&panel.name, place + Vec2::new(-0.5 * width, 0.5 * BESIDE), BESIDE, INK);
+}
+
+/// Half the size of the box of a name, with the words below it that it must not be cut, and how far the middle of the box is below
+/// that of the name.
+fn name_box(name: &str, size: f64, marked: bool) -> (Vec2, f64) {
+    let wide = stroke_font::width(name, size);
+    if !marked {
+        return (Vec2::new(0.5 * wide, 0.5 * size), 0.0);
     }
+    let words = words_size(size);
+    let below = WORDS_BELOW * words;
+    (Vec2::new(0.5 * wide.max(stroke_font::width(NOT_CERTIFIED, words)), 0.5 * (size + below)), 0.5 * below)
+}
+
+/// The size in which a name, and the words below it where it has some, stays on what it names.
+fn fitting(map: &SightMap, n: &Named, words: bool) -> Option<f64> {
+    // A name takes this share of the room around its place; every try is smaller.
+    const SHARE: f64 = 0.85;
+    let (least, most) = (*NAMES.start(), *NAMES.end());
+    let breadth = n.place.breadth / stroke_font::width(n.name, 1.0).max(1.0);
+    let mut size = (SHARE * n.place.room.min(breadth)).clamp(least, most);
+    loop {
+        let (half, down) = name_box(n.name, size, words);
+        if map.is_on(n.owner, n.place.middle + Vec2::new(0.0, down), half) {
+            return Some(size);
+        }
+        if size <= least {
+            return None;
+        }
+        size = (SHARE * size).max(least);
+    }
+}
+
+/// A name with its middle at a place.
+fn write_name(drawing: &mut Drawing, n: &Named, middle: Vec2, size: f64, words: bool) {
+    let wide = stroke_font::width(n.name, size);
+    drawing.rimmed_text(n.name, middle + Vec2::new(-0.5 * wide, 0.5 * size), size, INK);
+    if words {
+        words_below(drawing, middle + Vec2::new(0.0, 0.5 * size), size);
+    }
+}
+
+/// A name on paper beside what it names, with a line to it; whether there was room.
+fn write_beside(drawing: &mut Drawing, map: &mut SightMap, n: &Named, top: f64) -> bool {
+    let (half, down) = name_box(n.name, BESIDE, n.marked);
+    let at = n.place.middle;
+    let Some(place) = map.beside(at, half, top) else { return false };
+    // From the thing to the nearest point of the name's box.
+    let clear = half + Vec2::repeat(CLEAR);
+    let end = place + (at - place).inf(&clear).sup(&-clear);
+    drawing.stroke(&[at, end], 1.2, INK, 1.0);
+    drawing.stroke(&[at, at], 5.0, INK, 1.0);
+    write_name(drawing, n, place - Vec2::new(0.0, down), BESIDE, n.marked);
+    true
 }
 
 fn legend(drawing: &mut Drawing, bar: Rect, limit: f64, what: &str) {
@@ -563,6 +637,29 @@ mod tests {
         scene.panels[2].name.clear();
         let without = panels(&scene, &Vec3::z(), &caption);
         assert!(with.pixels != without.pixels);
+    }
+
+    #[test]
+    fn names_beside_say_that_a_part_must_not_be_cut() {
+        let slim = [[0.0, 0.0], [400.0, 0.0], [400.0, 4.0], [0.0, 4.0]].map(Vec2::from);
+        let mut map = SightMap::new(600, 300);
+        let outline: Vec<Vec2> = slim.iter().map(|p| p + Vec2::new(100.0, 150.0)).collect();
+        map.outlines(0, &[outline]);
+        let place = map.places(1)[0].expect("a place");
+        let mut named = Named { owner: 0, name: "A-01", marked: false, place };
+        assert_eq!(fitting(&map, &named, false), None);
+        let ink = |named: &Named| {
+            let mut drawing = Drawing::new(600, 300);
+            write_names(&mut drawing, &mut map.clone(), std::slice::from_ref(named), (20.0, 1));
+            share(&drawing.render(), |p| p[0] < 90 && p[2] < 110)
+        };
+        let plain = ink(&named);
+        named.marked = true;
+        assert!(plain > 0.0 && ink(&named) > 1.5 * plain, "{plain} {}", ink(&named));
+        // Where nothing may be beside, nothing lies across the part either.
+        let mut drawing = Drawing::new(600, 300);
+        write_names(&mut drawing, &mut map, &[named], (20.0, 0));
+        assert_eq!(share(&drawing.render(), |p| p[0] < 90 && p[2] < 110), 0.0);
     }
 
     #[test]
