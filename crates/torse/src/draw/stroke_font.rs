@@ -108,9 +108,12 @@ fn parted(c: char) -> (char, &'static str) {
     const CARON: &str = "L182738";
     const CEDILLA: &str = "S2221312010";
     const SLASH: &str = "L0147";
+    const BAR: &str = "L1436";
+    const LOW_BAR: &str = "L0224";
     let pairs = [
         ("\u{e4}\u{eb}\u{ef}\u{f6}\u{fc}\u{ff}\u{c4}\u{cb}\u{cf}\u{d6}\u{dc}", "aeiouyAEIOU", DIAERESIS),
         ("\u{e1}\u{e9}\u{ed}\u{f3}\u{fa}\u{fd}\u{c1}\u{c9}\u{cd}\u{d3}\u{da}", "aeiouyAEIOU", ACUTE),
+        ("\u{107}\u{144}\u{15b}\u{17a}\u{106}\u{143}\u{15a}\u{179}", "cnszCNSZ", ACUTE),
         ("\u{e0}\u{e8}\u{ec}\u{f2}\u{f9}\u{c0}\u{c8}\u{cc}\u{d2}\u{d9}", "aeiouAEIOU", GRAVE),
         ("\u{e2}\u{ea}\u{ee}\u{f4}\u{fb}\u{c2}\u{ca}\u{ce}\u{d4}\u{db}", "aeiouAEIOU", CIRCUMFLEX),
         ("\u{e3}\u{f1}\u{f5}\u{c3}\u{d1}\u{d5}", "anoANO", TILDE),
@@ -118,6 +121,8 @@ fn parted(c: char) -> (char, &'static str) {
         ("\u{10d}\u{11b}\u{159}\u{161}\u{17e}\u{10c}\u{158}\u{160}\u{17d}", "cerszCRSZ", CARON),
         ("\u{e7}\u{c7}", "cC", CEDILLA),
         ("\u{f8}\u{d8}", "oO", SLASH),
+        ("\u{142}", "l", BAR),
+        ("\u{141}", "L", LOW_BAR),
     ];
     for (accented, letters, accent) in pairs {
         if let Some(letter) = accented.chars().zip(letters.chars()).find(|p| p.0 == c).map(|p| p.1) {
@@ -224,6 +229,10 @@ fn glyph(c: char) -> (f64, &'static str) {
         '\u{b0}' => (2.0, "O06262808"),
         '\u{b2}' => (2.0, "S0809292806 L0626"),
         '&' => (5.0, "S522617283847360402325354"),
+        '\u{e6}' => (6.0, "O02323606 L3632 L3464 S646636326263"),
+        '\u{153}' => (6.0, "O02323606 L3464 S646636326263"),
+        '\u{c6}' => (7.0, "L78484272 L4565 L0248 L1444"),
+        '\u{152}' => (7.0, "L78484272 L4565 O02424808"),
         '\u{df}' => (4.0, "L0207 S07183847362545433222"),
         '?' => (4.0, "S0718384736252324 L2222"),
         '@' => (5.4, "O25354443 S4543525658382814225152"),
@@ -243,7 +252,7 @@ mod tests {
         let known =
             "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789 .,:;-_+\u{b1}=<>\u{2264}\u{2265}/()%#";
         // Names of people's files.
-        let names = "&\u{e4}\u{f6}\u{fc}\u{c4}\u{d6}\u{dc}\u{df}\u{e9}\u{e8}\u{ea}\u{e7}\u{f1}\u{e5}\u{f8}\u{161}?@|~";
+        let names = "&\u{e4}\u{f6}\u{fc}\u{c4}\u{d6}\u{dc}\u{df}\u{e9}\u{e8}\u{ea}\u{e7}\u{f1}\u{e5}\u{f8}\u{161}?@|~\u{152}\u{153}\u{c6}\u{e6}\u{141}\u{142}\u{144}";
         for c in known.chars().chain(names.chars()).map(|c| parted(c).0) {
             assert_ne!(glyph(c).1, tofu, "{c} has no glyph");
         }

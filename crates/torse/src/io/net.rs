@@ -75,6 +75,16 @@ pub enum NetFileError {
         /// Numbers that it has.
         there: usize,
     },
+    /// A ruling without three coordinates.
+    #[error("{name}: \"{which}\" has {there} numbers; it must be x, y, z, as points have three coordinates and perhaps a weight")]
+    Ruling {
+        /// Name.
+        name: String,
+        /// Which ruling.
+        which: &'static str,
+        /// Numbers that it has.
+        there: usize,
+    },
     /// One of two numbers that belong together.
     #[error("{name}: \"{first}\" and \"{second}\" must be given together")]
     Pair {
@@ -105,8 +115,8 @@ struct Record {
     degree: usize,
     knots: Vec<f64>,
     points: Vec<Vec<f64>>,
-    first_ruling: Option<[f64; 3]>,
-    last_ruling: Option<[f64; 3]>,
+    first_ruling: Option<Vec<f64>>,
+    last_ruling: Option<Vec<f64>>,
     m_star: Option<f64>,
     lambda_star: Option<f64>,
     m: Option<f64>,
@@ -161,11 +171,15 @@ pub fn read(bytes: &[u8], name: &str, given: Option<f64>) -> Result<NetFile, Net
         (None, None) => Ok(None),
         _ => Err(NetFileError::Pair { name: named(), first, second }),
     };
-    let vector = |v: Option<[f64; 3]>| v.map(|v| Vec3::from(v) * scale);
+    let vector = |v: Option<Vec<f64>>, which| match v.as_deref() {
+        None => Ok(None),
+        Some(&[x, y, z]) => Ok(Some(Vec3::new(x, y, z) * scale)),
+        Some(v) => Err(NetFileError::Ruling { name: named(), which, there: v.len() }),
+    };
     Ok(NetFile {
         curve: Rail::new(name, &[curve])?,
-        first_ruling: vector(r.first_ruling),
-        last_ruling: vector(r.last_ruling),
+        first_ruling: vector(r.first_ruling, "first_ruling")?,
+        last_ruling: vector(r.last_ruling, "last_ruling")?,
         stars: pair(r.m_star, r.lambda_star, "m_star", "lambda_star")?.map(|s| s.map(|x| (x - a) / (b - a))),
         shape: pair(r.m, r.kappa, "m", "kappa")?,
     })
@@ -198,6 +212,8 @@ mod tests {
         assert!(told("[1, 2, 0]", "[1, 2]").contains("point 1"));
         assert!(told("[1, 2, 0]", "[1, 2, 0, 1, 2, 3]").contains("point 1 (counted from 0) has 6 numbers"));
         assert!(told("[1, 2, 0]", "[]").contains("point 1 (counted from 0) has 0 numbers"));
+        let six = told("\"m_star\"", "\"first_ruling\": [0, 1, 0, 0, 0, 1], \"m_star\"");
+        assert!(six.contains("\"first_ruling\" has 6 numbers; it must be x, y, z"), "{six}");
         assert!(told("1.0]", "0.0]").contains("point 3"));
         assert!(told(", \"lambda_star\": 10", "").contains("together"));
         assert!(told("\"degree\"", "\"order\"").contains("line 1"));

@@ -68,10 +68,11 @@ pub fn note(note: &Note) -> String {
         Note::Input(words) => words.clone(),
         Note::Chosen { count, all } => format!("{count} of the {all} faces of the file, as chosen"),
         Note::BothSkins { body, thickness, faces: [outer, inner, sides] } => format!(
-            "{} is a sheet of about {}: its outer skin has {outer} faces, its inner {inner}, its sides {sides}; all are \
+            "{} is a sheet of about {}: its outer skin has {}, its inner {inner}, its sides {sides}; all are \
              covered unless one skin is asked for (--outer, --inner)",
             body_name(body),
-            length(*thickness)
+            length(*thickness),
+            counted(*outer, "face")
         ),
         Note::OneSkin { body, thickness, skin, kept, all } => format!(
             "of {}, a sheet of about {}, the {} skin is taken: {kept} of {all} faces",
