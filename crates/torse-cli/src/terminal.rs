@@ -36,10 +36,11 @@ impl Terminal {
         }
         bar.enable_steady_tick(Duration::from_millis(200));
 
-        let (shown, begun) = (bar.clone(), Instant::now());
+        let (shown, pace) = (bar.clone(), Mutex::new(Pace::new()));
         let mut control = Control::with_progress(Arc::new(move |p: &Progress| {
             let text = if p.detail.is_empty() { p.stage.to_string() } else { format!("{}: {}", p.stage, p.detail) };
-            shown.set_message(text + &left(p.fraction, begun.elapsed()));
+            let rest = pace.lock().unwrap_or_else(PoisonError::into_inner).rest(p.stage, p.fraction, Instant::now());
+            shown.set_message(text + &left(rest));
             // What is counted within a stage without knowing its end leaves the bar where it is.
             if p.fraction > 0.0 {
                 shown.set_position((p.fraction.clamp(0.0, 1.0) * STEPS as f64) as u64);
@@ -102,19 +103,43 @@ impl Terminal {
     }
 }
 
-/// Time after which an estimate of the rest is worth something.
-const ESTIMATED: Duration = Duration::from_secs(2);
+/// How fast a stage goes on. What comes after it nobody knows.
+struct Pace {
+    stage: String,
+    /// When the stage began, and the share of it that was done then.
+    begun: (Instant, f64),
+    /// The share done that was heard of last.
+    done: f64,
+}
 
-/// About how long the rest will take, in words, once a share of the work is done.
-fn left(done: f64, since: Duration) -> String {
-    if !(done > 0.0 && done < 1.0) || since < ESTIMATED {
-        return String::new();
+impl Pace {
+    /// Time in a stage after which an estimate of its rest is worth something.
+    const ESTIMATED: Duration = Duration::from_secs(4);
+    /// Share of a stage of which the same is true.
+    const LEAST: f64 = 0.05;
+
+    fn new() -> Self {
+        Self { stage: String::new(), begun: (Instant::now(), 0.0), done: 0.0 }
     }
-    let rest = since.as_secs_f64() * (1.0 - done) / done;
-    if rest < 90.0 {
-        format!(", about {rest:.0} s left")
-    } else {
-        format!(", about {:.0} min left", rest / 60.0)
+
+    /// About how long the rest of a stage will take, once enough of it is done; a share that falls begins anew.
+    fn rest(&mut self, stage: &str, done: f64, now: Instant) -> Option<Duration> {
+        if self.stage != stage || done < self.done {
+            (self.stage, self.begun) = (stage.to_owned(), (now, done));
+        }
+        self.done = done;
+        let (since, share) = (now.saturating_duration_since(self.begun.0), done - self.begun.1);
+        let told = since >= Self::ESTIMATED && share >= Self::LEAST && done < 1.0;
+        told.then(|| since.mul_f64((1.0 - done) / share))
+    }
+}
+
+/// The rest of a stage in words.
+fn left(rest: Option<Duration>) -> String {
+    match rest.map(|r| r.as_secs_f64()) {
+        None => String::new(),
+        Some(rest) if rest < 90.0 => format!(", {rest:.0} s more"),
+        Some(rest) => format!(", {:.0} min more", rest / 60.0),
     }
 }
 
@@ -130,9 +155,26 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_rest_is_estimated_from_what_is_done() {
-        assert_eq!(left(0.25, Duration::from_secs(10)), ", about 30 s left");
-        assert_eq!(left(0.1, Duration::from_secs(60)), ", about 9 min left");
-        assert_eq!(left(0.0, Duration::from_secs(60)) + &left(1.0, Duration::from_secs(60)), "");
+    fn the_rest_of_a_stage_is_estimated_from_what_is_done_of_it() {
+        let begun = Instant::now();
+        let at = |s: u64| begun + Duration::from_secs(s);
+        let mut pace = Pace::new();
+        assert_eq!(pace.rest("read", 0.0, begun), None);
+        // A new stage, long after the beginning of the job, knows nothing of its rest.
+        assert_eq!(pace.rest("fit", 0.0, at(100)), None);
+        assert_eq!(pace.rest("fit", 0.2, at(102)), None);
+        assert_eq!(pace.rest("fit", 0.25, at(110)), Some(Duration::from_secs(30)));
+        // What is begun again is estimated again, and what begins late by what is done of it since.
+        assert_eq!(pace.rest("fit", 0.0, at(111)), None);
+        assert_eq!(pace.rest("prove", 0.5, at(120)), None);
+        assert_eq!(pace.rest("prove", 0.75, at(130)), Some(Duration::from_secs(10)));
+        assert_eq!(pace.rest("prove", 1.0, at(140)), None);
+    }
+
+    #[test]
+    fn long_rests_are_told_in_minutes() {
+        assert_eq!(left(Some(Duration::from_secs(30))), ", 30 s more");
+        assert_eq!(left(Some(Duration::from_secs(540))), ", 9 min more");
+        assert_eq!(left(None), "");
     }
 }
