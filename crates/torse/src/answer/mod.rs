@@ -1,5 +1,6 @@
 //! Floor 8: what a job answers with: the one record that files, reports and pictures are made from.
 
+pub mod joints;
 pub mod marks;
 pub mod note;
 pub mod presentation;
@@ -27,6 +28,7 @@ use crate::torse::strip::Strip;
 use note::Note;
 use shop::Shop;
 use skipped::Skipped;
+use std::collections::BTreeSet;
 
 /// Which job answered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -253,6 +255,21 @@ impl Answer {
     /// The flat pattern of a part.
     pub fn pattern_of(&self, part: usize) -> Option<&Pattern> {
         self.patterns.iter().find(|p| p.panel == part)
+    }
+
+    /// The names that the parts of the model have in its file from which a part is made, each once; none where they have none.
+    pub fn sources_of(&self, part: usize) -> Vec<&str> {
+        let panels = self.parts.get(part).map_or(0..0, |p| p.first..p.first + p.count);
+        let faces = panels.filter_map(|k| self.patchwork.face_of(self.patchwork.panels.get(k)?));
+        let names: BTreeSet<&str> = faces.map(|f| f.part.as_str()).filter(|name| !name.is_empty()).collect();
+        names.into_iter().collect()
+    }
+
+    /// Whether the model consists of several parts with names of their own.
+    pub fn has_named_parts(&self) -> bool {
+        let names: BTreeSet<&str> =
+            self.patchwork.faces.iter().map(|f| f.part.as_str()).filter(|name| !name.is_empty()).collect();
+        names.len() > 1
     }
 
     /// What was proven of the flat pattern of a part.

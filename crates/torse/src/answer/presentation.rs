@@ -81,7 +81,12 @@ pub(crate) fn present_marked(answer: &Answer, marks: Marks) -> Presentation {
     let placements = layout(&answer.patterns);
     let places: Vec<(f64, Vec2)> = placements.iter().map(|p| (p.angle, p.offset)).collect();
     let longest = answer.patterns.iter().map(|p| p.length).fold(0.0, f64::max);
-    let options = DrawingOptions { title: answer.input.to_uppercase(), unit: answer.cut.unit, test_square: true };
+    let options = DrawingOptions {
+        title: answer.input.to_uppercase(),
+        sources: sources(answer),
+        unit: answer.cut.unit,
+        test_square: true,
+    };
     Presentation {
         direction: picture::direction(&scene),
         stages: answer.stages.par_iter().map(|s| (s.caption.clone(), stage(answer, s, &marks.panels))).collect(),
@@ -176,11 +181,20 @@ fn shape_patches(answer: &Answer, shapes: &[Shape]) -> Vec<ShapePatch> {
         .collect()
 }
 
-/// Every pattern in a drawing of its own, without a test square: the programs of machines place what is in such files.
+/// The names that patterns have in the model, where it consists of several parts with names.
+fn sources(answer: &Answer) -> Vec<String> {
+    if !answer.has_named_parts() {
+        return Vec::new();
+    }
+    answer.patterns.iter().map(|p| answer.sources_of(p.panel).join(" + ").to_uppercase()).collect()
+}
+
+/// Every pattern in a drawing of its own, its scale to be checked as in the common one.
 fn alone(patterns: &[Pattern], marks: &Marks, options: &DrawingOptions) -> Vec<(String, Drawing)> {
-    let options = DrawingOptions { test_square: false, ..options.clone() };
     let one = |(k, pattern): (usize, &Pattern)| {
         let one = std::slice::from_ref(pattern);
+        let sources = options.sources.get(k..=k).unwrap_or(&[]).to_vec();
+        let options = DrawingOptions { sources, ..options.clone() };
         let marked = marks.patterns.get(k..=k).unwrap_or(&[]);
         (pattern.name.clone(), drawing(one, &layout(one), marked, &options))
     };

@@ -70,6 +70,8 @@ impl Piece {
 
 /// Chord error (share of the pattern's length) of the outlines on which the place of the name is sought.
 const ROUGH: f64 = 1e-3;
+/// The same as a share of the pattern's mean width: names keep off the outlines of narrow parts.
+const ROUGH_ACROSS: f64 = 0.01;
 /// Largest height of capitals of a name, mm.
 const NAME_HEIGHT: f64 = 40.0;
 /// Height of a name against the radius of the free circle in which it stands.
@@ -94,6 +96,8 @@ const WORDS_GAP: f64 = 0.6;
 const TICK: f64 = 1.5;
 /// Share of their size to which words about cutting shrink at most, where the circle is narrow.
 const LEAST_WORDS: f64 = 0.4;
+/// Sizes in which the words in the circle are tried.
+const SHRUNK: [f64; 6] = [1.0, 0.85, 0.7, 0.55, 0.4, 0.25];
 /// Sizes in which the label of a mark is tried.
 const SMALLER: [f64; 3] = [1.0, 0.75, 0.5];
 /// Distances from the mark, against the height, at which its label is tried.
@@ -108,6 +112,8 @@ const SQUARE_WORDS: f64 = 0.12;
 pub struct DrawingOptions {
     /// Name of the job, on every part; default none.
     pub title: String,
+    /// Name that each part has in the model, below its own, in the order of the patterns; default none.
+    pub sources: Vec<String>,
     /// Unit of coordinates in files and of sizes in words; default mm.
     pub unit: LengthUnit,
     /// Whether a square of known size is drawn beside the parts, by which the shop sees the scale; default no.
@@ -126,7 +132,8 @@ pub fn drawing(patterns: &[Pattern], placements: &[Placement], marked: &[bool], 
     let stay = Placement { angle: 0.0, offset: Vec2::zeros() };
     let pieces = patterns.par_iter().enumerate().map(|(i, pattern)| {
         let placement = placements.get(i).unwrap_or(&stay);
-        piece(pattern, placement, marked.get(i).copied().unwrap_or(false), options)
+        let source = options.sources.get(i).map_or("", String::as_str);
+        piece(pattern, placement, (marked.get(i).copied().unwrap_or(false), source), options)
     });
     d.pieces = pieces.collect();
     for piece in &d.pieces {
@@ -183,8 +190,8 @@ fn extend(contour: &Contour, low: &mut Vec2, high: &mut Vec2) {
     }
 }
 
-/// One pattern where it is placed.
-fn piece(pattern: &Pattern, placement: &Placement, marked: bool, options: &DrawingOptions) -> Piece {
+/// One pattern where it is placed; whether it must not be cut, and its name in the model.
+fn piece(pattern: &Pattern, placement: &Placement, (marked, source): (bool, &str), options: &DrawingOptions) -> Piece {
     let contour = |c: &Contour| Contour {
         vertices: c.vertices.iter().map(|v| ContourVertex { point: placement.apply(&v.point), ..*v }).collect(),
     };
@@ -202,7 +209,9 @@ fn piece(pattern: &Pattern, placement: &Placement, marked: bool, options: &Drawi
         marked,
         ..Piece::default()
     };
-    let chord = ROUGH * pattern.length.max(pattern.area.sqrt());
+    // Of the length and of the mean width.
+    let long = pattern.length.max(pattern.area.sqrt());
+    let chord = (ROUGH * long).min(ROUGH_ACROSS * pattern.area / long);
     let place = [(placement.angle, placement.offset)];
     let rough = flat::pieces(std::slice::from_ref(pattern), &place, chord);
     let Some(rough) = rough.into_iter().next() else { return piece };
@@ -217,7 +226,7 @@ fn piece(pattern: &Pattern, placement: &Placement, marked: bool, options: &Drawi
     let drawn = piece.sections.iter().flat_map(|s| s.windows(2).map(|w| [w[0], w[1]]));
     let mut labels = Labels::new(cuts.chain(piece.marks.iter().copied()).chain(drawn).collect());
     if rough.room > 0.0 {
-        words(&mut labels, pattern, (place, room), marked, options);
+        words(&mut labels, pattern, (place, room), (marked, source), options);
     }
     for (mark, &[foot, tip]) in pattern.marks.iter().zip(&piece.marks) {
         labels.put(&mark.label, places_behind(&mark.label, foot, tip, height));
@@ -277,27 +286,46 @@ fn places_behind(label: &str, foot: Vec2, tip: Vec2, height: f64) -> impl Iterat
     })
 }
 
-/// The words in the free circle of a part: its name, the job, from where it is seen and how large it is; and across it that
-/// it must not be cut.
-fn words(labels: &mut Labels, pattern: &Pattern, circle: (Vec2, f64), marked: bool, options: &DrawingOptions) {
-    let (place, room) = circle;
-    let mut put = |text: &str, height: f64, up: f64| {
-        let middle = place + Vec2::new(0.0, up);
-        labels.write(text, &TextPlace { middle, along: Vec2::x(), height });
+/// A line of words: what it says, its height, and how far above the middle of the circle it stands.
+type Line<'a> = (&'a str, f64, f64);
+
+/// The words in the free circle of a part: its name, its name in the model, the job, from where it is seen and how large it is;
+/// and across it that it must not be cut. They shrink together until they are clear of cuts and marks; where they never are,
+/// each is left out that is not.
+fn words(
+    labels: &mut Labels,
+    pattern: &Pattern,
+    (place, room): (Vec2, f64),
+    (marked, source): (bool, &str),
+    options: &DrawingOptions,
+) {
+    let lines = [options.title.clone(), source.to_owned(), seen_from(pattern), sizes(pattern, options.unit)];
+    let lines: Vec<&str> = lines.iter().map(String::as_str).filter(|l| !l.is_empty()).collect();
+    let stood = |(text, height, up): Line<'_>, share: f64| {
+        let place = TextPlace { middle: place + Vec2::new(0.0, up * share), along: Vec2::x(), height: height * share };
+        (text.to_owned(), place)
     };
+    let all = stacked(&pattern.name, &lines, room, marked);
+    let sets = SHRUNK.map(|share| all.iter().map(|line| stood(*line, share)).collect::<Vec<_>>());
+    let free = |set: &&Vec<(String, TextPlace)>| set.iter().all(|(text, place)| labels.is_clear(text, place));
+    if let Some(set) = sets.iter().find(free) {
+        set.iter().for_each(|(text, place)| labels.write(text, place));
+        return;
+    }
+    for line in &all {
+        labels.put(line.0, SHRUNK.map(|share| stood(*line, share).1));
+    }
+}
+
+/// Words below each other in a circle of radius `room`, the name in its middle.
+fn stacked<'a>(name: &'a str, lines: &[&'a str], room: f64, marked: bool) -> Vec<Line<'a>> {
     let width = |text: &str| stroke_font::width(text, 1.0).max(1.0);
-    let height = (NAME_SHARE * room).min(NAME_WIDTH * room / width(&pattern.name)).min(NAME_HEIGHT);
-    put(&pattern.name, height, 0.0);
-    // Without the side of the model from which the part is seen, parts are bent the wrong way.
-    let unit = options.unit;
-    let size = |mm: f64| format!("{:.*}", if unit.of(mm) < 100.0 { 1 } else { 0 }, unit.of(mm));
-    let sizes = format!("{} X {} {}", size(pattern.length), size(pattern.width), unit.sign().to_uppercase());
-    let lines = [options.title.clone(), format!("SEEN FROM {}", pattern.view.name().to_uppercase()), sizes];
-    let lines: Vec<&String> = lines.iter().filter(|l| !l.is_empty()).collect();
+    let height = (NAME_SHARE * room).min(NAME_WIDTH * room / width(name)).min(NAME_HEIGHT);
+    let mut out = vec![(name, height, 0.0)];
     let widest = lines.iter().map(|l| width(l)).fold(1.0, f64::max);
     let small = (SIDE_SHARE * height).min(SIDE_WIDTH * room / widest);
     for (k, line) in lines.iter().enumerate() {
-        put(line, small, -0.5 * height - (1.5 + LINE * k as f64) * small);
+        out.push((*line, small, -0.5 * height - (1.5 + LINE * k as f64) * small));
     }
     if marked {
         let words = NAME_WIDTH * room / width(NOT_CERTIFIED);
@@ -306,9 +334,26 @@ fn words(labels: &mut Labels, pattern: &Pattern, circle: (Vec2, f64), marked: bo
             // As wide as the circle is there.
             let chord = (room * room - (away + (1.0 + WORDS_GAP) * words).powi(2)).max(0.0).sqrt();
             let words = words.min(2.0 * chord / width(NOT_CERTIFIED)).max(LEAST_WORDS * words);
-            put(NOT_CERTIFIED, words, side * (away + (0.5 + WORDS_GAP) * words));
+            out.push((NOT_CERTIFIED, words, side * (away + (0.5 + WORDS_GAP) * words)));
         }
     }
+    out
+}
+
+/// From where a part is seen: without it parts are bent the wrong way.
+fn seen_from(pattern: &Pattern) -> String {
+    format!("SEEN FROM {}", pattern.view.name().to_uppercase())
+}
+
+/// Length and width of a part in words.
+fn sizes(pattern: &Pattern, unit: LengthUnit) -> String {
+    let decimals = |mm: f64| match unit {
+        LengthUnit::Inch => 3,
+        LengthUnit::Millimetre if mm < 100.0 => 1,
+        LengthUnit::Millimetre => 0,
+    };
+    let size = |mm: f64| format!("{:.*}", decimals(mm), unit.of(mm));
+    format!("{} X {} {}", size(pattern.length), size(pattern.width), unit.sign().to_uppercase())
 }
 
 #[cfg(test)]
@@ -367,6 +412,59 @@ mod tests {
         let out = words.iter().map(|p| (*p - Vec2::repeat(50.0)).norm()).fold(0.0, f64::max);
         assert!(out < 50.0, "{out}");
         assert!(low < 40.0 && high > 60.0 && high - low > 30.0, "{low} {high}");
+    }
+
+    /// Whether two segments cross.
+    fn cross(a: &[Vec2], b: &[Vec2]) -> bool {
+        let side = |p: Vec2, q: Vec2, r: Vec2| (q - p).perp(&(r - p));
+        side(a[0], a[1], b[0]) * side(a[0], a[1], b[1]) < 0.0 && side(b[0], b[1], a[0]) * side(b[0], b[1], a[1]) < 0.0
+    }
+
+    #[test]
+    fn words_never_cross_the_cuts_of_narrow_parts() {
+        let options = DrawingOptions { title: "A".into(), sources: vec!["B".into()], ..DrawingOptions::default() };
+        for width in [2.0, 10.0, 40.0] {
+            for name in ["A", "A-01", "A NAME AS LONG AS A SHIP"] {
+                let mut p = square(name);
+                for v in &mut p.contours[0].vertices {
+                    v.point.y *= 0.01 * width;
+                }
+                p.marks[0].point.y = 0.3 * width;
+                (p.area, p.length, p.width) = (100.0 * width, 100.0, width);
+                let d = drawing(&[p], &[], &[true], &options);
+                let piece = &d.pieces[0];
+                let outline: Vec<Vec2> =
+                    piece.outer.iter().flat_map(|c| &c.vertices).map(|v| v.point).cycle().take(5).collect();
+                let crossed =
+                    piece.text.iter().flat_map(|s| s.windows(2)).filter(|s| outline.windows(2).any(|o| cross(o, s)));
+                assert_eq!(crossed.count(), 0, "{name}, {width} mm wide");
+                assert!(
+                    piece.text.len() > letters(name, 1.0).len() + letters(NOT_CERTIFIED, 1.0).len(),
+                    "{name} {width}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn sizes_in_inches_have_three_decimals() {
+        let p = Pattern { length: 80.0, width: 70.0, ..Pattern::default() };
+        assert_eq!(sizes(&p, LengthUnit::Inch), "3.150 X 2.756 IN");
+        assert_eq!(sizes(&p, LengthUnit::Millimetre), "80.0 X 70.0 MM");
+        assert_eq!(sizes(&Pattern { length: 480.25, ..p }, LengthUnit::Millimetre), "480 X 70.0 MM");
+    }
+
+    #[test]
+    fn parts_say_what_they_are_called_in_the_model() {
+        let named = DrawingOptions { sources: vec![String::new(), "BAUTEIL".into()], ..DrawingOptions::default() };
+        let strokes = |options: &DrawingOptions| {
+            let d = drawing(&[square("A-01"), square("B-01")], &[], &[], options);
+            d.pieces.iter().map(|p| p.text.len()).collect::<Vec<_>>()
+        };
+        let bare = strokes(&DrawingOptions::default());
+        let added = letters("BAUTEIL", 1.0).len();
+        assert_eq!(strokes(&named)[0], bare[0]);
+        assert!(strokes(&named)[1] >= bare[1] + added);
     }
 
     #[test]

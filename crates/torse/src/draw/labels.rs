@@ -67,6 +67,11 @@ impl Labels {
         self.boxes.push(corners(text, place));
     }
 
+    /// Whether a place is free for a text.
+    pub fn is_clear(&self, text: &str, place: &TextPlace) -> bool {
+        self.is_free(&corners(text, place))
+    }
+
     fn is_free(&self, quad: &[Vec2; 4]) -> bool {
         quad.iter().all(|p| p.x.is_finite() && p.y.is_finite())
             && !self.boxes.iter().any(|b| overlap(quad, b))
