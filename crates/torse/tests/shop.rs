@@ -101,6 +101,24 @@ fn panels_are_numbered_along_the_model() {
 }
 
 #[test]
+fn the_list_of_parts_says_what_the_model_calls_them() {
+    let mut a = bowl().clone();
+    a.patchwork.faces[0].part = "Salad bowl".into();
+    assert_eq!(a.sources_of(0), ["Salad bowl"]);
+    let all: BTreeMap<String, Vec<u8>> = files(&mut a, "2026-01-31T12:00:00").expect("files").into_iter().collect();
+    let parts = String::from_utf8_lossy(&all["parts.csv"]).into_owned();
+    let mut rows = parts.lines();
+    assert!(rows.next().is_some_and(|head| head.ends_with(",source")));
+    assert!(rows.all(|row| row.ends_with(",\"Salad bowl\"")), "{parts}");
+    // The only part of a model is called like the job; of several each has its own name.
+    assert!(!a.has_named_parts());
+    let mut other = a.patchwork.faces[0].clone();
+    other.part = "Spoon".into();
+    a.patchwork.faces.push(other);
+    assert!(a.has_named_parts() && a.sources_of(0) == ["Salad bowl"]);
+}
+
+#[test]
 fn drawings_in_inches_and_of_single_parts_hold_what_was_judged() {
     let mut a = bowl().clone();
     a.cut.unit = LengthUnit::Inch;
@@ -114,7 +132,7 @@ fn drawings_in_inches_and_of_single_parts_hold_what_was_judged() {
         assert!(written.1.reason().is_none() && written.1.bound() < 1e-6, "{name} {}", written.1.bound());
     }
     let dxf = String::from_utf8_lossy(&all["part-A-01.dxf"]).into_owned();
-    assert!(dxf.contains("$INSUNITS\n 70\n     1\n") && !dxf.contains("SCALE_CHECK\n 90"));
+    assert!(dxf.contains("$INSUNITS\n 70\n     1\n") && dxf.contains("\nSCALE_CHECK\n100\nAcDbPolyline\n"));
     let parts = String::from_utf8_lossy(&all["parts.csv"]).into_owned();
     assert!(parts.starts_with("part,job,quantity,seen_from,thickness_in,length_in,"));
     let length: f64 =

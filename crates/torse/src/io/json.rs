@@ -63,6 +63,9 @@ pub struct Report {
     pub parts: Vec<PartRecord>,
     /// Seams between panels.
     pub seams: Vec<SeamRecord>,
+    /// Joints between parts that marks on their patterns tell of.
+    #[serde(default)]
+    pub joints: Vec<JointRecord>,
     /// Lines along which pieces of a composite meet, the worst first.
     #[serde(default)]
     pub joins: Vec<JoinRecord>,
@@ -141,6 +144,17 @@ pub struct SeamRecord {
     pub length_difference_bound: Option<f64>,
     /// Smallest and largest angle between the panels along the seam, degrees, sampled.
     pub kink_deg: [f64; 2],
+}
+
+/// A joint: borders of two faces that meet, or both ends of a closed one.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct JointRecord {
+    /// Its name, as on the marks of both patterns: J3 of J3.1, J3.2, …
+    pub name: String,
+    /// Names of the parts; twice the same where a part is joined to itself.
+    pub between: [String; 2],
+    /// Number of marks on either side.
+    pub marks: usize,
 }
 
 /// A line along which two pieces of a composite meet.
@@ -240,6 +254,9 @@ pub struct PartRecord {
     pub name: String,
     /// Names of its panels.
     pub panels: Vec<String>,
+    /// Name of the part of the model in its file, several with `+` between them; empty if there is none.
+    #[serde(default)]
+    pub source: String,
     /// Whether it may be cut.
     pub certified: bool,
     /// Why there is no pattern; empty if there is one.
@@ -432,6 +449,7 @@ pub(crate) mod tests {
         let part = |name: &str| PartRecord {
             name: name.into(),
             panels: vec![name.into()],
+            source: "hull".into(),
             certified: true,
             missing: String::new(),
             area: Some(81_520.4),
@@ -498,6 +516,7 @@ pub(crate) mod tests {
                 step: 0,
                 paper_deviation_estimate: Some(0.5),
             }],
+            joints: vec![JointRecord { name: "J1".into(), between: ["A-01".into(), "A-02".into()], marks: 3 }],
             joins: vec![],
             seams: vec![SeamRecord {
                 number: Some(1),

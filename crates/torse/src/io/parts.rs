@@ -10,7 +10,7 @@ pub fn csv(report: &Report, patterns: &[Pattern], unit: LengthUnit) -> Option<Ve
     let sign = unit.sign();
     let mut out = format!(
         "part,job,quantity,seen_from,thickness_{sign},length_{sign},width_{sign},strip_width_{sign},area_{sign}2,cut_length_{sign},holes,\
-         bend_lines,least_bend_radius_{sign},panels,certified,same_as,mirrored,quantity_turned_over,pierces,material,weight_kg\n"
+         bend_lines,least_bend_radius_{sign},panels,certified,same_as,mirrored,quantity_turned_over,pierces,material,weight_kg,source\n"
     );
     let quoted = |s: &str| format!("\"{}\"", s.replace('"', "\"\""));
     for pattern in patterns {
@@ -22,7 +22,7 @@ pub fn csv(report: &Report, patterns: &[Pattern], unit: LengthUnit) -> Option<Ve
         // Writing to a string cannot fail.
         _ = writeln!(
             out,
-            "{},{},{},{},{},{},{},{},{:.4},{},{},{},{},{},{},{},{},{},{},{},{}",
+            "{},{},{},{},{},{},{},{},{:.4},{},{},{},{},{},{},{},{},{},{},{},{},{}",
             quoted(&pattern.name),
             quoted(&report.input),
             part.map_or(1, |p| p.quantity),
@@ -44,6 +44,7 @@ pub fn csv(report: &Report, patterns: &[Pattern], unit: LengthUnit) -> Option<Ve
             part.map_or(0, |p| p.pierces),
             part.map_or_else(String::new, |p| quoted(&p.material)),
             part.and_then(|p| p.weight_kg).map_or_else(String::new, |kg| format!("{kg:.4}")),
+            part.map_or_else(String::new, |p| quoted(&p.source)),
         );
     }
     (!patterns.is_empty()).then(|| out.into_bytes())
@@ -104,9 +105,9 @@ mod tests {
         let text = csv(&report, &answer.patterns, LengthUnit::Millimetre).expect("a table");
         let rows: Vec<String> = String::from_utf8(text).expect("text").lines().map(str::to_owned).collect();
         // Without bends a triangle turned over is the same sheet from behind.
-        assert!(rows[0].ends_with(",mirrored,quantity_turned_over,pierces,material,weight_kg"));
+        assert!(rows[0].ends_with(",mirrored,quantity_turned_over,pierces,material,weight_kg,source"));
         assert!(rows[1].starts_with("\"A-01\",\"deck\",2,outside,3.000,"), "{}", rows[1]);
-        assert!(rows[1].ends_with(",,,1,1,\"mild-steel\",23.5500"), "{}", rows[1]);
+        assert!(rows[1].ends_with(",,,1,1,\"mild-steel\",23.5500,\"\""), "{}", rows[1]);
         assert!(rows[2].starts_with("\"A-02\",\"deck\",0,") && rows[2].contains(",\"A-01\",no,0,1,"), "{}", rows[2]);
         assert!(rows[3].contains(",\"A-01\",yes,0,1,"), "{}", rows[3]);
         let total: usize = report.parts.iter().map(|p| p.quantity + p.quantity_turned_over).sum();

@@ -6,7 +6,7 @@ use super::{marks, words};
 use crate::answer::presentation::Presentation;
 use crate::answer::Answer;
 use crate::certify::claim::{Subject, What};
-use crate::draw::picture::{self, figure, Caption};
+use crate::draw::picture::{self, Caption};
 
 /// PNG files.
 pub struct Pictures {
@@ -98,7 +98,7 @@ fn certainty(answer: &Answer, report: &Report) -> String {
     match bound {
         _ if !report.certified() => "not certified".into(),
         Some(bound) if answer.covers_faces() => {
-            format!("each within {} mm of the surface, certified", figure(bound, 3))
+            format!("each within {} of the surface, certified", words::numbers::length_bound(bound))
         }
         _ => "certified".into(),
     }

@@ -60,8 +60,10 @@ pub fn write(page: &Page) -> Result<String, HtmlError> {
         "certificate" => words::result(report),
         "warnings" => words::warnings(report),
         "panel_count" => counted(report.panels.len(), thing),
-        "panel_words" if covers => "Bounds are proven and rounded to the safe side; lengths in mm.".into(),
-        "panel_words" => String::new(),
+        "panel_words" if covers => {
+            format!("Bounds are proven and rounded to the safe side; lengths in mm.{}", tables::kinds(report))
+        }
+        "panel_words" => tables::kinds(report),
         "thing" => thing.into(),
         "Things" => capital.clone(),
         "face_head" if covers => "<th><button type=\"button\">Face</button></th>".into(),
@@ -71,6 +73,7 @@ pub fn write(page: &Page) -> Result<String, HtmlError> {
         "shapes" => tables::shapes(report, pictures.shapes.as_deref().map(image)),
         "layout" => tables::layout(&shown.pieces) + &tables::sheet_bends(report) + &tables::facets(report),
         "part_rows" => tables::parts(report),
+        "joints" => tables::joints(report),
         "points" => tables::points(report, pictures.points.as_ref().map(|p| (image(&p.0), p.1)), page.limit),
         "field" => maps(page),
         "faces" => {
@@ -107,7 +110,7 @@ pub fn write(page: &Page) -> Result<String, HtmlError> {
         "curvature_hidden" => hidden(shown.scene.curvature.iter().flatten().any(|c| !c.is_empty())).into(),
         "joints_hidden" => hidden(!shown.scene.joints.is_empty()).into(),
         "field_name" => escape(field),
-        "limit" => format!("{}&nbsp;{}", numbers::plain(page.limit, 4), escape(unit)),
+        "limit" => format!("{}&nbsp;{}", numbers::number(page.limit), escape(unit)),
         "main" => main.clone(),
         "version" => escape(&report.version),
         "panels_png" => image(&pictures.panels),
@@ -218,11 +221,11 @@ mod tests {
         for unwanted in ["src=\"http", "href=\"http", "url(", "@import"] {
             assert!(!text.contains(unwanted), "{unwanted}");
         }
-        assert!(text.contains("0.9877"), "the bound, rounded up");
+        assert!(text.contains("0.988"), "the bound, rounded up");
         // An unknown name in the template would leave an empty place.
         fill(PAGE, |name| {
             let known = "result certificate warnings panel_count panel_words thing Things face_head figure_heads \
-                         panel_rows joins shapes layout part_rows points field faces";
+                         panel_rows joins shapes layout part_rows joints points field faces";
             assert!(known.split_whitespace().any(|k| k == name), "{name}");
             String::new()
         });
@@ -252,10 +255,11 @@ mod tests {
         set(&mut report.panels[0].figures, What::Deviation, None);
         report.panels[0].witness = Some(crate::io::json::WitnessRecord { uv: [0.25, 0.75], distance: Some(1.7) });
         let text = page(&report);
-        for words in ["Not certified", "the tolerance is exceeded", "distance 1.7 mm", "0.25", "1.7"] {
+        for words in ["Not certified", "the tolerance is exceeded", "on face side: distance 1.7 mm"] {
             assert!(text.contains(words), "{words}");
         }
-        assert!(!text.contains("badge good"));
+        // Places are told in the coordinates of the model.
+        assert!(!text.contains("badge good") && !text.contains("u = "));
         let body = text.split_once("<body>").map_or("", |b| b.1.trim_start());
         assert!(body.starts_with("<p class=\"stop\" role=\"alert\">Not certified: do not cut A-01"), "{}", &body[..80]);
     }

@@ -1,69 +1,50 @@
-//! Numbers for people: digits that say no more than is known.
+//! Numbers for people, with the digits that the terminal has; nothing in a line breaks.
 
-use crate::io::json::PanelRecord;
-pub(super) use crate::io::words::numbers::plain;
+use crate::io::words::numbers::{length, length_bound, length_least, number_bound, number_least};
+pub(super) use crate::io::words::numbers::{number, plain};
 
-/// A length for people: four digits.
+/// Digits of numbers that were given.
+const GIVEN_DIGITS: usize = 9;
+/// Sizes (mm) from which a tenth of a millimetre is told, and no more.
+const LARGE: f64 = 100.0;
+
+/// A measured length.
 pub(super) fn millimetres(x: f64) -> String {
-    format!("{}&nbsp;mm", plain(x, 4))
+    unbroken(&length(x))
 }
 
-/// An upper bound for people: rounded up, so that the text stays true.
-pub(super) fn upper(x: Option<f64>) -> String {
-    x.map_or_else(|| "none shown".into(), |x| plain(rounded(x, f64::ceil), 4))
+/// A length that was given: as it was given.
+pub(super) fn given(x: f64) -> String {
+    format!("{}&nbsp;mm", plain(x, GIVEN_DIGITS))
 }
 
-/// A lower bound for people: rounded down.
-pub(super) fn lower(x: Option<f64>) -> String {
-    x.map_or_else(|| "\u{2014}".into(), |x| plain(rounded(x, f64::floor), 4))
-}
-
-fn rounded(x: f64, round: fn(f64) -> f64) -> f64 {
-    if x == 0.0 || !x.is_finite() {
-        return x;
-    }
-    let unit = 10f64.powi(x.abs().log10().floor() as i32 - 3);
-    let y = round(x / unit) * unit;
-    if y.is_finite() {
-        y
+/// A size (mm) that a shop works with, without its unit.
+pub(super) fn size(x: f64) -> String {
+    if x.abs() < LARGE {
+        plain(x, 4)
     } else {
-        x
+        format!("{x:.1}")
     }
 }
 
-/// A tiny number in powers of ten, rounded up.
-pub(super) fn exponent(x: f64) -> String {
-    if x == 0.0 {
-        return "0".into();
-    }
-    // Powers of ten have no more room than normal numbers.
-    let x = x.abs().max(f64::MIN_POSITIVE);
-    let mut power = x.log10().floor() as i32;
-    let mut mantissa = (x / 10f64.powi(power) * 10.0).ceil() / 10.0;
-    if mantissa >= 10.0 {
-        (mantissa, power) = (1.0, power + 1);
-    }
-    if power >= -2 {
-        return upper(Some(x));
-    }
-    format!("{mantissa:.1}\u{b7}10<sup>{}</sup>", power.to_string().replace('-', "\u{2212}"))
+/// An upper bound, rounded up so that the text stays true.
+pub(super) fn upper(x: Option<f64>) -> String {
+    x.map_or_else(|| "none shown".into(), number_bound)
 }
 
-/// Where a panel exceeds the tolerance.
-pub(super) fn witness(panel: &PanelRecord) -> String {
-    panel.witness.as_ref().map_or_else(String::new, |w| {
-        let distance = w.distance.map_or_else(String::new, |d| format!(", distance {}", millimetres(d)));
-        format!(" <span class=\"quiet\">(at u = {}, v = {}{distance})</span>", plain(w.uv[0], 6), plain(w.uv[1], 6))
-    })
+/// A lower bound, rounded down.
+pub(super) fn lower(x: Option<f64>) -> String {
+    x.map_or_else(|| "\u{2014}".into(), number_least)
 }
 
 /// An upper bound with its unit.
 pub(super) fn bound_with_unit(x: Option<f64>) -> String {
-    if x.is_some() {
-        format!("{}&nbsp;mm", upper(x))
-    } else {
-        upper(x)
-    }
+    x.map_or_else(|| upper(None), |x| unbroken(&length_bound(x)))
+}
+
+/// A lower bound with its unit.
+pub(super) fn least_with_unit(x: f64) -> String {
+    unbroken(&length_least(x))
 }
 
 /// A share in per cent.
@@ -72,25 +53,39 @@ pub(super) fn percent(share: f64) -> String {
     format!("{}&nbsp;%", plain((share * 10_000.0).floor() / 100.0, 4))
 }
 
+fn unbroken(text: &str) -> String {
+    text.replace(' ', "&nbsp;")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn bounds_are_rounded_to_the_safe_side() {
-        assert_eq!(upper(Some(0.987_61)), "0.9877");
-        assert_eq!(upper(Some(0.987_600_01)), "0.9877");
-        assert_eq!(lower(Some(412.79)), "412.7");
+        assert_eq!(upper(Some(0.987_61)), "0.988");
+        assert_eq!(bound_with_unit(Some(9.998)), "10&nbsp;mm");
+        assert_eq!(lower(Some(412.79)), "412");
         assert_eq!(upper(Some(1.0)), "1");
         assert_eq!(upper(None), "none shown");
         assert_eq!(percent(0.999_999), "99.99&nbsp;%");
+        assert_eq!(least_with_unit(412.79), "412&nbsp;mm");
     }
 
     #[test]
-    fn tiny_numbers_are_written_with_powers_and_rounded_up() {
-        assert_eq!(exponent(2.41e-9), "2.5\u{b7}10<sup>\u{2212}9</sup>");
-        assert_eq!(exponent(0.0), "0");
-        assert_eq!(exponent(9.97e-10), "1.0\u{b7}10<sup>\u{2212}9</sup>");
-        assert_eq!(exponent(5e-324), "2.3\u{b7}10<sup>\u{2212}308</sup>");
+    fn tiny_bounds_are_told_in_one_style_and_never_as_nothing() {
+        assert_eq!(upper(Some(2.401e-9)), "2.41e\u{2212}9");
+        assert_eq!(upper(Some(0.0)), "0");
+        assert_eq!(upper(Some(4.9e-306)), "1e\u{2212}12");
+        assert_eq!(upper(Some(f64::from_bits(1))), "1e\u{2212}12");
+    }
+
+    #[test]
+    fn sizes_for_the_shop_keep_a_tenth_of_a_millimetre() {
+        assert_eq!(
+            (size(5135.414), size(12.345_6), size(0.486_095)),
+            ("5135.4".into(), "12.35".into(), "0.4861".into())
+        );
+        assert_eq!(given(0.5), "0.5&nbsp;mm");
     }
 }

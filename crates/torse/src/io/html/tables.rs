@@ -1,21 +1,31 @@
 //! Tables of panels, parts and faces, and the flat layout as inline SVG.
 
-use super::numbers::{exponent, lower, plain, upper, witness};
-use crate::certify::claim::What;
+use super::numbers::{lower, millimetres, number as rounded, plain, size, upper};
+use crate::certify::claim::{Evidence, What};
 use crate::draw::colour;
 use crate::draw::flat::FlatPiece;
 use crate::draw::scene::{titled, NOT_CERTIFIED};
 use crate::geom::unit::SQUARE_METRES;
 use crate::geom::Vec2;
-use crate::io::json::{value, FigureRecord, PanelRecord, PartRecord, Report, UNKNOWN};
+use crate::io::json::{value, FigureRecord, JointRecord, PanelRecord, PartRecord, Report, UNKNOWN};
 use crate::io::markup::escape;
-use crate::io::words::{counted, id};
+use crate::io::words::numbers::is_endless;
+use crate::io::words::{counted, evidence, id};
 use crate::io::{bend_table, bends, shop_tables};
 use crate::torse::form::PanelKind;
 use std::fmt::Write;
 
-/// Smaller numbers are written with powers of ten.
-const TINY: f64 = 1e-3;
+/// Digits of what is counted or given.
+const GIVEN_DIGITS: usize = 9;
+
+/// What the kind of the most general panels means, where there are such panels.
+pub(super) fn kinds(report: &Report) -> String {
+    if report.panels.iter().all(|p| p.kind != PanelKind::Torse.name()) {
+        return String::new();
+    }
+    " A torse is a developable that is neither plane nor cylinder nor cone: its rulings are the tangents of a curve."
+        .into()
+}
 
 /// Heading of a figure in the table of panels.
 fn heading(f: &FigureRecord) -> String {
@@ -73,12 +83,7 @@ fn panel_row(index: usize, panel: &PanelRecord, columns: &[&FigureRecord], repor
     let name = escape(&titled(&panel.name, !panel.certified));
     cell("name", &name, &format!("<i style=\"background:{swatch}\"></i>{name}"));
     if let Some(face) = panel.face {
-        let name = match report.faces.get(face) {
-            Some(f) if f.name.is_empty() => format!("#{}", f.entity),
-            Some(f) => f.name.clone(),
-            None => String::new(),
-        };
-        cell("", &format!("{face:06}"), &escape(&name));
+        cell("", &format!("{face:06}"), &escape(&face_name(report, face)));
     }
     cell("", &escape(&panel.kind), &escape(&panel.kind));
     for column in columns {
@@ -99,42 +104,59 @@ fn panel_row(index: usize, panel: &PanelRecord, columns: &[&FigureRecord], repor
     let verdict = if panel.certified {
         "<span class=\"yes\">\u{2713} yes</span>".to_string()
     } else {
-        format!("<span class=\"no\">no</span> <span class=\"why\">{}{}</span>", escape(&panel.reason), witness(panel))
+        format!("<span class=\"no\">no</span> <span class=\"why\">{}</span>", escape(&panel.reason))
     };
     cell("verdict", if panel.certified { "1" } else { "0" }, &verdict);
     row + "</tr>"
 }
 
-/// A figure for people: bounds rounded to the safe side, powers of ten where it is tiny.
+/// What a face is called: by its name, else by its number in the file.
+pub(super) fn face_name(report: &Report, face: usize) -> String {
+    match report.faces.get(face) {
+        Some(f) if f.name.is_empty() => format!("#{}", f.entity),
+        Some(f) => f.name.clone(),
+        None => String::new(),
+    }
+}
+
+/// A figure for people: bounds rounded to the safe side, and no radius where there is no bend.
 pub(super) fn number(f: &FigureRecord) -> String {
+    let endless = f.value.is_none_or(is_endless);
     match f.value {
         None if f.basis == UNKNOWN => "unknown".into(),
         // Of planes, or of cylinders.
-        None if [What::RegressionClearance, What::BendRadius].map(id).contains(&f.what.as_str()) => "none".into(),
+        _ if endless && f.what == id(What::BendRadius) => "no bend".into(),
+        _ if endless && f.what == id(What::RegressionClearance) => "none".into(),
         None => "\u{221e}".into(),
         Some(x) if f.bound == "lower" => lower(Some(x)),
-        Some(x) if x != 0.0 && x.abs() < TINY => {
-            let sign = if x < 0.0 { "\u{2212}" } else { "" };
-            format!("{sign}{}", exponent(x.abs()))
-        }
         Some(x) if f.bound == "upper" => upper(Some(x)),
-        Some(x) => plain(x, 6),
+        Some(x) if f.basis == evidence(Evidence::Given) => plain(x, GIVEN_DIGITS),
+        Some(x) => rounded(x),
     }
 }
 
 /// Rows of the table of parts.
 pub(super) fn parts(report: &Report) -> String {
-    let cell = |x: Option<f64>, unit: f64| x.map_or_else(|| "\u{2014}".to_string(), |x| plain(x * unit, 6));
+    let none = || "\u{2014}".to_string();
+    let sized = |x: Option<f64>| x.map_or_else(none, size);
+    let cell = |x: Option<f64>, unit: f64| x.map_or_else(none, |x| rounded(x * unit));
     // What is proven goes before what was measured.
     let error = |bound: Option<f64>, measured: Option<f64>| match (bound, measured) {
-        (Some(x), _) => format!("\u{2264} {}", exponent(x)),
-        (None, Some(x)) => format!("{} measured", exponent(x)),
+        (Some(x), _) => format!("\u{2264} {}", upper(Some(x))),
+        (None, Some(x)) => format!("{} measured", rounded(x)),
         (None, None) => "\u{2014}".into(),
     };
     let remark = |p: &PartRecord| match (p.same_as.as_str(), p.mirrored) {
         ("", _) => p.missing.clone(),
         (name, false) => format!("same as {name}"),
         (name, true) => format!("same as {name} turned over"),
+    };
+    // Which part of a model with several it is.
+    let several = report.parts.iter().any(|p| p.source != report.parts[0].source);
+    let remark = |p: &PartRecord| match remark(p) {
+        rest if !several || p.source.is_empty() => rest,
+        rest if rest.is_empty() => format!("of {}", p.source),
+        rest => format!("of {}; {rest}", p.source),
     };
     let quantity = |p: &PartRecord| match (p.quantity, p.quantity_turned_over) {
         (n, 0) => n.to_string(),
@@ -149,11 +171,11 @@ pub(super) fn parts(report: &Report) -> String {
             escape(&titled(&p.name, !p.certified)),
             p.panels.len(),
             quantity(p),
-            cell(p.length, 1.0),
-            cell(p.width, 1.0),
+            sized(p.length),
+            sized(p.width),
             cell(p.flat_area, SQUARE_METRES),
             cell(p.area, SQUARE_METRES),
-            cell(p.cut_length, 1.0),
+            sized(p.cut_length),
             p.pierces,
             cell(p.weight_kg, 1.0),
             error(p.strain_bound, p.isometry_error),
@@ -170,11 +192,11 @@ pub(super) fn points(report: &Report, map: Option<(String, usize)>, limit: f64) 
     let Some((image, outside)) = map else { return String::new() };
     let mut words = format!(
         "Every measured point with its own distance from the strips; points beyond {}&nbsp;mm are larger and magenta.",
-        plain(limit, 4)
+        rounded(limit)
     );
     if let Some(w) = &report.worst_point {
         let place = w.place.map(|x| plain(x, 7)).join(", ");
-        let far = w.deviation.map_or_else(|| "infinitely".into(), |d| format!("{}&nbsp;mm", plain(d.abs(), 4)));
+        let far = w.deviation.map_or_else(|| "infinitely".into(), |d| millimetres(d.abs()));
         let _ = write!(words, " The farthest is point {} at ({place}), {far} away.", w.index);
     }
     if outside > 0 {
@@ -217,8 +239,8 @@ pub(super) fn shapes(report: &Report, picture: Option<String>) -> String {
             escape(&s.part),
             swatch(&s.shape),
             escape(&s.shape),
-            plain(s.turn, 4),
-            exponent(s.residual),
+            rounded(s.turn),
+            rounded(s.residual),
         );
     }
     let picture = picture.map_or_else(String::new, |p| format!("<img src=\"{p}\" alt=\"Strips coloured by shape\">"));
@@ -236,14 +258,14 @@ pub(super) fn faces(report: &Report) -> String {
     let mut out = String::from(
         "<section class=\"card\" id=\"faces\"><h2>Faces</h2><div class=\"scroll\"><table><thead><tr><th>Entity</th>\
          <th>Name</th><th>Part</th><th>Surface</th><th class=\"number\">Panels</th><th class=\"number\">Covered</th>\
-         <th class=\"number\">Edges read to</th><th class=\"number\">Surface read to</th></tr></thead><tbody>",
+         <th class=\"number\">Edges read to (mm)</th><th class=\"number\">Surface read to (mm)</th></tr></thead><tbody>",
     );
     for face in &report.faces {
         let numbers = match &face.joined[..] {
             [] => format!("#{}", face.entity),
             parts => parts.iter().map(|p| format!("#{}", p.entity)).collect::<Vec<_>>().join(" + "),
         };
-        let estimate = |x: Option<f64>| x.map_or_else(|| "?".into(), |x| plain(x, 2));
+        let estimate = |x: Option<f64>| x.map_or_else(|| "?".into(), rounded);
         let _ = write!(
             out,
             "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td class=\"number\">{}</td><td class=\"number\">{} %</td>\
@@ -284,12 +306,30 @@ pub(super) fn seams(report: &Report) -> String {
              <td class=\"number\">{} to {}</td></tr>",
             s.number.map_or_else(String::new, |n| format!("S{n}")),
             upper(s.gap_bound),
-            s.seam_length.map_or_else(|| "?".into(), |x| plain(x, 5)),
-            plain(s.kink_deg[0], 3),
-            plain(s.kink_deg[1], 3),
+            s.seam_length.map_or_else(|| "?".into(), size),
+            rounded(s.kink_deg[0]),
+            rounded(s.kink_deg[1]),
         );
     }
     out + "</tbody></table></div></details>"
+}
+
+/// The table of joints between parts, if there are any.
+pub(super) fn joints(report: &Report) -> String {
+    if report.joints.is_empty() {
+        return String::new();
+    }
+    let row = |j: &JointRecord| {
+        let [a, b] = j.between.each_ref().map(|name| escape(name));
+        let between = if a == b { format!("{a}, with itself") } else { format!("{a} \u{2013} {b}") };
+        format!("<tr><td>{}</td><td>{between}</td><td class=\"number\">{}</td></tr>", escape(&j.name), j.marks)
+    };
+    let rows: String = report.joints.iter().map(row).collect();
+    format!(
+        "<details open><summary>Joints</summary><p class=\"quiet\">Borders that meet carry marks with the same labels on both \
+         sides: J1.1, J1.2, \u{2026} along joint J1.</p><div class=\"scroll\"><table><thead><tr><th>Joint</th><th>Between</th>\
+         <th class=\"number\">Marks on each side</th></tr></thead><tbody>{rows}</tbody></table></div></details>"
+    )
 }
 
 /// The table of joins, if there are any.
@@ -368,7 +408,7 @@ pub(super) fn skipped(report: &Report) -> String {
     let mut out = String::from("<h3>Left out</h3><ul class=\"missing\">");
     for item in &report.skipped {
         let area = match (item.entity, item.area_estimate) {
-            (_, Some(a)) => format!(" (about {} mm\u{b2})", plain(a, 4)),
+            (_, Some(a)) => format!(" (about {} mm\u{b2})", rounded(a)),
             (Some(_), None) => " (area unknown)".into(),
             (None, None) => String::new(),
         };
@@ -462,6 +502,31 @@ mod tests {
         let rows = panels(&sample());
         assert_eq!(rows.matches("<tr ").count(), 2);
         assert!(rows.contains("data-value=\"9.5e-1\""));
+    }
+
+    #[test]
+    fn planes_do_not_bend_and_tiny_numbers_are_not_told_to_the_last() {
+        let mut f = sample().panels[0].figures[3].clone();
+        assert_eq!(number(&f), "240");
+        for value in [Some(4.676e155), None] {
+            f.value = value;
+            assert_eq!(number(&f), "no bend");
+        }
+        let mut twist = sample().panels[0].figures[1].clone();
+        twist.value = Some(4.9e-306);
+        assert_eq!(number(&twist), "1e\u{2212}12");
+        (twist.value, twist.basis, twist.bound) = (Some(12_345.0), "given".into(), String::new());
+        assert_eq!(number(&twist), "12345");
+    }
+
+    #[test]
+    fn joints_name_the_parts_that_they_join() {
+        let mut report = sample();
+        assert!(joints(&report).contains("<td>J1</td><td>A-01 \u{2013} A-02</td><td class=\"number\">3</td>"));
+        report.joints[0].between[1] = "A-01".into();
+        assert!(joints(&report).contains("A-01, with itself"));
+        report.joints.clear();
+        assert_eq!(joints(&report), "");
     }
 
     #[test]

@@ -1,12 +1,13 @@
 //! The certificate in plain words: what is proven, what is only measured, what needs care.
 
-use super::numbers::{bound_with_unit, exponent, lower, millimetres, percent, plain, upper, witness};
+use super::numbers::{bound_with_unit, given, least_with_unit, millimetres, number, percent, upper};
 use super::tables;
 use crate::certify::claim::What;
 use crate::geom::unit::SQUARE_METRES;
 use crate::io::json::{value, FigureRecord, PanelRecord, PartRecord, Report};
 use crate::io::markup::escape;
 use crate::io::words;
+use crate::io::words::numbers::is_endless;
 use std::collections::{HashMap, HashSet};
 use std::fmt::Write;
 
@@ -75,7 +76,7 @@ pub(super) fn cover_figures(report: &Report) -> String {
     item(
         "Largest distance",
         if above { format!("<span class=\"no\">{distance}</span>") } else { distance },
-        format!("tolerance {}", millimetres(report.tolerance)),
+        format!("tolerance {}", given(report.tolerance)),
     );
     let faces = match report.faces.len() {
         1 => "1 face".into(),
@@ -87,18 +88,21 @@ pub(super) fn cover_figures(report: &Report) -> String {
         false => (percent(coverage(report)), "of the area of the faces"),
     };
     item("Covered", share, of.into());
-    item("Seam gap", bound_with_unit(value(&report.figures, What::SeamGap)), "at most, between neighbours".into());
-    let radius = least(report, |p| value(&p.figures, What::BendRadius));
+    let gap = value(&report.figures, What::SeamGap);
+    if !(report.seams.is_empty() && gap == Some(0.0)) {
+        item("Seam gap", bound_with_unit(gap), "at most, between neighbours".into());
+    }
+    let radius = least(report, |p| value(&p.figures, What::BendRadius)).filter(|(r, _)| !is_endless(*r));
     item(
         "Tightest bend",
-        radius.map_or_else(|| "\u{2014}".into(), |(r, _)| format!("{}&nbsp;mm", lower(Some(r)))),
+        radius.map_or_else(|| "\u{2014}".into(), |(r, _)| least_with_unit(r)),
         radius.map_or_else(|| "all panels plane".into(), |(_, p)| format!("radius, panel {}", escape(&p.name))),
     );
     let flat: f64 = report.parts.iter().filter_map(|p| p.flat_area).sum();
     item(
         "Sheet",
-        format!("{}&nbsp;m\u{b2}", plain(flat * SQUARE_METRES, 4)),
-        format!("net; made in {} s", plain(report.seconds, 2)),
+        format!("{}&nbsp;m\u{b2}", number(flat * SQUARE_METRES)),
+        format!("net; made in {} s", number(report.seconds)),
     );
     out
 }
@@ -106,7 +110,7 @@ pub(super) fn cover_figures(report: &Report) -> String {
 /// The certificate as paragraphs and lists.
 pub(super) fn certificate(report: &Report) -> String {
     let mut out = String::new();
-    let tolerance = millimetres(report.tolerance);
+    let tolerance = given(report.tolerance);
     if report.certified() {
         let _ = write!(
             out,
@@ -149,15 +153,17 @@ fn proven(report: &Report) -> String {
         items.push(format!(
             "<b>Developability:</b> {scope}along no ruling does the tangent plane turn by more than {}\u{b0} (panel \
              {}); an exactly developable surface has 0.",
-            exponent(angle),
+            upper(Some(angle)),
             escape(&panel.name),
         ));
     }
-    match least(report, |p| value(&p.figures, What::RegressionClearance).filter(|_| p.certified)) {
+    let clearance =
+        |p: &PanelRecord| value(&p.figures, What::RegressionClearance).filter(|x| p.certified && !is_endless(*x));
+    match least(report, clearance) {
         Some((clearance, panel)) => items.push(format!(
-            "<b>Regularity:</b> {scope}none comes nearer than {}&nbsp;mm, measured along its rulings, to its curve of \
+            "<b>Regularity:</b> {scope}none comes nearer than {}, measured along its rulings, to its curve of \
              regression, where a developable surface has a sharp edge (nearest: panel {}).",
-            lower(Some(clearance)),
+            least_with_unit(clearance),
             escape(&panel.name),
         )),
         None if bad == 0 && good > 0 => {
@@ -165,11 +171,12 @@ fn proven(report: &Report) -> String {
         }
         None => {}
     }
-    if let Some(gap) = value(&report.figures, What::SeamGap) {
+    // Without seams there is nothing to say of them.
+    if let Some(gap) = value(&report.figures, What::SeamGap).filter(|_| !report.seams.is_empty()) {
         items.push(format!(
-            "<b>Seams:</b> the two sides of a seam are nowhere more than {}&nbsp;mm apart; {} of {} seams are exact, with \
+            "<b>Seams:</b> the two sides of a seam are nowhere more than {} apart; {} of {} seams are exact, with \
              one common edge.",
-            upper(Some(gap)),
+            bound_with_unit(Some(gap)),
             report.seams.iter().filter(|s| s.joint == "exact").count(),
             report.seams.len(),
         ));
@@ -180,7 +187,7 @@ fn proven(report: &Report) -> String {
     if let (Some(strain), Some(off)) = (flat(report, |p| p.strain_bound), flat(report, |p| p.drawing_bound)) {
         items.push(format!(
             "<b>Flat patterns:</b> no length on a flat part differs from that on its panel by more than {} of it; outlines, rulings and marks as drawn are nowhere more than {} from where they belong.",
-            exponent(strain),
+            upper(Some(strain)),
             bound_with_unit(Some(off)),
         ));
     }
@@ -228,7 +235,10 @@ fn unproven(report: &Report) -> String {
     // What panels say of themselves follows one by one.
     let mut missing: Vec<String> = report.beside_panels.iter().map(|o| escape(o)).collect();
     for panel in report.panels.iter().filter(|p| !p.certified) {
-        missing.push(format!("Panel {}: {}{}", link(panel, report), escape(&panel.reason), witness(panel)));
+        // The reason tells the place.
+        let face = panel.face.map(|f| tables::face_name(report, f)).filter(|name| !name.is_empty());
+        let on = face.map_or_else(String::new, |name| format!(" on face {}", escape(&name)));
+        missing.push(format!("Panel {}{on}: {}", link(panel, report), escape(&panel.reason)));
     }
     if coverage(report) < 1.0 {
         missing.push(format!("The panels cover {} of the area of the faces.", percent(coverage(report))));
@@ -244,7 +254,7 @@ fn unproven(report: &Report) -> String {
     }
     let mut measured = Vec::new();
     if let Some(error) = unproven_flat(report, |p| p.isometry_error) {
-        measured.push(format!("Flat patterns keep lengths to {} (largest relative error measured).", exponent(error)));
+        measured.push(format!("Flat patterns keep lengths to {} (largest relative error measured).", number(error)));
     }
     if let Some(error) = unproven_flat(report, |p| p.contour_error) {
         measured
@@ -264,7 +274,7 @@ fn unproven(report: &Report) -> String {
             "{joined} faces of the file go on smoothly across common edges (angles measured at samples) and were covered as {}; \
              what joining moved, at most {}, is part of every bound.",
             report.faces.iter().filter(|f| !f.joined.is_empty()).count(),
-            millimetres(moved),
+            bound_with_unit(Some(moved)),
         ));
     }
     measured.push("Thickness, spring-back and cutting width of the real sheet are not part of this report.".into());
@@ -321,7 +331,7 @@ pub(super) fn result(report: &Report) -> String {
         format!(
             "The result meets the tolerance of {}. Figures marked <i>proven</i> hold for every point, those marked \
              <i>measured</i> for samples.",
-            millimetres(report.tolerance)
+            given(report.tolerance)
         )
     } else {
         format!(
@@ -341,7 +351,7 @@ fn most(report: &Report, value: impl Fn(&PanelRecord) -> Option<f64>) -> Option<
     report.panels.iter().filter_map(|p| Some((value(p)?, p))).max_by(|a, b| a.0.total_cmp(&b.0))
 }
 
-fn least(report: &Report, value: fn(&PanelRecord) -> Option<f64>) -> Option<(f64, &PanelRecord)> {
+fn least(report: &Report, value: impl Fn(&PanelRecord) -> Option<f64>) -> Option<(f64, &PanelRecord)> {
     report.panels.iter().filter_map(|p| Some((value(p)?, p))).min_by(|a, b| a.0.total_cmp(&b.0))
 }
 
@@ -399,6 +409,18 @@ mod tests {
         assert_eq!(text.matches("of the certified panels").count(), 2);
         report.panels[0].certified = false;
         assert!(!proven(&report).contains("Regularity"));
+    }
+
+    #[test]
+    fn seams_are_told_of_where_there_are_some() {
+        let mut report = sample();
+        assert!(proven(&report).contains("Seams") && cover_figures(&report).contains("Seam gap"));
+        report.seams.clear();
+        set(&mut report.figures, What::SeamGap, Some(0.0));
+        assert!(!proven(&report).contains("Seams") && !cover_figures(&report).contains("Seam gap"));
+        // That a gap is not known is told all the same.
+        set(&mut report.figures, What::SeamGap, None);
+        assert!(cover_figures(&report).contains("Seam gap"));
     }
 
     #[test]

@@ -1,9 +1,11 @@
 //! The record of an answer.
 
 use super::{
-    AlongRecord, FaceRecord, FacetsRecord, FigureRecord, JoinRecord, JoinedRecord, PanelRecord, PartRecord,
-    PointRecord, Report, SeamRecord, ShapeRecord, SkippedRecord, WitnessRecord, WrittenRecord, SCHEMA, UNKNOWN,
+    AlongRecord, FaceRecord, FacetsRecord, FigureRecord, JoinRecord, JoinedRecord, JointRecord, PanelRecord,
+    PartRecord, PointRecord, Report, SeamRecord, ShapeRecord, SkippedRecord, WitnessRecord, WrittenRecord, SCHEMA,
+    UNKNOWN,
 };
+use crate::answer::joints::joints;
 use crate::answer::note::Note;
 use crate::answer::presentation::Presentation;
 use crate::answer::shapes::Shape;
@@ -62,6 +64,7 @@ impl Report {
             panels: panel_records(answer, shown, &curves),
             parts: part_records(answer, shown),
             seams: seam_records(answer),
+            joints: joint_records(answer),
             joins: join_records(answer),
             along: along.collect(),
             shapes: shown.shapes.iter().map(|s| shape_record(s, answer)).collect(),
@@ -71,6 +74,13 @@ impl Report {
                 .collect(),
         }
     }
+}
+
+/// The joints that marks on patterns tell of.
+fn joint_records(answer: &Answer) -> Vec<JointRecord> {
+    let name = |k: usize| answer.patterns.get(k).map_or_else(String::new, |p| p.name.clone());
+    let all = joints(&answer.patterns).into_iter();
+    all.map(|j| JointRecord { name: j.name, between: j.between.map(name), marks: j.marks }).collect()
 }
 
 /// The joins of a composite, those first that come nearest to what is asked of them.
@@ -261,6 +271,7 @@ fn part_records(answer: &Answer, shown: &Presentation) -> Vec<PartRecord> {
             PartRecord {
                 name: part.name.clone(),
                 panels: panels.map(|p| p.strip.name.clone()).collect(),
+                source: answer.sources_of(k).join(" + "),
                 certified: !shown.marks.parts.get(k).copied().unwrap_or(true),
                 missing: part.missing.clone().map_or_else(String::new, |m| words::why(&m.into())),
                 area: drawn(|p| p.area_in_space),

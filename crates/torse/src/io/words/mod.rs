@@ -229,10 +229,13 @@ pub fn unit(what: What) -> &'static str {
     }
 }
 
-/// The claims of the whole with their names, for a few lines: of several joins, the worst in every respect stand for all.
+/// The claims of the whole with their names, for a few lines: of several joins, the worst in every respect stand for all; of
+/// seams, nothing where there are none.
 pub fn whole(answer: &Answer) -> Vec<(&Claim, String)> {
     let curves: Vec<String> = answer.guides.iter().map(|g| g.name.clone()).collect();
-    let all: Vec<&Claim> = answer.claims_of(Subject::Whole).collect();
+    let seamless = answer.patchwork.seam_count == 0;
+    let empty = |c: &&Claim| seamless && c.what() == What::SeamGap && c.value() == 0.0;
+    let all: Vec<&Claim> = answer.claims_of(Subject::Whole).filter(|c| !empty(c)).collect();
     let group = |c: &Claim| join_group(id(c.what()), c.demand() != Demand::None);
     let mut out: Vec<(&Claim, String)> = Vec::new();
     let mut told = HashSet::new();
@@ -277,7 +280,7 @@ pub fn value(c: &Claim) -> String {
     match c.what() {
         _ if c.is_unknown() => return "unknown".into(),
         // Of planes, or of cylinders.
-        What::RegressionClearance | What::BendRadius if x.is_infinite() => return "none".into(),
+        What::RegressionClearance | What::BendRadius if numbers::is_endless(x) => return "none".into(),
         _ if x.is_infinite() => return "unknown".into(),
         What::Coverage => return numbers::percent_least(x),
         _ => {}
@@ -309,10 +312,27 @@ pub fn evidence(evidence: Evidence) -> &'static str {
 /// All that stands against a status, once each: what broken claims have to say; empty if none is broken.
 pub(crate) fn objections(claims: &[Claim], curves: &[String]) -> Vec<String> {
     let mut seen = HashSet::new();
-    let mut out: Vec<String> =
-        claims.iter().filter(|c| c.is_broken()).map(|c| said(c).unwrap_or_else(|| beyond(c, curves))).collect();
+    let mut out: Vec<String> = against(claims).map(|c| said(c).unwrap_or_else(|| beyond(c, curves))).collect();
     out.retain(|r| seen.insert(r.clone()));
     out
+}
+
+/// The broken claims, without those of panels of which the whole says the same by name.
+fn against(claims: &[Claim]) -> impl Iterator<Item = &Claim> + Clone {
+    let broken = claims.iter().filter(|c| c.is_broken());
+    let named: HashSet<String> = broken
+        .clone()
+        .filter_map(|c| match c.reason() {
+            Some(Reason::Of(Item::Panel(_), reason)) => Some(why(reason)),
+            _ => None,
+        })
+        .collect();
+    let told = move |c: &Claim| {
+        matches!(c.subject(), Subject::Panel(_))
+            && !named.is_empty()
+            && said(c).is_some_and(|words| named.contains(&words))
+    };
+    broken.filter(move |c| !told(c))
 }
 
 /// Those [`objections`] that no panel says of itself: neither those about a panel nor those that name one.
@@ -325,10 +345,10 @@ pub(crate) fn objections_beside_panels(claims: &[Claim], curves: &[String]) -> V
 
 /// Why a result is not certified: what broken claims have to say; empty if none is broken.
 pub fn reason(claims: &[Claim], curves: &[String]) -> String {
-    let broken = || claims.iter().filter(|c| c.is_broken());
-    let all: Vec<String> = broken().filter_map(said).collect();
+    let broken = against(claims);
+    let all: Vec<String> = broken.clone().filter_map(said).collect();
     match all.is_empty() {
-        true => broken().next().map(|c| beyond(c, curves)).unwrap_or_default(),
+        true => broken.clone().next().map(|c| beyond(c, curves)).unwrap_or_default(),
         false => told(all),
     }
 }
@@ -340,7 +360,6 @@ fn said(claim: &Claim) -> Option<String> {
 
 /// Sentences one after the other, once each; those beyond [`TOLD`] are counted.
 fn told(mut all: Vec<String>) -> String {
-    // What is said of the whole comes first and often names the panel; what a panel says of itself is repeated.
     let mut seen = HashSet::new();
     all.retain(|r| seen.insert(r.clone()));
     let rest = all.len().saturating_sub(TOLD);
@@ -445,6 +464,27 @@ mod tests {
         assert!(text.starts_with("reason 0; reason 1") && text.ends_with("and 2 more"), "{text}");
         assert_eq!(text.matches("reason 0").count(), 1);
         assert_eq!(reason(&[], &[]), "");
+    }
+
+    #[test]
+    fn what_the_whole_says_of_a_panel_by_name_is_not_repeated() {
+        let far = || Reason::Input("the face is 2 mm away".into());
+        let named = Claim::objection(Subject::Whole, Reason::of(Item::Panel("A-01".into()), far()));
+        let own = Claim::objection(Subject::Panel(0), far());
+        let other = Claim::objection(Subject::Panel(1), Reason::Input("it folds".into()));
+        let all = [named, own.clone(), other];
+        assert_eq!(reason(&all, &[]), "panel A-01: the face is 2 mm away; it folds");
+        assert_eq!(objections(&all, &[]), ["panel A-01: the face is 2 mm away", "it folds"]);
+        assert_eq!(reason(&[own], &[]), "the face is 2 mm away");
+    }
+
+    #[test]
+    fn what_hardly_bends_does_not_bend() {
+        let radius = |x: f64| value(&Claim::measured(What::BendRadius, Subject::Whole, x));
+        assert_eq!(
+            (radius(f64::INFINITY), radius(4.676e155), radius(1250.0)),
+            ("none".into(), "none".into(), "1250 mm".into())
+        );
     }
 
     #[test]

@@ -7,6 +7,11 @@ use crate::geom::Vec3;
 /// Digits of numbers in sentences.
 const DIGITS: usize = 3;
 
+/// Bounds (mm, degrees or shares of a length) below which nobody asks how small they are.
+const NOTHING: f64 = 1e-12;
+/// Radii and distances (mm) from which there is no bend and no edge: a thousand kilometres.
+const ENDLESS: f64 = 1e9;
+
 /// Areas (mm²) from which square metres are told.
 const SMALL: f64 = 1e4;
 
@@ -27,7 +32,7 @@ pub(in crate::io) fn plain(x: f64, digits: usize) -> String {
 }
 
 /// A plain number.
-pub(super) fn number(x: f64) -> String {
+pub(in crate::io) fn number(x: f64) -> String {
     plain(x, DIGITS)
 }
 
@@ -36,9 +41,17 @@ pub(in crate::io) fn length(x: f64) -> String {
     format!("{} mm", number(x))
 }
 
-/// A proven bound, rounded up.
-pub(super) fn number_bound(x: f64) -> String {
+/// A proven bound, rounded up; what is next to nothing is told as [`NOTHING`], which is not below it.
+pub(in crate::io) fn number_bound(x: f64) -> String {
+    if x > 0.0 && x < NOTHING {
+        return format!("{NOTHING:e}").replace('-', "\u{2212}");
+    }
     number(rounded_up(x))
+}
+
+/// Whether a radius or distance (mm) is so great that there is no bend.
+pub(in crate::io) fn is_endless(x: f64) -> bool {
+    x >= ENDLESS
 }
 
 /// The next number of few digits that is not below.
@@ -51,12 +64,12 @@ fn rounded_up(x: f64) -> f64 {
 }
 
 /// A proven bound from below, rounded down.
-pub(super) fn number_least(x: f64) -> String {
+pub(in crate::io) fn number_least(x: f64) -> String {
     number(-rounded_up(-x))
 }
 
 /// A proven bound from below (mm), rounded down.
-pub(super) fn length_least(x: f64) -> String {
+pub(in crate::io) fn length_least(x: f64) -> String {
     format!("{} mm", number_least(x))
 }
 
@@ -115,6 +128,7 @@ mod tests {
         assert_eq!(number_bound(1.000_01e-9), "1.01e\u{2212}9");
         assert_eq!(number_least(1.999_9e-9), "1.99e\u{2212}9");
         assert_eq!((number_bound(0.0), number_bound(2.0)), ("0".into(), "2".into()));
+        assert_eq!((number_bound(3e-306), number_bound(1.01e-12)), ("1e\u{2212}12".into(), "1.01e\u{2212}12".into()));
     }
 
     #[test]
