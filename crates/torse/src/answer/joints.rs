@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 /// A joint: two borders of faces that meet, or both ends of one that is closed.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct JointMarks {
+pub(crate) struct JointMarks {
     /// What its marks have in common: J3 of J3.1, J3.2, …
     pub name: String,
     /// Indices of the patterns on both sides; twice the same where a part is joined to itself.
@@ -15,7 +15,7 @@ pub struct JointMarks {
 }
 
 /// The joints of which patterns carry marks, by their numbers.
-pub fn joints(patterns: &[Pattern]) -> Vec<JointMarks> {
+pub(crate) fn joints(patterns: &[Pattern]) -> Vec<JointMarks> {
     let mut found: BTreeMap<(usize, &str), Vec<usize>> = BTreeMap::new();
     for (k, pattern) in patterns.iter().enumerate() {
         for mark in pattern.marks.iter().filter(|m| m.on == MarkPlace::Joint) {

@@ -1,6 +1,6 @@
 //! Floor 8: what a job answers with: the one record that files, reports and pictures are made from.
 
-pub mod joints;
+pub(crate) mod joints;
 pub mod marks;
 pub mod note;
 pub mod presentation;

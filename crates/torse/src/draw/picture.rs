@@ -436,7 +436,7 @@ struct Named<'a> {
 const NAMES: std::ops::RangeInclusive<f64> = 9.0..=22.0;
 /// Size of names beside what they name, px.
 const BESIDE: f64 = 13.0;
-/// Space about names beside what they name, px.
+/// Space about names, px.
 const CLEAR: f64 = 3.0;
 
 /// Writes names on what they name, else beside it, below `top` (pixels), with a line to it; beside it at most `most`. What must not
@@ -482,7 +482,7 @@ fn fitting(map: &SightMap, n: &Named, words: bool) -> Option<f64> {
     let mut size = (SHARE * n.place.room.min(breadth)).clamp(least, most);
     loop {
         let (half, down) = name_box(n.name, size, words);
-        if map.is_on(n.owner, n.place.middle + Vec2::new(0.0, down), half) {
+        if map.is_on(n.owner, n.place.middle + Vec2::new(0.0, down), half + Vec2::repeat(CLEAR)) {
             return Some(size);
         }
         if size <= least {
