@@ -181,12 +181,14 @@ fn shape_patches(answer: &Answer, shapes: &[Shape]) -> Vec<ShapePatch> {
         .collect()
 }
 
-/// The names that patterns have in the model, where it consists of several parts with names.
+/// The names that patterns have in the model, where it consists of several parts with names; none where a pattern has the same
+/// name.
 fn sources(answer: &Answer) -> Vec<String> {
     if !answer.has_named_parts() {
         return Vec::new();
     }
-    answer.patterns.iter().map(|p| answer.sources_of(p.panel).join(" + ").to_uppercase()).collect()
+    let named = |p: &Pattern| Some(answer.sources_of(p.panel).join(" + ")).filter(|source| *source != p.name);
+    answer.patterns.iter().map(|p| named(p).map_or_else(String::new, |source| source.to_uppercase())).collect()
 }
 
 /// Every pattern in a drawing of its own, its scale to be checked as in the common one.

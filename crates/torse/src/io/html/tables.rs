@@ -154,7 +154,7 @@ pub(super) fn parts(report: &Report) -> String {
     // Which part of a model with several it is.
     let several = report.parts.iter().any(|p| p.source != report.parts[0].source);
     let remark = |p: &PartRecord| match remark(p) {
-        rest if !several || p.source.is_empty() => rest,
+        rest if !several || p.source.is_empty() || p.source == p.name => rest,
         rest if rest.is_empty() => format!("of {}", p.source),
         rest => format!("of {}; {rest}", p.source),
     };
