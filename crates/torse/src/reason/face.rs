@@ -39,8 +39,8 @@ pub enum FaceReason {
     TooTight {
         /// Entity number of the face.
         entity: u64,
-        /// Attempts given to it.
-        attempts: usize,
+        /// Attempts given to it; `None`: its share of the time.
+        attempts: Option<usize>,
         /// Radius asked for, mm.
         radius: f64,
         /// Panels that it asks for, about.

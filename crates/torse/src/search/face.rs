@@ -39,6 +39,8 @@ const FILLING: Duration = Duration::from_millis(250);
 /// Attempts at covers of a face that limits of bending ask to be cut: what is found at all is found in fewer. Users who want more
 /// of them give a time.
 const LIMITED: usize = 250;
+/// Share of a time that is set that they get then.
+const LIMITED_SHARE: f64 = 0.5;
 /// Fits are judged with this multiple of the distance at their samples, so that the report can state a bound.
 const LOOSE: f64 = 1.2;
 
@@ -65,17 +67,21 @@ impl Wanted<'_> {
         Control::default().until(self.end())
     }
 
-    /// How long a cover of a face is looked for, and why that is no longer: where the user has set no time, but limits that
-    /// hardly any panel of the face keeps to.
+    /// How long a cover of a face is looked for, and why that is no longer: where the user has set limits that hardly any panel
+    /// of the face keeps to. Of a time that is set a part is left for a cover without them.
     fn search(&self, face: &Face, options: &CoverOptions) -> (Control, Option<Reason>) {
-        let radius = options.limits.min_bend_radius.filter(|_| self.control.remaining().is_none());
+        let radius = options.limits.min_bend_radius;
         let needed = radius.and_then(|r| Some((r, bent_panels(face, r, options.tolerance)?)));
         let Some((radius, [along, across])) = needed.filter(|(_, n)| n[0] >= MANY) else {
             return (self.control.clone(), None);
         };
         let (entity, panels) = (face.entity, along * across);
-        let reason = FaceReason::TooTight { entity, attempts: LIMITED, radius, panels };
-        (self.control.clone().within(LIMITED), Some(reason.into()))
+        let control = self.control.clone();
+        let (control, attempts) = match control.remaining() {
+            None => (control.within(LIMITED), Some(LIMITED)),
+            Some(left) => (control.until(Instant::now() + left.mul_f64(LIMITED_SHARE)), None),
+        };
+        (control, Some(FaceReason::TooTight { entity, attempts, radius, panels }.into()))
     }
 
     /// Whether a job was asked to stop and its time for stopgaps is up: no face should be begun.
@@ -286,4 +292,43 @@ fn filled(index: usize, face: &Face, mut state: State, whole: f64) -> Built {
     let worst = state.panels.values().map(|fit| fit.error).fold(0.0, f64::max);
     let tolerance = if worst.is_finite() { whole.max(LOOSE * worst) } else { whole };
     build_until(index, face, &state, tolerance, &Control::default().until(Instant::now() + FILLING)).0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geom::Vec3;
+    use crate::spline::{knots::Knots, surface::Surface};
+
+    #[test]
+    fn limits_that_hardly_any_panel_keeps_leave_time_for_a_cover_without_them() {
+        // A dome of about 25 mm radius both ways.
+        let k = Knots::clamped(2, &[0.0, 1.0]).expect("knots");
+        let rise = [0.0, 4.0, 0.0];
+        let points: Vec<Vec3> = (0..9)
+            .map(|i| Vec3::new(10.0 * f64::from(i / 3), 10.0 * f64::from(i % 3), 0.0))
+            .enumerate()
+            .map(|(i, p)| p + Vec3::z() * (rise[i / 3] + rise[i % 3]))
+            .collect();
+        let face = Face::untrimmed(Surface::new(k.clone(), k, &points, None).expect("surface"));
+        let asked = |min_bend_radius: Option<f64>| CoverOptions {
+            tolerance: 0.01,
+            max_panels: usize::MAX,
+            facets: false,
+            limits: Limits { min_bend_radius, ..Limits::default() },
+            layout: Layout::default(),
+        };
+        let options = asked(Some(1e3));
+        let searched = |control: &Control, options: &CoverOptions| {
+            let deadline = OnceLock::new();
+            Wanted { options: options.clone(), meet: false, control, deadline }.search(&face, options)
+        };
+        let (control, why) = searched(&Control::default().until(Instant::now() + Duration::from_secs(1000)), &options);
+        let left = control.remaining().expect("a time");
+        assert!(why.is_some() && left < Duration::from_secs(510) && left > Duration::from_secs(400), "{left:?}");
+        let (control, why) = searched(&Control::default(), &options);
+        assert!(why.is_some() && control.remaining().is_none());
+        let (_, why) = searched(&Control::default(), &asked(None));
+        assert!(why.is_none());
+    }
 }

@@ -25,11 +25,17 @@ pub(super) fn words(reason: &FaceReason) -> String {
             )
         }
         FaceReason::PanelsLeftOut { count, first } => format!("{count} panels are left out, the first {}", why(first)),
-        FaceReason::TooTight { entity, attempts, radius, panels } => format!(
-            "face #{entity}: no cover was found in {attempts} attempts whose panels bend with a radius of {radius} mm or more: the \
-             face asks for about {panels:.0} panels then; it is covered with panels that bend more sharply; a smaller radius or a \
-             larger tolerance would help, or more attempts (--time-limit 10min)"
-        ),
+        FaceReason::TooTight { entity, attempts, radius, panels } => {
+            let (given, more) = match attempts {
+                Some(n) => (format!("{n} attempts"), "attempts (--time-limit 10min)"),
+                None => ("half of the time".into(), "time"),
+            };
+            format!(
+                "face #{entity}: no cover was found in {given} whose panels bend with a radius of {radius} mm or more: the face \
+                 asks for about {panels:.0} panels then; it is covered with panels that bend more sharply; a smaller radius or a \
+                 larger tolerance would help, or more {more}"
+            )
+        }
         FaceReason::Trim { entity, edge, bound } => {
             let far = length_bound(*bound);
             format!("face #{entity}: the trim is only proven to keep to the file's edges within {far} (edge #{edge})")
