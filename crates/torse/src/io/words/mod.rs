@@ -285,15 +285,20 @@ pub fn value(c: &Claim) -> String {
         What::Coverage => return numbers::percent_least(x),
         _ => {}
     }
-    let shown = match c.evidence() {
+    match unit(c.what()) {
+        "" => digits(c),
+        unit => format!("{} {unit}", digits(c)),
+    }
+}
+
+/// The digits of what a claim says.
+fn digits(c: &Claim) -> String {
+    let x = c.value();
+    match c.evidence() {
         Evidence::Proven if c.is_lower_bound() => numbers::number_least(x),
         Evidence::Proven => numbers::number_bound(x),
         Evidence::Measured => numbers::number(x),
         Evidence::Given => numbers::plain(x, GIVEN_DIGITS),
-    };
-    match unit(c.what()) {
-        "" => shown,
-        unit => format!("{shown} {unit}"),
     }
 }
 
@@ -377,13 +382,14 @@ fn beyond(claim: &Claim, curves: &[String]) -> String {
         unit => format!(" {unit}"),
     };
     let name = name(claim, curves);
+    let asked = |limit: f64| numbers::plain(limit, GIVEN_DIGITS);
     match claim.demand() {
         _ if claim.evidence() == Evidence::Measured => format!("{name}: only measured, not proven"),
         Demand::AtMost(limit) if claim.value().is_finite() => {
-            format!("{name}: {}{unit} where {limit}{unit} are allowed", claim.value())
+            format!("{name}: {}{unit} where {}{unit} are allowed", digits(claim), asked(limit))
         }
         Demand::AtLeast(limit) if claim.value().is_finite() => {
-            format!("{name}: {}{unit} where {limit}{unit} are wanted", claim.value())
+            format!("{name}: {}{unit} where {}{unit} are wanted", digits(claim), asked(limit))
         }
         _ => format!("{name}: no bound could be shown"),
     }
@@ -493,5 +499,8 @@ mod tests {
         assert_eq!(reason(&[measured], &["low.csv".into()]), "from low.csv: only measured, not proven");
         let given = Claim::count(Counted::Beyond, Subject::Whole, 3).within(0.0);
         assert_eq!(reason(&[given], &[]), "beyond the tolerance: 3 where 0 are allowed");
+        // What is counted keeps its digits.
+        let many = Claim::count(Counted::Beyond, Subject::Whole, 12_345).within(0.5);
+        assert_eq!(reason(&[many], &[]), "beyond the tolerance: 12345 where 0.5 are allowed");
     }
 }
