@@ -291,7 +291,7 @@ type Line<'a> = (&'a str, f64, f64);
 
 /// The words in the free circle of a part: its name, its name in the model, the job, from where it is seen and how large it is;
 /// and across it that it must not be cut. They shrink together until they are clear of cuts and marks; where they never are,
-/// each is left out that is not.
+/// each is left out that is not, but for the words that it must not be cut.
 fn words(
     labels: &mut Labels,
     pattern: &Pattern,
@@ -313,7 +313,11 @@ fn words(
         return;
     }
     for line in &all {
-        labels.put(line.0, SHRUNK.map(|share| stood(*line, share).1));
+        let places = SHRUNK.map(|share| stood(*line, share).1);
+        // That it must not be cut is said at any price.
+        if !labels.put(line.0, places) && line.0 == NOT_CERTIFIED {
+            labels.write(line.0, &places[SHRUNK.len() - 1]);
+        }
     }
 }
 
