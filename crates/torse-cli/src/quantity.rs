@@ -133,13 +133,9 @@ fn place(text: &str) -> Result<f64, String> {
 /// Reads a plane such as `x=1200mm`.
 pub fn section(text: &str) -> Result<Section, String> {
     let example = "write an axis and a length, such as x=1200mm";
-    let (name, place) = text.split_once('=').ok_or_else(|| format!("'{text}': {example}"))?;
+    let (name, at) = text.split_once('=').ok_or_else(|| format!("'{text}': {example}"))?;
     let axis = axis(name).ok_or_else(|| format!("'{}' is no axis: {example}", name.trim()))?;
-    let place = place.trim();
-    let (sign, size) = place.strip_prefix('-').map_or((1.0, place), |rest| (-1.0, rest));
-    // Nought needs no unit, and is the one length that may be given without being positive.
-    let at = if size.parse() == Ok(0.0) { 0.0 } else { positive_length(size)?.mm };
-    Ok(Section { axis, at: sign * at })
+    Ok(Section { axis, at: place(at)? })
 }
 
 /// Reads planes: `x=500mm`, `x=0mm..6m/500mm` (from, to, step) or `x=../500mm` (multiples of the step across the model).
@@ -308,6 +304,7 @@ mod tests {
         assert_eq!(section("x=1.2m"), Ok(Section { axis: Vec3::x(), at: 1200.0 }));
         assert_eq!(section(" Z = -5mm"), Ok(Section { axis: Vec3::z(), at: -5.0 }));
         assert_eq!(section("y=0"), Ok(Section { axis: Vec3::y(), at: 0.0 }));
+        assert_eq!(section("z=0mm"), Ok(Section { axis: Vec3::z(), at: 0.0 }));
         for bad in ["x", "w=3mm", "x=12", "x=--3mm", "x=NaN", "=3mm"] {
             assert!(section(bad).is_err(), "{bad}");
         }

@@ -7,7 +7,6 @@
 
 use std::path::Path;
 use torse::design::cones::{cone_spline, osculating_spline, ConeOptions, Osculating};
-use torse::develop::bends::BendSpacing;
 use torse::develop::cones::{bent, cone_pattern, Bending};
 use torse::draw::drawing::{drawing, DrawingOptions};
 use torse::draw::picture::{panels, Caption};
@@ -178,7 +177,7 @@ pub fn draw(folder: &Path) -> Result<()> {
     // Arcs across the rulings come nearer to the vertices by the length of the regression curve.
     let circular = three.clone().with_circular_edges(1.0, 1.8);
     bending(&folder.join("fig17_bending.png"), &circular)?;
-    let pattern = cone_pattern(&circular, "A", 1e-4, &BendSpacing::default());
+    let pattern = cone_pattern(&circular, "A", 1e-4);
     let flat = drawing(&[pattern], &[Placement { angle: 0.0, offset: Vec2::zeros() }], &[], &DrawingOptions::default());
     let mut bytes = Vec::new();
     dxf::write(&mut bytes, &flat)?;

@@ -2,10 +2,12 @@
 //! radii. Where one piece passes into the next nothing bends more than elsewhere.
 
 use super::bends::{self, BendSpacing, Course, Line, Plane, Ruling};
-use super::cones::FlatSegment;
+use super::cones::develop;
 use super::shop::roll::outlines;
 use super::shop::sections::clipped;
+use crate::geom::Vec2;
 use crate::patchwork::pattern::Pattern;
+use crate::torse::cone::part::{ConePart, PartCurve, PartEdge};
 use crate::torse::cone::spline::{ConeSpline, Segment, Shape};
 
 /// Places on a segment at which its planes are looked at: it turns evenly.
@@ -13,18 +15,18 @@ const PLACES: usize = 64;
 /// Share of the pattern's length below which pieces of lines are not drawn.
 const SHORTEST: f64 = 0.002;
 
-/// A place on a chain: segment and share of its turn.
-pub(super) type ChainPlace = (usize, f64);
+/// Samples of an edge where a part's reach is sought.
+const SAMPLES: usize = 12;
 
-/// Draws the bend lines between two places of a chain, laid out as `flats`, into a pattern that has its contours and sizes. It
-/// is seen from the side of the normals.
-pub(super) fn draw(
-    pattern: &mut Pattern,
-    spline: &ConeSpline,
-    flats: &[FlatSegment],
-    [first, last]: [ChainPlace; 2],
-    spacing: &BendSpacing,
-) {
+/// A place on a chain: segment and share of its turn.
+type ChainPlace = (usize, f64);
+
+/// Draws the bend lines of a chain, or of what a part of it reaches, into a pattern that has its contours and sizes. It is seen
+/// from the side of the normals.
+pub(crate) fn draw_bends(pattern: &mut Pattern, spline: &ConeSpline, part: Option<&ConePart>, spacing: &BendSpacing) {
+    let flats = develop(spline, Vec2::zeros(), 0.0);
+    let whole = flats.len().checked_sub(1).map(|last| [(0, 0.0), (last, 1.0)]);
+    let Some([first, last]) = part.map_or(whole, range) else { return };
     let mut course: Course<ChainPlace> = Course::new();
     let mut before: Option<Plane> = None;
     for k in first.0..=last.0 {
@@ -78,7 +80,7 @@ pub(super) fn draw(
                     rulings.push([p + d, q - d]);
                     // Radii grow evenly along a ruling.
                     let [r, s] = ruling.radii;
-                    let at = |x: &crate::geom::Vec2| {
+                    let at = |x: &Vec2| {
                         let share = (x - a).dot(&(b - a)) / (b - a).norm_squared();
                         if r.is_finite() {
                             r + (s - r) * share
@@ -93,6 +95,22 @@ pub(super) fn draw(
         (rulings, bent)
     };
     (pattern.rulings, pattern.bends) = bends::kept_low(spacing, draw);
+}
+
+/// The first and the last place of a chain that a part reaches (sampled).
+fn range(part: &ConePart) -> Option<[ChainPlace; 2]> {
+    let of_edge = |e: &PartEdge| -> Vec<ChainPlace> {
+        let PartCurve::Free { face, trim, .. } = &e.curve else { return Vec::new() };
+        let Some(piece) = part.faces.get(*face) else { return Vec::new() };
+        let at = |i: usize| piece.blank.coordinates(trim.point(i as f64 / SAMPLES as f64)).0[0];
+        (0..=SAMPLES).map(|i| (piece.segment, at(i).clamp(0.0, 1.0))).collect()
+    };
+    let used: Vec<usize> = part.faces.iter().flat_map(|f| f.loops.iter().flatten()).map(|u| u.0).collect();
+    let edges = || used.iter().filter_map(|e| part.edges.get(*e));
+    let corners = edges().flat_map(|e| [e.start, e.end]).filter_map(|v| part.places.get(v)).map(|(k, p)| (*k, p[0]));
+    let all: Vec<ChainPlace> = corners.chain(edges().flat_map(of_edge)).collect();
+    let order = |a: &&ChainPlace, b: &&ChainPlace| (a.0 as f64 + a.1).total_cmp(&(b.0 as f64 + b.1));
+    Some([*all.iter().min_by(order)?, *all.iter().max_by(order)?])
 }
 
 fn plane(segment: &Segment, f: f64) -> Plane {
@@ -128,7 +146,9 @@ mod tests {
 
     fn drawn(spline: &ConeSpline) -> Pattern {
         let spacing = BendSpacing { greatest: 1.0, ..BendSpacing::default() };
-        cone_pattern(spline, "a", 0.01, &spacing)
+        let mut pattern = cone_pattern(spline, "a", 0.01);
+        draw_bends(&mut pattern, spline, None, &spacing);
+        pattern
     }
 
     #[test]

@@ -2,8 +2,6 @@
 //! true arcs.
 
 use super::arcs::{arcs, PlaneCurve};
-use super::bends::BendSpacing;
-use super::cone_bends::{self, ChainPlace};
 use super::cones::{develop, FlatSegment};
 use super::overlap::{overlap, OutlinePoint};
 use crate::geom::rectangle::smallest_rectangle;
@@ -12,7 +10,7 @@ use crate::patchwork::panel::Border;
 use crate::patchwork::pattern::{Contour, ContourVertex, Pattern, Side};
 use crate::spline::curve::Curve;
 use crate::torse::cone::chart::Blank;
-use crate::torse::cone::part::{ConePart, PartCurve, PartEdge};
+use crate::torse::cone::part::{ConePart, PartCurve};
 use crate::torse::cone::spline::ConeSpline;
 
 /// An edge in the plane.
@@ -45,17 +43,11 @@ const SAMPLES: usize = 12;
 const SMOOTH: f64 = 0.05;
 
 /// The cutting pattern of a trimmed chain: outer contour and holes of lines and true arcs within `contour_tolerance`
-/// (mm) of the exact image, bend lines spaced as asked for. The plane is seen from the side of the normals.
+/// (mm) of the exact image, without bend lines. The plane is seen from the side of the normals.
 ///
 /// *Guarantee*: exact isometry of every piece. *Not guaranteed*: that the pattern does not overlap itself, see
 /// [`overlaps`].
-pub(crate) fn part_pattern(
-    spline: &ConeSpline,
-    part: &ConePart,
-    name: &str,
-    contour_tolerance: f64,
-    spacing: &BendSpacing,
-) -> Pattern {
+pub(crate) fn part_pattern(spline: &ConeSpline, part: &ConePart, name: &str, contour_tolerance: f64) -> Pattern {
     let flats = develop(spline, Vec2::zeros(), 0.0);
     let place = |v: usize| {
         let (i, [f, r]) = part.places[v];
@@ -122,26 +114,7 @@ pub(crate) fn part_pattern(
         }
         pattern.contours.push(contour);
     }
-    if let Some(range) = range(part) {
-        cone_bends::draw(&mut pattern, spline, &flats, range, spacing);
-    }
     pattern
-}
-
-/// The first and the last place of a chain that a part reaches (sampled).
-fn range(part: &ConePart) -> Option<[ChainPlace; 2]> {
-    let of_edge = |e: &PartEdge| -> Vec<ChainPlace> {
-        let PartCurve::Free { face, trim, .. } = &e.curve else { return Vec::new() };
-        let Some(piece) = part.faces.get(*face) else { return Vec::new() };
-        let at = |i: usize| piece.blank.coordinates(trim.point(i as f64 / SAMPLES as f64)).0[0];
-        (0..=SAMPLES).map(|i| (piece.segment, at(i).clamp(0.0, 1.0))).collect()
-    };
-    let used: Vec<usize> = part.faces.iter().flat_map(|f| f.loops.iter().flatten()).map(|u| u.0).collect();
-    let edges = || used.iter().filter_map(|e| part.edges.get(*e));
-    let corners = edges().flat_map(|e| [e.start, e.end]).filter_map(|v| part.places.get(v)).map(|(k, p)| (*k, p[0]));
-    let all: Vec<ChainPlace> = corners.chain(edges().flat_map(of_edge)).collect();
-    let order = |a: &&ChainPlace, b: &&ChainPlace| (a.0 as f64 + a.1).total_cmp(&(b.0 as f64 + b.1));
-    Some([*all.iter().min_by(order)?, *all.iter().max_by(order)?])
 }
 
 /// Whether the flat pattern of a trimmed chain overlaps itself (outline sampled; `apart` as in `overlap`).

@@ -4,8 +4,6 @@
 //! plane is seen from the side of the normals: rulings and the forward direction are right-handed.
 
 use super::arcs::{arcs, PlaneCurve};
-use super::bends::BendSpacing;
-use super::cone_bends;
 use super::overlap::{overlap, OutlinePoint};
 use crate::geom::Vec2;
 use crate::patchwork::panel::Border;
@@ -178,11 +176,11 @@ impl PlaneCurve for FlatEdge<'_> {
     }
 }
 
-/// The cutting pattern of a chain: a closed contour of lines and true arcs, with bend lines spaced as asked for.
+/// The cutting pattern of a chain: a closed contour of lines and true arcs, without bend lines.
 ///
 /// Circular edges (constant r) become exactly one arc for a segment; other edges (plane sections, whose images are no
 /// circles) become arcs within `contour_tolerance` (mm).
-pub fn cone_pattern(spline: &ConeSpline, name: &str, contour_tolerance: f64, spacing: &BendSpacing) -> Pattern {
+pub fn cone_pattern(spline: &ConeSpline, name: &str, contour_tolerance: f64) -> Pattern {
     let flats = develop(spline, Vec2::zeros(), 0.0);
     let mut pattern = Pattern { name: name.to_owned(), ..Pattern::default() };
     let (Some(first), Some(last)) = (flats.first(), flats.last()) else { return pattern };
@@ -233,7 +231,6 @@ pub fn cone_pattern(spline: &ConeSpline, name: &str, contour_tolerance: f64, spa
         (pattern.width, pattern.length) = (r.width, r.length);
     }
     pattern.contours.push(Contour { vertices });
-    cone_bends::draw(&mut pattern, spline, &flats, [(0, 0.0), (flats.len() - 1, 1.0)], spacing);
     pattern
 }
 
@@ -365,7 +362,7 @@ mod tests {
     #[test]
     fn circles_become_single_arcs_and_the_contour_has_the_right_area() {
         let spline = chain(0.4);
-        let p = cone_pattern(&spline, "A", 1e-6, &BendSpacing::default());
+        let p = cone_pattern(&spline, "A", 1e-6);
         assert_eq!(p.contour_error, 0.0);
         // One arc per segment and edge, four corners of which two begin an edge.
         assert_eq!(p.contours[0].vertices.len(), 2 * spline.segments.len() + 2);

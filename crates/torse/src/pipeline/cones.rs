@@ -2,6 +2,7 @@
 //! cylinders and planes, with their proof and their flat patterns of true arcs.
 
 mod flat;
+mod options;
 #[cfg(test)]
 mod tests;
 
@@ -13,7 +14,6 @@ use crate::certify::claim::{Claim, Counted, Subject, UpperBound, What};
 use crate::certify::flat::cone_parts;
 use crate::certify::trims::trim_proof;
 use crate::control::Control;
-use crate::develop::view::Drawn;
 use crate::geom::coarse::{is_tolerance, Loose};
 use crate::geom::BBox;
 use crate::io::words;
@@ -29,25 +29,8 @@ use crate::torse::cone::part::ConeBody;
 use crate::torse::strip::Strip;
 pub use flat::counts;
 use flat::strips_of;
+pub use options::ConesOptions;
 use std::time::Instant;
-
-/// What the job is asked.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ConesOptions {
-    /// Distance allowed between surface and cones, both ways, mm.
-    pub tolerance: f64,
-    /// Name of the input, for the files.
-    pub input: String,
-    /// How flat patterns are drawn; default seen from outside, lines every 5°.
-    pub drawn: Drawn,
-}
-
-impl ConesOptions {
-    /// A tolerance (mm) and the name of the input; the rest as by default.
-    pub fn new(tolerance: f64, input: impl Into<String>) -> Self {
-        Self { tolerance, input: input.into(), drawn: Drawn::default() }
-    }
-}
 
 /// Why there is no answer at all.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

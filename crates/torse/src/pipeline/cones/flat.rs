@@ -2,6 +2,7 @@
 
 use crate::answer::Answer;
 use crate::certify::claim::{Claim, Subject, What};
+use crate::develop::cone_bends::draw_bends;
 use crate::develop::cone_part::{overlaps as part_overlaps, part_pattern};
 use crate::develop::cones::{cone_pattern, overlaps};
 use crate::develop::view::{cones_viewed, Drawn};
@@ -88,15 +89,17 @@ pub(super) fn strips_of(answer: &mut Answer, body: &ConeBody, proven: &Proven, d
         let (mut pattern, strips): (Pattern, (usize, usize)) = match &part {
             Some(part) => {
                 let before = body.part.iter().flat_map(|p| &p.faces).take_while(|f| f.segment < from).count();
-                (part_pattern(spline, part, &name, contour, &bends), (before, part.faces.len()))
+                (part_pattern(spline, part, &name, contour), (before, part.faces.len()))
             }
-            None => (cone_pattern(&chain, &name, contour, &bends), (from, count)),
+            None => (cone_pattern(&chain, &name, contour), (from, count)),
         };
         if pattern.contours.is_empty() {
             continue;
         }
         pattern.panel = answer.parts.len();
-        answer.patterns.push(cones_viewed(pattern, if part.is_some() { spline } else { &chain }, drawn.view));
+        let own = if part.is_some() { spline } else { &chain };
+        draw_bends(&mut pattern, own, part.as_ref(), &bends);
+        answer.patterns.push(cones_viewed(pattern, own, drawn.view));
         answer.parts.push(Part::new(name, first + strips.0, strips.1));
     }
     shown
