@@ -63,7 +63,7 @@ impl TaylorModel {
         out
     }
 
-    /// Its powers from 1 up to the given one.
+    /// Its powers, from the constant one up to the given power.
     pub fn powers(self, most: usize) -> Vec<Self> {
         let one = Self::constant(Interval::ONE);
         std::iter::successors(Some(one), |p| Some(*p * self)).take(most + 1).collect()

@@ -130,9 +130,9 @@ pub fn hull(curves: &[Rail], options: &Options, control: &Control) -> Result<Ans
     notes.extend(kept.closed.iter().map(|part| Note::CutOpen { part: Some(part.clone()) }));
     let flat = StripOptions::of_job(options.tolerance, [options.ruling_spacing, options.mark_spacing], options.drawn);
     let lay = |kept: &Kept| laid_until(&kept.strips, &kept.parts, &flat, tolerance, control);
-    let mut laid = if is_too_long(&kept, control) { None } else { Some(lay(&kept)) };
+    let mut laid = (!is_too_long(&kept, control)).then(|| lay(&kept));
     // Asked to stop before parts are laid flat, or meanwhile.
-    if laid.is_none() || is_too_long(&kept, control) {
+    if is_too_long(&kept, control) {
         let found = kept.strips.len();
         kept = Kept { skipped: kept.skipped, ..Kept::default() };
         kept.missing.push(StripReason::TooMany(found).into());
