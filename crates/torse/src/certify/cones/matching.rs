@@ -254,11 +254,15 @@ fn places(ring: &Ring, loop_: &[Passed], stations: &[Station], (origin, guess): 
         let mut tau = ring.near(&x, way, window);
         let at_end = stations[i + 1].0 != *k;
         if let Some(plane) = e.joint.as_ref().filter(|_| at_end) {
-            /// Spans within which the joint's plane is looked for.
-            const NEAR: f64 = 0.5;
+            /// Spans within which the joint's plane is looked for, the near ones first: of a span that is a whole rim it cuts
+            /// off both sides.
+            const NEAR: [f64; 3] = [0.008, 0.06, 0.5];
             let ahead = |tau: f64| before(plane, &ring.point(tau));
-            let crossing = root(tau - NEAR, tau, &ahead).into_iter().chain(root(tau, tau + NEAR, &ahead));
-            tau = crossing.min_by(|a, b| (a - tau).abs().total_cmp(&(b - tau).abs())).unwrap_or(tau);
+            let crossing = |near: f64| {
+                let both = root(tau - near, tau, &ahead).into_iter().chain(root(tau, tau + near, &ahead));
+                both.min_by(|a, b| (a - tau).abs().total_cmp(&(b - tau).abs()))
+            };
+            tau = NEAR.into_iter().find_map(crossing).unwrap_or(tau);
         }
         last = tau.clamp(last, first + ring.turn());
         off = off.max((ring.point(last) - x).norm());
