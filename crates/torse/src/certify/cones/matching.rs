@@ -215,6 +215,16 @@ fn root(mut a: f64, mut b: f64, f: &impl Fn(f64) -> f64) -> Option<f64> {
     Some(0.5 * (a + b))
 }
 
+/// Where a function changes its sign beside a place, within half a span: near it before farther away, since the plane of a
+/// joint cuts a span that is a whole rim on both sides, and there rounding says what the signs at its ends are.
+fn crossing_beside(tau: f64, f: &impl Fn(f64) -> f64) -> Option<f64> {
+    const NEAR: [f64; 3] = [0.008, 0.06, 0.5];
+    NEAR.into_iter().find_map(|near| {
+        let both = root(tau - near, tau, f).into_iter().chain(root(tau, tau + near, f));
+        both.min_by(|a, b| (a - tau).abs().total_cmp(&(b - tau).abs()))
+    })
+}
+
 /// One edge of a loop, passed in its sense, with the joint at whose plane it ends.
 pub(super) struct Passed {
     pub curve: EdgeCurve,
@@ -254,15 +264,7 @@ fn places(ring: &Ring, loop_: &[Passed], stations: &[Station], (origin, guess): 
         let mut tau = ring.near(&x, way, window);
         let at_end = stations[i + 1].0 != *k;
         if let Some(plane) = e.joint.as_ref().filter(|_| at_end) {
-            /// Spans within which the joint's plane is looked for, the near ones first: of a span that is a whole rim it cuts
-            /// off both sides.
-            const NEAR: [f64; 3] = [0.008, 0.06, 0.5];
-            let ahead = |tau: f64| before(plane, &ring.point(tau));
-            let crossing = |near: f64| {
-                let both = root(tau - near, tau, &ahead).into_iter().chain(root(tau, tau + near, &ahead));
-                both.min_by(|a, b| (a - tau).abs().total_cmp(&(b - tau).abs()))
-            };
-            tau = NEAR.into_iter().find_map(crossing).unwrap_or(tau);
+            tau = crossing_beside(tau, &|tau| before(plane, &ring.point(tau))).unwrap_or(tau);
         }
         last = tau.clamp(last, first + ring.turn());
         off = off.max((ring.point(last) - x).norm());
@@ -339,4 +341,25 @@ pub(super) fn matched(ring: &mut Ring, loop_: &[Passed]) -> Option<Vec<Matched>>
         out.push(Matched { edge: *k, s: [s, *s1], tau: [tau, t[1]] });
     }
     Some(out)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::crossing_beside;
+
+    /// The plane of a joint cuts a rim that is one span in its middle and where it begins and ends.
+    #[test]
+    fn a_joint_is_looked_for_beside_its_place() {
+        let rim = |t: f64| match t {
+            t if t <= 0.0 => 1e-11,
+            t if t >= 1.0 => -1e-11,
+            t if t == 0.5 => 1e-14,
+            t => -(std::f64::consts::TAU * t).sin(),
+        };
+        let found = crossing_beside(0.5, &rim).expect("a crossing");
+        assert!((found - 0.5).abs() < 1e-9, "{found}");
+        // Farther away, where there is none beside.
+        let found = crossing_beside(0.2, &|t| t - 0.5).expect("a crossing");
+        assert!((found - 0.5).abs() < 1e-9, "{found}");
+    }
 }
