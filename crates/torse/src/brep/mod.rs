@@ -20,6 +20,6 @@ pub(crate) mod rulings;
 pub mod run;
 pub mod space_curve;
 pub mod support_surface;
-mod swept;
+pub(crate) mod swept;
 pub mod trim;
 pub(crate) mod unroll;

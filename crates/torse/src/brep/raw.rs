@@ -43,7 +43,7 @@ pub enum Region {
 pub struct RawLoop {
     /// Edges in order.
     pub edges: Vec<RawEdge>,
-    /// Whether the file calls it the outer one.
+    /// Whether the file calls it the outer one and its sense is not to be relied on.
     pub outer: bool,
 }
 

@@ -77,6 +77,8 @@ pub struct SplineCarrier {
     /// Periods in u and v of a surface whose opposite sides coincide.
     pub periods: [Option<f64>; 2],
     poles: Vec<Pole>,
+    /// Whether all sides are seams or poles up to what coarse files round.
+    nearly_closed: bool,
     projector: SurfaceProjector,
 }
 
@@ -94,6 +96,9 @@ pub struct TangentJet {
 /// The foot from a start nearby is trusted when it ends this near to the surface, as a share of its size; else the
 /// search goes everywhere. Edges of files lie nearer, and other sheets of the surface farther.
 const TRUSTED: f64 = 1e-5;
+
+/// Sides this near to each other, or to a point, as a share of the size, may be meant as one.
+const NEARLY: f64 = 1e-4;
 
 impl SplineCarrier {
     /// Examines a surface.
@@ -128,8 +133,13 @@ impl SplineCarrier {
                 && a.iter().any(|p| (p - a[0]).norm() > COINCIDENT * size)
         };
         let periods = [closed(0).then_some(u1 - u0), closed(1).then_some(v1 - v0)];
+        let near = NEARLY * size;
+        let meet = |[a, b]: &[Vec<Vec3>; 2]| a.iter().zip(b).all(|(p, q)| (p - q).norm() <= near);
+        let vanish = |ends: &[Vec<Vec3>; 2]| ends.iter().flatten().all(|p| (p - ends[0][0]).norm() <= near);
+        let collapse = |ends: &[Vec<Vec3>; 2]| ends.iter().all(|s| s.iter().all(|p| (p - s[0]).norm() <= near));
+        let nearly_closed = sides.iter().all(|s| (meet(s) && !vanish(s)) || collapse(s));
         let projector = SurfaceProjector::new(&surface);
-        Self { surface, periods, poles, projector }
+        Self { surface, periods, poles, nearly_closed, projector }
     }
 
     fn wrap(&self, q: [f64; 2]) -> [f64; 2] {
@@ -290,6 +300,20 @@ impl SupportSurface {
             Self::Revolution { directrix, .. } => [Some(TAU), directrix.period()],
             Self::Spline(s) => s.periods,
         }
+    }
+
+    /// Whether the surface may have no border, up to what files round: then the sense of loops must be heeded.
+    pub fn is_nearly_closed(&self) -> bool {
+        match self {
+            Self::Spline(s) => s.nearly_closed,
+            _ => self.is_closed(),
+        }
+    }
+
+    /// Whether the surface has no border: all its sides are seams or poles.
+    pub fn is_closed(&self) -> bool {
+        let (periods, poles) = (self.periods(), self.poles());
+        (0..2).all(|k| periods[k].is_some() || poles.iter().filter(|p| p.axis == k).count() == 2)
     }
 
     /// Parameter lines that are single points.

@@ -129,6 +129,36 @@ fn nearest_by(residual: impl Fn(f64) -> (Vec3, Vec3, Vec3), starts: &[f64], limi
     best.1
 }
 
+/// Whether a closed curve comes to the axis about which it is turned.
+pub(crate) fn meets_axis(directrix: &SpaceCurve, frame: &Frame) -> bool {
+    /// Places at which the distance is looked at, and steps to the least of it, each to two thirds.
+    const LOOKED_AT: (usize, usize) = (256, 60);
+    let Some(period) = directrix.period() else { return false };
+    let start = directrix.domain().map_or(0.0, |d| d.0);
+    let away = |t: f64| {
+        let q = frame.to_local(&directrix.point(t));
+        q.x.hypot(q.y)
+    };
+    let at = |k: f64| start + period * k / LOOKED_AT.0 as f64;
+    let far = (0..LOOKED_AT.0).map(|k| away(at(k as f64))).fold(0.0, f64::max);
+    let is_lowest = |k: usize| {
+        let [a, b, c] = [-1.0, 0.0, 1.0].map(|d| away(at(k as f64 + d)));
+        b <= a && b <= c
+    };
+    (0..LOOKED_AT.0).filter(|&k| is_lowest(k)).any(|k| {
+        let (mut a, mut b) = (at(k as f64 - 1.0), at(k as f64 + 1.0));
+        for _ in 0..LOOKED_AT.1 {
+            let (l, r) = (a + (b - a) / 3.0, b - (b - a) / 3.0);
+            if away(l) <= away(r) {
+                b = r;
+            } else {
+                a = l;
+            }
+        }
+        away(0.5 * (a + b)) <= COINCIDENT * far
+    })
+}
+
 pub(crate) fn poles_of_revolution(directrix: &SpaceCurve, frame: &Frame, pole: impl Fn(f64) -> Pole) -> Vec<Pole> {
     let distance = |p: &Vec3| {
         let q = frame.to_local(p);

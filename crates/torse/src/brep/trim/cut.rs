@@ -27,7 +27,8 @@ pub(super) struct Plan {
 
 /// Shifts the chains by periods to where they belong together and adds the closing lines at poles.
 ///
-/// `marked_outer` says that the file calls a loop the outer one, so that it cannot be a hole in a torus.
+/// On a surface without border a loop bounds either side of it: its sense alone says which. `marked_outer` says that the
+/// file's senses are not to be relied on and that one of the loops is the outer one.
 pub(super) fn plan(
     support: &SupportSurface,
     chains: &mut Vec<Chain>,
@@ -35,27 +36,29 @@ pub(super) fn plan(
     label: &mut u32,
 ) -> Result<Plan, TrimError> {
     let periods = support.periods();
-    if periods == [None, None] {
-        return Ok(Plan { seam: None, sense_matters: false });
-    }
+    let sense_matters = support.is_nearly_closed() && !marked_outer;
     if chains.iter().all(|c| c.winding == [0, 0]) {
         let areas: Vec<f64> = chains.iter().map(|c| rough(c).area()).collect();
-        let holes_only = areas.iter().all(|&a| a < 0.0);
-        if let (true, false, [Some(p), Some(q)]) = (holes_only, marked_outer, periods) {
-            return around_holes(support, chains, [p, q], label);
+        let holes_only = sense_matters && areas.iter().all(|&a| a < 0.0);
+        if holes_only && !support.is_closed() {
+            return Err(TrimError::EitherSide);
         }
-        let hole_in_sphere = matches!(support, SupportSurface::Sphere { .. }) && holes_only;
-        if !hole_in_sphere {
+        if !holes_only {
             gather(chains, &areas, &periods);
             into_domain(support, chains, &periods);
-            return Ok(Plan { seam: None, sense_matters: false });
+            return Ok(Plan { seam: None, sense_matters });
+        }
+        if let [Some(p), Some(q)] = periods {
+            return around_holes(support, chains, [p, q], label);
         }
     }
     let turns = |k: usize| chains.iter().any(|c| c.winding[k] != 0);
     let axis = match (turns(0), turns(1)) {
-        (_, false) => 0,
-        (false, true) => 1,
         (true, true) => return Err(TrimError::OpenWinding),
+        (false, true) => 1,
+        (true, false) => 0,
+        // Holes in a whole surface between two poles.
+        (false, false) => usize::from(periods[0].is_none()),
     };
     let period = periods[axis].ok_or(TrimError::OpenWinding)?;
     if chains.iter().any(|c| c.winding[axis].abs() > 1) {
@@ -176,12 +179,13 @@ fn close_at_poles(
     };
     match sum {
         0 if winding.is_empty() => {
-            // A whole sphere with holes.
+            // A whole sphere, or another surface between two poles, with holes.
             let (Some(a), Some(b)) = (poles.iter().copied().reduce(f64::min), poles.iter().copied().reduce(f64::max))
             else {
                 return Err(TrimError::OpenWinding);
             };
-            wanted.extend([(1, a), (-1, b)]);
+            let up = if axis == 0 { 1 } else { -1 };
+            wanted.extend([(up, a), (-up, b)]);
         }
         0 => {}
         1 | -1 => need(-sum)?,

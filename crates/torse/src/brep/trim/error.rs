@@ -12,6 +12,12 @@ pub enum TrimError {
     /// Loops wind around a closed surface without bounding a region.
     #[error("the boundary winds around the closed surface but does not enclose a region: a boundary loop is missing")]
     OpenWinding,
+    /// Loops that leave the other side of a surface that closes up to rounding.
+    #[error(
+        "its boundary is that of a hole, but the surface does not quite close around it, so that both sides may be meant: \
+         write the surface with more digits, or the face in two"
+    )]
+    EitherSide,
     /// A loop is shorter than can be told from a point.
     #[error("every boundary loop is shorter than {0:.3e} mm: the face has no area")]
     Vanishing(f64),

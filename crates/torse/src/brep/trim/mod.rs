@@ -9,6 +9,8 @@ mod error;
 mod pcurve;
 mod polygon;
 mod sphere;
+#[cfg(test)]
+mod tests;
 
 pub(crate) use self::error::TrimError;
 use self::polygon::Polygon;
@@ -75,9 +77,11 @@ pub fn faces(raw: &RawFace, chord_tolerance: Option<f64>) -> Result<Vec<Face>, T
         loops.iter_mut().flat_map(|l| l.edges.iter_mut()).for_each(|e| e.trace = None);
     }
     let tolerance = chord_tolerance.map_or(CHORD_SHARE * size, |t| t.min(CHORD_SHARE * size)).max(FINEST_SHARE * size);
-    // A loop of the wrong sense shows by a region that is not bounded; the other sense is then tried.
+    // A loop of the wrong sense shows by a region that is not bounded; the other sense is then tried. On a surface without border
+    // both sides of a loop are bounded, and the sense says which is meant.
+    let tells = raw.support.is_nearly_closed() && !loops.iter().any(|l| l.outer);
     match bounded(&raw, &loops, size, tolerance) {
-        Err(first @ (TrimError::OpenWinding | TrimError::SelfTouching(_) | TrimError::NoArea)) => {
+        Err(first @ (TrimError::OpenWinding | TrimError::SelfTouching(_) | TrimError::NoArea)) if !tells => {
             let turned: Vec<RawLoop> = loops.iter().map(RawLoop::reversed).collect();
             bounded(&raw, &turned, size, tolerance).map_err(|_| first)
         }

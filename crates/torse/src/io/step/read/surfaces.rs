@@ -9,6 +9,7 @@ use crate::brep::raw::SurfaceKind;
 use crate::brep::recast;
 use crate::brep::space_curve::{Arc, SpaceCurve};
 use crate::brep::support_surface::{SplineCarrier, SupportSurface};
+use crate::brep::swept;
 use crate::geom::placement::Placement;
 use crate::geom::Vec3;
 use crate::spline::knots::Knots;
@@ -82,14 +83,24 @@ impl<'r, 'a> Geometry<'r, 'a> {
             | "TOROIDAL_SURFACE"
             | "DEGENERATE_TOROIDAL_SURFACE" => self.quadric_or_torus(id, r.name(), &a),
             "SURFACE_OF_LINEAR_EXTRUSION" => {
-                let (directrix, along) = self.directrix(a.reference(1)?, depth)?;
+                let (directrix, along, _) = self.directrix(a.reference(1)?, depth)?;
                 let direction = self.vector(a.reference(2)?)?;
                 let support = SupportSurface::Extrusion { directrix, direction };
                 Ok(Patch { same_sense: along, ..Patch::exact(support, SurfaceKind::Extrusion) })
             }
             "SURFACE_OF_REVOLUTION" => {
-                let (directrix, along) = self.directrix(a.reference(1)?, depth)?;
-                let support = SupportSurface::Revolution { directrix, frame: self.frame(a.reference(2)?)? };
+                let (mut directrix, along, range) = self.directrix(a.reference(1)?, depth)?;
+                let frame = self.frame(a.reference(2)?)?;
+                // All of a closed curve that meets the axis would cover the surface twice: the part that is turned counts.
+                if directrix.period().is_some() && swept::meets_axis(&directrix, &frame) {
+                    let (from, to) = range.ok_or_else(|| {
+                        let words = "turned about an axis that it meets, covers the surface twice, which is not read";
+                        Fault::new(id, format!("the closed curve of #{id}, {words}"))
+                    })?;
+                    directrix =
+                        SpaceCurve::Spline(directrix.to_spline(from, to).map_err(|e| Fault::new(id, e.to_string()))?.0);
+                }
+                let support = SupportSurface::Revolution { directrix, frame };
                 Ok(Patch { same_sense: along, ..Patch::exact(support, SurfaceKind::Revolution) })
             }
             "OFFSET_SURFACE" => {
@@ -192,13 +203,13 @@ impl<'r, 'a> Geometry<'r, 'a> {
         Ok(base)
     }
 
-    /// The curve that a swept surface is made from; `false` if it is run backwards.
-    fn directrix(&self, id: u64, depth: u32) -> Result<(SpaceCurve, bool), Fault> {
+    /// The curve that a swept surface is made from; `false` if it is run backwards; the part of it, if it is trimmed.
+    fn directrix(&self, id: u64, depth: u32) -> Result<(SpaceCurve, bool, Option<(f64, f64)>), Fault> {
         match self.course(id, depth + 1)? {
-            Course::Basis(c, along) => Ok((c, along)),
+            Course::Basis(c, along) => Ok((c, along, None)),
             Course::Path(mut p) if p.len() == 1 => {
                 let Arc { curve, from, to } = p.remove(0);
-                Ok((curve, to >= from))
+                Ok((curve, to >= from, Some((from.min(to), from.max(to)))))
             }
             Course::Path(_) => {
                 Err(Fault::new(id, format!("the composite curve #{id} as profile of a surface is not read")))

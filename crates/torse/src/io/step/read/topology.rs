@@ -153,8 +153,8 @@ impl<'r, 'a> Geometry<'r, 'a> {
         if name != "FACE_BOUND" && name != "FACE_OUTER_BOUND" {
             return Err(Fault::new(id, format!("#{id} is a {name}, not a bound of a face")));
         }
+        // What is called outer is not so on a surface without border: the sense says which side is meant.
         let l = self.edge_loop(a.reference(1)?, plane)?;
-        let l = RawLoop { outer: name == "FACE_OUTER_BOUND", ..l };
         Ok(if a.logical(2, true) { l } else { l.reversed() })
     }
 

@@ -1,0 +1,104 @@
+//! Which side of a boundary a face lies on, on surfaces without border (docs/algorithms/reading.md).
+
+use super::{faces, TrimError};
+use crate::brep::area::area_estimate;
+use crate::brep::raw::{RawEdge, RawFace, RawLoop, Region, SurfaceKind};
+use crate::brep::space_curve::{Arc, SpaceCurve};
+use crate::brep::support_surface::{SplineCarrier, SupportSurface};
+use crate::geom::{Frame, Vec3};
+use crate::spline::curve::Curve;
+use crate::spline::surface::Surface;
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+/// A small loop around (0.5, 0.3) of the natural parameters' box, counter-clockwise in the parameter plane or not.
+fn small_loop(support: &SupportSurface, box_of: [(f64, f64); 2], counter_clockwise: bool, outer: bool) -> RawLoop {
+    let [(u0, u1), (v0, v1)] = box_of;
+    let origin = Vec3::new(u0 + 0.5 * (u1 - u0), v0 + 0.3 * (v1 - v0), 0.0);
+    let plane =
+        SpaceCurve::Ellipse { frame: Frame { origin, ..Frame::world() }, a: 0.1 * (u1 - u0), b: 0.1 * (v1 - v0) };
+    let curve = SpaceCurve::traced(plane, support.clone(), [1.0, 1.0]);
+    let (from, to) = if counter_clockwise { (0.0, TAU) } else { (TAU, 0.0) };
+    let path = vec![Arc { curve, from, to }];
+    RawLoop { edges: vec![RawEdge { entity: 7, forward: true, path, vertices: None, trace: None }], outer }
+}
+
+fn raw(support: &SupportSurface, region: Region) -> RawFace {
+    RawFace {
+        entity: 1,
+        name: String::new(),
+        part: String::new(),
+        kind: SurfaceKind::Spline,
+        support: support.clone(),
+        same_sense: true,
+        region,
+        surface_deviation_estimate: 0.0,
+        uncertainty: 0.0,
+    }
+}
+
+fn area(support: &SupportSurface, region: Region) -> f64 {
+    faces(&raw(support, region), None).expect("a face").iter().map(area_estimate).sum()
+}
+
+fn spline(surface: Surface) -> SupportSurface {
+    SupportSurface::Spline(SplineCarrier::new(surface))
+}
+
+/// Surfaces without border with the box of their natural parameters.
+fn closed() -> Vec<(&'static str, SupportSurface, [(f64, f64); 2])> {
+    let frame = Frame::world();
+    let sphere = SupportSurface::Sphere { frame, radius: 100.0 };
+    let torus = SupportSurface::Torus { frame, major: 200.0, minor: 60.0 };
+    let around = [(0.0, TAU), (-FRAC_PI_2, FRAC_PI_2)];
+    let both = [(0.0, TAU); 2];
+    let of_sphere = sphere.to_spline(around[0], around[1]).expect("a spline").0;
+    let of_torus = torus.to_spline(both[0], both[1]).expect("a spline").0;
+    let domain = |s: &Surface| [s.domain().0, s.domain().1];
+    let (on_sphere, on_torus) = (domain(&of_sphere), domain(&of_torus));
+    // An egg: from pole to pole, turned about the axis.
+    let meridian: Vec<[f64; 4]> =
+        [[0.0, -100.0], [80.0, -100.0], [90.0, 60.0], [0.0, 120.0]].map(|[x, z]| [x, 0.0, z, 1.0]).to_vec();
+    let directrix = Curve::new(3, vec![0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0], meridian).expect("a meridian");
+    let egg = SupportSurface::Revolution { directrix: SpaceCurve::Spline(directrix), frame };
+    let other_way = spline(of_sphere.transposed());
+    vec![
+        ("sphere", sphere, around),
+        ("torus", torus, both),
+        ("sphere as a spline", spline(of_sphere), on_sphere),
+        ("sphere as a spline, parameters exchanged", other_way, [on_sphere[1], on_sphere[0]]),
+        ("torus as a spline", spline(of_torus), on_torus),
+        ("egg", egg, [(0.0, TAU), (0.0, 1.0)]),
+    ]
+}
+
+/// Both sides of a loop are regions; together they are the whole surface, whatever the file calls outer.
+#[test]
+fn the_sense_of_a_loop_says_which_side_of_it_a_face_is() {
+    for (name, support, box_of) in closed() {
+        let bounded = |counter_clockwise: bool, outer: bool| {
+            area(&support, Region::Loops(vec![small_loop(&support, box_of, counter_clockwise, outer)]))
+        };
+        let (inside, outside) = (bounded(true, false), bounded(false, false));
+        let whole = area(&support, Region::Rectangle(box_of));
+        assert!((inside + outside - whole).abs() < 2e-3 * whole, "{name}: {inside} + {outside} is not {whole}");
+        assert!(inside < 0.1 * whole, "{name}: {inside} of {whole}");
+        // Where senses are not to be relied on, it is the inside.
+        let told = bounded(false, true);
+        assert!((told - inside).abs() < 1e-3 * inside, "{name}: {told} is not {inside}");
+    }
+}
+
+/// A spline that closes but for rounding has both sides too, and no sure way to the other one.
+#[test]
+fn the_other_side_of_a_surface_that_hardly_closes_is_refused() {
+    let sphere = SupportSurface::Sphere { frame: Frame::world(), radius: 100.0 };
+    let (mut surface, _) = sphere.to_spline((0.0, TAU), (-FRAC_PI_2, FRAC_PI_2)).expect("a spline");
+    surface.control[0][2] += 1e-3;
+    let support = spline(surface.clone());
+    assert!(!support.is_closed() && support.is_nearly_closed());
+    let box_of = [surface.domain().0, surface.domain().1];
+    let bounded =
+        |way: bool| faces(&raw(&support, Region::Loops(vec![small_loop(&support, box_of, way, false)])), None);
+    assert_eq!(bounded(false).err(), Some(TrimError::EitherSide));
+    assert!(bounded(true).is_ok());
+}
