@@ -90,6 +90,56 @@ fn an_uneven_wave_is_one_panel() {
     assert_eq!(out.patchwork.panels.len(), 1);
 }
 
+/// An omega profile turns through more than half a circle and back: it is the graph of no function.
+#[test]
+fn an_omega_profile_is_one_panel() {
+    let net = [
+        [0.0, 0.0],
+        [60.0, 0.0],
+        [95.0, 0.0],
+        [90.0, 30.0],
+        [35.0, 60.0],
+        [40.0, 120.0],
+        [100.0, 130.0],
+        [160.0, 120.0],
+        [165.0, 60.0],
+        [110.0, 30.0],
+        [105.0, 0.0],
+        [140.0, 0.0],
+        [200.0, 0.0],
+    ];
+    let breaks: Vec<f64> = (0..=net.len() - 3).map(|k| k as f64).collect();
+    let k = Knots::clamped(3, &breaks).expect("knots");
+    let line = Knots::clamped(1, &[0.0, 1.0]).expect("knots");
+    let both: Vec<Vec3> =
+        net.iter().map(|p| Vec3::new(p[0], 7.0, p[1])).flat_map(|p| [p, p + Vec3::new(0.0, 400.0, 0.0)]).collect();
+    let s = Surface::new(k, line, &both, None).expect("a surface");
+    let length: f64 = (0..4000)
+        .map(|i| {
+            let at = |i: i32| s.point(breaks[breaks.len() - 1] * f64::from(i) / 4000.0, 0.0);
+            (at(i + 1) - at(i)).norm()
+        })
+        .sum();
+    let mut round = Face::untrimmed(s.clone());
+    let ((u0, u1), _) = s.domain();
+    // The same with a hole in its arch.
+    let turn = |k: u32| 2.0 * PI * f64::from(k) / 40.0;
+    let hole = (0..40).map(|k| [u0 + (u1 - u0) * (0.5 + 0.05 * turn(k).cos()), 0.5 - 0.1 * turn(k).sin()]).collect();
+    round.loops.push(TrimLoop { points: hole, edge: vec![9; 40] });
+    for face in [Face::untrimmed(s.clone()), Face::untrimmed(s.transposed()), round] {
+        for tolerance in [0.5, 0.01] {
+            let out = panels(vec![face.clone()], tolerance);
+            assert_eq!(out.patchwork.panels.len(), 1);
+            let flat = &out.patterns[0];
+            let sides = [flat.length.max(flat.width), flat.length.min(flat.width)];
+            assert!(
+                (sides[0] - length.max(400.0)).abs() < 0.01 && (sides[1] - length.min(400.0)).abs() < 0.01,
+                "{flat:?}"
+            );
+        }
+    }
+}
+
 #[test]
 fn a_tangent_surface_of_a_curve_is_one_panel() {
     // Tangents of a cubic, from one to two times its derivative away.

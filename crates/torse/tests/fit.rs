@@ -109,7 +109,7 @@ fn assert_margin(fit: &Fit, samples: &[Sample]) {
         // The sample is near the surface: its foot is where its own ruling plane is nearest.
         let guess = match &fit.torse {
             Torse::Primal(p) => p.frame.to_local(&s.x).x,
-            Torse::Dual(_) => (0..=200)
+            Torse::Dual(_) | Torse::Cylinder(_) => (0..=200)
                 .map(|i| lo + (hi - lo) * i as f64 / 200.0)
                 .min_by(|&p, &q| {
                     let off = |t: f64| {

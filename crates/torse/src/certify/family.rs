@@ -1,7 +1,7 @@
 //! A torse as its family of tangent planes, in the form that both kinds share and that proofs need.
 //!
 //! Planes `n(t)·X = h(t)` with `n' = σ m`, `h' = σ k`; ruling `n·X = h, m·X = k`. Dual torse: `σ = 1`, `m = n'`,
-//! `k = h'`. Primal torse \[mixed, C1.4\] (frame coordinates): `n = (−f', a f' − g, 1)`, `h = f − t f'`, `m = (−1, a, 0)`,
+//! `k = h'`. Cylinder: unit vectors, σ the turn of its profile ([`CylinderTorse`](crate::torse::form::CylinderTorse)). Primal torse \[mixed, C1.4\] (frame coordinates): `n = (−f', a f' − g, 1)`, `h = f − t f'`, `m = (−1, a, 0)`,
 //! `k = −t`, `σ = f''`: finite at inflections `f'' = 0`. With `F = n·X − h`, `μ = m·X − k` the exact foot function is
 //! `E(X, t) = |n|² μ − F (n·m)`, linear in `X`; where `E = 0`, `F/|n|` is the signed distance from `X` to the ruling.
 //!
@@ -28,6 +28,8 @@ enum Functions<S> {
     Primal { f: Cubic<S>, a: Cubic<S>, g: [S; 6] },
     /// `(n, h)` cubic.
     Dual { c: [Cubic<S>; 4] },
+    /// Profile `(x, z)` of a cylinder, cubic.
+    Cylinder { x: Cubic<S>, z: Cubic<S> },
 }
 
 /// A cubic and its derivatives with respect to t, each in powers of x. The derivatives come from differences of control
@@ -153,6 +155,8 @@ pub(super) struct Forms {
     pub m: [Vec<Interval>; 3],
     /// k, of the degree of m.
     pub k: Vec<Interval>,
+    /// How much longer both are than those of [`Plane`].
+    pub scale: Interval,
 }
 
 /// A torse prepared for proofs.
@@ -183,6 +187,7 @@ impl Family {
         let knots = match torse {
             Torse::Primal(p) => &p.profile().knots,
             Torse::Dual(d) => &d.planes.knots,
+            Torse::Cylinder(c) => &c.profile.knots,
         };
         let (t0, t1) = knots.domain();
         let degree = knots.degree();
@@ -217,6 +222,16 @@ impl Family {
                     let c = pieces(knots, &planes, w[0], w[1]);
                     spans.push(Span { inverse, functions: Functions::Dual { c } });
                 }
+            }
+            Torse::Cylinder(c) => {
+                let profile: Vec<[Interval; 2]> = c.profile.control.iter().map(|c| c.map(Interval::point)).collect();
+                for w in breaks.windows(2) {
+                    let inverse = Interval::ONE / (Interval::point(w[1]) - Interval::point(w[0]));
+                    let [x, z] = pieces(knots, &profile, w[0], w[1]);
+                    spans.push(Span { inverse, functions: Functions::Cylinder { x, z } });
+                }
+                origin = c.frame.origin;
+                (axes, metric) = frame_forms(&[c.frame.x, c.frame.y, c.frame.z])?;
             }
         }
         let quick = spans.iter().map(Span::middle).collect();
@@ -316,6 +331,14 @@ impl Family {
                         dmu: form(&p).hull(form(&q)),
                     }
                 }
+                Functions::Cylinder { x: px, z: pz } => {
+                    let at = lo.hull(hi);
+                    let p = Profile::at(px, pz, at);
+                    // m'·X − k' = r − ω F.
+                    let off = [dot(&self.axes[0], x) - p.point[0], dot(&self.axes[2], x) - p.point[1]];
+                    let height = p.tangent[0] * off[1] - p.tangent[1] * off[0];
+                    Ranges { sigma: p.turn, dm: scale(&p.normal(&self.axes), -p.turn), dmu: p.speed - p.turn * height }
+                }
             };
             out = Some(match out {
                 None => piece,
@@ -359,12 +382,30 @@ impl Family {
                     h: with_degree(&difference(&f, &product(&t, &f1)), 5),
                     m: [0, 1, 2].map(|d| world(&mx, &r, &zero, d)),
                     k: with_degree(&scaled(&t, -Interval::ONE), 3),
+                    scale: Interval::ONE,
                 }
             }
             Functions::Dual { c } => {
                 let [n0, n1, n2, h] = [0, 1, 2, 3].map(|d: usize| over(&c[d].value));
                 let [m0, m1, m2, k] = [0, 1, 2, 3].map(|d: usize| over(&c[d].first));
-                Forms { n: [n0, n1, n2], h, m: [m0, m1, m2], k }
+                Forms { n: [n0, n1, n2], h, m: [m0, m1, m2], k, scale: Interval::ONE }
+            }
+            Functions::Cylinder { x, z } => {
+                let ([px, pz], [tx, tz]) = ([over(&x.value), over(&z.value)], [over(&x.first), over(&z.first)]);
+                let sum = |a: &[Interval], b: &[Interval]| crate::num::bernstein::sum(a, b);
+                let world = |x: &[Interval], z: &[Interval], d: usize| -> Vec<Interval> {
+                    let of_axes = x.iter().zip(z).map(|(x, z)| *x * self.axes[0][d] + *z * self.axes[2][d]);
+                    with_degree(&of_axes.collect::<Vec<_>>(), 5)
+                };
+                let minus = |a: &[Interval]| scaled(a, -Interval::ONE);
+                let speed = sum(&product(&tx, &tx), &product(&tz, &tz));
+                Forms {
+                    n: [0, 1, 2].map(|d| world(&minus(&tz), &tx, d)),
+                    h: difference(&product(&tx, &pz), &product(&tz, &px)),
+                    m: [0, 1, 2].map(|d| world(&minus(&tx), &minus(&tz), d)),
+                    k: minus(&sum(&product(&tx, &px), &product(&tz, &pz))),
+                    scale: crate::num::bernstein::hull(&speed).sqrt(),
+                }
             }
         }
     }
@@ -495,6 +536,7 @@ impl Span<Interval> {
         let functions = match &self.functions {
             Functions::Primal { f: profile, a, g } => Functions::Primal { f: profile.map(f), a: a.map(f), g: g.map(f) },
             Functions::Dual { c } => Functions::Dual { c: c.map(|r| r.map(f)) },
+            Functions::Cylinder { x, z } => Functions::Cylinder { x: x.map(f), z: z.map(f) },
         };
         Span { inverse: f(self.inverse), functions }
     }
@@ -544,6 +586,57 @@ impl<S: Scalar> Span<S> {
                     dk: v[3][2],
                 }
             }
+            Functions::Cylinder { x: px, z: pz } => Profile::at(px, pz, x).plane(axes),
+        }
+    }
+}
+
+/// The profile of a cylinder at one parameter, or over some: point, unit tangent, speed r and turn ω.
+struct Profile<S> {
+    point: [S; 2],
+    tangent: [S; 2],
+    speed: S,
+    turn: S,
+}
+
+impl<S: Scalar> Profile<S> {
+    #[inline]
+    fn at(x: &Cubic<S>, z: &Cubic<S>, at: S) -> Self {
+        let ([px, tx, bx], [pz, tz, bz]) = (x.at(at), z.at(at));
+        let square = tx * tx + tz * tz;
+        let speed = square.square_root();
+        Self {
+            point: [px, pz],
+            tangent: [tx.over(speed), tz.over(speed)],
+            speed,
+            turn: (tx * bz - tz * bx).over(square),
+        }
+    }
+
+    #[inline]
+    fn normal(&self, axes: &[V3<S>; 3]) -> V3<S> {
+        super::vector::sub(&scale(&axes[2], self.tangent[0]), &scale(&axes[0], self.tangent[1]))
+    }
+
+    /// n the unit normal, m the unit tangent backwards: `n' = ω m`, `m' = −ω n`.
+    #[inline]
+    fn plane(&self, axes: &[V3<S>; 3]) -> Plane<S> {
+        let ([x, z], [ex, ez]) = (self.point, self.tangent);
+        let n = self.normal(axes);
+        let h = ex * z - ez * x;
+        let (zero, one) = (S::from(0.0), S::from(1.0));
+        Plane {
+            n,
+            m: scale(&add(&scale(&axes[0], ex), &scale(&axes[2], ez)), -one),
+            dm: scale(&n, -self.turn),
+            sigma: self.turn,
+            nn: one,
+            nm: zero,
+            mm: one,
+            ndm: -self.turn,
+            h,
+            k: -(ex * x + ez * z),
+            dk: -(self.turn * h + self.speed),
         }
     }
 }

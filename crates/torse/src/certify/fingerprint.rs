@@ -5,6 +5,7 @@
 //! patchwork stands among others (the numbers of its faces and seams) does not count. Not a defence against somebody who
 //! looks for collisions: the hash is not cryptographic.
 
+use crate::geom::Frame;
 use crate::patchwork::panel::{Border, Coedge, Panel, PanelForm, Patchwork};
 use crate::patchwork::partition::Partition;
 use crate::spline::curve::Curve;
@@ -139,21 +140,30 @@ fn patch(p: &Panel, h: &mut DefaultHasher) {
     points(&p.strip.patch.control, h);
 }
 
+fn axes(frame: &Frame, h: &mut DefaultHasher) {
+    for v in [frame.origin, frame.x, frame.y, frame.z] {
+        v.iter().for_each(|x| number(*x, h));
+    }
+}
+
 /// The patch and what it is for the comparison with its face.
 fn shape(p: &Panel, form: &PanelForm, h: &mut DefaultHasher) {
     patch(p, h);
     match form {
         PanelForm::Torse(Torse::Primal(t)) => {
             0u8.hash(h);
-            for v in [t.frame.origin, t.frame.x, t.frame.y, t.frame.z] {
-                v.iter().for_each(|x| number(*x, h));
-            }
+            axes(&t.frame, h);
             curve(t.profile(), h);
             number(t.beta(), h);
         }
         PanelForm::Torse(Torse::Dual(t)) => {
             1u8.hash(h);
             curve(&t.planes, h);
+        }
+        PanelForm::Torse(Torse::Cylinder(t)) => {
+            3u8.hash(h);
+            axes(&t.frame, h);
+            curve(&t.profile, h);
         }
         PanelForm::Ruled(map) => {
             2u8.hash(h);

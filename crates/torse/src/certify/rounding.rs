@@ -59,8 +59,12 @@ fn on_piece(family: &Family, patch: &Ruled, a: f64, b: f64) -> Option<f64> {
         if w.lo <= 0.0 {
             return None;
         }
-        let f = (Interval::point(residual(&forms, &x, true)) / w).hi;
-        let mu = (Interval::point(residual(&forms, &x, false)) / w).hi;
+        let size = w * forms.scale;
+        if size.lo <= 0.0 {
+            return None;
+        }
+        let f = (Interval::point(residual(&forms, &x, true)) / size).hi;
+        let mu = (Interval::point(residual(&forms, &x, false)) / size).hi;
         let up = Interval::point(f) / Interval::point(n_len.lo);
         let side = (Interval::point(mu) + Interval::point(f) * Interval::point(slant)) / Interval::point(across);
         bound = bound.max(((up.sqr() + side.sqr()).sqrt() * Interval::point(family.metric)).hi);

@@ -19,6 +19,8 @@ pub(crate) trait Scalar:
     fn sum(a: f64, b: f64) -> Self;
     /// Quotient; everything (or not a number) when the divisor may be zero.
     fn over(self, divisor: Self) -> Self;
+    /// Square root; of what may be negative, that of what is not.
+    fn square_root(self) -> Self;
 }
 
 impl Scalar for f64 {
@@ -34,6 +36,10 @@ impl Scalar for f64 {
     fn over(self, divisor: Self) -> Self {
         self / divisor
     }
+    #[inline]
+    fn square_root(self) -> Self {
+        self.sqrt()
+    }
 }
 
 impl Scalar for Interval {
@@ -48,6 +54,10 @@ impl Scalar for Interval {
     #[inline]
     fn over(self, divisor: Self) -> Self {
         self / divisor
+    }
+    #[inline]
+    fn square_root(self) -> Self {
+        self.sqrt()
     }
 }
 

@@ -142,6 +142,9 @@ impl Scalar for Jet {
         let d = (self.d - v * o.d) / o.v;
         Self { v, d, dd: (self.dd - (d * o.d).scale_exact(2.0) - v * o.dd) / o.v }
     }
+    fn square_root(self) -> Self {
+        self.sqrt()
+    }
 }
 
 #[cfg(test)]

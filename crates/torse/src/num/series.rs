@@ -144,6 +144,9 @@ impl<const N: usize> Scalar for Series<N> {
         }
         Self(q)
     }
+    fn square_root(self) -> Self {
+        self.sqrt()
+    }
 }
 
 #[cfg(test)]

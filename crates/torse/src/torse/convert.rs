@@ -2,11 +2,11 @@
 //! of the surface itself. The patch has u = t and is linear in v = r ∈ [0, 1] along the rulings.
 //!
 //! *Primal* torse, `x = t + y a`, `z = f + y g`: a boundary curve `y = y(t)` is a polynomial spline of degree 5 plus
-//! the degree of `y`. *Dual* torse, planes `U = (n, h)`: a boundary curve is the intersection of the ruling
+//! the degree of `y`; over the profile of a *cylinder* of degree 3, or that of `y`. *Dual* torse, planes `U = (n, h)`: a boundary curve is the intersection of the ruling
 //! `L = U ∧ U'` with a plane `A(t)`, a rational spline of degree 4 plus the degree of `A` \[PW99\].
 //! Both boundary curves use the same L and planes of the same direction, hence equal weights: r is affine along a ruling.
 
-use super::form::{DualTorse, PrimalTorse, Torse};
+use super::form::{CylinderTorse, DualTorse, PrimalTorse, Torse};
 pub(crate) use super::patch_extent::ConvertError;
 pub use super::patch_extent::Extent;
 use super::patch_extent::{degree, patch_extent, Bound};
@@ -46,6 +46,7 @@ pub fn patch(torse: &Torse, extent: &Extent) -> Result<Surface, ConvertError> {
     match torse {
         Torse::Primal(p) => primal_patch(p, &bound),
         Torse::Dual(d) => dual_patch(d, &bound),
+        Torse::Cylinder(c) => cylinder_patch(c, &bound),
     }
 }
 
@@ -93,6 +94,34 @@ fn primal_patch(torse: &PrimalTorse, bound: &Bound) -> Result<Surface, ConvertEr
     }
     let order =
         |t: f64| multiplicity(&torse.profile().knots, t).map_or(bound.order, |m| (3 - m as isize).min(bound.order));
+    assemble(&pieces, order, false)
+}
+
+/// Boundary curves `(x(t), y(t), z(t))`: of degree 3, or that of `y`.
+fn cylinder_patch(torse: &CylinderTorse, bound: &Bound) -> Result<Surface, ConvertError> {
+    let mut pieces = Vec::new();
+    for (a, b, net) in bezier_pieces(&torse.profile) {
+        let component = |d: usize| -> Vec<f64> { net.iter().map(|c| c[d]).collect() };
+        let (x, z) = (component(0), component(1));
+        for (lo, hi) in bound.parts(a, b) {
+            let cut = |q: &[f64]| restrict(q, (lo - a) / (b - a), (hi - a) / (b - a));
+            let p = (x.len() - 1).max(bound.degree());
+            let (x, z) = (elevate(&cut(&x), p), elevate(&cut(&z), p));
+            let curve = |y: &Curve<1>| -> [Vec<f64>; 4] {
+                let [y] = coefficients(y, (lo, hi));
+                let y = elevate(&y, p);
+                let mut out = [vec![], vec![], vec![], vec![1.0; p + 1]];
+                for i in 0..=p {
+                    let q = torse.frame.to_world(&Vec3::new(x[i], y[i], z[i]));
+                    (0..3).for_each(|d| out[d].push(q[d]));
+                }
+                out
+            };
+            pieces.push(Piece { a: lo, b: hi, curves: [curve(&bound.low), curve(&bound.high)] });
+        }
+    }
+    let order =
+        |t: f64| multiplicity(&torse.profile.knots, t).map_or(bound.order, |m| (3 - m as isize).min(bound.order));
     assemble(&pieces, order, false)
 }
 

@@ -32,6 +32,20 @@ pub struct DualTorse {
     pub planes: Curve<4>,
 }
 
+/// General cylinder over a parametric profile, which may turn through any angle and inflect: the cross-section of an
+/// extrusion, such as an omega profile.
+///
+/// In the coordinates of `frame` (mm): `(x(t), y, z(t))`. With the speed `r² = x'² + z'²`, the unit normal
+/// `n = (−z', 0, x')/r`, the unit tangent `m = −(x', 0, z')/r` and `ω = (x' z'' − z' x'')/r²`: `n' = ω m`, `m' = −ω n`,
+/// `h = n·c`, `k = m·c`, `k' = −ω h − r`. Regular everywhere; inflections are `ω = 0`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CylinderTorse {
+    /// Local coordinates; y is the ruling's direction.
+    pub frame: Frame,
+    /// Components `(x, z)`, cubic, mm.
+    pub profile: Curve<2>,
+}
+
 /// A developable surface with rulings `t = const`.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Torse {
@@ -39,6 +53,8 @@ pub enum Torse {
     Primal(PrimalTorse),
     /// Envelope of planes.
     Dual(DualTorse),
+    /// General cylinder.
+    Cylinder(CylinderTorse),
 }
 
 /// One ruling with its tangent plane.
@@ -128,12 +144,37 @@ impl PrimalTorse {
     }
 }
 
+/// Point, unit tangent and unit normal of a cylinder's profile, its speed and its turn ω per parameter.
+struct ProfileJet {
+    point: Vec3,
+    tangent: Vec3,
+    normal: Vec3,
+    speed: f64,
+    turn: f64,
+}
+
+impl CylinderTorse {
+    fn jet(&self, t: f64) -> ProfileJet {
+        let j = self.profile.jet(t);
+        let speed = j[1][0].hypot(j[1][1]);
+        let (x, z) = (j[1][0] / speed, j[1][1] / speed);
+        ProfileJet {
+            point: Vec3::new(j[0][0], 0.0, j[0][1]),
+            tangent: Vec3::new(x, 0.0, z),
+            normal: Vec3::new(-z, 0.0, x),
+            speed,
+            turn: (x * j[2][1] - z * j[2][0]) / speed,
+        }
+    }
+}
+
 impl Torse {
     /// Parameter interval of the rulings.
     pub fn domain(&self) -> (f64, f64) {
         match self {
             Self::Primal(p) => p.profile.domain(),
             Self::Dual(d) => d.planes.domain(),
+            Self::Cylinder(c) => c.profile.domain(),
         }
     }
 
@@ -142,6 +183,9 @@ impl Torse {
         Some(match self {
             Self::Primal(p) => Self::Primal(PrimalTorse::new(p.frame, p.profile.extended(a, b).ok()?, p.slope(a))),
             Self::Dual(d) => Self::Dual(DualTorse { planes: d.planes.extended(a, b).ok()? }),
+            Self::Cylinder(c) => {
+                Self::Cylinder(CylinderTorse { frame: c.frame, profile: c.profile.extended(a, b).ok()? })
+            }
         })
     }
 
@@ -150,6 +194,7 @@ impl Torse {
         match self {
             Self::Primal(p) => p.profile.knots.breaks(),
             Self::Dual(d) => d.planes.knots.breaks(),
+            Self::Cylinder(c) => c.profile.knots.breaks(),
         }
     }
 
@@ -170,6 +215,14 @@ impl Torse {
                 let e = n.cross(&m);
                 let point = (m.cross(&e) * j[0][3] + e.cross(&n) * j[1][3]) / e.norm_squared();
                 Ruling { point, direction: e.normalize(), normal: n.normalize() }
+            }
+            Self::Cylinder(c) => {
+                let j = c.jet(t);
+                Ruling {
+                    point: c.frame.to_world(&j.point),
+                    direction: c.frame.y.into(),
+                    normal: c.frame.vector_to_world(&j.normal),
+                }
             }
         }
     }
@@ -200,6 +253,11 @@ impl Torse {
                 let value = nn * mu - phi * nm;
                 let slope = nm * mu + nn * dmu - phi * (v[1].norm_squared() + v[0].dot(&v[2]));
                 (value, slope)
+            }
+            Self::Cylinder(c) => {
+                let j = c.jet(t);
+                let d = c.frame.to_local(x) - j.point;
+                (-j.tangent.dot(&d), j.speed - j.turn * j.normal.dot(&d))
             }
         }
     }
@@ -263,6 +321,7 @@ impl Torse {
                 let rate = knots.degree() as f64 * spans / (b - a);
                 n.powi(2) * rate * (n * x.norm() + j[0][3].abs())
             }
+            Self::Cylinder(c) => c.frame.to_local(x).norm() + c.jet(t).point.norm(),
         }
     }
 }

@@ -130,6 +130,7 @@ pub(crate) fn patch_extent(torse: &Torse, extent: &Extent, range: (f64, f64)) ->
     let count = extent.points().count() as f64;
     let origin = match torse {
         Torse::Primal(p) => p.frame.origin,
+        Torse::Cylinder(c) => c.frame.origin,
         Torse::Dual(d) => {
             let middle = extent.points().map(|p| p.1).sum::<Vec3>() / count;
             let reach = extent.points().map(|p| (p.1 - middle).norm()).fold(0.0, f64::max);
@@ -144,7 +145,8 @@ pub(crate) fn patch_extent(torse: &Torse, extent: &Extent, range: (f64, f64)) ->
     for spline_direction in [false, true] {
         let direction = match (torse, spline_direction) {
             (Torse::Primal(p), false) => polynomial(vec![p.frame.y.into()], range)?,
-            (Torse::Primal(_), true) => continue,
+            (Torse::Cylinder(c), false) => polynomial(vec![c.frame.y.into()], range)?,
+            (Torse::Primal(_) | Torse::Cylinder(_), true) => continue,
             (Torse::Dual(_), false) => match direction_polynomial(torse, range)? {
                 Some(d) => d,
                 None => continue,

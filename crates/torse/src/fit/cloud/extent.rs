@@ -50,6 +50,7 @@ pub(crate) fn widened(fit: &Fit) -> Option<Fit> {
             let beta = p.functions(profile.domain().0)[5];
             Torse::Primal(PrimalTorse::new(p.frame, profile, beta))
         }
+        Torse::Cylinder(_) => return None,
     };
     Some(Fit { torse, ..fit.clone() })
 }

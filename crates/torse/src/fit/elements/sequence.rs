@@ -163,7 +163,7 @@ pub fn torses(elements: &[ContactElement], options: &RowOptions) -> Vec<Fit> {
             });
             let polished = match &torse {
                 Torse::Dual(d) => dual::refit(d, &samples, &wanted),
-                Torse::Primal(_) => None,
+                Torse::Primal(_) | Torse::Cylinder(_) => None,
             };
             out.extend(kept);
             if options.fix_ends {

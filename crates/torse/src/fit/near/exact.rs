@@ -12,7 +12,7 @@ use crate::geom::{Frame, Vec3};
 use crate::spline::curve::Curve;
 use crate::spline::knots::Knots;
 use crate::spline::lsq;
-use crate::torse::form::{DualTorse, PanelKind, PrimalTorse, Torse};
+use crate::torse::form::{CylinderTorse, DualTorse, PanelKind, PrimalTorse, Torse};
 
 /// What is asked of [`exact`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,7 +58,7 @@ const BETTER: f64 = 0.7;
 ///
 /// *Input*: rulings as found on the surface; samples of the piece. *Result*: a fit within `accepted` of all samples, whose
 /// domain reaches beyond the outermost rulings. `None` where there is none: pieces that are not developable, that turn
-/// through half a circle and have an inflection or a flat part, or whose rulings meet on them.
+/// through half a circle and have an inflection or a flat part but are no cylinders, or whose rulings meet on them.
 pub fn exact(rulings: &Rulings, samples: &[Sample], options: &ExactOptions) -> Option<Fit> {
     let flat = plane(samples)?;
     if flat.error <= options.goal {
@@ -87,10 +87,12 @@ pub fn exact(rulings: &Rulings, samples: &[Sample], options: &ExactOptions) -> O
             Some(torse)
         }
     };
-    let forms: [(Form, bool); 3] = [
+    let is_cylinder = kind == PanelKind::Cylinder;
+    let forms: [(Form, bool); 4] = [
         (&profile, steepest <= GENTLE && !pointed),
         (&planes, true),
         (&profile, pointed || steepest > GENTLE && steepest <= STEEPEST),
+        (&cylinder, is_cylinder),
     ];
     let reached = |form: Form| {
         let mut best: Option<Fit> = None;
@@ -292,6 +294,25 @@ fn of_planes(sampled: &Sampled) -> Option<Torse> {
     let plane = |l: &StraightLine| [l.normal.x, l.normal.y, l.normal.z, l.normal.dot(&l.point)];
     let values: Vec<[f64; 4]> = sampled.lines.iter().map(plane).collect();
     Some(Torse::Dual(DualTorse { planes: sampled.spline(&t, &values)? }))
+}
+
+/// The cylinder over the profile in the plane square to the rulings, over the length of its chords.
+fn cylinder(sampled: &Sampled) -> Option<Torse> {
+    let first = sampled.lines.first()?;
+    let y = sampled.lines.iter().map(|l| l.direction).sum::<Vec3>().try_normalize(0.0)?;
+    let x = y.cross(&first.normal).try_normalize(0.0)?;
+    let origin = sampled.lines.iter().map(|l| l.point).sum::<Vec3>() / sampled.lines.len() as f64;
+    let frame = Frame { origin, x, y, z: x.cross(&y) };
+    let local = |l: &StraightLine| {
+        let p = frame.to_local(&l.point);
+        [p.x, p.z]
+    };
+    let points: Vec<[f64; 2]> = sampled.lines.iter().map(local).collect();
+    let mut t = vec![0.0];
+    for w in points.windows(2) {
+        t.push(t[t.len() - 1] + (w[1][0] - w[0][0]).hypot(w[1][1] - w[0][1]));
+    }
+    Some(Torse::Cylinder(CylinderTorse { frame, profile: sampled.spline(&t, &points)? }))
 }
 
 /// What rulings make up: parallel ones a cylinder, those through a point a cone.

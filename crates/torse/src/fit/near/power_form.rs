@@ -16,6 +16,13 @@ pub(crate) enum Sheet {
         /// Coefficients of g in powers of the distance from the span's start.
         slope: Vec<[f64; 6]>,
     },
+    /// Profile of a cylinder, in the coordinates of the frame.
+    Cylinder {
+        /// Local coordinates.
+        frame: Frame,
+        /// Components `(x, z)`.
+        profile: Pieces<2>,
+    },
     /// Planes in world coordinates.
     Dual {
         /// Components of `(n, h)`.
@@ -124,6 +131,7 @@ impl Sheet {
         match torse {
             Torse::Primal(p) => Some(Self::primal(p.frame, Pieces::of(p.profile())?, p.beta())),
             Torse::Dual(d) => Some(Self::Dual { planes: Pieces::of(&d.planes)? }),
+            Torse::Cylinder(c) => Some(Self::Cylinder { frame: c.frame, profile: Pieces::of(&c.profile)? }),
         }
     }
 
@@ -143,7 +151,7 @@ impl Sheet {
     /// Parameter interval.
     pub fn domain(&self) -> (f64, f64) {
         match self {
-            Self::Primal { profile, .. } => profile.domain(),
+            Self::Primal { profile, .. } | Self::Cylinder { profile, .. } => profile.domain(),
             Self::Dual { planes } => planes.domain(),
         }
     }
@@ -152,12 +160,12 @@ impl Sheet {
     #[inline]
     pub fn local(&self, x: &Vec3) -> Vec3 {
         match self {
-            Self::Primal { frame, .. } => frame.to_local(x),
+            Self::Primal { frame, .. } | Self::Cylinder { frame, .. } => frame.to_local(x),
             Self::Dual { .. } => *x,
         }
     }
 
-    /// `g(t)` of a primal torse, 0 for a dual one.
+    /// `g(t)` of a primal torse, 0 for others.
     #[inline]
     pub fn slope(&self, t: f64) -> f64 {
         match self {
@@ -165,7 +173,7 @@ impl Sheet {
                 let s = span_of(&profile.breaks, t);
                 quintic(&slope[s], t - profile.breaks[s])
             }
-            Self::Dual { .. } => 0.0,
+            Self::Dual { .. } | Self::Cylinder { .. } => 0.0,
         }
     }
 
@@ -184,6 +192,15 @@ impl Sheet {
                 let n = Vec3::new(-f1, a * f1 - quintic(&slope[s], u), 1.0);
                 let m = Vec3::new(-1.0, a, 0.0);
                 PlaneJet { n, h: f - t * f1, m, k: -t, dm: Vec3::new(0.0, a1, 0.0), dk: -1.0, c: f2 }
+            }
+            Self::Cylinder { profile, .. } => {
+                let [p, p1, p2] = profile.jet(t);
+                let speed = p1[0].hypot(p1[1]);
+                let (x, z) = (p1[0] / speed, p1[1] / speed);
+                let c = (x * p2[1] - z * p2[0]) / speed;
+                let (n, m) = (Vec3::new(-z, 0.0, x), Vec3::new(-x, 0.0, -z));
+                let h = x * p[1] - z * p[0];
+                PlaneJet { n, h, m, k: -(x * p[0] + z * p[1]), dm: n * -c, dk: -c * h - speed, c }
             }
             Self::Dual { planes } => {
                 let [p, p1, p2] = planes.jet(t);
@@ -234,7 +251,7 @@ impl Sheet {
     /// The planes of the table that [`Sheet::nearest_foot`] looks at: made once for many points.
     pub fn plane_table(&self) -> Vec<(f64, PlaneJet)> {
         let breaks = match self {
-            Self::Primal { profile, .. } => &profile.breaks,
+            Self::Primal { profile, .. } | Self::Cylinder { profile, .. } => &profile.breaks,
             Self::Dual { planes } => &planes.breaks,
         };
         table(breaks).map(|t| (t, self.jet(t))).collect()
@@ -275,7 +292,7 @@ impl Sheet {
     }
 
     /// Signed distance of `q` from the tangent plane at its foot `t`, and the regularity there: `1 + y a'` for a primal
-    /// torse, `(N''·X − H'')/|N|` for a dual one, at the foot point.
+    /// torse, `(N''·X − H'')/|N|` for a dual one, the speed of the profile for a cylinder, at the foot point.
     #[inline]
     pub fn distance(&self, q: &Vec3, t: f64) -> (f64, f64) {
         let j = self.jet(t);
@@ -283,7 +300,7 @@ impl Sheet {
         let d = (j.n.dot(q) - j.h) / norm;
         let foot = q - j.n * (d / norm);
         let regular = j.dm.dot(&foot) - j.dk;
-        (d, if matches!(self, Self::Primal { .. }) { regular } else { regular / norm })
+        (d, if matches!(self, Self::Dual { .. }) { regular / norm } else { regular })
     }
 
     /// At the foot `t` of `q`: radius of curvature across the ruling, and distance along it to the regression curve.
@@ -308,6 +325,11 @@ impl Sheet {
                 let slopes = table(&profile.breaks).map(|t| (t, profile.jet(t)[0][1]));
                 Guesses { rulings: Vec::new(), slopes: slopes.collect() }
             }
+            Self::Cylinder { profile, .. } => {
+                let point = |[x, z]: [f64; 2]| Vec3::new(x, 0.0, z);
+                let rulings = table(&profile.breaks).map(|t| (t, point(profile.jet(t)[0]), Vec3::y()));
+                Guesses { rulings: rulings.collect(), slopes: Vec::new() }
+            }
             Self::Dual { planes } => {
                 let rulings = table(&planes.breaks).filter_map(|t| {
                     let j = self.jet(t);
@@ -329,7 +351,7 @@ fn table(breaks: &[f64]) -> impl Iterator<Item = f64> {
     (0..=count).map(move |i| a + (b - a) * i as f64 / count as f64)
 }
 
-/// Tables of a torse's rulings: `(t, point, unit direction)` of a dual one, `(t, a(t))` of a primal one.
+/// Tables of a torse's rulings: `(t, point, unit direction)`, of a primal one `(t, a(t))`.
 #[derive(Clone, Debug)]
 pub(crate) struct Guesses {
     rulings: Vec<(f64, Vec3, Vec3)>,
@@ -337,7 +359,7 @@ pub(crate) struct Guesses {
 }
 
 impl Guesses {
-    /// First guess of the foot of `q`: for a dual torse the nearest ruling of the table; for a primal one the place
+    /// First guess of the foot of `q`: the nearest ruling of the table; for a primal one the place
     /// where `x − t − y a(t)` falls through zero (regular there), the nearest to x if there are several.
     pub fn guess(&self, q: &Vec3) -> f64 {
         let mut best = (f64::INFINITY, q.x);

@@ -17,6 +17,8 @@ pub fn refit(fit: &Fit, samples: &[Sample], options: &RefitOptions) -> Option<Fi
         _ if fit.kind == PanelKind::Plane => plane(samples),
         Torse::Primal(p) => primal::refit(p, fit.kind, samples, options),
         Torse::Dual(d) => dual::refit(d, samples, options),
+        // Cylinders are taken from surfaces as they are.
+        Torse::Cylinder(_) => None,
     };
     // The old torse may still be the better one.
     match (error(&fit.torse, samples), again) {

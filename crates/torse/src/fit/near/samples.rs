@@ -97,7 +97,9 @@ pub(crate) fn measure(sheet: &Sheet, samples: &[Sample], feet: &mut [f64]) -> Op
     }
     let regular = match sheet {
         Sheet::Primal { .. } => least > REGULAR_PRIMAL,
-        Sheet::Dual { .. } => least.min(-most).max(least.max(-most)) > REGULAR_DUAL * least.abs().max(most.abs()),
+        Sheet::Dual { .. } | Sheet::Cylinder { .. } => {
+            least.min(-most).max(least.max(-most)) > REGULAR_DUAL * least.abs().max(most.abs())
+        }
     };
     (worst.0 >= 0.0 && regular).then_some(worst)
 }

@@ -41,7 +41,7 @@ impl Envelope {
     fn planes(&self) -> &Curve<4> {
         match &self.torse {
             Torse::Dual(d) => &d.planes,
-            Torse::Primal(_) => unreachable!("an envelope is made of planes"),
+            Torse::Primal(_) | Torse::Cylinder(_) => unreachable!("an envelope is made of planes"),
         }
     }
 

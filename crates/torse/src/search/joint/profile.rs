@@ -126,7 +126,7 @@ impl Profile {
     fn primal(&self) -> &PrimalTorse {
         match &self.torse {
             Torse::Primal(p) => p,
-            Torse::Dual(_) => unreachable!("a profile is no envelope"),
+            Torse::Dual(_) | Torse::Cylinder(_) => unreachable!("a profile is a graph"),
         }
     }
 

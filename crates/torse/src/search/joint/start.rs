@@ -129,6 +129,7 @@ fn member(label: u32, torse: &Torse, places: &[Place], tolerance: f64) -> Option
                 Profile::of_planes(d, range, spans).map(Strip::Profile),
             ],
             Torse::Primal(p) => [Profile::new(p, range, spans).map(Strip::Profile), None],
+            Torse::Cylinder(_) => return None,
         };
         for strip in forms.into_iter().flatten() {
             let Some(start) = Start::of(label, strip, places) else { continue };

@@ -82,6 +82,7 @@ impl Strip {
         match torse {
             Torse::Dual(d) => Envelope::new(d, torse.domain(), spans).map(Self::Planes),
             Torse::Primal(p) => Profile::new(p, torse.domain(), spans).map(Self::Profile),
+            Torse::Cylinder(_) => None,
         }
     }
 
