@@ -206,6 +206,7 @@ fn dense_samples_never_exceed_the_bound_in_either_direction() {
 fn moved(panel: &mut Panel, d: &Vec3) {
     match &mut panel.trim.as_mut().expect("a trim").form {
         PanelForm::Torse(Torse::Primal(p)) => p.frame.origin += d,
+        PanelForm::Torse(Torse::Cylinder(c)) => c.frame.origin += d,
         PanelForm::Torse(Torse::Dual(t)) => {
             for c in &mut t.planes.control {
                 c[3] += Vec3::new(c[0], c[1], c[2]).dot(d);
@@ -461,6 +462,17 @@ fn panels_along_a_curve_go_on_until_the_face_is_covered() {
     assert!(o.along.iter().any(|a| a.step == 0) && o.along.iter().all(|a| a.curve == "the curve"));
     let widest = o.along.iter().map(|a| a.paper_estimate).fold(0.0, f64::max);
     assert!(widest > 0.5 * TOLERANCE && widest <= TOLERANCE, "{widest}");
+}
+
+/// Strips in the direction of a curve, where those along it and on from there would be clearly more: it names the one that
+/// it lies in.
+#[test]
+fn strips_in_the_direction_of_a_curve_are_the_other_answer() {
+    let o = along(CurveShape::AlongU(0.5), 5.0).expect("an answer");
+    assert_eq!(o.status(), Status::Certified);
+    assert!(o.patchwork.panels.len() <= 4, "{}", o.patchwork.panels.len());
+    assert!(matches!(&o.notes[..], [torse::answer::note::Note::DirectionOf { curve }] if curve == "the curve"));
+    assert!(o.along.len() == 1 && o.along[0].step == 0 && o.along[0].curve == "the curve", "{:?}", o.along);
 }
 
 #[test]

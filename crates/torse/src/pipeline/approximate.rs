@@ -127,7 +127,10 @@ pub fn of_faces(
     claims.splice(0..0, left_out(&skipped));
     let parts = one_by_one(&patchwork, &patterns);
     let bare = options.layout.curves.iter().filter(|c| along.iter().all(|a| a.curve != c.name));
-    let notes = bare.map(|c| Note::NoPanelAlong { curve: c.name.clone() }).collect();
+    let bare = bare.map(|c| Note::NoPanelAlong { curve: c.name.clone() });
+    let directed = along.iter().filter(|a| a.paper_estimate.is_infinite());
+    let directed: BTreeSet<&str> = directed.map(|a| a.curve.as_str()).collect();
+    let notes = bare.chain(directed.into_iter().map(|c| Note::DirectionOf { curve: c.to_owned() })).collect();
     Ok(Answer {
         claims,
         patchwork,

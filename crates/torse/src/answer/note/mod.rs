@@ -63,6 +63,11 @@ pub enum Note {
         /// Name of the curve.
         curve: String,
     },
+    /// Strips run in the direction of a curve, fewer than those laid along it and on from there would be.
+    DirectionOf {
+        /// Name of the curve.
+        curve: String,
+    },
     /// The file of cones holds exact surfaces.
     ExactFaces,
     /// Strips are ruled, not developable.

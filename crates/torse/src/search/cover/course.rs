@@ -29,10 +29,16 @@ fn pulled_back(surface: &Surface, uv: [f64; 2], course: &Course) -> [f64; 2] {
 }
 
 impl Job<'_> {
-    /// Level functions whose bands follow the region's course.
-    pub(super) fn levels_on_course(&self, state: &State, label: u32, samples: usize, spans: usize) -> Vec<Level> {
+    /// Level functions whose bands follow a course, from so many samples, with so many spans.
+    pub(super) fn levels_along(
+        &self,
+        course: &Course,
+        state: &State,
+        label: u32,
+        (samples, spans): (usize, usize),
+    ) -> Vec<Level> {
         let forms = state.forms(label, samples);
-        let along: Vec<[f64; 2]> = forms.iter().map(|f| pulled_back(&self.face.surface, f.uv, &self.course)).collect();
+        let along: Vec<[f64; 2]> = forms.iter().map(|f| pulled_back(&self.face.surface, f.uv, course)).collect();
         let options = LevelOptions { spans, control: self.control.clone(), ..LevelOptions::default() };
         levels_along(&forms, &along, &state.places(label), &options)
     }

@@ -13,14 +13,16 @@
 //! face; closed curves become two halves.
 
 use super::curve_on_face::{lines, CurveError, PanelCurve};
+use super::layout::Course;
 use super::state::{Density, Origin};
-use super::{Job, State, DISTANCE_SHARE};
+use super::{is_complete, Job, State, DISTANCE_SHARE};
 use crate::fit::near::dual::envelope;
 use crate::fit::near::samples::{error, Fit};
 use crate::fit::near::tangent_envelope::{envelope_along, interval, paper_estimate, smoothed, walked, RulingPoint};
+use crate::geom::Vec3;
 use crate::spline::surface::Surface;
 use crate::torse::form::PanelKind;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 /// Rulings of a strip.
@@ -43,6 +45,8 @@ const INTERVALS: f64 = 0.97;
 const LEAST_SHARE: f64 = 0.2;
 /// Strips of the front from one side of a curve at most.
 const MOST_STRIPS: usize = 2000;
+/// Panels along curves may be this multiple of the strips that only run in their direction.
+const MORE: f64 = 1.2;
 /// A strip that covers less than this share of a strip's typical area ends its front.
 const LEAST_AREA: f64 = 1e-9;
 
@@ -85,6 +89,72 @@ pub(crate) fn checked(job: &Job, state: &State, curves: &[PanelCurve]) -> Vec<Re
 }
 
 impl Job<'_> {
+    /// A cover along curves: panels along these and fronts from there on, and what they leave free, unless strips that run in
+    /// the direction of the nearest curve are clearly fewer. Envelopes lie on one side of the face, so their strips are
+    /// narrower than those that lie on both, and a front begins where the last one ended whatever is left at its end.
+    pub(super) fn along_curves(&mut self, state: State, curves: &[PanelCurve]) -> State {
+        let tolerance = self.options.tolerance;
+        let found = |c: &PanelCurve| lines(self.face, &state, c, tolerance).unwrap_or_default();
+        let found: Vec<Vec<Vec<[f64; 2]>>> = curves.iter().map(found).collect();
+        let in_space = |l: &Vec<[f64; 2]>| l.iter().map(|p| self.face.surface.point(p[0], p[1])).collect();
+        let beside: Vec<Vec<Vec3>> = found.iter().flatten().map(in_space).collect();
+        if beside.is_empty() {
+            return self.covered(state, &Course::Free);
+        }
+        let course = Course::Beside(beside);
+        let promised = self.promised(&state, &course);
+        if let Some(found) = promised.and_then(|n| self.within(&state, curves, MORE * n)) {
+            return found;
+        }
+        let directed = self.covered(state.clone(), &course);
+        let count = Self::count(&directed) as f64;
+        if !is_complete(&directed) || promised.is_none_or(|n| count > n) {
+            let most = if is_complete(&directed) { MORE * count } else { f64::INFINITY };
+            if let Some(found) = self.within(&state, curves, most).filter(|_| !self.control.stopped()) {
+                return found;
+            }
+        }
+        let named = curves.iter().map(|c| c.name.as_str()).zip(&found);
+        named.fold(directed, |state, (name, lines)| self.named(state, name, lines))
+    }
+
+    /// Number of strips that theory promises along a course; `None` where it says nothing.
+    fn promised(&self, state: &State, course: &Course<'_>) -> Option<f64> {
+        let along = |label: &u32| {
+            let level = self.levels_along(course, state, *label, (700, 2)).into_iter().next()?;
+            Some(self.bands_predicted(state, *label, &level).max(1.0))
+        };
+        state.partition.distinct_labels().iter().map(along).sum()
+    }
+
+    /// At most so many panels along curves, on from there, and in what is left free.
+    fn within(&mut self, state: &State, curves: &[PanelCurve], most: f64) -> Option<State> {
+        let whole = self.options.max_panels;
+        self.options.max_panels = whole.min(most.ceil() as usize);
+        let found = self.guided(state.clone(), curves);
+        let found = self.covered(found, &Course::Free);
+        self.options.max_panels = whole;
+        is_complete(&found).then_some(found)
+    }
+
+    /// Names the panel in which most of a curve lies after it.
+    fn named(&self, mut state: State, name: &str, lines: &[Vec<[f64; 2]>]) -> State {
+        let middle = |t: &[u32; 3]| t.iter().map(|&v| state.jets[v as usize].jet.p).sum::<Vec3>() / 3.0;
+        let middles: Vec<Vec3> = state.partition.triangles.iter().map(middle).collect();
+        let mut within: BTreeMap<u32, usize> = BTreeMap::new();
+        for p in lines.iter().flatten() {
+            let x = self.face.surface.point(p[0], p[1]);
+            let away = |t: &usize| (middles[*t] - x).norm_squared();
+            let nearest = (0..middles.len()).min_by(|a, b| away(a).total_cmp(&away(b)));
+            nearest.into_iter().for_each(|t| *within.entry(state.partition.labels[t]).or_default() += 1);
+        }
+        if let Some((label, _)) = within.into_iter().max_by_key(|w| w.1) {
+            let origin = Origin { curve: name.to_owned(), step: 0, paper_estimate: f64::INFINITY };
+            state.origins.insert(label, Arc::new(origin));
+        }
+        state
+    }
+
     /// Lays the panels along all curves of the layout, then the fronts; what stays free has no torse.
     pub(super) fn guided(&self, mut state: State, curves: &[PanelCurve]) -> State {
         let bounds = state

@@ -69,6 +69,8 @@ pub(super) enum Course<'a> {
     Free,
     /// A guide.
     Along(&'a Guide),
+    /// The tangents of polylines (mm), each at the points of the surface that are nearest to it.
+    Beside(Vec<Vec<Vec3>>),
     /// A point.
     Around(Vec3),
 }
@@ -79,16 +81,17 @@ impl Course<'_> {
         match self {
             Self::Free => None,
             Self::Along(Guide::Direction(d)) => Some(*d),
-            Self::Along(Guide::Curve(points)) => tangent(points, x),
+            Self::Along(Guide::Curve(points)) => tangent(std::slice::from_ref(points), x),
+            Self::Beside(lines) => tangent(lines, x),
             Self::Around(centre) => Some(normal.cross(&(x - centre))),
         }
     }
 }
 
-/// Unit tangent of a polyline at its point nearest to `x`.
-fn tangent(points: &[Vec3], x: &Vec3) -> Option<Vec3> {
+/// Unit tangent of polylines at their point nearest to `x`.
+fn tangent(lines: &[Vec<Vec3>], x: &Vec3) -> Option<Vec3> {
     let mut best: Option<(f64, Vec3)> = None;
-    for w in points.windows(2) {
+    for w in lines.iter().flat_map(|l| l.windows(2)) {
         let d = w[1] - w[0];
         let length = d.norm_squared();
         if length <= 0.0 {
@@ -135,9 +138,12 @@ mod tests {
 
     #[test]
     fn tangents_are_those_of_the_nearest_segment() {
-        let line = [Vec3::zeros(), Vec3::x(), Vec3::x(), Vec3::new(1.0, 2.0, 0.0)];
-        assert_eq!(tangent(&line, &Vec3::new(0.4, -1.0, 3.0)), Some(Vec3::x()));
-        assert_eq!(tangent(&line, &Vec3::new(1.5, 1.0, 0.0)), Some(Vec3::y()));
-        assert_eq!(tangent(&line[..1], &Vec3::zeros()), None);
+        let line = vec![Vec3::zeros(), Vec3::x(), Vec3::x(), Vec3::new(1.0, 2.0, 0.0)];
+        let other = vec![Vec3::new(0.0, 0.0, 9.0), Vec3::new(0.0, 0.0, 8.0)];
+        let lines = [line.clone(), other];
+        assert_eq!(tangent(&lines, &Vec3::new(0.4, -1.0, 3.0)), Some(Vec3::x()));
+        assert_eq!(tangent(&lines, &Vec3::new(1.5, 1.0, 0.0)), Some(Vec3::y()));
+        assert_eq!(tangent(&lines, &Vec3::new(1.5, 1.0, 8.5)), Some(-Vec3::z()));
+        assert_eq!(tangent(&[line[..1].to_vec()], &Vec3::zeros()), None);
     }
 }

@@ -116,30 +116,19 @@ pub fn cover(face: &Face, options: &CoverOptions, control: &Control) -> Result<C
     state.partition.split_components(0);
     layout::cut_along_seams(&face.surface, &mut state, &options.layout.seams);
     let mut job = Job::new(face, options, control);
-    if !options.layout.curves.is_empty() {
-        state = job.guided(state, &options.layout.curves);
-    }
-    for label in state.partition.distinct_labels() {
-        if state.panels.contains_key(&label) {
-            continue;
+    let state = match options.layout.curves.as_slice() {
+        [] => {
+            let course = options.layout.guide.as_ref().map_or(Course::Free, Course::Along);
+            job.covered(state, &course)
         }
-        let around = match options.layout.kind {
-            LayoutKind::Rings => course::rings(&job, &mut state, label),
-            LayoutKind::Auto | LayoutKind::Strips => None,
-        };
-        let (course, parts) = match around {
-            Some((centre, parts)) => (Course::Around(centre), parts),
-            None => (options.layout.guide.as_ref().map_or(Course::Free, Course::Along), vec![label]),
-        };
-        job.course = course;
-        for part in parts {
-            if let Some(next) = job.region(state.clone(), part, options.max_panels, 0) {
-                state = next;
-            }
-        }
-    }
-    let complete = state.partition.distinct_labels().iter().all(|l| state.panels.contains_key(l));
-    Ok(Cover { state, complete })
+        curves => job.along_curves(state, curves),
+    };
+    Ok(Cover { complete: is_complete(&state), state })
+}
+
+/// Whether every region has a torse.
+fn is_complete(state: &State) -> bool {
+    state.partition.distinct_labels().iter().all(|l| state.panels.contains_key(l))
 }
 
 /// What is wrong with each curve of a layout on a face.
@@ -169,10 +158,35 @@ fn typical_strip(state: &State, tolerance: f64) -> f64 {
     4.0 * (tolerance / high.max(FLATTEST)).sqrt()
 }
 
-impl Job<'_> {
+impl<'a> Job<'a> {
     /// Number of finished panels, for comparing covers.
     fn count(state: &State) -> usize {
         state.panels.len()
+    }
+
+    /// Covers all regions that have no torse yet; strips of a course run along it, or in rings.
+    fn covered(&mut self, mut state: State, course: &Course<'a>) -> State {
+        for label in state.partition.distinct_labels() {
+            if state.panels.contains_key(&label) {
+                continue;
+            }
+            let around = match self.options.layout.kind {
+                LayoutKind::Rings => course::rings(self, &mut state, label),
+                LayoutKind::Auto | LayoutKind::Strips => None,
+            };
+            let (course, parts) = match around {
+                Some((centre, parts)) => (Course::Around(centre), parts),
+                None => (course.clone(), vec![label]),
+            };
+            self.course = course;
+            for part in parts {
+                let left = self.options.max_panels.saturating_sub(Self::count(&state));
+                if let Some(next) = self.region(state.clone(), part, left, 0) {
+                    state = next;
+                }
+            }
+        }
+        state
     }
 
     /// Covers the region `label` with at most `budget` panels. `None`: over budget, stopped, or out of depth.
@@ -303,8 +317,8 @@ impl Job<'_> {
     fn level_functions(&self, state: &State, label: u32, depth: usize) -> Vec<Level> {
         let places = state.places(label);
         if !matches!(self.course, Course::Free) {
-            let (samples, spans) = if depth > 0 { (700, 2) } else { (1500, 3) };
-            return self.levels_on_course(state, label, samples, spans);
+            let samples_and_spans = if depth > 0 { (700, 2) } else { (1500, 3) };
+            return self.levels_along(&self.course, state, label, samples_and_spans);
         }
         let attempt = |samples: usize, spans: usize, keep: usize| {
             let options = LevelOptions { spans, keep, control: self.control.clone(), ..LevelOptions::default() };

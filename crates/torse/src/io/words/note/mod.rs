@@ -84,6 +84,10 @@ pub fn note(note: &Note) -> String {
             }
         ),
         Note::NoPanelAlong { curve } => format!("no panel along {curve} could be certified; others took its place"),
+        Note::DirectionOf { curve } => format!(
+            "strips run in the direction of {curve}, which need not lie in the middle of one: laid along it and on from there \
+             they would be more"
+        ),
         Note::ExactFaces => "Faces of cones.step are exact cones, cylinders and planes.".into(),
         Note::NotDevelopable => {
             "Strips are ruled, not developable: there are no flat patterns. Kinks are measured.".into()
