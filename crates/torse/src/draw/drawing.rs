@@ -1,8 +1,9 @@
 //! The cutter's drawing: patterns placed side by side, every letter a stroke, sorted by what the machine does with
 //! it. Curves of outlines stay lines and arcs. Lengths in mm, y upwards.
 
-use super::labels::{upright, Labels, TextPlace};
-use super::scene::NOT_CERTIFIED;
+use super::labels::{is_underlined, upright, Labels, TextPlace, UNDERLINE};
+use super::outside::{self, Unnamed};
+use super::scene::{titled, NOT_CERTIFIED};
 use super::{flat, stroke_font};
 use crate::geom::unit::LengthUnit;
 use crate::geom::Vec2;
@@ -74,6 +75,9 @@ const ROUGH: f64 = 1e-3;
 const ROUGH_ACROSS: f64 = 0.01;
 /// Largest height of capitals of a name, mm.
 const NAME_HEIGHT: f64 = 40.0;
+/// Least height of capitals of a name on its part, mm: the smallest lettering of technical drawings (ISO 3098). Where there is no
+/// room for that, the name stands beside the part.
+const LEAST_NAME: f64 = 1.8;
 /// Height of a name against the radius of the free circle in which it stands.
 const NAME_SHARE: f64 = 0.5;
 /// Width of a name against that radius.
@@ -124,8 +128,9 @@ pub struct DrawingOptions {
 /// are good to cut.
 ///
 /// Names stand in the largest free circle, with the job, the side from which the part is seen and its size below them;
-/// labels stand behind their marks. All words are upright and keep off cuts, marks and each other; a label for which there
-/// is no room is left out.
+/// labels stand behind their marks. All words are upright and keep off cuts, marks and each other. What has no room on a narrow
+/// part, its name and the words below it, stands beside it, with a line to it; a label of a mark for which there is no room is
+/// left out.
 pub fn drawing(patterns: &[Pattern], placements: &[Placement], marked: &[bool], options: &DrawingOptions) -> Drawing {
     let mut d = Drawing { unit: options.unit, ..Drawing::default() };
     let (mut low, mut high) = (Vec2::repeat(f64::INFINITY), Vec2::repeat(f64::NEG_INFINITY));
@@ -135,7 +140,18 @@ pub fn drawing(patterns: &[Pattern], placements: &[Placement], marked: &[bool], 
         let source = options.sources.get(i).map_or("", String::as_str);
         piece(pattern, placement, (marked.get(i).copied().unwrap_or(false), source), options)
     });
-    d.pieces = pieces.collect();
+    let drawn: Vec<Drawn> = pieces.collect();
+    let unnamed: Vec<Unnamed> = drawn
+        .iter()
+        .enumerate()
+        .filter(|(_, d)| !d.beside.is_empty())
+        .map(|(part, d)| Unnamed { part, lines: d.beside.clone() })
+        .collect();
+    let (pieces, outlines): (Vec<_>, Vec<_>) = drawn.into_iter().map(|d| (d.piece, d.outlines)).unzip();
+    d.pieces = pieces;
+    for (u, strokes) in unnamed.iter().zip(outside::names(&unnamed, &outlines)) {
+        d.pieces[u.part].text.extend(strokes.into_iter().flatten());
+    }
     for piece in &d.pieces {
         for c in piece.outer.iter().chain(&piece.inner) {
             extend(c, &mut low, &mut high);
@@ -190,8 +206,18 @@ fn extend(contour: &Contour, low: &mut Vec2, high: &mut Vec2) {
     }
 }
 
+/// One pattern as drawn.
+#[derive(Default)]
+struct Drawn {
+    piece: Piece,
+    /// Its outlines as polygons.
+    outlines: Vec<Vec<Vec2>>,
+    /// What has no room on it: its name, and the words below it.
+    beside: Vec<String>,
+}
+
 /// One pattern where it is placed; whether it must not be cut, and its name in the model.
-fn piece(pattern: &Pattern, placement: &Placement, (marked, source): (bool, &str), options: &DrawingOptions) -> Piece {
+fn piece(pattern: &Pattern, placement: &Placement, (marked, source): (bool, &str), options: &DrawingOptions) -> Drawn {
     let contour = |c: &Contour| Contour {
         vertices: c.vertices.iter().map(|v| ContourVertex { point: placement.apply(&v.point), ..*v }).collect(),
     };
@@ -214,7 +240,7 @@ fn piece(pattern: &Pattern, placement: &Placement, (marked, source): (bool, &str
     let chord = (ROUGH * long).min(ROUGH_ACROSS * pattern.area / long);
     let place = [(placement.angle, placement.offset)];
     let rough = flat::pieces(std::slice::from_ref(pattern), &place, chord);
-    let Some(rough) = rough.into_iter().next() else { return piece };
+    let Some(rough) = rough.into_iter().next() else { return Drawn { piece, ..Drawn::default() } };
     // Where no circle was found, marks are drawn all the same: their number is compared with what was judged.
     let (place, room) = (rough.label, rough.room.max(LABEL_SHARE * pattern.width));
     let height = (LABEL_SHARE * room).clamp(LABEL_HEIGHT.0, LABEL_HEIGHT.1).min(LABEL_MOST * room);
@@ -225,8 +251,13 @@ fn piece(pattern: &Pattern, placement: &Placement, (marked, source): (bool, &str
     let cuts = rough.outlines.iter().flat_map(|o| (0..o.len()).map(|k| [o[k], o[(k + 1) % o.len()]]));
     let drawn = piece.sections.iter().flat_map(|s| s.windows(2).map(|w| [w[0], w[1]]));
     let mut labels = Labels::new(cuts.chain(piece.marks.iter().copied()).chain(drawn).collect());
-    if rough.room > 0.0 {
-        words(&mut labels, pattern, (place, room), (marked, source), options);
+    let lines = [options.title.clone(), source.to_owned(), seen_from(pattern), sizes(pattern, options.unit)];
+    let lines: Vec<&str> = lines.iter().map(String::as_str).filter(|l| !l.is_empty()).collect();
+    let mut beside = Vec::new();
+    let has_room = rough.room > 0.0 && words(&mut labels, &pattern.name, &lines, (place, room), marked);
+    if !has_room && !pattern.name.is_empty() {
+        beside.push(titled(&pattern.name, marked));
+        beside.extend(lines.iter().map(|l| (*l).to_owned()));
     }
     for (mark, &[foot, tip]) in pattern.marks.iter().zip(&piece.marks) {
         labels.put(&mark.label, places_behind(&mark.label, foot, tip, height));
@@ -235,7 +266,7 @@ fn piece(pattern: &Pattern, placement: &Placement, (marked, source): (bool, &str
         labels.put(&section.label, places_beside(&section.label, line, height));
     }
     piece.text = labels.strokes;
-    piece
+    Drawn { piece, outlines: rough.outlines, beside }
 }
 
 /// Shares of a line's length at which its label is tried, its middle first.
@@ -289,36 +320,34 @@ fn places_behind(label: &str, foot: Vec2, tip: Vec2, height: f64) -> impl Iterat
 /// A line of words: what it says, its height, and how far above the middle of the circle it stands.
 type Line<'a> = (&'a str, f64, f64);
 
-/// The words in the free circle of a part: its name, its name in the model, the job, from where it is seen and how large it is;
-/// and across it that it must not be cut. They shrink together until they are clear of cuts and marks; where they never are,
-/// each is left out that is not, but for the words that it must not be cut.
-fn words(
-    labels: &mut Labels,
-    pattern: &Pattern,
-    (place, room): (Vec2, f64),
-    (marked, source): (bool, &str),
-    options: &DrawingOptions,
-) {
-    let lines = [options.title.clone(), source.to_owned(), seen_from(pattern), sizes(pattern, options.unit)];
-    let lines: Vec<&str> = lines.iter().map(String::as_str).filter(|l| !l.is_empty()).collect();
+/// The words in the free circle of a part: its name, and in smaller lines its name in the model, the job, from where it is seen
+/// and how large it is; and across it that it must not be cut. They shrink together until they are clear of cuts and marks;
+/// where they never are, each is left out that is not, but for the words that it must not be cut. Whether the name has room: where
+/// it has none, the lines are left out too.
+fn words(labels: &mut Labels, name: &str, lines: &[&str], (place, room): (Vec2, f64), marked: bool) -> bool {
     let stood = |(text, height, up): Line<'_>, share: f64| {
         let place = TextPlace { middle: place + Vec2::new(0.0, up * share), along: Vec2::x(), height: height * share };
         (text.to_owned(), place)
     };
-    let all = stacked(&pattern.name, &lines, room, marked);
-    let sets = SHRUNK.map(|share| all.iter().map(|line| stood(*line, share)).collect::<Vec<_>>());
+    let all = stacked(name, lines, room, marked);
+    let legible = SHRUNK.into_iter().filter(|share| share * all[0].1 >= LEAST_NAME);
+    let sets: Vec<Vec<_>> = legible.clone().map(|share| all.iter().map(|line| stood(*line, share)).collect()).collect();
     let free = |set: &&Vec<(String, TextPlace)>| set.iter().all(|(text, place)| labels.is_clear(text, place));
     if let Some(set) = sets.iter().find(free) {
         set.iter().for_each(|(text, place)| labels.write(text, place));
-        return;
+        return true;
     }
-    for line in &all {
+    let named = labels.put(name, legible.map(|share| stood(all[0], share).1));
+    for line in &all[1..] {
         let places = SHRUNK.map(|share| stood(*line, share).1);
+        let warning = line.0 == NOT_CERTIFIED;
+        let stands = (named || warning) && labels.put(line.0, places);
         // That it must not be cut is said at any price.
-        if !labels.put(line.0, places) && line.0 == NOT_CERTIFIED {
+        if warning && !stands {
             labels.write(line.0, &places[SHRUNK.len() - 1]);
         }
     }
+    named
 }
 
 /// Words below each other in a circle of radius `room`, the name in its middle.
@@ -328,12 +357,14 @@ fn stacked<'a>(name: &'a str, lines: &[&'a str], room: f64, marked: bool) -> Vec
     let mut out = vec![(name, height, 0.0)];
     let widest = lines.iter().map(|l| width(l)).fold(1.0, f64::max);
     let small = (SIDE_SHARE * height).min(SIDE_WIDTH * room / widest);
+    // Lines below keep off the line under a figure.
+    let foot = if name.contains(is_underlined) { (0.5 + UNDERLINE) * height } else { 0.5 * height };
     for (k, line) in lines.iter().enumerate() {
-        out.push((*line, small, -0.5 * height - (1.5 + LINE * k as f64) * small));
+        out.push((*line, small, -foot - (1.5 + LINE * k as f64) * small));
     }
     if marked {
         let words = NAME_WIDTH * room / width(NOT_CERTIFIED);
-        let below = 0.5 * height + (1.0 + LINE * lines.len() as f64) * small;
+        let below = foot + (1.0 + LINE * lines.len() as f64) * small;
         for (side, away) in [(1.0, 0.5 * height), (-1.0, below)] {
             // As wide as the circle is there.
             let chord = (room * room - (away + (1.0 + WORDS_GAP) * words).powi(2)).max(0.0).sqrt();
@@ -448,6 +479,21 @@ mod tests {
                 );
             }
         }
+    }
+
+    #[test]
+    fn lines_below_a_name_keep_off_the_line_under_its_figures() {
+        let options = DrawingOptions { title: "BOAT".into(), ..DrawingOptions::default() };
+        let d = drawing(&[square("A-69")], &[], &[], &options);
+        let level = |s: &&Vec<Vec2>| s.len() == 2 && (s[0].y - s[1].y).abs() < 1e-9;
+        let strokes = &d.pieces[0].text;
+        // The underlines are the lowest level strokes of the name, which is written first.
+        let name = letters("A-69", 1.0).len();
+        let low = |strokes: &[Vec<Vec2>]| strokes.iter().flatten().map(|p| p.y).fold(f64::INFINITY, f64::min);
+        let under = low(&strokes[..name]);
+        assert_eq!(strokes[..name].iter().filter(level).filter(|s| s[0].y - under < 1e-9).count(), 2);
+        let mark = strokes.len() - letters("S1.2", 1.0).len();
+        assert!(strokes[name..mark].iter().flatten().all(|p| p.y < under - 0.1));
     }
 
     #[test]

@@ -10,6 +10,11 @@ const NONE: u32 = u32::MAX;
 /// A name beside the things in this cell.
 const NAME: u32 = u32::MAX - 1;
 
+/// Space about a name on paper, px.
+const SPACE: f64 = 2.5;
+/// Share of the picture's width that a line to a name keeps to before it runs across other things.
+const LEADER: f64 = 0.35;
+
 /// A place for a name, in pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Place {
@@ -142,38 +147,95 @@ impl SightMap {
             .collect()
     }
 
-    /// The place nearest to `from` where a name of half the size `half` (pixels) lies on paper, below `top`, and its cells
-    /// taken; `None` where nothing is free.
-    pub fn beside(&mut self, from: Vec2, half: Vec2, top: f64) -> Option<Vec2> {
-        let reach = [half.x, half.y].map(|h| (h / CELL).ceil() as usize + 1);
-        let centre = |c: usize, r: usize| Vec2::new(c as f64 + 0.5, r as f64 + 0.5) * CELL;
-        let block =
-            |c: usize, r: usize| (r - reach[1]..=r + reach[1]).map(move |row| (row, c - reach[0], c + reach[0]));
-        let mut best: Option<(f64, usize, usize)> = None;
-        for r in reach[1] + (top / CELL).ceil() as usize..self.rows.saturating_sub(reach[1]) {
-            for c in reach[0]..self.columns.saturating_sub(reach[0]) {
-                let far = (centre(c, r) - from).norm();
-                let nearer = best.is_none_or(|b| far < b.0);
-                let free = |(row, a, b): (usize, usize, usize)| {
-                    self.owner[row * self.columns + a..=row * self.columns + b].iter().all(|&o| o == NONE)
-                };
-                if nearer && block(c, r).all(free) && self.way(from, centre(c, r)).all(|k| self.owner[k] != NAME) {
-                    best = Some((far, c, r));
+    /// Where a line from a name beside the thing of `owner`, whose most room is at `middle`, may begin: there, and where the
+    /// thing is farthest to each side.
+    pub fn starts(&self, owner: u32, middle: Vec2) -> Vec<Vec2> {
+        let centre =
+            |cell: usize| Vec2::new((cell % self.columns) as f64 + 0.5, (cell / self.columns) as f64 + 0.5) * CELL;
+        let mut far = [middle; 4];
+        for p in (0..self.owner.len()).filter(|&k| self.owner[k] == owner).map(centre) {
+            for (best, side) in far.iter_mut().zip([Vec2::x(), -Vec2::x(), Vec2::y(), -Vec2::y()]) {
+                if side.dot(&p) > side.dot(best) {
+                    *best = p;
                 }
             }
         }
-        let (_, c, r) = best?;
+        std::iter::once(middle).chain(far).collect()
+    }
+
+    /// The place on paper, below `top`, where a name of half the size `half` (pixels) is nearest to the thing of `owner`, and
+    /// the start of the line to it, out of `starts`; its cells and those of the line are taken. Lines run across other things
+    /// only where there is no other place. `None` where nothing is free.
+    pub fn beside(&mut self, owner: u32, starts: &[Vec2], half: Vec2, top: f64) -> Option<[Vec2; 2]> {
+        let nearest = |over: bool| {
+            let most = if over { f64::INFINITY } else { LEADER * CELL * self.columns as f64 };
+            let mut best: Option<(f64, Vec2, Vec2)> = None;
+            for &from in starts {
+                let within = best.map_or(most, |b| b.0);
+                if let Some((far, place)) = self.nearest(owner, from, half, (top, within, over)) {
+                    best = Some((far, from, place));
+                }
+            }
+            best
+        };
+        let (_, from, place) = nearest(false).or_else(|| nearest(true))?;
         // Later names keep off the line to this one.
-        let line: Vec<usize> = self.way(from, centre(c, r)).collect();
+        let line: Vec<usize> = self.way(from, place).collect();
         for k in line {
             if self.owner[k] == NONE {
                 self.owner[k] = NAME;
             }
         }
-        for (row, a, b) in block(c, r) {
+        for (row, a, b) in self.block(place, half) {
             self.owner[row * self.columns + a..=row * self.columns + b].fill(NAME);
         }
-        Some(centre(c, r))
+        Some([from, place])
+    }
+
+    /// Cells to either side of the one in which the middle of a name lies that the name and some space take.
+    fn reach(half: Vec2) -> [usize; 2] {
+        [half.x, half.y].map(|h| ((h + SPACE) / CELL - 0.5).ceil().max(0.0) as usize)
+    }
+
+    /// Rows, and first and last column of each, of the cells about a name in the middle of a cell.
+    fn block(&self, middle: Vec2, half: Vec2) -> impl Iterator<Item = (usize, usize, usize)> {
+        let reach = Self::reach(half);
+        let (c, r) = ((middle.x / CELL) as usize, (middle.y / CELL) as usize);
+        (r - reach[1]..=r + reach[1]).map(move |row| (row, c - reach[0], c + reach[0]))
+    }
+
+    /// The place on paper, below `top`, nearest to `from` and nearer than `within`, with its distance; the line to it may run
+    /// over other things if `over`.
+    fn nearest(
+        &self,
+        owner: u32,
+        from: Vec2,
+        half: Vec2,
+        (top, within, over): (f64, f64, bool),
+    ) -> Option<(f64, Vec2)> {
+        let reach = Self::reach(half);
+        let clear = |k: usize| match self.owner[k] {
+            NAME => false,
+            NONE => true,
+            other => over || other == owner,
+        };
+        let mut best: Option<(f64, Vec2)> = None;
+        for r in reach[1] + (top / CELL).ceil() as usize..self.rows.saturating_sub(reach[1]) {
+            for c in reach[0]..self.columns.saturating_sub(reach[0]) {
+                let place = Vec2::new(c as f64 + 0.5, r as f64 + 0.5) * CELL;
+                let far = (place - from).norm();
+                let free = |(row, a, b): (usize, usize, usize)| {
+                    self.owner[row * self.columns + a..=row * self.columns + b].iter().all(|&o| o == NONE)
+                };
+                if far < best.map_or(within, |b| b.0)
+                    && self.block(place, half).all(free)
+                    && self.way(from, place).all(clear)
+                {
+                    best = Some((far, place));
+                }
+            }
+        }
+        best
     }
 
     /// The cells on the way from one place to another.
@@ -254,7 +316,7 @@ mod tests {
         let places = map.places(5);
         assert!(places[4].is_some() && places[0].is_none());
         map.close_below(100.0);
-        assert!(map.beside(at(200.0, 150.0), at(10.0, 6.0), 0.0).is_none_or(|p| p.y < 100.0));
+        assert!(map.beside(9, &[at(200.0, 150.0)], at(10.0, 6.0), 0.0).is_none_or(|[_, p]| p.y < 100.0));
     }
 
     #[test]
@@ -262,7 +324,7 @@ mod tests {
         let mut map = SightMap::new(400, 200);
         rectangle(&mut map, 0, [100.0, 300.0], [80.0, 120.0], 1.0);
         let (from, half) = (Vec2::new(200.0, 100.0), Vec2::new(20.0, 8.0));
-        let places = [0; 3].map(|_| map.beside(from, half, 20.0).expect("room"));
+        let places = [0; 3].map(|_| map.beside(0, &[from], half, 20.0).expect("room")[1]);
         for (k, p) in places.iter().enumerate() {
             assert!(
                 (p.y + half.y <= 80.0 && p.y - half.y >= 20.0)
@@ -273,7 +335,7 @@ mod tests {
                 assert!((p.x - q.x).abs() >= 2.0 * half.x || (p.y - q.y).abs() >= 2.0 * half.y);
             }
         }
-        assert_eq!(map.beside(from, Vec2::new(190.0, 90.0), 0.0), None);
+        assert_eq!(map.beside(0, &[from], Vec2::new(190.0, 90.0), 0.0), None);
         // No line to a name runs through another name.
         for (k, p) in places.iter().enumerate() {
             for q in &places[..k] {
@@ -281,6 +343,22 @@ mod tests {
                 assert!((0..=100).all(|s| !within(from + (p - from) * (f64::from(s) / 100.0))), "{p} {q}");
             }
         }
+    }
+
+    #[test]
+    fn lines_to_names_keep_off_other_things_where_they_can() {
+        // A narrow thing between two others that hide it but for its right end.
+        let mut map = SightMap::new(600, 200);
+        rectangle(&mut map, 0, [40.0, 400.0], [20.0, 90.0], 1.0);
+        rectangle(&mut map, 1, [40.0, 420.0], [96.0, 104.0], 1.0);
+        rectangle(&mut map, 2, [40.0, 400.0], [110.0, 190.0], 1.0);
+        let half = Vec2::new(20.0, 8.0);
+        let middle = Vec2::new(220.0, 100.0);
+        let starts = map.starts(1, middle);
+        let [from, place] = map.clone().beside(1, &starts, half, 0.0).expect("room");
+        assert!(from.x > 400.0 && place.x > 400.0, "{from} {place}");
+        // From its middle alone the line has to cross a neighbour.
+        assert!(map.beside(1, &[middle], half, 0.0).is_some());
     }
 
     fn rectangle(map: &mut SightMap, owner: u32, x: [f64; 2], y: [f64; 2], depth: f64) {

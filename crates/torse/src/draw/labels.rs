@@ -31,7 +31,7 @@ const DOT: f64 = 0.12;
 /// Space around letters against their height.
 const CLEAR: f64 = 0.25;
 /// Distance of an underline below its figure, and how far it reaches, against the height.
-const UNDERLINE: f64 = 0.22;
+pub(super) const UNDERLINE: f64 = 0.22;
 /// Cosine below which a direction counts as level: such texts are read from the right.
 const LEVEL: f64 = 1e-9;
 
@@ -72,6 +72,16 @@ impl Labels {
         self.is_free(&corners(text, place))
     }
 
+    /// Whether a box, by its corners, is free.
+    pub fn is_box_clear(&self, corners: &[Vec2; 4]) -> bool {
+        self.is_free(corners)
+    }
+
+    /// Whether a line meets nothing.
+    pub fn is_line_clear(&self, line: &[Vec2; 2]) -> bool {
+        !self.boxes.iter().any(|b| overlap(line, b)) && !self.lines.iter().any(|l| overlap(line, l))
+    }
+
     fn is_free(&self, quad: &[Vec2; 4]) -> bool {
         quad.iter().all(|p| p.x.is_finite() && p.y.is_finite())
             && !self.boxes.iter().any(|b| overlap(quad, b))
@@ -107,6 +117,11 @@ fn overlap(a: &[Vec2], b: &[Vec2]) -> bool {
     !apart(a, b) && !apart(b, a)
 }
 
+/// Whether a figure is underlined: upside down it would be another one.
+pub(super) fn is_underlined(c: char) -> bool {
+    matches!(c, '6' | '9')
+}
+
 /// Strokes of a text, without repeated points and without strokes of no length; a 6 and a 9 are underlined.
 pub fn letters(text: &str, height: f64) -> Vec<Vec<Vec2>> {
     let mut all = stroke_font::strokes(text, height);
@@ -119,7 +134,7 @@ pub fn letters(text: &str, height: f64) -> Vec<Vec<Vec2>> {
     }
     let below = -UNDERLINE * height;
     for (c, [from, to]) in stroke_font::extents(text, height) {
-        if matches!(c, '6' | '9') {
+        if is_underlined(c) {
             all.push(vec![Vec2::new(from, below), Vec2::new(to, below)]);
         }
     }

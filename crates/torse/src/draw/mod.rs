@@ -9,6 +9,8 @@ pub mod field;
 pub mod flat;
 pub(crate) mod label;
 pub(crate) mod labels;
+pub(crate) mod names;
+mod outside;
 pub mod picture;
 pub mod raster;
 pub mod reflection;

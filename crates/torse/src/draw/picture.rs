@@ -3,7 +3,8 @@
 use super::camera::{telling_direction, Camera, Rect};
 use super::colour::{self, Rgb};
 use super::flat::FlatPiece;
-use super::label::{Place, SightMap};
+use super::label::SightMap;
+use super::names::{self, Named};
 use super::raster::{Drawing, Image, Line, Paint, Vertex};
 use super::scene::{Scene, ShapePatch, NOT_CERTIFIED};
 use super::stroke_font;
@@ -50,8 +51,6 @@ const LIFT: f64 = 2.5e-3;
 const MOST_LINED: usize = 1000;
 /// Rulings drawn on the sheet; of more, every second, third, … is.
 const MOST_RULINGS: usize = 4000;
-/// Above this many panels, names would only cover the picture.
-const MOST_NAMES: usize = 80;
 
 /// A telling direction to see the scene from (from the model to the eye).
 pub fn direction(scene: &Scene) -> Vec3 {
@@ -80,7 +79,7 @@ pub fn panels(scene: &Scene, direction: &Vec3, caption: &Caption) -> Image {
         }
     }
     borders(&mut drawing, &camera, scene, 2.6);
-    if scene.panels.len() <= MOST_NAMES {
+    if scene.panels.len() <= names::MOST_NAMES {
         names(&mut drawing, &camera, scene, top);
     }
     drawing.render()
@@ -254,33 +253,10 @@ pub fn layout(pieces: &[FlatPiece], caption: &Caption) -> Image {
 /// Names of flat parts on them, or beside those that are too small, within a range of heights.
 fn piece_names(drawing: &mut Drawing, pieces: &[FlatPiece], place: impl Fn(&Vec2) -> Vec2, [top, bottom]: [f64; 2]) {
     let mut map = SightMap::new(drawing.width, drawing.height);
-    for (k, piece) in pieces.iter().enumerate() {
-        let outlines: Vec<Vec<Vec2>> = piece.outlines.iter().map(|o| o.iter().map(&place).collect()).collect();
-        map.outlines(k as u32, &outlines);
-    }
+    let named = names::of_pieces(&mut map, pieces, &place);
     map.close_below(bottom);
-    let named = pieces.iter().zip(map.places(pieces.len())).enumerate();
-    let named = named
-        .filter_map(|(k, (p, there))| Some(Named { owner: k as u32, name: &p.name, marked: p.marked, place: there? }));
-    let named: Vec<Named> = named.collect();
     // Of too many parts, those have names that have room for them.
-    let beside = if pieces.len() > MOST_NAMES { 0 } else { MOST_NAMES };
-    write_names(drawing, &mut map, &named, (top, beside));
-}
-
-/// Size of the words below a name.
-fn words_size(name: f64) -> f64 {
-    (0.6 * name).max(*NAMES.start())
-}
-
-/// Distance of the base line of these words from that of the name, against their size.
-const WORDS_BELOW: f64 = 1.7;
-
-/// Says below a name, the middle of whose base line is given, that the part must not be cut.
-fn words_below(drawing: &mut Drawing, base: Vec2, name: f64) {
-    let size = words_size(name);
-    let wide = stroke_font::width(NOT_CERTIFIED, size);
-    drawing.rimmed_text(NOT_CERTIFIED, base + Vec2::new(-0.5 * wide, WORDS_BELOW * size), size, INK);
+    write_names(drawing, &mut map, &named, (top, names::most_beside(pieces.len())));
 }
 
 /// A number with so many significant digits, without exponent between 1e-4 and 1e7.
@@ -422,97 +398,22 @@ fn names(drawing: &mut Drawing, camera: &Camera, scene: &Scene, top: f64) {
     write_names(drawing, &mut map, &named, (top, MOST_BESIDE));
 }
 
-/// A thing with a name, in a picture.
-struct Named<'a> {
-    owner: u32,
-    name: &'a str,
-    /// Whether it must not be cut.
-    marked: bool,
-    /// Where there is most room on it.
-    place: Place,
-}
-
-/// Sizes of names, px.
-const NAMES: std::ops::RangeInclusive<f64> = 9.0..=22.0;
-/// Size of names beside what they name, px.
-const BESIDE: f64 = 13.0;
-/// Space about names, px.
-const CLEAR: f64 = 3.0;
-
-/// Writes names on what they name, else beside it, below `top` (pixels), with a line to it; beside it at most `most`. What must not
-/// be cut is called so, wherever its name is.
+/// Writes names where [`names::placed`] puts them.
 fn write_names(drawing: &mut Drawing, map: &mut SightMap, named: &[Named], (top, most): (f64, usize)) {
-    let mut narrow = Vec::new();
-    for n in named.iter().filter(|n| !n.name.is_empty()) {
-        match fitting(map, n, n.marked) {
-            Some(size) => write_name(drawing, n, n.place.middle, size, n.marked),
-            None => narrow.push(n),
+    for p in names::placed(map, named, (top, most)) {
+        let n = &named[p.named];
+        if let Some([at, end]) = p.leader {
+            drawing.stroke(&[at, end], 1.2, INK, 1.0);
+            drawing.stroke(&[at, at], 5.0, INK, 1.0);
+        }
+        let wide = stroke_font::width(n.name, p.size);
+        drawing.rimmed_text(n.name, p.middle + Vec2::new(-0.5 * wide, 0.5 * p.size), p.size, INK);
+        if let Some((size, below)) = p.words {
+            let wide = stroke_font::width(NOT_CERTIFIED, size);
+            let base = p.middle + Vec2::new(-0.5 * wide, 0.5 * p.size + below);
+            drawing.rimmed_text(NOT_CERTIFIED, base, size, INK);
         }
     }
-    let crowded = narrow.len() > most;
-    for n in narrow {
-        if !crowded && write_beside(drawing, map, n, top) {
-            continue;
-        }
-        // Its colour says that it must not be cut.
-        if let Some(size) = fitting(map, n, false) {
-            write_name(drawing, n, n.place.middle, size, false);
-        }
-    }
-}
-
-/// Half the size of the box of a name, with the words below it that it must not be cut, and how far the middle of the box is below
-/// that of the name.
-fn name_box(name: &str, size: f64, marked: bool) -> (Vec2, f64) {
-    let wide = stroke_font::width(name, size);
-    if !marked {
-        return (Vec2::new(0.5 * wide, 0.5 * size), 0.0);
-    }
-    let words = words_size(size);
-    let below = WORDS_BELOW * words;
-    (Vec2::new(0.5 * wide.max(stroke_font::width(NOT_CERTIFIED, words)), 0.5 * (size + below)), 0.5 * below)
-}
-
-/// The size in which a name, and the words below it where it has some, stays on what it names.
-fn fitting(map: &SightMap, n: &Named, words: bool) -> Option<f64> {
-    // A name takes this share of the room around its place; every try is smaller.
-    const SHARE: f64 = 0.85;
-    let (least, most) = (*NAMES.start(), *NAMES.end());
-    let breadth = n.place.breadth / stroke_font::width(n.name, 1.0).max(1.0);
-    let mut size = (SHARE * n.place.room.min(breadth)).clamp(least, most);
-    loop {
-        let (half, down) = name_box(n.name, size, words);
-        if map.is_on(n.owner, n.place.middle + Vec2::new(0.0, down), half + Vec2::repeat(CLEAR)) {
-            return Some(size);
-        }
-        if size <= least {
-            return None;
-        }
-        size = (SHARE * size).max(least);
-    }
-}
-
-/// A name with its middle at a place.
-fn write_name(drawing: &mut Drawing, n: &Named, middle: Vec2, size: f64, words: bool) {
-    let wide = stroke_font::width(n.name, size);
-    drawing.rimmed_text(n.name, middle + Vec2::new(-0.5 * wide, 0.5 * size), size, INK);
-    if words {
-        words_below(drawing, middle + Vec2::new(0.0, 0.5 * size), size);
-    }
-}
-
-/// A name on paper beside what it names, with a line to it; whether there was room.
-fn write_beside(drawing: &mut Drawing, map: &mut SightMap, n: &Named, top: f64) -> bool {
-    let (half, down) = name_box(n.name, BESIDE, n.marked);
-    let at = n.place.middle;
-    let Some(place) = map.beside(at, half, top) else { return false };
-    // From the thing to the nearest point of the name's box.
-    let clear = half + Vec2::repeat(CLEAR);
-    let end = place + (at - place).inf(&clear).sup(&-clear);
-    drawing.stroke(&[at, end], 1.2, INK, 1.0);
-    drawing.stroke(&[at, at], 5.0, INK, 1.0);
-    write_name(drawing, n, place - Vec2::new(0.0, down), BESIDE, n.marked);
-    true
 }
 
 fn legend(drawing: &mut Drawing, bar: Rect, limit: f64, what: &str) {
@@ -637,29 +538,6 @@ mod tests {
         scene.panels[2].name.clear();
         let without = panels(&scene, &Vec3::z(), &caption);
         assert!(with.pixels != without.pixels);
-    }
-
-    #[test]
-    fn names_beside_say_that_a_part_must_not_be_cut() {
-        let slim = [[0.0, 0.0], [400.0, 0.0], [400.0, 4.0], [0.0, 4.0]].map(Vec2::from);
-        let mut map = SightMap::new(600, 300);
-        let outline: Vec<Vec2> = slim.iter().map(|p| p + Vec2::new(100.0, 150.0)).collect();
-        map.outlines(0, &[outline]);
-        let place = map.places(1)[0].expect("a place");
-        let mut named = Named { owner: 0, name: "A-01", marked: false, place };
-        assert_eq!(fitting(&map, &named, false), None);
-        let ink = |named: &Named| {
-            let mut drawing = Drawing::new(600, 300);
-            write_names(&mut drawing, &mut map.clone(), std::slice::from_ref(named), (20.0, 1));
-            share(&drawing.render(), |p| p[0] < 90 && p[2] < 110)
-        };
-        let plain = ink(&named);
-        named.marked = true;
-        assert!(plain > 0.0 && ink(&named) > 1.5 * plain, "{plain} {}", ink(&named));
-        // Where nothing may be beside, nothing lies across the part either.
-        let mut drawing = Drawing::new(600, 300);
-        write_names(&mut drawing, &mut map, &[named], (20.0, 0));
-        assert_eq!(share(&drawing.render(), |p| p[0] < 90 && p[2] < 110), 0.0);
     }
 
     #[test]

@@ -4,6 +4,7 @@
 //! All words and numbers come from [`Report`], the record that is also written as `report.json`.
 
 mod geometry;
+mod layout;
 mod numbers;
 mod tables;
 mod words;
@@ -71,7 +72,7 @@ pub fn write(page: &Page) -> Result<String, HtmlError> {
         "panel_rows" => tables::panels(report),
         "joins" => tables::joins(report),
         "shapes" => tables::shapes(report, pictures.shapes.as_deref().map(image)),
-        "layout" => tables::layout(&shown.pieces) + &tables::sheet_bends(report) + &tables::facets(report),
+        "layout" => layout::layout(&shown.pieces) + &tables::sheet_bends(report) + &tables::facets(report),
         "part_rows" => tables::parts(report),
         "joints" => tables::joints(report),
         "points" => tables::points(report, pictures.points.as_ref().map(|p| (image(&p.0), p.1)), page.limit),

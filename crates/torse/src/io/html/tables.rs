@@ -1,17 +1,15 @@
-//! Tables of panels, parts and faces, and the flat layout as inline SVG.
+//! Tables of panels, parts and faces.
 
 use super::numbers::{lower, millimetres, number as rounded, plain, size, upper};
 use crate::certify::claim::{Evidence, What};
 use crate::draw::colour;
-use crate::draw::flat::FlatPiece;
-use crate::draw::scene::{titled, NOT_CERTIFIED};
+use crate::draw::scene::titled;
 use crate::geom::unit::SQUARE_METRES;
-use crate::geom::Vec2;
 use crate::io::json::{value, FigureRecord, JointRecord, PanelRecord, PartRecord, Report, UNKNOWN};
 use crate::io::markup::escape;
 use crate::io::words::numbers::is_endless;
 use crate::io::words::{counted, evidence, id};
-use crate::io::{bend_table, bends, shop_tables};
+use crate::io::{bend_table, shop_tables};
 use crate::torse::form::PanelKind;
 use std::fmt::Write;
 
@@ -428,70 +426,6 @@ pub(super) fn facets(report: &Report) -> String {
     shop_tables::facets_table(report.parts.iter().filter_map(|p| Some((p.name.as_str(), p.facets.as_ref()?))))
 }
 
-/// The flat patterns as SVG, one group per panel, 1 unit = 1 mm.
-pub(super) fn layout(pieces: &[FlatPiece]) -> String {
-    let finite = |p: &&Vec2| p.x.is_finite() && p.y.is_finite();
-    let (mut low, mut high) = (Vec2::repeat(f64::INFINITY), Vec2::repeat(f64::NEG_INFINITY));
-    for p in pieces.iter().flat_map(|p| p.outlines.iter().flatten()).filter(finite) {
-        (low, high) = (low.inf(p), high.sup(p));
-    }
-    if low.x > high.x {
-        return "<p class=\"quiet\">There are no flat patterns.</p>".into();
-    }
-    let margin = 0.01 * (high - low).norm();
-    let (width, height) = (high.x - low.x + 2.0 * margin, high.y - low.y + 2.0 * margin);
-    let place = |p: &Vec2| (p.x - low.x + margin, high.y - p.y + margin);
-    let mut out = format!(
-        "<svg class=\"flat\" viewBox=\"0 0 {width:.3} {height:.3}\" role=\"img\" aria-label=\"Flat patterns\">"
-    );
-    for piece in pieces {
-        let _ = write!(
-            out,
-            "<g data-panel=\"{}\" style=\"--hue:{}\"><title>{}</title><path class=\"piece\" d=\"",
-            piece.panel,
-            colour::hex(colour::shown(piece.panel, piece.marked)),
-            escape(&titled(&piece.name, piece.marked))
-        );
-        for outline in &piece.outlines {
-            for (i, p) in outline.iter().filter(finite).enumerate() {
-                let (x, y) = place(p);
-                let _ = write!(out, "{}{x:.2} {y:.2}", if i == 0 { "M" } else { "L" });
-            }
-            out.push('Z');
-        }
-        out.push_str("\"/><path class=\"ruling\" d=\"");
-        for [a, b] in piece.rulings.iter().filter(|r| r.iter().all(|p| finite(&p))) {
-            let ((ax, ay), (bx, by)) = (place(a), place(b));
-            let _ = write!(out, "M{ax:.2} {ay:.2}L{bx:.2} {by:.2}");
-        }
-        if !piece.sections.is_empty() {
-            out.push_str("\"/><path class=\"section\" d=\"");
-            for line in &piece.sections {
-                for (i, p) in line.iter().filter(finite).enumerate() {
-                    let (x, y) = place(p);
-                    let _ = write!(out, "{}{x:.2} {y:.2}", if i == 0 { "M" } else { "L" });
-                }
-            }
-        }
-        let (x, y) = place(&piece.label);
-        // As large as the place allows, but never so small next to the sheet that it cannot be read.
-        let size = (0.9 * piece.room).clamp(0.010 * width, 0.028 * width);
-        let _ = write!(
-            out,
-            "\"/><text x=\"{x:.2}\" y=\"{:.2}\" font-size=\"{size:.2}\">{}</text>",
-            y + 0.35 * size,
-            escape(&piece.name)
-        );
-        if piece.marked {
-            // Below the name and smaller: the words are longer.
-            let (y, size) = (y + 1.1 * size, 0.5 * size);
-            let _ = write!(out, "<text x=\"{x:.2}\" y=\"{y:.2}\" font-size=\"{size:.2}\">{NOT_CERTIFIED}</text>");
-        }
-        out.push_str("</g>");
-    }
-    out + "</svg>" + &bends::table(pieces)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -527,15 +461,5 @@ mod tests {
         assert!(joints(&report).contains("A-01, with itself"));
         report.joints.clear();
         assert_eq!(joints(&report), "");
-    }
-
-    #[test]
-    fn the_layout_has_a_group_per_panel_with_y_downwards() {
-        let square = vec![Vec2::new(0.0, 0.0), Vec2::new(10.0, 0.0), Vec2::new(10.0, 5.0), Vec2::new(0.0, 5.0)];
-        let piece = FlatPiece { name: "A-01".into(), outlines: vec![square], ..FlatPiece::default() };
-        let svg = layout(&[piece]);
-        assert!(svg.contains("data-panel=\"0\"") && svg.contains("A-01"));
-        assert!(svg.contains("M0.11 5.11L10.11 5.11"), "{svg}");
-        assert!(layout(&[]).contains("no flat patterns"));
     }
 }
