@@ -124,6 +124,7 @@ mod tests {
     use super::*;
     use crate::answer::Job;
     use crate::certify::claim::UpperBound;
+    use crate::geom::Vec3;
     use crate::patchwork::pattern::Pattern;
     use crate::reason::{JobReason, PanelFault, StripReason, WrittenFault};
 
@@ -174,7 +175,7 @@ mod tests {
         // A file that is not what was judged; a claim about a panel that is in no part; a bound that no part is to blame for.
         assert_eq!(all(&|a| a.claims.push(Claim::objection(Subject::Whole, WrittenFault::Moved(1.0)))), [true, true]);
         assert_eq!(
-            all(&|a| a.claims.push(Claim::objection(Subject::Panel(7), PanelFault::Twisted(0.1)))),
+            all(&|a| a.claims.push(Claim::objection(Subject::Panel(7), PanelFault::Twisted(0.1, Vec3::zeros())))),
             [true, true]
         );
         assert_eq!(all(&|a| a.claims[2] = a.claims[2].clone().within(f64::INFINITY)), [true, true]);

@@ -69,14 +69,18 @@ pub(super) struct Developability {
     /// Lower bound (mm) of the distance along rulings between the used part and the regression curve; infinite where
     /// all rulings are parallel.
     pub clearance: f64,
+    /// Ruling about which the angle is largest, or that is not shown to keep off the regression curve; 0 of no rulings.
+    pub worst: f64,
 }
 
 impl Developability {
     /// Where nothing could be shown.
-    const NOTHING: Self = Self { angle: std::f64::consts::FRAC_PI_2, regular: false, bend_radius: 0.0, clearance: 0.0 };
+    const NOTHING: Self =
+        Self { angle: std::f64::consts::FRAC_PI_2, regular: false, bend_radius: 0.0, clearance: 0.0, worst: 0.0 };
 
     /// Of no rulings at all.
-    const EMPTY: Self = Self { angle: 0.0, regular: true, bend_radius: f64::INFINITY, clearance: f64::INFINITY };
+    const EMPTY: Self =
+        Self { angle: 0.0, regular: true, bend_radius: f64::INFINITY, clearance: f64::INFINITY, worst: 0.0 };
 
     /// The worse of both in every respect; no field is ever NaN.
     fn and(self, o: &Self) -> Self {
@@ -85,6 +89,7 @@ impl Developability {
             regular: self.regular && o.regular,
             bend_radius: self.bend_radius.min(o.bend_radius),
             clearance: self.clearance.min(o.clearance),
+            worst: if (!o.regular, o.angle) > (!self.regular, self.angle) { o.worst } else { self.worst },
         }
     }
 }
@@ -208,7 +213,9 @@ fn plane_normal(l: &[Poly; 6], b: &[Poly; 4]) -> [Poly; 3] {
 }
 
 fn on_part(patch: &Ruled, a: f64, b: f64, used: Interval, limit: f64) -> Developability {
-    let origin = patch.middle(0.5 * (a + b));
+    let worst = 0.5 * (a + b);
+    let nothing = Developability { worst, ..Developability::NOTHING };
+    let origin = patch.middle(worst);
     let (first, last) = (patch.end(0, a, b, &origin), patch.end(1, a, b, &origin));
     let at = |r: f64| -> [Poly; 4] {
         let (r, s) = (Interval::point(r), Interval::ONE - Interval::point(r));
@@ -232,12 +239,12 @@ fn on_part(patch: &Ruled, a: f64, b: f64, used: Interval, limit: f64) -> Develop
     let n1 = plane_normal(&lb, &pa);
     let ruling = [0, 1, 2].map(|d: usize| hull(&minor(&pa[3], &pb[d], &pb[3], &pa[d])));
     let middle = Vec3::from([0, 1, 2].map(|d: usize| n0[d][n0[d].len() / 2].mid()));
-    let Some(middle) = middle.try_normalize(0.0) else { return Developability::NOTHING };
+    let Some(middle) = middle.try_normalize(0.0) else { return nothing };
     let frame = frame_about(middle);
     let (first, last) = (Side::new(&n0, &pa, &frame), Side::new(&n1, &pb, &frame));
     let (low0, low1) = (Interval::point(first.least()), Interval::point(last.least()));
     if !(low0.lo > 0.0 && low1.lo > 0.0) {
-        return Developability::NOTHING;
+        return nothing;
     }
     let top = Interval::point(hull(&delta).mag()) * Interval::point(length_bound(&ruling));
     let sine = (top / (low0 * low1)).hi;
@@ -245,10 +252,10 @@ fn on_part(patch: &Ruled, a: f64, b: f64, used: Interval, limit: f64) -> Develop
     let angle = if sine <= 0.5 { sine * (1.0 + sine * sine) } else { std::f64::consts::FRAC_PI_2 };
     let regular = angle <= limit && first.steep() && last.steep();
     if !regular {
-        return Developability { angle, ..Developability::NOTHING };
+        return Developability { angle, ..nothing };
     }
     let shape = Shape { ends: [&first, &last], ruling: length(&ruling), twist: sine, degree: (pa[0].len() - 1) as f64 };
-    Developability { angle, regular, bend_radius: shape.bend_radius(), clearance: shape.clearance() }
+    Developability { angle, regular, bend_radius: shape.bend_radius(), clearance: shape.clearance(), worst }
 }
 
 /// Three perpendicular directions, the last one given.

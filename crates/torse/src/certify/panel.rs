@@ -18,7 +18,7 @@ use super::prepared::Prepared;
 use super::rounding::rounding_bound;
 use super::ruled::{Ruled, RuledJets};
 use super::seams::SeamSide;
-use super::simple::{loops_are_simple, stays_within};
+use super::simple::{leaves, loops_are_simple};
 use super::verdict::Verdict;
 use super::written::reserve;
 use crate::control::Control;
@@ -72,13 +72,13 @@ pub(super) fn panel_certificate(
     let origin = [family.origin.x, family.origin.y, family.origin.z];
     let jets = RuledJets::new(&ruled, &origin);
     let boundary = Boundary { family: &family, jets: &jets, prepared, tolerance };
-    let edge = boundary_bounds(trim, (partition, prepared.surface), &boundary, &mut reasons);
+    let edge = boundary_bounds(trim, (partition, prepared.surface, &panel.strip.patch), &boundary, &mut reasons);
     out.boundary_bound = edge.delta.unwrap_or(f64::INFINITY);
 
     // The edges in space that go with the trimming curves.
     match edges(panel, &jets, tolerance) {
-        Some(bound) => out.edge_bound = bound,
-        None => reasons.push(PanelFault::Edge),
+        Ok(bound) => out.edge_bound = bound,
+        Err(at) => reasons.push(PanelFault::Edge(at)),
     }
 
     // Distance, within what boundary, edges and rounding have left of the tolerance.
@@ -112,11 +112,17 @@ pub(super) fn panel_certificate(
 }
 
 /// Bound of the distance between edges in space and trimming curves, over all runs that files have edges for.
-pub(super) fn edges(panel: &Panel, jets: &RuledJets, tolerance: f64) -> Option<f64> {
+///
+/// # Errors
+/// Where an edge begins that cannot be compared.
+pub(super) fn edges(panel: &Panel, jets: &RuledJets, tolerance: f64) -> Result<f64, Vec3> {
     let runs: Vec<_> = panel.loops().iter().flatten().filter(|r| !r.is_point()).collect();
-    let bound = |run: &&Coedge| edge_bound(SeamSide { jets, trim: &run.trim }, &run.edge, tolerance);
+    let bound = |run: &&Coedge| {
+        let found = edge_bound(SeamSide { jets, trim: &run.trim }, &run.edge, tolerance).filter(|b| !b.is_nan());
+        found.ok_or_else(|| run.edge.control.first().map_or_else(Vec3::zeros, |p| Vec3::from(*p)))
+    };
     let bounds: Vec<_> = runs.par_iter().map(bound).collect();
-    bounds.into_iter().try_fold(0.0f64, |most, b| b.filter(|b| !b.is_nan()).map(|b| most.max(b)))
+    bounds.into_iter().try_fold(0.0f64, |most, b| Ok(most.max(b?)))
 }
 
 /// The file's patch against the exact torse; developability and regularity from the file's control points.
@@ -134,9 +140,9 @@ fn patch_bounds(
     let shape = developability(ruled, &trim_boxes(panel.loops().iter().flatten().map(|r| &r.trim)));
     out.developability_bound = shape.angle;
     if shape.angle > ANGLE_LIMIT {
-        reasons.push(PanelFault::Twisted(shape.angle));
+        reasons.push(PanelFault::Twisted(shape.angle, at(&panel.strip.patch, [shape.worst, 0.5])));
     } else if !shape.regular {
-        reasons.push(PanelFault::Regression);
+        reasons.push(PanelFault::Regression(at(&panel.strip.patch, [shape.worst, 0.5])));
     }
     shape
 }
@@ -157,7 +163,7 @@ fn at(surface: &Surface, uv: [f64; 2]) -> Vec3 {
 /// The trimming curves: near the images of the region's boundary, all around the region, simple, and on the patch.
 fn boundary_bounds(
     trim: &PanelTrim,
-    (partition, surface): (&Partition, &Surface),
+    (partition, surface, patch): (&Partition, &Surface, &Surface),
     boundary: &Boundary,
     reasons: &mut Vec<PanelFault>,
 ) -> Edge {
@@ -178,13 +184,25 @@ fn boundary_bounds(
             }
         }
     }
-    let curves: Vec<Vec<_>> = trim.loops.iter().map(|l| l.iter().map(|r| &r.trim).collect()).collect();
-    reasons.extend(loops_are_simple(&curves).err().map(PanelFault::Trim));
-    let (t0, t1) = boundary.jets.domain();
-    if !curves.iter().flatten().all(|c| stays_within(c, [t0, 0.0], [t1, 1.0])) {
-        reasons.push(PanelFault::Trim(LoopFault::Leaves));
-    }
+    reasons.extend(loop_faults(trim, patch, boundary.jets.domain()));
     edge
+}
+
+/// What could not be shown of trimming curves alone: that they are simple, and stay on their patch.
+pub(super) fn loop_faults(trim: &PanelTrim, patch: &Surface, (t0, t1): (f64, f64)) -> Vec<PanelFault> {
+    let curves: Vec<Vec<_>> = trim.loops.iter().map(|l| l.iter().map(|r| &r.trim).collect()).collect();
+    let placed = |fault: LoopFault, [t, r]: [f64; 2]| {
+        // Rulings end where they do, whatever leaves the patch.
+        let place = patch.point(t.clamp(t0, t1), r.clamp(0.0, 1.0));
+        match place.iter().all(|x| x.is_finite()) {
+            true => PanelFault::TrimAt(fault, place),
+            false => PanelFault::Trim(fault),
+        }
+    };
+    let refused = loops_are_simple(&curves).err();
+    let refused = refused.map(|r| r.at.map_or(PanelFault::Trim(r.fault), |p| placed(r.fault, p)));
+    let left = curves.iter().flatten().find_map(|c| leaves(c, [t0, 0.0], [t1, 1.0]));
+    refused.into_iter().chain(left.map(|p| placed(LoopFault::Leaves, p))).collect()
 }
 
 /// The part of a face that a panel stands for.

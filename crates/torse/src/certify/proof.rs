@@ -472,7 +472,7 @@ mod tests {
         };
         refused(
             "a vertex of the patch off by 1e-8",
-            |f| matches!(f, ProofFault::Panel(PanelFault::Twisted(_))),
+            |f| matches!(f, ProofFault::Panel(PanelFault::Twisted(..))),
             &|p| p.panels[0].strip.patch.control[10][2] += 1e-5,
         );
         refused("a piece of the region gone", |f| matches!(f, ProofFault::Cover { .. }), &|p| {
@@ -494,7 +494,7 @@ mod tests {
         });
         refused(
             "trimming curves that do not join",
-            |f| matches!(f, ProofFault::Panel(PanelFault::Trim(LoopFault::Apart))),
+            |f| matches!(f, ProofFault::Panel(PanelFault::TrimAt(LoopFault::Apart, _))),
             &|p| p.panels[1].loops_mut()[0][0].trim.control[0][0] += 1e-12,
         );
         refused(

@@ -22,14 +22,14 @@
 use super::boundary::trim_piece;
 use super::certificate::PanelParts;
 use super::gap::{Bounded, Gap};
-use super::panel::{edges, Ground};
+use super::panel::{edges, loop_faults, Ground};
 use super::polygon::winding;
 use super::ruled::{Ruled, RuledJets};
-use super::simple::{loops_are_simple, stays_within};
 use super::tensor::{about, Tensor};
 use super::vector::length;
 use super::written::reserve;
 use crate::control::Control;
+use crate::geom::Vec3;
 use crate::num::interval::Interval;
 use crate::num::jet::Jet;
 use crate::patchwork::foot_map::FootMap;
@@ -74,19 +74,14 @@ pub(super) fn ruled_panel(
     let jets = RuledJets::new(&ruled, &origin);
     let mut reasons = Vec::new();
     let judge = Judge::new(panel, trim, map, ground, origin, tolerance);
-    let curves: Vec<Vec<_>> = trim.loops.iter().map(|l| l.iter().map(|r| &r.trim).collect()).collect();
-    reasons.extend(loops_are_simple(&curves).err().map(PanelFault::Trim));
-    let (t0, t1) = jets.domain();
-    if !curves.iter().flatten().all(|c| stays_within(c, [t0, 0.0], [t1, 1.0])) {
-        reasons.push(PanelFault::Trim(LoopFault::Leaves));
-    }
+    reasons.extend(loop_faults(trim, &panel.strip.patch, jets.domain()));
     match judge.border() {
         Ok(bound) => out.boundary_bound = bound,
         Err(fault) => reasons.push(fault),
     }
     match edges(panel, &jets, tolerance) {
-        Some(bound) => out.edge_bound = bound,
-        None => reasons.push(PanelFault::Edge),
+        Ok(bound) => out.edge_bound = bound,
+        Err(at) => reasons.push(PanelFault::Edge(at)),
     }
     out.rounding_bound = reserve(&panel.strip.patch);
     // Without a sound border the distance shows nothing.
@@ -210,12 +205,12 @@ impl<'a> Judge<'a> {
                 let small = (0..2).all(|d| cell.box_[d].width() <= fine[d]);
                 if look.sign != 0 && (look.bound <= goal || small || last) {
                     if sign != 0 && sign != look.sign {
-                        return Err(PanelFault::Folds);
+                        return Err(PanelFault::Folds(self.place(&cell)));
                     }
                     sign = look.sign;
                     out.bound = out.bound.max(look.bound);
                 } else if last || cell.depth == DEPTH {
-                    return Err(PanelFault::MayFold);
+                    return Err(PanelFault::MayFold(self.place(&cell)));
                 } else {
                     open.extend(self.halves(&cell, &look));
                 }
@@ -226,6 +221,12 @@ impl<'a> Judge<'a> {
             return Err(PanelFault::WrongSide);
         }
         Ok(out)
+    }
+
+    /// The place on the face that goes with the middle of a cell, about.
+    fn place(&self, cell: &Cell) -> Vec3 {
+        let [u, v] = self.image([cell.box_[0].mid(), cell.box_[1].mid()]);
+        self.ground.prepared.surface.point(u, v)
     }
 
     /// Parameters on the face, about.
@@ -308,8 +309,9 @@ impl<'a> Judge<'a> {
             let v = run.vertices.get(i).and_then(|&v| self.ground.partition.vertices.get(v as usize));
             v.copied().ok_or(PanelFault::Trim(LoopFault::NoVertex))
         };
+        let on_face = |uv: [f64; 2]| self.ground.prepared.surface.point(uv[0], uv[1]);
         if !super::boundary::well_formed(run) {
-            return Err(PanelFault::Trim(LoopFault::Malformed));
+            return Err(place(0).map_or_else(|fault| fault, |uv| PanelFault::TrimAt(LoopFault::Malformed, on_face(uv))));
         }
         let knots = run.trim.knots.breaks();
         let mut bound = 0.0f64;
@@ -331,8 +333,7 @@ impl<'a> Judge<'a> {
                 }
                 let (fm, sm) = (0.5 * (f[0] + f[1]), 0.5 * (s[0] + s[1]));
                 if depth == BORDER_DEPTH || !(sm > s[0] && sm < s[1]) {
-                    let p = self.ground.prepared.surface.point(side[0][0], side[0][1]);
-                    return Err(PanelFault::TrimAt(LoopFault::Strays, p));
+                    return Err(PanelFault::TrimAt(LoopFault::Strays, on_face(side[0])));
                 }
                 open.extend([([f[0], fm], [s[0], sm], depth + 1), ([fm, f[1]], [sm, s[1]], depth + 1)]);
             }

@@ -41,20 +41,30 @@ struct Piece {
     group: u32,
 }
 
+/// What could not be shown of loops, and where: a place in the plane of the loops, where it is at one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Refusal {
+    pub fault: LoopFault,
+    pub at: Option<[f64; 2]>,
+}
+
 /// Whether loops (outer first) of trimming curves are simple, disjoint, and the others lie inside the first.
 ///
 /// # Errors
 /// What could not be shown.
-pub(super) fn loops_are_simple(loops: &[Vec<&Curve<2>>]) -> Result<(), LoopFault> {
-    rings_are_simple(gather(loops)?, loops.len(), ROUNDS)
+pub(super) fn loops_are_simple(loops: &[Vec<&Curve<2>>]) -> Result<(), Refusal> {
+    let scale = Scale::of(loops.iter().flatten().flat_map(|c| &c.control));
+    let rings = gather(loops, &scale)?;
+    rings_are_simple(rings, loops.len(), ROUNDS).map_err(|r| r.unscaled(&scale))
 }
 
 /// The same of closed polygons (outer first); corners that coincide with the one before are none.
 ///
 /// # Errors
 /// What could not be shown.
-pub(super) fn polygons_are_simple(polygons: &[Vec<[f64; 2]>]) -> Result<(), LoopFault> {
-    let place = scaled(polygons.iter().flatten());
+pub(super) fn polygons_are_simple(polygons: &[Vec<[f64; 2]>]) -> Result<(), Refusal> {
+    let scale = Scale::of(polygons.iter().flatten());
+    let place = |p: &[f64; 2]| scale.to(p);
     let mut rings = Vec::new();
     for (group, polygon) in polygons.iter().enumerate() {
         for (k, p) in polygon.iter().enumerate() {
@@ -62,7 +72,7 @@ pub(super) fn polygons_are_simple(polygons: &[Vec<[f64; 2]>]) -> Result<(), Loop
             let at = |s: f64| [0, 1].map(|d: usize| a[d] + (b[d] - a[d]) * s);
             let c = [a, at(1.0 / 3.0), at(2.0 / 3.0), b];
             if c.iter().flatten().any(|x| !x.is_finite()) {
-                return Err(LoopFault::PolygonNoExtent);
+                return Err(LoopFault::PolygonNoExtent.into());
             }
             if (0..2).any(|d| (a[d] - b[d]).abs() > MARGIN) {
                 rings.push(Piece { c, group: group as u32 });
@@ -70,19 +80,23 @@ pub(super) fn polygons_are_simple(polygons: &[Vec<[f64; 2]>]) -> Result<(), Loop
         }
     }
     if (0..polygons.len()).any(|g| !rings.iter().any(|r: &Piece| r.group as usize == g)) {
-        return Err(LoopFault::NoSides);
+        return Err(LoopFault::NoSides.into());
     }
-    rings_are_simple(rings, polygons.len(), STRAIGHT_ROUNDS)
+    rings_are_simple(rings, polygons.len(), STRAIGHT_ROUNDS).map_err(|r| r.unscaled(&scale))
 }
 
-fn rings_are_simple(mut rings: Vec<Piece>, loops: usize, rounds: usize) -> Result<(), LoopFault> {
+/// Whether closed rings of pieces in the unit square are simple; places of refusals are places there.
+fn rings_are_simple(mut rings: Vec<Piece>, loops: usize, rounds: usize) -> Result<(), Refusal> {
     let most = PIECES + 10 * rings.len();
+    let mut last = None;
     let mut fresh = vec![true; rings.len()];
     for _ in 0..rounds {
-        let Some(marks) = conflicts(&rings, &fresh) else { break };
-        if marks.iter().all(|m| !m) {
-            return nested(&rings, loops);
-        }
+        let marks = match conflicts(&rings, &fresh) {
+            Ok(marks) => marks,
+            Err(crossing) => return Err(Refusal { fault: LoopFault::Meets, at: Some(crossing) }),
+        };
+        let Some(open) = marks.iter().position(|m| *m) else { return nested(&rings, loops) };
+        last = Some(rings[open].c[0]);
         if marks.len() > most {
             break;
         }
@@ -99,22 +113,21 @@ fn rings_are_simple(mut rings: Vec<Piece>, loops: usize, rounds: usize) -> Resul
         }
         rings = next;
     }
-    Err(LoopFault::Meets)
+    Err(Refusal { fault: LoopFault::Meets, at: last })
 }
 
-/// Whether a trimming curve stays in a box: its control points do, or those of its pieces once they are short enough.
-pub(super) fn stays_within(curve: &Curve<2>, low: [f64; 2], high: [f64; 2]) -> bool {
+/// Where a trimming curve is not shown to stay in a box; `None` if it stays there: its control points do, or those of its pieces
+/// once they are short enough.
+pub(super) fn leaves(curve: &Curve<2>, low: [f64; 2], high: [f64; 2]) -> Option<[f64; 2]> {
     let within = |c: &[f64; 2], margin: f64| {
         (0..2).all(|d| {
             let m = margin * (high[d] - low[d]);
             c[d] >= low[d] + m && c[d] <= high[d] - m
         })
     };
-    if curve.control.iter().all(|c| within(c, 0.0)) {
-        return true;
-    }
+    let out = curve.control.iter().find(|c| !within(c, 0.0))?;
     if curve.knots.degree() != 3 {
-        return false;
+        return Some(*out);
     }
     let pieces = bezier_pieces(curve).into_iter();
     let mut open: Vec<(Piece, usize)> =
@@ -124,54 +137,81 @@ pub(super) fn stays_within(curve: &Curve<2>, low: [f64; 2], high: [f64; 2]) -> b
             continue;
         }
         if depth == BOX_ROUNDS || !within(&p.c[0], BOX_MARGIN) || !within(&p.c[3], BOX_MARGIN) {
-            return false;
+            return Some(if within(&p.c[3], BOX_MARGIN) { p.c[0] } else { p.c[3] });
         }
         open.extend(p.halves().map(|h| (h, depth + 1)));
     }
-    true
+    None
+}
+
+impl From<LoopFault> for Refusal {
+    fn from(fault: LoopFault) -> Self {
+        Self { fault, at: None }
+    }
+}
+
+impl Refusal {
+    fn unscaled(self, scale: &Scale) -> Self {
+        Self { at: self.at.map(|p| scale.from(&p)), ..self }
+    }
 }
 
 /// The map that takes points to the unit square.
-fn scaled<'a>(points: impl Iterator<Item = &'a [f64; 2]>) -> impl Fn(&[f64; 2]) -> [f64; 2] {
-    let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-    for c in points {
-        for d in 0..2 {
-            low[d] = low[d].min(c[d]);
-            high[d] = high[d].max(c[d]);
+struct Scale {
+    low: [f64; 2],
+    high: [f64; 2],
+}
+
+impl Scale {
+    fn of<'a>(points: impl Iterator<Item = &'a [f64; 2]>) -> Self {
+        let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+        for c in points {
+            for d in 0..2 {
+                low[d] = low[d].min(c[d]);
+                high[d] = high[d].max(c[d]);
+            }
         }
+        Self { low, high }
     }
-    move |p| [0, 1].map(|d: usize| (p[d] - low[d]) / (high[d] - low[d]))
+
+    fn to(&self, p: &[f64; 2]) -> [f64; 2] {
+        [0, 1].map(|d: usize| (p[d] - self.low[d]) / (self.high[d] - self.low[d]))
+    }
+
+    fn from(&self, p: &[f64; 2]) -> [f64; 2] {
+        [0, 1].map(|d: usize| self.low[d] + p[d] * (self.high[d] - self.low[d]))
+    }
 }
 
 /// All pieces in order, scaled; checks that the curves join bit by bit.
-fn gather(loops: &[Vec<&Curve<2>>]) -> Result<Vec<Piece>, LoopFault> {
-    let place = scaled(loops.iter().flatten().flat_map(|c| &c.control));
+fn gather(loops: &[Vec<&Curve<2>>], scale: &Scale) -> Result<Vec<Piece>, Refusal> {
+    let place = |p: &[f64; 2]| scale.to(p);
     let mut out = Vec::new();
     for (group, l) in loops.iter().enumerate() {
         for (i, c) in l.iter().enumerate() {
             let next = l[(i + 1) % l.len()];
             let bits = |p: Option<&[f64; 2]>| p.map(|p| p.map(f64::to_bits));
             if bits(c.control.last()) != bits(next.control.first()) {
-                return Err(LoopFault::Apart);
+                return Err(Refusal { fault: LoopFault::Apart, at: c.control.last().copied() });
             }
             if c.knots.degree() != 3 || !super::boundary::clamped(c) {
-                return Err(LoopFault::NotCubic);
+                return Err(Refusal { fault: LoopFault::NotCubic, at: c.control.first().copied() });
             }
             let start = place(&c.control[0]);
-            if c.control.iter().map(&place).all(|p| (0..2).all(|d| (p[d] - start[d]).abs() <= MARGIN)) {
+            if c.control.iter().map(place).all(|p| (0..2).all(|d| (p[d] - start[d]).abs() <= MARGIN)) {
                 continue;
             }
             for (_, _, b) in bezier_pieces(c) {
                 let c = [place(&b[0]), place(&b[1]), place(&b[2]), place(&b[3])];
                 if c.iter().flatten().any(|x| !x.is_finite()) {
-                    return Err(LoopFault::NoExtent);
+                    return Err(LoopFault::NoExtent.into());
                 }
                 out.push(Piece { c, group: group as u32 });
             }
         }
     }
     if out.is_empty() {
-        return Err(LoopFault::None);
+        return Err(LoopFault::None.into());
     }
     Ok(out)
 }
@@ -253,9 +293,11 @@ fn unit(v: [f64; 2]) -> [f64; 2] {
     }
 }
 
-/// Pieces that are not yet shown to be clear of the others; those that are not `fresh` are clear of each other. `None` where two
-/// cross.
-fn conflicts(rings: &[Piece], fresh: &[bool]) -> Option<Vec<bool>> {
+/// Pieces that are not yet shown to be clear of the others; those that are not `fresh` are clear of each other.
+///
+/// # Errors
+/// Where two cross.
+fn conflicts(rings: &[Piece], fresh: &[bool]) -> Result<Vec<bool>, [f64; 2]> {
     let n = rings.len();
     let mut marks = vec![false; n];
     // Successors along each loop.
@@ -289,7 +331,7 @@ fn conflicts(rings: &[Piece], fresh: &[bool]) -> Option<Vec<bool>> {
             let neighbours = next[i] == j || next[j] == i;
             if (fresh[i] || fresh[j]) && overlap && !neighbours && !rings[i].apart(&rings[j]) {
                 if rings[i].crosses(&rings[j]) {
-                    return None;
+                    return Err(rings[i].c[0]);
                 }
                 marks[i] = true;
                 marks[j] = true;
@@ -303,26 +345,27 @@ fn conflicts(rings: &[Piece], fresh: &[bool]) -> Option<Vec<bool>> {
             marks[i] = true;
         }
     }
-    Some(marks)
+    Ok(marks)
 }
 
 /// Outer loop and holes turn in opposite senses, and the holes are inside.
-fn nested(rings: &[Piece], loops: usize) -> Result<(), LoopFault> {
+fn nested(rings: &[Piece], loops: usize) -> Result<(), Refusal> {
     let polygon =
         |g: usize| -> Vec<[f64; 2]> { rings.iter().filter(|p| p.group as usize == g).map(|p| p.c[0]).collect() };
     let outer = polygon(0);
     let sense = turning(&outer);
     let holes: Vec<Vec<[f64; 2]>> = (1..loops).map(polygon).collect();
     for (i, hole) in holes.iter().enumerate() {
-        if turning(hole) != -sense {
-            return Err(LoopFault::HoleSense);
-        }
         let p = hole[0];
+        let refused = |fault: LoopFault| Err(Refusal { fault, at: Some(p) });
+        if turning(hole) != -sense {
+            return refused(LoopFault::HoleSense);
+        }
         if !inside(&outer, p) {
-            return Err(LoopFault::HoleOutside);
+            return refused(LoopFault::HoleOutside);
         }
         if holes.iter().enumerate().any(|(j, h)| j != i && inside(h, p)) {
-            return Err(LoopFault::HoleInHole);
+            return refused(LoopFault::HoleInHole);
         }
     }
     Ok(())
@@ -414,6 +457,22 @@ mod tests {
     }
 
     #[test]
+    fn refusals_say_where() {
+        // A bow tie, larger than the unit square: it crosses itself in (50, 20).
+        let bow = vec![[0.0, 0.0], [100.0, 40.0], [100.0, 0.0], [0.0, 40.0]];
+        let refused = polygons_are_simple(&[bow]).expect_err("it meets itself");
+        let [x, y] = refused.at.expect("a place");
+        assert_eq!(refused.fault, LoopFault::Meets);
+        // On one of the two sides that cross, no farther off than the sides are long.
+        let off = (x - 50.0).hypot(y - 20.0);
+        assert!(((y - 0.4 * x).abs() < 1e-9 || (y - 40.0 + 0.4 * x).abs() < 1e-9) && off < 55.0, "{x} {y}");
+        let hole = |at: f64| vec![[at, 1.0], [at, 2.0], [at + 1.0, 2.0], [at + 1.0, 1.0]];
+        let square = vec![[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]];
+        let refused = polygons_are_simple(&[square, hole(6.0)]).expect_err("outside");
+        assert_eq!((refused.fault, refused.at), (LoopFault::HoleOutside, Some([6.0, 1.0])));
+    }
+
+    #[test]
     fn rings_with_holes() {
         let outer = circle(1.0, 1.0, [0.0, 0.0]);
         let hole = circle(0.3, -1.0, [0.4, 0.0]);
@@ -448,11 +507,11 @@ mod tests {
         let knots = Knots::clamped(3, &[0.0, 1.0]).expect("knots");
         let third = 1.0 / 3.0;
         let c = Curve { knots, control: vec![[0.0, 0.0], [third, third], [2.0 * third, -third], [1.0, 0.0]] };
-        assert!(stays_within(&c, [-0.1, -0.0963], [1.1, 0.0963]));
-        assert!(!stays_within(&c, [-0.1, -0.0961], [1.1, 0.0961]));
-        assert!(!stays_within(&c, [-0.1, -0.0963], [0.9, 0.0963]));
+        assert!(leaves(&c, [-0.1, -0.0963], [1.1, 0.0963]).is_none());
+        assert!(leaves(&c, [-0.1, -0.0961], [1.1, 0.0961]).is_some());
+        assert!(leaves(&c, [-0.1, -0.0963], [0.9, 0.0963]).is_some());
         // On the very side of the box nothing is computed.
-        assert!(stays_within(&c, [0.0, -third], [1.0, third]));
+        assert!(leaves(&c, [0.0, -third], [1.0, third]).is_none());
     }
 
     #[test]

@@ -38,6 +38,9 @@ pub struct Measured<'a> {
     pub places: &'a PointCertificate,
 }
 
+/// What stands against an outline, and where, if that is a place.
+pub(crate) type Fault = (LoopFault, Option<Vec3>);
+
 /// What is proven of a panel and its outline. Lengths in mm.
 #[derive(Clone, Debug)]
 pub struct TrimmedCertificate {
@@ -46,7 +49,7 @@ pub struct TrimmedCertificate {
     edge: UpperBound,
     worst: Option<usize>,
     farthest: Option<Vec3>,
-    fault: Option<LoopFault>,
+    fault: Option<Fault>,
 }
 
 impl TrimmedCertificate {
@@ -76,7 +79,7 @@ impl TrimmedCertificate {
     }
 
     /// What could not be shown; nothing if all could.
-    pub fn fault(&self) -> Option<LoopFault> {
+    pub fn fault(&self) -> Option<Fault> {
         self.fault
     }
 }
@@ -127,14 +130,15 @@ fn one(
     sites: &Sites,
     tolerance: f64,
     control: &Control,
-) -> Result<TrimmedCertificate, LoopFault> {
-    let ruled = Ruled::new(&panel.strip.patch).ok_or(LoopFault::NotRuled)?;
+) -> Result<TrimmedCertificate, Fault> {
+    let ruled = Ruled::new(&panel.strip.patch).ok_or((LoopFault::NotRuled, None))?;
     let region = Region::of(panel, &ruled)?;
     let jets = RuledJets::new(&ruled, &ruled.middle(panel.strip.domain().0));
     let mut edge = UpperBound::nothing();
     for run in panel.outline.iter().flatten() {
         let side = SeamSide { jets: &jets, trim: &run.trim };
-        let bound = edge_bound(side, &run.edge, tolerance).ok_or(LoopFault::OutlineEdge)?;
+        let from = run.edge.control.first().map(|p| Vec3::from(*p));
+        let bound = edge_bound(side, &run.edge, tolerance).ok_or((LoopFault::OutlineEdge, from))?;
         edge = edge.max(UpperBound::shown(bound));
     }
     let target = Target::of(&panel.strip);
@@ -156,7 +160,7 @@ fn one(
         })
         .collect();
     let worst = (0..own.len()).max_by(|&a, &b| bounds[a].total_cmp(&bounds[b]));
-    let (reach, farthest) = region.reach(panel, &ruled, sites, tolerance, control).ok_or(LoopFault::Stopped)?;
+    let (reach, farthest) = region.reach(panel, &ruled, sites, tolerance, control).ok_or((LoopFault::Stopped, None))?;
     Ok(TrimmedCertificate {
         // Of a panel without points nothing is far.
         beyond: worst.map_or(UpperBound::nothing(), |k| UpperBound::shown(bounds[k])),
@@ -231,18 +235,24 @@ fn row(r: f64) -> usize {
 }
 
 impl Region {
-    fn of(panel: &Panel, ruled: &Ruled) -> Result<Self, LoopFault> {
+    fn of(panel: &Panel, ruled: &Ruled) -> Result<Self, Fault> {
         let (from, to) = panel.strip.domain();
         let loops: Vec<Vec<[f64; 2]>> = if panel.outline.is_empty() {
             let breaks = ruled.breaks();
             let back = breaks.iter().rev().map(|t| [*t, 1.0]);
             vec![breaks.iter().map(|t| [*t, 0.0]).chain(back).collect()]
         } else {
-            panel.outline.iter().map(|runs| polygon(runs)).collect::<Option<_>>().ok_or(LoopFault::OutlineOpen)?
+            panel
+                .outline
+                .iter()
+                .map(|runs| polygon(runs))
+                .collect::<Option<_>>()
+                .ok_or((LoopFault::OutlineOpen, None))?
         };
         let inside = |p: &[f64; 2]| p[0] >= from && p[0] <= to && p[1] >= 0.0 && p[1] <= 1.0;
-        if !loops.iter().flatten().all(inside) {
-            return Err(LoopFault::OutlineLeaves);
+        let on = |p: &[f64; 2]| panel.strip.patch.point(p[0].clamp(from, to), p[1].clamp(0.0, 1.0));
+        if let Some(out) = loops.iter().flatten().find(|p| !inside(p)) {
+            return Err((LoopFault::OutlineLeaves, Some(on(out))));
         }
         // Those who prove it want the first polygon counter-clockwise.
         let turned = if doubled_area(&loops[0]) < 0.0 {
@@ -250,7 +260,7 @@ impl Region {
         } else {
             loops.clone()
         };
-        polygons_are_simple(&turned).map_err(|_| LoopFault::OutlineMeets)?;
+        polygons_are_simple(&turned).map_err(|r| (LoopFault::OutlineMeets, r.at.as_ref().map(on)))?;
         let mut rows = vec![Vec::new(); ROWS];
         for (l, polygon) in loops.iter().enumerate() {
             for k in 0..polygon.len() {
@@ -556,13 +566,13 @@ mod tests {
         let (good, x) = scan([0.0; 2]);
         let mut panel = good.clone();
         panel.outline[0][0].trim.control[7][1] = -0.01;
-        assert_eq!(judged(&panel, &x).fault(), Some(LoopFault::OutlineLeaves));
+        assert_eq!(judged(&panel, &x).fault().map(|f| f.0), Some(LoopFault::OutlineLeaves));
         assert!(judged(&panel, &x).reach_bound() == UpperBound::UNKNOWN);
         let mut panel = good.clone();
         panel.outline[0][0].trim.control[0][1] += 0.01;
-        assert_eq!(judged(&panel, &x).fault(), Some(LoopFault::OutlineOpen));
+        assert_eq!(judged(&panel, &x).fault().map(|f| f.0), Some(LoopFault::OutlineOpen));
         let (crossed, _) = scan([-0.85, -0.4]);
-        assert_eq!(judged(&crossed, &x).fault(), Some(LoopFault::OutlineMeets));
+        assert_eq!(judged(&crossed, &x).fault().map(|f| f.0), Some(LoopFault::OutlineMeets));
         // An edge in space beside its outline.
         let mut panel = good;
         panel.outline[0][0].edge.control[9][2] += 1.0;

@@ -10,7 +10,7 @@ mod strip;
 pub use face::{FaceReason, Limit, Unlaid};
 pub use flat::{Differs, Drawn, FlatFault, Near, Of, WrittenFault};
 pub use proof::{CoverFault, LoopFault, Obstruction, PanelFault, ProofFault, SeamFault};
-pub use strip::{Covered, Curves, JobReason, Sort, Stalled, StripReason};
+pub use strip::{Covered, Curves, JobReason, Sort, Stalled, StripReason, Witness};
 
 use std::error::Error;
 use std::ops::Range;

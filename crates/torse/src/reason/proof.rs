@@ -69,18 +69,18 @@ pub enum PanelFault {
     Cover(CoverFault),
     /// The regions of its face are not known to make up the face.
     OffFace,
-    /// An edge in space cannot be compared with its trimming curve.
-    Edge,
+    /// An edge in space, which begins at a place, cannot be compared with its trimming curve.
+    Edge(Vec3),
     /// A trimming curve belongs to another foot.
     OtherFoot(Vec3),
     /// The bound (mm) exceeds the tolerance.
     TooLarge(f64),
     /// Its patch cannot be compared with its torse.
     OffTorse,
-    /// Tangent planes along a ruling may differ by so much, rad.
-    Twisted(f64),
-    /// Its regression curve may lie inside.
-    Regression,
+    /// Tangent planes along a ruling, the middle of which is given, may differ by so much, rad.
+    Twisted(f64, Vec3),
+    /// Its regression curve may lie inside, on the ruling whose middle is given.
+    Regression(Vec3),
     /// Something of its trimming curves.
     Trim(LoopFault),
     /// Something of its trimming curves at a place.
@@ -98,10 +98,10 @@ pub enum PanelFault {
     },
     /// Something resists the proof.
     Resists(Obstruction, Vec3),
-    /// The map to the face folds over.
-    Folds,
-    /// It could not be shown that the map to the face does not fold over.
-    MayFold,
+    /// The map to the face folds over, at a place.
+    Folds(Vec3),
+    /// It could not be shown that the map to the face does not fold over, at a place.
+    MayFold(Vec3),
     /// The loops run about the wrong side.
     WrongSide,
     /// A bound (mm) above the tolerance is all that is proven; the panel is farthest at a place.

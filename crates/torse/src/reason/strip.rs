@@ -4,6 +4,15 @@ use super::{Item, Reason};
 use crate::geom::unit::LengthUnit;
 use crate::geom::Vec3;
 
+/// A strip, and a place on it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Witness {
+    /// Name of the strip.
+    pub strip: String,
+    /// Where, mm.
+    pub at: Vec3,
+}
+
 /// Of strips.
 #[derive(Clone, Debug, PartialEq)]
 pub enum StripReason {
@@ -25,6 +34,8 @@ pub enum StripReason {
         by: f64,
         /// From which.
         from: Curves,
+        /// Which strip does by most.
+        most: Option<Witness>,
     },
     /// Strips of a loft stray from a rail; a larger tolerance is met.
     OffRail {
@@ -32,6 +43,8 @@ pub enum StripReason {
         by: f64,
         /// Name of the rail.
         rail: String,
+        /// Which strip does by most.
+        most: Option<Witness>,
     },
     /// Rails, by name, are covered in part, or strips run past their ends.
     InPart(Vec<(String, Covered)>),
@@ -43,16 +56,22 @@ pub enum StripReason {
         bound: f64,
         /// What counts as developable, rad.
         limit: f64,
+        /// Where the greatest twist was measured.
+        most: Option<Witness>,
     },
     /// A strip has regression points between its rails.
     Regression {
         /// Its name.
         strip: String,
+        /// Middle of the ruling that was found to have them.
+        at: Vec3,
     },
     /// A strip was not shown to keep off its regression curve.
     MayRegress {
         /// Its name.
         strip: String,
+        /// Middle of the ruling that comes nearest to it, as measured.
+        at: Vec3,
     },
     /// A regression curve that is not known to keep to what was asked.
     OutOfBounds {
@@ -80,6 +99,8 @@ pub enum StripReason {
         u: f64,
         /// At which share of its length.
         v: f64,
+        /// Where that is.
+        at: Vec3,
     },
     /// A net has a ruling tangent to its curve.
     TangentRuling {
@@ -89,6 +110,8 @@ pub enum StripReason {
         curve: String,
         /// Which ruling.
         u: f64,
+        /// Where that is.
+        at: Vec3,
     },
     /// A net has a weight that it must not have.
     Weight {
@@ -160,7 +183,7 @@ pub enum StripReason {
         at: Option<Vec3>,
     },
     /// An outline of which something is missing.
-    Outline(super::LoopFault),
+    Outline(super::LoopFault, Option<Vec3>),
 }
 
 /// How much of a rail is covered.

@@ -60,7 +60,8 @@ pub(super) fn judged(
     let mut claims: Vec<Claim> = (0..2)
         .map(|side| {
             let off = judgement.off[side];
-            let reason = StripReason::OffRail { by: off.value(), rail: rails[side].name.clone() };
+            let most = judgement.farthest[side].clone();
+            let reason = StripReason::OffRail { by: off.value(), rail: rails[side].name.clone(), most };
             let kept = Claim::at_most(What::FromCurve(side), whole, off).within(options.tolerance);
             kept.because(Reason::from(reason))
         })

@@ -59,10 +59,13 @@ pub(super) fn judged(
     for (s, net) in built.iter().zip(&nets) {
         tell_regression(&s.strip.name, net, &mut notes);
         let strip = s.strip.name.clone();
+        let on = |u: f64, v: f64| s.strip.patch.point(u, v);
         let reason = match net.regularity() {
             Regularity::Regular => continue,
-            Regularity::Regression { u, v } => StripReason::NetRegression { strip, u, v },
-            Regularity::TangentRuling { u } => StripReason::TangentRuling { strip, curve: given.name.clone(), u },
+            Regularity::Regression { u, v } => StripReason::NetRegression { strip, u, v, at: on(u, v) },
+            Regularity::TangentRuling { u } => {
+                StripReason::TangentRuling { strip, curve: given.name.clone(), u, at: on(u, 0.0) }
+            }
             Regularity::Weight { index, weight } => StripReason::Weight { strip, weight, index },
         };
         missing.push(reason.into());
@@ -82,7 +85,11 @@ pub(super) fn judged(
     }
     if !strips.is_empty() {
         let off = judgement.off[0];
-        let reason = StripReason::Stray { by: off.value(), from: Curves::One(given.name.clone()) };
+        let reason = StripReason::Stray {
+            by: off.value(),
+            from: Curves::One(given.name.clone()),
+            most: judgement.farthest[0].clone(),
+        };
         let kept = Claim::at_most(What::FromCurve(0), whole, off).within(options.tolerance);
         claims.push(kept.because(Reason::from(reason)));
         claims.extend(judgement.whole().into_iter().filter(|c| !matches!(c.what(), What::Count(_))));

@@ -137,7 +137,8 @@ pub(super) fn judged(session: &Session, asked: &Asked, moved: Moved, control: &C
     let mut claims = Vec::new();
     for side in 0..2 {
         if pieces.iter().any(|p| p.rails[side].is_some()) {
-            let reason = StripReason::Stray { by: judgement.off[side].value(), from: Curves::Fixed };
+            let most = judgement.farthest[side].clone();
+            let reason = StripReason::Stray { by: judgement.off[side].value(), from: Curves::Fixed, most };
             let kept = Claim::at_most(What::FromSide(side), whole, judgement.off[side]);
             claims.push(kept.within(options.tolerance).because(Reason::from(reason)));
         }

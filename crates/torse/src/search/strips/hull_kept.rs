@@ -1,6 +1,6 @@
 //! Strips of convex hulls \[W15, 5.4\] before their judge: what is bounded is kept, the rest is named.
 
-use super::judgement::{findings, summed, Candidate, Found};
+use super::judgement::{findings, summed, Candidate, Found, Judgement};
 use crate::certify::claim::{Claim, Subject, UpperBound, What};
 use crate::certify::rails::{tip_bound, twist_bound};
 use crate::control::Control;
@@ -107,7 +107,7 @@ pub fn kept(curves: &[Rail], mut made: Vec<HullPart>, (tolerance, twist): (f64, 
     for ((c, _), field) in written.iter().zip(&judgement.fields) {
         out.fields[c.index] = field.clone();
     }
-    out.claims.extend((judgement.counts[0] > 0).then(|| from_curves(&out.tips, judgement.off, tolerance)));
+    out.claims.extend((judgement.counts[0] > 0).then(|| from_curves(&out.tips, &judgement, tolerance)));
     out.claims.extend(judgement.whole());
     out.of_strips = judgement.claims;
     for (index, facet) in facets {
@@ -121,11 +121,15 @@ pub fn kept(curves: &[Rail], mut made: Vec<HullPart>, (tolerance, twist): (f64, 
 }
 
 /// How far the strips are from the curves, tips that are cut off included.
-fn from_curves(tips: &[UpperBound], off: [UpperBound; 2], tolerance: f64) -> Claim {
-    let off = UpperBound::largest(tips.iter().copied().chain(off));
-    Claim::at_most(What::FromCurves, Subject::Whole, off)
-        .within(tolerance)
-        .because(Reason::from(StripReason::Stray { by: off.value(), from: Curves::All }))
+fn from_curves(tips: &[UpperBound], judgement: &Judgement, tolerance: f64) -> Claim {
+    let off = UpperBound::largest(tips.iter().copied().chain(judgement.off));
+    // Of tips that are cut off no strip is the witness.
+    let most = (0..2).find(|&side| judgement.off[side] == off).and_then(|side| judgement.farthest[side].clone());
+    Claim::at_most(What::FromCurves, Subject::Whole, off).within(tolerance).because(Reason::from(StripReason::Stray {
+        by: off.value(),
+        from: Curves::All,
+        most,
+    }))
 }
 
 /// How many strips are cut off before the tip at an end of a part, and how far the curve then lies from the last ruling;

@@ -6,7 +6,7 @@ use crate::control::Control;
 use crate::design::loft::build::BuiltStrip;
 use crate::draw::field::{FieldMeaning, PanelField};
 use crate::geom::unit::SQUARE_METRES;
-use crate::reason::{Reason, StripReason};
+use crate::reason::{Reason, StripReason, Witness};
 use crate::torse::form::PanelKind;
 use crate::torse::rail::Rail;
 use crate::torse::strip::Strip;
@@ -53,6 +53,10 @@ pub(crate) struct Judgement {
     pub missing: Vec<Reason>,
     /// Twist (rad) that counts as developable.
     pub limit: f64,
+    /// For each side: the strip whose bound from its rail is the greatest, and the middle of that side.
+    pub farthest: [Option<Witness>; 2],
+    /// Where the greatest twist was measured.
+    pub most_twisted: Option<Witness>,
 }
 
 impl Judgement {
@@ -66,7 +70,8 @@ impl Judgement {
         ];
         if judged > 0 {
             let Self { measured, limit, .. } = *self;
-            let reason = StripReason::Twist { measured, bound: self.twist.value(), limit };
+            let most = self.most_twisted.clone();
+            let reason = StripReason::Twist { measured, bound: self.twist.value(), limit, most };
             let twist = Claim::at_most(What::Twist, whole, self.twist.degrees());
             out.push(twist.within(limit.to_degrees()).because(Reason::from(reason)));
         }
@@ -85,9 +90,23 @@ pub(crate) struct Found {
     at: Vec<f64>,
     twists: Vec<f64>,
     clearance: f64,
+    /// The ruling of which the clearance was measured to be least.
+    tightest: f64,
+}
+
+/// A strip and a place on it.
+fn witness(strip: &Strip, u: f64, v: f64) -> Option<Witness> {
+    let at = strip.patch.point(u, v);
+    at.iter().all(|x| x.is_finite()).then(|| Witness { strip: strip.name.clone(), at })
 }
 
 impl Found {
+    /// The ruling of which the twist was measured to be greatest.
+    fn most_twisted(&self) -> f64 {
+        let most = (0..self.at.len()).max_by(|&a, &b| self.twists[a].total_cmp(&self.twists[b]));
+        most.map_or(0.0, |k| self.at[k])
+    }
+
     /// Whether its distances and its twist are bounded at all.
     pub fn is_bounded(&self) -> bool {
         self.twist.is_regular() && self.off.iter().flatten().all(|b| *b != UpperBound::UNKNOWN)
@@ -110,9 +129,12 @@ fn found_of(candidate: &Candidate, limit: f64, control: &Control) -> Found {
     let fan = strip.is_point(0) || strip.is_point(1);
     let twists: Vec<f64> = at.iter().map(|&u| if fan { 0.0 } else { strip.twist(u) }).collect();
     let twist = twists.iter().copied().fold(0.0, f64::max);
-    let clearance = match fan {
-        true => f64::INFINITY,
-        false => at.iter().map(|&u| strip.regression_clearance(u)).fold(f64::INFINITY, f64::min),
+    let (tightest, clearance) = match fan {
+        true => (0.5 * (u0 + u1), f64::INFINITY),
+        false => at
+            .iter()
+            .map(|&u| (u, strip.regression_clearance(u)))
+            .fold((0.5 * (u0 + u1), f64::INFINITY), |least, now| if now.1 < least.1 { now } else { least }),
     };
     // Where samples exceed the limit, a bound twice as large says as much, for far less work; where rulings meet the
     // regression curve there is none.
@@ -120,7 +142,7 @@ fn found_of(candidate: &Candidate, limit: f64, control: &Control) -> Found {
         true => twist_bound(strip, limit.max(2.0 * twist), control),
         false => TwistBound::UNKNOWN,
     };
-    Found { off, twist, at, twists, clearance }
+    Found { off, twist, at, twists, clearance, tightest }
 }
 
 /// What is found of strips; `limit` (rad) is the twist that counts as developable. Each strip for itself, on all cores;
@@ -161,7 +183,10 @@ pub(crate) fn summed(strips: &[(Candidate, &Found)], sides: [What; 2], limit: f6
         counts: [strips.len(), 0],
         missing: Vec::new(),
         limit,
+        farthest: [None, None],
+        most_twisted: None,
     };
+    let mut largest = [f64::NEG_INFINITY; 2];
     for (Candidate { index, built, .. }, found) in strips {
         let strip = &built.strip;
         let subject = Subject::Panel(*index);
@@ -170,16 +195,26 @@ pub(crate) fn summed(strips: &[(Candidate, &Found)], sides: [What; 2], limit: f6
         let twist = found.twists.iter().copied().fold(0.0, f64::max);
         let shown = found.twist.angle();
         twists_shown.push(shown);
+        if twist > out.measured {
+            out.most_twisted = witness(strip, found.most_twisted(), 0.5);
+        }
         out.measured = out.measured.max(twist);
         out.clearance = out.clearance.min(found.clearance);
         if found.clearance <= 0.0 {
-            out.missing.push(StripReason::Regression { strip: strip.name.clone() }.into());
+            let at = strip.patch.point(found.tightest, 0.5);
+            out.missing.push(StripReason::Regression { strip: strip.name.clone(), at }.into());
         } else if !found.twist.is_regular() {
-            out.missing.push(StripReason::MayRegress { strip: strip.name.clone() }.into());
+            let at = strip.patch.point(found.tightest, 0.5);
+            out.missing.push(StripReason::MayRegress { strip: strip.name.clone(), at }.into());
         }
         for side in 0..2 {
             let Some(bound) = found.off[side] else { continue };
             off[side].push(bound);
+            if bound.value() > largest[side] {
+                largest[side] = bound.value();
+                let (from, to) = strip.domain();
+                out.farthest[side] = witness(strip, 0.5 * (from + to), side as f64);
+            }
             out.claims.push(Claim::at_most(sides[side], subject, bound));
         }
         out.claims.extend([

@@ -217,8 +217,8 @@ pub(crate) fn claims_of_ends(
     for (k, proof) in proofs.iter().enumerate() {
         let (subject, name) = (Subject::Panel(k), &ended.panels[k].strip.name);
         let told = |reason: StripReason| Reason::of(Item::Named(name.clone()), reason);
-        if let Some(fault) = proof.fault() {
-            out.push(Claim::objection(subject, told(StripReason::Outline(fault))));
+        if let Some((fault, at)) = proof.fault() {
+            out.push(Claim::objection(subject, told(StripReason::Outline(fault, at))));
         }
         let beyond = Claim::at_most(What::BeyondOutline, subject, proof.beyond_bound());
         let reach = Claim::at_most(What::FromMeasured, subject, proof.reach_bound());

@@ -39,19 +39,29 @@ fn panel(fault: &PanelFault) -> String {
         PanelFault::OffFace => {
             "the regions of its face do not make up that face, so how far it is from the face is not known".into()
         }
-        PanelFault::Edge => "an edge in space cannot be compared with its trimming curve".into(),
+        PanelFault::Edge(at) => {
+            format!("the edge that begins at {} cannot be compared with its trimming curve", place_in_words(at))
+        }
         PanelFault::OtherFoot(at) => format!("a trimming curve belongs to another foot at {}", place_in_words(at)),
         PanelFault::TooLarge(bound) => format!("the bound {} exceeds the tolerance", length_bound(*bound)),
         PanelFault::OffTorse => "the patch cannot be compared with the exact torse".into(),
-        PanelFault::Twisted(angle) => format!("tangent planes along a ruling may differ by {}", angle_bound(*angle)),
-        PanelFault::Regression => "the regression curve may lie inside the patch".into(),
+        PanelFault::Twisted(angle, at) => format!(
+            "tangent planes along the ruling through {} may differ by {}",
+            place_in_words(at),
+            angle_bound(*angle)
+        ),
+        PanelFault::Regression(at) => {
+            format!("the regression curve may lie inside the patch, on the ruling through {}", place_in_words(at))
+        }
         PanelFault::Trim(fault) => of_loops(*fault).into(),
         PanelFault::TrimAt(fault, at) => format!("{} at {}", of_loops(*fault), place_in_words(at)),
         PanelFault::UsedUp => "rounding and trimming curves use up the tolerance".into(),
         PanelFault::TooFar { away, at, left } => too_far(*away, at, *left),
         PanelFault::Resists(obstruction, at) => format!("{} at {}", resistance(*obstruction), place_in_words(at)),
-        PanelFault::Folds => "the map to the face folds over".into(),
-        PanelFault::MayFold => "it could not be shown that the map to the face does not fold over".into(),
+        PanelFault::Folds(at) => format!("the map to the face folds over at {}", place_in_words(at)),
+        PanelFault::MayFold(at) => {
+            format!("it could not be shown that the map to the face does not fold over at {}", place_in_words(at))
+        }
         PanelFault::WrongSide => "the trimming loops run about the wrong side".into(),
         PanelFault::Only(bound, at) => {
             format!("{} is all that is proven; farthest at {}", length_bound(*bound), place_in_words(at))

@@ -5,7 +5,7 @@ use crate::geom::unit::LengthUnit;
 use crate::geom::Vec3;
 use crate::io::words::numbers::{angle, angle_bound, length, length_bound, number, percent, percent_least, place};
 use crate::io::words::told;
-use crate::reason::{Covered, Curves, JobReason, Sort, Stalled, StripReason};
+use crate::reason::{Covered, Curves, JobReason, Sort, Stalled, StripReason, Witness};
 
 #[expect(clippy::too_many_lines, reason = "one sentence after another")]
 pub(super) fn words(reason: &StripReason) -> String {
@@ -19,18 +19,19 @@ pub(super) fn words(reason: &StripReason) -> String {
         StripReason::TooMany(count) => {
             format!("{count} strips were found, too many to be laid flat and written after a stop")
         }
-        StripReason::Stray { by, from: Curves::All } => {
-            format!("the strips stray up to {} from the curves", length_bound(*by))
+        StripReason::Stray { by, from: Curves::All, most } => {
+            format!("the strips stray up to {} from the curves{}", length_bound(*by), worst(most.as_ref()))
         }
-        StripReason::Stray { by, from: Curves::Fixed } => {
-            format!("the strips stray up to {} from fixed curves", length_bound(*by))
+        StripReason::Stray { by, from: Curves::Fixed, most } => {
+            format!("the strips stray up to {} from fixed curves{}", length_bound(*by), worst(most.as_ref()))
         }
-        StripReason::Stray { by, from: Curves::One(curve) } => {
-            format!("the strips stray up to {} from {curve}", length_bound(*by))
+        StripReason::Stray { by, from: Curves::One(curve), most } => {
+            format!("the strips stray up to {} from {curve}{}", length_bound(*by), worst(most.as_ref()))
         }
-        StripReason::OffRail { by, rail } => format!(
-            "the strips stray up to {} from {rail}; a tolerance of {} is met",
+        StripReason::OffRail { by, rail, most } => format!(
+            "the strips stray up to {} from {rail}{}; a tolerance of {} is met",
             length_bound(*by),
+            worst(most.as_ref()),
             length(reached(*by))
         ),
         StripReason::InPart(rails) => {
@@ -40,15 +41,18 @@ pub(super) fn words(reason: &StripReason) -> String {
             });
             format!("certified in part: {}", told.collect::<Vec<_>>().join(", "))
         }
-        StripReason::Twist { measured, bound, limit } => format!(
-            "twist up to {} (measured), proven bound {}, where {} count as developable",
+        StripReason::Twist { measured, bound, limit, most } => format!(
+            "twist up to {} (measured), proven bound {}, where {} count as developable{}",
             angle(*measured),
             angle_bound(*bound),
-            angle(*limit)
+            angle(*limit),
+            worst(most.as_ref())
         ),
-        StripReason::Regression { strip } => format!("strip {strip} has regression points between its rails"),
-        StripReason::MayRegress { strip } => {
-            format!("strip {strip} was not shown to keep off its regression curve")
+        StripReason::Regression { strip, at } => {
+            format!("strip {strip} has regression points between its rails, on the ruling through {}", place(at))
+        }
+        StripReason::MayRegress { strip, at } => {
+            format!("strip {strip} was not shown to keep off its regression curve, nearest around {}", place(at))
         }
         StripReason::OutOfBounds { strip, at, proven } => out_of_bounds(strip, at, *proven),
         StripReason::Margin { strip, shown, asked } => format!(
@@ -56,13 +60,14 @@ pub(super) fn words(reason: &StripReason) -> String {
              asked for; give the curves more spans, hold less, make the strip narrower, or ask for less by \"margin\"",
             number(*shown)
         ),
-        StripReason::NetRegression { strip, u, v } => format!(
-            "strip {strip} meets its regression curve on ruling u = {u:.4} at {:.0} % of its length; choose other parameters, \
-             or a shorter stretch",
-            100.0 * v
+        StripReason::NetRegression { strip, u, v, at } => format!(
+            "strip {strip} meets its regression curve on ruling u = {u:.4} at {:.0} % of its length, at {}; choose other \
+             parameters, or a shorter stretch",
+            100.0 * v,
+            place(at)
         ),
-        StripReason::TangentRuling { strip, curve, u } => {
-            format!("strip {strip} has a ruling tangent to {curve} at u = {u:.4}")
+        StripReason::TangentRuling { strip, curve, u, at } => {
+            format!("strip {strip} has a ruling tangent to {curve} at u = {u:.4}, at {}", place(at))
         }
         StripReason::Weight { strip, weight, index } => {
             format!("strip {strip} has weight {} at control point {index}", number(*weight))
@@ -94,8 +99,16 @@ pub(super) fn words(reason: &StripReason) -> String {
             let around = at.map_or(String::new(), |p| format!(", around {}", place(&p)));
             format!("its outline is not shown to keep within {} of the points{around}", length(*within))
         }
-        StripReason::Outline(fault) => proof::of_loops(*fault).into(),
+        StripReason::Outline(fault, at) => {
+            let at = at.map_or(String::new(), |p| format!(" at {}", place(&p)));
+            format!("{}{at}", proof::of_loops(*fault))
+        }
     }
+}
+
+/// Which strip is the worst, and where.
+fn worst(most: Option<&Witness>) -> String {
+    most.map_or(String::new(), |w| format!(", most by {} around {}", w.strip, place(&w.at)))
 }
 
 /// What is said of a regression curve that does not keep to what was asked.
