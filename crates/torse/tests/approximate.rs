@@ -356,7 +356,7 @@ fn what_must_not_be_cut_is_marked_in_every_file() {
     o.claims = good;
     o.claims.push(Claim::objection(
         Subject::Whole,
-        FaceReason::Limit { panel: "A-02".into(), limit: Limit::SheetWidth, value: 9.0 },
+        FaceReason::Limit { panel: "A-02".into(), limit: Limit::SheetWidth, value: 9.0, asked: 8.0, more: 0 },
     ));
     o.beyond_limits = vec![1];
     let marks = Marks::of(&o);
@@ -379,6 +379,7 @@ fn what_must_not_be_cut_is_marked_in_every_file() {
     assert_eq!(report["panels"][1]["certified"], false);
     assert_eq!(report["panels"][0]["certified"], true);
     assert!(report["panels"][1]["reason"].as_str().is_some_and(|r| r.contains("limits")));
+    assert!(text("report.json").contains("where 8 mm are allowed"));
 }
 
 /// Strips of the piece of a torus run along its meridians when its axis is given as their direction, and around the

@@ -77,6 +77,10 @@ pub enum FaceReason {
         limit: Limit,
         /// What it has instead, mm: proven for the radius and the distance to the regression curve.
         value: f64,
+        /// What is asked for or allowed, mm.
+        asked: f64,
+        /// How many more panels do not keep it.
+        more: usize,
     },
     /// A part does not cover its face for certain.
     NoCover {

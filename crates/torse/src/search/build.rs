@@ -88,26 +88,30 @@ pub(crate) fn limits_missed(
 ) -> LimitsMissed {
     let mut panels = BTreeSet::new();
     let name = |k: usize| patchwork.panels.get(k).map_or_else(String::new, |p| p.strip.name.clone());
-    let reason = |panel: String, limit: Limit, value: f64| Reason::from(FaceReason::Limit { panel, limit, value });
+    let reason = |panel: String, limit: Limit, value: f64, asked: Option<f64>, count: usize| {
+        // Without a limit nothing misses it.
+        let (asked, more) = (asked.unwrap_or(f64::NAN), count.saturating_sub(1));
+        Reason::from(FaceReason::Limit { panel, limit, value, asked, more })
+    };
     let below = |missed: &mut BTreeSet<usize>, what: Limit, limit: Option<f64>, value: Proven| {
         let short = |p: &certify::PanelCertificate| limit.is_some_and(|l| value(p) < l);
         let found: Vec<usize> = (0..certificate.panels.len()).filter(|&k| short(&certificate.panels[k])).collect();
         missed.extend(&found);
         let &k = found.first()?;
-        Some(reason(name(k), what, value(&certificate.panels[k])))
+        Some(reason(name(k), what, value(&certificate.panels[k]), limit, found.len()))
     };
     let above = |missed: &mut BTreeSet<usize>, what: Limit, limit: Option<f64>, value: Drawn| {
         let found: Vec<&Pattern> = patterns.iter().filter(|p| limit.is_some_and(|l| value(p) > l)).collect();
         missed.extend(found.iter().map(|p| p.panel));
         let p = found.first()?;
-        Some(reason(p.name.clone(), what, value(p)))
+        Some(reason(p.name.clone(), what, value(p), limit, found.len()))
     };
     let narrow = |missed: &mut BTreeSet<usize>| {
         let found: Vec<&Pattern> =
             patterns.iter().filter(|p| limits.min_width.is_some_and(|l| p.mean_width() < l)).collect();
         missed.extend(found.iter().map(|p| p.panel));
         let p = found.first()?;
-        Some(reason(p.name.clone(), Limit::MeanWidth, p.mean_width()))
+        Some(reason(p.name.clone(), Limit::MeanWidth, p.mean_width(), limits.min_width, found.len()))
     };
     let reasons = [
         below(&mut panels, Limit::BendRadius, limits.min_bend_radius, |p| p.min_bend_radius),

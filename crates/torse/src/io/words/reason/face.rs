@@ -45,7 +45,10 @@ pub(super) fn words(reason: &FaceReason) -> String {
             format!("a region has no panel: {}{place}", why(error))
         }
         FaceReason::NoPattern { panel, error } => format!("panel {panel} has no flat pattern: {}", why(error)),
-        FaceReason::Limit { panel, limit, value } => format!("panel {panel}: {}", limited(*limit, *value)),
+        FaceReason::Limit { panel, limit, value, asked, more } => {
+            let more = if *more > 0 { format!(" ({more} more like it)") } else { String::new() };
+            format!("panel {panel}: {}{more}", limited(*limit, *value, *asked))
+        }
         FaceReason::NoCover { part } => format!("part {part} is not proven as a cover of its face"),
         FaceReason::NoImage => "not all of its faces have a flat image that could be proven".into(),
         FaceReason::BeyondTolerance { part } => format!("part {part} is proven, but not within the tolerance"),
@@ -73,17 +76,29 @@ fn areas(known: f64, unknown: usize, count: usize) -> String {
     }
 }
 
-fn limited(limit: Limit, value: f64) -> String {
+fn limited(limit: Limit, value: f64, asked: f64) -> String {
+    let asked = format!("{asked} mm");
     match limit {
-        Limit::BendRadius => format!("the bending radius is only proven to be {}", length_least(value)),
-        Limit::Clearance => {
-            format!("the distance to the regression curve is only proven to be {}", length_least(value))
+        Limit::BendRadius => {
+            format!("the bending radius is only proven to be {}, where {asked} are asked for", length_least(value))
         }
-        Limit::StripWidth => format!("the width of the strip is {}", length(value)),
-        Limit::Length => format!("the length of the pattern is {}", length(value)),
-        Limit::SheetWidth => format!("the width of the rectangle around the pattern is {}", length(value)),
-        Limit::SheetLength => format!("the length of the rectangle around the pattern is {}", length(value)),
-        Limit::MeanWidth => format!("its mean width is {}", length(value)),
+        Limit::Clearance => format!(
+            "the distance to the regression curve is only proven to be {}, where {asked} are asked for",
+            length_least(value)
+        ),
+        Limit::StripWidth => format!("the width of the strip is {}, where {asked} are allowed", length(value)),
+        Limit::Length => format!("the length of the pattern is {}, where {asked} are allowed", length(value)),
+        Limit::SheetWidth => {
+            format!("the width of the rectangle around the pattern is {}, where {asked} are allowed", length(value))
+        }
+        Limit::SheetLength => {
+            format!("the length of the rectangle around the pattern is {}, where {asked} are allowed", length(value))
+        }
+        Limit::MeanWidth => format!(
+            "its mean width is {}, where {asked} are asked for, and no wider panel was proven there; a larger tolerance or a \
+             smaller --min-width would help",
+            length(value)
+        ),
     }
 }
 
