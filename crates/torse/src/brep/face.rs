@@ -1,6 +1,7 @@
 //! A trimmed face of the input model, ready for approximation.
 
 use super::raw::{RawFace, SurfaceKind};
+use super::support_surface::SupportSurface;
 use crate::geom::placement::Placement;
 use crate::spline::curve::Curve;
 use crate::spline::surface::Surface;
@@ -128,6 +129,15 @@ fn distance(bound: f64) -> f64 {
 }
 
 impl Face {
+    /// Radius (mm) of the cylinder that the file says the face lies on; `None` where it says no such thing, and of joined faces.
+    pub fn cylinder_radius(&self) -> Option<f64> {
+        let boundary =
+            self.boundary.as_ref().filter(|_| self.parts.is_empty() && self.kind == SurfaceKind::Cylinder)?;
+        let SupportSurface::Cylinder { radius, .. } = boundary.source.support else { return None };
+        // Placements keep angles.
+        Some(radius * boundary.placement.linear.column(0).norm())
+    }
+
     /// The face that covers the whole domain of a surface.
     pub fn untrimmed(surface: Surface) -> Self {
         let ((u0, u1), (v0, v1)) = surface.domain();

@@ -199,6 +199,9 @@ pub struct FaceRecord {
     pub part: String,
     /// Kind of surface in the file.
     pub kind: String,
+    /// Radius of a face that is a cylinder in the file, mm.
+    #[serde(default)]
+    pub radius: Option<f64>,
     /// Number of panels.
     pub panels: usize,
     /// Share of the area that panels cover.
@@ -500,6 +503,7 @@ pub(crate) mod tests {
                 name: "side".into(),
                 part: "hull".into(),
                 kind: "spline".into(),
+                radius: None,
                 panels: 2,
                 coverage: 1.0,
                 trim_deviation_estimate: Some(0.0),

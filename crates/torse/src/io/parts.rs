@@ -1,16 +1,43 @@
 //! The list of parts: what a shop puts on its order, one line for each.
 
-use super::json::Report;
+use super::json::{PartRecord, Report};
+use super::words::id;
+use super::words::numbers::is_endless;
+use crate::certify::claim::What;
 use crate::geom::unit::LengthUnit;
 use crate::patchwork::pattern::Pattern;
+use crate::torse::form::PanelKind;
 use std::fmt::Write as _;
+
+/// The radius to which all of a part's panels bend, where each covers a face that is a cylinder of that radius in the file, and no
+/// thickness moves the sheet off it.
+fn radius_of_faces(report: &Report, part: &PartRecord) -> Option<f64> {
+    let of = |name: &String| {
+        let panel = report.panels.iter().find(|p| p.name == *name)?;
+        report.faces.get(panel.face?)?.radius.filter(|_| panel.kind == PanelKind::Cylinder.name())
+    };
+    let radii: Option<Vec<f64>> = part.panels.iter().map(of).collect();
+    let radii = radii.filter(|_| part.thickness.is_none())?;
+    radii.first().copied().filter(|first| radii.iter().all(|r| r == first))
+}
+
+/// The radius (mm) above which all of a part's panels are proven to bend.
+fn radius_bound(report: &Report, part: &PartRecord) -> Option<f64> {
+    let of = |name: &String| {
+        let panel = report.panels.iter().find(|p| p.name == *name)?;
+        panel.figures.iter().find(|f| f.what == id(What::BendRadius) && f.bound == "lower")?.value
+    };
+    let bounds: Option<Vec<f64>> = part.panels.iter().map(of).collect();
+    bounds?.into_iter().reduce(f64::min).filter(|r| !is_endless(*r))
+}
 
 /// The parts of an answer as a table: `parts.csv`; lengths in `unit`. `None` where nothing lies flat.
 pub fn csv(report: &Report, patterns: &[Pattern], unit: LengthUnit) -> Option<Vec<u8>> {
     let sign = unit.sign();
     let mut out = format!(
         "part,job,quantity,seen_from,thickness_{sign},length_{sign},width_{sign},strip_width_{sign},area_{sign}2,cut_length_{sign},holes,\
-         bend_lines,least_bend_radius_{sign},panels,certified,same_as,mirrored,quantity_turned_over,pierces,material,weight_kg,source\n"
+         bend_lines,least_bend_radius_{sign},panels,certified,same_as,mirrored,quantity_turned_over,pierces,material,weight_kg,\
+         bend_radius_basis,bend_radius_bound_{sign},source\n"
     );
     let quoted = |s: &str| format!("\"{}\"", s.replace('"', "\"\""));
     for pattern in patterns {
@@ -18,11 +45,20 @@ pub fn csv(report: &Report, patterns: &[Pattern], unit: LengthUnit) -> Option<Ve
         let yes = |is: bool| if is { "yes" } else { "no" };
         let same = part.filter(|p| !p.same_as.is_empty());
         let length = |mm: f64| format!("{:.3}", unit.of(mm));
-        let least = pattern.bends.iter().flat_map(|b| b.radii).filter(|r| r.is_finite()).reduce(f64::min);
+        // What the file says of its faces goes before what the bend lines drawn have; what is proven is a column of its own.
+        let drawn = pattern.bends.iter().flat_map(|b| b.radii).filter(|r| r.is_finite()).reduce(f64::min);
+        let faces = part.filter(|_| drawn.is_some()).and_then(|p| radius_of_faces(report, p));
+        let least = faces.or(drawn);
+        let basis = match (faces, drawn) {
+            (Some(_), _) => "face",
+            (None, Some(_)) => "bend lines",
+            (None, None) => "",
+        };
+        let bound = part.filter(|p| drawn.is_some() && p.thickness.is_none()).and_then(|p| radius_bound(report, p));
         // Writing to a string cannot fail.
         _ = writeln!(
             out,
-            "{},{},{},{},{},{},{},{},{:.4},{},{},{},{},{},{},{},{},{},{},{},{},{}",
+            "{},{},{},{},{},{},{},{},{:.4},{},{},{},{},{},{},{},{},{},{},{},{},{basis},{},{}",
             quoted(&pattern.name),
             quoted(&report.input),
             part.map_or(1, |p| p.quantity),
@@ -44,6 +80,8 @@ pub fn csv(report: &Report, patterns: &[Pattern], unit: LengthUnit) -> Option<Ve
             part.map_or(0, |p| p.pierces),
             part.map_or_else(String::new, |p| quoted(&p.material)),
             part.and_then(|p| p.weight_kg).map_or_else(String::new, |kg| format!("{kg:.4}")),
+            // Rounded down.
+            bound.map_or_else(String::new, |mm| format!("{:.3}", (unit.of(mm) * 1e3).floor() / 1e3)),
             part.map_or_else(String::new, |p| quoted(&p.source)),
         );
     }
@@ -58,7 +96,7 @@ mod tests {
     use crate::geom::Vec2;
     use crate::io::materials::material;
     use crate::patchwork::part::Part;
-    use crate::patchwork::pattern::{Contour, ContourVertex};
+    use crate::patchwork::pattern::{Bend, Contour, ContourVertex};
 
     #[test]
     fn a_round_part_has_a_round_cut_and_inches_are_inches() {
@@ -105,12 +143,41 @@ mod tests {
         let text = csv(&report, &answer.patterns, LengthUnit::Millimetre).expect("a table");
         let rows: Vec<String> = String::from_utf8(text).expect("text").lines().map(str::to_owned).collect();
         // Without bends a triangle turned over is the same sheet from behind.
-        assert!(rows[0].ends_with(",mirrored,quantity_turned_over,pierces,material,weight_kg,source"));
+        assert!(rows[0].contains(",mirrored,quantity_turned_over,pierces,material,weight_kg,"));
         assert!(rows[1].starts_with("\"A-01\",\"deck\",2,outside,3.000,"), "{}", rows[1]);
-        assert!(rows[1].ends_with(",,,1,1,\"mild-steel\",23.5500,\"\""), "{}", rows[1]);
+        assert!(rows[1].ends_with(",,,1,1,\"mild-steel\",23.5500,,,\"\""), "{}", rows[1]);
         assert!(rows[2].starts_with("\"A-02\",\"deck\",0,") && rows[2].contains(",\"A-01\",no,0,1,"), "{}", rows[2]);
         assert!(rows[3].contains(",\"A-01\",yes,0,1,"), "{}", rows[3]);
         let total: usize = report.parts.iter().map(|p| p.quantity + p.quantity_turned_over).sum();
         assert_eq!(total, 3);
+    }
+
+    #[test]
+    fn a_face_that_is_a_cylinder_says_its_radius_and_the_proof_another() {
+        let mut report = crate::io::json::tests::sample();
+        let (name, face) = (report.panels[0].name.clone(), 0);
+        report.panels[0].face = Some(face);
+        report.panels[0].kind = "cylinder".into();
+        report.faces[face].radius = Some(250.0);
+        let mut part = report.parts[0].clone();
+        part.panels = vec![name.clone()];
+        part.thickness = None;
+        report.parts = vec![part];
+        let bend = Bend { radii: [249.973; 2], ..Bend::default() };
+        let pattern =
+            Pattern { name, rulings: vec![[Vec2::zeros(), Vec2::x()]], bends: vec![bend], ..Pattern::default() };
+        let row = |report: &Report| {
+            let table = csv(report, std::slice::from_ref(&pattern), LengthUnit::Millimetre).expect("a table");
+            let text = String::from_utf8(table).expect("text");
+            let cells = |line: &str| line.split(',').map(str::to_owned).collect::<Vec<_>>();
+            let lines: Vec<Vec<String>> = text.lines().map(cells).collect();
+            let of = |name: &str| lines[0].iter().position(|c| c == name).map(|k| lines[1][k].clone());
+            ["least_bend_radius_mm", "bend_radius_basis", "bend_radius_bound_mm"].map(|n| of(n).expect(n))
+        };
+        assert_eq!(row(&report), ["250.000", "face", "240.500"]);
+        report.faces[face].radius = None;
+        assert_eq!(row(&report), ["249.973", "bend lines", "240.500"]);
+        report.panels[0].figures.clear();
+        assert_eq!(row(&report)[2], "");
     }
 }

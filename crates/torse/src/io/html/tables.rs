@@ -97,6 +97,11 @@ fn panel_row(index: usize, panel: &PanelRecord, columns: &[&FigureRecord], repor
             }
             _ => number(f),
         };
+        // The bound is that of the spline in the file, whose curvature waves a little about the cylinder's.
+        let radius = panel.face.filter(|_| f.what == id(What::BendRadius) && panel.kind == PanelKind::Cylinder.name());
+        let radius = radius.and_then(|k| report.faces.get(k)?.radius);
+        let text =
+            radius.map_or(text.clone(), |r| format!("{text} <span class=\"quiet\">(face {})</span>", rounded(r)));
         cell("number", &f.value.map_or_else(|| "Infinity".into(), |x| format!("{x:e}")), &text);
     }
     let verdict = if panel.certified {
@@ -436,6 +441,14 @@ mod tests {
         let rows = panels(&sample());
         assert_eq!(rows.matches("<tr ").count(), 2);
         assert!(rows.contains("data-value=\"9.5e-1\""));
+    }
+
+    #[test]
+    fn a_panel_of_a_cylinder_says_the_radius_of_its_face() {
+        let mut report = sample();
+        (report.panels[0].face, report.panels[0].kind) = (Some(0), "cylinder".into());
+        report.faces[0].radius = Some(250.0);
+        assert_eq!(panels(&report).matches("240 <span class=\"quiet\">(face 250)</span>").count(), 1);
     }
 
     #[test]

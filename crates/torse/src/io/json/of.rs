@@ -189,6 +189,7 @@ fn face_records(answer: &Answer, coverages: &[coverage::Coverage]) -> Vec<FaceRe
         name: face.name.clone(),
         part: face.part.clone(),
         kind: face.kind.name().into(),
+        radius: face.cylinder_radius(),
         panels: patchwork.panels.iter().filter(|p| p.face() == Some(i)).count(),
         coverage: coverages.get(i).map_or(0.0, coverage::Coverage::share),
         trim_deviation_estimate: finite(face.trim_deviation_estimate),
