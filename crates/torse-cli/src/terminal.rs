@@ -31,20 +31,16 @@ impl Terminal {
         if quiet || !std::io::stderr().is_terminal() {
             bar.set_draw_target(ProgressDrawTarget::hidden());
         }
-        if let Ok(style) = ProgressStyle::with_template("{msg:48!} [{bar:24}] {percent:>3}%  {elapsed}") {
-            bar.set_style(style.progress_chars("=> "));
-        }
+        set_style(&bar, PLAIN);
         bar.enable_steady_tick(Duration::from_millis(200));
 
-        let (shown, pace) = (bar.clone(), Mutex::new(Pace::new()));
+        let (shown, stage) = (bar.clone(), Mutex::new(Stage::new()));
         let mut control = Control::with_progress(Arc::new(move |p: &Progress| {
-            let text = if p.detail.is_empty() { p.stage.to_string() } else { format!("{}: {}", p.stage, p.detail) };
-            let rest = pace.lock().unwrap_or_else(PoisonError::into_inner).rest(p.stage, p.fraction, Instant::now());
-            shown.set_message(text + &left(rest));
-            // What is counted within a stage without knowing its end leaves the bar where it is.
-            if p.fraction > 0.0 {
-                shown.set_position((p.fraction.clamp(0.0, 1.0) * STEPS as f64) as u64);
-            }
+            let mut stage = stage.lock().unwrap_or_else(PoisonError::into_inner);
+            let message = stage.told(p, Instant::now());
+            set_style(&shown, if stage.counted { COUNTED } else { PLAIN });
+            shown.set_position((stage.done.clamp(0.0, 1.0) * STEPS as f64) as u64);
+            shown.set_message(message);
         }));
         if let Some(limit) = limit {
             control = control.until(Instant::now() + limit);
@@ -84,6 +80,7 @@ impl Terminal {
 
     /// Shows what the program itself is doing.
     pub fn say(&self, message: &'static str) {
+        set_style(&self.bar, PLAIN);
         self.bar.set_message(message);
     }
 
@@ -103,34 +100,67 @@ impl Terminal {
     }
 }
 
-/// How fast a stage goes on. What comes after it nobody knows.
-struct Pace {
-    stage: String,
+/// The line of a stage of which a share is done.
+const COUNTED: &str = "{msg:48!} [{bar:24}] {percent:>3}%  {elapsed}";
+/// The line of a stage of which nobody knows how much is done.
+const PLAIN: &str = "{msg:48!} {elapsed}";
+
+fn set_style(bar: &ProgressBar, template: &str) {
+    if let Ok(style) = ProgressStyle::with_template(template) {
+        bar.set_style(style.progress_chars("=> "));
+    }
+}
+
+/// What is being done, and how fast that goes on. What comes after it nobody knows.
+struct Stage {
+    name: String,
+    /// What was said of the share done last.
+    detail: String,
+    /// Whether anything is known of the share done.
+    counted: bool,
     /// When the stage began, and the share of it that was done then.
     begun: (Instant, f64),
     /// The share done that was heard of last.
     done: f64,
 }
 
-impl Pace {
+impl Stage {
     /// Time in a stage after which an estimate of its rest is worth something.
     const ESTIMATED: Duration = Duration::from_secs(4);
     /// Share of a stage of which the same is true.
     const LEAST: f64 = 0.05;
 
     fn new() -> Self {
-        Self { stage: String::new(), begun: (Instant::now(), 0.0), done: 0.0 }
+        Self { name: String::new(), detail: String::new(), counted: false, begun: (Instant::now(), 0.0), done: 0.0 }
     }
 
-    /// About how long the rest of a stage will take, once enough of it is done; a share that falls begins anew.
-    fn rest(&mut self, stage: &str, done: f64, now: Instant) -> Option<Duration> {
-        if self.stage != stage || done < self.done {
-            (self.stage, self.begun) = (stage.to_owned(), (now, done));
+    /// The line for what is reported: what is counted within a stage without knowing its end stands behind what is known of it,
+    /// and leaves the bar where it is.
+    fn told(&mut self, p: &Progress, now: Instant) -> String {
+        let known = !p.fraction.is_nan();
+        if self.name != p.stage {
+            *self =
+                Self { name: p.stage.to_owned(), begun: (now, if known { p.fraction } else { 0.0 }), ..Self::new() };
         }
-        self.done = done;
-        let (since, share) = (now.saturating_duration_since(self.begun.0), done - self.begun.1);
-        let told = since >= Self::ESTIMATED && share >= Self::LEAST && done < 1.0;
-        told.then(|| since.mul_f64((1.0 - done) / share))
+        if known {
+            (self.counted, self.detail) = (true, p.detail.clone());
+            if p.fraction < self.done {
+                self.begun = (now, p.fraction);
+            }
+            self.done = p.fraction;
+        }
+        let mut details = vec![self.detail.as_str()];
+        details.extend((!known).then_some(p.detail.as_str()));
+        details.retain(|d| !d.is_empty());
+        let colon = if details.is_empty() { "" } else { ": " };
+        format!("{}{colon}{}{}", self.name, details.join(", "), left(self.rest(now)))
+    }
+
+    /// About how long the rest will take, once enough is done.
+    fn rest(&self, now: Instant) -> Option<Duration> {
+        let (since, share) = (now.saturating_duration_since(self.begun.0), self.done - self.begun.1);
+        let told = since >= Self::ESTIMATED && share >= Self::LEAST && self.done < 1.0;
+        told.then(|| since.mul_f64((1.0 - self.done) / share))
     }
 }
 
@@ -157,18 +187,40 @@ mod tests {
     #[test]
     fn the_rest_of_a_stage_is_estimated_from_what_is_done_of_it() {
         let begun = Instant::now();
-        let at = |s: u64| begun + Duration::from_secs(s);
-        let mut pace = Pace::new();
-        assert_eq!(pace.rest("read", 0.0, begun), None);
+        let mut stage = Stage::new();
+        let mut told = |name: &'static str, fraction: f64, s: u64| {
+            let now = begun + Duration::from_secs(s);
+            stage.told(&Progress { stage: name, fraction, detail: String::new() }, now)
+        };
+        assert_eq!(told("read", 0.0, 0), "read");
         // A new stage, long after the beginning of the job, knows nothing of its rest.
-        assert_eq!(pace.rest("fit", 0.0, at(100)), None);
-        assert_eq!(pace.rest("fit", 0.2, at(102)), None);
-        assert_eq!(pace.rest("fit", 0.25, at(110)), Some(Duration::from_secs(30)));
+        assert_eq!(told("fit", 0.0, 100), "fit");
+        assert_eq!(told("fit", 0.2, 102), "fit");
+        assert_eq!(told("fit", 0.25, 110), "fit, 30 s more");
         // What is begun again is estimated again, and what begins late by what is done of it since.
-        assert_eq!(pace.rest("fit", 0.0, at(111)), None);
-        assert_eq!(pace.rest("prove", 0.5, at(120)), None);
-        assert_eq!(pace.rest("prove", 0.75, at(130)), Some(Duration::from_secs(10)));
-        assert_eq!(pace.rest("prove", 1.0, at(140)), None);
+        assert_eq!(told("fit", 0.0, 111), "fit");
+        assert_eq!(told("prove", 0.5, 120), "prove");
+        assert_eq!(told("prove", 0.75, 130), "prove, 10 s more");
+        assert_eq!(told("prove", 1.0, 140), "prove");
+    }
+
+    #[test]
+    fn counts_without_an_end_leave_the_bar_and_its_estimate() {
+        let begun = Instant::now();
+        let mut stage = Stage::new();
+        let mut told = |name: &'static str, fraction: f64, detail: &str, s: u64| {
+            let line =
+                stage.told(&Progress { stage: name, fraction, detail: detail.into() }, begun + Duration::from_secs(s));
+            (line, stage.done, stage.counted)
+        };
+        assert_eq!(told("covering", 0.0, "0 of 4", 0), ("covering: 0 of 4".into(), 0.0, true));
+        assert_eq!(told("covering", f64::NAN, "7 proofs", 5), ("covering: 0 of 4, 7 proofs".into(), 0.0, true));
+        assert_eq!(told("covering", 0.25, "1 of 4", 10), ("covering: 1 of 4, 30 s more".into(), 0.25, true));
+        let line = "covering: 1 of 4, 9 proofs, 36 s more";
+        assert_eq!(told("covering", f64::NAN, "9 proofs", 12), (line.into(), 0.25, true));
+        // The bar of one stage is not that of the next.
+        assert_eq!(told("joining", 0.0, "", 20), ("joining".into(), 0.0, true));
+        assert_eq!(told("judging", f64::NAN, "8 panels", 30), ("judging: 8 panels".into(), 0.0, false));
     }
 
     #[test]

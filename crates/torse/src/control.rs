@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 pub struct Progress {
     /// What is being done.
     pub stage: &'static str,
-    /// Share done of the whole, 0..=1.
+    /// Share done, 0..=1; not a number where nobody knows it.
     pub fraction: f64,
     /// Free text: a count, a face name.
     pub detail: String,

@@ -193,7 +193,7 @@ fn panels_of(
         .map(|panel| {
             let result = one(panel);
             let n = done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1;
-            control.report("certify", n as f64 / total as f64, panel.strip.name.clone());
+            control.report("proving panels", n as f64 / total as f64, format!("{n} of {total}"));
             result
         })
         .collect();

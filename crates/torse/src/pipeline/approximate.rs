@@ -94,7 +94,7 @@ pub fn of_faces(
         let why = skipped.first().map_or(String::new(), words::left_out);
         return Err(ApproximateError::NoFaces(why));
     }
-    control.report("judging flat patterns", 1.0, format!("{} panels", patchwork.panels.len()));
+    control.report("judging flat patterns", f64::NAN, format!("{} panels", patchwork.panels.len()));
     let certificate = certify::join(&patchwork, certificates, tolerance);
     let patterns = with_bends(&patchwork, patterns, &options.drawn.bends.of_job(tolerance));
     let patterns = with_joint_marks(&patchwork, patterns, JOINT_REACH * tolerance);
@@ -163,6 +163,7 @@ fn covered(faces: Vec<Face>, options: &Options, control: &Control) -> (Vec<Resul
         control,
         deadline: OnceLock::new(),
     };
+    control.report("covering faces", 0.0, format!("0 of {total}"));
     let first = first_covers(&faces, &wanted);
     let found: Vec<Result<Covered, Skipped>> = faces
         .into_par_iter()

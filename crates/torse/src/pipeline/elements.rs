@@ -131,9 +131,10 @@ fn run(
     Loose::check(extent(&rows), options.tolerance)?;
     let asked = options.asked();
     let mut made = Made { skipped, ..Made::default() };
+    let count = rows.len();
     for (k, mut row) in rows.into_iter().enumerate() {
         checked(&mut row, options)?;
-        control.report("fitting", k as f64, row.name.clone());
+        control.report("fitting", k as f64 / count as f64, row.name.clone());
         let left = options.max_strips.saturating_sub(made.strips.len());
         let mut found = strips_of_row(&mut row, left, &asked, control);
         for (i, strip) in found.strips.iter_mut().enumerate() {

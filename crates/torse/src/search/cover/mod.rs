@@ -308,7 +308,8 @@ impl<'a> Job<'a> {
                 keep(next, &mut best, &mut limit);
             }
         }
-        self.control.report("covering", 0.0, format!("{} proofs", self.proofs.load(Ordering::Relaxed)));
+        // Nobody knows how many it will take.
+        self.control.report("covering faces", f64::NAN, format!("{} proofs", self.proofs.load(Ordering::Relaxed)));
         best
     }
 
