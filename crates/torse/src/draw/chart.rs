@@ -32,6 +32,8 @@ pub struct Chart {
 const SIZE: [usize; 2] = [1000, 640];
 const INK: Rgb = [0.10, 0.12, 0.16];
 const GRID: Rgb = [0.86, 0.88, 0.90];
+/// Share of ink in the colours of lines.
+const LINES: f64 = 0.35;
 /// Space left, right, above and below the axes, px.
 const ROOM: [f64; 4] = [90.0, 40.0, 110.0, 80.0];
 /// Height of capitals, px.
@@ -85,6 +87,11 @@ impl Axis {
     }
 }
 
+/// The colour of a line: those of panels are made for areas, lines are darker.
+fn line_colour(k: usize) -> Rgb {
+    colour::mix(colour::panel(k), INK, LINES)
+}
+
 /// Draws a chart; `None` if no series has a point.
 pub fn chart(chart: &Chart) -> Option<Image> {
     let (width, height) = (SIZE[0] as f64, SIZE[1] as f64);
@@ -117,7 +124,7 @@ pub fn chart(chart: &Chart) -> Option<Image> {
     let names = chart.series.iter().map(|s| stroke_font::width(&s.name, SMALL)).fold(0.0, f64::max);
     let left = x.to - names - 42.0;
     for (k, s) in chart.series.iter().enumerate() {
-        let colour = colour::panel(k);
+        let colour = line_colour(k);
         let mut points: Vec<[f64; 2]> = s.points.iter().copied().filter(|p| p[0] > 0.0 && p[1] > 0.0).collect();
         points.sort_by(|a, b| a[0].total_cmp(&b[0]));
         let line: Vec<Vec2> = points.iter().map(|p| Vec2::new(x.place(p[0]), y.place(p[1]))).collect();
@@ -150,7 +157,7 @@ mod tests {
             Chart { title: "count".into(), x: "tolerance, mm".into(), y: "panels".into(), series: vec![series] };
         let image = chart(&c).expect("an image");
         assert_eq!((image.width, image.height), (SIZE[0], SIZE[1]));
-        let colour = colour::bytes(colour::panel(0));
+        let colour = colour::bytes(line_colour(0));
         assert!(image.pixels.iter().filter(|p| **p == colour).count() > 500);
         c.series[0].points = vec![[0.0, 1.0], [-1.0, f64::NAN]];
         assert!(chart(&c).is_none());
