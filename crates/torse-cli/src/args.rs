@@ -39,7 +39,7 @@ use torse::torse::zone::Zone;
   torse fit scan.ply --tolerance 0.5mm --out sheet
   torse info hull.step
 
-Exit status: 0 certified, 2 bad input or usage, 3 finished but not certified.")]
+Exit status: 0 certified, 2 bad input or usage, 3 finished but not certified, 130 stopped at once (Ctrl-C twice).")]
 pub struct Arguments {
     /// What to do.
     #[command(subcommand)]
@@ -85,8 +85,8 @@ pub enum Command {
   torse approximate hull.step -t 2mm -o plates --sheet 2mx6m --min-bend-radius 150mm
   torse approximate wing.step -t 0.5mm -o wing --force --time-limit 5min
 
-Written into the output folder: panels.step (CAD), patterns.dxf and patterns.svg (cutter), model.glb,
-pictures, report.html (open it in a browser) and report.json.
+Written into the output folder: panels.step (CAD), patterns.dxf and patterns.svg (cutter), parts.csv (sizes, quantities),
+bends.csv (bend lines) and further tables of the shop, model.glb, pictures, report.html (open it in a browser) and report.json.
 
 Ctrl-C stops the search and writes what was found, marked as not certified; a second Ctrl-C stops at once
 and writes nothing.
@@ -513,11 +513,11 @@ and report.json.
 Exit status: 0 developable within the tolerance, 2 bad input or usage, 3 finished but not developable within the
 tolerance (files written and marked).")]
 pub struct Loft {
-    /// First rail
+    /// First rail: an edge of a STEP file (FILE#NUMBER), a DXF curve, or a table of points
     #[arg(value_name = "RAIL_A")]
     pub a: String,
 
-    /// Second rail
+    /// Second rail: an edge of a STEP file (FILE#NUMBER), a DXF curve, or a table of points
     #[arg(value_name = "RAIL_B")]
     pub b: String,
 
@@ -613,7 +613,7 @@ report.html and report.json.
 Exit status: 0 developable within the tolerance, 2 bad input or usage, 3 no regular surface holds the rulings, or not
 certified (files written and marked).")]
 pub struct Net {
-    /// Curve, or control net (JSON)
+    /// Curve (an edge of a STEP file, FILE#NUMBER; a DXF curve; a table of points), or control net (JSON)
     #[arg(value_name = "CURVE")]
     pub curve: String,
 
@@ -693,7 +693,7 @@ report.json.
 Exit status: 0 developable within the tolerance, 2 bad input or usage, 3 finished but not developable within the
 tolerance (files written and marked).")]
 pub struct Hull {
-    /// Curves
+    /// Curves: edges of a STEP file (FILE#NUMBER), DXF drawings, or tables of points
     #[arg(value_name = "CURVE", required = true)]
     pub curves: Vec<String>,
 

@@ -50,7 +50,7 @@ pub enum To {
   torse map hull-panels --to space logo.dxf --part A-03 --out logo-in-space.dxf
 
 A table (.csv) of points gives a table, a drawing (.dxf) gives a drawing with a layer for every part. Points that lie on no part
-are named with their distance, and so are the lengths of curves that do.
+are named with their distance; of curves, it is told how much of them lies on no part.
 
 Exit status: 0 all was carried over, 2 bad input or usage, 3 something lies on no part, or parts were left out.")]
 pub struct Map {
