@@ -220,7 +220,7 @@ impl Torse {
                 let j = c.jet(t);
                 Ruling {
                     point: c.frame.to_world(&j.point),
-                    direction: c.frame.y.into(),
+                    direction: c.frame.y,
                     normal: c.frame.vector_to_world(&j.normal),
                 }
             }

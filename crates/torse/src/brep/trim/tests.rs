@@ -44,8 +44,11 @@ fn spline(surface: Surface) -> SupportSurface {
     SupportSurface::Spline(SplineCarrier::new(surface))
 }
 
-/// Surfaces without border with the box of their natural parameters.
-fn closed() -> Vec<(&'static str, SupportSurface, [(f64, f64); 2])> {
+/// A surface without border, with the box of its natural parameters.
+type Named = (&'static str, SupportSurface, [(f64, f64); 2]);
+
+/// Surfaces without border.
+fn closed() -> Vec<Named> {
     let frame = Frame::world();
     let sphere = SupportSurface::Sphere { frame, radius: 100.0 };
     let torus = SupportSurface::Torus { frame, major: 200.0, minor: 60.0 };

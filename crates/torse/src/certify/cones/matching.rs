@@ -353,7 +353,7 @@ mod tests {
         let rim = |t: f64| match t {
             t if t <= 0.0 => 1e-11,
             t if t >= 1.0 => -1e-11,
-            t if t == 0.5 => 1e-14,
+            0.5 => 1e-14,
             t => -(std::f64::consts::TAU * t).sin(),
         };
         let found = crossing_beside(0.5, &rim).expect("a crossing");

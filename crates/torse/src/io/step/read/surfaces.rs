@@ -67,6 +67,9 @@ fn is_spline(name: &str) -> bool {
     name.contains("B_SPLINE_SURFACE") || name == "BEZIER_SURFACE" || name.ends_with("UNIFORM_SURFACE")
 }
 
+/// The curve of a swept surface; `false` if it is run backwards; the part of it, if it is trimmed.
+type Directrix = (SpaceCurve, bool, Option<(f64, f64)>);
+
 impl<'r, 'a> Geometry<'r, 'a> {
     /// The surface `#id`.
     pub fn surface(&self, id: u64, depth: u32) -> Result<Patch, Fault> {
@@ -203,8 +206,8 @@ impl<'r, 'a> Geometry<'r, 'a> {
         Ok(base)
     }
 
-    /// The curve that a swept surface is made from; `false` if it is run backwards; the part of it, if it is trimmed.
-    fn directrix(&self, id: u64, depth: u32) -> Result<(SpaceCurve, bool, Option<(f64, f64)>), Fault> {
+    /// The curve that a swept surface is made from.
+    fn directrix(&self, id: u64, depth: u32) -> Result<Directrix, Fault> {
         match self.course(id, depth + 1)? {
             Course::Basis(c, along) => Ok((c, along, None)),
             Course::Path(mut p) if p.len() == 1 => {
