@@ -114,10 +114,14 @@ fn layout(arguments: &Approximate) -> Result<(Layout, Vec<String>), Failure> {
     for text in &arguments.curves {
         all.extend(curves(text, arguments.unit, &mut notes)?);
     }
-    Ok((Layout { kind, guide, seams, curves: all }, notes))
+    let mut seam_curves = Vec::new();
+    for text in &arguments.seam_along {
+        seam_curves.extend(curves(text, arguments.unit, &mut notes)?);
+    }
+    Ok((Layout { kind, guide, seams, seam_curves, curves: all }, notes))
 }
 
-/// Curves that panels run along: one, or all of a drawing. What was not read of it goes into `notes`.
+/// Curves that panels or seams run along: one, or all of a drawing. What was not read of it goes into `notes`.
 fn curves(text: &str, unit: Option<f64>, notes: &mut Vec<String>) -> Result<Vec<PanelCurve>, Failure> {
     let shape = match text.split_once('=').map(|(axis, place)| (axis.trim(), place.trim())) {
         Some((axis @ ("u" | "v"), place)) => {

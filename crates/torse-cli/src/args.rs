@@ -173,6 +173,11 @@ pub struct Approximate {
     #[arg(long, value_name = "AXIS=LENGTH", value_parser = section, allow_hyphen_values = true)]
     pub seam_at: Vec<Section>,
 
+    /// Curve along which a seam must run, as for --curves; may be given several times. Where it ends on a face the seam goes on
+    /// straight to the border
+    #[arg(long, value_name = "CURVE", allow_hyphen_values = true)]
+    pub seam_along: Vec<String>,
+
     /// Curve that a panel must run along; may be given several times. A section such as x=1200mm, a parameter curve
     /// such as u=0.5 or v=0.25 (share of the range), an edge of a STEP file (FILE#NUMBER), all curves of a DXF file, or a
     /// table of points, which are projected onto the surface. Further panels follow from the borders of these

@@ -408,6 +408,36 @@ fn strips_follow_a_direction_and_a_guide() {
     }
 }
 
+/// A seam along a circle of the torus, and one along a curve that ends on the face: no panel lies on both sides.
+#[test]
+fn seams_along_curves_are_kept() {
+    let face = &read(TORUS).expect("a model").faces[0];
+    let ((u0, u1), (v0, v1)) = face.surface.domain();
+    let (u, v) = (u0 + 0.4 * (u1 - u0), |s: f64| v0 + s * (v1 - v0));
+    let part: Vec<Vec3> = (0..=40).map(|k| face.surface.point(u, v(0.3 + 0.4 * f64::from(k) / 40.0))).collect();
+    for (meet, shape) in [(true, CurveShape::AlongV(0.4)), (false, CurveShape::Points(part))] {
+        let seam_curves = vec![PanelCurve { name: "the seam".into(), shape }];
+        let layout = Layout { seam_curves, ..Layout::default() };
+        let o = run(TORUS, &Options { layout, meet, ..options(2.0 * TOLERANCE) }).expect("an answer");
+        assert_eq!(o.status(), Status::Certified);
+        assert!(o.patchwork.panels.len() >= 2);
+        for panel in &o.patchwork.panels {
+            // Where the panel's border lies over the face: along u, mm at least.
+            let speed = face.surface.jet(u, v(0.5)).du.norm();
+            let along = trims(panel).into_iter().flatten().map(|p| {
+                let x = panel.strip.patch.point(p[0], p[1]);
+                (nearest(&face.surface, &x, [40, 40]).0[0] - u) * speed
+            });
+            let (lo, hi) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), h| (a.min(h), b.max(h)));
+            assert!(lo > -TOLERANCE || hi < TOLERANCE, "{} (seams meet: {meet}): {lo} to {hi}", panel.strip.name);
+        }
+    }
+    let shape = CurveShape::Section { normal: Vec3::x(), offset: 1e6 };
+    let layout = Layout { seam_curves: vec![PanelCurve { name: "the seam".into(), shape }], ..Layout::default() };
+    let e = run(TORUS, &Options { layout, ..options(TOLERANCE) }).expect_err("refused");
+    assert!(matches!(&e, ApproximateError::Curve(CurveError::Misses { name, .. }) if name == "the seam"), "{e}");
+}
+
 #[test]
 fn seams_that_are_asked_for_are_kept() {
     let plane = SeamPlane { normal: Vec3::x(), offset: 500.0 };

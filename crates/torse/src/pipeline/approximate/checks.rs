@@ -9,7 +9,7 @@ use crate::geom::coarse::{is_tolerance, Loose};
 use crate::geom::BBox;
 use crate::io::words;
 use crate::search::cover::{
-    check_curves, is_developable, panels_needed, CoverOptions, CurveError, Guide, Layout, Limits,
+    check_curves, check_seam_curves, is_developable, panels_needed, CoverOptions, CurveError, Guide, Layout, Limits,
 };
 
 /// Share of what a face has by which panels may be wider: they need not follow it exactly.
@@ -72,7 +72,6 @@ pub(super) fn checked_number(faces: &[Face], options: &Options) -> Result<(), Ap
 
 /// A curve of the layout that is of use on no face: the error of the face that it comes nearest to.
 pub(super) fn checked_curves(faces: &[Face], options: &Options) -> Result<(), ApproximateError> {
-    let curves = &options.layout.curves;
     let cover_options = CoverOptions {
         tolerance: options.tolerance,
         max_panels: usize::MAX,
@@ -80,11 +79,21 @@ pub(super) fn checked_curves(faces: &[Face], options: &Options) -> Result<(), Ap
         limits: options.limits,
         layout: Layout::default(),
     };
-    let mut least: Vec<Option<CurveError>> = vec![None; curves.len()];
-    let mut useful = vec![curves.is_empty(); curves.len()];
-    for face in faces.iter().filter(|_| !curves.is_empty()) {
-        // Faces that cannot be triangulated are reported by the cover.
-        let Ok(found) = check_curves(face, curves, &cover_options) else { continue };
+    let layout = &options.layout;
+    // Faces that cannot be triangulated are reported by the cover.
+    of_use(faces, layout.curves.len(), |f| check_curves(f, &layout.curves, &cover_options).ok())?;
+    of_use(faces, layout.seam_curves.len(), |f| check_seam_curves(f, &layout.seam_curves, options.tolerance).ok())
+}
+
+/// Whether each of so many curves is of use on a face.
+fn of_use(
+    faces: &[Face],
+    count: usize,
+    check: impl Fn(&Face) -> Option<Vec<Result<(), CurveError>>>,
+) -> Result<(), ApproximateError> {
+    let mut least: Vec<Option<CurveError>> = vec![None; count];
+    let mut useful = vec![count == 0; count];
+    for found in faces.iter().filter(|_| count > 0).filter_map(check) {
         for (i, r) in found.into_iter().enumerate() {
             match r {
                 Ok(()) => useful[i] = true,

@@ -122,13 +122,7 @@ pub(crate) fn lines(
     tolerance: f64,
 ) -> Result<Vec<Vec<[f64; 2]>>, CurveError> {
     let name = || curve.name.clone();
-    let all: Vec<u32> = state.partition.distinct_labels();
-    let bounds = all
-        .iter()
-        .map(|&l| state.partition.bounds(l))
-        .fold([f64::INFINITY, f64::NEG_INFINITY, f64::INFINITY, f64::NEG_INFINITY], |a, b| {
-            [a[0].min(b[0]), a[1].max(b[1]), a[2].min(b[2]), a[3].max(b[3])]
-        });
+    let bounds = state.bounds();
     let at = |a: f64, b: f64, s: f64| a + (b - a) * s;
     let steps = || (0..POINTS).map(|i| i as f64 / (POINTS - 1) as f64);
     match &curve.shape {
@@ -179,6 +173,37 @@ pub(crate) fn lines(
             Ok(vec![line])
         }
     }
+}
+
+/// Share of the box of the region by which lines are carried on beyond it.
+const BEYOND: f64 = 0.25;
+
+/// The line, carried on straight at both ends until it leaves the box `[u0, u1, v0, v1]` by a margin; what lies beyond
+/// that is left out.
+pub(super) fn carried_on(line: &[[f64; 2]], b: [f64; 4]) -> Vec<[f64; 2]> {
+    const MOST: usize = 400;
+    let (mu, mv) = (BEYOND * (b[1] - b[0]), BEYOND * (b[3] - b[2]));
+    let inside = |p: &[f64; 2]| p[0] > b[0] - mu && p[0] < b[1] + mu && p[1] > b[2] - mv && p[1] < b[3] + mv;
+    let (Some(first), Some(last)) = (line.iter().position(inside), line.iter().rposition(inside)) else {
+        return line.to_vec();
+    };
+    let mut out: Vec<[f64; 2]> = line[first..=last].to_vec();
+    for _ in 0..2 {
+        out.reverse();
+        let n = out.len();
+        if n < 4 {
+            continue;
+        }
+        let step: [f64; 2] = std::array::from_fn(|d| (out[n - 1][d] - out[n - 4][d]) / 3.0);
+        for _ in 0..MOST {
+            let p = out[out.len() - 1];
+            if !inside(&p) || step[0].abs() + step[1].abs() <= 0.0 {
+                break;
+            }
+            out.push([p[0] + step[0], p[1] + step[1]]);
+        }
+    }
+    out
 }
 
 /// Whether a triangle of the parameter plane contains a point.
@@ -248,4 +273,17 @@ fn section(face: &Face, state: &State, normal: &Vec3, offset: f64) -> Vec<Vec<[f
         }
     }
     out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_are_carried_on_until_they_leave_the_box() {
+        let line: Vec<[f64; 2]> = (0..5).map(|i| [0.4 + 0.05 * i as f64, 0.5]).collect();
+        let on = carried_on(&line, [0.0, 1.0, 0.0, 1.0]);
+        let (lo, hi) = on.iter().fold((1.0, 0.0), |(a, b): (f64, f64), p| (a.min(p[0]), b.max(p[0])));
+        assert!(lo <= -0.25 && hi >= 1.25 && on.iter().all(|p| p[1] == 0.5), "{lo} {hi}");
+    }
 }

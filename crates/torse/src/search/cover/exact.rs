@@ -80,7 +80,7 @@ pub(in crate::search) fn exactly_covered(face: &Face, options: &CoverOptions, co
     let [u, v] = lines(&rulings, options.tolerance)?;
     let mut state = State::on_lines(face, u, v).ok()?;
     state.partition.split_components(0);
-    layout::cut_along_seams(&face.surface, &mut state, &options.layout.seams);
+    layout::cut_along_seams(face, &mut state, &options.layout, options.tolerance);
     let state = exactly(face, options, control, state)?;
     (state.panels.len() <= options.max_panels).then_some(state)
 }

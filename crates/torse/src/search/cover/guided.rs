@@ -12,7 +12,7 @@
 //! not through every one of them exactly; curves are carried on straight in the parameter plane until they leave the
 //! face; closed curves become two halves.
 
-use super::curve_on_face::{lines, CurveError, PanelCurve};
+use super::curve_on_face::{carried_on, lines, CurveError, PanelCurve};
 use super::layout::Course;
 use super::state::{Density, Origin};
 use super::{is_complete, Job, State, DISTANCE_SHARE};
@@ -31,8 +31,6 @@ const RULINGS: usize = 81;
 const SPANS: usize = 26;
 /// Share of its parameter range by which the torse reaches beyond the line.
 const REACH: f64 = 0.1;
-/// Share of the box of the region by which lines are carried on beyond it.
-const BEYOND: f64 = 0.25;
 /// Trials with shorter and shorter rulings.
 const TRIALS: usize = 7;
 /// Weight of the smoothing (19).
@@ -157,14 +155,7 @@ impl Job<'_> {
 
     /// Lays the panels along all curves of the layout, then the fronts; what stays free has no torse.
     pub(super) fn guided(&self, mut state: State, curves: &[PanelCurve]) -> State {
-        let bounds = state
-            .partition
-            .distinct_labels()
-            .iter()
-            .map(|&l| state.partition.bounds(l))
-            .fold([f64::INFINITY, f64::NEG_INFINITY, f64::INFINITY, f64::NEG_INFINITY], |a, b| {
-                [a[0].min(b[0]), a[1].max(b[1]), a[2].min(b[2]), a[3].max(b[3])]
-            });
+        let bounds = state.bounds();
         let mut fronts: Vec<(String, usize, Line, f64)> = Vec::new();
         for c in curves {
             let Ok(found) = lines(self.face, &state, c, self.options.tolerance) else { continue };
@@ -398,34 +389,6 @@ fn resampled(surface: &Surface, line: &[[f64; 2]]) -> Vec<[f64; 2]> {
         .collect()
 }
 
-/// The line, carried on straight at both ends until it leaves the box `[u0, u1, v0, v1]` by a margin; what lies beyond
-/// that is left out.
-fn carried_on(line: &[[f64; 2]], b: [f64; 4]) -> Vec<[f64; 2]> {
-    const MOST: usize = 400;
-    let (mu, mv) = (BEYOND * (b[1] - b[0]), BEYOND * (b[3] - b[2]));
-    let inside = |p: &[f64; 2]| p[0] > b[0] - mu && p[0] < b[1] + mu && p[1] > b[2] - mv && p[1] < b[3] + mv;
-    let (Some(first), Some(last)) = (line.iter().position(inside), line.iter().rposition(inside)) else {
-        return line.to_vec();
-    };
-    let mut out: Vec<[f64; 2]> = line[first..=last].to_vec();
-    for _ in 0..2 {
-        out.reverse();
-        let n = out.len();
-        if n < 4 {
-            continue;
-        }
-        let step: [f64; 2] = std::array::from_fn(|d| (out[n - 1][d] - out[n - 4][d]) / 3.0);
-        for _ in 0..MOST {
-            let p = out[out.len() - 1];
-            if !inside(&p) || step[0].abs() + step[1].abs() <= 0.0 {
-                break;
-            }
-            out.push([p[0] + step[0], p[1] + step[1]]);
-        }
-    }
-    out
-}
-
 /// Open lines of a line: two halves of a closed one.
 fn opened(line: Vec<[f64; 2]>) -> Vec<Line> {
     let closed = line.len() > 6 && line.first() == line.last();
@@ -467,14 +430,6 @@ mod tests {
         let square = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]];
         assert!((inside_by(&square, [1.0, 0.4]) - 0.4).abs() < 1e-15);
         assert!((inside_by(&square, [3.0, 0.5]) + 1.0).abs() < 1e-15);
-    }
-
-    #[test]
-    fn lines_are_carried_on_until_they_leave_the_box() {
-        let line: Vec<[f64; 2]> = (0..5).map(|i| [0.4 + 0.05 * i as f64, 0.5]).collect();
-        let on = carried_on(&line, [0.0, 1.0, 0.0, 1.0]);
-        let (lo, hi) = on.iter().fold((1.0, 0.0), |(a, b): (f64, f64), p| (a.min(p[0]), b.max(p[0])));
-        assert!(lo <= -0.25 && hi >= 1.25 && on.iter().all(|p| p[1] == 0.5), "{lo} {hi}");
     }
 
     #[test]

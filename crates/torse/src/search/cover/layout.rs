@@ -3,15 +3,17 @@
 //! *Method.* Directions are wanted of the level lines: the level function starts as the one that follows them best and
 //! may turn away from them a little only ([`levels_along`]). Rings run around the point that is farthest
 //! from the region's border; the region is first cut through that point, because no developable closes around it. Planes
-//! of user seams cut the region before anything is fitted, and panels on different sides are never merged.
+//! and curves of user seams cut the region before anything is fitted, and panels on different sides are never merged.
 //!
 //! Not guaranteed: the direction itself. Where a direction is asymptotic no strip follows it, and where bands fail the
 //! usual means (cuts, facets) take over: the tolerance comes first.
 
-use super::curve_on_face::PanelCurve;
+use super::curve_on_face::{carried_on, lines, PanelCurve};
+use super::seam_line::SeamLine;
 use super::state::State;
+use crate::brep::face::Face;
 use crate::geom::Vec3;
-use crate::spline::surface::Surface;
+use std::sync::Arc;
 
 /// Kinds of layouts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -58,6 +60,8 @@ pub struct Layout {
     pub guide: Option<Guide>,
     /// Planes of seams that must be kept.
     pub seams: Vec<SeamPlane>,
+    /// Curves of seams that must be kept; those that end on a face go on straight to its border.
+    pub seam_curves: Vec<PanelCurve>,
     /// Curves along which panels are laid first; the rest follows from their borders.
     pub curves: Vec<PanelCurve>,
 }
@@ -106,14 +110,29 @@ fn tangent(lines: &[Vec<Vec3>], x: &Vec3) -> Option<Vec3> {
     best.map(|b| b.1)
 }
 
-/// Cuts every region along the planes of user seams.
-pub(super) fn cut_along_seams(surface: &Surface, state: &mut State, seams: &[SeamPlane]) {
-    for seam in seams {
+/// The lines of curves on a face, as far as these run over it; those that end on it go on straight to its border.
+fn seam_lines(face: &Face, state: &State, curves: &[PanelCurve], tolerance: f64) -> Vec<SeamLine> {
+    let bounds = state.bounds();
+    let on_face = curves.iter().flat_map(|c| lines(face, state, c, tolerance).unwrap_or_default());
+    let line = |uv: Vec<[f64; 2]>| {
+        let closed = uv.len() > 2 && uv.first() == uv.last();
+        SeamLine::new(&face.surface, &if closed { uv } else { carried_on(&uv, bounds) })
+    };
+    on_face.filter(|l| l.len() > 1).map(line).collect()
+}
+
+/// Cuts every region along the planes and curves of user seams.
+pub(super) fn cut_along_seams(face: &Face, state: &mut State, layout: &Layout, tolerance: f64) {
+    state.seam_lines = Arc::new(seam_lines(face, state, &layout.seam_curves, tolerance));
+    let (surface, lines) = (&face.surface, Arc::clone(&state.seam_lines));
+    let mut cut = |height: &dyn Fn(&Vec3) -> f64| {
         for label in state.partition.distinct_labels() {
             let fresh = state.partition.fresh_label();
-            state.cut(surface, label, fresh, |p| seam.height(&surface.point(p[0], p[1])));
+            state.cut(surface, label, fresh, |p| height(&surface.point(p[0], p[1])));
         }
-    }
+    };
+    layout.seams.iter().for_each(|s| cut(&|x| s.height(x)));
+    lines.iter().for_each(|l| cut(&|x| l.height(x)));
     for label in state.partition.distinct_labels() {
         state.partition.split_components(label);
     }
@@ -121,15 +140,16 @@ pub(super) fn cut_along_seams(surface: &Surface, state: &mut State, seams: &[Sea
 
 /// Whether no user seam runs between two regions.
 pub(super) fn same_side(state: &State, seams: &[SeamPlane], a: u32, b: u32) -> bool {
-    let side = |label: u32, seam: &SeamPlane| {
+    let side = |label: u32, height: &dyn Fn(&Vec3) -> f64| {
         // The vertex farthest from the plane: those on the plane tell nothing.
         let heights = state.partition.region_vertices(label).into_iter().map(|v| {
             let x: Vec3 = state.jets[v as usize].jet.p;
-            seam.height(&x)
+            height(&x)
         });
         heights.fold(0.0, |m: f64, h| if h.abs() > m.abs() { h } else { m }) > 0.0
     };
-    seams.iter().all(|s| side(a, s) == side(b, s))
+    let same = |height: &dyn Fn(&Vec3) -> f64| side(a, height) == side(b, height);
+    seams.iter().all(|s| same(&|x| s.height(x))) && state.seam_lines.iter().all(|l| same(&|x| l.height(x)))
 }
 
 #[cfg(test)]

@@ -22,6 +22,7 @@ mod march;
 mod merge;
 mod prong;
 mod propose;
+mod seam_line;
 mod signs;
 mod state;
 mod umbilic;
@@ -46,6 +47,7 @@ pub use layout::{Guide, Layout, LayoutKind, SeamPlane};
 pub use limits::Limits;
 pub(crate) use limits::{bent_panels, panels_needed};
 use rayon::prelude::*;
+pub(in crate::search) use seam_line::SeamLine;
 use state::Density;
 pub use state::{Origin, State};
 use std::collections::HashMap;
@@ -114,7 +116,7 @@ pub fn cover(face: &Face, options: &CoverOptions, control: &Control) -> Result<C
         state = finer;
     }
     state.partition.split_components(0);
-    layout::cut_along_seams(&face.surface, &mut state, &options.layout.seams);
+    layout::cut_along_seams(face, &mut state, &options.layout, options.tolerance);
     let mut job = Job::new(face, options, control);
     let state = match options.layout.curves.as_slice() {
         [] => {
@@ -143,6 +145,16 @@ pub(crate) fn check_curves(
     let state = State::of_face(face, f64::INFINITY)?;
     let control = Control::default();
     Ok(guided::checked(&Job::new(face, options, &control), &state, curves))
+}
+
+/// As [`check_curves`], for curves of seams: any curve on a face is of use.
+pub(crate) fn check_seam_curves(
+    face: &Face,
+    curves: &[PanelCurve],
+    tolerance: f64,
+) -> Result<Vec<Result<(), CurveError>>, TriangulateError> {
+    let state = State::of_face(face, f64::INFINITY)?;
+    Ok(curves.iter().map(|c| curve_on_face::lines(face, &state, c, tolerance).map(drop)).collect())
 }
 
 /// Width (mm) of a strip at the 90 % quantile of curvature (B2).

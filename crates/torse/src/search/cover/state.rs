@@ -1,5 +1,6 @@
 //! What is known while a face is being covered: the partition, the surface at its vertices, and the torses found.
 
+use super::seam_line::SeamLine;
 use crate::brep::face::Face;
 use crate::fit::level::strip_potential::Forms;
 use crate::fit::near::samples::{Fit, Sample};
@@ -55,6 +56,8 @@ pub struct State {
     pub bands: BTreeMap<u32, Arc<Field>>,
     /// Curve along which each label was laid, for labels that follow one.
     pub origins: BTreeMap<u32, Arc<Origin>>,
+    /// Lines that seams must follow.
+    pub(in crate::search) seam_lines: Arc<Vec<SeamLine>>,
 }
 
 /// Share of the median speed below which a parametrisation counts as collapsed (pole).
@@ -104,9 +107,17 @@ impl State {
             panels: BTreeMap::new(),
             bands: BTreeMap::new(),
             origins: BTreeMap::new(),
+            seam_lines: Arc::default(),
         };
         state.update(s);
         Ok(state)
+    }
+
+    /// Box of all regions in the parameter plane: least and greatest u, least and greatest v.
+    pub(super) fn bounds(&self) -> [f64; 4] {
+        let none = [f64::INFINITY, f64::NEG_INFINITY, f64::INFINITY, f64::NEG_INFINITY];
+        let join = |a: [f64; 4], b: [f64; 4]| [a[0].min(b[0]), a[1].max(b[1]), a[2].min(b[2]), a[3].max(b[3])];
+        self.partition.distinct_labels().iter().map(|&l| self.partition.bounds(l)).fold(none, join)
     }
 
     /// Evaluates the surface at new vertices.

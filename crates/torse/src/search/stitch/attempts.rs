@@ -12,10 +12,11 @@ use crate::certify::{Known, PanelCertificate, SeamCertificate, SeamStatus};
 use crate::control::Control;
 use crate::fit::near::samples::Fit;
 use crate::fit::panels::boundary::Borders;
-use crate::patchwork::panel::Panel;
+use crate::geom::Vec3;
+use crate::patchwork::panel::{Coedge, Panel};
 use crate::patchwork::redraw::Line;
 use crate::search::build::{borders, build_on, limits_missed, smooth_borders, Built, Joined};
-use crate::search::cover::{laid_anew, CoverOptions, State};
+use crate::search::cover::{laid_anew, CoverOptions, SeamLine, State};
 use crate::search::joint::{Asked, Further, JoinedLine, Joint};
 use crate::torse::form::{PanelKind, Torse};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
@@ -45,6 +46,8 @@ struct Attempts<'a> {
     /// Limits of sheet and material, seams that must stay.
     wanted: &'a CoverOptions,
     control: &'a Control,
+    /// Lines that seams must follow.
+    seam_lines: Arc<Vec<SeamLine>>,
     /// What was proven on the way.
     known: Known,
     /// Labels whose flat patterns are not proven without common edges either.
@@ -82,8 +85,17 @@ pub(crate) fn met(
 ) -> Built {
     let tolerance = built.certificate.tolerance;
     let base = as_built(face, state, &built);
-    let mut attempts =
-        Attempts { index, face, tolerance, wanted, control, known: Known::default(), unproven, best: built };
+    let mut attempts = Attempts {
+        index,
+        face,
+        tolerance,
+        wanted,
+        control,
+        seam_lines: state.seam_lines.clone(),
+        known: Known::default(),
+        unproven,
+        best: built,
+    };
     // Borders that the program has left open are moved at once, which may spare its next solution; those of the cover only where
     // it has brought nothing.
     let mut moved = false;
@@ -314,10 +326,11 @@ impl Attempts<'_> {
         (next, bad)
     }
 
-    /// Whether the border between two labels lies in a plane in which a seam must run: such borders stay.
+    /// Whether the border between two labels lies in a plane or on a line in which a seam must run: such borders stay.
     fn is_asked_for(&self, built: &Built, labels: [u32; 2]) -> bool {
-        let planes = &self.wanted.layout.seams;
-        let Some(partition) = built.patchwork.partitions.first().filter(|_| !planes.is_empty()) else { return false };
+        let (planes, lines) = (&self.wanted.layout.seams, &self.seam_lines);
+        let any = !planes.is_empty() || !lines.is_empty();
+        let Some(partition) = built.patchwork.partitions.first().filter(|_| any) else { return false };
         let seams = built.patchwork.seams();
         let mut runs =
             seams.iter().filter(|s| both(s.sides.map(|s| s.of.label())) == Some(labels)).map(|s| s.sides[0].run);
@@ -325,7 +338,12 @@ impl Attempts<'_> {
             let [a, b] = partition.vertices[*v as usize];
             self.face.surface.point(a, b)
         };
-        runs.any(|r| planes.iter().any(|p| r.vertices.iter().all(|v| p.height(&place(v)).abs() <= self.tolerance)))
+        let along = |r: &Coedge, height: &dyn Fn(&Vec3) -> f64| {
+            r.vertices.iter().all(|v| height(&place(v)).abs() <= self.tolerance)
+        };
+        runs.any(|r| {
+            planes.iter().any(|p| along(r, &|x| p.height(x))) || lines.iter().any(|l| along(r, &|x| l.height(x)))
+        })
     }
 }
 

@@ -135,6 +135,7 @@ pub(crate) fn with_partition(face: &Face, state: &State, partition: Partition) -
         panels: state.panels.clone(),
         bands: state.bands.clone(),
         origins: state.origins.clone(),
+        seam_lines: state.seam_lines.clone(),
     };
     out.update(&face.surface);
     out

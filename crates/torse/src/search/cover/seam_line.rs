@@ -1,0 +1,58 @@
+//! Lines on a face that seams must follow (docs/algorithms/cover.md, "Layouts on demand").
+
+use crate::geom::Vec3;
+use crate::spline::surface::Surface;
+
+/// A line on a face that a seam must follow.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SeamLine {
+    /// Points, mm.
+    points: Vec<Vec3>,
+    /// For every stretch the unit vector square to it in the face, to its left.
+    sides: Vec<Vec3>,
+}
+
+impl SeamLine {
+    /// The line through points of the parameter plane, which may lie beyond the domain.
+    pub fn new(surface: &Surface, uv: &[[f64; 2]]) -> Self {
+        let at = |p: &[f64; 2]| surface.extended_jet(p[0], p[1]);
+        let side = |w: &[[f64; 2]]| {
+            let (p, q) = (&w[0], &w[1]);
+            let normal = at(&[0.5 * (p[0] + q[0]), 0.5 * (p[1] + q[1])]).normal();
+            normal.cross(&(at(q).p - at(p).p)).try_normalize(0.0).unwrap_or_default()
+        };
+        Self { points: uv.iter().map(|p| at(p).p).collect(), sides: uv.windows(2).map(side).collect() }
+    }
+
+    /// Distance (mm) of a point from the line, negative to its right.
+    pub fn height(&self, x: &Vec3) -> f64 {
+        let mut best = (f64::INFINITY, 0.0);
+        for (w, side) in self.points.windows(2).zip(&self.sides) {
+            let d = w[1] - w[0];
+            let s = if d.norm_squared() > 0.0 { ((x - w[0]).dot(&d) / d.norm_squared()).clamp(0.0, 1.0) } else { 0.0 };
+            let off = x - (w[0] + d * s);
+            if off.norm_squared() < best.0 {
+                best = (off.norm_squared(), off.dot(side));
+            }
+        }
+        best.0.sqrt().copysign(best.1)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::spline::knots::Knots;
+
+    #[test]
+    fn heights_are_signed_distances_from_the_line() {
+        let k = Knots::clamped(1, &[0.0, 10.0]).expect("knots");
+        let at = |u: f64, v: f64| Vec3::new(u, v, 0.0);
+        let corners = [at(0.0, 0.0), at(0.0, 10.0), at(10.0, 0.0), at(10.0, 10.0)];
+        let plane = Surface::new(k.clone(), k, &corners, None).expect("a plane");
+        let line = SeamLine::new(&plane, &[[-5.0, 4.0], [5.0, 4.0], [15.0, 4.0]]);
+        assert!((line.height(&at(3.0, 6.0)) - 2.0).abs() < 1e-12);
+        assert!((line.height(&at(8.0, 1.0)) + 3.0).abs() < 1e-12);
+        assert_eq!(line.height(&at(5.0, 4.0)), 0.0);
+    }
+}
