@@ -32,7 +32,7 @@ const EXCLUSIONS: usize = 4;
 /// Where a larger share of the strips is refused, only the worst is left out.
 const FEW: f64 = 1.0 / 3.0;
 /// Places where less than the reciprocal of this share of the tolerance is left are lost to trimming curves, not to distance.
-const MOST_COUNTED: f64 = 1.5;
+const MOST_COUNTED: f64 = 3.0;
 /// Places that count more than this have lost part of the tolerance to ends of panels.
 const ENDS: f64 = 1.02;
 /// Rounds of moving borders to edges, without those that were refused.
