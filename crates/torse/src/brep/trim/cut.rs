@@ -65,7 +65,7 @@ pub(super) fn plan(
         return Err(TrimError::OpenWinding);
     }
     close_at_poles(support, chains, axis, period, label)?;
-    order_across(chains, axis, periods[1 - axis])?;
+    order_across(chains, (axis, period), periods[1 - axis])?;
     Ok(Plan { seam: Some(Seam { axis, at: quiet_line(support, chains, axis, period).0 }), sense_matters: true })
 }
 
@@ -205,7 +205,11 @@ fn close_at_poles(
 
 /// Checks that one winding loop is on the material side of the other; on doubly closed surfaces shifts it there, and
 /// the holes in between.
-fn order_across(chains: &mut [Chain], axis: usize, period_across: Option<f64>) -> Result<(), TrimError> {
+fn order_across(
+    chains: &mut [Chain],
+    (axis, period): (usize, f64),
+    period_across: Option<f64>,
+) -> Result<(), TrimError> {
     let across = 1 - axis;
     let sign = if axis == 0 { 1 } else { -1 };
     let find = |turn: i32| {
@@ -215,21 +219,82 @@ fn order_across(chains: &mut [Chain], axis: usize, period_across: Option<f64>) -
     let (Some(low), Some(high)) = (find(sign), find(-sign)) else {
         return if period_across.is_some() { Err(TrimError::OpenWinding) } else { Ok(()) };
     };
-    let (a, b) = (mean(&chains[low], across), mean(&chains[high], across));
+    let ([a, coarse_a], [b, coarse_b]) = (level(&chains[low], axis, period), level(&chains[high], axis, period));
+    let doubt = DOUBT * ((a - coarse_a).abs() + (b - coarse_b).abs());
     let Some(p) = period_across else {
-        return if a < b { Ok(()) } else { Err(TrimError::OpenWinding) };
+        return if a < b + doubt { Ok(()) } else { Err(TrimError::OpenWinding) };
     };
     let mut by = [0.0; 2];
     let height = (b - a).rem_euclid(p);
     let height = if height < SAME_PARAMETER * p { p } else { height };
+    // A thin band, or all but a thin one?
+    if height < doubt || (height < p && height > p - doubt) {
+        return Err(TrimError::EitherSide);
+    }
     by[across] = a + height - b;
     chains[high].shift(by);
+    let between = |q: [f64; 2]| above(&chains[low], axis, period, q) && !above(&chains[high], axis, period, q);
+    let mut moves = Vec::new();
     for i in (0..chains.len()).filter(|&i| i != low && i != high) {
-        let m = mean(&chains[i], across);
-        by[across] = a + (m - a).rem_euclid(p) - m;
+        let Some(&q) = chains[i].nodes().next() else { continue };
+        let raised = |n: i32| {
+            let mut x = q;
+            x[across] += f64::from(n) * p;
+            x
+        };
+        let near = ((a - q[across]) / p).round() as i32;
+        if let Some(n) = (near - 2..=near + 3).find(|&n| between(raised(n))) {
+            moves.push((i, f64::from(n) * p));
+        }
+    }
+    for (i, way) in moves {
+        by[across] = way;
         chains[i].shift(by);
     }
     Ok(())
+}
+
+/// What the means of a loop by all of its nodes and by every other one differ by, times this, is what they may be off.
+const DOUBT: f64 = 2.0;
+
+/// Mean of the parameter across a loop that winds around, over the parameter along: by all of its nodes, and by every other one.
+fn level(c: &Chain, axis: usize, period: f64) -> [f64; 2] {
+    let whole = f64::from(c.winding[axis]) * period;
+    let nodes: Vec<[f64; 2]> = c.nodes().copied().collect();
+    let mean = |step: usize| {
+        let mut taken: Vec<[f64; 2]> = nodes.iter().step_by(step).copied().collect();
+        let Some(&first) = taken.first() else { return 0.0 };
+        let mut end = first;
+        end[axis] += whole;
+        taken.push(end);
+        let area = |w: &[[f64; 2]]| 0.5 * (w[0][1 - axis] + w[1][1 - axis]) * (w[1][axis] - w[0][axis]);
+        taken.windows(2).map(area).sum::<f64>() / whole
+    };
+    [mean(1), mean(2)]
+}
+
+/// Whether a place lies above a loop that winds around once: a line straight down from it crosses the loop an odd number of times.
+fn above(c: &Chain, axis: usize, period: f64, q: [f64; 2]) -> bool {
+    let across = 1 - axis;
+    let mut nodes: Vec<[f64; 2]> = c.nodes().copied().collect();
+    let Some(&first) = nodes.first() else { return false };
+    let mut end = first;
+    end[axis] += f64::from(c.winding[axis]) * period;
+    nodes.push(end);
+    let mut crossings = 0;
+    for w in nodes.windows(2) {
+        let (lo, hi) = (w[0][axis].min(w[1][axis]), w[0][axis].max(w[1][axis]));
+        // All copies of the side that may lie below.
+        let (from, to) = (((lo - q[axis]) / period).floor() as i32, ((hi - q[axis]) / period).ceil() as i32);
+        for n in from..=to {
+            let at = q[axis] + f64::from(n) * period;
+            if (w[0][axis] <= at) != (w[1][axis] <= at) {
+                let s = (at - w[0][axis]) / (w[1][axis] - w[0][axis]);
+                crossings += usize::from(w[0][across] + s * (w[1][across] - w[0][across]) < q[across]);
+            }
+        }
+    }
+    crossings % 2 == 1
 }
 
 /// A parameter line that the chains cross least, and how often: the seam of the surface or the start of a loop if that

@@ -105,3 +105,56 @@ fn the_other_side_of_a_surface_that_hardly_closes_is_refused() {
     assert_eq!(bounded(false).err(), Some(TrimError::EitherSide));
     assert!(bounded(true).is_ok());
 }
+
+/// A band of a torus between two waves that are drawn with points at other places, and with a hole below the mean of the lower
+/// one: the band, not the band and the whole torus.
+#[test]
+fn a_wavy_band_of_a_torus_is_that_band() {
+    let (major, minor) = (200.0, 60.0);
+    let support = SupportSurface::Torus { frame: Frame::world(), major, minor };
+    let wave = |lift: f64, power: f64, forward: bool| {
+        const COUNT: u32 = 160;
+        let point = |k: u32| {
+            let u = TAU * (f64::from(k) / f64::from(COUNT)).powf(power);
+            [u, u.sin() + lift, 0.0, 1.0]
+        };
+        let ends = |x: f64| [x, x];
+        let inner = (1..COUNT).map(f64::from);
+        let knots = ends(0.0).into_iter().chain(inner).chain(ends(f64::from(COUNT))).collect();
+        let curve = Curve::new(1, knots, (0..=COUNT).map(point).collect()).expect("a wave");
+        let curve = SpaceCurve::traced(SpaceCurve::Spline(curve), support.clone(), [1.0, 1.0]);
+        let (from, to) = if forward { (0.0, f64::from(COUNT)) } else { (f64::from(COUNT), 0.0) };
+        RawLoop {
+            edges: vec![RawEdge {
+                entity: 1,
+                forward: true,
+                path: vec![Arc { curve, from, to }],
+                vertices: None,
+                trace: None,
+            }],
+            outer: false,
+        }
+    };
+    let hole = {
+        let origin = Vec3::new(0.75 * TAU, -0.85, 0.0);
+        let plane = SpaceCurve::Ellipse { frame: Frame { origin, ..Frame::world() }, a: 0.05, b: 0.05 };
+        let path = vec![Arc { curve: SpaceCurve::traced(plane, support.clone(), [1.0, 1.0]), from: TAU, to: 0.0 }];
+        RawLoop { edges: vec![RawEdge { entity: 2, forward: true, path, vertices: None, trace: None }], outer: false }
+    };
+    for lift in [0.3, 1.0, 5.5] {
+        let loops = vec![wave(0.0, 2.0, true), wave(lift, 0.5, false)];
+        let count = 4000;
+        let sum: f64 = (0..count)
+            .map(|k| {
+                let low = (TAU * (f64::from(k) + 0.5) / f64::from(count)).sin();
+                major * lift + minor * ((low + lift).sin() - low.sin())
+            })
+            .sum();
+        let wanted = minor * sum * TAU / f64::from(count);
+        let found = area(&support, Region::Loops(loops.clone()));
+        assert!((found - wanted).abs() < 1e-3 * wanted, "{lift}: {found} is not {wanted}");
+        let pierced = area(&support, Region::Loops(loops.into_iter().chain([hole.clone()]).collect()));
+        let removed = minor * (major + minor * 0.85f64.cos()) * std::f64::consts::PI * 0.05 * 0.05;
+        assert!((found - pierced - removed).abs() < 0.02 * removed, "{lift}: {} is not {removed}", found - pierced);
+    }
+}

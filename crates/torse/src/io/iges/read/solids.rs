@@ -31,7 +31,6 @@ impl Geometry<'_> {
         let own = base.own;
         let placed = |faces: Vec<Face>| faces.iter().map(|f| f.placed(&own, "")).collect();
         let ids = e.pointers(4, e.count(2)?)?;
-        let outer = e.integer(3)? == 1;
         if ids.is_empty() {
             let region = base.patch.rectangle.map_or(Region::Whole, Region::Rectangle);
             let raw = self.raw(e, base.patch, region, asked);
@@ -42,14 +41,15 @@ impl Geometry<'_> {
         let patch = base.patch.clone().simplified();
         let base = Base { patch, ..base };
         let mut loops = Vec::with_capacity(ids.len());
-        for (i, id) in ids.iter().enumerate() {
-            loops.push(self.solid_loop(*id, &base, outer && i == 0)?);
+        // What is called outer is not so on a surface without border: the sense of loops says which side is meant.
+        for id in &ids {
+            loops.push(self.solid_loop(*id, &base)?);
         }
         self.trimmed(e, base.patch, loops, asked).map(placed)
     }
 
     /// A loop, run as the file says: material on the left seen against the normal of the surface.
-    fn solid_loop(&self, id: u64, base: &Base, outer: bool) -> Result<RawLoop, Fault> {
+    fn solid_loop(&self, id: u64, base: &Base) -> Result<RawLoop, Fault> {
         let e = self.get(id)?;
         if e.kind != 508 {
             return Err(Fault::new(id, format!("D{id} is of type {}, not a loop", e.kind)));
@@ -66,7 +66,7 @@ impl Geometry<'_> {
                 edges.push(self.solid_edge(&EdgeUse { list, index, forward, plane }, base)?);
             }
         }
-        Ok(RawLoop { edges, outer })
+        Ok(RawLoop { edges, outer: false })
     }
 
     fn solid_edge(&self, u: &EdgeUse, base: &Base) -> Result<RawEdge, Fault> {
