@@ -120,9 +120,10 @@ impl Geometry<'_> {
         if edges.is_empty() {
             return Err(Fault::new(b.id, format!("the boundary D{} has no curves", b.id)));
         }
-        let l = RawLoop { edges: with_slits(edges, &base.patch.support), outer };
         // Loops run with the material on their left; which way the file's curves run is free.
-        Ok(match self.sense(b, base.periods) {
+        let sense = self.sense(b, base.periods);
+        let l = RawLoop { edges: with_slits(edges, &base.patch.support), outer: outer && sense.is_none() };
+        Ok(match sense {
             Some(counter_clockwise) if counter_clockwise != outer => l.reversed(),
             _ => l,
         })
