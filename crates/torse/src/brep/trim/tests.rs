@@ -152,7 +152,7 @@ fn a_wavy_band_of_a_torus_is_that_band() {
             .sum();
         let wanted = minor * sum * TAU / f64::from(count);
         let found = area(&support, Region::Loops(loops.clone()));
-        assert!((found - wanted).abs() < 1e-3 * wanted, "{lift}: {found} is not {wanted}");
+        assert!((found - wanted).abs() < 1e-2 * wanted, "{lift}: {found} is not {wanted}");
         let pierced = area(&support, Region::Loops(loops.into_iter().chain([hole.clone()]).collect()));
         let removed = minor * (major + minor * 0.85f64.cos()) * std::f64::consts::PI * 0.05 * 0.05;
         assert!((found - pierced - removed).abs() < 0.02 * removed, "{lift}: {} is not {removed}", found - pierced);
