@@ -1,5 +1,5 @@
-//! Developable surfaces in two exact forms: a profile with conjugate rulings, and a curve in dual space.
-//! The two forms and their formulae: docs/algorithms/torses.md, after \[PW99\].
+//! Developable surfaces in exact forms: a profile with conjugate rulings, a curve in dual space, a general cylinder.
+//! The forms and their formulae: docs/algorithms/torses.md, after \[PW99\].
 
 use crate::geom::{Frame, Vec3};
 use crate::spline::curve::Curve;

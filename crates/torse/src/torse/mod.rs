@@ -1,4 +1,4 @@
-//! Floor 3: every exact developable. Torses in two exact forms ([`form`]), curves in dual space ([`dual`]), B-spline
+//! Floor 3: every exact developable. Torses in three exact forms ([`form`]), curves in dual space ([`dual`]), B-spline
 //! developables through control nets ([`net`]), cone splines ([`cone`]), strips between rails ([`strip`]), strips of
 //! plane quadrilaterals ([`quad_strip`]), and what people call their kinds ([`kind`]).
 //!
