@@ -2,6 +2,7 @@
 
 mod back;
 mod flat;
+mod layout;
 mod ruled;
 mod shop;
 
@@ -13,6 +14,7 @@ use crate::quantity::{
 pub use back::{Info, Map, Refold, To};
 use clap::{Args, Parser, Subcommand};
 pub use flat::{Shape, Unroll, K};
+pub use layout::Layout;
 pub use ruled::Ruled;
 pub use shop::Shop;
 use std::path::{Path, PathBuf};
@@ -353,17 +355,6 @@ pub enum Seams {
     Meet,
     /// Not at all: each strip is the best for itself; gaps are bounded, reported, and can be wider than the tolerance
     Independent,
-}
-
-/// How panels are laid.
-#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Layout {
-    /// As few panels as can be
-    Auto,
-    /// Strips from side to side, even where other cuts would need fewer panels
-    Strips,
-    /// Strips around the middle of every face
-    Rings,
 }
 
 /// Arguments of `cones`.

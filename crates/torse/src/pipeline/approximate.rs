@@ -3,7 +3,6 @@
 //! Reads like the page that describes it: cover every face, build the panels as they will be exported, have them
 //! judged, cut what is refused, develop the rest.
 
-use crate::answer::note::Note;
 use crate::answer::skipped::{left_out, Skipped};
 use crate::answer::{Answer, Job};
 use crate::brep::face::Face;
@@ -25,7 +24,7 @@ use crate::search::cover::CoverOptions;
 use crate::search::face::{first_covers, one_face, Covered, Wanted};
 use crate::search::smooth::smoothly_joined;
 use crate::search::trims::{trims_judged, TrimsJudged};
-use checks::{checked, checked_curves, checked_number};
+use checks::{checked, checked_curves, checked_number, told_of_curves};
 pub use error::ApproximateError;
 pub use options::{Options, SMOOTH_ANGLE_DEG};
 use rayon::prelude::*;
@@ -126,11 +125,7 @@ pub fn of_faces(
     // What was left out on the way counts, whatever is proven of the rest.
     claims.splice(0..0, left_out(&skipped));
     let parts = one_by_one(&patchwork, &patterns);
-    let bare = options.layout.curves.iter().filter(|c| along.iter().all(|a| a.curve != c.name));
-    let bare = bare.map(|c| Note::NoPanelAlong { curve: c.name.clone() });
-    let directed = along.iter().filter(|a| a.paper_estimate.is_infinite());
-    let directed: BTreeSet<&str> = directed.map(|a| a.curve.as_str()).collect();
-    let notes = bare.chain(directed.into_iter().map(|c| Note::DirectionOf { curve: c.to_owned() })).collect();
+    let notes = told_of_curves(&options.layout, &along);
     Ok(Answer {
         claims,
         patchwork,

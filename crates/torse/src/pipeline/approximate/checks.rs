@@ -1,16 +1,19 @@
-//! Questions that the main job refuses, before any work is done for them.
+//! Questions that the main job refuses, before any work is done for them, and what it tells of curves that were asked for.
 
 use super::error::{ApproximateError, MOST_PANELS};
 use super::options::Options;
+use crate::answer::note::Note;
 use crate::answer::skipped::Skipped;
 use crate::brep::area::area_estimate;
 use crate::brep::face::Face;
 use crate::geom::coarse::{is_tolerance, Loose};
 use crate::geom::BBox;
 use crate::io::words;
+use crate::search::build::AlongCurve;
 use crate::search::cover::{
     check_curves, check_seam_curves, is_developable, panels_needed, CoverOptions, CurveError, Guide, Layout, Limits,
 };
+use std::collections::BTreeSet;
 
 /// Share of what a face has by which panels may be wider: they need not follow it exactly.
 const ROOMY: f64 = 1.05;
@@ -83,6 +86,15 @@ pub(super) fn checked_curves(faces: &[Face], options: &Options) -> Result<(), Ap
     // Faces that cannot be triangulated are reported by the cover.
     of_use(faces, layout.curves.len(), |f| check_curves(f, &layout.curves, &cover_options).ok())?;
     of_use(faces, layout.seam_curves.len(), |f| check_seam_curves(f, &layout.seam_curves, options.tolerance).ok())
+}
+
+/// What became of curves along which panels were asked for, where it is not what was asked.
+pub(super) fn told_of_curves(layout: &Layout, along: &[AlongCurve]) -> Vec<Note> {
+    let bare = layout.curves.iter().filter(|c| along.iter().all(|a| a.curve != c.name));
+    let bare = bare.map(|c| Note::NoPanelAlong { curve: c.name.clone() });
+    let directed = along.iter().filter(|a| a.paper_estimate.is_infinite());
+    let directed: BTreeSet<&str> = directed.map(|a| a.curve.as_str()).collect();
+    bare.chain(directed.into_iter().map(|c| Note::DirectionOf { curve: c.to_owned() })).collect()
 }
 
 /// Whether each of so many curves is of use on a face.
