@@ -1,11 +1,12 @@
-//! A torse as its family of tangent planes, in the form that both kinds share and that proofs need.
+//! A torse as its family of tangent planes, in the form that all kinds share and that proofs need.
 //!
 //! Planes `n(t)·X = h(t)` with `n' = σ m`, `h' = σ k`; ruling `n·X = h, m·X = k`. Dual torse: `σ = 1`, `m = n'`,
-//! `k = h'`. Cylinder: unit vectors, σ the turn of its profile ([`CylinderTorse`](crate::torse::form::CylinderTorse)). Primal torse \[mixed, C1.4\] (frame coordinates): `n = (−f', a f' − g, 1)`, `h = f − t f'`, `m = (−1, a, 0)`,
-//! `k = −t`, `σ = f''`: finite at inflections `f'' = 0`. With `F = n·X − h`, `μ = m·X − k` the exact foot function is
+//! `k = h'`. Primal torse \[mixed, C1.4\] (frame coordinates): `n = (−f', a f' − g, 1)`, `h = f − t f'`, `m = (−1, a, 0)`,
+//! `k = −t`, `σ = f''`: finite at inflections `f'' = 0`. Cylinder: n and m of unit length, σ the turn of its profile
+//! ([`CylinderTorse`](crate::torse::form::CylinderTorse)). With `F = n·X − h`, `μ = m·X − k` the exact foot function is
 //! `E(X, t) = |n|² μ − F (n·m)`, linear in `X`; where `E = 0`, `F/|n|` is the signed distance from `X` to the ruling.
 //!
-//! The frame of a primal torse consists of f64 numbers and is orthonormal only up to rounding. The torse is taken as
+//! The frame of a primal torse or a cylinder consists of f64 numbers and is orthonormal only up to rounding. The torse is taken as
 //! the image `o + R q` of its local form. Linear forms carry over exactly with `R⁻ᵀ`; local lengths times
 //! [`Family::metric`] bound lengths in space.
 
@@ -739,7 +740,7 @@ mod tests {
     use super::*;
     use crate::geom::Frame;
     use crate::spline::curve::Curve;
-    use crate::torse::form::{DualTorse, PrimalTorse};
+    use crate::torse::form::{CylinderTorse, DualTorse, PrimalTorse};
 
     pub fn primal() -> Torse {
         let knots = vec![-1., -1., -1., -1., 0., 0.5, 1., 1., 1., 1.];
@@ -761,9 +762,40 @@ mod tests {
         Torse::Dual(DualTorse { planes: Curve::new(3, knots, control).expect("planes") })
     }
 
+    /// A profile that turns through more than half a circle and back, in a frame that is not axis-parallel.
+    pub fn cylinder() -> Torse {
+        let Torse::Primal(p) = primal() else { unreachable!() };
+        let knots = vec![0., 0., 0., 0., 1., 2., 3., 4., 4., 4., 4.];
+        let control = vec![[0., 0.], [1., 0.], [2., 0.5], [0.5, 2.], [1.5, 3.], [3., 1.], [2., 0.]];
+        Torse::Cylinder(CylinderTorse { frame: p.frame, profile: Curve::new(3, knots, control).expect("profile") })
+    }
+
+    #[test]
+    fn planes_turn_about_their_second_forms() {
+        for torse in [primal(), dual(), cylinder()] {
+            let family = Family::new(&torse).expect("family");
+            let (t0, t1) = family.domain();
+            for i in 1..20 {
+                let (t, h) = (t0 + (t1 - t0) * (f64::from(i) + 0.3) / 20.3, 1e-5);
+                let (p, before, after) = (family.quick(t), family.quick(t - h), family.quick(t + h));
+                let rate = |f: &dyn Fn(&Plane<f64>) -> f64| (f(&after) - f(&before)) / (2.0 * h);
+                for d in 0..3 {
+                    assert!((rate(&|q| q.n[d]) - p.sigma * p.m[d]).abs() < 1e-6, "n' at {t} of {torse:?}");
+                    assert!((rate(&|q| q.m[d]) - p.dm[d]).abs() < 1e-6, "m' at {t} of {torse:?}");
+                }
+                assert!((rate(&|q| q.h) - p.sigma * p.k).abs() < 1e-6, "h' at {t} of {torse:?}");
+                assert!((rate(&|q| q.k) - p.dk).abs() < 1e-6, "k' at {t} of {torse:?}");
+                for (found, is) in [(p.nn, dot(&p.n, &p.n)), (p.nm, dot(&p.n, &p.m)), (p.mm, dot(&p.m, &p.m))] {
+                    assert!((found - is).abs() < 1e-12, "{torse:?}");
+                }
+                assert!((p.ndm - dot(&p.n, &p.dm)).abs() < 1e-12, "{torse:?}");
+            }
+        }
+    }
+
     #[test]
     fn planes_agree_with_the_torse() {
-        for torse in [primal(), dual()] {
+        for torse in [primal(), dual(), cylinder()] {
             let family = Family::new(&torse).expect("family");
             let (t0, t1) = family.domain();
             let x = Vec3::new(1.2, 1.9, 3.3);

@@ -97,9 +97,12 @@ mod tests {
 
     #[test]
     fn exact_patches_differ_by_rounding_only() {
-        for (torse, patch, size) in
-            [(Torse::Primal(primal()), primal_patch(), 45.0), (Torse::Dual(dual()), dual_patch(), 5.0)]
-        {
+        for (torse, patch, size) in [
+            (Torse::Primal(primal()), primal_patch(), 45.0),
+            (Torse::Dual(dual()), dual_patch(), 5.0),
+            // The forms of a cylinder are as many times longer as its profile is fast: up to eleven here, and five at least.
+            (Torse::Cylinder(cylinder()), cylinder_patch(), 45.0 * 11.0 / 5.0 * 2.0),
+        ] {
             let bound = eta(&torse, &patch).expect("a bound");
             assert!(bound < 1e-12 * size, "{bound:e}");
             // Points between the ends of a ruling are as near as stated.
@@ -117,12 +120,14 @@ mod tests {
 
     #[test]
     fn a_control_point_moved_is_seen() {
-        let torse = Torse::Primal(primal());
         for by in [1e-9, 1e-6] {
-            let mut patch = primal_patch();
-            patch.control[8][2] += by;
-            let bound = eta(&torse, &patch).expect("a bound");
-            assert!(bound > 0.2 * by && bound < 1.5 * by, "{bound:e} for {by:e}");
+            for (torse, mut patch) in
+                [(Torse::Primal(primal()), primal_patch()), (Torse::Cylinder(cylinder()), cylinder_patch())]
+            {
+                patch.control[8][2] += by;
+                let bound = eta(&torse, &patch).expect("a bound");
+                assert!(bound > 0.2 * by && bound < 1.5 * by, "{bound:e} for {by:e}");
+            }
         }
     }
 }

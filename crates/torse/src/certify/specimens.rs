@@ -7,7 +7,7 @@ use crate::patchwork::partition::Partition;
 use crate::spline::curve::Curve;
 use crate::spline::knots::Knots;
 use crate::spline::surface::Surface;
-use crate::torse::form::{DualTorse, PanelKind, PrimalTorse, Torse};
+use crate::torse::form::{CylinderTorse, DualTorse, PanelKind, PrimalTorse, Torse};
 use crate::torse::strip::Strip;
 use nalgebra::DMatrix;
 
@@ -80,6 +80,13 @@ pub fn primal() -> PrimalTorse {
     let knots = Knots::clamped(3, &[-0.3, 0.2, 0.8, 1.6]).expect("knots");
     let profile = curve(&knots, &|t| [0.3 * t * t - 0.1 * t * t * t, 0.1 + 0.2 * t]);
     PrimalTorse::new(tilted_frame(), profile, 0.05)
+}
+
+/// A cylinder over a meander `(3 t − 4 sin 2t, 6 sin t)` that turns far to both sides of its inflection at t = 0.
+pub fn cylinder() -> CylinderTorse {
+    let knots = Knots::uniform(3, 16, -2.2, 2.2).expect("knots");
+    let profile = curve(&knots, &|t| [3.0 * t - 4.0 * (2.0 * t).sin(), 6.0 * t.sin()]);
+    CylinderTorse { frame: tilted_frame(), profile }
 }
 
 /// Point of [`primal`] in world coordinates, from the closed form.
@@ -223,6 +230,16 @@ pub(crate) const PATCH_Y: [f64; 2] = [-0.6, 0.6];
 pub(crate) fn primal_patch() -> Surface {
     ruled_patch(5, &[-0.2, 0.2, 0.8, 1.5], &|t, e| {
         let p = primal_point(t, PATCH_Y[e]);
+        [p.x, p.y, p.z, 1.0]
+    })
+}
+
+/// The exported patch of [`cylinder`], as long as that of [`primal`].
+pub(crate) fn cylinder_patch() -> Surface {
+    let c = cylinder();
+    ruled_patch(3, &c.profile.knots.breaks(), &|t, e| {
+        let [x, z] = c.profile.point(t);
+        let p = c.frame.to_world(&Vec3::new(x, PATCH_Y[e], z));
         [p.x, p.y, p.z, 1.0]
     })
 }

@@ -2,8 +2,9 @@
 //! of the surface itself. The patch has u = t and is linear in v = r ∈ [0, 1] along the rulings.
 //!
 //! *Primal* torse, `x = t + y a`, `z = f + y g`: a boundary curve `y = y(t)` is a polynomial spline of degree 5 plus
-//! the degree of `y`; over the profile of a *cylinder* of degree 3, or that of `y`. *Dual* torse, planes `U = (n, h)`: a boundary curve is the intersection of the ruling
-//! `L = U ∧ U'` with a plane `A(t)`, a rational spline of degree 4 plus the degree of `A` \[PW99\].
+//! the degree of `y`. *Cylinder*: of degree 3, or that of `y` if it is higher. *Dual* torse, planes `U = (n, h)`: a
+//! boundary curve is the intersection of the ruling `L = U ∧ U'` with a plane `A(t)`, a rational spline of degree 4 plus the
+//! degree of `A` \[PW99\].
 //! Both boundary curves use the same L and planes of the same direction, hence equal weights: r is affine along a ruling.
 
 use super::form::{CylinderTorse, DualTorse, PrimalTorse, Torse};

@@ -36,8 +36,9 @@ pub struct DualTorse {
 /// extrusion, such as an omega profile.
 ///
 /// In the coordinates of `frame` (mm): `(x(t), y, z(t))`. With the speed `r² = x'² + z'²`, the unit normal
-/// `n = (−z', 0, x')/r`, the unit tangent `m = −(x', 0, z')/r` and `ω = (x' z'' − z' x'')/r²`: `n' = ω m`, `m' = −ω n`,
-/// `h = n·c`, `k = m·c`, `k' = −ω h − r`. Regular everywhere; inflections are `ω = 0`.
+/// `n = (−z', 0, x')/r`, the unit tangent turned back `m = −(x', 0, z')/r` and `ω = (x' z'' − z' x'')/r²`: `n' = ω m`,
+/// `m' = −ω n`, `h = n·c`, `k = m·c`, `k' = −ω h − r` (docs/algorithms/torses.md; our own). Regular wherever the speed is not
+/// zero; inflections are `ω = 0`. Not guaranteed: that the profile has a speed everywhere, and does not cross itself.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CylinderTorse {
     /// Local coordinates; y is the ruling's direction.
@@ -358,14 +359,18 @@ mod tests {
 
     #[test]
     fn foot_function_has_the_stated_slope_and_root() {
-        let torse = sample_torse();
-        let r = torse.ruling(0.25);
-        let x = r.point + r.direction * 0.3 + r.normal * 0.01;
-        let t = torse.foot(&x, 0.1).expect("a foot");
-        assert!((t - 0.25).abs() < 1e-12);
-        assert!((torse.plane_distance(&x, t) - 0.01).abs() < 1e-12);
-        let h = 1e-6;
-        let d = (torse.foot_function(&x, 0.1 + h).0 - torse.foot_function(&x, 0.1 - h).0) / (2.0 * h);
-        assert!((d - torse.foot_function(&x, 0.1).1).abs() < 1e-7);
+        let profile =
+            Curve::new(3, vec![-1., -1., -1., -1., 1., 1., 1., 1.], vec![[0., 0.], [2., 1.], [-1., 2.], [1., 3.]]);
+        let cylinder = CylinderTorse { frame: Frame::world(), profile: profile.expect("profile") };
+        for torse in [sample_torse(), Torse::Cylinder(cylinder)] {
+            let r = torse.ruling(0.25);
+            let x = r.point + r.direction * 0.3 + r.normal * 0.01;
+            let t = torse.foot(&x, 0.1).expect("a foot");
+            assert!((t - 0.25).abs() < 1e-12);
+            assert!((torse.plane_distance(&x, t) - 0.01).abs() < 1e-12);
+            let h = 1e-6;
+            let d = (torse.foot_function(&x, 0.1 + h).0 - torse.foot_function(&x, 0.1 - h).0) / (2.0 * h);
+            assert!((d - torse.foot_function(&x, 0.1).1).abs() < 1e-7);
+        }
     }
 }

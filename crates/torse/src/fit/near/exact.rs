@@ -87,12 +87,11 @@ pub fn exact(rulings: &Rulings, samples: &[Sample], options: &ExactOptions) -> O
             Some(torse)
         }
     };
-    let is_cylinder = kind == PanelKind::Cylinder;
     let forms: [(Form, bool); 4] = [
         (&profile, steepest <= GENTLE && !pointed),
         (&planes, true),
         (&profile, pointed || steepest > GENTLE && steepest <= STEEPEST),
-        (&cylinder, is_cylinder),
+        (&cylinder, kind == PanelKind::Cylinder),
     ];
     let reached = |form: Form| {
         let mut best: Option<Fit> = None;
