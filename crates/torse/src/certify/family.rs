@@ -10,13 +10,17 @@
 //! the image `o + R q` of its local form. Linear forms carry over exactly with `R⁻ᵀ`; local lengths times
 //! [`Family::metric`] bound lengths in space.
 
+mod cubic;
+mod profile;
+
+use self::cubic::{pieces, Cubic};
+use self::profile::Profile;
 use super::ruled::rough;
 use super::vector::{add, cross, dot, exact, scale, V3};
 use crate::geom::Vec3;
-use crate::num::bernstein::{elevated, from_spline, Scalar};
+use crate::num::bernstein::Scalar;
 use crate::num::interval::Interval;
 use crate::num::jet::Jet;
-use crate::spline::knots::Knots;
 use crate::torse::form::Torse;
 
 /// Frames less orthonormal than this (Frobenius norm of RᵀR − I) are refused: far above rounding, far below use.
@@ -31,36 +35,6 @@ enum Functions<S> {
     Dual { c: [Cubic<S>; 4] },
     /// Profile `(x, z)` of a cylinder, cubic.
     Cylinder { x: Cubic<S>, z: Cubic<S> },
-}
-
-/// A cubic and its derivatives with respect to t, each in powers of x. The derivatives come from differences of control
-/// points, which are exact numbers: that loses much less to rounding than differentiating the enclosed cubic.
-#[derive(Clone, Copy, Debug)]
-struct Cubic<S> {
-    value: [S; 4],
-    first: [S; 3],
-    second: [S; 2],
-}
-
-impl<S: Scalar> Cubic<S> {
-    /// Value and first two derivatives at `x`.
-    #[inline]
-    fn at(&self, x: S) -> [S; 3] {
-        let ([a, b, c, d], [e, f, g]) = (self.value, self.first);
-        [a + x * (b + x * (c + x * d)), e + x * (f + x * g), self.bend(x)]
-    }
-
-    /// Second derivative at `x`.
-    #[inline]
-    fn bend(&self, x: S) -> S {
-        self.second[0] + x * self.second[1]
-    }
-}
-
-impl Cubic<Interval> {
-    fn map<S>(&self, f: impl Fn(Interval) -> S + Copy) -> Cubic<S> {
-        Cubic { value: self.value.map(f), first: self.first.map(f), second: self.second.map(f) }
-    }
 }
 
 /// One knot span.
@@ -592,100 +566,11 @@ impl<S: Scalar> Span<S> {
     }
 }
 
-/// The profile of a cylinder at one parameter, or over some: point, unit tangent, speed r and turn ω.
-struct Profile<S> {
-    point: [S; 2],
-    tangent: [S; 2],
-    speed: S,
-    turn: S,
-}
-
-impl<S: Scalar> Profile<S> {
-    #[inline]
-    fn at(x: &Cubic<S>, z: &Cubic<S>, at: S) -> Self {
-        let ([px, tx, bx], [pz, tz, bz]) = (x.at(at), z.at(at));
-        let square = tx * tx + tz * tz;
-        let speed = square.square_root();
-        Self {
-            point: [px, pz],
-            tangent: [tx.over(speed), tz.over(speed)],
-            speed,
-            turn: (tx * bz - tz * bx).over(square),
-        }
-    }
-
-    #[inline]
-    fn normal(&self, axes: &[V3<S>; 3]) -> V3<S> {
-        super::vector::sub(&scale(&axes[2], self.tangent[0]), &scale(&axes[0], self.tangent[1]))
-    }
-
-    /// n the unit normal, m the unit tangent backwards: `n' = ω m`, `m' = −ω n`.
-    #[inline]
-    fn plane(&self, axes: &[V3<S>; 3]) -> Plane<S> {
-        let ([x, z], [ex, ez]) = (self.point, self.tangent);
-        let n = self.normal(axes);
-        let h = ex * z - ez * x;
-        let (zero, one) = (S::from(0.0), S::from(1.0));
-        Plane {
-            n,
-            m: scale(&add(&scale(&axes[0], ex), &scale(&axes[2], ez)), -one),
-            dm: scale(&n, -self.turn),
-            sigma: self.turn,
-            nn: one,
-            nm: zero,
-            mm: one,
-            ndm: -self.turn,
-            h,
-            k: -(ex * x + ez * z),
-            dk: -(self.turn * h + self.speed),
-        }
-    }
-}
-
-/// The cubic pieces of each component on the span `[a, b]`.
-fn pieces<const D: usize>(knots: &Knots, control: &[[Interval; D]], a: f64, b: f64) -> [Cubic<Interval>; D] {
-    let (p, v) = (knots.degree(), knots.values());
-    let span = knots.span(0.5 * (a + b));
-    std::array::from_fn(|d| {
-        let mut net: Vec<Interval> = control[span - p..=span].iter().map(|c| c[d]).collect();
-        let mut local = &v[span + 1 - p..=span + p];
-        let mut powers = Vec::with_capacity(3);
-        for order in 0..3 {
-            powers.push(powers_about_half(&net, local, 3 - order));
-            // Control points of the derivative: p (d_{i+1} − d_i)/(T_{i+p} − T_i) over the inner knots.
-            let p = net.len() - 1;
-            net = if p == 0 {
-                vec![Interval::ZERO]
-            } else {
-                let width = |i: usize| Interval::point(local[i + p]) - Interval::point(local[i]);
-                (0..p).map(|i| (net[i + 1] - net[i]) * p as f64 / width(i)).collect()
-            };
-            if p > 0 {
-                local = &local[1..local.len() - 1];
-            }
-        }
-        Cubic {
-            value: [0, 1, 2, 3].map(|k: usize| powers[0][k]),
-            first: [0, 1, 2].map(|k: usize| powers[1][k]),
-            second: [0, 1].map(|k: usize| powers[2][k]),
-        }
-    })
-}
-
 /// A plane `n·x = h` for positions relative to a place.
 fn about(plane: &[f64; 4], place: &V3<Interval>) -> [Interval; 4] {
     let [x, y, z, h] = plane.map(Interval::point);
     let moved = (0..3).any(|d| place[d] != Interval::ZERO);
     [x, y, z, if moved { h - dot(&[x, y, z], place) } else { h }]
-}
-
-/// Powers of `x` of a spline piece, as a polynomial of the given degree.
-fn powers_about_half(net: &[Interval], knots: &[f64], degree: usize) -> Vec<Interval> {
-    let mut bez = from_spline(net, knots);
-    while bez.len() <= degree {
-        bez = elevated(&bez);
-    }
-    crate::num::bernstein::powers_about_half(&bez)
 }
 
 /// Span of a primal torse with `g` integrated from its value at the start; also the value at the end.
