@@ -561,8 +561,31 @@ impl<S: Scalar> Span<S> {
                     dk: v[3][2],
                 }
             }
-            Functions::Cylinder { x: px, z: pz } => Profile::at(px, pz, x).plane(axes),
+            Functions::Cylinder { x: px, z: pz } => touching(&Profile::at(px, pz, x), axes),
         }
+    }
+}
+
+/// The plane that touches a cylinder along the ruling through a place of its profile: n the unit normal, m the unit tangent
+/// backwards; `n' = ω m`, `m' = −ω n`.
+#[inline]
+fn touching<S: Scalar>(p: &Profile<S>, axes: &[V3<S>; 3]) -> Plane<S> {
+    let ([x, z], [ex, ez]) = (p.point, p.tangent);
+    let n = p.normal(axes);
+    let h = ex * z - ez * x;
+    let (zero, one) = (S::from(0.0), S::from(1.0));
+    Plane {
+        n,
+        m: scale(&add(&scale(&axes[0], ex), &scale(&axes[2], ez)), -one),
+        dm: scale(&n, -p.turn),
+        sigma: p.turn,
+        nn: one,
+        nm: zero,
+        mm: one,
+        ndm: -p.turn,
+        h,
+        k: -(ex * x + ez * z),
+        dk: -(p.turn * h + p.speed),
     }
 }
 

@@ -1,8 +1,7 @@
-//! The profile of a cylinder, and the plane that touches the cylinder along a ruling.
+//! The profile of a cylinder, its unit tangent and how that turns.
 
 use super::cubic::Cubic;
-use super::Plane;
-use crate::certify::vector::{add, scale, sub, V3};
+use crate::certify::vector::{scale, sub, V3};
 use crate::num::bernstein::Scalar;
 
 /// The profile of a cylinder at one parameter, or over some: point, unit tangent, speed r and turn ω.
@@ -30,27 +29,5 @@ impl<S: Scalar> Profile<S> {
     #[inline]
     pub(super) fn normal(&self, axes: &[V3<S>; 3]) -> V3<S> {
         sub(&scale(&axes[2], self.tangent[0]), &scale(&axes[0], self.tangent[1]))
-    }
-
-    /// n the unit normal, m the unit tangent backwards: `n' = ω m`, `m' = −ω n`.
-    #[inline]
-    pub(super) fn plane(&self, axes: &[V3<S>; 3]) -> Plane<S> {
-        let ([x, z], [ex, ez]) = (self.point, self.tangent);
-        let n = self.normal(axes);
-        let h = ex * z - ez * x;
-        let (zero, one) = (S::from(0.0), S::from(1.0));
-        Plane {
-            n,
-            m: scale(&add(&scale(&axes[0], ex), &scale(&axes[2], ez)), -one),
-            dm: scale(&n, -self.turn),
-            sigma: self.turn,
-            nn: one,
-            nm: zero,
-            mm: one,
-            ndm: -self.turn,
-            h,
-            k: -(ex * x + ez * z),
-            dk: -(self.turn * h + self.speed),
-        }
     }
 }
