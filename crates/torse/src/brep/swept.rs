@@ -129,25 +129,61 @@ fn nearest_by(residual: impl Fn(f64) -> (Vec3, Vec3, Vec3), starts: &[f64], limi
     best.1
 }
 
-/// Whether a closed curve comes to the axis about which it is turned.
-pub(crate) fn meets_axis(directrix: &SpaceCurve, frame: &Frame) -> bool {
-    /// Places at which the distance is looked at, and steps to the least of it, each to two thirds.
-    const LOOKED_AT: (usize, usize) = (256, 60);
-    let Some(period) = directrix.period() else { return false };
-    let start = directrix.domain().map_or(0.0, |d| d.0);
+/// Why a curve cannot be turned about an axis: the surface would be covered twice.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub(crate) enum MeridianError {
+    /// A closed curve, of which no part is told.
+    #[error("its closed curve meets the axis, so all of it turned covers the surface twice, which is not read")]
+    Closed,
+    /// A curve that goes on beyond the axis.
+    #[error("its curve crosses the axis, so that the surface meets itself there, which is not read")]
+    Crosses,
+}
+
+/// What is turned about the axis of `frame`: where the curve is closed and comes to the axis, the `part` that is asked for,
+/// as a spline; `None` for all of the curve.
+pub(crate) fn meridian(
+    curve: &SpaceCurve,
+    part: Option<(f64, f64)>,
+    frame: &Frame,
+) -> Result<Option<SpaceCurve>, MeridianError> {
+    let Some((period, (start, _))) = curve.period().zip(curve.domain()) else { return Ok(None) };
+    if !meets_axis(curve, frame, (start, start + period), 0..LOOKED_AT) {
+        return Ok(None);
+    }
+    let (from, to) = part.filter(|(from, to)| to - from < period).ok_or(MeridianError::Closed)?;
+    let part = curve.to_spline(from, to).map_err(|_| MeridianError::Closed)?.0;
+    let ends = part.domain();
+    let part = SpaceCurve::Spline(part);
+    if meets_axis(&part, frame, ends, 1..LOOKED_AT) {
+        return Err(MeridianError::Crosses);
+    }
+    Ok(Some(part))
+}
+
+/// Places along a meridian at which its distance from the axis is looked at.
+const LOOKED_AT: usize = 256;
+
+/// Whether a curve comes to the axis about which it is turned, at one of the given places of its range or beside it.
+fn meets_axis(curve: &SpaceCurve, frame: &Frame, (start, end): (f64, f64), mut places: std::ops::Range<usize>) -> bool {
+    /// Steps to the least distance, each to two thirds.
+    const STEPS: usize = 60;
     let away = |t: f64| {
-        let q = frame.to_local(&directrix.point(t));
+        let q = frame.to_local(&curve.point(t));
         q.x.hypot(q.y)
     };
-    let at = |k: f64| start + period * k / LOOKED_AT.0 as f64;
-    let far = (0..LOOKED_AT.0).map(|k| away(at(k as f64))).fold(0.0, f64::max);
+    let at = |k: f64| start + (end - start) * k / LOOKED_AT as f64;
+    let far = (0..LOOKED_AT).map(|k| away(at(k as f64))).fold(0.0, f64::max);
     let is_lowest = |k: usize| {
         let [a, b, c] = [-1.0, 0.0, 1.0].map(|d| away(at(k as f64 + d)));
         b <= a && b <= c
     };
-    (0..LOOKED_AT.0).filter(|&k| is_lowest(k)).any(|k| {
+    places.any(|k| {
+        if !is_lowest(k) {
+            return false;
+        }
         let (mut a, mut b) = (at(k as f64 - 1.0), at(k as f64 + 1.0));
-        for _ in 0..LOOKED_AT.1 {
+        for _ in 0..STEPS {
             let (l, r) = (a + (b - a) / 3.0, b - (b - a) / 3.0);
             if away(l) <= away(r) {
                 b = r;

@@ -135,6 +135,87 @@ fn quarter_spheres_take_the_side_that_the_parameter_plane_says() {
     }
 }
 
+/// A curve of the parameter plane and the one of space that goes with it.
+type Pair = (u64, u64);
+
+/// A straight piece of a parameter line `from → to` of what `meridian` is turned to about the y axis, and the arc that it is.
+fn piece(
+    f: &mut File,
+    [p, q]: [[f64; 2]; 2],
+    meridian: &dyn Fn(&mut File, [f64; 2], u64) -> u64,
+    at: [f64; 2],
+) -> Pair {
+    let flat = format!("{:?},{:?},0.,{:?},{:?},0.", p[0], p[1], q[0], q[1]);
+    let flat = f.add(Entry { status: FLAT, ..entry(110) }, &flat);
+    if p[1] == q[1] {
+        // Arcs run counter-clockwise: one that runs back is turned about the x axis.
+        let ((s, c), way) = (p[1].sin_cos(), if p[0] < q[0] { 1.0 } else { -1.0 });
+        let turn = format!("{c:?},0.,{:?},0.,0.,{way:?},0.,0.,{:?},0.,{:?},0.", way * s, -s, way * c);
+        let turn = f.add(entry(124), &turn);
+        return (flat, meridian(f, [way * p[0], way * q[0]], turn));
+    }
+    let [radius, level] = at;
+    let way = if p[1] < q[1] { 1.0 } else { -1.0 };
+    let turn = f.add(entry(124), &format!("1.,0.,0.,0.,0.,0.,{way:?},0.,0.,{:?},0.,0.", -way));
+    let [(s0, c0), (s1, c1)] = [p, q].map(|x| (way * x[1]).sin_cos());
+    let [x0, y0, x1, y1] = [c0, s0, c1, s1].map(|x| radius * x);
+    let arc = format!("{:?},0.,0.,{x0:?},{y0:?},{x1:?},{y1:?}", way * level);
+    (flat, f.add(Entry { matrix: turn, ..part(100) }, &arc))
+}
+
+/// The face inside one boundary of such pieces, of the surface about the y axis.
+fn turned_inside(f: &mut File, generatrix: u64, pieces: &[Pair]) -> torse::Model {
+    let axis = f.add(part(110), "0.,0.,0.,0.,1.,0.");
+    let surface = f.add(part(120), &format!("{axis},{generatrix},0.,6.28318530717959"));
+    let list = |one: fn(&Pair) -> u64| pieces.iter().map(|p| format!(",{}", one(p))).collect::<String>();
+    let [flat, space] = [list(|p| p.0), list(|p| p.1)].map(|l| f.add(part(102), &format!("{}{l}", pieces.len())));
+    let b = f.add(part(142), &format!("0,{surface},{flat},{space},3"));
+    f.add(entry(144), &format!("{surface},1,0,{b}"));
+    model(f)
+}
+
+#[test]
+fn of_a_closed_meridian_that_meets_the_axis_the_part_is_turned() {
+    // Zone of the spheroid x² + y²/4 + z² = 1 up to y = ±1; all of the ellipse turned covers it twice.
+    let mut f = File::new();
+    let ellipse = |f: &mut File, [from, to]: [f64; 2], matrix: u64| {
+        let [(s0, c0), (s1, c1)] = [from, to].map(f64::sin_cos);
+        let data = format!("1.,0.,0.25,0.,0.,-1.,0.,{c0:?},{:?},{c1:?},{:?}", 2.0 * s0, 2.0 * s1);
+        f.add(Entry { matrix, form: 1, ..part(104) }, &data)
+    };
+    let (a, r) = (PI / 6.0, 0.75_f64.sqrt());
+    let generatrix = ellipse(&mut f, [-a, a], 0);
+    let corners = [[-a, 0.0], [a, 0.0], [a, 2.0 * PI], [-a, 2.0 * PI], [-a, 0.0]];
+    let pieces: Vec<Pair> =
+        corners.windows(2).map(|w| piece(&mut f, [w[0], w[1]], &ellipse, [r, 2.0 * w[0][0].sin()])).collect();
+    let m = turned_inside(&mut f, generatrix, &pieces);
+    has_area(&m.faces[0], 2.0 * PI * (0.5 * 3.25_f64.sqrt() + 4.0 / 3.0_f64.sqrt() * (0.25 * 3.0_f64.sqrt()).asin()));
+}
+
+#[test]
+fn a_hole_at_the_seam_of_a_torus_is_a_hole_though_the_curves_jump_from_corner_to_corner() {
+    let mut f = File::new();
+    let circle = |f: &mut File, [from, to]: [f64; 2], matrix: u64| {
+        let [(s0, c0), (s1, c1)] = [from, to].map(f64::sin_cos);
+        f.add(Entry { matrix, ..part(100) }, &format!("0.,5.,0.,{:?},{s0:?},{:?},{s1:?}", 5.0 + c0, 5.0 + c1))
+    };
+    let generatrix = circle(&mut f, [0.0, 2.0 * PI], 0);
+    let (full, w, (a, b)) = (2.0 * PI, 0.3, (2.0, 2.5));
+    let runs: [&[[f64; 2]]; 4] = [
+        &[[a, full], [0.0, full], [0.0, 0.0]],
+        &[[full, full], [b, full], [a, full]],
+        &[[a, 0.0], [a, w], [b, w], [b, 0.0], [full, 0.0], [full, full]],
+        &[[0.0, 0.0], [a, 0.0]],
+    ];
+    let mut pieces = Vec::new();
+    for pair in runs.iter().flat_map(|r| r.windows(2)) {
+        let (s, c) = pair[0][0].sin_cos();
+        pieces.push(piece(&mut f, [pair[0], pair[1]], &circle, [5.0 + c, s]));
+    }
+    let m = turned_inside(&mut f, generatrix, &pieces);
+    has_area(&m.faces[0], 20.0 * PI * PI - w * (5.0 * (b - a) + b.sin() - a.sin()));
+}
+
 #[test]
 fn transformations_move_surface_and_curves_by_themselves() {
     let mut f = File::new();

@@ -186,6 +186,14 @@ fn bounded(raw: &RawFace, loops: &[RawLoop], size: f64, tolerance: f64) -> Resul
     for l in loops {
         match pcurve::trace(&ground, l, &mut label)? {
             Some(chain) => {
+                let chain = match periods {
+                    [Some(p), Some(q)] => chain.without_slits([p, q]),
+                    _ => chain,
+                };
+                // Nothing but slits: all of the surface.
+                if chain.pcurves.is_empty() && loops.len() == 1 {
+                    return natural(raw, None).map(|f| vec![f]);
+                }
                 edges.push(chain.edges.clone());
                 chains.push(chain);
             }

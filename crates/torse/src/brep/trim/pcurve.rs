@@ -32,6 +32,8 @@ const BEFORE_POLE: f64 = 1e-3;
 const WELD_SHARE: f64 = 1e-4;
 /// Ends nearer to the surface than this share of the extent lie on it, though the edge between them leaves it.
 const ENDS_SHARE: f64 = 1e-3;
+/// Natural parameters nearer than this share of a period are of one lift of a point, others of another.
+const SAME_LIFT: f64 = 0.02;
 /// Chords of one face at most.
 const MOST_CHORDS: usize = 200_000;
 /// Halvings of one sample interval at most: 2⁻¹⁴ of an edge is finer than any honest curve needs.
@@ -90,6 +92,24 @@ impl Chain {
     pub fn nodes(&self) -> impl Iterator<Item = &[f64; 2]> {
         let line = self.line.iter().flat_map(|l| l.0.iter());
         self.pcurves.iter().flat_map(|s| s.qs.iter()).chain(line)
+    }
+
+    /// Leaves out curves that are run there and back one after the other: they bound nothing. Writers cut surfaces that close
+    /// both ways so.
+    pub fn without_slits(mut self, periods: [f64; 2]) -> Self {
+        let mut kept: Vec<Pcurve> = Vec::with_capacity(self.pcurves.len());
+        for p in self.pcurves.drain(..) {
+            match kept.last() {
+                Some(last) if last.is_run_back_by(&p, periods) => drop(kept.pop()),
+                _ => kept.push(p),
+            }
+        }
+        // The loop may begin within a slit.
+        let inner =
+            (0..kept.len() / 2).take_while(|&i| kept[kept.len() - 1 - i].is_run_back_by(&kept[i], periods)).count();
+        self.pcurves = kept.drain(inner..kept.len() - inner).collect();
+        self.edges.retain(|e| self.pcurves.iter().any(|p| p.label == e.label));
+        self
     }
 
     /// Moves the chain in the parameter plane.
@@ -218,6 +238,21 @@ fn turn_at_pole(pcurve: &Pcurve, pole: &Pole, difference: f64, period: f64) -> f
 }
 
 impl Pcurve {
+    /// Whether `other` runs along the same way on the surface in the opposite direction.
+    fn is_run_back_by(&self, other: &Self, periods: [f64; 2]) -> bool {
+        let middle = |a: &Arc| a.curve.point(0.5 * (a.from + a.to));
+        let (p, q) = (self.arc.ends(), other.arc.ends());
+        let near = WELD_SHARE * ((middle(&self.arc) - p.0).norm() + (middle(&self.arc) - p.1).norm());
+        let apart = |x: Vec3, y: Vec3| (x - y).norm() > near;
+        let far = |a: [f64; 2], b: [f64; 2]| (0..2).any(|k| (a[k] - b[k]).abs() > SAME_LIFT * periods[k]);
+        let (first, last) = (self.qs[0], self.end());
+        !apart(p.0, q.1)
+            && !apart(p.1, q.0)
+            && !apart(middle(&self.arc), middle(&other.arc))
+            && !far(first, other.end())
+            && !far(last, other.qs[0])
+    }
+
     fn end(&self) -> [f64; 2] {
         self.qs[self.qs.len() - 1]
     }

@@ -64,6 +64,8 @@ const CONTRADICTED: f64 = 0.05;
 const SAME_POINT: f64 = 1e-6;
 /// A loop of the parameter plane tells its sense where it encloses more than this share of its box.
 const CLOSED: f64 = 1e-3;
+/// Curves of a loop that are looked through for the ends of others, at most.
+const MOST_SORTED: usize = 1000;
 /// Places along a curve of the parameter plane that tell the sense of a loop.
 const PLACES: usize = 6;
 
@@ -224,35 +226,59 @@ impl Geometry<'_> {
     /// Whether a boundary runs counter-clockwise in the parameter plane of its surface; `None` where that cannot be
     /// told: it may go round the surface. Where it passes a pole, a side of the polygon may be left out.
     fn sense(&self, b: &Boundary, periods: [Option<f64>; 2]) -> Option<bool> {
-        let mut points: Vec<[f64; 2]> = Vec::new();
+        let mut curves: Vec<Vec<[f64; 2]>> = Vec::new();
         for u in &b.uses {
             if u.plane.is_empty() {
                 return None;
             }
             for (_, a) in self.plane_path(u, Chart::SAME).ok()? {
-                let stations = a.curve.stations(a.from, a.to);
-                for w in stations.windows(2) {
+                let mut points = Vec::new();
+                for w in a.curve.stations(a.from, a.to).windows(2) {
                     points.extend((0..=PLACES).map(|i| {
                         let q = a.curve.point(w[0] + (w[1] - w[0]) * i as f64 / PLACES as f64);
                         [q.x, q.y]
                     }));
                 }
+                curves.push(points);
             }
         }
-        let (first, last) = (points.first()?, points.last()?);
-        let reach = |k: usize| {
-            let (lo, hi) = points.iter().fold((f64::MAX, f64::MIN), |(a, b), p| (a.min(p[k]), b.max(p[k])));
+        curves.retain(|c| !c.is_empty());
+        let points = || curves.iter().flatten();
+        let (first, last) = (points().next()?, points().last()?);
+        let reach = [0, 1].map(|k| {
+            let (lo, hi) = points().fold((f64::MAX, f64::MIN), |(a, b), p| (a.min(p[k]), b.max(p[k])));
             hi - lo
+        });
+        let beside = |p: &[f64; 2], q: &[f64; 2]| {
+            let [p, q] = [p, q].map(|x| [x[0] - first[0], x[1] - first[1]]);
+            p[0] * q[1] - q[0] * p[1]
         };
-        let around = |k: usize| periods[k].is_some_and(|p| (first[k] - last[k]).abs() >= (1.0 - CLOSED) * p);
-        let area: f64 = points
-            .windows(2)
-            .map(|w| (w[0][0] - first[0]) * (w[1][1] - first[1]) - (w[1][0] - first[0]) * (w[0][1] - first[1]))
-            .sum();
+        let along = |c: &[[f64; 2]]| c.windows(2).map(|w| beside(&w[0], &w[1])).sum::<f64>();
+        let area = curves.iter().map(|c| along(c)).sum::<f64>();
+        // Where all corners of a chart are one point, writers may jump from one to another: the curves as they lie bound
+        // the region all the same, in whichever order they come.
+        let area = if closed_in_any_order(&curves, reach) {
+            area
+        } else {
+            if (0..2).any(|k| periods[k].is_some_and(|p| (first[k] - last[k]).abs() >= (1.0 - CLOSED) * p)) {
+                return None;
+            }
+            area + curves.windows(2).map(|w| beside(&w[0][w[0].len() - 1], &w[1][0])).sum::<f64>()
+        };
         // Twice the area of a loop that runs back along itself is nothing.
-        let tells = area.abs() > CLOSED * reach(0) * reach(1);
-        (tells && !around(0) && !around(1)).then_some(area > 0.0)
+        (area.abs() > CLOSED * reach[0] * reach[1]).then_some(area > 0.0)
     }
+}
+
+/// Whether every curve ends where some other begins, each with its own.
+fn closed_in_any_order(curves: &[Vec<[f64; 2]>], reach: [f64; 2]) -> bool {
+    let mut starts: Vec<[f64; 2]> = curves.iter().map(|c| c[0]).collect();
+    curves.len() <= MOST_SORTED
+        && curves.iter().all(|c| {
+            let end = c[c.len() - 1];
+            let meets = |p: &[f64; 2]| (0..2).all(|k| (p[k] - end[k]).abs() <= CLOSED * reach[k]);
+            starts.iter().position(meets).map(|i| starts.swap_remove(i)).is_some()
+        })
 }
 
 /// Periods in the parameters of the file.

@@ -21,6 +21,8 @@ pub(super) struct Patch {
     pub deviation: f64,
     /// How the parameters of the file become natural ones; `None` where curves in its parameter plane cannot be used.
     pub chart: Option<Chart>,
+    /// The elementary surface that it is too, with other parameters.
+    pub round: Option<(SupportSurface, SurfaceKind)>,
 }
 
 /// The map `natural[k] = scale[k] · stated + shift[k]`, of the other stated parameter if they are exchanged.
@@ -50,19 +52,19 @@ impl Patch {
     /// The patch on the elementary surface that a turned line or arc is: feet are known there. The parameters of the
     /// file are lost, so this is for faces that are bounded by curves of space.
     pub fn simplified(self) -> Self {
-        let Some((support, kind)) = round(&self.support) else { return self };
+        let Some((support, kind)) = self.round.clone() else { return self };
         let Some(rectangle) = self.rectangle else { return self };
         // A place that is no pole.
         let at = rectangle.map(|(a, b)| a + PROBE * (b - a));
         let old = self.support.jet(at);
         let new = support.jet(support.foot(&old.p, None));
         let agree = old.du.cross(&old.dv).dot(&new.du.cross(&new.dv)) >= 0.0;
-        Self { support, kind, same_sense: self.same_sense == agree, rectangle: None, chart: None, ..self }
+        Self { support, kind, same_sense: self.same_sense == agree, rectangle: None, chart: None, round: None, ..self }
     }
 
     /// A surface that is its support.
     pub fn exact(support: SupportSurface, kind: SurfaceKind) -> Self {
-        Self { support, kind, same_sense: true, rectangle: None, deviation: 0.0, chart: Some(Chart::SAME) }
+        Self { support, kind, same_sense: true, rectangle: None, deviation: 0.0, chart: Some(Chart::SAME), round: None }
     }
 }
 

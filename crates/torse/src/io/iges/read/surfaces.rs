@@ -12,6 +12,7 @@ use crate::brep::recast;
 use crate::brep::ruled::Ruled;
 use crate::brep::space_curve::{Arc, SpaceCurve};
 use crate::brep::support_surface::{SplineCarrier, SupportSurface};
+use crate::brep::swept;
 use crate::geom::{Frame, Vec3};
 use crate::spline::SplineError;
 use std::f64::consts::FRAC_PI_2;
@@ -58,11 +59,21 @@ impl Geometry<'_> {
         }
         let (from, to) = (generatrix.from.min(generatrix.to), generatrix.from.max(generatrix.to));
         let along = generatrix.from <= generatrix.to;
-        let rectangle = Some([(start, end), (from, to)]);
-        let support = SupportSurface::Revolution { directrix: generatrix.curve, frame };
-        let kind = round(&support).map_or(SurfaceKind::Revolution, |r| r.1);
-        let chart = along.then_some(Chart { exchanged: true, ..Chart::SAME });
-        Ok(Patch { same_sense: !along, rectangle, chart, ..Patch::exact(support, kind) })
+        let round = round(&SupportSurface::Revolution { directrix: generatrix.curve.clone(), frame });
+        // A closed curve turned by half a turn covers the surface once.
+        let once = end - start <= HALF_TURN;
+        let directrix = match swept::meridian(&generatrix.curve, Some((from, to)), &frame) {
+            Ok(directrix) => directrix,
+            Err(_) if once || round.is_some() => None,
+            Err(why) => return Err(Fault::new(e.number, format!("surface of revolution D{}: {why}", e.number))),
+        };
+        // The part of a curve as a spline has parameters of its own.
+        let chart = (along && directrix.is_none()).then_some(Chart { exchanged: true, ..Chart::SAME });
+        let range = directrix.as_ref().and_then(SpaceCurve::domain).unwrap_or((from, to));
+        let kind = round.as_ref().map_or(SurfaceKind::Revolution, |r| r.1);
+        let support = SupportSurface::Revolution { directrix: directrix.unwrap_or(generatrix.curve), frame };
+        let rectangle = Some([(start, end), range]);
+        Ok(Patch { same_sense: !along, rectangle, chart, round, ..Patch::exact(support, kind) })
     }
 
     /// Ruled surface: both parameters run from 0 to 1.
@@ -111,7 +122,8 @@ impl Geometry<'_> {
         let middle = middle(&base);
         if let Some((support, same)) = recast::elementary(&base.support) {
             // The new form has other parameters; the edges of the file say where it ends.
-            base = Patch { support, same_sense: base.same_sense == same, rectangle: None, chart: None, ..base };
+            let same_sense = base.same_sense == same;
+            base = Patch { support, same_sense, rectangle: None, chart: None, ..base };
         }
         let jet = base.support.jet(base.support.foot(&middle, None));
         let side = jet.du.cross(&jet.dv).dot(&indicator);
@@ -119,7 +131,8 @@ impl Geometry<'_> {
         let distance = e.number(4)? * if side < 0.0 { -1.0 } else { 1.0 };
         let (support, deviation) = offset::of_carrier(&base.support, distance)
             .map_err(|why| Fault::new(e.number, format!("offset surface D{}: {why}", e.number)))?;
-        Ok(Patch { support, kind: SurfaceKind::Offset, deviation: base.deviation + deviation, ..base })
+        let deviation = base.deviation + deviation;
+        Ok(Patch { support, kind: SurfaceKind::Offset, deviation, round: None, ..base })
     }
 
     /// Planes, cylinders, cones, spheres and tori by centre, axis and sizes.
@@ -173,6 +186,9 @@ impl Geometry<'_> {
         Ok(Patch { chart, ..Patch::exact(support, kind) })
     }
 }
+
+/// Half a turn and a hair, rad.
+const HALF_TURN: f64 = 3.2;
 
 /// Turns of a surface of revolution at most, rad; a hair more than one is rounding.
 const MOST_TURNS: f64 = 6.5;

@@ -92,17 +92,11 @@ impl<'r, 'a> Geometry<'r, 'a> {
                 Ok(Patch { same_sense: along, ..Patch::exact(support, SurfaceKind::Extrusion) })
             }
             "SURFACE_OF_REVOLUTION" => {
-                let (mut directrix, along, range) = self.directrix(a.reference(1)?, depth)?;
+                let (directrix, along, part) = self.directrix(a.reference(1)?, depth)?;
                 let frame = self.frame(a.reference(2)?)?;
-                // All of a closed curve that meets the axis would cover the surface twice: the part that is turned counts.
-                if directrix.period().is_some() && swept::meets_axis(&directrix, &frame) {
-                    let (from, to) = range.ok_or_else(|| {
-                        let words = "turned about an axis that it meets, covers the surface twice, which is not read";
-                        Fault::new(id, format!("the closed curve of #{id}, {words}"))
-                    })?;
-                    directrix =
-                        SpaceCurve::Spline(directrix.to_spline(from, to).map_err(|e| Fault::new(id, e.to_string()))?.0);
-                }
+                let turned = swept::meridian(&directrix, part, &frame)
+                    .map_err(|why| Fault::new(id, format!("surface of revolution #{id}: {why}")))?;
+                let directrix = turned.unwrap_or(directrix);
                 let support = SupportSurface::Revolution { directrix, frame };
                 Ok(Patch { same_sense: along, ..Patch::exact(support, SurfaceKind::Revolution) })
             }
