@@ -127,7 +127,7 @@ fn an_omega_profile_is_one_panel() {
     let hole = (0..40).map(|k| [u0 + (u1 - u0) * (0.5 + 0.05 * turn(k).cos()), 0.5 - 0.1 * turn(k).sin()]).collect();
     round.loops.push(TrimLoop { points: hole, edge: vec![9; 40] });
     for face in [Face::untrimmed(s.clone()), Face::untrimmed(s.transposed()), round] {
-        for tolerance in [0.5, 0.1] {
+        for tolerance in [0.5, 0.01] {
             let out = panels(vec![face.clone()], tolerance);
             assert_eq!(out.patchwork.panels.len(), 1);
             let flat = &out.patterns[0];

@@ -4,6 +4,7 @@
 //! Looks at places of the surface; proves nothing.
 
 use crate::geom::Vec3;
+use crate::spline::curve::Curve;
 use crate::spline::surface::Surface;
 
 /// Spans are looked at in so many places across the lines …
@@ -12,6 +13,8 @@ const ACROSS: usize = 6;
 const ALONG: usize = 7;
 /// Share of the range beside a knot line at which curvatures of its two sides are compared.
 const BESIDE: f64 = 1e-7;
+/// Weights that differ by less than this share are one.
+const SAME_WEIGHT: f64 = 1e-14;
 /// A normal shorter than this share of that in the middle of its line belongs to an apex, where only rounding gives it a
 /// direction: next to an apex normals grow in proportion, and no file has more digits than that for points.
 const VANISHED: f64 = 1e-9;
@@ -84,6 +87,18 @@ impl<'a> Rulings<'a> {
         let direction = (q - p).try_normalize(0.0)?;
         let normal = self.normal(s, 0.5 * (lo + hi))?;
         Some(StraightLine { point: 0.5 * (p + q), direction, normal, length: (q - p).norm() })
+    }
+
+    /// The curve across the lines through their middles, if its coordinates are polynomials of the parameter across; it may
+    /// reach beyond the range.
+    pub fn middle(&self) -> Option<Curve<3>> {
+        let at = 0.5 * (self.along.0 + self.along.1);
+        let Curve { knots, control } =
+            if self.swapped { self.surface.curve_at_u(at) } else { self.surface.curve_at_v(at) };
+        let weight = control[0][3];
+        let polynomial = control.iter().all(|h| (h[3] - weight).abs() <= SAME_WEIGHT * weight.abs());
+        polynomial
+            .then(|| Curve { knots, control: control.iter().map(|h| [0, 1, 2].map(|k: usize| h[k] / h[3])).collect() })
     }
 
     /// Lengths (mm) of the derivative across the line at `s`, square to it, at both ends.

@@ -87,11 +87,13 @@ pub fn exact(rulings: &Rulings, samples: &[Sample], options: &ExactOptions) -> O
             Some(torse)
         }
     };
-    let forms: [(Form, bool); 4] = [
+    let is_cylinder = kind == PanelKind::Cylinder;
+    let forms: [(Form, bool); 5] = [
         (&profile, steepest <= GENTLE && !pointed),
         (&planes, true),
         (&profile, pointed || steepest > GENTLE && steepest <= STEEPEST),
-        (&cylinder, kind == PanelKind::Cylinder),
+        (&|s: &Sampled| polynomial_cylinder(s, rulings), is_cylinder),
+        (&cylinder, is_cylinder),
     ];
     let reached = |form: Form| {
         let mut best: Option<Fit> = None;
@@ -213,9 +215,14 @@ impl Sampled {
         let control = knots.len() - 4;
         let knots = Knots::new(3, knots, control).ok()?;
         let curve = lsq::fit(values, t, &knots).ok()?.curve;
-        let margin = if self.closes() { (b - a) / (self.breaks.len() + 1) as f64 } else { MARGIN * (b - a) };
-        let margin = margin.min(MARGIN * (b - a));
+        let margin = self.margin(b - a);
         curve.extended(a - margin, b + margin).ok()
+    }
+
+    /// How far beyond both ends of a range of this length the spline is continued.
+    fn margin(&self, length: f64) -> f64 {
+        let span = if self.closes() { length / (self.breaks.len() + 1) as f64 } else { f64::INFINITY };
+        span.min(MARGIN * length)
     }
 
     /// Whether the last ruling comes back near the first: the continuation beyond one end would lie beside the other, less
@@ -295,23 +302,51 @@ fn of_planes(sampled: &Sampled) -> Option<Torse> {
     Some(Torse::Dual(DualTorse { planes: sampled.spline(&t, &values)? }))
 }
 
-/// The cylinder over the profile in the plane square to the rulings, over the length of its chords.
-fn cylinder(sampled: &Sampled) -> Option<Torse> {
+/// The frame of a cylinder: rulings along y, the first of them with its normal along z.
+fn cylinder_frame(sampled: &Sampled) -> Option<Frame> {
     let first = sampled.lines.first()?;
     let y = sampled.lines.iter().map(|l| l.direction).sum::<Vec3>().try_normalize(0.0)?;
     let x = y.cross(&first.normal).try_normalize(0.0)?;
     let origin = sampled.lines.iter().map(|l| l.point).sum::<Vec3>() / sampled.lines.len() as f64;
-    let frame = Frame { origin, x, y, z: x.cross(&y) };
-    let local = |l: &StraightLine| {
-        let p = frame.to_local(&l.point);
-        [p.x, p.z]
-    };
-    let points: Vec<[f64; 2]> = sampled.lines.iter().map(local).collect();
+    Some(Frame { origin, x, y, z: x.cross(&y) })
+}
+
+/// The cylinder over the profile in the plane square to the rulings, over the length of its chords.
+fn cylinder(sampled: &Sampled) -> Option<Torse> {
+    let frame = cylinder_frame(sampled)?;
+    let points: Vec<[f64; 2]> = sampled.lines.iter().map(|l| section(&frame, &l.point)).collect();
     let mut t = vec![0.0];
     for w in points.windows(2) {
         t.push(t[t.len() - 1] + (w[1][0] - w[0][0]).hypot(w[1][1] - w[0][1]));
     }
     Some(Torse::Cylinder(CylinderTorse { frame, profile: sampled.spline(&t, &points)? }))
+}
+
+/// The cylinder of a surface whose profile is a cubic already, or of a lower degree, and has no corners: with that profile
+/// itself, over parameters that are about its length.
+fn polynomial_cylinder(sampled: &Sampled, rulings: &Rulings) -> Option<Torse> {
+    let frame = cylinder_frame(sampled)?;
+    let mut middle = rulings.middle()?;
+    while middle.knots.degree() < 3 {
+        middle = middle.elevated().ok()?;
+    }
+    let ((a, b), (lo, hi)) = (rulings.range(), middle.domain());
+    let corner = middle.knots.distinct().iter().any(|&(s, times)| s > lo && s < hi && times > 2);
+    if middle.knots.degree() > 3 || corner {
+        return None;
+    }
+    let length: f64 = sampled.lines.windows(2).map(|w| (w[1].point - w[0].point).norm()).sum();
+    let margin = sampled.margin(b - a);
+    let middle = middle.extended(a - margin, b + margin).ok()?;
+    let knots = middle.knots.values().iter().map(|s| (s - a) * length / (b - a)).collect();
+    let control = middle.control.iter().map(|&[x, y, z]| section(&frame, &Vec3::new(x, y, z))).collect();
+    Some(Torse::Cylinder(CylinderTorse { frame, profile: Curve::new(3, knots, control).ok()? }))
+}
+
+/// A point in the plane square to the rulings.
+fn section(frame: &Frame, x: &Vec3) -> [f64; 2] {
+    let p = frame.to_local(x);
+    [p.x, p.z]
 }
 
 /// What rulings make up: parallel ones a cylinder, those through a point a cone.

@@ -24,8 +24,6 @@ const AIM: f64 = 0.3;
 /// The proof's bound over a cell in which the normal turns by δ is about this multiple of δ² times the cell's length along
 /// the rulings, as measured on cylinders and cones.
 const LOSS: f64 = 1.5;
-/// Shares of [`AIM`] that are tried in turn: the proof loses more where a profile curls tightly.
-const FINER: [f64; 2] = [1.0, 0.25];
 /// Turn of the normal (rad) from line to line of the triangulation at least and at most.
 const TURN: (f64, f64) = (0.003, 0.04);
 /// Length of cells along the rulings as a share of these, at most: longer ones would ask for more of them across.
@@ -79,14 +77,12 @@ pub(in crate::search) fn exactly_covered(face: &Face, options: &CoverOptions, co
         return None;
     }
     let rulings = Rulings::of(&face.surface, bounds(face), SLACK * options.tolerance)?;
-    FINER.iter().find_map(|&finer| {
-        let [u, v] = lines(&rulings, finer, options.tolerance)?;
-        let mut state = State::on_lines(face, u, v).ok()?;
-        state.partition.split_components(0);
-        layout::cut_along_seams(face, &mut state, &options.layout, options.tolerance);
-        let state = exactly(face, options, control, state)?;
-        (state.panels.len() <= options.max_panels).then_some(state)
-    })
+    let [u, v] = lines(&rulings, options.tolerance)?;
+    let mut state = State::on_lines(face, u, v).ok()?;
+    state.partition.split_components(0);
+    layout::cut_along_seams(face, &mut state, &options.layout, options.tolerance);
+    let state = exactly(face, options, control, state)?;
+    (state.panels.len() <= options.max_panels).then_some(state)
 }
 
 /// The regions of a developable face with the torses of the surface itself, each as long as its region, proven.
@@ -104,7 +100,7 @@ type Turns = (Vec<f64>, Vec<f64>);
 
 /// Lines of constant u and v of a triangulation on which the proof loses little: at equal turns of the normal across the
 /// rulings, and along them at lengths that are short against the radius of curvature there.
-fn lines(rulings: &Rulings, finer: f64, tolerance: f64) -> Option<[Vec<f64>; 2]> {
+fn lines(rulings: &Rulings, tolerance: f64) -> Option<[Vec<f64>; 2]> {
     let breaks = rulings.breaks();
     let (mut radius, mut length) = ([f64::INFINITY; 2], 0.0_f64);
     let mut turns: Vec<Turns> = Vec::new();
@@ -126,10 +122,9 @@ fn lines(rulings: &Rulings, finer: f64, tolerance: f64) -> Option<[Vec<f64>; 2]>
         }
         turns.push((at, turn));
     }
-    let aim = finer * AIM * tolerance / LOSS;
-    let along = along(radius, length, (LENGTH * length).min(aim / TURN.0.powi(2)));
+    let along = along(radius, length, (LENGTH * length).min(AIM * tolerance / (LOSS * TURN.0.powi(2))));
     let longest = along.windows(2).map(|w| w[1] - w[0]).fold(0.0, f64::max) * length;
-    let wanted = (aim / longest).sqrt();
+    let wanted = (AIM * tolerance / (LOSS * longest)).sqrt();
     let step = if wanted.is_finite() { wanted.clamp(TURN.0, TURN.1) } else { TURN.1 };
     let (lo, hi) = rulings.reach();
     let place = |x: &f64| if *x >= 1.0 { hi } else { lo + (hi - lo) * x };
