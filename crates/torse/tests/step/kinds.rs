@@ -402,6 +402,82 @@ fn assemblies_place_every_occurrence() {
     }
 }
 
+/// A part that is a unit square with its centre at (½, ½, 0).
+fn square(unit: Unit) -> Step {
+    let mut s = Step::new(unit);
+    let l = s.polygon(&[[0., 0., 0.], [1., 0., 0.], [1., 1., 0.], [0., 1., 0.]]);
+    let plane = s.plane([0., 0., 0.], [0., 0., 1.]);
+    s.face("", plane, &[(l, true)], true);
+    s
+}
+
+/// The text with every record changed, and more of them.
+fn changed(text: &str, change: impl Fn(&str) -> String, more: &str) -> String {
+    let lines: Vec<String> = text.lines().map(change).collect();
+    let (head, tail) =
+        lines.join("\n").rsplit_once("ENDSEC;").map(|(h, t)| (h.to_string(), t.to_string())).expect("a file");
+    format!("{head}{more}\nENDSEC;{tail}")
+}
+
+fn is_centred(text: &str, place: [f64; 3]) {
+    let m = read(text.as_bytes()).expect("a model");
+    let centre = m.faces[0].surface.bbox().center();
+    assert!(m.faces.len() == 1 && (centre - Vec3::from(place)).norm() < 1e-9, "{centre:?} {}", m.faces.len());
+}
+
+#[test]
+fn exchanged_items_of_a_transformation_are_told_by_who_lists_them() {
+    for reversed in [false, true] {
+        let mut s = square(Unit::Millimetre);
+        s.occurrence([10., 0., 0.], [0., 0., 1.], [0., 1., 0.], reversed);
+        let exchange = |line: &str| match line.split_once("=ITEM_DEFINED_TRANSFORMATION('','',") {
+            Some((id, items)) => {
+                let (one, two) = items.trim_end_matches(");").split_once(',').expect("two items");
+                format!("{id}=ITEM_DEFINED_TRANSFORMATION('','',{two},{one});")
+            }
+            None => line.to_string(),
+        };
+        is_centred(&s.text(), [9.5, 0.5, 0.0]);
+        is_centred(&changed(&s.text(), exchange, ""), [9.5, 0.5, 0.0]);
+    }
+}
+
+#[test]
+fn copies_lie_where_the_units_of_their_holder_say() {
+    let mut s = square(Unit::Metre);
+    s.mapped([3., 0., 5.]);
+    let millimetres = "#9001=(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.MILLI.,.METRE.));\n\
+        #9002=(GEOMETRIC_REPRESENTATION_CONTEXT(3)GLOBAL_UNIT_ASSIGNED_CONTEXT((#9001))REPRESENTATION_CONTEXT('',''));";
+    let held = |line: &str| match line.rsplit_once(",#").filter(|_| line.contains("=SHAPE_REPRESENTATION(")) {
+        Some((items, _)) => format!("{items},#9002);"),
+        None => line.to_string(),
+    };
+    is_centred(&s.text(), [3500.0, 500.0, 5000.0]);
+    is_centred(&changed(&s.text(), held, millimetres), [503.0, 500.0, 5.0]);
+}
+
+#[test]
+fn transformation_operators_turn_and_scale_however_they_are_written() {
+    let mut s = square(Unit::Millimetre);
+    s.mapped([3., 0., 5.]);
+    let axes =
+        "#9002=DIRECTION('',(0.,1.,0.));\n#9003=DIRECTION('',(0.,0.,1.));\n#9004=CARTESIAN_POINT('',(10.,0.,0.));\n\
+        #9005=DIRECTION('',(1.,0.,0.));\n#9001=";
+    let target = |line: &str| match line.split_once("=MAPPED_ITEM(") {
+        Some((id, rest)) => format!("{id}=MAPPED_ITEM({},#9001);", rest.rsplit_once(',').expect("a target").0),
+        None => line.to_string(),
+    };
+    for operator in [
+        "CARTESIAN_TRANSFORMATION_OPERATOR_3D('','','',#9002,#9003,#9004,2.,#9005);",
+        "CARTESIAN_TRANSFORMATION_OPERATOR_3D('','',#9002,#9003,#9004,2.,#9005);",
+        "CARTESIAN_TRANSFORMATION_OPERATOR_3D('',#9002,#9003,#9004,2.,#9005);",
+        "(CARTESIAN_TRANSFORMATION_OPERATOR(#9002,#9003,#9004,2.)CARTESIAN_TRANSFORMATION_OPERATOR_3D(#9005)\
+         FUNCTIONALLY_DEFINED_TRANSFORMATION('','')GEOMETRIC_REPRESENTATION_ITEM()REPRESENTATION_ITEM(''));",
+    ] {
+        is_centred(&changed(&s.text(), target, &format!("{axes}{operator}")), [10.0, 1.0, 1.0]);
+    }
+}
+
 #[test]
 fn edges_lie_where_assemblies_put_them() {
     let mut s = Step::new(Unit::Millimetre);

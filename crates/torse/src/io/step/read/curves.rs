@@ -101,18 +101,26 @@ impl<'r, 'a> Geometry<'r, 'a> {
         let Some(part) = r.parts.iter().find(|p| p.name.starts_with("CARTESIAN_TRANSFORMATION_OPERATOR")) else {
             return self.frame(id).map(|f| Placement::of_frame(&f));
         };
-        // (name, axis1, axis2, origin, scale[, axis3]); in complex instances the last part with arguments decides.
+        // (…, axis1, axis2, origin, scale, axis3), after up to three names; in complex instances axis3 has a part of its own.
+        let own = r.part("CARTESIAN_TRANSFORMATION_OPERATOR_3D").filter(|_| r.parts.len() > 1);
+        let own = own.filter(|p| !std::ptr::eq(*p, part)).map(|p| &p.args);
+        let after_names = |n: usize| part.args.len().saturating_sub(n);
+        let named = |v: &&Value| matches!(v, Value::Text(_));
+        let first = match (own, part.name) {
+            (Some(_), _) => after_names(4),
+            (None, "CARTESIAN_TRANSFORMATION_OPERATOR_3D") => after_names(5),
+            (None, _) => part.args.iter().take_while(named).count(),
+        };
         let a = Args { id, values: &part.args };
-        let shift = usize::from(part.args.first().is_some_and(|v| matches!(v, Value::Text(_))));
-        // Some writers repeat the name for the geometric item and for the operator.
-        let shift = shift + usize::from(part.args.get(shift).is_some_and(|v| matches!(v, Value::Text(_))));
-        let given = |k: usize| a.values.get(k + shift).and_then(as_reference).map(|d| self.direction(d)).transpose();
-        let origin = self.point(a.reference(2 + shift)?)?;
-        let scale = a.values.get(3 + shift).and_then(as_number).unwrap_or(1.0);
+        let direction = |v: Option<&Value>| v.and_then(as_reference).map(|d| self.direction(d)).transpose();
+        let [x, y] = [0, 1].map(|k| direction(a.values.get(first + k)));
+        let (x, y) = (x?, y?);
+        let z = direction(own.map_or(a.values.get(first + 4), |args| args.last()))?;
+        let origin = self.point(a.reference(first + 2)?)?;
+        let scale = a.values.get(first + 3).and_then(as_number).unwrap_or(1.0);
         if !(scale.is_finite() && scale > 0.0) {
             return Err(Fault::new(id, format!("the scale of #{id} is not a positive number")));
         }
-        let (x, y, z) = (given(0)?, given(1)?, given(4)?);
         let mut f = right_handed(origin, z, x);
         if y.is_some_and(|y| y.dot(&f.y) < 0.0) {
             f.y = -f.y;

@@ -109,7 +109,8 @@ impl<'r, 'a> Walk<'r, 'a> {
         }
         let inner = self.units_index(source);
         let from = self.geometry(inner).placement(origin)?;
-        let to = self.geometry(inner).placement(a.reference(2)?)?;
+        // The target belongs to the representation that holds the copy, with its units.
+        let to = self.geometry(here.units).placement(a.reference(2)?)?;
         let back = from
             .inverse()
             .ok_or_else(|| Fault::new(a.id, format!("the origin of the mapping #{} cannot be inverted", a.id)))?;

@@ -146,9 +146,18 @@ impl<'r, 'a> Walk<'r, 'a> {
         let r = self.records.get(transformation)?;
         let placement = if r.part("ITEM_DEFINED_TRANSFORMATION").is_some() {
             let a = self.records.args(transformation, "ITEM_DEFINED_TRANSFORMATION")?;
+            let items = [a.reference(2)?, a.reference(3)?];
+            // The first item is one of representation `one`, the second of `two`, but some writers exchange them: where
+            // the representations list them, that decides.
+            let lists = |rep: u64, item: u64| {
+                self.items(rep).and_then(|a| a.references(1).ok()).is_some_and(|l| l.contains(&item))
+            };
+            let exchanged =
+                lists(one, items[1]) && lists(two, items[0]) && !(lists(one, items[0]) && lists(two, items[1]));
+            let [in_one, in_two] = if exchanged { [items[1], items[0]] } else { items };
             let (u1, u2) = (self.units_index(one), self.units_index(two));
-            let first = self.geometry(u1).placement(a.reference(2)?)?;
-            let second = self.geometry(u2).placement(a.reference(3)?)?;
+            let first = self.geometry(u1).placement(in_one)?;
+            let second = self.geometry(u2).placement(in_two)?;
             let (from, to) = if reversed { (second, first) } else { (first, second) };
             let back = from
                 .inverse()
