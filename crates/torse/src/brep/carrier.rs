@@ -104,6 +104,11 @@ pub fn outward(face: &Face, uv: [f64; 2]) -> Option<Vec3> {
     Some(if face.reversed { -n } else { n })
 }
 
+/// The straight parameter lines of a developable face.
+pub(crate) fn rulings(face: &Face) -> Option<Rulings<'_>> {
+    Rulings::of(&face.surface, bounds(face), EXACT * face.surface.bbox().diagonal())
+}
+
 /// The surface that a face lies on.
 ///
 /// *Guarantee*: at all samples points keep to the carrier within [`EXACT`] of the face's extent. *Not guaranteed*: what

@@ -139,6 +139,20 @@ impl<'a> Rulings<'a> {
         self.along
     }
 
+    /// The sharpest edge inside, at a break across which the normal turns by more than `least` (rad): its middle, and by how much.
+    pub fn kink(&self, least: f64) -> Option<(Vec3, f64)> {
+        let (a, b) = self.across;
+        let (beside, middle) = (BESIDE * (b - a), 0.5 * (self.along.0 + self.along.1));
+        let breaks = self.breaks();
+        let turn = |&s: &f64| {
+            let [before, after] = [s - beside, s + beside].map(|s| self.normal(s, middle));
+            let [u, v] = self.place(s, middle);
+            Some((self.surface.point(u, v), before?.angle(&after?)))
+        };
+        let kinks = breaks[1..breaks.len() - 1].iter().filter_map(turn).filter(|k| k.1 > least);
+        kinks.max_by(|p, q| p.1.total_cmp(&q.1))
+    }
+
     /// Whether the normal curvature across the lines jumps at an inner break.
     pub fn bends_anew(&self, s: f64) -> bool {
         let (a, b) = self.across;

@@ -6,15 +6,16 @@
 //! which is bounded from below, that is a distance. Patches come from knot insertion, whose
 //! rounding is added. Where a side of a patch lies in the apex of a cone, the gradient has no bound from below; but patch,
 //! function and gradient then have the way from that side as a factor, once, twice and once, and what is left when it is
-//! divided out bounds the distance.
+//! divided out bounds the distance. Of edges the same is true, as patches of degree 0 in one direction.
 
 use super::claim::UpperBound;
 use super::strokes::root_between;
-use crate::geom::{Frame, Vec3};
+use crate::geom::{BBox, Frame, Vec3};
 use crate::num::binomial::binomial;
 use crate::num::interval::Interval;
 use crate::patchwork::image::{ClosedMap, MapStrip};
-use crate::spline::bezier::BezierPatch;
+use crate::spline::bezier::{Bezier, BezierPatch};
+use crate::spline::curve::{bezier_pieces, Curve};
 use crate::spline::surface::Surface;
 
 /// Share of the size that rounding in knot insertion, in the change of coordinates and in the frame's own axes may move
@@ -116,34 +117,51 @@ pub(crate) fn distance_of_strip(surface: &Surface, strip: &MapStrip) -> UpperBou
 /// counts.
 const POINT: f64 = 1e-9;
 
+/// Halvings of a piece of an edge until its bound is fine enough, at most.
+const HALVINGS: u32 = 8;
+
+/// Bound of the distance (mm) of a part of an edge (homogeneous) from the carrier of a map; `aim` (mm) is fine enough.
+pub(crate) fn distance_of_edge(edge: &Curve<4>, part: [f64; 2], map: &ClosedMap, aim: f64) -> UpperBound {
+    let (a, b) = (part[0].min(part[1]), part[0].max(part[1]));
+    let pieces: Vec<Bezier<4>> = if a < b {
+        let Ok(part) = edge.restricted(a, b) else { return UpperBound::UNKNOWN };
+        bezier_pieces(&part).into_iter().map(|p| Bezier::new(p.2)).collect()
+    } else {
+        vec![Bezier::new(vec![edge.point(a)])]
+    };
+    let place = |h: &[f64; 4]| Vec3::new(h[0], h[1], h[2]) / h[3];
+    let points: Vec<Vec3> = pieces.iter().flat_map(|p| p.control()).map(place).collect();
+    let size = BBox::of(&points).diagonal();
+    let worst =
+        pieces.iter().map(|p| of_edge(p, size, map, aim, HALVINGS)).try_fold(0.0_f64, |m, d| d.map(|d| m.max(d)));
+    shown(worst, size)
+}
+
+/// Distance of a piece of an edge, halved while that is worth it.
+fn of_edge(piece: &Bezier<4>, size: f64, map: &ClosedMap, aim: f64, halvings: u32) -> Option<f64> {
+    let control = piece.control();
+    let net = Net::of(control, (control.len() - 1, 0), map.frame());
+    let whole = net.and_then(|net| net.distance(size, map));
+    if whole.is_some_and(|d| d <= aim) || halvings == 0 {
+        return whole;
+    }
+    let halves = [(0.0, 0.5), (0.5, 1.0)].map(|(a, b)| of_edge(&piece.restricted(a, b), size, map, aim, halvings - 1));
+    match (halves, whole) {
+        ([Some(p), Some(q)], Some(d)) => Some(p.max(q).min(d)),
+        ([Some(p), Some(q)], None) => Some(p.max(q)),
+        (_, whole) => whole,
+    }
+}
+
 /// Distance of patches of a surface of this size from the carrier of a map.
 fn distance_of_patches(patches: &[BezierPatch], size: f64, map: &ClosedMap) -> UpperBound {
-    let of = |p: &BezierPatch| -> Option<f64> {
-        match map {
-            ClosedMap::Plane(frame) => {
-                let net = Net::of(p, frame)?;
-                net.hull(|q| q[2]).map(|z| z.mag() / net.weight)
-            }
-            ClosedMap::Cylinder { frame, radius, .. } => {
-                let net = Net::of(p, frame)?;
-                let r = Interval::point(*radius);
-                let off = net.quadratic(|a, b| a[0] * b[0] + a[1] * b[1] - r.sqr() * a[3] * b[3]).mag();
-                // |ρ² − R²| = |ρ − R| (ρ + R).
-                Some(off / (net.weight * root_between(r.abs() * net.weight, off).lo))
-            }
-            ClosedMap::Cone { frame, half_angle, .. } => {
-                let net = Net::of(p, frame)?;
-                let whole = net.distance_from_cone(*half_angle);
-                let from_side = |k: usize| {
-                    let (rest, moved) = net.without_apex(k, POINT * size)?;
-                    Some(rest.distance_from_cone(*half_angle)? + moved)
-                };
-                (0..4).filter_map(from_side).chain(whole).min_by(f64::total_cmp)
-            }
-        }
-    };
-    let worst = patches.iter().map(of).try_fold(0.0_f64, |m, d| d.map(|d| m.max(d)));
-    match worst {
+    let of = |p: &BezierPatch| Net::of(&p.control, p.degree, map.frame())?.distance(size, map);
+    shown(patches.iter().map(of).try_fold(0.0_f64, |m, d| d.map(|d| m.max(d))), size)
+}
+
+/// A distance of something of this size as a bound.
+fn shown(distance: Option<f64>, size: f64) -> UpperBound {
+    match distance {
         // Some slack for the divisions above, which are not rounded outwards.
         Some(d) if d.is_finite() => UpperBound::shown(d * (1.0 + ROUNDING) + ROUNDING * size),
         _ => UpperBound::UNKNOWN,
@@ -159,8 +177,8 @@ struct Net {
 }
 
 impl Net {
-    fn of(patch: &BezierPatch, frame: &Frame) -> Option<Self> {
-        let weights = || patch.control.iter().map(|p| p[3]);
+    fn of(control: &[[f64; 4]], degree: (usize, usize), frame: &Frame) -> Option<Self> {
+        let weights = || control.iter().map(|p| p[3]);
         let weight = weights().fold(f64::INFINITY, f64::min);
         let heaviest = weights().fold(0.0, f64::max);
         let axis = |a: &Vec3, p: &[f64; 4]| {
@@ -172,10 +190,39 @@ impl Net {
         };
         let local = |p: &[f64; 4]| [axis(&frame.x, p), axis(&frame.y, p), axis(&frame.z, p), Interval::point(p[3])];
         (weight > 0.0 && heaviest.is_finite()).then(|| Self {
-            points: patch.control.iter().map(local).collect(),
-            degree: patch.degree,
+            points: control.iter().map(local).collect(),
+            degree,
             weight,
         })
+    }
+
+    /// Distance from the carrier of a map in whose frame the net is, of a surface or an edge of this size.
+    fn distance(&self, size: f64, map: &ClosedMap) -> Option<f64> {
+        match map {
+            ClosedMap::Plane(_) => self.hull(|q| q[2]).map(|z| z.mag() / self.weight),
+            ClosedMap::Cylinder { radius, .. } => {
+                let r = Interval::point(*radius);
+                let off = self.quadratic(|a, b| a[0] * b[0] + a[1] * b[1] - r.sqr() * a[3] * b[3]).mag();
+                // |ρ² − R²| = |ρ − R| (ρ + R).
+                Some(off / (self.weight * root_between(r.abs() * self.weight, off).lo))
+            }
+            ClosedMap::Cone { half_angle, .. } => {
+                let whole = self.distance_from_cone(*half_angle);
+                let from_side = |k: usize| {
+                    let (rest, moved) = self.without_apex(k, POINT * size)?;
+                    Some(rest.distance_from_cone(*half_angle)? + moved)
+                };
+                let sides = match self.degree {
+                    (0, _) => 0..0,
+                    (_, 0) => 0..2,
+                    _ => 0..4,
+                };
+                // The apex is a point of the cone.
+                let away = |h: &[Interval; 4]| (h[0].sqr() + h[1].sqr() + h[2].sqr()).sqrt();
+                let apex = self.hull(away).map(|d| d.hi / self.weight);
+                sides.filter_map(from_side).chain(whole).chain(apex).min_by(f64::total_cmp)
+            }
+        }
     }
 
     /// Distance from the cone of this half angle about z; `None` beyond the nappe of positive z.
@@ -256,6 +303,31 @@ mod tests {
         let moved = Frame { origin: Vec3::new(0.02, 0.0, 0.0), ..frame };
         let off = distance_from_carrier(&pipe, &ClosedMap::Cylinder { frame: moved, radius: 25.0, reach: 25.0 });
         assert!((0.0199..0.1).contains(&off.value()), "{off:?}");
+    }
+
+    #[test]
+    fn edges_beside_their_cylinder_cone_or_plane_are_seen() {
+        let frame = Frame::world();
+        let pipe = ClosedMap::Cylinder { frame, radius: 25.0, reach: 25.0 };
+        let cone = ClosedMap::Cone { frame, half_angle: 0.5, behind: 0.0, turn: 0.5_f64.sin() };
+        let of = |points: &[[f64; 3]], map: &ClosedMap| {
+            let control = points.iter().map(|p| [p[0], p[1], p[2], 1.0]).collect();
+            let knots = [vec![0.0; points.len()], vec![1.0; points.len()]].concat();
+            let edge = Curve::new(points.len() - 1, knots, control).expect("an edge");
+            distance_of_edge(&edge, [1.0, 0.0], map, 1e-6).value()
+        };
+        let ruling = |x: f64| [[x, 0.0, 0.0], [x, 0.0, 90.0]];
+        assert!(of(&ruling(25.0), &pipe) < 1e-9);
+        assert!((0.1..0.101).contains(&of(&ruling(25.1), &pipe)));
+        // A bulge in the middle of an edge whose ends lie on the cylinder: 4 mm of 6 above its chord, which lies on it.
+        let bulge = of(&[[25.0, 0.0, 0.0], [28.0, 0.0, 30.0], [28.0, 0.0, 60.0], [25.0, 0.0, 90.0]], &pipe);
+        assert!((2.25..2.5).contains(&bulge), "{bulge}");
+        assert!((2.25..2.2501)
+            .contains(&of(&[[0.0, 0.0, 0.0], [0.0, 0.0, 4.5], [9.0, 9.0, 0.0]], &ClosedMap::Plane(frame))));
+        let (s, c) = 0.5_f64.sin_cos();
+        let from_apex = |by: f64| [[0.0; 3], [70.0 * s + by * c, 0.0, 70.0 * c - by * s]];
+        assert!(of(&from_apex(0.0), &cone) < 1e-9);
+        assert!((0.2..0.21).contains(&of(&from_apex(0.2), &cone)), "{}", of(&from_apex(0.2), &cone));
     }
 
     #[test]

@@ -3,7 +3,8 @@
 //!
 //! *Theorem.* Faces without a closed map are laid flat through a panel, see [`UnfoldedProof::through_panel`], or in strips
 //! between rulings, each a part of a circular cylinder or cone; both images of the ruling between two strips are then among
-//! the inner edges. So holds: Every face, or strip of one, lies within `carrier_distance` of the plane, cylinder or cone that its map lays flat. The maps
+//! the inner edges. So holds: Every face, or strip of one, and every edge that is drawn of it lies within
+//! `carrier_distance` of the plane, cylinder or cone that its map lays flat. The maps
 //! change no length on their surface, or on the neutral surface of a sheet, by more than the factor `1 ± strain`. Every
 //! line and arc of the contours is drawn for parts of edges, or across a sharp bend, and keeps to their images within
 //! `drawing_distance`, both ways. Both images of every edge inside the part lie within `joint_gap` of each other, across a
@@ -14,7 +15,7 @@
 //! *Not shown*: that the contours name every edge of the file that bounds the part, and that parts of one edge follow each
 //! other; the developing code takes all of them in order.
 
-use super::carriers::{distance_from_carrier, distance_of_strip, Wedge, BESIDE};
+use super::carriers::{distance_from_carrier, distance_of_edge, distance_of_strip, Wedge, BESIDE};
 use super::claim::UpperBound;
 use super::flat::simple_outline::outline_is_simple;
 use super::flat::FlatCertificate;
@@ -83,7 +84,7 @@ impl UnfoldedProof {
         distances.iter().all(|d| d.value() <= tolerance) && self.strain != UpperBound::UNKNOWN
     }
 
-    /// Distance (mm) of faces from the surfaces that are laid flat.
+    /// Distance (mm) of faces and their edges from the surfaces that are laid flat.
     pub fn carrier_distance(&self) -> UpperBound {
         self.carrier_distance
     }
@@ -115,6 +116,9 @@ const DEEPEST: f64 = 2.0;
 /// Rounding of radii and places in this floor's plain arithmetic, as a share.
 const ROUNDING: f64 = 1e-12;
 
+/// Distances of edges from carriers below this share of the tolerance are not told apart.
+const EDGE_AIM: f64 = 0.01;
+
 /// Judges a part; `tolerance` (mm) says how fine is fine enough.
 pub fn unfolded(part: &Unfolded, tolerance: f64) -> UnfoldedProof {
     let off = |face: usize| match &part.maps[face] {
@@ -131,6 +135,11 @@ pub fn unfolded(part: &Unfolded, tolerance: f64) -> UnfoldedProof {
     };
     let sides = || part.joints.iter().flatten().flatten();
     let images = || part.strokes.iter().chain(sides()).flat_map(|s| s.images.iter().flatten());
+    // What is drawn are images of edges, which the file may have beside their faces.
+    let edges: Vec<&EdgeImage> = images().collect();
+    let beside = |i: &&EdgeImage| distance_of_edge(&i.curve, i.part, &i.map, EDGE_AIM * tolerance);
+    let beside = UpperBound::largest(edges.par_iter().map(beside).collect::<Vec<_>>());
+    let carrier_distance = carrier_distance.max(beside);
     // Every image uses its face's map, or that of the strip it lies in, and all of a face lie in one place.
     let mut places: HashMap<usize, ([f64; 2], Vec2)> = HashMap::new();
     let known = images().all(|i| match part.maps.get(i.face) {

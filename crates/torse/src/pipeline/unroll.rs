@@ -23,10 +23,11 @@ use crate::io::model::Model;
 use crate::patchwork::panel::Patchwork;
 use crate::patchwork::part::Part;
 use crate::pipeline::approximate::ApproximateError;
+use crate::reason::FaceReason;
 use crate::search::strips::face_panel::{face_panel, LaidFace};
 #[cfg(test)]
 use proofs::judged;
-use proofs::proven;
+use proofs::{kink, proven};
 use rayon::prelude::*;
 use std::collections::HashSet;
 use std::time::Instant;
@@ -161,7 +162,10 @@ pub fn unroll(model: &Model, options: &UnrollOptions, control: &Control) -> Resu
         let name = part.pattern.name.clone();
         made_of.push(Part::new(name, first, patchwork.panels.len() - first));
     }
-    let mut claims = self::proofs::claims(&parts, &proofs, options.tolerance);
+    // A panel has bend lines of its own.
+    let kink = |(part, laid): (&FlatPart, &Option<LaidFace>)| laid.is_none().then(|| kink(part, &model.faces))?;
+    let kinks: Vec<Option<FaceReason>> = parts.par_iter().zip(&through_panels).map(kink).collect();
+    let mut claims = self::proofs::claims(&parts, &proofs, &kinks, options.tolerance);
     let mut skipped = model.skipped.clone();
     skipped.extend(left);
     claims.extend(left_out(&skipped));

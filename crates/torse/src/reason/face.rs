@@ -89,6 +89,15 @@ pub enum FaceReason {
     },
     /// Not all faces of a part have a flat image that could be proven.
     NoImage,
+    /// A face of a part has a sharp edge inside, of which no bend line tells.
+    Kinked {
+        /// Its entity number.
+        entity: u64,
+        /// Turn of the normal across the edge, rad.
+        turn: f64,
+        /// A place on the edge.
+        at: Vec3,
+    },
     /// A part is proven, but not within the tolerance.
     BeyondTolerance {
         /// Name of the part.

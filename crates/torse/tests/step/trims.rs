@@ -3,7 +3,7 @@
 
 use super::text::{Step, Unit};
 use torse::brep::face::{Face, FilePiece};
-use torse::certify::claim::Status;
+use torse::certify::claim::{Status, What};
 use torse::certify::trims::trim_proof;
 use torse::control::Control;
 use torse::geom::Vec3;
@@ -161,4 +161,21 @@ fn edges_off_their_surface_are_part_of_the_bound() {
     assert!((0.02..0.0201).contains(&bound), "{bound}");
     assert!(status(vec![face.clone()], 1.0).0 == Status::Certified);
     assert!(status(vec![face], 0.03).0 != Status::Certified);
+}
+
+/// An edge that runs beside its face is an edge of the flat part too.
+#[test]
+fn edges_beside_their_face_count_where_it_is_laid_flat() {
+    for (off, certified) in [(0.0, true), (0.04, true), (2.0, false)] {
+        let mut s = Step::new(Unit::Millimetre);
+        let l = s.polygon(&[[0., 0., 0.], [100., 0., 0.], [100., 100., 0.], [50., 100., off], [0., 100., 0.]]);
+        let plane = s.plane([0., 0., 0.], [0., 0., 1.]);
+        s.face("", plane, &[(l, true)], true);
+        let model = read(s.text().as_bytes()).expect("a model");
+        let options = torse::UnrollOptions { surfaces: true, ..torse::UnrollOptions::new(0.1) };
+        let answer = torse::unroll(&model, &options, &Control::default()).expect("an answer");
+        let far = answer.claim(What::CarrierDistance).map_or(f64::NAN, |c| c.value());
+        assert!(off <= far && far < off + 1e-6, "{far} for {off}");
+        assert_eq!(answer.status() == Status::Certified, certified, "{off}");
+    }
 }

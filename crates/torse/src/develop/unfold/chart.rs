@@ -8,10 +8,9 @@
 
 mod strips;
 
-use crate::brep::carrier::{bounds, outward, Carrier};
+use crate::brep::carrier::{bounds, outward, rulings, Carrier};
 use crate::brep::face::Face;
 use crate::brep::project::SurfaceProjector;
-use crate::brep::rulings::Rulings;
 use crate::geom::{Frame, Vec2, Vec3};
 use crate::patchwork::image::{ClosedMap, MapStrip};
 use crate::spline::surface::Surface;
@@ -333,9 +332,7 @@ struct Line {
 
 impl Ruled {
     fn new(face: &Face, depth: f64) -> Option<Self> {
-        let b = bounds(face);
-        let extent = face.surface.bbox().diagonal();
-        let rulings = Rulings::of(&face.surface, b, crate::brep::carrier::EXACT * extent)?;
+        let rulings = rulings(face)?;
         let breaks = rulings.breaks();
         let mut out = Self {
             surface: face.surface.clone(),

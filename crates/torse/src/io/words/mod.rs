@@ -32,7 +32,9 @@ pub fn name(claim: &Claim, curves: &[String]) -> String {
         What::JoinAngle(k) => format!("angle along join {k}"),
         What::FoldGap(k) => format!("distance of both sides of fold {k} laid flat"),
         What::SeamGap => "seam gap".into(),
-        What::CarrierDistance => "distance of faces from the planes, cylinders and cones laid flat".into(),
+        What::CarrierDistance => {
+            "distance of faces and their edges from the planes, cylinders and cones laid flat".into()
+        }
         What::JointGap => "gap of joints inside flat parts".into(),
         What::Twist if proven => "twist, bound".into(),
         What::Twist => "twist".into(),

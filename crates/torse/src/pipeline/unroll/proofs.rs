@@ -1,6 +1,6 @@
 //! What is proven of parts that are laid flat, through panels or by their maps, and the claims that come of it.
 
-use crate::brep::carrier::bounds;
+use crate::brep::carrier::{bounds, rulings};
 use crate::brep::face::Face;
 use crate::certify::claim::{Claim, Subject, UpperBound, What};
 use crate::certify::unfolded::{unfolded, Unfolded, UnfoldedProof};
@@ -27,7 +27,12 @@ fn claims_of(subject: Subject, [carrier, drawing, gap, strain]: [UpperBound; 4],
 }
 
 /// What is claimed of the whole, which is the largest of what is claimed of its parts, and of every part.
-pub(super) fn claims(parts: &[FlatPart], proofs: &[UnfoldedProof], tolerance: f64) -> Vec<Claim> {
+pub(super) fn claims(
+    parts: &[FlatPart],
+    proofs: &[UnfoldedProof],
+    kinks: &[Option<FaceReason>],
+    tolerance: f64,
+) -> Vec<Claim> {
     let bound = |of: fn(&UnfoldedProof) -> UpperBound| UpperBound::largest(proofs.iter().map(of));
     let whole = match parts.is_empty() {
         true => Vec::new(),
@@ -39,6 +44,12 @@ pub(super) fn claims(parts: &[FlatPart], proofs: &[UnfoldedProof], tolerance: f6
         // How far lengths change must be known, however little is asked of it.
         if proof.strain() == UpperBound::UNKNOWN {
             of_part.push(Claim::objection(Subject::Part(k), not_shown(part)));
+        }
+        if let Some(kink) = &kinks[k] {
+            of_part.push(Claim::objection(
+                Subject::Part(k),
+                Reason::of(Item::Part(part.pattern.name.clone()), kink.clone()),
+            ));
         }
         of_part.into_iter().map(move |c| match c.is_unknown() {
             true => c.because(not_shown(part)),
@@ -72,6 +83,19 @@ pub(super) fn proven(
         }
         None => (None, own),
     }
+}
+
+/// Turn of the normal (rad) across an edge inside a face from which it counts as a bend: half a degree, as for faces that meet.
+const SHARP: f64 = 0.0087;
+
+/// The sharpest edge inside the faces of a part that have no closed map: a bend, of which the bend table does not tell.
+pub(super) fn kink(part: &FlatPart, faces: &[Face]) -> Option<FaceReason> {
+    let ruled = part.faces.iter().zip(&part.maps).filter(|(_, map)| map.is_none()).map(|(f, _)| &faces[*f]);
+    let kinks = ruled.filter_map(|face| {
+        let (at, turn) = rulings(face)?.kink(SHARP)?;
+        Some((turn, FaceReason::Kinked { entity: face.entity, turn, at }))
+    });
+    kinks.max_by(|p, q| p.0.total_cmp(&q.0)).map(|k| k.1)
 }
 
 /// A surface of one face whose map has no closed form, laid flat anew through a panel that is proven; `None` for other parts,

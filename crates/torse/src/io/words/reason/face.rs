@@ -51,6 +51,11 @@ pub(super) fn words(reason: &FaceReason) -> String {
         }
         FaceReason::NoCover { part } => format!("part {part} is not proven as a cover of its face"),
         FaceReason::NoImage => "not all of its faces have a flat image that could be proven".into(),
+        FaceReason::Kinked { entity, turn, at } => format!(
+            "face #{entity} has a sharp edge inside, of {} at {}, of which no bend line tells; split the face there in CAD",
+            angle(*turn),
+            place(at)
+        ),
         FaceReason::BeyondTolerance { part } => format!("part {part} is proven, but not within the tolerance"),
         FaceReason::OutlineLeaves => "its outline leaves the patch".into(),
         FaceReason::NotRuled => "it is not ruled (of degree 1 in one direction)".into(),

@@ -131,3 +131,25 @@ fn faces_that_close_on_themselves_are_named_with_what_flattening_them_would_need
         assert!(strain > 0.5 && told.contains("--approximate"), "{told}");
     }
 }
+
+#[test]
+fn a_face_with_a_sharp_edge_inside_is_not_certified() {
+    use crate::brep::face::Face;
+    use crate::spline::knots::Knots;
+    use crate::spline::surface::Surface;
+    let across = Knots::clamped(1, &[0.0, 1.0, 2.0, 3.0]).expect("knots");
+    for (lift, kinked) in [(0.0, false), (0.1, false), (30.0, true)] {
+        let profile = [[0.0, 0.0], [40.0, 0.0], [80.0, lift], [120.0, 0.0]];
+        let points: Vec<Vec3> = profile.iter().flat_map(|p| [0.0, 90.0].map(|y| Vec3::new(p[0], y, p[1]))).collect();
+        let along = Knots::clamped(1, &[0.0, 1.0]).expect("knots");
+        let face = Face::untrimmed(Surface::new(across.clone(), along, &points, None).expect("a surface"));
+        let answer = super::answered(vec![face], None);
+        let told: Vec<String> = answer.claims.iter().filter_map(|c| c.reason()).map(why).collect();
+        if kinked {
+            assert_eq!((answer.status(), Marks::of(&answer).parts), (Status::Uncertified, vec![true]));
+            assert!(told.iter().any(|t| t.contains("sharp edge inside, of 73.7")), "{told:?}");
+        } else {
+            assert_eq!(answer.status(), Status::Certified, "{told:?}");
+        }
+    }
+}
