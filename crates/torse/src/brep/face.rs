@@ -63,6 +63,9 @@ pub struct FileBoundary {
     pub(super) placement: Placement,
 }
 
+/// The label of edges that are shorter than a point: no side has it.
+pub const VANISHED: u32 = u32::MAX;
+
 /// An edge of the file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FileEdge {

@@ -113,8 +113,8 @@ pub(crate) fn distance_of_strip(surface: &Surface, strip: &MapStrip) -> UpperBou
     }
 }
 
-/// Sides of a patch within this share of the surface's size of an apex are moved into it: far above rounding, and the way
-/// counts.
+/// Sides of a patch within this share of the surface's size of an apex are moved into it, and parts of edges shorter than this
+/// share of the edge are points: far above rounding, and the way counts.
 const POINT: f64 = 1e-9;
 
 /// Halvings of a piece of an edge until its bound is fine enough, at most.
@@ -123,11 +123,12 @@ const HALVINGS: u32 = 8;
 /// Bound of the distance (mm) of a part of an edge (homogeneous) from the carrier of a map; `aim` (mm) is fine enough.
 pub(crate) fn distance_of_edge(edge: &Curve<4>, part: [f64; 2], map: &ClosedMap, aim: f64) -> UpperBound {
     let (a, b) = (part[0].min(part[1]), part[0].max(part[1]));
-    let pieces: Vec<Bezier<4>> = if a < b {
-        let Ok(part) = edge.restricted(a, b) else { return UpperBound::UNKNOWN };
-        bezier_pieces(&part).into_iter().map(|p| Bezier::new(p.2)).collect()
-    } else {
-        vec![Bezier::new(vec![edge.point(a)])]
+    let (lo, hi) = edge.domain();
+    // Parts end beside the edge's ends by rounding, or are points.
+    let pieces: Vec<Bezier<4>> = match edge.extended(a, b) {
+        Ok(part) => bezier_pieces(&part).into_iter().map(|p| Bezier::new(p.2)).collect(),
+        Err(_) if b - a <= POINT * (hi - lo) => vec![Bezier::new(vec![edge.point(a), edge.point(b)])],
+        Err(_) => return UpperBound::UNKNOWN,
     };
     let place = |h: &[f64; 4]| Vec3::new(h[0], h[1], h[2]) / h[3];
     let points: Vec<Vec3> = pieces.iter().flat_map(|p| p.control()).map(place).collect();

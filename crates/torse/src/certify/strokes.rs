@@ -18,6 +18,7 @@ use crate::patchwork::image::{ClosedMap, EdgeImage, Stroke};
 use crate::spline::blossom::of_piece;
 use crate::spline::curve::Curve;
 use rayon::prelude::*;
+use std::cell::Cell;
 use std::f64::consts::TAU;
 
 /// Lengths of lines are computed without outward rounding; this share of them is far above what that may be.
@@ -51,13 +52,21 @@ pub(super) fn strokes(all: &[Stroke], allowances: &[f64], tolerance: f64) -> f64
     all.par_iter().map(one).reduce(|| 0.0, f64::max)
 }
 
+/// Looks at parts of one edge at most, beside one for each of its spans; what is not looked at keeps the bound that it has. Sound
+/// edges take some dozens.
+const MOST_LOOKS: usize = 2_000;
+
 /// Distance between one stroke and its images.
 fn stroke(s: &Stroke, images: &[EdgeImage], tolerance: f64) -> f64 {
     let Some(guide) = Guide::new(s) else { return f64::INFINITY };
     let mut bound = 0.0_f64;
     for image in images {
+        let left = Cell::new(MOST_LOOKS);
         for [a, b] in smooth_parts(image) {
-            bound = bound.max(part(&guide, image, [a, b], (tolerance, [DEEPEST, DEEPEST_AT_APEX])));
+            bound = bound.max(part(&guide, image, [a, b], (tolerance, [DEEPEST, DEEPEST_AT_APEX], &left)));
+            if bound == f64::INFINITY {
+                return bound;
+            }
         }
     }
     // Ends of images that follow each other, and both ends of the stroke.
@@ -139,7 +148,12 @@ impl Guide {
 }
 
 /// Distance from the stroke over a part of an edge, halved where that helps.
-fn part(guide: &Guide, image: &EdgeImage, [a, b]: [f64; 2], (tolerance, depths): (f64, [usize; 2])) -> f64 {
+fn part(
+    guide: &Guide,
+    image: &EdgeImage,
+    [a, b]: [f64; 2],
+    (tolerance, depths, looks): (f64, [usize; 2], &Cell<usize>),
+) -> f64 {
     let seen = || {
         let p = point(image, 0.5 * (a + b))?;
         let m = guide.measure(p, [Interval::ZERO; 2])?;
@@ -157,11 +171,13 @@ fn part(guide: &Guide, image: &EdgeImage, [a, b]: [f64; 2], (tolerance, depths):
         None => (depth, [depth.saturating_sub(1), at_apex]),
     };
     let enough = if apex.is_some() { NOTHING } else { ENOUGH } * tolerance;
-    if bound <= enough || left == 0 || bound <= seen().unwrap_or(f64::INFINITY) + EXCESS * tolerance {
+    looks.set(looks.get().saturating_sub(1));
+    if bound <= enough || left == 0 || looks.get() == 0 || bound <= seen().unwrap_or(f64::INFINITY) + EXCESS * tolerance
+    {
         return bound;
     }
     let m = 0.5 * (a + b);
-    let next = (tolerance, next);
+    let next = (tolerance, next, looks);
     part(guide, image, [a, m], next).max(part(guide, image, [m, b], next))
 }
 

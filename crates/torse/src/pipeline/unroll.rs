@@ -27,7 +27,7 @@ use crate::reason::FaceReason;
 use crate::search::strips::face_panel::{face_panel, LaidFace};
 #[cfg(test)]
 use proofs::judged;
-use proofs::{kink, proven};
+use proofs::{fault, proven};
 use rayon::prelude::*;
 use std::collections::HashSet;
 use std::time::Instant;
@@ -162,10 +162,9 @@ pub fn unroll(model: &Model, options: &UnrollOptions, control: &Control) -> Resu
         let name = part.pattern.name.clone();
         made_of.push(Part::new(name, first, patchwork.panels.len() - first));
     }
-    // A panel has bend lines of its own.
-    let kink = |(part, laid): (&FlatPart, &Option<LaidFace>)| laid.is_none().then(|| kink(part, &model.faces))?;
-    let kinks: Vec<Option<FaceReason>> = parts.par_iter().zip(&through_panels).map(kink).collect();
-    let mut claims = self::proofs::claims(&parts, &proofs, &kinks, options.tolerance);
+    let faults: Vec<Option<FaceReason>> =
+        parts.par_iter().zip(&through_panels).map(|(p, laid)| fault(p, &model.faces, laid.is_some())).collect();
+    let mut claims = self::proofs::claims(&parts, &proofs, &faults, options.tolerance);
     let mut skipped = model.skipped.clone();
     skipped.extend(left);
     claims.extend(left_out(&skipped));

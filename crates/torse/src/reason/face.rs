@@ -89,6 +89,13 @@ pub enum FaceReason {
     },
     /// Not all faces of a part have a flat image that could be proven.
     NoImage,
+    /// A loop of edges of a face bounds nothing as it was read.
+    LoopLost {
+        /// Entity number of the face.
+        entity: u64,
+        /// That of the loop's first edge.
+        edge: u64,
+    },
     /// A face of a part has a sharp edge inside, of which no bend line tells.
     Kinked {
         /// Its entity number.

@@ -2,7 +2,7 @@
 
 use super::error::TrimError;
 use super::polygon::{Polygon, Side};
-use crate::brep::face::{FileEdge, FilePiece};
+use crate::brep::face::{FileEdge, FilePiece, VANISHED};
 use crate::brep::parameter_map::ParameterMap;
 use crate::brep::raw::{PlaneTrace, RawEdge, RawLoop};
 use crate::brep::space_curve::{Arc, SpaceCurve};
@@ -269,8 +269,7 @@ impl Pcurve {
 
 /// The edges of a loop that is shorter than a point.
 pub(super) fn vanished(l: &RawLoop) -> Vec<FileEdge> {
-    // No side has this label.
-    let edge = |e: &RawEdge| FileEdge { entity: e.entity, label: u32::MAX, pieces: pieces_of(&e.path) };
+    let edge = |e: &RawEdge| FileEdge { entity: e.entity, label: VANISHED, pieces: pieces_of(&e.path) };
     l.edges.iter().map(edge).collect()
 }
 

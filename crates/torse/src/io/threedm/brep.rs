@@ -196,8 +196,9 @@ impl Brep {
                 loops.push(RawLoop { edges: self.edges_of(l, &mut uncertainty)?, outer: l.kind == OUTER });
             }
         }
-        if matches!(patch.support, SupportSurface::Spline(_)) && patch.support.periods() == [None; 2] {
-            self.part_seams(&mut loops);
+        if let (SupportSurface::Spline(s), [None, None]) = (&patch.support, patch.support.periods()) {
+            let (u, v) = s.surface.domain();
+            self.part_seams(&mut loops, &patch.support, [u.1 - u.0, v.1 - v.0]);
         }
         if face.reversed {
             // The file's loops run about the normal of the surface, ours about that of the face.
@@ -243,16 +244,26 @@ impl Brep {
     }
 
     /// An edge that a face uses twice on a surface without a seam, at different places of the parameter plane, joins two
-    /// sides that nearly meet: it is two edges. There, and only there, the curves in the parameter plane say which side is
-    /// meant; elsewhere the edges in space are followed.
-    fn part_seams(&self, loops: &mut [RawLoop]) {
+    /// sides that nearly meet: it is two edges. There, and where an edge has its feet elsewhere, on a sheet of the surface that
+    /// lies along its own, the curves in the parameter plane say which is meant; elsewhere the edges in space are followed.
+    fn part_seams(&self, loops: &mut [RawLoop], support: &SupportSurface, size: [f64; 2]) {
         let mut uses: HashMap<u64, usize> = HashMap::new();
         for e in loops.iter().flat_map(|l| &l.edges) {
             *uses.entry(e.entity).or_default() += 1;
         }
         let mut first: HashMap<u64, PlaneTrace> = HashMap::new();
         for e in loops.iter_mut().flat_map(|l| &mut l.edges) {
-            let Some(trace) = e.trace.take().filter(|_| uses.get(&e.entity) == Some(&2)) else { continue };
+            let Some(trace) = e.trace.take() else { continue };
+            if uses.get(&e.entity) != Some(&2) {
+                let is_elsewhere = |s: f64| {
+                    let t = e.path[0].from + s * (e.path[0].to - e.path[0].from);
+                    let (foot, q) = (support.foot(&e.path[0].curve.point(t), None), trace.curve.point(t));
+                    (0..2).any(|k| (foot[k] - q[k]).abs() > APART * size[k])
+                };
+                let is_elsewhere = [0.25, 0.5, 0.75].into_iter().any(is_elsewhere);
+                e.trace = Some(trace).filter(|_| is_elsewhere);
+                continue;
+            }
             match first.get(&e.entity) {
                 Some(other) if apart(other, &trace, &e.path[0]) => e.entity += self.edges.len() as u64,
                 Some(_) => {}

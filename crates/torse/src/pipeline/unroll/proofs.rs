@@ -1,7 +1,7 @@
 //! What is proven of parts that are laid flat, through panels or by their maps, and the claims that come of it.
 
 use crate::brep::carrier::{bounds, rulings};
-use crate::brep::face::Face;
+use crate::brep::face::{Face, FileEdge, VANISHED};
 use crate::certify::claim::{Claim, Subject, UpperBound, What};
 use crate::certify::unfolded::{unfolded, Unfolded, UnfoldedProof};
 use crate::control::Control;
@@ -30,7 +30,7 @@ fn claims_of(subject: Subject, [carrier, drawing, gap, strain]: [UpperBound; 4],
 pub(super) fn claims(
     parts: &[FlatPart],
     proofs: &[UnfoldedProof],
-    kinks: &[Option<FaceReason>],
+    faults: &[Option<FaceReason>],
     tolerance: f64,
 ) -> Vec<Claim> {
     let bound = |of: fn(&UnfoldedProof) -> UpperBound| UpperBound::largest(proofs.iter().map(of));
@@ -45,10 +45,10 @@ pub(super) fn claims(
         if proof.strain() == UpperBound::UNKNOWN {
             of_part.push(Claim::objection(Subject::Part(k), not_shown(part)));
         }
-        if let Some(kink) = &kinks[k] {
+        if let Some(fault) = &faults[k] {
             of_part.push(Claim::objection(
                 Subject::Part(k),
-                Reason::of(Item::Part(part.pattern.name.clone()), kink.clone()),
+                Reason::of(Item::Part(part.pattern.name.clone()), fault.clone()),
             ));
         }
         of_part.into_iter().map(move |c| match c.is_unknown() {
@@ -88,8 +88,23 @@ pub(super) fn proven(
 /// Turn of the normal (rad) across an edge inside a face from which it counts as a bend: half a degree, as for faces that meet.
 const SHARP: f64 = 0.0087;
 
-/// The sharpest edge inside the faces of a part that have no closed map: a bend, of which the bend table does not tell.
-pub(super) fn kink(part: &FlatPart, faces: &[Face]) -> Option<FaceReason> {
+/// What the proof of a part does not see: loops of the file that its faces do not follow, and bends of which the bend table
+/// does not tell.
+pub(super) fn fault(part: &FlatPart, faces: &[Face], through_panel: bool) -> Option<FaceReason> {
+    let lost = part.faces.iter().find_map(|f| {
+        let (face, boundary) = (&faces[*f], faces[*f].boundary.as_ref()?);
+        let followed = |label: u32| face.loops.iter().any(|l| l.edge.contains(&label));
+        let is_lost =
+            |l: &&Vec<FileEdge>| l.iter().any(|e| e.label != VANISHED) && !l.iter().any(|e| followed(e.label));
+        let edge = boundary.loops.iter().find(is_lost)?.first()?.entity;
+        Some(FaceReason::LoopLost { entity: face.entity, edge })
+    });
+    // A panel has bend lines of its own.
+    lost.or_else(|| if through_panel { None } else { kink(part, faces) })
+}
+
+/// The sharpest edge inside the faces of a part that have no closed map.
+fn kink(part: &FlatPart, faces: &[Face]) -> Option<FaceReason> {
     let ruled = part.faces.iter().zip(&part.maps).filter(|(_, map)| map.is_none()).map(|(f, _)| &faces[*f]);
     let kinks = ruled.filter_map(|face| {
         let (at, turn) = rulings(face)?.kink(SHARP)?;

@@ -67,6 +67,24 @@ fn a_trimmed_panel_keeps_its_numbers() {
     assert!((normal(f) + normal(&turned.faces[0])).norm() < 1e-12);
 }
 
+/// A pipe whose two ends nearly meet: which of both an edge runs along is told by its curve in the parameter plane.
+#[test]
+fn a_pipe_slit_along_one_ruling() {
+    let (radius, height, w) = (50.0, 80.0, 0.5f64.sqrt());
+    let around = [(1., 0.), (1., 1.), (0., 1.), (-1., 1.), (-1., 0.), (-1., -1.), (0., -1.), (1., -1.), (1., -1e-5)];
+    let (mut points, mut weights) = (Vec::new(), Vec::new());
+    for (k, (x, y)) in around.into_iter().enumerate() {
+        points.extend([0.0, height].map(|z| Vec3::new(radius * x, radius * y, z)));
+        weights.extend([if k % 2 == 0 { 1.0 } else { w }; 2]);
+    }
+    let quarters = Knots::new(2, vec![0., 0., 0., 1., 1., 2., 2., 3., 3., 4., 4., 4.], 9).expect("knots");
+    let pipe = Surface::new(quarters, knots(1), &points, Some(&weights)).expect("a pipe");
+    let m = model(&write::sheets(&header(), &[Sheet::untrimmed("pipe", &pipe)]).expect("written"));
+    assert_eq!((m.faces.len(), m.skipped.len()), (1, 0));
+    assert!((area(&m.faces) / (std::f64::consts::TAU * radius * height) - 1.0).abs() < 1e-4, "{}", area(&m.faces));
+    assert!(crate::certify::trims::trim_proof(&m.faces[0], 1e-6).bound().value() < 1e-2);
+}
+
 #[test]
 fn a_strip_that_ends_in_a_point_and_a_plane_one() {
     let r = 0.5f64.sqrt();

@@ -51,6 +51,10 @@ pub(super) fn words(reason: &FaceReason) -> String {
         }
         FaceReason::NoCover { part } => format!("part {part} is not proven as a cover of its face"),
         FaceReason::NoImage => "not all of its faces have a flat image that could be proven".into(),
+        FaceReason::LoopLost { entity, edge } => format!(
+            "face #{entity}: the loop of its edge #{edge} bounds nothing as it was read; export it with curves in the parameter \
+             plane, or repair it in CAD"
+        ),
         FaceReason::Kinked { entity, turn, at } => format!(
             "face #{entity} has a sharp edge inside, of {} at {}, of which no bend line tells; split the face there in CAD",
             angle(*turn),
