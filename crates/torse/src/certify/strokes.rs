@@ -52,17 +52,18 @@ pub(super) fn strokes(all: &[Stroke], allowances: &[f64], tolerance: f64) -> f64
     all.par_iter().map(one).reduce(|| 0.0, f64::max)
 }
 
-/// Looks at parts of one edge at most, beside one for each of its spans; what is not looked at keeps the bound that it has. Sound
-/// edges take some dozens.
-const MOST_LOOKS: usize = 2_000;
+/// Looks at parts of one edge at most: so many, and so many for each of its spans; what is not looked at keeps the bound that it
+/// has. Sound edges take some dozens for a span.
+const MOST_LOOKS: [usize; 2] = [5_000, 100];
 
 /// Distance between one stroke and its images.
 fn stroke(s: &Stroke, images: &[EdgeImage], tolerance: f64) -> f64 {
     let Some(guide) = Guide::new(s) else { return f64::INFINITY };
     let mut bound = 0.0_f64;
     for image in images {
-        let left = Cell::new(MOST_LOOKS);
-        for [a, b] in smooth_parts(image) {
+        let parts = smooth_parts(image);
+        let left = Cell::new(MOST_LOOKS[0] + MOST_LOOKS[1] * parts.len());
+        for [a, b] in parts {
             bound = bound.max(part(&guide, image, [a, b], (tolerance, [DEEPEST, DEEPEST_AT_APEX], &left)));
             if bound == f64::INFINITY {
                 return bound;
