@@ -54,7 +54,7 @@ pub(super) fn strokes(all: &[Stroke], allowances: &[f64], tolerance: f64) -> f64
 
 /// Looks at parts of one edge at most: so many, and so many for each of its spans; what is not looked at keeps the bound that it
 /// has. Sound edges take some dozens for a span.
-const MOST_LOOKS: [usize; 2] = [5_000, 100];
+const MOST_LOOKS: [usize; 2] = [2_000, 100];
 
 /// Distance between one stroke and its images.
 fn stroke(s: &Stroke, images: &[EdgeImage], tolerance: f64) -> f64 {

@@ -94,8 +94,10 @@ pub(super) fn fault(part: &FlatPart, faces: &[Face], through_panel: bool) -> Opt
     let lost = part.faces.iter().find_map(|f| {
         let (face, boundary) = (&faces[*f], faces[*f].boundary.as_ref()?);
         let followed = |label: u32| face.loops.iter().any(|l| l.edge.contains(&label));
-        let is_lost =
-            |l: &&Vec<FileEdge>| l.iter().any(|e| e.label != VANISHED) && !l.iter().any(|e| followed(e.label));
+        // A loop that runs there and back bounds nothing in the file either.
+        let is_slit = |l: &[FileEdge]| l.iter().all(|e| l.iter().filter(|o| o.entity == e.entity).count() == 2);
+        let is_followed = |l: &[FileEdge]| l.iter().any(|e| followed(e.label)) || l.iter().all(|e| e.label == VANISHED);
+        let is_lost = |l: &&Vec<FileEdge>| !is_followed(l) && !is_slit(l);
         let edge = boundary.loops.iter().find(is_lost)?.first()?.entity;
         Some(FaceReason::LoopLost { entity: face.entity, edge })
     });
