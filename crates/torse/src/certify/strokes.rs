@@ -20,6 +20,7 @@ use crate::spline::curve::Curve;
 use rayon::prelude::*;
 use std::cell::Cell;
 use std::f64::consts::TAU;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Lengths of lines are computed without outward rounding; this share of them is far above what that may be.
 const SLACK: f64 = 1e-12;
@@ -49,12 +50,19 @@ pub(super) fn strokes(all: &[Stroke], allowances: &[f64], tolerance: f64) -> f64
         }
         Some(images) => stroke(s, images, tolerance),
     };
-    all.par_iter().map(one).reduce(|| 0.0, f64::max)
+    // Where one is not known, the whole is not.
+    let lost = AtomicBool::new(false);
+    let known = |s: &Stroke| {
+        let bound = if lost.load(Ordering::Relaxed) { f64::INFINITY } else { one(s) };
+        lost.fetch_or(bound == f64::INFINITY, Ordering::Relaxed);
+        bound
+    };
+    all.par_iter().map(known).reduce(|| 0.0, f64::max)
 }
 
 /// Looks at parts of one edge at most: so many, and so many for each of its spans; what is not looked at keeps the bound that it
-/// has. Sound edges take some dozens for a span.
-const MOST_LOOKS: [usize; 2] = [2_000, 100];
+/// has. Sound edges take some thousand, about an apex.
+const MOST_LOOKS: [usize; 2] = [50_000, 1_000];
 
 /// Distance between one stroke and its images.
 fn stroke(s: &Stroke, images: &[EdgeImage], tolerance: f64) -> f64 {

@@ -98,7 +98,8 @@ fn certainty(answer: &Answer, report: &Report) -> String {
     match bound {
         _ if !report.certified() => "not certified".into(),
         Some(bound) if answer.covers_faces() => {
-            format!("each within {} of the surface, certified", words::numbers::length_bound(bound))
+            let each = if answer.patchwork.panels.len() == 1 { "" } else { "each " };
+            format!("{each}within {} of the surface, certified", words::numbers::length_bound(bound))
         }
         _ => "certified".into(),
     }
