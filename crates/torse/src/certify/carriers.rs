@@ -320,7 +320,7 @@ mod tests {
         let ruling = |x: f64| [[x, 0.0, 0.0], [x, 0.0, 90.0]];
         assert!(of(&ruling(25.0), &pipe) < 1e-9);
         assert!((0.1..0.101).contains(&of(&ruling(25.1), &pipe)));
-        // A bulge in the middle of an edge whose ends lie on the cylinder: 4 mm of 6 above its chord, which lies on it.
+        // A bulge in the middle of an edge whose ends lie on the cylinder: three quarters of the 3 mm of its control points.
         let bulge = of(&[[25.0, 0.0, 0.0], [28.0, 0.0, 30.0], [28.0, 0.0, 60.0], [25.0, 0.0, 90.0]], &pipe);
         assert!((2.25..2.5).contains(&bulge), "{bulge}");
         assert!((2.25..2.2501)
