@@ -18,9 +18,7 @@ use crate::patchwork::image::{ClosedMap, EdgeImage, Stroke};
 use crate::spline::blossom::of_piece;
 use crate::spline::curve::Curve;
 use rayon::prelude::*;
-use std::cell::Cell;
 use std::f64::consts::TAU;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Lengths of lines are computed without outward rounding; this share of them is far above what that may be.
 const SLACK: f64 = 1e-12;
@@ -50,32 +48,16 @@ pub(super) fn strokes(all: &[Stroke], allowances: &[f64], tolerance: f64) -> f64
         }
         Some(images) => stroke(s, images, tolerance),
     };
-    // Where one is not known, the whole is not.
-    let lost = AtomicBool::new(false);
-    let known = |s: &Stroke| {
-        let bound = if lost.load(Ordering::Relaxed) { f64::INFINITY } else { one(s) };
-        lost.fetch_or(bound == f64::INFINITY, Ordering::Relaxed);
-        bound
-    };
-    all.par_iter().map(known).reduce(|| 0.0, f64::max)
+    all.par_iter().map(one).reduce(|| 0.0, f64::max)
 }
-
-/// Looks at parts of one edge at most: so many, and so many for each of its spans; what is not looked at keeps the bound that it
-/// has. Sound edges take some thousand, about an apex.
-const MOST_LOOKS: [usize; 2] = [50_000, 1_000];
 
 /// Distance between one stroke and its images.
 fn stroke(s: &Stroke, images: &[EdgeImage], tolerance: f64) -> f64 {
     let Some(guide) = Guide::new(s) else { return f64::INFINITY };
     let mut bound = 0.0_f64;
     for image in images {
-        let parts = smooth_parts(image);
-        let left = Cell::new(MOST_LOOKS[0] + MOST_LOOKS[1] * parts.len());
-        for [a, b] in parts {
-            bound = bound.max(part(&guide, image, [a, b], (tolerance, [DEEPEST, DEEPEST_AT_APEX], &left)));
-            if bound == f64::INFINITY {
-                return bound;
-            }
+        for [a, b] in smooth_parts(image) {
+            bound = bound.max(part(&guide, image, [a, b], (tolerance, [DEEPEST, DEEPEST_AT_APEX])));
         }
     }
     // Ends of images that follow each other, and both ends of the stroke.
@@ -157,12 +139,7 @@ impl Guide {
 }
 
 /// Distance from the stroke over a part of an edge, halved where that helps.
-fn part(
-    guide: &Guide,
-    image: &EdgeImage,
-    [a, b]: [f64; 2],
-    (tolerance, depths, looks): (f64, [usize; 2], &Cell<usize>),
-) -> f64 {
+fn part(guide: &Guide, image: &EdgeImage, [a, b]: [f64; 2], (tolerance, depths): (f64, [usize; 2])) -> f64 {
     let seen = || {
         let p = point(image, 0.5 * (a + b))?;
         let m = guide.measure(p, [Interval::ZERO; 2])?;
@@ -180,13 +157,11 @@ fn part(
         None => (depth, [depth.saturating_sub(1), at_apex]),
     };
     let enough = if apex.is_some() { NOTHING } else { ENOUGH } * tolerance;
-    looks.set(looks.get().saturating_sub(1));
-    if bound <= enough || left == 0 || looks.get() == 0 || bound <= seen().unwrap_or(f64::INFINITY) + EXCESS * tolerance
-    {
+    if bound <= enough || left == 0 || bound <= seen().unwrap_or(f64::INFINITY) + EXCESS * tolerance {
         return bound;
     }
     let m = 0.5 * (a + b);
-    let next = (tolerance, next, looks);
+    let next = (tolerance, next);
     part(guide, image, [a, m], next).max(part(guide, image, [m, b], next))
 }
 
