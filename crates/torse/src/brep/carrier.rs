@@ -98,9 +98,20 @@ pub fn bounds(face: &Face) -> [f64; 4] {
     points.fold(none, |b, p| [b[0].min(p[0]), b[1].max(p[0]), b[2].min(p[1]), b[3].max(p[1])])
 }
 
-/// The outward normal of a face at a place; `None` where the surface has none.
+/// Where the normal fades towards a place, that of a place beside it is taken: on the way to the middle of the surface, by this
+/// share of it …
+const INWARDS: f64 = 1e-4;
+/// … and if it is longer than that at the place by more than this factor: rounding gives what is left there its direction.
+const FADES: f64 = 1e-3;
+
+/// The outward normal of a face at a place, or, where control points coincide, right beside it; `None` where the surface has none.
 pub fn outward(face: &Face, uv: [f64; 2]) -> Option<Vec3> {
-    let n = face.surface.jet(uv[0], uv[1]).normal().try_normalize(0.0)?;
+    let normal = |[u, v]: [f64; 2]| face.surface.jet(u, v).normal();
+    let ((u0, u1), (v0, v1)) = face.surface.domain();
+    let middle = [0.5 * (u0 + u1), 0.5 * (v0 + v1)];
+    let (at, beside) = (normal(uv), normal([0, 1].map(|k: usize| uv[k] + INWARDS * (middle[k] - uv[k]))));
+    let n = if at.norm() > FADES * beside.norm() { at } else { beside };
+    let n = n.try_normalize(0.0)?;
     Some(if face.reversed { -n } else { n })
 }
 

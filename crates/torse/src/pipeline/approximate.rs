@@ -3,6 +3,7 @@
 //! Reads like the page that describes it: cover every face, build the panels as they will be exported, have them
 //! judged, cut what is refused, develop the rest.
 
+use crate::answer::note::Note;
 use crate::answer::skipped::{left_out, Skipped};
 use crate::answer::{Answer, Job};
 use crate::brep::face::Face;
@@ -21,6 +22,7 @@ use crate::reason::{FaceReason, Item, JobReason, Reason, Unlaid};
 use crate::search::apex::{beside_apexes, Hair};
 use crate::search::build::{limits_missed, AlongCurve, Built};
 use crate::search::cover::CoverOptions;
+use crate::search::creased::between_sharp_creases;
 use crate::search::face::{first_covers, one_face, Covered, Wanted};
 use crate::search::smooth::smoothly_joined;
 use crate::search::trims::{trims_judged, TrimsJudged};
@@ -83,7 +85,9 @@ pub fn of_faces(
     let tolerance = options.tolerance;
     checked(&faces, &skipped, options)?;
     let TrimsJudged { faces, missed: untrue, .. } = trims_judged(faces, tolerance);
-    let faces = smoothly_joined(faces, tolerance, options.smooth_angle, control);
+    let creased = between_sharp_creases(faces, options.smooth_angle, tolerance);
+    let told = Note::creased(&creased);
+    let faces = smoothly_joined(creased.faces, tolerance, options.smooth_angle, control);
     let faces = beside_apexes(faces, Hair::FINE, tolerance);
     checked_number(&faces, options)?;
     checked_curves(&faces, options)?;
@@ -125,7 +129,7 @@ pub fn of_faces(
     // What was left out on the way counts, whatever is proven of the rest.
     claims.splice(0..0, left_out(&skipped));
     let parts = one_by_one(&patchwork, &patterns);
-    let notes = told_of_curves(&options.layout, &along);
+    let notes = told.into_iter().chain(told_of_curves(&options.layout, &along)).collect();
     Ok(Answer {
         claims,
         patchwork,

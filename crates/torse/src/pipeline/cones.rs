@@ -9,6 +9,7 @@ mod tests;
 use crate::answer::note::Note;
 use crate::answer::skipped::{left_out, Skipped};
 use crate::answer::{Answer, Cones, Job};
+use crate::brep::body::SMOOTH;
 use crate::brep::face::Face;
 use crate::certify::claim::{Claim, Counted, Subject, UpperBound, What};
 use crate::certify::flat::cone_parts;
@@ -20,6 +21,7 @@ use crate::io::words;
 use crate::patchwork::panel::Patchwork;
 use crate::reason::{FaceReason, Item, JobReason, Reason, StripReason};
 use crate::search::apex::{beside_apexes, Hair};
+use crate::search::creased::between_sharp_creases;
 use crate::search::strips::cone_body::{body, Proven, Target};
 use crate::search::strips::cone_outline::PlaneOutline;
 use crate::search::strips::cone_strip::{bent_tip, ruled, strip_of};
@@ -80,6 +82,9 @@ pub fn of_faces(
     let faces = beside_apexes(faces, Hair::OF_CONES, options.tolerance);
     // Where a tip was cut off, more is missed than the trims are off.
     let bound = faces.iter().map(|f| trim_proof(f, TRIM_AIM * options.tolerance).bound()).fold(bound, UpperBound::max);
+    let creased = between_sharp_creases(faces, SMOOTH, options.tolerance);
+    let told = Note::creased(&creased);
+    let faces = creased.faces;
     let mut left = skipped.to_vec();
     let before = left.len();
     for (i, face) in faces.iter().enumerate() {
@@ -103,6 +108,7 @@ pub fn of_faces(
     let mut out = run(&targets, skipped, options, control, Some(trim))?;
     out.claims.extend(missed.into_iter().map(|reason| Claim::objection(Subject::Whole, reason)));
     out.claims.extend(left_out(&left));
+    out.notes.extend(told);
     Ok(out)
 }
 

@@ -11,6 +11,8 @@ pub use bodies::groups;
 use crate::answer::note::{Note, UnrollNote};
 use crate::answer::skipped::left_out;
 use crate::answer::{Answer, Job};
+use crate::brep::body::SMOOTH;
+use crate::brep::trim::crease::uncreased;
 use crate::certify::unfolded::UnfoldedProof;
 use crate::control::Control;
 use crate::develop::bends::Facets;
@@ -127,24 +129,27 @@ pub fn unroll(model: &Model, options: &UnrollOptions, control: &Control) -> Resu
     let start = Instant::now();
     let boxes: Vec<BBox> = model.faces.iter().map(|f| f.surface.bbox()).collect();
     Loose::check(BBox::of(boxes.iter().flat_map(|b| [&b.min, &b.max])).diagonal(), options.tolerance)?;
-    let (mut parts, left) = bodies::flat_parts_of(&model.faces, options, control)?;
+    let creased = uncreased(model.faces.clone(), SMOOTH, |_| true);
+    let told = Note::creased(&creased);
+    let faces = creased.faces;
+    let (mut parts, left) = bodies::flat_parts_of(&faces, options, control)?;
     let laid_flat: HashSet<usize> = parts.iter().flat_map(|p| p.faces.iter().copied()).collect();
     // 1. What is proven: faces against the surfaces that are laid flat, drawings and inner edges against these.
     control.report("proving", UNFOLDED, format!("{} parts", parts.len()));
     let (through_panels, proofs): (Vec<Option<LaidFace>>, Vec<UnfoldedProof>) =
-        parts.par_iter_mut().map(|p| proven(p, &model.faces, options.tolerance, control)).unzip();
+        parts.par_iter_mut().map(|p| proven(p, &faces, options.tolerance, control)).unzip();
     // 2. The skins in space: one panel for each face, in the order of the parts.
     let mut patchwork = Patchwork::default();
     let mut made_of: Vec<Part> = Vec::new();
     let mut absent: Vec<UnrollNote> = Vec::new();
     control.report("laying out the skins", PROVEN, format!("{} parts", parts.len()));
     let skin = |(part, laid): (&FlatPart, &Option<LaidFace>)| -> Vec<_> {
-        let faces = if laid.is_some() { &[][..] } else { &part.faces[..] };
+        let own = if laid.is_some() { &[][..] } else { &part.faces[..] };
         let of = |(k, f): (usize, &usize)| {
-            let (face, name) = (&model.faces[*f], format!("{}-{:02}", part.pattern.name, k + 1));
+            let (face, name) = (&faces[*f], format!("{}-{:02}", part.pattern.name, k + 1));
             (face.entity, face_panel(face, &name))
         };
-        faces.par_iter().enumerate().map(of).collect()
+        own.par_iter().enumerate().map(of).collect()
     };
     let skins: Vec<_> = parts.par_iter().zip(&through_panels).map(skin).collect();
     for ((part, laid), panels) in parts.iter().zip(&through_panels).zip(skins) {
@@ -163,7 +168,7 @@ pub fn unroll(model: &Model, options: &UnrollOptions, control: &Control) -> Resu
         made_of.push(Part::new(name, first, patchwork.panels.len() - first));
     }
     let faults: Vec<Option<FaceReason>> =
-        parts.par_iter().zip(&through_panels).map(|(p, laid)| fault(p, &model.faces, laid.is_some())).collect();
+        parts.par_iter().zip(&through_panels).map(|(p, laid)| fault(p, &faces, laid.is_some())).collect();
     let mut claims = self::proofs::claims(&parts, &proofs, &faults, options.tolerance);
     let mut skipped = model.skipped.clone();
     skipped.extend(left);
@@ -174,7 +179,7 @@ pub fn unroll(model: &Model, options: &UnrollOptions, control: &Control) -> Resu
         patchwork,
         parts: made_of,
         patterns: parts.iter().map(|p| p.pattern.clone()).collect(),
-        notes: model.notes.clone(),
+        notes: model.notes.iter().cloned().chain(told).collect(),
         sheets: parts.iter().map(|p| p.sheet.clone()).collect(),
         ..Answer::new(Job::Unroll, &options.input, options.tolerance)
     };
@@ -185,7 +190,7 @@ pub fn unroll(model: &Model, options: &UnrollOptions, control: &Control) -> Resu
     }
     answer.notes.extend(notes(&parts, options).into_iter().chain(absent).map(Note::Unroll));
     if let Some(tolerance) = options.approximate {
-        let rest = (0..model.faces.len()).filter(|k| !laid_flat.contains(k)).map(|k| model.faces[k].clone()).collect();
+        let rest = (0..faces.len()).filter(|k| !laid_flat.contains(k)).map(|k| faces[k].clone()).collect();
         covered::add(&mut answer, rest, tolerance, control)?;
     }
     answer.seconds = start.elapsed().as_secs_f64();

@@ -7,6 +7,7 @@ mod net;
 mod shop;
 mod unroll;
 
+use crate::brep::trim::crease::Uncreased;
 use crate::certify::claim::UpperBound;
 pub use crate::design::composite::Report as SolveReport;
 pub(crate) use crate::design::discrete::subdivide::LevelReport;
@@ -57,6 +58,13 @@ pub enum Note {
         kept: usize,
         /// Faces of the body.
         all: usize,
+    },
+    /// Faces of the file with sharp edges of their own are taken as one face on each side of these.
+    Creased {
+        /// Their numbers in the file.
+        faces: Vec<u64>,
+        /// As how many faces they count.
+        pieces: usize,
     },
     /// No panel along a curve could be certified.
     NoPanelAlong {
@@ -169,6 +177,13 @@ pub enum Note {
     Shop(ShopNote),
     /// Of strips fitted to points, rulings, planes and faces.
     Fit(FitNote),
+}
+
+impl Note {
+    /// What faces that were cut count as; `None` where none was.
+    pub(crate) fn creased(found: &Uncreased) -> Option<Self> {
+        (!found.cut.is_empty()).then(|| Self::Creased { faces: found.cut.clone(), pieces: found.pieces })
+    }
 }
 
 /// What a body is called.

@@ -13,8 +13,8 @@ mod turn;
 
 use super::face::{Face, FacePart};
 use super::raw::SurfaceKind;
+use super::trim::crease::creases;
 use crate::geom::Vec3;
-use crate::spline::surface::Surface;
 use std::collections::HashSet;
 
 /// Whether a joined face (first) is better than its two parts.
@@ -53,7 +53,10 @@ pub fn joined(faces: Vec<Face>, options: &JoinOptions, worthwhile: Worthwhile) -
     if !(options.angle > 0.0 && options.mismatch > 0.0) || faces.len() < 2 {
         return faces;
     }
-    let smooth = |f: &Face| !creased(&f.surface, options.angle);
+    let smooth = |f: &Face| {
+        let ((u0, u1), (v0, v1)) = f.surface.domain();
+        creases(&f.surface, [u0, u1, v0, v1], options.angle).is_empty()
+    };
     let boxed: Vec<Option<Face>> = faces.iter().map(|f| boxed(f).filter(smooth)).collect();
     let matches = matches(&boxed, options);
     if matches.is_empty() {
@@ -121,26 +124,6 @@ fn boxed(face: &Face) -> Option<Face> {
         l.edge.retain(|_| k.next().is_some_and(|k| keep[k]));
     }
     out.loops.iter().all(|l| l.points.len() >= 3).then_some(out)
-}
-
-/// Whether the normal of a surface turns by more than `angle` (rad) across one of its own knot lines, at samples.
-fn creased(surface: &Surface, angle: f64) -> bool {
-    const PLACES: usize = 24;
-    // Share of the domain that lies between a knot line and the places where normals are taken.
-    const BESIDE: f64 = 1e-8;
-    let normal = |p: [f64; 2]| surface.jet(p[0], p[1]).normal().try_normalize(0.0);
-    let (u, v) = surface.domain();
-    let (in_u, in_v) = surface.c0_lines();
-    [(in_u, u, v, false), (in_v, v, u, true)].into_iter().any(|(lines, across, along, swap)| {
-        let beside = BESIDE * (across.1 - across.0);
-        lines.into_iter().any(|line| {
-            (0..PLACES).any(|k| {
-                let s = along.0 + (along.1 - along.0) * (k as f64 + 0.5) / PLACES as f64;
-                let [a, b] = [line - beside, line + beside].map(|t| normal(if swap { [s, t] } else { [t, s] }));
-                a.zip(b).is_some_and(|(a, b)| a.angle(&b) > angle)
-            })
-        })
-    })
 }
 
 /// All common sides of single faces that can be joined.

@@ -332,6 +332,59 @@ fn quiet_line(support: &SupportSurface, chains: &[Chain], axis: usize, period: f
     (best.1, best.0)
 }
 
+/// A line of constant first parameter along which polygons are cut, with its copies a period apart; lines without copies cut
+/// the plane in two.
+#[derive(Clone, Copy, Debug)]
+struct Cutter {
+    at: f64,
+    period: Option<f64>,
+}
+
+impl Cutter {
+    /// A corner within rounding of a copy, on it; lines without copies move nothing.
+    fn snapped(&self, x: [f64; 2]) -> [f64; 2] {
+        let Some(period) = self.period else { return x };
+        let line = self.at + ((x[0] - self.at) / period).round() * period;
+        if (x[0] - line).abs() <= SAME_PARAMETER * period {
+            [line, x[1]]
+        } else {
+            x
+        }
+    }
+
+    /// Whether both sides may have a place: ways along a line without copies stay on the side that they come from.
+    fn is_on(&self, x: [f64; 2]) -> bool {
+        self.period.is_none() && x[0] == self.at
+    }
+
+    /// Number of the cell that begins at or before a place: 0 from the line on.
+    fn cell(&self, x: [f64; 2]) -> f64 {
+        let Some(period) = self.period else { return if x[0] >= self.at { 0.0 } else { -1.0 } };
+        let k = ((x[0] - self.at) / period).round();
+        // The same expression as above, so that snapped corners compare exactly.
+        if x[0] >= self.at + k * period {
+            k
+        } else {
+            k - 1.0
+        }
+    }
+
+    /// Where cell `k` begins.
+    fn begin(&self, k: f64) -> f64 {
+        self.at + self.period.map_or(0.0, |p| k * p)
+    }
+
+    /// A place of cell `k` in the first copy.
+    fn local(&self, x: [f64; 2], k: f64) -> [f64; 2] {
+        [x[0] - self.period.map_or(0.0, |p| k * p), x[1]]
+    }
+
+    /// Where the first copy of a cell begins, or ends.
+    fn border(&self, far: bool) -> f64 {
+        self.at + if far { self.period.unwrap_or(0.0) } else { 0.0 }
+    }
+}
+
 /// A stretch of a polygon between two crossings of the seam, shifted to the cell right of the seam.
 struct Stretch {
     points: Vec<[f64; 2]>,
@@ -350,17 +403,33 @@ pub(super) fn along(
     label: &mut u32,
 ) -> Result<Vec<Polygon>, TrimError> {
     let period = periods[seam.axis].ok_or(TrimError::OpenWinding)?;
-    let at = map[seam.axis].forward(seam.at);
+    let cutter = Cutter { at: map[seam.axis].forward(seam.at), period: Some(period) };
+    let turns = chains.iter().map(|c| c.winding[seam.axis]);
+    cut(&mut polygons.iter().zip(turns), cutter, seam.axis, label)
+}
+
+/// Cuts closed polygons (in spline parameters) in two along the line where the parameter `axis` is `at`. Nothing is moved.
+pub(super) fn in_two(polygons: &[Polygon], axis: usize, at: f64, label: &mut u32) -> Result<Vec<Polygon>, TrimError> {
+    cut(&mut polygons.iter().map(|p| (p, 0)), Cutter { at, period: None }, axis, label)
+}
+
+/// Polygons, and how often each winds around, cut. The sides along the cut have labels of their own.
+fn cut(
+    polygons: &mut dyn Iterator<Item = (&Polygon, i32)>,
+    cutter: Cutter,
+    axis: usize,
+    label: &mut u32,
+) -> Result<Vec<Polygon>, TrimError> {
     let labels = [*label, *label + 1];
     *label += 2;
     let mut whole = Vec::new();
     let mut stretches = Vec::new();
-    for (p, c) in polygons.iter().zip(chains) {
-        let (p, turn) = upright(p, c.winding[seam.axis], seam.axis);
-        split(&p, turn, at, period, &mut stretches, &mut whole);
+    for (p, turn) in polygons {
+        let (p, turn) = upright(p, turn, axis);
+        split(&p, turn, cutter, &mut stretches, &mut whole);
     }
     whole.extend(linked(stretches, labels)?);
-    Ok(whole.into_iter().map(|p| upright(&p, 0, seam.axis).0).collect())
+    Ok(whole.into_iter().map(|p| upright(&p, 0, axis).0).collect())
 }
 
 /// Exchanges the axes for a seam in v, keeping the material on the left.
@@ -373,62 +442,40 @@ fn upright(p: &Polygon, turn: i32, axis: usize) -> (Polygon, i32) {
     (q, -turn)
 }
 
-fn split(p: &Polygon, turn: i32, at: f64, period: f64, stretches: &mut Vec<Stretch>, whole: &mut Vec<Polygon>) {
+fn split(p: &Polygon, turn: i32, cutter: Cutter, stretches: &mut Vec<Stretch>, whole: &mut Vec<Polygon>) {
     let n = p.points.len();
-    if n == 0 {
-        return;
-    }
-    // Corners within rounding of the seam lie on it.
-    let snapped = |x: [f64; 2]| {
-        let k = ((x[0] - at) / period).round();
-        let line = at + k * period;
-        if (x[0] - line).abs() <= SAME_PARAMETER * period {
-            [line, x[1]]
-        } else {
-            x
-        }
-    };
-    let cell = |x: [f64; 2]| {
-        let k = ((x[0] - at) / period).round();
-        // The same expression as above, so that snapped corners compare exactly.
-        if x[0] >= at + k * period {
-            k
-        } else {
-            k - 1.0
-        }
-    };
+    let Some(first) = (0..n).find(|&i| !cutter.is_on(p.points[i])) else { return };
     let corner = |i: usize| {
-        let q = p.points[i % n];
-        snapped(if i < n { q } else { [q[0] + f64::from(turn) * period, q[1]] })
+        let q = p.points[(first + i) % n];
+        cutter.snapped(if first + i < n { q } else { [q[0] + f64::from(turn) * cutter.period.unwrap_or(0.0), q[1]] })
     };
     let mut done: Vec<Stretch> = Vec::new();
-    let mut here = cell(corner(0));
-    let local = |x: [f64; 2], k: f64| [x[0] - k * period, x[1]];
-    let mut open = Stretch { points: vec![local(corner(0), here)], edge: Vec::new(), far: [false; 2] };
+    let mut here = cutter.cell(corner(0));
+    let mut open = Stretch { points: vec![cutter.local(corner(0), here)], edge: Vec::new(), far: [false; 2] };
     for i in 0..n {
         let (a, b) = (corner(i), corner(i + 1));
-        let target = cell(b);
-        let mut side = p.edge[i];
+        let target = if cutter.is_on(b) { here } else { cutter.cell(b) };
+        let mut side = p.edge[(first + i) % n];
         let mut done_share = 0.0;
         while (here - target).abs() > 0.5 {
             let up = target > here;
-            let line = at + (if up { here + 1.0 } else { here }) * period;
+            let line = cutter.begin(if up { here + 1.0 } else { here });
             let s = if (b[0] - a[0]).abs() > 0.0 { ((line - a[0]) / (b[0] - a[0])).clamp(0.0, 1.0) } else { 0.0 };
             let v = a[1] + s * (b[1] - a[1]);
             // The share of what is left of the side.
             let [before, after] = side.cut(if done_share < 1.0 { (s - done_share) / (1.0 - done_share) } else { 1.0 });
             (side, done_share) = (after, s);
             open.edge.push(before);
-            open.points.push([if up { at + period } else { at }, v]);
+            open.points.push([cutter.border(up), v]);
             open.far[1] = up;
             done.push(std::mem::replace(
                 &mut open,
-                Stretch { points: vec![[if up { at } else { at + period }, v]], edge: Vec::new(), far: [!up, false] },
+                Stretch { points: vec![[cutter.border(!up), v]], edge: Vec::new(), far: [!up, false] },
             ));
             here += if up { 1.0 } else { -1.0 };
         }
         open.edge.push(side);
-        open.points.push(local(b, here));
+        open.points.push(cutter.local(b, here));
     }
     if done.is_empty() {
         open.points.pop();
@@ -436,13 +483,13 @@ fn split(p: &Polygon, turn: i32, at: f64, period: f64, stretches: &mut Vec<Stret
         return;
     }
     // The last stretch runs on into the first.
-    let first = &mut done[0];
+    let head = &mut done[0];
     open.points.pop();
-    open.points.append(&mut first.points);
-    open.edge.append(&mut first.edge);
-    first.points = open.points;
-    first.edge = open.edge;
-    first.far[0] = open.far[0];
+    open.points.append(&mut head.points);
+    open.edge.append(&mut head.edge);
+    head.points = open.points;
+    head.edge = open.edge;
+    head.far[0] = open.far[0];
     stretches.append(&mut done);
 }
 

@@ -3,6 +3,7 @@
 //!
 //! Knows the geometry of a face as a file gives it ([`RawFace`]), but no file.
 
+pub(crate) mod crease;
 mod cut;
 pub(crate) mod edge;
 mod error;

@@ -85,8 +85,18 @@ const SAME_POINT: f64 = 1e-11;
 /// Polygons of less area than this share of their box have none: the rounding of the sum.
 const NO_AREA: f64 = 1e-15;
 
-/// Removes repeated corners, spikes and small loops; `None` if no area remains. One that crosses itself stays so.
-pub(super) fn cleaned(mut p: Polygon) -> Option<Polygon> {
+/// Removes corners that are the same to the bit, and spikes; `None` if no area remains. The region stays what it is.
+pub(super) fn without_repeated(mut p: Polygon) -> Option<Polygon> {
+    let width = widths(&p);
+    if !(width[0] > 0.0 && width[1] > 0.0) {
+        return None;
+    }
+    drop_repeated(&mut p, width, 0.0);
+    (p.points.len() >= 3 && p.area() != 0.0).then_some(p)
+}
+
+/// Widths of the box around a polygon.
+fn widths(p: &Polygon) -> [f64; 2] {
     let (mut lo, mut hi) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
     for q in &p.points {
         for k in 0..2 {
@@ -94,11 +104,16 @@ pub(super) fn cleaned(mut p: Polygon) -> Option<Polygon> {
             hi[k] = hi[k].max(q[k]);
         }
     }
-    let width = [hi[0] - lo[0], hi[1] - lo[1]];
+    [hi[0] - lo[0], hi[1] - lo[1]]
+}
+
+/// Removes repeated corners, spikes and small loops; `None` if no area remains. One that crosses itself stays so.
+pub(super) fn cleaned(mut p: Polygon) -> Option<Polygon> {
+    let width = widths(&p);
     if !(width[0] > 0.0 && width[1] > 0.0) {
         return None;
     }
-    drop_repeated(&mut p, width);
+    drop_repeated(&mut p, width, SAME_POINT);
     let mut crossed = true;
     for _ in 0..64 {
         let Some((i, j)) = first_crossing(&[&p]).map(|(a, b)| (a.1.min(b.1), a.1.max(b.1))) else {
@@ -108,14 +123,15 @@ pub(super) fn cleaned(mut p: Polygon) -> Option<Polygon> {
         if !cut_loop(&mut p, i, j) {
             break;
         }
-        drop_repeated(&mut p, width);
+        drop_repeated(&mut p, width, SAME_POINT);
     }
     // One that still crosses itself is kept whatever its area, to be refused by name.
     (p.points.len() >= 3 && (crossed || p.area().abs() > NO_AREA * width[0] * width[1])).then_some(p)
 }
 
-fn drop_repeated(p: &mut Polygon, width: [f64; 2]) {
-    let same = |a: [f64; 2], b: [f64; 2]| (0..2).all(|k| (a[k] - b[k]).abs() <= SAME_POINT * width[k]);
+/// Removes corners that are within a share of the widths of their neighbours, and spikes.
+fn drop_repeated(p: &mut Polygon, width: [f64; 2], share: f64) {
+    let same = |a: [f64; 2], b: [f64; 2]| (0..2).all(|k| (a[k] - b[k]).abs() <= share * width[k]);
     let mut i = 0;
     while p.points.len() > 2 && i < p.points.len() {
         let n = p.points.len();

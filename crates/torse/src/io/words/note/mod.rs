@@ -34,6 +34,23 @@ pub fn notes(all: &[Note]) -> Vec<String> {
     out
 }
 
+/// Faces that are told of by number, at most.
+const FEW_FACES: usize = 6;
+
+/// What faces with sharp edges of their own count as.
+fn creased(faces: &[u64], pieces: usize) -> String {
+    let named: Vec<String> = faces.iter().take(FEW_FACES).map(|f| format!("#{f}")).collect();
+    let more = if faces.len() > FEW_FACES { ", …" } else { "" };
+    match faces {
+        [face] => format!("face #{face} has sharp edges of its own; it counts as {pieces} faces that meet in them"),
+        _ => format!(
+            "{} faces ({}{more}) have sharp edges of their own; they count as {pieces} faces that meet in them",
+            faces.len(),
+            named.join(", ")
+        ),
+    }
+}
+
 /// The largest gap and the largest angles of joins.
 fn worst_joints(all: &[Note], count: usize) -> String {
     type Worst = Option<(f64, String)>;
@@ -83,6 +100,7 @@ pub fn note(note: &Note) -> String {
                 Skin::Inner => "inner",
             }
         ),
+        Note::Creased { faces, pieces } => creased(faces, *pieces),
         Note::NoPanelAlong { curve } => format!("no panel along {curve} could be certified; others took its place"),
         Note::DirectionOf { curve } => format!(
             "strips run in the direction of {curve}, which need not lie in the middle of one: laid along it and on from there \

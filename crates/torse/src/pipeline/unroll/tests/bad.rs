@@ -1,15 +1,19 @@
 //! Broken faces beside good ones, in every format: the broken one is named with its fault, the good one is laid flat.
 
+use super::super::proofs::fault;
 use super::super::{unroll, UnrollOptions};
 use crate::answer::marks::Marks;
 use crate::answer::Answer;
 use crate::certify::claim::Status;
 use crate::control::Control;
+use crate::develop::unfold::bends::BendKind;
+use crate::develop::unfold::part::{flat_parts, PartOptions};
 use crate::geom::{Frame, Vec3};
 use crate::io::step::write::{self as step, sewn, Header};
 use crate::io::words::why;
 use crate::io::{cad, iges, threedm};
 use crate::patchwork::panel::{Border, Coedge, Panel, Patchwork};
+use crate::reason::Reason;
 use crate::spline::curve::Curve;
 use crate::torse::form::PanelKind;
 use crate::torse::strip::Strip;
@@ -133,23 +137,41 @@ fn faces_that_close_on_themselves_are_named_with_what_flattening_them_would_need
 }
 
 #[test]
-fn a_face_with_a_sharp_edge_inside_is_not_certified() {
+fn a_face_with_sharp_edges_inside_is_bent_about_them() {
     use crate::brep::face::Face;
     use crate::spline::knots::Knots;
     use crate::spline::surface::Surface;
-    let across = Knots::clamped(1, &[0.0, 1.0, 2.0, 3.0]).expect("knots");
-    for (lift, kinked) in [(0.0, false), (0.1, false), (30.0, true)] {
-        let profile = [[0.0, 0.0], [40.0, 0.0], [80.0, lift], [120.0, 0.0]];
+    let extruded = |across: Knots, profile: &[[f64; 2]]| {
         let points: Vec<Vec3> = profile.iter().flat_map(|p| [0.0, 90.0].map(|y| Vec3::new(p[0], y, p[1]))).collect();
         let along = Knots::clamped(1, &[0.0, 1.0]).expect("knots");
-        let face = Face::untrimmed(Surface::new(across.clone(), along, &points, None).expect("a surface"));
+        Face::untrimmed(Surface::new(across, along, &points, None).expect("a surface"))
+    };
+    let polyline = Knots::clamped(1, &[0.0, 1.0, 2.0, 3.0]).expect("knots");
+    // Control points that coincide make a corner where the knot is a simple one.
+    let quadratic = Knots::clamped(2, &[0.0, 1.0, 2.0]).expect("knots");
+    let gable = |lift: f64| vec![[0.0, 0.0], [40.0, 0.0], [80.0, lift], [120.0, 0.0]];
+    let corner = vec![[0.0, 0.0], [40.0, 0.0], [40.0, 0.0], [40.0, 50.0]];
+    for (across, profile, folds) in [
+        (&polyline, gable(0.0), vec![]),
+        (&polyline, gable(0.1), vec![]),
+        (&polyline, gable(30.0), vec![36.8699, 73.7398]),
+        (&quadratic, corner, vec![90.0]),
+    ] {
+        let face = extruded(across.clone(), &profile);
+        // Laid flat as it is, such a face is named: its bend table would not tell of the edges.
+        let whole =
+            flat_parts(&[&face], "gable", &PartOptions { surfaces: true, ..PartOptions::new(0.05) }).parts.remove(0);
+        let told = fault(&whole, std::slice::from_ref(&face), false).map(Reason::from).map(|r| why(&r));
+        assert_eq!(told.as_ref().is_some_and(|t| t.contains("sharp edge inside")), !folds.is_empty(), "{told:?}");
         let answer = super::answered(vec![face], None);
         let told: Vec<String> = answer.claims.iter().filter_map(|c| c.reason()).map(why).collect();
-        if kinked {
-            assert_eq!((answer.status(), Marks::of(&answer).parts), (Status::Uncertified, vec![true]));
-            assert!(told.iter().any(|t| t.contains("sharp edge inside, of 73.7")), "{told:?}");
-        } else {
-            assert_eq!(answer.status(), Status::Certified, "{told:?}");
-        }
+        assert_eq!((answer.status(), answer.patterns.len()), (Status::Certified, 1), "{told:?}");
+        let bends = answer.sheets[0].bends.iter().filter(|b| b.kind == BendKind::Fold);
+        let mut angles: Vec<f64> = bends.map(|b| b.angle.to_degrees().abs()).collect();
+        angles.sort_by(f64::total_cmp);
+        assert_eq!(angles.len(), folds.len(), "{angles:?}");
+        assert!(angles.iter().zip(&folds).all(|(a, f)| (a - f).abs() < 1e-3), "{angles:?}");
+        let length: f64 = profile.windows(2).map(|w| (w[1][0] - w[0][0]).hypot(w[1][1] - w[0][1])).sum();
+        assert!((answer.patterns[0].length.max(answer.patterns[0].width) - length).abs() < 1e-6 * length);
     }
 }
