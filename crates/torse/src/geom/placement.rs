@@ -12,6 +12,9 @@ pub struct Placement {
     pub shift: Vec3,
 }
 
+/// Share within which maps that came about on different ways are one.
+const ROUNDING: f64 = 1e-9;
+
 impl Placement {
     /// The map that moves nothing.
     pub fn identity() -> Self {
@@ -42,6 +45,12 @@ impl Placement {
     /// Factor by which lengths grow (the cube root of the volume factor).
     pub fn scale(&self) -> f64 {
         self.linear.determinant().abs().cbrt()
+    }
+
+    /// Whether another map is the same but for rounding.
+    pub fn is_nearly(&self, other: &Self) -> bool {
+        (self.linear - other.linear).norm() <= ROUNDING * self.linear.norm()
+            && (self.shift - other.shift).norm() <= ROUNDING * (1.0 + self.shift.norm())
     }
 
     /// Whether left and right are exchanged.

@@ -75,9 +75,13 @@ impl<'r, 'a> Walk<'r, 'a> {
 
     /// A face of topology.
     fn face(&mut self, id: u64, a: &Args, here: Here) -> Result<(), Fault> {
-        if !self.visited.insert(id) && !self.repeats_count {
+        let is_new = self.visited.insert(id);
+        let places = self.shown.entry(id).or_default();
+        let again = !is_new && (self.copies == 0 || places.iter().any(|p| p.is_nearly(here.placement)));
+        if again && !self.repeats_count {
             return Ok(());
         }
+        places.push(*here.placement);
         if self.records.name(id) == "ORIENTED_FACE" {
             self.visited.insert(a.reference(2)?);
         }
@@ -114,7 +118,9 @@ impl<'r, 'a> Walk<'r, 'a> {
         let back = from
             .inverse()
             .ok_or_else(|| Fault::new(a.id, format!("the origin of the mapping #{} cannot be inverted", a.id)))?;
+        self.copies += 1;
         self.walk(self.find(source), &here.placement.after(&to.after(&back)), here.part, here.depth + 1);
+        self.copies -= 1;
         Ok(())
     }
 

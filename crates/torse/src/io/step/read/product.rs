@@ -18,6 +18,9 @@ pub(super) fn census(records: &Records) -> Census {
         part: HashMap::new(),
         units_of: HashMap::new(),
         visited: HashSet::new(),
+        shown: HashMap::new(),
+        filled: HashSet::new(),
+        copies: 0,
         repeats_count: true,
         steps: 0,
         bodies: 0,
@@ -103,32 +106,40 @@ impl<'r, 'a> Walk<'r, 'a> {
         // A drawing of the model shows what others hold.
         let shape = |id: &u64| is_representation(self.records.name(*id)) && !self.is_drawing(*id);
         let reps: Vec<u64> = self.records.order.iter().copied().filter(shape).collect();
-        let relations = self.records.all(&["SHAPE_REPRESENTATION_RELATIONSHIP", "REPRESENTATION_RELATIONSHIP"]);
+        let parents = self.parents();
+        // Several representations of one shape share its space.
+        for all in self.representations().into_values() {
+            all.windows(2).for_each(|w| self.share(w[0], w[1]));
+        }
+        let relations = self.records.all(&[
+            "SHAPE_REPRESENTATION_RELATIONSHIP",
+            "REPRESENTATION_RELATIONSHIP",
+            "REPRESENTATION_RELATIONSHIP_WITH_TRANSFORMATION",
+        ]);
         let mut placed = Vec::new();
         for id in relations {
             let Ok(record) = self.records.get(id) else { continue };
-            let base =
-                record.part("REPRESENTATION_RELATIONSHIP").or_else(|| record.part("SHAPE_REPRESENTATION_RELATIONSHIP"));
+            let with = record.part("REPRESENTATION_RELATIONSHIP_WITH_TRANSFORMATION");
+            let plain = ["REPRESENTATION_RELATIONSHIP", "SHAPE_REPRESENTATION_RELATIONSHIP"];
+            // Written on its own, the transformation stands behind both ends.
+            let base = plain.iter().find_map(|name| record.part(name)).or(with);
             let Some(base) = base else { continue };
             let ends: Vec<u64> = base.args.iter().filter_map(as_reference).collect();
-            let &[one, two] = ends.as_slice() else { continue };
-            match record.part("REPRESENTATION_RELATIONSHIP_WITH_TRANSFORMATION") {
-                Some(t) => match t.args.iter().find_map(as_reference) {
-                    Some(t) => placed.push((id, one, two, t)),
+            let &[one, two, ..] = ends.as_slice() else { continue };
+            match with {
+                Some(t) => match t.args.iter().rev().find_map(as_reference) {
+                    Some(t) => placed.push((id, one, two, Some(t))),
                     None => self.out.faults.push(Fault::new(id, format!("#{id} names no transformation"))),
                 },
-                None => {
-                    let (a, b) = (self.find(one), self.find(two));
-                    self.group.insert(a, a);
-                    self.group.insert(b, a);
-                }
+                // A part that is used where it was drawn.
+                None if parents.contains_key(&id) => placed.push((id, one, two, None)),
+                None => self.share(one, two),
             }
         }
         for r in reps {
             let g = self.find(r);
             self.members.entry(g).or_default().push(r);
         }
-        let parents = self.parents();
         for (id, one, two, transformation) in placed {
             if let Err(fault) = self.place(one, two, transformation, parents.get(&id).copied()) {
                 self.out.faults.push(fault);
@@ -136,13 +147,28 @@ impl<'r, 'a> Walk<'r, 'a> {
         }
     }
 
-    /// One edge of the assembly: representation `one` placed in `two`, or the other way round.
-    fn place(&mut self, one: u64, two: u64, transformation: u64, assembly: Option<u64>) -> Result<(), Fault> {
+    /// Two representations of one space.
+    fn share(&mut self, one: u64, two: u64) {
+        let (a, b) = (self.find(one), self.find(two));
+        self.group.insert(a, a);
+        self.group.insert(b, a);
+    }
+
+    /// One edge of the assembly: representation `one` placed in `two`, or the other way round; without a transformation where
+    /// it was drawn.
+    fn place(&mut self, one: u64, two: u64, transformation: Option<u64>, assembly: Option<u64>) -> Result<(), Fault> {
         let reversed = assembly.is_some_and(|parent| {
             let parent = self.find(parent);
             self.find(one) == parent && self.find(two) != parent
         });
         let (child, parent) = if reversed { (two, one) } else { (one, two) };
+        let Some(transformation) = transformation else {
+            // Already in the same space it is there.
+            if self.find(child) != self.find(parent) {
+                self.contains(parent, Child { representation: child, placement: Placement::identity() });
+            }
+            return Ok(());
+        };
         let r = self.records.get(transformation)?;
         let placement = if r.part("ITEM_DEFINED_TRANSFORMATION").is_some() {
             let a = self.records.args(transformation, "ITEM_DEFINED_TRANSFORMATION")?;
@@ -167,25 +193,78 @@ impl<'r, 'a> Walk<'r, 'a> {
             let u = self.units_index(parent);
             self.geometry(u).placement(transformation)?
         };
-        let group = self.find(parent);
-        self.children.entry(group).or_default().push(Child { representation: child, placement });
+        self.contains(parent, Child { representation: child, placement });
         Ok(())
+    }
+
+    fn contains(&mut self, parent: u64, child: Child) {
+        let group = self.find(parent);
+        self.children.entry(group).or_default().push(child);
+    }
+
+    /// The representations of shapes of every product definition.
+    fn representations(&self) -> HashMap<u64, Vec<u64>> {
+        let mut shown: HashMap<u64, Vec<u64>> = HashMap::new();
+        for s in self.records.all(&["SHAPE_DEFINITION_REPRESENTATION"]) {
+            let Ok(a) = self.records.simple(s) else { continue };
+            let (Ok(shape), Ok(rep)) = (a.reference(0), a.reference(1)) else { continue };
+            if let Some(definition) =
+                self.definition_of_shape(shape).filter(|_| is_representation(self.records.name(rep)))
+            {
+                shown.entry(definition).or_default().push(rep);
+            }
+        }
+        shown
+    }
+
+    /// The usage occurrence that something in context belongs to.
+    fn usage_of(&self, context: u64) -> Option<u64> {
+        self.definition_of_shape(self.records.simple(context).ok()?.reference(1).ok()?)
+    }
+
+    /// Uses of parts with faces that nothing places: a part with one of them only is read where it was drawn, else uses are missed.
+    fn unplaced_usages(&mut self) {
+        let contexts = self.records.all(&["CONTEXT_DEPENDENT_SHAPE_REPRESENTATION"]);
+        let placed: HashSet<u64> = contexts.into_iter().filter_map(|c| self.usage_of(c)).collect();
+        let shown = self.representations();
+        let maps = self.records.all(&["REPRESENTATION_MAP"]);
+        let copied = maps.into_iter().filter_map(|m| self.records.simple(m).ok()?.reference(1).ok());
+        let copied: HashSet<u64> = copied.map(|r| self.find(r)).collect();
+        let mut uses: HashMap<u64, Vec<u64>> = HashMap::new();
+        for usage in self.records.all(&["NEXT_ASSEMBLY_USAGE_OCCURRENCE"]) {
+            let related = self.records.simple(usage).ok().and_then(|a| a.reference(4).ok());
+            let Some(&rep) = related.and_then(|d| shown.get(&d)?.first()) else { continue };
+            let group = self.find(rep);
+            if self.filled.contains(&group) && !copied.contains(&group) {
+                uses.entry(group).or_default().push(usage);
+            }
+        }
+        let mut uses: Vec<(u64, Vec<u64>)> = uses.into_iter().collect();
+        uses.sort_unstable();
+        for (group, usages) in uses {
+            let places = self.children.values().flatten().filter(|c| self.find(c.representation) == group).count();
+            if usages.len() <= places {
+                continue;
+            }
+            let name = self.members.get(&group).and_then(|all| all.iter().find_map(|m| self.part.get(m)));
+            let name = name.cloned().unwrap_or_default();
+            if usages.len() == 1 {
+                let told = format!("nothing says where {name} goes in its assembly; it is read where it was drawn");
+                self.out.notes.push(told);
+                continue;
+            }
+            let fault = |u: u64| Fault::new(u, format!("nothing says where this use of {name} goes (#{u})"));
+            self.out.faults.extend(usages.into_iter().filter(|u| !placed.contains(u)).map(fault));
+        }
     }
 
     /// The representation of the assembly that each relationship belongs to, from the usage occurrences.
     fn parents(&self) -> HashMap<u64, u64> {
-        let mut shown = HashMap::new(); // product definition → its representation
-        for s in self.records.all(&["SHAPE_DEFINITION_REPRESENTATION"]) {
-            let Ok(a) = self.records.simple(s) else { continue };
-            let (Ok(shape), Ok(rep)) = (a.reference(0), a.reference(1)) else { continue };
-            if let Some(definition) = self.definition_of_shape(shape) {
-                shown.entry(definition).or_insert(rep);
-            }
-        }
+        let shown = self.representations();
         let parent = |context: u64| -> Option<(u64, u64)> {
-            let a = self.records.simple(context).ok()?;
-            let usage = self.records.simple(self.definition_of_shape(a.reference(1).ok()?)?).ok()?;
-            Some((a.reference(0).ok()?, *shown.get(&usage.reference(3).ok()?)?))
+            let relation = self.records.simple(context).ok()?.reference(0).ok()?;
+            let usage = self.records.simple(self.usage_of(context)?).ok()?;
+            Some((relation, *shown.get(&usage.reference(3).ok()?)?.first()?))
         };
         self.records.all(&["CONTEXT_DEPENDENT_SHAPE_REPRESENTATION"]).into_iter().filter_map(parent).collect()
     }
@@ -232,6 +311,7 @@ impl<'r, 'a> Walk<'r, 'a> {
             self.repeats_count = described(self, g);
             self.walk(g, &Placement::identity(), "", 0);
         }
+        self.unplaced_usages();
     }
 
     pub(super) fn walk(&mut self, group: u64, placement: &Placement, part: &str, depth: u32) {
@@ -244,8 +324,11 @@ impl<'r, 'a> Walk<'r, 'a> {
         }
         let outer = self.body;
         self.begin_body();
+        let before = self.out.occurrences.len();
         let members = self.members.get(&group).cloned().unwrap_or_default();
         let name = members.iter().find_map(|m| self.part.get(m)).cloned().unwrap_or_else(|| part.to_string());
+        // What several representations of one space list is there once.
+        let mut listed = HashSet::new();
         for m in members {
             let units = self.units_index(m);
             let Some(items) = self.items(m) else {
@@ -255,7 +338,8 @@ impl<'r, 'a> Walk<'r, 'a> {
                 }
                 continue;
             };
-            for item in items.references(1).unwrap_or_default() {
+            let items = items.references(1).unwrap_or_default();
+            for item in items.into_iter().filter(|i| listed.insert(*i)) {
                 self.item(item, Here { flipped: false, units, placement, part: &name, depth });
             }
         }
@@ -265,6 +349,9 @@ impl<'r, 'a> Walk<'r, 'a> {
             .map_or(Vec::new(), |c| c.iter().map(|c| (c.representation, c.placement)).collect());
         for (rep, inner) in children {
             self.walk(self.find(rep), &placement.after(&inner), &name, depth + 1);
+        }
+        if self.out.occurrences.len() > before {
+            self.filled.insert(group);
         }
         self.body = outer;
     }

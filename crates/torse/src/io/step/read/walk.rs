@@ -62,7 +62,13 @@ pub(super) struct Walk<'r, 'a> {
     pub part: HashMap<u64, String>,
     pub units_of: HashMap<u64, usize>,
     pub visited: HashSet<u64>,
-    /// Whether a face met again is another occurrence.
+    /// Where faces are shown.
+    pub shown: HashMap<u64, Vec<Placement>>,
+    /// Groups that were found to hold faces.
+    pub filled: HashSet<u64>,
+    /// Copies of other representations that the walk is in.
+    pub copies: u32,
+    /// Whether a face met again at the same place, or outside of copies, is another occurrence.
     pub repeats_count: bool,
     pub steps: usize,
     /// Bodies met so far, and the one being walked.
