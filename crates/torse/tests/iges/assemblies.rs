@@ -26,6 +26,13 @@ fn copies_of_a_part_are_placed_scaled_and_named() {
     assert!((corner(0) - torse::geom::Vec3::new(130.0, 0.0, 0.0)).norm() < 1e-9);
     assert!((corner(1) - torse::geom::Vec3::new(0.0, 70.0, 70.0)).norm() < 1e-9);
     assert_ne!(m.faces[0].body, m.faces[1].body);
+    // Of the order of shift and turn programs think differently.
+    assert_eq!(
+        m.notes.iter().filter(|n| words::note(n).contains("both shifted and turned, D9 first: 1")).count(),
+        1,
+        "{:?}",
+        m.notes
+    );
 }
 
 #[test]

@@ -38,6 +38,8 @@ pub(super) struct Census {
 
 /// Uses of faces at most; a short file can ask for exponentially many.
 const MOST_OCCURRENCES: usize = 200_000;
+/// Share of its length within which a turned shift is the same.
+const SAME_PLACE: f64 = 1e-9;
 /// Steps along the assembly tree at most, for the same reason.
 const MOST_STEPS: usize = 1_000_000;
 
@@ -59,13 +61,23 @@ struct Walk<'r> {
     steps: usize,
     /// Parts whose copies are being walked through.
     open: Vec<u64>,
+    /// Copies that are shifted and turned.
+    turned: Vec<u64>,
     out: Census,
 }
 
 /// Finds all uses of faces.
 pub(super) fn census(records: &Records) -> Census {
     let referred = referred(records);
-    let mut walk = Walk { records, met: HashSet::new(), bodies: 1, steps: 0, open: Vec::new(), out: Census::default() };
+    let mut walk = Walk {
+        records,
+        met: HashSet::new(),
+        bodies: 1,
+        steps: 0,
+        open: Vec::new(),
+        turned: Vec::new(),
+        out: Census::default(),
+    };
     let place = Placement::identity();
     let top = records.global.product.clone();
     walk.out.parts.extend(Some(top.clone()).filter(|t| !t.is_empty()));
@@ -97,6 +109,13 @@ pub(super) fn census(records: &Records) -> Census {
     let hidden = hidden.iter().filter(|f| records.entry(**f).is_some_and(|e| e.blanked)).count();
     if hidden > 0 {
         walk.out.notes.push(format!("faces that are hidden (blanked) in the file, and read all the same: {hidden}"));
+    }
+    if let Some(first) = walk.turned.first() {
+        walk.out.notes.push(format!(
+            "copies of parts that are both shifted and turned, D{first} first: {}; the turn is taken last, as the standard says of all \
+             data, but some programs take the shift last",
+            walk.turned.len()
+        ));
     }
     walk.out
 }
@@ -275,6 +294,10 @@ impl Walk<'_> {
             return Err(Fault::new(e.number, format!("the part D{} contains itself", part.number)));
         }
         let shift = Vec3::new(e.number(2)?, e.number(3)?, e.number(4)?);
+        let own = placing::of_entry(self.records, e)?.linear;
+        if (own * shift - shift).norm() > SAME_PLACE * shift.norm() {
+            self.turned.push(e.number);
+        }
         let scale = if e.has(5) { e.number(5)? } else { 1.0 };
         if !(scale > 0.0 && scale.is_finite()) {
             return Err(Fault::new(e.number, format!("the copy D{} has the scale {scale}", e.number)));
