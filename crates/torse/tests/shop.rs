@@ -39,7 +39,9 @@ fn a_developable_face_is_cut_into_few_fields_that_fit_the_sheet() {
 #[test]
 fn panels_that_are_too_long_are_cut_in_line_or_covered_in_sections() {
     let limits = Limits { max_length: Some(1300.0), ..Limits::default() };
-    let (free, kept) = (bowl(), answer(BOWL, 10.0, limits));
+    let model = read_step(BOWL).expect("our own model");
+    let asked = Approximate { limits, meet: false, ..Approximate::new(10.0) };
+    let (free, kept) = (bowl(), approximate(&model, &asked).expect("an answer"));
     let long = free.patterns.iter().map(|p| (p.length / 1300.0).ceil() as usize).sum::<usize>();
     assert!(long > free.patterns.len());
     assert_eq!(kept.status(), Status::Certified);

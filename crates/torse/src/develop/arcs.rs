@@ -3,7 +3,9 @@
 //! *Method*: biarcs with equal tangent lengths between points of the curve, with its tangents there; the longest
 //! stretch that meets the tolerance is taken next (bisection) \[MW95\]. Equal tangent lengths keep both arcs short.
 
+use crate::geom::rectangle::{smallest_rectangle, Rectangle};
 use crate::geom::Vec2;
+use crate::patchwork::pattern::{Contour, ContourVertex};
 
 /// A line or arc of a chain; it ends where the next begins.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -231,6 +233,19 @@ pub fn points_along(a: &Vec2, b: &Vec2, bulge: f64, least: usize) -> Vec<Vec2> {
         .collect()
 }
 
+/// Turn of an arc (rad) between points of it that stand for it: chords miss it by half a millionth of its radius.
+const FINE: f64 = 0.002;
+
+/// The smallest rectangle around the outer contour, the first one; arcs reach beyond their ends. `None` without contours.
+pub(crate) fn rectangle_around(contours: &[Contour]) -> Option<Rectangle> {
+    let all = &contours.first()?.vertices;
+    let piece = |(k, v): (usize, &ContourVertex)| {
+        let sweep = 4.0 * v.bulge.atan().abs();
+        points_along(&v.point, &all[(k + 1) % all.len()].point, v.bulge, (sweep / FINE).ceil() as usize)
+    };
+    smallest_rectangle(&all.iter().enumerate().flat_map(piece).collect::<Vec<_>>())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -321,5 +336,21 @@ mod tests {
                 assert!((x.y - y).abs() < 1.2 * tolerance);
             }
         }
+    }
+
+    #[test]
+    fn rectangles_reach_as_far_as_arcs_do() {
+        let vertex = |x: f64, y: f64, bulge: f64| ContourVertex { point: Vec2::new(x, y), bulge, corner: true };
+        // A disc of two halves, and the sector of an annulus between radii of 200/3 and 500/3 mm over 120°.
+        let disc = Contour { vertices: vec![vertex(-50.0, 0.0, 1.0), vertex(50.0, 0.0, 1.0)] };
+        let r = rectangle_around(&[disc]).expect("a rectangle");
+        assert!((r.length - 100.0).abs() < 1e-4 && (r.width - 100.0).abs() < 1e-4, "{r:?}");
+        let (inner, outer, half) = (200.0 / 3.0, 500.0 / 3.0, std::f64::consts::FRAC_PI_3);
+        let at = |r: f64, a: f64, bulge: f64| vertex(r * a.sin(), r * a.cos(), bulge);
+        let bulge = (0.5 * half).tan();
+        let vertices =
+            vec![at(inner, half, 0.0), at(outer, half, bulge), at(outer, -half, 0.0), at(inner, -half, -bulge)];
+        let r = rectangle_around(&[Contour { vertices }]).expect("a rectangle");
+        assert!((r.length - 288.675_134).abs() < 1e-4 && (r.width - 400.0 / 3.0).abs() < 1e-4, "{r:?}");
     }
 }

@@ -1,10 +1,9 @@
 //! Flat patterns of trimmed cone splines: the outline through the exact development of every piece \[LP98\], drawn with
 //! true arcs.
 
-use super::arcs::{arcs, PlaneCurve};
+use super::arcs::{arcs, rectangle_around, PlaneCurve};
 use super::cones::{develop, FlatSegment};
 use super::overlap::{overlap, OutlinePoint};
-use crate::geom::rectangle::smallest_rectangle;
 use crate::geom::Vec2;
 use crate::patchwork::panel::Border;
 use crate::patchwork::pattern::{Contour, ContourVertex, Pattern, Side};
@@ -106,13 +105,12 @@ pub(crate) fn part_pattern(spline: &ConeSpline, part: &ConePart, name: &str, con
     pattern.area_in_space = pattern.area;
     for (i, (_, contour, sides)) in contours.into_iter().enumerate() {
         if i == 0 {
-            let points: Vec<Vec2> = contour.vertices.iter().map(|v| v.point).collect();
-            if let Some(r) = smallest_rectangle(&points) {
-                (pattern.width, pattern.length) = (r.width, r.length);
-            }
             pattern.sides = sides;
         }
         pattern.contours.push(contour);
+    }
+    if let Some(r) = rectangle_around(&pattern.contours) {
+        (pattern.width, pattern.length) = (r.width, r.length);
     }
     pattern
 }

@@ -3,7 +3,7 @@
 //! *Method*: the sector of a cone turns by φ sin γ in the plane; chains of sectors are placed one after the other. The
 //! plane is seen from the side of the normals: rulings and the forward direction are right-handed.
 
-use super::arcs::{arcs, PlaneCurve};
+use super::arcs::{arcs, rectangle_around, PlaneCurve};
 use super::overlap::{overlap, OutlinePoint};
 use crate::geom::Vec2;
 use crate::patchwork::panel::Border;
@@ -226,11 +226,10 @@ pub fn cone_pattern(spline: &ConeSpline, name: &str, contour_tolerance: f64) -> 
             length: (b - a).norm(),
         });
     }
-    let points: Vec<Vec2> = vertices.iter().map(|v| v.point).collect();
-    if let Some(r) = crate::geom::rectangle::smallest_rectangle(&points) {
+    pattern.contours.push(Contour { vertices });
+    if let Some(r) = rectangle_around(&pattern.contours) {
         (pattern.width, pattern.length) = (r.width, r.length);
     }
-    pattern.contours.push(Contour { vertices });
     pattern
 }
 

@@ -5,7 +5,7 @@
 //! lies under the skyline is never used again, so that rectangles cannot overlap. Several lengths of the sheet are tried.
 
 use super::arcs;
-use crate::geom::rectangle::{smallest_rectangle, Rectangle};
+use crate::geom::rectangle::Rectangle;
 use crate::geom::Vec2;
 use crate::patchwork::pattern::{Pattern, Placement};
 
@@ -93,9 +93,9 @@ fn raise(skyline: &mut Vec<(f64, f64)>, from: f64, to: f64, height: f64) {
     skyline.splice(i..i, [(from, height), (to, after)]);
 }
 
-/// Smallest rectangle around a pattern's outlines.
+/// Smallest rectangle around a pattern's outline.
 fn rectangle(pattern: &Pattern) -> Rectangle {
-    smallest_rectangle(&outline(pattern)).unwrap_or(Rectangle {
+    arcs::rectangle_around(&pattern.contours).unwrap_or(Rectangle {
         angle: 0.0,
         length: 0.0,
         width: 0.0,
@@ -103,22 +103,19 @@ fn rectangle(pattern: &Pattern) -> Rectangle {
     })
 }
 
-/// Points along the contours: ends and middles of their lines and arcs.
-fn outline(pattern: &Pattern) -> Vec<Vec2> {
-    let mut points = Vec::new();
-    for c in &pattern.contours {
-        let n = c.vertices.len();
-        for k in 0..n {
-            let (v, w) = (&c.vertices[k], &c.vertices[(k + 1) % n]);
-            points.extend(arcs::points_along(&v.point, &w.point, v.bulge, 1));
-        }
-    }
-    points
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Points along the contours.
+    fn outline(pattern: &Pattern) -> Vec<Vec2> {
+        let all = |c: &Contour| {
+            let next = c.vertices.iter().cycle().skip(1);
+            let pieces = c.vertices.iter().zip(next);
+            pieces.flat_map(|(v, w)| arcs::points_along(&v.point, &w.point, v.bulge, 1)).collect::<Vec<_>>()
+        };
+        pattern.contours.iter().flat_map(all).collect()
+    }
 
     /// Share of the sheet that the patterns fill: their area by that of the rectangle around all of them, holes counted
     /// as cut away. 0 without patterns.

@@ -104,6 +104,7 @@ pub fn pattern(patchwork: &Patchwork, panel: usize, options: &PatternOptions) ->
         }
         contours.push(Contour { vertices });
     }
+    let size = arcs::rectangle_around(&contours).unwrap_or(rectangle);
     // 4. Rulings, marks, sides.
     let (rulings, bends) = if p.strip.kind == PanelKind::Plane {
         (Vec::new(), Vec::new())
@@ -159,8 +160,8 @@ pub fn pattern(patchwork: &Patchwork, panel: usize, options: &PatternOptions) ->
         area_in_space: area_in_space.abs(),
         isometry_error: isometry_error(&development, p),
         contour_error,
-        width: rectangle.width,
-        length: rectangle.length,
+        width: size.width,
+        length: size.length,
     })
 }
 

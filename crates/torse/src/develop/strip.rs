@@ -202,6 +202,8 @@ pub fn pattern(strips: &[&Strip], index: usize, name: &str, options: &StripOptio
             })
             .collect();
     }
+    let contours = vec![Contour { vertices }];
+    let size = arcs::rectangle_around(&contours).unwrap_or(rectangle);
     // 3. Rulings, marks, sides.
     let (rulings, bends) = rulings(&laid, options, rectangle.length, contour_error);
     let marks = marks(&laid, options.mark_spacing, if mirrored { -1.0 } else { 1.0 });
@@ -228,7 +230,7 @@ pub fn pattern(strips: &[&Strip], index: usize, name: &str, options: &StripOptio
     Ok(Pattern {
         panel: index,
         name: name.into(),
-        contours: vec![Contour { vertices }],
+        contours,
         view: ViewSide::Outside,
         rulings,
         bends,
@@ -241,8 +243,8 @@ pub fn pattern(strips: &[&Strip], index: usize, name: &str, options: &StripOptio
         area_in_space: strips.iter().map(|s| s.area_estimate()).sum(),
         isometry_error,
         contour_error,
-        width: rectangle.width,
-        length: rectangle.length,
+        width: size.width,
+        length: size.length,
     })
 }
 

@@ -7,9 +7,8 @@
 //! `d G(t)` with `G' = (n'·b) b`: a quadrature. Outlines are moved point by point and fitted anew by lines and arcs.
 
 use super::laid::Laid;
-use crate::develop::arcs::{arcs, PlaneCurve};
+use crate::develop::arcs::{arcs, rectangle_around, PlaneCurve};
 use crate::develop::unfold::outline::contour_area;
-use crate::geom::rectangle::smallest_rectangle;
 use crate::geom::Vec2;
 use crate::num::quadrature::GAUSS_4;
 use crate::patchwork::pattern::{Contour, ContourVertex, Mark, Pattern, SectionLine, ViewSide};
@@ -212,8 +211,7 @@ pub(crate) fn offset_pattern(laid: &Laid, pattern: &Pattern, distance: f64, tole
     };
     let section =
         |s: &SectionLine| SectionLine { points: s.points.iter().map(|p| p + shift(p)).collect(), ..s.clone() };
-    let points: Vec<Vec2> = contours.iter().take(1).flat_map(|c| c.vertices.iter().map(|v| v.point)).collect();
-    let rectangle = smallest_rectangle(&points);
+    let rectangle = rectangle_around(&contours);
     Pattern {
         area: contours.iter().map(contour_area).sum(),
         rulings: pattern.rulings.iter().map(line).collect(),

@@ -8,9 +8,8 @@ use super::{allowance::KFactor, outline::contour_area};
 use crate::brep::body::{oriented, Body};
 use crate::brep::carrier::Carrier;
 use crate::brep::face::Face;
+use crate::develop::arcs::rectangle_around;
 use crate::develop::bends::Facets;
-use crate::geom::rectangle::smallest_rectangle;
-use crate::geom::Vec2;
 use crate::patchwork::image::{ClosedMap, JointImage, MapStrip, Stroke};
 use crate::patchwork::pattern::{Pattern, ViewSide};
 use crate::reason::Unlaid;
@@ -206,12 +205,11 @@ fn part(
     };
     // The neutral surface keeps its area.
     pattern.area_in_space = pattern.area;
-    let points: Vec<Vec2> = piece.faces.iter().flat_map(|p| p.region.loops.iter().flatten().copied()).collect();
-    if let Some(r) = smallest_rectangle(&points) {
-        (pattern.width, pattern.length) = (r.width, r.length);
-    }
     let strokes = contours.iter().chain(&marks).flat_map(|o| o.strokes.iter().cloned()).collect();
     pattern.contours = contours.into_iter().map(|o| o.contour).collect();
+    if let Some(r) = rectangle_around(&pattern.contours) {
+        (pattern.width, pattern.length) = (r.width, r.length);
+    }
     pattern.formed = marks.into_iter().map(|o| o.contour).collect();
     pattern.extents = bends.iter().flat_map(|b| b.extents.iter().copied()).collect();
     for b in &bends {

@@ -122,6 +122,9 @@ fn a_disc_is_a_certified_plane() {
     let out = of_faces(&[face], &[], &options, &Control::default()).expect("an answer");
     assert_eq!(out.status(), Status::Certified, "{}", words::reason(&out.claims, &[]));
     assert_eq!(counts(&out.cones.as_ref().expect("cones").bodies), [0, 0, 1]);
+    // Its size is that of the arcs, not of the points where they meet.
+    let [length, width] = [out.patterns[0].length, out.patterns[0].width];
+    assert!((length - 200.0).abs() < 0.2 && (width - 200.0).abs() < 0.2, "{length} {width}");
 }
 
 #[test]
