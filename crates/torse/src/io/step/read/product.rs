@@ -253,7 +253,7 @@ impl<'r, 'a> Walk<'r, 'a> {
                 self.out.notes.push(told);
                 continue;
             }
-            let fault = |u: u64| Fault::new(u, format!("nothing says where this use of {name} goes (#{u})"));
+            let fault = |u: u64| Fault::new(u, format!("nothing says where this use of {name} goes"));
             self.out.faults.extend(usages.into_iter().filter(|u| !placed.contains(u)).map(fault));
         }
     }
