@@ -71,7 +71,7 @@ fn a_noisy_sheet_is_recovered_within_twice_the_noise() {
     assert_eq!(code, Some(0), "{said}");
     assert_eq!(report["panels"].as_array().map(Vec::len), Some(1), "{said}");
     // Points carry their own noise of 0.1 mm; the strip lies within as much of the true sheet.
-    assert!(figure(&report, "largest distance of a point") <= 0.2, "{said}");
+    assert!(figure(&report, "largest distance of a point from the uncut strips") <= 0.2, "{said}");
 }
 
 #[test]
@@ -92,9 +92,8 @@ fn flat_outlines_follow_the_border_of_the_scan_and_its_hole() {
     let flat = figure(&report, "flat area");
     assert!((flat / exact - 1.0).abs() < 0.03, "{flat} {exact} {said}");
     // Both ways, beside a spacing of about 3 mm.
-    let ends =
-        ["distance of points from the strips with their outlines", "distance of the strips from what was measured"]
-            .map(|name| figure(&report, name));
+    let ends = ["distance of points from the strips as they are cut", "distance of the strips from what was measured"]
+        .map(|name| figure(&report, name));
     assert!(ends[0] < 1.0 && ends[1] > 2.0 && ends[1] < 9.0, "{ends:?} {said}");
     assert!(said.contains("Holes cut out: 1;") && said.contains("does not say its unit"), "{said}");
 }
@@ -168,7 +167,7 @@ fn scanned_meshes_in_obj_and_stl_are_recovered_within_twice_the_noise() {
         assert_eq!(code, Some(0), "{name}: {said}");
         assert!((figure(&report, "points") - (COUNT * COUNT) as f64).abs() < 0.5, "{name}: {said}");
         // Points carry their own noise of 0.1 mm; strips lie within twice as much of the true sheet.
-        assert!(figure(&report, "largest distance of a point") <= 0.3, "{name}: {said}");
+        assert!(figure(&report, "largest distance of a point from the uncut strips") <= 0.3, "{name}: {said}");
         assert!(report["worst_point"]["index"].is_number() && report["worst_point"]["place"][2].is_number());
         assert!(name == "a.obj" || report["shapes"][0]["shape"] == "cone", "{name}: {said}");
     }
@@ -197,7 +196,7 @@ fn coarse_meshes_of_cylinders_and_cones_are_followed_through_their_corners() {
         let (code, said, report) = fit("mesh.obj", mesh, &["-t", "0.1mm"]);
         assert_eq!(code, Some(0), "{name}: {said}");
         // The facets are 0.86 mm inside; only the corners, which lie on the surface, are held to the tolerance.
-        assert!(figure(&report, "largest distance of a point") <= 0.1, "{name}: {said}");
+        assert!(figure(&report, "largest distance of a point from the uncut strips") <= 0.1, "{name}: {said}");
         assert!((figure(&report, "points") - 22.0).abs() < 0.5, "{name}: {said}");
         assert!(said.contains("Judged are the") && said.contains("triangles are chords"), "{name}: {said}");
         assert!(report["panels"].as_array().is_some_and(|s| s.len() <= 3), "{name}: {said}");
