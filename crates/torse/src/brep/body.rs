@@ -98,12 +98,17 @@ impl<'a> Body<'a> {
 
     /// How the faces on both sides of a run meet, half way along it.
     pub fn meeting(&self, half: usize) -> Option<Meeting> {
+        self.meeting_at(half, 0.5)
+    }
+
+    /// The same at a share of the run.
+    pub fn meeting_at(&self, half: usize, share: f64) -> Option<Meeting> {
         let h = &self.halves[half];
         let other = &self.halves[h.twin?];
         /// Step along the run for its direction.
         const STEP: f64 = 1e-4;
-        let (x, uv) = h.run.at(self.faces[h.face], 0.5);
-        let t = h.run.at(self.faces[h.face], 0.5 + STEP).0 - x;
+        let (x, uv) = h.run.at(self.faces[h.face], share);
+        let t = h.run.at(self.faces[h.face], share + STEP).0 - x;
         let s = other.run.nearest(self.faces[other.face], &x).0;
         let (_, there) = other.run.at(self.faces[other.face], s);
         let (n, m) = (outward(self.faces[h.face], uv)?, outward(self.faces[other.face], there)?);

@@ -214,6 +214,9 @@ fn notes(parts: &[FlatPart], options: &UnrollOptions) -> Vec<UnrollNote> {
         if !asked.is_empty() {
             out.push(UnrollNote::NotBent { part: part(), edges: asked.into_iter().map(|c| c.0).collect() });
         }
+        if !p.slanting.is_empty() {
+            out.push(UnrollNote::Slanting { part: part(), faces: p.slanting.clone() });
+        }
         if !p.pattern.formed.is_empty() {
             out.push(UnrollNote::Formed { part: part(), count: p.pattern.formed.len() });
         }

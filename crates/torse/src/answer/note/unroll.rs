@@ -45,6 +45,13 @@ pub enum UnrollNote {
         /// Entity numbers of the faces.
         faces: Vec<u64>,
     },
+    /// Sides of a part that are not square to the sheet.
+    Slanting {
+        /// Name of the part.
+        part: String,
+        /// Entity numbers of the sides.
+        faces: Vec<u64>,
+    },
     /// Outlines of formed features that are not cut.
     Formed {
         /// Name of the part.

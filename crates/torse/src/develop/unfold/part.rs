@@ -45,6 +45,8 @@ pub struct FlatPart {
     pub strips: Vec<Vec<MapStrip>>,
     /// Ways (mm) by which faces are apart in the plane along sharp bends.
     pub allowances: Vec<f64>,
+    /// Entity numbers of sides of the sheet beside it that are not square to it.
+    pub slanting: Vec<u64>,
 }
 
 /// The parts of one body.
@@ -117,9 +119,13 @@ pub fn flat_parts(faces: &[&Face], name: &str, options: &PartOptions) -> BodyPar
         out.left.push((Some(face.face), Unlaid::Narrow { tolerance: options.tolerance }));
     }
     let count = drawn.len();
+    let slanting = found.slanting(&body);
     for (k, (piece, outlines)) in drawn.into_iter().enumerate() {
         let name = if count > 1 { format!("{name}-{}", k + 1) } else { name.to_owned() };
-        out.parts.push(part(&body, piece, outlines, (&found, &name), options));
+        let mut made = part(&body, piece, outlines, (&found, &name), options);
+        let touches = |f: &usize| body.of_face(*f).any(|h| body.beyond(h).is_some_and(|g| made.faces.contains(&g)));
+        made.slanting = slanting.iter().filter(|f| touches(f)).map(|f| body.faces[*f].entity).collect();
+        out.parts.push(made);
     }
     out
 }
@@ -236,5 +242,6 @@ fn part(
         maps: piece.faces.iter().map(|p| p.chart.closed()).collect(),
         strips: piece.faces.iter().map(placed_strips).collect(),
         allowances: piece.folds.iter().map(|f| f.allowance).filter(|a| *a != 0.0).collect(),
+        slanting: Vec::new(),
     }
 }

@@ -125,6 +125,42 @@ pub fn sheet(body: &Body) -> Result<Sheet, SheetError> {
     Ok(Sheet { thickness, local, spread, skins: [first, second], others })
 }
 
+/// Sides that differ from a right angle by less (rad) are square: a degree.
+const SQUARE: f64 = std::f64::consts::PI / 180.0;
+/// Places along an edge, as shares of it, where sides are looked at.
+const LOOKS: [f64; 4] = [0.13, 0.38, 0.63, 0.88];
+
+impl Sheet {
+    /// Sides of a sheet that are not square to it: bevels, countersinks, steps, slanting holes. Its outlines are those of one skin and
+    /// say nothing of these.
+    pub fn slanting(&self, body: &Body) -> Vec<usize> {
+        if self.thickness <= 0.0 {
+            return Vec::new();
+        }
+        let skin = |f: usize| self.skins.iter().position(|s| s.contains(&f));
+        let is_side = |f: usize| skin(f).is_none() && !self.others.contains(&f);
+        let touched =
+            |f: usize| -> HashSet<usize> { body.of_face(f).filter_map(|h| body.beyond(h)).filter_map(skin).collect() };
+        let angle = |h: usize, share: f64| body.meeting_at(h, share).map(|m| m.angle);
+        let leans = |h: usize| {
+            let off = |s: f64| angle(h, s).is_some_and(|a| (a - std::f64::consts::FRAC_PI_2).abs() > SQUARE);
+            LOOKS.into_iter().any(off)
+        };
+        let slants = |f: usize| {
+            let own = touched(f);
+            body.of_face(f).any(|h| match body.beyond(h) {
+                Some(g) if skin(g).is_some() => leans(h),
+                // A step: from here the other skin is reached over another side, past an edge.
+                Some(g) if is_side(g) => {
+                    own.len() == 1 && touched(g).is_disjoint(&own) && angle(h, LOOKS[1]).is_some_and(|a| a >= SMOOTH)
+                }
+                _ => false,
+            })
+        };
+        (0..body.faces.len()).filter(|f| is_side(*f) && slants(*f)).collect()
+    }
+}
+
 /// All faces of an open body, as a sheet without thickness.
 pub fn open(body: &Body) -> Sheet {
     let developable = |k: &usize| body.carriers[*k].is_developable();

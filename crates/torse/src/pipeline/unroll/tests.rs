@@ -16,6 +16,8 @@ use crate::geom::Vec3;
 use crate::io::words::why;
 use crate::patchwork::image::ClosedMap;
 use crate::patchwork::pattern::BendSense;
+use crate::spline::knots::Knots;
+use crate::spline::surface::Surface;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 const TOLERANCE: f64 = 1e-3;
@@ -616,4 +618,35 @@ fn sheets_of_one_body_that_are_apart_are_bodies_where_faces_have_no_thickness() 
     let options = super::UnrollOptions { surfaces: true, ..super::UnrollOptions::new(0.05) };
     let answer = super::unroll(&made[0], &options, &crate::control::Control::default()).expect("an answer");
     assert_eq!(answer.parts.iter().map(|p| p.name.as_str()).collect::<Vec<_>>(), ["a 1-1", "a 1-2"]);
+}
+
+/// A plate of 100 × 60 × 2 mm, one side of which leans by 45°: it is a side, and named.
+#[test]
+fn sides_that_are_not_square_are_named() {
+    for lean in [0.0, 2.0] {
+        let corner = |x: f64, y: f64, z: f64| Vec3::new(x + if x > 0.0 { lean * 0.5 * z } else { 0.0 }, y, z);
+        let at = |k: [i32; 3]| corner(100.0 * f64::from(k[0]), 60.0 * f64::from(k[1]), 2.0 * f64::from(k[2]));
+        let line = Knots::clamped(1, &[0.0, 1.0]).expect("knots");
+        let faces: Vec<Face> = (0..3)
+            .flat_map(|axis: usize| [0, 1].map(|end: i32| (axis, end)))
+            .zip(1..)
+            .map(|((axis, end), entity)| {
+                let of = |a: i32, b: i32| {
+                    let mut k = [end; 3];
+                    (k[(axis + 1) % 3], k[(axis + 2) % 3]) = (a, b);
+                    at(k)
+                };
+                let points = [of(0, 0), of(0, 1), of(1, 0), of(1, 1)];
+                let surface = Surface::new(line.clone(), line.clone(), &points, None).expect("a surface");
+                let mut face = Face::untrimmed(surface);
+                (face.entity, face.reversed) = (entity, end == 0);
+                face
+            })
+            .collect();
+        let part = laid(&faces, 0.44);
+        near(part.sheet.thickness, 2.0);
+        // The larger skin is drawn.
+        near(part.pattern.area, 60.0 * (100.0 + lean));
+        assert_eq!(part.slanting, if lean > 0.0 { vec![2] } else { vec![] });
+    }
 }

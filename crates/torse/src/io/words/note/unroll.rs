@@ -37,6 +37,11 @@ pub(super) fn words(note: &UnrollNote) -> String {
              {}.",
             listed(faces.iter().map(|f| format!("#{f}")))
         ),
+        UnrollNote::Slanting { part, faces } => format!(
+            "{part}: sides that are not square to the sheet (bevels, countersinks, steps, slanting holes): the outline is that of \
+             the skin that is drawn, and says nothing of {}.",
+            listed(faces.iter().map(|f| format!("#{f}")))
+        ),
         UnrollNote::Formed { part, count } => format!("{part}: {count} outlines of formed features are not cut."),
     }
 }
