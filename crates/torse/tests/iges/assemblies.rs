@@ -36,6 +36,39 @@ fn copies_of_a_part_are_placed_scaled_and_named() {
 }
 
 #[test]
+fn networks_are_copied_like_other_parts() {
+    let mut f = File::new();
+    let s = f.rectangle(Entry { status: PART, ..entry(128) }, 3.0, 2.0);
+    let part = f.add(entry(320), &format!("0,4Hcomb,1,{s},0,0H,0"));
+    f.add(entry(420), &format!("{part},10.,20.,30.,1.,1.,1."));
+    f.add(entry(420), &format!("{part},-40.,0.,30.,2."));
+    let m = model(&f);
+    let mut x: Vec<f64> = m.faces.iter().map(|f| f.surface.point(0.0, 0.0).x).collect();
+    x.sort_by(f64::total_cmp);
+    assert_eq!((x, m.skipped.len()), (vec![-40.0, 10.0], 0));
+    f.add(entry(420), &format!("{part},0.,0.,0.,1.,2.,1."));
+    let m = read::read(&f.bytes()).expect("a model");
+    assert!(m.faces.len() == 2 && m.skipped.iter().any(|s| why(&s.reason).contains("otherwise along each axis")));
+}
+
+#[test]
+fn one_copy_in_two_groups_is_one_and_two_copies_at_one_place_are_two() {
+    for shift in ["0.,0.,0.", "5.,0.,0."] {
+        let mut f = File::new();
+        let s = f.rectangle(Entry { status: PART, ..entry(128) }, 3.0, 2.0);
+        let part = f.add(entry(308), &format!("0,4Hwing,1,{s}"));
+        let copy = f.add(entry(408), &format!("{part},{shift}"));
+        f.add(Entry { form: 7, ..entry(402) }, &format!("1,{copy}"));
+        f.add(Entry { form: 7, ..entry(402) }, &format!("1,{copy}"));
+        assert_eq!(model(&f).faces.len(), 1, "{shift}");
+        let inner = f.add(Entry { status: PART, ..entry(408) }, &format!("{part},0.,0.,0."));
+        let whole = f.add(entry(308), &format!("1,5Hwhole,1,{inner}"));
+        f.add(entry(408), &format!("{whole},{shift}"));
+        assert_eq!(model(&f).faces.len(), 2, "{shift}");
+    }
+}
+
+#[test]
 fn groups_are_bodies_and_do_not_copy() {
     let mut f = File::new();
     let a = f.rectangle(entry(128), 1.0, 1.0);

@@ -2,7 +2,7 @@
 
 use super::bends::{bends, SheetBend};
 use super::outline::{joint, outlines, placed_strips, strip_joints, Outline, POINT};
-use super::sheet::{open, sheet, Sheet};
+use super::sheet::{open, sheet, Sheet, ALIKE};
 use super::tree::{unfold, Cut, CutReason, Joins, Piece, UnfoldOptions};
 use super::{allowance::KFactor, outline::contour_area};
 use crate::brep::body::{oriented, Body};
@@ -107,7 +107,7 @@ pub fn flat_parts(faces: &[&Face], name: &str, options: &PartOptions) -> BodyPar
         joins: options.joins.clone(),
     };
     let sides = found.skins.iter().filter(|s| !s.is_empty()).map(|skin| Side::of(&body, skin, &asked));
-    let best = sides.min_by(|a, b| a.rank().partial_cmp(&b.rank()).unwrap_or(std::cmp::Ordering::Equal));
+    let best = sides.reduce(|a, b| if b.is_better(&a) { b } else { a });
     let left: Vec<usize> = best.iter().flat_map(|b| &b.left).chain(&found.others).copied().collect();
     for group in groups(&body, &left) {
         out.left.push((Some(group[0]), Unlaid::Group(group.len(), Box::new(why(&body, group[0], &found)))));
@@ -144,12 +144,19 @@ impl Side {
         Self { pieces, outlines, left }
     }
 
-    /// Less is better: faces left out, pieces, sharp bends seen from outside; then more area, which is the side without
-    /// countersinks.
-    fn rank(&self) -> (usize, usize, usize, f64) {
+    /// Less is better: faces left out, pieces, sharp bends seen from outside.
+    fn rank(&self) -> [usize; 3] {
         let outside = self.pieces.iter().flat_map(|p| &p.folds).filter(|f| f.meeting.convex).count();
-        let area: f64 = self.outlines.iter().flatten().map(|o| o.area).sum();
-        (self.left.len(), self.pieces.len(), outside, -area)
+        [self.left.len(), self.pieces.len(), outside]
+    }
+
+    /// Whether this skin is the better one by its rank, else by more area, which is the side without countersinks.
+    fn is_better(&self, other: &Self) -> bool {
+        let area = |s: &Self| s.outlines.iter().flatten().map(|o| o.area).sum::<f64>();
+        match self.rank().cmp(&other.rank()) {
+            std::cmp::Ordering::Equal => area(self) > area(other) * (1.0 + ALIKE),
+            less => less.is_lt(),
+        }
     }
 }
 

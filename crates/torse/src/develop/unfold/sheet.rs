@@ -68,6 +68,8 @@ const PARALLEL: f64 = 1e-5;
 const FACING: f64 = 1e-3;
 /// Axes may be apart by this share of the distance of two round faces: the thickness there then varies by that.
 const ECCENTRIC: f64 = 0.02;
+/// Areas that differ by less than this share of them are alike.
+pub(super) const ALIKE: f64 = 1e-9;
 /// Share of the places of a face that must have a partner.
 const ENOUGH_PLACES: f64 = 0.25;
 /// Share of the body's area that skins and edges must have together …
@@ -107,7 +109,9 @@ pub fn sheet(body: &Body) -> Result<Sheet, SheetError> {
     let near = |d: f64| (d - thickness).abs() <= SAME_THICKNESS * thickness;
     let partners: Vec<Partners> = opposite.iter().map(|o| Partners::of(o, thickness)).collect();
     let paired = (0..count).filter(|k| near(partners[*k].distance));
-    let Some(start) = paired.max_by(|a, b| areas[*a].total_cmp(&areas[*b])) else { return Err(refused()) };
+    // Of faces that are alike the first, so that copies of a body are drawn alike.
+    let larger = |a: usize, b: usize| if areas[b] > areas[a] * (1.0 + ALIKE) { b } else { a };
+    let Some(start) = paired.reduce(larger) else { return Err(refused()) };
     let first = grown(body, start, &partners, thickness);
     let across = partners[start].faces.iter().copied().max_by(|a, b| areas[*a].total_cmp(&areas[*b]));
     let second = across.map_or_else(Vec::new, |a| grown(body, a, &partners, thickness));

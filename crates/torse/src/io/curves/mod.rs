@@ -246,7 +246,13 @@ fn labelled(all: Vec<EdgeCurve>, options: &CurveOptions) -> Result<Source, Curve
         return Err(CurveError::Nothing { name: options.name.clone(), unread: None });
     }
     let label = |e: &EdgeCurve| if e.copy > 1 { format!("{}/{}", e.entity, e.copy) } else { e.entity.to_string() };
-    Ok(Source::Curves(all.into_iter().map(|e| Found { label: label(&e), curves: e.curves }).collect(), Vec::new()))
+    let select = options.select.trim_start_matches('#');
+    let places = all.iter().filter(|e| e.entity.to_string() == select).count();
+    let note = (places > 1).then(|| {
+        format!("#{select} of {} lies at {places} places; the first is taken, #{select}/2 is the next", options.name)
+    });
+    let found = all.into_iter().map(|e| Found { label: label(&e), curves: e.curves }).collect();
+    Ok(Source::Curves(found, note.into_iter().collect()))
 }
 
 /// Entities of a drawing that were not read, in words.

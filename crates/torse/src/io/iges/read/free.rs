@@ -10,7 +10,7 @@ use crate::spline::curve::Curve;
 use std::collections::HashMap;
 
 /// Types of entities that only gather others.
-const GATHERING: [u32; 3] = [308, 402, 408];
+const GATHERING: [u32; 5] = [308, 320, 402, 408, 420];
 /// Purposes of curves that are none of the model: annotation, and parameter planes.
 const NOT_MODEL: [u32; 2] = [1, 5];
 

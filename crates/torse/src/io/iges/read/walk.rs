@@ -55,8 +55,8 @@ struct Here<'p> {
 
 struct Walk<'r> {
     records: &'r Records,
-    /// Faces and groups met outside of copied parts: there, what is met again is the same thing.
-    met: HashSet<(u64, bool)>,
+    /// Where faces, groups and copies were met outside of copied parts: there, what is met again at a place is the same thing.
+    met: HashMap<(u64, bool), Vec<Placement>>,
     bodies: u32,
     steps: usize,
     /// Parts whose copies are being walked through.
@@ -71,7 +71,7 @@ pub(super) fn census(records: &Records) -> Census {
     let referred = referred(records);
     let mut walk = Walk {
         records,
-        met: HashSet::new(),
+        met: HashMap::new(),
         bodies: 1,
         steps: 0,
         open: Vec::new(),
@@ -124,7 +124,7 @@ pub(super) fn census(records: &Records) -> Census {
 const GROUPS: [i64; 4] = [1, 7, 14, 15];
 
 fn is_group(e: &Entry) -> bool {
-    (e.kind == 402 && GROUPS.contains(&e.form)) || matches!(e.kind, 186 | 408 | 430 | 514)
+    (e.kind == 402 && GROUPS.contains(&e.form)) || matches!(e.kind, 186 | 408 | 420 | 430 | 514)
 }
 
 /// Entities that others are made of.
@@ -172,9 +172,9 @@ pub(super) fn children(e: &Entry) -> Result<Vec<u64>, Fault> {
         192 => some(&[1, 2, 4])?,
         194 | 198 => some(&[1, 2, 5])?,
         196 => some(&[1, 3, 4])?,
-        308 => e.pointers(4, e.count(3)?)?,
+        308 | 320 => e.pointers(4, e.count(3)?)?,
         402 if GROUPS.contains(&e.form) => e.pointers(2, e.count(1)?)?,
-        408 | 412 | 414 | 430 => some(&[1])?,
+        408 | 412 | 414 | 420 | 430 => some(&[1])?,
         504 => {
             let n = e.count(1)?;
             (0..n).flat_map(|k| [2 + 5 * k, 3 + 5 * k, 5 + 5 * k]).map(|k| e.optional(k)).collect::<Result<_, _>>()?
@@ -275,7 +275,8 @@ impl Walk<'_> {
                 }
                 Ok(())
             }
-            408 => self.copy(e, below),
+            408 | 420 if self.first_time(id, here) => self.copy(e, below),
+            408 | 420 => Ok(()),
             430 => {
                 self.entity(e.pointer(1)?, below);
                 Ok(())
@@ -287,7 +288,7 @@ impl Walk<'_> {
     /// A copy of a part.
     fn copy(&mut self, e: &Entry, here: Here) -> Result<(), Fault> {
         let part = self.records.get(e.pointer(1)?)?;
-        if part.kind != 308 {
+        if !matches!(part.kind, 308 | 320) {
             return Err(Fault::new(e.number, format!("D{} copies D{}, which is no part", e.number, part.number)));
         }
         if self.open.contains(&part.number) {
@@ -299,6 +300,10 @@ impl Walk<'_> {
             self.turned.push(e.number);
         }
         let scale = if e.has(5) { e.number(5)? } else { 1.0 };
+        // Those of networks have a scale for every axis.
+        if e.kind == 420 && (6..8).any(|k| e.has(k) && e.number(k).is_ok_and(|s| s != scale)) {
+            return Err(Fault::new(e.number, format!("the copy D{} is scaled otherwise along each axis", e.number)));
+        }
         if !(scale > 0.0 && scale.is_finite()) {
             return Err(Fault::new(e.number, format!("the copy D{} has the scale {scale}", e.number)));
         }
@@ -318,9 +323,17 @@ impl Walk<'_> {
         Ok(())
     }
 
-    /// Whether something is to be walked through: inside of copies always, else once.
+    /// Whether something is to be walked through: inside of copies always, else once at every place.
     fn first_time(&mut self, id: u64, here: Here) -> bool {
-        *here.placement != Placement::identity() || self.met.insert((id, here.flipped))
+        if !self.open.is_empty() {
+            return true;
+        }
+        let places = self.met.entry((id, here.flipped)).or_default();
+        let is_new = places.iter().all(|p| !p.is_nearly(here.placement));
+        if is_new {
+            places.push(*here.placement);
+        }
+        is_new
     }
 
     fn body(&mut self) -> u32 {
@@ -331,7 +344,7 @@ impl Walk<'_> {
 
 /// Whether an entity of this type, with its data lost, may have held faces.
 fn may_hold_faces(kind: u32) -> bool {
-    is_face(kind) || matches!(kind, 186 | 308 | 402 | 408 | 430 | 514) || loss(kind).is_some()
+    is_face(kind) || matches!(kind, 186 | 308 | 320 | 402 | 408 | 420 | 430 | 514) || loss(kind).is_some()
 }
 
 /// How often each entity is used by others, by type of the user.
