@@ -27,7 +27,7 @@ pub fn run(arguments: &Approximate) -> Result<bool, Failure> {
     let tolerance = tolerance.ok_or_else(|| Failure::new("no tolerance", "give one: --tolerance 2mm"))?;
     let bytes = contents(file)?;
     let (layout, unread) = layout(arguments)?;
-    let job = Job::begin(&arguments.files, file, arguments.time_limit)?;
+    let mut job = Job::begin(&arguments.files, file, arguments.time_limit)?;
 
     job.say("reading");
     let model = wiring::read(&file.display().to_string(), &bytes)?;
@@ -46,6 +46,7 @@ pub fn run(arguments: &Approximate) -> Result<bool, Failure> {
         smooth_angle: arguments.smooth_angle.to_radians(),
         drawn: arguments.drawing.drawn(&arguments.files.shop),
     };
+    job.keep(options.limits);
     let mut notes = std::mem::take(&mut model.notes);
     if arguments.chosen.selection() == Selection::default() {
         notes.extend(offers(&model));

@@ -19,6 +19,7 @@ use torse::io::marks::{chosen, do_not_cut, FEW};
 use torse::io::words;
 use torse::pipeline::deliver;
 use torse::pipeline::workshop::{self, WorkshopOptions};
+use torse::search::cover::Limits;
 
 /// The folder that results will be in, and the terminal that tells of the job.
 pub struct Job<'a> {
@@ -47,6 +48,11 @@ impl<'a> Job<'a> {
     /// The control to hand to the library.
     pub fn control(&self) -> &Control {
         self.terminal.control()
+    }
+
+    /// Has flat patterns of the neutral fibre keep the limits of the sheet, too.
+    pub fn keep(&mut self, limits: Limits) {
+        self.shop.limits = limits;
     }
 
     /// What sheet and material say of panels: the least radius that they can follow, mm.

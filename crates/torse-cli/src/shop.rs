@@ -32,6 +32,7 @@ pub fn workshop(shop: &Shop) -> Result<WorkshopOptions, Failure> {
         k,
         kinked: shop.facets.is_some(),
         stations: shop.mark_sections.clone(),
+        ..WorkshopOptions::default()
     })
 }
 

@@ -24,6 +24,19 @@ fn column(table: &str, name: &str) -> Vec<String> {
     lines.map(|l| l.split(',').nth(k).expect("a cell").to_owned()).collect()
 }
 
+/// The panel of the pipe is 1571 mm long, its neutral fibre 1583 mm.
+#[test]
+fn a_part_that_fits_the_sheet_only_without_its_thickness_is_not_certified() {
+    let dir = tempfile::tempdir().expect("a folder");
+    for (longest, fits) in [("1575mm", false), ("1590mm", true)] {
+        let out = dir.path().join(longest);
+        let sheet = ["--thickness", "4mm", "--side", "inside", "--k", "0.5", "--max-length", longest];
+        let run = torse(&[&["approximate", &data("cylinder_holes.step"), "-t", "0.5mm"], &sheet[..]].concat(), &out);
+        assert_eq!(run.status.code(), Some(if fits { 0 } else { 3 }), "{}", said(&run));
+        assert!(fits || said(&run).contains("1583 mm") && said(&run).contains("do not cut A-01"), "{}", said(&run));
+    }
+}
+
 #[test]
 fn a_pipe_of_steel_is_weighed_kinked_marked_and_stays_certified() {
     let dir = tempfile::tempdir().expect("a folder");

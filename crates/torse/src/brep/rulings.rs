@@ -22,6 +22,8 @@ const VANISHED: f64 = 1e-9;
 const POINT: f64 = 1e-9;
 /// Lines looked at for that.
 const LOOKED_AT: usize = 33;
+/// Turns between so many lines tell how sharply a surface is bent.
+const TURNS: usize = 64;
 /// Relative difference above which they count as different.
 const JUMP: f64 = 1e-3;
 
@@ -123,6 +125,19 @@ impl<'a> Rulings<'a> {
         };
         let length = (0..LOOKED_AT).map(|k| (point(k, hi) - point(k, lo)).norm()).fold(0.0, f64::max);
         [lo, hi].map(|r| (0..LOOKED_AT).all(|k| (point(k, r) - point(0, r)).norm() <= POINT * length))
+    }
+
+    /// Least radius of curvature (mm) at one end of the lines, 0 where they begin: from turns between lines; `None` where the face does
+    /// not bend.
+    pub fn least_radius_estimate(&self, end: usize) -> Option<f64> {
+        let (a, b) = self.across;
+        let at = |k: usize| a + (b - a) * k as f64 / TURNS as f64;
+        let between = |k: usize| {
+            let turn = self.line(at(k))?.normal.angle(&self.line(at(k + 1))?.normal);
+            let breadth = self.breadths(0.5 * (at(k) + at(k + 1)))?[end] * (at(k + 1) - at(k));
+            (turn > 0.0).then(|| breadth / turn)
+        };
+        (0..TURNS).filter_map(between).reduce(f64::min)
     }
 
     /// Values of u and of v from values of the parameter across the lines and of that along them.

@@ -91,15 +91,14 @@ pub(super) fn panel_certificate(
     let (judged, total) = region.judged(&mismatch, &mut out, &mut reasons);
     if let Verdict::Holds { bound } = judged.parts.verdict {
         out.distance_bound = bound;
-        // Of the torse at the feet and of the patch within its trimming curves, whichever is less.
-        out.min_bend_radius = judged.parts.min_bend_radius.min(shape.bend_radius);
-        let clearance = judged.parts.regression_clearance.min(shape.clearance);
+        // Of the patch within its trimming curves, which is what is exported.
+        out.min_bend_radius = shape.bend_radius;
         if let Some(b) = edge.runs.iter().find(|b| !b.agrees_with(&judged.feet)) {
             let uv = b.start.0;
             reasons.push(PanelFault::OtherFoot(at(prepared.surface, uv)));
         } else if edge.delta.is_some() && out.edge_bound.is_finite() {
             out.deviation_bound = total;
-            out.regression_clearance = clearance;
+            out.regression_clearance = shape.clearance;
         }
     }
     if reasons.is_empty() && out.deviation_bound <= tolerance {

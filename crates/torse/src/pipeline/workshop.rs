@@ -21,6 +21,8 @@ use crate::develop::unfold::allowance::KFactor;
 use crate::geom::BBox;
 use crate::patchwork::part::Part;
 use crate::patchwork::pattern::Pattern;
+use crate::search::build::drawings_missed;
+use crate::search::cover::Limits;
 pub(crate) use options::WorkshopError;
 use options::MOST_PLANES;
 pub use options::{Stations, WorkshopOptions};
@@ -100,6 +102,7 @@ pub fn prepare(answer: &mut Answer, options: &WorkshopOptions) -> Result<(), Wor
         answer.shop.bevels = bevels(&answer.patchwork);
     }
     measured_from_now_on(answer, &moved);
+    refuse_grown(answer, &moved, &options.limits);
     answer.claims.extend(refusals::refusals(answer, options));
     let notes = notes(answer, options, &moved, unknown);
     answer.notes.extend(notes.into_iter().map(Note::Shop));
@@ -151,6 +154,16 @@ fn measured_from_now_on(answer: &mut Answer, moved: &[usize]) {
     ];
     answer.claims = kept;
     answer.claims.extend(more);
+}
+
+/// Patterns of the neutral fibre that do not keep the limits of the sheet, though their panels do.
+fn refuse_grown(answer: &mut Answer, moved: &[usize], limits: &Limits) {
+    let kept = |k: &&usize| !answer.beyond_limits.contains(&answer.patterns[**k].panel);
+    let grown: Vec<&Pattern> = moved.iter().filter(kept).map(|k| &answer.patterns[*k]).collect();
+    let missed = drawings_missed(grown, limits);
+    answer.claims.extend(missed.reasons.into_iter().map(|reason| Claim::objection(Subject::Whole, reason)));
+    answer.beyond_limits.extend(missed.panels);
+    answer.beyond_limits.sort_unstable();
 }
 
 /// All planes of all stations that may meet the model.

@@ -26,8 +26,6 @@ impl Hair {
 /// Least radius of curvature where the face ends, as a share of the tolerance: ways between trims of a coarse tolerance would
 /// else turn around the tip.
 const ROOM: f64 = 1.0 / 250.0;
-/// Rulings between which the radius of curvature is looked at.
-const LOOKS: usize = 64;
 /// Share of the tolerance within which lines are rulings.
 const SLACK: f64 = 0.05;
 
@@ -47,7 +45,7 @@ fn beside_apex(face: &Face, hair: Hair, tolerance: f64) -> Option<Face> {
         [false, true] => 1,
         _ => return None,
     };
-    let room = ROOM * tolerance / radius(&rulings, 1 - tip)?;
+    let room = ROOM * tolerance / rulings.least_radius_estimate(1 - tip)?;
     let hair = hair.rulings.max(room).min(hair.tolerance * tolerance / length) * (hi - lo);
     let (from, to) = if tip == 0 { (lo + hair, hi) } else { (lo, hi - hair) };
     let along = usize::from(!rulings.is_swapped());
@@ -74,16 +72,4 @@ fn beside_apex(face: &Face, hair: Hair, tolerance: f64) -> Option<Face> {
     let missed = (out.trim_bound() + parameters_moved(&face.surface, off)).next_up();
     out.set_trim_bound(missed);
     Some(out)
-}
-
-/// Least radius of curvature (mm) at one end of the rulings, 0 where they begin; `None` where the face does not bend.
-fn radius(rulings: &Rulings, end: usize) -> Option<f64> {
-    let (a, b) = rulings.range();
-    let at = |k: usize| a + (b - a) * k as f64 / LOOKS as f64;
-    let between = |k: usize| {
-        let turn = rulings.line(at(k))?.normal.angle(&rulings.line(at(k + 1))?.normal);
-        let breadth = rulings.breadths(0.5 * (at(k) + at(k + 1)))?[end] * (at(k + 1) - at(k));
-        (turn > 0.0).then(|| breadth / turn)
-    };
-    (0..LOOKS).filter_map(between).reduce(f64::min)
 }

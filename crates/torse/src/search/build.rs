@@ -88,44 +88,51 @@ pub(crate) fn limits_missed(
 ) -> LimitsMissed {
     let mut panels = BTreeSet::new();
     let name = |k: usize| patchwork.panels.get(k).map_or_else(String::new, |p| p.strip.name.clone());
-    let reason = |panel: String, limit: Limit, value: f64, asked: Option<f64>, count: usize| {
-        // Without a limit nothing misses it.
-        let (asked, more) = (asked.unwrap_or(f64::NAN), count.saturating_sub(1));
-        Reason::from(FaceReason::Limit { panel, limit, value, asked, more })
-    };
     let below = |missed: &mut BTreeSet<usize>, what: Limit, limit: Option<f64>, value: Proven| {
         let short = |p: &certify::PanelCertificate| limit.is_some_and(|l| value(p) < l);
         let found: Vec<usize> = (0..certificate.panels.len()).filter(|&k| short(&certificate.panels[k])).collect();
         missed.extend(&found);
         let &k = found.first()?;
-        Some(reason(name(k), what, value(&certificate.panels[k]), limit, found.len()))
-    };
-    let above = |missed: &mut BTreeSet<usize>, what: Limit, limit: Option<f64>, value: Drawn| {
-        let found: Vec<&Pattern> = patterns.iter().filter(|p| limit.is_some_and(|l| value(p) > l)).collect();
-        missed.extend(found.iter().map(|p| p.panel));
-        let p = found.first()?;
-        Some(reason(p.name.clone(), what, value(p), limit, found.len()))
-    };
-    let narrow = |missed: &mut BTreeSet<usize>| {
-        let found: Vec<&Pattern> =
-            patterns.iter().filter(|p| limits.min_width.is_some_and(|l| p.mean_width() < l)).collect();
-        missed.extend(found.iter().map(|p| p.panel));
-        let p = found.first()?;
-        Some(reason(p.name.clone(), Limit::MeanWidth, p.mean_width(), limits.min_width, found.len()))
+        Some(missed_limit(name(k), what, [value(&certificate.panels[k]), limit?], found.len()))
     };
     let reasons = [
         below(&mut panels, Limit::BendRadius, limits.min_bend_radius, |p| p.min_bend_radius),
         below(&mut panels, Limit::Clearance, limits.min_clearance, |p| p.regression_clearance),
-        above(&mut panels, Limit::StripWidth, limits.max_width, Pattern::strip_width),
-        above(&mut panels, Limit::Length, limits.max_length, |p| p.length),
-        above(&mut panels, Limit::SheetWidth, limits.sheet_width(), |p| p.width),
-        above(&mut panels, Limit::SheetLength, limits.sheet_length(), |p| p.length),
-        narrow(&mut panels),
-    ]
-    .into_iter()
-    .flatten()
-    .collect();
+    ];
+    let drawn = drawings_missed(patterns, limits);
+    panels.extend(drawn.panels);
+    let reasons = reasons.into_iter().flatten().chain(drawn.reasons).collect();
     LimitsMissed { reasons, panels: panels.into_iter().collect() }
+}
+
+/// The same of limits on flat patterns alone.
+pub(crate) fn drawings_missed<'a>(
+    patterns: impl IntoIterator<Item = &'a Pattern> + Clone,
+    limits: &Limits,
+) -> LimitsMissed {
+    let mut panels = BTreeSet::new();
+    let mut missed = |what: Limit, limit: Option<f64>, value: Drawn, is_off: fn(f64, f64) -> bool| {
+        let off = |p: &&Pattern| limit.is_some_and(|l| is_off(value(p), l));
+        let found: Vec<&Pattern> = patterns.clone().into_iter().filter(off).collect();
+        panels.extend(found.iter().map(|p| p.panel));
+        let p = found.first()?;
+        Some(missed_limit(p.name.clone(), what, [value(p), limit?], found.len()))
+    };
+    let [above, below]: [fn(f64, f64) -> bool; 2] = [|x, l| x > l, |x, l| x < l];
+    let reasons = [
+        missed(Limit::StripWidth, limits.max_width, Pattern::strip_width, above),
+        missed(Limit::Length, limits.max_length, |p| p.length, above),
+        missed(Limit::SheetWidth, limits.sheet_width(), |p| p.width, above),
+        missed(Limit::SheetLength, limits.sheet_length(), |p| p.length, above),
+        missed(Limit::MeanWidth, limits.min_width, Pattern::mean_width, below),
+    ];
+    let reasons = reasons.into_iter().flatten().collect();
+    LimitsMissed { reasons, panels: panels.into_iter().collect() }
+}
+
+/// Why `count` panels, of which one is named, miss a limit: what that one has, and what is asked for.
+fn missed_limit(panel: String, limit: Limit, [value, asked]: [f64; 2], count: usize) -> Reason {
+    FaceReason::Limit { panel, limit, value, asked, more: count.saturating_sub(1) }.into()
 }
 
 /// A number of a panel's proof.

@@ -4,6 +4,7 @@ use crate::develop::shop::material::Material;
 use crate::develop::shop::thickness::{Sheet, SheetSide};
 use crate::develop::unfold::allowance::{KFactor, KFactorError};
 use crate::geom::Vec3;
+use crate::search::cover::Limits;
 
 /// Most sections of one direction.
 pub(super) const MOST_PLANES: usize = 1000;
@@ -23,6 +24,8 @@ pub struct WorkshopOptions {
     pub kinked: bool,
     /// Planes whose sections are marked; default none.
     pub stations: Vec<Stations>,
+    /// Limits of the sheet that patterns of the neutral fibre are to keep, too; default none.
+    pub limits: Limits,
 }
 
 /// Parallel planes.

@@ -181,7 +181,10 @@ impl Job<'_> {
         let options = DistanceOptions::default();
         let judged = distance(&self.prepared, &fit.torse, &triangles, allowed, &options, self.control);
         let limits = &self.options.limits;
-        let kept = judged.min_bend_radius >= limits.min_bend_radius.unwrap_or(0.0)
+        // What is proven of cells is too little where the surface itself only just keeps the limit; of panels more is.
+        let bends = |end: usize| rulings.least_radius_estimate(end).unwrap_or(f64::INFINITY);
+        let radius = judged.min_bend_radius.max(bends(0).min(bends(1)));
+        let kept = radius >= limits.min_bend_radius.unwrap_or(0.0)
             && judged.regression_clearance >= limits.min_clearance.unwrap_or(0.0);
         let holds = matches!(judged.verdict, Verdict::Holds { .. });
         (holds && kept && has_patch(self.face, &state.partition, label, &fit.torse)).then(|| Arc::new(fit))
