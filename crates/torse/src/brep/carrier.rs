@@ -98,13 +98,14 @@ pub fn bounds(face: &Face) -> [f64; 4] {
     points.fold(none, |b, p| [b[0].min(p[0]), b[1].max(p[0]), b[2].min(p[1]), b[3].max(p[1])])
 }
 
-/// Where the normal fades towards a place, that of a place beside it is taken: on the way to the middle of the surface, by this
-/// share of it …
+/// Where the normal fades towards a place, that of a place beside it is taken: by this share of the way to the middle of the
+/// surface …
 const INWARDS: f64 = 1e-4;
 /// … and if it is longer than that at the place by more than this factor: rounding gives what is left there its direction.
 const FADES: f64 = 1e-3;
 
-/// The outward normal of a face at a place, or, where control points coincide, right beside it; `None` where the surface has none.
+/// The outward normal of a face at a place, or, where control points coincide, right beside it; `None` where the surface has
+/// none.
 pub fn outward(face: &Face, uv: [f64; 2]) -> Option<Vec3> {
     let normal = |[u, v]: [f64; 2]| face.surface.jet(u, v).normal();
     let ((u0, u1), (v0, v1)) = face.surface.domain();

@@ -127,8 +127,8 @@ impl<'a> Rulings<'a> {
         [lo, hi].map(|r| (0..LOOKED_AT).all(|k| (point(k, r) - point(0, r)).norm() <= POINT * length))
     }
 
-    /// Least radius of curvature (mm) at one end of the lines, 0 where they begin: from turns between lines; `None` where the face does
-    /// not bend.
+    /// Least radius of curvature (mm) at one end of the lines, 0 where they begin: from turns between lines; `None` where the
+    /// face does not bend.
     pub fn least_radius_estimate(&self, end: usize) -> Option<f64> {
         let (a, b) = self.across;
         let at = |k: usize| a + (b - a) * k as f64 / TURNS as f64;

@@ -5,7 +5,7 @@ use super::words::id;
 use super::words::numbers::is_endless;
 use crate::certify::claim::What;
 use crate::geom::unit::LengthUnit;
-use crate::patchwork::pattern::Pattern;
+use crate::patchwork::pattern::{BendSense, Pattern};
 use crate::torse::form::PanelKind;
 use std::fmt::Write as _;
 
@@ -70,7 +70,8 @@ pub fn csv(report: &Report, patterns: &[Pattern], unit: LengthUnit) -> Option<Ve
             pattern.area / (unit.mm() * unit.mm()),
             part.and_then(|p| p.cut_length).map_or_else(String::new, length),
             pattern.contours.len().saturating_sub(1),
-            pattern.rulings.len(),
+            // Lines where the sheet stays flat are none.
+            (0..pattern.rulings.len()).filter(|k| pattern.bend(*k).sense != BendSense::Flat).count(),
             least.map_or_else(String::new, length),
             part.map_or(1, |p| p.panels.len()),
             yes(part.is_some_and(|p| p.certified)),

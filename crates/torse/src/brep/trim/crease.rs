@@ -1,4 +1,5 @@
-//! Faces with sharp edges of their own, knot lines across which the tangent plane jumps, as one face on each side: a profile that was drawn as a polyline and extruded is planes that meet in edges.
+//! Faces with sharp edges of their own, knot lines across which the tangent plane jumps, as one face on each side: a profile that
+//! was drawn as a polyline and extruded is planes that meet in edges.
 
 use super::cut;
 use super::polygon::{self, Polygon, Side};
@@ -72,8 +73,9 @@ pub(crate) struct Uncreased {
     pub pieces: usize,
 }
 
-/// Faces cut at those of their creases of more than `angle` (rad) that `wanted` names, where they can be cut. Regions stay what they are to the bit,
-/// surfaces too where the knot is a full one; [`Face::joint_bound`] says what rounding may else move.
+/// Faces cut at those of their creases of more than `angle` (rad) that `wanted` names, where they can be cut. Regions stay what
+/// they are, but for the rounding of corners on the cut, and surfaces to the bit where the knot is a full one;
+/// [`Face::joint_bound`] says what rounding may else move.
 pub(crate) fn uncreased(faces: Vec<Face>, angle: f64, wanted: impl Fn(&Crease) -> bool + Sync) -> Uncreased {
     let each: Vec<Vec<Face>> = faces
         .into_par_iter()

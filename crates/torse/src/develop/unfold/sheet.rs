@@ -135,8 +135,8 @@ const SQUARE: f64 = std::f64::consts::PI / 180.0;
 const LOOKS: [f64; 4] = [0.13, 0.38, 0.63, 0.88];
 
 impl Sheet {
-    /// Sides of a sheet that are not square to it: bevels, countersinks, steps, slanting holes. Its outlines are those of one skin and
-    /// say nothing of these.
+    /// Sides of a sheet that are not square to it: bevels, countersinks, steps, slanting holes. Its outlines are those of one
+    /// skin and say nothing of these.
     pub fn slanting(&self, body: &Body) -> Vec<usize> {
         if self.thickness <= 0.0 {
             return Vec::new();

@@ -6,7 +6,7 @@ use super::token::Value;
 use super::units;
 use super::walk::{Census, Child, Here, Walk, DEEPEST_ASSEMBLY, MOST_OCCURRENCES, MOST_STEPS};
 use crate::geom::placement::Placement;
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// Follows every representation of a file down to its faces.
 pub(super) fn census(records: &Records) -> Census {
@@ -108,9 +108,8 @@ impl<'r, 'a> Walk<'r, 'a> {
         let reps: Vec<u64> = self.records.order.iter().copied().filter(shape).collect();
         let parents = self.parents();
         // Several representations of one shape share its space.
-        for all in self.representations().into_values() {
-            all.windows(2).for_each(|w| self.share(w[0], w[1]));
-        }
+        let shapes: BTreeMap<u64, Vec<u64>> = self.representations().into_iter().collect();
+        shapes.values().flat_map(|all| all.windows(2)).for_each(|w| self.share(w[0], w[1]));
         let relations = self.records.all(&[
             "SHAPE_REPRESENTATION_RELATIONSHIP",
             "REPRESENTATION_RELATIONSHIP",
@@ -222,7 +221,8 @@ impl<'r, 'a> Walk<'r, 'a> {
         self.definition_of_shape(self.records.simple(context).ok()?.reference(1).ok()?)
     }
 
-    /// Uses of parts with faces that nothing places: a part with one of them only is read where it was drawn, else uses are missed.
+    /// Uses of parts with faces that nothing places: a part with one of them only is read where it was drawn, else uses are
+    /// missed.
     fn unplaced_usages(&mut self) {
         let contexts = self.records.all(&["CONTEXT_DEPENDENT_SHAPE_REPRESENTATION"]);
         let placed: HashSet<u64> = contexts.into_iter().filter_map(|c| self.usage_of(c)).collect();
@@ -247,7 +247,7 @@ impl<'r, 'a> Walk<'r, 'a> {
                 continue;
             }
             let name = self.members.get(&group).and_then(|all| all.iter().find_map(|m| self.part.get(m)));
-            let name = name.cloned().unwrap_or_default();
+            let name = name.cloned().unwrap_or_else(|| "a part".into());
             if usages.len() == 1 {
                 let told = format!("nothing says where {name} goes in its assembly; it is read where it was drawn");
                 self.out.notes.push(told);
