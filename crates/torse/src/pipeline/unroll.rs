@@ -12,7 +12,9 @@ use crate::answer::note::{Note, UnrollNote};
 use crate::answer::skipped::left_out;
 use crate::answer::{Answer, Job};
 use crate::brep::body::SMOOTH;
-use crate::brep::trim::crease::uncreased;
+use crate::brep::carrier::carrier;
+use crate::brep::face::Face;
+use crate::brep::trim::crease::{uncreased, Crease};
 use crate::certify::unfolded::UnfoldedProof;
 use crate::control::Control;
 use crate::develop::bends::Facets;
@@ -129,7 +131,9 @@ pub fn unroll(model: &Model, options: &UnrollOptions, control: &Control) -> Resu
     let start = Instant::now();
     let boxes: Vec<BBox> = model.faces.iter().map(|f| f.surface.bbox()).collect();
     Loose::check(BBox::of(boxes.iter().flat_map(|b| [&b.min, &b.max])).diagonal(), options.tolerance)?;
-    let creased = uncreased(model.faces.clone(), SMOOTH, |_| true);
+    // What is to be covered is cut there, after its trim was proven.
+    let laid = |f: &Face, _: &Crease| options.approximate.is_none() || carrier(f).is_developable();
+    let creased = uncreased(model.faces.clone(), SMOOTH, laid);
     let told = Note::creased(&creased);
     let faces = creased.faces;
     let (mut parts, left) = bodies::flat_parts_of(&faces, options, control)?;

@@ -10,6 +10,6 @@ const CORNER: f64 = 0.125;
 /// The pieces of faces between those of their creases sharper than `angle` (rad) that panels within a tolerance (mm) cannot
 /// pass. Profiles of many short chords stay whole.
 pub(crate) fn between_sharp_creases(faces: Vec<Face>, angle: f64, tolerance: f64) -> Uncreased {
-    let sharp = |c: &Crease| CORNER * c.turn * c.breadth_estimate > tolerance;
+    let sharp = |_: &Face, c: &Crease| CORNER * c.turn * c.breadth_estimate > tolerance;
     uncreased(faces, angle, sharp)
 }

@@ -75,13 +75,14 @@ pub(crate) struct Uncreased {
 
 /// Faces cut at those of their creases of more than `angle` (rad) that `wanted` names, where they can be cut. Regions stay what
 /// they are, but for the rounding of corners on the cut, and surfaces to the bit where the knot is a full one;
-/// [`Face::joint_bound`] says what rounding may else move.
-pub(crate) fn uncreased(faces: Vec<Face>, angle: f64, wanted: impl Fn(&Crease) -> bool + Sync) -> Uncreased {
+/// [`Face::joint_bound`] says what rounding may else move. What the trim of a face misses must be proven before: a piece follows
+/// but a part of the file's edges.
+pub(crate) fn uncreased(faces: Vec<Face>, angle: f64, wanted: impl Fn(&Face, &Crease) -> bool + Sync) -> Uncreased {
     let each: Vec<Vec<Face>> = faces
         .into_par_iter()
         .map(|face| {
             let mut found = creases(&face.surface, bounds(&face), angle);
-            found.retain(&wanted);
+            found.retain(|c| wanted(&face, c));
             let cut = |f: Face, c| in_two(&f, c).unwrap_or_else(|| vec![f]);
             found.iter().fold(vec![face], |pieces, c| pieces.into_iter().flat_map(|f| cut(f, c)).collect())
         })
@@ -203,7 +204,7 @@ mod tests {
         };
         face.loops.extend([hole([1.0, 0.5], 0.2, 4), hole([2.5, 0.5], 0.1, 8)]);
         let whole = area_estimate(&face);
-        let pieces = uncreased(vec![face.clone()], 0.1, |_| true).faces;
+        let pieces = uncreased(vec![face.clone()], 0.1, |_, _| true).faces;
         assert_eq!(pieces.iter().map(|f| f.loops.len()).collect::<Vec<_>>(), [1, 1, 2]);
         let sum: f64 = pieces.iter().map(area_estimate).sum();
         assert!((sum - whole).abs() < 1e-9 * whole, "{sum} {whole}");
@@ -227,7 +228,7 @@ mod tests {
             points: vec![[0.0, 0.0], [1.0, 0.0], [1.0, 0.5], [2.0, 0.5], [2.0, 1.0], [0.0, 1.0]],
             edge: (0..6).collect(),
         };
-        let pieces = uncreased(vec![face.clone()], 0.1, |_| true).faces;
+        let pieces = uncreased(vec![face.clone()], 0.1, |_, _| true).faces;
         assert_eq!(pieces.len(), 2);
         let of = |k: usize| (pieces[k].loops[0].points.len(), pieces[k].loops[0].edge.contains(&1));
         assert!(of(0).1);
@@ -237,6 +238,6 @@ mod tests {
         // A face that a crease only touches has no pieces.
         face.loops[0].points = vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
         face.loops[0].edge.truncate(4);
-        assert_eq!(uncreased(vec![face], 0.1, |_| true).faces.len(), 1);
+        assert_eq!(uncreased(vec![face], 0.1, |_, _| true).faces.len(), 1);
     }
 }

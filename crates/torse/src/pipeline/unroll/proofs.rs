@@ -1,5 +1,6 @@
 //! What is proven of parts that are laid flat, through panels or by their maps, and the claims that come of it.
 
+use crate::brep::body::SMOOTH;
 use crate::brep::carrier::{bounds, rulings};
 use crate::brep::face::{Face, FileEdge, VANISHED};
 use crate::certify::claim::{Claim, Subject, UpperBound, What};
@@ -85,9 +86,6 @@ pub(super) fn proven(
     }
 }
 
-/// Turn of the normal (rad) across an edge inside a face from which it counts as a bend: half a degree, as for faces that meet.
-const SHARP: f64 = 0.0087;
-
 /// What the proof of a part does not see: loops of the file that its faces do not follow, and bends of which the bend table
 /// does not tell.
 pub(super) fn fault(part: &FlatPart, faces: &[Face], through_panel: bool) -> Option<FaceReason> {
@@ -109,7 +107,7 @@ pub(super) fn fault(part: &FlatPart, faces: &[Face], through_panel: bool) -> Opt
 fn kink(part: &FlatPart, faces: &[Face]) -> Option<FaceReason> {
     let ruled = part.faces.iter().zip(&part.maps).filter(|(_, map)| map.is_none()).map(|(f, _)| &faces[*f]);
     let kinks = ruled.filter_map(|face| {
-        let (at, turn) = rulings(face)?.kink(SHARP)?;
+        let (at, turn) = rulings(face)?.kink(SMOOTH)?;
         Some((turn, FaceReason::Kinked { entity: face.entity, turn, at }))
     });
     kinks.max_by(|p, q| p.0.total_cmp(&q.0)).map(|k| k.1)

@@ -164,7 +164,7 @@ impl<'r, 'a> Walk<'r, 'a> {
         let Some(transformation) = transformation else {
             // Already in the same space it is there.
             if self.find(child) != self.find(parent) {
-                self.contains(parent, Child { representation: child, placement: Placement::identity() });
+                self.add_child(parent, Child { representation: child, placement: Placement::identity() });
             }
             return Ok(());
         };
@@ -192,11 +192,12 @@ impl<'r, 'a> Walk<'r, 'a> {
             let u = self.units_index(parent);
             self.geometry(u).placement(transformation)?
         };
-        self.contains(parent, Child { representation: child, placement });
+        self.add_child(parent, Child { representation: child, placement });
         Ok(())
     }
 
-    fn contains(&mut self, parent: u64, child: Child) {
+    /// What the group of a representation holds besides.
+    fn add_child(&mut self, parent: u64, child: Child) {
         let group = self.find(parent);
         self.children.entry(group).or_default().push(child);
     }

@@ -175,3 +175,26 @@ fn a_face_with_sharp_edges_inside_is_bent_about_them() {
         assert!((answer.patterns[0].length.max(answer.patterns[0].width) - length).abs() < 1e-6 * length);
     }
 }
+
+/// A curved face with a sharp edge, read from a file, is covered once, on each side of its edge.
+#[test]
+fn a_curved_face_with_a_sharp_edge_is_covered_once() {
+    use crate::spline::knots::Knots;
+    use crate::spline::surface::Surface;
+    let (across, along) = (Knots::clamped(1, &[0.0, 1.0, 2.0]), Knots::clamped(1, &[0.0, 1.0]));
+    let ends = [(0.0, 0.0, 0.0), (100.0, 0.0, 25.0), (200.0, 80.0, 20.0)];
+    let points: Vec<Vec3> = ends.iter().flat_map(|e| [Vec3::new(e.0, 0.0, e.1), Vec3::new(e.0, 100.0, e.2)]).collect();
+    let surface = Surface::new(across.expect("knots"), along.expect("knots"), &points, None).expect("a surface");
+    let header = Header { name: "roof".into(), time: "2026-01-01T00:00:00".into(), uncertainty: 1e-6 };
+    let mut bytes = Vec::new();
+    step::sheets(&mut bytes, &header, &[step::Sheet::untrimmed("roof", &surface)]).expect("a file");
+    let model = crate::read(&bytes).expect("a model");
+    assert!(model.faces.len() == 1 && model.faces[0].boundary.is_some());
+    let options = UnrollOptions { surfaces: true, approximate: Some(4.0), ..UnrollOptions::new(0.05) };
+    let answer = unroll(&model, &options, &Control::default()).expect("an answer");
+    let told: Vec<String> = answer.claims.iter().filter_map(|c| c.reason()).map(why).collect();
+    assert_eq!(answer.status(), Status::Certified, "{told:?}");
+    let area: f64 = answer.patterns.iter().map(|p| p.area).sum();
+    let whole = crate::brep::area::area_estimate(&model.faces[0]);
+    assert!((area - whole).abs() < 0.02 * whole, "{area} {whole}");
+}
