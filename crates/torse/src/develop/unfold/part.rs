@@ -108,7 +108,10 @@ pub fn flat_parts(faces: &[&Face], name: &str, options: &PartOptions) -> BodyPar
     };
     let sides = found.skins.iter().filter(|s| !s.is_empty()).map(|skin| Side::of(&body, skin, &asked));
     let best = sides.reduce(|a, b| if b.is_better(&a) { b } else { a });
-    let left: Vec<usize> = best.iter().flat_map(|b| &b.left).chain(&found.others).copied().collect();
+    let of_best =
+        |b: &Side| b.pieces.iter().flat_map(|p| &p.faces).map(|f| f.face).chain(b.left.iter().copied()).collect();
+    let unreached = best.as_ref().map_or_else(Vec::new, |b| found.unreached(&of_best(b)));
+    let left: Vec<usize> = best.iter().flat_map(|b| &b.left).chain(&found.others).copied().chain(unreached).collect();
     for group in groups(&body, &left) {
         out.left.push((Some(group[0]), Unlaid::Group(group.len(), Box::new(why(&body, group[0], &found)))));
     }

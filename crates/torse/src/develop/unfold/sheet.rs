@@ -27,6 +27,9 @@ pub struct Sheet {
     pub skins: [Vec<usize>; 2],
     /// Faces that are neither skin nor edge of the sheet.
     pub others: Vec<usize>,
+    /// Further faces that lie opposite others at the thickness and are broader than sides, with these: parts of the sheet that
+    /// either skin must have.
+    pub broad: Vec<(usize, Vec<usize>)>,
 }
 
 /// Why a body is no sheet.
@@ -126,7 +129,11 @@ pub fn sheet(body: &Body) -> Result<Sheet, SheetError> {
     let off = opposite.iter().flat_map(|o| &o.hits).filter(|h| near(h.1)).map(|h| (h.1 - thickness).abs());
     let spread = off.fold(0.0, f64::max);
     let local = partners.iter().map(|p| if p.faces.is_empty() { thickness } else { p.distance }).collect();
-    Ok(Sheet { thickness, local, spread, skins: [first, second], others })
+    // Sides are no broader than the thickness.
+    let is_broad = |k: usize| 2.0 * areas[k] > thickness * body.of_face(k).map(|h| body.halves[h].length).sum::<f64>();
+    let broad = (0..count).filter(|k| near(partners[*k].distance) && is_broad(*k) && !others.contains(k));
+    let broad = broad.map(|k| (k, partners[k].faces.iter().copied().collect())).collect();
+    Ok(Sheet { thickness, local, spread, skins: [first, second], others, broad })
 }
 
 /// Sides that differ from a right angle by less (rad) are square: a degree.
@@ -135,6 +142,18 @@ const SQUARE: f64 = std::f64::consts::PI / 180.0;
 const LOOKS: [f64; 4] = [0.13, 0.38, 0.63, 0.88];
 
 impl Sheet {
+    /// Faces of the sheet that one skin, of these faces, has on neither side.
+    pub fn unreached(&self, skin: &HashSet<usize>) -> Vec<usize> {
+        let mut out: Vec<usize> = Vec::new();
+        for (face, opposite) in &self.broad {
+            let has = |k: &usize| skin.contains(k) || out.contains(k);
+            if !has(face) && !opposite.iter().any(has) {
+                out.push(*face);
+            }
+        }
+        out
+    }
+
     /// Sides of a sheet that are not square to it: bevels, countersinks, steps, slanting holes. Its outlines are those of one
     /// skin and say nothing of these.
     pub fn slanting(&self, body: &Body) -> Vec<usize> {
@@ -169,7 +188,14 @@ impl Sheet {
 pub fn open(body: &Body) -> Sheet {
     let developable = |k: &usize| body.carriers[*k].is_developable();
     let (skin, others) = (0..body.faces.len()).partition(developable);
-    Sheet { thickness: 0.0, local: vec![0.0; body.faces.len()], spread: 0.0, skins: [skin, Vec::new()], others }
+    Sheet {
+        thickness: 0.0,
+        local: vec![0.0; body.faces.len()],
+        spread: 0.0,
+        skins: [skin, Vec::new()],
+        others,
+        broad: Vec::new(),
+    }
 }
 
 /// Faces opposite a face at one distance.

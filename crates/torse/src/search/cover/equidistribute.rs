@@ -11,6 +11,7 @@ use super::halve::range;
 use super::propose::{Attempt, AttemptOptions};
 use super::state::Density;
 use super::{Job, State, DISTANCE_SHARE};
+use crate::fit::near::dual::CentrePoint;
 use crate::fit::near::samples::Fit;
 use crate::spline::field::Field;
 use rayon::prelude::*;
@@ -19,6 +20,8 @@ use std::sync::Arc;
 
 /// Fewer bands than this are left to the march: errors of wide bands follow no law.
 const FEWEST: f64 = 7.0;
+/// More bands than this are asked for where a level function is no good, as around a pole.
+const MOST: f64 = 1000.0;
 /// Rounds of fitting all bands.
 const ROUNDS: usize = 8;
 /// The same where bands are laid anew whose widths are nearly right.
@@ -88,7 +91,7 @@ impl Job<'_> {
         (theory, density): (f64, &[f64]),
         budget: usize,
     ) -> Option<(State, f64)> {
-        if theory < FEWEST {
+        if !(FEWEST..MOST).contains(&theory) {
             return None;
         }
         let most = (theory * (1.0 + MORE.0) + MORE.1) as usize;
@@ -238,6 +241,35 @@ impl Job<'_> {
         levels: &[f64],
         known: &[Known],
     ) -> (State, Vec<Vec<Piece>>) {
+        let (laid, mut pieces) = self.proposed(state, label, field, levels, known);
+        if pieces.iter().flatten().all(|p| p.fit.is_some()) {
+            let how = AttemptOptions { prove: true, ..proposals(known) };
+            let proven = |p: &mut Piece, w: &[f64]| {
+                let Some(fit) = p.fit.as_ref().filter(|_| p.proven.is_none()) else { return };
+                let mut t = self.confirmed(&laid, p.label, fit);
+                if t.accepted.is_none() {
+                    t = self.tried(&laid, p.label, Some(&self.middle(&laid, p.label, field, w)), how);
+                }
+                *p = self.piece(p.label, t);
+                p.proven = p.fit.as_ref().map(|_| laid.area(p.label));
+            };
+            pieces
+                .par_iter_mut()
+                .zip(levels.par_windows(2))
+                .for_each(|(band, w)| band.par_iter_mut().for_each(|p| proven(p, w)));
+        }
+        (laid, pieces)
+    }
+
+    /// As [`Job::laid`], nothing proven but what is known.
+    fn proposed(
+        &self,
+        state: &State,
+        label: u32,
+        field: &Field,
+        levels: &[f64],
+        known: &[Known],
+    ) -> (State, Vec<Vec<Piece>>) {
         let mut laid = state.clone();
         let mut bands: Vec<Vec<u32>> = Vec::with_capacity(levels.len() - 1);
         for &level in &levels[1..levels.len() - 1] {
@@ -250,21 +282,7 @@ impl Job<'_> {
         bands.push(laid.partition.split_components(label));
         absorb_narrow(&mut laid, &mut bands, field, levels);
         let allowed = self.options.tolerance * DISTANCE_SHARE;
-        let piece = |label: u32, t: Attempt| Piece {
-            label,
-            fit: t.accepted,
-            refused: t.refused.map(Arc::new),
-            share: t.error / allowed,
-            proven: None,
-        };
-        let centre = |label: u32, w: &[f64]| {
-            let (lo, hi) = range(&laid, label, field);
-            self.centre(&laid, label, field, 0.5 * (lo.max(w[0]) + hi.min(w[1])))
-        };
-        // What most bands needed in the round before, they will need again.
-        let fine = known.iter().flat_map(|k| &k.good).filter(|f| AttemptOptions::is_fine(&f.0)).count();
-        let how =
-            AttemptOptions { prove: false, fine_first: 2 * fine > known.len(), density: Density::Band, from: None };
+        let how = proposals(known);
         let proposed = |label: u32, w: &[f64], alone: bool| {
             let before = known.iter().find(|k| k.ends[..] == *w).map_or(&[][..], |k| &k.good[..]);
             let sampled = || laid.dense_samples(&self.face.surface, label, how.density);
@@ -283,32 +301,43 @@ impl Job<'_> {
                     let near = known.iter().filter(|k| alone && levels.len() <= MANY && k.overlap(w) > OVERLAP);
                     let near = near.max_by(|a, b| a.overlap(w).total_cmp(&b.overlap(w)));
                     let from = near.and_then(|k| k.single.as_deref());
-                    piece(label, self.tried(&laid, label, Some(&centre(label, w)), AttemptOptions { from, ..how }))
+                    let centre = self.middle(&laid, label, field, w);
+                    self.piece(label, self.tried(&laid, label, Some(&centre), AttemptOptions { from, ..how }))
                 }
             }
         };
-        let mut pieces: Vec<Vec<Piece>> = bands
+        let pieces = bands
             .par_iter()
             .zip(levels.par_windows(2))
             .map(|(band, w)| band.par_iter().map(|&label| proposed(label, w, band.len() == 1)).collect())
             .collect();
-        if pieces.iter().flatten().all(|p| p.fit.is_some()) {
-            let proven = |p: &mut Piece, w: &[f64]| {
-                let Some(fit) = p.fit.as_ref().filter(|_| p.proven.is_none()) else { return };
-                let mut t = self.confirmed(&laid, p.label, fit);
-                if t.accepted.is_none() {
-                    t = self.tried(&laid, p.label, Some(&centre(p.label, w)), AttemptOptions { prove: true, ..how });
-                }
-                *p = piece(p.label, t);
-                p.proven = p.fit.as_ref().map(|_| laid.area(p.label));
-            };
-            pieces
-                .par_iter_mut()
-                .zip(levels.par_windows(2))
-                .for_each(|(band, w)| band.par_iter_mut().for_each(|p| proven(p, w)));
-        }
         (laid, pieces)
     }
+
+    /// Bands between levels with the best torses at hand, good enough or not. `None` where some band has none.
+    pub(super) fn roughly_laid(&self, state: &State, label: u32, field: &Arc<Field>, levels: &[f64]) -> Option<State> {
+        let (laid, mut bands) = self.proposed(state, label, field, levels, &[]);
+        bands.iter_mut().flatten().for_each(|p| p.fit = p.fit.take().or(p.refused.take()));
+        bands.iter().flatten().all(|p| p.fit.is_some()).then(|| finished(laid, bands, field))
+    }
+
+    /// What was tried on a component of a band.
+    fn piece(&self, label: u32, t: Attempt) -> Piece {
+        let share = t.error / (self.options.tolerance * DISTANCE_SHARE);
+        Piece { label, fit: t.accepted, refused: t.refused.map(Arc::new), share, proven: None }
+    }
+
+    /// The middle line of a component of the band between two levels.
+    fn middle(&self, laid: &State, label: u32, field: &Field, w: &[f64]) -> Vec<CentrePoint> {
+        let (lo, hi) = range(laid, label, field);
+        self.centre(laid, label, field, 0.5 * (lo.max(w[0]) + hi.min(w[1])))
+    }
+}
+
+/// How torses of bands are tried: what most bands needed in the round before, they will need again.
+fn proposals(known: &[Known]) -> AttemptOptions<'static> {
+    let fine = known.iter().flat_map(|k| &k.good).filter(|f| AttemptOptions::is_fine(&f.0)).count();
+    AttemptOptions { prove: false, fine_first: 2 * fine > known.len(), density: Density::Band, from: None }
 }
 
 /// What bands are laid from at first.
@@ -509,7 +538,12 @@ impl Rise {
 
     /// Number of bands that can be hoped to do.
     fn needed(&self) -> usize {
-        bands_for(self.cells.iter().sum())
+        bands_for(self.whole())
+    }
+
+    /// Rise over the whole range: as many bands would be at the tolerance, by the square law.
+    pub(super) fn whole(&self) -> f64 {
+        self.cells.iter().sum()
     }
 
     /// Takes in the shares of bands between levels.

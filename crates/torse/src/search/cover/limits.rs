@@ -63,6 +63,8 @@ fn least(a: Option<f64>, b: Option<f64>) -> Option<f64> {
 
 /// Samples of curvature.
 const SAMPLES: usize = 400;
+/// Curvatures beyond this multiple of the median are those of a degenerate parametrisation.
+const POLAR: f64 = 1e3;
 
 /// The limit that asks for the most panels on a face, with about how many these are; `None` where limits ask for nothing.
 ///
@@ -86,10 +88,15 @@ pub(crate) fn panels_needed(face: &Face, limits: &Limits, tolerance: f64) -> Opt
 pub(crate) fn bent_panels(face: &Face, radius: f64, tolerance: f64) -> Option<[f64; 2]> {
     let forms = State::of_face(face, f64::INFINITY).ok()?.forms(0, SAMPLES);
     let rate = |k: f64| (k.max(0.0) / tolerance).sqrt() / 4.0;
-    let sum = forms
+    let curvatures: Vec<[f64; 2]> = forms.iter().map(|f| f.principal().map(f64::abs)).collect();
+    // Beside a pole the parametrisation says nothing.
+    let mut largest: Vec<f64> = curvatures.iter().map(|c| c[0].max(c[1])).collect();
+    largest.sort_by(f64::total_cmp);
+    let most = POLAR * largest.get(largest.len() / 2).copied().unwrap_or(f64::INFINITY);
+    let sum = curvatures
         .iter()
-        .map(|f| f.principal().map(f64::abs))
-        .fold([0.0; 2], |[along, across], [a, b]| [along + rate(a.max(b) - 1.0 / radius), across + rate(a.min(b))]);
+        .filter(|c| c[0].max(c[1]) <= most)
+        .fold([0.0; 2], |[along, across], &[a, b]| [along + rate(a.max(b) - 1.0 / radius), across + rate(a.min(b))]);
     Some(sum.map(|s| (s / forms.len().max(1) as f64 * area_estimate(face).sqrt()).max(1.0)))
 }
 

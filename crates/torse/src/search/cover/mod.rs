@@ -22,6 +22,7 @@ mod march;
 mod merge;
 mod prong;
 mod propose;
+mod recount;
 mod seam_line;
 mod signs;
 mod state;
@@ -47,6 +48,7 @@ pub use layout::{Guide, Layout, LayoutKind, SeamPlane};
 pub use limits::Limits;
 pub(crate) use limits::{bent_panels, panels_needed};
 use rayon::prelude::*;
+pub(crate) use recount::{recounted, Recount};
 pub(in crate::search) use seam_line::SeamLine;
 use state::Density;
 pub use state::{Origin, State};
@@ -109,13 +111,7 @@ pub fn cover(face: &Face, options: &CoverOptions, control: &Control) -> Result<C
     if let Some(state) = exactly_covered(face, options, control) {
         return Ok(Cover { state, complete: true });
     }
-    let mut state = State::of_face(face, f64::INFINITY)?;
-    let strip = typical_strip(&state, options.tolerance);
-    let finer = State::of_face(face, strip)?;
-    if finer.partition.triangles.len() > state.partition.triangles.len() {
-        state = finer;
-    }
-    state.partition.split_components(0);
+    let mut state = bare(face, options.tolerance)?;
     layout::cut_along_seams(face, &mut state, &options.layout, options.tolerance);
     let mut job = Job::new(face, options, control);
     let state = match options.layout.curves.as_slice() {
@@ -126,6 +122,18 @@ pub fn cover(face: &Face, options: &CoverOptions, control: &Control) -> Result<C
         curves => job.along_curves(state, curves),
     };
     Ok(Cover { complete: is_complete(&state), state })
+}
+
+/// A face in its connected parts, triangulated finely enough for strips of a tolerance (mm).
+fn bare(face: &Face, tolerance: f64) -> Result<State, TriangulateError> {
+    let mut state = State::of_face(face, f64::INFINITY)?;
+    let strip = typical_strip(&state, tolerance);
+    let finer = State::of_face(face, strip)?;
+    if finer.partition.triangles.len() > state.partition.triangles.len() {
+        state = finer;
+    }
+    state.partition.split_components(0);
+    Ok(state)
 }
 
 /// Whether every region has a torse.

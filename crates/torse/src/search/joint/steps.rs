@@ -20,8 +20,9 @@ const STEPS: usize = 8;
 const TRIALS: usize = 5;
 /// Largest distance and gap (tolerances) with which nothing more is tried, after so many steps.
 const ENOUGH: (f64, f64, usize) = (0.93, 0.02, 2);
-/// Steps that gain less end the program once gaps are small enough.
-const STALLED: f64 = 2e-3;
+/// Steps that gain less end the program once gaps are small enough; with distances beyond the tolerance, where all hangs on a
+/// little more, this part of it.
+const STALLED: (f64, f64) = (2e-3, 0.2);
 /// Gaps below the first of these count no less than it, times the second, beside the largest distance.
 const GAP: (f64, f64) = (0.02, 3.0);
 /// Parts of a step that are tried, the largest with which no foot is lost is taken.
@@ -74,7 +75,7 @@ impl<'a> Joint<'a> {
                 let Some(found) = step(now, &columns, &Prices { gaps: weight, damping, reach }) else { return };
                 effort = [effort[0] + 1, effort[1] + found.iterations];
                 // Farther away a step may lead to more than it expects, since samples change sides.
-                if is_settled && at[0] < 1.0 && at[1] < ENOUGH.1 && merit(at) - merit(found.expected) < STALLED {
+                if is_settled && at[0] < 1.0 && at[1] < ENOUGH.1 && merit(at) - merit(found.expected) < STALLED.0 {
                     return;
                 }
                 // Where feet would be lost a part of the step is as good as can be had: what it keeps is linear in it.
@@ -113,7 +114,8 @@ impl<'a> Joint<'a> {
             self.network = network;
             self.steps.push(StepReport { reached, effort });
             count += 1;
-            if !is_part && (begun || count >= ENOUGH.2) && reached[1] < ENOUGH.1 && gained < STALLED {
+            let stalled = if reached[0] < 1.0 { STALLED.0 } else { STALLED.0 * STALLED.1 };
+            if !is_part && (begun || count >= ENOUGH.2) && reached[1] < ENOUGH.1 && gained < stalled {
                 return;
             }
         }

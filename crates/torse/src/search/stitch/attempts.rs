@@ -16,7 +16,7 @@ use crate::geom::Vec3;
 use crate::patchwork::panel::{Coedge, Panel};
 use crate::patchwork::redraw::Line;
 use crate::search::build::{borders, build_on, limits_missed, smooth_borders, Built, Joined};
-use crate::search::cover::{laid_anew, CoverOptions, SeamLine, State};
+use crate::search::cover::{laid_anew, recounted, CoverOptions, Limits, Recount, SeamLine, State};
 use crate::search::joint::{Asked, Further, JoinedLine, Joint};
 use crate::torse::form::{PanelKind, Torse};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
@@ -35,6 +35,8 @@ const FEW: f64 = 1.0 / 3.0;
 const MOST_COUNTED: f64 = 3.0;
 /// Places that count more than this have lost part of the tolerance to ends of panels.
 const ENDS: f64 = 1.02;
+/// See [`Attempts::most`], of another number of strips than the cover has: what the proof finds is some percent more.
+const NEAR_ENOUGH: f64 = 0.985;
 /// Rounds of moving borders to edges, without those that were refused.
 const INTERSECTIONS: usize = 8;
 
@@ -52,6 +54,8 @@ struct Attempts<'a> {
     known: Known,
     /// Labels whose flat patterns are not proven without common edges either.
     unproven: BTreeSet<u32>,
+    /// Largest distance (tolerances) of a sample with which strips of the program are worth being built.
+    most: f64,
     /// The best so far.
     best: Built,
 }
@@ -94,20 +98,19 @@ pub(crate) fn met(
         seam_lines: state.seam_lines.clone(),
         known: Known::default(),
         unproven,
+        most: f64::INFINITY,
         best: built,
     };
+    if attempts.recounted(state, Recount::Less) {
+        return attempts.best;
+    }
     // Borders that the program has left open are moved at once, which may spare its next solution; those of the cover only where
     // it has brought nothing.
-    let mut moved = false;
-    for (base, regular) in base.iter().flat_map(|b| REGULAR.map(|r| (b, r))) {
-        if attempts.is_open() && attempts.joined(base, regular).is_some_and(|next| attempts.keep(next)) {
-            attempts.intersect(state);
-            moved = true;
-        }
-    }
+    let moved = base.as_ref().is_some_and(|b| attempts.changed_together(b, state, &REGULAR));
     if !moved {
         attempts.intersect(state);
     }
+    attempts.recounted(state, Recount::More);
     attempts.best
 }
 
@@ -115,6 +118,44 @@ impl Attempts<'_> {
     /// Whether something is left to be done, and time for it.
     fn is_open(&self) -> bool {
         openness(&self.best) > 0.0 && !self.control.stopped()
+    }
+
+    /// Strips of one program in place of those at hand, with one share of their regularity after the other until all seams are
+    /// closed; whether that brought anything.
+    fn changed_together(&mut self, base: &State, state: &State, shares: &[f64]) -> bool {
+        let mut moved = false;
+        for &regular in shares {
+            if self.is_open() && self.joined(base, regular).is_some_and(|next| self.keep(next)) {
+                self.intersect(state);
+                moved = true;
+            }
+        }
+        moved
+    }
+
+    /// Tries another number of strips, where no limits or seams are asked for; whether all of them meet then.
+    fn recounted(&mut self, state: &State, recount: Recount) -> bool {
+        let layout = &self.wanted.layout;
+        let free = self.wanted.limits == Limits::default() && layout.seams.is_empty() && layout.curves.is_empty();
+        if !free || !self.is_open() {
+            return false;
+        }
+        let Some(next) = recounted(self.face, self.wanted, self.control, state, recount) else { return false };
+        let partition = smooth_borders(self.face, next.partition.clone(), self.tolerance, |_| true);
+        let next = seams::with_partition(self.face, &next, partition);
+        // Labels are others, and no flat pattern is given up.
+        let unproven = std::mem::take(&mut self.unproven);
+        let most = std::mem::replace(&mut self.most, NEAR_ENOUGH);
+        let before = self.joined(&next, REGULAR[0]).map(|first| std::mem::replace(&mut self.best, first));
+        if before.is_some() {
+            self.intersect(&next);
+        }
+        (self.unproven, self.most) = (unproven, most);
+        let all_meet = before.is_some() && openness(&self.best) == 0.0;
+        if let Some(before) = before.filter(|_| !all_meet) {
+            self.best = before;
+        }
+        all_meet
     }
 
     /// Moves borders that are still open to where the strips of the best panels intersect.
@@ -181,7 +222,8 @@ impl Attempts<'_> {
             let worst = joined.torses.iter().zip(&joined.distances).max_by(|a, b| a.1.total_cmp(b.1)).map(|w| w.0 .0);
             // Where many are too far away all are as near as they get: no proof will find them nearer.
             let far = joined.distances.iter().filter(|d| **d > 1.0).count();
-            if refinement == 0 && far as f64 > FEW * joined.distances.len() as f64 {
+            let too_far = joined.distances.iter().any(|d| *d > self.most);
+            if refinement == 0 && (too_far || far as f64 > FEW * joined.distances.len() as f64) {
                 return Err(Vec::new());
             }
             let mut next = base.clone();

@@ -290,5 +290,8 @@ pub(super) fn turn(face: &mut RawFace) {
 /// Whether a record of this kind is a surface that may be a face without topology. Endless ones are refused by name
 /// when their region is asked for; a lone plane is construction geometry.
 pub(super) fn may_be_face(name: &str) -> bool {
-    name.ends_with("_SURFACE") || name.starts_with("SURFACE_OF_") || name.contains("B_SPLINE_SURFACE")
+    name.ends_with("_SURFACE")
+        || name.starts_with("SURFACE_OF_")
+        || name.contains("B_SPLINE_SURFACE")
+        || name == "SURFACE_REPLICA"
 }
