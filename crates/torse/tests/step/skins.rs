@@ -1,29 +1,101 @@
 //! Sheets that are drawn as bodies: their skins, and what is no sheet.
 
 use super::text::{Step, Unit, P};
+use std::f64::consts::FRAC_PI_2;
 use torse::answer::note::Note;
+use torse::develop::unfold::allowance::KFactor;
 use torse::io::model::Model;
 use torse::io::step::read::read;
 use torse::pipeline::select::{offers, selected, SelectError, Selection, Skin};
+use torse::{Control, Status, UnrollOptions};
 
-/// A block between two corners of a box, each face with its outward normal.
-fn block(size: P) -> Model {
+/// A body of plane faces: outward normals with corners.
+fn body(sides: &[(P, Vec<P>)]) -> Model {
     let mut s = Step::new(Unit::Millimetre);
-    let [x, y, z] = size;
-    let sides: [(P, [P; 4]); 6] = [
-        ([0., 0., -1.], [[0., 0., 0.], [0., y, 0.], [x, y, 0.], [x, 0., 0.]]),
-        ([0., 0., 1.], [[0., 0., z], [x, 0., z], [x, y, z], [0., y, z]]),
-        ([0., -1., 0.], [[0., 0., 0.], [x, 0., 0.], [x, 0., z], [0., 0., z]]),
-        ([0., 1., 0.], [[0., y, 0.], [0., y, z], [x, y, z], [x, y, 0.]]),
-        ([-1., 0., 0.], [[0., 0., 0.], [0., 0., z], [0., y, z], [0., y, 0.]]),
-        ([1., 0., 0.], [[x, 0., 0.], [x, y, 0.], [x, y, z], [x, 0., z]]),
-    ];
     for (normal, corners) in sides {
-        let l = s.polygon(&corners);
-        let plane = s.plane(corners[0], normal);
+        let l = s.polygon(corners);
+        let plane = s.plane(corners[0], *normal);
         s.face("", plane, &[(l, true)], true);
     }
     read(s.text().as_bytes()).expect("a model")
+}
+
+/// A block between two corners of a box, each face with its outward normal.
+fn block([x, y, z]: P) -> Model {
+    body(&[
+        ([0., 0., -1.], vec![[0., 0., 0.], [0., y, 0.], [x, y, 0.], [x, 0., 0.]]),
+        ([0., 0., 1.], vec![[0., 0., z], [x, 0., z], [x, y, z], [0., y, z]]),
+        ([0., -1., 0.], vec![[0., 0., 0.], [x, 0., 0.], [x, 0., z], [0., 0., z]]),
+        ([0., 1., 0.], vec![[0., y, 0.], [0., y, z], [x, y, z], [x, y, 0.]]),
+        ([-1., 0., 0.], vec![[0., 0., 0.], [0., 0., z], [0., y, z], [0., y, 0.]]),
+        ([1., 0., 0.], vec![[x, 0., 0.], [x, y, 0.], [x, y, z], [x, 0., z]]),
+    ])
+}
+
+/// A base of 40 by 60 mm with a flange up and one down, 40 mm wide and high, of 3 mm and with sharp corners: flush with the ends of
+/// the base, so that their outer faces are one with these.
+fn bent_both_ways() -> Model {
+    let at = |z: f64, xy: &[[f64; 2]]| xy.iter().map(|p| [p[0], p[1], z]).collect::<Vec<P>>();
+    let end = |x: f64, yz: &[[f64; 2]]| yz.iter().map(|p| [x, p[0], p[1]]).collect::<Vec<P>>();
+    let side = |y: f64, xz: &[[f64; 2]]| xz.iter().map(|p| [p[0], y, p[1]]).collect::<Vec<P>>();
+    let notched = [[0., 0.], [40., 0.], [40., 10.], [37., 10.], [37., 50.], [40., 50.], [40., 60.], [0., 60.]];
+    let below = [[0., 0.], [0., 10.], [3., 10.], [3., 50.], [0., 50.], [0., 60.], [40., 60.], [40., 0.]];
+    let up = [[0., 0.], [60., 0.], [60., 3.], [50., 3.], [50., 43.], [10., 43.], [10., 3.], [0., 3.]];
+    let down = [[0., 3.], [60., 3.], [60., 0.], [50., 0.], [50., -40.], [10., -40.], [10., 0.], [0., 0.]];
+    body(&[
+        ([0., 0., 1.], at(3., &notched)),
+        ([0., 0., -1.], at(0., &below)),
+        ([1., 0., 0.], end(40., &up)),
+        ([-1., 0., 0.], end(0., &down)),
+        ([0., -1., 0.], side(0., &[[0., 0.], [40., 0.], [40., 3.], [0., 3.]])),
+        ([0., 1., 0.], side(60., &[[0., 0.], [0., 3.], [40., 3.], [40., 0.]])),
+        ([-1., 0., 0.], end(37., &[[10., 3.], [10., 43.], [50., 43.], [50., 3.]])),
+        ([0., -1., 0.], side(10., &[[37., 3.], [40., 3.], [40., 43.], [37., 43.]])),
+        ([0., 1., 0.], side(50., &[[37., 3.], [37., 43.], [40., 43.], [40., 3.]])),
+        ([0., 0., 1.], at(43., &[[37., 10.], [40., 10.], [40., 50.], [37., 50.]])),
+        ([1., 0., 0.], end(3., &[[10., -40.], [50., -40.], [50., 0.], [10., 0.]])),
+        ([0., -1., 0.], side(10., &[[0., -40.], [3., -40.], [3., 0.], [0., 0.]])),
+        ([0., 1., 0.], side(50., &[[0., -40.], [0., 0.], [3., 0.], [3., -40.]])),
+        ([0., 0., -1.], at(-40., &[[0., 10.], [0., 50.], [3., 50.], [3., 10.]])),
+    ])
+}
+
+/// Neither skin goes round both of its corners, so one flange is missing whichever is laid flat.
+#[test]
+fn a_flange_that_neither_skin_reaches_is_named() {
+    let sheet = bent_both_ways();
+    let flat = torse::unroll(&sheet, &UnrollOptions::new(0.01), &Control::default()).expect("parts");
+    let area: f64 = flat.patterns.iter().map(|p| p.area).sum();
+    let whole = 40.0 * 60.0 + 2.0 * 40.0 * 40.0;
+    assert!((0.5 * whole..0.9 * whole).contains(&area), "{area} of {whole}");
+    assert!(flat.status() != Status::Certified && !flat.skipped.is_empty(), "{:?}", flat.claims);
+}
+
+/// A profile of a flange down, a base and a flange up, 20, 40 and 20 mm outside, of 3 mm and with sharp corners, 60 mm wide.
+fn sharp_step() -> Model {
+    let z = [[0., -17.], [3., -17.], [3., 0.], [40., 0.], [40., 20.], [37., 20.], [37., 3.], [0., 3.]];
+    let at = |y: f64, p: &[f64; 2]| [p[0], y, p[1]];
+    let mut sides = vec![
+        ([0., -1., 0.], z.iter().map(|p| at(0., p)).collect()),
+        ([0., 1., 0.], z.iter().rev().map(|p| at(60., p)).collect::<Vec<P>>()),
+    ];
+    for k in 0..z.len() {
+        let [p, q] = [z[k], z[(k + 1) % z.len()]];
+        let length = (q[0] - p[0]).hypot(q[1] - p[1]);
+        let normal = [(q[1] - p[1]) / length, 0., (p[0] - q[0]) / length];
+        sides.push((normal, vec![at(0., &q), at(0., &p), at(60., &p), at(60., &q)]));
+    }
+    body(&sides)
+}
+
+/// Outside a sharp bend both faces reach to its edge: they overlap in the plane by what the bend does not take, and are one sheet.
+#[test]
+fn short_flanges_beyond_sharp_bends_stay_with_their_sheet() {
+    let options = UnrollOptions { k: KFactor::Ansi(0.44), ..UnrollOptions::new(0.01) };
+    let flat = torse::unroll(&sharp_step(), &options, &Control::default()).expect("parts");
+    assert_eq!((flat.patterns.len(), flat.status()), (1, Status::Certified), "{:?}", flat.claims);
+    let length = 17.0 + 34.0 + 17.0 + 2.0 * 0.44 * 3.0 * FRAC_PI_2;
+    assert!((flat.patterns[0].length - length).abs() < 1e-6, "{} {length}", flat.patterns[0].length);
 }
 
 fn skin(skin: Skin) -> Selection {

@@ -302,7 +302,9 @@ fn grow(
         };
         let moved = there.region.moved(&motion);
         let depth = (OVERLAP.0 * body.size).max(OVERLAP.1 * options.tolerance);
-        if piece.faces.iter().any(|p| p.region.overlaps(&moved, depth)) {
+        // Outside a sharp bend both faces reach to its edge, beyond what the bend is made of: they overlap by that.
+        let shared = |face: usize| if face == body.halves[h].face { (-allowance).max(0.0) } else { 0.0 };
+        if piece.faces.iter().any(|p| p.region.overlaps(&moved, depth + shared(p.face))) {
             cuts.push(Cut { half: h, reason: CutReason::Overlap });
             continue;
         }
