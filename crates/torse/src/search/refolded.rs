@@ -80,7 +80,7 @@ pub(crate) fn distance_bounds(
     motion: &Placement,
 ) -> Vec<PanelBound> {
     let mut found: Vec<Option<Result<UpperBound, NotRefolded>>> = vec![None; atlas.sheets.len()];
-    for leaf in &refolded.leaves {
+    for leaf in refolded.leaves.iter().filter(|l| !l.is_taken_up()) {
         let ribbon = fine(&leaf.ribbon, motion, &joints(&leaf.ribbon, atlas));
         let tip = Tip::of(part, &ribbon, atlas);
         let lines = leaf.loops.iter().map(|l| lifted(&ribbon, l, tip.as_ref())).collect::<Option<Vec<_>>>();

@@ -1,11 +1,14 @@
 //! Sheets that are drawn as bodies: their skins, and what is no sheet.
 
 use super::text::{Step, Unit, P};
+use std::collections::HashMap;
 use std::f64::consts::FRAC_PI_2;
 use torse::answer::note::Note;
 use torse::develop::unfold::allowance::KFactor;
 use torse::io::model::Model;
 use torse::io::step::read::read;
+use torse::pipeline::deliver::files;
+use torse::pipeline::refold::refold;
 use torse::pipeline::select::{offers, selected, SelectError, Selection, Skin};
 use torse::{Control, Status, UnrollOptions};
 
@@ -96,6 +99,15 @@ fn short_flanges_beyond_sharp_bends_stay_with_their_sheet() {
     assert_eq!((flat.patterns.len(), flat.status()), (1, Status::Certified), "{:?}", flat.claims);
     let length = 17.0 + 34.0 + 17.0 + 2.0 * 0.44 * 3.0 * FRAC_PI_2;
     assert!((flat.patterns[0].length - length).abs() < 1e-6, "{} {length}", flat.patterns[0].length);
+    // The outline goes around once, and nowhere back.
+    let v = &flat.patterns[0].contours[0].vertices;
+    let around: f64 = (0..v.len()).map(|k| (v[(k + 1) % v.len()].point - v[k].point).norm()).sum();
+    assert!((around - 2.0 * (length + 60.0)).abs() < 1e-6, "{around}");
+    // Bent back, its flanges reach to their edges.
+    let mut flat = flat;
+    let files: HashMap<String, Vec<u8>> = files(&mut flat, "2026-01-31T12:00:00").expect("files").into_iter().collect();
+    let back = refold(&|name| files.get(name).cloned()).expect("an answer").report();
+    assert!(back.parts[0].distance_bound.is_some_and(|d| d < 1e-3), "{:?}", back.parts);
 }
 
 fn skin(skin: Skin) -> Selection {

@@ -135,6 +135,8 @@ const GLANCE: usize = 6;
 const ROUNDS: usize = 60;
 /// Ways to lay an outline that are followed further: a square has four.
 const MOST_WAYS: usize = 8;
+/// Ways whose turns differ by less than a degree (cosine) lead to one.
+const ONE_WAY: f64 = 0.999_85;
 /// Candidates whose outlines fit so much worse than the best are no candidates.
 const AS_GOOD: f64 = 3.0;
 
@@ -457,7 +459,17 @@ impl Atlas {
                 .map(|(motion, off)| (off, motion))
                 .collect();
             tried.sort_by(|a, b| a.0.total_cmp(&b.0));
-            for (_, start) in tried.into_iter().take(MOST_WAYS) {
+            let mut ways: Vec<Motion> = Vec::new();
+            for (_, way) in tried {
+                let alike = |m: &Motion| {
+                    m.turn[0] * way.turn[0] + m.turn[1] * way.turn[1] > ONE_WAY
+                        && (m.shift - way.shift).norm() < BELONGS * size
+                };
+                if ways.len() < MOST_WAYS && !ways.iter().any(alike) {
+                    ways.push(way);
+                }
+            }
+            for start in ways {
                 let (mut motion, mut off) = settled(&loops, start, &points, ROUNDS);
                 if few {
                     // Corners are exact, other points are on chords.
@@ -478,7 +490,7 @@ impl Atlas {
             let same = |b: &Self| {
                 b.mirrored == a.mirrored
                     && (b.motion.shift - a.motion.shift).norm() < 10.0 * (off + floor)
-                    && (b.motion.turn[0] * a.motion.turn[0] + b.motion.turn[1] * a.motion.turn[1]) > 0.999
+                    && (b.motion.turn[0] * a.motion.turn[0] + b.motion.turn[1] * a.motion.turn[1]) > ONE_WAY
             };
             if !out.iter().any(same) {
                 out.push(a);

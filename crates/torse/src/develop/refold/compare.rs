@@ -56,7 +56,7 @@ pub fn samples(part: &FlatPart) -> Vec<Vec2> {
 /// Compares a refolded part with its panels. `None` where no sample is on both.
 pub fn compare(part: &FlatPart, refolded: &Refolded, atlas: &Atlas) -> Option<Comparison> {
     let mut pairs: Vec<(Vec2, Vec3, OnPanel, Vec3)> = Vec::new();
-    for q in samples(part) {
+    for q in samples(part).into_iter().filter(|q| refolded.is_of_one(q)) {
         let (Some(place), Some(on)) = (refolded.locate(&q), atlas.from_flat(&q)) else { continue };
         pairs.push((q, refolded.frame(&place).0, on, atlas.space(&on)));
     }

@@ -14,6 +14,14 @@ pub struct Leaf {
     pub loops: Vec<Vec<Vec2>>,
 }
 
+impl Leaf {
+    /// Whether it is what a sharp bend takes up inside: in space it is nothing but the edge.
+    pub fn is_taken_up(&self) -> bool {
+        self.ribbon.spans.iter().all(|s| s.in_space.across == 0.0)
+            && self.ribbon.spans.iter().any(|s| s.in_plane.across != 0.0)
+    }
+}
+
 /// A flat part bent back.
 #[derive(Clone, Debug, Default)]
 pub struct Refolded {
@@ -35,6 +43,14 @@ pub struct Place {
 }
 
 impl Refolded {
+    /// Whether a place of the drawing belongs to one region, and to one of the skin: what a sharp bend takes up or lacks is on none
+    /// or two.
+    pub fn is_of_one(&self, q: &Vec2) -> bool {
+        let mut holding = self.leaves.iter().filter(|l| drawn::inside(&l.loops, q));
+        let first = holding.next();
+        first.is_none_or(|l| !l.is_taken_up()) && holding.next().is_none()
+    }
+
     /// The place of a point of the plane: on the region that holds it, else on the nearest one. `None` where no ruling runs
     /// through it.
     pub fn locate(&self, q: &Vec2) -> Option<Place> {

@@ -3,7 +3,8 @@
 //! *Method*. A bend takes up its allowance to both sides of its centre line; a rolled face takes up what lies half way to
 //! the neighbouring lines. The part is cut along both edges of every zone, and the regions are put into space one after the
 //! other, from the largest plane one. What is bent is the skin that is drawn: in a bend towards the eye it has the inside
-//! radius, in one away from the eye that and the thickness, while the drawing has the length of the neutral fibre.
+//! radius, in one away from the eye that and the thickness, while the drawing has the length of the neutral fibre. Where the
+//! outside of a sharp bend is drawn, the skin is longer than the drawing: both regions go on beyond the line to their edge.
 
 use super::course::plane_ribbon;
 use super::cut::{cut, Region};
@@ -37,6 +38,8 @@ struct Zone {
     turn: f64,
     /// Length of the skin over that of the drawing, across.
     stretch: f64,
+    /// Way (mm) by which the regions beside a line go on beyond it, to their common edge.
+    beyond: f64,
 }
 
 /// A chord: a piece of a zone's edge.
@@ -45,6 +48,8 @@ struct Edge {
     zone: usize,
     /// First or last edge of the zone; `None`: both, of a zone without breadth.
     last: Option<bool>,
+    /// The chord.
+    ends: [Vec2; 2],
 }
 
 /// Bends a part of sheet metal back.
@@ -65,7 +70,7 @@ pub fn refold(part: &FlatPart) -> Result<Refolded, RefoldError> {
         let both = [(0, (!sharp).then_some(false), 0), (last, Some(true), lines.len() - 1)];
         for (k, last, beside) in &both[..if sharp { 1 } else { 2 }] {
             for chord in stretches(part, &zone.edges[*k], (&lines[*beside], sharp)) {
-                edges.push(Edge { zone: zones.len(), last: *last });
+                edges.push(Edge { zone: zones.len(), last: *last, ends: chord });
                 chords.push(chord);
             }
         }
@@ -81,7 +86,10 @@ pub fn refold(part: &FlatPart) -> Result<Refolded, RefoldError> {
 
 /// Thickness of the sheet (mm) by the allowances of its bends; 0 where the neutral fibre is the skin itself.
 pub fn thickness(bends: &[SheetRow]) -> f64 {
-    let of = |b: &SheetRow| (b.allowance / b.angle - b.inside_radius) / b.k;
+    let of = |b: &SheetRow| match b.allowance < 0.0 {
+        true => b.allowance / (b.k * b.angle - 2.0 * (0.5 * b.angle).tan()),
+        false => (b.allowance / b.angle - b.inside_radius) / b.k,
+    };
     // The largest allowance has the smallest relative rounding.
     let known = bends.iter().filter(|b| b.k > 0.0 && b.angle > 0.0 && of(b).is_finite());
     known.max_by(|a, b| (a.angle * a.k).total_cmp(&(b.angle * b.k))).map_or(0.0, |b| of(b).max(0.0))
@@ -123,7 +131,8 @@ fn zone_of(part: &FlatPart, row: &SheetRow, thickness: f64) -> Result<Option<Lin
     if n > 1 && all[0].1.perp(&(all[1].0 - all[0].0)) < 0.0 {
         all.iter_mut().for_each(|l| l.1 = -l.1);
     }
-    let breadth = if row.allowance.is_finite() { row.allowance / n as f64 } else { 0.0 };
+    let breadth = if row.allowance.is_finite() { row.allowance.max(0.0) / n as f64 } else { 0.0 };
+    let beyond = 0.5 * (-row.allowance).max(0.0);
     let skin = row.inside_radius + if sign < 0.0 { thickness } else { 0.0 };
     // Edges of the outline may lie on the edges of a zone, which are only known as far as the table is printed.
     let hair = part.printed.min(0.25 * breadth);
@@ -144,7 +153,7 @@ fn zone_of(part: &FlatPart, row: &SheetRow, thickness: f64) -> Result<Option<Lin
         let outer = [mirrored(&all[0], &inner[0]), mirrored(&all[n - 1], &inner[n - 2])];
         std::iter::once(outer[0]).chain(inner).chain([outer[1]]).collect()
     };
-    Ok(Some((Zone { edges, inner: Vec::new(), turn, stretch }, lines)))
+    Ok(Some((Zone { edges, inner: Vec::new(), turn, stretch, beyond }, lines)))
 }
 
 /// Whether the first and last line of a zone meet on the outline.
@@ -234,8 +243,9 @@ fn placed((zones, edges, regions): (&[Zone], &[Edge], &[Region]), printed: f64) 
                 (Put::Plane(frame), None) => {
                     // A fold: to the left the sheet is turned by the whole angle, to the right it comes before that.
                     let turn = if *left { -z.turn } else { z.turn };
-                    let line = Pose::flat(z.edges[0].0, z.edges[0].1);
-                    Put::Plane(frame_of(&on(frame, &line).moved(&Rates { turn, ..Rates::default() }, 1.0), &line))
+                    let line = |side: bool| Pose::flat(z.edges[0].0 + z.reach(side), z.edges[0].1);
+                    let edge = on(frame, &line(*left)).moved(&Rates { turn, ..Rates::default() }, 1.0);
+                    Put::Plane(frame_of(&edge, &line(!left)))
                 }
                 (Put::Plane(frame), Some(last)) => bent(z, *frame, last),
                 (Put::Bent(_, ends), Some(last)) => Put::Plane(ends[usize::from(last)]),
@@ -256,7 +266,10 @@ fn placed((zones, edges, regions): (&[Zone], &[Edge], &[Region]), printed: f64) 
                 let at = r.loops[0][0];
                 return Err(RefoldError::Loose { x: at.x, y: at.y });
             }
-            Some(Put::Plane(frame)) => out.push(Leaf { ribbon: plane_ribbon(&r.loops, frame), loops: r.loops.clone() }),
+            Some(Put::Plane(frame)) => {
+                let loops = to_edges(zones, edges, r);
+                out.push(Leaf { ribbon: plane_ribbon(&loops, frame), loops });
+            }
             Some(Put::Bent(mut ribbon, _)) => {
                 for s in &mut ribbon.spans {
                     let middle = s.flat.moved(&s.in_plane, 0.5);
@@ -271,6 +284,30 @@ fn placed((zones, edges, regions): (&[Zone], &[Edge], &[Region]), printed: f64) 
         }
     }
     Ok(out)
+}
+
+impl Zone {
+    /// Way by which a region beside the first edge, to its left or its right, goes on beyond it.
+    fn reach(&self, left: bool) -> Vec2 {
+        let way = self.edges[0].1;
+        Vec2::new(-way.y, way.x) * if left { -self.beyond } else { self.beyond }
+    }
+}
+
+/// The loops of a plane region, as far as the skin goes beyond its bend lines.
+fn to_edges(zones: &[Zone], edges: &[Edge], region: &Region) -> Vec<Vec<Vec2>> {
+    let mut loops = region.loops.clone();
+    for (c, left) in &region.chords {
+        let (edge, zone) = (&edges[*c], &zones[edges[*c].zone]);
+        let [a, b] = edge.ends;
+        let (way, length) = ((b - a).normalize(), (b - a).norm());
+        let near = ON_ONE_LINE * length;
+        let on = |p: &Vec2| way.perp(&(p - a)).abs() <= near && (-near..=length + near).contains(&way.dot(&(p - a)));
+        if zone.beyond > 0.0 {
+            loops.iter_mut().flatten().filter(|p| on(p)).for_each(|p| *p += zone.reach(*left));
+        }
+    }
+    loops
 }
 
 /// A frame of the plane where the drawing's frame is put.
@@ -317,6 +354,33 @@ mod tests {
     use super::*;
     use crate::develop::refold::drawn::BendLine;
     use crate::patchwork::pattern::Bend;
+
+    /// A plate of 40 and 60 mm outside its sharp bend, 30 wide.
+    fn sharp_outside(t: f64, k: f64) -> FlatPart {
+        let angle = std::f64::consts::FRAC_PI_2;
+        let allowance = k * t * angle - 2.0 * t;
+        let x = 40.0 + 0.5 * allowance;
+        let (mut flat, _) = bracket(BendSense::Down, angle, 0.0, t, k);
+        flat.loops = vec![[(0.0, 0.0), (100.0 + allowance, 0.0), (100.0 + allowance, 30.0), (0.0, 30.0)]
+            .map(|(x, y)| Vec2::new(x, y))
+            .to_vec()];
+        flat.joints.clone_from(&flat.loops);
+        flat.lines[0].ends = [Vec2::new(x, 0.0), Vec2::new(x, 30.0)];
+        flat.bends[0].allowance = allowance;
+        flat
+    }
+
+    #[test]
+    fn outside_a_sharp_bend_both_flanges_reach_to_its_edge() {
+        let flat = sharp_outside(3.0, 0.44);
+        assert!((thickness(&flat.bends) - 3.0).abs() < 1e-12);
+        let back = refold(&flat).expect("a part");
+        let place = |x: f64| back.frame(&back.locate(&Vec2::new(x, 10.0)).expect("a place")).0;
+        let long = 100.0 + flat.bends[0].allowance;
+        assert!(((place(long) - place(0.0)).norm() - 40.0_f64.hypot(60.0)).abs() < 1e-9);
+        let areas: Vec<f64> = back.leaves.iter().map(|l| area(&l.loops[0])).collect();
+        assert!((areas.iter().sum::<f64>() - 3000.0).abs() < 1e-9, "{areas:?}");
+    }
 
     /// A plate 40 + bend + 60 long and 30 wide, bent about one line.
     fn bracket(sense: BendSense, angle: f64, radius: f64, thickness: f64, k: f64) -> (FlatPart, f64) {

@@ -4,7 +4,8 @@
 //! `p(s) + r w(s)` with one normal `n(s)` along each; with the frame `w, e = n × w` the flat ruling turns by
 //! `Φ' = w'·e` and its base point moves by `(q'·w, q'·e)` in that frame, where `q = p − δ n` lies in the neutral surface
 //! at depth δ below the face. Both are integrated by Runge–Kutta steps of fourth order, knots of the surface among
-//! their ends.
+//! their ends. Where the normal jumps at a knot, the sheet bends about an edge by that angle, and the neutral surface is
+//! shorter or longer by δ times it.
 
 mod strips;
 
@@ -57,6 +58,10 @@ struct Ruled {
     along: (f64, f64),
     depth: f64,
     nodes: Vec<(f64, State)>,
+    /// Parameters of the knots.
+    breaks: Vec<f64>,
+    /// Nodes right after an edge, and by how much (rad) the normal turns there towards `e`.
+    jumps: Vec<(usize, f64)>,
     projector: SurfaceProjector,
     strips: Vec<MapStrip>,
 }
@@ -68,6 +73,14 @@ struct State {
     base: Vec2,
     /// Turn of the normal so far, whichever way.
     bent: f64,
+}
+
+impl State {
+    /// Beyond an edge about which the face turns, on the neutral surface `depth` (mm) below it.
+    fn past(self, jump: f64, depth: f64) -> Self {
+        let across = Vec2::new(-self.turn.sin(), self.turn.cos());
+        Self { base: self.base - across * (depth * jump), bent: self.bent + jump.abs(), ..self }
+    }
 }
 
 /// A ruling in the plane, standing for a part of the turn of a face.
@@ -120,6 +133,8 @@ const AT_APEX: f64 = 1e-9;
 const PLACES: usize = 96;
 /// Share of a span by which integration keeps from knots, which have two sides: above rounding, below any effect.
 const HAIR: f64 = 1e-12;
+/// Normals that turn by less (rad) at a knot go on: what ten printed digits lose on short spans.
+const EDGE: f64 = 1e-6;
 /// Steps of the integration on each span between knots.
 const STEPS: usize = 96;
 
@@ -341,6 +356,8 @@ impl Ruled {
             along: rulings.reach(),
             depth,
             nodes: Vec::new(),
+            breaks: breaks.clone(),
+            jumps: Vec::new(),
             projector: SurfaceProjector::new(&face.surface),
             strips: Vec::new(),
         };
@@ -348,6 +365,11 @@ impl Ruled {
         out.nodes.push((breaks[0], state));
         for w in breaks.windows(2) {
             let hair = HAIR * (w[1] - w[0]);
+            if let Some(jump) = (w[0] > breaks[0]).then(|| out.jump(w[0], hair)).flatten() {
+                state = state.past(jump, depth);
+                out.jumps.push((out.nodes.len(), jump));
+                out.nodes.push((w[0], state));
+            }
             for k in 0..STEPS {
                 // To the bit, the knot.
                 let at = |k: usize| if k == STEPS { w[1] } else { w[0] + (w[1] - w[0]) * k as f64 / STEPS as f64 };
@@ -383,6 +405,19 @@ impl Ruled {
         Some(Line { p, w, n, dp: ps, dw, dn })
     }
 
+    /// Turn of the normal (rad) towards `e` at a knot, from `hair` before it to `hair` behind. `None` where it goes on within
+    /// rounding.
+    fn jump(&self, at: f64, hair: f64) -> Option<f64> {
+        let (before, after) = (self.line(at - hair)?, self.line(at + hair)?);
+        let turn = before.n.angle(&after.n).copysign(after.n.dot(&before.n.cross(&before.w)));
+        (turn.abs() > EDGE).then_some(turn)
+    }
+
+    /// Turn (rad) of the edge at a knot, 0 where there is none.
+    fn turn_at(&self, knot: f64) -> f64 {
+        self.jumps.iter().find(|j| self.nodes[j.0].0 == knot).map_or(0.0, |j| j.1)
+    }
+
     /// One Runge–Kutta step; the turn does not depend on the state, so its slopes serve for both.
     fn step(&self, from: State, a: f64, b: f64) -> Option<State> {
         let h = b - a;
@@ -410,6 +445,9 @@ impl Ruled {
     fn ruling(&self, share: f64, angle: f64) -> Option<FlatRuling> {
         let wanted = share * self.nodes[self.nodes.len() - 1].1.bent;
         let k = self.nodes.partition_point(|n| n.1.bent < wanted).clamp(1, self.nodes.len() - 1);
+        if let Ok(edge) = self.jumps.binary_search_by_key(&k, |j| j.0) {
+            return self.edge(edge, angle);
+        }
         let ((a, p), (b, q)) = (self.nodes[k - 1], self.nodes[k]);
         let part = if q.bent > p.bent { (wanted - p.bent) / (q.bent - p.bent) } else { 0.5 };
         let s = a + (b - a) * part;
@@ -418,6 +456,27 @@ impl Ruled {
         let hollow = l.dn.dot(&e) * l.dp.dot(&e) < 0.0;
         let bent = l.dn.norm();
         let (radius, rise) = ((l.dp - l.dn * self.depth).dot(&e) / bent, l.dw.dot(&e) / bent);
+        Some(FlatRuling { at: state.base, way, angle, hollow, radius, rise })
+    }
+
+    /// An edge as a ruling: its radius is that of a sheet which is bent as much between the middles of the spans beside it.
+    fn edge(&self, edge: usize, angle: f64) -> Option<FlatRuling> {
+        let (k, jump) = self.jumps[edge];
+        let (s, state) = self.nodes[k];
+        let way = Vec2::new(state.turn.cos(), state.turn.sin());
+        let half = STEPS / 2;
+        let ends = [k - 1 - half, k + half].map(|k| self.nodes[k]);
+        let bent = ends[1].1.bent - ends[0].1.bent;
+        let (mut radius, mut rise) = (0.0, 0.0);
+        for (end, _) in ends {
+            let l = self.line(0.5 * (s + end))?;
+            let e = l.n.cross(&l.w);
+            let span = (end - s).abs();
+            radius += l.dp.dot(&e) * span / bent;
+            rise += l.dw.dot(&e) * span / bent;
+        }
+        let hollow = jump * radius < 0.0;
+        radius -= self.depth * jump.signum();
         Some(FlatRuling { at: state.base, way, angle, hollow, radius, rise })
     }
 
@@ -463,6 +522,43 @@ impl Ruled {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::brep::carrier::carrier;
+    use crate::spline::knots::Knots;
+
+    /// A profile of 40 chords of 2 mm that turn by 0.4° each about the y axis: a hollow of radius 286 mm, seen from above.
+    #[test]
+    fn edges_too_blunt_to_be_bends_of_their_own_are_a_roll() {
+        let turn = 0.4_f64.to_radians();
+        let mut profile = vec![Vec3::zeros()];
+        for k in 0..40 {
+            let (sin, cos) = (turn * f64::from(k)).sin_cos();
+            profile.push(profile[profile.len() - 1] + Vec3::new(cos, 0.0, sin) * 2.0);
+        }
+        let knots = |n: usize| Knots::clamped(1, &(0..=n).map(|k| k as f64).collect::<Vec<_>>()).expect("knots");
+        let points: Vec<Vec3> = profile.iter().flat_map(|p| [*p, p + Vec3::y() * 50.0]).collect();
+        let mut face = Face::untrimmed(Surface::new(knots(40), knots(1), &points, None).expect("a surface"));
+        let carrier = carrier(&face);
+        for (reversed, way) in [(false, 1.0), (true, -1.0)] {
+            face.reversed = reversed;
+            for depth in [0.0, 1.5] {
+                let chart = Chart::of(&face, &carrier, depth).expect("a chart").in_strips(&carrier, 0.01);
+                assert!((chart.turn() - 39.0 * turn).abs() < 1e-9);
+                let long = 80.0 + way * depth * 39.0 * turn;
+                let ends = [0.0, 40.0].map(|u| chart.flat(&face.surface.point(u, 0.0), Some([u, 0.0])));
+                assert!(((ends[1] - ends[0]).norm() - long).abs() < 1e-6, "{ends:?} {long}");
+                let strips = chart.strips();
+                let drawn = [(0, 0), (strips.len() - 1, 1)].map(|(k, end): (usize, usize)| {
+                    let ClosedMap::Cylinder { reach, .. } = strips[k].map else { panic!("a cylinder") };
+                    strips[k].shift.y - strips[k].angles[end] * reach
+                });
+                assert!(((drawn[1] - drawn[0]).abs() - long).abs() < 1e-6, "{drawn:?} {long}");
+                for r in chart.rulings(6) {
+                    assert_eq!(r.hollow, !reversed);
+                    assert!((r.radius.abs() - (2.0 / turn + way * depth)).abs() < 1e-6, "{r:?}");
+                }
+            }
+        }
+    }
 
     #[test]
     fn rulings_end_where_neighbours_meet() {

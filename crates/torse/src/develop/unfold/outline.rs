@@ -135,9 +135,13 @@ fn outline(body: &Body, piece: &Piece, halves: Vec<usize>, tolerance: f64) -> Ou
         end = Some(run.place(1.0));
     }
     join(&mut stations, &mut error, (end, first), (halves.len(), GAP * body.size));
+    to_bend_lines(body, piece, &halves, &mut stations);
     let stations = simpler(stations);
     let strokes = strokes(body, piece, &halves, &stations);
-    let contour = Contour { vertices: stations.into_iter().map(|s| s.vertex).collect() };
+    let bridges = stations.iter().map(|s| s.bridge);
+    let lines = stations.iter().map(|s| s.vertex).zip(strokes);
+    let (vertices, strokes) = straight_on(lines.zip(bridges).collect(), GAP * body.size);
+    let contour = Contour { vertices };
     Outline { area: contour_area(&contour), contour, halves, error, strokes }
 }
 
@@ -151,6 +155,71 @@ fn join(stations: &mut Vec<Station>, error: &mut f64, way: (Option<Vec2>, Vec2),
     } else {
         *error = error.max(apart);
     }
+}
+
+/// Outside a sharp bend both faces reach to its edge, beyond what the bend is made of, and the way from one to the other goes back:
+/// straight runs then end at the line about which the sheet is bent, half way between both images of the edge.
+fn to_bend_lines(body: &Body, piece: &Piece, halves: &[usize], stations: &mut [Station]) {
+    let n = stations.len();
+    let run = |number: usize| {
+        let half = halves[number % halves.len()];
+        Some(FlatRun { body, placed: piece.placed(body.halves[half].face)?, half })
+    };
+    for k in (0..n).filter(|_| n > 3) {
+        let [before, bridge, after, next] = [n - 1, 0, 1, 2].map(|j| stations[(k + j) % n]);
+        let joins = bridge.bridge && !before.bridge && !after.bridge;
+        if !joins || before.vertex.bulge != 0.0 || after.vertex.bulge != 0.0 {
+            continue;
+        }
+        let (from, to) = (bridge.vertex.point, after.vertex.point);
+        let (back, middle) = (to - from, (from + to) * 0.5);
+        // Where a line passes the bend line, if it does so against the way back.
+        let passes = |a: Vec2, b: Vec2| {
+            let (start, whole) = (back.dot(&(middle - a)), back.dot(&(b - a)));
+            let share = start / whole;
+            (whole < 0.0 && share > 0.0 && share < 1.0).then(|| a + (b - a) * share)
+        };
+        let meet = passes(before.vertex.point, from).zip(passes(to, next.vertex.point));
+        let Some((((end, start), run), next_run)) = meet.zip(run(bridge.run)).zip(run(after.run)) else { continue };
+        let first = if before.run == bridge.run { before.share } else { 0.0 };
+        let share = nearest(&run, &end, first);
+        let point = |v: ContourVertex, point: Vec2| ContourVertex { point, ..v };
+        stations[k] = Station { vertex: point(bridge.vertex, end), share, ..bridge };
+        let share = nearest(&next_run, &start, after.share);
+        stations[(k + 1) % n] = Station { vertex: point(after.vertex, start), share, ..after };
+    }
+}
+
+/// Vertices and strokes without the lines that join runs which meet, and with those runs as one line where they go straight on.
+fn straight_on(lines: Vec<((ContourVertex, Stroke), bool)>, gap: f64) -> (Vec<ContourVertex>, Vec<Stroke>) {
+    let n = lines.len();
+    let meets = |k: usize| lines[k].1 && (lines[k].0 .1.end - lines[k].0 .1.start).norm() <= gap;
+    // Begin where nothing is left out.
+    let first = (0..n).find(|k| !meets(*k) && !meets((k + n - 1) % n)).unwrap_or(0);
+    let mut out: Vec<(ContourVertex, Stroke)> = Vec::with_capacity(n);
+    let mut met = false;
+    for k in (0..n).map(|k| (first + k) % n) {
+        if meets(k) {
+            met = true;
+            continue;
+        }
+        let (mut vertex, mut stroke) = lines[k].0.clone();
+        if let (true, Some((_, last))) = (met, out.last_mut()) {
+            let (a, b) = (last.end - last.start, stroke.end - last.end);
+            let straight = last.bulge == 0.0 && stroke.bulge == 0.0 && a.dot(&b) > 0.0;
+            if straight && a.perp(&b).abs() <= gap * a.norm() {
+                let images = last.images.take().zip(stroke.images.take());
+                (last.end, last.images) = (stroke.end, images.map(|(a, b)| [a, b].concat()));
+                met = false;
+                continue;
+            }
+            vertex.point = last.end;
+            stroke.start = last.end;
+        }
+        met = false;
+        out.push((vertex, stroke));
+    }
+    out.into_iter().unzip()
 }
 
 /// Share of a run, from `from` on, where it passes nearest to a point of it.

@@ -32,12 +32,10 @@ pub(super) fn strips(ruled: &Ruled, carrier: &Carrier, tolerance: f64) -> Vec<Ma
         Carrier::GeneralCone { apex } if ruled.depth == 0.0 => Some(*apex),
         _ => return Vec::new(),
     };
-    let breaks: Vec<f64> = ruled.nodes.iter().step_by(super::STEPS).map(|n| n.0).collect();
     let extent = ruled.surface.bbox().diagonal();
     let near = (OF_TOLERANCE * tolerance / extent).clamp(NEAREST, NEAR);
     let mut cutter = Cutter { ruled, apex, extent, near, out: Vec::new(), flat: 0.0 };
-    let whole = cutter.begin().and_then(|()| breaks.windows(2).try_for_each(|w| cutter.divide([w[0], w[1]], DEEPEST)));
-    whole.map_or_else(Vec::new, |()| cutter.out)
+    cutter.all().map_or_else(Vec::new, |()| cutter.out)
 }
 
 /// Strips so far.
@@ -53,6 +51,15 @@ struct Cutter<'a> {
 }
 
 impl Cutter<'_> {
+    /// All strips, from knot to knot.
+    fn all(&mut self) -> Option<()> {
+        self.begin()?;
+        self.ruled.breaks.windows(2).try_for_each(|w| {
+            self.flat += self.ruled.depth * self.ruled.turn_at(w[0]);
+            self.divide([w[0], w[1]], DEEPEST)
+        })
+    }
+
     /// The first ruling in the plane.
     fn begin(&mut self) -> Option<()> {
         if let Some(apex) = self.apex {
@@ -112,13 +119,16 @@ impl Cutter<'_> {
         let below = if m.y == 0.0 { f64::INFINITY } else { (half * half - m.norm_squared()) / (2.0 * m.y) };
         let least = LEAST_BULGE * self.near * self.extent;
         let farthest = 0.5 * half * half / least;
-        let below = if below.abs() < farthest { below } else { farthest.copysign(if m.y < 0.0 { -1.0 } else { 1.0 }) };
+        let bulges = below.abs() < farthest;
+        let below = if bulges { below } else { farthest.copysign(if m.y < 0.0 { -1.0 } else { 1.0 }) };
+        // What is taken to bulge turns by more than it does, and the neutral fibre would be shorter or longer by that.
+        let turning = if bulges { 1.0 } else { m.y.abs() / least };
         let centre = mid - up * below;
         let radius = half.hypot(below);
         let x = (q - centre).try_normalize(0.0)?;
         let frame = Frame { origin: origin + centre, x, y: z.cross(&x), z };
         let out = x.dot(&self.ruled.line(0.5 * (a + b))?.n).signum();
-        let reach = out * radius - self.ruled.depth;
+        let reach = out * radius - self.ruled.depth * turning;
         (out * reach > 0.0).then_some(())?;
         let angle = |v: Vec3| frame.y.dot(&(v - centre)).atan2(frame.x.dot(&(v - centre)));
         Some((ClosedMap::Cylinder { frame, radius, reach }, [angle(p), angle(r)]))
