@@ -24,9 +24,16 @@ pub fn workshop(shop: &Shop) -> Result<WorkshopOptions, Failure> {
     let own = own.map(|(name, bytes)| (name, String::from_utf8_lossy(&bytes).into_owned()));
     let own = own.as_ref().map(|(name, text)| (name.as_str(), text.as_str()));
     let material = shop.material.as_ref().map(|name| materials::material(name, own)).transpose();
-    let help = "give one of these names, or a table of your own with --materials";
+    let help = |e: &materials::MaterialError| {
+        match e {
+        materials::MaterialError::Missing { .. } => "give one of these names, or a table of your own with --materials",
+        materials::MaterialError::Line { .. } => {
+            "a table of materials has the columns material, density (kg/m³), and if known least_radius (1.5t or 4mm), k and note"
+        }
+    }
+    };
     Ok(WorkshopOptions {
-        material: material.map_err(|e| Failure::new(e.to_string(), help))?,
+        material: material.map_err(|e| Failure::new(e.to_string(), help(&e)))?,
         thickness: shop.thickness.as_ref().map(|t| t.mm),
         side: shop.side.of_sheet(),
         k,

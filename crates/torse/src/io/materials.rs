@@ -9,6 +9,12 @@ use crate::develop::unfold::allowance::KFactor;
 
 /// The table that comes with the program.
 const SHIPPED: &str = include_str!("materials.csv");
+/// Columns of a table.
+const COLUMNS: [&str; 5] = ["material", "density", "least_radius", "k", "note"];
+/// The lightest foam, kg/m³: smaller numbers are meant in another unit.
+const LIGHTEST: f64 = 5.0;
+/// Density of the heaviest metal, kg/m³.
+const HEAVIEST: f64 = 23_000.0;
 /// Name of that table in messages.
 const SHIPPED_NAME: &str = "the table of the program";
 
@@ -85,9 +91,18 @@ pub fn read(file: &str, text: &str) -> Result<Vec<Material>, MaterialError> {
             reason,
         };
         let Some(names) = &columns else {
-            let names: Vec<String> = cells.iter().map(|c| c.trim().to_ascii_lowercase()).collect();
+            let names: Vec<String> = cells.iter().map(|c| heading(c)).collect();
             if let Some(missing) = ["material", "density"].iter().find(|n| !names.iter().any(|c| c == *n)) {
                 return Err(fault("", format!("there is no column '{missing}'; the first line names the columns")));
+            }
+            if let Some(unknown) = names.iter().find(|n| !COLUMNS.contains(&n.as_str())) {
+                return Err(fault(
+                    "",
+                    format!("the column '{unknown}' is not known; there are {}", COLUMNS.join(", ")),
+                ));
+            }
+            if let Some(twice) = names.iter().find(|n| names.iter().filter(|m| m == n).count() > 1) {
+                return Err(fault("", format!("the column '{twice}' is there twice")));
             }
             columns = Some(names);
             continue;
@@ -96,6 +111,9 @@ pub fn read(file: &str, text: &str) -> Result<Vec<Material>, MaterialError> {
             let at = names.iter().position(|n| n == name);
             at.and_then(|i| cells.get(i)).map_or("", |c| c.trim())
         };
+        if let Some(beyond) = cells.iter().skip(names.len()).find(|c| !c.trim().is_empty()) {
+            return Err(fault(cell("material"), format!("'{}' is in no column", beyond.trim())));
+        }
         let found = card(&cell).map_err(|reason| fault(cell("material"), reason))?;
         if out.iter().any(|m| m.is_called(&found.name)) {
             return Err(fault(&found.name, "it is there already".into()));
@@ -103,6 +121,12 @@ pub fn read(file: &str, text: &str) -> Result<Vec<Material>, MaterialError> {
         out.push(found);
     }
     Ok(out)
+}
+
+/// A heading: its unit in parentheses left off, blanks and dashes as underscores.
+fn heading(cell: &str) -> String {
+    let word = cell.split('(').next().unwrap_or(cell);
+    word.trim().to_ascii_lowercase().replace([' ', '-'], "_")
 }
 
 /// A material from the cells of its row.
@@ -113,6 +137,9 @@ fn card<'a>(cell: &impl Fn(&str) -> &'a str) -> Result<Material, String> {
     }
     let density =
         positive(cell("density")).ok_or(format!("the density '{}' is no positive number", cell("density")))?;
+    if !(LIGHTEST..=HEAVIEST).contains(&density) {
+        return Err(format!("the density {density} is none of a solid in kg/m³ (steel has 7850)"));
+    }
     let k = k_factor(cell("k"))?;
     if let Some(k) = &k {
         k.check().map_err(|e| e.to_string())?;
@@ -219,17 +246,22 @@ mod tests {
         );
         assert!(refused("name,density\nsteel,1\n").contains("line 1: there is no column 'material'"));
         for (row, words) in [
-            ("steel,1,2x,", "2x"),
-            ("steel,1,,1:a", "1:a"),
-            ("steel,1,,1.7", "1.7"),
-            ("steel,1,,3:0.4 1:0.3", "row 2"),
-            (",1,,", "no name"),
+            ("steel,7850,2x,", "2x"),
+            ("steel,7850,,1:a", "1:a"),
+            ("steel,7850,,1.7", "1.7"),
+            ("steel,7850,,3:0.4 1:0.3", "row 2"),
+            (",7850,,", "no name"),
             ("steel,nan,,", "nan"),
-            ("a,1,,\nA,2,,", "already"),
+            ("a,7850,,\nA,7850,,", "already"),
+            ("steel,7.85,,", "kg/m³"),
+            ("steel,7850,,,3", "in no column"),
         ] {
             let found = refused(&format!("material,density,least_radius,k\n{row}\n"));
             assert!(found.contains(words), "{found}");
         }
+        assert!(refused("material,density,min_radius\nsteel,7850,9t\n").contains("column 'min_radius' is not known"));
+        assert!(refused("material,density,density\nsteel,7850,1\n").contains("'density' is there twice"));
+        assert!(read("own.csv", "Material,density (kg/m³),least radius\nsteel,7850,9t\n").is_ok());
         let missing = material("unobtainium", None).expect_err("no such material").to_string();
         assert!(missing.contains("unobtainium") && missing.contains("birch-plywood"), "{missing}");
     }

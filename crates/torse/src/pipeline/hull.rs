@@ -22,6 +22,7 @@ use crate::patchwork::panel::Patchwork;
 use crate::reason::{JobReason, StripReason};
 use crate::search::strips::cut::laid_until;
 use crate::search::strips::hull_kept::{kept, Kept};
+use crate::search::strips::hull_whole::apart;
 use crate::search::strips::judgement::TWIST_TOLERANCE;
 use crate::torse::rail::Rail;
 use rayon::prelude::*;
@@ -112,6 +113,7 @@ pub fn hull(curves: &[Rail], options: &Options, control: &Control) -> Result<Ans
     let mut build = BuildOptions::new(RAIL_SHARE * tolerance);
     build.twist_tolerance = TWIST_SHARE * options.twist_tolerance;
     let mut made = strips(&followed, &found, TIP_SHARE * tolerance, &build, control)?;
+    let apart = if control.stopped() { None } else { apart(&found, &made, tolerance) };
     let changed: Vec<bool> = curves.iter().zip(&followed).map(|(c, f)| c != f).collect();
     for s in made.iter_mut().flat_map(|p| &mut p.strips) {
         for d in (0..2).filter(|d| changed[s.rails[*d]]) {
@@ -145,7 +147,8 @@ pub fn hull(curves: &[Rail], options: &Options, control: &Control) -> Result<Ans
     claims.push(Claim::count(Counted::Strips, whole, kept.strips.len()));
     claims.extend(laid.claims());
     let stopped = control.stopped().then(|| JobReason::Stopped.into());
-    claims.extend(kept.missing.into_iter().chain(stopped).map(|reason| Claim::objection(whole, reason)));
+    let apart = apart.map(|(by, at)| StripReason::NotTheHull { by, at }.into());
+    claims.extend(kept.missing.into_iter().chain(apart).chain(stopped).map(|reason| Claim::objection(whole, reason)));
     claims.extend(kept.of_strips);
     Ok(Answer {
         claims,

@@ -26,6 +26,13 @@ pub enum StripReason {
     NotWritten(usize),
     /// The hull has no developable strips.
     NoHull,
+    /// Strips and the hull of points on the curves are farther apart than these and the tolerance explain.
+    NotTheHull {
+        /// How far, mm.
+        by: f64,
+        /// Where, mm.
+        at: Vec3,
+    },
     /// So many strips are too many after a stop.
     TooMany(usize),
     /// Strips stray from curves.

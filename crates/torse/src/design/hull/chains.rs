@@ -2,6 +2,7 @@
 
 use super::contact::{coplanarity, is_corner, moved, opposite, tangents, touching, wrap, OnRail};
 use super::sampled::{Sampled, SideKind};
+use super::turning::{farthest, one_way};
 use crate::control::Control;
 use crate::geom::convex_hull::sides;
 use crate::geom::Vec3;
@@ -22,27 +23,38 @@ pub struct Chain {
     pub closed: bool,
     /// Whether the rulings shrink to a point beyond the first and the last one.
     pub tips: [bool; 2],
+    /// Whether the ends of rulings turn round at the first and the last one.
+    pub turns: [bool; 2],
 }
 
 /// How a chain ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum End {
+pub(super) enum End {
     /// At a facet.
     Facet(usize),
     /// At a triangle with two sides on one curve.
     Tip,
     /// At something else.
     Other,
+    /// Where the ends of rulings on this side turn round; those on the other one may be off by so much (parameter).
+    Turn { side: usize, reach: f64 },
     /// It does not.
     Closed,
 }
 
 /// Triangles in order: edges `[first side, second side]`, between them moves.
-struct Walk {
-    edges: Vec<[usize; 2]>,
+pub(super) struct Walk {
+    pub(super) edges: Vec<[usize; 2]>,
     /// Side that moves, and whether along a straight piece.
-    moves: Vec<(usize, bool)>,
-    ends: [End; 2],
+    pub(super) moves: Vec<(usize, bool)>,
+    pub(super) ends: [End; 2],
+}
+
+impl Walk {
+    /// Whether the last edge is the first one again.
+    pub(super) fn is_closed(&self) -> bool {
+        self.ends[1] == End::Closed && self.edges.first() == self.edges.last()
+    }
 }
 
 /// What happens along a run of moves.
@@ -111,6 +123,7 @@ pub(super) fn chains(
     }
     let single = (0..facet_of.len()).filter(|&t| !is_step[t]).filter_map(|t| facet_of[t]).collect();
     let polish = |w: Walk| if control.stopped() { None } else { polished(sampled, facets, w, control) };
+    let walks: Vec<Walk> = walks.into_iter().flat_map(|w| one_way(sampled, w)).collect();
     (walks.into_par_iter().filter_map(polish).collect(), single)
 }
 
@@ -186,46 +199,71 @@ fn polished(sampled: &Sampled, facets: &[[OnRail; 3]], mut walk: Walk, control: 
     let rails = [0, 1].map(|d| sampled.at[walk.edges[0][d]].rail);
     let mut stations: Vec<[f64; 2]> = Vec::new();
     let mut joints = Vec::new();
-    let unwrap = |s: [f64; 2], stations: &mut Vec<[f64; 2]>| {
-        let last = stations.last().copied();
-        let s = [0, 1].map(|d| match (last, sampled.rails[rails[d]].closed) {
-            (Some(l), true) => {
-                let n = sampled.rails[rails[d]].pieces.len() as f64;
-                s[d] + ((l[d] - s[d]) / n).round() * n
-            }
-            _ => s[d],
-        });
-        stations.push(s);
+    let along = unwrapped(sampled, &walk);
+    // On the turn of a closed curve that the walk is on at an edge.
+    let turned = |s: [f64; 2], edge: usize| {
+        [0, 1].map(|d| {
+            let rail = &sampled.rails[rails[d]];
+            let n = rail.pieces.len() as f64;
+            s[d] + if rail.closed { ((along[edge][d] - s[d]) / n).round() * n } else { 0.0 }
+        })
     };
     for (k, run) in found.iter().enumerate() {
         let before = if k > 0 { Some(&found[k - 1]) } else { found.last().filter(|_| closed) };
         let after = found.get(k + 1).or(if closed { found.first() } else { None });
         if k == 0 {
-            unwrap(border(sampled, facets, &walk, run.first, [before, Some(run)], walk.ends[0]), &mut stations);
+            let start = border(sampled, facets, &walk, run.first, [before, Some(run)], walk.ends[0]);
+            stations.push(turned(start, run.first));
         } else {
             joints.push(stations.len() - 1);
         }
-        let end = border(sampled, facets, &walk, run.last, [Some(run), after], walk.ends[1]);
+        let end = turned(border(sampled, facets, &walk, run.last, [Some(run), after], walk.ends[1]), run.last);
         if run.kind == Kind::Smooth {
             let first = stations.len() - 1;
             // Each for itself: the order is that of the edges.
             let found: Vec<[f64; 2]> = (run.first + 1..run.last)
                 .into_par_iter()
                 .filter(|_| !control.stopped())
-                .map(|k| between(sampled, walk.edges[k], walk.moves[k - 1].0))
+                .map(|k| turned(between(sampled, walk.edges[k], kept(&walk, k)), k))
                 .collect();
             if control.stopped() {
                 return None;
             }
-            found.into_iter().for_each(|s| unwrap(s, &mut stations));
-            unwrap(end, &mut stations);
+            stations.extend(found);
+            stations.push(end);
             monotone(&mut stations, first);
         } else {
-            unwrap(end, &mut stations);
+            stations.push(end);
         }
     }
     let tips = if closed { [false; 2] } else { walk.ends.map(|e| e == End::Tip) };
-    Some(Chain { rails, stations, joints, closed, tips })
+    let turns = walk.ends.map(|e| matches!(e, End::Turn { .. }));
+    Some(Chain { rails, stations, joints, closed, tips, turns })
+}
+
+/// Parameters of the samples at all edges of a walk, which on closed curves go on beyond the domain.
+fn unwrapped(sampled: &Sampled, walk: &Walk) -> Vec<[f64; 2]> {
+    let at = |edge: usize| walk.edges[edge].map(|i| sampled.at[i]);
+    let mut out = vec![at(0).map(|p| p.parameter)];
+    for k in 0..walk.moves.len() {
+        let (here, there, last) = (at(k), at(k + 1), out[k]);
+        out.push([0, 1].map(|d| last[d] + sampled.step_between(&here[d], &there[d])));
+    }
+    out
+}
+
+/// Edges beside a turn at which the side that does not turn is kept: where the other one hardly moves, two places belong to each of
+/// its.
+const BESIDE_TURN: usize = 6;
+
+/// The side whose end is kept at an edge: the one that moved last.
+fn kept(walk: &Walk, edge: usize) -> usize {
+    let turning = |end: End, off: usize| match end {
+        End::Turn { side, .. } if off <= BESIDE_TURN => Some(1 - side),
+        _ => None,
+    };
+    let beside = turning(walk.ends[0], edge).or(turning(walk.ends[1], walk.moves.len() - edge));
+    beside.unwrap_or(walk.moves[edge - 1].0)
 }
 
 /// Puts the stations after `first` in order and keeps those that lie strictly between those before and the last one.
@@ -310,31 +348,56 @@ fn border(
     if before.is_none() || after.is_none() {
         return match end {
             End::Facet(f) => [0, 1].map(|d| nearest(sampled, &facets[f], &ends[d])),
+            End::Turn { side, reach } if !ends.iter().any(|x| is_corner(&rails[x.rail], x.parameter)) => {
+                // The nearest place of the column before the turn.
+                let mut others = walk.edges.iter().map(|e| e[side]).filter(|i| *i != e[side]);
+                match if edge == 0 { others.next() } else { others.next_back() } {
+                    Some(inner) => farthest(sampled, e, side, reach, inner),
+                    None => plain,
+                }
+            }
+            End::Turn { side, .. }
+                if smooth_beside(&[before, after]) && is_corner(&rails[ends[side].rail], ends[side].parameter) =>
+            {
+                from_corner(sampled, walk, edge, [before, after], side)
+            }
             _ if ends.iter().any(|x| is_corner(&rails[x.rail], x.parameter)) => plain,
             _ => between(sampled, e, 0),
         };
     }
-    // 3. A fan begins or ends beside a smooth run: the plane of the smooth run's tangent at the corner.
+    // 3. A fan begins or ends beside a smooth run.
     let fan = [before, after].into_iter().flatten().find_map(|r| match r.kind {
         Kind::Fan(rest) => Some(rest),
         _ => None,
     });
-    let smooth = [before, after].into_iter().flatten().find(|r| r.kind == Kind::Smooth);
-    if let (Some(rest), Some(smooth)) = (fan, smooth) {
-        let corner = ends[rest];
-        let inner = place(sampled, walk.edges[if smooth.first == edge { smooth.last } else { smooth.first }][rest]);
-        let t = one_sided(sampled, &corner, &inner);
-        let q = opposite(rails, &corner, &t, ends[1 - rest], sampled.reach(e[1 - rest]));
-        let mut out = plain;
-        if !is_corner(&rails[q.rail], ends[1 - rest].parameter) {
-            out[1 - rest] = q.parameter;
-        }
-        return out;
+    if let Some(rest) = fan.filter(|_| smooth_beside(&[before, after])) {
+        return from_corner(sampled, walk, edge, [before, after], rest);
     }
     if ends.iter().any(|x| is_corner(&rails[x.rail], x.parameter)) {
         return plain;
     }
     between(sampled, e, 0)
+}
+
+fn smooth_beside(beside: &[Option<&Run>; 2]) -> bool {
+    beside.iter().flatten().any(|r| r.kind == Kind::Smooth)
+}
+
+/// The ruling from a corner on one side at which a smooth run begins or ends: in the plane of the run's tangent at the corner.
+fn from_corner(sampled: &Sampled, walk: &Walk, edge: usize, beside: [Option<&Run>; 2], rest: usize) -> [f64; 2] {
+    let rails = sampled.rails;
+    let e = walk.edges[edge];
+    let ends = e.map(|i| place(sampled, i));
+    let mut out = ends.map(|x| x.parameter);
+    let Some(smooth) = beside.into_iter().flatten().find(|r| r.kind == Kind::Smooth) else { return out };
+    let corner = ends[rest];
+    let inner = place(sampled, walk.edges[if smooth.first == edge { smooth.last } else { smooth.first }][rest]);
+    let t = one_sided(sampled, &corner, &inner);
+    let q = opposite(rails, &corner, &t, ends[1 - rest], sampled.reach(e[1 - rest]));
+    if !is_corner(&rails[q.rail], ends[1 - rest].parameter) {
+        out[1 - rest] = q.parameter;
+    }
+    out
 }
 
 /// Tangent at a corner on the side on which another place of the curve lies.

@@ -7,9 +7,11 @@ mod contact;
 mod sampled;
 pub(crate) mod sparse;
 pub mod strips;
+mod turning;
 
 use crate::control::Control;
 use crate::geom::convex_hull::sides;
+use crate::geom::Vec3;
 use crate::torse::rail::Rail;
 use chains::Chain;
 pub(crate) use contact::OnRail;
@@ -40,6 +42,10 @@ pub struct Hull {
     pub chains: Vec<Chain>,
     /// Facets (indices) that belong to no chain: those with three rulings as sides, or one.
     pub single: Vec<usize>,
+    /// The triangles of the samples' own hull, without planar pieces inside one curve: what all of the above is about.
+    pub triangles: Vec<[Vec3; 3]>,
+    /// Greatest distance (mm) of the curves from the chords between samples, measured: the hull of the samples is that near.
+    pub sagitta: f64,
 }
 
 /// Rulings, facets and chains of the convex hull's boundary; `samples` points per curve begin the search.
@@ -56,7 +62,7 @@ pub struct Hull {
 /// No curves; curves in one plane.
 pub fn hull(rails: &[Rail], samples: usize, control: &Control) -> Result<Hull, HullError> {
     let sampled = Sampled::new(rails, samples, control)?;
-    let mut out = Hull::default();
+    let mut out = Hull { sagitta: sampled.sagitta(), ..Hull::default() };
     // Indices of facets, by triangle.
     let mut facet_of = vec![None; sampled.triangles.len()];
     let mut rulings = Vec::new();
@@ -70,6 +76,7 @@ pub fn hull(rails: &[Rail], samples: usize, control: &Control) -> Result<Hull, H
             }
             continue;
         }
+        out.triangles.push(f.map(|i| sampled.at[i].point));
         if !sides(f).iter().any(|e| sampled.side(*e) == SideKind::Curve) {
             facet_of[t] = Some(out.facets.len());
             out.facets.push(tangent_plane(rails, f.map(|i| sampled.at[i]), f.map(|i| sampled.reach(i))));
@@ -102,7 +109,6 @@ fn refined(sampled: &Sampled, e: [usize; 2]) -> HullRuling {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::Vec3;
     use crate::spline::curve::Curve;
 
     fn circle(r: f64, z: f64, turn: f64) -> Rail {

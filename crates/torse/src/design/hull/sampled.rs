@@ -1,6 +1,6 @@
 //! Curves as points, and the triangles of their convex hull: where the search for rulings begins \[W15, 4B\].
 
-use super::contact::{on, OnRail};
+use super::contact::{on, wrap, OnRail};
 use crate::control::Control;
 use crate::geom::convex_hull::convex_hull;
 use crate::geom::Vec3;
@@ -137,6 +137,30 @@ impl<'a> Sampled<'a> {
             true => Some((r, true)),
             false => (0..n).any(on_piece).then_some((r, false)),
         }
+    }
+
+    /// Step of the parameter from one place of a curve to another, the shorter way round on closed ones.
+    pub(super) fn step_between(&self, from: &OnRail, to: &OnRail) -> f64 {
+        let (rail, step) = (&self.rails[from.rail], to.parameter - from.parameter);
+        let n = rail.pieces.len() as f64;
+        step - if rail.closed { (step / n).round() * n } else { 0.0 }
+    }
+
+    /// Greatest distance (mm) of the curves from the chords between samples, measured half way.
+    pub(super) fn sagitta(&self) -> f64 {
+        let off = |i: usize| {
+            let (a, b) = (&self.at[i], &self.at[self.next[i][0]]);
+            let step = if b.parameter > a.parameter { b.parameter - a.parameter } else { self.step[a.rail] };
+            let x = on(self.rails, a.rail, wrap(&self.rails[a.rail], a.parameter + 0.5 * step)).point;
+            let way = b.point - a.point;
+            let along = ((x - a.point).dot(&way) / way.norm_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+            (x - a.point - way * along).norm()
+        };
+        let curved = |i: &usize| {
+            let next = self.next[*i][0];
+            next != *i && !is_chord(self.rails, &self.at[*i], &self.at[next])
+        };
+        (0..self.at.len()).filter(curved).map(off).fold(0.0, f64::max)
     }
 
     /// Bracket of the search about a sample: two steps.

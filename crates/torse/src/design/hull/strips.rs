@@ -47,6 +47,9 @@ pub struct Tip {
 /// Lengths of rulings, shares of the curve's size, at which a strip towards a tip is cut: the shorter rulings are, the less
 /// is known of their direction, and what cannot be proven of the last ones must not spoil the rest.
 const TIP_CUTS: [f64; 4] = [0.2, 0.06, 0.02, 0.006];
+/// Stations before a place where rulings turn round at which a strip is cut: the ruling there touches the curve, and nothing can be
+/// proven of the strip beside it.
+const TURN_CUTS: [usize; 3] = [1, 3, 9];
 /// Parameter steps below which a run has no extent.
 const REST: f64 = 1e-9;
 /// Distance from the end of a piece within which a ruling is taken to end there: what would be left is no strip. The
@@ -111,6 +114,9 @@ fn part(
         let s = stations[if end == 1 { stations.len() - 1 } else { 0 }];
         tips[end] = Some(Tip { rail, arc: arc(&rails[rail], s) });
     }
+    for end in (0..2).filter(|&end| chain.turns[end]) {
+        joints.extend(turn_joints(stations.len(), end == 1));
+    }
     joints.retain(|j| *j > 0 && j + 1 < stations.len());
     joints.sort_unstable();
     joints.dedup();
@@ -171,6 +177,12 @@ fn tip_joints(rail: &Rail, stations: &[[f64; 2]], at_end: bool) -> Vec<usize> {
     // One station before the end the arc is about four times as high: what cannot be proven may be left off there.
     let last = if at_end { stations.len().checked_sub(2) } else { Some(1) };
     TIP_CUTS.iter().filter_map(first).chain(last).collect()
+}
+
+/// Stations at which strips are cut towards a place where rulings turn round, at the end or at the start.
+fn turn_joints(stations: usize, at_end: bool) -> impl Iterator<Item = usize> {
+    let off = TURN_CUTS.into_iter().filter(move |k| 3 * k < stations);
+    off.map(move |k| if at_end { stations - 1 - k } else { k })
 }
 
 /// Stations cut at joints (in order) and at the ends of pieces.
@@ -269,6 +281,50 @@ mod tests {
         assert!((area - 9.565_584_009_167_319).abs() < 1e-9, "{area}");
         assert_eq!(all.iter().filter(|s| s.built.strip.kind == PanelKind::Plane).count(), 4);
         assert_eq!(all.len(), 8);
+    }
+
+    fn area(rails: &[Rail]) -> f64 {
+        let parts = made(rails);
+        let strips = parts.iter().flat_map(|p| p.strips.iter().map(|s| &s.built.strip).chain(&p.facet));
+        strips.map(Strip::area_estimate).sum()
+    }
+
+    fn line(points: &[[f64; 3]]) -> Rail {
+        Rail::polyline("line", &points.iter().map(|p| Vec3::from(*p)).collect::<Vec<_>>()).expect("line")
+    }
+
+    /// Areas by Heron's formula.
+    #[test]
+    fn edges_of_the_hull_are_passed_on_both_sides() {
+        let (x, y) = (line(&[[0.0, 0.0, 0.0], [100.0, 0.0, 0.0]]), line(&[[50.0, -50.0, 60.0], [50.0, 50.0, 60.0]]));
+        // Four triangles of one height.
+        let found = area(&[x, y]);
+        assert!((found - 200.0 * 50.0_f64.hypot(60.0)).abs() < 1e-6, "{found}");
+        let eaves = [[0.0, 0.0, 0.0], [100.0, 0.0, 0.0], [100.0, 60.0, 0.0], [0.0, 60.0, 0.0], [0.0, 0.0, 0.0]];
+        let ridge = line(&[[30.0, 30.0, 40.0], [70.0, 30.0, 40.0]]);
+        assert!((area(&[line(&eaves), ridge]) - 10_000.0).abs() < 1e-6);
+    }
+
+    /// A fan about a point over more than half a circle, and one over the rest.
+    #[test]
+    fn fans_over_half_a_circle_and_more_go_the_right_way_round() {
+        let arc = line(&[[70.0, 0.0, 120.0], [10.0, 0.0, 60.0], [-50.0, 0.0, 120.0]]);
+        let found = area(&[circle(100.0, 0.0), arc]);
+        // The hull of 4000 points on the circle and of both ends.
+        assert!((found - 61_505.82).abs() < 0.02, "{found}");
+    }
+
+    /// A circle that stands upright above another one is an edge of the hull down to where its tangent meets a tangent of that.
+    #[test]
+    fn a_round_edge_of_the_hull_is_passed_on_both_sides() {
+        let upright = |r: f64, z: f64| {
+            let frame = Frame { origin: Vec3::z() * z, x: Vec3::x(), y: Vec3::z(), z: -Vec3::y() };
+            let (c, _) = SpaceCurve::Ellipse { frame, a: r, b: r }.to_spline(0.0, TAU).expect("spline");
+            Rail::new("upright", &[c]).expect("rail")
+        };
+        let found = area(&[circle(100.0, 0.0), upright(60.0, 120.0)]);
+        // The hull of 4000 points on each has 75 679.79 mm².
+        assert!((found - 75_679.80).abs() < 0.02, "{found}");
     }
 
     /// `(cos t, sin t, ½ cos 2t)`: quartic in homogeneous coordinates.

@@ -2,7 +2,7 @@
 
 use super::region::Region;
 use super::tree::{Piece, Placed};
-use crate::brep::body::{Body, SMOOTH};
+use crate::brep::body::Body;
 use crate::brep::carrier::Carrier;
 use crate::develop::bends::Facets;
 use crate::geom::Vec2;
@@ -78,6 +78,10 @@ const HAIR: f64 = 0.01;
 const MOST_LINES: usize = 400;
 /// Lines that are apart by less than this share of the body are one.
 const ONE_LINE: f64 = 1e-5;
+/// Bends about one line are one if their angles differ by less (rad): what the table prints.
+const ONE_ANGLE: f64 = 1e-4 * std::f64::consts::PI / 180.0;
+/// And their radii and allowances by less (mm).
+const ONE_LENGTH: f64 = 1e-4;
 
 /// The bends of a piece, in the order of its faces.
 ///
@@ -149,7 +153,12 @@ fn reach(lines: &[[Vec2; 2]]) -> f64 {
 
 /// Whether two bends are parts of one: equal turns about one line.
 fn one_line(a: &SheetBend, b: &SheetBend, tolerance: f64) -> bool {
-    let alike = a.kind == b.kind && a.sense == b.sense && (a.angle - b.angle).abs() < SMOOTH;
+    let near = |p: f64, q: f64| (p - q).abs() <= ONE_LENGTH;
+    let alike = a.kind == b.kind
+        && a.sense == b.sense
+        && (a.angle - b.angle).abs() <= ONE_ANGLE
+        && near(a.inside_radius, b.inside_radius)
+        && near(a.allowance, b.allowance);
     let (Some(l), Some(m)) = (a.lines.first(), b.lines.first()) else { return false };
     let Some(way) = (l[1] - l[0]).try_normalize(0.0) else { return false };
     alike && a.kind != BendKind::Rolled && m.iter().all(|p| way.perp(&(p - l[0])).abs() <= tolerance)
@@ -219,4 +228,33 @@ fn of_face(body: &Body, piece: &Piece, placed: &Placed, (thickness, facets): (f6
 /// Whether the face beyond a run is plane.
 fn is_plane(body: &Body, half: usize) -> bool {
     body.beyond(half).is_some_and(|g| matches!(body.carriers[g], Carrier::Plane(_)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bends_about_one_line_are_one_only_if_they_are_alike() {
+        let bend = |x: f64, angle: f64, radius: f64| SheetBend {
+            kind: BendKind::Bend,
+            lines: vec![[Vec2::new(x, 5.0), Vec2::new(x + 40.0, 5.0)]],
+            bends: Vec::new(),
+            rulings: 1,
+            extents: Vec::new(),
+            sense: BendSense::Up,
+            angle,
+            inside_radius: radius,
+            k: 0.44,
+            allowance: (radius + 0.88) * angle,
+            length: 40.0,
+            order: 0,
+            edges: Vec::new(),
+            level: 1,
+        };
+        let first = bend(0.0, 1.5, 2.0);
+        assert!(one_line(&first, &bend(60.0, 1.5, 2.0), 1e-3));
+        assert!(!one_line(&first, &bend(60.0, 1.5, 4.0), 1e-3));
+        assert!(!one_line(&first, &bend(60.0, 1.505, 2.0), 1e-3));
+    }
 }

@@ -13,6 +13,9 @@ use super::seam_line::SeamLine;
 use super::state::State;
 use crate::brep::face::Face;
 use crate::geom::Vec3;
+use crate::patchwork::partition::edges;
+use crate::spline::surface::Surface;
+use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 /// Kinds of layouts.
@@ -121,10 +124,52 @@ fn seam_lines(face: &Face, state: &State, curves: &[PanelCurve], tolerance: f64)
     on_face.filter(|l| l.len() > 1).map(line).collect()
 }
 
+/// Share of the tolerance by which a seam may be cut beside its curve.
+const BESIDE: f64 = 0.1;
+/// Halvings of the triangles beside a curve at most.
+const HALVINGS: usize = 16;
+
+/// Halves the edges of triangles beside a line as long as its height over them is not linear within `allowed` (mm): a loop within a
+/// triangle, or a bow across one of its sides, has no vertex on its other side.
+fn refine_beside(surface: &Surface, state: &mut State, line: &SeamLine, allowed: f64) {
+    let mut height: HashMap<u32, f64> = HashMap::new();
+    let mut linear: HashSet<(u32, u32)> = HashSet::new();
+    for _ in 0..HALVINGS {
+        for v in 0..state.jets.len() as u32 {
+            height.entry(v).or_insert_with(|| line.height(&state.jets[v as usize].jet.p));
+        }
+        let mut middle: HashMap<(u32, u32), u32> = HashMap::new();
+        for (a, b) in state.partition.triangles.iter().flat_map(|t| edges(*t)) {
+            let key = (a.min(b), a.max(b));
+            if linear.contains(&key) || middle.contains_key(&key) {
+                continue;
+            }
+            let [x, y] = [key.0, key.1].map(|v| state.jets[v as usize].jet.p);
+            let (h, k, long) = (height[&key.0], height[&key.1], (y - x).norm());
+            let [p, q] = [key.0, key.1].map(|v| state.partition.vertices[v as usize]);
+            let m = [0.5 * (p[0] + q[0]), 0.5 * (p[1] + q[1])];
+            let there = line.height(&surface.point(m[0], m[1]));
+            let is_near = h.abs().min(k.abs()).min(there.abs()) <= long;
+            if is_near && long > allowed && (there - 0.5 * (h + k)).abs() > allowed {
+                middle.insert(key, state.partition.vertices.len() as u32);
+                state.partition.vertices.push(m);
+            } else {
+                linear.insert(key);
+            }
+        }
+        if middle.is_empty() {
+            return;
+        }
+        state.partition.split_edges(&middle);
+        state.update(surface);
+    }
+}
+
 /// Cuts every region along the planes and curves of user seams.
 pub(super) fn cut_along_seams(face: &Face, state: &mut State, layout: &Layout, tolerance: f64) {
     state.seam_lines = Arc::new(seam_lines(face, state, &layout.seam_curves, tolerance));
     let (surface, lines) = (&face.surface, Arc::clone(&state.seam_lines));
+    lines.iter().for_each(|l| refine_beside(surface, state, l, BESIDE * tolerance));
     let mut cut = |height: &dyn Fn(&Vec3) -> f64| {
         for label in state.partition.distinct_labels() {
             let fresh = state.partition.fresh_label();

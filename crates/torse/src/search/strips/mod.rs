@@ -9,6 +9,7 @@ pub(crate) mod exact_strip;
 pub(crate) mod face_panel;
 pub(crate) mod fewest;
 pub(crate) mod hull_kept;
+pub(crate) mod hull_whole;
 pub(crate) mod judgement;
 pub(crate) mod loft_ends;
 pub(crate) mod regression;

@@ -15,6 +15,11 @@ pub(super) fn words(reason: &StripReason) -> String {
         StripReason::MoreUnbounded(count) => format!("{count} more strips: nothing bounds them either"),
         StripReason::NotWritten(1) => "1 strip has no proof and is not written".into(),
         StripReason::NotWritten(count) => format!("{count} strips have no proof and are not written"),
+        StripReason::NotTheHull { by, at } => format!(
+            "the strips are not the whole convex hull: near ({:.1}, {:.1}, {:.1}) mm both are {by:.3} mm apart; with more points per \
+             curve, or curves in shorter pieces, more of it may be found",
+            at.x, at.y, at.z
+        ),
         StripReason::NoHull => "the hull has no developable strips between smooth curves".into(),
         StripReason::TooMany(count) => {
             format!("{count} strips were found, too many to be laid flat and written after a stop")
