@@ -347,8 +347,7 @@ impl Carrier {
             .iter()
             .map(|c| {
                 let w = Interval::point(c[3]);
-                let y: V3<Interval> =
-                    std::array::from_fn(|d| Interval::point(c[d]) - w * Interval::point(self.point[d]));
+                let y: V3<Interval> = std::array::from_fn(|d| Interval::less_product(c[d], c[3], self.point[d]));
                 let z = dot(&self.axis, &y);
                 let out = std::array::from_fn(|d| y[d] - z * self.axis[d]);
                 Seen { out, form: self.rise * z + self.tilt * (w * Interval::point(self.radius)), weight: w }

@@ -26,6 +26,9 @@ impl Hair {
 /// Least radius of curvature where the face ends, as a share of the tolerance: ways between trims of a coarse tolerance would
 /// else turn around the tip.
 const ROOM: f64 = 1.0 / 250.0;
+/// The same, as a share of the largest coordinate: patches are written with as many digits, and beside the tip their control points
+/// are a hundredth of that radius apart.
+const DIGITS: f64 = 2e-8;
 /// Share of the tolerance within which lines are rulings.
 const SLACK: f64 = 0.05;
 
@@ -45,7 +48,9 @@ fn beside_apex(face: &Face, hair: Hair, tolerance: f64) -> Option<Face> {
         [false, true] => 1,
         _ => return None,
     };
-    let room = ROOM * tolerance / rulings.least_radius_estimate(1 - tip)?;
+    let bbox = face.surface.bbox();
+    let reach = bbox.min.amax().max(bbox.max.amax());
+    let room = (ROOM * tolerance).max(DIGITS * reach) / rulings.least_radius_estimate(1 - tip)?;
     let hair = hair.rulings.max(room).min(hair.tolerance * tolerance / length) * (hi - lo);
     let (from, to) = if tip == 0 { (lo + hair, hi) } else { (lo, hi - hair) };
     let along = usize::from(!rulings.is_swapped());
