@@ -306,6 +306,25 @@ fn a_cone_up_to_its_tip_is_one_panel_wherever_it_lies() {
     }
 }
 
+/// Plants and ships are drawn about an origin far away.
+#[test]
+fn cylinders_and_cones_are_one_panel_however_far_away() {
+    for away in [1e5, 1e6, 1e7] {
+        let frame = Frame { origin: Vec3::new(away, -0.7 * away, 0.1 * away), ..Frame::world() };
+        let pipe = SupportSurface::Cylinder { frame, radius: 20.0 };
+        let cone = SupportSurface::Cone { frame, radius: 30.0, slope: -0.4 };
+        for (surface, turn, height) in [(&pipe, 2.0 * PI, 50.0), (&pipe, 4.0, 50.0), (&cone, 2.0 * PI, 50.0)] {
+            let out = panels(vec![Face::untrimmed(part(surface, (0.0, turn), (0.0, height)))], 0.1);
+            assert_eq!(out.patchwork.panels.len(), 1, "{away} {turn}");
+        }
+        // Up to its tip a cone needs more digits than numbers have a kilometre away.
+        if away < 1e6 {
+            let out = panels(vec![Face::untrimmed(part(&cone, (0.0, 2.0 * PI), (0.0, 75.0)))], 0.1);
+            assert_eq!(out.patchwork.panels.len(), 1, "{away}");
+        }
+    }
+}
+
 #[test]
 fn a_solid_cone_is_its_sector_and_its_disc() {
     let k = Knots::clamped(1, &[0.0, 1.0]).expect("knots");

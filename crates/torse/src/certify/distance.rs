@@ -24,6 +24,7 @@ use super::prepared::{Patch, Prepared};
 use super::vector::{dot, exact};
 use super::verdict::{Obstruction, Verdict};
 use crate::control::Control;
+use crate::geom::Vec3;
 use crate::num::interval::Interval;
 use crate::torse::form::Torse;
 use rayon::prelude::*;
@@ -239,7 +240,7 @@ pub(super) fn judge(
     let Some(any) = triangles.first() else {
         return blank(Verdict::Holds { bound: 0.0 });
     };
-    let Some(family) = Family::new(torse) else {
+    let Some(family) = Family::about(torse, &middle(prepared, triangles)) else {
         return undecided(centroid(any), Obstruction::Foot);
     };
 
@@ -309,6 +310,20 @@ pub(super) fn judge(
         curl: Curl::of(&accepted),
     };
     Judged { parts, feet, bounds }
+}
+
+/// A place in the middle of a region, about: enclosures over intervals of parameters widen with the distance from the origin.
+fn middle(prepared: &Prepared, triangles: &[[[f64; 2]; 3]]) -> Vec3 {
+    let of = |t: &[[f64; 2]; 3]| {
+        let [u, v] = centroid(t);
+        Some(Vec3::from(prepared.patch_of(t)?.quick_point(u, v)) + prepared.patch_of(t)?.centre)
+    };
+    let places = triangles.iter().filter_map(of).filter(|p| p.iter().all(|x| x.is_finite()));
+    let mut around: Option<[Vec3; 2]> = None;
+    for p in places {
+        around = Some(around.map_or([p, p], |[low, high]| [low.inf(&p), high.sup(&p)]));
+    }
+    around.map_or_else(Vec3::zeros, |[low, high]| 0.5 * (low + high))
 }
 
 /// What the threads share.

@@ -151,13 +151,15 @@ pub(super) struct Family {
 }
 
 impl Family {
-    /// Prepares a torse. `None` when it is not a C¹ spline of degree at most three or its frame is not orthonormal.
+    /// As [`Family::about`] the origin of the model.
+    #[cfg(test)]
     pub fn new(torse: &Torse) -> Option<Self> {
         Self::about(torse, &Vec3::zeros())
     }
 
-    /// As [`Family::new`], with positions relative to a given place where the torse has no frame of its own. Enclosures over
-    /// intervals of parameters widen with the distance from it: beside the tip of a cone they say nothing from afar.
+    /// Prepares a torse, with positions relative to a given place where it has no frame of its own. Enclosures over intervals of
+    /// parameters widen with the distance from that place: they say nothing of a panel far from it, nor of the tip of a cone
+    /// beside it. `None` when the torse is not a C¹ spline of degree at most three or its frame is not orthonormal.
     pub fn about(torse: &Torse, place: &Vec3) -> Option<Self> {
         let knots = match torse {
             Torse::Primal(p) => &p.profile().knots,

@@ -58,7 +58,7 @@ pub(super) fn panel_certificate(
     let mut out = PanelParts::blank();
     let triangles = region(partition, trim.label);
     let ruled = Ruled::new(&panel.strip.patch);
-    let place = ruled.as_ref().and_then(Ruled::tip).map_or_else(Vec3::zeros, Vec3::from);
+    let place = ruled.as_ref().map_or_else(Vec3::zeros, place_on);
     let (Some(family), Some(ruled)) = (Family::about(torse, &place), ruled) else {
         out.reason = Some(PanelFault::NoTorse.into());
         return (out, None);
@@ -108,6 +108,13 @@ pub(super) fn panel_certificate(
     }
     out.reason = Reason::all(reasons.into_iter().map(Reason::from).collect());
     (out, Some(jets))
+}
+
+/// Where positions are reckoned from: the tip, if there is one, or else the middle of the patch.
+fn place_on(ruled: &Ruled) -> Vec3 {
+    let breaks = ruled.breaks();
+    let middle = || ruled.middle(0.5 * (breaks[0] + breaks[breaks.len() - 1]));
+    Vec3::from(ruled.tip().unwrap_or_else(middle))
 }
 
 /// Bound of the distance between edges in space and trimming curves, over all runs that files have edges for.

@@ -267,7 +267,7 @@ impl Patch {
                     net[i * (q + 1) + j] = if d == 3 {
                         Interval::point(c[3])
                     } else if rational {
-                        Interval::point(c[d]) - Interval::point(c[3]) * Interval::point(centre[d])
+                        Interval::less_product(c[d], c[3], centre[d])
                     } else {
                         Interval::point(c[d]) - Interval::point(centre[d])
                     };

@@ -135,7 +135,7 @@ fn arc_part(piece: &Curve<4>, (a, b): (f64, f64), [p, q]: [Vec3; 2]) -> Option<f
                 let c = &piece.control[i];
                 match d {
                     3 => Interval::point(c[3]),
-                    _ => Interval::point(c[d]) - Interval::point(c[3]) * Interval::point(p[d]),
+                    _ => Interval::less_product(c[d], c[3], p[d]),
                 }
             };
             over(&piece.knots, value, cut(k), cut(k + 1))
@@ -178,7 +178,7 @@ fn piece_bound(
             let c = &given.control[i];
             match d {
                 3 => Interval::point(c[3]),
-                _ => Interval::point(c[d]) - Interval::point(c[3]) * Interval::point(origin[d]),
+                _ => Interval::less_product(c[d], c[3], origin[d]),
             }
         };
         over(&given.knots, value, t0, t1)

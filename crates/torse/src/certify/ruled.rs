@@ -56,7 +56,7 @@ impl<'a> Ruled<'a> {
                     if d == 3 {
                         Interval::point(c[3])
                     } else if self.rational {
-                        Interval::point(c[d]) - Interval::point(c[3]) * Interval::point(origin[d])
+                        Interval::less_product(c[d], c[3], origin[d])
                     } else {
                         Interval::point(c[d]) - Interval::point(origin[d])
                     }

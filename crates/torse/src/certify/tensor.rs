@@ -312,7 +312,7 @@ fn scaled<const N: usize>(kinds: [[Interval; N]; 6], [a, b]: [&Part; 2]) -> Jet2
 /// Homogeneous control points about an origin: `(x − w o, w)`.
 pub(super) fn about<'c>(control: &'c [[f64; 4]], origin: [f64; 3]) -> impl Iterator<Item = [Interval; 4]> + 'c {
     control.iter().map(move |c| {
-        let moved = |d: usize| Interval::point(c[d]) - Interval::point(c[3]) * Interval::point(origin[d]);
+        let moved = |d: usize| Interval::less_product(c[d], c[3], origin[d]);
         [moved(0), moved(1), moved(2), Interval::from(c[3])]
     })
 }

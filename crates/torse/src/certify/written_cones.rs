@@ -20,8 +20,9 @@ use crate::spline::surface::Surface;
 use crate::torse::cone::distance::Round;
 use crate::torse::cone::forms::patches;
 use crate::torse::cone::part::{ConeBody, ConePart, PartCurve, PartFace};
-use crate::torse::cone::spline::Segment;
+use crate::torse::cone::spline::{Segment, ONCE_AROUND};
 use rayon::prelude::*;
+use std::f64::consts::TAU;
 
 /// Relative error of sine and cosine of the standard library, far above what any platform's library has.
 const TRIGONOMETRIC: f64 = 1e-14;
@@ -117,7 +118,10 @@ impl<'a> Piece<'a> {
             Some((part, k)) => trimmed_moved(part, k, face)?,
             None => whole_moved(&list, face)?,
         };
-        if edges > ROUNDING * reach {
+        // What is written as a whole turn may have been judged as one that fails to close by a little, which is told.
+        let turn = self.segment.shape.angle().abs();
+        let open = if round && turn >= 2.0 * TAU - ONCE_AROUND { 2.0 * (ONCE_AROUND - TAU) } else { 0.0 };
+        if edges > (ROUNDING + open) * reach {
             return Err((face.entity, WrittenFault::EdgesMoved(edges)));
         }
         Ok(moved.max(edges))
@@ -347,8 +351,7 @@ impl Carrier {
             .iter()
             .map(|c| {
                 let w = Interval::point(c[3]);
-                let y: V3<Interval> =
-                    std::array::from_fn(|d| Interval::point(c[d]) - w * Interval::point(self.point[d]));
+                let y: V3<Interval> = std::array::from_fn(|d| Interval::less_product(c[d], c[3], self.point[d]));
                 let z = dot(&self.axis, &y);
                 let out = std::array::from_fn(|d| y[d] - z * self.axis[d]);
                 Seen { out, form: self.rise * z + self.tilt * (w * Interval::point(self.radius)), weight: w }

@@ -231,6 +231,30 @@ impl Interval {
         up(self.hi - self.lo)
     }
 
+    /// `x − w o` of three numbers, to an error that is relative to the result: where `x` and `w o` are large and nearly equal,
+    /// a product that was rounded before would leave nothing of it.
+    ///
+    /// *Method*: the product as an exact sum of two numbers (Dekker), barring overflow and underflow.
+    pub fn less_product(x: f64, w: f64, o: f64) -> Self {
+        /// `2²⁷ + 1`: parts a number into halves of its digits.
+        const PARTS: f64 = 134_217_729.0;
+        /// Sizes of factors and products between which no step leaves the range of numbers.
+        const SAFE: (f64, f64) = (1e-200, 1e200);
+        let halves = |y: f64| {
+            let z = PARTS * y;
+            let high = z - (z - y);
+            (high, y - high)
+        };
+        let whole = w * o;
+        let safe = |y: f64| y.abs() > SAFE.0 && y.abs() < SAFE.1;
+        if !(safe(w) && safe(o) && safe(whole)) {
+            return Self::point(x) - Self::point(w) * Self::point(o);
+        }
+        let ((a, b), (c, d)) = (halves(w), halves(o));
+        let rest = ((a * c - whole) + a * d + b * c) + b * d;
+        (Self::point(x) - Self::point(whole)) - Self::point(rest)
+    }
+
     /// Product with a power of two, exact barring underflow.
     #[inline]
     pub fn scale_exact(self, power_of_two: f64) -> Self {
@@ -321,6 +345,24 @@ mod tests {
         assert!(one.contains(1.0) && one.rad() < 1e-15);
         assert!(Interval::new(-1.0, 2.0).sqr().encloses(Interval::new(0.0, 4.0)));
         assert_eq!(Interval::new(-1.0, 2.0).recip(), Interval::EVERYTHING);
+    }
+
+    #[test]
+    fn a_product_that_cancels_keeps_its_digits() {
+        // (1 + 2⁻³⁰)(1 + 2⁻²⁹) = 1 + 3 · 2⁻³⁰ + 2⁻⁵⁹, of which the last term is rounded away.
+        let tiny = 0.5_f64.powi(30);
+        let (w, o) = (1.0 + tiny, 1.0 + 2.0 * tiny);
+        let found = Interval::less_product(1.0 + 3.0 * tiny, w, o);
+        let exact = -2.0 * tiny * tiny;
+        assert!(found.contains(exact) && found.width() < 1e-14 * tiny * tiny, "{found:?}");
+        let plain = Interval::point(1.0 + 3.0 * tiny) - Interval::point(w) * Interval::point(o);
+        assert!(plain.encloses(found) && plain.width() > 1e-16);
+        for (x, w, o) in
+            [(3.0, 0.0, 1e300), (1.0, f64::NAN, 1.0), (1.0, 1e300, 1e300), (2.0, 1.0, 2.0), (0.0, 1e-300, 1e-20)]
+        {
+            let plain = Interval::point(x) - Interval::point(w) * Interval::point(o);
+            assert!(plain.encloses(Interval::less_product(x, w, o)), "{x} {w} {o}");
+        }
     }
 
     #[test]

@@ -128,7 +128,11 @@ fn cylinder_patch(torse: &CylinderTorse, bound: &Bound) -> Result<Surface, Conve
 
 fn dual_patch(torse: &DualTorse, bound: &Bound) -> Result<Surface, ConvertError> {
     let mut pieces = Vec::new();
-    for (a, b, net) in bezier_pieces(&torse.planes) {
+    // About the used part: far from the origin of the model most digits would be lost in differences of large products.
+    let origin = bound.origin;
+    let about = |c: &[f64; 4]| [c[0], c[1], c[2], c[3] - Vec3::new(c[0], c[1], c[2]).dot(&origin)];
+    let planes = Curve { knots: torse.planes.knots.clone(), control: torse.planes.control.iter().map(about).collect() };
+    for (a, b, net) in bezier_pieces(&planes) {
         // U ∧ U' = (k/h) Ua ∧ Ub with Ua, Ub the de Casteljau halves of degree k − 1.
         let k = net.len() - 1;
         let half = |shift: usize, c: usize| -> Vec<f64> { (0..k).map(|i| net[i + shift][c]).collect() };
@@ -147,7 +151,7 @@ fn dual_patch(torse: &DualTorse, bound: &Bound) -> Result<Surface, ConvertError>
             let curve = |offset: &Curve<1>| -> [Vec<f64>; 4] {
                 let [offset] = coefficients(offset, (lo, hi));
                 let p = 2 * k - 2 + bound.degree();
-                // w = α·d, w X = (h m − k n) × α + α₀ d, with α₀ = α·origin + offset.
+                // w = α·d, w X = (h m − k n) × α + offset d.
                 let dot = |x: &[Vec<f64>; 3]| -> Vec<f64> {
                     (0..3).map(|i| product(&x[i], &alpha[i])).reduce(|s, q| sum(&s, &q)).unwrap_or_default()
                 };
@@ -156,12 +160,7 @@ fn dual_patch(torse: &DualTorse, bound: &Bound) -> Result<Surface, ConvertError>
                 for i in 0..3 {
                     let (j, l) = ((i + 1) % 3, (i + 2) % 3);
                     let cross = difference(&product(&moment[j], &alpha[l]), &product(&moment[l], &alpha[j]));
-                    let along: Vec<f64> = (0..3)
-                        .map(|c| product(&d[i], &alpha[c]).iter().map(|x| x * bound.origin[c]).collect::<Vec<f64>>())
-                        .reduce(|s, q| sum(&s, &q))
-                        .unwrap_or_default();
-                    let fixed = elevate(&sum(&cross, &along), p);
-                    out[i] = sum(&fixed, &elevate(&product(&d[i], &offset), p));
+                    out[i] = sum(&elevate(&cross, p), &elevate(&product(&d[i], &offset), p));
                 }
                 out
             };
@@ -185,7 +184,12 @@ fn dual_patch(torse: &DualTorse, bound: &Bound) -> Result<Surface, ConvertError>
         }
     }
     let knots = &torse.planes.knots;
-    assemble(&pieces, |t| multiplicity(knots, t).map_or(bound.order, |m| (2 - m as isize).min(bound.order)), true)
+    let order = |t: f64| multiplicity(knots, t).map_or(bound.order, |m| (2 - m as isize).min(bound.order));
+    let mut patch = assemble(&pieces, order, true)?;
+    for c in &mut patch.control {
+        (0..3).for_each(|d| c[d] += c[3] * origin[d]);
+    }
+    Ok(patch)
 }
 
 /// Bézier piece on [a, b]: homogeneous coefficients of both boundary curves by coordinate.

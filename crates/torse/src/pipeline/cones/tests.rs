@@ -167,3 +167,28 @@ fn a_cone_that_reaches_its_tip_is_that_cone() {
         assert!((flat - area).abs() < 0.1 * slant, "{flat} {area}");
     }
 }
+
+/// Files have digits enough for the sides of a slit, but not for their angles beside the tip; and not quite for a whole turn.
+#[test]
+fn a_cone_whose_slit_is_as_uncertain_as_files_are_is_that_cone() {
+    let whole = std::f64::consts::TAU;
+    for (turn, astray) in [(whole - 1.7e-9, 0.0), (whole - 1.7e-9, 2.7e-8), (4.0, 2.7e-8), (4.0, -2.7e-8)] {
+        let cone = SupportSurface::Cone { frame: Frame::world(), radius: 200.0, slope: -0.5 };
+        let (surface, _) = cone.to_spline((0.0, turn + f64::abs(astray)), (0.0, 400.0)).expect("a cone");
+        let ((u0, u1), (v0, v1)) = surface.domain();
+        let mut face = Face::untrimmed(surface);
+        // The base ends beside the tip, on either side.
+        let [base, tip] = [f64::max(astray, 0.0), f64::max(-astray, 0.0)].map(|off| u1 - off);
+        let points = vec![[u0, v0], [base, v0], [tip, v1], [u0, v1]];
+        face.loops = vec![TrimLoop { points, edge: vec![0, 1, 2, 3] }];
+        let options = ConesOptions::new(0.1, "test");
+        let mut out = of_faces(&[face], &[], &options, &Control::default()).expect("an answer");
+        let files = crate::files(&mut out, "2026-01-31T12:00:00").expect("files");
+        assert_eq!(out.status(), Status::Certified, "{turn} {}", words::reason(&out.claims, &[]));
+        let step = files.iter().find(|f| f.0 == "cones.step").map(|f| String::from_utf8_lossy(&f.1).into_owned());
+        assert_eq!(step.expect("cones.step").matches("CONICAL_SURFACE(").count(), 1);
+        // What is written is closed where it fails to be a whole turn by less than numbers of its size show.
+        let moved = out.written.iter().filter(|w| w.0 == "cones.step").map(|w| w.1.bound()).fold(0.0, f64::max);
+        assert!(moved < 1e-6, "{turn} {moved}");
+    }
+}
