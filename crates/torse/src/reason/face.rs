@@ -62,6 +62,15 @@ pub enum FaceReason {
         /// Where, if that is known.
         at: Option<Vec3>,
     },
+    /// Where a seam was asked for, no panel ends.
+    SeamLost {
+        /// Entity number of the face.
+        entity: u64,
+        /// How far (mm) the nearest edge of a panel is.
+        by: f64,
+        /// Where, mm.
+        at: Vec3,
+    },
     /// A panel has no flat pattern.
     NoPattern {
         /// Name of the panel.

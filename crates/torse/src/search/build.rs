@@ -9,7 +9,7 @@ use crate::develop::pattern::{pattern, PatternOptions};
 use crate::develop::DevelopError;
 use crate::fit::panels::boundary::{self, Assigned, Borders, BoundaryError, BoundaryOptions};
 use crate::geom::Vec3;
-use crate::patchwork::panel::{Panel, Patchwork};
+use crate::patchwork::panel::{Coedge, Panel, Patchwork};
 use crate::patchwork::partition::Partition;
 use crate::patchwork::pattern::Pattern;
 use crate::reason::{FaceReason, Limit, Reason};
@@ -223,6 +223,7 @@ fn judged(
         }
     }
     let patchwork = Patchwork { faces: vec![face.clone()], partitions: vec![partition.clone()], panels, seam_count };
+    missing.extend(stray_seam(face, state, &patchwork, tolerance));
     let certificate = match &joined {
         Some(Joined { known, .. }) => certify::patchwork_after(known, &patchwork, tolerance, control),
         None => certify::patchwork(&patchwork, tolerance, control),
@@ -255,6 +256,26 @@ fn judged(
     });
     let along = along.collect();
     (Built { patchwork, certificate, patterns, missing, along }, refused)
+}
+
+/// Seams asked for may move by a tolerance in the face, and panels lie within one of it.
+const SEAM_STRAYS: f64 = 2.0;
+/// Places on every span of an edge at which it is compared with seams that were asked for.
+const EDGE_PLACES: usize = 8;
+
+/// A seam asked for beside which no edge of a panel runs.
+fn stray_seam(face: &Face, state: &State, patchwork: &Patchwork, tolerance: f64) -> Option<Reason> {
+    if state.seam_lines.is_empty() {
+        return None;
+    }
+    let polyline = |c: &Coedge| {
+        let count = EDGE_PLACES * (c.edge.knots.breaks().len() - 1);
+        (0..=count).map(|k| Vec3::from(c.edge.point(k as f64 / count as f64))).collect::<Vec<_>>()
+    };
+    let edges: Vec<Vec<Vec3>> = patchwork.panels.iter().flat_map(Panel::loops).flatten().map(polyline).collect();
+    let strays = state.seam_lines.iter().filter_map(|l| l.farthest_from(face, &edges));
+    let (by, at) = strays.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|f| f.0 > SEAM_STRAYS * tolerance)?;
+    Some(FaceReason::SeamLost { entity: face.entity, by, at }.into())
 }
 
 /// Middles of panels within this share of their spread count as side by side.

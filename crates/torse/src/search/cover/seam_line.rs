@@ -1,12 +1,17 @@
 //! Lines on a face that seams must follow (docs/algorithms/cover.md, "Layouts on demand").
 
-use crate::geom::Vec3;
+use crate::brep::face::Face;
+use crate::develop::unfold::region::Region;
+use crate::geom::segment::segment_distance;
+use crate::geom::{Vec2, Vec3};
 use crate::spline::surface::Surface;
 
 /// A line on a face that a seam must follow.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SeamLine {
-    /// Points, mm.
+    /// Points in the parameter plane.
+    places: Vec<[f64; 2]>,
+    /// The same in space, mm.
     points: Vec<Vec3>,
     /// For every stretch the unit vector square to it in the face, to its left.
     sides: Vec<Vec3>,
@@ -21,7 +26,23 @@ impl SeamLine {
             let normal = at(&[0.5 * (p[0] + q[0]), 0.5 * (p[1] + q[1])]).normal();
             normal.cross(&(at(q).p - at(p).p)).try_normalize(0.0).unwrap_or_default()
         };
-        Self { points: uv.iter().map(|p| at(p).p).collect(), sides: uv.windows(2).map(side).collect() }
+        Self {
+            places: uv.to_vec(),
+            points: uv.iter().map(|p| at(p).p).collect(),
+            sides: uv.windows(2).map(side).collect(),
+        }
+    }
+
+    /// The point of the line within a face that is farthest (mm) from edges of panels, polylines in space.
+    pub fn farthest_from(&self, face: &Face, edges: &[Vec<Vec3>]) -> Option<(f64, Vec3)> {
+        let loops = face.loops.iter().map(|l| l.points.iter().map(|p| Vec2::new(p[0], p[1])).collect()).collect();
+        let region = Region::from_loops(loops);
+        let off = |x: &Vec3| {
+            let stretches = edges.iter().flat_map(|e| e.windows(2));
+            stretches.map(|w| segment_distance([x, x], [&w[0], &w[1]])).fold(f64::INFINITY, f64::min)
+        };
+        let within = self.places.iter().zip(&self.points).filter(|(p, _)| region.contains(&Vec2::new(p[0], p[1])));
+        within.map(|(_, x)| (off(x), *x)).max_by(|a, b| a.0.total_cmp(&b.0))
     }
 
     /// Distance (mm) of a point from the line, negative to its right.

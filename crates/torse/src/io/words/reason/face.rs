@@ -44,6 +44,11 @@ pub(super) fn words(reason: &FaceReason) -> String {
             let place = at.map_or(String::new(), |at| format!(" at {}", place_in_words(&at)));
             format!("a region has no panel: {}{place}", why(error))
         }
+        FaceReason::SeamLost { entity, by, at } => format!(
+            "the seam asked for on face #{entity} is not kept: {} on its curve is {by:.3} mm from the nearest edge of a panel; a finer \
+             tolerance, or a curve from border to border, may help",
+            place_in_words(at)
+        ),
         FaceReason::NoPattern { panel, error } => format!("panel {panel} has no flat pattern: {}", why(error)),
         FaceReason::Limit { panel, limit, value, asked, more } => {
             let more = if *more > 0 { format!(" ({more} more like it)") } else { String::new() };
