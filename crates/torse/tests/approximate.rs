@@ -413,6 +413,10 @@ fn strips_follow_a_direction_and_a_guide() {
     }
 }
 
+fn turned(angle: f64) -> Vec3 {
+    Vec3::new(angle.cos(), angle.sin(), 0.0)
+}
+
 /// A seam along a circle of the torus, and one along a curve that ends on the face: no panel lies on both sides.
 #[test]
 fn seams_along_curves_are_kept() {
@@ -437,6 +441,17 @@ fn seams_along_curves_are_kept() {
             assert!(lo > -TOLERANCE || hi < TOLERANCE, "{} (seams meet: {meet}): {lo} to {hi}", panel.strip.name);
         }
     }
+    // A loop within a face whose mesh has no vertex inside it.
+    let line = Knots::clamped(1, &[0.0, 1.0]).expect("knots");
+    let corners = [[0.0, 0.0], [0.0, 80.0], [120.0, 0.0], [120.0, 80.0]].map(|p| Vec3::new(p[0], p[1], 0.0));
+    let plane = Face::untrimmed(Surface::new(line.clone(), line, &corners, None).expect("a plane"));
+    let at = |k: i32| Vec3::new(60.0, 40.0, 0.0) + 15.0 * turned(f64::from(k % 40) * std::f64::consts::TAU / 40.0);
+    let shape = CurveShape::Points((0..=40).map(at).collect());
+    let layout = Layout { seam_curves: vec![PanelCurve { name: "a loop".into(), shape }], ..Layout::default() };
+    let o =
+        of_faces(vec![plane], Vec::new(), &Options { layout, ..options(0.1) }, &Control::default()).expect("an answer");
+    assert_eq!((o.status(), o.patchwork.panels.len()), (Status::Certified, 2), "{:?}", o.claims);
+
     let shape = CurveShape::Section { normal: Vec3::x(), offset: 1e6 };
     let layout = Layout { seam_curves: vec![PanelCurve { name: "the seam".into(), shape }], ..Layout::default() };
     let e = run(TORUS, &Options { layout, ..options(TOLERANCE) }).expect_err("refused");

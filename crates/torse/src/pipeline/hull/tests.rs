@@ -27,6 +27,27 @@ fn circle_and_ellipse_are_joined_and_certified() {
     assert!(!answer.patterns.is_empty());
 }
 
+/// Eaves and a ridge: a hip roof, whose ridge is passed on both sides. A piece that is missing is seen.
+#[test]
+fn a_hip_roof_is_whole() {
+    let line = |points: &[[f64; 3]]| {
+        Rail::polyline("line", &points.iter().map(|p| Vec3::from(*p)).collect::<Vec<_>>()).expect("a line")
+    };
+    let eaves = [[0.0, 0.0, 0.0], [100.0, 0.0, 0.0], [100.0, 60.0, 0.0], [0.0, 60.0, 0.0], [0.0, 0.0, 0.0]];
+    let curves = [line(&eaves), line(&[[30.0, 30.0, 40.0], [70.0, 30.0, 40.0]])];
+    let answer = hull(&curves, &Options::new(0.05), &Control::default()).expect("an answer");
+    assert_eq!(answer.status(), Status::Certified, "{:?}", answer.claims);
+    let area: f64 = answer.patterns.iter().map(|p| p.area).sum();
+    assert!((area - 10_000.0).abs() < 1e-6, "{area}");
+    let control = Control::default();
+    let found = rulings_of_hull(&curves, 64, &control).expect("a hull");
+    let mut made = strips(&curves, &found, 1e-3, &BuildOptions::new(1e-3), &control).expect("strips");
+    assert_eq!(apart(&found, &made, 0.05), None);
+    made[0].strips.pop();
+    let (by, _) = apart(&found, &made, 0.05).expect("a gap");
+    assert!(by > 5.0, "{by}");
+}
+
 #[test]
 fn three_circles_leave_two_planar_triangles() {
     let curves = [0.0, 1.0, 2.0].map(|k: f64| {
