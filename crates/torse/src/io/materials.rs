@@ -12,7 +12,7 @@ const SHIPPED: &str = include_str!("materials.csv");
 /// Columns of a table.
 const COLUMNS: [&str; 5] = ["material", "density", "least_radius", "k", "note"];
 /// The lightest foam, kg/m³: smaller numbers are meant in another unit.
-const LIGHTEST: f64 = 5.0;
+const LIGHTEST: f64 = 15.0;
 /// Density of the heaviest metal, kg/m³.
 const HEAVIEST: f64 = 23_000.0;
 /// Name of that table in messages.
