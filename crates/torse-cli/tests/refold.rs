@@ -54,3 +54,38 @@ fn a_result_is_bent_back_and_carries_points() {
     assert!(text(&run.stderr).contains("report.json is missing"), "{}", text(&run.stderr));
     std::fs::remove_dir_all(&folder).expect("removed");
 }
+
+/// A result of the bracket, made by the program.
+fn bracket(folder: &Path) -> PathBuf {
+    let model = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/bracket.step");
+    let made = folder.join("made");
+    let run = torse(&["unroll", path(&model), "-t", "0.05mm", "-o", path(&made), "-q"]);
+    assert!(run.status.success(), "{}", text(&run.stderr));
+    made
+}
+
+/// Writes a file of a result anew with some words exchanged; what it held before.
+fn edit(file: &Path, from: &str, to: &str) -> String {
+    let before = std::fs::read_to_string(file).expect("a file");
+    assert!(before.contains(from), "{before}");
+    std::fs::write(file, before.replacen(from, to, 1)).expect("written");
+    before
+}
+
+#[test]
+fn tables_that_contradict_each_other_are_not_bent_back() {
+    let folder = scratch("tables");
+    let made = bracket(&folder);
+    let refolded = |n: &str| torse(&["refold", path(&made), "-o", path(&folder.join(n))]);
+    let table = made.join("bends.csv");
+    let before = edit(&table, ",down,90.0000,", ",down,180.0000,");
+    let run = refolded("angle");
+    assert_eq!(run.status.code(), Some(2), "{}", text(&run.stdout));
+    let said = text(&run.stderr);
+    assert!(said.contains("line 1 of bends.csv has angle_deg 180.0000") && said.contains("90.0000"), "{said}");
+    std::fs::write(&table, before).expect("written");
+    edit(&made.join("bend_table.csv"), ",down,", ",up,");
+    let said = text(&refolded("sense").stderr);
+    assert!(said.contains("line 1 of bends.csv bends down, but bend 1 of bend_table.csv says up"), "{said}");
+    std::fs::remove_dir_all(&folder).expect("removed");
+}

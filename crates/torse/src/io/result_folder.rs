@@ -1,6 +1,8 @@
 //! A folder of results read back: parts with their drawings and bend tables, as `report.json`, `patterns.dxf` (or
 //! `patterns.svg`), `bends.csv` and `bend_table.csv` have them.
 
+mod agreement;
+
 use crate::geom::unit::LengthUnit;
 use crate::geom::Vec2;
 use crate::io::bends::FLAT;
@@ -233,6 +235,8 @@ fn part(
     if !bends.is_empty() && first != count {
         return Err(format!("bend_table.csv counts {first} lines, the drawing {count}"));
     }
+    agreement::sheet(&table, &bends)?;
+    agreement::report(&table, &record.bends, !bends.is_empty())?;
     Ok(ResultPart { record: record.clone(), contours, lines, exact, bends, printed: LAST_DIGIT * mm })
 }
 
