@@ -89,3 +89,22 @@ fn tables_that_contradict_each_other_are_not_bent_back() {
     assert!(said.contains("line 1 of bends.csv bends down, but bend 1 of bend_table.csv says up"), "{said}");
     std::fs::remove_dir_all(&folder).expect("removed");
 }
+
+#[test]
+fn a_drawing_that_was_turned_over_is_refused_by_name() {
+    let folder = scratch("mirrored");
+    let made = bracket(&folder);
+    let points = folder.join("points.csv");
+    std::fs::write(&points, "x,y\n10,20\n").expect("written");
+    let drawing = std::fs::read_to_string(made.join("patterns.dxf")).expect("a drawing");
+    let at = drawing.find("AcDbPolyline").expect("an outline") + "AcDbPolyline".len();
+    let mirrored = format!("{}\n210\n0.0\n220\n0.0\n230\n-1.0{}", &drawing[..at], &drawing[at..]);
+    std::fs::write(made.join("patterns.dxf"), mirrored).expect("written");
+    // The other drawing is there, but it is not the one that was turned over.
+    assert!(made.join("patterns.svg").is_file());
+    let run = torse(&["map", path(&made), path(&points), "--to", "space", "-o", path(&folder.join("there.csv"))]);
+    assert_eq!(run.status.code(), Some(2), "{}", text(&run.stdout));
+    let said = text(&run.stderr);
+    assert!(said.contains("patterns.dxf: LWPOLYLINE") && said.contains("(0.0, 0.0, -1.0)"), "{said}");
+    std::fs::remove_dir_all(&folder).expect("removed");
+}

@@ -165,7 +165,12 @@ pub fn read(file: &dyn Fn(&str) -> Option<Vec<u8>>) -> Result<ResultFolder, Fold
 
 /// The cutting drawing: DXF, else SVG.
 fn drawing(file: &dyn Fn(&str) -> Option<Vec<u8>>, notes: &mut Vec<String>) -> Result<Vec<WrittenPiece>, FolderError> {
-    match (file("patterns.dxf"), file("patterns.svg")) {
+    let dxf = file("patterns.dxf");
+    // Not damaged but changed: the other drawing is not what somebody may cut by.
+    if let Some(reason) = dxf.as_deref().and_then(drawings::turned_over) {
+        return Err(FolderError::File { file: "patterns.dxf", reason });
+    }
+    match (dxf, file("patterns.svg")) {
         (Some(dxf), svg) => match (drawings::dxf(&dxf), svg.map(|s| drawings::svg(&s))) {
             (Ok(pieces), _) => Ok(pieces),
             (Err(reason), Some(Ok(pieces))) => {
