@@ -201,6 +201,25 @@ impl Output {
     }
 }
 
+/// Whether two names lead to one file that is there.
+pub fn is_same_file(a: &Path, b: &Path) -> bool {
+    let real = |p: &Path| fs::canonicalize(p).ok();
+    real(a).is_some_and(|r| real(b).is_some_and(|s| r == s || workspace::same_file(&r, &s)))
+}
+
+/// Whether a path is that of a file of the result in a folder, or would be taken for one of its files there.
+pub fn is_of_result(path: &Path, folder: &Path) -> bool {
+    let real = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
+    let parent = real.parent().map(|p| if p.as_os_str().is_empty() { Path::new(".") } else { p });
+    let beside = parent.is_some_and(|p| is_same_file(p, folder));
+    let name = real.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+    if beside && manifest::is_result_name(&name) {
+        return true;
+    }
+    let listed = manifest::read(folder).unwrap_or_default();
+    listed.iter().any(|e| (beside && e.name == name) || is_same_file(&real, &folder.join(&e.name)))
+}
+
 /// Names for people, the first few of them.
 fn told(names: &[String]) -> String {
     let mut text = names.iter().take(NAMES_TOLD).cloned().collect::<Vec<_>>().join(", ");

@@ -91,6 +91,34 @@ fn tables_that_contradict_each_other_are_not_bent_back() {
 }
 
 #[test]
+fn artwork_is_never_written_over_itself_or_a_file_of_the_result() {
+    let folder = scratch("own");
+    let made = bracket(&folder);
+    let points = folder.join("points.csv");
+    std::fs::write(&points, "x,y\n10,20\n").expect("written");
+    let parts = made.join("parts.csv");
+    let before = std::fs::read(&parts).expect("a table");
+    for (out, words) in [
+        (&points, "is the input file"),
+        (&parts, "is a file of the result"),
+        (&made.join("../made/parts.csv"), "is a file of"),
+    ] {
+        let run = torse(&["map", path(&made), path(&points), "--to", "space", "-o", path(out), "--force"]);
+        assert_eq!(run.status.code(), Some(2), "{}", text(&run.stdout));
+        assert!(text(&run.stderr).contains(words), "{}", text(&run.stderr));
+    }
+    assert_eq!(std::fs::read(&points).expect("points"), b"x,y\n10,20\n");
+    assert_eq!(std::fs::read(&parts).expect("a table"), before);
+    // A name of its own may be used there, again and again.
+    let own = made.join("marks.csv");
+    for _ in 0..2 {
+        let run = torse(&["map", path(&made), path(&points), "--to", "space", "-o", path(&own), "--force"]);
+        assert!(own.is_file(), "{}", text(&run.stderr));
+    }
+    std::fs::remove_dir_all(&folder).expect("removed");
+}
+
+#[test]
 fn a_drawing_that_was_turned_over_is_refused_by_name() {
     let folder = scratch("mirrored");
     let made = bracket(&folder);
