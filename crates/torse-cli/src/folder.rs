@@ -2,8 +2,10 @@
 //! nobody ever sees half of it. Only what Torse wrote is ever replaced.
 
 mod manifest;
+mod surplus;
 mod workspace;
 
+pub use surplus::{remove_surplus, Numbered};
 pub use workspace::discard;
 
 use crate::failure::{os_reason, Failure};
@@ -41,7 +43,7 @@ pub struct Output {
 
 /// Where a result came to be.
 #[derive(Debug)]
-struct Delivered {
+pub struct Delivered {
     folder: PathBuf,
     remark: Option<String>,
 }
@@ -296,12 +298,12 @@ mod tests {
         names
     }
 
-    fn no_input() -> PathBuf {
+    pub fn no_input() -> PathBuf {
         PathBuf::from("no-such-input.step")
     }
 
     /// A result of these files, delivered.
-    fn result(target: &Path, force: bool, files: &[&str]) -> Result<Delivered, Failure> {
+    pub fn result(target: &Path, force: bool, files: &[&str]) -> Result<Delivered, Failure> {
         let output = Output::prepare(target, &no_input(), force)?;
         for f in files {
             output.write(f, f.as_bytes())?;
