@@ -2,8 +2,10 @@
 //! nobody ever sees half of it. Only what Torse wrote is ever replaced.
 
 mod manifest;
+mod surplus;
 mod workspace;
 
+pub use surplus::{remove_surplus, Numbered};
 pub use workspace::discard;
 
 use crate::failure::{os_reason, Failure};
@@ -41,7 +43,7 @@ pub struct Output {
 
 /// Where a result came to be.
 #[derive(Debug)]
-struct Delivered {
+pub struct Delivered {
     folder: PathBuf,
     remark: Option<String>,
 }
@@ -201,6 +203,25 @@ impl Output {
     }
 }
 
+/// Whether two names lead to one file that is there.
+pub fn is_same_file(a: &Path, b: &Path) -> bool {
+    let real = |p: &Path| fs::canonicalize(p).ok();
+    real(a).is_some_and(|r| real(b).is_some_and(|s| r == s || workspace::same_file(&r, &s)))
+}
+
+/// Whether a path is that of a file of the result in a folder, or would be taken for one of its files there.
+pub fn is_of_result(path: &Path, folder: &Path) -> bool {
+    let real = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
+    let parent = real.parent().map(|p| if p.as_os_str().is_empty() { Path::new(".") } else { p });
+    let beside = parent.is_some_and(|p| is_same_file(p, folder));
+    let name = real.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+    if beside && manifest::is_result_name(&name) {
+        return true;
+    }
+    let listed = manifest::read(folder).unwrap_or_default();
+    listed.iter().any(|e| (beside && e.name == name) || is_same_file(&real, &folder.join(&e.name)))
+}
+
 /// Names for people, the first few of them.
 fn told(names: &[String]) -> String {
     let mut text = names.iter().take(NAMES_TOLD).cloned().collect::<Vec<_>>().join(", ");
@@ -277,12 +298,12 @@ mod tests {
         names
     }
 
-    fn no_input() -> PathBuf {
+    pub fn no_input() -> PathBuf {
         PathBuf::from("no-such-input.step")
     }
 
     /// A result of these files, delivered.
-    fn result(target: &Path, force: bool, files: &[&str]) -> Result<Delivered, Failure> {
+    pub fn result(target: &Path, force: bool, files: &[&str]) -> Result<Delivered, Failure> {
         let output = Output::prepare(target, &no_input(), force)?;
         for f in files {
             output.write(f, f.as_bytes())?;

@@ -2,6 +2,7 @@
 
 use crate::args::{Map, To};
 use crate::failure::{os_reason, Failure};
+use crate::folder::{is_of_result, is_same_file};
 use crate::input::contents;
 use crate::refold::file_of;
 use std::io::Write as _;
@@ -20,6 +21,7 @@ pub fn run(arguments: &Map) -> Result<bool, Failure> {
             "choose another name, or --force to replace it",
         ));
     }
+    refuse_own(arguments)?;
     let name = arguments.artwork.display().to_string();
     let artwork = artwork::read(&name, &contents(&arguments.artwork)?, arguments.unit.unwrap_or(1.0))
         .map_err(|e| Failure::new(e.to_string(), "give a table of points (x, y, z) or a drawing of curves (DXF)"))?;
@@ -56,6 +58,28 @@ pub fn run(arguments: &Map) -> Result<bool, Failure> {
     }
     let _ = writeln!(out, "  written {}", arguments.out.display());
     Ok(told.is_empty())
+}
+
+/// Refuses a place that is the artwork itself or a file of the result, under whatever name.
+fn refuse_own(arguments: &Map) -> Result<(), Failure> {
+    let (out, help) = (&arguments.out, "choose another name with --out");
+    if is_same_file(out, &arguments.artwork) {
+        return Err(Failure::new(
+            format!("'{}' is the input file '{}'", out.display(), arguments.artwork.display()),
+            help,
+        ));
+    }
+    if is_of_result(out, &arguments.folder) {
+        return Err(Failure::new(
+            format!(
+                "'{}' is a file of the result in '{}', or has a name of one",
+                out.display(),
+                arguments.folder.display()
+            ),
+            help,
+        ));
+    }
+    Ok(())
 }
 
 fn carried_points(map: &ArtworkMap, points: &[(usize, torse::geom::Vec3)], to: Side) -> (Vec<u8>, Vec<String>) {

@@ -2,6 +2,7 @@
 
 use crate::args::{Files, Unroll};
 use crate::failure::{os_reason, Failure};
+use crate::folder::{remove_surplus, Numbered};
 use crate::input::contents;
 use crate::job::{refuse_left_out, Job};
 use crate::terminal::Terminal;
@@ -86,8 +87,18 @@ fn split(arguments: &Unroll, bytes: &[u8], count: usize) -> Result<bool, Failure
             Err(failure) => {
                 // A closed stderr leaves nobody to tell.
                 let _ = writeln!(std::io::stderr(), "folder {name}: {failure}");
+                if own.out.exists() {
+                    let _ =
+                        writeln!(std::io::stderr(), "note: what '{}' holds is not of this result", own.out.display());
+                }
                 first.get_or_insert(failure);
             }
+        }
+    }
+    if files.force {
+        let numbered = Numbered { parent: &files.out, digits, count: whole, least: LEAST_DIGITS };
+        for note in remove_surplus(&numbered, &arguments.file) {
+            let _ = writeln!(std::io::stderr(), "note: {note}");
         }
     }
     first.map_or(Ok(certified), Err)

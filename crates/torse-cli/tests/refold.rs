@@ -54,3 +54,85 @@ fn a_result_is_bent_back_and_carries_points() {
     assert!(text(&run.stderr).contains("report.json is missing"), "{}", text(&run.stderr));
     std::fs::remove_dir_all(&folder).expect("removed");
 }
+
+/// A result of the bracket, made by the program.
+fn bracket(folder: &Path) -> PathBuf {
+    let model = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/bracket.step");
+    let made = folder.join("made");
+    let run = torse(&["unroll", path(&model), "-t", "0.05mm", "-o", path(&made), "-q"]);
+    assert!(run.status.success(), "{}", text(&run.stderr));
+    made
+}
+
+/// Writes a file of a result anew with some words exchanged; what it held before.
+fn edit(file: &Path, from: &str, to: &str) -> String {
+    let before = std::fs::read_to_string(file).expect("a file");
+    assert!(before.contains(from), "{before}");
+    std::fs::write(file, before.replacen(from, to, 1)).expect("written");
+    before
+}
+
+#[test]
+fn tables_that_contradict_each_other_are_not_bent_back() {
+    let folder = scratch("tables");
+    let made = bracket(&folder);
+    let refolded = |n: &str| torse(&["refold", path(&made), "-o", path(&folder.join(n))]);
+    let table = made.join("bends.csv");
+    let before = edit(&table, ",down,90.0000,", ",down,180.0000,");
+    let run = refolded("angle");
+    assert_eq!(run.status.code(), Some(2), "{}", text(&run.stdout));
+    let said = text(&run.stderr);
+    assert!(said.contains("line 1 of bends.csv has angle_deg 180.0000") && said.contains("90.0000"), "{said}");
+    std::fs::write(&table, before).expect("written");
+    edit(&made.join("bend_table.csv"), ",down,", ",up,");
+    let said = text(&refolded("sense").stderr);
+    assert!(said.contains("line 1 of bends.csv bends down, but bend 1 of bend_table.csv says up"), "{said}");
+    std::fs::remove_dir_all(&folder).expect("removed");
+}
+
+#[test]
+fn artwork_is_never_written_over_itself_or_a_file_of_the_result() {
+    let folder = scratch("own");
+    let made = bracket(&folder);
+    let points = folder.join("points.csv");
+    std::fs::write(&points, "x,y\n10,20\n").expect("written");
+    let parts = made.join("parts.csv");
+    let before = std::fs::read(&parts).expect("a table");
+    for (out, words) in [
+        (&points, "is the input file"),
+        (&parts, "is a file of the result"),
+        (&made.join("../made/parts.csv"), "is a file of"),
+    ] {
+        let run = torse(&["map", path(&made), path(&points), "--to", "space", "-o", path(out), "--force"]);
+        assert_eq!(run.status.code(), Some(2), "{}", text(&run.stdout));
+        assert!(text(&run.stderr).contains(words), "{}", text(&run.stderr));
+    }
+    assert_eq!(std::fs::read(&points).expect("points"), b"x,y\n10,20\n");
+    assert_eq!(std::fs::read(&parts).expect("a table"), before);
+    // A name of its own may be used there, again and again.
+    let own = made.join("marks.csv");
+    for _ in 0..2 {
+        let run = torse(&["map", path(&made), path(&points), "--to", "space", "-o", path(&own), "--force"]);
+        assert!(own.is_file(), "{}", text(&run.stderr));
+    }
+    std::fs::remove_dir_all(&folder).expect("removed");
+}
+
+#[test]
+fn a_drawing_that_was_turned_over_is_refused_by_name() {
+    let folder = scratch("mirrored");
+    let made = bracket(&folder);
+    let points = folder.join("points.csv");
+    std::fs::write(&points, "x,y\n10,20\n").expect("written");
+    let drawing = std::fs::read_to_string(made.join("patterns.dxf")).expect("a drawing");
+    let at = drawing.find("AcDbPolyline").expect("an outline") + "AcDbPolyline".len();
+    let mirrored = format!("{}\n210\n0.0\n220\n0.0\n230\n-1.0{}", &drawing[..at], &drawing[at..]);
+    std::fs::write(made.join("patterns.dxf"), mirrored).expect("written");
+    // The other drawing is there, but it is not the one that was turned over.
+    assert!(made.join("patterns.svg").is_file());
+    let run = torse(&["map", path(&made), path(&points), "--to", "space", "-o", path(&folder.join("there.csv"))]);
+    assert_eq!(run.status.code(), Some(2), "{}", text(&run.stdout));
+    let said = text(&run.stderr);
+    assert!(said.contains("patterns.dxf: LWPOLYLINE") && said.contains("(0.0, 0.0, -1.0)"), "{said}");
+    std::fs::remove_dir_all(&folder).expect("removed");
+}

@@ -75,6 +75,12 @@ fn bodies_are_written_so_many_at_a_time() {
     assert_eq!(run.status.code(), Some(2), "{}", said(&run));
     let run = torse(&[&options[..], &["--force"]].concat(), &data("bracket.step"), &out);
     assert_eq!(run.status.code(), Some(0), "{}", said(&run));
+    // Folders of an earlier run beyond the new ones would be cut twice.
+    std::fs::rename(out.join("001"), out.join("002")).expect("renamed");
+    let run = torse(&[&options[..], &["--force"]].concat(), &data("bracket.step"), &out);
+    assert_eq!(run.status.code(), Some(0), "{}", said(&run));
+    assert!(said(&run).contains("were removed") && !out.join("002").exists(), "{}", said(&run));
+    assert!(out.join("001/patterns.dxf").is_file());
     let run = torse(&["unroll", "--tolerance", "0.05mm", "--split", "0"], &data("bracket.step"), &out);
     assert_eq!(run.status.code(), Some(2), "{}", said(&run));
 }

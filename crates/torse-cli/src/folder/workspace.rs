@@ -192,7 +192,7 @@ fn undo(workspace: &Path, target: &Path) -> io::Result<()> {
 
 /// Whether two names are one file: a file that is linked to its new place but not yet gone from the old one.
 #[cfg(unix)]
-fn same_file(a: &Path, b: &Path) -> bool {
+pub fn same_file(a: &Path, b: &Path) -> bool {
     use std::os::unix::fs::MetadataExt;
     let id = |p: &Path| fs::symlink_metadata(p).ok().map(|m| (m.dev(), m.ino()));
     id(a).is_some() && id(a) == id(b)
@@ -200,7 +200,7 @@ fn same_file(a: &Path, b: &Path) -> bool {
 
 /// Elsewhere it is not known, and then nothing is taken away.
 #[cfg(not(unix))]
-fn same_file(_a: &Path, _b: &Path) -> bool {
+pub fn same_file(_a: &Path, _b: &Path) -> bool {
     false
 }
 

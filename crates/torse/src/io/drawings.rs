@@ -10,13 +10,7 @@ use crate::patchwork::written::{WrittenArc, WrittenContour, WrittenJoint, Writte
 /// # Errors
 /// In plain words, with the entity's handle: what the writer would not write.
 pub fn dxf(bytes: &[u8]) -> Result<Vec<WrittenPiece>, String> {
-    let text = std::str::from_utf8(bytes).map_err(|e| e.to_string())?;
-    let mut lines = text.lines();
-    let mut groups: Vec<(u32, &str)> = Vec::new();
-    while let Some(code) = lines.next() {
-        let code = code.trim().parse().map_err(|_| format!("'{code}' is not a group code"))?;
-        groups.push((code, lines.next().ok_or("the last group has no value")?.trim()));
-    }
+    let groups = groups(bytes)?;
     let unit = groups.iter().position(|g| *g == (9, "$INSUNITS")).and_then(|k| groups.get(k + 1));
     let unit = match unit {
         Some((70, "4")) => LengthUnit::Millimetre,
@@ -26,16 +20,75 @@ pub fn dxf(bytes: &[u8]) -> Result<Vec<WrittenPiece>, String> {
     if groups.last() != Some(&(0, "EOF")) {
         return Err("it is cut short".into());
     }
-    let start = groups.iter().position(|g| *g == (2, "ENTITIES")).ok_or("there are no entities")?;
+    if !groups.contains(&SECTION) {
+        return Err("there are no entities".into());
+    }
     let mut out: Vec<WrittenPiece> = Vec::new();
-    let mut k = start + 1;
-    while k < groups.len() && groups[k] != (0, "ENDSEC") {
-        let end = (k + 1..groups.len()).find(|&i| groups[i].0 == 0).unwrap_or(groups.len());
-        entity(&groups[k..end], &mut out)?;
-        k = end;
+    for e in entities(&groups).filter(|e| !is_beside(e)) {
+        extruded(e)?;
+        entity(e, &mut out)?;
     }
     out.iter_mut().for_each(|p| p.unit = unit);
     Ok(out)
+}
+
+/// The first entity of a DXF drawing that another program turned over or tilted: it has a direction of extrusion other than
+/// +z, and its coordinates are not those of the drawing. In plain words, with the entity's handle.
+pub fn turned_over(bytes: &[u8]) -> Option<String> {
+    // What is no drawing at all is told by `dxf`.
+    let groups = groups(bytes).ok()?;
+    let mut own = entities(&groups).filter(|e| !is_beside(e));
+    own.find_map(|e| extruded(e).err())
+}
+
+/// Group codes and values of a DXF file.
+fn groups(bytes: &[u8]) -> Result<Vec<(u32, &str)>, String> {
+    let text = std::str::from_utf8(bytes).map_err(|e| e.to_string())?;
+    let mut lines = text.lines();
+    let mut groups: Vec<(u32, &str)> = Vec::new();
+    while let Some(code) = lines.next() {
+        let code = code.trim().parse().map_err(|_| format!("'{code}' is not a group code"))?;
+        groups.push((code, lines.next().ok_or("the last group has no value")?.trim()));
+    }
+    Ok(groups)
+}
+
+/// How the section of the entities begins.
+const SECTION: (u32, &str) = (2, "ENTITIES");
+
+/// The groups of each entity.
+fn entities<'a, 'b>(groups: &'a [(u32, &'b str)]) -> impl Iterator<Item = &'a [(u32, &'b str)]> {
+    let start = groups.iter().position(|g| *g == SECTION).map_or(groups.len(), |k| k + 1);
+    let end = (start..groups.len()).find(|k| groups[*k] == (0, "ENDSEC")).unwrap_or(groups.len());
+    let mut rest = &groups[start..end];
+    std::iter::from_fn(move || {
+        let next = (1..rest.len()).find(|k| rest[*k].0 == 0).unwrap_or(rest.len());
+        let (entity, behind) = rest.split_at(next);
+        rest = behind;
+        (!entity.is_empty()).then_some(entity)
+    })
+}
+
+/// Whether an entity is no part of the pieces: words, and the square by which scales are checked.
+fn is_beside(groups: &[(u32, &str)]) -> bool {
+    groups.iter().find(|g| g.0 == 8).is_some_and(|g| matches!(g.1, "TEXT" | "SCALE_CHECK"))
+}
+
+/// Refuses an entity whose direction of extrusion is not +z.
+fn extruded(groups: &[(u32, &str)]) -> Result<(), String> {
+    let text = |code: u32| groups.iter().find(|g| g.0 == code).map(|g| g.1);
+    let number = |code: u32, absent: f64| text(code).map_or(Some(absent), |t| t.parse::<f64>().ok());
+    let way = [number(210, 0.0), number(220, 0.0), number(230, 1.0)];
+    if matches!(way, [Some(0.0), Some(0.0), Some(z)] if z > 0.0) {
+        return Ok(());
+    }
+    let said = [210, 220, 230].map(|c| text(c).unwrap_or(if c == 230 { "1" } else { "0" })).join(", ");
+    Err(format!(
+        "{} {} is turned over or tilted by another program: its direction of extrusion is ({said}), not (0, 0, 1); take the \
+         drawing as it was written",
+        groups[0].1,
+        text(5).unwrap_or("")
+    ))
 }
 
 fn entity(groups: &[(u32, &str)], out: &mut Vec<WrittenPiece>) -> Result<(), String> {
@@ -44,7 +97,6 @@ fn entity(groups: &[(u32, &str)], out: &mut Vec<WrittenPiece>) -> Result<(), Str
     let fault = |what: &str| format!("{kind} {handle}: {what}");
     let number = |s: &str| s.parse::<f64>().ok().filter(|x| x.is_finite()).ok_or_else(|| fault("a number is damaged"));
     match (kind, layer) {
-        (_, "TEXT" | "SCALE_CHECK") => Ok(()),
         ("CIRCLE", "CUT_INNER" | "FORMED") => {
             let centre = Vec2::new(number(text(10))?, number(text(20))?);
             let circle = WrittenContour::Circle { centre, radius: number(text(40))? };
@@ -249,6 +301,30 @@ mod tests {
         };
         assert_eq!(drawing("10\n1\n20\n2\n10\n3\n20\n4\n").map(|p| joints(&p)), Ok(2));
         assert!(drawing("10\n1\n20\n2\n10\n3\n").expect_err("half a point").contains("no second coordinate"));
+    }
+
+    #[test]
+    fn entities_that_were_turned_over_are_refused_by_name() {
+        let drawing = |layer: &str, extrusion: &str| {
+            let vertices = "90\n2\n70\n1\n10\n1\n20\n2\n10\n3\n20\n4\n";
+            let outline = format!("0\nLWPOLYLINE\n5\n30\n8\nCUT_OUTER\n{vertices}");
+            let other = format!("0\nLWPOLYLINE\n5\n3A\n8\n{layer}\n{vertices}{extrusion}");
+            let head = "0\nSECTION\n2\nHEADER\n9\n$INSUNITS\n70\n4\n0\nENDSEC\n0\nSECTION\n2\nENTITIES\n";
+            format!("{head}{outline}{other}0\nENDSEC\n0\nEOF\n").into_bytes()
+        };
+        let plain = drawing("CUT_INNER", "210\n0.0\n220\n0.0\n230\n1.0\n");
+        assert!(dxf(&plain).is_ok() && turned_over(&plain).is_none());
+        // Words may lie as they like.
+        let words = drawing("TEXT", "230\n-1.0\n");
+        assert!(dxf(&words).is_ok() && turned_over(&words).is_none());
+        for (extrusion, told) in
+            [("210\n0.0\n230\n-1.0\n", "(0.0, 0, -1.0)"), ("210\n1\n", "(1, 0, 1)"), ("230\nx\n", "x)")]
+        {
+            let bytes = drawing("CUT_INNER", extrusion);
+            let fault = dxf(&bytes).expect_err("mirrored");
+            assert!(fault.contains("LWPOLYLINE 3A") && fault.contains(told), "{fault}");
+            assert_eq!(turned_over(&bytes), Some(fault));
+        }
     }
 
     #[test]

@@ -1,6 +1,8 @@
 //! A folder of results read back: parts with their drawings and bend tables, as `report.json`, `patterns.dxf` (or
 //! `patterns.svg`), `bends.csv` and `bend_table.csv` have them.
 
+mod agreement;
+
 use crate::geom::unit::LengthUnit;
 use crate::geom::Vec2;
 use crate::io::bends::FLAT;
@@ -163,7 +165,12 @@ pub fn read(file: &dyn Fn(&str) -> Option<Vec<u8>>) -> Result<ResultFolder, Fold
 
 /// The cutting drawing: DXF, else SVG.
 fn drawing(file: &dyn Fn(&str) -> Option<Vec<u8>>, notes: &mut Vec<String>) -> Result<Vec<WrittenPiece>, FolderError> {
-    match (file("patterns.dxf"), file("patterns.svg")) {
+    let dxf = file("patterns.dxf");
+    // Not damaged but changed: the other drawing is not what somebody may cut by.
+    if let Some(reason) = dxf.as_deref().and_then(drawings::turned_over) {
+        return Err(FolderError::File { file: "patterns.dxf", reason });
+    }
+    match (dxf, file("patterns.svg")) {
         (Some(dxf), svg) => match (drawings::dxf(&dxf), svg.map(|s| drawings::svg(&s))) {
             (Ok(pieces), _) => Ok(pieces),
             (Err(reason), Some(Ok(pieces))) => {
@@ -233,6 +240,8 @@ fn part(
     if !bends.is_empty() && first != count {
         return Err(format!("bend_table.csv counts {first} lines, the drawing {count}"));
     }
+    agreement::sheet(&table, &bends)?;
+    agreement::report(&table, &record.bends, !bends.is_empty())?;
     Ok(ResultPart { record: record.clone(), contours, lines, exact, bends, printed: LAST_DIGIT * mm })
 }
 
