@@ -3,6 +3,7 @@
 use super::contact::{coplanarity, is_corner, moved, opposite, tangents, touching, wrap, OnRail};
 use super::sampled::{Sampled, SideKind};
 use super::turning::{farthest, one_way};
+use super::walk::{End, Walk};
 use crate::control::Control;
 use crate::geom::convex_hull::sides;
 use crate::geom::Vec3;
@@ -25,36 +26,6 @@ pub struct Chain {
     pub tips: [bool; 2],
     /// Whether the ends of rulings turn round at the first and the last one.
     pub turns: [bool; 2],
-}
-
-/// How a chain ends.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum End {
-    /// At a facet.
-    Facet(usize),
-    /// At a triangle with two sides on one curve.
-    Tip,
-    /// At something else.
-    Other,
-    /// Where the ends of rulings on this side turn round; those on the other one may be off by so much (parameter).
-    Turn { side: usize, reach: f64 },
-    /// It does not.
-    Closed,
-}
-
-/// Triangles in order: edges `[first side, second side]`, between them moves.
-pub(super) struct Walk {
-    pub(super) edges: Vec<[usize; 2]>,
-    /// Side that moves, and whether along a straight piece.
-    pub(super) moves: Vec<(usize, bool)>,
-    pub(super) ends: [End; 2],
-}
-
-impl Walk {
-    /// Whether the last edge is the first one again.
-    pub(super) fn is_closed(&self) -> bool {
-        self.ends[1] == End::Closed && self.edges.first() == self.edges.last()
-    }
 }
 
 /// What happens along a run of moves.
@@ -199,7 +170,7 @@ fn polished(sampled: &Sampled, facets: &[[OnRail; 3]], mut walk: Walk, control: 
     let rails = [0, 1].map(|d| sampled.at[walk.edges[0][d]].rail);
     let mut stations: Vec<[f64; 2]> = Vec::new();
     let mut joints = Vec::new();
-    let along = unwrapped(sampled, &walk);
+    let along = walk.unwrapped(sampled);
     // On the turn of a closed curve that the walk is on at an edge.
     let turned = |s: [f64; 2], edge: usize| {
         [0, 1].map(|d| {
@@ -239,17 +210,6 @@ fn polished(sampled: &Sampled, facets: &[[OnRail; 3]], mut walk: Walk, control: 
     let tips = if closed { [false; 2] } else { walk.ends.map(|e| e == End::Tip) };
     let turns = walk.ends.map(|e| matches!(e, End::Turn { .. }));
     Some(Chain { rails, stations, joints, closed, tips, turns })
-}
-
-/// Parameters of the samples at all edges of a walk, which on closed curves go on beyond the domain.
-fn unwrapped(sampled: &Sampled, walk: &Walk) -> Vec<[f64; 2]> {
-    let at = |edge: usize| walk.edges[edge].map(|i| sampled.at[i]);
-    let mut out = vec![at(0).map(|p| p.parameter)];
-    for k in 0..walk.moves.len() {
-        let (here, there, last) = (at(k), at(k + 1), out[k]);
-        out.push([0, 1].map(|d| last[d] + sampled.step_between(&here[d], &there[d])));
-    }
-    out
 }
 
 /// Edges beside a turn at which the side that does not turn is kept: where the other one hardly moves, two places belong to each of

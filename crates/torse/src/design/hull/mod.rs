@@ -8,6 +8,7 @@ mod sampled;
 pub(crate) mod sparse;
 pub mod strips;
 mod turning;
+mod walk;
 
 use crate::control::Control;
 use crate::geom::convex_hull::sides;

@@ -3,9 +3,9 @@
 //! A curve that stands out of the hull like a ridge is passed there on one side and back on the other. Its farthest ruling is
 //! where its place on that curve is farthest as the other end goes on.
 
-use super::chains::{End, Walk};
 use super::contact::{on, opposite, tangents, wrap};
 use super::sampled::Sampled;
+use super::walk::{End, Walk};
 
 /// Samples beyond those beside which the curve rests, within which its farthest place is looked for.
 const BEYOND: f64 = 2.0;

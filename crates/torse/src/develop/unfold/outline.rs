@@ -263,12 +263,18 @@ fn strokes(body: &Body, piece: &Piece, halves: &[usize], stations: &[Station]) -
     (0..n).map(stroke).collect()
 }
 
+/// The parameter at a share of the way between two, which rounding must not lead beyond them.
+fn at_share([from, to]: [f64; 2], share: f64) -> f64 {
+    (from + (to - from) * share).clamp(from.min(to), from.max(to))
+}
+
 /// A part of a run for the judge: one image, or one for each strip of its face; `None` where its map has no closed form.
 fn images(body: &Body, piece: &Piece, half: usize, ends: [f64; 2]) -> Option<Vec<EdgeImage>> {
     let h = &body.halves[half];
     let face = piece.faces.iter().position(|p| p.face == h.face)?;
     let placed = &piece.faces[face];
     let (curve, [from, to]) = h.run.curve()?;
+    let along = |s: f64| at_share([from, to], s);
     let strips = placed_strips(placed);
     if !strips.is_empty() {
         let at = |share: f64| {
@@ -283,7 +289,7 @@ fn images(body: &Body, piece: &Piece, half: usize, ends: [f64; 2]) -> Option<Vec
                 map: s.map,
                 turn: s.turn,
                 shift: s.shift,
-                part: ends.map(|s| from + (to - from) * s),
+                part: ends.map(along),
                 // Strips are narrow, and their frames look at their middle.
                 angles: [0.0; 2],
             }
@@ -300,7 +306,7 @@ fn images(body: &Body, piece: &Piece, half: usize, ends: [f64; 2]) -> Option<Vec
         map: placed.chart.closed()?,
         turn: placed.motion.turn,
         shift: placed.motion.shift,
-        part: ends.map(|s| from + (to - from) * s),
+        part: ends.map(along),
         angles: ends.map(angle),
     };
     Some(vec![image])
@@ -523,4 +529,16 @@ pub fn contour_area(c: &Contour) -> f64 {
         straight + 0.5 * r * r * (sweep - sweep.sin())
     };
     (0..v.len()).map(piece).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Ends of the arc of an ellipse, as a file had them.
+    #[test]
+    fn parts_of_edges_end_where_the_edges_do() {
+        let ends = [2.8762634051743587, 0.25461598547677533];
+        assert_eq!([0.0, 1.0].map(|s| at_share(ends, s)), ends);
+    }
 }
