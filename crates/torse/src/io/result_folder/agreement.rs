@@ -2,7 +2,6 @@
 //! follows from the turns up to the lines, or from the table of its bends, so that wrong angles would go unseen.
 
 use super::{TableBend, TableLine, PRINTED_ANGLE};
-use crate::brep::body::SMOOTH;
 use crate::io::bends::BendRecord;
 use crate::patchwork::pattern::BendSense;
 
@@ -25,8 +24,7 @@ impl Said {
 
 /// Lines of a sheet's bends against `bend_table.csv` and against their own turns.
 ///
-/// The first line of a bend, fold or hem turns as far as the table says; others that lie in line with it may turn by
-/// others' angles, as far as bends count as one. At lines with a radius the sheet has turned by half of the angle. The lines
+/// The lines of a bend, fold or hem turn as far as the table says. At lines with a radius the sheet has turned by half of the angle. The lines
 /// of a rolled face share its turn evenly, and it has turned by whole shares and a half of one at each of them.
 ///
 /// # Errors
@@ -47,12 +45,12 @@ pub(super) fn sheet(lines: &[TableLine], bends: &[TableBend]) -> Result<(), Stri
 /// Lines of a bend, a fold or a hem.
 fn bent(own: &[(usize, Said)], bend: &TableBend, row: &str) -> Result<(), String> {
     let whole = bend.angle.to_degrees();
-    for (k, (number, said)) in own.iter().enumerate() {
+    for (number, said) in own {
         if said.sense != bend.sense {
             return Err(ways(*number, said.sense, row, bend.sense));
         }
-        let open = if k == 0 { PRINTED_ANGLE } else { SMOOTH.to_degrees() };
-        if differ(said.angle, whole, open) {
+        // Bends that are one in the table may differ by its last digit.
+        if differ(said.angle, whole, 2.0 * PRINTED_ANGLE) {
             return Err(angles(*number, said.angle, &format!("{row} says {whole:.4}")));
         }
         // Folds have no turn up to them: each is a bend of its own.
@@ -164,14 +162,15 @@ mod tests {
     #[test]
     fn lines_of_bends_and_folds_turn_as_the_table_says() {
         let table = [bend("bend", Down, 90.0, 2)];
-        // Holes cut a line in pieces; bends in line with others count as one up to half a degree.
-        assert_eq!(sheet(&[line(Down, 90.0, -45.0), line(Down, 90.4, -45.2)], &table), Ok(()));
+        // Holes cut a line in pieces; bends in line that differ by the last digit are one.
+        assert_eq!(sheet(&[line(Down, 90.0, -45.0), line(Down, 90.0001, -45.0)], &table), Ok(()));
         assert_eq!(sheet(&[line(Up, 60.0, 0.0)], &[bend("fold", Up, 60.0, 1)]), Ok(()));
         let fault = |lines: &[TableLine]| sheet(lines, &table).expect_err("another angle");
         let edited = fault(&[line(Down, 180.0, -45.0), line(Down, 90.0, -45.0)]);
         assert!(edited.contains("line 1 of bends.csv") && edited.contains("180.0000"), "{edited}");
         assert!(edited.contains("bend 1 of bend_table.csv says 90.0000"), "{edited}");
-        assert!(fault(&[line(Down, 90.0, -45.0), line(Down, 90.4, -45.0)]).contains("turned_deg -45.0000"));
+        assert!(fault(&[line(Down, 90.0, -45.0), line(Down, 90.0, -44.0)]).contains("turned_deg -44.0000"));
+        assert!(fault(&[line(Down, 90.0, -45.0), line(Down, 90.4, -45.2)]).contains("line 2 of bends.csv"));
         assert!(fault(&[line(Down, 90.001, -45.0005)]).contains("says 90.0000"));
         assert!(fault(&[line(Up, 90.0, 45.0)]).contains("bends up, but bend 1 of bend_table.csv says down"));
         assert!(fault(&[line(Down, 90.0, 45.0)]).contains("has turned_deg 45.0000"));
