@@ -263,9 +263,9 @@ fn strokes(body: &Body, piece: &Piece, halves: &[usize], stations: &[Station]) -
     (0..n).map(stroke).collect()
 }
 
-/// The parameter at a share of the way between two, which rounding must not lead beyond them.
-fn at_share([from, to]: [f64; 2], share: f64) -> f64 {
-    (from + (to - from) * share).clamp(from.min(to), from.max(to))
+/// The parameter at a share of the way between two, which rounding must not lead beyond the domain of the curve.
+fn at_share([from, to]: [f64; 2], (first, last): (f64, f64), share: f64) -> f64 {
+    (from + (to - from) * share).clamp(first, last)
 }
 
 /// A part of a run for the judge: one image, or one for each strip of its face; `None` where its map has no closed form.
@@ -274,7 +274,7 @@ fn images(body: &Body, piece: &Piece, half: usize, ends: [f64; 2]) -> Option<Vec
     let face = piece.faces.iter().position(|p| p.face == h.face)?;
     let placed = &piece.faces[face];
     let (curve, [from, to]) = h.run.curve()?;
-    let along = |s: f64| at_share([from, to], s);
+    let along = |s: f64| at_share([from, to], curve.domain(), s);
     let strips = placed_strips(placed);
     if !strips.is_empty() {
         let at = |share: f64| {
@@ -538,7 +538,8 @@ mod tests {
     /// Ends of the arc of an ellipse, as a file had them.
     #[test]
     fn parts_of_edges_end_where_the_edges_do() {
-        let ends = [2.8762634051743587, 0.25461598547677533];
-        assert_eq!([0.0, 1.0].map(|s| at_share(ends, s)), ends);
+        let (first, last) = (0.25461598547677533, 2.8762634051743587);
+        let ends = [last, 0.2546159854767751];
+        assert_eq!([0.0, 1.0].map(|s| at_share(ends, (first, last), s)), [last, first]);
     }
 }
