@@ -4,6 +4,7 @@ pub(crate) mod bernstein;
 pub(crate) mod binomial;
 pub(crate) mod block_matrix;
 pub mod gauss_newton;
+pub(crate) mod golden_section;
 pub(crate) mod greatest;
 pub mod interval;
 pub(crate) mod jet;

@@ -6,13 +6,12 @@
 use super::contact::{on, opposite, tangents, wrap};
 use super::sampled::Sampled;
 use super::walk::{End, Walk};
+use crate::num::golden_section;
 
 /// Samples beyond those beside which the curve rests, within which its farthest place is looked for.
 const BEYOND: f64 = 2.0;
 /// Steps of the golden section: what is left of the bracket is the root of rounding.
 const STEPS: usize = 44;
-/// Golden section.
-const GOLDEN: f64 = 0.618_033_988_749_895;
 
 /// The walk in pieces on which both columns go one way.
 pub(super) fn one_way(sampled: &Sampled, mut walk: Walk) -> Vec<Walk> {
@@ -85,20 +84,12 @@ pub(super) fn farthest(sampled: &Sampled, edge: [usize; 2], side: usize, reach: 
         let t = tangents(&rails[kept.rail], x.parameter)[1];
         opposite(rails, &x, &t, turning, sampled.reach(edge[side])).parameter
     };
-    let value = |s: f64| way * unwrapped(place(s));
+    let short = |s: f64| -way * unwrapped(place(s));
     let (mut lo, mut hi) = (kept.parameter - reach, kept.parameter + reach);
     if !rails[kept.rail].closed {
         (lo, hi) = (lo.max(0.0), hi.min(rails[kept.rail].pieces.len() as f64));
     }
-    for _ in 0..STEPS {
-        let (a, b) = (hi - GOLDEN * (hi - lo), lo + GOLDEN * (hi - lo));
-        if value(a) < value(b) {
-            lo = a;
-        } else {
-            hi = b;
-        }
-    }
-    let s = 0.5 * (lo + hi);
+    let s = golden_section::least(short, [lo, hi], STEPS).0;
     let mut out = [0.0; 2];
     (out[1 - side], out[side]) = (wrap(&rails[kept.rail], s), place(s));
     out

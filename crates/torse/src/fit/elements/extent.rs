@@ -10,6 +10,7 @@ use crate::fit::near::directions::MARGIN;
 use crate::fit::near::power_form::Sheet;
 use crate::fit::near::samples::Fit;
 use crate::geom::Vec3;
+use crate::num::golden_section;
 use crate::spline::pieces::Pieces;
 use crate::torse::contact::ContactElement;
 use crate::torse::convert::{parameters, patch, Extent};
@@ -128,19 +129,9 @@ fn off(r: &Ruling, e: &ContactElement) -> f64 {
 fn least(torse: &Torse, value: impl Fn(&Ruling) -> f64) -> f64 {
     const TABLE: usize = 128;
     const SECTIONS: usize = 40;
-    const GOLDEN: f64 = 0.618_033_988_749_894_9;
     let off = |t: f64| value(&torse.ruling(t));
     let (from, to) = torse.domain();
     let at = |k: usize| from + (to - from) * k as f64 / TABLE as f64;
     let k = (0..=TABLE).min_by(|&i, &j| off(at(i)).total_cmp(&off(at(j)))).unwrap_or(0);
-    let (mut a, mut b) = (at(k.saturating_sub(1)), at((k + 1).min(TABLE)));
-    for _ in 0..SECTIONS {
-        let (p, q) = (b - GOLDEN * (b - a), a + GOLDEN * (b - a));
-        if off(p) < off(q) {
-            b = q;
-        } else {
-            a = p;
-        }
-    }
-    0.5 * (a + b)
+    golden_section::least(off, [at(k.saturating_sub(1)), at((k + 1).min(TABLE))], SECTIONS).0
 }

@@ -20,6 +20,7 @@ use crate::fit::planes::regularity_margin::{controlled, keeps, Reach};
 use crate::fit::planes::rulings::{slope_fit, RulingDatum, SlopeData, SlopeOptions};
 use crate::geom::measure::{LineMeasure, Measure};
 use crate::geom::{Frame, Vec3};
+use crate::num::golden_section;
 use crate::spline::knots::Knots;
 use crate::spline::pieces::Pieces;
 use crate::torse::contact::ContactElement;
@@ -264,20 +265,10 @@ fn controlled_by_slope(elements: &[ContactElement], limits: &RegressionLimits, o
 fn least(a: f64, b: f64, value: impl Fn(f64) -> f64) -> f64 {
     const TABLE: usize = 96;
     const SECTIONS: usize = 30;
-    const GOLDEN: f64 = 0.618_033_988_749_894_9;
     let at = |k: usize| a + (b - a) * k as f64 / TABLE as f64;
     let values: Vec<f64> = (0..=TABLE).map(|k| value(at(k))).collect();
     let k = (0..=TABLE).min_by(|&i, &j| values[i].total_cmp(&values[j])).unwrap_or(0);
-    let (mut a, mut b) = (at(k.saturating_sub(1)), at((k + 1).min(TABLE)));
-    for _ in 0..SECTIONS {
-        let (p, q) = (b - GOLDEN * (b - a), a + GOLDEN * (b - a));
-        if value(p) < value(q) {
-            b = q;
-        } else {
-            a = p;
-        }
-    }
-    value(0.5 * (a + b)).min(values[k])
+    golden_section::least(value, [at(k.saturating_sub(1)), at((k + 1).min(TABLE))], SECTIONS).1.min(values[k])
 }
 
 /// Fits by the convex program over `knots`, then over halved spans, until one is within the tolerance; the nearest.

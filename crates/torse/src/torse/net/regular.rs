@@ -9,6 +9,7 @@ use super::control_net::{affine, plus, Net};
 use crate::geom::Vec3;
 use crate::num::bernstein::{derivative, difference, elevated, from_spline, halves, product, sum, value};
 use crate::num::binomial::binomial;
+use crate::num::golden_section;
 use crate::num::interval::Interval;
 use crate::spline::blossom::of_piece;
 
@@ -17,6 +18,9 @@ use crate::spline::blossom::of_piece;
 const TANGENT_SINE: f64 = 1e-8;
 /// Times a segment is halved before a ruling is called tangent: the part left is below the spacing of numbers.
 const DEEPEST: usize = 50;
+
+/// Golden sections about the least distance of a table.
+const SECTIONS: usize = 40;
 
 /// Answer of [`Net::regularity`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -111,7 +115,7 @@ impl Net {
             }
         }
         if best.0.is_finite() {
-            best.0.min(golden(distance, best.1, best.2))
+            best.0.min(golden_section::least(distance, [best.1, best.2], SECTIONS).1)
         } else {
             best.0
         }
@@ -135,26 +139,6 @@ pub(super) fn normal(c: &[f64; 4], c1: &[f64; 4], e: &[f64; 4]) -> Vec3 {
 /// The first weight that is not positive.
 pub(super) fn weight_fault<'a>(points: impl Iterator<Item = &'a [f64; 4]>) -> Option<(usize, f64)> {
     points.enumerate().find(|(_, p)| p[3].is_nan() || p[3] <= 0.0).map(|(i, p)| (i, p[3]))
-}
-
-/// Smallest value met by golden section between `a` and `b`.
-fn golden(f: impl Fn(f64) -> f64, mut a: f64, mut b: f64) -> f64 {
-    const SHARE: f64 = 0.618_033_988_749_894_8;
-    let (mut x, mut y) = (b - SHARE * (b - a), a + SHARE * (b - a));
-    let (mut fx, mut fy) = (f(x), f(y));
-    // 40 steps shrink the bracket to the square root of rounding, where a minimum stops changing.
-    for _ in 0..40 {
-        if fx < fy {
-            (b, y, fy) = (y, x, fx);
-            x = b - SHARE * (b - a);
-            fx = f(x);
-        } else {
-            (a, x, fx) = (x, y, fy);
-            y = a + SHARE * (b - a);
-            fy = f(y);
-        }
-    }
-    fx.min(fy)
 }
 
 /// A quick proof for most pieces: all Bernstein coefficients of the normal lie on one side of a plane, farther than
