@@ -3,7 +3,6 @@
 use crate::args::{Shop, K};
 use crate::failure::Failure;
 use crate::input::contents;
-use crate::wiring::k_table;
 use torse::develop::unfold::allowance::KFactor;
 use torse::io::materials;
 use torse::pipeline::workshop::WorkshopOptions;
@@ -16,7 +15,9 @@ pub fn workshop(shop: &Shop) -> Result<WorkshopOptions, Failure> {
         Some(K::Din) => Some(KFactor::Din),
         Some(K::Table(file)) => {
             let bytes = contents(file).map_err(|e| Failure { message: format!("--k: {}", e.message), ..of_k() })?;
-            Some(KFactor::Table(k_table(&file.display().to_string(), &bytes)?))
+            let name = file.display().to_string();
+            let table = materials::k_table(&name, &String::from_utf8_lossy(&bytes));
+            Some(KFactor::Table(table.map_err(|e| Failure { message: e.to_string(), ..of_k() })?))
         }
     };
     let read = |f| contents(f).map_err(|e| Failure { message: format!("--materials: {}", e.message), ..e });
@@ -24,13 +25,11 @@ pub fn workshop(shop: &Shop) -> Result<WorkshopOptions, Failure> {
     let own = own.map(|(name, bytes)| (name, String::from_utf8_lossy(&bytes).into_owned()));
     let own = own.as_ref().map(|(name, text)| (name.as_str(), text.as_str()));
     let material = shop.material.as_ref().map(|name| materials::material(name, own)).transpose();
-    let help = |e: &materials::MaterialError| {
-        match e {
+    let help = |e: &materials::MaterialError| match e {
         materials::MaterialError::Missing { .. } => "give one of these names, or a table of your own with --materials",
         materials::MaterialError::Line { .. } => {
-            "a table of materials has the columns material, density (kg/m³), and if known least_radius (1.5t or 4mm), k and note"
+            "the columns are material, density (kg/m³), and if known least_radius (1.5t or 4mm), k and note"
         }
-    }
     };
     Ok(WorkshopOptions {
         material: material.map_err(|e| Failure::new(e.to_string(), help(&e)))?,

@@ -77,51 +77,6 @@ pub fn unroll(model: &Model, options: &UnrollOptions, control: &Control) -> Resu
     })
 }
 
-/// Names of the columns of a table of K-factors: inside radius over thickness, and K (ANSI).
-const K_COLUMNS: [&[&str]; 2] =
-    [&["r/t", "r_over_t", "ratio", "radius/thickness"], &["k", "k_ansi", "k_factor", "k-factor"]];
-
-/// Which column of a table of K-factors holds R/t, by its headings.
-fn ratio_column(headings: &[&str]) -> Option<usize> {
-    let is = |at: usize, of: usize| {
-        let word = headings.get(at).map(|w| w.trim().to_lowercase().replace(' ', "_"));
-        word.is_some_and(|w| K_COLUMNS[of].contains(&w.as_str()))
-    };
-    (0..2).find(|r| headings.len() == 2 && is(*r, 0) && is(1 - r, 1))
-}
-
-/// A table of K-factors: inside radius over thickness, K; in the other order if its headings say so.
-pub fn k_table(name: &str, bytes: &[u8]) -> Result<Vec<[f64; 2]>, Failure> {
-    let text = String::from_utf8_lossy(bytes);
-    let rows = text.lines().enumerate().filter(|(_, l)| !l.trim().is_empty() && !l.trim_start().starts_with('#'));
-    let mut out = Vec::new();
-    let (mut ratio, mut first) = (0, true);
-    for (k, line) in rows {
-        let cells: Vec<&str> = line.trim_start_matches('\u{feff}').split([',', ';', '\t']).collect();
-        let numbers: Option<Vec<f64>> = cells.iter().map(|w| w.trim().parse().ok()).collect();
-        let is_first = std::mem::replace(&mut first, false);
-        match numbers.as_deref() {
-            Some(&[a, b]) => out.push(if ratio == 0 { [a, b] } else { [b, a] }),
-            _ if is_first => {
-                ratio = ratio_column(&cells).ok_or_else(|| {
-                    Failure::new(
-                        format!("{name}, line {}: the columns '{}' are not known", k + 1, line.trim()),
-                        "a table of K-factors has the columns R/t (inside radius over thickness) and K (share of the thickness, \
-                         half of what DIN calls k)",
-                    )
-                })?;
-            }
-            _ => {
-                return Err(Failure::new(
-                    format!("{name}, line {}: '{}' is not two numbers", k + 1, line.trim()),
-                    "every line holds inside radius over thickness, and K: 1.0,0.38",
-                ))
-            }
-        }
-    }
-    Ok(out)
-}
-
 /// Runs the main job.
 pub fn approximate(model: Model, options: &Approximate, control: &Control) -> Result<Answer, Failure> {
     pipeline::of_faces(model.faces, model.skipped, options, control).map_err(|e| Failure::new(e.to_string(), hint(&e)))

@@ -32,8 +32,8 @@ pub struct Shop {
     pub side: Side,
 
     /// Where the neutral fibre of bends lies: its depth from the inside as a share of the thickness (ANSI, such as 0.44),
-    /// 'din' for the formula of DIN 6935, or a table (.csv) with the columns R/t (inside radius over thickness) and K [default: that of the
-    /// material; else 0.44 for bodies of sheet, 0.5 for panels]
+    /// 'din' for the formula of DIN 6935, or a table (.csv) with the columns R/t (inside radius over thickness) and K
+    /// [default: that of the material; else 0.44 for bodies of sheet, 0.5 for panels]
     #[arg(long, help_heading = SHEET, value_name = "K", value_parser = k_factor, allow_hyphen_values = true)]
     pub k: Option<K>,
 

@@ -1,4 +1,4 @@
-//! Tables of materials (CSV): those that come with the program, and people's own.
+//! Tables of materials (CSV): those that come with the program, and people's own; tables of K-factors.
 //!
 //! The first line names the columns, in any order: `material` and `density` (kg/m³), and if known `least_radius` (`1.5t` or
 //! `4mm`), `k` (a number, `din`, or pairs `R/t:k`) and `note`. `#` begins a comment line. A table and not TOML, because every
@@ -123,6 +123,46 @@ pub fn read(file: &str, text: &str) -> Result<Vec<Material>, MaterialError> {
     Ok(out)
 }
 
+/// Names of the columns of a table of K-factors: inside radius over thickness, and K (ANSI).
+const K_COLUMNS: [&[&str]; 2] = [&["r/t", "r_over_t", "ratio", "radius/thickness"], &["k", "k_ansi", "k_factor"]];
+
+/// Reads a table of K-factors (CSV, no unit): inside radius over thickness and K, its columns in either order if headings name them.
+/// Its order and range are for [`KFactor::check`]. `file` names it in messages.
+///
+/// # Errors
+/// The line with other than two numbers, or whose columns are not known.
+pub fn k_table(file: &str, text: &str) -> Result<Vec<[f64; 2]>, MaterialError> {
+    let fault =
+        |k: usize, reason: String| MaterialError::Line { file: file.into(), line: k + 1, card: String::new(), reason };
+    let lines = text.trim_start_matches('\u{feff}').lines().enumerate();
+    let rows = lines.filter(|(_, l)| !l.trim().is_empty() && !l.trim_start().starts_with('#'));
+    let (mut out, mut ratio) = (Vec::new(), None);
+    for (k, line) in rows {
+        let cells = cells(line);
+        let numbers: Option<Vec<f64>> = cells.iter().map(|w| w.trim().parse().ok()).collect();
+        match (numbers.as_deref(), ratio) {
+            (Some(&[a, b]), _) => {
+                let first = *ratio.get_or_insert(0);
+                out.push(if first == 0 { [a, b] } else { [b, a] });
+            }
+            (_, None) => {
+                let names: Vec<String> = cells.iter().map(|c| heading(c)).collect();
+                let is = |at: usize, of: usize| K_COLUMNS[of].contains(&names[at].as_str());
+                let found = (0..2).find(|r| names.len() == 2 && is(*r, 0) && is(1 - r, 1));
+                let unknown = || {
+                    format!(
+                        "the columns '{}' are not R/t (inside radius over thickness) and K (half of what DIN calls k)",
+                        line.trim()
+                    )
+                };
+                ratio = Some(found.ok_or_else(|| fault(k, unknown()))?);
+            }
+            _ => return Err(fault(k, format!("'{}' is not two numbers, R/t and K", line.trim()))),
+        }
+    }
+    Ok(out)
+}
+
 /// A heading: its unit in parentheses left off, blanks and dashes as underscores.
 fn heading(cell: &str) -> String {
     let word = cell.split('(').next().unwrap_or(cell);
@@ -235,6 +275,24 @@ mod tests {
         let cork = material("cork", Some(("own.csv", own))).expect("cork");
         assert_eq!((cork.least_radius, cork.k), (None, None));
         assert_eq!(material("copper", Some(("own.csv", own))).expect("copper").density, 8940.0);
+    }
+
+    #[test]
+    fn headings_say_in_which_order_a_table_of_k_factors_is() {
+        let read = |text: &str| k_table("k.csv", text);
+        let rows = vec![[0.5, 0.3], [0.9, 0.4]];
+        for text in ["0.5,0.3\n0.9,0.4\n", "# ours\nR/t;K\n0.5;0.3\n0.9;0.4\n", "k,r_over_t\n0.3,0.5\n0.4,0.9\n"] {
+            assert_eq!(read(text), Ok(rows.clone()), "{text}");
+        }
+        for (text, words) in [
+            ("r_mm,k\n3,0.3\n", "line 1: the columns 'r_mm,k'"),
+            ("R/t,K DIN\n1,0.7\n", "the columns"),
+            ("R/t,K\n1,a\n", "line 2: '1,a' is not two numbers"),
+            ("0.5,0.3\nR/t,K\n", "line 2"),
+        ] {
+            let fault = read(text).expect_err(text).to_string();
+            assert!(fault.contains(words), "{fault}");
+        }
     }
 
     #[test]

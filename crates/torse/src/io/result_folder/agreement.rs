@@ -24,8 +24,8 @@ impl Said {
 
 /// Lines of a sheet's bends against `bend_table.csv` and against their own turns.
 ///
-/// The lines of a bend, fold or hem turn as far as the table says. At lines with a radius the sheet has turned by half of the angle. The lines
-/// of a rolled face share its turn evenly, and it has turned by whole shares and a half of one at each of them.
+/// The lines of a bend, fold or hem turn as far as the table says. At lines with a radius the sheet has turned by half of the
+/// angle. The lines of a rolled face share its turn evenly, and it has turned by whole shares and a half of one at each of them.
 ///
 /// # Errors
 /// In words: the line, both numbers, and what would help.
