@@ -43,7 +43,7 @@ pub struct Output {
 
 /// Where a result came to be.
 #[derive(Debug)]
-pub struct Delivered {
+struct Delivered {
     folder: PathBuf,
     remark: Option<String>,
 }
@@ -303,7 +303,7 @@ mod tests {
     }
 
     /// A result of these files, delivered.
-    pub fn result(target: &Path, force: bool, files: &[&str]) -> Result<Delivered, Failure> {
+    fn result(target: &Path, force: bool, files: &[&str]) -> Result<Delivered, Failure> {
         let output = Output::prepare(target, &no_input(), force)?;
         for f in files {
             output.write(f, f.as_bytes())?;

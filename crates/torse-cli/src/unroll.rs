@@ -96,7 +96,8 @@ fn split(arguments: &Unroll, bytes: &[u8], count: usize) -> Result<bool, Failure
         }
     }
     if files.force {
-        let numbered = Numbered { parent: &files.out, digits, count: whole, least: LEAST_DIGITS };
+        let job = files.job_name(&arguments.file);
+        let numbered = Numbered { parent: &files.out, digits, count: whole, least: LEAST_DIGITS, job: &job };
         for note in remove_surplus(&numbered, &arguments.file) {
             let _ = writeln!(std::io::stderr(), "note: {note}");
         }
