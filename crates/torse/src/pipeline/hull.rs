@@ -80,7 +80,8 @@ const TWIST_SHARE: f64 = 0.1;
 /// *Guarantee.* `Certified` only if every strip's rails are proven to lie within the tolerance of the curves, and curves
 /// beyond the last rulings before tips within it of these, its twist
 /// is proven to stay below `twist_tolerance`, no ruling meets the regression curve between its ends (proven), and every
-/// part has a pattern. *Not guaranteed*: that features finer than the samples are seen.
+/// part has a pattern, and only if strips and the hull of points on the curves are near each other, which is measured.
+/// *Not guaranteed*: that features finer than the samples are seen.
 ///
 /// # Errors
 /// No curves, curves in one plane, a tolerance that is not positive.
