@@ -10,9 +10,11 @@ use crate::torse::rail::{Rail, SEAM};
 pub const WHOLE: f64 = 1e-6;
 /// Share of both rails that a branch uses at least where it tells their direction.
 const TELLING: f64 = 0.1;
+/// The ends of open rails tell their direction where they are together so much nearer to each other one way than the other.
+const CLEAR: f64 = 0.95;
 
-/// The second rail, turned round where the best branch runs against it, or, unless `by_branches`, where its ends are nearer
-/// then; with its branches, and whether it was turned.
+/// The second rail, turned round where its ends are nearer then, if both are open and their ends tell; else, if `by_branches`,
+/// where the best branch runs against it. With its branches, and whether it was turned.
 pub(crate) fn oriented(a: &Rail, b: Rail, by_branches: bool) -> (Rail, Vec<Branch>, bool) {
     let found = branches(a, &b, &BranchOptions::default());
     let merit = |d: Direction| {
@@ -27,11 +29,17 @@ pub(crate) fn oriented(a: &Rail, b: Rail, by_branches: bool) -> (Rail, Vec<Branc
         let m = a.pieces.len() as f64;
         (a.point(0.0) - b.point(0.0)).norm() + (a.point(m) - b.point(n)).norm()
     };
-    // Where branches do not tell, open rails are joined so that their ends are near.
+    // Between open rails the first and the last ruling must not cross: their ends go before branches, which may run either way
+    // for a part of both.
     let (same, opposite) = (merit(Direction::Same), merit(Direction::Opposite));
     let turned = b.reversed();
-    let crossed = !a.closed && !b.closed && ends(&turned) < ends(&b);
-    let turn = if by_branches && same.max(opposite) > TELLING { opposite > same } else { crossed };
+    let open = !a.closed && !b.closed;
+    let [straight, crossed] = [&b, &turned].map(ends);
+    let ends_tell = open && straight.min(crossed) < CLEAR * straight.max(crossed);
+    let turn = match by_branches && !ends_tell && same.max(opposite) > TELLING {
+        true => opposite > same,
+        false => open && crossed < straight,
+    };
     if !turn {
         return (b, found, false);
     }
@@ -100,4 +108,22 @@ pub(crate) fn seamed(
 /// Whether a branch may be used.
 pub(crate) fn is_candidate(f: &Branch) -> bool {
     f.kind == BranchType::Regular && f.direction == Direction::Same && f.coverage[0].max(f.coverage[1]) > WHOLE
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geom::Vec3;
+
+    /// Rails that run the same way, of which the branches that run against each other are the longer ones.
+    #[test]
+    fn open_rails_are_joined_at_their_near_ends() {
+        let rail = |name: &str, y: f64, z: f64| {
+            let at = |x: f64, z: f64| Vec3::new(x, y, z);
+            Rail::polyline(name, &[at(0.0, 0.0), at(50.0, z), at(100.0, 0.0)]).expect("a rail")
+        };
+        let (a, b) = (rail("a", 0.0, 10.0), rail("b", 60.0, -10.0));
+        assert!(!oriented(&a, b.clone(), true).2);
+        assert!(oriented(&a, b.reversed(), true).2);
+    }
 }
