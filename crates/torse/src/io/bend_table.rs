@@ -18,6 +18,9 @@ pub struct SheetBendRecord {
     pub angle_deg: f64,
     /// Inside radius; 0 for a fold.
     pub inside_radius: Option<f64>,
+    /// Least inside radius by the lines drawn: that above, or of cones and other rolled faces the tightest.
+    #[serde(default)]
+    pub least_inside_radius: Option<f64>,
     /// Length along the bend line, holes included; null for a rolled cone, whose lines differ.
     pub length: Option<f64>,
     /// Breadth of the bent zone in the flat: length of the neutral fibre.
@@ -41,6 +44,7 @@ pub fn records(bends: &[SheetBend]) -> Vec<SheetBendRecord> {
         sense: b.sense.name().into(),
         angle_deg: b.angle.to_degrees(),
         inside_radius: number(b.inside_radius),
+        least_inside_radius: number(b.least_inside_radius),
         length: number(b.length),
         allowance: number(b.allowance),
         k: number(b.k),
@@ -52,11 +56,12 @@ pub fn records(bends: &[SheetBend]) -> Vec<SheetBendRecord> {
 }
 
 /// The table as CSV: part, bend, way, angle, inside radius, length, allowance, K, proposed place in the sequence, edges of
-/// folds; lengths in `unit`. `None` where there are no bends.
+/// folds, least inside radius; lengths in `unit`. `None` where there are no bends.
 pub fn csv(answer: &Answer, unit: LengthUnit) -> Option<Vec<u8>> {
     let sign = unit.sign();
     let mut out = format!(
-        "part,bend,kind,sense,angle_deg,inside_radius_{sign},length_{sign},allowance_{sign},k_ansi,lines,sequence,edges\n"
+        "part,bend,kind,sense,angle_deg,inside_radius_{sign},length_{sign},allowance_{sign},k_ansi,lines,sequence,edges,\
+         least_inside_radius_{sign}\n"
     );
     let number = |x: Option<f64>, digits: usize| x.map_or_else(String::new, |x| format!("{x:.digits$}"));
     let length = |mm: Option<f64>, digits: usize| number(mm.map(|x| unit.of(x)), digits);
@@ -68,7 +73,7 @@ pub fn csv(answer: &Answer, unit: LengthUnit) -> Option<Vec<u8>> {
             // Writing to a string cannot fail.
             _ = writeln!(
                 out,
-                "\"{name}\",{},{},{},{:.4},{},{},{},{},{},{},{}",
+                "\"{name}\",{},{},{},{:.4},{},{},{},{},{},{},{},{}",
                 k + 1,
                 b.kind,
                 b.sense,
@@ -79,7 +84,8 @@ pub fn csv(answer: &Answer, unit: LengthUnit) -> Option<Vec<u8>> {
                 number(b.k, 4),
                 b.lines,
                 b.sequence,
-                edges(b)
+                edges(b),
+                length(b.least_inside_radius, 4)
             );
         }
     }
@@ -95,6 +101,10 @@ fn edges(bend: &SheetBendRecord) -> String {
 pub(super) fn table<'a>(parts: impl Iterator<Item = (&'a str, &'a [SheetBendRecord])>) -> String {
     let mut rows = String::new();
     let mm = |x: Option<f64>, digits: usize| x.map_or_else(|| "varies".into(), |x| format!("{x:.digits$}"));
+    let radius = |b: &SheetBendRecord| match (b.inside_radius, b.least_inside_radius) {
+        (None, Some(least)) => format!("from {least:.3}"),
+        (radius, _) => mm(radius, 3),
+    };
     for (name, bends) in parts {
         for (k, b) in bends.iter().enumerate() {
             _ = write!(
@@ -106,7 +116,7 @@ pub(super) fn table<'a>(parts: impl Iterator<Item = (&'a str, &'a [SheetBendReco
                 escape(&b.kind),
                 escape(&b.sense),
                 b.angle_deg,
-                mm(b.inside_radius, 3),
+                radius(b),
                 mm(b.length, 2),
                 mm(b.allowance, 3),
                 mm(b.k, 3),
@@ -149,7 +159,7 @@ mod tests {
         let lines: Vec<&str> = text.lines().collect();
         assert_eq!(lines.len(), 2);
         assert!(lines[1].starts_with("\"a \"\"b\"\"\",1,bend,"), "{text}");
-        assert!(lines[1].ends_with(",28.6479,3.0000,30.000,2.0000,0.5000,1,1,"), "{text}");
+        assert!(lines[1].ends_with(",28.6479,3.0000,30.000,2.0000,0.5000,1,1,,3.0000"), "{text}");
         let records = records(&answer.sheets[0].bends);
         let page = table([("a \"b\"", &records[..])].into_iter());
         assert!(page.contains("<td>28.65°</td><td>3.000</td><td>30.00</td><td>2.000</td>"), "{page}");

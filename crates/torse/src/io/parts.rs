@@ -47,6 +47,11 @@ pub fn csv(report: &Report, patterns: &[Pattern], unit: LengthUnit) -> Option<Ve
         let length = |mm: f64| format!("{:.3}", unit.of(mm));
         // What the file says of its faces goes before what the bend lines drawn have; what is proven is a column of its own.
         let drawn = pattern.bends.iter().flat_map(|b| b.radii).filter(|r| r.is_finite()).reduce(f64::min);
+        // Lines of sheet metal have the radii of its neutral fibre where these vary.
+        let inside = part
+            .filter(|p| p.thickness.is_some())
+            .and_then(|p| p.sheet_bends.iter().filter_map(|b| b.least_inside_radius).reduce(f64::min));
+        let drawn = inside.or(drawn);
         let faces = part.filter(|_| drawn.is_some()).and_then(|p| radius_of_faces(report, p));
         let least = faces.or(drawn);
         let basis = match (faces, drawn) {

@@ -16,8 +16,10 @@ use crate::develop::shop::laid::Laid;
 use crate::develop::shop::neutral::offset_pattern;
 use crate::develop::shop::roll::roll_table;
 use crate::develop::shop::sections::{sections, SectionPlane};
-use crate::develop::shop::thickness::{too_tight, PartSheet, Sheet};
+use crate::develop::shop::thickness::{below_least, too_tight, PartSheet, Sheet};
 use crate::develop::unfold::allowance::KFactor;
+use crate::develop::unfold::bends::BendKind;
+use crate::develop::unfold::part::SheetPart;
 use crate::geom::BBox;
 use crate::patchwork::part::Part;
 use crate::patchwork::pattern::Pattern;
@@ -199,6 +201,12 @@ fn planes(answer: &Answer, stations: &[Stations]) -> Result<Vec<SectionPlane>, W
     Ok(out)
 }
 
+/// The least inside radius (mm) of a sheet. Sharp bends of a model tell none.
+fn least_radius(sheet: &SheetPart) -> f64 {
+    let round = sheet.bends.iter().filter(|b| b.kind != BendKind::Fold);
+    round.map(|b| b.least_inside_radius).fold(f64::INFINITY, f64::min)
+}
+
 /// What people should know of sheet and work.
 fn notes(answer: &Answer, options: &WorkshopOptions, moved: &[usize], unknown: Vec<String>) -> Vec<ShopNote> {
     let mut out: Vec<ShopNote> = options.material.clone().map(ShopNote::Material).into_iter().collect();
@@ -209,17 +217,14 @@ fn notes(answer: &Answer, options: &WorkshopOptions, moved: &[usize], unknown: V
     for (k, pattern) in answer.patterns.iter().enumerate() {
         let own = answer.sheets.get(k);
         let thickness = own.map(|s| s.thickness).filter(|t| *t > 0.0).or(options.thickness);
-        let bends = own.map(|s| s.bends.iter().map(|b| b.inside_radius).fold(f64::INFINITY, f64::min));
-        let radius = match own.filter(|s| s.thickness > 0.0) {
-            Some(_) => bends,
-            None => answer.shop.work.get(k).and_then(|w| w.sheet).map(|s| s.inside_radius),
+        let (Some(thickness), material) = (thickness, options.material.as_ref()) else { continue };
+        let tight = match own.filter(|s| s.thickness > 0.0) {
+            Some(sheet) => below_least(least_radius(sheet), thickness, material),
+            None => {
+                let work = answer.shop.work.get(k).and_then(|w| w.sheet);
+                work.and_then(|s| too_tight(s.inside_radius, thickness, material))
+            }
         };
-        let Some((thickness, radius)) = thickness.zip(radius) else { continue };
-        // Sharp bends of a model tell no radius.
-        if own.is_some() && radius == 0.0 {
-            continue;
-        }
-        let tight = too_tight(radius, thickness, options.material.as_ref());
         out.extend(tight.map(|tight| ShopNote::TooTight { part: pattern.name.clone(), tight }));
     }
     let left = |(p, w): (&Pattern, &PartWork)| {

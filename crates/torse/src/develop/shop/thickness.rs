@@ -148,6 +148,11 @@ pub(crate) fn too_tight(inside_radius: f64, thickness: f64, material: Option<&Ma
     if inside_radius <= 0.0 {
         return Some(TooTight::NoRoom { thickness });
     }
+    below_least(inside_radius, thickness, material)
+}
+
+/// What the material has against an inside radius (mm), of a sheet that is known to have room there.
+pub(crate) fn below_least(inside_radius: f64, thickness: f64, material: Option<&Material>) -> Option<TooTight> {
     let material = material?;
     let least = material.least_radius?;
     let needed = least.of(thickness);
@@ -204,6 +209,9 @@ mod tests {
         assert!(
             matches!(too_tight(7.9, 4.0, Some(&steel)), Some(TooTight::BelowLeast { needed, .. }) if (needed - 8.0).abs() < 1e-12)
         );
+        // The tip of a rolled cone.
+        assert!(matches!(below_least(0.0, 4.0, Some(&steel)), Some(TooTight::BelowLeast { .. })));
+        assert!(below_least(0.0, 4.0, None).is_none());
         assert!(too_tight(-1.0, 4.0, None) == Some(TooTight::NoRoom { thickness: 4.0 }));
     }
 }

@@ -1,10 +1,11 @@
 //! Where a piece is bent: centre lines and extents, angles, radii, allowances, and an order to bend in.
 
+use super::chart::FlatRuling;
 use super::region::Region;
 use super::tree::{Piece, Placed};
 use crate::brep::body::Body;
 use crate::brep::carrier::Carrier;
-use crate::develop::bends::Facets;
+use crate::develop::bends::{kept_low, BendSpacing, Facets, Lines};
 use crate::geom::Vec2;
 use crate::patchwork::pattern::{Bend, BendSense};
 
@@ -52,6 +53,8 @@ pub struct SheetBend {
     pub angle: f64,
     /// Inside radius, mm; infinite where it is not one number.
     pub inside_radius: f64,
+    /// Least inside radius (mm) by the lines, where it is not one number; 0 where they run to a tip.
+    pub least_inside_radius: f64,
     /// K used: depth of the neutral fibre as a share of the thickness.
     pub k: f64,
     /// Breadth of the bent zone in the flat (mm): length of the neutral fibre. Not a number where it varies.
@@ -117,6 +120,7 @@ pub fn bends(body: &Body, piece: &Piece, thickness: f64, facets: Option<Facets>)
             sense,
             angle: fold.meeting.angle,
             inside_radius: 0.0,
+            least_inside_radius: 0.0,
             k: fold.k,
             allowance: fold.allowance,
             length: 0.0,
@@ -175,34 +179,20 @@ fn of_face(body: &Body, piece: &Piece, placed: &Placed, (thickness, facets): (f6
         false => BendKind::Rolled,
     };
     let region = Region::of(body, placed.face, &placed.chart);
-    let count = match kind {
-        BendKind::Rolled => {
-            // Breadth across the rulings: area over the length of the middle ruling.
-            let middle = placed.chart.rulings(1).into_iter().flat_map(|r| {
-                let own = move |l| r.on_own_side(l);
-                region.line(&r.at, &r.way).into_iter().filter_map(own)
-            });
-            let breadth = region.area().abs() / middle.map(|[a, b]| (b - a).norm()).sum::<f64>();
-            let asked = facets.map_or(turn / STEP, |f| f.needed(turn, breadth, turn));
-            ((asked - HAIR).ceil() as usize).clamp(1, MOST_LINES)
-        }
-        _ => 1,
-    };
-    let rulings = placed.chart.rulings(count);
-    let hollow = rulings.iter().filter(|r| r.hollow).count() * 2 > rulings.len();
-    let sense = |hollow: bool| if hollow { BendSense::Up } else { BendSense::Down };
+    let count = |facets| if kind == BendKind::Rolled { rolled_lines(placed, &region, facets) } else { 1 };
     let inside_radius = if cylinder { placed.inside_radius } else { f64::INFINITY };
-    let (mut lines, mut bends, mut turned) = (Vec::new(), Vec::new(), 0.0);
-    for r in &rulings {
-        let half = if r.hollow { 0.5 * r.angle } else { -0.5 * r.angle };
-        turned += half;
-        for l in region.line(&r.at, &r.way).into_iter().filter_map(|l| r.on_own_side(l)) {
-            let radii = if cylinder { [inside_radius; 2] } else { l.map(|p| r.radius_at(&p)) };
-            bends.push(Bend { turned, ..Bend::of(sense(r.hollow), r.angle, radii) });
-            lines.push(l.map(|p| placed.motion.apply(&p)));
-        }
-        turned += half;
-    }
+    let draw =
+        |asked: &BendSpacing| lines_of(placed, &region, placed.chart.rulings(count(asked.facets)), inside_radius);
+    let (lines, bends) = kept_low(&BendSpacing { facets, ..BendSpacing::default() }, draw);
+    // All stand for equal parts of the turn.
+    let rulings = bends.first().map_or(count(facets), |b| (turn / b.angle).round() as usize);
+    let hollow = placed.chart.rulings(rulings).iter().filter(|r| r.hollow).count() * 2 > rulings;
+    let least = bends.iter().flat_map(|b| {
+        // From the neutral fibre, which has the radii of lines that have no inside radius, to the inside of the bend.
+        let inwards = if b.sense == BendSense::Up { placed.depth } else { placed.thickness - placed.depth };
+        b.radii.map(|r| (r - inwards).max(0.0))
+    });
+    let least_inside_radius = if cylinder { inside_radius } else { least.fold(f64::INFINITY, f64::min) };
     let extents = body.of_face(placed.face).filter(|h| piece.inner.contains(h));
     let extents = extents.map(|h| [piece.place(body, h, 0.0), piece.place(body, h, 1.0)]).collect();
     let allowance = if cylinder { turn * placed.chart.neutral_radius() } else { f64::NAN };
@@ -211,17 +201,56 @@ fn of_face(body: &Body, piece: &Piece, placed: &Placed, (thickness, facets): (f6
         kind,
         lines,
         bends,
-        rulings: rulings.len(),
+        rulings,
         extents,
         sense: sense(hollow),
         angle: turn,
         inside_radius,
+        least_inside_radius,
         k: placed.k,
         allowance,
         length: if cylinder { length } else { f64::NAN },
         order: 0,
         edges: Vec::new(),
         level: placed.level,
+    }
+}
+
+/// Number of lines of a rolled face, by its middle ruling.
+fn rolled_lines(placed: &Placed, region: &Region, facets: Option<Facets>) -> usize {
+    let turn = placed.chart.turn();
+    // Breadth across the rulings: area over the length of the middle ruling.
+    let middle = placed.chart.rulings(1).into_iter().flat_map(|r| {
+        let own = move |l| r.on_own_side(l);
+        region.line(&r.at, &r.way).into_iter().filter_map(own)
+    });
+    let breadth = region.area().abs() / middle.map(|[a, b]| (b - a).norm()).sum::<f64>();
+    let asked = facets.map_or(turn / STEP, |f| f.needed(turn, breadth, turn));
+    ((asked - HAIR).ceil() as usize).clamp(1, MOST_LINES)
+}
+
+/// The stretches of rulings inside a region, with their bends; `inside_radius` (mm) is finite on cylinders.
+fn lines_of(placed: &Placed, region: &Region, rulings: Vec<FlatRuling>, inside_radius: f64) -> Lines {
+    let (mut lines, mut bends, mut turned) = (Vec::new(), Vec::new(), 0.0);
+    for r in &rulings {
+        let half = if r.hollow { 0.5 * r.angle } else { -0.5 * r.angle };
+        turned += half;
+        for l in region.line(&r.at, &r.way).into_iter().filter_map(|l| r.on_own_side(l)) {
+            let radii = if inside_radius.is_finite() { [inside_radius; 2] } else { l.map(|p| r.radius_at(&p)) };
+            bends.push(Bend { turned, ..Bend::of(sense(r.hollow), r.angle, radii) });
+            lines.push(l.map(|p| placed.motion.apply(&p)));
+        }
+        turned += half;
+    }
+    (lines, bends)
+}
+
+/// Hollow faces come up towards the eye.
+fn sense(hollow: bool) -> BendSense {
+    if hollow {
+        BendSense::Up
+    } else {
+        BendSense::Down
     }
 }
 
@@ -245,6 +274,7 @@ mod tests {
             sense: BendSense::Up,
             angle,
             inside_radius: radius,
+            least_inside_radius: radius,
             k: 0.44,
             allowance: (radius + 0.88) * angle,
             length: 40.0,

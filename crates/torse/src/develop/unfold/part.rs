@@ -20,6 +20,10 @@ use std::collections::HashSet;
 pub struct SheetPart {
     /// Thickness, mm; 0 for surfaces.
     pub thickness: f64,
+    /// Thickness at every face of the part, mm: another one where faces that go on smoothly are thinned.
+    pub local: Vec<f64>,
+    /// Where the neutral fibre lies, which is drawn.
+    pub k: KFactor,
     /// Its bends.
     pub bends: Vec<SheetBend>,
 }
@@ -244,7 +248,12 @@ fn part(
     let number = |c: &Cut| (body.halves[c.half].run.entity, c.reason);
     FlatPart {
         pattern,
-        sheet: SheetPart { thickness: found.thickness, bends },
+        sheet: SheetPart {
+            thickness: found.thickness,
+            local: piece.faces.iter().map(|p| p.thickness).collect(),
+            k: options.k.clone(),
+            bends,
+        },
         faces: piece.faces.iter().map(|p| p.face).collect(),
         cuts: piece.cuts.iter().map(number).collect(),
         strokes,

@@ -237,6 +237,35 @@ pub(crate) fn round_surface(radius: f64, slope: f64, heights: (f64, f64)) -> Fac
     face
 }
 
+/// A sheet rolled to a part of a cone about z, as a solid: inner radius at z = 0, tangent of the half angle, height and turn of
+/// the inside.
+pub(crate) fn rolled_cone(thickness: f64, (radius, slope): (f64, f64), height: f64, turn: f64) -> Vec<Face> {
+    let (sin, cos) = slope.atan().sin_cos();
+    let (up, out) = ([sin, cos], [cos, -sin]);
+    let cone = |z: f64, radius: f64, slope: f64, heights: (f64, f64), same_sense: bool| {
+        let frame = Frame { origin: Vec3::z() * z, ..Frame::world() };
+        let support = SupportSurface::Cone { frame, radius, slope };
+        let mut face = raw_rectangle(support, SurfaceKind::Cone, [(0.0, turn), heights]);
+        face.reversed = !same_sense;
+        face
+    };
+    let deep = -thickness * sin;
+    let mut all = vec![
+        cone(0.0, radius, slope, (0.0, height), false),
+        cone(0.0, radius + thickness / cos, slope, (deep, height + deep), true),
+        cone(0.0, radius, -1.0 / slope, (deep, 0.0), false),
+        cone(height, radius + slope * height, -1.0 / slope, (deep, 0.0), true),
+    ];
+    for (angle, last) in [(0.0f64, false), (turn, true)] {
+        let place = |p: [f64; 2]| Vec3::new(p[0] * angle.cos(), p[0] * angle.sin(), p[1]);
+        let (along, across) = (place(up.map(|x| x * height / cos)), place(out.map(|x| x * thickness)));
+        let corner = place([radius, 0.0]);
+        all.push(if last { rectangle(corner, along, across) } else { rectangle(corner, across, along) });
+    }
+    all.iter_mut().for_each(|f| f.body = 1);
+    all
+}
+
 fn raw_rectangle(support: SupportSurface, kind: SurfaceKind, sides: [(f64, f64); 2]) -> Face {
     let face = RawFace {
         entity: 1,

@@ -72,6 +72,10 @@ pub struct Placed {
     pub k: f64,
     /// Inside radius (mm) of a cylinder.
     pub inside_radius: f64,
+    /// Thickness of the sheet there, mm, and how deep below the face its neutral fibre lies.
+    pub thickness: f64,
+    /// See `thickness`.
+    pub depth: f64,
 }
 
 /// A sharp bend between two faces of a piece.
@@ -152,6 +156,8 @@ struct Ready {
     region: Region,
     k: f64,
     inside_radius: f64,
+    thickness: f64,
+    depth: f64,
 }
 
 /// Unfolds the skin faces of a body into as few pieces as their joints allow. Faces without a map (thicker than their
@@ -233,8 +239,8 @@ fn middle(body: &Body, face: usize) -> Vec3 {
 impl Ready {
     fn placed(self, face: usize, motion: Motion, level: usize, by: Option<usize>) -> Placed {
         let region = self.region.moved(&motion);
-        let (k, inside_radius) = (self.k, self.inside_radius);
-        Placed { face, chart: self.chart, motion, region, level, by, k, inside_radius }
+        let Self { chart, k, inside_radius, thickness, depth, .. } = self;
+        Placed { face, chart, motion, region, level, by, k, inside_radius, thickness, depth }
     }
 }
 
@@ -253,11 +259,15 @@ fn prepared(body: &Body, face: usize, options: &UnfoldOptions) -> Option<Ready> 
     };
     let inside_radius = if hollow { radius } else { (radius - t).max(0.0) };
     let k = if t > 0.0 { options.k.share(inside_radius / t) } else { 0.0 };
-    let depth = if hollow { k * t } else { (1.0 - k) * t };
-    let chart = Chart::of(f, carrier, if matches!(carrier, Carrier::Plane(_)) { 0.0 } else { depth })?;
+    let depth = match (carrier, hollow) {
+        (Carrier::Plane(_), _) => 0.0,
+        (_, true) => k * t,
+        (_, false) => (1.0 - k) * t,
+    };
+    let chart = Chart::of(f, carrier, depth)?;
     let chart = chart.in_strips(carrier, options.tolerance);
     let region = Region::of(body, face, &chart);
-    (region.area() > 0.0).then_some(Ready { chart, region, k, inside_radius })
+    (region.area() > 0.0).then_some(Ready { chart, region, k, inside_radius, thickness: t, depth })
 }
 
 /// Whether a face is hollow, seen from outside, half way.

@@ -7,10 +7,11 @@ mod skins;
 use crate::answer::note::{Note, UnrollNote};
 use crate::brep::face::Face;
 use crate::certify::claim::Status;
+use crate::develop::bends::{sagitta, Facets};
 use crate::develop::unfold::allowance::KFactor;
 use crate::develop::unfold::bends::BendKind;
 use crate::develop::unfold::part::{flat_parts, BodyParts, FlatPart, PartOptions};
-use crate::develop::unfold::specimens::{quarter, rectangle, round_surface, BentSheet, Stretch};
+use crate::develop::unfold::specimens::{quarter, rectangle, rolled_cone, round_surface, BentSheet, Stretch};
 use crate::develop::unfold::tree::{CutReason, Joins};
 use crate::geom::Vec3;
 use crate::io::words::why;
@@ -217,6 +218,32 @@ fn a_closed_box_is_cut_open_along_seven_edges() {
     assert_eq!((part.cuts.len(), part.sheet.bends.len()), (7, 5));
     assert!(part.cuts.iter().all(|c| c.1 == CutReason::Closes));
     assert!(part.sheet.bends.iter().all(|b| b.kind == BendKind::Fold && b.sense == BendSense::Down));
+}
+
+/// The inside of a rolled cone is tightest at its narrow end; the neutral fibre that is drawn is not so tight.
+#[test]
+fn a_rolled_cone_has_its_least_inside_radius_at_its_narrow_end() {
+    let (t, k, radius, slope, height, turn) = (2.0, 0.4, 20.0, 0.5_f64, 60.0, 1.8);
+    let part = laid(&rolled_cone(t, (radius, slope), height, turn), k);
+    let (sin, cos) = slope.atan().sin_cos();
+    let slant = height / cos;
+    // The neutral cone has its radii square to the rulings larger by k t.
+    near(part.pattern.area, turn * slant * (radius + k * t * cos + 0.5 * slant * sin));
+    let bend = &part.sheet.bends[0];
+    assert!(bend.kind == BendKind::Rolled && bend.inside_radius.is_infinite());
+    assert!((bend.least_inside_radius - radius / cos).abs() < 1e-3, "{}", bend.least_inside_radius);
+    assert_eq!((part.sheet.local.len(), &part.sheet.k), (1, &KFactor::Ansi(k)));
+    near(part.sheet.local[0], t);
+}
+
+/// Arcs stay low at the wide end of a cone too.
+#[test]
+fn facets_of_a_cone_keep_their_height_at_its_wide_end() {
+    let height = 0.2;
+    let options = PartOptions { facets: Some(Facets::Chord(height)), ..PartOptions::new(TOLERANCE) };
+    let part = flat_parts(&[&round_surface(20.0, 0.8, (0.0, 100.0))], "cone", &options).parts.remove(0);
+    let worst = part.pattern.bends.iter().map(sagitta).fold(0.0, f64::max);
+    assert!(worst <= height && worst > 0.8 * height, "{worst}");
 }
 
 #[test]
