@@ -167,6 +167,29 @@ fn damaged_files_are_named_and_drawings_replace_each_other() {
     assert!(answer.report().left[0][1].contains("panels.step is missing"));
 }
 
+/// Places on the rim of a cylinder, between the ends of its arcs, are on it and keep their distances.
+#[test]
+fn places_on_borders_are_on_the_part() {
+    let (radius, turn) = (50.0, 2.0);
+    let cylinder = SupportSurface::Cylinder { frame: Frame::world(), radius };
+    let face = Face::untrimmed(cylinder.to_spline((0.0, turn), (0.0, 80.0)).expect("a surface").0);
+    let mut answer =
+        of_faces(vec![face], Vec::new(), &torse::Approximate::new(0.01), &Control::default()).expect("a panel");
+    let files: Files = torse::files(&mut answer, "2026-01-31T12:00:00").expect("files").into_iter().collect();
+    let map = read_map(&|n| files.get(n).cloned(), None, None).expect("a map");
+    for z in [0.0, 80.0] {
+        let at = |k: usize| 0.017 + (turn - 0.034) * k as f64 / 30.0;
+        let rim: Vec<(usize, Vec3)> =
+            (0..=30).map(|k| (k, Vec3::new(radius * at(k).cos(), radius * at(k).sin(), z))).collect();
+        let flat = map.points(&rim, Side::Flat);
+        assert!(flat.iter().all(|r| r.distance < 1e-6), "{flat:?}");
+        for w in flat.windows(2) {
+            let step = (w[1].place.expect("a place") - w[0].place.expect("a place")).norm();
+            assert!((step - radius * (at(1) - at(0))).abs() < 1e-6, "{step}");
+        }
+    }
+}
+
 #[test]
 fn points_and_curves_go_there_and_back() {
     let files = &cone().0;

@@ -61,6 +61,16 @@ impl Development {
     /// # Errors
     /// A ruling without length, or a regression point on the middle of the patch.
     pub fn new(patch: &Surface, upwards: f64) -> Result<Self, DevelopError> {
+        Self::offset(patch, upwards, 0.0)
+    }
+
+    /// The same for the surface that lies `offset` (mm, positive towards the eye) beside the patch: places of the patch stand
+    /// for those beside them. Rulings and tangent planes keep their directions, and the directrix goes `offset n'·b` on
+    /// across the rulings, where `n` is the normal.
+    ///
+    /// # Errors
+    /// See [`Development::new`].
+    pub fn offset(patch: &Surface, upwards: f64, offset: f64) -> Result<Self, DevelopError> {
         let mut out = Self { patch: patch.clone(), pieces: Vec::new(), side: upwards.signum() };
         let size = patch.bbox().diagonal();
         let nodes: [f64; N] = std::array::from_fn(|k| (std::f64::consts::PI * (k as f64 + 0.5) / N as f64).cos());
@@ -74,7 +84,8 @@ impl Development {
             for k in 0..N {
                 let f = out.moving(m + h * nodes[k])?;
                 rate[k] = h * f.de.dot(&f.b);
-                speed[k] = (h * f.dc.dot(&f.e), h * f.dc.dot(&f.b));
+                let beside = if offset == 0.0 { 0.0 } else { offset * out.bending(m + h * nodes[k], &f) };
+                speed[k] = (h * f.dc.dot(&f.e), h * (f.dc.dot(&f.b) + beside));
             }
             let turning = series(&rate);
             let angles = integral(&turning, angle);
@@ -172,6 +183,12 @@ impl Development {
         let k = self.pieces.partition_point(|p| p.b < t).min(self.pieces.len() - 1);
         let p = &self.pieces[k];
         (p, ((t - p.a) - (p.b - t)) / (p.b - p.a))
+    }
+
+    /// `n'·b`, with the normal towards the eye.
+    fn bending(&self, t: f64, f: &Moving) -> f64 {
+        // With c' = α e + β b and e' = ω b, n·c'' = β n·b' = −β n'·b.
+        -f.e.cross(&f.b).dot(&self.patch.jet(t, 0.5).duu) / f.dc.dot(&f.b)
     }
 
     fn moving(&self, t: f64) -> Result<Moving, DevelopError> {

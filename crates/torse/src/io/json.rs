@@ -6,6 +6,7 @@ use super::bend_table::SheetBendRecord;
 use super::bends::BendRecord;
 use super::{marks, words};
 use crate::certify::claim::What;
+use crate::develop::unfold::allowance::KFactor;
 use serde::{Deserialize, Serialize};
 
 mod of;
@@ -289,6 +290,9 @@ pub struct PartRecord {
     pub thickness: Option<f64>,
     /// Bends of sheet metal with their allowances.
     pub sheet_bends: Vec<SheetBendRecord>,
+    /// Where the neutral fibre of sheet metal lies, whose flat pattern this is; null for surfaces.
+    #[serde(default)]
+    pub neutral: Option<NeutralRecord>,
     /// Name of the first part whose flat pattern is the same; empty if there is none before it.
     pub same_as: String,
     /// Whether one of the two must be turned over.
@@ -323,6 +327,53 @@ pub struct PartRecord {
     #[serde(default)]
     pub facets: Option<FacetsRecord>,
 }
+
+/// Where the neutral fibre of a part of sheet metal lies.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct NeutralRecord {
+    /// How its depth is given.
+    pub k: KRecord,
+    /// Thickness at every panel of the part, mm.
+    pub thickness: Vec<f64>,
+}
+
+/// A K-factor: depth of the neutral fibre as a share of the thickness; `"din"`; or rows of inside radius over thickness and
+/// share.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum KRecord {
+    /// The share.
+    Share(f64),
+    /// `din`.
+    Name(String),
+    /// Rows.
+    Table(Vec<[f64; 2]>),
+}
+
+impl KRecord {
+    /// As it is written.
+    fn of(k: &KFactor) -> Self {
+        match k {
+            KFactor::Ansi(share) => Self::Share(*share),
+            KFactor::Din => Self::Name(DIN.into()),
+            KFactor::Table(rows) => Self::Table(rows.clone()),
+        }
+    }
+
+    /// The factor; `None` for an unknown name or numbers that cannot be.
+    pub fn factor(&self) -> Option<KFactor> {
+        let k = match self {
+            Self::Share(share) => KFactor::Ansi(*share),
+            Self::Name(name) if name == DIN => KFactor::Din,
+            Self::Name(_) => return None,
+            Self::Table(rows) => KFactor::Table(rows.clone()),
+        };
+        k.check().is_ok().then_some(k)
+    }
+}
+
+/// The formula of DIN 6935 by name.
+const DIN: &str = "din";
 
 /// A part that is kinked on a press brake.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -467,6 +518,7 @@ pub(crate) mod tests {
             bends: Vec::new(),
             thickness: None,
             sheet_bends: Vec::new(),
+            neutral: None,
             same_as: String::new(),
             mirrored: false,
             quantity: 1,

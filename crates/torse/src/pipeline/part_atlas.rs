@@ -3,7 +3,7 @@
 use crate::brep::face::Face;
 use crate::certify::claim::UpperBound;
 use crate::certify::trims::trim_proof;
-use crate::develop::refold::atlas::{of_face, Atlas, PanelPatch};
+use crate::develop::refold::atlas::{of_face, Atlas, AtlasError, PanelPatch};
 use crate::develop::refold::drawn::{chord_height, polygon, BendLine, FlatPart, SheetRow};
 use crate::develop::refold::leaf::Refolded;
 use crate::develop::refold::{course, sheet, RefoldError};
@@ -45,6 +45,7 @@ pub(crate) fn flat_part(part: &ResultPart, exact: bool) -> FlatPart {
         lines: part.lines.iter().enumerate().map(line).collect(),
         bends: part.bends.iter().map(bend).collect(),
         inset,
+        thickness: part.record.neutral.as_ref().map_or(0.0, |n| n.thickness.iter().copied().fold(0.0, f64::max)),
         printed: part.printed,
         chords: part.contours.iter().map(|c| chord_height(c, size)).fold(0.0, f64::max),
     }
@@ -55,6 +56,10 @@ pub(crate) fn flat_part(part: &ResultPart, exact: bool) -> FlatPart {
 /// # Errors
 /// See [`RefoldError`].
 pub fn refolded(part: &FlatPart) -> Result<Refolded, RefoldError> {
+    let varies = |b: &&SheetRow| b.rolled && !b.allowance.is_finite();
+    if let Some(row) = part.bends.iter().find(varies).filter(|_| part.thickness > 0.0) {
+        return Err(RefoldError::Neutral { line: row.lines.start + 1 });
+    }
     match &part.bends[..] {
         [] => course::refold(part),
         // One rolled face without planes beside it is one family of rulings.
@@ -160,6 +165,12 @@ fn plane_panel(name: &str, point: Vec3, normal: Vec3, vertices: &[Vec3]) -> Opti
     Some(PanelPatch { name: name.into(), surface, loops: vec![local.clone()], corners: local })
 }
 
+/// Share of the tolerance by which drawings may differ from the panels laid flat, and what the digits of a drawing leave open
+/// at least, mm: where nothing was changed both fall together.
+const ALIGNED: f64 = 0.1;
+/// See [`ALIGNED`].
+const PRINTED: f64 = 1e-3;
+
 /// The panels of a part laid onto its outline in all ways that fit, the best first.
 ///
 /// # Errors
@@ -171,45 +182,51 @@ pub(crate) fn atlases(
     flat: &FlatPart,
 ) -> Result<Vec<Atlas>, String> {
     let missing = |name: &String| format!("its panel {name} is not in the file of panels");
-    let atlas = match panels {
+    // Drawn is the neutral fibre of the sheet, on either side of the panels; the outline tells on which.
+    let developed = |own: Vec<PanelPatch>| {
+        let beside = part.record.neutral_offset.unwrap_or(0.0);
+        let sides = if beside == 0.0 { &[1.0][..] } else { &[1.0, -1.0] };
+        let all = sides.iter().map(|side| Atlas::developed(own.clone(), side * beside)?.aligned(flat));
+        let better = |a: &Result<Vec<Atlas>, AtlasError>| a.as_ref().map_or(f64::INFINITY, |a| a[0].alignment);
+        all.min_by(|a, b| better(a).total_cmp(&better(b))).unwrap_or(Err(AtlasError::Empty))
+    };
+    let found = match panels {
         Panels::Strips(all) => {
             let own: Result<Vec<PanelPatch>, String> =
                 part.record.panels.iter().map(|n| all.get(n).cloned().ok_or_else(|| missing(n))).collect();
-            Atlas::developed(own?)
+            developed(own?)
         }
         Panels::Faces(all) => {
             let own: Result<Vec<Face>, String> =
                 part.record.panels.iter().map(|n| all.get(n).cloned().ok_or_else(|| missing(n))).collect();
             let own = own?;
             match folder.report.job.as_str() {
-                "approximate" | "fit" => Atlas::developed(own.iter().map(of_face).collect()),
+                "approximate" | "fit" => developed(own.iter().map(of_face).collect()),
                 _ => {
-                    let thickness = sheet::thickness(&flat.bends);
-                    Atlas::unfolded(&own, &neutral(flat, thickness), thickness)
+                    let (k, thickness) = neutral(part, own.len())?;
+                    Atlas::unfolded(&own, &k, thickness).and_then(|a| a.aligned(flat))
                 }
             }
         }
     };
-    let found = atlas.and_then(|a| a.aligned(flat)).map_err(|e| e.to_string())?;
+    let found = found.map_err(|e| e.to_string())?;
+    let off = found.iter().map(|a| a.alignment).fold(f64::INFINITY, f64::min);
+    if off > (ALIGNED * folder.report.tolerance).max(PRINTED) {
+        return Err(AtlasError::Differs(off).to_string());
+    }
     Ok(found)
 }
 
-/// Shares of the neutral fibre over inside radius and thickness, as the table has them.
-fn neutral(part: &FlatPart, thickness: f64) -> KFactor {
-    let mut rows: Vec<[f64; 2]> = part
-        .bends
-        .iter()
-        .filter(|b| b.inside_radius.is_finite() && thickness > 0.0)
-        .map(|b| [b.inside_radius / thickness, b.k])
-        .collect();
-    rows.sort_by(|a, b| a[0].total_cmp(&b[0]));
-    rows.dedup_by(|a, b| (a[0] - b[0]).abs() <= SAME_RATIO);
-    if rows.is_empty() {
-        KFactor::default()
-    } else {
-        KFactor::Table(rows)
-    }
+/// K-factor and thickness (mm) at every panel of a part; none for surfaces.
+fn neutral(part: &ResultPart, panels: usize) -> Result<(KFactor, Vec<f64>), String> {
+    let Some(neutral) = &part.record.neutral else {
+        let silent = part.bends.iter().any(|b| b.k > 0.0);
+        let told = || (KFactor::default(), vec![0.0; panels]);
+        return if silent { Err(UNKNOWN_NEUTRAL.into()) } else { Ok(told()) };
+    };
+    let k = neutral.k.factor().filter(|_| neutral.thickness.len() == panels).ok_or(UNKNOWN_NEUTRAL)?;
+    Ok((k, neutral.thickness.clone()))
 }
 
-/// Ratios of radius and thickness that are one: what the table prints.
-const SAME_RATIO: f64 = 1e-3;
+/// What is the matter with reports that do not say what was drawn.
+const UNKNOWN_NEUTRAL: &str = "report.json does not say where the neutral fibre of its sheet lies; lay it flat anew";

@@ -49,6 +49,50 @@ pub struct Sheet {
     /// Images of the loops, after everything.
     flat: Vec<Vec<Vec2>>,
     seeds: Vec<([f64; 2], Vec2)>,
+    /// Sides of the loops in pieces that are nearly straight in space.
+    border: Vec<BorderPiece>,
+}
+
+/// A piece of a panel's border: parameters and places of its ends.
+#[derive(Clone, Copy, Debug)]
+struct BorderPiece {
+    uv: [[f64; 2]; 2],
+    ends: [Vec3; 2],
+}
+
+impl BorderPiece {
+    /// Share of the chord that is nearest to a point, and how far that is, mm.
+    fn chord(&self, x: &Vec3) -> (f64, f64) {
+        let way = self.ends[1] - self.ends[0];
+        let share = ((x - self.ends[0]).dot(&way) / way.norm_squared()).clamp(0.0, 1.0);
+        let share = if share.is_finite() { share } else { 0.0 };
+        (share, (self.ends[0] + way * share - x).norm())
+    }
+
+    /// Parameters of the place of the piece itself that is nearest to a point, and how far it is, mm.
+    fn nearest(&self, surface: &Surface, x: &Vec3) -> ([f64; 2], f64) {
+        let [a, b] = self.uv;
+        let way = [0, 1].map(|d: usize| b[d] - a[d]);
+        let at = |s: f64| [0, 1].map(|d: usize| a[d] + way[d] * s);
+        let mut s = self.chord(x).0;
+        let mut best = (at(s), f64::INFINITY);
+        for _ in 0..STEPS {
+            let uv = at(s);
+            let j = surface.jet(uv[0], uv[1]);
+            let off = (j.p - x).norm();
+            if off >= best.1 {
+                break;
+            }
+            best = (uv, off);
+            let velocity = j.du * way[0] + j.dv * way[1];
+            let step = (x - j.p).dot(&velocity) / velocity.norm_squared();
+            if !step.is_finite() {
+                break;
+            }
+            s = (s + step).clamp(0.0, 1.0);
+        }
+        best
+    }
 }
 
 /// The panels of a part with their places in the plane.
@@ -111,6 +155,8 @@ const PARTS: f64 = 96.0;
 const BETWEEN: f64 = 0.37;
 /// Samples over a panel from which searches start.
 const SEEDS: (usize, usize) = (40, 8);
+/// Pieces of a border, the nearest by their chords, of which the nearest place is looked for.
+const NEAREST_PIECES: usize = 4;
 /// Steps of Newton's method.
 const STEPS: usize = 30;
 /// Share of a panel's parameters by which differences for derivatives are taken: the root of rounding's share.
@@ -142,8 +188,9 @@ const AS_GOOD: f64 = 3.0;
 
 impl Sheet {
     fn new(panel: PanelPatch, map: Map, own: Motion) -> Self {
-        let mut out = Self { panel, map, own, flat: Vec::new(), seeds: Vec::new() };
+        let mut out = Self { panel, map, own, flat: Vec::new(), seeds: Vec::new(), border: Vec::new() };
         out.flat = out.images();
+        out.border = out.border_pieces();
         let start = [f64::INFINITY, f64::NEG_INFINITY, f64::INFINITY, f64::NEG_INFINITY];
         let b = out
             .panel
@@ -176,6 +223,20 @@ impl Sheet {
         };
         let image = |l: &Vec<[f64; 2]>| (0..l.len()).flat_map(|k| side(l[k], l[(k + 1) % l.len()])).collect();
         self.panel.loops.iter().map(image).collect()
+    }
+
+    fn border_pieces(&self) -> Vec<BorderPiece> {
+        let surface = &self.panel.surface;
+        let ((u0, u1), (v0, v1)) = surface.domain();
+        let side = |a: [f64; 2], b: [f64; 2]| {
+            let share = ((b[0] - a[0]) / (u1 - u0)).abs().max(((b[1] - a[1]) / (v1 - v0)).abs());
+            let parts = (PARTS * share).ceil().max(1.0) as usize;
+            let at = move |i: usize| [0, 1].map(|d: usize| a[d] + (b[d] - a[d]) * i as f64 / parts as f64);
+            (0..parts).map(move |i| [at(i), at(i + 1)])
+        };
+        let piece = |uv: [[f64; 2]; 2]| BorderPiece { uv, ends: uv.map(|c| surface.point(c[0], c[1])) };
+        let loops = self.panel.loops.iter();
+        loops.flat_map(|l| (0..l.len()).flat_map(|k| side(l[k], l[(k + 1) % l.len()])).map(piece)).collect()
     }
 
     /// Image before the whole is moved.
@@ -246,11 +307,12 @@ impl Sheet {
 }
 
 impl Atlas {
-    /// Panels that share rulings, each after the one that it is joined to; a single panel is a chain of one.
+    /// Panels that share rulings, each after the one that it is joined to; a single panel is a chain of one. Drawn is what
+    /// lies `beside` them (mm), on that side of the first patch to which `e × R_t` points (see [`Development::new`]).
     ///
     /// # Errors
     /// Patches that are not regular, panels that share no ruling with those before them.
-    pub fn developed(panels: Vec<PanelPatch>) -> Result<Self, AtlasError> {
+    pub fn developed(panels: Vec<PanelPatch>, beside: f64) -> Result<Self, AtlasError> {
         let mut sheets: Vec<Sheet> = Vec::new();
         let size = panels.iter().map(|p| p.surface.bbox().diagonal()).fold(0.0, f64::max);
         for panel in panels {
@@ -259,7 +321,7 @@ impl Atlas {
                     name: panel.name.clone(),
                     reason: e.to_string(),
                 };
-                Development::new(&panel.surface, side).map(|d| Map::Developed(Box::new(d))).map_err(fault)
+                Development::offset(&panel.surface, side, beside).map(|d| Map::Developed(Box::new(d))).map_err(fault)
             };
             if sheets.is_empty() {
                 let map = map(1.0)?;
@@ -290,19 +352,14 @@ impl Atlas {
         Self::of(sheets)
     }
 
-    /// Faces of one sheet, with `thickness` (mm, 0 for surfaces) below the skin given.
+    /// Faces of one sheet, with the thickness (mm, 0 for surfaces) of every one below the skin given.
     ///
     /// # Errors
     /// Faces that cannot be laid beside each other.
-    pub fn unfolded(faces: &[Face], k: &KFactor, thickness: f64) -> Result<Self, AtlasError> {
+    pub fn unfolded(faces: &[Face], k: &KFactor, thickness: Vec<f64>) -> Result<Self, AtlasError> {
         let body = Body::joined(faces.iter().collect(), BESIDE);
         let skin: Vec<usize> = (0..faces.len()).collect();
-        let asked = UnfoldOptions {
-            k: k.clone(),
-            tolerance: FOUND.sqrt() * body.size,
-            thickness: vec![thickness; faces.len()],
-            joins: Joins::All,
-        };
+        let asked = UnfoldOptions { k: k.clone(), tolerance: FOUND.sqrt() * body.size, thickness, joins: Joins::All };
         let (pieces, left) = unfold(&body, &skin, &asked);
         if let Some(f) = left.first().map(|k| &faces[*k]) {
             return Err(AtlasError::Panel { name: f.name.clone(), reason: "it has no closed chart".into() });
@@ -386,17 +443,14 @@ impl Atlas {
                     offer(at.at, at.distance);
                 }
             }
-            // The nearest place of the edge.
-            for l in &s.panel.loops {
-                for k in 0..l.len() {
-                    let (a, b) = (l[k], l[(k + 1) % l.len()]);
-                    let [p, q] = [a, b].map(|c| s.panel.surface.point(c[0], c[1]));
-                    let d = q - p;
-                    let share = ((x - p).dot(&d) / d.norm_squared()).clamp(0.0, 1.0);
-                    if share.is_finite() {
-                        offer([0, 1].map(|i| a[i] + (b[i] - a[i]) * share), (p + d * share - x).norm());
-                    }
-                }
+            let mut pieces: Vec<(f64, &BorderPiece)> = s.border.iter().map(|p| (p.chord(x).1, p)).collect();
+            let count = NEAREST_PIECES.min(pieces.len());
+            if count < pieces.len() {
+                pieces.select_nth_unstable_by(count, |a, b| a.0.total_cmp(&b.0));
+            }
+            for (_, piece) in &pieces[..count] {
+                let (uv, off) = piece.nearest(&s.panel.surface, x);
+                offer(uv, off);
             }
         }
         best

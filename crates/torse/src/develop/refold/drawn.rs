@@ -45,6 +45,8 @@ pub struct FlatPart {
     pub bends: Vec<SheetRow>,
     /// By how much bend lines were shortened at both ends, mm.
     pub inset: f64,
+    /// Thickness (mm) of a body of sheet, of which the neutral fibre is drawn; 0 for surfaces and where nothing is said.
+    pub thickness: f64,
     /// The last digit of lengths in the bend table, mm.
     pub printed: f64,
     /// Distance of the polygons from the lines and arcs of the file, mm.

@@ -26,6 +26,16 @@ pub enum RefoldError {
         /// Number of the first line, from 1.
         line: usize,
     },
+    /// A rolled face of a sheet whose neutral fibre, and not whose skin, is drawn.
+    #[error(
+        "its bend lines from {line} on are those of a cone or another rolled face without one radius, in a sheet with thickness: \
+         the neutral fibre that is drawn there is not bent back to the skin; unroll the face without thickness (--surfaces) to \
+         check it"
+    )]
+    Neutral {
+        /// Number of the first line, from 1.
+        line: usize,
+    },
     /// An outline that crosses or touches itself.
     #[error("its outline {contour} crosses or touches itself near ({x:.4}, {y:.4}) mm; draw it again without")]
     Outline {

@@ -59,7 +59,7 @@ struct Edge {
 pub fn refold(part: &FlatPart) -> Result<Refolded, RefoldError> {
     part.check()?;
     let (mut zones, mut edges, mut chords) = (Vec::new(), Vec::new(), Vec::new());
-    let thickness = thickness(&part.bends);
+    let thickness = if part.thickness > 0.0 { part.thickness } else { thickness(&part.bends) };
     for row in &part.bends {
         let Some((mut zone, lines)) = zone_of(part, row, thickness)? else { continue };
         let last = zone.edges.len() - 1;

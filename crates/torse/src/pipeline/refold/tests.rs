@@ -3,10 +3,12 @@
 use super::{refold, RefoldReport};
 use crate::brep::face::Face;
 use crate::control::Control;
-use crate::develop::unfold::specimens::{rectangle, round_surface};
+use crate::develop::unfold::allowance::KFactor;
+use crate::develop::unfold::specimens::{rectangle, rolled_cone, round_surface};
 use crate::geom::Vec3;
 use crate::io::model::Model;
 use crate::pipeline::deliver::files;
+use crate::pipeline::map_artwork::{read_map, Side};
 use crate::pipeline::unroll::{unroll, UnrollOptions};
 use std::collections::HashMap;
 
@@ -29,6 +31,33 @@ fn all_within(report: &RefoldReport, panels: usize, bound: f64) {
     assert_eq!(of.len(), panels, "{:?}", report.parts);
     assert!(of.iter().all(|p| p.distance_bound.is_some_and(|b| b < bound)), "{of:?}");
     assert!(report.parts.iter().all(|p| p.matched_estimate < 0.1 * bound), "{:?}", report.parts);
+}
+
+/// Places go to the neutral fibre that is drawn, also where no row of the bend table has one radius; such parts are not bent back.
+#[test]
+fn places_on_a_rolled_cone_go_to_its_neutral_fibre() {
+    let (t, k, radius, slope, height, turn) = (2.0, 0.4, 20.0, 0.5_f64, 60.0, 1.8);
+    let faces = rolled_cone(t, (radius, slope), height, turn);
+    let model = Model { faces, skipped: vec![], unit: "millimetre".into(), notes: vec![], products: vec![] };
+    let options = UnrollOptions { k: KFactor::Ansi(k), ..UnrollOptions::new(TOLERANCE) };
+    let mut answer = unroll(&model, &options, &Control::default()).expect("parts");
+    let made: HashMap<String, Vec<u8>> =
+        files(&mut answer, "2026-01-31T12:00:00").expect("files").into_iter().collect();
+    let map = read_map(&|name| made.get(name).cloned(), None, None).expect("a map");
+    let (sin, cos) = slope.atan().sin_cos();
+    // At the wide end of the outside, corners included.
+    let (outer, z) = (radius + slope * height + t * cos, height - t * sin);
+    let at = |angle: f64| (1, Vec3::new(outer * angle.cos(), outer * angle.sin(), z));
+    let angles: Vec<f64> = (0..=12).map(|i| turn * f64::from(i) / 12.0).collect();
+    let found = map.points(&angles.iter().map(|a| at(*a)).collect::<Vec<_>>(), Side::Flat);
+    let places: Vec<Vec3> = found.iter().map(|r| r.place.expect("a place on the part")).collect();
+    let neutral = (radius + slope * height + k * t * cos) / sin;
+    for (place, angle) in places.iter().zip(&angles) {
+        let chord = 2.0 * neutral * (0.5 * angle * sin).sin();
+        assert!(((place - places[0]).norm() - chord).abs() < 1e-6, "{angle}: {} {chord}", (place - places[0]).norm());
+    }
+    let left = refold(&|name| made.get(name).cloned()).expect("an answer").report().left;
+    assert!(left.len() == 1 && left[0][1].contains("neutral fibre"), "{left:?}");
 }
 
 /// Rolled over a full turn: one region with all its rulings, not one for every line.
