@@ -167,6 +167,32 @@ fn damaged_files_are_named_and_drawings_replace_each_other() {
     assert!(answer.report().left[0][1].contains("panels.step is missing"));
 }
 
+/// Places on the last ruling of a fan, beside its tip, as a table of nine digits has them.
+#[test]
+fn rounded_places_on_the_border_beside_a_tip_are_found() {
+    let corner = Vec3::new(0.0, 0.0, 0.0);
+    let arc: Vec<Vec3> = (0..=24)
+        .map(|k| 1.2 * f64::from(k) / 24.0)
+        .map(|a| Vec3::new(300.0 * a.cos(), 300.0 * a.sin(), 400.0))
+        .collect();
+    let low = Rail::polyline("low", &[Vec3::new(-200.0, 0.0, 0.0), corner, Vec3::new(0.0, -200.0, 0.0)]);
+    let (low, high) = (low.expect("a rail"), Rail::through("high", &arc).expect("a rail"));
+    let mut answer = torse::loft(&low, &high, &Loft::new(0.05), &Control::default()).expect("strips");
+    let files: Files = torse::files(&mut answer, "2026-01-31T12:00:00").expect("files").into_iter().collect();
+    let map = read_map(&|n| files.get(n).cloned(), None, None).expect("a map");
+    let ends = [arc[0], arc[24]];
+    let places: Vec<(usize, Vec3)> =
+        (1..=40).map(|k| (k, corner + (ends[k % 2] - corner) * (0.01 * k as f64))).collect();
+    let flat = map.points(&places, Side::Flat);
+    assert!(flat.iter().all(|r| r.distance < 1e-6), "{flat:?}");
+    let rounded = |x: f64| (x * 1e9).round() / 1e9;
+    let drawn: Vec<(usize, Vec3)> = flat.iter().map(|r| (r.line, r.place.expect("a place").map(rounded))).collect();
+    for (r, x) in map.points(&drawn, Side::Space).iter().zip(&places) {
+        let off = r.place.map(|p| (p - x.1).norm());
+        assert!(off.is_some_and(|o| o < 1e-6), "{r:?} {off:?}");
+    }
+}
+
 /// Places on the rim of a cylinder, between the ends of its arcs, are on it and keep their distances.
 #[test]
 fn places_on_borders_are_on_the_part() {

@@ -249,7 +249,7 @@ impl Sheet {
     }
 
     /// Parameters whose image is nearest to a point, and how far it is; those on the patch where there are some: beside an apex
-    /// places beyond the patch have the same images.
+    /// places beyond the patch have the same images, and at it no search leads anywhere.
     fn inverse(&self, q: &Vec2, size: f64) -> ([f64; 2], f64) {
         let far = |s: &([f64; 2], Vec2)| (s.1 - q).norm_squared();
         let ((u0, u1), (v0, v1)) = self.panel.surface.domain();
@@ -265,8 +265,17 @@ impl Sheet {
         }
         let mut seeds: Vec<_> = self.seeds.iter().collect();
         seeds.sort_by(|a, b| far(a).total_cmp(&far(b)));
-        let on = seeds.iter().take(STARTS).map(|s| self.followed(q, s.0, (size, 0.0))).find(|f| found(*f));
-        on.unwrap_or(first)
+        let mut best = first;
+        for seed in seeds.iter().take(STARTS) {
+            let next = self.followed(q, seed.0, (size, 0.0));
+            if next.1 < best.1 {
+                best = next;
+            }
+            if found(next) {
+                return next;
+            }
+        }
+        best
     }
 
     /// Newton's method towards a point from given parameters, which keep to the patch and a share of it beyond.
