@@ -88,7 +88,8 @@ pub fn panels(file: &dyn Fn(&str) -> Option<Vec<u8>>, job: &str) -> Result<Panel
     let trimmed = job == "fit" && step::own::faces(&bytes).is_ok();
     if trimmed || matches!(job, "approximate" | "unroll" | "cones") {
         let model = step::read(&bytes).map_err(|e| fault(e.to_string()))?;
-        let named = model.faces.into_iter().map(|f| (plain(&f.name), f));
+        let name = |f: &Face| if job == "cones" { of_chain(plain(&f.name)) } else { plain(&f.name) };
+        let named = model.faces.into_iter().map(|f| (name(&f), f));
         return Ok(Panels::Faces(named.collect()));
     }
     let strips = step::own::strips(&bytes).map_err(fault)?;
@@ -112,6 +113,14 @@ pub(crate) fn read_bound(panels: &Panels, part: &ResultPart, aim: f64) -> UpperB
 /// A name without the words that warn of cutting.
 fn plain(name: &str) -> String {
     name.strip_suffix(NOT_CERTIFIED).map_or(name, str::trim_end).to_owned()
+}
+
+/// The name of a panel without its kind, which the faces of chains of cones have behind it.
+fn of_chain(name: String) -> String {
+    match name.rsplit_once(' ') {
+        Some((panel, "cone" | "cylinder" | "plane")) => panel.to_owned(),
+        _ => name,
+    }
 }
 
 /// An untrimmed strip as a panel.
@@ -190,6 +199,10 @@ pub(crate) fn atlases(
         let better = |a: &Result<Vec<Atlas>, AtlasError>| a.as_ref().map_or(f64::INFINITY, |a| a[0].alignment);
         all.min_by(|a, b| better(a).total_cmp(&better(b))).unwrap_or(Err(AtlasError::Empty))
     };
+    let chain = |own: &[Face]| developed(own.iter().map(of_face).collect());
+    let unfolded = |own: &[Face], k: &KFactor, thickness: Vec<f64>| {
+        Atlas::unfolded(own, k, thickness).and_then(|a| a.aligned(flat))
+    };
     let found = match panels {
         Panels::Strips(all) => {
             let own: Result<Vec<PanelPatch>, String> =
@@ -201,10 +214,12 @@ pub(crate) fn atlases(
                 part.record.panels.iter().map(|n| all.get(n).cloned().ok_or_else(|| missing(n))).collect();
             let own = own?;
             match folder.report.job.as_str() {
-                "approximate" | "fit" => developed(own.iter().map(of_face).collect()),
+                "approximate" | "fit" => chain(&own),
+                // One after the other; a pipe is cut open where the chain begins.
+                "cones" => chain(&own).or_else(|_| unfolded(&own, &KFactor::default(), vec![0.0; own.len()])),
                 _ => {
                     let (k, thickness) = neutral(part, own.len())?;
-                    Atlas::unfolded(&own, &k, thickness).and_then(|a| a.aligned(flat))
+                    unfolded(&own, &k, thickness)
                 }
             }
         }
