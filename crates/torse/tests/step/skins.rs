@@ -169,6 +169,17 @@ fn a_plate_has_two_skins_and_each_can_be_had_alone() {
     assert!((thickness - 2.0).abs() < 1e-3 && faces.iter().sum::<usize>() == 6, "{offered:?}");
 }
 
+/// What is laid flat as a sheet has skins, also where faces of narrow flanges belong to one and bound the other.
+#[test]
+fn bodies_with_narrow_flanges_have_two_skins() {
+    for (model, count) in [(bent_both_ways(), 3), (tray(), 5)] {
+        for side in [Skin::Outer, Skin::Inner] {
+            let one = selected(model.clone(), &skin(side)).expect("a skin");
+            assert_eq!(one.faces.len(), count, "{side:?} {:?}", one.notes);
+        }
+    }
+}
+
 #[test]
 fn a_block_is_no_sheet() {
     let e = selected(block([100.0, 100.0, 90.0]), &skin(Skin::Outer)).expect_err("no sheet");
