@@ -77,6 +77,19 @@ fn cones_up_to_their_tips_are_proven() {
     }
 }
 
+/// Plane quadrilaterals of one strip, which meet in folds, some of them nearly triangles: each is judged with its own part.
+#[test]
+fn all_quadrilaterals_of_a_strip_are_proven() {
+    let strip =
+        torse::io::quads::read("hood.csv", include_bytes!("../../../data/hood_strip.csv"), None).expect("a strip");
+    let mut answer = torse::planarise(&strip, &torse::Planarise::new(0.01), &Control::default()).expect("plane pieces");
+    let files: Files = torse::files(&mut answer, "2026-01-31T12:00:00").expect("files").into_iter().collect();
+    let answer = refold(&|n| files.get(n).cloned()).expect("an answer");
+    let report = answer.report();
+    assert_eq!(report.parts[0].panels.len(), 10, "{report:?}");
+    assert!(report.parts[0].distance_bound.is_some_and(|b| b < 0.1), "{report:?}");
+}
+
 /// Results of cones have their panels in a file of their own, named by their kinds.
 #[test]
 fn chains_of_cones_are_bent_back_and_carry_points() {
