@@ -42,6 +42,9 @@ fn reading_hint(error: &ReadError) -> &'static str {
         ReadError::Step(step::ReadError::NoUsableFaces { .. })
         | ReadError::Iges(iges::ReadError::NoUsableFaces { .. })
         | ReadError::ThreeDm(threedm::ReadError::NoUsableFaces { .. }) => REPAIR,
+        ReadError::Step(step::ReadError::Unit { .. }) => {
+            "write its unit as SI_UNIT(.MILLI.,.METRE.) or convert from it"
+        }
         ReadError::Step(step::ReadError::NotStep(_)) => "give a STEP, IGES or Rhino file",
         ReadError::Step(step::ReadError::Empty | step::ReadError::NoFaces { .. }) => {
             "export the surfaces as STEP (AP203, AP214 or AP242)"

@@ -77,6 +77,40 @@ fn cones_up_to_their_tips_are_proven() {
     }
 }
 
+/// Plane quadrilaterals of one strip, which meet in folds, some of them nearly triangles: each is judged with its own part.
+#[test]
+fn all_quadrilaterals_of_a_strip_are_proven() {
+    let strip =
+        torse::io::quads::read("hood.csv", include_bytes!("../../../data/hood_strip.csv"), None).expect("a strip");
+    let mut answer = torse::planarise(&strip, &torse::Planarise::new(0.01), &Control::default()).expect("plane pieces");
+    let files: Files = torse::files(&mut answer, "2026-01-31T12:00:00").expect("files").into_iter().collect();
+    let answer = refold(&|n| files.get(n).cloned()).expect("an answer");
+    let report = answer.report();
+    assert_eq!(report.parts[0].panels.len(), 10, "{report:?}");
+    assert!(report.parts[0].distance_bound.is_some_and(|b| b < 0.1), "{report:?}");
+}
+
+/// Results of cones have their panels in a file of their own, named by their kinds.
+#[test]
+fn chains_of_cones_are_bent_back_and_carry_points() {
+    let model = torse::read(include_bytes!("../../../data/cone_holes.step")).expect("a cone");
+    let options = torse::ConesOptions::new(0.1, "hopper");
+    let mut answer = torse::cones(&model.faces, &model.skipped, &options, &Control::default()).expect("cones");
+    let files: Files = torse::files(&mut answer, "2026-01-31T12:00:00").expect("files").into_iter().collect();
+    let file = |n: &str| files.get(n).cloned();
+    let back = refold(&file).expect("an answer");
+    let report = back.report();
+    assert_eq!((report.parts.len(), report.left.len()), (1, 0), "{report:?}");
+    assert!(report.parts[0].matched_estimate < 0.05, "{report:?}");
+    let map = read_map(&file, None, None).expect("a map");
+    // A corner of its border, there and back.
+    let [u, v] = model.faces[0].loops[0].points[0];
+    let corner = model.faces[0].surface.point(u, v);
+    let flat = map.points(&[(1, corner)], Side::Flat)[0].place.expect("a place");
+    let back = map.points(&[(1, flat)], Side::Space)[0].place.expect("a place");
+    assert!((back - corner).norm() < 0.2, "{back:?} {corner:?}");
+}
+
 /// About the tip of a shallow cone places beyond its patch have the same images as those on it.
 #[test]
 fn points_beside_the_tip_of_a_shallow_cone_go_there_and_back() {

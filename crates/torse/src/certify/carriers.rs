@@ -1,6 +1,7 @@
 //! A face against the plane, cylinder or cone that it is laid flat as.
 //!
-//! *Theorem*. Every point of the face's surface within its Bézier patches is within the bound of the carrier. *Proof.* The
+//! *Theorem*. Every point of the face's surface within those of its Bézier patches that a box around its trim meets is within the bound
+//! of the carrier. *Proof.* The
 //! carrier is the zero set of a function of degree 1 or 2 in homogeneous coordinates; put into it, a patch becomes a
 //! polynomial whose Bernstein coefficients enclose it, and so does the weight. Divided by the gradient of the function,
 //! which is bounded from below, that is a distance. Patches come from knot insertion, whose
@@ -22,10 +23,16 @@ use crate::spline::surface::Surface;
 /// control points: a thousand times what some twenty convex combinations of doubles do.
 const ROUNDING: f64 = 1e-12;
 
-/// Bound of the distance (mm) of all points of a surface from the carrier of the map by which it is laid flat; unknown
-/// where a weight is not positive.
-pub(crate) fn distance_from_carrier(surface: &Surface, map: &ClosedMap) -> UpperBound {
-    distance_of_patches(&surface.bezier_patches(), surface.bbox().diagonal(), map)
+/// Bound of the distance (mm) of the points of a surface within parameters `[u0, u1, v0, v1]` from the carrier of the map by which it
+/// is laid flat; unknown where a weight is not positive, and where no patch lies there.
+pub(crate) fn distance_from_carrier(surface: &Surface, within: &[f64; 4], map: &ClosedMap) -> UpperBound {
+    let mut patches = surface.bezier_patches();
+    // What only touches the box has a neighbour there.
+    patches.retain(|p| p.u.1 > within[0] && p.u.0 < within[1] && p.v.1 > within[2] && p.v.0 < within[3]);
+    match patches.is_empty() {
+        true => UpperBound::UNKNOWN,
+        false => distance_of_patches(&patches, surface.bbox().diagonal(), map),
+    }
 }
 
 /// Share of a strip's breadth by which places on its rulings may lie beside them: what rounding makes of them.
@@ -288,6 +295,9 @@ mod tests {
     use super::*;
     use crate::brep::support_surface::SupportSurface;
 
+    /// More than any domain here.
+    const ALL: [f64; 4] = [-1e3, 1e3, -1e3, 1e3];
+
     fn part(s: &SupportSurface) -> Surface {
         s.to_spline((0.2, 2.4), (10.0, 60.0)).expect("a spline").0
     }
@@ -296,13 +306,14 @@ mod tests {
     fn exact_cylinders_and_cones_keep_to_themselves_and_others_are_seen() {
         let frame = Frame::world();
         let pipe = part(&SupportSurface::Cylinder { frame, radius: 25.0 });
-        let bound =
-            |radius: f64| distance_from_carrier(&pipe, &ClosedMap::Cylinder { frame, radius, reach: radius }).value();
+        let bound = |radius: f64| {
+            distance_from_carrier(&pipe, &ALL, &ClosedMap::Cylinder { frame, radius, reach: radius }).value()
+        };
         assert!(bound(25.0) < 1e-9, "{}", bound(25.0));
         // Wrong by a hundredth of a millimetre: never less than the truth, and not much more.
         assert!((0.01..0.03).contains(&bound(25.01)), "{}", bound(25.01));
         let moved = Frame { origin: Vec3::new(0.02, 0.0, 0.0), ..frame };
-        let off = distance_from_carrier(&pipe, &ClosedMap::Cylinder { frame: moved, radius: 25.0, reach: 25.0 });
+        let off = distance_from_carrier(&pipe, &ALL, &ClosedMap::Cylinder { frame: moved, radius: 25.0, reach: 25.0 });
         assert!((0.0199..0.1).contains(&off.value()), "{off:?}");
     }
 
@@ -339,7 +350,22 @@ mod tests {
             let points = [[0.0, 0.0, 0.0], [0.0, 80.0, z], [90.0, 0.0, 0.0], [90.0, 80.0, 0.0]].map(Vec3::from);
             Surface::new(knots(), knots(), &points, None).expect("a surface")
         };
-        let bound = |z: f64| distance_from_carrier(&flat(z), &ClosedMap::Plane(frame)).value();
+        let bound = |z: f64| distance_from_carrier(&flat(z), &ALL, &ClosedMap::Plane(frame)).value();
         assert!(bound(0.0) < 1e-9 && bound(0.5) >= 0.5 && bound(0.5) < 0.51);
+    }
+    /// A profile of three chords, of which the trim uses the middle one.
+    #[test]
+    fn what_a_surface_is_beyond_its_trim_does_not_matter() {
+        let knots = |breaks: &[f64]| crate::spline::knots::Knots::clamped(1, breaks).expect("knots");
+        let profile = [[0.0, 4.0], [1.0, 0.0], [16.0, 0.0], [17.0, -1.0]];
+        let points: Vec<Vec3> = profile.iter().flat_map(|[x, z]| [0.0, 50.0].map(|y| Vec3::new(*x, y, *z))).collect();
+        let surface =
+            Surface::new(knots(&[0.0, 1.0, 16.0, 17.0]), knots(&[0.0, 1.0]), &points, None).expect("a surface");
+        let bound = |u0: f64, u1: f64| {
+            distance_from_carrier(&surface, &[u0, u1, 0.2, 0.9], &ClosedMap::Plane(Frame::world())).value()
+        };
+        assert!(bound(1.0, 16.0) < 1e-9 && bound(2.0, 9.0) < 1e-9);
+        assert!(bound(0.9, 16.0) >= 0.4 && bound(2.0, 16.5) >= 0.5);
+        assert!(bound(20.0, 30.0).is_infinite() && bound(f64::NAN, 3.0).is_infinite());
     }
 }

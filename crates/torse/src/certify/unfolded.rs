@@ -122,7 +122,7 @@ const EDGE_AIM: f64 = 0.01;
 /// Judges a part; `tolerance` (mm) says how fine is fine enough.
 pub fn unfolded(part: &Unfolded, tolerance: f64) -> UnfoldedProof {
     let off = |face: usize| match &part.maps[face] {
-        Some(m) => distance_from_carrier(part.surfaces[face], m),
+        Some(m) => distance_from_carrier(part.surfaces[face], &part.bounds[face], m),
         None if are_whole(&part.strips[face], &part.bounds[face]) => {
             UpperBound::largest(part.strips[face].iter().map(|s| distance_of_strip(part.surfaces[face], s)))
         }

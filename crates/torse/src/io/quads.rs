@@ -101,6 +101,7 @@ mod tests {
         assert!(message("s.csv", "0 0 0 0 1 0\n1 0 0 1 1\n").contains("line 2"));
         assert!(message("s.csv", "0 0 0 0 1 0\n1 0 0 1 1 x\n").contains("'x' is not a number"));
         assert!(message("s.csv", "0 0 0 0 1 0\n1 0 0 1 1 inf\n").contains("finite"));
+        assert!(message("s.csv", "0 0 0 0 1 0\n1 0 0 1 1e300 0\n").starts_with("line 2: a coordinate, 1e300,"));
         assert!(message("s.csv", "0 0 0\n1 0 0\n").contains("empty line"));
         assert!(message("s.csv", "0 0 0\n1 0 0\n\n0 1 0\n").contains("as many on both sides"));
         assert!(message("s.csv", "0 0 0\n1 0 0\n\n0 1 0\n1 1 0\n\n2 2 2\n").contains("third"));

@@ -300,11 +300,16 @@ impl Table<'_> {
     /// The unit that headings name for these columns, mm.
     ///
     /// # Errors
-    /// Different units.
+    /// Different units, and headings of which only some say one.
     pub fn unit(&self, columns: &[usize]) -> Result<Option<f64>, Fault> {
-        let mut units = columns.iter().filter_map(|k| self.headings.get(*k)?.unit);
-        let first = units.next();
-        if units.any(|u| Some(u) != first) {
+        let units: Vec<Option<f64>> = columns.iter().filter_map(|k| Some(self.headings.get(*k)?.unit)).collect();
+        let first = units.iter().copied().flatten().next();
+        if first.is_some() && units.contains(&None) {
+            let reason =
+                format!("only some of the columns {} name a unit; write it for all lengths, or for none", self.names());
+            return Err(Fault { line: self.head, reason });
+        }
+        if units.iter().any(|u| *u != first) {
             let reason = format!("columns have different units: {}; write all lengths in one", self.names());
             return Err(Fault { line: self.head, reason });
         }
@@ -562,6 +567,9 @@ mod tests {
         assert_eq!((columns.clone(), t.unit_or(&columns, None)), (vec![1, 2, 3], Ok(Some(1000.0))));
         assert!(t.unit_or(&columns, Some(1.0)).is_err());
         assert!(table("x_mm,y_in,z_mm\n1,2,3\n").expect("a table").unit(&[0, 1, 2]).is_err());
+        let some = table("x [m],y,z\n1,2,3\n").expect("a table");
+        assert!(some.unit(&[0, 1, 2]).expect_err("which?").reason.contains("only some of the columns x [m], y, z"));
+        assert_eq!((some.unit(&[1, 2]), some.unit(&[0])), (Ok(None), Ok(Some(1000.0))));
         assert!(text(&[0xff, 0xfe, 0x31, 0]).expect_err("UTF-16").reason.contains("UTF-8"));
         assert!(text(b"1,2\0,3").is_err());
         assert_eq!(text(b"\xef\xbb\xbf1,2,3").expect("text"), "1,2,3");

@@ -55,7 +55,7 @@ pub fn read_map(
         .map(|p| {
             let named = |e: String| (p.record.name.clone(), e);
             let flat = flat_part(p, true);
-            flat.check().map_err(|e| named(e.to_string()))?;
+            flat.check_slits().map_err(|e| named(e.to_string()))?;
             let found = atlases(&folder, &all, p, &flat).map_err(named)?;
             // Of ways that fit alike the bends tell the right one.
             let chosen = match (found.len(), refolded(&flat)) {

@@ -1,5 +1,7 @@
 //! Parts of a result with their panels in space and their flat patterns: what refolding and carrying artwork begin with.
 
+mod strips;
+
 use crate::brep::face::Face;
 use crate::certify::claim::UpperBound;
 use crate::certify::trims::trim_proof;
@@ -8,15 +10,11 @@ use crate::develop::refold::drawn::{chord_height, polygon, BendLine, FlatPart, S
 use crate::develop::refold::leaf::Refolded;
 use crate::develop::refold::{course, sheet, RefoldError};
 use crate::develop::unfold::allowance::KFactor;
-use crate::draw::scene::NOT_CERTIFIED;
-use crate::geom::{Frame, Vec3};
 use crate::io::bundle::{CONES, PANELS};
 use crate::io::result_folder::{ResultFolder, ResultPart};
 use crate::io::step::read as step;
-use crate::patchwork::written::{WrittenBase, WrittenStrip};
-use crate::spline::knots::Knots;
-use crate::spline::surface::Surface;
 use std::collections::HashMap;
+use strips::{panel_of, plain};
 
 /// The part as its drawing and its table have it: `exact` takes the unrounded numbers of the report where they are there.
 pub(crate) fn flat_part(part: &ResultPart, exact: bool) -> FlatPart {
@@ -88,7 +86,8 @@ pub fn panels(file: &dyn Fn(&str) -> Option<Vec<u8>>, job: &str) -> Result<Panel
     let trimmed = job == "fit" && step::own::faces(&bytes).is_ok();
     if trimmed || matches!(job, "approximate" | "unroll" | "cones") {
         let model = step::read(&bytes).map_err(|e| fault(e.to_string()))?;
-        let named = model.faces.into_iter().map(|f| (plain(&f.name), f));
+        let name = |f: &Face| if job == "cones" { of_chain(plain(&f.name)) } else { plain(&f.name) };
+        let named = model.faces.into_iter().map(|f| (name(&f), f));
         return Ok(Panels::Faces(named.collect()));
     }
     let strips = step::own::strips(&bytes).map_err(fault)?;
@@ -109,60 +108,12 @@ pub(crate) fn read_bound(panels: &Panels, part: &ResultPart, aim: f64) -> UpperB
     }
 }
 
-/// A name without the words that warn of cutting.
-fn plain(name: &str) -> String {
-    name.strip_suffix(NOT_CERTIFIED).map_or(name, str::trim_end).to_owned()
-}
-
-/// An untrimmed strip as a panel.
-fn panel_of(s: &WrittenStrip) -> Result<PanelPatch, String> {
-    let named = |e: String| format!("face {}: {e}", s.name);
-    match &s.surface {
-        WrittenBase::Spline(w) => {
-            let points: Vec<Vec3> = w.points.iter().map(|p| Vec3::from(*p)).collect();
-            let weights = (!w.weights.is_empty()).then_some(&w.weights[..]);
-            let [u, v] = w.knots.clone();
-            let surface = Surface::new(u, v, &points, weights).map_err(|e| named(e.to_string()))?;
-            let ((a, b), (c, d)) = surface.domain();
-            let breaks = surface.knots_u.breaks();
-            // Rails bend: enough corners that chords tell inside from outside.
-            let mut along: Vec<f64> = breaks
-                .windows(2)
-                .flat_map(|w| (0..RAIL).map(|k| w[0] + (w[1] - w[0]) * k as f64 / RAIL as f64))
-                .collect();
-            along.push(b);
-            let rail: Vec<[f64; 2]> = along.iter().map(|u| [*u, c]).collect();
-            let back = along.iter().rev().map(|u| [*u, d]);
-            let loops = vec![rail.into_iter().chain(back).collect()];
-            Ok(PanelPatch { name: plain(&s.name), surface, loops, corners: vec![[a, c], [b, c], [b, d], [a, d]] })
-        }
-        WrittenBase::Plane { point, normal } => {
-            let vertices: Vec<Vec3> = s.sides.iter().map(|e| Vec3::from(e.vertices[usize::from(!e.forward)])).collect();
-            plane_panel(&plain(&s.name), Vec3::from(*point), Vec3::from(*normal), &vertices)
-                .ok_or_else(|| named("the plane has no corners".into()))
-        }
-        WrittenBase::Cylinder { .. } | WrittenBase::Cone { .. } => Err(named("it is no strip".into())),
+/// The name of a panel without its kind, which the faces of chains of cones have behind it.
+fn of_chain(name: String) -> String {
+    match name.rsplit_once(' ') {
+        Some((panel, "cone" | "cylinder" | "plane")) => panel.to_owned(),
+        _ => name,
     }
-}
-
-/// Points on a rail from knot to knot.
-const RAIL: usize = 24;
-
-/// A plane polygon as a panel.
-fn plane_panel(name: &str, point: Vec3, normal: Vec3, vertices: &[Vec3]) -> Option<PanelPatch> {
-    let z = normal.try_normalize(0.0)?;
-    let x = (vertices.get(1)? - vertices.first()?).try_normalize(0.0)?;
-    let x = (x - z * z.dot(&x)).try_normalize(0.0)?;
-    let frame = Frame { origin: point, x, y: z.cross(&x), z };
-    let local: Vec<[f64; 2]> = vertices.iter().map(|v| frame.to_local(v)).map(|q| [q.x, q.y]).collect();
-    let span =
-        |k: usize| local.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |b, p| [b[0].min(p[k]), b[1].max(p[k])]);
-    let ([a, b], [c, d]) = (span(0), span(1));
-    let corner = |x: f64, y: f64| frame.to_world(&Vec3::new(x, y, 0.0));
-    let points = [corner(a, c), corner(a, d), corner(b, c), corner(b, d)];
-    let knots = |lo: f64, hi: f64| Knots::clamped(1, &[lo, hi]).ok();
-    let surface = Surface::new(knots(a, b)?, knots(c, d)?, &points, None).ok()?;
-    Some(PanelPatch { name: name.into(), surface, loops: vec![local.clone()], corners: local })
 }
 
 /// Share of the tolerance by which drawings may differ from the panels laid flat, and what the digits of a drawing leave open
@@ -190,6 +141,10 @@ pub(crate) fn atlases(
         let better = |a: &Result<Vec<Atlas>, AtlasError>| a.as_ref().map_or(f64::INFINITY, |a| a[0].alignment);
         all.min_by(|a, b| better(a).total_cmp(&better(b))).unwrap_or(Err(AtlasError::Empty))
     };
+    let chain = |own: &[Face]| developed(own.iter().map(of_face).collect());
+    let unfolded = |own: &[Face], k: &KFactor, thickness: Vec<f64>| {
+        Atlas::unfolded(own, k, thickness).and_then(|a| a.aligned(flat))
+    };
     let found = match panels {
         Panels::Strips(all) => {
             let own: Result<Vec<PanelPatch>, String> =
@@ -201,10 +156,12 @@ pub(crate) fn atlases(
                 part.record.panels.iter().map(|n| all.get(n).cloned().ok_or_else(|| missing(n))).collect();
             let own = own?;
             match folder.report.job.as_str() {
-                "approximate" | "fit" => developed(own.iter().map(of_face).collect()),
+                "approximate" | "fit" => chain(&own),
+                // One after the other; a pipe is cut open where the chain begins.
+                "cones" => chain(&own).or_else(|_| unfolded(&own, &KFactor::default(), vec![0.0; own.len()])),
                 _ => {
                     let (k, thickness) = neutral(part, own.len())?;
-                    Atlas::unfolded(&own, &k, thickness).and_then(|a| a.aligned(flat))
+                    unfolded(&own, &k, thickness)
                 }
             }
         }

@@ -1,12 +1,15 @@
 //! Which faces of a model a job is for.
 
 use crate::answer::note::{BodyName, Note};
+use crate::brep::area::area_estimate;
+use crate::brep::body::Body;
 use crate::brep::face::Face;
+use crate::develop::unfold::sheet as unfolded;
 use crate::io::model::Model;
 use crate::io::words;
 pub use crate::patchwork::skins::Skin;
 use crate::patchwork::skins::{sheet, Sheet};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, HashSet};
 
 /// Faces that are wanted; default: all.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -73,7 +76,7 @@ fn some_of(names: &BTreeSet<String>) -> String {
 
 /// What could be asked for of a model of which everything is taken: a skin of each sheet that is drawn as a body.
 pub fn offers(model: &Model) -> Vec<Note> {
-    let all = sheets(&model.faces).into_iter();
+    let all = sheets(&model.faces, sheet).into_iter();
     all.map(|(faces, sheet)| offer(&model.faces, &faces, &sheet)).collect()
 }
 
@@ -126,15 +129,35 @@ pub fn selected(model: Model, selection: &Selection) -> Result<Model, SelectErro
     Ok(Model { faces, skipped, notes, ..model })
 }
 
-/// Bodies that are sheets: the indices of their faces, and the skins among these.
-fn sheets(faces: &[Face]) -> Vec<(Vec<usize>, Sheet)> {
+/// The skins of a body, as `torse unroll` tells them where rays do not: outside, a flange that is narrower than what it joins has
+/// one face with the end of that, which bounds one skin and is part of the other. What is neither skin nor side is in none of
+/// the lists.
+fn sheet_or_flanges(faces: &[&Face]) -> Option<Sheet> {
+    sheet(faces).or_else(|| {
+        let found = unfolded::sheet(&Body::new(faces.to_vec())).ok()?;
+        if found.thickness <= 0.0 || found.skins.iter().any(Vec::is_empty) {
+            return None;
+        }
+        let area = |s: &[usize]| s.iter().map(|k| area_estimate(faces[*k])).sum::<f64>();
+        let [mut outer, mut inner] = [0, 1].map(|k| found.whole_skin(k));
+        if area(&inner) > area(&outer) {
+            std::mem::swap(&mut outer, &mut inner);
+        }
+        let kept: HashSet<usize> = found.others.iter().chain(&outer).chain(&inner).copied().collect();
+        let sides = (0..faces.len()).filter(|k| !kept.contains(k)).collect();
+        Some(Sheet { thickness_estimate: found.thickness, outer, inner, sides })
+    })
+}
+
+/// Bodies that are sheets, as `of` tells them from their faces: the indices of these, and the skins among them.
+fn sheets(faces: &[Face], of: impl Fn(&[&Face]) -> Option<Sheet>) -> Vec<(Vec<usize>, Sheet)> {
     let mut bodies: BTreeMap<(u32, &str), Vec<usize>> = BTreeMap::new();
     for (k, f) in faces.iter().enumerate() {
         bodies.entry((f.body, f.part.as_str())).or_default().push(k);
     }
     let found = bodies.into_values().filter_map(|body| {
         let faces: Vec<&Face> = body.iter().map(|&k| &faces[k]).collect();
-        Some((body, sheet(&faces)?))
+        Some((body, of(&faces)?))
     });
     found.collect()
 }
@@ -154,7 +177,7 @@ fn offer(faces: &[Face], body: &[usize], sheet: &Sheet) -> Note {
 
 /// The faces of one skin of every sheet; bodies that are none stay whole.
 fn skins(faces: Vec<Face>, skin: Skin, notes: &mut Vec<Note>) -> Result<Vec<Face>, SelectError> {
-    let found = sheets(&faces);
+    let found = sheets(&faces, sheet_or_flanges);
     if found.is_empty() {
         let bodies: BTreeSet<(u32, &str)> = faces.iter().map(|f| (f.body, f.part.as_str())).collect();
         return Err(SelectError::NoSheet { bodies: bodies.len() });

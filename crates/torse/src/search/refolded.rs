@@ -10,12 +10,15 @@ use crate::certify::claim::UpperBound;
 use crate::certify::refolded::{distance, Along, Piece, Stretch, Unshown};
 use crate::develop::refold::atlas::{Atlas, OnPanel, Sheet};
 use crate::develop::refold::compare::samples;
-use crate::develop::refold::drawn::{inside, FlatPart};
+use crate::develop::refold::cut::{cut, Region};
+use crate::develop::refold::drawn::{bounds, inside, FlatPart};
 use crate::develop::refold::leaf::{Leaf, Refolded};
 use crate::geom::placement::Placement;
 use crate::geom::Vec2;
 use crate::torse::ribbon::pose::{Pose, Rates};
 use crate::torse::ribbon::{Ribbon, Span};
+use rayon::prelude::*;
+use std::ops::Range;
 
 /// Turn (rad) over a span that is judged at most.
 const FINE: f64 = 4e-3;
@@ -23,6 +26,9 @@ const FINE: f64 = 4e-3;
 const BEYOND: f64 = 1e-3;
 /// Rulings with so little of the part on them (share of its size) are looked at as if it were so much.
 const SHORT: f64 = 1e-3;
+
+/// Share of the size within which corners of a panel are on the ruling in which it ends.
+const ON_RULING: f64 = 1e-5;
 
 /// Why a part bent back was not compared with its panels, or no bound was shown.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -80,21 +86,16 @@ pub(crate) fn distance_bounds(
     motion: &Placement,
 ) -> Vec<PanelBound> {
     let mut found: Vec<Option<Result<UpperBound, NotRefolded>>> = vec![None; atlas.sheets.len()];
-    for leaf in refolded.leaves.iter().filter(|l| !l.is_taken_up()) {
+    let judged = |leaf: &Leaf| -> Vec<(usize, Result<UpperBound, NotRefolded>)> {
         let ribbon = fine(&leaf.ribbon, motion, &joints(&leaf.ribbon, atlas));
-        let tip = Tip::of(part, &ribbon, atlas);
-        let lines = leaf.loops.iter().map(|l| lifted(&ribbon, l, tip.as_ref())).collect::<Option<Vec<_>>>();
-        for (range, sheet) in stretches(part, leaf, &ribbon, atlas) {
-            let one = match &lines {
-                // A panel in two places has no one border.
-                Some(_) if found[sheet].is_some() => Err(NotRefolded::Several),
-                Some(lines) => {
-                    judged(&ribbon, lines, range, (part, atlas, sheet), tip.as_ref()).map_err(NotRefolded::from)
-                }
-                None => Err(NotRefolded::Beyond),
-            };
-            found[sheet] = Some(one);
-        }
+        let all = stretches(part, leaf, &ribbon, atlas);
+        let one = |(range, sheet): (Range<usize>, usize)| (sheet, judged(part, (leaf, &ribbon), range, (atlas, sheet)));
+        all.into_par_iter().map(one).collect()
+    };
+    let leaves: Vec<&Leaf> = refolded.leaves.iter().filter(|l| !l.is_taken_up()).collect();
+    for (sheet, one) in leaves.into_par_iter().map(judged).collect::<Vec<_>>().into_iter().flatten() {
+        // A panel in two places has no one border.
+        found[sheet] = Some(if found[sheet].is_some() { Err(NotRefolded::Several) } else { one });
     }
     let named = |(found, sheet): (Option<_>, &Sheet)| PanelBound {
         name: sheet.panel.name.clone(),
@@ -111,7 +112,10 @@ fn joints(ribbon: &Ribbon, atlas: &Atlas) -> Vec<f64> {
     for (sheet, s) in atlas.sheets.iter().enumerate() {
         let on = |uv: [f64; 2]| OnPanel { sheet, uv, off: 0.0 };
         if several {
-            places.extend(s.panel.corners.iter().map(|uv| on(*uv)));
+            // In the middle of their sides: a corner may be the tip in which many rulings meet.
+            let corners = &s.panel.corners;
+            let sides = corners.iter().zip(corners.iter().cycle().skip(1));
+            places.extend(sides.map(|(a, b)| on([0, 1].map(|d: usize| 0.5 * (a[d] + b[d])))));
         }
         let knots = &s.panel.surface.knots_u;
         let ways = || s.panel.loops.iter().flatten().map(|p| p[1]);
@@ -156,7 +160,7 @@ fn fine(ribbon: &Ribbon, motion: &Placement, cuts: &[f64]) -> Ribbon {
 }
 
 /// Share of a span within which places are one.
-const APART: f64 = 1e-6;
+const APART: f64 = 1e-3;
 /// Parts of one span at most.
 const MOST: f64 = 4096.0;
 
@@ -168,28 +172,25 @@ struct Tip {
 }
 
 impl Tip {
-    /// Where all rulings of a part on one panel meet.
-    fn of(part: &FlatPart, ribbon: &Ribbon, atlas: &Atlas) -> Option<Self> {
-        let [sheet] = &atlas.sheets[..] else { return None };
-        let size = part.size();
+    /// Where all rulings of a part on a panel meet, if they do so at an end of the panel.
+    fn of(size: f64, ribbon: &Ribbon, atlas: &Atlas, sheet: usize) -> Option<Self> {
         let meet = |s: &Span| {
             let (pose, rates) = (&s.flat, &s.in_plane);
             pose.at.xy() - pose.ruling().xy() * (rates.across / rates.spin)
         };
         let at = meet(ribbon.spans.get(ribbon.spans.len() / 2)?);
         let all = ribbon.spans.iter().all(|s| (meet(s) - at).norm() <= ONE_POINT * size);
-        let corners = sheet.panel.loops.iter().flatten();
+        let corners = atlas.sheets[sheet].panel.loops.iter().flatten();
         // Panels end a hair before their tips.
-        let hair = corners.map(|uv| (atlas.flat(&OnPanel { sheet: 0, uv: *uv, off: 0.0 }) - at).norm());
+        let hair = corners.map(|uv| (atlas.flat(&OnPanel { sheet, uv: *uv, off: 0.0 }) - at).norm());
         let around = (ROOM * hair.fold(f64::INFINITY, f64::min)).max(ONE_POINT * size);
         (all && around < SHORT * size).then_some(Self { at, around })
     }
 
-    /// The way on the ruling at a place that is as far from the tip as outlines keep, on the side of another way.
-    fn way(&self, ribbon: &Ribbon, t: f64, like: f64) -> f64 {
+    /// Way along the ruling at a place to the tip.
+    fn on(&self, ribbon: &Ribbon, t: f64) -> f64 {
         let pose = ribbon.flat(t);
-        let tip = (self.at - pose.at.xy()).dot(&pose.ruling().xy());
-        tip + self.around * (like - tip).signum()
+        (self.at - pose.at.xy()).dot(&pose.ruling().xy())
     }
 
     /// The corners of a polygon from the first one behind the tip to the last one before it, and those between these beside the
@@ -232,17 +233,27 @@ fn crossed(t: f64, u: f64) -> Vec<f64> {
     out
 }
 
+/// Diagonal of the box around a polygon, mm.
+fn size(polygon: &[Vec2]) -> f64 {
+    let first = polygon.first().copied().unwrap_or_else(Vec2::zeros);
+    let (lo, hi) = polygon.iter().fold((first, first), |(lo, hi), q| (lo.inf(q), hi.sup(q)));
+    (hi - lo).norm()
+}
+
 /// A closed polygon of the plane on the rulings: pieces from ruling to ruling, without their borders; around the tip of a
 /// cone, if it has one.
 fn lifted(ribbon: &Ribbon, polygon: &[Vec2], tip: Option<&Tip>) -> Option<Vec<Piece>> {
     let end = ribbon.end();
+    let slack = ON_RULING * size(polygon);
     let split = tip.and_then(|tip| Some((tip, tip.split(polygon)?)));
     let corners = split.as_ref().map_or(polygon, |s| &s.1 .0);
     let spots: Vec<Seen> = corners
         .iter()
         .map(|q| {
             let spot = ribbon.locate(q)?;
-            let near = (-BEYOND..=end + BEYOND).contains(&spot.t);
+            let beyond = (-spot.t).max(spot.t - end).max(0.0);
+            let rates = &ribbon.span(spot.t).0.in_plane;
+            let near = beyond <= BEYOND || beyond * (rates.across + spot.v * rates.spin).abs() <= slack;
             near.then_some((spot.t.clamp(0.0, end), spot.v, *q))
         })
         .collect::<Option<_>>()?;
@@ -265,7 +276,9 @@ fn lifted(ribbon: &Ribbon, polygon: &[Vec2], tip: Option<&Tip>) -> Option<Vec<Pi
     if let Some((tip, (_, beside))) = split {
         // To the tip, from ruling to ruling beside it, and back.
         let (before, behind) = (*spots.last()?, *spots.first()?);
-        let way = |t: f64| tip.way(ribbon, t, before.1);
+        // Ways count from another point on every ruling, but the part is on one side of the tip.
+        let side = (before.1 - tip.on(ribbon, before.0)).signum();
+        let way = |t: f64| tip.on(ribbon, t) + tip.around * side;
         let mut drawn = beside.iter().copied();
         let mut at = drawn.next()?;
         let mut places = vec![before, (before.0, way(before.0), at)];
@@ -283,7 +296,7 @@ fn lifted(ribbon: &Ribbon, polygon: &[Vec2], tip: Option<&Tip>) -> Option<Vec<Pi
 }
 
 /// Ranges of spans with the panel that each belongs to.
-fn stretches(part: &FlatPart, leaf: &Leaf, ribbon: &Ribbon, atlas: &Atlas) -> Vec<(std::ops::Range<usize>, usize)> {
+fn stretches(part: &FlatPart, leaf: &Leaf, ribbon: &Ribbon, atlas: &Atlas) -> Vec<(Range<usize>, usize)> {
     let n = ribbon.spans.len();
     let of = |q: &Vec2| atlas.from_flat(q).map(|on| on.sheet);
     let turns = ribbon.spans.iter().any(|s| s.in_space.turn != 0.0);
@@ -300,7 +313,7 @@ fn stretches(part: &FlatPart, leaf: &Leaf, ribbon: &Ribbon, atlas: &Atlas) -> Ve
         let best = (0..votes.len()).max_by_key(|k| votes[*k]).unwrap_or(0);
         return vec![(0..n, best)];
     }
-    let mut out: Vec<(std::ops::Range<usize>, usize)> = Vec::new();
+    let mut out: Vec<(Range<usize>, usize)> = Vec::new();
     for (k, s) in ribbon.spans.iter().enumerate() {
         let middle = s.flat.moved(&s.in_plane, 0.5).point(0.5 * (s.reach[0] + s.reach[1]), 0.0).xy();
         let sheet = of(&middle).or(out.last().map(|o| o.1)).unwrap_or(0);
@@ -312,19 +325,57 @@ fn stretches(part: &FlatPart, leaf: &Leaf, ribbon: &Ribbon, atlas: &Atlas) -> Ve
     out
 }
 
+/// The part of a region that lies on a range of spans: cut off along its first and last ruling, between corners of the panel.
+fn between(leaf: &Leaf, ribbon: &Ribbon, range: &Range<usize>, (atlas, sheet): (&Atlas, usize)) -> Vec<Vec<Vec2>> {
+    let (lo, hi) = bounds(&leaf.loops);
+    let near = ON_RULING * (hi - lo).norm();
+    let corners = atlas.sheets[sheet].panel.corners.iter().map(|uv| atlas.flat(&OnPanel { sheet, uv: *uv, off: 0.0 }));
+    let corners: Vec<Vec2> = corners.collect();
+    let mut chords = Vec::new();
+    let ends = [(range.start, range.start > 0), (range.end, range.end < ribbon.spans.len())];
+    // Where the chords of each end are.
+    let mut own = [0..0, 0..0];
+    for (k, (t, _)) in ends.into_iter().enumerate().filter(|(_, e)| e.1) {
+        let pose = ribbon.flat(t as f64);
+        let off = |q: &Vec2| (q - pose.at.xy()).dot(&pose.across().xy()).abs();
+        let mut ways: Vec<f64> =
+            corners.iter().filter(|q| off(q) <= near).map(|q| (q - pose.at.xy()).dot(&pose.ruling().xy())).collect();
+        ways.sort_by(f64::total_cmp);
+        ways.dedup_by(|b, a| *b - *a <= near);
+        let first = chords.len();
+        // To the bit a corner of the region, where one is: several chords may end in it.
+        let at = |v: f64| {
+            let q = pose.point(v, 0.0).xy();
+            let corner = leaf.loops.iter().flatten().min_by(|a, b| (*a - q).norm().total_cmp(&(*b - q).norm()));
+            corner.filter(|c| (*c - q).norm() <= near).copied().unwrap_or(q)
+        };
+        let within = |w: &&[f64]| inside(&leaf.loops, &at(0.5 * (w[0] + w[1])));
+        chords.extend(ways.windows(2).filter(within).map(|w| [at(w[0]), at(w[1])]));
+        own[k] = first..chords.len();
+    }
+    if chords.is_empty() {
+        return leaf.loops.clone();
+    }
+    // Rulings follow each other to their left.
+    let belongs = |r: &Region| r.chords.iter().any(|(c, left)| own[usize::from(!left)].contains(c));
+    cut(&leaf.loops, &chords).into_iter().filter(belongs).flat_map(|r| r.loops).collect()
+}
+
 /// Judges the spans of one panel.
 fn judged(
-    ribbon: &Ribbon,
-    lines: &[Vec<Piece>],
-    range: std::ops::Range<usize>,
-    (part, atlas, sheet): (&FlatPart, &Atlas, usize),
-    tip: Option<&Tip>,
-) -> Result<UpperBound, Unshown> {
+    part: &FlatPart,
+    (leaf, ribbon): (&Leaf, &Ribbon),
+    range: Range<usize>,
+    (atlas, sheet): (&Atlas, usize),
+) -> Result<UpperBound, NotRefolded> {
+    let loops = between(leaf, ribbon, &range, (atlas, sheet));
+    let ribbon = Ribbon { spans: ribbon.spans[range].to_vec() };
+    let tip = Tip::of(part.size(), &ribbon, atlas, sheet);
+    let lines = loops.iter().map(|l| lifted(&ribbon, l, tip.as_ref())).collect::<Option<Vec<_>>>();
+    let lines = lines.ok_or(NotRefolded::Beyond)?;
+    let spans = &ribbon.spans[..];
+    let places = places(spans, &lines, (atlas, sheet), tip.as_ref());
     let panel = &atlas.sheets[sheet].panel;
-    let mut own = cut(lines, &range)?;
-    own.iter_mut().flatten().for_each(|p| p.span -= range.start);
-    let spans = &ribbon.spans[range];
-    let places = places(spans, &own, (atlas, sheet), tip);
     // Borders are compared where both directions of the patch are about as long as in space.
     let ((u0, u1), (v0, v1)) = panel.surface.domain();
     let jet = panel.surface.jet(0.5 * (u0 + u1), 0.5 * (v0 + v1));
@@ -337,7 +388,7 @@ fn judged(
         Vec2::new(of(0), of(1))
     };
     let mut matched = Vec::new();
-    for line in own {
+    for line in lines {
         let first = on_patch(&line[0], line[0].ends[0]);
         let border = (0..borders.len())
             .min_by(|a, b| nearest(&borders[*a], &first).1.total_cmp(&nearest(&borders[*b], &first).1))
@@ -345,7 +396,7 @@ fn judged(
         matched.push((border, beside(line, &borders[border], &on_patch)));
     }
     let (surface, borders, chords) = (&panel.surface, &panel.loops[..], part.chords);
-    distance(&Stretch { spans, places, lines: matched, surface, borders, chords })
+    Ok(distance(&Stretch { spans, places, lines: matched, surface, borders, chords })?)
 }
 
 /// Share of a piece within which a corner of the border is at its end.
@@ -441,18 +492,28 @@ fn nearest(polygon: &[Vec2], q: &Vec2) -> (f64, f64) {
     best
 }
 
+/// No stretch of a ruling.
+const NOTHING: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
+
 /// Where the rulings of spans are on their panel: by the flat image of two of their points.
 fn places(spans: &[Span], lines: &[Vec<Piece>], (atlas, sheet): (&Atlas, usize), tip: Option<&Tip>) -> Vec<Along> {
     let n = spans.len();
-    let mut reach = vec![[f64::INFINITY, f64::NEG_INFINITY]; n + 1];
+    let (mut reach, mut beside) = (vec![NOTHING; n + 1], vec![NOTHING; n + 1]);
     for p in lines.iter().flatten() {
         // A plane is one wide span: what the part has on its first and last ruling is all that is surely on the panel.
         let plane = spans[p.span].in_space.turn == 0.0;
         for (end, k) in [p.span, p.span + 1].into_iter().enumerate() {
-            for e in p.ends.iter().filter(|e| !plane || (e[0] - end as f64).abs() <= BEYOND) {
-                reach[k] = [reach[k][0].min(e[1]), reach[k][1].max(e[1])];
+            for e in &p.ends {
+                let on = !plane || (e[0] - end as f64).abs() <= BEYOND;
+                for all in [&mut beside].into_iter().chain(on.then_some(&mut reach)) {
+                    all[k] = [all[k][0].min(e[1]), all[k][1].max(e[1])];
+                }
             }
         }
+    }
+    // Where the part ends before a ruling, what is beside that.
+    for (own, beside) in reach.iter_mut().zip(beside).filter(|(own, _)| own[0] > own[1]) {
+        *own = beside;
     }
     let ways = || lines.iter().flatten().flat_map(|p| p.ends).map(|e| e[1]);
     let size = ways().fold(f64::NEG_INFINITY, f64::max) - ways().fold(f64::INFINITY, f64::min);
@@ -472,77 +533,5 @@ fn places(spans: &[Span], lines: &[Vec<Piece>], (atlas, sheet): (&Atlas, usize),
         let slope = [0, 1].map(|d: usize| (q[d] - p[d]) / (b - a));
         Along { at: [0, 1].map(|d: usize| p[d] - slope[d] * a), slope }
     };
-    (0..=n).map(place).collect()
-}
-
-/// An end of a chain of pieces on one of the rulings that bound a range.
-struct End {
-    chain: usize,
-    last: bool,
-    way: f64,
-    behind: bool,
-}
-
-/// The part of closed lines that lies on a range of spans, closed along its first and last ruling.
-fn cut(lines: &[Vec<Piece>], range: &std::ops::Range<usize>) -> Result<Vec<Vec<Piece>>, Unshown> {
-    let within = |p: &Piece| range.contains(&p.span);
-    let (mut closed, mut chains): (Vec<Vec<Piece>>, Vec<Vec<Piece>>) = (Vec::new(), Vec::new());
-    for line in lines {
-        let Some(start) =
-            (0..line.len()).find(|k| within(&line[*k]) && !within(&line[(k + line.len() - 1) % line.len()]))
-        else {
-            if line.first().is_some_and(within) {
-                closed.push(line.clone());
-            }
-            continue;
-        };
-        let mut open = false;
-        for k in 0..line.len() {
-            let p = line[(start + k) % line.len()];
-            match (within(&p), open) {
-                (true, true) => chains.last_mut().into_iter().for_each(|c| c.push(p)),
-                (true, false) => chains.push(vec![p]),
-                _ => {}
-            }
-            open = within(&p);
-        }
-    }
-    let mut ends: Vec<End> = Vec::new();
-    for (chain, c) in chains.iter().enumerate() {
-        for last in [false, true] {
-            let (p, e) = if last { (&c[c.len() - 1], 1) } else { (&c[0], 0) };
-            let behind = p.span + 1 == range.end && p.ends[e][0] == 1.0;
-            let ahead = p.span == range.start && p.ends[e][0] == 0.0;
-            if !(behind || ahead) {
-                return Err(Unshown::Lines);
-            }
-            ends.push(End { chain, last, way: p.ends[e][1], behind });
-        }
-    }
-    ends.sort_by(|a, b| a.behind.cmp(&b.behind).then(a.way.total_cmp(&b.way)));
-    let mut next = vec![None; chains.len()];
-    for pair in ends.chunks(2) {
-        let [a, b] = pair else { return Err(Unshown::Lines) };
-        if a.behind != b.behind || a.last == b.last {
-            return Err(Unshown::Lines);
-        }
-        let (from, to) = if a.last { (a, b) } else { (b, a) };
-        let (span, share) = if a.behind { (range.end - 1, 1.0) } else { (range.start, 0.0) };
-        let ends = [[share, from.way], [share, to.way]];
-        next[from.chain] = Some((to.chain, Piece { span, ends, border: [0.0; 2], drawn: None }));
-    }
-    let mut used = vec![false; chains.len()];
-    for first in 0..chains.len() {
-        let (mut k, mut line) = (first, Vec::new());
-        while !std::mem::replace(&mut used[k], true) {
-            line.extend(chains[k].iter().copied());
-            let Some((to, piece)) = next[k] else { return Err(Unshown::Lines) };
-            line.push(piece);
-            k = to;
-        }
-        if !line.is_empty() {
-            closed.push(line);
-        }
-    }
-    Ok(closed)
+    (0..=n).into_par_iter().map(place).collect()
 }

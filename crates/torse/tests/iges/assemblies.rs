@@ -81,6 +81,26 @@ fn groups_are_bodies_and_do_not_copy() {
     assert!(body(1.0) == body(2.0) && body(1.0) != body(3.0));
 }
 
+/// What a part is made of is where its copies are, also where a group lists it; without copies it is where the group has it.
+#[test]
+fn members_of_parts_that_groups_list_as_well_are_read_once() {
+    for copies in [0, 2] {
+        let mut f = File::new();
+        let a = f.rectangle(Entry { status: PART, ..entry(128) }, 1.0, 1.0);
+        let b = f.rectangle(Entry { status: PART, ..entry(128) }, 2.0, 1.0);
+        f.add(Entry { form: 7, ..entry(402) }, &format!("2,{a},{b}"));
+        let inner = f.add(Entry { form: 7, status: PART, ..entry(402) }, &format!("2,{a},{b}"));
+        let part = f.add(entry(308), &format!("0,4Hwing,3,{a},{b},{inner}"));
+        for k in 1..=copies {
+            f.add(entry(408), &format!("{part},{k}0.,0.,0."));
+        }
+        let mut x: Vec<f64> = model(&f).faces.iter().map(|f| f.surface.point(0.0, 0.0).x).collect();
+        x.sort_by(f64::total_cmp);
+        let expected: &[f64] = if copies == 0 { &[0.0, 0.0] } else { &[10.0, 10.0, 20.0, 20.0] };
+        assert_eq!(x, expected);
+    }
+}
+
 #[test]
 fn names_are_properties_or_labels_and_hidden_faces_are_told() {
     let mut f = File::new();

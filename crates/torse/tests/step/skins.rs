@@ -110,6 +110,44 @@ fn short_flanges_beyond_sharp_bends_stay_with_their_sheet() {
     assert!(back.parts[0].distance_bound.is_some_and(|d| d < 1e-3), "{:?}", back.parts);
 }
 
+/// A tray: a base of 100 by 100 mm and flanges on its four sides that begin 10 mm from the corners, of 2 mm and with sharp corners.
+fn tray() -> Model {
+    let (w, t, m) = (100., 2., 10.);
+    let mut sides = vec![([0., 0., -1.], vec![[0., 0., 0.], [0., w, 0.], [w, w, 0.], [w, 0., 0.]])];
+    let mut top: Vec<P> = Vec::new();
+    for k in 0..4 {
+        let h = 30. + 5. * f64::from(k);
+        // About the middle of the base by quarters of a turn.
+        let turned = |p: P| (0..k).fold(p, |[x, y, z], _| [w - y, x, z]);
+        let mut side = |normal: P, corners: &[P]| {
+            let normal = (0..k).fold(normal, |[x, y, z], _| [-y, x, z]);
+            sides.push((normal, corners.iter().map(|p| turned(*p)).collect()));
+        };
+        let e = w - m;
+        let front = [[0., 0.], [w, 0.], [w, t], [e, t], [e, h], [m, h], [m, t], [0., t]];
+        side([0., -1., 0.], &front.map(|[x, z]| [x, 0., z]));
+        side([0., 1., 0.], &[[m, t, t], [m, t, h], [e, t, h], [e, t, t]]);
+        side([-1., 0., 0.], &[[m, 0., t], [m, 0., h], [m, t, h], [m, t, t]]);
+        side([1., 0., 0.], &[[e, 0., t], [e, t, t], [e, t, h], [e, 0., h]]);
+        side([0., 0., 1.], &[[m, 0., h], [e, 0., h], [e, t, h], [m, t, h]]);
+        top.extend([[0., 0., t], [m, 0., t], [m, t, t], [e, t, t], [e, 0., t]].map(turned));
+    }
+    sides.push(([0., 0., 1.], top));
+    body(&sides)
+}
+
+/// Without relief at the corners the outline runs along itself where a flange is cut off the base.
+#[test]
+fn flanges_without_relief_are_bent_back_along_their_slits() {
+    let options = UnrollOptions { k: KFactor::Ansi(0.44), ..UnrollOptions::new(0.01) };
+    let mut flat = torse::unroll(&tray(), &options, &Control::default()).expect("parts");
+    assert_eq!((flat.patterns.len(), flat.status()), (1, Status::Certified), "{:?}", flat.claims);
+    let files: HashMap<String, Vec<u8>> = files(&mut flat, "2026-01-31T12:00:00").expect("files").into_iter().collect();
+    let back = refold(&|name| files.get(name).cloned()).expect("an answer").report();
+    assert!(back.left.is_empty() && back.parts[0].panels.len() == 5, "{back:?}");
+    assert!(back.parts[0].distance_bound.is_some_and(|d| d < 1e-3), "{back:?}");
+}
+
 fn skin(skin: Skin) -> Selection {
     Selection { skin: Some(skin), ..Selection::default() }
 }
@@ -129,6 +167,17 @@ fn a_plate_has_two_skins_and_each_can_be_had_alone() {
     assert_eq!((whole.faces.len(), offered.len()), (6, 1));
     let Note::BothSkins { thickness, faces, .. } = &offered[0] else { panic!("{offered:?}") };
     assert!((thickness - 2.0).abs() < 1e-3 && faces.iter().sum::<usize>() == 6, "{offered:?}");
+}
+
+/// What is laid flat as a sheet has skins, also where faces of narrow flanges belong to one and bound the other.
+#[test]
+fn bodies_with_narrow_flanges_have_two_skins() {
+    for (model, count) in [(bent_both_ways(), 3), (tray(), 5)] {
+        for side in [Skin::Outer, Skin::Inner] {
+            let one = selected(model.clone(), &skin(side)).expect("a skin");
+            assert_eq!(one.faces.len(), count, "{side:?} {:?}", one.notes);
+        }
+    }
 }
 
 #[test]

@@ -9,6 +9,8 @@ use crate::geom::Vec3;
 
 /// Where the curve is cut, as shares of its domain, in the order tried.
 const CUTS: [f64; 3] = [0.5, 0.35, 0.65];
+/// Share of the domain within which a knot is where the curve is cut: rounding of lengths, from which knots come.
+const ON_KNOT: f64 = 1e-9;
 /// Inclinations of the fan: tangents of the angles against the mean direction.
 const INCLINATIONS: [f64; 7] = [0.15, 0.35, 0.6, 1.0, 1.7, 3.0, 6.0];
 /// Directions per inclination.
@@ -24,7 +26,10 @@ pub(super) fn best(problem: &Problem) -> Option<Vec<Solution>> {
 
 fn at(problem: &Problem, share: f64, by_rational: bool) -> Option<Vec<Solution>> {
     let (a, b) = problem.curve.domain();
-    let cut = a + share * (b - a);
+    let at = a + share * (b - a);
+    // At a knot where one is all but there: both would leave a piece without length.
+    let knots = problem.curve.knots.breaks();
+    let cut = knots.into_iter().find(|k| (k - at).abs() <= ON_KNOT * (b - a)).unwrap_or(at);
     let (left, right) = problem.curve.split(cut).ok()?;
     let size = 0.5 * (problem.v.norm() + problem.w.norm());
     let mut best: Option<(f64, Vec<Solution>)> = None;

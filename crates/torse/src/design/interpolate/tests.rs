@@ -243,6 +243,20 @@ fn a_split_joins_smoothly() {
     check(&c, &rulings, &answer);
 }
 
+/// Closed curves through points have a knot in their middle, up to rounding.
+#[test]
+fn a_split_beside_a_knot_is_at_the_knot() {
+    let beside = 0.5 - 1e-15;
+    let c = curve(3, &[0.0, 1.0], &[[0., 0., 0.], [1., 0.6, 0.2], [2., -0.5, 0.6], [3., 0., 0.]]);
+    let c = c.with_knots(&[beside]).expect("inside");
+    let rulings = EndRulings { start: Vec3::new(0.1, 0.4, 1.0), end: Vec3::new(-0.1, -0.3, 1.0) };
+    let options = Options { rational: false, shorten: false, ..Options::default() };
+    let problem = Problem::new(&c, &rulings, &options).expect("a question");
+    let strips = split::best(&problem).expect("a split");
+    assert_eq!((strips.len(), strips[0].strip.net.domain()), (2, (0.0, beside)));
+    assert!(strips.iter().all(|s| s.strip.net.curve().knots.breaks().len() == 2));
+}
+
 #[test]
 fn no_answer_comes_with_reasons() {
     // A plane curve, both rulings crossing its plane on opposite sides: the strip would have to turn over.

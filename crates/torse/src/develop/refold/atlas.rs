@@ -161,6 +161,8 @@ const NEAREST_PIECES: usize = 4;
 const STEPS: usize = 30;
 /// Share of a panel's parameters by which differences for derivatives are taken: the root of rounding's share.
 const DIFFERENCE: f64 = 1e-6;
+/// Share of these differences below which a step goes nowhere.
+const STANDS: f64 = 1e-9;
 /// Share of a patch by which places may lie beyond it.
 const MARGIN: f64 = 0.05;
 /// Seeds from which places on a patch are looked for where the nearest leads beyond it: at an apex all of one row are one point.
@@ -303,7 +305,12 @@ impl Sheet {
             if !(step.x.is_finite() && step.y.is_finite()) {
                 break;
             }
-            uv = [(uv[0] + step.x).clamp(u0 - du, u1 + du), (uv[1] + step.y).clamp(v0 - dv, v1 + dv)];
+            let next = [(uv[0] + step.x).clamp(u0 - du, u1 + du), (uv[1] + step.y).clamp(v0 - dv, v1 + dv)];
+            // At a border beyond which the point lies, or at what rounding leaves.
+            if (0..2).all(|k| (next[k] - uv[k]).abs() <= STANDS * h[k]) {
+                break;
+            }
+            uv = next;
         }
         best
     }

@@ -7,6 +7,7 @@ use crate::brep::project::refine;
 use crate::geom::placement::Placement;
 use crate::geom::{Vec2, Vec3};
 use nalgebra::Matrix3;
+use rayon::prelude::*;
 
 /// What was measured of a part, mm.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,17 +56,18 @@ pub fn samples(part: &FlatPart) -> Vec<Vec2> {
 
 /// Compares a refolded part with its panels. `None` where no sample is on both.
 pub fn compare(part: &FlatPart, refolded: &Refolded, atlas: &Atlas) -> Option<Comparison> {
-    let mut pairs: Vec<(Vec2, Vec3, OnPanel, Vec3)> = Vec::new();
-    for q in samples(part).into_iter().filter(|q| refolded.is_of_one(q)) {
-        let (Some(place), Some(on)) = (refolded.locate(&q), atlas.from_flat(&q)) else { continue };
-        pairs.push((q, refolded.frame(&place).0, on, atlas.space(&on)));
-    }
+    let pair = |q: Vec2| {
+        let (place, on) = (refolded.locate(&q)?, atlas.from_flat(&q)?);
+        Some((q, refolded.frame(&place).0, on, atlas.space(&on)))
+    };
+    let pairs: Vec<(Vec2, Vec3, OnPanel, Vec3)> =
+        samples(part).into_par_iter().filter(|q| refolded.is_of_one(q)).filter_map(pair).collect();
     let motion = best_motion(&pairs.iter().map(|p| (p.1, p.3)).collect::<Vec<_>>())?;
     let off = |p: &(Vec2, Vec3, OnPanel, Vec3)| (motion.point(&p.1) - p.3).norm();
     let worst = pairs.iter().max_by(|a, b| off(a).total_cmp(&off(b)))?;
     let mean = (pairs.iter().map(|p| off(p).powi(2)).sum::<f64>() / pairs.len() as f64).sqrt();
     let back = motion.inverse()?;
-    let nearest = pairs.iter().map(|(q, x, on, y)| {
+    let nearest = pairs.par_iter().map(|(q, x, on, y)| {
         let there = refine(&atlas.sheets[on.sheet].panel.surface, &motion.point(x), on.uv).distance;
         there.max(to_refolded(refolded, q, &back.point(y)))
     });
@@ -73,7 +75,7 @@ pub fn compare(part: &FlatPart, refolded: &Refolded, atlas: &Atlas) -> Option<Co
         motion,
         matched_estimate: off(worst),
         matched_mean_estimate: mean,
-        distance_estimate: nearest.fold(0.0, f64::max),
+        distance_estimate: nearest.reduce(|| 0.0, f64::max),
         worst: worst.0,
         samples: pairs.len(),
     })

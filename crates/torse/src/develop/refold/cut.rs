@@ -2,6 +2,7 @@
 
 use super::drawn::{area, bounds, distance, foot, inside};
 use crate::geom::Vec2;
+use std::f64::consts::TAU;
 
 /// Share of the size within which ends of chords and corners are one place: what files print.
 const ONE_PLACE: f64 = 1e-9;
@@ -39,26 +40,15 @@ pub fn cut(loops: &[Vec<Vec2>], chords: &[[Vec2; 2]]) -> Vec<Region> {
     let mut on: Vec<Vec<Vec<Crossing>>> = loops.iter().map(|l| vec![Vec::new(); l.len()]).collect();
     for (c, chord) in chords.iter_mut().enumerate() {
         for end in 0..2 {
-            let mut best = (f64::INFINITY, 0, 0, 0.0);
-            for (i, l) in loops.iter().enumerate() {
-                for k in 0..l.len() {
-                    let (p, q) = (l[k], l[(k + 1) % l.len()]);
-                    let f = foot(&p, &q, &chord[end]);
-                    // A corner belongs to the side that begins in it.
-                    if (f - chord[end]).norm() < best.0 && (f - q).norm() > one {
-                        best = ((f - chord[end]).norm(), i, k, (f - p).norm());
-                    }
-                }
-            }
-            let Some(side) = on.get_mut(best.1).and_then(|l| l.get_mut(best.2)) else { continue };
-            let l = &loops[best.1];
-            let (p, q) = (l[best.2], l[(best.2 + 1) % l.len()]);
-            if best.3 <= one {
+            let Some((i, k)) = side_of(loops, chord, end, one) else { continue };
+            let l = &loops[i];
+            let (p, q) = (l[k], l[(k + 1) % l.len()]);
+            let along = (foot(&p, &q, &chord[end]) - p).norm();
+            if along <= one {
                 chord[end] = p;
             }
-            let (way, out) = (chord[1 - end] - chord[end], q - p);
-            let turn = out.perp(&way).atan2(out.dot(&way)).rem_euclid(std::f64::consts::TAU);
-            side.push(((best.3 / one).round() as i64, -turn, c, end));
+            let turn = turn(q - p, chord[1 - end] - chord[end]);
+            on[i][k].push(((along / one).round() as i64, -turn, c, end));
         }
     }
     let mut nodes: Vec<Node> = Vec::new();
@@ -91,6 +81,40 @@ pub fn cut(loops: &[Vec<Vec2>], chords: &[[Vec2; 2]]) -> Vec<Region> {
         (nodes[b].next, nodes[b].chord) = (a2, Some((c, false)));
     }
     gathered(&nodes)
+}
+
+/// Angle (rad, from 0 to a full turn) from one direction to another, counter-clockwise.
+fn turn(from: Vec2, to: Vec2) -> f64 {
+    from.perp(&to).atan2(from.dot(&to)).rem_euclid(TAU)
+}
+
+/// The polygon and the side of it on which an end of a chord lies: the nearest one; of those that are as near within `one`, as
+/// both sides of a slit without breadth are, the one from which the chord leads into the inside.
+fn side_of(loops: &[Vec<Vec2>], chord: &[Vec2; 2], end: usize, one: f64) -> Option<(usize, usize)> {
+    let (at, way) = (chord[end], chord[1 - end] - chord[end]);
+    let mut all: Vec<(f64, usize, usize)> = Vec::new();
+    for (i, l) in loops.iter().enumerate() {
+        for k in 0..l.len() {
+            let q = l[(k + 1) % l.len()];
+            let f = foot(&l[k], &q, &at);
+            // A corner belongs to the side that begins in it.
+            if (f - q).norm() > one {
+                all.push(((f - at).norm(), i, k));
+            }
+        }
+    }
+    let least = all.iter().map(|a| a.0).fold(f64::INFINITY, f64::min);
+    all.retain(|a| a.0 <= least + one);
+    all.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let inwards = |&&(_, i, k): &&(f64, usize, usize)| {
+        let l = &loops[i];
+        let (p, q, before) = (l[k], l[(k + 1) % l.len()], l[(k + l.len() - 1) % l.len()]);
+        let corner = (foot(&p, &q, &at) - p).norm() <= one;
+        let opens = if corner { turn(q - p, before - p) } else { 0.5 * TAU };
+        // Where a slit ends it is inside all around.
+        turn(q - p, way) < if opens > 0.0 { opens } else { TAU }
+    };
+    all.iter().find(inwards).or(all.first()).map(|a| (a.1, a.2))
 }
 
 /// Borders as regions: outer ones with the holes that lie in them.
@@ -159,6 +183,25 @@ mod tests {
             assert_eq!(regions.len(), 5, "{hair}");
             assert!(regions.iter().all(|r| (total(r) - 1.0).abs() < 1e-8), "{hair}");
             assert_eq!(regions.iter().filter(|r| r.chords.len() == 4).count(), 1, "{hair}");
+        }
+    }
+
+    /// Flaps without relief: a side of the plate and one of the bend run along each other, whatever rounding says of which is
+    /// nearer.
+    #[test]
+    fn chords_end_on_their_own_side_of_a_slit() {
+        for hair in [0.0, 1e-9, -1e-9] {
+            let x = [3.0, 3.0, 3.0, 3.0 + hair, 7.0 - hair, 7.0, 7.0, 7.0];
+            let y = [0.0, 2.0, 1.0, -4.0, -4.0, 1.0, 2.0, 0.0];
+            let mut outline = vec![Vec2::new(0.0, 0.0)];
+            outline.extend(x.iter().zip(&y).map(|(x, y)| Vec2::new(*x, *y)));
+            outline.extend([(10.0, 0.0), (10.0, 8.0), (0.0, 8.0)].map(|(x, y)| Vec2::new(x, y)));
+            let across = |y: f64| [Vec2::new(3.0, y), Vec2::new(7.0, y)];
+            let regions = cut(&[outline], &[across(0.5), across(1.9)]);
+            let mut areas: Vec<f64> = regions.iter().map(total).collect();
+            areas.sort_by(f64::total_cmp);
+            assert_eq!(areas.len(), 3, "{hair}");
+            assert!(areas.iter().zip([5.6, 18.0, 72.4]).all(|(a, b)| (a - b).abs() < 1e-6), "{hair} {areas:?}");
         }
     }
 

@@ -58,6 +58,9 @@ const CHORD: f64 = 1e-6;
 /// Least turn of an arc that one chord may stand for, rad, so that no arc needs more memory than a file that draws it.
 const LEAST_TURN: f64 = 5e-3;
 
+/// Share of the size within which both sides of a slit are one line: far above what files print, far below any cut.
+const SLIT: f64 = 1e-7;
+
 /// Radius of an arc over a chord and the number of chords that stand for it; `None` for a line.
 fn chords((bulge, chord): (f64, f64), size: f64) -> Option<(f64, usize)> {
     let sweep = 4.0 * bulge.atan();
@@ -186,6 +189,58 @@ impl FlatPart {
         }
         Ok(())
     }
+
+    /// As [`Self::check`], but outlines may touch themselves, as both sides of a slit without breadth do: what counts is that they
+    /// go around every place once or not at all.
+    ///
+    /// # Errors
+    /// See [`Self::check`].
+    pub fn check_slits(&self) -> Result<(), RefoldError> {
+        match self.check() {
+            Err(RefoldError::Outline { .. }) if self.winds_once() => Ok(()),
+            other => other,
+        }
+    }
+
+    /// Whether the outlines go around places to their left once and around those to their right not at all, or once where
+    /// another side runs back along them.
+    fn winds_once(&self) -> bool {
+        let near = SLIT * self.size();
+        let all: Vec<(Vec2, Vec2)> = sides(&self.loops).filter(|(p, q)| (q - p).norm() > near).collect();
+        let side = |(p, q): &(Vec2, Vec2)| {
+            let (way, length) = ((q - p).normalize(), (q - p).norm());
+            // Where other sides begin, end or run across.
+            let mut cuts = vec![0.0, length];
+            for (r, s) in &all {
+                let (a, b) = (way.perp(&(r - p)), way.perp(&(s - p)));
+                let along = [r, s].map(|x| way.dot(&(x - p)));
+                cuts.extend([(a, along[0]), (b, along[1])].iter().filter(|c| c.0.abs() <= near).map(|c| c.1));
+                if a * b < 0.0 {
+                    cuts.push(along[0] + (along[1] - along[0]) * a / (a - b));
+                }
+            }
+            cuts.retain(|c| (0.0..=length).contains(c));
+            cuts.sort_by(f64::total_cmp);
+            let left = Vec2::new(-way.y, way.x) * near;
+            // Pieces as short as places are apart from their side tell of what is beside them.
+            cuts.windows(2).filter(|c| c[1] - c[0] > 4.0 * near).all(|c| {
+                let middle = p + way * (0.5 * (c[0] + c[1]));
+                windings(&self.loops, &(middle + left)) == 1
+                    && (0..=1).contains(&windings(&self.loops, &(middle - left)))
+            })
+        };
+        all.iter().all(side)
+    }
+}
+
+/// How often polygons go around a point, counter-clockwise.
+fn windings(loops: &[Vec<Vec2>], x: &Vec2) -> i32 {
+    let turn = |(p, q): (Vec2, Vec2)| match (p.y > x.y, q.y > x.y) {
+        (false, true) if (q - p).perp(&(x - p)) > 0.0 => 1,
+        (true, false) if (q - p).perp(&(x - p)) < 0.0 => -1,
+        _ => 0,
+    };
+    sides(loops).map(turn).sum()
 }
 
 /// Whether two segments have a point in common.
@@ -216,6 +271,33 @@ mod tests {
         touching.loops.push([(3.0, 0.0), (3.0, 4.0), (6.0, 4.0)].map(|(x, y)| Vec2::new(x, y)).to_vec());
         assert!(matches!(touching.check(), Err(RefoldError::Outline { contour: 2, .. })));
         assert_eq!(FlatPart::default().check(), Err(RefoldError::Empty));
+    }
+
+    /// Two squares that a corner without breadth joins to a plate, whose sides run along each other.
+    #[test]
+    fn slits_without_breadth_are_no_crossings() {
+        let part = |corners: &[(f64, f64)]| {
+            let outline = corners.iter().map(|(x, y)| Vec2::new(*x, *y)).collect();
+            FlatPart { loops: vec![outline], ..FlatPart::default() }
+        };
+        // A slit from (6, 0) to (6, 4), whose sides differ by what files print.
+        let slit =
+            part(&[(0.0, 0.0), (6.0, 0.0), (6.0, 4.0), (6.000000001, 0.0), (10.0, 0.0), (10.0, 8.0), (0.0, 8.0)]);
+        assert!(slit.check_slits().is_ok());
+        let notched =
+            part(&[(0.0, 0.0), (6.0, 0.0), (6.0, 4.0), (6.0, 2.0), (6.0, -3.0), (10.0, -3.0), (10.0, 8.0), (0.0, 8.0)]);
+        assert!(notched.check().is_err() && notched.check_slits().is_ok());
+        // The flap lies on the plate.
+        let lapped =
+            part(&[(0.0, 0.0), (6.0, 0.0), (6.0, 4.0), (5.0, 2.0), (5.0, -3.0), (10.0, -3.0), (10.0, 8.0), (0.0, 8.0)]);
+        assert!(lapped.check_slits().is_err());
+        let bow = part(&[(0.0, 0.0), (10.0, 0.0), (1.0, 9.0), (8.0, 9.0)]);
+        assert!(bow.check_slits().is_err());
+        let mut holed = slit;
+        holed.loops.push([(2.0, 4.0), (2.0, 6.0), (6.0, 6.0), (6.0, 4.0)].map(|(x, y)| Vec2::new(x, y)).to_vec());
+        assert!(holed.check_slits().is_ok(), "a hole may end a slit");
+        holed.loops[1].reverse();
+        assert!(holed.check_slits().is_err());
     }
 
     #[test]

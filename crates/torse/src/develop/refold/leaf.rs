@@ -5,6 +5,11 @@ use crate::geom::{Vec2, Vec3};
 use crate::torse::ribbon::pose::Pose;
 use crate::torse::ribbon::{Ribbon, Spot};
 
+/// Places so near to the border of regions (mm) are on it: what files print.
+const BESIDE: f64 = 1e-6;
+/// Places (mm) in space that are farther apart are two: far above what edges of bent zones are apart by the digits of tables.
+const APART: f64 = 1e-2;
+
 /// A part of the flat sheet with its place in space: a region of a ribbon.
 #[derive(Clone, Debug, Default)]
 pub struct Leaf {
@@ -44,8 +49,13 @@ pub struct Place {
 
 impl Refolded {
     /// Whether a place of the drawing belongs to one region, and to one of the skin: what a sharp bend takes up or lacks is on none
-    /// or two.
+    /// or two, and so is a slit without breadth, whose sides come apart.
     pub fn is_of_one(&self, q: &Vec2) -> bool {
+        let beside = self.leaves.iter().filter(|l| drawn::distance(&l.loops, q) <= BESIDE);
+        let places: Vec<Vec3> = beside.filter_map(|l| Some(l.ribbon.frame(&l.ribbon.locate(q)?).0)).collect();
+        if places.iter().any(|p| (p - places[0]).norm() > APART) {
+            return false;
+        }
         let mut holding = self.leaves.iter().filter(|l| drawn::inside(&l.loops, q));
         let first = holding.next();
         first.is_none_or(|l| !l.is_taken_up()) && holding.next().is_none()

@@ -57,7 +57,7 @@ struct Edge {
 /// # Errors
 /// Outlines that cross themselves, bend lines outside the part, regions that no bend joins to the rest.
 pub fn refold(part: &FlatPart) -> Result<Refolded, RefoldError> {
-    part.check()?;
+    part.check_slits()?;
     let (mut zones, mut edges, mut chords) = (Vec::new(), Vec::new(), Vec::new());
     let thickness = if part.thickness > 0.0 { part.thickness } else { thickness(&part.bends) };
     for row in &part.bends {
@@ -267,7 +267,7 @@ fn placed((zones, edges, regions): (&[Zone], &[Edge], &[Region]), printed: f64) 
                 return Err(RefoldError::Loose { x: at.x, y: at.y });
             }
             Some(Put::Plane(frame)) => {
-                let loops = to_edges(zones, edges, r);
+                let loops = without_tips(to_edges(zones, edges, r), printed);
                 out.push(Leaf { ribbon: plane_ribbon(&loops, frame), loops });
             }
             Some(Put::Bent(mut ribbon, _)) => {
@@ -305,6 +305,24 @@ fn to_edges(zones: &[Zone], edges: &[Edge], region: &Region) -> Vec<Vec<Vec2>> {
         let on = |p: &Vec2| way.perp(&(p - a)).abs() <= near && (-near..=length + near).contains(&way.dot(&(p - a)));
         if zone.beyond > 0.0 {
             loops.iter_mut().flatten().filter(|p| on(p)).for_each(|p| *p += zone.reach(*left));
+        }
+    }
+    loops
+}
+
+/// The loops of a region without what is left of a slit beside the edge of a zone, which lies inside it by the last digit of the
+/// table: corners at which they run back by no more than twice that.
+fn without_tips(mut loops: Vec<Vec<Vec2>>, printed: f64) -> Vec<Vec<Vec2>> {
+    for l in &mut loops {
+        let is_tip = |l: &[Vec2], k: usize| {
+            let (before, behind) = (l[(k + l.len() - 1) % l.len()] - l[k], l[(k + 1) % l.len()] - l[k]);
+            let short = before.norm().min(behind.norm());
+            short <= 2.0 * printed
+                && before.dot(&behind) > 0.0
+                && before.angle(&behind) * short <= ON_ONE_LINE * printed
+        };
+        while let Some(k) = (0..l.len()).find(|k| l.len() > 3 && is_tip(l, *k)) {
+            l.remove(k);
         }
     }
     loops

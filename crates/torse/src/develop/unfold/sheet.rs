@@ -154,6 +154,20 @@ impl Sheet {
         out
     }
 
+    /// A skin with the broad faces that lie opposite the other one and that it did not grow to, then with those that are on neither
+    /// side: all of the sheet, seen from there.
+    pub fn whole_skin(&self, side: usize) -> Vec<usize> {
+        let [own, other] = [&self.skins[side], &self.skins[1 - side]];
+        let beside = |(face, opposite): &&(usize, Vec<usize>)| {
+            let is_new = !own.contains(face) && !other.contains(face);
+            is_new && opposite.iter().any(|o| other.contains(o)) && !opposite.iter().any(|o| own.contains(o))
+        };
+        let mut out = own.clone();
+        out.extend(self.broad.iter().filter(beside).map(|b| b.0));
+        out.extend(self.unreached(&out.iter().copied().collect()));
+        out
+    }
+
     /// Sides of a sheet that are not square to it: bevels, countersinks, steps, slanting holes. Its outlines are those of one
     /// skin and say nothing of these.
     pub fn slanting(&self, body: &Body) -> Vec<usize> {

@@ -9,6 +9,9 @@ const RUNG: [&str; 6] = ["ax", "ay", "az", "bx", "by", "bz"];
 /// The same as rulings from p to q.
 const RULING: [&str; 6] = ["px", "py", "pz", "qx", "qy", "qz"];
 
+/// Coordinates beyond (mm) are no lengths of a sheet: a million kilometres, where numbers have steps of a tenth of a millimetre.
+const FARTHEST: f64 = 1e12;
+
 /// Both polylines in mm; `unit` (mm) is the file's where one is given.
 pub(super) fn rulings(bytes: &[u8], unit: Option<f64>) -> Result<[Vec<Vec3>; 2], QuadReadError> {
     let text = table::text(bytes).map_err(told)?;
@@ -26,6 +29,11 @@ pub(super) fn rulings(bytes: &[u8], unit: Option<f64>) -> Result<[Vec<Vec3>; 2],
         table.numbers(row, &columns, &mut values).map_err(told)?;
         if values.iter().any(|x| !x.is_finite()) {
             return Err(fault("a coordinate is not a finite number"));
+        }
+        if let Some(x) = values.iter().find(|x| (*x * unit).abs() > FARTHEST) {
+            return Err(fault(&format!(
+                "a coordinate, {x:e}, is farther away than any strip: beside it all others are one point"
+            )));
         }
         if columns.len() == 6 {
             sides[0].push(Vec3::new(values[0], values[1], values[2]) * unit);

@@ -59,6 +59,8 @@ struct Walk<'r> {
     met: HashMap<(u64, bool), Vec<Placement>>,
     bodies: u32,
     steps: usize,
+    /// What parts are made of that are copied somewhere: it is where the copies are.
+    copied: HashSet<u64>,
     /// Parts whose copies are being walked through.
     open: Vec<u64>,
     /// Copies that are shifted and turned.
@@ -74,6 +76,7 @@ pub(super) fn census(records: &Records) -> Census {
         met: HashMap::new(),
         bodies: 1,
         steps: 0,
+        copied: copied(records),
         open: Vec::new(),
         turned: Vec::new(),
         out: Census::default(),
@@ -130,6 +133,18 @@ fn is_group(e: &Entry) -> bool {
 /// Entities that others are made of.
 fn referred(records: &Records) -> HashSet<u64> {
     records.all().flat_map(|e| children(e).unwrap_or_default()).collect()
+}
+
+/// Types of parts that are copied, and of their copies.
+const PARTS: [u32; 2] = [308, 320];
+const COPIES: [u32; 2] = [408, 420];
+
+/// What parts are made of that have copies.
+fn copied(records: &Records) -> HashSet<u64> {
+    let copies = records.all().filter(|e| COPIES.contains(&e.kind));
+    let parts: HashSet<u64> = copies.filter_map(|e| e.pointer(1).ok()).collect();
+    let parts = records.all().filter(|e| PARTS.contains(&e.kind) && parts.contains(&e.number));
+    parts.flat_map(|e| children(e).unwrap_or_default()).collect()
 }
 
 /// Entities that an entity is made of.
@@ -271,7 +286,12 @@ impl Walk<'_> {
                     let body = self.body();
                     // A group does not move its members.
                     let inside = Here { placement: here.placement, body, ..below };
-                    e.pointers(2, e.count(1)?)?.into_iter().for_each(|m| self.entity(m, inside));
+                    let members = e.pointers(2, e.count(1)?)?;
+                    for m in members {
+                        if !self.is_copied(m) {
+                            self.entity(m, inside);
+                        }
+                    }
                 }
                 Ok(())
             }
@@ -288,7 +308,7 @@ impl Walk<'_> {
     /// A copy of a part.
     fn copy(&mut self, e: &Entry, here: Here) -> Result<(), Fault> {
         let part = self.records.get(e.pointer(1)?)?;
-        if !matches!(part.kind, 308 | 320) {
+        if !PARTS.contains(&part.kind) {
             return Err(Fault::new(e.number, format!("D{} copies D{}, which is no part", e.number, part.number)));
         }
         if self.open.contains(&part.number) {
@@ -321,6 +341,14 @@ impl Walk<'_> {
         members.into_iter().for_each(|m| self.entity(m, copies));
         self.open.pop();
         Ok(())
+    }
+
+    /// Whether a member of a group belongs to a part that brings it itself, where its copies are.
+    fn is_copied(&self, id: u64) -> bool {
+        match self.open.last() {
+            Some(part) => self.records.get(*part).is_ok_and(|p| children(p).is_ok_and(|c| c.contains(&id))),
+            None => self.copied.contains(&id),
+        }
     }
 
     /// Whether something is to be walked through: inside of copies always, else once at every place.

@@ -44,6 +44,14 @@ pub enum ReadError {
     /// The data section is missing, holds no record, or ends where records that others need are still to come.
     #[error("the STEP file is truncated: {0}; save it again from the CAD program")]
     Truncated(String),
+    /// A unit in which lengths or angles are given that is not known: all sizes would be a guess.
+    #[error("a unit of the STEP file could not be read: {reason} (#{entity}); save it again from the CAD program, in millimetres")]
+    Unit {
+        /// Entity number of the unit.
+        entity: u64,
+        /// What is wrong with it.
+        reason: String,
+    },
     /// Records, but no face among them.
     #[error("the STEP file holds no surfaces ({records} records read{}); export surfaces or solids, not wires or meshes", first_of(.reason))]
     NoFaces {
@@ -108,6 +116,10 @@ pub fn read_with(bytes: &[u8], options: &ReadOptions) -> Result<Model, ReadError
         let reason = census.faults.first().map(|f| f.reason.clone()).into_iter().chain(damage(&records));
         let reason = reason.collect::<Vec<_>>().join("; ");
         return Err(ReadError::NoFaces { records: records.len(), reason });
+    }
+    let fault = |o: &Occurrence| census.units.get(o.units).and_then(|u| u.fault.clone());
+    if let Some(Fault { entity, reason }) = census.occurrences.iter().find_map(fault) {
+        return Err(ReadError::Unit { entity, reason });
     }
     let unit = main_unit(&census, &mut notes);
     let faces = placed(&records, &census, options, &mut skipped);

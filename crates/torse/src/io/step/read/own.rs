@@ -51,7 +51,7 @@ fn each<T>(bytes: &[u8], read: impl Fn(&Records, u64) -> Result<T, Fault>) -> Re
 fn shown(records: &Records) -> Result<Vec<u64>, Fault> {
     for id in records.all(&["GLOBAL_UNIT_ASSIGNED_CONTEXT"]) {
         let unit = units::of_context(records, id);
-        if unit.length.to_bits() != 1.0f64.to_bits() {
+        if unit.fault.is_some() || unit.length.to_bits() != 1.0f64.to_bits() {
             return Err(Fault::new(id, "the unit of lengths is not the millimetre"));
         }
     }

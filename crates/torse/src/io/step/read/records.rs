@@ -337,25 +337,53 @@ fn record<'a>(c: &mut Cursor<'a>) -> Option<(u64, Record<'a>)> {
     Some((id, Record { parts }))
 }
 
-/// Offset just after the first `DATA;` (or `DATA(…);`) that is not part of a longer word.
+/// Offset just after the first `DATA;` (or `DATA(…);`) that is not part of a longer word, in a string or in a comment. Where that
+/// finds none, as behind a string that does not end, strings do not count.
 fn data_section(text: &str) -> Option<usize> {
-    let mut from = 0;
-    while let Some(n) = text.get(from..)?.find("DATA") {
-        let at = from + n;
-        let before = text.as_bytes().get(at.wrapping_sub(1)).copied().unwrap_or(b' ');
-        let mut c = Cursor::new(text, at + 4);
-        c.skip_blanks();
-        if !(before.is_ascii_alphanumeric() || before == b'_' || before == b'\'') {
-            if c.peek() == Some(b'(') && c.list(0).is_err() {
-                return None;
-            }
-            if c.take(b';') {
-                return Some(c.at);
-            }
+    let all = || std::iter::successors(text.find("DATA"), |at| Some(at + 4 + text.get(at + 4..)?.find("DATA")?));
+    let mut apart = Apart { text, at: 0 };
+    all()
+        .find_map(|at| section(text, at).filter(|_| apart.leaves(at)))
+        .or_else(|| all().find_map(|at| section(text, at)))
+}
+
+/// The words `DATA;` or `DATA(…);` at an offset: the offset behind them.
+fn section(text: &str, at: usize) -> Option<usize> {
+    let before = text.as_bytes().get(at.wrapping_sub(1)).copied().unwrap_or(b' ');
+    let mut c = Cursor::new(text, at + 4);
+    c.skip_blanks();
+    let whole = !(before.is_ascii_alphanumeric() || before == b'_' || before == b'\'');
+    let named = c.peek() != Some(b'(') || whole && c.list(0).is_ok();
+    (whole && named && c.take(b';')).then_some(c.at)
+}
+
+/// Strings and comments of a text, passed over from its beginning on.
+struct Apart<'a> {
+    text: &'a str,
+    /// Up to here they are passed over.
+    at: usize,
+}
+
+impl Apart<'_> {
+    /// Whether an offset, none before the last one asked for, is outside strings and comments.
+    fn leaves(&mut self, offset: usize) -> bool {
+        let bytes = self.text.as_bytes();
+        while self.at < offset {
+            let end = match (bytes[self.at], bytes.get(self.at + 1)) {
+                (b'\'', _) => Some("'"),
+                (b'/', Some(b'*')) => Some("*/"),
+                _ => None,
+            };
+            let Some(end) = end else {
+                self.at += 1;
+                continue;
+            };
+            let from = self.at + end.len();
+            let length = self.text.get(from..).and_then(|rest| rest.find(end));
+            self.at = length.map_or(bytes.len(), |n| from + n + end.len());
         }
-        from = at + 4;
+        self.at == offset
     }
-    None
 }
 
 /// Where reading goes on after damage: the next line that starts with `#`, or the next `;`, whichever is nearer.
@@ -393,5 +421,18 @@ mod tests {
         let r = Records::parse("FILE_NAME('DATA; x');META_DATA;DATA;#1=A();ENDSEC;").expect("section");
         assert_eq!(r.len(), 1);
         assert!(!r.truncated);
+        for header in [
+            "'see DATA; #1=B();#2=C();'",
+            "'it''s DATA; #1=B();'",
+            "/* old DATA; #1=B();' */",
+            "'a' /* b */, ' DATA;#1=B();'",
+        ] {
+            let text = format!("HEADER;FILE_NAME({header});ENDSEC;\nDATA;#1=A();ENDSEC;");
+            let r = Records::parse(&text).expect("section");
+            assert_eq!((r.len(), r.name(1), r.unreadable), (1, "A", 0), "{header}");
+        }
+        // A string that does not end hides no data.
+        let r = Records::parse("HEADER;FILE_NAME('it's);ENDSEC;\nDATA;\n#1=A('x');ENDSEC;").expect("section");
+        assert_eq!(r.len(), 1);
     }
 }

@@ -14,16 +14,40 @@ pub(super) struct Units {
     pub name: String,
     /// Distance (mm) below which the context calls points the same; 0 if it does not say.
     pub uncertainty: f64,
+    /// What is wrong with a unit that the context assigns: sizes are not known then.
+    pub fault: Option<Fault>,
 }
 
 impl Default for Units {
     fn default() -> Self {
-        Self { length: 1.0, angle: 1.0, name: String::new(), uncertainty: 0.0 }
+        Self { length: 1.0, angle: 1.0, name: String::new(), uncertainty: 0.0, fault: None }
     }
 }
 
 /// Millimetres in a metre.
 const MILLIMETRES: f64 = 1e3;
+
+/// The SI units that are known, and their multiples with powers of ten.
+const METRE: &str = "METRE";
+const RADIAN: &str = "RADIAN";
+const PREFIXES: [(&str, i32); 16] = [
+    ("EXA", 18),
+    ("PETA", 15),
+    ("TERA", 12),
+    ("GIGA", 9),
+    ("MEGA", 6),
+    ("KILO", 3),
+    ("HECTO", 2),
+    ("DECA", 1),
+    ("DECI", -1),
+    ("CENTI", -2),
+    ("MILLI", -3),
+    ("MICRO", -6),
+    ("NANO", -9),
+    ("PICO", -12),
+    ("FEMTO", -15),
+    ("ATTO", -18),
+];
 
 /// Units of conversions in units of conversions…: real files have one step.
 const DEEPEST_CONVERSION: usize = 6;
@@ -38,14 +62,16 @@ pub(super) fn of_context(records: &Records, id: u64) -> Units {
         let Ok(record) = records.get(unit) else { continue };
         let is = |name: &str| record.part(name).is_some();
         let base = base_name(records, unit, 0);
-        if is("LENGTH_UNIT") || (!is("PLANE_ANGLE_UNIT") && base == Some("METRE")) {
-            if let Ok((factor, name)) = factor(records, unit, 0) {
-                out.length = MILLIMETRES * factor;
-                out.name = name;
+        let read = |si: &str| factor(records, unit, si, 0);
+        if is("LENGTH_UNIT") || (!is("PLANE_ANGLE_UNIT") && base.is_some_and(|b| b.eq_ignore_ascii_case(METRE))) {
+            match read(METRE) {
+                Ok((factor, name)) => (out.length, out.name) = (MILLIMETRES * factor, name),
+                Err(fault) => out.fault = Some(fault),
             }
-        } else if is("PLANE_ANGLE_UNIT") || base == Some("RADIAN") {
-            if let Ok((factor, _)) = factor(records, unit, 0) {
-                out.angle = factor;
+        } else if is("PLANE_ANGLE_UNIT") || base.is_some_and(|b| b.eq_ignore_ascii_case(RADIAN)) {
+            match read(RADIAN) {
+                Ok((factor, _)) => out.angle = factor,
+                Err(fault) => out.fault = Some(fault),
             }
         }
     }
@@ -61,8 +87,7 @@ fn uncertainty(records: &Records, context: u64) -> f64 {
         let part = parts.iter().find(|p| p.args.len() >= 2)?;
         let value = part.args.first().and_then(as_number).filter(|x| x.is_finite() && *x > 0.0)?;
         let unit = part.args.get(1).and_then(as_reference)?;
-        let of_length = base_name(records, unit, 0) == Some("METRE");
-        let (factor, _) = factor(records, unit, 0).ok().filter(|_| of_length)?;
+        let (factor, _) = factor(records, unit, METRE, 0).ok()?;
         Some(value * factor * MILLIMETRES)
     };
     args.references(list).unwrap_or_default().into_iter().filter_map(one).fold(0.0, f64::max)
@@ -86,8 +111,8 @@ fn base_name<'a>(records: &Records<'a>, id: u64, depth: usize) -> Option<&'a str
     base_name(records, records.simple(measure).ok()?.reference(1).ok()?, depth + 1)
 }
 
-/// Factor to the SI unit and name.
-fn factor(records: &Records, id: u64, depth: usize) -> Result<(f64, String), Fault> {
+/// Factor to the SI unit `si` and name.
+fn factor(records: &Records, id: u64, si: &str, depth: usize) -> Result<(f64, String), Fault> {
     if depth > DEEPEST_CONVERSION {
         return Err(Fault::new(id, format!("the unit #{id} is defined in a circle")));
     }
@@ -98,26 +123,15 @@ fn factor(records: &Records, id: u64, depth: usize) -> Result<(f64, String), Fau
             _ => "",
         };
         let (prefix, name) = (word(2), word(1));
-        let power = match prefix {
-            "EXA" => 18,
-            "PETA" => 15,
-            "TERA" => 12,
-            "GIGA" => 9,
-            "MEGA" => 6,
-            "KILO" => 3,
-            "HECTO" => 2,
-            "DECA" => 1,
-            "DECI" => -1,
-            "CENTI" => -2,
-            "MILLI" => -3,
-            "MICRO" => -6,
-            "NANO" => -9,
-            "PICO" => -12,
-            "FEMTO" => -15,
-            "ATTO" => -18,
-            _ => 0,
+        if !name.eq_ignore_ascii_case(si) {
+            let si = si.to_lowercase();
+            return Err(Fault::new(id, format!("the unit #{id} is '{}', not a {si}", name.to_lowercase())));
+        }
+        let power = match PREFIXES.iter().find(|p| prefix.eq_ignore_ascii_case(p.0)) {
+            Some((_, power)) => *power,
+            None if prefix.is_empty() => 0,
+            None => return Err(Fault::new(id, format!("'{prefix}' of the unit #{id} is no prefix of SI units"))),
         };
-        let prefix = if power == 0 { "" } else { prefix };
         return Ok((10.0_f64.powi(power), format!("{prefix}{name}").to_ascii_lowercase()));
     }
     let conversion = records.args(id, "CONVERSION_BASED_UNIT")?;
@@ -137,7 +151,7 @@ fn factor(records: &Records, id: u64, depth: usize) -> Result<(f64, String), Fau
         Some(Value::Reference(u)) => *u,
         _ => return Err(Fault::new(measure, format!("the measure #{measure} names no unit"))),
     };
-    Ok((value * factor(records, unit, depth + 1)?.0, name))
+    Ok((value * factor(records, unit, si, depth + 1)?.0, name))
 }
 
 #[cfg(test)]
@@ -170,6 +184,24 @@ mod tests {
         );
         assert!((foot.length - 25.4).abs() < 1e-12 && foot.name == "inch");
         assert!((foot.angle - 1f64.to_radians()).abs() < 1e-12);
-        assert_eq!(units("#1=(GLOBAL_UNIT_ASSIGNED_CONTEXT((#2)));#2=(CONVERSION_BASED_UNIT('X',#3)LENGTH_UNIT());#3=M(LENGTH_MEASURE(2.),#2);"), Units::default());
+        let circle = units("#1=(GLOBAL_UNIT_ASSIGNED_CONTEXT((#2)));#2=(CONVERSION_BASED_UNIT('X',#3)LENGTH_UNIT());#3=M(LENGTH_MEASURE(2.),#2);");
+        assert!(circle.fault.is_some_and(|f| f.reason.contains("circle")));
+    }
+
+    #[test]
+    fn words_of_units_are_told_in_any_case_and_unknown_ones_are_faults() {
+        let si = |p: &str, of: &str, name: &str| {
+            units(&format!("#1=(GLOBAL_UNIT_ASSIGNED_CONTEXT((#2)));#2=({of}()NAMED_UNIT(*)SI_UNIT({p},{name}));"))
+        };
+        for (p, name) in [(".milli.", ".metre."), (".Milli.", ".METRE."), (".MILLI.", ".Metre.")] {
+            let u = si(p, "LENGTH_UNIT", name);
+            assert!((u.length - 1.0).abs() < 1e-12 && u.name == "millimetre" && u.fault.is_none(), "{u:?}");
+        }
+        let reason = |p: &str, of: &str, name: &str| si(p, of, name).fault.expect("a fault").reason;
+        assert_eq!(reason(".MILI.", "LENGTH_UNIT", ".METRE."), "'MILI' of the unit #2 is no prefix of SI units");
+        assert_eq!(reason(".MILLI.", "LENGTH_UNIT", ".INCH."), "the unit #2 is 'inch', not a metre");
+        assert_eq!(reason("$", "PLANE_ANGLE_UNIT", ".DEGREE."), "the unit #2 is 'degree', not a radian");
+        // Units of other kinds do not matter.
+        assert!(si("$", "SOLID_ANGLE_UNIT", ".STERADIAN.").fault.is_none());
     }
 }

@@ -236,9 +236,11 @@ fn planarised(level: usize, report: &LevelReport) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::answer::note::UnrollNote;
     use crate::answer::note::{Became, FaceNote, FitNote};
     use crate::answer::note::{EndNote, ExactPiece, Leads, LoftNote, NetNote, Outlines, Quality, SplineSize};
     use crate::certify::claim::{Counted, UpperBound};
+    use crate::develop::unfold::tree::CutReason;
     use crate::torse::net::Shape;
 
     #[test]
@@ -279,6 +281,18 @@ mod tests {
             "{told:?}"
         );
         assert!(told[1].contains("where pieces should go on smoothly (join 1, a and b1)"), "{told:?}");
+    }
+
+    #[test]
+    fn one_bend_is_one_and_edges_without_numbers_have_none() {
+        let sheet = |bends| note(&Note::Unroll(UnrollNote::Sheet { part: "A".into(), thickness: 2.0, bends }));
+        assert_eq!((sheet(1), sheet(3)), ("A: sheet of 2 mm, 1 bend.".into(), "A: sheet of 2 mm, 3 bends.".into()));
+        let cut = |edge| {
+            let reason = CutReason::Closes;
+            note(&Note::Unroll(UnrollNote::Cut { part: "A".into(), edge, reason }))
+        };
+        assert!(cut(7).starts_with("A: cut along edge #7, because"), "{}", cut(7));
+        assert!(cut(0).starts_with("A: cut along an edge, because"), "{}", cut(0));
     }
 
     #[test]

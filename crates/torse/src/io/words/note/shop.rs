@@ -45,7 +45,7 @@ pub(super) fn words(note: &ShopNote) -> String {
         ),
         ShopNote::Unknown { parts } => format!(
             "Roll radii, kinks, sections and the neutral fibre are not known of {}: patterns drawn from other surfaces than \
-             the panels.",
+             the panels. Patterns and weights are those of the faces in the file, also where the sheet lies to one side of these.",
             named(parts)
         ),
     }

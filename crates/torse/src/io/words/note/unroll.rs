@@ -12,7 +12,8 @@ pub(super) fn words(note: &UnrollNote) -> String {
     match note {
         UnrollNote::NeutralFibre(k) => format!("Bent zones have the length of the neutral fibre: {}.", factor(k)),
         UnrollNote::Sheet { part, thickness, bends } => {
-            format!("{part}: sheet of {}, {bends} bends.", length(*thickness))
+            let bends = if *bends == 1 { "1 bend".into() } else { format!("{bends} bends") };
+            format!("{part}: sheet of {}, {bends}.", length(*thickness))
         }
         UnrollNote::Cut { part, edge, reason } => {
             let why = match reason {
@@ -21,7 +22,9 @@ pub(super) fn words(note: &UnrollNote) -> String {
                 CutReason::Differs => "its images on both faces differ",
                 CutReason::Asked => "no bend was asked for there",
             };
-            format!("{part}: cut along edge #{edge}, because {why}.")
+            // Formats whose edges have no numbers.
+            let edge = if *edge == 0 { "an edge".into() } else { format!("edge #{edge}") };
+            format!("{part}: cut along {edge}, because {why}.")
         }
         UnrollNote::NotBent { part, edges } => {
             let named = listed(edges.iter().map(|e| format!("#{e}")));
