@@ -27,6 +27,7 @@ use crate::geom::Vec3;
 use crate::num::bernstein::{derivative, difference, hull, product};
 use crate::num::interval::Interval;
 use crate::spline::curve::Curve;
+use rayon::prelude::*;
 
 /// Angle (rad) up to which a patch counts as developable: two micrometres over a metre, far below anything that can be
 /// made; above rounding, which grows near the regression curve.
@@ -123,8 +124,9 @@ pub(super) fn developability_until(
     limit: f64,
     control: &Control,
 ) -> Option<Developability> {
-    let mut found: Vec<(f64, f64, Developability)> = Vec::new();
-    for w in patch.breaks().windows(2) {
+    let breaks = patch.breaks();
+    let between = |w: &[f64]| {
+        let mut found: Vec<(f64, f64, Developability)> = Vec::new();
         let cut = |i: usize| if i == PARTS { w[1] } else { w[0] + (w[1] - w[0]) * i as f64 / PARTS as f64 };
         let mut open: Vec<(f64, f64, usize)> = (0..PARTS).map(|i| (cut(i), cut(i + 1), 0)).collect();
         while let Some((a, b, depth)) = open.pop() {
@@ -140,7 +142,10 @@ pub(super) fn developability_until(
                 open.extend([(a, m, depth + 1), (m, b, depth + 1)]);
             }
         }
-    }
+        Some(found)
+    };
+    let spans: Option<Vec<Vec<_>>> = breaks.par_windows(2).map(between).collect();
+    let mut found = spans?.concat();
     if found.iter().all(|(_, _, d)| d.regular) {
         for least in [|d: &Developability| d.bend_radius, |d: &Developability| d.clearance] {
             sharpen(patch, trims, limit, &mut found, least);

@@ -22,6 +22,16 @@ pub struct Rail {
     pub closed: bool,
 }
 
+/// Length (mm) of a piece between two parameters of one span of its knots (quadrature, about 1e-10 relative).
+pub(crate) fn span_length(c: &Curve<4>, a: f64, b: f64) -> f64 {
+    let h = (b - a) / 4.0;
+    let part = |i: i32| {
+        let x = a + h * f64::from(i);
+        GAUSS_8.integrate(x, x + h, |t| jet(c, t)[1].norm())
+    };
+    (0..4).map(part).sum()
+}
+
 /// A stretch of a rail's piece, run through by the parameter of a strip.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RailPart {
@@ -308,17 +318,7 @@ impl Rail {
     /// Length of the piece `k` from its start to its parameter `t`, mm (quadrature, about 1e-10 relative).
     pub fn piece_length(&self, k: usize, t: f64) -> f64 {
         let Some(c) = self.pieces.get(k) else { return 0.0 };
-        let mut sum = 0.0;
-        for w in c.knots.breaks().windows(2).filter(|w| w[0] < t) {
-            let (a, h) = (w[0], (w[1].min(t) - w[0]) / 4.0);
-            sum += (0..4)
-                .map(|i| {
-                    let x = a + h * f64::from(i);
-                    GAUSS_8.integrate(x, x + h, |t| jet(c, t)[1].norm())
-                })
-                .sum::<f64>();
-        }
-        sum
+        c.knots.breaks().windows(2).filter(|w| w[0] < t).map(|w| span_length(c, w[0], w[1].min(t))).sum()
     }
 
     /// Length from the start to the parameter `s`, mm.

@@ -105,12 +105,13 @@ fn minima(costs: &[f64], closed: bool) -> Vec<usize> {
 /// and the other way round.
 fn difference(a: &Rail, b: &Rail, p: &TwistPath, q: &TwistPath) -> f64 {
     let rails = [a, b];
+    let tracks = rails.map(Track::new);
     let shares = |path: &TwistPath, d: usize| -> Vec<f64> {
-        let track = Track::new(rails[d]);
-        let total = rails[d].length().max(f64::MIN_POSITIVE);
+        let track = &tracks[d];
+        let total = track.length().max(f64::MIN_POSITIVE);
         let of = |x: f64| {
             let turns = if rails[d].closed { (x / track.end()).floor() } else { 0.0 };
-            turns + rails[d].length_to(track.rail_parameter(x - turns * track.end())) / total
+            turns + track.length_to(x - turns * track.end()) / total
         };
         // Lengths cost quadratures: a few stations tell.
         let step = (path.stations.len() / PLACES).max(1);

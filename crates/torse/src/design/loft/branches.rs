@@ -382,14 +382,14 @@ fn runs(chain: &Chain, ta: &Track, tb: &Track) -> Vec<Branch> {
 
 /// Share of a track's length between two parameters, at most 1.
 pub(crate) fn used_share(t: &Track, x0: f64, x1: f64) -> f64 {
-    let total = t.rail.length();
+    let total = t.length();
     if x1 - x0 >= t.end() {
         return 1.0;
     }
     let at = |x: f64| {
         let turns = if t.rail.closed { (x / t.end()).floor() } else { 0.0 };
         let rest = x - turns * t.end();
-        turns * total + t.rail.length_to(t.rail_parameter(rest))
+        turns * total + t.length_to(rest)
     };
     ((at(x1) - at(x0)) / total).clamp(0.0, 1.0)
 }

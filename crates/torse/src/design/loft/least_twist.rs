@@ -52,7 +52,7 @@ struct Samples {
 /// About `chords` chords, with points at the given shares of the length.
 fn samples(rail: &Rail, chords: usize, shares: &[f64]) -> Samples {
     let track = Track::new(rail);
-    let total = rail.length().max(f64::MIN_POSITIVE);
+    let total = track.length().max(f64::MIN_POSITIVE);
     let mut out = Samples { x: Vec::new(), points: Vec::new() };
     for (k, segment) in track.segments.iter().enumerate() {
         let Segment::Piece(piece) = segment else { continue };
@@ -86,11 +86,11 @@ fn at_share(track: &Track, share: f64) -> f64 {
     if share >= 1.0 {
         return track.end();
     }
-    let goal = share * track.rail.length();
+    let goal = share * track.length();
     let (mut lo, mut hi) = (0.0, track.end());
     for _ in 0..HALVINGS {
         let m = 0.5 * (lo + hi);
-        if track.rail.length_to(track.rail_parameter(m)) < goal {
+        if track.length_to(m) < goal {
             lo = m;
         } else {
             hi = m;

@@ -4,7 +4,9 @@
 //! tangents. On the track the tangent is continuous, so that fans about corners need no special case.
 
 use crate::geom::Vec3;
-use crate::torse::rail::{jet, tangent, Rail};
+use crate::spline::curve::Curve;
+use crate::torse::rail::{jet, span_length, tangent, Rail};
+use std::sync::OnceLock;
 
 /// A segment of a track.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,6 +33,8 @@ pub struct Track<'a> {
     pub rail: &'a Rail,
     /// Its segments.
     pub segments: Vec<Segment>,
+    /// Lengths (mm) of the rail up to every knot of every piece: quadratures, once for all that ask.
+    lengths: OnceLock<Vec<Vec<f64>>>,
 }
 
 /// Point and unit tangent.
@@ -67,7 +71,37 @@ impl<'a> Track<'a> {
                 }
             }
         }
-        Self { rail, segments }
+        Self { rail, segments, lengths: OnceLock::new() }
+    }
+
+    fn lengths(&self) -> &[Vec<f64>] {
+        self.lengths.get_or_init(|| {
+            let mut here = 0.0;
+            let piece = |c: &Curve<4>| {
+                let mut out = vec![here];
+                for w in c.knots.breaks().windows(2) {
+                    here += span_length(c, w[0], w[1]);
+                    out.push(here);
+                }
+                out
+            };
+            self.rail.pieces.iter().map(piece).collect()
+        })
+    }
+
+    /// Length of the whole rail, mm.
+    pub fn length(&self) -> f64 {
+        self.lengths().last().and_then(|l| l.last()).copied().unwrap_or(0.0)
+    }
+
+    /// Length of the rail from its start to `x`, mm.
+    pub fn length_to(&self, x: f64) -> f64 {
+        let s = self.rail_parameter(x);
+        let k = (s.floor().max(0.0) as usize).min(self.rail.pieces.len() - 1);
+        let (c, t) = (&self.rail.pieces[k], s - k as f64);
+        let breaks = c.knots.breaks();
+        let span = breaks.partition_point(|b| *b <= t).clamp(1, breaks.len() - 1) - 1;
+        self.lengths()[k][span] + span_length(c, breaks[span], t)
     }
 
     /// Number of segments: the end of the parameter.
