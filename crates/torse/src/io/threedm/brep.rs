@@ -10,6 +10,7 @@ use crate::brep::raw::{PlaneTrace, RawEdge, RawFace, RawLoop, Region};
 use crate::brep::space_curve::Arc;
 use crate::brep::support_surface::SupportSurface;
 use crate::geom::Vec3;
+use crate::spline::surface::Surface;
 use std::collections::HashMap;
 
 /// Writers from this date on store domains of edges and trims.
@@ -197,8 +198,7 @@ impl Brep {
             }
         }
         if let (SupportSurface::Spline(s), [None, None]) = (&patch.support, patch.support.periods()) {
-            let (u, v) = s.surface.domain();
-            self.part_seams(&mut loops, &patch.support, [u.1 - u.0, v.1 - v.0]);
+            self.part_seams(&mut loops, &patch.support, &s.surface);
         }
         if face.reversed {
             // The file's loops run about the normal of the surface, ours about that of the face.
@@ -244,9 +244,13 @@ impl Brep {
     }
 
     /// An edge that a face uses twice on a surface without a seam, at different places of the parameter plane, joins two
-    /// sides that nearly meet: it is two edges. There, and where an edge has its feet elsewhere, on a sheet of the surface that
-    /// lies along its own, the curves in the parameter plane say which is meant; elsewhere the edges in space are followed.
-    fn part_seams(&self, loops: &mut [RawLoop], support: &SupportSurface, size: [f64; 2]) {
+    /// sides that nearly meet: it is two edges. There, along sides that nearly meet, and where an edge has its feet elsewhere,
+    /// on a sheet of the surface that lies along its own, the curves in the parameter plane say which is meant; elsewhere the
+    /// edges in space are followed.
+    fn part_seams(&self, loops: &mut [RawLoop], support: &SupportSurface, surface: &Surface) {
+        let (u, v) = surface.domain();
+        let size = [u.1 - u.0, v.1 - v.0];
+        let near = APART * surface.bbox().diagonal();
         let mut uses: HashMap<u64, usize> = HashMap::new();
         for e in loops.iter().flat_map(|l| &l.edges) {
             *uses.entry(e.entity).or_default() += 1;
@@ -258,7 +262,7 @@ impl Brep {
                 let is_elsewhere = |s: f64| {
                     let t = e.path[0].from + s * (e.path[0].to - e.path[0].from);
                     let (foot, q) = (support.foot(&e.path[0].curve.point(t), None), trace.curve.point(t));
-                    (0..2).any(|k| (foot[k] - q[k]).abs() > APART * size[k])
+                    (0..2).any(|k| (foot[k] - q[k]).abs() > APART * size[k]) || meets(surface, [q[0], q[1]], near)
                 };
                 let is_elsewhere = [0.25, 0.5, 0.75].into_iter().any(is_elsewhere);
                 e.trace = Some(trace).filter(|_| is_elsewhere);
@@ -299,6 +303,18 @@ impl Brep {
         let path = curve.as_ref().map_err(Clone::clone)?.part(edge.part)?;
         Ok(if edge.reversed { path.iter().rev().map(Arc::reversed).collect() } else { path })
     }
+}
+
+/// Whether a place lies on a side of the domain that comes near the side opposite there, in space.
+fn meets(surface: &Surface, q: [f64; 2], near: f64) -> bool {
+    let (u, v) = surface.domain();
+    [u, v].into_iter().enumerate().any(|(k, (a, b))| {
+        let hair = APART * (b - a);
+        let mut other = q;
+        other[k] = if q[k] - a <= hair { b } else { a };
+        let on_side = q[k] - a <= hair || b - q[k] <= hair;
+        on_side && (surface.point(q[0], q[1]) - surface.point(other[0], other[1])).norm() <= near
+    })
 }
 
 /// Whether two curves in a parameter plane, which belong to one edge, lie at different places.

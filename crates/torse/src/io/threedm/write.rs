@@ -4,6 +4,7 @@
 //! writer neither checks nor repairs geometry.
 
 mod body;
+mod seams;
 mod sheet;
 mod tables;
 mod trims;
@@ -35,4 +36,10 @@ pub fn sheets(header: &Header, sheets: &[Sheet]) -> io::Result<Vec<u8>> {
         objects.push((s.name.as_str(), data));
     }
     Ok(tables::archive(header, objects))
+}
+
+/// A sheet with the seams that it is written with.
+#[cfg(test)]
+pub(crate) fn seams_of(s: &Sheet) -> io::Result<Sheet> {
+    seams::joined(&seams::closed(s))
 }

@@ -67,18 +67,48 @@ fn a_trimmed_panel_keeps_its_numbers() {
     assert!((normal(f) + normal(&turned.faces[0])).norm() < 1e-12);
 }
 
-/// A pipe whose two ends nearly meet: which of both an edge runs along is told by its curve in the parameter plane.
-#[test]
-fn a_pipe_slit_along_one_ruling() {
-    let (radius, height, w) = (50.0, 80.0, 0.5f64.sqrt());
-    let around = [(1., 0.), (1., 1.), (0., 1.), (-1., 1.), (-1., 0.), (-1., -1.), (0., -1.), (1., -1.), (1., -1e-5)];
+/// A pipe of four quarters; its last ruling is off its first by `slit` shares of the radius.
+fn pipe(radius: f64, height: f64, slit: f64) -> Surface {
+    let w = 0.5f64.sqrt();
+    let around = [(1., 0.), (1., 1.), (0., 1.), (-1., 1.), (-1., 0.), (-1., -1.), (0., -1.), (1., -1.), (1., -slit)];
     let (mut points, mut weights) = (Vec::new(), Vec::new());
     for (k, (x, y)) in around.into_iter().enumerate() {
         points.extend([0.0, height].map(|z| Vec3::new(radius * x, radius * y, z)));
         weights.extend([if k % 2 == 0 { 1.0 } else { w }; 2]);
     }
     let quarters = Knots::new(2, vec![0., 0., 0., 1., 1., 2., 2., 3., 3., 4., 4., 4.], 9).expect("knots");
-    let pipe = Surface::new(quarters, knots(1), &points, Some(&weights)).expect("a pipe");
+    Surface::new(quarters, knots(1), &points, Some(&weights)).expect("a pipe")
+}
+
+/// What closes is one edge, used twice by trims of its kind; what is slit by ever so little keeps both.
+#[test]
+fn a_pipe_that_closes_has_one_seam() {
+    let wanted = std::f64::consts::TAU * 50.0 * 80.0;
+    for (slit, edges, vertices) in [(0.0, 3, 2), (1e-10, 4, 4), (1e-5, 4, 4)] {
+        let mut s = Sheet::untrimmed("pipe", &pipe(50.0, 80.0, slit));
+        // Straight curves in the parameter plane, then such as waver by less than the program sees.
+        for hair in [0.0, 1e-8] {
+            for (e, u) in [(1, 4.0), (3, 0.0)] {
+                let control = vec![[u, 0.0], [u + hair, 0.3], [u - hair, 0.6], [u, 1.0]];
+                s.faces[0].loops[0][e].trim = Some(Curve { knots: knots(3), control });
+            }
+            let joined = write::seams_of(&s).expect("joined");
+            assert_eq!((joined.edges.len(), joined.vertices.len()), (edges, vertices), "{slit:e} {hair:e}");
+            let uses = &joined.faces[0].loops[0];
+            assert_eq!(uses[1].edge == uses[3].edge, edges == 3, "{slit:e} {hair:e}");
+            assert_ne!(uses[1].forward, uses[3].forward);
+            let m = model(&write::sheets(&header(), &[s.clone()]).expect("written"));
+            assert_eq!((m.faces.len(), m.skipped.len()), (1, 0));
+            assert!((area(&m.faces) / wanted - 1.0).abs() < 1e-4, "{slit:e} {hair:e} {}", area(&m.faces));
+        }
+    }
+}
+
+/// A pipe whose two ends nearly meet: which of both an edge runs along is told by its curve in the parameter plane.
+#[test]
+fn a_pipe_slit_along_one_ruling() {
+    let (radius, height) = (50.0, 80.0);
+    let pipe = pipe(radius, height, 1e-5);
     let m = model(&write::sheets(&header(), &[Sheet::untrimmed("pipe", &pipe)]).expect("written"));
     assert_eq!((m.faces.len(), m.skipped.len()), (1, 0));
     assert!((area(&m.faces) / (std::f64::consts::TAU * radius * height) - 1.0).abs() < 1e-4, "{}", area(&m.faces));

@@ -2,13 +2,13 @@
 
 use super::super::bytes::ANONYMOUS;
 use super::body::Body;
+use super::seams;
 use super::trims::{domain, invalid, trims_of, Trim};
 use crate::geom::Vec3;
 use crate::io::step::write::{Sheet, SheetCurve, SheetFace, SheetSurface};
 use crate::spline::curve::Curve;
 use crate::spline::knots::Knots;
 use crate::spline::surface::Surface;
-use std::collections::{BTreeMap, BTreeSet};
 use std::io;
 
 const NURBS_CURVE: u128 = 0x4ED7_D4DD_E947_11D3_BFE5_0010_8301_22F0;
@@ -19,38 +19,9 @@ const PLANE_SURFACE: u128 = 0x4ED7_D4DF_E947_11D3_BFE5_0010_8301_22F0;
 const MATED: i32 = 2;
 const SEAM: i32 = 3;
 
-/// Coordinates nearer than this (mm), or than this share of their sizes, are one for the program, which wants closed edges
-/// to begin and end in one vertex.
-const SAME_PLACE: f64 = 2.3e-10;
-const SAME_SHARE: f64 = 2.2e-13;
-
-/// The sheet with one vertex where closed edges begin and end.
-fn closed(s: &Sheet) -> Sheet {
-    let mut out = s.clone();
-    for e in &s.edges {
-        let (Some(p), Some(q)) = (s.vertices.get(e.start), s.vertices.get(e.end)) else { continue };
-        let near = |k: usize| (p[k] - q[k]).abs() <= SAME_PLACE.max(SAME_SHARE * (p[k].abs() + q[k].abs()));
-        if e.start == e.end || !(0..3).all(near) {
-            continue;
-        }
-        let (keep, lose) = (e.start.min(e.end), e.start.max(e.end));
-        for v in out.edges.iter_mut().flat_map(|e| [&mut e.start, &mut e.end]).filter(|v| **v == lose) {
-            *v = keep;
-        }
-    }
-    // What is no longer used is not written.
-    let used: BTreeSet<usize> = out.edges.iter().flat_map(|e| [e.start, e.end]).collect();
-    let number: BTreeMap<usize, usize> = used.iter().enumerate().map(|(new, &old)| (old, new)).collect();
-    for v in out.edges.iter_mut().flat_map(|e| [&mut e.start, &mut e.end]) {
-        *v = number[v];
-    }
-    out.vertices = used.into_iter().filter_map(|v| s.vertices.get(v).copied()).collect();
-    out
-}
-
 /// Writes the data of a polysurface; `tolerance` (mm) is how near its parts meet.
 pub(super) fn write(out: &mut Body, s: &Sheet, tolerance: f64) -> io::Result<()> {
-    let s = &closed(s);
+    let s = &seams::joined(&seams::closed(s))?;
     let (mut trims, mut loops) = (Vec::new(), Vec::new());
     for (k, f) in s.faces.iter().enumerate() {
         for (i, uses) in f.loops.iter().enumerate() {

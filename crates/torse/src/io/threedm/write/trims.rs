@@ -46,16 +46,22 @@ pub(super) fn trims_of(s: &Sheet, f: &SheetFace, uses: &[EdgeUse], in_loop: usiz
     let mut out: Vec<Trim> = Vec::with_capacity(turned.len());
     for (u, forward) in turned {
         let e = s.edges.get(u.edge).ok_or_else(|| invalid(s, format!("has no edge {}", u.edge)))?;
-        let along = match &u.trim {
-            Some(c) => c.clone(),
-            None => projected(s, f, u)?,
-        };
+        let along = along(s, f, u)?;
         let (curve, vertices) = if forward { (along, [e.start, e.end]) } else { (along.reversed(), [e.end, e.start]) };
         let side = parameter_line(&ends, &curve);
+        let curve = straightened(curve, side);
         out.push(Trim { curve, edge: Some(u.edge), reversed: !forward, vertices, kind: BOUNDARY, side, in_loop });
     }
     with_points(&ends, out)
         .ok_or_else(|| invalid(s, "has a loop whose curves in the parameter plane do not meet, away from its corners"))
+}
+
+/// The image of an edge in the parameter plane, in the direction of the edge.
+pub(super) fn along(s: &Sheet, f: &SheetFace, u: &EdgeUse) -> io::Result<Curve<2>> {
+    match &u.trim {
+        Some(c) => Ok(c.clone()),
+        None => projected(s, f, u),
+    }
 }
 
 /// The loop with a side wherever the surface ends in a point.
@@ -99,25 +105,45 @@ pub(super) fn domain(s: &Sheet, f: &SheetFace) -> io::Result<[[f64; 2]; 2]> {
 }
 
 /// The least number of a side of the domain.
-const WEST: i32 = 3;
+pub(super) const WEST: i32 = 3;
 
 /// What line of parameters a curve is: 0 for none, 1 and 2 for constant u and v, 3 to 6 for the sides of the domain from
-/// the west over the south to the north.
-fn parameter_line(ends: &[[f64; 2]; 2], c: &Curve<2>) -> i32 {
+/// the west over the south to the north. A curve that turns back on its way is none.
+pub(super) fn parameter_line(ends: &[[f64; 2]; 2], c: &Curve<2>) -> i32 {
     let range =
         |k: usize| c.control.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |r, p| [r[0].min(p[k]), r[1].max(p[k])]);
     let ranges = [range(0), range(1)];
     let width = |k: usize| ranges[k][1] - ranges[k][0];
-    let k = usize::from(width(0) > width(1));
+    let k = usize::from(width(0) * (ends[1][1] - ends[1][0]) > width(1) * (ends[0][1] - ends[0][0]));
     let hair = SAME_PARAMETER * (ends[k][1] - ends[k][0]);
     let middle = 0.5 * (ranges[k][0] + ranges[k][1]);
     let near = |t: f64| (t - middle).abs() <= hair;
+    let runs = |sign: f64| c.control.windows(2).all(|w| sign * (w[1][1 - k] - w[0][1 - k]) >= 0.0);
     match k as i32 {
+        _ if !(runs(1.0) || runs(-1.0)) => 0,
         _ if !(near(ranges[k][0]) && near(ranges[k][1])) => 0,
         k if near(ends[k as usize][0]) => WEST + k,
         k if near(ends[k as usize][1]) => WEST + 2 + k,
         k => 1 + k,
     }
+}
+
+/// A curve along a line of parameters, straight between its ends: the program takes none that wavers for such a line, by
+/// however little.
+fn straightened(mut c: Curve<2>, side: i32) -> Curve<2> {
+    let (Some(&p), Some(&q)) = (c.control.first(), c.control.last()) else { return c };
+    // Odd numbers are lines of constant u.
+    let across = usize::from(side % 2 == 0);
+    let along = 1 - across;
+    if side == 0 || p[along].total_cmp(&q[along]).is_eq() {
+        return c;
+    }
+    let inner = 1..c.control.len() - 1;
+    for x in &mut c.control[inner] {
+        let share = (x[along] - p[along]) / (q[along] - p[along]);
+        x[across] = p[across] + share * (q[across] - p[across]);
+    }
+    c
 }
 
 /// The image of an edge in the parameter plane where none is given: exact in a plane; on a spline the line between the
