@@ -258,7 +258,7 @@ pub struct Files {
     #[arg(long)]
     pub one_file_per_part: bool,
 
-    /// Also write the panels in these formats, as copies of panels.step: iges, 3dm
+    /// Also write the panels in these formats, as copies of panels.step or cones.step: iges, 3dm
     #[arg(long, value_name = "FORMAT,...", value_delimiter = ',', value_enum)]
     pub also: Vec<Also>,
 

@@ -1,5 +1,6 @@
 //! Floor 8: what a job answers with: the one record that files, reports and pictures are made from.
 
+pub(crate) mod cone_panels;
 pub(crate) mod joints;
 pub mod marks;
 pub mod note;

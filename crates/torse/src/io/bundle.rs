@@ -8,6 +8,7 @@ use super::pictures::Pictures;
 use super::png::{self, PngError};
 use super::step::write::{self as step, Header, Sheet};
 use super::{bend_table, bends, dxf, iges, marks, parts, shop_tables, svg, threedm};
+use crate::answer::cone_panels;
 use crate::answer::presentation::Presentation;
 use crate::answer::Answer;
 use crate::draw::scene::{titled, Scene};
@@ -92,9 +93,7 @@ pub fn geometry(answer: &Answer, shown: &Presentation, time: &str) -> Result<Vec
     });
     // Nothing of these strips lies flat.
     let mut out = if answer.lays_flat() { vec![step?, dxf?, svg?] } else { vec![step?] };
-    if answer.cones.is_none() {
-        out.extend(copies(answer, shown, &header)?);
-    }
+    out.extend(copies(answer, shown, &header)?);
     for (part, drawing) in &shown.alone {
         let (_, bytes) = text("patterns.dxf", |b| dxf::write(b, drawing))?;
         out.push((part_file(part), bytes));
@@ -102,14 +101,16 @@ pub fn geometry(answer: &Answer, shown: &Presentation, time: &str) -> Result<Vec
     Ok(out)
 }
 
-/// The panels in further formats: copies of [`PANELS`].
+/// The panels in further formats: copies of [`PANELS`], or of [`CONES`] as splines.
 fn copies(answer: &Answer, shown: &Presentation, header: &Header) -> Result<Vec<File>, BundleError> {
     let mut out = Vec::new();
+    let outlined = answer.cones.as_ref().map(|c| cone_panels::outlined(&answer.patchwork, c));
+    let panels = outlined.as_ref().unwrap_or(&answer.patchwork);
     if answer.cut.iges {
-        out.push((IGES.into(), iges::write::panels(header, &answer.patchwork, &shown.marks.panels)));
+        out.push((IGES.into(), iges::write::panels(header, panels, &shown.marks.panels)));
     }
     if answer.cut.threedm {
-        let bytes = threedm::write::panels(header, &answer.patchwork, &shown.marks.panels)
+        let bytes = threedm::write::panels(header, panels, &shown.marks.panels)
             .map_err(|source| BundleError::Write { file: THREEDM, source })?;
         out.push((THREEDM.into(), bytes));
     }

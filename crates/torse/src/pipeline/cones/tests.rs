@@ -192,3 +192,24 @@ fn a_cone_whose_slit_is_as_uncertain_as_files_are_is_that_cone() {
         assert!(moved < 1e-6, "{turn} {moved}");
     }
 }
+
+/// Copies of chains hold the same faces as the exact ones, trimmed like them.
+#[test]
+fn copies_of_trimmed_chains_in_other_formats_have_their_area() {
+    let model = crate::read(include_bytes!("../../../../../data/cone_holes.step")).expect("a model");
+    let mut out = of_faces(&model.faces, &[], &ConesOptions::new(0.5, "test"), &Control::default()).expect("an answer");
+    (out.cut.iges, out.cut.threedm) = (true, true);
+    let shown = crate::answer::presentation::present(&out);
+    let files = crate::io::bundle::geometry(&out, &shown, "2026-11-21T14:30:00").expect("files");
+    let area = |name: &str| {
+        let bytes = &files.iter().find(|f| f.0 == name).unwrap_or_else(|| panic!("no {name}")).1;
+        let model = crate::read(bytes).expect(name);
+        let faces = model.faces.iter().map(crate::brep::area::area_estimate).sum::<f64>();
+        (model.faces.len(), faces)
+    };
+    let exact = area("cones.step");
+    for name in ["panels.igs", "panels.3dm"] {
+        let copy = area(name);
+        assert!(copy.0 == exact.0 && (copy.1 / exact.1 - 1.0).abs() < 1e-5, "{name}: {copy:?} {exact:?}");
+    }
+}
