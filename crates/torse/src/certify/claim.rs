@@ -157,8 +157,10 @@ pub enum What {
     InsideRadius,
     /// Distance between the diagonals of a quadrilateral, mm.
     DiagonalGap,
-    /// Way of the given points, mm.
+    /// Way of the given points until they are first plane, before refinement, mm.
     PointsMoved,
+    /// Largest distance of the given points from the strip, mm.
+    GivenDistance,
     /// Angle between neighbouring quadrilaterals at the first ruling, degrees.
     BendBefore,
     /// Largest angle between neighbouring quadrilaterals, degrees.

@@ -15,6 +15,7 @@ use crate::design::discrete::subdivide::{subdivide, SubdivideOptions, Subdivided
 use crate::develop::strip::StripOptions;
 use crate::develop::view::Drawn;
 use crate::draw::field::{FieldMeaning, PanelField};
+use crate::geom::box_tree::{nearest_on_triangle, BoxTree};
 use crate::geom::coarse::{is_tolerance, Loose};
 use crate::geom::unit::SQUARE_METRES;
 use crate::geom::{BBox, Vec3};
@@ -37,7 +38,8 @@ pub struct Options {
     pub levels: usize,
     /// Points that keep their places; default none.
     pub hold: Hold,
-    /// Displacement allowed for given points by planarisation, mm; default none: any.
+    /// Displacement allowed for given points by the first planarisation, and their distance allowed from the strip that comes
+    /// out, mm; default none: any.
     pub most_move: Option<f64>,
     /// How flat patterns are drawn; default seen from outside, lines every 5°.
     pub drawn: Drawn,
@@ -149,8 +151,10 @@ fn judged(given: &QuadStrip, done: Subdivided, options: &Options, start: Instant
         missing.push(JobReason::Crossing(i + 1));
     }
     let moved = done.levels.first().map_or(0.0, |l| l.largest_move);
-    if let Some(most) = options.most_move.filter(|m| moved > *m) {
-        missing.push(JobReason::Moved(moved, most));
+    let given_distance = distance(given, result);
+    let far = moved.max(given_distance);
+    if let Some(most) = options.most_move.filter(|m| far > *m) {
+        missing.push(JobReason::Moved(far, most));
     }
     if done.levels.len() <= options.levels {
         missing.push(JobReason::Levels(done.levels.len() - 1, options.levels));
@@ -168,6 +172,7 @@ fn judged(given: &QuadStrip, done: Subdivided, options: &Options, start: Instant
             .within(options.tolerance)
             .because(Reason::from(JobReason::Diagonals(gap.value(), stalled(&done, options.hold)))),
         Claim::measured(What::PointsMoved, whole, moved),
+        Claim::measured(What::GivenDistance, whole, given_distance),
         Claim::measured(What::RegressionClearance, whole, clearance),
         Claim::measured(What::LargestBend, whole, largest_bend),
         Claim::count(Counted::Quadrilaterals, whole, strips.len()),
@@ -186,6 +191,25 @@ fn judged(given: &QuadStrip, done: Subdivided, options: &Options, start: Instant
         seconds: start.elapsed().as_secs_f64(),
         ..Answer::of_flat(Job::Planarise, &options.input, options.tolerance, laid)
     })
+}
+
+/// Largest distance of the given points from a strip of plane quadrilaterals, mm.
+fn distance(given: &QuadStrip, strip: &QuadStrip) -> f64 {
+    let triangle = |k: usize| {
+        let ([a, b], [c, d]) = (strip.ruling(k / 2), strip.ruling(k / 2 + 1));
+        if k.is_multiple_of(2) {
+            [a, b, c]
+        } else {
+            [d, c, b]
+        }
+    };
+    let off = |x: &Vec3, k: usize| {
+        let (corners, at) = (triangle(k), nearest_on_triangle(x, triangle(k)));
+        (corners[0] * at[0] + corners[1] * at[1] + corners[2] * at[2] - x).norm_squared()
+    };
+    let tree = BoxTree::new(2 * strip.quads(), &|k| BBox::of(&triangle(k)));
+    let nearest = |x: &Vec3| tree.nearest(x, &|k| off(x, k)).map_or(0.0, |found| found.1.sqrt());
+    given.a().iter().chain(given.b()).map(nearest).fold(0.0, f64::max)
 }
 
 /// Why planarisation did not end with plane quadrilaterals.

@@ -44,7 +44,8 @@ pub fn name(claim: &Claim, curves: &[String]) -> String {
         What::BendRadius => "bend radius".into(),
         What::InsideRadius => "least inside radius of the sheet".into(),
         What::DiagonalGap => "distance of diagonals".into(),
-        What::PointsMoved => "points moved".into(),
+        What::PointsMoved => "points moved before refinement".into(),
+        What::GivenDistance => "distance of the given points from the strip".into(),
         What::BendBefore => "bend before".into(),
         What::LargestBend => "largest bend".into(),
         What::Kink => "largest kink at seams".into(),
@@ -122,6 +123,7 @@ pub fn id(what: What) -> &'static str {
         What::InsideRadius => "inside_radius",
         What::DiagonalGap => "diagonal_gap",
         What::PointsMoved => "points_moved",
+        What::GivenDistance => "given_distance",
         What::BendBefore => "bend_before",
         What::LargestBend => "largest_bend",
         What::Kink => "kink",
@@ -198,6 +200,7 @@ pub fn unit(what: What) -> &'static str {
         | What::InsideRadius
         | What::DiagonalGap
         | What::PointsMoved
+        | What::GivenDistance
         | What::Noise
         | What::OutlineDistance
         | What::DrawingDistance

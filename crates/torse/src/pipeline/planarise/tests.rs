@@ -46,6 +46,26 @@ fn what_cannot_be_plane_or_moves_too_far_is_not_certified() {
     assert!(words::reason(&s.claims, &[]).contains("cross"));
 }
 
+/// Refining cuts corners: the strip that is written is farther from the points given than these moved to be plane.
+#[test]
+fn points_given_are_measured_against_the_strip_that_is_written() {
+    let zigzag = |y: f64| {
+        (0..7).map(|k| Vec3::new(20.0 * f64::from(k), y, if k % 2 == 0 { 0.0 } else { 10.0 })).collect::<Vec<_>>()
+    };
+    let strip = QuadStrip::new(zigzag(0.0), zigzag(50.0)).expect("a strip");
+    let ask = |levels: usize, most_move: Option<f64>| {
+        let options = Options { levels, most_move, ..Options::new(0.01) };
+        planarise(&strip, &options, &Control::default()).expect("an answer")
+    };
+    let value = |s: &Answer, what| s.claim(what).expect("a claim").value();
+    let (plain, refined) = (ask(0, None), ask(3, None));
+    assert_eq!((value(&plain, What::PointsMoved), value(&refined, What::PointsMoved)), (0.0, 0.0));
+    assert!(value(&plain, What::GivenDistance) < 1e-9);
+    let far = value(&refined, What::GivenDistance);
+    assert!(far > 2.0 && far < 10.0, "{far}");
+    assert_eq!(ask(3, Some(1.0)).status(), Status::Uncertified);
+}
+
 #[test]
 fn bad_requests_are_refused() {
     let s = twisted(8);
