@@ -4,7 +4,7 @@ use super::arcs::PlaneCurve;
 use super::map::Development;
 use super::outline::FlatRun;
 use super::pattern::{developed, MARK_SPACING};
-use crate::geom::Vec2;
+use crate::geom::{Vec2, Vec3};
 use crate::patchwork::joint::{joints, JointSide};
 use crate::patchwork::panel::Patchwork;
 use crate::patchwork::pattern::{Mark, MarkPlace, Pattern};
@@ -27,10 +27,12 @@ pub(crate) fn with_joint_marks(patchwork: &Patchwork, mut patterns: Vec<Pattern>
         }
         for (k, pair) in joint.pairs.iter().enumerate() {
             let label = format!("J{}.{}", number + 1, k + 1);
+            let [p, q] = [0, 1].map(|i: usize| Vec3::from(joint.sides[i].run.edge.point(pair[i])));
             let on = |i: usize| {
                 let (side, s) = (&joint.sides[i], pair[i]);
                 let (development, mirrored) = maps[&side.panel].as_ref()?;
-                mark(patchwork, side, s, (development, *mirrored), &label)
+                let mark = mark(patchwork, side, s, (development, *mirrored), &label)?;
+                Some(Mark { apart: (p - q).norm(), ..mark })
             };
             // On both sides or on none.
             let Some(marks) = on(0).zip(on(1)) else { continue };
@@ -62,5 +64,5 @@ fn mark(
     let run = FlatRun::new(development, &patchwork.panels[side.panel].strip.patch, side.run);
     let t = if mirrored { -run.velocity(s) } else { run.velocity(s) };
     let inward = Vec2::new(-t.y, t.x).try_normalize(0.0)?;
-    Some(Mark { point: run.place(s), inward, label: label.to_owned(), on: MarkPlace::Joint })
+    Some(Mark { point: run.place(s), inward, label: label.to_owned(), on: MarkPlace::Joint, apart: 0.0 })
 }

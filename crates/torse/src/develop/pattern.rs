@@ -132,7 +132,7 @@ pub fn pattern(patchwork: &Patchwork, panel: usize, options: &PatternOptions) ->
                     let kink = shared.iter().find(|c| c.seam == seam).map(|c| c.kink(along).to_degrees());
                     let angle = kink.map_or_else(String::new, |a| format!(" {a:.1}deg"));
                     let label = format!("S{seam}.{k}{angle}");
-                    marks.push(Mark { point: run.place(s), inward: n / norm, label, on: MarkPlace::Seam });
+                    marks.push(Mark { point: run.place(s), inward: n / norm, label, on: MarkPlace::Seam, apart: 0.0 });
                 }
             }
         }

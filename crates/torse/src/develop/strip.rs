@@ -448,7 +448,13 @@ fn marks(laid: &[Laid], spacing: Option<f64>, sign: f64) -> Vec<Mark> {
             let norm = t.norm();
             if norm > 0.0 && !l.strip.is_point(v as usize) {
                 let inward = Vec2::new(-t.y, t.x) / norm;
-                out.push(Mark { point: l.map(u, v), inward, label: format!("{letter}{k}"), on: MarkPlace::Seam });
+                out.push(Mark {
+                    point: l.map(u, v),
+                    inward,
+                    label: format!("{letter}{k}"),
+                    on: MarkPlace::Seam,
+                    apart: 0.0,
+                });
             }
             k += 1;
         }

@@ -410,6 +410,7 @@ mod tests {
                 inward: Vec2::x(),
                 label: "S1.2".into(),
                 on: MarkPlace::Seam,
+                apart: 0.0,
             }],
             area: 1e4,
             length: 100.0,
@@ -560,6 +561,7 @@ mod tests {
                 inward: Vec2::y(),
                 label: format!("S1.{k}"),
                 on: MarkPlace::Seam,
+                apart: 0.0,
             })
             .collect();
         let d = drawing(&[p], &[], &[], &options);

@@ -156,6 +156,9 @@ pub struct JointRecord {
     pub between: [String; 2],
     /// Number of marks on either side.
     pub marks: usize,
+    /// Largest distance in space of two marks that belong together, mm: how far the panels are from meeting there. Measured.
+    #[serde(default)]
+    pub gap_estimate: Option<f64>,
 }
 
 /// A line along which two pieces of a composite meet.
@@ -572,7 +575,12 @@ pub(crate) mod tests {
                 step: 0,
                 paper_deviation_estimate: Some(0.5),
             }],
-            joints: vec![JointRecord { name: "J1".into(), between: ["A-01".into(), "A-02".into()], marks: 3 }],
+            joints: vec![JointRecord {
+                name: "J1".into(),
+                between: ["A-01".into(), "A-02".into()],
+                marks: 3,
+                gap_estimate: Some(0.25),
+            }],
             joins: vec![],
             seams: vec![SeamRecord {
                 number: Some(1),

@@ -43,6 +43,8 @@ pub struct Mark {
     pub label: String,
     /// What it stands on.
     pub on: MarkPlace,
+    /// Distance (mm) in space of the place with the same label on the other side of a joint; 0 on seams, whose gaps are proven.
+    pub apart: f64,
 }
 
 /// A stretch of the outline that follows one run of the panel.

@@ -3,9 +3,8 @@
 //! Reads like the page that describes it: cover every face, build the panels as they will be exported, have them
 //! judged, cut what is refused, develop the rest.
 
-use crate::answer::note::Note;
 use crate::answer::skipped::{left_out, Skipped};
-use crate::answer::{Answer, Job};
+use crate::answer::{joints::apart, note::Note, Answer, Job};
 use crate::brep::face::Face;
 use crate::certify;
 use crate::certify::claim::{Claim, Status, Subject};
@@ -129,7 +128,8 @@ pub fn of_faces(
     // What was left out on the way counts, whatever is proven of the rest.
     claims.splice(0..0, left_out(&skipped));
     let parts = one_by_one(&patchwork, &patterns);
-    let notes = told.into_iter().chain(told_of_curves(&options.layout, &along)).collect();
+    let notes =
+        told.into_iter().chain(told_of_curves(&options.layout, &along)).chain(apart(&patterns, tolerance)).collect();
     Ok(Answer {
         claims,
         patchwork,

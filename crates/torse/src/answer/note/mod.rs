@@ -66,6 +66,15 @@ pub enum Note {
         /// As how many faces they count.
         pieces: usize,
     },
+    /// Panels of different faces, or both ends of one that closes, do not meet along a joint: the one with the largest gap.
+    Apart {
+        /// Its name, as on the marks.
+        joint: String,
+        /// Names of the patterns on both sides.
+        between: [String; 2],
+        /// Largest distance (mm) of marks that belong together.
+        gap_estimate: f64,
+    },
     /// No panel along a curve could be certified.
     NoPanelAlong {
         /// Name of the curve.

@@ -25,7 +25,13 @@ fn drawn(p: &Patchwork, k: usize) -> Pattern {
         }
         if let Border::Seam { forward, .. } = run.border {
             let [x, y] = image.place(if forward { 0.25 } else { 0.75 }).expect("a place");
-            marks.push(Mark { point: Vec2::new(x, y), inward: Vec2::x(), label: "S0.1".into(), on: MarkPlace::Seam });
+            marks.push(Mark {
+                point: Vec2::new(x, y),
+                inward: Vec2::x(),
+                label: "S0.1".into(),
+                on: MarkPlace::Seam,
+                apart: 0.0,
+            });
         }
     }
     let ends = rails.ruling(0.5).expect("inside").map(|q| motion.point(&q).map(Interval::mid));

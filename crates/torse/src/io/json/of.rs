@@ -80,7 +80,13 @@ impl Report {
 fn joint_records(answer: &Answer) -> Vec<JointRecord> {
     let name = |k: usize| answer.patterns.get(k).map_or_else(String::new, |p| p.name.clone());
     let all = joints(&answer.patterns).into_iter();
-    all.map(|j| JointRecord { name: j.name, between: j.between.map(name), marks: j.marks }).collect()
+    all.map(|j| JointRecord {
+        name: j.name,
+        between: j.between.map(name),
+        marks: j.marks,
+        gap_estimate: finite(j.gap_estimate),
+    })
+    .collect()
 }
 
 /// The joins of a composite, those first that come nearest to what is asked of them.

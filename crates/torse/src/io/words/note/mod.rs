@@ -37,6 +37,15 @@ pub fn notes(all: &[Note]) -> Vec<String> {
 /// Faces that are told of by number, at most.
 const FEW_FACES: usize = 6;
 
+/// How far panels of different faces are from meeting.
+fn apart(joint: &str, [a, b]: &[String; 2], gap_estimate: f64) -> String {
+    format!(
+        "panels of different faces do not share edges: along joint {joint} {a} and {b} are up to {} apart at their marks \
+         (measured); the report has all joints",
+        length(gap_estimate)
+    )
+}
+
 /// What faces with sharp edges of their own count as.
 fn creased(faces: &[u64], pieces: usize) -> String {
     let named: Vec<String> = faces.iter().take(FEW_FACES).map(|f| format!("#{f}")).collect();
@@ -101,6 +110,7 @@ pub fn note(note: &Note) -> String {
             }
         ),
         Note::Creased { faces, pieces } => creased(faces, *pieces),
+        Note::Apart { joint, between, gap_estimate } => apart(joint, between, *gap_estimate),
         Note::NoPanelAlong { curve } => format!("no panel along {curve} could be certified; others took its place"),
         Note::DirectionOf { curve } => format!(
             "strips run in the direction of {curve}, which need not lie in the middle of one: laid along it and on from there \
